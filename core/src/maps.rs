@@ -1,0 +1,253 @@
+//! Range maps: for each axis, the first and last occupied voxel of every column along it.
+//!
+//! Source: section 3.2 of the paper, after Karabassi, Papaioannou and Theoharis (1999).
+
+use crate::row::Bits;
+use crate::size::{Grid, Size};
+
+/// An axis of the grid, and the index of its range map.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[repr(u8)]
+pub enum Axis {
+    /// Columns along x, addressed by (y, z).
+    X = 0,
+    /// Columns along y, addressed by (z, x).
+    Y = 1,
+    /// Columns along z, addressed by (y, x).
+    Z = 2,
+}
+
+impl Axis {
+    /// All three, in the order of the maps.
+    pub const ALL: [Axis; 3] = [Axis::X, Axis::Y, Axis::Z];
+
+    /// The address of the column of this axis through a voxel: (line, place in the line).
+    ///
+    /// Lines are laid out so that a bit row's x runs along a line of the Y and Z maps, and a
+    /// column of the X map has the address of its bit row.
+    #[must_use]
+    #[inline]
+    pub const fn address(self, voxel: [usize; 3]) -> (usize, usize) {
+        let [x, y, z] = voxel;
+        match self {
+            Axis::X => (y, z),
+            Axis::Y => (z, x),
+            Axis::Z => (y, x),
+        }
+    }
+
+    /// The voxel at place `i` of the column of this axis at `(line, place)`.
+    #[must_use]
+    #[inline]
+    pub const fn voxel(self, (line, place): (usize, usize), i: usize) -> [usize; 3] {
+        match self {
+            Axis::X => [i, line, place],
+            Axis::Y => [place, i, line],
+            Axis::Z => [place, line, i],
+        }
+    }
+}
+
+/// An interval of voxels `lo..=hi` in two bytes. The low end is stored complemented, so that two
+/// zero bytes (low end 255, high end 0) are the one encoding of *empty* at every size.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[repr(C)]
+pub struct Range {
+    not_lo: u8,
+    hi: u8,
+}
+
+impl Range {
+    /// No voxel.
+    pub const EMPTY: Range = Range { not_lo: 0, hi: 0 };
+
+    /// Voxels `lo..=hi`; empty when `lo > hi`. Both below 256.
+    #[must_use]
+    #[inline]
+    pub const fn new(lo: usize, hi: usize) -> Self {
+        debug_assert!(lo < 256 && hi < 256);
+        if lo > hi {
+            return Self::EMPTY;
+        }
+        Range { not_lo: !(lo as u8), hi: hi as u8 }
+    }
+
+    /// The hull of a row's set bits.
+    #[must_use]
+    #[inline]
+    pub fn hull<R: Bits>(row: R) -> Self {
+        match (row.first(), row.last()) {
+            (Some(lo), Some(hi)) => Self::new(lo, hi),
+            _ => Self::EMPTY,
+        }
+    }
+
+    /// The first voxel; 255 when empty.
+    #[must_use]
+    #[inline]
+    pub const fn lo(self) -> usize {
+        !self.not_lo as usize
+    }
+
+    /// The last voxel; 0 when empty.
+    #[must_use]
+    #[inline]
+    pub const fn hi(self) -> usize {
+        self.hi as usize
+    }
+
+    /// Whether no voxel is inside.
+    #[must_use]
+    #[inline]
+    pub const fn is_empty(self) -> bool {
+        self.lo() > self.hi()
+    }
+
+    /// Whether voxel `i` is inside.
+    #[must_use]
+    #[inline]
+    pub const fn contains(self, i: usize) -> bool {
+        self.lo() <= i && i <= self.hi()
+    }
+
+    /// The voxels inside as a row.
+    #[must_use]
+    #[inline]
+    pub fn row<R: Bits>(self) -> R {
+        if self.is_empty() { R::EMPTY } else { R::span(self.lo(), self.hi()) }
+    }
+
+    /// The two bytes as stored: the complement of the low end, then the high end.
+    #[must_use]
+    #[inline]
+    pub const fn to_bytes(self) -> [u8; 2] {
+        [self.not_lo, self.hi]
+    }
+
+    /// The inverse of [`Range::to_bytes`]. `None` for bytes no range of a grid of `n` has: an end
+    /// outside the grid, or an empty range that is not two zero bytes.
+    #[must_use]
+    pub fn from_bytes([not_lo, hi]: [u8; 2], n: usize) -> Option<Self> {
+        let range = Range { not_lo, hi };
+        let valid = range == Self::EMPTY || (!range.is_empty() && range.hi() < n);
+        valid.then_some(range)
+    }
+}
+
+/// Up to `LAYERS` disjoint intervals of one column, lowest first, empty ones last.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[repr(transparent)]
+pub struct Column<const LAYERS: usize = 1>(pub [Range; LAYERS]);
+
+impl<const LAYERS: usize> Column<LAYERS> {
+    /// A column without voxels.
+    pub const EMPTY: Self = Column([Range::EMPTY; LAYERS]);
+
+    /// Whether voxel `i` is in one of the intervals.
+    #[must_use]
+    #[inline]
+    pub fn contains(&self, i: usize) -> bool {
+        self.0.iter().any(|range| range.contains(i))
+    }
+
+    /// The voxels inside as a row.
+    #[must_use]
+    #[inline]
+    pub fn row<R: Bits>(&self) -> R {
+        self.0.iter().fold(R::EMPTY, |row, range| row | range.row())
+    }
+
+    /// From the first occupied voxel to the last.
+    #[must_use]
+    #[inline]
+    pub fn hull(&self) -> Range {
+        let hi = self.0.iter().filter(|r| !r.is_empty()).map(|r| r.hi()).max();
+        hi.map_or(Range::EMPTY, |hi| Range::new(self.0[0].lo(), hi))
+    }
+}
+
+/// The three range maps of a grid of N^3 voxels: 3 x N x N columns, in the order of
+/// [`Axis::address`]. All zero bytes are the empty volume.
+#[derive(Clone, PartialEq, Eq, Debug)]
+#[repr(C)]
+pub struct Maps<const N: usize, const LAYERS: usize = 1> {
+    columns: [[[Column<LAYERS>; N]; N]; 3],
+}
+
+impl<const N: usize, const LAYERS: usize> Maps<N, LAYERS> {
+    /// The empty volume. For static initialisers only.
+    #[must_use]
+    #[allow(clippy::new_without_default)] // a Default would hand the maps about by value
+    pub const fn new() -> Self {
+        Maps { columns: [[[Column::EMPTY; N]; N]; 3] }
+    }
+
+    /// Makes the volume empty, in place.
+    pub fn clear(&mut self) {
+        self.columns.as_flattened_mut().as_flattened_mut().fill(Column::EMPTY);
+    }
+
+    /// Becomes a copy of `other`, in place.
+    pub fn copy_from(&mut self, other: &Self) {
+        for (mine, its) in self.columns.iter_mut().zip(&other.columns) {
+            mine.copy_from_slice(its);
+        }
+    }
+
+    /// One column.
+    #[must_use]
+    #[inline]
+    pub fn column(&self, axis: Axis, (line, place): (usize, usize)) -> Column<LAYERS> {
+        self.columns[axis as usize][line][place]
+    }
+
+    /// Replaces one column; the caller keeps the maps tight.
+    #[inline]
+    pub fn set_column(&mut self, axis: Axis, (line, place): (usize, usize), column: Column<LAYERS>) {
+        self.columns[axis as usize][line][place] = column;
+    }
+
+    /// One line of N columns of a map.
+    #[must_use]
+    #[inline]
+    pub fn line(&self, axis: Axis, line: usize) -> &[Column<LAYERS>; N] {
+        &self.columns[axis as usize][line]
+    }
+
+    /// Whether a voxel is occupied: all three of its columns hold it.
+    #[must_use]
+    #[inline]
+    pub fn contains(&self, voxel: [usize; 3]) -> bool {
+        Axis::ALL
+            .iter()
+            .all(|&axis| self.column(axis, axis.address(voxel)).contains(voxel[axis as usize]))
+    }
+
+    /// Whether no column holds anything.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.columns[0].as_flattened().iter().all(|column| *column == Column::EMPTY)
+    }
+}
+
+impl<const N: usize, const LAYERS: usize> Maps<N, LAYERS>
+where
+    Grid<N>: Size,
+{
+    /// Of the voxels `among` of row (y, z), those that are occupied.
+    #[must_use]
+    #[inline]
+    pub fn row_among(
+        &self,
+        (y, z): (usize, usize),
+        among: <Grid<N> as Size>::Row,
+    ) -> <Grid<N> as Size>::Row {
+        let mut row = among & self.columns[0][y][z].row();
+        for x in row.ones() {
+            if !(self.columns[1][z][x].contains(y) && self.columns[2][y][x].contains(z)) {
+                row.toggle(x);
+            }
+        }
+        row
+    }
+}

@@ -1,0 +1,286 @@
+//! One line of voxels along x as machine words: bit i is voxel x = i.
+
+use core::fmt::Debug;
+use core::ops::{BitAnd, BitAndAssign, BitOr, BitOrAssign, BitXor, BitXorAssign, Not};
+
+/// A row of `64 * WORDS` bits, lowest first.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Row<const WORDS: usize>(pub [u64; WORDS]);
+
+/// What every algorithm here needs of a row. Bits above the grid's N are never set by the grid's
+/// own rows; `!` sets them, so a complement is always met with a row.
+pub trait Bits:
+    Copy
+    + Eq
+    + Debug
+    + Send
+    + Sync
+    + 'static
+    + BitAnd<Output = Self>
+    + BitOr<Output = Self>
+    + BitXor<Output = Self>
+    + Not<Output = Self>
+    + BitAndAssign
+    + BitOrAssign
+    + BitXorAssign
+{
+    /// No bit set.
+    const EMPTY: Self;
+    /// Machine words in a row.
+    const WORDS: usize;
+
+    /// Bits `lo..=hi`; none when `lo > hi`. Both below `64 * WORDS`.
+    #[must_use]
+    fn span(lo: usize, hi: usize) -> Self;
+    /// The word that holds bits `64 * i ..`.
+    #[must_use]
+    fn word(&self, i: usize) -> u64;
+    /// Replaces a word.
+    fn set_word(&mut self, i: usize, word: u64);
+    /// Whether bit `i` is set.
+    #[must_use]
+    fn contains(&self, i: usize) -> bool {
+        self.word(i / 64) >> (i % 64) & 1 != 0
+    }
+    /// Sets bit `i`.
+    fn insert(&mut self, i: usize) {
+        self.set_word(i / 64, self.word(i / 64) | 1 << (i % 64));
+    }
+    /// Flips bit `i`.
+    fn toggle(&mut self, i: usize) {
+        self.set_word(i / 64, self.word(i / 64) ^ 1 << (i % 64));
+    }
+    /// Whether no bit is set.
+    #[must_use]
+    fn is_empty(&self) -> bool;
+    /// Number of bits set.
+    #[must_use]
+    fn count(&self) -> u32;
+    /// The lowest set bit.
+    #[must_use]
+    fn first(&self) -> Option<usize>;
+    /// The highest set bit.
+    #[must_use]
+    fn last(&self) -> Option<usize>;
+    /// Every bit one place up (towards +x).
+    #[must_use]
+    fn up(self) -> Self;
+    /// Every bit one place down (towards -x).
+    #[must_use]
+    fn down(self) -> Self;
+    /// Bit i of the result is bit `n - 1 - i`: the voxel mirror of a row of `n` voxels.
+    #[must_use]
+    fn mirrored(self, n: usize) -> Self;
+    /// The maximal runs of `self` that hold at least one bit of `seeds`, whole.
+    #[must_use]
+    fn runs_with(self, seeds: Self) -> Self;
+    /// The set bits, lowest first.
+    fn ones(self) -> Ones<Self> {
+        Ones { row: self, word: 0 }
+    }
+}
+
+/// Iterator over the set bits of a row.
+#[derive(Debug, Clone)]
+pub struct Ones<R> {
+    row: R,
+    word: usize,
+}
+
+impl<R: Bits> Iterator for Ones<R> {
+    type Item = usize;
+
+    #[inline]
+    fn next(&mut self) -> Option<usize> {
+        while self.word < R::WORDS {
+            let w = self.row.word(self.word);
+            if w != 0 {
+                self.row.set_word(self.word, w & (w - 1));
+                return Some(self.word * 64 + w.trailing_zeros() as usize);
+            }
+            self.word += 1;
+        }
+        None
+    }
+}
+
+impl<const W: usize> Bits for Row<W> {
+    const EMPTY: Self = Row([0; W]);
+    const WORDS: usize = W;
+
+    #[inline]
+    fn span(lo: usize, hi: usize) -> Self {
+        if lo > hi {
+            return Self::EMPTY;
+        }
+        let mut words = [0; W];
+        for (i, word) in words.iter_mut().enumerate() {
+            *word = low_bits(hi + 1, i * 64) & !low_bits(lo, i * 64);
+        }
+        Row(words)
+    }
+
+    #[inline]
+    fn word(&self, i: usize) -> u64 {
+        self.0[i]
+    }
+
+    #[inline]
+    fn set_word(&mut self, i: usize, word: u64) {
+        self.0[i] = word;
+    }
+
+    #[inline]
+    fn is_empty(&self) -> bool {
+        self.0.iter().fold(0, |all, w| all | w) == 0
+    }
+
+    #[inline]
+    fn count(&self) -> u32 {
+        self.0.iter().map(|w| w.count_ones()).sum()
+    }
+
+    #[inline]
+    fn first(&self) -> Option<usize> {
+        (0..W)
+            .find(|&i| self.0[i] != 0)
+            .map(|i| i * 64 + self.0[i].trailing_zeros() as usize)
+    }
+
+    #[inline]
+    fn last(&self) -> Option<usize> {
+        (0..W)
+            .rev()
+            .find(|&i| self.0[i] != 0)
+            .map(|i| i * 64 + 63 - self.0[i].leading_zeros() as usize)
+    }
+
+    #[inline]
+    fn up(self) -> Self {
+        let mut words = [0; W];
+        let mut carry = 0;
+        for (word, w) in words.iter_mut().zip(self.0) {
+            *word = w << 1 | carry;
+            carry = w >> 63;
+        }
+        Row(words)
+    }
+
+    #[inline]
+    fn down(self) -> Self {
+        let mut words = [0; W];
+        let mut carry = 0;
+        for (word, w) in words.iter_mut().zip(self.0).rev() {
+            *word = w >> 1 | carry;
+            carry = w << 63;
+        }
+        Row(words)
+    }
+
+    #[inline]
+    fn mirrored(self, n: usize) -> Self {
+        let mut words = [0; W];
+        for (i, word) in words.iter_mut().enumerate() {
+            *word = self.0[W - 1 - i].reverse_bits();
+        }
+        // Fewer than 64 voxels sit in the low bits of one word, and come out in its high bits.
+        if n < 64 {
+            words[0] >>= 64 - n;
+        }
+        Row(words)
+    }
+
+    /// Adding the seeds to the runs carries out of the top of each run that holds one; each such
+    /// carry names a run's end, and the zero below it the run's start.
+    #[inline]
+    fn runs_with(self, seeds: Self) -> Self {
+        let seeds = seeds & self;
+        if seeds.is_empty() || seeds == self {
+            return seeds;
+        }
+        let (sum, overflow) = add(self, seeds);
+        let mut ends = sum & !self;
+        let mut found = Self::EMPTY;
+        if overflow {
+            found |= self.run_below(64 * W);
+        }
+        for i in 0..W {
+            while ends.0[i] != 0 {
+                found |= self.run_below(i * 64 + ends.0[i].trailing_zeros() as usize);
+                ends.0[i] &= ends.0[i] - 1;
+            }
+        }
+        found
+    }
+}
+
+impl<const W: usize> Row<W> {
+    /// The run of set bits that ends just below bit `end`.
+    #[inline]
+    fn run_below(self, end: usize) -> Self {
+        let below = Self::span(0, end - 1);
+        let start = (!self & below).last().map_or(0, |gap| gap + 1);
+        Self::span(start, end - 1)
+    }
+}
+
+/// The bits of a word that starts at bit `base` which are below bit `end`.
+#[inline]
+fn low_bits(end: usize, base: usize) -> u64 {
+    match end.saturating_sub(base) {
+        0 => 0,
+        n if n >= 64 => u64::MAX,
+        n => (1 << n) - 1,
+    }
+}
+
+#[inline]
+fn add<const W: usize>(a: Row<W>, b: Row<W>) -> (Row<W>, bool) {
+    let mut sum = Row([0; W]);
+    let mut carry = false;
+    for i in 0..W {
+        let (s, c1) = a.0[i].overflowing_add(b.0[i]);
+        let (s, c2) = s.overflowing_add(u64::from(carry));
+        sum.0[i] = s;
+        carry = c1 | c2;
+    }
+    (sum, carry)
+}
+
+macro_rules! word_wise {
+    ($($op:ident, $op_assign:ident, $f:ident, $f_assign:ident;)*) => {$(
+        impl<const W: usize> $op for Row<W> {
+            type Output = Self;
+            #[inline]
+            fn $f(mut self, other: Self) -> Self {
+                self.$f_assign(other);
+                self
+            }
+        }
+        impl<const W: usize> $op_assign for Row<W> {
+            #[inline]
+            fn $f_assign(&mut self, other: Self) {
+                for (a, b) in self.0.iter_mut().zip(other.0) {
+                    a.$f_assign(b);
+                }
+            }
+        }
+    )*};
+}
+
+word_wise! {
+    BitAnd, BitAndAssign, bitand, bitand_assign;
+    BitOr, BitOrAssign, bitor, bitor_assign;
+    BitXor, BitXorAssign, bitxor, bitxor_assign;
+}
+
+impl<const W: usize> Not for Row<W> {
+    type Output = Self;
+    #[inline]
+    fn not(mut self) -> Self {
+        for w in &mut self.0 {
+            *w = !*w;
+        }
+        self
+    }
+}
