@@ -117,6 +117,17 @@ impl Range {
         if self.is_empty() { R::EMPTY } else { R::span(self.lo(), self.hi()) }
     }
 
+    /// The least range that holds both.
+    #[must_use]
+    #[inline]
+    pub const fn hull_with(self, other: Range) -> Range {
+        // The complemented low end makes both ends of the hull a maximum.
+        Range {
+            not_lo: if self.not_lo > other.not_lo { self.not_lo } else { other.not_lo },
+            hi: if self.hi > other.hi { self.hi } else { other.hi },
+        }
+    }
+
     /// The two bytes as stored: the complement of the low end, then the high end.
     #[must_use]
     #[inline]

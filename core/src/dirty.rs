@@ -1,0 +1,116 @@
+//! Which parts of the axis maps a tick changed, as rectangles.
+
+use heapless::Vec;
+
+use crate::limits::DIRTY_RECTS;
+use crate::maps::Axis;
+
+/// Columns `lo..=hi` of a map: (line, place), ends included.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Rect {
+    /// Least line and place.
+    pub lo: (u8, u8),
+    /// Greatest line and place.
+    pub hi: (u8, u8),
+}
+
+impl Rect {
+    /// One column.
+    #[must_use]
+    pub const fn at((line, place): (usize, usize)) -> Self {
+        let at = (line as u8, place as u8);
+        Rect { lo: at, hi: at }
+    }
+
+    /// The least rectangle that holds both.
+    #[must_use]
+    pub fn union(self, other: Self) -> Self {
+        Rect {
+            lo: (self.lo.0.min(other.lo.0), self.lo.1.min(other.lo.1)),
+            hi: (self.hi.0.max(other.hi.0), self.hi.1.max(other.hi.1)),
+        }
+    }
+
+    /// Columns inside.
+    #[must_use]
+    pub fn area(self) -> u32 {
+        let side = |lo: u8, hi: u8| u32::from(hi) - u32::from(lo) + 1;
+        side(self.lo.0, self.hi.0) * side(self.lo.1, self.hi.1)
+    }
+
+    /// Whether a column is inside.
+    #[must_use]
+    pub fn contains(self, (line, place): (usize, usize)) -> bool {
+        let inside = |lo: u8, at: usize, hi: u8| usize::from(lo) <= at && at <= usize::from(hi);
+        inside(self.lo.0, line, self.hi.0) && inside(self.lo.1, place, self.hi.1)
+    }
+}
+
+/// The dirty rectangles of the three maps. An edit's changes to a map are one rectangle, their
+/// bounds; more edits than there is room for merge where that grows the area least.
+#[derive(Debug)]
+pub struct Dirty {
+    open: [Option<Rect>; 3],
+    rects: [Vec<Rect, DIRTY_RECTS, u8>; 3],
+}
+
+impl Dirty {
+    /// Nothing dirty.
+    #[must_use]
+    #[allow(clippy::new_without_default)] // `const fn new` is the one way these are made
+    pub const fn new() -> Self {
+        Dirty { open: [None; 3], rects: [Vec::new(), Vec::new(), Vec::new()] }
+    }
+
+    /// Forgets all rectangles.
+    pub fn clear(&mut self) {
+        self.open = [None; 3];
+        self.rects.iter_mut().for_each(Vec::clear);
+    }
+
+    /// A column changed.
+    #[inline]
+    pub fn note(&mut self, axis: Axis, at: (usize, usize)) {
+        let rect = Rect::at(at);
+        let open = &mut self.open[axis as usize];
+        *open = Some(open.map_or(rect, |open| open.union(rect)));
+    }
+
+    /// The edit is over: its bounds become rectangles of their own.
+    pub fn close(&mut self) {
+        for (open, rects) in self.open.iter_mut().zip(&mut self.rects) {
+            if let Some(rect) = open.take() {
+                push(rects, rect);
+            }
+        }
+    }
+
+    /// Everything changed.
+    pub fn note_all(&mut self, n: usize) {
+        self.clear();
+        for rects in &mut self.rects {
+            push(rects, Rect::at((0, 0)).union(Rect::at((n - 1, n - 1))));
+        }
+    }
+
+    /// The rectangles of one map. They may overlap.
+    #[must_use]
+    pub fn rects(&self, axis: Axis) -> &[Rect] {
+        &self.rects[axis as usize]
+    }
+
+    /// Whether no column changed.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.rects.iter().all(Vec::is_empty)
+    }
+}
+
+fn push(rects: &mut Vec<Rect, DIRTY_RECTS, u8>, rect: Rect) {
+    if rects.push(rect).is_err() {
+        let growth = |r: &Rect| r.union(rect).area() - r.area();
+        if let Some(best) = rects.iter_mut().min_by_key(|r| growth(r)) {
+            *best = best.union(rect);
+        }
+    }
+}

@@ -1,0 +1,28 @@
+//! Every capacity of the core, with its reason.
+
+/// Intervals a column holds. One expresses every shape without hidden cavities (section 3.2).
+pub const LAYERS: usize = 1;
+
+/// Convex pieces of a brush. A swept box takes one for each voxel that its corner turns; half a
+/// turn of the largest bit's corner (30 voxels, at 256) is 95.
+pub const SWEEP_PIECES: usize = 96;
+
+/// The deepest shell an edit may reach in a tick, in six-neighbour steps. Four layers of rows are
+/// held back while a carve reads the volume as it stood at the start.
+pub const SHELL_DEPTH: usize = 4;
+
+/// Lines of N rows that a smoothing edit may touch: 1,024 rows at 128 (32 x 32), 2,048 at 256
+/// (45 x 45), above any rasp's reach in a tick.
+pub const SMOOTH_LINES: usize = 8;
+
+/// Dirty rectangles of an axis map in a tick. Two hands with mirrored edits and an island make
+/// five; beyond eight they merge.
+pub const DIRTY_RECTS: usize = 8;
+
+/// Lines of N columns x N that hold packed undo entries (2 bytes a column): 160 KiB at 128. With
+/// the newest entry unpacked beside them, two entries that changed every column fit, and some
+/// fifty usual ones.
+pub const UNDO_PLANES: usize = 5;
+
+/// Closed strokes that can be undone.
+pub const UNDO_ENTRIES: usize = 128;

@@ -1,0 +1,177 @@
+//! The editable volume: range maps and bit rows kept in step, every changed column journalled.
+
+use crate::maps::{Axis, Column, Maps};
+use crate::plane::Plane;
+use crate::row::Bits;
+use crate::size::{Grid, Size};
+
+/// Who hears of each change that an edit makes.
+pub trait Journal<const N: usize>
+where
+    Grid<N>: Size,
+{
+    /// A column of a map is about to be replaced; `old` is what it held.
+    fn column(&mut self, axis: Axis, at: (usize, usize), old: Column);
+    /// Voxels of row (y, z) are about to be occupied that were not when the edit began.
+    fn added(&mut self, row: (usize, usize), voxels: <Grid<N> as Size>::Row);
+}
+
+/// Nobody.
+impl<const N: usize> Journal<N> for ()
+where
+    Grid<N>: Size,
+{
+    fn column(&mut self, _: Axis, _: (usize, usize), _: Column) {}
+    fn added(&mut self, _: (usize, usize), _: <Grid<N> as Size>::Row) {}
+}
+
+/// N^3 voxels: three tight range maps, the bit rows of their intersection, and a running digest.
+#[derive(Debug)]
+pub struct Volume<const N: usize>
+where
+    Grid<N>: Size,
+{
+    maps: Maps<N>,
+    rows: Plane<N>,
+    digest: u64,
+}
+
+impl<const N: usize> Volume<N>
+where
+    Grid<N>: Size,
+{
+    /// The empty volume. For static initialisers only.
+    #[must_use]
+    #[allow(clippy::new_without_default)] // a Default would hand the volume about by value
+    pub const fn new() -> Self {
+        Volume { maps: Maps::new(), rows: Plane::new(), digest: 0 }
+    }
+
+    /// Becomes the volume of these maps, which must be tight.
+    pub fn set_maps(&mut self, maps: &Maps<N>) {
+        self.maps.copy_from(maps);
+        self.restore();
+    }
+
+    /// Becomes the closure of the voxels set by `fill` in an empty plane.
+    pub fn set_voxels(&mut self, fill: impl FnOnce(&mut Plane<N>)) {
+        self.rows.clear();
+        fill(&mut self.rows);
+        self.rows.hulls(&mut self.maps);
+        self.restore();
+    }
+
+    /// Rebuilds rows and digest from the maps, after they were replaced as a whole.
+    pub fn restore(&mut self) {
+        self.rows.expand(&self.maps);
+        self.digest = maps_digest(&self.maps);
+    }
+
+    /// Rebuilds the bit rows from the maps, after single columns were replaced.
+    pub fn restore_rows(&mut self) {
+        self.rows.expand(&self.maps);
+    }
+
+    /// The range maps.
+    #[must_use]
+    pub const fn maps(&self) -> &Maps<N> {
+        &self.maps
+    }
+
+    /// The bit rows.
+    #[must_use]
+    pub const fn rows(&self) -> &Plane<N> {
+        &self.rows
+    }
+
+    /// The bit rows, to be changed by an edit that then makes the maps follow.
+    pub(crate) fn rows_mut(&mut self) -> &mut Plane<N> {
+        &mut self.rows
+    }
+
+    /// The sum of [`column_digest`] over all columns.
+    #[must_use]
+    pub const fn digest(&self) -> u64 {
+        self.digest
+    }
+
+    /// Replaces one column, and journals it if that is a change.
+    #[inline]
+    pub(crate) fn set_column(
+        &mut self,
+        axis: Axis,
+        at: (usize, usize),
+        column: Column,
+        journal: &mut impl Journal<N>,
+    ) {
+        let old = self.maps.column(axis, at);
+        if old != column {
+            journal.column(axis, at, old);
+            self.swap_column(axis, at, column);
+        }
+    }
+
+    /// Replaces one column without a word; the old one comes back.
+    #[inline]
+    pub(crate) fn swap_column(&mut self, axis: Axis, at: (usize, usize), column: Column) -> Column {
+        let old = self.maps.column(axis, at);
+        self.digest = self
+            .digest
+            .wrapping_sub(column_digest(axis, at, old))
+            .wrapping_add(column_digest(axis, at, column));
+        self.maps.set_column(axis, at, column);
+        old
+    }
+
+    /// Occupied voxels.
+    #[must_use]
+    pub fn count(&self) -> u64 {
+        self.rows.count()
+    }
+
+    /// Whether the ground layer y = 0 holds a voxel.
+    #[must_use]
+    pub fn touches_ground(&self) -> bool {
+        self.rows.layer(0).iter().any(|row| !row.is_empty())
+    }
+}
+
+/// The digest of a column at its place: 0 for an empty one, so that all zero bytes digest to 0.
+#[must_use]
+#[inline]
+pub fn column_digest(axis: Axis, (line, place): (usize, usize), column: Column) -> u64 {
+    let mut sum = 0u64;
+    for (layer, range) in column.0.iter().enumerate() {
+        let [a, b] = range.to_bytes();
+        let bytes = [a, b, place as u8, line as u8, axis as u8, layer as u8, 0, 0];
+        if *range != crate::maps::Range::EMPTY {
+            sum = sum.wrapping_add(mix(u64::from_le_bytes(bytes)));
+        }
+    }
+    sum
+}
+
+/// The sum of [`column_digest`] over all columns of the maps, from scratch.
+#[must_use]
+pub fn maps_digest<const N: usize>(maps: &Maps<N>) -> u64 {
+    let mut sum = 0u64;
+    for axis in Axis::ALL {
+        for line in 0..N {
+            for (place, column) in maps.line(axis, line).iter().enumerate() {
+                sum = sum.wrapping_add(column_digest(axis, (line, place), *column));
+            }
+        }
+    }
+    sum
+}
+
+/// Scrambles 64 bits (the finaliser of MurmurHash3, Appleby 2011).
+#[must_use]
+#[inline]
+pub const fn mix(mut h: u64) -> u64 {
+    h ^= h >> 33;
+    h = h.wrapping_mul(0xff51_afd7_ed55_8ccd);
+    h ^= h >> 33;
+    h = h.wrapping_mul(0xc4ce_b9fe_1a85_ec53);
+    h ^ h >> 33
+}
