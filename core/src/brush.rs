@@ -3,10 +3,11 @@
 //! A voxel is in a brush when its centre is, boundary included. Source: section 3 of the paper
 //! (spherical and rectangular cutters), swept here along the tool's path.
 
-use glam::IVec3;
+use glam::{I64Vec3, IVec3};
 use heapless::Vec;
 
 use crate::limits::SWEEP_PIECES;
+use crate::maps::Range;
 use crate::pose::{Pose, SUB, UNIT};
 use crate::row::Bits;
 use crate::size::{Grid, Size};
@@ -33,6 +34,10 @@ pub struct SweptBox {
     pub planes: [([i64; 3], i64); 6],
     /// Half extents along the grid's axes, in fixed point, rounded up.
     pub reach: IVec3,
+    /// The box's three edges and the path, in fixed point: sums of up to so much of each, forward
+    /// or back, are all of `2p - middle`, but for `slack` either way.
+    edges: [[i64; 3]; 4],
+    slack: i64,
 }
 
 /// A convex part of a brush.
@@ -54,9 +59,19 @@ pub struct Bounds {
 }
 
 /// The union of its pieces.
+///
+/// Coordinates beyond 8,192 voxels from the grid's corner are held there, and negative radii and
+/// half extents are none: every product of two lengths then stays in its integer.
 #[derive(Clone, Debug)]
 pub struct Brush {
     pieces: Vec<Piece, SWEEP_PIECES>,
+}
+
+/// One layer y of a brush: its pieces there, each with the rows it can touch.
+#[derive(Debug)]
+pub struct Layer<'a> {
+    y: usize,
+    pieces: Vec<(&'a Piece, Range), SWEEP_PIECES, u8>,
 }
 
 impl Brush {
@@ -69,8 +84,13 @@ impl Brush {
     /// A sphere swept from `a` to `b`: a fast stroke leaves no dots.
     #[must_use]
     pub fn capsule(a: IVec3, b: IVec3, radius: i32) -> Self {
-        let radius_squared = i64::from(radius) * i64::from(radius);
-        Self::of(Piece::Capsule(Capsule { a, b, radius_squared }))
+        let radius = i64::from(radius.clamp(0, FAR));
+        let (a, b) = (held(a), held(b));
+        Self::of(Piece::Capsule(Capsule {
+            a,
+            b,
+            radius_squared: radius * radius,
+        }))
     }
 
     /// A box of half extents `half` (fixed point) about a pose.
@@ -80,19 +100,32 @@ impl Brush {
     }
 
     /// A box swept from one pose to another. Its turn is cut into sub-steps in which no corner
-    /// moves more than one voxel; each piece is the box as turned at its sub-step's end, moved
-    /// straight from the sub-step's start. At most [`SWEEP_PIECES`] sub-steps, which is half a turn
-    /// of the largest bit.
+    /// moves more than one voxel; a piece is the box as turned at one of the times between (the
+    /// two ends included), moved straight from half a sub-step before to half a sub-step after. At
+    /// most [`SWEEP_PIECES`], which is half a turn of the largest bit.
     #[must_use]
     pub fn swept_box(half: IVec3, from: &Pose, to: &Pose) -> Self {
         let corner = half.as_vec3().length() / SUB as f32;
         let turns = libm::ceilf(corner * from.angle_to(to)) as usize;
-        let steps = turns.clamp(1, SWEEP_PIECES);
+        let turns = match from.fixed_axes() == to.fixed_axes() {
+            true => 0,
+            false => turns.clamp(1, SWEEP_PIECES - 1),
+        };
+        let at = |halves: usize| from.toward(to, halves as f32 / (2 * turns).max(1) as f32);
         let mut pieces = Vec::new();
-        for i in 0..steps {
-            let start = from.toward(to, i as f32 / steps as f32).fixed_position();
-            let end = from.toward(to, (i + 1) as f32 / steps as f32);
-            // Cannot fail: steps <= SWEEP_PIECES.
+        for i in 0..=turns {
+            let start = match i {
+                0 => from.fixed_position(),
+                i => at(2 * i - 1).fixed_position(),
+            };
+            let end = match i == turns {
+                true => *to,
+                false => Pose {
+                    position: at(2 * i + 1).position,
+                    ..at(2 * i)
+                },
+            };
+            // Cannot fail: turns < SWEEP_PIECES.
             let _ = pieces.push(Piece::Box(SweptBox::new(half, &end, start)));
         }
         Brush { pieces }
@@ -107,10 +140,13 @@ impl Brush {
     /// The voxels of a grid of `n` that it may hold; `None` if it lies outside.
     #[must_use]
     pub fn bounds(&self, n: usize) -> Option<Bounds> {
-        self.pieces.iter().filter_map(|piece| piece.bounds(n)).reduce(|a, b| Bounds {
-            lo: core::array::from_fn(|i| a.lo[i].min(b.lo[i])),
-            hi: core::array::from_fn(|i| a.hi[i].max(b.hi[i])),
-        })
+        self.pieces
+            .iter()
+            .filter_map(|piece| piece.bounds(n))
+            .reduce(|a, b| Bounds {
+                lo: core::array::from_fn(|i| a.lo[i].min(b.lo[i])),
+                hi: core::array::from_fn(|i| a.hi[i].max(b.hi[i])),
+            })
     }
 
     /// Row (y, z) of the brush.
@@ -123,7 +159,22 @@ impl Brush {
         self.pieces
             .iter()
             .filter_map(|piece| piece.span(y, z, N))
-            .fold(<Grid<N> as Size>::Row::EMPTY, |row, (lo, hi)| row | Bits::span(lo, hi))
+            .fold(<Grid<N> as Size>::Row::EMPTY, |row, (lo, hi)| {
+                row | Bits::span(lo, hi)
+            })
+    }
+
+    /// Layer `y` of the brush in a grid of `n`.
+    #[must_use]
+    pub fn layer(&self, y: usize, n: usize) -> Layer<'_> {
+        let mut pieces = Vec::new();
+        for piece in &self.pieces {
+            if let Some((lo, hi)) = piece.rows(y, n) {
+                // Cannot fail: it has room for all the brush's pieces.
+                let _ = pieces.push((piece, Range::new(lo, hi)));
+            }
+        }
+        Layer { y, pieces }
     }
 
     fn of(piece: Piece) -> Self {
@@ -134,26 +185,69 @@ impl Brush {
     }
 }
 
+impl Layer<'_> {
+    /// All z whose row (y, z) can hold a voxel of the brush.
+    #[must_use]
+    pub fn rows(&self) -> Range {
+        self.pieces
+            .iter()
+            .fold(Range::EMPTY, |all, (_, rows)| all.hull_with(*rows))
+    }
+
+    /// Row (y, z) of the brush.
+    #[must_use]
+    #[inline]
+    pub fn row<const N: usize>(&self, z: usize) -> <Grid<N> as Size>::Row
+    where
+        Grid<N>: Size,
+    {
+        let mut row = <Grid<N> as Size>::Row::EMPTY;
+        for (piece, rows) in &self.pieces {
+            if rows.contains(z)
+                && let Some((lo, hi)) = piece.span(self.y, z, N)
+            {
+                row |= Bits::span(lo, hi);
+            }
+        }
+        row
+    }
+}
+
 impl Piece {
     /// The voxels of a grid of `n` that it may hold; `None` if it lies outside.
     #[must_use]
     pub fn bounds(&self, n: usize) -> Option<Bounds> {
         let (lo, hi) = match self {
             Piece::Capsule(c) => {
-                let r = IVec3::splat(isqrt(c.radius_squared) as i32 + 1);
-                (c.a.min(c.b) - r, c.a.max(c.b) + r)
+                let r = I64Vec3::splat(isqrt(c.radius_squared));
+                (c.a.min(c.b).as_i64vec3() - r, c.a.max(c.b).as_i64vec3() + r)
             }
             Piece::Box(b) => {
                 let middle = b.middle.div_euclid(IVec3::splat(2));
-                (middle - b.reach, middle + b.reach + IVec3::ONE)
+                (
+                    (middle - b.reach).as_i64vec3(),
+                    (middle + b.reach + IVec3::ONE).as_i64vec3(),
+                )
             }
         };
-        let mut bounds = Bounds { lo: [0; 3], hi: [0; 3] };
+        let mut bounds = Bounds {
+            lo: [0; 3],
+            hi: [0; 3],
+        };
         for i in 0..3 {
-            let (lo, hi) = voxels_between(lo[i].into(), hi[i].into(), n)?;
+            let (lo, hi) = voxels_between(lo[i], hi[i], n)?;
             (bounds.lo[i], bounds.hi[i]) = (lo, hi);
         }
         Some(bounds)
+    }
+
+    /// The rows (y, z) of layer `y` of a grid of `n` that it may touch, as an interval of z.
+    #[must_use]
+    fn rows(&self, y: usize, n: usize) -> Option<(usize, usize)> {
+        match self {
+            Piece::Capsule(c) => c.rows(centre(y), n),
+            Piece::Box(b) => b.rows(centre(y), n),
+        }
     }
 
     /// The interval of voxels of row (y, z) of a grid of `n` whose centres are inside.
@@ -174,7 +268,7 @@ impl Capsule {
     #[must_use]
     pub fn contains(&self, p: [i64; 3]) -> bool {
         let path = (self.b - self.a).as_i64vec3();
-        let d = glam::I64Vec3::from_array(p) - self.a.as_i64vec3();
+        let d = I64Vec3::from_array(p) - self.a.as_i64vec3();
         let along = d.dot(path);
         let length_squared = path.dot(path);
         if along <= 0 {
@@ -199,77 +293,170 @@ impl Capsule {
     }
 
     /// The capsule is convex, so its voxels in a row run from the first inside to the last; both
-    /// are looked for from the ends of the stretch that the row's distance to the path allows.
+    /// are looked for from the ends of a stretch that is at most a unit too long.
     fn span(&self, y: i64, z: i64, n: usize) -> Option<(usize, usize)> {
-        let (lo, hi) = self.stretch(y, z)?;
-        let (lo, hi) = voxels_between(lo, hi, n)?;
+        let path = (self.b - self.a).as_i64vec3();
+        let d = [y - i64::from(self.a.y), z - i64::from(self.a.z)];
+        let (lo, hi) = self.stretch(path.x, [path.y, path.z], d)?;
+        let (lo, hi) = voxels_between(i64::from(self.a.x) + lo, i64::from(self.a.x) + hi, n)?;
         let first = (lo..=hi).find(|&x| self.contains([centre(x), y, z]))?;
         let last = (first..=hi).rfind(|&x| self.contains([centre(x), y, z]))?;
         Some((first, last))
     }
 
-    /// Where along x the parts of the path lie that come within the radius of the row in y and in
-    /// z, widened by the radius.
-    fn stretch(&self, y: i64, z: i64) -> Option<(i64, i64)> {
-        let r = isqrt(self.radius_squared) + 1;
-        let (mut t0, mut t1) = (0.0f64, 1.0f64);
-        for (at, a, b) in [(y, self.a.y, self.b.y), (z, self.a.z, self.b.z)] {
-            let (a, v) = (i64::from(a), i64::from(b) - i64::from(a));
-            if v == 0 {
-                if (at - a).abs() > r {
-                    return None;
-                }
-                continue;
+    /// The shadow of the capsule along x is a capsule in y and z; its voxels in a column along z.
+    fn rows(&self, y: i64, n: usize) -> Option<(usize, usize)> {
+        let path = (self.b - self.a).as_i64vec3();
+        let (lo, hi) = self.stretch(path.z, [path.y, 0], [y - i64::from(self.a.y), 0])?;
+        voxels_between(i64::from(self.a.z) + lo, i64::from(self.a.z) + hi, n)
+    }
+
+    /// The stretch inside, relative to `a`, of a line along an axis, `d` away from `a` across that
+    /// axis; `v` is the path's part along the axis and `w` its parts across. Up to a unit too long.
+    ///
+    /// It is the hull of three: those inside the two end spheres and inside the cylinder between,
+    /// where it runs between the roots of a quadratic, cut off at the two end planes.
+    fn stretch(&self, v: i64, w: [i64; 2], d: [i64; 2]) -> Option<(i64, i64)> {
+        let left = |d: [i64; 2]| self.radius_squared - d[0] * d[0] - d[1] * d[1];
+        let (left_a, left_b) = (left(d), left([d[0] - w[0], d[1] - w[1]]));
+        let (mut lo, mut hi) = (i64::MAX, i64::MIN);
+        for (left, at) in [(left_a, 0), (left_b, v)] {
+            if left >= 0 {
+                let reach = isqrt(left);
+                (lo, hi) = (lo.min(at - reach), hi.max(at + reach));
             }
-            let ends = [(at - r - a) as f64 / v as f64, (at + r - a) as f64 / v as f64];
-            t0 = t0.max(ends[0].min(ends[1]));
-            t1 = t1.min(ends[0].max(ends[1]));
         }
-        // The slack of a unit either way outweighs the rounding of the two divisions.
-        if t0 > t1 + 1e-6 {
+        if let Some((from, to)) = self.cylinder_stretch(v, w, d) {
+            (lo, hi) = (lo.min(from), hi.max(to));
+        }
+        (lo <= hi).then_some((lo, hi))
+    }
+
+    /// Exact up to the discriminant; what floats round after it is far below the unit that is
+    /// added either way.
+    fn cylinder_stretch(&self, v: i64, w: [i64; 2], d: [i64; 2]) -> Option<(i64, i64)> {
+        let across = w[0] * w[0] + w[1] * w[1];
+        let length_squared = across + v * v;
+        let along = w[0] * d[0] + w[1] * d[1];
+        if across == 0 {
+            let inside = d[0] * d[0] + d[1] * d[1] <= self.radius_squared;
+            return inside.then_some((v.min(0), v.max(0)));
+        }
+        let cross = i128::from(w[0] * d[1] - w[1] * d[0]);
+        let discriminant = i128::from(across) * i128::from(self.radius_squared) - cross * cross;
+        if discriminant < 0 {
             return None;
         }
-        let (a, v) = (f64::from(self.a.x), f64::from(self.b.x) - f64::from(self.a.x));
-        let (x0, x1) = (a + v * t0, a + v * t1);
-        Some((x0.min(x1) as i64 - r - 2, x0.max(x1) as i64 + r + 2))
+        let middle = along as f64 * v as f64 / across as f64;
+        let reach = libm::sqrt(length_squared as f64 * discriminant as f64) / across as f64;
+        let (mut lo, mut hi) = (middle - reach, middle + reach);
+        if v != 0 {
+            let ends = [
+                -along as f64 / v as f64,
+                (length_squared - along) as f64 / v as f64,
+            ];
+            let (first, last) = if v > 0 {
+                (ends[0], ends[1])
+            } else {
+                (ends[1], ends[0])
+            };
+            lo = if lo > first { lo } else { first };
+            hi = if hi < last { hi } else { last };
+        } else if along < 0 || along > length_squared {
+            return None;
+        }
+        (lo <= hi + 2.0).then_some((libm::floor(lo) as i64 - 1, libm::ceil(hi) as i64 + 1))
     }
 }
 
 impl SweptBox {
     /// A box of half extents `half`, turned as `pose`, moved straight from `start` to the pose's
     /// position. The path is rounded to fixed point in the box's own frame, so the planes are those
-    /// of an exact swept box.
+    /// of an exact swept box; a box that moves is half a unit wider, so that the rounding loses
+    /// nothing.
     #[must_use]
     pub fn new(half: IVec3, pose: &Pose, start: IVec3) -> Self {
-        let axes = pose.fixed_axes().map(|axis| axis.to_array().map(i64::from));
-        let end = pose.fixed_position();
-        let travel = end - start;
-        let half = half.to_array().map(i64::from);
         let unit = i64::from(UNIT);
+        let axes = pose
+            .fixed_axes()
+            .map(|axis| axis.to_array().map(|c| i64::from(c).clamp(-unit, unit)));
+        let (start, end) = (held(start), pose.fixed_position());
+        let travel = (end - start).to_array().map(i64::from);
+        let doubled = half
+            .to_array()
+            .map(|h| 2 * i64::from(h.clamp(0, FAR)) + i64::from(start != end));
         let w: [i64; 3] = axes.map(|axis| {
-            let along: i64 = (0..3).map(|i| axis[i] * i64::from(travel[i])).sum();
+            let along: i64 = (0..3).map(|i| axis[i] * travel[i]).sum();
             (along + unit / 2).div_euclid(unit)
         });
-        let face = |i: usize| (axes[i], (2 * half[i] + w[i].abs()) * unit);
+        let face = |i: usize| (axes[i], (doubled[i] + w[i].abs()) * unit);
         let swept = |i: usize, j: usize| {
             let normal = core::array::from_fn(|k| axes[i][k] * w[j] - axes[j][k] * w[i]);
-            (normal, 2 * (half[i] * w[j].abs() + half[j] * w[i].abs()) * unit)
+            (
+                normal,
+                (doubled[i] * w[j].abs() + doubled[j] * w[i].abs()) * unit,
+            )
         };
+        let edge = |i: usize| axes[i].map(|c| c * doubled[i] / unit);
+        let edges = [edge(0), edge(1), edge(2), travel];
+        // Rounding an axis tilts it by up to a part in 2^15, which counts as far as the box reaches.
+        let size: i64 = doubled.iter().chain(&travel).map(|l| l.abs()).sum();
+        let slack = size / (1 << 12) + 16;
         let reach = core::array::from_fn(|k| {
-            let turned: i64 = (0..3).map(|i| axes[i][k].abs() * half[i]).sum();
-            (turned / unit + i64::from(travel[k].abs()) / 2 + 4) as i32
+            let sum: i64 = edges.iter().map(|edge| edge[k].abs()).sum();
+            ((sum + slack) / 2 + 1) as i32
         });
         SweptBox {
             middle: start + end,
-            planes: [face(0), face(1), face(2), swept(0, 1), swept(0, 2), swept(1, 2)],
+            planes: [
+                face(0),
+                face(1),
+                face(2),
+                swept(0, 1),
+                swept(0, 2),
+                swept(1, 2),
+            ],
             reach: IVec3::from_array(reach),
+            edges,
+            slack,
         }
+    }
+
+    /// The shadow of the box along x is a polygon whose sides run along the edges' shadows.
+    fn rows(&self, y: i64, n: usize) -> Option<(usize, usize)> {
+        let at = 2 * y - i64::from(self.middle.y);
+        let [_, reach, reach_z] = self.reach.to_array().map(i64::from);
+        if at.abs() > 2 * reach {
+            return None;
+        }
+        let (mut lo, mut hi) = (-2 * reach_z, 2 * reach_z);
+        for side in self.edges {
+            if side[1] == 0 {
+                continue;
+            }
+            // Of this sign, the side's shadow runs up.
+            let [_, sy, sz] = side.map(|c| c * side[1].signum());
+            let across = |edge: &[i64; 3]| (sy * edge[2] - sz * edge[1]).abs();
+            let extent: i64 =
+                self.edges.iter().map(across).sum::<i64>() + (sy + sz.abs()) * self.slack;
+            lo = lo.max((sz * at - extent).div_euclid(sy));
+            hi = hi.min((sz * at + extent).div_euclid(sy) + 1);
+        }
+        let middle = i64::from(self.middle.z);
+        voxels_between(
+            (middle + lo).div_euclid(2),
+            (middle + hi).div_euclid(2) + 1,
+            n,
+        )
     }
 
     fn span(&self, y: i64, z: i64, n: usize) -> Option<(usize, usize)> {
         let step = 2 * i64::from(SUB);
         let first = 2 * centre(0) - i64::from(self.middle.x);
-        let (y, z) = (2 * y - i64::from(self.middle.y), 2 * z - i64::from(self.middle.z));
+        let (y, z) = (
+            2 * y - i64::from(self.middle.y),
+            2 * z - i64::from(self.middle.z),
+        );
         let (mut lo, mut hi) = (0, n as i64 - 1);
         for (normal, extent) in &self.planes {
             let at_zero = normal[0] * first + normal[1] * y + normal[2] * z;
@@ -287,6 +474,13 @@ impl SweptBox {
         }
         (lo <= hi).then_some((lo as usize, hi as usize))
     }
+}
+
+/// How far from the grid's corner coordinates are held, and lengths: 8,192 voxels.
+const FAR: i32 = 8192 * SUB;
+
+fn held(point: IVec3) -> IVec3 {
+    point.clamp(IVec3::splat(-FAR), IVec3::splat(FAR))
 }
 
 /// The fixed-point coordinate of the centre of voxel `i`.

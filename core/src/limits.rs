@@ -26,3 +26,13 @@ pub const UNDO_PLANES: usize = 5;
 
 /// Closed strokes that can be undone.
 pub const UNDO_ENTRIES: usize = 128;
+
+/// Events of a tick: a start, two hands that take, edit and let go, undo, redo, mirror, finish and
+/// islands make twelve.
+pub const EVENTS: usize = 16;
+
+/// Row visits that the search for islands may take in a tick: 20,480 at 128, 81,920 at 256.
+#[must_use]
+pub const fn row_visits(n: usize) -> u32 {
+    (n * n + n * n / 4) as u32
+}

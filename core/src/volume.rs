@@ -123,6 +123,22 @@ where
         old
     }
 
+    /// Whether every range is tight: both its ends are occupied. Always so after an edit; to be
+    /// asked of maps that come from outside.
+    #[must_use]
+    pub fn is_tight(&self) -> bool {
+        Axis::ALL.into_iter().all(|axis| {
+            (0..N).all(|line| {
+                self.maps.line(axis, line).iter().enumerate().all(|(place, column)| {
+                    column.0.iter().filter(|range| !range.is_empty()).all(|range| {
+                        let end = |i| self.rows.contains(axis.voxel((line, place), i));
+                        end(range.lo()) && end(range.hi())
+                    })
+                })
+            })
+        })
+    }
+
     /// Occupied voxels.
     #[must_use]
     pub fn count(&self) -> u64 {

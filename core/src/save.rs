@@ -1,0 +1,238 @@
+//! Save, load and digest: the whole state as bytes, and as 64 bits.
+
+use crate::codec::{BadBytes, Reader, Writer};
+use crate::hand::Hand;
+use crate::input::Mode;
+use crate::maps::{Axis, Column, Maps, Range};
+use crate::plane::Plane;
+use crate::size::{Grid, Size};
+use crate::volume::{maps_digest, mix};
+use crate::workbench::{Workbench, read_quat, read_vec3, write_quat, write_vec3};
+use crate::world::{Session, State, World};
+
+/// First bytes of a saved world.
+const MAGIC: [u8; 4] = *b"PWLD";
+
+/// Changes with every change of what is saved.
+const VERSION: u16 = 1;
+
+impl<const N: usize> World<N>
+where
+    Grid<N>: Size,
+{
+    /// Writes the whole state: a header with a checksum, then what later ticks can see. Returns
+    /// the length; nothing useful is in `bytes` unless it is at most theirs.
+    #[must_use]
+    pub fn save(&self, bytes: &mut [u8]) -> usize {
+        let mut to = Writer::new(bytes);
+        to.bytes(&MAGIC);
+        to.u16(VERSION);
+        to.u16(N as u16);
+        to.u64(0);
+        self.state.write(&mut to);
+        write_maps(&mut to, self.volume.maps());
+        write_maps(&mut to, &self.mask);
+        self.undo.save(&mut to);
+        self.islands.save(&mut to);
+        let len = to.len();
+        if let Some(all) = bytes.get_mut(..len) {
+            let sum = checksum(&all[HEADER..]);
+            all[HEADER - 8..HEADER].copy_from_slice(&sum.to_le_bytes());
+        }
+        len
+    }
+
+    /// Goes on from a saved state: digests continue as if uninterrupted. The next tick's dirty
+    /// regions are to be taken as everything.
+    ///
+    /// # Errors
+    /// [`BadBytes`] for bytes that [`World::save`] didn't write for this N. They are told by their
+    /// checksum before anything is touched; bytes that were forged with a right checksum and are
+    /// wrong all the same leave the empty world.
+    pub fn load(&mut self, bytes: &[u8]) -> Result<(), BadBytes> {
+        let mut from = Reader::new(bytes);
+        check_header(&mut from, N, bytes)?;
+        let done = self.load_body(&mut from);
+        if done.is_err() {
+            self.clear();
+        }
+        self.refresh();
+        done
+    }
+
+    /// Becomes the empty world that waits for a session.
+    pub fn clear(&mut self) {
+        self.state = State::new();
+        self.mask.clear();
+        self.volume.set_voxels(Plane::clear);
+        self.undo.clear();
+        self.islands.abort();
+        self.refresh();
+    }
+
+    fn load_body(&mut self, from: &mut Reader<'_>) -> Result<(), BadBytes> {
+        self.state = State::read(from)?;
+        // The mask's place holds the volume's maps until the bit rows have been made of them.
+        read_maps(from, &mut self.mask)?;
+        self.volume.set_maps(&self.mask);
+        if !self.volume.is_tight() {
+            return Err(from.bad("tight ranges"));
+        }
+        read_maps(from, &mut self.mask)?;
+        let masked = !self.mask.is_empty();
+        if masked != self.state.masked || maps_digest(&self.mask) != self.state.mask_digest {
+            return Err(from.bad("the mask that the state names"));
+        }
+        self.undo.load(from)?;
+        self.islands.load(from)?;
+        from.end()
+    }
+
+    pub(crate) fn digest_now(&self) -> u64 {
+        combine([
+            self.state.digest(),
+            self.volume.digest(),
+            self.undo.digest(),
+            self.islands.digest(),
+        ])
+    }
+
+    /// The digest, with every part of it taken from scratch.
+    #[must_use]
+    pub fn recompute_digest(&self) -> u64 {
+        let mut state = self.state;
+        state.mask_digest = maps_digest(&self.mask);
+        combine([
+            state.digest(),
+            maps_digest(self.volume.maps()),
+            self.undo.recompute_digest(),
+            self.islands.recompute_digest(),
+        ])
+    }
+
+    /// The digests of the state's parts, by name: to tell which of them two worlds differ in.
+    #[must_use]
+    pub fn part_digests(&self) -> [(&'static str, u64); 4] {
+        [
+            ("hands, bench and session", self.state.digest()),
+            ("volume", self.volume.digest()),
+            ("undo", self.undo.digest()),
+            ("islands", self.islands.digest()),
+        ]
+    }
+}
+
+impl State {
+    /// Room for a written state.
+    const ROOM: usize = 1024;
+
+    fn digest(&self) -> u64 {
+        let mut bytes = [0; Self::ROOM];
+        let mut to = Writer::new(&mut bytes);
+        self.write(&mut to);
+        debug_assert!(to.fits());
+        let len = to.len().min(Self::ROOM);
+        checksum(&bytes[..len])
+    }
+
+    fn write(&self, to: &mut Writer<'_>) {
+        to.u64(self.tick);
+        to.u8(self.session as u8);
+        self.mode.write(to);
+        to.u8(u8::from(self.masked) | u8::from(self.symmetry) << 1);
+        to.u16(self.stool);
+        write_vec3(to, self.head.0);
+        write_quat(to, self.head.1);
+        self.hands.iter().for_each(|hand| hand.write(to));
+        self.bench.write(to);
+        to.u64(self.mask_digest);
+    }
+
+    fn read(from: &mut Reader<'_>) -> Result<Self, BadBytes> {
+        let tick = from.u64()?;
+        let bad = from.bad("a session, 0 to 2");
+        let session = match from.u8()? {
+            0 => Session::Waiting,
+            1 => Session::Sculpting,
+            2 => Session::Finished,
+            _ => return Err(bad),
+        };
+        let mode = Mode::read(from)?;
+        let flags = from.u8()?;
+        Ok(State {
+            tick,
+            session,
+            mode,
+            masked: flags & 1 != 0,
+            symmetry: flags & 2 != 0,
+            stool: from.u16()?,
+            head: (read_vec3(from)?, read_quat(from)?),
+            hands: [Hand::read(from)?, Hand::read(from)?],
+            bench: Workbench::read(from)?,
+            mask_digest: from.u64()?,
+        })
+    }
+}
+
+/// Length of the header: magic, version, N, checksum of the rest.
+const HEADER: usize = 16;
+
+fn check_header(from: &mut Reader<'_>, n: usize, bytes: &[u8]) -> Result<(), BadBytes> {
+    let bad = from.bad("the magic PWLD");
+    if from.bytes(4)? != MAGIC {
+        return Err(bad);
+    }
+    let bad = from.bad("version 1");
+    if from.u16()? != VERSION {
+        return Err(bad);
+    }
+    let bad = from.bad("this world's size");
+    if usize::from(from.u16()?) != n {
+        return Err(bad);
+    }
+    let bad = from.bad("the checksum of what follows");
+    if from.u64()? != checksum(&bytes[HEADER..]) {
+        return Err(bad);
+    }
+    Ok(())
+}
+
+/// A digest of bytes, eight at a time.
+#[must_use]
+pub fn checksum(bytes: &[u8]) -> u64 {
+    let mut sum = bytes.len() as u64;
+    for chunk in bytes.chunks(8) {
+        let mut word = [0; 8];
+        word[..chunk.len()].copy_from_slice(chunk);
+        sum = mix(sum ^ u64::from_le_bytes(word)).wrapping_add(0x9e37_79b9_7f4a_7c15);
+    }
+    sum
+}
+
+fn combine(parts: [u64; 4]) -> u64 {
+    parts.into_iter().fold(0, |sum, part| mix(sum.rotate_left(17) ^ part))
+}
+
+fn write_maps<const N: usize>(to: &mut Writer<'_>, maps: &Maps<N>) {
+    for axis in Axis::ALL {
+        for line in 0..N {
+            for column in maps.line(axis, line) {
+                column.0.iter().for_each(|range| to.bytes(&range.to_bytes()));
+            }
+        }
+    }
+}
+
+fn read_maps<const N: usize>(from: &mut Reader<'_>, maps: &mut Maps<N>) -> Result<(), BadBytes> {
+    for axis in Axis::ALL {
+        for line in 0..N {
+            for place in 0..N {
+                let bad = from.bad("a range within the grid");
+                let bytes = [from.u8()?, from.u8()?];
+                let range = Range::from_bytes(bytes, N).ok_or(bad)?;
+                maps.set_column(axis, (line, place), Column([range]));
+            }
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,113 @@
+//! Traces: a header, then for every tick its input and the digest it led to, at fixed widths.
+//!
+//! Little-endian. Header, [`HEADER_BYTES`] bytes: `PTRC`; u16 trace version; u16 core version (what
+//! a tick computes); u16 N; u16 zero; u64 digest of the start volumes; u64 digest of the world
+//! before the first tick. Record, [`RECORD_BYTES`] bytes: the input, then the u64 digest after it.
+
+use crate::codec::{BadBytes, Reader, Writer};
+use crate::input::Input;
+use crate::maps::Maps;
+use crate::volume::{maps_digest, mix};
+use crate::world::Starts;
+
+/// Length of the header.
+pub const HEADER_BYTES: usize = 28;
+
+/// Length of a record.
+pub const RECORD_BYTES: usize = Input::BYTES + 8;
+
+/// Changes with every change of the bytes of a trace.
+pub const TRACE_VERSION: u16 = 1;
+
+/// Changes with every change of what a tick computes.
+pub const CORE_VERSION: u16 = 1;
+
+const MAGIC: [u8; 4] = *b"PTRC";
+
+/// What a trace was recorded on.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Header {
+    /// Voxels a side.
+    pub size: u16,
+    /// [`starts_digest`] of the start volumes.
+    pub starts: u64,
+    /// The world's digest before the first tick.
+    pub first: u64,
+}
+
+/// A tick of a trace.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Record {
+    /// What the tick was given.
+    pub input: Input,
+    /// The digest it led to.
+    pub digest: u64,
+}
+
+impl Header {
+    /// Writes [`HEADER_BYTES`] bytes.
+    pub fn write(&self, to: &mut Writer<'_>) {
+        to.bytes(&MAGIC);
+        to.u16(TRACE_VERSION);
+        to.u16(CORE_VERSION);
+        to.u16(self.size);
+        to.u16(0);
+        to.u64(self.starts);
+        to.u64(self.first);
+    }
+
+    /// Reads what [`Header::write`] wrote.
+    ///
+    /// # Errors
+    /// [`BadBytes`] for another magic, version or size, or at the end.
+    pub fn read(from: &mut Reader<'_>) -> Result<Self, BadBytes> {
+        let bad = from.bad("the magic PTRC");
+        if from.bytes(4)? != MAGIC {
+            return Err(bad);
+        }
+        let bad = from.bad("trace version 1");
+        if from.u16()? != TRACE_VERSION {
+            return Err(bad);
+        }
+        let bad = from.bad("core version 1");
+        if from.u16()? != CORE_VERSION {
+            return Err(bad);
+        }
+        let bad = from.bad("a size of 128 or 256");
+        let size = from.u16()?;
+        if size != 128 && size != 256 {
+            return Err(bad);
+        }
+        let bad = from.bad("zero");
+        if from.u16()? != 0 {
+            return Err(bad);
+        }
+        Ok(Header { size, starts: from.u64()?, first: from.u64()? })
+    }
+}
+
+impl Record {
+    /// Writes [`RECORD_BYTES`] bytes.
+    pub fn write(&self, to: &mut Writer<'_>) {
+        self.input.write(to);
+        to.u64(self.digest);
+    }
+
+    /// Reads what [`Record::write`] wrote.
+    ///
+    /// # Errors
+    /// [`BadBytes`] at the end, or for an input that can't be.
+    pub fn read(from: &mut Reader<'_>) -> Result<Self, BadBytes> {
+        Ok(Record { input: Input::read(from)?, digest: from.u64()? })
+    }
+}
+
+/// One digest of all volumes that a session can start from.
+#[must_use]
+pub fn starts_digest<const N: usize>(starts: &Starts<'_, N>) -> u64 {
+    let all = [Some(starts.lump), Some(starts.creative), starts.own];
+    let figures = starts.figures.iter().map(|maps| Some(*maps));
+    all.into_iter().chain(figures).fold(N as u64, |sum, maps: Option<&Maps<N>>| {
+        mix(sum.rotate_left(23) ^ maps.map_or(1, maps_digest))
+    })
+}
