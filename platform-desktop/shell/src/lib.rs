@@ -1,1 +1,11 @@
-//! .
+//! What both shells need of `std`: files that are whole or absent, and the start volumes.
+#![forbid(unsafe_code)]
+
+pub mod durable;
+pub mod figures;
+pub mod rmap;
+pub mod statics;
+pub mod stl;
+pub mod stage;
+pub mod starts;
+pub mod trace;

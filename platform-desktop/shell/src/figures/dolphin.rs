@@ -1,0 +1,95 @@
+//! A dolphin that leaps over the crest of a wave.
+
+use glam::Vec3;
+
+use super::field::{
+    blend, chain, disc, groove, limb, min, sphere, v,
+};
+
+pub(super) fn field(p: Vec3) -> f32 {
+    let q = v(p.x, p.y, p.z.abs());
+    let animal = blend(blend(body(q), fins(q), 4.0), fluke(q), 3.0);
+    blend(face(animal, q), wave(p), 3.0)
+}
+
+fn body(q: Vec3) -> f32 {
+    let trunk = chain(
+        q,
+        &[
+            (v(-38.0, 48.0, 0.0), 4.5),
+            (v(-31.0, 62.0, 0.0), 7.5),
+            (v(-19.0, 76.0, 0.0), 12.0),
+            (v(-3.0, 86.0, 0.0), 15.5),
+            (v(13.0, 85.0, 0.0), 16.5),
+            (v(27.0, 76.0, 0.0), 13.5),
+        ],
+    );
+    let beak = limb(q, (v(34.0, 66.0, 0.0), 6.0), (v(44.0, 55.0, 0.0), 3.4));
+    blend(trunk, beak, 4.0)
+}
+
+fn fins(q: Vec3) -> f32 {
+    let back = chain(
+        q,
+        &[(v(-1.0, 97.0, 0.0), 6.0), (v(-11.0, 109.0, 0.0), 3.4), (v(-19.0, 112.0, 0.0), 2.0)],
+    );
+    let side = chain(
+        q,
+        &[(v(17.0, 74.0, 11.0), 5.0), (v(9.0, 63.0, 22.0), 3.6), (v(1.0, 58.0, 27.0), 2.2)],
+    );
+    min(back, side)
+}
+
+fn fluke(q: Vec3) -> f32 {
+    chain(
+        q,
+        &[(v(-38.0, 48.0, 0.0), 4.5), (v(-41.0, 38.0, 10.0), 3.8), (v(-38.0, 33.0, 21.0), 2.4)],
+    )
+}
+
+fn face(d: f32, q: Vec3) -> f32 {
+    if q.x < 15.0 || d.abs() > 6.0 {
+        return d;
+    }
+    let eye = sphere(q, v(28.5, 74.0, 12.4), 3.0);
+    // The mouth: a furrow along the beak that turns up at its end, and so smiles.
+    let mouth = (q.x - 33.0) * 0.74 + (q.y - 63.0) * 0.67;
+    let gap = if mouth > -6.0 && q.y < 70.0 {
+        ((q.x - 33.0) * 0.67 + (q.y - 65.0) * 0.74).abs()
+    } else {
+        9.0
+    };
+    min(groove(d, gap, 1.3), eye)
+}
+
+fn wave(p: Vec3) -> f32 {
+    let sea = disc(p, (-4.0, 9.0), 42.0, 3.0);
+    let swell = chain(
+        p,
+        &[
+            (v(-6.0, 6.0, 0.0), 27.0),
+            (v(-9.0, 34.0, 0.0), 17.0),
+            (v(0.0, 56.0, 0.0), 11.5),
+            (v(9.0, 68.0, 0.0), 9.0),
+        ],
+    );
+    let curl = chain(
+        p,
+        &[
+            (v(0.0, 54.0, 0.0), 10.0),
+            (v(16.0, 58.0, 0.0), 7.0),
+            (v(27.0, 51.0, 0.0), 5.0),
+            (v(27.0, 42.0, 0.0), 3.6),
+        ],
+    );
+    let d = blend(blend(sea, swell, 12.0), curl, 6.0);
+    if d.abs() > 6.0 {
+        return d;
+    }
+    // Water runs up the wave in lines that follow its back.
+    let away = v(p.x - 46.0, p.y - 26.0, 0.0).length() * 0.9;
+    let line = away - 8.0 * (away / 8.0 + 0.5).floor();
+    let d = if p.y > 12.0 { groove(d, line, 1.1) } else { d };
+    let rim = (p.y - 4.0).abs();
+    groove(d, rim, 1.0)
+}

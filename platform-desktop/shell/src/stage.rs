@@ -1,0 +1,126 @@
+//! The one loop: time becomes ticks, ticks become `World::step`, and every tick can be recorded.
+
+use std::time::Duration;
+
+use paros_core::codec::Writer;
+use paros_core::input::{Input, TICK_RATE};
+use paros_core::size::{Grid, Size};
+use paros_core::trace::{HEADER_BYTES, Header, RECORD_BYTES, Record, starts_digest};
+use paros_core::world::{Starts, World};
+
+use crate::trace::{Diverged, Trace};
+
+/// A world, what its sessions start from, and the recording of its ticks.
+#[derive(Debug)]
+pub struct Stage<'a, const N: usize>
+where
+    Grid<N>: Size,
+{
+    world: &'a mut World<N>,
+    starts: Starts<'a, N>,
+    recording: Option<Vec<u8>>,
+}
+
+impl<'a, const N: usize> Stage<'a, N>
+where
+    Grid<N>: Size,
+{
+    /// Puts a world on stage.
+    #[must_use]
+    pub fn new(world: &'a mut World<N>, starts: Starts<'a, N>) -> Self {
+        Stage { world, starts, recording: None }
+    }
+
+    /// The world as of the last tick.
+    #[must_use]
+    pub const fn world(&self) -> &World<N> {
+        self.world
+    }
+
+    /// The header of a trace that starts now.
+    #[must_use]
+    pub fn header(&self) -> Header {
+        Header {
+            size: N as u16,
+            starts: starts_digest(&self.starts),
+            first: self.world.digest(),
+        }
+    }
+
+    /// Records all ticks from now on.
+    pub fn record(&mut self) {
+        let mut bytes = vec![0; HEADER_BYTES];
+        self.header().write(&mut Writer::new(&mut bytes));
+        self.recording = Some(bytes);
+    }
+
+    /// Ends the recording: the bytes of a trace.
+    #[must_use]
+    pub fn end_recording(&mut self) -> Option<Vec<u8>> {
+        self.recording.take()
+    }
+
+    /// One tick.
+    pub fn tick(&mut self, input: &Input) {
+        self.world.step(input, &self.starts);
+        if let Some(bytes) = &mut self.recording {
+            let at = bytes.len();
+            bytes.resize(at + RECORD_BYTES, 0);
+            let record = Record { input: *input, digest: self.world.digest() };
+            record.write(&mut Writer::new(&mut bytes[at..]));
+        }
+    }
+
+    /// Plays a trace, and hands the world to `each` after every tick, with the tick's number.
+    ///
+    /// # Errors
+    /// [`Diverged`] where the trace was recorded on other start volumes or from another state, or
+    /// at the first tick whose digest differs.
+    pub fn replay(
+        &mut self,
+        trace: &Trace,
+        mut each: impl FnMut(usize, &World<N>),
+    ) -> Result<(), Diverged> {
+        let (recorded, here) = (trace.header(), self.header());
+        if recorded.size != here.size {
+            return Err(Diverged::Size { recorded: recorded.size, here: here.size });
+        }
+        if recorded.starts != here.starts {
+            return Err(Diverged::Starts { recorded: recorded.starts, here: here.starts });
+        }
+        if recorded.first != here.first {
+            return Err(Diverged::State { recorded: recorded.first, here: here.first });
+        }
+        for (tick, record) in trace.records().enumerate() {
+            self.tick(&record.input);
+            let here = self.world.digest();
+            if here != record.digest {
+                return Err(Diverged::Tick { tick, recorded: record.digest, here });
+            }
+            each(tick, self.world);
+        }
+        Ok(())
+    }
+}
+
+/// Turns the time between frames into ticks at the fixed rate.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Pace {
+    /// Time not yet made into ticks, in 72nds of a nanosecond.
+    left: u128,
+}
+
+impl Pace {
+    /// Ticks that a frame makes up at the most; what is beyond is dropped.
+    pub const CATCH_UP: u32 = 4;
+
+    /// The ticks that `elapsed` brings, and those it would bring beyond [`Pace::CATCH_UP`].
+    #[must_use]
+    pub fn ticks(&mut self, elapsed: Duration) -> (u32, u32) {
+        let second = 1_000_000_000;
+        self.left += elapsed.as_nanos() * u128::from(TICK_RATE);
+        let due = u32::try_from(self.left / second).unwrap_or(u32::MAX);
+        self.left %= second;
+        (due.min(Self::CATCH_UP), due.saturating_sub(Self::CATCH_UP))
+    }
+}

@@ -1,0 +1,162 @@
+//! Trace files: read whole, checked whole, before the first tick is played.
+
+use std::fmt;
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use paros_core::codec::{BadBytes, Reader};
+use paros_core::trace::{HEADER_BYTES, Header, RECORD_BYTES, Record};
+
+/// A trace in memory.
+#[derive(Debug)]
+pub struct Trace {
+    header: Header,
+    records: Vec<Record>,
+}
+
+/// Why a file is no trace.
+#[derive(Debug)]
+pub enum TraceError {
+    /// The file can't be read.
+    Read(PathBuf, io::Error),
+    /// The header is wrong at a byte.
+    Header(PathBuf, BadBytes),
+    /// A tick's record is wrong at a byte of the file.
+    Record {
+        /// The file.
+        path: PathBuf,
+        /// The tick, from 0.
+        tick: usize,
+        /// What is wrong.
+        bad: BadBytes,
+    },
+}
+
+/// Where a replay parts from its trace.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Diverged {
+    /// Recorded at another size.
+    Size {
+        /// Of the trace.
+        recorded: u16,
+        /// Of the world.
+        here: u16,
+    },
+    /// Recorded on other start volumes.
+    Starts {
+        /// Their digest in the trace.
+        recorded: u64,
+        /// Their digest here.
+        here: u64,
+    },
+    /// Recorded from another state of the world.
+    State {
+        /// Its digest in the trace.
+        recorded: u64,
+        /// Its digest here.
+        here: u64,
+    },
+    /// The first tick that led to another state.
+    Tick {
+        /// The tick, from 0.
+        tick: usize,
+        /// The digest in the trace.
+        recorded: u64,
+        /// The digest here.
+        here: u64,
+    },
+}
+
+impl Trace {
+    /// Reads a trace file.
+    ///
+    /// # Errors
+    /// [`TraceError`], with the file and the offset or tick.
+    pub fn read(path: &Path) -> Result<Self, TraceError> {
+        let bytes = fs::read(path).map_err(|e| TraceError::Read(path.into(), e))?;
+        Self::decode(&bytes).map_err(|(tick, bad)| match tick {
+            None => TraceError::Header(path.into(), bad),
+            Some(tick) => TraceError::Record { path: path.into(), tick, bad },
+        })
+    }
+
+    /// The trace that these bytes are.
+    ///
+    /// # Errors
+    /// The tick, unless it is the header, and what is wrong at which byte.
+    pub fn decode(bytes: &[u8]) -> Result<Self, (Option<usize>, BadBytes)> {
+        let header = Header::read(&mut Reader::new(bytes)).map_err(|bad| (None, bad))?;
+        let mut records = Vec::with_capacity(bytes.len() / RECORD_BYTES);
+        let chunks = bytes[HEADER_BYTES..].chunks(RECORD_BYTES);
+        for (tick, chunk) in chunks.enumerate() {
+            let record = Record::read(&mut Reader::new(chunk)).map_err(|bad| {
+                let start = HEADER_BYTES + tick * RECORD_BYTES;
+                (Some(tick), BadBytes { offset: start + bad.offset, ..bad })
+            })?;
+            records.push(record);
+        }
+        Ok(Trace { header, records })
+    }
+
+    /// What it was recorded on.
+    #[must_use]
+    pub const fn header(&self) -> Header {
+        self.header
+    }
+
+    /// Its ticks.
+    pub fn records(&self) -> impl ExactSizeIterator<Item = &Record> {
+        self.records.iter()
+    }
+}
+
+impl fmt::Display for TraceError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            TraceError::Read(path, e) => write!(f, "{}: can't be read: {e}", path.display()),
+            TraceError::Header(path, bad) => write!(
+                f,
+                "{}: no trace: expected {} at byte {}",
+                path.display(),
+                bad.expected,
+                bad.offset
+            ),
+            TraceError::Record { path, tick, bad } => write!(
+                f,
+                "{}: tick {tick}: expected {} at byte {}",
+                path.display(),
+                bad.expected,
+                bad.offset
+            ),
+        }
+    }
+}
+
+impl std::error::Error for TraceError {}
+
+impl fmt::Display for Diverged {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Diverged::Size { recorded, here } => {
+                write!(f, "before tick 0: recorded at {recorded} voxels a side, played at {here}")
+            }
+            Diverged::Starts { recorded, here } => write!(
+                f,
+                "before tick 0: recorded on other start volumes \
+                 (digest {recorded:016x}, these have {here:016x})"
+            ),
+            Diverged::State { recorded, here } => write!(
+                f,
+                "before tick 0: recorded from another state \
+                 (digest {recorded:016x}, this one has {here:016x})"
+            ),
+            Diverged::Tick { tick, recorded, here } => write!(
+                f,
+                "tick {tick}: digest {here:016x}, the trace has {recorded:016x}"
+            ),
+        }
+    }
+}
+
+impl std::error::Error for Diverged {}
