@@ -20,14 +20,17 @@
 //! complement of its first voxel, then its last voxel. Two zero bytes are an empty column. Every
 //! interval is tight: its two end voxels lie in their columns of all three maps.
 
+mod fault;
+
 use std::fs::File;
 use std::io::{self, Read};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use paros_core::maps::{Axis, Column, Maps, Range};
 use paros_core::size::{Grid, Size};
 
 use crate::durable;
+pub use fault::{Error, Fault};
 
 const MAGIC: [u8; 4] = *b"RMAP";
 const VERSION: u16 = 1;
@@ -61,7 +64,9 @@ impl Header {
 pub fn peek(path: &Path) -> Result<Header, Error> {
     let mut start = Vec::with_capacity(HEADER);
     let file = File::open(path).map_err(|source| unreadable(path, source))?;
-    file.take(HEADER as u64).read_to_end(&mut start).map_err(|source| unreadable(path, source))?;
+    file.take(HEADER as u64)
+        .read_to_end(&mut start)
+        .map_err(|source| unreadable(path, source))?;
     header(&start).map_err(|(offset, fault)| bad(path, offset, fault))
 }
 
@@ -75,11 +80,21 @@ where
 {
     let header = peek(path)?;
     if header.n != N {
-        return Err(bad(path, 6, Fault::OtherSize { found: header.n, expected: N }));
+        return Err(bad(
+            path,
+            6,
+            Fault::OtherSize {
+                found: header.n,
+                expected: N,
+            },
+        ));
     }
     let mut bytes = Vec::with_capacity(header.file_length() + 1);
     File::open(path)
-        .and_then(|file| file.take(header.file_length() as u64 + 1).read_to_end(&mut bytes))
+        .and_then(|file| {
+            file.take(header.file_length() as u64 + 1)
+                .read_to_end(&mut bytes)
+        })
         .map_err(|source| unreadable(path, source))?;
     decode(&bytes, maps).map_err(|(offset, fault)| bad(path, offset, fault))
 }
@@ -101,7 +116,11 @@ pub fn encode<const N: usize>(maps: &Maps<N>) -> Vec<u8>
 where
     Grid<N>: Size,
 {
-    let header = Header { version: VERSION, n: N, layers: 1 };
+    let header = Header {
+        version: VERSION,
+        n: N,
+        layers: 1,
+    };
     let mut bytes = Vec::with_capacity(header.file_length());
     bytes.extend(MAGIC);
     bytes.extend(VERSION.to_le_bytes());
@@ -137,9 +156,18 @@ where
 {
     let header = header(bytes)?;
     if header.n != N {
-        return Err((6, Fault::OtherSize { found: header.n, expected: N }));
+        return Err((
+            6,
+            Fault::OtherSize {
+                found: header.n,
+                expected: N,
+            },
+        ));
     }
-    let columns = Columns { bytes: checked_columns(bytes, &header)?, n: N };
+    let columns = Columns {
+        bytes: checked_columns(bytes, &header)?,
+        n: N,
+    };
     columns.check_ranges()?;
     columns.check_tightness()?;
     for axis in Axis::ALL {
@@ -150,146 +178,19 @@ where
     Ok(())
 }
 
-/// Why a file was not read.
-#[derive(Debug)]
-pub enum Error {
-    /// The system could not read it.
-    Unreadable {
-        /// The file.
-        path: PathBuf,
-        /// The system's reason.
-        source: io::Error,
-    },
-    /// Its bytes are wrong.
-    Bad {
-        /// The file.
-        path: PathBuf,
-        /// Where in the file.
-        offset: usize,
-        /// What is wrong there.
-        fault: Fault,
-    },
-}
-
-/// What can be wrong with the bytes of a file.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Fault {
-    /// It does not start as an `.rmap`.
-    Magic([u8; 4]),
-    /// A version that this program does not read.
-    Version(u16),
-    /// An N that no volume has.
-    Size(u16),
-    /// A number of intervals a column that this program does not hold.
-    Layers(u8),
-    /// A flag or filler that version 1 does not define.
-    Flags(u8),
-    /// A right size, but not the one asked for.
-    OtherSize {
-        /// N of the file.
-        found: usize,
-        /// N asked for.
-        expected: usize,
-    },
-    /// The file ends before its columns and checksum do.
-    Truncated {
-        /// Bytes that there should be.
-        expected: usize,
-    },
-    /// Bytes follow the checksum.
-    Trailing,
-    /// The checksum is not that of the bytes before it.
-    Checksum {
-        /// As stored.
-        found: u32,
-        /// As computed.
-        expected: u32,
-    },
-    /// Two bytes that are no range of this grid.
-    Range {
-        /// The column's axis.
-        axis: Axis,
-        /// The column's line and place in its map.
-        address: (usize, usize),
-        /// The bytes.
-        bytes: [u8; 2],
-    },
-    /// An end of a range that another map leaves empty.
-    Loose {
-        /// The range's axis.
-        axis: Axis,
-        /// The end voxel.
-        voxel: [usize; 3],
-        /// The axis whose column does not hold that voxel.
-        missing: Axis,
-    },
-}
-
-impl std::fmt::Display for Error {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Error::Unreadable { path, source } => {
-                write!(f, "{}: cannot read: {source}", path.display())
-            }
-            Error::Bad { path, offset, fault } => {
-                write!(f, "{}: at byte {offset}: {fault}", path.display())
-            }
-        }
-    }
-}
-
-impl std::error::Error for Error {
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        match self {
-            Error::Unreadable { source, .. } => Some(source),
-            Error::Bad { .. } => None,
-        }
-    }
-}
-
-impl std::fmt::Display for Fault {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match *self {
-            Fault::Magic(found) => write!(
-                f,
-                "expected the magic \"RMAP\", found \"{}\": not a range map file",
-                found.escape_ascii()
-            ),
-            Fault::Version(found) => write!(f, "expected version {VERSION}, found {found}"),
-            Fault::Size(found) => write!(f, "expected a size N out of {SIZES:?}, found {found}"),
-            Fault::Layers(found) => write!(f, "expected 1 interval a column, found {found}"),
-            Fault::Flags(found) => write!(f, "expected a zero byte, found {found:#04x}"),
-            Fault::OtherSize { found, expected } => {
-                write!(f, "expected a volume of size {expected}, found size {found}")
-            }
-            Fault::Truncated { expected } => {
-                write!(f, "the file ends here, expected {expected} bytes: truncated")
-            }
-            Fault::Trailing => write!(f, "expected the end of the file, found more bytes"),
-            Fault::Checksum { found, expected } => {
-                write!(f, "expected the checksum {expected:08x}, found {found:08x}: damaged")
-            }
-            Fault::Range { axis, address: (line, place), bytes: [not_lo, hi] } => write!(
-                f,
-                "expected a range inside the grid, found {}..={hi} \
-                 (column along {axis:?}, line {line}, place {place})",
-                !not_lo
-            ),
-            Fault::Loose { axis, voxel, missing } => write!(
-                f,
-                "expected a tight range, but its end voxel {voxel:?} along {axis:?} is not in its \
-                 column along {missing:?}"
-            ),
-        }
-    }
-}
-
 fn unreadable(path: &Path, source: io::Error) -> Error {
-    Error::Unreadable { path: path.to_owned(), source }
+    Error::Unreadable {
+        path: path.to_owned(),
+        source,
+    }
 }
 
 fn bad(path: &Path, offset: usize, fault: Fault) -> Error {
-    Error::Bad { path: path.to_owned(), offset, fault }
+    Error::Bad {
+        path: path.to_owned(),
+        offset,
+        fault,
+    }
 }
 
 fn header(bytes: &[u8]) -> Result<Header, (usize, Fault)> {
@@ -298,7 +199,8 @@ fn header(bytes: &[u8]) -> Result<Header, (usize, Fault)> {
     {
         return Err((0, Fault::Magic(magic)));
     }
-    let Some(&[_, _, _, _, v0, v1, n0, n1, layers, fill @ ..]) = bytes.first_chunk::<HEADER>() else {
+    let Some(&[_, _, _, _, v0, v1, n0, n1, layers, fill @ ..]) = bytes.first_chunk::<HEADER>()
+    else {
         return Err((bytes.len(), Fault::Truncated { expected: HEADER }));
     };
     let (version, n) = (u16::from_le_bytes([v0, v1]), u16::from_le_bytes([n0, n1]));
@@ -314,7 +216,11 @@ fn header(bytes: &[u8]) -> Result<Header, (usize, Fault)> {
     if let Some(i) = fill.iter().position(|&byte| byte != 0) {
         return Err((9 + i, Fault::Flags(fill[i])));
     }
-    Ok(Header { version, n: n.into(), layers: layers.into() })
+    Ok(Header {
+        version,
+        n: n.into(),
+        layers: layers.into(),
+    })
 }
 
 /// The bytes of the columns, once length and checksum are right.
@@ -336,7 +242,9 @@ fn checked_columns<'a>(bytes: &'a [u8], header: &Header) -> Result<&'a [u8], (us
 
 /// The last four bytes of a whole file.
 fn stored_checksum(bytes: &[u8]) -> u32 {
-    bytes.last_chunk().map_or(0, |&last| u32::from_le_bytes(last))
+    bytes
+        .last_chunk()
+        .map_or(0, |&last| u32::from_le_bytes(last))
 }
 
 /// The columns of a file with one interval each, before they are known to be tight.
@@ -371,7 +279,11 @@ impl Columns<'_> {
             for address in self.addresses() {
                 let bytes = self.pair(axis, address);
                 if Range::from_bytes(bytes, self.n).is_none() {
-                    let fault = Fault::Range { axis, address, bytes };
+                    let fault = Fault::Range {
+                        axis,
+                        address,
+                        bytes,
+                    };
                     return Err((HEADER + self.offset(axis, address), fault));
                 }
             }
@@ -391,7 +303,11 @@ impl Columns<'_> {
                 for (byte, end) in [range.lo(), range.hi()].into_iter().enumerate() {
                     let voxel = axis.voxel(address, end);
                     if let Some(missing) = self.missing(voxel) {
-                        let fault = Fault::Loose { axis, voxel, missing };
+                        let fault = Fault::Loose {
+                            axis,
+                            voxel,
+                            missing,
+                        };
                         return Err((HEADER + self.offset(axis, address) + byte, fault));
                     }
                 }
@@ -402,8 +318,10 @@ impl Columns<'_> {
 
     /// The first axis whose column does not hold a voxel.
     fn missing(&self, voxel: [usize; 3]) -> Option<Axis> {
-        let holds =
-            |axis: Axis| self.range(axis, axis.address(voxel)).contains(voxel[axis as usize]);
+        let holds = |axis: Axis| {
+            self.range(axis, axis.address(voxel))
+                .contains(voxel[axis as usize])
+        };
         Axis::ALL.into_iter().find(|&axis| !holds(axis))
     }
 }

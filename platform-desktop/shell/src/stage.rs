@@ -18,7 +18,14 @@ where
 {
     world: &'a mut World<N>,
     starts: Starts<'a, N>,
-    recording: Option<Vec<u8>>,
+    recording: Option<Recording>,
+}
+
+/// The header of a trace, and the bytes so far: room for the header, then records.
+#[derive(Debug)]
+struct Recording {
+    header: Header,
+    bytes: Vec<u8>,
 }
 
 impl<'a, const N: usize> Stage<'a, N>
@@ -42,6 +49,7 @@ where
     pub fn header(&self) -> Header {
         Header {
             size: N as u16,
+            ticks: 0,
             starts: starts_digest(&self.starts),
             first: self.world.digest(),
         }
@@ -49,21 +57,22 @@ where
 
     /// Records all ticks from now on.
     pub fn record(&mut self) {
-        let mut bytes = vec![0; HEADER_BYTES];
-        self.header().write(&mut Writer::new(&mut bytes));
-        self.recording = Some(bytes);
+        self.recording = Some(Recording { header: self.header(), bytes: vec![0; HEADER_BYTES] });
     }
 
     /// Ends the recording: the bytes of a trace.
     #[must_use]
     pub fn end_recording(&mut self) -> Option<Vec<u8>> {
-        self.recording.take()
+        let Recording { header, mut bytes } = self.recording.take()?;
+        header.write(&mut Writer::new(&mut bytes));
+        Some(bytes)
     }
 
     /// One tick.
     pub fn tick(&mut self, input: &Input) {
         self.world.step(input, &self.starts);
-        if let Some(bytes) = &mut self.recording {
+        if let Some(Recording { header, bytes }) = &mut self.recording {
+            header.ticks += 1;
             let at = bytes.len();
             bytes.resize(at + RECORD_BYTES, 0);
             let record = Record { input: *input, digest: self.world.digest() };

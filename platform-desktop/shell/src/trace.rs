@@ -96,6 +96,11 @@ impl Trace {
             })?;
             records.push(record);
         }
+        if records.len() != header.ticks as usize {
+            let tick = records.len().min(header.ticks as usize);
+            let expected = "as many ticks as the header says";
+            return Err((Some(tick), BadBytes { offset: HEADER_BYTES + tick * RECORD_BYTES, expected }));
+        }
         Ok(Trace { header, records })
     }
 

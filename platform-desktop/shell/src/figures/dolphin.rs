@@ -2,9 +2,7 @@
 
 use glam::Vec3;
 
-use super::field::{
-    blend, chain, disc, groove, limb, min, sphere, v,
-};
+use super::field::{blend, chain, disc, groove, limb, min, sphere, v};
 
 pub(super) fn field(p: Vec3) -> f32 {
     let q = v(p.x, p.y, p.z.abs());
@@ -31,11 +29,19 @@ fn body(q: Vec3) -> f32 {
 fn fins(q: Vec3) -> f32 {
     let back = chain(
         q,
-        &[(v(-1.0, 97.0, 0.0), 6.0), (v(-11.0, 109.0, 0.0), 3.4), (v(-19.0, 112.0, 0.0), 2.0)],
+        &[
+            (v(-1.0, 97.0, 0.0), 6.0),
+            (v(-11.0, 109.0, 0.0), 3.4),
+            (v(-19.0, 112.0, 0.0), 2.0),
+        ],
     );
     let side = chain(
         q,
-        &[(v(17.0, 74.0, 11.0), 5.0), (v(9.0, 63.0, 22.0), 3.6), (v(1.0, 58.0, 27.0), 2.2)],
+        &[
+            (v(17.0, 74.0, 11.0), 5.0),
+            (v(9.0, 63.0, 22.0), 3.6),
+            (v(1.0, 58.0, 27.0), 2.2),
+        ],
     );
     min(back, side)
 }
@@ -43,7 +49,11 @@ fn fins(q: Vec3) -> f32 {
 fn fluke(q: Vec3) -> f32 {
     chain(
         q,
-        &[(v(-38.0, 48.0, 0.0), 4.5), (v(-41.0, 38.0, 10.0), 3.8), (v(-38.0, 33.0, 21.0), 2.4)],
+        &[
+            (v(-38.0, 48.0, 0.0), 4.5),
+            (v(-41.0, 38.0, 10.0), 3.8),
+            (v(-38.0, 33.0, 21.0), 2.4),
+        ],
     )
 }
 
@@ -59,7 +69,7 @@ fn face(d: f32, q: Vec3) -> f32 {
     } else {
         9.0
     };
-    min(groove(d, gap, 1.3), eye)
+    min(groove(d, gap, 1.6), eye)
 }
 
 fn wave(p: Vec3) -> f32 {
@@ -82,14 +92,20 @@ fn wave(p: Vec3) -> f32 {
             (v(27.0, 42.0, 0.0), 3.6),
         ],
     );
-    let d = blend(blend(sea, swell, 12.0), curl, 6.0);
+    blend(streams(blend(sea, swell, 12.0), p), curl, 6.0)
+}
+
+/// Water runs up the wave in furrows that follow its back; another runs around the rim.
+fn streams(d: f32, p: Vec3) -> f32 {
     if d.abs() > 6.0 {
         return d;
     }
-    // Water runs up the wave in lines that follow its back.
     let away = v(p.x - 46.0, p.y - 26.0, 0.0).length() * 0.9;
-    let line = away - 8.0 * (away / 8.0 + 0.5).floor();
-    let d = if p.y > 12.0 { groove(d, line, 1.1) } else { d };
-    let rim = (p.y - 4.0).abs();
-    groove(d, rim, 1.0)
+    let stream = away - 8.0 * (away / 8.0 + 0.5).floor();
+    let d = if p.y > 12.0 {
+        groove(d, stream, 1.4)
+    } else {
+        d
+    };
+    groove(d, p.y - 4.0, 1.0)
 }

@@ -83,7 +83,9 @@ pub(super) fn limb(p: Vec3, (a, ra): (Vec3, f32), (b, rb): (Vec3, f32)) -> f32 {
 /// A chain of limbs through the given points and radii.
 #[inline]
 pub(super) fn chain(p: Vec3, joints: &[(Vec3, f32)]) -> f32 {
-    joints.windows(2).fold(f32::MAX, |d, pair| min(d, limb(p, pair[0], pair[1])))
+    joints
+        .windows(2)
+        .fold(f32::MAX, |d, pair| min(d, limb(p, pair[0], pair[1])))
 }
 
 /// A box of half extents `half`, its edges rounded by `radius` within them.
@@ -98,7 +100,10 @@ pub(super) fn block(p: Vec3, centre: Vec3, half: Vec3, radius: f32) -> f32 {
 #[inline]
 pub(super) fn disc(p: Vec3, (low, high): (f32, f32), radius: f32, rim: f32) -> f32 {
     let half = (high - low) * 0.5;
-    let q = Vec2::new(turned(p) - radius + rim, (p.y - low - half).abs() - half + rim);
+    let q = Vec2::new(
+        turned(p) - radius + rim,
+        (p.y - low - half).abs() - half + rim,
+    );
     let outside = Vec2::new(max(q.x, 0.0), max(q.y, 0.0)).length();
     outside + min(max(q.x, q.y), 0.0) - rim
 }

@@ -2,9 +2,7 @@
 
 use glam::Vec3;
 
-use super::field::{
-    blend, cut, disc, ellipsoid, groove, limb, max, min, paired, ring, sphere, v,
-};
+use super::field::{blend, cut, disc, ellipsoid, groove, limb, max, min, paired, ring, sphere, v};
 
 pub(super) fn field(p: Vec3) -> f32 {
     let q = paired(p);
@@ -15,7 +13,7 @@ pub(super) fn field(p: Vec3) -> f32 {
 
 fn stump(p: Vec3) -> f32 {
     let d = disc(p, (-4.0, 14.0), 36.0, 3.0);
-    let d = groove(d, (p.y - 9.5).abs(), 1.0);
+    let d = groove(d, p.y - 9.5, 1.0);
     groove(d, ring(p, 14.0, 32.0, 0.0), 1.0)
 }
 
@@ -28,13 +26,21 @@ fn body(p: Vec3, q: Vec3) -> f32 {
     }
     // Breast feathers: rows of scallops, every second row shifted by half a feather.
     let row = ((68.0 - p.y) / 9.0).floor();
-    let shift = if row - 2.0 * (row * 0.5).floor() > 0.5 { 5.0 } else { 0.0 };
+    let shift = if row - 2.0 * (row * 0.5).floor() > 0.5 {
+        5.0
+    } else {
+        0.0
+    };
     let x = q.x + shift;
     let x = x - 10.0 * ((x / 10.0) + 0.5).floor();
     let y = p.y - (68.0 - 9.0 * row);
     let scallop = v(x, y + 1.0, 0.0).length() - 6.5;
     let breast = max(q.x - 19.0, max(p.y - 66.0, 24.0 - p.y));
-    if breast > 0.0 { d } else { groove(d, scallop, 0.9) }
+    if breast > 0.0 {
+        d
+    } else {
+        groove(d, scallop, 1.3)
+    }
 }
 
 fn head(q: Vec3) -> f32 {
@@ -48,8 +54,12 @@ fn head(q: Vec3) -> f32 {
 fn face(q: Vec3) -> f32 {
     let ball = sphere(q, v(11.8, 87.5, 14.5), 9.4);
     let iris = v(q.x - 11.6, q.y - 87.5, 0.0).length() - 5.4;
-    let eye = if q.z > 18.0 { groove(ball, iris, 0.9) } else { ball };
-    let eye = cut(eye, sphere(q, v(11.4, 87.5, 24.5), 2.2), 0.8);
+    let eye = if q.z > 18.0 {
+        groove(ball, iris, 1.2)
+    } else {
+        ball
+    };
+    let eye = cut(eye, sphere(q, v(11.4, 87.5, 24.6), 2.8), 0.8);
     let beak = limb(q, (v(0.0, 83.0, 19.0), 5.0), (v(0.0, 74.0, 24.5), 2.0));
     min(eye, beak)
 }
@@ -59,7 +69,11 @@ fn wings(q: Vec3) -> f32 {
     // Flight feathers: furrows that sweep down and back.
     let along = q.z * 0.85 - q.y * 0.42 + 20.0;
     let furrow = along - 7.5 * (along / 7.5 + 0.5).floor();
-    if q.y > 52.0 || d.abs() > 6.0 { d } else { groove(d, furrow, 1.1) }
+    if q.y > 52.0 || d.abs() > 6.0 {
+        d
+    } else {
+        groove(d, furrow, 1.4)
+    }
 }
 
 fn feet(q: Vec3) -> f32 {

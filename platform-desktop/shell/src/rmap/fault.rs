@@ -1,0 +1,164 @@
+//! Why a file is no volume: where in it, what was found and what was expected.
+
+use std::fmt;
+use std::io;
+use std::path::PathBuf;
+
+use paros_core::maps::Axis;
+
+use super::{SIZES, VERSION};
+
+/// Why a file was not read.
+#[derive(Debug)]
+pub enum Error {
+    /// The system could not read it.
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// The system's reason.
+        source: io::Error,
+    },
+    /// Its bytes are wrong.
+    Bad {
+        /// The file.
+        path: PathBuf,
+        /// Where in the file.
+        offset: usize,
+        /// What is wrong there.
+        fault: Fault,
+    },
+}
+
+/// What can be wrong with the bytes of a file.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Fault {
+    /// It does not start as an `.rmap`.
+    Magic([u8; 4]),
+    /// A version that this program does not read.
+    Version(u16),
+    /// An N that no volume has.
+    Size(u16),
+    /// A number of intervals a column that this program does not hold.
+    Layers(u8),
+    /// A flag or filler that version 1 does not define.
+    Flags(u8),
+    /// A right size, but not the one asked for.
+    OtherSize {
+        /// N of the file.
+        found: usize,
+        /// N asked for.
+        expected: usize,
+    },
+    /// The file ends before its columns and checksum do.
+    Truncated {
+        /// Bytes that there should be.
+        expected: usize,
+    },
+    /// Bytes follow the checksum.
+    Trailing,
+    /// The checksum is not that of the bytes before it.
+    Checksum {
+        /// As stored.
+        found: u32,
+        /// As computed.
+        expected: u32,
+    },
+    /// Two bytes that are no range of this grid.
+    Range {
+        /// The column's axis.
+        axis: Axis,
+        /// The column's line and place in its map.
+        address: (usize, usize),
+        /// The bytes.
+        bytes: [u8; 2],
+    },
+    /// An end of a range that another map leaves empty.
+    Loose {
+        /// The range's axis.
+        axis: Axis,
+        /// The end voxel.
+        voxel: [usize; 3],
+        /// The axis whose column does not hold that voxel.
+        missing: Axis,
+    },
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Error::Unreadable { path, source } => {
+                write!(f, "{}: cannot read: {source}", path.display())
+            }
+            Error::Bad {
+                path,
+                offset,
+                fault,
+            } => {
+                write!(f, "{}: at byte {offset}: {fault}", path.display())
+            }
+        }
+    }
+}
+
+impl std::error::Error for Error {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match self {
+            Error::Unreadable { source, .. } => Some(source),
+            Error::Bad { .. } => None,
+        }
+    }
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Fault::Magic(found) => write!(
+                f,
+                "expected the magic \"RMAP\", found \"{}\": not a range map file",
+                found.escape_ascii()
+            ),
+            Fault::Version(found) => write!(f, "expected version {VERSION}, found {found}"),
+            Fault::Size(found) => write!(f, "expected a size N out of {SIZES:?}, found {found}"),
+            Fault::Layers(found) => write!(f, "expected 1 interval a column, found {found}"),
+            Fault::Flags(found) => write!(f, "expected a zero byte, found {found:#04x}"),
+            Fault::OtherSize { found, expected } => {
+                write!(
+                    f,
+                    "expected a volume of size {expected}, found size {found}"
+                )
+            }
+            Fault::Truncated { expected } => {
+                write!(
+                    f,
+                    "the file ends here, expected {expected} bytes: truncated"
+                )
+            }
+            Fault::Trailing => write!(f, "expected the end of the file, found more bytes"),
+            Fault::Checksum { found, expected } => {
+                write!(
+                    f,
+                    "expected the checksum {expected:08x}, found {found:08x}: damaged"
+                )
+            }
+            Fault::Range {
+                axis,
+                address: (line, place),
+                bytes: [not_lo, hi],
+            } => write!(
+                f,
+                "expected a range inside the grid, found {}..={hi} \
+                 (column along {axis:?}, line {line}, place {place})",
+                !not_lo
+            ),
+            Fault::Loose {
+                axis,
+                voxel,
+                missing,
+            } => write!(
+                f,
+                "expected a tight range, but its end voxel {voxel:?} along {axis:?} is not in its \
+                 column along {missing:?}"
+            ),
+        }
+    }
+}

@@ -1,0 +1,172 @@
+//! `paros info`: what a file holds.
+
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+use paros_core::plane::Plane;
+use paros_core::row::Bits;
+use paros_core::size::{Grid, Size};
+use paros_shell::rmap;
+use paros_shell::statics::Resident;
+use serde::Serialize;
+
+use super::volume;
+use crate::error::Error;
+use crate::mesh::{self, Kind};
+
+/// Tell what a volume or a mesh holds.
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    /// The file: a volume (.rmap) or a mesh.
+    file: PathBuf,
+    /// As JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Debug, Serialize)]
+#[serde(tag = "kind", rename_all = "lowercase")]
+enum Info {
+    Volume(VolumeInfo),
+    Mesh(MeshInfo),
+}
+
+#[derive(Debug, Serialize)]
+struct VolumeInfo {
+    version: u16,
+    size: usize,
+    layers: usize,
+    bytes: usize,
+    /// CRC-32 of the file, in hexadecimal.
+    checksum: String,
+    voxels: u64,
+    /// Voxels in the layer y = 0.
+    ground: u64,
+    /// First and last occupied voxel along x, y and z; none in an empty volume.
+    bounds: Option<[[usize; 3]; 2]>,
+}
+
+#[derive(Debug, Serialize)]
+struct MeshInfo {
+    vertices: usize,
+    triangles: usize,
+    /// Lowest and highest coordinates of the triangles, in the file's units and axes.
+    bounds: Option<([f32; 3], [f32; 3])>,
+    /// Directed edges that more than one triangle uses: 0 where the winding is consistent.
+    winding_faults: usize,
+}
+
+pub(super) fn run(args: &Args) -> Result<String, Error> {
+    let info = if Kind::of(&args.file).is_some() {
+        Info::Mesh(mesh_info(&args.file)?)
+    } else {
+        Info::Volume(match volume::size(&args.file)? {
+            128 => volume_info::<128>(&args.file),
+            256 => volume_info::<256>(&args.file),
+            n => Err(volume::unusable_size(&args.file, n)),
+        }?)
+    };
+    if args.json {
+        let json = serde_json::to_string_pretty(&info).map_err(Error::failure)?;
+        return Ok(json + "\n");
+    }
+    Ok(match info {
+        Info::Volume(info) => volume_lines(&args.file, &info),
+        Info::Mesh(info) => mesh_lines(&args.file, &info),
+    })
+}
+
+fn volume_info<const N: usize>(path: &Path) -> Result<VolumeInfo, Error>
+where
+    Grid<N>: Size + Resident<N>,
+{
+    let header = rmap::peek(path).map_err(Error::input)?;
+    let (mut maps, mut plane) = (Grid::<N>::maps(), Grid::<N>::plane());
+    rmap::read(path, &mut *maps).map_err(Error::input)?;
+    plane.expand(&maps);
+    Ok(VolumeInfo {
+        version: header.version,
+        size: header.n,
+        layers: header.layers,
+        bytes: header.file_length(),
+        checksum: format!("{:08x}", rmap::checksum(&maps)),
+        voxels: plane.count(),
+        ground: plane
+            .layer(0)
+            .iter()
+            .map(|row| u64::from(row.count()))
+            .sum(),
+        bounds: bounds(&plane),
+    })
+}
+
+/// First and last occupied voxel along x, y and z.
+fn bounds<const N: usize>(plane: &Plane<N>) -> Option<[[usize; 3]; 2]>
+where
+    Grid<N>: Size,
+{
+    let mut bounds: Option<[[usize; 3]; 2]> = None;
+    for y in 0..N {
+        for z in 0..N {
+            let row = plane.row(y, z);
+            let (Some(first), Some(last)) = (row.first(), row.last()) else {
+                continue;
+            };
+            let [lo, hi] = bounds.unwrap_or([[first, y, z], [last, y, z]]);
+            bounds = Some([
+                [lo[0].min(first), lo[1].min(y), lo[2].min(z)],
+                [hi[0].max(last), hi[1].max(y), hi[2].max(z)],
+            ]);
+        }
+    }
+    bounds
+}
+
+fn volume_lines(path: &Path, info: &VolumeInfo) -> String {
+    let mut lines = format!("{}: a volume of {}^3 voxels\n", path.display(), info.size);
+    let _ = writeln!(
+        lines,
+        "voxels    {} ({} on the ground)",
+        info.voxels, info.ground
+    );
+    if let Some([lo, hi]) = info.bounds {
+        let [x, y, z] = [0, 1, 2].map(|axis| format!("{}..={}", lo[axis], hi[axis]));
+        let _ = writeln!(lines, "bounds    x {x}, y {y}, z {z}");
+    }
+    let _ = writeln!(lines, "checksum  {}", info.checksum);
+    let _ = writeln!(
+        lines,
+        "file      version {}, {} interval a column, {} bytes",
+        info.version, info.layers, info.bytes
+    );
+    lines
+}
+
+fn mesh_info(path: &Path) -> Result<MeshInfo, Error> {
+    let mesh = mesh::read(path).map_err(Error::input)?;
+    Ok(MeshInfo {
+        vertices: mesh.positions.len(),
+        triangles: mesh.triangles.len(),
+        bounds: mesh.bounds(),
+        winding_faults: mesh.winding_faults(),
+    })
+}
+
+fn mesh_lines(path: &Path, info: &MeshInfo) -> String {
+    let mut lines = format!("{}: a mesh\n", path.display());
+    let _ = writeln!(
+        lines,
+        "triangles {} over {} vertices",
+        info.triangles, info.vertices
+    );
+    if let Some((low, high)) = info.bounds {
+        let [x, y, z] = [0, 1, 2].map(|axis| format!("{} to {}", low[axis], high[axis]));
+        let _ = writeln!(lines, "bounds    x {x}, y {y}, z {z}");
+    }
+    let winding = match info.winding_faults {
+        0 => "consistent".into(),
+        faults => format!("inconsistent: {faults} edges run the same way twice"),
+    };
+    let _ = writeln!(lines, "winding   {winding}");
+    lines
+}

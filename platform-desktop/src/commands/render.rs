@@ -1,0 +1,93 @@
+//! `paros render`: a picture of a volume.
+
+use std::path::PathBuf;
+
+use paros_core::size::{Grid, Size};
+use paros_shaders::{Camera, RenderOptions, render as picture};
+use paros_shell::durable::Draft;
+use paros_shell::statics::Resident;
+
+use super::{progress, volume};
+use crate::error::Error;
+
+/// The longest side of a picture in pixels.
+const LONGEST: usize = 8192;
+
+/// Render a picture of a volume.
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    /// The volume.
+    #[arg(value_name = "V.rmap")]
+    volume: PathBuf,
+    /// The picture to write.
+    #[arg(short, long, value_name = "P.png")]
+    output: PathBuf,
+    /// Width and height in pixels.
+    #[arg(long, value_name = "WxH", default_value = "640x480", value_parser = pixels)]
+    size: [usize; 2],
+    /// Azimuth (0 looks at the front, 90 at the right) and elevation of the view, in degrees.
+    #[arg(long, value_name = "AZ,EL", default_value = "25,15", value_parser = view,
+          allow_hyphen_values = true)]
+    view: [f32; 2],
+}
+
+fn pixels(text: &str) -> Result<[usize; 2], String> {
+    let side = |text: &str| {
+        text.parse()
+            .ok()
+            .filter(|side| (1..=LONGEST).contains(side))
+    };
+    text.split_once('x')
+        .and_then(|(width, height)| Some([side(width)?, side(height)?]))
+        .ok_or_else(|| format!("expected WxH, each 1 to {LONGEST}"))
+}
+
+fn view(text: &str) -> Result<[f32; 2], String> {
+    let angle = |text: &str, most: f32| text.parse().ok().filter(|a: &f32| a.abs() <= most);
+    text.split_once(',')
+        .and_then(|(azimuth, elevation)| Some([angle(azimuth, 360.0)?, angle(elevation, 90.0)?]))
+        .ok_or_else(|| "expected AZ,EL in degrees, at most 360 and 90 either way".into())
+}
+
+pub(super) fn run(args: &Args) -> Result<String, Error> {
+    volume::check_distinct(&args.volume, &args.output)?;
+    match volume::size(&args.volume)? {
+        128 => render::<128>(args),
+        256 => render::<256>(args),
+        n => Err(volume::unusable_size(&args.volume, n)),
+    }
+}
+
+fn render<const N: usize>(args: &Args) -> Result<String, Error>
+where
+    Grid<N>: Size + Resident<N>,
+{
+    let mut maps = Grid::<N>::maps();
+    volume::read(&args.volume, &mut maps)?;
+    let mut file = Draft::create(&args.output)?;
+    let [azimuth, elevation] = args.view.map(f32::to_radians);
+    let [width, height] = args.size;
+    let options = RenderOptions {
+        width,
+        height,
+        ..RenderOptions::default()
+    };
+    let rendering = progress::bar("rendering", Some(height as u64));
+    let image = picture(
+        &maps,
+        &Camera::ring(azimuth, elevation),
+        &options,
+        &|done| {
+            rendering.advance_to((done * height as f32) as u64);
+        },
+    );
+    drop(rendering);
+    image
+        .write_png(&mut file)
+        .map_err(|source| Error::failure(file.error("write", source)))?;
+    file.commit()?;
+    Ok(format!(
+        "{}: {width}x{height} pixels\n",
+        args.output.display()
+    ))
+}

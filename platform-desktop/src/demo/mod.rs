@@ -1,0 +1,314 @@
+//! The demo: a sculptor's session as a script, from the lump to the figure hidden in it.
+//!
+//! The script sees only what a visitor sees and feels, the volume and the contact, and answers
+//! with inputs, so the session is a function of the core: its digests are the same everywhere.
+
+pub mod sculptor;
+
+use glam::Vec3;
+use paros_core::input::{Mode, commands};
+use paros_core::maps::Axis;
+use paros_core::size::{Grid, Size};
+use paros_core::tools::{Bit, Tool};
+use paros_core::workbench::Item;
+use paros_shell::stage::Stage;
+
+pub use sculptor::Watcher;
+use sculptor::Sculptor;
+
+/// A stage of the session, for pictures and the report.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Chapter {
+    /// The lump as it came.
+    Stone,
+    /// An edge has been sawn off and fell.
+    Edge,
+    /// The front has been roughed out.
+    Front,
+    /// The large burr is done.
+    Rough,
+    /// The medium burr is done.
+    Fine,
+    /// The rasp took the ridges.
+    Smooth,
+    /// Paste went where it shouldn't.
+    Mishap,
+    /// That was undone.
+    Undone,
+    /// Beads of paste lie round the neck; finished.
+    Finished,
+}
+
+impl Chapter {
+    /// All of them, in order.
+    pub const ALL: [Chapter; 9] = [
+        Chapter::Stone,
+        Chapter::Edge,
+        Chapter::Front,
+        Chapter::Rough,
+        Chapter::Fine,
+        Chapter::Smooth,
+        Chapter::Mishap,
+        Chapter::Undone,
+        Chapter::Finished,
+    ];
+
+    /// A few words about it.
+    #[must_use]
+    pub const fn words(self) -> &'static str {
+        match self {
+            Chapter::Stone => "the stone",
+            Chapter::Edge => "an edge sawn off",
+            Chapter::Front => "the front roughed out",
+            Chapter::Rough => "roughed out",
+            Chapter::Fine => "worked finer",
+            Chapter::Smooth => "rasped smooth",
+            Chapter::Mishap => "paste on the head",
+            Chapter::Undone => "undone",
+            Chapter::Finished => "a string of beads round the neck",
+        }
+    }
+}
+
+/// The right hand does the work; the left turns the stool.
+const RIGHT: usize = 1;
+
+/// Plays the session. `watcher` hears of every tick, `chapter` of every chapter when it is over.
+pub fn play<const N: usize>(
+    stage: &mut Stage<'_, N>,
+    figure: u8,
+    watcher: &mut Watcher<'_, N>,
+    mut chapter: impl FnMut(Chapter, &paros_core::world::World<N>),
+) where
+    Grid<N>: Size,
+{
+    let mut s = Sculptor::new(stage, watcher);
+    let mut done = |chapter_done, s: &Sculptor<'_, '_, N>| chapter(chapter_done, s.world());
+    s.start(Mode::Constrained { figure });
+    done(Chapter::Stone, &s);
+
+    s.fetch(RIGHT, Item::Tool(Tool::Rotary));
+    saw_edge(&mut s);
+    done(Chapter::Edge, &s);
+
+    s.fetch(RIGHT, Item::Bit(Bit::LargeBall));
+    s.mirror(true);
+    rough(&mut s, 0.0, 9.0, 4.0);
+    done(Chapter::Front, &s);
+    for degrees in [90.0, 180.0] {
+        rough(&mut s, degrees, 9.0, 4.0);
+    }
+    rough_top(&mut s, 9.0, 4.0);
+    done(Chapter::Rough, &s);
+
+    s.fetch(RIGHT, Item::Bit(Bit::MediumBall));
+    for degrees in [0.0, 45.0, 90.0, 135.0, 180.0] {
+        rough(&mut s, degrees, 5.0, 2.5);
+    }
+    rough_top(&mut s, 5.0, 2.5);
+    s.fetch(RIGHT, Item::Bit(Bit::SmallBall));
+    for degrees in [0.0, 90.0, 180.0] {
+        rough(&mut s, degrees, 3.5, 2.0);
+    }
+    rough_top(&mut s, 3.5, 2.0);
+    done(Chapter::Fine, &s);
+
+    s.fetch(RIGHT, Item::Tool(Tool::Rasp));
+    for degrees in [0.0, 90.0, 180.0] {
+        rasp(&mut s, degrees);
+    }
+    s.mirror(false);
+    done(Chapter::Smooth, &s);
+
+    s.fetch(RIGHT, Item::Tool(Tool::FillGun));
+    blot(&mut s);
+    done(Chapter::Mishap, &s);
+    s.command(commands::UNDO);
+    done(Chapter::Undone, &s);
+    necklace(&mut s);
+    s.wait(36);
+    s.command(commands::FINISH);
+    done(Chapter::Finished, &s);
+}
+
+/// Saws the upper right edge of the block off: down beside the figure, then in from the side. What
+/// is cut loose falls. The cuts run along an axis, as range maps can hold no others.
+fn saw_edge<const N: usize>(s: &mut Sculptor<'_, '_, N>)
+where
+    Grid<N>: Size,
+{
+    let unit = N as f32 / 128.0;
+    let foot = 76.0 * unit;
+    let widest = (foot as usize..N)
+        .flat_map(|y| s.world().mask().line(Axis::X, y))
+        .map(|column| column.hull().hi())
+        .max();
+    let beside = widest.map_or(64.0, |x| x as f32) + 8.0 * unit;
+    let down = steps(124.0, 76.0, -6.0).map(|height| (beside, height * unit));
+    let aside = steps(6.0, 60.0, 6.0).map(|x| (beside + x * unit, foot));
+    for (x, y) in down.chain(aside) {
+        let from = Vec3::new(x, y, 144.0 * unit);
+        let (Some(front), _) = s.probe(from, Vec3::NEG_Z) else { continue };
+        let (Some(back), _) = s.probe(from.with_z(-16.0 * unit), Vec3::Z) else { continue };
+        let start = from.with_z(from.z - front + 9.0 * unit);
+        s.approach(RIGHT, from, Vec3::NEG_Z);
+        s.approach(RIGHT, start, Vec3::NEG_Z);
+        s.drive(RIGHT, start, Vec3::NEG_Z, 178.0 * unit - front - back);
+        s.approach(RIGHT, from, Vec3::NEG_Z);
+        s.lift(RIGHT);
+    }
+    s.rest(RIGHT);
+}
+
+/// Plunges into one side of the block, from the top down, wherever stone covers the figure by more
+/// than `least` voxels of a 128-voxel block. The mirror does the other half.
+fn rough<const N: usize>(s: &mut Sculptor<'_, '_, N>, degrees: f32, spacing: f32, least: f32)
+where
+    Grid<N>: Size,
+{
+    let unit = N as f32 / 128.0;
+    let out = outward(degrees);
+    let side = Vec3::Y.cross(out);
+    let foot = Vec3::new(64.0, 0.0, 64.0) * unit;
+    // Clear of the box by the largest bit.
+    let far = if degrees % 90.0 == 0.0 { 74.0 } else { 98.0 };
+    s.face(degrees);
+    for height in heights(spacing) {
+        for aside in steps(-63.0, 63.0, spacing) {
+            let start = foot + Vec3::Y * height * unit + side * (aside * unit) + out * (far * unit);
+            // Beyond the mirror the other half is being worked.
+            let half = out.z.abs() > 0.9 && start.x < 62.0 * unit;
+            if !half {
+                plunge(s, start, -out, far * unit, least * unit);
+            }
+        }
+    }
+    s.rest(RIGHT);
+}
+
+/// Plunges from above.
+fn rough_top<const N: usize>(s: &mut Sculptor<'_, '_, N>, spacing: f32, least: f32)
+where
+    Grid<N>: Size,
+{
+    let unit = N as f32 / 128.0;
+    s.face(0.0);
+    for z in steps(8.0, 120.0, spacing) {
+        for x in steps(64.0, 120.0, spacing) {
+            let start = Vec3::new(x, 140.0, z) * unit;
+            plunge(s, start, Vec3::NEG_Y, 132.0 * unit, least * unit);
+        }
+    }
+    s.rest(RIGHT);
+}
+
+/// One plunge along `way`, unless there is little to remove; then out again.
+fn plunge<const N: usize>(
+    s: &mut Sculptor<'_, '_, N>,
+    start: Vec3,
+    way: Vec3,
+    farthest: f32,
+    least: f32,
+) where
+    Grid<N>: Size,
+{
+    let (Some(stone), mask) = s.probe(start, way) else { return };
+    let end = mask.unwrap_or(farthest).min(farthest);
+    if end - stone < least || s.ended() {
+        return;
+    }
+    let clear = 0.075 * N as f32;
+    let outside = start + way * (stone - clear).max(0.0);
+    s.approach(RIGHT, start, way);
+    s.approach(RIGHT, outside, way);
+    s.drive(RIGHT, outside, way, end - stone + clear);
+    // The tool runs until it is out: at rest it could stick in a bent hole.
+    s.approach(RIGHT, start, way);
+    s.lift(RIGHT);
+}
+
+/// A blot of paste on top.
+fn blot<const N: usize>(s: &mut Sculptor<'_, '_, N>)
+where
+    Grid<N>: Size,
+{
+    let unit = N as f32 / 128.0;
+    s.face(0.0);
+    let start = Vec3::new(64.0, 140.0, 64.0) * unit;
+    let (Some(stone), _) = s.probe(start, Vec3::NEG_Y) else { return };
+    let touch = start + Vec3::NEG_Y * (stone - 2.0 * unit);
+    s.approach(RIGHT, touch + Vec3::Y * (10.0 * unit), Vec3::NEG_Y);
+    let swirl = (0..90).map(|i| {
+        let angle = 0.25 * i as f32;
+        let radius = (2.0 + 0.08 * i as f32) * unit;
+        touch + Vec3::new(libm::sinf(angle) * radius, 0.06 * i as f32 * unit, libm::cosf(angle) * radius)
+    });
+    s.stroke(RIGHT, swirl, Vec3::NEG_Y);
+    s.lift(RIGHT);
+    s.rest(RIGHT);
+}
+
+/// Draws the rasp down one side in strips. The mirror does the other half.
+fn rasp<const N: usize>(s: &mut Sculptor<'_, '_, N>, degrees: f32)
+where
+    Grid<N>: Size,
+{
+    let unit = N as f32 / 128.0;
+    let out = outward(degrees);
+    let side = Vec3::Y.cross(out);
+    let axis = Vec3::new(64.0, 0.0, 64.0) * unit;
+    s.face(degrees);
+    for aside in steps(-40.0, 40.0, 8.0) {
+        let start = axis + side * (aside * unit) + out * (98.0 * unit);
+        let depths: Vec<(f32, f32)> = heights(1.0)
+            .filter_map(|y| Some((y * unit, s.probe(start.with_y(y * unit), -out).0?)))
+            .collect();
+        let Some((top, depth)) = depths.first() else { continue };
+        s.approach(RIGHT, start.with_y(*top), -out);
+        s.approach(RIGHT, start.with_y(*top) - out * (depth - 12.0 * unit), -out);
+        let strip = depths.iter().map(|(y, depth)| start.with_y(*y) - out * (depth + 2.0 * unit));
+        s.stroke(RIGHT, strip, -out);
+        s.approach(RIGHT, start, -out);
+        s.lift(RIGHT);
+    }
+    s.rest(RIGHT);
+}
+
+/// Beads of paste round the neck, the stool turning on from each to the next.
+fn necklace<const N: usize>(s: &mut Sculptor<'_, '_, N>)
+where
+    Grid<N>: Size,
+{
+    let unit = N as f32 / 128.0;
+    for degrees in steps(0.0, 340.0, 20.0) {
+        s.face(degrees);
+        let out = outward(degrees);
+        let start = Vec3::new(64.0, 68.0, 64.0) * unit + out * (98.0 * unit);
+        let (Some(stone), _) = s.probe(start, -out) else { continue };
+        let touch = start - out * (stone - 2.0 * unit);
+        s.approach(RIGHT, start, -out);
+        s.approach(RIGHT, touch + out * (8.0 * unit), -out);
+        s.stroke(RIGHT, (0..6).map(|_| touch), -out);
+        s.lift(RIGHT);
+        s.approach(RIGHT, start, -out);
+    }
+    s.rest(RIGHT);
+}
+
+/// The way out of the block at so many degrees from +z to +x.
+fn outward(degrees: f32) -> Vec3 {
+    let radians = degrees.to_radians();
+    Vec3::new(libm::sinf(radians), 0.0, libm::cosf(radians))
+}
+
+/// Heights in a block of 128 voxels, from the top down to near the ground.
+fn heights(spacing: f32) -> impl Iterator<Item = f32> {
+    let count = (124.0 / spacing) as usize;
+    (0..=count).rev().map(move |i| 3.0 + spacing * i as f32)
+}
+
+/// From `first` to `last` in steps of `by`, which may be negative.
+fn steps(first: f32, last: f32, by: f32) -> impl Iterator<Item = f32> {
+    let count = ((last - first) / by).floor() as usize;
+    (0..=count).map(move |i| first + by * i as f32)
+}

@@ -1,0 +1,68 @@
+//! Why a command ended, and the exit code that says whose fault it is.
+
+use std::error::Error as StdError;
+use std::fmt;
+use std::io::ErrorKind;
+use std::process::ExitCode;
+
+use paros_shell::{durable, stl};
+
+/// Why a command did not do its work.
+#[derive(Debug)]
+pub enum Error {
+    /// What it was given is wrong: an argument, or what a file holds. Exit code 2.
+    Input(String),
+    /// What it was given is right, but the machine would not: a full disk, say. Exit code 1.
+    Failure(String),
+}
+
+impl Error {
+    /// Whatever is wrong with what a command was given.
+    pub fn input(error: impl fmt::Display) -> Self {
+        Error::Input(error.to_string())
+    }
+
+    /// Whatever the machine would not do.
+    pub fn failure(error: impl fmt::Display) -> Self {
+        Error::Failure(error.to_string())
+    }
+
+    /// The code for the process to end with.
+    #[must_use]
+    pub fn exit_code(&self) -> ExitCode {
+        match self {
+            Error::Input(_) => ExitCode::from(2),
+            Error::Failure(_) => ExitCode::FAILURE,
+        }
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (Error::Input(message) | Error::Failure(message)) = self;
+        f.write_str(message)
+    }
+}
+
+impl StdError for Error {}
+
+/// A place where no file can be is the argument's fault; a disk that refuses is not.
+impl From<durable::Error> for Error {
+    fn from(error: durable::Error) -> Self {
+        match error.source.kind() {
+            ErrorKind::NotFound | ErrorKind::NotADirectory | ErrorKind::InvalidInput => {
+                Error::input(error)
+            }
+            _ => Error::failure(error),
+        }
+    }
+}
+
+impl From<stl::Error> for Error {
+    fn from(error: stl::Error) -> Self {
+        match error {
+            stl::Error::Height(_) | stl::Error::Empty => Error::input(error),
+            stl::Error::File(error) => error.into(),
+        }
+    }
+}

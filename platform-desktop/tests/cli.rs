@@ -1,0 +1,304 @@
+//! The `paros` command as a user meets it: what good input gives, and that bad input of every kind
+//! ends in exit code 2 and a message that names the file, with nothing written.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+use std::sync::Mutex;
+
+use paros_core::maps::Maps;
+use paros_core::plane::Plane;
+use paros_shell::figures::Figure;
+use paros_shell::rmap;
+
+/// A folder of a test's own.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("cli-{name}"));
+        let _ = fs::remove_dir_all(&folder);
+        fs::create_dir_all(&folder).unwrap();
+        Folder(folder)
+    }
+
+    fn write(&self, name: &str, bytes: impl AsRef<[u8]>) {
+        fs::write(self.0.join(name), bytes).unwrap();
+    }
+
+    fn read(&self, name: &str) -> Vec<u8> {
+        fs::read(self.0.join(name)).unwrap()
+    }
+
+    fn names(&self) -> Vec<String> {
+        let entries = fs::read_dir(&self.0).unwrap();
+        let mut names: Vec<_> = entries
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect();
+        names.sort();
+        names
+    }
+
+    fn paros(&self, args: &[&str]) -> Output {
+        let mut paros = Command::new(env!("CARGO_BIN_EXE_paros"));
+        paros
+            .args(args)
+            .current_dir(&self.0)
+            .stdin(Stdio::null())
+            .output()
+            .unwrap()
+    }
+
+    /// Runs a command that must do its work; what it printed.
+    fn succeeds(&self, args: &[&str]) -> String {
+        let output = self.paros(args);
+        let errors = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{args:?}: {errors}");
+        assert!(errors.is_empty(), "{args:?}: {errors}");
+        String::from_utf8(output.stdout).unwrap()
+    }
+
+    /// Runs a command that must be refused without a trace, saying `word`.
+    fn refuses(&self, args: &[&str], word: &str) {
+        let before = self.names();
+        let output = self.paros(args);
+        let errors = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{args:?}: {errors}");
+        assert!(
+            errors.contains(word),
+            "{args:?} should say {word:?}: {errors}"
+        );
+        assert!(!errors.contains("panicked"), "{args:?}: {errors}");
+        assert!(output.stdout.is_empty(), "{args:?}");
+        assert_eq!(self.names(), before, "{args:?} left something behind");
+    }
+}
+
+const OCTAHEDRON: &str = "v 1 0 0\nv -1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\nv 0 0 -1\n\
+    f 1 3 5\nf 3 2 5\nf 2 4 5\nf 4 1 5\nf 3 1 6\nf 2 3 6\nf 4 2 6\nf 1 4 6\n";
+
+/// The bytes of the toy at 128.
+fn toy() -> Vec<u8> {
+    static BUFFERS: Mutex<(Maps<128>, Plane<128>)> = Mutex::new((Maps::new(), Plane::new()));
+    let mut buffers = BUFFERS.lock().unwrap();
+    let (maps, plane) = &mut *buffers;
+    Figure::Toy.carve_into(plane, maps);
+    rmap::encode(maps)
+}
+
+#[test]
+fn a_mesh_becomes_a_volume_a_picture_and_a_print() {
+    let folder = Folder::new("good");
+    folder.write("octahedron.obj", OCTAHEDRON);
+    let said = folder.succeeds(&["bake", "octahedron.obj", "-o", "v.rmap"]);
+    assert!(said.starts_with("v.rmap: "), "{said}");
+    let said = folder.succeeds(&["info", "v.rmap", "--json"]);
+    let info: serde_json::Value = serde_json::from_str(&said).unwrap();
+    assert_eq!(
+        (&info["kind"], &info["size"]),
+        (&"volume".into(), &128.into())
+    );
+    // 126 voxels along each axis: a sixth of the cube around it, and what its faces touch.
+    let voxels = info["voxels"].as_u64().unwrap();
+    assert!((330_000..380_000).contains(&voxels), "{voxels}");
+
+    folder.succeeds(&["export", "v.rmap", "-o", "m.stl", "--height-mm", "80"]);
+    let stl = folder.read("m.stl");
+    let triangles = u32::from_le_bytes(stl[80..84].try_into().unwrap());
+    assert!(triangles > 10_000);
+    assert_eq!(stl.len(), 84 + 50 * triangles as usize);
+    let said = folder.succeeds(&["info", "m.stl", "--json"]);
+    let info: serde_json::Value = serde_json::from_str(&said).unwrap();
+    assert_eq!(info["bounds"][1][2], 80.0);
+    assert_eq!(info["winding_faults"], 0);
+
+    folder.succeeds(&[
+        "render", "v.rmap", "-o", "p.png", "--size", "40x30", "--view", "-30,20",
+    ]);
+    let png = folder.read("p.png");
+    assert_eq!(png[..8], *b"\x89PNG\r\n\x1a\n");
+    assert_eq!((png[19], png[23]), (40, 30));
+    assert_eq!(
+        folder.names(),
+        ["m.stl", "octahedron.obj", "p.png", "v.rmap"]
+    );
+}
+
+#[test]
+fn the_same_input_gives_the_same_bytes() {
+    let folder = Folder::new("same");
+    folder.write("toy.rmap", toy());
+    for (a, b, command) in [("a.stl", "b.stl", "export"), ("a.png", "b.png", "render")] {
+        let mut args = vec![command, "toy.rmap", "-o", a];
+        if command == "render" {
+            args.extend(["--size", "48x48"]);
+        }
+        folder.succeeds(&args);
+        args[3] = b;
+        folder.succeeds(&args);
+        assert!(folder.read(a) == folder.read(b), "{command}");
+    }
+}
+
+#[test]
+fn size_256_is_baked_and_exported() {
+    let folder = Folder::new("large");
+    folder.write("octahedron.obj", OCTAHEDRON);
+    folder.succeeds(&["bake", "octahedron.obj", "-o", "v.rmap", "--size", "256"]);
+    assert!(folder.succeeds(&["info", "v.rmap"]).contains("256^3"));
+    folder.succeeds(&["export", "v.rmap", "-o", "m.stl"]);
+}
+
+#[test]
+fn bad_meshes_are_refused() {
+    let folder = Folder::new("meshes");
+    let mut stl = vec![0; 84 + 50];
+    stl[80] = 2;
+    let triangle = |x: &str| format!("v 0 0 0\nv {x} 0 0\nv 0 1 0\nf 1 2 3\n");
+    let ply = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n\
+               property float z\nelement face 1\nproperty list uchar int vertex_indices\n\
+               end_header\n0 0 0\n1 0 0\n";
+    let files: [(&str, Vec<u8>); 13] = [
+        ("empty.obj", vec![]),
+        ("empty.stl", vec![]),
+        ("empty.ply", vec![]),
+        ("empty.glb", vec![]),
+        ("words.gltf", b"{".to_vec()),
+        ("short.stl", stl),
+        ("short.ply", ply.into()),
+        ("flat.obj", triangle("0").into()),
+        ("nan.obj", triangle("nan").into()),
+        ("infinite.obj", triangle("inf").into()),
+        ("huge.obj", triangle("1e38").into()),
+        (
+            "outside.obj",
+            b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n".to_vec(),
+        ),
+        ("unknown.kind", OCTAHEDRON.into()),
+    ];
+    for (name, bytes) in files {
+        folder.write(name, bytes);
+        folder.refuses(&["bake", name, "-o", "v.rmap"], name);
+    }
+    folder.refuses(&["bake", "nothing.obj", "-o", "v.rmap"], "nothing.obj");
+    folder.refuses(&["info", "nan.obj"], "nan.obj");
+}
+
+#[test]
+fn bad_volumes_are_refused() {
+    let folder = Folder::new("volumes");
+    let good = toy();
+    let changed = |at: usize, byte: u8| {
+        let mut bytes = good.clone();
+        bytes[at] = byte;
+        bytes
+    };
+    let columns = good.len() - 16;
+    let loose = {
+        let mut bytes = changed(12 + columns / 2, !0);
+        let at = bytes.len() - 4;
+        let sum = crc32fast::hash(&bytes[..at]);
+        bytes[at..].copy_from_slice(&sum.to_le_bytes());
+        bytes
+    };
+    let small = [&b"RMAP\x01\x00\x40\x00\x01\x00\x00\x00"[..], &[0; 24576]].concat();
+    let sum = crc32fast::hash(&small).to_le_bytes();
+    let files: [(&str, Vec<u8>, &str); 9] = [
+        ("empty.rmap", vec![], "byte 0"),
+        ("magic.rmap", changed(0, b'X'), "magic"),
+        ("version.rmap", changed(4, 9), "version 1, found 9"),
+        ("size.rmap", changed(6, 127), "found 127"),
+        (
+            "small.rmap",
+            [small, sum.to_vec()].concat(),
+            "128 or 256, found 64",
+        ),
+        ("sum.rmap", changed(5000, 0x55), "checksum"),
+        ("loose.rmap", loose, "tight"),
+        ("short.rmap", good[..9000].to_vec(), "byte 9000"),
+        ("long.rmap", [&good[..], b"!"].concat(), "more bytes"),
+    ];
+    for (name, bytes, word) in files {
+        folder.write(name, bytes);
+        for args in [
+            &["info", name][..],
+            &["info", name, "--json"],
+            &["export", name, "-o", "m.stl"],
+            &["render", name, "-o", "p.png"],
+        ] {
+            folder.refuses(args, name);
+            folder.refuses(args, word);
+        }
+    }
+    folder.refuses(&["info", "nothing.rmap"], "nothing.rmap");
+    folder.refuses(&["info", "."], ".");
+}
+
+#[test]
+fn an_empty_volume_has_no_picture_and_no_print() {
+    let folder = Folder::new("empty");
+    let empty = [&b"RMAP\x01\x00\x80\x00\x01\x00\x00\x00"[..], &[0; 98304]].concat();
+    let sum = crc32fast::hash(&empty).to_le_bytes();
+    folder.write("v.rmap", [&empty[..], &sum].concat());
+    assert!(folder.succeeds(&["info", "v.rmap"]).contains("voxels    0"));
+    folder.refuses(
+        &["export", "v.rmap", "-o", "m.stl"],
+        "v.rmap: the volume is empty",
+    );
+    folder.refuses(
+        &["render", "v.rmap", "-o", "p.png"],
+        "v.rmap: the volume is empty",
+    );
+}
+
+#[test]
+fn bad_arguments_are_refused() {
+    let folder = Folder::new("arguments");
+    folder.write("v.rmap", toy());
+    folder.write("m.obj", OCTAHEDRON);
+    for height in ["0", "-1", "nan", "inf", "tall", ""] {
+        folder.refuses(
+            &["export", "v.rmap", "-o", "m.stl", "--height-mm", height],
+            "height-mm",
+        );
+    }
+    for size in ["0x0", "10", "9000x10", "-1x5", "x", ""] {
+        folder.refuses(&["render", "v.rmap", "-o", "p.png", "--size", size], "size");
+    }
+    for view in ["1", "nan,0", "0,91", "inf,0", ","] {
+        folder.refuses(&["render", "v.rmap", "-o", "p.png", "--view", view], "view");
+    }
+    for size in ["64", "512", "big"] {
+        folder.refuses(&["bake", "m.obj", "-o", "x.rmap", "--size", size], "size");
+    }
+    folder.refuses(&["bake", "m.obj"], "--output");
+    folder.refuses(&["chisel"], "chisel");
+    folder.refuses(&["info"], "FILE");
+}
+
+#[test]
+fn places_where_no_file_can_be_are_refused() {
+    let folder = Folder::new("places");
+    folder.write("v.rmap", toy());
+    folder.write("m.obj", OCTAHEDRON);
+    fs::create_dir(folder.0.join("folder")).unwrap();
+    for output in ["none/file", "folder", "m.obj/file", "/"] {
+        folder.refuses(&["bake", "m.obj", "-o", output], output);
+        folder.refuses(&["export", "v.rmap", "-o", output], output);
+        folder.refuses(&["render", "v.rmap", "-o", output, "--size", "8x8"], output);
+    }
+    folder.refuses(
+        &["export", "v.rmap", "-o", "./v.rmap"],
+        "both input and output",
+    );
+    folder.refuses(
+        &["render", "v.rmap", "-o", "v.rmap"],
+        "both input and output",
+    );
+    folder.refuses(
+        &["bake", "m.obj", "-o", "folder/../m.obj"],
+        "both input and output",
+    );
+    assert_eq!(folder.read("m.obj"), OCTAHEDRON.as_bytes());
+    assert!(folder.read("v.rmap") == toy());
+}
