@@ -58,20 +58,25 @@ pub struct Bounds {
     pub hi: [usize; 3],
 }
 
-/// The union of its pieces.
+/// A union of convex pieces, described in few bytes.
 ///
 /// Coordinates beyond 8,192 voxels from the grid's corner are held there, and negative radii and
 /// half extents are none: every product of two lengths then stays in its integer.
 #[derive(Clone, Debug)]
-pub struct Brush {
-    pieces: Vec<Piece, SWEEP_PIECES>,
+pub struct Brush(Shape);
+
+#[derive(Clone, Debug)]
+enum Shape {
+    One(Piece),
+    Sweep { half: IVec3, from: Pose, to: Pose, turns: usize },
 }
 
-/// One layer y of a brush: its pieces there, each with the rows it can touch.
+/// A brush's pieces, worked out once, and the rows that they touch of the layer at hand.
 #[derive(Debug)]
-pub struct Layer<'a> {
+pub struct Pieces {
+    all: Vec<Piece, SWEEP_PIECES, u8>,
     y: usize,
-    pieces: Vec<(&'a Piece, Range), SWEEP_PIECES, u8>,
+    layer: Vec<(u8, Range), SWEEP_PIECES, u8>,
 }
 
 impl Brush {
@@ -86,17 +91,13 @@ impl Brush {
     pub fn capsule(a: IVec3, b: IVec3, radius: i32) -> Self {
         let radius = i64::from(radius.clamp(0, FAR));
         let (a, b) = (held(a), held(b));
-        Self::of(Piece::Capsule(Capsule {
-            a,
-            b,
-            radius_squared: radius * radius,
-        }))
+        Brush(Shape::One(Piece::Capsule(Capsule { a, b, radius_squared: radius * radius })))
     }
 
     /// A box of half extents `half` (fixed point) about a pose.
     #[must_use]
     pub fn oriented_box(half: IVec3, pose: &Pose) -> Self {
-        Self::of(Piece::Box(SweptBox::new(half, pose, pose.fixed_position())))
+        Brush(Shape::One(Piece::Box(SweptBox::new(half, pose, pose.fixed_position()))))
     }
 
     /// A box swept from one pose to another. Its turn is cut into sub-steps in which no corner
@@ -105,96 +106,98 @@ impl Brush {
     /// most [`SWEEP_PIECES`], which is half a turn of the largest bit.
     #[must_use]
     pub fn swept_box(half: IVec3, from: &Pose, to: &Pose) -> Self {
+        if from.fixed_axes() == to.fixed_axes() {
+            let piece = SweptBox::new(half, to, from.fixed_position());
+            return Brush(Shape::One(Piece::Box(piece)));
+        }
         let corner = half.as_vec3().length() / SUB as f32;
         let turns = libm::ceilf(corner * from.angle_to(to)) as usize;
-        let turns = match from.fixed_axes() == to.fixed_axes() {
-            true => 0,
-            false => turns.clamp(1, SWEEP_PIECES - 1),
-        };
-        let at = |halves: usize| from.toward(to, halves as f32 / (2 * turns).max(1) as f32);
-        let mut pieces = Vec::new();
-        for i in 0..=turns {
-            let start = match i {
-                0 => from.fixed_position(),
-                i => at(2 * i - 1).fixed_position(),
-            };
-            let end = match i == turns {
-                true => *to,
-                false => Pose {
-                    position: at(2 * i + 1).position,
-                    ..at(2 * i)
-                },
-            };
-            // Cannot fail: turns < SWEEP_PIECES.
-            let _ = pieces.push(Piece::Box(SweptBox::new(half, &end, start)));
-        }
-        Brush { pieces }
+        let turns = turns.clamp(1, SWEEP_PIECES - 1);
+        Brush(Shape::Sweep { half, from: *from, to: *to, turns })
     }
 
-    /// Its convex parts.
-    #[must_use]
-    pub fn pieces(&self) -> &[Piece] {
-        &self.pieces
+    /// Its convex parts, worked out one by one; at most [`SWEEP_PIECES`].
+    pub fn pieces(&self) -> impl ExactSizeIterator<Item = Piece> + '_ {
+        let last = match self.0 {
+            Shape::One(_) => 0,
+            Shape::Sweep { turns, .. } => turns,
+        };
+        (0..last + 1).map(|i| match &self.0 {
+            Shape::One(piece) => *piece,
+            Shape::Sweep { half, from, to, turns } => {
+                let at = |halves: usize| from.toward(to, halves as f32 / (2 * turns) as f32);
+                let start = at((2 * i).max(1) - 1);
+                let start = if i == 0 { from } else { &start };
+                let end = Pose { position: at(2 * i + 1).position, ..at(2 * i) };
+                Piece::Box(SweptBox::new(*half, &end, start.fixed_position()))
+            }
+        })
     }
 
     /// The voxels of a grid of `n` that it may hold; `None` if it lies outside.
     #[must_use]
     pub fn bounds(&self, n: usize) -> Option<Bounds> {
-        self.pieces
-            .iter()
-            .filter_map(|piece| piece.bounds(n))
-            .reduce(|a, b| Bounds {
-                lo: core::array::from_fn(|i| a.lo[i].min(b.lo[i])),
-                hi: core::array::from_fn(|i| a.hi[i].max(b.hi[i])),
-            })
+        self.pieces().filter_map(|piece| piece.bounds(n)).reduce(Bounds::union)
     }
 
-    /// Row (y, z) of the brush.
+    /// Row (y, z) of the brush. [`Pieces`] are quicker where many rows of a sweep are asked for.
     #[must_use]
     #[inline]
     pub fn row<const N: usize>(&self, y: usize, z: usize) -> <Grid<N> as Size>::Row
     where
         Grid<N>: Size,
     {
-        self.pieces
-            .iter()
+        self.pieces()
             .filter_map(|piece| piece.span(y, z, N))
-            .fold(<Grid<N> as Size>::Row::EMPTY, |row, (lo, hi)| {
-                row | Bits::span(lo, hi)
-            })
-    }
-
-    /// Layer `y` of the brush in a grid of `n`.
-    #[must_use]
-    pub fn layer(&self, y: usize, n: usize) -> Layer<'_> {
-        let mut pieces = Vec::new();
-        for piece in &self.pieces {
-            if let Some((lo, hi)) = piece.rows(y, n) {
-                // Cannot fail: it has room for all the brush's pieces.
-                let _ = pieces.push((piece, Range::new(lo, hi)));
-            }
-        }
-        Layer { y, pieces }
-    }
-
-    fn of(piece: Piece) -> Self {
-        let mut pieces = Vec::new();
-        // Cannot fail: there is room for SWEEP_PIECES.
-        let _ = pieces.push(piece);
-        Brush { pieces }
+            .fold(<Grid<N> as Size>::Row::EMPTY, |row, (lo, hi)| row | Bits::span(lo, hi))
     }
 }
 
-impl Layer<'_> {
-    /// All z whose row (y, z) can hold a voxel of the brush.
+impl Bounds {
+    fn union(self, other: Self) -> Self {
+        Bounds {
+            lo: core::array::from_fn(|i| self.lo[i].min(other.lo[i])),
+            hi: core::array::from_fn(|i| self.hi[i].max(other.hi[i])),
+        }
+    }
+}
+
+impl Pieces {
+    /// Of no brush. For static initialisers only.
     #[must_use]
-    pub fn rows(&self) -> Range {
-        self.pieces
-            .iter()
-            .fold(Range::EMPTY, |all, (_, rows)| all.hull_with(*rows))
+    #[allow(clippy::new_without_default)] // a Default would hand the pieces about by value
+    pub const fn new() -> Self {
+        Pieces { all: Vec::new(), y: 0, layer: Vec::new() }
     }
 
-    /// Row (y, z) of the brush.
+    /// Works out the pieces of a brush. Returns its bounds in a grid of `n`.
+    pub fn set(&mut self, brush: &Brush, n: usize) -> Option<Bounds> {
+        self.all.clear();
+        self.layer.clear();
+        for piece in brush.pieces() {
+            // Cannot fail: no brush has more.
+            let _ = self.all.push(piece);
+        }
+        self.all.iter().filter_map(|piece| piece.bounds(n)).reduce(Bounds::union)
+    }
+
+    /// Goes to layer `y` of a grid of `n`. Returns all z whose row (y, z) can hold a voxel.
+    pub fn enter(&mut self, y: usize, n: usize) -> Range {
+        self.y = y;
+        self.layer.clear();
+        let mut all = Range::EMPTY;
+        for (i, piece) in (0..).zip(&self.all) {
+            if let Some((lo, hi)) = piece.rows(y, n) {
+                let rows = Range::new(lo, hi);
+                all = all.hull_with(rows);
+                // Cannot fail: there is room for all the pieces.
+                let _ = self.layer.push((i, rows));
+            }
+        }
+        all
+    }
+
+    /// Row z of the layer at hand.
     #[must_use]
     #[inline]
     pub fn row<const N: usize>(&self, z: usize) -> <Grid<N> as Size>::Row
@@ -202,9 +205,9 @@ impl Layer<'_> {
         Grid<N>: Size,
     {
         let mut row = <Grid<N> as Size>::Row::EMPTY;
-        for (piece, rows) in &self.pieces {
+        for &(i, rows) in &self.layer {
             if rows.contains(z)
-                && let Some((lo, hi)) = piece.span(self.y, z, N)
+                && let Some((lo, hi)) = self.all[usize::from(i)].span(self.y, z, N)
             {
                 row |= Bits::span(lo, hi);
             }
@@ -224,16 +227,10 @@ impl Piece {
             }
             Piece::Box(b) => {
                 let middle = b.middle.div_euclid(IVec3::splat(2));
-                (
-                    (middle - b.reach).as_i64vec3(),
-                    (middle + b.reach + IVec3::ONE).as_i64vec3(),
-                )
+                ((middle - b.reach).as_i64vec3(), (middle + b.reach + IVec3::ONE).as_i64vec3())
             }
         };
-        let mut bounds = Bounds {
-            lo: [0; 3],
-            hi: [0; 3],
-        };
+        let mut bounds = Bounds { lo: [0; 3], hi: [0; 3] };
         for i in 0..3 {
             let (lo, hi) = voxels_between(lo[i], hi[i], n)?;
             (bounds.lo[i], bounds.hi[i]) = (lo, hi);
@@ -351,15 +348,8 @@ impl Capsule {
         let reach = libm::sqrt(length_squared as f64 * discriminant as f64) / across as f64;
         let (mut lo, mut hi) = (middle - reach, middle + reach);
         if v != 0 {
-            let ends = [
-                -along as f64 / v as f64,
-                (length_squared - along) as f64 / v as f64,
-            ];
-            let (first, last) = if v > 0 {
-                (ends[0], ends[1])
-            } else {
-                (ends[1], ends[0])
-            };
+            let ends = [-along as f64 / v as f64, (length_squared - along) as f64 / v as f64];
+            let (first, last) = if v > 0 { (ends[0], ends[1]) } else { (ends[1], ends[0]) };
             lo = if lo > first { lo } else { first };
             hi = if hi < last { hi } else { last };
         } else if along < 0 || along > length_squared {
@@ -377,14 +367,12 @@ impl SweptBox {
     #[must_use]
     pub fn new(half: IVec3, pose: &Pose, start: IVec3) -> Self {
         let unit = i64::from(UNIT);
-        let axes = pose
-            .fixed_axes()
-            .map(|axis| axis.to_array().map(|c| i64::from(c).clamp(-unit, unit)));
+        let axes =
+            pose.fixed_axes().map(|axis| axis.to_array().map(|c| i64::from(c).clamp(-unit, unit)));
         let (start, end) = (held(start), pose.fixed_position());
         let travel = (end - start).to_array().map(i64::from);
-        let doubled = half
-            .to_array()
-            .map(|h| 2 * i64::from(h.clamp(0, FAR)) + i64::from(start != end));
+        let doubled =
+            half.to_array().map(|h| 2 * i64::from(h.clamp(0, FAR)) + i64::from(start != end));
         let w: [i64; 3] = axes.map(|axis| {
             let along: i64 = (0..3).map(|i| axis[i] * travel[i]).sum();
             (along + unit / 2).div_euclid(unit)
@@ -392,10 +380,7 @@ impl SweptBox {
         let face = |i: usize| (axes[i], (doubled[i] + w[i].abs()) * unit);
         let swept = |i: usize, j: usize| {
             let normal = core::array::from_fn(|k| axes[i][k] * w[j] - axes[j][k] * w[i]);
-            (
-                normal,
-                (doubled[i] * w[j].abs() + doubled[j] * w[i].abs()) * unit,
-            )
+            (normal, (doubled[i] * w[j].abs() + doubled[j] * w[i].abs()) * unit)
         };
         let edge = |i: usize| axes[i].map(|c| c * doubled[i] / unit);
         let edges = [edge(0), edge(1), edge(2), travel];
@@ -408,14 +393,7 @@ impl SweptBox {
         });
         SweptBox {
             middle: start + end,
-            planes: [
-                face(0),
-                face(1),
-                face(2),
-                swept(0, 1),
-                swept(0, 2),
-                swept(1, 2),
-            ],
+            planes: [face(0), face(1), face(2), swept(0, 1), swept(0, 2), swept(1, 2)],
             reach: IVec3::from_array(reach),
             edges,
             slack,
@@ -443,20 +421,13 @@ impl SweptBox {
             hi = hi.min((sz * at + extent).div_euclid(sy) + 1);
         }
         let middle = i64::from(self.middle.z);
-        voxels_between(
-            (middle + lo).div_euclid(2),
-            (middle + hi).div_euclid(2) + 1,
-            n,
-        )
+        voxels_between((middle + lo).div_euclid(2), (middle + hi).div_euclid(2) + 1, n)
     }
 
     fn span(&self, y: i64, z: i64, n: usize) -> Option<(usize, usize)> {
         let step = 2 * i64::from(SUB);
         let first = 2 * centre(0) - i64::from(self.middle.x);
-        let (y, z) = (
-            2 * y - i64::from(self.middle.y),
-            2 * z - i64::from(self.middle.z),
-        );
+        let (y, z) = (2 * y - i64::from(self.middle.y), 2 * z - i64::from(self.middle.z));
         let (mut lo, mut hi) = (0, n as i64 - 1);
         for (normal, extent) in &self.planes {
             let at_zero = normal[0] * first + normal[1] * y + normal[2] * z;
@@ -503,5 +474,9 @@ fn voxels_between(lo: i64, hi: i64, n: usize) -> Option<(usize, usize)> {
 #[must_use]
 #[inline]
 pub fn isqrt(v: i64) -> i64 {
-    v.max(0).isqrt()
+    // Below 2^52 a correctly rounded root never reaches the next integer.
+    match v.max(0) {
+        v if v < 1 << 52 => libm::sqrt(v as f64) as i64,
+        v => v.isqrt(),
+    }
 }

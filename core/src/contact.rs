@@ -28,6 +28,12 @@ pub struct Contact {
     pub on_mask: bool,
 }
 
+impl Contact {
+    /// Nothing touched.
+    pub const NONE: Contact =
+        Contact { overlap: 0, depth: 0, normal: Vec3::ZERO, on_mask: false };
+}
+
 /// Where a bit ends up on its way to a raw pose.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Frozen {
@@ -164,7 +170,9 @@ where
         Frozen { pose, blocked: true }
     }
 
-    /// The last allowed pose on the straight path, and the first that isn't.
+    /// The last allowed pose on the straight path, and the first that isn't. A bit that sits with
+    /// its centre in the stone would be held by every voxel it has to pass: it comes out where the
+    /// path first does.
     fn advance(&self, bit: &GridBit, from: &Pose, to: &Pose) -> (Pose, Option<Pose>) {
         let outer = bit.outer_radius();
         let turn = from.angle_to(to) * outer as f32 / SUB as f32;
@@ -180,25 +188,30 @@ where
             let (a, b) = (reached.fixed_position(), far.fixed_position());
             if !self.touches(&Brush::capsule(a, b, outer + SUB)) {
                 (i, reached) = (ahead, far);
-                limit = Limit { volume: bit.bite, mask: 0 };
+                limit = Limit::usual(bit);
                 continue;
             }
-            for i in i + 1..=ahead {
+            while i < ahead {
+                i += 1;
                 let next = at(i);
-                if !self.allows(bit, &next, limit) {
-                    return (reached, Some(next));
+                if self.allows(bit, &next, limit) {
+                    limit = limit.after(bit, || self.limit(bit, &next));
+                    reached = next;
+                    continue;
                 }
-                limit = limit.after(bit, || self.limit(bit, &next));
-                reached = next;
+                let free = |i: &u32| self.allows(bit, &at(*i), Limit::usual(bit));
+                let Some(out) = limit.is_buried(bit).then(|| (i + 1..=steps).find(free)).flatten() else {
+                    return (reached, Some(next));
+                };
+                (i, reached, limit) = (out, at(out), Limit::usual(bit));
             }
-            i = ahead;
         }
         (reached, None)
     }
 
     /// How deep the bit may sit next: its bite, or as deep as it sits already.
     fn limit(&self, bit: &GridBit, pose: &Pose) -> Limit {
-        let mut limit = Limit { volume: bit.bite, mask: 0 };
+        let mut limit = Limit::usual(bit);
         if self.allows(bit, pose, limit) {
             return limit;
         }
@@ -237,7 +250,7 @@ where
     }
 
     fn touches(&self, brush: &Brush) -> bool {
-        brush.pieces().iter().any(|piece| self.hits(piece, |_, inside| inside))
+        brush.pieces().any(|piece| self.hits(&piece, |_, inside| inside))
     }
 
     /// Whether a piece holds a voxel that is occupied and in what `among` leaves of its row.
@@ -309,9 +322,22 @@ struct Limit {
 }
 
 impl Limit {
+    /// That of a bit which isn't too deep.
+    const fn usual(bit: &GridBit) -> Limit {
+        Limit { volume: bit.bite, mask: 0 }
+    }
+
     /// The limit after a step: once a bit is too deep, every step measures anew.
     fn after(self, bit: &GridBit, measure: impl FnOnce() -> Limit) -> Limit {
-        let usual = Limit { volume: bit.bite, mask: 0 };
-        if self == usual { self } else { measure() }
+        if self == Limit::usual(bit) { self } else { measure() }
+    }
+
+    /// Whether the bit's centre is too deep, and as near to a voxel's centre as only points in a
+    /// voxel are.
+    fn is_buried(self, bit: &GridBit) -> bool {
+        self != Limit::usual(bit) && self.volume > bit.inner_radius() - HALF_DIAGONAL
     }
 }
+
+/// Half a voxel's diagonal in fixed point, rounded up.
+const HALF_DIAGONAL: i32 = 222;

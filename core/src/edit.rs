@@ -4,7 +4,7 @@
 //! hulls of the result and the volume their intersection. Source: sections 3, 3.2 and 3.5 of the
 //! paper; the closure rule is stated in [`crate`].
 
-use crate::brush::{Bounds, Brush};
+use crate::brush::{Bounds, Brush, Pieces};
 use crate::limits::{SHELL_DEPTH, SMOOTH_LINES};
 use crate::maps::{Axis, Column, Maps, Range};
 use crate::plane::Plane;
@@ -48,9 +48,9 @@ pub struct Edit<'a> {
 pub struct EditReport {
     /// Occupied before, empty after.
     pub removed: u32,
-    /// Inside the brush; empty before, occupied after.
+    /// Empty before, occupied by the operation itself: inside the brush and its depth.
     pub added: u32,
-    /// Occupied by closure alone; empty before.
+    /// Empty before, occupied by closure alone.
     pub closed: u32,
     /// Not removed because the mask holds them.
     pub refused_by_mask: u32,
@@ -72,20 +72,47 @@ impl EditReport {
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct BrushTooLarge;
 
-/// Rows held back while an edit reads the volume as it stood at the start.
+/// Rows held back while an edit reads the volume as it stood at the start, and what it touched.
 #[derive(Debug)]
 pub struct EditScratch<const N: usize>
 where
     Grid<N>: Size,
 {
+    pieces: Pieces,
     /// Voxels to flip, of the last layers computed, by y modulo the length.
     pending: [[<Grid<N> as Size>::Row; N]; SHELL_DEPTH + 1],
-    /// The rows of a smoothing edit's bounds as they were.
+    /// The rows of a smoothing edit's brush as they were.
     start: [[<Grid<N> as Size>::Row; N]; SMOOTH_LINES],
-    /// Columns along y that voxels were flipped in: bit x of row z.
-    along_y: [<Grid<N> as Size>::Row; N],
-    /// Columns along z that voxels were flipped in: bit x of row y.
-    along_z: [<Grid<N> as Size>::Row; N],
+    /// Columns along y, by z.
+    along_y: [Line<<Grid<N> as Size>::Row>; N],
+    /// Columns along z, by y.
+    along_z: [Line<<Grid<N> as Size>::Row>; N],
+    /// Columns along x that grew, by y.
+    grown_x: [<Grid<N> as Size>::Row; N],
+}
+
+/// What an edit touched of a line of N columns, bit x being a column.
+#[derive(Clone, Copy, Debug)]
+struct Line<R> {
+    /// Columns that voxels were flipped in.
+    flipped: R,
+    /// Along the columns, from the first flipped voxel to the last.
+    between: Range,
+    /// Columns that grew.
+    grown: R,
+    /// By what stretch, at most.
+    growth: Range,
+}
+
+impl<R: Bits> Line<R> {
+    const UNTOUCHED: Self =
+        Line { flipped: R::EMPTY, between: Range::EMPTY, grown: R::EMPTY, growth: Range::EMPTY };
+
+    #[inline]
+    fn flip(&mut self, columns: R, place: usize) {
+        self.flipped |= columns;
+        self.between = self.between.hull_with(Range::new(place, place));
+    }
 }
 
 impl<const N: usize> EditScratch<N>
@@ -98,11 +125,19 @@ where
     pub const fn new() -> Self {
         let line = [<Grid<N> as Size>::Row::EMPTY; N];
         EditScratch {
+            pieces: Pieces::new(),
             pending: [line; SHELL_DEPTH + 1],
             start: [line; SMOOTH_LINES],
-            along_y: line,
-            along_z: line,
+            along_y: [Line::UNTOUCHED; N],
+            along_z: [Line::UNTOUCHED; N],
+            grown_x: line,
         }
+    }
+
+    fn forget(&mut self, Bounds { lo, hi }: Bounds) {
+        self.along_y[lo[2]..=hi[2]].fill(Line::UNTOUCHED);
+        self.along_z[lo[1]..=hi[1]].fill(Line::UNTOUCHED);
+        self.grown_x[lo[1]..=hi[1]].fill(<Grid<N> as Size>::Row::EMPTY);
     }
 }
 
@@ -120,21 +155,24 @@ pub fn apply<const N: usize, J: Journal<N>>(
 where
     Grid<N>: Size,
 {
-    let Some(bounds) = edit.brush.bounds(N) else {
+    let Some(bounds) = scratch.pieces.set(edit.brush, N) else {
         return Ok(EditReport::default());
     };
     let rows = (bounds.hi[1] - bounds.lo[1] + 1) * (bounds.hi[2] - bounds.lo[2] + 1);
     if edit.operation == Operation::Smooth && rows > SMOOTH_LINES * N {
         return Err(BrushTooLarge);
     }
-    scratch.along_y[bounds.lo[2]..=bounds.hi[2]].fill(<Grid<N> as Size>::Row::EMPTY);
-    scratch.along_z[bounds.lo[1]..=bounds.hi[1]].fill(<Grid<N> as Size>::Row::EMPTY);
+    scratch.forget(bounds);
     let report = EditReport::default();
-    let mut pass =
-        Pass { volume, mask, edit, scratch, journal, bounds, report, grew: [Range::EMPTY; 3] };
+    let mut pass = Pass { volume, mask, edit, scratch, journal, bounds, report, grew: false };
     pass.flip_voxels();
     pass.tighten_columns();
-    pass.close();
+    if !matches!(edit.operation, Operation::Fill { .. }) {
+        pass.close_holes();
+    }
+    if pass.grew {
+        pass.close_beams();
+    }
     Ok(pass.report)
 }
 
@@ -149,8 +187,8 @@ where
     journal: &'a mut J,
     bounds: Bounds,
     report: EditReport,
-    /// For each axis, the hull of the stretches by which columns grew.
-    grew: [Range; 3],
+    /// Whether any column grew.
+    grew: bool,
 }
 
 impl<const N: usize, J: Journal<N>> Pass<'_, N, J>
@@ -163,49 +201,72 @@ where
             Operation::Carve { depth } | Operation::Fill { depth } => depth.min(SHELL_DEPTH),
             Operation::Smooth => 1,
         };
+        let mut pending = [Range::EMPTY; SHELL_DEPTH + 1];
         let (first, last) = (self.bounds.lo[1], self.bounds.hi[1]);
         for y in first..=last + lag {
             if y <= last {
-                for z in self.bounds.lo[2]..=self.bounds.hi[2] {
-                    self.scratch.pending[y % (SHELL_DEPTH + 1)][z] = self.flips(y, z);
-                }
+                pending[y % pending.len()] = self.compute_layer(y);
             }
             if y >= first + lag {
-                self.flip_layer(y - lag);
+                self.flip_layer(y - lag, pending[(y - lag) % pending.len()]);
             }
         }
     }
 
-    /// The voxels of row (y, z) that the edit flips, before closure.
-    fn flips(&mut self, y: usize, z: usize) -> <Grid<N> as Size>::Row {
-        let mut brush = self.edit.brush.row::<N>(y, z);
-        if self.edit.mirrored {
-            brush |= brush.mirrored(N);
+    /// Finds the voxels of a layer to flip. Returns the rows, by z, that may hold some.
+    fn compute_layer(&mut self, y: usize) -> Range {
+        let slot = y % self.scratch.pending.len();
+        let rows = self.scratch.pieces.enter(y, N);
+        for z in voxels(rows) {
+            let mut brush = self.scratch.pieces.row::<N>(z);
+            if self.edit.mirrored {
+                brush |= brush.mirrored(N);
+            }
+            self.scratch.pending[slot][z] = self.flips((y, z), brush);
         }
-        if brush.is_empty() && self.edit.operation != Operation::Smooth {
-            return brush;
-        }
+        rows
+    }
+
+    /// The voxels of a row that the edit flips, before closure.
+    fn flips(
+        &mut self,
+        (y, z): (usize, usize),
+        brush: <Grid<N> as Size>::Row,
+    ) -> <Grid<N> as Size>::Row {
         let rows = self.volume.rows();
         let here = rows.row(y, z);
         match self.edit.operation {
             Operation::Carve { depth } => {
                 let wanted = brush & here;
+                if wanted.is_empty() {
+                    return wanted;
+                }
                 let deep = deep(rows, (y, z), depth.min(SHELL_DEPTH), wanted);
-                self.report.refused_by_depth += deep.count();
-                self.spare_mask(y, z, wanted & !deep)
+                if !deep.is_empty() {
+                    self.report.refused_by_depth += deep.count();
+                }
+                self.spare_mask((y, z), wanted & !deep)
             }
             Operation::Fill { depth } => {
                 let wanted = brush & !here;
+                if wanted.is_empty() {
+                    return wanted;
+                }
                 let near = near(rows, (y, z), depth.min(SHELL_DEPTH), wanted);
-                self.report.refused_by_depth += (wanted & !near).count();
+                if near != wanted {
+                    self.report.refused_by_depth += (wanted & !near).count();
+                }
                 near
             }
             Operation::Smooth => {
                 let index = self.start_index(y, z);
                 self.scratch.start.as_flattened_mut()[index] = here;
+                if brush.is_empty() {
+                    return brush;
+                }
                 let most = majority(rows, (y, z));
                 let filled = brush & most & !here;
-                self.spare_mask(y, z, brush & here & !most) | filled
+                self.spare_mask((y, z), brush & here & !most) | filled
             }
         }
     }
@@ -213,124 +274,140 @@ where
     /// Of the voxels to be removed, those the mask doesn't hold.
     fn spare_mask(
         &mut self,
-        y: usize,
-        z: usize,
+        row: (usize, usize),
         removed: <Grid<N> as Size>::Row,
     ) -> <Grid<N> as Size>::Row {
-        let held = self.mask.row_among((y, z), removed);
+        if self.mask.column(Axis::X, row) == Column::EMPTY {
+            return removed;
+        }
+        let held = self.mask.row_among(row, removed);
         self.report.refused_by_mask += held.count();
         removed & !held
     }
 
-    fn flip_layer(&mut self, y: usize) {
-        for z in self.bounds.lo[2]..=self.bounds.hi[2] {
-            let flips = self.scratch.pending[y % (SHELL_DEPTH + 1)][z];
+    fn flip_layer(&mut self, y: usize, rows: Range) {
+        for z in voxels(rows) {
+            let flips = self.scratch.pending[y % self.scratch.pending.len()][z];
             if flips.is_empty() {
                 continue;
             }
             let here = self.volume.rows().row(y, z);
             let (removed, added) = (flips & here, flips & !here);
-            self.report.removed += removed.count();
-            self.report.added += added.count();
+            if !removed.is_empty() {
+                self.report.removed += removed.count();
+            }
             if !added.is_empty() {
+                self.report.added += added.count();
                 self.journal.added((y, z), added);
             }
             *self.volume.rows_mut().row_mut(y, z) = here ^ flips;
-            self.scratch.along_y[z] |= flips;
-            self.scratch.along_z[y] |= flips;
-            self.replace(Axis::X, (y, z), Range::hull(here ^ flips));
+            self.scratch.along_y[z].flip(flips, y);
+            self.scratch.along_z[y].flip(flips, z);
+            if self.replace(Axis::X, (y, z), Range::hull(here ^ flips)).is_some() {
+                self.scratch.grown_x[y].insert(z);
+            }
         }
     }
 
     fn tighten_columns(&mut self) {
         for z in self.bounds.lo[2]..=self.bounds.hi[2] {
-            let between = (self.bounds.lo[1], self.bounds.hi[1]);
-            self.tighten_line(Axis::Y, z, self.scratch.along_y[z], between);
+            let mut line = self.scratch.along_y[z];
+            self.tighten_line(Axis::Y, z, &mut line);
+            self.scratch.along_y[z] = line;
         }
         for y in self.bounds.lo[1]..=self.bounds.hi[1] {
-            let between = (self.bounds.lo[2], self.bounds.hi[2]);
-            self.tighten_line(Axis::Z, y, self.scratch.along_z[y], between);
+            let mut line = self.scratch.along_z[y];
+            self.tighten_line(Axis::Z, y, &mut line);
+            self.scratch.along_z[y] = line;
         }
     }
 
-    /// Re-tightens the columns `flipped` of a line, whose voxels changed only at `from..=to`. An
-    /// end outside that stretch stands; the others are looked for, N columns at a time.
+    /// Re-tightens the columns of a line that voxels were flipped in. An end outside the stretch
+    /// of the flips stands; the others are looked for, N columns at a time.
     fn tighten_line(
         &mut self,
         axis: Axis,
         line: usize,
-        flipped: <Grid<N> as Size>::Row,
-        (from, to): (usize, usize),
+        touched: &mut Line<<Grid<N> as Size>::Row>,
     ) {
+        let Line { flipped, between, .. } = *touched;
         if flipped.is_empty() {
             return;
         }
         let (mut lo, mut hi) = ([0u8; N], [0u8; N]);
         let (mut seek_lo, mut seek_hi) = (flipped, flipped);
+        let mut within = between;
         for x in flipped.ones() {
             let old = self.volume.maps().column(axis, (line, x)).hull();
-            if old.lo() < from {
+            within = within.hull_with(old);
+            if old.lo() < between.lo() {
                 lo[x] = old.lo() as u8;
                 seek_lo.toggle(x);
             }
-            if old.hi() > to {
+            if old.hi() > between.hi() {
                 hi[x] = old.hi() as u8;
                 seek_hi.toggle(x);
             }
         }
-        seek(self.volume.rows(), axis, line, seek_hi, (0..=to).rev(), &mut hi);
-        let empty = seek(self.volume.rows(), axis, line, seek_lo, from..N, &mut lo);
+        let rows = self.volume.rows();
+        seek(rows, axis, line, seek_hi, (within.lo()..=between.hi()).rev(), &mut hi);
+        let empty = seek(rows, axis, line, seek_lo, between.lo()..=within.hi(), &mut lo);
         for x in flipped.ones() {
             let range = match empty.contains(x) {
                 true => Range::EMPTY,
                 false => Range::new(lo[x].into(), hi[x].into()),
             };
-            self.replace(axis, (line, x), range);
+            if let Some(growth) = self.replace(axis, (line, x), range) {
+                touched.grown.insert(x);
+                touched.growth = touched.growth.hull_with(growth);
+            }
         }
     }
 
-    /// Replaces a column and remembers by which stretch it grew.
-    fn replace(&mut self, axis: Axis, at: (usize, usize), range: Range) {
+    /// Replaces a column. Returns by what stretch it grew, at most.
+    #[inline]
+    fn replace(&mut self, axis: Axis, at: (usize, usize), range: Range) -> Option<Range> {
         let old = self.volume.maps().column(axis, at).hull();
         if range == old {
-            return;
-        }
-        let grew = &mut self.grew[axis as usize];
-        if !range.is_empty() {
-            if range.lo() < old.lo() {
-                *grew = grew.hull_with(Range::new(range.lo(), range.hi().min(old.lo())));
-            }
-            if range.hi() > old.hi() {
-                *grew = grew.hull_with(Range::new(range.lo().max(old.hi()), range.hi()));
-            }
+            return None;
         }
         self.volume.set_column(axis, at, Column([range]), self.journal);
+        if range.is_empty() || old.lo() <= range.lo() && range.hi() <= old.hi() {
+            return None;
+        }
+        self.grew = true;
+        let lo = if range.lo() < old.lo() { range.lo() } else { old.hi() };
+        let hi = if range.hi() > old.hi() { range.hi() } else { old.lo() };
+        Some(if old.is_empty() { range } else { Range::new(lo, hi) })
     }
 
-    /// Occupies what all three ranges hold. What an edit leaves in the intersection lies within
-    /// its bounds, or in a column that grew.
-    fn close(&mut self) {
+    /// Brings back what was removed but all three ranges hold. It lies where columns along y and z
+    /// that lost voxels cross.
+    fn close_holes(&mut self) {
+        for y in self.bounds.lo[1]..=self.bounds.hi[1] {
+            let Line { flipped, between, .. } = self.scratch.along_z[y];
+            for z in voxels(between) {
+                self.close_row(y, z, flipped & self.scratch.along_y[z].flipped);
+            }
+        }
+    }
+
+    /// Occupies what columns that grew brought into all three ranges.
+    fn close_beams(&mut self) {
         let Bounds { lo, hi } = self.bounds;
-        let mut window = <Grid<N> as Size>::Row::span(lo[0], hi[0]);
-        if self.edit.mirrored {
-            window |= window.mirrored(N);
-        }
-        if !self.grew[0].is_empty() {
-            window = Grid::<N>::FULL;
-        }
         for y in lo[1]..=hi[1] {
-            for z in lo[2]..=hi[2] {
-                self.close_row(y, z, window);
+            for z in self.scratch.grown_x[y].ones() {
+                self.close_row(y, z, Grid::<N>::FULL);
+            }
+            let Line { grown, growth, .. } = self.scratch.along_z[y];
+            for z in voxels(growth) {
+                self.close_row(y, z, grown);
             }
         }
-        for y in beyond(self.grew[1], lo[1], hi[1]) {
-            for z in lo[2]..=hi[2] {
-                self.close_row(y, z, self.scratch.along_y[z]);
-            }
-        }
-        for y in lo[1]..=hi[1] {
-            for z in beyond(self.grew[2], lo[2], hi[2]) {
-                self.close_row(y, z, self.scratch.along_z[y]);
+        for z in lo[2]..=hi[2] {
+            let Line { grown, growth, .. } = self.scratch.along_y[z];
+            for y in voxels(growth) {
+                self.close_row(y, z, grown);
             }
         }
     }
@@ -358,14 +435,16 @@ where
     }
 
     /// Row (y, z) when the edit began, as far as closure can bring voxels back to it: a carve adds
-    /// nothing, so all that comes back was there; a fill removes nothing, so none was.
+    /// nothing, so all that comes back was there; a fill removes nothing, so none was; smoothing
+    /// removed some only between the row's first flip and last.
     fn at_start(&self, y: usize, z: usize) -> <Grid<N> as Size>::Row {
-        let Bounds { lo, hi } = self.bounds;
+        let flipped = || {
+            (self.bounds.lo[1]..=self.bounds.hi[1]).contains(&y)
+                && self.scratch.along_z[y].between.contains(z)
+        };
         match self.edit.operation {
             Operation::Carve { .. } => Grid::<N>::FULL,
-            Operation::Smooth
-                if (lo[1]..=hi[1]).contains(&y) && (lo[2]..=hi[2]).contains(&z) =>
-            {
+            Operation::Smooth if flipped() => {
                 self.scratch.start.as_flattened()[self.start_index(y, z)]
             }
             _ => <Grid<N> as Size>::Row::EMPTY,
@@ -397,15 +476,17 @@ where
         }
         let row = if axis == Axis::Y { rows.row(i, line) } else { rows.row(line, i) };
         let found = sought & row;
-        for x in found.ones() {
-            found_at[x] = i as u8;
+        if !found.is_empty() {
+            for x in found.ones() {
+                found_at[x] = i as u8;
+            }
+            sought &= !found;
         }
-        sought &= !found;
     }
     sought
 }
 
-/// The voxels of a range that are not in `lo..=hi`.
-fn beyond(range: Range, lo: usize, hi: usize) -> impl Iterator<Item = usize> {
-    (range.lo()..=range.hi()).filter(move |i| !(lo..=hi).contains(i))
+/// The voxels of a range.
+fn voxels(range: Range) -> impl Iterator<Item = usize> {
+    range.lo()..range.hi() + 1
 }

@@ -82,7 +82,7 @@ impl Hand {
         let keep = |last: &mut RoomPose, pose: &RawPose| {
             pose.metres().inspect(|good| *last = *good).is_some()
         };
-        let good = input.tracked & keep(&mut self.grip, &input.grip);
+        let good = input.tracked && keep(&mut self.grip, &input.grip);
         if input.tracked {
             keep(&mut self.aim, &input.aim);
         }
@@ -138,9 +138,13 @@ impl Hand {
     }
 
     pub(crate) fn read(from: &mut Reader<'_>) -> Result<Self, BadBytes> {
-        let mut pose = || Ok::<RoomPose, BadBytes>((read_vec3(from)?, read_quat(from)?));
-        let (grip, aim, frozen, raw) = (pose()?, pose()?, pose()?, pose()?);
+        let (grip, aim) = (read_pose(from)?, read_pose(from)?);
+        let (frozen, raw) = (read_pose(from)?, read_pose(from)?);
+        let bad = from.bad("flags of a hand");
         let flags = from.u8()?;
+        if flags > 31 {
+            return Err(bad);
+        }
         let flag = |i: u8| flags >> i & 1 != 0;
         Ok(Hand {
             grip,
@@ -181,6 +185,22 @@ pub fn haptic_level(
     };
     (strength * train / 255) as u8
 }
+
+/// Reads a pose in metres or voxels, none of which is farther off than tracked ones can be.
+fn read_pose(from: &mut Reader<'_>) -> Result<RoomPose, BadBytes> {
+    let bad = from.bad("a pose within reach, with a unit rotation or none");
+    let (position, rotation) = (read_vec3(from)?, read_quat(from)?);
+    let near = position.abs().max_element() <= FAR;
+    let length = rotation.length_squared();
+    if near && (length == 0.0 || (0.99..1.01).contains(&length)) {
+        Ok((position, rotation))
+    } else {
+        Err(bad)
+    }
+}
+
+/// Beyond what 16 m, turned by the stool, come to in the voxels of the finest grid.
+const FAR: f32 = 32_768.0;
 
 /// Whether an analogue button is down: it goes down at half its way and up at three eighths.
 const fn past(value: u8, down: bool) -> bool {

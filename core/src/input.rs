@@ -32,7 +32,7 @@ pub struct HandInput {
     pub squeeze: u8,
     /// x (right) and y (forward), -127 to 127.
     pub stick: [i8; 2],
-    /// Pressed buttons, of [`buttons`].
+    /// Pressed buttons, of [`buttons`]; the highest bit is not kept.
     pub buttons: u8,
     /// Whether the poses are to be believed.
     pub tracked: bool,
@@ -177,7 +177,7 @@ impl HandInput {
         to.u8(self.trigger);
         to.u8(self.squeeze);
         self.stick.iter().for_each(|v| to.i8(*v));
-        to.u8(self.buttons | u8::from(self.tracked) << 7);
+        to.u8(self.buttons & 0x7f | u8::from(self.tracked) << 7);
     }
 
     fn read(from: &mut Reader<'_>) -> Result<Self, BadBytes> {

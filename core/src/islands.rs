@@ -50,12 +50,15 @@ where
     queued: [<Grid<N> as Size>::Row; N],
     /// Layers that hold queued rows.
     layers: <Grid<N> as Size>::Row,
+    /// Rows visited that had something left. Any row that has is queued or open; an open one may
+    /// have lost it since.
+    open: [<Grid<N> as Size>::Row; N],
     /// The sum over the words of `reached`, each times its key.
     reached_sum: u128,
     /// The same for the voxels last reported as kept.
     kept_sum: u128,
-    /// The row (y, z) from which the sweep goes on.
-    cursor: (u8, u8),
+    /// The layer at which the sweep goes on.
+    cursor: u8,
     phase: Phase,
     /// Whether an edit calls for a pass that hasn't begun.
     pending: bool,
@@ -73,9 +76,10 @@ where
             reached: Plane::new(),
             queued: [<Grid<N> as Size>::Row::EMPTY; N],
             layers: <Grid<N> as Size>::Row::EMPTY,
+            open: [<Grid<N> as Size>::Row::EMPTY; N],
             reached_sum: 0,
             kept_sum: 0,
-            cursor: (0, 0),
+            cursor: 0,
             phase: Phase::Idle,
             pending: false,
         }
@@ -96,9 +100,9 @@ where
             return;
         }
         self.reach(y, z, new);
-        self.queue(y, z);
-        for (y, z) in neighbours::<N>(y, z) {
-            self.queue(y, z);
+        self.queue_if(true, y, z);
+        for (y, z) in beside::<N>(y, z) {
+            self.queue_if(true, y, z);
         }
     }
 
@@ -107,6 +111,12 @@ where
     pub fn abort(&mut self) {
         self.stop();
         self.pending = false;
+    }
+
+    /// As new: forgets the pass, the edits that called for one, and what was last reported as kept.
+    pub fn clear(&mut self) {
+        self.abort();
+        self.kept_sum = 0;
     }
 
     /// Whether a pass is in flight or called for.
@@ -135,7 +145,7 @@ where
             if unsupported(volume, mask) {
                 return Some(IslandReport { unsupported: true, ..Default::default() });
             }
-            self.begin(volume.rows(), mask);
+            self.begin(volume, mask);
         }
         let waited = self.layers.is_empty();
         let left = self.sweep(volume.rows(), budget);
@@ -163,8 +173,8 @@ impl<const N: usize> Islands<N>
 where
     Grid<N>: Size,
 {
-    /// The ground layer and the mask are reached; their neighbours are queued.
-    fn begin(&mut self, rows: &Plane<N>, mask: &Maps<N>) {
+    /// The ground layer and the mask are reached; all other rows with voxels are queued.
+    fn begin(&mut self, volume: &Volume<N>, mask: &Maps<N>) {
         let seeded = if mask.is_empty() {
             self.reached.clear();
             1
@@ -172,127 +182,165 @@ where
             self.reached.expand(mask);
             N
         };
-        self.reached.layer_mut(0).copy_from_slice(rows.layer(0));
+        self.reached.layer_mut(0).copy_from_slice(volume.rows().layer(0));
         self.reached_sum = 0;
-        self.cursor = (0, 0);
-        self.phase = Phase::Sweep;
         for y in 0..seeded {
-            for z in 0..N {
-                let seeds = self.reached.row(y, z);
-                if seeds.is_empty() {
-                    continue;
-                }
-                self.reached_sum = self.reached_sum.wrapping_add(keyed::<N>(y, z, seeds));
-                self.wake_neighbours(rows, y, z, seeds);
-                if !(rows.row(y, z) & !seeds & (seeds.up() | seeds.down())).is_empty() {
-                    self.queue(y, z);
-                }
-            }
+            let rows = self.reached.layer(y).iter().enumerate();
+            let sum = rows.fold(0, |sum: u128, (z, row)| sum.wrapping_add(keyed_row(z, *row)));
+            self.reached_sum = self.reached_sum.wrapping_add(keyed_layer(y, sum));
         }
+        for y in 1..N {
+            for (i, columns) in volume.maps().line(Axis::X, y).chunks(64).enumerate() {
+                let occupied = columns.iter().enumerate().fold(0, |word, (z, column)| {
+                    word | u64::from(*column != Column::EMPTY) << z
+                });
+                self.queued[y].set_word(i, occupied);
+            }
+            self.layers.insert_if(!self.queued[y].is_empty(), y);
+        }
+        self.open.fill(<Grid<N> as Size>::Row::EMPTY);
+        self.cursor = 0;
+        self.phase = Phase::Sweep;
     }
 
-    /// Visits queued rows in order from the cursor and round again; the visits left come back.
+    /// Visits queued rows, a layer at a time until it is through, then the next above that has
+    /// any, and round again. The visits left come back.
     fn sweep(&mut self, rows: &Plane<N>, budget: u32) -> u32 {
         let mut left = budget;
-        let (mut y, mut from) = (usize::from(self.cursor.0), usize::from(self.cursor.1));
-        while left > 0 {
-            let Some(layer) = next(self.layers, y) else { break };
-            if layer != y {
-                (y, from) = (layer, 0);
+        while let Some(y) = next(self.layers, self.cursor.into()) {
+            self.cursor = y as u8;
+            if left == 0 {
+                break;
             }
-            while left > 0
-                && let Some(z) = at_or_after(self.queued[y], from)
-            {
-                self.queued[y].toggle(z);
-                self.visit(rows, y, z);
-                from = z + 1;
-                left -= 1;
+            for i in 0..<Grid<N> as Size>::Row::WORDS {
+                if self.queued[y].word(i) != 0 {
+                    left = self.visit_rows(rows, y, i, left);
+                }
             }
             if self.queued[y].is_empty() {
                 self.layers.toggle(y);
             }
-            if left > 0 {
-                (y, from) = ((y + 1) % N, 0);
-            }
         }
-        self.cursor = (y as u8, (from % N) as u8);
         left
     }
 
-    /// Reaches the runs of row (y, z) that touch what is reached already.
+    /// Visits the rows of word `i` of layer y's queue, lowest first, also those queued on the way.
+    /// The visits left come back.
+    fn visit_rows(&mut self, rows: &Plane<N>, y: usize, i: usize, budget: u32) -> u32 {
+        let mut left = budget;
+        let mut todo = self.queued[y].word(i);
+        let mut sum = 0u128;
+        let [below, above] = [y.saturating_sub(1), if y + 1 < N { y + 1 } else { y }];
+        let beside = (self.open[below] | self.open[above]).word(i);
+        let (mut open, before, after) = self.open_about(y, i);
+        while todo != 0 && left > 0 {
+            let z = i * 64 + todo.trailing_zeros() as usize;
+            let bit = todo & todo.wrapping_neg();
+            todo ^= bit;
+            left -= 1;
+            let (new, all) = self.visit(rows, y, z);
+            sum = sum.wrapping_add(keyed_row(z, new));
+            open = if all { open & !bit } else { open | bit };
+            let near = beside | open << 1 | before | open >> 1 | after;
+            if near & bit != 0 && !new.is_empty() {
+                todo |= self.wake_beside(rows, (y, z), new, i);
+            }
+        }
+        self.reached_sum = self.reached_sum.wrapping_add(keyed_layer(y, sum));
+        // Rows of this word were queued in `todo`, rows of the words beside in the queue.
+        self.queued[y].set_word(i, todo);
+        self.open[y].set_word(i, open);
+        left
+    }
+
+    /// Word `i` of the open rows of layer y, and the bits next to it of the words beside, at the
+    /// place of the row they are next to.
     #[inline]
-    fn visit(&mut self, rows: &Plane<N>, y: usize, z: usize) {
+    fn open_about(&self, y: usize, i: usize) -> (u64, u64, u64) {
+        let open = self.open[y];
+        let before = if i > 0 { open.word(i - 1) >> 63 } else { 0 };
+        let after = if i + 1 < <Grid<N> as Size>::Row::WORDS { open.word(i + 1) << 63 } else { 0 };
+        (open.word(i), before, after)
+    }
+
+    /// Reaches the runs of row (y, z) that touch what is reached already. Returns them, and whether
+    /// they are all that was left.
+    #[inline]
+    fn visit(&mut self, rows: &Plane<N>, y: usize, z: usize) -> (<Grid<N> as Size>::Row, bool) {
         let reached = self.reached.row(y, z);
         let medium = rows.row(y, z) & !reached;
-        if medium.is_empty() {
-            return;
-        }
         let mut seeds = reached.up() | reached.down();
-        for (y, z) in neighbours::<N>(y, z) {
+        for (y, z) in beside::<N>(y, z) {
             seeds |= self.reached.row(y, z);
         }
         let new = medium.runs_with(seeds);
-        if !new.is_empty() {
-            self.reach(y, z, new);
-            self.wake_neighbours(rows, y, z, new);
-        }
+        *self.reached.row_mut(y, z) = reached | new;
+        (new, new == medium)
     }
 
-    /// Queues the neighbour rows that have something left beside the voxels `new` of row (y, z).
-    #[inline]
-    fn wake_neighbours(
+    /// Queues the rows beside row (y, z) that have something left beside its voxels `new`. Those
+    /// of the same word `i` of the same layer are returned instead, as bits of that word.
+    #[cold]
+    fn wake_beside(
         &mut self,
         rows: &Plane<N>,
-        y: usize,
-        z: usize,
+        (y, z): (usize, usize),
         new: <Grid<N> as Size>::Row,
-    ) {
-        for (y, z) in neighbours::<N>(y, z) {
-            if !(rows.row(y, z) & !self.reached.row(y, z) & new).is_empty() {
-                self.queue(y, z);
+        i: usize,
+    ) -> u64 {
+        let mut todo = 0;
+        for (beside_y, beside_z) in beside::<N>(y, z) {
+            let left = rows.row(beside_y, beside_z) & !self.reached.row(beside_y, beside_z);
+            let woken = !(left & new).is_empty();
+            if beside_y == y && beside_z / 64 == i {
+                todo |= u64::from(woken) << (beside_z % 64);
+            } else {
+                self.queue_if(woken, beside_y, beside_z);
             }
         }
+        todo
     }
 
     /// Adds voxels that weren't reached.
     #[inline]
     fn reach(&mut self, y: usize, z: usize, new: <Grid<N> as Size>::Row) {
         *self.reached.row_mut(y, z) |= new;
-        self.reached_sum = self.reached_sum.wrapping_add(keyed::<N>(y, z, new));
+        self.reached_sum = self.reached_sum.wrapping_add(keyed(y, z, new));
     }
 
     #[inline]
-    fn queue(&mut self, y: usize, z: usize) {
-        self.queued[y].insert(z);
-        self.layers.insert(y);
+    fn queue_if(&mut self, needed: bool, y: usize, z: usize) {
+        self.queued[y].insert_if(needed, z);
+        self.layers.insert_if(needed, y);
     }
 
     /// Forgets the pass in flight.
     fn stop(&mut self) {
         self.queued.fill(<Grid<N> as Size>::Row::EMPTY);
         self.layers = <Grid<N> as Size>::Row::EMPTY;
+        self.open.fill(<Grid<N> as Size>::Row::EMPTY);
         self.reached_sum = 0;
-        self.cursor = (0, 0);
+        self.cursor = 0;
         self.phase = Phase::Idle;
     }
 
-    /// The volume becomes the closure of what is reached of it. Uses the queue, which is empty, to
-    /// remember which rows lose voxels.
+    /// The volume becomes the closure of what is reached of it. Nothing is queued, so the open rows
+    /// are all those that lose voxels.
     fn remove(&mut self, volume: &mut Volume<N>, journal: &mut impl Journal<N>) -> IslandReport {
         let mut along_y = [<Grid<N> as Size>::Row::EMPTY; N];
         let mut missed = 0;
         for y in 0..N {
             let mut along_z = <Grid<N> as Size>::Row::EMPTY;
-            for z in 0..N {
+            for z in self.open[y].ones() {
                 let (here, reached) = (volume.rows().row(y, z), self.reached.row(y, z));
                 let islands = here & !reached;
                 if islands.is_empty() {
+                    self.open[y].toggle(z);
                     continue;
                 }
                 missed += islands.count();
                 along_y[z] |= islands;
                 along_z |= islands;
-                self.queued[y].insert(z);
                 let range = Range::hull(here & reached);
                 volume.set_column(Axis::X, (y, z), Column([range]), journal);
             }
@@ -334,12 +382,13 @@ where
         };
         let (mut lo, mut hi) = ([0; N], [0; N]);
         let empty = first_in(columns, within.lo()..=within.hi(), reached, &mut lo);
-        first_in(columns & !empty, (within.lo()..=within.hi()).rev(), reached, &mut hi);
-        for place in columns.ones() {
-            let range = match empty.contains(place) {
-                true => Range::EMPTY,
-                false => Range::new(lo[place].into(), hi[place].into()),
-            };
+        let rest = columns & !empty;
+        first_in(rest, (within.lo()..=within.hi()).rev(), reached, &mut hi);
+        for place in empty.ones() {
+            volume.set_column(axis, (line, place), Column::EMPTY, journal);
+        }
+        for place in rest.ones() {
+            let range = Range::new(lo[place].into(), hi[place].into());
             volume.set_column(axis, (line, place), Column([range]), journal);
         }
     }
@@ -353,7 +402,7 @@ where
         }
         let (mut kept, mut sum) = (0, 0u128);
         for y in 0..N {
-            for z in self.queued[y].ones() {
+            for z in self.open[y].ones() {
                 let (here, reached) = (volume.rows().row(y, z), self.reached.row(y, z));
                 let mut closed = here & !reached;
                 if !many {
@@ -361,7 +410,7 @@ where
                     *volume.rows_mut().row_mut(y, z) = here & reached | closed;
                 }
                 kept += closed.count();
-                sum = sum.wrapping_add(keyed::<N>(y, z, closed));
+                sum = sum.wrapping_add(keyed(y, z, closed));
             }
         }
         (kept, sum)
@@ -387,7 +436,7 @@ where
         if self.phase == Phase::Sweep {
             for y in 0..N {
                 for (z, row) in self.reached.layer(y).iter().enumerate() {
-                    sum = sum.wrapping_add(keyed::<N>(y, z, *row));
+                    sum = sum.wrapping_add(keyed(y, z, *row));
                 }
             }
         }
@@ -398,10 +447,10 @@ where
         let mut sum = reached_sum;
         if self.phase == Phase::Sweep {
             for (y, row) in self.queued.iter().enumerate() {
-                sum = sum.wrapping_add(keyed::<N>(N, y, *row));
+                sum = sum.wrapping_add(keyed(N, y, *row));
             }
         }
-        let flags = [self.phase as u8, self.pending.into(), self.cursor.0, self.cursor.1];
+        let flags = [self.phase as u8, self.pending.into(), self.cursor, 0];
         let mut digest = mix(u32::from_le_bytes(flags).into());
         for part in [sum, self.kept_sum] {
             digest = mix(digest ^ part as u64);
@@ -418,7 +467,7 @@ where
         if self.phase == Phase::Idle {
             return;
         }
-        out.bytes(&[self.cursor.0, self.cursor.1]);
+        out.u8(self.cursor);
         for (y, queued) in self.queued.iter().enumerate() {
             let mut held = <Grid<N> as Size>::Row::EMPTY;
             for (z, row) in self.reached.layer(y).iter().enumerate() {
@@ -457,11 +506,13 @@ where
     }
 
     fn load_pass(&mut self, bytes: &mut Reader<'_>) -> Result<(), BadBytes> {
-        self.cursor = (bytes.u8()?, bytes.u8()?);
-        if self.cursor.0.max(self.cursor.1) as usize >= N {
-            return Err(bytes.bad("a row of the grid"));
+        self.cursor = bytes.u8()?;
+        if usize::from(self.cursor) >= N {
+            return Err(bytes.bad("a layer of the grid"));
         }
         self.reached.clear();
+        // Which rows are open isn't saved: that any may be changes nothing but the time it takes.
+        self.open.fill(Grid::<N>::FULL);
         for y in 0..N {
             self.queued[y] = read_row::<N>(bytes)?;
             if !self.queued[y].is_empty() {
@@ -487,14 +538,14 @@ where
     !volume.touches_ground() && mask.is_empty()
 }
 
-/// The rows that share a side with row (y, z).
+/// The rows that share a side with row (y, z): below, above, before, after. At the grid's border
+/// the row itself stands for the one that isn't there: no row seeds itself, nor has anything left
+/// where it was just reached.
 #[inline]
-fn neighbours<const N: usize>(y: usize, z: usize) -> impl Iterator<Item = (usize, usize)> {
-    let below = (y > 0).then(|| (y - 1, z));
-    let above = (y + 1 < N).then_some((y + 1, z));
-    let before = (z > 0).then(|| (y, z - 1));
-    let after = (z + 1 < N).then_some((y, z + 1));
-    [below, above, before, after].into_iter().flatten()
+fn beside<const N: usize>(y: usize, z: usize) -> [(usize, usize); 4] {
+    let before = |i: usize| i.saturating_sub(1);
+    let after = |i: usize| if i + 1 < N { i + 1 } else { i };
+    [(before(y), z), (after(y), z), (y, before(z)), (y, after(z))]
 }
 
 /// The lowest set bit from `from` on.
@@ -540,19 +591,37 @@ fn first_in<R: Bits, const N: usize>(
     columns
 }
 
-/// The sum of a row's words, each times its own key. Linear in disjoint voxels.
+/// Odd numbers that look random.
+const KEYS: [u64; 257] = {
+    let mut keys = [0; 257];
+    let mut i = 0;
+    while i < keys.len() {
+        keys[i] = mix(i as u64 + 1) | 1;
+        i += 1;
+    }
+    keys
+};
+
+/// The sum of a row's words, each times its own key: linear in disjoint voxels.
 #[inline]
-fn keyed<const N: usize>(y: usize, z: usize, row: <Grid<N> as Size>::Row) -> u128
-where
-    Grid<N>: Size,
-{
-    let key = mix((y * N + z + 1) as u64);
+fn keyed<R: Bits>(y: usize, z: usize, row: R) -> u128 {
+    keyed_layer(y, keyed_row(z, row))
+}
+
+#[inline]
+fn keyed_row<R: Bits>(z: usize, row: R) -> u128 {
     let mut sum = 0u128;
-    for i in 0..<Grid<N> as Size>::Row::WORDS {
-        let key = key.rotate_left(13 * i as u32) | 1;
+    for i in 0..R::WORDS {
+        let key = KEYS[z].rotate_left(13 * i as u32);
         sum = sum.wrapping_add(u128::from(row.word(i)) * u128::from(key));
     }
     sum
+}
+
+/// Of the sum of [`keyed_row`] over rows of one layer.
+#[inline]
+fn keyed_layer(y: usize, sum: u128) -> u128 {
+    sum.wrapping_mul(mix(KEYS[y]).into())
 }
 
 fn write_row<R: Bits>(out: &mut Writer<'_>, row: R) {

@@ -49,6 +49,8 @@ pub mod row;
 mod save;
 pub mod shell;
 pub mod size;
+mod state;
+mod tick;
 pub mod tools;
 pub mod trace;
 pub mod undo;

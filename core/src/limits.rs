@@ -19,10 +19,10 @@ pub const SMOOTH_LINES: usize = 8;
 /// five; beyond eight they merge.
 pub const DIRTY_RECTS: usize = 8;
 
-/// Lines of N columns x N that hold packed undo entries (2 bytes a column): 160 KiB at 128. With
+/// Lines of N columns x N that hold packed undo entries (2 bytes a column): 128 KiB at 128. With
 /// the newest entry unpacked beside them, two entries that changed every column fit, and some
 /// fifty usual ones.
-pub const UNDO_PLANES: usize = 5;
+pub const UNDO_PLANES: usize = 4;
 
 /// Closed strokes that can be undone.
 pub const UNDO_ENTRIES: usize = 128;

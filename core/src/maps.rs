@@ -237,7 +237,12 @@ impl<const N: usize, const LAYERS: usize> Maps<N, LAYERS> {
     /// Whether no column holds anything.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.columns[0].as_flattened().iter().all(|column| *column == Column::EMPTY)
+        // A line at a time: without a way out after every column the compiler reads many at once.
+        let empty = |line: &[Column<LAYERS>; N]| {
+            let bits = |column: &Column<LAYERS>| column.0.iter().fold(0, |all, r| all | r.not_lo | r.hi);
+            line.iter().fold(0, |all, column| all | bits(column)) == 0
+        };
+        self.columns[0].iter().all(empty)
     }
 }
 

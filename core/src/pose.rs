@@ -30,7 +30,7 @@ impl Pose {
         }
         Pose {
             position: self.position + (other.position - self.position) * t,
-            rotation: self.rotation.slerp(other.rotation, t),
+            rotation: self.rotation.slerp(other.rotation, t).normalize(),
         }
     }
 

@@ -46,6 +46,11 @@ pub trait Bits:
     fn insert(&mut self, i: usize) {
         self.set_word(i / 64, self.word(i / 64) | 1 << (i % 64));
     }
+    /// Sets bit `i` if `set`, without a branch.
+    #[inline]
+    fn insert_if(&mut self, set: bool, i: usize) {
+        self.set_word(i / 64, self.word(i / 64) | u64::from(set) << (i % 64));
+    }
     /// Flips bit `i`.
     fn toggle(&mut self, i: usize) {
         self.set_word(i / 64, self.word(i / 64) ^ 1 << (i % 64));
@@ -76,7 +81,7 @@ pub trait Bits:
     fn runs_with(self, seeds: Self) -> Self;
     /// The set bits, lowest first.
     fn ones(self) -> Ones<Self> {
-        Ones { row: self, word: 0 }
+        Ones { row: self, word: 0, bits: self.word(0) }
     }
 }
 
@@ -85,6 +90,8 @@ pub trait Bits:
 pub struct Ones<R> {
     row: R,
     word: usize,
+    /// What is left of that word.
+    bits: u64,
 }
 
 impl<R: Bits> Iterator for Ones<R> {
@@ -92,15 +99,16 @@ impl<R: Bits> Iterator for Ones<R> {
 
     #[inline]
     fn next(&mut self) -> Option<usize> {
-        while self.word < R::WORDS {
-            let w = self.row.word(self.word);
-            if w != 0 {
-                self.row.set_word(self.word, w & (w - 1));
-                return Some(self.word * 64 + w.trailing_zeros() as usize);
+        while self.bits == 0 {
+            if self.word + 1 == R::WORDS {
+                return None;
             }
             self.word += 1;
+            self.bits = self.row.word(self.word);
         }
-        None
+        let bit = self.bits.trailing_zeros() as usize;
+        self.bits &= self.bits - 1;
+        Some(self.word * 64 + bit)
     }
 }
 
@@ -142,9 +150,7 @@ impl<const W: usize> Bits for Row<W> {
 
     #[inline]
     fn first(&self) -> Option<usize> {
-        (0..W)
-            .find(|&i| self.0[i] != 0)
-            .map(|i| i * 64 + self.0[i].trailing_zeros() as usize)
+        (0..W).find(|&i| self.0[i] != 0).map(|i| i * 64 + self.0[i].trailing_zeros() as usize)
     }
 
     #[inline]
@@ -170,9 +176,9 @@ impl<const W: usize> Bits for Row<W> {
     fn down(self) -> Self {
         let mut words = [0; W];
         let mut carry = 0;
-        for (word, w) in words.iter_mut().zip(self.0).rev() {
-            *word = w >> 1 | carry;
-            carry = w << 63;
+        for i in (0..W).rev() {
+            words[i] = self.0[i] >> 1 | carry;
+            carry = self.0[i] << 63;
         }
         Row(words)
     }
@@ -190,24 +196,18 @@ impl<const W: usize> Bits for Row<W> {
         Row(words)
     }
 
-    /// Adding the seeds to the runs carries out of the top of each run that holds one; each such
-    /// carry names a run's end, and the zero below it the run's start.
+    /// Adding the seeds to the runs carries from the first seed of each run out of its top, which
+    /// empties all places between but those of further seeds. What lies below a first seed is
+    /// looked for run by run.
     #[inline]
     fn runs_with(self, seeds: Self) -> Self {
         let seeds = seeds & self;
-        if seeds.is_empty() || seeds == self {
-            return seeds;
-        }
-        let (sum, overflow) = add(self, seeds);
-        let mut ends = sum & !self;
-        let mut found = Self::EMPTY;
-        if overflow {
-            found |= self.run_below(64 * W);
-        }
+        let mut found = self & (!add(self, seeds) | seeds);
+        let mut open = found & (self & !found).up();
         for i in 0..W {
-            while ends.0[i] != 0 {
-                found |= self.run_below(i * 64 + ends.0[i].trailing_zeros() as usize);
-                ends.0[i] &= ends.0[i] - 1;
+            while open.0[i] != 0 {
+                found |= self.run_below(i * 64 + open.0[i].trailing_zeros() as usize);
+                open.0[i] &= open.0[i] - 1;
             }
         }
         found
@@ -234,8 +234,9 @@ fn low_bits(end: usize, base: usize) -> u64 {
     }
 }
 
+/// The sum, without the carry out of the top.
 #[inline]
-fn add<const W: usize>(a: Row<W>, b: Row<W>) -> (Row<W>, bool) {
+fn add<const W: usize>(a: Row<W>, b: Row<W>) -> Row<W> {
     let mut sum = Row([0; W]);
     let mut carry = false;
     for i in 0..W {
@@ -244,7 +245,7 @@ fn add<const W: usize>(a: Row<W>, b: Row<W>) -> (Row<W>, bool) {
         sum.0[i] = s;
         carry = c1 | c2;
     }
-    (sum, carry)
+    sum
 }
 
 macro_rules! word_wise {

@@ -1,14 +1,13 @@
 //! Save, load and digest: the whole state as bytes, and as 64 bits.
 
 use crate::codec::{BadBytes, Reader, Writer};
-use crate::hand::Hand;
-use crate::input::Mode;
 use crate::maps::{Axis, Column, Maps, Range};
 use crate::plane::Plane;
+use crate::row::Bits;
 use crate::size::{Grid, Size};
 use crate::volume::{maps_digest, mix};
-use crate::workbench::{Workbench, read_quat, read_vec3, write_quat, write_vec3};
-use crate::world::{Session, State, World};
+use crate::state::State;
+use crate::world::World;
 
 /// First bytes of a saved world.
 const MAGIC: [u8; 4] = *b"PWLD";
@@ -42,8 +41,8 @@ where
         len
     }
 
-    /// Goes on from a saved state: digests continue as if uninterrupted. The next tick's dirty
-    /// regions are to be taken as everything.
+    /// Goes on from a saved state: digests continue as if uninterrupted. Until the next tick,
+    /// everything is dirty.
     ///
     /// # Errors
     /// [`BadBytes`] for bytes that [`World::save`] didn't write for this N. They are told by their
@@ -66,7 +65,7 @@ where
         self.mask.clear();
         self.volume.set_voxels(Plane::clear);
         self.undo.clear();
-        self.islands.abort();
+        self.islands.clear();
         self.refresh();
     }
 
@@ -83,12 +82,19 @@ where
         if masked != self.state.masked || maps_digest(&self.mask) != self.state.mask_digest {
             return Err(from.bad("the mask that the state names"));
         }
+        if !is_tight(&self.mask) || !is_within(&self.mask, self.volume.rows()) {
+            return Err(from.bad("tight ranges of voxels that are in the volume"));
+        }
         self.undo.load(from)?;
         self.islands.load(from)?;
         from.end()
     }
 
-    pub(crate) fn digest_now(&self) -> u64 {
+    /// Covers every bit of state that later ticks can see. Combined of digests that are kept up as
+    /// things change; [`World::recompute_digest`] takes them from scratch. The same for a new
+    /// world as for one that was cleared.
+    #[must_use]
+    pub fn digest(&self) -> u64 {
         combine([
             self.state.digest(),
             self.volume.digest(),
@@ -119,58 +125,6 @@ where
             ("undo", self.undo.digest()),
             ("islands", self.islands.digest()),
         ]
-    }
-}
-
-impl State {
-    /// Room for a written state.
-    const ROOM: usize = 1024;
-
-    fn digest(&self) -> u64 {
-        let mut bytes = [0; Self::ROOM];
-        let mut to = Writer::new(&mut bytes);
-        self.write(&mut to);
-        debug_assert!(to.fits());
-        let len = to.len().min(Self::ROOM);
-        checksum(&bytes[..len])
-    }
-
-    fn write(&self, to: &mut Writer<'_>) {
-        to.u64(self.tick);
-        to.u8(self.session as u8);
-        self.mode.write(to);
-        to.u8(u8::from(self.masked) | u8::from(self.symmetry) << 1);
-        to.u16(self.stool);
-        write_vec3(to, self.head.0);
-        write_quat(to, self.head.1);
-        self.hands.iter().for_each(|hand| hand.write(to));
-        self.bench.write(to);
-        to.u64(self.mask_digest);
-    }
-
-    fn read(from: &mut Reader<'_>) -> Result<Self, BadBytes> {
-        let tick = from.u64()?;
-        let bad = from.bad("a session, 0 to 2");
-        let session = match from.u8()? {
-            0 => Session::Waiting,
-            1 => Session::Sculpting,
-            2 => Session::Finished,
-            _ => return Err(bad),
-        };
-        let mode = Mode::read(from)?;
-        let flags = from.u8()?;
-        Ok(State {
-            tick,
-            session,
-            mode,
-            masked: flags & 1 != 0,
-            symmetry: flags & 2 != 0,
-            stool: from.u16()?,
-            head: (read_vec3(from)?, read_quat(from)?),
-            hands: [Hand::read(from)?, Hand::read(from)?],
-            bench: Workbench::read(from)?,
-            mask_digest: from.u64()?,
-        })
     }
 }
 
@@ -211,6 +165,26 @@ pub fn checksum(bytes: &[u8]) -> u64 {
 
 fn combine(parts: [u64; 4]) -> u64 {
     parts.into_iter().fold(0, |sum, part| mix(sum.rotate_left(17) ^ part))
+}
+
+fn is_tight<const N: usize>(maps: &Maps<N>) -> bool {
+    Axis::ALL.into_iter().all(|axis| {
+        (0..N).all(|line| {
+            maps.line(axis, line).iter().enumerate().all(|(place, column)| {
+                let (range, at) = (column.hull(), (line, place));
+                let end = |i| maps.contains(axis.voxel(at, i));
+                range.is_empty() || end(range.lo()) && end(range.hi())
+            })
+        })
+    })
+}
+
+fn is_within<const N: usize>(maps: &Maps<N>, rows: &Plane<N>) -> bool
+where
+    Grid<N>: Size,
+{
+    let left = |y, z| maps.row_among((y, z), Grid::<N>::FULL & !rows.row(y, z));
+    (0..N).all(|y| (0..N).all(|z| left(y, z).is_empty()))
 }
 
 fn write_maps<const N: usize>(to: &mut Writer<'_>, maps: &Maps<N>) {

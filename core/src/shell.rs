@@ -1,18 +1,21 @@
 //! Neighbourhoods of a bit row: the shell that an edit may reach, and the majority of 3 x 3 x 3.
 
+use crate::limits::SHELL_DEPTH;
 use crate::plane::Plane;
 use crate::row::Bits;
 use crate::size::{Grid, Size};
 
 /// Of the voxels `among` of a row, those with no empty voxel within `depth` six-neighbour steps;
-/// outside the grid counts as empty. The steps form an octahedron: row (y + i, z + j) is eroded
-/// along x by what i and j leave of the depth.
+/// outside the grid counts as empty. `depth` up to [`SHELL_DEPTH`].
+///
+/// A row so many steps away in y and z counts with what it leaves of the depth along x. Rows as far
+/// away meet first, and a step along x is taken for all of them at once on the way out.
 #[must_use]
 pub fn deep<const N: usize>(
     rows: &Plane<N>,
     (y, z): (usize, usize),
     depth: usize,
-    mut among: <Grid<N> as Size>::Row,
+    among: <Grid<N> as Size>::Row,
 ) -> <Grid<N> as Size>::Row
 where
     Grid<N>: Size,
@@ -20,21 +23,41 @@ where
     if y < depth || z < depth || y + depth >= N || z + depth >= N {
         return <Grid<N> as Size>::Row::EMPTY;
     }
-    for (i, j, left) in octahedron(depth) {
-        let mut row = rows.row(y + i - depth, z + j - depth);
-        for _ in 0..left {
-            row = row & row.up() & row.down();
+    among
+        & match depth {
+            0 => rows.row(y, z),
+            1 => eroded::<N, 1>(rows, (y, z)),
+            2 => eroded::<N, 2>(rows, (y, z)),
+            3 => eroded::<N, 3>(rows, (y, z)),
+            _ => eroded::<N, SHELL_DEPTH>(rows, (y, z)),
         }
-        among &= row;
-        if among.is_empty() {
-            break;
+}
+
+/// The depth is a constant so that its loops unroll. No row it reads lies outside the grid.
+#[inline]
+fn eroded<const N: usize, const DEPTH: usize>(
+    rows: &Plane<N>,
+    (y, z): (usize, usize),
+) -> <Grid<N> as Size>::Row
+where
+    Grid<N>: Size,
+{
+    let mut row = rows.row(y, z);
+    for away in 1..=DEPTH {
+        row = row & row.up() & row.down();
+        for i in 0..away {
+            let j = away - i;
+            row &= rows.row(y - i, z - j);
+            row &= rows.row(y + i, z + j);
+            row &= rows.row(y - j, z + i);
+            row &= rows.row(y + j, z - i);
         }
     }
-    among
+    row
 }
 
 /// Of the voxels `among` of a row, those with an occupied voxel, or the ground under y = 0, within
-/// `depth` six-neighbour steps.
+/// `depth` six-neighbour steps. Rows are taken as in [`deep`].
 #[must_use]
 pub fn near<const N: usize>(
     rows: &Plane<N>,
@@ -48,28 +71,26 @@ where
     if y < depth {
         return among;
     }
-    let mut found = <Grid<N> as Size>::Row::EMPTY;
-    for (i, j, left) in octahedron(depth) {
-        let (y, z) = (y + i - depth, (z + j).wrapping_sub(depth));
-        if y >= N || z >= N {
-            continue;
+    let at = |y: usize, z: usize| match y < N && z < N {
+        true => rows.row(y, z),
+        false => <Grid<N> as Size>::Row::EMPTY,
+    };
+    let mut row = rows.row(y, z);
+    for away in 1..=depth {
+        row = row | row.up() | row.down();
+        for i in 0..away {
+            let j = away - i;
+            row |= at(y - i, z.wrapping_sub(j)) | at(y + i, z + j);
+            row |= at(y - j, z + i) | at(y + j, z.wrapping_sub(i));
         }
-        let mut row = rows.row(y, z);
-        for _ in 0..left {
-            row = row | row.up() | row.down();
-        }
-        found |= row;
     }
-    found & among
+    row & among
 }
 
 /// The voxels of a row whose 3 x 3 x 3 neighbourhood is mostly (14 of 27) occupied. Below y = 0
 /// counts as occupied, elsewhere outside as empty. Counts in bit planes, a row at a time.
 #[must_use]
-pub fn majority<const N: usize>(
-    rows: &Plane<N>,
-    (y, z): (usize, usize),
-) -> <Grid<N> as Size>::Row
+pub fn majority<const N: usize>(rows: &Plane<N>, (y, z): (usize, usize)) -> <Grid<N> as Size>::Row
 where
     Grid<N>: Size,
 {
@@ -99,15 +120,4 @@ fn add<R: Bits>(count: &mut [R; 5], mut row: R, place: usize) {
         *plane ^= row;
         row = carry;
     }
-}
-
-/// The rows of an octahedron of radius `depth`: offsets in y and z from its corner, and the steps
-/// left for x.
-fn octahedron(depth: usize) -> impl Iterator<Item = (usize, usize, usize)> {
-    let side = 2 * depth + 1;
-    (0..side * side).filter_map(move |k| {
-        let (i, j) = (k / side, k % side);
-        let used = i.abs_diff(depth) + j.abs_diff(depth);
-        (used <= depth).then(|| (i, j, depth - used))
-    })
 }

@@ -1,8 +1,9 @@
 //! Traces: a header, then for every tick its input and the digest it led to, at fixed widths.
 //!
 //! Little-endian. Header, [`HEADER_BYTES`] bytes: `PTRC`; u16 trace version; u16 core version (what
-//! a tick computes); u16 N; u16 zero; u64 digest of the start volumes; u64 digest of the world
-//! before the first tick. Record, [`RECORD_BYTES`] bytes: the input, then the u64 digest after it.
+//! a tick computes); u16 N; u16 zero; u32 ticks; u64 digest of the start volumes; u64 digest of the
+//! world before the first tick. Record, [`RECORD_BYTES`] bytes: the input, then the u64 digest after
+//! it.
 
 use crate::codec::{BadBytes, Reader, Writer};
 use crate::input::Input;
@@ -11,7 +12,7 @@ use crate::volume::{maps_digest, mix};
 use crate::world::Starts;
 
 /// Length of the header.
-pub const HEADER_BYTES: usize = 28;
+pub const HEADER_BYTES: usize = 32;
 
 /// Length of a record.
 pub const RECORD_BYTES: usize = Input::BYTES + 8;
@@ -29,6 +30,8 @@ const MAGIC: [u8; 4] = *b"PTRC";
 pub struct Header {
     /// Voxels a side.
     pub size: u16,
+    /// Records that follow: tells a trace that was cut short between two of them.
+    pub ticks: u32,
     /// [`starts_digest`] of the start volumes.
     pub starts: u64,
     /// The world's digest before the first tick.
@@ -52,6 +55,7 @@ impl Header {
         to.u16(CORE_VERSION);
         to.u16(self.size);
         to.u16(0);
+        to.u32(self.ticks);
         to.u64(self.starts);
         to.u64(self.first);
     }
@@ -82,7 +86,7 @@ impl Header {
         if from.u16()? != 0 {
             return Err(bad);
         }
-        Ok(Header { size, starts: from.u64()?, first: from.u64()? })
+        Ok(Header { size, ticks: from.u32()?, starts: from.u64()?, first: from.u64()? })
     }
 }
 

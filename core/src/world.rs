@@ -3,25 +3,25 @@
 //! A tick is, in order: session, hands and held tools, contact, edit, islands, digest. Nothing else
 //! changes the state but [`World::load`](crate::world::World::load).
 
-use glam::{Quat, Vec3};
+use glam::Vec3;
 use heapless::Vec;
 
-use crate::contact::{Contact, Obstacle};
+use crate::contact::Contact;
 use crate::dirty::Dirty;
-use crate::edit::{Edit, EditReport, EditScratch, Operation, apply};
+use crate::edit::EditScratch;
 use crate::events::Event;
 use crate::frame::Frame;
-use crate::hand::{Did, Hand, RoomPose, haptic_level};
-use crate::input::{Input, Mode, Pointer, TICK_RATE, buttons, commands};
+use crate::hand::Hand;
+use crate::input::{Input, Mode};
 use crate::islands::Islands;
-use crate::limits::{EVENTS, row_visits};
-use crate::maps::{Axis, Column, Maps};
-use crate::pose::Pose;
+use crate::limits::EVENTS;
+use crate::maps::Maps;
 use crate::size::{Grid, Size};
-use crate::tools::{Action, Bit, Tool};
+use crate::state::State;
+use crate::tools::{Bit, Tool};
 use crate::undo::Undo;
-use crate::volume::{Journal, Volume};
-use crate::workbench::{Item, Workbench};
+use crate::volume::Volume;
+use crate::workbench::Workbench;
 
 /// The volumes that sessions start from. All are tight; each figure lies within the lump.
 #[derive(Debug)]
@@ -48,22 +48,6 @@ pub enum Session {
     Finished = 2,
 }
 
-/// The small part of the state: all but volumes, undo and islands.
-#[derive(Clone, Copy, PartialEq, Debug)]
-pub(crate) struct State {
-    pub(crate) tick: u64,
-    pub(crate) session: Session,
-    pub(crate) mode: Mode,
-    pub(crate) masked: bool,
-    pub(crate) symmetry: bool,
-    /// The stool's turn in 65,536ths.
-    pub(crate) stool: u16,
-    pub(crate) head: RoomPose,
-    pub(crate) hands: [Hand; 2],
-    pub(crate) bench: Workbench,
-    pub(crate) mask_digest: u64,
-}
-
 /// The whole state of a session, with N voxels a side.
 #[derive(Debug)]
 pub struct World<const N: usize>
@@ -75,11 +59,12 @@ where
     pub(crate) undo: Undo<N>,
     pub(crate) islands: Islands<N>,
     pub(crate) state: State,
-    scratch: EditScratch<N>,
-    dirty: Dirty,
-    events: Vec<Event, EVENTS>,
-    contacts: [Option<Contact>; 2],
-    digest: u64,
+    pub(crate) scratch: EditScratch<N>,
+    pub(crate) dirty: Dirty,
+    pub(crate) events: Vec<Event, EVENTS>,
+    /// Of the last tick; not optional, as the niche of an `Option` isn't all zero bytes.
+    pub(crate) contacts: [Contact; 2],
+    pub(crate) felt: [bool; 2],
 }
 
 impl<const N: usize> World<N>
@@ -99,8 +84,8 @@ where
             scratch: EditScratch::new(),
             dirty: Dirty::new(),
             events: Vec::new(),
-            contacts: [None; 2],
-            digest: 0,
+            contacts: [Contact::NONE; 2],
+            felt: [false; 2],
         }
     }
 
@@ -108,7 +93,7 @@ where
     pub fn step(&mut self, input: &Input, starts: &Starts<'_, N>) {
         self.events.clear();
         self.dirty.clear();
-        self.contacts = [None; 2];
+        self.felt = [false; 2];
         if input.start != Mode::None {
             self.start(input.start, starts);
         }
@@ -129,8 +114,7 @@ where
             self.clear_islands();
         }
         self.state.bench.step();
-        self.state.tick += 1;
-        self.digest = self.digest_now();
+        self.state.tick = self.state.tick.wrapping_add(1);
     }
 
     /// Ticks since the world began.
@@ -187,13 +171,6 @@ where
         self.undo.counts()
     }
 
-    /// Covers every bit of state that later ticks can see. Kept up as things change;
-    /// [`World::recompute_digest`] takes it from scratch.
-    #[must_use]
-    pub const fn digest(&self) -> u64 {
-        self.digest
-    }
-
     /// The stool and its turn.
     #[must_use]
     pub fn frame(&self) -> Frame {
@@ -221,8 +198,8 @@ where
 
     /// What the held bit touched in the last tick.
     #[must_use]
-    pub const fn contact(&self, hand: usize) -> Option<Contact> {
-        self.contacts[hand & 1]
+    pub fn contact(&self, hand: usize) -> Option<Contact> {
+        self.felt[hand & 1].then_some(self.contacts[hand & 1])
     }
 
     /// How far the volume pushes the held bit from where the hand has it, in metres in the room.
@@ -235,281 +212,10 @@ where
         }
     }
 
-    /// Starts a session, if its volume exists.
-    fn start(&mut self, mode: Mode, starts: &Starts<'_, N>) {
-        let volume = match mode {
-            Mode::None => None,
-            Mode::FreeForm => Some(starts.lump),
-            Mode::Constrained { figure } => {
-                starts.figures.get(usize::from(figure)).map(|_| starts.lump)
-            }
-            Mode::Creative => Some(starts.creative),
-            Mode::Own => starts.own,
-        };
-        let Some(volume) = volume else {
-            self.note(Event::NoSuchStart);
-            return;
-        };
-        self.volume.set_maps(volume);
-        self.mask.clear();
-        let (tick, head) = (self.state.tick, self.state.head);
-        self.state = State { tick, head, mode, session: Session::Sculpting, ..State::new() };
-        if let Mode::Constrained { figure } = mode {
-            self.mask.copy_from(starts.figures[usize::from(figure)]);
-            self.state.masked = !self.mask.is_empty();
-            self.state.mask_digest = crate::volume::maps_digest(&self.mask);
-        }
-        self.state.bench.tidy();
-        self.undo.clear();
-        self.islands.abort();
-        self.dirty.note_all(N);
-        self.note(Event::Started(mode));
-    }
-
-    /// A stick to the side turns the stool by up to a quarter turn a second.
-    fn turn_stool(&mut self, input: &Input) {
-        let mut turn = 0i32;
-        for (hand, state) in input.hands.iter().zip(&self.state.hands) {
-            let push = i32::from(hand.stick[0]);
-            if state.tracked && push.abs() > 30 {
-                turn += push * (65_536 / 4) / (127 * TICK_RATE as i32);
-            }
-        }
-        if let Pointer::Turn { by } = input.pointer {
-            turn += i32::from(by);
-        }
-        self.state.stool = self.state.stool.wrapping_add(turn as u16);
-    }
-
-    fn command(&mut self, input: &Input, did: [Did; 2]) {
-        let pressed = did[0].pressed | did[1].pressed;
-        let asked = |command: u8, button: u8| {
-            input.commands & command != 0 || pressed & button != 0
-        };
-        if asked(commands::UNDO, buttons::LOWER) {
-            self.rewind(Event::Undone, Undo::undo);
-        }
-        if asked(commands::REDO, buttons::UPPER) {
-            self.rewind(Event::Redone, Undo::redo);
-        }
-        if asked(commands::SYMMETRY, buttons::STICK) {
-            self.state.symmetry = !self.state.symmetry;
-            self.note(Event::Symmetry(self.state.symmetry));
-        }
-        if input.commands & commands::FINISH != 0 {
-            self.state.session = Session::Finished;
-            self.islands.abort();
-            self.note(Event::Finished);
-        }
-    }
-
-    /// Undo and redo abort the pass in flight and start none.
-    fn rewind(
-        &mut self,
-        event: Event,
-        go: fn(&mut Undo<N>, &mut Volume<N>, &mut Dirty) -> bool,
-    ) {
-        if go(&mut self.undo, &mut self.volume, &mut self.dirty) {
-            self.islands.abort();
-            self.note(event);
-        }
-    }
-
-    fn point(&mut self, pointer: Pointer) {
-        match pointer {
-            Pointer::Take { hand, item } => {
-                if let Some(item) = Item::from_number(item.into()) {
-                    self.take(usize::from(hand & 1), item);
-                }
-            }
-            Pointer::Return { hand } => {
-                let hand = usize::from(hand & 1);
-                if let Some(tool) = self.state.bench.put_back(hand) {
-                    self.state.hands[hand].forget_bit();
-                    self.note(Event::Returned { hand: hand as u8, tool });
-                }
-            }
-            Pointer::None | Pointer::Turn { .. } => {}
-        }
-    }
-
-    /// A squeeze takes what is in reach, or lets go of what the hand holds.
-    fn reach(&mut self, hand: usize, did: Did) {
-        if !did.squeezed {
-            return;
-        }
-        let state = self.state.hands[hand];
-        let tip = self.state.bench.held(hand).map(|tool| state.tip(metres(tool.length())).0);
-        let points = [state.grip.0, tip.unwrap_or(state.grip.0)];
-        if let Some(item) = self.state.bench.within_reach(hand, &points) {
-            self.take(hand, item);
-        } else if let Some(tool) = self.state.bench.release(hand, state.grip.0, state.grip.1) {
-            self.state.hands[hand].forget_bit();
-            self.note(Event::Released { hand: hand as u8, tool });
-        }
-    }
-
-    fn take(&mut self, hand: usize, item: Item) {
-        let other = self.state.bench.held(1 - hand);
-        if self.state.bench.take(hand, item) {
-            self.state.hands[hand].forget_bit();
-            if self.state.bench.held(1 - hand) != other {
-                self.state.hands[1 - hand].forget_bit();
-            }
-            self.note(Event::Took { hand: hand as u8, item });
-        }
-    }
-
-    /// Contact, and the edit where the tool runs.
-    fn sculpt(&mut self, hand: usize, did: Did) {
-        let Some((tool, bit)) = self.held(hand) else {
-            return;
-        };
-        let mut state = self.state.hands[hand];
-        if !state.tracked || self.state.session != Session::Sculpting {
-            return;
-        }
-        let frame = self.frame();
-        let grid_bit = bit.on_grid(frame.voxel() * 1e6);
-        let (position, rotation) = state.tip(metres(tool.length()));
-        let raw = frame.to_grid(position, rotation);
-        let last = if state.bound { state.frozen } else { raw };
-        let mask = self.state.masked.then_some(&self.mask);
-        let obstacle = Obstacle { rows: self.volume.rows(), mask };
-        let frozen = obstacle.freeze(&grid_bit, &last, &raw).pose;
-        let contact = obstacle.contact(&grid_bit, &frozen);
-        let moved = if state.bound { (raw.position - state.raw.position).length() } else { 0.0 };
-        let speed = (moved * frame.voxel() * 1e6).min(1e6) as u32;
-        state.haptic = haptic_level(bit.data(), &contact, state.trigger, state.phase, speed);
-        let from = if state.sweeps { last } else { frozen };
-        (state.raw, state.frozen) = (raw, frozen);
-        (state.sweeps, state.bound) = (true, true);
-        self.state.hands[hand] = state;
-        self.contacts[hand] = Some(contact);
-        if did.pulled {
-            self.undo.begin_stroke();
-        }
-        if state.trigger && state.phase % u16::from(bit.data().period) == 0 {
-            self.edit(hand, bit, &from, &frozen);
-        }
-    }
-
-    fn edit(&mut self, hand: usize, bit: Bit, from: &Pose, to: &Pose) {
-        let grid_bit = bit.on_grid(self.frame().voxel() * 1e6);
-        let depth = grid_bit.depth();
-        let operation = match bit.data().action {
-            Action::Carve => Operation::Carve { depth },
-            Action::Fill => Operation::Fill { depth },
-            Action::Smooth => Operation::Smooth,
-        };
-        let mirrored = self.state.symmetry;
-        let mut log = Log { undo: &mut self.undo, dirty: &mut self.dirty, islands: &mut self.islands };
-        let mut go = |brush| {
-            let edit = Edit { brush: &brush, operation, mirrored };
-            apply(&mut self.volume, &self.mask, &edit, &mut self.scratch, &mut log)
-        };
-        // A rasp that flies farther than the scratch remembers smooths where it lands.
-        let report = go(grid_bit.swept_brush(from, to))
-            .or_else(|_| go(grid_bit.brush(to)))
-            .unwrap_or_default();
-        self.dirty.close();
-        if report.changed() {
-            self.islands.edited();
-        }
-        if report != EditReport::default() {
-            self.note(Event::Edited { hand: hand as u8, bit, report });
-        }
-    }
-
-    fn clear_islands(&mut self) {
-        let mut record = Record { undo: &mut self.undo, dirty: &mut self.dirty };
-        let report =
-            self.islands.advance(&mut self.volume, &self.mask, row_visits(N), &mut record);
-        self.dirty.close();
-        if let Some(report) = report
-            && (report.removed != 0 || report.kept != 0 || report.unsupported)
-        {
-            self.note(Event::Islands(report));
-        }
-    }
-
-    /// More events than there is room for are dropped: they are for show, the state has it all.
-    fn note(&mut self, event: Event) {
-        let _ = self.events.push(event);
-    }
-
     /// Everything is another than before: after a load.
     pub(crate) fn refresh(&mut self) {
         self.events.clear();
-        self.contacts = [None; 2];
+        self.felt = [false; 2];
         self.dirty.note_all(N);
-        self.digest = self.digest_now();
     }
-}
-
-impl State {
-    pub(crate) const fn new() -> Self {
-        let quat = Quat::from_xyzw(0.0, 0.0, 0.0, 0.0);
-        State {
-            tick: 0,
-            session: Session::Waiting,
-            mode: Mode::None,
-            masked: false,
-            symmetry: false,
-            stool: 0,
-            head: (Vec3::ZERO, quat),
-            hands: [Hand::new(); 2],
-            bench: Workbench::new(),
-            mask_digest: 0,
-        }
-    }
-}
-
-/// Hears of an island's removal.
-struct Record<'a, const N: usize>
-where
-    Grid<N>: Size,
-{
-    undo: &'a mut Undo<N>,
-    dirty: &'a mut Dirty,
-}
-
-/// Hears of an edit: the pass in flight must learn what is added.
-struct Log<'a, const N: usize>
-where
-    Grid<N>: Size,
-{
-    undo: &'a mut Undo<N>,
-    dirty: &'a mut Dirty,
-    islands: &'a mut Islands<N>,
-}
-
-impl<const N: usize> Journal<N> for Record<'_, N>
-where
-    Grid<N>: Size,
-{
-    fn column(&mut self, axis: Axis, at: (usize, usize), old: Column) {
-        self.undo.amend(axis, at, old);
-        self.dirty.note(axis, at);
-    }
-
-    fn added(&mut self, _: (usize, usize), _: <Grid<N> as Size>::Row) {}
-}
-
-impl<const N: usize> Journal<N> for Log<'_, N>
-where
-    Grid<N>: Size,
-{
-    fn column(&mut self, axis: Axis, at: (usize, usize), old: Column) {
-        self.undo.record(axis, at, old);
-        self.dirty.note(axis, at);
-    }
-
-    fn added(&mut self, row: (usize, usize), voxels: <Grid<N> as Size>::Row) {
-        self.islands.added(row, voxels);
-    }
-}
-
-fn metres(micrometres: i32) -> f32 {
-    micrometres as f32 * 1e-6
 }

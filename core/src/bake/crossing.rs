@@ -11,8 +11,6 @@ use super::shape::{Edge, Shape, across};
 use crate::maps::Axis;
 use core::cmp::Ordering;
 
-const SIDE: i64 = UNITS as i64;
-
 /// A crossing of a column's ray: the height along it as the fraction `height / scale`, and how that
 /// grows with the displacement.
 #[derive(Clone, Copy, Debug)]
@@ -95,7 +93,7 @@ pub(super) fn cross<const N: usize>(shape: &Shape, axis: Axis, ends: &mut [[Ends
     let w = axis as usize;
     let [u, v] = across(w);
     let facing = shape.normal[w].signum();
-    let [u_centres, v_centres] = [u, v].map(|k| centres_in(shape, k));
+    let [u_centres, v_centres] = [u, v].map(|k| shape.centres[k][0]..shape.centres[k][1]);
     if facing == 0 || u_centres.is_empty() || v_centres.is_empty() {
         return;
     }
@@ -104,7 +102,7 @@ pub(super) fn cross<const N: usize>(shape: &Shape, axis: Axis, ends: &mut [[Ends
         let p_u = centre(i) - shape.origin[u];
         for j in v_centres.clone() {
             let p_v = centre(j) - shape.origin[v];
-            if edges.iter().all(|edge| edge.holds([p_u, p_v])) {
+            if edges.iter().all(|edge| edge.holds(facing, [p_u, p_v])) {
                 let mut voxel = [0; 3];
                 (voxel[u], voxel[v]) = (i as usize, j as usize);
                 let (line, place) = axis.address(voxel);
@@ -127,22 +125,19 @@ pub(super) fn cross<const N: usize>(shape: &Shape, axis: Axis, ends: &mut [[Ends
 impl Edge {
     /// Whether a displaced point is on the inner side.
     #[inline(always)]
-    fn holds(&self, [p_u, p_v]: [i64; 2]) -> bool {
+    fn holds(&self, facing: i64, [p_u, p_v]: [i64; 2]) -> bool {
         let [s, t] = self.slope;
-        let value = s * p_u + t * p_v + self.offset;
-        value > 0 || (value == 0 && (s > 0 || (s == 0 && t > 0)))
+        let value = match s * p_u + t * p_v + self.offset {
+            0 if s != 0 => s,
+            0 => t,
+            value => value,
+        };
+        (value ^ facing) >= 0
     }
 }
 
 /// The centre of voxel i along an axis.
 #[inline]
-fn centre(i: i64) -> i64 {
-    i * SIDE + SIDE / 2
-}
-
-/// The voxels along axis k whose centres, displaced upwards a little, lie in the bounds.
-#[inline(always)]
-fn centres_in(shape: &Shape, k: usize) -> core::ops::Range<i64> {
-    let voxel = |bound: i64| (bound + shape.origin[k] + SIDE / 2 - 1).div_euclid(SIDE);
-    voxel(shape.min[k])..voxel(shape.max[k])
+fn centre(i: i32) -> i64 {
+    i64::from(i * UNITS + UNITS / 2)
 }

@@ -95,9 +95,10 @@ where
     pub fn triangle(&mut self, corners: [IVec3; 3]) -> Result<(), OutsideBox> {
         let shape = Shape::new::<N>(corners).ok_or(OutsideBox)?;
         shape.touch(&mut self.touched);
-        for (axis, ends) in Axis::ALL.into_iter().zip(&mut self.ends) {
-            crossing::cross(&shape, axis, ends);
-        }
+        let [x, y, z] = &mut self.ends;
+        crossing::cross(&shape, Axis::X, x);
+        crossing::cross(&shape, Axis::Y, y);
+        crossing::cross(&shape, Axis::Z, z);
         self.volume += i128::from(shape.volume_about([N as i64 * i64::from(UNITS) / 2; 3]));
         self.triangles += 1;
         self.degenerate += u64::from(shape.is_degenerate());
@@ -126,11 +127,6 @@ where
         }
         plane.expand(maps);
         plane.hulls(maps);
-        BakeReport {
-            triangles: self.triangles,
-            degenerate: self.degenerate,
-            flipped,
-            opened,
-        }
+        BakeReport { triangles: self.triangles, degenerate: self.degenerate, flipped, opened }
     }
 }

@@ -19,9 +19,8 @@ const SHIFT: u32 = UNITS.trailing_zeros();
 pub(super) struct Shape {
     pub(super) origin: [i64; 3],
     pub(super) corners: [[i64; 3]; 3],
-    /// Bounds of the corners, relative to `origin`.
-    pub(super) min: [i64; 3],
-    pub(super) max: [i64; 3],
+    /// The voxels whose centres, displaced upwards a little, lie in the bounds: from, to before.
+    pub(super) centres: [[i32; 2]; 3],
     /// Voxels whose closed box meets the bounds.
     first: [usize; 3],
     last: [usize; 3],
@@ -33,8 +32,8 @@ pub(super) struct Shape {
     pub(super) normal: [i64; 3],
 }
 
-/// A directed edge of a shadow: `slope . p + offset` is zero along it and positive inside, or zero
-/// at all three corners where the shadow has no area.
+/// A directed edge of a shadow: `slope . p + offset` is zero along it, and inside has the sign of
+/// the shadow's area.
 #[derive(Clone, Copy)]
 pub(super) struct Edge {
     pub(super) slope: [i64; 2],
@@ -53,37 +52,44 @@ impl Shape {
         let mut shape = Shape {
             origin: [0; 3],
             corners: [[0; 3]; 3],
-            min: [0; 3],
-            max: [0; 3],
+            centres: [[0; 2]; 3],
             first: [0; 3],
             last: [0; 3],
             edges: [[0; 3]; 3],
             offsets: [[0; 3]; 3],
             normal: [0; 3],
         };
-        for k in 0..3 {
-            // A face at both ends belongs to the voxels on either side.
-            shape.first[k] = ((low[k] - 1) >> SHIFT).max(0) as usize;
-            shape.last[k] = ((high[k] >> SHIFT) as usize).min(N - 1);
-            shape.origin[k] = (shape.first[k] as i64 + 1) * SIDE;
-            shape.min[k] = i64::from(low[k]) - shape.origin[k];
-            shape.max[k] = i64::from(high[k]) - shape.origin[k];
-            for i in 0..3 {
-                shape.corners[i][k] = i64::from(points[i][k]) - shape.origin[k];
-            }
-            for i in 0..3 {
-                shape.edges[i][k] = shape.corners[(i + 1) % 3][k] - shape.corners[i][k];
-            }
-        }
-        for k in 0..3 {
-            let [u, v] = across(k);
-            for i in 0..3 {
-                let (from, to) = (&shape.corners[i], &shape.corners[(i + 1) % 3]);
-                shape.offsets[k][i] = from[u] * to[v] - from[v] * to[u];
-                shape.normal[k] += shape.offsets[k][i];
-            }
-        }
+        // Written out by axis: the compiler leaves a loop of this size a loop.
+        shape.measure::<N>(0, points, low, high);
+        shape.measure::<N>(1, points, low, high);
+        shape.measure::<N>(2, points, low, high);
+        shape.normal = [shape.project(0), shape.project(1), shape.project(2)];
         Some(shape)
+    }
+
+    /// Fills in what only one axis tells.
+    #[inline(always)]
+    fn measure<const N: usize>(&mut self, k: usize, points: [IVec3; 3], low: IVec3, high: IVec3) {
+        let (low, high) = (low[k], high[k]);
+        // A face at both ends belongs to the voxels on either side.
+        let first = ((low - 1) >> SHIFT).max(0);
+        self.first[k] = first as usize;
+        self.last[k] = (high as usize >> SHIFT).min(N - 1);
+        self.origin[k] = i64::from((first + 1) * UNITS);
+        self.centres[k] = [low, high].map(|at| (at + UNITS / 2 - 1) >> SHIFT);
+        let [a, b, c] = points.map(|p| i64::from(p[k]) - self.origin[k]);
+        [self.corners[0][k], self.corners[1][k], self.corners[2][k]] = [a, b, c];
+        [self.edges[0][k], self.edges[1][k], self.edges[2][k]] = [b - a, c - b, a - c];
+    }
+
+    /// Fills in the shadow along axis k, and gives twice its area.
+    #[inline(always)]
+    fn project(&mut self, k: usize) -> i64 {
+        let [u, v] = across(k);
+        let [a, b, c] = self.corners;
+        let cross = |p: [i64; 3], q: [i64; 3]| p[u] * q[v] - p[v] * q[u];
+        self.offsets[k] = [cross(a, b), cross(b, c), cross(c, a)];
+        self.offsets[k][0] + self.offsets[k][1] + self.offsets[k][2]
     }
 
     /// Whether the triangle has no area.
@@ -103,11 +109,7 @@ impl Shape {
     #[inline(always)]
     pub(super) fn edge(&self, k: usize, i: usize) -> Edge {
         let [u, v] = across(k);
-        let turn = if self.normal[k] < 0 { -1 } else { 1 };
-        Edge {
-            slope: [-self.edges[i][v] * turn, self.edges[i][u] * turn],
-            offset: self.offsets[k][i] * turn,
-        }
+        Edge { slope: [-self.edges[i][v], self.edges[i][u]], offset: self.offsets[k][i] }
     }
 
     /// Sets every voxel whose closed box the triangle touches.
@@ -133,21 +135,24 @@ impl Shape {
     where
         Grid<N>: Size,
     {
-        let mut missed = 0;
-        // Along an axis with one voxel the shadows' other tests have nothing to tell apart, and
-        // the octants beyond it are none.
-        for k in 0..3 {
-            let low_only = (self.first[k] == self.last[k]) as u8;
-            missed |= HIGH[k] & low_only.wrapping_neg();
+        let double = [0, 1, 2].map(|k| self.first[k] < self.last[k]);
+        let beyond = |k: usize| if double[k] { 0 } else { HIGH[k] };
+        let mut missed = beyond(0) | beyond(1) | beyond(2);
+        // Two voxels in a line need no test: the triangle reaches each and leaves neither.
+        if double[1] && double[2] {
+            missed |= self.octants_missed(0);
         }
-        for k in 0..3 {
-            missed |= self.octants_missed(k);
+        if double[2] && double[0] {
+            missed |= self.octants_missed(1);
         }
-        let [x, y, z] = [0, 1, 2].map(|k| self.normal[k] * self.corners[0][k]);
-        let height = (x + y + z).signum();
-        let away = self.normal.map(|n| -n.signum() * height);
-        let beyond = side(0, away[0]) & side(1, away[1]) & side(2, away[2]);
-        missed |= beyond & ((height != 0) as u8).wrapping_neg();
+        if double[0] && double[1] {
+            missed |= self.octants_missed(2);
+        }
+        if double == [true; 3] {
+            let [x, y, z] = [0, 1, 2].map(|k| self.normal[k] * self.corners[0][k]);
+            let [a, b, c] = self.normal.map(sign);
+            missed |= turned(&OCTANT, 26 - (9 * a + 3 * b + c), sign(x + y + z));
+        }
         let octants = !missed;
         let [x, y, z] = self.first;
         for (dy, dz) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
@@ -162,13 +167,14 @@ impl Shape {
     #[inline(always)]
     fn octants_missed(&self, k: usize) -> u8 {
         let [u, v] = across(k);
-        let area = self.normal[k].signum();
+        let area = sign(self.normal[k]);
         let mut missed = 0;
         for i in 0..3 {
-            // Signs before the turn: where the turn is -1, offset and slope change together.
-            let beside = self.offsets[k][i].signum();
-            let away = side(u, -self.edges[i][v] * beside) & side(v, self.edges[i][u] * beside);
-            missed |= away & ((beside != 0 && beside != area) as u8).wrapping_neg();
+            let offset = sign(self.offsets[k][i]);
+            // With the origin on the side where the area is, nothing is missed.
+            let offset = if offset == area { 1 } else { offset };
+            let slope = 3 * (2 - sign(self.edges[i][v])) + sign(self.edges[i][u]);
+            missed |= turned(&QUADRANT[k], slope, offset);
         }
         missed
     }
@@ -179,14 +185,13 @@ impl Shape {
         Grid<N>: Size,
     {
         let [u, v] = across(k);
-        let line = self.first[u] == self.last[u] || self.first[v] == self.last[v];
+        let fences = self.fences(k);
         let mut voxel = self.first;
         for i in self.first[u]..=self.last[u] {
             voxel[u] = i;
             for j in self.first[v]..=self.last[v] {
                 voxel[v] = j;
-                // The triangle reaches both ends of a line of voxels and leaves none of it.
-                if line || !self.misses(k, [self.local(u, i), self.local(v, j)]) {
+                if hold(&fences, [self.local(u, i), self.local(v, j)]) {
                     touched.row_mut(voxel[1], voxel[2]).insert(voxel[0]);
                 }
             }
@@ -202,17 +207,18 @@ impl Shape {
         let area = self.normal.map(i64::abs);
         let w = (0..3).fold(0, |best, k| if area[k] > area[best] { k } else { best });
         let [u, v] = across(w);
+        let [along_u, along_v, along_w] = [u, v, w].map(|k| self.fences(k));
         let (mut cell, mut voxel) = ([0; 3], [0; 3]);
         for i in self.first[u]..=self.last[u] {
             (cell[u], voxel[u]) = (self.local(u, i), i);
             for j in self.first[v]..=self.last[v] {
                 (cell[v], voxel[v]) = (self.local(v, j), j);
-                if self.misses(w, [cell[u], cell[v]]) {
+                if !hold(&along_w, [cell[u], cell[v]]) {
                     continue;
                 }
                 for k in self.passed([u, v, w], cell) {
                     (cell[w], voxel[w]) = (self.local(w, k), k);
-                    if !self.misses(u, [cell[v], cell[w]]) && !self.misses(v, [cell[w], cell[u]]) {
+                    if hold(&along_u, [cell[v], cell[w]]) && hold(&along_v, [cell[w], cell[u]]) {
                         touched.row_mut(voxel[1], voxel[2]).insert(voxel[0]);
                     }
                 }
@@ -220,22 +226,30 @@ impl Shape {
         }
     }
 
+    /// Three edges, each moved outwards until a voxel-sized square that the shadow along axis k
+    /// reaches has its low corner inside.
+    #[inline(always)]
+    fn fences(&self, k: usize) -> [Edge; 3] {
+        let mut edges = [self.edge(k, 0), self.edge(k, 1), self.edge(k, 2)];
+        if self.normal[k] == 0 {
+            // All on one line: any edge that is not a point gives both sides.
+            let edge = edges.into_iter().find(|edge| edge.slope != [0; 2]).unwrap_or(edges[0]);
+            let [s, t] = edge.slope;
+            edges = [edge, Edge { slope: [-s, -t], offset: -edge.offset }, edge];
+        }
+        let turn = if self.normal[k] < 0 { -1 } else { 1 };
+        for edge in &mut edges {
+            edge.slope = edge.slope.map(|s| s * turn);
+            edge.offset *= turn;
+            edge.offset += (edge.slope[0].max(0) + edge.slope[1].max(0)) * SIDE;
+        }
+        edges
+    }
+
     /// The low end of a voxel, relative to `origin`.
     #[inline(always)]
     fn local(&self, axis: usize, voxel: usize) -> i64 {
         (voxel as i64 - self.first[axis] as i64 - 1) * SIDE
-    }
-
-    /// Whether an edge separates the closed voxel-sized square at `low` from the shadow along k.
-    #[inline(always)]
-    fn misses(&self, k: usize, low: [i64; 2]) -> bool {
-        let flat = self.normal[k] == 0;
-        (0..3).any(|i| {
-            let Edge { slope: [s, t], offset } = self.edge(k, i);
-            let at_low = s * low[0] + t * low[1] + offset;
-            at_low + (s.max(0) + t.max(0)) * SIDE < 0
-                || (flat && at_low + (s.min(0) + t.min(0)) * SIDE > 0)
-        })
     }
 
     /// The voxels along w, inside the bounds, which the plane passes over the cell at `low`.
@@ -265,16 +279,57 @@ pub(super) const fn across(k: usize) -> [usize; 2] {
     [(k + 1) % 3, (k + 2) % 3]
 }
 
+/// Whether the square with its low corner there is inside all three fences.
+#[inline(always)]
+fn hold(fences: &[Edge; 3], low: [i64; 2]) -> bool {
+    let inside = |edge: &Edge| edge.slope[0] * low[0] + edge.slope[1] * low[1] + edge.offset >= 0;
+    inside(&fences[0]) & inside(&fences[1]) & inside(&fences[2])
+}
+
 /// The octants around the origin on the high side of axis k. Octant i is where bit k of i is set.
 const HIGH: [u8; 3] = [0b1010_1010, 0b1100_1100, 0b1111_0000];
 
-/// The octants on the high side of axis k where `sign` is positive, on the low side where it is
-/// negative, and all for zero.
+/// For each axis k, the octants in the quadrants that a direction on the axes across k points to:
+/// at `3 * sign(first) + sign(second)`, all on an axis where it is zero.
+const QUADRANT: [[u8; 9]; 3] = {
+    let mut table = [[0; 9]; 3];
+    let mut i = 0;
+    while i < 27 {
+        let (k, slope) = (i / 9, i % 9);
+        let [u, v] = across(k);
+        table[k][slope] = side(u, slope / 3) & side(v, slope % 3);
+        i += 1;
+    }
+    table
+};
+
+/// The octants that a direction points to, at `9 * sign(x) + 3 * sign(y) + sign(z)`.
+const OCTANT: [u8; 27] = {
+    let mut table = [0; 27];
+    let mut i = 0;
+    while i < 27 {
+        table[i] = side(0, i / 9) & side(1, i / 3 % 3) & side(2, i % 3);
+        i += 1;
+    }
+    table
+};
+
+/// The octants on the low side of axis k for sign 0, all for 1 and those on the high side for 2.
+const fn side(k: usize, sign: usize) -> u8 {
+    [!HIGH[k], 0xff, HIGH[k]][sign]
+}
+
+/// 0 for negative, 1 for zero, 2 for positive.
 #[inline(always)]
-fn side(k: usize, sign: i64) -> u8 {
-    let high = ((sign >= 0) as u8).wrapping_neg();
-    let low = ((sign <= 0) as u8).wrapping_neg();
-    HIGH[k] & high | !HIGH[k] & low
+fn sign(value: i64) -> usize {
+    (value >= 0) as usize + (value > 0) as usize
+}
+
+/// The octants in a direction, those in the opposite one, or none, as the sign tells.
+#[inline(always)]
+fn turned<const M: usize>(octants: &[u8; M], direction: usize, sign: usize) -> u8 {
+    let at = if sign == 0 { M - 1 - direction } else { direction };
+    octants[at] & ((sign != 1) as u8).wrapping_neg()
 }
 
 /// Sets bit x where bit 0 of `pair` is set, and bit x + 1 where bit 1 is.

@@ -4,7 +4,7 @@
 //! A cell is a cube between eight voxel centres; corner `i + 2 j + 4 k` is the one `i` up in x, `j`
 //! in y and `k` in z. A vertex lies halfway along a cell edge from a solid corner to an empty one,
 //! and is named by that solid corner and the edge's axis. On every cell face the contour walks
-//! from vertex to vertex by [`crate::export::faces::Turn`], so the cells on both sides of a face agree.
+//! from vertex to vertex by [`Turn`], so the cells on both sides of a face agree.
 
 use super::faces::{Face, TANGENTS, Turn, cross};
 
@@ -153,7 +153,8 @@ const fn side(contour: &Loop, i: usize, j: usize) -> bool {
 
 /// Whether two vertices lie in one face of the cell.
 const fn share_face(a: CellVertex, b: CellVertex) -> bool {
-    let ((a, a_axis), (b, b_axis)) = ((a as usize / 3, a as usize % 3), (b as usize / 3, b as usize % 3));
+    let ((a, a_axis), (b, b_axis)) =
+        ((a as usize / 3, a as usize % 3), (b as usize / 3, b as usize % 3));
     let mut axis = 0;
     while axis < 3 {
         if axis != a_axis && axis != b_axis && (a ^ b) >> axis & 1 == 0 {

@@ -10,25 +10,34 @@ pub(super) type Edges<R> = [[R; 2]; 2];
 /// its case. Cell c lies between the voxels c - 1 and c; outside the rows all is empty.
 #[inline(always)]
 pub(super) fn each_cell<R: Bits>(edges: &Edges<R>, mut each: impl FnMut(usize, usize)) {
-    // By case bit: low and high end of x, then y, then z.
-    let mut corners = [0; 8];
-    for w in 0..=R::WORDS {
-        for (edge, corners) in corners.chunks_exact_mut(2).enumerate() {
-            let row = &edges[edge & 1][edge >> 1];
-            let carry = corners[1] >> 63;
-            corners[1] = if w < R::WORDS { row.word(w) } else { 0 };
-            corners[0] = corners[1] << 1 | carry;
-        }
-        let any = corners.iter().fold(0, |any, c| any | c);
-        let all = corners.iter().fold(!0, |all, c| all & c);
-        let mut left = any & !all;
+    // 64 voxels bound 63 cells. In the order of the case's bits: y first, then z.
+    for chunk in 0..=R::WORDS {
+        let corners = [
+            voxels(&edges[0][0], chunk),
+            voxels(&edges[1][0], chunk),
+            voxels(&edges[0][1], chunk),
+            voxels(&edges[1][1], chunk),
+        ];
+        let any = corners[0] | corners[1] | corners[2] | corners[3];
+        let all = corners[0] & corners[1] & corners[2] & corners[3];
+        let mut left = (any | any >> 1) & !(all & all >> 1) & (!0 >> 1);
         while left != 0 {
-            let bit = left.trailing_zeros();
+            let cell = left.trailing_zeros();
             left &= left - 1;
-            let case = (0..8).fold(0, |case, c| case | (corners[c] >> bit & 1) << c);
-            each(w * 64 + bit as usize, case as usize);
+            let ends = |edge: usize| (corners[edge] >> cell & 3) << (2 * edge);
+            each(CHUNK * chunk + cell as usize, (ends(0) | ends(1) | ends(2) | ends(3)) as usize);
         }
     }
+}
+
+const CHUNK: usize = 63;
+
+/// The voxels around the cells of a chunk: bit 0 is voxel `CHUNK * chunk - 1`.
+#[inline(always)]
+fn voxels<R: Bits>(row: &R, chunk: usize) -> u64 {
+    let low = if chunk > 0 { row.word(chunk - 1) >> (CHUNK - chunk) } else { 0 };
+    let high = if chunk < R::WORDS { row.word(chunk) << (chunk + 1) } else { 0 };
+    low | high
 }
 
 /// The number of triangles in a row of cells.

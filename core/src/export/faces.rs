@@ -10,14 +10,8 @@ pub(super) const STEP: [[i32; 3]; 6] =
     [[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]];
 
 /// The four directions along each face.
-pub(super) const TANGENTS: [[Face; 4]; 6] = [
-    [2, 3, 4, 5],
-    [2, 3, 4, 5],
-    [4, 5, 0, 1],
-    [4, 5, 0, 1],
-    [0, 1, 2, 3],
-    [0, 1, 2, 3],
-];
+pub(super) const TANGENTS: [[Face; 4]; 6] =
+    [[2, 3, 4, 5], [2, 3, 4, 5], [4, 5, 0, 1], [4, 5, 0, 1], [0, 1, 2, 3], [0, 1, 2, 3]];
 
 /// How the surface goes on from a face in a direction along it. Where two solid voxels meet at an
 /// edge only, each is wrapped on its own.

@@ -14,6 +14,7 @@ mod faces;
 mod smooth;
 mod stl;
 mod support;
+mod walk;
 
 use crate::maps::Maps;
 use crate::plane::Plane;
@@ -24,6 +25,7 @@ use core::ops::RangeInclusive;
 use smooth::Smooth;
 use stl::Point;
 use support::Support;
+use walk::{Bounds, Step, Walk};
 
 /// The heights that a model may have, in millimetres.
 pub const HEIGHTS_MM: RangeInclusive<f32> = 0.1..=100_000.0;
@@ -77,32 +79,18 @@ where
     window: [[[[Point; 6]; N]; 2]; 2],
     /// First and last occupied x, y and z.
     voxels: Bounds,
+    /// The voxels of any row that are outermost in x, and those next to them as well.
+    rims: [<Grid<N> as Size>::Row; 2],
     /// The smoothed vertices' bounds in 1/128 voxel.
     vertices: Bounds,
     triangles: u32,
     height_mm: f32,
     /// Millimetres of 1/128 voxel.
     scale: f32,
-    /// The layer whose voxels are being taken up; the slab of cells worked on ends one layer below.
+    walk: Walk,
+    /// The next layer to be skimmed.
     layer: u32,
-    /// The next row of the layer: rows of voxels first, rows of cells after them.
-    step: u32,
     stage: Stage,
-}
-
-/// Ends of a box, both inside.
-#[derive(Clone, Copy)]
-struct Bounds {
-    lo: [i32; 3],
-    hi: [i32; 3],
-}
-
-/// A step of the walk through the layers.
-enum Step {
-    /// Take up row (y, z) of voxels.
-    Voxels(usize, usize),
-    /// Work on the cells between the layers y - 1 and y and the rows z - 1 and z. Layer y has been taken up, and y + 1 where it has voxels.
-    Cells(usize, usize),
 }
 
 impl<const N: usize> Exporter<N>
@@ -117,18 +105,18 @@ where
     #[must_use]
     #[allow(clippy::new_without_default)] // a Default would hand the exporter about by value
     pub const fn new() -> Self {
-        const ZERO: Bounds = Bounds { lo: [0; 3], hi: [0; 3] };
         Exporter {
             support: Support::new(),
             smooth: Smooth::new(),
             window: [[[[[0.0; 4]; 6]; N]; 2]; 2],
-            voxels: ZERO,
-            vertices: ZERO,
+            voxels: Bounds::ZERO,
+            rims: [<Grid<N> as Size>::Row::EMPTY; 2],
+            vertices: Bounds::ZERO,
             triangles: 0,
             height_mm: 0.0,
             scale: 0.0,
+            walk: Walk::new(),
             layer: 0,
-            step: 0,
             stage: Stage::Idle,
         }
     }
@@ -145,7 +133,7 @@ where
         self.support.start();
         self.voxels = Bounds::NONE;
         self.vertices = Bounds::NONE;
-        (self.triangles, self.layer, self.step) = (0, 0, 0);
+        (self.triangles, self.layer) = (0, 0);
         self.height_mm = height_mm;
         self.stage = Stage::Supporting;
         Ok(())
@@ -218,6 +206,13 @@ where
         }
         self.layer += 1;
         if self.layer == N as u32 {
+            if !self.voxels.is_empty() {
+                let [first, last] = [self.voxels.lo[0] as usize, self.voxels.hi[0] as usize];
+                let span = <Grid<N> as Size>::Row::span;
+                self.rims[0] = span(first, first) | span(last, last);
+                self.rims[1] =
+                    (self.rims[0].up() | self.rims[0] | self.rims[0].down()) & Grid::<N>::FULL;
+            }
             self.walk(Stage::Measuring, Stage::Heading);
         }
     }
@@ -226,24 +221,36 @@ where
     /// outermost voxels have the bounds.
     fn measure(&mut self) {
         let solid = self.support.found();
-        match self.step() {
-            Step::Voxels(y, z) => {
-                let rim = rim::<N>(&self.voxels, (y, z), 1);
-                self.smooth.encode(solid, (y, z), rim);
-            },
+        match self.walk.step() {
+            Step::Voxels(y, z) => self.smooth.encode(solid, (y, z), self.rim((y, z), 1)),
             Step::Cells(y, z) => {
                 self.triangles += cells::count(&self.edges((y, z)));
                 if y < N && z < N {
-                    let bounds = &mut self.vertices;
-                    let rim = rim::<N>(&self.voxels, (y, z), 0);
-                    self.smooth.vertices(solid, (y, z), rim, |_, _, position| bounds.add(position));
+                    let (rim, bounds) = (self.rim((y, z), 0), &mut self.vertices);
+                    self.smooth.vertices(
+                        solid,
+                        (y, z),
+                        rim,
+                        &[0, 1, 2, 3, 4, 5],
+                        |_, _, position| {
+                            bounds.add(position);
+                        },
+                    );
                 }
             }
         }
-        self.next_step(Stage::Heading);
-        if self.stage == Stage::Heading {
+        if !self.walk.next(&self.voxels) {
+            self.stage = Stage::Heading;
             self.scale = self.height_mm / (self.vertices.hi[1] - self.vertices.lo[1]) as f32;
         }
+    }
+
+    /// The places in a row at most `margin` inside the bounds of all voxels, which is 0 or 1.
+    fn rim(&self, (y, z): (usize, usize), margin: usize) -> <Grid<N> as Size>::Row {
+        let Bounds { lo, hi } = self.voxels;
+        let near =
+            |axis: usize, at: i32| at - lo[axis] <= margin as i32 || hi[axis] - at <= margin as i32;
+        if near(1, y as i32) || near(2, z as i32) { Grid::<N>::FULL } else { self.rims[margin] }
     }
 
     /// Writes the header, or takes a step of the writing walk; `None` without room for it.
@@ -254,7 +261,7 @@ where
             return Some(stl::HEADER);
         }
         let mut written = 0;
-        match self.step() {
+        match self.walk.step() {
             Step::Voxels(y, z) => {
                 self.smooth.encode(self.support.found(), (y, z), Grid::<N>::FULL);
             }
@@ -269,7 +276,9 @@ where
                 written = self.triangulate(&edges, z, out);
             }
         }
-        self.next_step(Stage::Done);
+        if !self.walk.next(&self.voxels) {
+            self.stage = Stage::Done;
+        }
         Some(written)
     }
 
@@ -285,32 +294,41 @@ where
                 continue;
             }
             let window = &mut window[z % 2];
+            // Those that look out of the slab are not in its cells.
+            let faces = if above == 0 { &[0, 1, 2, 4, 5] } else { &[0, 1, 3, 4, 5] };
             let solid = self.support.found();
-            self.smooth.vertices(solid, (y, z), Grid::<N>::FULL, |voxel, face, [x, y, z]| {
-                window[voxel][face] =
-                    [x as f32 - x_middle, z_middle - z as f32, (y - lo[1]) as f32, 0.0];
-            });
+            self.smooth.vertices(
+                solid,
+                (y, z),
+                Grid::<N>::FULL,
+                faces,
+                |voxel, face, [x, y, z]| {
+                    window[voxel][face] =
+                        [x as f32 - x_middle, z_middle - z as f32, (y - lo[1]) as f32, 0.0];
+                },
+            );
         }
     }
 
     /// Writes the triangles of a row of cells.
-    fn triangulate(&self, edges: &Edges<<Grid<N> as Size>::Row>, z: usize, out: &mut [u8]) -> usize {
+    fn triangulate(
+        &self,
+        edges: &Edges<<Grid<N> as Size>::Row>,
+        z: usize,
+        out: &mut [u8],
+    ) -> usize {
         let window = self.window.as_flattened().as_flattened().as_flattened();
-        // From the voxel after a cell to the cell's vertices.
-        let places: [usize; cases::CELL_VERTICES] = core::array::from_fn(|vertex| {
-            let (corner, face) = cases::corner_face(vertex as u8);
-            let [i, j, k] = [0, 1, 2].map(|axis| corner >> axis & 1);
-            let row = 2 * j + (z + k + 1) % 2;
-            ((row * N + i) * 6 + face).wrapping_sub(6)
-        });
+        let places = &Self::PLACES[z % 2];
         let (records, _) = out.as_chunks_mut::<{ stl::RECORD }>();
         let mut records = records.iter_mut();
         let mut count = 0;
         cells::each_cell(edges, |cell, case| {
             let case = &cases::CASES[case];
-            for (triangle, record) in case.triangles[..case.count as usize].iter().zip(&mut records) {
-                let corners = triangle.map(|v| window[places[v as usize].wrapping_add(cell * 6)]);
-                stl::record(corners, self.scale, record);
+            for (triangle, record) in case.triangles[..case.count as usize].iter().zip(&mut records)
+            {
+                let corner =
+                    |i: usize| window[places[triangle[i] as usize % 32].wrapping_add(cell * 6)];
+                stl::record([corner(0), corner(1), corner(2)], self.scale, record);
             }
             count += usize::from(case.count);
         });
@@ -320,90 +338,44 @@ where
     /// The rows around the cells between the layers y - 1 and y and the rows z - 1 and z.
     fn edges(&self, (y, z): (usize, usize)) -> Edges<<Grid<N> as Size>::Row> {
         let found = self.support.found();
-        [y.wrapping_sub(1), y].map(|y| {
-            [z.wrapping_sub(1), z].map(|z| {
-                if y < N && z < N { found.row(y, z) } else { <Grid<N> as Size>::Row::EMPTY }
-            })
-        })
+        let mut edges = [[<Grid<N> as Size>::Row::EMPTY; 2]; 2];
+        for (above, edges) in edges.iter_mut().enumerate() {
+            let y = (y + above).wrapping_sub(1);
+            if y < N {
+                for (before, edge) in edges.iter_mut().enumerate() {
+                    let z = (z + before).wrapping_sub(1);
+                    if z < N {
+                        *edge = found.row(y, z);
+                    }
+                }
+            }
+        }
+        edges
     }
+
+    /// From the first face of the voxel after a cell to the cell's vertices in the window, by z
+    /// modulo 2 of that voxel.
+    const PLACES: [[usize; 32]; 2] = {
+        let mut places = [[0; 32]; 2];
+        let mut i = 0;
+        while i < 2 * cases::CELL_VERTICES {
+            let (odd, vertex) = (i / cases::CELL_VERTICES, i % cases::CELL_VERTICES);
+            let (corner, face) = cases::corner_face(vertex as u8);
+            let (i_x, j, k) = (corner & 1, corner >> 1 & 1, corner >> 2);
+            let row = 2 * j + (odd + k + 1) % 2;
+            places[odd][vertex] = ((row * N + i_x) * 6 + face).wrapping_sub(6);
+            i += 1;
+        }
+        places
+    };
 
     /// Begins a walk through the layers, or goes on where there is nothing to walk through.
     fn walk(&mut self, stage: Stage, then: Stage) {
         if self.voxels.is_empty() {
             self.stage = then;
-            return;
-        }
-        (self.layer, self.step) = (self.voxels.lo[1] as u32, 0);
-        self.stage = stage;
-    }
-
-    fn step(&self) -> Step {
-        let (z, depth) = (self.voxels.lo[2] as u32, self.depth());
-        let layer = self.layer as usize;
-        if self.step < depth {
-            Step::Voxels(layer, (z + self.step) as usize)
         } else {
-            Step::Cells(layer - 1, (z + self.step - depth) as usize)
-        }
-    }
-
-    /// Layer by layer: its voxels if it has any, then the cells whose vertices that decides, which
-    /// lie below the layer before.
-    fn next_step(&mut self, then: Stage) {
-        let [bottom, top] = [self.voxels.lo[1] as u32, self.voxels.hi[1] as u32];
-        let depth = self.depth();
-        self.step += 1;
-        if self.step == depth && self.layer > bottom || self.step < depth {
-            return;
-        }
-        if self.layer == bottom || self.step == 2 * depth + 1 {
-            self.layer += 1;
-            self.step = if self.layer > top { depth } else { 0 };
-            if self.layer == top + 3 {
-                self.stage = then;
-            }
-        }
-    }
-
-    /// Rows of a layer that can hold voxels.
-    fn depth(&self) -> u32 {
-        (self.voxels.hi[2] - self.voxels.lo[2] + 1) as u32
-    }
-}
-
-/// The voxels of a row that lie at most `margin` inside the bounds of all voxels.
-fn rim<const N: usize>(
-    Bounds { lo, hi }: &Bounds,
-    (y, z): (usize, usize),
-    margin: i32,
-) -> <Grid<N> as Size>::Row
-where
-    Grid<N>: Size,
-{
-    let near = |axis: usize, at: usize| (at as i32 - lo[axis]).min(hi[axis] - at as i32) <= margin;
-    if near(1, y) || near(2, z) {
-        return Grid::<N>::FULL;
-    }
-    let span = |lo: i32, hi: i32| <Grid<N> as Size>::Row::span(lo.max(0) as usize, hi as usize);
-    span(lo[0], (lo[0] + margin).min(hi[0])) | span(hi[0] - margin, hi[0])
-}
-
-impl Bounds {
-    /// Around nothing.
-    const NONE: Bounds = Bounds { lo: [i32::MAX; 3], hi: [i32::MIN; 3] };
-
-    fn is_empty(&self) -> bool {
-        self.lo[0] > self.hi[0]
-    }
-
-    fn widen(&mut self, axis: usize, at: i32) {
-        self.lo[axis] = self.lo[axis].min(at);
-        self.hi[axis] = self.hi[axis].max(at);
-    }
-
-    fn add(&mut self, point: [i32; 3]) {
-        for (axis, at) in point.into_iter().enumerate() {
-            self.widen(axis, at);
+            self.walk.start(&self.voxels);
+            self.stage = stage;
         }
     }
 }

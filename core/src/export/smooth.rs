@@ -25,16 +25,17 @@ pub(super) struct Smooth<const N: usize> {
     codes: [[[[u8; 6]; N]; N]; LAYERS],
 }
 
-/// The way from a face to its neighbour, by direction and turn.
+/// The way from a face to its neighbour.
 #[derive(Clone, Copy)]
 struct Hop {
-    /// Layers up, plus one.
-    layer: u8,
-    /// Face of the voxel arrived at.
-    face: u8,
-    /// Distance in a layer of codes.
+    /// Distance in the window.
     offset: i32,
+    /// Where the codes of the face arrived at begin in [`FIRST`].
+    first: u32,
 }
+
+/// The ways from a face by direction and turn.
+type Hops = [[Hop; 4]; 4];
 
 impl<const N: usize> Smooth<N>
 where
@@ -58,39 +59,25 @@ where
         }
         let near = Near::new(solid, (y, z));
         let codes = &mut self.codes[y % LAYERS][z];
-        for normal in 0..6 {
-            let exposed = row & !near.towards([normal]);
-            if exposed.is_empty() {
-                continue;
-            }
-            let beside = TANGENTS[normal].map(|along| near.towards([along]));
-            let above = TANGENTS[normal].map(|along| near.towards([along, normal]));
-            for w in 0..<Grid<N> as Size>::Row::WORDS {
-                let (beside, above) = (beside.map(|row| row.word(w)), above.map(|row| row.word(w)));
-                let mut left = exposed.word(w);
-                while left != 0 {
-                    let bit = left.trailing_zeros();
-                    left &= left - 1;
-                    let mut code = 0;
-                    for k in 0..4 {
-                        let turn = (beside[k] >> bit & 1) | (above[k] >> bit & 1) << 1;
-                        code |= (turn as u8) << (2 * k);
-                    }
-                    codes[w * 64 + bit as usize][normal] = code;
-                }
-            }
-        }
+        encode_face::<0, N, _>(row, &near, codes);
+        encode_face::<1, N, _>(row, &near, codes);
+        encode_face::<2, N, _>(row, &near, codes);
+        encode_face::<3, N, _>(row, &near, codes);
+        encode_face::<4, N, _>(row, &near, codes);
+        encode_face::<5, N, _>(row, &near, codes);
     }
 
-    /// Hands over the smoothed vertices of the voxels `among` of row (y, z): voxel x, face, and
-    /// position in 1/128 voxel, where the centre of voxel (x, y, z) is at 128 (x, y, z). The codes
-    /// of the layers y - 1 to y + 1 around those voxels must be in the window.
-    #[inline]
+    /// Hands over the smoothed vertices of the voxels `among` of row (y, z), of those `faces` that
+    /// are exposed: voxel x, face, and position in 1/128 voxel, where the centre of voxel (x, y, z)
+    /// is at 128 (x, y, z). The codes of the layers y - 1 to y + 1 around those voxels must be in
+    /// the window.
+    #[inline(always)]
     pub(super) fn vertices(
         &self,
         solid: &Plane<N>,
         (y, z): (usize, usize),
         among: <Grid<N> as Size>::Row,
+        faces: &[Face],
         mut each: impl FnMut(usize, Face, [i32; 3]),
     ) {
         let row = solid.row(y, z) & among;
@@ -98,49 +85,67 @@ where
             return;
         }
         let near = Near::new(solid, (y, z));
-        for normal in 0..6 {
-            for x in (row & !near.towards([normal])).ones() {
-                let [dx, dy, dz] = self.displacement([x, y, z], normal);
-                let [x_units, y_units, z_units] = [x, y, z].map(|c| c as i32 * UNITS);
-                each(x, normal, [x_units + dx, y_units + dy, z_units + dz]);
-            }
-        }
-    }
-
-    /// From a voxel's centre to the smoothed vertex of one of its exposed faces, in 1/128 voxel.
-    #[inline]
-    fn displacement(&self, [x, y, z]: [usize; 3], normal: Face) -> [i32; 3] {
+        let exposed = near.exposed(row);
         let codes = self.codes.as_flattened().as_flattened().as_flattened();
-        let layer = |dy: usize| ((y + dy + LAYERS - 1) % LAYERS * N * N + z * N + x) * 6;
-        let layers = [layer(0), layer(1), layer(2)];
-        let code = codes[layers[1] + normal];
-        let mut sum = FACE_CENTRE[normal].wrapping_add(FIRST[normal][code as usize].wrapping_mul(12));
-        for (k, hops) in Self::HOPS[normal].iter().enumerate() {
-            let hop = hops[(code >> (2 * k) & 3) as usize];
-            let at = layers[hop.layer as usize].wrapping_add_signed(hop.offset as isize);
-            sum = sum.wrapping_add(FIRST[hop.face as usize][codes[at] as usize]);
+        let start = (y % LAYERS * N + z) * N * 6;
+        let [y_units, z_units] = [y as i32 * UNITS, z as i32 * UNITS];
+        for &face in faces {
+            let hops = &Self::HOPS[y % LAYERS][face];
+            each_one(exposed[face], |x| {
+                let [dx, dy, dz] = displacement(codes, start + x * 6, face, hops);
+                each(x, face, [x as i32 * UNITS + dx, y_units + dy, z_units + dz]);
+            });
         }
-        unpack(sum)
     }
 
-    const HOPS: [[[Hop; 4]; 4]; 6] = {
-        let mut hops = [[[Hop { layer: 0, face: 0, offset: 0 }; 4]; 4]; 6];
+    /// By the place of the layer in the window, and by face.
+    const HOPS: [[Hops; 6]; LAYERS] = {
+        let mut hops = [[[[Hop { offset: 0, first: 0 }; 4]; 4]; 6]; LAYERS];
         let mut i = 0;
-        while i < 6 * 4 * 4 {
-            let (normal, k, turn) = (i / 16, i / 4 % 4, i % 4);
-            hops[normal][k][turn] = Self::hop(normal, TANGENTS[normal][k], decode(turn));
+        while i < LAYERS * 6 * 16 {
+            let (layer, face, k, turn) = (i / (6 * 16), i / 16 % 6, i / 4 % 4, i % 4);
+            hops[layer][face][k][turn] = Self::hop(layer, face, TANGENTS[face][k], decode(turn));
             i += 1;
         }
         hops
     };
 
-    const fn hop(normal: Face, along: Face, turn: Turn) -> Hop {
+    const fn hop(layer: usize, normal: Face, along: Face, turn: Turn) -> Hop {
         let ([dx, dy, dz], face) = match turn {
             Turn::Convex => ([0; 3], along),
             Turn::Straight => (STEP[along], normal),
             Turn::Concave => (add(STEP[along], STEP[normal]), along ^ 1),
         };
-        Hop { layer: (dy + 1) as u8, face: face as u8, offset: (dz * N as i32 + dx) * 6 + face as i32 }
+        let to = (layer as i32 + dy).rem_euclid(LAYERS as i32);
+        let offset = (((to - layer as i32) * N as i32 + dz) * N as i32 + dx) * 6 + face as i32;
+        Hop { offset, first: (face << 8) as u32 }
+    }
+}
+
+/// From a voxel's centre to the smoothed vertex of one of its exposed faces, in 1/128 voxel;
+/// `voxel` is where its codes begin.
+#[inline(always)]
+fn displacement(codes: &[u8], voxel: usize, face: Face, hops: &Hops) -> [i32; 3] {
+    let code = codes[voxel + face];
+    let first = FIRST[(face << 8 | code as usize) % FIRST.len()];
+    let mut sum = FACE_CENTRE[face].wrapping_add(first.wrapping_mul(12));
+    for (k, hops) in hops.iter().enumerate() {
+        let hop = hops[(code >> (2 * k) & 3) as usize];
+        let neighbour = codes[voxel.wrapping_add_signed(hop.offset as isize)];
+        sum = sum.wrapping_add(FIRST[(hop.first as usize | neighbour as usize) % FIRST.len()]);
+    }
+    unpack(sum)
+}
+
+/// Calls `each` with the set bits of a row, lowest first.
+#[inline(always)]
+fn each_one<R: Bits>(row: R, mut each: impl FnMut(usize)) {
+    for w in 0..R::WORDS {
+        let mut left = row.word(w);
+        while left != 0 {
+            each(w * 64 + left.trailing_zeros() as usize);
+            left &= left - 1;
+        }
     }
 }
 
@@ -151,43 +156,93 @@ struct Near<R> {
 }
 
 impl<R: Bits> Near<R> {
+    #[inline(always)]
     fn new<const N: usize>(solid: &Plane<N>, (y, z): (usize, usize)) -> Self
     where
         Grid<N>: Size<Row = R>,
     {
-        let row = |dy: usize, dz: usize| {
-            let (y, z) = ((y + dy).wrapping_sub(1), (z + dz).wrapping_sub(1));
-            if y < N && z < N { solid.row(y, z) } else { R::EMPTY }
-        };
-        Near { rows: [0, 1, 2].map(|dy| [0, 1, 2].map(|dz| row(dy, dz))) }
+        let mut rows = [[R::EMPTY; 3]; 3];
+        for (dy, rows) in rows.iter_mut().enumerate() {
+            let y = (y + dy).wrapping_sub(1);
+            if y < N {
+                let layer = solid.layer(y);
+                rows[1] = layer[z];
+                if z > 0 {
+                    rows[0] = layer[z - 1];
+                }
+                if z + 1 < N {
+                    rows[2] = layer[z + 1];
+                }
+            }
+        }
+        Near { rows }
     }
 
     /// For each x of the middle row, the voxel that many steps away.
     #[inline(always)]
-    fn towards<const STEPS: usize>(&self, faces: [Face; STEPS]) -> R {
-        let [x, y, z] = faces.iter().fold([0; 3], |sum, &face| add(sum, STEP[face]));
-        let row = self.rows[(y + 1) as usize][(z + 1) as usize];
-        match x {
+    fn towards(&self, step: [i32; 3]) -> R {
+        let row = self.rows[(step[1] + 1) as usize][(step[2] + 1) as usize];
+        match step[0] {
             1 => row.down(),
             -1 => row.up(),
             _ => row,
         }
     }
+
+    /// By face, the voxels of the middle row that show it.
+    #[inline(always)]
+    fn exposed(&self, row: R) -> [R; 6] {
+        let [[_, below, _], [behind, here, before], [_, above, _]] = self.rows;
+        [
+            row & !here.down(),
+            row & !here.up(),
+            row & !above,
+            row & !below,
+            row & !before,
+            row & !behind,
+        ]
+    }
 }
 
-/// The sum of a vertex's four steps to its neighbours by face and code, packed.
-static FIRST: [[u32; 256]; 6] = {
-    let mut first = [[0; 256]; 6];
+#[inline(always)]
+fn encode_face<const FACE: Face, const N: usize, R: Bits>(
+    row: R,
+    near: &Near<R>,
+    codes: &mut [[u8; 6]; N],
+) {
+    let exposed = row & !near.towards(STEP[FACE]);
+    if exposed.is_empty() {
+        return;
+    }
+    // Plain loops: `array::map` leaves calls behind in this place.
+    let mut turns = [[R::EMPTY; 2]; 4];
+    for (turn, along) in turns.iter_mut().zip(TANGENTS[FACE]) {
+        *turn = [near.towards(STEP[along]), near.towards(add(STEP[along], STEP[FACE]))];
+    }
+    each_one(exposed, |x| {
+        let (w, bit) = (x / 64, x % 64);
+        let mut code = 0;
+        for (k, [beside, above]) in turns.iter().enumerate() {
+            let turn = (beside.word(w) >> bit & 1) | (above.word(w) >> bit & 1) << 1;
+            code |= turn << (2 * k);
+        }
+        codes[x][FACE] = code as u8;
+    });
+}
+
+/// The sum of a vertex's four steps to its neighbours, packed: face f with code c at `f << 8 | c`.
+static FIRST: [u32; 8 << 8] = {
+    let mut first = [0; 8 << 8];
     let mut i = 0;
-    while i < 6 * 256 {
-        let (normal, code) = (i / 256, i % 256);
+    while i < 6 << 8 {
+        let (normal, code) = (i >> 8, i & 0xff);
         let mut sum = [0; 3];
         let mut k = 0;
         while k < 4 {
             sum = add(sum, neighbour(normal, TANGENTS[normal][k], decode(code >> (2 * k) & 3)));
             k += 1;
         }
-        first[normal][code] = pack(sum);
+        first[i] = pack(sum);
         i += 1;
     }
     first

@@ -26,7 +26,8 @@ pub(super) fn header(triangles: u32) -> [u8; HEADER] {
 #[inline(always)]
 pub(super) fn record([a, b, c]: [Point; 3], scale: f32, bytes: &mut [u8; RECORD]) {
     let normal = normal(a, b, c);
-    for (corner, point) in [normal, scaled(a, scale), scaled(b, scale), scaled(c, scale)].iter().enumerate()
+    for (corner, point) in
+        [normal, scaled(a, scale), scaled(b, scale), scaled(c, scale)].iter().enumerate()
     {
         for (axis, value) in point[..3].iter().enumerate() {
             let at = corner * 12 + axis * 4;

@@ -147,7 +147,9 @@ where
             return;
         }
         let new = row.runs_with(new);
-        self.part.size += new.count();
+        if matches!(self.stage, Stage::Part | Stage::Count) {
+            self.part.size += new.count();
+        }
         *self.found.row_mut(y, z) = found | new;
         if !self.is_queued[y].contains(z) {
             self.is_queued[y].insert(z);

@@ -20,7 +20,7 @@ pub(super) struct Args {
     #[arg(short, long, value_name = "M.stl")]
     output: PathBuf,
     /// Height of the print in millimetres.
-    #[arg(long, default_value = "120", value_parser = height)]
+    #[arg(long, default_value = "120", value_parser = height, allow_hyphen_values = true)]
     height_mm: f32,
 }
 

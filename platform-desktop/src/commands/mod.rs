@@ -4,6 +4,7 @@ mod bake;
 mod demo;
 mod export;
 mod info;
+mod play;
 mod progress;
 mod render;
 mod volume;
@@ -14,10 +15,11 @@ use crate::error::Error;
 
 /// Sculpts in a block of voxels: bakes meshes, shows and exports sculptures.
 #[derive(Debug, Parser)]
-#[command(name = "paros", version, arg_required_else_help = true)]
+#[command(name = "paros", version)]
 pub struct Cli {
+    /// Without a command: the demo.
     #[command(subcommand)]
-    command: Command,
+    command: Option<Command>,
 }
 
 #[derive(Debug, Subcommand)]
@@ -25,6 +27,7 @@ enum Command {
     Demo(demo::Args),
     Bake(bake::Args),
     Info(info::Args),
+    Play(play::Args),
     Export(export::Args),
     Render(render::Args),
 }
@@ -36,11 +39,13 @@ impl Cli {
     /// What went wrong and whose fault it is. No file is written then.
     pub fn run(&self) -> Result<String, Error> {
         match &self.command {
-            Command::Demo(args) => demo::run(args),
-            Command::Bake(args) => bake::run(args),
-            Command::Info(args) => info::run(args),
-            Command::Export(args) => export::run(args),
-            Command::Render(args) => render::run(args),
+            None => demo::run(&demo::Args::default()),
+            Some(Command::Demo(args)) => demo::run(args),
+            Some(Command::Bake(args)) => bake::run(args),
+            Some(Command::Info(args)) => info::run(args),
+            Some(Command::Play(args)) => play::run(args),
+            Some(Command::Export(args)) => export::run(args),
+            Some(Command::Render(args)) => render::run(args),
         }
     }
 }

@@ -23,7 +23,7 @@ pub(super) struct Args {
     #[arg(short, long, value_name = "P.png")]
     output: PathBuf,
     /// Width and height in pixels.
-    #[arg(long, value_name = "WxH", default_value = "640x480", value_parser = pixels)]
+    #[arg(long, value_name = "WxH", default_value = "640x480", value_parser = pixels, allow_hyphen_values = true)]
     size: [usize; 2],
     /// Azimuth (0 looks at the front, 90 at the right) and elevation of the view, in degrees.
     #[arg(long, value_name = "AZ,EL", default_value = "25,15", value_parser = view,

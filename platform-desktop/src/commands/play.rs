@@ -1,0 +1,150 @@
+//! `paros play`: a recorded session is stepped again, and must lead to the same digests.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+use paros_core::size::{Grid, Size};
+use paros_core::world::World;
+use paros_shaders::{Camera, RenderOptions, render};
+use paros_shell::durable::{self, Draft};
+use paros_shell::stage::Stage;
+use paros_shell::statics::Resident;
+use paros_shell::stl;
+use paros_shell::trace::Trace;
+
+use super::{progress, volume};
+use crate::error::Error;
+
+/// Play a trace; stop at the first tick that differs from the recording.
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    /// The trace.
+    trace: PathBuf,
+    /// The volume that the trace's sessions start from as the visitor's own.
+    #[arg(long, value_name = "V.rmap")]
+    volume: Option<PathBuf>,
+    /// Write every tick's digest to a file, one a line.
+    #[arg(long, value_name = "F")]
+    digests: Option<PathBuf>,
+    /// Write a picture every half second of the session into a folder.
+    #[arg(long, value_name = "DIR")]
+    frames: Option<PathBuf>,
+    /// Export the sculpture of the last tick.
+    #[arg(long, value_name = "F")]
+    stl: Option<PathBuf>,
+}
+
+/// Ticks from one picture to the next.
+const FRAME_TICKS: usize = 36;
+
+/// Height of the exported print in millimetres.
+const HEIGHT_MM: f32 = 120.0;
+
+pub(super) fn run(args: &Args) -> Result<String, Error> {
+    for output in [&args.digests, &args.stl].into_iter().flatten() {
+        volume::check_distinct(&args.trace, output)?;
+    }
+    let trace = Trace::read(&args.trace).map_err(Error::input)?;
+    match trace.header().size {
+        256 => play::<256>(args, &trace),
+        _ => play::<128>(args, &trace),
+    }
+}
+
+fn play<const N: usize>(args: &Args, trace: &Trace) -> Result<String, Error>
+where
+    Grid<N>: Size + Resident<N>,
+{
+    let mut starts = Grid::<N>::start_volumes();
+    if let Some(path) = &args.volume {
+        match volume::size(path)? {
+            n if n == N => volume::read(path, starts.own_mut())?,
+            n => {
+                let path = path.display();
+                return Err(Error::Input(format!("{path}: has size {n}, the trace {N}")));
+            }
+        }
+    }
+    let making = progress::bar("quarrying", None);
+    starts.make(&mut Grid::<N>::plane(), |_| {});
+    drop(making);
+    let (hidden, mut world) = (starts.hidden(), Grid::<N>::world());
+    let mut stage = Stage::new(&mut world, starts.starts(&hidden));
+    let played = replay(args, trace, &mut stage)?;
+
+    if let Some(path) = &args.digests {
+        durable::write(path, played.digests.as_bytes()).map_err(Error::failure)?;
+    }
+    let world = stage.world();
+    let mut report = format!(
+        "{}: {} ticks, all as recorded; {} voxels, digest {:016x}\n",
+        args.trace.display(),
+        trace.records().len(),
+        world.volume().count(),
+        world.digest()
+    );
+    if let Some(path) = &args.stl {
+        let sculpture = stl::Sculpture { rows: world.volume().rows(), mask: world.mask() };
+        let print = stl::write(path, &sculpture, HEIGHT_MM, &mut *Grid::<N>::exporter())
+            .map_err(Error::failure)?;
+        let _ = writeln!(report, "{}: {} triangles", path.display(), print.triangles);
+    }
+    if let Some(folder) = &args.frames {
+        let _ = writeln!(report, "{}: {} pictures", folder.display(), played.frames);
+    }
+    Ok(report)
+}
+
+/// What a replay leaves besides the world.
+struct Played {
+    digests: String,
+    frames: usize,
+}
+
+fn replay<const N: usize>(
+    args: &Args,
+    trace: &Trace,
+    stage: &mut Stage<'_, N>,
+) -> Result<Played, Error>
+where
+    Grid<N>: Size,
+{
+    if let Some(folder) = &args.frames {
+        fs::create_dir_all(folder)
+            .map_err(|e| Error::Failure(format!("{}: can't be made: {e}", folder.display())))?;
+    }
+    let bar = progress::bar("playing", Some(trace.records().len() as u64));
+    let mut played = Played { digests: String::new(), frames: 0 };
+    let mut drawn = Ok(());
+    stage
+        .replay(trace, |tick, world| {
+            let _ = writeln!(played.digests, "{:016x}", world.digest());
+            if tick % 64 == 0 {
+                bar.advance_to(tick as u64);
+            }
+            if let Some(folder) = &args.frames
+                && tick % FRAME_TICKS == 0
+                && drawn.is_ok()
+            {
+                drawn = draw(&folder.join(format!("{:06}.png", tick / FRAME_TICKS)), world);
+                played.frames += 1;
+            }
+        })
+        .map_err(|diverged| Error::Input(format!("{}: {diverged}", args.trace.display())))?;
+    drawn.map(|()| played)
+}
+
+fn draw<const N: usize>(path: &Path, world: &World<N>) -> Result<(), Error>
+where
+    Grid<N>: Size,
+{
+    let options = RenderOptions { width: 640, height: 480, samples: 1, ..RenderOptions::default() };
+    let image = render(world.volume().maps(), &Camera::ring(0.45, 0.3), &options, &|_| {});
+    let mut file = Draft::create(path).map_err(Error::failure)?;
+    let mut bytes = Vec::new();
+    let encoded = image.write_png(&mut bytes).and_then(|()| file.write_all(&bytes));
+    encoded.map_err(|source| Error::failure(file.error("write", source)))?;
+    file.commit().map_err(Error::failure)
+}

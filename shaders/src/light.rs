@@ -1,0 +1,134 @@
+//! Light at a surface point: damped samples towards the sun, and harmonics for all else.
+//!
+//! Source: section 4.3 of the paper; the harmonics after Ramamoorthi and Hanrahan (2001).
+
+use core::f32::consts::TAU;
+
+use glam::Vec3;
+
+use crate::constants::{
+    AMBIENT, GOLDEN_TURN, OPEN_REACH, OPEN_SAMPLES, SHADOW_DAMPING, SHADOW_RADIUS_FAR,
+    SHADOW_RADIUS_NEAR, SHADOW_SAMPLES,
+};
+use crate::march::{Ray, inside_cube};
+
+/// How much of the light from direction `towards` reaches a point in the cube of side `n`, both in
+/// voxels: 1, times the damping for every occupied sample on the way out of the cube. `fullness`
+/// tells what of a sample is occupied: 0 or 1, or a part, which damps in part.
+///
+/// The samples are dispersed in a cone around the way, wide at the point and narrow at its end;
+/// `dither` in 0..1 turns the pattern, so that neighbouring fragments differ.
+#[must_use]
+pub fn visibility(
+    n: usize,
+    point: Vec3,
+    towards: Vec3,
+    dither: f32,
+    fullness: impl Fn(Vec3) -> f32,
+) -> f32 {
+    let way = Ray { origin: point, direction: towards };
+    let Some((_, length)) = inside_cube(&way, n as f32) else {
+        return 1.0;
+    };
+    let mut visibility = 1.0;
+    for sample in cone(&way, length, dither) {
+        visibility *= 1.0 - (1.0 - SHADOW_DAMPING) * fullness(sample);
+    }
+    visibility
+}
+
+/// The dispersed samples along `length` of a way.
+pub fn cone(way: &Ray, length: f32, dither: f32) -> impl Iterator<Item = Vec3> {
+    let (u, v) = across(way.direction);
+    let way = *way;
+    let (mut cos, mut sin) = ((dither * TAU).cos(), (dither * TAU).sin());
+    (0..SHADOW_SAMPLES).map(move |i| {
+        let part = (i as f32 + 0.5) / SHADOW_SAMPLES as f32;
+        let cone = SHADOW_RADIUS_NEAR + (SHADOW_RADIUS_FAR - SHADOW_RADIUS_NEAR) * part;
+        // Equal areas of the disc, in an order that spreads them along the way.
+        let radius =
+            cone * (((i * 7 % SHADOW_SAMPLES) as f32 + 0.5) / SHADOW_SAMPLES as f32).sqrt();
+        let offset = u * (radius * cos) + v * (radius * sin);
+        let [c, s] = GOLDEN_TURN;
+        (cos, sin) = (cos * c - sin * s, sin * c + cos * s);
+        way.at(part * length) + offset
+    })
+}
+
+/// How open a point in voxels is to the half-space over its surface: the empty part of samples that
+/// spread out along the normal, near ones close together and weighing more (not in the paper).
+#[must_use]
+pub fn openness(
+    n: usize,
+    point: Vec3,
+    normal: Vec3,
+    dither: f32,
+    fullness: impl Fn(Vec3) -> f32,
+) -> f32 {
+    let (u, v) = across(normal);
+    let (mut cos, mut sin) = ((dither * TAU).cos(), (dither * TAU).sin());
+    let (mut sum, mut total) = (0.0, 0.0);
+    for i in 0..OPEN_SAMPLES {
+        let part = (i as f32 + 0.5) / OPEN_SAMPLES as f32;
+        let reach = 1.5 + OPEN_REACH * n as f32 * part * part;
+        let spread = reach * (((i * 7 % OPEN_SAMPLES) as f32 + 0.5) / OPEN_SAMPLES as f32).sqrt();
+        let sample = point + normal * reach + (u * cos + v * sin) * spread;
+        let weight = 1.0 - 0.6 * part;
+        sum += (1.0 - fullness(sample)) * weight;
+        total += weight;
+        let [c, s] = GOLDEN_TURN;
+        (cos, sin) = (cos * c - sin * s, sin * c + cos * s);
+    }
+    sum / total
+}
+
+/// The ambient light that a surface with this normal receives, over pi.
+#[must_use]
+pub fn ambient(normal: Vec3) -> Vec3 {
+    // What a clamped cosine leaves of each band, over pi.
+    const BANDS: [f32; 9] = [1.0, 2.0 / 3.0, 2.0 / 3.0, 2.0 / 3.0, 0.25, 0.25, 0.25, 0.25, 0.25];
+    let mut sum = Vec3::ZERO;
+    for ((basis, band), color) in harmonics(normal).into_iter().zip(BANDS).zip(AMBIENT) {
+        sum += Vec3::from_array(color) * (basis * band);
+    }
+    sum.max(Vec3::ZERO)
+}
+
+/// The nine real spherical harmonics of bands 0 to 2.
+#[must_use]
+pub fn harmonics(d: Vec3) -> [f32; 9] {
+    [
+        0.282_094_8,
+        0.488_602_5 * d.y,
+        0.488_602_5 * d.z,
+        0.488_602_5 * d.x,
+        1.092_548_4 * d.x * d.y,
+        1.092_548_4 * d.y * d.z,
+        0.315_391_57 * (3.0 * d.z * d.z - 1.0),
+        1.092_548_4 * d.x * d.z,
+        0.546_274_2 * (d.x * d.x - d.y * d.y),
+    ]
+}
+
+/// Radiance of the studio in a direction, without the sun: a cool sky over a warm floor, and a
+/// large soft box on the side away from the sun.
+#[must_use]
+pub fn environment(direction: Vec3) -> Vec3 {
+    let up = ((direction.y + 0.35) / 1.1).clamp(0.0, 1.0);
+    let sky =
+        Vec3::new(0.13, 0.11, 0.095).lerp(Vec3::new(0.26, 0.31, 0.39), up * up * (3.0 - 2.0 * up));
+    let side = direction.dot(Vec3::new(0.84, 0.30, -0.45)).max(0.0);
+    sky + Vec3::new(0.34, 0.44, 0.60) * (side * side * side)
+}
+
+/// Two unit vectors across a unit vector and each other (Duff et al. 2017).
+#[must_use]
+pub fn across(d: Vec3) -> (Vec3, Vec3) {
+    let sign = if d.z < 0.0 { -1.0 } else { 1.0 };
+    let a = -1.0 / (sign + d.z);
+    let b = d.x * d.y * a;
+    (
+        Vec3::new(1.0 + sign * d.x * d.x * a, sign * b, -sign * d.x),
+        Vec3::new(b, sign + d.y * d.y * a, -d.y),
+    )
+}

@@ -1,0 +1,38 @@
+//! White marble: grey veins where a plane wave, bent by turbulence, crosses zero.
+//!
+//! Source: the marble of Perlin, "An image synthesizer" (1985).
+
+use glam::Vec3;
+
+use crate::constants::{
+    MARBLE_ACROSS, MARBLE_BEND, MARBLE_GREY, MARBLE_OCTAVES, MARBLE_SCALE, MARBLE_VEINS,
+    MARBLE_WHITE,
+};
+use crate::noise;
+
+/// Reflectance at a point of the unit cube.
+#[must_use]
+pub fn reflectance(texture: &[i8], point: Vec3) -> Vec3 {
+    let (turbulence, cloud) = turbulence(texture, point * MARBLE_SCALE);
+    let across = point.dot(Vec3::from_array(MARBLE_ACROSS)) * MARBLE_VEINS;
+    // Distance to the nearest zero of the wave, 0 on a vein and 1 between two.
+    let phase = across + MARBLE_BEND * turbulence;
+    let away = 2.0 * (phase - phase.round()).abs();
+    let vein = (-away * away * 60.0).exp() * (0.35 + 0.65 * (0.5 + cloud).clamp(0.0, 1.0));
+    let haze = 0.16 * (0.5 - cloud).clamp(0.0, 1.0) * (1.0 - away);
+    let grey = (0.8 * vein + haze).clamp(0.0, 1.0);
+    Vec3::from_array(MARBLE_WHITE).lerp(Vec3::from_array(MARBLE_GREY), grey)
+}
+
+/// Octaves of noise with halving amplitude, and the first one by itself.
+fn turbulence(texture: &[i8], point: Vec3) -> (f32, f32) {
+    let cloud = noise::sample(texture, point);
+    let mut sum = cloud * 0.5;
+    let (mut scale, mut amplitude) = (1.0, 0.5);
+    for _ in 1..MARBLE_OCTAVES {
+        scale *= 2.0;
+        amplitude *= 0.5;
+        sum += amplitude * noise::sample(texture, point * scale);
+    }
+    (sum, cloud)
+}

@@ -1,0 +1,184 @@
+//! Contact voxel by voxel, and the freeze as a walk in small steps that skips nothing.
+
+use glam::{I64Vec3, IVec3, Vec3};
+use paros_core::contact::{Contact, Frozen};
+use paros_core::pose::{Pose, SUB, UNIT};
+use paros_core::tools::{GridBit, GridShape};
+
+use super::dense::{Dense, neighbours};
+
+/// Steps in a voxel's length of path.
+pub const STEPS: f32 = 4.0;
+
+/// What a bit can run into: a volume and the part of it that can't be removed.
+#[derive(Debug)]
+pub struct Block {
+    volume: Dense,
+    voxels: Vec<[i32; 3]>,
+    masked: Vec<[i32; 3]>,
+}
+
+/// How deep a bit sits, in fixed point: in the volume and in the mask; 0 outside.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Depths {
+    /// In the volume.
+    pub volume: i32,
+    /// In the mask.
+    pub mask: i32,
+}
+
+impl Block {
+    /// A volume and its mask, which is part of it.
+    pub fn new(volume: Dense, mask: &Dense) -> Self {
+        assert!(mask.is_within(&volume), "the mask is part of the volume");
+        Block { voxels: volume.occupied().collect(), masked: mask.occupied().collect(), volume }
+    }
+
+    /// What a bit touches at a pose.
+    pub fn contact(&self, bit: &GridBit, pose: &Pose) -> Contact {
+        let mut normal = IVec3::ZERO;
+        let (mut overlap, mut depth) = (0, 0);
+        for &voxel in &self.voxels {
+            let Some(inner) = inner_distance(bit, pose, voxel) else { continue };
+            overlap += 1;
+            depth = depth.max(inner);
+            for near in neighbours(voxel) {
+                if !self.volume.contains(near) {
+                    normal += IVec3::from_array(near) - IVec3::from_array(voxel);
+                }
+            }
+        }
+        let normal = normal.as_vec3().normalize_or_zero();
+        let on_mask = self.masked.iter().any(|&voxel| is_near(bit, pose, voxel));
+        Contact { overlap, depth, normal, on_mask }
+    }
+
+    /// How deep a bit sits.
+    pub fn depths(&self, bit: &GridBit, pose: &Pose) -> Depths {
+        if self.is_far(bit, pose) {
+            return Depths { volume: 0, mask: 0 };
+        }
+        let deepest = |voxels: &[[i32; 3]]| {
+            let inner = |&voxel: &[i32; 3]| inner_distance(bit, pose, voxel);
+            voxels.iter().filter_map(inner).max().unwrap_or(0)
+        };
+        Depths { volume: deepest(&self.voxels), mask: deepest(&self.masked) }
+    }
+
+    /// Walks step by step while the bit sits no deeper than it may, then once along the tangent.
+    pub fn freeze(&self, bit: &GridBit, from: &Pose, raw: &Pose) -> Frozen {
+        let (reached, stop) = self.walk(bit, from, raw);
+        let Some(stop) = stop else {
+            return Frozen { pose: reached, blocked: false };
+        };
+        let left = raw.position - reached.position;
+        let normal = match self.contact(bit, &stop).normal {
+            Vec3::ZERO => -left.normalize_or_zero(),
+            normal => normal,
+        };
+        let inward = left.dot(normal);
+        let target = if inward < 0.0 {
+            Pose { position: reached.position + left - normal * inward, rotation: raw.rotation }
+        } else {
+            Pose { position: raw.position, rotation: reached.rotation }
+        };
+        Frozen { pose: self.walk(bit, &reached, &target).0, blocked: true }
+    }
+
+    /// The last pose that may be taken on the way, and the one after it. From with its centre in
+    /// the stone, a bit comes out where the way first does.
+    pub fn walk(&self, bit: &GridBit, from: &Pose, to: &Pose) -> (Pose, Option<Pose>) {
+        let mut reached = *from;
+        let mut sits = self.depths(bit, from);
+        let mut poses = path(bit, from, to);
+        while let Some(next) = poses.next() {
+            let depths = self.depths(bit, &next);
+            if depths.volume <= bit.bite.max(sits.volume) && depths.mask <= sits.mask {
+                (reached, sits) = (next, depths);
+                continue;
+            }
+            let free = |pose: &Pose| {
+                let depths = self.depths(bit, pose);
+                depths.volume <= bit.bite && depths.mask == 0
+            };
+            let too_deep = sits.volume > bit.bite || sits.mask > 0;
+            let half_diagonal = (SUB as f32 * 0.866).ceil() as i32;
+            let buried = bit.bite.max(sits.volume) > bit.inner_radius() - half_diagonal;
+            match if too_deep && buried { poses.find(free) } else { None } {
+                Some(out) => (reached, sits) = (out, self.depths(bit, &out)),
+                None => return (reached, Some(next)),
+            }
+        }
+        (reached, None)
+    }
+
+    /// Whether all of the bit is outside the grid.
+    fn is_far(&self, bit: &GridBit, pose: &Pose) -> bool {
+        let n = self.volume.n() as f32;
+        let outer = bit.outer_radius() as f32 / SUB as f32 + 1.0;
+        let held = pose.position.clamp(Vec3::ZERO, Vec3::splat(n));
+        held.distance(pose.position) > outer
+    }
+}
+
+/// The poses on the way, in steps of a quarter voxel of path and turn together; the last is `to`.
+pub fn path(bit: &GridBit, from: &Pose, to: &Pose) -> impl Iterator<Item = Pose> + use<> {
+    let (from, to) = (*from, *to);
+    let turn = from.angle_to(&to) * bit.outer_radius() as f32 / SUB as f32;
+    let length = (to.position - from.position).length() + turn;
+    let steps = (length * STEPS).ceil().max(1.0) as u32;
+    (1..=steps).map(move |i| from.toward(&to, i as f32 / steps as f32))
+}
+
+/// How far inside the bit a voxel's centre is, rounded up to whole fixed-point units; `None`
+/// outside.
+fn inner_distance(bit: &GridBit, pose: &Pose, voxel: [i32; 3]) -> Option<i32> {
+    let p = from_bit(pose, voxel);
+    let inner = match bit.shape {
+        GridShape::Ball(radius) => {
+            // The least k for which radius - k is no more than the distance.
+            let squared = p.length_squared();
+            let mut k = i64::from(radius) - squared.isqrt() - 1;
+            while (i64::from(radius) - k).max(0).pow(2) > squared {
+                k += 1;
+            }
+            if squared > i64::from(radius).pow(2) {
+                return None;
+            }
+            k
+        }
+        GridShape::Box(half) => {
+            let unit = i64::from(UNIT);
+            let left = across(pose, p).map(|(i, across)| i64::from(half[i]) * unit - across);
+            let least = *left.iter().min().expect("three axes");
+            if least < 0 {
+                return None;
+            }
+            (least + unit - 1) / unit
+        }
+    };
+    Some(inner as i32)
+}
+
+/// Whether a voxel's centre is in the bit or less than a voxel outside its radius or faces.
+fn is_near(bit: &GridBit, pose: &Pose, voxel: [i32; 3]) -> bool {
+    let p = from_bit(pose, voxel);
+    match bit.shape {
+        GridShape::Ball(radius) => p.length_squared() < i64::from(radius + SUB).pow(2),
+        GridShape::Box(half) => across(pose, p)
+            .iter()
+            .all(|&(i, across)| across < i64::from(half[i] + SUB) * i64::from(UNIT)),
+    }
+}
+
+/// A voxel's centre, from the bit's.
+fn from_bit(pose: &Pose, voxel: [i32; 3]) -> I64Vec3 {
+    let centre = voxel.map(|i| i64::from(i * SUB + SUB / 2));
+    I64Vec3::from_array(centre) - pose.fixed_position().as_i64vec3()
+}
+
+/// How far a point is from the bit's centre along each of its axes, times [`UNIT`].
+fn across(pose: &Pose, p: I64Vec3) -> [(usize, i64); 3] {
+    let axes = pose.fixed_axes();
+    [0, 1, 2].map(|i| (i, p.dot(axes[i].as_i64vec3()).abs()))
+}

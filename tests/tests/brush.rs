@@ -1,0 +1,314 @@
+//! Brushes row by row against point tests in wide integers.
+
+use glam::{IVec3, Quat, Vec3};
+use paros_core::brush::{Brush, Piece, Pieces, isqrt};
+use paros_core::pose::{Pose, SUB};
+use paros_core::row::Bits;
+use paros_core::size::{Grid, Size};
+use paros_tests::models::brush::{capsule, corner_way, moved_box, oriented_box};
+use paros_tests::models::dense::Dense;
+use proptest::prelude::*;
+
+/// The brush's rows, and that none lies outside its bounds.
+fn rows_of<const N: usize>(brush: &Brush) -> Dense
+where
+    Grid<N>: Size,
+{
+    let dense =
+        Dense::from_fn(N, |[x, y, z]| brush.row::<N>(y as usize, z as usize).contains(x as usize));
+    let mut pieces = Pieces::new();
+    let bounds = pieces.set(brush, N);
+    assert_eq!(brush.bounds(N), bounds);
+    for y in 0..N {
+        let within = pieces.enter(y, N);
+        for z in 0..N {
+            let row = brush.row::<N>(y, z);
+            assert_eq!(pieces.row::<N>(z), row, "row {y}, {z}");
+            assert!(row.is_empty() || within.contains(z), "row {y}, {z} outside its layer");
+        }
+    }
+    match bounds {
+        None => assert!(dense.is_empty(), "voxels without bounds"),
+        Some(bounds) => {
+            for voxel in dense.occupied() {
+                for i in 0..3 {
+                    let at = voxel[i] as usize;
+                    assert!(
+                        bounds.lo[i] <= at && at <= bounds.hi[i],
+                        "{voxel:?} outside {bounds:?}"
+                    );
+                }
+            }
+        }
+    }
+    dense
+}
+
+fn differing(a: &Dense, b: &Dense) -> Dense {
+    a.without(b).or(&b.without(a))
+}
+
+/// A coordinate: near the grid, at voxel centres and borders, or far away.
+fn coordinate(n: i32) -> impl Strategy<Value = i32> {
+    let edge = n * SUB;
+    prop_oneof![
+        6 => -edge / 2..edge + edge / 2,
+        2 => (-4..n + 4).prop_map(|i| i * SUB + SUB / 2),
+        1 => (-4..n + 4).prop_map(|i| i * SUB),
+        1 => -8192 * SUB..=8192 * SUB,
+        1 => prop_oneof![Just(-8192 * SUB), Just(8192 * SUB)],
+    ]
+}
+
+fn point(n: i32) -> impl Strategy<Value = IVec3> {
+    [coordinate(n), coordinate(n), coordinate(n)].prop_map(IVec3::from_array)
+}
+
+fn length(n: i32) -> impl Strategy<Value = i32> {
+    prop_oneof![
+        6 => 0..n * SUB / 2,
+        1 => Just(0),
+        2 => (0..2 * n).prop_map(|i| i * SUB / 2),
+        1 => 0..8192 * SUB,
+        1 => Just(8192 * SUB),
+    ]
+}
+
+fn half(n: i32) -> impl Strategy<Value = IVec3> {
+    [length(n), length(n), length(n)].prop_map(IVec3::from_array)
+}
+
+fn rotation() -> impl Strategy<Value = Quat> {
+    let component = || prop_oneof![6 => -1.0f32..1.0, 1 => Just(0.0), 1 => Just(1.0)];
+    [component(), component(), component(), component()].prop_map(|[x, y, z, w]| {
+        let q = Quat::from_xyzw(x, y, z, w);
+        if q.length() < 1e-3 { Quat::IDENTITY } else { q.normalize() }
+    })
+}
+
+fn pose(n: i32) -> impl Strategy<Value = Pose> {
+    (point(n), rotation())
+        .prop_map(|(at, rotation)| Pose { position: at.as_vec3() / SUB as f32, rotation })
+}
+
+fn sphere_is_its_points<const N: usize>(at: IVec3, radius: i32)
+where
+    Grid<N>: Size,
+{
+    let rows = rows_of::<N>(&Brush::sphere(at, radius));
+    let wrong = differing(&rows, &capsule(N, at, at, radius));
+    assert!(wrong.is_empty(), "{wrong:?}");
+}
+
+fn capsule_is_its_points<const N: usize>(a: IVec3, b: IVec3, radius: i32)
+where
+    Grid<N>: Size,
+{
+    let rows = rows_of::<N>(&Brush::capsule(a, b, radius));
+    let wrong = differing(&rows, &capsule(N, a, b, radius));
+    assert!(wrong.is_empty(), "{wrong:?}");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(2000))]
+
+    #[test]
+    fn a_sphere_is_its_points(at in point(16), radius in length(16)) {
+        sphere_is_its_points::<16>(at, radius);
+    }
+
+    #[test]
+    fn a_capsule_is_its_points(a in point(16), b in point(16), radius in length(16)) {
+        capsule_is_its_points::<16>(a, b, radius);
+    }
+
+    #[test]
+    fn a_short_capsule_is_its_points(a in point(16), way in [-300..300, -300..300, -300..300i32], radius in length(16)) {
+        let b = (a + IVec3::from_array(way)).clamp(IVec3::splat(-8192 * SUB), IVec3::splat(8192 * SUB));
+        capsule_is_its_points::<16>(a, b, radius);
+    }
+
+    #[test]
+    fn a_box_is_its_points(half in half(16), pose in pose(16)) {
+        let rows = rows_of::<16>(&Brush::oriented_box(half, &pose));
+        let wrong = differing(&rows, &oriented_box(16, half, &pose));
+        prop_assert!(wrong.is_empty(), "{:?}", wrong);
+    }
+
+    #[test]
+    fn a_moved_box_is_its_points(half in half(16), start in point(16), pose in pose(16)) {
+        let start = Pose { position: start.as_vec3() / SUB as f32, rotation: pose.rotation };
+        let rows = rows_of::<16>(&Brush::swept_box(half, &start, &pose));
+        let wrong = differing(&rows, &moved_box(16, half, &pose, start.fixed_position()));
+        prop_assert!(wrong.is_empty(), "{:?}", wrong);
+        for end in [&start, &pose] {
+            prop_assert!(oriented_box(16, half, end).is_within(&rows));
+        }
+    }
+
+    #[test]
+    fn a_turned_sweep_holds_its_ends_and_all_between(
+        half in half(16), from in pose(16), to in pose(16), times in proptest::collection::vec(0.0f32..1.0, 3),
+    ) {
+        let brush = Brush::swept_box(half, &from, &to);
+        let rows = rows_of::<16>(&brush);
+        for end in [&from, &to] {
+            let wrong = oriented_box(16, half, end).without(&rows);
+            prop_assert!(wrong.is_empty(), "an end's voxels are missing: {:?}", wrong);
+        }
+        // Between its ends the box turns by less than a voxel at its corners from some piece's, so
+        // the box with that much taken off all round lies inside.
+        let corner = half.as_vec3().length() / SUB as f32;
+        let turn = corner * from.angle_to(&to);
+        if turn < 90.0 && half.min_element() > 2 * SUB && from.position.length().max(to.position.length()) < 100.0 {
+            for t in times {
+                let core = oriented_box(16, half - IVec3::splat(SUB + 8), &from.toward(&to, t));
+                let wrong = core.without(&rows);
+                prop_assert!(wrong.is_empty(), "at {}: {:?}", t, wrong);
+            }
+        }
+    }
+
+    #[test]
+    fn no_corner_turns_by_more_than_a_voxel(half in [0..16 * SUB, 0..16 * SUB, 0..16 * SUB], from in pose(16), to in pose(16)) {
+        let half = IVec3::from_array(half);
+        let steps = Brush::swept_box(half, &from, &to).pieces().len();
+        let corner = half.as_vec3().length() / SUB as f32;
+        prop_assume!(corner <= 30.0);
+        let last = (steps - 1).max(1) as f32;
+        let turned = |i: usize| from.toward(&to, i as f32 / last).rotation;
+        for i in 1..steps {
+            let way = corner_way(half, turned(i - 1), turned(i));
+            prop_assert!(way <= 1.001, "{} voxels in step {} of {}", way, i, steps);
+        }
+        if steps == 1 {
+            prop_assert!(corner_way(half, from.rotation, to.rotation) < 0.01);
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(250))]
+
+    #[test]
+    fn spheres_and_capsules_of_32(a in point(32), b in point(32), radius in length(32)) {
+        sphere_is_its_points::<32>(a, radius);
+        capsule_is_its_points::<32>(a, b, radius);
+    }
+
+    #[test]
+    fn boxes_of_32(half in half(32), pose in pose(32)) {
+        let rows = rows_of::<32>(&Brush::oriented_box(half, &pose));
+        prop_assert!(differing(&rows, &oriented_box(32, half, &pose)).is_empty());
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(8))]
+
+    #[test]
+    fn spheres_and_capsules_of_128(a in point(128), b in point(128), radius in length(128)) {
+        sphere_is_its_points::<128>(a, radius);
+        capsule_is_its_points::<128>(a, b, radius);
+    }
+}
+
+/// A piece's own interval of a row, and the layers it claims to touch, agree with its rows.
+#[test]
+fn a_sphere_of_no_radius_is_the_voxel_whose_centre_it_is() {
+    let centre = IVec3::new(5, 6, 7) * SUB + IVec3::splat(SUB / 2);
+    let rows = rows_of::<16>(&Brush::sphere(centre, 0));
+    assert_eq!(rows.occupied().collect::<Vec<_>>(), [[5, 6, 7]]);
+    assert!(rows_of::<16>(&Brush::sphere(centre + IVec3::X, 0)).is_empty());
+}
+
+#[test]
+fn the_boundary_is_inside() {
+    let centre = IVec3::splat(8 * SUB + SUB / 2);
+    let rows = rows_of::<16>(&Brush::sphere(centre, 5 * SUB));
+    assert!(
+        rows.contains([13, 8, 8]) && rows.contains([8 + 3, 8, 8 + 4]) && !rows.contains([14, 8, 8])
+    );
+    let less = rows_of::<16>(&Brush::sphere(centre, 5 * SUB - 1));
+    assert!(!less.contains([13, 8, 8]) && !less.contains([8 + 3, 8, 8 + 4]));
+    let pose = Pose { position: Vec3::splat(8.5), rotation: Quat::IDENTITY };
+    let rows = rows_of::<16>(&Brush::oriented_box(IVec3::new(2, 3, 0) * SUB, &pose));
+    assert_eq!(rows.count(), 5 * 7);
+}
+
+/// Nothing that a caller can hand over makes a brush panic; what it makes of it is a brush whose
+/// rows are within its bounds.
+#[test]
+fn awkward_numbers_do_not_panic() {
+    let odd = [
+        0.0,
+        -0.0,
+        1.0,
+        -8.5,
+        1e-42,
+        f32::MIN_POSITIVE,
+        1e9,
+        -1e30,
+        f32::MAX,
+        f32::INFINITY,
+        f32::NEG_INFINITY,
+        f32::NAN,
+    ];
+    let lengths = [0, 1, -1, SUB, 8192 * SUB, i32::MAX, i32::MIN, i32::MIN + 1];
+    let mut poses = vec![];
+    for a in odd {
+        for b in odd {
+            poses.push(Pose {
+                position: Vec3::new(a, b, 3.0),
+                rotation: Quat::from_xyzw(b, 0.3, a, 1.0),
+            });
+            poses.push(Pose {
+                position: Vec3::new(7.0, a, b),
+                rotation: Quat::from_xyzw(a, a, a, b),
+            });
+        }
+    }
+    let ask = |brush: &Brush| {
+        let _ = brush.bounds(16);
+        for (y, z) in [(0, 0), (3, 9), (15, 15)] {
+            let _ = brush.row::<16>(y, z);
+        }
+    };
+    for (i, from) in poses.iter().enumerate() {
+        for to in poses.iter().skip(i % 7).step_by(7) {
+            let l = |k: usize| lengths[(i + k) % lengths.len()];
+            ask(&Brush::swept_box(IVec3::new(l(0), l(1), l(3)), from, to));
+            ask(&Brush::capsule(IVec3::new(l(2), l(5), l(1)), to.fixed_position(), l(4)));
+        }
+        ask(&Brush::oriented_box(IVec3::splat(lengths[i % 8]), from));
+    }
+    for a in lengths {
+        for b in lengths {
+            for c in lengths {
+                rows_of::<16>(&Brush::sphere(IVec3::new(a, b, c), b));
+                ask(&Brush::capsule(IVec3::new(a, b, c), IVec3::new(c, a, b), c));
+            }
+        }
+    }
+}
+
+/// A brush of one piece takes one piece; a straight move needs no more.
+#[test]
+fn a_straight_move_is_one_piece() {
+    let at =
+        |x: f32| Pose { position: Vec3::new(x, 4.0, 4.0), rotation: Quat::from_rotation_x(0.3) };
+    let brush = Brush::swept_box(IVec3::splat(SUB), &at(1.0), &at(9.0));
+    assert!(matches!(brush.pieces().collect::<Vec<_>>()[..], [Piece::Box(_)]));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(20_000))]
+
+    #[test]
+    fn an_integer_root_is_the_greatest_whose_square_is_not_above(root in 0..1i64 << 31, more in -2..3i64) {
+        for v in [root * root + more, (root >> 5).pow(2) + more, (root >> 12).pow(2) + more, root] {
+            let r = isqrt(v);
+            prop_assert!(r * r <= v.max(0) && v < (r + 1) * (r + 1), "{} of {}", r, v);
+        }
+    }
+}

@@ -1,0 +1,302 @@
+//! Export against the naive surface, and what every printable model must be.
+//!
+//! Planted faults, and what catches each (tried by hand):
+//! - `support.rs`, `seed`: the mask's rows left out -> `anything_at_16`, `every_pair_of_cells`.
+//! - `cases.rs`, `side`: any diagonal allowed -> `every_pair_of_cells`, `anything_at_16`.
+//! - `smooth.rs`: a window of three layers -> `anything_at_16`, `large_grids`.
+//! - `cells.rs`, `each_cell`: the last chunk left out -> `anything_at_64`, `large_grids`.
+
+use std::collections::{HashMap, HashSet};
+use std::sync::Mutex;
+
+use paros_core::export::{Exporter, HeightOutOfRange, Progress, Stage};
+use paros_core::maps::Maps;
+use paros_core::plane::Plane;
+use paros_core::size::{Grid, Size};
+use paros_tests::models::dense::{self, Dense};
+use paros_tests::models::export::{Surface, printed};
+use proptest::prelude::*;
+
+const HEIGHT_MM: f32 = 120.0;
+
+struct Bench<const N: usize>
+where
+    Grid<N>: Size,
+{
+    exporter: Exporter<N>,
+    rows: Plane<N>,
+    mask: Maps<N>,
+}
+
+impl<const N: usize> Bench<N>
+where
+    Grid<N>: Size,
+{
+    const fn new() -> Self {
+        Bench { exporter: Exporter::new(), rows: Plane::new(), mask: Maps::new() }
+    }
+
+    fn set(&mut self, volume: &Dense, mask: &Dense) {
+        self.rows.clear();
+        volume.write_plane(&mut self.rows);
+        mask.write_maps(&mut self.mask);
+    }
+
+    /// The file, made in one call.
+    fn whole(&mut self) -> Vec<u8> {
+        let mut file = vec![0; 84 + 50 * 5 * (N + 1).pow(3)];
+        self.exporter.start(HEIGHT_MM).unwrap();
+        let progress = self.exporter.advance(&self.rows, &self.mask, u32::MAX, &mut file);
+        assert_eq!(progress.stage, Stage::Done);
+        file.truncate(progress.written);
+        assert_eq!(self.exporter.file_len(), Some(file.len() as u64));
+        file
+    }
+
+    fn check(&mut self, volume: &Dense, mask: &Dense) {
+        self.set(volume, mask);
+        let file = self.whole();
+        check_model(&printed(volume, mask), &file);
+    }
+}
+
+/// The same bench for all tests of a size: exporters never move.
+macro_rules! bench {
+    ($n:literal, $use:expr) => {{
+        static BENCH: Mutex<Bench<$n>> = Mutex::new(Bench::new());
+        let mut bench = BENCH.lock().unwrap_or_else(|held| held.into_inner());
+        #[allow(clippy::redundant_closure_call)]
+        ($use)(&mut *bench)
+    }};
+}
+
+/// The triangles of a file: normal and corners.
+fn triangles(file: &[u8]) -> Vec<[[f32; 3]; 4]> {
+    let count = u32::from_le_bytes(file[80..84].try_into().unwrap());
+    assert_eq!(file.len(), 84 + 50 * count as usize);
+    assert!(!file.starts_with(b"solid"));
+    let float = |bytes: &[u8]| f32::from_le_bytes(bytes.try_into().unwrap());
+    let record = |bytes: &[u8]| {
+        assert_eq!(bytes[48..], [0, 0]);
+        [0, 1, 2, 3].map(|p| [0, 1, 2].map(|c| float(&bytes[12 * p + 4 * c..][..4])))
+    };
+    file[84..].chunks_exact(50).map(record).collect()
+}
+
+/// Where each vertex of a surface should be, in millimetres.
+fn placed(surface: &Surface) -> Vec<[f32; 3]> {
+    let bounds = |axis: usize| {
+        let along = || surface.smooth.iter().map(|v| v[axis]);
+        (along().min().unwrap_or(0), along().max().unwrap_or(0))
+    };
+    let [x, y, z] = [0, 1, 2].map(bounds);
+    let scale = HEIGHT_MM / (y.1 - y.0) as f32;
+    let [x_middle, z_middle] = [x, z].map(|(lo, hi)| (lo + hi) as f32 / 2.0);
+    let place = |&[x, height, z]: &[i32; 3]| {
+        [x as f32 - x_middle, z_middle - z as f32, (height - y.0) as f32].map(|c| c * scale)
+    };
+    surface.smooth.iter().map(place).collect()
+}
+
+fn bits(point: [f32; 3]) -> [u32; 3] {
+    point.map(f32::to_bits)
+}
+
+fn check_model(solid: &Dense, file: &[u8]) {
+    let surface = Surface::new(solid);
+    let mut ids = HashMap::new();
+    for (id, point) in placed(&surface).into_iter().enumerate() {
+        assert_eq!(ids.insert(bits(point), id), None, "two vertices in one place");
+    }
+    let records = triangles(file);
+    assert_eq!(records.len(), surface.triangles);
+    let mut sides = HashSet::new();
+    let mut six_volumes = 0;
+    for [normal, corners @ ..] in records {
+        let corners = corners.map(|corner| ids[&bits(corner)]);
+        for (from, to) in [(0, 1), (1, 2), (2, 0)] {
+            let new = sides.insert([corners[from], corners[to]]);
+            assert!(new, "a side with two triangles on it");
+        }
+        // In STL axes.
+        let [a, b, c] =
+            corners.map(|id| surface.smooth[id]).map(|[x, y, z]| [x, -z, y].map(i64::from));
+        let cross = cross(minus(b, a), minus(c, a));
+        assert_ne!(cross, [0; 3], "a triangle without area");
+        let length = (dot(cross, cross) as f64).sqrt();
+        for axis in 0..3 {
+            assert!((cross[axis] as f64 / length - f64::from(normal[axis])).abs() < 1e-6);
+        }
+        six_volumes += dot(a, cross);
+    }
+    assert!(sides.iter().all(|&[from, to]| sides.contains(&[to, from])), "an open side");
+    assert!(surface.segments.iter().all(|side| sides.contains(side)), "a contour not followed");
+    assert!(solid.is_empty() || six_volumes > 0);
+    for (raw, smooth) in surface.raw.iter().zip(&surface.smooth) {
+        let moved = minus(smooth.map(i64::from), raw.map(|c| 64 * i64::from(c)));
+        assert!(dot(moved, moved) <= 128 * 128, "further than a voxel");
+    }
+}
+
+fn minus(a: [i64; 3], b: [i64; 3]) -> [i64; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+fn cross(u: [i64; 3], v: [i64; 3]) -> [i64; 3] {
+    [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
+}
+
+fn dot(a: [i64; 3], b: [i64; 3]) -> i64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// Two cells side by side along each axis, filled in every way, in the middle and in two corners of
+/// the grid. The mask is everything, so nothing drops out.
+#[test]
+fn every_pair_of_cells() {
+    let all = Dense::from_fn(16, |_| true);
+    bench!(16, |bench: &mut Bench<16>| for axis in 0..3 {
+        for solid in 0..4096 {
+            let low = [0, 5, 13][(solid % 3) as usize];
+            let volume = Dense::from_fn(16, |voxel| {
+                let [u, v, w] = [0, 1, 2].map(|i| voxel[(axis + i) % 3] - low);
+                (0..2).contains(&u)
+                    && (0..2).contains(&v)
+                    && (0..3).contains(&w)
+                    && solid >> (u + 2 * v + 4 * w) & 1 == 1
+            });
+            bench.check(&volume, &all);
+        }
+    });
+}
+
+/// A cell filled in every way in the middle of the grid, where its largest part is printed.
+#[test]
+fn every_cell_without_ground() {
+    let none = Dense::new(16);
+    bench!(16, |bench: &mut Bench<16>| for solid in 0..256 {
+        let volume = Dense::from_fn(16, |[x, y, z]| {
+            [x, y, z].iter().all(|i| (7..9).contains(i))
+                && solid >> ((x - 7) + 2 * (y - 7) + 4 * (z - 7)) & 1 == 1
+        });
+        bench.check(&volume, &none);
+    });
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(600))]
+
+    #[test]
+    fn anything_at_16((volume, mask) in dense::masked_volumes(16)) {
+        bench!(16, |bench: &mut Bench<16>| bench.check(&volume, &mask));
+    }
+
+    /// Volumes that no maps could hold: the exporter reads rows.
+    #[test]
+    fn anything_unclosed_at_16(volume in dense::voxels(16), held in any::<bool>()) {
+        let mask = Dense::from_fn(16, |_| held);
+        bench!(16, |bench: &mut Bench<16>| bench.check(&volume, &mask));
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(6))]
+
+    /// Rows of one word, whole.
+    #[test]
+    fn anything_at_64(volume in dense::voxels(64)) {
+        let mask = Dense::new(64);
+        bench!(64, |bench: &mut Bench<64>| bench.check(&volume, &mask));
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(200))]
+
+    /// Calls of any budget and buffer write the same file.
+    #[test]
+    fn any_budget(
+        volume in dense::voxels(32),
+        budgets in proptest::collection::vec(1..3000u32, 1..20),
+        rooms in proptest::collection::vec(0..8000usize, 1..20),
+    ) {
+        let mask = Dense::new(32);
+        bench!(32, |bench: &mut Bench<32>| {
+            bench.set(&volume, &mask);
+            let file = bench.whole();
+            let mut pieces = Vec::new();
+            let Bench { exporter, rows, mask } = bench;
+            exporter.start(HEIGHT_MM).unwrap();
+            let mut room = vec![0; Exporter::<32>::MIN_BUFFER];
+            for call in 0.. {
+                let budget = budgets[call % budgets.len()];
+                // Every other call has the room that it needs.
+                let len = if call % 2 == 0 { room.len() } else { rooms[call % rooms.len()] };
+                let Progress { written, stage } =
+                    exporter.advance(rows, mask, budget, &mut room[..len]);
+                pieces.extend_from_slice(&room[..written]);
+                if stage == Stage::Done {
+                    break;
+                }
+            }
+            assert!(pieces == file);
+        });
+    }
+}
+
+/// Rows of two and four words, filled to the border in every direction, cross all word borders.
+#[test]
+fn large_grids() {
+    fn volume(n: usize) -> Dense {
+        Dense::from_fn(n, |[x, y, z]| {
+            let middle = n as i32 / 2;
+            let [i, j, k] = [x, y, z].map(|c| (2 * c - 2 * middle + 1).abs());
+            let axis_beams = [i, j, k].iter().filter(|&&c| c < 8).count() >= 2;
+            axis_beams || (y < 3 && (x + z) % 2 == 0) || (y < 2 && x % 5 < 2)
+        })
+    }
+    bench!(128, |bench: &mut Bench<128>| bench.check(&volume(128), &Dense::new(128)));
+    bench!(256, |bench: &mut Bench<256>| bench.check(&volume(256), &Dense::new(256)));
+}
+
+#[test]
+fn exact_room_is_room_enough() {
+    bench!(16, |bench: &mut Bench<16>| {
+        let volume = Dense::from_fn(16, |[x, y, z]| (x + y + z) % 3 == 0 || y == 0);
+        bench.set(&volume, &Dense::new(16));
+        let file = bench.whole();
+        let mut exact = vec![0; file.len()];
+        bench.exporter.start(HEIGHT_MM).unwrap();
+        let progress = bench.exporter.advance(&bench.rows, &bench.mask, u32::MAX, &mut exact);
+        assert_eq!(progress, Progress { written: file.len(), stage: Stage::Done });
+        assert!(exact == file);
+    });
+}
+
+#[test]
+fn nothing_makes_an_empty_file() {
+    bench!(16, |bench: &mut Bench<16>| {
+        bench.set(&Dense::new(16), &Dense::new(16));
+        assert_eq!(bench.whole().len(), 84);
+        assert_eq!(bench.exporter.triangles(), Some(0));
+    });
+}
+
+#[test]
+fn heights_out_of_range_change_nothing() {
+    bench!(16, |bench: &mut Bench<16>| {
+        bench.set(&Dense::from_fn(16, |[_, y, _]| y < 3), &Dense::new(16));
+        let file = bench.whole();
+        for height in [0.0, -1.0, 1e9, f32::INFINITY] {
+            assert_eq!(bench.exporter.start(height), Err(HeightOutOfRange(height)));
+        }
+        assert!(bench.exporter.start(f32::NAN).is_err());
+        assert_eq!(bench.exporter.file_len(), Some(file.len() as u64));
+    });
+}
+
+#[test]
+fn scratch_is_small() {
+    assert!(size_of::<Exporter<128>>() <= 1 << 20);
+    assert!(size_of::<Exporter<256>>() <= 4 << 20);
+}

@@ -1,0 +1,377 @@
+//! The `.rmap` file: read back as written, refused when anything in it is wrong; and files that
+//! appear whole or not at all.
+
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use paros_core::maps::{Axis, Column, Maps, Range};
+use paros_core::plane::Plane;
+use paros_core::row::Bits;
+use paros_shell::durable::{self, Draft};
+use paros_shell::figures::Figure;
+use paros_shell::rmap::{self, Error, Fault};
+use proptest::prelude::*;
+
+/// Bytes before the columns and after them, and of the columns at 16.
+const HEADER: usize = 12;
+const CHECKSUM: usize = 4;
+const COLUMNS: usize = 3 * 16 * 16 * 2;
+
+struct Buffers {
+    maps: Maps<16>,
+    other: Maps<16>,
+    plane: Plane<16>,
+}
+
+fn buffers() -> MutexGuard<'static, Buffers> {
+    static BUFFERS: Mutex<Buffers> = Mutex::new(Buffers {
+        maps: Maps::new(),
+        other: Maps::new(),
+        plane: Plane::new(),
+    });
+    BUFFERS.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// A folder of this test's own, empty.
+fn folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("rmap-{name}"));
+    let _ = fs::remove_dir_all(&folder);
+    fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+/// The bytes of a volume with something in it: the toy.
+fn toy() -> Vec<u8> {
+    let mut b = buffers();
+    let Buffers { maps, plane, .. } = &mut *b;
+    Figure::Toy.carve_into(plane, maps);
+    rmap::encode(maps)
+}
+
+/// Makes the checksum right again after a change.
+fn resum(bytes: &mut [u8]) {
+    let at = bytes.len() - CHECKSUM;
+    let sum = crc(&bytes[..at]);
+    bytes[at..].copy_from_slice(&sum.to_le_bytes());
+}
+
+/// CRC-32 as IEEE 802.3 has it, bit by bit.
+fn crc(bytes: &[u8]) -> u32 {
+    let step = |crc: u32| crc >> 1 ^ if crc & 1 == 1 { 0xedb8_8320 } else { 0 };
+    !bytes.iter().fold(!0, |crc, &byte| {
+        (0..8).fold(crc ^ u32::from(byte), |crc, _| step(crc))
+    })
+}
+
+fn refused(bytes: &[u8]) -> (usize, Fault) {
+    let mut b = buffers();
+    let Buffers { maps, other, plane } = &mut *b;
+    Figure::Cat.carve_into(plane, maps);
+    other.copy_from(maps);
+    let fault = rmap::decode(bytes, maps).expect_err("must be refused");
+    assert!(maps == other, "a refused file left its mark");
+    fault
+}
+
+#[test]
+fn the_checksum_is_crc_32() {
+    assert_eq!(crc(b"123456789"), 0xcbf4_3926);
+    let bytes = toy();
+    let (summed, sum) = bytes.split_at(bytes.len() - CHECKSUM);
+    assert_eq!(crc(summed).to_le_bytes(), sum);
+}
+
+#[test]
+fn the_layout_is_as_documented() {
+    let bytes = toy();
+    assert_eq!(bytes.len(), HEADER + COLUMNS + CHECKSUM);
+    assert_eq!(bytes[..HEADER], *b"RMAP\x01\x00\x10\x00\x01\x00\x00\x00");
+    let b = buffers();
+    for axis in Axis::ALL {
+        for (line, place) in (0..256).map(|i| (i / 16, i % 16)) {
+            let at = HEADER + 2 * (256 * axis as usize + 16 * line + place);
+            let range = b.maps.column(axis, (line, place)).hull();
+            let expected = if range.is_empty() {
+                [0, 0]
+            } else {
+                [!(range.lo() as u8), range.hi() as u8]
+            };
+            assert_eq!(bytes[at..at + 2], expected);
+        }
+    }
+}
+
+#[test]
+fn each_kind_of_damage_is_named_with_its_place() {
+    let good = toy();
+    let change = |at: usize, byte: u8| {
+        let mut bytes = good.clone();
+        bytes[at] = byte;
+        resum(&mut bytes);
+        refused(&bytes)
+    };
+    assert_eq!(change(0, b'r'), (0, Fault::Magic(*b"rMAP")));
+    assert_eq!(change(4, 2), (4, Fault::Version(2)));
+    assert_eq!(change(6, 17), (6, Fault::Size(17)));
+    assert_eq!(
+        change(6, 32),
+        (
+            6,
+            Fault::OtherSize {
+                found: 32,
+                expected: 16
+            }
+        )
+    );
+    assert_eq!(change(8, 2), (8, Fault::Layers(2)));
+    assert_eq!(change(9, 1), (9, Fault::Flags(1)));
+    assert_eq!(change(11, 9), (11, Fault::Flags(9)));
+    let (at, fault) = change(HEADER + 1, 16);
+    let address = (0, 0);
+    assert_eq!(
+        (at, fault),
+        (
+            HEADER,
+            Fault::Range {
+                axis: Axis::X,
+                address,
+                bytes: [0, 16]
+            }
+        )
+    );
+
+    let mut bytes = good.clone();
+    bytes.push(0);
+    assert_eq!(refused(&bytes), (good.len(), Fault::Trailing));
+    let mut bytes = good.clone();
+    bytes[40] ^= 4;
+    let (at, fault) = refused(&bytes);
+    assert_eq!(at, HEADER + COLUMNS);
+    assert!(matches!(fault, Fault::Checksum { .. }));
+}
+
+#[test]
+fn a_loose_end_is_named_with_its_voxel() {
+    let mut b = buffers();
+    b.maps.clear();
+    for axis in Axis::ALL {
+        b.maps
+            .set_column(axis, axis.address([3, 4, 5]), Column([Range::new(0, 0)]));
+    }
+    // One voxel at (3, 4, 5), but for the column along z, which runs on to 6.
+    for (axis, hi) in [(Axis::X, 3), (Axis::Y, 4), (Axis::Z, 6)] {
+        let lo = [3, 4, 5][axis as usize];
+        b.maps
+            .set_column(axis, axis.address([3, 4, 5]), Column([Range::new(lo, hi)]));
+    }
+    let bytes = rmap::encode(&b.maps);
+    drop(b);
+    let (at, fault) = refused(&bytes);
+    assert_eq!(at, HEADER + 2 * (2 * 256 + 4 * 16 + 3) + 1);
+    assert_eq!(
+        fault,
+        Fault::Loose {
+            axis: Axis::Z,
+            voxel: [3, 4, 6],
+            missing: Axis::X
+        }
+    );
+}
+
+#[test]
+fn a_file_cut_short_anywhere_is_refused() {
+    let bytes = toy();
+    for length in 0..bytes.len() {
+        let (at, fault) = refused(&bytes[..length]);
+        assert_eq!(at, length, "{fault}");
+        assert!(matches!(fault, Fault::Truncated { .. }));
+    }
+}
+
+#[test]
+fn any_flipped_bit_is_found() {
+    let good = toy();
+    for bit in 0..good.len() * 8 {
+        let mut bytes = good.clone();
+        bytes[bit / 8] ^= 1 << (bit % 8);
+        let (at, _) = refused(&bytes);
+        assert!(at <= bytes.len());
+    }
+}
+
+#[test]
+fn files_come_back_and_errors_name_them() {
+    let folder = folder("files");
+    let path = folder.join("toy.rmap");
+    let bytes = toy();
+    let mut b = buffers();
+    rmap::write(&path, &b.maps).unwrap();
+    assert_eq!(fs::read(&path).unwrap(), bytes);
+    let header = rmap::peek(&path).unwrap();
+    assert_eq!(
+        (header.n, header.layers, header.file_length()),
+        (16, 1, bytes.len())
+    );
+    let Buffers { maps, other, .. } = &mut *b;
+    other.clear();
+    rmap::read(&path, other).unwrap();
+    assert!(maps == other);
+    assert_eq!(
+        rmap::checksum(maps),
+        u32::from_le_bytes(*bytes.last_chunk().unwrap())
+    );
+
+    fs::write(&path, &bytes[..700]).unwrap();
+    let error = rmap::read(&path, other).unwrap_err();
+    assert!(matches!(error, Error::Bad { offset: 700, .. }));
+    let text = error.to_string();
+    assert!(
+        text.contains("toy.rmap") && text.contains("byte 700"),
+        "{text}"
+    );
+    let text = rmap::peek(&folder.join("none.rmap"))
+        .unwrap_err()
+        .to_string();
+    assert!(text.contains("none.rmap"), "{text}");
+    assert!(rmap::read(&folder, other).is_err(), "a folder is no file");
+    assert!(maps == other);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(3000))]
+
+    /// Whatever ranges a file holds, it is read exactly when they are the hulls of their own
+    /// intersection.
+    #[test]
+    fn ranges_are_read_when_tight(
+        voxels in prop::collection::vec(prop::array::uniform3(0usize..16), 0..40),
+        changes in prop::collection::vec((0..COLUMNS / 2, 0usize..16, 0usize..16), 0..3),
+    ) {
+        let mut b = buffers();
+        let Buffers { maps, other, plane } = &mut *b;
+        plane.clear();
+        for [x, y, z] in voxels {
+            plane.row_mut(y, z).insert(x);
+        }
+        plane.hulls(maps);
+        for (column, lo, hi) in changes {
+            let (axis, address) = (Axis::ALL[column / 256], (column / 16 % 16, column % 16));
+            maps.set_column(axis, address, Column([Range::new(lo, hi)]));
+        }
+        plane.expand(maps);
+        plane.hulls(other);
+        let tight = maps == other;
+        let bytes = rmap::encode(maps);
+        other.clear();
+        let read = rmap::decode(&bytes, other);
+        prop_assert_eq!(read.is_ok(), tight);
+        if tight {
+            prop_assert!(maps == other);
+        } else {
+            prop_assert!(other.is_empty());
+        }
+    }
+
+    /// Bytes from anywhere are refused or read, never more.
+    #[test]
+    fn any_columns_are_no_reason_to_panic(
+        mut columns in prop::collection::vec(any::<u8>(), COLUMNS),
+        sparse in any::<bool>(),
+    ) {
+        if sparse {
+            columns.iter_mut().for_each(|byte| *byte = if *byte < 250 { 0 } else { *byte });
+        }
+        let mut bytes = b"RMAP\x01\x00\x10\x00\x01\x00\x00\x00".to_vec();
+        bytes.extend(columns);
+        bytes.extend([0; CHECKSUM]);
+        resum(&mut bytes);
+        let mut b = buffers();
+        b.other.clear();
+        if rmap::decode(&bytes, &mut b.other).is_ok() {
+            prop_assert_eq!(rmap::encode(&b.other), bytes);
+        } else {
+            prop_assert!(b.other.is_empty());
+        }
+    }
+}
+
+/// What a folder holds, by name.
+fn names(folder: &Path) -> Vec<String> {
+    let name = |entry: fs::DirEntry| entry.file_name().into_string().unwrap();
+    let mut names: Vec<_> = fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| name(entry.unwrap()))
+        .collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn a_draft_is_whole_or_absent() {
+    let folder = folder("draft");
+    let path = folder.join("file");
+    durable::write(&path, b"old").unwrap();
+    let mut draft = Draft::create(&path).unwrap();
+    draft.write_all(b"half").unwrap();
+    assert_eq!(fs::read(&path).unwrap(), b"old");
+    drop(draft);
+    assert_eq!(names(&folder), ["file"]);
+    assert_eq!(fs::read(&path).unwrap(), b"old");
+
+    let mut draft = Draft::create(&path).unwrap();
+    draft.write_all(b"new").unwrap();
+    draft.commit().unwrap();
+    assert_eq!(names(&folder), ["file"]);
+    assert_eq!(fs::read(&path).unwrap(), b"new");
+}
+
+#[test]
+fn drafts_of_one_file_do_not_meet() {
+    let folder = folder("drafts");
+    let path = folder.join("file");
+    let (mut a, mut b) = (Draft::create(&path).unwrap(), Draft::create(&path).unwrap());
+    a.write_all(b"first").unwrap();
+    b.write_all(b"second").unwrap();
+    a.commit().unwrap();
+    b.commit().unwrap();
+    assert_eq!(fs::read(&path).unwrap(), b"second");
+    assert_eq!(names(&folder), ["file"]);
+}
+
+#[test]
+fn what_cannot_be_written_is_refused_by_name() {
+    let folder = folder("refused");
+    for path in [
+        folder.join("none/file"),
+        folder.clone(),
+        PathBuf::from("/"),
+        PathBuf::new(),
+    ] {
+        let error = durable::write(&path, b"x").unwrap_err();
+        assert_eq!(error.path, path);
+        assert!(error.to_string().contains(&*path.to_string_lossy()));
+    }
+    assert!(names(&folder).is_empty());
+}
+
+#[cfg(unix)]
+#[test]
+fn links_stay_links_and_devices_stay_devices() {
+    use std::os::unix::fs::FileTypeExt;
+    let folder = folder("links");
+    let (file, link) = (folder.join("file"), folder.join("link"));
+    fs::write(&file, b"old").unwrap();
+    std::os::unix::fs::symlink(&file, &link).unwrap();
+    durable::write(&link, b"new").unwrap();
+    assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+    assert_eq!(fs::read(&file).unwrap(), b"new");
+    assert!(durable::write(Path::new("/dev/null"), b"x").is_err());
+    assert!(
+        fs::metadata("/dev/null")
+            .unwrap()
+            .file_type()
+            .is_char_device()
+    );
+}

@@ -1,0 +1,316 @@
+//! Bit rows, planes and maps against plain booleans.
+
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use paros_core::maps::{Axis, Column, Maps, Range};
+use paros_core::plane::Plane;
+use paros_core::row::Bits;
+use paros_core::size::{Grid, Size};
+use paros_core::volume::{Volume, maps_digest};
+use paros_tests::models::dense::{Dense, voxels};
+use proptest::prelude::*;
+
+type RowOf<const N: usize> = <Grid<N> as Size>::Row;
+
+fn row_of<const N: usize>(bits: &[bool]) -> RowOf<N>
+where
+    Grid<N>: Size,
+{
+    let mut row = RowOf::<N>::EMPTY;
+    bits.iter()
+        .enumerate()
+        .filter(|(_, bit)| **bit)
+        .for_each(|(i, _)| row.insert(i));
+    row
+}
+
+/// The lowest `n` bits, and that no bit above them is set.
+fn bits_of<R: Bits>(row: R, n: usize) -> Vec<bool> {
+    assert!(
+        (n..64 * R::WORDS).all(|i| !row.contains(i)),
+        "a bit above the grid: {row:?}"
+    );
+    (0..n).map(|i| row.contains(i)).collect()
+}
+
+/// Bits of all densities, in runs of all lengths, and the words' borders.
+fn bits(n: usize) -> impl Strategy<Value = Vec<bool>> {
+    prop_oneof![
+        4 => proptest::collection::vec(any::<bool>(), n),
+        2 => (1..9u8).prop_flat_map(move |d| proptest::collection::vec((0..9u8).prop_map(move |b| b < d), n)),
+        4 => proptest::collection::vec(1..40usize, n).prop_map(move |runs| {
+            let runs = runs.into_iter().enumerate();
+            runs.flat_map(|(i, run)| std::iter::repeat_n(i % 2 == 0, run)).take(n).collect()
+        }),
+        1 => Just(vec![true; n]),
+        1 => Just(vec![false; n]),
+        1 => (0..n).prop_map(move |i| (0..n).map(|j| j == i).collect()),
+        1 => (0..n).prop_map(move |i| (0..n).map(|j| j != i).collect()),
+    ]
+}
+
+fn word_parallel_is_bit_by_bit<const N: usize>(a: &[bool], b: &[bool], (lo, hi): (usize, usize))
+where
+    Grid<N>: Size,
+{
+    let (ra, rb) = (row_of::<N>(a), row_of::<N>(b));
+    let full = Grid::<N>::FULL;
+    let each = |op: fn(bool, bool) -> bool| (0..N).map(|i| op(a[i], b[i])).collect::<Vec<_>>();
+    assert_eq!(bits_of(ra, N), a);
+    assert_eq!(bits_of(full, N), vec![true; N]);
+    assert_eq!(bits_of(ra & rb, N), each(|a, b| a & b));
+    assert_eq!(bits_of(ra | rb, N), each(|a, b| a | b));
+    assert_eq!(bits_of(ra ^ rb, N), each(|a, b| a ^ b));
+    assert_eq!(bits_of(!ra & full, N), each(|a, _| !a));
+    assert_eq!(bits_of(ra & !rb, N), each(|a, b| a & !b));
+    assert_eq!(
+        bits_of(ra.up() & full, N),
+        (0..N).map(|i| i > 0 && a[i - 1]).collect::<Vec<_>>()
+    );
+    assert_eq!(
+        bits_of(ra.down(), N),
+        (0..N).map(|i| i + 1 < N && a[i + 1]).collect::<Vec<_>>()
+    );
+    assert_eq!(
+        bits_of(ra.mirrored(N), N),
+        a.iter().rev().copied().collect::<Vec<_>>()
+    );
+    assert_eq!(
+        bits_of(RowOf::<N>::span(lo, hi), N),
+        (0..N).map(|i| lo <= i && i <= hi).collect::<Vec<_>>()
+    );
+    let ones: Vec<_> = (0..N).filter(|&i| a[i]).collect();
+    assert_eq!(ra.ones().collect::<Vec<_>>(), ones);
+    assert_eq!(ra.count() as usize, ones.len());
+    assert_eq!(ra.is_empty(), ones.is_empty());
+    assert_eq!(
+        (ra.first(), ra.last()),
+        (ones.first().copied(), ones.last().copied())
+    );
+    let mut toggled = ra;
+    toggled.toggle(lo);
+    assert_eq!(
+        bits_of(ra ^ toggled, N),
+        (0..N).map(|i| i == lo).collect::<Vec<_>>()
+    );
+    assert_eq!(bits_of(ra.runs_with(rb), N), runs_with(a, b));
+    let range = Range::hull(ra);
+    assert_eq!(
+        (range.is_empty(), range.row::<RowOf<N>>()),
+        match (ra.first(), ra.last()) {
+            (Some(lo), Some(hi)) => (false, RowOf::<N>::span(lo, hi)),
+            _ => (true, RowOf::<N>::EMPTY),
+        }
+    );
+}
+
+/// Each run walked from end to end.
+fn runs_with(a: &[bool], seeds: &[bool]) -> Vec<bool> {
+    let mut found = vec![false; a.len()];
+    let mut i = 0;
+    while i < a.len() {
+        let end = (i..a.len()).find(|&j| !a[j]).unwrap_or(a.len());
+        if (i..end).any(|j| seeds[j]) {
+            found[i..end].fill(true);
+        }
+        i = end + 1;
+    }
+    found
+}
+
+macro_rules! rows {
+    ($($name:ident: $n:literal;)*) => {
+        proptest! {
+            #![proptest_config(ProptestConfig::with_cases(3000))]
+            $(#[test]
+            fn $name(a in bits($n), b in bits($n), lo in 0..$n as usize, hi in 0..$n as usize) {
+                word_parallel_is_bit_by_bit::<$n>(&a, &b, (lo, hi));
+            })*
+        }
+    };
+}
+
+rows! {
+    rows_of_16: 16;
+    rows_of_32: 32;
+    rows_of_64: 64;
+    rows_of_128: 128;
+    rows_of_256: 256;
+}
+
+#[test]
+fn every_range_is_its_two_bytes_again() {
+    for n in [16usize, 32, 64, 128, 256] {
+        let mut valid = 0;
+        for bytes in 0..=u16::MAX {
+            if let Some(range) = Range::from_bytes(bytes.to_le_bytes(), n) {
+                valid += 1;
+                assert_eq!(range.to_bytes(), bytes.to_le_bytes());
+                let occupied: Vec<_> = (0..256).filter(|&i| range.contains(i)).collect();
+                assert!(occupied.iter().all(|&i| i < n));
+                assert_eq!(occupied.is_empty(), range.is_empty());
+                if !range.is_empty() {
+                    assert_eq!(range, Range::new(occupied[0], occupied[occupied.len() - 1]));
+                }
+                assert_eq!(range.is_empty(), range == Range::EMPTY);
+            }
+        }
+        assert_eq!(valid, 1 + n * (n + 1) / 2, "ranges of a grid of {n}");
+    }
+}
+
+proptest! {
+    #[test]
+    fn the_hull_of_two_ranges_holds_both(a in 0..257usize, b in 0..257usize, c in 0..257usize, d in 0..257usize) {
+        let range = |a: usize, b: usize| if a.max(b) > 255 { Range::EMPTY } else { Range::new(a.min(b), a.max(b)) };
+        let (p, q) = (range(a, b), range(c, d));
+        let held: Vec<_> = (0..256).filter(|&i| p.contains(i) || q.contains(i)).collect();
+        let hull = held.first().map_or(Range::EMPTY, |&lo| Range::new(lo, held[held.len() - 1]));
+        prop_assert_eq!(p.hull_with(q), hull);
+    }
+}
+
+struct Planes<const N: usize>
+where
+    Grid<N>: Size,
+{
+    plane: Plane<N>,
+    other: Plane<N>,
+    maps: Maps<N>,
+    volume: Volume<N>,
+}
+
+impl<const N: usize> Planes<N>
+where
+    Grid<N>: Size,
+{
+    const fn new() -> Self {
+        Planes {
+            plane: Plane::new(),
+            other: Plane::new(),
+            maps: Maps::new(),
+            volume: Volume::new(),
+        }
+    }
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Hulls, expansion and the volume made of them, against the dense closure.
+fn planes_close_as_the_model<const N: usize>(planes: &mut Planes<N>, dense: &Dense)
+where
+    Grid<N>: Size,
+{
+    let Planes {
+        plane,
+        other,
+        maps,
+        volume,
+    } = planes;
+    plane.clear();
+    dense.write_plane(plane);
+    assert_eq!(&Dense::from_plane(plane), dense);
+    assert_eq!(plane.count(), u64::from(dense.count()));
+    plane.hulls(maps);
+    for axis in Axis::ALL {
+        for at in (0..N * N).map(|i| (i / N, i % N)) {
+            let range = maps.column(axis, at).0[0];
+            let hull = (!range.is_empty()).then(|| (range.lo(), range.hi()));
+            assert_eq!(hull, dense.hull(axis, at), "{axis:?} {at:?}");
+        }
+    }
+    let closed = dense.closure();
+    assert_eq!(Dense::from_maps(maps), closed);
+    plane.expand(maps);
+    assert_eq!(Dense::from_plane(plane), closed);
+    assert_eq!(closed.closure(), closed, "closure is idempotent");
+    volume.set_voxels(|plane| dense.write_plane(plane));
+    assert_eq!((volume.maps(), volume.rows()), (&*maps, &*plane));
+    assert_eq!(volume.digest(), maps_digest(maps));
+    assert_eq!(volume.count(), u64::from(closed.count()));
+    assert_eq!(
+        volume.touches_ground(),
+        closed.occupied().any(|voxel| voxel[1] == 0)
+    );
+    assert_eq!(maps.is_empty(), closed.is_empty());
+    other.copy_from(plane);
+    for y in 0..N {
+        for z in 0..N {
+            let all = maps.row_among((y, z), Grid::<N>::FULL);
+            assert_eq!(all, plane.row(y, z));
+            assert_eq!(other.layer(y)[z], all);
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(1500))]
+
+    #[test]
+    fn planes_of_16_close_as_the_model(dense in voxels(16)) {
+        static PLANES: Mutex<Planes<16>> = Mutex::new(Planes::new());
+        planes_close_as_the_model(&mut lock(&PLANES), &dense);
+    }
+
+    #[test]
+    fn a_map_digest_tells_columns_apart(
+        axis in 0..3usize, line in 0..16usize, place in 0..16usize, a in 0..16usize, b in 0..16usize,
+    ) {
+        static MAPS: Mutex<Maps<16>> = Mutex::new(Maps::new());
+        let maps = &mut *lock(&MAPS);
+        maps.clear();
+        prop_assert_eq!(maps_digest(maps), 0);
+        maps.set_column(Axis::ALL[axis], (line, place), Column([Range::new(a.min(b), a.max(b))]));
+        let one = maps_digest(maps);
+        prop_assert_ne!(one, 0);
+        maps.set_column(Axis::ALL[axis], (line, place), Column::EMPTY);
+        maps.set_column(Axis::ALL[(axis + 1) % 3], (line, place), Column([Range::new(a.min(b), a.max(b))]));
+        prop_assert_ne!(maps_digest(maps), one);
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(200))]
+
+    #[test]
+    fn planes_of_32_close_as_the_model(dense in voxels(32)) {
+        static PLANES: Mutex<Planes<32>> = Mutex::new(Planes::new());
+        planes_close_as_the_model(&mut lock(&PLANES), &dense);
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(20))]
+
+    #[test]
+    fn planes_of_64_close_as_the_model(dense in voxels(64)) {
+        static PLANES: Mutex<Planes<64>> = Mutex::new(Planes::new());
+        planes_close_as_the_model(&mut lock(&PLANES), &dense);
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(3))]
+
+    #[test]
+    fn planes_of_128_close_as_the_model(dense in voxels(128)) {
+        static PLANES: Mutex<Planes<128>> = Mutex::new(Planes::new());
+        planes_close_as_the_model(&mut lock(&PLANES), &dense);
+    }
+}
+
+#[test]
+fn a_full_grid_of_256_closes_as_the_model() {
+    static PLANES: Mutex<Planes<256>> = Mutex::new(Planes::new());
+    let planes = &mut *lock(&PLANES);
+    planes.volume.set_voxels(|plane| {
+        (0..256).for_each(|y| plane.layer_mut(y).fill(Grid::<256>::FULL));
+    });
+    assert_eq!(planes.volume.count(), 1 << 24);
+    assert_eq!(
+        planes.volume.maps().column(Axis::Y, (255, 255)),
+        Column([Range::new(0, 255)])
+    );
+}

@@ -1,0 +1,301 @@
+//! The CPU twin against naive transcriptions, analytic shapes and itself.
+
+use glam::Vec3;
+use paros_core::maps::Maps;
+use paros_shaders::march::{inside_cube, march, occupied};
+use paros_shaders::surface::{self, Neighbours};
+use paros_shaders::{Density, Ray, Scene, Settings, light, shade};
+use paros_tests::models::dense::{Dense, volumes};
+use paros_tests::models::twin::{
+    self as model, BALL, BALL_RADIUS, centre, directions, with_16, with_ball,
+};
+use proptest::prelude::*;
+
+fn seen(maps: &Maps<16>, point: Vec3, towards: Vec3, dither: f32) -> f32 {
+    light::visibility(16, point, towards, dither, |at| f32::from(u8::from(occupied(maps, at))))
+}
+
+/// Rays that cross the grid's surroundings in every way: oblique, along axes, from inside.
+fn rays(n: f32) -> impl Strategy<Value = Ray> {
+    let place = move |low: f32, high: f32| {
+        [low * n..high * n, low * n..high * n, low * n..high * n].prop_map(Vec3::from_array)
+    };
+    let oblique = (place(-1.5, 2.5), place(0.0, 1.0)).prop_map(|(from, to)| (from, to - from));
+    let inside = (place(0.0, 1.0), place(-1.0, 1.0));
+    let axial = (place(0.0, 1.0), 0..3usize, any::<bool>()).prop_map(move |(at, axis, up)| {
+        let mut direction = Vec3::ZERO;
+        direction[axis] = if up { 1.0 } else { -1.0 };
+        (at - direction * 2.0 * n, direction)
+    });
+    prop_oneof![3 => oblique, 1 => inside, 1 => axial]
+        .prop_filter_map("no direction", |(origin, to)| {
+            Some(Ray { origin, direction: to.try_normalize()? })
+        })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(1500))]
+
+    #[test]
+    fn march_finds_the_first_occupied_sample(
+        dense in volumes(16),
+        rays in proptest::collection::vec(rays(16.0), 24),
+    ) {
+        with_16(&dense, |maps| {
+            for ray in &rays {
+                let quick = march(maps, ray, false);
+                prop_assert_eq!(quick, march(maps, ray, true));
+                let found = model::march(
+                    &dense,
+                    ray.origin.to_array().map(f64::from),
+                    ray.direction.to_array().map(f64::from),
+                );
+                let Some(sample) = quick else {
+                    prop_assert!(found.sure.is_none(), "{:?} misses {:?}", ray, found);
+                    continue;
+                };
+                prop_assert!(dense.contains(sample.voxel.map(|c| c as i32)));
+                let same = |t: &f64| (t - f64::from(sample.distance)).abs() < 1e-3;
+                prop_assert!(found.sure.iter().chain(&found.doubtful).any(same), "{:?} {:?}", sample, found);
+                let away = (ray.at(sample.distance) - centre(sample.voxel.map(|c| c as i32))).abs();
+                prop_assert!(away.max_element() < 0.501, "{away} from the voxel's centre");
+            }
+            Ok(())
+        })?;
+    }
+
+    #[test]
+    fn normals_are_equation_1(dense in volumes(16), rays in proptest::collection::vec(rays(16.0), 24)) {
+        with_16(&dense, |maps| {
+            for ray in &rays {
+                let Some(sample) = march(maps, ray, false) else { continue };
+                let at = surface::blobs(maps, ray, &sample);
+                prop_assert!((at.normal.length() - 1.0).abs() < 1e-4);
+                prop_assert!((ray.at(at.distance) - at.position).length() < 1e-3);
+                let place = at.position.to_array().map(f64::from);
+                let sum = model::normal_sum(&dense, sample.voxel.map(|c| c as i32), place);
+                let size = sum.iter().map(|c| c * c).sum::<f64>().sqrt();
+                if size > 0.02 {
+                    let normal = Vec3::from_array(sum.map(|c| (c / size) as f32));
+                    prop_assert!((normal - at.normal).length() < 2e-3, "{normal} is not {}", at.normal);
+                }
+            }
+            Ok(())
+        })?;
+    }
+
+    #[test]
+    fn each_occupied_sample_damps_the_sun(
+        dense in volumes(16),
+        ray in rays(16.0),
+        part in 0.0..1.0f32,
+        dither in 0.0..1.0f32,
+    ) {
+        let Some((near, far)) = inside_cube(&ray, 16.0) else { return Ok(()) };
+        let way = Ray { origin: ray.at(near + (far - near) * part * 0.99), ..ray };
+        let Some((_, length)) = inside_cube(&way, 16.0) else { return Ok(()) };
+        let samples: Vec<Vec3> = light::cone(&way, length, dither).collect();
+        prop_assert_eq!(samples.len(), 10);
+        let mut blocked = 0;
+        for (i, sample) in samples.into_iter().enumerate() {
+            let along = (sample - way.origin).dot(way.direction);
+            prop_assert!((along - (i as f32 + 0.5) / 10.0 * length).abs() < 1e-3);
+            let off = (sample - way.at(along)).length();
+            prop_assert!(off <= 2.0 - 1.75 * along / length + 1e-3, "{off} voxels off at {along} of {length}");
+            blocked += i32::from(dense.contains(sample.to_array().map(|c| c.floor() as i32)));
+        }
+        let part = with_16(&dense, |maps| seen(maps, way.origin, way.direction, dither));
+        prop_assert!((part - 0.7f32.powi(blocked)).abs() < 1e-5);
+    }
+
+    #[test]
+    fn odd_rays_do_no_harm(bits in proptest::array::uniform6(any::<u32>()), dither in any::<f32>()) {
+        let [a, b, c, d, e, f] = bits.map(f32::from_bits);
+        let ray = Ray { origin: Vec3::new(a, b, c), direction: Vec3::new(d, e, f) };
+        let dense = Dense::from_fn(16, |[x, y, z]| x + y + z < 20);
+        with_16(&dense, |maps| {
+            let _ = march(maps, &ray, false);
+            let _ = seen(maps, ray.origin, ray.direction, dither);
+            let density = Density::of(maps);
+            let scene = Scene { density: Some(&density), ..Scene::new(maps, 0.3, Settings::default()) };
+            let _ = shade(&scene, &ray, dither);
+            for sdf in [false, true] {
+                let _ = shade(&Scene::new(maps, 0.3, Settings { sdf, ..Settings::default() }), &ray, dither);
+            }
+        });
+    }
+}
+
+#[test]
+fn visibility_is_seven_tenths_to_the_number_of_blocked_samples() {
+    let way = Vec3::Y;
+    let at = |y: f32| Vec3::new(8.0, y, 8.0);
+    let full = Dense::from_fn(16, |_| true);
+    let part = with_16(&full, |maps| seen(maps, at(0.1), way, 0.0));
+    assert!((part - 0.7f32.powi(10)).abs() < 1e-6);
+    let empty = Dense::new(16);
+    assert_eq!(with_16(&empty, |maps| seen(maps, at(0.1), way, 0.0)), 1.0);
+    // A way of 16 voxels has samples at 0.8, 2.4, ... 15.2: three of them lie between 5 and 9.
+    let slab = Dense::from_fn(16, |[_, y, _]| (5..9).contains(&y));
+    let part = with_16(&slab, |maps| seen(maps, at(0.0), way, 0.3));
+    assert!((part - 0.7f32.powi(3)).abs() < 1e-6, "{part}");
+}
+
+/// Calls with rays that meet the ball inside its outline, from every side.
+fn ball_rays(mut f: impl FnMut(&Ray)) {
+    for direction in directions() {
+        let (u, v) = light::across(direction);
+        for i in 0..40 {
+            let (angle, off) = (i as f32 * 2.4, BALL_RADIUS * 0.9 * (i as f32 / 40.0).sqrt());
+            let beside = BALL + (u * angle.cos() + v * angle.sin()) * off;
+            f(&Ray { origin: beside - direction * 100.0, direction });
+        }
+    }
+}
+
+#[test]
+fn hits_are_within_a_voxel_of_a_ball_from_every_side() {
+    with_ball(|maps| {
+        let (mut rays, mut blob_off, mut face_off) = (0, 0.0f32, 0.0f32);
+        ball_rays(|ray| {
+            let sample = march(maps, ray, false).expect("the ray meets the ball");
+            let off = |at: surface::Surface| ((at.position - BALL).length() - BALL_RADIUS).abs();
+            blob_off = blob_off.max(off(surface::blobs(maps, ray, &sample)));
+            face_off = face_off.max(off(surface::face(ray, &sample)));
+            rays += 1;
+        });
+        assert!(rays > 4000, "{rays}");
+        assert!(blob_off <= 1.0, "{blob_off} voxels");
+        // Along a diagonal the steps are 1.73 voxels apart, and a first voxel is stepped over.
+        assert!(face_off <= 1.75, "{face_off} voxels");
+    });
+}
+
+/// Equation 1 knows seven voxels, so single normals err by a third of a right angle; over a few
+/// voxels the errors cancel, which is what the eye sees as the surface's shading.
+#[test]
+fn normals_of_a_ball_point_outwards() {
+    with_ball(|maps| {
+        let (mut blob, mut face) = (Vec::new(), Vec::new());
+        ball_rays(|ray| {
+            let sample = march(maps, ray, false).expect("the ray meets the ball");
+            let error = |at: surface::Surface| degrees_between(at.normal, at.position - BALL);
+            blob.push(error(surface::blobs(maps, ray, &sample)));
+            face.push(error(surface::face(ray, &sample)));
+        });
+        let mean = |errors: &[f32]| errors.iter().sum::<f32>() / errors.len() as f32;
+        assert!(mean(&blob) < 27.0, "{}", mean(&blob));
+        assert!(mean(&blob) < 0.6 * mean(&face), "{} of {}", mean(&blob), mean(&face));
+        for direction in directions() {
+            let (u, v) = light::across(direction);
+            let (mut normal, mut outwards) = (Vec3::ZERO, Vec3::ZERO);
+            for i in 0..1000 {
+                let (angle, off) = (i as f32 * 2.4, 5.0 * (i as f32 / 1000.0).sqrt());
+                let beside = BALL + (u * angle.cos() + v * angle.sin()) * off;
+                let ray = Ray { origin: beside - direction * 100.0, direction };
+                let sample = march(maps, &ray, false).expect("the ray meets the ball");
+                let at = surface::blobs(maps, &ray, &sample);
+                normal += at.normal;
+                outwards += (at.position - BALL).normalize();
+            }
+            let error = degrees_between(normal, outwards);
+            assert!(error < 6.0, "{error} degrees seen along {direction}");
+        }
+    });
+}
+
+fn degrees_between(a: Vec3, b: Vec3) -> f32 {
+    a.normalize().dot(b.normalize()).clamp(-1.0, 1.0).acos().to_degrees()
+}
+
+#[test]
+fn blobs_join_smoothly() {
+    let lone = Neighbours([false; 6]);
+    assert!((lone.distance(Vec3::new(0.0, 2.0, 0.0)) - 1.5).abs() < 1e-5);
+    assert!((lone.normal(Vec3::new(0.0, 0.4, 0.3)) - Vec3::new(0.0, 0.8, 0.6)).length() < 1e-5);
+    let pair = Neighbours([false, true, false, false, false, false]);
+    let between = Vec3::new(0.5, 0.0, 0.0);
+    assert!(pair.distance(between) < -0.1, "the union fills the groove between two blobs");
+    for i in 0..60 {
+        let at = Vec3::new(0.05 * i as f32 - 1.0, 0.7, 0.3);
+        let mirrored = Vec3::new(1.0 - at.x, at.y, at.z);
+        assert!((pair.distance(at) - pair.distance(mirrored)).abs() < 1e-5);
+        let hard = (at.length() - 0.5).min((at - Vec3::X).length() - 0.5);
+        assert!(pair.distance(at) <= hard + 1e-6);
+    }
+}
+
+#[test]
+fn the_smooth_surface_of_a_ball_is_close_and_smooth() {
+    with_ball(|maps| {
+        let density = Density::of(maps);
+        let (mut off, mut worst, mut sum, mut rays) = (0.0f32, 0.0f32, 0.0, 0);
+        ball_rays(|ray| {
+            let at = density.surface(maps, ray).expect("well inside the outline");
+            off = off.max(((at.position - BALL).length() - BALL_RADIUS).abs());
+            let error = degrees_between(at.normal, at.position - BALL);
+            worst = worst.max(error);
+            sum += error;
+            rays += 1;
+        });
+        assert!(off < 0.7, "{off} voxels");
+        assert!(
+            worst < 15.0 && sum / (rays as f32) < 4.0,
+            "{worst}, {} degrees",
+            sum / rays as f32
+        );
+    });
+}
+
+#[test]
+fn the_smooth_surface_keeps_sheets_and_rods() {
+    let sheet =
+        Dense::from_fn(16, |[x, y, z]| z == 7 && (3..13).contains(&x) && (3..13).contains(&y));
+    let rod = Dense::from_fn(16, |[x, y, z]| y == 8 && z == 7 && (2..14).contains(&x));
+    let voxel = Dense::from_fn(16, |at| at == [8, 8, 7]);
+    for dense in [sheet, rod, voxel] {
+        with_16(&dense, |maps| {
+            let density = Density::of(maps);
+            for direction in directions().into_iter().filter(|d| d.z.abs() > 0.5) {
+                let ray = Ray { origin: Vec3::new(8.5, 8.5, 7.5) - direction * 40.0, direction };
+                let at = density.surface(maps, &ray).expect("as thick as a voxel");
+                assert!((at.distance - 40.0).abs() < 1.5, "{} along {direction}", at.distance);
+            }
+        });
+    }
+}
+
+#[test]
+fn density_is_the_binomial_mean_of_five_voxels_each_way() {
+    let dense = Dense::from_fn(16, |[x, y, z]| (x * 7 + y * 3 + z * 5) % 11 < 6).closure();
+    with_16(&dense, |maps| {
+        let density = Density::of(maps);
+        for voxel in dense.all() {
+            let mut sum = 0;
+            for (i, w) in (-2..).zip([1, 4, 6, 4, 1]) {
+                for (j, v) in (-2..).zip([1, 4, 6, 4, 1]) {
+                    for (k, u) in (-2..).zip([1, 4, 6, 4, 1]) {
+                        let y = (voxel[1] + j).max(0);
+                        sum +=
+                            w * v * u * i32::from(dense.contains([voxel[0] + i, y, voxel[2] + k]));
+                    }
+                }
+            }
+            let exact = sum as f32 / 4096.0;
+            for stored in [density.at(centre(voxel)), density.near(centre(voxel))] {
+                assert!((stored - exact).abs() < 1.5 / 255.0, "{voxel:?}: {stored} for {exact}");
+            }
+        }
+    });
+}
+
+#[test]
+fn points_outside_the_cube_are_empty() {
+    let full = Dense::from_fn(16, |_| true);
+    with_16(&full, |maps| {
+        assert!(occupied(maps, Vec3::splat(15.99)) && occupied(maps, Vec3::ZERO));
+        for outside in [-0.01, 16.0, 1e30, f32::NAN, f32::INFINITY] {
+            assert!(!occupied(maps, Vec3::new(3.0, outside, 3.0)));
+        }
+    });
+}
