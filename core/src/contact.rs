@@ -30,8 +30,7 @@ pub struct Contact {
 
 impl Contact {
     /// Nothing touched.
-    pub const NONE: Contact =
-        Contact { overlap: 0, depth: 0, normal: Vec3::ZERO, on_mask: false };
+    pub const NONE: Contact = Contact { overlap: 0, depth: 0, normal: Vec3::ZERO, on_mask: false };
 }
 
 /// Where a bit ends up on its way to a raw pose.
@@ -131,8 +130,12 @@ where
     #[must_use]
     pub fn contact(&self, bit: &GridBit, pose: &Pose) -> Contact {
         let (position, axes) = (pose.fixed_position().as_i64vec3(), pose.fixed_axes());
-        let mut contact =
-            Contact { overlap: 0, depth: 0, normal: Vec3::ZERO, on_mask: self.near_mask(bit, pose) };
+        let mut contact = Contact {
+            overlap: 0,
+            depth: 0,
+            normal: Vec3::ZERO,
+            on_mask: self.near_mask(bit, pose),
+        };
         let mut normal = IVec3::ZERO;
         self.each_row(&bit.brush(pose), |y, z, inside| {
             contact.overlap += inside.count();
@@ -147,7 +150,8 @@ where
     }
 
     /// The last pose on the path at which the bit sits no deeper than it may, then one slide along
-    /// the tangent of what stopped it. From a pose that is too deep already, the bit may only move
+    /// the tangent of what stopped it: of the surface there, or, where that leads nowhere (the side
+    /// of a bump whose top is flat), of the stopping voxels as seen from the bit's centre. From a pose that is too deep already, the bit may only move
     /// so that its depth doesn't grow.
     #[must_use]
     pub fn freeze(&self, bit: &GridBit, from: &Pose, raw: &Pose) -> Frozen {
@@ -166,8 +170,27 @@ where
             // Only turning can have run into something: the bit moves on as it is turned.
             false => Pose { position: raw.position, ..reached },
         };
-        let (pose, _) = self.advance(bit, &reached, &target);
+        let (mut pose, _) = self.advance(bit, &reached, &target);
+        if pose.position == reached.position {
+            let away = self.away_from_stop(bit, &reached, &stop);
+            let tangent = left - away * left.dot(away).min(0.0);
+            let target = Pose { position: reached.position + tangent, ..reached };
+            pose = self.advance(bit, &reached, &target).0;
+        }
         Frozen { pose, blocked: true }
+    }
+
+    /// The direction to the bit's centre from the voxels that forbid the pose `stop` after
+    /// `reached`.
+    fn away_from_stop(&self, bit: &GridBit, reached: &Pose, stop: &Pose) -> Vec3 {
+        let limit = self.limit(bit, reached);
+        let mut away = glam::I64Vec3::ZERO;
+        self.each_depth(bit, stop, |from_centre, depth, held| {
+            if depth > limit.volume || (held && depth > limit.mask) {
+                away -= from_centre;
+            }
+        });
+        away.as_vec3().normalize_or_zero()
     }
 
     /// The last allowed pose on the straight path, and the first that isn't. A bit that sits with
@@ -200,7 +223,8 @@ where
                     continue;
                 }
                 let free = |i: &u32| self.allows(bit, &at(*i), Limit::usual(bit));
-                let Some(out) = limit.is_buried(bit).then(|| (i + 1..=steps).find(free)).flatten() else {
+                let Some(out) = limit.is_buried(bit).then(|| (i + 1..=steps).find(free)).flatten()
+                else {
                     return (reached, Some(next));
                 };
                 (i, reached, limit) = (out, at(out), Limit::usual(bit));
@@ -215,19 +239,32 @@ where
         if self.allows(bit, pose, limit) {
             return limit;
         }
+        self.each_depth(bit, pose, |_, depth, held| {
+            limit.volume = limit.volume.max(depth);
+            if held {
+                limit.mask = limit.mask.max(depth);
+            }
+        });
+        limit
+    }
+
+    /// Calls `each` for every occupied voxel in the bit: where it is from the bit's centre, how deep
+    /// inside, and whether the mask holds it.
+    fn each_depth(
+        &self,
+        bit: &GridBit,
+        pose: &Pose,
+        mut each: impl FnMut(glam::I64Vec3, i32, bool),
+    ) {
         let (position, axes) = (pose.fixed_position().as_i64vec3(), pose.fixed_axes());
         self.each_row(&bit.brush(pose), |y, z, inside| {
             let held = self.mask.map(|mask| mask.row_among((y, z), inside));
             for x in inside.ones() {
                 let p = glam::I64Vec3::new(centre(x), centre(y), centre(z)) - position;
-                let depth = bit.inner_distance_of(&axes, p);
-                limit.volume = limit.volume.max(depth);
-                if held.is_some_and(|held| held.contains(x)) {
-                    limit.mask = limit.mask.max(depth);
-                }
+                let held = held.is_some_and(|held| held.contains(x));
+                each(p, bit.inner_distance_of(&axes, p), held);
             }
         });
-        limit
     }
 
     fn allows(&self, bit: &GridBit, pose: &Pose, limit: Limit) -> bool {

@@ -47,7 +47,8 @@ impl Rect {
 }
 
 /// The dirty rectangles of the three maps. An edit's changes to a map are one rectangle, their
-/// bounds; more edits than there is room for merge where that grows the area least.
+/// bounds; those of several edits merge where that doesn't grow their area, and, when there are
+/// more than there is room for, where it grows least.
 #[derive(Debug)]
 pub struct Dirty {
     open: [Option<Rect>; 3],
@@ -106,11 +107,20 @@ impl Dirty {
     }
 }
 
-fn push(rects: &mut Vec<Rect, DIRTY_RECTS, u8>, rect: Rect) {
-    if rects.push(rect).is_err() {
-        let growth = |r: &Rect| r.union(rect).area() - r.area();
-        if let Some(best) = rects.iter_mut().min_by_key(|r| growth(r)) {
-            *best = best.union(rect);
+/// Adds a rectangle; any two whose union is no larger than they are together become one. No pair
+/// then sums to more than the bounds of all, so eight never sum to more than four times those.
+fn push(rects: &mut Vec<Rect, DIRTY_RECTS, u8>, mut rect: Rect) {
+    let growth = |a: &Rect, b: Rect| i64::from(a.union(b).area()) - i64::from(a.area());
+    while let Some((i, least)) = nearest(rects, |r| growth(r, rect)) {
+        if least > i64::from(rect.area()) && !rects.is_full() {
+            break;
         }
+        rect = rect.union(rects.swap_remove(i));
     }
+    // Cannot fail: a full list was merged into.
+    let _ = rects.push(rect);
+}
+
+fn nearest(rects: &[Rect], growth: impl Fn(&Rect) -> i64) -> Option<(usize, i64)> {
+    rects.iter().map(growth).enumerate().min_by_key(|&(_, growth)| growth)
 }

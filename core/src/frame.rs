@@ -23,11 +23,7 @@ impl Frame {
     #[must_use]
     pub fn new(angle: u16, n: usize) -> Self {
         let radians = f32::from(angle) * (core::f32::consts::TAU / 65_536.0);
-        Frame {
-            turn: Quat::from_rotation_y(radians),
-            voxel: BOX / n as f32,
-            half: n as f32 / 2.0,
-        }
+        Frame { turn: Quat::from_rotation_y(radians), voxel: BOX / n as f32, half: n as f32 / 2.0 }
     }
 
     /// Side of a voxel, in metres.

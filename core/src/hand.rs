@@ -168,13 +168,7 @@ impl Hand {
 ///
 /// `speed` is in micrometres a tick.
 #[must_use]
-pub fn haptic_level(
-    bit: &BitData,
-    contact: &Contact,
-    running: bool,
-    phase: u16,
-    speed: u32,
-) -> u8 {
+pub fn haptic_level(bit: &BitData, contact: &Contact, running: bool, phase: u16, speed: u32) -> u8 {
     if contact.overlap == 0 && !contact.on_mask {
         return 0;
     }

@@ -214,7 +214,12 @@ impl<const N: usize, const LAYERS: usize> Maps<N, LAYERS> {
 
     /// Replaces one column; the caller keeps the maps tight.
     #[inline]
-    pub fn set_column(&mut self, axis: Axis, (line, place): (usize, usize), column: Column<LAYERS>) {
+    pub fn set_column(
+        &mut self,
+        axis: Axis,
+        (line, place): (usize, usize),
+        column: Column<LAYERS>,
+    ) {
         self.columns[axis as usize][line][place] = column;
     }
 
@@ -239,7 +244,8 @@ impl<const N: usize, const LAYERS: usize> Maps<N, LAYERS> {
     pub fn is_empty(&self) -> bool {
         // A line at a time: without a way out after every column the compiler reads many at once.
         let empty = |line: &[Column<LAYERS>; N]| {
-            let bits = |column: &Column<LAYERS>| column.0.iter().fold(0, |all, r| all | r.not_lo | r.hi);
+            let bits =
+                |column: &Column<LAYERS>| column.0.iter().fold(0, |all, r| all | r.not_lo | r.hi);
             line.iter().fold(0, |all, column| all | bits(column)) == 0
         };
         self.columns[0].iter().all(empty)

@@ -5,8 +5,8 @@ use crate::maps::{Axis, Column, Maps, Range};
 use crate::plane::Plane;
 use crate::row::Bits;
 use crate::size::{Grid, Size};
-use crate::volume::{maps_digest, mix};
 use crate::state::State;
+use crate::volume::{maps_digest, mix};
 use crate::world::World;
 
 /// First bytes of a saved world.

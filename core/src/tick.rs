@@ -70,9 +70,8 @@ where
 
     pub(crate) fn command(&mut self, input: &Input, did: [Did; 2]) {
         let pressed = did[0].pressed | did[1].pressed;
-        let asked = |command: u8, button: u8| {
-            input.commands & command != 0 || pressed & button != 0
-        };
+        let asked =
+            |command: u8, button: u8| input.commands & command != 0 || pressed & button != 0;
         if asked(commands::UNDO, buttons::LOWER) {
             self.rewind(Event::Undone, Undo::undo);
         }
@@ -91,11 +90,7 @@ where
     }
 
     /// Undo and redo abort the pass in flight and start none.
-    fn rewind(
-        &mut self,
-        event: Event,
-        go: fn(&mut Undo<N>, &mut Volume<N>, &mut Dirty) -> bool,
-    ) {
+    fn rewind(&mut self, event: Event, go: fn(&mut Undo<N>, &mut Volume<N>, &mut Dirty) -> bool) {
         if go(&mut self.undo, &mut self.volume, &mut self.dirty) {
             self.islands.abort();
             self.note(event);
@@ -127,8 +122,8 @@ where
         }
         let state = self.state.hands[hand];
         let tip = self.state.bench.held(hand).map(|tool| state.tip(metres(tool.length())).0);
-        let points = [state.grip.0, tip.unwrap_or(state.grip.0)];
-        if let Some(item) = self.state.bench.within_reach(hand, &points) {
+        let tip = tip.unwrap_or(state.grip.0);
+        if let Some(item) = self.state.bench.within_reach(hand, state.grip.0, tip) {
             self.take(hand, item);
         } else if let Some(tool) = self.state.bench.release(hand, state.grip.0, state.grip.1) {
             self.state.hands[hand].forget_bit();
@@ -192,7 +187,8 @@ where
             Action::Smooth => Operation::Smooth,
         };
         let mirrored = self.state.symmetry;
-        let mut log = Log { undo: &mut self.undo, dirty: &mut self.dirty, islands: &mut self.islands };
+        let mut log =
+            Log { undo: &mut self.undo, dirty: &mut self.dirty, islands: &mut self.islands };
         let mut go = |brush| {
             let edit = Edit { brush: &brush, operation, mirrored };
             apply(&mut self.volume, &self.mask, &edit, &mut self.scratch, &mut log)
@@ -212,8 +208,7 @@ where
 
     pub(crate) fn clear_islands(&mut self) {
         let mut record = Record { undo: &mut self.undo, dirty: &mut self.dirty };
-        let report =
-            self.islands.advance(&mut self.volume, &self.mask, row_visits(N), &mut record);
+        let report = self.islands.advance(&mut self.volume, &self.mask, row_visits(N), &mut record);
         self.dirty.close();
         if let Some(report) = report
             && (report.removed != 0 || report.kept != 0 || report.unsupported)

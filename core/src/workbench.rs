@@ -128,23 +128,25 @@ impl Workbench {
         }
     }
 
-    /// The nearest thing that a hand can take from one of these points: a tool, or a bit for the
-    /// tool it holds.
+    /// The nearest thing that a hand can take: a tool near its grip, or a bit for the tool it holds
+    /// near its grip or that tool's tip.
     #[must_use]
-    pub fn within_reach(&self, hand: usize, points: &[Vec3]) -> Option<Item> {
+    pub fn within_reach(&self, hand: usize, grip: Vec3, tip: Vec3) -> Option<Item> {
         let held = self.held(hand);
         let mut nearest = None;
         let mut least = REACH;
         for item in (0..ITEMS).filter_map(Item::from_number) {
             let Some((position, _)) = self.pose(item) else { continue };
-            if matches!(item, Item::Bit(bit) if held != Some(bit.data().tool)) {
-                continue;
-            }
-            for point in points {
-                let distance = point.distance(position);
-                if distance < least {
-                    (nearest, least) = (Some(item), distance);
+            let distance = match item {
+                Item::Tool(_) => grip.distance(position),
+                Item::Bit(bit) if held == Some(bit.data().tool) => {
+                    let (a, b) = (grip.distance(position), tip.distance(position));
+                    if a < b { a } else { b }
                 }
+                Item::Bit(_) => continue,
+            };
+            if distance < least {
+                (nearest, least) = (Some(item), distance);
             }
         }
         nearest

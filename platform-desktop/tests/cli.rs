@@ -32,21 +32,15 @@ impl Folder {
 
     fn names(&self) -> Vec<String> {
         let entries = fs::read_dir(&self.0).unwrap();
-        let mut names: Vec<_> = entries
-            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
-            .collect();
+        let mut names: Vec<_> =
+            entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
         names.sort();
         names
     }
 
     fn paros(&self, args: &[&str]) -> Output {
         let mut paros = Command::new(env!("CARGO_BIN_EXE_paros"));
-        paros
-            .args(args)
-            .current_dir(&self.0)
-            .stdin(Stdio::null())
-            .output()
-            .unwrap()
+        paros.args(args).current_dir(&self.0).stdin(Stdio::null()).output().unwrap()
     }
 
     /// Runs a command that must do its work; what it printed.
@@ -64,10 +58,7 @@ impl Folder {
         let output = self.paros(args);
         let errors = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{args:?}: {errors}");
-        assert!(
-            errors.contains(word),
-            "{args:?} should say {word:?}: {errors}"
-        );
+        assert!(errors.contains(word), "{args:?} should say {word:?}: {errors}");
         assert!(!errors.contains("panicked"), "{args:?}: {errors}");
         assert!(output.stdout.is_empty(), "{args:?}");
         assert_eq!(self.names(), before, "{args:?} left something behind");
@@ -94,10 +85,7 @@ fn a_mesh_becomes_a_volume_a_picture_and_a_print() {
     assert!(said.starts_with("v.rmap: "), "{said}");
     let said = folder.succeeds(&["info", "v.rmap", "--json"]);
     let info: serde_json::Value = serde_json::from_str(&said).unwrap();
-    assert_eq!(
-        (&info["kind"], &info["size"]),
-        (&"volume".into(), &128.into())
-    );
+    assert_eq!((&info["kind"], &info["size"]), (&"volume".into(), &128.into()));
     // 126 voxels along each axis: a sixth of the cube around it, and what its faces touch.
     let voxels = info["voxels"].as_u64().unwrap();
     assert!((330_000..380_000).contains(&voxels), "{voxels}");
@@ -112,16 +100,11 @@ fn a_mesh_becomes_a_volume_a_picture_and_a_print() {
     assert_eq!(info["bounds"][1][2], 80.0);
     assert_eq!(info["winding_faults"], 0);
 
-    folder.succeeds(&[
-        "render", "v.rmap", "-o", "p.png", "--size", "40x30", "--view", "-30,20",
-    ]);
+    folder.succeeds(&["render", "v.rmap", "-o", "p.png", "--size", "40x30", "--view", "-30,20"]);
     let png = folder.read("p.png");
     assert_eq!(png[..8], *b"\x89PNG\r\n\x1a\n");
     assert_eq!((png[19], png[23]), (40, 30));
-    assert_eq!(
-        folder.names(),
-        ["m.stl", "octahedron.obj", "p.png", "v.rmap"]
-    );
+    assert_eq!(folder.names(), ["m.stl", "octahedron.obj", "p.png", "v.rmap"]);
 }
 
 #[test]
@@ -170,10 +153,7 @@ fn bad_meshes_are_refused() {
         ("nan.obj", triangle("nan").into()),
         ("infinite.obj", triangle("inf").into()),
         ("huge.obj", triangle("1e38").into()),
-        (
-            "outside.obj",
-            b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n".to_vec(),
-        ),
+        ("outside.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n".to_vec()),
         ("unknown.kind", OCTAHEDRON.into()),
     ];
     for (name, bytes) in files {
@@ -208,11 +188,7 @@ fn bad_volumes_are_refused() {
         ("magic.rmap", changed(0, b'X'), "magic"),
         ("version.rmap", changed(4, 9), "version 1, found 9"),
         ("size.rmap", changed(6, 127), "found 127"),
-        (
-            "small.rmap",
-            [small, sum.to_vec()].concat(),
-            "128 or 256, found 64",
-        ),
+        ("small.rmap", [small, sum.to_vec()].concat(), "128 or 256, found 64"),
         ("sum.rmap", changed(5000, 0x55), "checksum"),
         ("loose.rmap", loose, "tight"),
         ("short.rmap", good[..9000].to_vec(), "byte 9000"),
@@ -241,14 +217,8 @@ fn an_empty_volume_has_no_picture_and_no_print() {
     let sum = crc32fast::hash(&empty).to_le_bytes();
     folder.write("v.rmap", [&empty[..], &sum].concat());
     assert!(folder.succeeds(&["info", "v.rmap"]).contains("voxels    0"));
-    folder.refuses(
-        &["export", "v.rmap", "-o", "m.stl"],
-        "v.rmap: the volume is empty",
-    );
-    folder.refuses(
-        &["render", "v.rmap", "-o", "p.png"],
-        "v.rmap: the volume is empty",
-    );
+    folder.refuses(&["export", "v.rmap", "-o", "m.stl"], "v.rmap: the volume is empty");
+    folder.refuses(&["render", "v.rmap", "-o", "p.png"], "v.rmap: the volume is empty");
 }
 
 #[test]
@@ -257,10 +227,7 @@ fn bad_arguments_are_refused() {
     folder.write("v.rmap", toy());
     folder.write("m.obj", OCTAHEDRON);
     for height in ["0", "-1", "nan", "inf", "tall", ""] {
-        folder.refuses(
-            &["export", "v.rmap", "-o", "m.stl", "--height-mm", height],
-            "height-mm",
-        );
+        folder.refuses(&["export", "v.rmap", "-o", "m.stl", "--height-mm", height], "height-mm");
     }
     for size in ["0x0", "10", "9000x10", "-1x5", "x", ""] {
         folder.refuses(&["render", "v.rmap", "-o", "p.png", "--size", size], "size");
@@ -287,18 +254,9 @@ fn places_where_no_file_can_be_are_refused() {
         folder.refuses(&["export", "v.rmap", "-o", output], output);
         folder.refuses(&["render", "v.rmap", "-o", output, "--size", "8x8"], output);
     }
-    folder.refuses(
-        &["export", "v.rmap", "-o", "./v.rmap"],
-        "both input and output",
-    );
-    folder.refuses(
-        &["render", "v.rmap", "-o", "v.rmap"],
-        "both input and output",
-    );
-    folder.refuses(
-        &["bake", "m.obj", "-o", "folder/../m.obj"],
-        "both input and output",
-    );
+    folder.refuses(&["export", "v.rmap", "-o", "./v.rmap"], "both input and output");
+    folder.refuses(&["render", "v.rmap", "-o", "v.rmap"], "both input and output");
+    folder.refuses(&["bake", "m.obj", "-o", "folder/../m.obj"], "both input and output");
     assert_eq!(folder.read("m.obj"), OCTAHEDRON.as_bytes());
     assert!(folder.read("v.rmap") == toy());
 }

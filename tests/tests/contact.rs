@@ -123,10 +123,9 @@ impl Motion {
     fn from(self, pose: &Pose) -> Pose {
         match self {
             Motion::To(pose) => pose,
-            Motion::By(by, turn) => Pose {
-                position: pose.position + by,
-                rotation: (turn * pose.rotation).normalize(),
-            },
+            Motion::By(by, turn) => {
+                Pose { position: pose.position + by, rotation: (turn * pose.rotation).normalize() }
+            }
         }
     }
 }
@@ -265,7 +264,8 @@ fn plates() -> impl Strategy<Value = Plate> {
 
 /// A way from one side of a plate's middle to the other, centimetres to metres long.
 fn crossings() -> impl Strategy<Value = (Vec3, f32, f32)> {
-    let lengths = prop_oneof![Just(30.0f32), Just(45.0), Just(300.0), Just(6000.0), 30.0..3000.0f32];
+    let lengths =
+        prop_oneof![Just(30.0f32), Just(45.0), Just(300.0), Just(6000.0), 30.0..3000.0f32];
     let tilt = [-0.7..0.7f32, -0.7..0.7f32, -0.7..0.7f32].prop_map(Vec3::from_array);
     (tilt, lengths.clone(), lengths)
 }
@@ -325,7 +325,9 @@ fn a_buried_bit_can_only_come_out() {
         // Half way out counts: what was gained is not given back.
         let half = stone.freeze(&bit, &at(39.0), &at(41.0)).pose;
         let again = stone.freeze(&bit, &half, &at(39.0)).pose;
-        assert!(stone.contact(&bit, &again).depth <= stone.contact(&bit, &half).depth.max(bit.bite));
+        assert!(
+            stone.contact(&bit, &again).depth <= stone.contact(&bit, &half).depth.max(bit.bite)
+        );
     }
 }
 

@@ -48,7 +48,9 @@ fn volumes_and_digests_hold_after_every_tick_of_restless_sessions() {
     for (seed, mode) in (0..12).zip(MODES.into_iter().chain([Mode::Own]).cycle()) {
         match mode {
             // Spindly things, of which pieces come off.
-            Mode::Own => studio.start_from(|[x, y, z]| y < 4 || x % 9 < 2 && (z % 7 < 2 || y % 16 == 15)),
+            Mode::Own => {
+                studio.start_from(|[x, y, z]| y < 4 || x % 9 < 2 && (z % 7 < 2 || y % 16 == 15))
+            }
             mode => studio.start(mode),
         };
         let mut visitor = Visitor::new(seed);
@@ -58,7 +60,10 @@ fn volumes_and_digests_hold_after_every_tick_of_restless_sessions() {
             tally.count(studio.world.events());
         }
     }
-    assert!(tally.edits > 100 && tally.islands > 3 && tally.rewinds > 10 && tally.took > 50, "{tally:?}");
+    assert!(
+        tally.edits > 300 && tally.islands > 1 && tally.rewinds > 10 && tally.took > 50,
+        "{tally:?}"
+    );
 }
 
 #[test]
@@ -92,7 +97,7 @@ fn any_input_at_all_is_survived() {
         }
         studio.step(&input);
         tally.count(studio.world.events());
-        if tick % 1 == 0 {
+        if tick % 8 == 0 {
             studio.check();
         }
     }
@@ -199,7 +204,8 @@ fn poses_that_are_no_poses_become_the_unusable_one() {
     let (far, _) = RawPose::new(Vec3::splat(f32::MAX), ok).metres().expect("a pose, held in reach");
     assert_eq!(far, Vec3::splat(16.0));
     let turned = Quat::from_xyzw(0.1, -0.2, 0.3, 0.4);
-    let (position, rotation) = RawPose::new(Vec3::new(0.1, 1.2, -0.3), turned).metres().expect("a pose");
+    let (position, rotation) =
+        RawPose::new(Vec3::new(0.1, 1.2, -0.3), turned).metres().expect("a pose");
     assert!(position.distance(Vec3::new(0.1, 1.2, -0.3)) < 2e-5);
     assert!(rotation.dot(turned.normalize()) > 0.999_999);
 }

@@ -143,6 +143,45 @@ proptest! {
     }
 }
 
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(4000))]
+
+    /// Edits that overlap, up to all over one another.
+    #[test]
+    fn overlapping_edits_stay_within_four_times_their_bounds(
+        edits in proptest::collection::vec(
+            (0..90usize, 0..90usize, 1..166usize, 1..166usize), 0..3 * DIRTY_RECTS),
+    ) {
+        let mut dirty = Dirty::new();
+        for &(line, place, lines, places) in &edits {
+            dirty.note(Axis::Y, (line, place));
+            dirty.note(Axis::Y, (line + lines - 1, place + places - 1));
+            dirty.close();
+        }
+        let rects = dirty.rects(Axis::Y);
+        let at = |&(line, place, lines, places): &(usize, usize, usize, usize)| {
+            Rect::at((line, place)).union(Rect::at((line + lines - 1, place + places - 1)))
+        };
+        for edit in edits.iter().map(at) {
+            prop_assert!(rects.iter().any(|rect| rect.union(edit) == *rect), "{:?} lost", edit);
+        }
+        if let Some(bounds) = edits.iter().map(at).reduce(Rect::union) {
+            prop_assert!(area(rects) <= 4 * bounds.area(), "{:?}", rects);
+        }
+    }
+}
+
+#[test]
+fn the_same_edit_over_and_over_is_one_rectangle() {
+    let mut dirty = Dirty::new();
+    for _ in 0..5 {
+        dirty.note(Axis::Z, (2, 3));
+        dirty.note(Axis::Z, (9, 7));
+        dirty.close();
+    }
+    assert_eq!(dirty.rects(Axis::Z), [Rect { lo: (2, 3), hi: (9, 7) }]);
+}
+
 #[test]
 fn everything_is_one_rectangle() {
     let mut dirty = Dirty::new();

@@ -94,13 +94,8 @@ struct Stroke {
 }
 
 fn strokes(n: i32, longest: usize) -> impl Strategy<Value = Vec<Stroke>> {
-    let within = move || {
-        [
-            -2 * SUB..(n + 2) * SUB,
-            -2 * SUB..(n + 2) * SUB,
-            -2 * SUB..(n + 2) * SUB,
-        ]
-    };
+    let within =
+        move || [-2 * SUB..(n + 2) * SUB, -2 * SUB..(n + 2) * SUB, -2 * SUB..(n + 2) * SUB];
     let at = move || within().prop_map(IVec3::from_array);
     let on =
         move || [0..n, 0..n, 0..n].prop_map(|v| IVec3::from_array(v) * SUB + IVec3::splat(SUB / 2));
@@ -124,12 +119,8 @@ fn strokes(n: i32, longest: usize) -> impl Strategy<Value = Vec<Stroke>> {
         3 => depth().prop_map(|depth| Operation::Fill { depth }),
         2 => Just(Operation::Smooth),
     ];
-    let stroke =
-        (shape, operation, any::<bool>()).prop_map(|(shape, operation, mirrored)| Stroke {
-            shape,
-            operation,
-            mirrored,
-        });
+    let stroke = (shape, operation, any::<bool>())
+        .prop_map(|(shape, operation, mirrored)| Stroke { shape, operation, mirrored });
     proptest::collection::vec(stroke, 1..=longest)
 }
 
@@ -154,49 +145,29 @@ fn stroke_follows_the_definition<const N: usize>(
     studio: &mut Studio<N>,
     volume: &Dense,
     mask: &Dense,
-    Stroke {
-        shape,
-        operation,
-        mirrored,
-    }: &Stroke,
+    Stroke { shape, operation, mirrored }: &Stroke,
 ) -> Dense
 where
     Grid<N>: Size,
 {
     let brush = shape.brush();
     let (operation, mirrored) = (*operation, *mirrored);
-    let edit = Edit {
-        brush: &brush,
-        operation,
-        mirrored,
-    };
-    let mut notes = Notes {
-        columns: vec![],
-        added: Dense::new(N),
-    };
+    let edit = Edit { brush: &brush, operation, mirrored };
+    let mut notes = Notes { columns: vec![], added: Dense::new(N) };
     studio.before.copy_from(studio.volume.maps());
-    let done = apply(
-        &mut studio.volume,
-        &studio.mask,
-        &edit,
-        &mut studio.scratch,
-        &mut notes,
-    );
+    let done = apply(&mut studio.volume, &studio.mask, &edit, &mut studio.scratch, &mut notes);
     let Ok(report) = done else {
         assert_eq!(done, Err(BrushTooLarge));
         assert_eq!(operation, Operation::Smooth);
-        let bounds = brush
-            .bounds(N)
-            .expect("a brush too large for the grid touches it");
+        let bounds = brush.bounds(N).expect("a brush too large for the grid touches it");
         let sides = [1, 2].map(|i| bounds.hi[i] - bounds.lo[i] + 1);
         assert!(sides[0] * sides[1] > SMOOTH_LINES * N);
         assert_eq!(studio.volume.maps(), &studio.before);
         assert!(notes.columns.is_empty() && notes.added.is_empty());
         return volume.clone();
     };
-    let dense = Dense::from_fn(N, |[x, y, z]| {
-        brush.row::<N>(y as usize, z as usize).contains(x as usize)
-    });
+    let dense =
+        Dense::from_fn(N, |[x, y, z]| brush.row::<N>(y as usize, z as usize).contains(x as usize));
     let (after, expected) = edited(volume, mask, &dense, operation, mirrored);
     assert_eq!(Dense::from_plane(studio.volume.rows()), after, "the volume");
     assert_eq!(report, expected);
@@ -204,11 +175,7 @@ where
     after.write_maps(&mut studio.tight);
     assert_eq!(studio.volume.maps(), &studio.tight, "tight hulls");
     studio.rows.expand(studio.volume.maps());
-    assert_eq!(
-        studio.volume.rows(),
-        &studio.rows,
-        "rows are the intersection of the maps"
-    );
+    assert_eq!(studio.volume.rows(), &studio.rows, "rows are the intersection of the maps");
     assert_eq!(studio.volume.digest(), maps_digest(studio.volume.maps()));
     assert_eq!(notes.added, after.without(volume), "added");
     columns_are_the_changes(&notes, &studio.before, studio.volume.maps());
@@ -220,20 +187,13 @@ where
 fn columns_are_the_changes<const N: usize>(notes: &Notes, before: &Maps<N>, after: &Maps<N>) {
     let mut told = BTreeMap::new();
     for &(axis, at, old) in &notes.columns {
-        assert!(
-            told.insert((axis as u8, at), old).is_none(),
-            "{axis:?} {at:?} told twice"
-        );
+        assert!(told.insert((axis as u8, at), old).is_none(), "{axis:?} {at:?} told twice");
     }
     for axis in Axis::ALL {
         for at in (0..N * N).map(|i| (i / N, i % N)) {
             let (old, new) = (before.column(axis, at), after.column(axis, at));
             let expected = (old != new).then_some(old);
-            assert_eq!(
-                told.get(&(axis as u8, at)).copied(),
-                expected,
-                "{axis:?} {at:?}"
-            );
+            assert_eq!(told.get(&(axis as u8, at)).copied(), expected, "{axis:?} {at:?}");
         }
     }
 }
@@ -247,16 +207,9 @@ fn stays_in_reach(
     operation: Operation,
     mirrored: bool,
 ) {
-    let brush = if mirrored {
-        brush.or(&brush.mirrored())
-    } else {
-        brush.clone()
-    };
+    let brush = if mirrored { brush.or(&brush.mirrored()) } else { brush.clone() };
     assert!(mask.is_within(after), "a masked voxel is lost");
-    assert!(
-        volume.without(after).is_within(&brush),
-        "a voxel beside the brush was removed"
-    );
+    assert!(volume.without(after).is_within(&brush), "a voxel beside the brush was removed");
     let added = after.without(volume);
     match operation {
         Operation::Carve { .. } => assert!(added.is_empty(), "a carve added"),
@@ -265,16 +218,11 @@ fn stays_in_reach(
     }
     let held = Axis::ALL.map(|axis| {
         move |brush: &Dense, voxel: [i32; 3]| {
-            brush
-                .hull(axis, axis.address(voxel.map(|i| i as usize)))
-                .is_some()
+            brush.hull(axis, axis.address(voxel.map(|i| i as usize))).is_some()
         }
     });
     for voxel in added.occupied() {
-        assert!(
-            held.iter().any(|held| held(&brush, voxel)),
-            "{voxel:?} is in no beam"
-        );
+        assert!(held.iter().any(|held| held(&brush, voxel)), "{voxel:?} is in no beam");
     }
     if mirrored && volume == &volume.mirrored() && mask == &mask.mirrored() {
         assert_eq!(after, &after.mirrored(), "the mirror is broken");
@@ -337,16 +285,9 @@ fn a_stroke_across_256_follows_the_definition() {
     let volume = Dense::from_fn(256, |[x, y, z]| {
         [x, y, z].iter().map(|i| (i - 128) * (i - 128)).sum::<i32>() < 120 * 120 || y < 20
     });
-    let start = (
-        volume.closure(),
-        Dense::from_fn(256, |[x, y, _]| y < 2 && x < 99),
-    );
+    let start = (volume.closure(), Dense::from_fn(256, |[x, y, _]| y < 2 && x < 99));
     let shape = Shape::Capsule(IVec3::splat(3 * SUB), IVec3::splat(250 * SUB), 9 * SUB + 77);
-    let stroke = |operation, mirrored| Stroke {
-        shape: shape.clone(),
-        operation,
-        mirrored,
-    };
+    let stroke = |operation, mirrored| Stroke { shape: shape.clone(), operation, mirrored };
     let strokes = [
         stroke(Operation::Carve { depth: 4 }, false),
         stroke(Operation::Carve { depth: 3 }, true),
@@ -360,11 +301,7 @@ fn paste_never_floats_but_stands_on_the_ground() {
     static STUDIO: Mutex<Studio<16>> = Mutex::new(Studio::new());
     let nothing = (Dense::new(16), Dense::new(16));
     let all = Shape::Capsule(IVec3::splat(8 * SUB), IVec3::splat(8 * SUB), 99 * SUB);
-    let stroke = Stroke {
-        shape: all,
-        operation: Operation::Fill { depth: 2 },
-        mirrored: false,
-    };
+    let stroke = Stroke { shape: all, operation: Operation::Fill { depth: 2 }, mirrored: false };
     strokes_follow_the_definition(&STUDIO, &nothing, &[stroke]);
     let studio = STUDIO.lock().unwrap_or_else(PoisonError::into_inner);
     let laid = Dense::from_plane(studio.volume.rows());
@@ -375,29 +312,14 @@ fn paste_never_floats_but_stands_on_the_ground() {
 fn a_brush_beside_the_grid_does_nothing() {
     static STUDIO: Mutex<Studio<16>> = Mutex::new(Studio::new());
     let mut studio = STUDIO.lock().unwrap_or_else(PoisonError::into_inner);
-    let Studio {
-        volume,
-        mask,
-        scratch,
-        ..
-    } = &mut *studio;
+    let Studio { volume, mask, scratch, .. } = &mut *studio;
     volume.set_voxels(|plane| Dense::from_fn(16, |_| true).write_plane(plane));
     let digest = volume.digest();
-    let beside = Pose {
-        position: Vec3::new(-9.0, 3.0, 3.0),
-        rotation: Quat::IDENTITY,
-    };
+    let beside = Pose { position: Vec3::new(-9.0, 3.0, 3.0), rotation: Quat::IDENTITY };
     let brush = Brush::oriented_box(IVec3::splat(2 * SUB), &beside);
     for mirrored in [false, true] {
-        let edit = Edit {
-            brush: &brush,
-            operation: Operation::Carve { depth: 2 },
-            mirrored,
-        };
-        assert_eq!(
-            apply(volume, mask, &edit, scratch, &mut ()),
-            Ok(EditReport::default())
-        );
+        let edit = Edit { brush: &brush, operation: Operation::Carve { depth: 2 }, mirrored };
+        assert_eq!(apply(volume, mask, &edit, scratch, &mut ()), Ok(EditReport::default()));
     }
     assert_eq!(volume.digest(), digest);
 }

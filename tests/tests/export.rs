@@ -4,6 +4,8 @@
 //! - `support.rs`, `seed`: the mask's rows left out -> `anything_at_16`, `every_pair_of_cells`.
 //! - `cases.rs`, `side`: any diagonal allowed -> `every_pair_of_cells`, `anything_at_16`.
 //! - `smooth.rs`: a window of three layers -> `anything_at_16`, `large_grids`.
+//! - `support.rs`, `look_for_part`: on to the next row after each part ->
+//!   `largest_of_the_parts_of_one_row`.
 //! - `cells.rs`, `each_cell`: the last chunk left out -> `anything_at_64`, `large_grids`.
 
 use std::collections::{HashMap, HashSet};
@@ -191,6 +193,14 @@ proptest! {
         bench!(16, |bench: &mut Bench<16>| bench.check(&volume, &mask));
     }
 
+    /// Without ground and mask, where the largest part is printed.
+    #[test]
+    fn anything_afloat_at_16(volume in dense::voxels(16)) {
+        let none = Dense::new(16);
+        let volume = Dense::from_fn(16, |voxel| voxel[1] > 0 && volume.contains(voxel));
+        bench!(16, |bench: &mut Bench<16>| bench.check(&volume, &none));
+    }
+
     /// Volumes that no maps could hold: the exporter reads rows.
     #[test]
     fn anything_unclosed_at_16(volume in dense::voxels(16), held in any::<bool>()) {
@@ -257,6 +267,20 @@ fn large_grids() {
     }
     bench!(128, |bench: &mut Bench<128>| bench.check(&volume(128), &Dense::new(128)));
     bench!(256, |bench: &mut Bench<256>| bench.check(&volume(256), &Dense::new(256)));
+}
+
+#[test]
+fn largest_of_the_parts_of_one_row() {
+    let none = Dense::new(16);
+    bench!(
+        16,
+        |bench: &mut Bench<16>| for parts in [[1..3, 5..12], [1..8, 10..13], [0..3, 13..16]] {
+            let volume = Dense::from_fn(16, |[x, y, z]| {
+                (y, z) == (7, 15) && parts.iter().any(|part| part.contains(&x))
+            });
+            bench.check(&volume, &none);
+        }
+    );
 }
 
 #[test]

@@ -15,9 +15,7 @@ static PLANE: Mutex<Plane<128>> = Mutex::new(Plane::new());
 /// Runs `check` on every figure at 128.
 fn each(figures: &[Figure], mut check: impl FnMut(Figure, &Plane<128>, &Maps<128>)) {
     let mut maps = MAPS.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
-    let mut plane = PLANE
-        .lock()
-        .unwrap_or_else(|poisoned| poisoned.into_inner());
+    let mut plane = PLANE.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
     for &figure in figures {
         figure.carve_into(&mut *plane, &mut *maps);
         check(figure, &plane, &maps);
@@ -47,11 +45,7 @@ fn every_figure_is_the_same_bits_as_ever() {
     each(&Figure::ALL, |figure, _, maps| {
         figure.carve_into(&mut *plane, &mut *large);
         let small = (rmap::encode(maps).len(), rmap::checksum(maps));
-        found.push((
-            figure,
-            small,
-            (rmap::encode(&*large).len(), rmap::checksum(&*large)),
-        ));
+        found.push((figure, small, (rmap::encode(&*large).len(), rmap::checksum(&*large))));
     });
     assert_eq!(found, GOLDENS, "found {found:#x?}");
 }
@@ -67,9 +61,7 @@ fn dense_closure<const N: usize>(set: &[bool]) -> Vec<bool> {
         };
         (0..=voxel[axis]).any(along) && (voxel[axis]..N).any(along)
     };
-    voxels::<N>()
-        .map(|voxel| (0..3).all(|axis| between(voxel, axis)))
-        .collect()
+    voxels::<N>().map(|voxel| (0..3).all(|axis| between(voxel, axis))).collect()
 }
 
 fn matches_dense<const N: usize>(plane: &mut Plane<N>, maps: &mut Maps<N>)
@@ -78,21 +70,11 @@ where
 {
     for figure in Figure::ALL {
         figure.carve_into(plane, maps);
-        let shape: Vec<bool> = voxels::<N>()
-            .map(|voxel| figure.covers::<N>(voxel))
-            .collect();
+        let shape: Vec<bool> = voxels::<N>().map(|voxel| figure.covers::<N>(voxel)).collect();
         let closed = dense_closure::<N>(&shape);
         for (voxel, expected) in voxels::<N>().zip(closed) {
-            assert_eq!(
-                plane.contains(voxel),
-                expected,
-                "{figure:?} at {voxel:?} of {N}"
-            );
-            assert_eq!(
-                maps.contains(voxel),
-                expected,
-                "{figure:?} at {voxel:?} of {N}"
-            );
+            assert_eq!(plane.contains(voxel), expected, "{figure:?} at {voxel:?} of {N}");
+            assert_eq!(maps.contains(voxel), expected, "{figure:?} at {voxel:?} of {N}");
         }
     }
 }
@@ -103,14 +85,8 @@ fn blocks_settled_whole_are_those_of_voxels_asked_one_by_one() {
     static PLANE_16: Mutex<Plane<16>> = Mutex::new(Plane::new());
     static MAPS_64: Mutex<Maps<64>> = Mutex::new(Maps::new());
     static PLANE_64: Mutex<Plane<64>> = Mutex::new(Plane::new());
-    matches_dense(
-        &mut *PLANE_16.lock().unwrap(),
-        &mut *MAPS_16.lock().unwrap(),
-    );
-    matches_dense(
-        &mut *PLANE_64.lock().unwrap(),
-        &mut *MAPS_64.lock().unwrap(),
-    );
+    matches_dense(&mut *PLANE_16.lock().unwrap(), &mut *MAPS_16.lock().unwrap());
+    matches_dense(&mut *PLANE_64.lock().unwrap(), &mut *MAPS_64.lock().unwrap());
 }
 
 #[test]
@@ -125,10 +101,7 @@ fn full_size_figures_are_their_shapes() {
         assert_eq!(missing, 0, "{figure:?}");
         let added = plane.count() - covered;
         println!("{figure:?}: closure adds {added} to {covered} voxels");
-        assert!(
-            added < covered / 40,
-            "{figure:?}: closure adds {added} to {covered} voxels"
-        );
+        assert!(added < covered / 40, "{figure:?}: closure adds {added} to {covered} voxels");
     });
 }
 
@@ -158,18 +131,11 @@ fn part(plane: &Plane<128>, start: [usize; 3]) -> u64 {
 fn figures_are_one_piece_on_the_ground() {
     each(&Figure::ALL, |figure, plane, _| {
         let ground = plane.layer(0);
-        let z = ground
-            .iter()
-            .position(|row| !row.is_empty())
-            .expect("stands on the ground");
+        let z = ground.iter().position(|row| !row.is_empty()).expect("stands on the ground");
         let x = ground[z].first().expect("a row that holds a voxel");
         let area: u32 = ground.iter().map(Bits::count).sum();
         assert!(area > 500, "{figure:?} stands on {area} voxels");
-        assert_eq!(
-            part(plane, [x, 0, z]),
-            plane.count(),
-            "{figure:?} is in pieces"
-        );
+        assert_eq!(part(plane, [x, 0, z]), plane.count(), "{figure:?} is in pieces");
     });
 }
 
@@ -178,10 +144,7 @@ fn hidden_figures_lie_within_the_lump() {
     static LUMP: Mutex<Plane<128>> = Mutex::new(Plane::new());
     let mut lump = LUMP.lock().unwrap();
     each(&[Figure::Lump], |_, plane, _| lump.copy_from(plane));
-    assert!(
-        lump.count() > 128 * 128 * 128 / 2,
-        "the lump nearly fills its box"
-    );
+    assert!(lump.count() > 128 * 128 * 128 / 2, "the lump nearly fills its box");
     each(&Figure::HIDDEN, |figure, plane, _| {
         for y in 0..128 {
             for z in 0..128 {
@@ -193,21 +156,14 @@ fn hidden_figures_lie_within_the_lump() {
                 );
             }
         }
-        assert!(
-            plane.count() * 3 < lump.count(),
-            "{figure:?} leaves little to carve"
-        );
+        assert!(plane.count() * 3 < lump.count(), "{figure:?} leaves little to carve");
     });
 }
 
 /// Voxels that lie in no 2 x 2 x 2 block of the figure: crests, and walls and rods one voxel thick.
 fn thin(plane: &Plane<128>) -> Vec<[usize; 3]> {
     let row = |y: usize, z: usize| {
-        if y < 128 && z < 128 {
-            plane.row(y, z)
-        } else {
-            Bits::EMPTY
-        }
+        if y < 128 && z < 128 { plane.row(y, z) } else { Bits::EMPTY }
     };
     let block = |y: usize, z: usize| {
         let pillar = row(y, z) & row(y + 1, z) & row(y, z + 1) & row(y + 1, z + 1);
@@ -249,9 +205,7 @@ fn largest_group(mut voxels: Vec<[usize; 3]>) -> usize {
 
 #[test]
 fn figures_have_no_thin_walls() {
-    let printed = Figure::ALL
-        .into_iter()
-        .filter(|&figure| figure != Figure::Lump);
+    let printed = Figure::ALL.into_iter().filter(|&figure| figure != Figure::Lump);
     each(&printed.collect::<Vec<_>>(), |figure, plane, _| {
         let thin = thin(plane);
         let (count, largest) = (thin.len(), largest_group(thin));

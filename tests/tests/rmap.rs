@@ -26,11 +26,8 @@ struct Buffers {
 }
 
 fn buffers() -> MutexGuard<'static, Buffers> {
-    static BUFFERS: Mutex<Buffers> = Mutex::new(Buffers {
-        maps: Maps::new(),
-        other: Maps::new(),
-        plane: Plane::new(),
-    });
+    static BUFFERS: Mutex<Buffers> =
+        Mutex::new(Buffers { maps: Maps::new(), other: Maps::new(), plane: Plane::new() });
     BUFFERS.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
@@ -60,9 +57,7 @@ fn resum(bytes: &mut [u8]) {
 /// CRC-32 as IEEE 802.3 has it, bit by bit.
 fn crc(bytes: &[u8]) -> u32 {
     let step = |crc: u32| crc >> 1 ^ if crc & 1 == 1 { 0xedb8_8320 } else { 0 };
-    !bytes.iter().fold(!0, |crc, &byte| {
-        (0..8).fold(crc ^ u32::from(byte), |crc, _| step(crc))
-    })
+    !bytes.iter().fold(!0, |crc, &byte| (0..8).fold(crc ^ u32::from(byte), |crc, _| step(crc)))
 }
 
 fn refused(bytes: &[u8]) -> (usize, Fault) {
@@ -93,11 +88,8 @@ fn the_layout_is_as_documented() {
         for (line, place) in (0..256).map(|i| (i / 16, i % 16)) {
             let at = HEADER + 2 * (256 * axis as usize + 16 * line + place);
             let range = b.maps.column(axis, (line, place)).hull();
-            let expected = if range.is_empty() {
-                [0, 0]
-            } else {
-                [!(range.lo() as u8), range.hi() as u8]
-            };
+            let expected =
+                if range.is_empty() { [0, 0] } else { [!(range.lo() as u8), range.hi() as u8] };
             assert_eq!(bytes[at..at + 2], expected);
         }
     }
@@ -115,32 +107,13 @@ fn each_kind_of_damage_is_named_with_its_place() {
     assert_eq!(change(0, b'r'), (0, Fault::Magic(*b"rMAP")));
     assert_eq!(change(4, 2), (4, Fault::Version(2)));
     assert_eq!(change(6, 17), (6, Fault::Size(17)));
-    assert_eq!(
-        change(6, 32),
-        (
-            6,
-            Fault::OtherSize {
-                found: 32,
-                expected: 16
-            }
-        )
-    );
+    assert_eq!(change(6, 32), (6, Fault::OtherSize { found: 32, expected: 16 }));
     assert_eq!(change(8, 2), (8, Fault::Layers(2)));
     assert_eq!(change(9, 1), (9, Fault::Flags(1)));
     assert_eq!(change(11, 9), (11, Fault::Flags(9)));
     let (at, fault) = change(HEADER + 1, 16);
     let address = (0, 0);
-    assert_eq!(
-        (at, fault),
-        (
-            HEADER,
-            Fault::Range {
-                axis: Axis::X,
-                address,
-                bytes: [0, 16]
-            }
-        )
-    );
+    assert_eq!((at, fault), (HEADER, Fault::Range { axis: Axis::X, address, bytes: [0, 16] }));
 
     let mut bytes = good.clone();
     bytes.push(0);
@@ -157,27 +130,18 @@ fn a_loose_end_is_named_with_its_voxel() {
     let mut b = buffers();
     b.maps.clear();
     for axis in Axis::ALL {
-        b.maps
-            .set_column(axis, axis.address([3, 4, 5]), Column([Range::new(0, 0)]));
+        b.maps.set_column(axis, axis.address([3, 4, 5]), Column([Range::new(0, 0)]));
     }
     // One voxel at (3, 4, 5), but for the column along z, which runs on to 6.
     for (axis, hi) in [(Axis::X, 3), (Axis::Y, 4), (Axis::Z, 6)] {
         let lo = [3, 4, 5][axis as usize];
-        b.maps
-            .set_column(axis, axis.address([3, 4, 5]), Column([Range::new(lo, hi)]));
+        b.maps.set_column(axis, axis.address([3, 4, 5]), Column([Range::new(lo, hi)]));
     }
     let bytes = rmap::encode(&b.maps);
     drop(b);
     let (at, fault) = refused(&bytes);
     assert_eq!(at, HEADER + 2 * (2 * 256 + 4 * 16 + 3) + 1);
-    assert_eq!(
-        fault,
-        Fault::Loose {
-            axis: Axis::Z,
-            voxel: [3, 4, 6],
-            missing: Axis::X
-        }
-    );
+    assert_eq!(fault, Fault::Loose { axis: Axis::Z, voxel: [3, 4, 6], missing: Axis::X });
 }
 
 #[test]
@@ -210,30 +174,19 @@ fn files_come_back_and_errors_name_them() {
     rmap::write(&path, &b.maps).unwrap();
     assert_eq!(fs::read(&path).unwrap(), bytes);
     let header = rmap::peek(&path).unwrap();
-    assert_eq!(
-        (header.n, header.layers, header.file_length()),
-        (16, 1, bytes.len())
-    );
+    assert_eq!((header.n, header.layers, header.file_length()), (16, 1, bytes.len()));
     let Buffers { maps, other, .. } = &mut *b;
     other.clear();
     rmap::read(&path, other).unwrap();
     assert!(maps == other);
-    assert_eq!(
-        rmap::checksum(maps),
-        u32::from_le_bytes(*bytes.last_chunk().unwrap())
-    );
+    assert_eq!(rmap::checksum(maps), u32::from_le_bytes(*bytes.last_chunk().unwrap()));
 
     fs::write(&path, &bytes[..700]).unwrap();
     let error = rmap::read(&path, other).unwrap_err();
     assert!(matches!(error, Error::Bad { offset: 700, .. }));
     let text = error.to_string();
-    assert!(
-        text.contains("toy.rmap") && text.contains("byte 700"),
-        "{text}"
-    );
-    let text = rmap::peek(&folder.join("none.rmap"))
-        .unwrap_err()
-        .to_string();
+    assert!(text.contains("toy.rmap") && text.contains("byte 700"), "{text}");
+    let text = rmap::peek(&folder.join("none.rmap")).unwrap_err().to_string();
     assert!(text.contains("none.rmap"), "{text}");
     assert!(rmap::read(&folder, other).is_err(), "a folder is no file");
     assert!(maps == other);
@@ -300,10 +253,8 @@ proptest! {
 /// What a folder holds, by name.
 fn names(folder: &Path) -> Vec<String> {
     let name = |entry: fs::DirEntry| entry.file_name().into_string().unwrap();
-    let mut names: Vec<_> = fs::read_dir(folder)
-        .unwrap()
-        .map(|entry| name(entry.unwrap()))
-        .collect();
+    let mut names: Vec<_> =
+        fs::read_dir(folder).unwrap().map(|entry| name(entry.unwrap())).collect();
     names.sort();
     names
 }
@@ -343,12 +294,7 @@ fn drafts_of_one_file_do_not_meet() {
 #[test]
 fn what_cannot_be_written_is_refused_by_name() {
     let folder = folder("refused");
-    for path in [
-        folder.join("none/file"),
-        folder.clone(),
-        PathBuf::from("/"),
-        PathBuf::new(),
-    ] {
+    for path in [folder.join("none/file"), folder.clone(), PathBuf::from("/"), PathBuf::new()] {
         let error = durable::write(&path, b"x").unwrap_err();
         assert_eq!(error.path, path);
         assert!(error.to_string().contains(&*path.to_string_lossy()));
@@ -368,10 +314,5 @@ fn links_stay_links_and_devices_stay_devices() {
     assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
     assert_eq!(fs::read(&file).unwrap(), b"new");
     assert!(durable::write(Path::new("/dev/null"), b"x").is_err());
-    assert!(
-        fs::metadata("/dev/null")
-            .unwrap()
-            .file_type()
-            .is_char_device()
-    );
+    assert!(fs::metadata("/dev/null").unwrap().file_type().is_char_device());
 }

@@ -17,19 +17,13 @@ where
     Grid<N>: Size,
 {
     let mut row = RowOf::<N>::EMPTY;
-    bits.iter()
-        .enumerate()
-        .filter(|(_, bit)| **bit)
-        .for_each(|(i, _)| row.insert(i));
+    bits.iter().enumerate().filter(|(_, bit)| **bit).for_each(|(i, _)| row.insert(i));
     row
 }
 
 /// The lowest `n` bits, and that no bit above them is set.
 fn bits_of<R: Bits>(row: R, n: usize) -> Vec<bool> {
-    assert!(
-        (n..64 * R::WORDS).all(|i| !row.contains(i)),
-        "a bit above the grid: {row:?}"
-    );
+    assert!((n..64 * R::WORDS).all(|i| !row.contains(i)), "a bit above the grid: {row:?}");
     (0..n).map(|i| row.contains(i)).collect()
 }
 
@@ -63,18 +57,9 @@ where
     assert_eq!(bits_of(ra ^ rb, N), each(|a, b| a ^ b));
     assert_eq!(bits_of(!ra & full, N), each(|a, _| !a));
     assert_eq!(bits_of(ra & !rb, N), each(|a, b| a & !b));
-    assert_eq!(
-        bits_of(ra.up() & full, N),
-        (0..N).map(|i| i > 0 && a[i - 1]).collect::<Vec<_>>()
-    );
-    assert_eq!(
-        bits_of(ra.down(), N),
-        (0..N).map(|i| i + 1 < N && a[i + 1]).collect::<Vec<_>>()
-    );
-    assert_eq!(
-        bits_of(ra.mirrored(N), N),
-        a.iter().rev().copied().collect::<Vec<_>>()
-    );
+    assert_eq!(bits_of(ra.up() & full, N), (0..N).map(|i| i > 0 && a[i - 1]).collect::<Vec<_>>());
+    assert_eq!(bits_of(ra.down(), N), (0..N).map(|i| i + 1 < N && a[i + 1]).collect::<Vec<_>>());
+    assert_eq!(bits_of(ra.mirrored(N), N), a.iter().rev().copied().collect::<Vec<_>>());
     assert_eq!(
         bits_of(RowOf::<N>::span(lo, hi), N),
         (0..N).map(|i| lo <= i && i <= hi).collect::<Vec<_>>()
@@ -83,16 +68,10 @@ where
     assert_eq!(ra.ones().collect::<Vec<_>>(), ones);
     assert_eq!(ra.count() as usize, ones.len());
     assert_eq!(ra.is_empty(), ones.is_empty());
-    assert_eq!(
-        (ra.first(), ra.last()),
-        (ones.first().copied(), ones.last().copied())
-    );
+    assert_eq!((ra.first(), ra.last()), (ones.first().copied(), ones.last().copied()));
     let mut toggled = ra;
     toggled.toggle(lo);
-    assert_eq!(
-        bits_of(ra ^ toggled, N),
-        (0..N).map(|i| i == lo).collect::<Vec<_>>()
-    );
+    assert_eq!(bits_of(ra ^ toggled, N), (0..N).map(|i| i == lo).collect::<Vec<_>>());
     assert_eq!(bits_of(ra.runs_with(rb), N), runs_with(a, b));
     let range = Range::hull(ra);
     assert_eq!(
@@ -203,12 +182,7 @@ fn planes_close_as_the_model<const N: usize>(planes: &mut Planes<N>, dense: &Den
 where
     Grid<N>: Size,
 {
-    let Planes {
-        plane,
-        other,
-        maps,
-        volume,
-    } = planes;
+    let Planes { plane, other, maps, volume } = planes;
     plane.clear();
     dense.write_plane(plane);
     assert_eq!(&Dense::from_plane(plane), dense);
@@ -230,10 +204,7 @@ where
     assert_eq!((volume.maps(), volume.rows()), (&*maps, &*plane));
     assert_eq!(volume.digest(), maps_digest(maps));
     assert_eq!(volume.count(), u64::from(closed.count()));
-    assert_eq!(
-        volume.touches_ground(),
-        closed.occupied().any(|voxel| voxel[1] == 0)
-    );
+    assert_eq!(volume.touches_ground(), closed.occupied().any(|voxel| voxel[1] == 0));
     assert_eq!(maps.is_empty(), closed.is_empty());
     other.copy_from(plane);
     for y in 0..N {
@@ -309,8 +280,5 @@ fn a_full_grid_of_256_closes_as_the_model() {
         (0..256).for_each(|y| plane.layer_mut(y).fill(Grid::<256>::FULL));
     });
     assert_eq!(planes.volume.count(), 1 << 24);
-    assert_eq!(
-        planes.volume.maps().column(Axis::Y, (255, 255)),
-        Column([Range::new(0, 255)])
-    );
+    assert_eq!(planes.volume.maps().column(Axis::Y, (255, 255)), Column([Range::new(0, 255)]));
 }

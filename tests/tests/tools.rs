@@ -141,7 +141,8 @@ fn pulse_trains_are_the_golden_ones() {
     for bit in Bit::ALL {
         let data = bit.data();
         let train = |on_mask| {
-            let level = |phase| haptic_level(data, &touching(on_mask), true, phase, 20_000).to_string();
+            let level =
+                |phase| haptic_level(data, &touching(on_mask), true, phase, 20_000).to_string();
             (0..2 * data.train.len() as u16).map(level).collect::<Vec<_>>().join(" ")
         };
         let rest = haptic_level(data, &touching(false), false, 0, 20_000);

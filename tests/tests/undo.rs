@@ -162,7 +162,10 @@ where
 #[derive(Clone, Debug)]
 enum Step {
     /// A stroke: edits, with islands cleared after some of them, perhaps after the next began.
-    Stroke { edits: Vec<Touch>, clear: Clear },
+    Stroke {
+        edits: Vec<Touch>,
+        clear: Clear,
+    },
     Undo,
     Redo,
     Save,
@@ -195,8 +198,11 @@ impl Touch {
 }
 
 fn steps(n: i32, most: usize) -> impl Strategy<Value = Vec<Step>> {
-    let touch = ([0..n, 0..n, 0..n], 0..n, any::<bool>())
-        .prop_map(|(at, radius, fill)| Touch { at, radius, fill });
+    let touch = ([0..n, 0..n, 0..n], 0..n, any::<bool>()).prop_map(|(at, radius, fill)| Touch {
+        at,
+        radius,
+        fill,
+    });
     let clear = prop_oneof![Just(Clear::Never), Just(Clear::AtEnd), Just(Clear::Late)];
     let stroke = (proptest::collection::vec(touch, 0..5), clear)
         .prop_map(|(edits, clear)| Step::Stroke { edits, clear });
@@ -204,10 +210,7 @@ fn steps(n: i32, most: usize) -> impl Strategy<Value = Vec<Step>> {
     proptest::collection::vec(step, 1..most)
 }
 
-fn check_steps<const N: usize>(
-    bench: &Mutex<Bench<N>>,
-    steps: &[Step],
-) -> Result<(), TestCaseError>
+fn check_steps<const N: usize>(bench: &Mutex<Bench<N>>, steps: &[Step]) -> Result<(), TestCaseError>
 where
     Grid<N>: Size,
 {
@@ -380,7 +383,12 @@ fn idle_stroke() {
     let dent = Touch { at: [8, 11, 8], radius: 5, fill: false };
     stroke(&mut bench, &mut history, &[dent.clone()], Clear::Never);
     assert!(bench.step(true).unwrap());
-    stroke(&mut bench, &mut history, &[Touch { at: [8, 15, 8], radius: 1, fill: false }], Clear::Never);
+    stroke(
+        &mut bench,
+        &mut history,
+        &[Touch { at: [8, 15, 8], radius: 1, fill: false }],
+        Clear::Never,
+    );
     assert_eq!(bench.undo.counts(), (0, 1));
     stroke(&mut bench, &mut history, &[dent], Clear::Never);
     assert_eq!(bench.undo.counts(), (1, 0));

@@ -1,6 +1,6 @@
 //! Triangles streamed one by one become range maps: what they touch, closed where they are open.
 //!
-//! Every voxel that a triangle touches is set in a bit plane ([`Shape`] decides, exactly). Beside
+//! Every voxel that a triangle touches is set in a bit plane (`shape.rs` decides, exactly). Beside
 //! it each column keeps the first and the last crossing of the ray through its centre. A column's
 //! range is the hull of its touched voxels; but where its first crossing leaves the mesh the ray
 //! was inside before, so there is a hole, and the range runs to the low end of the box (to the
@@ -44,7 +44,7 @@ pub struct BakeReport {
     pub opened: u32,
 }
 
-/// A bake in progress for a grid of N^3 voxels. 4.2 MiB at 128, 17 MiB at 256.
+/// A bake in progress for a grid of N^3 voxels. 4 MiB at 128, 17 MiB at 256.
 ///
 /// The order of the triangles does not matter.
 #[derive(Debug)]

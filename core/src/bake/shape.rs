@@ -119,7 +119,7 @@ impl Shape {
         Grid<N>: Size,
     {
         let more = [0, 1, 2].map(|k| self.last[k] - self.first[k]);
-        if more[0] | more[1] | more[2] <= 1 {
+        if (more[0] | more[1] | more[2]) <= 1 {
             self.touch_octants(touched);
         } else if let Some(thin) = (0..3).find(|&k| more[k] == 0) {
             self.touch_sheet(thin, touched);

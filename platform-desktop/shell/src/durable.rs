@@ -20,13 +20,7 @@ pub struct Error {
 
 impl std::fmt::Display for Error {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(
-            f,
-            "{}: cannot {}: {}",
-            self.path.display(),
-            self.action,
-            self.source
-        )
+        write!(f, "{}: cannot {}: {}", self.path.display(), self.action, self.source)
     }
 }
 
@@ -42,9 +36,7 @@ impl std::error::Error for Error {
 /// When the folder or the disk refuses; then nothing has changed.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     let mut draft = Draft::create(path)?;
-    draft
-        .write_all(bytes)
-        .map_err(|source| draft.error("write", source))?;
+    draft.write_all(bytes).map_err(|source| draft.error("write", source))?;
     draft.commit()
 }
 
@@ -65,11 +57,7 @@ impl Draft {
     /// # Errors
     /// When `path` is there and is no regular file, or its folder does not take a new file.
     pub fn create(path: &Path) -> Result<Self, Error> {
-        let fail = |action, source| Error {
-            path: path.to_owned(),
-            action,
-            source,
-        };
+        let fail = |action, source| Error { path: path.to_owned(), action, source };
         let unfit = |what| io::Error::new(io::ErrorKind::InvalidInput, what);
         let target = match fs::canonicalize(path) {
             Ok(existing) if existing.is_file() => existing,
@@ -83,11 +71,7 @@ impl Draft {
             .create_new(true)
             .open(&temporary)
             .map_err(|source| fail("create", source))?;
-        Ok(Draft {
-            file: BufWriter::new(file),
-            target,
-            temporary: Some(temporary),
-        })
+        Ok(Draft { file: BufWriter::new(file), target, temporary: Some(temporary) })
     }
 
     /// Makes the file durable under its name.
@@ -95,13 +79,8 @@ impl Draft {
     /// # Errors
     /// When the disk refuses; then the target is as it was.
     pub fn commit(mut self) -> Result<(), Error> {
-        self.file
-            .flush()
-            .map_err(|source| self.error("write", source))?;
-        self.file
-            .get_ref()
-            .sync_all()
-            .map_err(|source| self.error("sync", source))?;
+        self.file.flush().map_err(|source| self.error("write", source))?;
+        self.file.get_ref().sync_all().map_err(|source| self.error("sync", source))?;
         if let Some(temporary) = &self.temporary {
             fs::rename(temporary, &self.target).map_err(|source| self.error("rename", source))?;
         }
@@ -112,11 +91,7 @@ impl Draft {
     /// An error of this draft, for a failed write into it.
     #[must_use]
     pub fn error(&self, action: &'static str, source: io::Error) -> Error {
-        Error {
-            path: self.target.clone(),
-            action,
-            source,
-        }
+        Error { path: self.target.clone(), action, source }
     }
 }
 
@@ -151,10 +126,7 @@ fn temporary_name(target: &Path) -> Option<PathBuf> {
 
 #[cfg(unix)]
 fn sync_folder(target: &Path) -> io::Result<()> {
-    let folder = target
-        .parent()
-        .filter(|p| !p.as_os_str().is_empty())
-        .unwrap_or(Path::new("."));
+    let folder = target.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     File::open(folder)?.sync_all()
 }
 

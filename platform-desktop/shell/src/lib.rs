@@ -4,8 +4,8 @@
 pub mod durable;
 pub mod figures;
 pub mod rmap;
-pub mod statics;
-pub mod stl;
 pub mod stage;
 pub mod starts;
+pub mod statics;
+pub mod stl;
 pub mod trace;

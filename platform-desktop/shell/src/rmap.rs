@@ -64,9 +64,7 @@ impl Header {
 pub fn peek(path: &Path) -> Result<Header, Error> {
     let mut start = Vec::with_capacity(HEADER);
     let file = File::open(path).map_err(|source| unreadable(path, source))?;
-    file.take(HEADER as u64)
-        .read_to_end(&mut start)
-        .map_err(|source| unreadable(path, source))?;
+    file.take(HEADER as u64).read_to_end(&mut start).map_err(|source| unreadable(path, source))?;
     header(&start).map_err(|(offset, fault)| bad(path, offset, fault))
 }
 
@@ -80,21 +78,11 @@ where
 {
     let header = peek(path)?;
     if header.n != N {
-        return Err(bad(
-            path,
-            6,
-            Fault::OtherSize {
-                found: header.n,
-                expected: N,
-            },
-        ));
+        return Err(bad(path, 6, Fault::OtherSize { found: header.n, expected: N }));
     }
     let mut bytes = Vec::with_capacity(header.file_length() + 1);
     File::open(path)
-        .and_then(|file| {
-            file.take(header.file_length() as u64 + 1)
-                .read_to_end(&mut bytes)
-        })
+        .and_then(|file| file.take(header.file_length() as u64 + 1).read_to_end(&mut bytes))
         .map_err(|source| unreadable(path, source))?;
     decode(&bytes, maps).map_err(|(offset, fault)| bad(path, offset, fault))
 }
@@ -116,11 +104,7 @@ pub fn encode<const N: usize>(maps: &Maps<N>) -> Vec<u8>
 where
     Grid<N>: Size,
 {
-    let header = Header {
-        version: VERSION,
-        n: N,
-        layers: 1,
-    };
+    let header = Header { version: VERSION, n: N, layers: 1 };
     let mut bytes = Vec::with_capacity(header.file_length());
     bytes.extend(MAGIC);
     bytes.extend(VERSION.to_le_bytes());
@@ -156,18 +140,9 @@ where
 {
     let header = header(bytes)?;
     if header.n != N {
-        return Err((
-            6,
-            Fault::OtherSize {
-                found: header.n,
-                expected: N,
-            },
-        ));
+        return Err((6, Fault::OtherSize { found: header.n, expected: N }));
     }
-    let columns = Columns {
-        bytes: checked_columns(bytes, &header)?,
-        n: N,
-    };
+    let columns = Columns { bytes: checked_columns(bytes, &header)?, n: N };
     columns.check_ranges()?;
     columns.check_tightness()?;
     for axis in Axis::ALL {
@@ -179,18 +154,11 @@ where
 }
 
 fn unreadable(path: &Path, source: io::Error) -> Error {
-    Error::Unreadable {
-        path: path.to_owned(),
-        source,
-    }
+    Error::Unreadable { path: path.to_owned(), source }
 }
 
 fn bad(path: &Path, offset: usize, fault: Fault) -> Error {
-    Error::Bad {
-        path: path.to_owned(),
-        offset,
-        fault,
-    }
+    Error::Bad { path: path.to_owned(), offset, fault }
 }
 
 fn header(bytes: &[u8]) -> Result<Header, (usize, Fault)> {
@@ -216,11 +184,7 @@ fn header(bytes: &[u8]) -> Result<Header, (usize, Fault)> {
     if let Some(i) = fill.iter().position(|&byte| byte != 0) {
         return Err((9 + i, Fault::Flags(fill[i])));
     }
-    Ok(Header {
-        version,
-        n: n.into(),
-        layers: layers.into(),
-    })
+    Ok(Header { version, n: n.into(), layers: layers.into() })
 }
 
 /// The bytes of the columns, once length and checksum are right.
@@ -242,9 +206,7 @@ fn checked_columns<'a>(bytes: &'a [u8], header: &Header) -> Result<&'a [u8], (us
 
 /// The last four bytes of a whole file.
 fn stored_checksum(bytes: &[u8]) -> u32 {
-    bytes
-        .last_chunk()
-        .map_or(0, |&last| u32::from_le_bytes(last))
+    bytes.last_chunk().map_or(0, |&last| u32::from_le_bytes(last))
 }
 
 /// The columns of a file with one interval each, before they are known to be tight.
@@ -279,11 +241,7 @@ impl Columns<'_> {
             for address in self.addresses() {
                 let bytes = self.pair(axis, address);
                 if Range::from_bytes(bytes, self.n).is_none() {
-                    let fault = Fault::Range {
-                        axis,
-                        address,
-                        bytes,
-                    };
+                    let fault = Fault::Range { axis, address, bytes };
                     return Err((HEADER + self.offset(axis, address), fault));
                 }
             }
@@ -303,11 +261,7 @@ impl Columns<'_> {
                 for (byte, end) in [range.lo(), range.hi()].into_iter().enumerate() {
                     let voxel = axis.voxel(address, end);
                     if let Some(missing) = self.missing(voxel) {
-                        let fault = Fault::Loose {
-                            axis,
-                            voxel,
-                            missing,
-                        };
+                        let fault = Fault::Loose { axis, voxel, missing };
                         return Err((HEADER + self.offset(axis, address) + byte, fault));
                     }
                 }
@@ -318,10 +272,8 @@ impl Columns<'_> {
 
     /// The first axis whose column does not hold a voxel.
     fn missing(&self, voxel: [usize; 3]) -> Option<Axis> {
-        let holds = |axis: Axis| {
-            self.range(axis, axis.address(voxel))
-                .contains(voxel[axis as usize])
-        };
+        let holds =
+            |axis: Axis| self.range(axis, axis.address(voxel)).contains(voxel[axis as usize]);
         Axis::ALL.into_iter().find(|&axis| !holds(axis))
     }
 }

@@ -77,9 +77,7 @@ pub fn write<const N: usize>(
 where
     Grid<N>: Size,
 {
-    exporter
-        .start(height_mm)
-        .map_err(|error| Error::Height(error.0))?;
+    exporter.start(height_mm).map_err(|error| Error::Height(error.0))?;
     let mut file = Draft::create(path).map_err(Error::File)?;
     let mut buffer = vec![0; Exporter::<N>::MIN_BUFFER];
     let mut bytes = 0;
@@ -96,8 +94,5 @@ where
         }
     }
     file.commit().map_err(Error::File)?;
-    Ok(Exported {
-        triangles: exporter.triangles().unwrap_or(0),
-        bytes,
-    })
+    Ok(Exported { triangles: exporter.triangles().unwrap_or(0), bytes })
 }

@@ -99,7 +99,10 @@ impl Trace {
         if records.len() != header.ticks as usize {
             let tick = records.len().min(header.ticks as usize);
             let expected = "as many ticks as the header says";
-            return Err((Some(tick), BadBytes { offset: HEADER_BYTES + tick * RECORD_BYTES, expected }));
+            return Err((
+                Some(tick),
+                BadBytes { offset: HEADER_BYTES + tick * RECORD_BYTES, expected },
+            ));
         }
         Ok(Trace { header, records })
     }
@@ -156,10 +159,9 @@ impl fmt::Display for Diverged {
                 "before tick 0: recorded from another state \
                  (digest {recorded:016x}, this one has {here:016x})"
             ),
-            Diverged::Tick { tick, recorded, here } => write!(
-                f,
-                "tick {tick}: digest {here:016x}, the trace has {recorded:016x}"
-            ),
+            Diverged::Tick { tick, recorded, here } => {
+                write!(f, "tick {tick}: digest {here:016x}, the trace has {recorded:016x}")
+            }
         }
     }
 }

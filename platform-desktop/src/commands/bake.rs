@@ -58,33 +58,20 @@ where
 
     let mut lines = String::new();
     let (triangles, output) = (report.triangles, args.output.display());
-    let _ = writeln!(
-        lines,
-        "{output}: {} voxels of {N}^3 from {triangles} triangles",
-        plane.count()
-    );
+    let _ =
+        writeln!(lines, "{output}: {} voxels of {N}^3 from {triangles} triangles", plane.count());
     if report.degenerate > 0 {
-        let _ = writeln!(
-            lines,
-            "{} triangles have no area at this size",
-            report.degenerate
-        );
+        let _ = writeln!(lines, "{} triangles have no area at this size", report.degenerate);
     }
     if report.flipped {
         let _ = writeln!(lines, "the mesh is inside out; baked as if it were not");
     }
     if faults > 0 {
-        let _ = writeln!(
-            lines,
-            "the winding is inconsistent: {faults} edges run the same way twice"
-        );
+        let _ =
+            writeln!(lines, "the winding is inconsistent: {faults} edges run the same way twice");
     }
     if report.opened > 0 {
-        let _ = writeln!(
-            lines,
-            "the mesh has holes; {} columns ran through them",
-            report.opened
-        );
+        let _ = writeln!(lines, "the mesh has holes; {} columns ran through them", report.opened);
     }
     Ok(lines)
 }

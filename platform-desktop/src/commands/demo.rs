@@ -48,23 +48,22 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
         .map_err(|e| Error::Input(format!("{}: can't be made: {e}", folder.display())))?;
     let session = sculpt();
     let file = |name: &str| folder.join(name);
-    durable::write(&file("session.trace"), &session.trace).map_err(Error::failure)?;
+    durable::write(&file("session.trace"), &session.trace)?;
     let mut png = Vec::new();
     contact_sheet(&session.pictures, 3).write_png(&mut png).map_err(Error::failure)?;
-    durable::write(&file("contact-sheet.png"), &png).map_err(Error::failure)?;
+    durable::write(&file("contact-sheet.png"), &png)?;
 
     let world = Grid::<N>::world();
-    rmap::write(&file("sculpture.rmap"), world.volume().maps()).map_err(Error::failure)?;
+    rmap::write(&file("sculpture.rmap"), world.volume().maps())?;
     let writing = progress::bar("exporting", None);
     let sculpture = stl::Sculpture { rows: world.volume().rows(), mask: world.mask() };
     let print =
-        stl::write(&file("sculpture.stl"), &sculpture, HEIGHT_MM, &mut *Grid::<N>::exporter())
-            .map_err(Error::failure)?;
+        stl::write(&file("sculpture.stl"), &sculpture, HEIGHT_MM, &mut *Grid::<N>::exporter())?;
     drop(writing);
 
     let mut report = session.report(world.volume().count());
     let _ = writeln!(report, "print: {} triangles, {HEIGHT_MM} mm high", print.triangles);
-    durable::write(&file("report.txt"), report.as_bytes()).map_err(Error::failure)?;
+    durable::write(&file("report.txt"), report.as_bytes())?;
     let _ = writeln!(
         report,
         "{}: session.trace, sculpture.rmap, sculpture.stl, contact-sheet.png, report.txt",

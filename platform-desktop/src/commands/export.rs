@@ -27,11 +27,7 @@ pub(super) struct Args {
 fn height(text: &str) -> Result<f32, String> {
     match text.parse() {
         Ok(height) if HEIGHTS_MM.contains(&height) => Ok(height),
-        _ => Err(format!(
-            "expected {} to {} millimetres",
-            HEIGHTS_MM.start(),
-            HEIGHTS_MM.end()
-        )),
+        _ => Err(format!("expected {} to {} millimetres", HEIGHTS_MM.start(), HEIGHTS_MM.end())),
     }
 }
 
@@ -54,16 +50,9 @@ where
     // A volume from a file has no mask.
     maps.clear();
     let writing = progress::bar("exporting", None);
-    let sculpture = stl::Sculpture {
-        rows: &plane,
-        mask: &maps,
-    };
-    let exported = stl::write(
-        &args.output,
-        &sculpture,
-        args.height_mm,
-        &mut *Grid::<N>::exporter(),
-    )?;
+    let sculpture = stl::Sculpture { rows: &plane, mask: &maps };
+    let exported =
+        stl::write(&args.output, &sculpture, args.height_mm, &mut *Grid::<N>::exporter())?;
     drop(writing);
     Ok(format!(
         "{}: {} triangles, {} bytes, {} mm high\n",

@@ -91,11 +91,7 @@ where
         bytes: header.file_length(),
         checksum: format!("{:08x}", rmap::checksum(&maps)),
         voxels: plane.count(),
-        ground: plane
-            .layer(0)
-            .iter()
-            .map(|row| u64::from(row.count()))
-            .sum(),
+        ground: plane.layer(0).iter().map(|row| u64::from(row.count())).sum(),
         bounds: bounds(&plane),
     })
 }
@@ -124,11 +120,7 @@ where
 
 fn volume_lines(path: &Path, info: &VolumeInfo) -> String {
     let mut lines = format!("{}: a volume of {}^3 voxels\n", path.display(), info.size);
-    let _ = writeln!(
-        lines,
-        "voxels    {} ({} on the ground)",
-        info.voxels, info.ground
-    );
+    let _ = writeln!(lines, "voxels    {} ({} on the ground)", info.voxels, info.ground);
     if let Some([lo, hi]) = info.bounds {
         let [x, y, z] = [0, 1, 2].map(|axis| format!("{}..={}", lo[axis], hi[axis]));
         let _ = writeln!(lines, "bounds    x {x}, y {y}, z {z}");
@@ -154,11 +146,7 @@ fn mesh_info(path: &Path) -> Result<MeshInfo, Error> {
 
 fn mesh_lines(path: &Path, info: &MeshInfo) -> String {
     let mut lines = format!("{}: a mesh\n", path.display());
-    let _ = writeln!(
-        lines,
-        "triangles {} over {} vertices",
-        info.triangles, info.vertices
-    );
+    let _ = writeln!(lines, "triangles {} over {} vertices", info.triangles, info.vertices);
     if let Some((low, high)) = info.bounds {
         let [x, y, z] = [0, 1, 2].map(|axis| format!("{} to {}", low[axis], high[axis]));
         let _ = writeln!(lines, "bounds    x {x}, y {y}, z {z}");

@@ -75,7 +75,7 @@ where
     let played = replay(args, trace, &mut stage)?;
 
     if let Some(path) = &args.digests {
-        durable::write(path, played.digests.as_bytes()).map_err(Error::failure)?;
+        durable::write(path, played.digests.as_bytes())?;
     }
     let world = stage.world();
     let mut report = format!(
@@ -87,8 +87,7 @@ where
     );
     if let Some(path) = &args.stl {
         let sculpture = stl::Sculpture { rows: world.volume().rows(), mask: world.mask() };
-        let print = stl::write(path, &sculpture, HEIGHT_MM, &mut *Grid::<N>::exporter())
-            .map_err(Error::failure)?;
+        let print = stl::write(path, &sculpture, HEIGHT_MM, &mut *Grid::<N>::exporter())?;
         let _ = writeln!(report, "{}: {} triangles", path.display(), print.triangles);
     }
     if let Some(folder) = &args.frames {

@@ -10,10 +10,7 @@ const TICK: Duration = Duration::from_millis(100);
 /// A bar of `steps`, or without a known number of them a spinner. It clears itself when dropped.
 pub(super) fn bar(what: &'static str, steps: Option<u64>) -> Bar {
     let (bar, template) = match steps {
-        Some(steps) => (
-            ProgressBar::new(steps),
-            "{msg:10} {bar:40} {percent:>3} % {elapsed:>4}",
-        ),
+        Some(steps) => (ProgressBar::new(steps), "{msg:10} {bar:40} {percent:>3} % {elapsed:>4}"),
         None => (ProgressBar::new_spinner(), "{msg:10} {spinner} {elapsed}"),
     };
     if let Ok(style) = ProgressStyle::with_template(template) {

@@ -32,11 +32,7 @@ pub(super) struct Args {
 }
 
 fn pixels(text: &str) -> Result<[usize; 2], String> {
-    let side = |text: &str| {
-        text.parse()
-            .ok()
-            .filter(|side| (1..=LONGEST).contains(side))
-    };
+    let side = |text: &str| text.parse().ok().filter(|side| (1..=LONGEST).contains(side));
     text.split_once('x')
         .and_then(|(width, height)| Some([side(width)?, side(height)?]))
         .ok_or_else(|| format!("expected WxH, each 1 to {LONGEST}"))
@@ -67,27 +63,13 @@ where
     let mut file = Draft::create(&args.output)?;
     let [azimuth, elevation] = args.view.map(f32::to_radians);
     let [width, height] = args.size;
-    let options = RenderOptions {
-        width,
-        height,
-        ..RenderOptions::default()
-    };
+    let options = RenderOptions { width, height, ..RenderOptions::default() };
     let rendering = progress::bar("rendering", Some(height as u64));
-    let image = picture(
-        &maps,
-        &Camera::ring(azimuth, elevation),
-        &options,
-        &|done| {
-            rendering.advance_to((done * height as f32) as u64);
-        },
-    );
+    let image = picture(&maps, &Camera::ring(azimuth, elevation), &options, &|done| {
+        rendering.advance_to((done * height as f32) as u64);
+    });
     drop(rendering);
-    image
-        .write_png(&mut file)
-        .map_err(|source| Error::failure(file.error("write", source)))?;
+    image.write_png(&mut file).map_err(|source| Error::failure(file.error("write", source)))?;
     file.commit()?;
-    Ok(format!(
-        "{}: {width}x{height} pixels\n",
-        args.output.display()
-    ))
+    Ok(format!("{}: {width}x{height} pixels\n", args.output.display()))
 }

@@ -10,9 +10,7 @@ use crate::error::Error;
 
 /// The size N of the volume in a file.
 pub(super) fn size(path: &Path) -> Result<usize, Error> {
-    rmap::peek(path)
-        .map(|header| header.n)
-        .map_err(Error::input)
+    rmap::peek(path).map(|header| header.n).map_err(Error::input)
 }
 
 /// Reads a volume that holds something.
@@ -22,29 +20,22 @@ where
 {
     rmap::read(path, maps).map_err(Error::input)?;
     if maps.is_empty() {
-        return Err(Error::Input(format!(
-            "{}: the volume is empty",
-            path.display()
-        )));
+        return Err(Error::Input(format!("{}: the volume is empty", path.display())));
     }
     Ok(())
 }
 
 /// The error for a size that is none of a sculpture's.
 pub(super) fn unusable_size(path: &Path, n: usize) -> Error {
-    Error::Input(format!(
-        "{}: expected a volume of size 128 or 256, found {n}",
-        path.display()
-    ))
+    Error::Input(format!("{}: expected a volume of size 128 or 256, found {n}", path.display()))
 }
 
 /// Refuses to write over the file that is read.
 pub(super) fn check_distinct(input: &Path, output: &Path) -> Result<(), Error> {
     match (input.canonicalize(), output.canonicalize()) {
-        (Ok(a), Ok(b)) if a == b => Err(Error::Input(format!(
-            "{}: is both input and output",
-            output.display()
-        ))),
+        (Ok(a), Ok(b)) if a == b => {
+            Err(Error::Input(format!("{}: is both input and output", output.display())))
+        }
         _ => Ok(()),
     }
 }

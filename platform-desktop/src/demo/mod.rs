@@ -13,8 +13,8 @@ use paros_core::tools::{Bit, Tool};
 use paros_core::workbench::Item;
 use paros_shell::stage::Stage;
 
-pub use sculptor::Watcher;
 use sculptor::Sculptor;
+pub use sculptor::Watcher;
 
 /// A stage of the session, for pictures and the report.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -93,29 +93,30 @@ pub fn play<const N: usize>(
 
     s.fetch(RIGHT, Item::Bit(Bit::LargeBall));
     s.mirror(true);
-    rough(&mut s, 0.0, 9.0, 4.0);
+    let rough = Raster { spacing: 9.0, least: 4.0, ..Raster::WHOLE };
+    plunge_side(&mut s, 0.0, rough);
     done(Chapter::Front, &s);
-    for degrees in [90.0, 180.0] {
-        rough(&mut s, degrees, 9.0, 4.0);
-    }
-    rough_top(&mut s, 9.0, 4.0);
+    plunge_side(&mut s, 90.0, rough);
+    plunge_side(&mut s, 180.0, rough);
+    plunge_top(&mut s, rough);
     done(Chapter::Rough, &s);
 
     s.fetch(RIGHT, Item::Bit(Bit::MediumBall));
+    let fine = Raster { spacing: 5.0, least: 2.5, ..Raster::WHOLE };
     for degrees in [0.0, 45.0, 90.0, 135.0, 180.0] {
-        rough(&mut s, degrees, 5.0, 2.5);
+        plunge_side(&mut s, degrees, fine);
     }
-    rough_top(&mut s, 5.0, 2.5);
+    plunge_top(&mut s, fine);
     s.fetch(RIGHT, Item::Bit(Bit::SmallBall));
     for degrees in [0.0, 90.0, 180.0] {
-        rough(&mut s, degrees, 3.5, 2.0);
+        draw_strips(&mut s, degrees, 2.5);
     }
-    rough_top(&mut s, 3.5, 2.0);
+    plunge_top(&mut s, Raster { spacing: 3.0, least: 1.0, ..Raster::WHOLE });
     done(Chapter::Fine, &s);
 
     s.fetch(RIGHT, Item::Tool(Tool::Rasp));
     for degrees in [0.0, 90.0, 180.0] {
-        rasp(&mut s, degrees);
+        draw_strips(&mut s, degrees, 8.0);
     }
     s.mirror(false);
     done(Chapter::Smooth, &s);
@@ -160,9 +161,30 @@ where
     s.rest(RIGHT);
 }
 
-/// Plunges into one side of the block, from the top down, wherever stone covers the figure by more
-/// than `least` voxels of a 128-voxel block. The mirror does the other half.
-fn rough<const N: usize>(s: &mut Sculptor<'_, '_, N>, degrees: f32, spacing: f32, least: f32)
+/// Where to plunge, in voxels of a block of 128.
+#[derive(Clone, Copy)]
+struct Raster {
+    spacing: f32,
+    /// Stone that must cover the figure for a plunge to be worth it.
+    least: f32,
+    /// The lowest row.
+    low: f32,
+    /// How far to either side of the axis.
+    wide: f32,
+}
+
+impl Raster {
+    const WHOLE: Raster = Raster { spacing: 1.0, least: 1.0, low: 3.0, wide: 63.0 };
+
+    /// The rows, from the top down.
+    fn heights(self) -> impl Iterator<Item = f32> {
+        let count = ((127.0 - self.low) / self.spacing) as usize;
+        (0..=count).rev().map(move |i| self.low + self.spacing * i as f32)
+    }
+}
+
+/// Plunges into one side of the block, row by row. The mirror does the other half.
+fn plunge_side<const N: usize>(s: &mut Sculptor<'_, '_, N>, degrees: f32, raster: Raster)
 where
     Grid<N>: Size,
 {
@@ -173,13 +195,13 @@ where
     // Clear of the box by the largest bit.
     let far = if degrees % 90.0 == 0.0 { 74.0 } else { 98.0 };
     s.face(degrees);
-    for height in heights(spacing) {
-        for aside in steps(-63.0, 63.0, spacing) {
-            let start = foot + Vec3::Y * height * unit + side * (aside * unit) + out * (far * unit);
+    for height in raster.heights() {
+        for aside in steps(-raster.wide, raster.wide, raster.spacing) {
+            let start = foot + (Vec3::Y * height + side * aside + out * far) * unit;
             // Beyond the mirror the other half is being worked.
             let half = out.z.abs() > 0.9 && start.x < 62.0 * unit;
             if !half {
-                plunge(s, start, -out, far * unit, least * unit);
+                plunge(s, start, -out, far * unit, raster.least * unit);
             }
         }
     }
@@ -187,16 +209,16 @@ where
 }
 
 /// Plunges from above.
-fn rough_top<const N: usize>(s: &mut Sculptor<'_, '_, N>, spacing: f32, least: f32)
+fn plunge_top<const N: usize>(s: &mut Sculptor<'_, '_, N>, raster: Raster)
 where
     Grid<N>: Size,
 {
     let unit = N as f32 / 128.0;
     s.face(0.0);
-    for z in steps(8.0, 120.0, spacing) {
-        for x in steps(64.0, 120.0, spacing) {
+    for z in steps(8.0, 120.0, raster.spacing) {
+        for x in steps(64.0, 120.0, raster.spacing) {
             let start = Vec3::new(x, 140.0, z) * unit;
-            plunge(s, start, Vec3::NEG_Y, 132.0 * unit, least * unit);
+            plunge(s, start, Vec3::NEG_Y, 138.0 * unit, raster.least * unit);
         }
     }
     s.rest(RIGHT);
@@ -213,6 +235,7 @@ fn plunge<const N: usize>(
     Grid<N>: Size,
 {
     let (Some(stone), mask) = s.probe(start, way) else { return };
+    // The bit is let into what is left by its own size; the mask stops it.
     let end = mask.unwrap_or(farthest).min(farthest);
     if end - stone < least || s.ended() {
         return;
@@ -241,15 +264,21 @@ where
     let swirl = (0..90).map(|i| {
         let angle = 0.25 * i as f32;
         let radius = (2.0 + 0.08 * i as f32) * unit;
-        touch + Vec3::new(libm::sinf(angle) * radius, 0.06 * i as f32 * unit, libm::cosf(angle) * radius)
+        touch
+            + Vec3::new(
+                libm::sinf(angle) * radius,
+                0.06 * i as f32 * unit,
+                libm::cosf(angle) * radius,
+            )
     });
-    s.stroke(RIGHT, swirl, Vec3::NEG_Y);
+    s.stroke(RIGHT, swirl, Vec3::NEG_Y, 0);
     s.lift(RIGHT);
     s.rest(RIGHT);
 }
 
-/// Draws the rasp down one side in strips. The mirror does the other half.
-fn rasp<const N: usize>(s: &mut Sculptor<'_, '_, N>, degrees: f32)
+/// Draws the running tool down one side in strips, pressed onto the figure. The mirror does the other
+/// half.
+fn draw_strips<const N: usize>(s: &mut Sculptor<'_, '_, N>, degrees: f32, spacing: f32)
 where
     Grid<N>: Size,
 {
@@ -258,16 +287,20 @@ where
     let side = Vec3::Y.cross(out);
     let axis = Vec3::new(64.0, 0.0, 64.0) * unit;
     s.face(degrees);
-    for aside in steps(-40.0, 40.0, 8.0) {
-        let start = axis + side * (aside * unit) + out * (98.0 * unit);
-        let depths: Vec<(f32, f32)> = heights(1.0)
-            .filter_map(|y| Some((y * unit, s.probe(start.with_y(y * unit), -out).0?)))
-            .collect();
-        let Some((top, depth)) = depths.first() else { continue };
-        s.approach(RIGHT, start.with_y(*top), -out);
-        s.approach(RIGHT, start.with_y(*top) - out * (depth - 12.0 * unit), -out);
-        let strip = depths.iter().map(|(y, depth)| start.with_y(*y) - out * (depth + 2.0 * unit));
-        s.stroke(RIGHT, strip, -out);
+    for aside in steps(-40.0, 40.0, spacing) {
+        let start = axis + (side * aside + out * 98.0) * unit;
+        let half = out.z.abs() > 0.9 && start.x < 62.0 * unit;
+        let press = |y: f32| {
+            let (stone, mask) = s.probe(start.with_y(y * unit), -out);
+            Some((y * unit, mask.unwrap_or(stone?) + 2.0 * unit))
+        };
+        let strip: Vec<(f32, f32)> =
+            Raster { spacing: 2.0, ..Raster::WHOLE }.heights().filter_map(press).collect();
+        let Some(&(top, depth)) = strip.first().filter(|_| !half) else { continue };
+        s.approach(RIGHT, start.with_y(top), -out);
+        s.approach(RIGHT, start.with_y(top) - out * (depth - 14.0 * unit), -out);
+        let points = strip.iter().map(|(y, depth)| start.with_y(*y) - out * *depth);
+        s.stroke(RIGHT, points, -out, 5);
         s.approach(RIGHT, start, -out);
         s.lift(RIGHT);
     }
@@ -288,7 +321,7 @@ where
         let touch = start - out * (stone - 2.0 * unit);
         s.approach(RIGHT, start, -out);
         s.approach(RIGHT, touch + out * (8.0 * unit), -out);
-        s.stroke(RIGHT, (0..6).map(|_| touch), -out);
+        s.stroke(RIGHT, (0..6).map(|_| touch), -out, 0);
         s.lift(RIGHT);
         s.approach(RIGHT, start, -out);
     }
@@ -299,12 +332,6 @@ where
 fn outward(degrees: f32) -> Vec3 {
     let radians = degrees.to_radians();
     Vec3::new(libm::sinf(radians), 0.0, libm::cosf(radians))
-}
-
-/// Heights in a block of 128 voxels, from the top down to near the ground.
-fn heights(spacing: f32) -> impl Iterator<Item = f32> {
-    let count = (124.0 / spacing) as usize;
-    (0..=count).rev().map(move |i| 3.0 + spacing * i as f32)
 }
 
 /// From `first` to `last` in steps of `by`, which may be negative.

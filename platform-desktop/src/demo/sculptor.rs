@@ -109,8 +109,10 @@ where
     pub fn face(&mut self, degrees: f32) {
         let target = (degrees * (-65_536.0 / 360.0)).round() as i32 as u16;
         loop {
-            let (_, turn) = self.world().frame().to_room(&Pose { rotation: Quat::IDENTITY, ..Pose::ZERO });
-            let now = (2.0 * libm::atan2f(turn.y, turn.w) * (65_536.0 / core::f32::consts::TAU)).round();
+            let (_, turn) =
+                self.world().frame().to_room(&Pose { rotation: Quat::IDENTITY, ..Pose::ZERO });
+            let now =
+                (2.0 * libm::atan2f(turn.y, turn.w) * (65_536.0 / core::f32::consts::TAU)).round();
             let left = i32::from(target.wrapping_sub(now as i32 as u16) as i16);
             // A full push of the stick turns by 227 in a tick, a third of it still by 72.
             let push = match left.abs() {
@@ -135,7 +137,7 @@ where
     }
 
     /// Runs the tool along `way` from where it is, pushing through what it meets, until it has come
-    /// `distance` voxels, meets what can't be removed, or is stuck. The trigger stays down.
+    /// `distance` voxels, is held by what can't be removed, or is stuck. The trigger stays down.
     pub fn drive(&mut self, hand: usize, from: Vec3, way: Vec3, distance: f32) {
         self.input.hands[hand].trigger = 255;
         let (mut best, mut stuck) = (0.0, 0);
@@ -146,7 +148,7 @@ where
             self.tick();
             let reached = (self.world().hand(hand).frozen.position - from).dot(way);
             let on_mask = self.world().contact(hand).is_some_and(|contact| contact.on_mask);
-            if reached >= distance || on_mask {
+            if reached >= distance || (on_mask && reached < best + 0.2) {
                 break;
             }
             stuck = if reached > best + 0.05 { 0 } else { stuck + 1 };
@@ -154,12 +156,26 @@ where
         }
     }
 
-    /// Runs the tool through a row of points of the grid, pointing along `way`, a voxel or so a tick.
-    pub fn stroke(&mut self, hand: usize, points: impl IntoIterator<Item = Vec3>, way: Vec3) {
+    /// Runs the tool through a row of points of the grid, pointing along `way`. It stays at each for
+    /// up to `patience` ticks more, as long as it still sinks in.
+    pub fn stroke(
+        &mut self,
+        hand: usize,
+        points: impl IntoIterator<Item = Vec3>,
+        way: Vec3,
+        patience: u32,
+    ) {
         self.input.hands[hand].trigger = 255;
         for point in points {
             self.grips[hand] = self.grip_for(hand, point, way);
             self.tick();
+            for _ in 0..patience {
+                let before = self.world().hand(hand).frozen.position;
+                self.tick();
+                if (self.world().hand(hand).frozen.position - before).dot(way) < 0.15 {
+                    break;
+                }
+            }
         }
     }
 
@@ -174,7 +190,8 @@ where
         let first = |maps: &Maps<N>| {
             (0..2 * N).map(|i| i as f32).find(|&distance| {
                 let voxel = (from + way * distance).floor();
-                let inside = voxel.cmpge(Vec3::ZERO).all() && voxel.cmplt(Vec3::splat(N as f32)).all();
+                let inside =
+                    voxel.cmpge(Vec3::ZERO).all() && voxel.cmplt(Vec3::splat(N as f32)).all();
                 inside && maps.contains(voxel.to_array().map(|v| v as usize))
             })
         };

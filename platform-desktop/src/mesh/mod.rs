@@ -173,11 +173,10 @@ impl Mesh {
         for &i in self.triangles.as_flattened() {
             used[i as usize] = true;
         }
-        let mut kept = 0;
         let mut renamed = vec![0; used.len()];
-        for (name, _) in renamed.iter_mut().zip(&used).filter(|(_, used)| **used) {
-            *name = kept;
-            kept += 1;
+        let kept = renamed.iter_mut().zip(&used).filter(|(_, used)| **used);
+        for (name, (renamed, _)) in (0..).zip(kept) {
+            *renamed = name;
         }
         for i in self.triangles.as_flattened_mut() {
             *i = renamed[*i as usize];

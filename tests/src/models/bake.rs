@@ -140,7 +140,7 @@ fn crossings(triangles: &[Triangle], axis: Axis, voxel: [usize; 3]) -> Vec<i32> 
             found.push((height, n[w].signum() as i32));
         }
     }
-    found.sort_by(|a, b| a.0.cmp(&b.0));
+    found.sort_by_key(|(height, _)| *height);
     let mut sums: Vec<([Fraction; 3], i32)> = Vec::new();
     for (height, facing) in found {
         match sums.last_mut() {

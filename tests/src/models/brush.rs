@@ -12,16 +12,12 @@ pub fn centre(voxel: [i32; 3]) -> [i128; 3] {
 
 /// The voxels whose centres are at most `radius` from the stretch between `a` and `b`.
 pub fn capsule(n: usize, a: IVec3, b: IVec3, radius: i32) -> Dense {
-    Dense::from_fn(n, |voxel| {
-        near_stretch(centre(voxel), wide(a), wide(b), radius.into())
-    })
+    Dense::from_fn(n, |voxel| near_stretch(centre(voxel), wide(a), wide(b), radius.into()))
 }
 
 /// The voxels whose centres are in a box of half extents `half` about a pose.
 pub fn oriented_box(n: usize, half: IVec3, pose: &Pose) -> Dense {
-    Dense::from_fn(n, |voxel| {
-        in_moved_box(centre(voxel), half, pose, pose.fixed_position())
-    })
+    Dense::from_fn(n, |voxel| in_moved_box(centre(voxel), half, pose, pose.fixed_position()))
 }
 
 /// The voxels whose centres are in a box turned as `pose`, at some time on its straight way from

@@ -82,7 +82,23 @@ impl Block {
         } else {
             Pose { position: raw.position, rotation: reached.rotation }
         };
-        Frozen { pose: self.walk(bit, &reached, &target).0, blocked: true }
+        let mut pose = self.walk(bit, &reached, &target).0;
+        if pose.position == reached.position {
+            let sits = self.depths(bit, &reached);
+            let mut away = I64Vec3::ZERO;
+            for voxel in &self.voxels {
+                let inner = inner_distance(bit, &stop, *voxel).unwrap_or(i32::MIN);
+                let held = self.masked.contains(voxel);
+                if inner > bit.bite.max(sits.volume) || (held && inner > sits.mask) {
+                    away -= from_bit(&stop, *voxel);
+                }
+            }
+            let away = away.as_vec3().normalize_or_zero();
+            let tangent = left - away * left.dot(away).min(0.0);
+            let target = Pose { position: reached.position + tangent, ..reached };
+            pose = self.walk(bit, &reached, &target).0;
+        }
+        Frozen { pose, blocked: true }
     }
 
     /// The last pose that may be taken on the way, and the one after it. From with its centre in

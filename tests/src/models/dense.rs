@@ -9,14 +9,8 @@ use paros_core::size::{Grid, Size};
 use proptest::prelude::*;
 
 /// The steps to the six neighbours.
-pub const SIX: [[i32; 3]; 6] = [
-    [-1, 0, 0],
-    [1, 0, 0],
-    [0, -1, 0],
-    [0, 1, 0],
-    [0, 0, -1],
-    [0, 0, 1],
-];
+pub const SIX: [[i32; 3]; 6] =
+    [[-1, 0, 0], [1, 0, 0], [0, -1, 0], [0, 1, 0], [0, 0, -1], [0, 0, 1]];
 
 /// `n`^3 voxels, each occupied or not.
 #[derive(Clone, PartialEq, Eq)]
@@ -28,10 +22,7 @@ pub struct Dense {
 impl Dense {
     /// No voxel occupied.
     pub fn new(n: usize) -> Self {
-        Dense {
-            n,
-            voxels: vec![false; n * n * n],
-        }
+        Dense { n, voxels: vec![false; n * n * n] }
     }
 
     /// The voxels for which `occupied` says so.
@@ -60,9 +51,7 @@ impl Dense {
     where
         Grid<N>: Size,
     {
-        Dense::from_fn(N, |[x, y, z]| {
-            plane.row(y as usize, z as usize).contains(x as usize)
-        })
+        Dense::from_fn(N, |[x, y, z]| plane.row(y as usize, z as usize).contains(x as usize))
     }
 
     /// Sets the occupied voxels in an empty plane.
@@ -103,9 +92,7 @@ impl Dense {
 
     /// Every occupied voxel.
     pub fn occupied(&self) -> impl Iterator<Item = [i32; 3]> {
-        self.all()
-            .zip(&self.voxels)
-            .filter_map(|(voxel, &occupied)| occupied.then_some(voxel))
+        self.all().zip(&self.voxels).filter_map(|(voxel, &occupied)| occupied.then_some(voxel))
     }
 
     /// Whether a voxel lies in the grid and is occupied.
@@ -121,10 +108,7 @@ impl Dense {
 
     /// Occupied voxels.
     pub fn count(&self) -> u32 {
-        self.voxels
-            .iter()
-            .map(|&occupied| u32::from(occupied))
-            .sum()
+        self.voxels.iter().map(|&occupied| u32::from(occupied)).sum()
     }
 
     /// Whether no voxel is occupied.
@@ -184,9 +168,7 @@ impl Dense {
     /// S(V): the voxels connected by six-neighbour steps inside the volume to its ground layer
     /// y = 0 or to its voxels in the mask.
     pub fn supported(&self, mask: &Dense) -> Dense {
-        let seeds = self
-            .occupied()
-            .filter(|&voxel| voxel[1] == 0 || mask.contains(voxel));
+        let seeds = self.occupied().filter(|&voxel| voxel[1] == 0 || mask.contains(voxel));
         self.connected_to(seeds.collect())
     }
 
@@ -257,10 +239,7 @@ impl Dense {
     fn zip(&self, other: &Dense, op: impl Fn(bool, bool) -> bool) -> Dense {
         assert_eq!(self.n, other.n, "grids of one size");
         let both = self.voxels.iter().zip(&other.voxels);
-        Dense {
-            n: self.n,
-            voxels: both.map(|(&a, &b)| op(a, b)).collect(),
-        }
+        Dense { n: self.n, voxels: both.map(|(&a, &b)| op(a, b)).collect() }
     }
 }
 

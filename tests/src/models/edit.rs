@@ -12,11 +12,7 @@ pub fn edited(
     operation: Operation,
     mirrored: bool,
 ) -> (Dense, EditReport) {
-    let brush = if mirrored {
-        brush.or(&brush.mirrored())
-    } else {
-        brush.clone()
-    };
+    let brush = if mirrored { brush.or(&brush.mirrored()) } else { brush.clone() };
     let none = Dense::new(volume.n());
     let (removed, filled, too_deep) = match operation {
         Operation::Carve { depth } => {

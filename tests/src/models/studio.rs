@@ -107,7 +107,10 @@ where
         assert!(world.volume().is_tight(), "tick {tick}: a range that isn't tight");
         self.plane.expand(world.volume().maps());
         for y in 0..N {
-            assert!(self.plane.layer(y) == world.volume().rows().layer(y), "tick {tick}: layer {y}");
+            assert!(
+                self.plane.layer(y) == world.volume().rows().layer(y),
+                "tick {tick}: layer {y}"
+            );
             for z in 0..N {
                 let gone = !world.volume().rows().row(y, z) & Grid::<N>::FULL;
                 let lost = world.mask().row_among((y, z), gone);

@@ -44,11 +44,7 @@ fn head(q: Vec3) -> f32 {
     let cheek = sphere(q, v(8.0, 82.0, 14.0), 8.5);
     let muzzle = ellipsoid(q, v(3.2, 81.5, 23.0), v(5.5, 4.6, 5.0));
     let ear = limb(q, (v(10.5, 97.0, 6.0), 7.0), (v(15.5, 113.0, 4.0), 1.8));
-    let ear = cut(
-        ear,
-        ellipsoid(q, v(12.5, 103.0, 13.0), v(4.5, 9.0, 7.5)),
-        1.5,
-    );
+    let ear = cut(ear, ellipsoid(q, v(12.5, 103.0, 13.0), v(4.5, 9.0, 7.5)), 1.5);
     let d = blend(skull, cheek, 6.0);
     blend(blend(d, muzzle, 4.0), ear, 3.0)
 }
@@ -58,15 +54,9 @@ fn face(d: f32, q: Vec3) -> f32 {
         return d;
     }
     let eye = ellipsoid(q, v(7.2, 90.0, 23.2), v(4.3, 2.7, 2.4));
-    let d = min(
-        cut(d, ellipsoid(q, v(7.2, 90.0, 25.0), v(5.6, 3.8, 4.0)), 1.0),
-        eye,
-    );
+    let d = min(cut(d, ellipsoid(q, v(7.2, 90.0, 25.0), v(5.6, 3.8, 4.0)), 1.0), eye);
     let nose = ellipsoid(q, v(0.0, 85.0, 27.0), v(2.6, 1.9, 2.2));
-    min(
-        groove(d, if q.y < 84.0 && q.z > 20.0 { q.x } else { 9.0 }, 1.1),
-        nose,
-    )
+    min(groove(d, if q.y < 84.0 && q.z > 20.0 { q.x } else { 9.0 }, 1.1), nose)
 }
 
 fn tail(p: Vec3) -> f32 {

@@ -83,9 +83,7 @@ pub(super) fn limb(p: Vec3, (a, ra): (Vec3, f32), (b, rb): (Vec3, f32)) -> f32 {
 /// A chain of limbs through the given points and radii.
 #[inline]
 pub(super) fn chain(p: Vec3, joints: &[(Vec3, f32)]) -> f32 {
-    joints
-        .windows(2)
-        .fold(f32::MAX, |d, pair| min(d, limb(p, pair[0], pair[1])))
+    joints.windows(2).fold(f32::MAX, |d, pair| min(d, limb(p, pair[0], pair[1])))
 }
 
 /// A box of half extents `half`, its edges rounded by `radius` within them.
@@ -100,10 +98,7 @@ pub(super) fn block(p: Vec3, centre: Vec3, half: Vec3, radius: f32) -> f32 {
 #[inline]
 pub(super) fn disc(p: Vec3, (low, high): (f32, f32), radius: f32, rim: f32) -> f32 {
     let half = (high - low) * 0.5;
-    let q = Vec2::new(
-        turned(p) - radius + rim,
-        (p.y - low - half).abs() - half + rim,
-    );
+    let q = Vec2::new(turned(p) - radius + rim, (p.y - low - half).abs() - half + rim);
     let outside = Vec2::new(max(q.x, 0.0), max(q.y, 0.0)).length();
     outside + min(max(q.x, q.y), 0.0) - rim
 }
@@ -132,11 +127,8 @@ pub(super) fn groove(d: f32, line: f32, size: f32) -> f32 {
 pub(super) fn wedge(p: Vec3) -> Vec2 {
     let mut q = Vec2::new(p.x.abs(), p.z.abs());
     // Sine and cosine of the mirrors at 45, 22.5 and 11.25 degrees.
-    const MIRRORS: [(f32, f32); 3] = [
-        (0.707_106_77, 0.707_106_77),
-        (0.382_683_43, 0.923_879_5),
-        (0.195_090_32, 0.980_785_3),
-    ];
+    const MIRRORS: [(f32, f32); 3] =
+        [(0.707_106_77, 0.707_106_77), (0.382_683_43, 0.923_879_5), (0.195_090_32, 0.980_785_3)];
     for (sine, cosine) in MIRRORS {
         let beyond = q.y * cosine - q.x * sine;
         if beyond > 0.0 {

@@ -57,12 +57,7 @@ static FACETS: LazyLock<[Facet; CUTS.len()]> = LazyLock::new(|| {
         // Any direction that is not the normal's, differing from facet to facet.
         let aside = v(0.3 + 0.1 * (i % 7) as f32, 0.5, 0.9 - 0.2 * (i % 5) as f32);
         let across = normal.cross(aside).normalize() * (0.09 + 0.012 * (i % 3) as f32);
-        Facet {
-            normal,
-            height,
-            across,
-            bite: [1.1, 0.7, 1.0, 0.3][i % 4],
-        }
+        Facet { normal, height, across, bite: [1.1, 0.7, 1.0, 0.3][i % 4] }
     })
 });
 
@@ -74,11 +69,7 @@ pub(super) fn field(p: Vec3) -> f32 {
     let beyond = |facet: &Facet| middle.dot(facet.normal) - facet.height;
     let flat = FACETS.iter().map(beyond).fold(f32::MIN, max);
     if flat.abs() > RELIEF {
-        return if flat > 0.0 {
-            flat - RELIEF
-        } else {
-            flat + RELIEF
-        };
+        return if flat > 0.0 { flat - RELIEF } else { flat + RELIEF };
     }
     let worn = 1.9 * noise(p * (1.0 / 21.0), 1) + 0.7 * noise(p * (1.0 / 9.0), 2);
     // The chisel skips where the stone was split cleanly.

@@ -38,14 +38,8 @@ pub enum Figure {
 
 impl Figure {
     /// All of them, in the order of their numbers.
-    pub const ALL: [Figure; 6] = [
-        Figure::Lump,
-        Figure::Owl,
-        Figure::Cat,
-        Figure::Amphora,
-        Figure::Dolphin,
-        Figure::Toy,
-    ];
+    pub const ALL: [Figure; 6] =
+        [Figure::Lump, Figure::Owl, Figure::Cat, Figure::Amphora, Figure::Dolphin, Figure::Toy];
 
     /// Those that hide in the lump, for the constrained mode (section 3.5 of the paper).
     pub const HIDDEN: [Figure; 4] = [Figure::Owl, Figure::Cat, Figure::Amphora, Figure::Dolphin];

@@ -26,21 +26,13 @@ fn body(p: Vec3, q: Vec3) -> f32 {
     }
     // Breast feathers: rows of scallops, every second row shifted by half a feather.
     let row = ((68.0 - p.y) / 9.0).floor();
-    let shift = if row - 2.0 * (row * 0.5).floor() > 0.5 {
-        5.0
-    } else {
-        0.0
-    };
+    let shift = if row - 2.0 * (row * 0.5).floor() > 0.5 { 5.0 } else { 0.0 };
     let x = q.x + shift;
     let x = x - 10.0 * ((x / 10.0) + 0.5).floor();
     let y = p.y - (68.0 - 9.0 * row);
     let scallop = v(x, y + 1.0, 0.0).length() - 6.5;
     let breast = max(q.x - 19.0, max(p.y - 66.0, 24.0 - p.y));
-    if breast > 0.0 {
-        d
-    } else {
-        groove(d, scallop, 1.3)
-    }
+    if breast > 0.0 { d } else { groove(d, scallop, 1.3) }
 }
 
 fn head(q: Vec3) -> f32 {
@@ -54,11 +46,7 @@ fn head(q: Vec3) -> f32 {
 fn face(q: Vec3) -> f32 {
     let ball = sphere(q, v(11.8, 87.5, 14.5), 9.4);
     let iris = v(q.x - 11.6, q.y - 87.5, 0.0).length() - 5.4;
-    let eye = if q.z > 18.0 {
-        groove(ball, iris, 1.2)
-    } else {
-        ball
-    };
+    let eye = if q.z > 18.0 { groove(ball, iris, 1.2) } else { ball };
     let eye = cut(eye, sphere(q, v(11.4, 87.5, 24.6), 2.8), 0.8);
     let beak = limb(q, (v(0.0, 83.0, 19.0), 5.0), (v(0.0, 74.0, 24.5), 2.0));
     min(eye, beak)
@@ -69,11 +57,7 @@ fn wings(q: Vec3) -> f32 {
     // Flight feathers: furrows that sweep down and back.
     let along = q.z * 0.85 - q.y * 0.42 + 20.0;
     let furrow = along - 7.5 * (along / 7.5 + 0.5).floor();
-    if q.y > 52.0 || d.abs() > 6.0 {
-        d
-    } else {
-        groove(d, furrow, 1.4)
-    }
+    if q.y > 52.0 || d.abs() > 6.0 { d } else { groove(d, furrow, 1.4) }
 }
 
 fn feet(q: Vec3) -> f32 {

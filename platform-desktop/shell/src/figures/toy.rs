@@ -29,11 +29,7 @@ fn patch(d: f32, q: Vec3) -> f32 {
     if q.z < 0.0 || d.abs() > 6.0 {
         return d;
     }
-    groove(
-        d,
-        ellipsoid(q, v(0.0, 42.0, 27.0), v(17.0, 19.0, 20.0)),
-        1.25,
-    )
+    groove(d, ellipsoid(q, v(0.0, 42.0, 27.0), v(17.0, 19.0, 20.0)), 1.25)
 }
 
 fn face(d: f32, q: Vec3) -> f32 {
@@ -44,11 +40,7 @@ fn face(d: f32, q: Vec3) -> f32 {
     let d = blend(d, snout, 3.0);
     let nose = ellipsoid(q, v(0.0, 85.0, 35.5), v(5.0, 3.6, 3.6));
     let smile = (v(q.x, q.y - 85.5, 0.0).length() - 9.0).abs();
-    let d = if q.y < 80.0 && q.x < 8.0 && q.z > 28.0 {
-        groove(d, smile, 1.4)
-    } else {
-        d
-    };
+    let d = if q.y < 80.0 && q.x < 8.0 && q.z > 28.0 { groove(d, smile, 1.4) } else { d };
     let eye = sphere(q, v(14.0, 94.0, 24.5), 5.6);
     min(min(d, nose), eye)
 }

@@ -89,11 +89,7 @@ impl fmt::Display for Error {
             Error::Unreadable { path, source } => {
                 write!(f, "{}: cannot read: {source}", path.display())
             }
-            Error::Bad {
-                path,
-                offset,
-                fault,
-            } => {
+            Error::Bad { path, offset, fault } => {
                 write!(f, "{}: at byte {offset}: {fault}", path.display())
             }
         }
@@ -122,39 +118,22 @@ impl fmt::Display for Fault {
             Fault::Layers(found) => write!(f, "expected 1 interval a column, found {found}"),
             Fault::Flags(found) => write!(f, "expected a zero byte, found {found:#04x}"),
             Fault::OtherSize { found, expected } => {
-                write!(
-                    f,
-                    "expected a volume of size {expected}, found size {found}"
-                )
+                write!(f, "expected a volume of size {expected}, found size {found}")
             }
             Fault::Truncated { expected } => {
-                write!(
-                    f,
-                    "the file ends here, expected {expected} bytes: truncated"
-                )
+                write!(f, "the file ends here, expected {expected} bytes: truncated")
             }
             Fault::Trailing => write!(f, "expected the end of the file, found more bytes"),
             Fault::Checksum { found, expected } => {
-                write!(
-                    f,
-                    "expected the checksum {expected:08x}, found {found:08x}: damaged"
-                )
+                write!(f, "expected the checksum {expected:08x}, found {found:08x}: damaged")
             }
-            Fault::Range {
-                axis,
-                address: (line, place),
-                bytes: [not_lo, hi],
-            } => write!(
+            Fault::Range { axis, address: (line, place), bytes: [not_lo, hi] } => write!(
                 f,
                 "expected a range inside the grid, found {}..={hi} \
                  (column along {axis:?}, line {line}, place {place})",
                 !not_lo
             ),
-            Fault::Loose {
-                axis,
-                voxel,
-                missing,
-            } => write!(
+            Fault::Loose { axis, voxel, missing } => write!(
                 f,
                 "expected a tight range, but its end voxel {voxel:?} along {axis:?} is not in its \
                  column along {missing:?}"

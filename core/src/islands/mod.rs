@@ -11,12 +11,16 @@
 //! in which it stops being true, and when the queue is empty it says that everything connected to
 //! ground or mask is reached. Source: section 3.4 of the paper, which visits voxel by voxel.
 
-use crate::codec::{BadBytes, Reader, Writer};
-use crate::maps::{Axis, Column, Maps, Range};
+mod bytes;
+mod removal;
+
+use crate::limits::removal_visits;
+use crate::maps::{Axis, Column, Maps};
 use crate::plane::Plane;
 use crate::row::Bits;
 use crate::size::{Grid, Size};
-use crate::volume::{Journal, Volume, mix};
+use crate::volume::{Journal, Volume};
+use bytes::{keyed, keyed_layer, keyed_row};
 
 /// What a finished pass did.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
@@ -162,12 +166,6 @@ where
     }
 }
 
-/// Row visits that the work of a removal is worth at most.
-#[must_use]
-pub const fn removal_visits(n: usize) -> u32 {
-    (n * n / 4) as u32
-}
-
 /// The pass.
 impl<const N: usize> Islands<N>
 where
@@ -191,9 +189,10 @@ where
         }
         for y in 1..N {
             for (i, columns) in volume.maps().line(Axis::X, y).chunks(64).enumerate() {
-                let occupied = columns.iter().enumerate().fold(0, |word, (z, column)| {
-                    word | u64::from(*column != Column::EMPTY) << z
-                });
+                let occupied = columns
+                    .iter()
+                    .enumerate()
+                    .fold(0, |word, (z, column)| word | u64::from(*column != Column::EMPTY) << z);
                 self.queued[y].set_word(i, occupied);
             }
             self.layers.insert_if(!self.queued[y].is_empty(), y);
@@ -323,211 +322,6 @@ where
         self.cursor = 0;
         self.phase = Phase::Idle;
     }
-
-    /// The volume becomes the closure of what is reached of it. Nothing is queued, so the open rows
-    /// are all those that lose voxels.
-    fn remove(&mut self, volume: &mut Volume<N>, journal: &mut impl Journal<N>) -> IslandReport {
-        let mut along_y = [<Grid<N> as Size>::Row::EMPTY; N];
-        let mut missed = 0;
-        for y in 0..N {
-            let mut along_z = <Grid<N> as Size>::Row::EMPTY;
-            for z in self.open[y].ones() {
-                let (here, reached) = (volume.rows().row(y, z), self.reached.row(y, z));
-                let islands = here & !reached;
-                if islands.is_empty() {
-                    self.open[y].toggle(z);
-                    continue;
-                }
-                missed += islands.count();
-                along_y[z] |= islands;
-                along_z |= islands;
-                let range = Range::hull(here & reached);
-                volume.set_column(Axis::X, (y, z), Column([range]), journal);
-            }
-            self.tighten_line(volume, Axis::Z, y, along_z, journal);
-        }
-        if missed == 0 {
-            self.kept_sum = 0;
-            return IslandReport::default();
-        }
-        for (z, columns) in along_y.into_iter().enumerate() {
-            self.tighten_line(volume, Axis::Y, z, columns, journal);
-        }
-        let (kept, kept_sum) = self.close(volume, missed);
-        let known = kept_sum == self.kept_sum;
-        self.kept_sum = kept_sum;
-        let removed = missed - kept;
-        IslandReport { removed, kept: if known { 0 } else { kept }, unsupported: false }
-    }
-
-    /// Tightens columns of a line to what is reached of them.
-    fn tighten_line(
-        &self,
-        volume: &mut Volume<N>,
-        axis: Axis,
-        line: usize,
-        columns: <Grid<N> as Size>::Row,
-        journal: &mut impl Journal<N>,
-    ) {
-        if columns.is_empty() {
-            return;
-        }
-        let mut within = Range::EMPTY;
-        for place in columns.ones() {
-            within = within.hull_with(volume.maps().column(axis, (line, place)).hull());
-        }
-        let reached = |i| {
-            let (y, z) = if axis == Axis::Y { (i, line) } else { (line, i) };
-            volume.rows().row(y, z) & self.reached.row(y, z)
-        };
-        let (mut lo, mut hi) = ([0; N], [0; N]);
-        let empty = first_in(columns, within.lo()..=within.hi(), reached, &mut lo);
-        let rest = columns & !empty;
-        first_in(rest, (within.lo()..=within.hi()).rev(), reached, &mut hi);
-        for place in empty.ones() {
-            volume.set_column(axis, (line, place), Column::EMPTY, journal);
-        }
-        for place in rest.ones() {
-            let range = Range::new(lo[place].into(), hi[place].into());
-            volume.set_column(axis, (line, place), Column([range]), journal);
-        }
-    }
-
-    /// Makes the rows follow the maps. Counts the voxels that closure keeps, and sums them up.
-    fn close(&mut self, volume: &mut Volume<N>, missed: u32) -> (u32, u128) {
-        // Voxel by voxel for few, all columns at once for many.
-        let many = missed as usize > 4 * N * N;
-        if many {
-            volume.restore_rows();
-        }
-        let (mut kept, mut sum) = (0, 0u128);
-        for y in 0..N {
-            for z in self.open[y].ones() {
-                let (here, reached) = (volume.rows().row(y, z), self.reached.row(y, z));
-                let mut closed = here & !reached;
-                if !many {
-                    closed = volume.maps().row_among((y, z), closed);
-                    *volume.rows_mut().row_mut(y, z) = here & reached | closed;
-                }
-                kept += closed.count();
-                sum = sum.wrapping_add(keyed(y, z, closed));
-            }
-        }
-        (kept, sum)
-    }
-}
-
-/// State as bytes, and its digest.
-impl<const N: usize> Islands<N>
-where
-    Grid<N>: Size,
-{
-    /// Digest of all that later passes can see. The reached voxels' part is kept up as they grow;
-    /// the queue, N x N bits, is added to it here.
-    #[must_use]
-    pub fn digest(&self) -> u64 {
-        self.digest_with(self.reached_sum)
-    }
-
-    /// The same, with nothing taken from sums kept up.
-    #[must_use]
-    pub fn recompute_digest(&self) -> u64 {
-        let mut sum = 0u128;
-        if self.phase == Phase::Sweep {
-            for y in 0..N {
-                for (z, row) in self.reached.layer(y).iter().enumerate() {
-                    sum = sum.wrapping_add(keyed(y, z, *row));
-                }
-            }
-        }
-        self.digest_with(sum)
-    }
-
-    fn digest_with(&self, reached_sum: u128) -> u64 {
-        let mut sum = reached_sum;
-        if self.phase == Phase::Sweep {
-            for (y, row) in self.queued.iter().enumerate() {
-                sum = sum.wrapping_add(keyed(N, y, *row));
-            }
-        }
-        let flags = [self.phase as u8, self.pending.into(), self.cursor, 0];
-        let mut digest = mix(u32::from_le_bytes(flags).into());
-        for part in [sum, self.kept_sum] {
-            digest = mix(digest ^ part as u64);
-            digest = mix(digest ^ (part >> 64) as u64);
-        }
-        digest
-    }
-
-    /// Writes the state: flags, the kept voxels' sum, and in flight the cursor, then for each layer
-    /// its queued rows and which rows hold reached voxels, as N bits each, then those rows.
-    pub fn save(&self, out: &mut Writer<'_>) {
-        out.u8(self.phase as u8 | u8::from(self.pending) << 1);
-        out.bytes(&self.kept_sum.to_le_bytes());
-        if self.phase == Phase::Idle {
-            return;
-        }
-        out.u8(self.cursor);
-        for (y, queued) in self.queued.iter().enumerate() {
-            let mut held = <Grid<N> as Size>::Row::EMPTY;
-            for (z, row) in self.reached.layer(y).iter().enumerate() {
-                if !row.is_empty() {
-                    held.insert(z);
-                }
-            }
-            write_row(out, *queued);
-            write_row(out, held);
-            for z in held.ones() {
-                write_row(out, self.reached.row(y, z));
-            }
-        }
-    }
-
-    /// Reads what [`Islands::save`] wrote, and goes on exactly from there.
-    ///
-    /// # Errors
-    /// [`BadBytes`] where the bytes end early or say what no pass does; no pass is in flight then.
-    pub fn load(&mut self, bytes: &mut Reader<'_>) -> Result<(), BadBytes> {
-        self.abort();
-        self.kept_sum = 0;
-        let flags = bytes.u8()?;
-        if flags > 3 {
-            return Err(bytes.bad("flags of an island pass"));
-        }
-        let mut sum = [0; 16];
-        sum.copy_from_slice(bytes.bytes(16)?);
-        if flags & 1 != 0 {
-            self.load_pass(bytes).inspect_err(|_| self.stop())?;
-            self.phase = Phase::Sweep;
-        }
-        self.kept_sum = u128::from_le_bytes(sum);
-        self.pending = flags & 2 != 0;
-        Ok(())
-    }
-
-    fn load_pass(&mut self, bytes: &mut Reader<'_>) -> Result<(), BadBytes> {
-        self.cursor = bytes.u8()?;
-        if usize::from(self.cursor) >= N {
-            return Err(bytes.bad("a layer of the grid"));
-        }
-        self.reached.clear();
-        // Which rows are open isn't saved: that any may be changes nothing but the time it takes.
-        self.open.fill(Grid::<N>::FULL);
-        for y in 0..N {
-            self.queued[y] = read_row::<N>(bytes)?;
-            if !self.queued[y].is_empty() {
-                self.layers.insert(y);
-            }
-            for z in read_row::<N>(bytes)?.ones() {
-                let row = read_row::<N>(bytes)?;
-                if row.is_empty() {
-                    return Err(bytes.bad("a row that holds voxels"));
-                }
-                self.reach(y, z, row);
-            }
-        }
-        Ok(())
-    }
 }
 
 /// Whether no voxel stands on the ground layer and none is masked.
@@ -567,76 +361,4 @@ fn at_or_after<R: Bits>(row: R, from: usize) -> Option<usize> {
 #[inline]
 fn next<R: Bits>(row: R, from: usize) -> Option<usize> {
     at_or_after(row, from).or_else(|| row.first())
-}
-
-/// Walks rows in the order given and notes where each of `columns` is first set. Returns those
-/// that nowhere are.
-#[inline]
-fn first_in<R: Bits, const N: usize>(
-    mut columns: R,
-    order: impl Iterator<Item = usize>,
-    row: impl Fn(usize) -> R,
-    found_at: &mut [u8; N],
-) -> R {
-    for i in order {
-        if columns.is_empty() {
-            break;
-        }
-        let found = columns & row(i);
-        for place in found.ones() {
-            found_at[place] = i as u8;
-        }
-        columns &= !found;
-    }
-    columns
-}
-
-/// Odd numbers that look random.
-const KEYS: [u64; 257] = {
-    let mut keys = [0; 257];
-    let mut i = 0;
-    while i < keys.len() {
-        keys[i] = mix(i as u64 + 1) | 1;
-        i += 1;
-    }
-    keys
-};
-
-/// The sum of a row's words, each times its own key: linear in disjoint voxels.
-#[inline]
-fn keyed<R: Bits>(y: usize, z: usize, row: R) -> u128 {
-    keyed_layer(y, keyed_row(z, row))
-}
-
-#[inline]
-fn keyed_row<R: Bits>(z: usize, row: R) -> u128 {
-    let mut sum = 0u128;
-    for i in 0..R::WORDS {
-        let key = KEYS[z].rotate_left(13 * i as u32);
-        sum = sum.wrapping_add(u128::from(row.word(i)) * u128::from(key));
-    }
-    sum
-}
-
-/// Of the sum of [`keyed_row`] over rows of one layer.
-#[inline]
-fn keyed_layer(y: usize, sum: u128) -> u128 {
-    sum.wrapping_mul(mix(KEYS[y]).into())
-}
-
-fn write_row<R: Bits>(out: &mut Writer<'_>, row: R) {
-    for i in 0..R::WORDS {
-        out.u64(row.word(i));
-    }
-}
-
-fn read_row<const N: usize>(bytes: &mut Reader<'_>) -> Result<<Grid<N> as Size>::Row, BadBytes>
-where
-    Grid<N>: Size,
-{
-    let mut row = <Grid<N> as Size>::Row::EMPTY;
-    for i in 0..<Grid<N> as Size>::Row::WORDS {
-        row.set_word(i, bytes.u64()?);
-    }
-    if (row & !Grid::<N>::FULL).is_empty() { Ok(row) } else { Err(bytes.bad("bits of the grid")) }
 }
