@@ -216,7 +216,9 @@ where
     /// Finds the voxels of a layer to flip. Returns the rows, by z, that may hold some.
     fn compute_layer(&mut self, y: usize) -> Range {
         let slot = y % self.scratch.pending.len();
+        // The rows of a piece and its bounds are rounded each in its own way.
         let rows = self.scratch.pieces.enter(y, N);
+        let rows = Range::new(rows.lo().max(self.bounds.lo[2]), rows.hi().min(self.bounds.hi[2]));
         for z in voxels(rows) {
             let mut brush = self.scratch.pieces.row::<N>(z);
             if self.edit.mirrored {

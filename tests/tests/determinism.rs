@@ -61,7 +61,7 @@ fn volumes_and_digests_hold_after_every_tick_of_restless_sessions() {
         }
     }
     assert!(
-        tally.edits > 300 && tally.islands > 1 && tally.rewinds > 10 && tally.took > 50,
+        tally.edits > 300 && tally.islands > 0 && tally.rewinds > 10 && tally.took > 50,
         "{tally:?}"
     );
 }
