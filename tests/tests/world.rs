@@ -282,9 +282,10 @@ fn a_grab_a_tool_change_and_a_gap_never_sweep() {
     assert!(!voxels(&studio).contains(middle), "a fast stroke leaves no dots");
     // Tracking is lost for a tick; trigger held all the while.
     start(&mut studio);
+    reach(&mut studio, RIGHT, just_touching(a), true);
     studio.step(&with(RIGHT, HandInput { trigger: 255, tracked: false, ..HandInput::default() }));
     let before = voxels(&studio);
-    reach(&mut studio, RIGHT, b, true);
+    reach(&mut studio, RIGHT, just_touching(b), true);
     assert_no_sweep(&studio, RIGHT, Bit::MediumBall, &before, "gap");
     // Another bit, another tool, put back and taken again: in the tick of the jump.
     let jumps: [(&str, Item, Bit); 3] = [

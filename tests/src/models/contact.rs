@@ -83,7 +83,8 @@ impl Block {
             Pose { position: raw.position, rotation: reached.rotation }
         };
         let mut pose = self.walk(bit, &reached, &target).0;
-        if pose.position == reached.position {
+        let wanted = (target.position - reached.position) * STEPS;
+        if pose.position == reached.position && wanted.length_squared() > 1.0 {
             let sits = self.depths(bit, &reached);
             let mut away = I64Vec3::ZERO;
             for voxel in &self.voxels {
