@@ -42,6 +42,7 @@ pub struct SweptBox {
 
 /// A convex part of a brush.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[expect(clippy::large_enum_variant, reason = "there is no heap to box the larger on")]
 pub enum Piece {
     /// A swept sphere.
     Capsule(Capsule),
@@ -66,6 +67,7 @@ pub struct Bounds {
 pub struct Brush(Shape);
 
 #[derive(Clone, Debug)]
+#[expect(clippy::large_enum_variant, reason = "there is no heap to box the larger on")]
 enum Shape {
     One(Piece),
     Sweep { half: IVec3, from: Pose, to: Pose, turns: usize },

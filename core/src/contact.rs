@@ -151,8 +151,9 @@ where
 
     /// The last pose on the path at which the bit sits no deeper than it may, then one slide along
     /// the tangent of what stopped it: of the surface there, or, where that leads nowhere though it
-    /// should (the side of a bump whose top is flat), of the stopping voxels as seen from the bit's centre. From a pose that is too deep already, the bit may only move
-    /// so that its depth doesn't grow.
+    /// should (the side of a bump whose top is flat), of the stopping voxels as seen from the bit's
+    /// centre. From a pose that is too deep already, the bit may only move so that its depth doesn't
+    /// grow.
     #[must_use]
     pub fn freeze(&self, bit: &GridBit, from: &Pose, raw: &Pose) -> Frozen {
         let (reached, stop) = self.advance(bit, from, raw);
@@ -174,7 +175,8 @@ where
         let wanted = (target.position - reached.position) * STEPS_PER_VOXEL;
         if pose.position == reached.position && wanted.length_squared() > 1.0 {
             let away = self.away_from_stop(bit, &reached, &stop);
-            let tangent = left - away * left.dot(away).min(0.0);
+            let inward = left.dot(away);
+            let tangent = if inward < 0.0 { left - away * inward } else { left };
             let target = Pose { position: reached.position + tangent, ..reached };
             pose = self.advance(bit, &reached, &target).0;
         }

@@ -72,9 +72,12 @@ impl Dirty {
     /// A column changed.
     #[inline]
     pub fn note(&mut self, axis: Axis, at: (usize, usize)) {
-        let rect = Rect::at(at);
         let open = &mut self.open[axis as usize];
-        *open = Some(open.map_or(rect, |open| open.union(rect)));
+        match open {
+            Some(open) if open.contains(at) => {}
+            Some(open) => *open = open.union(Rect::at(at)),
+            None => *open = Some(Rect::at(at)),
+        }
     }
 
     /// The edit is over: its bounds become rectangles of their own.

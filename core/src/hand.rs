@@ -90,7 +90,7 @@ impl Hand {
         let live = u8::from(self.tracked);
         let trigger = past(input.trigger * live, self.trigger);
         let squeeze = past(input.squeeze * live, self.squeeze);
-        let down = input.buttons * live & (buttons::LOWER | buttons::UPPER | buttons::STICK);
+        let down = (input.buttons * live) & (buttons::LOWER | buttons::UPPER | buttons::STICK);
         let did = Did {
             pulled: trigger && !self.trigger,
             squeezed: squeeze && !self.squeeze,

@@ -207,18 +207,13 @@ impl Pointer {
     }
 
     fn read(from: &mut Reader<'_>) -> Result<Self, BadBytes> {
-        let bad = from.bad("a pointer command, 0 to 3");
-        match from.u8()? {
-            3 => Ok(Pointer::Turn { by: from.i16()? }),
-            kind => {
-                let (hand, item) = (from.u8()?, from.u8()?);
-                match kind {
-                    0 => Ok(Pointer::None),
-                    1 => Ok(Pointer::Take { hand, item }),
-                    2 => Ok(Pointer::Return { hand }),
-                    _ => Err(bad),
-                }
-            }
+        let bad = from.bad("a pointer command, 0 to 3, and zeros for what it doesn't take");
+        match [from.u8()?, from.u8()?, from.u8()?] {
+            [0, 0, 0] => Ok(Pointer::None),
+            [1, hand, item] => Ok(Pointer::Take { hand, item }),
+            [2, hand, 0] => Ok(Pointer::Return { hand }),
+            [3, lo, hi] => Ok(Pointer::Turn { by: i16::from_le_bytes([lo, hi]) }),
+            _ => Err(bad),
         }
     }
 }
@@ -237,14 +232,13 @@ impl Mode {
     }
 
     pub(crate) fn read(from: &mut Reader<'_>) -> Result<Self, BadBytes> {
-        let bad = from.bad("a mode, 0 to 4");
-        let (kind, figure) = (from.u8()?, from.u8()?);
-        match kind {
-            0 => Ok(Mode::None),
-            1 => Ok(Mode::FreeForm),
-            2 => Ok(Mode::Constrained { figure }),
-            3 => Ok(Mode::Creative),
-            4 => Ok(Mode::Own),
+        let bad = from.bad("a mode, 0 to 4, and a figure for 2 alone");
+        match [from.u8()?, from.u8()?] {
+            [0, 0] => Ok(Mode::None),
+            [1, 0] => Ok(Mode::FreeForm),
+            [2, figure] => Ok(Mode::Constrained { figure }),
+            [3, 0] => Ok(Mode::Creative),
+            [4, 0] => Ok(Mode::Own),
             _ => Err(bad),
         }
     }

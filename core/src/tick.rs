@@ -173,7 +173,7 @@ where
         if did.pulled || state.trigger && new_bit {
             self.undo.begin_stroke();
         }
-        if state.trigger && state.phase % u16::from(bit.data().period) == 0 {
+        if state.trigger && state.phase.is_multiple_of(u16::from(bit.data().period)) {
             self.edit(hand, bit, &from, &frozen);
         }
     }

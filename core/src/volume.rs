@@ -152,19 +152,17 @@ where
     }
 }
 
-/// The digest of a column at its place: 0 for an empty one, so that all zero bytes digest to 0.
+/// The digest of a column at its place: its bytes as a number, times the place's key. 0 for an
+/// empty one, so that all zero bytes digest to 0, and a change costs one key.
 #[must_use]
 #[inline]
 pub fn column_digest(axis: Axis, (line, place): (usize, usize), column: Column) -> u64 {
-    let mut sum = 0u64;
-    for (layer, range) in column.0.iter().enumerate() {
-        let [a, b] = range.to_bytes();
-        let bytes = [a, b, place as u8, line as u8, axis as u8, layer as u8, 0, 0];
-        if *range != crate::maps::Range::EMPTY {
-            sum = sum.wrapping_add(mix(u64::from_le_bytes(bytes)));
-        }
-    }
-    sum
+    let at = u64::from_le_bytes([place as u8, line as u8, axis as u8, 1, 0, 0, 0, 0]);
+    let key = mix(at) | 1;
+    column.0.iter().fold(0u64, |sum, range| {
+        let bytes = u64::from(u16::from_le_bytes(range.to_bytes()));
+        sum.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(key.wrapping_mul(bytes))
+    })
 }
 
 /// The sum of [`column_digest`] over all columns of the maps, from scratch.

@@ -239,9 +239,9 @@ impl Workbench {
             let bad = from.bad("a place, 0 to 4");
             let (kind, ticks) = (from.u8()?, from.u16()?);
             thing.place = match kind {
-                0 => Place::Home,
+                0 if ticks == 0 => Place::Home,
                 1 if ticks < 2 => Place::Hand(ticks as u8),
-                2 => Place::Mounted,
+                2 if ticks == 0 => Place::Mounted,
                 3 => Place::Falling(ticks),
                 4 => Place::Lying(ticks),
                 _ => return Err(bad),

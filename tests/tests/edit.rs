@@ -110,6 +110,8 @@ fn strokes(n: i32, longest: usize) -> impl Strategy<Value = Vec<Stroke>> {
     let shape = prop_oneof![
         4 => (prop_oneof![at(), on()], radius()).prop_map(|(a, r)| Shape::Capsule(a, a, r)),
         3 => (at(), at(), radius()).prop_map(|(a, b, r)| Shape::Capsule(a, b, r)),
+        // The rows that its bounds and its layers claim are rounded each in its own way.
+        1 => (on(), on(), 1..n / 3).prop_map(|(a, b, r)| Shape::Capsule(a, b, r * SUB - 1)),
         2 => (half(), pose()).prop_map(|(half, pose)| Shape::Box(half, pose)),
         2 => (half(), pose(), pose()).prop_map(|(half, a, b)| Shape::Sweep(half, a, b)),
     ];
@@ -166,8 +168,7 @@ where
         assert!(notes.columns.is_empty() && notes.added.is_empty());
         return volume.clone();
     };
-    let dense =
-        Dense::from_fn(N, |[x, y, z]| brush.row::<N>(y as usize, z as usize).contains(x as usize));
+    let dense = voxels_of::<N>(&brush);
     let (after, expected) = edited(volume, mask, &dense, operation, mirrored);
     assert_eq!(Dense::from_plane(studio.volume.rows()), after, "the volume");
     assert_eq!(report, expected);
@@ -181,6 +182,18 @@ where
     columns_are_the_changes(&notes, &studio.before, studio.volume.maps());
     stays_in_reach(volume, mask, &after, &dense, operation, mirrored);
     after
+}
+
+fn voxels_of<const N: usize>(brush: &Brush) -> Dense
+where
+    Grid<N>: Size,
+{
+    let mut dense = Dense::new(N);
+    for (y, z) in (0..N * N).map(|i| (i / N, i % N)) {
+        let row = brush.row::<N>(y, z);
+        row.ones().for_each(|x| dense.set([x as i32, y as i32, z as i32], true));
+    }
+    dense
 }
 
 /// Each changed column is told once, with what it held before.
@@ -230,7 +243,7 @@ fn stays_in_reach(
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(2500))]
+    #![proptest_config(ProptestConfig::with_cases(1500))]
 
     #[test]
     fn strokes_on_16_follow_the_definition(start in masked_volumes(16), strokes in strokes(16, 4)) {
@@ -249,7 +262,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(250))]
+    #![proptest_config(ProptestConfig::with_cases(120))]
 
     #[test]
     fn strokes_on_32_follow_the_definition(start in masked_volumes(32), strokes in strokes(32, 4)) {
@@ -259,7 +272,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(20))]
+    #![proptest_config(ProptestConfig::with_cases(10))]
 
     #[test]
     fn strokes_on_64_follow_the_definition(start in masked_volumes(64), strokes in strokes(64, 3)) {

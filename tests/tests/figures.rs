@@ -27,7 +27,8 @@ fn voxels<const N: usize>() -> impl Iterator<Item = [usize; 3]> {
 }
 
 /// File length and checksum of each figure at 128 and at 256.
-const GOLDENS: [(Figure, (usize, u32), (usize, u32)); 6] = [
+type Golden = (usize, u32);
+const GOLDENS: [(Figure, Golden, Golden); 6] = [
     (Figure::Lump, (98_320, 0xf525_fca5), (393_232, 0x0804_b5d7)),
     (Figure::Owl, (98_320, 0x74e1_3ec8), (393_232, 0xaa39_e771)),
     (Figure::Cat, (98_320, 0x5917_20f6), (393_232, 0x2b2c_1a34)),

@@ -381,7 +381,7 @@ fn idle_stroke() {
     let mut bench = BENCH.lock().unwrap();
     let mut history = bench.reset();
     let dent = Touch { at: [8, 11, 8], radius: 5, fill: false };
-    stroke(&mut bench, &mut history, &[dent.clone()], Clear::Never);
+    stroke(&mut bench, &mut history, std::slice::from_ref(&dent), Clear::Never);
     assert!(bench.step(true).unwrap());
     stroke(
         &mut bench,

@@ -2,6 +2,7 @@
 
 use paros_core::bake::{Placement, Up};
 use paros_core::size::{Grid, Size};
+use paros_shell::statics::Resident;
 
 use super::clock::{duel, timed};
 use super::peers::{Missing, Peers};

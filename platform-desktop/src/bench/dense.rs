@@ -20,13 +20,7 @@ impl DenseGrid {
             *voxel = u8::from(maps.contains([i % N, i / N / N, i / N % N]));
         }
         let empty = || [vec![0; N * N], vec![0; N * N], vec![0; N * N]];
-        let mut grid = DenseGrid {
-            n: N,
-            voxels,
-            lo: empty(),
-            hi: empty(),
-            doomed: vec![],
-        };
+        let mut grid = DenseGrid { n: N, voxels, lo: empty(), hi: empty(), doomed: vec![] };
         grid.recompute_maps();
         grid
     }
@@ -61,10 +55,7 @@ impl DenseGrid {
     /// A column of the recomputed maps.
     pub fn range(&self, axis: Axis, (line, place): (usize, usize)) -> Range {
         let i = line * self.n + place;
-        Range::new(
-            self.lo[axis as usize][i].into(),
-            self.hi[axis as usize][i].into(),
-        )
+        Range::new(self.lo[axis as usize][i].into(), self.hi[axis as usize][i].into())
     }
 
     fn near_empty(&self, [x, y, z]: [usize; 3], depth: usize) -> bool {
@@ -116,12 +107,8 @@ fn widen(lo: &mut [u8], hi: &mut [u8], voxels: &[u8], place: u8) {
 #[inline]
 fn ends(row: &[u8]) -> Option<(u8, u8)> {
     let (eights, _) = row.as_chunks::<8>();
-    let first = eights
-        .iter()
-        .position(|eight| u64::from_le_bytes(*eight) != 0)?;
-    let last = eights
-        .iter()
-        .rposition(|eight| u64::from_le_bytes(*eight) != 0)?;
+    let first = eights.iter().position(|eight| u64::from_le_bytes(*eight) != 0)?;
+    let last = eights.iter().rposition(|eight| u64::from_le_bytes(*eight) != 0)?;
     let lo = 8 * first + u64::from_le_bytes(eights[first]).trailing_zeros() as usize / 8;
     let hi = 8 * last + 7 - u64::from_le_bytes(eights[last]).leading_zeros() as usize / 8;
     Some((lo as u8, hi as u8))

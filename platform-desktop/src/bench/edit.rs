@@ -49,7 +49,8 @@ where
         },
         || {
             let mut grid = DenseGrid::new(&rig.borrow().start);
-            let carve = |place: &[usize; 3]| grid.carve_sphere(middle(*place), RADIUS as f32, DEPTH);
+            let carve =
+                |place: &[usize; 3]| grid.carve_sphere(middle(*place), RADIUS as f32, DEPTH);
             let whole = timed(|| places.iter().for_each(carve));
             Ok(whole / places.len() as f64)
         },
@@ -97,13 +98,14 @@ where
     (0..count).map(|i| all[(2 * i + 1) * all.len() / (2 * count)]).collect()
 }
 
-/// Milliseconds of an edit, one at each place and each a stroke of its own, from the start on.
+/// Milliseconds of an edit, one at each place, all one stroke from the start on.
 fn edits<const N: usize>(rig: &mut Rig<N>, places: &[[usize; 3]], operation: Operation) -> f64
 where
     Grid<N>: Size,
 {
     prepare(rig);
     let whole = timed(|| {
+        rig.undo.begin_stroke();
         for place in places {
             edit(rig, *place, operation);
         }
@@ -121,14 +123,13 @@ where
     rig.islands.clear();
 }
 
-/// What the world does for an edit: the stroke, the edit itself with undo, dirty rectangles and
-/// islands told, digest kept up.
+/// What the world does for an edit: the edit itself with undo, dirty rectangles and islands told,
+/// digest kept up.
 fn edit<const N: usize>(rig: &mut Rig<N>, place: [usize; 3], operation: Operation)
 where
     Grid<N>: Size,
 {
     rig.dirty.clear();
-    rig.undo.begin_stroke();
     let [x, y, z] = place.map(|i| i as i32 * SUB + SUB / 2);
     let brush = Brush::sphere(IVec3::new(x, y, z), RADIUS * SUB);
     let edit = Edit { brush: &brush, operation, mirrored: false };
@@ -141,11 +142,7 @@ where
 }
 
 /// Some of the carves, each from the start, must leave both sides with the same maps.
-fn agree<const N: usize>(
-    rig: &mut Rig<N>,
-    places: &[[usize; 3]],
-    name: &str,
-) -> Result<(), Error>
+fn agree<const N: usize>(rig: &mut Rig<N>, places: &[[usize; 3]], name: &str) -> Result<(), Error>
 where
     Grid<N>: Size,
 {

@@ -101,11 +101,7 @@ where
     )
 }
 
-fn tick_by_tick<const N: usize>(
-    rig: &mut Rig<N>,
-    paper: &mut VoxelFill<N>,
-    runs: usize,
-) -> [f64; 2]
+fn tick_by_tick<const N: usize>(rig: &mut Rig<N>, paper: &mut VoxelFill<N>, runs: usize) -> [f64; 2]
 where
     Grid<N>: Size,
 {

@@ -4,6 +4,7 @@ use paros_core::export::{Exporter, Stage};
 use paros_core::maps::Maps;
 use paros_core::plane::Plane;
 use paros_core::size::{Grid, Size};
+use paros_shell::statics::Resident;
 
 use super::clock::{duel, timed};
 use super::peers::{Missing, Peers};
@@ -13,10 +14,8 @@ use super::subject::{HEIGHT_MM, Subject, print};
 use crate::error::Error;
 
 /// What the rows are called, and what the peer calls it.
-const AGAINST: [(&str, &str); 2] = [
-    ("edges", "FlyingEdges3D"),
-    ("smooth", "FlyingEdges3D, SmoothPolyDataFilter 2 x 0.5"),
-];
+const AGAINST: [(&str, &str); 2] =
+    [("edges", "FlyingEdges3D"), ("smooth", "FlyingEdges3D, SmoothPolyDataFilter 2 x 0.5")];
 
 /// The rows, and why the peer is missing if it is.
 pub(super) fn rows<const N: usize>(

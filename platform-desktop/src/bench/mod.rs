@@ -2,11 +2,11 @@
 
 mod bake;
 mod clock;
-mod dense;
+pub mod dense;
 mod edit;
 mod islands;
 mod mesh;
-mod paper;
+pub mod paper;
 mod peers;
 mod rig;
 mod row;

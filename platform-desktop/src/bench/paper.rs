@@ -30,6 +30,7 @@ impl<const N: usize> VoxelFill<N> {
     const LAYER: usize = Self::ROW * Self::ROW;
 
     /// Room for a grid of N^3.
+    #[expect(clippy::new_without_default, reason = "it is made once, by size")]
     pub fn new() -> Self {
         VoxelFill {
             voxels: vec![EMPTY; Self::ROW * Self::LAYER],

@@ -31,8 +31,9 @@ def contours(data, n):
         return surface
 
     def smooth():
+        surface = edges()
         smoothed = vtk.vtkSmoothPolyDataFilter()
-        smoothed.SetInputConnection(edges().GetOutputPort())
+        smoothed.SetInputConnection(surface.GetOutputPort())
         smoothed.SetNumberOfIterations(2)
         smoothed.SetRelaxationFactor(0.5)
         return smoothed

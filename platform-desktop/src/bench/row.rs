@@ -50,20 +50,12 @@ impl Row {
 
     /// With the times of both sides.
     pub(super) fn times(self, [ours, theirs]: [f64; 2]) -> Self {
-        Row {
-            ours_ms: Some(ours),
-            against_ms: Some(theirs),
-            ratio: Some(theirs / ours),
-            ..self
-        }
+        Row { ours_ms: Some(ours), against_ms: Some(theirs), ratio: Some(theirs / ours), ..self }
     }
 
     /// With our time alone.
     pub(super) fn ours(self, ours: f64) -> Self {
-        Row {
-            ours_ms: Some(ours),
-            ..self
-        }
+        Row { ours_ms: Some(ours), ..self }
     }
 }
 

@@ -37,10 +37,8 @@ impl Subject {
     /// The project's own, for when nothing is named.
     #[must_use]
     pub fn own() -> Vec<Self> {
-        let own = [Figure::Owl, Figure::Cat].map(|figure| Subject {
-            name: figure.name().into(),
-            source: Source::Figure(figure),
-        });
+        let own = [Figure::Owl, Figure::Cat]
+            .map(|figure| Subject { name: figure.name().into(), source: Source::Figure(figure) });
         own.into()
     }
 
@@ -103,8 +101,9 @@ impl Subject {
         match &self.source {
             Source::Figure(figure) => figure.carve_into(plane, maps),
             Source::Mesh(mesh, up) => {
-                mesh.bake(*up, &mut *Grid::<N>::baker(), maps, plane)
-                    .ok_or_else(|| Error::Input(format!("{}: the mesh has no extent", self.name)))?;
+                mesh.bake(*up, &mut *Grid::<N>::baker(), maps, plane).ok_or_else(|| {
+                    Error::Input(format!("{}: the mesh has no extent", self.name))
+                })?;
             }
             Source::Volume(path, _) => {
                 rmap::read(path, &mut *maps).map_err(Error::input)?;

@@ -1,6 +1,7 @@
 //! The command line: one module a subcommand, each turning its arguments into a report.
 
 mod bake;
+mod bench;
 mod demo;
 mod export;
 mod info;
@@ -26,6 +27,7 @@ pub struct Cli {
 enum Command {
     Demo(demo::Args),
     Bake(bake::Args),
+    Bench(bench::Args),
     Info(info::Args),
     Play(play::Args),
     Export(export::Args),
@@ -42,6 +44,7 @@ impl Cli {
             None => demo::run(&demo::Args::default()),
             Some(Command::Demo(args)) => demo::run(args),
             Some(Command::Bake(args)) => bake::run(args),
+            Some(Command::Bench(args)) => bench::run(args),
             Some(Command::Info(args)) => info::run(args),
             Some(Command::Play(args)) => play::run(args),
             Some(Command::Export(args)) => export::run(args),

@@ -32,6 +32,7 @@ where
     Grid<N>: Size,
 {
     /// For static initialisers only.
+    #[allow(clippy::new_without_default)] // a Default would hand the studio about by value
     pub const fn new() -> Self {
         Studio {
             world: World::new(),

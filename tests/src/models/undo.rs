@@ -24,7 +24,7 @@ impl<const N: usize> History<N> {
 
     /// The newest stroke turns out to have led to these maps.
     pub fn amend(&mut self, maps: &Maps<N>) {
-        self.states[self.at] = Box::new(maps.clone());
+        self.states[self.at].copy_from(maps);
     }
 
     /// Forgets all but the newest `strokes` that can be undone.

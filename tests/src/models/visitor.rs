@@ -88,7 +88,7 @@ impl Visitor {
     }
 
     /// The next tick's input.
-    pub fn next(&mut self) -> Input {
+    pub fn act(&mut self) -> Input {
         self.ticks += 1;
         let mut input = Input {
             head: RawPose::new(Vec3::new(0.0, 1.6, 0.0), Quat::IDENTITY),

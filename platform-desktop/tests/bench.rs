@@ -1,0 +1,69 @@
+//! `paros bench` as a script meets it: rows with all their keys, and bad input refused.
+
+use std::process::{Command, Output, Stdio};
+
+use serde_json::Value;
+
+fn bench(args: &[&str]) -> Output {
+    let mut paros = Command::new(env!("CARGO_BIN_EXE_paros"));
+    paros.arg("bench").args(args).stdin(Stdio::null()).env_remove("PAROS_REQUIRE").output().unwrap()
+}
+
+fn rows(args: &[&str]) -> Vec<Value> {
+    let output = bench(args);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let rows: Vec<Value> = serde_json::from_slice(&output.stdout).unwrap();
+    assert!(!rows.is_empty());
+    for row in &rows {
+        for key in ["bench", "volume", "size", "ours_ms", "against", "against_ms", "ratio"] {
+            assert!(row.get(key).is_some(), "no {key} in {row}");
+        }
+    }
+    rows
+}
+
+#[test]
+fn rows_have_all_keys_and_the_ratio_is_theirs_over_ours() {
+    let rows = rows(&["islands", "--volume", "toy", "--runs", "1", "--json"]);
+    for size in [128, 256] {
+        assert_eq!(rows.iter().filter(|row| row["size"] == size).count(), 4);
+    }
+    for row in &rows {
+        assert_eq!((&row["bench"], &row["volume"]), (&"islands".into(), &"toy".into()));
+        let [ours, theirs, ratio] =
+            ["ours_ms", "against_ms", "ratio"].map(|key| row[key].as_f64().unwrap());
+        assert!(ours > 0.0 && theirs > 0.0);
+        assert!((ratio * ours / theirs - 1.0).abs() < 1e-9, "{row}");
+    }
+}
+
+#[test]
+fn a_missing_rival_leaves_its_half_empty_and_says_so() {
+    let args = ["mesh", "--volume", "toy", "--runs", "1", "--json", "--python", "no-such-python"];
+    for row in rows(&args) {
+        assert!(row["ours_ms"].as_f64().unwrap() > 0.0);
+        assert!(row["against_ms"].is_null() && row["ratio"].is_null(), "{row}");
+    }
+    let errors = String::from_utf8(bench(&args).stderr).unwrap();
+    assert!(errors.contains("skipped: ") && errors.contains("no-such-python"), "{errors}");
+    let mut paros = Command::new(env!("CARGO_BIN_EXE_paros"));
+    let required = paros.arg("bench").args(args).env("PAROS_REQUIRE", "all").output().unwrap();
+    assert_eq!(required.status.code(), Some(1));
+    assert!(required.stdout.is_empty());
+}
+
+#[test]
+fn bad_input_is_refused() {
+    for (args, word) in [
+        (["islands", "--volume", "no-such.rmap"], "no-such.rmap"),
+        (["edit", "--volume", "no-such.obj"], "no-such.obj"),
+        (["bake", "--volume", "no-such-figure"], "no-such-figure"),
+        (["all", "--runs", "0"], "--runs"),
+    ] {
+        let output = bench(&args);
+        let errors = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{args:?}: {errors}");
+        assert!(errors.contains(word), "{args:?} should say {word:?}: {errors}");
+        assert!(output.stdout.is_empty());
+    }
+}
