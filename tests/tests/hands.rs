@@ -12,9 +12,9 @@ use paros_core::tools::{Bit, Tool};
 use paros_core::workbench::{BENCH_TOP, Item, Place};
 use paros_tests::models::dense::Dense;
 use paros_tests::models::puppet::{
-    LEFT, RIGHT, floor, hand_at, reach, squeeze, stroke, take, voxels, with,
+    LEFT, RIGHT, floor, hand_at, reach, squeeze, take, voxels, with,
 };
-use paros_tests::models::studio::{Studio, same};
+use paros_tests::models::studio::Studio;
 use paros_tests::models::visitor::at;
 
 static STUDIO: Mutex<Studio<64>> = Mutex::new(Studio::new());

@@ -14,9 +14,7 @@ use paros_core::tools::{Action, Bit, Tool};
 use paros_core::volume::maps_digest;
 use paros_core::workbench::{Item, Place};
 use paros_core::world::{Session, World};
-use paros_tests::models::puppet::{
-    LEFT, RIGHT, floor, hand_at, reach, squeeze, stroke, take, voxels, with,
-};
+use paros_tests::models::puppet::{LEFT, RIGHT, floor, hand_at, reach, stroke, take, voxels, with};
 use paros_tests::models::studio::{Studio, same};
 use paros_tests::models::visitor::{Dice, Visitor, at};
 
@@ -179,7 +177,6 @@ fn symmetry_is_the_exact_mirror() {
         let after = voxels(&studio);
         assert!(after == after.mirrored(), "{tool:?}");
         let changes = before != after;
-        assert_eq!(changes, tool != Tool::Rasp || changes, "{tool:?}");
         assert!(tool == Tool::Rasp || changes, "{tool:?} did nothing");
     }
 }
