@@ -1,0 +1,117 @@
+//! A swept sphere: rows of it by integer roots and exact comparisons.
+
+use glam::{I64Vec3, IVec3};
+
+use super::{centre, isqrt, voxels_between};
+
+/// A sphere of `radius` swept from `a` to `b`, in fixed point. `radius_squared` may be a little
+/// less than the square of a whole radius: "strictly inside".
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Capsule {
+    /// One end of the path.
+    pub a: IVec3,
+    /// The other end; the same for a plain sphere.
+    pub b: IVec3,
+    /// Greatest squared distance from the path.
+    pub radius_squared: i64,
+}
+
+impl Capsule {
+    /// Whether a point is inside. Exact: distances are compared squared, and scaled by the squared
+    /// length of the path where the nearest point lies within it.
+    #[must_use]
+    pub fn contains(&self, p: [i64; 3]) -> bool {
+        let path = (self.b - self.a).as_i64vec3();
+        let d = I64Vec3::from_array(p) - self.a.as_i64vec3();
+        let along = d.dot(path);
+        let length_squared = path.dot(path);
+        if along <= 0 {
+            return d.dot(d) <= self.radius_squared;
+        }
+        if along >= length_squared {
+            let d = d - path;
+            return d.dot(d) <= self.radius_squared;
+        }
+        let wide = i128::from;
+        wide(d.dot(d) - self.radius_squared) * wide(length_squared) <= wide(along) * wide(along)
+    }
+
+    pub(super) fn sphere_span(&self, y: i64, z: i64, n: usize) -> Option<(usize, usize)> {
+        let (dy, dz) = (y - i64::from(self.a.y), z - i64::from(self.a.z));
+        let left = self.radius_squared - dy * dy - dz * dz;
+        if left < 0 {
+            return None;
+        }
+        let reach = isqrt(left);
+        voxels_between(i64::from(self.a.x) - reach, i64::from(self.a.x) + reach, n)
+    }
+
+    /// The capsule is convex, so its voxels in a row run from the first inside to the last; both
+    /// are looked for from the ends of a stretch that is at most a unit too long.
+    pub(super) fn span(&self, y: i64, z: i64, n: usize) -> Option<(usize, usize)> {
+        let path = (self.b - self.a).as_i64vec3();
+        let d = [y - i64::from(self.a.y), z - i64::from(self.a.z)];
+        let (lo, hi) = self.stretch(path.x, [path.y, path.z], d)?;
+        let (lo, hi) = voxels_between(i64::from(self.a.x) + lo, i64::from(self.a.x) + hi, n)?;
+        let first = (lo..=hi).find(|&x| self.contains([centre(x), y, z]))?;
+        let last = (first..=hi).rfind(|&x| self.contains([centre(x), y, z]))?;
+        Some((first, last))
+    }
+
+    /// The shadow of the capsule along x is a capsule in y and z; its voxels in a column along z.
+    pub(super) fn rows(&self, y: i64, n: usize) -> Option<(usize, usize)> {
+        let path = (self.b - self.a).as_i64vec3();
+        let (lo, hi) = self.stretch(path.z, [path.y, 0], [y - i64::from(self.a.y), 0])?;
+        voxels_between(i64::from(self.a.z) + lo, i64::from(self.a.z) + hi, n)
+    }
+
+    /// The stretch inside, relative to `a`, of a line along an axis, `d` away from `a` across that
+    /// axis; `v` is the path's part along the axis and `w` its parts across. Up to a unit too long.
+    ///
+    /// It is the hull of three: those inside the two end spheres and inside the cylinder between,
+    /// where it runs between the roots of a quadratic, cut off at the two end planes.
+    fn stretch(&self, v: i64, w: [i64; 2], d: [i64; 2]) -> Option<(i64, i64)> {
+        let left = |d: [i64; 2]| self.radius_squared - d[0] * d[0] - d[1] * d[1];
+        let (left_a, left_b) = (left(d), left([d[0] - w[0], d[1] - w[1]]));
+        let (mut lo, mut hi) = (i64::MAX, i64::MIN);
+        for (left, at) in [(left_a, 0), (left_b, v)] {
+            if left >= 0 {
+                let reach = isqrt(left);
+                (lo, hi) = (lo.min(at - reach), hi.max(at + reach));
+            }
+        }
+        if let Some((from, to)) = self.cylinder_stretch(v, w, d) {
+            (lo, hi) = (lo.min(from), hi.max(to));
+        }
+        (lo <= hi).then_some((lo, hi))
+    }
+
+    /// Exact up to the discriminant; what floats round after it is far below the unit that is
+    /// added either way.
+    fn cylinder_stretch(&self, v: i64, w: [i64; 2], d: [i64; 2]) -> Option<(i64, i64)> {
+        let across = w[0] * w[0] + w[1] * w[1];
+        let length_squared = across + v * v;
+        let along = w[0] * d[0] + w[1] * d[1];
+        if across == 0 {
+            let inside = d[0] * d[0] + d[1] * d[1] <= self.radius_squared;
+            return inside.then_some((v.min(0), v.max(0)));
+        }
+        let cross = i128::from(w[0] * d[1] - w[1] * d[0]);
+        let discriminant = i128::from(across) * i128::from(self.radius_squared) - cross * cross;
+        if discriminant < 0 {
+            return None;
+        }
+        let middle = along as f64 * v as f64 / across as f64;
+        let reach = libm::sqrt(length_squared as f64 * discriminant as f64) / across as f64;
+        let (mut lo, mut hi) = (middle - reach, middle + reach);
+        if v != 0 {
+            let ends = [-along as f64 / v as f64, (length_squared - along) as f64 / v as f64];
+            let (first, last) = if v > 0 { (ends[0], ends[1]) } else { (ends[1], ends[0]) };
+            lo = if lo > first { lo } else { first };
+            hi = if hi < last { hi } else { last };
+        } else if along < 0 || along > length_squared {
+            return None;
+        }
+        (lo <= hi + 2.0).then_some((libm::floor(lo) as i64 - 1, libm::ceil(hi) as i64 + 1))
+    }
+}
