@@ -111,6 +111,7 @@ pub fn play<const N: usize>(
     for degrees in [0.0, 90.0, 180.0] {
         draw_strips(&mut s, degrees, 2.5);
     }
+    draw_strips(&mut s, 0.0, 1.7);
     plunge_top(&mut s, Raster { spacing: 3.0, least: 1.0, ..Raster::WHOLE });
     done(Chapter::Fine, &s);
 
