@@ -100,7 +100,7 @@ impl Range {
     #[must_use]
     #[inline]
     pub const fn is_empty(self) -> bool {
-        self.lo() > self.hi()
+        self.not_lo | self.hi == 0
     }
 
     /// Whether voxel `i` is inside.

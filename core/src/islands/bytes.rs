@@ -20,7 +20,7 @@ where
     /// The same, with nothing taken from sums kept up.
     #[must_use]
     pub fn recompute_digest(&self) -> u64 {
-        let mut sum = 0u128;
+        let mut sum = 0u64;
         if self.phase == Phase::Sweep {
             for y in 0..N {
                 for (z, row) in self.reached.layer(y).iter().enumerate() {
@@ -31,7 +31,7 @@ where
         self.digest_with(sum)
     }
 
-    fn digest_with(&self, reached_sum: u128) -> u64 {
+    fn digest_with(&self, reached_sum: u64) -> u64 {
         let mut sum = reached_sum;
         if self.phase == Phase::Sweep {
             for (y, row) in self.queued.iter().enumerate() {
@@ -41,8 +41,7 @@ where
         let flags = [self.phase as u8, self.pending.into(), self.cursor, 0];
         let mut digest = mix(u32::from_le_bytes(flags).into());
         for part in [sum, self.kept_sum] {
-            digest = mix(digest ^ part as u64);
-            digest = mix(digest ^ (part >> 64) as u64);
+            digest = mix(digest ^ part);
         }
         digest
     }
@@ -51,7 +50,7 @@ where
     /// its queued rows and which rows hold reached voxels, as N bits each, then those rows.
     pub fn save(&self, out: &mut Writer<'_>) {
         out.u8(self.phase as u8 | u8::from(self.pending) << 1);
-        out.bytes(&self.kept_sum.to_le_bytes());
+        out.u64(self.kept_sum);
         if self.phase == Phase::Idle {
             return;
         }
@@ -82,13 +81,12 @@ where
         if flags > 3 {
             return Err(bytes.bad("flags of an island pass"));
         }
-        let mut sum = [0; 16];
-        sum.copy_from_slice(bytes.bytes(16)?);
+        let kept_sum = bytes.u64()?;
         if flags & 1 != 0 {
             self.load_pass(bytes).inspect_err(|_| self.stop())?;
             self.phase = Phase::Sweep;
         }
-        self.kept_sum = u128::from_le_bytes(sum);
+        self.kept_sum = kept_sum;
         self.pending = flags & 2 != 0;
         Ok(())
     }
@@ -131,23 +129,23 @@ const KEYS: [u64; 257] = {
 
 /// The sum of a row's words, each times its own key: linear in disjoint voxels.
 #[inline]
-pub(super) fn keyed<R: Bits>(y: usize, z: usize, row: R) -> u128 {
+pub(super) fn keyed<R: Bits>(y: usize, z: usize, row: R) -> u64 {
     keyed_layer(y, keyed_row(z, row))
 }
 
 #[inline]
-pub(super) fn keyed_row<R: Bits>(z: usize, row: R) -> u128 {
-    let mut sum = 0u128;
+pub(super) fn keyed_row<R: Bits>(z: usize, row: R) -> u64 {
+    let mut sum = 0u64;
     for i in 0..R::WORDS {
         let key = KEYS[z].rotate_left(13 * i as u32);
-        sum = sum.wrapping_add(u128::from(row.word(i)) * u128::from(key));
+        sum = sum.wrapping_add(row.word(i).wrapping_mul(key));
     }
     sum
 }
 
 /// Of the sum of [`keyed_row`] over rows of one layer.
 #[inline]
-pub(super) fn keyed_layer(y: usize, sum: u128) -> u128 {
+pub(super) fn keyed_layer(y: usize, sum: u64) -> u64 {
     sum.wrapping_mul(mix(KEYS[y]).into())
 }
 

@@ -15,7 +15,7 @@ mod bytes;
 mod removal;
 
 use crate::limits::removal_visits;
-use crate::maps::{Axis, Column, Maps};
+use crate::maps::{Axis, Maps};
 use crate::plane::Plane;
 use crate::row::Bits;
 use crate::size::{Grid, Size};
@@ -58,9 +58,9 @@ where
     /// have lost it since.
     open: [<Grid<N> as Size>::Row; N],
     /// The sum over the words of `reached`, each times its key.
-    reached_sum: u128,
+    reached_sum: u64,
     /// The same for the voxels last reported as kept.
-    kept_sum: u128,
+    kept_sum: u64,
     /// The layer at which the sweep goes on.
     cursor: u8,
     phase: Phase,
@@ -184,15 +184,17 @@ where
         self.reached_sum = 0;
         for y in 0..seeded {
             let rows = self.reached.layer(y).iter().enumerate();
-            let sum = rows.fold(0, |sum: u128, (z, row)| sum.wrapping_add(keyed_row(z, *row)));
+            let sum = rows.fold(0, |sum: u64, (z, row)| sum.wrapping_add(keyed_row(z, *row)));
             self.reached_sum = self.reached_sum.wrapping_add(keyed_layer(y, sum));
         }
         for y in 1..N {
             for (i, columns) in volume.maps().line(Axis::X, y).chunks(64).enumerate() {
-                let occupied = columns
-                    .iter()
-                    .enumerate()
-                    .fold(0, |word, (z, column)| word | u64::from(*column != Column::EMPTY) << z);
+                let mut occupied = 0;
+                for (k, eight) in columns.as_chunks::<8>().0.iter().enumerate() {
+                    for (j, column) in eight.iter().enumerate() {
+                        occupied |= u64::from(!column.0[0].is_empty()) << (8 * k + j);
+                    }
+                }
                 self.queued[y].set_word(i, occupied);
             }
             self.layers.insert_if(!self.queued[y].is_empty(), y);
@@ -228,7 +230,7 @@ where
     fn visit_rows(&mut self, rows: &Plane<N>, y: usize, i: usize, budget: u32) -> u32 {
         let mut left = budget;
         let mut todo = self.queued[y].word(i);
-        let mut sum = 0u128;
+        let mut sum = 0u64;
         let [below, above] = [y.saturating_sub(1), if y + 1 < N { y + 1 } else { y }];
         let beside = (self.open[below] | self.open[above]).word(i);
         let (mut open, before, after) = self.open_about(y, i);

@@ -85,13 +85,13 @@ where
     }
 
     /// Makes the rows follow the maps. Counts the voxels that closure keeps, and sums them up.
-    fn close(&mut self, volume: &mut Volume<N>, missed: u32) -> (u32, u128) {
+    fn close(&mut self, volume: &mut Volume<N>, missed: u32) -> (u32, u64) {
         // Voxel by voxel for few, all columns at once for many.
         let many = missed as usize > 4 * N * N;
         if many {
             volume.restore_rows();
         }
-        let (mut kept, mut sum) = (0, 0u128);
+        let (mut kept, mut sum) = (0, 0u64);
         for y in 0..N {
             for z in self.open[y].ones() {
                 let (here, reached) = (volume.rows().row(y, z), self.reached.row(y, z));
