@@ -140,7 +140,7 @@ impl Range {
     #[must_use]
     pub fn from_bytes([not_lo, hi]: [u8; 2], n: usize) -> Option<Self> {
         let range = Range { not_lo, hi };
-        let valid = range == Self::EMPTY || (!range.is_empty() && range.hi() < n);
+        let valid = range == Self::EMPTY || (range.lo() <= range.hi() && range.hi() < n);
         valid.then_some(range)
     }
 }

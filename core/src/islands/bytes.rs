@@ -146,7 +146,7 @@ pub(super) fn keyed_row<R: Bits>(z: usize, row: R) -> u64 {
 /// Of the sum of [`keyed_row`] over rows of one layer.
 #[inline]
 pub(super) fn keyed_layer(y: usize, sum: u64) -> u64 {
-    sum.wrapping_mul(mix(KEYS[y]).into())
+    sum.wrapping_mul(mix(KEYS[y]))
 }
 
 fn write_row<R: Bits>(out: &mut Writer<'_>, row: R) {
