@@ -12,7 +12,8 @@ fn main() -> ExitCode {
     match Cli::parse().run().and_then(|report| print(&report)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("paros: {error}");
+            // Nobody may be listening there; the exit code still tells.
+            let _ = writeln!(io::stderr(), "paros: {error}");
             error.exit_code()
         }
     }

@@ -22,7 +22,6 @@
 
 mod fault;
 
-use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
@@ -63,7 +62,7 @@ impl Header {
 /// When the file cannot be read or its header is not one.
 pub fn peek(path: &Path) -> Result<Header, Error> {
     let mut start = Vec::with_capacity(HEADER);
-    let file = File::open(path).map_err(|source| unreadable(path, source))?;
+    let file = durable::open(path).map_err(|source| unreadable(path, source))?;
     file.take(HEADER as u64).read_to_end(&mut start).map_err(|source| unreadable(path, source))?;
     header(&start).map_err(|(offset, fault)| bad(path, offset, fault))
 }
@@ -81,7 +80,7 @@ where
         return Err(bad(path, 6, Fault::OtherSize { found: header.n, expected: N }));
     }
     let mut bytes = Vec::with_capacity(header.file_length() + 1);
-    File::open(path)
+    durable::open(path)
         .and_then(|file| file.take(header.file_length() as u64 + 1).read_to_end(&mut bytes))
         .map_err(|source| unreadable(path, source))?;
     decode(&bytes, maps).map_err(|(offset, fault)| bad(path, offset, fault))

@@ -1,12 +1,13 @@
 //! Trace files: read whole, checked whole, before the first tick is played.
 
 use std::fmt;
-use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
 use paros_core::codec::{BadBytes, Reader};
 use paros_core::trace::{HEADER_BYTES, Header, RECORD_BYTES, Record};
+
+use crate::durable;
 
 /// A trace in memory.
 #[derive(Debug)]
@@ -74,7 +75,7 @@ impl Trace {
     /// # Errors
     /// [`TraceError`], with the file and the offset or tick.
     pub fn read(path: &Path) -> Result<Self, TraceError> {
-        let bytes = fs::read(path).map_err(|e| TraceError::Read(path.into(), e))?;
+        let bytes = durable::read(path).map_err(|e| TraceError::Read(path.into(), e))?;
         Self::decode(&bytes).map_err(|(tick, bad)| match tick {
             None => TraceError::Header(path.into(), bad),
             Some(tick) => TraceError::Record { path: path.into(), tick, bad },

@@ -1,5 +1,6 @@
 //! `paros bench`: how fast, how small, beside what.
 
+use std::io::{self, Write as _};
 use std::path::PathBuf;
 
 use clap::ValueEnum;
@@ -60,7 +61,7 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
     let report = plan.run(|done| bar.advance_to(done as u64))?;
     drop(bar);
     for why in &report.skipped {
-        eprintln!("skipped: {why}");
+        let _ = writeln!(io::stderr(), "skipped: {why}");
     }
     if !report.skipped.is_empty() && std::env::var_os("PAROS_REQUIRE").is_some_and(|v| v == "all") {
         return Err(Error::Failure("some rivals are missing, and PAROS_REQUIRE is all".into()));

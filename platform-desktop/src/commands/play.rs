@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use paros_core::size::{Grid, Size};
 use paros_core::world::World;
 use paros_shaders::{Camera, RenderOptions, render};
-use paros_shell::durable::{self, Draft};
+use paros_shell::durable::Draft;
 use paros_shell::stage::Stage;
 use paros_shell::statics::Resident;
 use paros_shell::stl;
@@ -45,6 +45,14 @@ const HEIGHT_MM: f32 = 120.0;
 pub(super) fn run(args: &Args) -> Result<String, Error> {
     for output in [&args.digests, &args.stl].into_iter().flatten() {
         volume::check_distinct(&args.trace, output)?;
+        if let Some(volume) = &args.volume {
+            volume::check_distinct(volume, output)?;
+        }
+    }
+    if let (Some(digests), Some(stl)) = (&args.digests, &args.stl)
+        && digests == stl
+    {
+        return Err(Error::Input(format!("{}: named for two outputs", stl.display())));
     }
     let trace = Trace::read(&args.trace).map_err(Error::input)?;
     match trace.header().size {
@@ -72,11 +80,10 @@ where
     drop(making);
     let (hidden, mut world) = (starts.hidden(), Grid::<N>::world());
     let mut stage = Stage::new(&mut world, starts.starts(&hidden));
+    // Made before the work: a place where no file can be is told at once.
+    let digests = args.digests.as_deref().map(Draft::create).transpose()?;
     let played = replay(args, trace, &mut stage)?;
 
-    if let Some(path) = &args.digests {
-        durable::write(path, played.digests.as_bytes())?;
-    }
     let world = stage.world();
     let mut report = format!(
         "{}: {} ticks, all as recorded; {} voxels, digest {:016x}\n",
@@ -89,6 +96,11 @@ where
         let sculpture = stl::Sculpture { rows: world.volume().rows(), mask: world.mask() };
         let print = stl::write(path, &sculpture, HEIGHT_MM, &mut *Grid::<N>::exporter())?;
         let _ = writeln!(report, "{}: {} triangles", path.display(), print.triangles);
+    }
+    if let Some(mut file) = digests {
+        file.write_all(played.digests.as_bytes())
+            .map_err(|source| Error::failure(file.error("write", source)))?;
+        file.commit()?;
     }
     if let Some(folder) = &args.frames {
         let _ = writeln!(report, "{}: {} pictures", folder.display(), played.frames);
@@ -110,10 +122,6 @@ fn replay<const N: usize>(
 where
     Grid<N>: Size,
 {
-    if let Some(folder) = &args.frames {
-        fs::create_dir_all(folder)
-            .map_err(|e| Error::Failure(format!("{}: can't be made: {e}", folder.display())))?;
-    }
     let bar = progress::bar("playing", Some(trace.records().len() as u64));
     let mut played = Played { digests: String::new(), frames: 0 };
     let mut drawn = Ok(());
@@ -127,7 +135,7 @@ where
                 && tick % FRAME_TICKS == 0
                 && drawn.is_ok()
             {
-                drawn = draw(&folder.join(format!("{:06}.png", tick / FRAME_TICKS)), world);
+                drawn = draw(folder, tick / FRAME_TICKS, world);
                 played.frames += 1;
             }
         })
@@ -135,15 +143,19 @@ where
     drawn.map(|()| played)
 }
 
-fn draw<const N: usize>(path: &Path, world: &World<N>) -> Result<(), Error>
+/// Draws one picture of a replay. The folder is made with the first, once the trace was found to fit.
+fn draw<const N: usize>(folder: &Path, frame: usize, world: &World<N>) -> Result<(), Error>
 where
     Grid<N>: Size,
 {
     let options = RenderOptions { width: 640, height: 480, samples: 1, ..RenderOptions::default() };
     let image = render(world.volume().maps(), &Camera::ring(0.45, 0.3), &options, &|_| {});
-    let mut file = Draft::create(path).map_err(Error::failure)?;
+    fs::create_dir_all(folder)
+        .map_err(|e| Error::Input(format!("{}: can't be made: {e}", folder.display())))?;
+    let mut file = Draft::create(&folder.join(format!("{frame:06}.png")))?;
     let mut bytes = Vec::new();
     let encoded = image.write_png(&mut bytes).and_then(|()| file.write_all(&bytes));
     encoded.map_err(|source| Error::failure(file.error("write", source)))?;
-    file.commit().map_err(Error::failure)
+    file.commit()?;
+    Ok(())
 }

@@ -7,7 +7,7 @@ use super::Mesh;
 use gltf::accessor::{DataType, Dimensions};
 use gltf::mesh::Mode;
 use gltf::{Accessor, Document, Gltf, Node, Primitive};
-use std::fs;
+use paros_shell::durable;
 use std::path::Path;
 
 /// Column-major, as in the format.
@@ -85,7 +85,7 @@ fn buffers(
                 }
                 None => {
                     let file = folder.join(percent_decoded(uri));
-                    fs::read(&file).map_err(|e| format!("buffer {}: {e}", file.display()))?
+                    durable::read(&file).map_err(|e| format!("buffer {}: {e}", file.display()))?
                 }
             },
         };

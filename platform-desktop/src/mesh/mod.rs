@@ -7,8 +7,8 @@ mod ply;
 mod stl;
 
 use paros_core::bake::Up;
+use paros_shell::durable;
 use std::fmt;
-use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -91,7 +91,7 @@ pub enum Fault {
 pub fn read(path: &Path) -> Result<Mesh, MeshError> {
     let read = || {
         let kind = Kind::of(path).ok_or(Fault::UnknownKind)?;
-        let bytes = fs::read(path).map_err(Fault::Unreadable)?;
+        let bytes = durable::read(path).map_err(Fault::Unreadable)?;
         Mesh::from_bytes(kind, &bytes, path.parent().unwrap_or(Path::new("")))
     };
     read().map_err(|fault| MeshError { path: path.to_owned(), fault })

@@ -6,6 +6,12 @@ use std::io::{self, BufRead, Read};
 pub(super) fn parse(bytes: &[u8]) -> Result<Mesh, String> {
     // Comments and names may be in any encoding; what counts is ASCII.
     let text = String::from_utf8_lossy(bytes);
+    if let Some(line) = text.lines().position(|line| {
+        let mut words = line.split_whitespace();
+        words.next() == Some("f") && words.count() < 3
+    }) {
+        return Err(format!("line {}: a face of fewer than three corners", line + 1));
+    }
     let mut lines = Lines { rest: text.as_bytes(), read: 0 };
     let options = tobj::LoadOptions {
         triangulate: true,

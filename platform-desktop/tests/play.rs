@@ -1,0 +1,83 @@
+//! `paros play` as a user meets it: a trace replays, and what can't be leaves nothing behind.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+use paros_core::input::{Input, Mode};
+use paros_core::size::Grid;
+use paros_shell::stage::Stage;
+use paros_shell::statics::Resident;
+
+/// A folder with `t.trace`, forty ticks of a session, and `bad.trace`, whose last digest is wrong.
+fn folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("play-{name}"));
+    let _ = fs::remove_dir_all(&folder);
+    fs::create_dir_all(&folder).unwrap();
+    let mut starts = Grid::<128>::start_volumes();
+    starts.make(&mut Grid::<128>::plane(), |_| {});
+    let (hidden, mut world) = (starts.hidden(), Grid::<128>::world());
+    world.clear();
+    let mut stage = Stage::new(&mut world, starts.starts(&hidden));
+    stage.record();
+    stage.tick(&Input { start: Mode::FreeForm, ..Input::default() });
+    (1..40).for_each(|_| stage.tick(&Input::default()));
+    let mut bytes = stage.end_recording().unwrap();
+    fs::write(folder.join("t.trace"), &bytes).unwrap();
+    *bytes.last_mut().unwrap() ^= 1;
+    fs::write(folder.join("bad.trace"), bytes).unwrap();
+    folder
+}
+
+fn play(folder: &Path, args: &[&str]) -> Output {
+    let mut paros = Command::new(env!("CARGO_BIN_EXE_paros"));
+    paros.arg("play").args(args).current_dir(folder).stdin(Stdio::null()).output().unwrap()
+}
+
+#[track_caller]
+fn refuses(folder: &Path, args: &[&str], word: &str) {
+    let count = || fs::read_dir(folder).unwrap().count();
+    let before = count();
+    let output = play(folder, args);
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{args:?}: {errors}");
+    assert!(errors.contains(word), "{args:?} should say {word:?}: {errors}");
+    assert_eq!(count(), before, "{args:?} left something behind");
+}
+
+#[test]
+fn a_trace_replays() {
+    let folder = folder("replays");
+    let args = ["t.trace", "--digests", "d", "--stl", "s.stl", "--frames", "f"];
+    let output = play(&folder, &args);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert_eq!(fs::read_to_string(folder.join("d")).unwrap().lines().count(), 40);
+    assert!(fs::metadata(folder.join("s.stl")).unwrap().len() > 84);
+    assert_eq!(fs::read_dir(folder.join("f")).unwrap().count(), 2);
+}
+
+#[test]
+fn what_can_not_be_played_leaves_nothing() {
+    let folder = folder("refuses");
+    refuses(&folder, &["bad.trace", "--digests", "d", "--stl", "s"], "tick 39");
+    refuses(&folder, &["t.trace", "--digests", "d", "--stl", "d"], "two outputs");
+    refuses(&folder, &["t.trace", "--digests", "t.trace"], "t.trace");
+    refuses(&folder, &["t.trace", "--digests", "d", "--stl", "none/s"], "none");
+    refuses(&folder, &["t.trace", "--volume", "bad.trace", "--digests", "bad.trace"], "bad.trace");
+    let cut = &fs::read(folder.join("t.trace")).unwrap()[..1000];
+    fs::write(folder.join("cut.trace"), cut).unwrap();
+    refuses(&folder, &["cut.trace", "--frames", "f"], "cut.trace");
+}
+
+/// Nobody listens: the exit code still tells.
+#[test]
+fn an_unwritable_standard_error_is_no_panic() {
+    let Ok(full) = fs::OpenOptions::new().write(true).open("/dev/full") else {
+        println!("skipped: there is no /dev/full");
+        assert_ne!(std::env::var("PAROS_REQUIRE").as_deref(), Ok("all"), "/dev/full is required");
+        return;
+    };
+    let mut paros = Command::new(env!("CARGO_BIN_EXE_paros"));
+    let status = paros.args(["info", "no.rmap"]).stderr(full).status().unwrap();
+    assert_eq!(status.code(), Some(2));
+}
