@@ -13,7 +13,7 @@ use paros_core::size::{Grid, Size};
 
 use super::clock::{duel, timed};
 use super::dense::DenseGrid;
-use super::rig::{Log, Rig, Rigged};
+use super::rig::{Log, Rig, Rigged, reset};
 use super::row::Row;
 use super::subject::Subject;
 use crate::error::Error;
@@ -103,7 +103,7 @@ fn edits<const N: usize>(rig: &mut Rig<N>, places: &[[usize; 3]], operation: Ope
 where
     Grid<N>: Size,
 {
-    prepare(rig);
+    reset(rig);
     let whole = timed(|| {
         rig.undo.begin_stroke();
         for place in places {
@@ -111,16 +111,6 @@ where
         }
     });
     whole / places.len() as f64
-}
-
-fn prepare<const N: usize>(rig: &mut Rig<N>)
-where
-    Grid<N>: Size,
-{
-    rig.volume.set_maps(&rig.start);
-    rig.undo.clear();
-    rig.dirty.clear();
-    rig.islands.clear();
 }
 
 /// What the world does for an edit: the edit itself with undo, dirty rectangles and islands told,
@@ -147,7 +137,7 @@ where
     Grid<N>: Size,
 {
     for &place in places.iter().step_by(PLACES / 2) {
-        prepare(rig);
+        reset(rig);
         edit(rig, place, CARVE);
         let mut grid = DenseGrid::new(&rig.start);
         grid.carve_sphere(middle(place), RADIUS as f32, DEPTH);

@@ -9,7 +9,7 @@ use paros_core::size::{Grid, Size};
 
 use super::clock::{duel, timed, worst_ticks};
 use super::paper::{PAPER_VISITS, VoxelFill};
-use super::rig::{Record, Rig, Rigged};
+use super::rig::{Record, Rig, Rigged, reset};
 use super::row::Row;
 use super::subject::Subject;
 use crate::error::Error;
@@ -148,10 +148,7 @@ fn prepare<const N: usize>(rig: &mut Rig<N>)
 where
     Grid<N>: Size,
 {
-    rig.volume.set_maps(&rig.start);
-    rig.undo.clear();
-    rig.dirty.clear();
-    rig.islands.clear();
+    reset(rig);
     rig.islands.edited();
 }
 

@@ -70,6 +70,17 @@ macro_rules! rigged {
     )*};
 }
 
+/// The volume as it starts, with nothing to undo and no pass called for.
+pub(super) fn reset<const N: usize>(rig: &mut Rig<N>)
+where
+    Grid<N>: Size,
+{
+    rig.volume.set_maps(&rig.start);
+    rig.undo.clear();
+    rig.dirty.clear();
+    rig.islands.clear();
+}
+
 rigged!(128, 256);
 
 /// Hears of what an edit does, as the world's own log.
