@@ -18,6 +18,7 @@ pub mod noise;
 pub mod render;
 pub mod studio;
 pub mod surface;
+pub mod upload;
 
 pub use camera::Camera;
 pub use density::Density;

@@ -1,0 +1,36 @@
+//! What of a sculpture's textures changed and has to be uploaded.
+
+/// The textures that hold a sculpture on the GPU, for N voxels a side.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Texture {
+    /// The range maps: N x N texels of two bytes (as `Range` stores them), a layer for each axis;
+    /// x is the column's place, y its line.
+    Maps,
+    /// The density, one byte a texel, at a level of detail: 0 is the finest.
+    Density(u8),
+    /// The cells' distances, one byte each.
+    Cells,
+}
+
+/// A box of texels of one texture.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Region {
+    /// Which texture.
+    pub texture: Texture,
+    /// The least texel; z is the layer for [`Texture::Maps`].
+    pub min: [u32; 3],
+    /// Texels along each side; none is zero.
+    pub size: [u32; 3],
+}
+
+impl Region {
+    /// Bytes of the box, rows after rows without gaps.
+    #[must_use]
+    pub const fn bytes(&self) -> usize {
+        let texel = match self.texture {
+            Texture::Maps => 2,
+            Texture::Density(_) | Texture::Cells => 1,
+        };
+        self.size[0] as usize * self.size[1] as usize * self.size[2] as usize * texel
+    }
+}
