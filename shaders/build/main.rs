@@ -2,6 +2,7 @@
 
 mod meshes;
 mod programs;
+mod words;
 
 fn main() {
     let out = std::path::PathBuf::from(std::env::var_os("OUT_DIR").expect("cargo sets OUT_DIR"));

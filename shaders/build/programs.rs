@@ -1,6 +1,204 @@
 //! WGSL modules to SPIR-V programs, one for each variant.
+//!
+//! `naga_oil` joins a module with what it imports, `naga` sets the variant's overrides and writes
+//! SPIR-V 1.3 for Vulkan 1.1. Every choice of the writer is set here, so that a program's words
+//! don't depend on the build's profile.
 
+use std::collections::HashMap;
+use std::fmt::Write as _;
 use std::path::Path;
 
-/// Writes the programs into the folder `out`.
-pub(crate) fn write(_out: &Path) {}
+use naga::back::spv;
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+use naga_oil::compose::{
+    ComposableModuleDescriptor, Composer, NagaModuleDescriptor, ShaderDefValue, ShaderType,
+};
+
+use crate::words;
+
+/// Modules that others import, each after what it imports itself.
+const LIBRARY: [&str; 4] = ["layout", "box", "light", "marble"];
+
+/// Bindings of the only descriptor set.
+const BINDINGS: u32 = 12;
+
+/// A program: its name, module, entry point, whether half precision is meant, and overrides.
+struct Program {
+    name: String,
+    module: &'static str,
+    stage: naga::ShaderStage,
+    half: bool,
+    overrides: Vec<(&'static str, f64)>,
+}
+
+/// Writes the programs, and a table of them, into the folder `out`.
+pub(crate) fn write(out: &Path) {
+    println!("cargo::rerun-if-changed=wgsl");
+    let mut table = String::new();
+    let mut names = Vec::new();
+    for program in programs() {
+        let words = compile(&program);
+        let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).collect();
+        let file = out.join(format!("{}.spv", program.name));
+        std::fs::write(&file, bytes).expect("OUT_DIR takes files");
+        names.push(program.name.to_uppercase());
+        writeln!(
+            table,
+            "/// `wgsl/{}.wgsl`.\npub const {}: Program = Program {{ name: {:?}, bytes: \
+             include_bytes!(concat!(env!(\"OUT_DIR\"), \"/{}.spv\")) }};",
+            program.module,
+            program.name.to_uppercase(),
+            program.name,
+            program.name,
+        )
+        .expect("strings take text");
+    }
+    std::fs::write(out.join("layout.rs"), sizes()).expect("OUT_DIR takes files");
+    writeln!(table, "/// Every program.\npub const ALL: &[Program] = &[{}];", names.join(", "))
+        .expect("strings take text");
+    std::fs::write(out.join("programs.rs"), table).expect("OUT_DIR takes files");
+}
+
+fn programs() -> Vec<Program> {
+    let program = |name: &str, module, stage, overrides: &[(&'static str, f64)]| Program {
+        name: name.into(),
+        module,
+        stage,
+        half: false,
+        overrides: overrides.to_vec(),
+    };
+    use naga::ShaderStage::{Fragment, Vertex};
+    let mut all = vec![
+        program("box_vertex", "box", Vertex, &[]),
+        program("tiles_vertex", "tiles", Vertex, &[]),
+        program("tiles", "tiles", Fragment, &[]),
+        program("tile_vertex", "tile", Vertex, &[]),
+    ];
+    for (name, half, coverage) in [
+        ("fast", false, 0.0),
+        ("fast_half", true, 0.0),
+        ("fast_coverage", false, 1.0),
+        ("fast_half_coverage", true, 1.0),
+    ] {
+        let overrides = [("COVERAGE", coverage)];
+        all.push(Program { half, ..program(name, "fast", Fragment, &overrides) });
+    }
+    for (name, overrides) in [
+        ("paper", &[][..]),
+        ("paper_full_march", &[("FULL_MARCH", 1.0)]),
+        ("paper_no_sdf", &[("SDF", 0.0)]),
+        ("paper_no_shading", &[("SHADING", 0.0)]),
+    ] {
+        all.push(program(name, "paper", Fragment, overrides));
+    }
+    all
+}
+
+/// Sizes of the structures that the renderer mirrors, as constants.
+fn sizes() -> String {
+    let (path, source) = read("layout");
+    let source = source.replace("#define_import_path", "//");
+    let module = naga::front::wgsl::parse_str(&source)
+        .unwrap_or_else(|error| panic!("{path}: {}", error.emit_to_string(&source)));
+    let size = |name: &str| {
+        let named = |ty: &naga::Type| ty.name.as_deref() == Some(name);
+        let found = module.types.iter().find(|(_, ty)| named(ty));
+        let (_, ty) = found.unwrap_or_else(|| panic!("{path} has no {name}"));
+        ty.inner.size(module.to_ctx())
+    };
+    format!(
+        "const VIEW_BYTES: usize = {};\nconst FRAME_BYTES: usize = {};\n",
+        size("View"),
+        size("Frame"),
+    )
+}
+
+fn compile(program: &Program) -> Vec<u32> {
+    let capabilities = Capabilities::MULTIVIEW
+        | Capabilities::EARLY_DEPTH_TEST
+        | Capabilities::SHADER_FLOAT16;
+    let mut composer = Composer::default().with_capabilities(capabilities);
+    let defs = HashMap::from([("HALF".to_owned(), ShaderDefValue::Bool(program.half))]);
+    let defs: HashMap<_, _> = defs.into_iter().filter(|_| program.half).collect();
+    for name in LIBRARY {
+        let (file_path, source) = read(name);
+        let module = ComposableModuleDescriptor {
+            source: &source,
+            file_path: &file_path,
+            shader_defs: defs.clone(),
+            ..ComposableModuleDescriptor::default()
+        };
+        if let Err(error) = composer.add_composable_module(module) {
+            panic!("{}", error.emit_to_string(&composer));
+        }
+    }
+    let (file_path, mut source) = read(program.module);
+    if program.half {
+        // Directives stand before everything else, conditions of the preprocessor too.
+        source.insert_str(0, "enable f16;\n");
+    }
+    let module = composer.make_naga_module(NagaModuleDescriptor {
+        source: &source,
+        file_path: &file_path,
+        shader_type: ShaderType::Wgsl,
+        shader_defs: defs,
+        ..NagaModuleDescriptor::default()
+    });
+    let module = module.unwrap_or_else(|error| panic!("{}", error.emit_to_string(&composer)));
+    words::finished(spirv(&module, program, capabilities))
+}
+
+fn spirv(module: &naga::Module, program: &Program, capabilities: Capabilities) -> Vec<u32> {
+    let name = &program.name;
+    let mut validator = Validator::new(ValidationFlags::all(), capabilities);
+    let info = validator.validate(module).unwrap_or_else(|error| panic!("{name}: {error:?}"));
+    let overrides = program.overrides.iter().map(|(key, value)| ((*key).to_owned(), *value));
+    let entry = match program.stage {
+        naga::ShaderStage::Vertex => "vertex",
+        _ => "fragment",
+    };
+    let (module, info) = naga::back::pipeline_constants::process_overrides(
+        module,
+        &info,
+        Some((program.stage, entry)),
+        &overrides.collect(),
+    )
+    .unwrap_or_else(|error| panic!("{name}: {error}"));
+    let unchecked = naga::proc::BoundsCheckPolicy::Unchecked;
+    let options = spv::Options {
+        lang_version: (1, 3),
+        flags: spv::WriterFlags::empty(),
+        fake_missing_bindings: false,
+        binding_map: (0..BINDINGS).map(same_binding).collect(),
+        capabilities: None,
+        // The programs keep their indices in range themselves.
+        bounds_check_policies: naga::proc::BoundsCheckPolicies {
+            index: unchecked,
+            buffer: unchecked,
+            image_load: unchecked,
+            binding_array: unchecked,
+        },
+        zero_initialize_workgroup_memory: spv::ZeroInitializeWorkgroupMemoryMode::None,
+        force_loop_bounding: false,
+        use_storage_input_output_16: false,
+        emit_int_div_checks: false,
+        debug_info: None,
+        ..spv::Options::default()
+    };
+    let pipeline =
+        spv::PipelineOptions { shader_stage: program.stage, entry_point: entry.to_owned() };
+    spv::write_vec(&module, &info, &options, Some(&pipeline))
+        .unwrap_or_else(|error| panic!("{name}: {error}"))
+}
+
+/// A binding of the module is the same one of the program.
+fn same_binding(binding: u32) -> (naga::ResourceBinding, spv::BindingInfo) {
+    let info = spv::BindingInfo { descriptor_set: 0, binding, binding_array_size: None };
+    (naga::ResourceBinding { group: 0, binding }, info)
+}
+
+fn read(name: &str) -> (String, String) {
+    let path = format!("wgsl/{name}.wgsl");
+    let text = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{path}: {error}"));
+    (path, text)
+}

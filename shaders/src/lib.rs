@@ -4,12 +4,12 @@
 //! that it can stand in where there is no GPU and be the reference a GPU's picture is compared
 //! with. Inside the volume lengths are voxels; outside, the studio measures in sides of the cube.
 
-#![forbid(unsafe_code)]
 
 pub mod camera;
 pub mod constants;
 pub mod density;
 pub mod fragment;
+pub mod gpu;
 pub mod image;
 pub mod light;
 pub mod marble;

@@ -2,7 +2,10 @@
 //!
 //! Source: the marble of Perlin, "An image synthesizer" (1985).
 
+use std::sync::OnceLock;
+
 use glam::Vec3;
+use rayon::prelude::*;
 
 use crate::constants::{
     MARBLE_ACROSS, MARBLE_BEND, MARBLE_GREY, MARBLE_OCTAVES, MARBLE_SCALE, MARBLE_VEINS,
@@ -13,6 +16,11 @@ use crate::noise;
 /// Reflectance at a point of the unit cube.
 #[must_use]
 pub fn reflectance(texture: &[i8], point: Vec3) -> Vec3 {
+    Vec3::from_array(MARBLE_WHITE).lerp(Vec3::from_array(MARBLE_GREY), grey(texture, point))
+}
+
+/// How grey a point of the unit cube is, 0 to 1.
+fn grey(texture: &[i8], point: Vec3) -> f32 {
     let (turbulence, cloud) = turbulence(texture, point * MARBLE_SCALE);
     let across = point.dot(Vec3::from_array(MARBLE_ACROSS)) * MARBLE_VEINS;
     // Distance to the nearest zero of the wave, 0 on a vein and 1 between two.
@@ -20,8 +28,28 @@ pub fn reflectance(texture: &[i8], point: Vec3) -> Vec3 {
     let away = 2.0 * (phase - phase.round()).abs();
     let vein = (-away * away * 60.0).exp() * (0.35 + 0.65 * (0.5 + cloud).clamp(0.0, 1.0));
     let haze = 0.16 * (0.5 - cloud).clamp(0.0, 1.0) * (1.0 - away);
-    let grey = (0.8 * vein + haze).clamp(0.0, 1.0);
-    Vec3::from_array(MARBLE_WHITE).lerp(Vec3::from_array(MARBLE_GREY), grey)
+    (0.8 * vein + haze).clamp(0.0, 1.0)
+}
+
+/// Texels along a side of [`texture`].
+pub const SIDE: usize = 128;
+
+/// How grey the marble is all over the unit cube, 255 where it is all grey; x fastest, then y,
+/// then z.
+#[must_use]
+pub fn texture() -> &'static [u8] {
+    static TEXTURE: OnceLock<Box<[u8]>> = OnceLock::new();
+    TEXTURE.get_or_init(|| {
+        let mut texels = vec![0u8; SIDE * SIDE * SIDE].into_boxed_slice();
+        texels.par_chunks_mut(SIDE).enumerate().for_each(|(row, texels)| {
+            let at = |i: usize| (i as f32 + 0.5) / SIDE as f32;
+            for (x, texel) in texels.iter_mut().enumerate() {
+                let point = Vec3::new(at(x), at(row % SIDE), at(row / SIDE));
+                *texel = (grey(noise::texture(), point) * 255.0 + 0.5) as u8;
+            }
+        });
+        texels
+    })
 }
 
 /// Octaves of noise with halving amplitude, and the first one by itself.

@@ -10,6 +10,10 @@ pub enum Texture {
     Density(u8),
     /// The cells' distances, one byte each.
     Cells,
+    /// The paper's noise, one signed byte each.
+    Noise,
+    /// How grey the marble is, one byte each.
+    Marble,
 }
 
 /// A box of texels of one texture.
@@ -29,7 +33,7 @@ impl Region {
     pub const fn bytes(&self) -> usize {
         let texel = match self.texture {
             Texture::Maps => 2,
-            Texture::Density(_) | Texture::Cells => 1,
+            Texture::Density(_) | Texture::Cells | Texture::Noise | Texture::Marble => 1,
         };
         self.size[0] as usize * self.size[1] as usize * self.size[2] as usize * texel
     }

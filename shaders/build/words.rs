@@ -1,0 +1,29 @@
+//! What `naga` leaves to be done on a program's words.
+
+/// Opcodes and operands of the SPIR-V specification.
+const OP_CAPABILITY: u32 = 17;
+const OP_LOOP_MERGE: u32 = 246;
+const DONT_UNROLL: u32 = 2;
+/// Storage of 16 bits in buffers and interfaces, which `naga` declares for any half-precision
+/// arithmetic. The programs have none, and few phones offer it.
+const STORAGE_16: [u32; 3] = [4433, 4434, 4436];
+
+/// The program without capabilities that it doesn't use, and with loops kept as loops: a driver
+/// that unrolls a march needs three times the registers.
+pub(crate) fn finished(words: Vec<u32>) -> Vec<u32> {
+    const HEADER: usize = 5;
+    let mut out = words[..HEADER].to_vec();
+    let mut rest = &words[HEADER..];
+    while let [first, ..] = rest {
+        let (instruction, after) = rest.split_at((first >> 16) as usize);
+        rest = after;
+        match (first & 0xffff, instruction) {
+            (OP_CAPABILITY, [_, capability]) if STORAGE_16.contains(capability) => {}
+            (OP_LOOP_MERGE, [_, merge, next, _]) => {
+                out.extend([*first, *merge, *next, DONT_UNROLL]);
+            }
+            _ => out.extend(instruction),
+        }
+    }
+    out
+}

@@ -1,0 +1,336 @@
+//! A Vulkan instance and device: which one fits, and what it offers beyond the least.
+
+use std::ffi::{CStr, c_char, c_void};
+use std::sync::{Arc, Mutex};
+
+use ash::{ext, vk};
+
+use super::error::{Doing, Error};
+
+/// Vulkan 1.1 has multiview in its core.
+const API: u32 = vk::API_VERSION_1_1;
+
+/// How an instance and a device are made.
+#[derive(Clone, Default, Debug)]
+pub struct Options {
+    /// Instance extensions that the shell needs, for its window.
+    pub instance_extensions: Vec<&'static CStr>,
+    /// Device extensions that the shell needs, for its swapchain.
+    pub device_extensions: Vec<&'static CStr>,
+    /// Whether the Khronos validation layer looks on; what it says is kept.
+    pub validation: bool,
+    /// A part of the name of the device that is meant, in any case; else the best one.
+    pub device: Option<String>,
+}
+
+/// What a device offers of what the renderer can use.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Needs {
+    /// Arithmetic of half precision.
+    pub half: bool,
+    /// Nanoseconds in a tick of its timestamps, in millionths; 0 if it has none.
+    pub timestamp_period: u64,
+}
+
+/// An instance, and what validation has said about it.
+pub struct Instance {
+    /// The loader, which must outlive the instance.
+    pub entry: ash::Entry,
+    /// The instance.
+    pub raw: ash::Instance,
+    messenger: Option<(ext::debug_utils::Instance, vk::DebugUtilsMessengerEXT)>,
+    messages: Arc<Mutex<Vec<String>>>,
+}
+
+/// A device with one queue, shared by all that is made on it.
+pub struct Gpu {
+    /// The instance that it comes from; it outlives the device.
+    pub instance: Arc<Instance>,
+    /// The physical device.
+    pub physical: vk::PhysicalDevice,
+    /// The device.
+    pub device: ash::Device,
+    /// The family of its queue.
+    pub family: u32,
+    /// A queue for graphics.
+    pub queue: vk::Queue,
+    /// What it offers.
+    pub needs: Needs,
+    /// Its name.
+    pub name: String,
+    pub(super) memory: vk::PhysicalDeviceMemoryProperties,
+}
+
+/// A device of this process alone, for pictures without a window.
+pub type Context = Arc<Gpu>;
+
+impl core::fmt::Debug for Gpu {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("Gpu").field("name", &self.name).field("needs", &self.needs).finish()
+    }
+}
+
+impl core::fmt::Debug for Instance {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("Instance").field("validation", &self.messenger.is_some()).finish()
+    }
+}
+
+impl Instance {
+    /// Opens the loader and makes an instance.
+    ///
+    /// # Errors
+    /// [`Error::NoLoader`], or a call that failed: a layer or an extension that isn't there.
+    pub fn new(options: &Options) -> Result<Arc<Self>, Error> {
+        // SAFETY: the loader is the system's own; loading it runs its initialisers.
+        let entry =
+            unsafe { ash::Entry::load() }.map_err(|error| Error::NoLoader(error.to_string()))?;
+        let application =
+            vk::ApplicationInfo::default().application_name(c"Paros").api_version(API);
+        let mut extensions: Vec<*const c_char> =
+            options.instance_extensions.iter().map(|name| name.as_ptr()).collect();
+        let mut layers = Vec::new();
+        if options.validation {
+            extensions.push(ext::debug_utils::NAME.as_ptr());
+            layers.push(c"VK_LAYER_KHRONOS_validation".as_ptr());
+        }
+        let checks = [vk::ValidationFeatureEnableEXT::SYNCHRONIZATION_VALIDATION];
+        let mut features =
+            vk::ValidationFeaturesEXT::default().enabled_validation_features(&checks);
+        let mut info = vk::InstanceCreateInfo::default()
+            .application_info(&application)
+            .enabled_extension_names(&extensions)
+            .enabled_layer_names(&layers);
+        if options.validation {
+            info = info.push_next(&mut features);
+        }
+        // SAFETY: all that `info` points to lives until the call returns.
+        let raw = unsafe { entry.create_instance(&info, None) }.doing("make an instance")?;
+        let messages = Arc::new(Mutex::new(Vec::new()));
+        let mut instance = Instance { entry, raw, messenger: None, messages };
+        if options.validation {
+            instance.listen()?;
+        }
+        Ok(Arc::new(instance))
+    }
+
+    /// What validation has complained of so far.
+    #[must_use]
+    pub fn messages(&self) -> Vec<String> {
+        self.messages.lock().map(|messages| messages.clone()).unwrap_or_default()
+    }
+
+    fn listen(&mut self) -> Result<(), Error> {
+        let debug = ext::debug_utils::Instance::new(&self.entry, &self.raw);
+        let info = vk::DebugUtilsMessengerCreateInfoEXT::default()
+            .message_severity(
+                vk::DebugUtilsMessageSeverityFlagsEXT::ERROR
+                    | vk::DebugUtilsMessageSeverityFlagsEXT::WARNING,
+            )
+            .message_type(
+                vk::DebugUtilsMessageTypeFlagsEXT::VALIDATION
+                    | vk::DebugUtilsMessageTypeFlagsEXT::PERFORMANCE,
+            )
+            .pfn_user_callback(Some(keep_message))
+            .user_data(Arc::as_ptr(&self.messages).cast_mut().cast::<c_void>());
+        // SAFETY: the messages outlive the messenger, which `drop` destroys first.
+        let messenger = unsafe { debug.create_debug_utils_messenger(&info, None) }
+            .doing("listen to validation")?;
+        self.messenger = Some((debug, messenger));
+        Ok(())
+    }
+}
+
+impl Drop for Instance {
+    fn drop(&mut self) {
+        if let Some((debug, messenger)) = self.messenger.take() {
+            // SAFETY: it was made from this instance and is destroyed once.
+            unsafe { debug.destroy_debug_utils_messenger(messenger, None) };
+        }
+        // SAFETY: devices keep the instance alive, so none is left.
+        unsafe { self.raw.destroy_instance(None) };
+    }
+}
+
+unsafe extern "system" fn keep_message(
+    _severity: vk::DebugUtilsMessageSeverityFlagsEXT,
+    _kind: vk::DebugUtilsMessageTypeFlagsEXT,
+    data: *const vk::DebugUtilsMessengerCallbackDataEXT<'_>,
+    messages: *mut c_void,
+) -> vk::Bool32 {
+    // SAFETY: `listen` gave a pointer to the messages, which outlive the messenger.
+    let messages = unsafe { &*messages.cast::<Mutex<Vec<String>>>() };
+    // SAFETY: the layer's data is valid during the call, its message a C string or null.
+    let text = unsafe {
+        match data.as_ref().map(|data| data.p_message) {
+            Some(text) if !text.is_null() => CStr::from_ptr(text).to_string_lossy().into_owned(),
+            _ => String::from("a message without a text"),
+        }
+    };
+    if let Ok(mut messages) = messages.lock() {
+        messages.push(text);
+    }
+    vk::FALSE
+}
+
+impl Gpu {
+    /// The best device of this machine without a window.
+    ///
+    /// # Errors
+    /// See [`Instance::new`] and [`Gpu::new`].
+    pub fn headless(options: &Options) -> Result<Arc<Self>, Error> {
+        Gpu::new(Instance::new(options)?, options, |_, _| true)
+    }
+
+    /// The best device of which `presents` says, of it and a family of its queues, that it serves
+    /// the shell.
+    ///
+    /// # Errors
+    /// [`Error::NoDevice`] with what each lacks, or a call that failed.
+    pub fn new(
+        instance: Arc<Instance>,
+        options: &Options,
+        presents: impl Fn(vk::PhysicalDevice, u32) -> bool,
+    ) -> Result<Arc<Self>, Error> {
+        // SAFETY: the instance is alive.
+        let all = unsafe { instance.raw.enumerate_physical_devices() }.doing("list devices")?;
+        let mut refused = Vec::new();
+        let mut fitting = Vec::new();
+        for physical in all {
+            // SAFETY: the physical device is one of this instance's.
+            let properties = unsafe { instance.raw.get_physical_device_properties(physical) };
+            let name = properties
+                .device_name_as_c_str()
+                .map_or_else(|_| "unnamed".into(), |name| name.to_string_lossy().into_owned());
+            let meant = options.device.as_ref().is_none_or(|part| {
+                name.to_lowercase().contains(&part.to_lowercase())
+            });
+            if !meant {
+                refused.push(format!("{name} is not the one asked for"));
+                continue;
+            }
+            match family(&instance.raw, physical, &properties, &presents) {
+                Ok(family) => fitting.push((rank(properties.device_type), physical, family, name)),
+                Err(lacks) => refused.push(format!("{name} {lacks}")),
+            }
+        }
+        fitting.sort_by_key(|(rank, ..)| *rank);
+        let Some((_, physical, family, name)) = fitting.into_iter().next() else {
+            return Err(Error::NoDevice(refused));
+        };
+        let needs = offered(&instance.raw, physical, family);
+        let device = make_device(&instance.raw, physical, family, needs, options)?;
+        // SAFETY: the device was made with one queue of this family.
+        let queue = unsafe { device.get_device_queue(family, 0) };
+        // SAFETY: the physical device is one of this instance's.
+        let memory = unsafe { instance.raw.get_physical_device_memory_properties(physical) };
+        Ok(Arc::new(Gpu { instance, physical, device, family, queue, needs, name, memory }))
+    }
+
+    /// Waits until the device has done all it was given.
+    ///
+    /// # Errors
+    /// A lost device.
+    pub fn wait(&self) -> Result<(), Error> {
+        // SAFETY: the queue is used by one thread.
+        unsafe { self.device.device_wait_idle() }.doing("wait for the device")
+    }
+}
+
+impl Drop for Gpu {
+    fn drop(&mut self) {
+        // SAFETY: whatever was made on the device keeps it alive, so nothing is left.
+        unsafe { self.device.destroy_device(None) };
+    }
+}
+
+const fn rank(kind: vk::PhysicalDeviceType) -> u8 {
+    match kind {
+        vk::PhysicalDeviceType::DISCRETE_GPU => 0,
+        vk::PhysicalDeviceType::INTEGRATED_GPU => 1,
+        vk::PhysicalDeviceType::VIRTUAL_GPU => 2,
+        vk::PhysicalDeviceType::CPU => 3,
+        _ => 4,
+    }
+}
+
+/// A family of queues that draws and serves the shell, or what the device lacks.
+fn family(
+    instance: &ash::Instance,
+    physical: vk::PhysicalDevice,
+    properties: &vk::PhysicalDeviceProperties,
+    presents: &impl Fn(vk::PhysicalDevice, u32) -> bool,
+) -> Result<u32, String> {
+    let version = properties.api_version;
+    if version < API {
+        let (major, minor) = (vk::api_version_major(version), vk::api_version_minor(version));
+        return Err(format!("speaks Vulkan {major}.{minor}, not 1.1"));
+    }
+    let mut multiview = vk::PhysicalDeviceMultiviewFeatures::default();
+    let mut features = vk::PhysicalDeviceFeatures2::default().push_next(&mut multiview);
+    // SAFETY: the physical device is one of this instance's and speaks 1.1.
+    unsafe { instance.get_physical_device_features2(physical, &mut features) };
+    if multiview.multiview == vk::FALSE {
+        return Err("has no multiview".into());
+    }
+    // SAFETY: as above.
+    let families = unsafe { instance.get_physical_device_queue_family_properties(physical) };
+    let draws = |i: &u32| {
+        families[*i as usize].queue_flags.contains(vk::QueueFlags::GRAPHICS)
+            && presents(physical, *i)
+    };
+    (0..families.len() as u32)
+        .find(draws)
+        .ok_or_else(|| "has no queue that draws into the window".into())
+}
+
+fn offered(instance: &ash::Instance, physical: vk::PhysicalDevice, family: u32) -> Needs {
+    let mut half = vk::PhysicalDeviceShaderFloat16Int8Features::default();
+    let has_half = has_extension(instance, physical, vk::KHR_SHADER_FLOAT16_INT8_NAME);
+    let mut features = vk::PhysicalDeviceFeatures2::default();
+    if has_half {
+        features = features.push_next(&mut half);
+    }
+    // SAFETY: the physical device is one of this instance's, and speaks 1.1.
+    unsafe { instance.get_physical_device_features2(physical, &mut features) };
+    // SAFETY: as above.
+    let properties = unsafe { instance.get_physical_device_properties(physical) };
+    // SAFETY: as above.
+    let families = unsafe { instance.get_physical_device_queue_family_properties(physical) };
+    let bits = families[family as usize].timestamp_valid_bits;
+    let period = (f64::from(properties.limits.timestamp_period) * 1e6) as u64;
+    Needs {
+        half: has_half && half.shader_float16 == vk::TRUE,
+        timestamp_period: if bits == 0 { 0 } else { period },
+    }
+}
+
+fn make_device(
+    instance: &ash::Instance,
+    physical: vk::PhysicalDevice,
+    family: u32,
+    needs: Needs,
+    options: &Options,
+) -> Result<ash::Device, Error> {
+    let queues = [vk::DeviceQueueCreateInfo::default()
+        .queue_family_index(family)
+        .queue_priorities(&[1.0])];
+    let mut extensions: Vec<*const c_char> =
+        options.device_extensions.iter().map(|name| name.as_ptr()).collect();
+    let mut multiview = vk::PhysicalDeviceMultiviewFeatures::default().multiview(true);
+    let mut half = vk::PhysicalDeviceShaderFloat16Int8Features::default().shader_float16(true);
+    let mut info = vk::DeviceCreateInfo::default().push_next(&mut multiview);
+    if needs.half {
+        extensions.push(vk::KHR_SHADER_FLOAT16_INT8_NAME.as_ptr());
+        info = info.push_next(&mut half);
+    }
+    let info = info.queue_create_infos(&queues).enabled_extension_names(&extensions);
+    // SAFETY: all that `info` points to lives until the call returns.
+    unsafe { instance.create_device(physical, &info, None) }.doing("make a device")
+}
+
+fn has_extension(instance: &ash::Instance, physical: vk::PhysicalDevice, name: &CStr) -> bool {
+    // SAFETY: the physical device is one of this instance's.
+    let all = unsafe { instance.enumerate_device_extension_properties(physical) };
+    all.is_ok_and(|all| all.iter().any(|one| one.extension_name_as_c_str() == Ok(name)))
+}

@@ -1,0 +1,31 @@
+//! The Vulkan renderer that both shells drive: commands for a frame, recorded into whatever images
+//! the shell names.
+//!
+//! It draws a sculpture, the studio around it and panels of text. It makes no window, no session
+//! and no decision; it never reads a picture back, and waits for nothing but the frame that used
+//! the same part of its ring before.
+
+mod buffer;
+mod context;
+mod error;
+mod frame;
+mod image;
+pub mod layout;
+mod offscreen;
+mod pass;
+mod pipelines;
+pub mod programs;
+mod renderer;
+mod staging;
+mod surface;
+mod textures;
+mod timers;
+
+pub use context::{Context, Gpu, Instance, Needs, Options};
+pub use error::Error;
+pub use frame::{Eye, Fov, Look, Parts, Path, Picture, Stand};
+pub use offscreen::Offscreen;
+pub use pass::Format;
+pub use renderer::{Renderer, Sync};
+pub use surface::Surface;
+pub use timers::Times;

@@ -1,0 +1,176 @@
+//! The two render passes: where tiles' rays start, and the frame itself.
+
+use std::sync::Arc;
+
+use ash::vk;
+
+use super::context::Gpu;
+use super::error::{Doing, Error};
+
+/// What a renderer draws into.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Format {
+    /// Of the colour images; an sRGB one, as the programs give linear light.
+    pub color: vk::Format,
+    /// Samples of a pixel, 1 or 4; the shell's image has one, resolved within the pass.
+    pub samples: u32,
+    /// Layers of an image, 1 or 2: eyes.
+    pub views: u32,
+    /// The layout that the shell wants its colour image in afterwards.
+    pub final_layout: vk::ImageLayout,
+    /// Whether depth is kept, in an image of the shell's of format [`Format::depth`].
+    pub keep_depth: bool,
+}
+
+impl Format {
+    /// The depth format of a device: floats if it has them.
+    #[must_use]
+    pub fn depth(gpu: &Gpu) -> vk::Format {
+        let wanted = vk::FormatFeatureFlags::DEPTH_STENCIL_ATTACHMENT;
+        let has = |format: &vk::Format| {
+            // SAFETY: the physical device is one of this instance's.
+            let properties = unsafe {
+                gpu.instance.raw.get_physical_device_format_properties(gpu.physical, *format)
+            };
+            properties.optimal_tiling_features.contains(wanted)
+        };
+        let formats = [vk::Format::D32_SFLOAT, vk::Format::X8_D24_UNORM_PACK32];
+        formats.into_iter().find(has).unwrap_or(vk::Format::D16_UNORM)
+    }
+
+    pub(super) const fn count(&self) -> vk::SampleCountFlags {
+        if self.samples == 4 { vk::SampleCountFlags::TYPE_4 } else { vk::SampleCountFlags::TYPE_1 }
+    }
+
+    /// Bits of the views.
+    pub(super) const fn mask(&self) -> u32 {
+        (1 << self.views) - 1
+    }
+}
+
+/// A render pass.
+pub(super) struct Pass {
+    gpu: Arc<Gpu>,
+    pub(super) raw: vk::RenderPass,
+}
+
+impl Pass {
+    /// The frame's pass: colour, depth, and the resolved colour where there are several samples.
+    /// Nothing is loaded, and only what the shell keeps is stored.
+    pub(super) fn frame(gpu: &Arc<Gpu>, format: &Format) -> Result<Self, Error> {
+        let multisampled = format.samples > 1;
+        let keep = |stored: bool| match stored {
+            true => vk::AttachmentStoreOp::STORE,
+            false => vk::AttachmentStoreOp::DONT_CARE,
+        };
+        let attachment = |of: vk::Format, samples, stored: bool, layout| {
+            vk::AttachmentDescription::default()
+                .format(of)
+                .samples(samples)
+                .load_op(vk::AttachmentLoadOp::CLEAR)
+                .store_op(keep(stored))
+                .stencil_load_op(vk::AttachmentLoadOp::DONT_CARE)
+                .stencil_store_op(vk::AttachmentStoreOp::DONT_CARE)
+                .final_layout(layout)
+        };
+        let color_layout = vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL;
+        let depth_layout = vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
+        let drawn = if multisampled { color_layout } else { format.final_layout };
+        let mut attachments = vec![
+            attachment(format.color, format.count(), !multisampled, drawn),
+            attachment(Format::depth(gpu), format.count(), format.keep_depth, depth_layout),
+        ];
+        if multisampled {
+            let one = vk::SampleCountFlags::TYPE_1;
+            let resolved = attachment(format.color, one, true, format.final_layout);
+            attachments.push(resolved.load_op(vk::AttachmentLoadOp::DONT_CARE));
+        }
+        let reference = |attachment, layout| vk::AttachmentReference { attachment, layout };
+        let colors = [reference(0, color_layout)];
+        let depth = reference(1, depth_layout);
+        let resolves = [reference(2, color_layout)];
+        let mut subpass = vk::SubpassDescription::default()
+            .pipeline_bind_point(vk::PipelineBindPoint::GRAPHICS)
+            .color_attachments(&colors)
+            .depth_stencil_attachment(&depth);
+        if multisampled {
+            subpass = subpass.resolve_attachments(&resolves);
+        }
+        Self::new(gpu, &attachments, subpass, format.mask())
+    }
+
+    /// The pass that finds where tiles' rays start, for vertices to read.
+    pub(super) fn tiles(gpu: &Arc<Gpu>, format: &Format) -> Result<Self, Error> {
+        let attachments = [vk::AttachmentDescription::default()
+            .format(TILES)
+            .samples(vk::SampleCountFlags::TYPE_1)
+            .load_op(vk::AttachmentLoadOp::DONT_CARE)
+            .store_op(vk::AttachmentStoreOp::STORE)
+            .final_layout(vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL)];
+        let colors = [vk::AttachmentReference {
+            attachment: 0,
+            layout: vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL,
+        }];
+        let subpass = vk::SubpassDescription::default()
+            .pipeline_bind_point(vk::PipelineBindPoint::GRAPHICS)
+            .color_attachments(&colors);
+        Self::new(gpu, &attachments, subpass, format.mask())
+    }
+
+    fn new(
+        gpu: &Arc<Gpu>,
+        attachments: &[vk::AttachmentDescription],
+        subpass: vk::SubpassDescription<'_>,
+        mask: u32,
+    ) -> Result<Self, Error> {
+        let subpasses = [subpass];
+        let drawn = vk::PipelineStageFlags::COLOR_ATTACHMENT_OUTPUT
+            | vk::PipelineStageFlags::EARLY_FRAGMENT_TESTS
+            | vk::PipelineStageFlags::LATE_FRAGMENT_TESTS;
+        let read = vk::PipelineStageFlags::VERTEX_SHADER | vk::PipelineStageFlags::FRAGMENT_SHADER;
+        let written = vk::AccessFlags::COLOR_ATTACHMENT_WRITE
+            | vk::AccessFlags::DEPTH_STENCIL_ATTACHMENT_WRITE;
+        // What the frame before drew or read comes first; what comes after may read.
+        let dependencies = [
+            vk::SubpassDependency::default()
+                .src_subpass(vk::SUBPASS_EXTERNAL)
+                .src_stage_mask(drawn | read | vk::PipelineStageFlags::TRANSFER)
+                .dst_stage_mask(drawn)
+                .src_access_mask(written)
+                .dst_access_mask(
+                    written
+                        | vk::AccessFlags::COLOR_ATTACHMENT_READ
+                        | vk::AccessFlags::DEPTH_STENCIL_ATTACHMENT_READ,
+                ),
+            vk::SubpassDependency::default()
+                .dst_subpass(vk::SUBPASS_EXTERNAL)
+                .src_stage_mask(drawn)
+                .dst_stage_mask(read | vk::PipelineStageFlags::TRANSFER)
+                .src_access_mask(written)
+                .dst_access_mask(vk::AccessFlags::SHADER_READ | vk::AccessFlags::TRANSFER_READ),
+        ];
+        let masks = [mask];
+        let mut multiview = vk::RenderPassMultiviewCreateInfo::default()
+            .view_masks(&masks)
+            .correlation_masks(&masks);
+        let info = vk::RenderPassCreateInfo::default()
+            .attachments(attachments)
+            .subpasses(&subpasses)
+            .dependencies(&dependencies)
+            .push_next(&mut multiview);
+        // SAFETY: all that `info` points to lives until the call returns.
+        let raw =
+            unsafe { gpu.device.create_render_pass(&info, None) }.doing("make a render pass")?;
+        Ok(Pass { gpu: gpu.clone(), raw })
+    }
+}
+
+/// Format of the tiles' image: a depth in voxels.
+pub(super) const TILES: vk::Format = vk::Format::R32_SFLOAT;
+
+impl Drop for Pass {
+    fn drop(&mut self) {
+        // SAFETY: the owner waits for the device before it drops what was submitted.
+        unsafe { self.gpu.device.destroy_render_pass(self.raw, None) };
+    }
+}

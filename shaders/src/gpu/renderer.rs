@@ -1,0 +1,386 @@
+//! The renderer: a ring of two frames, each with its commands, its bytes and its clock.
+
+use std::sync::Arc;
+
+use ash::vk;
+
+use super::buffer::Buffer;
+use super::context::Gpu;
+use super::error::{Doing, Error};
+use super::frame::{self, Path, Picture};
+use super::layout::Frame;
+use super::pass::{Format, Pass};
+use super::pipelines::Pipelines;
+use super::staging::{CAPACITY, Staging};
+use super::surface::{Parts, Surface};
+use super::textures::Textures;
+use super::timers::{Mark, Timers, Times};
+use crate::constants::NOISE_SIZE;
+use crate::upload::{Region, Texture};
+use crate::{marble, noise};
+
+/// Frames that may be under way at once.
+const RING: usize = 2;
+
+/// What a frame's commands wait for and tell, where the shell has a window.
+#[derive(Clone, Copy, Default, Debug)]
+pub struct Sync {
+    /// The image may be drawn into.
+    pub wait: Option<vk::Semaphore>,
+    /// The image has been drawn.
+    pub signal: Option<vk::Semaphore>,
+}
+
+/// Draws sculptures of N voxels a side, for one format of images.
+pub struct Renderer {
+    gpu: Arc<Gpu>,
+    format: Format,
+    n: usize,
+    tiles: Pass,
+    frame: Pass,
+    pipelines: Pipelines,
+    textures: Textures,
+    pool: vk::CommandPool,
+    ring: Vec<Slot>,
+    at: usize,
+    times: Times,
+}
+
+/// A frame of the ring.
+struct Slot {
+    commands: vk::CommandBuffer,
+    done: vk::Fence,
+    uniform: Buffer,
+    staging: Staging,
+    timers: Timers,
+    /// Whether its commands drew a picture, and so set every mark.
+    drew: bool,
+}
+
+impl core::fmt::Debug for Renderer {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("Renderer").field("format", &self.format).field("n", &self.n).finish()
+    }
+}
+
+impl Renderer {
+    /// A renderer for volumes of `n` voxels a side. `cache` is what [`Renderer::cache`] gave at an
+    /// earlier start, or nothing.
+    ///
+    /// # Errors
+    /// A call that failed; out of memory, most likely.
+    pub fn new(gpu: &Arc<Gpu>, format: Format, n: usize, cache: &[u8]) -> Result<Self, Error> {
+        let tiles = Pass::tiles(gpu, &format)?;
+        let frame = Pass::frame(gpu, &format)?;
+        let pipelines = Pipelines::new(gpu, &format, &tiles, &frame, cache)?;
+        let textures = Textures::new(gpu, n as u32, marble::SIDE as u32)?;
+        let info = vk::CommandPoolCreateInfo::default()
+            .queue_family_index(gpu.family)
+            .flags(vk::CommandPoolCreateFlags::RESET_COMMAND_BUFFER);
+        // SAFETY: the family is the device's.
+        let pool = unsafe { gpu.device.create_command_pool(&info, None) }.doing("make a pool")?;
+        let mut renderer = Renderer {
+            gpu: gpu.clone(),
+            format,
+            n,
+            tiles,
+            frame,
+            pipelines,
+            textures,
+            pool,
+            ring: Vec::with_capacity(RING),
+            at: 0,
+            times: Times::default(),
+        };
+        for _ in 0..RING {
+            let slot = renderer.slot()?;
+            renderer.ring.push(slot);
+        }
+        let cube = |texture, side: usize| Region { texture, min: [0; 3], size: [side as u32; 3] };
+        let bytes: Vec<u8> = noise::texture().iter().map(|noise| noise.cast_unsigned()).collect();
+        renderer.load(cube(Texture::Noise, NOISE_SIZE), &bytes)?;
+        renderer.load(cube(Texture::Marble, marble::SIDE), marble::texture())?;
+        Ok(renderer)
+    }
+
+    /// The format it draws.
+    #[must_use]
+    pub const fn format(&self) -> &Format {
+        &self.format
+    }
+
+    /// How long the device took for the latest frame known to be done.
+    #[must_use]
+    pub const fn times(&self) -> Times {
+        self.times
+    }
+
+    /// What makes the next start faster, for this device and driver.
+    ///
+    /// # Errors
+    /// A lost device.
+    pub fn cache(&self) -> Result<Vec<u8>, Error> {
+        self.pipelines.cache()
+    }
+
+    /// A surface for views of the shell's images.
+    ///
+    /// # Errors
+    /// A call that failed.
+    pub fn surface(
+        &self,
+        extent: [u32; 2],
+        colors: &[vk::ImageView],
+        depths: &[vk::ImageView],
+    ) -> Result<Surface, Error> {
+        let parts = Parts {
+            gpu: &self.gpu,
+            format: &self.format,
+            tiles: &self.tiles,
+            frame: &self.frame,
+            pipelines: &self.pipelines,
+            textures: &self.textures,
+        };
+        Surface::new(&parts, extent, colors, depths, self.ring.iter().map(|slot| &slot.uniform))
+    }
+
+    /// Begins a frame: waits until the one before the last is done.
+    ///
+    /// # Errors
+    /// A lost device.
+    pub fn begin(&mut self) -> Result<(), Error> {
+        let slot = &mut self.ring[self.at];
+        // SAFETY: the fence is this device's.
+        unsafe { self.gpu.device.wait_for_fences(&[slot.done], true, u64::MAX) }
+            .doing("wait for a frame")?;
+        if slot.drew {
+            self.times = slot.timers.read();
+        }
+        slot.drew = false;
+        slot.staging.clear();
+        Ok(())
+    }
+
+    /// Takes bytes of a region to be uploaded in the frame that has begun. Whether there was room.
+    #[must_use]
+    pub fn upload(&mut self, region: Region, bytes: &[u8]) -> bool {
+        debug_assert_eq!(region.bytes(), bytes.len(), "a region's bytes");
+        self.ring[self.at].staging.push(region, bytes)
+    }
+
+    /// Uploads a region of any size at once, in as many frames as it takes, without drawing.
+    ///
+    /// # Errors
+    /// A lost device.
+    pub fn load(&mut self, region: Region, bytes: &[u8]) -> Result<(), Error> {
+        let layer = bytes.len() / region.size[2] as usize;
+        let layers = (CAPACITY / layer).max(1);
+        for (i, part) in bytes.chunks(layers * layer).enumerate() {
+            let mut piece = region;
+            piece.min[2] += (i * layers) as u32;
+            piece.size[2] = (part.len() / layer) as u32;
+            self.begin()?;
+            let fits = self.upload(piece, part);
+            assert!(fits, "a layer of a texture is larger than a frame's staging memory");
+            self.submit(Sync::default(), |_, _| ())?;
+        }
+        Ok(())
+    }
+
+    /// Draws a picture into an image of a surface, with what was uploaded since [`begin`].
+    ///
+    /// [`begin`]: Renderer::begin
+    ///
+    /// # Errors
+    /// A lost device.
+    pub fn draw(
+        &mut self,
+        picture: &Picture<'_>,
+        surface: &Surface,
+        image: usize,
+        sync: Sync,
+    ) -> Result<(), Error> {
+        let bytes = frame::layout(picture, self.n, surface.extent);
+        let slot = &mut self.ring[self.at];
+        slot.uniform.write(0, bytemuck::bytes_of(&bytes));
+        let at = self.at;
+        self.submit(sync, |renderer, commands| {
+            renderer.bind(commands, surface.sets[at]);
+            if picture.look.path == Path::Fast {
+                renderer.find_starts(commands, surface);
+            }
+            renderer.ring[at].timers.mark(commands, Mark::Tiled);
+            renderer.draw_frame(commands, picture, surface, image);
+            renderer.ring[at].drew = true;
+        })
+    }
+
+    /// Records the uploads and what `record` adds, and submits it all.
+    fn submit(
+        &mut self,
+        sync: Sync,
+        record: impl FnOnce(&mut Self, vk::CommandBuffer),
+    ) -> Result<(), Error> {
+        let gpu = self.gpu.clone();
+        let slot = &mut self.ring[self.at];
+        let (commands, done) = (slot.commands, slot.done);
+        let info = vk::CommandBufferBeginInfo::default()
+            .flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
+        // SAFETY: the frame's fence has passed, so its commands are free.
+        unsafe { gpu.device.begin_command_buffer(commands, &info) }.doing("record")?;
+        slot.timers.reset(commands);
+        slot.timers.mark(commands, Mark::Begin);
+        self.textures.record(commands, &slot.staging);
+        slot.timers.mark(commands, Mark::Uploaded);
+        record(self, commands);
+        self.ring[self.at].timers.mark(commands, Mark::End);
+        // SAFETY: the commands are being recorded.
+        unsafe { gpu.device.end_command_buffer(commands) }.doing("record")?;
+        let buffers = [commands];
+        let waits: Vec<_> = sync.wait.into_iter().collect();
+        let signals: Vec<_> = sync.signal.into_iter().collect();
+        let stages = [vk::PipelineStageFlags::COLOR_ATTACHMENT_OUTPUT];
+        let info = vk::SubmitInfo::default()
+            .command_buffers(&buffers)
+            .wait_semaphores(&waits)
+            .wait_dst_stage_mask(&stages[..waits.len()])
+            .signal_semaphores(&signals);
+        // SAFETY: the fence has passed, and the queue is used by one thread.
+        unsafe {
+            gpu.device.reset_fences(&[done]).doing("reset a fence")?;
+            gpu.device.queue_submit(gpu.queue, &[info], done).doing("submit a frame")?;
+        }
+        self.at = (self.at + 1) % RING;
+        Ok(())
+    }
+
+    fn bind(&self, commands: vk::CommandBuffer, set: vk::DescriptorSet) {
+        // SAFETY: the set has the layout's bindings, and what it names is alive.
+        unsafe {
+            self.gpu.device.cmd_bind_descriptor_sets(
+                commands,
+                vk::PipelineBindPoint::GRAPHICS,
+                self.pipelines.layout,
+                0,
+                &[set],
+                &[],
+            );
+        }
+    }
+
+    fn find_starts(&self, commands: vk::CommandBuffer, surface: &Surface) {
+        let extent = surface.extent.map(|pixels| pixels.div_ceil(frame::TILE));
+        let pass = (self.tiles.raw, surface.tiles_framebuffer);
+        self.within(commands, pass, extent, &[vk::ClearValue::default()], |device| {
+            // SAFETY: the pass is the pipeline's, and the vertices are made from their numbers.
+            unsafe {
+                let graphics = vk::PipelineBindPoint::GRAPHICS;
+                device.cmd_bind_pipeline(commands, graphics, self.pipelines.tiles);
+                device.cmd_draw(commands, 3, 1, 0, 0);
+            }
+        });
+    }
+
+    fn draw_frame(
+        &self,
+        commands: vk::CommandBuffer,
+        picture: &Picture<'_>,
+        surface: &Surface,
+        image: usize,
+    ) {
+        let [r, g, b] = picture.backdrop;
+        let color = vk::ClearColorValue { float32: [r, g, b, 1.0] };
+        let depth = vk::ClearDepthStencilValue { depth: 0.0, stencil: 0 };
+        let clears = [
+            vk::ClearValue { color },
+            vk::ClearValue { depth_stencil: depth },
+            vk::ClearValue { color },
+        ];
+        let pass = (self.frame.raw, surface.framebuffers[image]);
+        let pipeline = self.pipelines.sculpture(picture.look.path);
+        let across = surface.extent.map(|pixels| pixels.div_ceil(frame::TILE));
+        // A strip for the box's faces, or one for each tile.
+        let (vertices, instances) = match picture.look.path {
+            Path::Paper(_) => (14, 1),
+            Path::Fast => (4, across[0] * across[1]),
+        };
+        let timers = &self.ring[self.at].timers;
+        self.within(commands, pass, surface.extent, &clears, |device| {
+            timers.mark(commands, Mark::SculptureBegins);
+            // SAFETY: the pass is the pipeline's, and the vertices are made from their numbers.
+            unsafe {
+                device.cmd_bind_pipeline(commands, vk::PipelineBindPoint::GRAPHICS, pipeline);
+                device.cmd_draw(commands, vertices, instances, 0, 0);
+            }
+            timers.mark(commands, Mark::SculptureEnds);
+        });
+    }
+
+    /// Records what `inside` adds within a pass over all of a framebuffer.
+    fn within(
+        &self,
+        commands: vk::CommandBuffer,
+        (pass, framebuffer): (vk::RenderPass, vk::Framebuffer),
+        [width, height]: [u32; 2],
+        clears: &[vk::ClearValue],
+        inside: impl FnOnce(&ash::Device),
+    ) {
+        let area = vk::Rect2D { extent: vk::Extent2D { width, height }, ..vk::Rect2D::default() };
+        let viewport = vk::Viewport {
+            width: width as f32,
+            height: height as f32,
+            max_depth: 1.0,
+            ..vk::Viewport::default()
+        };
+        let info = vk::RenderPassBeginInfo::default()
+            .render_pass(pass)
+            .framebuffer(framebuffer)
+            .render_area(area)
+            .clear_values(clears);
+        let device = &self.gpu.device;
+        // SAFETY: the commands are being recorded outside of a pass, and the framebuffer is the
+        // pass's.
+        unsafe {
+            device.cmd_begin_render_pass(commands, &info, vk::SubpassContents::INLINE);
+            device.cmd_set_viewport(commands, 0, &[viewport]);
+            device.cmd_set_scissor(commands, 0, &[area]);
+        }
+        inside(device);
+        // SAFETY: the pass was begun above.
+        unsafe { device.cmd_end_render_pass(commands) };
+    }
+
+    fn slot(&self) -> Result<Slot, Error> {
+        let device = &self.gpu.device;
+        let info = vk::CommandBufferAllocateInfo::default()
+            .command_pool(self.pool)
+            .command_buffer_count(1);
+        // SAFETY: the pool is this device's.
+        let commands =
+            unsafe { device.allocate_command_buffers(&info) }.doing("make a command buffer")?[0];
+        let info = vk::FenceCreateInfo::default().flags(vk::FenceCreateFlags::SIGNALED);
+        let uniform = vk::BufferUsageFlags::UNIFORM_BUFFER;
+        Ok(Slot {
+            commands,
+            // SAFETY: the info is complete.
+            done: unsafe { device.create_fence(&info, None) }.doing("make a fence")?,
+            uniform: Buffer::new(&self.gpu, size_of::<Frame>(), uniform)?,
+            staging: Staging::new(&self.gpu)?,
+            timers: Timers::new(&self.gpu)?,
+            drew: false,
+        })
+    }
+}
+
+impl Drop for Renderer {
+    fn drop(&mut self) {
+        // A lost device has nothing under way.
+        let _ = self.gpu.wait();
+        for slot in &self.ring {
+            // SAFETY: nothing is under way.
+            unsafe { self.gpu.device.destroy_fence(slot.done, None) };
+        }
+        // SAFETY: as above; the pool's buffers go with it.
+        unsafe { self.gpu.device.destroy_command_pool(self.pool, None) };
+    }
+}

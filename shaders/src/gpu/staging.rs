@@ -1,0 +1,49 @@
+//! Bytes on their way to the sculpture's textures, within one frame of the ring.
+
+use std::sync::Arc;
+
+use ash::vk;
+
+use super::buffer::Buffer;
+use super::context::Gpu;
+use super::error::Error;
+use crate::upload::Region;
+
+/// What one frame can upload; a load is spread over frames.
+pub(super) const CAPACITY: usize = 1 << 20;
+/// Boxes of texels that one frame can upload.
+const REGIONS: usize = 1024;
+
+/// Regions that wait for this frame's commands, and their bytes.
+pub(super) struct Staging {
+    pub(super) buffer: Buffer,
+    pub(super) regions: Vec<(Region, u64)>,
+    used: usize,
+}
+
+impl Staging {
+    pub(super) fn new(gpu: &Arc<Gpu>) -> Result<Self, Error> {
+        let buffer = Buffer::new(gpu, CAPACITY, vk::BufferUsageFlags::TRANSFER_SRC)?;
+        Ok(Staging { buffer, regions: Vec::with_capacity(REGIONS), used: 0 })
+    }
+
+    /// Forgets what the frame before uploaded, once it is done.
+    pub(super) fn clear(&mut self) {
+        self.regions.clear();
+        self.used = 0;
+    }
+
+    /// Takes a region's bytes, or says that there is no room for them in this frame.
+    #[must_use]
+    pub(super) fn push(&mut self, region: Region, bytes: &[u8]) -> bool {
+        // Copies begin at a multiple of four.
+        let at = self.used.next_multiple_of(4);
+        let fits = at + bytes.len() <= CAPACITY && self.regions.len() < REGIONS;
+        if fits {
+            self.buffer.write(at, bytes);
+            self.regions.push((region, at as u64));
+            self.used = at + bytes.len();
+        }
+        fits
+    }
+}

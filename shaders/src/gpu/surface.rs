@@ -1,0 +1,215 @@
+//! What a frame is drawn into: the shell's images, and those that no one keeps.
+
+use std::sync::Arc;
+
+use ash::vk;
+
+use super::buffer::Buffer;
+use super::context::Gpu;
+use super::error::{Doing, Error};
+use super::frame::TILE;
+use super::image::{Image, Shape};
+use super::pass::{Format, Pass, TILES};
+use super::pipelines::Pipelines;
+use super::textures::Textures;
+
+/// The images of a swapchain, or of a picture; all have one size.
+pub struct Surface {
+    gpu: Arc<Gpu>,
+    /// Pixels across and down.
+    pub extent: [u32; 2],
+    pub(super) framebuffers: Vec<vk::Framebuffer>,
+    pub(super) tiles_framebuffer: vk::Framebuffer,
+    /// One for each frame of the ring.
+    pub(super) sets: Vec<vk::DescriptorSet>,
+    pool: vk::DescriptorPool,
+    tiles: Image,
+    /// Colour of several samples and depth; transient.
+    transient: Vec<Image>,
+}
+
+/// What surfaces are made for.
+pub(super) struct Parts<'a> {
+    pub(super) gpu: &'a Arc<Gpu>,
+    pub(super) format: &'a Format,
+    pub(super) tiles: &'a Pass,
+    pub(super) frame: &'a Pass,
+    pub(super) pipelines: &'a Pipelines,
+    pub(super) textures: &'a Textures,
+}
+
+impl core::fmt::Debug for Surface {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("Surface").field("extent", &self.extent).finish_non_exhaustive()
+    }
+}
+
+impl Surface {
+    /// For views of the shell's colour images, each with as many layers as the format has views,
+    /// and as many views of its depth images where depth is kept.
+    pub(super) fn new<'b>(
+        parts: &Parts<'_>,
+        extent: [u32; 2],
+        colors: &[vk::ImageView],
+        depths: &[vk::ImageView],
+        uniforms: impl Iterator<Item = &'b Buffer>,
+    ) -> Result<Self, Error> {
+        let (gpu, format) = (parts.gpu, parts.format);
+        let sampled = vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::COLOR_ATTACHMENT;
+        let across = extent.map(|pixels| pixels.div_ceil(TILE));
+        let tiles = Image::new(gpu, Shape::flat(TILES, across, format.views).usage(sampled))?;
+        let mut surface = Surface {
+            gpu: gpu.clone(),
+            extent,
+            framebuffers: Vec::new(),
+            tiles_framebuffer: vk::Framebuffer::null(),
+            sets: Vec::new(),
+            pool: vk::DescriptorPool::null(),
+            tiles,
+            transient: Vec::new(),
+        };
+        surface.make_transient(format, depths.is_empty())?;
+        surface.tiles_framebuffer =
+            surface.framebuffer(parts.tiles, across, &[surface.tiles.view])?;
+        for (i, color) in colors.iter().enumerate() {
+            let depth = depths.get(i).copied();
+            let attachments = surface.attachments(format, *color, depth);
+            surface.framebuffers.push(surface.framebuffer(parts.frame, extent, &attachments)?);
+        }
+        surface.make_sets(parts, uniforms)?;
+        Ok(surface)
+    }
+
+    fn make_transient(&mut self, format: &Format, with_depth: bool) -> Result<(), Error> {
+        let transient = vk::ImageUsageFlags::TRANSIENT_ATTACHMENT;
+        let shape = |of, usage| Shape {
+            samples: format.count(),
+            ..Shape::flat(of, self.extent, format.views).usage(usage | transient)
+        };
+        let mut shapes = Vec::new();
+        if format.samples > 1 {
+            shapes.push(shape(format.color, vk::ImageUsageFlags::COLOR_ATTACHMENT));
+        }
+        if with_depth {
+            let usage = vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT;
+            shapes.push(shape(Format::depth(&self.gpu), usage));
+        }
+        for shape in shapes {
+            self.transient.push(Image::new(&self.gpu, shape)?);
+        }
+        Ok(())
+    }
+
+    /// The views of a framebuffer in the pass's order: drawn colour, depth, resolved colour.
+    fn attachments(
+        &self,
+        format: &Format,
+        color: vk::ImageView,
+        depth: Option<vk::ImageView>,
+    ) -> Vec<vk::ImageView> {
+        let mut transient = self.transient.iter().map(|image| image.view);
+        let drawn = if format.samples > 1 { transient.next() } else { Some(color) };
+        let depth = depth.or_else(|| transient.next());
+        let resolved = (format.samples > 1).then_some(color);
+        [drawn, depth, resolved].into_iter().flatten().collect()
+    }
+
+    fn framebuffer(
+        &self,
+        pass: &Pass,
+        [width, height]: [u32; 2],
+        views: &[vk::ImageView],
+    ) -> Result<vk::Framebuffer, Error> {
+        let info = vk::FramebufferCreateInfo::default()
+            .render_pass(pass.raw)
+            .attachments(views)
+            .width(width)
+            .height(height)
+            .layers(1);
+        // SAFETY: the views and the pass are this device's, and fit each other.
+        unsafe { self.gpu.device.create_framebuffer(&info, None) }.doing("make a framebuffer")
+    }
+
+    fn make_sets<'b>(
+        &mut self,
+        parts: &Parts<'_>,
+        uniforms: impl Iterator<Item = &'b Buffer>,
+    ) -> Result<(), Error> {
+        let uniforms: Vec<&Buffer> = uniforms.collect();
+        let count = uniforms.len() as u32;
+        let size = |ty, each: u32| vk::DescriptorPoolSize { ty, descriptor_count: each * count };
+        let sizes = [
+            size(vk::DescriptorType::UNIFORM_BUFFER, 1),
+            size(vk::DescriptorType::SAMPLED_IMAGE, 6),
+            size(vk::DescriptorType::SAMPLER, 3),
+        ];
+        let info = vk::DescriptorPoolCreateInfo::default().max_sets(2 * count).pool_sizes(&sizes);
+        let device = &self.gpu.device;
+        // SAFETY: the info is complete.
+        self.pool = unsafe { device.create_descriptor_pool(&info, None) }.doing("make a pool")?;
+        let layouts = vec![parts.pipelines.set_layout; uniforms.len()];
+        let info = vk::DescriptorSetAllocateInfo::default()
+            .descriptor_pool(self.pool)
+            .set_layouts(&layouts);
+        // SAFETY: the pool has room for these sets.
+        self.sets = unsafe { device.allocate_descriptor_sets(&info) }.doing("make sets")?;
+        for (set, uniform) in self.sets.iter().zip(uniforms) {
+            self.fill_set(*set, parts.textures, uniform);
+        }
+        Ok(())
+    }
+
+    fn fill_set(&self, set: vk::DescriptorSet, textures: &Textures, uniform: &Buffer) {
+        let buffer = [vk::DescriptorBufferInfo::default()
+            .buffer(uniform.raw)
+            .range(vk::WHOLE_SIZE)];
+        let image = |view| {
+            [vk::DescriptorImageInfo::default()
+                .image_view(view)
+                .image_layout(vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL)]
+        };
+        let sampler = |sampler| [vk::DescriptorImageInfo::default().sampler(sampler)];
+        let images = [
+            (1, image(textures.maps.view)),
+            (2, image(textures.density.view)),
+            (3, image(textures.cells.view)),
+            (4, image(textures.noise.view)),
+            (7, image(self.tiles.view)),
+            (8, image(textures.marble.view)),
+        ];
+        let samplers = [
+            (5, sampler(textures.clamped)),
+            (6, sampler(textures.nearest)),
+            (9, sampler(textures.repeated)),
+        ];
+        let write = |binding, kind| {
+            vk::WriteDescriptorSet::default()
+                .dst_set(set)
+                .dst_binding(binding)
+                .descriptor_type(kind)
+        };
+        let mut writes =
+            vec![write(0, vk::DescriptorType::UNIFORM_BUFFER).buffer_info(&buffer)];
+        for (binding, info) in &images {
+            writes.push(write(*binding, vk::DescriptorType::SAMPLED_IMAGE).image_info(info));
+        }
+        for (binding, info) in &samplers {
+            writes.push(write(*binding, vk::DescriptorType::SAMPLER).image_info(info));
+        }
+        // SAFETY: the set is new, and all that it names outlives it.
+        unsafe { self.gpu.device.update_descriptor_sets(&writes, &[]) };
+    }
+}
+
+impl Drop for Surface {
+    fn drop(&mut self) {
+        let device = &self.gpu.device;
+        // SAFETY: the owner waits for the device before it drops what was submitted.
+        unsafe {
+            device.destroy_descriptor_pool(self.pool, None);
+            for framebuffer in self.framebuffers.drain(..).chain([self.tiles_framebuffer]) {
+                device.destroy_framebuffer(framebuffer, None);
+            }
+        }
+    }
+}

@@ -1,0 +1,229 @@
+//! The sculpture's textures on the device, and the copies that keep them up to date.
+
+use std::sync::Arc;
+
+use ash::vk;
+
+use super::context::Gpu;
+use super::error::{Doing, Error};
+use super::image::{Image, Shape};
+use super::staging::Staging;
+use crate::constants::NOISE_SIZE;
+use crate::upload::{Region, Texture};
+
+/// Texels of density around the grid, on each side.
+const PAD: u32 = 4;
+/// Texels of density along a side of a cell.
+const CELL: u32 = 4;
+/// Levels of detail of the density.
+const LEVELS: u32 = 4;
+/// Empty columns around each range map.
+const BORDER: u32 = 1;
+
+/// The textures that a sculpture of N voxels a side is drawn from.
+pub(super) struct Textures {
+    gpu: Arc<Gpu>,
+    pub(super) maps: Image,
+    pub(super) density: Image,
+    pub(super) cells: Image,
+    pub(super) noise: Image,
+    pub(super) marble: Image,
+    pub(super) clamped: vk::Sampler,
+    pub(super) repeated: vk::Sampler,
+    pub(super) nearest: vk::Sampler,
+    cleared: bool,
+}
+
+impl Textures {
+    pub(super) fn new(gpu: &Arc<Gpu>, n: u32, marble_side: u32) -> Result<Self, Error> {
+        let usage = vk::ImageUsageFlags::SAMPLED
+            | vk::ImageUsageFlags::TRANSFER_DST
+            | vk::ImageUsageFlags::TRANSFER_SRC;
+        let solid = |format, side: u32, levels| {
+            let shape = Shape { extent: [side; 3], levels, ..Shape::flat(format, [side; 2], 1) };
+            Image::new(gpu, shape.usage(usage))
+        };
+        let byte = vk::Format::R8_UNORM;
+        let flat = Shape::flat(vk::Format::R8G8_UINT, [n + 2 * BORDER; 2], 3);
+        let sampler = |filter, mode| sampler(gpu, filter, mode);
+        let (edge, repeat) =
+            (vk::SamplerAddressMode::CLAMP_TO_EDGE, vk::SamplerAddressMode::REPEAT);
+        Ok(Textures {
+            gpu: gpu.clone(),
+            maps: Image::new(gpu, flat.usage(usage))?,
+            density: solid(byte, n + 2 * PAD, LEVELS)?,
+            cells: solid(byte, (n + 2 * PAD) / CELL, 1)?,
+            noise: solid(vk::Format::R8_SNORM, NOISE_SIZE as u32, 1)?,
+            marble: solid(byte, marble_side, 1)?,
+            clamped: sampler(vk::Filter::LINEAR, edge)?,
+            repeated: sampler(vk::Filter::LINEAR, repeat)?,
+            nearest: sampler(vk::Filter::NEAREST, edge)?,
+            cleared: false,
+        })
+    }
+
+    /// Records the copies of what is staged; the first time, everything is emptied before.
+    pub(super) fn record(&mut self, commands: vk::CommandBuffer, staging: &Staging) {
+        if !self.cleared {
+            self.clear(commands);
+            self.cleared = true;
+        }
+        if staging.regions.is_empty() {
+            return;
+        }
+        let (read, write) =
+            (vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL, vk::ImageLayout::TRANSFER_DST_OPTIMAL);
+        self.transition(commands, read, write);
+        for (region, at) in &staging.regions {
+            let (image, copy) = self.copy(region, *at);
+            // SAFETY: the image is in this layout, and the region lies within it and the buffer.
+            unsafe {
+                self.gpu.device.cmd_copy_buffer_to_image(
+                    commands,
+                    staging.buffer.raw,
+                    image,
+                    write,
+                    &[copy],
+                );
+            }
+        }
+        self.transition(commands, write, read);
+    }
+
+    /// A copy of a region between its texture and bytes at a place in a buffer.
+    pub(super) fn copy(&self, region: &Region, at: u64) -> (vk::Image, vk::BufferImageCopy) {
+        let (image, level) = match region.texture {
+            Texture::Maps => (self.maps.raw, 0),
+            Texture::Density(level) => (self.density.raw, u32::from(level)),
+            Texture::Cells => (self.cells.raw, 0),
+            Texture::Noise => (self.noise.raw, 0),
+            Texture::Marble => (self.marble.raw, 0),
+        };
+        let ([x, y, z], [width, height, depth]) = (region.min, region.size);
+        let is_maps = region.texture == Texture::Maps;
+        let (layer, layers, border) = if is_maps { (z, depth, BORDER) } else { (0, 1, 0) };
+        let (z, depth) = if is_maps { (0, 1) } else { (z, depth) };
+        let copy = vk::BufferImageCopy {
+            buffer_offset: at,
+            image_subresource: vk::ImageSubresourceLayers {
+                aspect_mask: vk::ImageAspectFlags::COLOR,
+                mip_level: level,
+                base_array_layer: layer,
+                layer_count: layers,
+            },
+            image_offset: vk::Offset3D {
+                x: (x + border) as i32,
+                y: (y + border) as i32,
+                z: z as i32,
+            },
+            image_extent: vk::Extent3D { width, height, depth },
+            ..vk::BufferImageCopy::default()
+        };
+        (image, copy)
+    }
+
+    fn images(&self) -> [&Image; 5] {
+        [&self.maps, &self.density, &self.cells, &self.noise, &self.marble]
+    }
+
+    fn clear(&self, commands: vk::CommandBuffer) {
+        let write = vk::ImageLayout::TRANSFER_DST_OPTIMAL;
+        self.transition(commands, vk::ImageLayout::UNDEFINED, write);
+        let zero = vk::ClearColorValue { uint32: [0; 4] };
+        for image in self.images() {
+            // SAFETY: the image is in this layout, and the range is all of it.
+            unsafe {
+                self.gpu.device.cmd_clear_color_image(
+                    commands,
+                    image.raw,
+                    write,
+                    &zero,
+                    &[image.range()],
+                );
+            }
+        }
+        self.transition(commands, write, vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL);
+    }
+
+    /// Brings all the images from one layout to another, after what used them in the first.
+    pub(super) fn transition(
+        &self,
+        commands: vk::CommandBuffer,
+        from: vk::ImageLayout,
+        to: vk::ImageLayout,
+    ) {
+        let (from_stage, from_access) = use_of(from);
+        let (to_stage, to_access) = use_of(to);
+        let barriers = self.images().map(|image| {
+            vk::ImageMemoryBarrier::default()
+                .image(image.raw)
+                .subresource_range(image.range())
+                .old_layout(from)
+                .new_layout(to)
+                .src_access_mask(from_access)
+                .dst_access_mask(to_access)
+                .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+                .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+        });
+        let none = vk::DependencyFlags::empty();
+        // SAFETY: the images are the device's, and in the layout `from` at this point.
+        unsafe {
+            self.gpu.device.cmd_pipeline_barrier(
+                commands,
+                from_stage,
+                to_stage,
+                none,
+                &[],
+                &[],
+                &barriers,
+            );
+        }
+    }
+}
+
+impl Drop for Textures {
+    fn drop(&mut self) {
+        for sampler in [self.clamped, self.repeated, self.nearest] {
+            // SAFETY: the owner waits for the device before it drops what was submitted.
+            unsafe { self.gpu.device.destroy_sampler(sampler, None) };
+        }
+    }
+}
+
+/// The stages and accesses that use an image in a layout.
+fn use_of(layout: vk::ImageLayout) -> (vk::PipelineStageFlags, vk::AccessFlags) {
+    match layout {
+        vk::ImageLayout::TRANSFER_DST_OPTIMAL => {
+            (vk::PipelineStageFlags::TRANSFER, vk::AccessFlags::TRANSFER_WRITE)
+        }
+        vk::ImageLayout::TRANSFER_SRC_OPTIMAL => {
+            (vk::PipelineStageFlags::TRANSFER, vk::AccessFlags::TRANSFER_READ)
+        }
+        vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL => (
+            vk::PipelineStageFlags::VERTEX_SHADER | vk::PipelineStageFlags::FRAGMENT_SHADER,
+            vk::AccessFlags::SHADER_READ,
+        ),
+        _ => (vk::PipelineStageFlags::TOP_OF_PIPE, vk::AccessFlags::empty()),
+    }
+}
+
+fn sampler(
+    gpu: &Gpu,
+    filter: vk::Filter,
+    mode: vk::SamplerAddressMode,
+) -> Result<vk::Sampler, Error> {
+    let mips = match filter {
+        vk::Filter::LINEAR => vk::SamplerMipmapMode::LINEAR,
+        _ => vk::SamplerMipmapMode::NEAREST,
+    };
+    let info = vk::SamplerCreateInfo::default()
+        .mag_filter(filter)
+        .min_filter(filter)
+        .mipmap_mode(mips)
+        .address_mode_u(mode)
+        .address_mode_v(mode)
+        .address_mode_w(mode)
+        .max_lod(vk::LOD_CLAMP_NONE);
+    // SAFETY: the device is alive and the info complete.
+    unsafe { gpu.device.create_sampler(&info, None) }.doing("make a sampler")
+}

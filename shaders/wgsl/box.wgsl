@@ -1,0 +1,32 @@
+// The sculpture's box, drawn by its faces.
+#define_import_path paros::box
+#import paros::layout::frame
+
+struct Corner {
+    @builtin(position) position: vec4<f32>,
+    @location(0) direction: vec3<f32>,
+    @location(1) @interpolate(flat) eye: vec3<f32>,
+}
+
+@vertex
+fn vertex(@builtin(vertex_index) index: u32, @builtin(view_index) view: u32) -> Corner {
+    // A strip of 14 corners around a cube: bit i of each mask is a coordinate of corner i.
+    let corner = (vec3<u32>(0x287au, 0x02afu, 0x31e3u) >> vec3<u32>(index)) & vec3<u32>(1u);
+    let grid = vec3<f32>(corner) * frame.sun_grid.w;
+    let room = frame.room_from_grid * vec4<f32>(grid, 1.0);
+    let eye = frame.views[view].eye.xyz;
+    return Corner(frame.views[view].clip_from_room * room, grid - eye, eye);
+}
+
+// Where a ray enters and leaves the cube from `low` to `high`, not behind the eye.
+fn span(eye: vec3<f32>, direction: vec3<f32>, low: f32, high: f32) -> vec2<f32> {
+    let inverse = 1.0 / direction;
+    let a = (low - eye) * inverse;
+    let b = (high - eye) * inverse;
+    let near = min(a, b);
+    let far = max(a, b);
+    return vec2<f32>(
+        max(max(near.x, near.y), max(near.z, 0.0)),
+        min(min(far.x, far.y), far.z),
+    );
+}

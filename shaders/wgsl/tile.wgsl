@@ -1,0 +1,30 @@
+// The tiles that may show the sculpture, as quads at the depth where their rays start.
+#import paros::layout::{frame, TILE}
+
+@group(0) @binding(7) var starts: texture_2d_array<f32>;
+
+struct Corner {
+    @builtin(position) position: vec4<f32>,
+    @location(0) direction: vec3<f32>,
+    @location(1) @interpolate(flat) eye: vec3<f32>,
+    @location(2) @interpolate(flat) start: f32,
+}
+
+@vertex
+fn vertex(
+    @builtin(vertex_index) index: u32,
+    @builtin(instance_index) instance: u32,
+    @builtin(view_index) view: u32,
+) -> Corner {
+    let across = u32(frame.extent.z);
+    let tile = vec2<u32>(instance % across, instance / across);
+    let start = textureLoad(starts, tile, view, 0).x;
+    let pixel = vec2<f32>(tile + vec2<u32>(index & 1u, index >> 1u)) * TILE;
+    let direction = frame.views[view].ray_base.xyz
+        + pixel.x * frame.views[view].ray_x.xyz
+        + pixel.y * frame.views[view].ray_y.xyz;
+    // What has no start goes where nothing is drawn.
+    let depth = select(frame.depth.x / start + frame.depth.y, -1.0, start < 0.0);
+    let place = pixel / frame.extent.xy * 2.0 - 1.0;
+    return Corner(vec4<f32>(place, depth, 1.0), direction, frame.views[view].eye.xyz, start);
+}
