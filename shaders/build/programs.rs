@@ -17,7 +17,7 @@ use naga_oil::compose::{
 use crate::words;
 
 /// Modules that others import, each after what it imports itself.
-const LIBRARY: [&str; 4] = ["layout", "box", "light", "marble"];
+const LIBRARY: [&str; 5] = ["layout", "box", "light", "marble", "beam"];
 
 /// Bindings of the only descriptor set.
 const BINDINGS: u32 = 12;
@@ -73,6 +73,8 @@ fn programs() -> Vec<Program> {
         program("tiles_vertex", "tiles", Vertex, &[]),
         program("tiles", "tiles", Fragment, &[]),
         program("tile_vertex", "tile", Vertex, &[]),
+        program("beams_vertex", "tile", Vertex, &[("WIDTH", 8.0)]),
+        program("beams", "beams", Fragment, &[]),
     ];
     for (name, half, coverage) in [
         ("fast", false, 0.0),

@@ -19,7 +19,7 @@ fn vertex(@builtin(vertex_index) index: u32, @builtin(view_index) view: u32) -> 
 }
 
 // Where a ray enters and leaves the cube from `low` to `high`, not behind the eye.
-fn span(eye: vec3<f32>, direction: vec3<f32>, low: f32, high: f32) -> vec2<f32> {
+fn span(eye: vec3<f32>, direction: vec3<f32>, low: vec3<f32>, high: vec3<f32>) -> vec2<f32> {
     let inverse = 1.0 / direction;
     let a = (low - eye) * inverse;
     let b = (high - eye) * inverse;

@@ -1,5 +1,5 @@
 // The smooth surface where the blurred volume is half full, its normal, and its light.
-#import paros::layout::frame
+#import paros::layout::{frame, BEAM}
 #import paros::box
 #import paros::marble
 #import paros::light
@@ -21,6 +21,7 @@ override COVERAGE: bool = false;
 @group(0) @binding(8) var marble_texture: texture_3d<f32>;
 @group(0) @binding(5) var clamped: sampler;
 @group(0) @binding(6) var nearest: sampler;
+@group(0) @binding(10) var beams: texture_2d_array<f32>;
 
 struct Shaded {
     @location(0) shown: vec4<f32>,
@@ -30,44 +31,53 @@ struct Shaded {
 @early_depth_test(less_equal)
 @fragment
 fn fragment(
+    @builtin(position) position: vec4<f32>,
+    @builtin(view_index) view: u32,
     @location(0) direction: vec3<f32>,
     @location(1) @interpolate(flat) eye: vec3<f32>,
-    @location(2) @interpolate(flat) start: f32,
 ) -> Shaded {
+    let start = textureLoad(beams, vec2<u32>(position.xy * (1.0 / BEAM)), view, 0).x;
+    if start < 0.0 {
+        discard;
+    }
     let side = frame.sun_room.w;
     let pad = 0.5 * (side - frame.sun_grid.w);
     let speed = length(direction);
     // Lengths along the ray are voxels; points are the density texture's coordinates.
     let d = direction / (speed * side);
     let o = (eye + pad) / side;
-    let end = box::span(o, d, (pad - 1.0) / side, 1.0 - (pad - 1.0) / side).y;
-    let leap = 1020.0 / (max(abs(d.x), max(abs(d.y), abs(d.z))) * side);
-    var t = start * speed;
+    // A voxel more than the grid on every side but the ground's.
+    let low = vec3<f32>(pad - 1.0, pad, pad - 1.0) / side;
+    let span = box::span(o, d, low, vec3<f32>(1.0 - low.x));
+    let size = abs(d);
+    let leap = 1020.0 / (max(size.x, max(size.y, size.z)) * side);
+    var t = max(start * speed, span.x);
     var full = part(0.0);
     var best = part(0.0);
-    var at = 0.0;
-    while t < end {
-        // Through empty cells.
-        loop {
-            let free = textureSampleLevel(cells, nearest, o + d * t, 0.0).x;
-            t += free * leap;
-            if free == 0.0 || t >= end { break; }
-        }
-        // Through four voxels near the surface.
-        let until = t + 4.0;
+    var at = t;
+    while t < span.y {
+        // Four voxels near the surface. Steps reach a little past where a plane would be met:
+        // what is one voxel thick is not leapt over.
+        let until = min(t + 4.0, span.y);
         while t < until {
-            full = part(textureSampleLevel(density, clamped, o + d * t, 0.0).x);
+            full = part(dense(o + d * t, 0.0));
             if full > best {
                 best = full;
                 at = t;
             }
             if full >= part(0.5) { break; }
-            t += f32(max(part(2.2) - full * part(6.0), part(0.35)));
+            t += f32(max(part(2.9) - full * part(16.0), part(1.65) - full * part(2.5)));
         }
         if full >= part(0.5) { break; }
+        // Empty cells.
+        while t < span.y {
+            let free = textureSampleLevel(cells, nearest, o + d * t, 0.0).x;
+            if free == 0.0 { break; }
+            t += free * leap;
+        }
     }
-    // What a ray that just misses leaves uncovered of its pixel; the density rises by about 0.3 a
-    // voxel at the surface.
+    // What a ray that just misses covers of its pixel; the density rises by about 0.3 a voxel at
+    // the surface.
     var coverage = part(1.0);
     if best < part(0.5) {
         if !COVERAGE {
@@ -78,26 +88,17 @@ fn fragment(
             discard;
         }
         coverage = part(1.0 - gap);
-    } else {
-        at = refined(o, d, at, best);
     }
+    let fall = fall(o + d * at);
+    if best >= part(0.5) {
+        // Back to where the density is a half: twice along its slope at the first point inside.
+        let slope = 1.0 / min(dot(vec3<f32>(fall), d) * (side / -4.8), -0.05);
+        at += clamp((f32(best) - 0.5) * slope, -1.2, 0.0);
+        at += clamp((dense(o + d * at, 0.0) - 0.5) * slope, -0.5, 0.5);
+    }
+    let normal = fall * inverseSqrt(max(dot(fall, fall), part(1e-4)));
     let depth = frame.depth.x * speed / at + frame.depth.y;
-    return Shaded(vec4<f32>(vec3<f32>(lit(o + d * at)), f32(coverage)), depth);
-}
-
-// Where the density is a half, between the step before and a point inside: two false positions.
-fn refined(o: vec3<f32>, d: vec3<f32>, inside: f32, full: part) -> f32 {
-    var high = vec2<f32>(inside, f32(full) - 0.5);
-    var low = vec2<f32>(inside - 0.5, dense(o + d * (inside - 0.5), 0.0) - 0.5);
-    if low.y >= 0.0 {
-        return inside;
-    }
-    for (var i = 0; i < 2; i++) {
-        let t = mix(low.x, high.x, low.y / (low.y - high.y));
-        let middle = vec2<f32>(t, dense(o + d * t, 0.0) - 0.5);
-        if middle.y >= 0.0 { high = middle; } else { low = middle; }
-    }
-    return mix(low.x, high.x, low.y / (low.y - high.y));
+    return Shaded(vec4<f32>(vec3<f32>(lit(o + d * at, normal)), f32(coverage)), depth);
 }
 
 fn dense(p: vec3<f32>, level: f32) -> f32 {
@@ -105,51 +106,47 @@ fn dense(p: vec3<f32>, level: f32) -> f32 {
 }
 
 // Marble under the sun and the ambient light.
-fn lit(p: vec3<f32>) -> color {
-    let normal = outward(p);
-    let voxel = 1.0 / frame.sun_room.w;
-    let sun = color(frame.sun_grid.xyz);
-    // A little light goes around the terminator, and through what is thin.
-    let facing = max((dot(normal, sun) + part(0.1)) / part(1.1), part(0.0));
-    let seen = facing * visibility(p, voxel);
-    let thin = part(1.0) - part(dense(p + (frame.sun_grid.xyz * 4.0 - vec3<f32>(normal)) * voxel, 2.0));
-    let direct = color(frame.sun_color.xyz) * seen + color(0.20, 0.11, 0.06) * (thin * thin);
-    let in_room = (frame.room_from_grid * vec4<f32>(vec3<f32>(normal), 0.0)).xyz;
-    let ambient = ambient(color(normalize(in_room))) * open(p, normal, voxel);
+fn lit(p: vec3<f32>, normal: color) -> color {
     let n = frame.sun_grid.w;
+    // Lengths are meant for 128 voxels.
+    let voxel = n / (128.0 * frame.sun_room.w);
+    // What comes through the stone where it is thin is warm.
+    let facing = max(dot(normal, color(frame.sun_grid.xyz)), part(0.0));
+    let direct = color(frame.sun_color.xyz) * (color(facing) + color(0.10, 0.06, 0.04));
+    let in_room = (frame.room_from_grid * vec4<f32>(vec3<f32>(normal), 0.0)).xyz;
+    let around = ambient(color(normalize(in_room))) * open(p, normal, voxel);
     let grid = (p - 0.5) * (frame.sun_room.w / n) + 0.5;
     let grey = part(textureSampleLevel(marble_texture, clamped, grid, 0.0).x);
-    let radiance = mix(color(marble::WHITE), color(marble::GREY), grey) * (direct + ambient);
+    let stone = mix(color(marble::WHITE), color(marble::GREY), grey);
+    let radiance = stone * (direct * visibility(p, voxel) + around);
     return radiance * (radiance * part(0.25) + part(1.0)) / (radiance + part(1.0));
 }
 
-// The density's steepest fall, by four samples on a tetrahedron's corners.
-fn outward(p: vec3<f32>) -> color {
+// How the density falls, 4.8 times a voxel's worth: four samples on a tetrahedron's corners.
+fn fall(p: vec3<f32>) -> color {
     let e = vec2<f32>(1.2, -1.2) / frame.sun_room.w;
     let a = part(dense(p + e.xyy, 0.0));
     let b = part(dense(p + e.yyx, 0.0));
     let c = part(dense(p + e.yxy, 0.0));
     let f = part(dense(p + e.xxx, 0.0));
-    let fall = color(b + c - a - f, a + b - c - f, a + c - b - f);
-    return fall * inverseSqrt(max(dot(fall, fall), part(1e-4)));
+    return color(b + c - a - f, a + b - c - f, a + c - b - f);
 }
 
-// Six samples towards the sun, each twice as blurred and as far as two before.
+// Five samples towards the sun, blurred as they are far.
 fn visibility(p: vec3<f32>, voxel: f32) -> part {
     let towards = frame.sun_grid.xyz * voxel;
-    var visible = part(1.0);
-    var far = 2.5;
-    for (var level = 0.0; level < 3.0; level += 0.5) {
-        visible *= part(1.0) - part(0.85) * part(dense(p + towards * far, level));
-        far *= 1.6;
-    }
-    return visible;
+    let a = part(1.0) - part(0.85) * part(dense(p + towards * 2.2, 0.0));
+    let b = part(1.0) - part(0.85) * part(dense(p + towards * 4.5, 1.0));
+    let c = part(1.0) - part(0.85) * part(dense(p + towards * 8.5, 2.0));
+    let f = part(1.0) - part(0.85) * part(dense(p + towards * 15.0, 2.0));
+    let g = part(1.0) - part(0.85) * part(dense(p + towards * 26.0, 3.0));
+    return a * b * c * f * g;
 }
 
 // How open the point is to the ambient light: what is empty above it, near and far.
 fn open(p: vec3<f32>, normal: color, voxel: f32) -> part {
     let up = vec3<f32>(normal) * voxel;
-    let near = part(dense(p + up * 3.0, 1.5));
+    let near = part(dense(p + up * 3.0, 1.0));
     let far = part(dense(p + up * 9.0, 3.0));
     return (part(1.0) - part(0.5) * near) * (part(1.0) - part(0.8) * far);
 }

@@ -12,8 +12,9 @@ struct View {
     ray_y: vec4<f32>,
 }
 
-// Pixels along a tile's side.
-const TILE: f32 = 16.0;
+// Pixels along a tile's side, and along a beam's.
+const TILE: f32 = 32.0;
+const BEAM: f32 = 8.0;
 
 // The sculpture and the light, the same for both eyes.
 struct Frame {

@@ -42,7 +42,7 @@ fn fragment(
     @location(0) direction: vec3<f32>,
     @location(1) @interpolate(flat) eye: vec3<f32>,
 ) -> Shaded {
-    let span = box::span(eye, direction, 0.0, frame.sun_grid.w);
+    let span = box::span(eye, direction, vec3<f32>(0.0), vec3<f32>(frame.sun_grid.w));
     let hit = march(eye, direction, span);
     if hit.t < 0.0 {
         discard;
@@ -231,7 +231,7 @@ fn lit(point: vec3<f32>, normal: vec3<f32>, in_room: vec3<f32>, dither: f32) -> 
 fn visibility(point: vec3<f32>, dither: f32) -> f32 {
     const SAMPLES: f32 = 10.0;
     let towards = frame.sun_grid.xyz;
-    let length = box::span(point, towards, 0.0, frame.sun_grid.w).y;
+    let length = box::span(point, towards, vec3<f32>(0.0), vec3<f32>(frame.sun_grid.w)).y;
     let axes = light::across(towards);
     var turn = vec2<f32>(cos(dither * 6.2831853), sin(dither * 6.2831853));
     var visible = 1.0;

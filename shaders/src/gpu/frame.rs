@@ -10,8 +10,10 @@ const NEAR: f32 = 0.04;
 /// Distance of the far plane, in metres.
 const FAR: f32 = 60.0;
 
-/// Pixels along a side of the tiles that share a start of their rays; `wgsl/layout.wgsl`'s.
-pub(super) const TILE: u32 = 16;
+/// Pixels along a side of the tiles that share the first part of their rays; `wgsl/layout.wgsl`'s.
+pub(super) const TILE: u32 = 32;
+/// Pixels along a side of the beams within them, likewise.
+pub(super) const BEAM: u32 = 8;
 
 /// The angles from an eye's axis to the sides of its picture, in radians, positive to the right
 /// and up; OpenXR's `XrFovf`.

@@ -1,4 +1,4 @@
-//! The two render passes: where tiles' rays start, and the frame itself.
+//! The two render passes: where rays start, and the frame itself.
 
 use std::sync::Arc;
 
@@ -99,12 +99,12 @@ impl Pass {
         Self::new(gpu, &attachments, subpass, format.mask())
     }
 
-    /// The pass that finds where tiles' rays start, for vertices to read.
-    pub(super) fn tiles(gpu: &Arc<Gpu>, format: &Format) -> Result<Self, Error> {
+    /// A pass that finds where beams of rays start, for other programs to read.
+    pub(super) fn starts(gpu: &Arc<Gpu>, format: &Format) -> Result<Self, Error> {
         let attachments = [vk::AttachmentDescription::default()
-            .format(TILES)
+            .format(STARTS)
             .samples(vk::SampleCountFlags::TYPE_1)
-            .load_op(vk::AttachmentLoadOp::DONT_CARE)
+            .load_op(vk::AttachmentLoadOp::CLEAR)
             .store_op(vk::AttachmentStoreOp::STORE)
             .final_layout(vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL)];
         let colors = [vk::AttachmentReference {
@@ -165,8 +165,8 @@ impl Pass {
     }
 }
 
-/// Format of the tiles' image: a depth in voxels.
-pub(super) const TILES: vk::Format = vk::Format::R32_SFLOAT;
+/// Format of the beams' images: a depth in voxels.
+pub(super) const STARTS: vk::Format = vk::Format::R32_SFLOAT;
 
 impl Drop for Pass {
     fn drop(&mut self) {

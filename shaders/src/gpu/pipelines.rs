@@ -11,7 +11,7 @@ use super::pass::{Format, Pass};
 use super::programs::{self, Program};
 
 /// What kinds of thing the set's bindings are; `wgsl` says which is which.
-const BINDINGS: [vk::DescriptorType; 10] = [
+const BINDINGS: [vk::DescriptorType; 11] = [
     vk::DescriptorType::UNIFORM_BUFFER,
     vk::DescriptorType::SAMPLED_IMAGE,
     vk::DescriptorType::SAMPLED_IMAGE,
@@ -22,6 +22,7 @@ const BINDINGS: [vk::DescriptorType; 10] = [
     vk::DescriptorType::SAMPLED_IMAGE,
     vk::DescriptorType::SAMPLED_IMAGE,
     vk::DescriptorType::SAMPLER,
+    vk::DescriptorType::SAMPLED_IMAGE,
 ];
 
 /// The pipelines of a renderer.
@@ -30,7 +31,8 @@ pub(super) struct Pipelines {
     cache: vk::PipelineCache,
     pub(super) set_layout: vk::DescriptorSetLayout,
     pub(super) layout: vk::PipelineLayout,
-    pub(super) tiles: vk::Pipeline,
+    /// Where the tiles' rays start, and those of the beams.
+    pub(super) starts: [vk::Pipeline; 2],
     fast: vk::Pipeline,
     paper: [vk::Pipeline; 4],
 }
@@ -51,7 +53,7 @@ impl Pipelines {
     pub(super) fn new(
         gpu: &Arc<Gpu>,
         format: &Format,
-        tiles: &Pass,
+        starts: &Pass,
         frame: &Pass,
         cache: &[u8],
     ) -> Result<Self, Error> {
@@ -65,23 +67,30 @@ impl Pipelines {
             cache,
             set_layout: vk::DescriptorSetLayout::null(),
             layout: vk::PipelineLayout::null(),
-            tiles: null,
+            starts: [null; 2],
             fast: null,
             paper: [null; 4],
         };
         all.make_layouts()?;
         let one = vk::SampleCountFlags::TYPE_1;
         let none = vk::CullModeFlags::NONE;
-        all.tiles = all.make(&Recipe {
+        let tiles = Recipe {
             vertex: programs::TILES_VERTEX,
             fragment: programs::TILES,
-            pass: tiles.raw,
+            pass: starts.raw,
             samples: one,
             strip: false,
             cull: none,
             depth: false,
             coverage: false,
-        })?;
+        };
+        let beams = Recipe {
+            vertex: programs::BEAMS_VERTEX,
+            fragment: programs::BEAMS,
+            strip: true,
+            ..tiles
+        };
+        all.starts = [all.make(&tiles)?, all.make(&beams)?];
         let coverage = format.samples > 1;
         let drawn = Recipe {
             vertex: programs::TILE_VERTEX,
@@ -220,7 +229,7 @@ impl Drop for Pipelines {
         let device = &self.gpu.device;
         // SAFETY: the owner waits for the device before it drops what was submitted.
         unsafe {
-            for pipeline in self.paper.into_iter().chain([self.fast, self.tiles]) {
+            for pipeline in self.paper.into_iter().chain([self.fast]).chain(self.starts) {
                 device.destroy_pipeline(pipeline, None);
             }
             device.destroy_pipeline_layout(self.layout, None);

@@ -36,7 +36,7 @@ pub struct Renderer {
     gpu: Arc<Gpu>,
     format: Format,
     n: usize,
-    tiles: Pass,
+    starts: Pass,
     frame: Pass,
     pipelines: Pipelines,
     textures: Textures,
@@ -70,9 +70,9 @@ impl Renderer {
     /// # Errors
     /// A call that failed; out of memory, most likely.
     pub fn new(gpu: &Arc<Gpu>, format: Format, n: usize, cache: &[u8]) -> Result<Self, Error> {
-        let tiles = Pass::tiles(gpu, &format)?;
+        let starts = Pass::starts(gpu, &format)?;
         let frame = Pass::frame(gpu, &format)?;
-        let pipelines = Pipelines::new(gpu, &format, &tiles, &frame, cache)?;
+        let pipelines = Pipelines::new(gpu, &format, &starts, &frame, cache)?;
         let textures = Textures::new(gpu, n as u32, marble::SIDE as u32)?;
         let info = vk::CommandPoolCreateInfo::default()
             .queue_family_index(gpu.family)
@@ -83,7 +83,7 @@ impl Renderer {
             gpu: gpu.clone(),
             format,
             n,
-            tiles,
+            starts,
             frame,
             pipelines,
             textures,
@@ -136,7 +136,7 @@ impl Renderer {
         let parts = Parts {
             gpu: &self.gpu,
             format: &self.format,
-            tiles: &self.tiles,
+            starts: &self.starts,
             frame: &self.frame,
             pipelines: &self.pipelines,
             textures: &self.textures,
@@ -268,17 +268,25 @@ impl Renderer {
         }
     }
 
+    /// The tiles' rays first, then those of the beams in the tiles that aren't empty.
     fn find_starts(&self, commands: vk::CommandBuffer, surface: &Surface) {
-        let extent = surface.extent.map(|pixels| pixels.div_ceil(frame::TILE));
-        let pass = (self.tiles.raw, surface.tiles_framebuffer);
-        self.within(commands, pass, extent, &[vk::ClearValue::default()], |device| {
-            // SAFETY: the pass is the pipeline's, and the vertices are made from their numbers.
-            unsafe {
+        let [tiles, beams] = &surface.starts;
+        let draws = [(tiles, 3, 1), (beams, 4, tiles.extent[0] * tiles.extent[1])];
+        let none = vk::ClearColorValue { float32: [-1.0; 4] };
+        for ((starts, vertices, instances), pipeline) in
+            draws.into_iter().zip(self.pipelines.starts)
+        {
+            let pass = (self.starts.raw, starts.framebuffer);
+            let clear = [vk::ClearValue { color: none }];
+            self.within(commands, pass, starts.extent, &clear, |device| {
                 let graphics = vk::PipelineBindPoint::GRAPHICS;
-                device.cmd_bind_pipeline(commands, graphics, self.pipelines.tiles);
-                device.cmd_draw(commands, 3, 1, 0, 0);
-            }
-        });
+                // SAFETY: the pass is the pipeline's, and vertices are made from their numbers.
+                unsafe {
+                    device.cmd_bind_pipeline(commands, graphics, pipeline);
+                    device.cmd_draw(commands, vertices, instances, 0, 0);
+                }
+            });
+        }
     }
 
     fn draw_frame(
@@ -298,7 +306,7 @@ impl Renderer {
         ];
         let pass = (self.frame.raw, surface.framebuffers[image]);
         let pipeline = self.pipelines.sculpture(picture.look.path);
-        let across = surface.extent.map(|pixels| pixels.div_ceil(frame::TILE));
+        let across = surface.starts[0].extent;
         // A strip for the box's faces, or one for each tile.
         let (vertices, instances) = match picture.look.path {
             Path::Paper(_) => (14, 1),

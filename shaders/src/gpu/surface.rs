@@ -7,9 +7,9 @@ use ash::vk;
 use super::buffer::Buffer;
 use super::context::Gpu;
 use super::error::{Doing, Error};
-use super::frame::TILE;
+use super::frame::{BEAM, TILE};
 use super::image::{Image, Shape};
-use super::pass::{Format, Pass, TILES};
+use super::pass::{Format, Pass, STARTS};
 use super::pipelines::Pipelines;
 use super::textures::Textures;
 
@@ -19,20 +19,27 @@ pub struct Surface {
     /// Pixels across and down.
     pub extent: [u32; 2],
     pub(super) framebuffers: Vec<vk::Framebuffer>,
-    pub(super) tiles_framebuffer: vk::Framebuffer,
+    /// Where the tiles' rays start, then those of the beams within them.
+    pub(super) starts: [Starts; 2],
     /// One for each frame of the ring.
     pub(super) sets: Vec<vk::DescriptorSet>,
     pool: vk::DescriptorPool,
-    tiles: Image,
     /// Colour of several samples and depth; transient.
     transient: Vec<Image>,
+}
+
+/// An image of where rays start.
+pub(super) struct Starts {
+    pub(super) framebuffer: vk::Framebuffer,
+    pub(super) extent: [u32; 2],
+    image: Image,
 }
 
 /// What surfaces are made for.
 pub(super) struct Parts<'a> {
     pub(super) gpu: &'a Arc<Gpu>,
     pub(super) format: &'a Format,
-    pub(super) tiles: &'a Pass,
+    pub(super) starts: &'a Pass,
     pub(super) frame: &'a Pass,
     pub(super) pipelines: &'a Pipelines,
     pub(super) textures: &'a Textures,
@@ -55,26 +62,24 @@ impl Surface {
         uniforms: impl Iterator<Item = &'b Buffer>,
     ) -> Result<Self, Error> {
         let (gpu, format) = (parts.gpu, parts.format);
-        let sampled = vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::COLOR_ATTACHMENT;
-        let across = extent.map(|pixels| pixels.div_ceil(TILE));
-        let tiles = Image::new(gpu, Shape::flat(TILES, across, format.views).usage(sampled))?;
+        let starts = |width: u32| {
+            let across = extent.map(|pixels| pixels.div_ceil(width));
+            Starts::new(gpu, parts.starts, across, format.views)
+        };
         let mut surface = Surface {
             gpu: gpu.clone(),
             extent,
             framebuffers: Vec::new(),
-            tiles_framebuffer: vk::Framebuffer::null(),
+            starts: [starts(TILE)?, starts(BEAM)?],
             sets: Vec::new(),
             pool: vk::DescriptorPool::null(),
-            tiles,
             transient: Vec::new(),
         };
         surface.make_transient(format, depths.is_empty())?;
-        surface.tiles_framebuffer =
-            surface.framebuffer(parts.tiles, across, &[surface.tiles.view])?;
         for (i, color) in colors.iter().enumerate() {
             let depth = depths.get(i).copied();
             let attachments = surface.attachments(format, *color, depth);
-            surface.framebuffers.push(surface.framebuffer(parts.frame, extent, &attachments)?);
+            surface.framebuffers.push(framebuffer(gpu, parts.frame, extent, &attachments)?);
         }
         surface.make_sets(parts, uniforms)?;
         Ok(surface)
@@ -114,22 +119,6 @@ impl Surface {
         [drawn, depth, resolved].into_iter().flatten().collect()
     }
 
-    fn framebuffer(
-        &self,
-        pass: &Pass,
-        [width, height]: [u32; 2],
-        views: &[vk::ImageView],
-    ) -> Result<vk::Framebuffer, Error> {
-        let info = vk::FramebufferCreateInfo::default()
-            .render_pass(pass.raw)
-            .attachments(views)
-            .width(width)
-            .height(height)
-            .layers(1);
-        // SAFETY: the views and the pass are this device's, and fit each other.
-        unsafe { self.gpu.device.create_framebuffer(&info, None) }.doing("make a framebuffer")
-    }
-
     fn make_sets<'b>(
         &mut self,
         parts: &Parts<'_>,
@@ -140,7 +129,7 @@ impl Surface {
         let size = |ty, each: u32| vk::DescriptorPoolSize { ty, descriptor_count: each * count };
         let sizes = [
             size(vk::DescriptorType::UNIFORM_BUFFER, 1),
-            size(vk::DescriptorType::SAMPLED_IMAGE, 6),
+            size(vk::DescriptorType::SAMPLED_IMAGE, 7),
             size(vk::DescriptorType::SAMPLER, 3),
         ];
         let info = vk::DescriptorPoolCreateInfo::default().max_sets(2 * count).pool_sizes(&sizes);
@@ -174,8 +163,9 @@ impl Surface {
             (2, image(textures.density.view)),
             (3, image(textures.cells.view)),
             (4, image(textures.noise.view)),
-            (7, image(self.tiles.view)),
+            (7, image(self.starts[0].image.view)),
             (8, image(textures.marble.view)),
+            (10, image(self.starts[1].image.view)),
         ];
         let samplers = [
             (5, sampler(textures.clamped)),
@@ -207,9 +197,37 @@ impl Drop for Surface {
         // SAFETY: the owner waits for the device before it drops what was submitted.
         unsafe {
             device.destroy_descriptor_pool(self.pool, None);
-            for framebuffer in self.framebuffers.drain(..).chain([self.tiles_framebuffer]) {
+            for framebuffer in self.framebuffers.drain(..) {
                 device.destroy_framebuffer(framebuffer, None);
+            }
+            for starts in &self.starts {
+                device.destroy_framebuffer(starts.framebuffer, None);
             }
         }
     }
+}
+
+impl Starts {
+    fn new(gpu: &Arc<Gpu>, pass: &Pass, extent: [u32; 2], views: u32) -> Result<Self, Error> {
+        let usage = vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::COLOR_ATTACHMENT;
+        let image = Image::new(gpu, Shape::flat(STARTS, extent, views).usage(usage))?;
+        let framebuffer = framebuffer(gpu, pass, extent, &[image.view])?;
+        Ok(Starts { framebuffer, extent, image })
+    }
+}
+
+fn framebuffer(
+    gpu: &Gpu,
+    pass: &Pass,
+    [width, height]: [u32; 2],
+    views: &[vk::ImageView],
+) -> Result<vk::Framebuffer, Error> {
+    let info = vk::FramebufferCreateInfo::default()
+        .render_pass(pass.raw)
+        .attachments(views)
+        .width(width)
+        .height(height)
+        .layers(1);
+    // SAFETY: the views and the pass are this device's, and fit each other.
+    unsafe { gpu.device.create_framebuffer(&info, None) }.doing("make a framebuffer")
 }

@@ -212,14 +212,10 @@ fn sampler(
     filter: vk::Filter,
     mode: vk::SamplerAddressMode,
 ) -> Result<vk::Sampler, Error> {
-    let mips = match filter {
-        vk::Filter::LINEAR => vk::SamplerMipmapMode::LINEAR,
-        _ => vk::SamplerMipmapMode::NEAREST,
-    };
     let info = vk::SamplerCreateInfo::default()
         .mag_filter(filter)
         .min_filter(filter)
-        .mipmap_mode(mips)
+        .mipmap_mode(vk::SamplerMipmapMode::NEAREST)
         .address_mode_u(mode)
         .address_mode_v(mode)
         .address_mode_w(mode)
