@@ -9,6 +9,7 @@
 pub mod camera;
 pub mod constants;
 pub mod density;
+pub mod field;
 pub mod fragment;
 pub mod image;
 pub mod light;
