@@ -17,12 +17,14 @@ pub(super) const MOST: [usize; 3] = [56, 16, 16];
 /// Rows along y and z that are blurred: those of the box and one around.
 const OUT: usize = MOST[1] + 2;
 const WIDTH: usize = 64;
+/// What is computed at once: as many 16-bit numbers as fill a vector register.
+const LANES: usize = 8;
 /// Voxels on either side that a texel is blurred with.
 const TAPS: usize = 2;
 const FULL: u16 = 256;
 
 /// What one row holds.
-type Row<T> = [T; WIDTH];
+type Row<T> = [[T; LANES]; WIDTH / LANES];
 
 /// A box of texels and what it takes to compute them.
 #[derive(Debug)]
@@ -54,10 +56,10 @@ impl Blur {
         Blur {
             extent: Extent { lo: [0; 3], hi: [0; 3] },
             window: Window::new(),
-            along_x: [[0; WIDTH]; ROWS],
-            along_y: [[[0; WIDTH]; OUT]; 5],
+            along_x: [[[0; LANES]; WIDTH / LANES]; ROWS],
+            along_y: [[[[0; LANES]; WIDTH / LANES]; OUT]; 5],
             plain: [[Plain::Empty; OUT]; 5],
-            out: [[[0; WIDTH]; OUT]; OUT],
+            out: [[[[0; LANES]; WIDTH / LANES]; OUT]; OUT],
             half: [[0; OUT]; OUT],
         }
     }
@@ -66,7 +68,7 @@ impl Blur {
     #[inline]
     pub(super) fn row(&self, y: usize, z: usize) -> &[u8] {
         let [x0, y0, z0] = self.extent.lo;
-        &self.out[z - z0 + 1][y - y0 + 1][LEFT..LEFT + self.extent.hi[0] - x0]
+        &self.out[z - z0 + 1][y - y0 + 1].as_flattened()[LEFT..LEFT + self.extent.hi[0] - x0]
     }
 
     /// Computes the texels of a box, at most [`MOST`] and a multiple of 8 along x.
@@ -91,22 +93,21 @@ impl Blur {
 
     /// Blurs a slice of the window along x and y.
     fn blur_slice(&mut self, z: usize, rows: usize, width: usize, mask: u64) {
-        let slot = z % 5;
+        let (slot, groups) = (z % 5, width / LANES);
         for y in 0..rows {
-            blur_bits(self.window.row(y, z), &mut self.along_x[y][..width]);
+            blur_bits(self.window.row(y, z), &mut self.along_x[y][..groups]);
         }
         for y in 0..rows - 2 * TAPS {
             let five = [0, 1, 2, 3, 4].map(|i| self.window.row(y + i, z) & mask);
-            let row = &mut self.along_y[slot][y][..width];
+            let row = &mut self.along_y[slot][y][..groups];
             self.plain[slot][y] = plain(five, mask);
             match self.plain[slot][y] {
-                Plain::Empty => row.fill(0),
-                Plain::Full => row.fill(FULL),
+                Plain::Empty => row.fill([0; LANES]),
+                Plain::Full => row.fill([FULL; LANES]),
                 Plain::Mixed => {
-                    let [a, b, c, d, e] = [0, 1, 2, 3, 4].map(|i| &self.along_x[y + i][..width]);
-                    for (i, sum) in row.iter_mut().enumerate() {
-                        let near = a[i] + e[i] + 4 * (b[i] + d[i]);
-                        *sum = u16::from(near) + 6 * u16::from(c[i]);
+                    let [a, b, c, d, e] = [0, 1, 2, 3, 4].map(|i| &self.along_x[y + i]);
+                    for (g, sums) in row.iter_mut().enumerate() {
+                        *sums = sums_of_bytes([a[g], b[g], c[g], d[g], e[g]]);
                     }
                 }
             }
@@ -116,26 +117,45 @@ impl Blur {
     /// Blurs a row along z, from the last five slices.
     fn blur_row(&mut self, y: usize, z: usize, width: usize, mask: u64) {
         let slots = [0, 1, 2, 3, 4].map(|i| (z + i) % 5);
-        let out = &mut self.out[z][y][..width];
+        let out = &mut self.out[z][y][..width / LANES];
         let kinds = slots.map(|slot| self.plain[slot][y]);
         if kinds == [Plain::Empty; 5] {
-            out.fill(0);
+            out.fill([0; LANES]);
             self.half[z][y] = 0;
             return;
         }
         if kinds == [Plain::Full; 5] {
-            out.fill(255);
+            out.fill([255; LANES]);
             self.half[z][y] = mask;
             return;
         }
-        let [a, b, c, d, e] = slots.map(|slot| &self.along_y[slot][y][..width]);
-        for (i, texel) in out.iter_mut().enumerate() {
-            let sum = a[i] + e[i] + 4 * (b[i] + d[i]) + 6 * c[i];
-            // sum * 255 / 4096, to nearest and half up, without leaving 16 bits.
-            *texel = ((sum - ((sum + 255) >> 8) + 8) >> 4) as u8;
+        let [a, b, c, d, e] = slots.map(|slot| &self.along_y[slot][y]);
+        for (g, texels) in out.iter_mut().enumerate() {
+            *texels = texels_of([a[g], b[g], c[g], d[g], e[g]]);
         }
         self.half[z][y] = top_bits(out);
     }
+}
+
+#[inline]
+fn sums_of_bytes([a, b, c, d, e]: [[u8; LANES]; 5]) -> [u16; LANES] {
+    let mut sums = [0; LANES];
+    for (i, sum) in sums.iter_mut().enumerate() {
+        let near = a[i] + e[i] + 4 * (b[i] + d[i]);
+        *sum = u16::from(near) + 6 * u16::from(c[i]);
+    }
+    sums
+}
+
+#[inline]
+fn texels_of([a, b, c, d, e]: [[u16; LANES]; 5]) -> [u8; LANES] {
+    let mut texels = [0; LANES];
+    for (i, texel) in texels.iter_mut().enumerate() {
+        let sum = a[i] + e[i] + 4 * (b[i] + d[i]) + 6 * c[i];
+        // sum * 255 / 4096, to nearest and half up, without leaving 16 bits.
+        *texel = ((sum - ((sum + 255) >> 8) + 8) >> 4) as u8;
+    }
+    texels
 }
 
 fn plain(rows: [u64; 5], mask: u64) -> Plain {
@@ -148,10 +168,10 @@ fn plain(rows: [u64; 5], mask: u64) -> Plain {
     }
 }
 
-/// The top bit of each byte of a row, a multiple of 8 bytes long.
-fn top_bits(row: &[u8]) -> u64 {
+/// The top bit of each byte of a row.
+fn top_bits(row: &[[u8; LANES]]) -> u64 {
     let mut bits = 0;
-    for (i, eight) in row.as_chunks::<8>().0.iter().enumerate() {
+    for (i, eight) in row.iter().enumerate() {
         // Bit 7 of byte k goes to bit 56 + k; no two products meet below.
         let tops = u64::from_le_bytes(*eight) >> 7 & 0x0101_0101_0101_0101;
         bits |= (tops.wrapping_mul(0x0102_0408_1020_4080) >> 56) << (8 * i);
@@ -160,8 +180,8 @@ fn top_bits(row: &[u8]) -> u64 {
 }
 
 /// Blurs a row of bits along x into bytes, 0 to 16; nothing lies beyond the word.
-fn blur_bits(bits: u64, row: &mut [u8]) {
-    for (i, eight) in row.as_chunks_mut::<8>().0.iter_mut().enumerate() {
+fn blur_bits(bits: u64, row: &mut [[u8; LANES]]) {
+    for (i, eight) in row.iter_mut().enumerate() {
         // The twelve voxels that eight texels see.
         let seen = if i == 0 { bits << 2 } else { bits >> (8 * i - 2) };
         let sums = LOW[(seen & 63) as usize] + HIGH[(seen >> 6 & 63) as usize];

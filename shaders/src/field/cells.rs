@@ -8,6 +8,9 @@ use super::{CELL, FAR};
 /// The longest row of cells: 264 texels at 256.
 const MOST: usize = 66;
 
+/// Cells told for nothing that are cheaper than another box.
+const SLACK: usize = 256;
+
 /// Cells and their distances.
 #[derive(Debug)]
 pub(super) struct Cells {
@@ -16,6 +19,8 @@ pub(super) struct Cells {
     /// The cells that became solid or ceased to be since the distances were measured.
     flipped: Extent,
     distances: Texels,
+    /// In each slice of equal z the distances that changed since they were taken.
+    changed: Vec<Extent>,
     /// Where distances are measured.
     bench: Texels,
 }
@@ -27,6 +32,7 @@ impl Cells {
             solid: vec![0; side * side],
             flipped: Extent::NONE,
             distances: Texels::new(side, FAR),
+            changed: vec![Extent::NONE; side],
             bench: Texels::new(side, FAR),
         }
     }
@@ -86,7 +92,26 @@ impl Cells {
         }
         for (y, z) in inner.rows() {
             let row = &self.bench.row(y, z)[inner.lo[0]..inner.hi[0]];
-            self.distances.row_mut(y, z)[inner.lo[0]..inner.hi[0]].copy_from_slice(row);
+            self.distances.replace([inner.lo[0], y, z], row, &mut self.changed[z]);
+        }
+    }
+
+    /// Tells the boxes of distances that changed, and forgets them.
+    pub(super) fn take_changed(&mut self, mut tell: impl FnMut(&Texels, Extent)) {
+        let mut open = Extent::NONE;
+        for slice in &mut self.changed {
+            let slice = std::mem::replace(slice, Extent::NONE);
+            let both = open.union(&slice);
+            // Slices go together while that takes little more than each by itself.
+            if both.volume() > open.volume() + slice.volume() + SLACK {
+                tell(&self.distances, open);
+                open = slice;
+            } else {
+                open = both;
+            }
+        }
+        if !open.is_empty() {
+            tell(&self.distances, open);
         }
     }
 
@@ -103,6 +128,9 @@ impl Cells {
             for (x, distance) in inner.clone().zip(&mut row[inner]) {
                 *distance = if solid >> x & 1 == 1 { 0 } else { FAR };
             }
+        }
+        if row[ends.clone()].iter().fold(FAR, |least, distance| least.min(*distance)) == FAR {
+            return;
         }
         let mut last = FAR;
         for distance in &mut row[ends.clone()] {
@@ -143,9 +171,9 @@ impl Cells {
             meet(self.bench.row(y, z));
         }
         let row = &mut self.bench.row_mut(y, z)[lo..hi];
-        for (i, distance) in row.iter_mut().enumerate() {
-            let near = least[i].min(least[i + 1]).min(least[i + 2]) + 1;
-            *distance = (*distance).min(near);
+        let three = least[..width].iter().zip(&least[1..=width]).zip(&least[2..width + 2]);
+        for (distance, ((a, b), c)) in row.iter_mut().zip(three) {
+            *distance = (*distance).min((*a).min(*b).min(*c) + 1);
         }
     }
 }

@@ -26,6 +26,10 @@ impl Extent {
         [0, 1, 2].map(|axis| self.hi[axis].saturating_sub(self.lo[axis]))
     }
 
+    pub(super) fn volume(&self) -> usize {
+        self.size().iter().product()
+    }
+
     /// The least box that holds both.
     #[must_use]
     pub(super) fn union(&self, other: &Self) -> Self {

@@ -17,12 +17,14 @@
 //!
 //! Textures are stored, and handed out, with x fastest and z slowest, as a GPU has them.
 
+mod backlog;
 mod blur;
 mod cells;
 mod extent;
 mod mips;
 mod texels;
 mod thin;
+mod upkeep;
 mod window;
 
 use glam::Vec3;
@@ -30,10 +32,12 @@ use paros_core::maps::Maps;
 use rayon::prelude::*;
 
 use crate::upload::{Region, Texture};
+use backlog::{Backlog, Lines};
 use blur::Blur;
 use cells::Cells;
 use extent::Extent;
 use texels::Texels;
+pub use upkeep::Budget;
 
 /// Texels around the grid on each side, so that a surface on the cube's border is met as any other.
 pub const PAD: usize = 4;
@@ -55,6 +59,13 @@ pub struct Field<const N: usize> {
     maps: Box<Maps<N>>,
     density: [Texels; LEVELS],
     cells: Cells,
+    backlog: Backlog,
+    lines: Lines,
+    /// Work done since the last frame.
+    noted: usize,
+    blur: Box<Blur>,
+    /// A region's bytes on their way out.
+    stage: Vec<u8>,
 }
 
 impl<const N: usize> Field<N> {
@@ -72,6 +83,11 @@ impl<const N: usize> Field<N> {
             maps: Box::new(Maps::new()),
             density: [0, 1, 2, 3].map(|level| Texels::new(Self::SIDE >> level, 0)),
             cells: Cells::new(Self::SIDE / CELL),
+            backlog: Backlog::new(Self::SIDE),
+            lines: Lines::new(N),
+            noted: 0,
+            blur: Box::new(Blur::new()),
+            stage: Vec::with_capacity(Self::stage_bytes()),
         }
     }
 
@@ -102,6 +118,10 @@ impl<const N: usize> Field<N> {
         }
         self.cells.follow(&self.density[0], Extent::cube(Self::SIDE));
         self.cells.measure();
+        self.cells.take_changed(|_, _| {});
+        self.backlog.clear();
+        self.lines.clear();
+        self.noted = 0;
     }
 
     /// Hands out every texture whole, as for one that was just made.

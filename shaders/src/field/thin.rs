@@ -47,7 +47,7 @@ pub(super) fn raise(
             }
             found = true;
             for (level, texels) in levels(window, (y + BEFORE, z + BEFORE)) {
-                raise_row(&mut out[z][y], texels & weak, level);
+                raise_row(out[z][y].as_flattened_mut(), texels & weak, level);
                 halves[z][y] |= texels & weak;
             }
         }
@@ -133,7 +133,7 @@ fn raise_loose(window: &Window, [rows, slices]: [usize; 2], out: &mut Rows, halv
             }
             let around = halves[z - 1..=z + 1].iter().flat_map(|slice| &slice[y - 1..=y + 1]);
             let near = around.fold(0, |all, row| all | row << 1 | row | row >> 1);
-            raise_row(&mut out[z][y], weak & !near, ROD);
+            raise_row(out[z][y].as_flattened_mut(), weak & !near, ROD);
         }
     }
 }
