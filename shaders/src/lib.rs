@@ -8,6 +8,7 @@
 pub mod camera;
 pub mod constants;
 pub mod density;
+pub mod field;
 pub mod fragment;
 pub mod gpu;
 pub mod image;

@@ -6,6 +6,7 @@ pub mod contact;
 pub mod dense;
 pub mod edit;
 pub mod export;
+pub mod field;
 pub mod islands;
 pub mod puppet;
 pub mod shapes;

@@ -1,0 +1,88 @@
+//! A cube of bytes, and sampling it as a GPU does.
+
+use glam::Vec3;
+use rayon::prelude::*;
+
+use super::extent::Extent;
+
+/// A cube of texels of a byte, x fastest, z slowest.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub(super) struct Texels {
+    side: usize,
+    bytes: Vec<u8>,
+}
+
+impl Texels {
+    pub(super) fn new(side: usize, texel: u8) -> Self {
+        Texels { side, bytes: vec![texel; side.pow(3)] }
+    }
+
+    pub(super) const fn side(&self) -> usize {
+        self.side
+    }
+
+    pub(super) fn bytes(&self) -> &[u8] {
+        &self.bytes
+    }
+
+    #[inline]
+    pub(super) fn at(&self, [x, y, z]: [usize; 3]) -> u8 {
+        self.row(y, z)[x]
+    }
+
+    #[inline]
+    pub(super) fn row(&self, y: usize, z: usize) -> &[u8] {
+        &self.bytes[(z * self.side + y) * self.side..][..self.side]
+    }
+
+    #[inline]
+    pub(super) fn row_mut(&mut self, y: usize, z: usize) -> &mut [u8] {
+        &mut self.bytes[(z * self.side + y) * self.side..][..self.side]
+    }
+
+    /// So many slices of equal z at a time, in order.
+    pub(super) fn slabs_mut(
+        &mut self,
+        slices: usize,
+    ) -> impl IndexedParallelIterator<Item = &mut [u8]> {
+        self.bytes.par_chunks_mut(slices * self.side * self.side)
+    }
+
+    /// Replaces a stretch of a row; what changed of it is added to `changed`.
+    #[inline]
+    pub(super) fn replace(
+        &mut self,
+        [x, y, z]: [usize; 3],
+        texels: &[u8],
+        changed: &mut Extent,
+    ) -> u8 {
+        let row = &mut self.row_mut(y, z)[x..x + texels.len()];
+        if row == texels {
+            return 0;
+        }
+        let differing = || row.iter().zip(texels).map(|(a, b)| a ^ b);
+        let flipped = differing().fold(0, |all, bits| all | bits);
+        let first = differing().position(|bits| bits != 0).unwrap_or(0);
+        let last = differing().rposition(|bits| bits != 0).unwrap_or(0);
+        row.copy_from_slice(texels);
+        let part = Extent { lo: [x + first, y, z], hi: [x + last + 1, y + 1, z + 1] };
+        *changed = changed.union(&part);
+        flipped
+    }
+
+    /// The value, 0 to 1, at a place in texels whose centres lie at halves, filtered trilinearly.
+    #[inline]
+    pub(super) fn sample(&self, place: Vec3) -> f32 {
+        let most = (self.side - 1) as f32;
+        let place = (place - Vec3::splat(0.5)).clamp(Vec3::ZERO, Vec3::splat(most));
+        let [x, y, z] = place.to_array().map(|c| (c as usize).min(self.side - 2));
+        let part = place - Vec3::new(x as f32, y as f32, z as f32);
+        let mix = |a: f32, b: f32, part: f32| a + (b - a) * part;
+        let along_x = |y: usize, z: usize| {
+            let row = self.row(y, z);
+            mix(f32::from(row[x]), f32::from(row[x + 1]), part.x)
+        };
+        let along_y = |z: usize| mix(along_x(y, z), along_x(y + 1, z), part.y);
+        mix(along_y(z), along_y(z + 1), part.z) / 255.0
+    }
+}
