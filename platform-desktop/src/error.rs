@@ -50,9 +50,11 @@ impl StdError for Error {}
 impl From<durable::Error> for Error {
     fn from(error: durable::Error) -> Self {
         match error.source.kind() {
-            ErrorKind::NotFound | ErrorKind::NotADirectory | ErrorKind::InvalidInput => {
-                Error::input(error)
-            }
+            ErrorKind::NotFound
+            | ErrorKind::NotADirectory
+            | ErrorKind::AlreadyExists
+            | ErrorKind::InvalidFilename
+            | ErrorKind::InvalidInput => Error::input(error),
             _ => Error::failure(error),
         }
     }

@@ -260,3 +260,30 @@ fn places_where_no_file_can_be_are_refused() {
     assert_eq!(folder.read("m.obj"), OCTAHEDRON.as_bytes());
     assert!(folder.read("v.rmap") == toy());
 }
+
+#[cfg(unix)]
+#[test]
+fn links_that_lead_nowhere_and_names_too_long_are_refused() {
+    let folder = Folder::new("names");
+    folder.write("m.obj", OCTAHEDRON);
+    std::os::unix::fs::symlink("gone", folder.0.join("link")).unwrap();
+    folder.refuses(&["bake", "m.obj", "-o", "link"], "link: cannot replace");
+    assert!(fs::symlink_metadata(folder.0.join("link")).unwrap().is_symlink());
+    let longest = "n".repeat(255);
+    folder.refuses(&["bake", "m.obj", "-o", &format!("{longest}n")], "nnn: cannot create");
+    folder.succeeds(&["bake", "m.obj", "-o", &longest]);
+}
+
+#[test]
+fn a_command_that_is_killed_leaves_nothing() {
+    let folder = Folder::new("killed");
+    folder.write("v.rmap", toy());
+    let mut paros = Command::new(env!("CARGO_BIN_EXE_paros"));
+    paros.args(["render", "v.rmap", "-o", "p.png", "--size", "8192x8192"]).current_dir(&folder.0);
+    let mut paros = paros.stdin(Stdio::null()).spawn().unwrap();
+    std::thread::sleep(std::time::Duration::from_millis(700));
+    assert!(paros.try_wait().unwrap().is_none(), "64 million pixels take longer");
+    paros.kill().unwrap();
+    paros.wait().unwrap();
+    assert_eq!(folder.names(), ["v.rmap"]);
+}

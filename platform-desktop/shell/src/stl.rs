@@ -1,6 +1,5 @@
 //! A sculpture as an STL file: the core's exporter, drained into a durable file.
 
-use std::io::Write;
 use std::path::Path;
 
 use paros_core::export::{Exporter, Stage};
@@ -8,7 +7,7 @@ use paros_core::maps::Maps;
 use paros_core::plane::Plane;
 use paros_core::size::{Grid, Size};
 
-use crate::durable::{self, Draft};
+use crate::durable::{self, Target};
 
 /// Work units between two looks at the buffer.
 const BUDGET: u32 = 4096;
@@ -78,21 +77,19 @@ where
     Grid<N>: Size,
 {
     exporter.start(height_mm).map_err(|error| Error::Height(error.0))?;
-    let mut file = Draft::create(path).map_err(Error::File)?;
+    let target = Target::tried(path).map_err(Error::File)?;
     let mut buffer = vec![0; Exporter::<N>::MIN_BUFFER];
-    let mut bytes = 0;
+    let mut file = Vec::new();
     loop {
         let progress = exporter.advance(sculpture.rows, sculpture.mask, BUDGET, &mut buffer);
         if exporter.triangles() == Some(0) {
             return Err(Error::Empty);
         }
-        file.write_all(&buffer[..progress.written])
-            .map_err(|source| Error::File(file.error("write", source)))?;
-        bytes += progress.written as u64;
+        file.extend_from_slice(&buffer[..progress.written]);
         if progress.stage == Stage::Done {
             break;
         }
     }
-    file.commit().map_err(Error::File)?;
-    Ok(Exported { triangles: exporter.triangles().unwrap_or(0), bytes })
+    target.write(&file).map_err(Error::File)?;
+    Ok(Exported { triangles: exporter.triangles().unwrap_or(0), bytes: file.len() as u64 })
 }

@@ -1,14 +1,12 @@
 //! `paros play`: a recorded session is stepped again, and must lead to the same digests.
 
-use std::fmt::Write as _;
-use std::fs;
-use std::io::Write as _;
+use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use paros_core::size::{Grid, Size};
 use paros_core::world::World;
 use paros_shaders::{Camera, RenderOptions, render};
-use paros_shell::durable::Draft;
+use paros_shell::durable::{self, Target};
 use paros_shell::stage::Stage;
 use paros_shell::statics::Resident;
 use paros_shell::stl;
@@ -80,8 +78,8 @@ where
     drop(making);
     let (hidden, mut world) = (starts.hidden(), Grid::<N>::world());
     let mut stage = Stage::new(&mut world, starts.starts(&hidden));
-    // Made before the work: a place where no file can be is told at once.
-    let digests = args.digests.as_deref().map(Draft::create).transpose()?;
+    // Tried before the work: a place where no file can be is told at once.
+    let digests = args.digests.as_deref().map(Target::tried).transpose()?;
     let played = replay(args, trace, &mut stage)?;
 
     let world = stage.world();
@@ -97,10 +95,8 @@ where
         let print = stl::write(path, &sculpture, HEIGHT_MM, &mut *Grid::<N>::exporter())?;
         let _ = writeln!(report, "{}: {} triangles", path.display(), print.triangles);
     }
-    if let Some(mut file) = digests {
-        file.write_all(played.digests.as_bytes())
-            .map_err(|source| Error::failure(file.error("write", source)))?;
-        file.commit()?;
+    if let Some(target) = digests {
+        target.write(played.digests.as_bytes())?;
     }
     if let Some(folder) = &args.frames {
         let _ = writeln!(report, "{}: {} pictures", folder.display(), played.frames);
@@ -150,12 +146,9 @@ where
 {
     let options = RenderOptions { width: 640, height: 480, samples: 1, ..RenderOptions::default() };
     let image = render(world.volume().maps(), &Camera::ring(0.45, 0.3), &options, &|_| {});
-    fs::create_dir_all(folder)
-        .map_err(|e| Error::Input(format!("{}: can't be made: {e}", folder.display())))?;
-    let mut file = Draft::create(&folder.join(format!("{frame:06}.png")))?;
-    let mut bytes = Vec::new();
-    let encoded = image.write_png(&mut bytes).and_then(|()| file.write_all(&bytes));
-    encoded.map_err(|source| Error::failure(file.error("write", source)))?;
-    file.commit()?;
+    durable::make_folder(folder)?;
+    let mut png = Vec::new();
+    image.write_png(&mut png).map_err(Error::failure)?;
+    durable::write(&folder.join(format!("{frame:06}.png")), &png)?;
     Ok(())
 }
