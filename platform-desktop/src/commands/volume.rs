@@ -4,6 +4,7 @@ use std::path::Path;
 
 use paros_core::maps::Maps;
 use paros_core::size::{Grid, Size};
+use paros_shell::print::Print;
 use paros_shell::rmap;
 
 use crate::error::Error;
@@ -28,6 +29,13 @@ where
 /// The error for a size that is none of a sculpture's.
 pub(super) fn unusable_size(path: &Path, n: usize) -> Error {
     Error::Input(format!("{}: expected a volume of size 128 or 256, found {n}", path.display()))
+}
+
+/// The print of what a file holds, unless that is nothing.
+pub(super) fn printed(print: Option<Print>, of: &Path) -> Result<Print, Error> {
+    print
+        .filter(|print| print.triangles > 0)
+        .ok_or_else(|| Error::Input(format!("{}: nothing is left to print", of.display())))
 }
 
 /// Refuses to write over the file that is read.
