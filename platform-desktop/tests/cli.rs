@@ -207,6 +207,8 @@ fn bad_volumes_are_refused() {
         }
     }
     folder.refuses(&["info", "nothing.rmap"], "nothing.rmap");
+    folder.write("t.trace", b"PTRC\x01\0\x01\0\x80\0\0\0");
+    folder.refuses(&["info", "t.trace"], "t.trace: is a trace, not a volume; use `paros play`");
     folder.refuses(&["info", "."], ".");
 }
 

@@ -4,14 +4,20 @@ use std::path::Path;
 
 use paros_core::maps::Maps;
 use paros_core::size::{Grid, Size};
+use paros_core::trace;
 use paros_shell::print::Print;
-use paros_shell::rmap;
+use paros_shell::rmap::{self, Fault};
 
 use crate::error::Error;
 
 /// The size N of the volume in a file.
 pub(super) fn size(path: &Path) -> Result<usize, Error> {
-    rmap::peek(path).map(|header| header.n).map_err(Error::input)
+    rmap::peek(path).map(|header| header.n).map_err(|error| match error {
+        rmap::Error::Bad { fault: Fault::Magic(trace::MAGIC), .. } => {
+            Error::Input(format!("{}: is a trace, not a volume; use `paros play`", path.display()))
+        }
+        error => Error::input(error),
+    })
 }
 
 /// Reads a volume that holds something.
