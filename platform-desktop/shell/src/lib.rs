@@ -4,6 +4,7 @@
 pub mod durable;
 pub mod figures;
 pub mod print;
+pub mod require;
 pub mod rmap;
 pub mod stage;
 pub mod starts;
