@@ -26,7 +26,7 @@ pub(super) struct Args {
     /// Write every tick's digest to a file, one a line.
     #[arg(long, value_name = "F")]
     digests: Option<PathBuf>,
-    /// Write a picture every half second of the session into a folder.
+    /// Write a picture every half second of the session into a folder; each may take a second.
     #[arg(long, value_name = "DIR")]
     frames: Option<PathBuf>,
     /// Export the sculpture of the last tick.
