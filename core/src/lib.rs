@@ -50,7 +50,7 @@ mod save;
 pub mod shell;
 pub mod size;
 mod state;
-mod tick;
+pub mod tick;
 pub mod tools;
 pub mod trace;
 pub mod undo;

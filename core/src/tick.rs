@@ -224,22 +224,29 @@ where
 }
 
 /// Hears of an island's removal.
-struct Record<'a, const N: usize>
+#[derive(Debug)]
+pub struct Record<'a, const N: usize>
 where
     Grid<N>: Size,
 {
-    undo: &'a mut Undo<N>,
-    dirty: &'a mut Dirty,
+    /// Its newest entry takes the removal in.
+    pub undo: &'a mut Undo<N>,
+    /// Is told the columns.
+    pub dirty: &'a mut Dirty,
 }
 
 /// Hears of an edit: the pass in flight must learn what is added.
-struct Log<'a, const N: usize>
+#[derive(Debug)]
+pub struct Log<'a, const N: usize>
 where
     Grid<N>: Size,
 {
-    undo: &'a mut Undo<N>,
-    dirty: &'a mut Dirty,
-    islands: &'a mut Islands<N>,
+    /// Records the stroke.
+    pub undo: &'a mut Undo<N>,
+    /// Is told the columns.
+    pub dirty: &'a mut Dirty,
+    /// Are told the voxels.
+    pub islands: &'a mut Islands<N>,
 }
 
 impl<const N: usize> Journal<N> for Record<'_, N>

@@ -23,7 +23,14 @@ pub const TRACE_VERSION: u16 = 1;
 /// Changes with every change of what a tick computes.
 pub const CORE_VERSION: u16 = 1;
 
-const MAGIC: [u8; 4] = *b"PTRC";
+/// The first bytes of a trace.
+pub const MAGIC: [u8; 4] = *b"PTRC";
+
+/// What a header of another [`TRACE_VERSION`] is told to be.
+pub const EXPECTED_TRACE: &str = "trace version 1";
+
+/// What a header of another [`CORE_VERSION`] is told to be.
+pub const EXPECTED_CORE: &str = "core version 1";
 
 /// What a trace was recorded on.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -69,11 +76,11 @@ impl Header {
         if from.bytes(4)? != MAGIC {
             return Err(bad);
         }
-        let bad = from.bad("trace version 1");
+        let bad = from.bad(EXPECTED_TRACE);
         if from.u16()? != TRACE_VERSION {
             return Err(bad);
         }
-        let bad = from.bad("core version 1");
+        let bad = from.bad(EXPECTED_CORE);
         if from.u16()? != CORE_VERSION {
             return Err(bad);
         }

@@ -5,7 +5,8 @@ use std::fmt;
 use std::io::ErrorKind;
 use std::process::ExitCode;
 
-use paros_shell::{durable, stl};
+use paros_core::export::HeightOutOfRange;
+use paros_shell::durable;
 
 /// Why a command did not do its work.
 #[derive(Debug)]
@@ -50,19 +51,18 @@ impl StdError for Error {}
 impl From<durable::Error> for Error {
     fn from(error: durable::Error) -> Self {
         match error.source.kind() {
-            ErrorKind::NotFound | ErrorKind::NotADirectory | ErrorKind::InvalidInput => {
-                Error::input(error)
-            }
+            ErrorKind::NotFound
+            | ErrorKind::NotADirectory
+            | ErrorKind::AlreadyExists
+            | ErrorKind::InvalidFilename
+            | ErrorKind::InvalidInput => Error::input(error),
             _ => Error::failure(error),
         }
     }
 }
 
-impl From<stl::Error> for Error {
-    fn from(error: stl::Error) -> Self {
-        match error {
-            stl::Error::Height(_) | stl::Error::Empty => Error::input(error),
-            stl::Error::File(error) => error.into(),
-        }
+impl From<HeightOutOfRange> for Error {
+    fn from(HeightOutOfRange(height): HeightOutOfRange) -> Self {
+        Error::Input(format!("no print can be {height} mm high"))
     }
 }

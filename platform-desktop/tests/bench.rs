@@ -49,6 +49,11 @@ fn a_missing_rival_leaves_its_half_empty_and_says_so() {
     let mut paros = Command::new(env!("CARGO_BIN_EXE_paros"));
     let required = paros.arg("bench").args(args).env("PAROS_REQUIRE", "all").output().unwrap();
     assert_eq!(required.status.code(), Some(1));
+    let errors = String::from_utf8(required.stderr).unwrap();
+    assert!(
+        errors.contains("no-such-python") && errors.contains("PAROS_REQUIRE is all"),
+        "{errors}"
+    );
     assert!(required.stdout.is_empty());
 }
 

@@ -207,6 +207,8 @@ fn bad_volumes_are_refused() {
         }
     }
     folder.refuses(&["info", "nothing.rmap"], "nothing.rmap");
+    folder.write("t.trace", b"PTRC\x01\0\x01\0\x80\0\0\0");
+    folder.refuses(&["info", "t.trace"], "t.trace: is a trace, not a volume; use `paros play`");
     folder.refuses(&["info", "."], ".");
 }
 
@@ -259,4 +261,72 @@ fn places_where_no_file_can_be_are_refused() {
     folder.refuses(&["bake", "m.obj", "-o", "folder/../m.obj"], "both input and output");
     assert_eq!(folder.read("m.obj"), OCTAHEDRON.as_bytes());
     assert!(folder.read("v.rmap") == toy());
+}
+
+#[cfg(unix)]
+#[test]
+fn links_that_lead_nowhere_and_names_too_long_are_refused() {
+    let folder = Folder::new("names");
+    folder.write("m.obj", OCTAHEDRON);
+    std::os::unix::fs::symlink("gone", folder.0.join("link")).unwrap();
+    folder.refuses(&["bake", "m.obj", "-o", "link"], "link: cannot replace");
+    assert!(fs::symlink_metadata(folder.0.join("link")).unwrap().is_symlink());
+    let longest = "n".repeat(255);
+    folder.refuses(&["bake", "m.obj", "-o", &format!("{longest}n")], "nnn: cannot create");
+    folder.succeeds(&["bake", "m.obj", "-o", &longest]);
+}
+
+#[test]
+fn a_command_that_is_killed_leaves_nothing() {
+    let folder = Folder::new("killed");
+    folder.write("v.rmap", toy());
+    let mut paros = Command::new(env!("CARGO_BIN_EXE_paros"));
+    paros.args(["render", "v.rmap", "-o", "p.png", "--size", "8192x8192"]).current_dir(&folder.0);
+    let mut paros = paros.stdin(Stdio::null()).spawn().unwrap();
+    std::thread::sleep(std::time::Duration::from_millis(700));
+    assert!(paros.try_wait().unwrap().is_none(), "64 million pixels take longer");
+    paros.kill().unwrap();
+    paros.wait().unwrap();
+    assert_eq!(folder.names(), ["v.rmap"]);
+}
+
+/// The session takes long; what can't be written is told before it.
+#[test]
+fn a_demo_that_has_no_place_leaves_nothing() {
+    let folder = Folder::new("demo");
+    folder.write("file", "");
+    folder.refuses(&["demo", "-o", "file"], "file: cannot make the folder");
+    folder.refuses(&["demo", "-o", "file/sub"], "file/sub: cannot make the folder");
+    fs::create_dir_all(folder.0.join("out/report.txt")).unwrap();
+    folder.refuses(&["demo", "-o", "out"], "report.txt: cannot replace");
+    assert_eq!(fs::read_dir(folder.0.join("out")).unwrap().count(), 1);
+}
+
+/// A folder that only its owner may write into is no wrong argument. Root may write anywhere, so
+/// there the command is run by nobody.
+#[cfg(unix)]
+#[test]
+fn a_folder_that_may_not_be_written_is_a_failure() {
+    use std::os::unix::fs::{MetadataExt, PermissionsExt};
+    use std::os::unix::process::CommandExt;
+    const NOBODY: u32 = 65_534;
+    let folder = std::env::temp_dir().join(format!("paros-{}-shut", std::process::id()));
+    fs::create_dir_all(&folder).unwrap();
+    fs::write(folder.join("m.obj"), OCTAHEDRON).unwrap();
+    // Where this is built, nobody may not even look.
+    let program = folder.join("paros");
+    fs::copy(env!("CARGO_BIN_EXE_paros"), &program).unwrap();
+    fs::set_permissions(&folder, fs::Permissions::from_mode(0o555)).unwrap();
+    let is_root = fs::metadata(&folder).unwrap().uid() == 0;
+    for args in [&["demo", "-o", "."][..], &["demo", "-o", "sub"], &["bake", "m.obj", "-o", "v"]] {
+        let mut paros = Command::new(&program);
+        paros.args(args).current_dir(&folder).stdin(Stdio::null());
+        let output = if is_root { paros.uid(NOBODY) } else { &mut paros }.output().unwrap();
+        let errors = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{args:?}: {errors}");
+        assert!(errors.contains("ermission denied"), "{args:?}: {errors}");
+    }
+    fs::set_permissions(&folder, fs::Permissions::from_mode(0o755)).unwrap();
+    assert_eq!(fs::read_dir(&folder).unwrap().count(), 2);
+    fs::remove_dir_all(&folder).unwrap();
 }

@@ -6,10 +6,12 @@ use std::process::{Command, Output, Stdio};
 
 use paros_core::input::{Input, Mode};
 use paros_core::size::Grid;
+use paros_shell::require::require;
 use paros_shell::stage::Stage;
 use paros_shell::statics::Resident;
 
-/// A folder with `t.trace`, forty ticks of a session, and `bad.trace`, whose last digest is wrong.
+/// A folder with `t.trace`, forty ticks of a session, `bad.trace`, whose last digest is wrong, and
+/// `empty.trace`, in which no session starts.
 fn folder(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("play-{name}"));
     let _ = fs::remove_dir_all(&folder);
@@ -17,6 +19,12 @@ fn folder(name: &str) -> PathBuf {
     let mut starts = Grid::<128>::start_volumes();
     starts.make(&mut Grid::<128>::plane(), |_| {});
     let (hidden, mut world) = (starts.hidden(), Grid::<128>::world());
+    world.clear();
+    let mut stage = Stage::new(&mut world, starts.starts(&hidden));
+    stage.record();
+    stage.tick(&Input::default());
+    fs::write(folder.join("empty.trace"), stage.end_recording().unwrap()).unwrap();
+    drop(stage);
     world.clear();
     let mut stage = Stage::new(&mut world, starts.starts(&hidden));
     stage.record();
@@ -61,7 +69,10 @@ fn what_can_not_be_played_leaves_nothing() {
     let folder = folder("refuses");
     refuses(&folder, &["bad.trace", "--digests", "d", "--stl", "s"], "tick 39");
     refuses(&folder, &["t.trace", "--digests", "d", "--stl", "d"], "two outputs");
+    refuses(&folder, &["t.trace", "--digests", "d", "--stl", "./d"], "two outputs");
     refuses(&folder, &["t.trace", "--digests", "t.trace"], "t.trace");
+    let word = "empty.trace: nothing is left to print";
+    refuses(&folder, &["empty.trace", "--digests", "d", "--stl", "s"], word);
     refuses(&folder, &["t.trace", "--digests", "d", "--stl", "none/s"], "none");
     refuses(&folder, &["t.trace", "--volume", "bad.trace", "--digests", "bad.trace"], "bad.trace");
     let cut = &fs::read(folder.join("t.trace")).unwrap()[..1000];
@@ -72,11 +83,8 @@ fn what_can_not_be_played_leaves_nothing() {
 /// Nobody listens: the exit code still tells.
 #[test]
 fn an_unwritable_standard_error_is_no_panic() {
-    let Ok(full) = fs::OpenOptions::new().write(true).open("/dev/full") else {
-        println!("skipped: there is no /dev/full");
-        assert_ne!(std::env::var("PAROS_REQUIRE").as_deref(), Ok("all"), "/dev/full is required");
-        return;
-    };
+    let full = fs::OpenOptions::new().write(true).open("/dev/full");
+    let Some(full) = require(full.map_err(|e| format!("/dev/full: {e}"))).unwrap() else { return };
     let mut paros = Command::new(env!("CARGO_BIN_EXE_paros"));
     let status = paros.args(["info", "no.rmap"]).stderr(full).status().unwrap();
     assert_eq!(status.code(), Some(2));

@@ -207,6 +207,32 @@ fn gltf_nodes_place_and_mirror() {
 }
 
 #[test]
+fn another_gltf_than_2_is_refused() {
+    let given = r#""version":"2.0""#;
+    for good in [r#""version":"2.1""#, r#""version":"2.0","minVersion":"2.0""#] {
+        assert!(parse(Kind::Gltf, &replaced(&gltf(), given, good)).is_ok());
+    }
+    for (bad, word) in [
+        (r#""version":"1.0""#, r#""1.0"; expected "2.0""#),
+        (r#""version":"20""#, r#""20"; expected "2.0""#),
+        (r#""version":"""#, r#"""; expected "2.0""#),
+        (r#""version":"2.1","minVersion":"2.1""#, r#""2.1"; expected at most "2.0""#),
+    ] {
+        let said = refused(Kind::Gltf, &replaced(&gltf(), given, bad), malformed);
+        assert!(said.contains(word), "{said}");
+    }
+}
+
+#[test]
+fn an_obj_may_start_with_a_byte_order_mark() {
+    let text = String::from_utf8(obj()).unwrap();
+    let first = text.lines().position(|line| line.starts_with("v ")).unwrap();
+    let vertex_first: String = text.lines().skip(first).map(|line| format!("{line}\n")).collect();
+    let mesh = parse(Kind::Obj, format!("\u{feff}{vertex_first}").as_bytes()).unwrap();
+    assert_eq!(points(&mesh), expected());
+}
+
+#[test]
 fn gltf_strips_and_fans_are_split() {
     // The first indices of the box are 0, 1, 3, 0.
     for (mode, split) in [(5, [[0, 1, 3], [3, 1, 0]]), (6, [[0, 1, 3], [0, 3, 0]])] {

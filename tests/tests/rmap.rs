@@ -2,14 +2,13 @@
 //! appear whole or not at all.
 
 use std::fs;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use paros_core::maps::{Axis, Column, Maps, Range};
 use paros_core::plane::Plane;
 use paros_core::row::Bits;
-use paros_shell::durable::{self, Draft};
+use paros_shell::durable::{self, Target};
 use paros_shell::figures::Figure;
 use paros_shell::rmap::{self, Error, Fault};
 use proptest::prelude::*;
@@ -260,41 +259,59 @@ fn names(folder: &Path) -> Vec<String> {
 }
 
 #[test]
-fn a_draft_is_whole_or_absent() {
-    let folder = folder("draft");
+fn a_file_is_replaced_when_its_bytes_are_there_and_not_before() {
+    let folder = folder("target");
     let path = folder.join("file");
     durable::write(&path, b"old").unwrap();
-    let mut draft = Draft::create(&path).unwrap();
-    draft.write_all(b"half").unwrap();
+    let (a, b) = (Target::tried(&path).unwrap(), Target::tried(&path).unwrap());
+    assert_eq!(names(&folder), ["file"], "nothing is there to be left behind");
     assert_eq!(fs::read(&path).unwrap(), b"old");
-    drop(draft);
+    a.write(b"first").unwrap();
+    b.write(b"second").unwrap();
     assert_eq!(names(&folder), ["file"]);
-    assert_eq!(fs::read(&path).unwrap(), b"old");
-
-    let mut draft = Draft::create(&path).unwrap();
-    draft.write_all(b"new").unwrap();
-    draft.commit().unwrap();
-    assert_eq!(names(&folder), ["file"]);
-    assert_eq!(fs::read(&path).unwrap(), b"new");
+    assert_eq!(fs::read(&path).unwrap(), b"second");
 }
 
 #[test]
-fn drafts_of_one_file_do_not_meet() {
-    let folder = folder("drafts");
-    let path = folder.join("file");
-    let (mut a, mut b) = (Draft::create(&path).unwrap(), Draft::create(&path).unwrap());
-    a.write_all(b"first").unwrap();
-    b.write_all(b"second").unwrap();
-    a.commit().unwrap();
-    b.commit().unwrap();
-    assert_eq!(fs::read(&path).unwrap(), b"second");
-    assert_eq!(names(&folder), ["file"]);
+fn of_several_files_all_are_written_or_none() {
+    let folder = folder("several");
+    fs::create_dir(folder.join("sub")).unwrap();
+    let target = |name: &str| Target::new(&folder.join(name)).unwrap();
+    let files = [(target("a"), &b"1"[..]), (target("sub/b"), b""), (target("c"), b"3")];
+    fs::remove_dir(folder.join("sub")).unwrap();
+    let error = durable::write_all(&files).unwrap_err();
+    assert_eq!(error.path, folder.join("sub/b"));
+    assert!(names(&folder).is_empty(), "{:?}", names(&folder));
+    fs::create_dir(folder.join("sub")).unwrap();
+    durable::write_all(&files).unwrap();
+    assert_eq!(names(&folder), ["a", "c", "sub"]);
+    assert_eq!(fs::read(folder.join("c")).unwrap(), b"3");
+    assert_eq!(names(&folder.join("sub")), ["b"]);
+}
+
+#[test]
+fn names_of_the_longest_length_are_written_and_longer_ones_refused() {
+    let folder = folder("long");
+    let longest = "n".repeat(255);
+    durable::write(&folder.join(&longest), b"x").unwrap();
+    assert_eq!(names(&folder), std::slice::from_ref(&longest));
+    let longer = folder.join(longest + "n");
+    for error in [Target::new(&longer).unwrap_err(), durable::write(&longer, b"x").unwrap_err()] {
+        assert_eq!(error.source.kind(), std::io::ErrorKind::InvalidFilename, "{error}");
+        assert_eq!(error.path, longer);
+    }
 }
 
 #[test]
 fn what_cannot_be_written_is_refused_by_name() {
     let folder = folder("refused");
-    for path in [folder.join("none/file"), folder.clone(), PathBuf::from("/"), PathBuf::new()] {
+    for path in [
+        folder.join("none/file"),
+        folder.clone(),
+        PathBuf::from("/"),
+        PathBuf::new(),
+        folder.join("name/"),
+    ] {
         let error = durable::write(&path, b"x").unwrap_err();
         assert_eq!(error.path, path);
         assert!(error.to_string().contains(&*path.to_string_lossy()));
@@ -313,6 +330,19 @@ fn links_stay_links_and_devices_stay_devices() {
     durable::write(&link, b"new").unwrap();
     assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
     assert_eq!(fs::read(&file).unwrap(), b"new");
+    let target = |name: &str| Target::new(&folder.join(name)).unwrap();
+    assert!(target("link").is_same_file(&target("file")));
+    assert!(target("./new").is_same_file(&target("new")));
+    assert!(!target("new").is_same_file(&target("file")));
+    for nowhere in ["gone", "loop"] {
+        let link = folder.join("to-".to_owned() + nowhere);
+        let to = if nowhere == "loop" { link.clone() } else { folder.join(nowhere) };
+        std::os::unix::fs::symlink(to, &link).unwrap();
+        let error = durable::write(&link, b"new").unwrap_err();
+        assert!(error.to_string().contains("link that leads nowhere"), "{error}");
+        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+    }
+    assert_eq!(names(&folder), ["file", "link", "to-gone", "to-loop"]);
     assert!(durable::write(Path::new("/dev/null"), b"x").is_err());
     assert!(fs::metadata("/dev/null").unwrap().file_type().is_char_device());
 }

@@ -5,7 +5,10 @@ use std::sync::{Mutex, PoisonError};
 use paros_core::codec::{Reader, Writer};
 use paros_core::input::{HandInput, Input, Mode, Pointer, RawPose};
 use paros_core::maps::Maps;
-use paros_core::trace::{HEADER_BYTES, Header, RECORD_BYTES, Record, starts_digest};
+use paros_core::trace::{
+    CORE_VERSION, EXPECTED_CORE, EXPECTED_TRACE, HEADER_BYTES, Header, RECORD_BYTES, Record,
+    TRACE_VERSION, starts_digest,
+};
 use paros_core::world::{Starts, World};
 use paros_shell::stage::Stage;
 use paros_shell::trace::{Diverged, Trace, TraceError};
@@ -205,7 +208,14 @@ fn headers_of_another_kind_or_version_are_turned_away() {
         let bad = Header::read(&mut Reader::new(&wrong)).expect_err("another header");
         assert_eq!(bad.offset, offset, "byte {at}: {}", bad.expected);
         assert_eq!(Trace::decode(&wrong).expect_err("another header").0, None);
+        match offset {
+            4 => assert_eq!(bad.expected, EXPECTED_TRACE),
+            6 => assert_eq!(bad.expected, EXPECTED_CORE),
+            _ => {}
+        }
     }
+    assert_eq!(EXPECTED_TRACE, format!("trace version {TRACE_VERSION}"));
+    assert_eq!(EXPECTED_CORE, format!("core version {CORE_VERSION}"));
 }
 
 #[test]

@@ -1,9 +1,8 @@
 //! Files that appear whole or not at all: written under a temporary name beside the target, synced
 //! to disk, renamed over it, and the folder synced after.
 
-use std::ffi::OsString;
 use std::fs::{self, File, OpenOptions};
-use std::io::{self, BufWriter, Read, Write};
+use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 
@@ -51,82 +50,135 @@ pub fn read(path: &Path) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
+/// Makes a folder and those above it; one that is there already is as good.
+///
+/// # Errors
+/// When the system refuses, or a file has that name.
+pub fn make_folder(path: &Path) -> Result<(), Error> {
+    fs::create_dir_all(path).map_err(|source| error(path, "make the folder", source))
+}
+
 /// Writes a whole file.
 ///
 /// # Errors
 /// When the folder or the disk refuses; then nothing has changed.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
-    let mut draft = Draft::create(path)?;
-    draft.write_all(bytes).map_err(|source| draft.error("write", source))?;
-    draft.commit()
+    Target::new(path)?.write(bytes)
 }
 
-/// A file being written. It takes its name on [`Draft::commit`]; dropped before, it vanishes.
-#[derive(Debug)]
-#[must_use = "a draft that is not committed vanishes"]
-pub struct Draft {
-    file: BufWriter<File>,
-    target: PathBuf,
+/// Writes several whole files. All are on the disk before the first takes its name, so that a full
+/// disk leaves none of them.
+///
+/// # Errors
+/// When a folder or the disk refuses.
+pub fn write_all(files: &[(Target, &[u8])]) -> Result<(), Error> {
+    let drafts: Result<Vec<_>, _> =
+        files.iter().map(|(target, bytes)| target.draft(bytes)).collect();
+    drafts?.into_iter().try_for_each(Draft::publish)
+}
+
+/// A place for a file. Until the file is written there is no trace of it.
+#[derive(Clone, Debug)]
+pub struct Target {
+    /// As it was named.
+    path: PathBuf,
+    /// Without links, but for the file itself where that is not there yet.
+    file: PathBuf,
+}
+
+impl Target {
+    /// The place that a path names. Where that is a symbolic link, it is the file that the link
+    /// leads to.
+    ///
+    /// # Errors
+    /// When something other than a regular file is there, or a link that leads nowhere, or no file
+    /// can have this name.
+    pub fn new(path: &Path) -> Result<Self, Error> {
+        let refuse = |action, why| {
+            Err(error(path, action, io::Error::new(io::ErrorKind::InvalidInput, why)))
+        };
+        let is_link = || fs::symlink_metadata(path).is_ok_and(|found| found.is_symlink());
+        let at = |file| Target { path: path.to_owned(), file };
+        match fs::canonicalize(path) {
+            Ok(existing) if existing.is_file() => Ok(at(existing)),
+            Ok(_) => refuse("replace", "it is not a regular file"),
+            Err(_) if is_link() => refuse("replace", "it is a link that leads nowhere"),
+            Err(source) if source.kind() != io::ErrorKind::NotFound => {
+                Err(error(path, "create", source))
+            }
+            Err(_) => match path.file_name().filter(|_| !ends_in_separator(path)) {
+                None => refuse("create", "no file name"),
+                Some(name) => fs::canonicalize(folder_of(path))
+                    .map(|folder| at(folder.join(name)))
+                    .map_err(|source| error(path, "create", source)),
+            },
+        }
+    }
+
+    /// The place that a path names, once its folder has taken a file. That is gone again.
+    ///
+    /// # Errors
+    /// Those of [`Target::new`], and when the folder takes no new file.
+    pub fn tried(path: &Path) -> Result<Self, Error> {
+        let target = Self::new(path)?;
+        drop(target.draft(&[])?);
+        Ok(target)
+    }
+
+    /// Writes the file.
+    ///
+    /// # Errors
+    /// When the folder or the disk refuses; then nothing has changed.
+    pub fn write(&self, bytes: &[u8]) -> Result<(), Error> {
+        self.draft(bytes)?.publish()
+    }
+
+    /// The path as it was named.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Whether both are the same file, however they were named.
+    #[must_use]
+    pub fn is_same_file(&self, other: &Self) -> bool {
+        self.file == other.file
+    }
+
+    fn draft<'a>(&'a self, bytes: &[u8]) -> Result<Draft<'a>, Error> {
+        let fail = |action| move |source| error(&self.path, action, source);
+        let temporary = self.file.with_file_name(temporary_name());
+        let mut options = OpenOptions::new();
+        let opened = options.write(true).create_new(true).open(&temporary);
+        let mut file = opened.map_err(fail("create"))?;
+        let draft = Draft { target: self, temporary: Some(temporary) };
+        if !bytes.is_empty() {
+            file.write_all(bytes).map_err(fail("write"))?;
+        }
+        file.sync_all().map_err(fail("sync"))?;
+        Ok(draft)
+    }
+}
+
+/// A file on the disk without its name. Dropped before it is published, it vanishes.
+struct Draft<'a> {
+    target: &'a Target,
     /// `None` once it has become the target.
     temporary: Option<PathBuf>,
 }
 
-impl Draft {
-    /// Starts a file that will replace `path`. Where `path` is a symbolic link, the file that it
-    /// points to is replaced.
-    ///
-    /// # Errors
-    /// When `path` is there and is no regular file, or its folder does not take a new file.
-    pub fn create(path: &Path) -> Result<Self, Error> {
-        let fail = |action, source| Error { path: path.to_owned(), action, source };
-        let unfit = |what| io::Error::new(io::ErrorKind::InvalidInput, what);
-        let target = match fs::canonicalize(path) {
-            Ok(existing) if existing.is_file() => existing,
-            Ok(_) => return Err(fail("replace", unfit("it is not a regular file"))),
-            Err(_) => path.to_owned(),
-        };
-        let temporary =
-            temporary_name(&target).ok_or_else(|| fail("create", unfit("no file name")))?;
-        let file = OpenOptions::new()
-            .write(true)
-            .create_new(true)
-            .open(&temporary)
-            .map_err(|source| fail("create", source))?;
-        Ok(Draft { file: BufWriter::new(file), target, temporary: Some(temporary) })
-    }
-
-    /// Makes the file durable under its name.
-    ///
-    /// # Errors
-    /// When the disk refuses; then the target is as it was.
-    pub fn commit(mut self) -> Result<(), Error> {
-        self.file.flush().map_err(|source| self.error("write", source))?;
-        self.file.get_ref().sync_all().map_err(|source| self.error("sync", source))?;
+impl Draft<'_> {
+    fn publish(mut self) -> Result<(), Error> {
+        let Target { path, file } = self.target;
         if let Some(temporary) = &self.temporary {
-            fs::rename(temporary, &self.target).map_err(|source| self.error("rename", source))?;
+            fs::rename(temporary, file).map_err(|source| error(path, "rename", source))?;
         }
         self.temporary = None;
-        sync_folder(&self.target).map_err(|source| self.error("sync the folder of", source))
-    }
-
-    /// An error of this draft, for a failed write into it.
-    #[must_use]
-    pub fn error(&self, action: &'static str, source: io::Error) -> Error {
-        Error { path: self.target.clone(), action, source }
+        sync_folder(file).map_err(|source| error(path, "sync the folder of", source))
     }
 }
 
-impl Write for Draft {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.file.write(bytes)
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        self.file.flush()
-    }
-}
-
-impl Drop for Draft {
+impl Drop for Draft<'_> {
     fn drop(&mut self) {
         if let Some(temporary) = &self.temporary {
             // Nothing is left to do with an error here; the stray name says what it is.
@@ -135,24 +187,33 @@ impl Drop for Draft {
     }
 }
 
-/// A name beside the target that no other draft of this or another process has.
-fn temporary_name(target: &Path) -> Option<PathBuf> {
+fn error(path: &Path, action: &'static str, source: io::Error) -> Error {
+    Error { path: path.to_owned(), action, source }
+}
+
+fn ends_in_separator(path: &Path) -> bool {
+    path.as_os_str().as_encoded_bytes().last().is_some_and(|&byte| byte == b'/')
+}
+
+/// A name that no other draft of this or another process has. It is short whatever the target's is:
+/// a name has a longest length.
+fn temporary_name() -> String {
     static DRAFTS: AtomicU32 = AtomicU32::new(0);
     let draft = DRAFTS.fetch_add(1, Ordering::Relaxed);
-    let mut name = OsString::from(".");
-    name.push(target.file_name()?);
-    name.push(format!(".{}-{draft}.part", std::process::id()));
-    Some(target.with_file_name(name))
+    format!(".paros-{}-{draft}.part", std::process::id())
+}
+
+fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
 #[cfg(unix)]
-fn sync_folder(target: &Path) -> io::Result<()> {
-    let folder = target.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    File::open(folder)?.sync_all()
+fn sync_folder(file: &Path) -> io::Result<()> {
+    File::open(folder_of(file))?.sync_all()
 }
 
 /// Elsewhere a folder is no file that could be synced.
 #[cfg(not(unix))]
-fn sync_folder(_target: &Path) -> io::Result<()> {
+fn sync_folder(_file: &Path) -> io::Result<()> {
     Ok(())
 }

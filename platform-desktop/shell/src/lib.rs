@@ -3,9 +3,10 @@
 
 pub mod durable;
 pub mod figures;
+pub mod print;
+pub mod require;
 pub mod rmap;
 pub mod stage;
 pub mod starts;
 pub mod statics;
-pub mod stl;
 pub mod trace;

@@ -69,6 +69,7 @@ where
     }
 
     /// One tick.
+    #[expect(clippy::disallowed_methods, reason = "the one place outside tests")]
     pub fn tick(&mut self, input: &Input) {
         self.world.step(input, &self.starts);
         if let Some(Recording { header, bytes }) = &mut self.recording {

@@ -6,12 +6,12 @@
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use paros_core::bake::Baker;
-use paros_core::export::Exporter;
 use paros_core::maps::Maps;
 use paros_core::plane::Plane;
 use paros_core::size::{Grid, Size};
 use paros_core::world::World;
 
+use crate::print::Press;
 use crate::starts::StartVolumes;
 
 /// The buffers that a `Grid<N>` of a run-time size brings along.
@@ -26,7 +26,7 @@ where
     /// What turns triangles into maps.
     fn baker() -> MutexGuard<'static, Baker<N>>;
     /// What turns voxels into triangles.
-    fn exporter() -> MutexGuard<'static, Exporter<N>>;
+    fn press() -> MutexGuard<'static, Press<N>>;
     /// The world, held until the guard is dropped.
     fn world() -> MutexGuard<'static, World<N>>;
     /// The start volumes, held until the guard is dropped.
@@ -51,9 +51,9 @@ macro_rules! resident {
                 BAKER.lock().unwrap_or_else(PoisonError::into_inner)
             }
 
-            fn exporter() -> MutexGuard<'static, Exporter<$n>> {
-                static EXPORTER: Mutex<Exporter<$n>> = Mutex::new(Exporter::new());
-                EXPORTER.lock().unwrap_or_else(PoisonError::into_inner)
+            fn press() -> MutexGuard<'static, Press<$n>> {
+                static PRESS: Mutex<Press<$n>> = Mutex::new(Press::new());
+                PRESS.lock().unwrap_or_else(PoisonError::into_inner)
             }
 
             fn world() -> MutexGuard<'static, World<$n>> {

@@ -10,10 +10,11 @@ use paros_core::plane::Plane;
 use paros_core::pose::SUB;
 use paros_core::row::Bits;
 use paros_core::size::{Grid, Size};
+use paros_core::tick::Log;
 
 use super::clock::{duel, timed};
 use super::dense::DenseGrid;
-use super::rig::{Log, Rig, Rigged, reset};
+use super::rig::{Rig, Rigged, reset};
 use super::row::Row;
 use super::subject::Subject;
 use crate::error::Error;

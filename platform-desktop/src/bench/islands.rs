@@ -6,10 +6,11 @@ use paros_core::maps::Maps;
 use paros_core::plane::Plane;
 use paros_core::row::Bits;
 use paros_core::size::{Grid, Size};
+use paros_core::tick::Record;
 
 use super::clock::{duel, timed, worst_ticks};
 use super::paper::{PAPER_VISITS, VoxelFill};
-use super::rig::{Record, Rig, Rigged, reset};
+use super::rig::{Rig, Rigged, reset};
 use super::row::Row;
 use super::subject::Subject;
 use crate::error::Error;

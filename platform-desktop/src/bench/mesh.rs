@@ -4,13 +4,14 @@ use paros_core::export::{Exporter, Stage};
 use paros_core::maps::Maps;
 use paros_core::plane::Plane;
 use paros_core::size::{Grid, Size};
+use paros_shell::print::HEIGHT_MM;
 use paros_shell::statics::Resident;
 
 use super::clock::{duel, timed};
 use super::peers::{Missing, Peers};
 use super::rig::Rigged;
 use super::row::Row;
-use super::subject::{HEIGHT_MM, Subject, print};
+use super::subject::{Subject, print};
 use crate::error::Error;
 
 /// What the rows are called, and what the peer calls it.
@@ -27,7 +28,7 @@ where
     Grid<N>: Size + Rigged<N>,
 {
     let rig = &mut *Grid::<N>::rig();
-    let exporter = &mut *Grid::<N>::exporter();
+    let exporter = &mut Grid::<N>::press().exporter;
     subject.load(&mut rig.start, &mut rig.plane)?;
     let mut buffer = vec![0; print(&rig.plane, &rig.mask, exporter).len()];
     let (mut rows, mut skipped) = (vec![], None);

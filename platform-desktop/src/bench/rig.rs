@@ -5,11 +5,11 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use paros_core::dirty::Dirty;
 use paros_core::edit::EditScratch;
 use paros_core::islands::Islands;
-use paros_core::maps::{Axis, Column, Maps};
+use paros_core::maps::Maps;
 use paros_core::plane::Plane;
 use paros_core::size::{Grid, Size};
 use paros_core::undo::Undo;
-use paros_core::volume::{Journal, Volume};
+use paros_core::volume::Volume;
 use paros_shell::statics::Resident;
 
 /// The parts of a world that edits and islands change, each by itself.
@@ -82,48 +82,3 @@ where
 }
 
 rigged!(128, 256);
-
-/// Hears of what an edit does, as the world's own log.
-pub(super) struct Log<'a, const N: usize>
-where
-    Grid<N>: Size,
-{
-    pub(super) undo: &'a mut Undo<N>,
-    pub(super) dirty: &'a mut Dirty,
-    pub(super) islands: &'a mut Islands<N>,
-}
-
-impl<const N: usize> Journal<N> for Log<'_, N>
-where
-    Grid<N>: Size,
-{
-    fn column(&mut self, axis: Axis, at: (usize, usize), old: Column) {
-        self.undo.record(axis, at, old);
-        self.dirty.note(axis, at);
-    }
-
-    fn added(&mut self, row: (usize, usize), voxels: <Grid<N> as Size>::Row) {
-        self.islands.added(row, voxels);
-    }
-}
-
-/// Hears of what the removal of islands does, as the world's own record.
-pub(super) struct Record<'a, const N: usize>
-where
-    Grid<N>: Size,
-{
-    pub(super) undo: &'a mut Undo<N>,
-    pub(super) dirty: &'a mut Dirty,
-}
-
-impl<const N: usize> Journal<N> for Record<'_, N>
-where
-    Grid<N>: Size,
-{
-    fn column(&mut self, axis: Axis, at: (usize, usize), old: Column) {
-        self.undo.amend(axis, at, old);
-        self.dirty.note(axis, at);
-    }
-
-    fn added(&mut self, _: (usize, usize), _: <Grid<N> as Size>::Row) {}
-}

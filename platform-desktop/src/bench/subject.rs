@@ -9,14 +9,12 @@ use paros_core::maps::Maps;
 use paros_core::plane::Plane;
 use paros_core::size::{Grid, Size};
 use paros_shell::figures::Figure;
+use paros_shell::print::HEIGHT_MM;
 use paros_shell::rmap;
 use paros_shell::statics::Resident;
 
 use crate::error::Error;
 use crate::mesh::{self, Kind, Mesh};
-
-/// Height of exported models in millimetres.
-pub(super) const HEIGHT_MM: f32 = 120.0;
 
 /// One thing to measure on.
 #[derive(Debug)]
@@ -133,7 +131,7 @@ impl Subject {
         }
         self.load(maps, plane)?;
         maps.clear();
-        let stl = print(plane, maps, &mut *Grid::<N>::exporter());
+        let stl = print(plane, maps, &mut Grid::<N>::press().exporter);
         let mesh = Mesh::from_bytes(Kind::Stl, &stl, Path::new(""))
             .map_err(|fault| Error::Failure(format!("{}: its print: {fault:?}", self.name)))?;
         Ok((Cow::Owned(mesh), Kind::Stl.up()))

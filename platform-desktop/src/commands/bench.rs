@@ -1,10 +1,11 @@
 //! `paros bench`: how fast, how small, beside what.
 
-use std::io::{self, Write as _};
 use std::path::PathBuf;
 
 use clap::ValueEnum;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
+
+use paros_shell::require::require;
 
 use super::progress;
 use crate::bench::{Bench, Plan, Subject, step, table};
@@ -60,11 +61,10 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
     let bar = progress::bar("measuring", Some(plan.pieces() as u64));
     let report = plan.run(|done| bar.advance_to(done as u64))?;
     drop(bar);
-    for why in &report.skipped {
-        let _ = writeln!(io::stderr(), "skipped: {why}");
-    }
-    if !report.skipped.is_empty() && std::env::var_os("PAROS_REQUIRE").is_some_and(|v| v == "all") {
-        return Err(Error::Failure("some rivals are missing, and PAROS_REQUIRE is all".into()));
+    let missing = report.skipped.iter().map(|why| require::<(), _>(Err(why)));
+    // All are told before the first of them counts.
+    for missing in missing.collect::<Vec<_>>() {
+        missing.map_err(Error::failure)?;
     }
     match args.json {
         true => {

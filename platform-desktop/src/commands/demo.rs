@@ -1,7 +1,6 @@
 //! `paros demo`: a scripted session, from the lump to a print.
 
 use std::fmt::Write;
-use std::fs;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -10,10 +9,12 @@ use paros_core::events::Event;
 use paros_core::size::{Grid, Size};
 use paros_core::world::World;
 use paros_shaders::{Camera, Image, RenderOptions, contact_sheet, render};
+use paros_shell::durable::Target;
 use paros_shell::figures::Figure;
+use paros_shell::print::{HEIGHT_MM, Print, Printer};
 use paros_shell::stage::Stage;
 use paros_shell::statics::Resident;
-use paros_shell::{durable, rmap, stl};
+use paros_shell::{durable, rmap};
 
 use super::progress;
 use crate::demo::{self, Chapter};
@@ -25,8 +26,9 @@ const N: usize = 128;
 /// Which of the hidden figures comes to light.
 const FIGURE: u8 = 0;
 
-/// Height of the print in millimetres.
-const HEIGHT_MM: f32 = 120.0;
+/// What it leaves.
+const FILES: [&str; 5] =
+    ["session.trace", "sculpture.rmap", "sculpture.stl", "contact-sheet.png", "report.txt"];
 
 /// Play a scripted sculptor's session and leave its trace, sculpture, print and pictures.
 #[derive(Debug, clap::Args)]
@@ -44,37 +46,26 @@ impl Default for Args {
 
 pub(super) fn run(args: &Args) -> Result<String, Error> {
     let folder = &args.output;
-    fs::create_dir_all(folder)
-        .map_err(|e| Error::Input(format!("{}: can't be made: {e}", folder.display())))?;
-    let session = sculpt();
-    let file = |name: &str| folder.join(name);
-    durable::write(&file("session.trace"), &session.trace)?;
+    durable::make_folder(folder)?;
+    // Tried before the work, and written together after it.
+    let tried = FILES.iter().map(|name| Target::tried(&folder.join(name)));
+    let targets = tried.collect::<Result<Vec<_>, _>>()?;
+    let session = sculpt()?;
     let mut png = Vec::new();
     contact_sheet(&session.pictures, 3).write_png(&mut png).map_err(Error::failure)?;
-    durable::write(&file("contact-sheet.png"), &png)?;
-
     let world = Grid::<N>::world();
-    rmap::write(&file("sculpture.rmap"), world.volume().maps())?;
-    let writing = progress::bar("exporting", None);
-    let sculpture = stl::Sculpture { rows: world.volume().rows(), mask: world.mask() };
-    let print =
-        stl::write(&file("sculpture.stl"), &sculpture, HEIGHT_MM, &mut *Grid::<N>::exporter())?;
-    drop(writing);
-
+    let maps = rmap::encode(world.volume().maps());
     let mut report = session.report(world.volume().count());
-    let _ = writeln!(report, "print: {} triangles, {HEIGHT_MM} mm high", print.triangles);
-    durable::write(&file("report.txt"), report.as_bytes())?;
-    let _ = writeln!(
-        report,
-        "{}: session.trace, sculpture.rmap, sculpture.stl, contact-sheet.png, report.txt",
-        folder.display()
-    );
+    let bytes = [&session.trace, &maps, &session.print.stl, &png, report.as_bytes()];
+    durable::write_all(&targets.into_iter().zip(bytes).collect::<Vec<_>>())?;
+    let _ = writeln!(report, "{}: {}", folder.display(), FILES.join(", "));
     Ok(report)
 }
 
 /// What came of the session, but for the world itself.
 struct Session {
     trace: Vec<u8>,
+    print: Print,
     pictures: Vec<Image>,
     tally: Tally,
     chapters: Vec<(Chapter, u64, u64)>,
@@ -144,11 +135,12 @@ impl Session {
             t.island_voxels, t.largest_island, t.undone
         );
         let _ = writeln!(lines, "{voxels} voxels remain; digest {:016x}", self.digest);
+        let _ = writeln!(lines, "print: {} triangles, {HEIGHT_MM} mm high", self.print.triangles);
         lines
     }
 }
 
-fn sculpt() -> Session {
+fn sculpt() -> Result<Session, Error> {
     let making = progress::bar("quarrying", None);
     let mut starts = Grid::<N>::start_volumes();
     starts.make(&mut Grid::<N>::plane(), |_| {});
@@ -157,6 +149,8 @@ fn sculpt() -> Session {
     let mut world = Grid::<N>::world();
     let mut stage = Stage::new(&mut world, starts.starts(&hidden));
     stage.record();
+    let mut press = Grid::<N>::press();
+    let (mut printer, mut print) = (Printer::new(&mut press, HEIGHT_MM)?, None);
 
     let bar = progress::bar("sculpting", Some(Chapter::ALL.len() as u64));
     let (mut tally, mut pictures, mut chapters) = (Tally::default(), Vec::new(), Vec::new());
@@ -167,6 +161,7 @@ fn sculpt() -> Session {
         FIGURE,
         &mut |world| {
             tally.count(world);
+            print = printer.tick(world).or(print.take());
             ControlFlow::Continue(())
         },
         |chapter, world| {
@@ -181,5 +176,9 @@ fn sculpt() -> Session {
     );
     let spent = begun.elapsed() - drawing;
     let trace = stage.end_recording().unwrap_or_default();
-    Session { trace, pictures, tally, chapters, digest: stage.world().digest(), spent }
+    // No more ticks come for it to go on with.
+    let print = printer.complete().or(print);
+    let print = print.ok_or_else(|| Error::Failure("the demo was not finished".into()))?;
+    let digest = stage.world().digest();
+    Ok(Session { trace, print, pictures, tally, chapters, digest, spent })
 }

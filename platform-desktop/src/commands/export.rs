@@ -4,8 +4,9 @@ use std::path::PathBuf;
 
 use paros_core::export::HEIGHTS_MM;
 use paros_core::size::{Grid, Size};
+use paros_shell::durable::Target;
+use paros_shell::print::Printer;
 use paros_shell::statics::Resident;
-use paros_shell::stl;
 
 use super::{progress, volume};
 use crate::error::Error;
@@ -49,16 +50,19 @@ where
     plane.expand(&maps);
     // A volume from a file has no mask.
     maps.clear();
-    let writing = progress::bar("exporting", None);
-    let sculpture = stl::Sculpture { rows: &plane, mask: &maps };
-    let exported =
-        stl::write(&args.output, &sculpture, args.height_mm, &mut *Grid::<N>::exporter())?;
-    drop(writing);
+    let target = Target::tried(&args.output)?;
+    let exporting = progress::bar("exporting", None);
+    let mut press = Grid::<N>::press();
+    let mut printer = Printer::new(&mut press, args.height_mm)?;
+    printer.begin(&plane, &maps);
+    let print = volume::printed(printer.complete(), &args.volume)?;
+    drop(exporting);
+    target.write(&print.stl)?;
     Ok(format!(
         "{}: {} triangles, {} bytes, {} mm high\n",
         args.output.display(),
-        exported.triangles,
-        exported.bytes,
+        print.triangles,
+        print.stl.len(),
         args.height_mm
     ))
 }

@@ -17,7 +17,7 @@ use crate::mesh::{self, Kind};
 /// Tell what a volume or a mesh holds.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// The file: a volume (.rmap) or a mesh.
+    /// The file: a volume (.rmap) or a mesh (OBJ, STL, PLY, glTF or GLB).
     file: PathBuf,
     /// As JSON.
     #[arg(long)]

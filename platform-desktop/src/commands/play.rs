@@ -1,17 +1,15 @@
 //! `paros play`: a recorded session is stepped again, and must lead to the same digests.
 
-use std::fmt::Write as _;
-use std::fs;
-use std::io::Write as _;
+use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use paros_core::size::{Grid, Size};
-use paros_core::world::World;
+use paros_core::world::{Session, World};
 use paros_shaders::{Camera, RenderOptions, render};
-use paros_shell::durable::Draft;
+use paros_shell::durable::{self, Target};
+use paros_shell::print::{HEIGHT_MM, Print, Printer};
 use paros_shell::stage::Stage;
 use paros_shell::statics::Resident;
-use paros_shell::stl;
 use paros_shell::trace::Trace;
 
 use super::{progress, volume};
@@ -28,7 +26,7 @@ pub(super) struct Args {
     /// Write every tick's digest to a file, one a line.
     #[arg(long, value_name = "F")]
     digests: Option<PathBuf>,
-    /// Write a picture every half second of the session into a folder.
+    /// Write a picture every half second of the session into a folder; each may take a second.
     #[arg(long, value_name = "DIR")]
     frames: Option<PathBuf>,
     /// Export the sculpture of the last tick.
@@ -39,20 +37,12 @@ pub(super) struct Args {
 /// Ticks from one picture to the next.
 const FRAME_TICKS: usize = 36;
 
-/// Height of the exported print in millimetres.
-const HEIGHT_MM: f32 = 120.0;
-
 pub(super) fn run(args: &Args) -> Result<String, Error> {
     for output in [&args.digests, &args.stl].into_iter().flatten() {
         volume::check_distinct(&args.trace, output)?;
         if let Some(volume) = &args.volume {
             volume::check_distinct(volume, output)?;
         }
-    }
-    if let (Some(digests), Some(stl)) = (&args.digests, &args.stl)
-        && digests == stl
-    {
-        return Err(Error::Input(format!("{}: named for two outputs", stl.display())));
     }
     let trace = Trace::read(&args.trace).map_err(Error::input)?;
     match trace.header().size {
@@ -65,6 +55,7 @@ fn play<const N: usize>(args: &Args, trace: &Trace) -> Result<String, Error>
 where
     Grid<N>: Size + Resident<N>,
 {
+    let outputs = Outputs::tried(args)?;
     let mut starts = Grid::<N>::start_volumes();
     if let Some(path) = &args.volume {
         match volume::size(path)? {
@@ -80,8 +71,6 @@ where
     drop(making);
     let (hidden, mut world) = (starts.hidden(), Grid::<N>::world());
     let mut stage = Stage::new(&mut world, starts.starts(&hidden));
-    // Made before the work: a place where no file can be is told at once.
-    let digests = args.digests.as_deref().map(Draft::create).transpose()?;
     let played = replay(args, trace, &mut stage)?;
 
     let world = stage.world();
@@ -92,15 +81,9 @@ where
         world.volume().count(),
         world.digest()
     );
-    if let Some(path) = &args.stl {
-        let sculpture = stl::Sculpture { rows: world.volume().rows(), mask: world.mask() };
-        let print = stl::write(path, &sculpture, HEIGHT_MM, &mut *Grid::<N>::exporter())?;
+    outputs.write(&played)?;
+    if let (Some(path), Some(print)) = (&args.stl, &played.print) {
         let _ = writeln!(report, "{}: {} triangles", path.display(), print.triangles);
-    }
-    if let Some(mut file) = digests {
-        file.write_all(played.digests.as_bytes())
-            .map_err(|source| Error::failure(file.error("write", source)))?;
-        file.commit()?;
     }
     if let Some(folder) = &args.frames {
         let _ = writeln!(report, "{}: {} pictures", folder.display(), played.frames);
@@ -108,9 +91,37 @@ where
     Ok(report)
 }
 
+/// Where the files go that are written at the end.
+struct Outputs {
+    digests: Option<Target>,
+    stl: Option<Target>,
+}
+
+impl Outputs {
+    /// Tried before the work: a place where no file can be is told at once.
+    fn tried(args: &Args) -> Result<Self, Error> {
+        let tried = |path: &Option<PathBuf>| path.as_deref().map(Target::tried).transpose();
+        let outputs = Outputs { digests: tried(&args.digests)?, stl: tried(&args.stl)? };
+        match (&outputs.digests, &outputs.stl) {
+            (Some(a), Some(b)) if a.is_same_file(b) => {
+                Err(Error::Input(format!("{}: named for two outputs", b.path().display())))
+            }
+            _ => Ok(outputs),
+        }
+    }
+
+    fn write(self, played: &Played) -> Result<(), Error> {
+        let digests = self.digests.map(|target| (target, played.digests.as_bytes()));
+        let print = self.stl.zip(played.print.as_ref().map(|print| &print.stl[..]));
+        let files: Vec<_> = digests.into_iter().chain(print).collect();
+        Ok(durable::write_all(&files)?)
+    }
+}
+
 /// What a replay leaves besides the world.
 struct Played {
     digests: String,
+    print: Option<Print>,
     frames: usize,
 }
 
@@ -120,14 +131,21 @@ fn replay<const N: usize>(
     stage: &mut Stage<'_, N>,
 ) -> Result<Played, Error>
 where
-    Grid<N>: Size,
+    Grid<N>: Size + Resident<N>,
 {
     let bar = progress::bar("playing", Some(trace.records().len() as u64));
-    let mut played = Played { digests: String::new(), frames: 0 };
+    let mut played = Played { digests: String::new(), print: None, frames: 0 };
     let mut drawn = Ok(());
+    let mut press = Grid::<N>::press();
+    let mut printer = Printer::new(&mut press, HEIGHT_MM)?;
     stage
         .replay(trace, |tick, world| {
             let _ = writeln!(played.digests, "{:016x}", world.digest());
+            if args.stl.is_some()
+                && let Some(print) = printer.tick(world)
+            {
+                played.print = Some(print);
+            }
             if tick % 64 == 0 {
                 bar.advance_to(tick as u64);
             }
@@ -140,7 +158,28 @@ where
             }
         })
         .map_err(|diverged| Error::Input(format!("{}: {diverged}", args.trace.display())))?;
-    drawn.map(|()| played)
+    drawn?;
+    if args.stl.is_some() {
+        let last = last_print(&mut printer, played.print.take(), stage.world());
+        played.print = Some(volume::printed(last, &args.trace)?);
+    }
+    Ok(played)
+}
+
+/// The print of the last tick's sculpture: the one under way or made, if its session is the one that
+/// was finished last.
+fn last_print<const N: usize>(
+    printer: &mut Printer<'_, N>,
+    made: Option<Print>,
+    world: &World<N>,
+) -> Option<Print>
+where
+    Grid<N>: Size,
+{
+    if world.session() != Session::Finished {
+        printer.begin(world.volume().rows(), world.mask());
+    }
+    printer.complete().or(made)
 }
 
 /// Draws one picture of a replay. The folder is made with the first, once the trace was found to fit.
@@ -150,12 +189,9 @@ where
 {
     let options = RenderOptions { width: 640, height: 480, samples: 1, ..RenderOptions::default() };
     let image = render(world.volume().maps(), &Camera::ring(0.45, 0.3), &options, &|_| {});
-    fs::create_dir_all(folder)
-        .map_err(|e| Error::Input(format!("{}: can't be made: {e}", folder.display())))?;
-    let mut file = Draft::create(&folder.join(format!("{frame:06}.png")))?;
-    let mut bytes = Vec::new();
-    let encoded = image.write_png(&mut bytes).and_then(|()| file.write_all(&bytes));
-    encoded.map_err(|source| Error::failure(file.error("write", source)))?;
-    file.commit()?;
+    durable::make_folder(folder)?;
+    let mut png = Vec::new();
+    image.write_png(&mut png).map_err(Error::failure)?;
+    durable::write(&folder.join(format!("{frame:06}.png")), &png)?;
     Ok(())
 }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use paros_core::size::{Grid, Size};
 use paros_shaders::{Camera, RenderOptions, render as picture};
-use paros_shell::durable::Draft;
+use paros_shell::durable::Target;
 use paros_shell::statics::Resident;
 
 use super::{progress, volume};
@@ -60,7 +60,8 @@ where
 {
     let mut maps = Grid::<N>::maps();
     volume::read(&args.volume, &mut maps)?;
-    let mut file = Draft::create(&args.output)?;
+    // Tried before the work: a place where no file can be is told at once.
+    let target = Target::tried(&args.output)?;
     let [azimuth, elevation] = args.view.map(f32::to_radians);
     let [width, height] = args.size;
     let options = RenderOptions { width, height, ..RenderOptions::default() };
@@ -69,7 +70,8 @@ where
         rendering.advance_to((done * height as f32) as u64);
     });
     drop(rendering);
-    image.write_png(&mut file).map_err(|source| Error::failure(file.error("write", source)))?;
-    file.commit()?;
+    let mut png = Vec::new();
+    image.write_png(&mut png).map_err(Error::failure)?;
+    target.write(&png)?;
     Ok(format!("{}: {width}x{height} pixels\n", args.output.display()))
 }

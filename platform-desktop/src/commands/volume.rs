@@ -4,13 +4,20 @@ use std::path::Path;
 
 use paros_core::maps::Maps;
 use paros_core::size::{Grid, Size};
-use paros_shell::rmap;
+use paros_core::trace;
+use paros_shell::print::Print;
+use paros_shell::rmap::{self, Fault};
 
 use crate::error::Error;
 
 /// The size N of the volume in a file.
 pub(super) fn size(path: &Path) -> Result<usize, Error> {
-    rmap::peek(path).map(|header| header.n).map_err(Error::input)
+    rmap::peek(path).map(|header| header.n).map_err(|error| match error {
+        rmap::Error::Bad { fault: Fault::Magic(trace::MAGIC), .. } => {
+            Error::Input(format!("{}: is a trace, not a volume; use `paros play`", path.display()))
+        }
+        error => Error::input(error),
+    })
 }
 
 /// Reads a volume that holds something.
@@ -28,6 +35,13 @@ where
 /// The error for a size that is none of a sculpture's.
 pub(super) fn unusable_size(path: &Path, n: usize) -> Error {
     Error::Input(format!("{}: expected a volume of size 128 or 256, found {n}", path.display()))
+}
+
+/// The print of what a file holds, unless that is nothing.
+pub(super) fn printed(print: Option<Print>, of: &Path) -> Result<Print, Error> {
+    print
+        .filter(|print| print.triangles > 0)
+        .ok_or_else(|| Error::Input(format!("{}: nothing is left to print", of.display())))
 }
 
 /// Refuses to write over the file that is read.

@@ -199,9 +199,7 @@ where
     for height in raster.heights() {
         for aside in steps(-raster.wide, raster.wide, raster.spacing) {
             let start = foot + (Vec3::Y * height + side * aside + out * far) * unit;
-            // Beyond the mirror the other half is being worked.
-            let half = out.z.abs() > 0.9 && start.x < 62.0 * unit;
-            if !half {
+            if !is_mirrored(start, out, unit) {
                 plunge(s, start, -out, far * unit, raster.least * unit);
             }
         }
@@ -290,14 +288,16 @@ where
     s.face(degrees);
     for aside in steps(-40.0, 40.0, spacing) {
         let start = axis + (side * aside + out * 98.0) * unit;
-        let half = out.z.abs() > 0.9 && start.x < 62.0 * unit;
+        if is_mirrored(start, out, unit) {
+            continue;
+        }
         let press = |y: f32| {
             let (stone, mask) = s.probe(start.with_y(y * unit), -out);
             Some((y * unit, mask.unwrap_or(stone?) + 2.0 * unit))
         };
         let strip: Vec<(f32, f32)> =
             Raster { spacing: 2.0, ..Raster::WHOLE }.heights().filter_map(press).collect();
-        let Some(&(top, depth)) = strip.first().filter(|_| !half) else { continue };
+        let Some(&(top, depth)) = strip.first() else { continue };
         s.approach(RIGHT, start.with_y(top), -out);
         s.approach(RIGHT, start.with_y(top) - out * (depth - 14.0 * unit), -out);
         let points = strip.iter().map(|(y, depth)| start.with_y(*y) - out * *depth);
@@ -306,6 +306,12 @@ where
         s.lift(RIGHT);
     }
     s.rest(RIGHT);
+}
+
+/// Whether a place before the front or the back is beyond the mirror, where the other half is worked
+/// along with this one. The sides are one half each.
+fn is_mirrored(start: Vec3, out: Vec3, unit: f32) -> bool {
+    out.z.abs() > 0.9 && start.x < 62.0 * unit
 }
 
 /// Beads of paste round the neck, the stool turning on from each to the next.

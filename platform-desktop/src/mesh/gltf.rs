@@ -21,6 +21,7 @@ pub(super) fn parse(bytes: &[u8], folder: &Path) -> Result<Mesh, String> {
     let Gltf { document, blob } =
         Gltf::from_slice_without_validation(bytes).map_err(|error| error.to_string())?;
     let json = document.into_json();
+    check_version(&json.asset)?;
     check_positions(&json)?;
     let gltf = Document::from_json(json).map_err(|error| error.to_string())?;
     let buffers = buffers(&gltf, blob.as_deref(), folder)?;
@@ -51,6 +52,18 @@ fn check_length(bytes: &[u8]) -> Result<(), String> {
         ));
     }
     Ok(())
+}
+
+/// Minor versions add only what a reader may leave out, unless a file asks for a least one.
+fn check_version(asset: &gltf::json::Asset) -> Result<(), String> {
+    let version = &asset.version;
+    if version.split('.').next() != Some("2") {
+        return Err(format!("`asset.version` is {version:?}; expected \"2.0\""));
+    }
+    match asset.min_version.as_deref() {
+        None | Some("2.0") => Ok(()),
+        Some(least) => Err(format!("`asset.minVersion` is {least:?}; expected at most \"2.0\"")),
+    }
 }
 
 /// The crate's validation looks into the accessors of positions before it has checked their index.

@@ -3,9 +3,12 @@
 use super::Mesh;
 use std::io::{self, BufRead, Read};
 
+/// Some programs start a text with it; it would make the first line an unknown one.
+const BYTE_ORDER_MARK: &[u8] = "\u{feff}".as_bytes();
+
 pub(super) fn parse(bytes: &[u8]) -> Result<Mesh, String> {
     // Comments and names may be in any encoding; what counts is ASCII.
-    let text = String::from_utf8_lossy(bytes);
+    let text = String::from_utf8_lossy(bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes));
     if let Some(line) = text.lines().position(|line| {
         let mut words = line.split_whitespace();
         words.next() == Some("f") && words.count() < 3

@@ -83,6 +83,7 @@ where
     }
 
     /// One tick.
+    #[expect(clippy::disallowed_methods, reason = "the one place of the tests")]
     pub fn step(&mut self, input: &Input) {
         let figures = [&self.figure];
         let starts = Starts {
