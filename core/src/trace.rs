@@ -21,7 +21,7 @@ pub const RECORD_BYTES: usize = Input::BYTES + 8;
 pub const TRACE_VERSION: u16 = 1;
 
 /// Changes with every change of what a tick computes.
-pub const CORE_VERSION: u16 = 1;
+pub const CORE_VERSION: u16 = 2;
 
 const MAGIC: [u8; 4] = *b"PTRC";
 
@@ -73,7 +73,7 @@ impl Header {
         if from.u16()? != TRACE_VERSION {
             return Err(bad);
         }
-        let bad = from.bad("core version 1");
+        let bad = from.bad("core version 2");
         if from.u16()? != CORE_VERSION {
             return Err(bad);
         }

@@ -51,6 +51,18 @@ where
             false => self.undo.record(axis, at, old),
         }
     }
+
+    fn columns(
+        &mut self,
+        axis: Axis,
+        line: usize,
+        columns: <Grid<N> as Size>::Row,
+        old: &[Column; N],
+    ) {
+        assert!(self.late, "edits tell of single columns");
+        self.undo.amend_line(axis, line, columns, old);
+    }
+
     fn added(&mut self, _: (usize, usize), _: <Grid<N> as Size>::Row) {}
 }
 

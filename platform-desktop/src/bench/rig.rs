@@ -7,6 +7,7 @@ use paros_core::edit::EditScratch;
 use paros_core::islands::Islands;
 use paros_core::maps::{Axis, Column, Maps};
 use paros_core::plane::Plane;
+use paros_core::row::Bits;
 use paros_core::size::{Grid, Size};
 use paros_core::undo::Undo;
 use paros_core::volume::{Journal, Volume};
@@ -123,6 +124,19 @@ where
     fn column(&mut self, axis: Axis, at: (usize, usize), old: Column) {
         self.undo.amend(axis, at, old);
         self.dirty.note(axis, at);
+    }
+
+    fn columns(
+        &mut self,
+        axis: Axis,
+        line: usize,
+        columns: <Grid<N> as Size>::Row,
+        old: &[Column; N],
+    ) {
+        self.undo.amend_line(axis, line, columns, old);
+        if let (Some(lo), Some(hi)) = (columns.first(), columns.last()) {
+            self.dirty.note_stretch(axis, line, lo, hi);
+        }
     }
 
     fn added(&mut self, _: (usize, usize), _: <Grid<N> as Size>::Row) {}
