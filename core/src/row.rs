@@ -240,6 +240,10 @@ impl<const W: usize> Bits for Row<W> {
     #[inline]
     fn runs_with(self, seeds: Self) -> Self {
         let seeds = seeds & self;
+        // Nothing but seeds.
+        if self == seeds {
+            return self;
+        }
         let mut found = self & (!add(self, seeds) | seeds);
         let mut open = found & (self & !found).up();
         for i in 0..W {
