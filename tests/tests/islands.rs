@@ -237,3 +237,16 @@ proptest! {
         check_at_rest(&AT_REST_16, &(volume.clone(), volume), 50)?;
     }
 }
+
+/// A block that floats in a well: columns along x and z hold all of it, too much to ask for voxel
+/// by voxel, but none along y.
+#[test]
+fn a_block_in_a_well() {
+    let wall = |i: i32| i == 0 || i == 15;
+    let inside = |i: i32| (2..14).contains(&i);
+    let well = Dense::from_fn(16, |[x, y, z]| {
+        wall(x) || wall(z) || (inside(x) && inside(z) && (2..15).contains(&y))
+    });
+    assert!(well == well.closure() && cleared(&well, &Dense::new(16)).removed == 12 * 13 * 12);
+    check_at_rest(&AT_REST_16, &(well, Dense::new(16)), 50).unwrap();
+}
