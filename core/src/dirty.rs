@@ -80,6 +80,14 @@ impl Dirty {
         }
     }
 
+    /// Columns `lo..=hi` of a line hold some that changed, the first and the last among them.
+    #[inline]
+    pub fn note_stretch(&mut self, axis: Axis, line: usize, lo: usize, hi: usize) {
+        let rect = Rect::at((line, lo)).union(Rect::at((line, hi)));
+        let open = &mut self.open[axis as usize];
+        *open = Some(open.map_or(rect, |open| open.union(rect)));
+    }
+
     /// The edit is over: its bounds become rectangles of their own.
     pub fn close(&mut self) {
         for (open, rects) in self.open.iter_mut().zip(&mut self.rects) {

@@ -96,6 +96,20 @@ impl Range {
         self.hi as usize
     }
 
+    /// The same with another first voxel, which isn't behind the last.
+    #[must_use]
+    #[inline]
+    pub(crate) const fn with_lo(self, lo: usize) -> Self {
+        Range { not_lo: !(lo as u8), hi: self.hi }
+    }
+
+    /// The same with another last voxel, which isn't before the first.
+    #[must_use]
+    #[inline]
+    pub(crate) const fn with_hi(self, hi: usize) -> Self {
+        Range { not_lo: self.not_lo, hi: hi as u8 }
+    }
+
     /// Whether no voxel is inside.
     #[must_use]
     #[inline]
@@ -230,6 +244,12 @@ impl<const N: usize, const LAYERS: usize> Maps<N, LAYERS> {
         &self.columns[axis as usize][line]
     }
 
+    /// One line of N columns of a map, to be changed; the caller keeps the maps tight.
+    #[inline]
+    pub(crate) fn line_mut(&mut self, axis: Axis, line: usize) -> &mut [Column<LAYERS>; N] {
+        &mut self.columns[axis as usize][line]
+    }
+
     /// Whether a voxel is occupied: all three of its columns hold it.
     #[must_use]
     #[inline]
@@ -244,8 +264,9 @@ impl<const N: usize, const LAYERS: usize> Maps<N, LAYERS> {
     pub fn is_empty(&self) -> bool {
         // A line at a time: without a way out after every column the compiler reads many at once.
         let empty = |line: &[Column<LAYERS>; N]| {
-            let bits =
-                |column: &Column<LAYERS>| column.0.iter().fold(0, |all, r| all | r.not_lo | r.hi);
+            let bits = |column: &Column<LAYERS>| {
+                column.0.iter().fold(0, |all, r| all | u16::from_le_bytes(r.to_bytes()))
+            };
             line.iter().fold(0, |all, column| all | bits(column)) == 0
         };
         self.columns[0].iter().all(empty)
@@ -272,4 +293,77 @@ where
         }
         row
     }
+}
+
+impl<const N: usize> Maps<N>
+where
+    Grid<N>: Size,
+{
+    /// Which columns of a line hold something.
+    #[must_use]
+    #[inline]
+    pub fn occupied(&self, axis: Axis, line: usize) -> <Grid<N> as Size>::Row {
+        let mut row = <Grid<N> as Size>::Row::EMPTY;
+        for (i, columns) in self.line(axis, line).chunks(64).enumerate() {
+            let mut word = 0;
+            for (k, four) in columns.as_chunks::<4>().0.iter().enumerate() {
+                // No sum carries out of its 16 bits.
+                let columns = bytes_of_four(four);
+                let any = ((columns & !TOP) + !TOP) | columns;
+                word |= gather(any) << (4 * k);
+            }
+            row.set_word(i, word);
+        }
+        row
+    }
+
+    /// Which of `columns` of a line begin below `first`, and which end above `last`.
+    #[must_use]
+    #[inline]
+    pub fn beyond(
+        &self,
+        axis: Axis,
+        line: usize,
+        columns: <Grid<N> as Size>::Row,
+        first: usize,
+        last: usize,
+    ) -> (<Grid<N> as Size>::Row, <Grid<N> as Size>::Row) {
+        // What makes the top bit of 16 tell that a byte in them is at least that.
+        let at_least = |least: usize| EACH * (0x8000 - least as u64);
+        let (from, to) = (at_least(256 - first), at_least(last + 1));
+        let (mut below, mut above) = (columns, columns);
+        for (i, line) in self.line(axis, line).chunks(64).enumerate() {
+            let (mut lo, mut hi) = (0, 0);
+            for (k, four) in line.as_chunks::<4>().0.iter().enumerate() {
+                if columns.word(i) >> (4 * k) & 15 == 0 {
+                    continue;
+                }
+                let bytes = bytes_of_four(four);
+                lo |= gather((bytes & (0xff * EACH)) + from) << (4 * k);
+                hi |= gather((bytes >> 8 & (0xff * EACH)) + to) << (4 * k);
+            }
+            below.set_word(i, columns.word(i) & lo);
+            above.set_word(i, columns.word(i) & hi);
+        }
+        (below, above)
+    }
+}
+
+/// One in each 16 bits, and the top bit of each.
+const EACH: u64 = 0x0001_0001_0001_0001;
+const TOP: u64 = 0x8000 * EACH;
+
+/// The complements of the low ends in the low bytes of each 16 bits, the high ends in the others.
+#[inline]
+fn bytes_of_four(columns: &[Column; 4]) -> u64 {
+    let [a, b, c, d] = columns.map(|column| u64::from(u16::from_le_bytes(column.0[0].to_bytes())));
+    a | b << 16 | c << 32 | d << 48
+}
+
+/// The top bit of each 16, side by side.
+#[inline]
+fn gather(bits: u64) -> u64 {
+    // Bit i x 16 times 2 to the 48 - i x 15 is bit 48 + i; no other product comes that high
+    // without falling off the end.
+    ((bits & TOP) >> 15).wrapping_mul(1 << 48 | 1 << 33 | 1 << 18 | 1 << 3) >> 48 & 15
 }

@@ -3,6 +3,8 @@
 use core::fmt::Debug;
 use core::ops::{BitAnd, BitAndAssign, BitOr, BitOrAssign, BitXor, BitXorAssign, Not};
 
+use crate::maps::Range;
+
 /// A row of `64 * WORDS` bits, lowest first.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Row<const WORDS: usize>(pub [u64; WORDS]);
@@ -39,10 +41,12 @@ pub trait Bits:
     fn set_word(&mut self, i: usize, word: u64);
     /// Whether bit `i` is set.
     #[must_use]
+    #[inline]
     fn contains(&self, i: usize) -> bool {
         self.word(i / 64) >> (i % 64) & 1 != 0
     }
     /// Sets bit `i`.
+    #[inline]
     fn insert(&mut self, i: usize) {
         self.set_word(i / 64, self.word(i / 64) | 1 << (i % 64));
     }
@@ -52,6 +56,7 @@ pub trait Bits:
         self.set_word(i / 64, self.word(i / 64) | u64::from(set) << (i % 64));
     }
     /// Flips bit `i`.
+    #[inline]
     fn toggle(&mut self, i: usize) {
         self.set_word(i / 64, self.word(i / 64) ^ 1 << (i % 64));
     }
@@ -83,6 +88,10 @@ pub trait Bits:
     fn ones(self) -> Ones<Self> {
         Ones { row: self, word: 0, bits: self.word(0) }
     }
+    /// The maximal runs of set bits, lowest first, but cut where a word of 64 ends.
+    fn runs(self) -> Runs<Self> {
+        Runs { row: self, word: 0, bits: self.word(0) }
+    }
 }
 
 /// Iterator over the set bits of a row.
@@ -109,6 +118,35 @@ impl<R: Bits> Iterator for Ones<R> {
         let bit = self.bits.trailing_zeros() as usize;
         self.bits &= self.bits - 1;
         Some(self.word * 64 + bit)
+    }
+}
+
+/// Iterator over the runs of a row, as ranges that are not empty.
+#[derive(Debug, Clone)]
+pub struct Runs<R> {
+    row: R,
+    word: usize,
+    /// What is left of that word.
+    bits: u64,
+}
+
+impl<R: Bits> Iterator for Runs<R> {
+    type Item = Range;
+
+    #[inline]
+    fn next(&mut self) -> Option<Range> {
+        while self.bits == 0 {
+            if self.word + 1 == R::WORDS {
+                return None;
+            }
+            self.word += 1;
+            self.bits = self.row.word(self.word);
+        }
+        let lo = self.bits.trailing_zeros();
+        let len = (!(self.bits >> lo)).trailing_zeros();
+        self.bits &= u64::MAX.checked_shl(lo + len).unwrap_or(0);
+        let base = self.word * 64;
+        Some(Range::new(base + lo as usize, base + (lo + len) as usize - 1))
     }
 }
 
@@ -202,6 +240,10 @@ impl<const W: usize> Bits for Row<W> {
     #[inline]
     fn runs_with(self, seeds: Self) -> Self {
         let seeds = seeds & self;
+        // Nothing but seeds.
+        if self == seeds {
+            return self;
+        }
         let mut found = self & (!add(self, seeds) | seeds);
         let mut open = found & (self & !found).up();
         for i in 0..W {

@@ -13,7 +13,7 @@ use crate::world::World;
 const MAGIC: [u8; 4] = *b"PWLD";
 
 /// Changes with every change of what is saved.
-const VERSION: u16 = 1;
+const VERSION: u16 = 2;
 
 impl<const N: usize> World<N>
 where
@@ -136,7 +136,7 @@ fn check_header(from: &mut Reader<'_>, n: usize, bytes: &[u8]) -> Result<(), Bad
     if from.bytes(4)? != MAGIC {
         return Err(bad);
     }
-    let bad = from.bad("version 1");
+    let bad = from.bad("version 2");
     if from.u16()? != VERSION {
         return Err(bad);
     }

@@ -10,6 +10,7 @@ use crate::islands::Islands;
 use crate::limits::row_visits;
 use crate::maps::{Axis, Column};
 use crate::pose::Pose;
+use crate::row::Bits;
 use crate::size::{Grid, Size};
 use crate::state::State;
 use crate::tools::{Action, Bit};
@@ -256,6 +257,19 @@ where
     fn column(&mut self, axis: Axis, at: (usize, usize), old: Column) {
         self.undo.amend(axis, at, old);
         self.dirty.note(axis, at);
+    }
+
+    fn columns(
+        &mut self,
+        axis: Axis,
+        line: usize,
+        columns: <Grid<N> as Size>::Row,
+        old: &[Column; N],
+    ) {
+        self.undo.amend_line(axis, line, columns, old);
+        if let (Some(lo), Some(hi)) = (columns.first(), columns.last()) {
+            self.dirty.note_stretch(axis, line, lo, hi);
+        }
     }
 
     fn added(&mut self, _: (usize, usize), _: <Grid<N> as Size>::Row) {}

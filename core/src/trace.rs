@@ -21,7 +21,7 @@ pub const RECORD_BYTES: usize = Input::BYTES + 8;
 pub const TRACE_VERSION: u16 = 1;
 
 /// Changes with every change of what a tick computes.
-pub const CORE_VERSION: u16 = 1;
+pub const CORE_VERSION: u16 = 2;
 
 /// The first bytes of a trace.
 pub const MAGIC: [u8; 4] = *b"PTRC";
@@ -30,7 +30,7 @@ pub const MAGIC: [u8; 4] = *b"PTRC";
 pub const EXPECTED_TRACE: &str = "trace version 1";
 
 /// What a header of another [`CORE_VERSION`] is told to be.
-pub const EXPECTED_CORE: &str = "core version 1";
+pub const EXPECTED_CORE: &str = "core version 2";
 
 /// What a trace was recorded on.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

@@ -10,8 +10,18 @@ pub trait Journal<const N: usize>
 where
     Grid<N>: Size,
 {
-    /// A column of a map is about to be replaced; `old` is what it held.
+    /// A column of a map is about to be replaced; `old` is what it holds.
     fn column(&mut self, axis: Axis, at: (usize, usize), old: Column);
+    /// The same for `columns` of a line of a map; `old` is what the whole line holds.
+    fn columns(
+        &mut self,
+        axis: Axis,
+        line: usize,
+        columns: <Grid<N> as Size>::Row,
+        old: &[Column; N],
+    ) {
+        columns.ones().for_each(|place| self.column(axis, (line, place), old[place]));
+    }
     /// Voxels of row (y, z) are about to be occupied that were not when the edit began.
     fn added(&mut self, row: (usize, usize), voxels: <Grid<N> as Size>::Row);
 }
@@ -111,6 +121,34 @@ where
         }
     }
 
+    /// Replaces `columns` of a line, which all change, by those of `new`, and journals them.
+    #[inline]
+    pub(crate) fn set_columns(
+        &mut self,
+        axis: Axis,
+        line: usize,
+        columns: <Grid<N> as Size>::Row,
+        new: &[Column; N],
+        journal: &mut impl Journal<N>,
+    ) {
+        if columns.is_empty() {
+            return;
+        }
+        let old = self.maps.line_mut(axis, line);
+        journal.columns(axis, line, columns, old);
+        let mut sum = 0u64;
+        for run in columns.runs() {
+            let run = run.lo()..=run.hi();
+            let (old, new) = (&mut old[run.clone()], &new[run.clone()]);
+            for ((old, new), key) in old.iter_mut().zip(new).zip(&KEYS[run]) {
+                let change = column_number(*new).wrapping_sub(column_number(*old));
+                sum = sum.wrapping_add(key.wrapping_mul(change));
+                *old = *new;
+            }
+        }
+        self.digest = self.digest.wrapping_add(sum.wrapping_mul(line_key(axis, line)));
+    }
+
     /// Replaces one column without a word; the old one comes back.
     #[inline]
     pub(crate) fn swap_column(&mut self, axis: Axis, at: (usize, usize), column: Column) -> Column {
@@ -152,17 +190,42 @@ where
     }
 }
 
-/// The digest of a column at its place: its bytes as a number, times the place's key. 0 for an
-/// empty one, so that all zero bytes digest to 0, and a change costs one key.
+/// The digest of a column at its place: its bytes as a number, times the keys of place and line. 0
+/// for an empty one, so that all zero bytes digest to 0. Linear, so that the line's key is taken
+/// once for all changes in a line.
 #[must_use]
 #[inline]
 pub fn column_digest(axis: Axis, (line, place): (usize, usize), column: Column) -> u64 {
-    let at = u64::from_le_bytes([place as u8, line as u8, axis as u8, 1, 0, 0, 0, 0]);
-    let key = mix(at) | 1;
-    column.0.iter().fold(0u64, |sum, range| {
-        let bytes = u64::from(u16::from_le_bytes(range.to_bytes()));
-        sum.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(key.wrapping_mul(bytes))
-    })
+    column_key(axis, (line, place)).wrapping_mul(column_number(column))
+}
+
+/// What [`column_digest`] multiplies a column's bytes with.
+#[inline]
+pub(crate) fn column_key(axis: Axis, (line, place): (usize, usize)) -> u64 {
+    KEYS[place].wrapping_mul(line_key(axis, line))
+}
+
+/// The part of a column's key that its line gives.
+#[inline]
+pub(crate) fn line_key(axis: Axis, line: usize) -> u64 {
+    mix(u64::from_le_bytes([0, line as u8, axis as u8, 1, 0, 0, 0, 0])) | 1
+}
+
+/// Odd numbers that look random.
+pub(crate) const KEYS: [u64; 257] = {
+    let mut keys = [0; 257];
+    let mut i = 0;
+    while i < keys.len() {
+        keys[i] = mix(i as u64 + 1) | 1;
+        i += 1;
+    }
+    keys
+};
+
+/// A column's bytes as a number.
+#[inline]
+pub(crate) fn column_number(column: Column) -> u64 {
+    u16::from_le_bytes(column.0[0].to_bytes()).into()
 }
 
 /// The sum of [`column_digest`] over all columns of the maps, from scratch.

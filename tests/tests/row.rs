@@ -69,6 +69,8 @@ where
     assert_eq!(ra.count() as usize, ones.len());
     assert_eq!(ra.is_empty(), ones.is_empty());
     assert_eq!((ra.first(), ra.last()), (ones.first().copied(), ones.last().copied()));
+    let runs: Vec<_> = ra.runs().map(|run| (run.lo(), run.hi())).collect();
+    assert_eq!(runs, runs_in_words(a));
     let mut toggled = ra;
     toggled.toggle(lo);
     assert_eq!(bits_of(ra ^ toggled, N), (0..N).map(|i| i == lo).collect::<Vec<_>>());
@@ -95,6 +97,75 @@ fn runs_with(a: &[bool], seeds: &[bool]) -> Vec<bool> {
         i = end + 1;
     }
     found
+}
+
+/// First and last place of each run, none longer than a word of 64.
+fn runs_in_words(a: &[bool]) -> Vec<(usize, usize)> {
+    let mut runs: Vec<(usize, usize)> = vec![];
+    for i in (0..a.len()).filter(|&i| a[i]) {
+        match runs.last_mut() {
+            Some((_, hi)) if *hi + 1 == i && i % 64 != 0 => *hi = i,
+            _ => runs.push((i, i)),
+        }
+    }
+    runs
+}
+
+/// A line of columns, of which `columns` hold something.
+fn line_of<const N: usize>(columns: &[bool], ends: &[(usize, usize)]) -> Maps<N> {
+    let mut maps = Maps::new();
+    for place in (0..N).filter(|&place| columns[place]) {
+        let (a, b) = ends[place];
+        let column = Column([Range::new(a.min(b), a.max(b))]);
+        maps.set_column(Axis::Z, (1, place), column);
+    }
+    maps
+}
+
+fn lines_are_column_by_column<const N: usize>(
+    maps: &Maps<N>,
+    columns: &[bool],
+    (first, last): (usize, usize),
+) where
+    Grid<N>: Size,
+{
+    let each = |f: &dyn Fn(Range) -> bool| {
+        let line = maps.line(Axis::Z, 1).iter();
+        line.map(|column| f(column.hull())).collect::<Vec<_>>()
+    };
+    assert_eq!(bits_of(maps.occupied(Axis::Z, 1), N), each(&|range| !range.is_empty()));
+    let (below, above) = maps.beyond(Axis::Z, 1, row_of::<N>(columns), first, last);
+    let among = |row: RowOf<N>, f: &dyn Fn(Range) -> bool| {
+        let expected = each(f).into_iter().zip(columns).map(|(is, among)| is && *among);
+        assert_eq!(bits_of(row, N), expected.collect::<Vec<_>>());
+    };
+    among(below, &|range| range.lo() < first);
+    among(above, &|range| range.hi() > last);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(1000))]
+    #[test]
+    fn lines_of_16_are_column_by_column(
+        held in bits(16),
+        columns in bits(16),
+        ends in proptest::collection::vec((0..16usize, 0..16usize), 16),
+        first in 0..16usize,
+        last in 0..16usize,
+    ) {
+        lines_are_column_by_column::<16>(&line_of(&held, &ends), &columns, (first, last));
+    }
+
+    #[test]
+    fn lines_of_256_are_column_by_column(
+        held in bits(256),
+        columns in bits(256),
+        ends in proptest::collection::vec((0..256usize, 0..256usize), 256),
+        first in 0..256usize,
+        last in 0..256usize,
+    ) {
+        lines_are_column_by_column::<256>(&line_of(&held, &ends), &columns, (first, last));
+    }
 }
 
 macro_rules! rows {

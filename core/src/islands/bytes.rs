@@ -4,7 +4,7 @@ use super::{Islands, Phase};
 use crate::codec::{BadBytes, Reader, Writer};
 use crate::row::Bits;
 use crate::size::{Grid, Size};
-use crate::volume::mix;
+use crate::volume::{KEYS, mix};
 
 impl<const N: usize> Islands<N>
 where
@@ -115,17 +115,6 @@ where
         Ok(())
     }
 }
-
-/// Odd numbers that look random.
-const KEYS: [u64; 257] = {
-    let mut keys = [0; 257];
-    let mut i = 0;
-    while i < keys.len() {
-        keys[i] = mix(i as u64 + 1) | 1;
-        i += 1;
-    }
-    keys
-};
 
 /// The sum of a row's words, each times its own key: linear in disjoint voxels.
 #[inline]

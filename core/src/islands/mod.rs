@@ -188,15 +188,7 @@ where
             self.reached_sum = self.reached_sum.wrapping_add(keyed_layer(y, sum));
         }
         for y in 1..N {
-            for (i, columns) in volume.maps().line(Axis::X, y).chunks(64).enumerate() {
-                let mut occupied = 0;
-                for (k, eight) in columns.as_chunks::<8>().0.iter().enumerate() {
-                    for (j, column) in eight.iter().enumerate() {
-                        occupied |= u64::from(!column.0[0].is_empty()) << (8 * k + j);
-                    }
-                }
-                self.queued[y].set_word(i, occupied);
-            }
+            self.queued[y] = volume.maps().occupied(Axis::X, y);
             self.layers.insert_if(!self.queued[y].is_empty(), y);
         }
         self.open.fill(<Grid<N> as Size>::Row::EMPTY);

@@ -19,8 +19,8 @@ use crate::limits::{UNDO_ENTRIES, UNDO_PLANES};
 use crate::maps::{Axis, Column};
 use crate::row::Bits;
 use crate::size::{Grid, Size};
-use crate::volume::Volume;
-use packed::{Cell, Columns, bytes_of, column_of, flag_cells, term};
+use crate::volume::{KEYS, Volume, line_key};
+use packed::{Cell, Columns, bytes_of, column_of, entry_number, flag_cells, term};
 
 /// The strokes that can be undone and redone in a volume of N^3 voxels.
 #[derive(Debug)]
@@ -107,15 +107,41 @@ where
     /// the newest entry, even when the next stroke has begun but changed nothing.
     #[inline]
     pub fn amend(&mut self, axis: Axis, at @ (line, place): (usize, usize), old: Column) {
-        if usize::from(self.applied) != self.len() || !self.has_head {
-            self.open();
-        }
+        self.ready();
         let changed = &mut self.head.changed[axis as usize][line];
         if !changed.contains(place) {
             changed.insert(place);
             self.head.others[axis as usize][line][place] = old;
             self.head.sum = self.head.sum.wrapping_add(term(axis, at, old));
         }
+    }
+
+    /// The same for `columns` of a line, of which `old` is what all hold.
+    #[inline]
+    pub fn amend_line(
+        &mut self,
+        axis: Axis,
+        line: usize,
+        columns: <Grid<N> as Size>::Row,
+        old: &[Column; N],
+    ) {
+        if columns.is_empty() {
+            return;
+        }
+        self.ready();
+        let changed = &mut self.head.changed[axis as usize][line];
+        let others = &mut self.head.others[axis as usize][line];
+        let new = columns & !*changed;
+        *changed |= new;
+        let mut sum = 0u64;
+        for run in new.runs() {
+            let run = run.lo()..=run.hi();
+            others[run.clone()].copy_from_slice(&old[run.clone()]);
+            for (old, key) in old[run.clone()].iter().zip(&KEYS[run]) {
+                sum = sum.wrapping_add(key.wrapping_mul(entry_number(*old)));
+            }
+        }
+        self.head.sum = self.head.sum.wrapping_add(sum.wrapping_mul(line_key(axis, line)));
     }
 
     /// Entries that can be undone, and redone.
@@ -143,6 +169,14 @@ where
         self.swap(self.applied.into(), volume, dirty);
         self.applied += 1;
         true
+    }
+
+    /// The head is an entry that stands.
+    #[inline]
+    fn ready(&mut self) {
+        if usize::from(self.applied) != self.len() || !self.has_head {
+            self.open();
+        }
     }
 
     fn len(&self) -> usize {

@@ -3,7 +3,7 @@
 use crate::maps::{Axis, Column, Range};
 use crate::row::Bits;
 use crate::size::{Grid, Size};
-use crate::volume::mix;
+use crate::volume::{column_key, column_number};
 
 /// Two bytes: a range, or a part of the bitmap.
 pub(super) type Cell = [u8; 2];
@@ -92,9 +92,14 @@ where
 /// What a column adds to the digest of an entry: unlike [`crate::volume::column_digest`] not
 /// nothing when it is empty, as it counts that the entry holds it.
 #[inline]
-pub(super) fn term(axis: Axis, (line, place): (usize, usize), column: Column) -> u64 {
-    let [a, b] = bytes_of(column);
-    mix(u64::from_le_bytes([a, b, place as u8, line as u8, axis as u8, 1, 0, 0]))
+pub(super) fn term(axis: Axis, at: (usize, usize), column: Column) -> u64 {
+    column_key(axis, at).wrapping_mul(entry_number(column))
+}
+
+/// A column's bytes as a number that is never 0.
+#[inline]
+pub(super) fn entry_number(column: Column) -> u64 {
+    column_number(column) | 1 << 16
 }
 
 #[inline]
