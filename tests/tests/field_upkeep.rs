@@ -44,6 +44,7 @@ impl Copies {
             Texture::Maps => 0,
             Texture::Density(level) => 1 + usize::from(level),
             Texture::Cells => 1 + LEVELS,
+            Texture::Noise | Texture::Marble => panic!("{region:?} is no function of the maps"),
         }];
         let [x, y, z] = region.min.map(|i| i as usize);
         let [width, height, _] = region.size.map(|i| i as usize);
