@@ -28,6 +28,8 @@ fn start(
     let size = abs(direction);
     let speed = 1.0 / (max(size.x, max(size.y, size.z)) + spread);
     var t = max(span.x, begin);
+    // Where it stops doesn't matter to the picture: a beam that crawls along a surface may.
+    var turns = 40u;
     while t < span.y {
         let p = o + direction * t;
         let inside = clamp(p, vec3<f32>(0.5), vec3<f32>(side - 0.5));
@@ -39,7 +41,8 @@ fn start(
             radius = max(radius, select((0.5 - full) / 0.6, 1.9, full == 0.0));
         }
         let step = (radius - spread * t) * speed;
-        if step < 0.25 {
+        turns -= 1u;
+        if step < 0.4 || turns == 0u {
             return t;
         }
         t += step;

@@ -110,15 +110,22 @@ fn lit(p: vec3<f32>, normal: color) -> color {
     let n = frame.sun_grid.w;
     // Lengths are meant for 128 voxels.
     let voxel = n / (128.0 * frame.sun_room.w);
-    // What comes through the stone where it is thin is warm.
-    let facing = max(dot(normal, color(frame.sun_grid.xyz)), part(0.0));
-    let direct = color(frame.sun_color.xyz) * (color(facing) + color(0.10, 0.06, 0.04));
+    let facing = dot(normal, color(frame.sun_grid.xyz));
+    var direct = color(frame.sun_color.xyz);
+    if facing > part(0.0) {
+        direct *= facing * visibility(p, voxel);
+    } else {
+        // What comes through the stone where it is thin is warm.
+        let through = p + (frame.sun_grid.xyz * 3.0 - vec3<f32>(normal)) * voxel;
+        let thin = part(1.0) - part(dense(through, 1.0));
+        direct *= color(0.14, 0.08, 0.05) * (thin * -facing);
+    }
     let in_room = (frame.room_from_grid * vec4<f32>(vec3<f32>(normal), 0.0)).xyz;
     let around = ambient(color(normalize(in_room))) * open(p, normal, voxel);
     let grid = (p - 0.5) * (frame.sun_room.w / n) + 0.5;
     let grey = part(textureSampleLevel(marble_texture, clamped, grid, 0.0).x);
     let stone = mix(color(marble::WHITE), color(marble::GREY), grey);
-    let radiance = stone * (direct * visibility(p, voxel) + around);
+    let radiance = stone * (direct + around);
     return radiance * (radiance * part(0.25) + part(1.0)) / (radiance + part(1.0));
 }
 
@@ -132,23 +139,20 @@ fn fall(p: vec3<f32>) -> color {
     return color(b + c - a - f, a + b - c - f, a + c - b - f);
 }
 
-// Five samples towards the sun, blurred as they are far.
+// Four samples towards the sun, blurred as they are far.
 fn visibility(p: vec3<f32>, voxel: f32) -> part {
     let towards = frame.sun_grid.xyz * voxel;
-    let a = part(1.0) - part(0.85) * part(dense(p + towards * 2.2, 0.0));
-    let b = part(1.0) - part(0.85) * part(dense(p + towards * 4.5, 1.0));
-    let c = part(1.0) - part(0.85) * part(dense(p + towards * 8.5, 2.0));
-    let f = part(1.0) - part(0.85) * part(dense(p + towards * 15.0, 2.0));
-    let g = part(1.0) - part(0.85) * part(dense(p + towards * 26.0, 3.0));
-    return a * b * c * f * g;
+    let a = part(1.0) - part(0.9) * part(dense(p + towards * 2.3, 0.0));
+    let b = part(1.0) - part(0.9) * part(dense(p + towards * 5.0, 1.0));
+    let c = part(1.0) - part(0.9) * part(dense(p + towards * 11.0, 2.0));
+    let f = part(1.0) - part(0.9) * part(dense(p + towards * 24.0, 3.0));
+    return a * b * c * f;
 }
 
-// How open the point is to the ambient light: what is empty above it, near and far.
+// How open the point is to the ambient light: what is empty above it.
 fn open(p: vec3<f32>, normal: color, voxel: f32) -> part {
-    let up = vec3<f32>(normal) * voxel;
-    let near = part(dense(p + up * 3.0, 1.0));
-    let far = part(dense(p + up * 9.0, 3.0));
-    return (part(1.0) - part(0.5) * near) * (part(1.0) - part(0.8) * far);
+    let full = part(dense(p + vec3<f32>(normal) * (5.0 * voxel), 2.0));
+    return part(1.15) - part(1.15) * min(full, part(0.9));
 }
 
 fn ambient(n: color) -> color {

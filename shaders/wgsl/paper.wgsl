@@ -90,15 +90,20 @@ fn march(eye: vec3<f32>, direction: vec3<f32>, span: vec2<f32>) -> Sample {
     let begin = w;
     while w != end {
         let column = place >> BITS;
-        let range = textureLoad(maps, column, axis, 0).xy;
         if FULL_MARCH {
             let voxel = unordered(column, w, axis);
-            let low = held(voxel);
-            if low { return Sample(voxel, t + each * f32(abs(w - begin))); }
-        } else if u32(w) <= range.y && u32(w) + range.x >= 255u {
-            let voxel = unordered(column, w, axis);
-            if others_hold(voxel, axis) {
+            let next = select(axis + 1, 0, axis == 2);
+            let last = select(axis - 1, 2, axis == 0);
+            if along(voxel, axis) && along(voxel, next) && along(voxel, last) {
                 return Sample(voxel, t + each * f32(abs(w - begin)));
+            }
+        } else {
+            let range = textureLoad(maps, column, axis, 0).xy;
+            if u32(w) <= range.y && u32(w) + range.x >= 255u {
+                let voxel = unordered(column, w, axis);
+                if others_hold(voxel, axis) {
+                    return Sample(voxel, t + each * f32(abs(w - begin)));
+                }
             }
         }
         place += slide;

@@ -21,6 +21,8 @@ pub struct Options {
     pub validation: bool,
     /// A part of the name of the device that is meant, in any case; else the best one.
     pub device: Option<String>,
+    /// Whether to do without half precision where it is offered.
+    pub single: bool,
 }
 
 /// What a device offers of what the renderer can use.
@@ -218,7 +220,8 @@ impl Gpu {
         let Some((_, physical, family, name)) = fitting.into_iter().next() else {
             return Err(Error::NoDevice(refused));
         };
-        let needs = offered(&instance.raw, physical, family);
+        let mut needs = offered(&instance.raw, physical, family);
+        needs.half &= !options.single;
         let device = make_device(&instance.raw, physical, family, needs, options)?;
         // SAFETY: the device was made with one queue of this family.
         let queue = unsafe { device.get_device_queue(family, 0) };
