@@ -12,6 +12,7 @@
 //! - [`Texture::Cells`]: a byte for each cell of 4 x 4 x 4 texels: 0 where a texel in the cell or
 //!   next to it is at least [`HALF`], so that the surface of half density may pass through the
 //!   cell; elsewhere the Chebyshev distance in cells to the nearest such cell, at most [`FAR`].
+//!   While changes are pending it may tell less than the distance, never more.
 //!
 //! A texel depends on the voxels at most [`REACH`] from it along each axis.
 //!
@@ -63,6 +64,8 @@ pub struct Field<const N: usize> {
     lines: Lines,
     /// Work done since the last frame.
     noted: usize,
+    /// Frames since cells flipped that are not measured yet.
+    unmeasured: u32,
     blur: Box<Blur>,
     /// A region's bytes on their way out.
     stage: Vec<u8>,
@@ -86,6 +89,7 @@ impl<const N: usize> Field<N> {
             backlog: Backlog::new(Self::SIDE),
             lines: Lines::new(N),
             noted: 0,
+            unmeasured: 0,
             blur: Box::new(Blur::new()),
             stage: Vec::with_capacity(Self::stage_bytes()),
         }

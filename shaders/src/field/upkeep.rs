@@ -38,14 +38,17 @@ impl Budget {
 }
 
 /// Work of a voxel that a box of texels looks at, all levels included.
-const VOXEL_WORK: usize = 18;
+const VOXEL_WORK: usize = 22;
 /// Work of a cell whose distance is measured, and of one whose distance is lowered.
-const CELL_WORK: usize = 18;
+const CELL_WORK: usize = 36;
 const LOWER_WORK: usize = 4;
 /// Work of a column that is compared, and of one that changed.
 const COLUMN_WORK: usize = 1;
 const CHANGE_WORK: usize = 60;
 const WHOLE_WORK: usize = 20;
+
+/// Frames after which cells are measured although texels wait.
+const MEASURE_EVERY: u32 = 8;
 
 /// Columns along a side of the tiles whose changes are taken together.
 const TILE: usize = 8;
@@ -54,11 +57,13 @@ impl<const N: usize> Field<N> {
     /// Takes over what a tick changed: `maps` as they are now, and the columns in which they may
     /// differ from what was noted before. The textures follow when they [`Field::advance`].
     pub fn note(&mut self, maps: &Maps<N>, dirty: &Dirty) {
+        let mut copy = false;
         for axis in Axis::ALL {
             for &Rect { lo, hi } in dirty.rects(axis) {
                 let [lo, hi] = [lo, hi].map(|(line, place)| [usize::from(line), place.into()]);
                 self.noted += COLUMN_WORK * (hi[0] + 1 - lo[0]) * (hi[1] + 1 - lo[1]);
                 let whole = hi[0] - lo[0] == N - 1 && hi[1] - lo[1] == N - 1;
+                copy |= whole;
                 for line in (lo[0]..=hi[0]).step_by(TILE) {
                     for place in (lo[1]..=hi[1]).step_by(TILE) {
                         let end = [(line + TILE - 1).min(hi[0]), (place + TILE - 1).min(hi[1])];
@@ -66,6 +71,9 @@ impl<const N: usize> Field<N> {
                     }
                 }
             }
+        }
+        if copy {
+            self.maps.copy_from(maps);
         }
     }
 
@@ -100,7 +108,7 @@ impl<const N: usize> Field<N> {
                 }
             }
             let differing = Range::new(differing.lo() + first[1], differing.hi() + first[1]);
-            for place in differing.lo()..=differing.hi() {
+            for place in (differing.lo()..=differing.hi()).filter(|_| !whole) {
                 self.maps.set_column(axis, (line, place), maps.column(axis, (line, place)));
             }
             self.lines.add(axis, line, differing);
@@ -133,6 +141,13 @@ impl<const N: usize> Field<N> {
         }
         let cells = self.cells_side().pow(3);
         left = left.less(LOWER_WORK * cells, cells);
+        // While a stroke goes on, a frame in so many has to do.
+        self.unmeasured = if self.cells.unmeasured() > 0 { self.unmeasured + 1 } else { 0 };
+        if self.unmeasured >= MEASURE_EVERY {
+            left = left.less(CELL_WORK * self.cells.unmeasured(), 0);
+            self.cells.measure();
+            (first, self.unmeasured) = (false, 0);
+        }
         while let Some(extent) = self.backlog.take() {
             let (work, bytes) = cost(&extent);
             if (work > left.work || bytes > left.bytes) && !first {
