@@ -48,7 +48,7 @@ const CHANGE_WORK: usize = 60;
 const WHOLE_WORK: usize = 20;
 
 /// Frames after which cells are measured although texels wait.
-const MEASURE_EVERY: u32 = 8;
+const MEASURE_EVERY: u32 = 24;
 
 /// Columns along a side of the tiles whose changes are taken together.
 const TILE: usize = 8;
