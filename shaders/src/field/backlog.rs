@@ -7,7 +7,10 @@ use super::blur::MOST;
 use super::extent::Extent;
 use super::{PAD, REACH};
 
-/// The finest texels to compute again: a box in each of the chunks that can be computed at once.
+/// Texels along the sides of the chunks that each have a box of stale texels.
+pub(super) const CHUNK: [usize; 3] = [56, 16, 16];
+
+/// The finest texels to compute again: a box in each chunk.
 #[derive(Debug)]
 pub(super) struct Backlog {
     side: usize,
@@ -23,7 +26,7 @@ pub(super) struct Backlog {
 impl Backlog {
     /// Nothing stale.
     pub(super) fn new(side: usize) -> Self {
-        let chunks = MOST.map(|most| side.div_ceil(most));
+        let chunks = CHUNK.map(|chunk| side.div_ceil(chunk));
         let stale = vec![Extent::NONE; chunks.iter().product()];
         Backlog { side, chunks, stale, count: 0, next: 0 }
     }
@@ -53,15 +56,16 @@ impl Backlog {
         self.add(&extent);
     }
 
-    fn add(&mut self, extent: &Extent) {
-        let first = [0, 1, 2].map(|axis| extent.lo[axis] / MOST[axis]);
-        let last = [0, 1, 2].map(|axis| (extent.hi[axis] - 1) / MOST[axis]);
+    /// The texels of a box are stale.
+    pub(super) fn add(&mut self, extent: &Extent) {
+        let first = [0, 1, 2].map(|axis| extent.lo[axis] / CHUNK[axis]);
+        let last = [0, 1, 2].map(|axis| (extent.hi[axis] - 1) / CHUNK[axis]);
         for z in first[2]..=last[2] {
             for y in first[1]..=last[1] {
                 for x in first[0]..=last[0] {
                     let chunk = [x, y, z];
-                    let lo = [0, 1, 2].map(|axis| extent.lo[axis].max(chunk[axis] * MOST[axis]));
-                    let end = |axis: usize| (chunk[axis] + 1) * MOST[axis];
+                    let lo = [0, 1, 2].map(|axis| extent.lo[axis].max(chunk[axis] * CHUNK[axis]));
+                    let end = |axis: usize| (chunk[axis] + 1) * CHUNK[axis];
                     let hi = [0, 1, 2].map(|axis| extent.hi[axis].min(end(axis)));
                     let stale = &mut self.stale[(z * self.chunks[1] + y) * self.chunks[0] + x];
                     self.count += usize::from(stale.is_empty());
@@ -71,21 +75,40 @@ impl Backlog {
         }
     }
 
-    /// The box that is next.
-    pub(super) fn first(&mut self) -> Option<Extent> {
+    /// Takes the box that is next, with those of chunks beside it as far as all can be computed at
+    /// once.
+    pub(super) fn take(&mut self) -> Option<Extent> {
         if self.is_empty() {
             return None;
         }
         while self.stale[self.next].is_empty() {
             self.next = (self.next + 1) % self.stale.len();
         }
-        Some(self.stale[self.next])
+        let [along_x, along_y, _] = self.chunks;
+        let chunk =
+            [self.next % along_x, self.next / along_x % along_y, self.next / (along_x * along_y)];
+        let mut all = self.take_one(self.next);
+        let near = Extent {
+            lo: chunk.map(|c| c.saturating_sub(1)),
+            hi: [0, 1, 2].map(|axis| self.chunks[axis].min(chunk[axis] + 2)),
+        };
+        for (y, z) in near.rows() {
+            for x in near.lo[0]..near.hi[0] {
+                let i = (z * along_y + y) * along_x + x;
+                let both = all.union(&self.stale[i]);
+                let size = both.size();
+                if !self.stale[i].is_empty() && (0..3).all(|axis| size[axis] <= MOST[axis]) {
+                    self.take_one(i);
+                    all = both;
+                }
+            }
+        }
+        Some(all)
     }
 
-    /// Forgets the box that was next.
-    pub(super) fn done(&mut self) {
-        self.stale[self.next] = Extent::NONE;
+    fn take_one(&mut self, chunk: usize) -> Extent {
         self.count -= 1;
+        std::mem::replace(&mut self.stale[chunk], Extent::NONE)
     }
 }
 

@@ -12,19 +12,21 @@ use super::window::{LEFT, ROWS, Window};
 
 /// Texels of the largest box along each axis. Along x the box, with [`LEFT`] more on either side,
 /// fills a word; a multiple of 8.
-pub(super) const MOST: [usize; 3] = [56, 16, 16];
+/// A stroke of radius 6 changes 19 texels along y and z.
+pub(super) const MOST: [usize; 3] = [56, 24, 24];
 
 /// Rows along y and z that are blurred: those of the box and one around.
 const OUT: usize = MOST[1] + 2;
 const WIDTH: usize = 64;
-/// What is computed at once: as many 16-bit numbers as fill a vector register.
-const LANES: usize = 8;
+/// What is computed at once: as many bytes as fill a vector register.
+const LANES: usize = 16;
 /// Voxels on either side that a texel is blurred with.
 const TAPS: usize = 2;
-const FULL: u16 = 256;
+/// A sum along x and y of voxels that are all full: 256, held to a byte.
+const FULL: u8 = 255;
 
 /// What one row holds.
-type Row<T> = [[T; LANES]; WIDTH / LANES];
+type Row = [[u8; LANES]; WIDTH / LANES];
 
 /// A box of texels and what it takes to compute them.
 #[derive(Debug)]
@@ -32,13 +34,13 @@ pub(super) struct Blur {
     extent: Extent,
     window: Window,
     /// Blurred along x: 0 to 16, of one slice.
-    along_x: [Row<u8>; ROWS],
-    /// Blurred along x and y: 0 to 256, of the last five slices.
-    along_y: [[Row<u16>; OUT]; 5],
-    /// Which rows of those slices are nothing but 0 or 256.
+    along_x: [Row; ROWS],
+    /// Blurred along x and y: 0 to 255, of the last five slices.
+    along_y: [[Row; OUT]; 5],
+    /// Which rows of those slices are nothing but 0 or 255.
     plain: [[Plain; OUT]; 5],
     /// The density, from one texel before the box, along x from [`LEFT`] before.
-    out: [[Row<u8>; OUT]; OUT],
+    out: [[Row; OUT]; OUT],
     /// Which of these are at least a half.
     half: [[u64; OUT]; OUT],
 }
@@ -93,21 +95,29 @@ impl Blur {
 
     /// Blurs a slice of the window along x and y.
     fn blur_slice(&mut self, z: usize, rows: usize, width: usize, mask: u64) {
-        let (slot, groups) = (z % 5, width / LANES);
+        let (slot, groups) = (z % 5, width.div_ceil(LANES));
         for y in 0..rows {
-            blur_bits(self.window.row(y, z), &mut self.along_x[y][..groups]);
+            let (bits, row) = (self.window.row(y, z), &mut self.along_x[y][..groups]);
+            match bits & mask {
+                0 => row.fill([0; LANES]),
+                all if all == mask => row.fill([16; LANES]),
+                _ => blur_bits(bits, row.as_flattened_mut()),
+            }
         }
         for y in 0..rows - 2 * TAPS {
-            let five = [0, 1, 2, 3, 4].map(|i| self.window.row(y + i, z) & mask);
+            let bits = |i: usize| self.window.row(y + i, z) & mask;
+            let five = [bits(0), bits(1), bits(2), bits(3), bits(4)];
             let row = &mut self.along_y[slot][y][..groups];
             self.plain[slot][y] = plain(five, mask);
             match self.plain[slot][y] {
                 Plain::Empty => row.fill([0; LANES]),
                 Plain::Full => row.fill([FULL; LANES]),
                 Plain::Mixed => {
-                    let [a, b, c, d, e] = [0, 1, 2, 3, 4].map(|i| &self.along_x[y + i]);
+                    let [a, b, c, d, e] = [y, y + 1, y + 2, y + 3, y + 4];
+                    let rows = &self.along_x;
                     for (g, sums) in row.iter_mut().enumerate() {
-                        *sums = sums_of_bytes([a[g], b[g], c[g], d[g], e[g]]);
+                        let five = [rows[a][g], rows[b][g], rows[c][g], rows[d][g], rows[e][g]];
+                        *sums = blur_lanes(five);
                     }
                 }
             }
@@ -116,9 +126,10 @@ impl Blur {
 
     /// Blurs a row along z, from the last five slices.
     fn blur_row(&mut self, y: usize, z: usize, width: usize, mask: u64) {
-        let slots = [0, 1, 2, 3, 4].map(|i| (z + i) % 5);
-        let out = &mut self.out[z][y][..width / LANES];
-        let kinds = slots.map(|slot| self.plain[slot][y]);
+        let [a, b, c, d, e] = [z % 5, (z + 1) % 5, (z + 2) % 5, (z + 3) % 5, (z + 4) % 5];
+        let out = &mut self.out[z][y][..width.div_ceil(LANES)];
+        let plain = |slot: usize| self.plain[slot][y];
+        let kinds = [plain(a), plain(b), plain(c), plain(d), plain(e)];
         if kinds == [Plain::Empty; 5] {
             out.fill([0; LANES]);
             self.half[z][y] = 0;
@@ -129,7 +140,8 @@ impl Blur {
             self.half[z][y] = mask;
             return;
         }
-        let [a, b, c, d, e] = slots.map(|slot| &self.along_y[slot][y]);
+        let row = |slot: usize| &self.along_y[slot][y];
+        let [a, b, c, d, e] = [row(a), row(b), row(c), row(d), row(e)];
         for (g, texels) in out.iter_mut().enumerate() {
             *texels = texels_of([a[g], b[g], c[g], d[g], e[g]]);
         }
@@ -137,23 +149,25 @@ impl Blur {
     }
 }
 
+/// Blurs sixteen bytes, of 16 at most each; what comes to 256 is held to 255.
 #[inline]
-fn sums_of_bytes([a, b, c, d, e]: [[u8; LANES]; 5]) -> [u16; LANES] {
+fn blur_lanes([a, b, c, d, e]: [[u8; LANES]; 5]) -> [u8; LANES] {
     let mut sums = [0; LANES];
     for (i, sum) in sums.iter_mut().enumerate() {
-        let near = a[i] + e[i] + 4 * (b[i] + d[i]);
-        *sum = u16::from(near) + 6 * u16::from(c[i]);
+        let double = b[i] + d[i] + c[i];
+        let double = double + double + c[i];
+        *sum = (double + double).saturating_add(a[i] + e[i]);
     }
     sums
 }
 
+/// Blurs sixteen bytes; the mean, half up.
 #[inline]
-fn texels_of([a, b, c, d, e]: [[u16; LANES]; 5]) -> [u8; LANES] {
+fn texels_of([a, b, c, d, e]: [[u8; LANES]; 5]) -> [u8; LANES] {
     let mut texels = [0; LANES];
     for (i, texel) in texels.iter_mut().enumerate() {
-        let sum = a[i] + e[i] + 4 * (b[i] + d[i]) + 6 * c[i];
-        // sum * 255 / 4096, to nearest and half up, without leaving 16 bits.
-        *texel = ((sum - ((sum + 255) >> 8) + 8) >> 4) as u8;
+        let [a, b, c, d, e] = [a[i], b[i], c[i], d[i], e[i]].map(u16::from);
+        *texel = ((a + e + 4 * (b + d) + 6 * c + 8) >> 4) as u8;
     }
     texels
 }
@@ -171,7 +185,7 @@ fn plain(rows: [u64; 5], mask: u64) -> Plain {
 /// The top bit of each byte of a row.
 fn top_bits(row: &[[u8; LANES]]) -> u64 {
     let mut bits = 0;
-    for (i, eight) in row.iter().enumerate() {
+    for (i, eight) in row.as_flattened().as_chunks::<8>().0.iter().enumerate() {
         // Bit 7 of byte k goes to bit 56 + k; no two products meet below.
         let tops = u64::from_le_bytes(*eight) >> 7 & 0x0101_0101_0101_0101;
         bits |= (tops.wrapping_mul(0x0102_0408_1020_4080) >> 56) << (8 * i);
@@ -180,8 +194,8 @@ fn top_bits(row: &[[u8; LANES]]) -> u64 {
 }
 
 /// Blurs a row of bits along x into bytes, 0 to 16; nothing lies beyond the word.
-fn blur_bits(bits: u64, row: &mut [[u8; LANES]]) {
-    for (i, eight) in row.iter_mut().enumerate() {
+fn blur_bits(bits: u64, row: &mut [u8]) {
+    for (i, eight) in row.as_chunks_mut::<8>().0.iter_mut().enumerate() {
         // The twelve voxels that eight texels see.
         let seen = if i == 0 { bits << 2 } else { bits >> (8 * i - 2) };
         let sums = LOW[(seen & 63) as usize] + HIGH[(seen >> 6 & 63) as usize];
@@ -217,6 +231,6 @@ const fn shares(first: usize) -> [u64; 64] {
 }
 
 /// The rows of density around a box, to be raised: by z, then y.
-pub(super) type Rows = [[Row<u8>; OUT]; OUT];
+pub(super) type Rows = [[Row; OUT]; OUT];
 /// Which of these texels are at least a half.
 pub(super) type Halves = [[u64; OUT]; OUT];

@@ -18,11 +18,13 @@ pub(super) struct Cells {
     solid: Vec<u128>,
     /// The cells that became solid or ceased to be since the distances were measured.
     flipped: Extent,
+    /// Those of them that became solid, and that distances don't tell yet.
+    risen: Extent,
     distances: Texels,
     /// In each slice of equal z the distances that changed since they were taken.
     changed: Vec<Extent>,
     /// Where distances are measured.
-    bench: Texels,
+    bench: Vec<Line>,
 }
 
 impl Cells {
@@ -31,9 +33,10 @@ impl Cells {
         Cells {
             solid: vec![0; side * side],
             flipped: Extent::NONE,
+            risen: Extent::NONE,
             distances: Texels::new(side, FAR),
             changed: vec![Extent::NONE; side],
-            bench: Texels::new(side, FAR),
+            bench: vec![[FAR; LINE]; side * side],
         }
     }
 
@@ -57,7 +60,43 @@ impl Cells {
                 let hi = 128 - flipped.leading_zeros() as usize;
                 let part = Extent { lo: [lo, y, z], hi: [hi, y + 1, z + 1] };
                 self.flipped = self.flipped.union(&part);
+                if flipped & solid != 0 {
+                    self.risen = self.risen.union(&part);
+                }
             }
+        }
+    }
+
+    /// Cells whose distances are to be measured again, with sixteen more for each row's overhead.
+    pub(super) fn unmeasured(&self) -> usize {
+        let [x, y, z] = self.flipped.grown(FAR.into(), self.distances.side()).size();
+        (x + 16) * y * z
+    }
+
+    /// Lowers distances to what they are at least from the box of the cells that became solid:
+    /// never too great from then on, and right once measured.
+    pub(super) fn lower(&mut self) {
+        let risen = std::mem::replace(&mut self.risen, Extent::NONE);
+        if risen.is_empty() {
+            return;
+        }
+        let away = |axis: usize, at: usize| {
+            let (before, behind) = (risen.lo[axis].saturating_sub(at), at + 1);
+            before.max(behind.saturating_sub(risen.hi[axis])) as u8
+        };
+        let around = risen.grown(FAR.into(), self.distances.side());
+        let [lo, hi] = [around.lo[0], around.hi[0]];
+        let mut along_x = [0; MOST];
+        (lo..hi).for_each(|x| along_x[x - lo] = away(0, x));
+        let mut row = [0; MOST];
+        for (y, z) in around.rows() {
+            let least = away(1, y).max(away(2, z));
+            let row = &mut row[..hi - lo];
+            row.copy_from_slice(&self.distances.row(y, z)[lo..hi]);
+            for (distance, along_x) in row.iter_mut().zip(&along_x) {
+                *distance = (*distance).min(least.max(*along_x));
+            }
+            self.distances.replace([lo, y, z], row, &mut self.changed[z]);
         }
     }
 
@@ -69,29 +108,45 @@ impl Cells {
     pub(super) fn measure(&mut self) {
         let side = self.distances.side();
         let flipped = std::mem::replace(&mut self.flipped, Extent::NONE);
+        self.risen = Extent::NONE;
         if flipped.is_empty() {
             return;
         }
         let inner = flipped.grown(FAR.into(), side);
         let frame = inner.grown(1, side);
-        for (y, z) in frame.rows() {
-            self.start_row((y, z), inner, frame);
+        let [_, rows, slices] = frame.size();
+        let groups = (frame.hi[0] - frame.lo[0]).div_ceil(LANES);
+        for (i, at) in frame.rows().enumerate() {
+            self.start_row(i, at, inner, frame);
         }
-        let Extent { lo, hi } = frame;
-        for z in lo[2]..hi[2] {
-            for y in lo[1]..hi[1] {
-                let behind = (z > lo[2]).then(|| z - 1);
-                self.reach_row((y, z), behind, (y > lo[1]).then(|| y - 1), frame);
-            }
+        // The row beside, and the three in the slice behind: forwards, then from the other end.
+        for (i, (z, y)) in (0..slices).flat_map(|z| (0..rows).map(move |y| (z, y))).enumerate() {
+            let (before, row) = self.bench.split_at_mut(i);
+            let at = |back: usize, there: bool| if there { &before[i - back] } else { &NOWHERE };
+            let near = [
+                at(rows + 1, z > 0 && y > 0),
+                at(rows, z > 0),
+                at(rows.wrapping_sub(1), z > 0 && y + 1 < rows),
+                at(1, y > 0),
+            ];
+            reach(&mut row[0], near, groups);
         }
-        for z in (lo[2]..hi[2]).rev() {
-            for y in (lo[1]..hi[1]).rev() {
-                let behind = (z + 1 < hi[2]).then_some(z + 1);
-                self.reach_row((y, z), behind, (y + 1 < hi[1]).then_some(y + 1), frame);
-            }
+        for (i, (z, y)) in (0..slices).flat_map(|z| (0..rows).map(move |y| (z, y))).enumerate() {
+            // The same rows, counted from the end.
+            let i = slices * rows - 1 - i;
+            let (row, after) = self.bench[i..slices * rows].split_at_mut(1);
+            let at = |on: usize, there: bool| if there { &after[on - 1] } else { &NOWHERE };
+            let near = [
+                at(rows + 1, z > 0 && y > 0),
+                at(rows, z > 0),
+                at(rows.wrapping_sub(1), z > 0 && y + 1 < rows),
+                at(1, y > 0),
+            ];
+            reach(&mut row[0], near, groups);
         }
-        for (y, z) in inner.rows() {
-            let row = &self.bench.row(y, z)[inner.lo[0]..inner.hi[0]];
+        for (i, (y, z)) in frame.rows().enumerate().filter(|(_, at)| inner.has_row(*at)) {
+            let skip = MARGIN + inner.lo[0] - frame.lo[0];
+            let row = &self.bench[i][skip..skip + inner.hi[0] - inner.lo[0]];
             self.distances.replace([inner.lo[0], y, z], row, &mut self.changed[z]);
         }
     }
@@ -115,65 +170,88 @@ impl Cells {
         }
     }
 
-    /// A row of the bench with what is known, and the steps along it.
-    fn start_row(&mut self, (y, z): (usize, usize), inner: Extent, frame: Extent) {
+    /// Line i of the bench, with what is known and the steps along it.
+    fn start_row(&mut self, i: usize, (y, z): (usize, usize), inner: Extent, frame: Extent) {
         let side = self.distances.side();
-        let row = self.bench.row_mut(y, z);
-        let ends = frame.lo[0]..frame.hi[0];
-        row[ends.clone()].copy_from_slice(&self.distances.row(y, z)[ends.clone()]);
-        let inside = |axis: usize, at: usize| inner.lo[axis] <= at && at < inner.hi[axis];
-        if inside(1, y) && inside(2, z) {
-            let solid = self.solid[z * side + y];
-            let inner = inner.lo[0]..inner.hi[0];
-            for (x, distance) in inner.clone().zip(&mut row[inner]) {
-                *distance = if solid >> x & 1 == 1 { 0 } else { FAR };
-            }
-        }
-        if row[ends.clone()].iter().fold(FAR, |least, distance| least.min(*distance)) == FAR {
+        let line = &mut self.bench[i];
+        line.fill(FAR);
+        let width = frame.hi[0] - frame.lo[0];
+        let known = &self.distances.row(y, z)[frame.lo[0]..frame.hi[0]];
+        line[MARGIN..MARGIN + width].copy_from_slice(known);
+        // Around the box all is known, steps along x too.
+        if !inner.has_row((y, z)) {
             return;
         }
+        let inside = inner.hi[0] - inner.lo[0];
+        let all = u128::MAX >> (128 - inside);
+        let solid = self.solid[z * side + y] >> inner.lo[0] & all;
+        let first = MARGIN + inner.lo[0] - frame.lo[0];
+        line[first..first + inside].fill(if solid == all { 0 } else { FAR });
+        if solid == all || solid == 0 && [line[MARGIN], line[MARGIN + width - 1]] == [FAR; 2] {
+            return;
+        }
+        let mut left = solid;
+        while left != 0 {
+            line[first + left.trailing_zeros() as usize] = 0;
+            left &= left - 1;
+        }
         let mut last = FAR;
-        for distance in &mut row[ends.clone()] {
-            last = (*distance).min(last + 1);
+        for distance in &mut line[MARGIN..MARGIN + width] {
+            last = (last + 1).min(*distance);
             *distance = last;
         }
-        for distance in row[ends].iter_mut().rev() {
-            last = (*distance).min(last + 1);
+        for distance in line[MARGIN..MARGIN + width].iter_mut().rev() {
+            last = (last + 1).min(*distance);
             *distance = last;
         }
     }
+}
 
-    /// Steps into a row from the three rows of the slice behind it and from the row beside it.
-    fn reach_row(
-        &mut self,
-        (y, z): (usize, usize),
-        behind: Option<usize>,
-        beside: Option<usize>,
-        frame: Extent,
-    ) {
-        let [lo, hi] = [frame.lo[0], frame.hi[0]];
-        let width = hi - lo;
-        // One more on either side, so that each has two neighbours.
-        let mut least = [FAR; MOST + 2];
-        let mut meet = |row: &[u8]| {
-            for (least, distance) in least[1..=width].iter_mut().zip(&row[lo..hi]) {
-                *least = (*least).min(*distance);
-            }
-        };
-        if let Some(z) = behind {
-            let [first, last] =
-                [y.saturating_sub(1).max(frame.lo[1]), (y + 1).min(frame.hi[1] - 1)];
-            meet(self.bench.row(first, z));
-            meet(self.bench.row(y, z));
-            meet(self.bench.row(last, z));
+/// Distances along x on the bench: from `MARGIN` on, and room around for steps out of it.
+type Line = [u8; LINE];
+const LANES: usize = 16;
+const MARGIN: usize = 16;
+const LINE: usize = MOST.next_multiple_of(LANES) + 2 * MARGIN;
+static NOWHERE: Line = [FAR; LINE];
+
+#[inline]
+fn lanes(line: &Line, at: usize) -> &[u8; LANES] {
+    line[at..].first_chunk().unwrap_or(&[FAR; LANES])
+}
+
+/// The distance here, or a step from beside.
+#[inline]
+fn closer(here: &[u8; LANES], beside: &[u8; LANES]) -> [u8; LANES] {
+    let mut least = *here;
+    for (least, beside) in least.iter_mut().zip(beside) {
+        *least = (*least).min(beside + 1);
+    }
+    least
+}
+
+#[inline(never)]
+fn least([a, b, c, d]: [&[u8; LANES]; 4]) -> [u8; LANES] {
+    let mut least = [0; LANES];
+    for (k, least) in least.iter_mut().enumerate() {
+        *least = a[k].min(b[k]).min(c[k].min(d[k]));
+    }
+    least
+}
+
+/// Steps into a line from four others. By itself the compiler makes vectors of it.
+#[inline(never)]
+fn reach(line: &mut Line, [a, b, c, d]: [&Line; 4], groups: usize) {
+    let mut all = [FAR; LINE];
+    for at in (MARGIN..).step_by(LANES).take(groups) {
+        if let Some(all) = all[at..].first_chunk_mut() {
+            *all = least([lanes(a, at), lanes(b, at), lanes(c, at), lanes(d, at)]);
         }
-        if let Some(y) = beside {
-            meet(self.bench.row(y, z));
-        }
-        let row = &mut self.bench.row_mut(y, z)[lo..hi];
-        let three = least[..width].iter().zip(&least[1..=width]).zip(&least[2..width + 2]);
-        for (distance, ((a, b), c)) in row.iter_mut().zip(three) {
-            *distance = (*distance).min((*a).min(*b).min(*c) + 1);
+    }
+    for at in (MARGIN..).step_by(LANES).take(groups) {
+        let side =
+            least([lanes(&all, at - 1), lanes(&all, at), lanes(&all, at + 1), &[FAR; LANES]]);
+        if let Some(line) = line[at..].first_chunk_mut() {
+            *line = closer(line, &side);
         }
     }
 }

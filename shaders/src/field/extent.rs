@@ -32,6 +32,7 @@ impl Extent {
 
     /// The least box that holds both.
     #[must_use]
+    #[inline]
     pub(super) fn union(&self, other: &Self) -> Self {
         Extent {
             lo: [0, 1, 2].map(|axis| self.lo[axis].min(other.lo[axis])),
@@ -58,6 +59,11 @@ impl Extent {
     pub(super) fn rows(&self) -> impl Iterator<Item = (usize, usize)> + use<> {
         let Extent { lo, hi } = *self;
         (lo[2]..hi[2]).flat_map(move |z| (lo[1]..hi[1]).map(move |y| (y, z)))
+    }
+
+    /// Whether texels of a row, (y, z), are in the box.
+    pub(super) fn has_row(&self, (y, z): (usize, usize)) -> bool {
+        (self.lo[1]..self.hi[1]).contains(&y) && (self.lo[2]..self.hi[2]).contains(&z)
     }
 
     /// As a region of a texture.

@@ -4,14 +4,15 @@
 //! # Textures, for N voxels a side
 //! - [`Texture::Maps`]: the range maps as [`Field::note`] last saw them.
 //! - [`Texture::Density`] 0: a cube of N + 8 texels, one for each voxel and [`PAD`] around the grid
-//!   on every side. A byte, 255 where all is full: the sum of 5 x 5 x 5 voxels with the weights
-//!   1 4 6 4 1 along each axis, times 255 / 4096, rounded to nearest, half up. So a texel is at
-//!   least [`HALF`] where half the weight or more is full. Below y = 0 the ground layer goes on, the
+//!   on every side. A byte, 255 where all is full: the mean of 5 x 5 x 5 voxels with the weights
+//!   1 4 6 4 1 along each axis. Exactly: the weighted sum of a slice's 5 x 5 voxels, 256 where all
+//!   are full, is held to 255, and the weighted mean of five such sums rounded, half up. Below y = 0 the ground layer goes on, the
 //!   rest outside is empty. What is too thin to reach a half by itself is raised (see `thin`).
 //! - [`Texture::Density`] 1 to 3: each texel the mean of 2 x 2 x 2 of the finer one, half up.
 //! - [`Texture::Cells`]: a byte for each cell of 4 x 4 x 4 texels: 0 where a texel in the cell or
 //!   next to it is at least [`HALF`], so that the surface of half density may pass through the
 //!   cell; elsewhere the Chebyshev distance in cells to the nearest such cell, at most [`FAR`].
+//!   While changes are pending it may tell less than the distance, never more.
 //!
 //! A texel depends on the voxels at most [`REACH`] from it along each axis.
 //!
@@ -32,7 +33,7 @@ use paros_core::maps::Maps;
 use rayon::prelude::*;
 
 use crate::upload::{Region, Texture};
-use backlog::{Backlog, Lines};
+use backlog::{Backlog, CHUNK, Lines};
 use blur::Blur;
 use cells::Cells;
 use extent::Extent;
@@ -63,6 +64,8 @@ pub struct Field<const N: usize> {
     lines: Lines,
     /// Work done since the last frame.
     noted: usize,
+    /// Frames since cells flipped that are not measured yet.
+    unmeasured: u32,
     blur: Box<Blur>,
     /// A region's bytes on their way out.
     stage: Vec<u8>,
@@ -86,6 +89,7 @@ impl<const N: usize> Field<N> {
             backlog: Backlog::new(Self::SIDE),
             lines: Lines::new(N),
             noted: 0,
+            unmeasured: 0,
             blur: Box::new(Blur::new()),
             stage: Vec::with_capacity(Self::stage_bytes()),
         }
@@ -98,7 +102,7 @@ impl<const N: usize> Field<N> {
         let maps = &*self.maps;
         let side = Self::SIDE;
         let [finest, ..] = &mut self.density;
-        finest.slabs_mut(blur::MOST[2]).enumerate().for_each_init(
+        finest.slabs_mut(CHUNK[2]).enumerate().for_each_init(
             || Box::new(Blur::new()),
             |blur, (slab, texels)| {
                 for extent in slab_extents(side, slab) {
@@ -194,12 +198,12 @@ impl<const N: usize> Field<N> {
 
 /// The parts, as large as can be computed at once, of a slab of the finest texels.
 fn slab_extents(side: usize, slab: usize) -> impl Iterator<Item = Extent> {
-    let [along_x, along_y, along_z] = blur::MOST;
+    let [along_x, along_y, along_z] = CHUNK;
     let starts = (0..side)
         .step_by(along_y)
         .flat_map(move |y| (0..side).step_by(along_x).map(move |x| [x, y, slab * along_z]));
     starts.map(move |lo| Extent {
         lo,
-        hi: [0, 1, 2].map(|axis: usize| side.min(lo[axis] + blur::MOST[axis])),
+        hi: [0, 1, 2].map(|axis: usize| side.min(lo[axis] + CHUNK[axis])),
     })
 }

@@ -48,7 +48,8 @@ impl Texels {
         self.bytes.par_chunks_mut(slices * self.side * self.side)
     }
 
-    /// Replaces a stretch of a row; what changed of it is added to `changed`.
+    /// Replaces a stretch of a row; what changed of it is added to `changed`, and which
+    /// bits flipped comes back.
     #[inline]
     pub(super) fn replace(
         &mut self,
@@ -57,17 +58,21 @@ impl Texels {
         changed: &mut Extent,
     ) -> u8 {
         let row = &mut self.row_mut(y, z)[x..x + texels.len()];
-        if row == texels {
-            return 0;
+        let (mut first, mut end, mut flipped) = (usize::MAX, 0, 0);
+        for (i, (old, new)) in row.chunks_mut(8).zip(texels.chunks(8)).enumerate() {
+            let bits = word(old) ^ word(new);
+            if bits != 0 {
+                first = first.min(8 * i + bits.trailing_zeros() as usize / 8);
+                end = 8 * i + 8 - bits.leading_zeros() as usize / 8;
+                flipped |= bits;
+                old.copy_from_slice(new);
+            }
         }
-        let differing = || row.iter().zip(texels).map(|(a, b)| a ^ b);
-        let flipped = differing().fold(0, |all, bits| all | bits);
-        let first = differing().position(|bits| bits != 0).unwrap_or(0);
-        let last = differing().rposition(|bits| bits != 0).unwrap_or(0);
-        row.copy_from_slice(texels);
-        let part = Extent { lo: [x + first, y, z], hi: [x + last + 1, y + 1, z + 1] };
-        *changed = changed.union(&part);
-        flipped
+        if flipped != 0 {
+            let part = Extent { lo: [x + first, y, z], hi: [x + end, y + 1, z + 1] };
+            *changed = changed.union(&part);
+        }
+        flipped.to_le_bytes().into_iter().fold(0, |all, bits| all | bits)
     }
 
     /// The value, 0 to 1, at a place in texels whose centres lie at halves, filtered trilinearly.
@@ -84,5 +89,14 @@ impl Texels {
         };
         let along_y = |z: usize| mix(along_x(y, z), along_x(y + 1, z), part.y);
         mix(along_y(z), along_y(z + 1), part.z) / 255.0
+    }
+}
+
+/// Up to eight bytes as a word, the first one lowest.
+#[inline]
+fn word(bytes: &[u8]) -> u64 {
+    match bytes.try_into() {
+        Ok(eight) => u64::from_le_bytes(eight),
+        Err(_) => bytes.iter().rev().fold(0, |word, byte| word << 8 | u64::from(*byte)),
     }
 }

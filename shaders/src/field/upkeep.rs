@@ -3,6 +3,7 @@
 use paros_core::dirty::{Dirty, Rect};
 use paros_core::maps::{Axis, Column, Maps, Range};
 
+use super::blur::MOST;
 use super::extent::Extent;
 use super::texels::Texels;
 use super::window::LEFT;
@@ -37,12 +38,17 @@ impl Budget {
 }
 
 /// Work of a voxel that a box of texels looks at, all levels included.
-const VOXEL_WORK: usize = 9;
-/// Work of a cell whose distance is measured.
-const CELL_WORK: usize = 12;
+const VOXEL_WORK: usize = 22;
+/// Work of a cell whose distance is measured, and of one whose distance is lowered.
+const CELL_WORK: usize = 36;
+const LOWER_WORK: usize = 4;
 /// Work of a column that is compared, and of one that changed.
 const COLUMN_WORK: usize = 1;
-const CHANGE_WORK: usize = 30;
+const CHANGE_WORK: usize = 60;
+const WHOLE_WORK: usize = 20;
+
+/// Frames after which cells are measured although texels wait.
+const MEASURE_EVERY: u32 = 24;
 
 /// Columns along a side of the tiles whose changes are taken together.
 const TILE: usize = 8;
@@ -51,22 +57,35 @@ impl<const N: usize> Field<N> {
     /// Takes over what a tick changed: `maps` as they are now, and the columns in which they may
     /// differ from what was noted before. The textures follow when they [`Field::advance`].
     pub fn note(&mut self, maps: &Maps<N>, dirty: &Dirty) {
+        let mut copy = false;
         for axis in Axis::ALL {
             for &Rect { lo, hi } in dirty.rects(axis) {
                 let [lo, hi] = [lo, hi].map(|(line, place)| [usize::from(line), place.into()]);
                 self.noted += COLUMN_WORK * (hi[0] + 1 - lo[0]) * (hi[1] + 1 - lo[1]);
+                let whole = hi[0] - lo[0] == N - 1 && hi[1] - lo[1] == N - 1;
+                copy |= whole;
                 for line in (lo[0]..=hi[0]).step_by(TILE) {
                     for place in (lo[1]..=hi[1]).step_by(TILE) {
                         let end = [(line + TILE - 1).min(hi[0]), (place + TILE - 1).min(hi[1])];
-                        self.note_tile(maps, axis, [line, place], end);
+                        self.note_tile(maps, axis, ([line, place], end), whole);
                     }
                 }
             }
         }
+        if copy {
+            self.maps.copy_from(maps);
+        }
     }
 
-    /// Takes over a tile of a map's columns, from the first line and place to the last.
-    fn note_tile(&mut self, maps: &Maps<N>, axis: Axis, first: [usize; 2], last: [usize; 2]) {
+    /// Takes over a tile of a map's columns, from the first line and place to the last. After the
+    /// change of a whole map all voxels of a line's columns count as changed, as that is quick.
+    fn note_tile(
+        &mut self,
+        maps: &Maps<N>,
+        axis: Axis,
+        (first, last): ([usize; 2], [usize; 2]),
+        whole: bool,
+    ) {
         let (mut lines, mut places, mut voxels) = (Range::EMPTY, Range::EMPTY, Range::EMPTY);
         for line in first[0]..=last[0] {
             let new = &maps.line(axis, line)[first[1]..=last[1]];
@@ -75,7 +94,13 @@ impl<const N: usize> Field<N> {
                 continue;
             }
             let mut differing = Range::EMPTY;
-            for (place, (old, new)) in old.iter().zip(new).enumerate() {
+            if whole {
+                let hull = old.iter().zip(new).map(|(old, new)| old.hull().hull_with(new.hull()));
+                voxels = hull.fold(voxels, Range::hull_with);
+                differing = Range::new(0, new.len() - 1);
+                self.noted += new.len() * WHOLE_WORK;
+            }
+            for (place, (old, new)) in old.iter().zip(new).enumerate().filter(|_| !whole) {
                 if old != new {
                     differing = differing.hull_with(Range::new(place, place));
                     voxels = voxels.hull_with(difference(*old, *new));
@@ -83,7 +108,7 @@ impl<const N: usize> Field<N> {
                 }
             }
             let differing = Range::new(differing.lo() + first[1], differing.hi() + first[1]);
-            for place in differing.lo()..=differing.hi() {
+            for place in (differing.lo()..=differing.hi()).filter(|_| !whole) {
                 self.maps.set_column(axis, (line, place), maps.column(axis, (line, place)));
             }
             self.lines.add(axis, line, differing);
@@ -99,7 +124,8 @@ impl<const N: usize> Field<N> {
 
     /// Brings the textures nearer to the maps, and hands out each region that changed with its
     /// bytes, maps first. It costs no more than the budget, but does one thing at least, so that
-    /// any budget gets there. Afterwards the cells are right for the density as it is.
+    /// any budget gets there. Afterwards no cell tells more than its distance in the density as it is,
+    /// and each that the surface may pass through tells 0.
     pub fn advance(&mut self, budget: Budget, sink: &mut impl FnMut(Region, &[u8])) {
         let mut left = budget.less(std::mem::take(&mut self.noted), 0);
         let mut first = true;
@@ -114,18 +140,30 @@ impl<const N: usize> Field<N> {
             first = false;
         }
         let cells = self.cells_side().pow(3);
-        left = left.less(CELL_WORK * cells, cells);
-        while let Some(extent) = self.backlog.first() {
+        left = left.less(LOWER_WORK * cells, cells);
+        // While a stroke goes on, a frame in so many has to do.
+        self.unmeasured = if self.cells.unmeasured() > 0 { self.unmeasured + 1 } else { 0 };
+        if self.unmeasured >= MEASURE_EVERY {
+            left = left.less(CELL_WORK * self.cells.unmeasured(), 0);
+            self.cells.measure();
+            (first, self.unmeasured) = (false, 0);
+        }
+        while let Some(extent) = self.backlog.take() {
             let (work, bytes) = cost(&extent);
             if (work > left.work || bytes > left.bytes) && !first {
+                self.backlog.add(&extent);
                 break;
             }
-            self.backlog.done();
             self.refresh(extent, sink);
             left = left.less(work, bytes);
             first = false;
         }
-        self.cells.measure();
+        let unmeasured = CELL_WORK * self.cells.unmeasured();
+        if self.backlog.is_empty() && (first || unmeasured <= left.work) {
+            self.cells.measure();
+        } else {
+            self.cells.lower();
+        }
         let (cells, stage) = (&mut self.cells, &mut self.stage);
         cells.take_changed(|distances, extent| {
             hand_out(distances, extent, Texture::Cells, stage, sink);
@@ -135,7 +173,7 @@ impl<const N: usize> Field<N> {
     /// Whether the textures are behind the maps, or something is still to be handed out.
     #[must_use]
     pub fn pending(&self) -> bool {
-        !self.backlog.is_empty() || !self.lines.is_empty()
+        !self.backlog.is_empty() || !self.lines.is_empty() || self.cells.unmeasured() > 0
     }
 
     /// Computes a box of the finest texels, and what follows from those that changed.
@@ -181,8 +219,8 @@ impl<const N: usize> Field<N> {
 
     /// The most bytes of a region that is handed out, from what is collected in between.
     pub(super) const fn stage_bytes() -> usize {
-        let (chunk, map) = (super::blur::MOST, N * N * 2);
-        let chunk = chunk[0] * chunk[1] * chunk[2];
+        let (most, map) = (MOST, N * N * 2);
+        let chunk = most[0] * most[1] * most[2];
         let cells = (Self::SIDE / CELL).pow(3);
         let most = if chunk > map { chunk } else { map };
         if cells > most { cells } else { most }

@@ -26,6 +26,7 @@ struct Stretch {
 
 impl Stretch {
     /// The place of a voxel, if before the stretch its start, if behind it its end.
+    #[inline]
     fn place(&self, voxel: usize) -> usize {
         (voxel as isize - self.start).clamp(0, self.len as isize) as usize
     }

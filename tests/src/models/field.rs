@@ -73,10 +73,13 @@ impl FieldModel {
 
     fn blurred(&self, voxel: [i32; 3]) -> u8 {
         let weight = |by: i32| [6, 4, 1][by.unsigned_abs() as usize];
-        let full = near(voxel, 2).filter(|&at| self.full(at));
-        let sum: u32 =
-            full.map(|at| (0..3).map(|axis| weight(at[axis] - voxel[axis])).product::<u32>()).sum();
-        (f64::from(sum) * 255.0 / 4096.0).round() as u8
+        let slice = |z: i32| {
+            let full = near(voxel, 2).filter(|&at| at[2] == z && self.full(at));
+            let sum: u32 = full.map(|at| weight(at[0] - voxel[0]) * weight(at[1] - voxel[1])).sum();
+            sum.min(255)
+        };
+        let sum: u32 = (-2..=2).map(|by| weight(by) * slice(voxel[2] + by)).sum();
+        (f64::from(sum) / 16.0).round() as u8
     }
 
     /// How far a plate or a rod raises a voxel.
