@@ -7,6 +7,7 @@ pub mod dense;
 pub mod edit;
 pub mod export;
 pub mod islands;
+pub mod preview;
 pub mod puppet;
 pub mod shapes;
 pub mod studio;
