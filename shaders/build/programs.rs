@@ -147,7 +147,9 @@ fn compile(program: &Program) -> Vec<u32> {
         ..NagaModuleDescriptor::default()
     });
     let module = module.unwrap_or_else(|error| panic!("{}", error.emit_to_string(&composer)));
-    words::finished(spirv(&module, program, capabilities))
+    // The fast path of single precision is for desktops, whose drivers know better.
+    let loops = program.half || program.module != "fast";
+    words::finished(&spirv(&module, program, capabilities), loops)
 }
 
 fn spirv(module: &naga::Module, program: &Program, capabilities: Capabilities) -> Vec<u32> {

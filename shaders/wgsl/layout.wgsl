@@ -15,6 +15,8 @@ struct View {
 // Pixels along a tile's side, and along a beam's.
 const TILE: f32 = 32.0;
 const BEAM: f32 = 8.0;
+// Texels of the density along a cell's side.
+const CELL: f32 = 4.0;
 
 // The sculpture and the light, the same for both eyes.
 struct Frame {
@@ -28,7 +30,8 @@ struct Frame {
     sun_room: vec4<f32>,
     // w: voxels that a pixel is wide at a depth of one voxel.
     sun_color: vec4<f32>,
-    // Spherical harmonics of the ambient light over pi, in the room; the clamped cosine is in them.
+    // The ambient light over pi for a normal of the grid: the constant, then the factors of x, y,
+    // z, xy, yz, xz, xx and yy.
     ambient: array<vec4<f32>, 9>,
     // The depth buffer holds `x / t + y`; z: depth in voxels of the near plane; w: metres a voxel.
     depth: vec4<f32>,
