@@ -116,9 +116,8 @@ fn sizes() -> String {
 }
 
 fn compile(program: &Program) -> Vec<u32> {
-    let capabilities = Capabilities::MULTIVIEW
-        | Capabilities::EARLY_DEPTH_TEST
-        | Capabilities::SHADER_FLOAT16;
+    let capabilities =
+        Capabilities::MULTIVIEW | Capabilities::EARLY_DEPTH_TEST | Capabilities::SHADER_FLOAT16;
     let mut composer = Composer::default().with_capabilities(capabilities);
     let defs = HashMap::from([("HALF".to_owned(), ShaderDefValue::Bool(program.half))]);
     let defs: HashMap<_, _> = defs.into_iter().filter(|_| program.half).collect();

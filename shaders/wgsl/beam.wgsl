@@ -29,7 +29,7 @@ fn start(
     let speed = 1.0 / (max(size.x, max(size.y, size.z)) + spread);
     var t = max(span.x, begin);
     // Where it stops doesn't matter to the picture: a beam that crawls along a surface may.
-    var turns = 40u;
+    var turns = 16u;
     while t < span.y {
         let p = o + direction * t;
         let inside = clamp(p, vec3<f32>(0.5), vec3<f32>(side - 0.5));

@@ -55,7 +55,7 @@ fn fragment(
         while t < until {
             full = part(dense(o + direction * t, 0.0));
             if full >= edge { break; }
-            t += f32(max(part(2.9) - full * part(16.0), part(1.65) - full * part(2.5))) * voxel;
+            t += f32(max(part(2.6) - full * part(16.0), part(1.65) - full * part(2.5))) * voxel;
         }
         if full >= edge { break; }
         // Empty cells.

@@ -181,6 +181,17 @@ impl<const N: usize> Field<N> {
         self.density[level].sample((point + Vec3::splat(PAD as f32)) * scale)
     }
 
+    /// How far from a point in voxels no surface is, along each axis, in voxels: what the cell that
+    /// it lies in tells; beyond the outermost cells, what those do.
+    #[must_use]
+    #[inline]
+    pub fn free(&self, point: Vec3) -> f32 {
+        let most = self.cells_side() - 1;
+        let cell = (point + Vec3::splat(PAD as f32)) / CELL as f32;
+        let distance = self.cell(cell.to_array().map(|c| (c as usize).min(most)));
+        f32::from(distance.saturating_sub(1)) * CELL as f32
+    }
+
     /// Cells along a side.
     #[must_use]
     #[inline]

@@ -175,12 +175,7 @@ pub(super) fn layout(picture: &Picture<'_>, n: usize, [w, h]: [u32; 2]) -> layou
         sun_room: look.sun_direction.extend((n + 8) as f32).to_array(),
         sun_color: look.sun_color.extend(pixel).to_array(),
         ambient: harmonics(&look.ambient, Mat3::from_rotation_y(picture.stand.turn)),
-        depth: [
-            NEAR * FAR / (FAR - NEAR) / voxel,
-            -NEAR / (FAR - NEAR),
-            NEAR / voxel,
-            voxel,
-        ],
+        depth: [NEAR * FAR / (FAR - NEAR) / voxel, -NEAR / (FAR - NEAR), NEAR / voxel, voxel],
         extent: [w as f32, h as f32, tiles[0] as f32, tiles[1] as f32],
     }
 }
