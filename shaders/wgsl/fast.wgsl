@@ -50,7 +50,9 @@ fn fragment(
     let low = vec3<f32>(pad - 1.0, pad, pad - 1.0) / side;
     let span = box::span(o, d, low, vec3<f32>(1.0 - low.x));
     let size = abs(d);
-    let leap = 1020.0 / (max(size.x, max(size.y, size.z)) * side);
+    // A cell has so many texels along a side.
+    let cell = select(4.0, 2.0, frame.sun_grid.w <= 128.0);
+    let leap = 255.0 * cell / (max(size.x, max(size.y, size.z)) * side);
     var t = max(start * speed, span.x);
     var full = part(0.0);
     var best = part(0.0);

@@ -1,12 +1,15 @@
 //! Cells of texels: which the surface of half density may pass through, and how far the rest is
 //! from those.
 
+use super::FAR;
 use super::extent::Extent;
 use super::texels::Texels;
-use super::{CELL, FAR};
 
-/// The longest row of cells: 264 texels at 256.
-const MOST: usize = 66;
+/// The longest row of cells: 136 texels at 128.
+const MOST: usize = 68;
+
+/// The longest row of texels: at 256.
+const TEXELS: usize = 264;
 
 /// Cells told for nothing that are cheaper than another box.
 const SLACK: usize = 256;
@@ -14,6 +17,8 @@ const SLACK: usize = 256;
 /// Cells and their distances.
 #[derive(Debug)]
 pub(super) struct Cells {
+    /// Texels along a side of a cell.
+    cell: usize,
     /// Cells in or beside which a texel is at least a half: a bit each along x, by z and y.
     solid: Vec<u128>,
     /// The cells that became solid or ceased to be since the distances were measured.
@@ -28,9 +33,11 @@ pub(super) struct Cells {
 }
 
 impl Cells {
-    /// No cell solid.
-    pub(super) fn new(side: usize) -> Self {
+    /// Cells of `cell` texels a side, none solid, for `texels` a side.
+    pub(super) fn new(texels: usize, cell: usize) -> Self {
+        let side = texels / cell;
         Cells {
+            cell,
             solid: vec![0; side * side],
             flipped: Extent::NONE,
             risen: Extent::NONE,
@@ -46,12 +53,12 @@ impl Cells {
 
     /// Looks again at the cells that texels of a box belong to or lie beside.
     pub(super) fn follow(&mut self, density: &Texels, texels: Extent) {
-        let cells = texels.grown(1, density.side()).coarser(CELL);
+        let cells = texels.grown(1, density.side()).coarser(self.cell);
         let [first, end] = [cells.lo[0], cells.hi[0]];
         let stretch = u128::MAX >> (128 - (end - first)) << first;
         let side = self.distances.side();
         for (y, z) in cells.rows() {
-            let solid = solid_cells(density, (y, z), first..end);
+            let solid = solid_cells(density, self.cell, (y, z), first..end);
             let row = &mut self.solid[z * side + y];
             let flipped = (*row ^ solid) & stretch;
             if flipped != 0 {
@@ -257,11 +264,16 @@ fn reach(line: &mut Line, [a, b, c, d]: [&Line; 4], groups: usize) {
 }
 
 /// Of the cells of a row, those in or beside which a texel is at least a half.
-fn solid_cells(density: &Texels, (y, z): (usize, usize), cells: std::ops::Range<usize>) -> u128 {
+fn solid_cells(
+    density: &Texels,
+    size: usize,
+    (y, z): (usize, usize),
+    cells: std::ops::Range<usize>,
+) -> u128 {
     let side = density.side();
-    let beside = |cell: usize| (cell * CELL).saturating_sub(1)..(cell * CELL + CELL + 1).min(side);
+    let beside = |cell: usize| (cell * size).saturating_sub(1)..(cell * size + size + 1).min(side);
     // With one more texel on either side.
-    let mut any = [0u8; MOST * CELL + 2];
+    let mut any = [0u8; TEXELS + 2];
     let ends = beside(cells.start).start..beside(cells.end - 1).end;
     for z in beside(z) {
         for y in beside(y) {
@@ -273,8 +285,8 @@ fn solid_cells(density: &Texels, (y, z): (usize, usize), cells: std::ops::Range<
     }
     let mut solid = 0;
     for cell in cells {
-        let six = any[cell * CELL..][..CELL + 2].iter().fold(0, |all, texel| all | texel);
-        solid |= u128::from(six >> 7) << cell;
+        let near = any[cell * size..][..size + 2].iter().fold(0, |all, texel| all | texel);
+        solid |= u128::from(near >> 7) << cell;
     }
     solid
 }

@@ -7,7 +7,7 @@ use super::blur::MOST;
 use super::extent::Extent;
 use super::texels::Texels;
 use super::window::LEFT;
-use super::{CELL, Field, LEVELS, REACH, mips};
+use super::{Field, LEVELS, REACH, cell, free, mips};
 use crate::upload::{Region, Texture};
 
 /// What a frame may spend.
@@ -166,7 +166,12 @@ impl<const N: usize> Field<N> {
         }
         let (cells, stage) = (&mut self.cells, &mut self.stage);
         cells.take_changed(|distances, extent| {
-            hand_out(distances, extent, Texture::Cells, stage, sink);
+            stage.clear();
+            for (y, z) in extent.rows() {
+                let row = &distances.row(y, z)[extent.lo[0]..extent.hi[0]];
+                stage.extend(row.iter().map(|distance| free(*distance)));
+            }
+            sink(extent.region(Texture::Cells), stage);
         });
     }
 
@@ -221,7 +226,7 @@ impl<const N: usize> Field<N> {
     pub(super) const fn stage_bytes() -> usize {
         let (most, map) = (MOST, N * N * 2);
         let chunk = most[0] * most[1] * most[2];
-        let cells = (Self::SIDE / CELL).pow(3);
+        let cells = (Self::SIDE / cell(N)).pow(3);
         let most = if chunk > map { chunk } else { map };
         if cells > most { cells } else { most }
     }
