@@ -73,8 +73,6 @@ pub struct Field<const N: usize> {
     lines: Lines,
     /// Work done since the last frame.
     noted: usize,
-    /// Frames since cells flipped that are not measured yet.
-    unmeasured: u32,
     blur: Box<Blur>,
     /// A region's bytes on their way out.
     stage: Vec<u8>,
@@ -98,7 +96,6 @@ impl<const N: usize> Field<N> {
             backlog: Backlog::new(Self::SIDE),
             lines: Lines::new(N),
             noted: 0,
-            unmeasured: 0,
             blur: Box::new(Blur::new()),
             stage: Vec::with_capacity(Self::stage_bytes()),
         }
@@ -150,9 +147,8 @@ impl<const N: usize> Field<N> {
             let texture = Texture::Density(level as u8);
             sink(Extent::cube(texels.side()).region(texture), texels.bytes());
         }
-        let cells = self.cells.distances();
-        let free: Vec<u8> = cells.bytes().iter().map(|distance| free(*distance)).collect();
-        sink(Extent::cube(cells.side()).region(Texture::Cells), &free);
+        let cells = self.cells.free();
+        sink(Extent::cube(cells.side()).region(Texture::Cells), cells.bytes());
     }
 
     /// The maps as they were last noted.
@@ -195,7 +191,7 @@ impl<const N: usize> Field<N> {
     #[must_use]
     #[inline]
     pub fn cells_side(&self) -> usize {
-        self.cells.distances().side()
+        self.cells.free().side()
     }
 
     /// How many cells all around one are free of the surface, 0 to [`FAR`] - 1; texel t lies in
@@ -203,13 +199,8 @@ impl<const N: usize> Field<N> {
     #[must_use]
     #[inline]
     pub fn cell(&self, cell: [usize; 3]) -> u8 {
-        free(self.cells.distances().at(cell))
+        self.cells.free().at(cell)
     }
-}
-
-/// What a cell at a distance from the surface tells.
-const fn free(distance: u8) -> u8 {
-    distance.saturating_sub(1)
 }
 
 /// The parts, as large as can be computed at once, of a slab of the finest texels.
