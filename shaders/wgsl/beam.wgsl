@@ -1,6 +1,6 @@
 // How far a beam of rays goes before any of them can meet the surface.
 #define_import_path paros::beam
-#import paros::layout::{frame, CELL}
+#import paros::layout::frame
 #import paros::box
 
 // A beam in the texels of the density; `spread` is how far its rays part for each unit of depth,
@@ -34,7 +34,7 @@ fn start(
         let p = o + direction * t;
         let inside = clamp(p, vec3<f32>(0.5), vec3<f32>(side - 0.5));
         let out = abs(p - inside);
-        let free = 255.0 * CELL * textureSampleLevel(cells, nearest, inside / side, 0.0).x;
+        let free = frame.cells.x * textureSampleLevel(cells, nearest, inside / side, 0.0).x;
         var radius = max(free, max(out.x, max(out.y, out.z)) - 0.5) - 0.01;
         if close && radius < 2.0 {
             let full = textureSampleLevel(density, clamped, inside / side, 0.0).x;

@@ -1,5 +1,5 @@
 // The smooth surface where the blurred volume is half full, its normal, and its light.
-#import paros::layout::{frame, BEAM, CELL}
+#import paros::layout::{frame, BEAM}
 #import paros::marble
 
 // What colours, normals and densities are made of: half precision where it is offered.
@@ -62,7 +62,7 @@ fn fragment(
         while t < end {
             let free = textureSampleLevel(cells, nearest, o + direction * t, 0.0).x;
             if free == 0.0 { break; }
-            t += free * (255.0 * CELL) * voxel;
+            t += free * frame.cells.x * voxel;
         }
     }
     if full < edge {

@@ -15,8 +15,6 @@ struct View {
 // Pixels along a tile's side, and along a beam's.
 const TILE: f32 = 32.0;
 const BEAM: f32 = 8.0;
-// Texels of the density along a cell's side.
-const CELL: f32 = 4.0;
 
 // The sculpture and the light, the same for both eyes.
 struct Frame {
@@ -37,6 +35,8 @@ struct Frame {
     depth: vec4<f32>,
     // Pixels across and down, tiles across and down.
     extent: vec4<f32>,
+    // x: texels of the density that a cell's byte tells of if it is 255.
+    cells: vec4<f32>,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

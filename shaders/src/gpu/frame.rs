@@ -4,6 +4,7 @@ use glam::{Mat3, Mat4, Quat, Vec3, Vec4};
 
 use super::layout;
 use crate::constants::{AMBIENT, SUN_COLOR, SUN_DIRECTION};
+use crate::field::cell;
 
 /// Distance of the near plane, in metres.
 const NEAR: f32 = 0.04;
@@ -177,6 +178,7 @@ pub(super) fn layout(picture: &Picture<'_>, n: usize, [w, h]: [u32; 2]) -> layou
         ambient: harmonics(&look.ambient, Mat3::from_rotation_y(picture.stand.turn)),
         depth: [NEAR * FAR / (FAR - NEAR) / voxel, -NEAR / (FAR - NEAR), NEAR / voxel, voxel],
         extent: [w as f32, h as f32, tiles[0] as f32, tiles[1] as f32],
+        cells: [255.0 * cell(n) as f32, 0.0, 0.0, 0.0],
     }
 }
 
