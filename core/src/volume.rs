@@ -12,6 +12,17 @@ where
 {
     /// A column of a map is about to be replaced; `old` is what it held.
     fn column(&mut self, axis: Axis, at: (usize, usize), old: Column);
+    /// Those `places` of a line of columns are about to be replaced; `old` is what the line held.
+    #[inline]
+    fn columns(
+        &mut self,
+        axis: Axis,
+        line: usize,
+        places: <Grid<N> as Size>::Row,
+        old: &[Column; N],
+    ) {
+        places.ones().for_each(|place| self.column(axis, (line, place), old[place]));
+    }
     /// Voxels of row (y, z) are about to be occupied that were not when the edit began.
     fn added(&mut self, row: (usize, usize), voxels: <Grid<N> as Size>::Row);
 }
@@ -108,6 +119,25 @@ where
         if old != column {
             journal.column(axis, at, old);
             self.swap_column(axis, at, column);
+        }
+    }
+
+    /// Replaces those `places` of a line of columns, which all differ from before.
+    #[inline]
+    pub(crate) fn set_columns(
+        &mut self,
+        axis: Axis,
+        line: usize,
+        places: <Grid<N> as Size>::Row,
+        columns: &[Column; N],
+        journal: &mut impl Journal<N>,
+    ) {
+        if places.is_empty() {
+            return;
+        }
+        journal.columns(axis, line, places, self.maps.line(axis, line));
+        for place in places.ones() {
+            self.swap_column(axis, (line, place), columns[place]);
         }
     }
 

@@ -291,6 +291,89 @@ proptest! {
     }
 }
 
+/// Strokes in a corner of nothing: the volume is one of 32 voxels a side, `shift` voxels along x.
+fn strokes_far_along_x_do_the_same<const N: usize>(
+    studio: &Mutex<Studio<N>>,
+    (volume, mask): &(Dense, Dense),
+    shift: i32,
+    strokes: &[Stroke],
+) where
+    Grid<N>: Size,
+{
+    let studio = &mut *studio.lock().unwrap_or_else(PoisonError::into_inner);
+    let shifted = |dense: &Dense| {
+        let mut far = Dense::new(N);
+        dense.occupied().for_each(|[x, y, z]| far.set([x + shift, y, z], true));
+        far
+    };
+    studio.volume.set_voxels(|plane| shifted(volume).write_plane(plane));
+    shifted(mask).write_maps(&mut studio.mask);
+    let mut volume = volume.clone();
+    for Stroke { shape, operation, .. } in strokes {
+        let Shape::Capsule(a, b, radius) = *shape else { continue };
+        let voxels = voxels_of::<32>(&Brush::capsule(a, b, radius));
+        let away = IVec3::new(shift * SUB, 0, 0);
+        let brush = Brush::capsule(a + away, b + away, radius);
+        let edit = Edit { brush: &brush, operation: *operation, mirrored: false };
+        let mut notes = Notes { columns: vec![], added: Dense::new(N) };
+        studio.before.copy_from(studio.volume.maps());
+        let report =
+            apply(&mut studio.volume, &studio.mask, &edit, &mut studio.scratch, &mut notes);
+        let (after, expected) = edited(&volume, mask, &voxels, *operation, false);
+        assert_eq!(report, Ok(expected));
+        let rows = studio.volume.rows();
+        let is_occupied =
+            |[x, y, z]: [i32; 3]| rows.contains([x + shift, y, z].map(|i| i as usize));
+        assert!(after.occupied().all(is_occupied));
+        assert_eq!(rows.count(), u64::from(after.count()));
+        let added = after.without(&volume);
+        assert!(added.occupied().all(|[x, y, z]| notes.added.contains([x + shift, y, z])));
+        assert_eq!(notes.added.count(), added.count());
+        studio.volume.rows().hulls(&mut studio.tight);
+        assert_eq!(studio.volume.maps(), &studio.tight, "tight hulls");
+        assert_eq!(studio.volume.digest(), maps_digest(studio.volume.maps()));
+        columns_are_the_changes(&notes, &studio.before, studio.volume.maps());
+        volume = after;
+    }
+}
+
+/// Brushes that lie within a grid of 32 with all that they look at: at most 4 voxels beyond.
+fn inner_strokes() -> impl Strategy<Value = Vec<Stroke>> {
+    let at =
+        || [12 * SUB..20 * SUB, 12 * SUB..20 * SUB, 12 * SUB..20 * SUB].prop_map(IVec3::from_array);
+    let shape = (at(), at(), 0..8 * SUB).prop_map(|(a, b, radius)| Shape::Capsule(a, b, radius));
+    let shape = prop_oneof![shape, (at(), 0..8 * SUB).prop_map(|(a, r)| Shape::Capsule(a, a, r))];
+    let depth = || 0..=SHELL_DEPTH;
+    let operation = prop_oneof![
+        depth().prop_map(|depth| Operation::Carve { depth }),
+        depth().prop_map(|depth| Operation::Fill { depth }),
+        Just(Operation::Smooth),
+    ];
+    let stroke = (shape, operation).prop_map(|(shape, operation)| Stroke {
+        shape,
+        operation,
+        mirrored: false,
+    });
+    proptest::collection::vec(stroke, 1..6)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(80))]
+
+    /// An edit works on the words of a row that it touches: any of them, and across their borders.
+    #[test]
+    fn strokes_in_any_words_of_a_row_do_the_same(
+        start in masked_volumes(32), shift in prop_oneof![0..=96i32, 36..=60i32], far in 0..=224i32, strokes in inner_strokes(),
+    ) {
+        static STUDIO: Mutex<Studio<128>> = Mutex::new(Studio::new());
+        static LARGE: Mutex<Studio<256>> = Mutex::new(Studio::new());
+        strokes_far_along_x_do_the_same(&STUDIO, &start, shift, &strokes);
+        if far % 16 == 0 {
+            strokes_far_along_x_do_the_same(&LARGE, &start, far, &strokes);
+        }
+    }
+}
+
 /// One stroke across the whole of the largest grid, of which only the border is not word-aligned.
 #[test]
 fn a_stroke_across_256_follows_the_definition() {

@@ -102,6 +102,17 @@ where
         self.dirty.note(axis, at);
     }
 
+    fn columns(
+        &mut self,
+        axis: Axis,
+        line: usize,
+        places: <Grid<N> as Size>::Row,
+        old: &[Column; N],
+    ) {
+        self.undo.record_line(axis, line, places, old);
+        self.dirty.note_line(axis, line, places);
+    }
+
     fn added(&mut self, row: (usize, usize), voxels: <Grid<N> as Size>::Row) {
         self.islands.added(row, voxels);
     }
