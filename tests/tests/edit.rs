@@ -14,7 +14,7 @@ use paros_core::row::Bits;
 use paros_core::size::{Grid, Size};
 use paros_core::volume::{Journal, Volume, maps_digest};
 use paros_tests::models::dense::{Dense, masked_volumes};
-use paros_tests::models::edit::edited;
+use paros_tests::models::edit::{edited, stays_in_reach};
 use proptest::prelude::*;
 
 /// Writes down what it is told.
@@ -208,37 +208,6 @@ fn columns_are_the_changes<const N: usize>(notes: &Notes, before: &Maps<N>, afte
             let expected = (old != new).then_some(old);
             assert_eq!(told.get(&(axis as u8, at)).copied(), expected, "{axis:?} {at:?}");
         }
-    }
-}
-
-/// What the design promises of every edit, said without the definition.
-fn stays_in_reach(
-    volume: &Dense,
-    mask: &Dense,
-    after: &Dense,
-    brush: &Dense,
-    operation: Operation,
-    mirrored: bool,
-) {
-    let brush = if mirrored { brush.or(&brush.mirrored()) } else { brush.clone() };
-    assert!(mask.is_within(after), "a masked voxel is lost");
-    assert!(volume.without(after).is_within(&brush), "a voxel beside the brush was removed");
-    let added = after.without(volume);
-    match operation {
-        Operation::Carve { .. } => assert!(added.is_empty(), "a carve added"),
-        Operation::Fill { .. } => assert!(volume.is_within(after), "a fill removed"),
-        Operation::Smooth => {}
-    }
-    let held = Axis::ALL.map(|axis| {
-        move |brush: &Dense, voxel: [i32; 3]| {
-            brush.hull(axis, axis.address(voxel.map(|i| i as usize))).is_some()
-        }
-    });
-    for voxel in added.occupied() {
-        assert!(held.iter().any(|held| held(&brush, voxel)), "{voxel:?} is in no beam");
-    }
-    if mirrored && volume == &volume.mirrored() && mask == &mask.mirrored() {
-        assert_eq!(after, &after.mirrored(), "the mirror is broken");
     }
 }
 
