@@ -1,7 +1,7 @@
 //! Bit rows of a whole grid: one N-bit row along x for each (y, z).
 
 use crate::maps::{Axis, Column, Maps, Range};
-use crate::row::Bits;
+use crate::row::{Bits, Row};
 use crate::size::{Grid, Size};
 
 /// N x N bit rows, addressed `(y, z)`: the word-parallel twin of the maps. 256 KiB at 128.
@@ -46,6 +46,13 @@ where
     #[inline]
     pub fn row_mut(&mut self, y: usize, z: usize) -> &mut <Grid<N> as Size>::Row {
         &mut self.rows[y][z]
+    }
+
+    /// Words `first..first + WORDS` of all rows.
+    #[must_use]
+    #[inline]
+    pub const fn strip<const WORDS: usize>(&self, first: usize) -> Strip<'_, N, WORDS> {
+        Strip { plane: self, first }
     }
 
     /// The N rows of layer y, by z.
@@ -142,6 +149,28 @@ where
             }
             seen &= !row(i);
         }
+    }
+}
+
+/// The same few words of every row of a plane: what is small works on no more.
+#[derive(Clone, Copy, Debug)]
+pub struct Strip<'a, const N: usize, const WORDS: usize>
+where
+    Grid<N>: Size,
+{
+    plane: &'a Plane<N>,
+    first: usize,
+}
+
+impl<const N: usize, const WORDS: usize> Strip<'_, N, WORDS>
+where
+    Grid<N>: Size,
+{
+    /// Its words of the row at (y, z).
+    #[must_use]
+    #[inline]
+    pub fn row(&self, y: usize, z: usize) -> Row<WORDS> {
+        self.plane.rows[y][z].part(self.first)
     }
 }
 
