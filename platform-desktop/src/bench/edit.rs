@@ -40,12 +40,13 @@ where
     let places = surface(&rig.plane);
     agree(rig, &places, subject.name())?;
     let rig = RefCell::new(rig);
-    let mut fill = f64::INFINITY;
+    let (mut fill, mut strokes) = (f64::INFINITY, f64::INFINITY);
     let times = duel(
         runs,
         || {
             let rig = &mut **rig.borrow_mut();
             fill = fill.min(edits(rig, &places, FILL));
+            strokes = strokes.min(edits_of_a_stroke_each(rig, &places, CARVE));
             Ok::<_, Error>(edits(rig, &places, CARVE))
         },
         || {
@@ -60,6 +61,7 @@ where
     Ok(vec![
         row("a dense carve of radius 6, maps recomputed").times(times),
         row("the same, ours a fill").times([fill, times[1]]),
+        row("the same, ours a stroke each, with as many to undo as fit").times([strokes, times[1]]),
     ])
 }
 
@@ -111,6 +113,30 @@ where
             edit(rig, *place, operation);
         }
     });
+    whole / places.len() as f64
+}
+
+/// The same with a stroke for each. It is the third round that counts, when the oldest strokes must
+/// make room for every new one.
+fn edits_of_a_stroke_each<const N: usize>(
+    rig: &mut Rig<N>,
+    places: &[[usize; 3]],
+    operation: Operation,
+) -> f64
+where
+    Grid<N>: Size,
+{
+    reset(rig);
+    let mut whole = 0.0;
+    for _ in 0..3 {
+        rig.volume.set_maps(&rig.start);
+        whole = timed(|| {
+            for place in places {
+                rig.undo.begin_stroke();
+                edit(rig, *place, operation);
+            }
+        });
+    }
     whole / places.len() as f64
 }
 
