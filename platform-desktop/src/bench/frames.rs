@@ -21,15 +21,18 @@ pub(super) const VIEWS: usize = 8;
 const ELEVATION: f32 = 0.3;
 /// Half the vertical angle of view, in radians; the horizontal one follows from the pixels.
 const HALF_ANGLE: f32 = TAU / 8.0;
+/// Half of the narrowest one.
+const NARROWEST: f32 = TAU / 80.0;
 /// Between two eyes, in metres; a side of the cube is one.
 const EYES_APART: f32 = 0.064;
 
 /// The part of the image that a sculpture is to fill, over the ring.
 const FILLED: f32 = 0.25;
-/// From how near, in sides of the cube, if it is too slender for that: just outside of the cube.
+/// From how near, in sides of the cube: just outside of the cube. For what is too slender the angle
+/// of view is narrowed there.
 const NEAREST: f32 = 0.8;
 const FARTHEST: f32 = 8.0;
-/// Halvings between the two.
+/// Halvings of what lies between two limits.
 const HALVINGS: usize = 12;
 /// The longest side of the pictures in which that is counted.
 const LONGEST_COUNTED: u32 = 400;
@@ -69,6 +72,8 @@ pub(super) struct Framing {
     distance: f32,
     /// Of the point looked at, in sides of the cube.
     height: f32,
+    /// Half the vertical angle of view, in radians.
+    half_angle: f32,
     /// The part of the image that it fills.
     pub(super) filled: f32,
 }
@@ -225,11 +230,12 @@ pub(super) fn mean_ms(views: &[u64; VIEWS]) -> f64 {
 /// A view of the ring: the eye stands still, and the stool turns before it.
 fn seen(framing: &Framing, view: usize, [width, height]: [u32; 2]) -> (Eye, Stand) {
     let (sin, cos) = ELEVATION.sin_cos();
-    let right = (HALF_ANGLE.tan() * width as f32 / height as f32).atan();
+    let up = framing.half_angle;
+    let right = (up.tan() * width as f32 / height as f32).atan();
     let eye = Eye {
         position: Vec3::new(0.0, sin, cos) * framing.distance + Vec3::Y * framing.height,
         rotation: Quat::from_rotation_x(-ELEVATION),
-        fov: Fov { left: -right, right, up: HALF_ANGLE, down: -HALF_ANGLE },
+        fov: Fov { left: -right, right, up, down: -up },
     };
     let turn = view as f32 * (TAU / VIEWS as f32);
     (eye, Stand { foot: Vec3::ZERO, side: 1.0, turn })
@@ -245,24 +251,30 @@ fn middle<const N: usize>(maps: &Maps<N>) -> f32 {
 }
 
 /// Comes nearer until the sculpture fills the image as it should. It is the exact voxels that count.
-fn frame(sketch: &mut Easel, size: [u32; 2], n: usize, height: f32) -> Result<Framing, Error> {
-    let mut at = |distance: f32| {
-        let mut framing = Framing { size: n, distance, height, filled: 0.0 };
-        framing.filled = filled(sketch, size, &framing)?;
-        Ok::<_, Error>(framing)
-    };
-    let (mut near, mut far) = (NEAREST, FARTHEST);
-    let mut best = at(near)?;
-    if best.filled < FILLED {
-        return Ok(best);
+fn frame(sketch: &mut Easel, pixels: [u32; 2], size: usize, height: f32) -> Result<Framing, Error> {
+    let nearest = Framing { size, distance: NEAREST, height, half_angle: HALF_ANGLE, filled: 0.0 };
+    if filled(sketch, pixels, &nearest)? < FILLED {
+        let narrowed = |half_angle| Framing { half_angle, ..nearest };
+        halve(sketch, pixels, [NARROWEST, HALF_ANGLE], narrowed)
+    } else {
+        let away = |distance| Framing { distance, ..nearest };
+        halve(sketch, pixels, [NEAREST, FARTHEST], away)
     }
+}
+
+/// Halves the way between a value with which more is filled and one with which less is.
+fn halve(
+    sketch: &mut Easel,
+    pixels: [u32; 2],
+    [mut more, mut less]: [f32; 2],
+    framing: impl Fn(f32) -> Framing,
+) -> Result<Framing, Error> {
+    let mut best = framing(more);
     for _ in 0..HALVINGS {
-        best = at(0.5 * (near + far))?;
-        if best.filled > FILLED {
-            near = best.distance;
-        } else {
-            far = best.distance;
-        }
+        let middle = 0.5 * (more + less);
+        best = framing(middle);
+        best.filled = filled(sketch, pixels, &best)?;
+        *(if best.filled > FILLED { &mut more } else { &mut less }) = middle;
     }
     Ok(best)
 }
