@@ -175,19 +175,39 @@ fn bench_paper_sets_ratios_beside_the_published_ones() {
     let folder = folder("paper");
     let size = ["--size", "64x64", "--runs", "1", "--json", "--device", &device];
     let rows = rows(&succeeds(&folder, &[&["bench", "paper", "toy"], &size[..]].concat()));
-    let share = |against: &str| {
+    let row = |against: &str| {
         let row = rows.iter().find(|row| row["against"] == against);
-        row.unwrap_or_else(|| panic!("no {against}"))["share"].as_f64().unwrap()
+        row.unwrap_or_else(|| panic!("no {against}"))
     };
-    assert_eq!(share("whole frame"), 1.0);
-    for what in
-        ["SDF off (published: at most)", "full march", "whole frame at 256", "our fast path"]
-    {
-        assert!(share(what) > 0.0);
+    let figure = |against: &str, key: &str| row(against)[key].as_f64().unwrap();
+    let is_near = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-9;
+    let whole = figure("whole frame", "ours_ms");
+    for what in [
+        "whole frame",
+        "SDF off (published: at most)",
+        "shading off (published: at most)",
+        "full march",
+        "whole frame at 256",
+        "our fast path",
+        "our fast path at 256",
+    ] {
+        assert_eq!(row(what)["device"], device.as_str());
+        assert!(is_near(figure(what, "share"), figure(what, "ours_ms") / whole), "{what}");
     }
-    let once = share("clean-up every frame: the paper's queue");
-    assert!(share("amortised clean-up, mean tick: the paper's queue") <= once);
-    assert!(share("clean-up every frame: our rows") < once);
+    for way in ["the paper's queue", "our rows"] {
+        for what in [
+            "clean-up every frame",
+            "clean-up at once, worst tick",
+            "clean-up at once each second, mean tick",
+            "amortised clean-up, worst tick",
+            "amortised clean-up, mean tick",
+        ] {
+            let what = format!("{what}: {way}");
+            assert!(is_near(figure(&what, "share"), figure(&what, "ours_ms") * 0.072), "{what}");
+        }
+    }
+    assert!(is_near(figure("clean-up every frame: the paper's queue", "published"), 5.472));
+    assert!(is_near(figure("full march", "published"), 50.0 / 3.0 / 14.7));
     let published = rows.iter().filter(|row| row.get("published").is_some()).count();
     assert_eq!(published, 6);
 }
