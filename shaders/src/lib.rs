@@ -4,10 +4,9 @@
 //! that it can stand in where there is no GPU and be the reference a GPU's picture is compared
 //! with. Inside the volume lengths are voxels; outside, the studio measures in sides of the cube.
 
-
 pub mod camera;
 pub mod constants;
-pub mod density;
+pub mod fast;
 pub mod field;
 pub mod fragment;
 pub mod gpu;
@@ -24,7 +23,6 @@ pub mod surface;
 pub mod upload;
 
 pub use camera::Camera;
-pub use density::Density;
 pub use fragment::{Hit, Scene, Settings, shade};
 pub use image::{Image, contact_sheet};
 pub use march::Ray;
