@@ -4,4 +4,5 @@ pub mod bench;
 pub mod commands;
 pub mod demo;
 pub mod error;
+pub mod headless;
 pub mod mesh;

@@ -20,7 +20,7 @@ use super::subject::Subject;
 use crate::error::Error;
 
 /// In voxels.
-const RADIUS: i32 = 6;
+pub(super) const RADIUS: i32 = 6;
 
 /// Layers of the shell that may go.
 const DEPTH: usize = 2;
@@ -28,7 +28,7 @@ const DEPTH: usize = 2;
 /// Places on the surface, one edit each.
 const PLACES: usize = 64;
 
-const CARVE: Operation = Operation::Carve { depth: DEPTH };
+pub(super) const CARVE: Operation = Operation::Carve { depth: DEPTH };
 const FILL: Operation = Operation::Fill { depth: DEPTH };
 
 pub(super) fn rows<const N: usize>(subject: &Subject, runs: usize) -> Result<Vec<Row>, Error>
@@ -80,7 +80,7 @@ pub(super) fn scaling(subject: &Subject, runs: usize) -> Result<Vec<Row>, Error>
 }
 
 /// Voxels of the surface above the ground layer, evenly spaced in the order of y, z, x.
-fn surface<const N: usize>(plane: &Plane<N>) -> Vec<[usize; 3]>
+pub(super) fn surface<const N: usize>(plane: &Plane<N>) -> Vec<[usize; 3]>
 where
     Grid<N>: Size,
 {
@@ -142,7 +142,7 @@ where
 
 /// What the world does for an edit: the edit itself with undo, dirty rectangles and islands told,
 /// digest kept up.
-fn edit<const N: usize>(rig: &mut Rig<N>, place: [usize; 3], operation: Operation)
+pub(super) fn edit<const N: usize>(rig: &mut Rig<N>, place: [usize; 3], operation: Operation)
 where
     Grid<N>: Size,
 {
