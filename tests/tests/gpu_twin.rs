@@ -135,7 +135,7 @@ fn ray(eye: &Eye, x: usize, y: usize) -> (Ray, f32) {
 /// `light::dither` of the shaders.
 fn dither(x: usize, y: usize) -> f32 {
     let dot = x as f32 * 0.067_110_56 + y as f32 * 0.005_837_15;
-    (52.982_918_9 * dot.fract()).fract()
+    (52.982_92 * dot.fract()).fract()
 }
 
 fn volumes() -> Vec<(&'static str, Dense)> {
