@@ -280,3 +280,60 @@ fn upkeep_is_a_rebuild_on_128() {
     let mut studio = STUDIO.lock().unwrap_or_else(PoisonError::into_inner);
     follow(&mut studio, 70, 60);
 }
+
+/// What a frame costs and hands out is within its budget, and a load comes to its end.
+#[test]
+fn frames_keep_to_their_budget() {
+    static STUDIO: Mutex<Studio<128>> = Mutex::new(Studio::new());
+    let mut studio = STUDIO.lock().unwrap_or_else(PoisonError::into_inner);
+    let (mut dice, mut dirty) = (Dice::new(5), Dirty::new());
+    let mut field = Field::<128>::new();
+    let budget = Budget::frame(128);
+    for tick in 0..400 {
+        dirty.clear();
+        match tick % 200 {
+            0 => studio.load(&mut dice, &mut dirty),
+            180 => studio.swap(&mut dirty),
+            _ if dice.one_in(2) => studio.edit(&mut dice, &mut dirty),
+            _ => {}
+        }
+        field.note(studio.volume.maps(), &dirty);
+        let mut bytes = 0;
+        let spent = field.advance(budget, &mut |_, region| bytes += region.len());
+        assert!(bytes <= budget.bytes, "tick {tick}: {bytes} bytes");
+        // A frame does one thing at least: a box of nothing but detail is reckoned at a tenth more.
+        assert!(spent.work <= budget.work * 11 / 10, "tick {tick}: {spent:?}");
+        assert_eq!(spent.bytes, bytes, "tick {tick}");
+    }
+    let frames = (0..600).take_while(|_| {
+        field.advance(budget, &mut |_, _| {});
+        field.pending()
+    });
+    assert!(frames.count() < 400, "never done");
+}
+
+/// Cells of four texels.
+#[test]
+fn cells_at_256() {
+    static STUDIO: Mutex<Studio<256>> = Mutex::new(Studio::new());
+    let mut studio = STUDIO.lock().unwrap_or_else(PoisonError::into_inner);
+    let (mut dice, mut dirty) = (Dice::new(6), Dirty::new());
+    let (mut field, mut fresh) = (Field::<256>::new(), Field::<256>::new());
+    let mut copies = Copies::of(&field);
+    for _ in 0..3 {
+        dirty.clear();
+        studio.load(&mut dice, &mut dirty);
+        field.note(studio.volume.maps(), &dirty);
+        field.advance(Budget::frame(256), &mut |region, bytes| copies.write(region, bytes));
+        copies.check_cells(false);
+    }
+    dirty.clear();
+    (0..5).for_each(|_| studio.edit(&mut dice, &mut dirty));
+    field.note(studio.volume.maps(), &dirty);
+    while field.pending() {
+        field.advance(Budget::UNLIMITED, &mut |region, bytes| copies.write(region, bytes));
+    }
+    copies.check_cells(true);
+    fresh.rebuild(studio.volume.maps());
+    assert!(Copies::of(&fresh).0 == copies.0);
+}
