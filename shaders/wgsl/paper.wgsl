@@ -94,9 +94,7 @@ fn march(eye: vec3<f32>, direction: vec3<f32>, span: vec2<f32>) -> Sample {
         let column = place >> BITS;
         if FULL_MARCH {
             let voxel = unordered(column, w, axis);
-            let next = select(axis + 1, 0, axis == 2);
-            let last = select(axis - 1, 2, axis == 0);
-            if along(voxel, axis) && along(voxel, next) && along(voxel, last) {
+            if along(voxel, 0) && along(voxel, 1) && along(voxel, 2) {
                 return Sample(voxel, t + each * f32(abs(w - begin)));
             }
         } else {

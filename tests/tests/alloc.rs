@@ -175,7 +175,8 @@ fn no_frame_of_the_field_allocates() {
         for axis in paros_core::maps::Axis::ALL {
             for rect in studio.world.dirty().rects(axis) {
                 for line in rect.lo.0..=rect.hi.0 {
-                    dirty.note_stretch(axis, line.into(), rect.lo.1.into(), rect.hi.1.into());
+                    dirty.note(axis, (line.into(), rect.lo.1.into()));
+                    dirty.note(axis, (line.into(), rect.hi.1.into()));
                 }
             }
         }

@@ -248,7 +248,7 @@ where
                 break;
             }
         }
-        assert!(field.maps() == studio.volume.maps());
+        assert!(field.latest() == studio.volume.maps());
         if !field.pending() {
             settled += 1;
             fresh.rebuild(studio.volume.maps());

@@ -56,8 +56,6 @@ fn the_gpu_draws_what_its_twin_draws() {
                 gpu.wait().expect("a device");
                 let pixels = screen.pixels(0).expect("a device");
                 let depths = screen.depths(0).expect("a device").expect("depth in floats");
-                let settings =
-                    Settings { sdf: path != Path::Paper(Parts::NoSdf), ..Settings::default() };
                 let scene = Scene {
                     field: (path == Path::Fast).then_some(&*field),
                     ..Scene::new(&maps, turn, Settings::default())

@@ -162,11 +162,11 @@ impl<const N: usize> Field<N> {
 
     /// The maps as they were last noted.
     #[must_use]
-    pub const fn maps(&self) -> &Maps<N> {
+    pub const fn latest(&self) -> &Maps<N> {
         &self.latest
     }
 
-    /// Whether a voxel of the grid is occupied in [`Field::maps`].
+    /// Whether a voxel of the grid is occupied in [`Field::latest`].
     #[must_use]
     #[inline]
     pub fn occupied(&self, voxel: [usize; 3]) -> bool {
