@@ -4,7 +4,6 @@
 //! that it can stand in where there is no GPU and be the reference a GPU's picture is compared
 //! with. Inside the volume lengths are voxels; outside, the studio measures in sides of the cube.
 
-
 pub mod camera;
 pub mod constants;
 pub mod density;
