@@ -10,7 +10,7 @@ const STORAGE_16: [u32; 3] = [4433, 4434, 4436];
 
 /// The program without capabilities that it doesn't use, and with loops kept as loops: a driver
 /// that unrolls a march needs three times the registers.
-pub(crate) fn finished(words: Vec<u32>) -> Vec<u32> {
+pub(crate) fn finished(words: &[u32]) -> Vec<u32> {
     const HEADER: usize = 5;
     let mut out = words[..HEADER].to_vec();
     let mut rest = &words[HEADER..];

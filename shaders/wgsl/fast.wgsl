@@ -3,6 +3,7 @@
 #import paros::box
 #import paros::marble
 #import paros::light
+#import paros::shadow
 
 // What colours, normals and densities are made of: half precision where it is offered.
 #ifdef HALF
@@ -146,7 +147,8 @@ fn visibility(p: vec3<f32>, voxel: f32) -> part {
     let b = part(1.0) - part(0.9) * part(dense(p + towards * 5.0, 1.0));
     let c = part(1.0) - part(0.9) * part(dense(p + towards * 11.0, 2.0));
     let f = part(1.0) - part(0.9) * part(dense(p + towards * 24.0, 3.0));
-    return a * b * c * f;
+    let grid = (p - 0.5) * frame.sun_room.w + 0.5 * frame.sun_grid.w;
+    return a * b * c * f * part(shadow::beyond(grid));
 }
 
 // How open the point is to the ambient light: what is empty above it.
