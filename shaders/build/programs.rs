@@ -17,18 +17,26 @@ use naga_oil::compose::{
 use crate::words;
 
 /// Modules that others import, each after what it imports itself.
-const LIBRARY: [&str; 5] = ["layout", "box", "light", "marble", "beam"];
+const LIBRARY: [&str; 6] = ["layout", "box", "light", "marble", "beam", "shadow"];
 
 /// Bindings of the only descriptor set.
-const BINDINGS: u32 = 12;
+const BINDINGS: u32 = 13;
 
-/// A program: its name, module, entry point, whether half precision is meant, and overrides.
+/// A program: its name, module, entry point, what of the module is defined, and overrides.
+#[derive(Clone)]
 struct Program {
     name: String,
     module: &'static str,
     stage: naga::ShaderStage,
-    half: bool,
+    defs: Vec<&'static str>,
     overrides: Vec<(&'static str, f64)>,
+}
+
+impl Program {
+    fn with(mut self, def: &'static str) -> Self {
+        self.defs.push(def);
+        self
+    }
 }
 
 /// Writes the programs, and a table of them, into the folder `out`.
@@ -64,7 +72,7 @@ fn programs() -> Vec<Program> {
         name: name.into(),
         module,
         stage,
-        half: false,
+        defs: Vec::new(),
         overrides: overrides.to_vec(),
     };
     use naga::ShaderStage::{Fragment, Vertex};
@@ -73,8 +81,14 @@ fn programs() -> Vec<Program> {
         program("tiles_vertex", "tiles", Vertex, &[]),
         program("tiles", "tiles", Fragment, &[]),
         program("tile_vertex", "tile", Vertex, &[]),
-        program("beams_vertex", "tile", Vertex, &[("WIDTH", 8.0)]),
+        program("beams_vertex", "tile", Vertex, &[]).with("BEAMS"),
         program("beams", "beams", Fragment, &[]),
+        program("scene_vertex", "scene", Vertex, &[]),
+        program("scene", "scene", Fragment, &[]),
+        program("particles", "scene", Fragment, &[]).with("PARTICLES"),
+        program("cast_vertex", "cast", Vertex, &[]),
+        program("cast_sculpture_vertex", "cast", Vertex, &[]).with("SCULPTURE"),
+        program("cast_sculpture", "cast", Fragment, &[]).with("SCULPTURE"),
     ];
     for (name, half, coverage) in [
         ("fast", false, 0.0),
@@ -83,7 +97,8 @@ fn programs() -> Vec<Program> {
         ("fast_half_coverage", true, 1.0),
     ] {
         let overrides = [("COVERAGE", coverage)];
-        all.push(Program { half, ..program(name, "fast", Fragment, &overrides) });
+        let single = program(name, "fast", Fragment, &overrides);
+        all.push(if half { single.with("HALF") } else { single });
     }
     for (name, overrides) in [
         ("paper", &[][..]),
@@ -119,8 +134,8 @@ fn compile(program: &Program) -> Vec<u32> {
     let capabilities =
         Capabilities::MULTIVIEW | Capabilities::EARLY_DEPTH_TEST | Capabilities::SHADER_FLOAT16;
     let mut composer = Composer::default().with_capabilities(capabilities);
-    let defs = HashMap::from([("HALF".to_owned(), ShaderDefValue::Bool(program.half))]);
-    let defs: HashMap<_, _> = defs.into_iter().filter(|_| program.half).collect();
+    let defs: HashMap<_, _> =
+        program.defs.iter().map(|def| ((*def).to_owned(), ShaderDefValue::Bool(true))).collect();
     for name in LIBRARY {
         let (file_path, source) = read(name);
         let module = ComposableModuleDescriptor {
@@ -134,7 +149,7 @@ fn compile(program: &Program) -> Vec<u32> {
         }
     }
     let (file_path, mut source) = read(program.module);
-    if program.half {
+    if program.defs.contains(&"HALF") {
         // Directives stand before everything else, conditions of the preprocessor too.
         source.insert_str(0, "enable f16;\n");
     }
@@ -147,7 +162,7 @@ fn compile(program: &Program) -> Vec<u32> {
     });
     let module = module.unwrap_or_else(|error| panic!("{}", error.emit_to_string(&composer)));
     // The fast path of single precision is for desktops, whose drivers know better.
-    let loops = program.half || program.module != "fast";
+    let loops = program.defs.contains(&"HALF") || program.module != "fast";
     words::finished(&spirv(&module, program, capabilities), loops)
 }
 

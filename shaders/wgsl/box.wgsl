@@ -10,12 +10,17 @@ struct Corner {
 
 @vertex
 fn vertex(@builtin(vertex_index) index: u32, @builtin(view_index) view: u32) -> Corner {
-    // A strip of 14 corners around a cube: bit i of each mask is a coordinate of corner i.
-    let corner = (vec3<u32>(0x287au, 0x02afu, 0x31e3u) >> vec3<u32>(index)) & vec3<u32>(1u);
-    let grid = vec3<f32>(corner) * frame.sun_grid.w;
+    let grid = corner(index) * frame.sun_grid.w;
     let room = frame.room_from_grid * vec4<f32>(grid, 1.0);
     let eye = frame.views[view].eye.xyz;
     return Corner(frame.views[view].clip_from_room * room, grid - eye, eye);
+}
+
+// A strip of 14 corners around a cube of side 1.
+fn corner(index: u32) -> vec3<f32> {
+    // Bit i of each mask is a coordinate of corner i.
+    let bits = (vec3<u32>(0x287au, 0x02afu, 0x31e3u) >> vec3<u32>(index)) & vec3<u32>(1u);
+    return vec3<f32>(bits);
 }
 
 // Where a ray enters and leaves the cube from `low` to `high`, not behind the eye.

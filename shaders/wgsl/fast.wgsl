@@ -1,6 +1,7 @@
 // The smooth surface where the blurred volume is half full, its normal, and its light.
 #import paros::layout::{frame, BEAM}
 #import paros::marble
+#import paros::shadow
 
 // What colours, normals and densities are made of: half precision where it is offered.
 #ifdef HALF
@@ -159,7 +160,8 @@ fn visibility(p: vec3<f32>, voxel: f32) -> part {
         seen -= seen * part(0.9) * part(dense(p + frame.sun_grid.xyz * far, level));
         far *= 2.2;
     }
-    return seen;
+    let grid = (p - 0.5) * frame.sun_room.w + 0.5 * frame.sun_grid.w;
+    return seen * part(shadow::beyond(grid));
 }
 
 // How open the point is to the ambient light: what is empty above it.

@@ -19,7 +19,10 @@ const BEAM: f32 = 8.0;
 // The sculpture and the light, the same for both eyes.
 struct Frame {
     views: array<View, 2>,
+    // Clip space of the sun's map, with depth 0 next to the sun; zeros where there is no map: then
+    // all is lit.
     shadow_from_grid: mat4x4<f32>,
+    shadow_from_room: mat4x4<f32>,
     // Columns: the grid's axes in the room, then the grid's origin there. Metres a voxel.
     room_from_grid: mat4x4<f32>,
     // Towards the sun, in the grid. w: voxels along a side of the grid.
@@ -37,6 +40,8 @@ struct Frame {
     extent: vec4<f32>,
     // x: texels of the density that a cell's byte tells of if it is 255.
     cells: vec4<f32>,
+    // The sun's map: depth a metre; the part of its side that a texel is.
+    sun_map: vec4<f32>,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

@@ -3,6 +3,7 @@
 #import paros::light
 #import paros::marble
 #import paros::box
+#import paros::shadow
 
 override FULL_MARCH: bool = false;
 override SDF: bool = true;
@@ -255,5 +256,5 @@ fn visibility(point: vec3<f32>, dither: f32) -> f32 {
         order -= select(0.0, SAMPLES, order >= SAMPLES);
         turn = mat2x2<f32>(-0.7373689, 0.6754903, -0.6754903, -0.7373689) * turn;
     }
-    return visible;
+    return visible * shadow::beyond(point);
 }

@@ -1,8 +1,12 @@
 // Tiles of pixels that may show the sculpture, as quads at the depth where their rays start.
-#import paros::layout::{frame, TILE}
+#import paros::layout::{frame, BEAM, TILE}
 
-// Pixels of the picture along a side of the target's: 1, or a beam's width.
-override WIDTH: f32 = 1.0;
+// Pixels of the picture along a side of the target's.
+#ifdef BEAMS
+const WIDTH: f32 = BEAM;
+#else
+const WIDTH: f32 = 1.0;
+#endif
 
 @group(0) @binding(7) var starts: texture_2d_array<f32>;
 
@@ -10,8 +14,10 @@ struct Corner {
     @builtin(position) position: vec4<f32>,
     @location(0) direction: vec3<f32>,
     @location(1) @interpolate(flat) eye: vec3<f32>,
+#ifdef BEAMS
     @location(2) @interpolate(flat) start: f32,
     @location(3) @interpolate(flat) spread: f32,
+#endif
 }
 
 @vertex
@@ -39,7 +45,9 @@ fn vertex(
         vec4<f32>(place, depth, 1.0),
         direction / side,
         (frame.views[view].eye.xyz + pad) / side,
+#ifdef BEAMS
         start,
         max(corner.x, max(corner.y, corner.z)),
+#endif
     );
 }

@@ -50,6 +50,7 @@ fn the_gpu_draws_what_its_twin_draws() {
                     stand,
                     look: Look { path, ..Look::default() },
                     backdrop: [0.0; 3],
+                    scene: None,
                 };
                 renderer.begin().expect("a device");
                 renderer.draw(&picture, &screen.surface, 0, Sync::default()).expect("a device");

@@ -196,7 +196,7 @@ impl Studio {
             .map(|side| Eye { position: eyes.position + Vec3::X * (EYES_APART * side), ..eyes });
         let eyes = if kind.eyes == 2 { &both[..] } else { &[eyes] };
         let look = Look { path: shot.path, ..Look::default() };
-        let picture = Picture { eyes, stand, look, backdrop: headless::BACKDROP };
+        let picture = Picture { eyes, stand, look, backdrop: headless::BACKDROP, scene: None };
         self.easel(framing.size, kind)?.draw(&picture, uploads)
     }
 
@@ -285,7 +285,10 @@ fn filled(sketch: &mut Easel, size: [u32; 2], framing: &Framing) -> Result<f32, 
     let mut sum = 0;
     for view in 0..VIEWS {
         let (eye, stand) = seen(framing, view, size);
-        sketch.draw(&Picture { eyes: &[eye], stand, look, backdrop: NOTHING }, &vec![])?;
+        sketch.draw(
+            &Picture { eyes: &[eye], stand, look, backdrop: NOTHING, scene: None },
+            &vec![],
+        )?;
         let image = sketch.image(0)?;
         sum += image.pixels.chunks_exact(3).filter(|pixel| **pixel != NOTHING_SHOWN).count();
     }

@@ -82,7 +82,8 @@ impl<const N: usize> Painter<N> {
                 easel.load(field)?;
                 let (eye, stand) = headless::seen_by(camera, *size);
                 let look = Look { path: *path, ..Look::default() };
-                let picture = Picture { eyes: &[eye], stand, look, backdrop: BACKDROP };
+                let picture =
+                    Picture { eyes: &[eye], stand, look, backdrop: BACKDROP, scene: None };
                 easel.draw(&picture, &vec![])?;
                 easel.image(0)
             }

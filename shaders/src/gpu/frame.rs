@@ -3,8 +3,10 @@
 use glam::{Mat3, Mat4, Quat, Vec3, Vec4};
 
 use super::layout;
+use super::shadow;
 use crate::constants::{AMBIENT, SUN_COLOR, SUN_DIRECTION};
 use crate::field::cell;
+use crate::scene::{DrawList, ROOM_AMBIENT};
 
 /// Distance of the near plane, in metres.
 const NEAR: f32 = 0.04;
@@ -89,6 +91,19 @@ impl Default for Look {
     }
 }
 
+impl Look {
+    /// The studio's light, for a way of drawing: the sun a little held back and the rest brought up,
+    /// so that white stone in the sun keeps its shapes and the room is not gloomy.
+    #[must_use]
+    pub fn studio(path: Path) -> Self {
+        const SUN: f32 = 0.74;
+        const ROOM: f32 = 1.2;
+        let sun_color = Vec3::from_array(SUN_COLOR) * SUN;
+        let ambient = ROOM_AMBIENT.map(|color| color.map(|part| part * ROOM));
+        Look { path, sun_color, ambient, ..Look::default() }
+    }
+}
+
 /// Where the sculpture's cube stands.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Stand {
@@ -109,6 +124,9 @@ pub struct Picture<'a> {
     pub stand: Stand,
     /// How it is drawn.
     pub look: Look,
+    /// The room and what is in it, lit by the look's light; without it the sculpture stands alone,
+    /// and no shadow falls from or on anything else.
+    pub scene: Option<&'a DrawList>,
     /// Linear colour of what nothing covers.
     pub backdrop: [f32; 3],
 }
@@ -152,6 +170,10 @@ pub(super) fn layout(picture: &Picture<'_>, n: usize, [w, h]: [u32; 2]) -> layou
     let grid_from_room = room_from_grid.inverse();
     let voxel = picture.stand.side / n as f32;
     let look = &picture.look;
+    let shadow_from_room = match picture.scene {
+        Some(_) => shadow::shadow_from_room(look.sun_direction),
+        None => Mat4::ZERO,
+    };
     let sun_grid = grid_from_room.transform_vector3(look.sun_direction).normalize();
     let mut views = [layout::View::default(); 2];
     for (view, eye) in views.iter_mut().zip(picture.eyes) {
@@ -170,7 +192,8 @@ pub(super) fn layout(picture: &Picture<'_>, n: usize, [w, h]: [u32; 2]) -> layou
     let tiles = [w, h].map(|pixels| pixels.div_ceil(TILE));
     layout::Frame {
         views,
-        shadow_from_grid: [[0.0; 4]; 4],
+        shadow_from_grid: (shadow_from_room * room_from_grid).to_cols_array_2d(),
+        shadow_from_room: shadow_from_room.to_cols_array_2d(),
         room_from_grid: room_from_grid.to_cols_array_2d(),
         sun_grid: sun_grid.extend(n as f32).to_array(),
         sun_room: look.sun_direction.extend((n + 8) as f32).to_array(),
@@ -179,6 +202,7 @@ pub(super) fn layout(picture: &Picture<'_>, n: usize, [w, h]: [u32; 2]) -> layou
         depth: [NEAR * FAR / (FAR - NEAR) / voxel, -NEAR / (FAR - NEAR), NEAR / voxel, voxel],
         extent: [w as f32, h as f32, tiles[0] as f32, tiles[1] as f32],
         cells: [255.0 * cell(n) as f32, 0.0, 0.0, 0.0],
+        sun_map: [shadow::depth_per_metre(), 1.0 / shadow::SIDE as f32, 0.0, 0.0],
     }
 }
 

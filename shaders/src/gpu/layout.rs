@@ -21,6 +21,7 @@ pub struct View {
 pub struct Frame {
     pub views: [View; 2],
     pub shadow_from_grid: [[f32; 4]; 4],
+    pub shadow_from_room: [[f32; 4]; 4],
     pub room_from_grid: [[f32; 4]; 4],
     pub sun_grid: [f32; 4],
     pub sun_room: [f32; 4],
@@ -29,6 +30,7 @@ pub struct Frame {
     pub depth: [f32; 4],
     pub extent: [f32; 4],
     pub cells: [f32; 4],
+    pub sun_map: [f32; 4],
 }
 
 const _: () = {

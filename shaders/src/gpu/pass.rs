@@ -1,4 +1,4 @@
-//! The two render passes: where rays start, and the frame itself.
+//! The render passes: where rays start, what the sun sees, and the frame itself.
 
 use std::sync::Arc;
 
@@ -117,6 +117,26 @@ impl Pass {
         Self::new(gpu, &attachments, subpass, format.mask())
     }
 
+    /// The sun's map: depth alone, for other programs to read.
+    pub(super) fn shadow(gpu: &Arc<Gpu>, format: vk::Format) -> Result<Self, Error> {
+        let attachments = [vk::AttachmentDescription::default()
+            .format(format)
+            .samples(vk::SampleCountFlags::TYPE_1)
+            .load_op(vk::AttachmentLoadOp::CLEAR)
+            .store_op(vk::AttachmentStoreOp::STORE)
+            .stencil_load_op(vk::AttachmentLoadOp::DONT_CARE)
+            .stencil_store_op(vk::AttachmentStoreOp::DONT_CARE)
+            .final_layout(vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL)];
+        let depth = vk::AttachmentReference {
+            attachment: 0,
+            layout: vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL,
+        };
+        let subpass = vk::SubpassDescription::default()
+            .pipeline_bind_point(vk::PipelineBindPoint::GRAPHICS)
+            .depth_stencil_attachment(&depth);
+        Self::new(gpu, &attachments, subpass, 0)
+    }
+
     fn new(
         gpu: &Arc<Gpu>,
         attachments: &[vk::AttachmentDescription],
@@ -150,9 +170,10 @@ impl Pass {
                 .dst_access_mask(vk::AccessFlags::SHADER_READ | vk::AccessFlags::TRANSFER_READ),
         ];
         let masks = [mask];
-        let mut multiview = vk::RenderPassMultiviewCreateInfo::default()
-            .view_masks(&masks)
-            .correlation_masks(&masks);
+        // The sun's view is one, not one for each eye.
+        let views = if mask == 0 { &masks[..0] } else { &masks[..] };
+        let mut multiview =
+            vk::RenderPassMultiviewCreateInfo::default().view_masks(views).correlation_masks(views);
         let info = vk::RenderPassCreateInfo::default()
             .attachments(attachments)
             .subpasses(&subpasses)

@@ -9,9 +9,10 @@ use super::error::{Doing, Error};
 use super::frame::{Parts, Path};
 use super::pass::{Format, Pass};
 use super::programs::{self, Program};
+use super::recipe::{Input, Recipe};
 
 /// What kinds of thing the set's bindings are; `wgsl` says which is which.
-const BINDINGS: [vk::DescriptorType; 11] = [
+const BINDINGS: [vk::DescriptorType; 13] = [
     vk::DescriptorType::UNIFORM_BUFFER,
     vk::DescriptorType::SAMPLED_IMAGE,
     vk::DescriptorType::SAMPLED_IMAGE,
@@ -23,6 +24,8 @@ const BINDINGS: [vk::DescriptorType; 11] = [
     vk::DescriptorType::SAMPLED_IMAGE,
     vk::DescriptorType::SAMPLER,
     vk::DescriptorType::SAMPLED_IMAGE,
+    vk::DescriptorType::SAMPLED_IMAGE,
+    vk::DescriptorType::SAMPLER,
 ];
 
 /// The pipelines of a renderer.
@@ -35,26 +38,28 @@ pub(super) struct Pipelines {
     pub(super) starts: [vk::Pipeline; 2],
     fast: vk::Pipeline,
     paper: [vk::Pipeline; 4],
+    /// The room's things, and particles.
+    pub(super) meshes: vk::Pipeline,
+    pub(super) particles: vk::Pipeline,
+    /// The shadows of those, and of the sculpture.
+    pub(super) cast: [vk::Pipeline; 2],
 }
 
-/// How a pipeline is made.
-struct Recipe {
-    vertex: Program,
-    fragment: Program,
-    pass: vk::RenderPass,
-    samples: vk::SampleCountFlags,
-    strip: bool,
-    cull: vk::CullModeFlags,
-    depth: bool,
-    coverage: bool,
+/// The passes that pipelines are made for.
+pub(super) struct Passes<'a> {
+    pub(super) starts: &'a Pass,
+    pub(super) shadow: &'a Pass,
+    pub(super) frame: &'a Pass,
 }
+
+/// The depth test of the frame's pass: depth is 1 on the near plane.
+const NEARER: vk::CompareOp = vk::CompareOp::GREATER_OR_EQUAL;
 
 impl Pipelines {
     pub(super) fn new(
         gpu: &Arc<Gpu>,
         format: &Format,
-        starts: &Pass,
-        frame: &Pass,
+        passes: &Passes<'_>,
         cache: &[u8],
     ) -> Result<Self, Error> {
         let info = vk::PipelineCacheCreateInfo::default().initial_data(cache);
@@ -70,39 +75,46 @@ impl Pipelines {
             starts: [null; 2],
             fast: null,
             paper: [null; 4],
+            meshes: null,
+            particles: null,
+            cast: [null; 2],
         };
         all.make_layouts()?;
-        let one = vk::SampleCountFlags::TYPE_1;
-        let none = vk::CullModeFlags::NONE;
+        all.make_starts(passes.starts)?;
+        all.make_sculpture(format, passes.frame)?;
+        all.make_scene(format, passes.frame)?;
+        all.make_cast(passes.shadow)?;
+        Ok(all)
+    }
+
+    fn make_starts(&mut self, pass: &Pass) -> Result<(), Error> {
         let tiles = Recipe {
             vertex: programs::TILES_VERTEX,
-            fragment: programs::TILES,
-            pass: starts.raw,
-            samples: one,
-            strip: false,
-            cull: none,
-            depth: false,
-            coverage: false,
+            fragment: Some(programs::TILES),
+            ..plain(pass)
         };
         let beams = Recipe {
             vertex: programs::BEAMS_VERTEX,
-            fragment: programs::BEAMS,
+            fragment: Some(programs::BEAMS),
             strip: true,
             ..tiles
         };
-        all.starts = [all.make(&tiles)?, all.make(&beams)?];
+        self.starts = [self.make(&tiles)?, self.make(&beams)?];
+        Ok(())
+    }
+
+    fn make_sculpture(&mut self, format: &Format, pass: &Pass) -> Result<(), Error> {
         let coverage = format.samples > 1;
-        let drawn = Recipe {
+        let fast = Recipe {
             vertex: programs::TILE_VERTEX,
-            fragment: fast_program(gpu.needs.half, coverage),
-            pass: frame.raw,
+            fragment: Some(fast_program(self.gpu.needs.half, coverage)),
             samples: format.count(),
             strip: true,
-            cull: none,
-            depth: true,
+            depth: Some(NEARER),
             coverage,
+            ..plain(pass)
         };
-        all.fast = all.make(&drawn)?;
+        self.fast = self.make(&fast)?;
         let paper = [
             programs::PAPER,
             programs::PAPER_FULL_MARCH,
@@ -110,15 +122,52 @@ impl Pipelines {
             programs::PAPER_NO_SHADING,
         ];
         for (i, fragment) in paper.into_iter().enumerate() {
-            all.paper[i] = all.make(&Recipe {
+            self.paper[i] = self.make(&Recipe {
                 vertex: programs::BOX_VERTEX,
-                fragment,
+                fragment: Some(fragment),
                 cull: vk::CullModeFlags::BACK,
                 coverage: false,
-                ..drawn
+                ..fast
             })?;
         }
-        Ok(all)
+        Ok(())
+    }
+
+    fn make_scene(&mut self, format: &Format, pass: &Pass) -> Result<(), Error> {
+        let meshes = Recipe {
+            vertex: programs::SCENE_VERTEX,
+            input: Input::Mesh,
+            fragment: Some(programs::SCENE),
+            samples: format.count(),
+            cull: vk::CullModeFlags::BACK,
+            depth: Some(NEARER),
+            ..plain(pass)
+        };
+        let particles = Recipe { fragment: Some(programs::PARTICLES), blend: true, ..meshes };
+        (self.meshes, self.particles) = (self.make(&meshes)?, self.make(&particles)?);
+        Ok(())
+    }
+
+    fn make_cast(&mut self, pass: &Pass) -> Result<(), Error> {
+        let meshes = Recipe {
+            vertex: programs::CAST_VERTEX,
+            input: Input::Places,
+            depth: Some(vk::CompareOp::LESS),
+            color: false,
+            bias: true,
+            ..plain(pass)
+        };
+        let sculpture = Recipe {
+            vertex: programs::CAST_SCULPTURE_VERTEX,
+            input: Input::Number,
+            fragment: Some(programs::CAST_SCULPTURE),
+            strip: true,
+            cull: vk::CullModeFlags::BACK,
+            bias: false,
+            ..meshes
+        };
+        self.cast = [self.make(&meshes)?, self.make(&sculpture)?];
+        Ok(())
     }
 
     /// The pipeline of a path.
@@ -162,62 +211,7 @@ impl Pipelines {
     }
 
     fn make(&self, recipe: &Recipe) -> Result<vk::Pipeline, Error> {
-        let modules =
-            [Module::new(&self.gpu, recipe.vertex)?, Module::new(&self.gpu, recipe.fragment)?];
-        let stage = |i: usize, stage, name| {
-            vk::PipelineShaderStageCreateInfo::default()
-                .stage(stage)
-                .module(modules[i].raw)
-                .name(name)
-        };
-        let stages = [
-            stage(0, vk::ShaderStageFlags::VERTEX, c"vertex"),
-            stage(1, vk::ShaderStageFlags::FRAGMENT, c"fragment"),
-        ];
-        let vertices = vk::PipelineVertexInputStateCreateInfo::default();
-        let assembly =
-            vk::PipelineInputAssemblyStateCreateInfo::default().topology(if recipe.strip {
-                vk::PrimitiveTopology::TRIANGLE_STRIP
-            } else {
-                vk::PrimitiveTopology::TRIANGLE_LIST
-            });
-        let viewport =
-            vk::PipelineViewportStateCreateInfo::default().viewport_count(1).scissor_count(1);
-        let raster = vk::PipelineRasterizationStateCreateInfo::default()
-            .cull_mode(recipe.cull)
-            .front_face(vk::FrontFace::COUNTER_CLOCKWISE)
-            .line_width(1.0);
-        let samples = vk::PipelineMultisampleStateCreateInfo::default()
-            .rasterization_samples(recipe.samples)
-            .alpha_to_coverage_enable(recipe.coverage);
-        // Depth is 1 on the near plane.
-        let depth = vk::PipelineDepthStencilStateCreateInfo::default()
-            .depth_test_enable(recipe.depth)
-            .depth_write_enable(recipe.depth)
-            .depth_compare_op(vk::CompareOp::GREATER_OR_EQUAL);
-        let targets = [vk::PipelineColorBlendAttachmentState::default()
-            .color_write_mask(vk::ColorComponentFlags::RGBA)];
-        let blend = vk::PipelineColorBlendStateCreateInfo::default().attachments(&targets);
-        let dynamic = [vk::DynamicState::VIEWPORT, vk::DynamicState::SCISSOR];
-        let dynamic = vk::PipelineDynamicStateCreateInfo::default().dynamic_states(&dynamic);
-        let info = vk::GraphicsPipelineCreateInfo::default()
-            .stages(&stages)
-            .vertex_input_state(&vertices)
-            .input_assembly_state(&assembly)
-            .viewport_state(&viewport)
-            .rasterization_state(&raster)
-            .multisample_state(&samples)
-            .depth_stencil_state(&depth)
-            .color_blend_state(&blend)
-            .dynamic_state(&dynamic)
-            .layout(self.layout)
-            .render_pass(recipe.pass);
-        // SAFETY: all that `info` points to lives until the call returns.
-        let made = unsafe { self.gpu.device.create_graphics_pipelines(self.cache, &[info], None) };
-        match made {
-            Ok(pipelines) => Ok(pipelines[0]),
-            Err((_, result)) => Err(Error::Call { doing: "make a pipeline", result }),
-        }
+        recipe.make(&self.gpu, self.cache, self.layout)
     }
 }
 
@@ -226,7 +220,9 @@ impl Drop for Pipelines {
         let device = &self.gpu.device;
         // SAFETY: the owner waits for the device before it drops what was submitted.
         unsafe {
-            for pipeline in self.paper.into_iter().chain([self.fast]).chain(self.starts) {
+            let scene = [self.fast, self.meshes, self.particles];
+            let all = self.starts.into_iter().chain(self.paper).chain(scene).chain(self.cast);
+            for pipeline in all {
                 device.destroy_pipeline(pipeline, None);
             }
             device.destroy_pipeline_layout(self.layout, None);
@@ -236,34 +232,29 @@ impl Drop for Pipelines {
     }
 }
 
+/// A recipe for a pass without depth, vertices made from their numbers; programs yet to come.
+fn plain(pass: &Pass) -> Recipe {
+    Recipe {
+        vertex: programs::TILES_VERTEX,
+        input: Input::Number,
+        fragment: None,
+        pass: pass.raw,
+        samples: vk::SampleCountFlags::TYPE_1,
+        strip: false,
+        cull: vk::CullModeFlags::NONE,
+        depth: None,
+        blend: false,
+        coverage: false,
+        color: true,
+        bias: false,
+    }
+}
+
 const fn fast_program(half: bool, coverage: bool) -> Program {
     match (half, coverage) {
         (true, true) => programs::FAST_HALF_COVERAGE,
         (true, false) => programs::FAST_HALF,
         (false, true) => programs::FAST_COVERAGE,
         (false, false) => programs::FAST,
-    }
-}
-
-/// A program while pipelines are made of it.
-struct Module<'a> {
-    gpu: &'a Gpu,
-    raw: vk::ShaderModule,
-}
-
-impl<'a> Module<'a> {
-    fn new(gpu: &'a Gpu, program: Program) -> Result<Self, Error> {
-        let words = program.words();
-        let info = vk::ShaderModuleCreateInfo::default().code(&words);
-        // SAFETY: the words are a program that the build validated.
-        let raw = unsafe { gpu.device.create_shader_module(&info, None) }.doing(program.name)?;
-        Ok(Module { gpu, raw })
-    }
-}
-
-impl Drop for Module<'_> {
-    fn drop(&mut self) {
-        // SAFETY: pipelines don't need their modules once they are made.
-        unsafe { self.gpu.device.destroy_shader_module(self.raw, None) };
     }
 }

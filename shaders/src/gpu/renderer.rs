@@ -10,12 +10,15 @@ use super::error::{Doing, Error};
 use super::frame::{self, Path, Picture};
 use super::layout::Frame;
 use super::pass::{Format, Pass};
-use super::pipelines::Pipelines;
+use super::pipelines::{Passes, Pipelines};
+use super::shadow::ShadowMap;
 use super::staging::{CAPACITY, Staging};
 use super::surface::{Parts, Surface};
 use super::textures::Textures;
 use super::timers::{Mark, Timers, Times};
 use crate::constants::NOISE_SIZE;
+use crate::limits::INSTANCES;
+use crate::scene::{Instance, meshes};
 use crate::upload::{Region, Texture};
 use crate::{marble, noise};
 
@@ -33,26 +36,36 @@ pub struct Sync {
 
 /// Draws sculptures of N voxels a side, for one format of images.
 pub struct Renderer {
-    gpu: Arc<Gpu>,
+    pub(super) gpu: Arc<Gpu>,
     format: Format,
     n: usize,
-    starts: Pass,
-    frame: Pass,
-    pipelines: Pipelines,
+    pub(super) starts: Pass,
+    pub(super) shadow: ShadowMap,
+    pub(super) frame: Pass,
+    pub(super) pipelines: Pipelines,
     textures: Textures,
+    pub(super) meshes: Meshes,
     pool: vk::CommandPool,
-    ring: Vec<Slot>,
-    at: usize,
+    pub(super) ring: Vec<Slot>,
+    pub(super) at: usize,
     times: Times,
 }
 
+/// The scene's meshes, on the device for good.
+pub(super) struct Meshes {
+    pub(super) vertices: Buffer,
+    pub(super) indices: Buffer,
+}
+
 /// A frame of the ring.
-struct Slot {
+pub(super) struct Slot {
     commands: vk::CommandBuffer,
     done: vk::Fence,
     uniform: Buffer,
+    /// The scene's.
+    pub(super) instances: Buffer,
     staging: Staging,
-    timers: Timers,
+    pub(super) timers: Timers,
     /// Whether its commands drew a picture, and so set every mark.
     drew: bool,
 }
@@ -72,7 +85,9 @@ impl Renderer {
     pub fn new(gpu: &Arc<Gpu>, format: Format, n: usize, cache: &[u8]) -> Result<Self, Error> {
         let starts = Pass::starts(gpu, &format)?;
         let frame = Pass::frame(gpu, &format)?;
-        let pipelines = Pipelines::new(gpu, &format, &starts, &frame, cache)?;
+        let shadow = ShadowMap::new(gpu)?;
+        let passes = Passes { starts: &starts, shadow: &shadow.pass, frame: &frame };
+        let pipelines = Pipelines::new(gpu, &format, &passes, cache)?;
         let textures = Textures::new(gpu, n as u32, marble::SIDE as u32)?;
         let info = vk::CommandPoolCreateInfo::default()
             .queue_family_index(gpu.family)
@@ -84,9 +99,11 @@ impl Renderer {
             format,
             n,
             starts,
+            shadow,
             frame,
             pipelines,
             textures,
+            meshes: Meshes::new(gpu)?,
             pool,
             ring: Vec::with_capacity(RING),
             at: 0,
@@ -140,6 +157,7 @@ impl Renderer {
             frame: &self.frame,
             pipelines: &self.pipelines,
             textures: &self.textures,
+            shadow: &self.shadow,
         };
         Surface::new(&parts, extent, colors, depths, self.ring.iter().map(|slot| &slot.uniform))
     }
@@ -203,9 +221,13 @@ impl Renderer {
         let bytes = frame::layout(picture, self.n, surface.extent);
         let slot = &mut self.ring[self.at];
         slot.uniform.write(0, bytemuck::bytes_of(&bytes));
+        if let Some(scene) = picture.scene {
+            slot.instances.write(0, bytemuck::cast_slice(scene.instances()));
+        }
         let at = self.at;
         self.submit(sync, |renderer, commands| {
-            renderer.bind(commands, surface.sets[at]);
+            renderer.draw_shadows(commands, picture.scene, surface.sets[at]);
+            renderer.ring[at].timers.mark(commands, Mark::Shadowed);
             if picture.look.path == Path::Fast {
                 renderer.find_starts(commands, surface);
             }
@@ -267,110 +289,6 @@ impl Renderer {
         Ok(())
     }
 
-    fn bind(&self, commands: vk::CommandBuffer, set: vk::DescriptorSet) {
-        // SAFETY: the set has the layout's bindings, and what it names is alive.
-        unsafe {
-            self.gpu.device.cmd_bind_descriptor_sets(
-                commands,
-                vk::PipelineBindPoint::GRAPHICS,
-                self.pipelines.layout,
-                0,
-                &[set],
-                &[],
-            );
-        }
-    }
-
-    /// The tiles' rays first, then those of the beams in the tiles that aren't empty.
-    fn find_starts(&self, commands: vk::CommandBuffer, surface: &Surface) {
-        let [tiles, beams] = &surface.starts;
-        let draws = [(tiles, 3, 1), (beams, 4, tiles.extent[0] * tiles.extent[1])];
-        let none = vk::ClearColorValue { float32: [-1.0; 4] };
-        for ((starts, vertices, instances), pipeline) in
-            draws.into_iter().zip(self.pipelines.starts)
-        {
-            let pass = (self.starts.raw, starts.framebuffer);
-            let clear = [vk::ClearValue { color: none }];
-            self.within(commands, pass, starts.extent, &clear, |device| {
-                let graphics = vk::PipelineBindPoint::GRAPHICS;
-                // SAFETY: the pass is the pipeline's, and vertices are made from their numbers.
-                unsafe {
-                    device.cmd_bind_pipeline(commands, graphics, pipeline);
-                    device.cmd_draw(commands, vertices, instances, 0, 0);
-                }
-            });
-        }
-    }
-
-    fn draw_frame(
-        &self,
-        commands: vk::CommandBuffer,
-        picture: &Picture<'_>,
-        surface: &Surface,
-        image: usize,
-    ) {
-        let [r, g, b] = picture.backdrop;
-        let color = vk::ClearColorValue { float32: [r, g, b, 1.0] };
-        let depth = vk::ClearDepthStencilValue { depth: 0.0, stencil: 0 };
-        let clears = [
-            vk::ClearValue { color },
-            vk::ClearValue { depth_stencil: depth },
-            vk::ClearValue { color },
-        ];
-        let pass = (self.frame.raw, surface.framebuffers[image]);
-        let pipeline = self.pipelines.sculpture(picture.look.path);
-        let across = surface.starts[0].extent;
-        // A strip for the box's faces, or one for each tile.
-        let (vertices, instances) = match picture.look.path {
-            Path::Paper(_) => (14, 1),
-            Path::Fast => (4, across[0] * across[1]),
-        };
-        let timers = &self.ring[self.at].timers;
-        self.within(commands, pass, surface.extent, &clears, |device| {
-            timers.mark(commands, Mark::SculptureBegins);
-            // SAFETY: the pass is the pipeline's, and the vertices are made from their numbers.
-            unsafe {
-                device.cmd_bind_pipeline(commands, vk::PipelineBindPoint::GRAPHICS, pipeline);
-                device.cmd_draw(commands, vertices, instances, 0, 0);
-            }
-            timers.mark(commands, Mark::SculptureEnds);
-        });
-    }
-
-    /// Records what `inside` adds within a pass over all of a framebuffer.
-    fn within(
-        &self,
-        commands: vk::CommandBuffer,
-        (pass, framebuffer): (vk::RenderPass, vk::Framebuffer),
-        [width, height]: [u32; 2],
-        clears: &[vk::ClearValue],
-        inside: impl FnOnce(&ash::Device),
-    ) {
-        let area = vk::Rect2D { extent: vk::Extent2D { width, height }, ..vk::Rect2D::default() };
-        let viewport = vk::Viewport {
-            width: width as f32,
-            height: height as f32,
-            max_depth: 1.0,
-            ..vk::Viewport::default()
-        };
-        let info = vk::RenderPassBeginInfo::default()
-            .render_pass(pass)
-            .framebuffer(framebuffer)
-            .render_area(area)
-            .clear_values(clears);
-        let device = &self.gpu.device;
-        // SAFETY: the commands are being recorded outside of a pass, and the framebuffer is the
-        // pass's.
-        unsafe {
-            device.cmd_begin_render_pass(commands, &info, vk::SubpassContents::INLINE);
-            device.cmd_set_viewport(commands, 0, &[viewport]);
-            device.cmd_set_scissor(commands, 0, &[area]);
-        }
-        inside(device);
-        // SAFETY: the pass was begun above.
-        unsafe { device.cmd_end_render_pass(commands) };
-    }
-
     fn slot(&self) -> Result<Slot, Error> {
         let device = &self.gpu.device;
         let info = vk::CommandBufferAllocateInfo::default()
@@ -381,14 +299,28 @@ impl Renderer {
             unsafe { device.allocate_command_buffers(&info) }.doing("make a command buffer")?[0];
         let info = vk::FenceCreateInfo::default().flags(vk::FenceCreateFlags::SIGNALED);
         let uniform = vk::BufferUsageFlags::UNIFORM_BUFFER;
+        let vertices = vk::BufferUsageFlags::VERTEX_BUFFER;
         Ok(Slot {
             commands,
             // SAFETY: the info is complete.
             done: unsafe { device.create_fence(&info, None) }.doing("make a fence")?,
             uniform: Buffer::new(&self.gpu, size_of::<Frame>(), uniform)?,
+            instances: Buffer::new(&self.gpu, INSTANCES * size_of::<Instance>(), vertices)?,
             staging: Staging::new(&self.gpu)?,
             timers: Timers::new(&self.gpu)?,
             drew: false,
+        })
+    }
+}
+
+impl Meshes {
+    fn new(gpu: &Arc<Gpu>) -> Result<Self, Error> {
+        let constant = |bytes, usage| Buffer::constant(gpu, bytes, usage);
+        let vertices = bytemuck::cast_slice(meshes::vertices());
+        let indices = bytemuck::cast_slice(meshes::indices());
+        Ok(Meshes {
+            vertices: constant(vertices, vk::BufferUsageFlags::VERTEX_BUFFER)?,
+            indices: constant(indices, vk::BufferUsageFlags::INDEX_BUFFER)?,
         })
     }
 }

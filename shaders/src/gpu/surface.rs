@@ -11,6 +11,7 @@ use super::frame::{BEAM, TILE};
 use super::image::{Image, Shape};
 use super::pass::{Format, Pass, STARTS};
 use super::pipelines::Pipelines;
+use super::shadow::ShadowMap;
 use super::textures::Textures;
 
 /// The images of a swapchain, or of a picture; all have one size.
@@ -43,6 +44,7 @@ pub(super) struct Parts<'a> {
     pub(super) frame: &'a Pass,
     pub(super) pipelines: &'a Pipelines,
     pub(super) textures: &'a Textures,
+    pub(super) shadow: &'a ShadowMap,
 }
 
 impl core::fmt::Debug for Surface {
@@ -129,8 +131,8 @@ impl Surface {
         let size = |ty, each: u32| vk::DescriptorPoolSize { ty, descriptor_count: each * count };
         let sizes = [
             size(vk::DescriptorType::UNIFORM_BUFFER, 1),
-            size(vk::DescriptorType::SAMPLED_IMAGE, 7),
-            size(vk::DescriptorType::SAMPLER, 3),
+            size(vk::DescriptorType::SAMPLED_IMAGE, 8),
+            size(vk::DescriptorType::SAMPLER, 4),
         ];
         let info = vk::DescriptorPoolCreateInfo::default().max_sets(2 * count).pool_sizes(&sizes);
         let device = &self.gpu.device;
@@ -143,12 +145,13 @@ impl Surface {
         // SAFETY: the pool has room for these sets.
         self.sets = unsafe { device.allocate_descriptor_sets(&info) }.doing("make sets")?;
         for (set, uniform) in self.sets.iter().zip(uniforms) {
-            self.fill_set(*set, parts.textures, uniform);
+            self.fill_set(*set, parts, uniform);
         }
         Ok(())
     }
 
-    fn fill_set(&self, set: vk::DescriptorSet, textures: &Textures, uniform: &Buffer) {
+    fn fill_set(&self, set: vk::DescriptorSet, parts: &Parts<'_>, uniform: &Buffer) {
+        let (textures, shadow) = (parts.textures, parts.shadow);
         let buffer =
             [vk::DescriptorBufferInfo::default().buffer(uniform.raw).range(vk::WHOLE_SIZE)];
         let image = |view| {
@@ -165,11 +168,13 @@ impl Surface {
             (7, image(self.starts[0].image.view)),
             (8, image(textures.marble.view)),
             (10, image(self.starts[1].image.view)),
+            (11, image(shadow.image.view)),
         ];
         let samplers = [
             (5, sampler(textures.clamped)),
             (6, sampler(textures.nearest)),
             (9, sampler(textures.repeated)),
+            (12, sampler(shadow.sampler)),
         ];
         let write = |binding, kind| {
             vk::WriteDescriptorSet::default()
@@ -214,7 +219,7 @@ impl Starts {
     }
 }
 
-fn framebuffer(
+pub(super) fn framebuffer(
     gpu: &Gpu,
     pass: &Pass,
     [width, height]: [u32; 2],

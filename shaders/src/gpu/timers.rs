@@ -12,10 +12,14 @@ use super::error::{Doing, Error};
 pub struct Times {
     /// Copies of what changed.
     pub uploads: u64,
+    /// What the sun sees.
+    pub shadow: u64,
     /// Where the tiles' rays start.
     pub tiles: u64,
     /// The sculpture within the frame's pass.
     pub sculpture: u64,
+    /// The rest of the frame's pass: the scene, and the pixels' clearing and resolving.
+    pub scene: u64,
     /// All of the frame.
     pub whole: u64,
 }
@@ -25,14 +29,15 @@ pub struct Times {
 pub(super) enum Mark {
     Begin = 0,
     Uploaded = 2,
-    Tiled = 4,
-    SculptureBegins = 6,
-    SculptureEnds = 8,
-    End = 10,
+    Shadowed = 4,
+    Tiled = 6,
+    SculptureBegins = 8,
+    SculptureEnds = 10,
+    End = 12,
 }
 
 /// Marks, each with room for two views: within a multiview pass a timestamp takes one query each.
-const QUERIES: u32 = 12;
+const QUERIES: u32 = 14;
 
 /// The timestamps of one frame of the ring.
 pub(super) struct Timers {
@@ -71,6 +76,7 @@ impl Timers {
         for mark in [
             Mark::Begin,
             Mark::Uploaded,
+            Mark::Shadowed,
             Mark::Tiled,
             Mark::SculptureBegins,
             Mark::SculptureEnds,
@@ -96,8 +102,11 @@ impl Timers {
         };
         Times {
             uploads: between(Mark::Begin, Mark::Uploaded),
-            tiles: between(Mark::Uploaded, Mark::Tiled),
+            shadow: between(Mark::Uploaded, Mark::Shadowed),
+            tiles: between(Mark::Shadowed, Mark::Tiled),
             sculpture: between(Mark::SculptureBegins, Mark::SculptureEnds),
+            scene: between(Mark::Tiled, Mark::SculptureBegins)
+                + between(Mark::SculptureEnds, Mark::End),
             whole: between(Mark::Begin, Mark::End),
         }
     }

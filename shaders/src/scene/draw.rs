@@ -13,7 +13,7 @@ pub struct Instance {
     /// Three rows of four: the mesh's point (x, y, z, 1) times them is the room's, in metres.
     pub transform: [f32; 12],
     /// Red, green and blue that its colours are multiplied by, and how much of them shines by
-    /// itself.
+    /// itself; for a particle, how much of what is behind it it hides.
     pub tint: [f32; 4],
 }
 

@@ -31,6 +31,17 @@ pub struct Mesh {
     pub radius: f32,
 }
 
+/// Parts of a scene, in the order in which they are drawn; the sculpture comes after the first.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Stage {
+    /// Tools, bits and hands.
+    Handled,
+    /// The room, bench and stool.
+    Standing,
+    /// Chips and dust, mixed with what is behind them by the tint's fourth part.
+    Particles,
+}
+
 include!(concat!(env!("OUT_DIR"), "/meshes.rs"));
 
 impl MeshId {
@@ -78,11 +89,25 @@ impl MeshId {
         &TABLE[self as usize]
     }
 
-    /// Whether it keeps the sun off others. The garden is beyond the sun's way, specks are too
+    /// Whether it keeps the sun off others. The garden is beyond the sun's way, particles are too
     /// small.
     #[must_use]
     pub const fn casts_shadow(self) -> bool {
-        !matches!(self, MeshId::Outside | MeshId::Speck)
+        !matches!(self, MeshId::Outside | MeshId::Speck | MeshId::Chip)
+    }
+
+    /// When it is drawn.
+    #[must_use]
+    pub const fn stage(self) -> Stage {
+        match self {
+            MeshId::Room
+            | MeshId::Outside
+            | MeshId::Workbench
+            | MeshId::StoolBase
+            | MeshId::StoolTop => Stage::Standing,
+            MeshId::Chip | MeshId::Speck => Stage::Particles,
+            _ => Stage::Handled,
+        }
     }
 
     /// Its vertices.

@@ -5,7 +5,8 @@
 //! its reflectance (the mesh's colour times the instance's tint) times
 //! [`SUN_COLOR`] x the cosine x the sun's visibility, plus the harmonics of [`ROOM_AMBIENT`]
 //! (see [`light::ambient`](crate::light::ambient)) x the vertex's openness; and its reflectance
-//! times the tint's fourth part for what shines by itself.
+//! times the tint's fourth part for what shines by itself. For particles that part is how much of
+//! what is behind them they hide.
 
 pub mod assembly;
 pub mod draw;
@@ -16,7 +17,7 @@ pub mod placing;
 
 pub use assembly::{Assembly, Fresh, SculpturePose};
 pub use draw::{Batch, DrawList, Instance};
-pub use meshes::{MESHES, Mesh, MeshId, Vertex};
+pub use meshes::{MESHES, Mesh, MeshId, Stage, Vertex};
 
 pub use crate::constants::{SUN_COLOR, SUN_DIRECTION};
 

@@ -1,4 +1,4 @@
-//! Chips and dust: a ring of particles that fly, bounce, come to rest and fade by shrinking.
+//! Chips and dust: a ring of particles that fly, bounce, come to rest and fade away.
 //!
 //! For show only: no digest knows them. What they do is a function of the events and of the times
 //! they are moved by.
@@ -112,15 +112,15 @@ impl Particles {
     pub(super) fn draw(&self, list: &mut DrawList) {
         for p in self.ring.iter().filter(|p| p.left > 0.0) {
             let mesh = if p.kind == Kind::Dust { MeshId::Speck } else { MeshId::Chip };
-            // Shrinks over the last third of its time; a mote all the while.
+            // Fades over the last third of its time; a mote all the while.
             let fade = match p.kind {
                 Kind::Mote => p.left / p.life,
                 Kind::Chip | Kind::Dust => (3.0 * p.left / p.life).min(1.0),
             };
-            let scale = Vec3::splat(p.size * fade);
+            let scale = Vec3::splat(p.size);
             let at = Affine3A::from_scale_rotation_translation(scale, p.rotation, p.position);
             let [r, g, b] = MARBLE_WHITE.map(|part| part * p.shade);
-            list.add(mesh, at, [r, g, b, 0.0]);
+            list.add(mesh, at, [r, g, b, fade]);
         }
     }
 }

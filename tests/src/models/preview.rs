@@ -6,7 +6,7 @@ use paros_core::size::{Grid, Size};
 use paros_shaders::Image;
 use paros_shaders::light::harmonics;
 use paros_shaders::scene::{
-    DrawList, ROOM_AMBIENT, SKY, SUN_BOUNDS, SUN_COLOR, SUN_DIRECTION, SculpturePose,
+    DrawList, ROOM_AMBIENT, SKY, SUN_BOUNDS, SUN_COLOR, SUN_DIRECTION, SculpturePose, Stage,
 };
 
 /// A corner in the room: place, normal, reflectance, openness, and how much shines by itself.
@@ -58,6 +58,8 @@ impl Preview {
                     };
                     let normals =
                         Mat3::from_cols(column(0), column(1), column(2)).inverse().transpose();
+                    let particle = batch.mesh.stage() == Stage::Particles;
+                    let glow = if particle { 0.0 } else { instance.tint[3] };
                     let tint = Vec3::new(instance.tint[0], instance.tint[1], instance.tint[2]);
                     let corner = |i: u16| {
                         let v = &batch.mesh.vertices()[usize::from(i)];
@@ -68,7 +70,7 @@ impl Preview {
                             normal: (normals * Vec3::new(x, y, z)).normalize(),
                             colour: Vec3::new(r, g, b) * tint,
                             open: a,
-                            glow: instance.tint[3],
+                            glow,
                         }
                     };
                     preview.corners.extend(
