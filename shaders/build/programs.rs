@@ -75,6 +75,8 @@ fn programs() -> Vec<Program> {
         program("tile_vertex", "tile", Vertex, &[]),
         program("beams_vertex", "tile", Vertex, &[("WIDTH", 8.0)]),
         program("beams", "beams", Fragment, &[]),
+        program("overlay_vertex", "overlay", Vertex, &[]),
+        program("overlay", "overlay", Fragment, &[]),
     ];
     for (name, half, coverage) in [
         ("fast", false, 0.0),

@@ -9,6 +9,7 @@ use super::context::Gpu;
 use super::error::{Doing, Error};
 use super::frame::{self, Path, Picture};
 use super::layout::Frame;
+use super::overlay::Overlay;
 use super::pass::{Format, Pass};
 use super::pipelines::Pipelines;
 use super::staging::{CAPACITY, Staging};
@@ -36,6 +37,8 @@ pub struct Renderer {
     gpu: Arc<Gpu>,
     format: Format,
     n: usize,
+    /// Panels over the frame that has begun.
+    pub overlay: Overlay,
     starts: Pass,
     frame: Pass,
     pipelines: Pipelines,
@@ -79,10 +82,12 @@ impl Renderer {
             .flags(vk::CommandPoolCreateFlags::RESET_COMMAND_BUFFER);
         // SAFETY: the family is the device's.
         let pool = unsafe { gpu.device.create_command_pool(&info, None) }.doing("make a pool")?;
+        let overlay = Overlay::new(gpu, &format, &frame, RING)?;
         let mut renderer = Renderer {
             gpu: gpu.clone(),
             format,
             n,
+            overlay,
             starts,
             frame,
             pipelines,
@@ -158,6 +163,7 @@ impl Renderer {
         }
         slot.drew = false;
         slot.staging.clear();
+        self.overlay.begin(self.at);
         Ok(())
     }
 
@@ -231,6 +237,7 @@ impl Renderer {
         slot.timers.reset(commands);
         slot.timers.mark(commands, Mark::Begin);
         self.textures.record(commands, &slot.staging);
+        self.overlay.record_copies(commands);
         slot.timers.mark(commands, Mark::Uploaded);
         record(self, commands);
         self.ring[self.at].timers.mark(commands, Mark::End);
@@ -321,6 +328,7 @@ impl Renderer {
                 device.cmd_draw(commands, vertices, instances, 0, 0);
             }
             timers.mark(commands, Mark::SculptureEnds);
+            self.overlay.record(commands, surface.extent);
         });
     }
 
