@@ -187,7 +187,7 @@ where
         self.lay_out(size);
         let Some(view) = &mut self.view else { return Ok(()) };
         let shown = Shown { eye: self.hands.orbit.eye(size), between: self.pace.between(), path: self.path };
-        self.seen = view.draw(size, &shown, &mut self.painted)?;
+        self.seen = view.draw(size, self.studio.world(), &shown, &mut self.painted)?;
         self.frames += u64::from(self.seen);
         let settled = !self.studio.is_printing()
             && self.studio.opening().is_none()

@@ -34,6 +34,12 @@ const NOTCH: f32 = 1.0;
 /// The depths that the wheel chooses from, in millimetres; negative stays clear of the surface.
 const DEPTHS: core::ops::RangeInclusive<f32> = -20.0..=40.0;
 
+/// Micrometres that a running tool goes in a tick at least, where there is a way to go.
+const SLOWEST: f32 = 1_500.0;
+
+/// Points of the cursor's way that are remembered.
+const TRAIL: usize = 1024;
+
 /// Buttons of the mouse.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Button {
@@ -118,6 +124,8 @@ where
     /// Depth of each tool, in millimetres.
     depths: [f32; 4],
     reach: Reach<N>,
+    /// Where the cursor went while the tool runs, and the tool has not been yet.
+    trail: VecDeque<[f32; 2]>,
 }
 
 impl<const N: usize> Hands<N>
@@ -140,8 +148,9 @@ where
             commands: 0,
             start: Mode::None,
             pointers: VecDeque::new(),
-            depths: [6.0, 7.0, 8.0, 2.0],
+            depths: [9.0, 9.0, 8.0, 2.0],
             reach: Reach::new(),
+            trail: VecDeque::new(),
         }
     }
 
@@ -212,7 +221,9 @@ where
     /// The right hand's grip in the room: its bit on the surface under the cursor.
     fn tool(&mut self, world: &World<N>) -> Option<(Vec3, Quat)> {
         let (tool, bit) = world.held(RIGHT)?;
-        let ray = self.orbit.ray(self.cursor?, self.size);
+        let cursor = self.cursor?;
+        let at = if self.running { self.follow(cursor, bit) } else { cursor };
+        let ray = self.orbit.ray(at, self.size);
         let depth = self.depths[tool as usize] * 1e-3;
         let up = self.orbit.pose().1 * Vec3::Y;
         let aim = reach::Aim { ray, up, bit, depth, running: self.running };
@@ -223,6 +234,35 @@ where
             self.take(Item::Tool(tool));
         }
         Some((tip + rotation * Vec3::Z * (tool.length() as f32 * 1e-6), rotation))
+    }
+
+    /// Where a running tool is on the cursor's way: it goes no faster than it can bite, so that a
+    /// stroke is one groove however fast the hand was.
+    fn follow(&mut self, cursor: [f32; 2], bit: Bit) -> [f32; 2] {
+        let (eye, _) = self.orbit.ray(cursor, self.size);
+        let far = eye + (self.orbit.pose().1 * Vec3::NEG_Z) * self.reach.metres();
+        let metre = self.orbit.pixel(far, self.size).map_or(1.0, |(_, metre)| metre);
+        let data = bit.data();
+        let bite = (data.bite as f32 / f32::from(data.period)).max(SLOWEST) * 1e-6;
+        let mut left = bite * metre;
+        while let Some(&from) = self.trail.front() {
+            let to = self.trail.get(1).copied().unwrap_or(cursor);
+            let way = [to[0] - from[0], to[1] - from[1]];
+            let length = way[0].hypot(way[1]);
+            if length > left {
+                let part = left / length;
+                let at = [from[0] + way[0] * part, from[1] + way[1] * part];
+                self.trail[0] = at;
+                return at;
+            }
+            left -= length;
+            if self.trail.len() == 1 {
+                self.trail[0] = to;
+                return to;
+            }
+            self.trail.pop_front();
+        }
+        cursor
     }
 
     /// A tick has one command of the pointer; a turn waits while there is another.
@@ -248,6 +288,9 @@ where
             }
         }
         self.cursor = Some(to);
+        if self.running && self.trail.len() < TRAIL {
+            self.trail.push_back(to);
+        }
     }
 
     /// A press on a thing on the bench takes it, any other runs the tool.
@@ -258,6 +301,8 @@ where
             Some(item) => self.take(item),
             None => {
                 self.running = true;
+                self.trail.clear();
+                self.trail.push_back(cursor);
                 self.reach.begin_stroke(world.volume().maps());
             }
         }
@@ -316,3 +361,6 @@ fn at(position: Vec3, rotation: Quat) -> HandInput {
     let grip = RawPose::new(position, rotation);
     HandInput { aim: grip, grip, tracked: true, ..HandInput::default() }
 }
+
+#[cfg(test)]
+mod tests;

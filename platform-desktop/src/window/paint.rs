@@ -87,6 +87,12 @@ impl Painted {
         self.changed = 0..self.size[1];
     }
 
+    /// Vertices, indices and runs of the frame.
+    #[cfg(test)]
+    pub(super) fn lengths(&self) -> (usize, usize, usize) {
+        (self.vertices.len(), self.indices.len(), self.runs.len())
+    }
+
     fn patch(&mut self, delta: &ImageDelta) {
         let ImageData::Color(image) = &delta.image;
         let [width, height] = image.size;

@@ -1,5 +1,6 @@
 //! What is shown: the sculpture's textures kept up with its volume, and a frame of them.
 
+use paros_core::events::Event;
 use paros_core::frame::{BOX, STOOL};
 use paros_core::size::{Grid, Size};
 use paros_core::world::World;
@@ -28,6 +29,8 @@ where
     renderer: Renderer,
     screen: Screen,
     field: Box<Field<N>>,
+    /// The volume is another one: its textures are made anew at once, a hitch that no one sees.
+    anew: bool,
     /// The stool's turn after the last tick and the one before, in radians.
     turns: [f32; 2],
 }
@@ -60,17 +63,11 @@ where
         let screen = Screen::new(window, validation)?;
         // Without it the start takes longer, that is all.
         let cache = durable::read(&places.pipelines()).unwrap_or_default();
-        let mut renderer = Renderer::new(screen.gpu(), screen.format(SAMPLES), N, &cache)?;
-        let mut field = Box::new(Field::new());
-        field.rebuild(world.volume().maps());
-        let mut loaded = Ok(());
-        field.whole(|region, bytes| {
-            if loaded.is_ok() {
-                loaded = renderer.load(region, bytes);
-            }
-        });
-        loaded?;
-        Ok(View { renderer, screen, field, turns: [turn(world); 2] })
+        let renderer = Renderer::new(screen.gpu(), screen.format(SAMPLES), N, &cache)?;
+        let field = Box::new(Field::new());
+        let mut view = View { renderer, screen, field, anew: false, turns: [turn(world); 2] };
+        view.load(world)?;
+        Ok(view)
     }
 
     /// Has what makes the next start faster written.
@@ -83,6 +80,7 @@ where
     /// Takes in what a tick changed.
     pub(super) fn note(&mut self, world: &World<N>) {
         self.field.note(world.volume().maps(), world.dirty());
+        self.anew |= world.events().iter().any(|event| matches!(event, Event::Started(_)));
         self.turns = [self.turns[1], turn(world)];
     }
 
@@ -116,11 +114,15 @@ where
     pub(super) fn draw(
         &mut self,
         size: [u32; 2],
+        world: &World<N>,
         shown: &Shown,
         painted: &mut Painted,
     ) -> Result<bool, Error> {
         if size.contains(&0) {
             return Ok(false);
+        }
+        if core::mem::take(&mut self.anew) {
+            self.load(world)?;
         }
         self.renderer.begin()?;
         let Some(target) = self.screen.acquire(&self.renderer, size)? else { return Ok(false) };
@@ -144,6 +146,18 @@ where
         self.renderer.draw(&picture, surface, target.image, target.sync)?;
         self.screen.present(target)?;
         Ok(true)
+    }
+
+    /// Makes all textures of a world's volume.
+    fn load(&mut self, world: &World<N>) -> Result<(), Error> {
+        self.field.rebuild(world.volume().maps());
+        let mut loaded = Ok(());
+        self.field.whole(|region, bytes| {
+            if loaded.is_ok() {
+                loaded = self.renderer.load(region, bytes);
+            }
+        });
+        loaded
     }
 }
 

@@ -50,8 +50,9 @@ pub(super) struct Reach<const N: usize> {
     before: Box<Maps<N>>,
     /// How the bit is turned, in the grid.
     rotation: Option<Quat>,
-    /// Voxels from the eye to where the ray met something last.
+    /// Voxels from the eye to where the ray met something last, and as metres.
     distance: f32,
+    metres: f32,
     lifted: bool,
     behind: u32,
 }
@@ -84,12 +85,17 @@ where
 {
     pub(super) fn new() -> Self {
         let before = Box::new(Maps::new());
-        Reach { before, rotation: None, distance: 0.0, lifted: false, behind: 0 }
+        Reach { before, rotation: None, distance: 0.0, metres: 1.0, lifted: false, behind: 0 }
     }
 
     /// The surface that a stroke follows, until the next one begins.
     pub(super) fn begin_stroke(&mut self, maps: &Maps<N>) {
         self.before.copy_from(maps);
+    }
+
+    /// How far from the eye the surface was last, in metres.
+    pub(super) const fn metres(&self) -> f32 {
+        self.metres
     }
 
     /// Whether the bit has been held up for long.
@@ -108,7 +114,7 @@ where
         let maps = if aim.running { &*self.before } else { world.volume().maps() };
         let (target, rotation) = match cast::first(maps, eye, way) {
             Some(hit) => {
-                self.distance = hit.distance;
+                (self.distance, self.metres) = (hit.distance, hit.distance * frame.voxel());
                 let point = eye + way * hit.distance;
                 let reach = (4 * N / 128).max(3) as i32;
                 let normal = cast::normal(maps, point, reach).unwrap_or(-way);

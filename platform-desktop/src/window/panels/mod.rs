@@ -190,7 +190,7 @@ impl Panels {
     }
 
     fn all(&mut self, context: &Context, shown: &Shown<'_>) {
-        if let Some(outline) = shown.outline.filter(|_| self.is_open()) {
+        if let Some(outline) = shown.outline.filter(|_| self.is_open() && shown.session == Session::Sculpting) {
             outline.draw(context);
         }
         match &mut self.browser {
@@ -264,3 +264,6 @@ impl Panels {
         });
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -136,6 +136,7 @@ pub(super) fn finished(context: &Context, shown: &Shown<'_>, start: &mut bool) -
         Area::new(Id::new("finished")).anchor(Align2::CENTER_BOTTOM, Vec2::new(0.0, -16.0));
     bottom.show(context, |ui| {
         style::card().show(ui, |ui| {
+            ui.set_min_width(440.0);
             ui.label(RichText::new("Finished").size(19.0));
             match (shown.printing, shown.printed) {
                 (true, _) => ui.label(style::quiet("making the print and a picture ...")),

@@ -32,6 +32,7 @@ pub(super) fn set(context: &Context) {
         .into();
         style.spacing.item_spacing = Vec2::new(8.0, 8.0);
         style.spacing.button_padding = Vec2::new(12.0, 7.0);
+        style.spacing.interact_size.y = 32.0;
         style.interaction.selectable_labels = false;
         style.visuals = visuals();
     });
@@ -79,12 +80,12 @@ fn visuals() -> Visuals {
         expansion: 0.0,
     };
     visuals.widgets.noninteractive = widget(Color32::TRANSPARENT, TEXT);
-    visuals.widgets.noninteractive.bg_stroke = Stroke::new(1.0, light(10));
-    visuals.widgets.inactive = widget(light(9), TEXT);
-    visuals.widgets.hovered = widget(light(22), Color32::WHITE);
-    visuals.widgets.active = widget(light(34), Color32::WHITE);
-    visuals.widgets.open = widget(light(16), TEXT);
+    visuals.widgets.noninteractive.bg_stroke = Stroke::new(1.0, light(24));
+    visuals.widgets.inactive = widget(light(26), TEXT);
+    visuals.widgets.hovered = widget(light(44), Color32::WHITE);
+    visuals.widgets.active = widget(light(64), Color32::WHITE);
+    visuals.widgets.open = widget(light(34), TEXT);
     visuals.selection.bg_fill = ACCENT.gamma_multiply(0.4);
-    visuals.override_text_color = None;
+    visuals.selection.stroke = Stroke::new(1.0, TEXT);
     visuals
 }
