@@ -110,6 +110,8 @@ where
         self.done?;
         saved.map_err(|error| Closed::Failed(error.into()))?;
         if !self.messages.is_empty() {
+            self.messages.sort();
+            self.messages.dedup();
             let complaints = self.messages.join("\n");
             return Err(Closed::Failed(Error::Failure(format!("validation: {complaints}"))));
         }

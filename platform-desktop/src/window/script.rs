@@ -51,6 +51,8 @@ pub(super) struct Script {
     line: usize,
     /// The step that is being waited for, and its line.
     waiting: Option<(Wait, String)>,
+    /// The step that is being carried out.
+    doing: Option<String>,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -82,7 +84,7 @@ impl Script {
                 }
             }
         });
-        Ok(Script { name, lines, line: 0, waiting: None })
+        Ok(Script { name, lines, line: 0, waiting: None, doing: None })
     }
 
     /// The next step before a tick; none while it waits. The end of the script is `quit`.
@@ -115,11 +117,16 @@ impl Script {
             Step::Settle => Some(Wait::Settled),
             _ => None,
         };
-        match wait {
-            Some(wait) => self.waiting = Some((wait, text.to_owned())),
-            None => told(text),
-        }
+        self.waiting = wait.map(|wait| (wait, text.to_owned()));
+        self.doing = wait.is_none().then(|| text.to_owned());
         Ok(Some(step))
+    }
+
+    /// The step that [`Script::next`] gave has been carried out.
+    pub(super) fn did(&mut self) {
+        if let Some(step) = self.doing.take() {
+            told(&step);
+        }
     }
 
     /// A tick is over.

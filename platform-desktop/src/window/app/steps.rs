@@ -27,6 +27,9 @@ where
         {
             let Some(step) = script.next().map_err(Closed::Failed)? else { break };
             self.step(step, events)?;
+            if let Some(script) = &mut self.script {
+                script.did();
+            }
         }
         Ok(())
     }
