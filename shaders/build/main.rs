@@ -1,5 +1,9 @@
 //! Makes what the renderer needs at build time: shader programs and the studio's meshes.
 
+#[allow(dead_code, unreachable_pub)] // the programs and the twin use the rest
+#[path = "../src/constants.rs"]
+mod constants;
+mod mesh;
 mod meshes;
 mod programs;
 mod words;
@@ -7,6 +11,7 @@ mod words;
 fn main() {
     let out = std::path::PathBuf::from(std::env::var_os("OUT_DIR").expect("cargo sets OUT_DIR"));
     println!("cargo::rerun-if-changed=build");
+    println!("cargo::rerun-if-changed=src/constants.rs");
     programs::write(&out);
     meshes::write(&out);
 }

@@ -118,9 +118,8 @@ fn sizes() -> String {
 }
 
 fn compile(program: &Program) -> Vec<u32> {
-    let capabilities = Capabilities::MULTIVIEW
-        | Capabilities::EARLY_DEPTH_TEST
-        | Capabilities::SHADER_FLOAT16;
+    let capabilities =
+        Capabilities::MULTIVIEW | Capabilities::EARLY_DEPTH_TEST | Capabilities::SHADER_FLOAT16;
     let mut composer = Composer::default().with_capabilities(capabilities);
     let defs = HashMap::from([("HALF".to_owned(), ShaderDefValue::Bool(program.half))]);
     let defs: HashMap<_, _> = defs.into_iter().filter(|_| program.half).collect();
@@ -149,7 +148,9 @@ fn compile(program: &Program) -> Vec<u32> {
         ..NagaModuleDescriptor::default()
     });
     let module = module.unwrap_or_else(|error| panic!("{}", error.emit_to_string(&composer)));
-    words::finished(spirv(&module, program, capabilities))
+    // The fast path of single precision is for desktops, whose drivers know better.
+    let loops = program.half || program.module != "fast";
+    words::finished(&spirv(&module, program, capabilities), loops)
 }
 
 fn spirv(module: &naga::Module, program: &Program, capabilities: Capabilities) -> Vec<u32> {

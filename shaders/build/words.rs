@@ -8,9 +8,9 @@ const DONT_UNROLL: u32 = 2;
 /// arithmetic. The programs have none, and few phones offer it.
 const STORAGE_16: [u32; 3] = [4433, 4434, 4436];
 
-/// The program without capabilities that it doesn't use, and with loops kept as loops: a driver
-/// that unrolls a march needs three times the registers.
-pub(crate) fn finished(words: Vec<u32>) -> Vec<u32> {
+/// The program without capabilities that it doesn't use. With `loops`, they are kept as loops: a
+/// phone's driver that unrolls a march needs three times the registers.
+pub(crate) fn finished(words: &[u32], loops: bool) -> Vec<u32> {
     const HEADER: usize = 5;
     let mut out = words[..HEADER].to_vec();
     let mut rest = &words[HEADER..];
@@ -19,7 +19,7 @@ pub(crate) fn finished(words: Vec<u32>) -> Vec<u32> {
         rest = after;
         match (first & 0xffff, instruction) {
             (OP_CAPABILITY, [_, capability]) if STORAGE_16.contains(capability) => {}
-            (OP_LOOP_MERGE, [_, merge, next, _]) => {
+            (OP_LOOP_MERGE, [_, merge, next, _]) if loops => {
                 out.extend([*first, *merge, *next, DONT_UNROLL]);
             }
             _ => out.extend(instruction),

@@ -6,9 +6,9 @@ use glam::Vec3;
 use paros_core::maps::Maps;
 
 use crate::constants::{SUN_COLOR, SUN_DIRECTION};
-use crate::density::Density;
+use crate::field::Field;
 use crate::march::{Ray, march, occupied};
-use crate::{light, marble, noise, surface};
+use crate::{fast, light, marble, noise, surface};
 
 /// Which parts of the path are on. The default is the whole path and nothing else.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -19,13 +19,11 @@ pub struct Settings {
     pub shading: bool,
     /// Look at all three maps on every step, not only on a quick hit. The picture is the same.
     pub full_march: bool,
-    /// Beyond the paper: the ambient light is damped as the sun is, by samples along the normal.
-    pub occlusion: bool,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Settings { sdf: true, shading: true, full_march: false, occlusion: false }
+        Settings { sdf: true, shading: true, full_march: false }
     }
 }
 
@@ -40,8 +38,8 @@ pub struct Scene<'a, const N: usize> {
     pub turn: [f32; 2],
     /// The parts of the path that are on.
     pub settings: Settings,
-    /// Beyond the paper: the surface and its shadows are those of the blurred volume, not of blobs.
-    pub density: Option<&'a Density>,
+    /// The fast path's textures, if that is the path.
+    pub field: Option<&'a Field<N>>,
 }
 
 /// A shaded point of the sculpture.
@@ -55,7 +53,7 @@ pub struct Hit {
     pub position: Vec3,
     /// The outward unit normal, in the studio.
     pub normal: Vec3,
-    /// The voxel that was hit; with density, the one that the point lies in.
+    /// The voxel that was hit; on the fast path, the one that the point lies in.
     pub voxel: [usize; 3],
 }
 
@@ -68,7 +66,7 @@ impl<'a, const N: usize> Scene<'a, N> {
             noise: noise::texture(),
             turn: [turn.cos(), turn.sin()],
             settings,
-            density: None,
+            field: None,
         }
     }
 
@@ -113,9 +111,9 @@ impl<'a, const N: usize> Scene<'a, N> {
 #[must_use]
 pub fn shade<const N: usize>(scene: &Scene<'_, N>, ray: &Ray, dither: f32) -> Option<Hit> {
     let inside = scene.ray_inside(ray);
-    let (at, voxel) = match scene.density {
-        Some(density) => {
-            let at = density.surface(scene.maps, &inside)?;
+    let (at, voxel) = match scene.field {
+        Some(field) => {
+            let at = fast::surface(field, &inside)?;
             (at, at.position.to_array().map(|c| (c as usize).min(N - 1)))
         }
         None => {
@@ -129,10 +127,14 @@ pub fn shade<const N: usize>(scene: &Scene<'_, N>, ray: &Ray, dither: f32) -> Op
         }
     };
     let normal = scene.direction_outside(at.normal);
-    let color = if scene.settings.shading {
-        lit(scene, at.position, at.normal, dither)
-    } else {
-        normal * 0.5 + Vec3::splat(0.5)
+    let color = match scene.field {
+        _ if !scene.settings.shading => normal * 0.5 + Vec3::splat(0.5),
+        Some(field) => {
+            let sun = scene.direction_inside(Vec3::from_array(SUN_DIRECTION));
+            let sun = (sun, Vec3::from_array(SUN_COLOR));
+            fast::lit(field, &at, sun, light::ambient(normal))
+        }
+        None => lit(scene, at.position, at.normal, dither),
     };
     Some(Hit {
         color,
@@ -147,21 +149,10 @@ pub fn shade<const N: usize>(scene: &Scene<'_, N>, ray: &Ray, dither: f32) -> Op
 fn lit<const N: usize>(scene: &Scene<'_, N>, point: Vec3, normal: Vec3, dither: f32) -> Vec3 {
     let sun = scene.direction_inside(Vec3::from_array(SUN_DIRECTION));
     let facing = normal.dot(sun).max(0.0);
-    let fullness = |at: Vec3| match scene.density {
-        Some(density) => density.at(at),
-        None => f32::from(u8::from(occupied(scene.maps, at))),
-    };
-    let direct = if facing > 0.0 {
-        facing * light::visibility(N, point, sun, dither, fullness)
-    } else {
-        0.0
-    };
-    let open = if scene.settings.occlusion {
-        light::openness(N, point, normal, dither, fullness)
-    } else {
-        1.0
-    };
-    let ambient = light::ambient(scene.direction_outside(normal)) * open;
+    let held = |at: Vec3| occupied(scene.maps, at);
+    let direct =
+        if facing > 0.0 { facing * light::visibility(N, point, sun, dither, held) } else { 0.0 };
+    let ambient = light::ambient(scene.direction_outside(normal));
     marble::reflectance(scene.noise, point / N as f32)
         * (Vec3::from_array(SUN_COLOR) * direct + ambient)
 }

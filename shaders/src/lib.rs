@@ -4,25 +4,25 @@
 //! that it can stand in where there is no GPU and be the reference a GPU's picture is compared
 //! with. Inside the volume lengths are voxels; outside, the studio measures in sides of the cube.
 
-
 pub mod camera;
 pub mod constants;
-pub mod density;
+pub mod fast;
 pub mod field;
 pub mod fragment;
 pub mod gpu;
 pub mod image;
 pub mod light;
+pub mod limits;
 pub mod marble;
 pub mod march;
 pub mod noise;
 pub mod render;
+pub mod scene;
 pub mod studio;
 pub mod surface;
 pub mod upload;
 
 pub use camera::Camera;
-pub use density::Density;
 pub use fragment::{Hit, Scene, Settings, shade};
 pub use image::{Image, contact_sheet};
 pub use march::Ray;

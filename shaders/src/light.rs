@@ -7,14 +7,12 @@ use core::f32::consts::TAU;
 use glam::Vec3;
 
 use crate::constants::{
-    AMBIENT, GOLDEN_TURN, OPEN_REACH, OPEN_SAMPLES, SHADOW_DAMPING, SHADOW_RADIUS_FAR,
-    SHADOW_RADIUS_NEAR, SHADOW_SAMPLES,
+    AMBIENT, GOLDEN_TURN, SHADOW_DAMPING, SHADOW_RADIUS_FAR, SHADOW_RADIUS_NEAR, SHADOW_SAMPLES,
 };
 use crate::march::{Ray, inside_cube};
 
 /// How much of the light from direction `towards` reaches a point in the cube of side `n`, both in
-/// voxels: 1, times the damping for every occupied sample on the way out of the cube. `fullness`
-/// tells what of a sample is occupied: 0 or 1, or a part, which damps in part.
+/// voxels: 1, times the damping for every occupied sample on the way out of the cube.
 ///
 /// The samples are dispersed in a cone around the way, wide at the point and narrow at its end;
 /// `dither` in 0..1 turns the pattern, so that neighbouring fragments differ.
@@ -24,7 +22,7 @@ pub fn visibility(
     point: Vec3,
     towards: Vec3,
     dither: f32,
-    fullness: impl Fn(Vec3) -> f32,
+    occupied: impl Fn(Vec3) -> bool,
 ) -> f32 {
     let way = Ray { origin: point, direction: towards };
     let Some((_, length)) = inside_cube(&way, n as f32) else {
@@ -32,7 +30,9 @@ pub fn visibility(
     };
     let mut visibility = 1.0;
     for sample in cone(&way, length, dither) {
-        visibility *= 1.0 - (1.0 - SHADOW_DAMPING) * fullness(sample);
+        if occupied(sample) {
+            visibility *= SHADOW_DAMPING;
+        }
     }
     visibility
 }
@@ -53,33 +53,6 @@ pub fn cone(way: &Ray, length: f32, dither: f32) -> impl Iterator<Item = Vec3> {
         (cos, sin) = (cos * c - sin * s, sin * c + cos * s);
         way.at(part * length) + offset
     })
-}
-
-/// How open a point in voxels is to the half-space over its surface: the empty part of samples that
-/// spread out along the normal, near ones close together and weighing more (not in the paper).
-#[must_use]
-pub fn openness(
-    n: usize,
-    point: Vec3,
-    normal: Vec3,
-    dither: f32,
-    fullness: impl Fn(Vec3) -> f32,
-) -> f32 {
-    let (u, v) = across(normal);
-    let (mut cos, mut sin) = ((dither * TAU).cos(), (dither * TAU).sin());
-    let (mut sum, mut total) = (0.0, 0.0);
-    for i in 0..OPEN_SAMPLES {
-        let part = (i as f32 + 0.5) / OPEN_SAMPLES as f32;
-        let reach = 1.5 + OPEN_REACH * n as f32 * part * part;
-        let spread = reach * (((i * 7 % OPEN_SAMPLES) as f32 + 0.5) / OPEN_SAMPLES as f32).sqrt();
-        let sample = point + normal * reach + (u * cos + v * sin) * spread;
-        let weight = 1.0 - 0.6 * part;
-        sum += (1.0 - fullness(sample)) * weight;
-        total += weight;
-        let [c, s] = GOLDEN_TURN;
-        (cos, sin) = (cos * c - sin * s, sin * c + cos * s);
-    }
-    sum / total
 }
 
 /// The ambient light that a surface with this normal receives, over pi.

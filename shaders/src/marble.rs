@@ -52,6 +52,25 @@ pub fn texture() -> &'static [u8] {
     })
 }
 
+/// [`texture`] at a point of the unit cube, 0 to 1, filtered trilinearly; beyond the outermost
+/// texels as they are.
+#[must_use]
+pub fn sample(point: Vec3) -> f32 {
+    let texels = texture();
+    let place = (point * SIDE as f32 - Vec3::splat(0.5)).clamp(Vec3::ZERO, Vec3::splat(LAST));
+    let low = place.to_array().map(|c| (c as usize).min(SIDE - 2));
+    let part = place - Vec3::from_array(low.map(|c| c as f32));
+    let at = |x: usize, y: usize, z: usize| {
+        f32::from(texels[((low[2] + z) * SIDE + low[1] + y) * SIDE + low[0] + x])
+    };
+    let mix = |a: f32, b: f32, t: f32| a + (b - a) * t;
+    let line = |y, z| mix(at(0, y, z), at(1, y, z), part.x);
+    let face = |z| mix(line(0, z), line(1, z), part.y);
+    mix(face(0), face(1), part.z) / 255.0
+}
+
+const LAST: f32 = (SIDE - 1) as f32;
+
 /// Octaves of noise with halving amplitude, and the first one by itself.
 fn turbulence(texture: &[i8], point: Vec3) -> (f32, f32) {
     let cloud = noise::sample(texture, point);

@@ -98,36 +98,51 @@ fn march_along<const N: usize, const AXIS: usize>(
     full: bool,
 ) -> Option<Sample> {
     let axis = Axis::ALL[AXIS];
-    let per_layer = 1.0 / ray.direction[AXIS];
+    let towards = ray.direction[AXIS];
+    let each = 1.0 / towards.abs();
     let first = (ray.at(near)[AXIS] as usize).min(N - 1);
-    for step in 0..N {
-        let layer = if per_layer > 0.0 { first + step } else { first.wrapping_sub(step) };
-        if layer >= N {
+    let mut distance = (first as f32 + 0.5 - ray.origin[AXIS]) / towards;
+    let mut layer = first as isize;
+    let step = if towards > 0.0 { 1 } else { -1 };
+    if distance < near {
+        layer += step;
+        distance += each;
+    }
+    // Voxels in fixed point, as the shader steps, so that both look at the same ones.
+    let fixed = |c: f32| (c * ONE) as i32;
+    let mut place = ray.at(distance).to_array().map(|c| fixed(c + 1.0));
+    let slide = (ray.direction * each).to_array().map(fixed);
+    let steps = ((far - distance) / each).ceil().clamp(0.0, N as f32) as usize;
+    for i in 0..steps {
+        if !(0..N as isize).contains(&layer) {
             break;
         }
-        let distance = (layer as f32 + 0.5 - ray.origin[AXIS]) * per_layer;
-        if distance < near {
-            continue;
+        let mut voxel = place.map(|c| (c >> BITS) - 1);
+        voxel[AXIS] = layer as i32;
+        // A last digit may carry a place out of the grid, where all is empty.
+        if voxel.iter().all(|&c| (0..N as i32).contains(&c)) {
+            let voxel = voxel.map(|c| c as usize);
+            let hit = if full {
+                maps.contains(voxel)
+            } else {
+                maps.column(axis, axis.address(voxel)).contains(voxel[AXIS])
+                    && others_hold::<N, AXIS>(maps, voxel)
+            };
+            if hit {
+                return Some(Sample { voxel, distance: distance + each * i as f32 });
+            }
         }
-        if distance >= far {
-            break;
+        for (place, slide) in place.iter_mut().zip(slide) {
+            *place = place.wrapping_add(slide);
         }
-        let point = ray.at(distance);
-        let mut voxel =
-            [point.x as usize, point.y as usize, point.z as usize].map(|c| c.min(N - 1));
-        voxel[AXIS] = layer;
-        let hit = if full {
-            maps.contains(voxel)
-        } else {
-            maps.column(axis, axis.address(voxel)).contains(layer)
-                && others_hold::<N, AXIS>(maps, voxel)
-        };
-        if hit {
-            return Some(Sample { voxel, distance });
-        }
+        layer += step;
     }
     None
 }
+
+/// A voxel in fixed point, and the bits of its fraction.
+const ONE: f32 = 65536.0;
+const BITS: u32 = 16;
 
 #[inline]
 fn others_hold<const N: usize, const AXIS: usize>(maps: &Maps<N>, voxel: [usize; 3]) -> bool {

@@ -7,7 +7,7 @@ use paros_core::maps::Maps;
 use rayon::prelude::*;
 
 use crate::camera::Camera;
-use crate::density::Density;
+use crate::field::Field;
 use crate::fragment::{Scene, Settings, shade};
 use crate::image::Image;
 use crate::{noise, studio};
@@ -23,14 +23,14 @@ pub struct RenderOptions {
     pub samples: usize,
     /// The parts of the path that are on.
     pub settings: Settings,
-    /// Beyond the paper: show the smooth surface of the blurred volume instead of the blobs.
-    pub smooth: bool,
+    /// The fast path, the smooth surface of the blurred volume, instead of the paper's.
+    pub fast: bool,
 }
 
 impl Default for RenderOptions {
     fn default() -> Self {
-        let settings = Settings { occlusion: true, ..Settings::default() };
-        RenderOptions { width: 640, height: 480, samples: 2, settings, smooth: true }
+        let settings = Settings::default();
+        RenderOptions { width: 640, height: 480, samples: 2, settings, fast: true }
     }
 }
 
@@ -38,7 +38,7 @@ impl RenderOptions {
     /// The paper's path and nothing else.
     #[must_use]
     pub fn paper() -> Self {
-        RenderOptions { settings: Settings::default(), smooth: false, ..Self::default() }
+        RenderOptions { fast: false, ..Self::default() }
     }
 }
 
@@ -52,9 +52,13 @@ pub fn render<const N: usize>(
     progress: &(dyn Fn(f32) + Sync),
 ) -> Image {
     // The camera stands still, so that the stool turns against the azimuth.
-    let density = options.smooth.then(|| Density::of(maps));
+    let field = options.fast.then(|| {
+        let mut field = Field::new();
+        field.rebuild(maps);
+        field
+    });
     let scene =
-        Scene { density: density.as_ref(), ..Scene::new(maps, -camera.azimuth, options.settings) };
+        Scene { field: field.as_ref(), ..Scene::new(maps, -camera.azimuth, options.settings) };
     let mut image = Image::filled(options.width, options.height, [0; 3]);
     let done = AtomicUsize::new(0);
     let row_bytes = 3 * options.width.max(1);
@@ -92,6 +96,12 @@ fn pixel_color<const N: usize>(
         sum += tone_mapped(color);
     }
     sum / (side * side)
+}
+
+/// What a display shows of a radiance: the tone curve, then sRGB bytes.
+#[must_use]
+pub fn shown(color: Vec3) -> [u8; 3] {
+    srgb(tone_mapped(color))
 }
 
 /// Radiance to display intensity: Reinhard's curve, in which WHITE comes out as 1.

@@ -29,12 +29,12 @@ fn start(
     let speed = 1.0 / (max(size.x, max(size.y, size.z)) + spread);
     var t = max(span.x, begin);
     // Where it stops doesn't matter to the picture: a beam that crawls along a surface may.
-    var turns = 40u;
+    var turns = 16u;
     while t < span.y {
         let p = o + direction * t;
         let inside = clamp(p, vec3<f32>(0.5), vec3<f32>(side - 0.5));
         let out = abs(p - inside);
-        let free = 1020.0 * textureSampleLevel(cells, nearest, inside / side, 0.0).x;
+        let free = frame.cells.x * textureSampleLevel(cells, nearest, inside / side, 0.0).x;
         var radius = max(free, max(out.x, max(out.y, out.z)) - 0.5) - 0.01;
         if close && radius < 2.0 {
             let full = textureSampleLevel(density, clamped, inside / side, 0.0).x;

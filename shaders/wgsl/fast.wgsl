@@ -1,8 +1,6 @@
 // The smooth surface where the blurred volume is half full, its normal, and its light.
 #import paros::layout::{frame, BEAM}
-#import paros::box
 #import paros::marble
-#import paros::light
 
 // What colours, normals and densities are made of: half precision where it is offered.
 #ifdef HALF
@@ -34,71 +32,71 @@ fn fragment(
     @builtin(position) position: vec4<f32>,
     @builtin(view_index) view: u32,
     @location(0) direction: vec3<f32>,
-    @location(1) @interpolate(flat) eye: vec3<f32>,
+    @location(1) @interpolate(flat) o: vec3<f32>,
 ) -> Shaded {
     let start = textureLoad(beams, vec2<u32>(position.xy * (1.0 / BEAM)), view, 0).x;
     if start < 0.0 {
         discard;
     }
-    let side = frame.sun_room.w;
-    let pad = 0.5 * (side - frame.sun_grid.w);
-    let speed = length(direction);
-    // Lengths along the ray are voxels; points are the density texture's coordinates.
-    let d = direction / (speed * side);
-    let o = (eye + pad) / side;
-    // A voxel more than the grid on every side but the ground's.
-    let low = vec3<f32>(pad - 1.0, pad, pad - 1.0) / side;
-    let span = box::span(o, d, low, vec3<f32>(1.0 - low.x));
-    let size = abs(d);
-    let leap = 1020.0 / (max(size.x, max(size.y, size.z)) * side);
-    var t = max(start * speed, span.x);
+    // The ray in the density's coordinates by depth in voxels, and the depth that a voxel along it
+    // takes.
+    let voxel = 1.0 / (length(direction) * frame.sun_room.w);
+    let end = end_of(o, direction);
+    // A ray that comes this near is drawn in part if it doesn't meet the surface: a pixel away,
+    // with a density that rises by about 0.3 a voxel.
+    let margin = 0.3 * frame.sun_color.w;
+    let edge = part(select(0.5, max(0.5 - margin * start, 0.4), COVERAGE));
+    var t = start;
     var full = part(0.0);
-    var best = part(0.0);
-    var at = t;
-    while t < span.y {
+    while t < end {
         // Four voxels near the surface. Steps reach a little past where a plane would be met:
         // what is one voxel thick is not leapt over.
-        let until = min(t + 4.0, span.y);
+        let until = min(t + 4.0 * voxel, end);
         while t < until {
-            full = part(dense(o + d * t, 0.0));
-            if full > best {
-                best = full;
-                at = t;
-            }
-            if full >= part(0.5) { break; }
-            t += f32(max(part(2.9) - full * part(16.0), part(1.65) - full * part(2.5)));
+            full = part(dense(o + direction * t, 0.0));
+            if full >= edge { break; }
+            t += f32(max(part(2.6) - full * part(16.0), part(1.65) - full * part(2.5))) * voxel;
         }
-        if full >= part(0.5) { break; }
+        if full >= edge { break; }
         // Empty cells.
-        while t < span.y {
-            let free = textureSampleLevel(cells, nearest, o + d * t, 0.0).x;
+        while t < end {
+            let free = textureSampleLevel(cells, nearest, o + direction * t, 0.0).x;
             if free == 0.0 { break; }
-            t += free * leap;
+            t += free * frame.cells.x * voxel;
         }
     }
-    // What a ray that just misses covers of its pixel; the density rises by about 0.3 a voxel at
-    // the surface.
+    if full < edge {
+        discard;
+    }
+    // To where the density is a half: twice along its slope here.
+    var p = o + direction * t;
+    let fall = fall(p);
+    let along = -dot(vec3<f32>(fall), direction) * frame.sun_room.w;
+    let slope = 4.0 / max(along, 0.2 / voxel);
+    var back = clamp((f32(full) - 0.5) * slope, -0.5 * voxel, 1.2 * voxel);
+    p -= direction * back;
+    t -= back;
+    back = clamp((dense(p, 0.0) - 0.5) * slope, -0.5 * voxel, 0.5 * voxel);
+    p -= direction * back;
+    t -= back;
     var coverage = part(1.0);
-    if best < part(0.5) {
-        if !COVERAGE {
-            discard;
-        }
-        let gap = (0.5 - f32(best)) / (0.3 * frame.sun_color.w * at / speed);
-        if gap >= 1.0 {
-            discard;
-        }
-        coverage = part(1.0 - gap);
-    }
-    let fall = fall(o + d * at);
-    if best >= part(0.5) {
-        // Back to where the density is a half: twice along its slope at the first point inside.
-        let slope = 1.0 / min(dot(vec3<f32>(fall), d) * (side / -4.8), -0.05);
-        at += clamp((f32(best) - 0.5) * slope, -1.2, 0.0);
-        at += clamp((dense(o + d * at, 0.0) - 0.5) * slope, -0.5, 0.5);
+    if COVERAGE && full < part(0.5) {
+        // It only just misses if it goes along the surface.
+        let steep = part(saturate(1.0 - 1.5 * along * voxel));
+        coverage -= steep * part(saturate((0.5 - f32(full)) / (margin * t)));
     }
     let normal = fall * inverseSqrt(max(dot(fall, fall), part(1e-4)));
-    let depth = frame.depth.x * speed / at + frame.depth.y;
-    return Shaded(vec4<f32>(vec3<f32>(lit(o + d * at, normal)), f32(coverage)), depth);
+    let depth = frame.depth.x / t + frame.depth.y;
+    return Shaded(vec4<f32>(vec3<f32>(lit(p, normal)), f32(coverage)), depth);
+}
+
+// Where a ray ends: a voxel behind the grid, or on the ground.
+fn end_of(o: vec3<f32>, d: vec3<f32>) -> f32 {
+    let side = frame.sun_room.w;
+    let pad = 0.5 * (side - frame.sun_grid.w);
+    let low = vec3<f32>(pad - 1.0, pad, pad - 1.0) / side;
+    let far = (select(low, vec3<f32>(1.0 - low.x), d > vec3<f32>(0.0)) - o) / d;
+    return min(far.x, min(far.y, far.z));
 }
 
 fn dense(p: vec3<f32>, level: f32) -> f32 {
@@ -120,8 +118,7 @@ fn lit(p: vec3<f32>, normal: color) -> color {
         let thin = part(1.0) - part(dense(through, 1.0));
         direct *= color(0.14, 0.08, 0.05) * (thin * -facing);
     }
-    let in_room = (frame.room_from_grid * vec4<f32>(vec3<f32>(normal), 0.0)).xyz;
-    let around = ambient(color(normalize(in_room))) * open(p, normal, voxel);
+    let around = ambient(normal) * open(p, normal, voxel);
     let grid = (p - 0.5) * (frame.sun_room.w / n) + 0.5;
     let grey = part(textureSampleLevel(marble_texture, clamped, grid, 0.0).x);
     let stone = mix(color(marble::WHITE), color(marble::GREY), grey);
@@ -129,24 +126,29 @@ fn lit(p: vec3<f32>, normal: color) -> color {
     return radiance * (radiance * part(0.25) + part(1.0)) / (radiance + part(1.0));
 }
 
-// How the density falls, 4.8 times a voxel's worth: four samples on a tetrahedron's corners.
+// How the blurred density falls, 4 times a voxel's worth: samples on a tetrahedron's corners.
 fn fall(p: vec3<f32>) -> color {
-    let e = vec2<f32>(1.2, -1.2) / frame.sun_room.w;
-    let a = part(dense(p + e.xyy, 0.0));
-    let b = part(dense(p + e.yyx, 0.0));
-    let c = part(dense(p + e.yxy, 0.0));
-    let f = part(dense(p + e.xxx, 0.0));
-    return color(b + c - a - f, a + b - c - f, a + c - b - f);
+    let voxel = 1.0 / frame.sun_room.w;
+    var sum = color(0.0);
+    // Both signs of y with both of z, and x their product.
+    for (var i = part(-1.5); i < part(2.0); i += part(1.0)) {
+        let y = sign(i);
+        let z = part(2.0) * (i - y);
+        let corner = color(y * z, y, z);
+        sum -= part(dense(p + vec3<f32>(corner) * voxel, 1.0)) * corner;
+    }
+    return sum;
 }
 
 // Four samples towards the sun, blurred as they are far.
 fn visibility(p: vec3<f32>, voxel: f32) -> part {
-    let towards = frame.sun_grid.xyz * voxel;
-    let a = part(1.0) - part(0.9) * part(dense(p + towards * 2.3, 0.0));
-    let b = part(1.0) - part(0.9) * part(dense(p + towards * 5.0, 1.0));
-    let c = part(1.0) - part(0.9) * part(dense(p + towards * 11.0, 2.0));
-    let f = part(1.0) - part(0.9) * part(dense(p + towards * 24.0, 3.0));
-    return a * b * c * f;
+    var seen = part(1.0);
+    var far = 2.3 * voxel;
+    for (var level = 0.0; level < 4.0; level += 1.0) {
+        seen -= seen * part(0.9) * part(dense(p + frame.sun_grid.xyz * far, level));
+        far *= 2.2;
+    }
+    return seen;
 }
 
 // How open the point is to the ambient light: what is empty above it.
@@ -155,12 +157,12 @@ fn open(p: vec3<f32>, normal: color, voxel: f32) -> part {
     return part(1.15) - part(1.15) * min(full, part(0.9));
 }
 
+// `light::ambient`, in these numbers.
 fn ambient(n: color) -> color {
     var sum = color(frame.ambient[0].xyz);
-    sum += color(frame.ambient[1].xyz) * n.y + color(frame.ambient[2].xyz) * n.z;
-    sum += color(frame.ambient[3].xyz) * n.x + color(frame.ambient[4].xyz) * (n.x * n.y);
-    sum += color(frame.ambient[5].xyz) * (n.y * n.z) + color(frame.ambient[7].xyz) * (n.x * n.z);
-    sum += color(frame.ambient[6].xyz) * (part(3.0) * n.z * n.z - part(1.0));
-    sum += color(frame.ambient[8].xyz) * (n.x * n.x - n.y * n.y);
+    sum += color(frame.ambient[1].xyz) * n.x + color(frame.ambient[2].xyz) * n.y;
+    sum += color(frame.ambient[3].xyz) * n.z + color(frame.ambient[4].xyz) * (n.x * n.y);
+    sum += color(frame.ambient[5].xyz) * (n.y * n.z) + color(frame.ambient[6].xyz) * (n.x * n.z);
+    sum += color(frame.ambient[7].xyz) * (n.x * n.x) + color(frame.ambient[8].xyz) * (n.y * n.y);
     return max(sum, color(0.0));
 }

@@ -28,12 +28,15 @@ struct Frame {
     sun_room: vec4<f32>,
     // w: voxels that a pixel is wide at a depth of one voxel.
     sun_color: vec4<f32>,
-    // Spherical harmonics of the ambient light over pi, in the room; the clamped cosine is in them.
+    // The ambient light over pi for a normal of the grid: the constant, then the factors of x, y,
+    // z, xy, yz, xz, xx and yy.
     ambient: array<vec4<f32>, 9>,
     // The depth buffer holds `x / t + y`; z: depth in voxels of the near plane; w: metres a voxel.
     depth: vec4<f32>,
     // Pixels across and down, tiles across and down.
     extent: vec4<f32>,
+    // x: texels of the density that a cell's byte tells of if it is 255.
+    cells: vec4<f32>,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

@@ -2,13 +2,13 @@
 #define_import_path paros::light
 #import paros::layout::frame
 
-// The ambient light that a surface with this normal of the room receives, over pi.
+// The ambient light that a surface with this normal of the grid receives, over pi.
 fn ambient(n: vec3<f32>) -> vec3<f32> {
     var sum = frame.ambient[0].xyz;
-    sum += frame.ambient[1].xyz * n.y + frame.ambient[2].xyz * n.z + frame.ambient[3].xyz * n.x;
+    sum += frame.ambient[1].xyz * n.x + frame.ambient[2].xyz * n.y + frame.ambient[3].xyz * n.z;
     sum += frame.ambient[4].xyz * (n.x * n.y) + frame.ambient[5].xyz * (n.y * n.z);
-    sum += frame.ambient[6].xyz * (3.0 * n.z * n.z - 1.0) + frame.ambient[7].xyz * (n.x * n.z);
-    sum += frame.ambient[8].xyz * (n.x * n.x - n.y * n.y);
+    sum += frame.ambient[6].xyz * (n.x * n.z) + frame.ambient[7].xyz * (n.x * n.x);
+    sum += frame.ambient[8].xyz * (n.y * n.y);
     return max(sum, vec3<f32>(0.0));
 }
 

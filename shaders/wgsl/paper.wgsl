@@ -54,10 +54,12 @@ fn fragment(
     } else {
         at = face(eye - centre, direction);
     }
-    let normal = normalize((frame.room_from_grid * vec4<f32>(at.normal, 0.0)).xyz);
-    var color = normal * 0.5 + 0.5;
+    var color: vec3<f32>;
     if SHADING {
-        color = light::shown(lit(centre + at.offset, at.normal, normal, light::dither(position.xy)));
+        color = light::shown(lit(centre + at.offset, at.normal, light::dither(position.xy)));
+    } else {
+        let normal = (frame.room_from_grid * vec4<f32>(at.normal, 0.0)).xyz / frame.depth.w;
+        color = normal * 0.5 + 0.5;
     }
     return Shaded(vec4<f32>(color, 1.0), frame.depth.x * frame.depth.w * position.w / at.t + frame.depth.y);
 }
@@ -221,13 +223,13 @@ fn face(eye: vec3<f32>, direction: vec3<f32>) -> Surface {
 }
 
 // Section 4.3: Lambertian marble under the sun and the ambient light.
-fn lit(point: vec3<f32>, normal: vec3<f32>, in_room: vec3<f32>, dither: f32) -> vec3<f32> {
+fn lit(point: vec3<f32>, normal: vec3<f32>, dither: f32) -> vec3<f32> {
     let facing = dot(normal, frame.sun_grid.xyz);
     var direct = 0.0;
     if facing > 0.0 {
         direct = facing * visibility(point, dither);
     }
-    let radiance = frame.sun_color.xyz * direct + light::ambient(in_room);
+    let radiance = frame.sun_color.xyz * direct + light::ambient(normal);
     return marble::reflectance(noise, repeat, point / frame.sun_grid.w) * radiance;
 }
 

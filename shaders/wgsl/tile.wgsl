@@ -29,13 +29,16 @@ fn vertex(
     let direction = frame.views[view].ray_base.xyz + pixel.x * ray_x + pixel.y * ray_y;
     // What has no start goes where nothing is drawn.
     let depth = select(frame.depth.x / start + frame.depth.y, -1.0, start < 0.0);
+    // The picture's own rays are in the density texture's coordinates, beams' in voxels.
+    let side = select(1.0, frame.sun_room.w, WIDTH == 1.0);
+    let pad = select(0.0, 0.5 * (side - frame.sun_grid.w), WIDTH == 1.0);
     let place = pixel / (ceil(frame.extent.xy / WIDTH) * WIDTH) * 2.0 - 1.0;
     // A pixel more than the beam's corner: rays that just miss are drawn in part.
     let corner = (abs(ray_x) + abs(ray_y)) * (0.5 * WIDTH + 1.0);
     return Corner(
         vec4<f32>(place, depth, 1.0),
-        direction,
-        frame.views[view].eye.xyz,
+        direction / side,
+        (frame.views[view].eye.xyz + pad) / side,
         start,
         max(corner.x, max(corner.y, corner.z)),
     );

@@ -1,7 +1,7 @@
 //! The textures of the fast path against their definition.
 
 use paros_core::maps::Maps;
-use paros_shaders::field::{Field, LEVELS};
+use paros_shaders::field::{Field, LEVELS, cell};
 use paros_tests::models::dense::{Dense, voxels};
 use paros_tests::models::field::{FieldModel, index, places};
 use proptest::prelude::*;
@@ -20,10 +20,11 @@ fn check<const N: usize>(dense: &Dense) {
             assert_eq!(texel, model.density[level][index(at, side)], "level {level}, texel {at:?}");
         }
     }
-    let side = model.side(0) / 4;
+    let side = model.side(0) / cell(N) as i32;
+    assert_eq!(field.cells_side(), side as usize);
     for at in places(side) {
-        let cell = field.cell(at.map(|c| c as usize));
-        assert_eq!(cell, model.cells[index(at, side)], "cell {at:?}");
+        let free = field.cell(at.map(|c| c as usize));
+        assert_eq!(free, model.cells[index(at, side)], "cell {at:?}");
     }
 }
 

@@ -11,7 +11,7 @@ use paros_core::maps::{Axis, Column, Maps};
 use paros_core::pose::SUB;
 use paros_core::size::{Grid, Size};
 use paros_core::volume::{Journal, Volume};
-use paros_shaders::field::{Budget, CELL, FAR, Field, HALF, LEVELS};
+use paros_shaders::field::{Budget, FAR, Field, HALF, LEVELS};
 use paros_shaders::upload::{Region, Texture};
 use paros_tests::models::visitor::Dice;
 
@@ -56,14 +56,15 @@ impl Copies {
         }
     }
 
-    /// No surface passes through a cell that tells a distance, and none is nearer than it tells.
+    /// No surface passes through the cells that one tells are free.
     fn check_cells(&self, settled: bool) {
         let (density, cells) = (&self.0[1], &self.0[1 + LEVELS]);
         let (texels, side) = (density.side[0], cells.side[0]);
+        let size = texels / side;
         let mut solid = vec![FAR; side.pow(3)];
         for (i, _) in density.bytes.iter().enumerate().filter(|(_, texel)| **texel >= HALF) {
             let at = [i % texels, i / texels % texels, i / (texels * texels)];
-            let beside = |c: usize| c.saturating_sub(1) / CELL..=((c + 1) / CELL).min(side - 1);
+            let beside = |c: usize| c.saturating_sub(1) / size..=((c + 1) / size).min(side - 1);
             for z in beside(at[2]) {
                 for y in beside(at[1]) {
                     beside(at[0]).for_each(|x| solid[(z * side + y) * side + x] = 0);
@@ -86,10 +87,11 @@ impl Copies {
                 }
             }
         }
-        for (right, told) in solid.iter().zip(&cells.bytes) {
+        let free: Vec<u8> = solid.iter().map(|distance| distance.saturating_sub(1)).collect();
+        for (right, told) in free.iter().zip(&cells.bytes) {
             assert!(told <= right, "{told} told, it is {right}");
         }
-        assert!(!settled || solid == cells.bytes, "cells are not right for the density");
+        assert!(!settled || free == cells.bytes, "cells are not right for the density");
     }
 }
 

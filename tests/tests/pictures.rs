@@ -91,7 +91,7 @@ fn noise_is_smooth_repeats_and_vanishes_on_the_lattice() {
 }
 
 fn small(settings: Settings) -> RenderOptions {
-    RenderOptions { width: 96, height: 72, samples: 1, settings, smooth: false }
+    RenderOptions { width: 96, height: 72, samples: 1, settings, fast: false }
 }
 
 fn in_threads(threads: usize, maps: &Maps<64>, options: &RenderOptions) -> Image {
@@ -105,8 +105,8 @@ fn a_picture_does_not_depend_on_the_threads_or_the_march() {
         let options = RenderOptions { samples: 2, ..small(Settings::default()) };
         let one = in_threads(1, maps, &options);
         assert!(one == in_threads(3, maps, &options));
-        let smooth = RenderOptions { smooth: true, ..options };
-        assert!(in_threads(1, maps, &smooth) == in_threads(3, maps, &smooth));
+        let fast = RenderOptions { fast: true, ..options };
+        assert!(in_threads(1, maps, &fast) == in_threads(3, maps, &fast));
         let full = Settings { full_march: true, ..Settings::default() };
         assert!(one == in_threads(2, maps, &RenderOptions { settings: full, ..options }));
     });

@@ -2,9 +2,10 @@
 
 use glam::Vec3;
 use paros_core::maps::Maps;
+use paros_shaders::field::Field;
 use paros_shaders::march::{inside_cube, march, occupied};
 use paros_shaders::surface::{self, Neighbours};
-use paros_shaders::{Density, Ray, Scene, Settings, light, shade};
+use paros_shaders::{Ray, Scene, Settings, fast, light, shade};
 use paros_tests::models::dense::{Dense, volumes};
 use paros_tests::models::twin::{
     self as model, BALL, BALL_RADIUS, centre, directions, with_16, with_ball,
@@ -12,7 +13,13 @@ use paros_tests::models::twin::{
 use proptest::prelude::*;
 
 fn seen(maps: &Maps<16>, point: Vec3, towards: Vec3, dither: f32) -> f32 {
-    light::visibility(16, point, towards, dither, |at| f32::from(u8::from(occupied(maps, at))))
+    light::visibility(16, point, towards, dither, |at| occupied(maps, at))
+}
+
+fn field_of<const N: usize>(maps: &Maps<N>) -> Box<Field<N>> {
+    let mut field = Box::new(Field::new());
+    field.rebuild(maps);
+    field
 }
 
 /// Rays that cross the grid's surroundings in every way: oblique, along axes, from inside.
@@ -116,8 +123,8 @@ proptest! {
         with_16(&dense, |maps| {
             let _ = march(maps, &ray, false);
             let _ = seen(maps, ray.origin, ray.direction, dither);
-            let density = Density::of(maps);
-            let scene = Scene { density: Some(&density), ..Scene::new(maps, 0.3, Settings::default()) };
+            let field = field_of(maps);
+            let scene = Scene { field: Some(&field), ..Scene::new(maps, 0.3, Settings::default()) };
             let _ = shade(&scene, &ray, dither);
             for sdf in [false, true] {
                 let _ = shade(&Scene::new(maps, 0.3, Settings { sdf, ..Settings::default() }), &ray, dither);
@@ -228,10 +235,10 @@ fn blobs_join_smoothly() {
 #[test]
 fn the_smooth_surface_of_a_ball_is_close_and_smooth() {
     with_ball(|maps| {
-        let density = Density::of(maps);
+        let field = field_of(maps);
         let (mut off, mut worst, mut sum, mut rays) = (0.0f32, 0.0f32, 0.0, 0);
         ball_rays(|ray| {
-            let at = density.surface(maps, ray).expect("well inside the outline");
+            let at = fast::surface(&field, ray).expect("well inside the outline");
             off = off.max(((at.position - BALL).length() - BALL_RADIUS).abs());
             let error = degrees_between(at.normal, at.position - BALL);
             worst = worst.max(error);
@@ -252,41 +259,16 @@ fn the_smooth_surface_keeps_sheets_and_rods() {
     let sheet =
         Dense::from_fn(16, |[x, y, z]| z == 7 && (3..13).contains(&x) && (3..13).contains(&y));
     let rod = Dense::from_fn(16, |[x, y, z]| y == 8 && z == 7 && (2..14).contains(&x));
-    let voxel = Dense::from_fn(16, |at| at == [8, 8, 7]);
-    for dense in [sheet, rod, voxel] {
+    for dense in [sheet, rod] {
         with_16(&dense, |maps| {
-            let density = Density::of(maps);
+            let field = field_of(maps);
             for direction in directions().into_iter().filter(|d| d.z.abs() > 0.5) {
                 let ray = Ray { origin: Vec3::new(8.5, 8.5, 7.5) - direction * 40.0, direction };
-                let at = density.surface(maps, &ray).expect("as thick as a voxel");
+                let at = fast::surface(&field, &ray).expect("as thick as a voxel");
                 assert!((at.distance - 40.0).abs() < 1.5, "{} along {direction}", at.distance);
             }
         });
     }
-}
-
-#[test]
-fn density_is_the_binomial_mean_of_five_voxels_each_way() {
-    let dense = Dense::from_fn(16, |[x, y, z]| (x * 7 + y * 3 + z * 5) % 11 < 6).closure();
-    with_16(&dense, |maps| {
-        let density = Density::of(maps);
-        for voxel in dense.all() {
-            let mut sum = 0;
-            for (i, w) in (-2..).zip([1, 4, 6, 4, 1]) {
-                for (j, v) in (-2..).zip([1, 4, 6, 4, 1]) {
-                    for (k, u) in (-2..).zip([1, 4, 6, 4, 1]) {
-                        let y = (voxel[1] + j).max(0);
-                        sum +=
-                            w * v * u * i32::from(dense.contains([voxel[0] + i, y, voxel[2] + k]));
-                    }
-                }
-            }
-            let exact = sum as f32 / 4096.0;
-            for stored in [density.at(centre(voxel)), density.near(centre(voxel))] {
-                assert!((stored - exact).abs() < 1.5 / 255.0, "{voxel:?}: {stored} for {exact}");
-            }
-        }
-    });
 }
 
 #[test]

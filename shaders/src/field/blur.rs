@@ -7,6 +7,7 @@ use paros_core::maps::Maps;
 
 use super::REACH;
 use super::extent::Extent;
+use super::texels::tops;
 use super::thin;
 use super::window::{LEFT, ROWS, Window};
 
@@ -145,7 +146,7 @@ impl Blur {
         for (g, texels) in out.iter_mut().enumerate() {
             *texels = texels_of([a[g], b[g], c[g], d[g], e[g]]);
         }
-        self.half[z][y] = top_bits(out);
+        self.half[z][y] = tops(out.as_flattened());
     }
 }
 
@@ -180,17 +181,6 @@ fn plain(rows: [u64; 5], mask: u64) -> Plain {
     } else {
         Plain::Mixed
     }
-}
-
-/// The top bit of each byte of a row.
-fn top_bits(row: &[[u8; LANES]]) -> u64 {
-    let mut bits = 0;
-    for (i, eight) in row.as_flattened().as_chunks::<8>().0.iter().enumerate() {
-        // Bit 7 of byte k goes to bit 56 + k; no two products meet below.
-        let tops = u64::from_le_bytes(*eight) >> 7 & 0x0101_0101_0101_0101;
-        bits |= (tops.wrapping_mul(0x0102_0408_1020_4080) >> 56) << (8 * i);
-    }
-    bits
 }
 
 /// Blurs a row of bits along x into bytes, 0 to 16; nothing lies beyond the word.

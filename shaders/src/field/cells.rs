@@ -1,157 +1,187 @@
-//! Cells of texels: which the surface of half density may pass through, and how far the rest is
-//! from those.
+//! Cells of texels: which the surface of half density may pass through, and how many around the
+//! rest are free of it.
 
+use super::FAR;
 use super::extent::Extent;
-use super::texels::Texels;
-use super::{CELL, FAR};
+use super::texels::{Texels, tops};
 
-/// The longest row of cells: 264 texels at 256.
-const MOST: usize = 66;
+/// The longest row of cells: 136 texels at 128.
+const MOST: usize = 68;
 
 /// Cells told for nothing that are cheaper than another box.
 const SLACK: usize = 256;
 
-/// Cells and their distances.
+/// Distances less than [`FAR`], and cells at most so far from the surface.
+const LEVELS: usize = FAR as usize;
+
+/// Cells, and how many around each are free.
+///
+/// The cells at most k + 1 from the surface are those at most k from it and their neighbours: rows
+/// of bits, moved and joined. Only rows beside one that changed are joined again, so that all is
+/// right after each [`Cells::measure`], at the cost of what changed.
 #[derive(Debug)]
 pub(super) struct Cells {
-    /// Cells in or beside which a texel is at least a half: a bit each along x, by z and y.
-    solid: Vec<u128>,
-    /// The cells that became solid or ceased to be since the distances were measured.
-    flipped: Extent,
-    /// Those of them that became solid, and that distances don't tell yet.
-    risen: Extent,
-    distances: Texels,
-    /// In each slice of equal z the distances that changed since they were taken.
+    /// Texels along a side of a cell.
+    cell: usize,
+    /// By distance, the cells at most so far from the surface: a bit each along x, by z and y.
+    near: [Vec<u128>; LEVELS],
+    /// By distance, the rows of those that changed since they were measured: a bit each along y,
+    /// by z.
+    touched: [Vec<u128>; LEVELS],
+    /// The cells that changed at any distance: a bit each along x, by z and y.
+    flipped: Vec<u128>,
+    free: Texels,
+    /// In each slice of equal z the cells that changed since they were taken.
     changed: Vec<Extent>,
-    /// Where distances are measured.
-    bench: Vec<Line>,
 }
 
 impl Cells {
-    /// No cell solid.
-    pub(super) fn new(side: usize) -> Self {
+    /// Cells of `cell` texels a side, none with surface, for `texels` a side.
+    pub(super) fn new(texels: usize, cell: usize) -> Self {
+        let side = texels / cell;
         Cells {
-            solid: vec![0; side * side],
-            flipped: Extent::NONE,
-            risen: Extent::NONE,
-            distances: Texels::new(side, FAR),
+            cell,
+            near: [0; LEVELS].map(|_| vec![0; side * side]),
+            touched: [0; LEVELS].map(|_| vec![0; side]),
+            flipped: vec![0; side * side],
+            free: Texels::new(side, FAR - 1),
             changed: vec![Extent::NONE; side],
-            bench: vec![[FAR; LINE]; side * side],
         }
     }
 
-    pub(super) const fn distances(&self) -> &Texels {
-        &self.distances
+    /// How many cells around each are free.
+    pub(super) const fn free(&self) -> &Texels {
+        &self.free
     }
 
     /// Looks again at the cells that texels of a box belong to or lie beside.
     pub(super) fn follow(&mut self, density: &Texels, texels: Extent) {
-        let cells = texels.grown(1, density.side()).coarser(CELL);
-        let [first, end] = [cells.lo[0], cells.hi[0]];
-        let stretch = u128::MAX >> (128 - (end - first)) << first;
-        let side = self.distances.side();
-        for (y, z) in cells.rows() {
-            let solid = solid_cells(density, (y, z), first..end);
-            let row = &mut self.solid[z * side + y];
-            let flipped = (*row ^ solid) & stretch;
+        let cells = texels.grown(1, density.side()).coarser(self.cell);
+        // As many as a word holds with a texel beside on either side.
+        let step = (u64::BITS as usize - 2) / self.cell;
+        for z in cells.lo[2]..cells.hi[2] {
+            for first in (cells.lo[0]..cells.hi[0]).step_by(step) {
+                let end = cells.hi[0].min(first + step);
+                self.follow_slice(density, z, cells.lo[1]..cells.hi[1], first..end);
+            }
+        }
+    }
+
+    /// Looks again at the cells of a slice, no more along x than fit in a word.
+    fn follow_slice(
+        &mut self,
+        density: &Texels,
+        z: usize,
+        along_y: std::ops::Range<usize>,
+        along_x: std::ops::Range<usize>,
+    ) {
+        let (size, texels, side) = (self.cell, density.side(), self.free.side());
+        let beside =
+            |lo: usize, hi: usize| (lo * size).saturating_sub(1)..(hi * size + 1).min(texels);
+        let (xs, ys) = (beside(along_x.start, along_x.end), beside(along_y.start, along_y.end));
+        // The first bit is the texel before the first cell.
+        let shift = usize::from(along_x.start == 0);
+        let mut half = [0u64; MOST * 4];
+        for z in beside(z, z + 1) {
+            for y in ys.clone() {
+                half[y - ys.start] |= tops(&density.row(y, z)[xs.clone()]) << shift;
+            }
+        }
+        let stretch = u128::MAX >> (128 - along_x.len()) << along_x.start;
+        for y in along_y {
+            let rows = beside(y, y + 1);
+            let rows = &half[rows.start - ys.start..rows.end - ys.start];
+            let any = rows.iter().fold(0, |all, row| all | row);
+            let bits = u128::from(cell_bits(any, size)) << along_x.start;
+            let row = &mut self.near[0][z * side + y];
+            let flipped = (*row ^ bits) & stretch;
             if flipped != 0 {
                 *row ^= flipped;
-                let lo = flipped.trailing_zeros() as usize;
-                let hi = 128 - flipped.leading_zeros() as usize;
-                let part = Extent { lo: [lo, y, z], hi: [hi, y + 1, z + 1] };
-                self.flipped = self.flipped.union(&part);
-                if flipped & solid != 0 {
-                    self.risen = self.risen.union(&part);
+                self.touched[0][z] |= 1 << y;
+            }
+        }
+    }
+
+    /// Follows the cells that the surface came to or left since the last time.
+    pub(super) fn measure(&mut self) {
+        let is_touched = |rows: &u128| *rows != 0;
+        let Some(first) = self.touched[0].iter().position(is_touched) else { return };
+        let last = self.touched[0].iter().rposition(is_touched).unwrap_or(first);
+        let side = self.free.side();
+        let reach = |by: usize| first.saturating_sub(by)..(last + 1 + by).min(side);
+        for level in 1..LEVELS {
+            for z in reach(level) {
+                let touched = &self.touched[level - 1];
+                let around = &touched[z.saturating_sub(1)..(z + 2).min(side)];
+                let rows = around.iter().fold(0, |all, rows| all | rows);
+                if rows != 0 {
+                    self.grow(level, z, (rows | rows << 1 | rows >> 1) & ones(side));
                 }
             }
         }
-    }
-
-    /// Cells whose distances are to be measured again, with sixteen more for each row's overhead.
-    pub(super) fn unmeasured(&self) -> usize {
-        let [x, y, z] = self.flipped.grown(FAR.into(), self.distances.side()).size();
-        (x + 16) * y * z
-    }
-
-    /// Lowers distances to what they are at least from the box of the cells that became solid:
-    /// never too great from then on, and right once measured.
-    pub(super) fn lower(&mut self) {
-        let risen = std::mem::replace(&mut self.risen, Extent::NONE);
-        if risen.is_empty() {
-            return;
-        }
-        let away = |axis: usize, at: usize| {
-            let (before, behind) = (risen.lo[axis].saturating_sub(at), at + 1);
-            before.max(behind.saturating_sub(risen.hi[axis])) as u8
-        };
-        let around = risen.grown(FAR.into(), self.distances.side());
-        let [lo, hi] = [around.lo[0], around.hi[0]];
-        let mut along_x = [0; MOST];
-        (lo..hi).for_each(|x| along_x[x - lo] = away(0, x));
-        let mut row = [0; MOST];
-        for (y, z) in around.rows() {
-            let least = away(1, y).max(away(2, z));
-            let row = &mut row[..hi - lo];
-            row.copy_from_slice(&self.distances.row(y, z)[lo..hi]);
-            for (distance, along_x) in row.iter_mut().zip(&along_x) {
-                *distance = (*distance).min(least.max(*along_x));
+        for z in reach(LEVELS) {
+            let mut rows = 0;
+            for touched in &mut self.touched[1..] {
+                rows |= std::mem::take(&mut touched[z]);
             }
-            self.distances.replace([lo, y, z], row, &mut self.changed[z]);
+            self.touched[0][z] = 0;
+            for y in bits_of(rows) {
+                self.tell_row(y, z);
+            }
         }
     }
 
-    /// Measures the distances that cells which flipped can have changed.
-    ///
-    /// Steps to any of the 26 neighbours have length 1. Half of them lead to a later cell in the
-    /// order of memory: one pass forwards and one back find all paths, with those along x gone
-    /// first. Around the box distances are right as they are, and count as sources.
-    pub(super) fn measure(&mut self) {
-        let side = self.distances.side();
-        let flipped = std::mem::replace(&mut self.flipped, Extent::NONE);
-        self.risen = Extent::NONE;
-        if flipped.is_empty() {
-            return;
+    /// Joins rows of a slice anew from those a cell nearer.
+    fn grow(&mut self, level: usize, z: usize, rows: u128) {
+        let side = self.free.side();
+        let (nearer, here) = self.near.split_at_mut(level);
+        let slice = |z: usize| &nearer[level - 1][z * side..(z + 1) * side];
+        let (before, this, behind) =
+            (slice(z.saturating_sub(1)), slice(z), slice((z + 1).min(side - 1)));
+        let (first, last) = (rows.trailing_zeros() as usize, 127 - rows.leading_zeros() as usize);
+        // One more at either end.
+        let mut column = [0u128; MOST + 2];
+        for y in first.saturating_sub(1)..(last + 2).min(side) {
+            column[y + 1] = before[y] | this[y] | behind[y];
         }
-        let inner = flipped.grown(FAR.into(), side);
-        let frame = inner.grown(1, side);
-        let [_, rows, slices] = frame.size();
-        let groups = (frame.hi[0] - frame.lo[0]).div_ceil(LANES);
-        for (i, at) in frame.rows().enumerate() {
-            self.start_row(i, at, inner, frame);
+        let mut touched = 0;
+        for y in bits_of(rows) {
+            let all = column[y] | column[y + 1] | column[y + 2];
+            let grown = (all | all << 1 | all >> 1) & ones(side);
+            let row = &mut here[0][z * side + y];
+            if *row != grown {
+                self.flipped[z * side + y] |= *row ^ grown;
+                *row = grown;
+                touched |= 1 << y;
+            }
         }
-        // The row beside, and the three in the slice behind: forwards, then from the other end.
-        for (i, (z, y)) in (0..slices).flat_map(|z| (0..rows).map(move |y| (z, y))).enumerate() {
-            let (before, row) = self.bench.split_at_mut(i);
-            let at = |back: usize, there: bool| if there { &before[i - back] } else { &NOWHERE };
-            let near = [
-                at(rows + 1, z > 0 && y > 0),
-                at(rows, z > 0),
-                at(rows.wrapping_sub(1), z > 0 && y + 1 < rows),
-                at(1, y > 0),
-            ];
-            reach(&mut row[0], near, groups);
-        }
-        for (i, (z, y)) in (0..slices).flat_map(|z| (0..rows).map(move |y| (z, y))).enumerate() {
-            // The same rows, counted from the end.
-            let i = slices * rows - 1 - i;
-            let (row, after) = self.bench[i..slices * rows].split_at_mut(1);
-            let at = |on: usize, there: bool| if there { &after[on - 1] } else { &NOWHERE };
-            let near = [
-                at(rows + 1, z > 0 && y > 0),
-                at(rows, z > 0),
-                at(rows.wrapping_sub(1), z > 0 && y + 1 < rows),
-                at(1, y > 0),
-            ];
-            reach(&mut row[0], near, groups);
-        }
-        for (i, (y, z)) in frame.rows().enumerate().filter(|(_, at)| inner.has_row(*at)) {
-            let skip = MARGIN + inner.lo[0] - frame.lo[0];
-            let row = &self.bench[i][skip..skip + inner.hi[0] - inner.lo[0]];
-            self.distances.replace([inner.lo[0], y, z], row, &mut self.changed[z]);
-        }
+        self.touched[level][z] = touched;
     }
 
-    /// Tells the boxes of distances that changed, and forgets them.
+    /// Counts for a row's cells that changed how many around them are free.
+    fn tell_row(&mut self, y: usize, z: usize) {
+        let i = z * self.free.side() + y;
+        let flipped = std::mem::take(&mut self.flipped[i]);
+        let (lo, hi) = (flipped.trailing_zeros() as usize, 128 - flipped.leading_zeros() as usize);
+        // A cell has k free around it if it is further than k, k from 1 to 6: bits of that count.
+        let near = |k: usize| self.near[k][i];
+        let ones = near(2) & !near(1) | near(4) & !near(3) | near(6) & !near(5);
+        let twos = near(4) & !near(2) | !near(6);
+        let fours = !near(4);
+        let row = self.free.row_mut(y, z);
+        for (group, bytes) in row.chunks_mut(8).enumerate().take(hi.div_ceil(8)).skip(lo / 8) {
+            let spread = |bits: u128| SPREAD[(bits >> (8 * group) & 255) as usize];
+            let counts = spread(ones) | spread(twos) << 1 | spread(fours) << 2;
+            match bytes.first_chunk_mut::<8>() {
+                Some(bytes) => *bytes = counts.to_le_bytes(),
+                None => bytes.copy_from_slice(&counts.to_le_bytes()[..bytes.len()]),
+            }
+        }
+        let part = Extent { lo: [lo, y, z], hi: [hi, y + 1, z + 1] };
+        self.changed[z] = self.changed[z].union(&part);
+    }
+
+    /// Tells the boxes of cells that changed, and forgets them.
     pub(super) fn take_changed(&mut self, mut tell: impl FnMut(&Texels, Extent)) {
         let mut open = Extent::NONE;
         for slice in &mut self.changed {
@@ -159,122 +189,68 @@ impl Cells {
             let both = open.union(&slice);
             // Slices go together while that takes little more than each by itself.
             if both.volume() > open.volume() + slice.volume() + SLACK {
-                tell(&self.distances, open);
+                tell(&self.free, open);
                 open = slice;
             } else {
                 open = both;
             }
         }
         if !open.is_empty() {
-            tell(&self.distances, open);
-        }
-    }
-
-    /// Line i of the bench, with what is known and the steps along it.
-    fn start_row(&mut self, i: usize, (y, z): (usize, usize), inner: Extent, frame: Extent) {
-        let side = self.distances.side();
-        let line = &mut self.bench[i];
-        line.fill(FAR);
-        let width = frame.hi[0] - frame.lo[0];
-        let known = &self.distances.row(y, z)[frame.lo[0]..frame.hi[0]];
-        line[MARGIN..MARGIN + width].copy_from_slice(known);
-        // Around the box all is known, steps along x too.
-        if !inner.has_row((y, z)) {
-            return;
-        }
-        let inside = inner.hi[0] - inner.lo[0];
-        let all = u128::MAX >> (128 - inside);
-        let solid = self.solid[z * side + y] >> inner.lo[0] & all;
-        let first = MARGIN + inner.lo[0] - frame.lo[0];
-        line[first..first + inside].fill(if solid == all { 0 } else { FAR });
-        if solid == all || solid == 0 && [line[MARGIN], line[MARGIN + width - 1]] == [FAR; 2] {
-            return;
-        }
-        let mut left = solid;
-        while left != 0 {
-            line[first + left.trailing_zeros() as usize] = 0;
-            left &= left - 1;
-        }
-        let mut last = FAR;
-        for distance in &mut line[MARGIN..MARGIN + width] {
-            last = (last + 1).min(*distance);
-            *distance = last;
-        }
-        for distance in line[MARGIN..MARGIN + width].iter_mut().rev() {
-            last = (last + 1).min(*distance);
-            *distance = last;
+            tell(&self.free, open);
         }
     }
 }
 
-/// Distances along x on the bench: from `MARGIN` on, and room around for steps out of it.
-type Line = [u8; LINE];
-const LANES: usize = 16;
-const MARGIN: usize = 16;
-const LINE: usize = MOST.next_multiple_of(LANES) + 2 * MARGIN;
-static NOWHERE: Line = [FAR; LINE];
+const _: () = assert!(LEVELS == 7, "`tell_row` counts to 6");
 
-#[inline]
-fn lanes(line: &Line, at: usize) -> &[u8; LANES] {
-    line[at..].first_chunk().unwrap_or(&[FAR; LANES])
+const fn ones(bits: usize) -> u128 {
+    u128::MAX >> (128 - bits)
 }
 
-/// The distance here, or a step from beside.
-#[inline]
-fn closer(here: &[u8; LANES], beside: &[u8; LANES]) -> [u8; LANES] {
-    let mut least = *here;
-    for (least, beside) in least.iter_mut().zip(beside) {
-        *least = (*least).min(beside + 1);
+/// The places of the bits, least first.
+fn bits_of(mut bits: u128) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let bit = bits.trailing_zeros() as usize;
+        (bits != 0).then(|| {
+            bits &= bits - 1;
+            bit
+        })
+    })
+}
+
+/// A bit for each cell, from those of its texels and the ones beside; the lowest is the texel before
+/// the first cell. Cells of 2 texels, or of 4.
+const fn cell_bits(texels: u64, size: usize) -> u64 {
+    let mut any = texels | texels >> 1;
+    any |= any >> 2;
+    if size == 2 {
+        return every_other(any);
     }
-    least
+    any |= any >> 2;
+    every_other(every_other(any))
 }
 
-#[inline(never)]
-fn least([a, b, c, d]: [&[u8; LANES]; 4]) -> [u8; LANES] {
-    let mut least = [0; LANES];
-    for (k, least) in least.iter_mut().enumerate() {
-        *least = a[k].min(b[k]).min(c[k].min(d[k]));
-    }
-    least
+/// The even bits, moved together.
+const fn every_other(bits: u64) -> u64 {
+    let bits = bits & 0x5555_5555_5555_5555;
+    let bits = (bits | bits >> 1) & 0x3333_3333_3333_3333;
+    let bits = (bits | bits >> 2) & 0x0f0f_0f0f_0f0f_0f0f;
+    let bits = (bits | bits >> 4) & 0x00ff_00ff_00ff_00ff;
+    let bits = (bits | bits >> 8) & 0x0000_ffff_0000_ffff;
+    (bits | bits >> 16) & 0xffff_ffff
 }
 
-/// Steps into a line from four others. By itself the compiler makes vectors of it.
-#[inline(never)]
-fn reach(line: &mut Line, [a, b, c, d]: [&Line; 4], groups: usize) {
-    let mut all = [FAR; LINE];
-    for at in (MARGIN..).step_by(LANES).take(groups) {
-        if let Some(all) = all[at..].first_chunk_mut() {
-            *all = least([lanes(a, at), lanes(b, at), lanes(c, at), lanes(d, at)]);
+/// Each bit of eight as a byte.
+static SPREAD: [u64; 256] = {
+    let mut table = [0; 256];
+    let mut bits = 0;
+    while bits < 256 {
+        let mut bit = 0;
+        while bit < 8 {
+            table[bits] |= (bits as u64 >> bit & 1) << (8 * bit);
+            bit += 1;
         }
+        bits += 1;
     }
-    for at in (MARGIN..).step_by(LANES).take(groups) {
-        let side =
-            least([lanes(&all, at - 1), lanes(&all, at), lanes(&all, at + 1), &[FAR; LANES]]);
-        if let Some(line) = line[at..].first_chunk_mut() {
-            *line = closer(line, &side);
-        }
-    }
-}
-
-/// Of the cells of a row, those in or beside which a texel is at least a half.
-fn solid_cells(density: &Texels, (y, z): (usize, usize), cells: std::ops::Range<usize>) -> u128 {
-    let side = density.side();
-    let beside = |cell: usize| (cell * CELL).saturating_sub(1)..(cell * CELL + CELL + 1).min(side);
-    // With one more texel on either side.
-    let mut any = [0u8; MOST * CELL + 2];
-    let ends = beside(cells.start).start..beside(cells.end - 1).end;
-    for z in beside(z) {
-        for y in beside(y) {
-            let row = &density.row(y, z)[ends.clone()];
-            for (any, texel) in any[ends.start + 1..].iter_mut().zip(row) {
-                *any |= texel;
-            }
-        }
-    }
-    let mut solid = 0;
-    for cell in cells {
-        let six = any[cell * CELL..][..CELL + 2].iter().fold(0, |all, texel| all | texel);
-        solid |= u128::from(six >> 7) << cell;
-    }
-    solid
-}
+    table
+};

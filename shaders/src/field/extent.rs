@@ -61,11 +61,6 @@ impl Extent {
         (lo[2]..hi[2]).flat_map(move |z| (lo[1]..hi[1]).map(move |y| (y, z)))
     }
 
-    /// Whether texels of a row, (y, z), are in the box.
-    pub(super) fn has_row(&self, (y, z): (usize, usize)) -> bool {
-        (self.lo[1]..self.hi[1]).contains(&y) && (self.lo[2]..self.hi[2]).contains(&z)
-    }
-
     /// As a region of a texture.
     pub(super) fn region(&self, texture: Texture) -> Region {
         Region { texture, min: self.lo.map(|i| i as u32), size: self.size().map(|i| i as u32) }

@@ -9,10 +9,13 @@
 //!   are full, is held to 255, and the weighted mean of five such sums rounded, half up. Below y = 0 the ground layer goes on, the
 //!   rest outside is empty. What is too thin to reach a half by itself is raised (see `thin`).
 //! - [`Texture::Density`] 1 to 3: each texel the mean of 2 x 2 x 2 of the finer one, half up.
-//! - [`Texture::Cells`]: a byte for each cell of 4 x 4 x 4 texels: 0 where a texel in the cell or
-//!   next to it is at least [`HALF`], so that the surface of half density may pass through the
-//!   cell; elsewhere the Chebyshev distance in cells to the nearest such cell, at most [`FAR`].
-//!   While changes are pending it may tell less than the distance, never more.
+//! - [`Texture::Cells`]: a byte for each cell of 2 x 2 x 2 texels at N up to 128 and 4 x 4 x 4
+//!   above, so that cells are as large in the room (see [`cell`]). The surface of half density may
+//!   pass through a cell where a texel in it or next to it is at least [`HALF`]. The byte is how
+//!   many cells all around are none of these: the Chebyshev distance to the nearest one, at most
+//!   [`FAR`], less one; 0 for those themselves and their neighbours. From anywhere in the cell so
+//!   many cells' sides can be stepped, with no more than a multiply-add. While changes are
+//!   pending it may tell less, never more.
 //!
 //! A texel depends on the voxels at most [`REACH`] from it along each axis.
 //!
@@ -46,12 +49,18 @@ pub const PAD: usize = 4;
 pub const HALF: u8 = 128;
 /// Levels of detail of the density.
 pub const LEVELS: usize = 4;
-/// Texels along a side of a cell.
-pub const CELL: usize = 4;
-/// The greatest distance a cell tells, in cells.
-pub const FAR: u8 = 15;
+/// The distance in cells from which on all is as far: a change is felt no further, so that it takes
+/// little to measure anew.
+pub const FAR: u8 = 7;
 /// How far a voxel can change texels, in texels along each axis.
 pub const REACH: usize = 3;
+
+/// Texels along a side of a cell, for a volume of `n` voxels a side: 68 cells a side at 128, 66 at
+/// 256.
+#[must_use]
+pub const fn cell(n: usize) -> usize {
+    if n > 128 { 4 } else { 2 }
+}
 
 /// The textures of a volume of N voxels a side, N a multiple of 8 and at most 256, and what of them
 /// is behind the volume.
@@ -64,8 +73,6 @@ pub struct Field<const N: usize> {
     lines: Lines,
     /// Work done since the last frame.
     noted: usize,
-    /// Frames since cells flipped that are not measured yet.
-    unmeasured: u32,
     blur: Box<Blur>,
     /// A region's bytes on their way out.
     stage: Vec<u8>,
@@ -78,18 +85,17 @@ impl<const N: usize> Field<N> {
         N + 2 * PAD
     };
 
-    /// The textures of the empty volume: density 0, distances [`FAR`]. All memory is taken here.
+    /// The textures of the empty volume: density 0, [`FAR`] - 1 cells free. All memory is taken here.
     #[must_use]
     #[allow(clippy::new_without_default)] // megabytes: to be made on purpose
     pub fn new() -> Self {
         Field {
             maps: Box::new(Maps::new()),
             density: [0, 1, 2, 3].map(|level| Texels::new(Self::SIDE >> level, 0)),
-            cells: Cells::new(Self::SIDE / CELL),
+            cells: Cells::new(Self::SIDE, cell(N)),
             backlog: Backlog::new(Self::SIDE),
             lines: Lines::new(N),
             noted: 0,
-            unmeasured: 0,
             blur: Box::new(Blur::new()),
             stage: Vec::with_capacity(Self::stage_bytes()),
         }
@@ -141,7 +147,7 @@ impl<const N: usize> Field<N> {
             let texture = Texture::Density(level as u8);
             sink(Extent::cube(texels.side()).region(texture), texels.bytes());
         }
-        let cells = self.cells.distances();
+        let cells = self.cells.free();
         sink(Extent::cube(cells.side()).region(Texture::Cells), cells.bytes());
     }
 
@@ -181,18 +187,30 @@ impl<const N: usize> Field<N> {
         self.density[level].sample((point + Vec3::splat(PAD as f32)) * scale)
     }
 
+    /// How far from a point in voxels no surface is, along each axis, in voxels: what the cell that
+    /// it lies in tells; beyond the outermost cells, what those do.
+    #[must_use]
+    #[inline]
+    pub fn free(&self, point: Vec3) -> f32 {
+        let most = self.cells_side() - 1;
+        let size = cell(N) as f32;
+        let place = (point + Vec3::splat(PAD as f32)) / size;
+        f32::from(self.cell(place.to_array().map(|c| (c as usize).min(most)))) * size
+    }
+
     /// Cells along a side.
     #[must_use]
     #[inline]
     pub fn cells_side(&self) -> usize {
-        self.cells.distances().side()
+        self.cells.free().side()
     }
 
-    /// The distance that a cell tells, 0 to [`FAR`]; texel t lies in cell t / [`CELL`].
+    /// How many cells all around one are free of the surface, 0 to [`FAR`] - 1; texel t lies in
+    /// cell t / [`cell`].
     #[must_use]
     #[inline]
     pub fn cell(&self, cell: [usize; 3]) -> u8 {
-        self.cells.distances().at(cell)
+        self.cells.free().at(cell)
     }
 }
 

@@ -59,19 +59,24 @@ impl Texels {
     ) -> u8 {
         let row = &mut self.row_mut(y, z)[x..x + texels.len()];
         let (mut first, mut end, mut flipped) = (usize::MAX, 0, 0);
-        for (i, (old, new)) in row.chunks_mut(8).zip(texels.chunks(8)).enumerate() {
-            let bits = word(old) ^ word(new);
+        let (old, new) = (row.as_chunks::<8>(), texels.as_chunks::<8>());
+        let mut compare = |i: usize, bits: u64| {
             if bits != 0 {
                 first = first.min(8 * i + bits.trailing_zeros() as usize / 8);
                 end = 8 * i + 8 - bits.leading_zeros() as usize / 8;
                 flipped |= bits;
-                old.copy_from_slice(new);
             }
+        };
+        for (i, (old, new)) in old.0.iter().zip(new.0).enumerate() {
+            compare(i, u64::from_le_bytes(*old) ^ u64::from_le_bytes(*new));
         }
-        if flipped != 0 {
-            let part = Extent { lo: [x + first, y, z], hi: [x + end, y + 1, z + 1] };
-            *changed = changed.union(&part);
+        compare(old.0.len(), word(old.1) ^ word(new.1));
+        if flipped == 0 {
+            return 0;
         }
+        row.copy_from_slice(texels);
+        let part = Extent { lo: [x + first, y, z], hi: [x + end, y + 1, z + 1] };
+        *changed = changed.union(&part);
         flipped.to_le_bytes().into_iter().fold(0, |all, bits| all | bits)
     }
 
@@ -92,11 +97,29 @@ impl Texels {
     }
 }
 
-/// Up to eight bytes as a word, the first one lowest.
+/// The top bit of each of up to 64 bytes, the first one lowest.
+#[inline]
+pub(super) fn tops(bytes: &[u8]) -> u64 {
+    let (eights, rest) = bytes.as_chunks::<8>();
+    let mut bits = match rest {
+        [] => 0,
+        rest => tops_of(word(rest)) << (8 * eights.len()),
+    };
+    for (i, eight) in eights.iter().enumerate() {
+        bits |= tops_of(u64::from_le_bytes(*eight)) << (8 * i);
+    }
+    bits
+}
+
+/// The top bits of eight bytes.
+#[inline]
+const fn tops_of(bytes: u64) -> u64 {
+    // Bit 7 of byte k goes to bit 56 + k; no two products meet below.
+    (bytes >> 7 & 0x0101_0101_0101_0101).wrapping_mul(0x0102_0408_1020_4080) >> 56
+}
+
+/// Up to seven bytes as a word, the first one lowest.
 #[inline]
 fn word(bytes: &[u8]) -> u64 {
-    match bytes.try_into() {
-        Ok(eight) => u64::from_le_bytes(eight),
-        Err(_) => bytes.iter().rev().fold(0, |word, byte| word << 8 | u64::from(*byte)),
-    }
+    bytes.iter().rev().fold(0, |word, byte| word << 8 | u64::from(*byte))
 }

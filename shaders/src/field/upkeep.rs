@@ -7,7 +7,7 @@ use super::blur::MOST;
 use super::extent::Extent;
 use super::texels::Texels;
 use super::window::LEFT;
-use super::{CELL, Field, LEVELS, REACH, mips};
+use super::{FAR, Field, LEVELS, REACH, cell, mips};
 use crate::upload::{Region, Texture};
 
 /// What a frame may spend.
@@ -39,16 +39,12 @@ impl Budget {
 
 /// Work of a voxel that a box of texels looks at, all levels included.
 const VOXEL_WORK: usize = 22;
-/// Work of a cell whose distance is measured, and of one whose distance is lowered.
-const CELL_WORK: usize = 36;
-const LOWER_WORK: usize = 4;
+/// Work of a row of cells, all distances included.
+const CELL_WORK: usize = 350;
 /// Work of a column that is compared, and of one that changed.
 const COLUMN_WORK: usize = 1;
 const CHANGE_WORK: usize = 60;
 const WHOLE_WORK: usize = 20;
-
-/// Frames after which cells are measured although texels wait.
-const MEASURE_EVERY: u32 = 24;
 
 /// Columns along a side of the tiles whose changes are taken together.
 const TILE: usize = 8;
@@ -139,45 +135,36 @@ impl<const N: usize> Field<N> {
             left = left.less(region.bytes(), region.bytes());
             first = false;
         }
-        let cells = self.cells_side().pow(3);
-        left = left.less(LOWER_WORK * cells, cells);
-        // While a stroke goes on, a frame in so many has to do.
-        self.unmeasured = if self.cells.unmeasured() > 0 { self.unmeasured + 1 } else { 0 };
-        if self.unmeasured >= MEASURE_EVERY {
-            left = left.less(CELL_WORK * self.cells.unmeasured(), 0);
-            self.cells.measure();
-            (first, self.unmeasured) = (false, 0);
-        }
+        let mut crossed = Crossed::new(self.side(0), cell(N));
         while let Some(extent) = self.backlog.take() {
             let (work, bytes) = cost(&extent);
-            if (work > left.work || bytes > left.bytes) && !first {
+            let after = crossed.with(&extent);
+            let (cell_work, cell_bytes) = after.cost();
+            let fits = work + cell_work <= left.work && bytes + cell_bytes <= left.bytes;
+            if !fits && !first {
                 self.backlog.add(&extent);
                 break;
             }
-            self.refresh(extent, sink);
+            if self.refresh(extent, sink) {
+                crossed = after;
+            }
             left = left.less(work, bytes);
             first = false;
         }
-        let unmeasured = CELL_WORK * self.cells.unmeasured();
-        if self.backlog.is_empty() && (first || unmeasured <= left.work) {
-            self.cells.measure();
-        } else {
-            self.cells.lower();
-        }
+        self.cells.measure();
         let (cells, stage) = (&mut self.cells, &mut self.stage);
-        cells.take_changed(|distances, extent| {
-            hand_out(distances, extent, Texture::Cells, stage, sink);
-        });
+        cells.take_changed(|free, extent| hand_out(free, extent, Texture::Cells, stage, sink));
     }
 
     /// Whether the textures are behind the maps, or something is still to be handed out.
     #[must_use]
     pub fn pending(&self) -> bool {
-        !self.backlog.is_empty() || !self.lines.is_empty() || self.cells.unmeasured() > 0
+        !self.backlog.is_empty() || !self.lines.is_empty()
     }
 
-    /// Computes a box of the finest texels, and what follows from those that changed.
-    fn refresh(&mut self, extent: Extent, sink: &mut impl FnMut(Region, &[u8])) {
+    /// Computes a box of the finest texels, and what follows from those that changed; whether the
+    /// surface moved comes back.
+    fn refresh(&mut self, extent: Extent, sink: &mut impl FnMut(Region, &[u8])) -> bool {
         self.blur.compute(&self.maps, extent);
         let (mut changed, mut crossed) = (Extent::NONE, Extent::NONE);
         for (y, z) in extent.rows() {
@@ -199,11 +186,12 @@ impl<const N: usize> Field<N> {
                 changed = mips::halve(&finer[level - 1], &mut coarser[0], changed.coarser(2));
             }
             if changed.is_empty() {
-                return;
+                break;
             }
             let texture = Texture::Density(level as u8);
             hand_out(&self.density[level], changed, texture, &mut self.stage, sink);
         }
+        !crossed.is_empty()
     }
 
     fn hand_out_map(&mut self, axis: Axis, region: Region, sink: &mut impl FnMut(Region, &[u8])) {
@@ -221,7 +209,7 @@ impl<const N: usize> Field<N> {
     pub(super) const fn stage_bytes() -> usize {
         let (most, map) = (MOST, N * N * 2);
         let chunk = most[0] * most[1] * most[2];
-        let cells = (Self::SIDE / CELL).pow(3);
+        let cells = (Self::SIDE / cell(N)).pow(3);
         let most = if chunk > map { chunk } else { map };
         if cells > most { cells } else { most }
     }
@@ -258,6 +246,35 @@ fn difference(old: Column, new: Column) -> Range {
     let first = if old.lo() == new.lo() { old.hi().min(new.hi()) + 1 } else { both.lo() };
     let last = if old.hi() == new.hi() { old.lo().max(new.lo()) - 1 } else { both.hi() };
     Range::new(first, last)
+}
+
+/// The cells that a frame's boxes may change.
+#[derive(Clone, Copy)]
+struct Crossed {
+    side: usize,
+    cell: usize,
+    all: Extent,
+    /// Rows of each, together.
+    rows: usize,
+}
+
+impl Crossed {
+    const fn new(side: usize, cell: usize) -> Self {
+        Crossed { side, cell, all: Extent::NONE, rows: 0 }
+    }
+
+    /// With those of one more box of texels.
+    fn with(&self, texels: &Extent) -> Self {
+        let cells = texels.grown(1, self.side).coarser(self.cell);
+        let cells = cells.grown(FAR as usize - 1, self.side / self.cell);
+        Crossed { all: self.all.union(&cells), rows: self.rows + cells.rows().count(), ..*self }
+    }
+
+    /// At most the work and the bytes.
+    fn cost(&self) -> (usize, usize) {
+        let [_, y, z] = self.all.size();
+        (CELL_WORK * self.rows.min(y * z), self.all.volume())
+    }
 }
 
 /// At most the work, and the bytes, of a box of the finest texels.

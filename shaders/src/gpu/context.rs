@@ -204,9 +204,10 @@ impl Gpu {
             let name = properties
                 .device_name_as_c_str()
                 .map_or_else(|_| "unnamed".into(), |name| name.to_string_lossy().into_owned());
-            let meant = options.device.as_ref().is_none_or(|part| {
-                name.to_lowercase().contains(&part.to_lowercase())
-            });
+            let meant = options
+                .device
+                .as_ref()
+                .is_none_or(|part| name.to_lowercase().contains(&part.to_lowercase()));
             if !meant {
                 refused.push(format!("{name} is not the one asked for"));
                 continue;
@@ -315,9 +316,8 @@ fn make_device(
     needs: Needs,
     options: &Options,
 ) -> Result<ash::Device, Error> {
-    let queues = [vk::DeviceQueueCreateInfo::default()
-        .queue_family_index(family)
-        .queue_priorities(&[1.0])];
+    let queues =
+        [vk::DeviceQueueCreateInfo::default().queue_family_index(family).queue_priorities(&[1.0])];
     let mut extensions: Vec<*const c_char> =
         options.device_extensions.iter().map(|name| name.as_ptr()).collect();
     let mut multiview = vk::PhysicalDeviceMultiviewFeatures::default().multiview(true);

@@ -1,9 +1,10 @@
 //! What a shell asks of a frame: eyes, the sculpture's place, the light, and how to march.
 
-use glam::{Mat4, Quat, Vec3, Vec4};
+use glam::{Mat3, Mat4, Quat, Vec3, Vec4};
 
 use super::layout;
 use crate::constants::{AMBIENT, SUN_COLOR, SUN_DIRECTION};
+use crate::field::cell;
 
 /// Distance of the near plane, in metres.
 const NEAR: f32 = 0.04;
@@ -174,19 +175,16 @@ pub(super) fn layout(picture: &Picture<'_>, n: usize, [w, h]: [u32; 2]) -> layou
         sun_grid: sun_grid.extend(n as f32).to_array(),
         sun_room: look.sun_direction.extend((n + 8) as f32).to_array(),
         sun_color: look.sun_color.extend(pixel).to_array(),
-        ambient: harmonics(&look.ambient),
-        depth: [
-            NEAR * FAR / (FAR - NEAR) / voxel,
-            -NEAR / (FAR - NEAR),
-            NEAR / voxel,
-            voxel,
-        ],
+        ambient: harmonics(&look.ambient, Mat3::from_rotation_y(picture.stand.turn)),
+        depth: [NEAR * FAR / (FAR - NEAR) / voxel, -NEAR / (FAR - NEAR), NEAR / voxel, voxel],
         extent: [w as f32, h as f32, tiles[0] as f32, tiles[1] as f32],
+        cells: [255.0 * cell(n) as f32, 0.0, 0.0, 0.0],
     }
 }
 
-/// The coefficients with all that doesn't depend on the normal multiplied in.
-fn harmonics(ambient: &[[f32; 3]; 9]) -> [[f32; 4]; 9] {
+/// The ambient light as a polynomial of a normal of the grid: the constant, then the factors of x,
+/// y, z, xy, yz, xz, xx and yy.
+fn harmonics(ambient: &[[f32; 3]; 9], room_from_grid: Mat3) -> [[f32; 4]; 9] {
     const BASIS: [f32; 9] = [
         0.282_094_8,
         0.488_602_5,
@@ -200,8 +198,32 @@ fn harmonics(ambient: &[[f32; 3]; 9]) -> [[f32; 4]; 9] {
     ];
     // What a clamped cosine leaves of each band, over pi (Ramamoorthi and Hanrahan 2001).
     const BANDS: [f32; 9] = [1.0, 2.0 / 3.0, 2.0 / 3.0, 2.0 / 3.0, 0.25, 0.25, 0.25, 0.25, 0.25];
-    core::array::from_fn(|i| {
-        let [r, g, b] = ambient[i].map(|c| c * BASIS[i] * BANDS[i]);
-        [r, g, b, 0.0]
-    })
+    let mut polynomial = [[0.0; 4]; 9];
+    for channel in 0..3 {
+        let c: [f32; 9] = core::array::from_fn(|i| ambient[i][channel] * BASIS[i] * BANDS[i]);
+        let linear = room_from_grid.transpose() * Vec3::new(c[3], c[1], c[2]);
+        let square = Mat3::from_cols(
+            Vec3::new(c[8] - c[6], 0.5 * c[4], 0.5 * c[7]),
+            Vec3::new(0.5 * c[4], -c[8] - c[6], 0.5 * c[5]),
+            Vec3::new(0.5 * c[7], 0.5 * c[5], 2.0 * c[6]),
+        );
+        let square = room_from_grid.transpose() * square * room_from_grid;
+        // A normal has length 1, which saves zz.
+        let zz = square.z_axis.z;
+        let factors = [
+            c[0] + zz,
+            linear.x,
+            linear.y,
+            linear.z,
+            2.0 * square.x_axis.y,
+            2.0 * square.y_axis.z,
+            2.0 * square.x_axis.z,
+            square.x_axis.x - zz,
+            square.y_axis.y - zz,
+        ];
+        for (to, factor) in polynomial.iter_mut().zip(factors) {
+            to[channel] = factor;
+        }
+    }
+    polynomial
 }

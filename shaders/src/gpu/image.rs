@@ -79,15 +79,15 @@ impl Image {
         image.memory = allocate(gpu, needs, kind)?;
         // SAFETY: the memory fits the image's requirements and is bound once.
         unsafe { gpu.device.bind_image_memory(raw, image.memory, 0) }.doing("bind an image")?;
-        let kind = if solid { vk::ImageViewType::TYPE_3D } else { vk::ImageViewType::TYPE_2D_ARRAY };
+        let kind =
+            if solid { vk::ImageViewType::TYPE_3D } else { vk::ImageViewType::TYPE_2D_ARRAY };
         let info = vk::ImageViewCreateInfo::default()
             .image(raw)
             .view_type(kind)
             .format(shape.format)
             .subresource_range(image.range());
         // SAFETY: the image is bound.
-        image.view =
-            unsafe { gpu.device.create_image_view(&info, None) }.doing("view an image")?;
+        image.view = unsafe { gpu.device.create_image_view(&info, None) }.doing("view an image")?;
         Ok(image)
     }
 

@@ -28,6 +28,7 @@ pub struct Frame {
     pub ambient: [[f32; 4]; 9],
     pub depth: [f32; 4],
     pub extent: [f32; 4],
+    pub cells: [f32; 4],
 }
 
 const _: () = {

@@ -161,9 +161,8 @@ pub(super) fn once(
     // SAFETY: the family is the device's; the pool is destroyed below, its buffer with it.
     let pool = unsafe { device.create_command_pool(&info, None) }.doing("make a pool")?;
     let recorded = (|| {
-        let info = vk::CommandBufferAllocateInfo::default()
-            .command_pool(pool)
-            .command_buffer_count(1);
+        let info =
+            vk::CommandBufferAllocateInfo::default().command_pool(pool).command_buffer_count(1);
         // SAFETY: the pool is this device's.
         let commands =
             unsafe { device.allocate_command_buffers(&info) }.doing("make a command buffer")?[0];

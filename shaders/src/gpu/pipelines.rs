@@ -151,13 +151,13 @@ impl Pipelines {
         }
         let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
         // SAFETY: the info is complete.
-        self.set_layout = unsafe { device.create_descriptor_set_layout(&info, None) }
-            .doing("lay a set out")?;
+        self.set_layout =
+            unsafe { device.create_descriptor_set_layout(&info, None) }.doing("lay a set out")?;
         let sets = [self.set_layout];
         let info = vk::PipelineLayoutCreateInfo::default().set_layouts(&sets);
         // SAFETY: the set layout is this device's.
-        self.layout = unsafe { device.create_pipeline_layout(&info, None) }
-            .doing("lay a pipeline out")?;
+        self.layout =
+            unsafe { device.create_pipeline_layout(&info, None) }.doing("lay a pipeline out")?;
         Ok(())
     }
 
@@ -175,16 +175,14 @@ impl Pipelines {
             stage(1, vk::ShaderStageFlags::FRAGMENT, c"fragment"),
         ];
         let vertices = vk::PipelineVertexInputStateCreateInfo::default();
-        let assembly = vk::PipelineInputAssemblyStateCreateInfo::default().topology(
-            if recipe.strip {
+        let assembly =
+            vk::PipelineInputAssemblyStateCreateInfo::default().topology(if recipe.strip {
                 vk::PrimitiveTopology::TRIANGLE_STRIP
             } else {
                 vk::PrimitiveTopology::TRIANGLE_LIST
-            },
-        );
-        let viewport = vk::PipelineViewportStateCreateInfo::default()
-            .viewport_count(1)
-            .scissor_count(1);
+            });
+        let viewport =
+            vk::PipelineViewportStateCreateInfo::default().viewport_count(1).scissor_count(1);
         let raster = vk::PipelineRasterizationStateCreateInfo::default()
             .cull_mode(recipe.cull)
             .front_face(vk::FrontFace::COUNTER_CLOCKWISE)
@@ -215,8 +213,7 @@ impl Pipelines {
             .layout(self.layout)
             .render_pass(recipe.pass);
         // SAFETY: all that `info` points to lives until the call returns.
-        let made =
-            unsafe { self.gpu.device.create_graphics_pipelines(self.cache, &[info], None) };
+        let made = unsafe { self.gpu.device.create_graphics_pipelines(self.cache, &[info], None) };
         match made {
             Ok(pipelines) => Ok(pipelines[0]),
             Err((_, result)) => Err(Error::Call { doing: "make a pipeline", result }),

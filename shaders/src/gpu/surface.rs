@@ -149,9 +149,8 @@ impl Surface {
     }
 
     fn fill_set(&self, set: vk::DescriptorSet, textures: &Textures, uniform: &Buffer) {
-        let buffer = [vk::DescriptorBufferInfo::default()
-            .buffer(uniform.raw)
-            .range(vk::WHOLE_SIZE)];
+        let buffer =
+            [vk::DescriptorBufferInfo::default().buffer(uniform.raw).range(vk::WHOLE_SIZE)];
         let image = |view| {
             [vk::DescriptorImageInfo::default()
                 .image_view(view)
@@ -178,8 +177,7 @@ impl Surface {
                 .dst_binding(binding)
                 .descriptor_type(kind)
         };
-        let mut writes =
-            vec![write(0, vk::DescriptorType::UNIFORM_BUFFER).buffer_info(&buffer)];
+        let mut writes = vec![write(0, vk::DescriptorType::UNIFORM_BUFFER).buffer_info(&buffer)];
         for (binding, info) in &images {
             writes.push(write(*binding, vk::DescriptorType::SAMPLED_IMAGE).image_info(info));
         }

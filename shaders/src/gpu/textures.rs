@@ -9,12 +9,11 @@ use super::error::{Doing, Error};
 use super::image::{Image, Shape};
 use super::staging::Staging;
 use crate::constants::NOISE_SIZE;
+use crate::field::cell;
 use crate::upload::{Region, Texture};
 
 /// Texels of density around the grid, on each side.
 const PAD: u32 = 4;
-/// Texels of density along a side of a cell.
-const CELL: u32 = 4;
 /// Levels of detail of the density.
 const LEVELS: u32 = 4;
 /// Empty columns around each range map.
@@ -52,7 +51,7 @@ impl Textures {
             gpu: gpu.clone(),
             maps: Image::new(gpu, flat.usage(usage))?,
             density: solid(byte, n + 2 * PAD, LEVELS)?,
-            cells: solid(byte, (n + 2 * PAD) / CELL, 1)?,
+            cells: solid(byte, (n + 2 * PAD) / cell(n as usize) as u32, 1)?,
             noise: solid(vk::Format::R8_SNORM, NOISE_SIZE as u32, 1)?,
             marble: solid(byte, marble_side, 1)?,
             clamped: sampler(vk::Filter::LINEAR, edge)?,

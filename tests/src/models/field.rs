@@ -5,7 +5,7 @@ use super::dense::Dense;
 /// Texels around the grid on each side.
 const PAD: i32 = 4;
 const HALF: u8 = 128;
-const FAR: i32 = 15;
+const FAR: i32 = 7;
 
 /// The density of a volume at its four levels, and its cells; by x, then y, then z.
 pub struct FieldModel {
@@ -14,7 +14,7 @@ pub struct FieldModel {
     occupied: Vec<bool>,
     /// The density, finest first.
     pub density: [Vec<u8>; 4],
-    /// The cells' distances.
+    /// How many cells all around each are free.
     pub cells: Vec<u8>,
 }
 
@@ -116,18 +116,20 @@ impl FieldModel {
     }
 
     fn measure(&self) -> Vec<u8> {
-        let (side, texels) = (self.side(0), self.side(0));
-        let side = side / 4;
+        let texels = self.side(0);
+        let size = if self.n > 128 { 4 } else { 2 };
+        let side = texels / size;
         let solid = |cell: [i32; 3]| {
-            let corner = cell.map(|c| 4 * c);
+            let corner = cell.map(|c| size * c);
             let texel =
                 |at: [i32; 3]| [0, 1, 2].map(|i| (corner[i] - 1 + at[i]).clamp(0, texels - 1));
-            places(6).any(|at| self.density[0][index(texel(at), texels)] >= HALF)
+            places(size + 2).any(|at| self.density[0][index(texel(at), texels)] >= HALF)
         };
         let solid: Vec<[i32; 3]> = places(side).filter(|&cell| solid(cell)).collect();
         let apart = |a: [i32; 3], b: [i32; 3]| (0..3).map(|i| (a[i] - b[i]).abs()).max().unwrap();
         places(side)
-            .map(|cell| solid.iter().map(|&at| apart(at, cell)).min().unwrap_or(FAR).min(FAR) as u8)
+            .map(|cell| solid.iter().map(|&at| apart(at, cell)).min().unwrap_or(FAR).min(FAR))
+            .map(|distance| (distance - 1).max(0) as u8)
             .collect()
     }
 }

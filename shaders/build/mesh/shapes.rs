@@ -1,0 +1,215 @@
+//! Shapes that things are made of. All are closed, with smooth normals where they are round.
+
+use core::f32::consts::{PI, TAU};
+
+use glam::{Affine3A, Quat, Vec3};
+
+use super::Mesh;
+
+/// A box with bevelled edges about the origin.
+pub(crate) fn block(half: Vec3, bevel: f32, colour: Vec3) -> Mesh {
+    divided_block(half, bevel, [1; 3], |_| colour)
+}
+
+/// A box with bevelled edges about the origin, each side divided along the axes, so that light can
+/// vary over it. The normals bend over the bevels, which so look round.
+pub(crate) fn divided_block(
+    half: Vec3,
+    bevel: f32,
+    parts: [usize; 3],
+    colour: impl Fn(Vec3) -> Vec3,
+) -> Mesh {
+    let mut mesh = Mesh::default();
+    let inner = half - Vec3::splat(bevel);
+    // The number of the corner at steps `at` of the side that faces along `axis`.
+    let mut sides: Vec<Vec<u32>> = Vec::new();
+    for side in 0..6 {
+        let (axis, sign) = (side / 2, if side % 2 == 0 { -1.0 } else { 1.0 });
+        let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+        let mut numbers = Vec::new();
+        for j in 0..=parts[v] {
+            for i in 0..=parts[u] {
+                let mut p = Vec3::ZERO;
+                p[axis] = half[axis] * sign;
+                p[u] = inner[u] * (2.0 * i as f32 / parts[u] as f32 - 1.0);
+                p[v] = inner[v] * (2.0 * j as f32 / parts[v] as f32 - 1.0);
+                numbers.push(mesh.corner(p, Vec3::AXES[axis] * sign, colour(p)));
+            }
+        }
+        let stride = parts[u] + 1;
+        for j in 0..parts[v] {
+            for i in 0..parts[u] {
+                let at = j * stride + i;
+                let mut ring = [at, at + 1, at + stride + 1, at + stride].map(|k| numbers[k]);
+                if sign < 0.0 {
+                    ring.reverse();
+                }
+                mesh.quad(ring);
+            }
+        }
+        sides.push(numbers);
+    }
+    bevels(&mut mesh, &sides, parts);
+    mesh
+}
+
+/// A flat sheet, open at the back: `u` and `v` span it from `corner`, and it faces along u x v.
+pub(crate) fn sheet(
+    corner: Vec3,
+    [u, v]: [Vec3; 2],
+    parts: [usize; 2],
+    colour: impl Fn(Vec3) -> Vec3,
+) -> Mesh {
+    let mut mesh = Mesh::default();
+    let normal = u.cross(v).normalize();
+    for j in 0..=parts[1] {
+        for i in 0..=parts[0] {
+            let p = corner + u * (i as f32 / parts[0] as f32) + v * (j as f32 / parts[1] as f32);
+            mesh.corner(p, normal, colour(p));
+        }
+    }
+    let stride = parts[0] + 1;
+    for j in 0..parts[1] {
+        for i in 0..parts[0] {
+            let at = j * stride + i;
+            mesh.quad([at, at + 1, at + stride + 1, at + stride].map(|k| k as u32));
+        }
+    }
+    mesh
+}
+
+/// The strips between the sides of a box, and the triangles at its eight corners.
+fn bevels(mesh: &mut Mesh, sides: &[Vec<u32>], parts: [usize; 3]) {
+    let number = |side: usize, steps: [usize; 3]| {
+        let axis = side / 2;
+        let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+        sides[side][steps[v] * (parts[u] + 1) + steps[u]]
+    };
+    for along in 0..3 {
+        let (u, v) = ((along + 1) % 3, (along + 2) % 3);
+        for (high_u, high_v) in [(0, 0), (1, 0), (1, 1), (0, 1)] {
+            for i in 0..parts[along] {
+                let mut near = [0; 3];
+                (near[u], near[v]) = (high_u * parts[u], high_v * parts[v]);
+                let mut far = near;
+                (near[along], far[along]) = (i, i + 1);
+                let (a, b) = (2 * u + high_u, 2 * v + high_v);
+                let mut ring = [number(a, near), number(b, near), number(b, far), number(a, far)];
+                if high_u != high_v {
+                    ring.reverse();
+                }
+                mesh.quad(ring);
+            }
+        }
+    }
+    for corner in 0..8usize {
+        let high = [corner & 1, corner >> 1 & 1, corner >> 2];
+        let steps = [0, 1, 2].map(|k| high[k] * parts[k]);
+        let [a, b, c] = [0, 1, 2].map(|k| number(2 * k + high[k], steps));
+        let outward = (high[0] + high[1] + high[2]) % 2 == 1;
+        mesh.quad(if outward { [a, b, c, a] } else { [a, c, b, a] });
+    }
+}
+
+/// A profile point of a lathed shape: radius, height, and the colour of what leads up to it.
+pub(crate) type Ring = (f32, f32, Vec3);
+
+/// A shape of revolution about y, from its lower end to its upper one. Where the profile bends by
+/// less than `SMOOTH` the normals do too.
+pub(crate) fn lathe(profile: &[Ring], segments: usize) -> Mesh {
+    const SMOOTH: f32 = 0.75;
+    let mut mesh = Mesh::default();
+    let slope = |i: usize| {
+        let ((r0, y0, _), (r1, y1, _)) = (profile[i], profile[i + 1]);
+        Vec3::new(y1 - y0, r0 - r1, 0.0).normalize()
+    };
+    let last = profile.len() - 2;
+    for i in 0..=last {
+        let own = slope(i);
+        // A pole's normal lies on the axis when the shape is round there.
+        let end = |next: Option<usize>, pole: bool, up: f32| match next.map(slope) {
+            Some(other) if own.dot(other) > SMOOTH => (own + other).normalize(),
+            None if pole && own.y * up > SMOOTH => Vec3::Y * up,
+            _ => own,
+        };
+        let low = end(i.checked_sub(1), profile[i].0 == 0.0, -1.0);
+        let high = end((i < last).then_some(i + 1), profile[i + 1].0 == 0.0, 1.0);
+        let colour = profile[i + 1].2;
+        let rows = [(profile[i], low), (profile[i + 1], high)].map(|((r, y, _), normal)| {
+            let numbers: Vec<u32> = (0..=segments)
+                .map(|k| {
+                    let turn = Quat::from_rotation_y(TAU * (k % segments) as f32 / segments as f32);
+                    mesh.corner(turn * Vec3::new(r, 0.0, 0.0) + Vec3::Y * y, turn * normal, colour)
+                })
+                .collect();
+            numbers
+        });
+        for k in 0..segments {
+            mesh.quad([rows[0][k], rows[0][k + 1], rows[1][k + 1], rows[1][k]]);
+        }
+    }
+    mesh
+}
+
+/// The profile of a ball, `rows` high.
+pub(crate) fn round(radius: f32, rows: usize, colour: Vec3) -> Vec<Ring> {
+    let point = |i: usize| match i {
+        0 => (0.0, -radius, colour),
+        i if i == rows => (0.0, radius, colour),
+        i => {
+            let angle = PI * i as f32 / rows as f32;
+            (radius * angle.sin(), -radius * angle.cos(), colour)
+        }
+    };
+    (0..=rows).map(point).collect()
+}
+
+/// A ball about the origin.
+pub(crate) fn ball(radius: f32, segments: usize, colour: Vec3) -> Mesh {
+    lathe(&round(radius, segments / 2, colour), segments)
+}
+
+/// A rod from `a` to `b` with round ends.
+pub(crate) fn rod(a: Vec3, b: Vec3, radii: [f32; 2], segments: usize, colour: Vec3) -> Mesh {
+    let length = a.distance(b);
+    let quarter = segments / 4;
+    let mut profile = Vec::new();
+    for (end, y) in [(0, 0.0), (1, length)] {
+        for i in 0..=quarter {
+            let angle = (0.5 * PI) * ((i + end * quarter) as f32 / quarter as f32);
+            let pole = (i + end * quarter).is_multiple_of(2 * quarter);
+            let r = if pole { 0.0 } else { radii[end] * angle.sin() };
+            profile.push((r, y - radii[end] * angle.cos(), colour));
+        }
+    }
+    profile.dedup_by(|b, a| (a.0 - b.0).abs() + (a.1 - b.1).abs() < 1e-6);
+    lathe(&profile, segments).moved(along(a, b))
+}
+
+/// An upright post about y with slightly rounded rims, from y = 0 up.
+pub(crate) fn post(radius: f32, height: f32, rim: f32, segments: usize, colour: Vec3) -> Mesh {
+    let inner = radius - rim;
+    let profile = [
+        (0.0, 0.0),
+        (inner, 0.0),
+        (inner + 0.7 * rim, 0.3 * rim),
+        (radius, rim),
+        (radius, height - rim),
+        (inner + 0.7 * rim, height - 0.3 * rim),
+        (inner, height),
+        (0.0, height),
+    ];
+    lathe(&profile.map(|(r, y)| (r, y, colour)), segments)
+}
+
+/// The motion that takes the y axis to the way from `a` to `b`, and the origin to `a`.
+pub(crate) fn along(a: Vec3, b: Vec3) -> Affine3A {
+    Affine3A::from_rotation_translation(Quat::from_rotation_arc(Vec3::Y, (b - a).normalize()), a)
+}
+
+/// A bevelled beam of a square section from `a` to `b`.
+pub(crate) fn beam(a: Vec3, b: Vec3, half: [f32; 2], bevel: f32, colour: Vec3) -> Mesh {
+    let length = 0.5 * a.distance(b);
+    block(Vec3::new(half[0], length, half[1]), bevel, colour)
+        .moved(along(a, b) * super::to(0.0, length, 0.0))
+}

@@ -1,0 +1,144 @@
+//! The tools' bodies in the frame of the hand's grip, pointing to -z. A lathe's y is their -z.
+
+use core::f32::consts::FRAC_PI_2;
+
+use glam::{Affine3A, Quat, Vec3};
+use paros_core::tools::Tool;
+
+use super::bits::nose;
+use super::paint::{BEECH, BRASS, GRAPHITE, IRON, RUST, STEEL, TEAL, WALNUT};
+use super::shapes::{Ring, block, lathe, post};
+use super::{Mesh, to};
+
+/// A tool without its bit.
+pub(crate) fn tool(tool: Tool) -> Mesh {
+    // Where the nose ends, ahead of the grip.
+    let front = tool.length() as f32 * 1e-6 - nose(tool);
+    let ahead = Affine3A::from_quat(Quat::from_rotation_x(-FRAC_PI_2));
+    let mut mesh = Mesh::default();
+    match tool {
+        Tool::Rotary => mesh.add(&rotary(front), ahead),
+        Tool::Impact => mesh.add(&impact(front), ahead),
+        Tool::FillGun => mesh.add(&fill_gun(front), ahead),
+        Tool::Rasp => mesh.add(&lathe(&rasp(front), 24), ahead),
+    }
+    mesh
+}
+
+fn rotary(front: f32) -> Mesh {
+    let profile: Vec<Ring> = vec![
+        (0.0, -0.085, GRAPHITE),
+        (0.005, -0.085, GRAPHITE),
+        (0.0055, -0.072, GRAPHITE),
+        (0.013, -0.068, GRAPHITE),
+        (0.0195, -0.063, GRAPHITE),
+        (0.0215, -0.055, TEAL),
+        (0.0215, -0.040, TEAL),
+        (0.0225, -0.039, BRASS),
+        (0.0225, -0.035, BRASS),
+        (0.0205, -0.033, TEAL),
+        (0.0185, -0.010, TEAL),
+        (0.0180, 0.015, TEAL),
+        (0.0190, 0.040, TEAL),
+        (0.0190, 0.046, TEAL),
+        (0.0165, 0.052, GRAPHITE),
+        (0.0125, 0.056, GRAPHITE),
+        (0.0105, front - 0.016, GRAPHITE),
+        (0.0100, front - 0.014, STEEL),
+        (0.0100, front - 0.004, STEEL),
+        (0.0070, front, STEEL),
+        (0.0, front, IRON),
+    ];
+    let mut mesh = lathe(&profile, 24);
+    mesh.add(&block(Vec3::new(0.004, 0.009, 0.0025), 0.001, RUST), to(0.0, 0.026, 0.0185));
+    mesh
+}
+
+fn impact(front: f32) -> Mesh {
+    let profile: Vec<Ring> = vec![
+        (0.0, -0.095, BRASS),
+        (0.007, -0.095, BRASS),
+        (0.008, -0.093, BRASS),
+        (0.008, -0.082, BRASS),
+        (0.012, -0.080, IRON),
+        (0.0185, -0.076, IRON),
+        (0.0200, -0.070, IRON),
+        (0.0200, -0.050, IRON),
+        (0.0185, -0.047, RUST),
+        (0.0185, 0.040, RUST),
+        (0.0200, 0.043, STEEL),
+        (0.0225, 0.047, STEEL),
+        (0.0225, 0.078, STEEL),
+        (0.0200, 0.083, STEEL),
+        (0.0150, front - 0.018, STEEL),
+        (0.0130, front - 0.006, STEEL),
+        (0.0100, front, STEEL),
+        (0.0, front, IRON),
+    ];
+    let mut mesh = lathe(&profile, 24);
+    for i in 0..3 {
+        let ring: [Ring; 6] = [
+            (0.017, -0.001, IRON),
+            (0.0192, -0.001, IRON),
+            (0.0196, 0.0, IRON),
+            (0.0196, 0.004, IRON),
+            (0.0192, 0.005, IRON),
+            (0.017, 0.005, IRON),
+        ];
+        // Closed on the inside by the handle: the ring's own inner side.
+        let closed = [ring.as_slice(), &[ring[0]]].concat();
+        mesh.add(&lathe(&closed, 24), to(0.0, -0.036 + 0.031 * i as f32, 0.0));
+    }
+    mesh
+}
+
+fn fill_gun(front: f32) -> Mesh {
+    let profile: Vec<Ring> = vec![
+        (0.0, -0.125, IRON),
+        (0.010, -0.125, IRON),
+        (0.011, -0.121, IRON),
+        (0.004, -0.119, STEEL),
+        (0.004, -0.072, STEEL),
+        (0.016, -0.070, TEAL),
+        (0.0195, -0.066, TEAL),
+        (0.0200, -0.060, TEAL),
+        (0.0200, -0.052, TEAL),
+        (0.0180, -0.050, BEECH),
+        (0.0190, -0.020, BEECH),
+        (0.0185, 0.010, BEECH),
+        (0.0175, 0.036, BEECH),
+        (0.0205, 0.039, BRASS),
+        (0.0205, 0.046, BRASS),
+        (0.0225, 0.049, TEAL),
+        (0.0225, front - 0.016, TEAL),
+        (0.0200, front - 0.010, TEAL),
+        (0.0140, front - 0.004, BRASS),
+        (0.0140, front, BRASS),
+        (0.0, front, BRASS),
+    ];
+    let mut mesh = lathe(&profile, 24);
+    let lever = post(0.0045, 0.055, 0.002, 12, STEEL);
+    mesh.add(&lever, to(0.0, 0.036, 0.0225) * Affine3A::from_rotation_x(2.95));
+    mesh
+}
+
+fn rasp(front: f32) -> Vec<Ring> {
+    vec![
+        (0.0, -0.072, WALNUT),
+        (0.009, -0.072, WALNUT),
+        (0.0155, -0.068, WALNUT),
+        (0.0190, -0.060, WALNUT),
+        (0.0195, -0.050, WALNUT),
+        (0.0165, -0.020, WALNUT),
+        (0.0160, 0.005, WALNUT),
+        (0.0175, 0.028, WALNUT),
+        (0.0150, 0.044, WALNUT),
+        (0.0120, 0.050, WALNUT),
+        (0.0120, 0.052, BRASS),
+        (0.0120, 0.062, BRASS),
+        (0.0090, 0.064, BRASS),
+        (0.0055, 0.066, STEEL),
+        (0.0060, front, STEEL),
+        (0.0, front, STEEL),
+    ]
+}

@@ -1,0 +1,20 @@
+//! Every capacity of the scene, with its reason.
+
+/// Chips and motes that fly or lie about at a time. Two running tools throw at most 20 a tick,
+/// which live for about a second and a half; older ones make room. 8 triangles each.
+pub const PARTICLES: usize = 1024;
+
+/// Particles that one edit throws, at the most.
+pub const EDIT_PARTICLES: u32 = 10;
+
+/// Motes that stand for a removed island, at the most: a quarter of the ring, so that what the
+/// tools throw is not swept away.
+pub const ISLAND_MOTES: usize = 256;
+
+/// Instances drawn: the particles; room, garden, bench, stool and its top; two hands and the
+/// bench's things.
+pub const INSTANCES: usize = PARTICLES + 5 + 2 + paros_core::workbench::ITEMS + 2;
+
+/// Samples along each axis of the grid by which the place of a removed island is told. One bit
+/// each: 4 KiB.
+pub const LATTICE: usize = 32;

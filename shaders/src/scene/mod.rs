@@ -1,0 +1,29 @@
+//! The studio as data: which meshes stand where, in which light. A renderer draws it, whichever
+//! shell it serves.
+//!
+//! Metres, right-handed, y up, the visitor at the origin looking to -z. A surface's radiance is
+//! its reflectance (the mesh's colour times the instance's tint) times
+//! [`SUN_COLOR`] x the cosine x the sun's visibility, plus the harmonics of [`ROOM_AMBIENT`]
+//! (see [`light::ambient`](crate::light::ambient)) x the vertex's openness; and its reflectance
+//! times the tint's fourth part for what shines by itself.
+
+pub mod assembly;
+pub mod draw;
+mod island;
+pub mod meshes;
+pub mod particles;
+pub mod placing;
+
+pub use assembly::{Assembly, Fresh, SculpturePose};
+pub use draw::{Batch, DrawList, Instance};
+pub use meshes::{MESHES, Mesh, MeshId, Vertex};
+
+pub use crate::constants::{SUN_COLOR, SUN_DIRECTION};
+
+include!(concat!(env!("OUT_DIR"), "/ambient.rs"));
+
+/// What is seen where nothing is drawn, linear: the haze over the garden.
+pub const SKY: [f32; 3] = [0.93, 0.93, 0.90];
+
+/// A ball that holds all that casts or takes the sun's shadows: middle and radius, in metres.
+pub const SUN_BOUNDS: ([f32; 3], f32) = ([0.1, 1.95, -0.1], 4.6);

@@ -1,0 +1,152 @@
+//! The GPU's sculpture against the CPU twin's, on both paths.
+//!
+//! Percentages are of the pixels inside the box's outline, at one sample.
+
+use glam::{Quat, Vec3};
+use paros_core::maps::Maps;
+use paros_shaders::field::Field;
+use paros_shaders::gpu::{
+    Eye, Fov, Gpu, Look, Offscreen, Options, Parts, Path, Picture, Renderer, Stand, Sync,
+};
+use paros_shaders::march::inside_cube;
+use paros_shaders::{Image, Ray, Scene, Settings, shade};
+use paros_shell::require::require;
+use paros_tests::models::dense::Dense;
+
+const EXTENT: [u32; 2] = [200, 168];
+const N: usize = 64;
+const NEAR: f32 = 0.04;
+const FAR: f32 = 60.0;
+
+/// What the two pictures agree in, of the pixels inside the box's outline.
+#[derive(Default)]
+struct Agreement {
+    pixels: u32,
+    hits: u32,
+    same_hit: u32,
+    same_depth: u32,
+    same_color: u32,
+}
+
+#[test]
+fn the_gpu_draws_what_its_twin_draws() {
+    let options = Options { validation: true, single: true, ..Options::default() };
+    let Some(gpu) = require(Gpu::headless(&options)).expect("Vulkan") else { return };
+    let format = Offscreen::format(1, 1, true);
+    let mut renderer = Renderer::new(&gpu, format, N, &[]).expect("a renderer");
+    let screen = Offscreen::new(&gpu, &renderer, EXTENT).expect("images");
+    for (name, volume) in volumes() {
+        let mut maps = Box::new(Maps::<N>::new());
+        volume.write_maps(&mut maps);
+        let mut field = Box::new(Field::<N>::new());
+        field.rebuild(&maps);
+        field.whole(|region, bytes| renderer.load(region, bytes).expect("a device"));
+        for (view, turn) in [0.4f32, 1.9, 3.6].into_iter().enumerate() {
+            for path in [Path::Fast, Path::Paper(Parts::Whole), Path::Paper(Parts::NoSdf)] {
+                let eye = eye(view);
+                let stand = Stand { foot: Vec3::ZERO, side: 1.0, turn };
+                let picture = Picture {
+                    eyes: &[eye],
+                    stand,
+                    look: Look { path, ..Look::default() },
+                    backdrop: [0.0; 3],
+                };
+                renderer.begin().expect("a device");
+                renderer.draw(&picture, &screen.surface, 0, Sync::default()).expect("a device");
+                gpu.wait().expect("a device");
+                let pixels = screen.pixels(0).expect("a device");
+                let depths = screen.depths(0).expect("a device").expect("depth in floats");
+                let settings =
+                    Settings { sdf: path != Path::Paper(Parts::NoSdf), ..Settings::default() };
+                let scene = Scene {
+                    field: (path == Path::Fast).then_some(&*field),
+                    ..Scene::new(&maps, turn, settings)
+                };
+                check(&format!("{name}-{view}-{path:?}"), &scene, &eye, &pixels, &depths);
+            }
+        }
+    }
+    let messages = gpu.instance.messages();
+    assert!(messages.is_empty(), "validation: {}", messages.join("\n"));
+}
+
+fn check(name: &str, scene: &Scene<'_, N>, eye: &Eye, pixels: &[[u8; 4]], depths: &[f32]) {
+    let [width, height] = EXTENT.map(|pixels| pixels as usize);
+    let mut all = Agreement::default();
+    let mut twin = Image::filled(width, height, [0; 3]);
+    let mut drawn = Image::filled(width, height, [0; 3]);
+    for (i, (pixel, depth)) in pixels.iter().zip(depths).enumerate() {
+        let (x, y) = (i % width, i / width);
+        let (ray, along) = ray(eye, x, y);
+        drawn.pixels[3 * i..3 * i + 3].copy_from_slice(&pixel[..3]);
+        if inside_cube(&scene.ray_inside(&ray), N as f32).is_none() {
+            continue;
+        }
+        all.pixels += 1;
+        let hit = shade(scene, &ray, dither(x, y));
+        // Depth is 1 on the near plane and 0 on the far one.
+        let scale = NEAR * FAR / (FAR - NEAR);
+        let distance = scale / (depth + NEAR / (FAR - NEAR)) / along;
+        all.same_hit += u32::from(hit.is_some() == (*depth > 0.0));
+        let Some(hit) = hit else { continue };
+        let color = paros_shaders::render::shown(hit.color);
+        twin.pixels[3 * i..3 * i + 3].copy_from_slice(&color);
+        if *depth == 0.0 {
+            continue;
+        }
+        all.hits += 1;
+        all.same_depth += u32::from((hit.depth - distance).abs() * N as f32 <= 0.5);
+        let off = (0..3).map(|c| color[c].abs_diff(pixel[c])).max().unwrap_or(0);
+        all.same_color += u32::from(off <= 3);
+    }
+    let part = |some: u32, of: u32| f64::from(some) / f64::from(of.max(1));
+    let hit = part(all.same_hit, all.pixels);
+    let (depth, color) = (part(all.same_depth, all.hits), part(all.same_color, all.hits));
+    println!("{name}: hit {hit:.5} depth {depth:.5} color {color:.5} of {}", all.hits);
+    if all.hits < 500 || hit < 0.998 || depth < 0.998 || color < 0.99 {
+        let file = std::env::temp_dir().join(format!("paros-{name}.png"));
+        let sheet = paros_shaders::contact_sheet(&[twin, drawn], 2);
+        let png = std::fs::File::create(&file).expect("a temporary folder");
+        sheet.write_png(png).expect("a temporary folder");
+        panic!("{name}: hit {hit:.4} depth {depth:.4} color {color:.4}; see {}", file.display());
+    }
+}
+
+fn eye(view: usize) -> Eye {
+    let (position, down) = [
+        (Vec3::new(0.1, 0.9, 1.7), 0.27f32),
+        (Vec3::new(-0.1, 1.6, 1.4), 0.75),
+        (Vec3::new(0.0, 0.45, 1.5), 0.0),
+    ][view];
+    let fov = Fov { left: -0.45, right: 0.44, up: 0.4, down: -0.36 };
+    Eye { position, rotation: Quat::from_rotation_x(-down), fov }
+}
+
+/// The ray through a pixel's middle, and how much of its unit direction lies along the eye's axis.
+fn ray(eye: &Eye, x: usize, y: usize) -> (Ray, f32) {
+    let [l, r, u, d] = [eye.fov.left, eye.fov.right, eye.fov.up, eye.fov.down].map(f32::tan);
+    let [width, height] = EXTENT.map(|pixels| pixels as f32);
+    let (px, py) = ((x as f32 + 0.5) / width, (y as f32 + 0.5) / height);
+    let view = Vec3::new(l + (r - l) * px, u + (d - u) * py, -1.0);
+    let direction = (eye.rotation * view).normalize();
+    (Ray { origin: eye.position, direction }, 1.0 / view.length())
+}
+
+/// `light::dither` of the shaders.
+fn dither(x: usize, y: usize) -> f32 {
+    let dot = x as f32 * 0.067_110_56 + y as f32 * 0.005_837_15;
+    (52.982_918_9 * dot.fract()).fract()
+}
+
+fn volumes() -> Vec<(&'static str, Dense)> {
+    let far = |[x, y, z]: [i32; 3], c: [f32; 3]| {
+        let d = [x as f32 + 0.5 - c[0], y as f32 + 0.5 - c[1], z as f32 + 0.5 - c[2]];
+        (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt()
+    };
+    let ball = Dense::from_fn(N, |at| far(at, [31.5, 30.0, 33.0]) < 25.0);
+    let pair = Dense::from_fn(N, |at| {
+        far(at, [20.0, 18.0, 22.0]) < 17.0 || far(at, [42.0, 36.0, 40.0]) < 20.0 || at[1] < 5
+    });
+    let steps = Dense::from_fn(N, |[x, y, z]| y < 8 + 6 * (x / 9) && (z + y) % 64 > 9);
+    vec![("ball", ball), ("pair", pair), ("steps", steps.closure())]
+}
