@@ -121,8 +121,10 @@ fn compile(program: &Program) -> Vec<u32> {
     let capabilities =
         Capabilities::MULTIVIEW | Capabilities::EARLY_DEPTH_TEST | Capabilities::SHADER_FLOAT16;
     let mut composer = Composer::default().with_capabilities(capabilities);
-    let defs = HashMap::from([("HALF".to_owned(), ShaderDefValue::Bool(program.half))]);
-    let defs: HashMap<_, _> = defs.into_iter().filter(|_| program.half).collect();
+    let defs = [("HALF", program.half), ("BEAMS", program.name == "beams_vertex")];
+    let set = defs.into_iter().filter(|(_, set)| *set);
+    let defs: HashMap<_, _> =
+        set.map(|(name, _)| (name.to_owned(), ShaderDefValue::Bool(true))).collect();
     for name in LIBRARY {
         let (file_path, source) = read(name);
         let module = ComposableModuleDescriptor {

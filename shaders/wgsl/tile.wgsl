@@ -10,8 +10,10 @@ struct Corner {
     @builtin(position) position: vec4<f32>,
     @location(0) direction: vec3<f32>,
     @location(1) @interpolate(flat) eye: vec3<f32>,
+#ifdef BEAMS
     @location(2) @interpolate(flat) start: f32,
     @location(3) @interpolate(flat) spread: f32,
+#endif
 }
 
 @vertex
@@ -39,7 +41,9 @@ fn vertex(
         vec4<f32>(place, depth, 1.0),
         direction / side,
         (frame.views[view].eye.xyz + pad) / side,
+#ifdef BEAMS
         start,
         max(corner.x, max(corner.y, corner.z)),
+#endif
     );
 }

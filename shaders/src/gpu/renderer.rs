@@ -211,7 +211,6 @@ impl Renderer {
         slot.uniform.write(0, bytemuck::bytes_of(&bytes));
         let at = self.at;
         self.submit(sync, |renderer, commands| {
-            renderer.bind(commands, surface.sets[at]);
             if picture.look.path == Path::Fast {
                 renderer.find_starts(commands, surface);
             }
@@ -285,7 +284,7 @@ impl Renderer {
         {
             let pass = (self.starts.raw, starts.framebuffer);
             let clear = [vk::ClearValue { color: none }];
-            self.within(commands, pass, starts.extent, &clear, |device| {
+            self.within(commands, pass, surface, starts.extent, &clear, |device| {
                 let graphics = vk::PipelineBindPoint::GRAPHICS;
                 // SAFETY: the pass is the pipeline's, and vertices are made from their numbers.
                 unsafe {
@@ -320,7 +319,7 @@ impl Renderer {
             Path::Fast => (4, across[0] * across[1]),
         };
         let timers = &self.ring[self.at].timers;
-        self.within(commands, pass, surface.extent, &clears, |device| {
+        self.within(commands, pass, surface, surface.extent, &clears, |device| {
             timers.mark(commands, Mark::SculptureBegins);
             // SAFETY: the pass is the pipeline's, and the vertices are made from their numbers.
             unsafe {
@@ -332,11 +331,13 @@ impl Renderer {
         });
     }
 
-    /// Records what `inside` adds within a pass over all of a framebuffer.
+    /// Records what `inside` adds within a pass over all of a framebuffer, with the surface's set:
+    /// in a pass of several views nothing that was bound before counts.
     fn within(
         &self,
         commands: vk::CommandBuffer,
         (pass, framebuffer): (vk::RenderPass, vk::Framebuffer),
+        surface: &Surface,
         [width, height]: [u32; 2],
         clears: &[vk::ClearValue],
         inside: impl FnOnce(&ash::Device),
@@ -361,6 +362,7 @@ impl Renderer {
             device.cmd_set_viewport(commands, 0, &[viewport]);
             device.cmd_set_scissor(commands, 0, &[area]);
         }
+        self.bind(commands, surface.sets[self.at]);
         inside(device);
         // SAFETY: the pass was begun above.
         unsafe { device.cmd_end_render_pass(commands) };
