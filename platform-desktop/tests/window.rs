@@ -55,8 +55,7 @@ impl Display {
             let word: [u8; 4] = bytes[4 * i..4 * i + 4].try_into().expect("four bytes");
             u32::from_be_bytes(word) as usize
         };
-        let (header, width, height, row, colors) =
-            (word(0), word(4), word(5), word(12), word(19));
+        let (header, width, height, row, colors) = (word(0), word(4), word(5), word(12), word(19));
         assert_eq!((width, height, word(11)), (WIDTH, HEIGHT, 32), "pixels of 32 bits");
         let start = header + 12 * colors;
         let mut pixels = Vec::new();
@@ -257,11 +256,72 @@ fn check_print(print: &Path) -> Result<(), Required> {
     let report = String::from_utf8_lossy(&report.stdout);
     for what in ["Total disconnected facets", "Facets added", "Edges fixed"] {
         let line = report.lines().find(|line| line.starts_with(what));
-        let zero = line.and_then(|line| line.split(':').nth(1)).map(|rest| {
-            rest.split_whitespace().next() == Some("0")
-        });
+        let zero = line
+            .and_then(|line| line.split(':').nth(1))
+            .map(|rest| rest.split_whitespace().next() == Some("0"));
         assert_eq!(zero, Some(true), "{what} in {report}");
     }
+    Ok(())
+}
+
+#[test]
+fn a_mouse_and_keys_do_what_the_help_says() -> Result<(), Required> {
+    let folder = folder("devices");
+    let Some(display) = require(Display::new(&folder))? else { return Ok(()) };
+    let tool = Command::new("xdotool").arg("version").output();
+    let Some(_) = require(tool.map_err(|error| format!("no xdotool: {error}")))? else {
+        return Ok(());
+    };
+    let x = |arguments: &str| {
+        let mut tool = Command::new("xdotool");
+        tool.env("DISPLAY", &display.name).args(arguments.split(' '));
+        assert!(tool.status().expect("it is there").success(), "xdotool {arguments}");
+    };
+    let mut visit = Visit::new(&display, &[]);
+    visit.does("frames 2");
+    // The first button of the start panel.
+    let window = "search --name Paros windowfocus --sync";
+    x(window);
+    x("mousemove 440 298");
+    visit.does("frames 3");
+    x("click 1");
+    visit.does("frames 4");
+    assert_eq!(
+        (visit.asks("session"), visit.asks("mode")),
+        ("Sculpting".into(), "FreeForm".into())
+    );
+    let whole = visit.voxels();
+    x("mousemove 430 300");
+    visit.does("wait 20");
+    x("mousedown 1");
+    visit.does("wait 30");
+    x("mousemove 520 320");
+    visit.does("wait 60");
+    x("mouseup 1");
+    visit.does("wait 8");
+    let left = visit.voxels();
+    assert!(left + 100 < whole, "{left} voxels are left of {whole}");
+    x("key z");
+    visit.does("frames 4");
+    assert_eq!(visit.voxels(), whole);
+    x("key ctrl+shift+z");
+    visit.does("frames 4");
+    assert_eq!(visit.voxels(), left);
+    for (key, held) in
+        [("3", "paste nozzle"), ("1", "medium ball burr"), ("shift+3", "large ball burr")]
+    {
+        x(&format!("key {key}"));
+        visit.does("frames 4");
+        assert_eq!(visit.asks("holds"), held);
+    }
+    let before = visit.sees("1-before");
+    x("mousedown 3");
+    x("mousemove 700 260");
+    x("mouseup 3");
+    let turned = visit.sees("2-orbited");
+    assert!(differing(&before, &turned, [200, 800], [100, 560]) > 20_000, "the eye went round");
+    let (code, complaints) = visit.ends();
+    assert_eq!((code, &*complaints), (Some(0), ""));
     Ok(())
 }
 

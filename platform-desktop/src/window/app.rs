@@ -126,8 +126,7 @@ where
         let window = events.create_window(attributes).map_err(|error| unavailable(&error))?;
         self.scale = window.scale_factor() as f32;
         self.hands.size = window.inner_size().into();
-        let view =
-            View::new(&window, self.studio.world(), self.studio.places(), self.validation);
+        let view = View::new(&window, self.studio.world(), self.studio.places(), self.validation);
         self.view = Some(view.map_err(|error| unavailable(&error))?);
         self.window = Some(Arc::new(window));
         self.last = Instant::now();
@@ -188,7 +187,11 @@ where
         let size = self.hands.size;
         self.lay_out(size);
         let Some(view) = &mut self.view else { return Ok(()) };
-        let shown = Shown { eye: self.hands.orbit.eye(size), between: self.pace.between(), path: self.path };
+        let shown = Shown {
+            eye: self.hands.orbit.eye(size),
+            between: self.pace.between(),
+            path: self.path,
+        };
         self.seen = view.draw(size, self.studio.world(), &shown, &mut self.painted)?;
         self.frames += u64::from(self.seen);
         let settled = !self.studio.is_printing()
@@ -278,8 +281,8 @@ where
         };
         let view = View::new(window, self.studio.world(), &places, self.validation);
         self.view = Some(view.map_err(|again| failed(&again))?);
-        let text = format!("The picture was lost and is back; nothing else was. ({error})");
-        self.studio.note(Note::Good(text));
+        let text = "The picture was lost and is back; nothing else was.";
+        self.studio.note(Note::Good(text.into()));
         Ok(())
     }
 
@@ -293,7 +296,8 @@ where
 
     fn redraw(&mut self, events: &ActiveEventLoop) {
         let mut done = self.advance(events);
-        if done.is_ok() && !events.exiting()
+        if done.is_ok()
+            && !events.exiting()
             && let Err(error) = self.draw()
         {
             done = self.lost(&error);

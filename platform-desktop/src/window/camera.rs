@@ -41,8 +41,7 @@ impl Orbit {
     #[must_use]
     pub(super) fn pose(&self) -> (Vec3, Quat) {
         let middle = STOOL + Vec3::Y * (0.46 * BOX);
-        let rotation =
-            Quat::from_rotation_y(self.azimuth) * Quat::from_rotation_x(-self.elevation);
+        let rotation = Quat::from_rotation_y(self.azimuth) * Quat::from_rotation_x(-self.elevation);
         (middle + rotation * Vec3::Z * self.distance, rotation)
     }
 

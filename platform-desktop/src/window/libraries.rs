@@ -28,11 +28,7 @@ pub(super) fn probe() -> Result<(), String> {
         return Ok(());
     }
     let named = |name: &str| env::var_os(name).is_some_and(|value| !value.is_empty());
-    probe_with(
-        named("WAYLAND_DISPLAY") || named("WAYLAND_SOCKET"),
-        named("DISPLAY"),
-        &is_there,
-    )
+    probe_with(named("WAYLAND_DISPLAY") || named("WAYLAND_SOCKET"), named("DISPLAY"), &is_there)
 }
 
 /// The kind of display is `winit`'s choice: Wayland if it is named, else X11.

@@ -19,7 +19,8 @@ impl Places {
     /// that is given, else to `Paros` at home.
     #[must_use]
     pub(super) fn of_user(sculptures: Option<&Path>) -> Self {
-        let absolute = |name: &str| env::var_os(name).map(PathBuf::from).filter(|p| p.is_absolute());
+        let absolute =
+            |name: &str| env::var_os(name).map(PathBuf::from).filter(|p| p.is_absolute());
         let home = absolute("HOME").or_else(|| absolute("USERPROFILE")).unwrap_or_default();
         let data = absolute("XDG_DATA_HOME").unwrap_or_else(|| home.join(".local/share"));
         let cache = absolute("XDG_CACHE_HOME").unwrap_or_else(|| home.join(".cache"));

@@ -86,8 +86,9 @@ impl Screen {
                 .unwrap_or(false)
         })?;
         // SAFETY: as above.
-        let formats = unsafe { surfaces.get_physical_device_surface_formats(gpu.physical, surface) }
-            .map_err(failed("list a window's formats"))?;
+        let formats =
+            unsafe { surfaces.get_physical_device_surface_formats(gpu.physical, surface) }
+                .map_err(failed("list a window's formats"))?;
         let wanted = [vk::Format::B8G8R8A8_SRGB, vk::Format::R8G8B8A8_SRGB];
         let format = formats.into_iter().find(|format| wanted.contains(&format.format));
         let format = format.ok_or_else(|| {
@@ -149,8 +150,7 @@ impl Screen {
         let none = vk::Fence::null();
         // SAFETY: the frame that waited for this semaphore last is done, as the ring is shorter
         // than the semaphores are many.
-        let next =
-            unsafe { self.swapchains.acquire_next_image(chain.raw, u64::MAX, wait, none) };
+        let next = unsafe { self.swapchains.acquire_next_image(chain.raw, u64::MAX, wait, none) };
         match next {
             Ok((image, suboptimal)) => {
                 chain.stale = suboptimal;

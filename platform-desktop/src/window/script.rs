@@ -97,7 +97,9 @@ impl Script {
         }
         let text = loop {
             let line = match self.lines.try_recv() {
-                Ok(line) => line.map_err(|error| Error::Input(format!("{}: {error}", self.name)))?,
+                Ok(line) => {
+                    line.map_err(|error| Error::Input(format!("{}: {error}", self.name)))?
+                }
                 Err(TryRecvError::Empty) => return Ok(None),
                 Err(TryRecvError::Disconnected) => return Ok(Some(Step::Quit)),
             };

@@ -83,7 +83,8 @@ where
         let world = self.studio.world();
         let held = world.held(RIGHT).map_or("nothing", |(_, bit)| bit.data().name);
         let (undo, redo) = world.undo_counts();
-        let printed = self.studio.printed().map_or(String::new(), |path| path.display().to_string());
+        let printed =
+            self.studio.printed().map_or(String::new(), |path| path.display().to_string());
         let [width, height] = self.hands.size;
         let mut out = io::stdout().lock();
         // Nobody may be listening there.

@@ -58,7 +58,10 @@ pub(super) struct Reach<const N: usize> {
 }
 
 /// The thing on the bench that a ray in the room points at, unless the sculpture is before it.
-pub(super) fn thing<const N: usize>((origin, direction): (Vec3, Vec3), world: &World<N>) -> Option<Item>
+pub(super) fn thing<const N: usize>(
+    (origin, direction): (Vec3, Vec3),
+    world: &World<N>,
+) -> Option<Item>
 where
     Grid<N>: Size,
 {

@@ -190,7 +190,9 @@ impl Panels {
     }
 
     fn all(&mut self, context: &Context, shown: &Shown<'_>) {
-        if let Some(outline) = shown.outline.filter(|_| self.is_open() && shown.session == Session::Sculpting) {
+        if let Some(outline) =
+            shown.outline.filter(|_| self.is_open() && shown.session == Session::Sculpting)
+        {
             outline.draw(context);
         }
         match &mut self.browser {

@@ -22,7 +22,11 @@ pub(in crate::window) struct Outline {
 impl Outline {
     /// The right hand's bit on a picture of a size. None without one, or behind the eye.
     #[must_use]
-    pub(in crate::window) fn of<const N: usize>(world: &World<N>, orbit: &Orbit, size: [u32; 2]) -> Option<Self>
+    pub(in crate::window) fn of<const N: usize>(
+        world: &World<N>,
+        orbit: &Orbit,
+        size: [u32; 2],
+    ) -> Option<Self>
     where
         Grid<N>: Size,
     {
@@ -33,7 +37,8 @@ impl Outline {
         }
         let (position, rotation) = world.frame().to_room(&hand.frozen);
         let on_mask = world.contact(RIGHT).is_some_and(|contact| contact.on_mask);
-        let mut outline = Outline { lines: Vec::new(), circle: None, running: hand.trigger, on_mask };
+        let mut outline =
+            Outline { lines: Vec::new(), circle: None, running: hand.trigger, on_mask };
         match bit.data().shape {
             Shape::Ball { radius } => {
                 let (middle, metre) = orbit.pixel(position, size)?;

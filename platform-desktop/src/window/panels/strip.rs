@@ -1,6 +1,6 @@
 //! What is at hand while sculpting: tools, bits, depth, commands; and the end of a session.
 
-use egui::{Align2, Area, Button, Context, Id, RichText, Ui, Vec2};
+use egui::{Align2, Area, Button, Context, Id, Label, RichText, Ui, Vec2};
 use paros_core::input::{Mode, commands};
 use paros_core::tools::{Bit, Tool};
 use paros_core::workbench::Item;
@@ -39,7 +39,7 @@ pub(super) fn status(context: &Context, shown: &Shown<'_>) {
         text += "  ·  the paper's path";
     }
     let left = Area::new(Id::new("status")).anchor(Align2::LEFT_TOP, Vec2::new(18.0, 14.0));
-    left.interactable(false).show(context, |ui| ui.label(style::quiet(text)));
+    left.interactable(false).show(context, |ui| ui.add(Label::new(style::quiet(text)).extend()));
     let right = Area::new(Id::new("hint")).anchor(Align2::RIGHT_TOP, Vec2::new(-18.0, 14.0));
     right.interactable(false).show(context, |ui| ui.label(style::quiet("F1 help  ·  Esc start")));
 }

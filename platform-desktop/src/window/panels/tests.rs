@@ -79,8 +79,7 @@ fn in_studio() -> Panels {
 
 #[test]
 fn every_mode_can_be_started() {
-    let asked =
-        clicked_everywhere(Panels::new, &Shown { session: Session::Waiting, ..shown() });
+    let asked = clicked_everywhere(Panels::new, &Shown { session: Session::Waiting, ..shown() });
     let figures = (0..4).map(|figure| Mode::Constrained { figure });
     for mode in [Mode::FreeForm, Mode::Creative].into_iter().chain(figures) {
         assert!(asked.contains(&Asked::Start(mode)), "{mode:?} is not among {asked:?}");

@@ -17,6 +17,9 @@ pub(super) const ENDINGS: [&str; 3] = ["stl", "png", "rmap"];
 /// Pixels along a side of the picture.
 const PIXELS: usize = 720;
 
+/// Files and what is in them.
+type Files = Vec<(PathBuf, Vec<u8>)>;
+
 /// What there is of it so far.
 #[derive(Debug)]
 pub(super) struct Finishing {
@@ -68,7 +71,7 @@ impl Finishing {
     }
 
     /// The files, the print first, once all are there; or why there are none.
-    pub(super) fn files(&mut self) -> Option<Result<Vec<(PathBuf, Vec<u8>)>, String>> {
+    pub(super) fn files(&mut self) -> Option<Result<Files, String>> {
         if let Picture::Drawing(drawing) = &self.picture {
             self.picture = match drawing.try_recv() {
                 Ok(drawn) => Picture::Drawn(drawn),
@@ -84,8 +87,7 @@ impl Finishing {
             return Some(Err("nothing is left to print".into()));
         }
         let file = |ending, bytes| (self.stem.with_extension(ending), bytes);
-        let mut files =
-            vec![file("stl", print.stl), file("rmap", core::mem::take(&mut self.rmap))];
+        let mut files = vec![file("stl", print.stl), file("rmap", core::mem::take(&mut self.rmap))];
         // A sculpture without its picture is better than none.
         if let Ok(png) = drawn {
             files.push(file("png", core::mem::take(png)));

@@ -118,8 +118,7 @@ impl Overlay {
         extent: [u32; 2],
     ) -> bool {
         let slot = &mut self.slots[self.at];
-        let fits =
-            vertices.len() <= VERTICES && indices.len() <= INDICES && runs.len() <= RUNS;
+        let fits = vertices.len() <= VERTICES && indices.len() <= INDICES && runs.len() <= RUNS;
         let good = indices.iter().all(|i| (*i as usize) < vertices.len())
             && runs.iter().all(|run| run.indices.end as usize <= indices.len());
         if !fits || !good {

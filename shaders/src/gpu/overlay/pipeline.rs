@@ -80,8 +80,7 @@ impl Drawing {
     fn make_set(&mut self, atlas: vk::ImageView) -> Result<(), Error> {
         let device = &self.gpu.device;
         let size = |ty| vk::DescriptorPoolSize { ty, descriptor_count: 1 };
-        let sizes =
-            [size(vk::DescriptorType::SAMPLED_IMAGE), size(vk::DescriptorType::SAMPLER)];
+        let sizes = [size(vk::DescriptorType::SAMPLED_IMAGE), size(vk::DescriptorType::SAMPLER)];
         let info = vk::DescriptorPoolCreateInfo::default().max_sets(1).pool_sizes(&sizes);
         // SAFETY: the info is complete.
         self.pool = unsafe { device.create_descriptor_pool(&info, None) }.doing("make a pool")?;
@@ -120,17 +119,7 @@ impl Drawing {
             stage(vk::ShaderStageFlags::VERTEX, &vertex, c"vertex"),
             stage(vk::ShaderStageFlags::FRAGMENT, &fragment, c"fragment"),
         ];
-        let attribute = |location, format, offset: usize| vk::VertexInputAttributeDescription {
-            location,
-            binding: 0,
-            format,
-            offset: offset as u32,
-        };
-        let attributes = [
-            attribute(0, vk::Format::R32G32_SFLOAT, core::mem::offset_of!(Vertex, position)),
-            attribute(1, vk::Format::R32G32_SFLOAT, core::mem::offset_of!(Vertex, texel)),
-            attribute(2, vk::Format::R8G8B8A8_UNORM, core::mem::offset_of!(Vertex, color)),
-        ];
+        let attributes = attributes();
         let bindings = [vk::VertexInputBindingDescription {
             binding: 0,
             stride: size_of::<Vertex>() as u32,
@@ -144,17 +133,10 @@ impl Drawing {
         let viewport =
             vk::PipelineViewportStateCreateInfo::default().viewport_count(1).scissor_count(1);
         let raster = vk::PipelineRasterizationStateCreateInfo::default().line_width(1.0);
-        let samples = vk::PipelineMultisampleStateCreateInfo::default()
-            .rasterization_samples(format.count());
+        let samples =
+            vk::PipelineMultisampleStateCreateInfo::default().rasterization_samples(format.count());
         let depth = vk::PipelineDepthStencilStateCreateInfo::default();
-        let over = (vk::BlendFactor::ONE, vk::BlendFactor::ONE_MINUS_SRC_ALPHA);
-        let targets = [vk::PipelineColorBlendAttachmentState::default()
-            .blend_enable(true)
-            .src_color_blend_factor(over.0)
-            .dst_color_blend_factor(over.1)
-            .src_alpha_blend_factor(over.0)
-            .dst_alpha_blend_factor(over.1)
-            .color_write_mask(vk::ColorComponentFlags::RGBA)];
+        let targets = [over()];
         let blend = vk::PipelineColorBlendStateCreateInfo::default().attachments(&targets);
         let dynamic = [vk::DynamicState::VIEWPORT, vk::DynamicState::SCISSOR];
         let dynamic = vk::PipelineDynamicStateCreateInfo::default().dynamic_states(&dynamic);
@@ -303,4 +285,31 @@ impl Drop for Drawing {
             device.destroy_sampler(self.sampler, None);
         }
     }
+}
+
+/// Where the vertices' parts are.
+fn attributes() -> [vk::VertexInputAttributeDescription; 3] {
+    let attribute = |location, format, offset: usize| vk::VertexInputAttributeDescription {
+        location,
+        binding: 0,
+        format,
+        offset: offset as u32,
+    };
+    [
+        attribute(0, vk::Format::R32G32_SFLOAT, core::mem::offset_of!(Vertex, position)),
+        attribute(1, vk::Format::R32G32_SFLOAT, core::mem::offset_of!(Vertex, texel)),
+        attribute(2, vk::Format::R8G8B8A8_UNORM, core::mem::offset_of!(Vertex, color)),
+    ]
+}
+
+/// Over what is there, with alpha multiplied in.
+fn over() -> vk::PipelineColorBlendAttachmentState {
+    let (source, target) = (vk::BlendFactor::ONE, vk::BlendFactor::ONE_MINUS_SRC_ALPHA);
+    vk::PipelineColorBlendAttachmentState::default()
+        .blend_enable(true)
+        .src_color_blend_factor(source)
+        .dst_color_blend_factor(target)
+        .src_alpha_blend_factor(source)
+        .dst_alpha_blend_factor(target)
+        .color_write_mask(vk::ColorComponentFlags::RGBA)
 }
