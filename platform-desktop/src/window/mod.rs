@@ -1,7 +1,7 @@
 //! The window: a studio to sculpt in with mouse and keyboard.
 //!
-//! [`hands`] turns what the devices do into the core's input, [`studio`] steps the world and keeps
-//! its files, [`view`] draws it, [`panels`] ask and tell; [`app`] ties them to a window. Only `app`,
+//! `hands` turns what the devices do into the core's input, `studio` steps the world and keeps
+//! its files, `view` draws it, `panels` ask and tell; `app` ties them to a window. Only `app`,
 //! `keys`, `screen` and `view` know `winit` or Vulkan.
 
 mod app;

@@ -194,8 +194,10 @@ where
             self.note(Note::Bad(why.into()));
             return;
         };
+        let trace = recording.trace();
+        self.wait_for_files();
         let stem = self.places.free("session", &["trace", "rmap"]);
-        let mut files = vec![(stem.with_extension("trace"), recording.trace())];
+        let mut files = vec![(stem.with_extension("trace"), trace)];
         let hidden = self.volumes.hidden();
         if let Some(own) = self.volumes.starts(&hidden).own {
             files.push((stem.with_extension("rmap"), rmap::encode(own)));
@@ -221,6 +223,13 @@ where
             }
         }
         done
+    }
+
+    /// Waits for what is being written, so that its names are seen to be taken.
+    fn wait_for_files(&mut self) {
+        while let Some(kept) = self.keeper.wait() {
+            self.tell(&kept);
+        }
     }
 
     /// Goes on with the session in the file, if it is one.
@@ -255,6 +264,12 @@ where
         }
         let finished = self.world.events().contains(&Event::Finished);
         if finished {
+            // The printer has made the last one's print at once, before it began with this one's.
+            if let Some(last) = &mut self.finishing {
+                last.wait_for_picture();
+                self.write_finished();
+            }
+            self.wait_for_files();
             let stem = self.places.free("sculpture", &finishing::ENDINGS);
             self.finishing = Some(Finishing::begin(self.world, stem));
         }

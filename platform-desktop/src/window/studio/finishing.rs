@@ -64,6 +64,11 @@ impl Finishing {
         Grid<N>: Size,
     {
         self.take_print(printer.complete());
+        self.wait_for_picture();
+    }
+
+    /// Waits for the picture.
+    pub(super) fn wait_for_picture(&mut self) {
         if let Picture::Drawing(drawing) = &self.picture {
             let drawn = drawing.recv().unwrap_or_else(|_| Err("no picture was drawn".into()));
             self.picture = Picture::Drawn(drawn);
