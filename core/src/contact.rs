@@ -302,16 +302,17 @@ where
         let Some(bounds) = piece.bounds(N) else {
             return false;
         };
+        let within: <Grid<N> as Size>::Row = Bits::span(bounds.lo[0], bounds.hi[0]);
         (bounds.lo[1]..=bounds.hi[1]).any(|y| {
             (bounds.lo[2]..=bounds.hi[2]).any(|z| {
-                let here = self.rows.row(y, z);
-                if here.is_empty() {
+                let near = self.rows.row(y, z) & within;
+                if near.is_empty() {
                     return false;
                 }
                 let Some((lo, hi)) = piece.span(y, z, N) else {
                     return false;
                 };
-                let inside = here & Bits::span(lo, hi);
+                let inside = near & Bits::span(lo, hi);
                 !inside.is_empty() && !among((y, z), inside).is_empty()
             })
         })
@@ -322,9 +323,14 @@ where
         let Some(bounds) = brush.bounds(N) else {
             return;
         };
+        let within: <Grid<N> as Size>::Row = Bits::span(bounds.lo[0], bounds.hi[0]);
         for y in bounds.lo[1]..=bounds.hi[1] {
             for z in bounds.lo[2]..=bounds.hi[2] {
-                let inside = brush.row::<N>(y, z) & self.rows.row(y, z);
+                let near = self.rows.row(y, z) & within;
+                if near.is_empty() {
+                    continue;
+                }
+                let inside = near & brush.row::<N>(y, z);
                 if !inside.is_empty() {
                     each(y, z, inside);
                 }

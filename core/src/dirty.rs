@@ -4,6 +4,7 @@ use heapless::Vec;
 
 use crate::limits::DIRTY_RECTS;
 use crate::maps::Axis;
+use crate::row::Bits;
 
 /// Columns `lo..=hi` of a map: (line, place), ends included.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -80,12 +81,14 @@ impl Dirty {
         }
     }
 
-    /// Columns `lo..=hi` of a line hold some that changed, the first and the last among them.
+    /// Columns of a line changed.
     #[inline]
-    pub fn note_stretch(&mut self, axis: Axis, line: usize, lo: usize, hi: usize) {
-        let rect = Rect::at((line, lo)).union(Rect::at((line, hi)));
-        let open = &mut self.open[axis as usize];
-        *open = Some(open.map_or(rect, |open| open.union(rect)));
+    pub fn note_line(&mut self, axis: Axis, line: usize, places: impl Bits) {
+        if let (Some(first), Some(last)) = (places.first(), places.last()) {
+            let rect = Rect { lo: (line as u8, first as u8), hi: (line as u8, last as u8) };
+            let open = &mut self.open[axis as usize];
+            *open = Some(open.map_or(rect, |open| open.union(rect)));
+        }
     }
 
     /// The edit is over: its bounds become rectangles of their own.

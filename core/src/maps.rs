@@ -121,7 +121,7 @@ impl Range {
     #[must_use]
     #[inline]
     pub const fn contains(self, i: usize) -> bool {
-        self.lo() <= i && i <= self.hi()
+        (self.lo() <= i) & (i <= self.hi())
     }
 
     /// The voxels inside as a row.
@@ -140,6 +140,13 @@ impl Range {
             not_lo: if self.not_lo > other.not_lo { self.not_lo } else { other.not_lo },
             hi: if self.hi > other.hi { self.hi } else { other.hi },
         }
+    }
+
+    /// The same with `hi` as its last voxel, or its only one.
+    #[must_use]
+    #[inline]
+    pub(crate) const fn up_to(self, hi: usize) -> Range {
+        if self.is_empty() { Range::new(hi, hi) } else { self.with_hi(hi) }
     }
 
     /// The two bytes as stored: the complement of the low end, then the high end.
@@ -186,8 +193,7 @@ impl<const LAYERS: usize> Column<LAYERS> {
     #[must_use]
     #[inline]
     pub fn hull(&self) -> Range {
-        let hi = self.0.iter().filter(|r| !r.is_empty()).map(|r| r.hi()).max();
-        hi.map_or(Range::EMPTY, |hi| Range::new(self.0[0].lo(), hi))
+        self.0.iter().fold(Range::EMPTY, |hull, range| hull.hull_with(*range))
     }
 }
 

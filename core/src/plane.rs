@@ -1,7 +1,7 @@
 //! Bit rows of a whole grid: one N-bit row along x for each (y, z).
 
 use crate::maps::{Axis, Column, Maps, Range};
-use crate::row::Bits;
+use crate::row::{Bits, Row};
 use crate::size::{Grid, Size};
 
 /// N x N bit rows, addressed `(y, z)`: the word-parallel twin of the maps. 256 KiB at 128.
@@ -48,6 +48,13 @@ where
         &mut self.rows[y][z]
     }
 
+    /// Words `first..first + WORDS` of all rows.
+    #[must_use]
+    #[inline]
+    pub const fn strip<const WORDS: usize>(&self, first: usize) -> Strip<'_, N, WORDS> {
+        Strip { plane: self, first }
+    }
+
     /// The N rows of layer y, by z.
     #[must_use]
     #[inline]
@@ -80,26 +87,36 @@ where
     /// end; running exclusive-ors along the column turn the toggles into occupancy, N columns at a
     /// time.
     pub fn expand(&mut self, maps: &Maps<N>) {
-        self.clear();
-        for y in 0..N {
-            for (x, column) in maps.line(Axis::Z, y).iter().enumerate() {
-                toggle_ends::<N>(*column, |z| self.rows[y][z].toggle(x));
+        for (y, layer) in self.rows.iter_mut().enumerate() {
+            layer.fill(<Grid<N> as Size>::Row::EMPTY);
+            let columns = maps.occupied(Axis::Z, y);
+            if columns.is_empty() {
+                continue;
             }
-            for z in 1..N {
-                let before = self.rows[y][z - 1];
-                self.rows[y][z] ^= before;
+            let line = maps.line(Axis::Z, y);
+            for x in columns.ones() {
+                toggle_ends::<N>(line[x], |z| layer[z].toggle(x));
+            }
+            let mut inside = <Grid<N> as Size>::Row::EMPTY;
+            for row in layer {
+                inside ^= *row;
+                *row = inside;
             }
         }
         let mut ends = [<Grid<N> as Size>::Row::EMPTY; N];
         for z in 0..N {
             ends.fill(<Grid<N> as Size>::Row::EMPTY);
-            for (x, column) in maps.line(Axis::Y, z).iter().enumerate() {
-                toggle_ends::<N>(*column, |y| ends[y].toggle(x));
+            let line = maps.line(Axis::Y, z);
+            for x in maps.occupied(Axis::Y, z).ones() {
+                toggle_ends::<N>(line[x], |y| ends[y].toggle(x));
             }
             let mut inside = <Grid<N> as Size>::Row::EMPTY;
             for (y, end) in ends.iter().enumerate() {
                 inside ^= *end;
-                self.rows[y][z] &= inside & maps.column(Axis::X, (y, z)).row();
+                let row = &mut self.rows[y][z];
+                if !row.is_empty() {
+                    *row &= inside & maps.column(Axis::X, (y, z)).row();
+                }
             }
         }
     }
@@ -142,6 +159,28 @@ where
             }
             seen &= !row(i);
         }
+    }
+}
+
+/// The same few words of every row of a plane: what is small works on no more.
+#[derive(Clone, Copy, Debug)]
+pub struct Strip<'a, const N: usize, const WORDS: usize>
+where
+    Grid<N>: Size,
+{
+    plane: &'a Plane<N>,
+    first: usize,
+}
+
+impl<const N: usize, const WORDS: usize> Strip<'_, N, WORDS>
+where
+    Grid<N>: Size,
+{
+    /// Its words of the row at (y, z).
+    #[must_use]
+    #[inline]
+    pub fn row(&self, y: usize, z: usize) -> Row<WORDS> {
+        self.plane.rows[y][z].part(self.first)
     }
 }
 

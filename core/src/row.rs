@@ -31,9 +31,22 @@ pub trait Bits:
     /// Machine words in a row.
     const WORDS: usize;
 
-    /// Bits `lo..=hi`; none when `lo > hi`. Both below `64 * WORDS`.
+    /// Bits `lo..=hi`, as far as the row goes; none when `lo > hi`.
     #[must_use]
     fn span(lo: usize, hi: usize) -> Self;
+    /// Words `first..first + W` as a row of their own.
+    #[must_use]
+    fn part<const W: usize>(&self, first: usize) -> Row<W>;
+    /// Replaces these words.
+    fn set_part<const W: usize>(&mut self, first: usize, part: Row<W>);
+    /// A row of these words and no others.
+    #[must_use]
+    #[inline]
+    fn of_part<const W: usize>(first: usize, part: Row<W>) -> Self {
+        let mut row = Self::EMPTY;
+        row.set_part(first, part);
+        row
+    }
     /// The word that holds bits `64 * i ..`.
     #[must_use]
     fn word(&self, i: usize) -> u64;
@@ -159,11 +172,26 @@ impl<const W: usize> Bits for Row<W> {
         if lo > hi {
             return Self::EMPTY;
         }
+        if hi < 64 {
+            return Self::of_part(0, Row([u64::MAX << lo & u64::MAX >> (63 - hi)]));
+        }
         let mut words = [0; W];
         for (i, word) in words.iter_mut().enumerate() {
             *word = low_bits(hi + 1, i * 64) & !low_bits(lo, i * 64);
         }
         Row(words)
+    }
+
+    #[inline]
+    fn part<const P: usize>(&self, first: usize) -> Row<P> {
+        let mut part = [0; P];
+        part.copy_from_slice(&self.0[first..first + P]);
+        Row(part)
+    }
+
+    #[inline]
+    fn set_part<const P: usize>(&mut self, first: usize, part: Row<P>) {
+        self.0[first..first + P].copy_from_slice(&part.0);
     }
 
     #[inline]
@@ -270,9 +298,8 @@ impl<const W: usize> Row<W> {
 #[inline]
 fn low_bits(end: usize, base: usize) -> u64 {
     match end.saturating_sub(base) {
-        0 => 0,
-        n if n >= 64 => u64::MAX,
-        n => (1 << n) - 1,
+        n if n < 64 => (1 << n) - 1,
+        _ => u64::MAX,
     }
 }
 

@@ -10,7 +10,6 @@ use crate::islands::Islands;
 use crate::limits::row_visits;
 use crate::maps::{Axis, Column};
 use crate::pose::Pose;
-use crate::row::Bits;
 use crate::size::{Grid, Size};
 use crate::state::State;
 use crate::tools::{Action, Bit};
@@ -254,22 +253,15 @@ impl<const N: usize> Journal<N> for Record<'_, N>
 where
     Grid<N>: Size,
 {
-    fn column(&mut self, axis: Axis, at: (usize, usize), old: Column) {
-        self.undo.amend(axis, at, old);
-        self.dirty.note(axis, at);
-    }
-
     fn columns(
         &mut self,
         axis: Axis,
         line: usize,
-        columns: <Grid<N> as Size>::Row,
+        places: <Grid<N> as Size>::Row,
         old: &[Column; N],
     ) {
-        self.undo.amend_line(axis, line, columns, old);
-        if let (Some(lo), Some(hi)) = (columns.first(), columns.last()) {
-            self.dirty.note_stretch(axis, line, lo, hi);
-        }
+        self.undo.amend(axis, line, places, old);
+        self.dirty.note_line(axis, line, places);
     }
 
     fn added(&mut self, _: (usize, usize), _: <Grid<N> as Size>::Row) {}
@@ -279,9 +271,15 @@ impl<const N: usize> Journal<N> for Log<'_, N>
 where
     Grid<N>: Size,
 {
-    fn column(&mut self, axis: Axis, at: (usize, usize), old: Column) {
-        self.undo.record(axis, at, old);
-        self.dirty.note(axis, at);
+    fn columns(
+        &mut self,
+        axis: Axis,
+        line: usize,
+        places: <Grid<N> as Size>::Row,
+        old: &[Column; N],
+    ) {
+        self.undo.record(axis, line, places, old);
+        self.dirty.note_line(axis, line, places);
     }
 
     fn added(&mut self, row: (usize, usize), voxels: <Grid<N> as Size>::Row) {

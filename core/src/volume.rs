@@ -10,18 +10,14 @@ pub trait Journal<const N: usize>
 where
     Grid<N>: Size,
 {
-    /// A column of a map is about to be replaced; `old` is what it holds.
-    fn column(&mut self, axis: Axis, at: (usize, usize), old: Column);
-    /// The same for `columns` of a line of a map; `old` is what the whole line holds.
+    /// Those `places` of a line of columns are about to be replaced; `old` is what the line holds.
     fn columns(
         &mut self,
         axis: Axis,
         line: usize,
-        columns: <Grid<N> as Size>::Row,
+        places: <Grid<N> as Size>::Row,
         old: &[Column; N],
-    ) {
-        columns.ones().for_each(|place| self.column(axis, (line, place), old[place]));
-    }
+    );
     /// Voxels of row (y, z) are about to be occupied that were not when the edit began.
     fn added(&mut self, row: (usize, usize), voxels: <Grid<N> as Size>::Row);
 }
@@ -31,7 +27,7 @@ impl<const N: usize> Journal<N> for ()
 where
     Grid<N>: Size,
 {
-    fn column(&mut self, _: Axis, _: (usize, usize), _: Column) {}
+    fn columns(&mut self, _: Axis, _: usize, _: <Grid<N> as Size>::Row, _: &[Column; N]) {}
     fn added(&mut self, _: (usize, usize), _: <Grid<N> as Size>::Row) {}
 }
 
@@ -105,39 +101,23 @@ where
         self.digest
     }
 
-    /// Replaces one column, and journals it if that is a change.
-    #[inline]
-    pub(crate) fn set_column(
-        &mut self,
-        axis: Axis,
-        at: (usize, usize),
-        column: Column,
-        journal: &mut impl Journal<N>,
-    ) {
-        let old = self.maps.column(axis, at);
-        if old != column {
-            journal.column(axis, at, old);
-            self.swap_column(axis, at, column);
-        }
-    }
-
-    /// Replaces `columns` of a line, which all change, by those of `new`, and journals them.
+    /// Replaces those `places` of a line, which all change, by those of `new`, and journals them.
     #[inline]
     pub(crate) fn set_columns(
         &mut self,
         axis: Axis,
         line: usize,
-        columns: <Grid<N> as Size>::Row,
+        places: <Grid<N> as Size>::Row,
         new: &[Column; N],
         journal: &mut impl Journal<N>,
     ) {
-        if columns.is_empty() {
+        if places.is_empty() {
             return;
         }
         let old = self.maps.line_mut(axis, line);
-        journal.columns(axis, line, columns, old);
+        journal.columns(axis, line, places, old);
         let mut sum = 0u64;
-        for run in columns.runs() {
+        for run in places.runs() {
             let run = run.lo()..=run.hi();
             let (old, new) = (&mut old[run.clone()], &new[run.clone()]);
             for ((old, new), key) in old.iter_mut().zip(new).zip(&KEYS[run]) {

@@ -6,6 +6,7 @@ use std::io::ErrorKind;
 use std::process::ExitCode;
 
 use paros_core::export::HeightOutOfRange;
+use paros_shaders::gpu;
 use paros_shell::durable;
 
 /// Why a command did not do its work.
@@ -58,6 +59,13 @@ impl From<durable::Error> for Error {
             | ErrorKind::InvalidInput => Error::input(error),
             _ => Error::failure(error),
         }
+    }
+}
+
+/// No Vulkan, no device that fits, a lost one, or one without memory left.
+impl From<gpu::Error> for Error {
+    fn from(error: gpu::Error) -> Self {
+        Error::failure(error)
     }
 }
 

@@ -4,5 +4,6 @@ pub mod bench;
 pub mod commands;
 pub mod demo;
 pub mod error;
+pub mod headless;
 pub mod mesh;
 pub mod window;

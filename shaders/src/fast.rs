@@ -24,8 +24,8 @@ pub fn surface<const N: usize>(field: &Field<N>, ray: &Ray) -> Option<Surface> {
     let (near, far) = inside_cube(&around, side)?;
     // The ground ends a ray.
     let ground = if ray.direction.y < 0.0 { -ray.origin.y / ray.direction.y } else { far };
-    let inside = march(field, ray, near, far.min(ground))?;
-    Some(meet(field, ray, inside))
+    let (inside, before) = march(field, ray, near, far.min(ground))?;
+    Some(meet(field, ray, inside, before))
 }
 
 /// The radiance of a point of the surface over that of white in full light, before a display's
@@ -52,26 +52,22 @@ pub fn lit<const N: usize>(
     stone * (direct + ambient * open)
 }
 
-/// The distance of the first sample inside, in steps that reach a little past where a plane would
-/// be met, so that what is one voxel thick isn't leapt over.
-fn march<const N: usize>(field: &Field<N>, ray: &Ray, near: f32, end: f32) -> Option<f32> {
-    let mut t = near;
+/// The distance of the first sample inside, and the density of the sample before it.
+fn march<const N: usize>(field: &Field<N>, ray: &Ray, near: f32, end: f32) -> Option<(f32, f32)> {
+    let (mut t, mut before) = (near, 0.0);
     // A ray from so far that a step is less than its last digit goes nowhere.
     let mut turns = 8 * N;
     while t < end && turns > 0 {
         // Four voxels near the surface.
         let until = (t + 4.0).min(end);
-        while t < until {
+        while t < until && turns > 0 {
             let full = field.sample(0, ray.at(t));
             if full >= 0.5 {
-                return Some(t);
+                return Some((t, before));
             }
-            let [[a, b], [c, d]] = FAST_STEP;
-            t += (a - b * full).max(c - d * full);
-            turns = turns.saturating_sub(1);
-            if turns == 0 {
-                break;
-            }
+            before = full;
+            t += step(full);
+            turns -= 1;
         }
         // Empty cells.
         while t < end {
@@ -86,15 +82,29 @@ fn march<const N: usize>(field: &Field<N>, ray: &Ray, near: f32, end: f32) -> Op
     None
 }
 
-/// From a point inside back to where the density is a half: twice along its slope there.
-fn meet<const N: usize>(field: &Field<N>, ray: &Ray, inside: f32) -> Surface {
-    let mut t = inside;
-    let fall = fall(field, ray.at(t));
-    let slope = 4.0 / (-fall.dot(ray.direction)).max(0.2);
-    t -= ((field.sample(0, ray.at(t)) - 0.5) * slope).clamp(-0.5, 1.2);
-    t -= ((field.sample(0, ray.at(t)) - 0.5) * slope).clamp(-0.5, 0.5);
-    let normal = fall.try_normalize().unwrap_or(Vec3::Y);
-    Surface { position: ray.at(t), normal, distance: t }
+/// A step in voxels reaches a little past where a plane would be met: what is one voxel thick is
+/// not leapt over.
+fn step(full: f32) -> f32 {
+    let [[a, b], [c, d]] = FAST_STEP;
+    (a - b * full).max(c - d * full)
+}
+
+/// From a point inside back to where the density is a half, by false position twice.
+fn meet<const N: usize>(field: &Field<N>, ray: &Ray, inside: f32, before: f32) -> Surface {
+    let density = |back: f32| field.sample(0, ray.at(inside - back)) - 0.5;
+    let (mut inner, mut outer) = ((0.0, density(0.0)), (step(before), before - 0.5));
+    let first = outer.0 * inner.1 / (inner.1 - outer.1);
+    let middle = (first, density(first));
+    if middle.1 >= 0.0 {
+        inner = middle;
+    } else {
+        outer = middle;
+    }
+    let part = inner.1 / (inner.1 - outer.1).max(1e-4);
+    let distance = inside - (inner.0 + (outer.0 - inner.0) * part);
+    let position = ray.at(distance);
+    let normal = fall(field, position).try_normalize().unwrap_or(Vec3::Y);
+    Surface { position, normal, distance }
 }
 
 /// How the blurred density falls, 4 times a voxel's worth: samples on a tetrahedron's corners.

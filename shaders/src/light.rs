@@ -2,8 +2,6 @@
 //!
 //! Source: section 4.3 of the paper; the harmonics after Ramamoorthi and Hanrahan (2001).
 
-use core::f32::consts::TAU;
-
 use glam::Vec3;
 
 use crate::constants::{
@@ -41,7 +39,7 @@ pub fn visibility(
 pub fn cone(way: &Ray, length: f32, dither: f32) -> impl Iterator<Item = Vec3> {
     let (u, v) = across(way.direction);
     let way = *way;
-    let (mut cos, mut sin) = ((dither * TAU).cos(), (dither * TAU).sin());
+    let [mut cos, mut sin] = circle(dither);
     (0..SHADOW_SAMPLES).map(move |i| {
         let part = (i as f32 + 0.5) / SHADOW_SAMPLES as f32;
         let cone = SHADOW_RADIUS_NEAR + (SHADOW_RADIUS_FAR - SHADOW_RADIUS_NEAR) * part;
@@ -53,6 +51,16 @@ pub fn cone(way: &Ray, length: f32, dither: f32) -> impl Iterator<Item = Vec3> {
         (cos, sin) = (cos * c - sin * s, sin * c + cos * s);
         way.at(part * length) + offset
     })
+}
+
+/// A point of the unit circle for a number in 0..1. Sines differ from GPU to GPU, this doesn't.
+#[must_use]
+pub fn circle(part: f32) -> [f32; 2] {
+    let quarter = (part * 4.0).floor();
+    let t = part * 4.0 - quarter;
+    let [x, y] = [(1.0 - t * t) / (1.0 + t * t), 2.0 * t / (1.0 + t * t)];
+    let [x, y] = if quarter == 1.0 || quarter == 3.0 { [-y, x] } else { [x, y] };
+    if quarter >= 2.0 { [-x, -y] } else { [x, y] }
 }
 
 /// The ambient light that a surface with this normal receives, over pi.

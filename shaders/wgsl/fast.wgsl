@@ -48,14 +48,15 @@ fn fragment(
     let edge = part(select(0.5, max(0.5 - margin * start, 0.4), COVERAGE));
     var t = start;
     var full = part(0.0);
+    var before = part(0.0);
     while t < end {
-        // Four voxels near the surface. Steps reach a little past where a plane would be met:
-        // what is one voxel thick is not leapt over.
+        // Four voxels near the surface.
         let until = min(t + 4.0 * voxel, end);
         while t < until {
             full = part(dense(o + direction * t, 0.0));
             if full >= edge { break; }
-            t += f32(max(part(2.6) - full * part(16.0), part(1.65) - full * part(2.5))) * voxel;
+            before = full;
+            t += f32(step(full)) * voxel;
         }
         if full >= edge { break; }
         // Empty cells.
@@ -68,26 +69,36 @@ fn fragment(
     if full < edge {
         discard;
     }
-    // To where the density is a half: twice along its slope here.
-    var p = o + direction * t;
-    let fall = fall(p);
-    let along = -dot(vec3<f32>(fall), direction) * frame.sun_room.w;
-    let slope = 4.0 / max(along, 0.2 / voxel);
-    var back = clamp((f32(full) - 0.5) * slope, -0.5 * voxel, 1.2 * voxel);
-    p -= direction * back;
-    t -= back;
-    back = clamp((dense(p, 0.0) - 0.5) * slope, -0.5 * voxel, 0.5 * voxel);
-    p -= direction * back;
-    t -= back;
     var coverage = part(1.0);
+    if !COVERAGE || full >= part(0.5) {
+        // Back to where the density is a half, by false position twice.
+        let length = f32(step(before)) * voxel;
+        let near = f32(before) - 0.5;
+        let far = f32(full) - 0.5;
+        let first = length * far / (far - near);
+        let middle = dense(o + direction * (t - first), 0.0) - 0.5;
+        let outer = vec2<f32>(length, near);
+        let inner = select(vec2<f32>(0.0, far), vec2<f32>(first, middle), middle >= 0.0);
+        let outside = select(vec2<f32>(first, middle), outer, middle >= 0.0);
+        t -= mix(inner.x, outside.x, inner.y / max(inner.y - outside.y, 1e-4));
+    }
+    let p = o + direction * t;
+    let fall = fall(p);
+    let normal = fall * inverseSqrt(max(dot(fall, fall), part(1e-4)));
     if COVERAGE && full < part(0.5) {
         // It only just misses if it goes along the surface.
-        let steep = part(saturate(1.0 - 1.5 * along * voxel));
-        coverage -= steep * part(saturate((0.5 - f32(full)) / (margin * t)));
+        let steep = dot(vec3<f32>(normal), direction) * frame.sun_room.w * voxel;
+        let gap = (0.5 - f32(full)) / (margin * t);
+        coverage -= part(saturate(1.0 + 6.0 * steep) * saturate(gap));
     }
-    let normal = fall * inverseSqrt(max(dot(fall, fall), part(1e-4)));
     let depth = frame.depth.x / t + frame.depth.y;
     return Shaded(vec4<f32>(vec3<f32>(lit(p, normal)), f32(coverage)), depth);
+}
+
+// A step in voxels reaches a little past where a plane would be met: what is one voxel thick is
+// not leapt over.
+fn step(full: part) -> part {
+    return max(part(2.6) - full * part(16.0), part(1.65) - full * part(2.5));
 }
 
 // Where a ray ends: a voxel behind the grid, or on the ground.

@@ -32,3 +32,12 @@ fn across(d: vec3<f32>) -> mat2x3<f32> {
 fn dither(pixel: vec2<f32>) -> f32 {
     return fract(52.9829189 * fract(dot(floor(pixel), vec2<f32>(0.06711056, 0.00583715))));
 }
+
+// A point of the unit circle for a number in 0..1. Sines differ from GPU to GPU, this doesn't.
+fn circle(part: f32) -> vec2<f32> {
+    let quarter = floor(part * 4.0);
+    let t = part * 4.0 - quarter;
+    let v = vec2<f32>(1.0 - t * t, 2.0 * t) / (1.0 + t * t);
+    let odd = quarter == 1.0 || quarter == 3.0;
+    return select(v, vec2<f32>(-v.y, v.x), odd) * select(1.0, -1.0, quarter >= 2.0);
+}

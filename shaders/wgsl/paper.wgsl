@@ -94,9 +94,7 @@ fn march(eye: vec3<f32>, direction: vec3<f32>, span: vec2<f32>) -> Sample {
         let column = place >> BITS;
         if FULL_MARCH {
             let voxel = unordered(column, w, axis);
-            let next = select(axis + 1, 0, axis == 2);
-            let last = select(axis - 1, 2, axis == 0);
-            if along(voxel, axis) && along(voxel, next) && along(voxel, last) {
+            if along(voxel, 0) && along(voxel, 1) && along(voxel, 2) {
                 return Sample(voxel, t + each * f32(abs(w - begin)));
             }
         } else {
@@ -238,9 +236,13 @@ fn lit(point: vec3<f32>, normal: vec3<f32>, dither: f32) -> vec3<f32> {
 fn visibility(point: vec3<f32>, dither: f32) -> f32 {
     const SAMPLES: f32 = 10.0;
     let towards = frame.sun_grid.xyz;
-    let length = box::span(point, towards, vec3<f32>(0.0), vec3<f32>(frame.sun_grid.w)).y;
+    let way = box::span(point, towards, vec3<f32>(0.0), vec3<f32>(frame.sun_grid.w));
+    if way.x >= way.y {
+        return 1.0;
+    }
+    let length = way.y;
     let axes = light::across(towards);
-    var turn = vec2<f32>(cos(dither * 6.2831853), sin(dither * 6.2831853));
+    var turn = light::circle(dither);
     var visible = 1.0;
     var order = 0.0;
     for (var i = 0.0; i < SAMPLES; i += 1.0) {

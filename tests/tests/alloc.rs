@@ -6,10 +6,12 @@ use std::sync::{Mutex, PoisonError};
 
 use glam::IVec3;
 use paros_core::bake::Baker;
+use paros_core::dirty::Dirty;
 use paros_core::export::{Exporter, Stage};
 use paros_core::input::{Input, Mode};
 use paros_core::maps::Maps;
 use paros_core::plane::Plane;
+use paros_shaders::field::{Budget, Field};
 use paros_tests::models::studio::Studio;
 use paros_tests::models::visitor::Visitor;
 
@@ -151,4 +153,34 @@ fn no_baked_triangle_allocates() {
         let _ = baker.finish(maps, plane);
     });
     assert!(plane.count() > 10);
+}
+
+#[test]
+fn no_frame_of_the_field_allocates() {
+    let mut studio = LARGE.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut field = Field::<128>::new();
+    let mut dirty = Dirty::new();
+    studio.start(Mode::Constrained { figure: 0 });
+    let mut visitor = Visitor::new(22);
+    let mut bytes = 0;
+    dirty.note_all(128);
+    for _ in 0..300 {
+        let budget = Budget::frame(128);
+        quietly("a frame of the field", || {
+            field.note(studio.world.volume().maps(), &dirty);
+            field.advance(budget, &mut |_, region| bytes += region.len());
+        });
+        dirty.clear();
+        studio.step(&visitor.act());
+        for axis in paros_core::maps::Axis::ALL {
+            for rect in studio.world.dirty().rects(axis) {
+                for line in rect.lo.0..=rect.hi.0 {
+                    dirty.note(axis, (line.into(), rect.lo.1.into()));
+                    dirty.note(axis, (line.into(), rect.hi.1.into()));
+                }
+            }
+        }
+        dirty.close();
+    }
+    assert!(bytes > 1_000_000, "{bytes} bytes");
 }

@@ -19,11 +19,10 @@ where
     assert_eq!(brush.bounds(N), bounds);
     let mut dense = Dense::new(N);
     for y in 0..N {
-        let within = pieces.enter(y, N);
-        for z in 0..N {
-            let row = brush.row::<N>(y, z);
-            assert_eq!(pieces.row::<N>(z), row, "row {y}, {z}");
-            assert!(row.is_empty() || within.contains(z), "row {y}, {z} outside its layer");
+        let mut layer = vec![<Grid<N> as Size>::Row::EMPTY; N];
+        pieces.layer(y, N, |z, (lo, hi)| layer[z] |= Bits::span(lo, hi));
+        for (z, row) in layer.into_iter().enumerate() {
+            assert_eq!(row, brush.row::<N>(y, z), "row {y}, {z}");
             row.ones().for_each(|x| dense.set([x as i32, y as i32, z as i32], true));
         }
     }

@@ -18,8 +18,14 @@ impl<const N: usize> Journal<N> for Noting<'_>
 where
     Grid<N>: Size,
 {
-    fn column(&mut self, axis: Axis, at: (usize, usize), _: Column) {
-        self.0.note(axis, at);
+    fn columns(
+        &mut self,
+        axis: Axis,
+        line: usize,
+        places: <Grid<N> as Size>::Row,
+        _: &[Column; N],
+    ) {
+        self.0.note_line(axis, line, places);
     }
 
     fn added(&mut self, _: (usize, usize), _: <Grid<N> as Size>::Row) {}

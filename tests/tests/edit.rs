@@ -14,7 +14,7 @@ use paros_core::row::Bits;
 use paros_core::size::{Grid, Size};
 use paros_core::volume::{Journal, Volume, maps_digest};
 use paros_tests::models::dense::{Dense, masked_volumes};
-use paros_tests::models::edit::edited;
+use paros_tests::models::edit::{edited, stays_in_reach};
 use proptest::prelude::*;
 
 /// Writes down what it is told.
@@ -27,8 +27,14 @@ impl<const N: usize> Journal<N> for Notes
 where
     Grid<N>: Size,
 {
-    fn column(&mut self, axis: Axis, at: (usize, usize), old: Column) {
-        self.columns.push((axis, at, old));
+    fn columns(
+        &mut self,
+        axis: Axis,
+        line: usize,
+        places: <Grid<N> as Size>::Row,
+        old: &[Column; N],
+    ) {
+        self.columns.extend(places.ones().map(|place| (axis, (line, place), old[place])));
     }
 
     fn added(&mut self, (y, z): (usize, usize), voxels: <Grid<N> as Size>::Row) {
@@ -211,37 +217,6 @@ fn columns_are_the_changes<const N: usize>(notes: &Notes, before: &Maps<N>, afte
     }
 }
 
-/// What the design promises of every edit, said without the definition.
-fn stays_in_reach(
-    volume: &Dense,
-    mask: &Dense,
-    after: &Dense,
-    brush: &Dense,
-    operation: Operation,
-    mirrored: bool,
-) {
-    let brush = if mirrored { brush.or(&brush.mirrored()) } else { brush.clone() };
-    assert!(mask.is_within(after), "a masked voxel is lost");
-    assert!(volume.without(after).is_within(&brush), "a voxel beside the brush was removed");
-    let added = after.without(volume);
-    match operation {
-        Operation::Carve { .. } => assert!(added.is_empty(), "a carve added"),
-        Operation::Fill { .. } => assert!(volume.is_within(after), "a fill removed"),
-        Operation::Smooth => {}
-    }
-    let held = Axis::ALL.map(|axis| {
-        move |brush: &Dense, voxel: [i32; 3]| {
-            brush.hull(axis, axis.address(voxel.map(|i| i as usize))).is_some()
-        }
-    });
-    for voxel in added.occupied() {
-        assert!(held.iter().any(|held| held(&brush, voxel)), "{voxel:?} is in no beam");
-    }
-    if mirrored && volume == &volume.mirrored() && mask == &mask.mirrored() {
-        assert_eq!(after, &after.mirrored(), "the mirror is broken");
-    }
-}
-
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(1500))]
 
@@ -288,6 +263,89 @@ proptest! {
     fn strokes_on_128_follow_the_definition(start in masked_volumes(128), strokes in strokes(128, 2)) {
         static STUDIO: Mutex<Studio<128>> = Mutex::new(Studio::new());
         strokes_follow_the_definition(&STUDIO, &start, &strokes);
+    }
+}
+
+/// Strokes in a corner of nothing: the volume is one of 32 voxels a side, `shift` voxels along x.
+fn strokes_far_along_x_do_the_same<const N: usize>(
+    studio: &Mutex<Studio<N>>,
+    (volume, mask): &(Dense, Dense),
+    shift: i32,
+    strokes: &[Stroke],
+) where
+    Grid<N>: Size,
+{
+    let studio = &mut *studio.lock().unwrap_or_else(PoisonError::into_inner);
+    let shifted = |dense: &Dense| {
+        let mut far = Dense::new(N);
+        dense.occupied().for_each(|[x, y, z]| far.set([x + shift, y, z], true));
+        far
+    };
+    studio.volume.set_voxels(|plane| shifted(volume).write_plane(plane));
+    shifted(mask).write_maps(&mut studio.mask);
+    let mut volume = volume.clone();
+    for Stroke { shape, operation, .. } in strokes {
+        let Shape::Capsule(a, b, radius) = *shape else { continue };
+        let voxels = voxels_of::<32>(&Brush::capsule(a, b, radius));
+        let away = IVec3::new(shift * SUB, 0, 0);
+        let brush = Brush::capsule(a + away, b + away, radius);
+        let edit = Edit { brush: &brush, operation: *operation, mirrored: false };
+        let mut notes = Notes { columns: vec![], added: Dense::new(N) };
+        studio.before.copy_from(studio.volume.maps());
+        let report =
+            apply(&mut studio.volume, &studio.mask, &edit, &mut studio.scratch, &mut notes);
+        let (after, expected) = edited(&volume, mask, &voxels, *operation, false);
+        assert_eq!(report, Ok(expected));
+        let rows = studio.volume.rows();
+        let is_occupied =
+            |[x, y, z]: [i32; 3]| rows.contains([x + shift, y, z].map(|i| i as usize));
+        assert!(after.occupied().all(is_occupied));
+        assert_eq!(rows.count(), u64::from(after.count()));
+        let added = after.without(&volume);
+        assert!(added.occupied().all(|[x, y, z]| notes.added.contains([x + shift, y, z])));
+        assert_eq!(notes.added.count(), added.count());
+        studio.volume.rows().hulls(&mut studio.tight);
+        assert_eq!(studio.volume.maps(), &studio.tight, "tight hulls");
+        assert_eq!(studio.volume.digest(), maps_digest(studio.volume.maps()));
+        columns_are_the_changes(&notes, &studio.before, studio.volume.maps());
+        volume = after;
+    }
+}
+
+/// Brushes that lie within a grid of 32 with all that they look at: at most 4 voxels beyond.
+fn inner_strokes() -> impl Strategy<Value = Vec<Stroke>> {
+    let at =
+        || [12 * SUB..20 * SUB, 12 * SUB..20 * SUB, 12 * SUB..20 * SUB].prop_map(IVec3::from_array);
+    let shape = (at(), at(), 0..8 * SUB).prop_map(|(a, b, radius)| Shape::Capsule(a, b, radius));
+    let shape = prop_oneof![shape, (at(), 0..8 * SUB).prop_map(|(a, r)| Shape::Capsule(a, a, r))];
+    let depth = || 0..=SHELL_DEPTH;
+    let operation = prop_oneof![
+        depth().prop_map(|depth| Operation::Carve { depth }),
+        depth().prop_map(|depth| Operation::Fill { depth }),
+        Just(Operation::Smooth),
+    ];
+    let stroke = (shape, operation).prop_map(|(shape, operation)| Stroke {
+        shape,
+        operation,
+        mirrored: false,
+    });
+    proptest::collection::vec(stroke, 1..6)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(80))]
+
+    /// An edit works on the words of a row that it touches: any of them, and across their borders.
+    #[test]
+    fn strokes_in_any_words_of_a_row_do_the_same(
+        start in masked_volumes(32), shift in prop_oneof![0..=96i32, 36..=60i32], far in 0..=224i32, strokes in inner_strokes(),
+    ) {
+        static STUDIO: Mutex<Studio<128>> = Mutex::new(Studio::new());
+        static LARGE: Mutex<Studio<256>> = Mutex::new(Studio::new());
+        strokes_far_along_x_do_the_same(&STUDIO, &start, shift, &strokes);
+        if far % 16 == 0 {
+            strokes_far_along_x_do_the_same(&LARGE, &start, far, &strokes);
+        }
     }
 }
 

@@ -101,8 +101,14 @@ impl<const N: usize> Journal<N> for Noting<'_>
 where
     Grid<N>: Size,
 {
-    fn column(&mut self, axis: Axis, at: (usize, usize), _: Column) {
-        self.0.note(axis, at);
+    fn columns(
+        &mut self,
+        axis: Axis,
+        line: usize,
+        places: <Grid<N> as Size>::Row,
+        _: &[Column; N],
+    ) {
+        self.0.note_line(axis, line, places);
     }
 
     fn added(&mut self, _: (usize, usize), _: <Grid<N> as Size>::Row) {}
@@ -242,7 +248,7 @@ where
                 break;
             }
         }
-        assert!(field.maps() == studio.volume.maps());
+        assert!(field.latest() == studio.volume.maps());
         if !field.pending() {
             settled += 1;
             fresh.rebuild(studio.volume.maps());
@@ -273,4 +279,61 @@ fn upkeep_is_a_rebuild_on_128() {
     static STUDIO: Mutex<Studio<128>> = Mutex::new(Studio::new());
     let mut studio = STUDIO.lock().unwrap_or_else(PoisonError::into_inner);
     follow(&mut studio, 70, 60);
+}
+
+/// What a frame costs and hands out is within its budget, and a load comes to its end.
+#[test]
+fn frames_keep_to_their_budget() {
+    static STUDIO: Mutex<Studio<128>> = Mutex::new(Studio::new());
+    let mut studio = STUDIO.lock().unwrap_or_else(PoisonError::into_inner);
+    let (mut dice, mut dirty) = (Dice::new(5), Dirty::new());
+    let mut field = Field::<128>::new();
+    let budget = Budget::frame(128);
+    for tick in 0..400 {
+        dirty.clear();
+        match tick % 200 {
+            0 => studio.load(&mut dice, &mut dirty),
+            180 => studio.swap(&mut dirty),
+            _ if dice.one_in(2) => studio.edit(&mut dice, &mut dirty),
+            _ => {}
+        }
+        field.note(studio.volume.maps(), &dirty);
+        let mut bytes = 0;
+        let spent = field.advance(budget, &mut |_, region| bytes += region.len());
+        assert!(bytes <= budget.bytes, "tick {tick}: {bytes} bytes");
+        // A frame does one thing at least: a box of nothing but detail is reckoned at a tenth more.
+        assert!(spent.work <= budget.work * 11 / 10, "tick {tick}: {spent:?}");
+        assert_eq!(spent.bytes, bytes, "tick {tick}");
+    }
+    let frames = (0..600).take_while(|_| {
+        field.advance(budget, &mut |_, _| {});
+        field.pending()
+    });
+    assert!(frames.count() < 400, "never done");
+}
+
+/// Cells of four texels.
+#[test]
+fn cells_at_256() {
+    static STUDIO: Mutex<Studio<256>> = Mutex::new(Studio::new());
+    let mut studio = STUDIO.lock().unwrap_or_else(PoisonError::into_inner);
+    let (mut dice, mut dirty) = (Dice::new(6), Dirty::new());
+    let (mut field, mut fresh) = (Field::<256>::new(), Field::<256>::new());
+    let mut copies = Copies::of(&field);
+    for _ in 0..3 {
+        dirty.clear();
+        studio.load(&mut dice, &mut dirty);
+        field.note(studio.volume.maps(), &dirty);
+        field.advance(Budget::frame(256), &mut |region, bytes| copies.write(region, bytes));
+        copies.check_cells(false);
+    }
+    dirty.clear();
+    (0..5).for_each(|_| studio.edit(&mut dice, &mut dirty));
+    field.note(studio.volume.maps(), &dirty);
+    while field.pending() {
+        field.advance(Budget::UNLIMITED, &mut |region, bytes| copies.write(region, bytes));
+    }
+    copies.check_cells(true);
+    fresh.rebuild(studio.volume.maps());
+    assert!(Copies::of(&fresh).0 == copies.0);
 }

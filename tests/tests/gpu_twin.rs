@@ -42,7 +42,7 @@ fn the_gpu_draws_what_its_twin_draws() {
         field.rebuild(&maps);
         field.whole(|region, bytes| renderer.load(region, bytes).expect("a device"));
         for (view, turn) in [0.4f32, 1.9, 3.6].into_iter().enumerate() {
-            for path in [Path::Fast, Path::Paper(Parts::Whole), Path::Paper(Parts::NoSdf)] {
+            for path in [Path::Fast, Path::Paper(Parts::Whole)] {
                 let eye = eye(view);
                 let stand = Stand { foot: Vec3::ZERO, side: 1.0, turn };
                 let picture = Picture {
@@ -56,11 +56,9 @@ fn the_gpu_draws_what_its_twin_draws() {
                 gpu.wait().expect("a device");
                 let pixels = screen.pixels(0).expect("a device");
                 let depths = screen.depths(0).expect("a device").expect("depth in floats");
-                let settings =
-                    Settings { sdf: path != Path::Paper(Parts::NoSdf), ..Settings::default() };
                 let scene = Scene {
                     field: (path == Path::Fast).then_some(&*field),
-                    ..Scene::new(&maps, turn, settings)
+                    ..Scene::new(&maps, turn, Settings::default())
                 };
                 check(&format!("{name}-{view}-{path:?}"), &scene, &eye, &pixels, &depths);
             }
@@ -135,7 +133,7 @@ fn ray(eye: &Eye, x: usize, y: usize) -> (Ray, f32) {
 /// `light::dither` of the shaders.
 fn dither(x: usize, y: usize) -> f32 {
     let dot = x as f32 * 0.067_110_56 + y as f32 * 0.005_837_15;
-    (52.982_918_9 * dot.fract()).fract()
+    (52.982_92 * dot.fract()).fract()
 }
 
 fn volumes() -> Vec<(&'static str, Dense)> {

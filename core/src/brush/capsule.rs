@@ -36,6 +36,18 @@ impl Capsule {
         wide(d.dot(d) - self.radius_squared) * wide(length_squared) <= wide(along) * wide(along)
     }
 
+    #[inline]
+    pub(super) fn sphere_rows(&self, y: i64, n: usize) -> Option<(usize, usize)> {
+        let dy = y - i64::from(self.a.y);
+        let left = self.radius_squared - dy * dy;
+        if left < 0 {
+            return None;
+        }
+        let reach = isqrt(left);
+        voxels_between(i64::from(self.a.z) - reach, i64::from(self.a.z) + reach, n)
+    }
+
+    #[inline]
     pub(super) fn sphere_span(&self, y: i64, z: i64, n: usize) -> Option<(usize, usize)> {
         let (dy, dz) = (y - i64::from(self.a.y), z - i64::from(self.a.z));
         let left = self.radius_squared - dy * dy - dz * dz;

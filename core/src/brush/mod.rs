@@ -10,7 +10,6 @@ use glam::{I64Vec3, IVec3};
 use heapless::Vec;
 
 use crate::limits::SWEEP_PIECES;
-use crate::maps::Range;
 use crate::pose::{Pose, SUB};
 use crate::row::Bits;
 use crate::size::{Grid, Size};
@@ -51,13 +50,9 @@ enum Shape {
     Sweep { half: IVec3, from: Pose, to: Pose, turns: usize },
 }
 
-/// A brush's pieces, worked out once, and the rows that they touch of the layer at hand.
+/// A brush's pieces, worked out once.
 #[derive(Debug)]
-pub struct Pieces {
-    all: Vec<Piece, SWEEP_PIECES, u8>,
-    y: usize,
-    layer: Vec<(u8, Range), SWEEP_PIECES, u8>,
-}
+pub struct Pieces(Vec<Piece, SWEEP_PIECES, u8>);
 
 impl Brush {
     /// A sphere; centre and radius in fixed point.
@@ -147,52 +142,40 @@ impl Pieces {
     #[must_use]
     #[allow(clippy::new_without_default)] // a Default would hand the pieces about by value
     pub const fn new() -> Self {
-        Pieces { all: Vec::new(), y: 0, layer: Vec::new() }
+        Pieces(Vec::new())
     }
 
     /// Works out the pieces of a brush. Returns its bounds in a grid of `n`.
     pub fn set(&mut self, brush: &Brush, n: usize) -> Option<Bounds> {
-        self.all.clear();
-        self.layer.clear();
+        self.0.clear();
         for piece in brush.pieces() {
             // Cannot fail: no brush has more.
-            let _ = self.all.push(piece);
+            let _ = self.0.push(piece);
         }
-        self.all.iter().filter_map(|piece| piece.bounds(n)).reduce(Bounds::union)
+        self.0.iter().filter_map(|piece| piece.bounds(n)).reduce(Bounds::union)
     }
 
-    /// Goes to layer `y` of a grid of `n`. Returns all z whose row (y, z) can hold a voxel.
-    pub fn enter(&mut self, y: usize, n: usize) -> Range {
-        self.y = y;
-        self.layer.clear();
-        let mut all = Range::EMPTY;
-        for (i, piece) in (0..).zip(&self.all) {
-            if let Some((lo, hi)) = piece.rows(y, n) {
-                let rows = Range::new(lo, hi);
-                all = all.hull_with(rows);
-                // Cannot fail: there is room for all the pieces.
-                let _ = self.layer.push((i, rows));
-            }
-        }
-        all
-    }
-
-    /// Row z of the layer at hand.
-    #[must_use]
+    /// Tells the intervals of voxels, first and last, that make up layer `y` of a grid of `n`, each
+    /// with the z of its row; piece by piece.
     #[inline]
-    pub fn row<const N: usize>(&self, z: usize) -> <Grid<N> as Size>::Row
-    where
-        Grid<N>: Size,
-    {
-        let mut row = <Grid<N> as Size>::Row::EMPTY;
-        for &(i, rows) in &self.layer {
-            if rows.contains(z)
-                && let Some((lo, hi)) = self.all[usize::from(i)].span(self.y, z, N)
-            {
-                row |= Bits::span(lo, hi);
+    pub fn layer(&self, y: usize, n: usize, mut tell: impl FnMut(usize, (usize, usize))) {
+        for piece in &self.0 {
+            match piece {
+                Piece::Capsule(c) if c.a == c.b => {
+                    each_row(
+                        c.sphere_rows(centre(y), n),
+                        |z| c.sphere_span(centre(y), z, n),
+                        &mut tell,
+                    );
+                }
+                Piece::Capsule(c) => {
+                    each_row(c.rows(centre(y), n), |z| c.span(centre(y), z, n), &mut tell);
+                }
+                Piece::Box(b) => {
+                    each_row(b.rows(centre(y), n), |z| b.span(centre(y), z, n), &mut tell);
+                }
             }
         }
-        row
     }
 }
 
@@ -218,15 +201,6 @@ impl Piece {
         Some(bounds)
     }
 
-    /// The rows (y, z) of layer `y` of a grid of `n` that it may touch, as an interval of z.
-    #[must_use]
-    fn rows(&self, y: usize, n: usize) -> Option<(usize, usize)> {
-        match self {
-            Piece::Capsule(c) => c.rows(centre(y), n),
-            Piece::Box(b) => b.rows(centre(y), n),
-        }
-    }
-
     /// The interval of voxels of row (y, z) of a grid of `n` whose centres are inside.
     #[must_use]
     #[inline]
@@ -235,6 +209,22 @@ impl Piece {
             Piece::Capsule(c) if c.a == c.b => c.sphere_span(centre(y), centre(z), n),
             Piece::Capsule(c) => c.span(centre(y), centre(z), n),
             Piece::Box(b) => b.span(centre(y), centre(z), n),
+        }
+    }
+}
+
+#[inline]
+fn each_row(
+    rows: Option<(usize, usize)>,
+    span: impl Fn(i64) -> Option<(usize, usize)>,
+    tell: &mut impl FnMut(usize, (usize, usize)),
+) {
+    let Some((first, last)) = rows else {
+        return;
+    };
+    for z in first..last + 1 {
+        if let Some(span) = span(centre(z)) {
+            tell(z, span);
         }
     }
 }

@@ -4,14 +4,16 @@
 //! hulls of the result and the volume their intersection. Source: sections 3, 3.2 and 3.5 of the
 //! paper; the closure rule is stated in [`crate`].
 
+mod close;
 mod pass;
+mod tighten;
 
 use pass::Pass;
 
 use crate::brush::{Bounds, Brush, Pieces};
 use crate::limits::{SHELL_DEPTH, SMOOTH_LINES};
 use crate::maps::{Maps, Range};
-use crate::row::Bits;
+use crate::row::{Bits, Row};
 use crate::size::{Grid, Size};
 use crate::volume::{Journal, Volume};
 
@@ -32,6 +34,27 @@ pub enum Operation {
     /// Each becomes what most of its 3 x 3 x 3 neighbourhood is. Below y = 0 counts as occupied,
     /// elsewhere outside as empty.
     Smooth,
+}
+
+impl Operation {
+    /// How many voxels beyond the brush it looks.
+    const fn reach(self) -> usize {
+        match self {
+            Operation::Carve { depth } | Operation::Fill { depth } if depth > SHELL_DEPTH => {
+                SHELL_DEPTH
+            }
+            Operation::Carve { depth } | Operation::Fill { depth } => depth,
+            Operation::Smooth => 1,
+        }
+    }
+
+    const fn removes(self) -> bool {
+        !matches!(self, Operation::Fill { .. })
+    }
+
+    const fn adds(self) -> bool {
+        !matches!(self, Operation::Carve { .. })
+    }
 }
 
 /// One edit.
@@ -74,7 +97,8 @@ impl EditReport {
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct BrushTooLarge;
 
-/// Rows held back while an edit reads the volume as it stood at the start, and what it touched.
+/// Rows held back while an edit reads the volume as it stood at the start, and what it touched. Of
+/// a row, only the words that the edit is about, from its first word on.
 #[derive(Debug)]
 pub struct EditScratch<const N: usize>
 where
@@ -110,10 +134,11 @@ impl<R: Bits> Line<R> {
     const UNTOUCHED: Self =
         Line { flipped: R::EMPTY, between: Range::EMPTY, grown: R::EMPTY, growth: Range::EMPTY };
 
+    /// Voxels were flipped; places only go up.
     #[inline]
-    fn flip(&mut self, columns: R, place: usize) {
-        self.flipped |= columns;
-        self.between = self.between.hull_with(Range::new(place, place));
+    fn flip<const W: usize>(&mut self, columns: Row<W>, place: usize) {
+        self.flipped.set_part(0, self.flipped.part(0) | columns);
+        self.between = self.between.up_to(place);
     }
 }
 
@@ -136,6 +161,7 @@ where
         }
     }
 
+    /// Nothing was touched yet. Rows held back are written before they are read.
     fn forget(&mut self, Bounds { lo, hi }: Bounds) {
         self.along_y[lo[2]..=hi[2]].fill(Line::UNTOUCHED);
         self.along_z[lo[1]..=hi[1]].fill(Line::UNTOUCHED);
@@ -164,16 +190,24 @@ where
     if edit.operation == Operation::Smooth && rows > SMOOTH_LINES * N {
         return Err(BrushTooLarge);
     }
-    scratch.forget(bounds);
+    let (first, words) = words_read::<N>(edit, bounds);
     let report = EditReport::default();
-    let mut pass = Pass { volume, mask, edit, scratch, journal, bounds, report, grew: false };
-    pass.flip_voxels();
-    pass.tighten_columns();
-    if !matches!(edit.operation, Operation::Fill { .. }) {
-        pass.close_holes();
+    Ok(match words {
+        1 => Pass::<N, 1, J> { volume, mask, edit, scratch, journal, bounds, first, report }.run(),
+        2 => Pass::<N, 2, J> { volume, mask, edit, scratch, journal, bounds, first, report }.run(),
+        _ => {
+            Pass::<N, 4, J> { volume, mask, edit, scratch, journal, bounds, first: 0, report }.run()
+        }
+    })
+}
+
+/// The words of a row that an edit reads: the first, and how many.
+fn words_read<const N: usize>(edit: &Edit<'_>, Bounds { lo, hi }: Bounds) -> (usize, usize) {
+    let (mut lo, mut hi) = (lo[0], hi[0]);
+    if edit.mirrored {
+        (lo, hi) = (lo.min(N - 1 - hi), hi.max(N - 1 - lo));
     }
-    if pass.grew {
-        pass.close_beams();
-    }
-    Ok(pass.report)
+    let reach = edit.operation.reach();
+    let (first, last) = (lo.saturating_sub(reach) / 64, (hi + reach).min(N - 1) / 64);
+    (first, last - first + 1)
 }

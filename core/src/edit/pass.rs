@@ -1,16 +1,17 @@
-//! One edit under way: flip, tighten, close.
+//! One edit under way: flip voxels layer by layer, and the ranges after them.
 
-use super::{Edit, EditReport, EditScratch, Line, Operation};
+use super::{Edit, EditReport, EditScratch, Operation};
 use crate::brush::Bounds;
 use crate::limits::SHELL_DEPTH;
 use crate::maps::{Axis, Column, Maps, Range};
-use crate::plane::Plane;
-use crate::row::Bits;
+use crate::row::{Bits, Row};
 use crate::shell::{deep, majority, near};
 use crate::size::{Grid, Size};
 use crate::volume::{Journal, Volume};
 
-pub(super) struct Pass<'a, const N: usize, J>
+/// An edit that reads and flips `W` words of each row, from word `first` on. Bit i of a `Row<W>` is
+/// voxel `64 * first + i`.
+pub(super) struct Pass<'a, const N: usize, const W: usize, J>
 where
     Grid<N>: Size,
 {
@@ -20,21 +21,30 @@ where
     pub(super) scratch: &'a mut EditScratch<N>,
     pub(super) journal: &'a mut J,
     pub(super) bounds: Bounds,
+    pub(super) first: usize,
     pub(super) report: EditReport,
-    /// Whether any column grew.
-    pub(super) grew: bool,
 }
 
-impl<const N: usize, J: Journal<N>> Pass<'_, N, J>
+impl<const N: usize, const W: usize, J: Journal<N>> Pass<'_, N, W, J>
 where
     Grid<N>: Size,
 {
+    pub(super) fn run(mut self) -> EditReport {
+        self.scratch.forget(self.bounds);
+        self.flip_voxels();
+        self.tighten_along_y();
+        if self.edit.operation.removes() {
+            self.close_holes();
+        }
+        if self.edit.operation.adds() {
+            self.close_beams();
+        }
+        self.report
+    }
+
     /// Flips layer after layer, each once no layer still to be computed reads it.
-    pub(super) fn flip_voxels(&mut self) {
-        let lag = match self.edit.operation {
-            Operation::Carve { depth } | Operation::Fill { depth } => depth.min(SHELL_DEPTH),
-            Operation::Smooth => 1,
-        };
+    fn flip_voxels(&mut self) {
+        let lag = self.edit.operation.reach();
         let mut pending = [Range::EMPTY; SHELL_DEPTH + 1];
         let (first, last) = (self.bounds.lo[1], self.bounds.hi[1]);
         for y in first..=last + lag {
@@ -47,282 +57,162 @@ where
         }
     }
 
-    /// Finds the voxels of a layer to flip. Returns the rows, by z, that may hold some.
+    /// Finds the voxels of a layer to flip, before closure. Returns the rows, by z, that may hold
+    /// some.
     fn compute_layer(&mut self, y: usize) -> Range {
-        let slot = y % self.scratch.pending.len();
-        // The rows of a piece and its bounds are rounded each in its own way.
-        let rows = self.scratch.pieces.enter(y, N);
-        let rows = Range::new(rows.lo().max(self.bounds.lo[2]), rows.hi().min(self.bounds.hi[2]));
-        for z in voxels(rows) {
-            let mut brush = self.scratch.pieces.row::<N>(z);
-            if self.edit.mirrored {
-                brush |= brush.mirrored(N);
-            }
-            self.scratch.pending[slot][z] = self.flips((y, z), brush);
+        let rows = self.draw_brush(y);
+        match self.edit.operation {
+            Operation::Carve { .. } => self.carve_layer(y, rows),
+            Operation::Fill { .. } => self.fill_layer(y, rows),
+            Operation::Smooth => self.smooth_layer(y, rows),
         }
         rows
     }
 
-    /// The voxels of a row that the edit flips, before closure.
-    fn flips(
-        &mut self,
-        (y, z): (usize, usize),
-        brush: <Grid<N> as Size>::Row,
-    ) -> <Grid<N> as Size>::Row {
-        let rows = self.volume.rows();
-        let here = rows.row(y, z);
-        match self.edit.operation {
-            Operation::Carve { depth } => {
-                let wanted = brush & here;
-                if wanted.is_empty() {
-                    return wanted;
-                }
-                let deep = deep(rows, (y, z), depth.min(SHELL_DEPTH), wanted);
-                if !deep.is_empty() {
-                    self.report.refused_by_depth += deep.count();
-                }
-                self.spare_mask((y, z), wanted & !deep)
+    /// Writes a layer of the brush where the flips are to be. Returns its rows, by z.
+    #[inline(never)] // as the parts that follow: together they want more registers than there are
+    fn draw_brush(&mut self, y: usize) -> Range {
+        let layer = &mut self.scratch.pending[y % (SHELL_DEPTH + 1)];
+        let (first, mirrored) = (self.first, self.edit.mirrored);
+        let (mut least, mut greatest) = (N, 0);
+        layer[self.bounds.lo[2]..=self.bounds.hi[2]].fill(Bits::EMPTY);
+        self.scratch.pieces.layer(y, N, |z, (lo, hi)| {
+            let mut brush: Row<W> = layer[z].part(0) | span(first, lo, hi);
+            if mirrored {
+                brush |= span(first, N - 1 - hi, N - 1 - lo);
             }
-            Operation::Fill { depth } => {
-                let wanted = brush & !here;
-                if wanted.is_empty() {
-                    return wanted;
-                }
-                let near = near(rows, (y, z), depth.min(SHELL_DEPTH), wanted);
-                if near != wanted {
-                    self.report.refused_by_depth += (wanted & !near).count();
-                }
-                near
-            }
-            Operation::Smooth => {
-                let index = self.start_index(y, z);
-                self.scratch.start.as_flattened_mut()[index] = here;
-                if brush.is_empty() {
-                    return brush;
-                }
-                let most = majority(rows, (y, z));
-                let filled = brush & most & !here;
-                self.spare_mask((y, z), brush & here & !most) | filled
-            }
-        }
+            layer[z].set_part(0, brush);
+            (least, greatest) = (least.min(z), greatest.max(z));
+        });
+        if least > greatest { Range::EMPTY } else { Range::new(least, greatest) }
     }
 
-    /// Of the voxels to be removed, those the mask doesn't hold.
-    fn spare_mask(
-        &mut self,
-        row: (usize, usize),
-        removed: <Grid<N> as Size>::Row,
-    ) -> <Grid<N> as Size>::Row {
-        if self.mask.column(Axis::X, row) == Column::EMPTY {
-            return removed;
-        }
-        let held = self.mask.row_among(row, removed);
-        self.report.refused_by_mask += held.count();
-        removed & !held
-    }
-
-    fn flip_layer(&mut self, y: usize, rows: Range) {
+    #[inline(never)]
+    fn carve_layer(&mut self, y: usize, rows: Range) {
+        let volume = self.volume.rows().strip::<W>(self.first);
+        let (mask, depth) = (self.mask, self.edit.operation.reach());
+        let mut too_deep = 0;
         for z in voxels(rows) {
-            let flips = self.scratch.pending[y % self.scratch.pending.len()][z];
+            let flips = &mut self.scratch.pending[y % (SHELL_DEPTH + 1)][z];
+            let wanted = flips.part(0) & volume.row(y, z);
+            if wanted.is_empty() {
+                *flips = Bits::EMPTY;
+                continue;
+            }
+            let deep = deep(volume, (y, z), depth, wanted);
+            too_deep += deep.count();
+            let mut removed = wanted & !deep;
+            if mask.column(Axis::X, (y, z)) != Column::EMPTY {
+                removed = self.report.spare(mask, (y, z), self.first, removed);
+            }
+            flips.set_part(0, removed);
+        }
+        self.report.refused_by_depth += too_deep;
+    }
+
+    #[inline(never)]
+    fn fill_layer(&mut self, y: usize, rows: Range) {
+        let volume = self.volume.rows().strip::<W>(self.first);
+        let depth = self.edit.operation.reach();
+        for z in voxels(rows) {
+            let flips = &mut self.scratch.pending[y % (SHELL_DEPTH + 1)][z];
+            let wanted = flips.part(0) & !volume.row(y, z);
+            let near = near(volume, (y, z), depth, wanted);
+            if near != wanted {
+                self.report.refused_by_depth += (wanted & !near).count();
+            }
+            flips.set_part(0, near);
+        }
+    }
+
+    #[inline(never)]
+    fn smooth_layer(&mut self, y: usize, rows: Range) {
+        let volume = self.volume.rows().strip::<W>(self.first);
+        for z in voxels(rows) {
+            let index = self.start_index(y, z);
+            let here = volume.row(y, z);
+            self.scratch.start.as_flattened_mut()[index].set_part(0, here);
+            let flips = &mut self.scratch.pending[y % (SHELL_DEPTH + 1)][z];
+            let brush = flips.part(0);
+            let most = majority(volume, (y, z), brush);
+            let removed = self.report.spare(self.mask, (y, z), self.first, brush & here & !most);
+            flips.set_part(0, removed | most & !here);
+        }
+    }
+
+    /// Flips a layer's voxels. No later layer matters to its columns along x and z.
+    #[inline(never)]
+    fn flip_layer(&mut self, y: usize, rows: Range) {
+        let mut columns = *self.volume.maps().line(Axis::X, y);
+        let mut moved = <Grid<N> as Size>::Row::EMPTY;
+        let (mut flipped, mut between) = (Row::EMPTY, Range::EMPTY);
+        for z in voxels(rows) {
+            let flips = self.scratch.pending[y % (SHELL_DEPTH + 1)][z].part(0);
             if flips.is_empty() {
                 continue;
             }
-            let here = self.volume.rows().row(y, z);
-            let (removed, added) = (flips & here, flips & !here);
-            if !removed.is_empty() {
-                self.report.removed += removed.count();
-            }
-            if !added.is_empty() {
-                self.report.added += added.count();
-                self.journal.added((y, z), added);
-            }
-            *self.volume.rows_mut().row_mut(y, z) = here ^ flips;
+            let hull = Column([self.flip_row((y, z), flips)]);
+            moved.insert_if(hull != columns[z], z);
+            columns[z] = hull;
             self.scratch.along_y[z].flip(flips, y);
-            self.scratch.along_z[y].flip(flips, z);
-            if self.replace(Axis::X, (y, z), Range::hull(here ^ flips)).is_some() {
-                self.scratch.grown_x[y].insert(z);
-            }
+            (flipped, between) = (flipped | flips, between.up_to(z));
+        }
+        if !flipped.is_empty() {
+            self.scratch.grown_x[y] = self.replace(Axis::X, y, moved, &columns).0;
+            self.tighten_along_z(y, flipped, between);
         }
     }
 
-    pub(super) fn tighten_columns(&mut self) {
-        for z in self.bounds.lo[2]..=self.bounds.hi[2] {
-            let mut line = self.scratch.along_y[z];
-            self.tighten_line(Axis::Y, z, &mut line);
-            self.scratch.along_y[z] = line;
-        }
-        for y in self.bounds.lo[1]..=self.bounds.hi[1] {
-            let mut line = self.scratch.along_z[y];
-            self.tighten_line(Axis::Z, y, &mut line);
-            self.scratch.along_z[y] = line;
-        }
-    }
-
-    /// Re-tightens the columns of a line that voxels were flipped in. An end outside the stretch
-    /// of the flips stands; the others are looked for, N columns at a time.
-    fn tighten_line(
-        &mut self,
-        axis: Axis,
-        line: usize,
-        touched: &mut Line<<Grid<N> as Size>::Row>,
-    ) {
-        let Line { flipped, between, .. } = *touched;
-        if flipped.is_empty() {
-            return;
-        }
-        let (mut lo, mut hi) = ([0u8; N], [0u8; N]);
-        let (mut seek_lo, mut seek_hi) = (flipped, flipped);
-        let mut within = between;
-        for x in flipped.ones() {
-            let old = self.volume.maps().column(axis, (line, x)).hull();
-            within = within.hull_with(old);
-            if old.lo() < between.lo() {
-                lo[x] = old.lo() as u8;
-                seek_lo.toggle(x);
-            }
-            if old.hi() > between.hi() {
-                hi[x] = old.hi() as u8;
-                seek_hi.toggle(x);
-            }
-        }
-        let rows = self.volume.rows();
-        seek(rows, axis, line, seek_hi, (within.lo()..=between.hi()).rev(), &mut hi);
-        let empty = seek(rows, axis, line, seek_lo, between.lo()..=within.hi(), &mut lo);
-        for x in flipped.ones() {
-            let range = match empty.contains(x) {
-                true => Range::EMPTY,
-                false => Range::new(lo[x].into(), hi[x].into()),
-            };
-            if let Some(growth) = self.replace(axis, (line, x), range) {
-                touched.grown.insert(x);
-                touched.growth = touched.growth.hull_with(growth);
-            }
-        }
-    }
-
-    /// Replaces a column. Returns by what stretch it grew, at most.
+    /// Returns the hull of the row.
     #[inline]
-    fn replace(&mut self, axis: Axis, at: (usize, usize), range: Range) -> Option<Range> {
-        let old = self.volume.maps().column(axis, at).hull();
-        if range == old {
-            return None;
+    fn flip_row(&mut self, (y, z): (usize, usize), flips: Row<W>) -> Range {
+        let row = self.volume.rows_mut().row_mut(y, z);
+        let here = row.part(self.first);
+        row.set_part(self.first, here ^ flips);
+        let hull = Range::hull(*row);
+        let (removed, added) = (flips & here, flips & !here);
+        if !removed.is_empty() {
+            self.report.removed += removed.count();
         }
-        self.volume.set_column(axis, at, Column([range]), self.journal);
-        if range.is_empty() || old.lo() <= range.lo() && range.hi() <= old.hi() {
-            return None;
+        if !added.is_empty() {
+            self.report.added += added.count();
+            self.journal.added((y, z), Bits::of_part(self.first, added));
         }
-        self.grew = true;
-        let lo = if range.lo() < old.lo() { range.lo() } else { old.hi() };
-        let hi = if range.hi() > old.hi() { range.hi() } else { old.lo() };
-        Some(if old.is_empty() { range } else { Range::new(lo, hi) })
+        hull
     }
 
-    /// Brings back what was removed but all three ranges hold. It lies where columns along y and z
-    /// that lost voxels cross.
-    pub(super) fn close_holes(&mut self) {
-        for y in self.bounds.lo[1]..=self.bounds.hi[1] {
-            let Line { flipped, between, .. } = self.scratch.along_z[y];
-            for z in voxels(between) {
-                self.close_row(y, z, flipped & self.scratch.along_y[z].flipped);
-            }
-        }
-    }
-
-    /// Occupies what columns that grew brought into all three ranges.
-    pub(super) fn close_beams(&mut self) {
-        let Bounds { lo, hi } = self.bounds;
-        for y in lo[1]..=hi[1] {
-            for z in self.scratch.grown_x[y].ones() {
-                self.close_row(y, z, Grid::<N>::FULL);
-            }
-            let Line { grown, growth, .. } = self.scratch.along_z[y];
-            for z in voxels(growth) {
-                self.close_row(y, z, grown);
-            }
-        }
-        for z in lo[2]..=hi[2] {
-            let Line { grown, growth, .. } = self.scratch.along_y[z];
-            for y in voxels(growth) {
-                self.close_row(y, z, grown);
-            }
-        }
-    }
-
-    #[inline]
-    fn close_row(&mut self, y: usize, z: usize, window: <Grid<N> as Size>::Row) {
-        let here = self.volume.rows().row(y, z);
-        let among = window & !here;
-        if among.is_empty() {
-            return;
-        }
-        let missing = self.volume.maps().row_among((y, z), among);
-        if missing.is_empty() {
-            return;
-        }
-        let back = missing & self.at_start(y, z);
-        let closed = missing & !back;
-        self.report.removed -= back.count();
-        self.report.refused_by_closure += back.count();
-        self.report.closed += closed.count();
-        if !closed.is_empty() {
-            self.journal.added((y, z), closed);
-        }
-        *self.volume.rows_mut().row_mut(y, z) = here | missing;
-    }
-
-    /// Row (y, z) when the edit began, as far as closure can bring voxels back to it: a carve adds
-    /// nothing, so all that comes back was there; a fill removes nothing, so none was; smoothing
-    /// removed some only between the row's first flip and last.
-    fn at_start(&self, y: usize, z: usize) -> <Grid<N> as Size>::Row {
-        let flipped = || {
-            (self.bounds.lo[1]..=self.bounds.hi[1]).contains(&y)
-                && self.scratch.along_z[y].between.contains(z)
-        };
-        match self.edit.operation {
-            Operation::Carve { .. } => Grid::<N>::FULL,
-            Operation::Smooth if flipped() => {
-                self.scratch.start.as_flattened()[self.start_index(y, z)]
-            }
-            _ => <Grid<N> as Size>::Row::EMPTY,
-        }
-    }
-
-    fn start_index(&self, y: usize, z: usize) -> usize {
+    pub(super) fn start_index(&self, y: usize, z: usize) -> usize {
         let Bounds { lo, hi } = self.bounds;
         (y - lo[1]) * (hi[2] - lo[2] + 1) + z - lo[2]
     }
 }
 
-/// Walks rows of a line in the order given and notes where each sought column is first occupied.
-/// Returns the columns that nowhere are.
-fn seek<const N: usize>(
-    rows: &Plane<N>,
-    axis: Axis,
-    line: usize,
-    mut sought: <Grid<N> as Size>::Row,
-    order: impl Iterator<Item = usize>,
-    found_at: &mut [u8; N],
-) -> <Grid<N> as Size>::Row
-where
-    Grid<N>: Size,
-{
-    for i in order {
-        if sought.is_empty() {
-            break;
-        }
-        let row = if axis == Axis::Y { rows.row(i, line) } else { rows.row(line, i) };
-        let found = sought & row;
-        if !found.is_empty() {
-            for x in found.ones() {
-                found_at[x] = i as u8;
-            }
-            sought &= !found;
-        }
+impl EditReport {
+    /// Of the voxels to be removed from a row's words from `first` on, those the mask doesn't hold.
+    fn spare<const N: usize, const W: usize>(
+        &mut self,
+        mask: &Maps<N>,
+        row: (usize, usize),
+        first: usize,
+        removed: Row<W>,
+    ) -> Row<W>
+    where
+        Grid<N>: Size,
+    {
+        let held = mask.row_among(row, Bits::of_part(first, removed));
+        self.refused_by_mask += held.count();
+        removed & !held.part(first)
     }
-    sought
+}
+
+/// The voxels `lo..=hi` of a row, as far as its words from `first` on go.
+#[inline]
+pub(super) fn span<const W: usize>(first: usize, lo: usize, hi: usize) -> Row<W> {
+    let base = 64 * first;
+    if hi < base { Row::EMPTY } else { Row::span(lo.saturating_sub(base), hi - base) }
 }
 
 /// The voxels of a range.
-fn voxels(range: Range) -> impl Iterator<Item = usize> {
+pub(super) fn voxels(range: Range) -> impl Iterator<Item = usize> {
     range.lo()..range.hi() + 1
 }

@@ -115,7 +115,7 @@ where
         self.sum = sum_of::<N>(entry);
         let (columns, values) = Columns::<N>::of(entry);
         for ((axis, (line, place)), cell) in columns.zip(values) {
-            self.changed[axis as usize][line].insert(place);
+            self.insert(axis, line, Bits::span(place, place));
             self.others[axis as usize][line][place] = column_of::<N>(*cell);
         }
     }

@@ -47,6 +47,8 @@ where
 {
     /// Bit `place` of `changed[axis][line]`: a column of the entry.
     changed: [[<Grid<N> as Size>::Row; N]; 3],
+    /// Bit `line` of `lines[axis]`: a line that holds such a column.
+    lines: [<Grid<N> as Size>::Row; 3],
     /// Its other value. Elsewhere these mean nothing.
     others: [[[Column; N]; N]; 3],
     sum: u64,
@@ -71,6 +73,7 @@ where
         Undo {
             head: Head {
                 changed: [[<Grid<N> as Size>::Row::EMPTY; N]; 3],
+                lines: [<Grid<N> as Size>::Row::EMPTY; 3],
                 others: [[[Column::EMPTY; N]; N]; 3],
                 sum: 0,
             },
@@ -94,45 +97,38 @@ where
         self.fresh = true;
     }
 
-    /// A column is about to be changed by a stroke; `old` is what it holds.
+    /// Those `places` of a line of columns are about to be changed by a stroke; `old` is what the
+    /// line holds.
     #[inline]
-    pub fn record(&mut self, axis: Axis, at: (usize, usize), old: Column) {
-        if self.fresh {
-            self.open();
-        }
-        self.amend(axis, at, old);
-    }
-
-    /// A column is about to be changed by what earlier strokes led to (islands): that belongs to
-    /// the newest entry, even when the next stroke has begun but changed nothing.
-    #[inline]
-    pub fn amend(&mut self, axis: Axis, at @ (line, place): (usize, usize), old: Column) {
-        self.ready();
-        let changed = &mut self.head.changed[axis as usize][line];
-        if !changed.contains(place) {
-            changed.insert(place);
-            self.head.others[axis as usize][line][place] = old;
-            self.head.sum = self.head.sum.wrapping_add(term(axis, at, old));
-        }
-    }
-
-    /// The same for `columns` of a line, of which `old` is what all hold.
-    #[inline]
-    pub fn amend_line(
+    pub fn record(
         &mut self,
         axis: Axis,
         line: usize,
-        columns: <Grid<N> as Size>::Row,
+        places: <Grid<N> as Size>::Row,
         old: &[Column; N],
     ) {
-        if columns.is_empty() {
+        if self.fresh && !places.is_empty() {
+            self.open();
+        }
+        self.amend(axis, line, places, old);
+    }
+
+    /// The same by what earlier strokes led to (islands): that belongs to the newest entry, even
+    /// when the next stroke has begun but changed nothing.
+    pub fn amend(
+        &mut self,
+        axis: Axis,
+        line: usize,
+        places: <Grid<N> as Size>::Row,
+        old: &[Column; N],
+    ) {
+        if places.is_empty() {
             return;
         }
-        self.ready();
-        let changed = &mut self.head.changed[axis as usize][line];
+        self.reach_head();
+        let new = places & !self.head.changed[axis as usize][line];
+        self.head.insert(axis, line, new);
         let others = &mut self.head.others[axis as usize][line];
-        let new = columns & !*changed;
-        *changed |= new;
         let mut sum = 0u64;
         for run in new.runs() {
             let run = run.lo()..=run.hi();
@@ -171,16 +167,15 @@ where
         true
     }
 
-    /// The head is an entry that stands.
-    #[inline]
-    fn ready(&mut self) {
+    fn len(&self) -> usize {
+        self.packed.len() + usize::from(self.has_head)
+    }
+
+    /// Makes the head the newest entry that stands.
+    fn reach_head(&mut self) {
         if usize::from(self.applied) != self.len() || !self.has_head {
             self.open();
         }
-    }
-
-    fn len(&self) -> usize {
-        self.packed.len() + usize::from(self.has_head)
     }
 
     /// Opens an entry: those undone go, the head is packed.
@@ -264,13 +259,23 @@ where
     Grid<N>: Size,
 {
     fn clear(&mut self) {
-        self.changed.as_flattened_mut().fill(<Grid<N> as Size>::Row::EMPTY);
+        for (changed, lines) in self.changed.iter_mut().zip(&mut self.lines) {
+            lines.ones().for_each(|line| changed[line] = Bits::EMPTY);
+            *lines = Bits::EMPTY;
+        }
         self.sum = 0;
+    }
+
+    /// The entry holds these columns too.
+    #[inline]
+    fn insert(&mut self, axis: Axis, line: usize, places: <Grid<N> as Size>::Row) {
+        self.changed[axis as usize][line] |= places;
+        self.lines[axis as usize].insert(line);
     }
 
     fn each(&mut self, mut f: impl FnMut(Axis, (usize, usize), &mut Column)) {
         for axis in Axis::ALL {
-            for line in 0..N {
+            for line in self.lines[axis as usize].ones() {
                 for place in self.changed[axis as usize][line].ones() {
                     f(axis, (line, place), &mut self.others[axis as usize][line][place]);
                 }
@@ -278,32 +283,54 @@ where
         }
     }
 
-    fn words(&self) -> impl Iterator<Item = u64> {
+    /// Its lines: their place in the three maps, their columns, and the others.
+    #[inline]
+    fn each_line(&self, mut f: impl FnMut(usize, <Grid<N> as Size>::Row, &[Column; N])) {
+        for axis in 0..3 {
+            for line in self.lines[axis].ones() {
+                f(axis * N + line, self.changed[axis][line], &self.others[axis][line]);
+            }
+        }
+    }
+
+    /// The words of the bitmap that aren't 0, with their place in it.
+    #[inline]
+    fn each_word(&self, mut f: impl FnMut(usize, u64)) {
         let words = <Grid<N> as Size>::Row::WORDS;
-        self.changed.as_flattened().iter().flat_map(move |row| (0..words).map(|i| row.word(i)))
+        self.each_line(|line, columns, _| {
+            for i in 0..words {
+                if columns.word(i) != 0 {
+                    f(line * words + i, columns.word(i));
+                }
+            }
+        });
     }
 
     /// Cells that [`Head::pack`] emits.
     fn cells(&self) -> usize {
-        let cells = |word: u64| if word == 0 { 0 } else { 4 + word.count_ones() as usize };
-        flag_cells::<N>() + self.words().map(cells).sum::<usize>()
+        let mut cells = flag_cells::<N>();
+        self.each_word(|_, word| cells += 4 + word.count_ones() as usize);
+        cells
     }
 
     fn pack(&self, mut emit: impl FnMut(Cell)) {
-        let (mut flags, mut count) = (0u16, 0);
-        for word in self.words() {
-            flags |= u16::from(word != 0) << count;
-            count += 1;
-            if count == 16 {
+        let (mut flags, mut cell) = (0u16, 0);
+        self.each_word(|i, _| {
+            while cell < i / 16 {
                 emit(flags.to_le_bytes());
-                (flags, count) = (0, 0);
+                (flags, cell) = (0, cell + 1);
             }
+            flags |= 1 << (i % 16);
+        });
+        for _ in cell..flag_cells::<N>() {
+            emit(flags.to_le_bytes());
+            flags = 0;
         }
-        for word in self.words().filter(|word| *word != 0) {
+        self.each_word(|_, word| {
             word.to_le_bytes().as_chunks().0.iter().for_each(|cell| emit(*cell));
-        }
-        for (row, others) in self.changed.as_flattened().iter().zip(self.others.as_flattened()) {
-            row.ones().for_each(|place| emit(bytes_of(others[place])));
-        }
+        });
+        self.each_line(|_, columns, others| {
+            columns.ones().for_each(|place| emit(bytes_of(others[place])));
+        });
     }
 }

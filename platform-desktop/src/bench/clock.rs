@@ -25,12 +25,12 @@ pub(super) fn duel<E>(
     Ok(best)
 }
 
-/// Where a run is a row of ticks: the slowest tick of each side, each tick at its best.
-pub(super) fn worst_ticks(
+/// Where a run is a row of ticks: each tick of each side at its best.
+pub(super) fn best_ticks(
     runs: usize,
     mut ours: impl FnMut() -> Vec<f64>,
     mut theirs: impl FnMut() -> Vec<f64>,
-) -> [f64; 2] {
+) -> [Vec<f64>; 2] {
     let mut best: [Vec<f64>; 2] = Default::default();
     for _ in 0..runs {
         for (best, run) in best.iter_mut().zip([ours(), theirs()]) {
@@ -40,5 +40,5 @@ pub(super) fn worst_ticks(
             }
         }
     }
-    best.map(|ticks| ticks.into_iter().fold(0.0, f64::max))
+    best
 }

@@ -20,7 +20,7 @@ use super::subject::Subject;
 use crate::error::Error;
 
 /// In voxels.
-const RADIUS: i32 = 6;
+pub(super) const RADIUS: i32 = 6;
 
 /// Layers of the shell that may go.
 const DEPTH: usize = 2;
@@ -28,7 +28,7 @@ const DEPTH: usize = 2;
 /// Places on the surface, one edit each.
 const PLACES: usize = 64;
 
-const CARVE: Operation = Operation::Carve { depth: DEPTH };
+pub(super) const CARVE: Operation = Operation::Carve { depth: DEPTH };
 const FILL: Operation = Operation::Fill { depth: DEPTH };
 
 pub(super) fn rows<const N: usize>(subject: &Subject, runs: usize) -> Result<Vec<Row>, Error>
@@ -40,12 +40,13 @@ where
     let places = surface(&rig.plane);
     agree(rig, &places, subject.name())?;
     let rig = RefCell::new(rig);
-    let mut fill = f64::INFINITY;
+    let (mut fill, mut strokes) = (f64::INFINITY, f64::INFINITY);
     let times = duel(
         runs,
         || {
             let rig = &mut **rig.borrow_mut();
             fill = fill.min(edits(rig, &places, FILL));
+            strokes = strokes.min(edits_of_a_stroke_each(rig, &places, CARVE));
             Ok::<_, Error>(edits(rig, &places, CARVE))
         },
         || {
@@ -60,6 +61,7 @@ where
     Ok(vec![
         row("a dense carve of radius 6, maps recomputed").times(times),
         row("the same, ours a fill").times([fill, times[1]]),
+        row("the same, ours a stroke each, with as many to undo as fit").times([strokes, times[1]]),
     ])
 }
 
@@ -78,7 +80,7 @@ pub(super) fn scaling(subject: &Subject, runs: usize) -> Result<Vec<Row>, Error>
 }
 
 /// Voxels of the surface above the ground layer, evenly spaced in the order of y, z, x.
-fn surface<const N: usize>(plane: &Plane<N>) -> Vec<[usize; 3]>
+pub(super) fn surface<const N: usize>(plane: &Plane<N>) -> Vec<[usize; 3]>
 where
     Grid<N>: Size,
 {
@@ -114,9 +116,33 @@ where
     whole / places.len() as f64
 }
 
+/// The same with a stroke for each. It is the third round that counts, when the oldest strokes must
+/// make room for every new one.
+fn edits_of_a_stroke_each<const N: usize>(
+    rig: &mut Rig<N>,
+    places: &[[usize; 3]],
+    operation: Operation,
+) -> f64
+where
+    Grid<N>: Size,
+{
+    reset(rig);
+    let mut whole = 0.0;
+    for _ in 0..3 {
+        rig.volume.set_maps(&rig.start);
+        whole = timed(|| {
+            for place in places {
+                rig.undo.begin_stroke();
+                edit(rig, *place, operation);
+            }
+        });
+    }
+    whole / places.len() as f64
+}
+
 /// What the world does for an edit: the edit itself with undo, dirty rectangles and islands told,
 /// digest kept up.
-fn edit<const N: usize>(rig: &mut Rig<N>, place: [usize; 3], operation: Operation)
+pub(super) fn edit<const N: usize>(rig: &mut Rig<N>, place: [usize; 3], operation: Operation)
 where
     Grid<N>: Size,
 {

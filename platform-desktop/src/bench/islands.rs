@@ -8,7 +8,7 @@ use paros_core::row::Bits;
 use paros_core::size::{Grid, Size};
 use paros_core::tick::Record;
 
-use super::clock::{duel, timed, worst_ticks};
+use super::clock::{best_ticks, duel, timed};
 use super::paper::{PAPER_VISITS, VoxelFill};
 use super::rig::{Rig, Rigged, reset};
 use super::row::Row;
@@ -34,7 +34,7 @@ where
         let row = |against: String| Row::new("islands", subject.name(), N, against);
         let times = at_once(rig, &mut paper, runs)?;
         rows.push(row(format!("the paper's voxel queue at once, {what}")).times(times));
-        let times = tick_by_tick(rig, &mut paper, runs);
+        let times = worst_ticks(rig, &mut paper, runs);
         rows.push(row(format!("the same {PAPER_VISITS} voxels a tick, worst tick")).times(times));
     }
     Ok(rows)
@@ -102,32 +102,43 @@ where
     )
 }
 
-fn tick_by_tick<const N: usize>(rig: &mut Rig<N>, paper: &mut VoxelFill<N>, runs: usize) -> [f64; 2]
+/// The slowest tick of each side.
+fn worst_ticks<const N: usize>(rig: &mut Rig<N>, paper: &mut VoxelFill<N>, runs: usize) -> [f64; 2]
 where
     Grid<N>: Size,
 {
     let rig = std::cell::RefCell::new(rig);
-    worst_ticks(
+    let ticks = best_ticks(
         runs,
-        || {
-            let rig = &mut **rig.borrow_mut();
-            prepare(rig);
-            let mut ticks = vec![];
-            while rig.islands.is_busy() {
-                ticks.push(timed(|| pass(rig, row_visits(N))));
-            }
-            ticks
-        },
+        || our_ticks(&mut rig.borrow_mut(), row_visits(N)),
         || {
             let rig = &mut **rig.borrow_mut();
             rig.other.copy_from(&rig.start);
-            paper_ticks(paper, &mut rig.other)
+            paper_ticks(paper, &mut rig.other, PAPER_VISITS)
         },
-    )
+    );
+    ticks.map(|ticks| ticks.into_iter().fold(0.0, f64::max))
 }
 
-/// The paper's pass in ticks: the first makes the voxels, the last shrinks the ranges.
-fn paper_ticks<const N: usize>(paper: &mut VoxelFill<N>, maps: &mut Maps<N>) -> Vec<f64> {
+/// Milliseconds of the ticks of our pass, so many rows a tick.
+pub(super) fn our_ticks<const N: usize>(rig: &mut Rig<N>, budget: u32) -> Vec<f64>
+where
+    Grid<N>: Size,
+{
+    prepare(rig);
+    let mut ticks = vec![];
+    while rig.islands.is_busy() {
+        ticks.push(timed(|| pass(rig, budget)));
+    }
+    ticks
+}
+
+/// The paper's pass in ticks of so many voxels: the first makes them, the last shrinks the ranges.
+pub(super) fn paper_ticks<const N: usize>(
+    paper: &mut VoxelFill<N>,
+    maps: &mut Maps<N>,
+    visits: usize,
+) -> Vec<f64> {
     let mut ticks = vec![];
     let mut done = false;
     while !done {
@@ -135,7 +146,7 @@ fn paper_ticks<const N: usize>(paper: &mut VoxelFill<N>, maps: &mut Maps<N>) -> 
             if ticks.is_empty() {
                 paper.begin(maps);
             }
-            done = paper.visit(PAPER_VISITS);
+            done = paper.visit(visits);
             if done {
                 paper.finish(maps);
             }

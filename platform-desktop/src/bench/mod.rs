@@ -4,12 +4,16 @@ mod bake;
 mod clock;
 pub mod dense;
 mod edit;
+mod edit_frame;
+mod frames;
 mod islands;
 mod mesh;
 pub mod paper;
 mod peers;
+mod render;
 mod rig;
 mod row;
+mod section5;
 pub mod step;
 mod subject;
 
@@ -21,6 +25,7 @@ pub use row::{Row, table};
 pub use subject::Subject;
 
 use crate::error::Error;
+use frames::Studio;
 use peers::{Missing, Peers};
 
 /// What can be measured.
@@ -36,6 +41,10 @@ pub enum Bench {
     Bake,
     /// Sizes in memory and instructions of a tick.
     Step,
+    /// The sculpture's pass on a Vulkan device, by both paths.
+    Render,
+    /// The experiments of the paper's section 5.
+    Paper,
 }
 
 /// What is to be measured, on what, and how often.
@@ -47,6 +56,12 @@ pub struct Plan {
     pub subjects: Vec<Subject>,
     /// Runs of each side; the best counts.
     pub runs: usize,
+    /// Runs of each frame; the best counts.
+    pub frame_runs: usize,
+    /// Pixels across and down a frame.
+    pub canvas: [u32; 2],
+    /// A part of the name of the Vulkan device that is meant.
+    pub device: Option<String>,
     /// The Python that has the peers' packages.
     pub python: PathBuf,
 }
@@ -65,7 +80,15 @@ pub struct Report {
 enum Job<'a> {
     On(Bench, &'a Subject, usize),
     Scaling(&'a Subject),
+    Render(&'a Subject),
+    Paper(&'a Subject),
     Step,
+}
+
+/// What pieces of a plan share.
+struct Shared {
+    peers: Result<Peers, Missing>,
+    studio: Result<Studio, String>,
 }
 
 impl Plan {
@@ -78,47 +101,68 @@ impl Plan {
     /// Measures. `progress` hears how many pieces are done.
     ///
     /// # Errors
-    /// A subject that holds nothing, or two sides that come to different results.
+    /// A subject that holds nothing, two sides that come to different results, or no device to
+    /// draw where nothing else is to be measured.
     pub fn run(&self, progress: impl Fn(usize)) -> Result<Report, Error> {
         let mut report = Report::default();
-        let needed = |bench: &Bench| matches!(bench, Bench::Mesh | Bench::Bake);
-        let mut peers = match self.benches.iter().any(needed) {
-            true => Peers::start(&self.python),
-            false => Err(Missing::unneeded()),
-        };
+        let mut shared = Shared { peers: self.peers(), studio: self.studio()? };
         for (i, job) in self.jobs().into_iter().enumerate() {
             progress(i);
-            let (rows, skipped) = self.job(job, &mut peers)?;
+            let (rows, skipped) = self.job(job, &mut shared)?;
             report.rows.extend(rows);
             report.skipped.extend(skipped.filter(|why| !report.skipped.contains(why)));
         }
+        let means = render::means(&report.rows);
+        report.rows.extend(means);
         Ok(report)
+    }
+
+    fn needs(&self, some: [Bench; 2]) -> bool {
+        self.benches.iter().any(|bench| some.contains(bench))
+    }
+
+    fn peers(&self) -> Result<Peers, Missing> {
+        match self.needs([Bench::Mesh, Bench::Bake]) {
+            true => Peers::start(&self.python),
+            false => Err(Missing::unneeded()),
+        }
+    }
+
+    /// Where frames are drawn, or why nowhere.
+    fn studio(&self) -> Result<Result<Studio, String>, Error> {
+        if !self.needs([Bench::Render, Bench::Paper]) {
+            return Ok(Err(String::new()));
+        }
+        let studio = Studio::open(self.device.as_deref(), self.canvas);
+        if self.benches == [Bench::Render] {
+            return studio.map(Ok);
+        }
+        // That would take hours and tell nothing.
+        let slow = |studio: &Studio| studio.is_software() && self.device.is_none();
+        Ok(match studio {
+            Ok(studio) if slow(&studio) => {
+                Err(format!("{} is no GPU; `--device` may name it", studio.device()))
+            }
+            studio => studio.map_err(|error| error.to_string()),
+        })
     }
 
     fn jobs(&self) -> Vec<Job<'_>> {
         let mut jobs = vec![];
         for &bench in &self.benches {
-            if bench == Bench::Step {
-                jobs.push(Job::Step);
-                continue;
-            }
-            for subject in &self.subjects {
-                let sizes = subject.sizes();
-                jobs.extend(sizes.iter().map(|&size| Job::On(bench, subject, size)));
-                if bench == Bench::Edit && sizes.len() == 2 {
-                    jobs.push(Job::Scaling(subject));
-                }
+            match bench {
+                Bench::Step => jobs.push(Job::Step),
+                Bench::Render => jobs.extend(self.subjects.iter().map(Job::Render)),
+                Bench::Paper => jobs.extend(self.subjects.iter().map(Job::Paper)),
+                _ => jobs.extend(self.subjects.iter().flat_map(|subject| sized(bench, subject))),
             }
         }
         jobs
     }
 
-    fn job(
-        &self,
-        job: Job<'_>,
-        peers: &mut Result<Peers, Missing>,
-    ) -> Result<(Vec<Row>, Option<String>), Error> {
-        let runs = self.runs;
+    fn job(&self, job: Job<'_>, shared: &mut Shared) -> Result<(Vec<Row>, Option<String>), Error> {
+        let (runs, peers) = (self.runs, &mut shared.peers);
+        let studio = shared.studio.as_mut().map_err(|why| why.as_str());
         let whole = |rows: Vec<Row>| (rows, None);
         match job {
             Job::On(Bench::Islands, on, 256) => islands::rows::<256>(on, runs).map(whole),
@@ -130,7 +174,24 @@ impl Plan {
             Job::On(Bench::Bake, on, 256) => bake::rows::<256>(on, runs, peers),
             Job::On(Bench::Bake, on, _) => bake::rows::<128>(on, runs, peers),
             Job::Scaling(on) => edit::scaling(on, runs).map(whole),
+            Job::Render(on) | Job::On(Bench::Render, on, _) => match studio {
+                Ok(studio) => render::rows(on, self.frame_runs, studio).map(whole),
+                Err(why) => Ok((vec![], Some(format!("frames: {why}")))),
+            },
+            Job::Paper(on) | Job::On(Bench::Paper, on, _) => {
+                section5::rows(on, self.frame_runs, studio)
+            }
             Job::Step | Job::On(Bench::Step, ..) => step::rows(),
         }
     }
+}
+
+/// The pieces of a bench that takes each size by itself.
+fn sized(bench: Bench, subject: &Subject) -> Vec<Job<'_>> {
+    let sizes = subject.sizes();
+    let mut jobs: Vec<_> = sizes.iter().map(|&size| Job::On(bench, subject, size)).collect();
+    if bench == Bench::Edit && sizes.len() == 2 {
+        jobs.push(Job::Scaling(subject));
+    }
+    jobs
 }

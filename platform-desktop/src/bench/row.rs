@@ -25,6 +25,24 @@ pub struct Row {
     /// Bytes, where that is the figure.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bytes: Option<u64>,
+    /// The device that drew, where one did.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub device: Option<String>,
+    /// The part of the image that the sculpture fills, where it was drawn.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub filled: Option<f32>,
+    /// How much longer ours takes, in percent, where that is the figure.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub added_percent: Option<f64>,
+    /// Our time over that of the whole frame, or over 1/72 s, in `bench paper`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub share: Option<f64>,
+    /// The same as the paper has it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub published: Option<f64>,
+    /// Why the row has no figures.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub skipped: Option<String>,
 }
 
 impl Row {
@@ -45,7 +63,18 @@ impl Row {
             ratio: None,
             instructions: None,
             bytes: None,
+            device: None,
+            filled: None,
+            added_percent: None,
+            share: None,
+            published: None,
+            skipped: None,
         }
+    }
+
+    /// Whether another compares the same, on whatever volume.
+    pub(super) fn is_like(&self, other: &Row) -> bool {
+        (self.bench, self.size, &self.against) == (other.bench, other.size, &other.against)
     }
 
     /// With the times of both sides.
@@ -59,21 +88,28 @@ impl Row {
     }
 }
 
-/// The rows as an aligned table.
+/// The rows as an aligned table, the devices that drew before it.
 #[must_use]
 pub fn table(rows: &[Row]) -> String {
-    const HEAD: [&str; 7] = ["bench", "volume", "size", "ours", "theirs", "ratio", "against"];
+    const HEAD: [&str; COLUMNS] =
+        ["bench", "volume", "size", "ours", "theirs", "ratio", "published", "against"];
     let mut cells = vec![HEAD.map(String::from)];
     cells.extend(rows.iter().map(row_cells));
     let width = |i: usize| cells.iter().map(|row| row[i].chars().count()).max();
-    let widths: Vec<usize> = (0..HEAD.len()).filter_map(width).collect();
+    let widths: Vec<usize> = (0..COLUMNS).filter_map(width).collect();
     let mut lines = String::new();
+    let mut devices: Vec<_> = rows.iter().filter_map(|row| row.device.as_ref()).collect();
+    devices.dedup();
+    for device in devices {
+        lines.push_str(&format!("on {device}\n"));
+    }
+    let has_published = rows.iter().any(|row| row.published.is_some());
     for row in &cells {
         for (i, (cell, &width)) in row.iter().zip(&widths).enumerate() {
-            let last = i == HEAD.len() - 1;
             match i {
-                2..=5 => lines.push_str(&format!("{cell:>width$}  ")),
-                _ if last => lines.push_str(cell),
+                PUBLISHED if !has_published => {}
+                2..=PUBLISHED => lines.push_str(&format!("{cell:>width$}  ")),
+                _ if i == COLUMNS - 1 => lines.push_str(cell),
                 _ => lines.push_str(&format!("{cell:width$}  ")),
             }
         }
@@ -82,12 +118,26 @@ pub fn table(rows: &[Row]) -> String {
     lines
 }
 
-fn row_cells(row: &Row) -> [String; 7] {
+const COLUMNS: usize = 8;
+/// The column of what the paper published.
+const PUBLISHED: usize = 6;
+
+fn row_cells(row: &Row) -> [String; COLUMNS] {
     let ms = |ms: Option<f64>| ms.map_or_else(|| "-".into(), milliseconds);
+    let number =
+        |ratio: Option<f64>| ratio.map_or_else(|| "-".into(), |ratio| format!("{ratio:.2}"));
     let figure = match (row.instructions, row.bytes) {
         (Some(count), _) => format!("{count} instructions"),
         (_, Some(bytes)) => format!("{bytes} bytes"),
         _ => ms(row.ours_ms),
+    };
+    let ratio = match row.added_percent {
+        Some(percent) => format!("{percent:+.1} %"),
+        None => number(row.ratio.or(row.share)),
+    };
+    let against = match &row.skipped {
+        Some(why) => format!("{}; skipped: {why}", row.against),
+        None => row.against.clone(),
     };
     [
         row.bench.into(),
@@ -95,8 +145,9 @@ fn row_cells(row: &Row) -> [String; 7] {
         row.size.to_string(),
         figure,
         ms(row.against_ms),
-        row.ratio.map_or_else(|| "-".into(), |ratio| format!("{ratio:.2}")),
-        row.against.clone(),
+        ratio,
+        number(row.published),
+        against,
     ]
 }
 

@@ -8,6 +8,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use paros_shell::require::require;
 
 use super::progress;
+use super::render::pixels;
 use crate::bench::{Bench, Plan, Subject, step, table};
 use crate::error::Error;
 
@@ -17,15 +18,25 @@ pub(super) struct Args {
     /// What to measure.
     #[arg(default_value = "all", value_parser = which())]
     what: Which,
-    /// What to measure on: a mesh, a volume (.rmap) or a figure's name; may be repeated.
+    /// What to measure on: meshes, volumes (.rmap) or figures' names.
+    #[arg(value_name = "V")]
+    named: Vec<PathBuf>,
+    /// The same, one each time.
     #[arg(long = "volume", value_name = "V")]
     volumes: Vec<PathBuf>,
     /// Rows as JSON.
     #[arg(long)]
     json: bool,
-    /// Runs of each side; the best counts.
-    #[arg(long, default_value = "21", value_parser = clap::value_parser!(u16).range(1..))]
-    runs: u16,
+    /// Runs of each side; the best counts [default: 21, and 9 of each frame].
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..))]
+    runs: Option<u16>,
+    /// Width and height in pixels of a frame.
+    #[arg(long, value_name = "WxH", default_value = "1440x1584", value_parser = pixels, allow_hyphen_values = true)]
+    size: [usize; 2],
+    /// A part of the name of the Vulkan device that draws; else the best one, which for `all` and
+    /// `paper` must be a GPU.
+    #[arg(long, value_name = "NAME")]
+    device: Option<String>,
     /// The Python that has vtk, trimesh, numpy and scipy.
     #[arg(long, value_name = "PATH", default_value = "python3")]
     python: PathBuf,
@@ -34,6 +45,10 @@ pub(super) struct Args {
     replay: Option<PathBuf>,
 }
 
+/// Runs of each side, and of each frame, of which there are many.
+const RUNS: u16 = 21;
+const FRAME_RUNS: u16 = 9;
+
 #[derive(Clone, Copy, Debug)]
 enum Which {
     All,
@@ -41,7 +56,7 @@ enum Which {
 }
 
 fn which() -> impl TypedValueParser<Value = Which> {
-    PossibleValuesParser::new(["all", "islands", "edit", "mesh", "bake", "step"])
+    PossibleValuesParser::new(["all", "islands", "edit", "mesh", "bake", "step", "render", "paper"])
         .map(|name| Bench::from_str(&name, false).map_or(Which::All, Which::One))
 }
 
@@ -49,15 +64,24 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
     if let Some(folder) = &args.replay {
         return step::replay(folder).map(|()| String::new());
     }
-    let subjects = match args.volumes.as_slice() {
-        [] => Subject::own(),
-        named => named.iter().map(|v| Subject::named(v)).collect::<Result<_, _>>()?,
-    };
+    let named = args.named.iter().chain(&args.volumes);
+    let mut subjects = named.map(|v| Subject::named(v)).collect::<Result<Vec<_>, _>>()?;
+    if subjects.is_empty() {
+        subjects = Subject::own();
+    }
     let benches = match args.what {
         Which::All => Bench::value_variants().to_vec(),
         Which::One(bench) => vec![bench],
     };
-    let plan = Plan { benches, subjects, runs: args.runs.into(), python: args.python.clone() };
+    let plan = Plan {
+        benches,
+        subjects,
+        runs: args.runs.unwrap_or(RUNS).into(),
+        frame_runs: args.runs.unwrap_or(FRAME_RUNS).into(),
+        canvas: args.size.map(|side| side as u32),
+        device: args.device.clone(),
+        python: args.python.clone(),
+    };
     let bar = progress::bar("measuring", Some(plan.pieces() as u64));
     let report = plan.run(|done| bar.advance_to(done as u64))?;
     drop(bar);

@@ -3,6 +3,7 @@
 mod bake;
 mod bench;
 mod demo;
+mod drawing;
 mod export;
 mod info;
 mod play;

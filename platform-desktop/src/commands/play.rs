@@ -5,13 +5,14 @@ use std::path::{Path, PathBuf};
 
 use paros_core::size::{Grid, Size};
 use paros_core::world::{Session, World};
-use paros_shaders::{Camera, RenderOptions, render};
+use paros_shaders::Camera;
 use paros_shell::durable::{self, Target};
 use paros_shell::print::{HEIGHT_MM, Print, Printer};
 use paros_shell::stage::Stage;
 use paros_shell::statics::Resident;
 use paros_shell::trace::Trace;
 
+use super::drawing::{Drawing, Painter};
 use super::{progress, volume};
 use crate::error::Error;
 
@@ -32,7 +33,12 @@ pub(super) struct Args {
     /// Export the sculpture of the last tick.
     #[arg(long, value_name = "F")]
     stl: Option<PathBuf>,
+    #[command(flatten)]
+    drawing: Drawing,
 }
+
+/// Width and height of a picture.
+const FRAME_SIZE: [usize; 2] = [640, 480];
 
 /// Ticks from one picture to the next.
 const FRAME_TICKS: usize = 36;
@@ -136,6 +142,10 @@ where
     let bar = progress::bar("playing", Some(trace.records().len() as u64));
     let mut played = Played { digests: String::new(), print: None, frames: 0 };
     let mut drawn = Ok(());
+    let mut frames = match args.frames.as_deref() {
+        Some(folder) => Some((folder, args.drawing.painter::<N>(FRAME_SIZE, 1)?)),
+        None => None,
+    };
     let mut press = Grid::<N>::press();
     let mut printer = Printer::new(&mut press, HEIGHT_MM)?;
     stage
@@ -149,11 +159,11 @@ where
             if tick % 64 == 0 {
                 bar.advance_to(tick as u64);
             }
-            if let Some(folder) = &args.frames
+            if let Some((folder, painter)) = &mut frames
                 && tick % FRAME_TICKS == 0
                 && drawn.is_ok()
             {
-                drawn = draw(folder, tick / FRAME_TICKS, world);
+                drawn = draw(painter, folder, tick / FRAME_TICKS, world);
                 played.frames += 1;
             }
         })
@@ -183,12 +193,16 @@ where
 }
 
 /// Draws one picture of a replay. The folder is made with the first, once the trace was found to fit.
-fn draw<const N: usize>(folder: &Path, frame: usize, world: &World<N>) -> Result<(), Error>
+fn draw<const N: usize>(
+    painter: &mut Painter<N>,
+    folder: &Path,
+    frame: usize,
+    world: &World<N>,
+) -> Result<(), Error>
 where
     Grid<N>: Size,
 {
-    let options = RenderOptions { width: 640, height: 480, samples: 1, ..RenderOptions::default() };
-    let image = render(world.volume().maps(), &Camera::ring(0.45, 0.3), &options, &|_| {});
+    let image = painter.paint(world.volume().maps(), &Camera::ring(0.45, 0.3), &|_| {})?;
     durable::make_folder(folder)?;
     let mut png = Vec::new();
     image.write_png(&mut png).map_err(Error::failure)?;

@@ -3,10 +3,11 @@
 use std::path::PathBuf;
 
 use paros_core::size::{Grid, Size};
-use paros_shaders::{Camera, RenderOptions, render as picture};
+use paros_shaders::Camera;
 use paros_shell::durable::Target;
 use paros_shell::statics::Resident;
 
+use super::drawing::Drawing;
 use super::{progress, volume};
 use crate::error::Error;
 
@@ -29,9 +30,15 @@ pub(super) struct Args {
     #[arg(long, value_name = "AZ,EL", default_value = "25,15", value_parser = view,
           allow_hyphen_values = true)]
     view: [f32; 2],
+    #[command(flatten)]
+    drawing: Drawing,
 }
 
-fn pixels(text: &str) -> Result<[usize; 2], String> {
+/// Rays along a side of each pixel.
+const SAMPLES: usize = 2;
+
+/// Width and height of a picture, or what is expected of them.
+pub(super) fn pixels(text: &str) -> Result<[usize; 2], String> {
     let side = |text: &str| text.parse().ok().filter(|side| (1..=LONGEST).contains(side));
     text.split_once('x')
         .and_then(|(width, height)| Some([side(width)?, side(height)?]))
@@ -64,11 +71,11 @@ where
     let target = Target::tried(&args.output)?;
     let [azimuth, elevation] = args.view.map(f32::to_radians);
     let [width, height] = args.size;
-    let options = RenderOptions { width, height, ..RenderOptions::default() };
+    let mut painter = args.drawing.painter::<N>(args.size, SAMPLES)?;
     let rendering = progress::bar("rendering", Some(height as u64));
-    let image = picture(&maps, &Camera::ring(azimuth, elevation), &options, &|done| {
+    let image = painter.paint(&maps, &Camera::ring(azimuth, elevation), &|done| {
         rendering.advance_to((done * height as f32) as u64);
-    });
+    })?;
     drop(rendering);
     let mut png = Vec::new();
     image.write_png(&mut png).map_err(Error::failure)?;

@@ -8,7 +8,11 @@ use super::extent::Extent;
 use super::{PAD, REACH};
 
 /// Texels along the sides of the chunks that each have a box of stale texels.
-pub(super) const CHUNK: [usize; 3] = [56, 16, 16];
+pub(super) const CHUNK: [usize; 3] = [48, 16, 16];
+
+/// Texels of boxes that are computed together, so that these don't take a frame's work: more than
+/// a stroke changes.
+const MOST_JOINED: usize = 48 * 16 * 16;
 
 /// The finest texels to compute again: a box in each chunk.
 #[derive(Debug)]
@@ -97,7 +101,9 @@ impl Backlog {
                 let i = (z * along_y + y) * along_x + x;
                 let both = all.union(&self.stale[i]);
                 let size = both.size();
-                if !self.stale[i].is_empty() && (0..3).all(|axis| size[axis] <= MOST[axis]) {
+                let fits =
+                    (0..3).all(|axis| size[axis] <= MOST[axis]) && both.volume() <= MOST_JOINED;
+                if !self.stale[i].is_empty() && fits {
                     self.take_one(i);
                     all = both;
                 }

@@ -38,20 +38,60 @@ pub(super) struct Blur {
     along_x: [Row; ROWS],
     /// Blurred along x and y: 0 to 255, of the last five slices.
     along_y: [[Row; OUT]; 5],
-    /// Which rows of those slices are nothing but 0 or 255.
-    plain: [[Plain; OUT]; 5],
+    /// What lies in reach of those along x and y, in all slices.
+    marks: [[Marks; OUT]; ROWS],
     /// The density, from one texel before the box, along x from [`LEFT`] before.
     out: [[Row; OUT]; OUT],
     /// Which of these are at least a half.
     half: [[u64; OUT]; OUT],
 }
 
-/// Whether a row is the same all along.
+/// Which texels of a row have an occupied voxel in reach, and which an empty one.
+#[derive(Clone, Copy, Default, Debug)]
+struct Marks {
+    full: u64,
+    empty: u64,
+}
+
+/// Whether sixteen texels are all the same.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Plain {
     Empty,
     Full,
     Mixed,
+}
+
+impl Marks {
+    /// What five rows of voxels have in reach together, beside the rows' ends nothing.
+    fn of_voxels(rows: [u64; 5], mask: u64) -> Self {
+        let full = rows.iter().fold(0, |all, row| all | row) & mask;
+        let empty = !rows.iter().fold(u64::MAX, |all, row| all & row) & mask;
+        let near = |bits: u64| bits | bits << 1 | bits << 2 | bits >> 1 | bits >> 2;
+        Marks { full: near(full), empty: near(empty) }
+    }
+
+    fn of_slices(slices: [Marks; 5]) -> Self {
+        let all = |a: Marks, b: &Marks| Marks { full: a.full | b.full, empty: a.empty | b.empty };
+        slices.iter().fold(Marks::default(), all)
+    }
+
+    #[inline]
+    fn group(self, group: usize) -> Plain {
+        let part = |bits: u64| bits >> (LANES * group) & 0xffff;
+        match (part(self.full), part(self.empty)) {
+            (0, _) => Plain::Empty,
+            (_, 0) => Plain::Full,
+            _ => Plain::Mixed,
+        }
+    }
+
+    /// Groups of the row that are mixed.
+    fn mixed(self, groups: usize) -> usize {
+        if self.full == 0 || self.empty == 0 {
+            return 0;
+        }
+        (0..groups).filter(|&group| self.group(group) == Plain::Mixed).count()
+    }
 }
 
 impl Blur {
@@ -61,7 +101,7 @@ impl Blur {
             window: Window::new(),
             along_x: [[[0; LANES]; WIDTH / LANES]; ROWS],
             along_y: [[[[0; LANES]; WIDTH / LANES]; OUT]; 5],
-            plain: [[Plain::Empty; OUT]; 5],
+            marks: [[Marks { full: 0, empty: 0 }; OUT]; ROWS],
             out: [[[[0; LANES]; WIDTH / LANES]; OUT]; OUT],
             half: [[0; OUT]; OUT],
         }
@@ -74,30 +114,61 @@ impl Blur {
         &self.out[z - z0 + 1][y - y0 + 1].as_flattened()[LEFT..LEFT + self.extent.hi[0] - x0]
     }
 
-    /// Computes the texels of a box, at most [`MOST`] and a multiple of 8 along x.
-    pub(super) fn compute<const N: usize>(&mut self, maps: &Maps<N>, extent: Extent) {
+    /// Looks at the voxels around a box of texels, at most [`MOST`] and a multiple of 8 along x;
+    /// how many groups of texels are to be blurred comes back.
+    pub(super) fn look<const N: usize>(&mut self, maps: &Maps<N>, extent: Extent) -> usize {
         self.extent = extent;
         self.window.look(maps, extent);
-        let [width, along_y, along_z] = extent.size();
-        let width = width + 2 * LEFT;
-        let mask = u64::MAX >> (WIDTH - width);
-        let (slices, rows) = (along_z + 2 * REACH, along_y + 2 * REACH);
-        let out_rows = rows - 2 * TAPS;
+        let Frame { slices, rows, groups, mask } = self.frame();
+        let mut mixed = 0;
         for z in 0..slices {
-            self.blur_slice(z, rows, width, mask);
-            if z >= 2 * TAPS {
-                for y in 0..out_rows {
-                    self.blur_row(y, z - 2 * TAPS, width, mask);
+            for y in 0..rows {
+                let row = |i: usize| self.window.row(y + i, z);
+                self.marks[z][y] = Marks::of_voxels([row(0), row(1), row(2), row(3), row(4)], mask);
+                if z >= 2 * TAPS {
+                    mixed += self.marks_around(y, z - 2 * TAPS).mixed(groups);
                 }
             }
         }
-        thin::raise(&self.window, [out_rows, slices - 2 * TAPS], &mut self.out, &mut self.half);
+        mixed
+    }
+
+    /// Computes the texels of the box that was looked at.
+    pub(super) fn compute(&mut self) {
+        let Frame { slices, rows, groups, mask } = self.frame();
+        for z in 0..slices {
+            self.blur_slice(z, rows, groups, mask);
+            if z >= 2 * TAPS {
+                for y in 0..rows {
+                    self.blur_row(y, z - 2 * TAPS, groups, mask);
+                }
+            }
+        }
+        thin::raise(&self.window, [rows, slices - 2 * TAPS], &mut self.out, &mut self.half);
+    }
+
+    fn frame(&self) -> Frame {
+        let [along_x, along_y, along_z] = self.extent.size();
+        let width = along_x + 2 * LEFT;
+        Frame {
+            slices: along_z + 2 * REACH,
+            rows: along_y + 2 * REACH - 2 * TAPS,
+            groups: width.div_ceil(LANES),
+            mask: u64::MAX >> (WIDTH - width),
+        }
+    }
+
+    /// What is in reach of a row of texels.
+    #[inline]
+    fn marks_around(&self, y: usize, z: usize) -> Marks {
+        let slice = |i: usize| self.marks[z + i][y];
+        Marks::of_slices([slice(0), slice(1), slice(2), slice(3), slice(4)])
     }
 
     /// Blurs a slice of the window along x and y.
-    fn blur_slice(&mut self, z: usize, rows: usize, width: usize, mask: u64) {
-        let (slot, groups) = (z % 5, width.div_ceil(LANES));
-        for y in 0..rows {
+    fn blur_slice(&mut self, z: usize, rows: usize, groups: usize, mask: u64) {
+        let slot = z % 5;
+        for y in 0..rows + 2 * TAPS {
             let (bits, row) = (self.window.row(y, z), &mut self.along_x[y][..groups]);
             match bits & mask {
                 0 => row.fill([0; LANES]),
@@ -105,20 +176,16 @@ impl Blur {
                 _ => blur_bits(bits, row.as_flattened_mut()),
             }
         }
-        for y in 0..rows - 2 * TAPS {
-            let bits = |i: usize| self.window.row(y + i, z) & mask;
-            let five = [bits(0), bits(1), bits(2), bits(3), bits(4)];
-            let row = &mut self.along_y[slot][y][..groups];
-            self.plain[slot][y] = plain(five, mask);
-            match self.plain[slot][y] {
-                Plain::Empty => row.fill([0; LANES]),
-                Plain::Full => row.fill([FULL; LANES]),
-                Plain::Mixed => {
-                    let [a, b, c, d, e] = [y, y + 1, y + 2, y + 3, y + 4];
-                    let rows = &self.along_x;
-                    for (g, sums) in row.iter_mut().enumerate() {
-                        let five = [rows[a][g], rows[b][g], rows[c][g], rows[d][g], rows[e][g]];
-                        *sums = blur_lanes(five);
+        for y in 0..rows {
+            let marks = self.marks[z][y];
+            let [a, b, c, d, e] = [y, y + 1, y + 2, y + 3, y + 4];
+            let rows = &self.along_x;
+            for (g, sums) in self.along_y[slot][y][..groups].iter_mut().enumerate() {
+                *sums = match marks.group(g) {
+                    Plain::Empty => [0; LANES],
+                    Plain::Full => [FULL; LANES],
+                    Plain::Mixed => {
+                        blur_lanes([rows[a][g], rows[b][g], rows[c][g], rows[d][g], rows[e][g]])
                     }
                 }
             }
@@ -126,28 +193,37 @@ impl Blur {
     }
 
     /// Blurs a row along z, from the last five slices.
-    fn blur_row(&mut self, y: usize, z: usize, width: usize, mask: u64) {
-        let [a, b, c, d, e] = [z % 5, (z + 1) % 5, (z + 2) % 5, (z + 3) % 5, (z + 4) % 5];
-        let out = &mut self.out[z][y][..width.div_ceil(LANES)];
-        let plain = |slot: usize| self.plain[slot][y];
-        let kinds = [plain(a), plain(b), plain(c), plain(d), plain(e)];
-        if kinds == [Plain::Empty; 5] {
-            out.fill([0; LANES]);
-            self.half[z][y] = 0;
+    fn blur_row(&mut self, y: usize, z: usize, groups: usize, mask: u64) {
+        let marks = self.marks_around(y, z);
+        let out = &mut self.out[z][y][..groups];
+        if marks.full == 0 || marks.empty == 0 {
+            let full = marks.empty == 0;
+            out.fill([if full { 255 } else { 0 }; LANES]);
+            self.half[z][y] = if full { mask } else { 0 };
             return;
         }
-        if kinds == [Plain::Full; 5] {
-            out.fill([255; LANES]);
-            self.half[z][y] = mask;
-            return;
-        }
-        let row = |slot: usize| &self.along_y[slot][y];
-        let [a, b, c, d, e] = [row(a), row(b), row(c), row(d), row(e)];
+        let row = |z: usize| &self.along_y[z % 5][y];
+        let [a, b, c, d, e] = [row(z), row(z + 1), row(z + 2), row(z + 3), row(z + 4)];
         for (g, texels) in out.iter_mut().enumerate() {
-            *texels = texels_of([a[g], b[g], c[g], d[g], e[g]]);
+            *texels = match marks.group(g) {
+                Plain::Empty => [0; LANES],
+                Plain::Full => [255; LANES],
+                Plain::Mixed => texels_of([a[g], b[g], c[g], d[g], e[g]]),
+            };
         }
         self.half[z][y] = tops(out.as_flattened());
     }
+}
+
+/// How much of the window a box takes.
+struct Frame {
+    slices: usize,
+    /// Rows of texels in a slice, with one around.
+    rows: usize,
+    /// Groups of texels in a row.
+    groups: usize,
+    /// The voxels of a row.
+    mask: u64,
 }
 
 /// Blurs sixteen bytes, of 16 at most each; what comes to 256 is held to 255.
@@ -171,16 +247,6 @@ fn texels_of([a, b, c, d, e]: [[u8; LANES]; 5]) -> [u8; LANES] {
         *texel = ((a + e + 4 * (b + d) + 6 * c + 8) >> 4) as u8;
     }
     texels
-}
-
-fn plain(rows: [u64; 5], mask: u64) -> Plain {
-    if rows == [0; 5] {
-        Plain::Empty
-    } else if rows == [mask; 5] {
-        Plain::Full
-    } else {
-        Plain::Mixed
-    }
 }
 
 /// Blurs a row of bits along x into bytes, 0 to 16; nothing lies beyond the word.

@@ -30,6 +30,8 @@ pub(super) struct Cells {
     touched: [Vec<u128>; LEVELS],
     /// The cells that changed at any distance: a bit each along x, by z and y.
     flipped: Vec<u128>,
+    /// Which texels of the last few slices looked at are at least a half: by z, wrapping, and y.
+    halves: Vec<[u64; SLICES]>,
     free: Texels,
     /// In each slice of equal z the cells that changed since they were taken.
     changed: Vec<Extent>,
@@ -44,6 +46,7 @@ impl Cells {
             near: [0; LEVELS].map(|_| vec![0; side * side]),
             touched: [0; LEVELS].map(|_| vec![0; side]),
             flipped: vec![0; side * side],
+            halves: vec![[0; SLICES]; texels],
             free: Texels::new(side, FAR - 1),
             changed: vec![Extent::NONE; side],
         }
@@ -59,19 +62,21 @@ impl Cells {
         let cells = texels.grown(1, density.side()).coarser(self.cell);
         // As many as a word holds with a texel beside on either side.
         let step = (u64::BITS as usize - 2) / self.cell;
-        for z in cells.lo[2]..cells.hi[2] {
-            for first in (cells.lo[0]..cells.hi[0]).step_by(step) {
-                let end = cells.hi[0].min(first + step);
-                self.follow_slice(density, z, cells.lo[1]..cells.hi[1], first..end);
+        for first in (cells.lo[0]..cells.hi[0]).step_by(step) {
+            let end = cells.hi[0].min(first + step);
+            let mut seen = 0;
+            for z in cells.lo[2]..cells.hi[2] {
+                self.follow_slice(density, (z, &mut seen), cells.lo[1]..cells.hi[1], first..end);
             }
         }
     }
 
-    /// Looks again at the cells of a slice, no more along x than fit in a word.
+    /// Looks again at the cells of a slice, no more along x than fit in a word. Slices of texels
+    /// before `seen` have been looked at.
     fn follow_slice(
         &mut self,
         density: &Texels,
-        z: usize,
+        (z, seen): (usize, &mut usize),
         along_y: std::ops::Range<usize>,
         along_x: std::ops::Range<usize>,
     ) {
@@ -79,19 +84,23 @@ impl Cells {
         let beside =
             |lo: usize, hi: usize| (lo * size).saturating_sub(1)..(hi * size + 1).min(texels);
         let (xs, ys) = (beside(along_x.start, along_x.end), beside(along_y.start, along_y.end));
+        // A few more don't matter, whole words are quicker.
+        let xs = xs.start..texels.min(xs.start + xs.len().next_multiple_of(8));
         // The first bit is the texel before the first cell.
         let shift = usize::from(along_x.start == 0);
-        let mut half = [0u64; MOST * 4];
-        for z in beside(z, z + 1) {
+        let zs = beside(z, z + 1);
+        for z in zs.start.max(*seen)..zs.end {
             for y in ys.clone() {
-                half[y - ys.start] |= tops(&density.row(y, z)[xs.clone()]) << shift;
+                self.halves[y][z % SLICES] = tops(&density.row(y, z)[xs.clone()]) << shift;
             }
         }
+        *seen = zs.end;
         let stretch = u128::MAX >> (128 - along_x.len()) << along_x.start;
         for y in along_y {
-            let rows = beside(y, y + 1);
-            let rows = &half[rows.start - ys.start..rows.end - ys.start];
-            let any = rows.iter().fold(0, |all, row| all | row);
+            let rows = &self.halves[beside(y, y + 1)];
+            let any = rows
+                .iter()
+                .fold(0, |any, slices| zs.clone().fold(any, |any, z| any | slices[z % SLICES]));
             let bits = u128::from(cell_bits(any, size)) << along_x.start;
             let row = &mut self.near[0][z * side + y];
             let flipped = (*row ^ bits) & stretch;
@@ -200,6 +209,9 @@ impl Cells {
         }
     }
 }
+
+/// Slices of texels kept: at least those of a cell and beside it.
+const SLICES: usize = 8;
 
 const _: () = assert!(LEVELS == 7, "`tell_row` counts to 6");
 

@@ -1,13 +1,14 @@
 //! Coarser levels of the density.
 
 use super::extent::Extent;
-use super::texels::Texels;
+use super::texels::{Changes, Texels};
 
 /// Recomputes the texels `extent` of `coarse` from a level twice as fine; which changed comes back.
 pub(super) fn halve(fine: &Texels, coarse: &mut Texels, extent: Extent) -> Extent {
-    let mut changed = Extent::NONE;
-    let mut mean = [0u8; MOST];
+    let mut changes = Changes::new(extent.lo[0]);
+    let mut means = [0u8; MOST];
     let [lo, hi] = [extent.lo[0], extent.hi[0]];
+    let means = &mut means[..hi - lo];
     for (y, z) in extent.rows() {
         let fine_row = |y: usize, z: usize| &fine.row(y, z)[2 * lo..2 * hi];
         let (y2, z2) = (2 * y, 2 * z);
@@ -17,15 +18,34 @@ pub(super) fn halve(fine: &Texels, coarse: &mut Texels, extent: Extent) -> Exten
             fine_row(y2, z2 + 1),
             fine_row(y2 + 1, z2 + 1),
         ];
-        let mean = &mut mean[..hi - lo];
-        for (i, mean) in mean.iter_mut().enumerate() {
-            let pair = |row: &[u8]| u16::from(row[2 * i]) + u16::from(row[2 * i + 1]);
-            let sum = pair(rows[0]) + pair(rows[1]) + pair(rows[2]) + pair(rows[3]);
-            *mean = ((sum + 4) / 8) as u8;
+        let [a, b, c, d] = rows.map(|row| row.as_chunks::<8>());
+        let (fours, rest) = means.as_chunks_mut::<4>();
+        for (i, means) in fours.iter_mut().enumerate() {
+            *means = mean([a.0[i], b.0[i], c.0[i], d.0[i]]);
         }
-        coarse.replace([lo, y, z], mean, &mut changed);
+        let last = [a.1, b.1, c.1, d.1].map(|row| {
+            let mut eight = [0; 8];
+            eight[..row.len()].copy_from_slice(row);
+            eight
+        });
+        rest.copy_from_slice(&mean(last)[..rest.len()]);
+        coarse.replace((y, z), means, &mut changes);
     }
-    changed
+    changes.all()
+}
+
+/// Four means of 2 x 2 x 2 texels, half up: pairs are added in a word's halves.
+#[inline]
+fn mean(rows: [[u8; 8]; 4]) -> [u8; 4] {
+    const EVEN: u64 = 0x00ff_00ff_00ff_00ff;
+    let pairs = |row: [u8; 8]| {
+        let row = u64::from_le_bytes(row);
+        (row & EVEN) + (row >> 8 & EVEN)
+    };
+    let [a, b, c, d] = rows.map(pairs);
+    let means = (a + b + c + d + 0x0004_0004_0004_0004) >> 3 & EVEN;
+    let [a, _, b, _, c, _, d, _] = means.to_le_bytes();
+    [a, b, c, d]
 }
 
 /// The longest row: half of that at 256.

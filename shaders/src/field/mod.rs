@@ -2,7 +2,7 @@
 //! volume changed, so much a frame.
 //!
 //! # Textures, for N voxels a side
-//! - [`Texture::Maps`]: the range maps as [`Field::note`] last saw them.
+//! - [`Texture::Maps`]: the range maps that [`Field::note`] saw, as far as they are taken over.
 //! - [`Texture::Density`] 0: a cube of N + 8 texels, one for each voxel and [`PAD`] around the grid
 //!   on every side. A byte, 255 where all is full: the mean of 5 x 5 x 5 voxels with the weights
 //!   1 4 6 4 1 along each axis. Exactly: the weighted sum of a slice's 5 x 5 voxels, 256 where all
@@ -66,7 +66,11 @@ pub const fn cell(n: usize) -> usize {
 /// is behind the volume.
 #[derive(Debug)]
 pub struct Field<const N: usize> {
+    /// As noted last, and as far as they are taken over.
+    latest: Box<Maps<N>>,
     maps: Box<Maps<N>>,
+    /// Columns that are to be compared.
+    unseen: Lines,
     density: [Texels; LEVELS],
     cells: Cells,
     backlog: Backlog,
@@ -90,7 +94,9 @@ impl<const N: usize> Field<N> {
     #[allow(clippy::new_without_default)] // megabytes: to be made on purpose
     pub fn new() -> Self {
         Field {
+            latest: Box::new(Maps::new()),
             maps: Box::new(Maps::new()),
+            unseen: Lines::new(N),
             density: [0, 1, 2, 3].map(|level| Texels::new(Self::SIDE >> level, 0)),
             cells: Cells::new(Self::SIDE, cell(N)),
             backlog: Backlog::new(Self::SIDE),
@@ -104,7 +110,9 @@ impl<const N: usize> Field<N> {
     /// Becomes the textures of these maps, from nothing and at once, on all cores. What is handed
     /// out later is what changes from then on: see [`Field::whole`].
     pub fn rebuild(&mut self, maps: &Maps<N>) {
+        self.latest.copy_from(maps);
         self.maps.copy_from(maps);
+        self.unseen.clear();
         let maps = &*self.maps;
         let side = Self::SIDE;
         let [finest, ..] = &mut self.density;
@@ -112,7 +120,8 @@ impl<const N: usize> Field<N> {
             || Box::new(Blur::new()),
             |blur, (slab, texels)| {
                 for extent in slab_extents(side, slab) {
-                    blur.compute(maps, extent);
+                    blur.look(maps, extent);
+                    blur.compute();
                     for (y, z) in extent.rows() {
                         let at = ((z - extent.lo[2]) * side + y) * side;
                         texels[at + extent.lo[0]..at + extent.hi[0]]
@@ -153,15 +162,15 @@ impl<const N: usize> Field<N> {
 
     /// The maps as they were last noted.
     #[must_use]
-    pub const fn maps(&self) -> &Maps<N> {
-        &self.maps
+    pub const fn latest(&self) -> &Maps<N> {
+        &self.latest
     }
 
-    /// Whether a voxel of the grid is occupied in [`Field::maps`].
+    /// Whether a voxel of the grid is occupied in [`Field::latest`].
     #[must_use]
     #[inline]
     pub fn occupied(&self, voxel: [usize; 3]) -> bool {
-        self.maps.contains(voxel)
+        self.latest.contains(voxel)
     }
 
     /// Texels along a side of the density at a level below [`LEVELS`].

@@ -48,36 +48,29 @@ impl Texels {
         self.bytes.par_chunks_mut(slices * self.side * self.side)
     }
 
-    /// Replaces a stretch of a row; what changed of it is added to `changed`, and which
-    /// bits flipped comes back.
+    /// Replaces the part of a row, (y, z), from where `changes` starts, which are told what changed.
     #[inline]
-    pub(super) fn replace(
-        &mut self,
-        [x, y, z]: [usize; 3],
-        texels: &[u8],
-        changed: &mut Extent,
-    ) -> u8 {
-        let row = &mut self.row_mut(y, z)[x..x + texels.len()];
-        let (mut first, mut end, mut flipped) = (usize::MAX, 0, 0);
-        let (old, new) = (row.as_chunks::<8>(), texels.as_chunks::<8>());
-        let mut compare = |i: usize, bits: u64| {
-            if bits != 0 {
-                first = first.min(8 * i + bits.trailing_zeros() as usize / 8);
-                end = 8 * i + 8 - bits.leading_zeros() as usize / 8;
-                flipped |= bits;
-            }
-        };
-        for (i, (old, new)) in old.0.iter().zip(new.0).enumerate() {
-            compare(i, u64::from_le_bytes(*old) ^ u64::from_le_bytes(*new));
+    pub(super) fn replace(&mut self, (y, z): (usize, usize), texels: &[u8], changes: &mut Changes) {
+        let row = &mut self.row_mut(y, z)[changes.start..][..texels.len()];
+        let (old, new) = (row.as_chunks_mut::<8>(), texels.as_chunks::<8>());
+        let mut flipped = 0;
+        for ((old, new), all) in old.0.iter_mut().zip(new.0).zip(&mut changes.flipped) {
+            let bits = u64::from_le_bytes(*old) ^ u64::from_le_bytes(*new);
+            *old = *new;
+            *all |= bits;
+            flipped |= bits;
         }
-        compare(old.0.len(), word(old.1) ^ word(new.1));
-        if flipped == 0 {
-            return 0;
+        let bits = word(old.1) ^ word(new.1);
+        changes.flipped[new.0.len()] |= bits;
+        flipped |= bits;
+        if flipped != 0 {
+            old.1.copy_from_slice(new.1);
+            changes.rows = changes.rows.union(&Extent { lo: [0, y, z], hi: [1, y + 1, z + 1] });
         }
-        row.copy_from_slice(texels);
-        let part = Extent { lo: [x + first, y, z], hi: [x + end, y + 1, z + 1] };
-        *changed = changed.union(&part);
-        flipped.to_le_bytes().into_iter().fold(0, |all, bits| all | bits)
+        if flipped & TOPS != 0 {
+            let row = Extent { lo: [0, y, z], hi: [1, y + 1, z + 1] };
+            changes.crossed_rows = changes.crossed_rows.union(&row);
+        }
     }
 
     /// The value, 0 to 1, at a place in texels whose centres lie at halves, filtered trilinearly.
@@ -94,6 +87,56 @@ impl Texels {
         };
         let along_y = |z: usize| mix(along_x(y, z), along_x(y + 1, z), part.y);
         mix(along_y(z), along_y(z + 1), part.z) / 255.0
+    }
+}
+
+/// The top bits of eight bytes: whether texels are at least a half.
+const TOPS: u64 = 0x8080_8080_8080_8080;
+
+/// What changed in a box of texels.
+#[derive(Debug)]
+pub(super) struct Changes {
+    /// Where the box starts along x.
+    start: usize,
+    /// The bits that flipped in any row, eight texels a word; the last word may be a part.
+    flipped: [u64; MOST / 8 + 1],
+    /// The rows with a change, and those where a texel came to a half or fell below.
+    rows: Extent,
+    crossed_rows: Extent,
+}
+
+/// The longest row.
+const MOST: usize = 264;
+
+impl Changes {
+    /// None yet, in a box that starts there along x.
+    pub(super) const fn new(start: usize) -> Self {
+        let none = Extent::NONE;
+        Changes { start, flipped: [0; MOST / 8 + 1], rows: none, crossed_rows: none }
+    }
+
+    /// The texels that changed.
+    pub(super) fn all(&self) -> Extent {
+        self.of(u64::MAX, self.rows)
+    }
+
+    /// Those that came to a half or fell below.
+    pub(super) fn crossed(&self) -> Extent {
+        self.of(TOPS, self.crossed_rows)
+    }
+
+    fn of(&self, mask: u64, rows: Extent) -> Extent {
+        let flipped = |word: &u64| word & mask != 0;
+        let (Some(front), Some(back)) =
+            (self.flipped.iter().position(flipped), self.flipped.iter().rposition(flipped))
+        else {
+            return Extent::NONE;
+        };
+        let first = 8 * front + (self.flipped[front] & mask).trailing_zeros() as usize / 8;
+        let end = 8 * back + 8 - (self.flipped[back] & mask).leading_zeros() as usize / 8;
+        let [_, y, z] = rows.lo;
+        let [_, y_end, z_end] = rows.hi;
+        Extent { lo: [self.start + first, y, z], hi: [self.start + end, y_end, z_end] }
     }
 }
 

@@ -5,7 +5,7 @@ use paros_core::maps::{Axis, Column, Maps, Range};
 
 use super::blur::MOST;
 use super::extent::Extent;
-use super::texels::Texels;
+use super::texels::{Changes, Texels};
 use super::window::LEFT;
 use super::{FAR, Field, LEVELS, REACH, cell, mips};
 use crate::upload::{Region, Texture};
@@ -30,61 +30,115 @@ impl Budget {
         let more = if n > 128 { 4 } else { 1 };
         Budget { work: more * 1_000_000, bytes: more * 256 * 1024 }
     }
+}
 
-    const fn less(self, work: usize, bytes: usize) -> Self {
-        let (work, bytes) = (self.work.saturating_sub(work), self.bytes.saturating_sub(bytes));
-        Budget { work, bytes }
+/// What of a budget is spent.
+struct Purse {
+    budget: Budget,
+    spent: Budget,
+}
+
+impl Purse {
+    const fn spend(&mut self, work: usize, bytes: usize) {
+        self.spent.work += work;
+        self.spent.bytes += bytes;
+    }
+
+    fn left(&self) -> Budget {
+        let less = |all: usize, spent| all.saturating_sub(spent);
+        let work = less(self.budget.work, self.spent.work);
+        Budget { work, bytes: less(self.budget.bytes, self.spent.bytes) }
+    }
+
+    /// Whether so much is left.
+    fn has(&self, work: usize, bytes: usize) -> bool {
+        let left = self.left();
+        work <= left.work && bytes <= left.bytes
     }
 }
 
-/// Work of a voxel that a box of texels looks at, all levels included.
-const VOXEL_WORK: usize = 22;
+/// Work of a voxel that is looked at, of one that is blurred although all around is the same, and
+/// of sixteen texels for which it isn't.
+const LOOK_WORK: usize = 6;
+const PLAIN_WORK: usize = 3;
+const GROUP_WORK: usize = 220;
+/// Work of a texel that is compared; that changed, all levels included; that the surface may have
+/// passed; and of all that.
+const SAME_WORK: usize = 5;
+const CHANGED_WORK: usize = 6;
+const CROSSED_WORK: usize = 6;
+const TEXEL_WORK: usize = SAME_WORK + CHANGED_WORK + CROSSED_WORK;
 /// Work of a row of cells, all distances included.
-const CELL_WORK: usize = 350;
-/// Work of a column that is compared, and of one that changed.
-const COLUMN_WORK: usize = 1;
+const CELL_WORK: usize = 660;
+/// Work of a line that is noted; of lines' columns that are compared, of a column among them, of
+/// one that changed, and of one in a line where all may have.
+const LINE_WORK: usize = 12;
+const NOTE_WORK: usize = 6;
+const TILE_WORK: usize = 200;
+const COLUMN_WORK: usize = 4;
 const CHANGE_WORK: usize = 60;
-const WHOLE_WORK: usize = 20;
+const WHOLE_WORK: usize = 90;
 
 /// Columns along a side of the tiles whose changes are taken together.
 const TILE: usize = 8;
 
 impl<const N: usize> Field<N> {
-    /// Takes over what a tick changed: `maps` as they are now, and the columns in which they may
+    /// Takes in what a tick changed: `maps` as they are now, and the columns in which they may
     /// differ from what was noted before. The textures follow when they [`Field::advance`].
     pub fn note(&mut self, maps: &Maps<N>, dirty: &Dirty) {
-        let mut copy = false;
+        let all =
+            |&Rect { lo, hi }: &Rect| lo == (0, 0) && [hi.0, hi.1].map(usize::from) == [N - 1; 2];
+        let copied = Axis::ALL.iter().any(|&axis| dirty.rects(axis).iter().any(all));
+        if copied {
+            self.latest.copy_from(maps);
+            self.noted += 3 * N * N / 4;
+        }
         for axis in Axis::ALL {
             for &Rect { lo, hi } in dirty.rects(axis) {
-                let [lo, hi] = [lo, hi].map(|(line, place)| [usize::from(line), place.into()]);
-                self.noted += COLUMN_WORK * (hi[0] + 1 - lo[0]) * (hi[1] + 1 - lo[1]);
-                let whole = hi[0] - lo[0] == N - 1 && hi[1] - lo[1] == N - 1;
-                copy |= whole;
-                for line in (lo[0]..=hi[0]).step_by(TILE) {
-                    for place in (lo[1]..=hi[1]).step_by(TILE) {
-                        let end = [(line + TILE - 1).min(hi[0]), (place + TILE - 1).min(hi[1])];
-                        self.note_tile(maps, axis, ([line, place], end), whole);
+                let places = Range::new(lo.1.into(), hi.1.into());
+                for line in lo.0.into()..=hi.0.into() {
+                    self.unseen.add(axis, line, places);
+                    if copied {
+                        continue;
                     }
+                    for place in places.lo()..=places.hi() {
+                        let at = (line, place);
+                        self.latest.set_column(axis, at, maps.column(axis, at));
+                        self.noted += NOTE_WORK;
+                    }
+                    self.noted += LINE_WORK;
                 }
             }
         }
-        if copy {
-            self.maps.copy_from(maps);
+    }
+
+    /// Takes over columns as far as the budget goes; some in any case.
+    fn take_over(&mut self, purse: &mut Purse, first: &mut bool) {
+        let tiles = TILE * N;
+        while let Some((axis, line, end, places)) = self.unseen.first(2 * tiles) {
+            if !*first && !purse.has((WHOLE_WORK + COLUMN_WORK) * tiles + TILE_WORK, 0) {
+                return;
+            }
+            let end = end.min(line + TILE);
+            self.unseen.done(axis, line, end);
+            let whole = places == Range::new(0, N - 1);
+            for place in (places.lo()..=places.hi()).step_by(TILE) {
+                let last = [end - 1, (place + TILE - 1).min(places.hi())];
+                self.take_over_tile(axis, ([line, place], last), whole);
+            }
+            let columns = (end - line) * (places.hi() + 1 - places.lo());
+            let changes = std::mem::take(&mut self.noted);
+            purse.spend(TILE_WORK + COLUMN_WORK * columns + changes, 0);
+            *first = false;
         }
     }
 
     /// Takes over a tile of a map's columns, from the first line and place to the last. After the
     /// change of a whole map all voxels of a line's columns count as changed, as that is quick.
-    fn note_tile(
-        &mut self,
-        maps: &Maps<N>,
-        axis: Axis,
-        (first, last): ([usize; 2], [usize; 2]),
-        whole: bool,
-    ) {
+    fn take_over_tile(&mut self, axis: Axis, (first, last): ([usize; 2], [usize; 2]), whole: bool) {
         let (mut lines, mut places, mut voxels) = (Range::EMPTY, Range::EMPTY, Range::EMPTY);
         for line in first[0]..=last[0] {
-            let new = &maps.line(axis, line)[first[1]..=last[1]];
+            let new = &self.latest.line(axis, line)[first[1]..=last[1]];
             let old = &self.maps.line(axis, line)[first[1]..=last[1]];
             if old == new {
                 continue;
@@ -104,8 +158,9 @@ impl<const N: usize> Field<N> {
                 }
             }
             let differing = Range::new(differing.lo() + first[1], differing.hi() + first[1]);
-            for place in (differing.lo()..=differing.hi()).filter(|_| !whole) {
-                self.maps.set_column(axis, (line, place), maps.column(axis, (line, place)));
+            for place in differing.lo()..=differing.hi() {
+                let at = (line, place);
+                self.maps.set_column(axis, at, self.latest.column(axis, at));
             }
             self.lines.add(axis, line, differing);
             lines = lines.hull_with(Range::new(line, line));
@@ -122,64 +177,93 @@ impl<const N: usize> Field<N> {
     /// bytes, maps first. It costs no more than the budget, but does one thing at least, so that
     /// any budget gets there. Afterwards no cell tells more than its distance in the density as it is,
     /// and each that the surface may pass through tells 0.
-    pub fn advance(&mut self, budget: Budget, sink: &mut impl FnMut(Region, &[u8])) {
-        let mut left = budget.less(std::mem::take(&mut self.noted), 0);
+    /// About what it cost comes back.
+    pub fn advance(&mut self, budget: Budget, sink: &mut impl FnMut(Region, &[u8])) -> Budget {
+        let mut purse = Purse { budget, spent: Budget { work: 0, bytes: 0 } };
+        purse.spend(std::mem::take(&mut self.noted), 0);
         let mut first = true;
-        while let Some((axis, line, end, places)) = self.lines.first(left.bytes) {
+        self.take_over(&mut purse, &mut first);
+        while let Some((axis, line, end, places)) = self.lines.first(purse.left().bytes) {
             let region = map_region(axis, line..end, places);
-            if region.bytes() > left.bytes && !first {
-                return;
+            if !purse.has(region.bytes(), region.bytes()) && !first {
+                return purse.spent;
             }
             self.lines.done(axis, line, end);
             self.hand_out_map(axis, region, sink);
-            left = left.less(region.bytes(), region.bytes());
+            purse.spend(region.bytes(), region.bytes());
             first = false;
         }
-        let mut crossed = Crossed::new(self.side(0), cell(N));
-        while let Some(extent) = self.backlog.take() {
-            let (work, bytes) = cost(&extent);
-            let after = crossed.with(&extent);
-            let (cell_work, cell_bytes) = after.cost();
-            let fits = work + cell_work <= left.work && bytes + cell_bytes <= left.bytes;
-            if !fits && !first {
-                self.backlog.add(&extent);
-                break;
-            }
-            if self.refresh(extent, sink) {
-                crossed = after;
-            }
-            left = left.less(work, bytes);
-            first = false;
+        // Boxes wait for all columns: they would be computed once more.
+        if self.unseen.is_empty() {
+            self.refresh_boxes(&mut purse, first, sink);
         }
         self.cells.measure();
         let (cells, stage) = (&mut self.cells, &mut self.stage);
-        cells.take_changed(|free, extent| hand_out(free, extent, Texture::Cells, stage, sink));
+        cells.take_changed(|free, extent| {
+            purse.spend(0, extent.volume());
+            hand_out(free, extent, Texture::Cells, stage, sink);
+        });
+        purse.spent
+    }
+
+    /// Computes boxes as far as the budget goes; one at least if it is the `first` thing done.
+    fn refresh_boxes(
+        &mut self,
+        purse: &mut Purse,
+        mut first: bool,
+        sink: &mut impl FnMut(Region, &[u8]),
+    ) {
+        let mut crossed = Crossed::new(self.side(0), cell(N));
+        while let Some(extent) = self.backlog.take() {
+            let (cell_work, cell_bytes) = crossed.with(&extent).cost();
+            let bytes = most_bytes(&extent) + cell_bytes;
+            let look = LOOK_WORK * window_of(&extent);
+            let mut goes = first || purse.has(2 * look + cell_work, bytes);
+            if goes {
+                // A look tells how much the rest may be.
+                let groups = self.blur.look(&self.maps, extent);
+                purse.spend(look, 0);
+                let blur = PLAIN_WORK * window_of(&extent) + GROUP_WORK * groups;
+                let texels = TEXEL_WORK * extent.volume();
+                goes = first || purse.has(blur + texels + cell_work, bytes);
+                purse.spend(if goes { blur } else { 0 }, 0);
+            }
+            if !goes {
+                self.backlog.add(&extent);
+                break;
+            }
+            let changed = self.refresh(extent, sink);
+            if !changed.crossed.is_empty() {
+                crossed = crossed.with(&changed.crossed);
+            }
+            purse.spend(changed.work, changed.bytes);
+            first = false;
+        }
+        purse.spend(crossed.cost().0, 0);
     }
 
     /// Whether the textures are behind the maps, or something is still to be handed out.
     #[must_use]
     pub fn pending(&self) -> bool {
-        !self.backlog.is_empty() || !self.lines.is_empty()
+        !self.unseen.is_empty() || !self.backlog.is_empty() || !self.lines.is_empty()
     }
 
-    /// Computes a box of the finest texels, and what follows from those that changed; whether the
-    /// surface moved comes back.
-    fn refresh(&mut self, extent: Extent, sink: &mut impl FnMut(Region, &[u8])) -> bool {
-        self.blur.compute(&self.maps, extent);
-        let (mut changed, mut crossed) = (Extent::NONE, Extent::NONE);
+    /// Computes the box of the finest texels that was looked at, and what follows from those that
+    /// change.
+    fn refresh(&mut self, extent: Extent, sink: &mut impl FnMut(Region, &[u8])) -> Changed {
+        self.blur.compute();
+        let mut changes = Changes::new(extent.lo[0]);
         for (y, z) in extent.rows() {
-            let at = [extent.lo[0], y, z];
-            let mut part = Extent::NONE;
-            let flipped = self.density[0].replace(at, self.blur.row(y, z), &mut part);
-            changed = changed.union(&part);
-            // The top bit tells whether a texel is at least a half.
-            if flipped >= 128 {
-                crossed = crossed.union(&part);
-            }
+            self.density[0].replace((y, z), self.blur.row(y, z), &mut changes);
         }
+        let (mut changed, crossed) = (changes.all(), changes.crossed());
         if !crossed.is_empty() {
             self.cells.follow(&self.density[0], crossed);
         }
+        let work = SAME_WORK * extent.volume()
+            + CHANGED_WORK * changed.volume()
+            + CROSSED_WORK * crossed.volume();
+        let mut bytes = 0;
         for level in 0..LEVELS {
             if level > 0 && !changed.is_empty() {
                 let (finer, coarser) = self.density.split_at_mut(level);
@@ -190,17 +274,20 @@ impl<const N: usize> Field<N> {
             }
             let texture = Texture::Density(level as u8);
             hand_out(&self.density[level], changed, texture, &mut self.stage, sink);
+            bytes += changed.volume();
         }
-        !crossed.is_empty()
+        Changed { crossed, work, bytes }
     }
 
     fn hand_out_map(&mut self, axis: Axis, region: Region, sink: &mut impl FnMut(Region, &[u8])) {
         let [first, line, _] = region.min.map(|i| i as usize);
         let [places, lines, _] = region.size.map(|i| i as usize);
-        self.stage.clear();
-        for line in line..line + lines {
+        self.stage.resize(region.bytes(), 0);
+        for (line, row) in (line..line + lines).zip(self.stage.chunks_exact_mut(2 * places)) {
             let columns = &self.maps.line(axis, line)[first..first + places];
-            self.stage.extend(columns.iter().flat_map(|column| column.0[0].to_bytes()));
+            for (bytes, column) in row.as_chunks_mut::<2>().0.iter_mut().zip(columns) {
+                *bytes = column.0[0].to_bytes();
+            }
         }
         sink(region, &self.stage);
     }
@@ -272,15 +359,29 @@ impl Crossed {
 
     /// At most the work and the bytes.
     fn cost(&self) -> (usize, usize) {
+        if self.rows == 0 {
+            return (0, 0);
+        }
         let [_, y, z] = self.all.size();
         (CELL_WORK * self.rows.min(y * z), self.all.volume())
     }
 }
 
-/// At most the work, and the bytes, of a box of the finest texels.
-fn cost(extent: &Extent) -> (usize, usize) {
+/// What a box that was computed came to.
+struct Changed {
+    /// The texels that the surface may have passed.
+    crossed: Extent,
+    work: usize,
+    bytes: usize,
+}
+
+/// Voxels that a box looks at.
+fn window_of(extent: &Extent) -> usize {
     let [x, y, z] = extent.size();
-    let work = VOXEL_WORK * (x + 2 * LEFT) * (y + 2 * REACH) * (z + 2 * REACH);
-    let level = |level: usize| extent.coarser(1 << level).size().iter().product::<usize>();
-    (work, (0..LEVELS).map(level).sum())
+    (x + 2 * LEFT) * (y + 2 * REACH) * (z + 2 * REACH)
+}
+
+/// At most the bytes of a box of the finest texels.
+fn most_bytes(extent: &Extent) -> usize {
+    (0..LEVELS).map(|level| extent.coarser(1 << level).volume()).sum()
 }

@@ -1,6 +1,6 @@
 //! The voxels around a box of texels, as bit rows of one word each.
 
-use paros_core::maps::{Axis, Maps, Range};
+use paros_core::maps::{Axis, Column, Maps, Range};
 
 use super::extent::Extent;
 use super::{PAD, REACH};
@@ -31,11 +31,15 @@ impl Stretch {
         (voxel as isize - self.start).clamp(0, self.len as isize) as usize
     }
 
-    /// The voxels of the stretch that a grid of `n` has, with their places.
-    fn inside(self, n: usize) -> impl Iterator<Item = (usize, usize)> {
-        let voxels =
-            self.start.clamp(0, n as isize)..(self.start + self.len as isize).clamp(0, n as isize);
-        voxels.map(move |voxel| ((voxel - self.start) as usize, voxel as usize))
+    /// The voxels of the stretch that a grid of `n` has.
+    fn voxels(self, n: usize) -> std::ops::Range<usize> {
+        let inside = |end: isize| end.clamp(0, n as isize) as usize;
+        inside(self.start)..inside(self.start + self.len as isize)
+    }
+
+    /// The place of the first of them.
+    const fn first_inside(self) -> usize {
+        self.start.unsigned_abs() * (self.start < 0) as usize
     }
 }
 
@@ -60,14 +64,15 @@ impl Window {
         for rows in &mut self.rows[..z.len] {
             rows[..y.len].fill(0);
         }
-        for (at, voxel) in z.inside(N) {
-            self.follow_y(maps, x, y, (at, voxel));
+        let (of_y, of_z) = (Tests::new(y, N), Tests::new(z, N));
+        for (i, voxel) in z.voxels(N).enumerate() {
+            self.follow_y(maps, x, (y, &of_y), (z.first_inside() + i, voxel));
         }
         // Rows beside the grid stay empty.
         for at in 0..y.len {
             let voxel = (y.start + at as isize).max(0) as usize;
             if voxel < N {
-                self.meet_z_and_x(maps, x, z, (at, voxel));
+                self.meet_z_and_x(maps, x, (z, &of_z), (at, voxel));
             }
         }
     }
@@ -77,20 +82,33 @@ impl Window {
         &mut self,
         maps: &Maps<N>,
         x: Stretch,
-        y: Stretch,
+        (y, tests): (Stretch, &Tests),
         (at, voxel): (usize, usize),
     ) {
+        let columns = &maps.line(Axis::Y, voxel)[x.voxels(N)];
         let mut ends = [0u64; ROWS + 1];
-        let line = maps.line(Axis::Y, voxel);
-        for (bit, place) in x.inside(N) {
-            let range = line[place].hull();
-            if !range.is_empty() {
-                // A column that stands on the ground goes on below it.
-                let first = if range.lo() == 0 { 0 } else { y.place(range.lo()) };
-                ends[first] ^= 1 << bit;
-                ends[y.place(range.hi() + 1)] ^= 1 << bit;
+        let mut full = 0;
+        for (i, columns) in columns.chunks(8).enumerate() {
+            let bit = x.first_inside() + 8 * i;
+            match tests.common(columns) {
+                Common::Empty => {}
+                Common::Full => full |= (u64::MAX >> (64 - columns.len())) << bit,
+                Common::Mixed => {
+                    for (bit, column) in (bit..).zip(columns) {
+                        let range = column.hull();
+                        if !range.is_empty() {
+                            // A column that stands on the ground goes on below it.
+                            let first = if range.lo() == 0 { 0 } else { y.place(range.lo()) };
+                            ends[first] ^= 1 << bit;
+                            ends[y.place(range.hi() + 1)] ^= 1 << bit;
+                        }
+                    }
+                }
             }
         }
+        // What is full goes on below the ground, and not above the grid.
+        ends[0] ^= full;
+        ends[y.place(N)] ^= full;
         let mut inside = 0;
         for (row, end) in self.rows[at][..y.len].iter_mut().zip(ends) {
             inside ^= end;
@@ -103,26 +121,97 @@ impl Window {
         &mut self,
         maps: &Maps<N>,
         x: Stretch,
-        z: Stretch,
+        (z, tests): (Stretch, &Tests),
         (at, voxel): (usize, usize),
     ) {
+        let columns = &maps.line(Axis::Z, voxel)[x.voxels(N)];
         let mut ends = [0u64; ROWS + 1];
-        let line = maps.line(Axis::Z, voxel);
-        for (bit, place) in x.inside(N) {
-            let range = line[place].hull();
-            if !range.is_empty() {
-                ends[z.place(range.lo())] ^= 1 << bit;
-                ends[z.place(range.hi() + 1)] ^= 1 << bit;
+        let mut full = 0;
+        for (i, columns) in columns.chunks(8).enumerate() {
+            let bit = x.first_inside() + 8 * i;
+            match tests.common(columns) {
+                Common::Empty => {}
+                Common::Full => full |= (u64::MAX >> (64 - columns.len())) << bit,
+                Common::Mixed => {
+                    for (bit, column) in (bit..).zip(columns) {
+                        let range = column.hull();
+                        if !range.is_empty() {
+                            ends[z.place(range.lo())] ^= 1 << bit;
+                            ends[z.place(range.hi() + 1)] ^= 1 << bit;
+                        }
+                    }
+                }
             }
         }
-        let mut inside = 0;
+        let mut inside = full;
         for (rows, end) in self.rows[..z.len].iter_mut().zip(ends) {
             inside ^= end;
             rows[at] &= inside;
         }
         let line = maps.line(Axis::X, voxel);
-        for (place, z) in z.inside(N) {
-            self.rows[place][at] &= span(line[z].hull(), x);
+        for (rows, column) in self.rows[z.first_inside()..].iter_mut().zip(&line[z.voxels(N)]) {
+            if rows[at] != 0 {
+                rows[at] &= span(column.hull(), x);
+            }
+        }
+    }
+}
+
+/// What eight columns hold of a stretch.
+enum Common {
+    Empty,
+    /// All that the grid has.
+    Full,
+    Mixed,
+}
+
+/// Bounds of eight columns' ends, as a range stores them, to tell what they hold of a stretch.
+struct Tests {
+    /// At least these: all of it.
+    full: [u8; 16],
+    /// At most these: nothing, as they lie behind, or before.
+    behind: [u8; 16],
+    before: [u8; 16],
+}
+
+impl Tests {
+    fn new(stretch: Stretch, n: usize) -> Self {
+        let voxels = stretch.voxels(n);
+        let pairs = |[not_lo, hi]: [u8; 2]| {
+            [
+                not_lo, hi, not_lo, hi, not_lo, hi, not_lo, hi, not_lo, hi, not_lo, hi, not_lo, hi,
+                not_lo, hi,
+            ]
+        };
+        // Where there is nothing before or behind, only empty columns pass.
+        let empty = Range::EMPTY.to_bytes();
+        let behind = if voxels.end < 256 { [!(voxels.end as u8), u8::MAX] } else { empty };
+        let before = match voxels.start {
+            0 => empty,
+            start => [u8::MAX, start as u8 - 1],
+        };
+        let full = Range::new(voxels.start, voxels.end - 1).to_bytes();
+        Tests { full: pairs(full), behind: pairs(behind), before: pairs(before) }
+    }
+
+    #[inline]
+    fn common(&self, columns: &[Column]) -> Common {
+        let Some(columns) = columns.first_chunk::<8>() else { return Common::Mixed };
+        let mut ends = [0; 16];
+        for (i, column) in columns.iter().enumerate() {
+            [ends[2 * i], ends[2 * i + 1]] = column.0[0].to_bytes();
+        }
+        // Written so that the compiler makes vectors of it.
+        let (mut full, mut behind, mut before) = (true, true, true);
+        for (i, end) in ends.into_iter().enumerate() {
+            full &= end >= self.full[i];
+            behind &= end <= self.behind[i];
+            before &= end <= self.before[i];
+        }
+        match (behind | before, full) {
+            (true, _) => Common::Empty,
+            (_, true) => Common::Full,
+            _ => Common::Mixed,
         }
     }
 }

@@ -231,6 +231,24 @@ impl Gpu {
         Ok(Arc::new(Gpu { instance, physical, device, family, queue, needs, name, memory }))
     }
 
+    /// Pixels along a side of the largest image that it draws into.
+    #[must_use]
+    pub fn longest_side(&self) -> u32 {
+        let limits = self.properties().limits;
+        limits.max_image_dimension2_d.min(limits.max_framebuffer_width)
+    }
+
+    /// Whether it is no device, but this machine's processors.
+    #[must_use]
+    pub fn is_software(&self) -> bool {
+        self.properties().device_type == vk::PhysicalDeviceType::CPU
+    }
+
+    fn properties(&self) -> vk::PhysicalDeviceProperties {
+        // SAFETY: the physical device is one of this instance's.
+        unsafe { self.instance.raw.get_physical_device_properties(self.physical) }
+    }
+
     /// Waits until the device has done all it was given.
     ///
     /// # Errors

@@ -220,6 +220,19 @@ impl Renderer {
         })
     }
 
+    /// Waits until the latest frame is done; how long the device took for its parts.
+    ///
+    /// # Errors
+    /// A lost device.
+    pub fn finish(&mut self) -> Result<Times, Error> {
+        self.gpu.wait()?;
+        let slot = &self.ring[(self.at + RING - 1) % RING];
+        if slot.drew {
+            self.times = slot.timers.read();
+        }
+        Ok(self.times)
+    }
+
     /// Records the uploads and what `record` adds, and submits it all.
     fn submit(
         &mut self,

@@ -72,7 +72,8 @@ impl Textures {
         }
         let (read, write) =
             (vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL, vk::ImageLayout::TRANSFER_DST_OPTIMAL);
-        self.transition(commands, read, write);
+        let touched = self.touched(staging);
+        self.transition(commands, touched, read, write);
         for (region, at) in &staging.regions {
             let (image, copy) = self.copy(region, *at);
             // SAFETY: the image is in this layout, and the region lies within it and the buffer.
@@ -86,18 +87,30 @@ impl Textures {
                 );
             }
         }
-        self.transition(commands, write, read);
+        self.transition(commands, touched, write, read);
+    }
+
+    /// Which of the images something is staged for.
+    fn touched(&self, staging: &Staging) -> [bool; 5] {
+        let is_touched =
+            |image: &Image| staging.regions.iter().any(|(at, _)| self.image(at).0.raw == image.raw);
+        self.images().map(is_touched)
+    }
+
+    /// The image and the level of a region.
+    const fn image(&self, region: &Region) -> (&Image, u32) {
+        match region.texture {
+            Texture::Maps => (&self.maps, 0),
+            Texture::Density(level) => (&self.density, level as u32),
+            Texture::Cells => (&self.cells, 0),
+            Texture::Noise => (&self.noise, 0),
+            Texture::Marble => (&self.marble, 0),
+        }
     }
 
     /// A copy of a region between its texture and bytes at a place in a buffer.
     pub(super) fn copy(&self, region: &Region, at: u64) -> (vk::Image, vk::BufferImageCopy) {
-        let (image, level) = match region.texture {
-            Texture::Maps => (self.maps.raw, 0),
-            Texture::Density(level) => (self.density.raw, u32::from(level)),
-            Texture::Cells => (self.cells.raw, 0),
-            Texture::Noise => (self.noise.raw, 0),
-            Texture::Marble => (self.marble.raw, 0),
-        };
+        let (image, level) = self.image(region);
         let ([x, y, z], [width, height, depth]) = (region.min, region.size);
         let is_maps = region.texture == Texture::Maps;
         let (layer, layers, border) = if is_maps { (z, depth, BORDER) } else { (0, 1, 0) };
@@ -118,7 +131,7 @@ impl Textures {
             image_extent: vk::Extent3D { width, height, depth },
             ..vk::BufferImageCopy::default()
         };
-        (image, copy)
+        (image.raw, copy)
     }
 
     fn images(&self) -> [&Image; 5] {
@@ -127,7 +140,7 @@ impl Textures {
 
     fn clear(&self, commands: vk::CommandBuffer) {
         let write = vk::ImageLayout::TRANSFER_DST_OPTIMAL;
-        self.transition(commands, vk::ImageLayout::UNDEFINED, write);
+        self.transition(commands, [true; 5], vk::ImageLayout::UNDEFINED, write);
         let zero = vk::ClearColorValue { uint32: [0; 4] };
         for image in self.images() {
             // SAFETY: the image is in this layout, and the range is all of it.
@@ -141,19 +154,20 @@ impl Textures {
                 );
             }
         }
-        self.transition(commands, write, vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL);
+        self.transition(commands, [true; 5], write, vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL);
     }
 
-    /// Brings all the images from one layout to another, after what used them in the first.
+    /// Brings images from one layout to another, after what used them in the first.
     pub(super) fn transition(
         &self,
         commands: vk::CommandBuffer,
+        which: [bool; 5],
         from: vk::ImageLayout,
         to: vk::ImageLayout,
     ) {
         let (from_stage, from_access) = use_of(from);
         let (to_stage, to_access) = use_of(to);
-        let barriers = self.images().map(|image| {
+        let barrier = |image: &Image| {
             vk::ImageMemoryBarrier::default()
                 .image(image.raw)
                 .subresource_range(image.range())
@@ -163,7 +177,11 @@ impl Textures {
                 .dst_access_mask(to_access)
                 .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
                 .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
-        });
+        };
+        let mut barriers = [vk::ImageMemoryBarrier::default(); 5];
+        let images = self.images().into_iter().zip(which).filter(|(_, is)| *is);
+        let count =
+            barriers.iter_mut().zip(images).map(|(to, (image, _))| *to = barrier(image)).count();
         let none = vk::DependencyFlags::empty();
         // SAFETY: the images are the device's, and in the layout `from` at this point.
         unsafe {
@@ -174,7 +192,7 @@ impl Textures {
                 none,
                 &[],
                 &[],
-                &barriers,
+                &barriers[..count],
             );
         }
     }

@@ -1,6 +1,7 @@
 //! Edits as the definition has them: an exact boolean operation on voxels, then closure.
 
 use paros_core::edit::{EditReport, Operation};
+use paros_core::maps::Axis;
 
 use super::dense::Dense;
 
@@ -41,6 +42,37 @@ pub fn edited(
         refused_by_closure: removed.without(mask).and(&after).count(),
     };
     (after, report)
+}
+
+/// What the design promises of every edit, said without the definition.
+pub fn stays_in_reach(
+    volume: &Dense,
+    mask: &Dense,
+    after: &Dense,
+    brush: &Dense,
+    operation: Operation,
+    mirrored: bool,
+) {
+    let brush = if mirrored { brush.or(&brush.mirrored()) } else { brush.clone() };
+    assert!(mask.is_within(after), "a masked voxel is lost");
+    assert!(volume.without(after).is_within(&brush), "a voxel beside the brush was removed");
+    let added = after.without(volume);
+    match operation {
+        Operation::Carve { .. } => assert!(added.is_empty(), "a carve added"),
+        Operation::Fill { .. } => assert!(volume.is_within(after), "a fill removed"),
+        Operation::Smooth => {}
+    }
+    let held = Axis::ALL.map(|axis| {
+        move |brush: &Dense, voxel: [i32; 3]| {
+            brush.hull(axis, axis.address(voxel.map(|i| i as usize))).is_some()
+        }
+    });
+    for voxel in added.occupied() {
+        assert!(held.iter().any(|held| held(&brush, voxel)), "{voxel:?} is in no beam");
+    }
+    if mirrored && volume == &volume.mirrored() && mask == &mask.mirrored() {
+        assert_eq!(after, &after.mirrored(), "the mirror is broken");
+    }
 }
 
 /// The voxels whose 27 neighbours, themselves among them, are mostly occupied.

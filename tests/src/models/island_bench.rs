@@ -6,6 +6,7 @@ use paros_core::edit::{self, Edit, EditScratch, Operation};
 use paros_core::islands::{IslandReport, Islands};
 use paros_core::maps::{Axis, Column, Maps};
 use paros_core::pose::SUB;
+use paros_core::row::Bits;
 use paros_core::size::{Grid, Size};
 use paros_core::volume::{Journal, Volume, maps_digest};
 use proptest::prelude::*;
@@ -179,8 +180,14 @@ impl<const N: usize> Journal<N> for Changes<<Grid<N> as Size>::Row>
 where
     Grid<N>: Size,
 {
-    fn column(&mut self, axis: Axis, at: (usize, usize), old: Column) {
-        self.columns.push((axis, at, old));
+    fn columns(
+        &mut self,
+        axis: Axis,
+        line: usize,
+        places: <Grid<N> as Size>::Row,
+        old: &[Column; N],
+    ) {
+        self.columns.extend(places.ones().map(|place| (axis, (line, place), old[place])));
     }
     fn added(&mut self, row: (usize, usize), voxels: <Grid<N> as Size>::Row) {
         self.added.push((row, voxels));
@@ -200,7 +207,7 @@ impl<const N: usize> Journal<N> for Log<'_, N>
 where
     Grid<N>: Size,
 {
-    fn column(&mut self, _: Axis, _: (usize, usize), _: Column) {}
+    fn columns(&mut self, _: Axis, _: usize, _: <Grid<N> as Size>::Row, _: &[Column; N]) {}
     fn added(&mut self, row: (usize, usize), voxels: <Grid<N> as Size>::Row) {
         self.islands.added(row, voxels);
         self.added.push((row, voxels));

@@ -211,22 +211,17 @@ impl<const N: usize> Journal<N> for Log<'_, N>
 where
     Grid<N>: Size,
 {
-    fn column(&mut self, axis: Axis, at: (usize, usize), old: Column) {
-        match self.late {
-            true => self.undo.amend(axis, at, old),
-            false => self.undo.record(axis, at, old),
-        }
-    }
-
     fn columns(
         &mut self,
         axis: Axis,
         line: usize,
-        columns: <Grid<N> as Size>::Row,
+        places: <Grid<N> as Size>::Row,
         old: &[Column; N],
     ) {
-        assert!(self.late, "edits tell of single columns");
-        self.undo.amend_line(axis, line, columns, old);
+        match self.late {
+            true => self.undo.amend(axis, line, places, old),
+            false => self.undo.record(axis, line, places, old),
+        }
     }
 
     fn added(&mut self, _: (usize, usize), _: <Grid<N> as Size>::Row) {}
