@@ -6,3 +6,4 @@ pub mod demo;
 pub mod error;
 pub mod headless;
 pub mod mesh;
+pub mod window;

@@ -89,6 +89,8 @@ fn programs() -> Vec<Program> {
         program("cast_vertex", "cast", Vertex, &[]),
         program("cast_sculpture_vertex", "cast", Vertex, &[]).with("SCULPTURE"),
         program("cast_sculpture", "cast", Fragment, &[]).with("SCULPTURE"),
+        program("overlay_vertex", "overlay", Vertex, &[]),
+        program("overlay", "overlay", Fragment, &[]),
     ];
     for (name, half, coverage) in [
         ("fast", false, 0.0),

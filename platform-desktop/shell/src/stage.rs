@@ -21,11 +21,28 @@ where
     recording: Option<Recording>,
 }
 
-/// The header of a trace, and the bytes so far: room for the header, then records.
+/// A trace that is being recorded: its header, and the bytes so far, room for the header before the
+/// records.
 #[derive(Debug)]
-struct Recording {
+pub struct Recording {
     header: Header,
     bytes: Vec<u8>,
+}
+
+impl Recording {
+    /// Ticks so far.
+    #[must_use]
+    pub const fn ticks(&self) -> u32 {
+        self.header.ticks
+    }
+
+    /// The bytes of a trace that ends here.
+    #[must_use]
+    pub fn trace(&self) -> Vec<u8> {
+        let mut bytes = self.bytes.clone();
+        self.header.write(&mut Writer::new(&mut bytes));
+        bytes
+    }
 }
 
 impl<'a, const N: usize> Stage<'a, N>
@@ -63,9 +80,18 @@ where
     /// Ends the recording: the bytes of a trace.
     #[must_use]
     pub fn end_recording(&mut self) -> Option<Vec<u8>> {
-        let Recording { header, mut bytes } = self.recording.take()?;
-        header.write(&mut Writer::new(&mut bytes));
-        Some(bytes)
+        self.recording.take().map(|recording| recording.trace())
+    }
+
+    /// Leaves the stage, with what is being recorded.
+    #[must_use]
+    pub fn leave(self) -> Option<Recording> {
+        self.recording
+    }
+
+    /// Goes on recording what was begun on another stage of this world, and of these start volumes.
+    pub fn resume(&mut self, recording: Recording) {
+        self.recording = Some(recording);
     }
 
     /// One tick.
@@ -132,5 +158,11 @@ impl Pace {
         let due = u32::try_from(self.left / second).unwrap_or(u32::MAX);
         self.left %= second;
         (due.min(Self::CATCH_UP), due.saturating_sub(Self::CATCH_UP))
+    }
+
+    /// How far the time is from the last tick to the next, 0 to 1.
+    #[must_use]
+    pub fn between(&self) -> f32 {
+        self.left as f32 / 1e9
     }
 }

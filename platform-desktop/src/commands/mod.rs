@@ -10,6 +10,7 @@ mod play;
 mod progress;
 mod render;
 mod volume;
+mod window;
 
 use clap::{Parser, Subcommand};
 
@@ -19,7 +20,7 @@ use crate::error::Error;
 #[derive(Debug, Parser)]
 #[command(name = "paros", version)]
 pub struct Cli {
-    /// Without a command: the demo.
+    /// Without a command: the window, or the demo where there can be none.
     #[command(subcommand)]
     command: Option<Command>,
 }
@@ -33,6 +34,7 @@ enum Command {
     Play(play::Args),
     Export(export::Args),
     Render(render::Args),
+    Window(window::Args),
 }
 
 impl Cli {
@@ -42,7 +44,7 @@ impl Cli {
     /// What went wrong and whose fault it is. No file is written then.
     pub fn run(&self) -> Result<String, Error> {
         match &self.command {
-            None => demo::run(&demo::Args::default()),
+            None => window::run_or_demo(),
             Some(Command::Demo(args)) => demo::run(args),
             Some(Command::Bake(args)) => bake::run(args),
             Some(Command::Bench(args)) => bench::run(args),
@@ -50,6 +52,7 @@ impl Cli {
             Some(Command::Play(args)) => play::run(args),
             Some(Command::Export(args)) => export::run(args),
             Some(Command::Render(args)) => render::run(args),
+            Some(Command::Window(args)) => window::run(args),
         }
     }
 }

@@ -12,6 +12,7 @@ mod frame;
 mod image;
 pub mod layout;
 mod offscreen;
+pub mod overlay;
 mod pass;
 mod pipelines;
 pub mod programs;

@@ -112,6 +112,7 @@ impl Renderer {
                 self.draw_stage(commands, scene, Stage::Standing);
                 self.draw_stage(commands, scene, Stage::Particles);
             }
+            self.overlay.record(commands, surface.extent);
         });
     }
 

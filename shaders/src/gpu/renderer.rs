@@ -9,6 +9,7 @@ use super::context::Gpu;
 use super::error::{Doing, Error};
 use super::frame::{self, Path, Picture};
 use super::layout::Frame;
+use super::overlay::Overlay;
 use super::pass::{Format, Pass};
 use super::pipelines::{Passes, Pipelines};
 use super::shadow::ShadowMap;
@@ -39,6 +40,8 @@ pub struct Renderer {
     pub(super) gpu: Arc<Gpu>,
     format: Format,
     n: usize,
+    /// Panels over the frame that has begun.
+    pub overlay: Overlay,
     pub(super) starts: Pass,
     pub(super) shadow: ShadowMap,
     pub(super) frame: Pass,
@@ -94,10 +97,12 @@ impl Renderer {
             .flags(vk::CommandPoolCreateFlags::RESET_COMMAND_BUFFER);
         // SAFETY: the family is the device's.
         let pool = unsafe { gpu.device.create_command_pool(&info, None) }.doing("make a pool")?;
+        let overlay = Overlay::new(gpu, &format, &frame, RING)?;
         let mut renderer = Renderer {
             gpu: gpu.clone(),
             format,
             n,
+            overlay,
             starts,
             shadow,
             frame,
@@ -176,6 +181,7 @@ impl Renderer {
         }
         slot.drew = false;
         slot.staging.clear();
+        self.overlay.begin(self.at);
         Ok(())
     }
 
@@ -266,6 +272,7 @@ impl Renderer {
         slot.timers.reset(commands);
         slot.timers.mark(commands, Mark::Begin);
         self.textures.record(commands, &slot.staging);
+        self.overlay.record_copies(commands);
         slot.timers.mark(commands, Mark::Uploaded);
         record(self, commands);
         self.ring[self.at].timers.mark(commands, Mark::End);

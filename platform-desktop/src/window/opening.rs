@@ -1,0 +1,85 @@
+//! A mesh or a volume from a file, read and baked beside the frames.
+
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{Receiver, channel};
+use std::thread;
+
+use paros_core::bake::Up;
+use paros_core::size::{Grid, Size};
+use paros_shell::rmap;
+use paros_shell::statics::Resident;
+
+use crate::mesh::{self, Kind};
+
+/// A file on its way in. Once it is there, the resident maps of its size hold it.
+#[derive(Debug)]
+pub(super) struct Opening {
+    /// The file.
+    pub(super) path: PathBuf,
+    done: Receiver<Result<(), String>>,
+}
+
+impl Opening {
+    /// Begins to read a file: an `.rmap` of N voxels a side, or a mesh.
+    #[must_use]
+    pub(super) fn begin<const N: usize>(path: &Path) -> Self
+    where
+        Grid<N>: Size + Resident<N>,
+    {
+        let (tell, done) = channel();
+        let file = path.to_owned();
+        thread::spawn(move || {
+            // Nobody listens any more once the window is closed.
+            let _ = tell.send(load::<N>(&file));
+        });
+        Opening { path: path.to_owned(), done }
+    }
+
+    /// What came of it, once it has.
+    #[must_use]
+    pub(super) fn done(&self) -> Option<Result<(), String>> {
+        match self.done.try_recv() {
+            Ok(done) => Some(done),
+            Err(std::sync::mpsc::TryRecvError::Empty) => None,
+            Err(std::sync::mpsc::TryRecvError::Disconnected) => {
+                Some(Err(format!("{}: could not be read", self.path.display())))
+            }
+        }
+    }
+}
+
+/// Whether a file's name says that it can be opened.
+#[must_use]
+pub(super) fn is_known(path: &Path) -> bool {
+    is_volume(path) || Kind::of(path).is_some()
+}
+
+fn is_volume(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("rmap"))
+}
+
+/// Reads a file into the resident maps.
+fn load<const N: usize>(path: &Path) -> Result<(), String>
+where
+    Grid<N>: Size + Resident<N>,
+{
+    let mut maps = Grid::<N>::maps();
+    if is_volume(path) {
+        let header = rmap::peek(path).map_err(|error| error.to_string())?;
+        if header.n != N {
+            let (path, n) = (path.display(), header.n);
+            return Err(format!("{path}: is a volume of {n}, this studio takes {N}"));
+        }
+        rmap::read(path, &mut maps).map_err(|error| error.to_string())?;
+    } else {
+        let mesh = mesh::read(path).map_err(|error| error.to_string())?;
+        let up = Kind::of(path).map_or(Up::Y, Kind::up);
+        let (mut baker, mut plane) = (Grid::<N>::baker(), Grid::<N>::plane());
+        mesh.bake(up, &mut baker, &mut maps, &mut plane)
+            .ok_or_else(|| format!("{}: the mesh has no extent", path.display()))?;
+    }
+    match maps.is_empty() {
+        true => Err(format!("{}: the volume is empty", path.display())),
+        false => Ok(()),
+    }
+}

@@ -1,0 +1,81 @@
+//! The bit as lines, where it is.
+
+use egui::{Color32, Context, LayerId, Pos2, Stroke};
+use glam::Vec3;
+use paros_core::size::{Grid, Size};
+use paros_core::tools::Shape;
+use paros_core::world::World;
+
+use super::style;
+use crate::window::camera::Orbit;
+use crate::window::hands::RIGHT;
+
+/// A ball's circle or a box's edges, in pixels.
+#[derive(Clone, PartialEq, Debug)]
+pub(in crate::window) struct Outline {
+    lines: Vec<[[f32; 2]; 2]>,
+    circle: Option<([f32; 2], f32)>,
+    running: bool,
+    on_mask: bool,
+}
+
+impl Outline {
+    /// The right hand's bit on a picture of a size. None without one, or behind the eye.
+    #[must_use]
+    pub(in crate::window) fn of<const N: usize>(
+        world: &World<N>,
+        orbit: &Orbit,
+        size: [u32; 2],
+    ) -> Option<Self>
+    where
+        Grid<N>: Size,
+    {
+        let (_, bit) = world.held(RIGHT)?;
+        let hand = world.hand(RIGHT);
+        if !hand.bound {
+            return None;
+        }
+        let (position, rotation) = world.frame().to_room(&hand.frozen);
+        let on_mask = world.contact(RIGHT).is_some_and(|contact| contact.on_mask);
+        let mut outline =
+            Outline { lines: Vec::new(), circle: None, running: hand.trigger, on_mask };
+        match bit.data().shape {
+            Shape::Ball { radius } => {
+                let (middle, metre) = orbit.pixel(position, size)?;
+                outline.circle = Some((middle, metre * radius as f32 * 1e-6));
+            }
+            Shape::Box { half } => {
+                let half = Vec3::from_array(half.map(|v| v as f32 * 1e-6));
+                let corner = |i: u32| {
+                    let sign = |k: u32| if i >> k & 1 == 1 { 1.0 } else { -1.0 };
+                    let corner = half * Vec3::new(sign(0), sign(1), sign(2));
+                    orbit.pixel(position + rotation * corner, size).map(|(pixel, _)| pixel)
+                };
+                for (i, k) in (0..8u32).flat_map(|i| (0..3u32).map(move |k| (i, k))) {
+                    if i >> k & 1 == 0 {
+                        outline.lines.push([corner(i)?, corner(i | 1 << k)?]);
+                    }
+                }
+            }
+        }
+        Some(outline)
+    }
+
+    pub(super) fn draw(&self, context: &Context) {
+        let painter = context.layer_painter(LayerId::background());
+        let scale = context.pixels_per_point();
+        let point = |pixel: [f32; 2]| Pos2::new(pixel[0] / scale, pixel[1] / scale);
+        let color = match (self.on_mask, self.running) {
+            (true, _) => style::WARNING,
+            (false, true) => style::ACCENT,
+            (false, false) => Color32::from_white_alpha(150),
+        };
+        let stroke = Stroke::new(1.6, color);
+        for [from, to] in &self.lines {
+            painter.line_segment([point(*from), point(*to)], stroke);
+        }
+        if let Some((middle, radius)) = self.circle {
+            painter.circle_stroke(point(middle), radius / scale, stroke);
+        }
+    }
+}

@@ -1,0 +1,332 @@
+//! A session and what comes of it: ticks, saves, prints, traces. It knows no window.
+
+mod finishing;
+
+use std::path::{Path, PathBuf};
+
+use paros_core::events::Event;
+use paros_core::input::{Input, Mode};
+use paros_core::size::{Grid, Size};
+use paros_core::world::{Session, World};
+use paros_shell::print::Printer;
+use paros_shell::stage::{Recording, Stage};
+use paros_shell::starts::StartVolumes;
+use paros_shell::statics::Resident;
+use paros_shell::{durable, rmap};
+
+use super::keeper::{Keeper, Kept, What};
+use super::opening::Opening;
+use super::places::Places;
+use finishing::Finishing;
+
+/// Ticks from one save to the next while something changes: three seconds.
+const SAVE_TICKS: u64 = 3 * 72;
+
+/// Ticks after which a stroke's end is saved at once.
+const STROKE_TICKS: u64 = 72;
+
+/// Ticks that are recorded of a session at the most: two hours, 70 MiB.
+const RECORD_TICKS: u32 = 2 * 60 * 60 * 72;
+
+/// Something to tell the visitor.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub(super) enum Note {
+    /// All is well.
+    Good(String),
+    /// Something could not be done.
+    Bad(String),
+}
+
+/// A world with its start volumes and its files.
+pub(super) struct Studio<'a, const N: usize>
+where
+    Grid<N>: Size,
+{
+    world: &'a mut World<N>,
+    volumes: &'a mut StartVolumes<N>,
+    printer: Printer<'a, N>,
+    places: Places,
+    keeper: Keeper,
+    /// From the session's start on; none of a session that was resumed.
+    recording: Option<Recording>,
+    opening: Option<Opening>,
+    finishing: Option<Finishing>,
+    notes: Vec<Note>,
+    /// Where the last print is.
+    printed: Option<PathBuf>,
+    changed: bool,
+    running: bool,
+    saved: u64,
+}
+
+impl<'a, const N: usize> Studio<'a, N>
+where
+    Grid<N>: Size + Resident<N>,
+{
+    /// A studio in which the last session goes on, if there is one.
+    #[must_use]
+    pub(super) fn new(
+        world: &'a mut World<N>,
+        volumes: &'a mut StartVolumes<N>,
+        printer: Printer<'a, N>,
+        places: Places,
+    ) -> Self {
+        let mut studio = Studio {
+            world,
+            volumes,
+            printer,
+            places,
+            keeper: Keeper::new(),
+            recording: None,
+            opening: None,
+            finishing: None,
+            notes: Vec::new(),
+            printed: None,
+            changed: false,
+            running: false,
+            saved: 0,
+        };
+        studio.resume();
+        studio
+    }
+
+    /// The world as of the last tick.
+    #[must_use]
+    pub(super) const fn world(&self) -> &World<N> {
+        self.world
+    }
+
+    /// Where files go.
+    #[must_use]
+    pub(super) const fn places(&self) -> &Places {
+        &self.places
+    }
+
+    /// Has files written beside the frames.
+    pub(super) const fn keeper(&mut self) -> &mut Keeper {
+        &mut self.keeper
+    }
+
+    /// Where the last finished sculpture's print is.
+    #[must_use]
+    pub(super) fn printed(&self) -> Option<&Path> {
+        self.printed.as_deref()
+    }
+
+    /// The file that is being read.
+    #[must_use]
+    pub(super) fn opening(&self) -> Option<&Path> {
+        self.opening.as_ref().map(|opening| &*opening.path)
+    }
+
+    /// Whether a print is being made or written.
+    #[must_use]
+    pub(super) const fn is_printing(&self) -> bool {
+        self.finishing.is_some()
+    }
+
+    /// What is to be told since this was asked last.
+    pub(super) fn notes(&mut self) -> impl Iterator<Item = Note> {
+        self.notes.drain(..)
+    }
+
+    /// Tells the visitor something.
+    pub(super) fn note(&mut self, note: Note) {
+        self.notes.push(note);
+    }
+
+    /// One tick. A session that starts leaves the one before in a file of its own.
+    pub(super) fn tick(&mut self, input: &Input) {
+        let starts = input.start != Mode::None;
+        if starts {
+            self.leave_session();
+        }
+        let hidden = self.volumes.hidden();
+        let mut stage = Stage::new(self.world, self.volumes.starts(&hidden));
+        match self.recording.take().filter(|recording| recording.ticks() < RECORD_TICKS) {
+            Some(recording) => stage.resume(recording),
+            None if starts => stage.record(),
+            None => {}
+        }
+        stage.tick(input);
+        self.recording = stage.leave();
+        self.after_tick(input);
+    }
+
+    /// Takes in what threads have done.
+    pub(super) fn poll(&mut self) -> Option<Mode> {
+        while let Some(kept) = self.keeper.heard() {
+            self.tell(&kept);
+        }
+        self.write_finished();
+        let done = self.opening.as_ref()?.done()?;
+        self.opening = None;
+        match done {
+            Ok(()) => {
+                self.volumes.own_mut().copy_from(&Grid::<N>::maps());
+                Some(Mode::Own)
+            }
+            Err(why) => {
+                self.note(Note::Bad(why));
+                None
+            }
+        }
+    }
+
+    /// Reads a mesh or a volume, for a session of its own.
+    pub(super) fn open(&mut self, path: &Path) {
+        if self.opening.is_none() {
+            self.opening = Some(Opening::begin::<N>(path));
+        }
+    }
+
+    /// The sculpture as it is becomes a volume to start from.
+    pub(super) fn adopt(&mut self) -> Mode {
+        self.volumes.own_mut().copy_from(self.world.volume().maps());
+        Mode::Own
+    }
+
+    /// Writes the trace of the session so far, and the volume that it began with if that was the
+    /// visitor's own.
+    pub(super) fn write_trace(&mut self) {
+        let Some(recording) = &self.recording else {
+            let why = "only a session that began in this window can be recorded";
+            self.note(Note::Bad(why.into()));
+            return;
+        };
+        let trace = recording.trace();
+        self.wait_for_files();
+        let stem = self.places.free("session", &["trace", "rmap"]);
+        let mut files = vec![(stem.with_extension("trace"), trace)];
+        let hidden = self.volumes.hidden();
+        if let Some(own) = self.volumes.starts(&hidden).own {
+            files.push((stem.with_extension("rmap"), rmap::encode(own)));
+        }
+        self.keeper.keep(What::Trace, files);
+    }
+
+    /// Finishes what is under way and saves the session, and waits for the disk.
+    ///
+    /// # Errors
+    /// The first thing that could not be written.
+    pub(super) fn close(&mut self) -> Result<(), durable::Error> {
+        if let Some(finishing) = &mut self.finishing {
+            finishing.complete(&mut self.printer);
+        }
+        self.write_finished();
+        self.save();
+        let mut done = Ok(());
+        while let Some(kept) = self.keeper.wait() {
+            self.tell(&kept);
+            if kept.what != What::Cache {
+                done = done.and(kept.done);
+            }
+        }
+        done
+    }
+
+    /// Waits for what is being written, so that its names are seen to be taken.
+    fn wait_for_files(&mut self) {
+        while let Some(kept) = self.keeper.wait() {
+            self.tell(&kept);
+        }
+    }
+
+    /// Goes on with the session in the file, if it is one.
+    fn resume(&mut self) {
+        let path = self.places.session(N);
+        let Ok(bytes) = durable::read(&path) else { return };
+        if let Err(bad) = self.world.load(&bytes) {
+            let aside = path.with_extension("unreadable");
+            let moved = std::fs::rename(&path, &aside).is_ok();
+            let kept = if moved { aside.display() } else { path.display() };
+            let (expected, offset) = (bad.expected, bad.offset);
+            let why = format!("the saved session is damaged: expected {expected} at byte {offset}");
+            self.note(Note::Bad(format!("{why}; it is kept as {kept}")));
+        }
+    }
+
+    fn leave_session(&mut self) {
+        if self.world.session() == Session::Sculpting && self.world.undo_counts() != (0, 0) {
+            let bytes = self.saved_world();
+            self.keeper.keep(What::Session, vec![(self.places.session_before(N), bytes)]);
+        }
+        self.world.clear();
+        self.recording = None;
+        self.printed = None;
+        self.saved = 0;
+    }
+
+    fn after_tick(&mut self, input: &Input) {
+        let print = self.printer.tick(self.world);
+        if let Some(finishing) = &mut self.finishing {
+            finishing.take_print(print);
+        }
+        let finished = self.world.events().contains(&Event::Finished);
+        if finished {
+            // The printer has made the last one's print at once, before it began with this one's.
+            if let Some(last) = &mut self.finishing {
+                last.wait_for_picture();
+                self.write_finished();
+            }
+            self.wait_for_files();
+            let stem = self.places.free("sculpture", &finishing::ENDINGS);
+            self.finishing = Some(Finishing::begin(self.world, stem));
+        }
+        let tick = self.world.tick();
+        self.changed |= !self.world.events().is_empty() || !self.world.dirty().is_empty();
+        let running = input.hands.iter().any(|hand| hand.trigger > 127);
+        let stroke_ended = self.running && !running && tick >= self.saved + STROKE_TICKS;
+        self.running = running;
+        if self.changed && (finished || stroke_ended || tick >= self.saved + SAVE_TICKS) {
+            self.save();
+        }
+    }
+
+    /// Has the session written.
+    fn save(&mut self) {
+        if self.world.session() == Session::Waiting {
+            return;
+        }
+        let bytes = self.saved_world();
+        self.keeper.keep(What::Session, vec![(self.places.session(N), bytes)]);
+        (self.changed, self.saved) = (false, self.world.tick());
+    }
+
+    fn saved_world(&self) -> Vec<u8> {
+        let mut bytes = vec![0; self.world.save(&mut [])];
+        let len = self.world.save(&mut bytes);
+        debug_assert_eq!(len, bytes.len());
+        bytes
+    }
+
+    fn write_finished(&mut self) {
+        let Some(finishing) = &mut self.finishing else { return };
+        match finishing.files() {
+            None => {}
+            Some(Ok(files)) => {
+                self.keeper.keep(What::Sculpture, files);
+                self.finishing = None;
+            }
+            Some(Err(why)) => {
+                self.finishing = None;
+                self.note(Note::Bad(why));
+            }
+        }
+    }
+
+    fn tell(&mut self, kept: &Kept) {
+        let first = kept.paths.first();
+        match (&kept.done, kept.what) {
+            (Err(error), What::Session | What::Sculpture | What::Trace) => {
+                self.note(Note::Bad(error.to_string()));
+            }
+            (Ok(()), What::Sculpture) => self.printed = first.cloned(),
+            (Ok(()), What::Trace) => {
+                let path = first.map_or(String::new(), |path| path.display().to_string());
+                self.note(Note::Good(format!("recorded: {path}")));
+            }
+            (_, What::Session | What::Cache) => {}
+        }
+    }
+}
