@@ -17,6 +17,7 @@ mod pass;
 mod pipelines;
 pub mod programs;
 mod renderer;
+mod slot;
 mod staging;
 mod surface;
 mod textures;

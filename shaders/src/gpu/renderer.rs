@@ -4,18 +4,17 @@ use std::sync::Arc;
 
 use ash::vk;
 
-use super::buffer::Buffer;
 use super::context::Gpu;
 use super::error::{Doing, Error};
 use super::frame::{self, Path, Picture};
-use super::layout::Frame;
 use super::overlay::Overlay;
 use super::pass::{Format, Pass};
 use super::pipelines::Pipelines;
-use super::staging::{CAPACITY, Staging};
+use super::slot::Slot;
+use super::staging::CAPACITY;
 use super::surface::{Parts, Surface};
 use super::textures::Textures;
-use super::timers::{Mark, Timers, Times};
+use super::timers::{Mark, Times};
 use crate::constants::NOISE_SIZE;
 use crate::upload::{Region, Texture};
 use crate::{marble, noise};
@@ -47,17 +46,6 @@ pub struct Renderer {
     ring: Vec<Slot>,
     at: usize,
     times: Times,
-}
-
-/// A frame of the ring.
-struct Slot {
-    commands: vk::CommandBuffer,
-    done: vk::Fence,
-    uniform: Buffer,
-    staging: Staging,
-    timers: Timers,
-    /// Whether its commands drew a picture, and so set every mark.
-    drew: bool,
 }
 
 impl core::fmt::Debug for Renderer {
@@ -98,7 +86,7 @@ impl Renderer {
             times: Times::default(),
         };
         for _ in 0..RING {
-            let slot = renderer.slot()?;
+            let slot = Slot::new(gpu, pool)?;
             renderer.ring.push(slot);
         }
         let cube = |texture, side: usize| Region { texture, min: [0; 3], size: [side as u32; 3] };
@@ -379,27 +367,6 @@ impl Renderer {
         inside(device);
         // SAFETY: the pass was begun above.
         unsafe { device.cmd_end_render_pass(commands) };
-    }
-
-    fn slot(&self) -> Result<Slot, Error> {
-        let device = &self.gpu.device;
-        let info = vk::CommandBufferAllocateInfo::default()
-            .command_pool(self.pool)
-            .command_buffer_count(1);
-        // SAFETY: the pool is this device's.
-        let commands =
-            unsafe { device.allocate_command_buffers(&info) }.doing("make a command buffer")?[0];
-        let info = vk::FenceCreateInfo::default().flags(vk::FenceCreateFlags::SIGNALED);
-        let uniform = vk::BufferUsageFlags::UNIFORM_BUFFER;
-        Ok(Slot {
-            commands,
-            // SAFETY: the info is complete.
-            done: unsafe { device.create_fence(&info, None) }.doing("make a fence")?,
-            uniform: Buffer::new(&self.gpu, size_of::<Frame>(), uniform)?,
-            staging: Staging::new(&self.gpu)?,
-            timers: Timers::new(&self.gpu)?,
-            drew: false,
-        })
     }
 }
 
