@@ -20,6 +20,7 @@ mod recipe;
 mod record;
 mod renderer;
 mod shadow;
+mod slot;
 mod staging;
 mod surface;
 mod textures;

@@ -8,18 +8,17 @@ use super::buffer::Buffer;
 use super::context::Gpu;
 use super::error::{Doing, Error};
 use super::frame::{self, Path, Picture};
-use super::layout::Frame;
 use super::overlay::Overlay;
 use super::pass::{Format, Pass};
 use super::pipelines::{Passes, Pipelines};
 use super::shadow::ShadowMap;
-use super::staging::{CAPACITY, Staging};
+use super::slot::Slot;
+use super::staging::CAPACITY;
 use super::surface::{Parts, Surface};
 use super::textures::Textures;
-use super::timers::{Mark, Timers, Times};
+use super::timers::{Mark, Times};
 use crate::constants::NOISE_SIZE;
-use crate::limits::INSTANCES;
-use crate::scene::{Instance, meshes};
+use crate::scene::meshes;
 use crate::upload::{Region, Texture};
 use crate::{marble, noise};
 
@@ -58,19 +57,6 @@ pub struct Renderer {
 pub(super) struct Meshes {
     pub(super) vertices: Buffer,
     pub(super) indices: Buffer,
-}
-
-/// A frame of the ring.
-pub(super) struct Slot {
-    commands: vk::CommandBuffer,
-    done: vk::Fence,
-    uniform: Buffer,
-    /// The scene's.
-    pub(super) instances: Buffer,
-    staging: Staging,
-    pub(super) timers: Timers,
-    /// Whether its commands drew a picture, and so set every mark.
-    drew: bool,
 }
 
 impl core::fmt::Debug for Renderer {
@@ -115,7 +101,7 @@ impl Renderer {
             times: Times::default(),
         };
         for _ in 0..RING {
-            let slot = renderer.slot()?;
+            let slot = Slot::new(gpu, pool)?;
             renderer.ring.push(slot);
         }
         let cube = |texture, side: usize| Region { texture, min: [0; 3], size: [side as u32; 3] };
@@ -294,29 +280,6 @@ impl Renderer {
         }
         self.at = (self.at + 1) % RING;
         Ok(())
-    }
-
-    fn slot(&self) -> Result<Slot, Error> {
-        let device = &self.gpu.device;
-        let info = vk::CommandBufferAllocateInfo::default()
-            .command_pool(self.pool)
-            .command_buffer_count(1);
-        // SAFETY: the pool is this device's.
-        let commands =
-            unsafe { device.allocate_command_buffers(&info) }.doing("make a command buffer")?[0];
-        let info = vk::FenceCreateInfo::default().flags(vk::FenceCreateFlags::SIGNALED);
-        let uniform = vk::BufferUsageFlags::UNIFORM_BUFFER;
-        let vertices = vk::BufferUsageFlags::VERTEX_BUFFER;
-        Ok(Slot {
-            commands,
-            // SAFETY: the info is complete.
-            done: unsafe { device.create_fence(&info, None) }.doing("make a fence")?,
-            uniform: Buffer::new(&self.gpu, size_of::<Frame>(), uniform)?,
-            instances: Buffer::new(&self.gpu, INSTANCES * size_of::<Instance>(), vertices)?,
-            staging: Staging::new(&self.gpu)?,
-            timers: Timers::new(&self.gpu)?,
-            drew: false,
-        })
     }
 }
 

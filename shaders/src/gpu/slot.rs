@@ -1,0 +1,52 @@
+//! A frame of the renderer's ring: its commands, its bytes and its clock.
+
+use std::sync::Arc;
+
+use ash::vk;
+
+use super::buffer::Buffer;
+use super::context::Gpu;
+use super::error::{Doing, Error};
+use super::layout::Frame;
+use super::staging::Staging;
+use super::timers::Timers;
+use crate::limits::INSTANCES;
+use crate::scene::Instance;
+
+/// A frame of the ring.
+pub(super) struct Slot {
+    pub(super) commands: vk::CommandBuffer,
+    pub(super) done: vk::Fence,
+    pub(super) uniform: Buffer,
+    /// The scene's.
+    pub(super) instances: Buffer,
+    pub(super) staging: Staging,
+    pub(super) timers: Timers,
+    /// Whether its commands drew a picture, and so set every mark.
+    pub(super) drew: bool,
+}
+
+impl Slot {
+    /// With commands from a pool.
+    pub(super) fn new(gpu: &Arc<Gpu>, pool: vk::CommandPool) -> Result<Self, Error> {
+        let device = &gpu.device;
+        let info =
+            vk::CommandBufferAllocateInfo::default().command_pool(pool).command_buffer_count(1);
+        // SAFETY: the pool is this device's.
+        let commands =
+            unsafe { device.allocate_command_buffers(&info) }.doing("make a command buffer")?[0];
+        let info = vk::FenceCreateInfo::default().flags(vk::FenceCreateFlags::SIGNALED);
+        let uniform = vk::BufferUsageFlags::UNIFORM_BUFFER;
+        let vertices = vk::BufferUsageFlags::VERTEX_BUFFER;
+        Ok(Slot {
+            commands,
+            // SAFETY: the info is complete.
+            done: unsafe { device.create_fence(&info, None) }.doing("make a fence")?,
+            uniform: Buffer::new(gpu, size_of::<Frame>(), uniform)?,
+            instances: Buffer::new(gpu, INSTANCES * size_of::<Instance>(), vertices)?,
+            staging: Staging::new(gpu)?,
+            timers: Timers::new(gpu)?,
+            drew: false,
+        })
+    }
+}
