@@ -43,35 +43,41 @@ fn fragment(
     // takes.
     let voxel = 1.0 / (length(direction) * frame.sun_room.w);
     let end = end_of(o, direction);
-    // A ray that comes this near is drawn in part if it doesn't meet the surface: a pixel away,
-    // with a density that rises by about 0.3 a voxel.
+    // A ray that comes as near as a pixel is drawn in part if it meets no surface; the density rises
+    // by about 0.3 a voxel.
     let margin = 0.3 * frame.sun_color.w;
-    let edge = part(select(0.5, max(0.5 - margin * start, 0.4), COVERAGE));
+    var level = part(select(0.5, max(0.5 - margin * start, 0.4), COVERAGE));
+    var rim = -1.0;
     var t = start;
     var full = part(0.0);
     var before = part(0.0);
-    while t < end {
-        // Four voxels near the surface.
-        let until = min(t + 4.0 * voxel, end);
-        while t < until {
-            full = part(dense(o + direction * t, 0.0));
-            if full >= edge { break; }
-            before = full;
-            t += f32(step(full)) * voxel;
-        }
-        if full >= edge { break; }
-        // Empty cells.
+    loop {
         while t < end {
-            let free = textureSampleLevel(cells, nearest, o + direction * t, 0.0).x;
-            if free == 0.0 { break; }
-            t += free * frame.cells.x * voxel;
+            // Four voxels near the surface.
+            let until = min(t + 4.0 * voxel, end);
+            while t < until {
+                full = part(dense(o + direction * t, 0.0));
+                if full >= level { break; }
+                before = full;
+                t += f32(step(full)) * voxel;
+            }
+            if full >= level { break; }
+            // Empty cells.
+            while t < end {
+                let free = textureSampleLevel(cells, nearest, o + direction * t, 0.0).x;
+                if free == 0.0 { break; }
+                t += free * frame.cells.x * voxel;
+            }
         }
-    }
-    if full < edge {
-        discard;
+        if !COVERAGE || full < level || full >= part(0.5) { break; }
+        // The nearest so far: on, to what is behind or nearer still.
+        rim = t;
+        level = full + part(0.004);
+        before = full;
+        t += f32(step(full)) * voxel;
     }
     var coverage = part(1.0);
-    if !COVERAGE || full >= part(0.5) {
+    if full >= part(0.5) {
         // Back to where the density is a half, by false position twice.
         let length = f32(step(before)) * voxel;
         let near = f32(before) - 0.5;
@@ -82,16 +88,16 @@ fn fragment(
         let inner = select(vec2<f32>(0.0, far), vec2<f32>(first, middle), middle >= 0.0);
         let outside = select(vec2<f32>(first, middle), outer, middle >= 0.0);
         t -= mix(inner.x, outside.x, inner.y / max(inner.y - outside.y, 1e-4));
+    } else {
+        if !COVERAGE || rim < 0.0 {
+            discard;
+        }
+        t = rim;
+        coverage -= part(saturate((0.504 - f32(level)) / (margin * t)));
     }
     let p = o + direction * t;
     let fall = fall(p);
     let normal = fall * inverseSqrt(max(dot(fall, fall), part(1e-4)));
-    if COVERAGE && full < part(0.5) {
-        // It only just misses if it goes along the surface.
-        let steep = dot(vec3<f32>(normal), direction) * frame.sun_room.w * voxel;
-        let gap = (0.5 - f32(full)) / (margin * t);
-        coverage -= part(saturate(1.0 + 6.0 * steep) * saturate(gap));
-    }
     let depth = frame.depth.x / t + frame.depth.y;
     return Shaded(vec4<f32>(vec3<f32>(lit(p, normal)), f32(coverage)), depth);
 }
