@@ -70,12 +70,13 @@ fn march<const N: usize>(field: &Field<N>, ray: &Ray, near: f32, end: f32) -> Op
             turns -= 1;
         }
         // Empty cells.
-        while t < end {
+        while t < end && turns > 0 {
             let free = field.free(ray.at(t));
             if free == 0.0 {
                 break;
             }
             t += free;
+            turns -= 1;
         }
         turns = turns.saturating_sub(1);
     }

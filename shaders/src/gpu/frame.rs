@@ -131,6 +131,15 @@ pub struct Picture<'a> {
     pub backdrop: [f32; 3],
 }
 
+impl Picture<'_> {
+    /// Whether the sculpture can be seen at all. From far beyond the far plane a step along a ray
+    /// would be less than its last digit, and a march never end.
+    pub(super) fn shows_sculpture(&self) -> bool {
+        let near = |eye: &Eye| eye.position.distance(self.stand.foot) < 10.0 * FAR;
+        self.eyes.iter().all(near)
+    }
+}
+
 impl Stand {
     /// The room's point of a point in voxels, as a matrix, for N voxels a side.
     #[must_use]

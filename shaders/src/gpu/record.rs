@@ -106,7 +106,9 @@ impl Renderer {
                 self.draw_stage(commands, scene, Stage::Handled);
             }
             timers.mark(commands, Mark::SculptureBegins);
-            self.draw_sculpture(commands, picture.look.path, surface);
+            if picture.shows_sculpture() {
+                self.draw_sculpture(commands, picture.look.path, surface);
+            }
             timers.mark(commands, Mark::SculptureEnds);
             if let Some(scene) = picture.scene {
                 self.draw_stage(commands, scene, Stage::Standing);
