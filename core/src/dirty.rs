@@ -3,8 +3,10 @@
 use heapless::Vec;
 
 use crate::limits::DIRTY_RECTS;
-use crate::maps::Axis;
+use crate::maps::{Axis, Column};
 use crate::row::Bits;
+use crate::size::{Grid, Size};
+use crate::volume::Journal;
 
 /// Columns `lo..=hi` of a map: (line, place), ends included.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -119,6 +121,24 @@ impl Dirty {
     pub fn is_empty(&self) -> bool {
         self.rects.iter().all(Vec::is_empty)
     }
+}
+
+/// For who hears of an edit and only wants to know where it was.
+impl<const N: usize> Journal<N> for Dirty
+where
+    Grid<N>: Size,
+{
+    fn columns(
+        &mut self,
+        axis: Axis,
+        line: usize,
+        places: <Grid<N> as Size>::Row,
+        _: &[Column; N],
+    ) {
+        self.note_line(axis, line, places);
+    }
+
+    fn added(&mut self, _: (usize, usize), _: <Grid<N> as Size>::Row) {}
 }
 
 /// Adds a rectangle; any two whose union is no larger than they are together become one. No pair

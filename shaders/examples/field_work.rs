@@ -10,31 +10,12 @@ use glam::IVec3;
 use paros_core::brush::Brush;
 use paros_core::dirty::Dirty;
 use paros_core::edit::{Edit, EditScratch, Operation, apply};
-use paros_core::maps::{Axis, Column, Maps};
+use paros_core::maps::Maps;
 use paros_core::pose::SUB;
 use paros_core::row::Bits;
 use paros_core::size::{Grid, Size};
-use paros_core::volume::{Journal, Volume};
+use paros_core::volume::Volume;
 use paros_shaders::field::{Budget, Field};
-
-struct Noting<'a>(&'a mut Dirty);
-
-impl<const N: usize> Journal<N> for Noting<'_>
-where
-    Grid<N>: Size,
-{
-    fn columns(
-        &mut self,
-        axis: Axis,
-        line: usize,
-        places: <Grid<N> as Size>::Row,
-        _: &[Column; N],
-    ) {
-        self.0.note_line(axis, line, places);
-    }
-
-    fn added(&mut self, _: (usize, usize), _: <Grid<N> as Size>::Row) {}
-}
 
 struct Studio<const N: usize>
 where
@@ -116,7 +97,7 @@ where
         let operation = Operation::Carve { depth: 2 };
         dirty.clear();
         let edit = Edit { brush: &brush, operation, mirrored: false };
-        let _ = apply(volume, mask, &edit, scratch, &mut Noting(&mut dirty));
+        let _ = apply(volume, mask, &edit, scratch, &mut dirty);
         dirty.close();
         let (bytes, regions) = counted(&mut field, Some((volume.maps(), &dirty)));
         println!("{bytes} bytes in {regions} regions, pending {}", field.pending());

@@ -7,31 +7,11 @@ use paros_core::brush::Brush;
 use paros_core::dirty::{Dirty, Rect};
 use paros_core::edit::{Edit, EditScratch, Operation, apply};
 use paros_core::limits::DIRTY_RECTS;
-use paros_core::maps::{Axis, Column, Maps};
+use paros_core::maps::{Axis, Maps};
 use paros_core::pose::SUB;
-use paros_core::size::{Grid, Size};
-use paros_core::volume::{Journal, Volume};
+use paros_core::volume::Volume;
 use paros_tests::models::dense::volumes;
 use proptest::prelude::*;
-
-impl<const N: usize> Journal<N> for Noting<'_>
-where
-    Grid<N>: Size,
-{
-    fn columns(
-        &mut self,
-        axis: Axis,
-        line: usize,
-        places: <Grid<N> as Size>::Row,
-        _: &[Column; N],
-    ) {
-        self.0.note_line(axis, line, places);
-    }
-
-    fn added(&mut self, _: (usize, usize), _: <Grid<N> as Size>::Row) {}
-}
-
-struct Noting<'a>(&'a mut Dirty);
 
 struct Studio {
     volume: Volume<16>,
@@ -90,7 +70,7 @@ proptest! {
                 let brush = Brush::sphere(IVec3::from_array(at), radius);
                 let edit = Edit { brush: &brush, operation, mirrored };
                 // A ball across a grid of 16 can be too large to smooth: then nothing changes.
-                let _ = apply(volume, mask, &edit, scratch, &mut Noting(&mut dirty));
+                let _ = apply(volume, mask, &edit, scratch, &mut dirty);
                 dirty.close();
             }
             for axis in Axis::ALL {

@@ -7,10 +7,10 @@ use glam::IVec3;
 use paros_core::brush::Brush;
 use paros_core::dirty::Dirty;
 use paros_core::edit::{Edit, EditScratch, Operation, apply};
-use paros_core::maps::{Axis, Column, Maps};
+use paros_core::maps::{Axis, Maps};
 use paros_core::pose::SUB;
 use paros_core::size::{Grid, Size};
-use paros_core::volume::{Journal, Volume};
+use paros_core::volume::Volume;
 use paros_shaders::field::{Budget, FAR, Field, HALF, LEVELS};
 use paros_shaders::upload::{Region, Texture};
 use paros_tests::models::visitor::Dice;
@@ -95,25 +95,6 @@ impl Copies {
     }
 }
 
-struct Noting<'a>(&'a mut Dirty);
-
-impl<const N: usize> Journal<N> for Noting<'_>
-where
-    Grid<N>: Size,
-{
-    fn columns(
-        &mut self,
-        axis: Axis,
-        line: usize,
-        places: <Grid<N> as Size>::Row,
-        _: &[Column; N],
-    ) {
-        self.0.note_line(axis, line, places);
-    }
-
-    fn added(&mut self, _: (usize, usize), _: <Grid<N> as Size>::Row) {}
-}
-
 /// A volume that random edits, undos and loads change.
 struct Studio<const N: usize>
 where
@@ -164,7 +145,7 @@ where
             Operation::Smooth,
         ][dice.roll(4) as usize];
         let edit = Edit { brush: &brush, operation, mirrored: dice.one_in(4) };
-        let log = &mut Noting(dirty);
+        let log = &mut *dirty;
         // A ball that is too large to smooth changes nothing.
         let _ = apply(&mut self.volume, &self.mask, &edit, &mut self.scratch, log);
         dirty.close();
