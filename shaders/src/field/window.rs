@@ -86,26 +86,11 @@ impl Window {
         (at, voxel): (usize, usize),
     ) {
         let columns = &maps.line(Axis::Y, voxel)[x.voxels(N)];
-        let mut ends = [0u64; ROWS + 1];
-        let mut full = 0;
-        for (i, columns) in columns.chunks(8).enumerate() {
-            let bit = x.first_inside() + 8 * i;
-            match tests.common(columns) {
-                Common::Empty => {}
-                Common::Full => full |= (u64::MAX >> (64 - columns.len())) << bit,
-                Common::Mixed => {
-                    for (bit, column) in (bit..).zip(columns) {
-                        let range = column.hull();
-                        if !range.is_empty() {
-                            // A column that stands on the ground goes on below it.
-                            let first = if range.lo() == 0 { 0 } else { y.place(range.lo()) };
-                            ends[first] ^= 1 << bit;
-                            ends[y.place(range.hi() + 1)] ^= 1 << bit;
-                        }
-                    }
-                }
-            }
-        }
+        let (mut ends, full) = column_ends(columns, x, tests, |range| {
+            // A column that stands on the ground goes on below it.
+            let first = if range.lo() == 0 { 0 } else { y.place(range.lo()) };
+            (first, y.place(range.hi() + 1))
+        });
         // What is full goes on below the ground, and not above the grid.
         ends[0] ^= full;
         ends[y.place(N)] ^= full;
@@ -125,24 +110,8 @@ impl Window {
         (at, voxel): (usize, usize),
     ) {
         let columns = &maps.line(Axis::Z, voxel)[x.voxels(N)];
-        let mut ends = [0u64; ROWS + 1];
-        let mut full = 0;
-        for (i, columns) in columns.chunks(8).enumerate() {
-            let bit = x.first_inside() + 8 * i;
-            match tests.common(columns) {
-                Common::Empty => {}
-                Common::Full => full |= (u64::MAX >> (64 - columns.len())) << bit,
-                Common::Mixed => {
-                    for (bit, column) in (bit..).zip(columns) {
-                        let range = column.hull();
-                        if !range.is_empty() {
-                            ends[z.place(range.lo())] ^= 1 << bit;
-                            ends[z.place(range.hi() + 1)] ^= 1 << bit;
-                        }
-                    }
-                }
-            }
-        }
+        let (ends, full) =
+            column_ends(columns, x, tests, |range| (z.place(range.lo()), z.place(range.hi() + 1)));
         let mut inside = full;
         for (rows, end) in self.rows[..z.len].iter_mut().zip(ends) {
             inside ^= end;
@@ -155,6 +124,37 @@ impl Window {
             }
         }
     }
+}
+
+/// The columns of a stretch along x, a bit each: where those that begin or end within the rows do so,
+/// as `places` has it, and which hold all of them.
+#[inline(always)]
+fn column_ends(
+    columns: &[Column],
+    x: Stretch,
+    tests: &Tests,
+    places: impl Fn(Range) -> (usize, usize),
+) -> ([u64; ROWS + 1], u64) {
+    let mut ends = [0u64; ROWS + 1];
+    let mut full = 0;
+    for (i, columns) in columns.chunks(8).enumerate() {
+        let bit = x.first_inside() + 8 * i;
+        match tests.common(columns) {
+            Common::Empty => {}
+            Common::Full => full |= (u64::MAX >> (64 - columns.len())) << bit,
+            Common::Mixed => {
+                for (bit, column) in (bit..).zip(columns) {
+                    let range = column.hull();
+                    if !range.is_empty() {
+                        let (first, end) = places(range);
+                        ends[first] ^= 1 << bit;
+                        ends[end] ^= 1 << bit;
+                    }
+                }
+            }
+        }
+    }
+    (ends, full)
 }
 
 /// What eight columns hold of a stretch.
