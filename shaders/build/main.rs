@@ -3,6 +3,9 @@
 #[allow(dead_code, unreachable_pub)] // the programs and the twin use the rest
 #[path = "../src/constants.rs"]
 mod constants;
+#[allow(dead_code, unreachable_pub)] // the twin uses the rest
+#[path = "../src/harmonics.rs"]
+mod harmonics;
 mod mesh;
 mod meshes;
 mod programs;
@@ -12,6 +15,7 @@ fn main() {
     let out = std::path::PathBuf::from(std::env::var_os("OUT_DIR").expect("cargo sets OUT_DIR"));
     println!("cargo::rerun-if-changed=build");
     println!("cargo::rerun-if-changed=src/constants.rs");
+    println!("cargo::rerun-if-changed=src/harmonics.rs");
     programs::write(&out);
     meshes::write(&out);
 }

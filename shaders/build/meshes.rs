@@ -105,8 +105,8 @@ fn write_tables(out: &Path, meshes: &[(String, Light, Mesh)]) {
     write_file(out, "meshes.rs", table.as_bytes());
 }
 
-fn write_ambient(out: &Path, about: &[Vec3; 9]) {
-    let rows: String = about.iter().map(|c| format!("    {:?},\n", c.to_array())).collect();
+fn write_ambient(out: &Path, about: &[[f32; 3]; 9]) {
+    let rows: String = about.iter().map(|c| format!("    {c:?},\n")).collect();
     let text = format!(
         "/// Radiance about the sculpture but for the sun's own, in the order and the units of\n\
          /// [`AMBIENT`](crate::constants::AMBIENT): the window's sky, and what the room gives back.\n\

@@ -10,6 +10,7 @@ pub mod fast;
 pub mod field;
 pub mod fragment;
 pub mod gpu;
+pub mod harmonics;
 pub mod image;
 pub mod light;
 pub mod limits;

@@ -1,12 +1,13 @@
 //! Light at a surface point: damped samples towards the sun, and harmonics for all else.
 //!
-//! Source: section 4.3 of the paper; the harmonics after Ramamoorthi and Hanrahan (2001).
+//! Source: section 4.3 of the paper.
 
 use glam::Vec3;
 
 use crate::constants::{
     AMBIENT, GOLDEN_TURN, SHADOW_DAMPING, SHADOW_RADIUS_FAR, SHADOW_RADIUS_NEAR, SHADOW_SAMPLES,
 };
+use crate::harmonics;
 use crate::march::{Ray, inside_cube};
 
 /// How much of the light from direction `towards` reaches a point in the cube of side `n`, both in
@@ -66,29 +67,7 @@ pub fn circle(part: f32) -> [f32; 2] {
 /// The ambient light that a surface with this normal receives, over pi.
 #[must_use]
 pub fn ambient(normal: Vec3) -> Vec3 {
-    // What a clamped cosine leaves of each band, over pi.
-    const BANDS: [f32; 9] = [1.0, 2.0 / 3.0, 2.0 / 3.0, 2.0 / 3.0, 0.25, 0.25, 0.25, 0.25, 0.25];
-    let mut sum = Vec3::ZERO;
-    for ((basis, band), color) in harmonics(normal).into_iter().zip(BANDS).zip(AMBIENT) {
-        sum += Vec3::from_array(color) * (basis * band);
-    }
-    sum.max(Vec3::ZERO)
-}
-
-/// The nine real spherical harmonics of bands 0 to 2.
-#[must_use]
-pub fn harmonics(d: Vec3) -> [f32; 9] {
-    [
-        0.282_094_8,
-        0.488_602_5 * d.y,
-        0.488_602_5 * d.z,
-        0.488_602_5 * d.x,
-        1.092_548_4 * d.x * d.y,
-        1.092_548_4 * d.y * d.z,
-        0.315_391_57 * (3.0 * d.z * d.z - 1.0),
-        1.092_548_4 * d.x * d.z,
-        0.546_274_2 * (d.x * d.x - d.y * d.y),
-    ]
+    harmonics::ambient(&AMBIENT, normal)
 }
 
 /// Radiance of the studio in a direction, without the sun: a cool sky over a warm floor, and a

@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use glam::Vec3;
 use paros_core::maps::Maps;
+use paros_shaders::harmonics::basis;
 use paros_shaders::{
     Camera, Image, RenderOptions, Scene, Settings, constants, contact_sheet, light, noise, render,
     shade,
@@ -53,7 +54,7 @@ fn ambient_constants_are_the_projected_environment() {
     for (i, color) in constants::AMBIENT.into_iter().enumerate() {
         for (channel, stored) in color.into_iter().enumerate() {
             let projected = model::over_sphere(|d| {
-                f64::from(light::environment(vec(d))[channel] * light::harmonics(vec(d))[i])
+                f64::from(light::environment(vec(d))[channel] * basis(vec(d))[i])
             });
             let stored = f64::from(stored);
             assert!(

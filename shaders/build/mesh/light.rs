@@ -10,6 +10,7 @@ use glam::{Quat, Vec3};
 use super::bvh::Bvh;
 use super::{Corner, Mesh};
 use crate::constants::{SUN_COLOR, SUN_DIRECTION};
+use crate::harmonics::{ambient, basis};
 
 /// Rays for a corner, and for each place of a group of triangles that give light back.
 const CORNER_RAYS: usize = 48;
@@ -98,7 +99,7 @@ impl Lit {
     }
 
     /// Radiance that arrives at a point, as spherical harmonics of bands 0 to 2.
-    pub(crate) fn harmonics(&self, point: Vec3) -> [Vec3; 9] {
+    pub(crate) fn harmonics(&self, point: Vec3) -> [[f32; 3]; 9] {
         let mut sum = [Vec3::ZERO; 9];
         for i in 0..SPHERE_RAYS {
             let way = on_sphere(i, SPHERE_RAYS);
@@ -107,7 +108,7 @@ impl Lit {
                 *sum += light * basis;
             }
         }
-        sum
+        sum.map(|light| light.to_array())
     }
 
     /// Irradiance by the sun, over pi.
@@ -160,7 +161,7 @@ impl Place {
 }
 
 /// Sets how much of the light about the sculpture arrives at each corner of a standing thing.
-pub(crate) fn open_in_room(mesh: &mut Mesh, lit: &Lit, about: &[Vec3; 9]) {
+pub(crate) fn open_in_room(mesh: &mut Mesh, lit: &Lit, about: &[[f32; 3]; 9]) {
     const LUMA: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
     set_open(mesh, |corner| {
         let here = lit.at(corner.position, corner.normal).dot(LUMA);
@@ -220,28 +221,6 @@ fn smooth_open(mesh: &mut Mesh) {
             corner.open = 0.5 * (corner.open + sum / count);
         }
     }
-}
-
-/// The ambient light that a surface with this normal receives of the harmonics, over pi.
-pub(crate) fn ambient(light: &[Vec3; 9], normal: Vec3) -> Vec3 {
-    const BANDS: [f32; 9] = [1.0, 2.0 / 3.0, 2.0 / 3.0, 2.0 / 3.0, 0.25, 0.25, 0.25, 0.25, 0.25];
-    let parts = light.iter().zip(basis(normal)).zip(BANDS);
-    parts.map(|((light, basis), band)| *light * (basis * band)).sum::<Vec3>().max(Vec3::ZERO)
-}
-
-/// The nine real spherical harmonics of bands 0 to 2, in the order of `constants::AMBIENT`.
-fn basis(d: Vec3) -> [f32; 9] {
-    [
-        0.282_094_8,
-        0.488_602_5 * d.y,
-        0.488_602_5 * d.z,
-        0.488_602_5 * d.x,
-        1.092_548_4 * d.x * d.y,
-        1.092_548_4 * d.y * d.z,
-        0.315_391_57 * (3.0 * d.z * d.z - 1.0),
-        1.092_548_4 * d.x * d.z,
-        0.546_274_2 * (d.x * d.x - d.y * d.y),
-    ]
 }
 
 /// Directions over a surface, as dense as the cosine: a disc of points, lifted to the half-sphere.

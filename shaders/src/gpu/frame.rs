@@ -6,6 +6,7 @@ use super::layout;
 use super::shadow;
 use crate::constants::{AMBIENT, SUN_COLOR, SUN_DIRECTION};
 use crate::field::cell;
+use crate::harmonics::{BANDS, FACTORS};
 use crate::scene::{DrawList, ROOM_AMBIENT};
 
 /// Distance of the near plane, in metres.
@@ -218,22 +219,9 @@ pub(super) fn layout(picture: &Picture<'_>, n: usize, [w, h]: [u32; 2]) -> layou
 /// The ambient light as a polynomial of a normal of the grid: the constant, then the factors of x,
 /// y, z, xy, yz, xz, xx and yy.
 fn harmonics(ambient: &[[f32; 3]; 9], room_from_grid: Mat3) -> [[f32; 4]; 9] {
-    const BASIS: [f32; 9] = [
-        0.282_094_8,
-        0.488_602_5,
-        0.488_602_5,
-        0.488_602_5,
-        1.092_548_4,
-        1.092_548_4,
-        0.315_391_57,
-        1.092_548_4,
-        0.546_274_2,
-    ];
-    // What a clamped cosine leaves of each band, over pi (Ramamoorthi and Hanrahan 2001).
-    const BANDS: [f32; 9] = [1.0, 2.0 / 3.0, 2.0 / 3.0, 2.0 / 3.0, 0.25, 0.25, 0.25, 0.25, 0.25];
     let mut polynomial = [[0.0; 4]; 9];
     for channel in 0..3 {
-        let c: [f32; 9] = core::array::from_fn(|i| ambient[i][channel] * BASIS[i] * BANDS[i]);
+        let c: [f32; 9] = core::array::from_fn(|i| ambient[i][channel] * FACTORS[i] * BANDS[i]);
         let linear = room_from_grid.transpose() * Vec3::new(c[3], c[1], c[2]);
         let square = Mat3::from_cols(
             Vec3::new(c[8] - c[6], 0.5 * c[4], 0.5 * c[7]),

@@ -4,7 +4,7 @@ use glam::{Mat3, Vec3};
 use paros_core::plane::Plane;
 use paros_core::size::{Grid, Size};
 use paros_shaders::Image;
-use paros_shaders::light::harmonics;
+use paros_shaders::harmonics::basis;
 use paros_shaders::scene::{
     DrawList, ROOM_AMBIENT, SKY, SUN_BOUNDS, SUN_COLOR, SUN_DIRECTION, SculpturePose, Stage,
 };
@@ -207,7 +207,7 @@ impl Preview {
         let normal = mix(|c| c.normal).normalize();
         let (colour, open) = (mix(|c| c.colour), mix(|c| Vec3::splat(c.open)).x);
         let bands = [1.0, 2.0 / 3.0, 2.0 / 3.0, 2.0 / 3.0, 0.25, 0.25, 0.25, 0.25, 0.25];
-        let ambient: Vec3 = harmonics(normal)
+        let ambient: Vec3 = basis(normal)
             .iter()
             .zip(bands)
             .zip(ROOM_AMBIENT)
