@@ -103,6 +103,25 @@ impl Image {
     }
 }
 
+impl Image {
+    /// From one layout to another, after what used it in the first.
+    pub(super) fn barrier(
+        &self,
+        from: vk::ImageLayout,
+        to: vk::ImageLayout,
+    ) -> vk::ImageMemoryBarrier<'static> {
+        vk::ImageMemoryBarrier::default()
+            .image(self.raw)
+            .subresource_range(self.range())
+            .old_layout(from)
+            .new_layout(to)
+            .src_access_mask(use_of(from).1)
+            .dst_access_mask(use_of(to).1)
+            .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+            .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+    }
+}
+
 impl Drop for Image {
     fn drop(&mut self) {
         // SAFETY: the owner waits for the device before it drops what was submitted.
@@ -120,5 +139,22 @@ pub(super) const fn aspect(format: vk::Format) -> vk::ImageAspectFlags {
             vk::ImageAspectFlags::DEPTH
         }
         _ => vk::ImageAspectFlags::COLOR,
+    }
+}
+
+/// The stages and accesses that use an image in a layout.
+pub(super) fn use_of(layout: vk::ImageLayout) -> (vk::PipelineStageFlags, vk::AccessFlags) {
+    match layout {
+        vk::ImageLayout::TRANSFER_DST_OPTIMAL => {
+            (vk::PipelineStageFlags::TRANSFER, vk::AccessFlags::TRANSFER_WRITE)
+        }
+        vk::ImageLayout::TRANSFER_SRC_OPTIMAL => {
+            (vk::PipelineStageFlags::TRANSFER, vk::AccessFlags::TRANSFER_READ)
+        }
+        vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL => (
+            vk::PipelineStageFlags::VERTEX_SHADER | vk::PipelineStageFlags::FRAGMENT_SHADER,
+            vk::AccessFlags::SHADER_READ,
+        ),
+        _ => (vk::PipelineStageFlags::TOP_OF_PIPE, vk::AccessFlags::empty()),
     }
 }

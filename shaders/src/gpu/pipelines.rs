@@ -9,7 +9,7 @@ use super::error::{Doing, Error};
 use super::frame::{Parts, Path};
 use super::pass::{Format, Pass};
 use super::programs::{self, Program};
-use super::recipe::{Input, Recipe};
+use super::recipe::{Blend, Input, Recipe};
 
 /// What kinds of thing the set's bindings are; `wgsl` says which is which.
 const BINDINGS: [vk::DescriptorType; 13] = [
@@ -31,7 +31,7 @@ const BINDINGS: [vk::DescriptorType; 13] = [
 /// The pipelines of a renderer.
 pub(super) struct Pipelines {
     gpu: Arc<Gpu>,
-    cache: vk::PipelineCache,
+    pub(super) cache: vk::PipelineCache,
     pub(super) set_layout: vk::DescriptorSetLayout,
     pub(super) layout: vk::PipelineLayout,
     /// Where the tiles' rays start, and those of the beams.
@@ -91,7 +91,7 @@ impl Pipelines {
         let tiles = Recipe {
             vertex: programs::TILES_VERTEX,
             fragment: Some(programs::TILES),
-            ..plain(pass)
+            ..Recipe::plain(pass)
         };
         let beams = Recipe {
             vertex: programs::BEAMS_VERTEX,
@@ -112,7 +112,7 @@ impl Pipelines {
             strip: true,
             depth: Some(NEARER),
             coverage,
-            ..plain(pass)
+            ..Recipe::plain(pass)
         };
         self.fast = self.make(&fast)?;
         let paper = [
@@ -141,9 +141,10 @@ impl Pipelines {
             samples: format.count(),
             cull: vk::CullModeFlags::BACK,
             depth: Some(NEARER),
-            ..plain(pass)
+            ..Recipe::plain(pass)
         };
-        let particles = Recipe { fragment: Some(programs::PARTICLES), blend: true, ..meshes };
+        let particles =
+            Recipe { fragment: Some(programs::PARTICLES), blend: Some(Blend::Alpha), ..meshes };
         (self.meshes, self.particles) = (self.make(&meshes)?, self.make(&particles)?);
         Ok(())
     }
@@ -155,7 +156,7 @@ impl Pipelines {
             depth: Some(vk::CompareOp::LESS),
             color: false,
             bias: true,
-            ..plain(pass)
+            ..Recipe::plain(pass)
         };
         let sculpture = Recipe {
             vertex: programs::CAST_SCULPTURE_VERTEX,
@@ -229,24 +230,6 @@ impl Drop for Pipelines {
             device.destroy_descriptor_set_layout(self.set_layout, None);
             device.destroy_pipeline_cache(self.cache, None);
         }
-    }
-}
-
-/// A recipe for a pass without depth, vertices made from their numbers; programs yet to come.
-fn plain(pass: &Pass) -> Recipe {
-    Recipe {
-        vertex: programs::TILES_VERTEX,
-        input: Input::Number,
-        fragment: None,
-        pass: pass.raw,
-        samples: vk::SampleCountFlags::TYPE_1,
-        strip: false,
-        cull: vk::CullModeFlags::NONE,
-        depth: None,
-        blend: false,
-        coverage: false,
-        color: true,
-        bias: false,
     }
 }
 

@@ -4,7 +4,9 @@ use ash::vk;
 
 use super::context::Gpu;
 use super::error::{Doing, Error};
-use super::programs::Program;
+use super::overlay;
+use super::pass::Pass;
+use super::programs::{self, Program};
 use crate::scene::{Instance, Vertex};
 
 /// What a vertex program takes.
@@ -16,6 +18,17 @@ pub(super) enum Input {
     Mesh,
     /// Of those, where they are.
     Places,
+    /// A panel's corners.
+    Panel,
+}
+
+/// How colours are mixed by alpha.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Blend {
+    /// Colours as they are.
+    Alpha,
+    /// Alpha is multiplied in already.
+    Multiplied,
 }
 
 /// How a pipeline is made.
@@ -31,8 +44,8 @@ pub(super) struct Recipe {
     pub(super) cull: vk::CullModeFlags,
     /// Whether there is a depth test, and how; else depth is left alone.
     pub(super) depth: Option<vk::CompareOp>,
-    /// Whether what is drawn is mixed with what is there by its alpha, and keeps that one's depth.
-    pub(super) blend: bool,
+    /// How what is drawn is mixed with what is there, whose depth it then keeps.
+    pub(super) blend: Option<Blend>,
     /// Whether alpha is coverage.
     pub(super) coverage: bool,
     /// Whether there is a picture; else depth alone is drawn.
@@ -41,10 +54,15 @@ pub(super) struct Recipe {
     pub(super) bias: bool,
 }
 
-/// Location, format and offset of what a vertex has, then of what an instance has.
+/// Location, format and offset of what a mesh's vertex has, a panel's corner, and an instance.
 const VERTEX: [(u32, vk::Format, u32); 3] = [
     (0, vk::Format::R32G32B32_SFLOAT, 0),
     (1, vk::Format::R8G8B8A8_SNORM, 12),
+    (2, vk::Format::R8G8B8A8_UNORM, 16),
+];
+const PANEL: [(u32, vk::Format, u32); 3] = [
+    (0, vk::Format::R32G32_SFLOAT, 0),
+    (1, vk::Format::R32G32_SFLOAT, 8),
     (2, vk::Format::R8G8B8A8_UNORM, 16),
 ];
 const INSTANCE: [(u32, vk::Format, u32); 4] = [
@@ -63,6 +81,9 @@ impl Input {
         };
         match self {
             Input::Number => Vec::new(),
+            Input::Panel => {
+                vec![binding(0, size_of::<overlay::Vertex>(), vk::VertexInputRate::VERTEX)]
+            }
             Input::Mesh | Input::Places => vec![
                 binding(0, size_of::<Vertex>(), vk::VertexInputRate::VERTEX),
                 binding(1, size_of::<Instance>(), vk::VertexInputRate::INSTANCE),
@@ -73,6 +94,7 @@ impl Input {
     fn attributes(self) -> Vec<vk::VertexInputAttributeDescription> {
         let (vertex, instance) = match self {
             Input::Number => (&VERTEX[..0], &INSTANCE[..0]),
+            Input::Panel => (&PANEL[..], &INSTANCE[..0]),
             Input::Mesh => (&VERTEX[..], &INSTANCE[..]),
             Input::Places => (&VERTEX[..1], &INSTANCE[..3]),
         };
@@ -86,6 +108,24 @@ impl Input {
 }
 
 impl Recipe {
+    /// For a pass without depth, vertices made from their numbers; programs yet to come.
+    pub(super) fn plain(pass: &Pass) -> Self {
+        Recipe {
+            vertex: programs::TILES_VERTEX,
+            input: Input::Number,
+            fragment: None,
+            pass: pass.raw,
+            samples: vk::SampleCountFlags::TYPE_1,
+            strip: false,
+            cull: vk::CullModeFlags::NONE,
+            depth: None,
+            blend: None,
+            coverage: false,
+            color: true,
+            bias: false,
+        }
+    }
+
     /// The pipeline.
     pub(super) fn make(
         &self,
@@ -159,15 +199,19 @@ impl Recipe {
     fn depth(&self) -> vk::PipelineDepthStencilStateCreateInfo<'static> {
         vk::PipelineDepthStencilStateCreateInfo::default()
             .depth_test_enable(self.depth.is_some())
-            .depth_write_enable(self.depth.is_some() && !self.blend)
+            .depth_write_enable(self.depth.is_some() && self.blend.is_none())
             .depth_compare_op(self.depth.unwrap_or(vk::CompareOp::ALWAYS))
     }
 
     fn target(&self) -> vk::PipelineColorBlendAttachmentState {
+        let source = match self.blend {
+            Some(Blend::Multiplied) => vk::BlendFactor::ONE,
+            Some(Blend::Alpha) | None => vk::BlendFactor::SRC_ALPHA,
+        };
         vk::PipelineColorBlendAttachmentState::default()
             .color_write_mask(vk::ColorComponentFlags::RGBA)
-            .blend_enable(self.blend)
-            .src_color_blend_factor(vk::BlendFactor::SRC_ALPHA)
+            .blend_enable(self.blend.is_some())
+            .src_color_blend_factor(source)
             .dst_color_blend_factor(vk::BlendFactor::ONE_MINUS_SRC_ALPHA)
             .src_alpha_blend_factor(vk::BlendFactor::ONE)
             .dst_alpha_blend_factor(vk::BlendFactor::ONE_MINUS_SRC_ALPHA)
@@ -175,13 +219,13 @@ impl Recipe {
 }
 
 /// A program while pipelines are made of it.
-pub(super) struct Module<'a> {
+struct Module<'a> {
     gpu: &'a Gpu,
-    pub(super) raw: vk::ShaderModule,
+    raw: vk::ShaderModule,
 }
 
 impl<'a> Module<'a> {
-    pub(super) fn new(gpu: &'a Gpu, program: Program) -> Result<Self, Error> {
+    fn new(gpu: &'a Gpu, program: Program) -> Result<Self, Error> {
         let words = program.words();
         let info = vk::ShaderModuleCreateInfo::default().code(&words);
         // SAFETY: the words are a program that the build validated.

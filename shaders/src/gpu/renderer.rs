@@ -83,7 +83,7 @@ impl Renderer {
             .flags(vk::CommandPoolCreateFlags::RESET_COMMAND_BUFFER);
         // SAFETY: the family is the device's.
         let pool = unsafe { gpu.device.create_command_pool(&info, None) }.doing("make a pool")?;
-        let overlay = Overlay::new(gpu, &format, &frame, RING)?;
+        let overlay = Overlay::new(gpu, &format, &frame, RING, pipelines.cache)?;
         let mut renderer = Renderer {
             gpu: gpu.clone(),
             format,
@@ -265,14 +265,13 @@ impl Renderer {
         // SAFETY: the commands are being recorded.
         unsafe { gpu.device.end_command_buffer(commands) }.doing("record")?;
         let buffers = [commands];
-        let waits: Vec<_> = sync.wait.into_iter().collect();
-        let signals: Vec<_> = sync.signal.into_iter().collect();
+        let (waits, signals) = (sync.wait.as_slice(), sync.signal.as_slice());
         let stages = [vk::PipelineStageFlags::COLOR_ATTACHMENT_OUTPUT];
         let info = vk::SubmitInfo::default()
             .command_buffers(&buffers)
-            .wait_semaphores(&waits)
+            .wait_semaphores(waits)
             .wait_dst_stage_mask(&stages[..waits.len()])
-            .signal_semaphores(&signals);
+            .signal_semaphores(signals);
         // SAFETY: the fence has passed, and the queue is used by one thread.
         unsafe {
             gpu.device.reset_fences(&[done]).doing("reset a fence")?;

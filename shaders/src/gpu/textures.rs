@@ -6,7 +6,7 @@ use ash::vk;
 
 use super::context::Gpu;
 use super::error::{Doing, Error};
-use super::image::{Image, Shape};
+use super::image::{Image, Shape, use_of};
 use super::staging::Staging;
 use crate::constants::NOISE_SIZE;
 use crate::field::cell;
@@ -165,23 +165,14 @@ impl Textures {
         from: vk::ImageLayout,
         to: vk::ImageLayout,
     ) {
-        let (from_stage, from_access) = use_of(from);
-        let (to_stage, to_access) = use_of(to);
-        let barrier = |image: &Image| {
-            vk::ImageMemoryBarrier::default()
-                .image(image.raw)
-                .subresource_range(image.range())
-                .old_layout(from)
-                .new_layout(to)
-                .src_access_mask(from_access)
-                .dst_access_mask(to_access)
-                .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
-                .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
-        };
+        let (from_stage, to_stage) = (use_of(from).0, use_of(to).0);
         let mut barriers = [vk::ImageMemoryBarrier::default(); 5];
         let images = self.images().into_iter().zip(which).filter(|(_, is)| *is);
-        let count =
-            barriers.iter_mut().zip(images).map(|(to, (image, _))| *to = barrier(image)).count();
+        let count = barriers
+            .iter_mut()
+            .zip(images)
+            .map(|(one, (image, _))| *one = image.barrier(from, to))
+            .count();
         let none = vk::DependencyFlags::empty();
         // SAFETY: the images are the device's, and in the layout `from` at this point.
         unsafe {
@@ -204,23 +195,6 @@ impl Drop for Textures {
             // SAFETY: the owner waits for the device before it drops what was submitted.
             unsafe { self.gpu.device.destroy_sampler(sampler, None) };
         }
-    }
-}
-
-/// The stages and accesses that use an image in a layout.
-fn use_of(layout: vk::ImageLayout) -> (vk::PipelineStageFlags, vk::AccessFlags) {
-    match layout {
-        vk::ImageLayout::TRANSFER_DST_OPTIMAL => {
-            (vk::PipelineStageFlags::TRANSFER, vk::AccessFlags::TRANSFER_WRITE)
-        }
-        vk::ImageLayout::TRANSFER_SRC_OPTIMAL => {
-            (vk::PipelineStageFlags::TRANSFER, vk::AccessFlags::TRANSFER_READ)
-        }
-        vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL => (
-            vk::PipelineStageFlags::VERTEX_SHADER | vk::PipelineStageFlags::FRAGMENT_SHADER,
-            vk::AccessFlags::SHADER_READ,
-        ),
-        _ => (vk::PipelineStageFlags::TOP_OF_PIPE, vk::AccessFlags::empty()),
     }
 }
 

@@ -78,11 +78,12 @@ impl Overlay {
         format: &Format,
         pass: &Pass,
         ring: usize,
+        cache: vk::PipelineCache,
     ) -> Result<Self, Error> {
         let usage = vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST;
         let shape = Shape::flat(vk::Format::R8G8B8A8_UNORM, [ATLAS; 2], 1).usage(usage);
         let atlas = Image::new(gpu, shape)?;
-        let drawing = Drawing::new(gpu, format, pass, atlas.view)?;
+        let drawing = Drawing::new(gpu, format, pass, atlas.view, cache)?;
         let slots = (0..ring).map(|_| Slot::new(gpu)).collect::<Result<_, _>>()?;
         Ok(Overlay { drawing, atlas, slots, at: 0, cleared: false })
     }

@@ -6,11 +6,11 @@ use ash::vk;
 
 use super::super::context::Gpu;
 use super::super::error::{Doing, Error};
-use super::super::image::Image;
+use super::super::image::{Image, use_of};
 use super::super::pass::{Format, Pass};
 use super::super::programs;
-use super::super::recipe::Module;
-use super::{Run, Vertex};
+use super::super::recipe::{Blend, Input, Recipe};
+use super::Run;
 
 /// How triangles over a frame are drawn.
 pub(super) struct Drawing {
@@ -29,6 +29,7 @@ impl Drawing {
         format: &Format,
         pass: &Pass,
         atlas: vk::ImageView,
+        cache: vk::PipelineCache,
     ) -> Result<Self, Error> {
         let mut drawing = Drawing {
             gpu: gpu.clone(),
@@ -41,7 +42,15 @@ impl Drawing {
         };
         drawing.make_layout()?;
         drawing.make_set(atlas)?;
-        drawing.pipeline = drawing.make_pipeline(format, pass)?;
+        let recipe = Recipe {
+            vertex: programs::OVERLAY_VERTEX,
+            input: Input::Panel,
+            fragment: Some(programs::OVERLAY),
+            samples: format.count(),
+            blend: Some(Blend::Multiplied),
+            ..Recipe::plain(pass)
+        };
+        drawing.pipeline = recipe.make(gpu, cache, drawing.layout)?;
         Ok(drawing)
     }
 
@@ -107,57 +116,6 @@ impl Drawing {
         // SAFETY: the set is new, and all that it names outlives it.
         unsafe { device.update_descriptor_sets(&writes, &[]) };
         Ok(())
-    }
-
-    fn make_pipeline(&self, format: &Format, pass: &Pass) -> Result<vk::Pipeline, Error> {
-        let vertex = Module::new(&self.gpu, programs::OVERLAY_VERTEX)?;
-        let fragment = Module::new(&self.gpu, programs::OVERLAY)?;
-        let stage = |stage, module: &Module<'_>, name| {
-            vk::PipelineShaderStageCreateInfo::default().stage(stage).module(module.raw).name(name)
-        };
-        let stages = [
-            stage(vk::ShaderStageFlags::VERTEX, &vertex, c"vertex"),
-            stage(vk::ShaderStageFlags::FRAGMENT, &fragment, c"fragment"),
-        ];
-        let attributes = attributes();
-        let bindings = [vk::VertexInputBindingDescription {
-            binding: 0,
-            stride: size_of::<Vertex>() as u32,
-            input_rate: vk::VertexInputRate::VERTEX,
-        }];
-        let vertices = vk::PipelineVertexInputStateCreateInfo::default()
-            .vertex_binding_descriptions(&bindings)
-            .vertex_attribute_descriptions(&attributes);
-        let assembly = vk::PipelineInputAssemblyStateCreateInfo::default()
-            .topology(vk::PrimitiveTopology::TRIANGLE_LIST);
-        let viewport =
-            vk::PipelineViewportStateCreateInfo::default().viewport_count(1).scissor_count(1);
-        let raster = vk::PipelineRasterizationStateCreateInfo::default().line_width(1.0);
-        let samples =
-            vk::PipelineMultisampleStateCreateInfo::default().rasterization_samples(format.count());
-        let depth = vk::PipelineDepthStencilStateCreateInfo::default();
-        let targets = [over()];
-        let blend = vk::PipelineColorBlendStateCreateInfo::default().attachments(&targets);
-        let dynamic = [vk::DynamicState::VIEWPORT, vk::DynamicState::SCISSOR];
-        let dynamic = vk::PipelineDynamicStateCreateInfo::default().dynamic_states(&dynamic);
-        let info = vk::GraphicsPipelineCreateInfo::default()
-            .stages(&stages)
-            .vertex_input_state(&vertices)
-            .input_assembly_state(&assembly)
-            .viewport_state(&viewport)
-            .rasterization_state(&raster)
-            .multisample_state(&samples)
-            .depth_stencil_state(&depth)
-            .color_blend_state(&blend)
-            .dynamic_state(&dynamic)
-            .layout(self.layout)
-            .render_pass(pass.raw);
-        let cache = vk::PipelineCache::null();
-        // SAFETY: all that `info` points to lives until the call returns.
-        match unsafe { self.gpu.device.create_graphics_pipelines(cache, &[info], None) } {
-            Ok(pipelines) => Ok(pipelines[0]),
-            Err((_, result)) => Err(Error::Call { doing: "make a pipeline", result }),
-        }
     }
 
     /// Draws runs of triangles, in the frame's pass.
@@ -245,25 +203,8 @@ impl Drawing {
         from: vk::ImageLayout,
         to: vk::ImageLayout,
     ) {
-        let use_of = |layout| match layout {
-            vk::ImageLayout::TRANSFER_DST_OPTIMAL => {
-                (vk::PipelineStageFlags::TRANSFER, vk::AccessFlags::TRANSFER_WRITE)
-            }
-            vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL => {
-                (vk::PipelineStageFlags::FRAGMENT_SHADER, vk::AccessFlags::SHADER_READ)
-            }
-            _ => (vk::PipelineStageFlags::TOP_OF_PIPE, vk::AccessFlags::empty()),
-        };
-        let ((from_stage, from_access), (to_stage, to_access)) = (use_of(from), use_of(to));
-        let barrier = [vk::ImageMemoryBarrier::default()
-            .image(atlas.raw)
-            .subresource_range(atlas.range())
-            .old_layout(from)
-            .new_layout(to)
-            .src_access_mask(from_access)
-            .dst_access_mask(to_access)
-            .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
-            .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)];
+        let (from_stage, to_stage) = (use_of(from).0, use_of(to).0);
+        let barrier = [atlas.barrier(from, to)];
         let none = vk::DependencyFlags::empty();
         let device = &self.gpu.device;
         // SAFETY: the atlas is in the layout `from` at this point.
@@ -285,31 +226,4 @@ impl Drop for Drawing {
             device.destroy_sampler(self.sampler, None);
         }
     }
-}
-
-/// Where the vertices' parts are.
-fn attributes() -> [vk::VertexInputAttributeDescription; 3] {
-    let attribute = |location, format, offset: usize| vk::VertexInputAttributeDescription {
-        location,
-        binding: 0,
-        format,
-        offset: offset as u32,
-    };
-    [
-        attribute(0, vk::Format::R32G32_SFLOAT, core::mem::offset_of!(Vertex, position)),
-        attribute(1, vk::Format::R32G32_SFLOAT, core::mem::offset_of!(Vertex, texel)),
-        attribute(2, vk::Format::R8G8B8A8_UNORM, core::mem::offset_of!(Vertex, color)),
-    ]
-}
-
-/// Over what is there, with alpha multiplied in.
-fn over() -> vk::PipelineColorBlendAttachmentState {
-    let (source, target) = (vk::BlendFactor::ONE, vk::BlendFactor::ONE_MINUS_SRC_ALPHA);
-    vk::PipelineColorBlendAttachmentState::default()
-        .blend_enable(true)
-        .src_color_blend_factor(source)
-        .dst_color_blend_factor(target)
-        .src_alpha_blend_factor(source)
-        .dst_alpha_blend_factor(target)
-        .color_write_mask(vk::ColorComponentFlags::RGBA)
 }
