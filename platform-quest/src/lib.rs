@@ -1,0 +1,2 @@
+//! The headset's shell: turns an OpenXR session's poses and buttons into ticks, and draws what they
+//! made for both eyes.
