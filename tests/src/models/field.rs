@@ -67,7 +67,7 @@ impl FieldModel {
         };
         places(side - 2)
             .map(|at| at.map(|c| c + 1))
-            .map(|at| if loose(at) { 230 } else { texels[index(at, side)] })
+            .map(|at| if loose(at) { 255 } else { texels[index(at, side)] })
             .collect()
     }
 
@@ -96,7 +96,7 @@ impl FieldModel {
                 |at: [i32; 3]| [a, b].iter().all(|&axis| (1..=2).contains(&self.run(at, axis)));
             if rod(voxel) && (rod(step(voxel, axis, -1)) || rod(step(voxel, axis, 1))) {
                 level = level.max(match self.run(voxel, a) + self.run(voxel, b) {
-                    2 => 230,
+                    2 => 255,
                     3 => 217,
                     _ => 204,
                 });
