@@ -6,13 +6,12 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use glam::{Quat, Vec3};
 use paros_core::events::Event;
 use paros_core::frame::STOOL;
-use paros_core::input::{HandInput, Input, Mode, RawPose};
+use paros_core::input::{HandInput, Input, Mode};
 use paros_core::tools::{Bit, Shape, Tool};
 use paros_core::workbench::{Item, Place};
 use paros_shaders::limits::{INSTANCES, PARTICLES};
 use paros_shaders::scene::particles::{LONGEST, TRACE};
 use paros_shaders::scene::{Assembly, Fresh, MESHES, MeshId, ROOM_AMBIENT, meshes};
-use paros_tests::models::preview::{Preview, View};
 use paros_tests::models::puppet::{RIGHT, hand_at, reach, squeeze, take, with};
 use paros_tests::models::studio::Studio;
 
@@ -301,52 +300,5 @@ fn stroke_until(studio: &mut Studio<64>, mut each: impl FnMut(&Studio<64>) -> bo
         if each(studio) {
             return;
         }
-    }
-}
-
-/// Draws the studio into the folder that `PAROS_PREVIEW` names.
-#[test]
-#[ignore = "pictures for eyes: PAROS_PREVIEW=/tmp cargo test -p paros-tests --test scene -- --ignored"]
-fn preview() {
-    let folder = std::env::var("PAROS_PREVIEW").expect("PAROS_PREVIEW names a folder");
-    let mut studio = studio();
-    studio.start(Mode::FreeForm);
-    take(&mut studio, RIGHT, Item::Tool(Tool::Rotary));
-    let mut scene = Assembly::new();
-    let grip = (
-        STOOL + Vec3::new(0.17, 0.37, 0.22),
-        Quat::from_rotation_y(0.6) * Quat::from_rotation_x(-0.5),
-    );
-    for tick in 0..90 {
-        let inward = Vec3::new(-0.09, -0.07, -0.13) * (tick as f32 / 60.0).min(1.0);
-        let pose = RawPose::new(grip.0 + inward, grip.1);
-        let hand = HandInput {
-            aim: pose,
-            grip: pose,
-            tracked: true,
-            trigger: 255,
-            ..HandInput::default()
-        };
-        studio.step(&with(RIGHT, hand));
-        let fresh =
-            Fresh { time: f64::from(tick) / 72.0, fraction: 1.0, hands: true, ..Fresh::default() };
-        scene.assemble(&studio.world, &fresh);
-    }
-    studio.step(&Input::default());
-    let left = (Vec3::new(-0.25, 1.15, -0.3), Quat::from_rotation_y(-0.3));
-    let fresh = Fresh { grips: [Some(left), None], time: 1.27, fraction: 1.0, hands: true };
-    scene.assemble(&studio.world, &fresh);
-    let mut preview = Preview::new(scene.list());
-    preview.add_sculpture(studio.world.volume().rows(), &scene.sculpture());
-    for (name, eye, at, angle) in [
-        ("front", Vec3::new(0.0, 1.6, 0.25), Vec3::new(0.05, 1.15, -0.9), 1.25),
-        ("wide", Vec3::new(0.9, 1.65, 2.4), Vec3::new(-0.1, 1.2, -1.2), 1.15),
-        ("window", Vec3::new(1.6, 1.6, -1.2), Vec3::new(-2.4, 1.4, 0.4), 1.2),
-        ("bench", Vec3::new(0.1, 1.55, 0.1), Vec3::new(0.62, 0.85, -0.35), 0.9),
-        ("close", Vec3::new(0.12, 1.4, 0.0), Vec3::new(0.05, 1.08, -0.5), 0.8),
-    ] {
-        let view = View { eye, at, angle, size: [1200, 900] };
-        let file = std::fs::File::create(format!("{folder}/{name}.png")).expect("a file");
-        preview.draw(&view).write_png(file).expect("a picture");
     }
 }

@@ -9,7 +9,6 @@ pub mod export;
 pub mod field;
 pub mod island_bench;
 pub mod islands;
-pub mod preview;
 pub mod puppet;
 pub mod shapes;
 pub mod studio;
