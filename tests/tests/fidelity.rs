@@ -2,6 +2,12 @@
 //! thin stays in the picture.
 //!
 //! Planted faults, and what catches each (tried by hand):
+//! - `constants.rs`, `FAST_STEP`: 1.65 made 2.2 -> `exact_hits_and_fast_hits`, plates, rods.
+//! - `thin.rs`: `PLATE` made 0 -> plates; `ROD` made 230 -> rods.
+//! - `fast.rs`: the surface where the density is 0.35 -> grooves, `exact_hits_and_fast_hits`.
+//! - `fast.rs`, `meet`: the first sample inside is the surface -> `exact_hits_and_fast_hits`.
+//! - `field/mod.rs`, `free`: a cell more -> all; `texels.rs`, `sample`: places off by 0.3 -> all but
+//!   rods.
 
 use std::sync::Mutex;
 

@@ -3,20 +3,23 @@
 //! Percentages are of the pixels inside the box's outline, at one sample.
 
 use glam::{Quat, Vec3};
-use paros_core::maps::Maps;
 use paros_shaders::field::Field;
 use paros_shaders::gpu::{
-    Eye, Fov, Gpu, Look, Offscreen, Options, Parts, Path, Picture, Renderer, Stand, Sync,
+    Context, Eye, Fov, Gpu, Look, Offscreen, Options, Parts, Path, Picture, Renderer, Stand, Sync,
 };
 use paros_shaders::march::inside_cube;
 use paros_shaders::{Image, Ray, Scene, Settings, shade};
 use paros_shell::require::require;
 use paros_tests::models::dense::Dense;
+use paros_tests::models::exact;
+use paros_tests::models::view::textures;
 
 const EXTENT: [u32; 2] = [200, 168];
 const N: usize = 64;
 const NEAR: f32 = 0.04;
 const FAR: f32 = 60.0;
+/// The stool's, for each of the three eyes.
+const TURNS: [f32; 3] = [0.4, 1.9, 3.6];
 
 /// What the two pictures agree in, of the pixels inside the box's outline.
 #[derive(Default)]
@@ -28,35 +31,60 @@ struct Agreement {
     same_color: u32,
 }
 
+/// A renderer and what it draws into.
+struct Rig {
+    gpu: Context,
+    renderer: Renderer,
+    screen: Offscreen,
+}
+
+impl Rig {
+    /// None where there is no device.
+    fn new() -> Option<Self> {
+        let options = Options { validation: true, single: true, ..Options::default() };
+        let gpu = require(Gpu::headless(&options)).expect("Vulkan")?;
+        let format = Offscreen::format(1, 1, true);
+        let renderer = Renderer::new(&gpu, format, N, &[]).expect("a renderer");
+        let screen = Offscreen::new(&gpu, &renderer, EXTENT).expect("images");
+        Some(Rig { gpu, renderer, screen })
+    }
+
+    fn load(&mut self, field: &Field<N>) {
+        field.whole(|region, bytes| self.renderer.load(region, bytes).expect("a device"));
+    }
+
+    /// The pixels and their depths.
+    fn draw(&mut self, eye: Eye, turn: f32, path: Path) -> (Vec<[u8; 4]>, Vec<f32>) {
+        let picture = Picture {
+            eyes: &[eye],
+            stand: Stand { foot: Vec3::ZERO, side: 1.0, turn },
+            look: Look { path, ..Look::default() },
+            backdrop: [0.0; 3],
+            scene: None,
+        };
+        self.renderer.begin().expect("a device");
+        self.renderer.draw(&picture, &self.screen.surface, 0, Sync::default()).expect("a device");
+        self.gpu.wait().expect("a device");
+        let depths = self.screen.depths(0).expect("a device").expect("depth in floats");
+        (self.screen.pixels(0).expect("a device"), depths)
+    }
+
+    fn check_validation(&self) {
+        let messages = self.gpu.instance.messages();
+        assert!(messages.is_empty(), "validation: {}", messages.join("\n"));
+    }
+}
+
 #[test]
 fn the_gpu_draws_what_its_twin_draws() {
-    let options = Options { validation: true, single: true, ..Options::default() };
-    let Some(gpu) = require(Gpu::headless(&options)).expect("Vulkan") else { return };
-    let format = Offscreen::format(1, 1, true);
-    let mut renderer = Renderer::new(&gpu, format, N, &[]).expect("a renderer");
-    let screen = Offscreen::new(&gpu, &renderer, EXTENT).expect("images");
+    let Some(mut rig) = Rig::new() else { return };
     for (name, volume) in volumes() {
-        let mut maps = Box::new(Maps::<N>::new());
-        volume.write_maps(&mut maps);
-        let mut field = Box::new(Field::<N>::new());
-        field.rebuild(&maps);
-        field.whole(|region, bytes| renderer.load(region, bytes).expect("a device"));
-        for (view, turn) in [0.4f32, 1.9, 3.6].into_iter().enumerate() {
+        let (maps, field) = textures::<N>(&volume);
+        rig.load(&field);
+        for (view, turn) in TURNS.into_iter().enumerate() {
             for path in [Path::Fast, Path::Paper(Parts::Whole)] {
                 let eye = eye(view);
-                let stand = Stand { foot: Vec3::ZERO, side: 1.0, turn };
-                let picture = Picture {
-                    eyes: &[eye],
-                    stand,
-                    look: Look { path, ..Look::default() },
-                    backdrop: [0.0; 3],
-                    scene: None,
-                };
-                renderer.begin().expect("a device");
-                renderer.draw(&picture, &screen.surface, 0, Sync::default()).expect("a device");
-                gpu.wait().expect("a device");
-                let pixels = screen.pixels(0).expect("a device");
-                let depths = screen.depths(0).expect("a device").expect("depth in floats");
+                let (pixels, depths) = rig.draw(eye, turn, path);
                 let scene = Scene {
                     field: (path == Path::Fast).then_some(&*field),
                     ..Scene::new(&maps, turn, Settings::default())
@@ -65,8 +93,38 @@ fn the_gpu_draws_what_its_twin_draws() {
             }
         }
     }
-    let messages = gpu.instance.messages();
-    assert!(messages.is_empty(), "validation: {}", messages.join("\n"));
+    rig.check_validation();
+}
+
+/// Its rays start where beams of them may, unlike its twin's, and so step over other parts of what
+/// is thinner than a step.
+#[test]
+fn the_gpu_keeps_what_is_thin() {
+    let Some(mut rig) = Rig::new() else { return };
+    let plates = |[x, y, z]: [i32; 3]| y == 9 || x == 50 || z == 31 && y < 30;
+    let rods = |[x, y, z]: [i32; 3]| x % 6 == 2 && z == 40 || y % 6 == 3 && z == 20;
+    for (name, volume, least) in [
+        ("plates", Dense::from_fn(N, plates).closure(), 0.9),
+        ("rods", Dense::from_fn(N, rods).closure(), 0.6),
+    ] {
+        let (maps, field) = textures::<N>(&volume);
+        rig.load(&field);
+        for (view, turn) in TURNS.into_iter().enumerate() {
+            let scene = Scene::new(&maps, turn, Settings::default());
+            let (pixels, depths) = rig.draw(eye(view), turn, Path::Fast);
+            let width = EXTENT[0] as usize;
+            let shows = |i: &usize| {
+                let ray = scene.ray_inside(&ray(&eye(view), i % width, i / width).0);
+                let [from, way] = [ray.origin, ray.direction].map(|v| v.to_array().map(f64::from));
+                exact::first(&volume, from, way).is_some()
+            };
+            let shown: Vec<usize> = (0..pixels.len()).filter(shows).collect();
+            let kept = shown.iter().filter(|&&i| depths[i] > 0.0).count();
+            let part = kept as f32 / shown.len() as f32;
+            assert!(part >= least, "{name}, view {view}: {part} of {} stay", shown.len());
+        }
+    }
+    rig.check_validation();
 }
 
 fn check(name: &str, scene: &Scene<'_, N>, eye: &Eye, pixels: &[[u8; 4]], depths: &[f32]) {
@@ -147,5 +205,5 @@ fn volumes() -> Vec<(&'static str, Dense)> {
         far(at, [20.0, 18.0, 22.0]) < 17.0 || far(at, [42.0, 36.0, 40.0]) < 20.0 || at[1] < 5
     });
     let steps = Dense::from_fn(N, |[x, y, z]| y < 8 + 6 * (x / 9) && (z + y) % 64 > 9);
-    vec![("ball", ball), ("pair", pair), ("steps", steps.closure())]
+    vec![("ball", ball), ("pair", pair.closure()), ("steps", steps.closure())]
 }

@@ -2,6 +2,11 @@
 //! voxelised by the voxels' centres.
 //!
 //! Planted faults, and what catches each (tried by hand):
+//! - `fast.rs`, `fall`: samples of level 0, or 2, for 1 -> `normals`.
+//! - `fast.rs`, `meet`: the first sample inside is the surface -> `a_spheres_surface`.
+//! - `fast.rs`: the surface where the density is 0.35 -> `a_spheres_surface`, `a_spheres_outline`.
+//! - `blur.rs`: no blur along x -> `normals`.
+//! - `pipelines.rs`: alpha is no coverage; `fast.wgsl`: a margin of 0.01 -> `an_outline_has`.
 
 use glam::{EulerRot, Quat, Vec3};
 use paros_shaders::gpu::{
