@@ -26,7 +26,7 @@ pub const GOLDEN_TURN: [f32; 2] = [-0.737_368_9, 0.675_490_3];
 pub const FAST_STEP: [[f32; 2]; 2] = [[2.6, 16.0], [1.65, 2.5]];
 /// How far its first sample towards the sun is, in voxels of 128 to a side, and how much farther
 /// each is than the one before.
-pub const FAST_SHADOW: [f32; 2] = [2.3, 2.2];
+pub const FAST_SHADOW: [f32; 2] = [2.8, 2.5];
 /// What a full sample towards the sun takes of the light.
 pub const FAST_SEEN: f32 = 0.9;
 /// What comes through thin stone on the side away from the sun, of its light.

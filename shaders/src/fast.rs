@@ -54,19 +54,20 @@ pub fn lit<const N: usize>(
 
 /// The distance of the first sample inside, and the density of the sample before it.
 fn march<const N: usize>(field: &Field<N>, ray: &Ray, near: f32, end: f32) -> Option<(f32, f32)> {
-    let (mut t, mut before) = (near, 0.0);
+    let (mut t, mut reach) = (near, step(0.0));
     // A ray from so far that a step is less than its last digit goes nowhere.
     let mut turns = 8 * N;
     while t < end && turns > 0 {
-        // Four voxels near the surface.
-        let until = (t + 4.0).min(end);
-        while t < until && turns > 0 {
+        // Near the surface.
+        let mut left = 8.0;
+        while left > 0.0 && turns > 0 {
             let full = field.sample(0, ray.at(t));
             if full >= 0.5 {
-                return Some((t, before));
+                return (t < end).then_some((t, before(reach)));
             }
-            before = full;
-            t += step(full);
+            reach = step(full);
+            t += reach;
+            left -= reach;
             turns -= 1;
         }
         // Empty cells.
@@ -90,19 +91,18 @@ fn step(full: f32) -> f32 {
     (a - b * full).max(c - d * full)
 }
 
-/// From a point inside back to where the density is a half, by false position twice.
+/// The density from which a step reached so far.
+fn before(reach: f32) -> f32 {
+    let [[a, b], [c, d]] = FAST_STEP;
+    ((a - reach) / b).max((c - reach) / d)
+}
+
+/// From a point inside back to where the density is a half, by the profile of a plane's edge.
 fn meet<const N: usize>(field: &Field<N>, ray: &Ray, inside: f32, before: f32) -> Surface {
-    let density = |back: f32| field.sample(0, ray.at(inside - back)) - 0.5;
-    let (mut inner, mut outer) = ((0.0, density(0.0)), (step(before), before - 0.5));
-    let first = outer.0 * inner.1 / (inner.1 - outer.1);
-    let middle = (first, density(first));
-    if middle.1 >= 0.0 {
-        inner = middle;
-    } else {
-        outer = middle;
-    }
-    let part = inner.1 / (inner.1 - outer.1).max(1e-4);
-    let distance = inside - (inner.0 + (outer.0 - inner.0) * part);
+    // What the blur makes of a distance, undone but for a factor.
+    let apart = |above: f32| above + 2.0 * above * above * above;
+    let (within, without) = (apart(field.sample(0, ray.at(inside)) - 0.5), apart(0.5 - before));
+    let distance = inside - step(before) * within / (within + without);
     let position = ray.at(distance);
     let normal = fall(field, position).try_normalize().unwrap_or(Vec3::Y);
     Surface { position, normal, distance }
@@ -118,11 +118,11 @@ fn fall<const N: usize>(field: &Field<N>, point: Vec3) -> Vec3 {
     sum
 }
 
-/// Four samples towards the sun, blurred as they are far.
+/// Three samples towards the sun, blurred as they are far.
 fn visibility<const N: usize>(field: &Field<N>, point: Vec3, sun: Vec3, scale: f32) -> f32 {
     let [mut far, grows] = FAST_SHADOW;
     let mut seen = 1.0;
-    for level in 0..4 {
+    for level in 1..4 {
         seen -= seen * FAST_SEEN * field.sample(level, point + sun * (far * scale));
         far *= grows;
     }

@@ -3,10 +3,15 @@
 #import paros::layout::frame
 #import paros::box
 
+// How fast the density rises towards the surface, a voxel; only rods' is steeper.
+const STEEPEST: f32 = 0.6;
+const USUAL: f32 = 0.42;
+
 // A beam in the texels of the density; `spread` is how far its rays part for each unit of depth,
 // in the largest coordinate. Depth in voxels, or negative if the beam misses everything.
-// `cells` tell how far in texels nothing can be met, and close to the surface the density does:
-// it changes by at most 0.6 a voxel.
+// `cells` tell how far in texels nothing can be met, and close to the surface the density does: a
+// beam stops where one of its rays may have met the surface by the steepest rise of the density, and
+// else goes on by the usual one. What lies a little deeper then is met all the same, from inside.
 fn start(
     cells: texture_3d<f32>,
     nearest: sampler,
@@ -29,20 +34,27 @@ fn start(
     let speed = 1.0 / (max(size.x, max(size.y, size.z)) + spread);
     var t = max(span.x, begin);
     // Where it stops doesn't matter to the picture: a beam that crawls along a surface may.
-    var turns = 16u;
+    var turns = 64u;
     while t < span.y {
         let p = o + direction * t;
         let inside = clamp(p, vec3<f32>(0.5), vec3<f32>(side - 0.5));
         let out = abs(p - inside);
         let free = frame.cells.x * textureSampleLevel(cells, nearest, inside / side, 0.0).x;
+        let wide = spread * t;
         var radius = max(free, max(out.x, max(out.y, out.z)) - 0.5) - 0.01;
+        var touching = false;
         if close && radius < 2.0 {
             let full = textureSampleLevel(density, clamped, inside / side, 0.0).x;
-            radius = max(radius, select((0.5 - full) / 0.6, 1.9, full == 0.0));
+            if full == 0.0 {
+                radius = max(radius, 1.9);
+            } else {
+                radius = max(radius, (0.5 - full) / USUAL);
+                touching = 0.5 - full < STEEPEST * wide;
+            }
         }
-        let step = (radius - spread * t) * speed;
+        let step = (radius - wide) * speed;
         turns -= 1u;
-        if step < 0.4 || turns == 0u {
+        if touching || step < 0.1 || turns == 0u {
             return t;
         }
         t += step;

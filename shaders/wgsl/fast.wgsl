@@ -43,63 +43,99 @@ fn fragment(
     // takes.
     let voxel = 1.0 / (length(direction) * frame.sun_room.w);
     let end = end_of(o, direction);
-    // A ray that comes as near as a pixel is drawn in part if it meets no surface; the density rises
-    // by about 0.3 a voxel.
-    let margin = 0.3 * frame.sun_color.w;
-    var level = part(select(0.5, max(0.5 - margin * start, 0.4), COVERAGE));
-    var rim = -1.0;
-    var t = start;
-    var full = part(0.0);
-    var before = part(0.0);
-    loop {
-        while t < end {
-            // Four voxels near the surface.
-            let until = min(t + 4.0 * voxel, end);
-            while t < until {
-                full = part(dense(o + direction * t, 0.0));
-                if full >= level { break; }
-                before = full;
-                t += f32(step(full)) * voxel;
-            }
-            if full >= level { break; }
-            // Empty cells.
-            while t < end {
-                let free = textureSampleLevel(cells, nearest, o + direction * t, 0.0).x;
-                if free == 0.0 { break; }
-                t += free * frame.cells.x * voxel;
-            }
-        }
-        if !COVERAGE || full < level || full >= part(0.5) { break; }
-        // The nearest so far: on, to what is behind or nearer still.
-        rim = t;
-        level = full + part(0.004);
-        before = full;
-        t += f32(step(full)) * voxel;
-    }
+    let met = march(o, direction, start, end, voxel);
+    var t = met.t - f32(met.back) * voxel;
     var coverage = part(1.0);
-    if full >= part(0.5) {
-        // Back to where the density is a half, by false position twice.
-        let length = f32(step(before)) * voxel;
-        let near = f32(before) - 0.5;
-        let far = f32(full) - 0.5;
-        let first = length * far / (far - near);
-        let middle = dense(o + direction * (t - first), 0.0) - 0.5;
-        let outer = vec2<f32>(length, near);
-        let inner = select(vec2<f32>(0.0, far), vec2<f32>(first, middle), middle >= 0.0);
-        let outside = select(vec2<f32>(first, middle), outer, middle >= 0.0);
-        t -= mix(inner.x, outside.x, inner.y / max(inner.y - outside.y, 1e-4));
-    } else {
-        if !COVERAGE || rim < 0.0 {
+    if met.full < part(0.5) || met.t >= end {
+        if !COVERAGE || met.behind == 0.0 {
             discard;
+        } else {
+            // Back to where the ray came nearest, in small steps; it is drawn in part.
+            var fullest = part(0.0);
+            var at = min(met.behind, end);
+            for (var left = part(12.0); left > part(0.0); left -= part(1.0)) {
+                let full = part(dense(o + direction * at, 0.0));
+                if full > fullest {
+                    fullest = full;
+                    t = at;
+                }
+                at -= 0.8 * voxel;
+            }
+            coverage -= part(saturate((0.5 - f32(fullest)) / margin(t)));
         }
-        t = rim;
-        coverage -= part(saturate((0.504 - f32(level)) / (margin * t)));
     }
     let p = o + direction * t;
     let fall = fall(p);
     let normal = fall * inverseSqrt(max(dot(fall, fall), part(1e-4)));
     let depth = frame.depth.x / t + frame.depth.y;
     return Shaded(vec4<f32>(vec3<f32>(lit(p, normal)), f32(coverage)), depth);
+}
+
+// Where a march ended: at the first sample of a half or more, or at the ray's end.
+struct Met {
+    t: f32,
+    full: part,
+    // How far before that sample the density is a half, in voxels.
+    back: part,
+    // A little behind where the ray last came as near as a pixel; zero if it did nowhere.
+    behind: f32,
+}
+
+fn march(o: vec3<f32>, d: vec3<f32>, start: f32, end: f32, voxel: f32) -> Met {
+    var t = start;
+    var full = part(0.0);
+    var reach = part(2.6);
+    var behind = 0.0;
+    while t < end {
+        // Near the surface.
+        var peak = part(0.0);
+        for (var left = part(8.0); left > part(0.0); left -= spent(reach)) {
+            full = part(dense(o + d * t, 0.0));
+            if full >= part(0.5) { break; }
+            if COVERAGE {
+                peak = max(peak, full);
+            }
+            reach = step(full);
+            t += f32(reach) * voxel;
+        }
+        // The same test, but not the same number: the loop needn't keep what it found.
+        if full > part(0.4998) { break; }
+        if COVERAGE && f32(peak) > max(0.5 - margin(t), 0.4) {
+            behind = t;
+        }
+        // Empty cells.
+        while t < end {
+            let free = textureSampleLevel(cells, nearest, o + d * t, 0.0).x;
+            if free == 0.0 { break; }
+            t += free * frame.cells.x * voxel;
+        }
+    }
+    // What the sample before was, from how far its step reached.
+    let before = max((part(2.6) - reach) * part(1.0 / 16.0), (part(1.65) - reach) * part(0.4));
+    let inside = apart(full - part(0.5));
+    let outside = apart(part(0.5) - before);
+    return Met(t, full, reach * inside / (inside + outside), behind);
+}
+
+// What a sample takes of a stretch of 8 near the surface: voxels, or just one of 8 samples where
+// registers are few.
+fn spent(reach: part) -> part {
+#ifdef HALF
+    return part(1.0);
+#else
+    return reach;
+#endif
+}
+
+// How far below a half the density may be for a ray at a depth to pass within a pixel: it rises by
+// about 0.3 a voxel.
+fn margin(t: f32) -> f32 {
+    return 0.3 * frame.sun_color.w * t;
+}
+
+// What a plane's blurred edge makes of a distance from it, undone but for a factor.
+fn apart(above: part) -> part {
+    return above + part(2.0) * above * above * above;
 }
 
 // A step in voxels reaches a little past where a plane would be met: what is one voxel thick is
@@ -147,24 +183,20 @@ fn lit(p: vec3<f32>, normal: color) -> color {
 // How the blurred density falls, 4 times a voxel's worth: samples on a tetrahedron's corners.
 fn fall(p: vec3<f32>) -> color {
     let voxel = 1.0 / frame.sun_room.w;
-    var sum = color(0.0);
-    // Both signs of y with both of z, and x their product.
-    for (var i = part(-1.5); i < part(2.0); i += part(1.0)) {
-        let y = sign(i);
-        let z = part(2.0) * (i - y);
-        let corner = color(y * z, y, z);
-        sum -= part(dense(p + vec3<f32>(corner) * voxel, 1.0)) * corner;
-    }
-    return sum;
+    let a = part(dense(p + vec3<f32>(1.0, 1.0, 1.0) * voxel, 1.0));
+    let b = part(dense(p + vec3<f32>(1.0, -1.0, -1.0) * voxel, 1.0));
+    let c = part(dense(p + vec3<f32>(-1.0, 1.0, -1.0) * voxel, 1.0));
+    let d = part(dense(p + vec3<f32>(-1.0, -1.0, 1.0) * voxel, 1.0));
+    return color(c + d - a - b, b + d - a - c, b + c - a - d);
 }
 
-// Four samples towards the sun, blurred as they are far.
+// Three samples towards the sun, blurred as they are far.
 fn visibility(p: vec3<f32>, voxel: f32) -> part {
     var seen = part(1.0);
-    var far = 2.3 * voxel;
-    for (var level = 0.0; level < 4.0; level += 1.0) {
+    var far = 2.8 * voxel;
+    for (var level = 1.0; level < 4.0; level += 1.0) {
         seen -= seen * part(0.9) * part(dense(p + frame.sun_grid.xyz * far, level));
-        far *= 2.2;
+        far *= 2.5;
     }
     let grid = (p - 0.5) * frame.sun_room.w + 0.5 * frame.sun_grid.w;
     return seen * part(shadow::beyond(grid));

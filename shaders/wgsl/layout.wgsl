@@ -13,7 +13,7 @@ struct View {
 }
 
 // Pixels along a tile's side, and along a beam's.
-const TILE: f32 = 32.0;
+const TILE: f32 = 64.0;
 const BEAM: f32 = 8.0;
 
 // The sculpture and the light, the same for both eyes.

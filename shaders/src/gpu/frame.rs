@@ -15,7 +15,7 @@ const NEAR: f32 = 0.04;
 const FAR: f32 = 60.0;
 
 /// Pixels along a side of the tiles that share the first part of their rays; `wgsl/layout.wgsl`'s.
-pub(super) const TILE: u32 = 32;
+pub(super) const TILE: u32 = 64;
 /// Pixels along a side of the beams within them, likewise.
 pub(super) const BEAM: u32 = 8;
 
