@@ -74,7 +74,15 @@ impl Textures {
             (vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL, vk::ImageLayout::TRANSFER_DST_OPTIMAL);
         let touched = self.touched(staging);
         self.transition(commands, touched, read, write);
-        for (region, at) in &staging.regions {
+        let mut unordered = 0;
+        for (i, (region, at)) in staging.regions.iter().enumerate() {
+            // Boxes computed one after the other may share a coarser texel, which the later has
+            // right; of copies without a barrier between them either may come last.
+            let earlier = &staging.regions[unordered..i];
+            if earlier.iter().any(|(other, _)| other.overlaps(region)) {
+                self.order_copies(commands);
+                unordered = i;
+            }
             let (image, copy) = self.copy(region, *at);
             // SAFETY: the image is in this layout, and the region lies within it and the buffer.
             unsafe {
@@ -88,6 +96,20 @@ impl Textures {
             }
         }
         self.transition(commands, touched, write, read);
+    }
+
+    /// Has copies wait for those before.
+    fn order_copies(&self, commands: vk::CommandBuffer) {
+        let copy = vk::PipelineStageFlags::TRANSFER;
+        let written = vk::MemoryBarrier::default()
+            .src_access_mask(vk::AccessFlags::TRANSFER_WRITE)
+            .dst_access_mask(vk::AccessFlags::TRANSFER_WRITE);
+        let none = vk::DependencyFlags::empty();
+        let device = &self.gpu.device;
+        // SAFETY: the commands are being recorded outside of a pass.
+        unsafe {
+            device.cmd_pipeline_barrier(commands, copy, copy, none, &[written], &[], &[]);
+        }
     }
 
     /// Which of the images something is staged for.
