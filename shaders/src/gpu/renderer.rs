@@ -45,7 +45,7 @@ pub struct Renderer {
     pub(super) shadow: ShadowMap,
     pub(super) frame: Pass,
     pub(super) pipelines: Pipelines,
-    textures: Textures,
+    pub(super) textures: Textures,
     pub(super) meshes: Meshes,
     pool: vk::CommandPool,
     pub(super) ring: Vec<Slot>,
