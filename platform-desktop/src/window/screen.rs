@@ -115,6 +115,7 @@ impl Screen {
             views: 1,
             final_layout: vk::ImageLayout::PRESENT_SRC_KHR,
             keep_depth: false,
+            density_map: false,
         }
     }
 

@@ -38,6 +38,7 @@ impl Offscreen {
             views,
             final_layout: vk::ImageLayout::TRANSFER_SRC_OPTIMAL,
             keep_depth,
+            density_map: false,
         }
     }
 

@@ -14,7 +14,7 @@ use super::pipelines::{Passes, Pipelines};
 use super::shadow::ShadowMap;
 use super::slot::Slot;
 use super::staging::CAPACITY;
-use super::surface::{Parts, Surface};
+use super::surface::{Parts, Surface, Views};
 use super::textures::Textures;
 use super::timers::{Mark, Times};
 use crate::constants::NOISE_SIZE;
@@ -67,11 +67,13 @@ impl core::fmt::Debug for Renderer {
 
 impl Renderer {
     /// A renderer for volumes of `n` voxels a side. `cache` is what [`Renderer::cache`] gave at an
-    /// earlier start, or nothing.
+    /// earlier start, or nothing. Without density maps if the device has none: see [`Gpu::lacks`].
     ///
     /// # Errors
     /// A call that failed; out of memory, most likely.
     pub fn new(gpu: &Arc<Gpu>, format: Format, n: usize, cache: &[u8]) -> Result<Self, Error> {
+        let density_map = format.density_map && gpu.needs.density_map;
+        let format = Format { density_map, ..format };
         let starts = Pass::starts(gpu, &format)?;
         let frame = Pass::frame(gpu, &format)?;
         let shadow = ShadowMap::new(gpu)?;
@@ -111,7 +113,7 @@ impl Renderer {
         Ok(renderer)
     }
 
-    /// The format it draws.
+    /// The format it draws: what was asked for, as far as the device has it.
     #[must_use]
     pub const fn format(&self) -> &Format {
         &self.format
@@ -141,6 +143,21 @@ impl Renderer {
         colors: &[vk::ImageView],
         depths: &[vk::ImageView],
     ) -> Result<Surface, Error> {
+        self.mapped_surface(extent, colors, depths, &[])
+    }
+
+    /// A surface for views of the shell's images and of their density maps, one for each, which are
+    /// not looked at where [`Renderer::format`] is without.
+    ///
+    /// # Errors
+    /// [`Error::NoDensityMap`], or a call that failed.
+    pub fn mapped_surface(
+        &self,
+        extent: [u32; 2],
+        colors: &[vk::ImageView],
+        depths: &[vk::ImageView],
+        densities: &[vk::ImageView],
+    ) -> Result<Surface, Error> {
         let parts = Parts {
             gpu: &self.gpu,
             format: &self.format,
@@ -150,7 +167,8 @@ impl Renderer {
             textures: &self.textures,
             shadow: &self.shadow,
         };
-        Surface::new(&parts, extent, colors, depths, self.ring.iter().map(|slot| &slot.uniform))
+        let views = Views { colors, depths, densities };
+        Surface::new(&parts, extent, &views, self.ring.iter().map(|slot| &slot.uniform))
     }
 
     /// Begins a frame: waits until the one before the last is done.

@@ -36,6 +36,16 @@ pub(super) struct Starts {
     image: Image,
 }
 
+/// Views of the shell's images.
+pub(super) struct Views<'a> {
+    /// Each with as many layers as the format has views.
+    pub(super) colors: &'a [vk::ImageView],
+    /// As many, where depth is kept; else none.
+    pub(super) depths: &'a [vk::ImageView],
+    /// As many, where there are density maps.
+    pub(super) densities: &'a [vk::ImageView],
+}
+
 /// What surfaces are made for.
 pub(super) struct Parts<'a> {
     pub(super) gpu: &'a Arc<Gpu>,
@@ -54,16 +64,18 @@ impl core::fmt::Debug for Surface {
 }
 
 impl Surface {
-    /// For views of the shell's colour images, each with as many layers as the format has views,
-    /// and as many views of its depth images where depth is kept.
+    /// For views of the shell's images.
     pub(super) fn new<'b>(
         parts: &Parts<'_>,
         extent: [u32; 2],
-        colors: &[vk::ImageView],
-        depths: &[vk::ImageView],
+        views: &Views<'_>,
         uniforms: impl Iterator<Item = &'b Buffer>,
     ) -> Result<Self, Error> {
         let (gpu, format) = (parts.gpu, parts.format);
+        let (images, maps) = (views.colors.len(), views.densities.len());
+        if format.density_map && images != maps {
+            return Err(Error::NoDensityMap { images, maps });
+        }
         let starts = |width: u32| {
             let across = extent.map(|pixels| pixels.div_ceil(width));
             Starts::new(gpu, parts.starts, across, format.views)
@@ -77,10 +89,9 @@ impl Surface {
             pool: vk::DescriptorPool::null(),
             transient: Vec::new(),
         };
-        surface.make_transient(format, depths.is_empty())?;
-        for (i, color) in colors.iter().enumerate() {
-            let depth = depths.get(i).copied();
-            let attachments = surface.attachments(format, *color, depth);
+        surface.make_transient(format, views.depths.is_empty())?;
+        for i in 0..images {
+            let attachments = surface.attachments(format, views, i);
             surface.framebuffers.push(framebuffer(gpu, parts.frame, extent, &attachments)?);
         }
         surface.make_sets(parts, uniforms)?;
@@ -107,18 +118,16 @@ impl Surface {
         Ok(())
     }
 
-    /// The views of a framebuffer in the pass's order: drawn colour, depth, resolved colour.
-    fn attachments(
-        &self,
-        format: &Format,
-        color: vk::ImageView,
-        depth: Option<vk::ImageView>,
-    ) -> Vec<vk::ImageView> {
+    /// The views of an image's framebuffer in the pass's order: drawn colour, depth, resolved
+    /// colour, density map.
+    fn attachments(&self, format: &Format, views: &Views<'_>, i: usize) -> Vec<vk::ImageView> {
+        let (color, depth) = (views.colors[i], views.depths.get(i).copied());
         let mut transient = self.transient.iter().map(|image| image.view);
         let drawn = if format.samples > 1 { transient.next() } else { Some(color) };
         let depth = depth.or_else(|| transient.next());
         let resolved = (format.samples > 1).then_some(color);
-        [drawn, depth, resolved].into_iter().flatten().collect()
+        let density = format.density_map.then(|| views.densities[i]);
+        [drawn, depth, resolved, density].into_iter().flatten().collect()
     }
 
     fn make_sets<'b>(
