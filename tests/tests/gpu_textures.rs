@@ -10,47 +10,36 @@
 
 use std::sync::{Mutex, PoisonError};
 
-use glam::{Quat, Vec3};
+use glam::Vec3;
 use paros_core::events::Event;
 use paros_core::input::Mode;
 use paros_core::size::{Grid, Size};
 use paros_core::tools::{Action, Bit, Tool};
 use paros_core::workbench::Item;
 use paros_core::world::World;
-use paros_shaders::field::{Budget, Field};
-use paros_shaders::gpu::{
-    Context, Eye, Fov, Gpu, Look, Offscreen, Options, Picture, Renderer, Stand, Sync,
-};
-use paros_shell::require::require;
+use paros_shaders::field::Field;
+use paros_tests::models::desk::{Desk, device};
 use paros_tests::models::puppet::{RIGHT, reach, take};
 use paros_tests::models::studio::Studio;
 use paros_tests::models::visitor::Visitor;
 
-/// A renderer, and the textures that it is to hold.
-struct Desk<const N: usize> {
-    gpu: Context,
-    // Goes before the renderer that it was made with.
-    screen: Offscreen,
-    renderer: Renderer,
+/// A sculpture's textures, and the device that is to hold them.
+struct Held<const N: usize> {
+    desk: Desk,
     field: Box<Field<N>>,
     rebuilt: Box<Field<N>>,
     frames: u32,
 }
 
-impl<const N: usize> Desk<N>
+impl<const N: usize> Held<N>
 where
     Grid<N>: Size,
 {
     fn new() -> Option<Self> {
-        let options = Options { validation: true, ..Options::default() };
-        let gpu = require(Gpu::headless(&options)).expect("a Vulkan device and its validation")?;
-        let format = Offscreen::format(1, 1, false);
-        let renderer = Renderer::new(&gpu, format, N, &[]).expect("a renderer");
-        let screen = Offscreen::new(&gpu, &renderer, [32, 32]).expect("an image");
-        let (field, rebuilt) = (Box::new(Field::new()), Box::new(Field::new()));
-        let mut desk = Desk { gpu, screen, renderer, field, rebuilt, frames: 0 };
-        desk.field.whole(|region, bytes| desk.renderer.load(region, bytes).expect("a device"));
-        Some(desk)
+        let mut desk = Desk::new(&device()?, N, [1, 1], [32, 32]);
+        let field = Box::new(Field::new());
+        desk.load(&field);
+        Some(Held { desk, field, rebuilt: Box::new(Field::new()), frames: 0 })
     }
 
     /// A tick's changes, and a frame.
@@ -60,25 +49,7 @@ where
     }
 
     fn draw(&mut self) {
-        self.renderer.begin().expect("a device");
-        let renderer = &mut self.renderer;
-        let mut bytes = 0;
-        self.field.advance(Budget::frame(N), &mut |region, texels| {
-            bytes += texels.len();
-            assert!(renderer.upload(region, texels), "a frame's budget is more than it takes");
-        });
-        assert!(bytes <= Budget::frame(N).bytes, "{bytes} bytes in a frame");
-        let fov = Fov { left: -0.5, right: 0.5, up: 0.5, down: -0.5 };
-        let position = Vec3::new(0.0, 0.5, 2.0);
-        let picture = Picture {
-            eyes: &[Eye { position, rotation: Quat::IDENTITY, fov }],
-            stand: Stand { foot: Vec3::ZERO, side: 1.0, turn: 0.0 },
-            look: Look::default(),
-            backdrop: [0.0; 3],
-            scene: None,
-        };
-        let image = &self.screen.surface;
-        self.renderer.draw(&picture, image, 0, Sync::default()).expect("a device");
+        self.desk.follow(&mut self.field);
         self.frames += 1;
     }
 
@@ -87,20 +58,12 @@ where
         while self.field.pending() {
             self.draw();
         }
-        let Desk { screen, renderer, rebuilt, .. } = self;
-        rebuilt.rebuild(world.volume().maps());
-        rebuilt.whole(|region, bytes| {
-            let held = screen.texels(renderer, region).expect("a device");
-            let texture = region.texture;
-            assert_eq!(held.len(), bytes.len());
-            let wrong = held.iter().zip(bytes).filter(|(held, right)| held != right).count();
-            assert_eq!(wrong, 0, "{when}: of {} bytes of {texture:?}", bytes.len());
-        });
+        self.desk.check(world, &mut self.rebuilt, when);
     }
 }
 
 /// A session of random edits, with all that a visitor does besides; a load from time to time.
-fn thousand_edits<const N: usize>(studio: &mut Studio<N>, desk: &mut Desk<N>, edits: u32)
+fn thousand_edits<const N: usize>(studio: &mut Studio<N>, held: &mut Held<N>, edits: u32)
 where
     Grid<N>: Size,
 {
@@ -109,12 +72,12 @@ where
     let (mut actions, mut bits) = (Vec::<Action>::new(), Vec::<Bit>::new());
     let mut saved = Vec::new();
     studio.start(Mode::FreeForm);
-    desk.follow(&studio.world);
-    desk.check(&studio.world, "the start");
+    held.follow(&studio.world);
+    held.check(&studio.world, "the start");
     let mut checked = 0;
     while done < edits {
         studio.step(&visitor.act());
-        desk.follow(&studio.world);
+        held.follow(&studio.world);
         let mut look = false;
         for event in studio.world.events() {
             match event {
@@ -129,7 +92,7 @@ where
             }
         }
         if look || done >= checked + edits / 8 {
-            desk.check(&studio.world, &format!("after {done} edits and {undone} undos"));
+            held.check(&studio.world, &format!("after {done} edits and {undone} undos"));
             checked = done;
         }
         if saved.is_empty() && done > edits / 8 * (loads + 1) {
@@ -139,11 +102,11 @@ where
             studio.world.load(&core::mem::take(&mut saved)).expect("what was saved");
             loads += 1;
             // The next tick forgets that everything is dirty.
-            desk.follow(&studio.world);
-            desk.check(&studio.world, &format!("after load {loads}"));
+            held.follow(&studio.world);
+            held.check(&studio.world, &format!("after load {loads}"));
         }
     }
-    desk.check(&studio.world, "the end");
+    held.check(&studio.world, "the end");
     let of = |action: Action| actions.iter().filter(|one| **one == action).count();
     let (carved, filled) = (of(Action::Carve), of(Action::Fill));
     bits.dedup();
@@ -152,30 +115,30 @@ where
     println!(
         "{N}: {done} edits ({carved} carve, {filled} fill) by {bits:?}, {undone} undos, \
          {redone} redos, {loads} loads, {} frames",
-        desk.frames
+        held.frames
     );
     assert!(carved > done as usize / 10 && filled > done as usize / 20, "both ways");
     assert!(bits.len() >= 3 && undone >= 3 && redone >= 1 && loads >= 3);
 }
 
 /// The upper half on a thin stalk that is sawn through.
-fn fall<const N: usize>(studio: &mut Studio<N>, desk: &mut Desk<N>)
+fn fall<const N: usize>(studio: &mut Studio<N>, held: &mut Held<N>)
 where
     Grid<N>: Size,
 {
     let (half, stalk) = (N / 2, N / 32);
     let in_stalk = |c: usize| c.abs_diff(half) < stalk;
     studio.start_from(|[x, y, z]| y >= half || y < N / 4 || in_stalk(x) && in_stalk(z));
-    desk.follow(&studio.world);
-    desk.check(&studio.world, "the stalk");
+    held.follow(&studio.world);
+    held.check(&studio.world, "the stalk");
     take(studio, RIGHT, Item::Tool(Tool::Rotary));
-    desk.follow(&studio.world);
+    held.follow(&studio.world);
     let height = 3.0 * N as f32 / 8.0;
     let mut removed = 0;
     for tick in 0..400 {
         let along = half as f32 - N as f32 / 8.0 + tick as f32 * N as f32 / 128.0 * 0.25;
         reach(studio, RIGHT, Vec3::new(along, height, half as f32), true);
-        desk.follow(&studio.world);
+        held.follow(&studio.world);
         removed += studio.world.events().iter().map(removed_by).sum::<u32>();
         if removed > 0 {
             break;
@@ -183,7 +146,7 @@ where
     }
     println!("{N}: {removed} voxels fell");
     assert!(removed as usize >= N * N * half * 9 / 10, "{removed} voxels fell");
-    desk.check(&studio.world, "the fall");
+    held.check(&studio.world, "the fall");
 }
 
 const fn removed_by(event: &Event) -> u32 {
@@ -197,11 +160,10 @@ fn check<const N: usize>(studio: &Mutex<Studio<N>>, edits: u32)
 where
     Grid<N>: Size,
 {
-    let Some(mut desk) = Desk::new() else { return };
+    let Some(mut held) = Held::new() else { return };
     let mut studio = studio.lock().unwrap_or_else(PoisonError::into_inner);
-    thousand_edits(&mut studio, &mut desk, edits);
-    fall(&mut studio, &mut desk);
-    assert_eq!(desk.gpu.instance.messages(), Vec::<String>::new());
+    thousand_edits(&mut studio, &mut held, edits);
+    fall(&mut studio, &mut held);
 }
 
 #[test]
