@@ -6,6 +6,7 @@ use std::sync::{Arc, Mutex};
 use ash::{ext, vk};
 
 use super::error::{Doing, Error};
+use super::faults;
 use super::needs::Needs;
 
 /// Vulkan 1.1 has multiview in its core.
@@ -226,6 +227,7 @@ impl Gpu {
                 unsafe { instance.raw.create_device(physical, info, None) }
             })
             .doing("make a device")?;
+        let device = faults::wrapped(device);
         // SAFETY: the device was made with one queue of this family.
         let queue = unsafe { device.get_device_queue(family, 0) };
         // SAFETY: the physical device is one of this instance's.

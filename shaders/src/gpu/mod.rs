@@ -8,12 +8,14 @@
 mod buffer;
 mod context;
 mod error;
+pub mod faults;
 mod frame;
 mod image;
 pub mod layout;
 mod needs;
 mod offscreen;
 pub mod overlay;
+mod owned;
 mod pass;
 mod pipelines;
 pub mod programs;

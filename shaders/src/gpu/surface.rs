@@ -9,6 +9,7 @@ use super::context::Gpu;
 use super::error::{Doing, Error};
 use super::frame::{BEAM, TILE};
 use super::image::{Image, Shape};
+use super::owned::Owned;
 use super::pass::{Format, Pass, STARTS};
 use super::pipelines::Pipelines;
 use super::shadow::ShadowMap;
@@ -19,7 +20,7 @@ pub struct Surface {
     gpu: Arc<Gpu>,
     /// Pixels across and down.
     pub extent: [u32; 2],
-    pub(super) framebuffers: Vec<vk::Framebuffer>,
+    pub(super) framebuffers: Vec<Owned<vk::Framebuffer>>,
     /// Where the tiles' rays start, then those of the beams within them.
     pub(super) starts: [Starts; 2],
     /// One for each frame of the ring.
@@ -31,7 +32,7 @@ pub struct Surface {
 
 /// An image of where rays start.
 pub(super) struct Starts {
-    pub(super) framebuffer: vk::Framebuffer,
+    pub(super) framebuffer: Owned<vk::Framebuffer>,
     pub(super) extent: [u32; 2],
     image: Image,
 }
@@ -180,10 +181,10 @@ impl Surface {
             (11, image(shadow.image.view)),
         ];
         let samplers = [
-            (5, sampler(textures.clamped)),
-            (6, sampler(textures.nearest)),
-            (9, sampler(textures.repeated)),
-            (12, sampler(shadow.sampler)),
+            (5, sampler(textures.clamped.raw)),
+            (6, sampler(textures.nearest.raw)),
+            (9, sampler(textures.repeated.raw)),
+            (12, sampler(shadow.sampler.raw)),
         ];
         let write = |binding, kind| {
             vk::WriteDescriptorSet::default()
@@ -205,17 +206,10 @@ impl Surface {
 
 impl Drop for Surface {
     fn drop(&mut self) {
-        let device = &self.gpu.device;
-        // SAFETY: the owner waits for the device before it drops what was submitted.
-        unsafe {
-            device.destroy_descriptor_pool(self.pool, None);
-            for framebuffer in self.framebuffers.drain(..) {
-                device.destroy_framebuffer(framebuffer, None);
-            }
-            for starts in &self.starts {
-                device.destroy_framebuffer(starts.framebuffer, None);
-            }
-        }
+        // A frame may still be drawn into it; a lost device has none under way.
+        let _ = self.gpu.wait();
+        // SAFETY: nothing is under way.
+        unsafe { self.gpu.device.destroy_descriptor_pool(self.pool, None) };
     }
 }
 
@@ -229,11 +223,11 @@ impl Starts {
 }
 
 pub(super) fn framebuffer(
-    gpu: &Gpu,
+    gpu: &Arc<Gpu>,
     pass: &Pass,
     [width, height]: [u32; 2],
     views: &[vk::ImageView],
-) -> Result<vk::Framebuffer, Error> {
+) -> Result<Owned<vk::Framebuffer>, Error> {
     let info = vk::FramebufferCreateInfo::default()
         .render_pass(pass.raw)
         .attachments(views)
@@ -241,5 +235,6 @@ pub(super) fn framebuffer(
         .height(height)
         .layers(1);
     // SAFETY: the views and the pass are this device's, and fit each other.
-    unsafe { gpu.device.create_framebuffer(&info, None) }.doing("make a framebuffer")
+    let raw = unsafe { gpu.device.create_framebuffer(&info, None) }.doing("make a framebuffer")?;
+    Ok(Owned::new(gpu, raw))
 }

@@ -7,6 +7,7 @@ use ash::vk;
 use super::context::Gpu;
 use super::error::{Doing, Error};
 use super::image::{Image, Shape, use_of};
+use super::owned::Owned;
 use super::staging::Staging;
 use crate::constants::NOISE_SIZE;
 use crate::field::cell;
@@ -27,9 +28,9 @@ pub(super) struct Textures {
     pub(super) cells: Image,
     pub(super) noise: Image,
     pub(super) marble: Image,
-    pub(super) clamped: vk::Sampler,
-    pub(super) repeated: vk::Sampler,
-    pub(super) nearest: vk::Sampler,
+    pub(super) clamped: Owned<vk::Sampler>,
+    pub(super) repeated: Owned<vk::Sampler>,
+    pub(super) nearest: Owned<vk::Sampler>,
     cleared: bool,
 }
 
@@ -211,20 +212,11 @@ impl Textures {
     }
 }
 
-impl Drop for Textures {
-    fn drop(&mut self) {
-        for sampler in [self.clamped, self.repeated, self.nearest] {
-            // SAFETY: the owner waits for the device before it drops what was submitted.
-            unsafe { self.gpu.device.destroy_sampler(sampler, None) };
-        }
-    }
-}
-
 fn sampler(
-    gpu: &Gpu,
+    gpu: &Arc<Gpu>,
     filter: vk::Filter,
     mode: vk::SamplerAddressMode,
-) -> Result<vk::Sampler, Error> {
+) -> Result<Owned<vk::Sampler>, Error> {
     let info = vk::SamplerCreateInfo::default()
         .mag_filter(filter)
         .min_filter(filter)
@@ -234,5 +226,6 @@ fn sampler(
         .address_mode_w(mode)
         .max_lod(vk::LOD_CLAMP_NONE);
     // SAFETY: the device is alive and the info complete.
-    unsafe { gpu.device.create_sampler(&info, None) }.doing("make a sampler")
+    let raw = unsafe { gpu.device.create_sampler(&info, None) }.doing("make a sampler")?;
+    Ok(Owned::new(gpu, raw))
 }
