@@ -423,3 +423,33 @@ fn without_a_display_or_a_device_a_line_says_so() -> Result<(), Required> {
     assert!(text.contains("line 2: no step: jump 3"), "{text}");
     Ok(())
 }
+
+/// Memory of the device that is missing once is asked for anew with another device; where there is
+/// none for good, the session is saved and the window says so.
+#[test]
+fn memory_that_runs_out_loses_no_sculpture() -> Result<(), Required> {
+    let folder = folder("starved");
+    let Some(display) = require(Display::new(&folder))? else { return Ok(()) };
+    let mut visit = Visit::new(&display, &[]);
+    visit.do_all(&["start owl", "wait 4"]);
+    visit.do_all(&STROKE);
+    let voxels = visit.voxels();
+    visit.do_all(&["starve 1", "size 700 500", "frames 3", "size 1000 700", "frames 3"]);
+    assert!(visit.asks("note").contains("lost and is back"));
+    let back = visit.sees("1-back");
+    assert!(back.pixel(500, 300)[0] > 90, "the stone is in the middle");
+    assert_eq!(visit.ends(), (Some(0), String::new()));
+    let mut visit = Visit::new(&display, &[]);
+    visit.do_all(&STROKE);
+    let left = visit.voxels();
+    assert_ne!(left, voxels);
+    visit.do_all(&["starve 100000", "size 700 500"]);
+    let complaints = visit.complaints();
+    assert_eq!(visit.window.wait().expect("it ends").code(), Some(1), "{complaints}");
+    assert!(complaints.contains("memory") && complaints.contains("is saved in"), "{complaints}");
+    assert_eq!(complaints.lines().count(), 1, "{complaints}");
+    let mut visit = Visit::new(&display, &[]);
+    assert_eq!(visit.voxels(), left);
+    assert_eq!(visit.ends(), (Some(0), String::new()));
+    Ok(())
+}

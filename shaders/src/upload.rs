@@ -37,4 +37,12 @@ impl Region {
         };
         self.size[0] as usize * self.size[1] as usize * self.size[2] as usize * texel
     }
+
+    /// Whether a texel lies in both.
+    #[must_use]
+    pub fn overlaps(&self, other: &Region) -> bool {
+        let begins_within = |a: &Region, b: &Region, i: usize| a.min[i] < b.min[i] + b.size[i];
+        self.texture == other.texture
+            && (0..3).all(|i| begins_within(self, other, i) && begins_within(other, self, i))
+    }
 }

@@ -2,7 +2,7 @@
 //! for temporary files.
 
 use std::path::PathBuf;
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{LazyLock, Mutex, MutexGuard, PoisonError};
 
 use glam::{Quat, Vec3};
 use paros_core::frame::{BOX, STOOL};
@@ -12,11 +12,10 @@ use paros_core::plane::Plane;
 use paros_core::tools::Tool;
 use paros_core::workbench::Item;
 use paros_shaders::field::Field;
-use paros_shaders::gpu::{
-    Error, Eye, Fov, Gpu, Look, Offscreen, Options, Parts, Path, Picture, Renderer, Stand, Sync,
-};
+use paros_shaders::gpu::{Context, Eye, Fov, Look, Parts, Path, Picture, Stand};
 use paros_shaders::scene::{Assembly, Fresh, MeshId, SKY, SUN_DIRECTION};
 use paros_shell::figures::Figure;
+use paros_tests::models::desk::{Desk, Layers, device};
 use paros_tests::models::puppet::{RIGHT, reach, take};
 use paros_tests::models::studio::Studio;
 
@@ -29,58 +28,57 @@ fn studio() -> MutexGuard<'static, Studio<64>> {
     STUDIO.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// A device that validation looks at, or none where there is none.
-fn device() -> Option<paros_shaders::gpu::Context> {
-    let options = Options { validation: true, ..Options::default() };
-    paros_shell::require::require(Gpu::headless(&options))
-        .expect("a Vulkan device and its validation")
-}
-
-/// A renderer with its images, and what it draws.
-struct Desk {
-    gpu: paros_shaders::gpu::Context,
-    renderer: Renderer,
-    screen: Offscreen,
-    views: u32,
+/// A desk and what it shows: the owl, or nothing.
+struct Show {
+    desk: Desk,
     /// How far the figure is turned, beyond the stool.
     turn: f32,
 }
 
-/// The layers of a picture: red, green, blue, alpha.
-type Layers = Vec<Vec<[u8; 4]>>;
-
 const SIZE: [u32; 2] = [640, 480];
 
-impl Desk {
-    fn new(gpu: &paros_shaders::gpu::Context, samples: u32, views: u32) -> Result<Self, Error> {
-        let format = Offscreen::format(samples, views, samples == 1);
-        let renderer = Renderer::new(gpu, format, N, &[])?;
-        let screen = Offscreen::new(gpu, &renderer, SIZE)?;
-        Ok(Desk { gpu: gpu.clone(), renderer, screen, views, turn: 0.0 })
+impl Show {
+    /// The owl for one eye, or none where there is no device.
+    fn of_owl(samples: u32) -> Option<Self> {
+        Some(Self::on(&device()?, [samples, 1]))
     }
 
-    fn load(&mut self, field: &Field<N>) {
-        field.whole(|region, bytes| {
-            self.renderer.load(region, bytes).expect("an upload");
-        });
+    fn on(gpu: &Context, kind: [u32; 2]) -> Self {
+        let mut show = Show { desk: Desk::new(gpu, N, kind, SIZE), turn: 0.0 };
+        show.owl();
+        show
     }
 
-    /// A picture of the scene, or of the sculpture alone.
+    fn owl(&mut self) {
+        self.desk.load(&FIELDS[0]);
+    }
+
+    fn nothing(&mut self) {
+        self.desk.load(&FIELDS[1]);
+    }
+
+    /// A picture of the scene, or of the sculpture alone, for each eye.
     fn draw(&mut self, scene: &Assembly, with_scene: bool, path: Path, view: &View) -> Layers {
-        let eyes: Vec<Eye> = (0..self.views).map(|i| view.eye(i, self.views)).collect();
+        let views = self.desk.renderer.format().views;
+        let eyes: Vec<Eye> = (0..views).map(|i| view.eye(i, views)).collect();
         let pose = scene.sculpture();
         let shown = SKY.map(|c| c * (1.0 + 0.25 * c) / (1.0 + c));
-        let picture = Picture {
+        self.desk.draw(&Picture {
             eyes: &eyes,
             stand: Stand { foot: pose.foot, side: pose.side, turn: pose.turn + self.turn },
             look: Look::studio(path),
             scene: with_scene.then(|| scene.list()),
             backdrop: shown,
-        };
-        self.renderer.begin().expect("a frame");
-        self.renderer.draw(&picture, &self.screen.surface, 0, Sync::default()).expect("a picture");
-        self.gpu.wait().expect("the device");
-        (0..self.views).map(|i| self.screen.pixels(i).expect("pixels")).collect()
+        })
+    }
+
+    /// The same for one eye.
+    fn draws(&mut self, scene: &Assembly, path: Path) -> Vec<[u8; 4]> {
+        self.draw(scene, true, path, &VISITOR).remove(0)
+    }
+
+    fn draws_alone(&mut self, scene: &Assembly, path: Path) -> Vec<[u8; 4]> {
+        self.draw(scene, false, path, &VISITOR).remove(0)
     }
 }
 
@@ -127,7 +125,7 @@ impl View {
 }
 
 /// The textures of a figure, and of nothing.
-fn fields() -> [Box<Field<N>>; 2] {
+static FIELDS: LazyLock<[Box<Field<N>>; 2]> = LazyLock::new(|| {
     let mut plane: Box<Plane<N>> = Box::new(Plane::new());
     let mut maps: Box<Maps<N>> = Box::new(Maps::new());
     let mut fields = [Box::new(Field::new()), Box::new(Field::new())];
@@ -135,7 +133,7 @@ fn fields() -> [Box<Field<N>>; 2] {
     Figure::Owl.carve_into(&mut plane, &mut maps);
     fields[0].rebuild(&maps);
     fields
-}
+});
 
 /// The studio at rest, the rotary tool in the right hand at a grip.
 fn held_at(grip: Vec3, rotation: Quat) -> Assembly {
@@ -178,22 +176,15 @@ const ASIDE: (Vec3, Quat) = (Vec3::new(0.32, 1.15, -0.25), Quat::IDENTITY);
 #[test]
 fn the_room_is_drawn_from_the_visitors_eyes() {
     let Some(gpu) = device() else { return };
-    let [owl, nothing] = fields();
     let scene = held_at(ASIDE.0, ASIDE.1);
     for (samples, views) in [(1, 1), (4, 1), (4, 2)] {
-        let mut desk = Desk::new(&gpu, samples, views).expect("a renderer");
-        desk.load(&owl);
+        let mut show = Show::on(&gpu, [samples, views]);
         for (name, path) in PATHS {
-            let layers = desk.draw(&scene, true, path, &VISITOR);
+            let layers = show.draw(&scene, true, path, &VISITOR);
             for (i, layer) in layers.iter().enumerate() {
                 write(&format!("scene-{name}-{samples}-{views}-{i}"), layer);
             }
-            let times = {
-                desk.renderer.begin().expect("a frame");
-                desk.draw(&scene, true, path, &VISITOR);
-                desk.renderer.begin().expect("a frame");
-                desk.renderer.times()
-            };
+            let times = show.desk.renderer.times();
             if gpu.needs.timestamp_period > 0 {
                 assert!(times.shadow > 0 && times.scene > 0, "{times:?}");
             }
@@ -203,22 +194,21 @@ fn the_room_is_drawn_from_the_visitors_eyes() {
         }
         if (samples, views) == (1, 1) {
             for (name, path) in PATHS {
-                shadow_falls(&mut desk, [&owl, &nothing], name, path);
+                shadow_falls(&mut show, name, path);
             }
         }
     }
-    assert_eq!(gpu.instance.messages(), Vec::<String>::new());
 }
 
 /// The figure's shadow lies on the stool: away from the sun, which stands to the left and behind
 /// the visitor.
-fn shadow_falls(desk: &mut Desk, [owl, nothing]: [&Field<N>; 2], name: &str, path: Path) {
+fn shadow_falls(show: &mut Show, name: &str, path: Path) {
     let scene = held_at(ASIDE.0, ASIDE.1);
-    let with = desk.draw(&scene, true, path, &VISITOR).remove(0);
-    desk.load(nothing);
-    let without = desk.draw(&scene, true, path, &VISITOR).remove(0);
+    let with = show.draws(&scene, path);
+    show.nothing();
+    let without = show.draws(&scene, path);
     write(&format!("scene-{name}-empty"), &without);
-    desk.load(owl);
+    show.owl();
     let mut dark = 0;
     let sun = Vec3::from_array(SUN_DIRECTION);
     let ground = |height: f32| STOOL - Vec3::new(sun.x, 0.0, sun.z) * (height / sun.y);
@@ -235,9 +225,7 @@ fn shadow_falls(desk: &mut Desk, [owl, nothing]: [&Field<N>; 2], name: &str, pat
 
 #[test]
 fn tools_and_sculpture_hide_each_other() {
-    let Some(gpu) = device() else { return };
-    let [owl, nothing] = fields();
-    let mut desk = Desk::new(&gpu, 1, 1).expect("a renderer");
+    let Some(mut show) = Show::of_owl(1) else { return };
     let middle = STOOL + Vec3::Y * (0.4 * BOX);
     let ahead = (VISITOR.eye - middle).normalize();
     for (name, path) in PATHS {
@@ -245,11 +233,11 @@ fn tools_and_sculpture_hide_each_other() {
         for (place, towards, hides) in [("before", 0.35, true), ("behind", -0.30, false)] {
             let grip = middle + ahead * towards;
             let scene = held_at(grip, Quat::from_rotation_x(1.2));
-            desk.load(&owl);
-            let both = desk.draw(&scene, true, path, &VISITOR).remove(0);
+            show.owl();
+            let both = show.draws(&scene, path);
             write(&format!("scene-{name}-{place}"), &both);
-            desk.load(&nothing);
-            let tool = desk.draw(&scene, true, path, &VISITOR).remove(0);
+            show.nothing();
+            let tool = show.draws(&scene, path);
             // Where the tool is, seen from its instance's own points.
             let (mut seen, mut all) = (0, 0);
             for instance in scene.list().of(MeshId::of_tool(Tool::Rotary)) {
@@ -264,24 +252,20 @@ fn tools_and_sculpture_hide_each_other() {
             assert!(hides == (part > 0.8), "{name}, {place}: {part} of the tool is as without");
         }
     }
-    assert_eq!(gpu.instance.messages(), Vec::<String>::new());
 }
 
 /// A hand between the sun and the box, out of which the figure's own rays have passed there.
 #[test]
 fn shadows_fall_on_the_sculpture() {
-    let Some(gpu) = device() else { return };
-    let [owl, _] = fields();
-    let mut desk = Desk::new(&gpu, 1, 1).expect("a renderer");
-    desk.load(&owl);
+    let Some(mut show) = Show::of_owl(1) else { return };
     let middle = STOOL + Vec3::Y * (0.3 * BOX);
     let lit = held_at(ASIDE.0, ASIDE.1);
     let hidden = held_at(middle + Vec3::from_array(SUN_DIRECTION) * 0.6, ASIDE.1);
     for (name, path) in PATHS {
-        let light = desk.draw(&lit, true, path, &VISITOR).remove(0);
-        let dark = desk.draw(&hidden, true, path, &VISITOR).remove(0);
+        let light = show.draws(&lit, path);
+        let dark = show.draws(&hidden, path);
         write(&format!("scene-{name}-hidden"), &dark);
-        let alone = desk.draw(&lit, false, path, &VISITOR).remove(0);
+        let alone = show.draws_alone(&lit, path);
         // Where the sun's rays meet nothing else, the figure is as it is alone.
         let on_figure = alone.iter().map(|pixel| *pixel != alone[0]);
         let (mut all, mut darker, mut lighter) = (0, 0, 0);
@@ -292,37 +276,30 @@ fn shadows_fall_on_the_sculpture() {
         }
         assert!(darker * 12 > all && lighter == 0, "{name}: {darker} of {all}, {lighter} lighter");
     }
-    assert_eq!(gpu.instance.messages(), Vec::<String>::new());
 }
 
 /// The map holds the figure too, but nothing of it is beyond where its own rays leave the box.
 #[test]
 fn the_figure_is_lit_as_it_is_alone() {
-    let Some(gpu) = device() else { return };
-    let [owl, _] = fields();
-    let mut desk = Desk::new(&gpu, 1, 1).expect("a renderer");
-    desk.load(&owl);
+    let Some(mut show) = Show::of_owl(1) else { return };
     let scene = held_at(ASIDE.0, ASIDE.1);
     for (name, path) in PATHS {
         for turn in 0..8 {
-            desk.turn = turn as f32 * 0.7;
-            let alone = desk.draw(&scene, false, path, &VISITOR).remove(0);
-            let within = desk.draw(&scene, true, path, &VISITOR).remove(0);
+            show.turn = turn as f32 * 0.7;
+            let alone = show.draws_alone(&scene, path);
+            let within = show.draws(&scene, path);
             // Lower down the stool's top may hide what stands on it.
             let above = alone.iter().zip(&within).take(VISITOR.pixel(STOOL));
             let on_figure = above.filter(|(pixel, _)| **pixel != alone[0]);
             let other = on_figure.filter(|(a, b)| (sum(**a) - sum(**b)).abs() > 3).count();
-            assert_eq!(other, 0, "{name}, turned by {}: pixels in its own shadow", desk.turn);
+            assert_eq!(other, 0, "{name}, turned by {}: pixels in its own shadow", show.turn);
         }
     }
 }
 
 #[test]
 fn chips_are_drawn_and_fade() {
-    let Some(gpu) = device() else { return };
-    let [owl, _] = fields();
-    let mut desk = Desk::new(&gpu, 4, 1).expect("a renderer");
-    desk.load(&owl);
+    let Some(mut show) = Show::of_owl(4) else { return };
     let mut studio = studio();
     studio.start(Mode::FreeForm);
     take(&mut studio, RIGHT, Item::Tool(Tool::Rotary));
@@ -338,7 +315,7 @@ fn chips_are_drawn_and_fade() {
     let mut frame = |time: f64| {
         let fresh = Fresh { time, fraction: 1.0, ..Fresh::default() };
         scene.assemble(&studio.world, &fresh);
-        desk.draw(&scene, true, Path::Fast, &view).remove(0)
+        show.draw(&scene, true, Path::Fast, &view).remove(0)
     };
     let pictures = [0.0, 0.1, 0.2].map(&mut frame);
     write("scene-chips", &pictures[1]);
@@ -348,26 +325,21 @@ fn chips_are_drawn_and_fade() {
     }
     let seen = pictures.map(|picture| differing(&picture, &last));
     assert!(seen.iter().all(|count| (8..20_000).contains(count)), "{seen:?} pixels show chips");
-    assert_eq!(gpu.instance.messages(), Vec::<String>::new());
 }
 
 #[test]
 fn without_a_scene_nothing_but_the_sculpture_is_drawn() {
-    let Some(gpu) = device() else { return };
-    let [owl, _] = fields();
-    let mut desk = Desk::new(&gpu, 1, 1).expect("a renderer");
-    desk.load(&owl);
+    let Some(mut show) = Show::of_owl(1) else { return };
     let scene = held_at(ASIDE.0, ASIDE.1);
     for (name, path) in PATHS {
-        let before = desk.draw(&scene, false, path, &VISITOR).remove(0);
+        let before = show.draws_alone(&scene, path);
         write(&format!("scene-{name}-alone"), &before);
         // What the map holds of a scene doesn't matter to a picture without one.
-        desk.draw(&scene, true, path, &VISITOR);
-        let after = desk.draw(&scene, false, path, &VISITOR).remove(0);
+        show.draw(&scene, true, path, &VISITOR);
+        let after = show.draws_alone(&scene, path);
         assert_eq!(differing(&before, &after), 0, "{name}");
         let backdrop = before[0];
         let drawn = before.iter().filter(|pixel| **pixel != backdrop).count();
         assert!(drawn > 4_000 && drawn < before.len() / 4, "{name}: {drawn} pixels");
     }
-    assert_eq!(gpu.instance.messages(), Vec::<String>::new());
 }

@@ -79,6 +79,9 @@ where
         if let Some(file) = &options.file {
             studio.open(file);
         }
+        if script.is_some() {
+            gpu::faults::arm();
+        }
         App {
             view: None,
             window: None,

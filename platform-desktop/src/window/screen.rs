@@ -95,7 +95,7 @@ impl Screen {
             Error::NoDevice(vec![format!("{} draws no sRGB into windows", gpu.name)])
         })?;
         let swapchains = khr::swapchain::Device::new(&instance.raw, &gpu.device);
-        let acquired = (0..=RING).map(|_| semaphore(&gpu)).collect::<Result<_, _>>()?;
+        let acquired = semaphores(&gpu, RING + 1)?;
         let (surfaces, chain) = (surfaces.clone(), None);
         Ok(Screen { gpu, surfaces, surface, swapchains, format, chain, acquired, at: 0 })
     }
@@ -115,6 +115,7 @@ impl Screen {
             views: 1,
             final_layout: vk::ImageLayout::PRESENT_SRC_KHR,
             keep_depth: false,
+            density_map: false,
         }
     }
 
@@ -237,19 +238,40 @@ impl Screen {
         Ok(true)
     }
 
+    /// What goes with a swapchain, which goes too if that can't be made.
     fn chain(
         &self,
         raw: vk::SwapchainKHR,
         renderer: &Renderer,
         extent: [u32; 2],
     ) -> Result<Chain, Error> {
+        let (mut views, mut drawn) = (Vec::new(), Vec::new());
+        let made = self
+            .fill(raw, &mut views, &mut drawn)
+            .and_then(|()| renderer.surface(extent, &views, &[]));
+        match made {
+            Ok(surface) => Ok(Chain { raw, surface, views, drawn, stale: false }),
+            Err(error) => {
+                self.destroy_parts(raw, views, drawn);
+                Err(error)
+            }
+        }
+    }
+
+    fn fill(
+        &self,
+        raw: vk::SwapchainKHR,
+        views: &mut Vec<vk::ImageView>,
+        drawn: &mut Vec<vk::Semaphore>,
+    ) -> Result<(), Error> {
         // SAFETY: the swapchain is this device's.
         let images = unsafe { self.swapchains.get_swapchain_images(raw) }
             .map_err(failed("list a window's images"))?;
-        let views = images.iter().map(|image| self.view(*image)).collect::<Result<Vec<_>, _>>()?;
-        let drawn = images.iter().map(|_| semaphore(&self.gpu)).collect::<Result<_, _>>()?;
-        let surface = renderer.surface(extent, &views, &[])?;
-        Ok(Chain { raw, surface, views, drawn, stale: false })
+        for image in &images {
+            views.push(self.view(*image)?);
+        }
+        *drawn = semaphores(&self.gpu, images.len())?;
+        Ok(())
     }
 
     fn view(&self, image: vk::Image) -> Result<vk::ImageView, Error> {
@@ -270,6 +292,15 @@ impl Screen {
     fn destroy(&self, chain: Chain) {
         let Chain { raw, surface, views, drawn, .. } = chain;
         drop(surface);
+        self.destroy_parts(raw, views, drawn);
+    }
+
+    fn destroy_parts(
+        &self,
+        raw: vk::SwapchainKHR,
+        views: Vec<vk::ImageView>,
+        drawn: Vec<vk::Semaphore>,
+    ) {
         // SAFETY: the device was waited for, or is lost: nothing is under way.
         unsafe {
             views.into_iter().for_each(|view| self.gpu.device.destroy_image_view(view, None));
@@ -296,10 +327,22 @@ impl Drop for Screen {
     }
 }
 
-fn semaphore(gpu: &Gpu) -> Result<vk::Semaphore, Error> {
+/// So many semaphores, or none.
+fn semaphores(gpu: &Gpu, count: usize) -> Result<Vec<vk::Semaphore>, Error> {
     let info = vk::SemaphoreCreateInfo::default();
-    // SAFETY: the info is complete.
-    unsafe { gpu.device.create_semaphore(&info, None) }.map_err(failed("make a semaphore"))
+    let mut all = Vec::new();
+    for _ in 0..count {
+        // SAFETY: the info is complete.
+        match unsafe { gpu.device.create_semaphore(&info, None) } {
+            Ok(one) => all.push(one),
+            Err(result) => {
+                // SAFETY: nothing uses them yet.
+                all.into_iter().for_each(|one| unsafe { gpu.device.destroy_semaphore(one, None) });
+                return Err(failed("make a semaphore")(result));
+            }
+        }
+    }
+    Ok(all)
 }
 
 /// The way of showing that lets nothing shine through, if there is a choice.

@@ -35,8 +35,10 @@ pub(super) enum Step {
     Size([u32; 2]),
     /// `minimise`.
     Minimise(bool),
-    /// `lose`: as if the device were lost.
+    /// `lose`: the device is lost with the next frame.
     Lose,
+    /// `starve N`: so many requests for the device's memory fail from now on.
+    Starve(u32),
     /// `say`: prints what there is to know, for a test to read.
     Say,
     /// `quit`.
@@ -204,6 +206,7 @@ fn parse(text: &str) -> Option<Step> {
         "minimise" => Step::Minimise(true),
         "restore" => Step::Minimise(false),
         "lose" => Step::Lose,
+        "starve" => Step::Starve(rest.parse().ok()?),
         "say" => Step::Say,
         "quit" => Step::Quit,
         _ => return None,

@@ -6,6 +6,8 @@ use std::sync::{Arc, Mutex};
 use ash::{ext, vk};
 
 use super::error::{Doing, Error};
+use super::faults;
+use super::needs::Needs;
 
 /// Vulkan 1.1 has multiview in its core.
 const API: u32 = vk::API_VERSION_1_1;
@@ -23,15 +25,10 @@ pub struct Options {
     pub device: Option<String>,
     /// Whether to do without half precision where it is offered.
     pub single: bool,
-}
-
-/// What a device offers of what the renderer can use.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Needs {
-    /// Arithmetic of half precision.
-    pub half: bool,
-    /// Nanoseconds in a tick of its timestamps, in millionths; 0 if it has none.
-    pub timestamp_period: u64,
+    /// Whether density maps are wanted, for a format with [`Format::density_map`].
+    ///
+    /// [`Format::density_map`]: super::Format::density_map
+    pub density_map: bool,
 }
 
 /// An instance, and what validation has said about it.
@@ -58,6 +55,8 @@ pub struct Gpu {
     pub queue: vk::Queue,
     /// What it offers.
     pub needs: Needs,
+    /// What was asked for and it has not, for the shell to tell once: the renderer does without.
+    pub lacks: Vec<&'static str>,
     /// Its name.
     pub name: String,
     pub(super) memory: vk::PhysicalDeviceMemoryProperties,
@@ -221,14 +220,19 @@ impl Gpu {
         let Some((_, physical, family, name)) = fitting.into_iter().next() else {
             return Err(Error::NoDevice(refused));
         };
-        let mut needs = offered(&instance.raw, physical, family);
-        needs.half &= !options.single;
-        let device = make_device(&instance.raw, physical, family, needs, options)?;
+        let (needs, lacks) = Needs::agreed(&instance.raw, physical, family, options);
+        let device = needs
+            .with_device_info(family, options, |info| {
+                // SAFETY: all that the info points to lives until the call returns.
+                unsafe { instance.raw.create_device(physical, info, None) }
+            })
+            .doing("make a device")?;
+        let device = faults::wrapped(device);
         // SAFETY: the device was made with one queue of this family.
         let queue = unsafe { device.get_device_queue(family, 0) };
         // SAFETY: the physical device is one of this instance's.
         let memory = unsafe { instance.raw.get_physical_device_memory_properties(physical) };
-        Ok(Arc::new(Gpu { instance, physical, device, family, queue, needs, name, memory }))
+        Ok(Arc::new(Gpu { instance, physical, device, family, queue, needs, lacks, name, memory }))
     }
 
     /// Pixels along a side of the largest image that it draws into.
@@ -304,54 +308,4 @@ fn family(
     (0..families.len() as u32)
         .find(draws)
         .ok_or_else(|| "has no queue that draws into the window".into())
-}
-
-fn offered(instance: &ash::Instance, physical: vk::PhysicalDevice, family: u32) -> Needs {
-    let mut half = vk::PhysicalDeviceShaderFloat16Int8Features::default();
-    let has_half = has_extension(instance, physical, vk::KHR_SHADER_FLOAT16_INT8_NAME);
-    let mut features = vk::PhysicalDeviceFeatures2::default();
-    if has_half {
-        features = features.push_next(&mut half);
-    }
-    // SAFETY: the physical device is one of this instance's, and speaks 1.1.
-    unsafe { instance.get_physical_device_features2(physical, &mut features) };
-    // SAFETY: as above.
-    let properties = unsafe { instance.get_physical_device_properties(physical) };
-    // SAFETY: as above.
-    let families = unsafe { instance.get_physical_device_queue_family_properties(physical) };
-    let bits = families[family as usize].timestamp_valid_bits;
-    let period = (f64::from(properties.limits.timestamp_period) * 1e6) as u64;
-    Needs {
-        half: has_half && half.shader_float16 == vk::TRUE,
-        timestamp_period: if bits == 0 { 0 } else { period },
-    }
-}
-
-fn make_device(
-    instance: &ash::Instance,
-    physical: vk::PhysicalDevice,
-    family: u32,
-    needs: Needs,
-    options: &Options,
-) -> Result<ash::Device, Error> {
-    let queues =
-        [vk::DeviceQueueCreateInfo::default().queue_family_index(family).queue_priorities(&[1.0])];
-    let mut extensions: Vec<*const c_char> =
-        options.device_extensions.iter().map(|name| name.as_ptr()).collect();
-    let mut multiview = vk::PhysicalDeviceMultiviewFeatures::default().multiview(true);
-    let mut half = vk::PhysicalDeviceShaderFloat16Int8Features::default().shader_float16(true);
-    let mut info = vk::DeviceCreateInfo::default().push_next(&mut multiview);
-    if needs.half {
-        extensions.push(vk::KHR_SHADER_FLOAT16_INT8_NAME.as_ptr());
-        info = info.push_next(&mut half);
-    }
-    let info = info.queue_create_infos(&queues).enabled_extension_names(&extensions);
-    // SAFETY: all that `info` points to lives until the call returns.
-    unsafe { instance.create_device(physical, &info, None) }.doing("make a device")
-}
-
-fn has_extension(instance: &ash::Instance, physical: vk::PhysicalDevice, name: &CStr) -> bool {
-    // SAFETY: the physical device is one of this instance's.
-    let all = unsafe { instance.enumerate_device_extension_properties(physical) };
-    all.is_ok_and(|all| all.iter().any(|one| one.extension_name_as_c_str() == Ok(name)))
 }

@@ -9,6 +9,13 @@ pub enum Error {
     NoLoader(String),
     /// No device of this machine fits; each with what it lacks.
     NoDevice(Vec<String>),
+    /// Not as many density maps as images, for a format that has them.
+    NoDensityMap {
+        /// Images to draw into.
+        images: usize,
+        /// Density maps that came with them.
+        maps: usize,
+    },
     /// A call failed.
     Call {
         /// What was to be done.
@@ -32,6 +39,9 @@ impl core::fmt::Display for Error {
             Error::NoLoader(why) => write!(f, "no Vulkan loader: {why}"),
             Error::NoDevice(found) if found.is_empty() => write!(f, "Vulkan finds no device"),
             Error::NoDevice(found) => write!(f, "no Vulkan device fits: {}", found.join("; ")),
+            Error::NoDensityMap { images, maps } => {
+                write!(f, "{images} images to draw into came with {maps} density maps")
+            }
             Error::Call { doing, result } => write!(f, "Vulkan could not {doing}: {result}"),
         }
     }

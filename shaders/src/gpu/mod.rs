@@ -8,11 +8,14 @@
 mod buffer;
 mod context;
 mod error;
+pub mod faults;
 mod frame;
 mod image;
 pub mod layout;
+mod needs;
 mod offscreen;
 pub mod overlay;
+mod owned;
 mod pass;
 mod pipelines;
 pub mod programs;
@@ -26,9 +29,10 @@ mod surface;
 mod textures;
 mod timers;
 
-pub use context::{Context, Gpu, Instance, Needs, Options};
+pub use context::{Context, Gpu, Instance, Options};
 pub use error::Error;
 pub use frame::{Eye, Fov, Look, Parts, Path, Picture, Stand};
+pub use needs::Needs;
 pub use offscreen::Offscreen;
 pub use pass::Format;
 pub use renderer::{Renderer, Sync};

@@ -11,6 +11,7 @@ use super::image::{Image, Shape, aspect};
 use super::pass::Format;
 use super::renderer::Renderer;
 use super::surface::Surface;
+use crate::upload::Region;
 
 /// A colour image with as many layers as there are views, and depth beside it if that is kept.
 pub struct Offscreen {
@@ -37,6 +38,7 @@ impl Offscreen {
             views,
             final_layout: vk::ImageLayout::TRANSFER_SRC_OPTIMAL,
             keep_depth,
+            density_map: false,
         }
     }
 
@@ -90,6 +92,28 @@ impl Offscreen {
         let bytes = self.read(depth, layout, view)?;
         let float = |bytes: &[u8]| f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
         Ok(Some(bytes.chunks_exact(4).map(float).collect()))
+    }
+
+    /// What a renderer's device holds of a region of a sculpture's textures, once it is done with
+    /// all frames. For tests alone: a shell has no reason to read back what it has uploaded.
+    ///
+    /// # Errors
+    /// A lost device, or no memory for the bytes.
+    pub fn texels(&self, renderer: &Renderer, region: Region) -> Result<Vec<u8>, Error> {
+        self.gpu.wait()?;
+        let buffer = Buffer::new(&self.gpu, region.bytes(), vk::BufferUsageFlags::TRANSFER_DST)?;
+        let textures = &renderer.textures;
+        let (image, copy) = textures.copy(&region, 0);
+        let (drawn, from) =
+            (vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL, vk::ImageLayout::TRANSFER_SRC_OPTIMAL);
+        once(&self.gpu, |device, commands| {
+            textures.transition(commands, [true; 5], drawn, from);
+            // SAFETY: the image is in this layout, the region lies within it, and the buffer takes
+            // the whole of it.
+            unsafe { device.cmd_copy_image_to_buffer(commands, image, from, buffer.raw, &[copy]) };
+            textures.transition(commands, [true; 5], from, drawn);
+        })?;
+        Ok(buffer.read().to_vec())
     }
 
     fn read(&self, image: &Image, layout: vk::ImageLayout, view: u32) -> Result<Vec<u8>, Error> {

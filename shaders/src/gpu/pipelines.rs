@@ -99,7 +99,8 @@ impl Pipelines {
             strip: true,
             ..tiles
         };
-        self.starts = [self.make(&tiles)?, self.make(&beams)?];
+        self.starts[0] = self.make(&tiles)?;
+        self.starts[1] = self.make(&beams)?;
         Ok(())
     }
 
@@ -145,7 +146,8 @@ impl Pipelines {
         };
         let particles =
             Recipe { fragment: Some(programs::PARTICLES), blend: Some(Blend::Alpha), ..meshes };
-        (self.meshes, self.particles) = (self.make(&meshes)?, self.make(&particles)?);
+        self.meshes = self.make(&meshes)?;
+        self.particles = self.make(&particles)?;
         Ok(())
     }
 
@@ -167,7 +169,8 @@ impl Pipelines {
             bias: false,
             ..meshes
         };
-        self.cast = [self.make(&meshes)?, self.make(&sculpture)?];
+        self.cast[0] = self.make(&meshes)?;
+        self.cast[1] = self.make(&sculpture)?;
         Ok(())
     }
 

@@ -43,7 +43,7 @@ impl Renderer {
         self.shadow.drawn = true;
         let far = vk::ClearDepthStencilValue { depth: 1.0, stencil: 0 };
         let clear = [vk::ClearValue { depth_stencil: far }];
-        let target = (self.shadow.pass.raw, self.shadow.framebuffer);
+        let target = (self.shadow.pass.raw, self.shadow.framebuffer.raw);
         self.within(commands, target, [shadow::SIDE; 2], &clear, |device| {
             let Some(scene) = scene else { return };
             self.bind_set(commands, set);
@@ -69,7 +69,7 @@ impl Renderer {
         for ((starts, vertices, instances), pipeline) in
             draws.into_iter().zip(self.pipelines.starts)
         {
-            let pass = (self.starts.raw, starts.framebuffer);
+            let pass = (self.starts.raw, starts.framebuffer.raw);
             let clear = [vk::ClearValue { color: none }];
             self.within(commands, pass, starts.extent, &clear, |device| {
                 self.bind_set(commands, surface.sets[self.at]);
@@ -97,7 +97,7 @@ impl Renderer {
             vk::ClearValue { depth_stencil: depth },
             vk::ClearValue { color },
         ];
-        let pass = (self.frame.raw, surface.framebuffers[image]);
+        let pass = (self.frame.raw, surface.framebuffers[image].raw);
         let timers = &self.ring[self.at].timers;
         self.within(commands, pass, surface.extent, &clears, |_| {
             self.bind_set(commands, surface.sets[self.at]);

@@ -9,12 +9,13 @@ use super::context::Gpu;
 use super::error::{Doing, Error};
 use super::frame::{self, Path, Picture};
 use super::overlay::Overlay;
+use super::owned::Owned;
 use super::pass::{Format, Pass};
 use super::pipelines::{Passes, Pipelines};
 use super::shadow::ShadowMap;
 use super::slot::Slot;
 use super::staging::CAPACITY;
-use super::surface::{Parts, Surface};
+use super::surface::{Parts, Surface, Views};
 use super::textures::Textures;
 use super::timers::{Mark, Times};
 use crate::constants::NOISE_SIZE;
@@ -35,6 +36,11 @@ pub struct Sync {
 }
 
 /// Draws sculptures of N voxels a side, for one format of images.
+///
+/// A call that fails may have lost what was to be uploaded: the renderer is to be dropped, and
+/// another one made, of another device if it [is lost].
+///
+/// [is lost]: Error::is_lost
 pub struct Renderer {
     pub(super) gpu: Arc<Gpu>,
     format: Format,
@@ -45,10 +51,11 @@ pub struct Renderer {
     pub(super) shadow: ShadowMap,
     pub(super) frame: Pass,
     pub(super) pipelines: Pipelines,
-    textures: Textures,
+    pub(super) textures: Textures,
     pub(super) meshes: Meshes,
-    pool: vk::CommandPool,
     pub(super) ring: Vec<Slot>,
+    /// Of the ring's commands.
+    _pool: Owned<vk::CommandPool>,
     pub(super) at: usize,
     times: Times,
 }
@@ -67,11 +74,13 @@ impl core::fmt::Debug for Renderer {
 
 impl Renderer {
     /// A renderer for volumes of `n` voxels a side. `cache` is what [`Renderer::cache`] gave at an
-    /// earlier start, or nothing.
+    /// earlier start, or nothing. Without density maps if the device has none: see [`Gpu::lacks`].
     ///
     /// # Errors
     /// A call that failed; out of memory, most likely.
     pub fn new(gpu: &Arc<Gpu>, format: Format, n: usize, cache: &[u8]) -> Result<Self, Error> {
+        let density_map = format.density_map && gpu.needs.density_map;
+        let format = Format { density_map, ..format };
         let starts = Pass::starts(gpu, &format)?;
         let frame = Pass::frame(gpu, &format)?;
         let shadow = ShadowMap::new(gpu)?;
@@ -83,7 +92,9 @@ impl Renderer {
             .flags(vk::CommandPoolCreateFlags::RESET_COMMAND_BUFFER);
         // SAFETY: the family is the device's.
         let pool = unsafe { gpu.device.create_command_pool(&info, None) }.doing("make a pool")?;
+        let pool = Owned::new(gpu, pool);
         let overlay = Overlay::new(gpu, &format, &frame, RING, pipelines.cache)?;
+        let ring = (0..RING).map(|_| Slot::new(gpu, pool.raw)).collect::<Result<_, _>>()?;
         let mut renderer = Renderer {
             gpu: gpu.clone(),
             format,
@@ -95,15 +106,11 @@ impl Renderer {
             pipelines,
             textures,
             meshes: Meshes::new(gpu)?,
-            pool,
-            ring: Vec::with_capacity(RING),
+            ring,
+            _pool: pool,
             at: 0,
             times: Times::default(),
         };
-        for _ in 0..RING {
-            let slot = Slot::new(gpu, pool)?;
-            renderer.ring.push(slot);
-        }
         let cube = |texture, side: usize| Region { texture, min: [0; 3], size: [side as u32; 3] };
         let bytes: Vec<u8> = noise::texture().iter().map(|noise| noise.cast_unsigned()).collect();
         renderer.load(cube(Texture::Noise, NOISE_SIZE), &bytes)?;
@@ -111,7 +118,7 @@ impl Renderer {
         Ok(renderer)
     }
 
-    /// The format it draws.
+    /// The format it draws: what was asked for, as far as the device has it.
     #[must_use]
     pub const fn format(&self) -> &Format {
         &self.format
@@ -141,6 +148,21 @@ impl Renderer {
         colors: &[vk::ImageView],
         depths: &[vk::ImageView],
     ) -> Result<Surface, Error> {
+        self.mapped_surface(extent, colors, depths, &[])
+    }
+
+    /// A surface for views of the shell's images and of their density maps, one for each, which are
+    /// not looked at where [`Renderer::format`] is without.
+    ///
+    /// # Errors
+    /// [`Error::NoDensityMap`], or a call that failed.
+    pub fn mapped_surface(
+        &self,
+        extent: [u32; 2],
+        colors: &[vk::ImageView],
+        depths: &[vk::ImageView],
+        densities: &[vk::ImageView],
+    ) -> Result<Surface, Error> {
         let parts = Parts {
             gpu: &self.gpu,
             format: &self.format,
@@ -150,7 +172,8 @@ impl Renderer {
             textures: &self.textures,
             shadow: &self.shadow,
         };
-        Surface::new(&parts, extent, colors, depths, self.ring.iter().map(|slot| &slot.uniform))
+        let views = Views { colors, depths, densities };
+        Surface::new(&parts, extent, &views, self.ring.iter().map(|slot| &slot.uniform))
     }
 
     /// Begins a frame: waits until the one before the last is done.
@@ -159,9 +182,13 @@ impl Renderer {
     /// A lost device.
     pub fn begin(&mut self) -> Result<(), Error> {
         let slot = &mut self.ring[self.at];
-        // SAFETY: the fence is this device's.
-        unsafe { self.gpu.device.wait_for_fences(&[slot.done], true, u64::MAX) }
-            .doing("wait for a frame")?;
+        if slot.under_way {
+            let fences = [slot.done.raw];
+            // SAFETY: the fence is this device's.
+            unsafe { self.gpu.device.wait_for_fences(&fences, true, u64::MAX) }
+                .doing("wait for a frame")?;
+            slot.under_way = false;
+        }
         if slot.drew {
             self.times = slot.timers.read();
         }
@@ -250,7 +277,7 @@ impl Renderer {
     ) -> Result<(), Error> {
         let gpu = self.gpu.clone();
         let slot = &mut self.ring[self.at];
-        let (commands, done) = (slot.commands, slot.done);
+        let (commands, done) = (slot.commands, slot.done.raw);
         let info = vk::CommandBufferBeginInfo::default()
             .flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
         // SAFETY: the frame's fence has passed, so its commands are free.
@@ -277,6 +304,7 @@ impl Renderer {
             gpu.device.reset_fences(&[done]).doing("reset a fence")?;
             gpu.device.queue_submit(gpu.queue, &[info], done).doing("submit a frame")?;
         }
+        self.ring[self.at].under_way = true;
         self.at = (self.at + 1) % RING;
         Ok(())
     }
@@ -298,11 +326,5 @@ impl Drop for Renderer {
     fn drop(&mut self) {
         // A lost device has nothing under way.
         let _ = self.gpu.wait();
-        for slot in &self.ring {
-            // SAFETY: nothing is under way.
-            unsafe { self.gpu.device.destroy_fence(slot.done, None) };
-        }
-        // SAFETY: as above; the pool's buffers go with it.
-        unsafe { self.gpu.device.destroy_command_pool(self.pool, None) };
     }
 }

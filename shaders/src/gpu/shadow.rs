@@ -8,6 +8,7 @@ use glam::{Mat4, Vec3};
 use super::context::Gpu;
 use super::error::{Doing, Error};
 use super::image::{Image, Shape};
+use super::owned::Owned;
 use super::pass::Pass;
 use super::surface::framebuffer;
 use crate::scene::SUN_BOUNDS;
@@ -17,12 +18,11 @@ pub(super) const SIDE: u32 = 1024;
 
 /// The map, what draws it and what looks into it.
 pub(super) struct ShadowMap {
-    gpu: Arc<Gpu>,
     pub(super) pass: Pass,
-    pub(super) framebuffer: vk::Framebuffer,
+    pub(super) framebuffer: Owned<vk::Framebuffer>,
     pub(super) image: Image,
     /// Tells which part of the samples about a place are lit.
-    pub(super) sampler: vk::Sampler,
+    pub(super) sampler: Owned<vk::Sampler>,
     /// Whether it was drawn since it was made, and so can be looked into.
     pub(super) drawn: bool,
 }
@@ -33,15 +33,7 @@ impl ShadowMap {
         let usage = vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT | vk::ImageUsageFlags::SAMPLED;
         let image = Image::new(gpu, Shape::flat(format, [SIDE; 2], 1).usage(usage))?;
         let pass = Pass::shadow(gpu, format)?;
-        let mut map = ShadowMap {
-            gpu: gpu.clone(),
-            pass,
-            framebuffer: vk::Framebuffer::null(),
-            image,
-            sampler: vk::Sampler::null(),
-            drawn: false,
-        };
-        map.framebuffer = framebuffer(gpu, &map.pass, [SIDE; 2], &[map.image.view])?;
+        let framebuffer = framebuffer(gpu, &pass, [SIDE; 2], &[image.view])?;
         // What the map doesn't show is lit.
         let border = vk::SamplerAddressMode::CLAMP_TO_BORDER;
         let info = vk::SamplerCreateInfo::default()
@@ -54,18 +46,8 @@ impl ShadowMap {
             .compare_enable(true)
             .compare_op(vk::CompareOp::LESS_OR_EQUAL);
         // SAFETY: the device is alive and the info complete.
-        map.sampler = unsafe { gpu.device.create_sampler(&info, None) }.doing("make a sampler")?;
-        Ok(map)
-    }
-}
-
-impl Drop for ShadowMap {
-    fn drop(&mut self) {
-        // SAFETY: the owner waits for the device before it drops what was submitted.
-        unsafe {
-            self.gpu.device.destroy_sampler(self.sampler, None);
-            self.gpu.device.destroy_framebuffer(self.framebuffer, None);
-        }
+        let raw = unsafe { gpu.device.create_sampler(&info, None) }.doing("make a sampler")?;
+        Ok(ShadowMap { pass, framebuffer, image, sampler: Owned::new(gpu, raw), drawn: false })
     }
 }
 

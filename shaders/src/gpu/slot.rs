@@ -8,6 +8,7 @@ use super::buffer::Buffer;
 use super::context::Gpu;
 use super::error::{Doing, Error};
 use super::layout::Frame;
+use super::owned::Owned;
 use super::staging::Staging;
 use super::timers::Timers;
 use crate::limits::INSTANCES;
@@ -16,7 +17,9 @@ use crate::scene::Instance;
 /// A frame of the ring.
 pub(super) struct Slot {
     pub(super) commands: vk::CommandBuffer,
-    pub(super) done: vk::Fence,
+    /// Told by the commands, if they were handed over.
+    pub(super) done: Owned<vk::Fence>,
+    pub(super) under_way: bool,
     pub(super) uniform: Buffer,
     /// The scene's.
     pub(super) instances: Buffer,
@@ -35,13 +38,15 @@ impl Slot {
         // SAFETY: the pool is this device's.
         let commands =
             unsafe { device.allocate_command_buffers(&info) }.doing("make a command buffer")?[0];
-        let info = vk::FenceCreateInfo::default().flags(vk::FenceCreateFlags::SIGNALED);
+        let info = vk::FenceCreateInfo::default();
+        // SAFETY: the info is complete.
+        let done = unsafe { device.create_fence(&info, None) }.doing("make a fence")?;
         let uniform = vk::BufferUsageFlags::UNIFORM_BUFFER;
         let vertices = vk::BufferUsageFlags::VERTEX_BUFFER;
         Ok(Slot {
             commands,
-            // SAFETY: the info is complete.
-            done: unsafe { device.create_fence(&info, None) }.doing("make a fence")?,
+            done: Owned::new(gpu, done),
+            under_way: false,
             uniform: Buffer::new(gpu, size_of::<Frame>(), uniform)?,
             instances: Buffer::new(gpu, INSTANCES * size_of::<Instance>(), vertices)?,
             staging: Staging::new(gpu)?,

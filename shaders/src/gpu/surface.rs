@@ -9,6 +9,7 @@ use super::context::Gpu;
 use super::error::{Doing, Error};
 use super::frame::{BEAM, TILE};
 use super::image::{Image, Shape};
+use super::owned::Owned;
 use super::pass::{Format, Pass, STARTS};
 use super::pipelines::Pipelines;
 use super::shadow::ShadowMap;
@@ -19,7 +20,7 @@ pub struct Surface {
     gpu: Arc<Gpu>,
     /// Pixels across and down.
     pub extent: [u32; 2],
-    pub(super) framebuffers: Vec<vk::Framebuffer>,
+    pub(super) framebuffers: Vec<Owned<vk::Framebuffer>>,
     /// Where the tiles' rays start, then those of the beams within them.
     pub(super) starts: [Starts; 2],
     /// One for each frame of the ring.
@@ -31,9 +32,19 @@ pub struct Surface {
 
 /// An image of where rays start.
 pub(super) struct Starts {
-    pub(super) framebuffer: vk::Framebuffer,
+    pub(super) framebuffer: Owned<vk::Framebuffer>,
     pub(super) extent: [u32; 2],
     image: Image,
+}
+
+/// Views of the shell's images.
+pub(super) struct Views<'a> {
+    /// Each with as many layers as the format has views.
+    pub(super) colors: &'a [vk::ImageView],
+    /// As many, where depth is kept; else none.
+    pub(super) depths: &'a [vk::ImageView],
+    /// As many, where there are density maps.
+    pub(super) densities: &'a [vk::ImageView],
 }
 
 /// What surfaces are made for.
@@ -54,16 +65,18 @@ impl core::fmt::Debug for Surface {
 }
 
 impl Surface {
-    /// For views of the shell's colour images, each with as many layers as the format has views,
-    /// and as many views of its depth images where depth is kept.
+    /// For views of the shell's images.
     pub(super) fn new<'b>(
         parts: &Parts<'_>,
         extent: [u32; 2],
-        colors: &[vk::ImageView],
-        depths: &[vk::ImageView],
+        views: &Views<'_>,
         uniforms: impl Iterator<Item = &'b Buffer>,
     ) -> Result<Self, Error> {
         let (gpu, format) = (parts.gpu, parts.format);
+        let (images, maps) = (views.colors.len(), views.densities.len());
+        if format.density_map && images != maps {
+            return Err(Error::NoDensityMap { images, maps });
+        }
         let starts = |width: u32| {
             let across = extent.map(|pixels| pixels.div_ceil(width));
             Starts::new(gpu, parts.starts, across, format.views)
@@ -77,10 +90,9 @@ impl Surface {
             pool: vk::DescriptorPool::null(),
             transient: Vec::new(),
         };
-        surface.make_transient(format, depths.is_empty())?;
-        for (i, color) in colors.iter().enumerate() {
-            let depth = depths.get(i).copied();
-            let attachments = surface.attachments(format, *color, depth);
+        surface.make_transient(format, views.depths.is_empty())?;
+        for i in 0..images {
+            let attachments = surface.attachments(format, views, i);
             surface.framebuffers.push(framebuffer(gpu, parts.frame, extent, &attachments)?);
         }
         surface.make_sets(parts, uniforms)?;
@@ -107,18 +119,16 @@ impl Surface {
         Ok(())
     }
 
-    /// The views of a framebuffer in the pass's order: drawn colour, depth, resolved colour.
-    fn attachments(
-        &self,
-        format: &Format,
-        color: vk::ImageView,
-        depth: Option<vk::ImageView>,
-    ) -> Vec<vk::ImageView> {
+    /// The views of an image's framebuffer in the pass's order: drawn colour, depth, resolved
+    /// colour, density map.
+    fn attachments(&self, format: &Format, views: &Views<'_>, i: usize) -> Vec<vk::ImageView> {
+        let (color, depth) = (views.colors[i], views.depths.get(i).copied());
         let mut transient = self.transient.iter().map(|image| image.view);
         let drawn = if format.samples > 1 { transient.next() } else { Some(color) };
         let depth = depth.or_else(|| transient.next());
         let resolved = (format.samples > 1).then_some(color);
-        [drawn, depth, resolved].into_iter().flatten().collect()
+        let density = format.density_map.then(|| views.densities[i]);
+        [drawn, depth, resolved, density].into_iter().flatten().collect()
     }
 
     fn make_sets<'b>(
@@ -171,10 +181,10 @@ impl Surface {
             (11, image(shadow.image.view)),
         ];
         let samplers = [
-            (5, sampler(textures.clamped)),
-            (6, sampler(textures.nearest)),
-            (9, sampler(textures.repeated)),
-            (12, sampler(shadow.sampler)),
+            (5, sampler(textures.clamped.raw)),
+            (6, sampler(textures.nearest.raw)),
+            (9, sampler(textures.repeated.raw)),
+            (12, sampler(shadow.sampler.raw)),
         ];
         let write = |binding, kind| {
             vk::WriteDescriptorSet::default()
@@ -196,17 +206,10 @@ impl Surface {
 
 impl Drop for Surface {
     fn drop(&mut self) {
-        let device = &self.gpu.device;
-        // SAFETY: the owner waits for the device before it drops what was submitted.
-        unsafe {
-            device.destroy_descriptor_pool(self.pool, None);
-            for framebuffer in self.framebuffers.drain(..) {
-                device.destroy_framebuffer(framebuffer, None);
-            }
-            for starts in &self.starts {
-                device.destroy_framebuffer(starts.framebuffer, None);
-            }
-        }
+        // A frame may still be drawn into it; a lost device has none under way.
+        let _ = self.gpu.wait();
+        // SAFETY: nothing is under way.
+        unsafe { self.gpu.device.destroy_descriptor_pool(self.pool, None) };
     }
 }
 
@@ -220,11 +223,11 @@ impl Starts {
 }
 
 pub(super) fn framebuffer(
-    gpu: &Gpu,
+    gpu: &Arc<Gpu>,
     pass: &Pass,
     [width, height]: [u32; 2],
     views: &[vk::ImageView],
-) -> Result<vk::Framebuffer, Error> {
+) -> Result<Owned<vk::Framebuffer>, Error> {
     let info = vk::FramebufferCreateInfo::default()
         .render_pass(pass.raw)
         .attachments(views)
@@ -232,5 +235,6 @@ pub(super) fn framebuffer(
         .height(height)
         .layers(1);
     // SAFETY: the views and the pass are this device's, and fit each other.
-    unsafe { gpu.device.create_framebuffer(&info, None) }.doing("make a framebuffer")
+    let raw = unsafe { gpu.device.create_framebuffer(&info, None) }.doing("make a framebuffer")?;
+    Ok(Owned::new(gpu, raw))
 }

@@ -7,6 +7,7 @@ use ash::vk;
 use super::context::Gpu;
 use super::error::{Doing, Error};
 use super::image::{Image, Shape, use_of};
+use super::owned::Owned;
 use super::staging::Staging;
 use crate::constants::NOISE_SIZE;
 use crate::field::cell;
@@ -27,9 +28,9 @@ pub(super) struct Textures {
     pub(super) cells: Image,
     pub(super) noise: Image,
     pub(super) marble: Image,
-    pub(super) clamped: vk::Sampler,
-    pub(super) repeated: vk::Sampler,
-    pub(super) nearest: vk::Sampler,
+    pub(super) clamped: Owned<vk::Sampler>,
+    pub(super) repeated: Owned<vk::Sampler>,
+    pub(super) nearest: Owned<vk::Sampler>,
     cleared: bool,
 }
 
@@ -74,7 +75,15 @@ impl Textures {
             (vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL, vk::ImageLayout::TRANSFER_DST_OPTIMAL);
         let touched = self.touched(staging);
         self.transition(commands, touched, read, write);
-        for (region, at) in &staging.regions {
+        let mut unordered = 0;
+        for (i, (region, at)) in staging.regions.iter().enumerate() {
+            // Boxes computed one after the other may share a coarser texel, which the later has
+            // right; of copies without a barrier between them either may come last.
+            let earlier = &staging.regions[unordered..i];
+            if earlier.iter().any(|(other, _)| other.overlaps(region)) {
+                self.order_copies(commands);
+                unordered = i;
+            }
             let (image, copy) = self.copy(region, *at);
             // SAFETY: the image is in this layout, and the region lies within it and the buffer.
             unsafe {
@@ -88,6 +97,20 @@ impl Textures {
             }
         }
         self.transition(commands, touched, write, read);
+    }
+
+    /// Has copies wait for those before.
+    fn order_copies(&self, commands: vk::CommandBuffer) {
+        let copy = vk::PipelineStageFlags::TRANSFER;
+        let written = vk::MemoryBarrier::default()
+            .src_access_mask(vk::AccessFlags::TRANSFER_WRITE)
+            .dst_access_mask(vk::AccessFlags::TRANSFER_WRITE);
+        let none = vk::DependencyFlags::empty();
+        let device = &self.gpu.device;
+        // SAFETY: the commands are being recorded outside of a pass.
+        unsafe {
+            device.cmd_pipeline_barrier(commands, copy, copy, none, &[written], &[], &[]);
+        }
     }
 
     /// Which of the images something is staged for.
@@ -189,20 +212,11 @@ impl Textures {
     }
 }
 
-impl Drop for Textures {
-    fn drop(&mut self) {
-        for sampler in [self.clamped, self.repeated, self.nearest] {
-            // SAFETY: the owner waits for the device before it drops what was submitted.
-            unsafe { self.gpu.device.destroy_sampler(sampler, None) };
-        }
-    }
-}
-
 fn sampler(
-    gpu: &Gpu,
+    gpu: &Arc<Gpu>,
     filter: vk::Filter,
     mode: vk::SamplerAddressMode,
-) -> Result<vk::Sampler, Error> {
+) -> Result<Owned<vk::Sampler>, Error> {
     let info = vk::SamplerCreateInfo::default()
         .mag_filter(filter)
         .min_filter(filter)
@@ -212,5 +226,6 @@ fn sampler(
         .address_mode_w(mode)
         .max_lod(vk::LOD_CLAMP_NONE);
     // SAFETY: the device is alive and the info complete.
-    unsafe { gpu.device.create_sampler(&info, None) }.doing("make a sampler")
+    let raw = unsafe { gpu.device.create_sampler(&info, None) }.doing("make a sampler")?;
+    Ok(Owned::new(gpu, raw))
 }

@@ -4,6 +4,7 @@ pub mod bake;
 pub mod brush;
 pub mod contact;
 pub mod dense;
+pub mod desk;
 pub mod edit;
 pub mod exact;
 pub mod export;

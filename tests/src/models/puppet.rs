@@ -4,6 +4,7 @@ use glam::{Quat, Vec3};
 use paros_core::events::Event;
 use paros_core::input::{HandInput, Input, Pointer, RawPose};
 use paros_core::pose::Pose;
+use paros_core::size::{Grid, Size};
 use paros_core::workbench::Item;
 
 use super::dense::Dense;
@@ -37,13 +38,19 @@ pub fn squeeze(studio: &mut Studio<64>, hand: usize, position: Vec3) -> Vec<Even
 }
 
 /// Has a thing put into a hand.
-pub fn take(studio: &mut Studio<64>, hand: usize, item: Item) {
+pub fn take<const N: usize>(studio: &mut Studio<N>, hand: usize, item: Item)
+where
+    Grid<N>: Size,
+{
     let pointer = Pointer::Take { hand: hand as u8, item: item.number() as u8 };
     studio.step(&Input { pointer, ..Input::default() });
 }
 
 /// A tick with the held bit at a place of the grid.
-pub fn reach(studio: &mut Studio<64>, hand: usize, position: Vec3, trigger: bool) {
+pub fn reach<const N: usize>(studio: &mut Studio<N>, hand: usize, position: Vec3, trigger: bool)
+where
+    Grid<N>: Size,
+{
     let pose = Pose { position, rotation: Quat::IDENTITY };
     let input =
         HandInput { trigger: if trigger { 255 } else { 0 }, ..at(&studio.world, hand, &pose) };

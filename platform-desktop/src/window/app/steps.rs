@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use paros_core::input::Mode;
 use paros_core::size::{Grid, Size};
-use paros_shaders::gpu;
+use paros_shaders::gpu::faults::{self, Calls, Fault, Why};
 use paros_shell::figures::Figure;
 use paros_shell::statics::Resident;
 use winit::dpi::PhysicalSize;
@@ -69,8 +69,12 @@ where
                 }
             }
             Step::Lose => {
-                let result = ash::vk::Result::ERROR_DEVICE_LOST;
-                self.lost(&gpu::Error::Call { doing: "go on, as a script asked", result })?;
+                let calls = Calls::Submit;
+                faults::plan(Some(Fault { calls, after: 0, times: 1, why: Why::Lost }));
+            }
+            Step::Starve(times) => {
+                let calls = Calls::Memory;
+                faults::plan(Some(Fault { calls, after: 0, times, why: Why::DeviceMemory }));
             }
             Step::Say => self.say(),
             Step::Quit => self.stop(events, Ok(())),
