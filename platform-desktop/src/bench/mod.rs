@@ -10,6 +10,7 @@ mod field;
 mod frames;
 mod islands;
 mod mesh;
+mod order;
 pub mod paper;
 mod peers;
 mod render;
