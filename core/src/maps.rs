@@ -243,6 +243,14 @@ impl<const N: usize, const LAYERS: usize> Maps<N, LAYERS> {
         self.columns[axis as usize][line][place] = column;
     }
 
+    /// Takes a line's columns in `places` over from `other`; the caller keeps the maps tight.
+    #[inline]
+    pub fn copy_places(&mut self, other: &Self, axis: Axis, line: usize, places: Range) {
+        let (map, (first, last)) = (axis as usize, (places.lo(), places.hi()));
+        let columns = &other.columns[map][line][first..=last];
+        self.columns[map][line][first..=last].copy_from_slice(columns);
+    }
+
     /// One line of N columns of a map.
     #[must_use]
     #[inline]

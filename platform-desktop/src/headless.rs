@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{Quat, Vec3};
 use paros_shaders::field::Field;
 use paros_shaders::gpu::{
-    Eye, Fov, Gpu, Offscreen, Options, Picture, Renderer, Stand, Sync, Times,
+    Eye, Fov, Gpu, Offscreen, Options, Order, Picture, Renderer, Stand, Sync, Times,
 };
 use paros_shaders::upload::Region;
 use paros_shaders::{Camera, Image};
@@ -95,6 +95,11 @@ impl Easel {
     /// A lost device.
     pub fn upload(&mut self, region: Region, bytes: &[u8]) -> Result<(), Error> {
         Ok(self.renderer.load(region, bytes)?)
+    }
+
+    /// Draws in another order from now on.
+    pub const fn draw_in(&mut self, order: Order) {
+        self.renderer.draw_in(order);
     }
 
     /// Draws a picture of the sculpture after `uploads` were made, and waits for it; how long the

@@ -1,7 +1,13 @@
 //! `paros bench` as a script meets it: rows with all their keys, and bad input refused.
 
+use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
+use paros_core::size::Grid;
+use paros_shell::figures::Figure;
+use paros_shell::require::require;
+use paros_shell::rmap;
+use paros_shell::statics::Resident;
 use serde_json::Value;
 
 fn bench(args: &[&str]) -> Output {
@@ -55,6 +61,25 @@ fn a_missing_rival_leaves_its_half_empty_and_says_so() {
         "{errors}"
     );
     assert!(required.stdout.is_empty());
+}
+
+/// Instructions of a debug build say nothing: that they are there is enough.
+#[test]
+fn the_worst_frame_of_each_change_is_told() {
+    let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join("bench-field-toy.rmap");
+    let (maps, plane) = (&mut *Grid::<128>::maps(), &mut *Grid::<128>::plane());
+    Figure::Toy.carve_into(plane, maps);
+    rmap::write(&file, maps).unwrap();
+    let valgrind = Command::new("valgrind").arg("--version").output();
+    let counts = require(valgrind.map_err(|error| format!("no valgrind: {error}"))).unwrap();
+    let rows = rows(&["field", file.to_str().unwrap(), "--json"]);
+    for what in ["a stroke of radius 6", "taken back", "a load", "the upper half falls"] {
+        let row = rows.iter().find(|row| row["against"].as_str().unwrap().contains(what));
+        let row = row.unwrap_or_else(|| panic!("no {what}"));
+        assert!((1000..256 * 1024).contains(&row["bytes"].as_u64().unwrap()), "{row}");
+        assert_eq!(row.get("instructions").is_some(), counts.is_some(), "{row}");
+    }
+    assert_eq!(rows.len(), 4);
 }
 
 #[test]

@@ -163,6 +163,13 @@ fn bench_render_has_a_row_for_each_comparison() {
             }
         }
     }
+    for kind in ["mono, 1 sample", "stereo, 4 samples"] {
+        for other in ["first", "last"] {
+            let against = format!("the sculpture {other}, ours tools, sculpture, room; {kind}");
+            let found = rows.iter().filter(|row| row["against"] == against && row["size"] == 128);
+            assert_eq!(found.count(), 3, "{against}");
+        }
+    }
     let bytes = |row: &Value| row.get("bytes").and_then(Value::as_u64);
     let bytes: Vec<_> = rows.iter().filter_map(bytes).collect();
     assert_eq!(bytes.len(), 8);

@@ -282,8 +282,8 @@ fn frames_keep_to_their_budget() {
         let mut bytes = 0;
         let spent = field.advance(budget, &mut |_, region| bytes += region.len());
         assert!(bytes <= budget.bytes, "tick {tick}: {bytes} bytes");
-        // A frame does one thing at least: a box of nothing but detail is reckoned at a tenth more.
-        assert!(spent.work <= budget.work * 11 / 10, "tick {tick}: {spent:?}");
+        // A frame does one thing at least: a box of nothing but detail is reckoned at a fifth more.
+        assert!(spent.work <= budget.work * 6 / 5, "tick {tick}: {spent:?}");
         assert_eq!(spent.bytes, bytes, "tick {tick}");
     }
     let frames = (0..600).take_while(|_| {

@@ -28,7 +28,7 @@ where
     for (loose, what) in [(false, "nothing to remove"), (true, "an island to remove")] {
         subject.load(&mut rig.start, &mut rig.plane)?;
         if loose {
-            cut_loose(&mut rig.plane, &mut rig.start);
+            cut_loose(&mut rig.plane, &mut rig.start, [3, 4]);
         }
         agree(rig, &mut paper, loose, subject.name())?;
         let row = |against: String| Row::new("islands", subject.name(), N, against);
@@ -40,14 +40,17 @@ where
     Ok(rows)
 }
 
-/// Clears layers at three quarters of the height: all above is an island. Closure brings nothing
+/// Clears layers at a part of the height: all above is an island. Closure brings nothing
 /// back there, as a cleared layer has no columns along x and z.
-fn cut_loose<const N: usize>(plane: &mut Plane<N>, maps: &mut Maps<N>)
-where
+pub(super) fn cut_loose<const N: usize>(
+    plane: &mut Plane<N>,
+    maps: &mut Maps<N>,
+    [part, of]: [usize; 2],
+) where
     Grid<N>: Size,
 {
     let top = (0..N).rev().find(|&y| plane.layer(y).iter().any(|row| !row.is_empty()));
-    let cut = (top.unwrap_or(0) * 3 / 4).max(1);
+    let cut = (top.unwrap_or(0) * part / of).max(1);
     for y in cut..(cut + GAP).min(N) {
         plane.layer_mut(y).fill(<Grid<N> as Size>::Row::EMPTY);
     }
@@ -164,7 +167,7 @@ where
     rig.islands.edited();
 }
 
-fn pass<const N: usize>(rig: &mut Rig<N>, budget: u32) -> Option<IslandReport>
+pub(super) fn pass<const N: usize>(rig: &mut Rig<N>, budget: u32) -> Option<IslandReport>
 where
     Grid<N>: Size,
 {

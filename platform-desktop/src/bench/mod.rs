@@ -1,23 +1,26 @@
 //! `paros bench`: this code and others' on the same volumes in the same run, taking turns.
 
 mod bake;
+mod callgrind;
 mod clock;
 pub mod dense;
 mod edit;
 mod edit_frame;
+mod field;
 mod frames;
 mod islands;
 mod mesh;
+mod order;
 pub mod paper;
 mod peers;
 mod render;
 mod rig;
 mod row;
 mod section5;
-pub mod step;
+mod step;
 mod subject;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
 
@@ -41,6 +44,8 @@ pub enum Bench {
     Bake,
     /// Sizes in memory and instructions of a tick.
     Step,
+    /// What a frame spends on keeping the fast path's textures up to date.
+    Field,
     /// The sculpture's pass on a Vulkan device, by both paths.
     Render,
     /// The experiments of the paper's section 5.
@@ -173,6 +178,8 @@ impl Plan {
             Job::On(Bench::Mesh, on, _) => mesh::rows::<128>(on, runs, peers),
             Job::On(Bench::Bake, on, 256) => bake::rows::<256>(on, runs, peers),
             Job::On(Bench::Bake, on, _) => bake::rows::<128>(on, runs, peers),
+            Job::On(Bench::Field, on, 256) => field::rows::<256>(on),
+            Job::On(Bench::Field, on, _) => field::rows::<128>(on),
             Job::Scaling(on) => edit::scaling(on, runs).map(whole),
             Job::Render(on) | Job::On(Bench::Render, on, _) => match studio {
                 Ok(studio) => render::rows(on, self.frame_runs, studio).map(whole),
@@ -184,6 +191,15 @@ impl Plan {
             Job::Step | Job::On(Bench::Step, ..) => step::rows(),
         }
     }
+}
+
+/// For the benches' own use: plays what one of them left, a session's folder or a volume's file, to
+/// be counted from outside.
+///
+/// # Errors
+/// It is not as the measuring run left it.
+pub fn replay(what: &Path) -> Result<(), Error> {
+    if what.is_dir() { step::replay(what) } else { field::replay(what) }
 }
 
 /// The pieces of a bench that takes each size by itself.

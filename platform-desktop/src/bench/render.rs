@@ -3,12 +3,14 @@
 //! Milliseconds of a frame's sculpture: the fast path's is what finds where rays start and what
 //! draws, the paper's what draws. A ring of eight views, the sculpture filling a quarter of the image
 //! on average; the mean over the views of each one's best run; all shots of a volume take turns.
+//! Then whole frames: those in which a stroke bites, and the studio drawn in other orders.
 
 use paros_core::size::{Grid, Size};
 use paros_shaders::gpu::{Parts, Path};
 
 use super::edit_frame;
 use super::frames::{Framing, Kind, Shot, Studio};
+use super::order;
 use super::rig::Rigged;
 use super::row::Row;
 use super::subject::Subject;
@@ -44,6 +46,9 @@ pub(super) fn rows(subject: &Subject, runs: usize, studio: &mut Studio) -> Resul
             256 => edit_frame::rows::<256>(subject, framing, runs, studio)?,
             _ => edit_frame::rows::<128>(subject, framing, runs, studio)?,
         });
+        if framing.size == 128 {
+            rows.extend(order::rows::<128>(subject, runs, studio)?);
+        }
     }
     for row in &mut rows {
         row.device = Some(studio.device().into());

@@ -127,6 +127,7 @@ fn row_cells(row: &Row) -> [String; COLUMNS] {
     let number =
         |ratio: Option<f64>| ratio.map_or_else(|| "-".into(), |ratio| format!("{ratio:.2}"));
     let figure = match (row.instructions, row.bytes) {
+        (Some(count), Some(bytes)) => format!("{count} instructions, {bytes} bytes"),
         (Some(count), _) => format!("{count} instructions"),
         (_, Some(bytes)) => format!("{bytes} bytes"),
         _ => ms(row.ours_ms),

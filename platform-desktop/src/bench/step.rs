@@ -1,15 +1,12 @@
 //! `bench step`: what the core takes in memory, and the instructions of each tick of the demo.
 //!
-//! Callgrind counts them: this program runs itself under it, on the demo's recorded trace, with
-//! each counted tick in a function of its own, and reads the totals of its many dumps.
+//! Callgrind counts them, on the demo's recorded trace.
 
 use std::fs;
 use std::hint::black_box;
-use std::io::{BufRead, BufReader};
 use std::mem::size_of;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
 use std::sync::Mutex;
 
 use paros_core::bake::Baker;
@@ -28,6 +25,7 @@ use paros_shell::stage::Stage;
 use paros_shell::statics::Resident;
 use paros_shell::trace::Trace;
 
+use super::callgrind::{Folder, counts};
 use super::row::Row;
 use crate::demo;
 use crate::error::Error;
@@ -45,9 +43,9 @@ pub(super) fn rows() -> Result<(Vec<Row>, Option<String>), Error> {
     rows.extend(sizes::<256>());
     let folder = Folder::new()?;
     record(&folder.0)?;
-    match count(&folder.0) {
+    match counts(COUNTED_TICK, &folder.0, &folder) {
         Ok(counts) => {
-            rows.extend(counts.rows());
+            rows.extend(tick_rows(counts));
             Ok((rows, None))
         }
         Err(why) => Ok((rows, Some(format!("instructions of a tick: {why}")))),
@@ -73,24 +71,6 @@ where
         ..Row::new("step", "any", N, format!("size of {name}<{N}>"))
     };
     sizes.map(row).into()
-}
-
-/// A folder of this process alone, gone when dropped.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new() -> Result<Self, Error> {
-        let folder = std::env::temp_dir().join(format!("paros-bench-{}", std::process::id()));
-        fs::create_dir_all(&folder)
-            .map_err(|e| Error::Failure(format!("{}: can't be made: {e}", folder.display())))?;
-        Ok(Folder(folder))
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
 }
 
 /// Plays the demo; leaves its trace and what it started from.
@@ -119,7 +99,7 @@ fn volume(folder: &Path, figure: Figure) -> PathBuf {
 ///
 /// # Errors
 /// A file that is not as the measuring run left it.
-pub fn replay(folder: &Path) -> Result<(), Error> {
+pub(super) fn replay(folder: &Path) -> Result<(), Error> {
     static FIGURES: Mutex<[Maps<N>; Figure::ALL.len()]> =
         Mutex::new([const { Maps::new() }; Figure::ALL.len()]);
     let mut figures = FIGURES.lock().map_err(Error::failure)?;
@@ -151,67 +131,25 @@ pub fn replay(folder: &Path) -> Result<(), Error> {
     }
 }
 
-/// The name of [`counted_tick`], whole: Callgrind finds no end to names with a `*` in front.
 const COUNTED_TICK: &str = concat!(module_path!(), "::counted_tick");
 
-/// A tick with a dump of its own, found by this name. Something must follow the tick, or it would
-/// be a jump, of which Callgrind sees no end.
+/// A tick with a dump of its own, found by this name.
 #[inline(never)]
 fn counted_tick(stage: &mut Stage<'_, N>, input: &Input) {
     stage.tick(black_box(input));
     black_box(stage.world().tick());
 }
 
-/// Instructions of the ticks counted one by one, least first.
-struct Counts(Vec<u64>);
-
-impl Counts {
-    fn rows(&self) -> Vec<Row> {
-        let counts = &self.0;
-        let mean = counts.iter().sum::<u64>() / counts.len() as u64;
-        let p99 = counts[(counts.len() * 99).div_ceil(100) - 1];
-        let worst = counts[counts.len() - 1];
-        let of = format!("{} of the demo's ticks, {COUNTED} in every {WINDOW}", counts.len());
-        let row = |(name, count)| Row {
-            instructions: Some(count),
-            ..Row::new("step", "demo", N, format!("{name} of {of}"))
-        };
-        [("mean", mean), ("p99", p99), ("worst", worst)].map(row).into()
-    }
-}
-
-fn count(folder: &Path) -> Result<Counts, String> {
-    let this = std::env::current_exe().map_err(|e| e.to_string())?;
-    let dumps = folder.join("callgrind.out");
-    let run = Command::new("valgrind")
-        .args(["--tool=callgrind", "--combine-dumps=yes", "--dump-line=no", "--collect-atstart=no"])
-        .args([format!("--toggle-collect={COUNTED_TICK}"), format!("--dump-after={COUNTED_TICK}")])
-        .arg(format!("--callgrind-out-file={}", dumps.display()))
-        .arg(this)
-        .args(["bench", "--replay"])
-        .arg(folder)
-        .stdin(Stdio::null())
-        .stdout(Stdio::null())
-        .stderr(Stdio::piped())
-        .output()
-        .map_err(|e| format!("valgrind can't be started: {e}"))?;
-    if !run.status.success() {
-        let errors = String::from_utf8_lossy(&run.stderr);
-        return Err(format!("valgrind failed: {}", errors.lines().last().unwrap_or_default()));
-    }
-    let file = fs::File::open(&dumps).map_err(|e| e.to_string())?;
-    let mut counts: Vec<u64> = BufReader::new(file)
-        .split(b'\n')
-        .map_while(Result::ok)
-        .filter_map(|line| {
-            std::str::from_utf8(&line).ok()?.strip_prefix("summary: ")?.trim().parse().ok()
-        })
-        // The last dump, at the end of the program, holds no tick.
-        .filter(|&count| count > 0)
-        .collect();
-    if counts.is_empty() {
-        return Err("valgrind counted nothing".into());
-    }
+/// Of the instructions of the ticks counted one by one.
+fn tick_rows(mut counts: Vec<u64>) -> [Row; 3] {
     counts.sort_unstable();
-    Ok(Counts(counts))
+    let mean = counts.iter().sum::<u64>() / counts.len() as u64;
+    let p99 = counts[(counts.len() * 99).div_ceil(100) - 1];
+    let worst = counts[counts.len() - 1];
+    let of = format!("{} of the demo's ticks, {COUNTED} in every {WINDOW}", counts.len());
+    let row = |(name, count)| Row {
+        instructions: Some(count),
+        ..Row::new("step", "demo", N, format!("{name} of {of}"))
+    };
+    [("mean", mean), ("p99", p99), ("worst", worst)].map(row)
 }

@@ -9,7 +9,7 @@ use paros_shell::require::require;
 
 use super::progress;
 use super::render::pixels;
-use crate::bench::{Bench, Plan, Subject, step, table};
+use crate::bench::{self, Bench, Plan, Subject, table};
 use crate::error::Error;
 
 /// Measure speed and size against the usual ways, in turns, best of many runs, on one thread.
@@ -40,8 +40,8 @@ pub(super) struct Args {
     /// The Python that has vtk, trimesh, numpy and scipy.
     #[arg(long, value_name = "PATH", default_value = "python3")]
     python: PathBuf,
-    /// For the bench's own use: steps a recorded session, to be counted from outside.
-    #[arg(long, hide = true, value_name = "DIR")]
+    /// For the bench's own use: plays what it left there, to be counted from outside.
+    #[arg(long, hide = true, value_name = "PATH")]
     replay: Option<PathBuf>,
 }
 
@@ -56,13 +56,15 @@ enum Which {
 }
 
 fn which() -> impl TypedValueParser<Value = Which> {
-    PossibleValuesParser::new(["all", "islands", "edit", "mesh", "bake", "step", "render", "paper"])
-        .map(|name| Bench::from_str(&name, false).map_or(Which::All, Which::One))
+    PossibleValuesParser::new([
+        "all", "islands", "edit", "mesh", "bake", "step", "field", "render", "paper",
+    ])
+    .map(|name| Bench::from_str(&name, false).map_or(Which::All, Which::One))
 }
 
 pub(super) fn run(args: &Args) -> Result<String, Error> {
-    if let Some(folder) = &args.replay {
-        return step::replay(folder).map(|()| String::new());
+    if let Some(what) = &args.replay {
+        return bench::replay(what).map(|()| String::new());
     }
     let named = args.named.iter().chain(&args.volumes);
     let mut subjects = named.map(|v| Subject::named(v)).collect::<Result<Vec<_>, _>>()?;

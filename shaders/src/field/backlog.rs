@@ -8,11 +8,11 @@ use super::extent::Extent;
 use super::{PAD, REACH};
 
 /// Texels along the sides of the chunks that each have a box of stale texels.
-pub(super) const CHUNK: [usize; 3] = [48, 16, 16];
+pub(super) const CHUNK: [usize; 3] = [32, 16, 16];
 
-/// Texels of boxes that are computed together, so that these don't take a frame's work: more than
-/// a stroke changes.
-const MOST_JOINED: usize = 48 * 16 * 16;
+/// Texels of boxes that are computed together: no more than a chunk's, of which nothing but detail is
+/// about a frame's work.
+const MOST_JOINED: usize = CHUNK[0] * CHUNK[1] * CHUNK[2];
 
 /// The finest texels to compute again: a box in each chunk.
 #[derive(Debug)]

@@ -23,12 +23,13 @@ impl Budget {
     /// All that is to be done.
     pub const UNLIMITED: Budget = Budget { work: usize::MAX, bytes: usize::MAX };
 
-    /// A frame's, for a volume of `n` voxels a side: a million instructions and 256 KiB at 128, and
-    /// four times that at 256, as four times as much surface changes.
+    /// A frame's, for a volume of `n` voxels a side: less than a million instructions and 256 KiB at
+    /// 128, and four times that at 256, as four times as much surface changes. Work may be reckoned
+    /// a third too low, hence three quarters of the million.
     #[must_use]
     pub const fn frame(n: usize) -> Self {
         let more = if n > 128 { 4 } else { 1 };
-        Budget { work: more * 1_000_000, bytes: more * 256 * 1024 }
+        Budget { work: more * 750_000, bytes: more * 256 * 1024 }
     }
 }
 
@@ -70,14 +71,16 @@ const CROSSED_WORK: usize = 6;
 const TEXEL_WORK: usize = SAME_WORK + CHANGED_WORK + CROSSED_WORK;
 /// Work of a row of cells, all distances included.
 const CELL_WORK: usize = 660;
-/// Work of a line that is noted; of lines' columns that are compared, of a column among them, of
-/// one that changed, and of one in a line where all may have.
-const LINE_WORK: usize = 12;
-const NOTE_WORK: usize = 6;
+/// Work of a line that is noted; of a search for lines, for each of a map's; of a tile whose columns
+/// are compared, of a column among them, of one that changed, and of one in a line where all may
+/// have; and of a tile's box of stale texels.
+const LINE_WORK: usize = 100;
+const SCAN_WORK: usize = 18;
 const TILE_WORK: usize = 200;
-const COLUMN_WORK: usize = 4;
-const CHANGE_WORK: usize = 60;
-const WHOLE_WORK: usize = 90;
+const COLUMN_WORK: usize = 14;
+const CHANGE_WORK: usize = 100;
+const WHOLE_WORK: usize = 60;
+const STALE_WORK: usize = 800;
 
 /// Columns along a side of the tiles whose changes are taken together.
 const TILE: usize = 8;
@@ -101,11 +104,7 @@ impl<const N: usize> Field<N> {
                     if copied {
                         continue;
                     }
-                    for place in places.lo()..=places.hi() {
-                        let at = (line, place);
-                        self.latest.set_column(axis, at, maps.column(axis, at));
-                        self.noted += NOTE_WORK;
-                    }
+                    self.latest.copy_places(maps, axis, line, places);
                     self.noted += LINE_WORK;
                 }
             }
@@ -116,7 +115,9 @@ impl<const N: usize> Field<N> {
     fn take_over(&mut self, purse: &mut Purse, first: &mut bool) {
         let tiles = TILE * N;
         while let Some((axis, line, end, places)) = self.unseen.first(2 * tiles) {
-            if !*first && !purse.has((WHOLE_WORK + COLUMN_WORK) * tiles + TILE_WORK, 0) {
+            let most =
+                SCAN_WORK * N + (CHANGE_WORK + COLUMN_WORK) * tiles + 2 * TILE_WORK * N / TILE;
+            if !*first && !purse.has(most, 0) {
                 return;
             }
             let end = end.min(line + TILE);
@@ -128,7 +129,7 @@ impl<const N: usize> Field<N> {
             }
             let columns = (end - line) * (places.hi() + 1 - places.lo());
             let changes = std::mem::take(&mut self.noted);
-            purse.spend(TILE_WORK + COLUMN_WORK * columns + changes, 0);
+            purse.spend(SCAN_WORK * N + COLUMN_WORK * columns + changes, 0);
             *first = false;
         }
     }
@@ -137,6 +138,7 @@ impl<const N: usize> Field<N> {
     /// change of a whole map all voxels of a line's columns count as changed, as that is quick.
     fn take_over_tile(&mut self, axis: Axis, (first, last): ([usize; 2], [usize; 2]), whole: bool) {
         let (mut lines, mut places, mut voxels) = (Range::EMPTY, Range::EMPTY, Range::EMPTY);
+        self.noted += TILE_WORK;
         for line in first[0]..=last[0] {
             let new = &self.latest.line(axis, line)[first[1]..=last[1]];
             let old = &self.maps.line(axis, line)[first[1]..=last[1]];
@@ -158,10 +160,7 @@ impl<const N: usize> Field<N> {
                 }
             }
             let differing = Range::new(differing.lo() + first[1], differing.hi() + first[1]);
-            for place in differing.lo()..=differing.hi() {
-                let at = (line, place);
-                self.maps.set_column(axis, at, self.latest.column(axis, at));
-            }
+            self.maps.copy_places(&self.latest, axis, line, differing);
             self.lines.add(axis, line, differing);
             lines = lines.hull_with(Range::new(line, line));
             places = places.hull_with(differing);
@@ -170,6 +169,7 @@ impl<const N: usize> Field<N> {
             let lo = axis.voxel((lines.lo(), places.lo()), voxels.lo());
             let hi = axis.voxel((lines.hi(), places.hi()), voxels.hi());
             self.backlog.add_voxels(lo, hi);
+            self.noted += STALE_WORK;
         }
     }
 
@@ -185,12 +185,13 @@ impl<const N: usize> Field<N> {
         self.take_over(&mut purse, &mut first);
         while let Some((axis, line, end, places)) = self.lines.first(purse.left().bytes) {
             let region = map_region(axis, line..end, places);
-            if !purse.has(region.bytes(), region.bytes()) && !first {
+            let work = SCAN_WORK * N + region.bytes();
+            if !purse.has(work, region.bytes()) && !first {
                 return purse.spent;
             }
             self.lines.done(axis, line, end);
             self.hand_out_map(axis, region, sink);
-            purse.spend(region.bytes(), region.bytes());
+            purse.spend(work, region.bytes());
             first = false;
         }
         // Boxes wait for all columns: they would be computed once more.

@@ -29,6 +29,8 @@ pub struct Options {
     ///
     /// [`Format::density_map`]: super::Format::density_map
     pub density_map: bool,
+    /// Whether shaded fragments are to be counted, for measuring.
+    pub fragment_counts: bool,
 }
 
 /// An instance, and what validation has said about it.

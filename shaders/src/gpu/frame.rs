@@ -68,6 +68,19 @@ pub enum Parts {
     NoShading,
 }
 
+/// When the sculpture is drawn, before or after what else stands in the studio; particles come last
+/// in any case. It makes no difference to the picture, but to how much of it is shaded for nothing.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub enum Order {
+    /// After tools and hands, before stool, bench and room.
+    #[default]
+    Between,
+    /// Before all.
+    First,
+    /// After all.
+    Last,
+}
+
 /// How the sculpture is drawn and lit.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Look {

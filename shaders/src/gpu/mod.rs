@@ -9,6 +9,7 @@ mod buffer;
 mod context;
 mod error;
 pub mod faults;
+mod fragments;
 mod frame;
 mod image;
 pub mod layout;
@@ -31,7 +32,8 @@ mod timers;
 
 pub use context::{Context, Gpu, Instance, Options};
 pub use error::Error;
-pub use frame::{Eye, Fov, Look, Parts, Path, Picture, Stand};
+pub use fragments::Fragments;
+pub use frame::{Eye, Fov, Look, Order, Parts, Path, Picture, Stand};
 pub use needs::Needs;
 pub use offscreen::Offscreen;
 pub use pass::Format;

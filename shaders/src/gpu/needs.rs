@@ -14,6 +14,8 @@ pub struct Needs {
     /// Maps that tell how densely a picture's parts are shaded (`VK_EXT_fragment_density_map`), for
     /// images that are not subsampled themselves; false unless it was asked for.
     pub density_map: bool,
+    /// Counting shaded fragments; false unless it was asked for.
+    pub fragment_counts: bool,
     /// Nanoseconds in a tick of its timestamps, in millionths; 0 if it has none.
     pub timestamp_period: u64,
 }
@@ -34,6 +36,7 @@ impl Needs {
         needs.half &= !options.single;
         let lacks = options.density_map && !needs.density_map;
         needs.density_map &= options.density_map;
+        needs.fragment_counts &= options.fragment_counts;
         (needs, lacks.then_some(NO_DENSITY_MAP).into_iter().collect())
     }
 
@@ -52,6 +55,7 @@ impl Needs {
         }
         // SAFETY: the physical device is one of this instance's, and speaks 1.1.
         unsafe { instance.get_physical_device_features2(physical, &mut features) };
+        let counts = features.features.pipeline_statistics_query;
         // SAFETY: as above.
         let properties = unsafe { instance.get_physical_device_properties(physical) };
         // SAFETY: as above.
@@ -63,6 +67,7 @@ impl Needs {
             density_map: has_density
                 && density.fragment_density_map == vk::TRUE
                 && density.fragment_density_map_non_subsampled_images == vk::TRUE,
+            fragment_counts: counts == vk::TRUE,
             timestamp_period: if bits == 0 { 0 } else { period },
         }
     }
@@ -93,7 +98,10 @@ impl Needs {
             extensions.push(ext::fragment_density_map::NAME.as_ptr());
             info = info.push_next(&mut density);
         }
-        make(&info.queue_create_infos(&queues).enabled_extension_names(&extensions))
+        let features =
+            vk::PhysicalDeviceFeatures::default().pipeline_statistics_query(self.fragment_counts);
+        let info = info.queue_create_infos(&queues).enabled_extension_names(&extensions);
+        make(&info.enabled_features(&features))
     }
 }
 
@@ -130,7 +138,8 @@ mod tests {
     fn a_device_is_asked_for_what_was_agreed() {
         let multiview = vk::StructureType::PHYSICAL_DEVICE_MULTIVIEW_FEATURES;
         let density = vk::StructureType::PHYSICAL_DEVICE_FRAGMENT_DENSITY_MAP_FEATURES_EXT;
-        let needs = Needs { half: false, density_map: false, timestamp_period: 0 };
+        let needs =
+            Needs { half: false, density_map: false, fragment_counts: false, timestamp_period: 0 };
         assert_eq!(asked(needs), (vec![], vec![multiview]));
         let (names, chain) = asked(Needs { density_map: true, ..needs });
         assert_eq!(names, [ext::fragment_density_map::NAME]);

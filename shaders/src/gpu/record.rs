@@ -2,11 +2,13 @@
 //!
 //! In that pass, in this order: tools and hands, which hide much and cost little; the sculpture,
 //! which costs the most; stool, bench and room, of which those hide the most; and last the
-//! particles, mixed with what is behind them: they test depth, and leave it.
+//! particles, mixed with what is behind them: they test depth, and leave it. What other orders of
+//! the sculpture cost is told by `paros bench render` and, in fragments, by the test `gpu_order`.
 
 use ash::vk;
 
-use super::frame::{Path, Picture};
+use super::fragments::Part;
+use super::frame::{Order, Path, Picture};
 use super::renderer::Renderer;
 use super::shadow;
 use super::surface::Surface;
@@ -98,24 +100,49 @@ impl Renderer {
             vk::ClearValue { color },
         ];
         let pass = (self.frame.raw, surface.framebuffers[image].raw);
-        let timers = &self.ring[self.at].timers;
         self.within(commands, pass, surface.extent, &clears, |_| {
             self.bind_set(commands, surface.sets[self.at]);
-            if let Some(scene) = picture.scene {
+            if picture.scene.is_some() {
                 self.bind_meshes(commands);
-                self.draw_stage(commands, scene, Stage::Handled);
             }
-            timers.mark(commands, Mark::SculptureBegins);
-            if picture.shows_sculpture() {
-                self.draw_sculpture(commands, picture.look.path, surface);
+            let parts = match self.order {
+                Order::Between => [Part::Handled, Part::Sculpture, Part::Standing],
+                Order::First => [Part::Sculpture, Part::Handled, Part::Standing],
+                Order::Last => [Part::Handled, Part::Standing, Part::Sculpture],
+            };
+            for part in parts {
+                let counters = &self.ring[self.at].counters;
+                counters.around(commands, part, || {
+                    self.draw_part(commands, part, picture, surface);
+                });
             }
-            timers.mark(commands, Mark::SculptureEnds);
             if let Some(scene) = picture.scene {
-                self.draw_stage(commands, scene, Stage::Standing);
                 self.draw_stage(commands, scene, Stage::Particles);
             }
             self.overlay.record(commands, surface.extent);
         });
+    }
+
+    fn draw_part(
+        &self,
+        commands: vk::CommandBuffer,
+        part: Part,
+        picture: &Picture<'_>,
+        surface: &Surface,
+    ) {
+        let timers = &self.ring[self.at].timers;
+        match (part, picture.scene) {
+            (Part::Sculpture, _) => {
+                timers.mark(commands, Mark::SculptureBegins);
+                if picture.shows_sculpture() {
+                    self.draw_sculpture(commands, picture.look.path, surface);
+                }
+                timers.mark(commands, Mark::SculptureEnds);
+            }
+            (Part::Handled, Some(scene)) => self.draw_stage(commands, scene, Stage::Handled),
+            (Part::Standing, Some(scene)) => self.draw_stage(commands, scene, Stage::Standing),
+            (Part::Handled | Part::Standing, None) => {}
+        }
     }
 
     fn draw_sculpture(&self, commands: vk::CommandBuffer, path: Path, surface: &Surface) {

@@ -7,7 +7,8 @@ use ash::vk;
 use super::buffer::Buffer;
 use super::context::Gpu;
 use super::error::{Doing, Error};
-use super::frame::{self, Path, Picture};
+use super::fragments::Fragments;
+use super::frame::{self, Order, Path, Picture};
 use super::overlay::Overlay;
 use super::owned::Owned;
 use super::pass::{Format, Pass};
@@ -58,6 +59,8 @@ pub struct Renderer {
     _pool: Owned<vk::CommandPool>,
     pub(super) at: usize,
     times: Times,
+    fragments: Fragments,
+    pub(super) order: Order,
 }
 
 /// The scene's meshes, on the device for good.
@@ -94,7 +97,8 @@ impl Renderer {
         let pool = unsafe { gpu.device.create_command_pool(&info, None) }.doing("make a pool")?;
         let pool = Owned::new(gpu, pool);
         let overlay = Overlay::new(gpu, &format, &frame, RING, pipelines.cache)?;
-        let ring = (0..RING).map(|_| Slot::new(gpu, pool.raw)).collect::<Result<_, _>>()?;
+        let ring =
+            (0..RING).map(|_| Slot::new(gpu, pool.raw, format.views)).collect::<Result<_, _>>()?;
         let mut renderer = Renderer {
             gpu: gpu.clone(),
             format,
@@ -110,6 +114,8 @@ impl Renderer {
             _pool: pool,
             at: 0,
             times: Times::default(),
+            fragments: Fragments::default(),
+            order: Order::default(),
         };
         let cube = |texture, side: usize| Region { texture, min: [0; 3], size: [side as u32; 3] };
         let bytes: Vec<u8> = noise::texture().iter().map(|noise| noise.cast_unsigned()).collect();
@@ -128,6 +134,17 @@ impl Renderer {
     #[must_use]
     pub const fn times(&self) -> Times {
         self.times
+    }
+
+    /// How many fragments were shaded for that frame.
+    #[must_use]
+    pub const fn fragments(&self) -> Fragments {
+        self.fragments
+    }
+
+    /// Draws in another order from now on, for measuring.
+    pub const fn draw_in(&mut self, order: Order) {
+        self.order = order;
     }
 
     /// What makes the next start faster, for this device and driver.
@@ -190,7 +207,7 @@ impl Renderer {
             slot.under_way = false;
         }
         if slot.drew {
-            self.times = slot.timers.read();
+            (self.times, self.fragments) = (slot.timers.read(), slot.counters.read());
         }
         slot.drew = false;
         slot.staging.clear();
@@ -264,7 +281,7 @@ impl Renderer {
         self.gpu.wait()?;
         let slot = &self.ring[(self.at + RING - 1) % RING];
         if slot.drew {
-            self.times = slot.timers.read();
+            (self.times, self.fragments) = (slot.timers.read(), slot.counters.read());
         }
         Ok(self.times)
     }
@@ -283,6 +300,7 @@ impl Renderer {
         // SAFETY: the frame's fence has passed, so its commands are free.
         unsafe { gpu.device.begin_command_buffer(commands, &info) }.doing("record")?;
         slot.timers.reset(commands);
+        slot.counters.reset(commands);
         slot.timers.mark(commands, Mark::Begin);
         self.textures.record(commands, &slot.staging);
         self.overlay.record_copies(commands);

@@ -7,6 +7,7 @@ use ash::vk;
 use super::buffer::Buffer;
 use super::context::Gpu;
 use super::error::{Doing, Error};
+use super::fragments::Counters;
 use super::layout::Frame;
 use super::owned::Owned;
 use super::staging::Staging;
@@ -25,13 +26,14 @@ pub(super) struct Slot {
     pub(super) instances: Buffer,
     pub(super) staging: Staging,
     pub(super) timers: Timers,
+    pub(super) counters: Counters,
     /// Whether its commands drew a picture, and so set every mark.
     pub(super) drew: bool,
 }
 
 impl Slot {
-    /// With commands from a pool.
-    pub(super) fn new(gpu: &Arc<Gpu>, pool: vk::CommandPool) -> Result<Self, Error> {
+    /// With commands from a pool, for pictures of so many views.
+    pub(super) fn new(gpu: &Arc<Gpu>, pool: vk::CommandPool, views: u32) -> Result<Self, Error> {
         let device = &gpu.device;
         let info =
             vk::CommandBufferAllocateInfo::default().command_pool(pool).command_buffer_count(1);
@@ -51,6 +53,7 @@ impl Slot {
             instances: Buffer::new(gpu, INSTANCES * size_of::<Instance>(), vertices)?,
             staging: Staging::new(gpu)?,
             timers: Timers::new(gpu)?,
+            counters: Counters::new(gpu, views)?,
             drew: false,
         })
     }

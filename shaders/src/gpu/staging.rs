@@ -13,6 +13,10 @@ use crate::upload::Region;
 pub(super) const CAPACITY: usize = 1 << 20;
 /// Boxes of texels that one frame can upload.
 const REGIONS: usize = 1024;
+/// Copies begin at multiples of this.
+const ALIGNMENT: usize = 4;
+/// With what lies between them.
+const ROOM: usize = CAPACITY + ALIGNMENT * REGIONS;
 
 /// Regions that wait for this frame's commands, and their bytes.
 pub(super) struct Staging {
@@ -23,7 +27,7 @@ pub(super) struct Staging {
 
 impl Staging {
     pub(super) fn new(gpu: &Arc<Gpu>) -> Result<Self, Error> {
-        let buffer = Buffer::new(gpu, CAPACITY, vk::BufferUsageFlags::TRANSFER_SRC)?;
+        let buffer = Buffer::new(gpu, ROOM, vk::BufferUsageFlags::TRANSFER_SRC)?;
         Ok(Staging { buffer, regions: Vec::with_capacity(REGIONS), used: 0 })
     }
 
@@ -36,9 +40,8 @@ impl Staging {
     /// Takes a region's bytes, or says that there is no room for them in this frame.
     #[must_use]
     pub(super) fn push(&mut self, region: Region, bytes: &[u8]) -> bool {
-        // Copies begin at a multiple of four.
-        let at = self.used.next_multiple_of(4);
-        let fits = at + bytes.len() <= CAPACITY && self.regions.len() < REGIONS;
+        let at = self.used.next_multiple_of(ALIGNMENT);
+        let fits = at + bytes.len() <= ROOM && self.regions.len() < REGIONS;
         if fits {
             self.buffer.write(at, bytes);
             self.regions.push((region, at as u64));

@@ -1,0 +1,67 @@
+//! Instructions of a function's calls: this program runs itself under Callgrind, with what is
+//! counted in a function of its own, and reads the totals of its many dumps.
+
+use std::fs;
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use crate::error::Error;
+
+/// A folder of this process alone, gone when dropped.
+pub(super) struct Folder(pub(super) PathBuf);
+
+impl Folder {
+    pub(super) fn new() -> Result<Self, Error> {
+        let folder = std::env::temp_dir().join(format!("paros-bench-{}", std::process::id()));
+        fs::create_dir_all(&folder)
+            .map_err(|e| Error::Failure(format!("{}: can't be made: {e}", folder.display())))?;
+        Ok(Folder(folder))
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+/// Instructions of each call of a function, in order, while `bench --replay` plays `what`; or why
+/// there are none.
+///
+/// The function is named whole: Callgrind finds no end to names with a `*` in front. It must not end
+/// in a call, which would be a jump, of which Callgrind sees no end either.
+pub(super) fn counts(function: &str, what: &Path, folder: &Folder) -> Result<Vec<u64>, String> {
+    let this = std::env::current_exe().map_err(|e| e.to_string())?;
+    let dumps = folder.0.join("callgrind.out");
+    let run = Command::new("valgrind")
+        .args(["--tool=callgrind", "--combine-dumps=yes", "--dump-line=no", "--collect-atstart=no"])
+        .args([format!("--toggle-collect={function}"), format!("--dump-after={function}")])
+        .arg(format!("--callgrind-out-file={}", dumps.display()))
+        .arg(this)
+        .args(["bench", "--replay"])
+        .arg(what)
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .output()
+        .map_err(|e| format!("valgrind can't be started: {e}"))?;
+    if !run.status.success() {
+        let errors = String::from_utf8_lossy(&run.stderr);
+        return Err(format!("valgrind failed: {}", errors.lines().last().unwrap_or_default()));
+    }
+    let file = fs::File::open(&dumps).map_err(|e| e.to_string())?;
+    let counts: Vec<u64> = BufReader::new(file)
+        .split(b'\n')
+        .map_while(Result::ok)
+        .filter_map(|line| {
+            std::str::from_utf8(&line).ok()?.strip_prefix("summary: ")?.trim().parse().ok()
+        })
+        // The last dump, at the end of the program, holds no call.
+        .filter(|&count| count > 0)
+        .collect();
+    if counts.is_empty() {
+        return Err("valgrind counted nothing".into());
+    }
+    Ok(counts)
+}
