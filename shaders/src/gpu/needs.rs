@@ -9,7 +9,8 @@ use super::context::Options;
 /// What a device offers of what the renderer can use.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Needs {
-    /// Arithmetic of half precision.
+    /// Arithmetic of half precision. A discrete GPU has no use for it: it is no quicker there, and
+    /// registers are many.
     pub half: bool,
     /// Maps that tell how densely a picture's parts are shaded (`VK_EXT_fragment_density_map`), for
     /// images that are not subsampled themselves; false unless it was asked for.
@@ -63,7 +64,9 @@ impl Needs {
         let bits = families[family as usize].timestamp_valid_bits;
         let period = (f64::from(properties.limits.timestamp_period) * 1e6) as u64;
         Needs {
-            half: has_half && half.shader_float16 == vk::TRUE,
+            half: has_half
+                && half.shader_float16 == vk::TRUE
+                && properties.device_type != vk::PhysicalDeviceType::DISCRETE_GPU,
             density_map: has_density
                 && density.fragment_density_map == vk::TRUE
                 && density.fragment_density_map_non_subsampled_images == vk::TRUE,
