@@ -8,11 +8,11 @@ use paros_shaders::field::{Budget, Field};
 use paros_shaders::gpu::{Error, Eye, Look, Path, Picture, Renderer, Stand, Times};
 use paros_shaders::scene::{Assembly, Fresh, SKY, SculpturePose};
 use paros_shell::durable;
+use paros_shell::keeper::{Keeper, What};
+use paros_shell::places::Places;
 use winit::window::Window;
 
-use super::keeper::{Keeper, What};
 use super::paint::Painted;
-use super::places::Places;
 use super::screen::Screen;
 
 /// Samples of a pixel.
