@@ -57,6 +57,8 @@ where
     keeper: Keeper,
     /// From the session's start on; none of a session that was resumed.
     recording: Option<Recording>,
+    /// Where the last session's trace goes at the end.
+    record_to: Option<PathBuf>,
     opening: Option<Opening>,
     finishing: Option<Finishing>,
     notes: Vec<Note>,
@@ -88,6 +90,7 @@ where
             portrait,
             keeper: Keeper::new(),
             recording: None,
+            record_to: None,
             opening: None,
             finishing: None,
             notes: Vec::new(),
@@ -104,6 +107,11 @@ where
     #[must_use]
     pub const fn world(&self) -> &World<N> {
         self.world
+    }
+
+    /// Has the trace of the session that is under way at the end written to a file then.
+    pub fn record_to(&mut self, path: Option<PathBuf>) {
+        self.record_to = path;
     }
 
     /// Where files go.
@@ -233,6 +241,9 @@ where
         }
         self.write_finished();
         self.save();
+        if let (Some(path), Some(recording)) = (&self.record_to, &self.recording) {
+            self.keeper.keep(What::Trace, vec![(path.clone(), recording.trace())]);
+        }
         let mut done = Ok(());
         while let Some(kept) = self.keeper.wait() {
             self.tell(&kept);
