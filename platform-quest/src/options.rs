@@ -5,8 +5,6 @@ use std::path::PathBuf;
 use paros_core::input::Mode;
 use paros_shaders::gpu::Path;
 
-use crate::strain::Foveation;
-
 /// Settings of a run.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Options {
@@ -20,8 +18,6 @@ pub struct Options {
     pub rate: f32,
     /// Whether the compositor gets depth too, which costs the pixels' several samples.
     pub depth: bool,
-    /// How far the edges are drawn less finely, where the headset can.
-    pub foveation: Foveation,
     /// How the sculpture is drawn.
     pub path: Path,
     /// Whether commands are read from standard input, for tests; see [`crate::script`].
@@ -38,7 +34,6 @@ impl Default for Options {
             record: None,
             rate: 72.0,
             depth: false,
-            foveation: Foveation::default(),
             path: Path::Fast,
             script: false,
             validation: false,

@@ -218,7 +218,7 @@ where
         }
     }
 
-    /// Heat and battery: told once; the edges are drawn less finely where that can be.
+    /// Heat and battery: told once.
     fn heed(&mut self, strain: Strain, host: &mut dyn Host) {
         let heat = strain.heat.max(self.heat);
         let before = core::mem::replace(&mut self.strain, Strain { heat, ..strain });

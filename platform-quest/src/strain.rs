@@ -1,18 +1,4 @@
-//! Heat and battery: what is told to the visitor, and how much is drawn less finely for it.
-
-/// How far the edges of the view are drawn less finely; OpenXR's `XrFoveationLevelFB`.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Debug)]
-pub enum Foveation {
-    /// Not at all.
-    Off,
-    /// A little.
-    Low,
-    /// The usual.
-    #[default]
-    Medium,
-    /// As far as it goes.
-    High,
-}
+//! Heat and battery: what is told of them. No stroke is stopped for either.
 
 /// How hot the headset is.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Debug)]
@@ -39,23 +25,11 @@ pub struct Strain {
 const LOW: u8 = 15;
 
 impl Strain {
-    /// How far to foveate, where the setting says `usual`: more under strain, never less. Nothing
-    /// else is done, and no stroke is stopped.
-    #[must_use]
-    pub fn foveation(self, usual: Foveation) -> Foveation {
-        match self.heat {
-            Heat::Hot => Foveation::High,
-            Heat::Warm => usual.max(Foveation::Medium),
-            Heat::Normal if self.is_low() => usual.max(Foveation::Medium),
-            Heat::Normal => usual,
-        }
-    }
-
     /// What there is to say, where it was `before`; each once.
     #[must_use]
     pub fn warning(self, before: Strain) -> Option<&'static str> {
         if self.heat == Heat::Hot && before.heat != Heat::Hot {
-            return Some("the headset is hot: the edges are drawn less finely");
+            return Some("the headset is hot");
         }
         (self.is_low() && !before.is_low()).then_some("the battery is low")
     }
@@ -67,22 +41,7 @@ impl Strain {
 
 #[cfg(test)]
 mod tests {
-    use super::{Foveation, Heat, LOW, Strain};
-
-    #[test]
-    fn strain_raises_foveation_and_never_lowers_it() {
-        let levels = [Foveation::Off, Foveation::Low, Foveation::Medium, Foveation::High];
-        for heat in [Heat::Normal, Heat::Warm, Heat::Hot] {
-            for charge in [None, Some(LOW), Some(LOW - 1)] {
-                for usual in levels {
-                    assert!(Strain { heat, charge }.foveation(usual) >= usual);
-                }
-            }
-        }
-        assert_eq!(Strain::default().foveation(Foveation::Off), Foveation::Off);
-        let hot = Strain { heat: Heat::Hot, charge: None };
-        assert_eq!(hot.foveation(Foveation::Off), Foveation::High);
-    }
+    use super::{Heat, Strain};
 
     #[test]
     fn a_warning_is_given_once() {

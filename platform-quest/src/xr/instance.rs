@@ -122,10 +122,6 @@ fn wanted() -> xr::ExtensionSet {
     wanted.ext_user_presence = true;
     wanted.ext_performance_settings = true;
     wanted.fb_display_refresh_rate = true;
-    wanted.fb_foveation = true;
-    wanted.fb_foveation_configuration = true;
-    wanted.fb_foveation_vulkan = true;
-    wanted.fb_swapchain_update_state = true;
     wanted.meta_touch_controller_plus = true;
     wanted
 }

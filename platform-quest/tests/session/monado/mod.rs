@@ -120,10 +120,32 @@ impl Monado {
 
     /// The shell in this service's session.
     pub(crate) fn shell(&self, args: &[&str]) -> Shell {
-        let mut command =
-            self.tree.command(Path::new(env!("CARGO_BIN_EXE_paros-quest")), &self.folder);
+        Shell::start(self.command(args))
+    }
+
+    /// The shell in this service's session, with the tests' own API layer between them.
+    pub(crate) fn layered_shell(&self, layer: &Path, args: &[&str]) -> Shell {
+        let manifest = format!(
+            r#"{{"file_format_version": "1.0.0", "api_layer": {{"name": "XR_APILAYER_PAROS_tests",
+            "library_path": "{}", "api_version": "1.0", "implementation_version": "1",
+            "description": "Paros' tests", "instance_extensions": [
+            {{"name": "XR_EXT_performance_settings", "extension_version": "4"}},
+            {{"name": "XR_EXT_user_presence", "extension_version": "1"}}]}}}}"#,
+            layer.display()
+        );
+        let folder = self.folder.join("layer");
+        fs::create_dir_all(&folder).expect("a folder");
+        fs::write(folder.join("layer.json"), manifest).expect("the manifest is written");
+        let mut command = self.command(args);
+        command.env("XR_API_LAYER_PATH", &folder).env("PAROS_LAYER", &folder);
+        Shell::start(command.env("XR_ENABLE_API_LAYERS", "XR_APILAYER_PAROS_tests"))
+    }
+
+    fn command(&self, args: &[&str]) -> Command {
+        let quest = Path::new(env!("CARGO_BIN_EXE_paros-quest"));
+        let mut command = self.tree.command(quest, &self.folder);
         command.args(["--script", "--validation", "--folder", "files"]).args(args);
-        Shell::start(command)
+        command
     }
 }
 
@@ -147,7 +169,9 @@ pub(crate) struct Shell {
 pub(crate) struct Said(String);
 
 impl Shell {
-    fn start(mut command: Command) -> Shell {
+    fn start(command: impl std::borrow::BorrowMut<Command>) -> Shell {
+        let mut command = command;
+        let command = command.borrow_mut();
         let pipes = command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
         let mut child = pipes.spawn().expect("the shell starts");
         let stdin = child.stdin.take().expect("it is piped");
