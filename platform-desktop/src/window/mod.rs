@@ -38,6 +38,8 @@ pub struct Options {
     pub file: Option<PathBuf>,
     /// Where sculptures go, instead of the user's own folder.
     pub folder: Option<PathBuf>,
+    /// Where the trace of the last session goes.
+    pub record: Option<PathBuf>,
     /// What is done instead of by hand.
     pub script: Option<PathBuf>,
     /// Whether Vulkan's validation looks on; what it says is an error.
@@ -72,7 +74,8 @@ where
     let printer = Printer::new(&mut press, HEIGHT_MM);
     let printer = printer.map_err(|error| Closed::Failed(error.into()))?;
     let places = Places::of_user(options.folder.as_deref());
-    let studio = Studio::new(&mut world, &mut volumes, printer, places, portrait);
+    let mut studio = Studio::new(&mut world, &mut volumes, printer, places, portrait);
+    studio.record_to(options.record.clone());
     let mut app = App::new(studio, script, options);
     let run = events.run_app(&mut app);
     let closed = app.close();
