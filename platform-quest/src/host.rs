@@ -1,5 +1,6 @@
 //! What the shell needs of the system it runs on, beside the runtime.
 
+use std::fmt;
 use std::io::{self, Write};
 
 use openxr as xr;
@@ -33,7 +34,7 @@ pub trait Host {
     }
 
     /// Writes a line to where those look who look after the headset.
-    fn log(&mut self, text: &str) {
+    fn log(&mut self, text: fmt::Arguments<'_>) {
         // Nobody may be listening there.
         let _ = writeln!(io::stderr(), "paros-quest: {text}");
     }

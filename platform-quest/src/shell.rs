@@ -105,10 +105,13 @@ where
     let folder = options.folder.as_deref();
     let places = folder.map_or_else(|| Places::of_user(None), Places::within);
     let mut studio = Studio::new(&mut world, &mut volumes, printer, places, portrait);
-    studio.record_to(options.record.clone());
+    match &options.record {
+        Some(_) => studio.record_to(options.record.clone()),
+        None => studio.record_nothing(),
+    }
     if studio.world().session() != Session::Waiting {
         let (tick, digest) = (studio.world().tick(), studio.world().digest());
-        host.log(&format!("a session goes on from tick {tick}, digest {digest:016x}"));
+        host.log(format_args!("a session goes on from tick {tick}, digest {digest:016x}"));
     }
     let mut shell = Shell::new(studio, options);
     let done = shell.live(host);
@@ -170,7 +173,7 @@ where
             if losses > LOSSES {
                 return Err(why.unwrap_or(Error::Unavailable(text)));
             }
-            host.log(&format!("{text}; the sculpture is kept, and a new session is made"));
+            host.log(format_args!("{text}; the sculpture is kept, and a new session is made"));
             thread::sleep(AGAIN);
         }
     }
@@ -180,7 +183,7 @@ where
         let places = self.studio.places().clone();
         let mut rig = Rig::new(host, self.options, self.studio.world(), &places)?;
         let (runtime, device) = (&rig.runtime.name, &rig.gpu.name);
-        host.log(&format!("{runtime}, drawn by {device}"));
+        host.log(format_args!("{runtime}, drawn by {device}"));
         self.life = Life::default();
         self.beat.rest();
         let ended = self.go(&mut rig, host);
@@ -212,7 +215,7 @@ where
             self.studio.poll();
             for note in self.studio.notes() {
                 let (Note::Good(text) | Note::Bad(text)) = note;
-                host.log(&text);
+                host.log(format_args!("{text}"));
                 self.last_note = text;
             }
         }
@@ -223,7 +226,7 @@ where
         let heat = strain.heat.max(self.heat);
         let before = core::mem::replace(&mut self.strain, Strain { heat, ..strain });
         if let Some(warning) = self.strain.warning(before) {
-            host.log(warning);
+            host.log(format_args!("{warning}"));
         }
     }
 
@@ -241,7 +244,7 @@ where
                 Ok(false)
             }
             Some(Command::Quit) => {
-                host.log("leaving");
+                host.log(format_args!("leaving"));
                 Ok(true)
             }
         }

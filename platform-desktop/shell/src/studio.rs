@@ -57,6 +57,8 @@ where
     keeper: Keeper,
     /// From the session's start on; none of a session that was resumed.
     recording: Option<Recording>,
+    /// Whether sessions are recorded at all.
+    records: bool,
     /// Where the last session's trace goes at the end.
     record_to: Option<PathBuf>,
     opening: Option<Opening>,
@@ -90,6 +92,7 @@ where
             portrait,
             keeper: Keeper::new(),
             recording: None,
+            records: true,
             record_to: None,
             opening: None,
             finishing: None,
@@ -107,6 +110,11 @@ where
     #[must_use]
     pub const fn world(&self) -> &World<N> {
         self.world
+    }
+
+    /// Records no sessions: a recording grows with every tick, and here nobody can ask for it.
+    pub fn record_nothing(&mut self) {
+        self.records = false;
     }
 
     /// Has the trace of the session that is under way at the end written to a file then.
@@ -163,7 +171,7 @@ where
         let mut stage = Stage::new(self.world, self.volumes.starts(&hidden));
         match self.recording.take().filter(|recording| recording.ticks() < RECORD_TICKS) {
             Some(recording) => stage.resume(recording),
-            None if starts => stage.record(),
+            None if starts && self.records => stage.record(),
             None => {}
         }
         stage.tick(input);

@@ -35,7 +35,7 @@ where
                     if change.reference_space_type() == rig.session.room_kind =>
                 {
                     self.recentre.pending(change.change_time().as_nanos());
-                    host.log("recentred");
+                    host.log(format_args!("recentred"));
                 }
                 xr::Event::UserPresenceChangedEXT(change) => {
                     let present = change.is_user_present();
@@ -50,7 +50,7 @@ where
                     self.heat = heat(change.to_level());
                 }
                 xr::Event::EventsLost(lost) => {
-                    host.log(&format!("{} events are lost", lost.lost_event_count()));
+                    host.log(format_args!("{} events are lost", lost.lost_event_count()));
                 }
                 _ => {}
             }
@@ -59,7 +59,7 @@ where
     }
 
     fn told(&mut self, told: Told, rig: &mut Rig<N>, host: &mut dyn Host) -> Result<(), Error> {
-        host.log(&format!("{told:?}"));
+        host.log(format_args!("{told:?}"));
         let (life, duty) = self.life.told(told);
         self.life = life;
         match duty {

@@ -63,7 +63,9 @@ where
         let told_long_ago = dropped.told_at.is_none_or(|told_at| told_at.elapsed() > TELLING);
         if dropped.ticks > dropped.told && told_long_ago {
             let (all, most) = (dropped.ticks, Pace::CATCH_UP);
-            host.log(&format!("{all} ticks dropped so far: a frame makes up {most} at the most"));
+            host.log(format_args!(
+                "{all} ticks dropped so far: a frame makes up {most} at the most"
+            ));
             (dropped.told, dropped.told_at) = (all, Some(Instant::now()));
         }
     }

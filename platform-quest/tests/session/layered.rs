@@ -8,14 +8,14 @@ use paros_core::tools::Tool;
 use paros_shell::require::require;
 
 use super::monado::{Monado, Shell, Tree, wait_for};
-use super::{LEFT_REST, REST, RIGHT, carve, eyes, take};
+use super::{LEFT_REST, REST, RIGHT, carve, eyes, output, take};
 
-/// The layer, which `cargo test` builds as an example.
-fn layer() -> Result<PathBuf, String> {
+/// The layer, or the program that counts, which `cargo test` builds as examples.
+fn example(name: &str) -> Result<PathBuf, String> {
     let quest = Path::new(env!("CARGO_BIN_EXE_paros-quest"));
-    let layer = quest.with_file_name("examples").join("liblayer.so");
-    let found = layer.exists().then_some(layer);
-    found.ok_or("no API layer: cargo build -p paros-quest --examples".into())
+    let path = quest.with_file_name("examples").join(name);
+    let found = path.exists().then_some(path);
+    found.ok_or_else(|| format!("no {name}: cargo build -p paros-quest --examples"))
 }
 
 /// Has the runtime tell something, and waits until it has.
@@ -43,7 +43,7 @@ fn is_back(monado: &Monado, shell: &mut Shell, sessions: usize, voxels: u64) {
 #[test]
 fn hands_feel_the_stone_and_losses_lose_nothing() {
     let Some(tree) = require(Tree::find()).unwrap() else { return };
-    let Some(layer) = require(layer()).unwrap() else { return };
+    let Some(layer) = require(example("liblayer.so")).unwrap() else { return };
     let monado = Monado::start(&tree, "layered");
     let mut hands = monado.hands();
     hands.look(&eyes());
@@ -81,6 +81,22 @@ fn hands_feel_the_stone_and_losses_lose_nothing() {
     let violations: Vec<&str> = log.lines().filter(|line| line.contains("violation")).collect();
     assert!(violations.is_empty(), "{violations:#?}");
     assert!(log.contains("depth\n"), "the compositor was to get depth");
+}
+
+/// Of our own: what the drivers take is theirs.
+#[test]
+fn a_frame_takes_no_memory_after_the_first_hundred() {
+    let Some(tree) = require(Tree::find()).unwrap() else { return };
+    let Some(frugal) = require(example("frugal")).unwrap() else { return };
+    let monado = Monado::start(&tree, "frugal");
+    let mut hands = monado.hands();
+    hands.look(&eyes());
+    hands.hold(RIGHT, REST);
+    let mut command = monado.tree.command(&frugal, &monado.folder);
+    let ended = output(command.args(["files", "200"]));
+    let said = String::from_utf8_lossy(&ended.stdout);
+    assert!(said.starts_with("frames 100; that allocate 0; at most 0;"), "{said}");
+    println!("{said}");
 }
 
 /// One pulse a frame, of the hand that carves, as strong as can be and as long as the frame's ticks.
