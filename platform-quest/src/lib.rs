@@ -1,2 +1,22 @@
 //! The headset's shell: turns an OpenXR session's poses and buttons into ticks, and draws what they
 //! made for both eyes.
+//!
+//! What is decided is decided without OpenXR: [`life`], [`beat`], [`sample`], [`pulse`],
+//! [`recentre`], [`visitor`] and [`strain`] are plain functions of what the runtime tells. `xr`
+//! makes the calls, and [`shell`] goes from frame to frame.
+
+pub mod beat;
+pub mod error;
+pub mod host;
+pub mod life;
+pub mod options;
+pub mod pulse;
+pub mod recentre;
+pub mod replay;
+mod rig;
+pub mod sample;
+pub mod script;
+pub mod shell;
+pub mod strain;
+pub mod visitor;
+mod xr;

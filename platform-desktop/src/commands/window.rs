@@ -19,6 +19,9 @@ pub(super) struct Args {
     /// Voxels along an edge: 128, or 256 for a fast machine.
     #[arg(long, default_value = "128", value_parser = ["128", "256"])]
     size: String,
+    /// Write the trace of the last session to a file, when the window is closed.
+    #[arg(long, value_name = "TRACE")]
+    record: Option<PathBuf>,
     /// What is done instead of by hand, line by line; `-` is standard input.
     #[arg(long, value_name = "FILE", hide = true)]
     script: Option<PathBuf>,
@@ -51,6 +54,7 @@ fn open(args: &Args) -> Result<String, Closed> {
     let options = Options {
         file: args.file.clone(),
         folder: args.folder.clone(),
+        record: args.record.clone(),
         script: args.script.clone(),
         validation: args.validation,
     };
