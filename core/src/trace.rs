@@ -3,7 +3,7 @@
 //! Little-endian. Header, [`HEADER_BYTES`] bytes: `PTRC`; u16 trace version; u16 core version (what
 //! a tick computes); u16 N; u16 zero; u32 ticks; u64 digest of the start volumes; u64 digest of the
 //! world before the first tick. Record, [`RECORD_BYTES`] bytes: the input, then the u64 digests of the
-//! world's parts after it, in the order of [`PARTS`](crate::PARTS).
+//! world's parts after it, in the order of [`PARTS`].
 
 use crate::codec::{BadBytes, Reader, Writer};
 use crate::input::Input;
