@@ -1,5 +1,6 @@
 //! The window's events, frame by frame.
 
+mod ends;
 mod input;
 mod steps;
 
@@ -19,6 +20,7 @@ use winit::event_loop::{ActiveEventLoop, ControlFlow};
 use winit::keyboard::ModifiersState;
 use winit::window::{Window, WindowId};
 
+use super::display::Display;
 use super::hands::{Hands, RIGHT};
 use super::paint::Painted;
 use super::panels::{Asked, Outline, Panels, Shown as OnPanels};
@@ -34,9 +36,6 @@ const SIZE: LogicalSize<f64> = LogicalSize::new(1180.0, 800.0);
 /// How often the world ticks while nothing is drawn.
 const UNSEEN: Duration = Duration::from_millis(14);
 
-/// Losses of the device within a run before it is given up.
-const LOSSES: u32 = 3;
-
 /// Everything that a window ties together.
 pub(super) struct App<'a, const N: usize>
 where
@@ -45,6 +44,7 @@ where
     // Before the window, which it draws into.
     view: Option<View<N>>,
     window: Option<Arc<Window>>,
+    display: Option<Display>,
     studio: Studio<'a, N>,
     hands: Hands<N>,
     panels: Panels,
@@ -60,6 +60,8 @@ where
     seen: bool,
     frames: u64,
     losses: u32,
+    /// The visitor knows what closing the window would lose.
+    warned: bool,
     last_note: String,
     validation: bool,
     messages: Vec<String>,
@@ -82,6 +84,7 @@ where
         App {
             view: None,
             window: None,
+            display: None,
             studio,
             hands: Hands::new(),
             panels: Panels::new(),
@@ -96,6 +99,7 @@ where
             seen: true,
             frames: 0,
             losses: 0,
+            warned: false,
             last_note: String::new(),
             validation: options.validation,
             messages: Vec::new(),
@@ -126,6 +130,7 @@ where
         let window = events.create_window(attributes).map_err(|error| unavailable(&error))?;
         self.scale = window.scale_factor() as f32;
         self.hands.size = window.inner_size().into();
+        self.display = Display::of(&window);
         let view = View::new(&window, self.studio.world(), self.studio.places(), self.validation);
         self.view = Some(view.map_err(|error| unavailable(&error))?);
         self.window = Some(Arc::new(window));
@@ -140,7 +145,11 @@ where
             view.keep_cache(&places, self.studio.keeper());
             self.messages.extend(view.messages());
         }
-        self.window = None;
+        let window = self.window.take();
+        if self.display.as_ref().is_some_and(Display::is_gone) {
+            // There is nothing left to close it with.
+            core::mem::forget(window);
+        }
     }
 
     /// The ticks that are due, and what they and others led to.
@@ -228,6 +237,8 @@ where
             undo: world.undo_counts(),
             printing: self.studio.is_printing(),
             printed: self.studio.printed(),
+            unwritten: self.studio.is_unwritten(),
+            fault: self.studio.fault(),
             opening: self.studio.opening(),
             fast: self.path == Path::Fast,
             device,
@@ -251,6 +262,7 @@ where
             }
             Asked::Open(path) => self.studio.open(&path),
             Asked::Take(item) => self.hands.take(item),
+            Asked::WriteAgain => self.studio.write_again(),
             Asked::Command(command) => self.hands.command(command),
             Asked::Finish => {
                 if self.studio.world().session() == Session::Sculpting {
@@ -258,32 +270,6 @@ where
                 }
             }
         }
-    }
-
-    /// The device or the window's surface is gone: saves, then begins anew with both.
-    fn lost(&mut self, error: &gpu::Error) -> Result<(), Closed> {
-        let saved = self.studio.close();
-        self.losses += 1;
-        let places = self.studio.places().clone();
-        if let Some(view) = self.view.take() {
-            self.messages.extend(view.messages());
-        }
-        self.painted.forget_device();
-        let failed = |why: &dyn core::fmt::Display| {
-            let kept = match &saved {
-                Ok(()) => format!("the session is saved in {}", places.sessions.display()),
-                Err(error) => error.to_string(),
-            };
-            Closed::Failed(Error::Failure(format!("{why}; {kept}")))
-        };
-        let Some(window) = self.window.as_ref().filter(|_| self.losses <= LOSSES) else {
-            return Err(failed(error));
-        };
-        let view = View::new(window, self.studio.world(), &places, self.validation);
-        self.view = Some(view.map_err(|again| failed(&again))?);
-        let text = "The picture was lost and is back; nothing else was.";
-        self.studio.note(Note::Good(text.into()));
-        Ok(())
     }
 
     /// Ends the loop for a reason.
@@ -323,7 +309,7 @@ where
 
     fn window_event(&mut self, events: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
         match event {
-            WindowEvent::CloseRequested => self.stop(events, Ok(())),
+            WindowEvent::CloseRequested => self.asked_to_close(events),
             WindowEvent::RedrawRequested => self.redraw(events),
             event => self.device(event),
         }
@@ -331,6 +317,11 @@ where
 
     fn about_to_wait(&mut self, events: &ActiveEventLoop) {
         if events.exiting() {
+            return;
+        }
+        if self.display.as_ref().is_some_and(Display::is_gone) {
+            self.display_gone();
+            events.exit();
             return;
         }
         let Some(window) = &self.window else { return };

@@ -7,6 +7,8 @@
 mod app;
 mod camera;
 mod cast;
+mod claim;
+mod display;
 mod hands;
 mod keeper;
 mod keys;
@@ -25,6 +27,7 @@ use std::path::PathBuf;
 use paros_core::size::{Grid, Size};
 use paros_shell::print::{HEIGHT_MM, Printer};
 use paros_shell::statics::Resident;
+use winit::error::EventLoopError;
 use winit::event_loop::EventLoop;
 
 use crate::error::Error;
@@ -77,8 +80,13 @@ where
     let studio = Studio::new(&mut world, &mut volumes, printer, places);
     let mut app = App::new(studio, script, options);
     let run = events.run_app(&mut app);
+    if let Err(EventLoopError::ExitFailure(_)) = run {
+        app.display_gone();
+    }
     let closed = app.close();
-    run.map_err(|error| Closed::Failed(Error::failure(error)))?;
+    if let Err(EventLoopError::Os(error)) = run {
+        return Err(Closed::Failed(Error::failure(error)));
+    }
     if let Err(Closed::Unavailable(_)) = closed {
         // Whoever comes next finds the world as it was.
         world.clear();

@@ -55,9 +55,12 @@ where
             }
             Step::Open(path) => self.studio.open(&path),
             Step::Size([width, height]) => {
-                if let Some(window) = &self.window {
+                let size = PhysicalSize::new(width, height);
+                if width == 0 || height == 0 {
+                    // Not every system has such windows to ask for.
+                    self.device(winit::event::WindowEvent::Resized(size));
+                } else if let Some(window) = &self.window {
                     // A size that is granted at once brings no event.
-                    let size = PhysicalSize::new(width, height);
                     if window.request_inner_size(size) == Some(size) {
                         self.device(winit::event::WindowEvent::Resized(size));
                     }
@@ -91,11 +94,12 @@ where
         let _ = writeln!(
             out,
             "session {:?}; mode {:?}; voxels {}; holds {held}; undo {undo}; redo {redo}; \
-             frames {}; size {width}x{height}; printed {printed}; note {}",
+             frames {}; size {width}x{height}; scale {}; printed {printed}; note {}",
             world.session(),
             world.mode(),
             world.volume().count(),
             self.frames,
+            self.scale,
             self.last_note,
         );
     }
