@@ -36,6 +36,9 @@ const SIZE: LogicalSize<f64> = LogicalSize::new(1180.0, 800.0);
 /// How often the world ticks while nothing is drawn.
 const UNSEEN: Duration = Duration::from_millis(14);
 
+/// After how long without being asked for a frame a window counts as hidden.
+const HIDDEN: Duration = Duration::from_millis(150);
+
 /// Everything that a window ties together.
 pub(super) struct App<'a, const N: usize>
 where
@@ -56,6 +59,8 @@ where
     pace: Pace,
     begun: Instant,
     last: Instant,
+    /// When the last frame was done.
+    drawn: Instant,
     /// Whether the last frame had something to be drawn into.
     seen: bool,
     frames: u64,
@@ -96,6 +101,7 @@ where
             pace: Pace::default(),
             begun: Instant::now(),
             last: Instant::now(),
+            drawn: Instant::now(),
             seen: true,
             frames: 0,
             losses: 0,
@@ -195,13 +201,13 @@ where
     fn draw(&mut self) -> Result<(), gpu::Error> {
         let size = self.hands.size;
         self.lay_out(size);
-        let Some(view) = &mut self.view else { return Ok(()) };
+        let (Some(view), Some(window)) = (&mut self.view, &self.window) else { return Ok(()) };
         let shown = Shown {
             eye: self.hands.orbit.eye(size),
             between: self.pace.between(),
             path: self.path,
         };
-        self.seen = view.draw(size, self.studio.world(), &shown, &mut self.painted)?;
+        self.seen = view.draw(window, size, self.studio.world(), &shown, &mut self.painted)?;
         self.frames += u64::from(self.seen);
         let settled = !self.studio.is_printing()
             && self.studio.opening().is_none()
@@ -288,6 +294,7 @@ where
         {
             done = self.lost(&error);
         }
+        self.drawn = Instant::now();
         if done.is_err() {
             self.stop(events, done);
         }
@@ -325,23 +332,22 @@ where
             return;
         }
         let Some(window) = &self.window else { return };
-        let hidden = window.is_minimized().unwrap_or(false);
-        if self.seen && !hidden {
-            events.set_control_flow(ControlFlow::Poll);
+        let minimised = window.is_minimized().unwrap_or(false);
+        if self.seen && !minimised {
             window.request_redraw();
+        }
+        // Nothing to draw, or into: the world goes on, and a look is taken from time to time. A
+        // compositor that has no use for a frame does not ask for one.
+        events.set_control_flow(ControlFlow::WaitUntil(Instant::now() + UNSEEN));
+        if self.last.elapsed() < UNSEEN {
             return;
         }
-        // Nothing to draw into: the world goes on, and a look is taken from time to time.
-        events.set_control_flow(ControlFlow::WaitUntil(Instant::now() + UNSEEN));
-        if self.last.elapsed() >= UNSEEN {
-            match hidden {
-                true => {
-                    let done = self.advance(events);
-                    if done.is_err() {
-                        self.stop(events, done);
-                    }
-                }
-                false => self.redraw(events),
+        if !self.seen && !minimised {
+            self.redraw(events);
+        } else if minimised || self.drawn.elapsed() >= HIDDEN {
+            let done = self.advance(events);
+            if done.is_err() {
+                self.stop(events, done);
             }
         }
     }

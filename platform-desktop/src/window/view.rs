@@ -112,6 +112,7 @@ where
     /// A lost device or window.
     pub(super) fn draw(
         &mut self,
+        window: &Window,
         size: [u32; 2],
         world: &World<N>,
         shown: &Shown,
@@ -145,6 +146,8 @@ where
             scene: Some(self.scene.list()),
         };
         self.renderer.draw(&picture, surface, target.image, target.sync)?;
+        // From here on the next frame is asked for when the compositor wants it.
+        window.pre_present_notify();
         self.screen.present(target)?;
         Ok(true)
     }

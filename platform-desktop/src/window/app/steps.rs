@@ -94,12 +94,14 @@ where
         let _ = writeln!(
             out,
             "session {:?}; mode {:?}; voxels {}; holds {held}; undo {undo}; redo {redo}; \
-             frames {}; size {width}x{height}; scale {}; printed {printed}; note {}",
+             frames {}; size {width}x{height}; scale {}; printed {printed}; \
+             fault {}; note {}",
             world.session(),
             world.mode(),
             world.volume().count(),
             self.frames,
             self.scale,
+            self.studio.fault().unwrap_or_default(),
             self.last_note,
         );
     }
