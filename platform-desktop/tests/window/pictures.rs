@@ -46,7 +46,7 @@ fn free(visit: &mut Visit) {
     visit.does("wait 100");
 }
 
-/// The owl's upper half, freed row by row by a burr that can't harm it.
+/// Stone taken row by row from before the owl, which the burr can't harm. It isn't free yet.
 fn hidden(visit: &mut Visit) {
     visit.do_all(&["start owl", "wait 4", "key shift+3", "wait 4", "wheel -30", "wait 4"]);
     for pass in 0..3u8 {
