@@ -57,7 +57,7 @@ where
     /// Has what makes the next start faster written.
     pub(crate) fn keep_cache(&self, places: &Places, keeper: &mut Keeper) {
         if let Ok(bytes) = self.show.renderer.cache() {
-            keeper.keep(What::Cache, vec![(places.pipelines(), bytes)]);
+            keeper.keep(What::Cache, places.pipelines(), bytes);
         }
     }
 }

@@ -77,6 +77,28 @@ pub fn write_all(files: &[(Target, &[u8])]) -> Result<(), Error> {
     drafts?.into_iter().try_for_each(Draft::publish)
 }
 
+/// Writes several whole files to names that nothing has yet, however many processes try at once.
+///
+/// # Errors
+/// As [`write_all`], and `AlreadyExists` where a name is taken; then none of them is there.
+pub fn write_all_new(files: &[(Target, &[u8])]) -> Result<(), Error> {
+    let drafts: Result<Vec<_>, _> =
+        files.iter().map(|(target, bytes)| target.draft(bytes)).collect();
+    let mut published = Vec::new();
+    for draft in drafts? {
+        let file = &draft.target.file;
+        if let Err(error) = draft.publish_new() {
+            for file in published {
+                // The error that is told is the first one.
+                let _ = fs::remove_file(file);
+            }
+            return Err(error);
+        }
+        published.push(file);
+    }
+    Ok(())
+}
+
 /// A place for a file. Until the file is written there is no trace of it.
 #[derive(Clone, Debug)]
 pub struct Target {
@@ -175,6 +197,21 @@ impl Draft<'_> {
         }
         self.temporary = None;
         sync_folder(file).map_err(|source| error(path, "sync the folder of", source))
+    }
+
+    /// Takes the name unless something has it: a hard link, unlike a rename, replaces nothing. A
+    /// disk without links (FAT) is looked at instead.
+    fn publish_new(self) -> Result<(), Error> {
+        let Target { path, file } = self.target;
+        let Some(temporary) = &self.temporary else { return Ok(()) };
+        let taken = |source| Err(error(path, "create", source));
+        match fs::hard_link(temporary, file) {
+            // The temporary name goes with the draft.
+            Ok(()) => sync_folder(file).map_err(|source| error(path, "sync the folder of", source)),
+            Err(source) if source.kind() == io::ErrorKind::AlreadyExists => taken(source),
+            Err(_) if file.exists() => taken(io::ErrorKind::AlreadyExists.into()),
+            Err(_) => self.publish(),
+        }
     }
 }
 

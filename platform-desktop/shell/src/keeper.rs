@@ -1,6 +1,7 @@
 //! Writes files beside the frames: a disk may take longer to sync than a frame lasts.
 
-use std::path::PathBuf;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
 use std::thread::{self, JoinHandle};
 
@@ -11,6 +12,8 @@ use crate::durable::{self, Target};
 pub enum What {
     /// The session under way.
     Session,
+    /// The session that was left for it.
+    Before,
     /// A finished sculpture's print, volume and picture.
     Sculpture,
     /// A trace.
@@ -19,18 +22,45 @@ pub enum What {
     Cache,
 }
 
+/// Where files go.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub enum Place {
+    /// To these paths, in place of what is there.
+    At(Vec<PathBuf>),
+    /// Beside what is there: under the first free number after a name, with an ending each, in the
+    /// first of some folders that takes them.
+    Free {
+        /// The folders.
+        folders: Vec<PathBuf>,
+        /// The name before the number.
+        name: &'static str,
+        /// How each file's name ends.
+        endings: Vec<&'static str>,
+    },
+}
+
+/// Files to be written, all or none.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Job {
+    /// What they are.
+    pub what: What,
+    /// Where they go.
+    pub place: Place,
+    /// What is in each.
+    pub bytes: Vec<Vec<u8>>,
+}
+
 /// What became of files.
 #[derive(Debug)]
 pub struct Kept {
     /// What they are.
     pub what: What,
-    /// The files, in the order in which they were given.
-    pub paths: Vec<PathBuf>,
-    /// Whether they are on the disk; none is if one is not.
-    pub done: Result<(), durable::Error>,
+    /// The files, in the order in which they were given; or why there are none, and the job, to be
+    /// tried again.
+    pub done: Result<Vec<PathBuf>, (durable::Error, Job)>,
+    /// Why they are not in the folder that was meant.
+    pub instead: Option<durable::Error>,
 }
-
-type Job = (What, Vec<(PathBuf, Vec<u8>)>);
 
 /// A thread that writes files, in the order in which they come.
 #[derive(Debug)]
@@ -50,10 +80,8 @@ impl Keeper {
         let (jobs, todo) = channel::<Job>();
         let (tell, kept) = channel();
         let work = move || {
-            for (what, files) in todo {
-                let done = write(&files);
-                let paths = files.into_iter().map(|(path, _)| path).collect();
-                if tell.send(Kept { what, paths, done }).is_err() {
+            for job in todo {
+                if tell.send(write(job)).is_err() {
                     break;
                 }
             }
@@ -61,10 +89,15 @@ impl Keeper {
         Keeper { jobs: Some(jobs), kept, thread: Some(thread::spawn(work)), pending: 0 }
     }
 
-    /// Has files written, all or none; their folders are made.
-    pub fn keep(&mut self, what: What, files: Vec<(PathBuf, Vec<u8>)>) {
+    /// Has a file written in place of what is there; its folder is made.
+    pub fn keep(&mut self, what: What, path: PathBuf, bytes: Vec<u8>) {
+        self.give(Job { what, place: Place::At(vec![path]), bytes: vec![bytes] });
+    }
+
+    /// Has files written; their folders are made.
+    pub fn give(&mut self, job: Job) {
         if let Some(jobs) = &self.jobs {
-            self.pending += usize::from(jobs.send((what, files)).is_ok());
+            self.pending += usize::from(jobs.send(job).is_ok());
         }
     }
 
@@ -105,36 +138,81 @@ impl Drop for Keeper {
     }
 }
 
-fn write(files: &[(PathBuf, Vec<u8>)]) -> Result<(), durable::Error> {
-    let mut targets = Vec::new();
-    for (path, bytes) in files {
-        if let Some(folder) = path.parent() {
-            durable::make_folder(folder)?;
+fn write(job: Job) -> Kept {
+    let what = job.what;
+    let (done, instead) = match &job.place {
+        Place::At(paths) => (write_at(paths, &job.bytes), None),
+        Place::Free { folders, name, endings } => write_free(folders, name, endings, &job.bytes),
+    };
+    Kept { what, done: done.map_err(|error| (error, job)), instead }
+}
+
+fn write_at(paths: &[PathBuf], bytes: &[Vec<u8>]) -> Result<Vec<PathBuf>, durable::Error> {
+    durable::write_all(&targets(paths, bytes)?)?;
+    Ok(paths.to_vec())
+}
+
+/// The files, and why they are not in the first folder.
+fn write_free(
+    folders: &[PathBuf],
+    name: &str,
+    endings: &[&str],
+    bytes: &[Vec<u8>],
+) -> (Result<Vec<PathBuf>, durable::Error>, Option<durable::Error>) {
+    let mut refused = None;
+    for folder in folders {
+        match write_numbered(&folder.join(name), endings, bytes) {
+            Ok(paths) => return (Ok(paths), refused),
+            Err(error) => refused = refused.or(Some(error)),
         }
-        targets.push((Target::new(path)?, &bytes[..]));
     }
-    durable::write_all(&targets)
+    let none = || durable::Error {
+        path: name.into(),
+        action: "create",
+        source: std::io::ErrorKind::NotFound.into(),
+    };
+    (Err(refused.unwrap_or_else(none)), None)
+}
+
+fn write_numbered(
+    stem: &Path,
+    endings: &[&str],
+    bytes: &[Vec<u8>],
+) -> Result<Vec<PathBuf>, durable::Error> {
+    let mut number = 1;
+    loop {
+        let path = |ending: &&str| {
+            let mut name = stem.as_os_str().to_owned();
+            name.push(format!("-{number:03}.{ending}"));
+            PathBuf::from(name)
+        };
+        let paths: Vec<PathBuf> = endings.iter().map(path).collect();
+        number += 1;
+        if paths.iter().any(|path| path.symlink_metadata().is_ok()) {
+            continue;
+        }
+        match durable::write_all_new(&targets(&paths, bytes)?) {
+            // Another window was faster.
+            Err(error) if error.source.kind() == ErrorKind::AlreadyExists => {}
+            done => return done.map(|()| paths),
+        }
+    }
+}
+
+fn targets<'a>(
+    paths: &[PathBuf],
+    bytes: &'a [Vec<u8>],
+) -> Result<Vec<(Target, &'a [u8])>, durable::Error> {
+    let pairs = paths.iter().zip(bytes);
+    pairs
+        .map(|(path, bytes)| {
+            if let Some(folder) = path.parent() {
+                durable::make_folder(folder)?;
+            }
+            Ok((Target::new(path)?, &bytes[..]))
+        })
+        .collect()
 }
 
 #[cfg(test)]
-mod tests {
-    use super::{Keeper, What};
-
-    #[test]
-    fn files_are_written_in_order_and_all_or_none() {
-        let folder = std::env::temp_dir().join(format!("paros-keeper-{}", std::process::id()));
-        let (a, b) = (folder.join("deep/a"), folder.join("b"));
-        let mut keeper = Keeper::new();
-        for bytes in [b"old".to_vec(), b"new".to_vec()] {
-            keeper.keep(What::Session, vec![(a.clone(), bytes)]);
-        }
-        // A folder can't be replaced by a file.
-        keeper.keep(What::Trace, vec![(b.clone(), vec![1]), (folder.join("deep"), vec![2])]);
-        let heard: Vec<_> = std::iter::from_fn(|| keeper.wait()).collect();
-        assert!(heard[0].done.is_ok() && heard[1].done.is_ok() && heard[2].done.is_err());
-        assert_eq!((heard[2].what, heard.len()), (What::Trace, 3));
-        assert_eq!(std::fs::read(&a).expect("written"), b"new");
-        assert!(!b.exists());
-        std::fs::remove_dir_all(&folder).expect("the folder can be removed");
-    }
-}
+mod tests;

@@ -2,6 +2,7 @@
 //! absent, and the start volumes.
 #![forbid(unsafe_code)]
 
+mod claim;
 pub mod durable;
 pub mod figures;
 pub mod keeper;

@@ -3,9 +3,11 @@
 mod finishing;
 mod opening;
 
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-use crate::keeper::{Keeper, Kept, What};
+use crate::claim::Claim;
+use crate::keeper::{Job, Keeper, Kept, Place, What};
 use crate::places::Places;
 use crate::print::Printer;
 use crate::stage::{Recording, Stage};
@@ -54,6 +56,8 @@ where
     printer: Printer<'a, N>,
     places: Places,
     portrait: Portrait<N>,
+    // Held for the session's file.
+    _claim: Claim,
     keeper: Keeper,
     /// From the session's start on; none of a session that was resumed.
     recording: Option<Recording>,
@@ -66,6 +70,10 @@ where
     notes: Vec<Note>,
     /// Where the last print is.
     printed: Option<PathBuf>,
+    /// Files of a finished sculpture that no folder took.
+    unwritten: Vec<Job>,
+    /// Why the session is not saved.
+    fault: Option<String>,
     changed: bool,
     running: bool,
     saved: u64,
@@ -81,15 +89,18 @@ where
         world: &'a mut World<N>,
         volumes: &'a mut StartVolumes<N>,
         printer: Printer<'a, N>,
-        places: Places,
+        mut places: Places,
         portrait: Portrait<N>,
     ) -> Self {
+        let claim = Claim::new(&places.sessions, N);
+        places.window = claim.number();
         let mut studio = Studio {
             world,
             volumes,
             printer,
             places,
             portrait,
+            _claim: claim,
             keeper: Keeper::new(),
             recording: None,
             records: true,
@@ -98,6 +109,8 @@ where
             finishing: None,
             notes: Vec::new(),
             printed: None,
+            unwritten: Vec::new(),
+            fault: None,
             changed: false,
             running: false,
             saved: 0,
@@ -137,6 +150,18 @@ where
     #[must_use]
     pub fn printed(&self) -> Option<&Path> {
         self.printed.as_deref()
+    }
+
+    /// Why the session is not on the disk, while it can't be written there.
+    #[must_use]
+    pub fn fault(&self) -> Option<&str> {
+        self.fault.as_deref()
+    }
+
+    /// Whether there is a finished sculpture that no folder took.
+    #[must_use]
+    pub const fn is_unwritten(&self) -> bool {
+        !self.unwritten.is_empty()
     }
 
     /// The file that is being read.
@@ -182,7 +207,7 @@ where
     /// Takes in what threads have done.
     pub fn poll(&mut self) -> Option<Mode> {
         while let Some(kept) = self.keeper.heard() {
-            self.tell(&kept);
+            self.tell(kept);
         }
         self.write_finished();
         let done = self.opening.as_ref()?.done()?;
@@ -201,9 +226,18 @@ where
 
     /// Has a file read, for a session of its own.
     pub fn open(&mut self, path: &Path, read: Read) {
-        if self.opening.is_none() {
-            self.opening = Some(Opening::begin(path, read));
+        match &self.opening {
+            None => self.opening = Some(Opening::begin(path, read)),
+            Some(opening) => {
+                let (path, first) = (path.display(), opening.path.display());
+                self.note(Note::Bad(format!("{path}: not opened, {first} is still being read")));
+            }
         }
+    }
+
+    /// Tries once more to write what no folder took.
+    pub fn write_again(&mut self) {
+        self.unwritten.drain(..).for_each(|job| self.keeper.give(job));
     }
 
     /// The sculpture as it is becomes a volume to start from.
@@ -220,15 +254,13 @@ where
             self.note(Note::Bad(why.into()));
             return;
         };
-        let trace = recording.trace();
-        self.wait_for_files();
-        let stem = self.places.free("session", &["trace", "rmap"]);
-        let mut files = vec![(stem.with_extension("trace"), trace)];
+        let (mut endings, mut bytes) = (vec!["trace"], vec![recording.trace()]);
         let hidden = self.volumes.hidden();
         if let Some(own) = self.volumes.starts(&hidden).own {
-            files.push((stem.with_extension("rmap"), rmap::encode(own)));
+            endings.push("rmap");
+            bytes.push(rmap::encode(own));
         }
-        self.keeper.keep(What::Trace, files);
+        self.give(What::Trace, "session", endings, bytes);
     }
 
     /// Saves the session, and waits for the disk: nobody can say when the studio will go on.
@@ -236,7 +268,9 @@ where
         if self.changed {
             self.save();
         }
-        self.wait_for_files();
+        while let Some(kept) = self.keeper.wait() {
+            self.tell(kept);
+        }
     }
 
     /// Finishes what is under way and saves the session, and waits for the disk.
@@ -248,45 +282,47 @@ where
             finishing.complete(&mut self.printer);
         }
         self.write_finished();
+        self.write_again();
         self.save();
         if let (Some(path), Some(recording)) = (&self.record_to, &self.recording) {
-            self.keeper.keep(What::Trace, vec![(path.clone(), recording.trace())]);
+            self.keeper.keep(What::Trace, path.clone(), recording.trace());
         }
         let mut done = Ok(());
         while let Some(kept) = self.keeper.wait() {
-            self.tell(&kept);
-            if kept.what != What::Cache {
-                done = done.and(kept.done);
+            if let Some(failed) = self.tell(kept) {
+                done = done.and(Err(failed));
             }
         }
         done
     }
 
-    /// Waits for what is being written, so that its names are seen to be taken.
-    fn wait_for_files(&mut self) {
-        while let Some(kept) = self.keeper.wait() {
-            self.tell(&kept);
-        }
-    }
-
     /// Goes on with the session in the file, if it is one.
     fn resume(&mut self) {
         let path = self.places.session(N);
-        let Ok(bytes) = durable::read(&path) else { return };
-        if let Err(bad) = self.world.load(&bytes) {
-            let aside = path.with_extension("unreadable");
-            let moved = std::fs::rename(&path, &aside).is_ok();
-            let kept = if moved { aside.display() } else { path.display() };
-            let (expected, offset) = (bad.expected, bad.offset);
-            let why = format!("the saved session is damaged: expected {expected} at byte {offset}");
-            self.note(Note::Bad(format!("{why}; it is kept as {kept}")));
+        if self.places.window > 1 {
+            let text = "another window has the studio's session; this one's is kept beside it, in";
+            self.note(Note::Good(format!("{text} {}", path.display())));
         }
+        let fault = match durable::read(&path) {
+            Err(error) if error.kind() == ErrorKind::NotFound => return,
+            Err(error) => error.to_string(),
+            Ok(bytes) => match self.world.load(&bytes) {
+                Ok(()) => return,
+                Err(bad) => format!("expected {} at byte {}", bad.expected, bad.offset),
+            },
+        };
+        let aside = self.places.aside(N);
+        let kept = match std::fs::rename(&path, &aside) {
+            Ok(()) => format!("it is kept as {}", aside.display()),
+            Err(error) => format!("it is {}, and can't be moved: {error}", path.display()),
+        };
+        self.note(Note::Bad(format!("the saved session can't be read: {fault}; {kept}")));
     }
 
     fn leave_session(&mut self) {
         if self.world.session() == Session::Sculpting && self.world.undo_counts() != (0, 0) {
             let bytes = self.saved_world();
-            self.keeper.keep(What::Session, vec![(self.places.session_before(N), bytes)]);
+            self.keeper.keep(What::Before, self.places.session_before(N), bytes);
         }
         self.world.clear();
         self.recording = None;
@@ -306,9 +342,7 @@ where
                 last.wait_for_picture();
                 self.write_finished();
             }
-            self.wait_for_files();
-            let stem = self.places.free("sculpture", &finishing::ENDINGS);
-            self.finishing = Some(Finishing::begin(self.world, stem, self.portrait));
+            self.finishing = Some(Finishing::begin(self.world, self.portrait));
         }
         let tick = self.world.tick();
         self.changed |= !self.world.events().is_empty() || !self.world.dirty().is_empty();
@@ -326,7 +360,7 @@ where
             return;
         }
         let bytes = self.saved_world();
-        self.keeper.keep(What::Session, vec![(self.places.session(N), bytes)]);
+        self.keeper.keep(What::Session, self.places.session(N), bytes);
         (self.changed, self.saved) = (false, self.world.tick());
     }
 
@@ -342,8 +376,9 @@ where
         match finishing.files() {
             None => {}
             Some(Ok(files)) => {
-                self.keeper.keep(What::Sculpture, files);
                 self.finishing = None;
+                let (endings, bytes) = files.into_iter().unzip();
+                self.give(What::Sculpture, "sculpture", endings, bytes);
             }
             Some(Err(why)) => {
                 self.finishing = None;
@@ -352,18 +387,45 @@ where
         }
     }
 
-    fn tell(&mut self, kept: &Kept) {
-        let first = kept.paths.first();
-        match (&kept.done, kept.what) {
-            (Err(error), What::Session | What::Sculpture | What::Trace) => {
-                self.note(Note::Bad(error.to_string()));
-            }
-            (Ok(()), What::Sculpture) => self.printed = first.cloned(),
-            (Ok(()), What::Trace) => {
-                let path = first.map_or(String::new(), |path| path.display().to_string());
+    /// Has files written where the visitor finds them, or else beside the sessions.
+    fn give(
+        &mut self,
+        what: What,
+        name: &'static str,
+        endings: Vec<&'static str>,
+        bytes: Vec<Vec<u8>>,
+    ) {
+        let folders = vec![self.places.sculptures.clone(), self.places.sessions.clone()];
+        self.keeper.give(Job { what, place: Place::Free { folders, name, endings }, bytes });
+    }
+
+    /// Takes in what became of files; what is lost if no one tries again comes back.
+    fn tell(&mut self, kept: Kept) -> Option<durable::Error> {
+        if let Some(refused) = kept.instead {
+            self.note(Note::Bad(refused.to_string()));
+        }
+        match (kept.done, kept.what) {
+            (Ok(_), What::Session) => self.fault = None,
+            (Ok(paths), What::Sculpture) => self.printed = paths.into_iter().next(),
+            (Ok(paths), What::Trace) => {
+                let path = paths.first().map_or(String::new(), |path| path.display().to_string());
                 self.note(Note::Good(format!("recorded: {path}")));
             }
-            (_, What::Session | What::Cache) => {}
+            (_, What::Cache) | (Ok(_), What::Before) => {}
+            (Err((error, job)), what) => {
+                match what {
+                    // Told while it lasts, and tried again.
+                    What::Session => {
+                        (self.fault, self.changed) = (Some(error.to_string()), true);
+                    }
+                    _ => self.note(Note::Bad(error.to_string())),
+                }
+                if what == What::Sculpture {
+                    self.unwritten.push(job);
+                }
+                return Some(error);
+            }
         }
+        None
     }
 }

@@ -1,5 +1,6 @@
 //! The window's events, frame by frame.
 
+mod ends;
 mod input;
 mod steps;
 
@@ -20,6 +21,7 @@ use winit::event_loop::{ActiveEventLoop, ControlFlow};
 use winit::keyboard::ModifiersState;
 use winit::window::{Window, WindowId};
 
+use super::display::Display;
 use super::hands::{Hands, RIGHT};
 use super::paint::Painted;
 use super::panels::{Asked, Outline, Panels, Shown as OnPanels};
@@ -34,8 +36,8 @@ const SIZE: LogicalSize<f64> = LogicalSize::new(1180.0, 800.0);
 /// How often the world ticks while nothing is drawn.
 const UNSEEN: Duration = Duration::from_millis(14);
 
-/// Losses of the device within a run before it is given up.
-const LOSSES: u32 = 3;
+/// After how long without being asked for a frame a window counts as hidden.
+const HIDDEN: Duration = Duration::from_millis(150);
 
 /// Everything that a window ties together.
 pub(super) struct App<'a, const N: usize>
@@ -45,6 +47,7 @@ where
     // Before the window, which it draws into.
     view: Option<View<N>>,
     window: Option<Arc<Window>>,
+    display: Option<Display>,
     studio: Studio<'a, N>,
     hands: Hands<N>,
     panels: Panels,
@@ -56,10 +59,14 @@ where
     pace: Pace,
     begun: Instant,
     last: Instant,
+    /// When the last frame was done.
+    drawn: Instant,
     /// Whether the last frame had something to be drawn into.
     seen: bool,
     frames: u64,
     losses: u32,
+    /// The visitor knows what closing the window would lose.
+    warned: bool,
     last_note: String,
     validation: bool,
     messages: Vec<String>,
@@ -85,6 +92,7 @@ where
         App {
             view: None,
             window: None,
+            display: None,
             studio,
             hands: Hands::new(),
             panels: Panels::new(),
@@ -96,9 +104,11 @@ where
             pace: Pace::default(),
             begun: Instant::now(),
             last: Instant::now(),
+            drawn: Instant::now(),
             seen: true,
             frames: 0,
             losses: 0,
+            warned: false,
             last_note: String::new(),
             validation: options.validation,
             messages: Vec::new(),
@@ -129,6 +139,7 @@ where
         let window = events.create_window(attributes).map_err(|error| unavailable(&error))?;
         self.scale = window.scale_factor() as f32;
         self.hands.size = window.inner_size().into();
+        self.display = Display::of(&window);
         let view = View::new(&window, self.studio.world(), self.studio.places(), self.validation);
         self.view = Some(view.map_err(|error| unavailable(&error))?);
         self.window = Some(Arc::new(window));
@@ -143,7 +154,11 @@ where
             view.keep_cache(&places, self.studio.keeper());
             self.messages.extend(view.messages());
         }
-        self.window = None;
+        let window = self.window.take();
+        if self.display.as_ref().is_some_and(Display::is_gone) {
+            // There is nothing left to close it with.
+            core::mem::forget(window);
+        }
     }
 
     /// The ticks that are due, and what they and others led to.
@@ -189,13 +204,13 @@ where
     fn draw(&mut self) -> Result<(), gpu::Error> {
         let size = self.hands.size;
         self.lay_out(size);
-        let Some(view) = &mut self.view else { return Ok(()) };
+        let (Some(view), Some(window)) = (&mut self.view, &self.window) else { return Ok(()) };
         let shown = Shown {
             eye: self.hands.orbit.eye(size),
             between: self.pace.between(),
             path: self.path,
         };
-        self.seen = view.draw(size, self.studio.world(), &shown, &mut self.painted)?;
+        self.seen = view.draw(window, size, self.studio.world(), &shown, &mut self.painted)?;
         self.frames += u64::from(self.seen);
         let settled = !self.studio.is_printing()
             && self.studio.opening().is_none()
@@ -231,6 +246,8 @@ where
             undo: world.undo_counts(),
             printing: self.studio.is_printing(),
             printed: self.studio.printed(),
+            unwritten: self.studio.is_unwritten(),
+            fault: self.studio.fault(),
             opening: self.studio.opening(),
             fast: self.path == Path::Fast,
             device,
@@ -254,6 +271,7 @@ where
             }
             Asked::Open(path) => self.studio.open(&path, opening::load::<N>),
             Asked::Take(item) => self.hands.take(item),
+            Asked::WriteAgain => self.studio.write_again(),
             Asked::Command(command) => self.hands.command(command),
             Asked::Finish => {
                 if self.studio.world().session() == Session::Sculpting {
@@ -261,32 +279,6 @@ where
                 }
             }
         }
-    }
-
-    /// The device or the window's surface is gone: saves, then begins anew with both.
-    fn lost(&mut self, error: &gpu::Error) -> Result<(), Closed> {
-        let saved = self.studio.close();
-        self.losses += 1;
-        let places = self.studio.places().clone();
-        if let Some(view) = self.view.take() {
-            self.messages.extend(view.messages());
-        }
-        self.painted.forget_device();
-        let failed = |why: &dyn core::fmt::Display| {
-            let kept = match &saved {
-                Ok(()) => format!("the session is saved in {}", places.sessions.display()),
-                Err(error) => error.to_string(),
-            };
-            Closed::Failed(Error::Failure(format!("{why}; {kept}")))
-        };
-        let Some(window) = self.window.as_ref().filter(|_| self.losses <= LOSSES) else {
-            return Err(failed(error));
-        };
-        let view = View::new(window, self.studio.world(), &places, self.validation);
-        self.view = Some(view.map_err(|again| failed(&again))?);
-        let text = "The picture was lost and is back; nothing else was.";
-        self.studio.note(Note::Good(text.into()));
-        Ok(())
     }
 
     /// Ends the loop for a reason.
@@ -305,6 +297,7 @@ where
         {
             done = self.lost(&error);
         }
+        self.drawn = Instant::now();
         if done.is_err() {
             self.stop(events, done);
         }
@@ -326,7 +319,7 @@ where
 
     fn window_event(&mut self, events: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
         match event {
-            WindowEvent::CloseRequested => self.stop(events, Ok(())),
+            WindowEvent::CloseRequested => self.asked_to_close(events),
             WindowEvent::RedrawRequested => self.redraw(events),
             event => self.device(event),
         }
@@ -336,24 +329,28 @@ where
         if events.exiting() {
             return;
         }
-        let Some(window) = &self.window else { return };
-        let hidden = window.is_minimized().unwrap_or(false);
-        if self.seen && !hidden {
-            events.set_control_flow(ControlFlow::Poll);
-            window.request_redraw();
+        if self.display.as_ref().is_some_and(Display::is_gone) {
+            self.display_gone();
+            events.exit();
             return;
         }
-        // Nothing to draw into: the world goes on, and a look is taken from time to time.
+        let Some(window) = &self.window else { return };
+        let minimised = window.is_minimized().unwrap_or(false);
+        if self.seen && !minimised {
+            window.request_redraw();
+        }
+        // Nothing to draw, or into: the world goes on, and a look is taken from time to time. A
+        // compositor that has no use for a frame does not ask for one.
         events.set_control_flow(ControlFlow::WaitUntil(Instant::now() + UNSEEN));
-        if self.last.elapsed() >= UNSEEN {
-            match hidden {
-                true => {
-                    let done = self.advance(events);
-                    if done.is_err() {
-                        self.stop(events, done);
-                    }
-                }
-                false => self.redraw(events),
+        if self.last.elapsed() < UNSEEN {
+            return;
+        }
+        if !self.seen && !minimised {
+            self.redraw(events);
+        } else if minimised || self.drawn.elapsed() >= HIDDEN {
+            let done = self.advance(events);
+            if done.is_err() {
+                self.stop(events, done);
             }
         }
     }

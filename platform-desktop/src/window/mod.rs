@@ -7,6 +7,7 @@
 mod app;
 mod camera;
 mod cast;
+mod display;
 mod hands;
 mod keys;
 mod libraries;
@@ -25,6 +26,7 @@ use paros_shell::places::Places;
 use paros_shell::print::{HEIGHT_MM, Printer};
 use paros_shell::statics::Resident;
 use paros_shell::studio::Studio;
+use winit::error::EventLoopError;
 use winit::event_loop::EventLoop;
 
 use crate::error::Error;
@@ -78,8 +80,13 @@ where
     studio.record_to(options.record.clone());
     let mut app = App::new(studio, script, options);
     let run = events.run_app(&mut app);
+    if let Err(EventLoopError::ExitFailure(_)) = run {
+        app.display_gone();
+    }
     let closed = app.close();
-    run.map_err(|error| Closed::Failed(Error::failure(error)))?;
+    if let Err(EventLoopError::Os(error)) = run {
+        return Err(Closed::Failed(Error::failure(error)));
+    }
     if let Err(Closed::Unavailable(_)) = closed {
         // Whoever comes next finds the world as it was.
         world.clear();

@@ -11,6 +11,9 @@ use winit::window::Window;
 /// Frames that the renderer has under way, each with a semaphore.
 const RING: usize = 2;
 
+/// Nanoseconds that an image of the window is waited for: a frame is left out then.
+const PATIENCE: u64 = 1_000_000_000;
+
 /// A window's surface on a device.
 pub(super) struct Screen {
     gpu: Arc<Gpu>,
@@ -151,7 +154,7 @@ impl Screen {
         let none = vk::Fence::null();
         // SAFETY: the frame that waited for this semaphore last is done, as the ring is shorter
         // than the semaphores are many.
-        let next = unsafe { self.swapchains.acquire_next_image(chain.raw, u64::MAX, wait, none) };
+        let next = unsafe { self.swapchains.acquire_next_image(chain.raw, PATIENCE, wait, none) };
         match next {
             Ok((image, suboptimal)) => {
                 chain.stale = suboptimal;
@@ -160,6 +163,7 @@ impl Screen {
                 let sync = Sync { wait: Some(wait), signal: Some(chain.drawn[image]) };
                 Ok(Some(Target { image, sync }))
             }
+            Err(vk::Result::TIMEOUT | vk::Result::NOT_READY) => Ok(None),
             Err(vk::Result::ERROR_OUT_OF_DATE_KHR) => {
                 chain.stale = true;
                 Ok(None)

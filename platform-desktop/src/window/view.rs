@@ -61,7 +61,7 @@ where
     /// Has what makes the next start faster written.
     pub(super) fn keep_cache(&self, places: &Places, keeper: &mut Keeper) {
         if let Ok(bytes) = self.show.renderer.cache() {
-            keeper.keep(What::Cache, vec![(places.pipelines(), bytes)]);
+            keeper.keep(What::Cache, places.pipelines(), bytes);
         }
     }
 
@@ -99,6 +99,7 @@ where
     /// A lost device or window.
     pub(super) fn draw(
         &mut self,
+        window: &Window,
         size: [u32; 2],
         world: &World<N>,
         shown: &Shown,
@@ -117,6 +118,8 @@ where
         let fresh = Fresh { grips: [None; 2], hands: false, fraction: shown.between, time };
         let seen = Seen { eyes: &[shown.eye], fresh, path: shown.path };
         self.show.draw(world, &seen, surface, target.image, target.sync)?;
+        // From here on the next frame is asked for when the compositor wants it.
+        window.pre_present_notify();
         self.screen.present(target)?;
         Ok(true)
     }

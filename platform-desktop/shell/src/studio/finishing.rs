@@ -1,6 +1,5 @@
 //! A finished sculpture on its way to the disk: the print, the volume and a picture.
 
-use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::thread;
 
@@ -12,16 +11,12 @@ use super::Portrait;
 use crate::print::{Print, Printer};
 use crate::rmap;
 
-/// How the files' names end.
-pub(super) const ENDINGS: [&str; 3] = ["stl", "png", "rmap"];
-
-/// Files and what is in them.
-type Files = Vec<(PathBuf, Vec<u8>)>;
+/// How files' names end, and what is in them.
+type Files = Vec<(&'static str, Vec<u8>)>;
 
 /// What there is of it so far.
 #[derive(Debug)]
 pub(super) struct Finishing {
-    stem: PathBuf,
     print: Option<Print>,
     picture: Picture,
     rmap: Vec<u8>,
@@ -34,12 +29,8 @@ enum Picture {
 }
 
 impl Finishing {
-    /// Begins with a world whose session has just ended; `stem` becomes the files' names.
-    pub(super) fn begin<const N: usize>(
-        world: &World<N>,
-        stem: PathBuf,
-        portrait: Portrait<N>,
-    ) -> Self
+    /// Begins with a world whose session has just ended.
+    pub(super) fn begin<const N: usize>(world: &World<N>, portrait: Portrait<N>) -> Self
     where
         Grid<N>: Size,
     {
@@ -52,7 +43,7 @@ impl Finishing {
             let _ = tell.send(portrait(&copy));
         });
         let picture = Picture::Drawing(drawing);
-        Finishing { stem, print: None, picture, rmap: rmap::encode(maps) }
+        Finishing { print: None, picture, rmap: rmap::encode(maps) }
     }
 
     /// Takes the print, once it is whole.
@@ -93,11 +84,10 @@ impl Finishing {
         if print.triangles == 0 {
             return Some(Err("nothing is left to print".into()));
         }
-        let file = |ending, bytes| (self.stem.with_extension(ending), bytes);
-        let mut files = vec![file("stl", print.stl), file("rmap", core::mem::take(&mut self.rmap))];
+        let mut files = vec![("stl", print.stl), ("rmap", core::mem::take(&mut self.rmap))];
         // A sculpture without its picture is better than none.
         if let Ok(png) = drawn {
-            files.push(file("png", core::mem::take(png)));
+            files.push(("png", core::mem::take(png)));
         }
         Some(Ok(files))
     }

@@ -55,9 +55,12 @@ where
             }
             Step::Open(path) => self.studio.open(&path, opening::load::<N>),
             Step::Size([width, height]) => {
-                if let Some(window) = &self.window {
+                let size = PhysicalSize::new(width, height);
+                if width == 0 || height == 0 {
+                    // Not every system has such windows to ask for.
+                    self.device(winit::event::WindowEvent::Resized(size));
+                } else if let Some(window) = &self.window {
                     // A size that is granted at once brings no event.
-                    let size = PhysicalSize::new(width, height);
                     if window.request_inner_size(size) == Some(size) {
                         self.device(winit::event::WindowEvent::Resized(size));
                     }
@@ -95,11 +98,14 @@ where
         let _ = writeln!(
             out,
             "session {:?}; mode {:?}; voxels {}; holds {held}; undo {undo}; redo {redo}; \
-             frames {}; size {width}x{height}; printed {printed}; note {}",
+             frames {}; size {width}x{height}; scale {}; printed {printed}; \
+             fault {}; note {}",
             world.session(),
             world.mode(),
             world.volume().count(),
             self.frames,
+            self.scale,
+            self.studio.fault().unwrap_or_default(),
             self.last_note,
         );
     }

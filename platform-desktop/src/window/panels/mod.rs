@@ -41,6 +41,8 @@ pub(super) enum Asked {
     Command(u8),
     /// The end of the session.
     Finish,
+    /// Another try at writing what no folder took.
+    WriteAgain,
 }
 
 /// What the panels show.
@@ -62,6 +64,10 @@ pub(super) struct Shown<'a> {
     pub(super) printing: bool,
     /// Where the print is.
     pub(super) printed: Option<&'a Path>,
+    /// Whether a print could not be written.
+    pub(super) unwritten: bool,
+    /// Why the session is not on the disk.
+    pub(super) fault: Option<&'a str>,
     /// The file being read.
     pub(super) opening: Option<&'a Path>,
     /// Whether the fast path draws.

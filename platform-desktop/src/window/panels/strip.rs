@@ -40,6 +40,11 @@ pub(super) fn status(context: &Context, shown: &Shown<'_>) {
     }
     let left = Area::new(Id::new("status")).anchor(Align2::LEFT_TOP, Vec2::new(18.0, 14.0));
     left.interactable(false).show(context, |ui| ui.add(Label::new(style::quiet(text)).extend()));
+    if let Some(fault) = shown.fault {
+        let below = Area::new(Id::new("fault")).anchor(Align2::LEFT_TOP, Vec2::new(18.0, 36.0));
+        let text = RichText::new(format!("Not saved: {fault}")).color(style::WARNING);
+        below.interactable(false).show(context, |ui| ui.label(text));
+    }
     let right = Area::new(Id::new("hint")).anchor(Align2::RIGHT_TOP, Vec2::new(-18.0, 14.0));
     right.interactable(false).show(context, |ui| ui.label(style::quiet("F1 help  ·  Esc start")));
 }
@@ -144,6 +149,10 @@ pub(super) fn finished(context: &Context, shown: &Shown<'_>, start: &mut bool) -
                     ui.label(format!("Print: {}", path.display()));
                     ui.label(style::quiet("with its picture (.png) and volume (.rmap) beside it"))
                 }
+                (false, None) if shown.unwritten => {
+                    let text = "the print could not be written, but is not lost yet";
+                    ui.label(RichText::new(text).color(style::WARNING))
+                }
                 (false, None) => ui.label(style::quiet("there is no print of it")),
             };
             ui.horizontal(|ui| {
@@ -152,6 +161,9 @@ pub(super) fn finished(context: &Context, shown: &Shown<'_>, start: &mut bool) -
                 }
                 if ui.add(Button::new("Carve on")).clicked() {
                     asked = Some(Asked::CarveOn);
+                }
+                if shown.unwritten && ui.add(Button::new("Write it again")).clicked() {
+                    asked = Some(Asked::WriteAgain);
                 }
             });
         });

@@ -22,6 +22,8 @@ fn shown() -> Shown<'static> {
         undo: (3, 1),
         printing: false,
         printed: None,
+        unwritten: false,
+        fault: None,
         opening: None,
         fast: true,
         device: "a device",

@@ -1,0 +1,87 @@
+//! What is written where, and what is not.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use super::{Job, Keeper, Kept, Place, What};
+
+fn folder(name: &str) -> PathBuf {
+    let folder = std::env::temp_dir().join(format!("paros-keeper-{name}-{}", std::process::id()));
+    fs::create_dir_all(&folder).expect("a folder");
+    folder
+}
+
+fn sculpture(folders: &[&Path], byte: u8) -> Job {
+    let place = Place::Free {
+        folders: folders.iter().map(|folder| folder.to_path_buf()).collect(),
+        name: "sculpture",
+        endings: vec!["stl", "rmap"],
+    };
+    Job { what: What::Sculpture, place, bytes: vec![vec![byte], vec![byte, byte]] }
+}
+
+fn all(keeper: &mut Keeper) -> Vec<Kept> {
+    std::iter::from_fn(|| keeper.wait()).collect()
+}
+
+#[test]
+fn files_are_written_in_order_and_all_or_none() {
+    let folder = folder("order");
+    let (a, b) = (folder.join("deep/a"), folder.join("b"));
+    let mut keeper = Keeper::new();
+    for bytes in [b"old".to_vec(), b"new".to_vec()] {
+        keeper.keep(What::Session, a.clone(), bytes);
+    }
+    // A folder can't be replaced by a file.
+    let place = Place::At(vec![b.clone(), folder.join("deep")]);
+    let job = Job { what: What::Trace, place, bytes: vec![vec![1], vec![2]] };
+    keeper.give(job.clone());
+    let mut heard = all(&mut keeper);
+    assert!(heard[0].done.is_ok() && heard[1].done.is_ok());
+    let last = heard.pop().expect("three");
+    assert_eq!((last.what, last.done.expect_err("no file").1), (What::Trace, job));
+    assert_eq!(fs::read(&a).expect("written"), b"new");
+    assert!(!b.exists());
+    fs::remove_dir_all(&folder).expect("the folder can be removed");
+}
+
+#[test]
+fn no_name_is_given_twice() {
+    let folder = folder("twice");
+    fs::write(folder.join("sculpture-002.rmap"), b"an old one").expect("a file");
+    let mut keepers: Vec<_> = (0..4).map(|_| Keeper::new()).collect();
+    for round in 0..8 {
+        for (number, keeper) in keepers.iter_mut().enumerate() {
+            keeper.give(sculpture(&[&folder], round * 4 + number as u8));
+        }
+    }
+    let mut bytes = Vec::new();
+    for kept in keepers.iter_mut().flat_map(all) {
+        let paths = kept.done.expect("written");
+        let [stl, rmap] = &paths[..] else { panic!("two files") };
+        assert_eq!(stl.with_extension("rmap"), *rmap);
+        let byte = fs::read(stl).expect("a file")[0];
+        assert_eq!(fs::read(rmap).expect("a file"), [byte, byte]);
+        bytes.push(byte);
+    }
+    bytes.sort_unstable();
+    assert_eq!(bytes, (0..32).collect::<Vec<_>>());
+    assert_eq!(fs::read(folder.join("sculpture-002.rmap")).expect("a file"), b"an old one");
+    assert_eq!(fs::read_dir(&folder).expect("a folder").count(), 65);
+    fs::remove_dir_all(&folder).expect("the folder can be removed");
+}
+
+#[test]
+fn a_folder_that_takes_nothing_has_another_in_its_place() {
+    let folder = folder("instead");
+    let (file, there) = (folder.join("file"), folder.join("there"));
+    fs::write(&file, b"no folder").expect("a file");
+    let mut keeper = Keeper::new();
+    keeper.give(sculpture(&[&file, &there], 7));
+    keeper.give(sculpture(&[&file], 7));
+    let heard = all(&mut keeper);
+    assert_eq!(heard[0].done.as_ref().expect("written")[0], there.join("sculpture-001.stl"));
+    assert!(heard[0].instead.as_ref().expect("why").to_string().contains("file"));
+    assert!(heard[1].done.is_err() && heard[1].instead.is_none());
+    fs::remove_dir_all(&folder).expect("the folder can be removed");
+}

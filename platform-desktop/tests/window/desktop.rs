@@ -1,0 +1,256 @@
+//! What a desktop does to a window: files dropped on it, minimised and back, its scale changed.
+
+use std::error::Error;
+use std::fs;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::thread;
+use std::time::Duration;
+
+use paros_shell::require::{Required, require};
+use x11rb::CURRENT_TIME;
+use x11rb::connection::Connection;
+use x11rb::protocol::xproto::{ConnectionExt as _, PropMode};
+use x11rb::rust_connection::RustConnection;
+use x11rb::wrapper::ConnectionExt as _;
+
+use crate::rig::{Display, STROKE, TETRAHEDRON, Visit, differing, folder, needs, paros};
+use crate::xdnd::{self, drop_files};
+
+/// A window manager, ended when dropped.
+pub(crate) struct Manager(Child);
+
+impl Manager {
+    pub(crate) fn new(display: &Display) -> Result<Self, String> {
+        let manager = Command::new("openbox")
+            .env("DISPLAY", &display.name)
+            .env("HOME", &display.folder)
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .map_err(|error| format!("no openbox: {error}"))?;
+        // It takes the screen over before it minds windows.
+        thread::sleep(Duration::from_millis(500));
+        Ok(Manager(manager))
+    }
+}
+
+impl Drop for Manager {
+    fn drop(&mut self) {
+        // It may have ended with its display.
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+#[test]
+fn dropped_files_become_the_stone_or_are_refused() -> Result<(), Required> {
+    let folder = folder("dropped");
+    let Some(display) = require(Display::new(&folder))? else { return Ok(()) };
+    let mut visit = Visit::new(&display);
+    visit.do_all(&["start cat", "wait 4"]);
+    visit.do_all(&STROKE);
+    let voxels = visit.voxels();
+    let drop = |visit: &mut Visit, names: &[&str]| {
+        let paths: Vec<_> = names.iter().map(|name| folder.join(name)).collect();
+        let paths: Vec<&Path> = paths.iter().map(|path| &**path).collect();
+        let taken = thread::scope(|scope| {
+            let dropping =
+                scope.spawn(|| drop_files(&display.name, &paths).map_err(|e| e.to_string()));
+            // The window hears of it while it draws.
+            while !dropping.is_finished() {
+                visit.does("frames 1");
+            }
+            dropping.join().expect("no panic")
+        });
+        assert_eq!(taken, Ok(true), "{names:?}");
+        visit.do_all(&["settle", "wait 8", "settle"]);
+    };
+    fs::write(folder.join("a letter.obj"), "no mesh\n").expect("a file");
+    fs::write(folder.join("a letter.txt"), "no mesh\n").expect("a file");
+    fs::create_dir(folder.join("a folder.stl")).expect("a folder");
+    for name in ["a letter.obj", "a letter.txt", "a folder.stl"] {
+        drop(&mut visit, &[name]);
+        let note = visit.asks("note");
+        assert!(note.contains(name), "{note}");
+        assert_eq!((visit.voxels(), &*visit.asks("mode")), (voxels, "Constrained { figure: 1 }"));
+    }
+    visit.sees(&display, "1-refused");
+    fs::write(folder.join("a shape.obj"), TETRAHEDRON).expect("a file");
+    drop(&mut visit, &["a shape.obj"]);
+    let shape = visit.voxels();
+    assert_eq!(visit.asks("mode"), "Own");
+    assert!(shape != voxels && shape > 1000, "{shape}");
+    visit.sees(&display, "2-mesh");
+    let baked = paros(&folder)
+        .args(["bake", "a shape.obj", "-o", "b.rmap"])
+        .current_dir(&folder)
+        .output()
+        .expect("it starts");
+    assert!(baked.status.success(), "{baked:?}");
+    visit.do_all(&["start free", "wait 4"]);
+    assert_ne!(visit.voxels(), shape);
+    // The first of several is read, the others are named.
+    drop(&mut visit, &["b.rmap", "a shape.obj"]);
+    assert_eq!((visit.voxels(), &*visit.asks("mode")), (shape, "Own"));
+    assert!(visit.asks("note").contains("a shape.obj: not opened"));
+    assert_eq!(visit.ends(), (Some(0), String::new()));
+    Ok(())
+}
+
+#[test]
+fn minimised_it_draws_nothing_and_goes_on_after() -> Result<(), Required> {
+    let folder = folder("minimised");
+    let Some(display) = require(Display::new(&folder))? else { return Ok(()) };
+    let Some(()) = require(needs("xdotool", "--version"))? else { return Ok(()) };
+    let Some(_manager) = require(Manager::new(&display))? else { return Ok(()) };
+    let mut visit = Visit::new(&display);
+    // Out of the window, so that it does not come into it anew.
+    display.xdotool("mousemove 990 690");
+    visit.do_all(&["start owl", "wait 4", "size 900 600", "frames 4"]);
+    let whole = visit.voxels();
+    visit.do_all(&STROKE);
+    visit.does("move 3 97");
+    let voxels = visit.voxels();
+    assert!(voxels < whole);
+    let shown = visit.sees(&display, "1-shown");
+    for _ in 0..3 {
+        display.xdotool("search --onlyvisible --name Paros windowminimize --sync");
+        // A frame that was under way may still be drawn.
+        visit.does("wait 12");
+        let frames = visit.asks("frames");
+        visit.does("wait 60");
+        assert_eq!((visit.asks("frames"), visit.voxels()), (frames, voxels));
+        display.xdotool("search --name Paros windowmap --sync");
+        visit.does("frames 4");
+    }
+    visit.does("move 3 97");
+    let back = visit.sees(&display, "2-back");
+    let far = differing(&shown, &back, [0, 1000], [0, 700]);
+    assert!(far < 20, "{far} pixels are others");
+    // A window that loses its size draws nothing either, and asks for nothing.
+    visit.does("size 0 0");
+    let frames = visit.asks("frames");
+    visit.do_all(&["wait 12", "move 50 50", "press left", "wait 12", "release left"]);
+    assert_eq!((visit.asks("frames"), visit.voxels()), (frames, voxels));
+    visit.do_all(&["size 0 400", "wait 12", "size 700 500", "frames 4"]);
+    assert_eq!(visit.asks("size"), "700x500");
+    assert_eq!(visit.ends(), (Some(0), String::new()));
+    Ok(())
+}
+
+#[test]
+fn on_a_fine_screen_all_is_larger_and_under_the_same_cursor() -> Result<(), Required> {
+    let plain = folder("plain");
+    let Some(display) = require(Display::sized(&plain, [1180, 800]))? else { return Ok(()) };
+    let Some(()) = require(needs("xdotool", "--version"))? else { return Ok(()) };
+    let mut visit = Visit::new(&display);
+    let (once, voxels) = fine(&mut visit, &display, 1);
+    assert_eq!(visit.ends(), (Some(0), String::new()));
+    let fine_folder = folder("fine");
+    let Some(display) = require(Display::sized(&fine_folder, [2360, 1600]))? else { return Ok(()) };
+    let mut command = paros(&fine_folder);
+    let mut visit =
+        Visit::begin(command.env("DISPLAY", &display.name).env("WINIT_X11_SCALE_FACTOR", "2"));
+    let (twice, fine_voxels) = fine(&mut visit, &display, 2);
+    assert_eq!(visit.ends(), (Some(0), String::new()));
+    // The same rays, but for rounding.
+    assert!(fine_voxels.abs_diff(voxels) < 100, "{fine_voxels}, {voxels}");
+    let block = |x: usize, y: usize, k: usize| {
+        let all = [(0, 0), (1, 0), (0, 1), (1, 1)];
+        all.map(|(dx, dy)| i32::from(twice.pixel(2 * x + dx, 2 * y + dy)[k]))
+    };
+    let pixels = || (0..800).flat_map(|y| (0..1180).map(move |x| (x, y)));
+    let far = |(x, y): &(usize, usize)| {
+        (0..3).any(|k| {
+            let mean = block(*x, *y, k).iter().sum::<i32>() / 4;
+            mean.abs_diff(i32::from(once.pixel(*x, *y)[k])) > 40
+        })
+    };
+    let others = pixels().filter(far).count();
+    assert!(others < 1180 * 800 / 100, "{others} pixels show another thing");
+    let split = pixels().filter(|(x, y)| {
+        let block = block(*x, *y, 1);
+        block.iter().any(|value| value.abs_diff(block[0]) > 8)
+    });
+    let split = split.count();
+    assert!(split > 20_000, "only {split} pixels are finer than before");
+    Ok(())
+}
+
+/// Starts by a click, and carves; the picture, and the voxels left.
+fn fine(visit: &mut Visit, display: &Display, scale: usize) -> (paros_shaders::Image, u64) {
+    visit.does("frames 4");
+    assert_eq!(visit.asks("size"), format!("{}x{}", 1180 * scale, 800 * scale));
+    // The first button of the start panel.
+    display.xdotool(&format!("mousemove {} {}", 440 * scale, 298 * scale));
+    visit.does("frames 3");
+    display.xdotool("click 1");
+    visit.does("frames 4");
+    assert_eq!(visit.asks("mode"), "FreeForm");
+    visit.do_all(&STROKE);
+    visit.does("move 3 97");
+    // The tool has no part in the picture, nor has dust.
+    visit.does("wait 100");
+    visit.does("frames 6");
+    let picture = display.screen("carved");
+    (picture, visit.voxels())
+}
+
+#[test]
+fn a_scale_that_changes_is_followed() -> Result<(), Required> {
+    let folder = folder("scale");
+    let Some(display) = require(Display::sized(&folder, [2360, 1600]))? else { return Ok(()) };
+    let mut settings = Settings::new(&display.name).expect("the display takes settings");
+    let mut visit = Visit::new(&display);
+    visit.do_all(&["start free", "frames 4"]);
+    display.screen("1-once");
+    for (dpi, scale, size) in [(192, "2", "2360x1600"), (144, "1.5", "1770x1200")] {
+        settings.set_dpi(dpi).expect("it is set");
+        visit.does("frames 6");
+        assert_eq!((&*visit.asks("scale"), &*visit.asks("size")), (scale, size));
+        display.screen(&format!("2-{dpi}"));
+    }
+    let whole = visit.voxels();
+    visit.do_all(&STROKE);
+    assert!(visit.voxels() + 300 < whole);
+    assert_eq!(visit.ends(), (Some(0), String::new()));
+    Ok(())
+}
+
+/// The settings of a desktop, as its daemon tells them to programs (XSETTINGS).
+struct Settings {
+    connection: RustConnection,
+    window: u32,
+    property: u32,
+}
+
+impl Settings {
+    fn new(display: &str) -> Result<Self, Box<dyn Error>> {
+        let (connection, screen) = x11rb::connect(Some(display))?;
+        let atom = |name: &str| {
+            Ok::<_, Box<dyn Error>>(connection.intern_atom(false, name.as_bytes())?.reply()?.atom)
+        };
+        let (owned, property) = (atom("_XSETTINGS_S0")?, atom("_XSETTINGS_SETTINGS")?);
+        let window = xdnd::window(&connection, connection.setup().roots[screen].root)?;
+        connection.set_selection_owner(window, owned, CURRENT_TIME)?;
+        let mut settings = Settings { connection, window, property };
+        settings.set_dpi(96)?;
+        Ok(settings)
+    }
+
+    fn set_dpi(&mut self, dpi: u32) -> Result<(), Box<dyn Error>> {
+        let mut bytes = vec![0; 8];
+        bytes.extend(1u32.to_le_bytes());
+        // An integer, and its name of seven bytes.
+        bytes.extend([0, 0, 7, 0]);
+        bytes.extend(b"Xft/DPI\0\0\0\0\0");
+        bytes.extend((dpi * 1024).to_le_bytes());
+        let (to, property) = (self.window, self.property);
+        self.connection
+            .change_property8(PropMode::REPLACE, to, property, property, &bytes)?
+            .check()?;
+        Ok(())
+    }
+}

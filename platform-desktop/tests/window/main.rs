@@ -1,0 +1,16 @@
+//! The window on a display of its own (Xvfb, or Weston without a screen) and a software device
+//! (lavapipe): a visitor carves, takes it back and finishes, and the screen shows it; and whatever
+//! goes wrong around the window loses no sculpture. Validation looks on.
+//!
+//! The screens are left in the test's folder, to be looked at.
+#![cfg(target_os = "linux")]
+
+mod desktop;
+mod disk;
+mod losses;
+mod newcomer;
+mod pictures;
+mod rig;
+mod visit;
+mod wayland;
+mod xdnd;

@@ -1,0 +1,130 @@
+//! Someone who has never seen it: no terminal, no script, a mouse and a keyboard and what is on the
+//! screen.
+
+use std::fs;
+use std::path::Path;
+use std::process::Stdio;
+use std::thread;
+use std::time::{Duration, Instant};
+
+use paros_shaders::Image;
+use paros_shell::require::{Required, require};
+
+use crate::desktop::Manager;
+use crate::rig::{Display, differing, folder, needs, paros};
+use crate::visit::check_print;
+
+/// How long something may take until it is seen: the device is a slow one.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// Waits for something.
+fn until(what: &str, mut is_so: impl FnMut() -> bool) {
+    let begun = Instant::now();
+    while !is_so() {
+        assert!(begun.elapsed() < PATIENCE, "{what}: not within {PATIENCE:?}");
+        thread::sleep(Duration::from_millis(200));
+    }
+}
+
+/// The middle of the picture, where the stone is.
+fn changed(before: &Image, after: &Image) -> usize {
+    differing(before, after, [420, 780], [200, 640])
+}
+
+fn drag(display: &Display, from: [i32; 2], to: [i32; 2]) {
+    display.xdotool(&format!("mousemove {} {}", from[0], from[1]));
+    thread::sleep(Duration::from_millis(600));
+    display.xdotool("mousedown 1");
+    for step in 0..=20 {
+        let [x, y] = [0, 1].map(|i| from[i] + (to[i] - from[i]) * step / 20);
+        display.xdotool(&format!("mousemove {x} {y}"));
+        thread::sleep(Duration::from_millis(80));
+    }
+    thread::sleep(Duration::from_millis(900));
+    display.xdotool("mouseup 1");
+    // Off the stone, so that the tool is not in the picture.
+    display.xdotool("mousemove 60 790");
+}
+
+#[test]
+fn a_newcomer_goes_from_launch_to_a_print_without_a_terminal() -> Result<(), Required> {
+    let folder = folder("newcomer");
+    let Some(display) = require(Display::sized(&folder, [1200, 860]))? else { return Ok(()) };
+    let Some(()) = require(needs("xdotool", "--version"))? else { return Ok(()) };
+    let Some(_manager) = require(Manager::new(&display))? else { return Ok(()) };
+    let mut program = paros(&folder)
+        .env("DISPLAY", &display.name)
+        // What validation says goes to the standard output.
+        .env("VK_INSTANCE_LAYERS", "VK_LAYER_KHRONOS_validation")
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("it starts");
+    display.xdotool("search --sync --onlyvisible --name Paros windowmove 0 0");
+    display.xdotool("search --name Paros windowfocus");
+    let look = |name: &str| display.screen(name);
+    until("the start panel", || {
+        // It is dark, over the bright stool; the window has a title above it.
+        let pixel = look("1-launch").pixel(590, 630);
+        pixel[0] > 20 && pixel[0] < 90
+    });
+    let launch = look("1-launch");
+    display.xdotool("mousemove 480 318");
+    thread::sleep(Duration::from_secs(1));
+    display.xdotool("click 1");
+    until("the stone", || differing(&launch, &look("2-stone"), [300, 900], [150, 700]) > 60_000);
+    thread::sleep(Duration::from_secs(2));
+    display.xdotool("mousemove 60 790");
+    thread::sleep(Duration::from_secs(2));
+    let stone = look("2-stone");
+    drag(&display, [500, 360], [650, 400]);
+    until("the groove", || changed(&stone, &look("3-carved")) > 800);
+    thread::sleep(Duration::from_secs(2));
+    let carved = look("3-carved");
+    display.xdotool("key z");
+    until("the stone made whole", || changed(&stone, &look("4-undone")) < 100);
+    display.xdotool("key y");
+    until("the groove again", || changed(&stone, &look("5-redone")) > 800);
+    drag(&display, [490, 470], [650, 520]);
+    until("another groove", || changed(&carved, &look("6-carved-on")) > 800);
+    display.xdotool("key Return");
+    let sculpted = look("6-carved-on");
+    until("the question", || {
+        differing(&sculpted, &look("7-asked"), [300, 900], [720, 820]) > 10_000
+    });
+    display.xdotool("key Return");
+    let print = folder.join("Paros/sculpture-001.stl");
+    until("the print", || print.exists());
+    thread::sleep(Duration::from_secs(2));
+    look("8-finished");
+    display.xdotool("key alt+F4");
+    let output = wait(&mut program);
+    assert_eq!(output, (Some(0), format!("{}\n", print.display()), String::new()));
+    check_print(&print)?;
+    let picture = fs::read(print.with_extension("png")).expect("a picture");
+    assert!(picture.starts_with(b"\x89PNG"));
+    rmap_is_read(&folder, &print.with_extension("rmap"));
+    Ok(())
+}
+
+fn wait(program: &mut std::process::Child) -> (Option<i32>, String, String) {
+    let mut code = None;
+    until("the end", || {
+        code = program.try_wait().expect("a child");
+        code.is_some()
+    });
+    let read = |from: &mut dyn std::io::Read| {
+        let mut text = String::new();
+        from.read_to_string(&mut text).expect("text");
+        text
+    };
+    let out = read(program.stdout.as_mut().expect("it is piped"));
+    let err = read(program.stderr.as_mut().expect("it is piped"));
+    (code.and_then(|status| status.code()), out, err)
+}
+
+fn rmap_is_read(folder: &Path, volume: &Path) {
+    let told = paros(folder).arg("info").arg(volume).output().expect("it starts");
+    assert!(told.status.success(), "{told:?}");
+}

@@ -1,0 +1,125 @@
+//! The README's picture of the three modes, as the window draws them.
+
+use std::fs;
+use std::path::Path;
+
+use paros_shaders::Image;
+use paros_shell::require::{Required, require};
+
+use crate::rig::{Display, Visit, folder};
+
+/// Pixels of the window; the picture has half as many each way.
+const SIZE: [usize; 2] = [800, 700];
+
+type Point = [f32; 2];
+
+/// A stroke through points of the window, in parts of a hundred, with so many ticks to each.
+fn stroke(visit: &mut Visit, points: impl IntoIterator<Item = Point>, ticks: u32) {
+    for (number, [x, y]) in points.into_iter().enumerate() {
+        visit.does(&format!("move {x:.2} {y:.2}"));
+        if number == 0 {
+            visit.do_all(&["wait 12", "press left"]);
+        }
+        visit.does(&format!("wait {ticks}"));
+    }
+    visit.do_all(&["wait 40", "release left", "wait 6"]);
+}
+
+/// Points from one to another.
+fn line(from: Point, to: Point, count: u16) -> impl Iterator<Item = Point> {
+    (0..=count).map(move |i| {
+        let part = f32::from(i) / f32::from(count);
+        [0, 1].map(|k| from[k] + (to[k] - from[k]) * part)
+    })
+}
+
+/// A spiral, cut into the lump.
+fn free(visit: &mut Visit) {
+    visit.do_all(&["start free", "wait 4", "wheel -9"]);
+    let spiral = (0..110u8).map(|i| {
+        let part = f32::from(i) / 110.0;
+        let (sin, cos) = (part * 2.3 * std::f32::consts::TAU).sin_cos();
+        let radius = 3.0 + 15.0 * part;
+        [46.0 + 0.8 * radius * cos, 50.0 + radius * sin]
+    });
+    stroke(visit, spiral, 7);
+    visit.does("wait 100");
+}
+
+/// Stone taken row by row from before the owl, which the burr can't harm. It isn't free yet.
+fn hidden(visit: &mut Visit) {
+    visit.do_all(&["start owl", "wait 4", "key shift+3", "wait 4", "wheel -30", "wait 4"]);
+    for pass in 0..3u8 {
+        for row in 0..5u8 {
+            let y = 24.0 + 8.0 * f32::from(row) + 1.5 * f32::from(pass);
+            let (left, right) = ([26.0, y], [74.0, y]);
+            match (row + pass) % 2 {
+                0 => stroke(visit, line(left, right, 24), 8),
+                _ => stroke(visit, line(right, left, 24), 8),
+            }
+        }
+    }
+    visit.does("wait 150");
+}
+
+/// A bow tie of paste, both halves at once by the mirror.
+fn creative(visit: &mut Visit) {
+    visit.do_all(&["start creative", "wait 4", "key m", "wait 4", "key 3", "wait 4"]);
+    for rise in [-3.0, 0.0, 3.0] {
+        stroke(visit, line([48.0, 53.0], [54.0, 53.0 + rise], 8), 5);
+    }
+    visit.do_all(&["key 1", "wait 40"]);
+}
+
+#[test]
+#[ignore = "takes minutes, and writes tests/pictures/modes.png"]
+fn the_readme_shows_the_three_modes() -> Result<(), Required> {
+    let folder = folder("pictures");
+    let Some(display) = require(Display::sized(&folder, SIZE))? else { return Ok(()) };
+    let mut visit = Visit::new(&display);
+    let mut shot = |name, mode: fn(&mut Visit)| {
+        // Small while it carves: a frame takes four ticks at the most.
+        visit.do_all(&["size 160 140", "frames 3"]);
+        mode(&mut visit);
+        visit.do_all(&["size 800 700", "frames 3", "move 64 72"]);
+        halved(&visit.sees(&display, name))
+    };
+    let pictures = [shot("free", free), shot("hidden", hidden), shot("creative", creative)];
+    assert_eq!(visit.ends(), (Some(0), String::new()));
+    let mut png = Vec::new();
+    beside(&pictures).write_png(&mut png).expect("a picture");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/pictures/modes.png");
+    fs::write(path, png).expect("it is written");
+    Ok(())
+}
+
+/// Each pixel the mean of four.
+fn halved(picture: &Image) -> Image {
+    let (width, height) = (picture.width / 2, picture.height / 2);
+    let mut pixels = Vec::new();
+    for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
+        let four = [(0, 0), (1, 0), (0, 1), (1, 1)];
+        let four = four.map(|(dx, dy)| picture.pixel(2 * x + dx, 2 * y + dy));
+        let mean = |k: usize| (four.iter().map(|p| u16::from(p[k])).sum::<u16>() / 4) as u8;
+        pixels.extend([0, 1, 2].map(mean));
+    }
+    Image { width, height, pixels }
+}
+
+/// Pictures of one size in a row, with a gap between them.
+fn beside(pictures: &[Image; 3]) -> Image {
+    let [Image { width, height, .. }, ..] = pictures;
+    let mut pixels = Vec::new();
+    for y in 0..*height {
+        for (number, picture) in pictures.iter().enumerate() {
+            if number > 0 {
+                pixels.extend([255; 3 * GAP]);
+            }
+            pixels.extend_from_slice(&picture.pixels[3 * width * y..][..3 * width]);
+        }
+    }
+    Image { width: 3 * width + 2 * GAP, height: *height, pixels }
+}
+
+/// Pixels between two pictures.
+const GAP: usize = 6;

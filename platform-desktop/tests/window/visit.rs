@@ -1,0 +1,166 @@
+//! A visit from the first click to the print.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use paros_shell::require::{Required, require};
+
+use crate::rig::{Display, HEIGHT, STROKE, Visit, WIDTH, differing, folder, needs, paros};
+
+#[test]
+fn a_visitor_carves_undoes_and_finishes() -> Result<(), Required> {
+    let folder = folder("visit");
+    let Some(display) = require(Display::new(&folder))? else { return Ok(()) };
+    let mut visit = Visit::new(&display);
+    let start = visit.sees(&display, "1-start");
+    visit.do_all(&["start free", "wait 4", "wheel -6", "move 3 97"]);
+    let whole = visit.voxels();
+    let stone = visit.sees(&display, "2-stone");
+    assert!(differing(&start, &stone, [0, WIDTH], [0, HEIGHT]) > 20_000, "the stone is seen");
+    visit.do_all(&STROKE);
+    visit.does("move 3 97");
+    let left = visit.voxels();
+    assert!(left + 300 < whole, "{left} voxels are left of {whole}");
+    let carved = visit.sees(&display, "3-carved");
+    let middle = ([340, 660], [180, 440]);
+    let groove = differing(&stone, &carved, middle.0, middle.1);
+    assert!(groove > 500, "the groove is seen in {groove} pixels");
+    visit.does("key z");
+    visit.does("wait 2");
+    assert_eq!(visit.voxels(), whole);
+    let undone = visit.sees(&display, "4-undone");
+    let still = differing(&stone, &undone, middle.0, middle.1);
+    assert!(still * 20 < groove, "{still} pixels are still another");
+    visit.do_all(&["key y", "wait 2", "key f1", "key f2"]);
+    assert_eq!(visit.voxels(), left);
+    visit.sees(&display, "5-help");
+    // The first asks, the second does it.
+    visit.do_all(&["key f1", "key f2", "key enter", "wait 4"]);
+    assert_eq!(visit.asks("session"), "Sculpting");
+    visit.do_all(&["key enter", "wait 4", "settle"]);
+    assert_eq!(visit.asks("session"), "Finished");
+    visit.sees(&display, "6-finished");
+    let print = PathBuf::from(visit.asks("printed"));
+    visit.does("key r");
+    visit.does("settle");
+    let (code, complaints) = visit.ends();
+    assert_eq!((code, &*complaints), (Some(0), ""));
+    assert!(print.starts_with(folder.join("Paros")), "{}", print.display());
+    for ending in ["png", "rmap"] {
+        assert!(print.with_extension(ending).exists(), "no {ending}");
+    }
+    let played = paros(&folder).arg("play").arg(folder.join("Paros/session-001.trace")).output();
+    let played = String::from_utf8_lossy(&played.expect("it can be started").stdout).into_owned();
+    assert!(played.contains(&format!("{left} voxels")), "{played}");
+    check_print(&print)
+}
+
+/// The print has triangles, and `admesh` finds nothing to mend.
+pub(crate) fn check_print(print: &Path) -> Result<(), Required> {
+    assert!(fs::metadata(print).expect("the print").len() > 84);
+    let checked = Command::new("admesh").arg(print).output();
+    let Some(report) = require(checked.map_err(|error| format!("no admesh: {error}")))? else {
+        return Ok(());
+    };
+    let report = String::from_utf8_lossy(&report.stdout);
+    for what in ["Total disconnected facets", "Facets added", "Edges fixed"] {
+        let line = report.lines().find(|line| line.starts_with(what));
+        let zero = line
+            .and_then(|line| line.split(':').nth(1))
+            .map(|rest| rest.split_whitespace().next() == Some("0"));
+        assert_eq!(zero, Some(true), "{what} in {report}");
+    }
+    Ok(())
+}
+
+#[test]
+fn a_mouse_and_keys_do_what_the_help_says() -> Result<(), Required> {
+    let folder = folder("devices");
+    let Some(display) = require(Display::new(&folder))? else { return Ok(()) };
+    let Some(()) = require(needs("xdotool", "--version"))? else { return Ok(()) };
+    let x = |arguments: &str| display.xdotool(arguments);
+    let mut visit = Visit::new(&display);
+    visit.does("frames 2");
+    // The first button of the start panel.
+    let window = "search --name Paros windowfocus --sync";
+    x(window);
+    x("mousemove 440 298");
+    visit.does("frames 3");
+    x("click 1");
+    visit.does("frames 4");
+    assert_eq!(
+        (visit.asks("session"), visit.asks("mode")),
+        ("Sculpting".into(), "FreeForm".into())
+    );
+    let whole = visit.voxels();
+    x("mousemove 430 300");
+    visit.does("wait 20");
+    x("mousedown 1");
+    visit.does("wait 30");
+    x("mousemove 520 320");
+    visit.does("wait 60");
+    x("mouseup 1");
+    visit.does("wait 8");
+    let left = visit.voxels();
+    assert!(left + 100 < whole, "{left} voxels are left of {whole}");
+    x("key z");
+    visit.does("frames 4");
+    assert_eq!(visit.voxels(), whole);
+    x("key ctrl+shift+z");
+    visit.does("frames 4");
+    assert_eq!(visit.voxels(), left);
+    for (key, held) in
+        [("3", "paste nozzle"), ("1", "medium ball burr"), ("shift+3", "large ball burr")]
+    {
+        x(&format!("key {key}"));
+        visit.does("frames 4");
+        assert_eq!(visit.asks("holds"), held);
+    }
+    let before = visit.sees(&display, "1-before");
+    x("mousedown 3");
+    x("mousemove 700 260");
+    x("mouseup 3");
+    let turned = visit.sees(&display, "2-orbited");
+    assert!(differing(&before, &turned, [200, 800], [100, 560]) > 20_000, "the eye went round");
+    let (code, complaints) = visit.ends();
+    assert_eq!((code, &*complaints), (Some(0), ""));
+    Ok(())
+}
+
+/// What the layer's best practices would have otherwise, and why it is as it is.
+const PRACTICES: [&str; 5] = [
+    // The buffers are the scene's; the sculpture's pipeline, drawn between, takes none.
+    "DrawState-VtxIndexOutOfBounds",
+    // A submission that tells no semaphore has an empty list of them, with an address.
+    "SemaphoreCount",
+    // A fixed, small number of blocks is made at the start, each for one thing.
+    "vkAllocateMemory-small-allocation",
+    "vkBindMemory-small-dedicated-allocation",
+    // Two command buffers are recorded anew each frame.
+    "vkCreateCommandPool-command-buffer-reset",
+];
+
+#[test]
+fn best_practices_have_nothing_new_to_say() -> Result<(), Required> {
+    let folder = folder("practices");
+    let Some(display) = require(Display::new(&folder))? else { return Ok(()) };
+    let mut command = paros(&folder);
+    command
+        .env("DISPLAY", &display.name)
+        .env("VK_LAYER_ENABLES", "VK_VALIDATION_FEATURE_ENABLE_BEST_PRACTICES_EXT");
+    let mut visit = Visit::begin(&mut command);
+    visit.do_all(&["size 500 400", "start free", "wait 4", "frames 3"]);
+    visit.do_all(&STROKE);
+    visit.do_all(&["size 600 400", "frames 6"]);
+    let (_, complaints) = visit.ends();
+    let mut others = Vec::new();
+    for line in complaints.lines() {
+        let id = line.split("BestPractices-").nth(1).and_then(|rest| rest.split(' ').next());
+        if id.is_none_or(|id| !PRACTICES.contains(&id)) {
+            others.push(line);
+        }
+    }
+    assert!(others.is_empty(), "{others:#?}");
+    Ok(())
+}

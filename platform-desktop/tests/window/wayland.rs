@@ -1,0 +1,125 @@
+//! The window on Wayland: Weston without a screen.
+
+use std::fs;
+use std::os::unix::fs::PermissionsExt;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use paros_shell::require::{Required, require};
+
+use crate::rig::{DRIVER, LAYER, STROKE, Visit, folder, needs_files, paros};
+use crate::visit::check_print;
+
+/// A compositor, ended when dropped.
+struct Weston {
+    server: Child,
+    folder: PathBuf,
+}
+
+impl Weston {
+    /// With a shell, a part of it that places windows.
+    fn new(folder: &Path, shell: &str) -> Result<Self, String> {
+        needs_files(&[DRIVER, LAYER])?;
+        let run = folder.join("run");
+        // Of one that was ended, its socket is still there.
+        let _ = fs::remove_dir_all(&run);
+        fs::create_dir_all(&run).map_err(|error| error.to_string())?;
+        fs::set_permissions(&run, fs::Permissions::from_mode(0o700))
+            .map_err(|error| error.to_string())?;
+        let server = Command::new("weston")
+            .args(["--backend=headless-backend.so", "--use-pixman", "--no-config", "--debug"])
+            .args(["--idle-time=0", "--width=1180", "--height=800", "--socket=paros"])
+            .arg(format!("--shell={shell}-shell.so"))
+            .env("XDG_RUNTIME_DIR", &run)
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .map_err(|error| format!("no weston: {error}"))?;
+        let weston = Weston { server, folder: folder.to_owned() };
+        let begun = Instant::now();
+        while !run.join("paros").exists() {
+            if begun.elapsed() > Duration::from_secs(20) {
+                return Err("weston does not listen".into());
+            }
+            thread::sleep(Duration::from_millis(50));
+        }
+        Ok(weston)
+    }
+
+    fn visit(&self) -> Visit {
+        let mut command = paros(&self.folder);
+        Visit::begin(self.client(&mut command))
+    }
+
+    fn client<'a>(&self, command: &'a mut Command) -> &'a mut Command {
+        command
+            .env_remove("DISPLAY")
+            .env("WAYLAND_DISPLAY", "paros")
+            .env("XDG_RUNTIME_DIR", self.folder.join("run"))
+    }
+
+    /// Leaves a picture of the screen in the folder.
+    fn screen(&self) -> bool {
+        let mut shooter = Command::new("weston-screenshooter");
+        let shot = self.client(&mut shooter).current_dir(&self.folder).status();
+        shot.is_ok_and(|status| status.success())
+    }
+}
+
+impl Drop for Weston {
+    fn drop(&mut self) {
+        // It may have ended by itself.
+        let _ = self.server.kill();
+        let _ = self.server.wait();
+    }
+}
+
+#[test]
+fn on_wayland_a_visitor_carves_and_finishes() -> Result<(), Required> {
+    let folder = folder("wayland");
+    let Some(weston) = require(Weston::new(&folder, "desktop"))? else { return Ok(()) };
+    let mut visit = weston.visit();
+    visit.do_all(&["frames 4", "start free", "wait 4"]);
+    assert_eq!(visit.asks("size"), "1180x800");
+    let whole = visit.voxels();
+    visit.do_all(&STROKE);
+    assert!(visit.voxels() + 300 < whole);
+    visit.does("frames 4");
+    assert!(weston.screen(), "a picture of the screen");
+    visit.do_all(&["key z", "wait 2"]);
+    assert_eq!(visit.voxels(), whole);
+    visit.do_all(&["key y", "key enter", "wait 4", "key enter", "wait 4", "settle"]);
+    let print = PathBuf::from(visit.asks("printed"));
+    check_print(&print)?;
+    assert_eq!(visit.ends(), (Some(0), String::new()));
+    Ok(())
+}
+
+#[test]
+fn unseen_on_wayland_it_goes_on_and_saves_when_the_compositor_ends() -> Result<(), Required> {
+    let folder = folder("unseen");
+    // That shell shows no window where there is no seat: no frame is ever asked for.
+    let Some(weston) = require(Weston::new(&folder, "kiosk"))? else { return Ok(()) };
+    let mut visit = weston.visit();
+    visit.do_all(&["wait 20", "start free", "wait 4"]);
+    let whole = visit.voxels();
+    visit.do_all(&STROKE);
+    let frames = visit.asks("frames");
+    visit.does("wait 200");
+    assert_eq!(visit.asks("frames"), frames);
+    let left = visit.voxels();
+    assert!(left + 300 < whole);
+    drop(weston);
+    let (code, complaints) = visit.ended();
+    assert_eq!(code, Some(1), "{complaints}");
+    assert!(complaints.contains("the display is gone; the session is saved"), "{complaints}");
+    let Some(weston) = require(Weston::new(&folder, "desktop"))? else { return Ok(()) };
+    let mut visit = weston.visit();
+    visit.does("frames 4");
+    assert_eq!(visit.voxels(), left);
+    assert_eq!(visit.ends(), (Some(0), String::new()));
+    Ok(())
+}

@@ -1,0 +1,145 @@
+//! A program that one drags files from: the source's side of the XDND protocol, version 5.
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use x11rb::connection::Connection;
+use x11rb::protocol::Event;
+use x11rb::protocol::xproto::{
+    Atom, AtomEnum, ClientMessageEvent, ConnectionExt, CreateWindowAux, EventMask, PropMode,
+    SELECTION_NOTIFY_EVENT, SelectionNotifyEvent, SelectionRequestEvent, Window, WindowClass,
+};
+use x11rb::rust_connection::RustConnection;
+use x11rb::wrapper::ConnectionExt as _;
+use x11rb::{COPY_DEPTH_FROM_PARENT, COPY_FROM_PARENT, CURRENT_TIME};
+
+type Failed = Box<dyn std::error::Error>;
+
+/// Drags files from a window of its own onto the first window that takes any, and drops them.
+/// Whether they were taken.
+pub(crate) fn drop_files(display: &str, files: &[&Path]) -> Result<bool, Failed> {
+    let (connection, screen) = x11rb::connect(Some(display))?;
+    let root = connection.setup().roots[screen].root;
+    let target = aware(&connection, root)?.ok_or("no window takes files")?;
+    let source = window(&connection, root)?;
+    let selection = atom(&connection, "XdndSelection")?;
+    connection.set_selection_owner(source, selection, CURRENT_TIME)?;
+    let drag = Drag { connection, source, target };
+    let list = drag.atom("text/uri-list")?;
+    let uris: String = files.iter().map(|file| uri(file)).collect();
+    drag.tell("XdndEnter", [5 << 24, list, 0, 0])?;
+    drag.tell("XdndPosition", [0, 200 << 16 | 200, CURRENT_TIME, drag.atom("XdndActionCopy")?])?;
+    let taken = drag.wait("XdndStatus", &uris)?[1] & 1 == 1;
+    // It asked what they are before it answered: that is served by now.
+    if taken {
+        drag.tell("XdndDrop", [0, CURRENT_TIME, 0, 0])?;
+        drag.wait("XdndFinished", &uris)?;
+    } else {
+        drag.tell("XdndLeave", [0; 4])?;
+    }
+    Ok(taken)
+}
+
+/// A window that is never shown.
+pub(crate) fn window(connection: &RustConnection, root: Window) -> Result<Window, Failed> {
+    let window = connection.generate_id()?;
+    connection.create_window(
+        COPY_DEPTH_FROM_PARENT,
+        window,
+        root,
+        0,
+        0,
+        1,
+        1,
+        0,
+        WindowClass::INPUT_OUTPUT,
+        COPY_FROM_PARENT,
+        &CreateWindowAux::new(),
+    )?;
+    Ok(window)
+}
+
+/// A file as it stands in a list of them.
+fn uri(file: &Path) -> String {
+    let plain = |byte: u8| byte.is_ascii_alphanumeric() || b"/.-_".contains(&byte);
+    let bytes = file.as_os_str().as_encoded_bytes().iter();
+    let path: String = bytes
+        .map(|&byte| match plain(byte) {
+            true => char::from(byte).to_string(),
+            false => format!("%{byte:02X}"),
+        })
+        .collect();
+    format!("file://{path}\r\n")
+}
+
+/// The first window under another that says it takes files.
+fn aware(connection: &RustConnection, under: Window) -> Result<Option<Window>, Failed> {
+    let property = atom(connection, "XdndAware")?;
+    let version = connection.get_property(false, under, property, AtomEnum::ATOM, 0, 1)?.reply()?;
+    if version.value32().is_some_and(|mut value| value.next().is_some()) {
+        return Ok(Some(under));
+    }
+    for child in connection.query_tree(under)?.reply()?.children {
+        if let Some(found) = aware(connection, child)? {
+            return Ok(Some(found));
+        }
+    }
+    Ok(None)
+}
+
+fn atom(connection: &RustConnection, name: &str) -> Result<Atom, Failed> {
+    Ok(connection.intern_atom(false, name.as_bytes())?.reply()?.atom)
+}
+
+struct Drag {
+    connection: RustConnection,
+    source: Window,
+    target: Window,
+}
+
+impl Drag {
+    fn atom(&self, name: &str) -> Result<Atom, Failed> {
+        atom(&self.connection, name)
+    }
+
+    /// Sends the target a message of the protocol.
+    fn tell(&self, message: &str, [a, b, c, d]: [u32; 4]) -> Result<(), Failed> {
+        let data = [self.source, a, b, c, d];
+        let event = ClientMessageEvent::new(32, self.target, self.atom(message)?, data);
+        self.connection.send_event(false, self.target, EventMask::NO_EVENT, event)?;
+        Ok(self.connection.flush()?)
+    }
+
+    /// The answer to a message; meanwhile the files are told to whoever asks.
+    fn wait(&self, message: &str, uris: &str) -> Result<[u32; 5], Failed> {
+        let (answer, begun) = (self.atom(message)?, Instant::now());
+        while begun.elapsed() < Duration::from_secs(20) {
+            match self.connection.poll_for_event()? {
+                Some(Event::SelectionRequest(request)) => self.hand_over(&request, uris)?,
+                Some(Event::ClientMessage(event)) if event.type_ == answer => {
+                    return Ok(event.data.as_data32());
+                }
+                Some(_) => {}
+                None => std::thread::sleep(Duration::from_millis(5)),
+            }
+        }
+        Err(format!("no {message}").into())
+    }
+
+    fn hand_over(&self, request: &SelectionRequestEvent, uris: &str) -> Result<(), Failed> {
+        let (to, property) = (request.requestor, request.property);
+        let bytes = uris.as_bytes();
+        self.connection.change_property8(PropMode::REPLACE, to, property, request.target, bytes)?;
+        let event = SelectionNotifyEvent {
+            response_type: SELECTION_NOTIFY_EVENT,
+            sequence: 0,
+            time: request.time,
+            requestor: to,
+            selection: request.selection,
+            target: request.target,
+            property,
+        };
+        self.connection.send_event(false, to, EventMask::NO_EVENT, event)?;
+        Ok(self.connection.flush()?)
+    }
+}
