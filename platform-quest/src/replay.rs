@@ -1,0 +1,64 @@
+//! A trace played again without a session: the same ticks lead to the same digests on every machine.
+
+use std::fmt::{self, Write};
+use std::path::Path;
+
+use paros_core::size::{Grid, Size};
+use paros_shell::durable::{self, Target};
+use paros_shell::stage::Stage;
+use paros_shell::statics::Resident;
+use paros_shell::trace::{Diverged, Trace, TraceError};
+
+/// Why a replay left no digests.
+#[derive(Debug)]
+pub enum Error {
+    /// The file is no trace.
+    Trace(TraceError),
+    /// The trace's ticks lead elsewhere here.
+    Diverged(Diverged),
+    /// The digests can't be written.
+    Write(durable::Error),
+}
+
+/// Plays a trace and writes every tick's digest to a file, 16 hexadecimal digits a line.
+///
+/// # Errors
+/// A file that is no trace, the first tick that differs, or a place where no file can be. Then
+/// nothing is written.
+pub fn replay(trace: &Path, digests: &Path) -> Result<(), Error> {
+    let target = Target::tried(digests).map_err(Error::Write)?;
+    let trace = Trace::read(trace).map_err(Error::Trace)?;
+    let digests = match trace.header().size {
+        256 => play::<256>(&trace),
+        _ => play::<128>(&trace),
+    };
+    target.write(digests.map_err(Error::Diverged)?.as_bytes()).map_err(Error::Write)
+}
+
+fn play<const N: usize>(trace: &Trace) -> Result<String, Diverged>
+where
+    Grid<N>: Size + Resident<N>,
+{
+    let mut starts = Grid::<N>::start_volumes();
+    starts.make(&mut Grid::<N>::plane(), |_| {});
+    let (hidden, mut world) = (starts.hidden(), Grid::<N>::world());
+    let mut stage = Stage::new(&mut world, starts.starts(&hidden));
+    let mut digests = String::with_capacity(17 * trace.records().len());
+    stage.replay(trace, |_, world| {
+        // A String takes everything.
+        let _ = writeln!(digests, "{:016x}", world.digest());
+    })?;
+    Ok(digests)
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Error::Trace(error) => error.fmt(f),
+            Error::Diverged(diverged) => diverged.fmt(f),
+            Error::Write(error) => error.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for Error {}
