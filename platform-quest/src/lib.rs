@@ -4,3 +4,4 @@
 #[cfg(target_os = "android")]
 mod android;
 pub mod replay;
+pub mod starts;
