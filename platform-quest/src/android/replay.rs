@@ -12,8 +12,9 @@ use std::path::Path;
 #[unsafe(no_mangle)]
 unsafe extern "C" fn paros_replay(trace: *const c_char, digests: *const c_char) -> c_int {
     // SAFETY: the caller hands over two C strings, which outlive this call.
-    let [trace, digests] =
-        [trace, digests].map(|path| unsafe { CStr::from_ptr(path) }.to_bytes()).map(OsStr::from_bytes);
+    let [trace, digests] = [trace, digests]
+        .map(|path| unsafe { CStr::from_ptr(path) }.to_bytes())
+        .map(OsStr::from_bytes);
     match crate::replay::replay(Path::new(trace), Path::new(digests)) {
         Ok(()) => 0,
         Err(error) => {

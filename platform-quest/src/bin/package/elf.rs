@@ -18,7 +18,9 @@ pub(crate) fn faults(bytes: &[u8], symbols: &Symbols, level: u32) -> Vec<String>
     match ElfFile64::<object::Endianness>::parse(bytes) {
         Ok(file) if file.architecture() == Architecture::Aarch64 => {
             let mut faults = wants(&file, symbols, level);
-            let has = |name: &str| file.dynamic_symbols().any(|s| s.is_definition() && s.name() == Ok(name));
+            let has = |name: &str| {
+                file.dynamic_symbols().any(|s| s.is_definition() && s.name() == Ok(name))
+            };
             if !has(ENTRY) {
                 faults.push(format!("it does not have {ENTRY}"));
             }
@@ -32,7 +34,8 @@ pub(crate) fn faults(bytes: &[u8], symbols: &Symbols, level: u32) -> Vec<String>
 
 /// What it wants and Android hasn't. A weak symbol may be missing.
 fn wants(file: &ElfFile64<'_>, symbols: &Symbols, level: u32) -> Vec<String> {
-    let undefined = file.dynamic_symbols().filter(|symbol| symbol.is_undefined() && !symbol.is_weak());
+    let undefined =
+        file.dynamic_symbols().filter(|symbol| symbol.is_undefined() && !symbol.is_weak());
     let names = undefined.filter_map(|symbol| symbol.name().ok()).filter(|name| !name.is_empty());
     let mut faults: Vec<_> = names
         .filter_map(|name| match symbols.home(name) {
@@ -58,7 +61,8 @@ fn wants(file: &ElfFile64<'_>, symbols: &Symbols, level: u32) -> Vec<String> {
 
 fn loads(file: &ElfFile64<'_>) -> Option<String> {
     let least = file.segments().map(|segment| segment.align()).min().unwrap_or(0);
-    (least < PAGE || least % PAGE != 0).then(|| format!("a segment is aligned to {least} bytes, not {PAGE}"))
+    (least < PAGE || least % PAGE != 0)
+        .then(|| format!("a segment is aligned to {least} bytes, not {PAGE}"))
 }
 
 #[cfg(test)]
@@ -90,7 +94,8 @@ mod tests {
     #[test]
     fn what_is_no_library_for_arm64_is_told() {
         let here = fs::read(std::env::current_exe().expect("this test")).expect("readable");
-        let expected = if cfg!(target_arch = "aarch64") { "it does not" } else { "it is not for arm64" };
+        let expected =
+            if cfg!(target_arch = "aarch64") { "it does not" } else { "it is not for arm64" };
         assert!(faults(&here, &Symbols::all(), 29)[0].starts_with(expected));
         assert!(faults(b"no ELF", &Symbols::all(), 29)[0].starts_with("it is no library"));
     }

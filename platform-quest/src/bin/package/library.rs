@@ -8,7 +8,7 @@ use std::process::Command;
 use crate::error::Error;
 use crate::stubs;
 use crate::symbols::Symbols;
-use crate::tools::{self, TARGET, Toolchain};
+use crate::tools::{TARGET, Toolchain};
 
 /// The file's name, as `System.loadLibrary` makes it of the manifest's `paros_quest`.
 pub(crate) const NAME: &str = "libparos_quest.so";
@@ -91,13 +91,16 @@ impl Linker {
         match self {
             Linker::Ndk(clang) => {
                 flag("-Clinker=", clang);
-                flags.extend(LINK_ARGUMENTS.map(|argument| format!("-Clink-arg=-Wl,{argument}").into()));
+                flags.extend(
+                    LINK_ARGUMENTS.map(|argument| format!("-Clink-arg=-Wl,{argument}").into()),
+                );
             }
             Linker::Rust { lld, stubs } => {
                 flag("-Clinker=", lld);
                 flag("-Clink-arg=-L", stubs);
                 flags.push("-Clinker-flavor=ld.lld".into());
-                flags.extend(LINK_ARGUMENTS.map(|argument| format!("-Clink-arg={argument}").into()));
+                flags
+                    .extend(LINK_ARGUMENTS.map(|argument| format!("-Clink-arg={argument}").into()));
             }
         }
         flags
@@ -109,7 +112,8 @@ fn clang(ndk: &Path, level: u32) -> Result<PathBuf, Error> {
     let name = format!("{TARGET}{level}-clang");
     let hosts = ndk.join("toolchains/llvm/prebuilt");
     let folders = hosts.read_dir().into_iter().flatten().flatten();
-    let found = folders.map(|host| host.path().join("bin").join(&name)).find(|clang| clang.is_file());
+    let found =
+        folders.map(|host| host.path().join("bin").join(&name)).find(|clang| clang.is_file());
     let ndk = ndk.display();
     found.ok_or_else(|| Error::Input(format!("ANDROID_NDK_HOME: {ndk}: no NDK with {name}")))
 }

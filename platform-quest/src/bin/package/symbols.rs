@@ -65,10 +65,7 @@ mod tests {
     #[test]
     fn the_list_is_read() {
         let symbols = Symbols::all();
-        assert_eq!(
-            symbols.libraries(),
-            ["libandroid", "libc", "libdl", "liblog", "libm"]
-        );
+        assert_eq!(symbols.libraries(), ["libandroid", "libc", "libdl", "liblog", "libm"]);
         assert_eq!(symbols.home("getrandom"), Some(Home { library: "libc", since: 28 }));
         assert_eq!(symbols.home("dlopen"), Some(Home { library: "libdl", since: 21 }));
         assert_eq!(symbols.home("no_such_function"), None);

@@ -59,7 +59,8 @@ pub(crate) fn run(what: &str, command: &mut Command) -> Result<String, Error> {
     if output.status.success() {
         return Ok(String::from_utf8_lossy(&output.stdout).into_owned());
     }
-    let said = [output.stdout, output.stderr].map(|said| String::from_utf8_lossy(&said).into_owned());
+    let said =
+        [output.stdout, output.stderr].map(|said| String::from_utf8_lossy(&said).into_owned());
     Err(Error::Failure(format!("{what}: {program} failed\n{}", said.concat().trim_end())))
 }
 
