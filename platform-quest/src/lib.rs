@@ -3,5 +3,6 @@
 
 #[cfg(target_os = "android")]
 mod android;
+pub mod device;
 pub mod replay;
 pub mod starts;
