@@ -5,4 +5,5 @@
 mod android;
 pub mod device;
 pub mod replay;
+pub mod runtime;
 pub mod starts;
