@@ -58,4 +58,4 @@ pub mod volume;
 pub mod workbench;
 pub mod world;
 
-pub use save::checksum;
+pub use save::{PARTS, checksum, combine};

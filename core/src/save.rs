@@ -15,6 +15,9 @@ const MAGIC: [u8; 4] = *b"PWLD";
 /// Changes with every change of what is saved.
 const VERSION: u16 = 2;
 
+/// The parts of the state that have digests of their own.
+pub const PARTS: [&str; 4] = ["hands, bench and session", "volume", "undo", "islands"];
+
 impl<const N: usize> World<N>
 where
     Grid<N>: Size,
@@ -95,12 +98,7 @@ where
     /// world as for one that was cleared.
     #[must_use]
     pub fn digest(&self) -> u64 {
-        combine([
-            self.state.digest(),
-            self.volume.digest(),
-            self.undo.digest(),
-            self.islands.digest(),
-        ])
+        combine(self.part_digests().map(|(_, digest)| digest))
     }
 
     /// The digest, with every part of it taken from scratch.
@@ -118,13 +116,10 @@ where
 
     /// The digests of the state's parts, by name: to tell which of them two worlds differ in.
     #[must_use]
-    pub fn part_digests(&self) -> [(&'static str, u64); 4] {
-        [
-            ("hands, bench and session", self.state.digest()),
-            ("volume", self.volume.digest()),
-            ("undo", self.undo.digest()),
-            ("islands", self.islands.digest()),
-        ]
+    pub fn part_digests(&self) -> [(&'static str, u64); PARTS.len()] {
+        let digests =
+            [self.state.digest(), self.volume.digest(), self.undo.digest(), self.islands.digest()];
+        core::array::from_fn(|part| (PARTS[part], digests[part]))
     }
 }
 
@@ -163,7 +158,9 @@ pub fn checksum(bytes: &[u8]) -> u64 {
     sum
 }
 
-fn combine(parts: [u64; 4]) -> u64 {
+/// The digest of a world whose parts have these.
+#[must_use]
+pub fn combine(parts: [u64; PARTS.len()]) -> u64 {
     parts.into_iter().fold(0, |sum, part| mix(sum.rotate_left(17) ^ part))
 }
 

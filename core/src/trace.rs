@@ -1,13 +1,14 @@
-//! Traces: a header, then for every tick its input and the digest it led to, at fixed widths.
+//! Traces: a header, then for every tick its input and the digests it led to, at fixed widths.
 //!
 //! Little-endian. Header, [`HEADER_BYTES`] bytes: `PTRC`; u16 trace version; u16 core version (what
 //! a tick computes); u16 N; u16 zero; u32 ticks; u64 digest of the start volumes; u64 digest of the
-//! world before the first tick. Record, [`RECORD_BYTES`] bytes: the input, then the u64 digest after
-//! it.
+//! world before the first tick. Record, [`RECORD_BYTES`] bytes: the input, then the u64 digests of the
+//! world's parts after it, in the order of [`PARTS`](crate::PARTS).
 
 use crate::codec::{BadBytes, Reader, Writer};
 use crate::input::Input;
 use crate::maps::Maps;
+use crate::save::{PARTS, combine};
 use crate::volume::{maps_digest, mix};
 use crate::world::Starts;
 
@@ -15,10 +16,10 @@ use crate::world::Starts;
 pub const HEADER_BYTES: usize = 32;
 
 /// Length of a record.
-pub const RECORD_BYTES: usize = Input::BYTES + 8;
+pub const RECORD_BYTES: usize = Input::BYTES + 8 * PARTS.len();
 
 /// Changes with every change of the bytes of a trace.
-pub const TRACE_VERSION: u16 = 1;
+pub const TRACE_VERSION: u16 = 2;
 
 /// Changes with every change of what a tick computes.
 pub const CORE_VERSION: u16 = 2;
@@ -27,7 +28,7 @@ pub const CORE_VERSION: u16 = 2;
 pub const MAGIC: [u8; 4] = *b"PTRC";
 
 /// What a header of another [`TRACE_VERSION`] is told to be.
-pub const EXPECTED_TRACE: &str = "trace version 1";
+pub const EXPECTED_TRACE: &str = "trace version 2";
 
 /// What a header of another [`CORE_VERSION`] is told to be.
 pub const EXPECTED_CORE: &str = "core version 2";
@@ -50,8 +51,8 @@ pub struct Header {
 pub struct Record {
     /// What the tick was given.
     pub input: Input,
-    /// The digest it led to.
-    pub digest: u64,
+    /// The digests of the world's parts that it led to, so that a replay can tell which differs.
+    pub parts: [u64; PARTS.len()],
 }
 
 impl Header {
@@ -98,10 +99,16 @@ impl Header {
 }
 
 impl Record {
+    /// The digest that the tick led to.
+    #[must_use]
+    pub fn digest(&self) -> u64 {
+        combine(self.parts)
+    }
+
     /// Writes [`RECORD_BYTES`] bytes.
     pub fn write(&self, to: &mut Writer<'_>) {
         self.input.write(to);
-        to.u64(self.digest);
+        self.parts.iter().for_each(|digest| to.u64(*digest));
     }
 
     /// Reads what [`Record::write`] wrote.
@@ -109,7 +116,12 @@ impl Record {
     /// # Errors
     /// [`BadBytes`] at the end, or for an input that can't be.
     pub fn read(from: &mut Reader<'_>) -> Result<Self, BadBytes> {
-        Ok(Record { input: Input::read(from)?, digest: from.u64()? })
+        let input = Input::read(from)?;
+        let mut parts = [0; PARTS.len()];
+        for digest in &mut parts {
+            *digest = from.u64()?;
+        }
+        Ok(Record { input, parts })
     }
 }
 

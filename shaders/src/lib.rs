@@ -27,4 +27,4 @@ pub use camera::Camera;
 pub use fragment::{Hit, Scene, Settings, shade};
 pub use image::{Image, contact_sheet};
 pub use march::Ray;
-pub use render::{RenderOptions, render};
+pub use render::{RenderOptions, portrait, render};

@@ -72,6 +72,18 @@ pub fn render<const N: usize>(
     image
 }
 
+/// The bytes of a PNG file with a sculpture's picture, 720 pixels a side.
+///
+/// # Errors
+/// What keeps a picture from being encoded.
+pub fn portrait<const N: usize>(maps: &Maps<N>) -> Result<Vec<u8>, String> {
+    let options = RenderOptions { width: 720, height: 720, ..RenderOptions::default() };
+    let image = render(maps, &Camera::ring(0.4, 0.25), &options, &|_| {});
+    let mut png = Vec::new();
+    image.write_png(&mut png).map_err(|error| error.to_string())?;
+    Ok(png)
+}
+
 /// The mean tone-mapped colour of a pixel's rays.
 fn pixel_color<const N: usize>(
     scene: &Scene<'_, N>,

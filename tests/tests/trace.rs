@@ -2,6 +2,7 @@
 
 use std::sync::{Mutex, PoisonError};
 
+use paros_core::PARTS;
 use paros_core::codec::{Reader, Writer};
 use paros_core::input::{HandInput, Input, Mode, Pointer, RawPose};
 use paros_core::maps::Maps;
@@ -95,10 +96,10 @@ fn a_changed_input_or_digest_is_named_by_its_tick() {
     let bytes = recorded(&mut studio);
     let diverged_at = |studio: &mut Studio<128>, bytes: &[u8]| match replay(studio, &decoded(bytes))
     {
-        (played, Err(Diverged::Tick { tick, recorded, here })) => {
+        (played, Err(Diverged::Tick { tick, part, recorded, here })) => {
             assert_eq!(played, tick, "ticks before it are played");
             assert_ne!(recorded, here);
-            tick
+            (tick, part)
         }
         other => panic!("{other:?}"),
     };
@@ -108,13 +109,15 @@ fn a_changed_input_or_digest_is_named_by_its_tick() {
             0 => record_of(&mut moved, 0)[114] = 1, // freely, not constrained
             tick => record_of(&mut moved, tick)[1] ^= 1, // the head's position
         }
-        assert_eq!(diverged_at(&mut studio, &moved), tick);
-        let mut other = bytes.clone();
-        record_of(&mut other, tick)[RECORD_BYTES - 1] ^= 1; // the digest
-        assert_eq!(diverged_at(&mut studio, &other), tick);
+        assert_eq!(diverged_at(&mut studio, &moved), (tick, PARTS[0]));
+        for (i, part) in PARTS.into_iter().enumerate() {
+            let mut other = bytes.clone();
+            record_of(&mut other, tick)[Input::BYTES + 8 * i] ^= 1; // its digest
+            assert_eq!(diverged_at(&mut studio, &other), (tick, part));
+        }
     }
-    let message = Diverged::Tick { tick: 40, recorded: 1, here: 2 }.to_string();
-    assert!(message.starts_with("tick 40:"), "{message}");
+    let message = Diverged::Tick { tick: 40, part: PARTS[1], recorded: 1, here: 2 }.to_string();
+    assert!(message.starts_with("tick 40: another state of volume"), "{message}");
 }
 
 #[test]
@@ -240,7 +243,7 @@ fn inputs_are_of_a_fixed_width_there_and_back() {
         let mut input = anything(&mut dice);
         input.hands.iter_mut().for_each(|hand| hand.buttons &= 0x7f);
         let mut bytes = [0; RECORD_BYTES];
-        let record = Record { input, digest: dice.bits() };
+        let record = Record { input, parts: PARTS.map(|_| dice.bits()) };
         let mut to = Writer::new(&mut bytes);
         record.write(&mut to);
         assert_eq!(to.len(), RECORD_BYTES);

@@ -102,7 +102,8 @@ where
             header.ticks += 1;
             let at = bytes.len();
             bytes.resize(at + RECORD_BYTES, 0);
-            let record = Record { input: *input, digest: self.world.digest() };
+            let parts = self.world.part_digests().map(|(_, digest)| digest);
+            let record = Record { input: *input, parts };
             record.write(&mut Writer::new(&mut bytes[at..]));
         }
     }
@@ -111,7 +112,7 @@ where
     ///
     /// # Errors
     /// [`Diverged`] where the trace was recorded on other start volumes or from another state, or
-    /// at the first tick whose digest differs.
+    /// at the first tick after which a part of the world's state differs.
     pub fn replay(
         &mut self,
         trace: &Trace,
@@ -129,9 +130,11 @@ where
         }
         for (tick, record) in trace.records().enumerate() {
             self.tick(&record.input);
-            let here = self.world.digest();
-            if here != record.digest {
-                return Err(Diverged::Tick { tick, recorded: record.digest, here });
+            for ((part, here), recorded) in self.world.part_digests().into_iter().zip(record.parts)
+            {
+                if here != recorded {
+                    return Err(Diverged::Tick { tick, part, recorded, here });
+                }
             }
             each(tick, self.world);
         }

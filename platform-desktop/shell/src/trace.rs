@@ -62,9 +62,11 @@ pub enum Diverged {
     Tick {
         /// The tick, from 0.
         tick: usize,
-        /// The digest in the trace.
+        /// The first part of the state that differs, of [`PARTS`](paros_core::PARTS).
+        part: &'static str,
+        /// Its digest in the trace.
         recorded: u64,
-        /// The digest here.
+        /// Its digest here.
         here: u64,
     },
 }
@@ -160,9 +162,11 @@ impl fmt::Display for Diverged {
                 "before tick 0: recorded from another state \
                  (digest {recorded:016x}, this one has {here:016x})"
             ),
-            Diverged::Tick { tick, recorded, here } => {
-                write!(f, "tick {tick}: digest {here:016x}, the trace has {recorded:016x}")
-            }
+            Diverged::Tick { tick, part, recorded, here } => write!(
+                f,
+                "tick {tick}: another state of {part} \
+                 (digest {here:016x}, the trace has {recorded:016x})"
+            ),
         }
     }
 }

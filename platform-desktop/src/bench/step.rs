@@ -143,7 +143,7 @@ pub fn replay(folder: &Path) -> Result<(), Error> {
             stage.tick(&record.input);
         }
     }
-    match trace.records().last().map(|record| record.digest) {
+    match trace.records().last().map(paros_core::trace::Record::digest) {
         Some(digest) if digest != stage.world().digest() => {
             Err(Error::Failure("the replay came to another digest".into()))
         }

@@ -12,6 +12,7 @@ use paros_core::world::Session;
 use paros_shaders::gpu::{self, Path};
 use paros_shell::stage::Pace;
 use paros_shell::statics::Resident;
+use paros_shell::studio::{Note, Studio};
 use winit::application::ApplicationHandler;
 use winit::dpi::LogicalSize;
 use winit::event::WindowEvent;
@@ -23,9 +24,8 @@ use super::hands::{Hands, RIGHT};
 use super::paint::Painted;
 use super::panels::{Asked, Outline, Panels, Shown as OnPanels};
 use super::script::Script;
-use super::studio::{Note, Studio};
 use super::view::{Shown, View};
-use super::{Closed, Options};
+use super::{Closed, Options, opening};
 use crate::error::Error;
 
 /// The window's size at first, in points.
@@ -77,7 +77,7 @@ where
         options: &Options,
     ) -> Self {
         if let Some(file) = &options.file {
-            studio.open(file);
+            studio.open(file, opening::load::<N>);
         }
         App {
             view: None,
@@ -249,7 +249,7 @@ where
                 let mode = self.studio.adopt();
                 self.hands.start(mode);
             }
-            Asked::Open(path) => self.studio.open(&path),
+            Asked::Open(path) => self.studio.open(&path, opening::load::<N>),
             Asked::Take(item) => self.hands.take(item),
             Asked::Command(command) => self.hands.command(command),
             Asked::Finish => {

@@ -1,37 +1,35 @@
 //! The window: a studio to sculpt in with mouse and keyboard.
 //!
-//! `hands` turns what the devices do into the core's input, `studio` steps the world and keeps
-//! its files, `view` draws it, `panels` ask and tell; `app` ties them to a window. Only `app`,
+//! `hands` turns what the devices do into the core's input, `paros_shell`'s studio steps the world and
+//! keeps its files, `view` draws it, `panels` ask and tell; `app` ties them to a window. Only `app`,
 //! `keys`, `screen` and `view` know `winit` or Vulkan.
 
 mod app;
 mod camera;
 mod cast;
 mod hands;
-mod keeper;
 mod keys;
 mod libraries;
 mod opening;
 mod paint;
 mod panels;
-mod places;
 mod screen;
 mod script;
-mod studio;
 mod view;
 
 use std::path::PathBuf;
 
 use paros_core::size::{Grid, Size};
+use paros_shaders::portrait;
+use paros_shell::places::Places;
 use paros_shell::print::{HEIGHT_MM, Printer};
 use paros_shell::statics::Resident;
+use paros_shell::studio::Studio;
 use winit::event_loop::EventLoop;
 
 use crate::error::Error;
 use app::App;
-use places::Places;
 use script::Script;
-use studio::Studio;
 
 /// What a window is opened with.
 #[derive(Clone, Default, Debug)]
@@ -74,7 +72,7 @@ where
     let printer = Printer::new(&mut press, HEIGHT_MM);
     let printer = printer.map_err(|error| Closed::Failed(error.into()))?;
     let places = Places::of_user(options.folder.as_deref());
-    let studio = Studio::new(&mut world, &mut volumes, printer, places);
+    let studio = Studio::new(&mut world, &mut volumes, printer, places, portrait);
     let mut app = App::new(studio, script, options);
     let run = events.run_app(&mut app);
     let closed = app.close();

@@ -1,8 +1,6 @@
-//! A mesh or a volume from a file, read and baked beside the frames.
+//! A mesh or a volume from a file.
 
-use std::path::{Path, PathBuf};
-use std::sync::mpsc::{Receiver, channel};
-use std::thread;
+use std::path::Path;
 
 use paros_core::bake::Up;
 use paros_core::size::{Grid, Size};
@@ -10,43 +8,6 @@ use paros_shell::rmap;
 use paros_shell::statics::Resident;
 
 use crate::mesh::{self, Kind};
-
-/// A file on its way in. Once it is there, the resident maps of its size hold it.
-#[derive(Debug)]
-pub(super) struct Opening {
-    /// The file.
-    pub(super) path: PathBuf,
-    done: Receiver<Result<(), String>>,
-}
-
-impl Opening {
-    /// Begins to read a file: an `.rmap` of N voxels a side, or a mesh.
-    #[must_use]
-    pub(super) fn begin<const N: usize>(path: &Path) -> Self
-    where
-        Grid<N>: Size + Resident<N>,
-    {
-        let (tell, done) = channel();
-        let file = path.to_owned();
-        thread::spawn(move || {
-            // Nobody listens any more once the window is closed.
-            let _ = tell.send(load::<N>(&file));
-        });
-        Opening { path: path.to_owned(), done }
-    }
-
-    /// What came of it, once it has.
-    #[must_use]
-    pub(super) fn done(&self) -> Option<Result<(), String>> {
-        match self.done.try_recv() {
-            Ok(done) => Some(done),
-            Err(std::sync::mpsc::TryRecvError::Empty) => None,
-            Err(std::sync::mpsc::TryRecvError::Disconnected) => {
-                Some(Err(format!("{}: could not be read", self.path.display())))
-            }
-        }
-    }
-}
 
 /// Whether a file's name says that it can be opened.
 #[must_use]
@@ -58,8 +19,11 @@ fn is_volume(path: &Path) -> bool {
     path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("rmap"))
 }
 
-/// Reads a file into the resident maps.
-fn load<const N: usize>(path: &Path) -> Result<(), String>
+/// Reads a file into the resident maps: an `.rmap` of N voxels a side, or a mesh.
+///
+/// # Errors
+/// Why it can't be sculpted in.
+pub(super) fn load<const N: usize>(path: &Path) -> Result<(), String>
 where
     Grid<N>: Size + Resident<N>,
 {

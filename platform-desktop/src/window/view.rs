@@ -1,18 +1,16 @@
-//! What is shown: the sculpture's textures kept up with its volume, and a frame of them.
+//! What is shown: a frame of the world, and panels over it.
 
-use paros_core::events::Event;
 use paros_core::input::TICK_RATE;
 use paros_core::size::{Grid, Size};
 use paros_core::world::World;
-use paros_shaders::field::{Budget, Field};
-use paros_shaders::gpu::{Error, Eye, Look, Path, Picture, Renderer, Stand, Times};
-use paros_shaders::scene::{Assembly, Fresh, SKY, SculpturePose};
+use paros_shaders::gpu::{Error, Eye, Path, Seen, Show, Times};
+use paros_shaders::scene::Fresh;
 use paros_shell::durable;
+use paros_shell::keeper::{Keeper, What};
+use paros_shell::places::Places;
 use winit::window::Window;
 
-use super::keeper::{Keeper, What};
 use super::paint::Painted;
-use super::places::Places;
 use super::screen::Screen;
 
 /// Samples of a pixel.
@@ -24,12 +22,8 @@ where
     Grid<N>: Size,
 {
     // Before the screen: it goes first.
-    renderer: Renderer,
+    show: Show<N>,
     screen: Screen,
-    field: Box<Field<N>>,
-    /// The volume is another one: its textures are made anew at once, a hitch that no one sees.
-    anew: bool,
-    scene: Box<Assembly>,
 }
 
 /// What a frame shows besides the sculpture.
@@ -60,27 +54,20 @@ where
         let screen = Screen::new(window, validation)?;
         // Without it the start takes longer, that is all.
         let cache = durable::read(&places.pipelines()).unwrap_or_default();
-        let renderer = Renderer::new(screen.gpu(), screen.format(SAMPLES), N, &cache)?;
-        let field = Box::new(Field::new());
-        let mut scene = Box::new(Assembly::new());
-        scene.follow(world);
-        let mut view = View { renderer, screen, field, anew: false, scene };
-        view.load(world)?;
-        Ok(view)
+        let show = Show::new(screen.gpu(), screen.format(SAMPLES), world, &cache)?;
+        Ok(View { show, screen })
     }
 
     /// Has what makes the next start faster written.
     pub(super) fn keep_cache(&self, places: &Places, keeper: &mut Keeper) {
-        if let Ok(bytes) = self.renderer.cache() {
+        if let Ok(bytes) = self.show.renderer.cache() {
             keeper.keep(What::Cache, vec![(places.pipelines(), bytes)]);
         }
     }
 
     /// Takes in what a tick changed.
     pub(super) fn note(&mut self, world: &World<N>) {
-        self.field.note(world.volume().maps(), world.dirty());
-        self.anew |= world.events().iter().any(|event| matches!(event, Event::Started(_)));
-        self.scene.follow(world);
+        self.show.note(world);
     }
 
     /// The window has another size.
@@ -97,7 +84,7 @@ where
     /// How long the device took for the latest frame known to be done.
     #[must_use]
     pub(super) const fn times(&self) -> Times {
-        self.renderer.times()
+        self.show.renderer.times()
     }
 
     /// What validation has complained of.
@@ -120,44 +107,17 @@ where
         if size.contains(&0) {
             return Ok(false);
         }
-        if core::mem::take(&mut self.anew) {
-            self.load(world)?;
-        }
-        self.renderer.begin()?;
-        let Some(target) = self.screen.acquire(&self.renderer, size)? else { return Ok(false) };
-        let renderer = &mut self.renderer;
-        self.field.advance(Budget::frame(N), &mut |region, bytes| {
-            let fits = renderer.upload(region, bytes);
-            debug_assert!(fits, "a frame's budget is within what it can upload");
-        });
+        self.show.begin(world)?;
+        let renderer = &mut self.show.renderer;
+        let Some(target) = self.screen.acquire(renderer, size)? else { return Ok(false) };
         let Some(surface) = self.screen.surface() else { return Ok(false) };
-        painted.hand_over(&mut self.renderer.overlay, surface.extent);
+        painted.hand_over(&mut renderer.overlay, surface.extent);
         let time = (world.tick() as f64 + f64::from(shown.between)) / f64::from(TICK_RATE);
         // The mouse is in no hand that one would see.
         let fresh = Fresh { grips: [None; 2], hands: false, fraction: shown.between, time };
-        self.scene.assemble(world, &fresh);
-        let SculpturePose { turn, side, foot } = self.scene.sculpture();
-        let picture = Picture {
-            eyes: &[shown.eye],
-            stand: Stand { foot, side, turn },
-            look: Look::studio(shown.path),
-            backdrop: SKY.map(|c| c * (1.0 + 0.25 * c) / (1.0 + c)),
-            scene: Some(self.scene.list()),
-        };
-        self.renderer.draw(&picture, surface, target.image, target.sync)?;
+        let seen = Seen { eyes: &[shown.eye], fresh, path: shown.path };
+        self.show.draw(world, &seen, surface, target.image, target.sync)?;
         self.screen.present(target)?;
         Ok(true)
-    }
-
-    /// Makes all textures of a world's volume.
-    fn load(&mut self, world: &World<N>) -> Result<(), Error> {
-        self.field.rebuild(world.volume().maps());
-        let mut loaded = Ok(());
-        self.field.whole(|region, bytes| {
-            if loaded.is_ok() {
-                loaded = self.renderer.load(region, bytes);
-            }
-        });
-        loaded
     }
 }

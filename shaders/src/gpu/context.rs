@@ -6,9 +6,10 @@ use std::sync::{Arc, Mutex};
 use ash::{ext, vk};
 
 use super::error::{Doing, Error};
+use super::offer::{family, name_of, offered, rank};
 
 /// Vulkan 1.1 has multiview in its core.
-const API: u32 = vk::API_VERSION_1_1;
+pub(super) const API: u32 = vk::API_VERSION_1_1;
 
 /// How an instance and a device are made.
 #[derive(Clone, Default, Debug)]
@@ -84,6 +85,21 @@ impl Instance {
     /// # Errors
     /// [`Error::NoLoader`], or a call that failed: a layer or an extension that isn't there.
     pub fn new(options: &Options) -> Result<Arc<Self>, Error> {
+        Self::made_by(options, |entry, info| {
+            // SAFETY: all that `info` points to lives until the call returns.
+            let made = unsafe { entry.create_instance(info, None) }.doing("make an instance")?;
+            Ok(made.handle())
+        })
+    }
+
+    /// Opens the loader and has `make` make an instance: a headset's runtime adds to what is asked.
+    ///
+    /// # Errors
+    /// [`Error::NoLoader`], or what `make` met with.
+    pub fn made_by<E: From<Error>>(
+        options: &Options,
+        make: impl FnOnce(&ash::Entry, &vk::InstanceCreateInfo<'_>) -> Result<vk::Instance, E>,
+    ) -> Result<Arc<Self>, E> {
         // SAFETY: the loader is the system's own; loading it runs its initialisers.
         let entry =
             unsafe { ash::Entry::load() }.map_err(|error| Error::NoLoader(error.to_string()))?;
@@ -106,8 +122,9 @@ impl Instance {
         if options.validation {
             info = info.push_next(&mut features);
         }
-        // SAFETY: all that `info` points to lives until the call returns.
-        let raw = unsafe { entry.create_instance(&info, None) }.doing("make an instance")?;
+        let made = make(&entry, &info)?;
+        // SAFETY: the instance is alive, and was made by way of this loader.
+        let raw = unsafe { ash::Instance::load(entry.static_fn(), made) };
         let messages = Arc::new(Mutex::new(Vec::new()));
         let mut instance = Instance { entry, raw, messenger: None, messages };
         if options.validation {
@@ -201,9 +218,7 @@ impl Gpu {
         for physical in all {
             // SAFETY: the physical device is one of this instance's.
             let properties = unsafe { instance.raw.get_physical_device_properties(physical) };
-            let name = properties
-                .device_name_as_c_str()
-                .map_or_else(|_| "unnamed".into(), |name| name.to_string_lossy().into_owned());
+            let name = name_of(&properties);
             let meant = options
                 .device
                 .as_ref()
@@ -221,9 +236,44 @@ impl Gpu {
         let Some((_, physical, family, name)) = fitting.into_iter().next() else {
             return Err(Error::NoDevice(refused));
         };
+        let raw = instance.raw.clone();
+        Self::on(instance, options, (physical, family, name), |info| {
+            // SAFETY: all that `info` points to lives until the call returns.
+            let made = unsafe { raw.create_device(physical, info, None) }.doing("make a device")?;
+            Ok(made.handle())
+        })
+    }
+
+    /// A physical device that is not ours to choose; `make` makes the device: a headset's runtime
+    /// adds to what is asked.
+    ///
+    /// # Errors
+    /// [`Error::NoDevice`] with what it lacks, or what `make` met with.
+    pub fn made_by<E: From<Error>>(
+        instance: Arc<Instance>,
+        options: &Options,
+        physical: vk::PhysicalDevice,
+        make: impl FnOnce(&vk::DeviceCreateInfo<'_>) -> Result<vk::Device, E>,
+    ) -> Result<Arc<Self>, E> {
+        // SAFETY: the physical device is one of this instance's.
+        let properties = unsafe { instance.raw.get_physical_device_properties(physical) };
+        let name = name_of(&properties);
+        let family = family(&instance.raw, physical, &properties, &|_, _| true)
+            .map_err(|lacks| Error::NoDevice(vec![format!("{name} {lacks}")]))?;
+        Self::on(instance, options, (physical, family, name), make)
+    }
+
+    fn on<E: From<Error>>(
+        instance: Arc<Instance>,
+        options: &Options,
+        (physical, family, name): (vk::PhysicalDevice, u32, String),
+        make: impl FnOnce(&vk::DeviceCreateInfo<'_>) -> Result<vk::Device, E>,
+    ) -> Result<Arc<Self>, E> {
         let mut needs = offered(&instance.raw, physical, family);
         needs.half &= !options.single;
-        let device = make_device(&instance.raw, physical, family, needs, options)?;
+        let made = make_device(family, needs, options, make)?;
+        // SAFETY: the device is alive, and is this instance's.
+        let device = unsafe { ash::Device::load(instance.raw.fp_v1_0(), made) };
         // SAFETY: the device was made with one queue of this family.
         let queue = unsafe { device.get_device_queue(family, 0) };
         // SAFETY: the physical device is one of this instance's.
@@ -266,74 +316,12 @@ impl Drop for Gpu {
     }
 }
 
-const fn rank(kind: vk::PhysicalDeviceType) -> u8 {
-    match kind {
-        vk::PhysicalDeviceType::DISCRETE_GPU => 0,
-        vk::PhysicalDeviceType::INTEGRATED_GPU => 1,
-        vk::PhysicalDeviceType::VIRTUAL_GPU => 2,
-        vk::PhysicalDeviceType::CPU => 3,
-        _ => 4,
-    }
-}
-
-/// A family of queues that draws and serves the shell, or what the device lacks.
-fn family(
-    instance: &ash::Instance,
-    physical: vk::PhysicalDevice,
-    properties: &vk::PhysicalDeviceProperties,
-    presents: &impl Fn(vk::PhysicalDevice, u32) -> bool,
-) -> Result<u32, String> {
-    let version = properties.api_version;
-    if version < API {
-        let (major, minor) = (vk::api_version_major(version), vk::api_version_minor(version));
-        return Err(format!("speaks Vulkan {major}.{minor}, not 1.1"));
-    }
-    let mut multiview = vk::PhysicalDeviceMultiviewFeatures::default();
-    let mut features = vk::PhysicalDeviceFeatures2::default().push_next(&mut multiview);
-    // SAFETY: the physical device is one of this instance's and speaks 1.1.
-    unsafe { instance.get_physical_device_features2(physical, &mut features) };
-    if multiview.multiview == vk::FALSE {
-        return Err("has no multiview".into());
-    }
-    // SAFETY: as above.
-    let families = unsafe { instance.get_physical_device_queue_family_properties(physical) };
-    let draws = |i: &u32| {
-        families[*i as usize].queue_flags.contains(vk::QueueFlags::GRAPHICS)
-            && presents(physical, *i)
-    };
-    (0..families.len() as u32)
-        .find(draws)
-        .ok_or_else(|| "has no queue that draws into the window".into())
-}
-
-fn offered(instance: &ash::Instance, physical: vk::PhysicalDevice, family: u32) -> Needs {
-    let mut half = vk::PhysicalDeviceShaderFloat16Int8Features::default();
-    let has_half = has_extension(instance, physical, vk::KHR_SHADER_FLOAT16_INT8_NAME);
-    let mut features = vk::PhysicalDeviceFeatures2::default();
-    if has_half {
-        features = features.push_next(&mut half);
-    }
-    // SAFETY: the physical device is one of this instance's, and speaks 1.1.
-    unsafe { instance.get_physical_device_features2(physical, &mut features) };
-    // SAFETY: as above.
-    let properties = unsafe { instance.get_physical_device_properties(physical) };
-    // SAFETY: as above.
-    let families = unsafe { instance.get_physical_device_queue_family_properties(physical) };
-    let bits = families[family as usize].timestamp_valid_bits;
-    let period = (f64::from(properties.limits.timestamp_period) * 1e6) as u64;
-    Needs {
-        half: has_half && half.shader_float16 == vk::TRUE,
-        timestamp_period: if bits == 0 { 0 } else { period },
-    }
-}
-
-fn make_device(
-    instance: &ash::Instance,
-    physical: vk::PhysicalDevice,
+fn make_device<E>(
     family: u32,
     needs: Needs,
     options: &Options,
-) -> Result<ash::Device, Error> {
+    make: impl FnOnce(&vk::DeviceCreateInfo<'_>) -> Result<vk::Device, E>,
+) -> Result<vk::Device, E> {
     let queues =
         [vk::DeviceQueueCreateInfo::default().queue_family_index(family).queue_priorities(&[1.0])];
     let mut extensions: Vec<*const c_char> =
@@ -346,12 +334,5 @@ fn make_device(
         info = info.push_next(&mut half);
     }
     let info = info.queue_create_infos(&queues).enabled_extension_names(&extensions);
-    // SAFETY: all that `info` points to lives until the call returns.
-    unsafe { instance.create_device(physical, &info, None) }.doing("make a device")
-}
-
-fn has_extension(instance: &ash::Instance, physical: vk::PhysicalDevice, name: &CStr) -> bool {
-    // SAFETY: the physical device is one of this instance's.
-    let all = unsafe { instance.enumerate_device_extension_properties(physical) };
-    all.is_ok_and(|all| all.iter().any(|one| one.extension_name_as_c_str() == Ok(name)))
+    make(&info)
 }

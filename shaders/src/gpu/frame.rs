@@ -154,6 +154,9 @@ impl Stand {
 }
 
 impl Eye {
+    /// Distances of the near and the far plane, in metres.
+    pub const PLANES: [f32; 2] = [NEAR, FAR];
+
     /// Clip space from the room, with depth 1 on the near plane and 0 on the far one.
     #[must_use]
     pub fn clip_from_room(&self) -> Mat4 {

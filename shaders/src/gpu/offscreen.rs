@@ -94,61 +94,86 @@ impl Offscreen {
 
     fn read(&self, image: &Image, layout: vk::ImageLayout, view: u32) -> Result<Vec<u8>, Error> {
         let [width, height, _] = image.shape.extent;
-        let size = width as usize * height as usize * 4;
-        let buffer = Buffer::new(&self.gpu, size, vk::BufferUsageFlags::TRANSFER_DST)?;
-        let layers = vk::ImageSubresourceLayers {
-            aspect_mask: aspect(image.shape.format),
-            mip_level: 0,
-            base_array_layer: view,
-            layer_count: 1,
-        };
-        let copy = vk::BufferImageCopy {
-            image_subresource: layers,
-            image_extent: vk::Extent3D { width, height, depth: 1 },
-            ..vk::BufferImageCopy::default()
-        };
-        let from = vk::ImageLayout::TRANSFER_SRC_OPTIMAL;
-        let turn = |old, new| {
-            vk::ImageMemoryBarrier::default()
-                .image(image.raw)
-                .subresource_range(image.range())
-                .old_layout(old)
-                .new_layout(new)
-                .src_access_mask(vk::AccessFlags::MEMORY_WRITE)
-                .dst_access_mask(vk::AccessFlags::MEMORY_READ)
-                .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
-                .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
-        };
-        once(&self.gpu, |device, commands| {
-            let barrier = |old, new| {
-                let all = vk::PipelineStageFlags::ALL_COMMANDS;
-                let none = vk::DependencyFlags::empty();
-                // SAFETY: the image is in the old layout at this point.
-                unsafe {
-                    device.cmd_pipeline_barrier(
-                        commands,
-                        all,
-                        all,
-                        none,
-                        &[],
-                        &[],
-                        &[turn(old, new)],
-                    );
-                }
-            };
-            if layout != from {
-                barrier(layout, from);
-            }
-            // SAFETY: the buffer takes the whole layer.
-            unsafe {
-                device.cmd_copy_image_to_buffer(commands, image.raw, from, buffer.raw, &[copy]);
-            }
-            if layout != from {
-                barrier(from, layout);
-            }
-        })?;
-        Ok(buffer.read().to_vec())
+        let (raw, format) = (image.raw, image.shape.format);
+        read_layer(&self.gpu, &Layer { raw, format, extent: [width, height], layout, number: view })
     }
+}
+
+/// A layer of an image of one level, of four bytes a pixel, that may be copied from.
+#[derive(Clone, Copy, Debug)]
+pub struct Layer {
+    /// The image.
+    pub raw: vk::Image,
+    /// Its format.
+    pub format: vk::Format,
+    /// Pixels across and down.
+    pub extent: [u32; 2],
+    /// The layout it is in, and will be in again.
+    pub layout: vk::ImageLayout,
+    /// The number of the layer.
+    pub number: u32,
+}
+
+/// The bytes of a layer, row by row, once the device is done with all it was given. For looking at
+/// single pictures, as it waits.
+///
+/// # Errors
+/// A lost device.
+pub fn read_layer(gpu: &Arc<Gpu>, layer: &Layer) -> Result<Vec<u8>, Error> {
+    let [width, height] = layer.extent;
+    let size = width as usize * height as usize * 4;
+    let buffer = Buffer::new(gpu, size, vk::BufferUsageFlags::TRANSFER_DST)?;
+    let subresource = vk::ImageSubresourceLayers {
+        aspect_mask: aspect(layer.format),
+        mip_level: 0,
+        base_array_layer: layer.number,
+        layer_count: 1,
+    };
+    let copy = vk::BufferImageCopy {
+        image_subresource: subresource,
+        image_extent: vk::Extent3D { width, height, depth: 1 },
+        ..vk::BufferImageCopy::default()
+    };
+    let from = vk::ImageLayout::TRANSFER_SRC_OPTIMAL;
+    once(gpu, |device, commands| {
+        turn(device, commands, layer, [layer.layout, from]);
+        // SAFETY: the buffer takes the whole layer.
+        unsafe { device.cmd_copy_image_to_buffer(commands, layer.raw, from, buffer.raw, &[copy]) };
+        turn(device, commands, layer, [from, layer.layout]);
+    })?;
+    Ok(buffer.read().to_vec())
+}
+
+/// Brings a layer from one layout to another, after all that was done and before all that follows.
+fn turn(
+    device: &ash::Device,
+    commands: vk::CommandBuffer,
+    layer: &Layer,
+    [old, new]: [vk::ImageLayout; 2],
+) {
+    if old == new {
+        return;
+    }
+    let range = vk::ImageSubresourceRange {
+        aspect_mask: aspect(layer.format),
+        base_mip_level: 0,
+        level_count: 1,
+        base_array_layer: layer.number,
+        layer_count: 1,
+    };
+    let barrier = vk::ImageMemoryBarrier::default()
+        .image(layer.raw)
+        .subresource_range(range)
+        .old_layout(old)
+        .new_layout(new)
+        .src_access_mask(vk::AccessFlags::MEMORY_WRITE)
+        .dst_access_mask(vk::AccessFlags::MEMORY_READ)
+        .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+        .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED);
+    let all = vk::PipelineStageFlags::ALL_COMMANDS;
+    let none = vk::DependencyFlags::empty();
+    // SAFETY: the layer is in the old layout at this point.
+    unsafe { device.cmd_pipeline_barrier(commands, all, all, none, &[], &[], &[barrier]) };
 }
 
 /// Records commands, submits them and waits until they are done.

@@ -9,6 +9,7 @@ use winit::event::{ElementState, MouseButton, MouseScrollDelta, WindowEvent};
 use super::App;
 use crate::window::hands::{Button, Event};
 use crate::window::keys::{self, Command};
+use crate::window::opening;
 
 /// Pixels of a touchpad that count as a notch of a wheel.
 const NOTCH: f64 = 40.0;
@@ -31,7 +32,7 @@ where
                 self.scale = scale_factor as f32;
             }
             WindowEvent::Occluded(false) => self.seen = true,
-            WindowEvent::DroppedFile(path) => self.studio.open(&path),
+            WindowEvent::DroppedFile(path) => self.studio.open(&path, opening::load::<N>),
             WindowEvent::Focused(false) => self.hand(Event::LetGo),
             WindowEvent::ModifiersChanged(modifiers) => self.modifiers = modifiers.state(),
             WindowEvent::CursorMoved { position, .. } => {

@@ -12,9 +12,9 @@ use winit::event_loop::ActiveEventLoop;
 
 use super::App;
 use crate::error::Error;
-use crate::window::Closed;
 use crate::window::hands::{Event, RIGHT};
 use crate::window::script::Step;
+use crate::window::{Closed, opening};
 
 impl<const N: usize> App<'_, N>
 where
@@ -53,7 +53,7 @@ where
                 })?;
                 self.hands.start(mode);
             }
-            Step::Open(path) => self.studio.open(&path),
+            Step::Open(path) => self.studio.open(&path, opening::load::<N>),
             Step::Size([width, height]) => {
                 if let Some(window) = &self.window {
                     // A size that is granted at once brings no event.

@@ -17,8 +17,8 @@ use paros_core::tools::{Bit, Tool};
 use paros_core::workbench::Item;
 use paros_core::world::Session;
 use paros_shaders::gpu::Times;
+use paros_shell::studio::Note;
 
-use super::studio::Note;
 use browser::Browser;
 use graph::Graph;
 pub(super) use outline::Outline;

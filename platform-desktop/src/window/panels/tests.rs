@@ -6,9 +6,9 @@ use paros_core::tools::{Bit, Tool};
 use paros_core::workbench::Item;
 use paros_core::world::Session;
 use paros_shaders::gpu::Times;
+use paros_shell::studio::Note;
 
 use super::{Asked, Panels, Shown};
-use crate::window::studio::Note;
 
 const SIZE: Vec2 = Vec2::new(1000.0, 700.0);
 

@@ -1,24 +1,24 @@
-//! Where the window keeps its files.
+//! Where a studio keeps its files.
 
 use std::env;
 use std::path::{Path, PathBuf};
 
 /// Folders; each is made when something is written there.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub(super) struct Places {
+pub struct Places {
     /// Sculptures, prints, pictures and traces: what the visitor is to find.
-    pub(super) sculptures: PathBuf,
+    pub sculptures: PathBuf,
     /// Sessions under way.
-    pub(super) sessions: PathBuf,
+    pub sessions: PathBuf,
     /// What makes the next start faster.
-    pub(super) cache: PathBuf,
+    pub cache: PathBuf,
 }
 
 impl Places {
     /// The user's own folders, by the XDG base directories; sculptures go to `sculptures` where
     /// that is given, else to `Paros` at home.
     #[must_use]
-    pub(super) fn of_user(sculptures: Option<&Path>) -> Self {
+    pub fn of_user(sculptures: Option<&Path>) -> Self {
         let absolute =
             |name: &str| env::var_os(name).map(PathBuf::from).filter(|p| p.is_absolute());
         let home = absolute("HOME").or_else(|| absolute("USERPROFILE")).unwrap_or_default();
@@ -31,27 +31,37 @@ impl Places {
         }
     }
 
+    /// Folders in one, where the system has none for each purpose: a headset's.
+    #[must_use]
+    pub fn within(folder: &Path) -> Self {
+        Places {
+            sculptures: folder.join("sculptures"),
+            sessions: folder.join("sessions"),
+            cache: folder.join("cache"),
+        }
+    }
+
     /// The session under way at a size.
     #[must_use]
-    pub(super) fn session(&self, n: usize) -> PathBuf {
+    pub fn session(&self, n: usize) -> PathBuf {
         self.sessions.join(format!("session-{n}.save"))
     }
 
     /// The session before it, which was left for a new one.
     #[must_use]
-    pub(super) fn session_before(&self, n: usize) -> PathBuf {
+    pub fn session_before(&self, n: usize) -> PathBuf {
         self.sessions.join(format!("session-{n}.before.save"))
     }
 
     /// The driver's compiled programs.
     #[must_use]
-    pub(super) fn pipelines(&self) -> PathBuf {
+    pub fn pipelines(&self) -> PathBuf {
         self.cache.join("pipelines.bin")
     }
 
     /// A path without an ending that no file of the sculptures' folder has with any of `endings`.
     #[must_use]
-    pub(super) fn free(&self, name: &str, endings: &[&str]) -> PathBuf {
+    pub fn free(&self, name: &str, endings: &[&str]) -> PathBuf {
         let taken = |stem: &Path| endings.iter().any(|ending| stem.with_extension(ending).exists());
         (1u32..)
             .map(|number| self.sculptures.join(format!("{name}-{number:03}")))

@@ -7,15 +7,13 @@ use std::thread;
 use paros_core::maps::Maps;
 use paros_core::size::{Grid, Size};
 use paros_core::world::World;
-use paros_shaders::{Camera, RenderOptions, render};
-use paros_shell::print::{Print, Printer};
-use paros_shell::rmap;
+
+use super::Portrait;
+use crate::print::{Print, Printer};
+use crate::rmap;
 
 /// How the files' names end.
 pub(super) const ENDINGS: [&str; 3] = ["stl", "png", "rmap"];
-
-/// Pixels along a side of the picture.
-const PIXELS: usize = 720;
 
 /// Files and what is in them.
 type Files = Vec<(PathBuf, Vec<u8>)>;
@@ -37,7 +35,11 @@ enum Picture {
 
 impl Finishing {
     /// Begins with a world whose session has just ended; `stem` becomes the files' names.
-    pub(super) fn begin<const N: usize>(world: &World<N>, stem: PathBuf) -> Self
+    pub(super) fn begin<const N: usize>(
+        world: &World<N>,
+        stem: PathBuf,
+        portrait: Portrait<N>,
+    ) -> Self
     where
         Grid<N>: Size,
     {
@@ -47,7 +49,7 @@ impl Finishing {
         let (tell, drawing) = channel();
         thread::spawn(move || {
             // Nobody listens any more if the window was closed in a hurry.
-            let _ = tell.send(draw(&copy));
+            let _ = tell.send(portrait(&copy));
         });
         let picture = Picture::Drawing(drawing);
         Finishing { stem, print: None, picture, rmap: rmap::encode(maps) }
@@ -99,15 +101,4 @@ impl Finishing {
         }
         Some(Ok(files))
     }
-}
-
-fn draw<const N: usize>(maps: &Maps<N>) -> Result<Vec<u8>, String>
-where
-    Grid<N>: Size,
-{
-    let options = RenderOptions { width: PIXELS, height: PIXELS, ..RenderOptions::default() };
-    let image = render(maps, &Camera::ring(0.4, 0.25), &options, &|_| {});
-    let mut png = Vec::new();
-    image.write_png(&mut png).map_err(|error| error.to_string())?;
-    Ok(png)
 }

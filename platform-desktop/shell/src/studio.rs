@@ -1,23 +1,30 @@
-//! A session and what comes of it: ticks, saves, prints, traces. It knows no window.
+//! A session and what comes of it: ticks, saves, prints, traces. It knows no window and no headset.
 
 mod finishing;
+mod opening;
 
 use std::path::{Path, PathBuf};
 
+use crate::keeper::{Keeper, Kept, What};
+use crate::places::Places;
+use crate::print::Printer;
+use crate::stage::{Recording, Stage};
+use crate::starts::StartVolumes;
+use crate::statics::Resident;
+use crate::{durable, rmap};
+use finishing::Finishing;
+use opening::Opening;
 use paros_core::events::Event;
 use paros_core::input::{Input, Mode};
+use paros_core::maps::Maps;
 use paros_core::size::{Grid, Size};
 use paros_core::world::{Session, World};
-use paros_shell::print::Printer;
-use paros_shell::stage::{Recording, Stage};
-use paros_shell::starts::StartVolumes;
-use paros_shell::statics::Resident;
-use paros_shell::{durable, rmap};
 
-use super::keeper::{Keeper, Kept, What};
-use super::opening::Opening;
-use super::places::Places;
-use finishing::Finishing;
+/// Draws a finished sculpture, as the bytes of a PNG file; in a thread, at its leisure.
+pub type Portrait<const N: usize> = fn(&Maps<N>) -> Result<Vec<u8>, String>;
+
+/// Reads a file into the resident maps of its size; in a thread.
+pub type Read = fn(&Path) -> Result<(), String>;
 
 /// Ticks from one save to the next while something changes: three seconds.
 const SAVE_TICKS: u64 = 3 * 72;
@@ -30,7 +37,7 @@ const RECORD_TICKS: u32 = 2 * 60 * 60 * 72;
 
 /// Something to tell the visitor.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub(super) enum Note {
+pub enum Note {
     /// All is well.
     Good(String),
     /// Something could not be done.
@@ -38,7 +45,7 @@ pub(super) enum Note {
 }
 
 /// A world with its start volumes and its files.
-pub(super) struct Studio<'a, const N: usize>
+pub struct Studio<'a, const N: usize>
 where
     Grid<N>: Size,
 {
@@ -46,9 +53,12 @@ where
     volumes: &'a mut StartVolumes<N>,
     printer: Printer<'a, N>,
     places: Places,
+    portrait: Portrait<N>,
     keeper: Keeper,
     /// From the session's start on; none of a session that was resumed.
     recording: Option<Recording>,
+    /// Where the last session's trace goes at the end.
+    record_to: Option<PathBuf>,
     opening: Option<Opening>,
     finishing: Option<Finishing>,
     notes: Vec<Note>,
@@ -65,19 +75,22 @@ where
 {
     /// A studio in which the last session goes on, if there is one.
     #[must_use]
-    pub(super) fn new(
+    pub fn new(
         world: &'a mut World<N>,
         volumes: &'a mut StartVolumes<N>,
         printer: Printer<'a, N>,
         places: Places,
+        portrait: Portrait<N>,
     ) -> Self {
         let mut studio = Studio {
             world,
             volumes,
             printer,
             places,
+            portrait,
             keeper: Keeper::new(),
             recording: None,
+            record_to: None,
             opening: None,
             finishing: None,
             notes: Vec::new(),
@@ -92,51 +105,56 @@ where
 
     /// The world as of the last tick.
     #[must_use]
-    pub(super) const fn world(&self) -> &World<N> {
+    pub const fn world(&self) -> &World<N> {
         self.world
+    }
+
+    /// Has the trace of the session that is under way at the end written to a file then.
+    pub fn record_to(&mut self, path: Option<PathBuf>) {
+        self.record_to = path;
     }
 
     /// Where files go.
     #[must_use]
-    pub(super) const fn places(&self) -> &Places {
+    pub const fn places(&self) -> &Places {
         &self.places
     }
 
     /// Has files written beside the frames.
-    pub(super) const fn keeper(&mut self) -> &mut Keeper {
+    pub const fn keeper(&mut self) -> &mut Keeper {
         &mut self.keeper
     }
 
     /// Where the last finished sculpture's print is.
     #[must_use]
-    pub(super) fn printed(&self) -> Option<&Path> {
+    pub fn printed(&self) -> Option<&Path> {
         self.printed.as_deref()
     }
 
     /// The file that is being read.
     #[must_use]
-    pub(super) fn opening(&self) -> Option<&Path> {
+    pub fn opening(&self) -> Option<&Path> {
         self.opening.as_ref().map(|opening| &*opening.path)
     }
 
     /// Whether a print is being made or written.
     #[must_use]
-    pub(super) const fn is_printing(&self) -> bool {
+    pub const fn is_printing(&self) -> bool {
         self.finishing.is_some()
     }
 
     /// What is to be told since this was asked last.
-    pub(super) fn notes(&mut self) -> impl Iterator<Item = Note> {
+    pub fn notes(&mut self) -> impl Iterator<Item = Note> {
         self.notes.drain(..)
     }
 
     /// Tells the visitor something.
-    pub(super) fn note(&mut self, note: Note) {
+    pub fn note(&mut self, note: Note) {
         self.notes.push(note);
     }
 
     /// One tick. A session that starts leaves the one before in a file of its own.
-    pub(super) fn tick(&mut self, input: &Input) {
+    pub fn tick(&mut self, input: &Input) {
         let starts = input.start != Mode::None;
         if starts {
             self.leave_session();
@@ -154,7 +172,7 @@ where
     }
 
     /// Takes in what threads have done.
-    pub(super) fn poll(&mut self) -> Option<Mode> {
+    pub fn poll(&mut self) -> Option<Mode> {
         while let Some(kept) = self.keeper.heard() {
             self.tell(&kept);
         }
@@ -173,24 +191,24 @@ where
         }
     }
 
-    /// Reads a mesh or a volume, for a session of its own.
-    pub(super) fn open(&mut self, path: &Path) {
+    /// Has a file read, for a session of its own.
+    pub fn open(&mut self, path: &Path, read: Read) {
         if self.opening.is_none() {
-            self.opening = Some(Opening::begin::<N>(path));
+            self.opening = Some(Opening::begin(path, read));
         }
     }
 
     /// The sculpture as it is becomes a volume to start from.
-    pub(super) fn adopt(&mut self) -> Mode {
+    pub fn adopt(&mut self) -> Mode {
         self.volumes.own_mut().copy_from(self.world.volume().maps());
         Mode::Own
     }
 
     /// Writes the trace of the session so far, and the volume that it began with if that was the
     /// visitor's own.
-    pub(super) fn write_trace(&mut self) {
+    pub fn write_trace(&mut self) {
         let Some(recording) = &self.recording else {
-            let why = "only a session that began in this window can be recorded";
+            let why = "only a session that began here can be recorded";
             self.note(Note::Bad(why.into()));
             return;
         };
@@ -205,16 +223,27 @@ where
         self.keeper.keep(What::Trace, files);
     }
 
+    /// Saves the session, and waits for the disk: nobody can say when the studio will go on.
+    pub fn pause(&mut self) {
+        if self.changed {
+            self.save();
+        }
+        self.wait_for_files();
+    }
+
     /// Finishes what is under way and saves the session, and waits for the disk.
     ///
     /// # Errors
     /// The first thing that could not be written.
-    pub(super) fn close(&mut self) -> Result<(), durable::Error> {
+    pub fn close(&mut self) -> Result<(), durable::Error> {
         if let Some(finishing) = &mut self.finishing {
             finishing.complete(&mut self.printer);
         }
         self.write_finished();
         self.save();
+        if let (Some(path), Some(recording)) = (&self.record_to, &self.recording) {
+            self.keeper.keep(What::Trace, vec![(path.clone(), recording.trace())]);
+        }
         let mut done = Ok(());
         while let Some(kept) = self.keeper.wait() {
             self.tell(&kept);
@@ -271,7 +300,7 @@ where
             }
             self.wait_for_files();
             let stem = self.places.free("sculpture", &finishing::ENDINGS);
-            self.finishing = Some(Finishing::begin(self.world, stem));
+            self.finishing = Some(Finishing::begin(self.world, stem, self.portrait));
         }
         let tick = self.world.tick();
         self.changed |= !self.world.events().is_empty() || !self.world.dirty().is_empty();

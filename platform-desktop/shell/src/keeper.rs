@@ -4,11 +4,11 @@ use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
 use std::thread::{self, JoinHandle};
 
-use paros_shell::durable::{self, Target};
+use crate::durable::{self, Target};
 
 /// What is written.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum What {
+pub enum What {
     /// The session under way.
     Session,
     /// A finished sculpture's print, volume and picture.
@@ -21,20 +21,20 @@ pub(super) enum What {
 
 /// What became of files.
 #[derive(Debug)]
-pub(super) struct Kept {
+pub struct Kept {
     /// What they are.
-    pub(super) what: What,
+    pub what: What,
     /// The files, in the order in which they were given.
-    pub(super) paths: Vec<PathBuf>,
+    pub paths: Vec<PathBuf>,
     /// Whether they are on the disk; none is if one is not.
-    pub(super) done: Result<(), durable::Error>,
+    pub done: Result<(), durable::Error>,
 }
 
 type Job = (What, Vec<(PathBuf, Vec<u8>)>);
 
 /// A thread that writes files, in the order in which they come.
 #[derive(Debug)]
-pub(super) struct Keeper {
+pub struct Keeper {
     jobs: Option<Sender<Job>>,
     kept: Receiver<Kept>,
     thread: Option<JoinHandle<()>>,
@@ -46,7 +46,7 @@ impl Keeper {
     /// Begins the thread.
     #[must_use]
     #[allow(clippy::new_without_default)] // a thread: to be made on purpose
-    pub(super) fn new() -> Self {
+    pub fn new() -> Self {
         let (jobs, todo) = channel::<Job>();
         let (tell, kept) = channel();
         let work = move || {
@@ -62,7 +62,7 @@ impl Keeper {
     }
 
     /// Has files written, all or none; their folders are made.
-    pub(super) fn keep(&mut self, what: What, files: Vec<(PathBuf, Vec<u8>)>) {
+    pub fn keep(&mut self, what: What, files: Vec<(PathBuf, Vec<u8>)>) {
         if let Some(jobs) = &self.jobs {
             self.pending += usize::from(jobs.send((what, files)).is_ok());
         }
@@ -70,12 +70,12 @@ impl Keeper {
 
     /// Whether something is still to be written.
     #[must_use]
-    pub(super) const fn is_busy(&self) -> bool {
+    pub const fn is_busy(&self) -> bool {
         self.pending > 0
     }
 
     /// What became of the oldest files not yet told of, if they are done.
-    pub(super) fn heard(&mut self) -> Option<Kept> {
+    pub fn heard(&mut self) -> Option<Kept> {
         match self.kept.try_recv() {
             Ok(kept) => {
                 self.pending -= 1;
@@ -86,7 +86,7 @@ impl Keeper {
     }
 
     /// Waits for the oldest files not yet told of; none where there are no such.
-    pub(super) fn wait(&mut self) -> Option<Kept> {
+    pub fn wait(&mut self) -> Option<Kept> {
         if self.pending == 0 {
             return None;
         }

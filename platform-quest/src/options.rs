@@ -1,0 +1,47 @@
+//! What a shell is started with.
+
+use std::path::PathBuf;
+
+use paros_core::input::Mode;
+use paros_shaders::gpu::Path;
+
+use crate::strain::Foveation;
+
+/// Settings of a run.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Options {
+    /// One folder for all files, instead of the user's own.
+    pub folder: Option<PathBuf>,
+    /// How sessions start.
+    pub mode: Mode,
+    /// A file for the trace of the session; it starts anew then.
+    pub record: Option<PathBuf>,
+    /// The display's rate, in hertz, where there is a choice.
+    pub rate: f32,
+    /// Whether the compositor gets depth too, which costs the pixels' several samples.
+    pub depth: bool,
+    /// How far the edges are drawn less finely, where the headset can.
+    pub foveation: Foveation,
+    /// How the sculpture is drawn.
+    pub path: Path,
+    /// Whether commands are read from standard input, for tests; see [`crate::script`].
+    pub script: bool,
+    /// Whether Vulkan's validation looks on; what it says is an error.
+    pub validation: bool,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Options {
+            folder: None,
+            mode: Mode::FreeForm,
+            record: None,
+            rate: 72.0,
+            depth: false,
+            foveation: Foveation::default(),
+            path: Path::Fast,
+            script: false,
+            validation: false,
+        }
+    }
+}
