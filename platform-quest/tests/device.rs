@@ -6,12 +6,14 @@ mod android;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::LazyLock;
+use std::time::{Duration, Instant};
 use std::{env, fs};
 
 use jni::objects::{Global, JObject, JString};
 use jni::{Env, InitArgsBuilder, JNIVersion, JValue, JavaVM, jni_sig, jni_str};
 use paros_quest::device::table::ALL;
-use paros_quest::device::{Battery, Device, Heat, Thermal};
+use paros_quest::device::{self, Battery, Device, Thermal, Watch};
+use paros_quest::strain::{Heat, Strain};
 use paros_shell::require::require;
 
 use android::{classes, compile, is_android, javap, told};
@@ -101,6 +103,7 @@ fn inside() {
         part();
     }
     exceptions();
+    watching();
     let _ = fs::remove_dir_all(folder());
     println!("all calls made");
 }
@@ -137,12 +140,12 @@ fn heats() {
     set("PowerManager.getCurrentThermalStatus", "I:3");
     set("PowerManager.getThermalHeadroom[10]", "F:0.75");
     let heat = device(30).heat().expect("an answer");
-    assert_eq!(heat, Heat { status: Thermal::Severe, headroom: Some(0.75) });
+    assert_eq!(heat, device::Heat { status: Thermal::Severe, headroom: Some(0.75) });
     calls();
-    let early = Heat { status: Thermal::Severe, headroom: None };
+    let early = device::Heat { status: Thermal::Severe, headroom: None };
     assert_eq!(device(29).heat().expect("an answer"), early);
     assert!(!calls().contains("getThermalHeadroom"));
-    let before = Heat { status: Thermal::None, headroom: None };
+    let before = device::Heat { status: Thermal::None, headroom: None };
     assert_eq!(device(28).heat().expect("an answer"), before);
     set("PowerManager.getThermalHeadroom[10]", "F:NaN");
     assert_eq!(device(30).heat().expect("an answer").headroom, None);
@@ -214,6 +217,24 @@ fn exceptions() {
     // Polled all day, no reference is left behind: the machine would warn beyond its frame of 16.
     let device = device(30);
     (0..1000).for_each(|_| assert!(device.heat().is_ok()));
+}
+
+/// Another thread asks, so that no frame waits.
+fn watching() {
+    set("PowerManager.getCurrentThermalStatus", "I:4");
+    set("BatteryManager.getIntProperty[4]", "I:12");
+    set("BatteryManager.isCharging", "Z:false");
+    let watch = Watch::new(device(30));
+    let expected = Strain { heat: Heat::Hot, charge: Some(12) };
+    let begun = Instant::now();
+    while watch.strain() != expected {
+        assert!(begun.elapsed() < Duration::from_secs(60), "{:?}", watch.strain());
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    // It is over at once, not when it would ask again.
+    let begun = Instant::now();
+    drop(watch);
+    assert!(begun.elapsed() < Duration::from_secs(5));
 }
 
 /// A device of an API level, of a stub's context.

@@ -6,6 +6,7 @@
 
 mod call;
 pub mod table;
+mod watch;
 
 use std::ffi::c_void;
 use std::path::PathBuf;
@@ -21,6 +22,7 @@ use table::{
     MODEL, MOVE_TO_FIRST, Member, PARSE_URI, QUERY, STRING, SYSTEM_SERVICE, THERMAL_HEADROOM,
     THERMAL_STATUS,
 };
+pub use watch::Watch;
 
 /// The battery's state.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
