@@ -9,6 +9,13 @@
 
 int *__errno(void) { return &errno; }
 
+/* No property is set. */
+int __system_property_get(const char *name, char *value) {
+  (void)name;
+  *value = 0;
+  return 0;
+}
+
 /* bionic's is POSIX's. */
 extern int __xpg_strerror_r(int, char *, size_t);
 int posix_strerror_r(int error, char *text, size_t length) __asm__("strerror_r");
