@@ -5,9 +5,14 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::{env, fs};
 
+use object::write::Object;
+use object::{Architecture, BinaryFormat, Endianness};
 use paros_shell::require::require;
 
 const PASSWORD: (&str, &str) = ("PAROS_TEST_KEY", "a secret of tests");
+
+/// A file that is no library.
+const TEXT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/Cargo.toml");
 
 fn package(arguments: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_package"));
@@ -79,12 +84,16 @@ fn the_same_input_makes_the_same_package() {
 fn what_aapt_and_apksigner_say() {
     let Some(library) = library() else { return };
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
-    let path = folder.join("said.apk");
-    let [library, output] = [&library, &path].map(|path| path.to_str().expect("UTF-8"));
+    let (path, loader) = (folder.join("said.apk"), folder.join("loader.so"));
+    // Any file for arm64 may stand for the loader.
+    let stand_in = Object::new(BinaryFormat::Elf, Architecture::Aarch64, Endianness::Little);
+    fs::write(&loader, stand_in.write().expect("an object")).expect("room on the disk");
+    let [library, loader, output] =
+        [&library, &loader, &path].map(|path| path.to_str().expect("UTF-8"));
     // With a debug key of the tests' own.
     let mut command = Command::new(env!("CARGO_BIN_EXE_package"));
-    command.env("ANDROID_USER_HOME", folder).args(["--library", library, "-o", output]);
-    let made = command.output().expect("it starts");
+    command.env("ANDROID_USER_HOME", folder).args(["--library", library, "--loader", loader]);
+    let made = command.args(["-o", output]).output().expect("it starts");
     assert!(made.status.success(), "{}", said(&made));
     let ask = |program: &str, arguments: &[&str]| {
         let output = Command::new(program).args(arguments).arg(&path).output().expect("it starts");
@@ -98,6 +107,7 @@ fn what_aapt_and_apksigner_say() {
     }
     let listed = ask("aapt", &["list"]);
     assert_eq!(listed.lines().filter(|line| line.starts_with("assets/starts/128/")).count(), 6);
+    assert!(listed.lines().any(|line| line == "lib/arm64-v8a/libopenxr_loader.so"), "{listed}");
     let verified = ask("apksigner", &["verify", "-v", "--min-sdk-version", "29"]);
     assert!(verified.contains("v3 scheme (APK Signature Scheme v3): true"), "{verified}");
     ask("zipalign", &["-c", "-p", "4"]);
@@ -118,12 +128,13 @@ fn what_is_wrong_is_told_and_nothing_is_left() {
     };
     fails(&["--key", "store"], 2, "--key-password");
     fails(&["--loader", "/no/such/loader.so"], 2, "/no/such/loader.so");
+    fails(&["--loader", TEXT], 2, "it is no library");
     fails(&["--no-such-option"], 2, "--no-such-option");
     let nowhere = package(&["-o", "/no/such/folder/x.apk"]);
     assert_eq!(nowhere.status.code(), Some(2), "{}", said(&nowhere));
 
     let Some(library) = library() else { return };
-    fails(&["--library", env!("CARGO_BIN_EXE_package")], 2, "arm64");
+    fails(&["--library", TEXT], 2, "it is no library");
     let library = library.to_str().expect("UTF-8");
     let key = key("wrong.keystore").to_str().expect("UTF-8").to_owned();
     let wrong = ["--library", library, "--key", &key, "--key-password", "env:PATH"];

@@ -12,23 +12,28 @@ pub(crate) const PAGE: u64 = 16 << 10;
 /// What the activity calls first.
 pub(crate) const ENTRY: &str = "ANativeActivity_onCreate";
 
-/// Finds all that keeps the bytes of a library from being loaded and started by Android at an API
-/// level. Empty if nothing does.
+/// Finds all that keeps the bytes of the shell's library from being loaded and started by Android at
+/// an API level. Empty if nothing does.
 pub(crate) fn faults(bytes: &[u8], symbols: &Symbols, level: u32) -> Vec<String> {
-    match ElfFile64::<object::Endianness>::parse(bytes) {
-        Ok(file) if file.architecture() == Architecture::Aarch64 => {
-            let mut faults = wants(&file, symbols, level);
-            let has = |name: &str| {
-                file.dynamic_symbols().any(|s| s.is_definition() && s.name() == Ok(name))
-            };
-            if !has(ENTRY) {
-                faults.push(format!("it does not have {ENTRY}"));
-            }
-            faults.extend(loads(&file));
-            faults
-        }
-        Ok(_) => vec!["it is not for arm64".into()],
-        Err(error) => vec![format!("it is no library: {error}")],
+    let file = match parse(bytes) {
+        Ok(file) => file,
+        Err(fault) => return vec![fault],
+    };
+    let mut faults = wants(&file, symbols, level);
+    let is_entry = |name| name == Ok(ENTRY);
+    if !file.dynamic_symbols().any(|symbol| symbol.is_definition() && is_entry(symbol.name())) {
+        faults.push(format!("it does not have {ENTRY}"));
+    }
+    faults.extend(loads(&file));
+    faults
+}
+
+/// A library for arm64, or why these bytes are none.
+pub(crate) fn parse(bytes: &[u8]) -> Result<ElfFile64<'_>, String> {
+    match ElfFile64::parse(bytes) {
+        Ok(file) if file.architecture() == Architecture::Aarch64 => Ok(file),
+        Ok(_) => Err("it is not for arm64".into()),
+        Err(error) => Err(format!("it is no library: {error}")),
     }
 }
 

@@ -16,6 +16,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
 use clap::Parser;
+use paros_quest::runtime;
 use paros_shell::durable::{self, Target};
 
 use crate::error::Error;
@@ -67,7 +68,7 @@ fn run(args: &Args) -> Result<String, Error> {
     durable::make_folder(&folder).map_err(Error::failure)?;
     let output = args.output.clone().unwrap_or_else(|| folder.join("paros.apk"));
     let target = Target::tried(&output).map_err(Error::input)?;
-    let loader = args.loader.as_deref().map(read).transpose()?;
+    let loader = args.loader.as_deref().map(loader).transpose()?;
     tools::check()?;
     let key = match (&args.key, &args.key_password) {
         (Some(store), Some(password)) => Key::release(store, args.key_alias.as_deref(), password)?,
@@ -80,7 +81,7 @@ fn run(args: &Args) -> Result<String, Error> {
         ["bare.apk", "unsigned.apk", "signed.apk"].map(|n| scratch.at(n));
     manifest::compile(MANIFEST, &scratch, &bare)?;
     let mut libraries = vec![(library::NAME, library)];
-    libraries.extend(loader.map(|bytes| (LOADER, bytes)));
+    libraries.extend(loader.map(|bytes| (runtime::LOADER, bytes)));
     apk::write(&bare, &libraries, &unsigned)?;
     key.sign(&unsigned, &signed)?;
     let report = check(&signed)?;
@@ -88,9 +89,6 @@ fn run(args: &Args) -> Result<String, Error> {
     let path = output.display();
     Ok(format!("{report}\n{path}\nadb install -r {path}"))
 }
-
-/// The loader's name, as the shell opens it.
-const LOADER: &str = "libopenxr_loader.so";
 
 /// The bytes of the library, built or given, once Android is sure to load it.
 fn library(args: &Args) -> Result<Vec<u8>, Error> {
@@ -105,6 +103,15 @@ fn library(args: &Args) -> Result<Vec<u8>, Error> {
         (true, _) => Ok(bytes),
         (false, None) => Err(Error::Failure(told(&path, &faults))),
         (false, Some(_)) => Err(Error::Input(told(&path, &faults))),
+    }
+}
+
+/// The bytes of a loader that was given.
+fn loader(path: &Path) -> Result<Vec<u8>, Error> {
+    let bytes = read(path)?;
+    match elf::parse(&bytes) {
+        Ok(_) => Ok(bytes),
+        Err(fault) => Err(Error::Input(told(path, &[fault]))),
     }
 }
 
