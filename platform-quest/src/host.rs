@@ -56,8 +56,10 @@ impl Host for Plain {
     fn entry(&mut self) -> Result<xr::Entry, Error> {
         // SAFETY: the loader is the system's own; loading it runs its initialisers.
         unsafe { xr::Entry::load(&()) }.map_err(|error| {
-            let why =
-                std::error::Error::source(&error).map_or(String::new(), |why| why.to_string());
+            let mut why: &dyn std::error::Error = &error;
+            while let Some(deeper) = why.source() {
+                why = deeper;
+            }
             Error::Unavailable(format!("no OpenXR loader: {why}"))
         })
     }

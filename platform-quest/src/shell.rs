@@ -9,6 +9,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use paros_core::size::{Grid, Size};
+use paros_core::world::Session;
 use paros_shaders::portrait;
 use paros_shell::places::Places;
 use paros_shell::print::{HEIGHT_MM, Printer};
@@ -105,6 +106,10 @@ where
     let places = folder.map_or_else(|| Places::of_user(None), Places::within);
     let mut studio = Studio::new(&mut world, &mut volumes, printer, places, portrait);
     studio.record_to(options.record.clone());
+    if studio.world().session() != Session::Waiting {
+        let (tick, digest) = (studio.world().tick(), studio.world().digest());
+        host.log(&format!("a session goes on from tick {tick}, digest {digest:016x}"));
+    }
     let mut shell = Shell::new(studio, options);
     let done = shell.live(host);
     let saved = shell.studio.close();
