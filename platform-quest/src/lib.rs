@@ -5,7 +5,10 @@
 //! [`recentre`], [`visitor`] and [`strain`] are plain functions of what the runtime tells. `xr`
 //! makes the calls, and [`shell`] goes from frame to frame.
 
+#[cfg(target_os = "android")]
+mod android;
 pub mod beat;
+pub mod device;
 pub mod error;
 pub mod host;
 pub mod life;
@@ -14,9 +17,11 @@ pub mod pulse;
 pub mod recentre;
 pub mod replay;
 mod rig;
+pub mod runtime;
 pub mod sample;
 pub mod script;
 pub mod shell;
+pub mod starts;
 pub mod strain;
 pub mod visitor;
 mod xr;

@@ -42,6 +42,7 @@ where
     let mut starts = Grid::<N>::start_volumes();
     starts.make(&mut Grid::<N>::plane(), |_| {});
     let (hidden, mut world) = (starts.hidden(), Grid::<N>::world());
+    world.clear();
     let mut stage = Stage::new(&mut world, starts.starts(&hidden));
     let mut digests = String::with_capacity(17 * trace.records().len());
     stage.replay(trace, |_, world| {

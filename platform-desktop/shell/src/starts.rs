@@ -44,6 +44,22 @@ where
         self.made = true;
     }
 
+    /// Takes the figures from elsewhere instead of making them: `fill` writes each into its maps.
+    ///
+    /// # Errors
+    /// The first of `fill`'s. Then they are still to be made.
+    pub fn take<E>(
+        &mut self,
+        mut fill: impl FnMut(Figure, &mut Maps<N>) -> Result<(), E>,
+    ) -> Result<(), E> {
+        self.made = false;
+        for figure in Figure::ALL {
+            fill(figure, &mut self.figures[figure as usize])?;
+        }
+        self.made = true;
+        Ok(())
+    }
+
     /// Room for a volume of the visitor's own; it counts from now on.
     pub fn own_mut(&mut self) -> &mut Maps<N> {
         self.has_own = true;

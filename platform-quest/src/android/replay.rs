@@ -1,0 +1,25 @@
+//! [`crate::replay`] for a C program that has loaded this library.
+
+use std::ffi::{CStr, OsStr, c_char, c_int};
+use std::os::unix::ffi::OsStrExt;
+use std::path::Path;
+
+/// Plays the trace of the first path and writes its digests to the second; 0, or 1 after a line on
+/// standard error.
+///
+/// # Safety
+/// Both are C strings.
+#[unsafe(no_mangle)]
+unsafe extern "C" fn paros_replay(trace: *const c_char, digests: *const c_char) -> c_int {
+    // SAFETY: the caller hands over two C strings, which outlive this call.
+    let [trace, digests] = [trace, digests]
+        .map(|path| unsafe { CStr::from_ptr(path) }.to_bytes())
+        .map(OsStr::from_bytes);
+    match crate::replay::replay(Path::new(trace), Path::new(digests)) {
+        Ok(()) => 0,
+        Err(error) => {
+            eprintln!("{error}");
+            1
+        }
+    }
+}

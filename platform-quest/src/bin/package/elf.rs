@@ -1,0 +1,107 @@
+//! Whether a library is one that Android loads: what it wants and what it has.
+
+use object::elf::DT_NEEDED;
+use object::read::elf::ElfFile64;
+use object::{Architecture, Object, ObjectSegment, ObjectSymbol};
+
+use crate::symbols::Symbols;
+
+/// The page size that segments are laid out for; devices of 4 KiB load these as well.
+pub(crate) const PAGE: u64 = 16 << 10;
+
+/// What the activity calls first.
+pub(crate) const ENTRY: &str = "ANativeActivity_onCreate";
+
+/// Finds all that keeps the bytes of the shell's library from being loaded and started by Android at
+/// an API level. Empty if nothing does.
+pub(crate) fn faults(bytes: &[u8], symbols: &Symbols, level: u32) -> Vec<String> {
+    let file = match parse(bytes) {
+        Ok(file) => file,
+        Err(fault) => return vec![fault],
+    };
+    let mut faults = wants(&file, symbols, level);
+    let is_entry = |name| name == Ok(ENTRY);
+    if !file.dynamic_symbols().any(|symbol| symbol.is_definition() && is_entry(symbol.name())) {
+        faults.push(format!("it does not have {ENTRY}"));
+    }
+    faults.extend(loads(&file));
+    faults
+}
+
+/// A library for arm64, or why these bytes are none.
+pub(crate) fn parse(bytes: &[u8]) -> Result<ElfFile64<'_>, String> {
+    match ElfFile64::parse(bytes) {
+        Ok(file) if file.architecture() == Architecture::Aarch64 => Ok(file),
+        Ok(_) => Err("it is not for arm64".into()),
+        Err(error) => Err(format!("it is no library: {error}")),
+    }
+}
+
+/// What it wants and Android hasn't. A weak symbol may be missing.
+fn wants(file: &ElfFile64<'_>, symbols: &Symbols, level: u32) -> Vec<String> {
+    let undefined =
+        file.dynamic_symbols().filter(|symbol| symbol.is_undefined() && !symbol.is_weak());
+    let names = undefined.filter_map(|symbol| symbol.name().ok()).filter(|name| !name.is_empty());
+    let mut faults: Vec<_> = names
+        .filter_map(|name| match symbols.home(name) {
+            None => Some(format!("it wants {name}, which Android does not offer")),
+            Some(home) if home.since > level => {
+                Some(format!("it wants {name}, which comes with API level {} only", home.since))
+            }
+            Some(_) => None,
+        })
+        .collect();
+    let table = match file.elf_dynamic_table() {
+        Ok(table) => table,
+        Err(error) => return vec![format!("it can't be linked at run time: {error}")],
+    };
+    for needed in table.iter().filter(|entry| entry.tag == DT_NEEDED) {
+        let name = table.string(needed).map(String::from_utf8_lossy).unwrap_or_default();
+        if !symbols.libraries().iter().any(|library| name == format!("{library}.so")) {
+            faults.push(format!("it needs the library {name}"));
+        }
+    }
+    faults
+}
+
+fn loads(file: &ElfFile64<'_>) -> Option<String> {
+    let least = file.segments().map(|segment| segment.align()).min().unwrap_or(0);
+    (least < PAGE || least % PAGE != 0)
+        .then(|| format!("a segment is aligned to {least} bytes, not {PAGE}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use super::{ENTRY, faults};
+    use crate::stubs::tests::{linked, scratch};
+    use crate::symbols::Symbols;
+
+    #[test]
+    fn what_android_would_not_load_is_found() {
+        let (symbols, folder) = (Symbols::all(), scratch("elf"));
+        // Linked against what a later Android has.
+        let wants: &[&str] = &["AInputEvent_release", "dlopen", "getrandom"];
+        let Some(library) = linked(&symbols, 31, [&[ENTRY], wants], &folder) else { return };
+        let bytes = fs::read(library.expect("all are listed")).expect("it was linked");
+        assert_eq!(faults(&bytes, &symbols, 31), [""; 0]);
+        let early = "it wants AInputEvent_release, which comes with API level 31 only";
+        assert_eq!(faults(&bytes, &symbols, 29), [early]);
+        let unknown = "it wants dlopen, which Android does not offer";
+        assert_eq!(faults(&bytes, &symbols.clone().without("dlopen"), 31), [unknown]);
+
+        let headless = linked(&symbols, 29, [&["main"], &[]], &folder).expect("as before");
+        let bytes = fs::read(headless.expect("nothing is wanted")).expect("it was linked");
+        assert_eq!(faults(&bytes, &symbols, 29), [format!("it does not have {ENTRY}")]);
+    }
+
+    #[test]
+    fn what_is_no_library_for_arm64_is_told() {
+        let here = fs::read(std::env::current_exe().expect("this test")).expect("readable");
+        let expected =
+            if cfg!(target_arch = "aarch64") { "it does not" } else { "it is not for arm64" };
+        assert!(faults(&here, &Symbols::all(), 29)[0].starts_with(expected));
+        assert!(faults(b"no ELF", &Symbols::all(), 29)[0].starts_with("it is no library"));
+    }
+}

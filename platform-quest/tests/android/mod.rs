@@ -1,0 +1,151 @@
+//! Stubs of Android's classes: Java sources made from the table, and what `javap` says of them.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Write;
+use std::path::Path;
+use std::process::Command;
+use std::{fs, iter};
+
+use paros_quest::device::table::{ALL, Kind, Member};
+
+/// The table's members, by their classes. Java's own classes are not Android's.
+pub(crate) fn classes() -> BTreeMap<&'static str, Vec<Member>> {
+    let mut classes: BTreeMap<_, Vec<_>> = BTreeMap::new();
+    for member in ALL {
+        classes.entry(member.class).or_default().push(*member);
+    }
+    classes
+}
+
+/// Whether a class is one that the stubs stand for.
+pub(crate) fn is_android(class: &str) -> bool {
+    class.starts_with("android/")
+}
+
+/// Writes the stubs' sources and compiles them into a folder.
+///
+/// # Errors
+/// What `javac` says, or that there is none.
+pub(crate) fn compile(folder: &Path) -> Result<(), String> {
+    let _ = fs::remove_dir_all(folder);
+    let mut files = vec![Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/android/Fake.java")];
+    for (outer, source) in sources() {
+        let path = folder.join("sources").join(format!("{outer}.java"));
+        fs::create_dir_all(path.parent().expect("a folder")).map_err(|e| e.to_string())?;
+        fs::write(&path, source).map_err(|e| e.to_string())?;
+        files.push(path);
+    }
+    let mut javac = Command::new("javac");
+    let output = javac.arg("-d").arg(folder.join("classes")).args(files).output();
+    let output = output.map_err(|e| format!("javac: {e}"))?;
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    if output.status.success() { Ok(()) } else { Err(said) }
+}
+
+/// The members that `javap` finds in classes: class, `static` or nothing, name and signature.
+pub(crate) fn javap(folder: &Path, class: &str) -> BTreeSet<String> {
+    let mut javap = Command::new("javap");
+    javap.args(["-s", "-public", "-cp"]).arg(folder.join("classes")).arg(class.replace('/', "."));
+    let output = javap.output().expect("a JDK has it");
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    let lines: Vec<_> = text.lines().map(str::trim).collect();
+    let members = lines.windows(2).filter_map(|pair| {
+        let signature = pair[1].strip_prefix("descriptor: ")?;
+        let name = pair[0].split(['(', ';']).next()?.split(' ').next_back()?;
+        let how = if pair[0].contains(" static ") { "static " } else { "" };
+        Some(format!("{how}{name} {signature}"))
+    });
+    members.collect()
+}
+
+/// A member as [`javap`] tells it.
+pub(crate) fn told(member: &Member) -> String {
+    let how = if member.kind == Kind::Method { "" } else { "static " };
+    format!("{how}{} {}", member.name, member.signature)
+}
+
+/// The sources, by the outermost class. A class that is only named has an empty one.
+fn sources() -> BTreeMap<String, String> {
+    let mut classes = classes();
+    for member in ALL {
+        let types = member.signature.split(['(', ')', ';', '[']);
+        for class in
+            types.filter_map(|name| name.trim_start_matches(['I', 'Z', 'F', 'V']).strip_prefix('L'))
+        {
+            classes.entry(class).or_default();
+        }
+    }
+    let mut sources: BTreeMap<String, String> = BTreeMap::new();
+    // Build before Build$VERSION.
+    for (class, members) in classes.iter().filter(|(class, _)| is_android(class)) {
+        let (outer, inner) = class.split_once('$').map_or((*class, None), |(o, i)| (o, Some(i)));
+        let body: String = members.iter().map(stub).collect();
+        let (package, name) = outer.rsplit_once('/').expect("a package");
+        match inner {
+            None => {
+                let package = package.replace('/', ".");
+                let source = format!("package {package};\npublic class {name} {{\n{body}}}\n");
+                sources.insert(outer.to_owned(), source);
+            }
+            Some(inner) => {
+                let source = sources.get_mut(outer).expect("the outer class is in the table");
+                let end = source.rfind('}').expect("it ends");
+                source.insert_str(end, &format!("public static class {inner} {{\n{body}}}\n"));
+            }
+        }
+    }
+    sources
+}
+
+fn stub(member: &Member) -> String {
+    let mut types = java_types(member.signature);
+    let result = types.pop().expect("every member has a type");
+    let Member { name, kind, .. } = member;
+    let mut text = String::from("  public ");
+    text += if *kind == Kind::Method { "" } else { "static " };
+    if *kind == Kind::StaticField {
+        let _ = writeln!(text, "{result} {name};");
+        return text;
+    }
+    let parameters: Vec<_> = types.iter().enumerate().map(|(i, t)| format!("{t} a{i}")).collect();
+    let arguments: String = (0..types.len()).map(|i| format!(", (Object) a{i}")).collect();
+    let class = member.class.rsplit('/').next().expect("a name");
+    let answer = format!("paros.Fake.answer(\"{class}.{name}\"{arguments})");
+    let boxed = match &*result {
+        "int" => "Integer",
+        "boolean" => "Boolean",
+        "float" => "Float",
+        other => other,
+    };
+    let body = if result == "void" { answer } else { format!("return ({boxed}) {answer}") };
+    let _ = writeln!(text, "{result} {name}({}) {{ {body}; }}", parameters.join(", "));
+    text
+}
+
+/// The types of a signature, in Java's words; the last is what is returned.
+fn java_types(signature: &str) -> Vec<String> {
+    let mut rest = signature.trim_start_matches('(');
+    let next = iter::from_fn(|| {
+        rest = rest.trim_start_matches(')');
+        let arrays = rest.len() - rest.trim_start_matches('[').len();
+        rest = &rest[arrays..];
+        let (name, after) = match rest.chars().next()? {
+            'L' => {
+                rest[1..].split_once(';').map(|(name, after)| (name.replace('/', "."), after))?
+            }
+            letter => {
+                let name = match letter {
+                    'I' => "int",
+                    'Z' => "boolean",
+                    'F' => "float",
+                    'V' => "void",
+                    other => panic!("no stub has the type {other}"),
+                };
+                (name.to_owned(), &rest[1..])
+            }
+        };
+        rest = after;
+        Some(name.replace('$', ".") + &"[]".repeat(arrays))
+    });
+    next.collect()
+}

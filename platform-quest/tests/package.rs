@@ -1,0 +1,150 @@
+//! The program that makes the package, run as its users run it. What it makes is looked at with the
+//! tools of others.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::{env, fs};
+
+use object::write::Object;
+use object::{Architecture, BinaryFormat, Endianness};
+use paros_shell::require::require;
+
+const PASSWORD: (&str, &str) = ("PAROS_TEST_KEY", "a secret of tests");
+
+/// A file that is no library.
+const TEXT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/Cargo.toml");
+
+fn package(arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_package"));
+    command.env(PASSWORD.0, PASSWORD.1).args(arguments).output().expect("it starts")
+}
+
+fn said(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// The library that was built last, where the tools for packing it are.
+fn library() -> Option<PathBuf> {
+    let target = env::var_os("CARGO_TARGET_DIR").map_or("target".into(), PathBuf::from);
+    let target = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(target);
+    let library = target.join("aarch64-linux-android/release/libparos_quest.so");
+    let tools = ["aapt2", "zipalign", "apksigner", "keytool"];
+    let starts = |tool: &&str| Command::new(tool).output().is_ok();
+    let part = match (library.is_file(), tools.iter().find(|tool| !starts(tool))) {
+        (_, Some(tool)) => Err(format!("no {tool}")),
+        (false, None) => {
+            Err("no library for Android: cargo run -p paros-quest --bin package".into())
+        }
+        (true, None) => Ok(library),
+    };
+    require(part).expect("the package is made before the tests")
+}
+
+fn key(name: &str) -> PathBuf {
+    let store = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let _ = fs::remove_file(&store);
+    let mut make = Command::new("keytool");
+    make.args(["-genkeypair", "-keyalg", "RSA", "-keysize", "2048", "-alias", "release"]);
+    make.args(["-dname", "CN=Somebody", "-storepass:env", PASSWORD.0, "-keystore"]).arg(&store);
+    assert!(make.env(PASSWORD.0, PASSWORD.1).status().expect("it starts").success());
+    store
+}
+
+#[test]
+fn the_same_input_makes_the_same_package() {
+    let Some(library) = library() else { return };
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
+    let key = key("same.keystore");
+    let [one, other] = ["one.apk", "other.apk"].map(|name| folder.join(name));
+    let [library, key] = [&library, &key].map(|path| path.to_str().expect("UTF-8"));
+    for path in [&one, &other] {
+        let output = path.to_str().expect("UTF-8");
+        let made = package(&[
+            "--library",
+            library,
+            "--key",
+            key,
+            "--key-password",
+            "env:PAROS_TEST_KEY",
+            "-o",
+            output,
+        ]);
+        assert!(made.status.success(), "{}", said(&made));
+        let report = String::from_utf8_lossy(&made.stdout);
+        assert!(report.contains(&format!("\nadb install -r {output}")), "{report}");
+        assert!(report.contains("DN: CN=Somebody"), "{report}");
+        let bytes = [&report, &*said(&made)].map(|text| text.contains(PASSWORD.1));
+        assert_eq!(bytes, [false; 2]);
+    }
+    let [one, other] = [one, other].map(|path| fs::read(path).expect("it was made"));
+    assert!(one == other, "two packages of one library differ");
+}
+
+#[test]
+fn what_aapt_and_apksigner_say() {
+    let Some(library) = library() else { return };
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
+    let (path, loader) = (folder.join("said.apk"), folder.join("loader.so"));
+    // Any file for arm64 may stand for the loader.
+    let stand_in = Object::new(BinaryFormat::Elf, Architecture::Aarch64, Endianness::Little);
+    fs::write(&loader, stand_in.write().expect("an object")).expect("room on the disk");
+    let [library, loader, output] =
+        [&library, &loader, &path].map(|path| path.to_str().expect("UTF-8"));
+    // With a debug key of the tests' own.
+    let mut command = Command::new(env!("CARGO_BIN_EXE_package"));
+    command.env("ANDROID_USER_HOME", folder).args(["--library", library, "--loader", loader]);
+    let made = command.args(["-o", output]).output().expect("it starts");
+    assert!(made.status.success(), "{}", said(&made));
+    let ask = |program: &str, arguments: &[&str]| {
+        let output = Command::new(program).args(arguments).arg(&path).output().expect("it starts");
+        assert!(output.status.success(), "{program}: {}", said(&output));
+        String::from_utf8_lossy(&output.stdout).into_owned()
+    };
+    let badging = ask("aapt", &["dump", "badging"]);
+    for line in ["package: name='org.paros.studio'", "native-code: 'arm64-v8a'", "sdkVersion:'29'"]
+    {
+        assert!(badging.contains(line), "no {line} in\n{badging}");
+    }
+    let listed = ask("aapt", &["list"]);
+    assert_eq!(listed.lines().filter(|line| line.starts_with("assets/starts/128/")).count(), 6);
+    assert!(listed.lines().any(|line| line == "lib/arm64-v8a/libopenxr_loader.so"), "{listed}");
+    let verified = ask("apksigner", &["verify", "-v", "--min-sdk-version", "29"]);
+    assert!(verified.contains("v3 scheme (APK Signature Scheme v3): true"), "{verified}");
+    ask("zipalign", &["-c", "-p", "4"]);
+    assert!(fs::metadata(&path).expect("it was made").len() < 8 << 20);
+}
+
+#[test]
+fn what_is_wrong_is_told_and_nothing_is_left() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
+    let output = folder.join("none.apk");
+    let _ = fs::remove_file(&output);
+    let at = output.to_str().expect("UTF-8");
+    let fails = |arguments: &[&str], code: i32, why: &str| {
+        let failed = package(&[arguments, &["-o", at]].concat());
+        assert_eq!(failed.status.code(), Some(code), "{}", said(&failed));
+        assert!(said(&failed).contains(why), "{}", said(&failed));
+        assert!(!output.exists());
+    };
+    fails(&["--key", "store"], 2, "--key-password");
+    fails(&["--loader", "/no/such/loader.so"], 2, "/no/such/loader.so");
+    fails(&["--loader", TEXT], 2, "it is no library");
+    fails(&["--no-such-option"], 2, "--no-such-option");
+    let nowhere = package(&["-o", "/no/such/folder/x.apk"]);
+    assert_eq!(nowhere.status.code(), Some(2), "{}", said(&nowhere));
+
+    let Some(library) = library() else { return };
+    fails(&["--library", TEXT], 2, "it is no library");
+    let library = library.to_str().expect("UTF-8");
+    let key = key("wrong.keystore").to_str().expect("UTF-8").to_owned();
+    let wrong = ["--library", library, "--key", &key, "--key-password", "env:PATH"];
+    fails(&wrong, 1, "apksigner failed");
+}
+
+#[test]
+fn what_is_missing_is_named_by_debian_s_name() {
+    let mut bare = Command::new(env!("CARGO_BIN_EXE_package"));
+    let output = bare.env("PATH", "").output().expect("it starts");
+    assert_eq!(output.status.code(), Some(1));
+    assert!(said(&output).contains("apt install --no-install-recommends aapt zipalign apksigner"));
+}

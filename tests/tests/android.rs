@@ -1,0 +1,108 @@
+//! The library that Android loads makes the same digests as the host, under qemu and glibc.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::sync::{Mutex, PoisonError};
+use std::{env, fs};
+
+use paros_core::input::{Input, Mode, TICK_RATE};
+use paros_core::size::{Grid, Size};
+use paros_quest::replay::replay;
+use paros_shell::require::require;
+use paros_shell::stage::Stage;
+use paros_shell::statics::Resident;
+use paros_tests::models::visitor::Visitor;
+
+/// The one world of the process is recorded and played by one test after the other.
+static TURN: Mutex<()> = Mutex::new(());
+
+/// Ten minutes.
+const TICKS: u32 = 600 * TICK_RATE;
+
+/// Plays a trace on the Android library, which `cargo run -p paros-quest --bin package` builds.
+fn on_android(trace: &Path, digests: &Path) -> Output {
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("bionic/replay");
+    Command::new("bash").arg(script).args([trace, digests]).output().expect("bash starts")
+}
+
+fn parts() -> Result<(), String> {
+    let tools = ["qemu-aarch64-static", "aarch64-linux-gnu-gcc", "aarch64-linux-gnu-nm"];
+    let missing = |tool: &&&str| Command::new(tool).arg("--version").output().is_err();
+    let target = env::var_os("CARGO_TARGET_DIR").map_or("target".into(), PathBuf::from);
+    let target = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(target);
+    match tools.iter().find(missing) {
+        Some(tool) => Err(format!("no {tool}")),
+        None if !target.join("aarch64-linux-android/release/libparos_quest.so").exists() => {
+            Err("no library for Android: cargo run -p paros-quest --bin package".into())
+        }
+        None => Ok(()),
+    }
+}
+
+/// A restless visitor's session.
+fn record<const N: usize>(ticks: u32) -> Vec<u8>
+where
+    Grid<N>: Size + Resident<N>,
+{
+    let mut starts = Grid::<N>::start_volumes();
+    starts.make(&mut Grid::<N>::plane(), |_| {});
+    let (hidden, mut world) = (starts.hidden(), Grid::<N>::world());
+    world.clear();
+    let mut stage = Stage::new(&mut world, starts.starts(&hidden));
+    stage.record();
+    stage.tick(&Input { start: Mode::Constrained { figure: 1 }, ..Input::default() });
+    let mut visitor = Visitor::new(2024);
+    (1..ticks).for_each(|_| stage.tick(&visitor.act()));
+    stage.end_recording().expect("a recording")
+}
+
+/// A trace of a restless visitor, and where its digests go.
+fn recorded(name: &str, ticks: u32) -> [PathBuf; 2] {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
+    let [trace, digests] = ["trace", "digests"].map(|end| folder.join(format!("{name}.{end}")));
+    fs::write(&trace, record::<128>(ticks)).expect("room on the disk");
+    let _ = fs::remove_file(&digests);
+    [trace, digests]
+}
+
+#[test]
+fn a_replay_writes_a_digest_for_each_tick_or_nothing() {
+    let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
+    let [trace, digests] = recorded("short", 200);
+    replay(&trace, &digests).expect("it was just recorded");
+    let written = fs::read_to_string(&digests).expect("it was written");
+    assert_eq!(written.lines().count(), 200);
+    let last = format!("{:016x}", Grid::<128>::world().digest());
+    assert_eq!(written.lines().last(), Some(&*last));
+
+    fs::remove_file(&digests).expect("it was written");
+    let mut bytes = fs::read(&trace).expect("it was written");
+    // The digest, at least, of the last tick.
+    *bytes.last_mut().expect("a trace") ^= 1;
+    fs::write(&trace, bytes).expect("room on the disk");
+    let why = replay(&trace, &digests).expect_err("it is another trace").to_string();
+    assert!(why.contains("tick 199"), "{why}");
+    assert!(!digests.exists());
+    if require(parts()).expect("the package is made before the tests").is_some() {
+        let output = on_android(&trace, &digests);
+        assert_eq!(output.status.code(), Some(1));
+        assert_eq!(String::from_utf8_lossy(&output.stderr).trim_end(), why);
+        assert!(!digests.exists());
+    }
+}
+
+#[test]
+fn ten_restless_minutes_lead_to_the_same_digests() {
+    if require(parts()).expect("the package is made before the tests").is_none() {
+        return;
+    }
+    let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
+    let [trace, digests] = recorded("restless", TICKS);
+    let output = on_android(&trace, &digests);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let there = fs::read_to_string(&digests).expect("it was written");
+    assert_eq!(there.lines().count(), TICKS as usize);
+    replay(&trace, &digests).expect("it was just recorded");
+    let here = fs::read_to_string(&digests).expect("it was written");
+    assert!(there == here, "the digests differ");
+}
