@@ -1,13 +1,13 @@
 //! A session and what comes of it: ticks, saves, prints, traces. It knows no window and no headset.
 
+mod files;
 mod finishing;
 mod opening;
 
-use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use crate::claim::Claim;
-use crate::keeper::{Job, Keeper, Kept, Place, What};
+use crate::keeper::{Job, Keeper, What};
 use crate::places::Places;
 use crate::print::Printer;
 use crate::stage::{Recording, Stage};
@@ -296,29 +296,6 @@ where
         done
     }
 
-    /// Goes on with the session in the file, if it is one.
-    fn resume(&mut self) {
-        let path = self.places.session(N);
-        if self.places.window > 1 {
-            let text = "another window has the studio's session; this one's is kept beside it, in";
-            self.note(Note::Good(format!("{text} {}", path.display())));
-        }
-        let fault = match durable::read(&path) {
-            Err(error) if error.kind() == ErrorKind::NotFound => return,
-            Err(error) => error.to_string(),
-            Ok(bytes) => match self.world.load(&bytes) {
-                Ok(()) => return,
-                Err(bad) => format!("expected {} at byte {}", bad.expected, bad.offset),
-            },
-        };
-        let aside = self.places.aside(N);
-        let kept = match std::fs::rename(&path, &aside) {
-            Ok(()) => format!("it is kept as {}", aside.display()),
-            Err(error) => format!("it is {}, and can't be moved: {error}", path.display()),
-        };
-        self.note(Note::Bad(format!("the saved session can't be read: {fault}; {kept}")));
-    }
-
     fn leave_session(&mut self) {
         if self.world.session() == Session::Sculpting && self.world.undo_counts() != (0, 0) {
             let bytes = self.saved_world();
@@ -352,80 +329,5 @@ where
         if self.changed && (finished || stroke_ended || tick >= self.saved + SAVE_TICKS) {
             self.save();
         }
-    }
-
-    /// Has the session written.
-    fn save(&mut self) {
-        if self.world.session() == Session::Waiting {
-            return;
-        }
-        let bytes = self.saved_world();
-        self.keeper.keep(What::Session, self.places.session(N), bytes);
-        (self.changed, self.saved) = (false, self.world.tick());
-    }
-
-    fn saved_world(&self) -> Vec<u8> {
-        let mut bytes = vec![0; self.world.save(&mut [])];
-        let len = self.world.save(&mut bytes);
-        debug_assert_eq!(len, bytes.len());
-        bytes
-    }
-
-    fn write_finished(&mut self) {
-        let Some(finishing) = &mut self.finishing else { return };
-        match finishing.files() {
-            None => {}
-            Some(Ok(files)) => {
-                self.finishing = None;
-                let (endings, bytes) = files.into_iter().unzip();
-                self.give(What::Sculpture, "sculpture", endings, bytes);
-            }
-            Some(Err(why)) => {
-                self.finishing = None;
-                self.note(Note::Bad(why));
-            }
-        }
-    }
-
-    /// Has files written where the visitor finds them, or else beside the sessions.
-    fn give(
-        &mut self,
-        what: What,
-        name: &'static str,
-        endings: Vec<&'static str>,
-        bytes: Vec<Vec<u8>>,
-    ) {
-        let folders = vec![self.places.sculptures.clone(), self.places.sessions.clone()];
-        self.keeper.give(Job { what, place: Place::Free { folders, name, endings }, bytes });
-    }
-
-    /// Takes in what became of files; what is lost if no one tries again comes back.
-    fn tell(&mut self, kept: Kept) -> Option<durable::Error> {
-        if let Some(refused) = kept.instead {
-            self.note(Note::Bad(refused.to_string()));
-        }
-        match (kept.done, kept.what) {
-            (Ok(_), What::Session) => self.fault = None,
-            (Ok(paths), What::Sculpture) => self.printed = paths.into_iter().next(),
-            (Ok(paths), What::Trace) => {
-                let path = paths.first().map_or(String::new(), |path| path.display().to_string());
-                self.note(Note::Good(format!("recorded: {path}")));
-            }
-            (_, What::Cache) | (Ok(_), What::Before) => {}
-            (Err((error, job)), what) => {
-                match what {
-                    // Told while it lasts, and tried again.
-                    What::Session => {
-                        (self.fault, self.changed) = (Some(error.to_string()), true);
-                    }
-                    _ => self.note(Note::Bad(error.to_string())),
-                }
-                if what == What::Sculpture {
-                    self.unwritten.push(job);
-                }
-                return Some(error);
-            }
-        }
-        None
     }
 }
