@@ -10,6 +10,7 @@ use paros_quest::error::Error;
 use paros_quest::host::Plain;
 use paros_quest::options::Options;
 use paros_quest::{replay, shell};
+use paros_shell::durable::Target;
 use paros_shell::figures::Figure;
 
 /// Sculpt in a headset, or play a recorded session again.
@@ -69,6 +70,13 @@ fn run(args: &Args) -> Result<String, (String, ExitCode)> {
         let done = replay::replay(trace, digests);
         done.map_err(|error| (format!("{}: {error}", trace.display()), replay_code(&error)))?;
         return Ok(format!("{}: all as recorded\n", trace.display()));
+    }
+    if let Some(record) = &args.record {
+        // Before the sculpting, not after it.
+        Target::tried(record).map_err(|error| {
+            let error = replay::Error::Write(error);
+            (error.to_string(), replay_code(&error))
+        })?;
     }
     let options = Options {
         folder: args.folder.clone(),

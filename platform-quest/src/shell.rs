@@ -38,6 +38,10 @@ const AGAIN: Duration = Duration::from_secs(1);
 /// A session that has lasted for this long was no failed attempt.
 const STEADY: Duration = Duration::from_secs(10);
 
+/// How long the runtime may take to end a session that is asked to end: Android kills a program that
+/// takes five seconds.
+const PATIENCE: Duration = Duration::from_secs(3);
+
 /// How often it is told at the most that ticks are dropped.
 const TELLING: Duration = Duration::from_secs(5);
 
@@ -116,6 +120,10 @@ where
     let mut shell = Shell::new(studio, options);
     let done = shell.live(host);
     let saved = shell.studio.close();
+    shell.tell_notes(host);
+    if let (Err(_), Err(error)) = (&done, &saved) {
+        host.log(format_args!("{error}"));
+    }
     done?;
     saved?;
     shell.messages.sort();
@@ -163,7 +171,7 @@ where
             let why = match self.session(host) {
                 Ok(Ended::Over) => return Ok(()),
                 Ok(Ended::Lost) => None,
-                Err(error) if error.is_loss() || has_run => Some(error),
+                Err(error) if error.is_loss() || has_run || self.frames > 0 => Some(error),
                 Err(error) => return Err(error),
             };
             self.studio.pause();
@@ -188,16 +196,19 @@ where
         self.beat.rest();
         let ended = self.go(&mut rig, host);
         rig.keep_cache(&places, self.studio.keeper());
-        self.messages.extend(rig.gpu.instance.messages());
+        let instance = rig.gpu.instance.clone();
+        drop(rig);
+        self.messages.extend(instance.messages());
         ended
     }
 
     fn go(&mut self, rig: &mut Rig<N>, host: &mut dyn Host) -> Result<Ended, Error> {
-        let mut leaving = false;
+        let mut leaving: Option<Instant> = None;
         loop {
             self.hear(rig, host)?;
             match self.life {
                 Life::Over => return Ok(Ended::Over),
+                Life::Lost if leaving.is_some() => return Ok(Ended::Over),
                 Life::Lost => return Ok(Ended::Lost),
                 life if life.runs() => self.frame(rig, host)?,
                 _ => thread::sleep(WAITING),
@@ -205,19 +216,27 @@ where
             let told = host.told();
             self.heed(told.strain, host);
             let leave = self.obey(rig, host)? || told.leave;
-            if leave && !leaving {
-                leaving = true;
+            if leave && leaving.is_none() {
+                leaving = Some(Instant::now());
+                self.save();
                 if rig.session.raw.request_exit().is_err() {
                     // It has not begun, or was ended already.
                     return Ok(Ended::Over);
                 }
             }
-            self.studio.poll();
-            for note in self.studio.notes() {
-                let (Note::Good(text) | Note::Bad(text)) = note;
-                host.log(format_args!("{text}"));
-                self.last_note = text;
+            if leaving.is_some_and(|since| since.elapsed() > PATIENCE) {
+                return Ok(Ended::Over);
             }
+            self.studio.poll();
+            self.tell_notes(host);
+        }
+    }
+
+    fn tell_notes(&mut self, host: &mut dyn Host) {
+        for note in self.studio.notes() {
+            let (Note::Good(text) | Note::Bad(text)) = note;
+            host.log(format_args!("{text}"));
+            self.last_note = text;
         }
     }
 

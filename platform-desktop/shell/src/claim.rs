@@ -16,6 +16,11 @@ impl Claim {
     /// such tokens it is 1.
     #[must_use]
     pub(crate) fn new(folder: &Path, n: usize) -> Self {
+        // The same folder by another name is the same; one that can't be made is no one's.
+        let _ = std::fs::create_dir_all(folder);
+        let folder = std::fs::canonicalize(folder)
+            .or_else(|_| std::path::absolute(folder))
+            .unwrap_or_else(|_| folder.to_owned());
         let mut number = 1;
         loop {
             match token(&format!("paros-{n}-{number}-{}", folder.display())) {

@@ -56,9 +56,9 @@ where
     printer: Printer<'a, N>,
     places: Places,
     portrait: Portrait<N>,
-    // Held for the session's file.
-    _claim: Claim,
     keeper: Keeper,
+    // Held for the session's file, until the keeper has written it.
+    _claim: Claim,
     /// From the session's start on; none of a session that was resumed.
     recording: Option<Recording>,
     /// Whether sessions are recorded at all.
@@ -70,7 +70,7 @@ where
     notes: Vec<Note>,
     /// Where the last print is.
     printed: Option<PathBuf>,
-    /// Files of a finished sculpture that no folder took.
+    /// Files of a sculpture, finished or left, that no folder took.
     unwritten: Vec<Job>,
     /// Why the session is not saved.
     fault: Option<String>,
@@ -284,8 +284,15 @@ where
         self.write_finished();
         self.write_again();
         self.save();
-        if let (Some(path), Some(recording)) = (&self.record_to, &self.recording) {
-            self.keeper.keep(What::Trace, path.clone(), recording.trace());
+        match (&self.record_to, &self.recording) {
+            (Some(path), Some(recording)) => {
+                self.keeper.keep(What::Trace, path.clone(), recording.trace());
+            }
+            (Some(path), None) => {
+                let text = "not written: no session of less than two hours began here";
+                self.note(Note::Bad(format!("{}: {text}", path.display())));
+            }
+            (None, _) => {}
         }
         let mut done = Ok(());
         while let Some(kept) = self.keeper.wait() {

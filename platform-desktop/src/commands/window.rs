@@ -3,6 +3,8 @@
 use std::io::{self, Write};
 use std::path::PathBuf;
 
+use paros_shell::durable::Target;
+
 use super::demo;
 use crate::error::Error;
 use crate::window::{self, Closed, Options};
@@ -51,6 +53,10 @@ pub(super) fn run_or_demo() -> Result<String, Error> {
 }
 
 fn open(args: &Args) -> Result<String, Closed> {
+    if let Some(record) = &args.record {
+        // Before the sculpting, not after it.
+        Target::tried(record).map_err(|error| Closed::Failed(error.into()))?;
+    }
     let options = Options {
         file: args.file.clone(),
         folder: args.folder.clone(),

@@ -67,14 +67,20 @@ where
                 rig.session.raw.begin(VIEWS).doing("begin the session")?;
                 self.beat.rest();
             }
-            Some(Duty::Save) => self.studio.pause(),
+            Some(Duty::Save) => self.save(),
             Some(Duty::End) => {
-                self.studio.pause();
+                self.save();
                 rig.session.raw.end().doing("end the session")?;
             }
             None => {}
         }
         Ok(())
+    }
+
+    /// Nobody can say when the headset is put on again.
+    pub(super) fn save(&mut self) {
+        self.studio.write_again();
+        self.studio.pause();
     }
 
     /// Prints what there is to know, for a test to read.

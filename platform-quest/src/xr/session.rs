@@ -111,6 +111,14 @@ impl Session {
         if result.into_raw() < 0 {
             return Err(Error::Call { doing: "find the eyes", result });
         }
+        let known = xr::ViewStateFlags::POSITION_VALID | xr::ViewStateFlags::ORIENTATION_VALID;
+        if !state.view_state_flags.contains(known) {
+            // What stands there may be no pose at all, and goes back to the runtime.
+            let position = xr::Vector3f { x: 0.0, y: EYES, z: 0.0 };
+            for view in &mut views {
+                view.pose = xr::Posef { position, ..xr::Posef::IDENTITY };
+            }
+        }
         Ok(views.map(|view| (eye(&view), view)))
     }
 }

@@ -99,11 +99,14 @@ where
                 match what {
                     // Told while it lasts, and tried again.
                     What::Session => {
+                        if self.fault.is_none() {
+                            self.note(Note::Bad(format!("the session can't be saved: {error}")));
+                        }
                         (self.fault, self.changed) = (Some(error.to_string()), true);
                     }
                     _ => self.note(Note::Bad(error.to_string())),
                 }
-                if what == What::Sculpture {
+                if matches!(what, What::Sculpture | What::Before) {
                     self.unwritten.push(job);
                 }
                 return Some(error);
