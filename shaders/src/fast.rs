@@ -24,8 +24,8 @@ pub fn surface<const N: usize>(field: &Field<N>, ray: &Ray) -> Option<Surface> {
     let (near, far) = inside_cube(&around, side)?;
     // The ground ends a ray.
     let ground = if ray.direction.y < 0.0 { -ray.origin.y / ray.direction.y } else { far };
-    let (inside, before) = march(field, ray, near, far.min(ground))?;
-    Some(meet(field, ray, inside, before))
+    let met = march(field, ray, near, far.min(ground))?;
+    Some(meet(field, ray, &met))
 }
 
 /// The radiance of a point of the surface over that of white in full light, before a display's
@@ -52,8 +52,17 @@ pub fn lit<const N: usize>(
     stone * (direct + ambient * open)
 }
 
-/// The distance of the first sample inside, and the density of the sample before it.
-fn march<const N: usize>(field: &Field<N>, ray: &Ray, near: f32, end: f32) -> Option<(f32, f32)> {
+/// Where a march ended: at the first sample inside.
+struct Met {
+    /// Its distance.
+    t: f32,
+    /// Its density.
+    full: f32,
+    /// How far the step to it reached.
+    reach: f32,
+}
+
+fn march<const N: usize>(field: &Field<N>, ray: &Ray, near: f32, end: f32) -> Option<Met> {
     let (mut t, mut reach) = (near, step(0.0));
     // A ray from so far that a step is less than its last digit goes nowhere.
     let mut turns = 8 * N;
@@ -63,7 +72,7 @@ fn march<const N: usize>(field: &Field<N>, ray: &Ray, near: f32, end: f32) -> Op
         while left > 0.0 && turns > 0 {
             let full = field.sample(0, ray.at(t));
             if full >= 0.5 {
-                return (t < end).then_some((t, before(reach)));
+                return (t < end).then_some(Met { t, full, reach });
             }
             reach = step(full);
             t += reach;
@@ -98,11 +107,11 @@ fn before(reach: f32) -> f32 {
 }
 
 /// From a point inside back to where the density is a half, by the profile of a plane's edge.
-fn meet<const N: usize>(field: &Field<N>, ray: &Ray, inside: f32, before: f32) -> Surface {
+fn meet<const N: usize>(field: &Field<N>, ray: &Ray, met: &Met) -> Surface {
     // What the blur makes of a distance, undone but for a factor.
     let apart = |above: f32| above + 2.0 * above * above * above;
-    let (within, without) = (apart(field.sample(0, ray.at(inside)) - 0.5), apart(0.5 - before));
-    let distance = inside - step(before) * within / (within + without);
+    let (inside, outside) = (apart(met.full - 0.5), apart(0.5 - before(met.reach)));
+    let distance = met.t - met.reach * inside / (inside + outside);
     let position = ray.at(distance);
     let normal = fall(field, position).try_normalize().unwrap_or(Vec3::Y);
     Surface { position, normal, distance }
