@@ -19,6 +19,10 @@ fi
 # The mirror that this machine is configured with; it holds the newer release too.
 mirror=$(apt-get indextargets --format '$(REPO_URI) $(COMPONENT)' 2>/dev/null |
     awk '$2 == "main" && $1 !~ /security/ { print $1; exit }')
+if test -z "$mirror"; then
+    echo "monado-tree: apt is configured with no mirror of Debian's main; see sources.list(5)" >&2
+    exit 1
+fi
 rm -rf "$tree"
 mkdir -p "$(dirname "$tree")"
 # mmdebstrap unpacks with its helper mmtarfilter, which it looks for in PATH.
@@ -28,5 +32,5 @@ PATH=/usr/sbin:/usr/bin:/sbin:/bin mmdebstrap --mode=root --variant=apt \
     --dpkgopt='path-exclude=/usr/share/man/*' \
     --dpkgopt='path-exclude=/usr/share/doc/*' \
     --dpkgopt='path-exclude=/usr/share/locale/*' \
-    trixie "$tree" "${mirror:-http://deb.debian.org/debian/}"
+    trixie "$tree" "$mirror"
 echo "$packages" >"$stamp"
