@@ -92,12 +92,14 @@ impl Actions {
             if !offered {
                 continue;
             }
-            let bindings = match profile {
-                SIMPLE => self.simple(instance, poses),
-                _ => self.touch(instance, poses),
-            };
+            let mut bind = Bind { instance, bindings: Vec::new() };
+            bind.poses(poses)?;
+            match profile {
+                SIMPLE => self.simple(&mut bind)?,
+                _ => self.touch(&mut bind)?,
+            }
             let path = instance.string_to_path(profile).doing("name a profile")?;
-            let suggest = instance.suggest_interaction_profile_bindings(path, &bindings?);
+            let suggest = instance.suggest_interaction_profile_bindings(path, &bind.bindings);
             known += u32::from(suggest.is_ok());
         }
         if known == 0 {
@@ -107,13 +109,7 @@ impl Actions {
         Ok(())
     }
 
-    fn touch<'a>(
-        &'a self,
-        at: &'a xr::Instance,
-        poses: &'a Poses,
-    ) -> Result<Vec<xr::Binding<'a>>, Error> {
-        let mut bind = Bind { instance: at, bindings: Vec::new() };
-        bind.poses(poses)?;
+    fn touch<'a>(&'a self, bind: &mut Bind<'a>) -> Result<(), Error> {
         for hand in HANDS {
             bind.to(&self.trigger, hand, "input/trigger/value")?;
             bind.to(&self.squeeze, hand, "input/squeeze/value")?;
@@ -129,24 +125,17 @@ impl Actions {
             bind.to(&self.buttons[0].0, hand, lower)?;
             bind.to(&self.buttons[1].0, hand, upper)?;
         }
-        bind.to(&self.menu, left, "input/menu/click")?;
-        Ok(bind.bindings)
+        bind.to(&self.menu, left, "input/menu/click")
     }
 
     /// One button runs the tool, the other takes: enough to sculpt.
-    fn simple<'a>(
-        &'a self,
-        at: &'a xr::Instance,
-        poses: &'a Poses,
-    ) -> Result<Vec<xr::Binding<'a>>, Error> {
-        let mut bind = Bind { instance: at, bindings: Vec::new() };
-        bind.poses(poses)?;
+    fn simple<'a>(&'a self, bind: &mut Bind<'a>) -> Result<(), Error> {
         for hand in HANDS {
             bind.to(&self.trigger, hand, "input/select/click")?;
             bind.to(&self.squeeze, hand, "input/menu/click")?;
             bind.to(&self.pulse, hand, "output/haptic")?;
         }
-        Ok(bind.bindings)
+        Ok(())
     }
 
     /// Takes in what the controllers have done since it was called last.
