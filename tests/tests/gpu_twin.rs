@@ -96,6 +96,23 @@ fn the_gpu_draws_what_its_twin_draws() {
     rig.check_validation();
 }
 
+/// The full march asks more of the maps and finds the same voxels.
+#[test]
+fn a_full_march_draws_what_the_quick_one_draws() {
+    let Some(mut rig) = Rig::new() else { return };
+    for (name, volume) in volumes() {
+        rig.load(&textures::<N>(&volume).1);
+        for (view, turn) in TURNS.into_iter().enumerate() {
+            let [quick, full] = [Parts::Whole, Parts::FullMarch]
+                .map(|parts| rig.draw(eye(view), turn, Path::Paper(parts)));
+            let differ = quick.1.iter().zip(&full.1).filter(|(a, b)| a != b).count();
+            let hits = quick.1.iter().filter(|depth| **depth > 0.0).count();
+            assert!(hits > 1000 && differ == 0, "{name}, view {view}: {differ} of {hits}");
+        }
+    }
+    rig.check_validation();
+}
+
 /// Its rays start where beams of them may, unlike its twin's, and so step over other parts of what
 /// is thinner than a step.
 #[test]
