@@ -75,7 +75,7 @@ fn programs() -> Vec<Program> {
         defs: Vec::new(),
         overrides: overrides.to_vec(),
     };
-    use naga::ShaderStage::{Fragment, Vertex};
+    use naga::ShaderStage::{Compute, Fragment, Vertex};
     let mut all = vec![
         program("box_vertex", "box", Vertex, &[]),
         program("tiles_vertex", "tiles", Vertex, &[]),
@@ -91,6 +91,7 @@ fn programs() -> Vec<Program> {
         program("cast_sculpture", "cast", Fragment, &[]).with("SCULPTURE"),
         program("overlay_vertex", "overlay", Vertex, &[]),
         program("overlay", "overlay", Fragment, &[]),
+        program("scatter", "scatter", Compute, &[]),
     ];
     for (name, half, coverage) in [
         ("fast", false, 0.0),
@@ -175,6 +176,7 @@ fn spirv(module: &naga::Module, program: &Program, capabilities: Capabilities) -
     let overrides = program.overrides.iter().map(|(key, value)| ((*key).to_owned(), *value));
     let entry = match program.stage {
         naga::ShaderStage::Vertex => "vertex",
+        naga::ShaderStage::Compute => "compute",
         _ => "fragment",
     };
     let (module, info) = naga::back::pipeline_constants::process_overrides(

@@ -3,7 +3,8 @@
 //! all that is derived from them is what a rebuild from nothing gives.
 //!
 //! Uploads go the way that the shells' do: a tick is noted, a frame takes what its budget allows
-//! through the ring's staging memory, and frames are drawn until nothing is left.
+//! through the ring's staging memory, and frames are drawn until nothing is left; by a program that
+//! writes what it can, and by copies alone.
 //!
 //! Faults that were planted: every 997th region is lost on its way; copies that overlap are not
 //! ordered (validation tells); what a load made dirty is not noted.
@@ -18,7 +19,8 @@ use paros_core::tools::{Action, Bit, Tool};
 use paros_core::workbench::Item;
 use paros_core::world::World;
 use paros_shaders::field::Field;
-use paros_tests::models::desk::{Desk, device};
+use paros_shaders::gpu::Options;
+use paros_tests::models::desk::{Desk, device_with};
 use paros_tests::models::puppet::{RIGHT, reach, take};
 use paros_tests::models::studio::Studio;
 use paros_tests::models::visitor::Visitor;
@@ -35,8 +37,10 @@ impl<const N: usize> Held<N>
 where
     Grid<N>: Size,
 {
-    fn new() -> Option<Self> {
-        let mut desk = Desk::new(&device()?, N, [1, 1], [32, 32]);
+    fn new(copies: bool) -> Option<Self> {
+        let device = device_with(Options { copies, ..Options::default() })?;
+        assert!(device.needs.scatter != copies, "{} has no program write textures", device.name);
+        let mut desk = Desk::new(&device, N, [1, 1], [32, 32]);
         let field = Box::new(Field::new());
         desk.load(&field);
         Some(Held { desk, field, rebuilt: Box::new(Field::new()), frames: 0 })
@@ -156,11 +160,11 @@ const fn removed_by(event: &Event) -> u32 {
     }
 }
 
-fn check<const N: usize>(studio: &Mutex<Studio<N>>, edits: u32)
+fn check<const N: usize>(studio: &Mutex<Studio<N>>, copies: bool, edits: u32)
 where
     Grid<N>: Size,
 {
-    let Some(mut held) = Held::new() else { return };
+    let Some(mut held) = Held::new(copies) else { return };
     let mut studio = studio.lock().unwrap_or_else(PoisonError::into_inner);
     thousand_edits(&mut studio, &mut held, edits);
     fall(&mut studio, &mut held);
@@ -169,11 +173,23 @@ where
 #[test]
 fn the_device_holds_the_sculpture_at_128() {
     static STUDIO: Mutex<Studio<128>> = Mutex::new(Studio::new());
-    check(&STUDIO, 1000);
+    check(&STUDIO, false, 1000);
+}
+
+#[test]
+fn the_device_holds_the_sculpture_by_copies_at_128() {
+    static STUDIO: Mutex<Studio<128>> = Mutex::new(Studio::new());
+    check(&STUDIO, true, 1000);
 }
 
 #[test]
 fn the_device_holds_the_sculpture_at_256() {
     static STUDIO: Mutex<Studio<256>> = Mutex::new(Studio::new());
-    check(&STUDIO, 120);
+    check(&STUDIO, false, 120);
+}
+
+#[test]
+fn the_device_holds_the_sculpture_by_copies_at_256() {
+    static STUDIO: Mutex<Studio<256>> = Mutex::new(Studio::new());
+    check(&STUDIO, true, 120);
 }

@@ -26,6 +26,8 @@ pub struct Options {
     pub device: Option<String>,
     /// Whether to do without half precision where it is offered.
     pub single: bool,
+    /// Whether to upload by copies alone, as where programs can't write textures.
+    pub copies: bool,
     /// Whether density maps are wanted, for a format with [`Format::density_map`].
     ///
     /// [`Format::density_map`]: super::Format::density_map

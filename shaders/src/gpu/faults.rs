@@ -214,6 +214,9 @@ faulty! {
     Making create_graphics_pipelines(device: vk::Device, cache: vk::PipelineCache, count: u32,
         infos: *const vk::GraphicsPipelineCreateInfo<'_>, allocator: Allocator<'_>,
         made: *mut vk::Pipeline);
+    Making create_compute_pipelines(device: vk::Device, cache: vk::PipelineCache, count: u32,
+        infos: *const vk::ComputePipelineCreateInfo<'_>, allocator: Allocator<'_>,
+        made: *mut vk::Pipeline);
     Making create_command_pool(device: vk::Device, info: *const vk::CommandPoolCreateInfo<'_>,
         allocator: Allocator<'_>, made: *mut vk::CommandPool);
     Making allocate_command_buffers(device: vk::Device,

@@ -155,6 +155,9 @@ pub(super) fn use_of(layout: vk::ImageLayout) -> (vk::PipelineStageFlags, vk::Ac
             vk::PipelineStageFlags::VERTEX_SHADER | vk::PipelineStageFlags::FRAGMENT_SHADER,
             vk::AccessFlags::SHADER_READ,
         ),
+        vk::ImageLayout::GENERAL => {
+            (vk::PipelineStageFlags::COMPUTE_SHADER, vk::AccessFlags::SHADER_WRITE)
+        }
         _ => (vk::PipelineStageFlags::TOP_OF_PIPE, vk::AccessFlags::empty()),
     }
 }

@@ -24,6 +24,7 @@ pub mod programs;
 mod recipe;
 mod record;
 mod renderer;
+mod scatter;
 mod shadow;
 mod show;
 mod slot;

@@ -15,6 +15,9 @@ pub struct Needs {
     /// Maps that tell how densely a picture's parts are shaded (`VK_EXT_fragment_density_map`), for
     /// images that are not subsampled themselves; false unless it was asked for.
     pub density_map: bool,
+    /// Programs that write bytes of textures (`shaderStorageImageExtendedFormats`). An integrated GPU
+    /// may pack textures less well that can be written so, and is left to copies.
+    pub scatter: bool,
     /// Counting shaded fragments; false unless it was asked for.
     pub fragment_counts: bool,
     /// Nanoseconds in a tick of its timestamps, in millionths; 0 if it has none.
@@ -35,6 +38,7 @@ impl Needs {
     ) -> (Needs, Vec<&'static str>) {
         let mut needs = Needs::offered(instance, physical, family);
         needs.half &= !options.single;
+        needs.scatter &= !options.copies;
         let lacks = options.density_map && !needs.density_map;
         needs.density_map &= options.density_map;
         needs.fragment_counts &= options.fragment_counts;
@@ -57,11 +61,13 @@ impl Needs {
         // SAFETY: the physical device is one of this instance's, and speaks 1.1.
         unsafe { instance.get_physical_device_features2(physical, &mut features) };
         let counts = features.features.pipeline_statistics_query;
+        let writes = features.features.shader_storage_image_extended_formats;
         // SAFETY: as above.
         let properties = unsafe { instance.get_physical_device_properties(physical) };
         // SAFETY: as above.
         let families = unsafe { instance.get_physical_device_queue_family_properties(physical) };
-        let bits = families[family as usize].timestamp_valid_bits;
+        let family = &families[family as usize];
+        let bits = family.timestamp_valid_bits;
         let period = (f64::from(properties.limits.timestamp_period) * 1e6) as u64;
         Needs {
             half: has_half
@@ -70,6 +76,9 @@ impl Needs {
             density_map: has_density
                 && density.fragment_density_map == vk::TRUE
                 && density.fragment_density_map_non_subsampled_images == vk::TRUE,
+            scatter: writes == vk::TRUE
+                && family.queue_flags.contains(vk::QueueFlags::COMPUTE)
+                && properties.device_type != vk::PhysicalDeviceType::INTEGRATED_GPU,
             fragment_counts: counts == vk::TRUE,
             timestamp_period: if bits == 0 { 0 } else { period },
         }
@@ -101,8 +110,9 @@ impl Needs {
             extensions.push(ext::fragment_density_map::NAME.as_ptr());
             info = info.push_next(&mut density);
         }
-        let features =
-            vk::PhysicalDeviceFeatures::default().pipeline_statistics_query(self.fragment_counts);
+        let features = vk::PhysicalDeviceFeatures::default()
+            .pipeline_statistics_query(self.fragment_counts)
+            .shader_storage_image_extended_formats(self.scatter);
         let info = info.queue_create_infos(&queues).enabled_extension_names(&extensions);
         make(&info.enabled_features(&features))
     }
@@ -141,8 +151,13 @@ mod tests {
     fn a_device_is_asked_for_what_was_agreed() {
         let multiview = vk::StructureType::PHYSICAL_DEVICE_MULTIVIEW_FEATURES;
         let density = vk::StructureType::PHYSICAL_DEVICE_FRAGMENT_DENSITY_MAP_FEATURES_EXT;
-        let needs =
-            Needs { half: false, density_map: false, fragment_counts: false, timestamp_period: 0 };
+        let needs = Needs {
+            half: false,
+            density_map: false,
+            scatter: false,
+            fragment_counts: false,
+            timestamp_period: 0,
+        };
         assert_eq!(asked(needs), (vec![], vec![multiview]));
         let (names, chain) = asked(Needs { density_map: true, ..needs });
         assert_eq!(names, [ext::fragment_density_map::NAME]);

@@ -48,7 +48,12 @@ macro_rules! destroyed {
 
 destroyed! {
     vk::CommandPool: destroy_command_pool,
+    vk::DescriptorPool: destroy_descriptor_pool,
+    vk::DescriptorSetLayout: destroy_descriptor_set_layout,
     vk::Fence: destroy_fence,
     vk::Framebuffer: destroy_framebuffer,
+    vk::ImageView: destroy_image_view,
+    vk::Pipeline: destroy_pipeline,
+    vk::PipelineLayout: destroy_pipeline_layout,
     vk::Sampler: destroy_sampler
 }

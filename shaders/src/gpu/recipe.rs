@@ -219,13 +219,13 @@ impl Recipe {
 }
 
 /// A program while pipelines are made of it.
-struct Module<'a> {
+pub(super) struct Module<'a> {
     gpu: &'a Gpu,
-    raw: vk::ShaderModule,
+    pub(super) raw: vk::ShaderModule,
 }
 
 impl<'a> Module<'a> {
-    fn new(gpu: &'a Gpu, program: Program) -> Result<Self, Error> {
+    pub(super) fn new(gpu: &'a Gpu, program: Program) -> Result<Self, Error> {
         let words = program.words();
         let info = vk::ShaderModuleCreateInfo::default().code(&words);
         // SAFETY: the words are a program that the build validated.

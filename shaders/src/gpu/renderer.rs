@@ -13,6 +13,7 @@ use super::overlay::Overlay;
 use super::owned::Owned;
 use super::pass::{Format, Pass};
 use super::pipelines::{Passes, Pipelines};
+use super::scatter::Scatter;
 use super::shadow::ShadowMap;
 use super::slot::Slot;
 use super::staging::CAPACITY;
@@ -53,6 +54,8 @@ pub struct Renderer {
     pub(super) frame: Pass,
     pub(super) pipelines: Pipelines,
     pub(super) textures: Textures,
+    /// None where programs can't write textures.
+    scatter: Option<Scatter>,
     pub(super) meshes: Meshes,
     pub(super) ring: Vec<Slot>,
     /// Of the ring's commands.
@@ -97,8 +100,14 @@ impl Renderer {
         let pool = unsafe { gpu.device.create_command_pool(&info, None) }.doing("make a pool")?;
         let pool = Owned::new(gpu, pool);
         let overlay = Overlay::new(gpu, &format, &frame, RING, pipelines.cache)?;
-        let ring =
-            (0..RING).map(|_| Slot::new(gpu, pool.raw, format.views)).collect::<Result<_, _>>()?;
+        let ring = (0..RING)
+            .map(|_| Slot::new(gpu, pool.raw, format.views))
+            .collect::<Result<Vec<_>, _>>()?;
+        let staged = ring.iter().map(|slot| &slot.staging);
+        let scatter = match gpu.needs.scatter {
+            true => Some(Scatter::new(gpu, &textures, staged, pipelines.cache)?),
+            false => None,
+        };
         let mut renderer = Renderer {
             gpu: gpu.clone(),
             format,
@@ -109,6 +118,7 @@ impl Renderer {
             frame,
             pipelines,
             textures,
+            scatter,
             meshes: Meshes::new(gpu)?,
             ring,
             _pool: pool,
@@ -302,7 +312,7 @@ impl Renderer {
         slot.timers.reset(commands);
         slot.counters.reset(commands);
         slot.timers.mark(commands, Mark::Begin);
-        self.textures.record(commands, &slot.staging);
+        self.textures.record(commands, &slot.staging, self.scatter.as_mut(), self.at);
         self.overlay.record_copies(commands);
         slot.timers.mark(commands, Mark::Uploaded);
         record(self, commands);

@@ -12,7 +12,7 @@ use crate::upload::Region;
 /// What one frame can upload; a load is spread over frames.
 pub(super) const CAPACITY: usize = 1 << 20;
 /// Boxes of texels that one frame can upload.
-const REGIONS: usize = 1024;
+pub(super) const REGIONS: usize = 1024;
 /// Copies begin at multiples of this.
 const ALIGNMENT: usize = 4;
 /// With what lies between them.
@@ -27,7 +27,8 @@ pub(super) struct Staging {
 
 impl Staging {
     pub(super) fn new(gpu: &Arc<Gpu>) -> Result<Self, Error> {
-        let buffer = Buffer::new(gpu, ROOM, vk::BufferUsageFlags::TRANSFER_SRC)?;
+        let usage = vk::BufferUsageFlags::TRANSFER_SRC | vk::BufferUsageFlags::STORAGE_BUFFER;
+        let buffer = Buffer::new(gpu, ROOM, usage)?;
         Ok(Staging { buffer, regions: Vec::with_capacity(REGIONS), used: 0 })
     }
 
@@ -35,6 +36,14 @@ impl Staging {
     pub(super) fn clear(&mut self) {
         self.regions.clear();
         self.used = 0;
+    }
+
+    /// Whether a texel is in two regions.
+    pub(super) fn overlaps(&self) -> bool {
+        let regions = &self.regions;
+        let overlaps_earlier =
+            |i: usize| regions[..i].iter().any(|(earlier, _)| earlier.overlaps(&regions[i].0));
+        (1..regions.len()).any(overlaps_earlier)
     }
 
     /// Takes a region's bytes, or says that there is no room for them in this frame.

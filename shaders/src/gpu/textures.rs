@@ -8,6 +8,7 @@ use super::context::Gpu;
 use super::error::{Doing, Error};
 use super::image::{Image, Shape, use_of};
 use super::owned::Owned;
+use super::scatter::Scatter;
 use super::staging::Staging;
 use crate::constants::NOISE_SIZE;
 use crate::field::cell;
@@ -16,7 +17,8 @@ use crate::upload::{Region, Texture};
 /// Texels of density around the grid, on each side.
 const PAD: u32 = 4;
 /// Levels of detail of the density.
-const LEVELS: u32 = 4;
+pub(super) const LEVELS: u32 = 4;
+const STORAGE: vk::ImageUsageFlags = vk::ImageUsageFlags::STORAGE;
 /// Empty columns around each range map.
 const BORDER: u32 = 1;
 
@@ -39,7 +41,11 @@ impl Textures {
         let usage = vk::ImageUsageFlags::SAMPLED
             | vk::ImageUsageFlags::TRANSFER_DST
             | vk::ImageUsageFlags::TRANSFER_SRC;
-        let solid = |format, side: u32, levels| {
+        let written = match gpu.needs.scatter {
+            true => usage | STORAGE,
+            false => usage,
+        };
+        let solid = |format, side: u32, levels, usage| {
             let shape = Shape { extent: [side; 3], levels, ..Shape::flat(format, [side; 2], 1) };
             Image::new(gpu, shape.usage(usage))
         };
@@ -51,10 +57,10 @@ impl Textures {
         Ok(Textures {
             gpu: gpu.clone(),
             maps: Image::new(gpu, flat.usage(usage))?,
-            density: solid(byte, n + 2 * PAD, LEVELS)?,
-            cells: solid(byte, (n + 2 * PAD) / cell(n as usize) as u32, 1)?,
-            noise: solid(vk::Format::R8_SNORM, NOISE_SIZE as u32, 1)?,
-            marble: solid(byte, marble_side, 1)?,
+            density: solid(byte, n + 2 * PAD, LEVELS, written)?,
+            cells: solid(byte, (n + 2 * PAD) / cell(n as usize) as u32, 1, written)?,
+            noise: solid(vk::Format::R8_SNORM, NOISE_SIZE as u32, 1, usage)?,
+            marble: solid(byte, marble_side, 1, usage)?,
             clamped: sampler(vk::Filter::LINEAR, edge)?,
             repeated: sampler(vk::Filter::LINEAR, repeat)?,
             nearest: sampler(vk::Filter::NEAREST, edge)?,
@@ -62,21 +68,50 @@ impl Textures {
         })
     }
 
-    /// Records the copies of what is staged; the first time, everything is emptied before.
-    pub(super) fn record(&mut self, commands: vk::CommandBuffer, staging: &Staging) {
+    /// Records what brings over all that is staged in a frame of the ring; the first time, everything
+    /// is emptied before. A program writes the boxes that it can, unless some overlap.
+    pub(super) fn record(
+        &mut self,
+        commands: vk::CommandBuffer,
+        staging: &Staging,
+        scatter: Option<&mut Scatter>,
+        frame: usize,
+    ) {
         if !self.cleared {
             self.clear(commands);
             self.cleared = true;
         }
-        if staging.regions.is_empty() {
-            return;
+        let scatter = scatter.filter(|_| !staging.overlaps());
+        let is_written = |region: &Region| scatter.is_some() && Scatter::takes(region);
+        let read = vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL;
+        let copied = self.touched(staging, |region| !is_written(region));
+        if copied.contains(&true) {
+            let write = vk::ImageLayout::TRANSFER_DST_OPTIMAL;
+            self.transition(commands, copied, read, write);
+            self.copy_all(commands, staging, |region| !is_written(region));
+            self.transition(commands, copied, write, read);
         }
-        let (read, write) =
-            (vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL, vk::ImageLayout::TRANSFER_DST_OPTIMAL);
-        let touched = self.touched(staging);
-        self.transition(commands, touched, read, write);
+        let writes = staging.regions.iter().any(|(region, _)| is_written(region));
+        if let Some(scatter) = scatter.filter(|_| writes) {
+            // Those that the program has bound, whether a box lies in them or not.
+            let bound = self.images().map(|image| image.shape.usage.contains(STORAGE));
+            self.transition(commands, bound, read, vk::ImageLayout::GENERAL);
+            scatter.record(commands, frame, staging);
+            self.transition(commands, bound, vk::ImageLayout::GENERAL, read);
+        }
+    }
+
+    fn copy_all(
+        &self,
+        commands: vk::CommandBuffer,
+        staging: &Staging,
+        is_copied: impl Fn(&Region) -> bool,
+    ) {
         let mut unordered = 0;
         for (i, (region, at)) in staging.regions.iter().enumerate() {
+            if !is_copied(region) {
+                continue;
+            }
             // Boxes computed one after the other may share a coarser texel, which the later has
             // right; of copies without a barrier between them either may come last.
             let earlier = &staging.regions[unordered..i];
@@ -91,12 +126,11 @@ impl Textures {
                     commands,
                     staging.buffer.raw,
                     image,
-                    write,
+                    vk::ImageLayout::TRANSFER_DST_OPTIMAL,
                     &[copy],
                 );
             }
         }
-        self.transition(commands, touched, write, read);
     }
 
     /// Has copies wait for those before.
@@ -113,11 +147,11 @@ impl Textures {
         }
     }
 
-    /// Which of the images something is staged for.
-    fn touched(&self, staging: &Staging) -> [bool; 5] {
-        let is_touched =
-            |image: &Image| staging.regions.iter().any(|(at, _)| self.image(at).0.raw == image.raw);
-        self.images().map(is_touched)
+    /// Which of the images something is staged for, among some regions.
+    fn touched(&self, staging: &Staging, among: impl Fn(&Region) -> bool) -> [bool; 5] {
+        let holds = |image: &Image, region| self.image(region).0.raw == image.raw;
+        let regions = || staging.regions.iter().map(|(region, _)| region).filter(|one| among(one));
+        self.images().map(|image| regions().any(|region| holds(image, region)))
     }
 
     /// The image and the level of a region.

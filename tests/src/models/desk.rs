@@ -14,7 +14,15 @@ use paros_shell::require::require;
 /// # Panics
 /// One is required and missing.
 pub fn device() -> Option<Context> {
-    let options = Options { validation: true, ..Options::default() };
+    device_with(Options::default())
+}
+
+/// The same, made in some other way.
+///
+/// # Panics
+/// As [`device`].
+pub fn device_with(options: Options) -> Option<Context> {
+    let options = Options { validation: true, ..options };
     require(Gpu::headless(&options)).expect("a Vulkan device and its validation")
 }
 
