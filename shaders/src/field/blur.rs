@@ -1,4 +1,4 @@
-//! The finest density of a box of texels: blurred occupancy, with thin features raised.
+//! The finest density of a box of texels: blurred occupancy, with creases opened and thin features raised.
 //!
 //! Each row of voxels is a word of bits; tables turn them into bytes blurred along x, and the rest
 //! runs over whole rows, which the compiler makes vectors of.
@@ -6,6 +6,7 @@
 use paros_core::maps::Maps;
 
 use super::REACH;
+use super::crease;
 use super::extent::Extent;
 use super::texels::tops;
 use super::thin;
@@ -144,7 +145,9 @@ impl Blur {
                 }
             }
         }
-        thin::raise(&self.window, [rows, slices - 2 * TAPS], &mut self.out, &mut self.half);
+        let size = [rows, slices - 2 * TAPS];
+        crease::open(&self.window, size, mask, &mut self.out, &mut self.half);
+        thin::raise(&self.window, size, &mut self.out, &mut self.half);
     }
 
     fn frame(&self) -> Frame {
@@ -286,7 +289,7 @@ const fn shares(first: usize) -> [u64; 64] {
     table
 }
 
-/// The rows of density around a box, to be raised: by z, then y.
+/// The rows of density around a box: by z, then y.
 pub(super) type Rows = [[Row; OUT]; OUT];
 /// Which of these texels are at least a half.
 pub(super) type Halves = [[u64; OUT]; OUT];

@@ -6,8 +6,9 @@
 //! - [`Texture::Density`] 0: a cube of N + 8 texels, one for each voxel and [`PAD`] around the grid
 //!   on every side. A byte, 255 where all is full: the mean of 5 x 5 x 5 voxels with the weights
 //!   1 4 6 4 1 along each axis. Exactly: the weighted sum of a slice's 5 x 5 voxels, 256 where all
-//!   are full, is held to 255, and the weighted mean of five such sums rounded, half up. Below y = 0 the ground layer goes on, the
-//!   rest outside is empty. What is too thin to reach a half by itself is raised (see `thin`).
+//!   are full, is held to 255, and the weighted mean of five such sums rounded, half up. Below y = 0
+//!   the ground layer goes on, the rest outside is empty. Creases that would close are opened (see
+//!   `crease`), and what is too thin to reach a half by itself is raised (see `thin`).
 //! - [`Texture::Density`] 1 to 3: each texel the mean of 2 x 2 x 2 of the finer one, half up.
 //! - [`Texture::Cells`]: a byte for each cell of 2 x 2 x 2 texels at N up to 128 and 4 x 4 x 4
 //!   above, so that cells are as large in the room (see [`cell`]). The surface of half density may
@@ -24,6 +25,7 @@
 mod backlog;
 mod blur;
 mod cells;
+mod crease;
 mod extent;
 mod mips;
 mod texels;

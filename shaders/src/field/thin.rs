@@ -5,7 +5,7 @@
 //! leaves beside them. A rod of one voxel stands a little prouder: a ray passes what is narrower.
 
 use super::blur::{Halves, Rows};
-use super::window::{LEFT, ROWS, Window};
+use super::window::{BEFORE, LEFT, ROWS, Window};
 
 /// A plate of one voxel: a quarter beside it.
 const PLATE: u8 = 191;
@@ -15,9 +15,6 @@ const ROD: u8 = 255;
 const RIBBON: u8 = 217;
 /// A rod of two by two: a fifth beside it.
 const BEAM: u8 = 204;
-
-/// How many rows of the window lie before the first one of density.
-const BEFORE: usize = 2;
 
 /// Voxels of a row that are thin along x, y and z.
 #[derive(Clone, Copy, Default)]

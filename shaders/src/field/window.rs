@@ -9,6 +9,8 @@ use super::{PAD, REACH};
 pub(super) const ROWS: usize = super::blur::MOST[1] + 2 * REACH;
 /// Voxels of a row left of the box's first texel; one more than needed, to round the box to.
 pub(super) const LEFT: usize = 4;
+/// Rows along y and z before the first one that is blurred.
+pub(super) const BEFORE: usize = 2;
 
 /// Bit rows along x of the voxels at most [`REACH`] from a box of texels (and [`LEFT`] from it
 /// along x). Row (0, 0) is the one of least y and z. Voxels below y = 0 are those of the ground layer.

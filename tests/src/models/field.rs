@@ -58,6 +58,10 @@ impl FieldModel {
         let voxel = |at: [i32; 3]| at.map(|c| c - PAD - 1);
         let mut texels: Vec<u8> = places(side).map(|at| self.blurred(voxel(at))).collect();
         for (texel, at) in texels.iter_mut().zip(places(side)) {
+            // In a crease: as far below a half.
+            if *texel >= HALF && !self.full(voxel(at)) {
+                *texel = 255 - *texel;
+            }
             if *texel < HALF {
                 *texel = (*texel).max(self.raised(voxel(at)));
             }
