@@ -188,6 +188,11 @@ where
 
     /// One tick. A session that starts leaves the one before in a file of its own.
     pub fn tick(&mut self, input: &Input) {
+        self.tick_within(input, |step| step());
+    }
+
+    /// One tick whose step `around` carries out, once: between two looks at a clock, say.
+    pub fn tick_within(&mut self, input: &Input, around: impl FnOnce(&mut dyn FnMut())) {
         let starts = input.start != Mode::None;
         if starts {
             self.leave_session();
@@ -199,7 +204,7 @@ where
             None if starts && self.records => stage.record(),
             None => {}
         }
-        stage.tick(input);
+        stage.tick_within(input, around);
         self.recording = stage.leave();
         self.after_tick(input);
     }
