@@ -1,5 +1,7 @@
 //! Save, load and digest: the whole state as bytes, and as 64 bits.
 
+use core::array;
+
 use crate::codec::{BadBytes, Reader, Writer};
 use crate::maps::{Axis, Column, Maps, Range};
 use crate::plane::Plane;
@@ -187,9 +189,9 @@ where
 fn write_maps<const N: usize>(to: &mut Writer<'_>, maps: &Maps<N>) {
     for axis in Axis::ALL {
         for line in 0..N {
-            for column in maps.line(axis, line) {
-                column.0.iter().for_each(|range| to.bytes(&range.to_bytes()));
-            }
+            let columns = maps.line(axis, line);
+            let bytes: [_; N] = array::from_fn(|place| columns[place].0.map(Range::to_bytes));
+            to.bytes(bytes.as_flattened().as_flattened());
         }
     }
 }

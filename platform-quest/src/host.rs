@@ -33,6 +33,16 @@ pub trait Host {
         Told::default()
     }
 
+    /// Carries out a step of the world; who measures looks at a clock before and after.
+    fn step(&mut self, step: &mut dyn FnMut()) {
+        step();
+    }
+
+    /// What puts a measurer's functions around a device's own, if anything does.
+    fn around_device(&self) -> Option<fn(ash::Device) -> ash::Device> {
+        None
+    }
+
     /// Writes a line to where those look who look after the headset.
     fn log(&mut self, text: fmt::Arguments<'_>) {
         // Nobody may be listening there.

@@ -41,7 +41,11 @@ where
         places: &Places,
     ) -> Result<Self, Error> {
         let runtime = Runtime::new(host)?;
-        let wanted = gpu::Options { validation: options.validation, ..gpu::Options::default() };
+        let wanted = gpu::Options {
+            validation: options.validation,
+            around_device: host.around_device(),
+            ..gpu::Options::default()
+        };
         let gpu = runtime.gpu(&wanted)?;
         let session = Session::new(&runtime, &gpu)?;
         session.ask(&runtime, options.rate);

@@ -5,6 +5,8 @@ use std::sync::{Mutex, PoisonError};
 
 use paros_core::checksum;
 use paros_core::input::{Input, Mode, commands};
+use paros_core::limits::save_bytes;
+use paros_core::size::{Grid, Size};
 use paros_core::world::{Session, World};
 use paros_tests::models::studio::{Studio, same};
 use paros_tests::models::visitor::{Dice, Visitor};
@@ -20,6 +22,7 @@ fn save(world: &World<64>) -> Vec<u8> {
     let mut bytes = vec![0; world.save(&mut [])];
     let len = world.save(&mut bytes);
     assert_eq!(len, bytes.len());
+    assert!(len <= save_bytes(64), "{len} bytes");
     bytes
 }
 
@@ -86,6 +89,21 @@ fn after_a_load_everything_is_dirty_until_the_next_tick() {
     assert!(!studio.world.dirty().is_empty() && studio.world.events().is_empty());
     studio.step(&Input::default());
     assert!(studio.world.dirty().is_empty());
+}
+
+/// What the bound leaves for all that is of one length, beside two sets of maps.
+#[test]
+fn a_world_in_which_nothing_has_happened_is_short() {
+    fn rest<const N: usize>(world: &World<N>) -> usize
+    where
+        Grid<N>: Size,
+    {
+        world.save(&mut []) - 2 * 3 * N * N * 2
+    }
+    static SMALL: World<16> = World::new();
+    static LARGE: World<256> = World::new();
+    assert_eq!(rest(&SMALL), rest(&LARGE));
+    assert!(rest(&LARGE) <= 1024, "{} bytes", rest(&LARGE));
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
-use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
+use std::sync::mpsc::{Receiver, SyncSender, TryRecvError, channel, sync_channel};
 use std::thread::{self, JoinHandle};
 
 use crate::durable::{self, Target};
@@ -53,19 +53,23 @@ pub struct Job {
 /// What became of files.
 #[derive(Debug)]
 pub struct Kept {
-    /// What they are.
-    pub what: What,
-    /// The files, in the order in which they were given; or why there are none, and the job, to be
-    /// tried again.
-    pub done: Result<Vec<PathBuf>, (durable::Error, Job)>,
+    /// The job, to be tried again, or filled anew.
+    pub job: Job,
+    /// The files, in the order in which they were given; or why there are none.
+    pub done: Result<Vec<PathBuf>, durable::Error>,
     /// Why they are not in the folder that was meant.
     pub instead: Option<durable::Error>,
 }
 
+/// Jobs that wait at the most; who gives one more waits too. A session's save comes back before it
+/// is given again, the others are a visitor's deeds. The room is made once, so that giving a job
+/// takes no memory.
+const WAITING: usize = 16;
+
 /// A thread that writes files, in the order in which they come.
 #[derive(Debug)]
 pub struct Keeper {
-    jobs: Option<Sender<Job>>,
+    jobs: Option<SyncSender<Job>>,
     kept: Receiver<Kept>,
     thread: Option<JoinHandle<()>>,
     /// Jobs that have not been heard of again.
@@ -77,7 +81,7 @@ impl Keeper {
     #[must_use]
     #[allow(clippy::new_without_default)] // a thread: to be made on purpose
     pub fn new() -> Self {
-        let (jobs, todo) = channel::<Job>();
+        let (jobs, todo) = sync_channel::<Job>(WAITING);
         let (tell, kept) = channel();
         let work = move || {
             for job in todo {
@@ -139,12 +143,11 @@ impl Drop for Keeper {
 }
 
 fn write(job: Job) -> Kept {
-    let what = job.what;
     let (done, instead) = match &job.place {
         Place::At(paths) => (write_at(paths, &job.bytes), None),
         Place::Free { folders, name, endings } => write_free(folders, name, endings, &job.bytes),
     };
-    Kept { what, done: done.map_err(|error| (error, job)), instead }
+    Kept { job, done, instead }
 }
 
 fn write_at(paths: &[PathBuf], bytes: &[Vec<u8>]) -> Result<Vec<PathBuf>, durable::Error> {

@@ -95,9 +95,14 @@ where
     }
 
     /// One tick.
-    #[expect(clippy::disallowed_methods, reason = "the one place outside tests")]
     pub fn tick(&mut self, input: &Input) {
-        self.world.step(input, &self.starts);
+        self.tick_within(input, |step| step());
+    }
+
+    /// One tick whose step `around` carries out, once: between two looks at a clock, say.
+    #[expect(clippy::disallowed_methods, reason = "the one place outside tests")]
+    pub fn tick_within(&mut self, input: &Input, around: impl FnOnce(&mut dyn FnMut())) {
+        around(&mut || self.world.step(input, &self.starts));
         if let Some(Recording { header, bytes }) = &mut self.recording {
             header.ticks += 1;
             let at = bytes.len();

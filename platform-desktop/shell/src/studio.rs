@@ -7,7 +7,7 @@ mod opening;
 use std::path::{Path, PathBuf};
 
 use crate::claim::Claim;
-use crate::keeper::{Job, Keeper, What};
+use crate::keeper::{Job, Keeper, Place, What};
 use crate::places::Places;
 use crate::print::Printer;
 use crate::stage::{Recording, Stage};
@@ -18,6 +18,7 @@ use finishing::Finishing;
 use opening::Opening;
 use paros_core::events::Event;
 use paros_core::input::{Input, Mode};
+use paros_core::limits::save_bytes;
 use paros_core::maps::Maps;
 use paros_core::size::{Grid, Size};
 use paros_core::world::{Session, World};
@@ -74,6 +75,10 @@ where
     unwritten: Vec<Job>,
     /// Why the session is not saved.
     fault: Option<String>,
+    /// What saves the session, with room for all that it can be, while it is not being written.
+    saving: Option<Job>,
+    /// A save is to come as soon as the last one is written.
+    due: bool,
     changed: bool,
     running: bool,
     saved: u64,
@@ -94,6 +99,11 @@ where
     ) -> Self {
         let claim = Claim::new(&places.sessions, N);
         places.window = claim.number();
+        let saving = Job {
+            what: What::Session,
+            place: Place::At(vec![places.session(N)]),
+            bytes: vec![vec![0; save_bytes(N)]],
+        };
         let mut studio = Studio {
             world,
             volumes,
@@ -111,6 +121,8 @@ where
             printed: None,
             unwritten: Vec::new(),
             fault: None,
+            saving: Some(saving),
+            due: false,
             changed: false,
             running: false,
             saved: 0,
@@ -188,6 +200,11 @@ where
 
     /// One tick. A session that starts leaves the one before in a file of its own.
     pub fn tick(&mut self, input: &Input) {
+        self.tick_within(input, |step| step());
+    }
+
+    /// One tick whose step `around` carries out, once: between two looks at a clock, say.
+    pub fn tick_within(&mut self, input: &Input, around: impl FnOnce(&mut dyn FnMut())) {
         let starts = input.start != Mode::None;
         if starts {
             self.leave_session();
@@ -199,7 +216,7 @@ where
             None if starts && self.records => stage.record(),
             None => {}
         }
-        stage.tick(input);
+        stage.tick_within(input, around);
         self.recording = stage.leave();
         self.after_tick(input);
     }
@@ -268,9 +285,8 @@ where
         if self.changed {
             self.save();
         }
-        while let Some(kept) = self.keeper.wait() {
-            self.tell(kept);
-        }
+        // What went wrong is told.
+        let _ = self.wait();
     }
 
     /// Finishes what is under way and saves the session, and waits for the disk.
@@ -294,18 +310,13 @@ where
             }
             (None, _) => {}
         }
-        let mut done = Ok(());
-        while let Some(kept) = self.keeper.wait() {
-            if let Some(failed) = self.tell(kept) {
-                done = done.and(Err(failed));
-            }
-        }
-        done
+        self.wait()
     }
 
     fn leave_session(&mut self) {
         if self.world.session() == Session::Sculpting && self.world.undo_counts() != (0, 0) {
-            let bytes = self.saved_world();
+            let mut bytes = Vec::new();
+            self.fill(&mut bytes);
             self.keeper.keep(What::Before, self.places.session_before(N), bytes);
         }
         self.world.clear();
@@ -333,8 +344,12 @@ where
         let running = input.hands.iter().any(|hand| hand.trigger > 127);
         let stroke_ended = self.running && !running && tick >= self.saved + STROKE_TICKS;
         self.running = running;
-        if self.changed && (finished || stroke_ended || tick >= self.saved + SAVE_TICKS) {
+        self.due |= self.changed && (finished || stroke_ended || tick >= self.saved + SAVE_TICKS);
+        if self.due {
             self.save();
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

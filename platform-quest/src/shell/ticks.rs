@@ -43,7 +43,7 @@ where
             if core::mem::take(&mut self.fresh) {
                 input.start = self.options.mode;
             }
-            self.studio.tick(&input);
+            self.studio.tick_within(&input, |step| host.step(step));
             let world = self.studio.world();
             rig.show.note(world);
             self.pulses.note([world.hand(0).haptic, world.hand(1).haptic]);

@@ -8,10 +8,10 @@ use paros_core::tools::Tool;
 use paros_shell::require::require;
 
 use super::monado::{Monado, Shell, Tree, wait_for};
-use super::{LEFT_REST, REST, RIGHT, carve, eyes, output, take};
+use super::{LEFT_REST, REST, RIGHT, carve, eyes, take};
 
 /// The layer, or the program that counts, which `cargo test` builds as examples.
-fn example(name: &str) -> Result<PathBuf, String> {
+pub(crate) fn example(name: &str) -> Result<PathBuf, String> {
     let quest = Path::new(env!("CARGO_BIN_EXE_paros-quest"));
     let path = quest.with_file_name("examples").join(name);
     let found = path.exists().then_some(path);
@@ -81,22 +81,6 @@ fn hands_feel_the_stone_and_losses_lose_nothing() {
     let violations: Vec<&str> = log.lines().filter(|line| line.contains("violation")).collect();
     assert!(violations.is_empty(), "{violations:#?}");
     assert!(log.contains("depth\n"), "the compositor was to get depth");
-}
-
-/// Of our own: what the drivers take is theirs.
-#[test]
-fn a_frame_takes_no_memory_after_the_first_hundred() {
-    let Some(tree) = require(Tree::find()).unwrap() else { return };
-    let Some(frugal) = require(example("frugal")).unwrap() else { return };
-    let monado = Monado::start(&tree, "frugal");
-    let mut hands = monado.hands();
-    hands.look(&eyes());
-    hands.hold(RIGHT, REST);
-    let mut command = monado.tree.command(&frugal, &monado.folder);
-    let ended = output(command.args(["files", "200"]));
-    let said = String::from_utf8_lossy(&ended.stdout);
-    assert!(said.starts_with("frames 100; that allocate 0; at most 0;"), "{said}");
-    println!("{said}");
 }
 
 /// One pulse a frame, of the hand that carves, as strong as can be and as long as the frame's ticks.

@@ -34,6 +34,8 @@ pub struct Options {
     pub density_map: bool,
     /// Whether shaded fragments are to be counted, for measuring.
     pub fragment_counts: bool,
+    /// Puts a measurer's functions around the device's own.
+    pub around_device: Option<fn(ash::Device) -> ash::Device>,
 }
 
 /// An instance, and what validation has said about it.
@@ -277,6 +279,10 @@ impl Gpu {
         // SAFETY: the device is alive, and is this instance's.
         let device = unsafe { ash::Device::load(instance.raw.fp_v1_0(), made) };
         let device = faults::wrapped(device);
+        let device = match options.around_device {
+            Some(around) => around(device),
+            None => device,
+        };
         // SAFETY: the device was made with one queue of this family.
         let queue = unsafe { device.get_device_queue(family, 0) };
         // SAFETY: the physical device is one of this instance's.

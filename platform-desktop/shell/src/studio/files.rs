@@ -1,7 +1,9 @@
 //! What the studio reads and writes: sessions, sculptures, traces.
 
 use std::io::ErrorKind;
+use std::path::PathBuf;
 
+use paros_core::limits::save_bytes;
 use paros_core::size::{Grid, Size};
 use paros_core::world::Session;
 
@@ -37,21 +39,44 @@ where
         self.note(Note::Bad(format!("the saved session can't be read: {fault}; {kept}")));
     }
 
-    /// Has the session written.
+    /// Has the session written. While the last save is, there is nothing to write this one in: it
+    /// stays due.
     pub(super) fn save(&mut self) {
         if self.world.session() == Session::Waiting {
             return;
         }
-        let bytes = self.saved_world();
-        self.keeper.keep(What::Session, self.places.session(N), bytes);
-        (self.changed, self.saved) = (false, self.world.tick());
+        let Some(mut job) = self.saving.take() else {
+            self.due = true;
+            return;
+        };
+        job.bytes.iter_mut().for_each(|bytes| self.fill(bytes));
+        self.keeper.give(job);
+        (self.changed, self.due, self.saved) = (false, false, self.world.tick());
     }
 
-    pub(super) fn saved_world(&self) -> Vec<u8> {
-        let mut bytes = vec![0; self.world.save(&mut [])];
-        let len = self.world.save(&mut bytes);
-        debug_assert_eq!(len, bytes.len());
-        bytes
+    /// The world, in bytes that are held already if there is room in them for all that it can be.
+    pub(super) fn fill(&self, bytes: &mut Vec<u8>) {
+        bytes.resize(save_bytes(N), 0);
+        let len = self.world.save(bytes);
+        debug_assert!(len <= bytes.len(), "a world of {len} bytes");
+        bytes.truncate(len);
+    }
+
+    /// Waits for all that is being written, and for a save that is due then.
+    ///
+    /// # Errors
+    /// The first thing that could not be.
+    pub(super) fn wait(&mut self) -> Result<(), durable::Error> {
+        let mut done = Ok(());
+        while let Some(kept) = self.keeper.wait() {
+            if let Some(failed) = self.tell(kept) {
+                done = done.and(Err(failed));
+            }
+            if self.due {
+                self.save();
+            }
+        }
+        done
     }
 
     pub(super) fn write_finished(&mut self) {
@@ -87,31 +112,42 @@ where
         if let Some(refused) = kept.instead {
             self.note(Note::Bad(refused.to_string()));
         }
-        match (kept.done, kept.what) {
-            (Ok(_), What::Session) => self.fault = None,
-            (Ok(paths), What::Sculpture) => self.printed = paths.into_iter().next(),
-            (Ok(paths), What::Trace) => {
+        let what = kept.job.what;
+        let failed = match (kept.done, what) {
+            (Err(error), What::Session) => {
+                // Told while it lasts, and tried again.
+                if self.fault.is_none() {
+                    self.note(Note::Bad(format!("the session can't be saved: {error}")));
+                }
+                (self.fault, self.changed) = (Some(error.to_string()), true);
+                Some(error)
+            }
+            (Err(error), _) => {
+                self.note(Note::Bad(error.to_string()));
+                Some(error)
+            }
+            (Ok(paths), _) => {
+                self.tell_written(what, paths);
+                None
+            }
+        };
+        match what {
+            What::Session => self.saving = Some(kept.job),
+            What::Sculpture | What::Before if failed.is_some() => self.unwritten.push(kept.job),
+            _ => {}
+        }
+        failed
+    }
+
+    fn tell_written(&mut self, what: What, paths: Vec<PathBuf>) {
+        match what {
+            What::Session => self.fault = None,
+            What::Sculpture => self.printed = paths.into_iter().next(),
+            What::Trace => {
                 let path = paths.first().map_or(String::new(), |path| path.display().to_string());
                 self.note(Note::Good(format!("recorded: {path}")));
             }
-            (_, What::Cache) | (Ok(_), What::Before) => {}
-            (Err((error, job)), what) => {
-                match what {
-                    // Told while it lasts, and tried again.
-                    What::Session => {
-                        if self.fault.is_none() {
-                            self.note(Note::Bad(format!("the session can't be saved: {error}")));
-                        }
-                        (self.fault, self.changed) = (Some(error.to_string()), true);
-                    }
-                    _ => self.note(Note::Bad(error.to_string())),
-                }
-                if matches!(what, What::Sculpture | What::Before) {
-                    self.unwritten.push(job);
-                }
-                return Some(error);
-            }
+            What::Before | What::Cache => {}
         }
-        None
     }
 }

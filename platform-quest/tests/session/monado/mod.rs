@@ -141,6 +141,12 @@ impl Monado {
         Shell::start(command.env("XR_ENABLE_API_LAYERS", "XR_APILAYER_PAROS_tests"))
     }
 
+    /// Another program that is a shell, in this service's session.
+    pub(crate) fn shell_of(&self, program: &Path, args: &[&str]) -> Shell {
+        let mut command = self.tree.command(program, &self.folder);
+        Shell::start(command.args(args))
+    }
+
     fn command(&self, args: &[&str]) -> Command {
         let quest = Path::new(env!("CARGO_BIN_EXE_paros-quest"));
         let mut command = self.tree.command(quest, &self.folder);
@@ -229,6 +235,13 @@ impl Shell {
         self.ended()
     }
 
+    /// Waits for its end: the last that it said, its exit code, and what it told on standard error.
+    pub(crate) fn last_words(mut self) -> (Said, Option<i32>, String) {
+        let (code, errors) = self.ended();
+        let last = self.said.iter().last().unwrap_or_default();
+        (Said(last), code, errors)
+    }
+
     /// Kills it, as a system does that needs the memory; what it told on standard error.
     pub(crate) fn kill(mut self) -> String {
         self.child.kill().expect("it still runs");
@@ -258,6 +271,11 @@ impl Drop for Shell {
 }
 
 impl Said {
+    /// The whole line.
+    pub(crate) fn all(&self) -> &str {
+        &self.0
+    }
+
     /// A field.
     pub(crate) fn field(&self, name: &str) -> &str {
         let start =
