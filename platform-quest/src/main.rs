@@ -7,6 +7,7 @@ use std::process::ExitCode;
 use clap::Parser;
 use paros_core::input::Mode;
 use paros_quest::error::Error;
+use paros_quest::foveation::Foveation;
 use paros_quest::host::Plain;
 use paros_quest::options::Options;
 use paros_quest::{replay, shell};
@@ -42,6 +43,10 @@ struct Args {
     /// Give the compositor depth too; pixels have one sample then.
     #[arg(long)]
     depth: bool,
+    /// How coarsely pictures are shaded away from their middle: off, low, medium or high. Heat and a
+    /// low battery raise it, unless it is off; without it there is none until they do.
+    #[arg(long, value_name = "LEVEL", value_parser = foveation)]
+    foveation: Option<Foveation>,
     /// Take commands from standard input, for tests.
     #[arg(long, hide = true)]
     script: bool,
@@ -84,6 +89,7 @@ fn run(args: &Args) -> Result<String, (String, ExitCode)> {
         record: args.record.clone(),
         rate: args.rate,
         depth: args.depth,
+        foveation: args.foveation,
         script: args.script,
         validation: args.validation,
         ..Options::default()
@@ -126,4 +132,9 @@ fn mode(name: &str) -> Result<Mode, String> {
             Ok(Mode::Constrained { figure: figure as u8 })
         }
     }
+}
+
+fn foveation(name: &str) -> Result<Foveation, String> {
+    let found = Foveation::NAMED.into_iter().find(|(named, _)| *named == name);
+    found.map(|(_, level)| level).ok_or_else(|| "expected off, low, medium or high".into())
 }

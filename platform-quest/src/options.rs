@@ -5,6 +5,8 @@ use std::path::PathBuf;
 use paros_core::input::Mode;
 use paros_shaders::gpu::Path;
 
+use crate::foveation::Foveation;
+
 /// Settings of a run.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Options {
@@ -18,6 +20,8 @@ pub struct Options {
     pub rate: f32,
     /// Whether the compositor gets depth too, which costs the pixels' several samples.
     pub depth: bool,
+    /// How coarsely pictures are shaded away from their middle; see [`Foveation::under`].
+    pub foveation: Option<Foveation>,
     /// How the sculpture is drawn.
     pub path: Path,
     /// Whether commands are read from standard input, for tests; see [`crate::script`].
@@ -34,6 +38,7 @@ impl Default for Options {
             record: None,
             rate: 72.0,
             depth: false,
+            foveation: None,
             path: Path::Fast,
             script: false,
             validation: false,

@@ -4,11 +4,13 @@ use std::sync::Arc;
 
 use ash::vk::{self, Handle};
 use openxr as xr;
-use paros_shaders::gpu::{self, Gpu, Options};
+use paros_shaders::gpu::{self, Gpu};
 
 use super::VIEWS;
 use crate::error::{Doing, Error};
+use crate::foveation::Foveation;
 use crate::host::Host;
+use crate::options::Options;
 
 /// Vulkan 1.1 has multiview in its core.
 const VULKAN: xr::Version = xr::Version::new(1, 1, 0);
@@ -32,14 +34,14 @@ impl Runtime {
     ///
     /// # Errors
     /// [`Error::Unavailable`] with what is missing, or a call that failed.
-    pub(crate) fn new(host: &mut dyn Host) -> Result<Self, Error> {
+    pub(crate) fn new(host: &mut dyn Host, options: &Options) -> Result<Self, Error> {
         let entry = host.entry()?;
         let offered = entry.enumerate_extensions().map_err(unavailable)?;
         if !offered.khr_vulkan_enable2 {
             let why = "the OpenXR runtime has no XR_KHR_vulkan_enable2";
             return Err(Error::Unavailable(why.into()));
         }
-        let extensions = wanted().intersection(&offered);
+        let extensions = wanted(options).intersection(&offered);
         let application = xr::ApplicationInfo {
             application_name: "Paros",
             application_version: 1,
@@ -61,11 +63,20 @@ impl Runtime {
         Ok(Runtime { instance, system, extensions, name, extent, blend })
     }
 
+    /// Which of some extensions it can't be asked for, by name.
+    pub(crate) fn lacks<'a>(&self, names: &[&'a str]) -> Vec<&'a str> {
+        let asked = self.extensions.names();
+        let has = |name: &str| {
+            asked.iter().any(|asked| asked.strip_suffix(b"\0") == Some(name.as_bytes()))
+        };
+        names.iter().copied().filter(|name| !has(name)).collect()
+    }
+
     /// The device that the headset's pictures must be drawn by.
     ///
     /// # Errors
     /// [`Error::Unavailable`], a device without multiview, or a call that failed.
-    pub(crate) fn gpu(&self, options: &Options) -> Result<Arc<Gpu>, Error> {
+    pub(crate) fn gpu(&self, options: &gpu::Options) -> Result<Arc<Gpu>, Error> {
         let needs = self.instance.graphics_requirements::<xr::Vulkan>(self.system);
         let needs = needs.doing("ask what Vulkan it needs")?;
         if needs.min_api_version_supported > VULKAN {
@@ -113,16 +124,22 @@ impl Runtime {
 }
 
 /// All that the shell makes use of where it is offered.
-fn wanted() -> xr::ExtensionSet {
+fn wanted(options: &Options) -> xr::ExtensionSet {
     let mut wanted = xr::ExtensionSet::default();
     wanted.khr_vulkan_enable2 = true;
-    wanted.khr_composition_layer_depth = true;
+    wanted.khr_composition_layer_depth = options.depth;
     wanted.ext_hand_tracking = true;
     wanted.ext_local_floor = true;
     wanted.ext_user_presence = true;
     wanted.ext_performance_settings = true;
     wanted.fb_display_refresh_rate = true;
     wanted.meta_touch_controller_plus = true;
+    if options.foveation != Some(Foveation::Off) {
+        wanted.fb_foveation = true;
+        wanted.fb_foveation_configuration = true;
+        wanted.fb_foveation_vulkan = true;
+        wanted.fb_swapchain_update_state = true;
+    }
     wanted
 }
 
