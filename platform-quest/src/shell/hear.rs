@@ -65,6 +65,7 @@ where
         match duty {
             Some(Duty::Begin) => {
                 rig.session.raw.begin(VIEWS).doing("begin the session")?;
+                rig.session.name_threads(&rig.runtime);
                 self.beat.rest();
             }
             Some(Duty::Save) => self.save(),

@@ -27,7 +27,15 @@ pub(crate) struct Runtime {
     pub(crate) extent: [u32; 2],
     /// How pictures are laid over the world.
     pub(crate) blend: xr::EnvironmentBlendMode,
+    /// Tells the system what a thread is for.
+    pub(crate) thread_types: Option<NameThread>,
 }
+
+/// `PFN_xrSetAndroidApplicationThreadKHR`, which the crate has on Android alone.
+pub(crate) type NameThread =
+    unsafe extern "system" fn(xr::sys::Session, xr::AndroidThreadTypeKHR, u32) -> xr::sys::Result;
+
+const THREADS: &[u8] = b"XR_KHR_android_thread_settings\0";
 
 impl Runtime {
     /// The runtime of this system and its headset.
@@ -60,7 +68,8 @@ impl Runtime {
         let modes = instance.enumerate_environment_blend_modes(system, VIEWS);
         let blend = modes.doing("list the blend modes")?.first().copied();
         let blend = blend.unwrap_or(xr::EnvironmentBlendMode::OPAQUE);
-        Ok(Runtime { instance, system, extensions, name, extent, blend })
+        let thread_types = thread_types(&instance, &extensions);
+        Ok(Runtime { instance, system, extensions, name, extent, blend, thread_types })
     }
 
     /// Which of some extensions it can't be asked for, by name.
@@ -123,9 +132,10 @@ impl Runtime {
     }
 }
 
-/// All that the shell makes use of where it is offered.
+/// All that the shell makes use of where it is offered. Thread types are of no use but on Android,
+/// and only there has the crate a name for them.
 fn wanted(options: &Options) -> xr::ExtensionSet {
-    let mut wanted = xr::ExtensionSet::default();
+    let mut wanted: xr::ExtensionSet = [THREADS].into_iter().collect();
     wanted.khr_vulkan_enable2 = true;
     wanted.khr_composition_layer_depth = options.depth;
     wanted.ext_hand_tracking = true;
@@ -141,6 +151,20 @@ fn wanted(options: &Options) -> xr::ExtensionSet {
         wanted.fb_swapchain_update_state = true;
     }
     wanted
+}
+
+fn thread_types(instance: &xr::Instance, extensions: &xr::ExtensionSet) -> Option<NameThread> {
+    if !extensions.names().contains(&THREADS) {
+        return None;
+    }
+    let (name, mut found) = (c"xrSetAndroidApplicationThreadKHR", None);
+    let find = instance.entry().fp().get_instance_proc_addr;
+    // SAFETY: the instance is alive, the name a C string, and there is room for a function.
+    let _ = unsafe { find(instance.as_raw(), name.as_ptr(), &mut found) };
+    // SAFETY: this is the type that goes with the name.
+    found.map(|found| unsafe {
+        core::mem::transmute::<xr::sys::pfn::VoidFunction, NameThread>(found)
+    })
 }
 
 /// Pixels of an eye's image.
