@@ -4,6 +4,7 @@
 //! The pictures are left in the tests' folder, to be looked at.
 #![cfg(target_os = "linux")]
 
+mod foveation;
 mod layered;
 mod monado;
 
