@@ -3,6 +3,7 @@
 use std::io::{self, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::time::Duration;
 
 use clap::Parser;
 use paros_core::input::Mode;
@@ -10,6 +11,7 @@ use paros_quest::error::Error;
 use paros_quest::foveation::Foveation;
 use paros_quest::host::Plain;
 use paros_quest::options::Options;
+use paros_quest::visitor::HANDOVER;
 use paros_quest::{replay, shell};
 use paros_shell::durable::Target;
 use paros_shell::figures::Figure;
@@ -27,6 +29,10 @@ struct Args {
     /// How sessions start: `free`, `creative`, or the name of a hidden figure.
     #[arg(long, default_value = "free", value_parser = mode)]
     mode: Mode,
+    /// For how many seconds the headset must be off for who puts it on next to be another visitor:
+    /// the sculpture is finished and kept, and a new session starts.
+    #[arg(long, value_name = "SECONDS", default_value_t = HANDOVER.as_secs())]
+    handover: u64,
     /// Write the trace of the session to a file; it starts anew.
     #[arg(long, value_name = "FILE", conflicts_with = "replay")]
     record: Option<PathBuf>,
@@ -86,6 +92,7 @@ fn run(args: &Args) -> Result<String, (String, ExitCode)> {
     let options = Options {
         folder: args.folder.clone(),
         mode: args.mode,
+        handover: Duration::from_secs(args.handover),
         record: args.record.clone(),
         rate: args.rate,
         depth: args.depth,

@@ -1,11 +1,13 @@
 //! What a shell is started with.
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use paros_core::input::Mode;
 use paros_shaders::gpu::Path;
 
 use crate::foveation::Foveation;
+use crate::visitor::HANDOVER;
 
 /// Settings of a run.
 #[derive(Clone, PartialEq, Debug)]
@@ -14,6 +16,8 @@ pub struct Options {
     pub folder: Option<PathBuf>,
     /// How sessions start.
     pub mode: Mode,
+    /// How long the headset must be off for who puts it on next to be another visitor.
+    pub handover: Duration,
     /// A file for the trace of the session; it starts anew then.
     pub record: Option<PathBuf>,
     /// The display's rate, in hertz, where there is a choice.
@@ -35,6 +39,7 @@ impl Default for Options {
         Options {
             folder: None,
             mode: Mode::FreeForm,
+            handover: HANDOVER,
             record: None,
             rate: 72.0,
             depth: false,

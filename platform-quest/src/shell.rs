@@ -146,7 +146,7 @@ where
             studio,
             options,
             script: options.script.then(Script::new),
-            visitor: Visitor::new(options.mode),
+            visitor: Visitor::new(options.mode, options.handover),
             life: Life::default(),
             beat: Beat::default(),
             recentre: Recentre::default(),

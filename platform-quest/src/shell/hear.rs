@@ -39,7 +39,9 @@ where
                 }
                 xr::Event::UserPresenceChangedEXT(change) => {
                     let present = change.is_user_present();
-                    self.visitor.presence(present, self.began.elapsed());
+                    if self.visitor.presence(present, self.began.elapsed()) {
+                        host.log(format_args!("another visitor"));
+                    }
                     if !present {
                         self.studio.pause();
                     }

@@ -5,6 +5,7 @@
 #![cfg(target_os = "linux")]
 
 mod foveation;
+mod handover;
 mod layered;
 mod monado;
 
