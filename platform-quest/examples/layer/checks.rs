@@ -6,7 +6,7 @@ use std::sync::atomic::Ordering;
 use openxr::sys;
 use sys::{Handle, Result as Status, pfn};
 
-use super::{FAIL, SESSION, foveation, inject, next, note, threads};
+use super::{FAIL, SESSION, formats, foveation, inject, next, note, threads};
 
 /// Where a session and its frame stand.
 struct State {
@@ -57,6 +57,7 @@ pub(crate) fn own(name: &str) -> Option<pfn::VoidFunction> {
         "xrAcquireSwapchainImage": AcquireSwapchainImage = acquire,
         "xrReleaseSwapchainImage": ReleaseSwapchainImage = release,
         "xrDestroySwapchain": DestroySwapchain = foveation::destroy,
+        "xrEnumerateSwapchainFormats": EnumerateSwapchainFormats = formats::formats,
         "xrEnumerateSwapchainImages": EnumerateSwapchainImages = foveation::images,
         "xrCreateFoveationProfileFB": CreateFoveationProfileFB = foveation::make_profile,
         "xrDestroyFoveationProfileFB": DestroyFoveationProfileFB = foveation::destroy_profile,

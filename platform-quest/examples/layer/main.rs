@@ -8,6 +8,7 @@
 
 mod checks;
 mod density;
+mod formats;
 mod foveation;
 mod maps;
 mod threads;
@@ -83,7 +84,7 @@ pub(crate) unsafe fn next<F: Copy>(name: &CStr) -> F {
     unsafe { core::mem::transmute_copy::<pfn::VoidFunction, F>(&function) }
 }
 
-fn folder() -> PathBuf {
+pub(crate) fn folder() -> PathBuf {
     std::env::var_os("PAROS_LAYER").unwrap_or_default().into()
 }
 

@@ -2,6 +2,8 @@
 //! says that lavapipe reads it, which draws all alike. What is proved is what the shell asks for,
 //! in which order, and that Vulkan's validation finds nothing wrong with it.
 
+use std::fs;
+
 use paros_core::frame::STOOL;
 use paros_core::tools::Tool;
 use paros_shell::require::require;
@@ -56,6 +58,22 @@ fn heat_raises_foveation_between_strokes() {
     nothing_is_violated(&log(&monado));
 }
 
+/// Depth is handed over with one sample a pixel, and a framebuffer for each pair of images.
+#[test]
+fn depth_goes_together_with_density_maps() {
+    let Some(tree) = require(Tree::find()).unwrap() else { return };
+    let Some(layer) = require(example("liblayer.so")).unwrap() else { return };
+    let monado = Monado::start(&tree, "foveated-depth");
+    let mut shell = monado.mapped_shell(&layer, &["--foveation", "high", "--depth"]);
+    shell.until("focus", |said| said.field("life") == "focused");
+    shell.frames(5);
+    let (code, errors) = shell.quit();
+    assert_eq!(code, Some(0), "{errors}");
+    assert_eq!(levels(&monado), ["HIGH"]);
+    assert!(log(&monado).contains("depth\n"), "the compositor was to get depth");
+    nothing_is_violated(&log(&monado));
+}
+
 #[test]
 fn what_is_asked_for_and_missing_is_told_in_a_line() {
     let Some(tree) = require(Tree::find()).unwrap() else { return };
@@ -81,6 +99,10 @@ fn what_is_asked_for_and_missing_is_told_in_a_line() {
         "{device}"
     );
     assert_eq!(told(monado.layered_shell(&layer, &[])), "", "nobody asked");
+    fs::write(monado.folder.join("layer/no-depth"), "").expect("a wish");
+    let depth = told(monado.layered_shell(&layer, &["--depth"]));
+    let start = "paros-quest: no depth for the compositor, though it is asked for: Monado";
+    assert!(depth.starts_with(start) && depth.ends_with("takes no D32_SFLOAT"), "{depth}");
     // Left off, it is not even asked of a runtime that has it.
     let asked = log(&monado);
     assert_eq!(told(monado.layered_shell(&layer, &["--foveation", "off"])), "");
