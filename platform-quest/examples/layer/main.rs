@@ -1,10 +1,12 @@
 //! An OpenXR API layer for tests, between the shell and the runtime. It advertises what Monado lacks
-//! (performance levels, user presence, refresh rates, foveation, thread types), notes what the shell asks for, checks the
-//! order of its calls and what it hands over, and has the runtime tell what a test wants told.
+//! (performance levels, user presence, refresh rates, foveation, thread types), notes what the shell
+//! asks for, checks the order of its calls and what it hands over, and has the runtime tell what a
+//! test wants told. The library is a layer of Vulkan, too: see `density`.
 //!
 //! It works in the folder that `PAROS_LAYER` names: it appends to `log` there, and does what a file
-//! `inject` says, once: `presence 0`, `presence 1`, `heat`, `cool`, `lose session`, `lose instance`, or
-//! `fail`, which has the next frame's wait fail.
+//! `inject` says, once: `presence 0`, `presence 1`, `heat`, `cool`, `lose session`, `lose instance`,
+//! or `fail`, which has the next frame's wait fail. Where a file `no-depth` stands, the runtime takes
+//! no pictures of depth.
 
 mod checks;
 mod density;
