@@ -2,7 +2,7 @@
 //! made for both eyes.
 //!
 //! What is decided is decided without OpenXR: [`life`], [`beat`], [`sample`], [`pulse`],
-//! [`recentre`], [`visitor`] and [`strain`] are plain functions of what the runtime tells. `xr`
+//! [`recentre`], [`visitor`], [`strain`] and [`foveation`] are plain functions of what the runtime tells. `xr`
 //! makes the calls, and [`shell`] goes from frame to frame.
 
 #[cfg(target_os = "android")]
@@ -10,6 +10,7 @@ mod android;
 pub mod beat;
 pub mod device;
 pub mod error;
+pub mod foveation;
 pub mod host;
 pub mod life;
 pub mod options;

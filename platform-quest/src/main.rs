@@ -3,12 +3,15 @@
 use std::io::{self, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::time::Duration;
 
 use clap::Parser;
 use paros_core::input::Mode;
 use paros_quest::error::Error;
+use paros_quest::foveation::Foveation;
 use paros_quest::host::Plain;
 use paros_quest::options::Options;
+use paros_quest::visitor::HANDOVER;
 use paros_quest::{replay, shell};
 use paros_shell::durable::Target;
 use paros_shell::figures::Figure;
@@ -26,6 +29,10 @@ struct Args {
     /// How sessions start: `free`, `creative`, or the name of a hidden figure.
     #[arg(long, default_value = "free", value_parser = mode)]
     mode: Mode,
+    /// For how many seconds the headset must be off for who puts it on next to be another visitor:
+    /// the sculpture is finished and kept, and a new session starts.
+    #[arg(long, value_name = "SECONDS", default_value_t = HANDOVER.as_secs())]
+    handover: u64,
     /// Write the trace of the session to a file; it starts anew.
     #[arg(long, value_name = "FILE", conflicts_with = "replay")]
     record: Option<PathBuf>,
@@ -42,6 +49,10 @@ struct Args {
     /// Give the compositor depth too; pixels have one sample then.
     #[arg(long)]
     depth: bool,
+    /// How coarsely pictures are shaded away from their middle: off, low, medium or high. Heat and a
+    /// low battery raise it, unless it is off; without it there is none until they do.
+    #[arg(long, value_name = "LEVEL", value_parser = foveation)]
+    foveation: Option<Foveation>,
     /// Take commands from standard input, for tests.
     #[arg(long, hide = true)]
     script: bool,
@@ -81,9 +92,11 @@ fn run(args: &Args) -> Result<String, (String, ExitCode)> {
     let options = Options {
         folder: args.folder.clone(),
         mode: args.mode,
+        handover: Duration::from_secs(args.handover),
         record: args.record.clone(),
         rate: args.rate,
         depth: args.depth,
+        foveation: args.foveation,
         script: args.script,
         validation: args.validation,
         ..Options::default()
@@ -126,4 +139,9 @@ fn mode(name: &str) -> Result<Mode, String> {
             Ok(Mode::Constrained { figure: figure as u8 })
         }
     }
+}
+
+fn foveation(name: &str) -> Result<Foveation, String> {
+    let found = Foveation::NAMED.into_iter().find(|(named, _)| *named == name);
+    found.map(|(_, level)| level).ok_or_else(|| "expected off, low, medium or high".into())
 }

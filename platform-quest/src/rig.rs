@@ -4,15 +4,16 @@ use std::sync::Arc;
 
 use paros_core::size::{Grid, Size};
 use paros_core::world::World;
-use paros_shaders::gpu::{self, Gpu, Show};
+use paros_shaders::gpu::{self, Format, Gpu, Show};
 use paros_shell::durable;
 use paros_shell::keeper::{Keeper, What};
 use paros_shell::places::Places;
 
 use crate::error::Error;
+use crate::foveation::{self, Foveation};
 use crate::host::Host;
 use crate::options::Options;
-use crate::xr::{Eyes, Runtime, Session};
+use crate::xr::{Eyes, Images, Runtime, Session};
 
 /// A session and what draws for it. The order of the fields is that of their end.
 pub(crate) struct Rig<const N: usize>
@@ -40,9 +41,11 @@ where
         world: &World<N>,
         places: &Places,
     ) -> Result<Self, Error> {
-        let runtime = Runtime::new(host)?;
+        let runtime = Runtime::new(host, options)?;
+        let missing = runtime.lacks(&foveation::EXTENSIONS);
         let wanted = gpu::Options {
             validation: options.validation,
+            density_map: missing.is_empty(),
             around_device: host.around_device(),
             ..gpu::Options::default()
         };
@@ -50,11 +53,14 @@ where
         let session = Session::new(&runtime, &gpu)?;
         session.ask(&runtime, options.rate);
         let with_depth = options.depth && runtime.extensions.khr_composition_layer_depth;
-        let format = Eyes::format(&session.raw, &gpu, with_depth)?;
+        let mut format = Eyes::format(&session.raw, &gpu, with_depth)?;
+        let images = Images::new(&runtime, &session.raw, &gpu, &format, options.script)?;
+        format.density_map = images.are_mapped();
+        tell_what_is_missing(host, options, (&runtime, &gpu), &format);
         // Without it the start takes longer, that is all.
         let cache = durable::read(&places.pipelines()).unwrap_or_default();
         let show = Show::new(&gpu, format, world, &cache)?;
-        let eyes = Eyes::new(&runtime, &session.raw, &gpu, &show.renderer, options.script)?;
+        let eyes = Eyes::new(images, &show.renderer)?;
         Ok(Rig { eyes, show, session, gpu, runtime })
     }
 
@@ -63,5 +69,34 @@ where
         if let Ok(bytes) = self.show.renderer.cache() {
             keeper.keep(What::Cache, places.pipelines(), bytes);
         }
+    }
+}
+
+/// What was asked for and can't be had is told, each in a line; the sculpting goes on without.
+fn tell_what_is_missing(
+    host: &mut dyn Host,
+    options: &Options,
+    (runtime, gpu): (&Runtime, &Gpu),
+    format: &Format,
+) {
+    let name = &runtime.name;
+    if options.depth && !format.keep_depth {
+        let what = match runtime.extensions.khr_composition_layer_depth {
+            true => format!("{name} takes no {:?}", Format::depth(gpu)),
+            false => format!("{name} has no XR_KHR_composition_layer_depth"),
+        };
+        host.log(format_args!("no depth for the compositor, though it is asked for: {what}"));
+    }
+    if format.density_map {
+        return;
+    }
+    let extensions = runtime.lacks(&foveation::EXTENSIONS);
+    let what = match (&extensions[..], &gpu.lacks[..]) {
+        ([], []) => format!("{name} gives no density maps with its pictures"),
+        ([], lacks) => format!("{} has no {}", gpu.name, lacks.join(", ")),
+        (extensions, _) => format!("{name} has no {}", extensions.join(", ")),
+    };
+    if let Some(line) = Foveation::missing(options.foveation, &what) {
+        host.log(format_args!("{line}"));
     }
 }

@@ -18,6 +18,7 @@ use paros_shell::studio::{Note, Studio};
 
 use crate::beat::Beat;
 use crate::error::Error;
+use crate::foveation::Foveation;
 use crate::host::Host;
 use crate::life::Life;
 use crate::options::Options;
@@ -145,7 +146,7 @@ where
             studio,
             options,
             script: options.script.then(Script::new),
-            visitor: Visitor::new(options.mode),
+            visitor: Visitor::new(options.mode, options.handover),
             life: Life::default(),
             beat: Beat::default(),
             recentre: Recentre::default(),
@@ -215,6 +216,7 @@ where
             }
             let told = host.told();
             self.heed(told.strain, host);
+            self.foveate(rig, host)?;
             let leave = self.obey(rig, host)? || told.leave;
             if leave && leaving.is_none() {
                 leaving = Some(Instant::now());
@@ -247,6 +249,23 @@ where
         if let Some(warning) = self.strain.warning(before) {
             host.log(format_args!("{warning}"));
         }
+    }
+
+    /// Shades the pictures as coarsely as the strain wants it; not in the middle of a stroke. Where
+    /// that fails, the pictures are the same and the frames go on.
+    fn foveate(&self, rig: &mut Rig<N>, host: &mut dyn Host) -> Result<(), Error> {
+        let wanted = Foveation::under(self.strain, self.options.foveation);
+        let world = self.studio.world();
+        let strokes = (0..2).any(|hand| world.hand(hand).trigger);
+        if strokes || rig.eyes.foveation().is_none_or(|level| level == wanted) {
+            return Ok(());
+        }
+        match rig.eyes.foveate(&rig.session.raw, wanted) {
+            Err(error) if error.is_loss() => return Err(error),
+            Err(error) => host.log(format_args!("{error}")),
+            Ok(()) => host.log(format_args!("foveation {wanted}")),
+        }
+        Ok(())
     }
 
     /// Does what a test asks for. Whether the session is to end.

@@ -34,7 +34,9 @@ impl Strain {
         (self.is_low() && !before.is_low()).then_some("the battery is low")
     }
 
-    fn is_low(self) -> bool {
+    /// Whether the battery is low.
+    #[must_use]
+    pub fn is_low(self) -> bool {
         self.charge.is_some_and(|charge| charge < LOW)
     }
 }

@@ -6,7 +6,7 @@ use std::sync::atomic::Ordering;
 use openxr::sys;
 use sys::{Handle, Result as Status, pfn};
 
-use super::{FAIL, SESSION, inject, next, note};
+use super::{FAIL, SESSION, formats, foveation, inject, next, note, threads};
 
 /// Where a session and its frame stand.
 struct State {
@@ -34,14 +34,14 @@ static STATE: Mutex<State> = Mutex::new(State {
 /// The layer's function of a name.
 pub(crate) fn own(name: &str) -> Option<pfn::VoidFunction> {
     macro_rules! functions {
-        ($($name:literal: $ty:ident = $function:ident,)*) => {
+        ($($name:literal: $ty:ident = $function:path,)*) => {
             match name {
                 $($name => {
                     let function: pfn::$ty = $function;
                     // SAFETY: the shell calls it by the type that goes with the name.
                     Some(unsafe { core::mem::transmute::<pfn::$ty, pfn::VoidFunction>(function) })
                 })*
-                _ => None,
+                name => threads::own(name),
             }
         };
     }
@@ -56,6 +56,13 @@ pub(crate) fn own(name: &str) -> Option<pfn::VoidFunction> {
         "xrCreateSwapchain": CreateSwapchain = create_swapchain,
         "xrAcquireSwapchainImage": AcquireSwapchainImage = acquire,
         "xrReleaseSwapchainImage": ReleaseSwapchainImage = release,
+        "xrDestroySwapchain": DestroySwapchain = foveation::destroy,
+        "xrEnumerateSwapchainFormats": EnumerateSwapchainFormats = formats::formats,
+        "xrEnumerateSwapchainImages": EnumerateSwapchainImages = foveation::images,
+        "xrCreateFoveationProfileFB": CreateFoveationProfileFB = foveation::make_profile,
+        "xrDestroyFoveationProfileFB": DestroyFoveationProfileFB = foveation::destroy_profile,
+        "xrUpdateSwapchainFB": UpdateSwapchainFB = foveation::update,
+        "xrGetSwapchainStateFB": GetSwapchainStateFB = foveation::told,
         "xrApplyHapticFeedback": ApplyHapticFeedback = haptic,
         "xrPerfSettingsSetPerformanceLevelEXT": PerfSettingsSetPerformanceLevelEXT = level,
         "xrEnumerateDisplayRefreshRatesFB": EnumerateDisplayRefreshRatesFB = rates,
@@ -82,6 +89,7 @@ macro_rules! on {
         unsafe { function($($argument),*) }
     }};
 }
+pub(crate) use on;
 
 unsafe extern "system" fn create_session(
     instance: sys::Instance,
@@ -96,6 +104,8 @@ unsafe extern "system" fn create_session(
             (state.told, state.frame, state.taken) = (sys::SessionState::UNKNOWN, Frame::None, 0);
             true
         });
+        // SAFETY: the shell's structure is valid during the call.
+        unsafe { foveation::bound(info) };
         note("session");
     }
     made
@@ -218,7 +228,8 @@ unsafe extern "system" fn create_swapchain(
     // SAFETY: the shell's structure is valid during the call.
     let (layers, samples) = unsafe { ((*info).array_size, (*info).sample_count) };
     check("xrCreateSwapchain", |_| layers == 2 && samples == 1);
-    on!(c"xrCreateSwapchain": CreateSwapchain, session, info, swapchain)
+    // SAFETY: handed on as it came.
+    unsafe { foveation::make(session, info, swapchain) }
 }
 
 unsafe extern "system" fn acquire(

@@ -1,12 +1,19 @@
 //! An OpenXR API layer for tests, between the shell and the runtime. It advertises what Monado lacks
-//! (performance levels, user presence, refresh rates), notes what the shell asks for, checks the
-//! order of its calls and what it hands over, and has the runtime tell what a test wants told.
+//! (performance levels, user presence, refresh rates, foveation, thread types), notes what the shell
+//! asks for, checks the order of its calls and what it hands over, and has the runtime tell what a
+//! test wants told. The library is a layer of Vulkan, too: see `density`.
 //!
 //! It works in the folder that `PAROS_LAYER` names: it appends to `log` there, and does what a file
-//! `inject` says, once: `presence 0`, `presence 1`, `heat`, `lose session`, `lose instance`, or
-//! `fail`, which has the next frame's wait fail.
+//! `inject` says, once: `presence 0`, `presence 1`, `heat`, `cool`, `lose session`, `lose instance`,
+//! or `fail`, which has the next frame's wait fail. Where a file `no-depth` stands, the runtime takes
+//! no pictures of depth.
 
 mod checks;
+mod density;
+mod formats;
+mod foveation;
+mod maps;
+mod threads;
 
 use std::ffi::{CStr, c_char};
 use std::fs;
@@ -26,7 +33,15 @@ pub(crate) static SESSION: AtomicU64 = AtomicU64::new(0);
 pub(crate) static FAIL: AtomicBool = AtomicBool::new(false);
 
 /// What the layer does itself, as it says in its manifest.
-const OWN: [&CStr; 2] = [c"XR_EXT_performance_settings", c"XR_EXT_user_presence"];
+const OWN: [&CStr; 7] = [
+    c"XR_EXT_performance_settings",
+    c"XR_EXT_user_presence",
+    c"XR_FB_foveation",
+    c"XR_FB_foveation_configuration",
+    c"XR_FB_foveation_vulkan",
+    c"XR_FB_swapchain_update_state",
+    c"XR_KHR_android_thread_settings",
+];
 
 /// The loader's first question.
 ///
@@ -71,7 +86,7 @@ pub(crate) unsafe fn next<F: Copy>(name: &CStr) -> F {
     unsafe { core::mem::transmute_copy::<pfn::VoidFunction, F>(&function) }
 }
 
-fn folder() -> PathBuf {
+pub(crate) fn folder() -> PathBuf {
     std::env::var_os("PAROS_LAYER").unwrap_or_default().into()
 }
 
@@ -147,14 +162,20 @@ pub(crate) unsafe fn inject(event: *mut sys::EventDataBuffer) -> bool {
             // SAFETY: an event fits into the buffer.
             unsafe { event.cast::<sys::EventDataUserPresenceChangedEXT>().write(told) };
         }
-        "heat" => {
+        "heat" | "cool" => {
+            let (cool, hot) = (
+                sys::PerfSettingsNotificationLevelEXT::NORMAL,
+                sys::PerfSettingsNotificationLevelEXT::IMPAIRED,
+            );
+            let (from_level, to_level) =
+                if wish.trim() == "heat" { (cool, hot) } else { (hot, cool) };
             let told = sys::EventDataPerfSettingsEXT {
                 ty: sys::EventDataPerfSettingsEXT::TYPE,
                 next,
                 domain: sys::PerfSettingsDomainEXT::GPU,
                 sub_domain: sys::PerfSettingsSubDomainEXT::THERMAL,
-                from_level: sys::PerfSettingsNotificationLevelEXT::NORMAL,
-                to_level: sys::PerfSettingsNotificationLevelEXT::IMPAIRED,
+                from_level,
+                to_level,
             };
             // SAFETY: as above.
             unsafe { event.cast::<sys::EventDataPerfSettingsEXT>().write(told) };

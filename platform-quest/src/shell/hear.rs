@@ -39,7 +39,9 @@ where
                 }
                 xr::Event::UserPresenceChangedEXT(change) => {
                     let present = change.is_user_present();
-                    self.visitor.presence(present, self.began.elapsed());
+                    if self.visitor.presence(present, self.began.elapsed()) {
+                        host.log(format_args!("another visitor"));
+                    }
                     if !present {
                         self.studio.pause();
                     }
@@ -65,6 +67,7 @@ where
         match duty {
             Some(Duty::Begin) => {
                 rig.session.raw.begin(VIEWS).doing("begin the session")?;
+                rig.session.name_threads(&rig.runtime);
                 self.beat.rest();
             }
             Some(Duty::Save) => self.save(),

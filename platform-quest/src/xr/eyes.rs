@@ -3,14 +3,16 @@
 
 use std::sync::Arc;
 
-use ash::vk::{self, Handle};
+use ash::vk;
 use openxr as xr;
 use paros_shaders::gpu::{self, Format, Gpu, Layer, Renderer, Surface, read_layer};
 
 use super::Runtime;
+use super::chain::{Chain, Kind};
 use crate::error::{Doing, Error};
+use crate::foveation::Foveation;
 
-/// Both eyes' images.
+/// Both eyes' images, and what draws into them.
 pub(crate) struct Eyes {
     gpu: Arc<Gpu>,
     // Before the images it is made of.
@@ -20,6 +22,15 @@ pub(crate) struct Eyes {
     extent: [u32; 2],
     format: vk::Format,
     layout: vk::ImageLayout,
+    /// As it was asked for last.
+    foveation: Foveation,
+}
+
+/// Images that nothing draws into yet.
+pub(crate) struct Images {
+    color: Chain,
+    depth: Option<Chain>,
+    extent: [u32; 2],
 }
 
 /// Pixels of both eyes: left and right, red, green, blue of each.
@@ -30,16 +41,49 @@ pub(crate) struct Shot {
     pub(crate) eyes: [Vec<u8>; 2],
 }
 
-/// A swapchain with views of its images.
-struct Chain {
-    gpu: Arc<Gpu>,
-    handle: xr::Swapchain<xr::Vulkan>,
-    images: Vec<vk::Image>,
-    views: Vec<vk::ImageView>,
-}
-
 /// The formats that hold linear light as a screen wants it.
 const COLORS: [vk::Format; 2] = [vk::Format::R8G8B8A8_SRGB, vk::Format::B8G8R8A8_SRGB];
+
+impl Images {
+    /// Images of the recommended size and a format. `shots` are to be taken of them.
+    ///
+    /// # Errors
+    /// A call that failed.
+    pub(crate) fn new(
+        runtime: &Runtime,
+        session: &xr::Session<xr::Vulkan>,
+        gpu: &Arc<Gpu>,
+        format: &Format,
+        shots: bool,
+    ) -> Result<Self, Error> {
+        let sampled = xr::SwapchainUsageFlags::SAMPLED;
+        let mut color = Kind {
+            extent: runtime.extent,
+            format: format.color,
+            aspect: vk::ImageAspectFlags::COLOR,
+            usage: xr::SwapchainUsageFlags::COLOR_ATTACHMENT | sampled,
+            mapped: format.density_map,
+        };
+        if shots {
+            color.usage |= xr::SwapchainUsageFlags::TRANSFER_SRC;
+        }
+        let depth = Kind {
+            format: Format::depth(gpu),
+            aspect: vk::ImageAspectFlags::DEPTH,
+            usage: xr::SwapchainUsageFlags::DEPTH_STENCIL_ATTACHMENT | sampled,
+            mapped: false,
+            ..color
+        };
+        let color = Chain::new(session, gpu, &color)?;
+        let depth = format.keep_depth.then(|| Chain::new(session, gpu, &depth)).transpose()?;
+        Ok(Images { color, depth, extent: runtime.extent })
+    }
+
+    /// Whether the runtime gave density maps with them.
+    pub(crate) const fn are_mapped(&self) -> bool {
+        self.color.is_mapped()
+    }
+}
 
 impl Eyes {
     /// The renderer's format for a session: the first that the runtime would rather have. Depth is
@@ -68,52 +112,50 @@ impl Eyes {
             views: 2,
             final_layout: vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL,
             keep_depth,
-            density_map: false,
+            density_map: gpu.needs.density_map,
         })
     }
 
-    /// Images of the recommended size. `shots` are to be taken of them.
+    /// What draws into images, by a renderer of their format.
     ///
     /// # Errors
     /// A call that failed.
-    pub(crate) fn new(
-        runtime: &Runtime,
-        session: &xr::Session<xr::Vulkan>,
-        gpu: &Arc<Gpu>,
-        renderer: &Renderer,
-        shots: bool,
-    ) -> Result<Self, Error> {
-        let (extent, format) = (runtime.extent, renderer.format());
-        let mut usage =
-            xr::SwapchainUsageFlags::COLOR_ATTACHMENT | xr::SwapchainUsageFlags::SAMPLED;
-        if shots {
-            usage |= xr::SwapchainUsageFlags::TRANSFER_SRC;
-        }
-        let aspect = vk::ImageAspectFlags::COLOR;
-        let color = Chain::new(session, gpu, extent, (format.color, aspect), usage)?;
-        let depth = match format.keep_depth {
-            true => {
-                let usage = xr::SwapchainUsageFlags::DEPTH_STENCIL_ATTACHMENT
-                    | xr::SwapchainUsageFlags::SAMPLED;
-                let of = (Format::depth(gpu), vk::ImageAspectFlags::DEPTH);
-                Some(Chain::new(session, gpu, extent, of, usage)?)
-            }
-            false => None,
-        };
+    pub(crate) fn new(images: Images, renderer: &Renderer) -> Result<Self, Error> {
+        let Images { color, depth, extent } = images;
+        let format = renderer.format();
         let surface = match &depth {
             // A framebuffer for each pair of images.
             Some(depth) => {
-                let pairs = depth
-                    .views
-                    .iter()
-                    .flat_map(|depth| color.views.iter().map(move |color| (*color, *depth)));
-                let (colors, depths): (Vec<_>, Vec<_>) = pairs.unzip();
-                renderer.surface(extent, &colors, &depths)?
+                let of = |views: &[vk::ImageView]| views.repeat(depth.views.len());
+                let each = depth.views.iter().flat_map(|depth| color.views.iter().map(|_| *depth));
+                let depths: Vec<_> = each.collect();
+                let (colors, maps) = (of(&color.views), of(&color.densities));
+                renderer.mapped_surface(extent, &colors, &depths, &maps)?
             }
-            None => renderer.surface(extent, &color.views, &[])?,
+            None => renderer.mapped_surface(extent, &color.views, &[], &color.densities)?,
         };
-        let (format, layout) = (format.color, format.final_layout);
-        Ok(Eyes { gpu: gpu.clone(), surface, color, depth, extent, format, layout })
+        let (gpu, format, layout) = (color.gpu.clone(), format.color, format.final_layout);
+        let foveation = Foveation::Off;
+        Ok(Eyes { gpu, surface, color, depth, extent, format, layout, foveation })
+    }
+
+    /// How coarsely they are shaded away from the middle, as it was asked for last; `None` where
+    /// that can't be said.
+    pub(crate) fn foveation(&self) -> Option<Foveation> {
+        self.color.is_mapped().then_some(self.foveation)
+    }
+
+    /// Has the frames to come shaded by another level. One that failed is not asked for again.
+    ///
+    /// # Errors
+    /// A call that failed.
+    pub(crate) fn foveate(
+        &mut self,
+        session: &xr::Session<xr::Vulkan>,
+        level: Foveation,
+    ) -> Result<(), Error> {
+        self.foveation = level;
+        self.color.foveate(session, level)
     }
 
     /// Takes the next images: the number of the surface's to draw into.
@@ -209,68 +251,6 @@ impl Eyes {
             max_depth: 1.0,
             near_z: far,
             far_z: near,
-        }
-    }
-}
-
-impl Chain {
-    fn new(
-        session: &xr::Session<xr::Vulkan>,
-        gpu: &Arc<Gpu>,
-        [width, height]: [u32; 2],
-        (format, aspect): (vk::Format, vk::ImageAspectFlags),
-        usage: xr::SwapchainUsageFlags,
-    ) -> Result<Self, Error> {
-        let info = xr::SwapchainCreateInfo {
-            create_flags: xr::SwapchainCreateFlags::EMPTY,
-            usage_flags: usage,
-            format: format.as_raw().cast_unsigned(),
-            sample_count: 1,
-            width,
-            height,
-            face_count: 1,
-            array_size: 2,
-            mip_count: 1,
-        };
-        let handle = session.create_swapchain(&info).doing("make a swapchain")?;
-        let images = handle.enumerate_images().doing("list a swapchain's images")?;
-        let images = images.into_iter().map(vk::Image::from_raw).collect();
-        let mut chain = Chain { gpu: gpu.clone(), handle, images, views: Vec::new() };
-        for image in &chain.images {
-            let range = vk::ImageSubresourceRange {
-                aspect_mask: aspect,
-                level_count: 1,
-                layer_count: 2,
-                ..vk::ImageSubresourceRange::default()
-            };
-            let info = vk::ImageViewCreateInfo::default()
-                .image(*image)
-                .view_type(vk::ImageViewType::TYPE_2D_ARRAY)
-                .format(format)
-                .subresource_range(range);
-            // SAFETY: the image is the swapchain's, which outlives the view.
-            let view = unsafe { gpu.device.create_image_view(&info, None) };
-            chain.views.push(view.map_err(|result| {
-                Error::Gpu(gpu::Error::Call { doing: "view an image", result })
-            })?);
-        }
-        Ok(chain)
-    }
-
-    fn acquire(&mut self) -> Result<usize, Error> {
-        let image = self.handle.acquire_image().doing("take an image")?;
-        self.handle.wait_image(xr::Duration::INFINITE).doing("wait for an image")?;
-        Ok(image as usize)
-    }
-}
-
-impl Drop for Chain {
-    fn drop(&mut self) {
-        // A lost device has nothing under way.
-        let _ = self.gpu.wait();
-        for view in &self.views {
-            // SAFETY: nothing is under way, and framebuffers of it may outlive a view.
-            unsafe { self.gpu.device.destroy_image_view(*view, None) };
         }
     }
 }

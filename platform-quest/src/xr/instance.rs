@@ -4,11 +4,13 @@ use std::sync::Arc;
 
 use ash::vk::{self, Handle};
 use openxr as xr;
-use paros_shaders::gpu::{self, Gpu, Options};
+use paros_shaders::gpu::{self, Gpu};
 
 use super::VIEWS;
 use crate::error::{Doing, Error};
+use crate::foveation::Foveation;
 use crate::host::Host;
+use crate::options::Options;
 
 /// Vulkan 1.1 has multiview in its core.
 const VULKAN: xr::Version = xr::Version::new(1, 1, 0);
@@ -25,21 +27,29 @@ pub(crate) struct Runtime {
     pub(crate) extent: [u32; 2],
     /// How pictures are laid over the world.
     pub(crate) blend: xr::EnvironmentBlendMode,
+    /// Tells the system what a thread is for.
+    pub(crate) thread_types: Option<NameThread>,
 }
+
+/// `PFN_xrSetAndroidApplicationThreadKHR`, which the crate has on Android alone.
+pub(crate) type NameThread =
+    unsafe extern "system" fn(xr::sys::Session, xr::AndroidThreadTypeKHR, u32) -> xr::sys::Result;
+
+const THREADS: &[u8] = b"XR_KHR_android_thread_settings\0";
 
 impl Runtime {
     /// The runtime of this system and its headset.
     ///
     /// # Errors
     /// [`Error::Unavailable`] with what is missing, or a call that failed.
-    pub(crate) fn new(host: &mut dyn Host) -> Result<Self, Error> {
+    pub(crate) fn new(host: &mut dyn Host, options: &Options) -> Result<Self, Error> {
         let entry = host.entry()?;
         let offered = entry.enumerate_extensions().map_err(unavailable)?;
         if !offered.khr_vulkan_enable2 {
             let why = "the OpenXR runtime has no XR_KHR_vulkan_enable2";
             return Err(Error::Unavailable(why.into()));
         }
-        let extensions = wanted().intersection(&offered);
+        let extensions = wanted(options).intersection(&offered);
         let application = xr::ApplicationInfo {
             application_name: "Paros",
             application_version: 1,
@@ -58,14 +68,24 @@ impl Runtime {
         let modes = instance.enumerate_environment_blend_modes(system, VIEWS);
         let blend = modes.doing("list the blend modes")?.first().copied();
         let blend = blend.unwrap_or(xr::EnvironmentBlendMode::OPAQUE);
-        Ok(Runtime { instance, system, extensions, name, extent, blend })
+        let thread_types = thread_types(&instance, &extensions);
+        Ok(Runtime { instance, system, extensions, name, extent, blend, thread_types })
+    }
+
+    /// Which of some extensions it can't be asked for, by name.
+    pub(crate) fn lacks<'a>(&self, names: &[&'a str]) -> Vec<&'a str> {
+        let asked = self.extensions.names();
+        let has = |name: &str| {
+            asked.iter().any(|asked| asked.strip_suffix(b"\0") == Some(name.as_bytes()))
+        };
+        names.iter().copied().filter(|name| !has(name)).collect()
     }
 
     /// The device that the headset's pictures must be drawn by.
     ///
     /// # Errors
     /// [`Error::Unavailable`], a device without multiview, or a call that failed.
-    pub(crate) fn gpu(&self, options: &Options) -> Result<Arc<Gpu>, Error> {
+    pub(crate) fn gpu(&self, options: &gpu::Options) -> Result<Arc<Gpu>, Error> {
         let needs = self.instance.graphics_requirements::<xr::Vulkan>(self.system);
         let needs = needs.doing("ask what Vulkan it needs")?;
         if needs.min_api_version_supported > VULKAN {
@@ -112,18 +132,39 @@ impl Runtime {
     }
 }
 
-/// All that the shell makes use of where it is offered.
-fn wanted() -> xr::ExtensionSet {
-    let mut wanted = xr::ExtensionSet::default();
+/// All that the shell makes use of where it is offered. Thread types are of no use but on Android,
+/// and only there has the crate a name for them.
+fn wanted(options: &Options) -> xr::ExtensionSet {
+    let mut wanted: xr::ExtensionSet = [THREADS].into_iter().collect();
     wanted.khr_vulkan_enable2 = true;
-    wanted.khr_composition_layer_depth = true;
+    wanted.khr_composition_layer_depth = options.depth;
     wanted.ext_hand_tracking = true;
     wanted.ext_local_floor = true;
     wanted.ext_user_presence = true;
     wanted.ext_performance_settings = true;
     wanted.fb_display_refresh_rate = true;
     wanted.meta_touch_controller_plus = true;
+    if options.foveation != Some(Foveation::Off) {
+        wanted.fb_foveation = true;
+        wanted.fb_foveation_configuration = true;
+        wanted.fb_foveation_vulkan = true;
+        wanted.fb_swapchain_update_state = true;
+    }
     wanted
+}
+
+fn thread_types(instance: &xr::Instance, extensions: &xr::ExtensionSet) -> Option<NameThread> {
+    if !extensions.names().contains(&THREADS) {
+        return None;
+    }
+    let (name, mut found) = (c"xrSetAndroidApplicationThreadKHR", None);
+    let find = instance.entry().fp().get_instance_proc_addr;
+    // SAFETY: the instance is alive, the name a C string, and there is room for a function.
+    let _ = unsafe { find(instance.as_raw(), name.as_ptr(), &mut found) };
+    // SAFETY: this is the type that goes with the name.
+    found.map(|found| unsafe {
+        core::mem::transmute::<xr::sys::pfn::VoidFunction, NameThread>(found)
+    })
 }
 
 /// Pixels of an eye's image.

@@ -2,13 +2,14 @@
 
 mod actions;
 mod bare;
+mod chain;
 mod eyes;
 mod instance;
 mod session;
 
 pub(crate) use actions::Actions;
 pub(crate) use bare::BareHands;
-pub(crate) use eyes::{Eyes, Shot};
+pub(crate) use eyes::{Eyes, Images, Shot};
 pub(crate) use instance::Runtime;
 pub(crate) use session::Session;
 

@@ -69,6 +69,20 @@ impl Session {
         }
     }
 
+    /// Tells the system that the calling thread is the one that ticks and draws, where it has an
+    /// ear for that: Android. What is refused is no failure.
+    pub(crate) fn name_threads(&self, runtime: &Runtime) {
+        if let (Some(name), Some(thread)) = (runtime.thread_types, this_thread()) {
+            for kind in [
+                xr::AndroidThreadTypeKHR::APPLICATION_MAIN,
+                xr::AndroidThreadTypeKHR::RENDERER_MAIN,
+            ] {
+                // SAFETY: the session is alive, and the extension is enabled.
+                let _ = unsafe { name(self.raw.as_raw(), kind, thread) };
+            }
+        }
+    }
+
     /// The head at a time.
     ///
     /// # Errors
@@ -121,6 +135,11 @@ impl Session {
         }
         Ok(views.map(|view| (eye(&view), view)))
     }
+}
+
+/// The kernel's number of the calling thread, where there is a Linux kernel.
+fn this_thread() -> Option<u32> {
+    std::fs::read_link("/proc/thread-self").ok()?.file_name()?.to_str()?.parse().ok()
 }
 
 /// The rate nearest to the one that is wanted: the tick's own, or 90 where that is asked for.

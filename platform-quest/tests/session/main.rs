@@ -4,7 +4,9 @@
 //! The pictures are left in the tests' folder, to be looked at.
 #![cfg(target_os = "linux")]
 
+mod foveation;
 mod frugal;
+mod handover;
 mod layered;
 mod monado;
 

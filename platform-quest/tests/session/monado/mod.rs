@@ -125,12 +125,37 @@ impl Monado {
 
     /// The shell in this service's session, with the tests' own API layer between them.
     pub(crate) fn layered_shell(&self, layer: &Path, args: &[&str]) -> Shell {
+        Shell::start(self.layered(layer, args))
+    }
+
+    /// As before, with a device that says it has density maps.
+    pub(crate) fn mapped_shell(&self, layer: &Path, args: &[&str]) -> Shell {
+        let manifest = format!(
+            r#"{{"file_format_version": "1.2.0", "layer": {{"name": "VK_LAYER_PAROS_density",
+            "type": "GLOBAL", "library_path": "{}", "api_version": "1.3.0",
+            "implementation_version": "1", "description": "Paros' tests", "device_extensions": [
+            {{"name": "VK_EXT_fragment_density_map", "spec_version": "2", "entrypoints": []}}]}}}}"#,
+            layer.display()
+        );
+        // Where Vulkan's validation is found, too, which comes first and sees all.
+        fs::write(self.folder.join("density.json"), manifest).expect("the manifest is written");
+        let mut command = self.layered(layer, args);
+        let layers = "VK_LAYER_KHRONOS_validation:VK_LAYER_PAROS_density";
+        Shell::start(command.env("VK_INSTANCE_LAYERS", layers))
+    }
+
+    fn layered(&self, layer: &Path, args: &[&str]) -> Command {
         let manifest = format!(
             r#"{{"file_format_version": "1.0.0", "api_layer": {{"name": "XR_APILAYER_PAROS_tests",
             "library_path": "{}", "api_version": "1.0", "implementation_version": "1",
             "description": "Paros' tests", "instance_extensions": [
             {{"name": "XR_EXT_performance_settings", "extension_version": "4"}},
-            {{"name": "XR_EXT_user_presence", "extension_version": "1"}}]}}}}"#,
+            {{"name": "XR_EXT_user_presence", "extension_version": "1"}},
+            {{"name": "XR_FB_foveation", "extension_version": "1"}},
+            {{"name": "XR_FB_foveation_configuration", "extension_version": "1"}},
+            {{"name": "XR_FB_foveation_vulkan", "extension_version": "1"}},
+            {{"name": "XR_FB_swapchain_update_state", "extension_version": "3"}},
+            {{"name": "XR_KHR_android_thread_settings", "extension_version": "6"}}]}}}}"#,
             layer.display()
         );
         let folder = self.folder.join("layer");
@@ -138,7 +163,8 @@ impl Monado {
         fs::write(folder.join("layer.json"), manifest).expect("the manifest is written");
         let mut command = self.command(args);
         command.env("XR_API_LAYER_PATH", &folder).env("PAROS_LAYER", &folder);
-        Shell::start(command.env("XR_ENABLE_API_LAYERS", "XR_APILAYER_PAROS_tests"))
+        command.env("XR_ENABLE_API_LAYERS", "XR_APILAYER_PAROS_tests");
+        command
     }
 
     /// Another program that is a shell, in this service's session.

@@ -1,0 +1,313 @@
+//! A layer of Vulkan, not of OpenXR, in the same library: lavapipe has no
+//! `VK_EXT_fragment_density_map`, and this has it said that it has. The extension is taken out of
+//! what the device is made by; lavapipe then draws every part of a picture alike. Validation, which
+//! stands between the shell and this, sees all that the shell does with its maps.
+
+use std::ffi::{CStr, c_char, c_void};
+use std::sync::Mutex;
+
+use ash::vk;
+
+/// What comes after the layer: how its functions are found.
+#[derive(Clone, Copy)]
+struct Next {
+    instance: vk::PFN_vkGetInstanceProcAddr,
+    made: vk::Instance,
+    device: Option<vk::PFN_vkGetDeviceProcAddr>,
+}
+
+static NEXT: Mutex<Option<Next>> = Mutex::new(None);
+
+const NAME: &CStr = ash::ext::fragment_density_map::NAME;
+
+/// `VkNegotiateLayerInterface`.
+#[repr(C)]
+pub(crate) struct Negotiation {
+    ty: i32,
+    next: *mut c_void,
+    version: u32,
+    instance: Option<vk::PFN_vkGetInstanceProcAddr>,
+    device: Option<vk::PFN_vkGetDeviceProcAddr>,
+    physical: Option<vk::PFN_vkGetInstanceProcAddr>,
+}
+
+/// `VkLayerInstanceCreateInfo` and `VkLayerDeviceCreateInfo`, which differ in their links.
+#[repr(C)]
+struct Chained<L> {
+    ty: vk::StructureType,
+    next: *const c_void,
+    /// 0 where `link` is one.
+    function: i32,
+    link: *mut L,
+}
+
+/// `VkLayerInstanceLink` and `VkLayerDeviceLink`: for a device, the last is how its functions are
+/// found, and for an instance what nobody needs here.
+#[repr(C)]
+struct Link {
+    next: *mut Link,
+    instance: vk::PFN_vkGetInstanceProcAddr,
+    device: Option<vk::PFN_vkGetDeviceProcAddr>,
+}
+
+/// The loader's first question.
+///
+/// # Safety
+/// The loader's.
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "system" fn vkNegotiateLoaderLayerInterfaceVersion(
+    request: *mut Negotiation,
+) -> vk::Result {
+    // SAFETY: the loader's request is valid during the call.
+    let request = unsafe { &mut *request };
+    request.version = request.version.min(2);
+    request.instance = Some(of_instance);
+    request.device = Some(of_device);
+    request.physical = None;
+    vk::Result::SUCCESS
+}
+
+/// The layer's function of a name.
+fn own(name: &CStr) -> vk::PFN_vkVoidFunction {
+    macro_rules! functions {
+        ($($name:literal: $ty:ident = $function:ident,)*) => {
+            match name.to_str() {
+                $(Ok($name) => {
+                    let function: vk::$ty = $function;
+                    // SAFETY: it is called by the type that goes with the name.
+                    Some(unsafe { core::mem::transmute::<vk::$ty, unsafe extern "system" fn()>(function) })
+                })*
+                _ => None,
+            }
+        };
+    }
+    functions! {
+        "vkGetInstanceProcAddr": PFN_vkGetInstanceProcAddr = of_instance,
+        "vkGetDeviceProcAddr": PFN_vkGetDeviceProcAddr = of_device,
+        "vkCreateInstance": PFN_vkCreateInstance = create_instance,
+        "vkCreateDevice": PFN_vkCreateDevice = create_device,
+        "vkEnumerateDeviceExtensionProperties": PFN_vkEnumerateDeviceExtensionProperties = extensions,
+        "vkGetPhysicalDeviceFeatures2": PFN_vkGetPhysicalDeviceFeatures2 = features,
+        // The loader calls these where the extension is enabled, too.
+        "vkGetPhysicalDeviceFeatures2KHR": PFN_vkGetPhysicalDeviceFeatures2 = features,
+        "vkGetPhysicalDeviceProperties2KHR": PFN_vkGetPhysicalDeviceProperties2 = properties,
+        "vkGetPhysicalDeviceProperties2": PFN_vkGetPhysicalDeviceProperties2 = properties,
+    }
+}
+
+unsafe extern "system" fn of_instance(
+    instance: vk::Instance,
+    name: *const c_char,
+) -> vk::PFN_vkVoidFunction {
+    // SAFETY: the name is a C string.
+    own(unsafe { CStr::from_ptr(name) }).or_else(|| {
+        let next = NEXT.lock().ok().and_then(|next| *next)?;
+        // SAFETY: handed on as it came.
+        unsafe { (next.instance)(instance, name) }
+    })
+}
+
+unsafe extern "system" fn of_device(
+    device: vk::Device,
+    name: *const c_char,
+) -> vk::PFN_vkVoidFunction {
+    let next = NEXT.lock().ok().and_then(|next| *next)?.device?;
+    // SAFETY: handed on as it came.
+    unsafe { next(device, name) }
+}
+
+/// A function of what comes after, for the instance that was made last.
+///
+/// # Safety
+/// `F` is the type of the function of this name.
+unsafe fn after<F: Copy>(name: &CStr) -> F {
+    let next = NEXT.lock().ok().and_then(|next| *next).expect("there is an instance");
+    // SAFETY: the instance is alive, as one of its functions is being called.
+    let function = unsafe { (next.instance)(next.made, name.as_ptr()) }.expect("it is there");
+    // SAFETY: the caller's, and all functions are pointers of one size.
+    unsafe { core::mem::transmute_copy::<unsafe extern "system" fn(), F>(&function) }
+}
+
+/// The link to what comes after, in the chain of what is made; the next layer is given its own.
+///
+/// # Safety
+/// The chain is one of the loader's, with a link.
+unsafe fn unlink(chain: *const c_void, ty: vk::StructureType) -> Link {
+    let mut at = chain.cast::<Chained<Link>>().cast_mut();
+    // SAFETY: the caller's; each of its structures begins with its type and the next.
+    unsafe {
+        while (*at).ty != ty || (*at).function != 0 {
+            at = (*at).next.cast::<Chained<Link>>().cast_mut();
+        }
+        let link = core::ptr::read((*at).link);
+        (*at).link = link.next;
+        link
+    }
+}
+
+unsafe extern "system" fn create_instance(
+    info: *const vk::InstanceCreateInfo<'_>,
+    allocator: *const vk::AllocationCallbacks<'_>,
+    made: *mut vk::Instance,
+) -> vk::Result {
+    // SAFETY: the loader's structures are valid during the call.
+    let link = unsafe { unlink((*info).p_next, vk::StructureType::LOADER_INSTANCE_CREATE_INFO) };
+    // SAFETY: it needs no instance.
+    let create = unsafe { (link.instance)(vk::Instance::null(), c"vkCreateInstance".as_ptr()) };
+    let Some(create) = create else { return vk::Result::ERROR_INITIALIZATION_FAILED };
+    // SAFETY: this is the type that goes with the name.
+    let create: vk::PFN_vkCreateInstance = unsafe { core::mem::transmute(create) };
+    // SAFETY: handed on as it came, but for the link.
+    let result = unsafe { create(info, allocator, made) };
+    if let (vk::Result::SUCCESS, Ok(mut next)) = (result, NEXT.lock()) {
+        // SAFETY: the call has succeeded.
+        let made = unsafe { *made };
+        *next = Some(Next { instance: link.instance, made, device: None });
+    }
+    result
+}
+
+unsafe extern "system" fn create_device(
+    physical: vk::PhysicalDevice,
+    info: *const vk::DeviceCreateInfo<'_>,
+    allocator: *const vk::AllocationCallbacks<'_>,
+    made: *mut vk::Device,
+) -> vk::Result {
+    // SAFETY: the loader's structures are valid during the call.
+    let (mut info, link) =
+        unsafe { (*info, unlink((*info).p_next, vk::StructureType::LOADER_DEVICE_CREATE_INFO)) };
+    if let Ok(mut next) = NEXT.lock()
+        && let Some(next) = &mut *next
+    {
+        next.device = link.device;
+    }
+    let count = info.enabled_extension_count as usize;
+    let names = match count {
+        0 => &[],
+        // SAFETY: as many names as the shell says.
+        _ => unsafe { core::slice::from_raw_parts(info.pp_enabled_extension_names, count) },
+    };
+    // SAFETY: they are C strings.
+    let theirs = |name: &*const c_char| unsafe { CStr::from_ptr(*name) } != NAME;
+    let names: Vec<*const c_char> = names.iter().copied().filter(theirs).collect();
+    super::note(&format!("density maps {}", count - names.len()));
+    info.enabled_extension_count = names.len() as u32;
+    info.pp_enabled_extension_names = names.as_ptr();
+    // Its features go with it.
+    let first = (&raw mut info).cast::<vk::BaseOutStructure<'_>>();
+    let wanted = vk::StructureType::PHYSICAL_DEVICE_FRAGMENT_DENSITY_MAP_FEATURES_EXT;
+    let mut at = first;
+    // SAFETY: each structure of the chain is alive, and begins with its type and the next.
+    let cut = unsafe {
+        while !(*at).p_next.is_null() && (*(*at).p_next).s_type != wanted {
+            at = (*at).p_next;
+        }
+        let cut = (*at).p_next;
+        if !cut.is_null() {
+            (*at).p_next = (*cut).p_next;
+        }
+        cut
+    };
+    // SAFETY: this is the type that goes with the name.
+    let create: vk::PFN_vkCreateDevice = unsafe { after(c"vkCreateDevice") };
+    // SAFETY: handed on, but for what was taken out.
+    let result = unsafe { create(physical, &raw const info, allocator, made) };
+    if !cut.is_null() {
+        // SAFETY: as above; the chain is the shell's, and is whole again.
+        unsafe { (*at).p_next = cut };
+    }
+    result
+}
+
+unsafe extern "system" fn extensions(
+    physical: vk::PhysicalDevice,
+    layer: *const c_char,
+    count: *mut u32,
+    to: *mut vk::ExtensionProperties,
+) -> vk::Result {
+    // SAFETY: this is the type that goes with the name.
+    let all: vk::PFN_vkEnumerateDeviceExtensionProperties =
+        unsafe { after(c"vkEnumerateDeviceExtensionProperties") };
+    // SAFETY: there is room for a count, and for as many as it says where `to` is somewhere.
+    unsafe {
+        let room = *count;
+        let result = all(physical, layer, count, to);
+        if !layer.is_null() || result != vk::Result::SUCCESS {
+            return result;
+        }
+        if !to.is_null() {
+            if room <= *count {
+                return vk::Result::INCOMPLETE;
+            }
+            let mut more = vk::ExtensionProperties { spec_version: 2, ..Default::default() };
+            let name = NAME.to_bytes_with_nul();
+            more.extension_name[..name.len()]
+                .copy_from_slice(core::mem::transmute::<&[u8], &[c_char]>(name));
+            *to.add(*count as usize) = more;
+        }
+        *count += 1;
+    }
+    vk::Result::SUCCESS
+}
+
+unsafe extern "system" fn features(
+    physical: vk::PhysicalDevice,
+    to: *mut vk::PhysicalDeviceFeatures2<'_>,
+) {
+    // SAFETY: this is the type that goes with the name.
+    let all: vk::PFN_vkGetPhysicalDeviceFeatures2 =
+        unsafe { after(c"vkGetPhysicalDeviceFeatures2") };
+    // SAFETY: handed on as it came; a structure of this type is one.
+    unsafe {
+        all(physical, to);
+        let ty = vk::StructureType::PHYSICAL_DEVICE_FRAGMENT_DENSITY_MAP_FEATURES_EXT;
+        let found =
+            find(to.cast(), ty).cast::<vk::PhysicalDeviceFragmentDensityMapFeaturesEXT<'_>>();
+        if let Some(found) = found.as_mut() {
+            found.fragment_density_map = vk::TRUE;
+            found.fragment_density_map_non_subsampled_images = vk::TRUE;
+        }
+    }
+}
+
+unsafe extern "system" fn properties(
+    physical: vk::PhysicalDevice,
+    to: *mut vk::PhysicalDeviceProperties2<'_>,
+) {
+    // SAFETY: this is the type that goes with the name.
+    let all: vk::PFN_vkGetPhysicalDeviceProperties2 =
+        unsafe { after(c"vkGetPhysicalDeviceProperties2") };
+    // SAFETY: handed on as it came; a structure of this type is one.
+    unsafe {
+        all(physical, to);
+        let ty = vk::StructureType::PHYSICAL_DEVICE_FRAGMENT_DENSITY_MAP_PROPERTIES_EXT;
+        let found =
+            find(to.cast(), ty).cast::<vk::PhysicalDeviceFragmentDensityMapPropertiesEXT<'_>>();
+        if let Some(found) = found.as_mut() {
+            // An Adreno's.
+            let texel = vk::Extent2D { width: super::maps::TEXEL, height: super::maps::TEXEL };
+            found.min_fragment_density_texel_size = texel;
+            found.max_fragment_density_texel_size = texel;
+            found.fragment_density_invocations = vk::TRUE;
+        }
+    }
+}
+
+/// The structure of a type in a chain, or null.
+///
+/// # Safety
+/// Each structure of the chain is alive, and begins with its type and the next.
+unsafe fn find(
+    chain: *mut vk::BaseOutStructure<'_>,
+    ty: vk::StructureType,
+) -> *mut vk::BaseOutStructure<'_> {
+    let mut at = chain;
+    // SAFETY: the caller's.
+    while let Some(structure) = unsafe { at.as_ref() } {
+        if structure.s_type == ty {
+            break;
+        }
+        at = structure.p_next;
+    }
+    at
+}

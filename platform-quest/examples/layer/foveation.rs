@@ -1,0 +1,203 @@
+//! Foveation, which Monado has not: profiles, the levels that swapchains are set to, and the density
+//! maps that come with their images.
+
+use std::collections::HashMap;
+use std::sync::{LazyLock, Mutex, MutexGuard};
+
+use ash::vk::{self, Handle as _};
+use openxr::sys;
+use sys::{Handle, Result as Status, pfn};
+
+use super::next;
+
+use super::checks::on;
+use super::{maps, note};
+
+/// What there is.
+#[derive(Default)]
+struct State {
+    /// Made, and not yet destroyed: their levels.
+    profiles: HashMap<u64, sys::FoveationLevelFB>,
+    made: u64,
+    /// Swapchains that were made with density maps.
+    chains: HashMap<u64, Chain>,
+}
+
+struct Chain {
+    extent: [u32; 2],
+    maps: Vec<(vk::Image, vk::DeviceMemory)>,
+}
+
+static STATE: LazyLock<Mutex<State>> = LazyLock::new(Mutex::default);
+
+fn state() -> MutexGuard<'static, State> {
+    STATE.lock().expect("no holder panics")
+}
+
+fn check(what: &str, fits: bool) {
+    if !fits {
+        note(&format!("violation: {what}"));
+    }
+}
+
+/// Takes note of a session's device.
+///
+/// # Safety
+/// The structure is valid.
+pub(crate) unsafe fn bound(info: *const sys::SessionCreateInfo) {
+    // SAFETY: the caller's; what it points to says of which type it is.
+    unsafe {
+        let binding = (*info).next.cast::<sys::GraphicsBindingVulkanKHR>();
+        if (*binding).ty == sys::GraphicsBindingVulkanKHR::TYPE {
+            maps::bound(&*binding);
+        }
+    }
+}
+
+/// Has the runtime make a swapchain without what it doesn't know of, and takes note of it.
+///
+/// # Safety
+/// The shell's structures are valid.
+pub(crate) unsafe fn make(
+    session: sys::Session,
+    info: *const sys::SwapchainCreateInfo,
+    to: *mut sys::Swapchain,
+) -> Status {
+    // SAFETY: the caller's.
+    let info = unsafe { *info };
+    let foveation = info.next.cast::<sys::SwapchainCreateInfoFoveationFB>();
+    // SAFETY: what it points to, if anything, says of which type it is.
+    let mapped = unsafe { foveation.as_ref() }.is_some_and(|foveation| {
+        check("a swapchain's chain", {
+            foveation.ty == sys::SwapchainCreateInfoFoveationFB::TYPE
+                && foveation.next.is_null()
+                && foveation.flags == sys::SwapchainCreateFoveationFlagsFB::FRAGMENT_DENSITY_MAP
+        });
+        true
+    });
+    let plain = sys::SwapchainCreateInfo { next: core::ptr::null_mut(), ..info };
+    let made = on!(c"xrCreateSwapchain": CreateSwapchain, session, &raw const plain, to);
+    if made == Status::SUCCESS {
+        // SAFETY: the call has succeeded.
+        let (handle, mut state) = (unsafe { (*to).into_raw() }, state());
+        if mapped {
+            let chain = Chain { extent: [info.width, info.height], maps: Vec::new() };
+            state.chains.insert(handle, chain);
+            note("mapped swapchain");
+        }
+    }
+    made
+}
+
+pub(crate) unsafe extern "system" fn destroy(swapchain: sys::Swapchain) -> Status {
+    let handle = swapchain.into_raw();
+    let chain = state().chains.remove(&handle);
+    let done = on!(c"xrDestroySwapchain": DestroySwapchain, swapchain);
+    chain.into_iter().flat_map(|chain| chain.maps).for_each(maps::unmake);
+    done
+}
+
+pub(crate) unsafe extern "system" fn images(
+    swapchain: sys::Swapchain,
+    capacity: u32,
+    count: *mut u32,
+    to: *mut sys::SwapchainImageBaseHeader,
+) -> Status {
+    let done = on!(c"xrEnumerateSwapchainImages": EnumerateSwapchainImages, swapchain, capacity, count, to);
+    if done != Status::SUCCESS || capacity == 0 {
+        return done;
+    }
+    let mut state = state();
+    let chain = state.chains.get_mut(&swapchain.into_raw());
+    // SAFETY: the call has succeeded, and so many images stand there.
+    let listed = unsafe {
+        let to = to.cast::<sys::SwapchainImageVulkanKHR>();
+        core::slice::from_raw_parts(to, *count as usize)
+    };
+    let Some(chain) = chain else {
+        check("images without maps", listed.iter().all(|image| image.next.is_null()));
+        return done;
+    };
+    for image in listed {
+        let map = image.next.cast::<sys::SwapchainImageFoveationVulkanFB>();
+        // SAFETY: what it points to, if anything, says of which type it is.
+        let Some(map) = (unsafe { map.as_mut() }) else {
+            check("an image has no place for its map", false);
+            continue;
+        };
+        let ty = sys::SwapchainImageFoveationVulkanFB::TYPE;
+        check("an image's chain", map.ty == ty && map.next.is_null());
+        let made = maps::make(chain.extent);
+        chain.maps.push(made);
+        map.image = made.0.as_raw();
+        [map.width, map.height] = chain.extent.map(|pixels| pixels.div_ceil(maps::TEXEL));
+    }
+    done
+}
+
+pub(crate) unsafe extern "system" fn make_profile(
+    _: sys::Session,
+    info: *const sys::FoveationProfileCreateInfoFB,
+    to: *mut sys::FoveationProfileFB,
+) -> Status {
+    // SAFETY: the shell's structures are valid during the call, and say of which type they are.
+    let (info, level) = unsafe {
+        let level = (*info).next.cast::<sys::FoveationLevelProfileCreateInfoFB>();
+        (*info, *level)
+    };
+    check("a profile", info.ty == sys::FoveationProfileCreateInfoFB::TYPE);
+    check("a profile's level", {
+        level.ty == sys::FoveationLevelProfileCreateInfoFB::TYPE
+            && level.next.is_null()
+            && (0..=3).contains(&level.level.into_raw())
+            && level.dynamic == sys::FoveationDynamicFB::DISABLED
+            && level.vertical_offset == 0.0
+    });
+    let mut state = state();
+    state.made += 1;
+    let handle = state.made;
+    state.profiles.insert(handle, level.level);
+    // SAFETY: there is room for a handle.
+    unsafe { *to = sys::FoveationProfileFB::from_raw(handle) };
+    Status::SUCCESS
+}
+
+pub(crate) unsafe extern "system" fn destroy_profile(profile: sys::FoveationProfileFB) -> Status {
+    let gone = state().profiles.remove(&profile.into_raw());
+    check("a profile's end", gone.is_some());
+    Status::SUCCESS
+}
+
+pub(crate) unsafe extern "system" fn update(
+    swapchain: sys::Swapchain,
+    to: *const sys::SwapchainStateBaseHeaderFB,
+) -> Status {
+    // SAFETY: the shell's structure is valid during the call, and says of which type it is.
+    let to = unsafe { *to.cast::<sys::SwapchainStateFoveationFB>() };
+    let state = state();
+    check("an update", {
+        to.ty == sys::SwapchainStateFoveationFB::TYPE
+            && to.next.is_null()
+            && to.flags == sys::SwapchainStateFoveationFlagsFB::EMPTY
+    });
+    let chain = state.chains.get(&swapchain.into_raw());
+    check(
+        "an update is of a swapchain with maps",
+        chain.is_some_and(|chain| !chain.maps.is_empty()),
+    );
+    match state.profiles.get(&to.profile.into_raw()) {
+        Some(level) => note(&format!("foveation {level:?}")),
+        None => check("an update's profile", false),
+    }
+    check("profiles are not piled up", state.profiles.len() == 1);
+    Status::SUCCESS
+}
+
+/// Nobody asks.
+pub(crate) unsafe extern "system" fn told(
+    _: sys::Swapchain,
+    _: *mut sys::SwapchainStateBaseHeaderFB,
+) -> Status {
+    note("violation: a swapchain's state is asked for");
+    Status::ERROR_FUNCTION_UNSUPPORTED
+}
