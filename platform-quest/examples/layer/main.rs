@@ -4,9 +4,11 @@
 //!
 //! It works in the folder that `PAROS_LAYER` names: it appends to `log` there, and does what a file
 //! `inject` says, once: `presence 0`, `presence 1`, `heat`, `lose session`, `lose instance`, or
-//! `fail`, which has the next frame's wait fail.
+//! `fail`, which has the next frame's wait fail. What a file `refuse` names is refused.
 
 mod checks;
+mod one_view;
+mod refusals;
 
 use std::ffi::{CStr, c_char};
 use std::fs;
@@ -115,7 +117,8 @@ unsafe extern "system" fn get_instance_proc_addr(
 ) -> Status {
     // SAFETY: the shell's name is a C string.
     let name = unsafe { CStr::from_ptr(name) };
-    if let Some(own) = name.to_str().ok().and_then(checks::own) {
+    let own = |name| refusals::own(name).or_else(|| checks::own(name));
+    if let Some(own) = name.to_str().ok().and_then(own) {
         // SAFETY: there is room for a function.
         unsafe { *function = Some(own) };
         return Status::SUCCESS;

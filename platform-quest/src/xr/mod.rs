@@ -6,7 +6,7 @@ mod eyes;
 mod instance;
 mod session;
 
-pub(crate) use actions::Actions;
+pub(crate) use actions::{Actions, NO_PROFILE};
 pub(crate) use bare::BareHands;
 pub(crate) use eyes::{Eyes, Shot};
 pub(crate) use instance::Runtime;

@@ -11,7 +11,7 @@ use super::monado::{Monado, Shell, Tree, wait_for};
 use super::{LEFT_REST, REST, RIGHT, carve, eyes, output, take};
 
 /// The layer, or the program that counts, which `cargo test` builds as examples.
-fn example(name: &str) -> Result<PathBuf, String> {
+pub(crate) fn example(name: &str) -> Result<PathBuf, String> {
     let quest = Path::new(env!("CARGO_BIN_EXE_paros-quest"));
     let path = quest.with_file_name("examples").join(name);
     let found = path.exists().then_some(path);
@@ -26,7 +26,7 @@ fn inject(monado: &Monado, wish: &str) {
     wait_for(wish, || log(monado).lines().any(|line| line == format!("injected {wish}")));
 }
 
-fn log(monado: &Monado) -> String {
+pub(crate) fn log(monado: &Monado) -> String {
     fs::read_to_string(monado.folder.join("layer/log")).unwrap_or_default()
 }
 

@@ -6,6 +6,7 @@
 
 mod layered;
 mod monado;
+mod refusals;
 
 use std::fs;
 use std::path::{Path, PathBuf};

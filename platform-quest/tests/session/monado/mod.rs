@@ -125,6 +125,11 @@ impl Monado {
 
     /// The shell in this service's session, with the tests' own API layer between them.
     pub(crate) fn layered_shell(&self, layer: &Path, args: &[&str]) -> Shell {
+        Shell::start(self.layered_command(layer, args))
+    }
+
+    /// The same, to be changed before it is started.
+    pub(crate) fn layered_command(&self, layer: &Path, args: &[&str]) -> Command {
         let manifest = format!(
             r#"{{"file_format_version": "1.0.0", "api_layer": {{"name": "XR_APILAYER_PAROS_tests",
             "library_path": "{}", "api_version": "1.0", "implementation_version": "1",
@@ -138,7 +143,8 @@ impl Monado {
         fs::write(folder.join("layer.json"), manifest).expect("the manifest is written");
         let mut command = self.command(args);
         command.env("XR_API_LAYER_PATH", &folder).env("PAROS_LAYER", &folder);
-        Shell::start(command.env("XR_ENABLE_API_LAYERS", "XR_APILAYER_PAROS_tests"))
+        command.env("XR_ENABLE_API_LAYERS", "XR_APILAYER_PAROS_tests");
+        command
     }
 
     fn command(&self, args: &[&str]) -> Command {
@@ -169,9 +175,7 @@ pub(crate) struct Shell {
 pub(crate) struct Said(String);
 
 impl Shell {
-    fn start(command: impl std::borrow::BorrowMut<Command>) -> Shell {
-        let mut command = command;
-        let command = command.borrow_mut();
+    pub(crate) fn start(mut command: Command) -> Shell {
         let pipes = command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
         let mut child = pipes.spawn().expect("the shell starts");
         let stdin = child.stdin.take().expect("it is piped");
@@ -226,6 +230,11 @@ impl Shell {
     /// Asks it to leave: its exit code, and what it told on standard error.
     pub(crate) fn quit(mut self) -> (Option<i32>, String) {
         writeln!(self.stdin, "quit").expect("the shell listens");
+        self.ended()
+    }
+
+    /// Waits until it ends by itself.
+    pub(crate) fn over(mut self) -> (Option<i32>, String) {
         self.ended()
     }
 
