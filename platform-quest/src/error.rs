@@ -43,6 +43,20 @@ impl Error {
     }
 }
 
+impl Error {
+    /// Why, and what a person who looks after the headset may do about it: the last line.
+    #[must_use]
+    pub fn with_remedy(&self) -> String {
+        let remedy = match self {
+            Error::Call { .. } => "end what else uses the headset, or start its runtime anew",
+            Error::Gpu(_) => "the headset's device must draw by Vulkan 1.1 with multiview",
+            // They say it themselves, or there is nothing to be done.
+            Error::Unavailable(_) | Error::File(_) | Error::Input(_) => return self.to_string(),
+        };
+        format!("{self}; {remedy}")
+    }
+}
+
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

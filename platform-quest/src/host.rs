@@ -71,7 +71,9 @@ impl Host for Plain {
             while let Some(deeper) = why.source() {
                 why = deeper;
             }
-            Error::Unavailable(format!("no OpenXR loader: {why}"))
+            Error::Unavailable(format!(
+                "no OpenXR loader: {why}; install one (Debian: libopenxr-loader1)"
+            ))
         })
     }
 

@@ -110,7 +110,7 @@ fn run(args: &Args) -> Result<String, (String, ExitCode)> {
             Error::Input(_) => ExitCode::from(2),
             _ => ExitCode::FAILURE,
         };
-        (error.to_string(), code)
+        (error.with_remedy(), code)
     })
 }
 

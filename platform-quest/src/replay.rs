@@ -5,7 +5,7 @@ use std::path::Path;
 
 use paros_core::size::{Grid, Size};
 use paros_shell::durable::{self, Target};
-use paros_shell::stage::Stage;
+use paros_shell::stage;
 use paros_shell::statics::Resident;
 use paros_shell::trace::{Diverged, Trace, TraceError};
 
@@ -39,15 +39,12 @@ fn play<const N: usize>(trace: &Trace) -> Result<String, Diverged>
 where
     Grid<N>: Size + Resident<N>,
 {
-    let mut starts = Grid::<N>::start_volumes();
-    starts.make(&mut Grid::<N>::plane(), |_| {});
-    let (hidden, mut world) = (starts.hidden(), Grid::<N>::world());
-    world.clear();
-    let mut stage = Stage::new(&mut world, starts.starts(&hidden));
     let mut digests = String::with_capacity(17 * trace.records().len());
-    stage.replay(trace, |_, world| {
-        // A String takes everything.
-        let _ = writeln!(digests, "{:016x}", world.digest());
+    stage::fresh::<N, _>(|mut stage| {
+        stage.replay(trace, |_, world| {
+            // A String takes everything.
+            let _ = writeln!(digests, "{:016x}", world.digest());
+        })
     })?;
     Ok(digests)
 }

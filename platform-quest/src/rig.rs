@@ -31,7 +31,8 @@ impl<const N: usize> Rig<N>
 where
     Grid<N>: Size,
 {
-    /// A session that shows a world.
+    /// A session that shows a world. What looks on at Vulkan is left in `vulkan`, even if the rest
+    /// fails.
     ///
     /// # Errors
     /// [`Error::Unavailable`] with what is missing, or a call that failed.
@@ -40,6 +41,7 @@ where
         options: &Options,
         world: &World<N>,
         places: &Places,
+        vulkan: &mut Option<Arc<gpu::Instance>>,
     ) -> Result<Self, Error> {
         let runtime = Runtime::new(host, options)?;
         let missing = runtime.lacks(&foveation::EXTENSIONS);
@@ -49,7 +51,8 @@ where
             around_device: host.around_device(),
             ..gpu::Options::default()
         };
-        let gpu = runtime.gpu(&wanted)?;
+        let instance = vulkan.insert(runtime.vulkan(&wanted)?);
+        let gpu = runtime.gpu(instance.clone(), &wanted)?;
         let session = Session::new(&runtime, &gpu)?;
         session.ask(&runtime, options.rate);
         let with_depth = options.depth && runtime.extensions.khr_composition_layer_depth;

@@ -5,12 +5,13 @@ mod hear;
 mod ticks;
 
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::thread;
 use std::time::{Duration, Instant};
 
 use paros_core::size::{Grid, Size};
 use paros_core::world::Session;
-use paros_shaders::portrait;
+use paros_shaders::{gpu, portrait};
 use paros_shell::places::Places;
 use paros_shell::print::{HEIGHT_MM, Printer};
 use paros_shell::statics::Resident;
@@ -28,6 +29,7 @@ use crate::rig::Rig;
 use crate::script::{Command, Script};
 use crate::strain::{Heat, Strain};
 use crate::visitor::Visitor;
+use crate::xr::NO_PROFILE;
 
 /// How often the runtime is asked while no frames are made.
 const WAITING: Duration = Duration::from_millis(10);
@@ -125,12 +127,15 @@ where
     if let (Err(_), Err(error)) = (&done, &saved) {
         host.log(format_args!("{error}"));
     }
-    done?;
-    saved?;
     shell.messages.sort();
     shell.messages.dedup();
-    if !shell.messages.is_empty() {
-        let complaints = shell.messages.join("\n");
+    let complaints = shell.messages.join("\n");
+    if done.is_err() && !complaints.is_empty() {
+        host.log(format_args!("validation: {complaints}"));
+    }
+    done?;
+    saved?;
+    if !complaints.is_empty() {
         return Err(Error::Unavailable(format!("validation: {complaints}")));
     }
     let printed = shell.studio.printed();
@@ -189,17 +194,28 @@ where
 
     /// One session, from its making to its end.
     fn session(&mut self, host: &mut dyn Host) -> Result<Ended, Error> {
+        let mut vulkan = None;
+        let ended = self.session_by(host, &mut vulkan);
+        self.messages.extend(vulkan.map(|vulkan| vulkan.messages()).unwrap_or_default());
+        ended
+    }
+
+    fn session_by(
+        &mut self,
+        host: &mut dyn Host,
+        vulkan: &mut Option<Arc<gpu::Instance>>,
+    ) -> Result<Ended, Error> {
         let places = self.studio.places().clone();
-        let mut rig = Rig::new(host, self.options, self.studio.world(), &places)?;
+        let mut rig = Rig::new(host, self.options, self.studio.world(), &places, vulkan)?;
+        if rig.session.actions.profiles == 0 {
+            host.log(format_args!("{NO_PROFILE}: bare hands sculpt"));
+        }
         let (runtime, device) = (&rig.runtime.name, &rig.gpu.name);
         host.log(format_args!("{runtime}, drawn by {device}"));
         self.life = Life::default();
         self.beat.rest();
         let ended = self.go(&mut rig, host);
         rig.keep_cache(&places, self.studio.keeper());
-        let instance = rig.gpu.instance.clone();
-        drop(rig);
-        self.messages.extend(instance.messages());
         ended
     }
 

@@ -12,7 +12,8 @@ use std::{env, fs};
 use jni::objects::{Global, JObject, JString};
 use jni::{Env, InitArgsBuilder, JNIVersion, JValue, JavaVM, jni_sig, jni_str};
 use paros_quest::device::table::ALL;
-use paros_quest::device::{self, Battery, Device, Thermal, Watch};
+use paros_quest::device::{self, Battery, Device, ROWS, Row, Thermal, Watch};
+use paros_quest::runtime::{COLUMNS, FUNCTIONS, NEGOTIATE, Named, ask};
 use paros_quest::strain::{Heat, Strain};
 use paros_shell::require::require;
 
@@ -97,11 +98,13 @@ fn every_call_is_right() {
 }
 
 fn inside() {
-    let [name, battery, heat, storage, online, query] =
-        [names, batteries, heats, storages, networks, queries];
-    for part in [name, battery, heat, storage, online, query] {
-        part();
-    }
+    names();
+    batteries();
+    heats();
+    storages();
+    networks();
+    queries();
+    brokers();
     exceptions();
     watching();
     let _ = fs::remove_dir_all(folder());
@@ -182,28 +185,61 @@ fn networks() {
 }
 
 fn queries() {
-    let ask = || device(29).query("content://a/b", ["one", "two", "three"]).expect("an answer");
+    let ask = || device(29).query("content://a/b", &["one", "two", "three"]).expect("an answer");
+    let nothing: [Row; 0] = [];
     set("Context.getContentResolver", "O:android.content.ContentResolver");
     set("Uri.parse[content://a/b]", "O:android.net.Uri");
     calls();
-    assert_eq!(ask(), None);
+    assert_eq!(ask(), nothing);
     assert!(calls().ends_with("ContentResolver.query[Uri, [one, two, three], null, null, null]"));
     set("ContentResolver.query", "O:android.database.Cursor");
-    set("Cursor.moveToFirst", "Z:false");
-    assert_eq!(ask(), None);
-    assert!(calls().ends_with("Cursor.moveToFirst[]\nCursor.close[]"));
-    set("Cursor.moveToFirst", "Z:true");
+    set("Cursor.moveToNext", "Z:false");
     set("Cursor.getColumnIndex[one]", "I:7");
     set("Cursor.getColumnIndex[two]", "I:-1");
     set("Cursor.getColumnIndex[three]", "I:0");
-    set("Cursor.getString[7]", "S:grüße \u{1f3db}");
+    assert_eq!(ask(), nothing);
+    assert!(calls().ends_with("Cursor.moveToNext[]\nCursor.close[]"));
+    set("Cursor.moveToNext", "Z:true\nZ:true\nZ:false");
+    set("Cursor.getString[7]", "S:grüße \u{1f3db}\nS:more");
     set("Cursor.getString[0]", "N:");
-    assert_eq!(ask(), Some([Some("grüße \u{1f3db}".into()), None, None]));
+    let rows = ["grüße \u{1f3db}", "more"].map(|text| vec![Some(text.to_owned()), None, None]);
+    assert_eq!(ask(), rows);
+    // An answer that never ends.
+    set("Cursor.moveToNext", "Z:true");
+    assert_eq!(ask().len(), ROWS);
     // A refusal in the middle still ends the answer.
-    set("Cursor.getColumnIndex[one]", "E:closed");
+    set("Cursor.getString[7]", "E:closed");
     calls();
-    assert!(device(29).query("content://a/b", ["one"]).is_err());
+    assert!(device(29).query("content://a/b", &["one"]).is_err());
     assert!(calls().ends_with("Cursor.close[]"));
+}
+
+/// A broker whose runtime has names of its own: one row, then the functions'.
+fn brokers() {
+    let runtimes = "content://org.khronos.openxr.runtime_broker/openxr/1/abi/arm64-v8a/runtimes";
+    set(&format!("Uri.parse[{runtimes}/active/0]"), "O:android.net.Uri");
+    set(&format!("Uri.parse[{runtimes}/com.maker.runtime/functions]"), "O:android.net.Uri");
+    for (column, name) in COLUMNS.iter().chain(&FUNCTIONS).enumerate() {
+        set(&format!("Cursor.getColumnIndex[{name}]"), &format!("I:{column}"));
+    }
+    let answers =
+        ["S:/vendor", "S:maker.so", "S:com.maker.runtime", "S:1", "S:a", "S:maker_negotiate"];
+    for (column, answer) in answers.into_iter().enumerate() {
+        set(&format!("Cursor.getString[{column}]"), answer);
+    }
+    set("Cursor.getString[4]", &format!("S:xrInitializeLoaderKHR\nS:{NEGOTIATE}"));
+    set("Cursor.getString[5]", "S:maker_initialize\nS:maker_negotiate");
+    set("Cursor.moveToNext", "Z:true\nZ:false\nZ:true\nZ:true\nZ:false");
+    let device = device(29);
+    let named = ask(|table, columns| device.query(table, columns)).expect("it is named");
+    let expected =
+        Named { library: "/vendor/maker.so".into(), negotiate: "maker_negotiate".into() };
+    assert_eq!(named, expected);
+    // The package may not be asked.
+    set("ContentResolver.query", "O:android.database.Cursor\nE:not yours");
+    set("Cursor.moveToNext", "Z:true\nZ:false");
+    let why = ask(|table, columns| device.query(table, columns)).expect_err("it was thrown");
+    assert!(why.to_string().contains("not yours"), "{why}");
 }
 
 fn exceptions() {

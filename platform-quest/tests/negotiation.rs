@@ -1,15 +1,18 @@
 //! Negotiation with a real runtime's library: Monado's, from the tree that `monado-tree.sh` makes.
 
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::{env, fs};
 
 use openxr as xr;
-use paros_quest::runtime::{ask, open};
+use paros_quest::runtime::{NEGOTIATE, ask, open};
 use paros_shell::require::require;
 
 /// Set to the library in the process that runs on the tree's libraries.
 const INSIDE: &str = "PAROS_INSIDE_RUNTIME";
+/// Set where the broker tells of another name.
+const RENAMED: &str = "PAROS_RENAMED";
 
 /// The tree beside this build.
 fn tree() -> Result<PathBuf, String> {
@@ -25,6 +28,17 @@ fn the_library_that_a_broker_names_is_negotiated_with() {
     }
     let Some(root) = require(tree()).expect("Monado") else { return };
     let libraries = root.join("usr/lib/x86_64-linux-gnu");
+    let monado = libraries.join("libopenxr_monado.so");
+    let again = |library: &Path| again(&root, &libraries, library);
+    assert_eq!(negotiates(&mut again(&monado)), Ok(()));
+    let told = negotiates(again(&monado).env(RENAMED, "1")).expect_err("its names are OpenXR's");
+    assert!(told.contains("no OpenXR runtime: it has no maker_negotiate"), "{told}");
+    let renamed = renamed(&monado);
+    assert_eq!(negotiates(again(&renamed).env(RENAMED, "1")), Ok(()));
+}
+
+/// This test again, on the tree's libraries.
+fn again(root: &Path, libraries: &Path, library: &Path) -> Command {
     let beside = ["", "pulseaudio", "blas", "lapack"].map(|name| libraries.join(name));
     let paths = beside.map(|path| path.display().to_string()).join(":");
     let mut again = Command::new(root.join("usr/lib64/ld-linux-x86-64.so.2"));
@@ -33,25 +47,52 @@ fn the_library_that_a_broker_names_is_negotiated_with() {
     // No service is there to be met.
     let empty = Path::new(env!("CARGO_TARGET_TMPDIR")).join("no-service");
     fs::create_dir_all(&empty).expect("room on the disk");
-    again.env("XDG_RUNTIME_DIR", empty).env(INSIDE, libraries.join("libopenxr_monado.so"));
+    again.env("XDG_RUNTIME_DIR", empty).env(INSIDE, library);
+    again
+}
+
+/// Whether it said so, or what else.
+fn negotiates(again: &mut Command) -> Result<(), String> {
     let output = again.output().expect("it starts again");
     let told =
         [output.stdout, output.stderr].map(|told| String::from_utf8_lossy(&told).into_owned());
     let told = told.concat();
-    assert!(output.status.success() && told.contains("negotiated"), "{told}");
+    if output.status.success() && told.contains("negotiated") { Ok(()) } else { Err(told) }
+}
+
+/// A library that is Monado's, but for the name of the one function that a loader looks up. Made by
+/// the C compiler that Rust links by.
+fn renamed(monado: &Path) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
+    let [source, library] = ["maker.c", "libmaker.so"].map(|name| folder.join(name));
+    let text = format!(
+        "int {NEGOTIATE}(void *, void *);\n\
+         int maker_negotiate(void *a, void *b) {{ return {NEGOTIATE}(a, b); }}\n"
+    );
+    fs::write(&source, text).expect("room on the disk");
+    let mut cc = Command::new("cc");
+    cc.args(["-shared", "-fPIC", "-Wl,--allow-shlib-undefined", "-o"]).arg(&library);
+    let status = cc.arg(source).arg(monado).status();
+    assert!(status.is_ok_and(|status| status.success()), "cc makes {}", library.display());
+    library
 }
 
 /// As on a headset, but for the broker, which is this.
 fn inside(library: &Path) {
-    let text =
-        |path: Option<&std::ffi::OsStr>| path.and_then(|path| path.to_str()).map(str::to_owned);
-    let named = ask(|_, _| {
-        Ok(Some([text(library.parent().map(Path::as_os_str)), text(library.file_name())]))
+    let text = |text: &str| Some(text.to_owned());
+    let folder = library.parent().and_then(Path::to_str).expect("a folder");
+    let name = library.file_name().and_then(OsStr::to_str).expect("a name");
+    let named = ask(|table, _| {
+        let renames = if env::var_os(RENAMED).is_some() { "1" } else { "0" };
+        Ok(vec![match table.ends_with("/functions") {
+            false => vec![text(folder), text(name), text("maker"), text(renames)],
+            true => vec![text(NEGOTIATE), text("maker_negotiate")],
+        }])
     });
     let named = named.expect("it is named");
-    assert_eq!(named, library);
+    assert_eq!(named.library, library);
     // SAFETY: it is a runtime.
-    let entry = unsafe { open(&named, &()) }.expect("it negotiates");
+    let entry = unsafe { open(&named, &()) }.unwrap_or_else(|error| panic!("{error}"));
     let extensions = entry.enumerate_extensions().expect("it has some");
     assert!(extensions.khr_vulkan_enable2 && extensions.ext_hand_tracking);
     let application = xr::ApplicationInfo {

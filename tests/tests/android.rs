@@ -6,10 +6,10 @@ use std::sync::{Mutex, PoisonError};
 use std::{env, fs};
 
 use paros_core::input::{Input, Mode, TICK_RATE};
-use paros_core::size::{Grid, Size};
+use paros_core::size::Grid;
 use paros_quest::replay::replay;
 use paros_shell::require::require;
-use paros_shell::stage::Stage;
+use paros_shell::stage;
 use paros_shell::statics::Resident;
 use paros_tests::models::visitor::Visitor;
 
@@ -40,27 +40,21 @@ fn parts() -> Result<(), String> {
 }
 
 /// A restless visitor's session.
-fn record<const N: usize>(ticks: u32) -> Vec<u8>
-where
-    Grid<N>: Size + Resident<N>,
-{
-    let mut starts = Grid::<N>::start_volumes();
-    starts.make(&mut Grid::<N>::plane(), |_| {});
-    let (hidden, mut world) = (starts.hidden(), Grid::<N>::world());
-    world.clear();
-    let mut stage = Stage::new(&mut world, starts.starts(&hidden));
-    stage.record();
-    stage.tick(&Input { start: Mode::Constrained { figure: 1 }, ..Input::default() });
-    let mut visitor = Visitor::new(2024);
-    (1..ticks).for_each(|_| stage.tick(&visitor.act()));
-    stage.end_recording().expect("a recording")
+fn record(ticks: u32) -> Vec<u8> {
+    stage::fresh::<128, _>(|mut stage| {
+        stage.record();
+        stage.tick(&Input { start: Mode::Constrained { figure: 1 }, ..Input::default() });
+        let mut visitor = Visitor::new(2024);
+        (1..ticks).for_each(|_| stage.tick(&visitor.act()));
+        stage.end_recording().expect("a recording")
+    })
 }
 
 /// A trace of a restless visitor, and where its digests go.
 fn recorded(name: &str, ticks: u32) -> [PathBuf; 2] {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
     let [trace, digests] = ["trace", "digests"].map(|end| folder.join(format!("{name}.{end}")));
-    fs::write(&trace, record::<128>(ticks)).expect("room on the disk");
+    fs::write(&trace, record(ticks)).expect("room on the disk");
     let _ = fs::remove_file(&digests);
     [trace, digests]
 }
@@ -77,11 +71,12 @@ fn a_replay_writes_a_digest_for_each_tick_or_nothing() {
 
     fs::remove_file(&digests).expect("it was written");
     let mut bytes = fs::read(&trace).expect("it was written");
-    // The digest, at least, of the last tick.
+    // The digest of the last part, after the last tick.
     *bytes.last_mut().expect("a trace") ^= 1;
     fs::write(&trace, bytes).expect("room on the disk");
     let why = replay(&trace, &digests).expect_err("it is another trace").to_string();
-    assert!(why.contains("tick 199"), "{why}");
+    let part = Grid::<128>::world().part_digests().last().expect("some parts").0;
+    assert!(why.contains(&format!("tick 199: another state of {part} (")), "{why}");
     assert!(!digests.exists());
     if require(parts()).expect("the package is made before the tests").is_some() {
         let output = on_android(&trace, &digests);
@@ -91,18 +86,12 @@ fn a_replay_writes_a_digest_for_each_tick_or_nothing() {
     }
 }
 
+/// `.ci/run` plays what this leaves in the other builds and shells, and on Android's library.
 #[test]
 fn ten_restless_minutes_lead_to_the_same_digests() {
-    if require(parts()).expect("the package is made before the tests").is_none() {
-        return;
-    }
     let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
     let [trace, digests] = recorded("restless", TICKS);
-    let output = on_android(&trace, &digests);
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let there = fs::read_to_string(&digests).expect("it was written");
-    assert_eq!(there.lines().count(), TICKS as usize);
     replay(&trace, &digests).expect("it was just recorded");
-    let here = fs::read_to_string(&digests).expect("it was written");
-    assert!(there == here, "the digests differ");
+    let digests = fs::read_to_string(&digests).expect("it was written");
+    assert_eq!(digests.lines().count(), TICKS as usize);
 }

@@ -8,6 +8,7 @@ use paros_core::size::{Grid, Size};
 use paros_core::trace::{HEADER_BYTES, Header, RECORD_BYTES, Record, starts_digest};
 use paros_core::world::{Starts, World};
 
+use crate::statics::Resident;
 use crate::trace::{Diverged, Trace};
 
 /// A world, what its sessions start from, and the recording of its ticks.
@@ -145,6 +146,19 @@ where
         }
         Ok(())
     }
+}
+
+/// Puts the process's world, as before its first session, on stage, with start volumes that are made
+/// for it, and has `act` do what is to be done there.
+pub fn fresh<const N: usize, T>(act: impl FnOnce(Stage<'_, N>) -> T) -> T
+where
+    Grid<N>: Size + Resident<N>,
+{
+    let mut starts = Grid::<N>::start_volumes();
+    starts.make(&mut Grid::<N>::plane(), |_| {});
+    let (hidden, mut world) = (starts.hidden(), Grid::<N>::world());
+    world.clear();
+    act(Stage::new(&mut world, starts.starts(&hidden)))
 }
 
 /// Turns the time between frames into ticks at the fixed rate.

@@ -1,19 +1,21 @@
 //! An OpenXR API layer for tests, between the shell and the runtime. It advertises what Monado lacks
 //! (performance levels, user presence, refresh rates, foveation, thread types), notes what the shell
 //! asks for, checks the order of its calls and what it hands over, and has the runtime tell what a
-//! test wants told. The library is a layer of Vulkan, too: see `density`.
+//! test wants told. The library is a layer of Vulkan, too: see `vulkan`.
 //!
 //! It works in the folder that `PAROS_LAYER` names: it appends to `log` there, and does what a file
 //! `inject` says, once: `presence 0`, `presence 1`, `heat`, `cool`, `lose session`, `lose instance`,
 //! or `fail`, which has the next frame's wait fail. Where a file `no-depth` stands, the runtime takes
-//! no pictures of depth.
+//! no pictures of depth; where `one-view` stands, its device has no multiview. What a file `refuse`
+//! names is refused.
 
 mod checks;
-mod density;
 mod formats;
 mod foveation;
 mod maps;
+mod refusals;
 mod threads;
+mod vulkan;
 
 use std::ffi::{CStr, c_char};
 use std::fs;
@@ -130,7 +132,8 @@ unsafe extern "system" fn get_instance_proc_addr(
 ) -> Status {
     // SAFETY: the shell's name is a C string.
     let name = unsafe { CStr::from_ptr(name) };
-    if let Some(own) = name.to_str().ok().and_then(checks::own) {
+    let own = |name| refusals::own(name).or_else(|| checks::own(name));
+    if let Some(own) = name.to_str().ok().and_then(own) {
         // SAFETY: there is room for a function.
         unsafe { *function = Some(own) };
         return Status::SUCCESS;

@@ -28,7 +28,7 @@ fn android_main(app: AndroidApp) {
     app.set_window_flags(WindowManagerFlags::KEEP_SCREEN_ON, WindowManagerFlags::empty());
     // What is written to standard error goes to the device's log.
     if let Err(why) = sculpt(app) {
-        eprintln!("paros-quest: {why}");
+        eprintln!("paros-quest: {}", why.with_remedy());
     }
 }
 

@@ -134,7 +134,10 @@ impl<'env, 'local> Caller<'env, 'local> {
             return Ok(None);
         }
         let text = self.env.cast_local::<JString<'_>>(object).map_err(|e| failed(member, &e))?;
-        text.try_to_string(self.env).map(Some).map_err(|error| failed(member, &error))
+        let read = text.try_to_string(self.env);
+        // An answer may be long; until it is read, no reference of it would go.
+        self.env.delete_local_ref(text);
+        read.map(Some).map_err(|error| failed(member, &error))
     }
 
     /// With the exception, if there was one, in the error and no longer pending.

@@ -19,7 +19,7 @@ use call::{Caller, float, int, truth};
 use table::{
     ABSOLUTE_PATH, ACTIVE_NETWORK, BATTERY_PROPERTY, CAPABILITIES, CLOSE, COLUMN_INDEX,
     CONTENT_RESOLVER, EXTERNAL_FILES_DIR, FILES_DIR, HAS_CAPABILITY, IS_CHARGING, MANUFACTURER,
-    MODEL, MOVE_TO_FIRST, Member, PARSE_URI, QUERY, STRING, SYSTEM_SERVICE, THERMAL_HEADROOM,
+    MODEL, MOVE_TO_NEXT, Member, PARSE_URI, QUERY, STRING, SYSTEM_SERVICE, THERMAL_HEADROOM,
     THERMAL_STATUS,
 };
 pub use watch::Watch;
@@ -62,6 +62,12 @@ pub struct Device {
     context: Global<JObject<'static>>,
     level: i32,
 }
+
+/// Texts of a row of another app's; none where a column is missing or null.
+pub type Row = Vec<Option<String>>;
+
+/// Rows that are read of an answer: more than any has that is meant well.
+pub const ROWS: usize = 256;
 
 /// Names and numbers of Android's, from the pages of the classes that take them.
 const BATTERY_SERVICE: &str = "batterymanager";
@@ -201,33 +207,29 @@ impl Device {
         })
     }
 
-    /// Asks the app behind a `content://` address for columns of its first row; none if there is no
-    /// such app or row. A column may be missing or null.
+    /// Asks the app behind a `content://` address for columns of its rows; of [`ROWS`] at the most,
+    /// and of none if there is no such app.
     ///
     /// # Errors
     /// Java's: a refused permission, say.
-    pub fn query<const C: usize>(
-        &self,
-        address: &str,
-        columns: [&str; C],
-    ) -> Result<Option<[Option<String>; C]>, Error> {
+    pub fn query(&self, address: &str, columns: &[&str]) -> Result<Vec<Row>, Error> {
         self.call(|caller, context| {
             let Some(resolver) = caller.object(CONTENT_RESOLVER, context, &[])? else {
-                return Ok(None);
+                return Ok(Vec::new());
             };
             let text = caller.text(address)?;
             let address = caller.class(PARSE_URI, &[JValue::Object(&text)])?;
             let Some(address) = address.and_then(|address| address.into_object().ok()) else {
-                return Ok(None);
+                return Ok(Vec::new());
             };
-            let (names, null) = (caller.texts(&columns)?, JObject::null());
+            let (names, null) = (caller.texts(columns)?, JObject::null());
             let arguments = [&address, &names, &null, &null, &null].map(JValue::Object);
             let Some(cursor) = caller.object(QUERY, &resolver, &arguments)? else {
-                return Ok(None);
+                return Ok(Vec::new());
             };
-            let row = first_row(caller, &cursor, columns);
+            let rows = rows(caller, &cursor, columns);
             caller.method(CLOSE, &cursor, &[])?;
-            row
+            rows
         })
     }
 
@@ -260,25 +262,30 @@ fn service<'local>(
     caller.object(SYSTEM_SERVICE, context, &[JValue::Object(&name)])
 }
 
-fn first_row<const C: usize>(
+fn rows(
     caller: &mut Caller<'_, '_>,
     cursor: &JObject<'_>,
-    columns: [&str; C],
-) -> Result<Option<[Option<String>; C]>, Error> {
-    let moved = caller.method(MOVE_TO_FIRST, cursor, &[])?;
-    if !moved.map_or(Ok(false), |value| truth(MOVE_TO_FIRST, value))? {
-        return Ok(None);
-    }
-    let mut row = [const { None }; C];
-    for (text, column) in row.iter_mut().zip(columns) {
+    columns: &[&str],
+) -> Result<Vec<Row>, Error> {
+    let mut places = Vec::new();
+    for column in columns {
         let name = caller.text(column)?;
-        let index = caller.method(COLUMN_INDEX, cursor, &[JValue::Object(&name)])?;
-        let index = index.map_or(Ok(-1), |value| int(COLUMN_INDEX, value))?;
-        if index >= 0
-            && let Some(value) = caller.method(STRING, cursor, &[JValue::Int(index)])?
-        {
-            *text = caller.string(STRING, value)?;
-        }
+        let place = caller.method(COLUMN_INDEX, cursor, &[JValue::Object(&name)])?;
+        places.push(place.map_or(Ok(-1), |place| int(COLUMN_INDEX, place))?);
     }
-    Ok(Some(row))
+    let mut rows = Vec::new();
+    while rows.len() < ROWS {
+        let moved = caller.method(MOVE_TO_NEXT, cursor, &[])?;
+        if !moved.map_or(Ok(false), |value| truth(MOVE_TO_NEXT, value))? {
+            break;
+        }
+        let mut row = vec![None; columns.len()];
+        for (text, place) in row.iter_mut().zip(&places).filter(|(_, place)| **place >= 0) {
+            if let Some(value) = caller.method(STRING, cursor, &[JValue::Int(*place)])? {
+                *text = caller.string(STRING, value)?;
+            }
+        }
+        rows.push(row);
+    }
+    Ok(rows)
 }

@@ -97,9 +97,9 @@ members! {
     /// Asks another app for some columns of a table; null if nobody answers.
     QUERY = Method "android/content/ContentResolver" "query" "(Landroid/net/Uri;[Ljava/lang/String;Ljava/lang/String;[Ljava/lang/String;Ljava/lang/String;)Landroid/database/Cursor;"
         since 1 in "android/content/ContentResolver#query(android.net.Uri,%20java.lang.String[],%20java.lang.String,%20java.lang.String[],%20java.lang.String)";
-    /// Goes to an answer's first row; false if it has none.
-    MOVE_TO_FIRST = Method "android/database/Cursor" "moveToFirst" "()Z"
-        since 1 in "android/database/Cursor#moveToFirst()";
+    /// Goes to an answer's next row, the first at first; false if there is none.
+    MOVE_TO_NEXT = Method "android/database/Cursor" "moveToNext" "()Z"
+        since 1 in "android/database/Cursor#moveToNext()";
     /// The number of a column, -1 if there is none of that name.
     COLUMN_INDEX = Method "android/database/Cursor" "getColumnIndex" "(Ljava/lang/String;)I"
         since 1 in "android/database/Cursor#getColumnIndex(java.lang.String)";

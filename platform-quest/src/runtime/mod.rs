@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use libloading::Library;
 use openxr as xr;
 
-pub use broker::{BROKERS, COLUMNS, ask};
+pub use broker::{BROKERS, COLUMNS, FUNCTIONS, NEGOTIATE, Named, ask};
 pub use negotiation::{Refusal, negotiate};
 
 use crate::device;
@@ -26,6 +26,8 @@ pub enum Error {
     NoBroker(Vec<(&'static str, Option<device::Error>)>),
     /// The library can't be opened.
     Open(PathBuf, libloading::Error),
+    /// The library lacks the function, of this name, that every runtime has.
+    NoRuntime(PathBuf, String),
     /// The library is no runtime of ours.
     Refused(PathBuf, Refusal),
     /// It lacks a function that every runtime has.
@@ -45,7 +47,7 @@ pub enum Error {
 pub unsafe fn find<P: xr::PlatformInfo>(
     loader: &Path,
     platform: &P,
-    broker: impl FnOnce() -> Result<PathBuf, Error>,
+    broker: impl FnOnce() -> Result<Named, Error>,
 ) -> Result<xr::Entry, Error> {
     // SAFETY: the loader comes from the package.
     match unsafe { xr::Entry::load_from(loader, platform) } {
@@ -66,13 +68,14 @@ pub unsafe fn find<P: xr::PlatformInfo>(
 ///
 /// # Safety
 /// The library may be run in this process and gives functions as OpenXR has them.
-pub unsafe fn open<P: xr::PlatformInfo>(library: &Path, platform: &P) -> Result<xr::Entry, Error> {
+pub unsafe fn open<P: xr::PlatformInfo>(named: &Named, platform: &P) -> Result<xr::Entry, Error> {
+    let Named { library, negotiate: name } = named;
     // SAFETY: the caller says that its initialisers may run.
     let opened = unsafe { Library::new(library) };
     let opened = opened.map_err(|error| Error::Open(library.into(), error))?;
-    // SAFETY: the name stands for this type in every runtime.
-    let symbol = unsafe { opened.get(NEGOTIATE.to_bytes_with_nul()) };
-    let function = *symbol.map_err(|_| Error::Refused(library.into(), Refusal::NoNegotiation))?;
+    // SAFETY: the name stands for this type in every runtime, and another in this.
+    let symbol = unsafe { opened.get(name.as_bytes()) };
+    let function = *symbol.map_err(|_| Error::NoRuntime(library.into(), name.clone()))?;
     // SAFETY: it was just found in a runtime.
     let functions = unsafe { negotiate(function) };
     let functions = functions.map_err(|refusal| Error::Refused(library.into(), refusal))?;
@@ -85,8 +88,6 @@ pub unsafe fn open<P: xr::PlatformInfo>(library: &Path, platform: &P) -> Result<
     };
     entry.map_err(|error| Error::Call(library.into(), error))
 }
-
-const NEGOTIATE: &std::ffi::CStr = c"xrNegotiateLoaderRuntimeInterface";
 
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -104,6 +105,9 @@ impl fmt::Display for Error {
             Error::Open(library, error) => {
                 write!(f, "{}: can't be opened: {error}", library.display())
             }
+            Error::NoRuntime(library, name) => {
+                write!(f, "{}: no OpenXR runtime: it has no {name}", library.display())
+            }
             Error::Refused(library, refusal) => write!(f, "{}: {refusal}", library.display()),
             Error::Call(library, result) => {
                 write!(f, "{}: lacks a function of OpenXR: {result}", library.display())
@@ -119,18 +123,20 @@ impl std::error::Error for Error {}
 mod tests {
     use std::path::{Path, PathBuf};
 
-    use super::{Error, find, open};
+    use super::{Error, Named, find, open};
 
     #[test]
     fn what_is_no_runtime_is_told() {
         // SAFETY: nothing is opened.
-        let why = unsafe { open(Path::new("/no/such/runtime.so"), &()) }.err().expect("no library");
+        let why = unsafe { open(&Named::plain("/no/such/runtime.so".into()), &()) };
+        let why = why.err().expect("no library");
         assert!(why.to_string().starts_with("/no/such/runtime.so: can't be opened: "), "{why}");
         if cfg!(target_os = "linux") {
-            let libm = PathBuf::from("libm.so.6");
+            let negotiate = "maker_negotiate".into();
+            let libm = Named { library: PathBuf::from("libm.so.6"), negotiate };
             // SAFETY: the C library's mathematics are loaded already.
             let why = unsafe { open(&libm, &()) }.err().expect("it is none");
-            assert_eq!(why.to_string(), "libm.so.6: no OpenXR runtime");
+            assert_eq!(why.to_string(), "libm.so.6: no OpenXR runtime: it has no maker_negotiate");
         }
     }
 

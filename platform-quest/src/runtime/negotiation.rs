@@ -11,8 +11,6 @@ const INTERFACE: u32 = 1;
 /// Why a library is no runtime for this shell.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Refusal {
-    /// It does not negotiate.
-    NoNegotiation,
     /// It wants another interface or version.
     Said(XrResult),
     /// It speaks another interface than it was offered.
@@ -26,7 +24,6 @@ pub enum Refusal {
 impl fmt::Display for Refusal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Refusal::NoNegotiation => f.write_str("no OpenXR runtime"),
             Refusal::Said(result) => write!(f, "refused OpenXR 1: {result}"),
             Refusal::Interface(number) => {
                 write!(f, "speaks loader interface {number}, expected {INTERFACE}")

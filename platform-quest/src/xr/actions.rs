@@ -18,7 +18,13 @@ pub(crate) struct Actions {
     buttons: [(xr::Action<bool>, u8); 3],
     menu: xr::Action<bool>,
     pulse: xr::Action<xr::Haptic>,
+    /// Profiles that the runtime has taken.
+    pub(crate) profiles: u32,
 }
+
+/// What a runtime lacks that takes no profile.
+pub(crate) const NO_PROFILE: &str =
+    "the OpenXR runtime takes no profile of controllers, expected Touch, Touch Plus or simple ones";
 
 struct Hand {
     path: xr::Path,
@@ -38,7 +44,7 @@ impl Actions {
     /// Actions for a session, with all bindings suggested.
     ///
     /// # Errors
-    /// [`Error::Unavailable`] where the runtime takes none of the profiles, or a call that failed.
+    /// A call that failed.
     pub(crate) fn new(
         instance: &xr::Instance,
         session: &xr::Session<xr::Vulkan>,
@@ -59,7 +65,7 @@ impl Actions {
         let hand = |path| -> Result<Hand, Error> {
             Ok(Hand { path, aim: space(&poses.aim, path)?, grip: space(&poses.grip, path)? })
         };
-        let actions = Actions {
+        let mut actions = Actions {
             hands: [hand(paths[0])?, hand(paths[1])?],
             trigger: set.create_action("run", "Run the tool", &paths).doing(doing)?,
             squeeze: set.create_action("take", "Take and let go", &paths).doing(doing)?,
@@ -71,20 +77,22 @@ impl Actions {
             ],
             menu: button("menu", "Finish, if held")?,
             pulse: set.create_action("feel", "Feel the stone", &paths).doing(doing)?,
+            profiles: 0,
             set,
         };
-        actions.suggest(instance, &poses, extensions)?;
+        actions.profiles = actions.suggest(instance, &poses, extensions)?;
         session.attach_action_sets(&[&actions.set]).doing("attach the actions")?;
         Ok(actions)
     }
 
     /// Suggests bindings for all profiles; a profile that the runtime doesn't know is passed over.
+    /// How many it takes.
     fn suggest(
         &self,
         instance: &xr::Instance,
         poses: &Poses,
         extensions: &xr::ExtensionSet,
-    ) -> Result<(), Error> {
+    ) -> Result<u32, Error> {
         let mut known = 0;
         for (profile, offered) in
             [(TOUCH, true), (TOUCH_PLUS, extensions.meta_touch_controller_plus), (SIMPLE, true)]
@@ -102,11 +110,7 @@ impl Actions {
             let suggest = instance.suggest_interaction_profile_bindings(path, &bind.bindings);
             known += u32::from(suggest.is_ok());
         }
-        if known == 0 {
-            let why = "the OpenXR runtime knows none of the controllers that this is for";
-            return Err(Error::Unavailable(why.into()));
-        }
-        Ok(())
+        Ok(known)
     }
 
     fn touch<'a>(&'a self, bind: &mut Bind<'a>) -> Result<(), Error> {

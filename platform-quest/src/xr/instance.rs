@@ -61,9 +61,9 @@ impl Runtime {
         let instance = made.map_err(unavailable)?;
         let properties = instance.properties().doing("name the runtime")?;
         let name = format!("{} {}", properties.runtime_name, properties.runtime_version);
-        let system = instance
-            .system(xr::FormFactor::HEAD_MOUNTED_DISPLAY)
-            .map_err(|result| Error::Unavailable(format!("{name} has no headset ({result:?})")))?;
+        let system = instance.system(xr::FormFactor::HEAD_MOUNTED_DISPLAY).map_err(|result| {
+            Error::Unavailable(format!("{name} has no headset ({result:?}): connect one"))
+        })?;
         let extent = stereo(&instance, system, &name)?;
         let modes = instance.enumerate_environment_blend_modes(system, VIEWS);
         let blend = modes.doing("list the blend modes")?.first().copied();
@@ -81,11 +81,11 @@ impl Runtime {
         names.iter().copied().filter(|name| !has(name)).collect()
     }
 
-    /// The device that the headset's pictures must be drawn by.
+    /// Vulkan by way of this runtime.
     ///
     /// # Errors
-    /// [`Error::Unavailable`], a device without multiview, or a call that failed.
-    pub(crate) fn gpu(&self, options: &gpu::Options) -> Result<Arc<Gpu>, Error> {
+    /// [`Error::Unavailable`], or a call that failed.
+    pub(crate) fn vulkan(&self, options: &gpu::Options) -> Result<Arc<gpu::Instance>, Error> {
         let needs = self.instance.graphics_requirements::<xr::Vulkan>(self.system);
         let needs = needs.doing("ask what Vulkan it needs")?;
         if needs.min_api_version_supported > VULKAN {
@@ -93,7 +93,18 @@ impl Runtime {
             let why = format!("{} needs Vulkan {least}, and this is for {VULKAN}", self.name);
             return Err(Error::Unavailable(why));
         }
-        let instance = gpu::Instance::made_by(options, |entry, info| self.vulkan(entry, info))?;
+        gpu::Instance::made_by(options, |entry, info| self.make_vulkan(entry, info))
+    }
+
+    /// The device that the headset's pictures must be drawn by.
+    ///
+    /// # Errors
+    /// A device without multiview, or a call that failed.
+    pub(crate) fn gpu(
+        &self,
+        instance: Arc<gpu::Instance>,
+        options: &gpu::Options,
+    ) -> Result<Arc<Gpu>, Error> {
         let raw = instance.raw.handle().as_raw() as xr::sys::platform::VkInstance;
         // SAFETY: the instance was made by way of this runtime.
         let physical = unsafe { self.instance.vulkan_graphics_device(self.system, raw) };
@@ -102,7 +113,7 @@ impl Runtime {
         Gpu::made_by(instance, options, physical, |info| self.device(&entry, physical, info))
     }
 
-    fn vulkan(
+    fn make_vulkan(
         &self,
         entry: &ash::Entry,
         info: &vk::InstanceCreateInfo<'_>,
@@ -185,7 +196,8 @@ fn stereo(instance: &xr::Instance, system: xr::SystemId, name: &str) -> Result<[
 fn unavailable(result: xr::sys::Result) -> Error {
     match result {
         xr::sys::Result::ERROR_RUNTIME_UNAVAILABLE | xr::sys::Result::ERROR_RUNTIME_FAILURE => {
-            Error::Unavailable(format!("no OpenXR runtime answers ({result:?})"))
+            let remedy = "start one, or name another by XR_RUNTIME_JSON";
+            Error::Unavailable(format!("no OpenXR runtime answers ({result:?}): {remedy}"))
         }
         result => Error::Call { doing: "make an instance", result },
     }

@@ -7,7 +7,7 @@ mod eyes;
 mod instance;
 mod session;
 
-pub(crate) use actions::Actions;
+pub(crate) use actions::{Actions, NO_PROFILE};
 pub(crate) use bare::BareHands;
 pub(crate) use eyes::{Eyes, Images, Shot};
 pub(crate) use instance::Runtime;

@@ -6,7 +6,7 @@ use openxr as xr;
 use paros_core::hand::RoomPose;
 use paros_shaders::gpu::{Eye, Fov, Gpu};
 
-use super::{Actions, BareHands, Runtime, VIEWS, room_pose, tracked};
+use super::{Actions, BareHands, NO_PROFILE, Runtime, VIEWS, room_pose, tracked};
 use crate::error::{Doing, Error};
 
 /// A session that was made, not yet begun.
@@ -29,7 +29,7 @@ impl Session {
     /// A session of a headset that shows what a device draws.
     ///
     /// # Errors
-    /// A call that failed.
+    /// [`Error::Unavailable`] where there is nothing to sculpt by, or a call that failed.
     pub(crate) fn new(runtime: &Runtime, gpu: &Gpu) -> Result<Self, Error> {
         let info = xr::vulkan::SessionCreateInfo {
             instance: gpu.instance.raw.handle().as_raw() as _,
@@ -46,6 +46,10 @@ impl Session {
         let head = space(xr::ReferenceSpaceType::VIEW).doing("make a space")?;
         let actions = Actions::new(&runtime.instance, &raw, &runtime.extensions)?;
         let bare = BareHands::new(runtime, &raw);
+        if actions.profiles == 0 && bare.is_none() {
+            let why = format!("{NO_PROFILE}, and tracks no bare hands: choose another runtime");
+            return Err(Error::Unavailable(why));
+        }
         Ok(Session { raw, waiter, stream, room, room_kind, head, actions, bare })
     }
 

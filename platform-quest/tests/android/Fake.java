@@ -1,5 +1,6 @@
 package paros;
 
+import java.util.ArrayDeque;
 import java.util.ArrayList;
 import java.util.Arrays;
 import java.util.HashMap;
@@ -8,13 +9,26 @@ import java.util.Map;
 
 /** What the stub classes answer, and what they were asked. */
 public final class Fake {
-    private static final Map<String, Object> answers = new HashMap<>();
+    private static final Map<String, ArrayDeque<Object>> answers = new HashMap<>();
+    /** Stands for null, which no queue takes. */
+    private static final Object NULL = new Object();
     private static final List<String> calls = new ArrayList<>();
 
-    /** Answers a member, or a member with these arguments in brackets, by `KIND:VALUE` from now on. */
+    /**
+     * Answers a member, or a member with these arguments in brackets, by `KIND:VALUE` from now on; by
+     * one line after the other, where there are several, and by the last for good.
+     */
     public static void set(String member, String answer) throws Exception {
+        ArrayDeque<Object> all = new ArrayDeque<>();
+        for (String line : answer.split("\n")) {
+            all.add(value(line));
+        }
+        answers.put(member, all);
+    }
+
+    private static Object value(String answer) throws Exception {
         String value = answer.substring(2);
-        answers.put(member, switch (answer.charAt(0)) {
+        return switch (answer.charAt(0)) {
             case 'I' -> (Object) Integer.valueOf(value);
             case 'F' -> Float.valueOf(value);
             case 'Z' -> Boolean.valueOf(value);
@@ -22,15 +36,15 @@ public final class Fake {
             case 'O' -> Class.forName(value).getDeclaredConstructor().newInstance();
             case 'P' -> new java.io.File(value);
             case 'E' -> new SecurityException(value);
-            default -> null;
-        });
+            default -> NULL;
+        };
     }
 
     /** Sets a field, `CLASS.NAME`, by `KIND:VALUE`. */
     public static void field(String field, String answer) throws Exception {
-        set("field", answer);
+        Object value = value(answer);
         int dot = field.lastIndexOf('.');
-        Class.forName(field.substring(0, dot)).getField(field.substring(dot + 1)).set(null, answers.get("field"));
+        Class.forName(field.substring(0, dot)).getField(field.substring(dot + 1)).set(null, value == NULL ? null : value);
     }
 
     /** The calls since it was last asked, a line each. */
@@ -44,11 +58,12 @@ public final class Fake {
     public static Object answer(String member, Object... arguments) {
         String call = member + Arrays.stream(arguments).map(Fake::text).toList();
         calls.add(call);
-        Object answer = answers.containsKey(call) ? answers.get(call) : answers.get(member);
+        ArrayDeque<Object> all = answers.containsKey(call) ? answers.get(call) : answers.get(member);
+        Object answer = all == null ? NULL : all.size() > 1 ? all.poll() : all.peek();
         if (answer instanceof RuntimeException) {
             throw (RuntimeException) answer;
         }
-        return answer;
+        return answer == NULL ? null : answer;
     }
 
     private static String text(Object argument) {

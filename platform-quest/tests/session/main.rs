@@ -9,6 +9,7 @@ mod frugal;
 mod handover;
 mod layered;
 mod monado;
+mod refusals;
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -125,26 +125,28 @@ impl Monado {
 
     /// The shell in this service's session, with the tests' own API layer between them.
     pub(crate) fn layered_shell(&self, layer: &Path, args: &[&str]) -> Shell {
-        Shell::start(self.layered(layer, args))
+        Shell::start(self.layered_command(layer, args))
     }
 
     /// As before, with a device that says it has density maps.
     pub(crate) fn mapped_shell(&self, layer: &Path, args: &[&str]) -> Shell {
         let manifest = format!(
-            r#"{{"file_format_version": "1.2.0", "layer": {{"name": "VK_LAYER_PAROS_density",
+            r#"{{"file_format_version": "1.2.0", "layer": {{"name": "VK_LAYER_PAROS_tests",
             "type": "GLOBAL", "library_path": "{}", "api_version": "1.3.0",
             "implementation_version": "1", "description": "Paros' tests", "device_extensions": [
             {{"name": "VK_EXT_fragment_density_map", "spec_version": "2", "entrypoints": []}}]}}}}"#,
             layer.display()
         );
         // Where Vulkan's validation is found, too, which comes first and sees all.
-        fs::write(self.folder.join("density.json"), manifest).expect("the manifest is written");
-        let mut command = self.layered(layer, args);
-        let layers = "VK_LAYER_KHRONOS_validation:VK_LAYER_PAROS_density";
-        Shell::start(command.env("VK_INSTANCE_LAYERS", layers))
+        fs::write(self.folder.join("vulkan.json"), manifest).expect("the manifest is written");
+        let mut command = self.layered_command(layer, args);
+        let layers = "VK_LAYER_KHRONOS_validation:VK_LAYER_PAROS_tests";
+        command.env("VK_INSTANCE_LAYERS", layers);
+        Shell::start(command)
     }
 
-    fn layered(&self, layer: &Path, args: &[&str]) -> Command {
+    /// As the first, to be changed before it is started.
+    pub(crate) fn layered_command(&self, layer: &Path, args: &[&str]) -> Command {
         let manifest = format!(
             r#"{{"file_format_version": "1.0.0", "api_layer": {{"name": "XR_APILAYER_PAROS_tests",
             "library_path": "{}", "api_version": "1.0", "implementation_version": "1",
@@ -170,7 +172,8 @@ impl Monado {
     /// Another program that is a shell, in this service's session.
     pub(crate) fn shell_of(&self, program: &Path, args: &[&str]) -> Shell {
         let mut command = self.tree.command(program, &self.folder);
-        Shell::start(command.args(args))
+        command.args(args);
+        Shell::start(command)
     }
 
     fn command(&self, args: &[&str]) -> Command {
@@ -201,9 +204,7 @@ pub(crate) struct Shell {
 pub(crate) struct Said(String);
 
 impl Shell {
-    fn start(command: impl std::borrow::BorrowMut<Command>) -> Shell {
-        let mut command = command;
-        let command = command.borrow_mut();
+    pub(crate) fn start(mut command: Command) -> Shell {
         let pipes = command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
         let mut child = pipes.spawn().expect("the shell starts");
         let stdin = child.stdin.take().expect("it is piped");
@@ -266,6 +267,11 @@ impl Shell {
         let (code, errors) = self.ended();
         let last = self.said.iter().last().unwrap_or_default();
         (Said(last), code, errors)
+    }
+
+    /// Waits until it ends by itself.
+    pub(crate) fn over(mut self) -> (Option<i32>, String) {
+        self.ended()
     }
 
     /// Kills it, as a system does that needs the memory; what it told on standard error.

@@ -1,7 +1,8 @@
 //! A layer of Vulkan, not of OpenXR, in the same library: lavapipe has no
 //! `VK_EXT_fragment_density_map`, and this has it said that it has. The extension is taken out of
 //! what the device is made by; lavapipe then draws every part of a picture alike. Validation, which
-//! stands between the shell and this, sees all that the shell does with its maps.
+//! stands between the shell and this, sees all that the shell does with its maps. Where a file
+//! `one-view` stands in the layer's folder, it takes the device's multiview away, too.
 
 use std::ffi::{CStr, c_char, c_void};
 use std::sync::Mutex;
@@ -266,6 +267,13 @@ unsafe extern "system" fn features(
         if let Some(found) = found.as_mut() {
             found.fragment_density_map = vk::TRUE;
             found.fragment_density_map_non_subsampled_images = vk::TRUE;
+        }
+        let ty = vk::StructureType::PHYSICAL_DEVICE_MULTIVIEW_FEATURES;
+        let found = find(to.cast(), ty).cast::<vk::PhysicalDeviceMultiviewFeatures<'_>>();
+        if let Some(found) = found.as_mut()
+            && super::folder().join("one-view").exists()
+        {
+            found.multiview = vk::FALSE;
         }
     }
 }
