@@ -6,7 +6,8 @@ use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 
-/// Why a file could not be written. The target is as it was before.
+/// Why a file could not be written. The target is as it was before; but where its folder could not
+/// be synced, it may be the new file already, which then may not outlast a loss of power.
 #[derive(Debug)]
 pub struct Error {
     /// The file that was to be written.
@@ -61,7 +62,7 @@ pub fn make_folder(path: &Path) -> Result<(), Error> {
 /// Writes a whole file.
 ///
 /// # Errors
-/// When the folder or the disk refuses; then nothing has changed.
+/// Those of [`Target::write`].
 pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     Target::new(path)?.write(bytes)
 }
@@ -70,7 +71,7 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
 /// disk leaves none of them.
 ///
 /// # Errors
-/// When a folder or the disk refuses.
+/// When a folder or the disk refuses. Those before the one that is named have been written.
 pub fn write_all(files: &[(Target, &[u8])]) -> Result<(), Error> {
     let drafts: Result<Vec<_>, _> =
         files.iter().map(|(target, bytes)| target.draft(bytes)).collect();
@@ -150,7 +151,8 @@ impl Target {
     /// Writes the file.
     ///
     /// # Errors
-    /// When the folder or the disk refuses; then nothing has changed.
+    /// When the folder or the disk refuses; then nothing has changed, unless it is the folder's sync
+    /// that failed ([`Error`]).
     pub fn write(&self, bytes: &[u8]) -> Result<(), Error> {
         self.draft(bytes)?.publish()
     }
@@ -201,17 +203,25 @@ impl Draft<'_> {
 
     /// Takes the name unless something has it: a hard link, unlike a rename, replaces nothing. A
     /// disk without links (FAT) is looked at instead.
-    fn publish_new(self) -> Result<(), Error> {
+    fn publish_new(mut self) -> Result<(), Error> {
         let Target { path, file } = self.target;
         let Some(temporary) = &self.temporary else { return Ok(()) };
         let taken = |source| Err(error(path, "create", source));
         match fs::hard_link(temporary, file) {
             // The temporary name goes with the draft.
-            Ok(()) => sync_folder(file).map_err(|source| error(path, "sync the folder of", source)),
-            Err(source) if source.kind() == io::ErrorKind::AlreadyExists => taken(source),
-            Err(_) if file.exists() => taken(io::ErrorKind::AlreadyExists.into()),
-            Err(_) => self.publish(),
+            Ok(()) => {}
+            Err(source) if source.kind() == io::ErrorKind::AlreadyExists => return taken(source),
+            Err(_) if file.exists() => return taken(io::ErrorKind::AlreadyExists.into()),
+            Err(_) => {
+                fs::rename(temporary, file).map_err(|source| error(path, "rename", source))?;
+                self.temporary = None;
+            }
         }
+        sync_folder(file).map_err(|source| {
+            // Nothing had this name: nothing is to have it now.
+            let _ = fs::remove_file(file);
+            error(path, "sync the folder of", source)
+        })
     }
 }
 
