@@ -94,6 +94,9 @@ where
     ) -> Self {
         let claim = Claim::new(&places.sessions, N);
         places.window = claim.number();
+        for folder in [&places.sculptures, &places.sessions, &places.cache] {
+            durable::sweep(folder);
+        }
         let mut studio = Studio {
             world,
             volumes,
