@@ -188,18 +188,24 @@ where
 
     /// One session, from its making to its end.
     fn session(&mut self, host: &mut dyn Host) -> Result<Ended, Error> {
-        let places = self.studio.places().clone();
-        let mut rig = Rig::new(host, self.options, self.studio.world(), &places)?;
+        let mut rig = Rig::new(host, self.options, self.studio.world(), self.studio.places())?;
         let (runtime, device) = (&rig.runtime.name, &rig.gpu.name);
         host.log(format_args!("{runtime}, drawn by {device}"));
         self.life = Life::default();
         self.beat.rest();
+        // Whatever ends it, the next start has the programs.
+        self.keep_cache(&mut rig);
         let ended = self.go(&mut rig, host);
-        rig.keep_cache(&places, self.studio.keeper());
+        self.keep_cache(&mut rig);
         let instance = rig.gpu.instance.clone();
         drop(rig);
         self.messages.extend(instance.messages());
         ended
+    }
+
+    fn keep_cache(&mut self, rig: &mut Rig<N>) {
+        let places = self.studio.places().clone();
+        rig.keep_cache(&places, self.studio.keeper());
     }
 
     fn go(&mut self, rig: &mut Rig<N>, host: &mut dyn Host) -> Result<Ended, Error> {

@@ -69,6 +69,7 @@ where
             }
             Some(Duty::Save) => self.save(),
             Some(Duty::End) => {
+                self.keep_cache(rig);
                 self.save();
                 rig.session.raw.end().doing("end the session")?;
             }
