@@ -25,6 +25,8 @@ where
     pub(crate) session: Session,
     pub(crate) gpu: Arc<Gpu>,
     pub(crate) runtime: Runtime,
+    /// The driver's compiled programs, as they are on the disk or on their way there.
+    kept: Vec<u8>,
 }
 
 impl<const N: usize> Rig<N>
@@ -61,16 +63,20 @@ where
         format.density_map = images.are_mapped();
         tell_what_is_missing(host, options, (&runtime, &gpu), &format);
         // Without it the start takes longer, that is all.
-        let cache = durable::read(&places.pipelines()).unwrap_or_default();
-        let show = Show::new(&gpu, format, world, &cache)?;
+        let kept = durable::read(&places.pipelines()).unwrap_or_default();
+        let show = Show::new(&gpu, format, world, &kept)?;
         let eyes = Eyes::new(images, &show.renderer)?;
-        Ok(Rig { eyes, show, session, gpu, runtime })
+        Ok(Rig { eyes, show, session, gpu, runtime, kept })
     }
 
-    /// Has what makes the next start faster written.
-    pub(crate) fn keep_cache(&self, places: &Places, keeper: &mut Keeper) {
-        if let Ok(bytes) = self.show.renderer.cache() {
-            keeper.keep(What::Cache, places.pipelines(), bytes);
+    /// Has what makes the next start faster written, where that is new. The driver may take longer
+    /// to tell than a frame lasts: it is for when none is due.
+    pub(crate) fn keep_cache(&mut self, places: &Places, keeper: &mut Keeper) {
+        if let Ok(bytes) = self.show.renderer.cache()
+            && bytes != self.kept
+        {
+            keeper.keep(What::Cache, places.pipelines(), bytes.clone());
+            self.kept = bytes;
         }
     }
 }

@@ -205,8 +205,8 @@ where
         host: &mut dyn Host,
         vulkan: &mut Option<Arc<gpu::Instance>>,
     ) -> Result<Ended, Error> {
-        let places = self.studio.places().clone();
-        let mut rig = Rig::new(host, self.options, self.studio.world(), &places, vulkan)?;
+        let mut rig =
+            Rig::new(host, self.options, self.studio.world(), self.studio.places(), vulkan)?;
         if rig.session.actions.profiles == 0 {
             host.log(format_args!("{NO_PROFILE}: bare hands sculpt"));
         }
@@ -214,9 +214,16 @@ where
         host.log(format_args!("{runtime}, drawn by {device}"));
         self.life = Life::default();
         self.beat.rest();
+        // Whatever ends it, the next start has the programs.
+        self.keep_cache(&mut rig);
         let ended = self.go(&mut rig, host);
-        rig.keep_cache(&places, self.studio.keeper());
+        self.keep_cache(&mut rig);
         ended
+    }
+
+    fn keep_cache(&mut self, rig: &mut Rig<N>) {
+        let places = self.studio.places().clone();
+        rig.keep_cache(&places, self.studio.keeper());
     }
 
     fn go(&mut self, rig: &mut Rig<N>, host: &mut dyn Host) -> Result<Ended, Error> {

@@ -19,6 +19,30 @@ fn package(arguments: &[&str]) -> Output {
     command.env(PASSWORD.0, PASSWORD.1).args(arguments).output().expect("it starts")
 }
 
+/// Processors' numbers in ELF.
+const AARCH64: u16 = 183;
+const X86_64: u16 = 62;
+
+/// What may stand for a loader: the header of a shared library, with one segment to be loaded that
+/// is aligned to so many bytes.
+fn stand_in(machine: u16, align: u64) -> Vec<u8> {
+    let mut bytes = b"\x7fELF\x02\x01\x01".to_vec();
+    bytes.resize(16, 0);
+    for half in [3, machine, 1, 0] {
+        bytes.extend(half.to_le_bytes());
+    }
+    // The entry, where the segments' table is, and where that of the sections isn't.
+    for word in [0u64, 64, 0] {
+        bytes.extend(word.to_le_bytes());
+    }
+    for half in [0u16, 0, 64, 56, 1, 64, 0, 0] {
+        bytes.extend(half.to_le_bytes());
+    }
+    bytes.extend([1u32, 4].map(u32::to_le_bytes).concat());
+    bytes.extend([0u64, 0, 0, 120, 120, align].map(u64::to_le_bytes).concat());
+    bytes
+}
+
 fn said(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
@@ -85,9 +109,7 @@ fn what_aapt_and_apksigner_say() {
     let Some(library) = library() else { return };
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
     let (path, loader) = (folder.join("said.apk"), folder.join("loader.so"));
-    // Any file for arm64 may stand for the loader.
-    let stand_in = Object::new(BinaryFormat::Elf, Architecture::Aarch64, Endianness::Little);
-    fs::write(&loader, stand_in.write().expect("an object")).expect("room on the disk");
+    fs::write(&loader, stand_in(AARCH64, 16 << 10)).expect("room on the disk");
     let [library, loader, output] =
         [&library, &loader, &path].map(|path| path.to_str().expect("UTF-8"));
     // With a debug key of the tests' own.
@@ -129,6 +151,17 @@ fn what_is_wrong_is_told_and_nothing_is_left() {
     fails(&["--key", "store"], 2, "--key-password");
     fails(&["--loader", "/no/such/loader.so"], 2, "/no/such/loader.so");
     fails(&["--loader", TEXT], 2, "it is no library");
+    let loader = folder.join("wrong-loader.so");
+    let at_loader = loader.to_str().expect("UTF-8");
+    let object = Object::new(BinaryFormat::Elf, Architecture::Aarch64, Endianness::Little);
+    for (bytes, why) in [
+        (stand_in(AARCH64, 4 << 10), "a segment is aligned to 4096 bytes, not 16384"),
+        (stand_in(X86_64, 16 << 10), "it is not for arm64"),
+        (object.write().expect("an object"), "it is no library, but an object file"),
+    ] {
+        fs::write(&loader, bytes).expect("room on the disk");
+        fails(&["--loader", at_loader], 2, &format!("{at_loader}: {why}"));
+    }
     fails(&["--no-such-option"], 2, "--no-such-option");
     let nowhere = package(&["-o", "/no/such/folder/x.apk"]);
     assert_eq!(nowhere.status.code(), Some(2), "{}", said(&nowhere));

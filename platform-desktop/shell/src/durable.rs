@@ -5,8 +5,10 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::Duration;
 
-/// Why a file could not be written. The target is as it was before.
+/// Why a file could not be written. The target is as it was before; but where its folder could not
+/// be synced, it may be the new file already, which then may not outlast a loss of power.
 #[derive(Debug)]
 pub struct Error {
     /// The file that was to be written.
@@ -58,10 +60,25 @@ pub fn make_folder(path: &Path) -> Result<(), Error> {
     fs::create_dir_all(path).map_err(|source| error(path, "make the folder", source))
 }
 
+/// Removes from a folder what processes left there that were killed while they wrote. What may be
+/// under way yet stays, whoever writes it: a process's number would not tell, as another may have
+/// it by now, or the folder may be another machine's.
+pub fn sweep(folder: &Path) {
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let is_ours = entry.file_name().to_str().is_some_and(is_temporary);
+        let modified = entry.metadata().and_then(|found| found.modified());
+        let age = modified.ok().and_then(|modified| modified.elapsed().ok());
+        if is_ours && age.is_some_and(|age| age > LONGEST_DRAFT) {
+            // What can't be removed harms nobody.
+            let _ = fs::remove_file(entry.path());
+        }
+    }
+}
+
 /// Writes a whole file.
 ///
 /// # Errors
-/// When the folder or the disk refuses; then nothing has changed.
+/// Those of [`Target::write`].
 pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     Target::new(path)?.write(bytes)
 }
@@ -70,7 +87,7 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
 /// disk leaves none of them.
 ///
 /// # Errors
-/// When a folder or the disk refuses.
+/// When a folder or the disk refuses. Those before the one that is named have been written.
 pub fn write_all(files: &[(Target, &[u8])]) -> Result<(), Error> {
     let drafts: Result<Vec<_>, _> =
         files.iter().map(|(target, bytes)| target.draft(bytes)).collect();
@@ -150,7 +167,8 @@ impl Target {
     /// Writes the file.
     ///
     /// # Errors
-    /// When the folder or the disk refuses; then nothing has changed.
+    /// When the folder or the disk refuses; then nothing has changed, unless it is the folder's sync
+    /// that failed ([`Error`]).
     pub fn write(&self, bytes: &[u8]) -> Result<(), Error> {
         self.draft(bytes)?.publish()
     }
@@ -201,17 +219,25 @@ impl Draft<'_> {
 
     /// Takes the name unless something has it: a hard link, unlike a rename, replaces nothing. A
     /// disk without links (FAT) is looked at instead.
-    fn publish_new(self) -> Result<(), Error> {
+    fn publish_new(mut self) -> Result<(), Error> {
         let Target { path, file } = self.target;
         let Some(temporary) = &self.temporary else { return Ok(()) };
         let taken = |source| Err(error(path, "create", source));
         match fs::hard_link(temporary, file) {
             // The temporary name goes with the draft.
-            Ok(()) => sync_folder(file).map_err(|source| error(path, "sync the folder of", source)),
-            Err(source) if source.kind() == io::ErrorKind::AlreadyExists => taken(source),
-            Err(_) if file.exists() => taken(io::ErrorKind::AlreadyExists.into()),
-            Err(_) => self.publish(),
+            Ok(()) => {}
+            Err(source) if source.kind() == io::ErrorKind::AlreadyExists => return taken(source),
+            Err(_) if file.exists() => return taken(io::ErrorKind::AlreadyExists.into()),
+            Err(_) => {
+                fs::rename(temporary, file).map_err(|source| error(path, "rename", source))?;
+                self.temporary = None;
+            }
         }
+        sync_folder(file).map_err(|source| {
+            // Nothing had this name: nothing is to have it now.
+            let _ = fs::remove_file(file);
+            error(path, "sync the folder of", source)
+        })
     }
 }
 
@@ -232,12 +258,24 @@ fn ends_in_separator(path: &Path) -> bool {
     path.as_os_str().as_encoded_bytes().last().is_some_and(|&byte| byte == b'/')
 }
 
+/// How long a draft lives at the most: the slowest disk has taken it by then. One that lived longer
+/// and is gone fails to be renamed, which is told, and written again.
+const LONGEST_DRAFT: Duration = Duration::from_secs(60 * 60);
+
 /// A name that no other draft of this or another process has. It is short whatever the target's is:
 /// a name has a longest length.
 fn temporary_name() -> String {
     static DRAFTS: AtomicU32 = AtomicU32::new(0);
     let draft = DRAFTS.fetch_add(1, Ordering::Relaxed);
     format!(".paros-{}-{draft}.part", std::process::id())
+}
+
+/// Whether [`temporary_name`] makes such names.
+fn is_temporary(name: &str) -> bool {
+    let numbers = name.strip_prefix(".paros-").and_then(|rest| rest.strip_suffix(".part"));
+    numbers.and_then(|numbers| numbers.split_once('-')).is_some_and(|(process, draft)| {
+        [process, draft].iter().all(|number| number.parse::<u32>().is_ok())
+    })
 }
 
 fn folder_of(path: &Path) -> &Path {
@@ -253,4 +291,32 @@ fn sync_folder(file: &Path) -> io::Result<()> {
 #[cfg(not(unix))]
 fn sync_folder(_file: &Path) -> io::Result<()> {
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs::{self, File};
+    use std::time::SystemTime;
+
+    use super::{LONGEST_DRAFT, sweep, temporary_name};
+
+    #[test]
+    fn only_what_was_left_long_ago_is_swept() {
+        let folder = std::env::temp_dir().join(format!("paros-sweep-{}", std::process::id()));
+        fs::create_dir_all(&folder).expect("room on the disk");
+        let (left, under_way) = (temporary_name(), temporary_name());
+        let others =
+            ["session-128.save", ".paros-1.part", ".paros-1-x.part", ".paros-1-2.part.rmap"];
+        for name in [&*left, &under_way].into_iter().chain(others) {
+            let file = File::create(folder.join(name)).expect("room on the disk");
+            let age = if name == under_way { LONGEST_DRAFT / 2 } else { LONGEST_DRAFT * 2 };
+            file.set_modified(SystemTime::now() - age).expect("it is ours");
+        }
+        sweep(&folder);
+        assert!(!folder.join(&left).exists());
+        assert!(folder.join(&under_way).exists());
+        assert!(others.iter().all(|name| folder.join(name).exists()));
+        sweep(&folder.join("none"));
+        fs::remove_dir_all(&folder).expect("it is ours");
+    }
 }

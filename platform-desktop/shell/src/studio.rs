@@ -35,7 +35,8 @@ const SAVE_TICKS: u64 = 3 * 72;
 /// Ticks after which a stroke's end is saved at once.
 const STROKE_TICKS: u64 = 72;
 
-/// Ticks that are recorded of a session at the most: two hours, 70 MiB.
+/// Ticks that are recorded at the most of a session whose trace nobody has asked for: its first two
+/// hours, 70 MiB.
 const RECORD_TICKS: u32 = 2 * 60 * 60 * 72;
 
 /// Something to tell the visitor.
@@ -99,6 +100,9 @@ where
     ) -> Self {
         let claim = Claim::new(&places.sessions, N);
         places.window = claim.number();
+        for folder in [&places.sculptures, &places.sessions, &places.cache] {
+            durable::sweep(folder);
+        }
         let saving = Job {
             what: What::Session,
             place: Place::At(vec![places.session(N)]),
@@ -211,13 +215,15 @@ where
         }
         let hidden = self.volumes.hidden();
         let mut stage = Stage::new(self.world, self.volumes.starts(&hidden));
-        match self.recording.take().filter(|recording| recording.ticks() < RECORD_TICKS) {
+        let endless = self.record_to.is_some();
+        let has_room = |recording: &mut Recording| endless || recording.ticks() < RECORD_TICKS;
+        match self.recording.take_if(has_room) {
             Some(recording) => stage.resume(recording),
             None if starts && self.records => stage.record(),
             None => {}
         }
         stage.tick_within(input, around);
-        self.recording = stage.leave();
+        self.recording = stage.leave().or(self.recording.take());
         self.after_tick(input);
     }
 
@@ -271,6 +277,10 @@ where
             self.note(Note::Bad(why.into()));
             return;
         };
+        if recording.ticks() >= RECORD_TICKS && self.record_to.is_none() {
+            let what = "two hours of a session are recorded: the trace ends there";
+            self.notes.push(Note::Good(what.into()));
+        }
         let (mut endings, mut bytes) = (vec!["trace"], vec![recording.trace()]);
         let hidden = self.volumes.hidden();
         if let Some(own) = self.volumes.starts(&hidden).own {
@@ -305,7 +315,7 @@ where
                 self.keeper.keep(What::Trace, path.clone(), recording.trace());
             }
             (Some(path), None) => {
-                let text = "not written: no session of less than two hours began here";
+                let text = "not written: no session began here";
                 self.note(Note::Bad(format!("{}: {text}", path.display())));
             }
             (None, _) => {}

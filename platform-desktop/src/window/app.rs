@@ -21,7 +21,7 @@ use winit::event_loop::{ActiveEventLoop, ControlFlow};
 use winit::keyboard::ModifiersState;
 use winit::window::{Window, WindowId};
 
-use super::display::Display;
+use super::display::{Display, takes_drops};
 use super::hands::{Hands, RIGHT};
 use super::paint::Painted;
 use super::panels::{Asked, Outline, Panels, Shown as OnPanels};
@@ -249,6 +249,7 @@ where
             unwritten: self.studio.is_unwritten(),
             fault: self.studio.fault(),
             opening: self.studio.opening(),
+            drops: self.window.as_deref().is_some_and(takes_drops),
             fast: self.path == Path::Fast,
             device,
             times,

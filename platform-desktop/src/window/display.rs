@@ -18,6 +18,13 @@ type ExitHandler = unsafe extern "C" fn(*mut c_void, *mut c_void);
 type SetErrorHandler = unsafe extern "C" fn(Look) -> Option<Look>;
 type SetExitHandler = unsafe extern "C" fn(*mut c_void, ExitHandler, *mut c_void);
 
+/// Whether files can be dropped on a window: on Wayland `winit` hears of none.
+#[must_use]
+pub(super) fn takes_drops(window: &Window) -> bool {
+    let display = window.display_handle().map(|display| display.as_raw());
+    !matches!(display, Ok(RawDisplayHandle::Wayland(_)))
+}
+
 /// The connection to a window's display, watched.
 #[derive(Debug)]
 pub(super) struct Display {

@@ -24,7 +24,7 @@ const BOTH: [&[&str]; 1] = [&["libxkbcommon.so.0", "libxkbcommon.so"]];
 /// # Errors
 /// What is missing, in a few words.
 pub(super) fn probe() -> Result<(), String> {
-    if !cfg!(all(unix, not(target_os = "macos"))) {
+    if matches!(env::consts::OS, "macos" | "windows") {
         return Ok(());
     }
     let named = |name: &str| env::var_os(name).is_some_and(|value| !value.is_empty());

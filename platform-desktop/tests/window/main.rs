@@ -3,7 +3,7 @@
 //! goes wrong around the window loses no sculpture. Validation looks on.
 //!
 //! The screens are left in the test's folder, to be looked at.
-#![cfg(target_os = "linux")]
+#![cfg(unix)]
 
 mod desktop;
 mod disk;

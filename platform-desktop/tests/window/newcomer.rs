@@ -3,7 +3,7 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::Stdio;
+use std::process::{Child, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -52,23 +52,8 @@ fn a_newcomer_goes_from_launch_to_a_print_without_a_terminal() -> Result<(), Req
     let Some(display) = require(Display::sized(&folder, [1200, 860]))? else { return Ok(()) };
     let Some(()) = require(needs("xdotool", "--version"))? else { return Ok(()) };
     let Some(_manager) = require(Manager::new(&display))? else { return Ok(()) };
-    let mut program = paros(&folder)
-        .env("DISPLAY", &display.name)
-        // What validation says goes to the standard output.
-        .env("VK_INSTANCE_LAYERS", "VK_LAYER_KHRONOS_validation")
-        .stdin(Stdio::null())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .expect("it starts");
-    display.xdotool("search --sync --onlyvisible --name Paros windowmove 0 0");
-    display.xdotool("search --name Paros windowfocus");
+    let mut program = launched(&display);
     let look = |name: &str| display.screen(name);
-    until("the start panel", || {
-        // It is dark, over the bright stool; the window has a title above it.
-        let pixel = look("1-launch").pixel(590, 630);
-        pixel[0] > 20 && pixel[0] < 90
-    });
     let launch = look("1-launch");
     display.xdotool("mousemove 480 318");
     thread::sleep(Duration::from_secs(1));
@@ -108,7 +93,28 @@ fn a_newcomer_goes_from_launch_to_a_print_without_a_terminal() -> Result<(), Req
     Ok(())
 }
 
-fn wait(program: &mut std::process::Child) -> (Option<i32>, String, String) {
+/// The program in a window of its own, at its start.
+fn launched(display: &Display) -> Child {
+    let program = paros(&display.folder)
+        .env("DISPLAY", &display.name)
+        // What validation says goes to the standard output.
+        .env("VK_INSTANCE_LAYERS", "VK_LAYER_KHRONOS_validation")
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("it starts");
+    display.xdotool("search --sync --onlyvisible --name Paros windowmove 0 0");
+    display.xdotool("search --name Paros windowfocus");
+    until("the start panel", || {
+        // It is dark, over the bright stool; the window has a title above it.
+        let pixel = display.screen("1-launch").pixel(590, 630);
+        pixel[0] > 20 && pixel[0] < 90
+    });
+    program
+}
+
+fn wait(program: &mut Child) -> (Option<i32>, String, String) {
     let mut code = None;
     until("the end", || {
         code = program.try_wait().expect("a child");

@@ -72,6 +72,7 @@ where
             }
             Some(Duty::Save) => self.save(),
             Some(Duty::End) => {
+                self.keep_cache(rig);
                 self.save();
                 rig.session.raw.end().doing("end the session")?;
             }

@@ -2,7 +2,7 @@
 //! on, and what is missing is said. Vulkan's validation looks on.
 //!
 //! The pictures are left in the tests' folder, to be looked at.
-#![cfg(target_os = "linux")]
+#![cfg(unix)]
 
 mod foveation;
 mod frugal;
@@ -224,6 +224,8 @@ fn a_killed_shell_goes_on_where_it_was() {
     let errors = shell.kill();
     assert!(!errors.contains("goes on"), "{errors}");
 
+    let programs = monado.folder.join("files/cache/pipelines.bin");
+    assert!(fs::metadata(programs).expect("the driver's programs").len() > 0);
     let saved = fs::read(monado.folder.join("files/sessions/session-128.save")).expect("a save");
     let mut world = Grid::<128>::world();
     world.load(&saved).expect("a whole save");

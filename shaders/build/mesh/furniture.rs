@@ -67,7 +67,13 @@ fn on_bench(mesh: &mut Mesh) {
     let last = Item::Bit(Bit::ALL[BITS - 1]).home();
     let pitch = (last.z - first.z) / (BITS - 1) as f32;
     mesh.add(&rack(BITS, pitch), Affine3A::from_translation(0.5 * (first + last)));
-    // On the board below: spare stone, a bucket and a cast.
+    on_board(mesh);
+    jar(mesh);
+}
+
+/// On the board below: spare stone, a bucket and a cast.
+fn on_board(mesh: &mut Mesh) {
+    let v = Vec3::new;
     let stone = |mesh: &mut Mesh, half: Vec3, x: f32, z: f32, turn: f32| {
         let at = Affine3A::from_rotation_translation(
             Quat::from_rotation_y(turn),
@@ -89,6 +95,11 @@ fn on_bench(mesh: &mut Mesh) {
         (0.0, 0.018),
     ];
     mesh.add(&lathe(&bucket.map(|(r, y)| (r, y, IRON * 2.2)), 24), to(0.62, 0.224, -0.02));
+}
+
+/// Brushes in a jar.
+fn jar(mesh: &mut Mesh) {
+    let v = Vec3::new;
     let jar = [
         (0.0, 0.0),
         (0.036, 0.0),

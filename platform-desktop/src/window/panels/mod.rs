@@ -70,6 +70,8 @@ pub(super) struct Shown<'a> {
     pub(super) fault: Option<&'a str>,
     /// The file being read.
     pub(super) opening: Option<&'a Path>,
+    /// Whether files can be dropped on the window.
+    pub(super) drops: bool,
     /// Whether the fast path draws.
     pub(super) fast: bool,
     /// The device.

@@ -69,7 +69,11 @@ fn choices(ui: &mut Ui, shown: &Shown<'_>) -> Answer {
             ui.label(style::quiet(format!("Reading {} ...", path.display())));
         }
         None => {
-            if wide(ui, "Open a mesh or a volume ...", "or drop a file on this window") {
+            let what = match shown.drops {
+                true => "or drop a file on this window",
+                false => "a file to start from",
+            };
+            if wide(ui, "Open a mesh or a volume ...", what) {
                 answer = Answer::Browse;
             }
         }

@@ -25,6 +25,7 @@ fn shown() -> Shown<'static> {
         unwritten: false,
         fault: None,
         opening: None,
+        drops: true,
         fast: true,
         device: "a device",
         times: Times::default(),
@@ -152,4 +153,18 @@ fn panels_fit_the_overlay() {
     use paros_shaders::gpu::overlay::{INDICES, RUNS, VERTICES};
     assert!(vertices > 1000 && indices > vertices && runs > 0);
     assert!(vertices * 2 < VERTICES && indices * 2 < INDICES && runs * 2 < RUNS);
+}
+
+#[test]
+fn files_are_to_be_dropped_only_where_they_can_be() {
+    let says_so = |drops| {
+        let mut panels = Panels::new();
+        panels.input.screen_rect = Some(Rect::from_min_size(Pos2::ZERO, SIZE));
+        let (output, _) = panels.lay_out(&Shown { drops, ..shown() });
+        output.shapes.iter().any(|shape| match &shape.shape {
+            egui::Shape::Text(text) => text.galley.text().contains("drop a file"),
+            _ => false,
+        })
+    };
+    assert_eq!([true, false].map(says_so), [true, false]);
 }

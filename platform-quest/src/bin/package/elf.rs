@@ -2,7 +2,7 @@
 
 use object::elf::DT_NEEDED;
 use object::read::elf::ElfFile64;
-use object::{Architecture, Object, ObjectSegment, ObjectSymbol};
+use object::{Architecture, Object, ObjectKind, ObjectSegment, ObjectSymbol};
 
 use crate::symbols::Symbols;
 
@@ -28,11 +28,21 @@ pub(crate) fn faults(bytes: &[u8], symbols: &Symbols, level: u32) -> Vec<String>
     faults
 }
 
+/// What keeps any other library from being loaded on a device with pages of 16 KiB.
+pub(crate) fn fault(bytes: &[u8]) -> Option<String> {
+    parse(bytes).map_or_else(Some, |file| loads(&file))
+}
+
 /// A library for arm64, or why these bytes are none.
-pub(crate) fn parse(bytes: &[u8]) -> Result<ElfFile64<'_>, String> {
+fn parse(bytes: &[u8]) -> Result<ElfFile64<'_>, String> {
     match ElfFile64::parse(bytes) {
-        Ok(file) if file.architecture() == Architecture::Aarch64 => Ok(file),
-        Ok(_) => Err("it is not for arm64".into()),
+        Ok(file) if file.architecture() != Architecture::Aarch64 => {
+            Err("it is not for arm64".into())
+        }
+        Ok(file) if file.kind() != ObjectKind::Dynamic => {
+            Err("it is no library, but an object file or a program".into())
+        }
+        Ok(file) => Ok(file),
         Err(error) => Err(format!("it is no library: {error}")),
     }
 }

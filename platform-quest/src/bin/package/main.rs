@@ -109,9 +109,9 @@ fn library(args: &Args) -> Result<Vec<u8>, Error> {
 /// The bytes of a loader that was given.
 fn loader(path: &Path) -> Result<Vec<u8>, Error> {
     let bytes = read(path)?;
-    match elf::parse(&bytes) {
-        Ok(_) => Ok(bytes),
-        Err(fault) => Err(Error::Input(told(path, &[fault]))),
+    match elf::fault(&bytes) {
+        None => Ok(bytes),
+        Some(fault) => Err(Error::Input(told(path, &[fault]))),
     }
 }
 
