@@ -114,16 +114,11 @@ where
         }
     }
 
-    /// Plays a trace, and hands the world to `each` after every tick, with the tick's number.
+    /// Whether a trace was recorded from here.
     ///
     /// # Errors
-    /// [`Diverged`] where the trace was recorded on other start volumes or from another state, or
-    /// at the first tick after which a part of the world's state differs.
-    pub fn replay(
-        &mut self,
-        trace: &Trace,
-        mut each: impl FnMut(usize, &World<N>),
-    ) -> Result<(), Diverged> {
+    /// [`Diverged`] where it was recorded on other start volumes or from another state.
+    pub fn fits(&self, trace: &Trace) -> Result<(), Diverged> {
         let (recorded, here) = (trace.header(), self.header());
         if recorded.size != here.size {
             return Err(Diverged::Size { recorded: recorded.size, here: here.size });
@@ -134,6 +129,20 @@ where
         if recorded.first != here.first {
             return Err(Diverged::State { recorded: recorded.first, here: here.first });
         }
+        Ok(())
+    }
+
+    /// Plays a trace, and hands the world to `each` after every tick, with the tick's number.
+    ///
+    /// # Errors
+    /// [`Diverged`] where the trace was recorded on other start volumes or from another state, or
+    /// at the first tick after which a part of the world's state differs.
+    pub fn replay(
+        &mut self,
+        trace: &Trace,
+        mut each: impl FnMut(usize, &World<N>),
+    ) -> Result<(), Diverged> {
+        self.fits(trace)?;
         for (tick, record) in trace.records().enumerate() {
             self.tick(&record.input);
             for ((part, here), recorded) in self.world.part_digests().into_iter().zip(record.parts)

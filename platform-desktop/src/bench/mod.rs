@@ -42,7 +42,7 @@ pub enum Bench {
     Mesh,
     /// From triangles to a volume.
     Bake,
-    /// Sizes in memory and instructions of a tick.
+    /// Sizes in memory, and instructions of a tick of recorded sessions.
     Step,
     /// What a frame spends on keeping the fast path's textures up to date.
     Field,
@@ -57,8 +57,10 @@ pub enum Bench {
 pub struct Plan {
     /// The benches, in order.
     pub benches: Vec<Bench>,
-    /// What they run on.
+    /// What they run on, all but [`Bench::Step`].
     pub subjects: Vec<Subject>,
+    /// Sessions that [`Bench::Step`] plays; the demo at both sizes where there are none.
+    pub traces: Vec<PathBuf>,
     /// Runs of each side; the best counts.
     pub runs: usize,
     /// Runs of each frame; the best counts.
@@ -87,7 +89,9 @@ enum Job<'a> {
     Scaling(&'a Subject),
     Render(&'a Subject),
     Paper(&'a Subject),
-    Step,
+    Sizes,
+    Demo(usize),
+    Recorded(&'a Path),
 }
 
 /// What pieces of a plan share.
@@ -156,13 +160,19 @@ impl Plan {
         let mut jobs = vec![];
         for &bench in &self.benches {
             match bench {
-                Bench::Step => jobs.push(Job::Step),
+                Bench::Step => jobs.extend(self.sessions()),
                 Bench::Render => jobs.extend(self.subjects.iter().map(Job::Render)),
                 Bench::Paper => jobs.extend(self.subjects.iter().map(Job::Paper)),
                 _ => jobs.extend(self.subjects.iter().flat_map(|subject| sized(bench, subject))),
             }
         }
         jobs
+    }
+
+    fn sessions(&self) -> impl Iterator<Item = Job<'_>> {
+        let demo = [128, 256].map(Job::Demo).into_iter().filter(|_| self.traces.is_empty());
+        let recorded = self.traces.iter().map(|path| Job::Recorded(path));
+        [Job::Sizes].into_iter().chain(demo).chain(recorded)
     }
 
     fn job(&self, job: Job<'_>, shared: &mut Shared) -> Result<(Vec<Row>, Option<String>), Error> {
@@ -188,7 +198,10 @@ impl Plan {
             Job::Paper(on) | Job::On(Bench::Paper, on, _) => {
                 section5::rows(on, self.frame_runs, studio)
             }
-            Job::Step | Job::On(Bench::Step, ..) => step::rows(),
+            Job::Sizes | Job::On(Bench::Step, ..) => Ok(whole(step::sizes())),
+            Job::Demo(256) => step::demo::<256>(),
+            Job::Demo(_) => step::demo::<128>(),
+            Job::Recorded(path) => step::recorded(path),
         }
     }
 }

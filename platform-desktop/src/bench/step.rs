@@ -1,13 +1,15 @@
-//! `bench step`: what the core takes in memory, and the instructions of each tick of the demo.
+//! `bench step`: what the core takes in memory, and the instructions of a session's ticks.
 //!
-//! Callgrind counts them, on the demo's recorded trace.
+//! A session is played to find its slowest ticks by the clock. These are counted one by one under
+//! Callgrind, and some of all kinds for the mean; to count every tick would take too long.
 
+use std::fmt::Write;
 use std::fs;
 use std::hint::black_box;
+use std::iter;
 use std::mem::size_of;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
 
 use paros_core::bake::Baker;
 use paros_core::export::Exporter;
@@ -16,43 +18,73 @@ use paros_core::islands::Islands;
 use paros_core::maps::Maps;
 use paros_core::plane::Plane;
 use paros_core::size::{Grid, Size};
+use paros_core::trace::Record;
 use paros_core::undo::Undo;
 use paros_core::volume::Volume;
-use paros_core::world::{Starts, World};
+use paros_core::world::World;
 use paros_shell::figures::Figure;
 use paros_shell::rmap;
-use paros_shell::stage::Stage;
+use paros_shell::stage::{Stage, fresh};
 use paros_shell::statics::Resident;
 use paros_shell::trace::Trace;
 
 use super::callgrind::{Folder, counts};
+use super::clock::timed;
 use super::row::Row;
 use crate::demo;
 use crate::error::Error;
 
-const N: usize = 128;
+/// Ticks that are counted because no others take longer.
+const SLOWEST: usize = 1000;
 
-/// Of so many ticks in a row, the first [`COUNTED`] are counted one by one: a dump of every
-/// tick would take too long.
-const WINDOW: usize = 400;
-const COUNTED: usize = 40;
+/// One tick in so many is counted whatever it does: a prime, so that nothing periodic keeps step.
+const SAMPLED: usize = 41;
 
-/// Sizes of the core's residents and instructions of a tick, and why these are missing if they are.
-pub(super) fn rows() -> Result<(Vec<Row>, Option<String>), Error> {
-    let mut rows = sizes::<128>();
-    rows.extend(sizes::<256>());
-    let folder = Folder::new()?;
-    record(&folder.0)?;
-    match counts(COUNTED_TICK, &folder.0, &folder) {
-        Ok(counts) => {
-            rows.extend(tick_rows(counts));
-            Ok((rows, None))
-        }
-        Err(why) => Ok((rows, Some(format!("instructions of a tick: {why}")))),
-    }
+/// Times that a session is played: what delays a tick from outside doesn't do so each time.
+const RUNS: usize = 3;
+
+/// Rows, and why some are missing if they are.
+type Told = (Vec<Row>, Option<String>);
+
+/// Sizes of the core's residents.
+pub(super) fn sizes() -> Vec<Row> {
+    let mut rows = sizes_at::<128>();
+    rows.extend(sizes_at::<256>());
+    rows
 }
 
-fn sizes<const N: usize>() -> Vec<Row>
+/// Instructions of a tick of the demo.
+pub(super) fn demo<const N: usize>() -> Result<Told, Error>
+where
+    Grid<N>: Size + Resident<N>,
+{
+    let folder = Folder::new()?;
+    let trace = fresh::<N, _>(|mut stage| {
+        stage.record();
+        demo::play(&mut stage, 0, &mut |_| ControlFlow::Continue(()), |_, _| {});
+        stage.end_recording().unwrap_or_default()
+    });
+    fs::write(folder.0.join(TRACE), trace).map_err(Error::failure)?;
+    session::<N>("demo", &folder)
+}
+
+/// Instructions of a tick of a recorded session.
+pub(super) fn recorded(path: &Path) -> Result<Told, Error> {
+    let trace = Trace::read(path).map_err(Error::input)?;
+    let folder = Folder::new()?;
+    fs::copy(path, folder.0.join(TRACE)).map_err(Error::failure)?;
+    let name = path.file_stem().unwrap_or_default().to_string_lossy();
+    match trace.header().size {
+        256 => session::<256>(&name, &folder),
+        _ => session::<128>(&name, &folder),
+    }
+    .map_err(|error| match error {
+        Error::Input(why) => Error::Input(format!("{}: {why}", path.display())),
+        failure @ Error::Failure(_) => failure,
+    })
+}
+
+fn sizes_at<const N: usize>() -> Vec<Row>
 where
     Grid<N>: Size,
 {
@@ -73,23 +105,69 @@ where
     sizes.map(row).into()
 }
 
-/// Plays the demo; leaves its trace and what it started from.
-fn record(folder: &Path) -> Result<(), Error> {
-    let mut starts = Grid::<N>::start_volumes();
-    starts.make(&mut Grid::<N>::plane(), |_| {});
-    for figure in Figure::ALL {
-        rmap::write(&volume(folder, figure), starts.figure(figure)).map_err(Error::failure)?;
+/// Of the trace in the folder.
+fn session<const N: usize>(name: &str, folder: &Folder) -> Result<Told, Error>
+where
+    Grid<N>: Size + Resident<N>,
+{
+    let trace = Trace::read(&folder.0.join(TRACE)).map_err(Error::input)?;
+    let mut times = vec![f64::INFINITY; trace.records().len()];
+    for _ in 0..RUNS {
+        fresh::<N, _>(|mut stage| best_times(&mut stage, &trace, &mut times))?;
     }
-    let hidden = starts.hidden();
-    let mut world = Grid::<N>::world();
-    let mut stage = Stage::new(&mut world, starts.starts(&hidden));
-    stage.record();
-    demo::play(&mut stage, 0, &mut |_| ControlFlow::Continue(()), |_, _| {});
-    let trace = stage.end_recording().unwrap_or_default();
-    fs::write(folder.join(TRACE), trace).map_err(Error::failure)
+    let chosen = chosen(&times);
+    let starts = Grid::<N>::start_volumes();
+    for figure in Figure::ALL {
+        rmap::write(&volume(&folder.0, figure), starts.figure(figure)).map_err(Error::failure)?;
+    }
+    drop(starts);
+    let mut list = String::new();
+    for tick in &chosen {
+        let _ = writeln!(list, "{tick}");
+    }
+    fs::write(folder.0.join(CHOSEN), list).map_err(Error::failure)?;
+    match counts(COUNTED_TICK, &folder.0, folder) {
+        Ok(counts) if counts.len() == chosen.len() => {
+            let counted: Vec<_> = chosen.into_iter().zip(counts).collect();
+            Ok((tick_rows::<N>(name, times.len(), &counted), None))
+        }
+        Ok(counts) => {
+            let (counts, chosen) = (counts.len(), chosen.len());
+            Err(Error::Failure(format!("valgrind counted {counts} ticks instead of {chosen}")))
+        }
+        Err(why) => Ok((vec![], Some(format!("instructions of a tick: {why}")))),
+    }
+}
+
+/// Plays a trace, and keeps each tick's milliseconds if they are the least so far.
+fn best_times<const N: usize>(
+    stage: &mut Stage<'_, N>,
+    trace: &Trace,
+    best: &mut [f64],
+) -> Result<(), Error>
+where
+    Grid<N>: Size,
+{
+    stage.fits(trace).map_err(Error::input)?;
+    for (best, record) in iter::zip(best, trace.records()) {
+        stage.tick_within(&record.input, |step| *best = best.min(timed(step)));
+    }
+    Ok(())
+}
+
+/// The slowest ticks and the sampled ones, in order.
+fn chosen(times: &[f64]) -> Vec<usize> {
+    let mut ticks: Vec<usize> = (0..times.len()).collect();
+    ticks.sort_unstable_by(|&a, &b| times[b].total_cmp(&times[a]));
+    ticks.truncate(SLOWEST);
+    ticks.extend((0..times.len()).step_by(SAMPLED));
+    ticks.sort_unstable();
+    ticks.dedup();
+    ticks
 }
 
 const TRACE: &str = "session.trace";
+const CHOSEN: &str = "ticks";
 
 fn volume(folder: &Path, figure: Figure) -> PathBuf {
     folder.join(figure.name()).with_extension("rmap")
@@ -100,56 +178,69 @@ fn volume(folder: &Path, figure: Figure) -> PathBuf {
 /// # Errors
 /// A file that is not as the measuring run left it.
 pub(super) fn replay(folder: &Path) -> Result<(), Error> {
-    static FIGURES: Mutex<[Maps<N>; Figure::ALL.len()]> =
-        Mutex::new([const { Maps::new() }; Figure::ALL.len()]);
-    let mut figures = FIGURES.lock().map_err(Error::failure)?;
-    for (maps, figure) in figures.iter_mut().zip(Figure::ALL) {
-        rmap::read(&volume(folder, figure), maps).map_err(Error::input)?;
-    }
-    let hidden = Figure::HIDDEN.map(|figure| &figures[figure as usize]);
-    let starts = Starts {
-        lump: &figures[Figure::Lump as usize],
-        figures: &hidden,
-        creative: &figures[Figure::Toy as usize],
-        own: None,
-    };
     let trace = Trace::read(&folder.join(TRACE)).map_err(Error::input)?;
-    let mut world = Grid::<N>::world();
-    let mut stage = Stage::new(&mut world, starts);
-    for (tick, record) in trace.records().enumerate() {
-        if tick % WINDOW < COUNTED {
-            counted_tick(&mut stage, &record.input);
-        } else {
-            stage.tick(&record.input);
-        }
+    let list = fs::read_to_string(folder.join(CHOSEN)).map_err(Error::input)?;
+    let chosen: Result<Vec<usize>, _> = list.lines().map(str::parse).collect();
+    let chosen = chosen.map_err(Error::input)?;
+    match trace.header().size {
+        256 => replay_at::<256>(folder, &trace, &chosen),
+        _ => replay_at::<128>(folder, &trace, &chosen),
     }
-    match trace.records().last().map(paros_core::trace::Record::digest) {
-        Some(digest) if digest != stage.world().digest() => {
+}
+
+fn replay_at<const N: usize>(folder: &Path, trace: &Trace, chosen: &[usize]) -> Result<(), Error>
+where
+    Grid<N>: Size + Resident<N>,
+{
+    let fill = |figure, maps: &mut _| rmap::read(&volume(folder, figure), maps).map(drop);
+    Grid::<N>::start_volumes().take(fill).map_err(Error::input)?;
+    let mut chosen = chosen.iter().copied().peekable();
+    let digest = fresh::<N, _>(|mut stage| {
+        for (tick, record) in trace.records().enumerate() {
+            match chosen.next_if_eq(&tick) {
+                Some(_) => counted_tick(&mut stage, &record.input),
+                None => stage.tick(&record.input),
+            }
+        }
+        stage.world().digest()
+    });
+    match trace.records().last().map(Record::digest) {
+        Some(recorded) if recorded != digest => {
             Err(Error::Failure("the replay came to another digest".into()))
         }
         _ => Ok(()),
     }
 }
 
+/// What of its name both sizes share.
 const COUNTED_TICK: &str = concat!(module_path!(), "::counted_tick");
 
 /// A tick with a dump of its own, found by this name.
 #[inline(never)]
-fn counted_tick(stage: &mut Stage<'_, N>, input: &Input) {
+fn counted_tick<const N: usize>(stage: &mut Stage<'_, N>, input: &Input)
+where
+    Grid<N>: Size,
+{
     stage.tick(black_box(input));
     black_box(stage.world().tick());
 }
 
-/// Of the instructions of the ticks counted one by one.
-fn tick_rows(mut counts: Vec<u64>) -> [Row; 3] {
-    counts.sort_unstable();
-    let mean = counts.iter().sum::<u64>() / counts.len() as u64;
-    let p99 = counts[(counts.len() * 99).div_ceil(100) - 1];
-    let worst = counts[counts.len() - 1];
-    let of = format!("{} of the demo's ticks, {COUNTED} in every {WINDOW}", counts.len());
-    let row = |(name, count)| Row {
-        instructions: Some(count),
-        ..Row::new("step", "demo", N, format!("{name} of {of}"))
-    };
-    [("mean", mean), ("p99", p99), ("worst", worst)].map(row)
+/// Of the ticks that were counted.
+fn tick_rows<const N: usize>(name: &str, ticks: usize, counted: &[(usize, u64)]) -> Vec<Row> {
+    let sample = counted.iter().filter(|(tick, _)| tick % SAMPLED == 0);
+    let mut sample: Vec<u64> = sample.map(|&(_, count)| count).collect();
+    sample.sort_unstable();
+    let row =
+        |count, what: String| Row { instructions: Some(count), ..Row::new("step", name, N, what) };
+    let of = format!("of {} of its {ticks} ticks, one in {SAMPLED}", sample.len());
+    let mean = sample.iter().sum::<u64>() / sample.len().max(1) as u64;
+    let p99 = sample.get((sample.len() * 99).div_ceil(100).saturating_sub(1));
+    let worst = counted.iter().max_by_key(|&&(_, count)| count);
+    let mut rows = vec![row(mean, format!("mean {of}"))];
+    rows.extend(p99.map(|&p99| row(p99, format!("p99 {of}"))));
+    rows.extend(worst.map(|&(tick, count)| {
+        let of = format!("{} of them, {SLOWEST} the slowest", counted.len());
+        row(count, format!("worst of {of}: tick {tick}"))
+    }));
+    rows
 }

@@ -18,7 +18,7 @@ pub(super) struct Args {
     /// What to measure.
     #[arg(default_value = "all", value_parser = which())]
     what: Which,
-    /// What to measure on: meshes, volumes (.rmap) or figures' names.
+    /// What to measure on: meshes, volumes (.rmap) or figures' names; for `step`, traces of sessions.
     #[arg(value_name = "V")]
     named: Vec<PathBuf>,
     /// The same, one each time.
@@ -66,8 +66,13 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
     if let Some(what) = &args.replay {
         return bench::replay(what).map(|()| String::new());
     }
-    let named = args.named.iter().chain(&args.volumes);
-    let mut subjects = named.map(|v| Subject::named(v)).collect::<Result<Vec<_>, _>>()?;
+    let mut named: Vec<_> = args.named.iter().chain(&args.volumes).collect();
+    let mut traces = vec![];
+    if let Which::One(Bench::Step) = args.what {
+        traces = named.drain(..).cloned().collect();
+    }
+    let subjects = named.into_iter().map(|v| Subject::named(v));
+    let mut subjects = subjects.collect::<Result<Vec<_>, _>>()?;
     if subjects.is_empty() {
         subjects = Subject::own();
     }
@@ -78,6 +83,7 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
     let plan = Plan {
         benches,
         subjects,
+        traces,
         runs: args.runs.unwrap_or(RUNS).into(),
         frame_runs: args.runs.unwrap_or(FRAME_RUNS).into(),
         canvas: args.size.map(|side| side as u32),
