@@ -1,5 +1,7 @@
 //! Bit rows of a whole grid: one N-bit row along x for each (y, z).
 
+use core::mem;
+
 use crate::maps::{Axis, Column, Maps, Range};
 use crate::row::{Bits, Row};
 use crate::size::{Grid, Size};
@@ -84,39 +86,26 @@ where
     /// Becomes the intersection of the three range maps.
     ///
     /// Each range of the Y and Z maps toggles its column's bit where it starts and just past its
-    /// end; running exclusive-ors along the column turn the toggles into occupancy, N columns at a
+    /// end; running exclusive-ors along the column turn the toggles into occupancy, 64 columns at a
     /// time.
     pub fn expand(&mut self, maps: &Maps<N>) {
-        for (y, layer) in self.rows.iter_mut().enumerate() {
-            layer.fill(<Grid<N> as Size>::Row::EMPTY);
-            let columns = maps.occupied(Axis::Z, y);
-            if columns.is_empty() {
-                continue;
+        let mut ends = [0; 257];
+        for word in 0..<Grid<N> as Size>::Row::WORDS {
+            for (y, layer) in self.rows.iter_mut().enumerate() {
+                cross_sections(maps.line(Axis::Z, y), word, &mut ends, |z, section| {
+                    layer[z].set_word(word, section);
+                });
             }
-            let line = maps.line(Axis::Z, y);
-            for x in columns.ones() {
-                toggle_ends::<N>(line[x], |z| layer[z].toggle(x));
-            }
-            let mut inside = <Grid<N> as Size>::Row::EMPTY;
-            for row in layer {
-                inside ^= *row;
-                *row = inside;
+            for z in 0..N {
+                cross_sections(maps.line(Axis::Y, z), word, &mut ends, |y, section| {
+                    let row = &mut self.rows[y][z];
+                    row.set_word(word, row.word(word) & section);
+                });
             }
         }
-        let mut ends = [<Grid<N> as Size>::Row::EMPTY; N];
-        for z in 0..N {
-            ends.fill(<Grid<N> as Size>::Row::EMPTY);
-            let line = maps.line(Axis::Y, z);
-            for x in maps.occupied(Axis::Y, z).ones() {
-                toggle_ends::<N>(line[x], |y| ends[y].toggle(x));
-            }
-            let mut inside = <Grid<N> as Size>::Row::EMPTY;
-            for (y, end) in ends.iter().enumerate() {
-                inside ^= *end;
-                let row = &mut self.rows[y][z];
-                if !row.is_empty() {
-                    *row &= inside & maps.column(Axis::X, (y, z)).row();
-                }
+        for (y, layer) in self.rows.iter_mut().enumerate() {
+            for (row, column) in layer.iter_mut().zip(maps.line(Axis::X, y)) {
+                *row &= column.row();
             }
         }
     }
@@ -184,14 +173,32 @@ where
     }
 }
 
+/// Tells at each place along a line's columns which of its columns `64 * word ..` hold it. `ends` is
+/// empty before and after.
 #[inline]
-fn toggle_ends<const N: usize>(column: Column, mut toggle: impl FnMut(usize)) {
-    for range in column.0 {
-        if !range.is_empty() {
-            toggle(range.lo());
-            if range.hi() + 1 < N {
-                toggle(range.hi() + 1);
-            }
+fn cross_sections<const N: usize>(
+    line: &[Column; N],
+    word: usize,
+    ends: &mut [u64; 257],
+    mut tell: impl FnMut(usize, u64),
+) {
+    let columns = &line[64 * word..N.min(64 * word + 64)];
+    if columns.iter().all(|column| *column == Column::EMPTY) {
+        (0..N).for_each(|at| tell(at, 0));
+        return;
+    }
+    for (i, column) in columns.iter().enumerate() {
+        for range in column.0 {
+            let end = range.hi() + 1;
+            // An empty range begins at 255, behind its end: toggled twice there, it is none.
+            ends[range.lo().min(end)] ^= 1 << i;
+            ends[end] ^= 1 << i;
         }
     }
+    let mut section = 0;
+    for (at, ends) in ends[..N].iter_mut().enumerate() {
+        section ^= mem::take(ends);
+        tell(at, section);
+    }
+    ends[N] = 0;
 }

@@ -175,11 +175,7 @@ impl<const W: usize> Bits for Row<W> {
         if hi < 64 {
             return Self::of_part(0, Row([u64::MAX << lo & u64::MAX >> (63 - hi)]));
         }
-        let mut words = [0; W];
-        for (i, word) in words.iter_mut().enumerate() {
-            *word = low_bits(hi + 1, i * 64) & !low_bits(lo, i * 64);
-        }
-        Row(words)
+        Row(Self::BELOW[(hi + 1).min(256)]) & !Row(Self::BELOW[lo.min(256)])
     }
 
     #[inline]
@@ -285,21 +281,27 @@ impl<const W: usize> Bits for Row<W> {
 }
 
 impl<const W: usize> Row<W> {
+    /// The bits below each place.
+    const BELOW: [[u64; W]; 257] = {
+        let mut below = [[0; W]; 257];
+        let mut place = 1;
+        while place < below.len() {
+            below[place] = below[place - 1];
+            let word = (place - 1) / 64;
+            if word < W {
+                below[place][word] |= 1 << ((place - 1) % 64);
+            }
+            place += 1;
+        }
+        below
+    };
+
     /// The run of set bits that ends just below bit `end`.
     #[inline]
     fn run_below(self, end: usize) -> Self {
         let below = Self::span(0, end - 1);
         let start = (!self & below).last().map_or(0, |gap| gap + 1);
         Self::span(start, end - 1)
-    }
-}
-
-/// The bits of a word that starts at bit `base` which are below bit `end`.
-#[inline]
-fn low_bits(end: usize, base: usize) -> u64 {
-    match end.saturating_sub(base) {
-        n if n < 64 => (1 << n) - 1,
-        _ => u64::MAX,
     }
 }
 
