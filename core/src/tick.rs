@@ -68,15 +68,17 @@ where
         self.state.stool = self.state.stool.wrapping_add(turn as u16);
     }
 
-    pub(crate) fn command(&mut self, input: &Input, did: [Did; 2]) {
+    /// What is asked for; whether the volume was rewound.
+    pub(crate) fn command(&mut self, input: &Input, did: [Did; 2]) -> bool {
         let pressed = did[0].pressed | did[1].pressed;
         let asked =
             |command: u8, button: u8| input.commands & command != 0 || pressed & button != 0;
+        let mut rewound = false;
         if asked(commands::UNDO, buttons::LOWER) {
-            self.rewind(Event::Undone, Undo::undo);
+            rewound |= self.rewind(Event::Undone, Undo::undo);
         }
         if asked(commands::REDO, buttons::UPPER) {
-            self.rewind(Event::Redone, Undo::redo);
+            rewound |= self.rewind(Event::Redone, Undo::redo);
         }
         if asked(commands::SYMMETRY, buttons::STICK) {
             self.state.symmetry = !self.state.symmetry;
@@ -87,14 +89,21 @@ where
             self.islands.abort();
             self.note(Event::Finished);
         }
+        rewound
     }
 
     /// Undo and redo abort the pass in flight and start none.
-    fn rewind(&mut self, event: Event, go: fn(&mut Undo<N>, &mut Volume<N>, &mut Dirty) -> bool) {
-        if go(&mut self.undo, &mut self.volume, &mut self.dirty) {
+    fn rewind(
+        &mut self,
+        event: Event,
+        go: fn(&mut Undo<N>, &mut Volume<N>, &mut Dirty) -> bool,
+    ) -> bool {
+        let rewound = go(&mut self.undo, &mut self.volume, &mut self.dirty);
+        if rewound {
             self.islands.abort();
             self.note(event);
         }
+        rewound
     }
 
     pub(crate) fn point(&mut self, pointer: Pointer) {

@@ -103,7 +103,7 @@ where
         let did = [0, 1].map(|hand| self.state.hands[hand].update(&input.hands[hand]));
         if self.state.session == Session::Sculpting {
             self.turn_stool(input);
-            self.command(input, did);
+            let rewound = self.command(input, did);
             self.point(input.pointer);
             for (hand, did) in did.into_iter().enumerate() {
                 self.reach(hand, did);
@@ -111,7 +111,10 @@ where
             for (hand, did) in did.into_iter().enumerate() {
                 self.sculpt(hand, did);
             }
-            self.clear_islands();
+            // To lay out the volume anew is a tick's work: the islands wait.
+            if !rewound {
+                self.clear_islands();
+            }
         }
         self.state.bench.step();
         self.state.tick = self.state.tick.wrapping_add(1);

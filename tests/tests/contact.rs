@@ -5,6 +5,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use glam::{IVec3, Quat, Vec3};
 use paros_core::contact::{Contact, Frozen, Obstacle};
 use paros_core::frame::BOX;
+use paros_core::limits::{DEEP_STEPS, walk_steps};
 use paros_core::maps::Maps;
 use paros_core::plane::Plane;
 use paros_core::pose::{Pose, SUB};
@@ -143,7 +144,9 @@ fn freeze_follows_the_walk(
     let (before, after) = (block.depths(bit, from), block.depths(bit, &frozen.pose));
     prop_assert!(after.volume <= bit.bite.max(before.volume), "{before:?} -> {after:?}");
     prop_assert!(after.mask <= before.mask, "{before:?} -> {after:?}");
-    if !frozen.blocked {
+    let steps = path(bit, from, raw).count() as u32;
+    let is_walked = steps <= walk_steps(16) / DEEP_STEPS;
+    if is_walked && !frozen.blocked {
         prop_assert_eq!(frozen.pose, *raw);
     }
     Ok(frozen)
@@ -293,7 +296,12 @@ proptest! {
             if stone.contact(&bit, &from).overlap != 0 {
                 continue;
             }
-            let frozen = stone.freeze(&bit, &from, &to);
+            let mut frozen = stone.freeze(&bit, &from, &to);
+            while !frozen.blocked && frozen.pose != to {
+                let last = frozen.pose;
+                frozen = stone.freeze(&bit, &last, &to);
+                prop_assert!(frozen.blocked || frozen.pose != last);
+            }
             let depth = stone.contact(&bit, &frozen.pose).depth;
             let bite = if as_mask { 0 } else { bit.bite };
             prop_assert!(frozen.blocked, "bit {number} at {n} went through");
@@ -320,7 +328,10 @@ fn a_buried_bit_can_only_come_out() {
         assert!(sits > bit.bite, "bit {number} is buried");
         let down = stone.freeze(&bit, &at(39.0), &at(20.0));
         assert!(stone.contact(&bit, &down.pose).depth <= sits, "bit {number}: {down:?}");
-        let up = stone.freeze(&bit, &at(39.0), &at(60.0));
+        let mut up = Frozen { pose: at(39.0), blocked: false };
+        for _ in 0..21 * 4 * DEEP_STEPS / walk_steps(64) + 1 {
+            up = stone.freeze(&bit, &up.pose, &at(60.0));
+        }
         assert_eq!(up, Frozen { pose: at(60.0), blocked: false }, "bit {number}");
         // Half way out counts: what was gained is not given back.
         let half = stone.freeze(&bit, &at(39.0), &at(41.0)).pose;
@@ -338,7 +349,10 @@ fn a_blocked_bit_slides() {
     stone.set(&Dense::from_fn(64, |[_, y, _]| y < 20), &Dense::new(64));
     let bit = Bit::MediumBall.on_grid(voxel(128));
     let at = |x: f32, y: f32| Pose { position: Vec3::new(x, y, 32.0), rotation: Quat::IDENTITY };
-    let frozen = stone.freeze(&bit, &at(20.0, 30.0), &at(40.0, 10.0));
+    let mut frozen = stone.freeze(&bit, &at(20.0, 30.0), &at(40.0, 10.0));
+    for _ in 0..2 {
+        frozen = stone.freeze(&bit, &frozen.pose, &at(40.0, 10.0));
+    }
     let rest = 20.0 + (bit.inner_radius() - bit.bite) as f32 / SUB as f32;
     let position = frozen.pose.position;
     assert!(frozen.blocked && (position.x - 40.0).abs() < 0.3, "{position}");

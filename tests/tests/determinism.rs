@@ -90,7 +90,7 @@ fn any_input_at_all_is_survived() {
     studio.start(Mode::FreeForm);
     let mut dice = Dice::new(5);
     let mut tally = Tally::default();
-    for tick in 0..6000 {
+    for tick in 0..8000 {
         let mut input = anything(&mut dice);
         if studio.world.session() != Session::Sculpting && dice.one_in(10) {
             input.start = MODES[dice.roll(3) as usize];

@@ -20,10 +20,11 @@ use paros_tests::models::visitor::Visitor;
 
 /// Modes, the visitors' seeds, and the tool that is put into a hand early on; each session takes so
 /// many ticks.
-const SESSIONS: [(Mode, u64, Tool); 3] = [
+const SESSIONS: [(Mode, u64, Tool); 4] = [
     (Mode::FreeForm, 1, Tool::Rotary),
     (Mode::Constrained { figure: 0 }, 2, Tool::Rasp),
     (Mode::Creative, 3, Tool::FillGun),
+    (Mode::Creative, 11, Tool::Rotary),
 ];
 const TICKS: usize = 800;
 

@@ -216,7 +216,7 @@ fn a_grab_a_tool_change_and_a_gap_never_sweep() {
     start(&mut studio);
     let just_touching = |place: Vec3| Vec3::new(place.x, 31.4, place.z);
     reach(&mut studio, RIGHT, just_touching(a), true);
-    reach(&mut studio, RIGHT, just_touching(b), true);
+    (0..4).for_each(|_| reach(&mut studio, RIGHT, just_touching(b), true));
     let middle = [32, 29, 32];
     assert!(!voxels(&studio).contains(middle), "a fast stroke leaves no dots");
     // Tracking is lost for a tick; trigger held all the while.

@@ -201,6 +201,34 @@ impl Piece {
         Some(bounds)
     }
 
+    /// A ball that holds all of a swept sphere, and whose rows are quicker to find.
+    #[must_use]
+    pub fn ball(&self) -> Option<Piece> {
+        match self {
+            Piece::Capsule(c) if c.a != c.b => {
+                let path = (c.b - c.a).as_i64vec3();
+                // Both roots are rounded down, and so is the middle.
+                let radius = isqrt(c.radius_squared) + isqrt(path.dot(path)) / 2 + 4;
+                let middle = ((c.a.as_i64vec3() + c.b.as_i64vec3()) / 2).as_ivec3();
+                let radius_squared = radius * radius;
+                Some(Piece::Capsule(Capsule { a: middle, b: middle, radius_squared }))
+            }
+            _ => None,
+        }
+    }
+
+    /// The rows of layer `y` of a grid of `n` that it may hold voxels of, first and last by their z;
+    /// fewer than its bounds tell where it is round or stands askew.
+    #[must_use]
+    #[inline]
+    pub fn rows(&self, y: usize, n: usize) -> Option<(usize, usize)> {
+        match self {
+            Piece::Capsule(c) if c.a == c.b => c.sphere_rows(centre(y), n),
+            Piece::Capsule(c) => c.rows(centre(y), n),
+            Piece::Box(b) => b.rows(centre(y), n),
+        }
+    }
+
     /// The interval of voxels of row (y, z) of a grid of `n` whose centres are inside.
     #[must_use]
     #[inline]

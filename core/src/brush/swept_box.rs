@@ -91,7 +91,9 @@ impl SweptBox {
         let first = 2 * centre(0) - i64::from(self.middle.x);
         let (y, z) = (2 * y - i64::from(self.middle.y), 2 * z - i64::from(self.middle.z));
         let (mut lo, mut hi) = (0, n as i64 - 1);
-        for (normal, extent) in &self.planes {
+        // Where nothing moves, the sweep adds no faces.
+        let faces = if self.edges[3] == [0; 3] { 3 } else { 6 };
+        for (normal, extent) in &self.planes[..faces] {
             let at_zero = normal[0] * first + normal[1] * y + normal[2] * z;
             let slope = normal[0] * step;
             if slope == 0 {
@@ -104,7 +106,10 @@ impl SweptBox {
             let slope = slope.abs();
             lo = lo.max(-(extent + at_zero).div_euclid(slope));
             hi = hi.min((extent - at_zero).div_euclid(slope));
+            if lo > hi {
+                return None;
+            }
         }
-        (lo <= hi).then_some((lo as usize, hi as usize))
+        Some((lo as usize, hi as usize))
     }
 }

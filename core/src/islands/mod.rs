@@ -14,7 +14,7 @@
 mod bytes;
 mod removal;
 
-use crate::limits::removal_visits;
+use crate::limits::{mask_visits, removal_visits};
 use crate::maps::{Axis, Maps};
 use crate::plane::Plane;
 use crate::row::Bits;
@@ -129,7 +129,8 @@ where
         self.pending || matches!(self.phase, Phase::Sweep)
     }
 
-    /// Begins a pass if one is called for, and carries it on by at most `budget` row visits. When
+    /// Begins a pass if one is called for, which takes [`mask_visits`] where there is a mask, and
+    /// carries it on by what is left of `budget`, in row visits. When
     /// it ends, all islands go at once and its report comes back. The removal is left to the next
     /// call if the visits left to this one are fewer than [`removal_visits`].
     ///
@@ -141,6 +142,7 @@ where
         budget: u32,
         journal: &mut impl Journal<N>,
     ) -> Option<IslandReport> {
+        let mut budget = budget;
         if self.phase == Phase::Idle {
             if !self.pending {
                 return None;
@@ -150,6 +152,9 @@ where
                 return Some(IslandReport { unsupported: true, ..Default::default() });
             }
             self.begin(volume, mask);
+            if !mask.is_empty() {
+                budget = budget.saturating_sub(mask_visits(N));
+            }
         }
         let waited = self.layers.is_empty();
         let left = self.sweep(volume.rows(), budget);
@@ -183,7 +188,7 @@ where
         self.reached.layer_mut(0).copy_from_slice(volume.rows().layer(0));
         self.reached_sum = 0;
         for y in 0..seeded {
-            let rows = self.reached.layer(y).iter().enumerate();
+            let rows = self.reached.layer(y).iter().enumerate().filter(|(_, row)| !row.is_empty());
             let sum = rows.fold(0, |sum: u64, (z, row)| sum.wrapping_add(keyed_row(z, *row)));
             self.reached_sum = self.reached_sum.wrapping_add(keyed_layer(y, sum));
         }

@@ -1,7 +1,8 @@
 //! Contact voxel by voxel, and the freeze as a walk in small steps that skips nothing.
 
 use glam::{I64Vec3, IVec3, Vec3};
-use paros_core::contact::{Contact, Frozen};
+use paros_core::contact::{Contact, Frozen, STRETCHES};
+use paros_core::limits::{DEEP_STEPS, walk_steps};
 use paros_core::pose::{Pose, SUB, UNIT};
 use paros_core::tools::{GridBit, GridShape};
 
@@ -25,6 +26,13 @@ pub struct Depths {
     pub volume: i32,
     /// In the mask.
     pub mask: i32,
+}
+
+impl Depths {
+    /// Whether a bit may sit so.
+    fn suit(self, bit: &GridBit) -> bool {
+        self.volume <= bit.bite && self.mask == 0
+    }
 }
 
 impl Block {
@@ -67,7 +75,8 @@ impl Block {
 
     /// Walks step by step while the bit sits no deeper than it may, then once along the tangent.
     pub fn freeze(&self, bit: &GridBit, from: &Pose, raw: &Pose) -> Frozen {
-        let (reached, stop) = self.walk(bit, from, raw);
+        let mut steps = walk_steps(self.volume.n()) as usize;
+        let (reached, stop) = self.walk(bit, from, raw, &mut steps);
         let Some(stop) = stop else {
             return Frozen { pose: reached, blocked: false };
         };
@@ -82,7 +91,7 @@ impl Block {
         } else {
             Pose { position: raw.position, rotation: reached.rotation }
         };
-        let mut pose = self.walk(bit, &reached, &target).0;
+        let mut pose = self.walk(bit, &reached, &target, &mut steps).0;
         let wanted = (target.position - reached.position) * STEPS;
         if pose.position == reached.position && wanted.length_squared() > 1.0 {
             let sits = self.depths(bit, &reached);
@@ -97,36 +106,75 @@ impl Block {
             let away = away.as_vec3().normalize_or_zero();
             let tangent = left - away * left.dot(away).min(0.0);
             let target = Pose { position: reached.position + tangent, ..reached };
-            pose = self.walk(bit, &reached, &target).0;
+            pose = self.walk(bit, &reached, &target, &mut steps).0;
         }
         Frozen { pose, blocked: true }
     }
 
     /// The last pose that may be taken on the way, and the one after it. From with its centre in
-    /// the stone, a bit comes out where the way first does.
-    pub fn walk(&self, bit: &GridBit, from: &Pose, to: &Pose) -> (Pose, Option<Pose>) {
+    /// the stone, a bit comes out where the way first does. Stretches in which nothing stops the bit
+    /// only count for less.
+    pub fn walk(
+        &self,
+        bit: &GridBit,
+        from: &Pose,
+        to: &Pose,
+        left: &mut usize,
+    ) -> (Pose, Option<Pose>) {
+        let poses: Vec<Pose> = path(bit, from, to).collect();
         let mut reached = *from;
         let mut sits = self.depths(bit, from);
-        let mut poses = path(bit, from, to);
-        while let Some(next) = poses.next() {
+        let (mut i, mut singly_to) = (0, 0);
+        while i < poses.len() && *left > 0 {
+            let too_deep = sits.volume > bit.bite || sits.mask > 0;
+            let after = |steps: usize| (i + steps).min(poses.len());
+            if i >= singly_to {
+                let mut ends = STRETCHES.map(|steps| after(steps as usize)).into_iter();
+                let is_free = |end: &usize| self.is_free(bit, &reached, &poses[end - 1]);
+                if let Some(end) = ends.find(|end| !too_deep && is_free(end)) {
+                    assert!(poses[i..end].iter().all(|pose| self.depths(bit, pose).suit(bit)));
+                    (i, *left, reached) = (end, *left - 1, poses[end - 1]);
+                    sits = self.depths(bit, &reached);
+                    continue;
+                }
+                singly_to = after(STRETCHES[1] as usize);
+            }
+            *left = left.saturating_sub(if too_deep { DEEP_STEPS as usize } else { 1 });
+            let next = poses[i];
+            i += 1;
             let depths = self.depths(bit, &next);
             if depths.volume <= bit.bite.max(sits.volume) && depths.mask <= sits.mask {
                 (reached, sits) = (next, depths);
                 continue;
             }
-            let free = |pose: &Pose| {
-                let depths = self.depths(bit, pose);
-                depths.volume <= bit.bite && depths.mask == 0
-            };
-            let too_deep = sits.volume > bit.bite || sits.mask > 0;
             let half_diagonal = (SUB as f32 * 0.866).ceil() as i32;
             let buried = bit.bite.max(sits.volume) > bit.inner_radius() - half_diagonal;
-            match if too_deep && buried { poses.find(free) } else { None } {
-                Some(out) => (reached, sits) = (out, self.depths(bit, &out)),
-                None => return (reached, Some(next)),
+            let ahead = &poses[i..(i + *left).min(poses.len())];
+            match ahead.iter().position(|pose| self.depths(bit, pose).suit(bit)) {
+                Some(tried) if too_deep && buried => {
+                    (i, *left, reached) = (i + tried + 1, *left - tried - 1, ahead[tried]);
+                    sits = self.depths(bit, &reached);
+                }
+                _ => return (reached, Some(next)),
             }
         }
         (reached, None)
+    }
+
+    /// Whether no voxel lies where the bit would be stopped, nor where it would nearly be.
+    fn is_free(&self, bit: &GridBit, from: &Pose, to: &Pose) -> bool {
+        let n = self.volume.n();
+        let clear = |level, voxels: &[[i32; 3]]| {
+            bit.swept_deeper_than(level, from, to).is_none_or(|brush| {
+                let pieces: Vec<_> = brush.pieces().collect();
+                !voxels.iter().any(|voxel| {
+                    let [x, y, z] = voxel.map(|i| i as usize);
+                    let holds = |(lo, hi)| (lo..=hi).contains(&x);
+                    pieces.iter().any(|piece| piece.span(y, z, n).is_some_and(holds))
+                })
+            })
+        };
+        clear(bit.bite, &self.voxels) && clear(0, &self.masked)
     }
 
     /// Whether all of the bit is outside the grid.
