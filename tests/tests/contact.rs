@@ -342,6 +342,22 @@ fn a_buried_bit_can_only_come_out() {
     }
 }
 
+/// However deep it is: the hand that left it behind in the stone is far away.
+#[test]
+fn a_bit_comes_out_of_the_middle_of_a_block() {
+    let mut stone = held(&STONE_64);
+    stone.set(&Dense::from_fn(64, |[_, y, _]| y < 60), &Dense::new(64));
+    for number in 0..9u8 {
+        let bit = Bit::from_number(number).expect("a bit of the table").on_grid(voxel(128));
+        let at = |y: f32| Pose { position: Vec3::new(32.0, y, 32.0), rotation: Quat::IDENTITY };
+        let mut pose = at(20.0);
+        for _ in 0..20 {
+            pose = stone.freeze(&bit, &pose, &at(120.0)).pose;
+        }
+        assert_eq!(pose, at(120.0), "bit {number}");
+    }
+}
+
 /// A bit pushed aslant into a floor goes on along it.
 #[test]
 fn a_blocked_bit_slides() {

@@ -24,7 +24,7 @@ const SESSIONS: [(Mode, u64, Tool); 4] = [
     (Mode::FreeForm, 1, Tool::Rotary),
     (Mode::Constrained { figure: 0 }, 2, Tool::Rasp),
     (Mode::Creative, 3, Tool::FillGun),
-    (Mode::Creative, 11, Tool::Rotary),
+    (Mode::Creative, 4, Tool::Rotary),
 ];
 const TICKS: usize = 800;
 

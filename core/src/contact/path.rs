@@ -50,13 +50,12 @@ where
                     reached = next;
                     continue;
                 }
-                let last = steps.min(i + *left);
+                // In the stone a look ahead ends at its first voxel: however far, it is cheap.
                 let free = |i: &u32| self.allows(bit, &at(*i), Limit::usual(bit));
-                let Some(out) = limit.is_buried(bit).then(|| (i + 1..=last).find(free)).flatten()
+                let Some(out) = limit.is_buried(bit).then(|| (i + 1..=steps).find(free)).flatten()
                 else {
                     return (reached, Some(next));
                 };
-                *left -= out - i;
                 (i, reached, limit) = (out, at(out), Limit::usual(bit));
             }
         }

@@ -149,10 +149,9 @@ impl Block {
             }
             let half_diagonal = (SUB as f32 * 0.866).ceil() as i32;
             let buried = bit.bite.max(sits.volume) > bit.inner_radius() - half_diagonal;
-            let ahead = &poses[i..(i + *left).min(poses.len())];
-            match ahead.iter().position(|pose| self.depths(bit, pose).suit(bit)) {
+            match poses[i..].iter().position(|pose| self.depths(bit, pose).suit(bit)) {
                 Some(tried) if too_deep && buried => {
-                    (i, *left, reached) = (i + tried + 1, *left - tried - 1, ahead[tried]);
+                    (i, reached) = (i + tried + 1, poses[i + tried]);
                     sits = self.depths(bit, &reached);
                 }
                 _ => return (reached, Some(next)),
