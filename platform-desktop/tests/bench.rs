@@ -1,12 +1,15 @@
 //! `paros bench` as a script meets it: rows with all their keys, and bad input refused.
 
+use std::fs;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
+use paros_core::input::Input;
 use paros_core::size::Grid;
 use paros_shell::figures::Figure;
 use paros_shell::require::require;
 use paros_shell::rmap;
+use paros_shell::stage;
 use paros_shell::statics::Resident;
 use serde_json::Value;
 
@@ -95,5 +98,34 @@ fn bad_input_is_refused() {
         assert_eq!(output.status.code(), Some(2), "{args:?}: {errors}");
         assert!(errors.contains(word), "{args:?} should say {word:?}: {errors}");
         assert!(output.stdout.is_empty());
+    }
+}
+
+/// What a trace must be, before anything is counted.
+#[test]
+fn a_trace_that_differs_is_refused_at_its_tick() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("bench-step");
+    fs::create_dir_all(&folder).unwrap();
+    let mut trace = stage::fresh::<128, _>(|mut stage| {
+        stage.record();
+        (0..30).for_each(|_| stage.tick(&Input::default()));
+        stage.end_recording().unwrap()
+    });
+    let (good, bad) = (folder.join("good.trace"), folder.join("bad.trace"));
+    fs::write(&good, &trace).unwrap();
+    *trace.last_mut().unwrap() ^= 1;
+    fs::write(&bad, &trace).unwrap();
+    let refused = bench(&["step", bad.to_str().unwrap()]);
+    let errors = String::from_utf8_lossy(&refused.stderr);
+    assert_eq!(refused.status.code(), Some(2), "{errors}");
+    assert!(errors.contains("bad.trace: ") && errors.contains("tick 29"), "{errors}");
+
+    let valgrind = Command::new("valgrind").arg("--version").output();
+    if require(valgrind.map_err(|error| format!("no valgrind: {error}"))).unwrap().is_some() {
+        let rows = rows(&["step", good.to_str().unwrap(), "--json"]);
+        let worst = rows.iter().find(|row| row["against"].as_str().unwrap().contains("worst"));
+        let worst = worst.unwrap_or_else(|| panic!("no worst tick in {rows:?}"));
+        assert!(worst["instructions"].as_u64().unwrap() > 100, "{worst}");
+        assert_eq!((&worst["volume"], &worst["size"]), (&"good".into(), &128.into()));
     }
 }

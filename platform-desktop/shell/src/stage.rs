@@ -114,24 +114,6 @@ where
         }
     }
 
-    /// Whether a trace was recorded from here.
-    ///
-    /// # Errors
-    /// [`Diverged`] where it was recorded on other start volumes or from another state.
-    pub fn fits(&self, trace: &Trace) -> Result<(), Diverged> {
-        let (recorded, here) = (trace.header(), self.header());
-        if recorded.size != here.size {
-            return Err(Diverged::Size { recorded: recorded.size, here: here.size });
-        }
-        if recorded.starts != here.starts {
-            return Err(Diverged::Starts { recorded: recorded.starts, here: here.starts });
-        }
-        if recorded.first != here.first {
-            return Err(Diverged::State { recorded: recorded.first, here: here.first });
-        }
-        Ok(())
-    }
-
     /// Plays a trace, and hands the world to `each` after every tick, with the tick's number.
     ///
     /// # Errors
@@ -142,7 +124,16 @@ where
         trace: &Trace,
         mut each: impl FnMut(usize, &World<N>),
     ) -> Result<(), Diverged> {
-        self.fits(trace)?;
+        let (recorded, here) = (trace.header(), self.header());
+        if recorded.size != here.size {
+            return Err(Diverged::Size { recorded: recorded.size, here: here.size });
+        }
+        if recorded.starts != here.starts {
+            return Err(Diverged::Starts { recorded: recorded.starts, here: here.starts });
+        }
+        if recorded.first != here.first {
+            return Err(Diverged::State { recorded: recorded.first, here: here.first });
+        }
         for (tick, record) in trace.records().enumerate() {
             self.tick(&record.input);
             for ((part, here), recorded) in self.world.part_digests().into_iter().zip(record.parts)

@@ -48,7 +48,9 @@ pub(super) fn counts(function: &str, what: &Path, folder: &Folder) -> Result<Vec
         .map_err(|e| format!("valgrind can't be started: {e}"))?;
     if !run.status.success() {
         let errors = String::from_utf8_lossy(&run.stderr);
-        return Err(format!("valgrind failed: {}", errors.lines().last().unwrap_or_default()));
+        // Its own lines begin so; the program's reason is the last of the others.
+        let why = errors.lines().rfind(|line| !line.starts_with("=="));
+        return Err(format!("valgrind failed: {}", why.unwrap_or_default()));
     }
     let file = fs::File::open(&dumps).map_err(|e| e.to_string())?;
     let counts: Vec<u64> = BufReader::new(file)

@@ -22,6 +22,7 @@ use paros_core::trace::Record;
 use paros_core::undo::Undo;
 use paros_core::volume::Volume;
 use paros_core::world::World;
+use paros_shell::durable;
 use paros_shell::figures::Figure;
 use paros_shell::rmap;
 use paros_shell::stage::{Stage, fresh};
@@ -58,25 +59,23 @@ pub(super) fn demo<const N: usize>() -> Result<Told, Error>
 where
     Grid<N>: Size + Resident<N>,
 {
-    let folder = Folder::new()?;
-    let trace = fresh::<N, _>(|mut stage| {
+    let bytes = fresh::<N, _>(|mut stage| {
         stage.record();
         demo::play(&mut stage, 0, &mut |_| ControlFlow::Continue(()), |_, _| {});
         stage.end_recording().unwrap_or_default()
     });
-    fs::write(folder.0.join(TRACE), trace).map_err(Error::failure)?;
-    session::<N>("demo", &folder)
+    let trace = Trace::decode(&bytes).map_err(|(_, bad)| Error::failure(bad.expected))?;
+    session::<N>("demo", &trace, &bytes)
 }
 
 /// Instructions of a tick of a recorded session.
 pub(super) fn recorded(path: &Path) -> Result<Told, Error> {
     let trace = Trace::read(path).map_err(Error::input)?;
-    let folder = Folder::new()?;
-    fs::copy(path, folder.0.join(TRACE)).map_err(Error::failure)?;
+    let bytes = durable::read(path).map_err(Error::input)?;
     let name = path.file_stem().unwrap_or_default().to_string_lossy();
     match trace.header().size {
-        256 => session::<256>(&name, &folder),
-        _ => session::<128>(&name, &folder),
+        256 => session::<256>(&name, &trace, &bytes),
+        _ => session::<128>(&name, &trace, &bytes),
     }
     .map_err(|error| match error {
         Error::Input(why) => Error::Input(format!("{}: {why}", path.display())),
@@ -105,16 +104,21 @@ where
     sizes.map(row).into()
 }
 
-/// Of the trace in the folder.
-fn session<const N: usize>(name: &str, folder: &Folder) -> Result<Told, Error>
+/// Of a trace, and its bytes.
+fn session<const N: usize>(name: &str, trace: &Trace, bytes: &[u8]) -> Result<Told, Error>
 where
     Grid<N>: Size + Resident<N>,
 {
-    let trace = Trace::read(&folder.0.join(TRACE)).map_err(Error::input)?;
+    fresh::<N, _>(|mut stage| stage.replay(trace, |_, _| {})).map_err(Error::input)?;
     let mut times = vec![f64::INFINITY; trace.records().len()];
     for _ in 0..RUNS {
-        fresh::<N, _>(|mut stage| best_times(&mut stage, &trace, &mut times))?;
+        fresh::<N, _>(|mut stage| best_times(&mut stage, trace, &mut times));
     }
+    if times.is_empty() {
+        return Ok((vec![], None));
+    }
+    let folder = Folder::new()?;
+    durable::write(&folder.0.join(TRACE), bytes)?;
     let chosen = chosen(&times);
     let starts = Grid::<N>::start_volumes();
     for figure in Figure::ALL {
@@ -125,8 +129,8 @@ where
     for tick in &chosen {
         let _ = writeln!(list, "{tick}");
     }
-    fs::write(folder.0.join(CHOSEN), list).map_err(Error::failure)?;
-    match counts(COUNTED_TICK, &folder.0, folder) {
+    durable::write(&folder.0.join(CHOSEN), list.as_bytes())?;
+    match counts(COUNTED_TICK, &folder.0, &folder) {
         Ok(counts) if counts.len() == chosen.len() => {
             let counted: Vec<_> = chosen.into_iter().zip(counts).collect();
             Ok((tick_rows::<N>(name, times.len(), &counted), None))
@@ -140,19 +144,13 @@ where
 }
 
 /// Plays a trace, and keeps each tick's milliseconds if they are the least so far.
-fn best_times<const N: usize>(
-    stage: &mut Stage<'_, N>,
-    trace: &Trace,
-    best: &mut [f64],
-) -> Result<(), Error>
+fn best_times<const N: usize>(stage: &mut Stage<'_, N>, trace: &Trace, best: &mut [f64])
 where
     Grid<N>: Size,
 {
-    stage.fits(trace).map_err(Error::input)?;
     for (best, record) in iter::zip(best, trace.records()) {
         stage.tick_within(&record.input, |step| *best = best.min(timed(step)));
     }
-    Ok(())
 }
 
 /// The slowest ticks and the sampled ones, in order.

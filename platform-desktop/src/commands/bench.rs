@@ -27,7 +27,7 @@ pub(super) struct Args {
     /// Rows as JSON.
     #[arg(long)]
     json: bool,
-    /// Runs of each side; the best counts [default: 21, and 9 of each frame].
+    /// Runs of each side; the best counts [default: 21, and 9 of each frame]. `step` takes 3 always.
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..))]
     runs: Option<u16>,
     /// Width and height in pixels of a frame.
