@@ -59,9 +59,10 @@ pub const fn mask_visits(n: usize) -> u32 {
     row_visits(n)
 }
 
-/// Steps of a quarter voxel that a bit walks at most in a tick, on its way and aside, where there is
-/// stone: 9.4 cm, or 6.7 m/s, which is beyond hands at work. A stretch of free ones counts as one.
-/// After a jump into stone it catches up in some ticks.
+/// Steps of a quarter voxel that a bit walks at most in a tick, on its way and aside: 7 cm along the
+/// stone, or 5 m/s, which is beyond hands at work. A stretch of free steps counts as one, so in the
+/// air it is a metre. After a jump the bit catches up in some ticks. How far a bit in the stone looks
+/// for the way out isn't counted.
 #[must_use]
 pub const fn walk_steps(n: usize) -> u32 {
     if n > 128 { 160 } else { 80 }

@@ -282,7 +282,7 @@ impl<const W: usize> Bits for Row<W> {
 
 impl<const W: usize> Row<W> {
     /// The bits below each place.
-    const BELOW: [[u64; W]; 257] = {
+    const BELOW: &[[u64; W]; 257] = &{
         let mut below = [[0; W]; 257];
         let mut place = 1;
         while place < below.len() {
