@@ -65,11 +65,14 @@ fn voxel(n: usize) -> f32 {
     BOX / n as f32 * 1e6
 }
 
+fn table_bit(number: u8, n: usize) -> GridBit {
+    Bit::from_number(number).expect("a bit of the table").on_grid(voxel(n))
+}
+
 /// Those of the table at both sizes, and others of any proportion.
 fn bits() -> impl Strategy<Value = GridBit> {
-    let table = (0..9u8, prop_oneof![Just(128), Just(256)]).prop_map(|(number, n)| {
-        Bit::from_number(number).expect("a bit of the table").on_grid(voxel(n))
-    });
+    let table =
+        (0..9u8, prop_oneof![Just(128), Just(256)]).prop_map(|(number, n)| table_bit(number, n));
     let balls = (1..6 * SUB, 0..1000).prop_map(|(radius, share)| GridBit {
         shape: GridShape::Ball(radius),
         bite: radius * share / 1000,
@@ -292,7 +295,7 @@ proptest! {
         let from = Pose { position: plate.middle - way * before, rotation: start };
         let to = Pose { position: plate.middle + way * after, rotation: end };
         for (number, n) in (0..9u8).flat_map(|number| [(number, 128), (number, 256)]) {
-            let bit = Bit::from_number(number).expect("a bit of the table").on_grid(voxel(n));
+            let bit = table_bit(number, n);
             if stone.contact(&bit, &from).overlap != 0 {
                 continue;
             }
@@ -322,7 +325,7 @@ fn a_buried_bit_can_only_come_out() {
     let mut stone = held(&STONE_64);
     stone.set(&Dense::from_fn(64, |[_, y, _]| y < 40), &Dense::new(64));
     for number in 0..9u8 {
-        let bit = Bit::from_number(number).expect("a bit of the table").on_grid(voxel(128));
+        let bit = table_bit(number, 128);
         let at = |y: f32| Pose { position: Vec3::new(32.0, y, 32.0), rotation: Quat::IDENTITY };
         let sits = stone.contact(&bit, &at(39.0)).depth;
         assert!(sits > bit.bite, "bit {number} is buried");
@@ -348,7 +351,7 @@ fn a_bit_comes_out_of_the_middle_of_a_block() {
     let mut stone = held(&STONE_64);
     stone.set(&Dense::from_fn(64, |[_, y, _]| y < 60), &Dense::new(64));
     for number in 0..9u8 {
-        let bit = Bit::from_number(number).expect("a bit of the table").on_grid(voxel(128));
+        let bit = table_bit(number, 128);
         let at = |y: f32| Pose { position: Vec3::new(32.0, y, 32.0), rotation: Quat::IDENTITY };
         let mut pose = at(20.0);
         for _ in 0..20 {

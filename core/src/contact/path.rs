@@ -8,6 +8,7 @@ use glam::{I64Vec3, IVec3};
 use super::Obstacle;
 use crate::brush::{Brush, centre};
 use crate::limits::DEEP_STEPS;
+use crate::maps::Maps;
 use crate::pose::{Pose, SUB};
 use crate::row::Bits;
 use crate::size::{Grid, Size};
@@ -99,18 +100,22 @@ where
     /// Whether a bit that isn't too deep can't be stopped between two poses of its path: nothing is
     /// there that would.
     fn is_free(&self, bit: &GridBit, from: &Pose, to: &Pose, limit: Limit) -> bool {
-        let clear = |level, mask| {
-            bit.swept_deeper_than(level, from, to).is_none_or(|brush| !self.touches(&brush, mask))
-        };
-        limit == Limit::usual(bit)
-            && clear(limit.volume, None)
-            && self.mask.is_none_or(|mask| clear(limit.mask, Some(mask)))
+        limit.is_usual(bit)
+            && self.is_clear(limit, |level, mask| {
+                let swept = bit.swept_deeper_than(level, from, to);
+                swept.is_some_and(|brush| self.touches(&brush, mask))
+            })
     }
 
     fn allows(&self, bit: &GridBit, pose: &Pose, limit: Limit) -> bool {
-        let clear =
-            |level, mask| bit.deeper_than(level, pose).is_none_or(|piece| !self.hits(&piece, mask));
-        clear(limit.volume, None) && self.mask.is_none_or(|mask| clear(limit.mask, Some(mask)))
+        self.is_clear(limit, |level, mask| {
+            bit.deeper_than(level, pose).is_some_and(|piece| self.hits(&piece, mask))
+        })
+    }
+
+    /// Whether what is deeper than the limits meets neither the volume nor, if there is one, the mask.
+    fn is_clear(&self, limit: Limit, meets: impl Fn(i32, Option<&Maps<N>>) -> bool) -> bool {
+        !meets(limit.volume, None) && self.mask.is_none_or(|mask| !meets(limit.mask, Some(mask)))
     }
 }
 
@@ -119,11 +124,10 @@ impl GridBit {
     /// of its path from one pose to another. `None` if there are none.
     #[must_use]
     pub fn swept_deeper_than(&self, level: i32, from: &Pose, to: &Pose) -> Option<Brush> {
-        match self.shape {
+        let shape = match self.shape {
             GridShape::Ball(radius) => {
-                let (a, b) = (from.fixed_position(), to.fixed_position());
                 let left = radius - level;
-                (left > 0).then(|| Brush::capsule(a, b, left + ROUNDING))
+                (left > 0).then_some(GridShape::Ball(left + ROUNDING))
             }
             GridShape::Box(half) => {
                 let left = half - IVec3::splat(level);
@@ -131,9 +135,10 @@ impl GridBit {
                 let turn = left.as_vec3().length() * from.angle_to(to);
                 let pieces = libm::ceilf(turn / SUB as f32).max(1.0);
                 let wider = ROUNDING + libm::ceilf(turn / pieces / 2.0) as i32;
-                (left.min_element() > 0).then(|| Brush::swept_box(left + wider, from, to))
+                (left.min_element() > 0).then_some(GridShape::Box(left + wider))
             }
-        }
+        };
+        Some(GridBit { shape: shape?, ..*self }.swept_brush(from, to))
     }
 }
 
@@ -159,20 +164,24 @@ impl Limit {
         Limit { volume: bit.bite, mask: 0 }
     }
 
+    fn is_usual(self, bit: &GridBit) -> bool {
+        self == Limit::usual(bit)
+    }
+
     /// The limit after a step: once a bit is too deep, every step measures anew.
     fn after(self, bit: &GridBit, measure: impl FnOnce() -> Limit) -> Limit {
-        if self == Limit::usual(bit) { self } else { measure() }
+        if self.is_usual(bit) { self } else { measure() }
     }
 
     /// The steps that the next one counts as: those of a bit that is too deep are dear.
     fn steps(self, bit: &GridBit) -> u32 {
-        if self == Limit::usual(bit) { 1 } else { DEEP_STEPS }
+        if self.is_usual(bit) { 1 } else { DEEP_STEPS }
     }
 
     /// Whether the bit's centre is too deep, and as near to a voxel's centre as only points in a
     /// voxel are.
     fn is_buried(self, bit: &GridBit) -> bool {
-        self != Limit::usual(bit) && self.volume > bit.inner_radius() - HALF_DIAGONAL
+        !self.is_usual(bit) && self.volume > bit.inner_radius() - HALF_DIAGONAL
     }
 }
 
