@@ -10,7 +10,7 @@ use paros_shell::require::require;
 
 use super::layered::{example, inject, log, nothing_is_violated};
 use super::monado::{Hand, Monado, Shell, Tree, wait_for};
-use super::{LEFT_REST, REST, RIGHT, eyes, take};
+use super::{RIGHT, hands_at_rest, take};
 
 /// The levels that were set, in their order.
 fn levels(monado: &Monado) -> Vec<String> {
@@ -23,10 +23,7 @@ fn heat_raises_foveation_between_strokes() {
     let Some(tree) = require(Tree::find()).unwrap() else { return };
     let Some(layer) = require(example("liblayer.so")).unwrap() else { return };
     let monado = Monado::start(&tree, "foveated");
-    let mut hands = monado.hands();
-    hands.look(&eyes());
-    hands.hold(0, LEFT_REST);
-    hands.hold(RIGHT, REST);
+    let mut hands = hands_at_rest(&monado);
     let mut shell = monado.mapped_shell(&layer, &["--foveation", "low"]);
     shell.until("a session", |said| said.field("session") == "Sculpting");
     let asked = log(&monado);

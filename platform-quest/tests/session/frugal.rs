@@ -11,7 +11,7 @@ use paros_shell::require::require;
 
 use super::layered::example;
 use super::monado::{Hand, Hands, Monado, Shell, Tree};
-use super::{LEFT_REST, REST, RIGHT, eyes, take};
+use super::{REST, RIGHT, hands_at_rest, take};
 
 /// Frames that may take memory, and those that are looked at.
 const FIRST: u64 = 100;
@@ -29,10 +29,7 @@ fn a_frame_takes_little_time_and_no_memory() {
     let Some(tree) = require(Tree::find()).unwrap() else { return };
     let Some(frugal) = require(example("frugal")).unwrap() else { return };
     let monado = Monado::start(&tree, "frugal");
-    let mut hands = monado.hands();
-    hands.look(&eyes());
-    hands.hold(0, LEFT_REST);
-    hands.hold(RIGHT, REST);
+    let mut hands = hands_at_rest(&monado);
     let mut shell = monado.shell_of(&frugal, &["files", &FRAMES.to_string()]);
     shell.until("a session", |said| said.field("session") == "Sculpting");
     take(&mut hands, &mut shell, Tool::Rotary);

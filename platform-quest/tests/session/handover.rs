@@ -12,7 +12,7 @@ use paros_shell::rmap;
 
 use super::layered::{example, inject, log, nothing_is_violated};
 use super::monado::{Monado, Tree, wait_for};
-use super::{LEFT_REST, REST, RIGHT, carve, eyes, take};
+use super::{carve, hands_at_rest, take};
 
 /// How long the headset is off for the next one to be another visitor; here, at least.
 const HANDOVER: Duration = Duration::from_secs(4);
@@ -22,10 +22,7 @@ fn another_visitor_finds_a_new_stone_and_the_last_ones_sculpture_is_kept() {
     let Some(tree) = require(Tree::find()).unwrap() else { return };
     let Some(layer) = require(example("liblayer.so")).unwrap() else { return };
     let monado = Monado::start(&tree, "handover");
-    let mut hands = monado.hands();
-    hands.look(&eyes());
-    hands.hold(0, LEFT_REST);
-    hands.hold(RIGHT, REST);
+    let mut hands = hands_at_rest(&monado);
     let seconds = HANDOVER.as_secs().to_string();
     let mut shell = monado.layered_shell(&layer, &["--handover", &seconds]);
     let whole = shell.until("a session", |said| said.field("session") == "Sculpting");

@@ -8,7 +8,7 @@ use paros_core::tools::Tool;
 use paros_shell::require::require;
 
 use super::monado::{Monado, Shell, Tree, wait_for};
-use super::{LEFT_REST, REST, RIGHT, carve, eyes, take};
+use super::{REST, RIGHT, carve, hands_at_rest, take};
 
 /// The layer, or the program that counts, which `cargo test` builds as examples.
 pub(crate) fn example(name: &str) -> Result<PathBuf, String> {
@@ -45,10 +45,7 @@ fn hands_feel_the_stone_and_losses_lose_nothing() {
     let Some(tree) = require(Tree::find()).unwrap() else { return };
     let Some(layer) = require(example("liblayer.so")).unwrap() else { return };
     let monado = Monado::start(&tree, "layered");
-    let mut hands = monado.hands();
-    hands.look(&eyes());
-    hands.hold(0, LEFT_REST);
-    hands.hold(RIGHT, REST);
+    let mut hands = hands_at_rest(&monado);
     let mut shell = monado.layered_shell(&layer, &["--depth"]);
     shell.until("focus", |said| said.field("life") == "focused");
     shell.until("a session", |said| said.field("session") == "Sculpting");

@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
 use glam::{Quat, Vec3, Vec4Swizzles};
-use monado::{Hand, Monado, Shell, Tree};
+use monado::{Hand, Hands, Monado, Shell, Tree};
 use paros_core::frame::STOOL;
 use paros_core::input::METRE;
 use paros_core::size::Grid;
@@ -32,6 +32,15 @@ const RIGHT: usize = 1;
 /// Hands out of the way of the pictures.
 const REST: Hand = Hand::at(0.35, 0.75, 0.0);
 const LEFT_REST: Hand = Hand::at(-0.35, 0.75, 0.0);
+
+/// A visitor's, before anything is done.
+fn hands_at_rest(monado: &Monado) -> Hands {
+    let mut hands = monado.hands();
+    hands.look(&eyes());
+    hands.hold(0, LEFT_REST);
+    hands.hold(RIGHT, REST);
+    hands
+}
 
 /// A visitor before the stone, who looks down at it.
 fn eyes() -> [Eye; 2] {
@@ -111,10 +120,7 @@ fn pixel_of(eye: &Eye, point: Vec3, path: &Path) -> [f32; 2] {
 fn a_scripted_hand_takes_a_tool_and_carves() {
     let Some(tree) = require(Tree::find()).unwrap() else { return };
     let monado = Monado::start(&tree, "carves");
-    let mut hands = monado.hands();
-    hands.look(&eyes());
-    hands.hold(0, LEFT_REST);
-    hands.hold(RIGHT, REST);
+    let mut hands = hands_at_rest(&monado);
     let mut shell = monado.shell(&["--record", "live.trace"]);
     shell.until("focus", |said| said.field("life") == "focused");
     shell.until("a session", |said| said.field("session") == "Sculpting");
@@ -211,10 +217,7 @@ fn replays_alike(folder: &Path) {
 fn a_killed_shell_goes_on_where_it_was() {
     let Some(tree) = require(Tree::find()).unwrap() else { return };
     let monado = Monado::start(&tree, "killed");
-    let mut hands = monado.hands();
-    hands.look(&eyes());
-    hands.hold(0, LEFT_REST);
-    hands.hold(RIGHT, REST);
+    let mut hands = hands_at_rest(&monado);
     let mut shell = monado.shell(&[]);
     shell.until("a session", |said| said.field("session") == "Sculpting");
     take(&mut hands, &mut shell, Tool::Rotary);

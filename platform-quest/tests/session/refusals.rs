@@ -11,7 +11,7 @@ use paros_shell::statics::Resident;
 
 use super::layered::{example, log};
 use super::monado::{Monado, Shell, Tree};
-use super::{LEFT_REST, REST, RIGHT, carve, eyes, take};
+use super::{carve, hands_at_rest, take};
 
 /// What is refused from the start: the functions, and what the last line says.
 const REFUSALS: [(&str, [&str; 2]); 3] = [
@@ -64,10 +64,7 @@ fn what_is_refused_is_said_and_loses_nothing() {
 /// The compositor takes no picture any more: the shell tries anew, and gives up after a while. The
 /// sculpture that it leaves.
 fn a_frame_is_refused_in_the_midst(monado: &Monado, layer: &Path) -> (u64, u64, u64) {
-    let mut hands = monado.hands();
-    hands.look(&eyes());
-    hands.hold(0, LEFT_REST);
-    hands.hold(RIGHT, REST);
+    let mut hands = hands_at_rest(monado);
     let mut shell = monado.layered_shell(layer, &[]);
     shell.until("a session", |said| said.field("session") == "Sculpting");
     take(&mut hands, &mut shell, Tool::Rotary);
