@@ -214,9 +214,11 @@ pub fn maps_digest<const N: usize>(maps: &Maps<N>) -> u64 {
     let mut sum = 0u64;
     for axis in Axis::ALL {
         for line in 0..N {
-            for (place, column) in maps.line(axis, line).iter().enumerate() {
-                sum = sum.wrapping_add(column_digest(axis, (line, place), *column));
-            }
+            let keyed = maps.line(axis, line).iter().zip(&KEYS);
+            let of_line = keyed.fold(0u64, |sum, (column, key)| {
+                sum.wrapping_add(key.wrapping_mul(column_number(*column)))
+            });
+            sum = sum.wrapping_add(of_line.wrapping_mul(line_key(axis, line)));
         }
     }
     sum
