@@ -204,7 +204,7 @@ where
         };
         // A rasp that flies farther than the scratch remembers smooths where it lands.
         let report = go(grid_bit.swept_brush(from, to))
-            .or_else(|_| go(grid_bit.brush(to)))
+            .or_else(|_| go(grid_bit.piece(to).into()))
             .unwrap_or_default();
         self.dirty.close();
         if report.changed() {

@@ -7,7 +7,6 @@ use paros_core::events::Event;
 use paros_core::frame::{BOX, STOOL};
 use paros_core::input::{HandInput, Input, Mode, Pointer, RawPose, TICK_RATE};
 use paros_core::pose::Pose;
-use paros_core::row::Bits;
 use paros_core::tools::{Bit, Tool};
 use paros_core::workbench::{BENCH_TOP, Item, Place};
 use paros_tests::models::dense::Dense;
@@ -194,12 +193,13 @@ fn a_tool_at_rest_carves_the_turning_stone() {
 /// What a tick removes lies within the bit as it is now, not on the way there.
 fn assert_no_sweep(studio: &Studio<64>, hand: usize, bit: Bit, before: &Dense, what: &str) {
     let grid = bit.on_grid(studio.world.frame().voxel() * 1e6);
-    let brush = grid.brush(&studio.world.hand(hand).frozen);
+    let piece = grid.piece(&studio.world.hand(hand).frozen);
     let gone = before.without(&voxels(studio));
     assert!(!gone.is_empty(), "{what}: nothing carved");
     for voxel in gone.occupied() {
         let [x, y, z] = voxel.map(|i| i as usize);
-        assert!(brush.row::<64>(y, z).contains(x), "{what}: {voxel:?} was swept");
+        let is_now = piece.span(y, z, 64).is_some_and(|(lo, hi)| (lo..=hi).contains(&x));
+        assert!(is_now, "{what}: {voxel:?} was swept");
     }
 }
 

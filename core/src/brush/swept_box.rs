@@ -11,14 +11,22 @@ use crate::pose::{Pose, SUB, UNIT};
 pub struct SweptBox {
     /// Twice the middle of the path, in fixed point.
     pub middle: IVec3,
-    /// Normals and extents: three faces of the box, three that the sweep adds.
+    /// Normals, none of which points to lower x, and extents: three faces of the box, three that
+    /// the sweep adds.
     pub planes: [([i64; 3], i64); 6],
     /// Half extents along the grid's axes, in fixed point, rounded up.
     pub reach: IVec3,
-    /// The box's three edges and the path, in fixed point: sums of up to so much of each, forward
-    /// or back, are all of `2p - middle`, but for `slack` either way.
-    edges: [[i64; 3]; 4],
-    slack: i64,
+    /// The sides of its shadow along x: those that the three edges and the path draw.
+    sides: [Side; 4],
+    is_still: bool,
+}
+
+/// A pair of sides of a shadow: the points `(y, z)` with `|up * z - slope * y| <= extent`.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+struct Side {
+    up: i64,
+    slope: i64,
+    extent: i64,
 }
 
 impl SweptBox {
@@ -39,12 +47,17 @@ impl SweptBox {
             let along: i64 = (0..3).map(|i| axis[i] * travel[i]).sum();
             (along + unit / 2).div_euclid(unit)
         });
-        let face = |i: usize| (axes[i], (doubled[i] + w[i].abs()) * unit);
+        let rightward = |normal: [i64; 3]| match normal[0] < 0 {
+            true => normal.map(|c| -c),
+            false => normal,
+        };
+        let face = |i: usize| (rightward(axes[i]), (doubled[i] + w[i].abs()) * unit);
         let swept = |i: usize, j: usize| {
             let normal = core::array::from_fn(|k| axes[i][k] * w[j] - axes[j][k] * w[i]);
-            (normal, (doubled[i] * w[j].abs() + doubled[j] * w[i].abs()) * unit)
+            (rightward(normal), (doubled[i] * w[j].abs() + doubled[j] * w[i].abs()) * unit)
         };
         let edge = |i: usize| axes[i].map(|c| c * doubled[i] / unit);
+        // Sums of up to so much of each, forward or back, are all of `2p - middle`, but for `slack`.
         let edges = [edge(0), edge(1), edge(2), travel];
         // Rounding an axis tilts it by up to a part in 2^15, which counts as far as the box reaches.
         let size: i64 = doubled.iter().chain(&travel).map(|l| l.abs()).sum();
@@ -57,55 +70,88 @@ impl SweptBox {
             middle: start + end,
             planes: [face(0), face(1), face(2), swept(0, 1), swept(0, 2), swept(1, 2)],
             reach: IVec3::from_array(reach),
-            edges,
-            slack,
+            sides: edges.map(|edge| Side::new(edge, &edges, slack)),
+            is_still: start == end,
         }
     }
 
-    /// The shadow of the box along x is a polygon whose sides run along the edges' shadows.
-    pub(super) fn rows(&self, y: i64, n: usize) -> Option<(usize, usize)> {
+    /// Its part in the rows at `y` (fixed point).
+    #[inline]
+    pub(super) fn layer(&self, y: i64) -> BoxLayer<'_> {
         let at = 2 * y - i64::from(self.middle.y);
-        let [_, reach, reach_z] = self.reach.to_array().map(i64::from);
-        if at.abs() > 2 * reach {
+        let first = 2 * centre(0) - i64::from(self.middle.x);
+        BoxLayer {
+            swept: self,
+            at,
+            planes: self.planes.map(|(normal, _)| normal[0] * first + normal[1] * at),
+        }
+    }
+}
+
+impl Side {
+    fn new(edge: [i64; 3], edges: &[[i64; 3]; 4], slack: i64) -> Self {
+        let [_, up, slope] = edge.map(|c| c * edge[1].signum());
+        let across = |edge: &[i64; 3]| (up * edge[2] - slope * edge[1]).abs();
+        let extent = edges.iter().map(across).sum::<i64>() + (up + slope.abs()) * slack;
+        Side { up, slope, extent }
+    }
+}
+
+/// The rows of a [`SweptBox`] at one y.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct BoxLayer<'a> {
+    swept: &'a SweptBox,
+    /// Twice its y, from the middle.
+    at: i64,
+    /// The planes at voxel 0 of the row through the middle.
+    planes: [i64; 6],
+}
+
+impl BoxLayer<'_> {
+    /// The shadow of the box along x is a polygon whose sides run along the edges' shadows.
+    #[inline]
+    pub(super) fn rows(&self, n: usize) -> Option<(usize, usize)> {
+        let [_, reach, reach_z] = self.swept.reach.to_array().map(i64::from);
+        if self.at.abs() > 2 * reach {
             return None;
         }
         let (mut lo, mut hi) = (-2 * reach_z, 2 * reach_z);
-        for side in self.edges {
-            if side[1] == 0 {
-                continue;
+        for side in &self.swept.sides {
+            if side.up != 0 {
+                let at = side.slope * self.at;
+                lo = lo.max((at - side.extent).div_euclid(side.up));
+                hi = hi.min((at + side.extent).div_euclid(side.up) + 1);
             }
-            // Of this sign, the side's shadow runs up.
-            let [_, sy, sz] = side.map(|c| c * side[1].signum());
-            let across = |edge: &[i64; 3]| (sy * edge[2] - sz * edge[1]).abs();
-            let extent: i64 =
-                self.edges.iter().map(across).sum::<i64>() + (sy + sz.abs()) * self.slack;
-            lo = lo.max((sz * at - extent).div_euclid(sy));
-            hi = hi.min((sz * at + extent).div_euclid(sy) + 1);
         }
-        let middle = i64::from(self.middle.z);
+        let middle = i64::from(self.swept.middle.z);
         voxels_between((middle + lo).div_euclid(2), (middle + hi).div_euclid(2) + 1, n)
     }
 
-    pub(super) fn span(&self, y: i64, z: i64, n: usize) -> Option<(usize, usize)> {
-        let step = 2 * i64::from(SUB);
-        let first = 2 * centre(0) - i64::from(self.middle.x);
-        let (y, z) = (2 * y - i64::from(self.middle.y), 2 * z - i64::from(self.middle.z));
+    /// The voxels of its row at `z`: each plane's pair cuts off what is beyond them, and divides
+    /// only if that is more than the others did.
+    #[inline]
+    pub(super) fn span(&self, z: i64, n: usize) -> Option<(usize, usize)> {
+        let z = 2 * z - i64::from(self.swept.middle.z);
         let (mut lo, mut hi) = (0, n as i64 - 1);
         // Where nothing moves, the sweep adds no faces.
-        let faces = if self.edges[3] == [0; 3] { 3 } else { 6 };
-        for (normal, extent) in &self.planes[..faces] {
-            let at_zero = normal[0] * first + normal[1] * y + normal[2] * z;
-            let slope = normal[0] * step;
-            if slope == 0 {
-                if at_zero.abs() > *extent {
+        let faces = if self.swept.is_still { 3 } else { 6 };
+        for ((normal, extent), at) in self.swept.planes.iter().zip(self.planes).take(faces) {
+            let at = at + normal[2] * z;
+            let slope = normal[0] * 2 * i64::from(SUB);
+            // The voxels with |at + slope * x| <= extent; the slope isn't negative.
+            let (below, above) = (-extent - at, extent - at);
+            if above < slope * hi {
+                if above < 0 {
                     return None;
                 }
-                continue;
+                hi = above / slope;
             }
-            let at_zero = if slope < 0 { -at_zero } else { at_zero };
-            let slope = slope.abs();
-            lo = lo.max(-(extent + at_zero).div_euclid(slope));
-            hi = hi.min((extent - at_zero).div_euclid(slope));
+            if below > slope * lo {
+                if slope == 0 {
+                    return None;
+                }
+                lo = (below + slope - 1) / slope;
+            }
             if lo > hi {
                 return None;
             }

@@ -89,10 +89,10 @@ impl GridBit {
 
     /// The bit itself at a pose, boundary included.
     #[must_use]
-    pub fn brush(&self, pose: &Pose) -> Brush {
+    pub fn piece(&self, pose: &Pose) -> Piece {
         match self.shape {
-            GridShape::Ball(radius) => Brush::sphere(pose.fixed_position(), radius),
-            GridShape::Box(half) => Brush::oriented_box(half, pose),
+            GridShape::Ball(radius) => Piece::sphere(pose.fixed_position(), radius),
+            GridShape::Box(half) => Piece::oriented_box(half, pose),
         }
     }
 
@@ -144,7 +144,7 @@ where
             on_mask: self.near_mask(bit, pose),
         };
         let mut normal = IVec3::ZERO;
-        self.each_row(&bit.brush(pose), |y, z, inside| {
+        self.each_row(&bit.piece(pose), |y, z, inside| {
             contact.overlap += inside.count();
             normal += self.empty_directions(y, z, inside);
             for x in inside.ones() {

@@ -87,7 +87,7 @@ where
         mut each: impl FnMut(I64Vec3, i32, bool),
     ) {
         let (position, axes) = (pose.fixed_position().as_i64vec3(), pose.fixed_axes());
-        self.each_row(&bit.brush(pose), |y, z, inside| {
+        self.each_row(&bit.piece(pose), |y, z, inside| {
             let held = self.mask.map(|mask| mask.row_among((y, z), inside));
             for x in inside.ones() {
                 let p = I64Vec3::new(centre(x), centre(y), centre(z)) - position;

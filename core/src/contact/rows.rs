@@ -5,7 +5,7 @@ use core::iter;
 use glam::IVec3;
 
 use super::Obstacle;
-use crate::brush::{Bounds, Brush, Piece};
+use crate::brush::{Bounds, Brush, Layer, Piece};
 use crate::maps::{Axis, Maps};
 use crate::pose::{Pose, SUB};
 use crate::row::Bits;
@@ -38,55 +38,63 @@ where
         let (first_word, words) = (lo[0] / 64, lo[0] / 64 + 1..hi[0] / 64 + 1);
         let is_near = |row: &<Grid<N> as Size>::Row, i: usize| row.word(i) & within.word(i) != 0;
         (lo[1]..hi[1] + 1).any(|y| {
-            let Some((first, last)) = piece.rows(y, N) else {
+            let layer = piece.layer(y);
+            let ball = ball.as_ref().map(|ball| ball.layer(y));
+            let Some((first, last)) = layer.rows(N) else {
                 return false;
             };
             let rows = &self.rows.layer(y)[first..last + 1];
             iter::zip(first.., rows).any(|(z, row)| {
                 // Most rows end here.
                 (is_near(row, first_word) || words.clone().any(|i| is_near(row, i)))
-                    && self.row_hits((piece, &ball), (y, z), *row & within, mask)
+                    && self.row_hits((&layer, ball.as_ref()), (y, z), *row & within, mask)
             })
         })
     }
 
     fn row_hits(
         &self,
-        (piece, ball): (&Piece, &Option<Piece>),
+        (layer, ball): (&Layer<'_>, Option<&Layer<'_>>),
         (y, z): (usize, usize),
         near: <Grid<N> as Size>::Row,
         mask: Option<&Maps<N>>,
     ) -> bool {
         let near = mask.map_or(near, |mask| near & mask.column(Axis::X, (y, z)).row());
-        let within = |near: <Grid<N> as Size>::Row, piece: &Piece| match near.is_empty() {
+        let within = |near: <Grid<N> as Size>::Row, layer: &Layer<'_>| match near.is_empty() {
             true => near,
-            false => piece
-                .span(y, z, N)
+            false => layer
+                .span(z, N)
                 .map_or(<Grid<N> as Size>::Row::EMPTY, |(lo, hi)| near & Bits::span(lo, hi)),
         };
-        let inside = within(ball.as_ref().map_or(near, |ball| within(near, ball)), piece);
+        let inside = within(ball.map_or(near, |ball| within(near, ball)), layer);
         !inside.is_empty() && mask.is_none_or(|mask| !mask.row_among((y, z), inside).is_empty())
     }
 
-    /// Calls `each` with the occupied voxels of a brush, row by row.
+    /// Calls `each` with the occupied voxels of a piece, row by row.
     pub(super) fn each_row(
         &self,
-        brush: &Brush,
+        piece: &Piece,
         mut each: impl FnMut(usize, usize, <Grid<N> as Size>::Row),
     ) {
-        let Some(bounds) = brush.bounds(N) else {
+        let Some(Bounds { lo, hi }) = piece.bounds(N) else {
             return;
         };
-        let within: <Grid<N> as Size>::Row = Bits::span(bounds.lo[0], bounds.hi[0]);
-        for y in bounds.lo[1]..=bounds.hi[1] {
-            for z in bounds.lo[2]..=bounds.hi[2] {
-                let near = self.rows.row(y, z) & within;
+        let within: <Grid<N> as Size>::Row = Bits::span(lo[0], hi[0]);
+        for y in lo[1]..hi[1] + 1 {
+            let layer = piece.layer(y);
+            let Some((first, last)) = layer.rows(N) else {
+                continue;
+            };
+            for (z, row) in iter::zip(first.., &self.rows.layer(y)[first..last + 1]) {
+                let near = *row & within;
                 if near.is_empty() {
                     continue;
                 }
-                let inside = near & brush.row::<N>(y, z);
-                if !inside.is_empty() {
-                    each(y, z, inside);
+                if let Some((lo, hi)) = layer.span(z, N) {
+                    let inside = near & Bits::span(lo, hi);
+                    if !inside.is_empty() {
+                        each(y, z, inside);
+                    }
                 }
             }
         }
