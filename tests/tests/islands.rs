@@ -238,6 +238,20 @@ proptest! {
     }
 }
 
+/// Laying out the mask is a tick's work, so a search that is short without one takes a second tick;
+/// where only the ground is there, it is short indeed.
+#[test]
+fn the_mask_takes_a_tick() {
+    let mut bench = AT_REST_16.lock().unwrap_or_else(|e| e.into_inner());
+    for height in [1, 4] {
+        let floor = Dense::from_fn(16, |[_, y, _]| y < height);
+        for (mask, ticks) in [(Dense::new(16), 1), (floor.clone(), 2)] {
+            bench.set(&floor, &mask);
+            assert_eq!(bench.run(row_visits(16)).unwrap().1, ticks, "{height} high");
+        }
+    }
+}
+
 /// A block that floats in a well: columns along x and z hold all of it, too much to ask for voxel
 /// by voxel, but none along y.
 #[test]

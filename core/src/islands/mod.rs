@@ -143,7 +143,8 @@ where
         journal: &mut impl Journal<N>,
     ) -> Option<IslandReport> {
         let mut budget = budget;
-        if self.phase == Phase::Idle {
+        let begins = self.phase == Phase::Idle;
+        if begins {
             if !self.pending {
                 return None;
             }
@@ -156,7 +157,7 @@ where
                 budget = budget.saturating_sub(mask_visits(N));
             }
         }
-        let waited = self.layers.is_empty();
+        let waited = !begins && self.layers.is_empty();
         let left = self.sweep(volume.rows(), budget);
         if !self.layers.is_empty() || (left < removal_visits(N) && !waited) {
             return None;
