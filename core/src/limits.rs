@@ -3,8 +3,8 @@
 /// Intervals a column holds. One expresses every shape without hidden cavities (section 3.2).
 pub const LAYERS: usize = 1;
 
-/// Convex pieces of a brush. A swept box takes one for each voxel that its corner turns; half a
-/// turn of the largest bit's corner (30 voxels, at 256) is 95.
+/// Convex pieces of a brush. A swept box takes one for each voxel that its corner turns, and one more:
+/// half a turn of the largest bit's corner (21.3 voxels, at 256) is 68, of one of 30 voxels 96.
 pub const SWEEP_PIECES: usize = 96;
 
 /// The deepest shell an edit may reach in a tick, in six-neighbour steps. Four layers of rows are
@@ -61,15 +61,22 @@ pub const fn mask_visits(n: usize) -> u32 {
 
 /// Steps of a quarter voxel that a bit walks at most in a tick, on its way and aside: 7 cm along the
 /// stone, or 5 m/s, which is beyond hands at work. A stretch of free steps counts as one, so in the
-/// air it is a metre. After a jump the bit catches up in some ticks. How far a bit in the stone looks
-/// for the way out isn't counted.
+/// air it is a metre. After a jump the bit catches up in some ticks.
 #[must_use]
 pub const fn walk_steps(n: usize) -> u32 {
     if n > 128 { 160 } else { 80 }
 }
 
+/// Steps of both hands in a tick beyond which the islands wait for the next: 21 mm along the stone at
+/// 128, or 1.5 m/s, and half as much at 256. Hands at work are slower.
+pub const LONG_WAY: u32 = 24;
+
 /// Steps that one of a bit which is too deep, as an undo may leave it, counts as: each measures anew.
 pub const DEEP_STEPS: u32 = 4;
+
+/// Places on the rest of its way where a bit in the stone looks for the way out, each time it is
+/// stopped: every step of the usual way, and more than one for each voxel of a fast one.
+pub const LOOKS: u32 = 32;
 
 /// Row visits that removing islands is held to be worth. With fewer left the next tick does it.
 #[must_use]

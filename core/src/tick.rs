@@ -1,6 +1,6 @@
 //! What a tick does, part by part, in the order in which [`World::step`] calls it.
 
-use crate::contact::Obstacle;
+use crate::contact::{Frozen, Obstacle};
 use crate::dirty::Dirty;
 use crate::edit::{Edit, EditReport, Operation, apply};
 use crate::events::Event;
@@ -152,13 +152,14 @@ where
     }
 
     /// Contact, and the edit where the tool runs.
-    pub(crate) fn sculpt(&mut self, hand: usize, did: Did) {
+    /// Moves the held tool and edits with it; returns the steps that its bit walked.
+    pub(crate) fn sculpt(&mut self, hand: usize, did: Did) -> u32 {
         let Some((tool, bit)) = self.held(hand) else {
-            return;
+            return 0;
         };
         let mut state = self.state.hands[hand];
         if !state.tracked || self.state.session != Session::Sculpting {
-            return;
+            return 0;
         }
         let frame = self.frame();
         let grid_bit = bit.on_grid(frame.voxel() * 1e6);
@@ -167,7 +168,7 @@ where
         let last = if state.bound { state.frozen } else { raw };
         let mask = self.state.masked.then_some(&self.mask);
         let obstacle = Obstacle { rows: self.volume.rows(), mask };
-        let frozen = obstacle.freeze(&grid_bit, &last, &raw).pose;
+        let Frozen { pose: frozen, steps, .. } = obstacle.freeze(&grid_bit, &last, &raw);
         let contact = obstacle.contact(&grid_bit, &frozen);
         let moved = if state.bound { (raw.position - state.raw.position).length() } else { 0.0 };
         let speed = (moved * frame.voxel() * 1e6).min(1e6) as u32;
@@ -185,6 +186,7 @@ where
         if state.trigger && state.phase.is_multiple_of(u16::from(bit.data().period)) {
             self.edit(hand, bit, &from, &frozen);
         }
+        steps
     }
 
     fn edit(&mut self, hand: usize, bit: Bit, from: &Pose, to: &Pose) {

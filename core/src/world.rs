@@ -14,7 +14,7 @@ use crate::frame::Frame;
 use crate::hand::Hand;
 use crate::input::{Input, Mode};
 use crate::islands::Islands;
-use crate::limits::EVENTS;
+use crate::limits::{EVENTS, LONG_WAY};
 use crate::maps::Maps;
 use crate::size::{Grid, Size};
 use crate::state::State;
@@ -108,11 +108,12 @@ where
             for (hand, did) in did.into_iter().enumerate() {
                 self.reach(hand, did);
             }
+            let mut steps = 0;
             for (hand, did) in did.into_iter().enumerate() {
-                self.sculpt(hand, did);
+                steps += self.sculpt(hand, did);
             }
-            // To lay out the volume anew is a tick's work: the islands wait.
-            if !rewound {
+            // To lay out the volume anew is a tick's work, and so are long ways: the islands wait.
+            if !rewound && steps <= LONG_WAY {
                 self.clear_islands();
             }
         }

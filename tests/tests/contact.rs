@@ -3,9 +3,9 @@
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use glam::{IVec3, Quat, Vec3};
-use paros_core::contact::{Contact, Frozen, Obstacle};
+use paros_core::contact::{Contact, Frozen, Obstacle, looks};
 use paros_core::frame::BOX;
-use paros_core::limits::{DEEP_STEPS, walk_steps};
+use paros_core::limits::{DEEP_STEPS, LOOKS, walk_steps};
 use paros_core::maps::Maps;
 use paros_core::plane::Plane;
 use paros_core::pose::{Pose, SUB};
@@ -55,6 +55,8 @@ where
 
 static STONE_16: Mutex<Stone<16>> = Mutex::new(Stone::new());
 static STONE_64: Mutex<Stone<64>> = Mutex::new(Stone::new());
+static STONE_128: Mutex<Stone<128>> = Mutex::new(Stone::new());
+static STONE_256: Mutex<Stone<256>> = Mutex::new(Stone::new());
 
 fn held<T>(stone: &'static Mutex<T>) -> MutexGuard<'static, T> {
     stone.lock().unwrap_or_else(PoisonError::into_inner)
@@ -147,9 +149,7 @@ fn freeze_follows_the_walk(
     let (before, after) = (block.depths(bit, from), block.depths(bit, &frozen.pose));
     prop_assert!(after.volume <= bit.bite.max(before.volume), "{before:?} -> {after:?}");
     prop_assert!(after.mask <= before.mask, "{before:?} -> {after:?}");
-    let steps = path(bit, from, raw).count() as u32;
-    let is_walked = steps <= walk_steps(16) / DEEP_STEPS;
-    if is_walked && !frozen.blocked {
+    if !frozen.blocked && frozen.steps < walk_steps(16) {
         prop_assert_eq!(frozen.pose, *raw);
     }
     Ok(frozen)
@@ -331,11 +331,11 @@ fn a_buried_bit_can_only_come_out() {
         assert!(sits > bit.bite, "bit {number} is buried");
         let down = stone.freeze(&bit, &at(39.0), &at(20.0));
         assert!(stone.contact(&bit, &down.pose).depth <= sits, "bit {number}: {down:?}");
-        let mut up = Frozen { pose: at(39.0), blocked: false };
+        let mut up = Frozen { pose: at(39.0), blocked: false, steps: 0 };
         for _ in 0..21 * 4 * DEEP_STEPS / walk_steps(64) + 1 {
             up = stone.freeze(&bit, &up.pose, &at(60.0));
         }
-        assert_eq!(up, Frozen { pose: at(60.0), blocked: false }, "bit {number}");
+        assert_eq!((up.pose, up.blocked), (at(60.0), false), "bit {number}");
         // Half way out counts: what was gained is not given back.
         let half = stone.freeze(&bit, &at(39.0), &at(41.0)).pose;
         let again = stone.freeze(&bit, &half, &at(39.0)).pose;
@@ -376,4 +376,48 @@ fn a_blocked_bit_slides() {
     let position = frozen.pose.position;
     assert!(frozen.blocked && (position.x - 40.0).abs() < 0.3, "{position}");
     assert!((position.y - rest).abs() < 0.8, "{position}, {rest}");
+}
+
+/// Along a floor every step is taken singly; in the air sixteen of them count as one.
+fn a_tick_goes_so_far<const N: usize>(stone: &'static Mutex<Stone<N>>)
+where
+    Grid<N>: Size,
+{
+    let mut stone = held(stone);
+    stone.set(&Dense::from_fn(N, |[_, y, _]| y < 20), &Dense::new(N));
+    let bit = Bit::MediumBall.on_grid(voxel(N));
+    let rest = 19.53 + (bit.inner_radius() - bit.bite) as f32 / SUB as f32;
+    let at = |x: f32, y: f32| Pose { position: Vec3::new(x, y, 40.5), rotation: Quat::IDENTITY };
+    let walked = |y: f32, to: f32| {
+        let frozen = stone.freeze(&bit, &at(20.0, y), &at(to, y));
+        assert!(!frozen.blocked && frozen.steps == walk_steps(N), "{frozen:?}");
+        frozen.pose.position.x - 20.0
+    };
+    let far = walk_steps(N) as f32 / 4.0;
+    assert!((walked(rest, 120.0) - far).abs() < 0.1);
+    assert!((walked(60.0, 1e4) - 16.0 * far).abs() < 1.0);
+}
+
+#[test]
+fn a_tick_goes_so_far_at_128() {
+    a_tick_goes_so_far::<128>(&STONE_128);
+}
+
+#[test]
+fn a_tick_goes_so_far_at_256() {
+    a_tick_goes_so_far::<256>(&STONE_256);
+}
+
+#[test]
+fn looks_are_spread_over_the_rest_of_the_way() {
+    for steps in 1..200 {
+        for i in 0..steps + 1 {
+            let looks: Vec<u32> = looks(i, steps).collect();
+            let ways: Vec<u32> = [i].iter().chain(&looks).zip(&looks).map(|(a, b)| b - a).collect();
+            assert_eq!(looks.len() as u32, LOOKS.min(steps - i));
+            assert_eq!(ways.iter().sum::<u32>(), steps - i);
+            let widest = ways.iter().max().copied().unwrap_or(1);
+            assert!(ways.iter().all(|way| (1..=widest).contains(way) && widest - way <= 1));
+        }
+    }
 }

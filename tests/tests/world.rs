@@ -8,8 +8,9 @@ use paros_core::contact::Obstacle;
 use paros_core::events::Event;
 use paros_core::frame::STOOL;
 use paros_core::input::{HandInput, Input, Mode, Pointer, buttons, commands};
+use paros_core::limits::LONG_WAY;
 use paros_core::maps::{Axis, Maps};
-use paros_core::pose::Pose;
+use paros_core::pose::{Pose, SUB};
 use paros_core::tools::{Action, Bit, Tool};
 use paros_core::volume::maps_digest;
 use paros_core::workbench::{Item, Place};
@@ -121,6 +122,52 @@ fn a_stroke_is_one_entry_with_the_islands_it_cut_off() {
     }
     studio.step(&Input { commands: commands::REDO, ..Input::default() });
     assert_eq!(studio.world.events(), []);
+}
+
+/// An island that hangs in the air at 64: a floor, and a block high above it.
+fn hovering([x, y, z]: [usize; 3]) -> bool {
+    y < 10 || (30..36).contains(&y) && (28..36).contains(&x) && (50..58).contains(&z)
+}
+
+/// The left hand's nozzle goes along the floor, so many steps from its corner, while the right hand
+/// bites so deep. Whether an island fell in that tick.
+fn falls(studio: &mut Studio<64>, steps: u32, depth: f32, commands: u8) -> bool {
+    let nozzle = Bit::Nozzle.on_grid(studio.world.frame().voxel() * 1e6);
+    let rest = 9.53 + (nozzle.inner_radius() - nozzle.bite) as f32 / SUB as f32;
+    let aim = |hand: usize, x: f32, y: f32| {
+        let pose = Pose { position: Vec3::new(x, y, 40.5), rotation: Quat::IDENTITY };
+        at(&studio.world, hand, &pose)
+    };
+    let right = HandInput { trigger: 255, ..aim(RIGHT, 50.0, 12.0 - depth) };
+    let hands = [aim(LEFT, 10.0 + steps as f32 / 4.0, rest), right];
+    studio.step(&Input { hands, commands, ..Input::default() });
+    studio.world.events().iter().any(|event| matches!(event, Event::Islands(_)))
+}
+
+fn with_an_island_in_the_air(studio: &mut Studio<64>) {
+    studio.start_from(hovering);
+    take(studio, LEFT, Item::Tool(Tool::FillGun));
+    take(studio, RIGHT, Item::Tool(Tool::Rotary));
+    assert!(!falls(studio, 0, -5.0, 0), "nothing is edited yet");
+}
+
+#[test]
+fn islands_wait_for_a_hand_on_a_long_way() {
+    let mut studio = studio();
+    for (steps, waits) in [(LONG_WAY - 8, false), (LONG_WAY + 8, true)] {
+        with_an_island_in_the_air(&mut studio);
+        assert_eq!(falls(&mut studio, steps, 1.0, 0), !waits, "{steps} steps");
+        assert_eq!(falls(&mut studio, steps, 1.0, 0), waits, "at rest after {steps} steps");
+    }
+}
+
+#[test]
+fn islands_wait_for_an_undo() {
+    let mut studio = studio();
+    with_an_island_in_the_air(&mut studio);
+    assert!(falls(&mut studio, 0, 1.0, 0));
+    assert!(!falls(&mut studio, 0, 2.0, commands::UNDO), "it is back");
+    assert!(falls(&mut studio, 0, 2.0, 0));
 }
 
 /// A tool that is taken while the trigger is pulled begins a stroke of its own.

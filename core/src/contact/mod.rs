@@ -18,7 +18,7 @@ use crate::row::Bits;
 use crate::size::{Grid, Size};
 use crate::tools::{GridBit, GridShape};
 use path::STEPS_PER_VOXEL;
-pub use path::STRETCHES;
+pub use path::{STRETCHES, looks};
 
 /// What a bit touches at a pose.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -47,6 +47,8 @@ pub struct Frozen {
     /// Whether the volume held it back. If not, it took the raw pose, or as much of a longer way as
     /// [`walk_steps`] are.
     pub blocked: bool,
+    /// How many of the [`walk_steps`] it took.
+    pub steps: u32,
 }
 
 /// What a bit can run into.
@@ -163,10 +165,16 @@ where
     /// grow.
     #[must_use]
     pub fn freeze(&self, bit: &GridBit, from: &Pose, raw: &Pose) -> Frozen {
-        let mut steps = walk_steps(N);
-        let (reached, stop) = self.advance(bit, from, raw, &mut steps);
+        let mut left = walk_steps(N);
+        let (pose, blocked) = self.walk(bit, from, raw, &mut left);
+        Frozen { pose, blocked, steps: walk_steps(N) - left }
+    }
+
+    /// Up to three ways of [`Obstacle::freeze`], of so many steps together.
+    fn walk(&self, bit: &GridBit, from: &Pose, raw: &Pose, steps: &mut u32) -> (Pose, bool) {
+        let (reached, stop) = self.advance(bit, from, raw, steps);
         let Some(stop) = stop else {
-            return Frozen { pose: reached, blocked: false };
+            return (reached, false);
         };
         let left = raw.position - reached.position;
         let mut normal = self.contact(bit, &stop).normal;
@@ -179,16 +187,16 @@ where
             // Only turning can have run into something: the bit moves on as it is turned.
             false => Pose { position: raw.position, ..reached },
         };
-        let (mut pose, _) = self.advance(bit, &reached, &target, &mut steps);
+        let (mut pose, _) = self.advance(bit, &reached, &target, steps);
         let wanted = (target.position - reached.position) * STEPS_PER_VOXEL;
         if pose.position == reached.position && wanted.length_squared() > 1.0 {
             let away = self.away_from_stop(bit, &reached, &stop);
             let inward = left.dot(away);
             let tangent = if inward < 0.0 { left - away * inward } else { left };
             let target = Pose { position: reached.position + tangent, ..reached };
-            pose = self.advance(bit, &reached, &target, &mut steps).0;
+            pose = self.advance(bit, &reached, &target, steps).0;
         }
-        Frozen { pose, blocked: true }
+        (pose, true)
     }
 
     /// The direction to the bit's centre from the voxels that forbid the pose `stop` after

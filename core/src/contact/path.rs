@@ -7,7 +7,7 @@ use glam::{I64Vec3, IVec3};
 
 use super::Obstacle;
 use crate::brush::{Brush, centre};
-use crate::limits::DEEP_STEPS;
+use crate::limits::{DEEP_STEPS, LOOKS};
 use crate::maps::Maps;
 use crate::pose::{Pose, SUB};
 use crate::row::Bits;
@@ -51,10 +51,9 @@ where
                     reached = next;
                     continue;
                 }
-                // In the stone a look ahead ends at its first voxel: however far, it is cheap.
-                let free = |i: &u32| self.allows(bit, &at(*i), Limit::usual(bit));
-                let Some(out) = limit.is_buried(bit).then(|| (i + 1..=steps).find(free)).flatten()
-                else {
+                let is_out = |i: &u32| self.allows(bit, &at(*i), Limit::usual(bit));
+                let ahead = limit.is_buried(bit).then(|| looks(i, steps).find(is_out));
+                let Some(out) = ahead.flatten() else {
                     return (reached, Some(next));
                 };
                 (i, reached, limit) = (out, at(out), Limit::usual(bit));
@@ -140,6 +139,13 @@ impl GridBit {
         };
         Some(GridBit { shape: shape?, ..*self }.swept_brush(from, to))
     }
+}
+
+/// The steps after `i`, of so many, at which a bit in the stone looks for the way out: spread evenly
+/// over the rest of the way, its end among them.
+pub fn looks(i: u32, steps: u32) -> impl Iterator<Item = u32> {
+    let looks = (steps - i).min(LOOKS);
+    (1..looks + 1).map(move |look| i + (steps - i) * look / looks)
 }
 
 /// Steps of a quarter voxel.

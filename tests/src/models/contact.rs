@@ -1,7 +1,7 @@
 //! Contact voxel by voxel, and the freeze as a walk in small steps that skips nothing.
 
 use glam::{I64Vec3, IVec3, Vec3};
-use paros_core::contact::{Contact, Frozen, STRETCHES};
+use paros_core::contact::{Contact, Frozen, STRETCHES, looks};
 use paros_core::limits::{DEEP_STEPS, walk_steps};
 use paros_core::pose::{Pose, SUB, UNIT};
 use paros_core::tools::{GridBit, GridShape};
@@ -75,10 +75,16 @@ impl Block {
 
     /// Walks step by step while the bit sits no deeper than it may, then once along the tangent.
     pub fn freeze(&self, bit: &GridBit, from: &Pose, raw: &Pose) -> Frozen {
-        let mut steps = walk_steps(self.volume.n()) as usize;
-        let (reached, stop) = self.walk(bit, from, raw, &mut steps);
+        let most = walk_steps(self.volume.n());
+        let mut left = most as usize;
+        let (pose, blocked) = self.ways(bit, from, raw, &mut left);
+        Frozen { pose, blocked, steps: most - left as u32 }
+    }
+
+    fn ways(&self, bit: &GridBit, from: &Pose, raw: &Pose, steps: &mut usize) -> (Pose, bool) {
+        let (reached, stop) = self.walk(bit, from, raw, steps);
         let Some(stop) = stop else {
-            return Frozen { pose: reached, blocked: false };
+            return (reached, false);
         };
         let left = raw.position - reached.position;
         let normal = match self.contact(bit, &stop).normal {
@@ -91,7 +97,7 @@ impl Block {
         } else {
             Pose { position: raw.position, rotation: reached.rotation }
         };
-        let mut pose = self.walk(bit, &reached, &target, &mut steps).0;
+        let mut pose = self.walk(bit, &reached, &target, steps).0;
         let wanted = (target.position - reached.position) * STEPS;
         if pose.position == reached.position && wanted.length_squared() > 1.0 {
             let sits = self.depths(bit, &reached);
@@ -106,9 +112,9 @@ impl Block {
             let away = away.as_vec3().normalize_or_zero();
             let tangent = left - away * left.dot(away).min(0.0);
             let target = Pose { position: reached.position + tangent, ..reached };
-            pose = self.walk(bit, &reached, &target, &mut steps).0;
+            pose = self.walk(bit, &reached, &target, steps).0;
         }
-        Frozen { pose, blocked: true }
+        (pose, true)
     }
 
     /// The last pose that may be taken on the way, and the one after it. From with its centre in
@@ -149,9 +155,10 @@ impl Block {
             }
             let half_diagonal = (SUB as f32 * 0.866).ceil() as i32;
             let buried = bit.bite.max(sits.volume) > bit.inner_radius() - half_diagonal;
-            match poses[i..].iter().position(|pose| self.depths(bit, pose).suit(bit)) {
-                Some(tried) if too_deep && buried => {
-                    (i, reached) = (i + tried + 1, poses[i + tried]);
+            let mut ahead = looks(i as u32, poses.len() as u32).map(|i| i as usize);
+            match ahead.find(|i| self.depths(bit, &poses[i - 1]).suit(bit)) {
+                Some(out) if too_deep && buried => {
+                    (i, reached) = (out, poses[out - 1]);
                     sits = self.depths(bit, &reached);
                 }
                 _ => return (reached, Some(next)),
