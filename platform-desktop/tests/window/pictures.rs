@@ -1,10 +1,15 @@
 //! The README's picture of the three modes, as the window draws them.
 
 use std::fs;
+use std::ops::ControlFlow;
 use std::path::Path;
 
+use paros_core::limits::save_bytes;
+use paros_core::world::World;
+use paros_desktop::demo::play;
 use paros_shaders::Image;
 use paros_shell::require::{Required, require};
+use paros_shell::stage::fresh;
 
 use crate::rig::{Display, Visit, folder};
 
@@ -46,21 +51,27 @@ fn free(visit: &mut Visit) {
     visit.does("wait 100");
 }
 
-/// Stone taken row by row from before the owl, which the burr can't harm. It isn't free yet.
-fn hidden(visit: &mut Visit) {
-    visit.do_all(&["start owl", "wait 4", "key shift+3", "wait 4", "wheel -30", "wait 4"]);
-    for pass in 0..3u8 {
-        for row in 0..5u8 {
-            let y = 24.0 + 8.0 * f32::from(row) + 1.5 * f32::from(pass);
-            let (left, right) = ([26.0, y], [74.0, y]);
-            match (row + pass) % 2 {
-                0 => stroke(visit, line(left, right, 24), 8),
-                _ => stroke(visit, line(right, left, 24), 8),
+/// The demo's owl, on its way out of the stone: the session that a window of this folder goes on with.
+fn save_hidden(folder: &Path) {
+    let sessions = folder.join("data/paros");
+    fs::create_dir_all(&sessions).expect("a folder");
+    fresh::<128, _>(|mut stage| {
+        let owl = 0;
+        let mut until = |world: &World<128>| {
+            if world.tick() < HALF_WAY {
+                return ControlFlow::Continue(());
             }
-        }
-    }
-    visit.does("wait 150");
+            let mut bytes = vec![0; save_bytes(128)];
+            let len = world.save(&mut bytes);
+            fs::write(sessions.join("session-128.save"), &bytes[..len]).expect("it is written");
+            ControlFlow::Break(())
+        };
+        play(&mut stage, owl, &mut until, |_, _| {});
+    });
 }
+
+/// The tick at which the demo has worked the owl's front finer, and its back not yet.
+const HALF_WAY: u64 = 22_530;
 
 /// A bow tie of paste, both halves at once by the mirror.
 fn creative(visit: &mut Visit) {
@@ -76,6 +87,7 @@ fn creative(visit: &mut Visit) {
 fn the_readme_shows_the_three_modes() -> Result<(), Required> {
     let folder = folder("pictures");
     let Some(display) = require(Display::sized(&folder, SIZE))? else { return Ok(()) };
+    save_hidden(&folder);
     let mut visit = Visit::new(&display);
     let mut shot = |name, mode: fn(&mut Visit)| {
         // Small while it carves: a frame takes four ticks at the most.
@@ -84,7 +96,8 @@ fn the_readme_shows_the_three_modes() -> Result<(), Required> {
         visit.do_all(&["size 800 700", "frames 3", "move 64 72"]);
         halved(&visit.sees(&display, name))
     };
-    let pictures = [shot("free", free), shot("hidden", hidden), shot("creative", creative)];
+    let hidden = shot("hidden", |visit| visit.do_all(&["key escape", "wait 60"]));
+    let pictures = [shot("free", free), hidden, shot("creative", creative)];
     assert_eq!(visit.ends(), (Some(0), String::new()));
     let mut png = Vec::new();
     beside(&pictures).write_png(&mut png).expect("a picture");
