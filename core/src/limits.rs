@@ -74,7 +74,7 @@ pub const LONG_WAY: u32 = 24;
 /// Steps that one of a bit which is too deep, as an undo may leave it, counts as: each measures anew.
 pub const DEEP_STEPS: u32 = 4;
 
-/// Places on the rest of its way where a bit in the stone looks for the way out, each time it is
+/// Places on the rest of its way where a bit that is too deep looks for the way out, each time it is
 /// stopped: every step of the usual way, and more than one for each voxel of a fast one.
 pub const LOOKS: u32 = 32;
 

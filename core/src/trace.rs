@@ -22,7 +22,7 @@ pub const RECORD_BYTES: usize = Input::BYTES + 8 * PARTS.len();
 pub const TRACE_VERSION: u16 = 2;
 
 /// Changes with every change of what a tick computes.
-pub const CORE_VERSION: u16 = 4;
+pub const CORE_VERSION: u16 = 5;
 
 /// The first bytes of a trace.
 pub const MAGIC: [u8; 4] = *b"PTRC";

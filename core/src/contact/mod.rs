@@ -18,7 +18,7 @@ use crate::row::Bits;
 use crate::size::{Grid, Size};
 use crate::tools::{GridBit, GridShape};
 use path::STEPS_PER_VOXEL;
-pub use path::{STRETCHES, looks};
+pub use path::{LONG_STRETCH, SHORT_STRETCH, looks};
 
 /// What a bit touches at a pose.
 #[derive(Clone, Copy, PartialEq, Debug)]

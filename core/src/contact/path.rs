@@ -3,6 +3,8 @@
 //! Every step is decided by the bit as it is there. But where nothing meets the bit as swept over a
 //! stretch of steps, and a little wider for what poses are rounded by, they are all free at once.
 
+use core::mem;
+
 use glam::{I64Vec3, IVec3};
 
 use super::Obstacle;
@@ -18,9 +20,9 @@ impl<const N: usize> Obstacle<'_, N>
 where
     Grid<N>: Size,
 {
-    /// The last allowed pose on the straight path, and the first that isn't. A bit that sits with
-    /// its centre in the stone would be held by every voxel it has to pass: it comes out where the
-    /// path first does. It walks on while steps are `left`.
+    /// The last allowed pose on the straight path, and the first that isn't. A bit that is too deep
+    /// would be held by every voxel it has to pass: it comes out where the path does. It walks on
+    /// while steps are `left`.
     pub(super) fn advance(
         &self,
         bit: &GridBit,
@@ -33,15 +35,18 @@ where
         let steps = (libm::ceilf(length * STEPS_PER_VOXEL) as u32).max(1);
         let at = |i: u32| from.toward(to, i as f32 / steps as f32);
         let (mut reached, mut limit) = (*from, self.limit(bit, from));
-        let mut i = 0;
+        let (mut i, mut stretch) = (0, SHORT_STRETCH);
         while i < steps && *left > 0 {
-            let mut stretches = STRETCHES.iter().map(|stretch| (i + stretch).min(steps));
-            if let Some(end) = stretches.find(|&end| self.is_free(bit, &reached, &at(end), limit)) {
+            let end = (i + stretch).min(steps);
+            if limit.is_usual(bit) && self.is_free(bit, &reached, &at(end), limit) {
                 *left -= 1;
-                (i, reached) = (end, at(end));
+                (i, reached, stretch) = (end, at(end), LONG_STRETCH);
                 continue;
             }
-            let end = (i + STRETCHES[STRETCHES.len() - 1]).min(steps);
+            if stretch == LONG_STRETCH {
+                stretch = SHORT_STRETCH;
+                continue;
+            }
             while i < end && *left > 0 {
                 i += 1;
                 *left = left.saturating_sub(limit.steps(bit));
@@ -51,9 +56,7 @@ where
                     reached = next;
                     continue;
                 }
-                let is_out = |i: &u32| self.allows(bit, &at(*i), Limit::usual(bit));
-                let ahead = limit.is_buried(bit).then(|| looks(i, steps).find(is_out));
-                let Some(out) = ahead.flatten() else {
+                let Some(out) = self.way_out(bit, limit, &reached, looks(i, steps), at) else {
                     return (reached, Some(next));
                 };
                 (i, reached, limit) = (out, at(out), Limit::usual(bit));
@@ -96,14 +99,39 @@ where
         });
     }
 
-    /// Whether a bit that isn't too deep can't be stopped between two poses of its path: nothing is
-    /// there that would.
+    /// Where a bit that is too deep, and would get deeper with its next step, is out of the stone: at
+    /// the first of these looks. One whose centre isn't in the stone is held by its sides alone, which
+    /// catch at every voxel that they pass: its centre must get there through the open.
+    fn way_out(
+        &self,
+        bit: &GridBit,
+        limit: Limit,
+        reached: &Pose,
+        mut looks: impl Iterator<Item = u32>,
+        at: impl Fn(u32) -> Pose,
+    ) -> Option<u32> {
+        let is_out = |look: &u32| self.allows(bit, &at(*look), Limit::usual(bit));
+        if limit.is_usual(bit) {
+            return None;
+        }
+        if limit.is_buried(bit) {
+            return looks.find(is_out);
+        }
+        let open = Limit { volume: bit.inner_radius() - HALF_DIAGONAL, ..limit };
+        let mut last = *reached;
+        let is_open = |look: &u32| {
+            let from = mem::replace(&mut last, at(*look));
+            self.is_free(bit, &from, &last, open)
+        };
+        looks.take_while(is_open).find(is_out)
+    }
+
+    /// Whether nothing is there that would stop a bit with this limit between two poses of its path.
     fn is_free(&self, bit: &GridBit, from: &Pose, to: &Pose, limit: Limit) -> bool {
-        limit.is_usual(bit)
-            && self.is_clear(limit, |level, mask| {
-                let swept = bit.swept_deeper_than(level, from, to);
-                swept.is_some_and(|brush| self.touches(&brush, mask))
-            })
+        self.is_clear(limit, |level, mask| {
+            let swept = bit.swept_deeper_than(level, from, to);
+            swept.is_some_and(|brush| self.touches(&brush, mask))
+        })
     }
 
     fn allows(&self, bit: &GridBit, pose: &Pose, limit: Limit) -> bool {
@@ -151,8 +179,11 @@ pub fn looks(i: u32, steps: u32) -> impl Iterator<Item = u32> {
 /// Steps of a quarter voxel.
 pub(super) const STEPS_PER_VOXEL: f32 = 4.0;
 
-/// Steps that are tried at once, and count as one.
-pub const STRETCHES: [u32; 2] = [16, 4];
+/// Steps that are tried at once, and count as one: so many first,
+pub const SHORT_STRETCH: u32 = 4;
+
+/// and so many after a stretch in which nothing was met.
+pub const LONG_STRETCH: u32 = 16;
 
 /// How far a step's pose may lie beside the path between two others, in fixed point, and more.
 const ROUNDING: i32 = SUB / 16;

@@ -1,7 +1,7 @@
 //! Contact voxel by voxel, and the freeze as a walk in small steps that skips nothing.
 
 use glam::{I64Vec3, IVec3, Vec3};
-use paros_core::contact::{Contact, Frozen, STRETCHES, looks};
+use paros_core::contact::{Contact, Frozen, LONG_STRETCH, SHORT_STRETCH, looks};
 use paros_core::limits::{DEEP_STEPS, walk_steps};
 use paros_core::pose::{Pose, SUB, UNIT};
 use paros_core::tools::{GridBit, GridShape};
@@ -29,9 +29,9 @@ pub struct Depths {
 }
 
 impl Depths {
-    /// Whether a bit may sit so.
-    fn suit(self, bit: &GridBit) -> bool {
-        self.volume <= bit.bite && self.mask == 0
+    /// Whether they are no greater than a bit's may be.
+    fn suit(self, may: Depths) -> bool {
+        self.volume <= may.volume && self.mask <= may.mask
     }
 }
 
@@ -117,9 +117,8 @@ impl Block {
         (pose, true)
     }
 
-    /// The last pose that may be taken on the way, and the one after it. From with its centre in
-    /// the stone, a bit comes out where the way first does. Stretches in which nothing stops the bit
-    /// only count for less.
+    /// The last pose that may be taken on the way, and the one after it. A bit that is too deep comes
+    /// out where the way does. Stretches in which nothing stops the bit only count for less.
     pub fn walk(
         &self,
         bit: &GridBit,
@@ -130,45 +129,71 @@ impl Block {
         let poses: Vec<Pose> = path(bit, from, to).collect();
         let mut reached = *from;
         let mut sits = self.depths(bit, from);
-        let (mut i, mut singly_to) = (0, 0);
+        let (mut i, mut singly_to, mut stretch) = (0, 0, SHORT_STRETCH as usize);
         while i < poses.len() && *left > 0 {
-            let too_deep = sits.volume > bit.bite || sits.mask > 0;
-            let after = |steps: usize| (i + steps).min(poses.len());
+            let usual = Depths { volume: bit.bite, mask: 0 };
+            let may = Depths { volume: bit.bite.max(sits.volume), mask: sits.mask };
             if i >= singly_to {
-                let mut ends = STRETCHES.map(|steps| after(steps as usize)).into_iter();
-                let is_free = |end: &usize| self.is_free(bit, &reached, &poses[end - 1]);
-                if let Some(end) = ends.find(|end| !too_deep && is_free(end)) {
-                    assert!(poses[i..end].iter().all(|pose| self.depths(bit, pose).suit(bit)));
+                let end = (i + stretch).min(poses.len());
+                if may == usual && self.is_free(bit, &reached, &poses[end - 1], usual) {
+                    assert!(poses[i..end].iter().all(|pose| self.depths(bit, pose).suit(usual)));
                     (i, *left, reached) = (end, *left - 1, poses[end - 1]);
-                    sits = self.depths(bit, &reached);
+                    (sits, stretch) = (self.depths(bit, &reached), LONG_STRETCH as usize);
                     continue;
                 }
-                singly_to = after(STRETCHES[1] as usize);
+                if stretch > SHORT_STRETCH as usize {
+                    stretch = SHORT_STRETCH as usize;
+                    continue;
+                }
+                singly_to = end;
             }
-            *left = left.saturating_sub(if too_deep { DEEP_STEPS as usize } else { 1 });
+            *left = left.saturating_sub(if may == usual { 1 } else { DEEP_STEPS as usize });
             let next = poses[i];
             i += 1;
             let depths = self.depths(bit, &next);
-            if depths.volume <= bit.bite.max(sits.volume) && depths.mask <= sits.mask {
+            if depths.suit(may) {
                 (reached, sits) = (next, depths);
                 continue;
             }
-            let half_diagonal = (SUB as f32 * 0.866).ceil() as i32;
-            let buried = bit.bite.max(sits.volume) > bit.inner_radius() - half_diagonal;
-            let mut ahead = looks(i as u32, poses.len() as u32).map(|i| i as usize);
-            match ahead.find(|i| self.depths(bit, &poses[i - 1]).suit(bit)) {
-                Some(out) if too_deep && buried => {
-                    (i, reached) = (out, poses[out - 1]);
-                    sits = self.depths(bit, &reached);
-                }
-                _ => return (reached, Some(next)),
+            if may == usual {
+                return (reached, Some(next));
             }
+            match self.way_out(bit, may, &reached, (&poses, i)) {
+                Some(out) => (i, reached) = (out, poses[out - 1]),
+                None => return (reached, Some(next)),
+            }
+            sits = self.depths(bit, &reached);
         }
         (reached, None)
     }
 
-    /// Whether no voxel lies where the bit would be stopped, nor where it would nearly be.
-    fn is_free(&self, bit: &GridBit, from: &Pose, to: &Pose) -> bool {
+    /// The first of the looks after step `i` at which the bit is out: of all if its centre is in the
+    /// stone, else of those that its centre reaches through the open.
+    fn way_out(
+        &self,
+        bit: &GridBit,
+        may: Depths,
+        reached: &Pose,
+        (poses, i): (&[Pose], usize),
+    ) -> Option<usize> {
+        let half_diagonal = (SUB as f32 * 0.866).ceil() as i32;
+        let open = Depths { volume: bit.inner_radius() - half_diagonal, ..may };
+        let mut last = *reached;
+        for look in looks(i as u32, poses.len() as u32) {
+            let pose = poses[look as usize - 1];
+            if may.volume <= open.volume && !self.is_free(bit, &last, &pose, open) {
+                return None;
+            }
+            if self.depths(bit, &pose).suit(Depths { volume: bit.bite, mask: 0 }) {
+                return Some(look as usize);
+            }
+            last = pose;
+        }
+        None
+    }
+
+    /// Whether no voxel lies where the bit would get deeper than it may, nor where it nearly would.
+    fn is_free(&self, bit: &GridBit, from: &Pose, to: &Pose, may: Depths) -> bool {
         let n = self.volume.n();
         let clear = |level, voxels: &[[i32; 3]]| {
             bit.swept_deeper_than(level, from, to).is_none_or(|brush| {
@@ -180,7 +205,7 @@ impl Block {
                 })
             })
         };
-        clear(bit.bite, &self.voxels) && clear(0, &self.masked)
+        clear(may.volume, &self.voxels) && clear(may.mask, &self.masked)
     }
 
     /// Whether all of the bit is outside the grid.
