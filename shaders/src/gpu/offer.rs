@@ -22,11 +22,7 @@ pub(super) fn family(
     properties: &vk::PhysicalDeviceProperties,
     presents: &impl Fn(vk::PhysicalDevice, u32) -> bool,
 ) -> Result<u32, String> {
-    let version = properties.api_version;
-    if version < API {
-        let (major, minor) = (vk::api_version_major(version), vk::api_version_minor(version));
-        return Err(format!("speaks Vulkan {major}.{minor}, not 1.1"));
-    }
+    speaks(properties.api_version)?;
     let mut multiview = vk::PhysicalDeviceMultiviewFeatures::default();
     let mut features = vk::PhysicalDeviceFeatures2::default().push_next(&mut multiview);
     // SAFETY: the physical device is one of this instance's and speaks 1.1.
@@ -45,8 +41,29 @@ pub(super) fn family(
         .ok_or_else(|| "has no queue that draws into the window".into())
 }
 
+fn speaks(version: u32) -> Result<(), String> {
+    if version < API {
+        let (major, minor) = (vk::api_version_major(version), vk::api_version_minor(version));
+        return Err(format!("speaks Vulkan {major}.{minor}, not 1.1"));
+    }
+    Ok(())
+}
+
 /// Its name, for people.
 pub(super) fn name_of(properties: &vk::PhysicalDeviceProperties) -> String {
     let name = properties.device_name_as_c_str();
     name.map_or_else(|_| "unnamed".into(), |name| name.to_string_lossy().into_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_old_driver_is_told_as_such() {
+        let old = vk::make_api_version(0, 1, 0, 999);
+        assert_eq!(speaks(old), Err("speaks Vulkan 1.0, not 1.1".into()));
+        assert_eq!(speaks(API), Ok(()));
+        assert_eq!(speaks(vk::make_api_version(0, 1, 4, 305)), Ok(()));
+    }
 }
