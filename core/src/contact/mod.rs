@@ -162,7 +162,7 @@ where
     /// the tangent of what stopped it: of the surface there, or, where that leads nowhere though it
     /// should (the side of a bump whose top is flat), of the stopping voxels as seen from the bit's
     /// centre. From a pose that is too deep already, the bit may only move so that its depth doesn't
-    /// grow.
+    /// grow, or come out of the stone further on its way.
     #[must_use]
     pub fn freeze(&self, bit: &GridBit, from: &Pose, raw: &Pose) -> Frozen {
         let mut left = walk_steps(N);
