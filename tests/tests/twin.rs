@@ -4,7 +4,7 @@ use glam::Vec3;
 use paros_core::maps::Maps;
 use paros_shaders::field::Field;
 use paros_shaders::march::{inside_cube, march, occupied};
-use paros_shaders::surface::{self, Neighbours};
+use paros_shaders::surface::{self, Neighbours, Surface};
 use paros_shaders::{Ray, Scene, Settings, fast, light, shade};
 use paros_tests::models::dense::{Dense, volumes};
 use paros_tests::models::twin::{
@@ -269,6 +269,51 @@ fn the_smooth_surface_keeps_sheets_and_rods() {
             }
         });
     }
+}
+
+/// What the sun alone makes of a point of the fast surface, at 128.
+fn sunlit(dense: &Dense, normal: Vec3, sun: Vec3, points: &[Vec3]) -> Vec<Vec3> {
+    let mut maps = Box::new(Maps::<128>::new());
+    dense.write_maps(&mut maps);
+    let field = field_of(&maps);
+    let lit = |position: &Vec3| {
+        let at = Surface { position: *position, normal, distance: 0.0 };
+        fast::lit(&field, &at, (sun, Vec3::ONE), Vec3::ZERO)
+    };
+    points.iter().map(lit).collect()
+}
+
+#[test]
+fn thin_stone_lets_warm_light_through() {
+    let behind = |thick: i32| {
+        let plate = Dense::from_fn(128, |[x, ..]| (64..64 + thick).contains(&x));
+        sunlit(&plate, Vec3::NEG_X, Vec3::X, &[Vec3::splat(64.0)])[0]
+    };
+    let [leaf, block] = [behind(2), behind(30)];
+    assert!(leaf.x > leaf.y && leaf.y > leaf.z && leaf.z > 0.02, "{leaf}");
+    assert!(block.max_element() < 0.001, "{block}");
+}
+
+/// A ledge over a floor under a sun overhead: dark where it nearly touches, softer from farther up.
+#[test]
+fn shadows_are_dark_at_a_contact_and_softer_from_afar() {
+    // Not from the box's edge on, where the ledge ends, too.
+    let points: Vec<Vec3> = (20..128).map(|x| Vec3::new(x as f32 + 0.5, 20.0, 64.0)).collect();
+    let floor = Dense::from_fn(128, |[_, y, _]| y < 20);
+    let open = sunlit(&floor, Vec3::Y, Vec3::Y, &points);
+    let shadow = |height: i32| -> Vec<f32> {
+        let ledge = |[x, y, _]: [i32; 3]| x < 64 && (20 + height..40 + height).contains(&y);
+        let dense = Dense::from_fn(128, |[x, y, z]| y < 20 || ledge([x, y, z]));
+        let lit = sunlit(&dense, Vec3::Y, Vec3::Y, &points);
+        lit.iter().zip(&open).map(|(lit, open)| lit.x / open.x).collect()
+    };
+    let [near, far] = [shadow(2), shadow(12)];
+    let between = |lit: &[f32]| lit.iter().filter(|lit| (0.3..0.9).contains(*lit)).count();
+    for lit in [&near, &far] {
+        assert!(lit.is_sorted_by(|a, b| a <= &(b + 0.01)), "{lit:?}");
+        assert!(lit[107] > 0.95 && lit[0] < 0.3, "{lit:?}");
+    }
+    assert!(near[0] < 0.02 && 2 * between(&near) < between(&far), "{near:?}, {far:?}");
 }
 
 #[test]
