@@ -67,12 +67,17 @@ pub const fn walk_steps(n: usize) -> u32 {
     if n > 128 { 160 } else { 80 }
 }
 
-/// Steps of both hands in a tick beyond which the islands wait for the next: 21 mm along the stone at
-/// 128, or 1.5 m/s, and half as much at 256. Hands at work are slower.
+/// Steps of both hands in a tick, and pieces of the brushes that they draw, beyond which the islands
+/// wait for the next: 20 mm along the stone at 128, or 1.4 m/s, and half as much at 256. Hands at work
+/// are slower.
 pub const LONG_WAY: u32 = 24;
 
-/// Steps that one of a bit which is too deep, as an undo may leave it, counts as: each measures anew.
-pub const DEEP_STEPS: u32 = 4;
+/// Steps that one of a bit which is too deep, as an undo may leave it, counts as: each measures anew
+/// how deep all voxels in the bit are, eight times as many at 256.
+#[must_use]
+pub const fn deep_steps(n: usize) -> u32 {
+    if n > 128 { 8 } else { 4 }
+}
 
 /// Places on the rest of its way where a bit that is too deep looks for the way out, each time it is
 /// stopped: every step of the usual way, and more than one for each voxel of a fast one.

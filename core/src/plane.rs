@@ -86,22 +86,17 @@ where
     /// Becomes the intersection of the three range maps.
     ///
     /// Each range of the Y and Z maps toggles its column's bit where it starts and just past its
-    /// end; running exclusive-ors along the column turn the toggles into occupancy, 64 columns at a
-    /// time.
+    /// end; running exclusive-ors along the column turn the toggles into occupancy, all columns of a
+    /// line at a time.
     pub fn expand(&mut self, maps: &Maps<N>) {
-        let mut ends = [0; 257];
-        for word in 0..<Grid<N> as Size>::Row::WORDS {
-            for (y, layer) in self.rows.iter_mut().enumerate() {
-                cross_sections(maps.line(Axis::Z, y), word, &mut ends, |z, section| {
-                    layer[z].set_word(word, section);
-                });
-            }
-            for z in 0..N {
-                cross_sections(maps.line(Axis::Y, z), word, &mut ends, |y, section| {
-                    let row = &mut self.rows[y][z];
-                    row.set_word(word, row.word(word) & section);
-                });
-            }
+        let mut ends = [<Grid<N> as Size>::Row::EMPTY; 257];
+        for (y, layer) in self.rows.iter_mut().enumerate() {
+            cross_sections::<N>(maps.line(Axis::Z, y), &mut ends, |z, section| layer[z] = section);
+        }
+        for z in 0..N {
+            cross_sections::<N>(maps.line(Axis::Y, z), &mut ends, |y, section| {
+                self.rows[y][z] &= section;
+            });
         }
         for (y, layer) in self.rows.iter_mut().enumerate() {
             for (row, column) in layer.iter_mut().zip(maps.line(Axis::X, y)) {
@@ -173,32 +168,34 @@ where
     }
 }
 
-/// Tells at each place along a line's columns which of its columns `64 * word ..` hold it. `ends` is
-/// empty before and after.
+/// Tells at each place along a line's columns which of them hold it. `ends` is empty before and
+/// after.
 #[inline]
 fn cross_sections<const N: usize>(
     line: &[Column; N],
-    word: usize,
-    ends: &mut [u64; 257],
-    mut tell: impl FnMut(usize, u64),
-) {
-    let columns = &line[64 * word..N.min(64 * word + 64)];
-    if columns.iter().all(|column| *column == Column::EMPTY) {
-        (0..N).for_each(|at| tell(at, 0));
-        return;
-    }
-    for (i, column) in columns.iter().enumerate() {
-        for range in column.0 {
-            let end = range.hi() + 1;
-            // An empty range begins at 255, behind its end: toggled twice there, it is none.
-            ends[range.lo().min(end)] ^= 1 << i;
-            ends[end] ^= 1 << i;
+    ends: &mut [<Grid<N> as Size>::Row; 257],
+    mut tell: impl FnMut(usize, <Grid<N> as Size>::Row),
+) where
+    Grid<N>: Size,
+{
+    for (word, columns) in line.chunks(64).enumerate() {
+        if columns.iter().all(|column| *column == Column::EMPTY) {
+            continue;
+        }
+        for (i, column) in columns.iter().enumerate() {
+            for range in column.0 {
+                let end = range.hi() + 1;
+                // An empty range begins at 255, behind its end: toggled twice there, it is none.
+                for place in [range.lo().min(end), end] {
+                    ends[place].set_word(word, ends[place].word(word) ^ 1 << i);
+                }
+            }
         }
     }
-    let mut section = 0;
+    let mut section = <Grid<N> as Size>::Row::EMPTY;
     for (at, ends) in ends[..N].iter_mut().enumerate() {
-        section ^= mem::take(ends);
+        section ^= mem::replace(ends, Bits::EMPTY);
         tell(at, section);
     }
-    ends[N] = 0;
+    ends[N] = Bits::EMPTY;
 }

@@ -73,13 +73,14 @@ where
         let pressed = did[0].pressed | did[1].pressed;
         let asked =
             |command: u8, button: u8| input.commands & command != 0 || pressed & button != 0;
-        let mut rewound = false;
-        if asked(commands::UNDO, buttons::LOWER) {
-            rewound |= self.rewind(Event::Undone, Undo::undo);
-        }
-        if asked(commands::REDO, buttons::UPPER) {
-            rewound |= self.rewind(Event::Redone, Undo::redo);
-        }
+        let undo = asked(commands::UNDO, buttons::LOWER);
+        let redo = asked(commands::REDO, buttons::UPPER);
+        // Both at once are neither.
+        let rewound = match (undo, redo) {
+            (true, false) => self.rewind(Event::Undone, Undo::undo),
+            (false, true) => self.rewind(Event::Redone, Undo::redo),
+            _ => false,
+        };
         if asked(commands::SYMMETRY, buttons::STICK) {
             self.state.symmetry = !self.state.symmetry;
             self.note(Event::Symmetry(self.state.symmetry));
@@ -152,7 +153,8 @@ where
     }
 
     /// Contact, and the edit where the tool runs.
-    /// Moves the held tool and edits with it; returns the steps that its bit walked.
+    /// Moves the held tool and edits with it; returns the steps that its bit walked and the pieces of
+    /// the brush that it drew, which cost as much.
     pub(crate) fn sculpt(&mut self, hand: usize, did: Did) -> u32 {
         let Some((tool, bit)) = self.held(hand) else {
             return 0;
@@ -184,12 +186,12 @@ where
             self.undo.begin_stroke();
         }
         if state.trigger && state.phase.is_multiple_of(u16::from(bit.data().period)) {
-            self.edit(hand, bit, &from, &frozen);
+            return steps + self.edit(hand, bit, &from, &frozen);
         }
         steps
     }
 
-    fn edit(&mut self, hand: usize, bit: Bit, from: &Pose, to: &Pose) {
+    fn edit(&mut self, hand: usize, bit: Bit, from: &Pose, to: &Pose) -> u32 {
         let grid_bit = bit.on_grid(self.frame().voxel() * 1e6);
         let depth = grid_bit.depth();
         let operation = match bit.data().action {
@@ -205,9 +207,9 @@ where
             apply(&mut self.volume, &self.mask, &edit, &mut self.scratch, &mut log)
         };
         // A rasp that flies farther than the scratch remembers smooths where it lands.
-        let report = go(grid_bit.swept_brush(from, to))
-            .or_else(|_| go(grid_bit.piece(to).into()))
-            .unwrap_or_default();
+        let brush = grid_bit.swept_brush(from, to);
+        let pieces = brush.pieces().len() as u32;
+        let report = go(brush).or_else(|_| go(grid_bit.piece(to).into())).unwrap_or_default();
         self.dirty.close();
         if report.changed() {
             self.islands.edited();
@@ -215,6 +217,7 @@ where
         if report != EditReport::default() {
             self.note(Event::Edited { hand: hand as u8, bit, report });
         }
+        pieces
     }
 
     pub(crate) fn clear_islands(&mut self) {

@@ -108,12 +108,12 @@ where
             for (hand, did) in did.into_iter().enumerate() {
                 self.reach(hand, did);
             }
-            let mut steps = 0;
+            let mut way = 0;
             for (hand, did) in did.into_iter().enumerate() {
-                steps += self.sculpt(hand, did);
+                way += self.sculpt(hand, did);
             }
             // To lay out the volume anew is a tick's work, and so are long ways: the islands wait.
-            if !rewound && steps <= LONG_WAY {
+            if !rewound && way <= LONG_WAY {
                 self.clear_islands();
             }
         }

@@ -6,7 +6,7 @@ use std::sync::{Mutex, PoisonError};
 use std::{env, fs};
 
 use paros_core::input::{Input, Mode, TICK_RATE};
-use paros_core::size::Grid;
+use paros_core::size::{Grid, Size};
 use paros_quest::replay::replay;
 use paros_shell::require::require;
 use paros_shell::stage;
@@ -40,8 +40,11 @@ fn parts() -> Result<(), String> {
 }
 
 /// A restless visitor's session.
-fn record(ticks: u32) -> Vec<u8> {
-    stage::fresh::<128, _>(|mut stage| {
+fn record<const N: usize>(ticks: u32) -> Vec<u8>
+where
+    Grid<N>: Size + Resident<N>,
+{
+    stage::fresh::<N, _>(|mut stage| {
         stage.record();
         stage.tick(&Input { start: Mode::Constrained { figure: 1 }, ..Input::default() });
         let mut visitor = Visitor::new(2024);
@@ -51,10 +54,13 @@ fn record(ticks: u32) -> Vec<u8> {
 }
 
 /// A trace of a restless visitor, and where its digests go.
-fn recorded(name: &str, ticks: u32) -> [PathBuf; 2] {
+fn recorded<const N: usize>(name: &str, ticks: u32) -> [PathBuf; 2]
+where
+    Grid<N>: Size + Resident<N>,
+{
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
     let [trace, digests] = ["trace", "digests"].map(|end| folder.join(format!("{name}.{end}")));
-    fs::write(&trace, record(ticks)).expect("room on the disk");
+    fs::write(&trace, record::<N>(ticks)).expect("room on the disk");
     let _ = fs::remove_file(&digests);
     [trace, digests]
 }
@@ -62,7 +68,7 @@ fn recorded(name: &str, ticks: u32) -> [PathBuf; 2] {
 #[test]
 fn a_replay_writes_a_digest_for_each_tick_or_nothing() {
     let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
-    let [trace, digests] = recorded("short", 200);
+    let [trace, digests] = recorded::<128>("short", 200);
     replay(&trace, &digests).expect("it was just recorded");
     let written = fs::read_to_string(&digests).expect("it was written");
     assert_eq!(written.lines().count(), 200);
@@ -89,9 +95,22 @@ fn a_replay_writes_a_digest_for_each_tick_or_nothing() {
 /// `.ci/run` plays what this leaves in the other builds and shells, and on Android's library.
 #[test]
 fn ten_restless_minutes_lead_to_the_same_digests() {
+    leads_to_the_same_digests::<128>("restless", TICKS);
+}
+
+/// Its ticks are counted there.
+#[test]
+fn a_restless_minute_at_256_leads_to_the_same_digests() {
+    leads_to_the_same_digests::<256>("restless-256", TICKS / 10);
+}
+
+fn leads_to_the_same_digests<const N: usize>(name: &str, ticks: u32)
+where
+    Grid<N>: Size + Resident<N>,
+{
     let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
-    let [trace, digests] = recorded("restless", TICKS);
+    let [trace, digests] = recorded::<N>(name, ticks);
     replay(&trace, &digests).expect("it was just recorded");
     let digests = fs::read_to_string(&digests).expect("it was written");
-    assert_eq!(digests.lines().count(), TICKS as usize);
+    assert_eq!(digests.lines().count(), ticks as usize);
 }

@@ -5,7 +5,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use glam::{IVec3, Quat, Vec3};
 use paros_core::contact::{Contact, Frozen, Obstacle, looks};
 use paros_core::frame::BOX;
-use paros_core::limits::{DEEP_STEPS, LOOKS, walk_steps};
+use paros_core::limits::{LOOKS, deep_steps, walk_steps};
 use paros_core::maps::Maps;
 use paros_core::plane::Plane;
 use paros_core::pose::{Pose, SUB};
@@ -332,7 +332,7 @@ fn a_buried_bit_can_only_come_out() {
         let down = stone.freeze(&bit, &at(39.0), &at(20.0));
         assert!(stone.contact(&bit, &down.pose).depth <= sits, "bit {number}: {down:?}");
         let mut up = Frozen { pose: at(39.0), blocked: false, steps: 0 };
-        for _ in 0..21 * 4 * DEEP_STEPS / walk_steps(64) + 1 {
+        for _ in 0..21 * 4 * deep_steps(64) / walk_steps(64) + 1 {
             up = stone.freeze(&bit, &up.pose, &at(60.0));
         }
         assert_eq!((up.pose, up.blocked), (at(60.0), false), "bit {number}");

@@ -9,7 +9,7 @@ use glam::{I64Vec3, IVec3};
 
 use super::Obstacle;
 use crate::brush::{Brush, centre};
-use crate::limits::{DEEP_STEPS, LOOKS};
+use crate::limits::{LOOKS, deep_steps};
 use crate::maps::Maps;
 use crate::pose::{Pose, SUB};
 use crate::row::Bits;
@@ -49,7 +49,7 @@ where
             }
             while i < end && *left > 0 {
                 i += 1;
-                *left = left.saturating_sub(limit.steps(bit));
+                *left = left.saturating_sub(if limit.is_usual(bit) { 1 } else { deep_steps(N) });
                 let next = at(i);
                 if self.allows(bit, &next, limit) {
                     limit = limit.after(bit, || self.limit(bit, &next));
@@ -208,11 +208,6 @@ impl Limit {
     /// The limit after a step: once a bit is too deep, every step measures anew.
     fn after(self, bit: &GridBit, measure: impl FnOnce() -> Limit) -> Limit {
         if self.is_usual(bit) { self } else { measure() }
-    }
-
-    /// The steps that the next one counts as: those of a bit that is too deep are dear.
-    fn steps(self, bit: &GridBit) -> u32 {
-        if self.is_usual(bit) { 1 } else { DEEP_STEPS }
     }
 
     /// Whether the bit's centre is too deep, and as near to a voxel's centre as only points in a

@@ -2,7 +2,7 @@
 
 use glam::{I64Vec3, IVec3, Vec3};
 use paros_core::contact::{Contact, Frozen, LONG_STRETCH, SHORT_STRETCH, looks};
-use paros_core::limits::{DEEP_STEPS, walk_steps};
+use paros_core::limits::{deep_steps, walk_steps};
 use paros_core::pose::{Pose, SUB, UNIT};
 use paros_core::tools::{GridBit, GridShape};
 
@@ -147,7 +147,11 @@ impl Block {
                 }
                 singly_to = end;
             }
-            *left = left.saturating_sub(if may == usual { 1 } else { DEEP_STEPS as usize });
+            *left = left.saturating_sub(if may == usual {
+                1
+            } else {
+                deep_steps(self.volume.n()) as usize
+            });
             let next = poses[i];
             i += 1;
             let depths = self.depths(bit, &next);
