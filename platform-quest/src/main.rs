@@ -79,7 +79,7 @@ fn main() -> ExitCode {
 fn run(args: &Args) -> Result<String, (String, ExitCode)> {
     if let (Some(trace), Some(digests)) = (&args.replay, &args.digests) {
         let done = replay::replay(trace, digests);
-        done.map_err(|error| (format!("{}: {error}", trace.display()), replay_code(&error)))?;
+        done.map_err(|error| (error.to_string(), replay_code(&error)))?;
         return Ok(format!("{}: all as recorded\n", trace.display()));
     }
     if let Some(record) = &args.record {
