@@ -17,8 +17,7 @@ use paros_shell::statics::Resident;
 use crate::device::{self, Device, Watch};
 use crate::error::Error;
 use crate::host::{Host, Told};
-use crate::options::Options;
-use crate::{runtime, shell, starts};
+use crate::{runtime, settings, shell, starts};
 
 /// Voxels along an edge.
 const SIZE: usize = 128;
@@ -41,7 +40,10 @@ fn sculpt(app: AndroidApp) -> Result<(), Error> {
     let name = device.name().map_err(unavailable)?;
     eprintln!("paros-quest: {name}, API level {}, {}", device.level(), folder.display());
     take_starts::<SIZE>(&app);
-    let options = Options { folder: Some(folder), ..Options::default() };
+    let (options, line) = settings::options(&folder);
+    if let Some(line) = line {
+        eprintln!("paros-quest: {line}");
+    }
     let mut headset = Headset { app, watch: Watch::new(device), leave: false };
     shell::run::<SIZE>(&mut headset, &options).map(drop)
 }
