@@ -58,6 +58,12 @@ pub struct Args {
 }
 
 impl Args {
+    /// Voxels along an edge.
+    #[must_use]
+    pub fn size(&self) -> usize {
+        if self.size == "256" { 256 } else { 128 }
+    }
+
     /// What a run without replay is started with.
     #[must_use]
     pub fn options(&self) -> Options {

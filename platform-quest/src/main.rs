@@ -39,8 +39,8 @@ fn run(args: &Args) -> Result<String, (String, ExitCode)> {
         })?;
     }
     let options = args.options();
-    let done = match &*args.size {
-        "256" => shell::run::<256>(&mut Plain, &options),
+    let done = match args.size() {
+        256 => shell::run::<256>(&mut Plain, &options),
         _ => shell::run::<128>(&mut Plain, &options),
     };
     done.map_err(|error| {

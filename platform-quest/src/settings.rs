@@ -34,8 +34,7 @@ pub const FILE: &str = "paros.options";
 pub const LONGEST: u64 = 4096;
 
 /// Flags that make no sense in it, and why.
-const REFUSED: [(&str, &str); 10] = [
-    ("--size", "the package is made for one size"),
+const REFUSED: [(&str, &str); 9] = [
     ("--folder", "it is the folder of this file"),
     ("--replay", "a headset plays no traces"),
     ("--digests", "a headset plays no traces"),
@@ -47,25 +46,37 @@ const REFUSED: [(&str, &str); 10] = [
     ("-V", "paros-quest tells it on Linux"),
 ];
 
-/// The options for a shell whose files lie in a folder, and a line for the log if there is a file. A
-/// trace to be recorded goes into the folder, unless its path is a whole one.
+/// How a shell is to start.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Settings {
+    /// Voxels along an edge.
+    pub size: usize,
+    /// All else.
+    pub options: Options,
+}
+
+/// The settings for a shell whose files lie in a folder, and a line for the log if there is a file.
+/// A trace to be recorded goes into the folder, unless its path is a whole one.
 #[must_use]
-pub fn options(folder: &Path) -> (Options, Option<String>) {
-    let defaults = Options { folder: Some(folder.into()), ..Options::default() };
+pub fn read(folder: &Path) -> (Settings, Option<String>) {
     let path = folder.join(FILE);
-    let text = match read(&path) {
-        Err(error) if error.kind() == io::ErrorKind::NotFound => return (defaults, None),
-        read => read.map_err(|error| format!("{}: {error}", path.display())),
+    let defaults = || {
+        let options = Options { folder: Some(folder.into()), ..Options::default() };
+        Settings { size: 128, options }
+    };
+    let text = match text(&path) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return (defaults(), None),
+        text => text.map_err(|error| format!("{}: {error}", path.display())),
     };
     let parsed = text.and_then(|text| {
         let words = words(&text);
-        let options = parse(folder, &words).map_err(|why| told(&path, &why))?;
+        let settings = parse(folder, &words).map_err(|why| told(&path, &why))?;
         let taken: Vec<&str> = words.iter().map(|word| word.text).collect();
-        Ok((options, format!("{}: {}", path.display(), taken.join(" "))))
+        Ok((settings, format!("{}: {}", path.display(), taken.join(" "))))
     });
     match parsed {
-        Ok((options, line)) => (options, Some(line)),
-        Err(why) => (defaults, Some(format!("{why}; the defaults hold"))),
+        Ok((settings, line)) => (settings, Some(line)),
+        Err(why) => (defaults(), Some(format!("{why}; the defaults hold"))),
     }
 }
 
@@ -82,7 +93,7 @@ struct Wrong {
     why: String,
 }
 
-fn read(path: &Path) -> io::Result<String> {
+fn text(path: &Path) -> io::Result<String> {
     let mut bytes = Vec::new();
     durable::open(path)?.take(LONGEST + 1).read_to_end(&mut bytes)?;
     let expected = |what: String| io::Error::other(format!("{what}, expected flags as text"));
@@ -107,7 +118,7 @@ fn words(text: &str) -> Vec<Word<'_>> {
     words
 }
 
-fn parse(folder: &Path, words: &[Word<'_>]) -> Result<Options, Wrong> {
+fn parse(folder: &Path, words: &[Word<'_>]) -> Result<Settings, Wrong> {
     for word in words {
         let flag = word.text.split_once('=').map_or(word.text, |(flag, _)| flag);
         if let Some((_, why)) = REFUSED.iter().find(|(refused, _)| *refused == flag) {
@@ -115,9 +126,9 @@ fn parse(folder: &Path, words: &[Word<'_>]) -> Result<Options, Wrong> {
             return Err(Wrong { line: word.line, why });
         }
     }
-    let mut options = arguments(words)
-        .map_err(|error| Wrong { line: wrong_line(words), why: one_line(&error) })?
-        .options();
+    let args = arguments(words)
+        .map_err(|error| Wrong { line: wrong_line(words), why: one_line(&error) })?;
+    let mut options = args.options();
     options.folder = Some(folder.into());
     if let Some(record) = &mut options.record {
         *record = folder.join(&*record);
@@ -127,7 +138,7 @@ fn parse(folder: &Path, words: &[Word<'_>]) -> Result<Options, Wrong> {
             Wrong { line: flag.map_or(0, |word| word.line), why: error.to_string() }
         })?;
     }
-    Ok(options)
+    Ok(Settings { size: args.size(), options })
 }
 
 /// What the command line would be with these words.
@@ -183,7 +194,7 @@ mod tests {
 
     use paros_core::input::Mode;
 
-    use super::{FILE, LONGEST, options};
+    use super::{FILE, LONGEST, Settings, read};
     use crate::foveation::Foveation;
     use crate::options::Options;
 
@@ -195,15 +206,16 @@ mod tests {
         folder
     }
 
-    fn defaults(folder: &Path) -> Options {
-        Options { folder: Some(folder.into()), ..Options::default() }
+    fn defaults(folder: &Path) -> Settings {
+        let options = Options { folder: Some(folder.into()), ..Options::default() };
+        Settings { size: 128, options }
     }
 
     #[test]
     fn no_file_is_the_defaults_and_no_line() {
         let folder = folder("no-options");
-        assert_eq!(options(&folder), (defaults(&folder), None));
-        assert_eq!(options(&folder.join("none")).1, None);
+        assert_eq!(read(&folder), (defaults(&folder), None));
+        assert_eq!(read(&folder.join("none")).1, None);
         fs::remove_dir_all(folder).expect("it is ours");
     }
 
@@ -214,24 +226,24 @@ mod tests {
         for empty in ["", "\n", "# nothing\n   # --rate 90", "\u{feff}\r\n"] {
             fs::write(&path, empty).expect("room on the disk");
             let line = format!("{}: ", path.display());
-            assert_eq!(options(&folder), (defaults(&folder), Some(line)), "{empty:?}");
+            assert_eq!(read(&folder), (defaults(&folder), Some(line)), "{empty:?}");
         }
         let text = "\u{feff}# for the fair\r\n--rate 90 --depth#!\r\n\t--foveation\r\n# half\r\n\
-            medium\r\n--handover=120 --mode creative --record own.trace";
+            medium\r\n--handover=120 --mode creative --size 256 --record own.trace";
         fs::write(&path, text).expect("room on the disk");
-        let (found, line) = options(&folder);
-        let expected = Options {
+        let (found, line) = read(&folder);
+        let options = Options {
             rate: 90.0,
             depth: true,
             foveation: Some(Foveation::Medium),
             handover: Duration::from_secs(120),
             mode: Mode::Creative,
             record: Some(folder.join("own.trace")),
-            ..defaults(&folder)
+            ..defaults(&folder).options
         };
-        assert_eq!(found, expected);
+        assert_eq!(found, Settings { size: 256, options });
         let words = "--rate 90 --depth --foveation medium --handover=120 --mode creative \
-            --record own.trace";
+            --size 256 --record own.trace";
         assert_eq!(line, Some(format!("{}: {words}", path.display())));
         fs::remove_dir_all(folder).expect("it is ours");
     }
@@ -249,7 +261,7 @@ mod tests {
             (
                 "--depth\nplease",
                 2,
-                "'please' found, expected one of --mode, --handover, --record, \
+                "'please' found, expected one of --size, --mode, --handover, --record, \
                 --rate, --depth, --foveation; ",
             ),
             (
@@ -257,12 +269,17 @@ mod tests {
                 2,
                 "--replay can't be set here: a headset plays no",
             ),
-            ("--size=256", 1, "--size can't be set here: the package is made for one size"),
+            (
+                "--size=512",
+                1,
+                "invalid value '512' for '--size <SIZE>' [possible values: 128, 256]",
+            ),
+            ("--script", 1, "--script can't be set here: a headset has no standard input"),
             ("\n--help", 2, "--help can't be set here"),
             ("--depth\n--record none/own.trace", 2, "none/own.trace: cannot "),
         ] {
             fs::write(&path, text).expect("room on the disk");
-            let (found, told) = options(&folder);
+            let (found, told) = read(&folder);
             let told = told.expect("there is a file");
             assert_eq!(found, defaults(&folder), "{text}");
             assert!(told.starts_with(&format!("{}:{line}: ", path.display())), "{text:?}: {told}");
@@ -277,7 +294,7 @@ mod tests {
         let folder = folder("no-text");
         let path = folder.join(FILE);
         let told = |why: &str| {
-            let (found, told) = options(&folder);
+            let (found, told) = read(&folder);
             let told = told.expect("there is something");
             assert_eq!(found, defaults(&folder));
             let ends = told.starts_with(&format!("{}: ", path.display()))
@@ -292,7 +309,7 @@ mod tests {
         told("it is longer than 4096 bytes, expected flags as text");
         let longest = format!("{:1$}", "--depth", LONGEST as usize);
         fs::write(&path, &longest).expect("room on the disk");
-        assert!(options(&folder).0.depth);
+        assert!(read(&folder).0.options.depth);
         fs::write(&path, longest + " ").expect("room on the disk");
         told("it is longer than 4096 bytes");
         fs::remove_file(&path).expect("it is ours");
