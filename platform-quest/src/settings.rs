@@ -72,7 +72,8 @@ pub fn read(folder: &Path) -> (Settings, Option<String>) {
         let words = words(&text);
         let settings = parse(folder, &words).map_err(|why| told(&path, &why))?;
         let taken: Vec<&str> = words.iter().map(|word| word.text).collect();
-        Ok((settings, format!("{}: {}", path.display(), taken.join(" "))))
+        let taken = if taken.is_empty() { "no flags".into() } else { taken.join(" ") };
+        Ok((settings, format!("{}: {taken}", path.display())))
     });
     match parsed {
         Ok((settings, line)) => (settings, Some(line)),
@@ -225,7 +226,7 @@ mod tests {
         let path = folder.join(FILE);
         for empty in ["", "\n", "# nothing\n   # --rate 90", "\u{feff}\r\n"] {
             fs::write(&path, empty).expect("room on the disk");
-            let line = format!("{}: ", path.display());
+            let line = format!("{}: no flags", path.display());
             assert_eq!(read(&folder), (defaults(&folder), Some(line)), "{empty:?}");
         }
         let text = "\u{feff}# for the fair\r\n--rate 90 --depth#!\r\n\t--foveation\r\n# half\r\n\
