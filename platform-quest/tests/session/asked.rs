@@ -35,8 +35,8 @@ const TOUCH: &[(&str, &str, Hands)] = &[
     ("menu", "input/menu/click", Left),
 ];
 
-/// As OpenXR 1.1 names profiles and components: section 6.4, "Interaction Profile Paths", and the
-/// extension `XR_META_touch_controller_plus`. The right Touch's menu button is the system's.
+/// As OpenXR 1.1 names profiles and components: "Interaction Profile Paths", the extension
+/// `XR_META_touch_controller_plus`, and `xr.xml`. The right Touch's menu button is the system's.
 const PROFILES: [Profile; 3] = [
     ("/interaction_profiles/oculus/touch_controller", TOUCH),
     ("/interaction_profiles/meta/touch_controller_plus", TOUCH),
@@ -52,8 +52,7 @@ const PROFILES: [Profile; 3] = [
     ),
 ];
 
-/// What a component may move: its own type, or a number by a button, which is 0 or 1 then (section
-/// 11.4, "Suggested Bindings").
+/// What a component may move: its own type, or a number by a button, which is 0 or 1 then.
 const ACTIONS: [(&str, &str); 9] = [
     ("aim", "POSE_INPUT"),
     ("grip", "POSE_INPUT"),
