@@ -7,6 +7,7 @@
 
 #[cfg(target_os = "android")]
 mod android;
+pub mod arguments;
 pub mod beat;
 pub mod device;
 pub mod error;
@@ -21,6 +22,7 @@ mod rig;
 pub mod runtime;
 pub mod sample;
 pub mod script;
+pub mod settings;
 pub mod shell;
 pub mod starts;
 pub mod strain;

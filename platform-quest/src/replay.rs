@@ -1,7 +1,7 @@
 //! A trace played again without a session: the same ticks lead to the same digests on every machine.
 
 use std::fmt::{self, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use paros_core::size::{Grid, Size};
 use paros_shell::durable::{self, Target};
@@ -9,13 +9,13 @@ use paros_shell::stage;
 use paros_shell::statics::Resident;
 use paros_shell::trace::{Diverged, Trace, TraceError};
 
-/// Why a replay left no digests.
+/// Why a replay left no digests. It names the file.
 #[derive(Debug)]
 pub enum Error {
     /// The file is no trace.
     Trace(TraceError),
     /// The trace's ticks lead elsewhere here.
-    Diverged(Diverged),
+    Diverged(PathBuf, Diverged),
     /// The digests can't be written.
     Write(durable::Error),
 }
@@ -27,12 +27,13 @@ pub enum Error {
 /// nothing is written.
 pub fn replay(trace: &Path, digests: &Path) -> Result<(), Error> {
     let target = Target::tried(digests).map_err(Error::Write)?;
-    let trace = Trace::read(trace).map_err(Error::Trace)?;
-    let digests = match trace.header().size {
-        256 => play::<256>(&trace),
-        _ => play::<128>(&trace),
+    let read = Trace::read(trace).map_err(Error::Trace)?;
+    let played = match read.header().size {
+        256 => play::<256>(&read),
+        _ => play::<128>(&read),
     };
-    target.write(digests.map_err(Error::Diverged)?.as_bytes()).map_err(Error::Write)
+    let played = played.map_err(|diverged| Error::Diverged(trace.into(), diverged))?;
+    target.write(played.as_bytes()).map_err(Error::Write)
 }
 
 fn play<const N: usize>(trace: &Trace) -> Result<String, Diverged>
@@ -53,7 +54,7 @@ impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Error::Trace(error) => error.fmt(f),
-            Error::Diverged(diverged) => diverged.fmt(f),
+            Error::Diverged(path, diverged) => write!(f, "{}: {diverged}", path.display()),
             Error::Write(error) => error.fmt(f),
         }
     }

@@ -56,7 +56,11 @@ where
         let instance = vulkan.insert(runtime.vulkan(&wanted)?);
         let gpu = runtime.gpu(instance.clone(), &wanted)?;
         let session = Session::new(&runtime, &gpu)?;
-        session.ask(&runtime, options.rate);
+        host.log(format_args!("{}", session.ask_rate(&runtime, options.rate)));
+        session.ask_pace(&runtime);
+        if let Some(floor) = session.floor() {
+            host.log(format_args!("{} {floor}", runtime.name));
+        }
         let with_depth = options.depth && runtime.extensions.khr_composition_layer_depth;
         let mut format = Eyes::format(&session.raw, &gpu, with_depth)?;
         let images = Images::new(&runtime, &session.raw, &gpu, &format, options.script)?;

@@ -1,6 +1,7 @@
 //! The program that makes the package, run as its users run it. What it makes is looked at with the
 //! tools of others.
 
+use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::{env, fs};
@@ -95,7 +96,12 @@ fn the_same_input_makes_the_same_package() {
         ]);
         assert!(made.status.success(), "{}", said(&made));
         let report = String::from_utf8_lossy(&made.stdout);
-        assert!(report.contains(&format!("\nadb install -r {output}")), "{report}");
+        let has_adb = Command::new("adb").arg("version").output().is_ok();
+        let adb = if has_adb { "" } else { "apt install adb\n" };
+        assert!(
+            report.ends_with(&format!("\n{output}\n{adb}adb install -r {output}\n")),
+            "{report}"
+        );
         assert!(report.contains("DN: CN=Somebody"), "{report}");
         let bytes = [&report, &*said(&made)].map(|text| text.contains(PASSWORD.1));
         assert_eq!(bytes, [false; 2]);
@@ -174,10 +180,51 @@ fn what_is_wrong_is_told_and_nothing_is_left() {
     fails(&wrong, 1, "apksigner failed");
 }
 
+/// A compiler whose folder has these parts, for who asks it where that is.
+fn compiler(name: &str, parts: &[&str]) -> PathBuf {
+    let root = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let _ = fs::remove_dir_all(&root);
+    for part in parts {
+        let part = root.join("lib/rustlib").join(part);
+        fs::create_dir_all(part.parent().expect("a folder")).expect("room on the disk");
+        fs::write(part, "").expect("room on the disk");
+    }
+    let rustc = root.join("rustc");
+    let answers = format!("case $1 in -vV) echo host: here;; *) echo {};; esac", root.display());
+    fs::write(&rustc, format!("#!/bin/sh\n{answers}\n")).expect("room on the disk");
+    fs::set_permissions(&rustc, fs::Permissions::from_mode(0o755)).expect("it is ours");
+    rustc
+}
+
 #[test]
-fn what_is_missing_is_named_by_debian_s_name() {
-    let mut bare = Command::new(env!("CARGO_BIN_EXE_package"));
-    let output = bare.env("PATH", "").output().expect("it starts");
-    assert_eq!(output.status.code(), Some(1));
-    assert!(said(&output).contains("apt install --no-install-recommends aapt zipalign apksigner"));
+fn all_that_is_missing_is_named_at_once() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
+    let says = |rustc: &Path, arguments: &[&str]| {
+        let mut bare = Command::new(env!("CARGO_BIN_EXE_package"));
+        bare.args(arguments).env("PATH", "").env("RUSTC", rustc).env("CARGO_TARGET_DIR", folder);
+        let output = bare.output().expect("it starts");
+        assert_eq!(output.status.code(), Some(1));
+        let text = said(&output);
+        let mut lines = text.lines().map(str::to_owned);
+        assert_eq!(lines.next().as_deref(), Some("package: something is missing; on Debian:"));
+        let apt = lines.next().expect("programs are missing");
+        let programs = "aapt zipalign apksigner default-jre-headless";
+        let all = format!("apt install --no-install-recommends {programs}");
+        assert!(apt == all || apt == format!("{all} android-framework-res"), "{text}");
+        lines.collect::<Vec<_>>()
+    };
+    let target = "rustup target add aarch64-linux-android";
+    let linker = "here/bin/rust-lld";
+    let bare = compiler("bare-compiler", &[linker]);
+    assert_eq!(says(&bare, &[]), [target]);
+    // Nothing is built then.
+    assert_eq!(says(&bare, &["--library", TEXT]), [""; 0]);
+    let whole = compiler("whole-compiler", &[linker, "aarch64-linux-android/lib"]);
+    assert_eq!(says(&whole, &[]), [""; 0]);
+    // What no rustup brought.
+    for rustc in [compiler("other-compiler", &["here/lib"]), "/no/such/rustc".into()] {
+        let line = says(&rustc, &[]).concat();
+        assert!(line.starts_with(&format!("{target}  # ")), "{line}");
+        assert!(line.ends_with(": by rustup, from https://rustup.rs"), "{line}");
+    }
 }

@@ -44,3 +44,16 @@ fn a_replay_that_differs_stops_at_the_tick_and_names_the_part() {
     let written = fs::read_to_string(folder.join("digests")).expect("digests");
     assert_eq!(written.lines().count(), 40);
 }
+
+#[test]
+fn a_file_that_is_missing_is_named_once() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("replay-nothing");
+    let _ = fs::remove_dir_all(&folder);
+    fs::create_dir_all(&folder).expect("a folder");
+    let missing = replay(&folder, "nofile");
+    let errors = String::from_utf8_lossy(&missing.stderr);
+    assert_eq!(missing.status.code(), Some(2), "{errors}");
+    assert!(errors.starts_with("paros-quest: nofile: can't be read: "), "{errors}");
+    assert_eq!(errors.matches("nofile").count(), 1, "{errors}");
+    assert!(!folder.join("digests").exists());
+}

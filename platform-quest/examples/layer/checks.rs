@@ -6,7 +6,9 @@ use std::sync::atomic::Ordering;
 use openxr::sys;
 use sys::{Handle, Result as Status, pfn};
 
-use super::{FAIL, SESSION, formats, foveation, inject, next, note, threads};
+use super::{
+    FAIL, SESSION, actions, folder, formats, foveation, inject, next, note, spaces, threads,
+};
 
 /// Where a session and its frame stand.
 struct State {
@@ -63,6 +65,10 @@ pub(crate) fn own(name: &str) -> Option<pfn::VoidFunction> {
         "xrDestroyFoveationProfileFB": DestroyFoveationProfileFB = foveation::destroy_profile,
         "xrUpdateSwapchainFB": UpdateSwapchainFB = foveation::update,
         "xrGetSwapchainStateFB": GetSwapchainStateFB = foveation::told,
+        "xrEnumerateReferenceSpaces": EnumerateReferenceSpaces = spaces::spaces,
+        "xrCreateReferenceSpace": CreateReferenceSpace = spaces::create_space,
+        "xrCreateAction": CreateAction = actions::create_action,
+        "xrSuggestInteractionProfileBindings": SuggestInteractionProfileBindings = actions::suggest,
         "xrApplyHapticFeedback": ApplyHapticFeedback = haptic,
         "xrPerfSettingsSetPerformanceLevelEXT": PerfSettingsSetPerformanceLevelEXT = level,
         "xrEnumerateDisplayRefreshRatesFB": EnumerateDisplayRefreshRatesFB = rates,
@@ -287,11 +293,12 @@ unsafe extern "system" fn rates(
     count: *mut u32,
     rates: *mut f32,
 ) -> Status {
+    let offered = if folder().join("no-rates").exists() { &[] } else { &RATES[..] };
     // SAFETY: there is room for a count, and for as many rates as the shell says.
     unsafe {
-        *count = RATES.len() as u32;
+        *count = offered.len() as u32;
         if capacity >= *count {
-            rates.copy_from_nonoverlapping(RATES.as_ptr(), RATES.len());
+            rates.copy_from_nonoverlapping(offered.as_ptr(), offered.len());
         }
     }
     Status::SUCCESS

@@ -1,19 +1,21 @@
 //! An OpenXR API layer for tests, between the shell and the runtime. It advertises what Monado lacks
-//! (performance levels, user presence, refresh rates, foveation, thread types), notes what the shell
-//! asks for, checks the order of its calls and what it hands over, and has the runtime tell what a
+//! (performance levels, user presence, refresh rates, foveation, thread types, the Touch Plus), notes
+//! what the shell asks for, checks the order of its calls and what it hands over, and has the runtime tell what a
 //! test wants told. The library is a layer of Vulkan, too: see `vulkan`.
 //!
 //! It works in the folder that `PAROS_LAYER` names: it appends to `log` there, and does what a file
 //! `inject` says, once: `presence 0`, `presence 1`, `heat`, `cool`, `lose session`, `lose instance`,
 //! or `fail`, which has the next frame's wait fail. Where a file `no-depth` stands, the runtime takes
-//! no pictures of depth; where `one-view` stands, its device has no multiview. What a file `refuse`
-//! names is refused.
+//! no pictures of depth; where `one-view` stands, its device has no multiview; `no-floor`, `no-stage`
+//! and `no-rates` take away spaces and rates. What a file `refuse` names is refused.
 
+mod actions;
 mod checks;
 mod formats;
 mod foveation;
 mod maps;
 mod refusals;
+mod spaces;
 mod threads;
 mod vulkan;
 
@@ -35,7 +37,7 @@ pub(crate) static SESSION: AtomicU64 = AtomicU64::new(0);
 pub(crate) static FAIL: AtomicBool = AtomicBool::new(false);
 
 /// What the layer does itself, as it says in its manifest.
-const OWN: [&CStr; 7] = [
+const OWN: [&CStr; 8] = [
     c"XR_EXT_performance_settings",
     c"XR_EXT_user_presence",
     c"XR_FB_foveation",
@@ -43,6 +45,7 @@ const OWN: [&CStr; 7] = [
     c"XR_FB_foveation_vulkan",
     c"XR_FB_swapchain_update_state",
     c"XR_KHR_android_thread_settings",
+    c"XR_META_touch_controller_plus",
 ];
 
 /// The loader's first question.

@@ -55,6 +55,10 @@ refusals! {
         instance: sys::Instance,
         info: *const sys::InteractionProfileSuggestedBinding
     ), ERROR_PATH_UNSUPPORTED;
+    "xrRequestDisplayRefreshRateFB": RequestDisplayRefreshRateFB = request_rate(
+        session: sys::Session,
+        rate: f32
+    ), ERROR_DISPLAY_REFRESH_RATE_UNSUPPORTED_FB;
     "xrCreateHandTrackerEXT": CreateHandTrackerEXT = create_hand_tracker(
         session: sys::Session,
         info: *const sys::HandTrackerCreateInfoEXT,

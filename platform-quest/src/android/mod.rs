@@ -18,10 +18,7 @@ use crate::device::{self, Device, Watch};
 use crate::error::Error;
 use crate::host::{Host, Told};
 use crate::options::Options;
-use crate::{runtime, shell, starts};
-
-/// Voxels along an edge.
-const SIZE: usize = 128;
+use crate::{runtime, settings, shell, starts};
 
 #[unsafe(no_mangle)]
 fn android_main(app: AndroidApp) {
@@ -40,10 +37,23 @@ fn sculpt(app: AndroidApp) -> Result<(), Error> {
     let folder = device.storage().map_err(unavailable)?;
     let name = device.name().map_err(unavailable)?;
     eprintln!("paros-quest: {name}, API level {}, {}", device.level(), folder.display());
-    take_starts::<SIZE>(&app);
-    let options = Options { folder: Some(folder), ..Options::default() };
-    let mut headset = Headset { app, watch: Watch::new(device), leave: false };
-    shell::run::<SIZE>(&mut headset, &options).map(drop)
+    let (settings, line) = settings::read(&folder);
+    if let Some(line) = line {
+        eprintln!("paros-quest: {line}");
+    }
+    let headset = Headset { app, watch: Watch::new(device), leave: false };
+    match settings.size {
+        256 => run::<256>(headset, &settings.options),
+        _ => run::<128>(headset, &settings.options),
+    }
+}
+
+fn run<const N: usize>(mut headset: Headset, options: &Options) -> Result<(), Error>
+where
+    Grid<N>: Size + Resident<N>,
+{
+    take_starts::<N>(&headset.app);
+    shell::run::<N>(&mut headset, options).map(drop)
 }
 
 /// Takes the start volumes out of the package. If they are not in it, they are made.

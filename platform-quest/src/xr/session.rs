@@ -25,6 +25,9 @@ pub(crate) struct Session {
 /// How high a room's origin is held to be over the floor where the runtime doesn't know the floor.
 const EYES: f32 = 1.6;
 
+/// Hertz by which a rate may differ and be called the same: displays have 71.9 for 72.
+const SAME: f32 = 0.5;
+
 impl Session {
     /// A session of a headset that shows what a device draws.
     ///
@@ -53,15 +56,30 @@ impl Session {
         Ok(Session { raw, waiter, stream, room, room_kind, head, actions, bare })
     }
 
-    /// Asks for the display's rate and the processors' pace, where one can. What is refused is no
+    /// Asks for the display's rate, where one can: what has become of it. What is refused is no
     /// failure: the pictures are the same.
-    pub(crate) fn ask(&self, runtime: &Runtime, wanted: f32) {
-        if runtime.extensions.fb_display_refresh_rate {
-            let rates = self.raw.enumerate_display_refresh_rates().unwrap_or_default();
-            if let Some(rate) = nearest_rate(&rates, wanted) {
-                let _ = self.raw.request_display_refresh_rate(rate);
-            }
+    pub(crate) fn ask_rate(&self, runtime: &Runtime, wanted: f32) -> String {
+        if !runtime.extensions.fb_display_refresh_rate {
+            let name = &runtime.name;
+            return format!("{name} has no XR_FB_display_refresh_rate: {}", unasked(wanted));
         }
+        let rates = self.raw.enumerate_display_refresh_rates().unwrap_or_default();
+        let Some(rate) = nearest_rate(&rates, wanted) else {
+            return format!("the display offers no rates: {}", unasked(wanted));
+        };
+        let asked = match self.raw.request_display_refresh_rate(rate) {
+            Ok(()) => format!("is asked for {rate} Hz"),
+            Err(result) => format!("was asked for {rate} Hz, and refused: {result:?}"),
+        };
+        if (rate - wanted).abs() < SAME {
+            return format!("the display {asked}");
+        }
+        let offered: Vec<String> = rates.iter().map(ToString::to_string).collect();
+        format!("the display has no {wanted} Hz, only {} Hz: it {asked}", offered.join(", "))
+    }
+
+    /// Asks for the processors' pace, where one can. What is refused is no failure.
+    pub(crate) fn ask_pace(&self, runtime: &Runtime) {
         if let Some(settings) = &runtime.instance.exts().ext_performance_settings {
             let level = xr::PerfSettingsLevelEXT::SUSTAINED_HIGH;
             for domain in [xr::PerfSettingsDomainEXT::CPU, xr::PerfSettingsDomainEXT::GPU] {
@@ -70,6 +88,20 @@ impl Session {
                     (settings.perf_settings_set_performance_level)(self.raw.as_raw(), domain, level)
                 };
             }
+        }
+    }
+
+    /// What is told where the floor under the visitor isn't known.
+    pub(crate) fn floor(&self) -> Option<String> {
+        match self.room_kind {
+            xr::ReferenceSpaceType::LOCAL_FLOOR => None,
+            xr::ReferenceSpaceType::STAGE => {
+                Some("has no LOCAL_FLOOR: the floor is the stage's".into())
+            }
+            _ => Some(format!(
+                "has no LOCAL_FLOOR and no STAGE: the floor is held to be {EYES} m below where the \
+                 eyes began"
+            )),
         }
     }
 
@@ -144,6 +176,10 @@ impl Session {
 /// The kernel's number of the calling thread, where there is a Linux kernel.
 fn this_thread() -> Option<u32> {
     std::fs::read_link("/proc/thread-self").ok()?.file_name()?.to_str()?.parse().ok()
+}
+
+fn unasked(wanted: f32) -> String {
+    format!("it is asked for none, {wanted} Hz or another")
 }
 
 /// The rate nearest to the one that is wanted: the tick's own, or 90 where that is asked for.

@@ -103,6 +103,6 @@ fn what_is_asked_for_and_missing_is_told_in_a_line() {
     // Left off, it is not even asked of a runtime that has it.
     let asked = log(&monado);
     assert_eq!(told(monado.layered_shell(&layer, &["--foveation", "off"])), "");
-    assert!(log(&monado)[asked.len()..].contains("own extensions 3\n"));
+    assert!(log(&monado)[asked.len()..].contains("own extensions 4\n"));
     assert_eq!(levels(&monado), [""; 0]);
 }

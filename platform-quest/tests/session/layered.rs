@@ -51,7 +51,7 @@ fn hands_feel_the_stone_and_losses_lose_nothing() {
     shell.until("a session", |said| said.field("session") == "Sculpting");
     let asked = log(&monado);
     for line in [
-        "own extensions 7",
+        "own extensions 8",
         "rate 72",
         "level CPU SUSTAINED_HIGH",
         "level GPU SUSTAINED_HIGH",

@@ -4,6 +4,7 @@
 //! The pictures are left in the tests' folder, to be looked at.
 #![cfg(unix)]
 
+mod asked;
 mod foveation;
 mod frugal;
 mod handover;

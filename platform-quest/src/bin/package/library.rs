@@ -42,7 +42,7 @@ pub(crate) fn target_folder() -> PathBuf {
 pub(crate) fn build(symbols: &Symbols, level: u32) -> Result<PathBuf, Error> {
     let target = target_folder();
     let stubs = target.join("android/stubs");
-    let toolchain = Toolchain::find()?;
+    let toolchain = Toolchain::find().map_err(Error::Failure)?;
     let linker = match env::var_os("ANDROID_NDK_HOME").filter(|path| !path.is_empty()) {
         Some(ndk) => Linker::Ndk(clang(Path::new(&ndk), level)?),
         None => {

@@ -69,7 +69,7 @@ fn run(args: &Args) -> Result<String, Error> {
     let output = args.output.clone().unwrap_or_else(|| folder.join("paros.apk"));
     let target = Target::tried(&output).map_err(Error::input)?;
     let loader = args.loader.as_deref().map(loader).transpose()?;
-    tools::check()?;
+    tools::check(args.library.is_none())?;
     let key = match (&args.key, &args.key_password) {
         (Some(store), Some(password)) => Key::release(store, args.key_alias.as_deref(), password)?,
         _ => Key::debug()?,
@@ -86,8 +86,7 @@ fn run(args: &Args) -> Result<String, Error> {
     key.sign(&unsigned, &signed)?;
     let report = check(&signed)?;
     target.write(&read(&signed)?).map_err(Error::failure)?;
-    let path = output.display();
-    Ok(format!("{report}\n{path}\nadb install -r {path}"))
+    Ok(format!("{report}\n{}\n{}", output.display(), tools::installation(&output)))
 }
 
 /// The bytes of the library, built or given, once Android is sure to load it.

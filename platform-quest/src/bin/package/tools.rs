@@ -12,7 +12,7 @@ const PACKAGES: [(&str, &str); 5] = [
     ("aapt2", "aapt"),
     ("zipalign", "zipalign"),
     ("apksigner", "apksigner"),
-    ("keytool", "openjdk-17-jre-headless"),
+    ("keytool", "default-jre-headless"),
     (FRAMEWORK, "android-framework-res"),
 ];
 
@@ -22,20 +22,28 @@ pub(crate) const FRAMEWORK: &str = "/usr/share/android-framework-res/framework-r
 /// The target of the library.
 pub(crate) const TARGET: &str = "aarch64-linux-android";
 
-/// Whether all that packing and signing takes is there.
+/// Whether all is there that packing and signing take, and building the library if that is to be.
 ///
 /// # Errors
-/// What is missing, and the command that brings it.
-pub(crate) fn check() -> Result<(), Error> {
+/// All that is missing, and the commands that bring it, each in a line.
+pub(crate) fn check(builds: bool) -> Result<(), Error> {
     let missing: Vec<_> =
         PACKAGES.iter().filter(|(what, _)| !is_there(what)).map(|(_, package)| *package).collect();
-    if missing.is_empty() {
+    let apt = (!missing.is_empty())
+        .then(|| format!("apt install --no-install-recommends {}", missing.join(" ")));
+    let toolchain = if builds { Toolchain::find().err() } else { None };
+    let lines: Vec<String> = apt.into_iter().chain(toolchain).collect();
+    if lines.is_empty() {
         return Ok(());
     }
-    Err(Error::Failure(format!(
-        "missing: {0}; on Debian: apt install --no-install-recommends {0}",
-        missing.join(" ")
-    )))
+    Err(Error::Failure(format!("something is missing; on Debian:\n{}", lines.join("\n"))))
+}
+
+/// The commands that install a package on a headset: first the one that brings `adb`, if there is
+/// none.
+pub(crate) fn installation(package: &Path) -> String {
+    let adb = if is_there("adb") { "" } else { "apt install adb\n" };
+    format!("{adb}adb install -r {}", package.display())
 }
 
 fn is_there(what: &str) -> bool {
@@ -75,12 +83,14 @@ impl Toolchain {
     /// The one of the compiler at hand.
     ///
     /// # Errors
-    /// What is missing, and the command that brings it.
-    pub(crate) fn find() -> Result<Self, Error> {
+    /// The command that brings what is missing.
+    pub(crate) fn find() -> Result<Self, String> {
+        let add = format!("rustup target add {TARGET}");
+        let rustup = |why: String| format!("{add}  # {why}: by rustup, from https://rustup.rs");
         let rustc = env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
-        let ask = |arguments: &[&str]| -> Result<String, Error> {
+        let ask = |arguments: &[&str]| -> Result<String, String> {
             let output = Command::new(&rustc).args(arguments).output();
-            let output = output.map_err(|e| Error::Failure(format!("{}: {e}", rustc.display())))?;
+            let output = output.map_err(|e| rustup(format!("{}: {e}", rustc.display())))?;
             Ok(String::from_utf8_lossy(&output.stdout).trim_end().to_owned())
         };
         let libraries = PathBuf::from(ask(&["--print", "sysroot"])?).join("lib/rustlib");
@@ -88,12 +98,9 @@ impl Toolchain {
         let host = version.lines().find_map(|line| line.strip_prefix("host: ")).unwrap_or_default();
         let linker = libraries.join(host).join("bin/rust-lld");
         if !linker.is_file() {
-            return Err(Error::Failure(format!("{}: missing; rustup brings it", linker.display())));
+            return Err(rustup(format!("no {}", linker.display())));
         }
-        if !libraries.join(TARGET).is_dir() {
-            return Err(Error::Failure(format!("missing: rustup target add {TARGET}")));
-        }
-        Ok(Toolchain { linker })
+        if libraries.join(TARGET).is_dir() { Ok(Toolchain { linker }) } else { Err(add) }
     }
 }
 

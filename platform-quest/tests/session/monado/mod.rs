@@ -157,7 +157,8 @@ impl Monado {
             {{"name": "XR_FB_foveation_configuration", "extension_version": "1"}},
             {{"name": "XR_FB_foveation_vulkan", "extension_version": "1"}},
             {{"name": "XR_FB_swapchain_update_state", "extension_version": "3"}},
-            {{"name": "XR_KHR_android_thread_settings", "extension_version": "6"}}]}}}}"#,
+            {{"name": "XR_KHR_android_thread_settings", "extension_version": "6"}},
+            {{"name": "XR_META_touch_controller_plus", "extension_version": "1"}}]}}}}"#,
             layer.display()
         );
         let folder = self.folder.join("layer");

@@ -1,0 +1,50 @@
+//! What spaces there are: without the floor under the visitor where a file `no-floor` stands in the
+//! layer's folder, and without the stage's where `no-stage` does.
+
+use openxr::sys;
+use sys::{ReferenceSpaceType, Result as Status, pfn};
+
+use super::checks::on;
+use super::{folder, next, note};
+
+const HIDDEN: [(&str, ReferenceSpaceType); 2] =
+    [("no-floor", ReferenceSpaceType::LOCAL_FLOOR), ("no-stage", ReferenceSpaceType::STAGE)];
+
+fn is_hidden(kind: ReferenceSpaceType) -> bool {
+    HIDDEN.iter().any(|(file, hidden)| *hidden == kind && folder().join(file).exists())
+}
+
+pub(crate) unsafe extern "system" fn spaces(
+    session: sys::Session,
+    capacity: u32,
+    count: *mut u32,
+    to: *mut ReferenceSpaceType,
+) -> Status {
+    let done =
+        on!(c"xrEnumerateReferenceSpaces": EnumerateReferenceSpaces, session, capacity, count, to);
+    if done == Status::SUCCESS && capacity > 0 {
+        // SAFETY: the call has succeeded, and so many kinds stand there.
+        let all = unsafe { core::slice::from_raw_parts_mut(to, *count as usize) };
+        let seen: Vec<_> = all.iter().copied().filter(|kind| !is_hidden(*kind)).collect();
+        all[..seen.len()].copy_from_slice(&seen);
+        // SAFETY: as above.
+        unsafe { *count = seen.len() as u32 };
+    }
+    done
+}
+
+/// Notes `space KIND HEIGHT`; one that is hidden can't be made.
+pub(crate) unsafe extern "system" fn create_space(
+    session: sys::Session,
+    info: *const sys::ReferenceSpaceCreateInfo,
+    space: *mut sys::Space,
+) -> Status {
+    // SAFETY: the shell's structure is valid during the call.
+    let (kind, pose) = unsafe { ((*info).reference_space_type, (*info).pose_in_reference_space) };
+    // No height is 0, not -0.
+    note(&format!("space {kind:?} {}", pose.position.y + 0.0));
+    if is_hidden(kind) {
+        return Status::ERROR_REFERENCE_SPACE_UNSUPPORTED;
+    }
+    on!(c"xrCreateReferenceSpace": CreateReferenceSpace, session, info, space)
+}

@@ -1,0 +1,321 @@
+//! Options from a file, for a headset, which has no command line: `paros.options`, in the folder of
+//! the sessions and sculptures. On a Quest, from a computer:
+//!
+//! ```text
+//! adb push paros.options /sdcard/Android/data/org.paros.studio/files/paros.options
+//! ```
+//!
+//! Its words are those of `paros-quest`'s command line, apart by blanks or ends of lines; `#` begins
+//! a comment, which ends with its line:
+//!
+//! ```text
+//! --rate 90 --foveation medium   # for a cool room
+//! --handover 120
+//! ```
+//!
+//! It is read at each start. A file with anything wrong in it counts for nothing: the shell says what
+//! is wrong where, and runs by the defaults.
+
+use std::fmt::Write;
+use std::io::{self, Read};
+use std::path::Path;
+
+use clap::error::ErrorKind;
+use clap::{CommandFactory, Parser};
+use paros_shell::durable::{self, Target};
+
+use crate::arguments::Args;
+use crate::options::Options;
+
+/// The file's name.
+pub const FILE: &str = "paros.options";
+
+/// Bytes that are read of it; one that is longer is something else by mistake.
+pub const LONGEST: u64 = 4096;
+
+/// Flags that make no sense in it, and why.
+const REFUSED: [(&str, &str); 9] = [
+    ("--folder", "it is the folder of this file"),
+    ("--replay", "a headset plays no traces"),
+    ("--digests", "a headset plays no traces"),
+    ("--script", "a headset has no standard input"),
+    ("--validation", "a headset has no validation layer"),
+    ("--help", "paros-quest tells it on Linux"),
+    ("-h", "paros-quest tells it on Linux"),
+    ("--version", "paros-quest tells it on Linux"),
+    ("-V", "paros-quest tells it on Linux"),
+];
+
+/// How a shell is to start.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Settings {
+    /// Voxels along an edge.
+    pub size: usize,
+    /// All else.
+    pub options: Options,
+}
+
+/// The settings for a shell whose files lie in a folder, and a line for the log if there is a file.
+/// A trace to be recorded goes into the folder, unless its path is a whole one.
+#[must_use]
+pub fn read(folder: &Path) -> (Settings, Option<String>) {
+    let path = folder.join(FILE);
+    let defaults = || {
+        let options = Options { folder: Some(folder.into()), ..Options::default() };
+        Settings { size: 128, options }
+    };
+    let text = match text(&path) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return (defaults(), None),
+        text => text.map_err(|error| format!("{}: {error}", path.display())),
+    };
+    let parsed = text.and_then(|text| {
+        let words = words(&text);
+        let settings = parse(folder, &words).map_err(|why| told(&path, &why))?;
+        let taken: Vec<&str> = words.iter().map(|word| word.text).collect();
+        let taken = if taken.is_empty() { "no flags".into() } else { taken.join(" ") };
+        Ok((settings, format!("{}: {taken}", path.display())))
+    });
+    match parsed {
+        Ok((settings, line)) => (settings, Some(line)),
+        Err(why) => (defaults(), Some(format!("{why}; the defaults hold"))),
+    }
+}
+
+/// A word, and the line that it stands in, from 1.
+#[derive(Clone, Copy, Debug)]
+struct Word<'a> {
+    line: usize,
+    text: &'a str,
+}
+
+/// What is wrong in which line.
+struct Wrong {
+    line: usize,
+    why: String,
+}
+
+fn text(path: &Path) -> io::Result<String> {
+    let mut bytes = Vec::new();
+    durable::open(path)?.take(LONGEST + 1).read_to_end(&mut bytes)?;
+    let expected = |what: String| io::Error::other(format!("{what}, expected flags as text"));
+    if bytes.len() as u64 > LONGEST {
+        return Err(expected(format!("it is longer than {LONGEST} bytes")));
+    }
+    // An editor's mark of the encoding is none of the words.
+    let text = bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(&bytes).to_vec();
+    String::from_utf8(text).map_err(|error| {
+        let good = &error.as_bytes()[..error.utf8_error().valid_up_to()];
+        let line = 1 + good.iter().filter(|byte| **byte == b'\n').count();
+        expected(format!("line {line} is no UTF-8"))
+    })
+}
+
+fn words(text: &str) -> Vec<Word<'_>> {
+    let mut words = Vec::new();
+    for (i, line) in text.lines().enumerate() {
+        let said = line.split_once('#').map_or(line, |(said, _)| said);
+        words.extend(said.split_whitespace().map(|text| Word { line: i + 1, text }));
+    }
+    words
+}
+
+fn parse(folder: &Path, words: &[Word<'_>]) -> Result<Settings, Wrong> {
+    for word in words {
+        let flag = word.text.split_once('=').map_or(word.text, |(flag, _)| flag);
+        if let Some((_, why)) = REFUSED.iter().find(|(refused, _)| *refused == flag) {
+            let why = format!("{flag} can't be set here: {why}");
+            return Err(Wrong { line: word.line, why });
+        }
+    }
+    let args = arguments(words)
+        .map_err(|error| Wrong { line: wrong_line(words), why: one_line(&error) })?;
+    let mut options = args.options();
+    options.folder = Some(folder.into());
+    if let Some(record) = &mut options.record {
+        *record = folder.join(&*record);
+        // Now, not after the sculpting.
+        Target::tried(record).map_err(|error| {
+            let flag = words.iter().find(|word| word.text.starts_with("--record"));
+            Wrong { line: flag.map_or(0, |word| word.line), why: error.to_string() }
+        })?;
+    }
+    Ok(Settings { size: args.size(), options })
+}
+
+/// What the command line would be with these words.
+fn arguments(words: &[Word<'_>]) -> Result<Args, clap::Error> {
+    Args::try_parse_from(["paros-quest"].into_iter().chain(words.iter().map(|word| word.text)))
+}
+
+/// The line with which it goes wrong: the first from which on no line makes it right again, as one
+/// does that holds the value of a flag before it.
+fn wrong_line(words: &[Word<'_>]) -> usize {
+    let mut line = 0;
+    for end in (1..=words.len()).rev() {
+        let is_line = words.get(end).is_none_or(|next| next.line > words[end - 1].line);
+        if is_line && arguments(&words[..end]).is_ok() {
+            break;
+        }
+        line = words[end - 1].line;
+    }
+    line
+}
+
+/// A parser's complaint without what is for a terminal.
+fn one_line(error: &clap::Error) -> String {
+    let text = error.to_string();
+    let mut paragraph = String::new();
+    for line in text.lines().map(str::trim).take_while(|line| !line.is_empty()) {
+        let space = if paragraph.is_empty() { "" } else { " " };
+        // A String takes everything.
+        let _ = write!(paragraph, "{space}{}", line.trim_start_matches("error: "));
+    }
+    if error.kind() == ErrorKind::UnknownArgument {
+        let _ = write!(paragraph, ", expected one of {}", flags().join(", "));
+    }
+    paragraph
+}
+
+/// The parser's flags that may stand in the file.
+fn flags() -> Vec<String> {
+    let command = Args::command();
+    let all = command.get_arguments().filter_map(|flag| Some(format!("--{}", flag.get_long()?)));
+    all.filter(|flag| REFUSED.iter().all(|(refused, _)| refused != flag)).collect()
+}
+
+fn told(path: &Path, wrong: &Wrong) -> String {
+    format!("{}:{}: {}", path.display(), wrong.line, wrong.why)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+    use std::path::{Path, PathBuf};
+    use std::time::Duration;
+
+    use paros_core::input::Mode;
+
+    use super::{FILE, LONGEST, Settings, read};
+    use crate::foveation::Foveation;
+    use crate::options::Options;
+
+    /// An empty folder of a test's own.
+    fn folder(name: &str) -> PathBuf {
+        let folder = std::env::temp_dir().join(format!("paros-{name}-{}", std::process::id()));
+        let _ = fs::remove_dir_all(&folder);
+        fs::create_dir_all(&folder).expect("a folder");
+        folder
+    }
+
+    fn defaults(folder: &Path) -> Settings {
+        let options = Options { folder: Some(folder.into()), ..Options::default() };
+        Settings { size: 128, options }
+    }
+
+    #[test]
+    fn no_file_is_the_defaults_and_no_line() {
+        let folder = folder("no-options");
+        assert_eq!(read(&folder), (defaults(&folder), None));
+        assert_eq!(read(&folder.join("none")).1, None);
+        fs::remove_dir_all(folder).expect("it is ours");
+    }
+
+    #[test]
+    fn its_words_are_the_command_lines() {
+        let folder = folder("good-options");
+        let path = folder.join(FILE);
+        for empty in ["", "\n", "# nothing\n   # --rate 90", "\u{feff}\r\n"] {
+            fs::write(&path, empty).expect("room on the disk");
+            let line = format!("{}: no flags", path.display());
+            assert_eq!(read(&folder), (defaults(&folder), Some(line)), "{empty:?}");
+        }
+        let text = "\u{feff}# for the fair\r\n--rate 90 --depth#!\r\n\t--foveation\r\n# half\r\n\
+            medium\r\n--handover=120 --mode creative --size 256 --record own.trace";
+        fs::write(&path, text).expect("room on the disk");
+        let (found, line) = read(&folder);
+        let options = Options {
+            rate: 90.0,
+            depth: true,
+            foveation: Some(Foveation::Medium),
+            handover: Duration::from_secs(120),
+            mode: Mode::Creative,
+            record: Some(folder.join("own.trace")),
+            ..defaults(&folder).options
+        };
+        assert_eq!(found, Settings { size: 256, options });
+        let words = "--rate 90 --depth --foveation medium --handover=120 --mode creative \
+            --size 256 --record own.trace";
+        assert_eq!(line, Some(format!("{}: {words}", path.display())));
+        fs::remove_dir_all(folder).expect("it is ours");
+    }
+
+    #[test]
+    fn what_is_wrong_is_told_with_its_line_and_the_defaults_hold() {
+        let folder = folder("bad-options");
+        let path = folder.join(FILE);
+        for (text, line, why) in [
+            ("--rate abc", 1, "'abc' for '--rate <HERTZ>': expected a number of hertz"),
+            ("--rate 90\n\n# no\n--mode cubes\n--depth", 4, "expected free, creative or one of"),
+            ("--rate\n# in two lines\nabc\n--depth\n", 1, "expected a number of hertz"),
+            ("--depth\n--rate", 2, "a value is required for '--rate <HERTZ>'"),
+            ("--depth\n--rate 60\n--depth\n", 3, "cannot be used multiple times"),
+            (
+                "--depth\nplease",
+                2,
+                "'please' found, expected one of --size, --mode, --handover, --record, \
+                --rate, --depth, --foveation; ",
+            ),
+            (
+                "--depth\n--replay a --digests b",
+                2,
+                "--replay can't be set here: a headset plays no",
+            ),
+            (
+                "--size=512",
+                1,
+                "invalid value '512' for '--size <SIZE>' [possible values: 128, 256]",
+            ),
+            ("--script", 1, "--script can't be set here: a headset has no standard input"),
+            ("\n--help", 2, "--help can't be set here"),
+            ("--depth\n--record none/own.trace", 2, "none/own.trace: cannot "),
+        ] {
+            fs::write(&path, text).expect("room on the disk");
+            let (found, told) = read(&folder);
+            let told = told.expect("there is a file");
+            assert_eq!(found, defaults(&folder), "{text}");
+            assert!(told.starts_with(&format!("{}:{line}: ", path.display())), "{text:?}: {told}");
+            assert!(told.contains(why) && told.ends_with("; the defaults hold"), "{told}");
+            assert_eq!(told.lines().count(), 1, "{told}");
+        }
+        fs::remove_dir_all(folder).expect("it is ours");
+    }
+
+    #[test]
+    fn what_is_no_text_of_that_length_is_told() {
+        let folder = folder("no-text");
+        let path = folder.join(FILE);
+        let told = |why: &str| {
+            let (found, told) = read(&folder);
+            let told = told.expect("there is something");
+            assert_eq!(found, defaults(&folder));
+            let ends = told.starts_with(&format!("{}: ", path.display()))
+                && told.ends_with("; the defaults hold");
+            assert!(ends && told.contains(why), "{why}: {told}");
+        };
+        fs::write(&path, b"--depth\n\xff").expect("room on the disk");
+        told("line 2 is no UTF-8, expected flags as text");
+        // Of a terabyte no more is read than is needed.
+        let huge = fs::File::create(&path).expect("room on the disk");
+        huge.set_len(1 << 40).expect("a hole");
+        told("it is longer than 4096 bytes, expected flags as text");
+        let longest = format!("{:1$}", "--depth", LONGEST as usize);
+        fs::write(&path, &longest).expect("room on the disk");
+        assert!(read(&folder).0.options.depth);
+        fs::write(&path, longest + " ").expect("room on the disk");
+        told("it is longer than 4096 bytes");
+        fs::remove_file(&path).expect("it is ours");
+        fs::create_dir(&path).expect("a folder");
+        told("it is not a regular file");
+        fs::remove_dir_all(folder).expect("it is ours");
+    }
+}

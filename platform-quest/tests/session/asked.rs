@@ -1,0 +1,175 @@
+//! What the shell asks the runtime for at its start, and what it says where it can't have it.
+
+use std::collections::BTreeSet;
+use std::fs;
+
+use paros_shell::require::require;
+
+use super::layered::{example, log, nothing_is_violated};
+use super::monado::{Monado, Shell, Tree};
+
+/// A profile's name, and what the shell binds in it: the action, the component, and whose hands.
+type Profile = (&'static str, &'static [(&'static str, &'static str, Hands)]);
+
+#[derive(Clone, Copy)]
+enum Hands {
+    Left,
+    Right,
+    Both,
+}
+use Hands::{Both, Left, Right};
+
+/// Touch and Touch Plus have these alike.
+const TOUCH: &[(&str, &str, Hands)] = &[
+    ("aim", "input/aim/pose", Both),
+    ("grip", "input/grip/pose", Both),
+    ("run", "input/trigger/value", Both),
+    ("take", "input/squeeze/value", Both),
+    ("turn", "input/thumbstick", Both),
+    ("mirror", "input/thumbstick/click", Both),
+    ("feel", "output/haptic", Both),
+    ("undo", "input/x/click", Left),
+    ("redo", "input/y/click", Left),
+    ("undo", "input/a/click", Right),
+    ("redo", "input/b/click", Right),
+    ("menu", "input/menu/click", Left),
+];
+
+/// As OpenXR 1.1 names profiles and components: "Interaction Profile Paths", the extension
+/// `XR_META_touch_controller_plus`, and `xr.xml`. The right Touch's menu button is the system's.
+const PROFILES: [Profile; 3] = [
+    ("/interaction_profiles/oculus/touch_controller", TOUCH),
+    ("/interaction_profiles/meta/touch_controller_plus", TOUCH),
+    (
+        "/interaction_profiles/khr/simple_controller",
+        &[
+            ("aim", "input/aim/pose", Both),
+            ("grip", "input/grip/pose", Both),
+            ("run", "input/select/click", Both),
+            ("take", "input/menu/click", Both),
+            ("feel", "output/haptic", Both),
+        ],
+    ),
+];
+
+/// What a component may move: its own type, or a number by a button, which is 0 or 1 then.
+const ACTIONS: [(&str, &str); 9] = [
+    ("aim", "POSE_INPUT"),
+    ("grip", "POSE_INPUT"),
+    ("run", "FLOAT_INPUT"),
+    ("take", "FLOAT_INPUT"),
+    ("turn", "VECTOR2F_INPUT"),
+    ("undo", "BOOLEAN_INPUT"),
+    ("redo", "BOOLEAN_INPUT"),
+    ("mirror", "BOOLEAN_INPUT"),
+    ("menu", "BOOLEAN_INPUT"),
+];
+
+/// The log's lines of a kind, each once.
+fn lines(log: &str, kind: &str) -> BTreeSet<String> {
+    let lines: Vec<String> =
+        log.lines().filter(|line| line.starts_with(kind)).map(str::to_owned).collect();
+    let set: BTreeSet<String> = lines.iter().cloned().collect();
+    assert_eq!(set.len(), lines.len(), "a line twice in {lines:#?}");
+    set
+}
+
+#[test]
+fn controllers_are_bound_as_openxr_names_them() {
+    let Some(tree) = require(Tree::find()).unwrap() else { return };
+    let Some(layer) = require(example("liblayer.so")).unwrap() else { return };
+    let monado = Monado::start(&tree, "bound");
+    let errors = seen(monado.layered_shell(&layer, &[]));
+    assert!(!errors.contains("no profile"), "{errors}");
+    let log = log(&monado);
+    let mut expected = BTreeSet::new();
+    for (profile, bindings) in PROFILES {
+        for (action, component, hands) in bindings {
+            let hands: &[&str] = match hands {
+                Left => &["left"],
+                Right => &["right"],
+                Both => &["left", "right"],
+            };
+            for hand in hands {
+                expected.insert(format!("bind {profile} /user/hand/{hand}/{component} {action}"));
+            }
+        }
+    }
+    assert_eq!(lines(&log, "bind "), expected);
+    let actions = ACTIONS.into_iter().chain([("feel", "VIBRATION_OUTPUT")]);
+    let actions = actions.map(|(name, kind)| format!("action {name} {kind}")).collect();
+    assert_eq!(lines(&log, "action "), actions);
+    nothing_is_violated(&log);
+}
+
+#[test]
+fn a_rate_is_asked_for_where_it_is_offered() {
+    let Some(tree) = require(Tree::find()).unwrap() else { return };
+    let Some(layer) = require(example("liblayer.so")).unwrap() else { return };
+    let monado = Monado::start(&tree, "rates");
+    let mut asked = 0;
+    let mut asks = |rate: &str, line: &str| {
+        let errors = seen(monado.layered_shell(&layer, &["--rate", rate]));
+        assert!(errors.contains(&format!("paros-quest: {line}\n")), "{line}: {errors}");
+        let log = log(&monado);
+        let rates: Vec<_> = log.lines().filter_map(|line| line.strip_prefix("rate ")).collect();
+        let new: Vec<String> = rates[asked..].iter().map(ToString::to_string).collect();
+        asked = rates.len();
+        new
+    };
+    assert_eq!(asks("90", "the display is asked for 90 Hz"), ["90"]);
+    let line = "the display has no 120 Hz, only 60, 72, 90 Hz: it is asked for 90 Hz";
+    assert_eq!(asks("120", line), ["90"]);
+    fs::write(monado.folder.join("layer/no-rates"), "").expect("a wish");
+    let line = "the display offers no rates: it is asked for none, 90 Hz or another";
+    assert_eq!(asks("90", line), [""; 0]);
+    fs::remove_file(monado.folder.join("layer/no-rates")).expect("it is ours");
+    fs::write(monado.folder.join("layer/refuse"), "xrRequestDisplayRefreshRateFB").expect("a wish");
+    let why = "ERROR_DISPLAY_REFRESH_RATE_UNSUPPORTED_FB";
+    let line = format!("the display was asked for 90 Hz, and refused: {why}");
+    assert_eq!(asks("90", &line), [""; 0]);
+    nothing_is_violated(&log(&monado));
+    // Monado's null compositor itself.
+    let errors = seen(monado.shell(&["--rate", "90"]));
+    let line = "paros-quest: the display has no 90 Hz, only 20 Hz: it is asked for 20 Hz\n";
+    assert!(errors.contains(line), "{errors}");
+}
+
+#[test]
+fn without_a_floor_under_the_visitor_the_stage_is_taken() {
+    let Some(tree) = require(Tree::find()).unwrap() else { return };
+    let Some(layer) = require(example("liblayer.so")).unwrap() else { return };
+    let monado = Monado::start(&tree, "floor");
+    let mut noted = 0;
+    let mut room = || {
+        let errors = seen(monado.layered_shell(&layer, &[]));
+        let log = log(&monado);
+        let spaces = lines(&log[noted..], "space ");
+        noted = log.len();
+        let line = errors.lines().find(|line| line.contains("floor")).map(str::to_owned);
+        // The head's is always there.
+        let rooms: Vec<String> = spaces.into_iter().filter(|line| line != "space VIEW 0").collect();
+        (rooms, line.unwrap_or_default())
+    };
+    assert_eq!(room(), (vec!["space LOCAL_FLOOR 0".into()], String::new()));
+    fs::write(monado.folder.join("layer/no-floor"), "").expect("a wish");
+    let (rooms, line) = room();
+    assert_eq!(rooms, ["space STAGE 0"]);
+    assert!(line.starts_with("paros-quest: Monado"), "{line}");
+    assert!(line.ends_with(" has no LOCAL_FLOOR: the floor is the stage's"), "{line}");
+    fs::write(monado.folder.join("layer/no-stage"), "").expect("a wish");
+    let (rooms, line) = room();
+    assert_eq!(rooms, ["space LOCAL -1.6"]);
+    let end = " has no LOCAL_FLOOR and no STAGE: the floor is held to be 1.6 m below where the eyes began";
+    assert!(line.ends_with(end), "{line}");
+    nothing_is_violated(&log(&monado));
+}
+
+/// A shell that is seen for some frames and leaves well: what it told.
+fn seen(mut shell: Shell) -> String {
+    shell.until("focus", |said| said.field("life") == "focused");
+    shell.frames(3);
+    let (code, errors) = shell.quit();
+    assert_eq!(code, Some(0), "{errors}");
+    errors
+}
