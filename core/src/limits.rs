@@ -67,6 +67,12 @@ pub const fn walk_steps(n: usize) -> u32 {
     if n > 128 { 160 } else { 80 }
 }
 
+/// The same in a tick of an undo or redo, which lays out the volume anew.
+#[must_use]
+pub const fn short_walk_steps(n: usize) -> u32 {
+    walk_steps(n) / 4
+}
+
 /// Steps of both hands in a tick, and pieces of the brushes that they draw, beyond which the islands
 /// wait for the next: 20 mm along the stone at 128, or 1.4 m/s, and half as much at 256. Hands at work
 /// are slower.

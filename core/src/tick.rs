@@ -153,9 +153,9 @@ where
     }
 
     /// Contact, and the edit where the tool runs.
-    /// Moves the held tool and edits with it; returns the steps that its bit walked and the pieces of
-    /// the brush that it drew, which cost as much.
-    pub(crate) fn sculpt(&mut self, hand: usize, did: Did) -> u32 {
+    /// Moves the held tool by so many steps of its bit at the most, and edits with it; returns the steps
+    /// that it took and the pieces of the brush that it drew, which cost as much.
+    pub(crate) fn sculpt(&mut self, hand: usize, did: Did, most: u32) -> u32 {
         let Some((tool, bit)) = self.held(hand) else {
             return 0;
         };
@@ -170,7 +170,7 @@ where
         let last = if state.bound { state.frozen } else { raw };
         let mask = self.state.masked.then_some(&self.mask);
         let obstacle = Obstacle { rows: self.volume.rows(), mask };
-        let Frozen { pose: frozen, steps, .. } = obstacle.freeze(&grid_bit, &last, &raw);
+        let Frozen { pose: frozen, steps, .. } = obstacle.freeze(&grid_bit, &last, &raw, most);
         let contact = obstacle.contact(&grid_bit, &frozen);
         let moved = if state.bound { (raw.position - state.raw.position).length() } else { 0.0 };
         let speed = (moved * frame.voxel() * 1e6).min(1e6) as u32;

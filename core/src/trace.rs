@@ -22,7 +22,7 @@ pub const RECORD_BYTES: usize = Input::BYTES + 8 * PARTS.len();
 pub const TRACE_VERSION: u16 = 2;
 
 /// Changes with every change of what a tick computes.
-pub const CORE_VERSION: u16 = 6;
+pub const CORE_VERSION: u16 = 7;
 
 /// The first bytes of a trace.
 pub const MAGIC: [u8; 4] = *b"PTRC";
@@ -31,7 +31,7 @@ pub const MAGIC: [u8; 4] = *b"PTRC";
 pub const EXPECTED_TRACE: &str = "trace version 2";
 
 /// What a header of another [`CORE_VERSION`] is told to be.
-pub const EXPECTED_CORE: &str = "core version 6";
+pub const EXPECTED_CORE: &str = "core version 7";
 
 /// What a trace was recorded on.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

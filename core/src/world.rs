@@ -14,7 +14,7 @@ use crate::frame::Frame;
 use crate::hand::Hand;
 use crate::input::{Input, Mode};
 use crate::islands::Islands;
-use crate::limits::{EVENTS, LONG_WAY};
+use crate::limits::{EVENTS, LONG_WAY, short_walk_steps, walk_steps};
 use crate::maps::Maps;
 use crate::size::{Grid, Size};
 use crate::state::State;
@@ -108,11 +108,12 @@ where
             for (hand, did) in did.into_iter().enumerate() {
                 self.reach(hand, did);
             }
+            // To lay out the volume anew is a tick's work, and so are long ways: the islands wait.
+            let most = if rewound { short_walk_steps(N) } else { walk_steps(N) };
             let mut way = 0;
             for (hand, did) in did.into_iter().enumerate() {
-                way += self.sculpt(hand, did);
+                way += self.sculpt(hand, did, most);
             }
-            // To lay out the volume anew is a tick's work, and so are long ways: the islands wait.
             if !rewound && way <= LONG_WAY {
                 self.clear_islands();
             }

@@ -5,7 +5,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use glam::{IVec3, Quat, Vec3};
 use paros_core::contact::{Contact, Frozen, Obstacle, looks};
 use paros_core::frame::BOX;
-use paros_core::limits::{LOOKS, deep_steps, walk_steps};
+use paros_core::limits::{LOOKS, deep_steps, short_walk_steps, walk_steps};
 use paros_core::maps::Maps;
 use paros_core::plane::Plane;
 use paros_core::pose::{Pose, SUB};
@@ -49,7 +49,7 @@ where
     }
 
     fn freeze(&self, bit: &GridBit, from: &Pose, raw: &Pose) -> Frozen {
-        self.obstacle().freeze(bit, from, raw)
+        self.obstacle().freeze(bit, from, raw, walk_steps(N))
     }
 }
 
@@ -144,13 +144,16 @@ fn freeze_follows_the_walk(
     from: &Pose,
     raw: &Pose,
 ) -> Result<Frozen, TestCaseError> {
-    let frozen = stone.freeze(bit, from, raw);
-    prop_assert_eq!(frozen, block.freeze(bit, from, raw));
-    let (before, after) = (block.depths(bit, from), block.depths(bit, &frozen.pose));
-    prop_assert!(after.volume <= bit.bite.max(before.volume), "{before:?} -> {after:?}");
-    prop_assert!(after.mask <= before.mask, "{before:?} -> {after:?}");
-    if !frozen.blocked && frozen.steps < walk_steps(16) {
-        prop_assert_eq!(frozen.pose, *raw);
+    let mut frozen = Frozen { pose: *from, blocked: false, steps: 0 };
+    for most in [short_walk_steps(16), walk_steps(16)] {
+        frozen = stone.obstacle().freeze(bit, from, raw, most);
+        prop_assert_eq!(frozen, block.freeze(bit, from, raw, most));
+        let (before, after) = (block.depths(bit, from), block.depths(bit, &frozen.pose));
+        prop_assert!(after.volume <= bit.bite.max(before.volume), "{before:?} -> {after:?}");
+        prop_assert!(after.mask <= before.mask, "{before:?} -> {after:?}");
+        if !frozen.blocked && frozen.steps < most {
+            prop_assert_eq!(frozen.pose, *raw);
+        }
     }
     Ok(frozen)
 }

@@ -296,7 +296,7 @@ fn the_hidden_figure_outlasts_any_carving() {
                 let mask = Some(studio.world.mask());
                 let frozen = studio.world.hand(RIGHT).frozen;
                 let obstacle = Obstacle { rows: studio.world.volume().rows(), mask };
-                assert_eq!(obstacle.freeze(&grid, &frozen, &frozen).pose, frozen);
+                assert_eq!(obstacle.freeze(&grid, &frozen, &frozen, 1).pose, frozen);
                 on_mask += u32::from(contact.on_mask);
                 let touches = contact.overlap > 0 || contact.on_mask;
                 assert!(touches || studio.world.hand(RIGHT).haptic == 0);

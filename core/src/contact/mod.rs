@@ -10,7 +10,6 @@ mod rows;
 use glam::{IVec3, Vec3};
 
 use crate::brush::{Brush, Capsule, Piece, SweptBox, centre, isqrt};
-use crate::limits::walk_steps;
 use crate::maps::Maps;
 use crate::plane::Plane;
 use crate::pose::{Pose, UNIT};
@@ -44,10 +43,10 @@ impl Contact {
 pub struct Frozen {
     /// The pose it takes.
     pub pose: Pose,
-    /// Whether the volume held it back. If not, it took the raw pose, or as much of a longer way as
-    /// [`walk_steps`] are.
+    /// Whether the volume held it back. If not, it took the raw pose, or as much of a longer way as it
+    /// had steps for.
     pub blocked: bool,
-    /// How many of the [`walk_steps`] it took.
+    /// How many of these it took.
     pub steps: u32,
 }
 
@@ -162,12 +161,13 @@ where
     /// the tangent of what stopped it: of the surface there, or, where that leads nowhere though it
     /// should (the side of a bump whose top is flat), of the stopping voxels as seen from the bit's
     /// centre. From a pose that is too deep already, the bit may only move so that its depth doesn't
-    /// grow, or come out of the stone further on its way.
+    /// grow, or come out of the stone further on its way. It walks so many steps at the most; see
+    /// [`walk_steps`](crate::limits::walk_steps).
     #[must_use]
-    pub fn freeze(&self, bit: &GridBit, from: &Pose, raw: &Pose) -> Frozen {
-        let mut left = walk_steps(N);
+    pub fn freeze(&self, bit: &GridBit, from: &Pose, raw: &Pose, most: u32) -> Frozen {
+        let mut left = most;
         let (pose, blocked) = self.walk(bit, from, raw, &mut left);
-        Frozen { pose, blocked, steps: walk_steps(N) - left }
+        Frozen { pose, blocked, steps: most - left }
     }
 
     /// Up to three ways of [`Obstacle::freeze`], of so many steps together.

@@ -2,7 +2,7 @@
 
 use glam::{I64Vec3, IVec3, Vec3};
 use paros_core::contact::{Contact, Frozen, LONG_STRETCH, SHORT_STRETCH, looks};
-use paros_core::limits::{deep_steps, walk_steps};
+use paros_core::limits::deep_steps;
 use paros_core::pose::{Pose, SUB, UNIT};
 use paros_core::tools::{GridBit, GridShape};
 
@@ -74,8 +74,7 @@ impl Block {
     }
 
     /// Walks step by step while the bit sits no deeper than it may, then once along the tangent.
-    pub fn freeze(&self, bit: &GridBit, from: &Pose, raw: &Pose) -> Frozen {
-        let most = walk_steps(self.volume.n());
+    pub fn freeze(&self, bit: &GridBit, from: &Pose, raw: &Pose, most: u32) -> Frozen {
         let mut left = most as usize;
         let (pose, blocked) = self.ways(bit, from, raw, &mut left);
         Frozen { pose, blocked, steps: most - left as u32 }
