@@ -90,7 +90,9 @@ fn bad_input_is_refused() {
     for (args, word) in [
         (["islands", "--volume", "no-such.rmap"], "no-such.rmap"),
         (["edit", "--volume", "no-such.obj"], "no-such.obj"),
-        (["bake", "--volume", "no-such-figure"], "no-such-figure"),
+        (["bake", "--volume", "no-such-figure"], "no-such-figure: nothing to measure on"),
+        (["islands", "--volume", "x.txt"], "(lump, owl, cat, amphora, dolphin, toy)"),
+        (["islands", "--volume", "x.txt"], "or a name in .rmap, .obj, .stl"),
         (["all", "--runs", "0"], "--runs"),
     ] {
         let output = bench(&args);
@@ -99,6 +101,15 @@ fn bad_input_is_refused() {
         assert!(errors.contains(word), "{args:?} should say {word:?}: {errors}");
         assert!(output.stdout.is_empty());
     }
+}
+
+#[test]
+fn the_help_names_every_figure() {
+    let help = String::from_utf8(bench(&["--help"]).stdout).unwrap();
+    for figure in Figure::ALL {
+        assert!(help.contains(figure.name()), "no {} in {help}", figure.name());
+    }
+    assert!(help.contains("takes minutes"), "{help}");
 }
 
 /// What a trace must be, before anything is counted.

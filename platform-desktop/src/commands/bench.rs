@@ -18,7 +18,8 @@ pub(super) struct Args {
     /// What to measure.
     #[arg(default_value = "all", value_parser = which())]
     what: Which,
-    /// What to measure on: meshes, volumes (.rmap) or figures' names; for `step`, traces of sessions.
+    /// What to measure on: meshes, volumes (.rmap) or figures (lump, owl, cat, amphora, dolphin, toy);
+    /// for `step`, traces of sessions, each of which takes minutes.
     #[arg(value_name = "V")]
     named: Vec<PathBuf>,
     /// The same, one each time.
