@@ -50,6 +50,9 @@ pub(super) struct Args {
 const RUNS: u16 = 21;
 const FRAME_RUNS: u16 = 9;
 
+/// Steps of the bar for each piece.
+const BAR: u64 = 1000;
+
 #[derive(Clone, Copy, Debug)]
 enum Which {
     All,
@@ -91,8 +94,10 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
         device: args.device.clone(),
         python: args.python.clone(),
     };
-    let bar = progress::bar("measuring", Some(plan.pieces() as u64));
-    let report = plan.run(|done| bar.advance_to(done as u64))?;
+    let slow = plan.benches.contains(&Bench::Step);
+    let what = if slow { "measuring (step takes minutes)" } else { "measuring" };
+    let bar = progress::bar(what, Some(BAR * plan.pieces() as u64));
+    let report = plan.run(|done| bar.advance_to((BAR as f64 * done) as u64))?;
     drop(bar);
     let missing = report.skipped.iter().map(|why| require::<(), _>(Err(why)));
     // All are told before the first of them counts.
