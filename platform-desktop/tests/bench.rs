@@ -1,11 +1,13 @@
 //! `paros bench` as a script meets it: rows with all their keys, and bad input refused.
 
+use std::cell::RefCell;
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
 use paros_core::input::Input;
 use paros_core::size::Grid;
+use paros_desktop::bench::{Bench, Plan};
 use paros_shell::figures::Figure;
 use paros_shell::require::require;
 use paros_shell::rmap;
@@ -90,7 +92,9 @@ fn bad_input_is_refused() {
     for (args, word) in [
         (["islands", "--volume", "no-such.rmap"], "no-such.rmap"),
         (["edit", "--volume", "no-such.obj"], "no-such.obj"),
-        (["bake", "--volume", "no-such-figure"], "no-such-figure"),
+        (["bake", "--volume", "no-such-figure"], "no-such-figure: nothing to measure on"),
+        (["islands", "--volume", "x.txt"], "(lump, owl, cat, amphora, dolphin, toy)"),
+        (["islands", "--volume", "x.txt"], "or a name in .rmap, .obj, .stl"),
         (["all", "--runs", "0"], "--runs"),
     ] {
         let output = bench(&args);
@@ -99,6 +103,70 @@ fn bad_input_is_refused() {
         assert!(errors.contains(word), "{args:?} should say {word:?}: {errors}");
         assert!(output.stdout.is_empty());
     }
+}
+
+#[test]
+fn the_help_names_every_figure() {
+    let help = String::from_utf8(bench(&["--help"]).stdout).unwrap();
+    for figure in Figure::ALL {
+        assert!(help.contains(figure.name()), "no {} in {help}", figure.name());
+    }
+    assert!(help.contains("takes minutes"), "{help}");
+}
+
+/// The part that takes minutes says how far it is.
+#[test]
+fn a_counted_replay_tells_its_progress() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("bench-progress");
+    fs::create_dir_all(&folder).unwrap();
+    let trace = stage::fresh::<128, _>(|mut stage| {
+        stage.record();
+        (0..1200).for_each(|_| stage.tick(&Input::default()));
+        stage.end_recording().unwrap()
+    });
+    fs::write(folder.join("session.trace"), &trace).unwrap();
+    fs::write(folder.join("ticks"), "7\n").unwrap();
+    for figure in Figure::ALL {
+        let (maps, plane) = (&mut *Grid::<128>::maps(), &mut *Grid::<128>::plane());
+        figure.carve_into(plane, maps);
+        rmap::write(&folder.join(figure.name()).with_extension("rmap"), maps).unwrap();
+    }
+    let output = bench(&["--replay", folder.to_str().unwrap()]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let said = String::from_utf8(output.stdout).unwrap();
+    let parts: Vec<f64> = said.lines().map(|line| line.parse().unwrap()).collect();
+    assert_eq!(parts.len(), 400);
+    assert!(parts.is_sorted() && parts[0] == 0.0 && parts[399] > 0.99, "{parts:?}");
+}
+
+/// Within a piece, too: without a count, as here, from run to run.
+#[test]
+fn progress_is_told_within_a_piece() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("bench-pieces");
+    fs::create_dir_all(&folder).unwrap();
+    let path = folder.join("short.trace");
+    let trace = stage::fresh::<128, _>(|mut stage| {
+        stage.record();
+        stage.tick(&Input::default());
+        stage.end_recording().unwrap()
+    });
+    fs::write(&path, trace).unwrap();
+    let plan = Plan {
+        benches: vec![Bench::Step],
+        subjects: vec![],
+        traces: vec![path],
+        runs: 1,
+        frame_runs: 1,
+        canvas: [1, 1],
+        device: None,
+        python: "python3".into(),
+    };
+    assert_eq!(plan.pieces(), 2);
+    let heard = RefCell::new(vec![]);
+    plan.run(|done| heard.borrow_mut().push(done)).unwrap();
+    let heard = heard.into_inner();
+    assert!(heard.is_sorted() && heard[..2] == [0.0, 1.0], "{heard:?}");
+    assert!(heard[2..].len() > 3 && heard[2..].iter().all(|&done| 1.0 < done && done < 2.0));
 }
 
 /// What a trace must be, before anything is counted.

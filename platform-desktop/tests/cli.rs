@@ -40,6 +40,7 @@ impl Folder {
 
     fn paros(&self, args: &[&str]) -> Output {
         let mut paros = Command::new(env!("CARGO_BIN_EXE_paros"));
+        paros.env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET");
         paros.args(args).current_dir(&self.0).stdin(Stdio::null()).output().unwrap()
     }
 
@@ -210,6 +211,71 @@ fn bad_volumes_are_refused() {
     folder.write("t.trace", b"PTRC\x01\0\x01\0\x80\0\0\0");
     folder.refuses(&["info", "t.trace"], "t.trace: is a trace, not a volume; use `paros play`");
     folder.refuses(&["info", "."], ".");
+}
+
+/// A file of one kind in the place of another: what it is, and what to do with it.
+#[test]
+fn a_file_of_another_kind_is_told_what_it_is() {
+    let folder = Folder::new("kinds");
+    folder.write("v.rmap", toy());
+    folder.write("m.obj", OCTAHEDRON);
+    folder.write("m.stl", [0; 84]);
+    for (name, command, output) in [("m.stl", "render", "p.png"), ("m.obj", "export", "x.stl")] {
+        let word = format!("{name}: is a mesh, not a volume; `paros bake` makes one of it");
+        folder.refuses(&[command, name, "-o", output], &word);
+    }
+    folder.refuses(&["bake", "v.rmap", "-o", "w.rmap"], "v.rmap: is a volume already");
+    let word = "v.rmap: is a volume, not a trace; `paros render` draws it";
+    folder.refuses(&["play", "v.rmap"], word);
+}
+
+/// What is written would not be what the name says.
+#[test]
+fn a_name_of_another_kind_is_refused() {
+    let folder = Folder::new("endings");
+    folder.write("v.rmap", toy());
+    folder.write("m.obj", OCTAHEDRON);
+    folder.write("t.trace", "");
+    folder.refuses(&["export", "v.rmap", "-o", "m.ply"], "m.ply: expected a name in .stl");
+    folder.refuses(&["render", "v.rmap", "-o", "p.jpg"], "p.jpg: expected a name in .png");
+    folder.refuses(&["bake", "m.obj", "-o", "v.stl"], "v.stl: expected a name in .rmap");
+    folder.refuses(&["play", "t.trace", "--stl", "s.obj"], "s.obj: expected a name in .stl");
+    folder.succeeds(&["export", "v.rmap", "-o", "M.STL"]);
+}
+
+/// A missing file is told in the same words by all commands.
+#[test]
+fn a_missing_file_cannot_be_read() {
+    let folder = Folder::new("missing");
+    for args in [
+        &["info", "none.rmap"][..],
+        &["info", "none.obj"],
+        &["bake", "none.obj", "-o", "v.rmap"],
+        &["export", "none.rmap", "-o", "m.stl"],
+        &["play", "none.trace"],
+        &["bench", "islands", "none.ply"],
+        &["bench", "islands", "none.rmap"],
+        &["window", "none.stl"],
+        &["window", "none.rmap"],
+    ] {
+        folder.refuses(args, "cannot read: No such file");
+    }
+}
+
+/// Before a window is looked for: here there is no display.
+#[test]
+fn a_window_for_what_is_no_stone_is_refused() {
+    let folder = Folder::new("window");
+    folder.write("t.trace", "");
+    folder.write("letter.obj", "no mesh\n");
+    folder.refuses(&["window", "t.trace"], "t.trace: no mesh or volume; expected a name in .rmap");
+    folder.refuses(&["window", "letter.obj"], "letter.obj: holds no triangle");
+    folder.write("v.rmap", toy());
+    folder.refuses(&["window", "v.rmap", "--size", "256"], "v.rmap: is a volume of 128");
+    let output = folder.paros(&["window", "v.rmap"]);
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{errors}");
+    assert!(errors.contains("no window can be opened: no display"), "{errors}");
 }
 
 #[test]

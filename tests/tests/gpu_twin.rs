@@ -39,10 +39,13 @@ struct Rig {
 }
 
 impl Rig {
-    /// None where there is no device.
-    fn new() -> Option<Self> {
-        let options = Options { validation: true, single: true, ..Options::default() };
+    /// None where there is no device. The fast path computes in halves unless `single`; None where
+    /// the device has no use for them.
+    fn new(single: bool) -> Option<Self> {
+        let options = Options { validation: true, single, ..Options::default() };
         let gpu = require(Gpu::headless(&options)).expect("Vulkan")?;
+        let precision = (single || gpu.needs.half).then_some(()).ok_or("no half precision");
+        require(precision).expect("half precision")?;
         let format = Offscreen::format(1, 1, true);
         let renderer = Renderer::new(&gpu, format, N, &[]).expect("a renderer");
         let screen = Offscreen::new(&gpu, &renderer, EXTENT).expect("images");
@@ -77,19 +80,38 @@ impl Rig {
 
 #[test]
 fn the_gpu_draws_what_its_twin_draws() {
-    let Some(mut rig) = Rig::new() else { return };
+    agree(true, &[Path::Fast, Path::Paper(Parts::Whole)], eye);
+}
+
+/// What a headset's GPU runs. The paper's path has no such variant.
+#[test]
+fn the_gpu_draws_in_halves_what_its_twin_draws() {
+    agree(false, &[Path::Fast], eye);
+}
+
+/// Visitors lean in. The paper's path draws the box's front faces, and shows nothing from inside.
+#[test]
+fn from_inside_the_box_the_gpu_draws_what_its_twin_draws() {
+    for single in [true, false] {
+        agree(single, &[Path::Fast], eye_inside);
+    }
+}
+
+fn agree(single: bool, paths: &[Path], eye: impl Fn(usize) -> Eye) {
+    let Some(mut rig) = Rig::new(single) else { return };
     for (name, volume) in volumes() {
         let (maps, field) = textures::<N>(&volume);
         rig.load(&field);
         for (view, turn) in TURNS.into_iter().enumerate() {
-            for path in [Path::Fast, Path::Paper(Parts::Whole)] {
+            for &path in paths {
                 let eye = eye(view);
                 let (pixels, depths) = rig.draw(eye, turn, path);
                 let scene = Scene {
                     field: (path == Path::Fast).then_some(&*field),
                     ..Scene::new(&maps, turn, Settings::default())
                 };
-                check(&format!("{name}-{view}-{path:?}"), &scene, &eye, &pixels, &depths);
+                let name = format!("{name}-{view}-{path:?}-single-{single}");
+                check(&name, &scene, &eye, &pixels, &depths);
             }
         }
     }
@@ -99,7 +121,7 @@ fn the_gpu_draws_what_its_twin_draws() {
 /// The full march asks more of the maps and finds the same voxels.
 #[test]
 fn a_full_march_draws_what_the_quick_one_draws() {
-    let Some(mut rig) = Rig::new() else { return };
+    let Some(mut rig) = Rig::new(true) else { return };
     for (name, volume) in volumes() {
         rig.load(&textures::<N>(&volume).1);
         for (view, turn) in TURNS.into_iter().enumerate() {
@@ -117,7 +139,7 @@ fn a_full_march_draws_what_the_quick_one_draws() {
 /// is thinner than a step.
 #[test]
 fn the_gpu_keeps_what_is_thin() {
-    let Some(mut rig) = Rig::new() else { return };
+    let Some(mut rig) = Rig::new(true) else { return };
     let plates = |[x, y, z]: [i32; 3]| y == 9 || x == 50 || z == 31 && y < 30;
     let rods = |[x, y, z]: [i32; 3]| x % 6 == 2 && z == 40 || y % 6 == 3 && z == 20;
     for (name, volume, least) in [
@@ -192,6 +214,22 @@ fn eye(view: usize) -> Eye {
         (Vec3::new(-0.1, 1.6, 1.4), 0.75),
         (Vec3::new(0.0, 0.45, 1.5), 0.0),
     ][view];
+    looking(position, down)
+}
+
+/// Eyes in the box and outside of the stone, and one before the box with the near plane in it. None
+/// looks along a long inner outline: there two rays that start half a voxel apart may end far apart,
+/// and only the GPU's start where beams of them may.
+fn eye_inside(view: usize) -> Eye {
+    let (position, down) = [
+        (Vec3::new(0.1, 0.8, 0.45), 0.5f32),
+        (Vec3::new(0.02, 0.93, 0.03), 1.2),
+        (Vec3::new(0.0, 0.75, 0.575), 0.35),
+    ][view];
+    looking(position, down)
+}
+
+fn looking(position: Vec3, down: f32) -> Eye {
     let fov = Fov { left: -0.45, right: 0.44, up: 0.4, down: -0.36 };
     Eye { position, rotation: Quat::from_rotation_x(-down), fov }
 }

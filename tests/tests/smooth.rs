@@ -186,9 +186,14 @@ fn coverage(gpu: &paros_shaders::gpu::Context, eye: &Eye) -> Vec<f32> {
     black.iter().zip(&white).map(|(b, w)| 1.0 - (linear(w[1]) - linear(b[1]))).collect()
 }
 
+/// In single precision, and in halves as on a headset.
 #[test]
 fn an_outline_has_three_levels_of_coverage() {
-    let options = Options { validation: true, single: true, ..Options::default() };
+    [true, false].into_iter().for_each(check_outline);
+}
+
+fn check_outline(single: bool) {
+    let options = Options { validation: true, single, ..Options::default() };
     let Some(gpu) = require(Gpu::headless(&options)).expect("Vulkan") else { return };
     for (position, down) in [(Vec3::new(0.1, 0.5, 2.0), 0.0f32), (Vec3::new(0.0, 1.7, 1.6), 0.64)] {
         let fov = Fov { left: -FIELD, right: FIELD, up: FIELD, down: -FIELD };

@@ -125,7 +125,7 @@ impl Trace {
 impl fmt::Display for TraceError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            TraceError::Read(path, e) => write!(f, "{}: can't be read: {e}", path.display()),
+            TraceError::Read(path, e) => write!(f, "{}: cannot read: {e}", path.display()),
             TraceError::Header(path, bad) => write!(
                 f,
                 "{}: no trace: expected {} at byte {}",

@@ -55,7 +55,7 @@ where
     let volume = folder.0.join("volume.rmap");
     rmap::write(&volume, &rig.start).map_err(Error::failure)?;
     let frames = play(rig)?;
-    let mut counted = counts(COUNTED, &volume, &folder);
+    let mut counted = counts(COUNTED, &volume, &folder, &|_| {});
     if let Ok(counts) = &counted
         && counts.len() != frames.len()
     {

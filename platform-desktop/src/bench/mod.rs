@@ -94,6 +94,9 @@ enum Job<'a> {
     Recorded(&'a Path),
 }
 
+/// Hears what part of a piece is done, 0 to 1.
+type Heard<'a> = &'a dyn Fn(f64);
+
 /// What pieces of a plan share.
 struct Shared {
     peers: Result<Peers, Missing>,
@@ -107,17 +110,18 @@ impl Plan {
         self.jobs().len()
     }
 
-    /// Measures. `progress` hears how many pieces are done.
+    /// Measures. `progress` hears how many pieces are done, with the part of the one under way.
     ///
     /// # Errors
     /// A subject that holds nothing, two sides that come to different results, or no device to
     /// draw where nothing else is to be measured.
-    pub fn run(&self, progress: impl Fn(usize)) -> Result<Report, Error> {
+    pub fn run(&self, progress: impl Fn(f64)) -> Result<Report, Error> {
         let mut report = Report::default();
         let mut shared = Shared { peers: self.peers(), studio: self.studio()? };
         for (i, job) in self.jobs().into_iter().enumerate() {
-            progress(i);
-            let (rows, skipped) = self.job(job, &mut shared)?;
+            let heard = |part: f64| progress(i as f64 + part);
+            heard(0.0);
+            let (rows, skipped) = self.job(job, &mut shared, &heard)?;
             report.rows.extend(rows);
             report.skipped.extend(skipped.filter(|why| !report.skipped.contains(why)));
         }
@@ -175,7 +179,12 @@ impl Plan {
         [Job::Sizes].into_iter().chain(demo).chain(recorded)
     }
 
-    fn job(&self, job: Job<'_>, shared: &mut Shared) -> Result<(Vec<Row>, Option<String>), Error> {
+    fn job(
+        &self,
+        job: Job<'_>,
+        shared: &mut Shared,
+        heard: Heard<'_>,
+    ) -> Result<(Vec<Row>, Option<String>), Error> {
         let (runs, peers) = (self.runs, &mut shared.peers);
         let studio = shared.studio.as_mut().map_err(|why| why.as_str());
         let whole = |rows: Vec<Row>| (rows, None);
@@ -199,9 +208,9 @@ impl Plan {
                 section5::rows(on, self.frame_runs, studio)
             }
             Job::Sizes | Job::On(Bench::Step, ..) => Ok(whole(step::sizes())),
-            Job::Demo(256) => step::demo::<256>(),
-            Job::Demo(_) => step::demo::<128>(),
-            Job::Recorded(path) => step::recorded(path),
+            Job::Demo(256) => step::demo::<256>(heard),
+            Job::Demo(_) => step::demo::<128>(heard),
+            Job::Recorded(path) => step::recorded(path, heard),
         }
     }
 }

@@ -124,8 +124,7 @@ const PUBLISHED: usize = 6;
 
 fn row_cells(row: &Row) -> [String; COLUMNS] {
     let ms = |ms: Option<f64>| ms.map_or_else(|| "-".into(), milliseconds);
-    let number =
-        |ratio: Option<f64>| ratio.map_or_else(|| "-".into(), |ratio| format!("{ratio:.2}"));
+    let number = |ratio: Option<f64>| ratio.map_or_else(|| "-".into(), significant);
     let figure = match (row.instructions, row.bytes) {
         (Some(count), Some(bytes)) => format!("{count} instructions, {bytes} bytes"),
         (Some(count), _) => format!("{count} instructions"),
@@ -152,11 +151,33 @@ fn row_cells(row: &Row) -> [String; COLUMNS] {
     ]
 }
 
+/// Three digits that say something, or all before the point.
+fn significant(number: f64) -> String {
+    let rounded = format!("{number:.2e}");
+    let exponent: i32 = rounded.split_once('e').and_then(|(_, e)| e.parse().ok()).unwrap_or(0);
+    format!("{number:.*}", usize::try_from(2 - exponent).unwrap_or(0))
+}
+
 /// Four digits or more.
 fn milliseconds(ms: f64) -> String {
     match ms {
         ms if ms < 0.1 => format!("{:.2} us", ms * 1e3),
         ms if ms < 10.0 => format!("{ms:.3} ms"),
         ms => format!("{ms:.1} ms"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::significant;
+
+    #[test]
+    fn numbers_have_three_significant_digits() {
+        let numbers =
+            [0.0, 0.000_123_4, 0.004_267, 0.9996, 1.25, 7.349, 28.06, 99.96, 418.2, 12_345.6];
+        let told = numbers.map(significant);
+        let expected =
+            ["0.00", "0.000123", "0.00427", "1.00", "1.25", "7.35", "28.1", "100", "418", "12346"];
+        assert_eq!(told, expected);
     }
 }

@@ -3,9 +3,10 @@
 //! A session is played to find its slowest ticks by the clock. These are counted one by one under
 //! Callgrind, and some of all kinds for the mean; to count every tick would take too long.
 
-use std::fmt::Write;
+use std::fmt::Write as _;
 use std::fs;
 use std::hint::black_box;
+use std::io::{self, Write as _};
 use std::iter;
 use std::mem::size_of;
 use std::ops::ControlFlow;
@@ -29,6 +30,7 @@ use paros_shell::stage::{Stage, fresh};
 use paros_shell::statics::Resident;
 use paros_shell::trace::Trace;
 
+use super::Heard;
 use super::callgrind::{Folder, counts};
 use super::clock::timed;
 use super::row::Row;
@@ -44,6 +46,9 @@ const SAMPLED: usize = 41;
 /// Times that a session is played: what delays a tick from outside doesn't do so each time.
 const RUNS: usize = 3;
 
+/// The part of the time that playing a session by the clock takes; the rest is counting.
+const TIMED: f64 = 0.1;
+
 /// Rows, and why some are missing if they are.
 type Told = (Vec<Row>, Option<String>);
 
@@ -55,7 +60,7 @@ pub(super) fn sizes() -> Vec<Row> {
 }
 
 /// Instructions of a tick of the demo.
-pub(super) fn demo<const N: usize>() -> Result<Told, Error>
+pub(super) fn demo<const N: usize>(heard: Heard<'_>) -> Result<Told, Error>
 where
     Grid<N>: Size + Resident<N>,
 {
@@ -65,17 +70,17 @@ where
         stage.end_recording().unwrap_or_default()
     });
     let trace = Trace::decode(&bytes).map_err(|(_, bad)| Error::failure(bad.expected))?;
-    session::<N>("demo", &trace, &bytes)
+    session::<N>("demo", &trace, &bytes, heard)
 }
 
 /// Instructions of a tick of a recorded session.
-pub(super) fn recorded(path: &Path) -> Result<Told, Error> {
+pub(super) fn recorded(path: &Path, heard: Heard<'_>) -> Result<Told, Error> {
     let trace = Trace::read(path).map_err(Error::input)?;
     let bytes = durable::read(path).map_err(Error::input)?;
     let name = path.file_stem().unwrap_or_default().to_string_lossy();
     match trace.header().size {
-        256 => session::<256>(&name, &trace, &bytes),
-        _ => session::<128>(&name, &trace, &bytes),
+        256 => session::<256>(&name, &trace, &bytes, heard),
+        _ => session::<128>(&name, &trace, &bytes, heard),
     }
     .map_err(|error| match error {
         Error::Input(why) => Error::Input(format!("{}: {why}", path.display())),
@@ -105,13 +110,19 @@ where
 }
 
 /// Of a trace, and its bytes.
-fn session<const N: usize>(name: &str, trace: &Trace, bytes: &[u8]) -> Result<Told, Error>
+fn session<const N: usize>(
+    name: &str,
+    trace: &Trace,
+    bytes: &[u8],
+    heard: Heard<'_>,
+) -> Result<Told, Error>
 where
     Grid<N>: Size + Resident<N>,
 {
     fresh::<N, _>(|mut stage| stage.replay(trace, |_, _| {})).map_err(Error::input)?;
     let mut times = vec![f64::INFINITY; trace.records().len()];
-    for _ in 0..RUNS {
+    for run in 1..=RUNS {
+        heard(TIMED * run as f64 / (RUNS + 1) as f64);
         fresh::<N, _>(|mut stage| best_times(&mut stage, trace, &mut times));
     }
     if times.is_empty() {
@@ -130,7 +141,9 @@ where
         let _ = writeln!(list, "{tick}");
     }
     durable::write(&folder.0.join(CHOSEN), list.as_bytes())?;
-    match counts(COUNTED_TICK, &folder.0, &folder) {
+    let counting = |part: f64| heard(TIMED + (1.0 - TIMED) * part);
+    counting(0.0);
+    match counts(COUNTED_TICK, &folder.0, &folder, &counting) {
         Ok(counts) if counts.len() == chosen.len() => {
             let counted: Vec<_> = chosen.into_iter().zip(counts).collect();
             Ok((tick_rows::<N>(name, times.len(), &counted), None))
@@ -164,6 +177,9 @@ fn chosen(times: &[f64]) -> Vec<usize> {
     ticks
 }
 
+/// How often a replay tells how far it is, about.
+const PARTS: usize = 500;
+
 const TRACE: &str = "session.trace";
 const CHOSEN: &str = "ticks";
 
@@ -193,8 +209,13 @@ where
     let fill = |figure, maps: &mut _| rmap::read(&volume(folder, figure), maps).map(drop);
     Grid::<N>::start_volumes().take(fill).map_err(Error::input)?;
     let mut chosen = chosen.iter().copied().peekable();
+    let (ticks, mut out) = (trace.records().len(), io::stdout().lock());
     let digest = fresh::<N, _>(|mut stage| {
         for (tick, record) in trace.records().enumerate() {
+            if tick % ticks.div_ceil(PARTS) == 0 {
+                // Nobody may be listening there.
+                let _ = writeln!(out, "{}", tick as f64 / ticks as f64);
+            }
             match chosen.next_if_eq(&tick) {
                 Some(_) => counted_tick(&mut stage, &record.input),
                 None => stage.tick(&record.input),

@@ -14,7 +14,7 @@ use paros_shell::rmap;
 use paros_shell::statics::Resident;
 
 use crate::error::Error;
-use crate::mesh::{self, Kind, Mesh};
+use crate::mesh::{self, ENDINGS, Kind, Mesh};
 
 /// One thing to measure on.
 #[derive(Debug)]
@@ -64,8 +64,8 @@ impl Subject {
             let source = Source::Volume(what.into(), size);
             return Ok(Subject { name, source });
         }
-        let mesh = mesh::read(what).map_err(Error::input)?;
-        let up = Kind::of(what).map_or(Up::Y, Kind::up);
+        let kind = Kind::of(what).ok_or_else(|| unknown(what))?;
+        let (mesh, up) = (mesh::read(what).map_err(Error::input)?, kind.up());
         Ok(Subject { name, source: Source::Mesh(mesh, up) })
     }
 
@@ -136,6 +136,13 @@ impl Subject {
             .map_err(|fault| Error::Failure(format!("{}: its print: {fault:?}", self.name)))?;
         Ok((Cow::Owned(mesh), Kind::Stl.up()))
     }
+}
+
+fn unknown(what: &Path) -> Error {
+    let (what, figures) = (what.display(), Figure::ALL.map(Figure::name).join(", "));
+    Error::Input(format!(
+        "{what}: nothing to measure on; expected a figure ({figures}), or a name in .rmap, {ENDINGS}"
+    ))
 }
 
 /// The STL file of a plane, in memory.

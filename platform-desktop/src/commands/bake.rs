@@ -32,6 +32,11 @@ fn sizes() -> impl TypedValueParser<Value = usize> {
 
 pub(super) fn run(args: &Args) -> Result<String, Error> {
     volume::check_distinct(&args.mesh, &args.output)?;
+    volume::check_ending(&args.output, "rmap")?;
+    if Kind::of(&args.mesh).is_none() && volume::is_one(&args.mesh) {
+        let what = args.mesh.display();
+        return Err(Error::Input(format!("{what}: is a volume already; expected a mesh")));
+    }
     let reading = progress::bar("reading", None);
     let mesh = mesh::read(&args.mesh).map_err(Error::input)?;
     drop(reading);

@@ -18,7 +18,8 @@ pub(super) struct Args {
     /// What to measure.
     #[arg(default_value = "all", value_parser = which())]
     what: Which,
-    /// What to measure on: meshes, volumes (.rmap) or figures' names; for `step`, traces of sessions.
+    /// What to measure on: meshes, volumes (.rmap) or figures (lump, owl, cat, amphora, dolphin, toy);
+    /// for `step`, traces of sessions, each of which takes minutes.
     #[arg(value_name = "V")]
     named: Vec<PathBuf>,
     /// The same, one each time.
@@ -48,6 +49,9 @@ pub(super) struct Args {
 /// Runs of each side, and of each frame, of which there are many.
 const RUNS: u16 = 21;
 const FRAME_RUNS: u16 = 9;
+
+/// Steps of the bar for each piece.
+const BAR: u64 = 1000;
 
 #[derive(Clone, Copy, Debug)]
 enum Which {
@@ -90,8 +94,10 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
         device: args.device.clone(),
         python: args.python.clone(),
     };
-    let bar = progress::bar("measuring", Some(plan.pieces() as u64));
-    let report = plan.run(|done| bar.advance_to(done as u64))?;
+    let slow = plan.benches.contains(&Bench::Step);
+    let what = if slow { "measuring (step takes minutes)" } else { "measuring" };
+    let bar = progress::bar(what, Some(BAR * plan.pieces() as u64));
+    let report = plan.run(|done| bar.advance_to((BAR as f64 * done) as u64))?;
     drop(bar);
     let missing = report.skipped.iter().map(|why| require::<(), _>(Err(why)));
     // All are told before the first of them counts.

@@ -34,6 +34,7 @@ fn height(text: &str) -> Result<f32, String> {
 
 pub(super) fn run(args: &Args) -> Result<String, Error> {
     volume::check_distinct(&args.volume, &args.output)?;
+    volume::check_ending(&args.output, "stl")?;
     match volume::size(&args.volume)? {
         128 => export::<128>(args),
         256 => export::<256>(args),

@@ -50,6 +50,14 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
             volume::check_distinct(volume, output)?;
         }
     }
+    if let Some(stl) = &args.stl {
+        volume::check_ending(stl, "stl")?;
+    }
+    if volume::is_one(&args.trace) {
+        let what = args.trace.display();
+        let why = format!("{what}: is a volume, not a trace; `paros render` draws it");
+        return Err(Error::Input(why));
+    }
     let trace = Trace::read(&args.trace).map_err(Error::input)?;
     match trace.header().size {
         256 => play::<256>(args, &trace),

@@ -54,6 +54,7 @@ fn view(text: &str) -> Result<[f32; 2], String> {
 
 pub(super) fn run(args: &Args) -> Result<String, Error> {
     volume::check_distinct(&args.volume, &args.output)?;
+    volume::check_ending(&args.output, "png")?;
     match volume::size(&args.volume)? {
         128 => render::<128>(args),
         256 => render::<256>(args),

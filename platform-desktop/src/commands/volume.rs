@@ -9,6 +9,7 @@ use paros_shell::print::Print;
 use paros_shell::rmap::{self, Fault};
 
 use crate::error::Error;
+use crate::mesh::Kind;
 
 /// The size N of the volume in a file.
 pub(super) fn size(path: &Path) -> Result<usize, Error> {
@@ -16,8 +17,17 @@ pub(super) fn size(path: &Path) -> Result<usize, Error> {
         rmap::Error::Bad { fault: Fault::Magic(trace::MAGIC), .. } => {
             Error::Input(format!("{}: is a trace, not a volume; use `paros play`", path.display()))
         }
+        rmap::Error::Bad { fault: Fault::Magic(_), .. } if Kind::of(path).is_some() => {
+            let path = path.display();
+            Error::Input(format!("{path}: is a mesh, not a volume; `paros bake` makes one of it"))
+        }
         error => Error::input(error),
     })
+}
+
+/// Whether a file begins as a volume does.
+pub(super) fn is_one(path: &Path) -> bool {
+    rmap::peek(path).is_ok()
 }
 
 /// Reads a volume that holds something.
@@ -42,6 +52,17 @@ pub(super) fn printed(print: Option<Print>, of: &Path) -> Result<Print, Error> {
     print
         .filter(|print| print.triangles > 0)
         .ok_or_else(|| Error::Input(format!("{}: nothing is left to print", of.display())))
+}
+
+/// Refuses a name that says another kind of file than is written. One without an ending says none.
+pub(super) fn check_ending(output: &Path, expected: &str) -> Result<(), Error> {
+    match output.extension() {
+        Some(ending) if !ending.eq_ignore_ascii_case(expected) => {
+            let output = output.display();
+            Err(Error::Input(format!("{output}: expected a name in .{expected}, which is written")))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Refuses to write over the file that is read.

@@ -103,7 +103,8 @@ pub fn play<const N: usize>(
 
     s.fetch(RIGHT, Item::Bit(Bit::MediumBall));
     let fine = Raster { spacing: 5.0, least: 2.5, ..Raster::WHOLE };
-    for degrees in [0.0, 45.0, 90.0, 135.0, 180.0] {
+    // The left side by itself too: the stone was not the same there, and the mirror left crumbs.
+    for degrees in [0.0, 45.0, 90.0, 135.0, 180.0, 270.0] {
         plunge_side(&mut s, degrees, fine);
     }
     plunge_top(&mut s, fine);
@@ -272,7 +273,7 @@ where
     });
     s.stroke(RIGHT, swirl, Vec3::NEG_Y, 0);
     s.lift(RIGHT);
-    s.rest(RIGHT);
+    s.approach(RIGHT, start, Vec3::NEG_Y);
 }
 
 /// Draws the running tool down one side in strips, pressed onto the figure. The mirror does the other
@@ -320,6 +321,8 @@ where
     Grid<N>: Size,
 {
     let unit = N as f32 / 128.0;
+    // Over the edge first: on a straight way down from the blot the head would hold the nozzle.
+    s.approach(RIGHT, Vec3::new(64.0, 140.0, 162.0) * unit, Vec3::NEG_Y);
     for degrees in steps(0.0, 340.0, 20.0) {
         s.face(degrees);
         let out = outward(degrees);

@@ -15,6 +15,9 @@ use std::path::{Path, PathBuf};
 /// The largest coordinate, in mesh units, that a file may hold.
 pub const COORDINATE_BOUND: f32 = 1e9;
 
+/// The names of the kinds that [`read`] knows, for messages.
+pub const ENDINGS: &str = ".obj, .stl, .ply, .gltf or .glb";
+
 /// Triangles, counter-clockwise seen from outside. What [`read`] gives has a triangle with area,
 /// no vertex without a triangle, and coordinates inside [`COORDINATE_BOUND`].
 #[derive(Clone, PartialEq, Debug, Default)]
@@ -53,7 +56,7 @@ pub struct MeshError {
 pub enum Fault {
     /// The file can't be read.
     Unreadable(io::Error),
-    /// The name ends in none of .obj, .stl, .ply, .gltf, .glb.
+    /// The name ends in none of [`ENDINGS`].
     UnknownKind,
     /// The bytes are not what the kind asks for.
     Malformed {
@@ -209,10 +212,10 @@ impl fmt::Display for Kind {
 impl fmt::Display for Fault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Fault::Unreadable(error) => write!(f, "can't be read: {error}"),
-            Fault::UnknownKind => f.write_str(
-                "unknown kind of mesh; expected a name in .obj, .stl, .ply, .gltf or .glb",
-            ),
+            Fault::Unreadable(error) => write!(f, "cannot read: {error}"),
+            Fault::UnknownKind => {
+                write!(f, "unknown kind of mesh; expected a name in {ENDINGS}")
+            }
             Fault::Malformed { kind, what } => write!(f, "not a whole {kind} file: {what}"),
             Fault::Empty => f.write_str("holds no triangle; expected at least one"),
             Fault::NoArea => {

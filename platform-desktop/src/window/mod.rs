@@ -66,6 +66,10 @@ pub fn open<const N: usize>(options: &Options) -> Result<String, Closed>
 where
     Grid<N>: Size + Resident<N>,
 {
+    if let Some(file) = &options.file {
+        // Whether or not there can be a window, and before one is there.
+        opening::load::<N>(file).map_err(|why| Closed::Failed(Error::Input(why)))?;
+    }
     libraries::probe().map_err(Closed::Unavailable)?;
     let script = options.script.as_deref().map(Script::open).transpose().map_err(Closed::Failed)?;
     let events =

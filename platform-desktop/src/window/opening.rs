@@ -7,7 +7,7 @@ use paros_core::size::{Grid, Size};
 use paros_shell::rmap;
 use paros_shell::statics::Resident;
 
-use crate::mesh::{self, Kind};
+use crate::mesh::{self, ENDINGS, Kind};
 
 /// Whether a file's name says that it can be opened.
 #[must_use]
@@ -35,6 +35,9 @@ where
             return Err(format!("{path}: is a volume of {n}, this studio takes {N}"));
         }
         rmap::read(path, &mut maps).map_err(|error| error.to_string())?;
+    } else if !is_known(path) {
+        let path = path.display();
+        return Err(format!("{path}: no mesh or volume; expected a name in .rmap, {ENDINGS}"));
     } else {
         let mesh = mesh::read(path).map_err(|error| error.to_string())?;
         let up = Kind::of(path).map_or(Up::Y, Kind::up);

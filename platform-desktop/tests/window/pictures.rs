@@ -71,7 +71,7 @@ fn save_hidden(folder: &Path) {
 }
 
 /// The tick at which the demo has worked the owl's front finer, and its back not yet.
-const HALF_WAY: u64 = 22_530;
+const HALF_WAY: u64 = 23_200;
 
 /// A bow tie of paste, both halves at once by the mirror.
 fn creative(visit: &mut Visit) {
