@@ -86,7 +86,7 @@ pub const fn deep_steps(n: usize) -> u32 {
 }
 
 /// Places on the rest of its way where a bit that is too deep looks for the way out, each time it is
-/// stopped: every step of the usual way, and more than one for each voxel of a fast one.
+/// stopped: every step of the next 8 voxels if it goes no farther, and else more thinly.
 pub const LOOKS: u32 = 32;
 
 /// Row visits that removing islands is held to be worth. With fewer left the next tick does it.
