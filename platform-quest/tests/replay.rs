@@ -53,7 +53,7 @@ fn a_file_that_is_missing_is_named_once() {
     let missing = replay(&folder, "nofile");
     let errors = String::from_utf8_lossy(&missing.stderr);
     assert_eq!(missing.status.code(), Some(2), "{errors}");
-    assert!(errors.starts_with("paros-quest: nofile: can't be read: "), "{errors}");
+    assert!(errors.starts_with("paros-quest: nofile: cannot read: "), "{errors}");
     assert_eq!(errors.matches("nofile").count(), 1, "{errors}");
     assert!(!folder.join("digests").exists());
 }
