@@ -6,7 +6,7 @@
 set -euo pipefail
 tree=${1:?"usage: monado-tree.sh DIR"}
 packages=monado-service,monado-cli,libopenxr1-monado,libopenxr-loader1,mesa-vulkan-drivers
-packages+=,libvulkan1,vulkan-validationlayers,ca-certificates
+packages+=,libvulkan1,vulkan-validationlayers,openxr-layer-corevalidation,ca-certificates
 stamp=$tree/.ready
 
 if test -f "$stamp" && test "$(cat "$stamp")" = "$packages"; then

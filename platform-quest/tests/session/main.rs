@@ -146,6 +146,7 @@ fn a_scripted_hand_takes_a_tool_and_carves() {
     let (code, errors) = shell.quit();
     assert_eq!(code, Some(0), "{errors}");
     assert!(errors.contains("recentred"), "{errors}");
+    monado.assert_valid();
     let states = ["Idle", "Ready", "Synchronized", "Visible", "Focused", "Visible", "Synchronized"];
     let mut rest = &errors[..];
     for state in states.into_iter().chain(["Stopping", "Idle", "Exiting"]) {

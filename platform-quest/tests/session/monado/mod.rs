@@ -63,12 +63,17 @@ impl Tree {
         let text = fs::read_to_string(self.root.join("usr/share").join(name)).expect("a manifest");
         let key = text.find("\"library_path\"").expect("it names a library");
         let library = key + 14 + text[key + 14..].find('"').expect("a name") + 1;
-        let text = format!("{}{}/{}", &text[..library], self.libraries.display(), &text[library..]);
+        let (before, library) = text.split_at(library);
+        let library = library.strip_prefix("/usr/lib/x86_64-linux-gnu/").unwrap_or(library);
+        let text = format!("{before}{}/{library}", self.libraries.display());
         let copy = folder.join(Path::new(name).file_name().expect("a name"));
         fs::write(&copy, text).expect("the copy is written");
         copy
     }
 }
+
+/// What OpenXR's validation says, in the service's folder.
+const VALIDATION: &str = "validation.txt";
 
 /// Its port is one for the whole machine.
 static ONE: Mutex<()> = Mutex::new(());
@@ -170,6 +175,15 @@ impl Monado {
         command
     }
 
+    /// Khronos' layer looked on at the last shell without the tests' own, and has nothing to say but
+    /// that it began and ended.
+    pub(crate) fn assert_valid(&self) {
+        let said = fs::read_to_string(self.folder.join(VALIDATION)).expect("the layer's words");
+        assert!(said.contains("VUID-CoreValidation-Initialize"), "{said}");
+        let other = said.lines().find(|line| !line.contains("VUID-CoreValidation-"));
+        assert_eq!(other, None, "{said}");
+    }
+
     /// Another program that is a shell, in this service's session.
     pub(crate) fn shell_of(&self, program: &Path, args: &[&str]) -> Shell {
         let mut command = self.tree.command(program, &self.folder);
@@ -181,6 +195,15 @@ impl Monado {
         let quest = Path::new(env!("CARGO_BIN_EXE_paros-quest"));
         let mut command = self.tree.command(quest, &self.folder);
         command.args(["--script", "--validation", "--folder", "files"]).args(args);
+        let layers = self.folder.join("layers");
+        fs::create_dir_all(&layers).expect("a folder");
+        let explicit = "openxr/1/api_layers/explicit.d";
+        let layer = format!("{explicit}/XrApiLayer_core_validation.x86_64-linux-gnu.json");
+        self.tree.manifest(&layer, &layers);
+        command.env("XR_API_LAYER_PATH", layers);
+        command.env("XR_ENABLE_API_LAYERS", "XR_APILAYER_LUNARG_core_validation");
+        command.env("XR_CORE_VALIDATION_EXPORT_TYPE", "text");
+        command.env("XR_CORE_VALIDATION_FILE_NAME", self.folder.join(VALIDATION));
         command
     }
 }
