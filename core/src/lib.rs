@@ -1,11 +1,29 @@
-//! A solid block held as three axial range maps, carved and filled by [`World::step`]: one tick's
-//! input in, dirty columns, events and a digest out.
+//! Volume editing on range maps: a solid block that is carved and filled in real time, in fixed memory.
 //!
-//! It follows "Real-Time Volume Editing on Low-Power Virtual Reality Devices" (Evangelou,
-//! Gkaravelis and Papaioannou, GRAPP 2023), *the paper* in these pages.
+//! The crate implements "Real-Time Volume Editing on Low-Power Virtual Reality Devices" (Evangelou,
+//! Gkaravelis and Papaioannou, GRAPP 2023), *the paper* in these pages. A shell (an OpenXR program, a
+//! window, a test) hands [`World::step`] the input of one tick, and reads events, dirty rectangles and a
+//! digest of the state.
 //!
-//! It does no I/O, allocates nothing, reads no clock, draws no picture and never panics on input.
-//! Files, time and devices are the shells' (`paros-shell`); pictures are `paros-shaders`'.
+//! # A range map in a picture
+//! A [`RangeMaps`] holds one map an axis. A map holds one column for each cell of the face that its axis
+//! passes through, and a column is an interval of occupied voxels. One layer of a volume, with its
+//! columns along x on the right and those along y below:
+//!
+//! ```text
+//!  y
+//!  4   · · # # · ·    2..=3
+//!  3   · # # # # ·    1..=4     columns along x: one for each (y, z)
+//!  2   # # # # # #    0..=5
+//!  1   # # # # # #    0..=5
+//!  0   · # # # # ·    1..=4
+//!  x   0 1 2 3 4 5
+//!      1 0 0 0 0 1    first     columns along y: one for each (z, x)
+//!      2 3 4 4 3 2    last
+//! ```
+//!
+//! A voxel is occupied where all three of its columns hold it. At 128 voxels a side the three maps take
+//! 96 KiB, where a grid of bytes takes 2 MiB.
 //!
 //! # The closure rule
 //! The volume is always the intersection of its three range maps, and every range is *tight*: both
@@ -13,6 +31,54 @@
 //! ranges become the tight hulls of the result, and the volume their intersection. So a carve can
 //! only fail to remove voxels of its own brush, and a fill can add others only along the three
 //! beams of columns through its brush.
+//!
+//! # An example
+//! A session on the solid block: the right hand takes the rotary tool and draws a groove through the top,
+//! which is then exported as binary STL. To edit by brushes, without hands and tools, see [`apply_edit`].
+//!
+//! ```
+//! use std::sync::Mutex;
+//! use paros_core::glam::{Quat, Vec3};
+//! use paros_core::{Axis, BenchItem, ExportPhase, Exporter, HandInput, PointerCommand, Pose};
+//! use paros_core::{RangeMaps, SessionMode, StartVolumes, TickInput, Tool, World};
+//!
+//! // All zero bytes at first: they live in statics and never move.
+//! static WORLD: Mutex<World<64>> = Mutex::new(World::new());
+//! static EXPORTER: Mutex<Exporter<64>> = Mutex::new(Exporter::new());
+//! let (mut world, mut exporter) = (WORLD.lock().unwrap(), EXPORTER.lock().unwrap());
+//! let mut block = RangeMaps::<64>::new();
+//! block.fill_block();
+//! let starts = StartVolumes { lump: &block, figures: &[], creative: &block, own: None };
+//! world.step(&TickInput { start: SessionMode::FreeForm, ..Default::default() }, &starts);
+//! let pointer = PointerCommand::Take { hand: 1, item: BenchItem::Tool(Tool::Rotary).number() as u8 };
+//! world.step(&TickInput { pointer, ..Default::default() }, &starts);
+//! for x in 20..44 {
+//!     let bit = Pose { position: Vec3::new(x as f32, 63.0, 32.0), rotation: Quat::IDENTITY };
+//!     let mut input = TickInput::default();
+//!     input.hands[1] = HandInput { trigger: 255, ..world.hand_with_bit_at(1, &bit) };
+//!     world.step(&input, &starts);
+//!     println!("tick {}: {:?}, digest {:016x}", world.tick(), world.events(), world.digest());
+//!     println!("upload {:?} of the map along y", world.dirty_rects().rects(Axis::Y));
+//! }
+//! # assert!(!world.volume().maps().contains([32, 63, 32]), "no groove");
+//! let (mut stl, mut buffer) = (Vec::<u8>::new(), [0; 1 << 16]);
+//! let mut phase = ExportPhase::Idle;
+//! exporter.start_export(120.0).unwrap(); // millimetres high
+//! while phase != ExportPhase::Done {
+//!     let progress = exporter.advance_export(world.volume().rows(), world.mask(), 1000, &mut buffer);
+//!     stl.extend(&buffer[..progress.written]);
+//!     phase = progress.phase;
+//! }
+//! # assert_eq!(stl.len() as u64, exporter.file_len().unwrap());
+//! ```
+//!
+//! `core/examples/` holds two more: `carve_ball` edits a [`Volume`] by brushes, without hands and tools,
+//! and `bare-metal` replays a session on a Cortex-M4 without an operating system.
+//!
+//! # What it does not do
+//! It does no I/O, allocates nothing, reads no clock, draws no picture and never panics on input.
+//! Files, time and devices are the shells' (`paros-shell`); pictures are `paros-shaders`'. It knows one
+//! interval a column: a cavity that no axis sees is refused, and the [`EditReport`] says by what.
 //!
 //! # Principles
 //! 1. Data in, data out: a tick is a function of state, input and start volumes.
@@ -24,38 +90,48 @@
 //! 6. Long work is a state machine with a budget in units of work, never in time.
 //! 7. What changed is said (columns, rows, events, rectangles), so that nobody has to look.
 //! 8. Failure leaves the state untouched.
-//!
-//! [`World::step`]: world::World::step
 #![no_std]
 #![forbid(unsafe_code)]
 
-pub mod bake;
-pub mod brush;
-pub mod codec;
-pub mod contact;
-pub mod dirty;
-pub mod edit;
-pub mod events;
-pub mod export;
-pub mod frame;
-pub mod hand;
-pub mod input;
-pub mod islands;
+mod codec;
+mod convert;
+mod edit;
+pub mod internals;
 pub mod limits;
-pub mod maps;
-pub mod plane;
-pub mod pose;
-pub mod row;
-mod save;
-pub mod shell;
-pub mod size;
-mod state;
-pub mod tick;
-pub mod tools;
-pub mod trace;
-pub mod undo;
-pub mod volume;
-pub mod workbench;
-pub mod world;
+mod session;
+mod volume;
 
-pub use save::{PARTS, checksum, combine};
+pub use codec::bytes::{BadBytes, ByteReader};
+pub use codec::trace;
+pub use convert::bake::{BakeReport, Baker, MeshPlacement, OutsideBox, UpAxis};
+pub use convert::export::{
+    ExportPhase, ExportProgress, Exporter, HEIGHT_RANGE_MM, HeightOutOfRange,
+};
+pub use edit::brush::Brush;
+pub use edit::contact::Contact;
+pub use edit::islands::IslandReport;
+pub use edit::operation::{
+    BrushTooLarge, Edit, EditOperation, EditReport, EditScratch, apply_edit,
+};
+pub use edit::pose::{Pose, SUBUNITS_PER_VOXEL};
+/// Vectors and quaternions in the signatures.
+pub use glam;
+pub use session::events::WorldEvent;
+pub use session::hand::HandState;
+pub use session::input::{
+    HandInput, PointerCommand, RawPose, SessionMode, TICK_RATE, TickInput, buttons, commands,
+};
+pub use session::start_volumes::StartVolumes;
+pub use session::state::SessionState;
+pub use session::stool_frame::StoolFrame;
+pub use session::tools::{Tool, ToolBit};
+pub use session::workbench::BenchItem;
+pub use session::world::World;
+pub use volume::bit_grid::BitGrid;
+pub use volume::dirty::{ColumnRect, DirtyRects};
+pub use volume::editable::Volume;
+pub use volume::journal::Journal;
+pub use volume::range::Range;
+pub use volume::range_maps::{Axis, Column, RangeMaps};
+pub use volume::row::BitSet;
+pub use volume::size::{Grid, Size};

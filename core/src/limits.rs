@@ -1,96 +1,104 @@
-//! Every capacity of the core, with its reason.
+//! Every capacity of the core, with its reason. `side` is the number of voxels along a side of the
+//! grid, N.
 
-/// Intervals a column holds. One expresses every shape without hidden cavities (section 3.2).
+/// Intervals of a column. One expresses every shape without hidden cavities (section 3.2 of the paper).
 pub const LAYERS: usize = 1;
 
-/// Convex pieces of a brush. A swept box takes one for each voxel that its corner turns, and one more:
-/// half a turn of the largest bit's corner (21.3 voxels, at 256) is 68, of one of 30 voxels 96.
+/// Convex pieces of a brush's swept volume. A swept box takes one piece for each voxel of arc that its
+/// corner describes, and one more: 68 for half a turn of the largest bit (radius 21.3 voxels, at 256),
+/// 96 for a radius of 30 voxels.
 pub const SWEEP_PIECES: usize = 96;
 
-/// The deepest shell an edit may reach in a tick, in six-neighbour steps. Four layers of rows are
-/// held back while a carve reads the volume as it stood at the start.
+/// The greatest depth that an edit may reach below the surface in a tick, in six-neighbour steps. A
+/// carve delays its writes by so many layers of rows, to read the volume as it was at the start.
 pub const SHELL_DEPTH: usize = 4;
 
-/// Lines of N rows that a smoothing edit may touch: 1,024 rows at 128 (32 x 32), 2,048 at 256
-/// (45 x 45), above any rasp's reach in a tick.
+/// Rows that a smoothing edit may touch, in multiples of N: 1,024 rows at 128 (32 x 32), 2,048 at 256
+/// (45 x 45). No rasp reaches so many in a tick.
 pub const SMOOTH_LINES: usize = 8;
 
-/// Dirty rectangles of an axis map in a tick. Two hands with mirrored edits and an island make
-/// five; beyond eight they merge.
-pub const DIRTY_RECTS: usize = 8;
+/// Dirty rectangles of a range map in a tick. Two hands with mirrored edits and an island make five;
+/// beyond eight, rectangles are merged.
+pub const MAX_DIRTY_RECTS: usize = 8;
 
-/// Lines of N columns x N that hold packed undo entries (2 bytes a column): 128 KiB at 128. With
-/// the newest entry unpacked beside them, two entries that changed every column fit, and some
-/// fifty usual ones.
+/// Planes of N x N cells of 2 bytes that hold the packed undo entries: 128 KiB at 128. Two entries that
+/// changed every column fit, the newest being stored unpacked beside them, or some fifty usual ones.
 pub const UNDO_PLANES: usize = 4;
 
 /// Closed strokes that can be undone.
 pub const UNDO_ENTRIES: usize = 128;
 
-/// Bytes that a saved world of `n` voxels a side takes at the most: the volume's maps and a mask's,
-/// an undo ring whose packed entries are full and whose newest changed every column, a search for
-/// islands that has reached every row, and 1 KiB for all that is of one length. 684 KiB at 128,
-/// 3.7 MiB at 256; usual is a third of it.
+/// Upper bound of a saved world's length in bytes: the range maps of volume and mask, an undo history
+/// whose packed entries are full and whose newest entry changed every column, an island search that
+/// reached every row, and 1 KiB for everything of fixed length. 684 KiB at 128, 3.7 MiB at 256; a third
+/// of it is usual.
 #[must_use]
-pub const fn save_bytes(n: usize) -> usize {
-    let row = n.div_ceil(64) * 8;
-    let maps = 3 * n * n * 2;
-    let entries = UNDO_PLANES * n * n * 2 + UNDO_ENTRIES * 4;
-    let newest = maps + 3 * n * row + 3 * n * row / 64;
-    let islands = n * (n + 2) * row;
+pub const fn max_save_bytes(side: usize) -> usize {
+    let row = side.div_ceil(64) * 8;
+    let maps = 3 * side * side * 2;
+    let entries = UNDO_PLANES * side * side * 2 + UNDO_ENTRIES * 4;
+    let newest = maps + 3 * side * row + 3 * side * row / 64;
+    let islands = side * (side + 2) * row;
     2 * maps + entries + newest + islands + 1024
 }
 
-/// Events of a tick: a start, two hands that take, edit and let go, undo, redo, mirror, finish and
-/// islands make twelve.
-pub const EVENTS: usize = 16;
+/// Bytes of the world's small state, which is all but volume, mask, undo and islands: tick and session
+/// (14), the head (28), two hands of 117, eleven bench items of 31, and the mask's digest (8).
+pub const STATE_BYTES: usize = 625;
 
-/// Row visits that the search for islands may take in a tick: 10,240 at 128, where the meshes need
-/// some 8,000 and what a removal is held to be worth, and 16,384 at 256. A visit takes 100 to 170
-/// instructions in a solid at 128, 300 in a comb of sheets; half as many again at 256.
+/// Events of a tick. A start, two hands that each grab, edit and release, undo, redo, mirror, finish
+/// and islands make twelve.
+pub const MAX_EVENTS: usize = 16;
+
+/// The island search's budget for a tick, in row visits: 10,240 at 128, where the test meshes need
+/// some 8,000 and the cost of a removal, and 16,384 at 256. A visit takes 100 to 170 instructions in a
+/// solid at 128, and 300 in a comb of sheets; half as many again at 256.
 #[must_use]
-pub const fn row_visits(n: usize) -> u32 {
-    (if n > 128 { n * n / 4 } else { n * n * 5 / 8 }) as u32
+pub const fn island_row_visits(side: usize) -> u32 {
+    (if side > 128 { side * side / 4 } else { side * side * 5 / 8 }) as u32
 }
 
-/// Row visits that laying out the mask is held to be worth, as a search begins: a tick's.
+/// The cost of expanding the mask into bit rows when an island search begins, in row visits: the whole
+/// budget of a tick.
 #[must_use]
-pub const fn mask_visits(n: usize) -> u32 {
-    row_visits(n)
+pub const fn mask_layout_cost(side: usize) -> u32 {
+    island_row_visits(side)
 }
 
-/// Steps of a quarter voxel that a bit walks at most in a tick, on its way and aside: 7 cm along the
-/// stone, or 5 m/s, which is beyond hands at work. A stretch of free steps counts as one, so in the
-/// air it is a metre. After a jump the bit catches up in some ticks.
+/// Upper bound of a bit's steps in a tick, each of a quarter voxel, forward or sliding: 7 cm in contact
+/// with the stone, or 5 m/s, which is faster than hands at work. A stretch of free steps counts as one
+/// step, so a bit in the air covers a metre. After a jump the bit catches up within some ticks.
 #[must_use]
-pub const fn walk_steps(n: usize) -> u32 {
-    if n > 128 { 160 } else { 80 }
+pub const fn max_walk_steps(side: usize) -> u32 {
+    if side > 128 { 160 } else { 80 }
 }
 
-/// The same in a tick of an undo or redo, which lays out the volume anew.
+/// [`max_walk_steps`] in a tick with an undo or redo, which rebuilds the volume's bit rows.
 #[must_use]
-pub const fn short_walk_steps(n: usize) -> u32 {
-    walk_steps(n) / 4
+pub const fn max_walk_steps_with_undo(side: usize) -> u32 {
+    max_walk_steps(side) / 4
 }
 
-/// Steps of both hands in a tick, and pieces of the brushes that they draw, beyond which the islands
-/// wait for the next: 20 mm along the stone at 128, or 1.4 m/s, and half as much at 256. Hands at work
-/// are slower.
-pub const LONG_WAY: u32 = 24;
+/// The work of both hands in a tick, in steps plus brush pieces, above which the island search waits
+/// for the next tick: 20 mm in contact at 128, or 1.4 m/s, and half as much at 256. Hands at work are
+/// slower.
+pub const HAND_STEPS_BESIDE_ISLANDS: u32 = 24;
 
-/// Steps that one of a bit which is too deep, as an undo may leave it, counts as: each measures anew
-/// how deep all voxels in the bit are, eight times as many at 256.
+/// The cost of a step, in steps, while the bit is deeper than its penetration limit, as an undo may
+/// leave it. Such a step measures the depth of every voxel inside the bit, eight times as many at 256.
 #[must_use]
-pub const fn deep_steps(n: usize) -> u32 {
-    if n > 128 { 8 } else { 4 }
+pub const fn deep_step_cost(side: usize) -> u32 {
+    if side > 128 { 8 } else { 4 }
 }
 
-/// Places on the rest of its way where a bit that is too deep looks for the way out, each time it is
-/// stopped: every step of the next 8 voxels if it goes no farther, and else more thinly.
-pub const LOOKS: u32 = 32;
+/// Exit probes: places on the rest of its path at which a bit beyond its penetration limit is tested,
+/// each time it is stopped, for a way out. Every step of a path of up to 8 voxels; farther apart on a
+/// longer one.
+pub const EXIT_PROBES: u32 = 32;
 
-/// Row visits that removing islands is held to be worth. With fewer left the next tick does it.
+/// The cost of removing the islands found, in row visits. With less budget left, the next tick removes
+/// them.
 #[must_use]
-pub const fn removal_visits(n: usize) -> u32 {
-    (n * n / 8) as u32
+pub const fn island_removal_row_visits(side: usize) -> u32 {
+    (side * side / 8) as u32
 }

@@ -1,9 +1,4 @@
-//! What the `paros` command is made of, as a library that tests can call.
+//! The `paros` command as a library: the command line and the window.
 
-pub mod bench;
 pub mod commands;
-pub mod demo;
-pub mod error;
-pub mod headless;
-pub mod mesh;
 pub mod window;

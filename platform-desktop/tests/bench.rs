@@ -5,14 +5,13 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
-use paros_core::input::Input;
-use paros_core::size::Grid;
-use paros_desktop::bench::{Bench, Plan};
+use paros_bench::{Benchmark, Plan};
+use paros_core::{Grid, TickInput};
 use paros_shell::figures::Figure;
 use paros_shell::require::require;
 use paros_shell::rmap;
-use paros_shell::stage;
 use paros_shell::statics::Resident;
+use paros_shell::tick_runner;
 use serde_json::Value;
 
 fn bench(args: &[&str]) -> Output {
@@ -72,7 +71,7 @@ fn a_missing_rival_leaves_its_half_empty_and_says_so() {
 #[test]
 fn the_worst_frame_of_each_change_is_told() {
     let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join("bench-field-toy.rmap");
-    let (maps, plane) = (&mut *Grid::<128>::maps(), &mut *Grid::<128>::plane());
+    let (maps, plane) = (&mut *Grid::<128>::lock_range_maps(), &mut *Grid::<128>::lock_bit_grid());
     Figure::Toy.carve_into(plane, maps);
     rmap::write(&file, maps).unwrap();
     let valgrind = Command::new("valgrind").arg("--version").output();
@@ -119,15 +118,16 @@ fn the_help_names_every_figure() {
 fn a_counted_replay_tells_its_progress() {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("bench-progress");
     fs::create_dir_all(&folder).unwrap();
-    let trace = stage::fresh::<128, _>(|mut stage| {
-        stage.record();
-        (0..1200).for_each(|_| stage.tick(&Input::default()));
-        stage.end_recording().unwrap()
+    let trace = tick_runner::with_fresh_world::<128, _>(|mut runner| {
+        runner.start_recording();
+        (0..1200).for_each(|_| runner.run_tick(&TickInput::default()));
+        runner.end_recording().unwrap()
     });
     fs::write(folder.join("session.trace"), &trace).unwrap();
     fs::write(folder.join("ticks"), "7\n").unwrap();
     for figure in Figure::ALL {
-        let (maps, plane) = (&mut *Grid::<128>::maps(), &mut *Grid::<128>::plane());
+        let (maps, plane) =
+            (&mut *Grid::<128>::lock_range_maps(), &mut *Grid::<128>::lock_bit_grid());
         figure.carve_into(plane, maps);
         rmap::write(&folder.join(figure.name()).with_extension("rmap"), maps).unwrap();
     }
@@ -145,14 +145,14 @@ fn progress_is_told_within_a_piece() {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("bench-pieces");
     fs::create_dir_all(&folder).unwrap();
     let path = folder.join("short.trace");
-    let trace = stage::fresh::<128, _>(|mut stage| {
-        stage.record();
-        stage.tick(&Input::default());
-        stage.end_recording().unwrap()
+    let trace = tick_runner::with_fresh_world::<128, _>(|mut runner| {
+        runner.start_recording();
+        runner.run_tick(&TickInput::default());
+        runner.end_recording().unwrap()
     });
     fs::write(&path, trace).unwrap();
     let plan = Plan {
-        benches: vec![Bench::Step],
+        benches: vec![Benchmark::Step],
         subjects: vec![],
         traces: vec![path],
         runs: 1,
@@ -161,7 +161,7 @@ fn progress_is_told_within_a_piece() {
         device: None,
         python: "python3".into(),
     };
-    assert_eq!(plan.pieces(), 2);
+    assert_eq!(plan.piece_count(), 2);
     let heard = RefCell::new(vec![]);
     plan.run(|done| heard.borrow_mut().push(done)).unwrap();
     let heard = heard.into_inner();
@@ -174,10 +174,10 @@ fn progress_is_told_within_a_piece() {
 fn a_trace_that_differs_is_refused_at_its_tick() {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("bench-step");
     fs::create_dir_all(&folder).unwrap();
-    let mut trace = stage::fresh::<128, _>(|mut stage| {
-        stage.record();
-        (0..30).for_each(|_| stage.tick(&Input::default()));
-        stage.end_recording().unwrap()
+    let mut trace = tick_runner::with_fresh_world::<128, _>(|mut runner| {
+        runner.start_recording();
+        (0..30).for_each(|_| runner.run_tick(&TickInput::default()));
+        runner.end_recording().unwrap()
     });
     let (good, bad) = (folder.join("good.trace"), folder.join("bad.trace"));
     fs::write(&good, &trace).unwrap();

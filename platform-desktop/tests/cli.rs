@@ -1,77 +1,24 @@
 //! The `paros` command as a user meets it: what good input gives, and that bad input of every kind
 //! ends in exit code 2 and a message that names the file, with nothing written.
 
+mod support;
+
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::process::{Command, Stdio};
 use std::sync::Mutex;
 
-use paros_core::maps::Maps;
-use paros_core::plane::Plane;
+use paros_core::{BitGrid, RangeMaps};
 use paros_shell::figures::Figure;
 use paros_shell::rmap;
-
-/// A folder of a test's own.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(name: &str) -> Self {
-        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("cli-{name}"));
-        let _ = fs::remove_dir_all(&folder);
-        fs::create_dir_all(&folder).unwrap();
-        Folder(folder)
-    }
-
-    fn write(&self, name: &str, bytes: impl AsRef<[u8]>) {
-        fs::write(self.0.join(name), bytes).unwrap();
-    }
-
-    fn read(&self, name: &str) -> Vec<u8> {
-        fs::read(self.0.join(name)).unwrap()
-    }
-
-    fn names(&self) -> Vec<String> {
-        let entries = fs::read_dir(&self.0).unwrap();
-        let mut names: Vec<_> =
-            entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
-        names.sort();
-        names
-    }
-
-    fn paros(&self, args: &[&str]) -> Output {
-        let mut paros = Command::new(env!("CARGO_BIN_EXE_paros"));
-        paros.env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET");
-        paros.args(args).current_dir(&self.0).stdin(Stdio::null()).output().unwrap()
-    }
-
-    /// Runs a command that must do its work; what it printed.
-    fn succeeds(&self, args: &[&str]) -> String {
-        let output = self.paros(args);
-        let errors = String::from_utf8_lossy(&output.stderr);
-        assert!(output.status.success(), "{args:?}: {errors}");
-        assert!(errors.is_empty(), "{args:?}: {errors}");
-        String::from_utf8(output.stdout).unwrap()
-    }
-
-    /// Runs a command that must be refused without a trace, saying `word`.
-    fn refuses(&self, args: &[&str], word: &str) {
-        let before = self.names();
-        let output = self.paros(args);
-        let errors = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(2), "{args:?}: {errors}");
-        assert!(errors.contains(word), "{args:?} should say {word:?}: {errors}");
-        assert!(!errors.contains("panicked"), "{args:?}: {errors}");
-        assert!(output.stdout.is_empty(), "{args:?}");
-        assert_eq!(self.names(), before, "{args:?} left something behind");
-    }
-}
+use support::TestFolder;
 
 const OCTAHEDRON: &str = "v 1 0 0\nv -1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\nv 0 0 -1\n\
     f 1 3 5\nf 3 2 5\nf 2 4 5\nf 4 1 5\nf 3 1 6\nf 2 3 6\nf 4 2 6\nf 1 4 6\n";
 
 /// The bytes of the toy at 128.
 fn toy() -> Vec<u8> {
-    static BUFFERS: Mutex<(Maps<128>, Plane<128>)> = Mutex::new((Maps::new(), Plane::new()));
+    static BUFFERS: Mutex<(RangeMaps<128>, BitGrid<128>)> =
+        Mutex::new((RangeMaps::new(), BitGrid::new()));
     let mut buffers = BUFFERS.lock().unwrap();
     let (maps, plane) = &mut *buffers;
     Figure::Toy.carve_into(plane, maps);
@@ -80,7 +27,7 @@ fn toy() -> Vec<u8> {
 
 #[test]
 fn a_mesh_becomes_a_volume_a_picture_and_a_print() {
-    let folder = Folder::new("good");
+    let folder = TestFolder::new("good");
     folder.write("octahedron.obj", OCTAHEDRON);
     let said = folder.succeeds(&["bake", "octahedron.obj", "-o", "v.rmap"]);
     assert!(said.starts_with("v.rmap: "), "{said}");
@@ -110,7 +57,7 @@ fn a_mesh_becomes_a_volume_a_picture_and_a_print() {
 
 #[test]
 fn the_same_input_gives_the_same_bytes() {
-    let folder = Folder::new("same");
+    let folder = TestFolder::new("same");
     folder.write("toy.rmap", toy());
     for (a, b, command) in [("a.stl", "b.stl", "export"), ("a.png", "b.png", "render")] {
         let mut args = vec![command, "toy.rmap", "-o", a];
@@ -126,7 +73,7 @@ fn the_same_input_gives_the_same_bytes() {
 
 #[test]
 fn size_256_is_baked_and_exported() {
-    let folder = Folder::new("large");
+    let folder = TestFolder::new("large");
     folder.write("octahedron.obj", OCTAHEDRON);
     folder.succeeds(&["bake", "octahedron.obj", "-o", "v.rmap", "--size", "256"]);
     assert!(folder.succeeds(&["info", "v.rmap"]).contains("256^3"));
@@ -135,7 +82,7 @@ fn size_256_is_baked_and_exported() {
 
 #[test]
 fn bad_meshes_are_refused() {
-    let folder = Folder::new("meshes");
+    let folder = TestFolder::new("meshes");
     let mut stl = vec![0; 84 + 50];
     stl[80] = 2;
     let triangle = |x: &str| format!("v 0 0 0\nv {x} 0 0\nv 0 1 0\nf 1 2 3\n");
@@ -167,7 +114,7 @@ fn bad_meshes_are_refused() {
 
 #[test]
 fn bad_volumes_are_refused() {
-    let folder = Folder::new("volumes");
+    let folder = TestFolder::new("volumes");
     let good = toy();
     let changed = |at: usize, byte: u8| {
         let mut bytes = good.clone();
@@ -216,7 +163,7 @@ fn bad_volumes_are_refused() {
 /// A file of one kind in the place of another: what it is, and what to do with it.
 #[test]
 fn a_file_of_another_kind_is_told_what_it_is() {
-    let folder = Folder::new("kinds");
+    let folder = TestFolder::new("kinds");
     folder.write("v.rmap", toy());
     folder.write("m.obj", OCTAHEDRON);
     folder.write("m.stl", [0; 84]);
@@ -232,7 +179,7 @@ fn a_file_of_another_kind_is_told_what_it_is() {
 /// What is written would not be what the name says.
 #[test]
 fn a_name_of_another_kind_is_refused() {
-    let folder = Folder::new("endings");
+    let folder = TestFolder::new("endings");
     folder.write("v.rmap", toy());
     folder.write("m.obj", OCTAHEDRON);
     folder.write("t.trace", "");
@@ -246,7 +193,7 @@ fn a_name_of_another_kind_is_refused() {
 /// A missing file is told in the same words by all commands.
 #[test]
 fn a_missing_file_cannot_be_read() {
-    let folder = Folder::new("missing");
+    let folder = TestFolder::new("missing");
     for args in [
         &["info", "none.rmap"][..],
         &["info", "none.obj"],
@@ -265,7 +212,7 @@ fn a_missing_file_cannot_be_read() {
 /// Before a window is looked for: here there is no display.
 #[test]
 fn a_window_for_what_is_no_stone_is_refused() {
-    let folder = Folder::new("window");
+    let folder = TestFolder::new("window");
     folder.write("t.trace", "");
     folder.write("letter.obj", "no mesh\n");
     folder.refuses(&["window", "t.trace"], "t.trace: no mesh or volume; expected a name in .rmap");
@@ -278,9 +225,22 @@ fn a_window_for_what_is_no_stone_is_refused() {
     assert!(errors.contains("no window can be opened: no display"), "{errors}");
 }
 
+/// A display is named, and there is none: with a server's libraries or without them, what is said
+/// names no file of the machine that built the program.
+#[test]
+fn a_display_that_is_not_there_is_told_without_a_path_of_the_source() {
+    let folder = TestFolder::new("no-server");
+    let mut paros = folder.command(&["window"]);
+    let output = paros.env("DISPLAY", ":77").output().unwrap();
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{errors}");
+    assert!(errors.contains("no window can be opened: "), "{errors}");
+    assert!(!errors.contains('/') && !errors.contains(".rs"), "{errors}");
+}
+
 #[test]
 fn an_empty_volume_has_no_picture_and_no_print() {
-    let folder = Folder::new("empty");
+    let folder = TestFolder::new("empty");
     let empty = [&b"RMAP\x01\x00\x80\x00\x01\x00\x00\x00"[..], &[0; 98304]].concat();
     let sum = crc32fast::hash(&empty).to_le_bytes();
     folder.write("v.rmap", [&empty[..], &sum].concat());
@@ -291,7 +251,7 @@ fn an_empty_volume_has_no_picture_and_no_print() {
 
 #[test]
 fn bad_arguments_are_refused() {
-    let folder = Folder::new("arguments");
+    let folder = TestFolder::new("arguments");
     folder.write("v.rmap", toy());
     folder.write("m.obj", OCTAHEDRON);
     for height in ["0", "-1", "nan", "inf", "tall", ""] {
@@ -313,7 +273,7 @@ fn bad_arguments_are_refused() {
 
 #[test]
 fn places_where_no_file_can_be_are_refused() {
-    let folder = Folder::new("places");
+    let folder = TestFolder::new("places");
     folder.write("v.rmap", toy());
     folder.write("m.obj", OCTAHEDRON);
     fs::create_dir(folder.0.join("folder")).unwrap();
@@ -332,7 +292,7 @@ fn places_where_no_file_can_be_are_refused() {
 #[cfg(unix)]
 #[test]
 fn links_that_lead_nowhere_and_names_too_long_are_refused() {
-    let folder = Folder::new("names");
+    let folder = TestFolder::new("names");
     folder.write("m.obj", OCTAHEDRON);
     std::os::unix::fs::symlink("gone", folder.0.join("link")).unwrap();
     folder.refuses(&["bake", "m.obj", "-o", "link"], "link: cannot replace");
@@ -344,7 +304,7 @@ fn links_that_lead_nowhere_and_names_too_long_are_refused() {
 
 #[test]
 fn a_command_that_is_killed_leaves_nothing() {
-    let folder = Folder::new("killed");
+    let folder = TestFolder::new("killed");
     folder.write("v.rmap", toy());
     let mut paros = Command::new(env!("CARGO_BIN_EXE_paros"));
     paros.args(["render", "v.rmap", "-o", "p.png", "--size", "8192x8192"]).current_dir(&folder.0);
@@ -359,7 +319,7 @@ fn a_command_that_is_killed_leaves_nothing() {
 /// The session takes long; what can't be written is told before it.
 #[test]
 fn a_demo_that_has_no_place_leaves_nothing() {
-    let folder = Folder::new("demo");
+    let folder = TestFolder::new("demo");
     folder.write("file", "");
     folder.refuses(&["demo", "-o", "file"], "file: cannot make the folder");
     folder.refuses(&["demo", "-o", "file/sub"], "file/sub: cannot make the folder");

@@ -4,9 +4,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
-use paros_core::input::{Input, Mode};
+use paros_core::{SessionMode, TickInput};
 use paros_shell::require::require;
-use paros_shell::stage;
+use paros_shell::tick_runner;
 
 /// A folder with `t.trace`, forty ticks of a session, `bad.trace`, whose last digest is wrong, and
 /// `empty.trace`, in which no session starts.
@@ -14,16 +14,17 @@ fn folder(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("play-{name}"));
     let _ = fs::remove_dir_all(&folder);
     fs::create_dir_all(&folder).unwrap();
-    let recorded = |first: Input, more: usize| {
-        stage::fresh::<128, _>(|mut stage| {
-            stage.record();
-            stage.tick(&first);
-            (0..more).for_each(|_| stage.tick(&Input::default()));
-            stage.end_recording().unwrap()
+    let recorded = |first: TickInput, more: usize| {
+        tick_runner::with_fresh_world::<128, _>(|mut runner| {
+            runner.start_recording();
+            runner.run_tick(&first);
+            (0..more).for_each(|_| runner.run_tick(&TickInput::default()));
+            runner.end_recording().unwrap()
         })
     };
-    fs::write(folder.join("empty.trace"), recorded(Input::default(), 0)).unwrap();
-    let mut bytes = recorded(Input { start: Mode::FreeForm, ..Input::default() }, 39);
+    fs::write(folder.join("empty.trace"), recorded(TickInput::default(), 0)).unwrap();
+    let mut bytes =
+        recorded(TickInput { start: SessionMode::FreeForm, ..TickInput::default() }, 39);
     fs::write(folder.join("t.trace"), &bytes).unwrap();
     *bytes.last_mut().unwrap() ^= 1;
     fs::write(folder.join("bad.trace"), bytes).unwrap();

@@ -4,20 +4,19 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
-use paros_core::input::{Input, Mode};
-use paros_core::size::Grid;
-use paros_desktop::headless;
-use paros_shaders::{Camera, Scene, Settings, shade};
+use paros_core::{Grid, SessionMode, TickInput};
+
+use paros_shaders::{Camera, TwinScene, TwinSettings, shade_ray};
 use paros_shell::figures::Figure;
 use paros_shell::require::require;
 use paros_shell::rmap;
-use paros_shell::stage::Stage;
 use paros_shell::statics::Resident;
+use paros_shell::tick_runner::TickRunner;
 use serde_json::Value;
 
 /// The name of the best device, if there is one.
 fn device() -> Option<String> {
-    require(headless::open(None)).unwrap().map(|gpu| gpu.name.clone())
+    require(paros_headless::open_gpu(None)).unwrap().map(|gpu| gpu.name.clone())
 }
 
 fn folder(name: &str) -> PathBuf {
@@ -72,17 +71,17 @@ fn rows(output: &Output) -> Vec<Value> {
 fn a_vulkan_picture_has_the_twins_silhouette() {
     let Some(_) = device() else { return };
     let folder = folder("silhouette");
-    let (maps, plane) = (&mut *Grid::<128>::maps(), &mut *Grid::<128>::plane());
+    let (maps, plane) = (&mut *Grid::<128>::lock_range_maps(), &mut *Grid::<128>::lock_bit_grid());
     Figure::Toy.carve_into(plane, maps);
     rmap::write(&folder.join("toy.rmap"), maps).unwrap();
     let (width, height, azimuth, elevation) = (240, 180, 0.5_f32, 0.3_f32);
     let view = format!("{},{}", azimuth.to_degrees(), elevation.to_degrees());
-    let camera = Camera::ring(azimuth, elevation);
-    let scene = Scene::new(maps, -azimuth, Settings::default());
+    let camera = Camera::on_ring(azimuth, elevation);
+    let scene = TwinScene::new(maps, -azimuth, TwinSettings::default());
     let hit = |i: usize| {
         let (x, y) = ((i % width) as f32 + 0.5, (i / width) as f32 + 0.5);
         let (w, h) = (width as f32, height as f32);
-        shade(&scene, &camera.ray((2.0 * x - w) / h, 1.0 - 2.0 * y / h), 0.5).is_some()
+        shade_ray(&scene, &camera.ray_through((2.0 * x - w) / h, 1.0 - 2.0 * y / h), 0.5).is_some()
     };
     let hits: Vec<bool> = (0..width * height).map(hit).collect();
     for path in ["paper", "fast"] {
@@ -123,13 +122,13 @@ fn a_trace_is_drawn() {
 
 /// Two ticks of a session.
 fn trace(path: &Path) {
-    let mut starts = Grid::<128>::start_volumes();
-    starts.make(&mut Grid::<128>::plane(), |_| {});
-    let (hidden, mut world) = (starts.hidden(), Grid::<128>::world());
-    let mut stage = Stage::new(&mut world, starts.starts(&hidden));
-    stage.record();
-    stage.tick(&Input { start: Mode::FreeForm, ..Input::default() });
-    stage.tick(&Input::default());
+    let mut starts = Grid::<128>::lock_start_volumes();
+    starts.generate_figures(&mut Grid::<128>::lock_bit_grid(), |_| {});
+    let (hidden, mut world) = (starts.hidden_figures(), Grid::<128>::lock_world());
+    let mut stage = TickRunner::new(&mut world, starts.start_volumes(&hidden));
+    stage.start_recording();
+    stage.run_tick(&TickInput { start: SessionMode::FreeForm, ..TickInput::default() });
+    stage.run_tick(&TickInput::default());
     fs::write(path, stage.end_recording().unwrap()).unwrap();
 }
 
@@ -222,7 +221,7 @@ fn bench_paper_sets_ratios_beside_the_published_ones() {
 #[test]
 fn without_vulkan_a_line_says_so() {
     let folder = folder("without");
-    let (maps, plane) = (&mut *Grid::<128>::maps(), &mut *Grid::<128>::plane());
+    let (maps, plane) = (&mut *Grid::<128>::lock_range_maps(), &mut *Grid::<128>::lock_bit_grid());
     Figure::Toy.carve_into(plane, maps);
     rmap::write(&folder.join("toy.rmap"), maps).unwrap();
     let without = |args: &[&str]| {

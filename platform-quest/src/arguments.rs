@@ -1,33 +1,34 @@
-//! What the shell is told by words: on the command line, or in a file; see [`crate::settings`].
+//! The shell's flags, on the command line or in a file; see [`crate::settings`].
 
 use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::Parser;
-use paros_core::input::Mode;
-use paros_shell::figures::Figure;
+use paros_core::{SessionMode, TICK_RATE};
+use paros_shell::headset::visit::DEFAULT_HANDOVER;
+use paros_shell::modes::parse_mode;
+use paros_shell::sizes::{SIZE_NAMES, size_named};
 
-use crate::foveation::Foveation;
-use crate::options::Options;
-use crate::visitor::HANDOVER;
+use crate::foveation::FoveationLevel;
+use crate::options::ShellOptions;
 
 /// Sculpt in a headset, or play a recorded session again.
 #[derive(Debug, Parser)]
 #[command(name = "paros-quest", version)]
-pub struct Args {
+pub struct HeadsetArgs {
     /// Voxels along an edge: 128, or 256 for a fast machine.
-    #[arg(long, default_value = "128", value_parser = ["128", "256"])]
+    #[arg(long, default_value = "128", value_parser = SIZE_NAMES)]
     pub size: String,
     /// One folder for sessions and sculptures, instead of the user's own.
     #[arg(long, value_name = "DIR")]
     pub folder: Option<PathBuf>,
     /// How sessions start: `free`, `creative`, or the name of a hidden figure.
-    #[arg(long, default_value = "free", value_parser = mode)]
-    pub mode: Mode,
+    #[arg(long, default_value = "free", value_parser = parse_mode)]
+    pub mode: SessionMode,
     /// For how many seconds the headset must be off for who puts it on next to be another visitor:
     /// the sculpture is finished and kept, and a new session starts.
-    #[arg(long, value_name = "SECONDS", default_value_t = HANDOVER.as_secs(),
-        value_parser = seconds)]
+    #[arg(long, value_name = "SECONDS", default_value_t = DEFAULT_HANDOVER.as_secs(),
+        value_parser = parse_seconds)]
     pub handover: u64,
     /// Write the trace of the session to a file; it starts anew.
     #[arg(long, value_name = "FILE", conflicts_with = "replay")]
@@ -40,15 +41,16 @@ pub struct Args {
     #[arg(long, value_name = "FILE", requires = "replay")]
     pub digests: Option<PathBuf>,
     /// The display's rate, in hertz, where there is a choice.
-    #[arg(long, value_name = "HERTZ", default_value = "72", value_parser = rate)]
+    #[arg(long, value_name = "HERTZ", default_value_t = TICK_RATE as f32,
+        value_parser = parse_refresh_rate)]
     pub rate: f32,
     /// Give the compositor depth too; pixels have one sample then.
     #[arg(long)]
     pub depth: bool,
     /// How coarsely pictures are shaded away from their middle: off, low, medium or high. Heat and a
     /// low battery raise it, unless it is off; without it there is none until they do.
-    #[arg(long, value_name = "LEVEL", value_parser = foveation)]
-    pub foveation: Option<Foveation>,
+    #[arg(long, value_name = "LEVEL", value_parser = parse_foveation)]
+    pub foveation: Option<FoveationLevel>,
     /// Take commands from standard input, for tests.
     #[arg(long, hide = true)]
     pub script: bool,
@@ -57,74 +59,61 @@ pub struct Args {
     pub validation: bool,
 }
 
-impl Args {
+impl HeadsetArgs {
     /// Voxels along an edge.
     #[must_use]
-    pub fn size(&self) -> usize {
-        if self.size == "256" { 256 } else { 128 }
+    pub fn grid_size(&self) -> usize {
+        size_named(&self.size)
     }
 
-    /// What a run without replay is started with.
+    /// The options of a run that is no replay.
     #[must_use]
-    pub fn options(&self) -> Options {
-        Options {
+    pub fn to_options(&self) -> ShellOptions {
+        ShellOptions {
             folder: self.folder.clone(),
             mode: self.mode,
-            handover: Duration::from_secs(self.handover),
+            handover_after: Duration::from_secs(self.handover),
             record: self.record.clone(),
-            rate: self.rate,
-            depth: self.depth,
+            refresh_rate: self.rate,
+            submit_depth: self.depth,
             foveation: self.foveation,
-            script: self.script,
+            test_commands: self.script,
             validation: self.validation,
-            ..Options::default()
+            ..ShellOptions::default()
         }
     }
 }
 
-fn mode(name: &str) -> Result<Mode, String> {
-    match name {
-        "free" => Ok(Mode::FreeForm),
-        "creative" => Ok(Mode::Creative),
-        name => {
-            let figure = Figure::HIDDEN.iter().position(|figure| figure.name() == name);
-            let names: Vec<&str> = Figure::HIDDEN.iter().map(|figure| figure.name()).collect();
-            let figure = figure
-                .ok_or_else(|| format!("expected free, creative or one of {}", names.join(", ")))?;
-            Ok(Mode::Constrained { figure: figure as u8 })
-        }
-    }
-}
-
-fn foveation(name: &str) -> Result<Foveation, String> {
-    let found = Foveation::NAMED.into_iter().find(|(named, _)| *named == name);
+fn parse_foveation(name: &str) -> Result<FoveationLevel, String> {
+    let found = FoveationLevel::NAMES.into_iter().find(|(named, _)| *named == name);
     found.map(|(_, level)| level).ok_or_else(|| "expected off, low, medium or high".into())
 }
 
-fn rate(word: &str) -> Result<f32, String> {
+fn parse_refresh_rate(word: &str) -> Result<f32, String> {
     let rate = word.parse().ok().filter(|rate: &f32| rate.is_finite() && *rate > 0.0);
     rate.ok_or_else(|| "expected a number of hertz above 0, such as 72 or 90".into())
 }
 
-fn seconds(word: &str) -> Result<u64, String> {
-    word.parse().map_err(|_| format!("expected whole seconds, such as {}", HANDOVER.as_secs()))
+fn parse_seconds(word: &str) -> Result<u64, String> {
+    word.parse()
+        .map_err(|_| format!("expected whole seconds, such as {}", DEFAULT_HANDOVER.as_secs()))
 }
 
 #[cfg(test)]
 mod tests {
     use clap::Parser;
 
-    use super::Args;
-    use crate::options::Options;
+    use super::HeadsetArgs;
+    use crate::options::ShellOptions;
 
-    fn parse(words: &str) -> Result<Options, String> {
-        let args = Args::try_parse_from(format!("paros-quest {words}").split_whitespace());
-        args.map(|args| args.options()).map_err(|error| error.to_string())
+    fn parse(words: &str) -> Result<ShellOptions, String> {
+        let args = HeadsetArgs::try_parse_from(format!("paros-quest {words}").split_whitespace());
+        args.map(|args| args.to_options()).map_err(|error| error.to_string())
     }
 
     #[test]
     fn no_words_are_the_defaults() {
-        assert_eq!(parse(""), Ok(Options::default()));
+        assert_eq!(parse(""), Ok(ShellOptions::default()));
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! Why the shell ended other than by the visitor's wish.
+//! Errors that end the shell or a session.
 
 use std::fmt;
 
@@ -11,23 +11,23 @@ use paros_shell::durable;
 pub enum Error {
     /// There is nothing to run on: no loader, no runtime, no headset, or one that lacks something.
     Unavailable(String),
-    /// A call of the runtime failed.
+    /// A call of OpenXR failed.
     Call {
-        /// What was to be done.
+        /// What the call was to do.
         doing: &'static str,
-        /// What the runtime said.
+        /// The result code.
         result: xr::sys::Result,
     },
-    /// The device or its driver.
+    /// The Vulkan device or its driver.
     Gpu(gpu::Error),
     /// A file can't be written.
-    File(durable::Error),
-    /// What it was given is wrong: an argument, or what a file holds.
+    File(durable::WriteError),
+    /// The input is wrong: an argument, or a file's contents.
     Input(String),
 }
 
 impl Error {
-    /// Whether all that was made of the runtime or the device is gone, and may be made anew.
+    /// Whether the instance, the session or the device is lost, and may be created anew.
     #[must_use]
     pub const fn is_loss(&self) -> bool {
         match self {
@@ -44,13 +44,13 @@ impl Error {
 }
 
 impl Error {
-    /// Why, and what a person who looks after the headset may do about it: the last line.
+    /// The error's text, and what an operator may do about it: the last line of the log.
     #[must_use]
     pub fn with_remedy(&self) -> String {
         let remedy = match self {
             Error::Call { .. } => "end what else uses the headset, or start its runtime anew",
             Error::Gpu(_) => "the headset's device must draw by Vulkan 1.1 with multiview",
-            // They say it themselves, or there is nothing to be done.
+            // Their text says it already, or nothing can be done.
             Error::Unavailable(_) | Error::File(_) | Error::Input(_) => return self.to_string(),
         };
         format!("{self}; {remedy}")
@@ -76,19 +76,19 @@ impl From<gpu::Error> for Error {
     }
 }
 
-impl From<durable::Error> for Error {
-    fn from(error: durable::Error) -> Self {
+impl From<durable::WriteError> for Error {
+    fn from(error: durable::WriteError) -> Self {
         Error::File(error)
     }
 }
 
-/// Names what a call was to do, where it fails.
-pub(crate) trait Doing<T> {
-    fn doing(self, doing: &'static str) -> Result<T, Error>;
+/// Adds to a failed call's result what the call was to do.
+pub(crate) trait CallContext<T> {
+    fn context(self, doing: &'static str) -> Result<T, Error>;
 }
 
-impl<T> Doing<T> for xr::Result<T> {
-    fn doing(self, doing: &'static str) -> Result<T, Error> {
+impl<T> CallContext<T> for xr::Result<T> {
+    fn context(self, doing: &'static str) -> Result<T, Error> {
         self.map_err(|result| Error::Call { doing, result })
     }
 }

@@ -1,115 +1,117 @@
-//! How coarsely a picture is shaded away from its middle, and when. No level changes in the middle
-//! of a stroke: that is up to who asks.
+//! Fixed foveated rendering: which level is set when. The caller sees to it that no level changes in the
+//! middle of a stroke.
 
 use std::fmt;
 
-use crate::strain::{Heat, Strain};
+use paros_shell::headset::device_health::{DeviceHealth, ThermalState};
 
-/// How coarsely a picture is shaded away from its middle; `XrFoveationLevelFB`.
+/// How coarsely pictures are shaded towards their edges: `XrFoveationLevelFB`.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Debug)]
-pub enum Foveation {
-    /// Alike everywhere.
+pub enum FoveationLevel {
+    /// Full resolution everywhere (`NONE`).
     #[default]
     Off,
-    /// Hardly to be seen.
+    /// Hardly visible.
     Low,
-    /// To be seen by who looks for it.
+    /// Visible to someone who looks for it.
     Medium,
-    /// As coarsely as can be.
+    /// The coarsest.
     High,
 }
 
-/// The extensions of OpenXR that it takes, all of them.
-pub const EXTENSIONS: [&str; 4] = [
+/// The OpenXR extensions that foveation needs, all of them.
+pub const FOVEATION_EXTENSIONS: [&str; 4] = [
     "XR_FB_foveation",
     "XR_FB_foveation_configuration",
     "XR_FB_foveation_vulkan",
     "XR_FB_swapchain_update_state",
 ];
 
-impl Foveation {
-    /// All levels by their names.
-    pub const NAMED: [(&str, Foveation); 4] = [
-        ("off", Foveation::Off),
-        ("low", Foveation::Low),
-        ("medium", Foveation::Medium),
-        ("high", Foveation::High),
+impl FoveationLevel {
+    /// All levels with their names.
+    pub const NAMES: [(&str, FoveationLevel); 4] = [
+        ("off", FoveationLevel::Off),
+        ("low", FoveationLevel::Low),
+        ("medium", FoveationLevel::Medium),
+        ("high", FoveationLevel::High),
     ];
 
-    /// The level for a strain, where a setting says how it is without: `None` leaves it to the
-    /// strain alone, `Off` has it left off whatever comes.
+    /// The level for a device's health, and at least the level of a setting: `None` leaves it to the
+    /// health alone, `Off` disables foveation.
     #[must_use]
-    pub fn under(strain: Strain, setting: Option<Foveation>) -> Foveation {
-        let least = match strain.heat {
-            Heat::Hot => Foveation::High,
-            Heat::Warm => Foveation::Medium,
-            Heat::Normal if strain.is_low() => Foveation::Medium,
-            Heat::Normal => Foveation::Off,
+    pub fn choose(health: DeviceHealth, setting: Option<FoveationLevel>) -> FoveationLevel {
+        let least = match health.thermal {
+            ThermalState::Hot => FoveationLevel::High,
+            ThermalState::Warm => FoveationLevel::Medium,
+            ThermalState::Normal if health.is_battery_low() => FoveationLevel::Medium,
+            ThermalState::Normal => FoveationLevel::Off,
         };
         match setting {
-            Some(Foveation::Off) => Foveation::Off,
+            Some(FoveationLevel::Off) => FoveationLevel::Off,
             setting => setting.unwrap_or_default().max(least),
         }
     }
 
-    /// What is told where a setting asks for it and something is missing. Nobody misses what was
-    /// not asked for.
+    /// The line for the log where a setting asks for foveation and something is missing; none where it
+    /// was not asked for.
     #[must_use]
-    pub fn missing(setting: Option<Foveation>, what: &str) -> Option<String> {
-        let asked = setting.filter(|level| *level != Foveation::Off)?;
+    pub fn describe_missing(setting: Option<FoveationLevel>, what: &str) -> Option<String> {
+        let asked = setting.filter(|level| *level != FoveationLevel::Off)?;
         Some(format!("no foveation, though {asked} is asked for: {what}"))
     }
 }
 
-impl fmt::Display for Foveation {
+impl fmt::Display for FoveationLevel {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (name, _) = Foveation::NAMED[*self as usize];
+        let (name, _) = FoveationLevel::NAMES[*self as usize];
         f.write_str(name)
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::Foveation;
-    use crate::strain::{Heat, Strain};
+    use paros_shell::headset::device_health::{DeviceHealth, ThermalState};
 
-    const FINE: Strain = Strain { heat: Heat::Normal, charge: Some(90) };
+    use super::FoveationLevel;
+
+    const FINE: DeviceHealth =
+        DeviceHealth { thermal: ThermalState::Normal, battery_percent: Some(90) };
 
     #[test]
     fn levels_are_named() {
-        for (name, level) in Foveation::NAMED {
+        for (name, level) in FoveationLevel::NAMES {
             assert_eq!(level.to_string(), name);
         }
     }
 
     #[test]
-    fn strain_raises_it_and_its_end_lowers_it() {
-        let hot = Strain { heat: Heat::Hot, ..FINE };
-        let warm = Strain { heat: Heat::Warm, ..FINE };
-        let low = Strain { charge: Some(9), ..FINE };
-        for (strain, level) in [
-            (FINE, Foveation::Off),
-            (warm, Foveation::Medium),
-            (low, Foveation::Medium),
-            (hot, Foveation::High),
-            (Strain { charge: Some(9), ..hot }, Foveation::High),
+    fn heat_or_a_low_battery_raises_it_and_their_end_lowers_it() {
+        let hot = DeviceHealth { thermal: ThermalState::Hot, ..FINE };
+        let warm = DeviceHealth { thermal: ThermalState::Warm, ..FINE };
+        let low = DeviceHealth { battery_percent: Some(9), ..FINE };
+        for (health, level) in [
+            (FINE, FoveationLevel::Off),
+            (warm, FoveationLevel::Medium),
+            (low, FoveationLevel::Medium),
+            (hot, FoveationLevel::High),
+            (DeviceHealth { battery_percent: Some(9), ..hot }, FoveationLevel::High),
             // One that is being charged has no charge to speak of.
-            (Strain { charge: None, ..FINE }, Foveation::Off),
+            (DeviceHealth { battery_percent: None, ..FINE }, FoveationLevel::Off),
         ] {
-            assert_eq!(Foveation::under(strain, None), level, "{strain:?}");
-            let set = |level| Foveation::under(strain, Some(level));
-            assert_eq!(set(Foveation::Off), Foveation::Off, "{strain:?}");
-            assert_eq!(set(Foveation::Low), level.max(Foveation::Low), "{strain:?}");
-            assert_eq!(set(Foveation::High), Foveation::High, "{strain:?}");
+            assert_eq!(FoveationLevel::choose(health, None), level, "{health:?}");
+            let set = |level| FoveationLevel::choose(health, Some(level));
+            assert_eq!(set(FoveationLevel::Off), FoveationLevel::Off, "{health:?}");
+            assert_eq!(set(FoveationLevel::Low), level.max(FoveationLevel::Low), "{health:?}");
+            assert_eq!(set(FoveationLevel::High), FoveationLevel::High, "{health:?}");
         }
     }
 
     #[test]
     fn only_who_asks_is_told() {
-        let told = |setting| Foveation::missing(setting, "the runtime lacks it");
+        let told = |setting| FoveationLevel::describe_missing(setting, "the runtime lacks it");
         assert_eq!(told(None), None);
-        assert_eq!(told(Some(Foveation::Off)), None);
+        assert_eq!(told(Some(FoveationLevel::Off)), None);
         let line = "no foveation, though medium is asked for: the runtime lacks it";
-        assert_eq!(told(Some(Foveation::Medium)).as_deref(), Some(line));
+        assert_eq!(told(Some(FoveationLevel::Medium)).as_deref(), Some(line));
     }
 }

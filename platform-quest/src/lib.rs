@@ -1,30 +1,23 @@
-//! The headset's shell: turns an OpenXR session's poses and buttons into ticks, and draws what they
+//! The headset's shell: turns the poses and actions of an OpenXR session into ticks, and draws what they
 //! made for both eyes.
 //!
-//! What is decided is decided without OpenXR: [`life`], [`beat`], [`sample`], [`pulse`],
-//! [`recentre`], [`visitor`], [`strain`] and [`foveation`] are plain functions of what the runtime tells. `xr`
-//! makes the calls, and [`shell`] goes from frame to frame.
+//! Decisions are made without OpenXR: by the policies of [`paros_shell::headset`], by [`session_phase`]
+//! and by [`foveation`], which are plain functions of what the runtime reports. `xr` makes the calls, and
+//! [`shell`] runs the frame loop. [`platform`] is the operating system; [`device`] and [`runtime`] are
+//! Android's part of it: the Java classes, and the search for the OpenXR runtime.
 
 #[cfg(target_os = "android")]
 mod android;
 pub mod arguments;
-pub mod beat;
 pub mod device;
 pub mod error;
 pub mod foveation;
-pub mod host;
-pub mod life;
 pub mod options;
-pub mod pulse;
-pub mod recentre;
-pub mod replay;
-mod rig;
+pub mod platform;
 pub mod runtime;
-pub mod sample;
-pub mod script;
+pub mod session_phase;
+mod session_resources;
 pub mod settings;
 pub mod shell;
-pub mod starts;
-pub mod strain;
-pub mod visitor;
+mod test_commands;
 mod xr;

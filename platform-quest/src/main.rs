@@ -4,14 +4,16 @@ use std::io::{self, Write};
 use std::process::ExitCode;
 
 use clap::Parser;
-use paros_quest::arguments::Args;
+use paros_quest::arguments::HeadsetArgs;
 use paros_quest::error::Error;
-use paros_quest::host::Plain;
-use paros_quest::{replay, shell};
-use paros_shell::durable::Target;
+use paros_quest::platform::PlainPlatform;
+use paros_quest::shell::run_shell;
+use paros_shell::durable::WriteTarget;
+use paros_shell::replay::{ReplayError, replay_trace};
+use paros_shell::with_size;
 
 fn main() -> ExitCode {
-    match run(&Args::parse()) {
+    match run(&HeadsetArgs::parse()) {
         Ok(report) => {
             // A reader that has seen enough and left is no error.
             let _ = io::stdout().lock().write_all(report.as_bytes());
@@ -25,24 +27,21 @@ fn main() -> ExitCode {
     }
 }
 
-fn run(args: &Args) -> Result<String, (String, ExitCode)> {
+fn run(args: &HeadsetArgs) -> Result<String, (String, ExitCode)> {
     if let (Some(trace), Some(digests)) = (&args.replay, &args.digests) {
-        let done = replay::replay(trace, digests);
-        done.map_err(|error| (error.to_string(), replay_code(&error)))?;
+        let done = replay_trace(trace, digests);
+        done.map_err(|error| (error.to_string(), replay_exit_code(&error)))?;
         return Ok(format!("{}: all as recorded\n", trace.display()));
     }
     if let Some(record) = &args.record {
         // Before the sculpting, not after it.
-        Target::tried(record).map_err(|error| {
-            let error = replay::Error::Write(error);
-            (error.to_string(), replay_code(&error))
+        WriteTarget::resolve_writable(record).map_err(|error| {
+            let error = ReplayError::Write(error);
+            (error.to_string(), replay_exit_code(&error))
         })?;
     }
-    let options = args.options();
-    let done = match args.size() {
-        256 => shell::run::<256>(&mut Plain, &options),
-        _ => shell::run::<128>(&mut Plain, &options),
-    };
+    let options = args.to_options();
+    let done = with_size!(args.grid_size(), N => run_shell::<N>(&mut PlainPlatform, &options));
     done.map_err(|error| {
         let code = match error {
             Error::Input(_) => ExitCode::from(2),
@@ -52,9 +51,10 @@ fn run(args: &Args) -> Result<String, (String, ExitCode)> {
     })
 }
 
-/// A place where no file can be is the argument's fault; a disk that refuses is not.
-fn replay_code(error: &replay::Error) -> ExitCode {
-    let replay::Error::Write(error) = error else { return ExitCode::from(2) };
+/// The exit code of a failed replay: a place where no file can be is the argument's fault, a disk that
+/// refuses is not.
+fn replay_exit_code(error: &ReplayError) -> ExitCode {
+    let ReplayError::Write(error) = error else { return ExitCode::from(2) };
     match error.source.kind() {
         io::ErrorKind::NotFound
         | io::ErrorKind::NotADirectory

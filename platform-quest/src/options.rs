@@ -1,51 +1,51 @@
-//! What a shell is started with.
+//! The options that the shell is started with.
 
 use std::path::PathBuf;
 use std::time::Duration;
 
-use paros_core::input::Mode;
-use paros_shaders::gpu::Path;
+use paros_core::{SessionMode, TICK_RATE};
+use paros_shaders::gpu::RenderPath;
+use paros_shell::headset::visit::DEFAULT_HANDOVER;
 
-use crate::foveation::Foveation;
-use crate::visitor::HANDOVER;
+use crate::foveation::FoveationLevel;
 
-/// Settings of a run.
+/// Options of a run.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Options {
+pub struct ShellOptions {
     /// One folder for all files, instead of the user's own.
     pub folder: Option<PathBuf>,
     /// How sessions start.
-    pub mode: Mode,
-    /// How long the headset must be off for who puts it on next to be another visitor.
-    pub handover: Duration,
-    /// A file for the trace of the session; it starts anew then.
+    pub mode: SessionMode,
+    /// How long the headset must be off for whoever puts it on next to be another visitor.
+    pub handover_after: Duration,
+    /// Where the session's trace is written; the session starts anew then.
     pub record: Option<PathBuf>,
-    /// The display's rate, in hertz, where there is a choice.
-    pub rate: f32,
-    /// Whether the compositor gets depth too, which costs the pixels' several samples.
-    pub depth: bool,
-    /// How coarsely pictures are shaded away from their middle; see [`Foveation::under`].
-    pub foveation: Option<Foveation>,
-    /// How the sculpture is drawn.
-    pub path: Path,
-    /// Whether commands are read from standard input, for tests; see [`crate::script`].
-    pub script: bool,
-    /// Whether Vulkan's validation looks on; what it says is an error.
+    /// The display refresh rate that is requested, in hertz.
+    pub refresh_rate: f32,
+    /// Whether depth is submitted to the compositor too; pixels have one sample then.
+    pub submit_depth: bool,
+    /// The least foveation level; see [`FoveationLevel::choose`].
+    pub foveation: Option<FoveationLevel>,
+    /// The render path of the sculpture.
+    pub path: RenderPath,
+    /// Whether commands are read from standard input, for tests.
+    pub test_commands: bool,
+    /// Whether Vulkan's validation layer is enabled; each of its messages is an error.
     pub validation: bool,
 }
 
-impl Default for Options {
+impl Default for ShellOptions {
     fn default() -> Self {
-        Options {
+        ShellOptions {
             folder: None,
-            mode: Mode::FreeForm,
-            handover: HANDOVER,
+            mode: SessionMode::FreeForm,
+            handover_after: DEFAULT_HANDOVER,
             record: None,
-            rate: 72.0,
-            depth: false,
+            refresh_rate: TICK_RATE as f32,
+            submit_depth: false,
             foveation: None,
-            path: Path::Fast,
-            script: false,
+            path: RenderPath::Fast,
+            test_commands: false,
             validation: false,
         }
     }

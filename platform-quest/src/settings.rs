@@ -22,19 +22,19 @@ use std::path::Path;
 
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser};
-use paros_shell::durable::{self, Target};
+use paros_shell::durable::{self, WriteTarget};
 
-use crate::arguments::Args;
-use crate::options::Options;
+use crate::arguments::HeadsetArgs;
+use crate::options::ShellOptions;
 
 /// The file's name.
-pub const FILE: &str = "paros.options";
+pub const FILE_NAME: &str = "paros.options";
 
-/// Bytes that are read of it; one that is longer is something else by mistake.
-pub const LONGEST: u64 = 4096;
+/// The file's most bytes: a longer one is something else by mistake.
+pub const MAX_BYTES: u64 = 4096;
 
-/// Flags that make no sense in it, and why.
-const REFUSED: [(&str, &str); 9] = [
+/// Flags that the file may not hold, and why.
+const REFUSED_FLAGS: [(&str, &str); 9] = [
     ("--folder", "it is the folder of this file"),
     ("--replay", "a headset plays no traces"),
     ("--digests", "a headset plays no traces"),
@@ -46,31 +46,31 @@ const REFUSED: [(&str, &str); 9] = [
     ("-V", "paros-quest tells it on Linux"),
 ];
 
-/// How a shell is to start.
+/// What a file of options holds.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Settings {
+pub struct HeadsetSettings {
     /// Voxels along an edge.
     pub size: usize,
-    /// All else.
-    pub options: Options,
+    /// All other options.
+    pub options: ShellOptions,
 }
 
-/// The settings for a shell whose files lie in a folder, and a line for the log if there is a file.
-/// A trace to be recorded goes into the folder, unless its path is a whole one.
+/// Reads the settings of a shell whose files lie in a folder, with a line for the log if there is a file.
+/// A trace to be recorded goes into the folder, unless its path is absolute.
 #[must_use]
-pub fn read(folder: &Path) -> (Settings, Option<String>) {
-    let path = folder.join(FILE);
+pub fn read_settings(folder: &Path) -> (HeadsetSettings, Option<String>) {
+    let path = folder.join(FILE_NAME);
     let defaults = || {
-        let options = Options { folder: Some(folder.into()), ..Options::default() };
-        Settings { size: 128, options }
+        let options = ShellOptions { folder: Some(folder.into()), ..ShellOptions::default() };
+        HeadsetSettings { size: 128, options }
     };
-    let text = match text(&path) {
+    let text = match read_text(&path) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => return (defaults(), None),
         text => text.map_err(|error| format!("{}: {error}", path.display())),
     };
     let parsed = text.and_then(|text| {
-        let words = words(&text);
-        let settings = parse(folder, &words).map_err(|why| told(&path, &why))?;
+        let words = split_words(&text);
+        let settings = parse_settings(folder, &words).map_err(|why| format_error(&path, &why))?;
         let taken: Vec<&str> = words.iter().map(|word| word.text).collect();
         let taken = if taken.is_empty() { "no flags".into() } else { taken.join(" ") };
         Ok((settings, format!("{}: {taken}", path.display())))
@@ -81,25 +81,25 @@ pub fn read(folder: &Path) -> (Settings, Option<String>) {
     }
 }
 
-/// A word, and the line that it stands in, from 1.
+/// A word, and the number of its line, from 1.
 #[derive(Clone, Copy, Debug)]
 struct Word<'a> {
     line: usize,
     text: &'a str,
 }
 
-/// What is wrong in which line.
-struct Wrong {
+/// What is wrong, and in which line.
+struct LineError {
     line: usize,
     why: String,
 }
 
-fn text(path: &Path) -> io::Result<String> {
+fn read_text(path: &Path) -> io::Result<String> {
     let mut bytes = Vec::new();
-    durable::open(path)?.take(LONGEST + 1).read_to_end(&mut bytes)?;
+    durable::open_regular_file(path)?.take(MAX_BYTES + 1).read_to_end(&mut bytes)?;
     let expected = |what: String| io::Error::other(format!("{what}, expected flags as text"));
-    if bytes.len() as u64 > LONGEST {
-        return Err(expected(format!("it is longer than {LONGEST} bytes")));
+    if bytes.len() as u64 > MAX_BYTES {
+        return Err(expected(format!("it is longer than {MAX_BYTES} bytes")));
     }
     // An editor's mark of the encoding is none of the words.
     let text = bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(&bytes).to_vec();
@@ -110,7 +110,7 @@ fn text(path: &Path) -> io::Result<String> {
     })
 }
 
-fn words(text: &str) -> Vec<Word<'_>> {
+fn split_words(text: &str) -> Vec<Word<'_>> {
     let mut words = Vec::new();
     for (i, line) in text.lines().enumerate() {
         let said = line.split_once('#').map_or(line, |(said, _)| said);
@@ -119,41 +119,45 @@ fn words(text: &str) -> Vec<Word<'_>> {
     words
 }
 
-fn parse(folder: &Path, words: &[Word<'_>]) -> Result<Settings, Wrong> {
+fn parse_settings(folder: &Path, words: &[Word<'_>]) -> Result<HeadsetSettings, LineError> {
     for word in words {
         let flag = word.text.split_once('=').map_or(word.text, |(flag, _)| flag);
-        if let Some((_, why)) = REFUSED.iter().find(|(refused, _)| *refused == flag) {
+        if let Some((_, why)) = REFUSED_FLAGS.iter().find(|(refused, _)| *refused == flag) {
             let why = format!("{flag} can't be set here: {why}");
-            return Err(Wrong { line: word.line, why });
+            return Err(LineError { line: word.line, why });
         }
     }
-    let args = arguments(words)
-        .map_err(|error| Wrong { line: wrong_line(words), why: one_line(&error) })?;
-    let mut options = args.options();
+    let args = parse_arguments(words).map_err(|error| LineError {
+        line: find_faulty_line(words),
+        why: summarize_error(&error),
+    })?;
+    let mut options = args.to_options();
     options.folder = Some(folder.into());
     if let Some(record) = &mut options.record {
         *record = folder.join(&*record);
         // Now, not after the sculpting.
-        Target::tried(record).map_err(|error| {
+        WriteTarget::resolve_writable(record).map_err(|error| {
             let flag = words.iter().find(|word| word.text.starts_with("--record"));
-            Wrong { line: flag.map_or(0, |word| word.line), why: error.to_string() }
+            LineError { line: flag.map_or(0, |word| word.line), why: error.to_string() }
         })?;
     }
-    Ok(Settings { size: args.size(), options })
+    Ok(HeadsetSettings { size: args.grid_size(), options })
 }
 
-/// What the command line would be with these words.
-fn arguments(words: &[Word<'_>]) -> Result<Args, clap::Error> {
-    Args::try_parse_from(["paros-quest"].into_iter().chain(words.iter().map(|word| word.text)))
+/// Parses the words as a command line.
+fn parse_arguments(words: &[Word<'_>]) -> Result<HeadsetArgs, clap::Error> {
+    HeadsetArgs::try_parse_from(
+        ["paros-quest"].into_iter().chain(words.iter().map(|word| word.text)),
+    )
 }
 
-/// The line with which it goes wrong: the first from which on no line makes it right again, as one
+/// The line at fault: the first after which no further line makes the command line valid again, as one
 /// does that holds the value of a flag before it.
-fn wrong_line(words: &[Word<'_>]) -> usize {
+fn find_faulty_line(words: &[Word<'_>]) -> usize {
     let mut line = 0;
     for end in (1..=words.len()).rev() {
         let is_line = words.get(end).is_none_or(|next| next.line > words[end - 1].line);
-        if is_line && arguments(&words[..end]).is_ok() {
+        if is_line && parse_arguments(&words[..end]).is_ok() {
             break;
         }
         line = words[end - 1].line;
@@ -161,8 +165,8 @@ fn wrong_line(words: &[Word<'_>]) -> usize {
     line
 }
 
-/// A parser's complaint without what is for a terminal.
-fn one_line(error: &clap::Error) -> String {
+/// A parser's error as one line, without what is meant for a terminal.
+fn summarize_error(error: &clap::Error) -> String {
     let text = error.to_string();
     let mut paragraph = String::new();
     for line in text.lines().map(str::trim).take_while(|line| !line.is_empty()) {
@@ -171,19 +175,19 @@ fn one_line(error: &clap::Error) -> String {
         let _ = write!(paragraph, "{space}{}", line.trim_start_matches("error: "));
     }
     if error.kind() == ErrorKind::UnknownArgument {
-        let _ = write!(paragraph, ", expected one of {}", flags().join(", "));
+        let _ = write!(paragraph, ", expected one of {}", allowed_flags().join(", "));
     }
     paragraph
 }
 
-/// The parser's flags that may stand in the file.
-fn flags() -> Vec<String> {
-    let command = Args::command();
+/// The flags that the file may hold.
+fn allowed_flags() -> Vec<String> {
+    let command = HeadsetArgs::command();
     let all = command.get_arguments().filter_map(|flag| Some(format!("--{}", flag.get_long()?)));
-    all.filter(|flag| REFUSED.iter().all(|(refused, _)| refused != flag)).collect()
+    all.filter(|flag| REFUSED_FLAGS.iter().all(|(refused, _)| refused != flag)).collect()
 }
 
-fn told(path: &Path, wrong: &Wrong) -> String {
+fn format_error(path: &Path, wrong: &LineError) -> String {
     format!("{}:{}: {}", path.display(), wrong.line, wrong.why)
 }
 
@@ -193,11 +197,11 @@ mod tests {
     use std::path::{Path, PathBuf};
     use std::time::Duration;
 
-    use paros_core::input::Mode;
+    use paros_core::SessionMode;
 
-    use super::{FILE, LONGEST, Settings, read};
-    use crate::foveation::Foveation;
-    use crate::options::Options;
+    use super::{FILE_NAME, HeadsetSettings, MAX_BYTES, read_settings};
+    use crate::foveation::FoveationLevel;
+    use crate::options::ShellOptions;
 
     /// An empty folder of a test's own.
     fn folder(name: &str) -> PathBuf {
@@ -207,42 +211,42 @@ mod tests {
         folder
     }
 
-    fn defaults(folder: &Path) -> Settings {
-        let options = Options { folder: Some(folder.into()), ..Options::default() };
-        Settings { size: 128, options }
+    fn defaults(folder: &Path) -> HeadsetSettings {
+        let options = ShellOptions { folder: Some(folder.into()), ..ShellOptions::default() };
+        HeadsetSettings { size: 128, options }
     }
 
     #[test]
     fn no_file_is_the_defaults_and_no_line() {
         let folder = folder("no-options");
-        assert_eq!(read(&folder), (defaults(&folder), None));
-        assert_eq!(read(&folder.join("none")).1, None);
+        assert_eq!(read_settings(&folder), (defaults(&folder), None));
+        assert_eq!(read_settings(&folder.join("none")).1, None);
         fs::remove_dir_all(folder).expect("it is ours");
     }
 
     #[test]
     fn its_words_are_the_command_lines() {
         let folder = folder("good-options");
-        let path = folder.join(FILE);
+        let path = folder.join(FILE_NAME);
         for empty in ["", "\n", "# nothing\n   # --rate 90", "\u{feff}\r\n"] {
             fs::write(&path, empty).expect("room on the disk");
             let line = format!("{}: no flags", path.display());
-            assert_eq!(read(&folder), (defaults(&folder), Some(line)), "{empty:?}");
+            assert_eq!(read_settings(&folder), (defaults(&folder), Some(line)), "{empty:?}");
         }
         let text = "\u{feff}# for the fair\r\n--rate 90 --depth#!\r\n\t--foveation\r\n# half\r\n\
             medium\r\n--handover=120 --mode creative --size 256 --record own.trace";
         fs::write(&path, text).expect("room on the disk");
-        let (found, line) = read(&folder);
-        let options = Options {
-            rate: 90.0,
-            depth: true,
-            foveation: Some(Foveation::Medium),
-            handover: Duration::from_secs(120),
-            mode: Mode::Creative,
+        let (found, line) = read_settings(&folder);
+        let options = ShellOptions {
+            refresh_rate: 90.0,
+            submit_depth: true,
+            foveation: Some(FoveationLevel::Medium),
+            handover_after: Duration::from_secs(120),
+            mode: SessionMode::Creative,
             record: Some(folder.join("own.trace")),
             ..defaults(&folder).options
         };
-        assert_eq!(found, Settings { size: 256, options });
+        assert_eq!(found, HeadsetSettings { size: 256, options });
         let words = "--rate 90 --depth --foveation medium --handover=120 --mode creative \
             --size 256 --record own.trace";
         assert_eq!(line, Some(format!("{}: {words}", path.display())));
@@ -252,7 +256,7 @@ mod tests {
     #[test]
     fn what_is_wrong_is_told_with_its_line_and_the_defaults_hold() {
         let folder = folder("bad-options");
-        let path = folder.join(FILE);
+        let path = folder.join(FILE_NAME);
         for (text, line, why) in [
             ("--rate abc", 1, "'abc' for '--rate <HERTZ>': expected a number of hertz"),
             ("--rate 90\n\n# no\n--mode cubes\n--depth", 4, "expected free, creative or one of"),
@@ -280,7 +284,7 @@ mod tests {
             ("--depth\n--record none/own.trace", 2, "none/own.trace: cannot "),
         ] {
             fs::write(&path, text).expect("room on the disk");
-            let (found, told) = read(&folder);
+            let (found, told) = read_settings(&folder);
             let told = told.expect("there is a file");
             assert_eq!(found, defaults(&folder), "{text}");
             assert!(told.starts_with(&format!("{}:{line}: ", path.display())), "{text:?}: {told}");
@@ -293,9 +297,9 @@ mod tests {
     #[test]
     fn what_is_no_text_of_that_length_is_told() {
         let folder = folder("no-text");
-        let path = folder.join(FILE);
+        let path = folder.join(FILE_NAME);
         let told = |why: &str| {
-            let (found, told) = read(&folder);
+            let (found, told) = read_settings(&folder);
             let told = told.expect("there is something");
             assert_eq!(found, defaults(&folder));
             let ends = told.starts_with(&format!("{}: ", path.display()))
@@ -308,9 +312,9 @@ mod tests {
         let huge = fs::File::create(&path).expect("room on the disk");
         huge.set_len(1 << 40).expect("a hole");
         told("it is longer than 4096 bytes, expected flags as text");
-        let longest = format!("{:1$}", "--depth", LONGEST as usize);
+        let longest = format!("{:1$}", "--depth", MAX_BYTES as usize);
         fs::write(&path, &longest).expect("room on the disk");
-        assert!(read(&folder).0.options.depth);
+        assert!(read_settings(&folder).0.options.submit_depth);
         fs::write(&path, longest + " ").expect("room on the disk");
         told("it is longer than 4096 bytes");
         fs::remove_file(&path).expect("it is ours");

@@ -1,7 +1,7 @@
-//! The loop: what the runtime tells, the ticks that are due, and a frame of them.
+//! The frame loop: events of the runtime, ticks that are due, and a frame that shows them.
 
-mod draw;
-mod hear;
+mod events;
+mod frame;
 mod ticks;
 
 use std::path::PathBuf;
@@ -9,305 +9,319 @@ use std::sync::Arc;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use paros_core::size::{Grid, Size};
-use paros_core::world::Session;
-use paros_shaders::{gpu, portrait};
-use paros_shell::places::Places;
-use paros_shell::print::{HEIGHT_MM, Printer};
+use paros_core::{Grid, SessionState, Size};
+use paros_shaders::{gpu, render_portrait_png};
+use paros_shell::headset::device_health::{DeviceHealth, ThermalState};
+use paros_shell::headset::frame_pacer::FramePacer;
+use paros_shell::headset::haptics::FrameHaptics;
+use paros_shell::headset::recentering::PendingRecentering;
+use paros_shell::headset::visit::VisitPolicy;
+use paros_shell::print::{DEFAULT_HEIGHT_MM, StlPrinter};
 use paros_shell::statics::Resident;
-use paros_shell::studio::{Note, Studio};
+use paros_shell::studio::{Notice, Studio};
+use paros_shell::studio_paths::StudioPaths;
 
-use crate::beat::Beat;
 use crate::error::Error;
-use crate::foveation::Foveation;
-use crate::host::Host;
-use crate::life::Life;
-use crate::options::Options;
-use crate::pulse::Pulses;
-use crate::recentre::Recentre;
-use crate::rig::Rig;
-use crate::script::{Command, Script};
-use crate::strain::{Heat, Strain};
-use crate::visitor::Visitor;
+use crate::foveation::FoveationLevel;
+use crate::options::ShellOptions;
+use crate::platform::Platform;
+use crate::session_phase::SessionPhase;
+use crate::session_resources::SessionResources;
+use crate::test_commands::{CommandQueue, TestCommand};
 use crate::xr::NO_PROFILE;
 
-/// How often the runtime is asked while no frames are made.
-const WAITING: Duration = Duration::from_millis(10);
+/// How often events are polled while no frames are made.
+const IDLE_POLL_INTERVAL: Duration = Duration::from_millis(10);
 
-/// Losses one after the other before the runtime is given up, and the pause between them.
-const LOSSES: u32 = 5;
-const AGAIN: Duration = Duration::from_secs(1);
+/// Session losses in a row after which the runtime is given up, and the pause between them.
+const MAX_LOSSES: u32 = 5;
+const RETRY_PAUSE: Duration = Duration::from_secs(1);
 
-/// A session that has lasted for this long was no failed attempt.
-const STEADY: Duration = Duration::from_secs(10);
+/// A session that has lasted for this long ends a row of losses.
+const STEADY_AFTER: Duration = Duration::from_secs(10);
 
-/// How long the runtime may take to end a session that is asked to end: Android kills a program that
+/// How long the runtime may take to end a session after an exit request: Android kills a program that
 /// takes five seconds.
-const PATIENCE: Duration = Duration::from_secs(3);
+const EXIT_TIMEOUT: Duration = Duration::from_secs(3);
 
-/// How often it is told at the most that ticks are dropped.
-const TELLING: Duration = Duration::from_secs(5);
+/// How often dropped ticks are logged at most.
+const DROP_LOG_INTERVAL: Duration = Duration::from_secs(5);
 
-/// What goes on from session to session.
-struct Shell<'a, const N: usize>
+/// The shell's state, which outlives sessions.
+struct HeadsetShell<'a, const N: usize>
 where
     Grid<N>: Size,
 {
     studio: Studio<'a, N>,
-    options: &'a Options,
-    script: Option<Script>,
-    visitor: Visitor,
-    life: Life,
-    beat: Beat,
-    recentre: Recentre,
-    pulses: Pulses,
-    /// What the runtime tells of heat; the system may tell more.
-    heat: Heat,
-    strain: Strain,
-    /// How far the frame is from the last tick to the next.
-    fraction: f32,
-    /// A session is to start anew.
-    fresh: bool,
-    began: Instant,
+    options: &'a ShellOptions,
+    test_commands: Option<CommandQueue>,
+    visit: VisitPolicy,
+    phase: SessionPhase,
+    pacer: FramePacer,
+    recentering: PendingRecentering,
+    haptics: FrameHaptics,
+    /// The thermal state that the runtime notified; the operating system may report a hotter one.
+    runtime_thermal: ThermalState,
+    health: DeviceHealth,
+    /// Where the frame's display time lies between the last tick and the next, 0 to 1.
+    tick_fraction: f32,
+    /// A session of the core is to start anew with the next tick.
+    start_anew: bool,
+    started_at: Instant,
     frames: u64,
-    dropped: Dropped,
-    /// Where pictures of the next frame go.
-    shot: Option<PathBuf>,
+    dropped: DroppedTicks,
+    /// Where pictures of the next frame go, if a test wants them.
+    capture_prefix: Option<PathBuf>,
     last_note: String,
-    messages: Vec<String>,
+    validation_messages: Vec<String>,
 }
 
-/// Ticks that were not made up.
+/// Ticks that were dropped, and how many of them have been logged.
 #[derive(Clone, Copy, Default, Debug)]
-struct Dropped {
-    ticks: u64,
-    told: u64,
-    told_at: Option<Instant>,
+struct DroppedTicks {
+    count: u64,
+    logged: u64,
+    logged_at: Option<Instant>,
 }
 
 /// How a session ended.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-enum Ended {
-    /// By the visitor's wish, or the runtime's.
-    Over,
-    /// It was lost, and may be made anew.
+enum SessionEnd {
+    /// The visitor, the operating system or the runtime wanted it over.
+    Exited,
+    /// It was lost, and may be created anew.
     Lost,
 }
 
-/// Runs sessions until the visitor, the system or the runtime wants no more; with where the last
-/// print is, if there is one.
+/// Runs OpenXR sessions until the visitor, the operating system or the runtime quits. Returns a line with
+/// the path of the last print, if there is one.
 ///
 /// # Errors
 /// [`Error::Unavailable`] where there is nothing to run on, or what went wrong later. What was
 /// sculpted has been saved in any case.
-pub fn run<const N: usize>(host: &mut dyn Host, options: &Options) -> Result<String, Error>
+pub fn run_shell<const N: usize>(
+    platform: &mut dyn Platform,
+    options: &ShellOptions,
+) -> Result<String, Error>
 where
     Grid<N>: Size + Resident<N>,
 {
-    let mut volumes = Grid::<N>::start_volumes();
-    volumes.make(&mut Grid::<N>::plane(), |_| {});
-    let (mut world, mut press) = (Grid::<N>::world(), Grid::<N>::press());
-    let printer = Printer::new(&mut press, HEIGHT_MM);
+    let mut volumes = Grid::<N>::lock_start_volumes();
+    volumes.generate_figures(&mut Grid::<N>::lock_bit_grid(), |_| {});
+    let (mut world, mut press) = (Grid::<N>::lock_world(), Grid::<N>::lock_print_buffers());
+    let printer = StlPrinter::new(&mut press, DEFAULT_HEIGHT_MM);
     let printer = printer.map_err(|height| Error::Input(format!("{height:?}")))?;
     let folder = options.folder.as_deref();
-    let places = folder.map_or_else(|| Places::of_user(None), Places::within);
-    let mut studio = Studio::new(&mut world, &mut volumes, printer, places, portrait);
+    let places = folder.map_or_else(|| StudioPaths::for_user(None), StudioPaths::inside_folder);
+    let mut studio = Studio::new(&mut world, &mut volumes, printer, places, render_portrait_png);
     match &options.record {
-        Some(_) => studio.record_to(options.record.clone()),
-        None => studio.record_nothing(),
+        Some(_) => studio.write_trace_at_close(options.record.clone()),
+        None => studio.disable_recording(),
     }
-    if studio.world().session() != Session::Waiting {
+    if studio.world().session_state() != SessionState::Waiting {
         let (tick, digest) = (studio.world().tick(), studio.world().digest());
-        host.log(format_args!("a session goes on from tick {tick}, digest {digest:016x}"));
+        platform.log(format_args!("a session goes on from tick {tick}, digest {digest:016x}"));
     }
-    let mut shell = Shell::new(studio, options);
-    let done = shell.live(host);
+    let mut shell = HeadsetShell::new(studio, options);
+    let done = shell.run_sessions(platform);
     let saved = shell.studio.close();
-    shell.tell_notes(host);
+    shell.log_notes(platform);
     if let (Err(_), Err(error)) = (&done, &saved) {
-        host.log(format_args!("{error}"));
+        platform.log(format_args!("{error}"));
     }
-    shell.messages.sort();
-    shell.messages.dedup();
-    let complaints = shell.messages.join("\n");
-    if done.is_err() && !complaints.is_empty() {
-        host.log(format_args!("validation: {complaints}"));
+    shell.validation_messages.sort();
+    shell.validation_messages.dedup();
+    let messages = shell.validation_messages.join("\n");
+    if done.is_err() && !messages.is_empty() {
+        platform.log(format_args!("validation: {messages}"));
     }
     done?;
     saved?;
-    if !complaints.is_empty() {
-        return Err(Error::Unavailable(format!("validation: {complaints}")));
+    if !messages.is_empty() {
+        return Err(Error::Unavailable(format!("validation: {messages}")));
     }
-    let printed = shell.studio.printed();
+    let printed = shell.studio.last_print_path();
     Ok(printed.map_or(String::new(), |path| format!("{}\n", path.display())))
 }
 
-impl<'a, const N: usize> Shell<'a, N>
+impl<'a, const N: usize> HeadsetShell<'a, N>
 where
     Grid<N>: Size + Resident<N>,
 {
-    fn new(studio: Studio<'a, N>, options: &'a Options) -> Self {
-        Shell {
+    fn new(studio: Studio<'a, N>, options: &'a ShellOptions) -> Self {
+        HeadsetShell {
             studio,
             options,
-            script: options.script.then(Script::new),
-            visitor: Visitor::new(options.mode, options.handover),
-            life: Life::default(),
-            beat: Beat::default(),
-            recentre: Recentre::default(),
-            pulses: Pulses::default(),
-            heat: Heat::default(),
-            strain: Strain::default(),
-            fraction: 0.0,
-            fresh: options.record.is_some(),
-            began: Instant::now(),
+            test_commands: options.test_commands.then(CommandQueue::spawn_reader),
+            visit: VisitPolicy::new(options.mode, options.handover_after),
+            phase: SessionPhase::default(),
+            pacer: FramePacer::default(),
+            recentering: PendingRecentering::default(),
+            haptics: FrameHaptics::default(),
+            runtime_thermal: ThermalState::default(),
+            health: DeviceHealth::default(),
+            tick_fraction: 0.0,
+            start_anew: options.record.is_some(),
+            started_at: Instant::now(),
             frames: 0,
-            dropped: Dropped::default(),
-            shot: None,
+            dropped: DroppedTicks::default(),
+            capture_prefix: None,
             last_note: String::new(),
-            messages: Vec::new(),
+            validation_messages: Vec::new(),
         }
     }
 
-    /// Session after session: one that is lost is made anew, and the sculpture is kept.
-    fn live(&mut self, host: &mut dyn Host) -> Result<(), Error> {
+    /// Runs session after session: one that is lost is created anew, and the sculpture is kept.
+    fn run_sessions(&mut self, platform: &mut dyn Platform) -> Result<(), Error> {
         let (mut losses, mut has_run) = (0, false);
         loop {
             let begun = Instant::now();
-            let why = match self.session(host) {
-                Ok(Ended::Over) => return Ok(()),
-                Ok(Ended::Lost) => None,
+            let why = match self.run_session(platform) {
+                Ok(SessionEnd::Exited) => return Ok(()),
+                Ok(SessionEnd::Lost) => None,
                 Err(error) if error.is_loss() || has_run || self.frames > 0 => Some(error),
                 Err(error) => return Err(error),
             };
-            self.studio.pause();
+            self.studio.save_and_wait();
             has_run = true;
-            losses = if begun.elapsed() > STEADY { 1 } else { losses + 1 };
+            losses = if begun.elapsed() > STEADY_AFTER { 1 } else { losses + 1 };
             let text = why.as_ref().map_or("the session is lost".into(), ToString::to_string);
-            if losses > LOSSES {
+            if losses > MAX_LOSSES {
                 return Err(why.unwrap_or(Error::Unavailable(text)));
             }
-            host.log(format_args!("{text}; the sculpture is kept, and a new session is made"));
-            thread::sleep(AGAIN);
+            platform.log(format_args!("{text}; the sculpture is kept, and a new session is made"));
+            thread::sleep(RETRY_PAUSE);
         }
     }
 
-    /// One session, from its making to its end.
-    fn session(&mut self, host: &mut dyn Host) -> Result<Ended, Error> {
+    /// Runs one session from its creation to its end, and collects the messages of Vulkan's validation.
+    fn run_session(&mut self, platform: &mut dyn Platform) -> Result<SessionEnd, Error> {
         let mut vulkan = None;
-        let ended = self.session_by(host, &mut vulkan);
-        self.messages.extend(vulkan.map(|vulkan| vulkan.messages()).unwrap_or_default());
-        ended
+        let end = self.run_session_on(platform, &mut vulkan);
+        let messages = vulkan.map(|vulkan| vulkan.validation_messages()).unwrap_or_default();
+        self.validation_messages.extend(messages);
+        end
     }
 
-    fn session_by(
+    fn run_session_on(
         &mut self,
-        host: &mut dyn Host,
+        platform: &mut dyn Platform,
         vulkan: &mut Option<Arc<gpu::Instance>>,
-    ) -> Result<Ended, Error> {
-        let mut rig =
-            Rig::new(host, self.options, self.studio.world(), self.studio.places(), vulkan)?;
-        if rig.session.actions.profiles == 0 {
-            host.log(format_args!("{NO_PROFILE}: bare hands sculpt"));
+    ) -> Result<SessionEnd, Error> {
+        let (world, places) = (self.studio.world(), self.studio.paths());
+        let mut resources =
+            SessionResources::create(platform, self.options, world, places, vulkan)?;
+        if resources.session.actions.profiles == 0 {
+            platform.log(format_args!("{NO_PROFILE}: bare hands sculpt"));
         }
-        let (runtime, device) = (&rig.runtime.name, &rig.gpu.name);
-        host.log(format_args!("{runtime}, drawn by {device}"));
-        self.life = Life::default();
-        self.beat.rest();
-        // Whatever ends it, the next start has the programs.
-        self.keep_cache(&mut rig);
-        let ended = self.go(&mut rig, host);
-        self.keep_cache(&mut rig);
-        ended
+        let (runtime, device) = (&resources.runtime.name, &resources.gpu.name);
+        platform.log(format_args!("{runtime}, drawn by {device}"));
+        self.phase = SessionPhase::default();
+        self.pacer.pause();
+        // Whatever ends the session, the next start finds the compiled programs.
+        self.save_pipeline_cache(&mut resources);
+        let end = self.run_frames(&mut resources, platform);
+        self.save_pipeline_cache(&mut resources);
+        end
     }
 
-    fn keep_cache(&mut self, rig: &mut Rig<N>) {
-        let places = self.studio.places().clone();
-        rig.keep_cache(&places, self.studio.keeper());
+    fn save_pipeline_cache(&mut self, resources: &mut SessionResources<N>) {
+        let places = self.studio.paths().clone();
+        resources.save_pipeline_cache(&places, self.studio.file_writer());
     }
 
-    fn go(&mut self, rig: &mut Rig<N>, host: &mut dyn Host) -> Result<Ended, Error> {
-        let mut leaving: Option<Instant> = None;
+    /// Polls events and makes frames until the session ends.
+    fn run_frames(
+        &mut self,
+        resources: &mut SessionResources<N>,
+        platform: &mut dyn Platform,
+    ) -> Result<SessionEnd, Error> {
+        let mut exit_requested_at: Option<Instant> = None;
         loop {
-            self.hear(rig, host)?;
-            match self.life {
-                Life::Over => return Ok(Ended::Over),
-                Life::Lost if leaving.is_some() => return Ok(Ended::Over),
-                Life::Lost => return Ok(Ended::Lost),
-                life if life.runs() => self.frame(rig, host)?,
-                _ => thread::sleep(WAITING),
+            self.poll_events(resources, platform)?;
+            match self.phase {
+                SessionPhase::Exited => return Ok(SessionEnd::Exited),
+                SessionPhase::Lost if exit_requested_at.is_some() => return Ok(SessionEnd::Exited),
+                SessionPhase::Lost => return Ok(SessionEnd::Lost),
+                phase if phase.is_running() => self.run_frame(resources, platform)?,
+                _ => thread::sleep(IDLE_POLL_INTERVAL),
             }
-            let told = host.told();
-            self.heed(told.strain, host);
-            self.foveate(rig, host)?;
-            let leave = self.obey(rig, host)? || told.leave;
-            if leave && leaving.is_none() {
-                leaving = Some(Instant::now());
-                self.save();
-                if rig.session.raw.request_exit().is_err() {
-                    // It has not begun, or was ended already.
-                    return Ok(Ended::Over);
+            let status = platform.poll_status();
+            self.update_thermal(status.health, platform);
+            self.update_foveation(resources, platform)?;
+            let quit = self.run_test_command(resources, platform) || status.quit_requested;
+            if quit && exit_requested_at.is_none() {
+                exit_requested_at = Some(Instant::now());
+                self.save_session();
+                if resources.session.raw.request_exit().is_err() {
+                    // The session is not running: it has not begun, or has ended.
+                    return Ok(SessionEnd::Exited);
                 }
             }
-            if leaving.is_some_and(|since| since.elapsed() > PATIENCE) {
-                return Ok(Ended::Over);
+            if exit_requested_at.is_some_and(|since| since.elapsed() > EXIT_TIMEOUT) {
+                return Ok(SessionEnd::Exited);
             }
-            self.studio.poll();
-            self.tell_notes(host);
+            self.studio.poll_threads();
+            self.log_notes(platform);
         }
     }
 
-    fn tell_notes(&mut self, host: &mut dyn Host) {
-        for note in self.studio.notes() {
-            let (Note::Good(text) | Note::Bad(text)) = note;
-            host.log(format_args!("{text}"));
+    /// Logs the studio's notes to the visitor.
+    fn log_notes(&mut self, platform: &mut dyn Platform) {
+        for note in self.studio.take_notices() {
+            let (Notice::Good(text) | Notice::Bad(text)) = note;
+            platform.log(format_args!("{text}"));
             self.last_note = text;
         }
     }
 
-    /// Heat and battery: told once.
-    fn heed(&mut self, strain: Strain, host: &mut dyn Host) {
-        let heat = strain.heat.max(self.heat);
-        let before = core::mem::replace(&mut self.strain, Strain { heat, ..strain });
-        if let Some(warning) = self.strain.warning(before) {
-            host.log(format_args!("{warning}"));
+    /// Takes in thermal state and battery, and logs a warning once.
+    fn update_thermal(&mut self, health: DeviceHealth, platform: &mut dyn Platform) {
+        let thermal = health.thermal.max(self.runtime_thermal);
+        let health = DeviceHealth { thermal, ..health };
+        let before = core::mem::replace(&mut self.health, health);
+        if let Some(warning) = health.warning_since(before) {
+            platform.log(format_args!("{warning}"));
         }
     }
 
-    /// Shades the pictures as coarsely as the strain wants it; not in the middle of a stroke. Where
-    /// that fails, the pictures are the same and the frames go on.
-    fn foveate(&self, rig: &mut Rig<N>, host: &mut dyn Host) -> Result<(), Error> {
-        let wanted = Foveation::under(self.strain, self.options.foveation);
+    /// Sets the foveation level that thermal state and battery call for; not in the middle of a stroke.
+    /// Where the runtime refuses, frames go on as they are.
+    fn update_foveation(
+        &self,
+        resources: &mut SessionResources<N>,
+        platform: &mut dyn Platform,
+    ) -> Result<(), Error> {
+        let wanted = FoveationLevel::choose(self.health, self.options.foveation);
         let world = self.studio.world();
-        let strokes = (0..2).any(|hand| world.hand(hand).trigger);
-        if strokes || rig.eyes.foveation().is_none_or(|level| level == wanted) {
+        let in_stroke = (0..2).any(|hand| world.hand_state(hand).trigger);
+        let current = resources.eyes.foveation_level();
+        if in_stroke || current.is_none_or(|level| level == wanted) {
             return Ok(());
         }
-        match rig.eyes.foveate(&rig.session.raw, wanted) {
+        match resources.eyes.set_foveation(&resources.session.raw, wanted) {
             Err(error) if error.is_loss() => return Err(error),
-            Err(error) => host.log(format_args!("{error}")),
-            Ok(()) => host.log(format_args!("foveation {wanted}")),
+            Err(error) => platform.log(format_args!("{error}")),
+            Ok(()) => platform.log(format_args!("foveation {wanted}")),
         }
         Ok(())
     }
 
-    /// Does what a test asks for. Whether the session is to end.
-    fn obey(&mut self, rig: &Rig<N>, host: &mut dyn Host) -> Result<bool, Error> {
-        let Some(script) = &self.script else { return Ok(false) };
-        match script.next() {
-            None => Ok(false),
-            Some(Command::Say) => {
-                self.say(rig);
-                Ok(false)
-            }
-            Some(Command::Shot(prefix)) => {
-                self.shot = Some(prefix);
-                Ok(false)
-            }
-            Some(Command::Quit) => {
-                host.log(format_args!("leaving"));
-                Ok(true)
+    /// Runs a command of a test, if one has arrived. Returns whether the session is to end.
+    fn run_test_command(
+        &mut self,
+        resources: &SessionResources<N>,
+        platform: &mut dyn Platform,
+    ) -> bool {
+        match self.test_commands.as_ref().and_then(CommandQueue::poll_next) {
+            None => return false,
+            Some(TestCommand::PrintStatus) => self.print_status(resources),
+            Some(TestCommand::CaptureFrame(prefix)) => self.capture_prefix = Some(prefix),
+            Some(TestCommand::Quit) => {
+                platform.log(format_args!("leaving"));
+                return true;
             }
         }
+        false
     }
 }

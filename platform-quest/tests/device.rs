@@ -1,5 +1,5 @@
-//! The calls into Android's Java classes, made on the host's JDK: stubs of the classes are made from
-//! the table, and the machine checks every call (`-Xcheck:jni`).
+//! The JNI calls, made on the host's JDK with stubs of Android's classes, which are generated from the
+//! table. The Java VM checks every call (`-Xcheck:jni`).
 
 mod android;
 
@@ -11,26 +11,30 @@ use std::{env, fs};
 
 use jni::objects::{Global, JObject, JString};
 use jni::{Env, InitArgsBuilder, JNIVersion, JValue, JavaVM, jni_sig, jni_str};
-use paros_quest::device::table::ALL;
-use paros_quest::device::{self, Battery, Device, ROWS, Row, Thermal, Watch};
-use paros_quest::runtime::{COLUMNS, FUNCTIONS, NEGOTIATE, Named, ask};
-use paros_quest::strain::{Heat, Strain};
+use paros_quest::device::table::ALL_MEMBERS;
+use paros_quest::device::{
+    self, AndroidDevice, Battery, ContentRow, DeviceMonitor, MAX_ROWS, ThermalStatus,
+};
+use paros_quest::runtime::{
+    FUNCTION_COLUMNS, NEGOTIATE_FUNCTION, RUNTIME_COLUMNS, RuntimeLibrary, query_brokers,
+};
+use paros_shell::headset::device_health::{DeviceHealth, ThermalState};
 use paros_shell::require::require;
 
-use android::{classes, compile, is_android, javap, told};
+use android::{compile_stubs, describe_member, is_android, members_by_class, run_javap};
 
-/// Set in the process whose calls are checked.
+/// The environment variable of the child process whose calls are checked.
 const INSIDE: &str = "PAROS_INSIDE_JAVA";
 
-/// Where the stubs are. Every process has its own.
-fn folder() -> PathBuf {
+/// The folder of the stubs; every process has its own.
+fn stubs_folder() -> PathBuf {
     Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("android-{}", std::process::id()))
 }
 
-/// One machine a process: Java can't start a second.
+/// The Java VM: a process can start only one.
 static VM: LazyLock<JavaVM> = LazyLock::new(|| {
-    compile(&folder()).expect("the sources are right");
-    let classes = format!("-Djava.class.path={}", folder().join("classes").display());
+    compile_stubs(&stubs_folder()).expect("the sources are right");
+    let classes = format!("-Djava.class.path={}", stubs_folder().join("classes").display());
     let arguments = InitArgsBuilder::new().version(JNIVersion::V1_8);
     let arguments = arguments.option("-Xcheck:jni").option(&classes).build().expect("arguments");
     JavaVM::new(arguments).expect("a JDK's machine")
@@ -50,12 +54,16 @@ fn the_stubs_are_what_the_table_says() {
     if !has_jdk() {
         return;
     }
-    let folder = folder();
-    compile(&folder).expect("the sources are right");
-    for (class, members) in classes() {
-        let found = javap(&folder, class);
+    let folder = stubs_folder();
+    compile_stubs(&folder).expect("the sources are right");
+    for (class, members) in members_by_class() {
+        let found = run_javap(&folder, class);
         for member in &members {
-            assert!(found.contains(&told(member)), "{class}: no {} in {found:?}", told(member));
+            assert!(
+                found.contains(&describe_member(member)),
+                "{class}: no {} in {found:?}",
+                describe_member(member)
+            );
         }
         // And nothing else, but the constructor that `javap` calls by the whole class name.
         let members = found.iter().filter(|told| !told.contains("android."));
@@ -65,23 +73,23 @@ fn the_stubs_are_what_the_table_says() {
 }
 
 fn members_of(class: &str) -> usize {
-    classes()[class].len()
+    members_by_class()[class].len()
 }
 
 #[test]
 fn the_table_names_its_sources() {
-    for member in ALL {
+    for member in ALL_MEMBERS {
         let page = member.class.replace('$', ".");
         assert!(member.source.starts_with(&format!("{page}#{}", member.name)), "{}", member.source);
         assert!((1..=34).contains(&member.since));
     }
 }
 
-/// The checks are told on standard output, which only another process can read.
+/// The VM reports faults on standard output, which only a parent process can read.
 #[test]
 fn every_call_is_right() {
     if env::var_os(INSIDE).is_some() {
-        return inside();
+        return check_all_calls();
     }
     if !has_jdk() {
         return;
@@ -97,197 +105,217 @@ fn every_call_is_right() {
     assert!(told.contains("all calls made"), "{told}");
 }
 
-fn inside() {
-    names();
-    batteries();
-    heats();
-    storages();
-    networks();
-    queries();
-    brokers();
-    exceptions();
-    watching();
-    let _ = fs::remove_dir_all(folder());
+/// Runs all checks, in the child process.
+fn check_all_calls() {
+    check_names();
+    check_batteries();
+    check_thermal_readings();
+    check_storage_folders();
+    check_networks();
+    check_queries();
+    check_brokers();
+    check_exceptions();
+    check_monitor();
+    let _ = fs::remove_dir_all(stubs_folder());
     println!("all calls made");
 }
 
-fn names() {
-    field("android.os.Build.MANUFACTURER", "S:Oculus");
-    field("android.os.Build.MODEL", "S:Quest 3");
-    assert_eq!(device(29).name().expect("a name"), "Oculus Quest 3");
-    field("android.os.Build.MANUFACTURER", "N:");
-    assert_eq!(device(29).name().expect("a name"), "Quest 3");
-    assert_eq!(device(31).level(), 31);
+fn check_names() {
+    set_field("android.os.Build.MANUFACTURER", "S:Oculus");
+    set_field("android.os.Build.MODEL", "S:Quest 3");
+    assert_eq!(device_at_level(29).read_model_name().expect("a name"), "Oculus Quest 3");
+    set_field("android.os.Build.MANUFACTURER", "N:");
+    assert_eq!(device_at_level(29).read_model_name().expect("a name"), "Quest 3");
+    assert_eq!(device_at_level(31).api_level(), 31);
 }
 
-fn batteries() {
-    let device = device(29);
+fn check_batteries() {
+    let device = device_at_level(29);
     let unknown = Battery { percent: None, charging: false };
-    set("Context.getSystemService[batterymanager]", "N:");
-    assert_eq!(device.battery().expect("an answer"), unknown);
-    set("Context.getSystemService[batterymanager]", "O:android.os.BatteryManager");
-    set("BatteryManager.getIntProperty[4]", "I:57");
-    set("BatteryManager.isCharging", "Z:true");
+    set_answer("Context.getSystemService[batterymanager]", "N:");
+    assert_eq!(device.read_battery().expect("an answer"), unknown);
+    set_answer("Context.getSystemService[batterymanager]", "O:android.os.BatteryManager");
+    set_answer("BatteryManager.getIntProperty[4]", "I:57");
+    set_answer("BatteryManager.isCharging", "Z:true");
     let expected = Battery { percent: Some(57), charging: true };
-    assert_eq!(device.battery().expect("an answer"), expected);
-    set("BatteryManager.getIntProperty[4]", "I:-2147483648");
-    assert_eq!(device.battery().expect("an answer").percent, None);
-    calls();
+    assert_eq!(device.read_battery().expect("an answer"), expected);
+    set_answer("BatteryManager.getIntProperty[4]", "I:-2147483648");
+    assert_eq!(device.read_battery().expect("an answer").percent, None);
+    take_calls();
     // Older than the call that tells of charging.
-    assert_eq!(self::device(22).battery().expect("an answer"), unknown);
-    assert!(!calls().contains("isCharging"));
+    assert_eq!(self::device_at_level(22).read_battery().expect("an answer"), unknown);
+    assert!(!take_calls().contains("isCharging"));
 }
 
-fn heats() {
-    set("Context.getSystemService[power]", "O:android.os.PowerManager");
-    set("PowerManager.getCurrentThermalStatus", "I:3");
-    set("PowerManager.getThermalHeadroom[10]", "F:0.75");
-    let heat = device(30).heat().expect("an answer");
-    assert_eq!(heat, device::Heat { status: Thermal::Severe, headroom: Some(0.75) });
-    calls();
-    let early = device::Heat { status: Thermal::Severe, headroom: None };
-    assert_eq!(device(29).heat().expect("an answer"), early);
-    assert!(!calls().contains("getThermalHeadroom"));
-    let before = device::Heat { status: Thermal::None, headroom: None };
-    assert_eq!(device(28).heat().expect("an answer"), before);
-    set("PowerManager.getThermalHeadroom[10]", "F:NaN");
-    assert_eq!(device(30).heat().expect("an answer").headroom, None);
-    for (number, status) in [(0, Thermal::None), (6, Thermal::Shutdown), (9, Thermal::Shutdown)] {
-        set("PowerManager.getCurrentThermalStatus", &format!("I:{number}"));
-        assert_eq!(device(29).heat().expect("an answer").status, status);
+fn check_thermal_readings() {
+    set_answer("Context.getSystemService[power]", "O:android.os.PowerManager");
+    set_answer("PowerManager.getCurrentThermalStatus", "I:3");
+    set_answer("PowerManager.getThermalHeadroom[10]", "F:0.75");
+    let heat = device_at_level(30).read_thermal().expect("an answer");
+    assert_eq!(
+        heat,
+        device::ThermalReading { status: ThermalStatus::Severe, headroom: Some(0.75) }
+    );
+    take_calls();
+    let early = device::ThermalReading { status: ThermalStatus::Severe, headroom: None };
+    assert_eq!(device_at_level(29).read_thermal().expect("an answer"), early);
+    assert!(!take_calls().contains("getThermalHeadroom"));
+    let before = device::ThermalReading { status: ThermalStatus::None, headroom: None };
+    assert_eq!(device_at_level(28).read_thermal().expect("an answer"), before);
+    set_answer("PowerManager.getThermalHeadroom[10]", "F:NaN");
+    assert_eq!(device_at_level(30).read_thermal().expect("an answer").headroom, None);
+    for (number, status) in
+        [(0, ThermalStatus::None), (6, ThermalStatus::Shutdown), (9, ThermalStatus::Shutdown)]
+    {
+        set_answer("PowerManager.getCurrentThermalStatus", &format!("I:{number}"));
+        assert_eq!(device_at_level(29).read_thermal().expect("an answer").status, status);
     }
 }
 
-fn storages() {
-    set("Context.getExternalFilesDir[null]", "P:/storage/emulated/0/paros");
-    set("Context.getFilesDir", "P:/data/user/0/paros");
-    let at = || device(29).storage().expect("a folder");
+fn check_storage_folders() {
+    set_answer("Context.getExternalFilesDir[null]", "P:/storage/emulated/0/paros");
+    set_answer("Context.getFilesDir", "P:/data/user/0/paros");
+    let at = || device_at_level(29).find_storage_folder().expect("a folder");
     assert_eq!(at(), Path::new("/storage/emulated/0/paros"));
-    set("Context.getExternalFilesDir[null]", "N:");
+    set_answer("Context.getExternalFilesDir[null]", "N:");
     assert_eq!(at(), Path::new("/data/user/0/paros"));
-    set("Context.getFilesDir", "N:");
-    let why = device(29).storage().expect_err("there is none").to_string();
+    set_answer("Context.getFilesDir", "N:");
+    let why = device_at_level(29).find_storage_folder().expect_err("there is none").to_string();
     assert_eq!(why, "android/content/Context.getFilesDir: null");
 }
 
-fn networks() {
-    let online = || device(29).online().expect("an answer");
-    set("Context.getSystemService[connectivity]", "O:android.net.ConnectivityManager");
-    set("ConnectivityManager.getActiveNetwork", "N:");
+fn check_networks() {
+    let online = || device_at_level(29).is_online().expect("an answer");
+    set_answer("Context.getSystemService[connectivity]", "O:android.net.ConnectivityManager");
+    set_answer("ConnectivityManager.getActiveNetwork", "N:");
     assert!(!online());
-    set("ConnectivityManager.getActiveNetwork", "O:android.net.Network");
+    set_answer("ConnectivityManager.getActiveNetwork", "O:android.net.Network");
     assert!(!online());
-    set("ConnectivityManager.getNetworkCapabilities[Network]", "O:android.net.NetworkCapabilities");
-    set("NetworkCapabilities.hasCapability[16]", "Z:false");
+    set_answer(
+        "ConnectivityManager.getNetworkCapabilities[Network]",
+        "O:android.net.NetworkCapabilities",
+    );
+    set_answer("NetworkCapabilities.hasCapability[16]", "Z:false");
     assert!(!online());
-    set("NetworkCapabilities.hasCapability[16]", "Z:true");
+    set_answer("NetworkCapabilities.hasCapability[16]", "Z:true");
     assert!(online());
 }
 
-fn queries() {
-    let ask = || device(29).query("content://a/b", &["one", "two", "three"]).expect("an answer");
-    let nothing: [Row; 0] = [];
-    set("Context.getContentResolver", "O:android.content.ContentResolver");
-    set("Uri.parse[content://a/b]", "O:android.net.Uri");
-    calls();
+fn check_queries() {
+    let ask = || {
+        device_at_level(29)
+            .query_content("content://a/b", &["one", "two", "three"])
+            .expect("an answer")
+    };
+    let nothing: [ContentRow; 0] = [];
+    set_answer("Context.getContentResolver", "O:android.content.ContentResolver");
+    set_answer("Uri.parse[content://a/b]", "O:android.net.Uri");
+    take_calls();
     assert_eq!(ask(), nothing);
-    assert!(calls().ends_with("ContentResolver.query[Uri, [one, two, three], null, null, null]"));
-    set("ContentResolver.query", "O:android.database.Cursor");
-    set("Cursor.moveToNext", "Z:false");
-    set("Cursor.getColumnIndex[one]", "I:7");
-    set("Cursor.getColumnIndex[two]", "I:-1");
-    set("Cursor.getColumnIndex[three]", "I:0");
+    assert!(
+        take_calls().ends_with("ContentResolver.query[Uri, [one, two, three], null, null, null]")
+    );
+    set_answer("ContentResolver.query", "O:android.database.Cursor");
+    set_answer("Cursor.moveToNext", "Z:false");
+    set_answer("Cursor.getColumnIndex[one]", "I:7");
+    set_answer("Cursor.getColumnIndex[two]", "I:-1");
+    set_answer("Cursor.getColumnIndex[three]", "I:0");
     assert_eq!(ask(), nothing);
-    assert!(calls().ends_with("Cursor.moveToNext[]\nCursor.close[]"));
-    set("Cursor.moveToNext", "Z:true\nZ:true\nZ:false");
-    set("Cursor.getString[7]", "S:grüße \u{1f3db}\nS:more");
-    set("Cursor.getString[0]", "N:");
+    assert!(take_calls().ends_with("Cursor.moveToNext[]\nCursor.close[]"));
+    set_answer("Cursor.moveToNext", "Z:true\nZ:true\nZ:false");
+    set_answer("Cursor.getString[7]", "S:grüße \u{1f3db}\nS:more");
+    set_answer("Cursor.getString[0]", "N:");
     let rows = ["grüße \u{1f3db}", "more"].map(|text| vec![Some(text.to_owned()), None, None]);
     assert_eq!(ask(), rows);
     // An answer that never ends.
-    set("Cursor.moveToNext", "Z:true");
-    assert_eq!(ask().len(), ROWS);
+    set_answer("Cursor.moveToNext", "Z:true");
+    assert_eq!(ask().len(), MAX_ROWS);
     // A refusal in the middle still ends the answer.
-    set("Cursor.getString[7]", "E:closed");
-    calls();
-    assert!(device(29).query("content://a/b", &["one"]).is_err());
-    assert!(calls().ends_with("Cursor.close[]"));
+    set_answer("Cursor.getString[7]", "E:closed");
+    take_calls();
+    assert!(device_at_level(29).query_content("content://a/b", &["one"]).is_err());
+    assert!(take_calls().ends_with("Cursor.close[]"));
 }
 
 /// A broker whose runtime has names of its own: one row, then the functions'.
-fn brokers() {
+fn check_brokers() {
     let runtimes = "content://org.khronos.openxr.runtime_broker/openxr/1/abi/arm64-v8a/runtimes";
-    set(&format!("Uri.parse[{runtimes}/active/0]"), "O:android.net.Uri");
-    set(&format!("Uri.parse[{runtimes}/com.maker.runtime/functions]"), "O:android.net.Uri");
-    for (column, name) in COLUMNS.iter().chain(&FUNCTIONS).enumerate() {
-        set(&format!("Cursor.getColumnIndex[{name}]"), &format!("I:{column}"));
+    set_answer(&format!("Uri.parse[{runtimes}/active/0]"), "O:android.net.Uri");
+    set_answer(&format!("Uri.parse[{runtimes}/com.maker.runtime/functions]"), "O:android.net.Uri");
+    for (column, name) in RUNTIME_COLUMNS.iter().chain(&FUNCTION_COLUMNS).enumerate() {
+        set_answer(&format!("Cursor.getColumnIndex[{name}]"), &format!("I:{column}"));
     }
     let answers =
         ["S:/vendor", "S:maker.so", "S:com.maker.runtime", "S:1", "S:a", "S:maker_negotiate"];
     for (column, answer) in answers.into_iter().enumerate() {
-        set(&format!("Cursor.getString[{column}]"), answer);
+        set_answer(&format!("Cursor.getString[{column}]"), answer);
     }
-    set("Cursor.getString[4]", &format!("S:xrInitializeLoaderKHR\nS:{NEGOTIATE}"));
-    set("Cursor.getString[5]", "S:maker_initialize\nS:maker_negotiate");
-    set("Cursor.moveToNext", "Z:true\nZ:false\nZ:true\nZ:true\nZ:false");
-    let device = device(29);
-    let named = ask(|table, columns| device.query(table, columns)).expect("it is named");
-    let expected =
-        Named { library: "/vendor/maker.so".into(), negotiate: "maker_negotiate".into() };
+    set_answer("Cursor.getString[4]", &format!("S:xrInitializeLoaderKHR\nS:{NEGOTIATE_FUNCTION}"));
+    set_answer("Cursor.getString[5]", "S:maker_initialize\nS:maker_negotiate");
+    set_answer("Cursor.moveToNext", "Z:true\nZ:false\nZ:true\nZ:true\nZ:false");
+    let device = device_at_level(29);
+    let named =
+        query_brokers(|table, columns| device.query_content(table, columns)).expect("it is named");
+    let expected = RuntimeLibrary {
+        path: "/vendor/maker.so".into(),
+        negotiate_symbol: "maker_negotiate".into(),
+    };
     assert_eq!(named, expected);
     // The package may not be asked.
-    set("ContentResolver.query", "O:android.database.Cursor\nE:not yours");
-    set("Cursor.moveToNext", "Z:true\nZ:false");
-    let why = ask(|table, columns| device.query(table, columns)).expect_err("it was thrown");
+    set_answer("ContentResolver.query", "O:android.database.Cursor\nE:not yours");
+    set_answer("Cursor.moveToNext", "Z:true\nZ:false");
+    let why = query_brokers(|table, columns| device.query_content(table, columns))
+        .expect_err("it was thrown");
     assert!(why.to_string().contains("not yours"), "{why}");
 }
 
-fn exceptions() {
-    set("Context.getSystemService[power]", "E:not today");
-    let why = device(29).heat().expect_err("it was thrown").to_string();
+fn check_exceptions() {
+    set_answer("Context.getSystemService[power]", "E:not today");
+    let why = device_at_level(29).read_thermal().expect_err("it was thrown").to_string();
     assert!(why.starts_with("android/content/Context.getSystemService: "), "{why}");
     assert!(why.contains("java.lang.SecurityException") && why.contains("not today"), "{why}");
     // Nothing is pending.
-    set("Context.getSystemService[power]", "O:android.os.PowerManager");
-    assert!(device(29).heat().is_ok());
+    set_answer("Context.getSystemService[power]", "O:android.os.PowerManager");
+    assert!(device_at_level(29).read_thermal().is_ok());
     // Polled all day, no reference is left behind: the machine would warn beyond its frame of 16.
-    let device = device(30);
-    (0..1000).for_each(|_| assert!(device.heat().is_ok()));
+    let device = device_at_level(30);
+    (0..1000).for_each(|_| assert!(device.read_thermal().is_ok()));
 }
 
-/// Another thread asks, so that no frame waits.
-fn watching() {
-    set("PowerManager.getCurrentThermalStatus", "I:4");
-    set("BatteryManager.getIntProperty[4]", "I:12");
-    set("BatteryManager.isCharging", "Z:false");
-    let watch = Watch::new(device(30));
-    let expected = Strain { heat: Heat::Hot, charge: Some(12) };
+/// The monitor polls on a thread of its own, and ends at once.
+fn check_monitor() {
+    set_answer("PowerManager.getCurrentThermalStatus", "I:4");
+    set_answer("BatteryManager.getIntProperty[4]", "I:12");
+    set_answer("BatteryManager.isCharging", "Z:false");
+    let monitor = DeviceMonitor::start_polling(device_at_level(30));
+    let expected = DeviceHealth { thermal: ThermalState::Hot, battery_percent: Some(12) };
     let begun = Instant::now();
-    while watch.strain() != expected {
-        assert!(begun.elapsed() < Duration::from_secs(60), "{:?}", watch.strain());
+    while monitor.latest() != expected {
+        assert!(begun.elapsed() < Duration::from_secs(60), "{:?}", monitor.latest());
         std::thread::sleep(Duration::from_millis(5));
     }
     // It is over at once, not when it would ask again.
     let begun = Instant::now();
-    drop(watch);
+    drop(monitor);
     assert!(begun.elapsed() < Duration::from_secs(5));
 }
 
-/// A device of an API level, of a stub's context.
-fn device(level: i32) -> Device {
-    field("android.os.Build$VERSION.SDK_INT", &format!("I:{level}"));
-    let context = java(|env| {
+/// A device of an API level, by a context of the stubs.
+fn device_at_level(level: i32) -> AndroidDevice {
+    set_field("android.os.Build$VERSION.SDK_INT", &format!("I:{level}"));
+    let context = with_java(|env| {
         let context = env.new_object(jni_str!("android/content/Context"), jni_sig!("()V"), &[])?;
         env.new_global_ref(context)
     });
     let context: Global<JObject<'static>> = context;
     // SAFETY: both live, and the second is a context.
-    unsafe { Device::new(VM.get_raw().cast(), context.as_raw().cast()) }.expect("a device")
+    unsafe { AndroidDevice::from_raw(VM.get_raw().cast(), context.as_raw().cast()) }
+        .expect("a device")
 }
 
-/// What the stubs answer from now on.
-fn set(member: &str, answer: &str) {
-    tell(
+/// Sets what a stub's method returns from now on.
+fn set_answer(member: &str, answer: &str) {
+    call_fake(
         |env, arguments| {
             let (name, how) =
                 (jni_str!("set"), jni_sig!("(Ljava/lang/String;Ljava/lang/String;)V"));
@@ -297,8 +325,9 @@ fn set(member: &str, answer: &str) {
     );
 }
 
-fn field(field: &str, answer: &str) {
-    tell(
+/// Sets a static field of a stub.
+fn set_field(field: &str, answer: &str) {
+    call_fake(
         |env, arguments| {
             let (name, how) =
                 (jni_str!("field"), jni_sig!("(Ljava/lang/String;Ljava/lang/String;)V"));
@@ -308,9 +337,9 @@ fn field(field: &str, answer: &str) {
     );
 }
 
-/// The calls since the last time, a line each.
-fn calls() -> String {
-    java(|env| {
+/// Takes the log of the stubs' calls since the last time, one a line.
+fn take_calls() -> String {
+    with_java(|env| {
         let how = jni_sig!("()Ljava/lang/String;");
         let calls = env.call_static_method(jni_str!("paros/Fake"), jni_str!("calls"), how, &[])?;
         let calls = calls.into_object()?;
@@ -318,16 +347,17 @@ fn calls() -> String {
     })
 }
 
-fn tell(
+/// Calls a method of `paros.Fake` with two texts.
+fn call_fake(
     what: impl FnOnce(&mut Env<'_>, &[JValue<'_>]) -> jni::errors::Result<()>,
     texts: [&str; 2],
 ) {
-    java(|env| {
+    with_java(|env| {
         let [a, b] = [env.new_string(texts[0])?, env.new_string(texts[1])?];
         what(env, &[JValue::Object(&a), JValue::Object(&b)])
     });
 }
 
-fn java<T>(what: impl FnOnce(&mut Env<'_>) -> jni::errors::Result<T>) -> T {
+fn with_java<T>(what: impl FnOnce(&mut Env<'_>) -> jni::errors::Result<T>) -> T {
     VM.attach_current_thread(what).expect("the stubs do it")
 }

@@ -6,16 +6,16 @@ use std::process::Command;
 use std::{env, fs};
 
 use openxr as xr;
-use paros_quest::runtime::{NEGOTIATE, ask, open};
+use paros_quest::runtime::{NEGOTIATE_FUNCTION, open_runtime, query_brokers};
 use paros_shell::require::require;
 
 /// Set to the library in the process that runs on the tree's libraries.
 const INSIDE: &str = "PAROS_INSIDE_RUNTIME";
-/// Set where the broker tells of another name.
+/// Set if the broker names another negotiation function.
 const RENAMED: &str = "PAROS_RENAMED";
 
-/// The tree beside this build.
-fn tree() -> Result<PathBuf, String> {
+/// The folder `monado-tree` beside this build.
+fn find_tree() -> Result<PathBuf, String> {
     let root = Path::new(env!("CARGO_TARGET_TMPDIR")).with_file_name("monado-tree");
     let why = "platform-quest/tests/monado-tree.sh makes it";
     fs::canonicalize(&root).map_err(|error| format!("no {}: {error}; {why}", root.display()))
@@ -24,21 +24,22 @@ fn tree() -> Result<PathBuf, String> {
 #[test]
 fn the_library_that_a_broker_names_is_negotiated_with() {
     if let Some(library) = env::var_os(INSIDE) {
-        return inside(Path::new(&library));
+        return negotiate_as_on_a_headset(Path::new(&library));
     }
-    let Some(root) = require(tree()).expect("Monado") else { return };
+    let Some(root) = require(find_tree()).expect("Monado") else { return };
     let libraries = root.join("usr/lib/x86_64-linux-gnu");
     let monado = libraries.join("libopenxr_monado.so");
-    let again = |library: &Path| again(&root, &libraries, library);
-    assert_eq!(negotiates(&mut again(&monado)), Ok(()));
-    let told = negotiates(again(&monado).env(RENAMED, "1")).expect_err("its names are OpenXR's");
+    let rerun = |library: &Path| rerun_on_tree(&root, &libraries, library);
+    assert_eq!(check_negotiation(&mut rerun(&monado)), Ok(()));
+    let told =
+        check_negotiation(rerun(&monado).env(RENAMED, "1")).expect_err("its names are OpenXR's");
     assert!(told.contains("no OpenXR runtime: it has no maker_negotiate"), "{told}");
-    let renamed = renamed(&monado);
-    assert_eq!(negotiates(again(&renamed).env(RENAMED, "1")), Ok(()));
+    let renamed = build_renamed_runtime(&monado);
+    assert_eq!(check_negotiation(rerun(&renamed).env(RENAMED, "1")), Ok(()));
 }
 
-/// This test again, on the tree's libraries.
-fn again(root: &Path, libraries: &Path, library: &Path) -> Command {
+/// A command that runs this test again in a process on the tree's libraries.
+fn rerun_on_tree(root: &Path, libraries: &Path, library: &Path) -> Command {
     let beside = ["", "pulseaudio", "blas", "lapack"].map(|name| libraries.join(name));
     let paths = beside.map(|path| path.display().to_string()).join(":");
     let mut again = Command::new(root.join("usr/lib64/ld-linux-x86-64.so.2"));
@@ -51,8 +52,8 @@ fn again(root: &Path, libraries: &Path, library: &Path) -> Command {
     again
 }
 
-/// Whether it said so, or what else.
-fn negotiates(again: &mut Command) -> Result<(), String> {
+/// Runs the command. An error is its output where the negotiation failed.
+fn check_negotiation(again: &mut Command) -> Result<(), String> {
     let output = again.output().expect("it starts again");
     let told =
         [output.stdout, output.stderr].map(|told| String::from_utf8_lossy(&told).into_owned());
@@ -60,14 +61,14 @@ fn negotiates(again: &mut Command) -> Result<(), String> {
     if output.status.success() && told.contains("negotiated") { Ok(()) } else { Err(told) }
 }
 
-/// A library that is Monado's, but for the name of the one function that a loader looks up. Made by
-/// the C compiler that Rust links by.
-fn renamed(monado: &Path) -> PathBuf {
+/// Builds a library that forwards to Monado's, with another name for the negotiation function. Needs
+/// the C compiler that Rust links with.
+fn build_renamed_runtime(monado: &Path) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
     let [source, library] = ["maker.c", "libmaker.so"].map(|name| folder.join(name));
     let text = format!(
-        "int {NEGOTIATE}(void *, void *);\n\
-         int maker_negotiate(void *a, void *b) {{ return {NEGOTIATE}(a, b); }}\n"
+        "int {NEGOTIATE_FUNCTION}(void *, void *);\n\
+         int maker_negotiate(void *a, void *b) {{ return {NEGOTIATE_FUNCTION}(a, b); }}\n"
     );
     fs::write(&source, text).expect("room on the disk");
     let mut cc = Command::new("cc");
@@ -77,22 +78,22 @@ fn renamed(monado: &Path) -> PathBuf {
     library
 }
 
-/// As on a headset, but for the broker, which is this.
-fn inside(library: &Path) {
+/// Negotiates as on a headset; a closure stands in for the runtime broker.
+fn negotiate_as_on_a_headset(library: &Path) {
     let text = |text: &str| Some(text.to_owned());
     let folder = library.parent().and_then(Path::to_str).expect("a folder");
     let name = library.file_name().and_then(OsStr::to_str).expect("a name");
-    let named = ask(|table, _| {
+    let named = query_brokers(|table, _| {
         let renames = if env::var_os(RENAMED).is_some() { "1" } else { "0" };
         Ok(vec![match table.ends_with("/functions") {
             false => vec![text(folder), text(name), text("maker"), text(renames)],
-            true => vec![text(NEGOTIATE), text("maker_negotiate")],
+            true => vec![text(NEGOTIATE_FUNCTION), text("maker_negotiate")],
         }])
     });
     let named = named.expect("it is named");
-    assert_eq!(named.library, library);
+    assert_eq!(named.path, library);
     // SAFETY: it is a runtime.
-    let entry = unsafe { open(&named, &()) }.unwrap_or_else(|error| panic!("{error}"));
+    let entry = unsafe { open_runtime(&named, &()) }.unwrap_or_else(|error| panic!("{error}"));
     let extensions = entry.enumerate_extensions().expect("it has some");
     assert!(extensions.khr_vulkan_enable2 && extensions.ext_hand_tracking);
     let application = xr::ApplicationInfo {

@@ -4,18 +4,20 @@
 #[path = "../src/constants.rs"]
 mod constants;
 #[allow(dead_code, unreachable_pub)] // the twin uses the rest
-#[path = "../src/harmonics.rs"]
+#[path = "../src/twin/harmonics.rs"]
 mod harmonics;
+mod layout;
 mod mesh;
 mod meshes;
 mod programs;
+mod shared;
 mod words;
 
 fn main() {
     let out = std::path::PathBuf::from(std::env::var_os("OUT_DIR").expect("cargo sets OUT_DIR"));
     println!("cargo::rerun-if-changed=build");
     println!("cargo::rerun-if-changed=src/constants.rs");
-    println!("cargo::rerun-if-changed=src/harmonics.rs");
-    programs::write(&out);
-    meshes::write(&out);
+    println!("cargo::rerun-if-changed=src/twin/harmonics.rs");
+    programs::write_programs(&out);
+    meshes::write_meshes(&out);
 }

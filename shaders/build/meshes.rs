@@ -5,68 +5,70 @@ use std::fs;
 use std::path::Path;
 
 use glam::Vec3;
-use paros_core::frame::{BOX, STOOL};
-use paros_core::tools::{Bit, Tool};
+use paros_core::internals::{BOX_SIDE, STOOL_TOP};
+use paros_core::{Tool, ToolBit};
 
-use crate::mesh::{Mesh, bits, furniture, hands, light, room, to, tools};
+use crate::mesh::{MeshBuilder, bits, extent, furniture, hands, light, room, tools, translation};
 
-/// What a mesh's light is.
-enum Light {
-    /// It stands in the room, where it was made.
+/// How a mesh's openness is found.
+enum MeshLight {
+    /// From the room's light, where the mesh was modelled.
     Room,
-    /// It is carried about, and shades only itself.
+    /// From self-occlusion alone: it is carried about.
     Alone,
-    /// None: it shines by itself, or is too small.
+    /// Not at all: it is emissive, or too small.
     None,
 }
 
 /// Writes the meshes into the folder `out`: `vertices.bin`, `indices.bin`, and `meshes.rs` and
 /// `ambient.rs` that tell what is in them.
-pub(crate) fn write(out: &Path) {
-    let mut meshes = all();
-    let mut standing = Mesh::default();
+pub(crate) fn write_meshes(out: &Path) {
+    let mut meshes = all_meshes();
+    let mut standing = MeshBuilder::default();
     for (_, light, mesh) in &meshes {
-        if matches!(light, Light::Room) {
-            standing.add(mesh, to(0.0, 0.0, 0.0));
+        if matches!(light, MeshLight::Room) {
+            standing.append(mesh, translation(0.0, 0.0, 0.0));
         }
     }
     // The stool's top takes part in the room's light where it is at first.
     let mut lit_things = standing;
-    lit_things.add(&furniture::stool_top(), to(STOOL.x, STOOL.y, STOOL.z));
-    let lit = light::Lit::new(&lit_things, (room::LOW, room::HIGH));
-    let about = lit.harmonics(STOOL + Vec3::Y * (0.5 * BOX));
+    lit_things.append(&furniture::stool_top(), translation(STOOL_TOP.x, STOOL_TOP.y, STOOL_TOP.z));
+    let lit = light::RoomLight::new(&lit_things, (extent::LOW, extent::HIGH));
+    let about = lit.harmonics_at(STOOL_TOP + Vec3::Y * (0.5 * BOX_SIDE));
     for (_, light, mesh) in &mut meshes {
         match light {
-            Light::Room => light::open_in_room(mesh, &lit, &about),
-            Light::Alone => light::open_alone(mesh),
-            Light::None => {}
+            MeshLight::Room => light::set_openness_in_room(mesh, &lit, &about),
+            MeshLight::Alone => light::set_own_openness(mesh),
+            MeshLight::None => {}
         }
     }
     write_ambient(out, &about);
     write_tables(out, &meshes);
 }
 
-/// All meshes by name, in the order of `MeshId`.
-fn all() -> Vec<(String, Light, Mesh)> {
+/// All meshes by name, in the order of the generated `MeshId`.
+fn all_meshes() -> Vec<(String, MeshLight, MeshBuilder)> {
     let mut all = vec![
-        ("Room".to_owned(), Light::Room, room::room()),
-        ("Outside".to_owned(), Light::None, room::outside()),
-        ("Workbench".to_owned(), Light::Room, furniture::bench()),
-        ("StoolBase".to_owned(), Light::Room, furniture::stool_base()),
-        ("StoolTop".to_owned(), Light::Alone, furniture::stool_top()),
+        ("Room".to_owned(), MeshLight::Room, room::room_mesh()),
+        ("Outside".to_owned(), MeshLight::None, room::outside_mesh()),
+        ("Workbench".to_owned(), MeshLight::Room, furniture::workbench()),
+        ("StoolBase".to_owned(), MeshLight::Room, furniture::stool_base()),
+        ("StoolTop".to_owned(), MeshLight::Alone, furniture::stool_top()),
     ];
-    all.extend(Tool::ALL.map(|tool| (format!("{tool:?}"), Light::Alone, tools::tool(tool))));
-    all.extend(Bit::ALL.map(|bit| (format!("{bit:?}"), Light::Alone, bits::bit(bit))));
+    all.extend(
+        Tool::ALL.map(|tool| (format!("{tool:?}"), MeshLight::Alone, tools::tool_body(tool))),
+    );
+    all.extend(ToolBit::ALL.map(|bit| (format!("{bit:?}"), MeshLight::Alone, bits::bit_mesh(bit))));
     for (name, closed) in [("Open", false), ("Closed", true)] {
-        all.push((format!("{name}LeftHand"), Light::Alone, hands::left(closed)));
-        all.push((format!("{name}RightHand"), Light::Alone, hands::right(closed)));
+        all.push((format!("{name}LeftHand"), MeshLight::Alone, hands::left_hand(closed)));
+        all.push((format!("{name}RightHand"), MeshLight::Alone, hands::right_hand(closed)));
     }
-    all.push(("Chip".to_owned(), Light::None, furniture::chip()));
-    all.push(("Speck".to_owned(), Light::None, furniture::speck()));
+    all.push(("Chip".to_owned(), MeshLight::None, furniture::chip_mesh()));
+    all.push(("Speck".to_owned(), MeshLight::None, furniture::speck_mesh()));
     all
 }
 
-fn write_tables(out: &Path, meshes: &[(String, Light, Mesh)]) {
+fn write_tables(out: &Path, meshes: &[(String, MeshLight, MeshBuilder)]) {
     let (mut vertices, mut indices) = (Vec::new(), Vec::new());
     let (mut ids, mut rows) = (String::new(), String::new());
     let (mut first, mut base) = (0, 0);
@@ -75,8 +77,8 @@ fn write_tables(out: &Path, meshes: &[(String, Light, Mesh)]) {
             corner.position.to_array().iter().for_each(|f| vertices.extend(f.to_le_bytes()));
             vertices.extend(corner.normal.to_array().map(|f| (f * 127.0).round() as i8 as u8));
             vertices.push(0);
-            vertices.extend(corner.colour.to_array().map(unit));
-            vertices.push(unit(corner.open));
+            vertices.extend(corner.colour.to_array().map(unit_to_byte));
+            vertices.push(unit_to_byte(corner.openness));
         }
         for i in mesh.triangles.iter().flatten() {
             let index = u16::try_from(*i).expect("at most 65,536 vertices in a mesh");
@@ -84,11 +86,11 @@ fn write_tables(out: &Path, meshes: &[(String, Light, Mesh)]) {
         }
         let radius = mesh.corners.iter().fold(0.0, |r: f32, c| r.max(c.position.length()));
         let count = 3 * mesh.triangles.len();
-        let spoken = spoken(name);
-        let _ = writeln!(ids, "    /// {spoken}.\n    {name},");
+        let spaced = spaced_words(name);
+        let _ = writeln!(ids, "    /// {spaced}.\n    {name},");
         let _ = writeln!(
             rows,
-            "    Mesh {{ first_index: {first}, index_count: {count}, base_vertex: {base}, \
+            "    MeshRange {{ first_index: {first}, index_count: {count}, base_vertex: {base}, \
              vertex_count: {}, radius: {radius:?} }},",
             mesh.corners.len(),
         );
@@ -98,7 +100,7 @@ fn write_tables(out: &Path, meshes: &[(String, Light, Mesh)]) {
     let table = format!(
         "/// A mesh by name.\n#[derive(Clone, Copy, PartialEq, Eq, Debug)]\n#[repr(u8)]\n\
          pub enum MeshId {{\n{ids}}}\n\n/// How many meshes there are.\n\
-         pub const MESHES: usize = {count};\n\nstatic TABLE: [Mesh; MESHES] = [\n{rows}];\n"
+         pub const MESHES: usize = {count};\n\nstatic TABLE: [MeshRange; MESHES] = [\n{rows}];\n"
     );
     write_file(out, "vertices.bin", &vertices);
     write_file(out, "indices.bin", &indices);
@@ -109,14 +111,14 @@ fn write_ambient(out: &Path, about: &[[f32; 3]; 9]) {
     let rows: String = about.iter().map(|c| format!("    {c:?},\n")).collect();
     let text = format!(
         "/// Radiance about the sculpture but for the sun's own, in the order and the units of\n\
-         /// [`AMBIENT`](crate::constants::AMBIENT): the window's sky, and what the room gives back.\n\
+         /// [`AMBIENT_HARMONICS`](crate::constants::AMBIENT_HARMONICS): the window's sky, and what the room gives back.\n\
          pub const ROOM_AMBIENT: [[f32; 3]; 9] = [\n{rows}];\n"
     );
     write_file(out, "ambient.rs", text.as_bytes());
 }
 
-/// A name as words.
-fn spoken(name: &str) -> String {
+/// A camel-case name as lower-case words after the first.
+fn spaced_words(name: &str) -> String {
     let mut words = String::new();
     for c in name.chars() {
         match c.is_uppercase() && !words.is_empty() {
@@ -127,8 +129,8 @@ fn spoken(name: &str) -> String {
     words
 }
 
-/// A part of one as a byte.
-fn unit(part: f32) -> u8 {
+/// A number in 0..1 as a normalised byte.
+fn unit_to_byte(part: f32) -> u8 {
     (part.clamp(0.0, 1.0) * 255.0).round() as u8
 }
 

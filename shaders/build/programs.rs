@@ -1,4 +1,4 @@
-//! WGSL modules to SPIR-V programs, one for each variant.
+//! Compiles WGSL modules to SPIR-V programs, one for each variant.
 //!
 //! `naga_oil` joins a module with what it imports, `naga` sets the variant's overrides and writes
 //! SPIR-V 1.3 for Vulkan 1.1. Every choice of the writer is set here, so that a program's words
@@ -14,17 +14,16 @@ use naga_oil::compose::{
     ComposableModuleDescriptor, Composer, NagaModuleDescriptor, ShaderDefValue, ShaderType,
 };
 
-use crate::words;
+use crate::constants::BINDING_COUNT;
+use crate::{layout, shared, words};
 
 /// Modules that others import, each after what it imports itself.
-const LIBRARY: [&str; 6] = ["layout", "box", "light", "marble", "beam", "shadow"];
+const LIBRARY: [&str; 7] = ["constants", "layout", "box", "light", "marble", "beam", "shadow"];
 
-/// Bindings of the only descriptor set.
-const BINDINGS: u32 = 13;
-
-/// A program: its name, module, entry point, what of the module is defined, and overrides.
+/// A program variant: its name, WGSL module, stage (and so entry point), preprocessor definitions,
+/// and values of `override` constants.
 #[derive(Clone)]
-struct Program {
+struct ShaderVariant {
     name: String,
     module: &'static str,
     stage: naga::ShaderStage,
@@ -32,27 +31,27 @@ struct Program {
     overrides: Vec<(&'static str, f64)>,
 }
 
-impl Program {
-    fn with(mut self, def: &'static str) -> Self {
+impl ShaderVariant {
+    fn with_def(mut self, def: &'static str) -> Self {
         self.defs.push(def);
         self
     }
 }
 
 /// Writes the programs, and a table of them, into the folder `out`.
-pub(crate) fn write(out: &Path) {
+pub(crate) fn write_programs(out: &Path) {
     println!("cargo::rerun-if-changed=wgsl");
     let mut table = String::new();
     let mut names = Vec::new();
-    for program in programs() {
-        let words = compile(&program);
+    for program in program_list() {
+        let words = compile_program(&program);
         let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).collect();
         let file = out.join(format!("{}.spv", program.name));
         std::fs::write(&file, bytes).expect("OUT_DIR takes files");
         names.push(program.name.to_uppercase());
         writeln!(
             table,
-            "/// `wgsl/{}.wgsl`.\npub const {}: Program = Program {{ name: {:?}, bytes: \
+            "/// `wgsl/{}.wgsl`.\npub const {}: ShaderProgram = ShaderProgram {{ name: {:?}, bytes: \
              include_bytes!(concat!(env!(\"OUT_DIR\"), \"/{}.spv\")) }};",
             program.module,
             program.name.to_uppercase(),
@@ -61,14 +60,24 @@ pub(crate) fn write(out: &Path) {
         )
         .expect("strings take text");
     }
-    std::fs::write(out.join("layout.rs"), sizes()).expect("OUT_DIR takes files");
-    writeln!(table, "/// Every program.\npub const ALL: &[Program] = &[{}];", names.join(", "))
-        .expect("strings take text");
+    for (module, structures) in
+        [("layout", &["ViewUniforms", "FrameUniforms"][..]), ("scatter", &["Patch"])]
+    {
+        let (path, source) = read_module(module);
+        let checks = layout::layout_checks(&path, &source, structures);
+        std::fs::write(out.join(format!("{module}.rs")), checks).expect("OUT_DIR takes files");
+    }
+    writeln!(
+        table,
+        "/// Every program.\npub const ALL: &[ShaderProgram] = &[{}];",
+        names.join(", ")
+    )
+    .expect("strings take text");
     std::fs::write(out.join("programs.rs"), table).expect("OUT_DIR takes files");
 }
 
-fn programs() -> Vec<Program> {
-    let program = |name: &str, module, stage, overrides: &[(&'static str, f64)]| Program {
+fn program_list() -> Vec<ShaderVariant> {
+    let program = |name: &str, module, stage, overrides: &[(&'static str, f64)]| ShaderVariant {
         name: name.into(),
         module,
         stage,
@@ -81,14 +90,14 @@ fn programs() -> Vec<Program> {
         program("tiles_vertex", "tiles", Vertex, &[]),
         program("tiles", "tiles", Fragment, &[]),
         program("tile_vertex", "tile", Vertex, &[]),
-        program("beams_vertex", "tile", Vertex, &[]).with("BEAMS"),
+        program("beams_vertex", "tile", Vertex, &[]).with_def("BEAMS"),
         program("beams", "beams", Fragment, &[]),
         program("scene_vertex", "scene", Vertex, &[]),
         program("scene", "scene", Fragment, &[]),
-        program("particles", "scene", Fragment, &[]).with("PARTICLES"),
+        program("particles", "scene", Fragment, &[]).with_def("PARTICLES"),
         program("cast_vertex", "cast", Vertex, &[]),
-        program("cast_sculpture_vertex", "cast", Vertex, &[]).with("SCULPTURE"),
-        program("cast_sculpture", "cast", Fragment, &[]).with("SCULPTURE"),
+        program("cast_sculpture_vertex", "cast", Vertex, &[]).with_def("SCULPTURE"),
+        program("cast_sculpture", "cast", Fragment, &[]).with_def("SCULPTURE"),
         program("overlay_vertex", "overlay", Vertex, &[]),
         program("overlay", "overlay", Fragment, &[]),
         program("scatter", "scatter", Compute, &[]),
@@ -101,7 +110,7 @@ fn programs() -> Vec<Program> {
     ] {
         let overrides = [("COVERAGE", coverage)];
         let single = program(name, "fast", Fragment, &overrides);
-        all.push(if half { single.with("HALF") } else { single });
+        all.push(if half { single.with_def("HALF") } else { single });
     }
     for (name, overrides) in [
         ("paper", &[][..]),
@@ -114,33 +123,14 @@ fn programs() -> Vec<Program> {
     all
 }
 
-/// Sizes of the structures that the renderer mirrors, as constants.
-fn sizes() -> String {
-    let (path, source) = read("layout");
-    let source = source.replace("#define_import_path", "//");
-    let module = naga::front::wgsl::parse_str(&source)
-        .unwrap_or_else(|error| panic!("{path}: {}", error.emit_to_string(&source)));
-    let size = |name: &str| {
-        let named = |ty: &naga::Type| ty.name.as_deref() == Some(name);
-        let found = module.types.iter().find(|(_, ty)| named(ty));
-        let (_, ty) = found.unwrap_or_else(|| panic!("{path} has no {name}"));
-        ty.inner.size(module.to_ctx())
-    };
-    format!(
-        "const VIEW_BYTES: usize = {};\nconst FRAME_BYTES: usize = {};\n",
-        size("View"),
-        size("Frame"),
-    )
-}
-
-fn compile(program: &Program) -> Vec<u32> {
+fn compile_program(program: &ShaderVariant) -> Vec<u32> {
     let capabilities =
         Capabilities::MULTIVIEW | Capabilities::EARLY_DEPTH_TEST | Capabilities::SHADER_FLOAT16;
     let mut composer = Composer::default().with_capabilities(capabilities);
     let defs: HashMap<_, _> =
         program.defs.iter().map(|def| ((*def).to_owned(), ShaderDefValue::Bool(true))).collect();
     for name in LIBRARY {
-        let (file_path, source) = read(name);
+        let (file_path, source) = read_module(name);
         let module = ComposableModuleDescriptor {
             source: &source,
             file_path: &file_path,
@@ -151,7 +141,7 @@ fn compile(program: &Program) -> Vec<u32> {
             panic!("{}", error.emit_to_string(&composer));
         }
     }
-    let (file_path, mut source) = read(program.module);
+    let (file_path, mut source) = read_module(program.module);
     if program.defs.contains(&"HALF") {
         // Directives stand before everything else, conditions of the preprocessor too.
         source.insert_str(0, "enable f16;\n");
@@ -166,10 +156,14 @@ fn compile(program: &Program) -> Vec<u32> {
     let module = module.unwrap_or_else(|error| panic!("{}", error.emit_to_string(&composer)));
     // The fast path of single precision is for desktops, whose drivers know better.
     let loops = program.defs.contains(&"HALF") || program.module != "fast";
-    words::finished(&spirv(&module, program, capabilities), loops)
+    words::finish_words(&write_spirv(&module, program, capabilities), loops)
 }
 
-fn spirv(module: &naga::Module, program: &Program, capabilities: Capabilities) -> Vec<u32> {
+fn write_spirv(
+    module: &naga::Module,
+    program: &ShaderVariant,
+    capabilities: Capabilities,
+) -> Vec<u32> {
     let name = &program.name;
     let mut validator = Validator::new(ValidationFlags::all(), capabilities);
     let info = validator.validate(module).unwrap_or_else(|error| panic!("{name}: {error:?}"));
@@ -191,7 +185,7 @@ fn spirv(module: &naga::Module, program: &Program, capabilities: Capabilities) -
         lang_version: (1, 3),
         flags: spv::WriterFlags::empty(),
         fake_missing_bindings: false,
-        binding_map: (0..BINDINGS).map(same_binding).collect(),
+        binding_map: (0..BINDING_COUNT).map(same_binding).collect(),
         capabilities: None,
         // The programs keep their indices in range themselves.
         bounds_check_policies: naga::proc::BoundsCheckPolicies {
@@ -213,13 +207,17 @@ fn spirv(module: &naga::Module, program: &Program, capabilities: Capabilities) -
         .unwrap_or_else(|error| panic!("{name}: {error}"))
 }
 
-/// A binding of the module is the same one of the program.
+/// Maps a binding of WGSL's group 0 to the same binding of descriptor set 0.
 fn same_binding(binding: u32) -> (naga::ResourceBinding, spv::BindingInfo) {
     let info = spv::BindingInfo { descriptor_set: 0, binding, binding_array_size: None };
     (naga::ResourceBinding { group: 0, binding }, info)
 }
 
-fn read(name: &str) -> (String, String) {
+/// A module's path and WGSL text; the text of `constants` is generated.
+fn read_module(name: &str) -> (String, String) {
+    if name == "constants" {
+        return ("constants.wgsl".into(), shared::constants_module());
+    }
     let path = format!("wgsl/{name}.wgsl");
     let text = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{path}: {error}"));
     (path, text)

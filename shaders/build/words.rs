@@ -1,4 +1,4 @@
-//! What `naga` leaves to be done on a program's words.
+//! Post-processing of the SPIR-V words that `naga` writes.
 
 /// Opcodes and operands of the SPIR-V specification.
 const OP_CAPABILITY: u32 = 17;
@@ -8,9 +8,9 @@ const DONT_UNROLL: u32 = 2;
 /// arithmetic. The programs have none, and few phones offer it.
 const STORAGE_16: [u32; 3] = [4433, 4434, 4436];
 
-/// The program without capabilities that it doesn't use. With `loops`, they are kept as loops: a
-/// phone's driver that unrolls a march needs three times the registers.
-pub(crate) fn finished(words: &[u32], loops: bool) -> Vec<u32> {
+/// Removes unused capabilities from a program's words. With `keep_loops`, marks every loop
+/// `DontUnroll`: a phone's driver that unrolls a march needs three times the registers.
+pub(crate) fn finish_words(words: &[u32], keep_loops: bool) -> Vec<u32> {
     const HEADER: usize = 5;
     let mut out = words[..HEADER].to_vec();
     let mut rest = &words[HEADER..];
@@ -19,7 +19,7 @@ pub(crate) fn finished(words: &[u32], loops: bool) -> Vec<u32> {
         rest = after;
         match (first & 0xffff, instruction) {
             (OP_CAPABILITY, [_, capability]) if STORAGE_16.contains(capability) => {}
-            (OP_LOOP_MERGE, [_, merge, next, _]) if loops => {
+            (OP_LOOP_MERGE, [_, merge, next, _]) if keep_loops => {
                 out.extend([*first, *merge, *next, DONT_UNROLL]);
             }
             _ => out.extend(instruction),

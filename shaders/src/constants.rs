@@ -1,50 +1,87 @@
-//! Every number that the twin and the shader programs must agree on.
+//! Every number that Rust and the shader programs must agree on. The build writes those that WGSL
+//! needs into one module, `paros::constants`, which the programs import (`build/shared.rs`).
 
-/// Radius of the blob that stands for an occupied voxel, in voxels (section 4.2).
+/// Radius of an occupied voxel's blob, in voxels (section 4.2).
 pub const BLOB_RADIUS: f32 = 0.5;
-/// Width of the blobs' smooth union, in voxels.
-pub const BLOB_BLEND: f32 = 0.3;
-/// How far back along the ray the sphere tracing starts, in voxels (section 4.2).
-pub const BLOB_BACK: f32 = 0.5;
-/// Steps of the sphere tracing.
-pub const BLOB_STEPS: u32 = 8;
-/// Distance to the blobs that counts as touching them, in voxels.
-pub const BLOB_TOUCH: f32 = 0.01;
+/// Width of the exponential smooth minimum that joins blobs, in voxels.
+pub const BLOB_BLEND_WIDTH: f32 = 0.3;
+/// 1 / (`BLOB_BLEND_WIDTH` * ln 2), in 1 / voxels: turns the smooth minimum's `exp` and `ln` into
+/// `exp2` and `log2`.
+pub const BLOB_SHARPNESS: f32 = 4.808_983_5;
+/// Distance before the hit sample at which sphere tracing starts, in voxels (section 4.2).
+pub const BLOB_START_BACK: f32 = 0.5;
+/// Most steps of sphere tracing.
+pub const BLOB_MAX_STEPS: u32 = 8;
+/// Distance to the surface at which sphere tracing stops, in voxels.
+pub const BLOB_HIT_DISTANCE: f32 = 0.01;
 
 /// Samples of a shadow ray (section 4.3).
 pub const SHADOW_SAMPLES: u32 = 10;
-/// What each occupied sample leaves of the visibility (section 4.3).
+/// Factor of the visibility for each occupied sample (section 4.3).
 pub const SHADOW_DAMPING: f32 = 0.7;
 /// Radius of the shadow cone at the shaded point, in voxels (section 4.3).
 pub const SHADOW_RADIUS_NEAR: f32 = 2.0;
 /// Radius of the shadow cone where it leaves the cube, in voxels (section 4.3).
 pub const SHADOW_RADIUS_FAR: f32 = 0.25;
-/// Cosine and sine of the golden angle, by which one shadow sample turns from the one before.
-pub const GOLDEN_TURN: [f32; 2] = [-0.737_368_9, 0.675_490_3];
+/// Stride through the disc's rings from one sample to the next, modulo `SHADOW_SAMPLES`:
+/// neighbours along the ray lie at unlike radii.
+pub const SHADOW_DISC_STRIDE: u32 = 7;
+/// Cosine and sine of the golden angle, the rotation from one sample to the next.
+pub const GOLDEN_ANGLE_COS_SIN: [f32; 2] = [-0.737_368_9, 0.675_490_3];
 
-/// The fast path's step outside of the surface, in voxels: the greater of two lines in the density.
-pub const FAST_STEP: [[f32; 2]; 2] = [[2.6, 16.0], [1.65, 2.5]];
-/// How far its first sample towards the sun is, in voxels of 128 to a side, and how much farther
-/// each is than the one before.
-pub const FAST_SHADOW: [f32; 2] = [2.8, 2.5];
-/// What a full sample towards the sun takes of the light.
-pub const FAST_SEEN: f32 = 0.9;
-/// What comes through thin stone on the side away from the sun, of its light.
-pub const FAST_THIN: [f32; 3] = [0.14, 0.08, 0.05];
-/// How far above the surface the sample lies that tells how open it is, in voxels of 128 to a side.
-pub const FAST_FAR_OPEN: f32 = 5.0;
-/// What is left of the ambient light where that sample is empty; a flat surface's isn't.
-pub const FAST_OPEN: f32 = 1.15;
+/// Fraction bits of the fixed-point voxel coordinates that the paper's path steps.
+pub const MARCH_FRACTION_BITS: u32 = 16;
+
+/// Ray marching step by density, in voxels: the greater of two lines `offset - slope * density`,
+/// each as (offset, slope). This line holds far from the surface, at low density.
+pub const FAST_STEP_FAR: [f32; 2] = [2.6, 16.0];
+/// The line that holds near the surface; see [`FAST_STEP_FAR`].
+pub const FAST_STEP_NEAR: [f32; 2] = [1.65, 2.5];
+/// Distance marched by density between two tries of empty-space skipping, in voxels.
+pub const FAST_SKIP_INTERVAL: f32 = 8.0;
+/// Cubic coefficient, relative to the linear one, of the distance to a plane as a function of its
+/// blurred density less a half.
+pub const FAST_EDGE_CUBIC: f32 = 2.0;
+/// Grid side, in voxels, for which the lengths below are given; they scale with the grid.
+pub const FAST_REFERENCE_SIDE: f32 = 128.0;
+/// Distance of the first of the sun's density samples, in voxels of the reference grid, and the
+/// factor from one sample's distance to the next. The n-th sample reads mip level n.
+pub const FAST_SHADOW_SPACING: [f32; 2] = [2.8, 2.5];
+/// Part of the sunlight that a sample of density 1 absorbs.
+pub const FAST_SHADOW_OPACITY: f32 = 0.9;
+/// Translucency: part of the sunlight, by colour, that passes thin stone to the side away from
+/// the sun.
+pub const FAST_TRANSLUCENCY: [f32; 3] = [0.14, 0.08, 0.05];
+/// Distance towards the sun of the density sample that measures the stone's thickness, in voxels
+/// of the reference grid.
+pub const FAST_TRANSLUCENCY_DEPTH: f32 = 3.0;
+/// Ambient occlusion: height above the surface of its density sample, in voxels of the reference
+/// grid.
+pub const FAST_AO_HEIGHT: f32 = 5.0;
+/// Factor of the ambient light where that sample is empty. Above 1, since a flat surface's sample
+/// isn't empty.
+pub const FAST_AO_SCALE: f32 = 1.15;
+/// Upper bound of that sample's density, so that some ambient light is left.
+pub const FAST_AO_MAX_DENSITY: f32 = 0.9;
+
+/// White point of Reinhard's tone curve: the radiance that a display shows as 1.
+pub const TONE_WHITE_POINT: f32 = 2.0;
+/// sRGB transfer function (IEC 61966-2-1): slope of the linear part.
+pub const SRGB_LINEAR_SLOPE: f32 = 12.92;
+/// Offset of its power part.
+pub const SRGB_OFFSET: f32 = 0.055;
+/// Exponent of its power part.
+pub const SRGB_EXPONENT: f32 = 2.4;
 
 /// Unit vector towards the sun, in the studio.
 pub const SUN_DIRECTION: [f32; 3] = [-0.680_386_4, 0.600_340_9, 0.420_238_6];
-/// Irradiance of a surface that faces the sun, over pi.
+/// Irradiance from the sun at normal incidence, over pi.
 pub const SUN_COLOR: [f32; 3] = [2.05, 1.80, 1.48];
 
-/// The studio's light but for the sun: radiance in the nine real spherical harmonics of bands 0
-/// to 2, in the order 00, 1-1, 10, 11, 2-2, 2-1, 20, 21, 22 with z as polar axis. They are the
-/// projection of `light::environment`.
-pub const AMBIENT: [[f32; 3]; 9] = [
+/// Ambient light, without the sun: radiance in the nine real spherical harmonics of bands 0 to 2,
+/// in the order 00, 1-1, 10, 11, 2-2, 2-1, 20, 21, 22 with z as polar axis. The projection of
+/// `light::environment_radiance`.
+pub const AMBIENT_HARMONICS: [[f32; 3]; 9] = [
     [0.795404, 0.867949, 1.020178],
     [0.242003, 0.357038, 0.517623],
     [-0.093763, -0.121341, -0.165464],
@@ -57,20 +94,41 @@ pub const AMBIENT: [[f32; 3]; 9] = [
 ];
 
 /// Texels along a side of the noise texture; a power of two.
-pub const NOISE_SIZE: usize = 64;
-/// Noise lattice cells along a side of the texture; the texture repeats after them.
+pub const NOISE_TEXELS: usize = 64;
+/// Noise lattice cells along a side of the texture, which is its period.
 pub const NOISE_CELLS: usize = 16;
 /// Noise lattice cells along the cube's side, for the first octave.
-pub const MARBLE_SCALE: f32 = 2.6;
+pub const MARBLE_NOISE_SCALE: f32 = 2.6;
 /// Octaves of the turbulence that bends the veins.
 pub const MARBLE_OCTAVES: u32 = 4;
-/// How far the turbulence bends the veins.
-pub const MARBLE_BEND: f32 = 2.4;
+/// Amplitude of the turbulence, in periods of the veins.
+pub const MARBLE_TURBULENCE: f32 = 2.4;
 /// Veins along the cube's side.
-pub const MARBLE_VEINS: f32 = 2.2;
+pub const MARBLE_VEIN_COUNT: f32 = 2.2;
+/// Gaussian falloff of a vein's grey with the squared distance from its middle; 1 is halfway to
+/// the next vein.
+pub const MARBLE_VEIN_FALLOFF: f32 = 60.0;
+/// Greyness of a vein's middle, 0 to 1.
+pub const MARBLE_VEIN_GREY: f32 = 0.8;
+/// Modulation of the veins by noise, as (least, gain): `least + gain * noise` with the noise in
+/// 0..1.
+pub const MARBLE_VEIN_CONTRAST: [f32; 2] = [0.35, 0.65];
+/// Greyness of the haze between the veins, 0 to 1.
+pub const MARBLE_HAZE_GREY: f32 = 0.16;
 /// Direction across the veins.
-pub const MARBLE_ACROSS: [f32; 3] = [0.62, 0.55, -0.56];
+pub const MARBLE_VEIN_NORMAL: [f32; 3] = [0.62, 0.55, -0.56];
 /// Reflectance between the veins.
-pub const MARBLE_WHITE: [f32; 3] = [0.86, 0.845, 0.82];
+pub const MARBLE_BASE_COLOR: [f32; 3] = [0.86, 0.845, 0.82];
 /// Reflectance in a vein's middle.
-pub const MARBLE_GREY: [f32; 3] = [0.40, 0.41, 0.44];
+pub const MARBLE_VEIN_COLOR: [f32; 3] = [0.40, 0.41, 0.44];
+
+/// Pixels along a side of the screen tiles whose rays share a first empty-space test.
+pub const TILE_PIXELS: u32 = 64;
+/// Pixels along a side of the beams that refine a tile's start.
+pub const BEAM_PIXELS: u32 = 8;
+/// Bindings of the drawing programs' only descriptor set.
+pub const BINDING_COUNT: u32 = 13;
+/// Mip levels of the density.
+pub const DENSITY_LEVELS: u32 = 4;
+/// Width of the empty border around each range map's texture, in columns.
+pub const MAP_BORDER_COLUMNS: u32 = 1;

@@ -1,30 +1,24 @@
-//! The sculpture's picture by marching rays through its range maps: the GPU half and its CPU twin.
+//! Ray marching renderer of sculptures stored as range maps: the Vulkan renderer and its CPU twin.
 //!
-//! The twin is section 4 of the paper as plain Rust on `f32`, one function for one fragment, so
-//! that it can stand in where there is no GPU and be the reference a GPU's picture is compared
-//! with. Inside the volume lengths are voxels; outside, the studio measures in sides of the cube.
+//! - [`twin`]: the CPU's pictures, the reference that a GPU's pictures are compared with.
+//! - [`field`]: the textures that the fast path marches, kept up to date where the volume changed.
+//! - [`scene`]: the studio as data: which meshes stand where, in which light.
+//! - [`gpu`]: the Vulkan renderer of all that.
+//!
+//! Inside the volume lengths are voxels; outside, the twin's studio measures in sides of the cube
+//! and the scene's in metres.
 
-pub mod camera;
 pub mod constants;
-pub mod fast;
 pub mod field;
-pub mod fragment;
 pub mod gpu;
-pub mod harmonics;
-pub mod image;
-pub mod light;
 pub mod limits;
-pub mod marble;
-pub mod march;
-pub mod noise;
-pub mod render;
 pub mod scene;
-pub mod studio;
-pub mod surface;
+pub mod twin;
 pub mod upload;
 
-pub use camera::Camera;
-pub use fragment::{Hit, Scene, Settings, shade};
-pub use image::{Image, contact_sheet};
-pub use march::Ray;
-pub use render::{RenderOptions, portrait, render};
+pub use twin::camera::{self, Camera};
+pub use twin::fragment::{self, ShadedHit, TwinScene, TwinSettings, shade_ray};
+pub use twin::image::{self, Image, contact_sheet};
+pub use twin::march::{self, Ray};
+pub use twin::render::{self, RenderOptions, render_image, render_portrait_png};
+pub use twin::{fast, harmonics, light, marble, noise, studio, surface};

@@ -13,7 +13,7 @@ pub const ISLAND_MOTES: usize = 256;
 
 /// Instances drawn: the particles; room, garden, bench, stool and its top; two hands and the
 /// bench's things.
-pub const INSTANCES: usize = PARTICLES + 5 + 2 + paros_core::workbench::ITEMS + 2;
+pub const INSTANCES: usize = PARTICLES + 5 + 2 + paros_core::internals::BENCH_ITEMS + 2;
 
 /// Samples along each axis of the grid by which the place of a removed island is told. One bit
 /// each: 4 KiB.

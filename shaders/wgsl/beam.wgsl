@@ -1,18 +1,20 @@
-// How far a beam of rays goes before any of them can meet the surface.
+// Cone marching: the depth to which a beam of rays can be skipped, as none of its rays can meet the
+// surface before it.
 #define_import_path paros::beam
 #import paros::layout::frame
 #import paros::box
 
-// How fast the density rises towards the surface, a voxel; only rods' is steeper.
-const STEEPEST: f32 = 0.6;
-const USUAL: f32 = 0.42;
+// Rise of the density towards the surface, a voxel; only at rods it's steeper.
+const STEEPEST_RISE: f32 = 0.6;
+const USUAL_RISE: f32 = 0.42;
 
-// A beam in the texels of the density; `spread` is how far its rays part for each unit of depth,
-// in the largest coordinate. Depth in voxels, or negative if the beam misses everything.
-// `cells` tell how far in texels nothing can be met, and close to the surface the density does: a
-// beam stops where one of its rays may have met the surface by the steepest rise of the density, and
-// else goes on by the usual one. What lies a little deeper then is met all the same, from inside.
-fn start(
+// The depth, in voxels, where a beam has to stop; negative if it misses everything. `spread` is the
+// distance of its outermost rays from the central one per unit of depth, in the Chebyshev norm;
+// `first_depth` is where it begins. `cells` give the empty distance in texels. With `by_density`
+// the density gives it near the surface: the beam stops where the steepest rise could have brought
+// one of its rays to the surface, and else steps by the usual rise. A ray that starts a little
+// inside the surface still meets it.
+fn find_start(
     cells: texture_3d<f32>,
     nearest: sampler,
     density: texture_3d<f32>,
@@ -20,41 +22,41 @@ fn start(
     eye: vec3<f32>,
     direction: vec3<f32>,
     spread: f32,
-    begin: f32,
-    close: bool,
+    first_depth: f32,
+    by_density: bool,
 ) -> f32 {
-    let side = frame.sun_room.w;
-    let pad = 0.5 * (side - frame.sun_grid.w);
+    let side = frame.density_side;
+    let pad = 0.5 * (side - frame.grid_side);
     let o = eye + pad;
-    // The beam is nowhere wider than where it has passed the box.
+    // Half the beam's width where it has passed the box, an upper bound.
     let wide = spread * length(max(abs(o), abs(o - side)));
     let low = vec3<f32>(pad - 1.0 - wide);
-    let span = box::span(o, direction, low, vec3<f32>(side) - low);
-    let size = abs(direction);
-    let speed = 1.0 / (max(size.x, max(size.y, size.z)) + spread);
-    var t = max(span.x, begin);
-    // Where it stops doesn't matter to the picture: a beam that crawls along a surface may.
-    var turns = 64u;
+    let span = box::clip_ray(o, direction, low, vec3<f32>(side) - low);
+    let extent = abs(direction);
+    let speed = 1.0 / (max(extent.x, max(extent.y, extent.z)) + spread);
+    var t = max(span.x, first_depth);
+    // A beam along a surface may stop early: that costs time, but the picture is the same.
+    var steps_left = 64u;
     while t < span.y {
         let p = o + direction * t;
         let inside = clamp(p, vec3<f32>(0.5), vec3<f32>(side - 0.5));
         let out = abs(p - inside);
-        let free = frame.cells.x * textureSampleLevel(cells, nearest, inside / side, 0.0).x;
+        let free = frame.cell_reach * textureSampleLevel(cells, nearest, inside / side, 0.0).x;
         let wide = spread * t;
         var radius = max(free, max(out.x, max(out.y, out.z)) - 0.5) - 0.01;
         var touching = false;
-        if close && radius < 2.0 {
+        if by_density && radius < 2.0 {
             let full = textureSampleLevel(density, clamped, inside / side, 0.0).x;
             if full == 0.0 {
                 radius = max(radius, 1.9);
             } else {
-                radius = max(radius, (0.5 - full) / USUAL);
-                touching = 0.5 - full < STEEPEST * wide;
+                radius = max(radius, (0.5 - full) / USUAL_RISE);
+                touching = 0.5 - full < STEEPEST_RISE * wide;
             }
         }
         let step = (radius - wide) * speed;
-        turns -= 1u;
-        if touching || step < 0.1 || turns == 0u {
+        steps_left -= 1u;
+        if touching || step < 0.1 || steps_left == 0u {
             return t;
         }
         t += step;

@@ -1,4 +1,4 @@
-// Narrower beams within the tiles, from where the tiles' own had to stop.
+// The second level of cone marching: beams of 8 x 8 pixels, from where their tile's beam stopped.
 #import paros::beam
 
 @group(0) @binding(2) var density: texture_3d<f32>;
@@ -13,5 +13,5 @@ fn fragment(
     @location(2) @interpolate(flat) start: f32,
     @location(3) @interpolate(flat) spread: f32,
 ) -> @location(0) f32 {
-    return beam::start(cells, nearest, density, clamped, eye, direction, spread, start, true);
+    return beam::find_start(cells, nearest, density, clamped, eye, direction, spread, start, true);
 }

@@ -1,5 +1,6 @@
-// The meshes and the sculpture as the sun sees them, for its map.
+// The shadow map's depth: meshes, and the sculpture by ray marching its box.
 #import paros::layout::frame
+#import paros::constants::DENSITY_LEVELS
 #import paros::box
 
 @group(0) @binding(2) var density: texture_3d<f32>;
@@ -7,41 +8,42 @@
 
 #ifdef SCULPTURE
 
-struct Corner {
+struct VertexOutput {
     @builtin(position) position: vec4<f32>,
     @location(0) grid: vec3<f32>,
     @location(1) depth: f32,
 }
 
 @vertex
-fn vertex(@builtin(vertex_index) index: u32) -> Corner {
-    let grid = box::corner(index) * frame.sun_grid.w;
-    let place = frame.shadow_from_grid * vec4<f32>(grid, 1.0);
-    return Corner(place, grid, place.z);
+fn vertex(@builtin(vertex_index) index: u32) -> VertexOutput {
+    let grid = box::strip_corner(index) * frame.grid_side;
+    let clip = frame.shadow_from_grid * vec4<f32>(grid, 1.0);
+    return VertexOutput(clip, grid, clip.z);
 }
 
-// From where the ray enters the box, to where the density is a half. Both paths cast this
-// shadow: it tells only to a texel of the map, several voxels wide, where their surfaces part.
+// Ray marching from the box's border to a density of a half, with empty-space skipping by the
+// coarsest mip level. Both paths cast this shadow: their surfaces differ by less than a texel of
+// the map, which is several voxels wide.
 @fragment
 fn fragment(@location(0) grid: vec3<f32>, @location(1) depth: f32) -> @builtin(frag_depth) f32 {
-    let n = frame.sun_grid.w;
-    let side = frame.sun_room.w;
-    let d = -frame.sun_grid.xyz;
-    // From before the box, wherever on the ray the point is that is drawn.
-    let back = 2.0 * n;
-    let way = box::span(grid - d * back, d, vec3<f32>(0.0), vec3<f32>(n)) - back;
+    let n = frame.grid_side;
+    let side = frame.density_side;
+    let d = -frame.sun_in_grid;
+    // The rasterised point lies anywhere on the ray within the box: start outside of it.
+    let lead = 2.0 * n;
+    let range = box::clip_ray(grid - d * lead, d, vec3<f32>(0.0), vec3<f32>(n)) - lead;
     let o = (grid + 0.5 * (side - n)) / side;
-    var t = way.x;
-    while t < way.y {
+    var t = range.x;
+    while t < range.y {
         let p = o + d * (t / side);
-        // Texels of the third level hold the mean of eight voxels across: nothing there is nothing
-        // for four voxels around.
-        if textureSampleLevel(density, clamped, p, 3.0).x == 0.0 {
+        // A texel of the last mip level is the mean of 8 x 8 x 8 texels: where the trilinear sample
+        // is 0, four voxels around are empty.
+        if textureSampleLevel(density, clamped, p, f32(DENSITY_LEVELS - 1u)).x == 0.0 {
             t += 4.0;
         } else if textureSampleLevel(density, clamped, p, 0.0).x < 0.5 {
             t += 1.4;
         } else {
-            return depth + t * frame.depth.w * frame.sun_map.x;
+            return depth + t * frame.voxel_size * frame.shadow_depth_per_metre;
         }
     }
     discard;

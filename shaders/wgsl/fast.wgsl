@@ -1,29 +1,38 @@
-// The smooth surface where the blurred volume is half full, its normal, and its light.
-#import paros::layout::{frame, BEAM}
-#import paros::marble
+// The fast path: ray marching of the blurred density to its level set of a half, gradient normal,
+// shading. The twin is `src/twin/fast.rs`.
+//
+// Coordinates `p` and `o` are those of the density texture, 0 to 1; depths `t` are in voxels.
+#import paros::layout::frame
+#import paros::constants::{
+    BEAM_PIXELS, DENSITY_LEVELS, FAST_AO_HEIGHT, FAST_AO_MAX_DENSITY, FAST_AO_SCALE,
+    FAST_EDGE_CUBIC, FAST_REFERENCE_SIDE, FAST_SHADOW_OPACITY, FAST_SHADOW_SPACING,
+    FAST_SKIP_INTERVAL, FAST_STEP_FAR, FAST_STEP_NEAR, FAST_TRANSLUCENCY,
+    FAST_TRANSLUCENCY_DEPTH, MARBLE_BASE_COLOR, MARBLE_VEIN_COLOR, TONE_WHITE_POINT,
+}
+#import paros::box
 #import paros::shadow
 
-// What colours, normals and densities are made of: half precision where it is offered.
+// Precision of colours, normals and densities: half where the device has it.
 #ifdef HALF
-alias part = f16;
-alias color = vec3<f16>;
+alias real = f16;
+alias real3 = vec3<f16>;
 #else
-alias part = f32;
-alias color = vec3<f32>;
+alias real = f32;
+alias real3 = vec3<f32>;
 #endif
 
-// At several samples a fragment's coverage is its alpha.
+// Alpha to coverage: with several samples a pixel, a fragment's coverage is its alpha.
 override COVERAGE: bool = false;
 
 @group(0) @binding(2) var density: texture_3d<f32>;
 @group(0) @binding(3) var cells: texture_3d<f32>;
-@group(0) @binding(8) var marble_texture: texture_3d<f32>;
+@group(0) @binding(8) var marble_grey: texture_3d<f32>;
 @group(0) @binding(5) var clamped: sampler;
 @group(0) @binding(6) var nearest: sampler;
 @group(0) @binding(10) var beams: texture_2d_array<f32>;
 
-struct Shaded {
-    @location(0) shown: vec4<f32>,
+struct FragmentOutput {
+    @location(0) color: vec4<f32>,
     @builtin(frag_depth) depth: f32,
 }
 
@@ -34,186 +43,201 @@ fn fragment(
     @builtin(view_index) view: u32,
     @location(0) direction: vec3<f32>,
     @location(1) @interpolate(flat) o: vec3<f32>,
-) -> Shaded {
-    let start = textureLoad(beams, vec2<u32>(position.xy * (1.0 / BEAM)), view, 0).x;
+) -> FragmentOutput {
+    // Where the beam of this pixel stopped; negative if it misses the surface.
+    let start = textureLoad(beams, vec2<u32>(position.xy * (1.0 / f32(BEAM_PIXELS))), view, 0).x;
     if start < 0.0 {
         discard;
     }
-    // The ray in the density's coordinates by depth in voxels, and the depth that a voxel along it
-    // takes.
-    let voxel = 1.0 / (length(direction) * frame.sun_room.w);
-    let end = end_of(o, direction);
-    let met = march(o, direction, start, end, voxel);
-    var t = met.t - f32(met.back) * voxel;
-    var coverage = part(1.0);
-    if met.full < part(0.5) || met.t >= end {
-        if !COVERAGE || met.behind == 0.0 {
+    // The depth in which the ray passes one voxel.
+    let voxel = 1.0 / (length(direction) * frame.density_side);
+    let end = ray_end(o, direction);
+    let hit = march_density(o, direction, start, end, voxel);
+    var t = hit.t - f32(hit.back) * voxel;
+    var coverage = real(1.0);
+    if hit.density < real(0.5) || hit.t >= end {
+        if !COVERAGE || hit.near_miss == 0.0 {
             discard;
         } else {
-            // Back to where the ray came nearest, in small steps; it is drawn in part.
-            var fullest = part(0.0);
-            var at = min(met.behind, end);
-            for (var left = part(12.0); left > part(0.0); left -= part(1.0)) {
-                let full = part(dense(o + direction * at, 0.0));
-                if full > fullest {
-                    fullest = full;
+            // The ray passes the outline within a pixel: find its densest point, backwards in small
+            // steps, and derive the coverage from the density there.
+            var densest = real(0.0);
+            var at = min(hit.near_miss, end);
+            for (var left = real(12.0); left > real(0.0); left -= real(1.0)) {
+                let here = real(sample_density(o + direction * at, 0.0));
+                if here > densest {
+                    densest = here;
                     t = at;
                 }
                 at -= 0.8 * voxel;
             }
-            coverage -= part(saturate((0.5 - f32(fullest)) / margin(t)));
+            coverage -= real(saturate((0.5 - f32(densest)) / pixel_margin(t)));
         }
     }
     let p = o + direction * t;
-    let fall = fall(p);
-    let normal = fall * inverseSqrt(max(dot(fall, fall), part(1e-4)));
-    let depth = frame.depth.x / t + frame.depth.y;
-    return Shaded(vec4<f32>(vec3<f32>(lit(p, normal)), f32(coverage)), depth);
+    let descent = density_descent(p);
+    let normal = descent * inverseSqrt(max(dot(descent, descent), real(1e-4)));
+    let depth = frame.depth_scale / t + frame.depth_offset;
+    return FragmentOutput(vec4<f32>(vec3<f32>(shade_point(p, normal)), f32(coverage)), depth);
 }
 
-// Where a march ended: at the first sample of a half or more, or at the ray's end.
-struct Met {
+// The end of a march: the first sample of density a half or more, or the ray's end.
+struct DensityHit {
     t: f32,
-    full: part,
-    // How far before that sample the density is a half, in voxels.
-    back: part,
-    // A little behind where the ray last came as near as a pixel; zero if it did nowhere.
-    behind: f32,
+    density: real,
+    // Distance back along the ray to the level set of a half, in voxels.
+    back: real,
+    // A depth shortly after the ray last passed the surface within a pixel; 0 if it never did.
+    near_miss: f32,
 }
 
-fn march(o: vec3<f32>, d: vec3<f32>, start: f32, end: f32, voxel: f32) -> Met {
+// Ray marching with steps by density near the surface, and empty-space skipping by the cells'
+// Chebyshev distances elsewhere.
+fn march_density(o: vec3<f32>, d: vec3<f32>, start: f32, end: f32, voxel: f32) -> DensityHit {
     var t = start;
-    var full = part(0.0);
-    var reach = part(2.6);
-    var behind = 0.0;
+    var full = real(0.0);
+    var reach = real(FAST_STEP_FAR.x);
+    var near_miss = 0.0;
     while t < end {
-        // Near the surface.
-        var peak = part(0.0);
-        for (var left = part(8.0); left > part(0.0); left -= spent(reach)) {
-            full = part(dense(o + d * t, 0.0));
-            if full >= part(0.5) { break; }
+        // Steps by density.
+        var peak = real(0.0);
+        for (var left = real(FAST_SKIP_INTERVAL); left > real(0.0); left -= interval_spent(reach)) {
+            full = real(sample_density(o + d * t, 0.0));
+            if full >= real(0.5) { break; }
             if COVERAGE {
                 peak = max(peak, full);
             }
-            reach = step(full);
+            reach = step_length(full);
             t += f32(reach) * voxel;
         }
-        // The same test, but not the same number: the loop needn't keep what it found.
-        if full > part(0.4998) { break; }
-        if COVERAGE && f32(peak) > max(0.5 - margin(t), 0.4) {
-            behind = t;
+        // The same test as in the loop. A different number keeps the compiler from holding the
+        // loop's result in a register.
+        if full > real(0.4998) { break; }
+        if COVERAGE && f32(peak) > max(0.5 - pixel_margin(t), 0.4) {
+            near_miss = t;
         }
-        // Empty cells.
+        // Empty-space skipping.
         while t < end {
             let free = textureSampleLevel(cells, nearest, o + d * t, 0.0).x;
             if free == 0.0 { break; }
-            t += free * frame.cells.x * voxel;
+            t += free * frame.cell_reach * voxel;
         }
     }
-    // What the sample before was, from how far its step reached.
-    let before = max((part(2.6) - reach) * part(1.0 / 16.0), (part(1.65) - reach) * part(0.4));
-    let inside = apart(full - part(0.5));
-    let outside = apart(part(0.5) - before);
-    return Met(t, full, reach * inside / (inside + outside), behind);
+    // The sample before the last: `step_length` inverted.
+    let before = max(
+        (real(FAST_STEP_FAR.x) - reach) * real(1.0 / FAST_STEP_FAR.y),
+        (real(FAST_STEP_NEAR.x) - reach) * real(1.0 / FAST_STEP_NEAR.y),
+    );
+    // Linear interpolation between both samples, by their distances to a plane of that density.
+    let inside = edge_distance(full - real(0.5));
+    let outside = edge_distance(real(0.5) - before);
+    return DensityHit(t, full, reach * inside / (inside + outside), near_miss);
 }
 
-// What a sample takes of a stretch of 8 near the surface: voxels, or just one of 8 samples where
-// registers are few.
-fn spent(reach: part) -> part {
+// What a step takes of FAST_SKIP_INTERVAL: its length in voxels. In half precision, on devices with
+// few registers, each step counts as one voxel.
+fn interval_spent(reach: real) -> real {
 #ifdef HALF
-    return part(1.0);
+    return real(1.0);
 #else
     return reach;
 #endif
 }
 
-// How far below a half the density may be for a ray at a depth to pass within a pixel: it rises by
-// about 0.3 a voxel.
-fn margin(t: f32) -> f32 {
-    return 0.3 * frame.sun_color.w * t;
+// How far below a half the density is one pixel outside the surface at a depth: it rises by about
+// 0.3 a voxel.
+fn pixel_margin(t: f32) -> f32 {
+    return 0.3 * frame.pixel_width * t;
 }
 
-// What a plane's blurred edge makes of a distance from it, undone but for a factor.
-fn apart(above: part) -> part {
-    return above + part(2.0) * above * above * above;
+// Distance to a plane, up to a factor, from its blurred density less a half.
+fn edge_distance(excess: real) -> real {
+    return excess + real(FAST_EDGE_CUBIC) * excess * excess * excess;
 }
 
-// A step in voxels reaches a little past where a plane would be met: what is one voxel thick is
-// not leapt over.
-fn step(full: part) -> part {
-    return max(part(2.6) - full * part(16.0), part(1.65) - full * part(2.5));
+// The march's step at a density, in voxels. It ends a little behind a plane of that density, yet a
+// wall one voxel thick can't be stepped over.
+fn step_length(full: real) -> real {
+    return max(
+        real(FAST_STEP_FAR.x) - full * real(FAST_STEP_FAR.y),
+        real(FAST_STEP_NEAR.x) - full * real(FAST_STEP_NEAR.y),
+    );
 }
 
-// Where a ray ends: a voxel behind the grid, or on the ground.
-fn end_of(o: vec3<f32>, d: vec3<f32>) -> f32 {
-    let side = frame.sun_room.w;
-    let pad = 0.5 * (side - frame.sun_grid.w);
+// The depth where a ray leaves the grid's box, one voxel larger except at the ground.
+fn ray_end(o: vec3<f32>, d: vec3<f32>) -> f32 {
+    let side = frame.density_side;
+    let pad = 0.5 * (side - frame.grid_side);
     let low = vec3<f32>(pad - 1.0, pad, pad - 1.0) / side;
-    let far = (select(low, vec3<f32>(1.0 - low.x), d > vec3<f32>(0.0)) - o) / d;
-    return min(far.x, min(far.y, far.z));
+    return box::exit_depth(o, d, low, vec3<f32>(1.0 - low.x));
 }
 
-fn dense(p: vec3<f32>, level: f32) -> f32 {
+// Trilinear sample of a mip level, 0 to 1.
+fn sample_density(p: vec3<f32>, level: f32) -> f32 {
     return textureSampleLevel(density, clamped, p, level).x;
 }
 
-// Marble under the sun and the ambient light.
-fn lit(p: vec3<f32>, normal: color) -> color {
-    let n = frame.sun_grid.w;
-    // Lengths are meant for 128 voxels.
-    let voxel = n / (128.0 * frame.sun_room.w);
-    let facing = dot(normal, color(frame.sun_grid.xyz));
-    var direct = color(frame.sun_color.xyz);
-    if facing > part(0.0) {
-        direct *= facing * visibility(p, voxel);
+// Lambertian marble under the sun and the ambient light, tone mapped.
+fn shade_point(p: vec3<f32>, normal: real3) -> real3 {
+    let n = frame.grid_side;
+    let voxel = n / (FAST_REFERENCE_SIDE * frame.density_side);
+    let facing = dot(normal, real3(frame.sun_in_grid));
+    var direct = real3(frame.sun_color);
+    if facing > real(0.0) {
+        direct *= facing * sun_visibility(p, voxel);
     } else {
-        // What comes through the stone where it is thin is warm.
-        let through = p + (frame.sun_grid.xyz * 3.0 - vec3<f32>(normal)) * voxel;
-        let thin = part(1.0) - part(dense(through, 1.0));
-        direct *= color(0.14, 0.08, 0.05) * (thin * -facing);
+        // Translucency where the stone is thin towards the sun.
+        let through = p + (frame.sun_in_grid * FAST_TRANSLUCENCY_DEPTH - vec3<f32>(normal)) * voxel;
+        let thin = real(1.0) - real(sample_density(through, 1.0));
+        direct *= real3(FAST_TRANSLUCENCY) * (thin * -facing);
     }
-    let around = ambient(normal) * open(p, normal, voxel);
-    let grid = (p - 0.5) * (frame.sun_room.w / n) + 0.5;
-    let grey = part(textureSampleLevel(marble_texture, clamped, grid, 0.0).x);
-    let stone = mix(color(marble::WHITE), color(marble::GREY), grey);
+    let around = ambient_over_pi(normal) * ambient_openness(p, normal, voxel);
+    let grid = (p - 0.5) * (frame.density_side / n) + 0.5;
+    let grey = real(textureSampleLevel(marble_grey, clamped, grid, 0.0).x);
+    let stone = mix(real3(MARBLE_BASE_COLOR), real3(MARBLE_VEIN_COLOR), grey);
     let radiance = stone * (direct + around);
-    return radiance * (radiance * part(0.25) + part(1.0)) / (radiance + part(1.0));
+    // `light::tone_map` in this precision.
+    return radiance * (radiance * real(1.0 / (TONE_WHITE_POINT * TONE_WHITE_POINT)) + real(1.0))
+        / (radiance + real(1.0));
 }
 
-// How the blurred density falls, 4 times a voxel's worth: samples on a tetrahedron's corners.
-fn fall(p: vec3<f32>) -> color {
-    let voxel = 1.0 / frame.sun_room.w;
-    let a = part(dense(p + vec3<f32>(1.0, 1.0, 1.0) * voxel, 1.0));
-    let b = part(dense(p + vec3<f32>(1.0, -1.0, -1.0) * voxel, 1.0));
-    let c = part(dense(p + vec3<f32>(-1.0, 1.0, -1.0) * voxel, 1.0));
-    let d = part(dense(p + vec3<f32>(-1.0, -1.0, 1.0) * voxel, 1.0));
-    return color(c + d - a - b, b + d - a - c, b + c - a - d);
+// The negative gradient of the density at mip level 1, times 4 voxels, from four samples at the
+// corners of a tetrahedron.
+fn density_descent(p: vec3<f32>) -> real3 {
+    let voxel = 1.0 / frame.density_side;
+    let a = real(sample_density(p + vec3<f32>(1.0, 1.0, 1.0) * voxel, 1.0));
+    let b = real(sample_density(p + vec3<f32>(1.0, -1.0, -1.0) * voxel, 1.0));
+    let c = real(sample_density(p + vec3<f32>(-1.0, 1.0, -1.0) * voxel, 1.0));
+    let d = real(sample_density(p + vec3<f32>(-1.0, -1.0, 1.0) * voxel, 1.0));
+    return real3(c + d - a - b, b + d - a - c, b + c - a - d);
 }
 
-// Three samples towards the sun, blurred as they are far.
-fn visibility(p: vec3<f32>, voxel: f32) -> part {
-    var seen = part(1.0);
-    var far = 2.8 * voxel;
-    for (var level = 1.0; level < 4.0; level += 1.0) {
-        seen -= seen * part(0.9) * part(dense(p + frame.sun_grid.xyz * far, level));
-        far *= 2.5;
+// Soft shadow by cone tracing: three samples towards the sun, each farther and of a coarser mip
+// level, times the shadow map's visibility outside the box.
+fn sun_visibility(p: vec3<f32>, voxel: f32) -> real {
+    var seen = real(1.0);
+    var far = FAST_SHADOW_SPACING.x * voxel;
+    for (var level = 1.0; level < f32(DENSITY_LEVELS); level += 1.0) {
+        seen -= seen * real(FAST_SHADOW_OPACITY)
+            * real(sample_density(p + frame.sun_in_grid * far, level));
+        far *= FAST_SHADOW_SPACING.y;
     }
-    let grid = (p - 0.5) * frame.sun_room.w + 0.5 * frame.sun_grid.w;
-    return seen * part(shadow::beyond(grid));
+    let grid = (p - 0.5) * frame.density_side + 0.5 * frame.grid_side;
+    return seen * real(shadow::visibility_beyond_box(grid));
 }
 
-// How open the point is to the ambient light: what is empty above it.
-fn open(p: vec3<f32>, normal: color, voxel: f32) -> part {
-    let full = part(dense(p + vec3<f32>(normal) * (5.0 * voxel), 2.0));
-    return part(1.15) - part(1.15) * min(full, part(0.9));
+// Ambient occlusion from one density sample above the surface: the factor of the ambient light.
+fn ambient_openness(p: vec3<f32>, normal: real3, voxel: f32) -> real {
+    let full = real(sample_density(p + vec3<f32>(normal) * (FAST_AO_HEIGHT * voxel), 2.0));
+    return real(FAST_AO_SCALE) - real(FAST_AO_SCALE) * min(full, real(FAST_AO_MAX_DENSITY));
 }
 
-// `light::ambient`, in these numbers.
-fn ambient(n: color) -> color {
-    var sum = color(frame.ambient[0].xyz);
-    sum += color(frame.ambient[1].xyz) * n.x + color(frame.ambient[2].xyz) * n.y;
-    sum += color(frame.ambient[3].xyz) * n.z + color(frame.ambient[4].xyz) * (n.x * n.y);
-    sum += color(frame.ambient[5].xyz) * (n.y * n.z) + color(frame.ambient[6].xyz) * (n.x * n.z);
-    sum += color(frame.ambient[7].xyz) * (n.x * n.x) + color(frame.ambient[8].xyz) * (n.y * n.y);
-    return max(sum, color(0.0));
+// `light::ambient_over_pi` in this precision.
+fn ambient_over_pi(n: real3) -> real3 {
+    var sum = real3(frame.ambient[0]);
+    sum += real3(frame.ambient[1]) * n.x + real3(frame.ambient[2]) * n.y;
+    sum += real3(frame.ambient[3]) * n.z + real3(frame.ambient[4]) * (n.x * n.y);
+    sum += real3(frame.ambient[5]) * (n.y * n.z) + real3(frame.ambient[6]) * (n.x * n.z);
+    sum += real3(frame.ambient[7]) * (n.x * n.x) + real3(frame.ambient[8]) * (n.y * n.y);
+    return max(sum, real3(0.0));
 }

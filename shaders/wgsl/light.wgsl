@@ -1,24 +1,26 @@
-// The light of the studio, and how a display shows it.
+// Ambient light, tone mapping, and the helpers of stochastic sampling.
 #define_import_path paros::light
 #import paros::layout::frame
+#import paros::constants::TONE_WHITE_POINT
 
-// The ambient light that a surface with this normal of the grid receives, over pi.
-fn ambient(n: vec3<f32>) -> vec3<f32> {
-    var sum = frame.ambient[0].xyz;
-    sum += frame.ambient[1].xyz * n.x + frame.ambient[2].xyz * n.y + frame.ambient[3].xyz * n.z;
-    sum += frame.ambient[4].xyz * (n.x * n.y) + frame.ambient[5].xyz * (n.y * n.z);
-    sum += frame.ambient[6].xyz * (n.x * n.z) + frame.ambient[7].xyz * (n.x * n.x);
-    sum += frame.ambient[8].xyz * (n.y * n.y);
+// Ambient irradiance over pi for a normal of the grid: a quadratic polynomial of the normal, as
+// bands 0 to 2 of spherical harmonics come to (Ramamoorthi and Hanrahan 2001).
+fn ambient_over_pi(n: vec3<f32>) -> vec3<f32> {
+    var sum = frame.ambient[0];
+    sum += frame.ambient[1] * n.x + frame.ambient[2] * n.y + frame.ambient[3] * n.z;
+    sum += frame.ambient[4] * (n.x * n.y) + frame.ambient[5] * (n.y * n.z);
+    sum += frame.ambient[6] * (n.x * n.z) + frame.ambient[7] * (n.x * n.x);
+    sum += frame.ambient[8] * (n.y * n.y);
     return max(sum, vec3<f32>(0.0));
 }
 
-// Radiance to what a display shows: Reinhard's curve, in which 2 comes out as 1.
-fn shown(color: vec3<f32>) -> vec3<f32> {
-    return color * (1.0 + color * 0.25) / (1.0 + color);
+// Reinhard's tone curve: radiance to display intensity, TONE_WHITE_POINT to 1.
+fn tone_map(color: vec3<f32>) -> vec3<f32> {
+    return color * (1.0 + color * (1.0 / (TONE_WHITE_POINT * TONE_WHITE_POINT))) / (1.0 + color);
 }
 
-// Two unit vectors across a unit vector and each other (Duff et al. 2017).
-fn across(d: vec3<f32>) -> mat2x3<f32> {
+// Orthonormal basis: two unit vectors at right angles to a unit vector (Duff et al. 2017).
+fn tangent_basis(d: vec3<f32>) -> mat2x3<f32> {
     let sign = select(1.0, -1.0, d.z < 0.0);
     let a = -1.0 / (sign + d.z);
     let b = d.x * d.y * a;
@@ -28,15 +30,16 @@ fn across(d: vec3<f32>) -> mat2x3<f32> {
     );
 }
 
-// A number in 0..1 that differs from pixel to pixel (Jimenez 2014).
-fn dither(pixel: vec2<f32>) -> f32 {
+// Interleaved gradient noise of a pixel, 0 to 1 (Jimenez 2014).
+fn pixel_dither(pixel: vec2<f32>) -> f32 {
     return fract(52.9829189 * fract(dot(floor(pixel), vec2<f32>(0.06711056, 0.00583715))));
 }
 
-// A point of the unit circle for a number in 0..1. Sines differ from GPU to GPU, this doesn't.
-fn circle(part: f32) -> vec2<f32> {
-    let quarter = floor(part * 4.0);
-    let t = part * 4.0 - quarter;
+// The unit circle's point at an angle of about `turns`, 0 to 1, by its rational parametrisation for
+// each quadrant. Unlike sine and cosine it's the same on every GPU.
+fn circle_point(turns: f32) -> vec2<f32> {
+    let quarter = floor(turns * 4.0);
+    let t = turns * 4.0 - quarter;
     let v = vec2<f32>(1.0 - t * t, 2.0 * t) / (1.0 + t * t);
     let odd = quarter == 1.0 || quarter == 3.0;
     return select(v, vec2<f32>(-v.y, v.x), odd) * select(1.0, -1.0, quarter >= 2.0);

@@ -1,5 +1,11 @@
-// Section 4 of the paper: the range maps marched layer by layer, blobs, damped samples to the sun.
+// The paper's path (section 4): ray marching of the range maps, sphere traced blobs, a sampled
+// shadow ray. The twin is `src/twin/fragment.rs`.
 #import paros::layout::frame
+#import paros::constants::{
+    BLOB_HIT_DISTANCE, BLOB_MAX_STEPS, BLOB_RADIUS, BLOB_SHARPNESS, BLOB_START_BACK,
+    GOLDEN_ANGLE_COS_SIN, MAP_BORDER_COLUMNS, MARCH_FRACTION_BITS, SHADOW_DAMPING,
+    SHADOW_DISC_STRIDE, SHADOW_RADIUS_FAR, SHADOW_RADIUS_NEAR, SHADOW_SAMPLES,
+}
 #import paros::light
 #import paros::marble
 #import paros::box
@@ -9,28 +15,31 @@ override FULL_MARCH: bool = false;
 override SDF: bool = true;
 override SHADING: bool = true;
 
-// A layer an axis, with a border of empty columns: (place, line) -> complemented low end, high end.
+// A layer for each axis, with a border of empty columns. The texel of a column, at (place, line),
+// holds 255 less the range's first voxel, and its last one.
 @group(0) @binding(1) var maps: texture_2d_array<u32>;
 @group(0) @binding(4) var noise: texture_3d<f32>;
 @group(0) @binding(9) var repeat: sampler;
 
-// Fixed point: one voxel.
-const ONE: f32 = 65536.0;
-const BITS: vec2<u32> = vec2<u32>(16u);
+// Fixed point coordinates: one voxel.
+const ONE_VOXEL: f32 = f32(1u << MARCH_FRACTION_BITS);
+const FRACTION_BITS: vec2<u32> = vec2<u32>(MARCH_FRACTION_BITS);
+// Empty columns around each map.
+const BORDER: i32 = i32(MAP_BORDER_COLUMNS);
 
-struct Shaded {
+struct FragmentOutput {
     @location(0) color: vec4<f32>,
     @builtin(frag_depth) depth: f32,
 }
 
-struct Sample {
+struct VoxelHit {
     voxel: vec3<i32>,
-    // Along the ray; negative if nothing was hit.
+    // The ray's parameter; negative if nothing was hit.
     t: f32,
 }
 
-struct Surface {
-    // From the hit voxel's centre.
+struct SurfacePoint {
+    // From the hit voxel's centre, in voxels.
     offset: vec3<f32>,
     normal: vec3<f32>,
     t: f32,
@@ -42,33 +51,36 @@ fn fragment(
     @builtin(position) position: vec4<f32>,
     @location(0) direction: vec3<f32>,
     @location(1) @interpolate(flat) eye: vec3<f32>,
-) -> Shaded {
-    let span = box::span(eye, direction, vec3<f32>(0.0), vec3<f32>(frame.sun_grid.w));
-    let hit = march(eye, direction, span);
+) -> FragmentOutput {
+    let span = box::clip_ray(eye, direction, vec3<f32>(0.0), vec3<f32>(frame.grid_side));
+    let hit = march_maps(eye, direction, span);
     if hit.t < 0.0 {
         discard;
     }
     let centre = vec3<f32>(hit.voxel) + 0.5;
-    var at: Surface;
+    var at: SurfacePoint;
     if SDF {
-        at = blobs(eye - centre, direction, hit);
+        at = trace_blobs(eye - centre, direction, hit);
     } else {
-        at = face(eye - centre, direction);
+        at = entry_face(eye - centre, direction);
     }
     var color: vec3<f32>;
     if SHADING {
-        color = light::shown(lit(centre + at.offset, at.normal, light::dither(position.xy)));
+        color = light::tone_map(
+            shade_point(centre + at.offset, at.normal, light::pixel_dither(position.xy)),
+        );
     } else {
-        let normal = (frame.room_from_grid * vec4<f32>(at.normal, 0.0)).xyz / frame.depth.w;
+        let normal = (frame.room_from_grid * vec4<f32>(at.normal, 0.0)).xyz / frame.voxel_size;
         color = normal * 0.5 + 0.5;
     }
-    return Shaded(vec4<f32>(color, 1.0), frame.depth.x * frame.depth.w * position.w / at.t + frame.depth.y);
+    let depth = frame.depth_scale * frame.voxel_size * position.w / at.t + frame.depth_offset;
+    return FragmentOutput(vec4<f32>(color, 1.0), depth);
 }
 
-// Section 4.1: one fetch a layer of the axis most parallel to the ray, at the layer's centre; the
-// other two maps only where that one holds the sample.
-fn march(eye: vec3<f32>, direction: vec3<f32>, span: vec2<f32>) -> Sample {
-    // The ray in the dominant axis's own order: (place, line, layer).
+// Ray marching of the range maps (section 4.1): one fetch a voxel layer of the ray's dominant axis,
+// at the layer's centre. The other two maps are fetched only where that one holds the sample.
+fn march_maps(eye: vec3<f32>, direction: vec3<f32>, span: vec2<f32>) -> VoxelHit {
+    // The ray with its components permuted to (place, line, layer) of the dominant axis.
     let size = abs(direction);
     let is_x = size.x >= size.y && size.x >= size.z;
     let is_y = !is_x && size.y >= size.z;
@@ -76,154 +88,162 @@ fn march(eye: vec3<f32>, direction: vec3<f32>, span: vec2<f32>) -> Sample {
     let o = select(select(eye, eye.xzy, is_y), eye.zyx, is_x);
     let d = select(select(direction, direction.xzy, is_y), direction.zyx, is_x);
 
-    let n = i32(frame.sun_grid.w);
+    let n = i32(frame.grid_side);
     let step = select(-1, 1, d.z > 0.0);
     var w = clamp(i32(o.z + d.z * span.x), 0, n - 1);
-    let each = 1.0 / abs(d.z);
+    let layer_step = 1.0 / abs(d.z);
     var t = (f32(w) + 0.5 - o.z) / d.z;
     if t < span.x {
         w += step;
-        t += each;
+        t += layer_step;
     }
-    // The layers left whose centres lie before the far side.
+    // Layers left in the grid whose centres lie before the far side.
     let layers = select(w + 1, n - w, step > 0);
-    let end = w + step * clamp(i32(ceil((span.y - t) / each)), 0, layers);
-    var place = vec2<i32>((o.xy + d.xy * t + 1.0) * ONE);
-    let slide = vec2<i32>(d.xy * (each * ONE));
+    let end = w + step * clamp(i32(ceil((span.y - t) / layer_step)), 0, layers);
+    var place = vec2<i32>((o.xy + d.xy * t + f32(MAP_BORDER_COLUMNS)) * ONE_VOXEL);
+    let place_step = vec2<i32>(d.xy * (layer_step * ONE_VOXEL));
     if FULL_MARCH {
-        return march_all(eye, direction, t, each, (end - w) * step);
+        return march_all_maps(eye, direction, t, layer_step, (end - w) * step);
     }
     let begin = w;
     while w != end {
-        let column = place >> BITS;
+        let column = place >> FRACTION_BITS;
         let range = textureLoad(maps, column, axis, 0).xy;
         if u32(w) <= range.y && u32(w) + range.x >= 255u {
-            let voxel = unordered(column, w, axis);
-            if others_hold(voxel, axis) {
-                return Sample(voxel, t + each * f32(abs(w - begin)));
+            let voxel = voxel_of_layer(column, w, axis);
+            if other_maps_hold(voxel, axis) {
+                return VoxelHit(voxel, t + layer_step * f32(abs(w - begin)));
             }
         }
-        place += slide;
+        place += place_step;
         w += step;
     }
-    return Sample(vec3<i32>(0), -1.0);
+    return VoxelHit(vec3<i32>(0), -1.0);
 }
 
-// The experiment of section 5: every map is asked on every layer, until one says no.
-fn march_all(eye: vec3<f32>, direction: vec3<f32>, t: f32, each: f32, layers: i32) -> Sample {
-    var place = vec3<i32>((eye + direction * t + 1.0) * ONE);
-    let slide = vec3<i32>(direction * (each * ONE));
+// The baseline of section 5: fetches the maps in turn on every layer, until one doesn't hold it.
+fn march_all_maps(eye: vec3<f32>, direction: vec3<f32>, t: f32, layer_step: f32, layers: i32) -> VoxelHit {
+    var place = vec3<i32>((eye + direction * t + f32(MAP_BORDER_COLUMNS)) * ONE_VOXEL);
+    let place_step = vec3<i32>(direction * (layer_step * ONE_VOXEL));
     for (var i = 0; i < layers; i++) {
-        let voxel = (place >> BITS.xxx) - 1;
-        if all_hold(voxel) {
-            return Sample(voxel, t + each * f32(i));
+        let voxel = (place >> FRACTION_BITS.xxx) - BORDER;
+        if all_maps_hold(voxel) {
+            return VoxelHit(voxel, t + layer_step * f32(i));
         }
-        place += slide;
+        place += place_step;
     }
-    return Sample(vec3<i32>(0), -1.0);
+    return VoxelHit(vec3<i32>(0), -1.0);
 }
 
-// The voxel of a layer of an axis, in the texture's column.
-fn unordered(column: vec2<i32>, w: i32, axis: i32) -> vec3<i32> {
-    let p = vec3<i32>(column - 1, w);
+// The voxel at a texture column and a layer of an axis.
+fn voxel_of_layer(column: vec2<i32>, w: i32, axis: i32) -> vec3<i32> {
+    let p = vec3<i32>(column - BORDER, w);
     return select(select(p, p.xzy, axis == 1), p.zyx, axis == 0);
 }
 
-fn holds(column: vec2<i32>, axis: i32, i: i32) -> bool {
-    let range = textureLoad(maps, column + 1, axis, 0).xy;
+fn map_holds(column: vec2<i32>, axis: i32, i: i32) -> bool {
+    let range = textureLoad(maps, column + BORDER, axis, 0).xy;
     return u32(i) <= range.y && u32(i) + range.x >= 255u;
 }
 
-// Drivers leave a chain of conditions in one piece, and fetch from all three.
-fn all_hold(v: vec3<i32>) -> bool {
-    if holds(v.zy, 0, v.x) {
-        if holds(v.xz, 1, v.y) {
-            return holds(v.xy, 2, v.z);
+// Nested, since drivers evaluate a chain of `&&` without branches, with all three fetches.
+fn all_maps_hold(v: vec3<i32>) -> bool {
+    if map_holds(v.zy, 0, v.x) {
+        if map_holds(v.xz, 1, v.y) {
+            return map_holds(v.xy, 2, v.z);
         }
     }
     return false;
 }
 
-fn others_hold(v: vec3<i32>, axis: i32) -> bool {
+fn other_maps_hold(v: vec3<i32>, axis: i32) -> bool {
     let next = select(axis + 1, 0, axis == 2);
     let last = select(axis - 1, 2, axis == 0);
-    return along(v, next) && along(v, last);
+    return axis_map_holds(v, next) && axis_map_holds(v, last);
 }
 
-fn along(v: vec3<i32>, axis: i32) -> bool {
+fn axis_map_holds(v: vec3<i32>, axis: i32) -> bool {
     let column = select(select(v.xy, v.xz, axis == 1), v.zy, axis == 0);
-    return holds(column, axis, select(select(v.z, v.y, axis == 1), v.x, axis == 0));
+    return map_holds(column, axis, select(select(v.z, v.y, axis == 1), v.x, axis == 0));
 }
 
-fn held(v: vec3<i32>) -> bool {
-    let a = textureLoad(maps, v.zy + 1, 0, 0).xy;
-    let b = textureLoad(maps, v.xz + 1, 1, 0).xy;
-    let c = textureLoad(maps, v.xy + 1, 2, 0).xy;
+fn is_voxel_occupied(v: vec3<i32>) -> bool {
+    let a = textureLoad(maps, v.zy + BORDER, 0, 0).xy;
+    let b = textureLoad(maps, v.xz + BORDER, 1, 0).xy;
+    let c = textureLoad(maps, v.xy + BORDER, 2, 0).xy;
     let u = vec3<u32>(v);
     let high = vec3<u32>(a.y, b.y, c.y);
     let low = vec3<u32>(a.x, b.x, c.x);
     return all(u <= high) && all(u + low >= vec3<u32>(255u));
 }
 
-fn occupied(point: vec3<f32>) -> bool {
-    let n = frame.sun_grid.w;
+fn is_point_occupied(point: vec3<f32>) -> bool {
+    let n = frame.grid_side;
     if any(point < vec3<f32>(0.0)) || any(point >= vec3<f32>(n)) {
         return false;
     }
-    return held(vec3<i32>(point));
+    return is_voxel_occupied(vec3<i32>(point));
 }
 
-// Section 4.2, after Hart (1995): the smooth union of the blobs of the hit voxel and its occupied
-// neighbours, sphere traced from half a voxel before the sample.
-fn blobs(eye: vec3<f32>, direction: vec3<f32>, hit: Sample) -> Surface {
-    let around = neighbours(hit.voxel);
+// Sphere tracing (Hart 1995) of the smooth union of the hit voxel's blob and its occupied
+// neighbours', from half a voxel before the sample (section 4.2). If the ray misses, its closest
+// point is taken.
+fn trace_blobs(eye: vec3<f32>, direction: vec3<f32>, hit: VoxelHit) -> SurfacePoint {
+    let around = find_neighbours(hit.voxel);
     let speed = length(direction);
     let unit = direction / speed;
-    var t = hit.t * speed - 0.5;
+    var t = hit.t * speed - BLOB_START_BACK;
     var closest = t;
     var gap = 1e9;
-    for (var i = 0u; i < 8u; i++) {
-        let d = distance_to(eye + t * unit, around);
+    for (var i = 0u; i < BLOB_MAX_STEPS; i++) {
+        let d = blob_distance(eye + t * unit, around);
         if abs(d) < gap {
             closest = t;
             gap = abs(d);
         }
-        if gap < 0.01 {
+        if gap < BLOB_HIT_DISTANCE {
             break;
         }
         t += d;
     }
     let offset = eye + closest * unit;
-    return Surface(offset, equation_one(offset, around), closest / speed);
+    return SurfacePoint(offset, shepard_normal(offset, around), closest / speed);
 }
 
-// One if occupied: -x, -y, -z and +x, +y, +z.
+// The six face neighbours, 1 where occupied: -x, -y, -z and +x, +y, +z.
 struct Neighbours {
     low: vec3<f32>,
     high: vec3<f32>,
 }
 
-fn neighbours(v: vec3<i32>) -> Neighbours {
+fn find_neighbours(v: vec3<i32>) -> Neighbours {
     let e = vec2<i32>(1, 0);
     return Neighbours(
-        vec3<f32>(f32(held(v - e.xyy)), f32(held(v - e.yxy)), f32(held(v - e.yyx))),
-        vec3<f32>(f32(held(v + e.xyy)), f32(held(v + e.yxy)), f32(held(v + e.yyx))),
+        vec3<f32>(
+            f32(is_voxel_occupied(v - e.xyy)),
+            f32(is_voxel_occupied(v - e.yxy)),
+            f32(is_voxel_occupied(v - e.yyx)),
+        ),
+        vec3<f32>(
+            f32(is_voxel_occupied(v + e.xyy)),
+            f32(is_voxel_occupied(v + e.yxy)),
+            f32(is_voxel_occupied(v + e.yyx)),
+        ),
     );
 }
 
-fn distance_to(p: vec3<f32>, around: Neighbours) -> f32 {
-    const BLEND: f32 = 0.3;
-    // exp(x / BLEND) as a power of two.
-    const SHARP: f32 = 4.8089835;
+fn blob_distance(p: vec3<f32>, around: Neighbours) -> f32 {
     let square = dot(p, p);
-    let low = exp2((0.5 - sqrt(max(square + 1.0 + 2.0 * p, vec3<f32>(0.0)))) * SHARP);
-    let high = exp2((0.5 - sqrt(max(square + 1.0 - 2.0 * p, vec3<f32>(0.0)))) * SHARP);
-    let sum = exp2((0.5 - sqrt(square)) * SHARP) + dot(low, around.low) + dot(high, around.high);
-    return -log2(sum) / SHARP;
+    let low = exp2((BLOB_RADIUS - sqrt(max(square + 1.0 + 2.0 * p, vec3<f32>(0.0)))) * BLOB_SHARPNESS);
+    let high = exp2((BLOB_RADIUS - sqrt(max(square + 1.0 - 2.0 * p, vec3<f32>(0.0)))) * BLOB_SHARPNESS);
+    let sum = exp2((BLOB_RADIUS - sqrt(square)) * BLOB_SHARPNESS)
+        + dot(low, around.low) + dot(high, around.high);
+    return -log2(sum) / BLOB_SHARPNESS;
 }
 
-// Equation 1, after Shepard (1968).
-fn equation_one(p: vec3<f32>, around: Neighbours) -> vec3<f32> {
+// The normal of equation 1: directions from the occupied neighbours, by inverse square distance
+// weighting (Shepard 1968).
+fn shepard_normal(p: vec3<f32>, around: Neighbours) -> vec3<f32> {
     let square = dot(p, p);
     let low = around.low / max(square + 1.0 + 2.0 * p, vec3<f32>(1e-6));
     let high = around.high / max(square + 1.0 - 2.0 * p, vec3<f32>(1e-6));
@@ -232,49 +252,60 @@ fn equation_one(p: vec3<f32>, around: Neighbours) -> vec3<f32> {
     return normalize(select(sum, p + vec3<f32>(0.0, 1e-9, 0.0), alone));
 }
 
-// The face through which the ray enters the voxel.
-fn face(eye: vec3<f32>, direction: vec3<f32>) -> Surface {
+// The face through which the ray enters the voxel, without the blobs.
+fn entry_face(eye: vec3<f32>, direction: vec3<f32>) -> SurfacePoint {
     let towards = sign(direction);
     let entry = select((-0.5 * towards - eye) / direction, vec3<f32>(-1e9), direction == vec3<f32>(0.0));
     let t = max(entry.x, max(entry.y, entry.z));
-    let first = vec3<bool>(entry.x == t, entry.y == t && entry.x != t, entry.z == t && entry.x != t && entry.y != t);
-    return Surface(eye + t * direction, select(vec3<f32>(0.0), -towards, first), t);
+    let first = vec3<bool>(
+        entry.x == t,
+        entry.y == t && entry.x != t,
+        entry.z == t && entry.x != t && entry.y != t,
+    );
+    return SurfacePoint(eye + t * direction, select(vec3<f32>(0.0), -towards, first), t);
 }
 
-// Section 4.3: Lambertian marble under the sun and the ambient light.
-fn lit(point: vec3<f32>, normal: vec3<f32>, dither: f32) -> vec3<f32> {
-    let facing = dot(normal, frame.sun_grid.xyz);
+// Lambertian marble under the sun and the ambient light (section 4.3).
+fn shade_point(point: vec3<f32>, normal: vec3<f32>, dither: f32) -> vec3<f32> {
+    let facing = dot(normal, frame.sun_in_grid);
     var direct = 0.0;
     if facing > 0.0 {
-        direct = facing * visibility(point, dither);
+        direct = facing * sun_visibility(point, dither);
     }
-    let radiance = frame.sun_color.xyz * direct + light::ambient(normal);
-    return marble::reflectance(noise, repeat, point / frame.sun_grid.w) * radiance;
+    let radiance = frame.sun_color * direct + light::ambient_over_pi(normal);
+    return marble::reflectance(noise, repeat, point / frame.grid_side) * radiance;
 }
 
-// Ten samples to the box's surface, each damping the light where it is occupied, dispersed in a
-// cone that is wide at the point; the shadow map tells of the rest of the way.
-fn visibility(point: vec3<f32>, dither: f32) -> f32 {
-    const SAMPLES: f32 = 10.0;
-    let towards = frame.sun_grid.xyz;
-    let way = box::span(point, towards, vec3<f32>(0.0), vec3<f32>(frame.sun_grid.w));
+// Stochastic soft shadow (section 4.3): ten samples up to the box's border, dispersed in a cone
+// that is wide at the point, each damping the light where it's occupied; the shadow map has the
+// rest.
+fn sun_visibility(point: vec3<f32>, dither: f32) -> f32 {
+    const SAMPLES: f32 = f32(SHADOW_SAMPLES);
+    let towards = frame.sun_in_grid;
+    let way = box::clip_ray(point, towards, vec3<f32>(0.0), vec3<f32>(frame.grid_side));
     if way.x >= way.y {
         return 1.0;
     }
     let length = way.y;
-    let axes = light::across(towards);
-    var turn = light::circle(dither);
+    let axes = light::tangent_basis(towards);
+    var turn = light::circle_point(dither);
     var visible = 1.0;
-    var order = 0.0;
+    var ring = 0.0;
     for (var i = 0.0; i < SAMPLES; i += 1.0) {
-        let part = (i + 0.5) / SAMPLES;
-        let radius = (2.0 - 1.75 * part) * sqrt((order + 0.5) / SAMPLES);
-        if occupied(point + towards * (part * length) + axes * (turn * radius)) {
-            visible *= 0.7;
+        let fraction = (i + 0.5) / SAMPLES;
+        let cone = SHADOW_RADIUS_NEAR - (SHADOW_RADIUS_NEAR - SHADOW_RADIUS_FAR) * fraction;
+        let radius = cone * sqrt((ring + 0.5) / SAMPLES);
+        if is_point_occupied(point + towards * (fraction * length) + axes * (turn * radius)) {
+            visible *= SHADOW_DAMPING;
         }
-        order += 7.0;
-        order -= select(0.0, SAMPLES, order >= SAMPLES);
-        turn = mat2x2<f32>(-0.7373689, 0.6754903, -0.6754903, -0.7373689) * turn;
+        ring += f32(SHADOW_DISC_STRIDE);
+        ring -= select(0.0, SAMPLES, ring >= SAMPLES);
+        turn = mat2x2<f32>(
+            GOLDEN_ANGLE_COS_SIN.x,
+            GOLDEN_ANGLE_COS_SIN.y,
+            -GOLDEN_ANGLE_COS_SIN.y,
+            GOLDEN_ANGLE_COS_SIN.x,
+        ) * turn;
     }
-    return visible * shadow::beyond(point);
+    return visible * shadow::visibility_beyond_box(point);
 }

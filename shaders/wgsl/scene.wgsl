@@ -1,44 +1,44 @@
-// The room and what is in it: meshes in the sun and in the room's own light.
+// The room's meshes and particles: Lambertian shading, a shadow map, baked ambient occlusion.
 #import paros::layout::frame
 #import paros::light
 #import paros::shadow
 
-// A vertex's normal may be this far, in metres, from what shades it: a texel of the map and a half.
-const AWAY: f32 = 0.012;
+// Normal offset against shadow acne, in metres: a texel and a half of the map.
+const NORMAL_OFFSET: f32 = 0.012;
 
-struct Vertex {
+struct VertexInput {
     @location(0) position: vec3<f32>,
     @location(1) normal: vec4<f32>,
-    // w: the part of the ambient light that arrives.
+    // w: baked ambient occlusion, the part of the ambient light that arrives.
     @location(2) color: vec4<f32>,
-    // The rows of what brings a point of the mesh into the room.
+    // Rows of the affine transform from the mesh to the room.
     @location(3) row_x: vec4<f32>,
     @location(4) row_y: vec4<f32>,
     @location(5) row_z: vec4<f32>,
-    // w: how much shines by itself, or for a particle how much of what is behind it it hides.
+    // w: emission; for a particle its opacity.
     @location(6) tint: vec4<f32>,
 }
 
-struct Corner {
+struct VertexOutput {
     @builtin(position) position: vec4<f32>,
     @location(0) normal: vec3<f32>,
     @location(1) color: vec3<f32>,
-    @location(2) sun_place: vec3<f32>,
-    // The ambient light that arrives, and the tint's fourth part.
-    @location(3) extra: vec2<f32>,
+    @location(2) sun_position: vec3<f32>,
+    // Ambient occlusion, and the tint's w: emission or opacity.
+    @location(3) ambient_and_glow: vec2<f32>,
 }
 
 @vertex
-fn vertex(v: Vertex, @builtin(view_index) view: u32) -> Corner {
+fn vertex(v: VertexInput, @builtin(view_index) view: u32) -> VertexOutput {
     let p = vec4<f32>(v.position, 1.0);
     let room = vec3<f32>(dot(v.row_x, p), dot(v.row_y, p), dot(v.row_z, p));
     let n = v.normal.xyz;
     let normal = normalize(vec3<f32>(dot(v.row_x.xyz, n), dot(v.row_y.xyz, n), dot(v.row_z.xyz, n)));
-    return Corner(
+    return VertexOutput(
         frame.views[view].clip_from_room * vec4<f32>(room, 1.0),
         normal,
         v.color.xyz * v.tint.xyz,
-        (frame.shadow_from_room * vec4<f32>(room + normal * AWAY, 1.0)).xyz,
+        (frame.shadow_from_room * vec4<f32>(room + normal * NORMAL_OFFSET, 1.0)).xyz,
         vec2<f32>(v.color.w, v.tint.w),
     );
 }
@@ -47,21 +47,21 @@ fn vertex(v: Vertex, @builtin(view_index) view: u32) -> Corner {
 fn fragment(
     @location(0) normal: vec3<f32>,
     @location(1) color: vec3<f32>,
-    @location(2) sun_place: vec3<f32>,
-    @location(3) extra: vec2<f32>,
+    @location(2) sun_position: vec3<f32>,
+    @location(3) ambient_and_glow: vec2<f32>,
 ) -> @location(0) vec4<f32> {
     let n = normalize(normal);
-    let facing = dot(n, frame.sun_room.xyz);
-    let in_grid = (vec4<f32>(n, 0.0) * frame.room_from_grid).xyz / frame.depth.w;
-    var lit = light::ambient(in_grid) * extra.x;
+    let facing = dot(n, frame.sun_in_room);
+    let in_grid = (vec4<f32>(n, 0.0) * frame.room_from_grid).xyz / frame.voxel_size;
+    var irradiance = light::ambient_over_pi(in_grid) * ambient_and_glow.x;
     if facing > 0.0 {
-        lit += frame.sun_color.xyz * (facing * shadow::around(sun_place));
+        irradiance += frame.sun_color * (facing * shadow::soft_visibility(sun_position));
     }
 #ifdef PARTICLES
-    let opacity = extra.y;
+    let opacity = ambient_and_glow.y;
 #else
-    lit += extra.y;
+    irradiance += ambient_and_glow.y;
     let opacity = 1.0;
 #endif
-    return vec4<f32>(light::shown(color * lit), opacity);
+    return vec4<f32>(light::tone_map(color * irradiance), opacity);
 }

@@ -1,33 +1,34 @@
-// What the sun's map tells: how far its light reaches past the room's things and the sculpture.
+// Shadow mapping: the sun's visibility past the room's meshes and the sculpture.
 #define_import_path paros::shadow
 #import paros::layout::frame
 #import paros::box
 
-@group(0) @binding(11) var map: texture_depth_2d_array;
-@group(0) @binding(12) var within: sampler_comparison;
+@group(0) @binding(11) var sun_map: texture_depth_2d_array;
+@group(0) @binding(12) var depth_compare: sampler_comparison;
 
-// Depth of the map, in metres, by which the point where a ray leaves the sculpture's box is held
-// nearer to the sun: texels of the sculpture's own shadow reach over the box's border.
-const LIFT: f32 = 0.04;
+// Depth bias, in metres, of the point where a ray leaves the sculpture's box: texels of the
+// sculpture's own shadow reach over the box's border.
+const DEPTH_BIAS: f32 = 0.04;
 
-// The part of the sun's light that arrives where a ray from a point in voxels of the grid leaves
-// the box. The sun's rays are parallel: the whole ray has one place in the map.
-fn beyond(grid: vec3<f32>) -> f32 {
-    let n = frame.sun_grid.w;
-    let way = box::span(grid, frame.sun_grid.xyz, vec3<f32>(0.0), vec3<f32>(n)).y;
-    let place = (frame.shadow_from_grid * vec4<f32>(grid, 1.0)).xyz;
-    let far = max(way, 0.0) * frame.depth.w + LIFT;
-    let reached = place.z - far * frame.sun_map.x;
-    return textureSampleCompareLevel(map, within, place.xy * 0.5 + 0.5, 0, reached);
+// Visibility of the sun, 0 to 1, from where the ray towards it from a point in voxels of the grid
+// leaves the box. The sun's rays are parallel: the whole ray projects to one position in the map.
+fn visibility_beyond_box(grid: vec3<f32>) -> f32 {
+    let n = frame.grid_side;
+    let exit = box::clip_ray(grid, frame.sun_in_grid, vec3<f32>(0.0), vec3<f32>(n)).y;
+    let map_position = (frame.shadow_from_grid * vec4<f32>(grid, 1.0)).xyz;
+    let far = max(exit, 0.0) * frame.voxel_size + DEPTH_BIAS;
+    let reference_depth = map_position.z - far * frame.shadow_depth_per_metre;
+    return textureSampleCompareLevel(sun_map, depth_compare, map_position.xy * 0.5 + 0.5, 0, reference_depth);
 }
 
-// The same at a place in the map, softened over three texels.
-fn around(place: vec3<f32>) -> f32 {
-    let at = place.xy * 0.5 + 0.5;
-    let e = vec2<f32>(0.75, -0.75) * frame.sun_map.y;
-    let sum = textureSampleCompareLevel(map, within, at + e.xx, 0, place.z)
-        + textureSampleCompareLevel(map, within, at + e.xy, 0, place.z)
-        + textureSampleCompareLevel(map, within, at + e.yx, 0, place.z)
-        + textureSampleCompareLevel(map, within, at + e.yy, 0, place.z);
+// Percentage-closer filtering over three texels: visibility, 0 to 1, at a position in the map's
+// clip space.
+fn soft_visibility(map_position: vec3<f32>) -> f32 {
+    let at = map_position.xy * 0.5 + 0.5;
+    let e = vec2<f32>(0.75, -0.75) * frame.shadow_texel;
+    let sum = textureSampleCompareLevel(sun_map, depth_compare, at + e.xx, 0, map_position.z)
+        + textureSampleCompareLevel(sun_map, depth_compare, at + e.xy, 0, map_position.z)
+        + textureSampleCompareLevel(sun_map, depth_compare, at + e.yx, 0, map_position.z)
+        + textureSampleCompareLevel(sun_map, depth_compare, at + e.yy, 0, map_position.z);
     return sum * 0.25;
 }

@@ -3,15 +3,22 @@
 #![forbid(unsafe_code)]
 
 mod claim;
+pub mod demo;
 pub mod durable;
 pub mod figures;
-pub mod keeper;
-pub mod places;
+pub mod file_writer;
+pub mod headset;
+#[cfg(feature = "meshes")]
+pub mod mesh;
+pub mod modes;
 pub mod print;
+pub mod replay;
 pub mod require;
 pub mod rmap;
-pub mod stage;
-pub mod starts;
+pub mod sizes;
+pub mod start_volume_store;
 pub mod statics;
 pub mod studio;
+pub mod studio_paths;
+pub mod tick_runner;
 pub mod trace;

@@ -1,14 +1,14 @@
-//! Parts that a machine may lack: a rival to compare with, a device, a tool. What needs one is
-//! skipped, and says so; where `PAROS_REQUIRE` is `all`, as in the whole check, it fails.
+//! Optional parts of a machine: a library to compare with, a device, a tool. A test that lacks one is
+//! skipped with a message; where the environment variable `PAROS_REQUIRE` is `all` it fails.
 
 use std::fmt::{self, Display};
 use std::io::{self, Write};
 
-/// A part is missing where none may be: why.
+/// A required part is missing. Holds the reason.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Required(pub String);
 
-/// The part, or none after `skipped: why` on standard error.
+/// The part, or `None` after a message `skipped: REASON` on standard error.
 ///
 /// # Errors
 /// It is missing, and `PAROS_REQUIRE` is `all`.

@@ -1,5 +1,5 @@
-//! The `.rmap` file: the three range maps of a volume as they lie in memory, between a header and a
-//! checksum.
+//! The `.rmap` file format: a header, the three range maps of a volume as they lie in memory, and a
+//! CRC-32. Reading checks every byte.
 //!
 //! Little-endian throughout. `L` is the number of intervals a column holds.
 //!
@@ -25,85 +25,90 @@ mod fault;
 use std::io::{self, Read};
 use std::path::Path;
 
-use paros_core::maps::{Axis, Column, Maps, Range};
-use paros_core::size::{Grid, Size};
+use paros_core::{Axis, Column, Grid, Range, RangeMaps, Size};
 
 use crate::durable;
-pub use fault::{Error, Fault};
+pub use fault::{RmapError, RmapFault};
 
 const MAGIC: [u8; 4] = *b"RMAP";
 const VERSION: u16 = 1;
-const HEADER: usize = 12;
-const CHECKSUM: usize = 4;
+const HEADER_BYTES: usize = 12;
+const CHECKSUM_BYTES: usize = 4;
 const SIZES: [u16; 5] = [16, 32, 64, 128, 256];
 
-/// What a file says of itself, before its columns.
+/// The header of an `.rmap` file.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Header {
-    /// Version of the layout.
+pub struct RmapHeader {
+    /// Format version.
     pub version: u16,
-    /// Voxels along an edge.
-    pub n: usize,
-    /// Intervals a column.
+    /// Voxels along an edge of the grid (N).
+    pub side: usize,
+    /// Intervals per column (L).
     pub layers: usize,
 }
 
-impl Header {
+impl RmapHeader {
     /// Length of the whole file in bytes.
     #[must_use]
     pub fn file_length(&self) -> usize {
-        HEADER + 3 * self.n * self.n * self.layers * 2 + CHECKSUM
+        HEADER_BYTES + 3 * self.side * self.side * self.layers * 2 + CHECKSUM_BYTES
     }
 }
 
-/// Reads and checks the header alone; what follows it may still be wrong.
+/// Reads and checks the header alone. What follows it may still be wrong.
 ///
 /// # Errors
 /// When the file cannot be read or its header is not one.
-pub fn peek(path: &Path) -> Result<Header, Error> {
-    let mut start = Vec::with_capacity(HEADER);
-    let file = durable::open(path).map_err(|source| unreadable(path, source))?;
-    file.take(HEADER as u64).read_to_end(&mut start).map_err(|source| unreadable(path, source))?;
-    header(&start).map_err(|(offset, fault)| bad(path, offset, fault))
+pub fn read_header(path: &Path) -> Result<RmapHeader, RmapError> {
+    let mut start = Vec::with_capacity(HEADER_BYTES);
+    let file = durable::open_regular_file(path).map_err(|source| read_error(path, source))?;
+    file.take(HEADER_BYTES as u64)
+        .read_to_end(&mut start)
+        .map_err(|source| read_error(path, source))?;
+    parse_header(&start).map_err(|(offset, fault)| format_error(path, offset, fault))
 }
 
-/// Reads a volume of N^3 voxels. `maps` is untouched unless the whole file is right.
+/// Reads a volume of N^3 voxels. `maps` is unchanged unless the whole file is valid.
 ///
 /// # Errors
 /// When the file cannot be read, is no `.rmap`, is damaged, or holds another size.
-pub fn read<const N: usize>(path: &Path, maps: &mut Maps<N>) -> Result<(), Error>
+pub fn read<const N: usize>(path: &Path, maps: &mut RangeMaps<N>) -> Result<(), RmapError>
 where
     Grid<N>: Size,
 {
-    let header = peek(path)?;
-    if header.n != N {
-        return Err(bad(path, 6, Fault::OtherSize { found: header.n, expected: N }));
+    let header = read_header(path)?;
+    if header.side != N {
+        return Err(format_error(
+            path,
+            6,
+            RmapFault::OtherSize { found: header.side, expected: N },
+        ));
     }
     let mut bytes = Vec::with_capacity(header.file_length() + 1);
-    durable::open(path)
+    durable::open_regular_file(path)
         .and_then(|file| file.take(header.file_length() as u64 + 1).read_to_end(&mut bytes))
-        .map_err(|source| unreadable(path, source))?;
-    decode(&bytes, maps).map_err(|(offset, fault)| bad(path, offset, fault))
+        .map_err(|source| read_error(path, source))?;
+    decode(&bytes, maps).map_err(|(offset, fault)| format_error(path, offset, fault))
 }
 
 /// Writes a volume, whole or not at all.
 ///
 /// # Errors
 /// When the folder or the disk refuses.
-pub fn write<const N: usize>(path: &Path, maps: &Maps<N>) -> Result<(), durable::Error>
+pub fn write<const N: usize>(path: &Path, maps: &RangeMaps<N>) -> Result<(), durable::WriteError>
 where
     Grid<N>: Size,
 {
-    durable::write(path, &encode(maps))
+    durable::write_file(path, &encode(maps))
 }
 
-/// The bytes of a file.
+/// Encodes a volume as the bytes of a file.
 #[must_use]
-pub fn encode<const N: usize>(maps: &Maps<N>) -> Vec<u8>
+pub fn encode<const N: usize>(maps: &RangeMaps<N>) -> Vec<u8>
 where
     Grid<N>: Size,
 {
-    let header = Header { version: VERSION, n: N, layers: 1 };
+    let header = RmapHeader { version: VERSION, side: N, layers: 1 };
     let mut bytes = Vec::with_capacity(header.file_length());
     bytes.extend(MAGIC);
     bytes.extend(VERSION.to_le_bytes());
@@ -120,87 +125,94 @@ where
     bytes
 }
 
-/// The checksum that a file of this volume ends in: a short name for its exact voxels.
+/// The CRC-32 at the end of this volume's file: a fingerprint of its voxels.
 #[must_use]
-pub fn checksum<const N: usize>(maps: &Maps<N>) -> u32
+pub fn volume_checksum<const N: usize>(maps: &RangeMaps<N>) -> u32
 where
     Grid<N>: Size,
 {
     stored_checksum(&encode(maps))
 }
 
-/// Reads the bytes of a file. `maps` is untouched unless all of them are right.
+/// Decodes the bytes of a file. `maps` is unchanged unless all of them are valid.
 ///
 /// # Errors
 /// The first fault found and the offset of the byte where it lies.
-pub fn decode<const N: usize>(bytes: &[u8], maps: &mut Maps<N>) -> Result<(), (usize, Fault)>
+pub fn decode<const N: usize>(
+    bytes: &[u8],
+    maps: &mut RangeMaps<N>,
+) -> Result<(), (usize, RmapFault)>
 where
     Grid<N>: Size,
 {
-    let header = header(bytes)?;
-    if header.n != N {
-        return Err((6, Fault::OtherSize { found: header.n, expected: N }));
+    let header = parse_header(bytes)?;
+    if header.side != N {
+        return Err((6, RmapFault::OtherSize { found: header.side, expected: N }));
     }
-    let columns = Columns { bytes: checked_columns(bytes, &header)?, n: N };
+    let columns = RmapColumns { bytes: checked_columns(bytes, &header)?, side: N };
     columns.check_ranges()?;
     columns.check_tightness()?;
     for axis in Axis::ALL {
-        for address in columns.addresses() {
-            maps.set_column(axis, address, Column([columns.range(axis, address)]));
+        for address in columns.column_addresses() {
+            maps.set_column(axis, address, Column([columns.range_or_empty(axis, address)]));
         }
     }
     Ok(())
 }
 
-fn unreadable(path: &Path, source: io::Error) -> Error {
-    Error::Unreadable { path: path.to_owned(), source }
+fn read_error(path: &Path, source: io::Error) -> RmapError {
+    RmapError::Unreadable { path: path.to_owned(), source }
 }
 
-fn bad(path: &Path, offset: usize, fault: Fault) -> Error {
-    Error::Bad { path: path.to_owned(), offset, fault }
+fn format_error(path: &Path, offset: usize, fault: RmapFault) -> RmapError {
+    RmapError::Bad { path: path.to_owned(), offset, fault }
 }
 
-fn header(bytes: &[u8]) -> Result<Header, (usize, Fault)> {
+fn parse_header(bytes: &[u8]) -> Result<RmapHeader, (usize, RmapFault)> {
     if let Some(&magic) = bytes.first_chunk()
         && magic != MAGIC
     {
-        return Err((0, Fault::Magic(magic)));
+        return Err((0, RmapFault::Magic(magic)));
     }
-    let Some(&[_, _, _, _, v0, v1, n0, n1, layers, fill @ ..]) = bytes.first_chunk::<HEADER>()
+    let Some(&[_, _, _, _, v0, v1, n0, n1, layers, fill @ ..]) =
+        bytes.first_chunk::<HEADER_BYTES>()
     else {
-        return Err((bytes.len(), Fault::Truncated { expected: HEADER }));
+        return Err((bytes.len(), RmapFault::Truncated { expected: HEADER_BYTES }));
     };
     let (version, n) = (u16::from_le_bytes([v0, v1]), u16::from_le_bytes([n0, n1]));
     if version != VERSION {
-        return Err((4, Fault::Version(version)));
+        return Err((4, RmapFault::Version(version)));
     }
     if !SIZES.contains(&n) {
-        return Err((6, Fault::Size(n)));
+        return Err((6, RmapFault::Size(n)));
     }
     if layers != 1 {
-        return Err((8, Fault::Layers(layers)));
+        return Err((8, RmapFault::Layers(layers)));
     }
     if let Some(i) = fill.iter().position(|&byte| byte != 0) {
-        return Err((9 + i, Fault::Flags(fill[i])));
+        return Err((9 + i, RmapFault::Flags(fill[i])));
     }
-    Ok(Header { version, n: n.into(), layers: layers.into() })
+    Ok(RmapHeader { version, side: n.into(), layers: layers.into() })
 }
 
-/// The bytes of the columns, once length and checksum are right.
-fn checked_columns<'a>(bytes: &'a [u8], header: &Header) -> Result<&'a [u8], (usize, Fault)> {
+/// Checks length and checksum and returns the bytes of the columns.
+fn checked_columns<'a>(
+    bytes: &'a [u8],
+    header: &RmapHeader,
+) -> Result<&'a [u8], (usize, RmapFault)> {
     let length = header.file_length();
     if bytes.len() < length {
-        return Err((bytes.len(), Fault::Truncated { expected: length }));
+        return Err((bytes.len(), RmapFault::Truncated { expected: length }));
     }
     if bytes.len() > length {
-        return Err((length, Fault::Trailing));
+        return Err((length, RmapFault::Trailing));
     }
-    let summed = &bytes[..length - CHECKSUM];
+    let summed = &bytes[..length - CHECKSUM_BYTES];
     let (found, expected) = (stored_checksum(bytes), crc32fast::hash(summed));
     if found != expected {
-        return Err((length - CHECKSUM, Fault::Checksum { found, expected }));
+        return Err((length - CHECKSUM_BYTES, RmapFault::Checksum { found, expected }));
     }
-    Ok(&summed[HEADER..])
+    Ok(&summed[HEADER_BYTES..])
 }
 
 /// The last four bytes of a whole file.
@@ -208,40 +220,40 @@ fn stored_checksum(bytes: &[u8]) -> u32 {
     bytes.last_chunk().map_or(0, |&last| u32::from_le_bytes(last))
 }
 
-/// The columns of a file with one interval each, before they are known to be tight.
-struct Columns<'a> {
+/// The column bytes of a file with one interval per column, not yet known to be tight.
+struct RmapColumns<'a> {
     bytes: &'a [u8],
-    n: usize,
+    side: usize,
 }
 
-impl Columns<'_> {
-    fn addresses(&self) -> impl Iterator<Item = (usize, usize)> + use<> {
-        let n = self.n;
+impl RmapColumns<'_> {
+    fn column_addresses(&self) -> impl Iterator<Item = (usize, usize)> + use<> {
+        let n = self.side;
         (0..n * n).map(move |i| (i / n, i % n))
     }
 
-    /// Where a column's two bytes start among the columns.
-    fn offset(&self, axis: Axis, (line, place): (usize, usize)) -> usize {
-        2 * ((axis as usize * self.n + line) * self.n + place)
+    /// The offset of a column's two bytes from the end of the header.
+    fn byte_offset(&self, axis: Axis, (line, place): (usize, usize)) -> usize {
+        2 * ((axis as usize * self.side + line) * self.side + place)
     }
 
-    fn pair(&self, axis: Axis, address: (usize, usize)) -> [u8; 2] {
-        let at = self.offset(axis, address);
+    fn column_bytes(&self, axis: Axis, address: (usize, usize)) -> [u8; 2] {
+        let at = self.byte_offset(axis, address);
         [self.bytes[at], self.bytes[at + 1]]
     }
 
-    /// A column's range; bytes that are none count as empty.
-    fn range(&self, axis: Axis, address: (usize, usize)) -> Range {
-        Range::from_bytes(self.pair(axis, address), self.n).unwrap_or(Range::EMPTY)
+    /// A column's range. Two bytes that are no range give the empty one.
+    fn range_or_empty(&self, axis: Axis, address: (usize, usize)) -> Range {
+        Range::from_bytes(self.column_bytes(axis, address), self.side).unwrap_or(Range::EMPTY)
     }
 
-    fn check_ranges(&self) -> Result<(), (usize, Fault)> {
+    fn check_ranges(&self) -> Result<(), (usize, RmapFault)> {
         for axis in Axis::ALL {
-            for address in self.addresses() {
-                let bytes = self.pair(axis, address);
-                if Range::from_bytes(bytes, self.n).is_none() {
-                    let fault = Fault::Range { axis, address, bytes };
-                    return Err((HEADER + self.offset(axis, address), fault));
+            for address in self.column_addresses() {
+                let bytes = self.column_bytes(axis, address);
+                if Range::from_bytes(bytes, self.side).is_none() {
+                    let fault = RmapFault::Range { axis, address, bytes };
+                    return Err((HEADER_BYTES + self.byte_offset(axis, address), fault));
                 }
             }
         }
@@ -250,18 +262,18 @@ impl Columns<'_> {
 
     /// A range is the hull of its column's occupied voxels exactly when both its ends are occupied,
     /// for no voxel outside it can be.
-    fn check_tightness(&self) -> Result<(), (usize, Fault)> {
+    fn check_tightness(&self) -> Result<(), (usize, RmapFault)> {
         for axis in Axis::ALL {
-            for address in self.addresses() {
-                let range = self.range(axis, address);
+            for address in self.column_addresses() {
+                let range = self.range_or_empty(axis, address);
                 if range.is_empty() {
                     continue;
                 }
-                for (byte, end) in [range.lo(), range.hi()].into_iter().enumerate() {
-                    let voxel = axis.voxel(address, end);
-                    if let Some(missing) = self.missing(voxel) {
-                        let fault = Fault::Loose { axis, voxel, missing };
-                        return Err((HEADER + self.offset(axis, address) + byte, fault));
+                for (byte, end) in [range.first(), range.last()].into_iter().enumerate() {
+                    let voxel = axis.voxel_at(address, end);
+                    if let Some(missing) = self.axis_without_voxel(voxel) {
+                        let fault = RmapFault::Loose { axis, voxel, missing };
+                        return Err((HEADER_BYTES + self.byte_offset(axis, address) + byte, fault));
                     }
                 }
             }
@@ -269,10 +281,11 @@ impl Columns<'_> {
         Ok(())
     }
 
-    /// The first axis whose column does not hold a voxel.
-    fn missing(&self, voxel: [usize; 3]) -> Option<Axis> {
-        let holds =
-            |axis: Axis| self.range(axis, axis.address(voxel)).contains(voxel[axis as usize]);
+    /// The first axis along which the column through a voxel does not hold it.
+    fn axis_without_voxel(&self, voxel: [usize; 3]) -> Option<Axis> {
+        let holds = |axis: Axis| {
+            self.range_or_empty(axis, axis.column_address(voxel)).contains(voxel[axis as usize])
+        };
         Axis::ALL.into_iter().find(|&axis| !holds(axis))
     }
 }

@@ -1,69 +1,64 @@
-//! One resident set of buffers for each size that is chosen at run time.
-//!
-//! The core's buffers start as all zero bytes and never move, so they live in statics. A size read
-//! from a file or a command line picks among them.
+//! Static buffers, one set for each grid size. The core's buffers are large, start as all zero bytes
+//! and never move, so they live in statics, each behind a mutex.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use paros_core::bake::Baker;
-use paros_core::maps::Maps;
-use paros_core::plane::Plane;
-use paros_core::size::{Grid, Size};
-use paros_core::world::World;
+use paros_core::{Baker, BitGrid, Grid, RangeMaps, Size, World};
 
-use crate::print::Press;
-use crate::starts::StartVolumes;
+use crate::print::PrintBuffers;
+use crate::start_volume_store::StartVolumeStore;
 
-/// The buffers that a `Grid<N>` of a run-time size brings along.
+/// The static buffers of a `Grid<N>`. Each method locks one until the guard is dropped; it still
+/// holds what its last user left in it.
 pub trait Resident<const N: usize>: Size
 where
     Grid<N>: Size,
 {
-    /// The range maps, held until the guard is dropped. What they hold is what was left there.
-    fn maps() -> MutexGuard<'static, Maps<N>>;
-    /// The bit rows, held until the guard is dropped. What they hold is what was left there.
-    fn plane() -> MutexGuard<'static, Plane<N>>;
-    /// What turns triangles into maps.
-    fn baker() -> MutexGuard<'static, Baker<N>>;
-    /// What turns voxels into triangles.
-    fn press() -> MutexGuard<'static, Press<N>>;
-    /// The world, held until the guard is dropped.
-    fn world() -> MutexGuard<'static, World<N>>;
-    /// The start volumes, held until the guard is dropped.
-    fn start_volumes() -> MutexGuard<'static, StartVolumes<N>>;
+    /// Locks the range maps.
+    fn lock_range_maps() -> MutexGuard<'static, RangeMaps<N>>;
+    /// Locks the bit grid.
+    fn lock_bit_grid() -> MutexGuard<'static, BitGrid<N>>;
+    /// Locks the baker, which turns triangles into maps.
+    fn lock_baker() -> MutexGuard<'static, Baker<N>>;
+    /// Locks the print buffers, which turn voxels into triangles.
+    fn lock_print_buffers() -> MutexGuard<'static, PrintBuffers<N>>;
+    /// Locks the world.
+    fn lock_world() -> MutexGuard<'static, World<N>>;
+    /// Locks the start volumes.
+    fn lock_start_volumes() -> MutexGuard<'static, StartVolumeStore<N>>;
 }
 
 macro_rules! resident {
     ($($n:literal),*) => {$(
         impl Resident<$n> for Grid<$n> {
-            fn maps() -> MutexGuard<'static, Maps<$n>> {
-                static MAPS: Mutex<Maps<$n>> = Mutex::new(Maps::new());
-                MAPS.lock().unwrap_or_else(PoisonError::into_inner)
+            fn lock_range_maps() -> MutexGuard<'static, RangeMaps<$n>> {
+                static RANGE_MAPS: Mutex<RangeMaps<$n>> = Mutex::new(RangeMaps::new());
+                RANGE_MAPS.lock().unwrap_or_else(PoisonError::into_inner)
             }
 
-            fn plane() -> MutexGuard<'static, Plane<$n>> {
-                static PLANE: Mutex<Plane<$n>> = Mutex::new(Plane::new());
-                PLANE.lock().unwrap_or_else(PoisonError::into_inner)
+            fn lock_bit_grid() -> MutexGuard<'static, BitGrid<$n>> {
+                static BIT_GRID: Mutex<BitGrid<$n>> = Mutex::new(BitGrid::new());
+                BIT_GRID.lock().unwrap_or_else(PoisonError::into_inner)
             }
 
-            fn baker() -> MutexGuard<'static, Baker<$n>> {
+            fn lock_baker() -> MutexGuard<'static, Baker<$n>> {
                 static BAKER: Mutex<Baker<$n>> = Mutex::new(Baker::new());
                 BAKER.lock().unwrap_or_else(PoisonError::into_inner)
             }
 
-            fn press() -> MutexGuard<'static, Press<$n>> {
-                static PRESS: Mutex<Press<$n>> = Mutex::new(Press::new());
-                PRESS.lock().unwrap_or_else(PoisonError::into_inner)
+            fn lock_print_buffers() -> MutexGuard<'static, PrintBuffers<$n>> {
+                static PRINT_BUFFERS: Mutex<PrintBuffers<$n>> = Mutex::new(PrintBuffers::new());
+                PRINT_BUFFERS.lock().unwrap_or_else(PoisonError::into_inner)
             }
 
-            fn world() -> MutexGuard<'static, World<$n>> {
+            fn lock_world() -> MutexGuard<'static, World<$n>> {
                 static WORLD: Mutex<World<$n>> = Mutex::new(World::new());
                 WORLD.lock().unwrap_or_else(PoisonError::into_inner)
             }
 
-            fn start_volumes() -> MutexGuard<'static, StartVolumes<$n>> {
-                static STARTS: Mutex<StartVolumes<$n>> = Mutex::new(StartVolumes::new());
-                STARTS.lock().unwrap_or_else(PoisonError::into_inner)
+            fn lock_start_volumes() -> MutexGuard<'static, StartVolumeStore<$n>> {
+                static START_VOLUMES: Mutex<StartVolumeStore<$n>> = Mutex::new(StartVolumeStore::new());
+                START_VOLUMES.lock().unwrap_or_else(PoisonError::into_inner)
             }
         }
     )*};

@@ -1,47 +1,42 @@
-//! A session and what comes of it: ticks, saves, prints, traces. It knows no window and no headset.
+//! The studio: one world's sessions with their ticks, saves, prints and traces.
+//!
+//! It takes tick inputs and gives files, through the [`FileWriter`]. `session` holds the world,
+//! `autosave` decides when it is saved, `recorder` records its trace, `export` makes a finished
+//! sculpture's files. It knows no window and no headset.
 
+mod autosave;
+mod export;
 mod files;
-mod finishing;
-mod opening;
+mod pending_read;
+mod recorder;
+mod sculpture_files;
+mod session;
 
 use std::path::{Path, PathBuf};
 
-use crate::claim::Claim;
-use crate::keeper::{Job, Keeper, Place, What};
-use crate::places::Places;
-use crate::print::Printer;
-use crate::stage::{Recording, Stage};
-use crate::starts::StartVolumes;
+use crate::file_writer::{FileKind, FileWriter};
+use crate::print::StlPrinter;
+use crate::start_volume_store::StartVolumeStore;
 use crate::statics::Resident;
+use crate::studio_paths::StudioPaths;
+use crate::tick_runner::TickRunner;
 use crate::{durable, rmap};
-use finishing::Finishing;
-use opening::Opening;
-use paros_core::events::Event;
-use paros_core::input::{Input, Mode};
-use paros_core::limits::save_bytes;
-use paros_core::maps::Maps;
-use paros_core::size::{Grid, Size};
-use paros_core::world::{Session, World};
+use autosave::Autosave;
+use export::SculptureExport;
+use paros_core::{Grid, RangeMaps, SessionMode, Size, TickInput, World, WorldEvent};
+use pending_read::PendingRead;
+use recorder::Recorder;
+use session::LiveSession;
 
-/// Draws a finished sculpture, as the bytes of a PNG file; in a thread, at its leisure.
-pub type Portrait<const N: usize> = fn(&Maps<N>) -> Result<Vec<u8>, String>;
+/// Draws a finished sculpture and returns the bytes of a PNG file. It is called in a thread.
+pub type DrawPicture<const N: usize> = fn(&RangeMaps<N>) -> Result<Vec<u8>, String>;
 
-/// Reads a file into the resident maps of its size; in a thread.
-pub type Read = fn(&Path) -> Result<(), String>;
+/// Reads a file into the static range maps of its size. It is called in a thread.
+pub type ReadVolume = fn(&Path) -> Result<(), String>;
 
-/// Ticks from one save to the next while something changes: three seconds.
-const SAVE_TICKS: u64 = 3 * 72;
-
-/// Ticks after which a stroke's end is saved at once.
-const STROKE_TICKS: u64 = 72;
-
-/// Ticks that are recorded at the most of a session whose trace nobody has asked for: its first two
-/// hours, 70 MiB.
-const RECORD_TICKS: u32 = 2 * 60 * 60 * 72;
-
-/// Something to tell the visitor.
+/// A message for the visitor.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub enum Note {
+pub enum Notice {
     /// All is well.
     Good(String),
     /// Something could not be done.
@@ -53,310 +48,258 @@ pub struct Studio<'a, const N: usize>
 where
     Grid<N>: Size,
 {
-    world: &'a mut World<N>,
-    volumes: &'a mut StartVolumes<N>,
-    printer: Printer<'a, N>,
-    places: Places,
-    portrait: Portrait<N>,
-    keeper: Keeper,
-    // Held for the session's file, until the keeper has written it.
-    _claim: Claim,
-    /// From the session's start on; none of a session that was resumed.
-    recording: Option<Recording>,
-    /// Whether sessions are recorded at all.
-    records: bool,
-    /// Where the last session's trace goes at the end.
-    record_to: Option<PathBuf>,
-    opening: Option<Opening>,
-    finishing: Option<Finishing>,
-    notes: Vec<Note>,
-    /// Where the last print is.
-    printed: Option<PathBuf>,
-    /// Files of a sculpture, finished or left, that no folder took.
-    unwritten: Vec<Job>,
-    /// Why the session is not saved.
-    fault: Option<String>,
-    /// What saves the session, with room for all that it can be, while it is not being written.
-    saving: Option<Job>,
-    /// A save is to come as soon as the last one is written.
-    due: bool,
-    changed: bool,
-    running: bool,
-    saved: u64,
+    // Dropped before `session`, whose claim on its file must outlast all writes.
+    file_writer: FileWriter,
+    session: LiveSession<'a, N>,
+    autosave: Autosave,
+    recorder: Recorder,
+    export: SculptureExport<'a, N>,
+    paths: StudioPaths,
+    opening: Option<PendingRead>,
+    notices: Vec<Notice>,
 }
 
 impl<'a, const N: usize> Studio<'a, N>
 where
     Grid<N>: Size + Resident<N>,
 {
-    /// A studio in which the last session goes on, if there is one.
+    /// Opens a studio: claims a session file, removes stale temporary files, and resumes the saved
+    /// session if there is one.
     #[must_use]
     pub fn new(
         world: &'a mut World<N>,
-        volumes: &'a mut StartVolumes<N>,
-        printer: Printer<'a, N>,
-        mut places: Places,
-        portrait: Portrait<N>,
+        volumes: &'a mut StartVolumeStore<N>,
+        printer: StlPrinter<'a, N>,
+        mut paths: StudioPaths,
+        draw_picture: DrawPicture<N>,
     ) -> Self {
-        let claim = Claim::new(&places.sessions, N);
-        places.window = claim.number();
-        for folder in [&places.sculptures, &places.sessions, &places.cache] {
-            durable::sweep(folder);
+        let mut session = LiveSession::claim_file(world, volumes, &mut paths);
+        for folder in [&paths.sculptures, &paths.sessions, &paths.cache] {
+            durable::remove_stale_drafts(folder);
         }
-        let saving = Job {
-            what: What::Session,
-            place: Place::At(vec![places.session(N)]),
-            bytes: vec![vec![0; save_bytes(N)]],
-        };
-        let mut studio = Studio {
-            world,
-            volumes,
-            printer,
-            places,
-            portrait,
-            _claim: claim,
-            keeper: Keeper::new(),
-            recording: None,
-            records: true,
-            record_to: None,
+        let autosave = Autosave::new::<N>(&paths);
+        let notices = session.resume_saved(&paths);
+        Studio {
+            file_writer: FileWriter::spawn(),
+            session,
+            autosave,
+            recorder: Recorder::new(),
+            export: SculptureExport::new(printer, draw_picture),
+            paths,
             opening: None,
-            finishing: None,
-            notes: Vec::new(),
-            printed: None,
-            unwritten: Vec::new(),
-            fault: None,
-            saving: Some(saving),
-            due: false,
-            changed: false,
-            running: false,
-            saved: 0,
-        };
-        studio.resume();
-        studio
+            notices,
+        }
     }
 
     /// The world as of the last tick.
     #[must_use]
     pub const fn world(&self) -> &World<N> {
-        self.world
+        self.session.world
     }
 
-    /// Records no sessions: a recording grows with every tick, and here nobody can ask for it.
-    pub fn record_nothing(&mut self) {
-        self.records = false;
+    /// Records no traces from now on: a recording grows with every tick.
+    pub fn disable_recording(&mut self) {
+        self.recorder.disable_recording();
     }
 
-    /// Has the trace of the session that is under way at the end written to a file then.
-    pub fn record_to(&mut self, path: Option<PathBuf>) {
-        self.record_to = path;
+    /// Sets the file to which [`Studio::close`] writes the trace of the last session; `None` for none.
+    pub fn write_trace_at_close(&mut self, path: Option<PathBuf>) {
+        self.recorder.record_whole_to(path);
     }
 
-    /// Where files go.
+    /// The studio's folders and file names.
     #[must_use]
-    pub const fn places(&self) -> &Places {
-        &self.places
+    pub const fn paths(&self) -> &StudioPaths {
+        &self.paths
     }
 
-    /// Has files written beside the frames.
-    pub const fn keeper(&mut self) -> &mut Keeper {
-        &mut self.keeper
+    /// The background file writer.
+    pub const fn file_writer(&mut self) -> &mut FileWriter {
+        &mut self.file_writer
     }
 
-    /// Where the last finished sculpture's print is.
+    /// The path of the last finished sculpture's print, once it is written.
     #[must_use]
-    pub fn printed(&self) -> Option<&Path> {
-        self.printed.as_deref()
+    pub fn last_print_path(&self) -> Option<&Path> {
+        self.export.last_print_path()
     }
 
-    /// Why the session is not on the disk, while it can't be written there.
+    /// The error of the last save, while saving fails.
     #[must_use]
-    pub fn fault(&self) -> Option<&str> {
-        self.fault.as_deref()
+    pub fn save_fault(&self) -> Option<&str> {
+        self.autosave.fault()
     }
 
-    /// Whether there is a finished sculpture that no folder took.
+    /// Whether files of a sculpture could not be written and wait for
+    /// [`Studio::retry_unwritten_files`].
     #[must_use]
-    pub const fn is_unwritten(&self) -> bool {
-        !self.unwritten.is_empty()
+    pub const fn has_unwritten_files(&self) -> bool {
+        self.export.has_unwritten()
     }
 
-    /// The file that is being read.
+    /// The path of the file being read.
     #[must_use]
-    pub fn opening(&self) -> Option<&Path> {
+    pub fn opening_path(&self) -> Option<&Path> {
         self.opening.as_ref().map(|opening| &*opening.path)
     }
 
     /// Whether a print is being made or written.
     #[must_use]
     pub const fn is_printing(&self) -> bool {
-        self.finishing.is_some()
+        self.export.is_busy()
     }
 
-    /// What is to be told since this was asked last.
-    pub fn notes(&mut self) -> impl Iterator<Item = Note> {
-        self.notes.drain(..)
+    /// Removes and returns the messages for the visitor.
+    pub fn take_notices(&mut self) -> impl Iterator<Item = Notice> {
+        self.notices.drain(..)
     }
 
-    /// Tells the visitor something.
-    pub fn note(&mut self, note: Note) {
-        self.notes.push(note);
+    /// Adds a message for the visitor.
+    pub fn push_notice(&mut self, note: Notice) {
+        self.notices.push(note);
     }
 
-    /// One tick. A session that starts leaves the one before in a file of its own.
-    pub fn tick(&mut self, input: &Input) {
-        self.tick_within(input, |step| step());
+    /// Runs one tick. Where it starts a session, the one before is saved to a file of its own.
+    pub fn run_tick(&mut self, input: &TickInput) {
+        self.run_tick_with(input, |step| step());
     }
 
-    /// One tick whose step `around` carries out, once: between two looks at a clock, say.
-    pub fn tick_within(&mut self, input: &Input, around: impl FnOnce(&mut dyn FnMut())) {
-        let starts = input.start != Mode::None;
+    /// Runs one tick. `around` must call its argument, the step itself, exactly once: it can measure
+    /// the step's time, say.
+    pub fn run_tick_with(&mut self, input: &TickInput, around: impl FnOnce(&mut dyn FnMut())) {
+        let starts = input.start != SessionMode::None;
         if starts {
             self.leave_session();
         }
-        let hidden = self.volumes.hidden();
-        let mut stage = Stage::new(self.world, self.volumes.starts(&hidden));
-        let endless = self.record_to.is_some();
-        let has_room = |recording: &mut Recording| endless || recording.ticks() < RECORD_TICKS;
-        match self.recording.take_if(has_room) {
-            Some(recording) => stage.resume(recording),
-            None if starts && self.records => stage.record(),
-            None => {}
-        }
-        stage.tick_within(input, around);
-        self.recording = stage.leave().or(self.recording.take());
-        self.after_tick(input);
+        let LiveSession { world, volumes, .. } = &mut self.session;
+        let hidden = volumes.hidden_figures();
+        let stage = TickRunner::new(world, volumes.start_volumes(&hidden));
+        self.recorder.run_tick(stage, starts, input, around);
+        self.after_tick();
     }
 
-    /// Takes in what threads have done.
-    pub fn poll(&mut self) -> Option<Mode> {
-        while let Some(kept) = self.keeper.heard() {
-            self.tell(kept);
+    /// Collects finished writes and reads. Returns the mode of the session to start where a file has
+    /// been read.
+    pub fn poll_threads(&mut self) -> Option<SessionMode> {
+        while let Some(outcome) = self.file_writer.poll() {
+            self.report_outcome(outcome);
         }
-        self.write_finished();
-        let done = self.opening.as_ref()?.done()?;
+        self.submit_finished_sculpture();
+        let done = self.opening.as_ref()?.poll_result()?;
         self.opening = None;
         match done {
             Ok(()) => {
-                self.volumes.own_mut().copy_from(&Grid::<N>::maps());
-                Some(Mode::Own)
+                self.session.volumes.own_volume_mut().copy_from(&Grid::<N>::lock_range_maps());
+                Some(SessionMode::Own)
             }
             Err(why) => {
-                self.note(Note::Bad(why));
+                self.push_notice(Notice::Bad(why));
                 None
             }
         }
     }
 
-    /// Has a file read, for a session of its own.
-    pub fn open(&mut self, path: &Path, read: Read) {
+    /// Starts to read a file, for a new session. One at a time; others are refused with a message.
+    pub fn open_file(&mut self, path: &Path, read: ReadVolume) {
         match &self.opening {
-            None => self.opening = Some(Opening::begin(path, read)),
+            None => self.opening = Some(PendingRead::spawn(path, read)),
             Some(opening) => {
                 let (path, first) = (path.display(), opening.path.display());
-                self.note(Note::Bad(format!("{path}: not opened, {first} is still being read")));
+                self.push_notice(Notice::Bad(format!(
+                    "{path}: not opened, {first} is still being read"
+                )));
             }
         }
     }
 
-    /// Tries once more to write what no folder took.
-    pub fn write_again(&mut self) {
-        self.unwritten.drain(..).for_each(|job| self.keeper.give(job));
+    /// Submits once more the files that could not be written.
+    pub fn retry_unwritten_files(&mut self) {
+        self.export.take_unwritten().for_each(|job| self.file_writer.submit(job));
     }
 
-    /// The sculpture as it is becomes a volume to start from.
-    pub fn adopt(&mut self) -> Mode {
-        self.volumes.own_mut().copy_from(self.world.volume().maps());
-        Mode::Own
+    /// Copies the current sculpture to the visitor's own start volume. Returns the mode that starts
+    /// from it.
+    pub fn adopt_sculpture(&mut self) -> SessionMode {
+        let LiveSession { world, volumes, .. } = &mut self.session;
+        volumes.own_volume_mut().copy_from(world.volume().maps());
+        SessionMode::Own
     }
 
-    /// Writes the trace of the session so far, and the volume that it began with if that was the
-    /// visitor's own.
+    /// Submits the trace of the session so far, and its start volume if that was the visitor's own.
     pub fn write_trace(&mut self) {
-        let Some(recording) = &self.recording else {
+        let Some(trace) = self.recorder.trace_bytes() else {
             let why = "only a session that began here can be recorded";
-            self.note(Note::Bad(why.into()));
+            self.push_notice(Notice::Bad(why.into()));
             return;
         };
-        if recording.ticks() >= RECORD_TICKS && self.record_to.is_none() {
-            let what = "two hours of a session are recorded: the trace ends there";
-            self.notes.push(Note::Good(what.into()));
+        if self.recorder.is_full() {
+            let text = "two hours of a session are recorded: the trace ends there";
+            self.notices.push(Notice::Good(text.into()));
         }
-        let (mut endings, mut bytes) = (vec!["trace"], vec![recording.trace()]);
-        let hidden = self.volumes.hidden();
-        if let Some(own) = self.volumes.starts(&hidden).own {
-            endings.push("rmap");
+        let (mut extensions, mut bytes) = (vec!["trace"], vec![trace]);
+        let hidden = self.session.volumes.hidden_figures();
+        if let Some(own) = self.session.volumes.start_volumes(&hidden).own {
+            extensions.push("rmap");
             bytes.push(rmap::encode(own));
         }
-        self.give(What::Trace, "session", endings, bytes);
+        self.submit_numbered_files(FileKind::Trace, "session", extensions, bytes);
     }
 
-    /// Saves the session, and waits for the disk: nobody can say when the studio will go on.
-    pub fn pause(&mut self) {
-        if self.changed {
-            self.save();
+    /// Saves the session and waits until it is written: the process may be suspended next.
+    pub fn save_and_wait(&mut self) {
+        if self.autosave.is_changed() {
+            self.save_session();
         }
-        // What went wrong is told.
-        let _ = self.wait();
+        // Errors have been added to the messages.
+        let _ = self.wait_for_writes();
     }
 
-    /// Finishes what is under way and saves the session, and waits for the disk.
+    /// Finishes the print under way, saves the session, and waits until all is written.
     ///
     /// # Errors
-    /// The first thing that could not be written.
-    pub fn close(&mut self) -> Result<(), durable::Error> {
-        if let Some(finishing) = &mut self.finishing {
-            finishing.complete(&mut self.printer);
-        }
-        self.write_finished();
-        self.write_again();
-        self.save();
-        match (&self.record_to, &self.recording) {
-            (Some(path), Some(recording)) => {
-                self.keeper.keep(What::Trace, path.clone(), recording.trace());
+    /// The first write that failed.
+    pub fn close(&mut self) -> Result<(), durable::WriteError> {
+        self.export.finish_files();
+        self.submit_finished_sculpture();
+        self.retry_unwritten_files();
+        self.save_session();
+        if let Some(path) = self.recorder.trace_path().map(PathBuf::from) {
+            match self.recorder.trace_bytes() {
+                Some(trace) => self.file_writer.submit_file(FileKind::Trace, path, trace),
+                None => {
+                    let text = "not written: no session began here";
+                    self.push_notice(Notice::Bad(format!("{}: {text}", path.display())));
+                }
             }
-            (Some(path), None) => {
-                let text = "not written: no session began here";
-                self.note(Note::Bad(format!("{}: {text}", path.display())));
-            }
-            (None, _) => {}
         }
-        self.wait()
+        self.wait_for_writes()
     }
 
     fn leave_session(&mut self) {
-        if self.world.session() == Session::Sculpting && self.world.undo_counts() != (0, 0) {
-            let mut bytes = Vec::new();
-            self.fill(&mut bytes);
-            self.keeper.keep(What::Before, self.places.session_before(N), bytes);
+        if let Some(save) = self.session.save_and_clear() {
+            self.file_writer.submit_file(
+                FileKind::PreviousSession,
+                self.paths.previous_session_file(N),
+                save,
+            );
         }
-        self.world.clear();
-        self.recording = None;
-        self.printed = None;
-        self.saved = 0;
+        self.recorder.discard_recording();
+        self.export.set_last_print_path(None);
+        self.autosave.begin_session();
     }
 
-    fn after_tick(&mut self, input: &Input) {
-        let print = self.printer.tick(self.world);
-        if let Some(finishing) = &mut self.finishing {
-            finishing.take_print(print);
-        }
-        let finished = self.world.events().contains(&Event::Finished);
-        if finished {
+    fn after_tick(&mut self) {
+        let world = &*self.session.world;
+        self.export.advance_print(world);
+        if world.events().contains(&WorldEvent::Finished) {
             // The printer has made the last one's print at once, before it began with this one's.
-            if let Some(last) = &mut self.finishing {
-                last.wait_for_picture();
-                self.write_finished();
-            }
-            self.finishing = Some(Finishing::begin(self.world, self.portrait));
+            self.export.wait_for_picture();
+            self.submit_finished_sculpture();
+            self.export.start_files(self.session.world);
         }
-        let tick = self.world.tick();
-        self.changed |= !self.world.events().is_empty() || !self.world.dirty().is_empty();
-        let running = input.hands.iter().any(|hand| hand.trigger > 127);
-        let stroke_ended = self.running && !running && tick >= self.saved + STROKE_TICKS;
-        self.running = running;
-        self.due |= self.changed && (finished || stroke_ended || tick >= self.saved + SAVE_TICKS);
-        if self.due {
-            self.save();
+        self.autosave.observe_tick(self.session.world);
+        if self.autosave.is_due() {
+            self.save_session();
         }
     }
 }

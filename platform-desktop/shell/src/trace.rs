@@ -1,19 +1,19 @@
-//! Trace files: read whole, checked whole, before the first tick is played.
+//! Trace files: read and checked as a whole before the first tick is replayed.
 
 use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use paros_core::codec::{BadBytes, Reader};
-use paros_core::trace::{HEADER_BYTES, Header, RECORD_BYTES, Record};
+use paros_core::trace::{HEADER_BYTES, RECORD_BYTES, TickRecord, TraceHeader};
+use paros_core::{BadBytes, ByteReader};
 
 use crate::durable;
 
 /// A trace in memory.
 #[derive(Debug)]
 pub struct Trace {
-    header: Header,
-    records: Vec<Record>,
+    header: TraceHeader,
+    records: Vec<TickRecord>,
 }
 
 /// Why a file is no trace.
@@ -34,9 +34,9 @@ pub enum TraceError {
     },
 }
 
-/// Where a replay parts from its trace.
+/// Where a replay first differs from its trace.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Diverged {
+pub enum ReplayDivergence {
     /// Recorded at another size.
     Size {
         /// Of the trace.
@@ -62,7 +62,7 @@ pub enum Diverged {
     Tick {
         /// The tick, from 0.
         tick: usize,
-        /// The first part of the state that differs, of [`PARTS`](paros_core::PARTS).
+        /// The first part of the state that differs, of [`DIGEST_PARTS`](paros_core::internals::DIGEST_PARTS).
         part: &'static str,
         /// Its digest in the trace.
         recorded: u64,
@@ -77,23 +77,23 @@ impl Trace {
     /// # Errors
     /// [`TraceError`], with the file and the offset or tick.
     pub fn read(path: &Path) -> Result<Self, TraceError> {
-        let bytes = durable::read(path).map_err(|e| TraceError::Read(path.into(), e))?;
+        let bytes = durable::read_file(path).map_err(|e| TraceError::Read(path.into(), e))?;
         Self::decode(&bytes).map_err(|(tick, bad)| match tick {
             None => TraceError::Header(path.into(), bad),
             Some(tick) => TraceError::Record { path: path.into(), tick, bad },
         })
     }
 
-    /// The trace that these bytes are.
+    /// Decodes the bytes of a trace file.
     ///
     /// # Errors
     /// The tick, unless it is the header, and what is wrong at which byte.
     pub fn decode(bytes: &[u8]) -> Result<Self, (Option<usize>, BadBytes)> {
-        let header = Header::read(&mut Reader::new(bytes)).map_err(|bad| (None, bad))?;
+        let header = TraceHeader::read(&mut ByteReader::new(bytes)).map_err(|bad| (None, bad))?;
         let mut records = Vec::with_capacity(bytes.len() / RECORD_BYTES);
         let chunks = bytes[HEADER_BYTES..].chunks(RECORD_BYTES);
         for (tick, chunk) in chunks.enumerate() {
-            let record = Record::read(&mut Reader::new(chunk)).map_err(|bad| {
+            let record = TickRecord::read(&mut ByteReader::new(chunk)).map_err(|bad| {
                 let start = HEADER_BYTES + tick * RECORD_BYTES;
                 (Some(tick), BadBytes { offset: start + bad.offset, ..bad })
             })?;
@@ -110,14 +110,14 @@ impl Trace {
         Ok(Trace { header, records })
     }
 
-    /// What it was recorded on.
+    /// The header: size, tick count and digests.
     #[must_use]
-    pub const fn header(&self) -> Header {
+    pub const fn header(&self) -> TraceHeader {
         self.header
     }
 
-    /// Its ticks.
-    pub fn records(&self) -> impl ExactSizeIterator<Item = &Record> {
+    /// The records, one per tick.
+    pub fn records(&self) -> impl ExactSizeIterator<Item = &TickRecord> {
         self.records.iter()
     }
 }
@@ -146,23 +146,23 @@ impl fmt::Display for TraceError {
 
 impl std::error::Error for TraceError {}
 
-impl fmt::Display for Diverged {
+impl fmt::Display for ReplayDivergence {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Diverged::Size { recorded, here } => {
+            ReplayDivergence::Size { recorded, here } => {
                 write!(f, "before tick 0: recorded at {recorded} voxels a side, played at {here}")
             }
-            Diverged::Starts { recorded, here } => write!(
+            ReplayDivergence::Starts { recorded, here } => write!(
                 f,
                 "before tick 0: recorded on other start volumes \
                  (digest {recorded:016x}, these have {here:016x})"
             ),
-            Diverged::State { recorded, here } => write!(
+            ReplayDivergence::State { recorded, here } => write!(
                 f,
                 "before tick 0: recorded from another state \
                  (digest {recorded:016x}, this one has {here:016x})"
             ),
-            Diverged::Tick { tick, part, recorded, here } => write!(
+            ReplayDivergence::Tick { tick, part, recorded, here } => write!(
                 f,
                 "tick {tick}: another state of {part} \
                  (digest {here:016x}, the trace has {recorded:016x})"
@@ -171,4 +171,4 @@ impl fmt::Display for Diverged {
     }
 }
 
-impl std::error::Error for Diverged {}
+impl std::error::Error for ReplayDivergence {}

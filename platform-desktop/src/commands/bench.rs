@@ -2,22 +2,20 @@
 
 use std::path::PathBuf;
 
-use clap::ValueEnum;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-
+use paros_bench::{Benchmark, Plan, Subject, format_table};
+use paros_headless::Error;
 use paros_shell::require::require;
 
 use super::progress;
-use super::render::pixels;
-use crate::bench::{self, Bench, Plan, Subject, table};
-use crate::error::Error;
+use super::render::parse_pixels;
 
 /// Measure speed and size against the usual ways, in turns, best of many runs, on one thread.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     /// What to measure.
-    #[arg(default_value = "all", value_parser = which())]
-    what: Which,
+    #[arg(default_value = "all", value_parser = choice_parser())]
+    what: BenchChoice,
     /// What to measure on: meshes, volumes (.rmap) or figures (lump, owl, cat, amphora, dolphin, toy);
     /// for `step`, traces of sessions, each of which takes minutes.
     #[arg(value_name = "V")]
@@ -32,7 +30,7 @@ pub(super) struct Args {
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..))]
     runs: Option<u16>,
     /// Width and height in pixels of a frame.
-    #[arg(long, value_name = "WxH", default_value = "1440x1584", value_parser = pixels, allow_hyphen_values = true)]
+    #[arg(long, value_name = "WxH", default_value = "1440x1584", value_parser = parse_pixels, allow_hyphen_values = true)]
     size: [usize; 2],
     /// A part of the name of the Vulkan device that draws; else the best one, which for `all` and
     /// `paper` must be a GPU.
@@ -54,35 +52,34 @@ const FRAME_RUNS: u16 = 9;
 const BAR: u64 = 1000;
 
 #[derive(Clone, Copy, Debug)]
-enum Which {
+enum BenchChoice {
     All,
-    One(Bench),
+    One(Benchmark),
 }
 
-fn which() -> impl TypedValueParser<Value = Which> {
-    PossibleValuesParser::new([
-        "all", "islands", "edit", "mesh", "bake", "step", "field", "render", "paper",
-    ])
-    .map(|name| Bench::from_str(&name, false).map_or(Which::All, Which::One))
+fn choice_parser() -> impl TypedValueParser<Value = BenchChoice> {
+    let names = Benchmark::ALL.map(Benchmark::name);
+    PossibleValuesParser::new(["all"].into_iter().chain(names))
+        .map(|name| Benchmark::from_name(&name).map_or(BenchChoice::All, BenchChoice::One))
 }
 
 pub(super) fn run(args: &Args) -> Result<String, Error> {
     if let Some(what) = &args.replay {
-        return bench::replay(what).map(|()| String::new());
+        return paros_bench::replay_for_callgrind(what).map(|()| String::new());
     }
     let mut named: Vec<_> = args.named.iter().chain(&args.volumes).collect();
     let mut traces = vec![];
-    if let Which::One(Bench::Step) = args.what {
+    if let BenchChoice::One(Benchmark::Step) = args.what {
         traces = named.drain(..).cloned().collect();
     }
-    let subjects = named.into_iter().map(|v| Subject::named(v));
+    let subjects = named.into_iter().map(|v| Subject::from_name(v));
     let mut subjects = subjects.collect::<Result<Vec<_>, _>>()?;
     if subjects.is_empty() {
-        subjects = Subject::own();
+        subjects = Subject::own_figures();
     }
     let benches = match args.what {
-        Which::All => Bench::value_variants().to_vec(),
-        Which::One(bench) => vec![bench],
+        BenchChoice::All => Benchmark::ALL.to_vec(),
+        BenchChoice::One(bench) => vec![bench],
     };
     let plan = Plan {
         benches,
@@ -94,9 +91,9 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
         device: args.device.clone(),
         python: args.python.clone(),
     };
-    let slow = plan.benches.contains(&Bench::Step);
+    let slow = plan.benches.contains(&Benchmark::Step);
     let what = if slow { "measuring (step takes minutes)" } else { "measuring" };
-    let bar = progress::bar(what, Some(BAR * plan.pieces() as u64));
+    let bar = progress::show_progress(what, Some(BAR * plan.piece_count() as u64));
     let report = plan.run(|done| bar.advance_to((BAR as f64 * done) as u64))?;
     drop(bar);
     let missing = report.skipped.iter().map(|why| require::<(), _>(Err(why)));
@@ -108,6 +105,6 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
         true => {
             serde_json::to_string_pretty(&report.rows).map(|s| s + "\n").map_err(Error::failure)
         }
-        false => Ok(table(&report.rows)),
+        false => Ok(format_table(&report.rows)),
     }
 }

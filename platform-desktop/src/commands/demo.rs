@@ -5,20 +5,18 @@ use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-use paros_core::events::Event;
-use paros_core::size::{Grid, Size};
-use paros_core::world::World;
-use paros_shaders::{Camera, Image, RenderOptions, contact_sheet, render};
-use paros_shell::durable::Target;
+use paros_core::{Grid, Size, World, WorldEvent};
+use paros_headless::Error;
+use paros_shaders::{Camera, Image, RenderOptions, contact_sheet, render_image};
+use paros_shell::demo::{self, Chapter};
+use paros_shell::durable::WriteTarget;
 use paros_shell::figures::Figure;
-use paros_shell::print::{HEIGHT_MM, Print, Printer};
-use paros_shell::stage::Stage;
+use paros_shell::print::{DEFAULT_HEIGHT_MM, FinishedPrint, StlPrinter};
 use paros_shell::statics::Resident;
+use paros_shell::tick_runner::TickRunner;
 use paros_shell::{durable, rmap};
 
 use super::progress;
-use crate::demo::{self, Chapter};
-use crate::error::Error;
 
 /// Voxels along an edge.
 const N: usize = 128;
@@ -26,7 +24,7 @@ const N: usize = 128;
 /// Which of the hidden figures comes to light.
 const FIGURE: u8 = 0;
 
-/// What it leaves.
+/// The files that it writes.
 const FILES: [&str; 5] =
     ["session.trace", "sculpture.rmap", "sculpture.stl", "contact-sheet.png", "report.txt"];
 
@@ -47,35 +45,35 @@ impl Default for Args {
 pub(super) fn run(args: &Args) -> Result<String, Error> {
     let folder = &args.output;
     durable::make_folder(folder)?;
-    // Tried before the work, and written together after it.
-    let tried = FILES.iter().map(|name| Target::tried(&folder.join(name)));
+    // Checked before the work, and written together after it.
+    let tried = FILES.iter().map(|name| WriteTarget::resolve_writable(&folder.join(name)));
     let targets = tried.collect::<Result<Vec<_>, _>>()?;
-    let session = sculpt()?;
+    let session = play_session()?;
     let mut png = Vec::new();
     contact_sheet(&session.pictures, 3).write_png(&mut png).map_err(Error::failure)?;
-    let world = Grid::<N>::world();
+    let world = Grid::<N>::lock_world();
     let maps = rmap::encode(world.volume().maps());
-    let mut report = session.report(world.volume().count());
+    let mut report = session.format_report(world.volume().count_voxels());
     let bytes = [&session.trace, &maps, &session.print.stl, &png, report.as_bytes()];
-    durable::write_all(&targets.into_iter().zip(bytes).collect::<Vec<_>>())?;
+    durable::write_files(&targets.into_iter().zip(bytes).collect::<Vec<_>>())?;
     let _ = writeln!(report, "{}: {}", folder.display(), FILES.join(", "));
     Ok(report)
 }
 
-/// What came of the session, but for the world itself.
-struct Session {
+/// The session's results, except the world itself.
+struct DemoResult {
     trace: Vec<u8>,
-    print: Print,
+    print: FinishedPrint,
     pictures: Vec<Image>,
-    tally: Tally,
+    tally: EventCounts,
     chapters: Vec<(Chapter, u64, u64)>,
     digest: u64,
     spent: Duration,
 }
 
-/// Counts over all ticks.
+/// Event counts over all ticks.
 #[derive(Default)]
-struct Tally {
+struct EventCounts {
     edits: u64,
     removed: u64,
     added: u64,
@@ -85,32 +83,32 @@ struct Tally {
     undone: u32,
 }
 
-impl Tally {
-    fn count<const N: usize>(&mut self, world: &World<N>)
+impl EventCounts {
+    fn count_events<const N: usize>(&mut self, world: &World<N>)
     where
         Grid<N>: Size,
     {
         for event in world.events() {
             match event {
-                Event::Edited { report, .. } => {
+                WorldEvent::Edited { report, .. } => {
                     self.edits += 1;
                     self.removed += u64::from(report.removed);
                     self.added += u64::from(report.added + report.closed);
                     self.refused_by_mask += u64::from(report.refused_by_mask);
                 }
-                Event::Islands(report) => {
+                WorldEvent::Islands(report) => {
                     self.island_voxels += u64::from(report.removed);
                     self.largest_island = self.largest_island.max(report.removed);
                 }
-                Event::Undone => self.undone += 1,
+                WorldEvent::Undone => self.undone += 1,
                 _ => {}
             }
         }
     }
 }
 
-impl Session {
-    fn report(&self, voxels: u64) -> String {
+impl DemoResult {
+    fn format_report(&self, voxels: u64) -> String {
         let t = &self.tally;
         let ticks = self.chapters.last().map_or(0, |chapter| chapter.1);
         let mut lines = String::new();
@@ -118,11 +116,12 @@ impl Session {
             lines,
             "the {} from the stone: {ticks} ticks ({} s of sculpting), stepped in {:.2} s",
             Figure::HIDDEN[usize::from(FIGURE)].name(),
-            ticks / u64::from(paros_core::input::TICK_RATE),
+            ticks / u64::from(paros_core::TICK_RATE),
             self.spent.as_secs_f32(),
         );
         for (chapter, tick, voxels) in &self.chapters {
-            let _ = writeln!(lines, "  tick {tick:>6}  {voxels:>8} voxels  {}", chapter.words());
+            let _ =
+                writeln!(lines, "  tick {tick:>6}  {voxels:>8} voxels  {}", chapter.announcement());
         }
         let _ = writeln!(
             lines,
@@ -135,50 +134,54 @@ impl Session {
             t.island_voxels, t.largest_island, t.undone
         );
         let _ = writeln!(lines, "{voxels} voxels remain; digest {:016x}", self.digest);
-        let _ = writeln!(lines, "print: {} triangles, {HEIGHT_MM} mm high", self.print.triangles);
+        let _ = writeln!(
+            lines,
+            "print: {} triangles, {DEFAULT_HEIGHT_MM} mm high",
+            self.print.triangle_count
+        );
         lines
     }
 }
 
-fn sculpt() -> Result<Session, Error> {
-    let making = progress::bar("quarrying", None);
-    let mut starts = Grid::<N>::start_volumes();
-    starts.make(&mut Grid::<N>::plane(), |_| {});
+fn play_session() -> Result<DemoResult, Error> {
+    let making = progress::show_progress("quarrying", None);
+    let mut starts = Grid::<N>::lock_start_volumes();
+    starts.generate_figures(&mut Grid::<N>::lock_bit_grid(), |_| {});
     drop(making);
-    let hidden = starts.hidden();
-    let mut world = Grid::<N>::world();
-    let mut stage = Stage::new(&mut world, starts.starts(&hidden));
-    stage.record();
-    let mut press = Grid::<N>::press();
-    let (mut printer, mut print) = (Printer::new(&mut press, HEIGHT_MM)?, None);
+    let hidden = starts.hidden_figures();
+    let mut world = Grid::<N>::lock_world();
+    let mut stage = TickRunner::new(&mut world, starts.start_volumes(&hidden));
+    stage.start_recording();
+    let mut press = Grid::<N>::lock_print_buffers();
+    let (mut printer, mut print) = (StlPrinter::new(&mut press, DEFAULT_HEIGHT_MM)?, None);
 
-    let bar = progress::bar("sculpting", Some(Chapter::ALL.len() as u64));
-    let (mut tally, mut pictures, mut chapters) = (Tally::default(), Vec::new(), Vec::new());
+    let bar = progress::show_progress("sculpting", Some(Chapter::ALL.len() as u64));
+    let (mut tally, mut pictures, mut chapters) = (EventCounts::default(), Vec::new(), Vec::new());
     let mut drawing = Duration::ZERO;
     let begun = Instant::now();
-    demo::play(
+    demo::play_demo(
         &mut stage,
         FIGURE,
         &mut |world| {
-            tally.count(world);
-            print = printer.tick(world).or(print.take());
+            tally.count_events(world);
+            print = printer.advance_after_tick(world).or(print.take());
             ControlFlow::Continue(())
         },
         |chapter, world| {
             let drawn = Instant::now();
-            chapters.push((chapter, world.tick(), world.volume().count()));
+            chapters.push((chapter, world.tick(), world.volume().count_voxels()));
             let options = RenderOptions { width: 480, height: 480, ..RenderOptions::default() };
-            let camera = Camera::ring(0.45, 0.3);
-            pictures.push(render(world.volume().maps(), &camera, &options, &|_| {}));
+            let camera = Camera::on_ring(0.45, 0.3);
+            pictures.push(render_image(world.volume().maps(), &camera, &options, &|_| {}));
             bar.advance_to(chapters.len() as u64);
             drawing += drawn.elapsed();
         },
     );
     let spent = begun.elapsed() - drawing;
     let trace = stage.end_recording().unwrap_or_default();
-    // No more ticks come for it to go on with.
-    let print = printer.complete().or(print);
+    // No ticks follow: the print is finished at once.
+    let print = printer.finish_print().or(print);
     let print = print.ok_or_else(|| Error::Failure("the demo was not finished".into()))?;
     let digest = stage.world().digest();
-    Ok(Session { trace, print, pictures, tally, chapters, digest, spent })
+    Ok(DemoResult { trace, print, pictures, tally, chapters, digest, spent })
 }

@@ -1,91 +1,101 @@
-//! What draws a command's pictures: the processor or a Vulkan device, by one of two paths.
+//! Renderer choice of the commands: the CPU or a Vulkan device, by one of two render paths.
 
 use clap::ValueEnum;
-use paros_core::maps::Maps;
-use paros_shaders::field::Field;
-use paros_shaders::gpu::{Look, Parts, Path, Picture};
-use paros_shaders::{Camera, Image, RenderOptions, render};
-
-use crate::error::Error;
-use crate::headless::{self, BACKDROP, Canvas, Easel};
+use paros_core::RangeMaps;
+use paros_headless::{BACKDROP, Error, HeadlessRenderer, PictureFormat};
+use paros_shaders::field::DensityField;
+use paros_shaders::gpu::{FrameRequest, PaperVariant, RenderPath, RenderStyle};
+use paros_shaders::{Camera, Image, RenderOptions, render_image};
 
 /// Samples of a pixel on a Vulkan device.
 const SAMPLES: u32 = 4;
 
 /// How pictures are to be drawn.
 #[derive(Clone, Copy, Debug, clap::Args)]
-pub(super) struct Drawing {
+pub(super) struct DrawingOptions {
     /// What draws: this machine's processors, or the best Vulkan device, which leaves the studio
     /// around the sculpture out.
     #[arg(long, value_enum, default_value = "cpu")]
-    renderer: Means,
+    renderer: RendererChoice,
     /// How the sculpture is drawn: as in the paper, or smooth.
     #[arg(long, value_enum, default_value = "fast")]
-    path: Way,
+    path: PathChoice,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug, ValueEnum)]
-enum Means {
+enum RendererChoice {
     Cpu,
     Vulkan,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug, ValueEnum)]
-enum Way {
+enum PathChoice {
     Paper,
     Fast,
 }
 
-/// Draws pictures of one size.
-pub(super) enum Painter<const N: usize> {
+/// A renderer of pictures of one size.
+pub(super) enum PictureRenderer<const N: usize> {
     Cpu(RenderOptions),
-    Vulkan { easel: Box<Easel>, field: Box<Field<N>>, size: [u32; 2], path: Path },
+    Vulkan {
+        easel: Box<HeadlessRenderer>,
+        field: Box<DensityField<N>>,
+        size: [u32; 2],
+        path: RenderPath,
+    },
 }
 
-impl Drawing {
-    /// What draws pictures of a size; on the processor with so many rays along a pixel's side.
-    pub(super) fn painter<const N: usize>(
+impl DrawingOptions {
+    /// Makes a renderer of pictures of `[width, height]` pixels. On the CPU, `samples` rays go along
+    /// each side of a pixel.
+    pub(super) fn make_renderer<const N: usize>(
         &self,
         [width, height]: [usize; 2],
         samples: usize,
-    ) -> Result<Painter<N>, Error> {
-        if self.renderer == Means::Cpu {
+    ) -> Result<PictureRenderer<N>, Error> {
+        if self.renderer == RendererChoice::Cpu {
             let options = match self.path {
-                Way::Paper => RenderOptions::paper(),
-                Way::Fast => RenderOptions::default(),
+                PathChoice::Paper => RenderOptions::paper_path(),
+                PathChoice::Fast => RenderOptions::default(),
             };
-            return Ok(Painter::Cpu(RenderOptions { width, height, samples, ..options }));
+            return Ok(PictureRenderer::Cpu(RenderOptions { width, height, samples, ..options }));
         }
         let size = [width, height].map(|side| side as u32);
-        let canvas = Canvas { size, eyes: 1, samples: SAMPLES };
-        let easel = Box::new(Easel::new(&headless::open(None)?, N, canvas, &[])?);
+        let canvas = PictureFormat { size, eyes: 1, samples: SAMPLES };
+        let easel =
+            Box::new(HeadlessRenderer::new(&paros_headless::open_gpu(None)?, N, canvas, &[])?);
         let path = match self.path {
-            Way::Paper => Path::Paper(Parts::Whole),
-            Way::Fast => Path::Fast,
+            PathChoice::Paper => RenderPath::Paper(PaperVariant::Whole),
+            PathChoice::Fast => RenderPath::Fast,
         };
-        Ok(Painter::Vulkan { easel, field: Box::new(Field::new()), size, path })
+        Ok(PictureRenderer::Vulkan { easel, field: Box::new(DensityField::new()), size, path })
     }
 }
 
-impl<const N: usize> Painter<N> {
-    /// A picture of a volume. `progress` hears the part done, 0 to 1.
-    pub(super) fn paint(
+impl<const N: usize> PictureRenderer<N> {
+    /// Draws a volume. `progress` gets the fraction done, 0 to 1.
+    pub(super) fn draw_picture(
         &mut self,
-        maps: &Maps<N>,
+        maps: &RangeMaps<N>,
         camera: &Camera,
         progress: &(dyn Fn(f32) + Sync),
     ) -> Result<Image, Error> {
         match self {
-            Painter::Cpu(options) => Ok(render(maps, camera, options, progress)),
-            Painter::Vulkan { easel, field, size, path } => {
-                field.rebuild(maps);
-                easel.load(field)?;
-                let (eye, stand) = headless::seen_by(camera, *size);
-                let look = Look { path: *path, ..Look::default() };
-                let picture =
-                    Picture { eyes: &[eye], stand, look, backdrop: BACKDROP, scene: None };
-                easel.draw(&picture, &vec![])?;
-                easel.image(0)
+            PictureRenderer::Cpu(options) => Ok(render_image(maps, camera, options, progress)),
+            PictureRenderer::Vulkan { easel, field, size, path } => {
+                field.rebuild_from(maps);
+                easel.load_field(field)?;
+                let (eye, stand) = paros_headless::eye_and_stand_of(camera, *size);
+                let look = RenderStyle { path: *path, ..RenderStyle::default() };
+                let picture = FrameRequest {
+                    eyes: &[eye],
+                    placement: stand,
+                    style: look,
+                    backdrop: BACKDROP,
+                    scene: None,
+                };
+                easel.draw_picture(&picture, &vec![])?;
+                easel.read_image(0)
             }
         }
     }

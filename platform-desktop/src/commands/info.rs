@@ -3,16 +3,15 @@
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-use paros_core::plane::Plane;
-use paros_core::row::Bits;
-use paros_core::size::{Grid, Size};
+use paros_core::{BitGrid, BitSet, Grid, Size};
+use paros_headless::Error;
+use paros_shell::mesh::{self, MeshFormat};
 use paros_shell::rmap;
 use paros_shell::statics::Resident;
+use paros_shell::with_size;
 use serde::Serialize;
 
 use super::volume;
-use crate::error::Error;
-use crate::mesh::{self, Kind};
 
 /// Tell what a volume or a mesh holds.
 #[derive(Debug, clap::Args)]
@@ -57,14 +56,12 @@ struct MeshInfo {
 }
 
 pub(super) fn run(args: &Args) -> Result<String, Error> {
-    let info = if Kind::of(&args.file).is_some() {
+    let info = if MeshFormat::from_extension(&args.file).is_some() {
         Info::Mesh(mesh_info(&args.file)?)
     } else {
-        Info::Volume(match volume::size(&args.file)? {
-            128 => volume_info::<128>(&args.file),
-            256 => volume_info::<256>(&args.file),
-            n => Err(volume::unusable_size(&args.file, n)),
-        }?)
+        let size = volume::read_size(&args.file)?;
+        let unusable = || Err(volume::unusable_size(&args.file, size));
+        Info::Volume(with_size!(size, N => volume_info::<N>(&args.file), else unusable())?)
     };
     if args.json {
         let json = serde_json::to_string_pretty(&info).map_err(Error::failure)?;
@@ -80,24 +77,24 @@ fn volume_info<const N: usize>(path: &Path) -> Result<VolumeInfo, Error>
 where
     Grid<N>: Size + Resident<N>,
 {
-    let header = rmap::peek(path).map_err(Error::input)?;
-    let (mut maps, mut plane) = (Grid::<N>::maps(), Grid::<N>::plane());
+    let header = rmap::read_header(path).map_err(Error::input)?;
+    let (mut maps, mut plane) = (Grid::<N>::lock_range_maps(), Grid::<N>::lock_bit_grid());
     rmap::read(path, &mut *maps).map_err(Error::input)?;
-    plane.expand(&maps);
+    plane.set_from_maps(&maps);
     Ok(VolumeInfo {
         version: header.version,
-        size: header.n,
+        size: header.side,
         layers: header.layers,
         bytes: header.file_length(),
-        checksum: format!("{:08x}", rmap::checksum(&maps)),
-        voxels: plane.count(),
-        ground: plane.layer(0).iter().map(|row| u64::from(row.count())).sum(),
-        bounds: bounds(&plane),
+        checksum: format!("{:08x}", rmap::volume_checksum(&maps)),
+        voxels: plane.count_voxels(),
+        ground: plane.layer(0).iter().map(|row| u64::from(row.count_ones())).sum(),
+        bounds: voxel_bounds(&plane),
     })
 }
 
 /// First and last occupied voxel along x, y and z.
-fn bounds<const N: usize>(plane: &Plane<N>) -> Option<[[usize; 3]; 2]>
+fn voxel_bounds<const N: usize>(plane: &BitGrid<N>) -> Option<[[usize; 3]; 2]>
 where
     Grid<N>: Size,
 {
@@ -139,8 +136,8 @@ fn mesh_info(path: &Path) -> Result<MeshInfo, Error> {
     Ok(MeshInfo {
         vertices: mesh.positions.len(),
         triangles: mesh.triangles.len(),
-        bounds: mesh.bounds(),
-        winding_faults: mesh.winding_faults(),
+        bounds: mesh.bounding_box(),
+        winding_faults: mesh.count_winding_faults(),
     })
 }
 

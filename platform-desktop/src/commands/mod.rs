@@ -13,8 +13,7 @@ mod volume;
 mod window;
 
 use clap::{Parser, Subcommand};
-
-use crate::error::Error;
+use paros_headless::Error;
 
 /// Sculpts in a block of voxels: bakes meshes, shows and exports sculptures.
 #[derive(Debug, Parser)]
@@ -22,11 +21,11 @@ use crate::error::Error;
 pub struct Cli {
     /// Without a command: the window, or the demo where there can be none.
     #[command(subcommand)]
-    command: Option<Command>,
+    command: Option<CliCommand>,
 }
 
 #[derive(Debug, Subcommand)]
-enum Command {
+enum CliCommand {
     Demo(demo::Args),
     Bake(bake::Args),
     Bench(bench::Args),
@@ -38,21 +37,21 @@ enum Command {
 }
 
 impl Cli {
-    /// Runs the command; what it has to say comes back as whole lines.
+    /// Runs the command. Returns its output as whole lines.
     ///
     /// # Errors
-    /// What went wrong and whose fault it is. No file is written then.
+    /// What failed, and whether input or program is at fault. No file is written then.
     pub fn run(&self) -> Result<String, Error> {
         match &self.command {
             None => window::run_or_demo(),
-            Some(Command::Demo(args)) => demo::run(args),
-            Some(Command::Bake(args)) => bake::run(args),
-            Some(Command::Bench(args)) => bench::run(args),
-            Some(Command::Info(args)) => info::run(args),
-            Some(Command::Play(args)) => play::run(args),
-            Some(Command::Export(args)) => export::run(args),
-            Some(Command::Render(args)) => render::run(args),
-            Some(Command::Window(args)) => window::run(args),
+            Some(CliCommand::Demo(args)) => demo::run(args),
+            Some(CliCommand::Bake(args)) => bake::run(args),
+            Some(CliCommand::Bench(args)) => bench::run(args),
+            Some(CliCommand::Info(args)) => info::run(args),
+            Some(CliCommand::Play(args)) => play::run(args),
+            Some(CliCommand::Export(args)) => export::run(args),
+            Some(CliCommand::Render(args)) => render::run(args),
+            Some(CliCommand::Window(args)) => window::run(args),
         }
     }
 }

@@ -3,18 +3,18 @@
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-use paros_core::size::{Grid, Size};
-use paros_core::world::{Session, World};
+use paros_core::{Grid, SessionState, Size, World};
+use paros_headless::Error;
 use paros_shaders::Camera;
-use paros_shell::durable::{self, Target};
-use paros_shell::print::{HEIGHT_MM, Print, Printer};
-use paros_shell::stage::Stage;
+use paros_shell::durable::{self, WriteTarget};
+use paros_shell::print::{DEFAULT_HEIGHT_MM, FinishedPrint, StlPrinter};
 use paros_shell::statics::Resident;
+use paros_shell::tick_runner::TickRunner;
 use paros_shell::trace::Trace;
+use paros_shell::with_size;
 
-use super::drawing::{Drawing, Painter};
+use super::drawing::{DrawingOptions, PictureRenderer};
 use super::{progress, volume};
-use crate::error::Error;
 
 /// Play a trace; stop at the first tick that differs from the recording.
 #[derive(Debug, clap::Args)]
@@ -34,7 +34,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "F")]
     stl: Option<PathBuf>,
     #[command(flatten)]
-    drawing: Drawing,
+    drawing: DrawingOptions,
 }
 
 /// Width and height of a picture.
@@ -53,51 +53,48 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
     if let Some(stl) = &args.stl {
         volume::check_ending(stl, "stl")?;
     }
-    if volume::is_one(&args.trace) {
+    if volume::is_volume_file(&args.trace) {
         let what = args.trace.display();
         let why = format!("{what}: is a volume, not a trace; `paros render` draws it");
         return Err(Error::Input(why));
     }
     let trace = Trace::read(&args.trace).map_err(Error::input)?;
-    match trace.header().size {
-        256 => play::<256>(args, &trace),
-        _ => play::<128>(args, &trace),
-    }
+    with_size!(trace.header().side, N => play_trace::<N>(args, &trace))
 }
 
-fn play<const N: usize>(args: &Args, trace: &Trace) -> Result<String, Error>
+fn play_trace<const N: usize>(args: &Args, trace: &Trace) -> Result<String, Error>
 where
     Grid<N>: Size + Resident<N>,
 {
-    let outputs = Outputs::tried(args)?;
-    let mut starts = Grid::<N>::start_volumes();
+    let outputs = OutputTargets::check_writable(args)?;
+    let mut starts = Grid::<N>::lock_start_volumes();
     if let Some(path) = &args.volume {
-        match volume::size(path)? {
-            n if n == N => volume::read(path, starts.own_mut())?,
+        match volume::read_size(path)? {
+            n if n == N => volume::read_nonempty(path, starts.own_volume_mut())?,
             n => {
                 let path = path.display();
                 return Err(Error::Input(format!("{path}: has size {n}, the trace {N}")));
             }
         }
     }
-    let making = progress::bar("quarrying", None);
-    starts.make(&mut Grid::<N>::plane(), |_| {});
+    let making = progress::show_progress("quarrying", None);
+    starts.generate_figures(&mut Grid::<N>::lock_bit_grid(), |_| {});
     drop(making);
-    let (hidden, mut world) = (starts.hidden(), Grid::<N>::world());
-    let mut stage = Stage::new(&mut world, starts.starts(&hidden));
-    let played = replay(args, trace, &mut stage)?;
+    let (hidden, mut world) = (starts.hidden_figures(), Grid::<N>::lock_world());
+    let mut stage = TickRunner::new(&mut world, starts.start_volumes(&hidden));
+    let played = replay_trace(args, trace, &mut stage)?;
 
     let world = stage.world();
     let mut report = format!(
         "{}: {} ticks, all as recorded; {} voxels, digest {:016x}\n",
         args.trace.display(),
         trace.records().len(),
-        world.volume().count(),
+        world.volume().count_voxels(),
         world.digest()
     );
-    outputs.write(&played)?;
+    outputs.write_files(&played)?;
     if let (Some(path), Some(print)) = (&args.stl, &played.print) {
-        let _ = writeln!(report, "{}: {} triangles", path.display(), print.triangles);
+        let _ = writeln!(report, "{}: {} triangles", path.display(), print.triangle_count);
     }
     if let Some(folder) = &args.frames {
         let _ = writeln!(report, "{}: {} pictures", folder.display(), played.frames);
@@ -105,17 +102,18 @@ where
     Ok(report)
 }
 
-/// Where the files go that are written at the end.
-struct Outputs {
-    digests: Option<Target>,
-    stl: Option<Target>,
+/// The files that are written at the end.
+struct OutputTargets {
+    digests: Option<WriteTarget>,
+    stl: Option<WriteTarget>,
 }
 
-impl Outputs {
-    /// Tried before the work: a place where no file can be is told at once.
-    fn tried(args: &Args) -> Result<Self, Error> {
-        let tried = |path: &Option<PathBuf>| path.as_deref().map(Target::tried).transpose();
-        let outputs = Outputs { digests: tried(&args.digests)?, stl: tried(&args.stl)? };
+impl OutputTargets {
+    /// Checks before the work that the files can be written.
+    fn check_writable(args: &Args) -> Result<Self, Error> {
+        let tried =
+            |path: &Option<PathBuf>| path.as_deref().map(WriteTarget::resolve_writable).transpose();
+        let outputs = OutputTargets { digests: tried(&args.digests)?, stl: tried(&args.stl)? };
         match (&outputs.digests, &outputs.stl) {
             (Some(a), Some(b)) if a.is_same_file(b) => {
                 Err(Error::Input(format!("{}: named for two outputs", b.path().display())))
@@ -124,54 +122,54 @@ impl Outputs {
         }
     }
 
-    fn write(self, played: &Played) -> Result<(), Error> {
+    fn write_files(self, played: &ReplayResult) -> Result<(), Error> {
         let digests = self.digests.map(|target| (target, played.digests.as_bytes()));
         let print = self.stl.zip(played.print.as_ref().map(|print| &print.stl[..]));
         let files: Vec<_> = digests.into_iter().chain(print).collect();
-        Ok(durable::write_all(&files)?)
+        Ok(durable::write_files(&files)?)
     }
 }
 
-/// What a replay leaves besides the world.
-struct Played {
+/// The results of a replay, except the world itself.
+struct ReplayResult {
     digests: String,
-    print: Option<Print>,
+    print: Option<FinishedPrint>,
     frames: usize,
 }
 
-fn replay<const N: usize>(
+fn replay_trace<const N: usize>(
     args: &Args,
     trace: &Trace,
-    stage: &mut Stage<'_, N>,
-) -> Result<Played, Error>
+    stage: &mut TickRunner<'_, N>,
+) -> Result<ReplayResult, Error>
 where
     Grid<N>: Size + Resident<N>,
 {
-    let bar = progress::bar("playing", Some(trace.records().len() as u64));
-    let mut played = Played { digests: String::new(), print: None, frames: 0 };
+    let bar = progress::show_progress("playing", Some(trace.records().len() as u64));
+    let mut played = ReplayResult { digests: String::new(), print: None, frames: 0 };
     let mut drawn = Ok(());
     let mut frames = match args.frames.as_deref() {
-        Some(folder) => Some((folder, args.drawing.painter::<N>(FRAME_SIZE, 1)?)),
+        Some(folder) => Some((folder, args.drawing.make_renderer::<N>(FRAME_SIZE, 1)?)),
         None => None,
     };
-    let mut press = Grid::<N>::press();
-    let mut printer = Printer::new(&mut press, HEIGHT_MM)?;
+    let mut press = Grid::<N>::lock_print_buffers();
+    let mut printer = StlPrinter::new(&mut press, DEFAULT_HEIGHT_MM)?;
     stage
         .replay(trace, |tick, world| {
             let _ = writeln!(played.digests, "{:016x}", world.digest());
             if args.stl.is_some()
-                && let Some(print) = printer.tick(world)
+                && let Some(print) = printer.advance_after_tick(world)
             {
                 played.print = Some(print);
             }
             if tick % 64 == 0 {
                 bar.advance_to(tick as u64);
             }
-            if let Some((folder, painter)) = &mut frames
+            if let Some((folder, renderer)) = &mut frames
                 && tick % FRAME_TICKS == 0
                 && drawn.is_ok()
             {
-                drawn = draw(painter, folder, tick / FRAME_TICKS, world);
+                drawn = draw_frame(renderer, folder, tick / FRAME_TICKS, world);
                 played.frames += 1;
             }
         })
@@ -179,30 +177,31 @@ where
     drawn?;
     if args.stl.is_some() {
         let last = last_print(&mut printer, played.print.take(), stage.world());
-        played.print = Some(volume::printed(last, &args.trace)?);
+        played.print = Some(volume::require_print(last, &args.trace)?);
     }
     Ok(played)
 }
 
-/// The print of the last tick's sculpture: the one under way or made, if its session is the one that
-/// was finished last.
+/// The print of the last tick's sculpture. A session that was finished has its print in progress or
+/// made already; else one is begun.
 fn last_print<const N: usize>(
-    printer: &mut Printer<'_, N>,
-    made: Option<Print>,
+    printer: &mut StlPrinter<'_, N>,
+    made: Option<FinishedPrint>,
     world: &World<N>,
-) -> Option<Print>
+) -> Option<FinishedPrint>
 where
     Grid<N>: Size,
 {
-    if world.session() != Session::Finished {
-        printer.begin(world.volume().rows(), world.mask());
+    if world.session_state() != SessionState::Finished {
+        printer.begin_print(world.volume().rows(), world.mask());
     }
-    printer.complete().or(made)
+    printer.finish_print().or(made)
 }
 
-/// Draws one picture of a replay. The folder is made with the first, once the trace was found to fit.
-fn draw<const N: usize>(
-    painter: &mut Painter<N>,
+/// Draws a picture of a replay to `{frame:06}.png`. The folder is made with the first picture, when
+/// the trace is known to match.
+fn draw_frame<const N: usize>(
+    renderer: &mut PictureRenderer<N>,
     folder: &Path,
     frame: usize,
     world: &World<N>,
@@ -210,10 +209,11 @@ fn draw<const N: usize>(
 where
     Grid<N>: Size,
 {
-    let image = painter.paint(world.volume().maps(), &Camera::ring(0.45, 0.3), &|_| {})?;
+    let image =
+        renderer.draw_picture(world.volume().maps(), &Camera::on_ring(0.45, 0.3), &|_| {})?;
     durable::make_folder(folder)?;
     let mut png = Vec::new();
     image.write_png(&mut png).map_err(Error::failure)?;
-    durable::write(&folder.join(format!("{frame:06}.png")), &png)?;
+    durable::write_file(&folder.join(format!("{frame:06}.png")), &png)?;
     Ok(())
 }

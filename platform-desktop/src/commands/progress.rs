@@ -4,11 +4,12 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-/// How often a bar moves while its work reports nothing.
+/// Redraw interval while the work reports nothing.
 const TICK: Duration = Duration::from_millis(100);
 
-/// A bar of `steps`, or without a known number of them a spinner. It clears itself when dropped.
-pub(super) fn bar(what: &'static str, steps: Option<u64>) -> Bar {
+/// Shows a progress bar of `steps`, or a spinner where their number is unknown. It is cleared when
+/// dropped.
+pub(super) fn show_progress(what: &'static str, steps: Option<u64>) -> ProgressDisplay {
     let (bar, template) = match steps {
         Some(steps) => (ProgressBar::new(steps), "{msg:10} {bar:40} {percent:>3} % {elapsed:>4}"),
         None => (ProgressBar::new_spinner(), "{msg:10} {spinner} {elapsed}"),
@@ -18,19 +19,19 @@ pub(super) fn bar(what: &'static str, steps: Option<u64>) -> Bar {
     }
     bar.set_message(what);
     bar.enable_steady_tick(TICK);
-    Bar(bar)
+    ProgressDisplay(bar)
 }
 
-/// A bar on the screen.
-pub(super) struct Bar(ProgressBar);
+/// A progress bar or spinner on standard error.
+pub(super) struct ProgressDisplay(ProgressBar);
 
-impl Bar {
+impl ProgressDisplay {
     pub(super) fn advance_to(&self, step: u64) {
         self.0.set_position(step);
     }
 }
 
-impl Drop for Bar {
+impl Drop for ProgressDisplay {
     fn drop(&mut self) {
         self.0.finish_and_clear();
     }

@@ -2,14 +2,15 @@
 
 use std::path::PathBuf;
 
-use paros_core::size::{Grid, Size};
+use paros_core::{Grid, Size};
+use paros_headless::Error;
 use paros_shaders::Camera;
-use paros_shell::durable::Target;
+use paros_shell::durable::WriteTarget;
 use paros_shell::statics::Resident;
+use paros_shell::with_size;
 
-use super::drawing::Drawing;
+use super::drawing::DrawingOptions;
 use super::{progress, volume};
-use crate::error::Error;
 
 /// The longest side of a picture in pixels.
 const LONGEST: usize = 8192;
@@ -24,28 +25,28 @@ pub(super) struct Args {
     #[arg(short, long, value_name = "P.png")]
     output: PathBuf,
     /// Width and height in pixels.
-    #[arg(long, value_name = "WxH", default_value = "640x480", value_parser = pixels, allow_hyphen_values = true)]
+    #[arg(long, value_name = "WxH", default_value = "640x480", value_parser = parse_pixels, allow_hyphen_values = true)]
     size: [usize; 2],
     /// Azimuth (0 looks at the front, 90 at the right) and elevation of the view, in degrees.
-    #[arg(long, value_name = "AZ,EL", default_value = "25,15", value_parser = view,
+    #[arg(long, value_name = "AZ,EL", default_value = "25,15", value_parser = parse_view,
           allow_hyphen_values = true)]
     view: [f32; 2],
     #[command(flatten)]
-    drawing: Drawing,
+    drawing: DrawingOptions,
 }
 
 /// Rays along a side of each pixel.
 const SAMPLES: usize = 2;
 
-/// Width and height of a picture, or what is expected of them.
-pub(super) fn pixels(text: &str) -> Result<[usize; 2], String> {
+/// Parses `WxH`, in pixels.
+pub(super) fn parse_pixels(text: &str) -> Result<[usize; 2], String> {
     let side = |text: &str| text.parse().ok().filter(|side| (1..=LONGEST).contains(side));
     text.split_once('x')
         .and_then(|(width, height)| Some([side(width)?, side(height)?]))
         .ok_or_else(|| format!("expected WxH, each 1 to {LONGEST}"))
 }
 
-fn view(text: &str) -> Result<[f32; 2], String> {
+fn parse_view(text: &str) -> Result<[f32; 2], String> {
     let angle = |text: &str, most: f32| text.parse().ok().filter(|a: &f32| a.abs() <= most);
     text.split_once(',')
         .and_then(|(azimuth, elevation)| Some([angle(azimuth, 360.0)?, angle(elevation, 90.0)?]))
@@ -55,31 +56,28 @@ fn view(text: &str) -> Result<[f32; 2], String> {
 pub(super) fn run(args: &Args) -> Result<String, Error> {
     volume::check_distinct(&args.volume, &args.output)?;
     volume::check_ending(&args.output, "png")?;
-    match volume::size(&args.volume)? {
-        128 => render::<128>(args),
-        256 => render::<256>(args),
-        n => Err(volume::unusable_size(&args.volume, n)),
-    }
+    let size = volume::read_size(&args.volume)?;
+    with_size!(size, N => render_volume::<N>(args), else Err(volume::unusable_size(&args.volume, size)))
 }
 
-fn render<const N: usize>(args: &Args) -> Result<String, Error>
+fn render_volume<const N: usize>(args: &Args) -> Result<String, Error>
 where
     Grid<N>: Size + Resident<N>,
 {
-    let mut maps = Grid::<N>::maps();
-    volume::read(&args.volume, &mut maps)?;
+    let mut maps = Grid::<N>::lock_range_maps();
+    volume::read_nonempty(&args.volume, &mut maps)?;
     // Tried before the work: a place where no file can be is told at once.
-    let target = Target::tried(&args.output)?;
+    let target = WriteTarget::resolve_writable(&args.output)?;
     let [azimuth, elevation] = args.view.map(f32::to_radians);
     let [width, height] = args.size;
-    let mut painter = args.drawing.painter::<N>(args.size, SAMPLES)?;
-    let rendering = progress::bar("rendering", Some(height as u64));
-    let image = painter.paint(&maps, &Camera::ring(azimuth, elevation), &|done| {
+    let mut renderer = args.drawing.make_renderer::<N>(args.size, SAMPLES)?;
+    let rendering = progress::show_progress("rendering", Some(height as u64));
+    let image = renderer.draw_picture(&maps, &Camera::on_ring(azimuth, elevation), &|done| {
         rendering.advance_to((done * height as f32) as u64);
     })?;
     drop(rendering);
     let mut png = Vec::new();
     image.write_png(&mut png).map_err(Error::failure)?;
-    target.write(&png)?;
+    target.write_file(&png)?;
     Ok(format!("{}: {width}x{height} pixels\n", args.output.display()))
 }

@@ -1,23 +1,24 @@
-//! What the commands share about volumes in files.
+//! Checks of volume files that the commands share.
 
 use std::path::Path;
 
-use paros_core::maps::Maps;
-use paros_core::size::{Grid, Size};
-use paros_core::trace;
-use paros_shell::print::Print;
-use paros_shell::rmap::{self, Fault};
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use paros_core::{Grid, RangeMaps, Size, trace};
+use paros_headless::Error;
+use paros_shell::mesh::MeshFormat;
+use paros_shell::print::FinishedPrint;
+use paros_shell::rmap::{self, RmapFault};
+use paros_shell::sizes::{SIZE_NAMES, size_named};
 
-use crate::error::Error;
-use crate::mesh::Kind;
-
-/// The size N of the volume in a file.
-pub(super) fn size(path: &Path) -> Result<usize, Error> {
-    rmap::peek(path).map(|header| header.n).map_err(|error| match error {
-        rmap::Error::Bad { fault: Fault::Magic(trace::MAGIC), .. } => {
+/// Reads the grid's side N from a volume file's header.
+pub(super) fn read_size(path: &Path) -> Result<usize, Error> {
+    rmap::read_header(path).map(|header| header.side).map_err(|error| match error {
+        rmap::RmapError::Bad { fault: RmapFault::Magic(trace::MAGIC), .. } => {
             Error::Input(format!("{}: is a trace, not a volume; use `paros play`", path.display()))
         }
-        rmap::Error::Bad { fault: Fault::Magic(_), .. } if Kind::of(path).is_some() => {
+        rmap::RmapError::Bad { fault: RmapFault::Magic(_), .. }
+            if MeshFormat::from_extension(path).is_some() =>
+        {
             let path = path.display();
             Error::Input(format!("{path}: is a mesh, not a volume; `paros bake` makes one of it"))
         }
@@ -25,13 +26,21 @@ pub(super) fn size(path: &Path) -> Result<usize, Error> {
     })
 }
 
-/// Whether a file begins as a volume does.
-pub(super) fn is_one(path: &Path) -> bool {
-    rmap::peek(path).is_ok()
+/// The command-line parser of a grid side.
+pub(super) fn size_parser() -> impl TypedValueParser<Value = usize> {
+    PossibleValuesParser::new(SIZE_NAMES).map(|name| size_named(&name))
 }
 
-/// Reads a volume that holds something.
-pub(super) fn read<const N: usize>(path: &Path, maps: &mut Maps<N>) -> Result<(), Error>
+/// Whether a file has a volume's header.
+pub(super) fn is_volume_file(path: &Path) -> bool {
+    rmap::read_header(path).is_ok()
+}
+
+/// Reads a volume; an empty one is an error.
+pub(super) fn read_nonempty<const N: usize>(
+    path: &Path,
+    maps: &mut RangeMaps<N>,
+) -> Result<(), Error>
 where
     Grid<N>: Size,
 {
@@ -47,14 +56,17 @@ pub(super) fn unusable_size(path: &Path, n: usize) -> Error {
     Error::Input(format!("{}: expected a volume of size 128 or 256, found {n}", path.display()))
 }
 
-/// The print of what a file holds, unless that is nothing.
-pub(super) fn printed(print: Option<Print>, of: &Path) -> Result<Print, Error> {
+/// The print, or the error that the file `of` leaves nothing to print.
+pub(super) fn require_print(
+    print: Option<FinishedPrint>,
+    of: &Path,
+) -> Result<FinishedPrint, Error> {
     print
-        .filter(|print| print.triangles > 0)
+        .filter(|print| print.triangle_count > 0)
         .ok_or_else(|| Error::Input(format!("{}: nothing is left to print", of.display())))
 }
 
-/// Refuses a name that says another kind of file than is written. One without an ending says none.
+/// Refuses a name whose extension is not `expected`. A name without an extension is accepted.
 pub(super) fn check_ending(output: &Path, expected: &str) -> Result<(), Error> {
     match output.extension() {
         Some(ending) if !ending.eq_ignore_ascii_case(expected) => {

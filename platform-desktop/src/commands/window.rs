@@ -3,11 +3,12 @@
 use std::io::{self, Write};
 use std::path::PathBuf;
 
-use paros_shell::durable::Target;
+use paros_headless::Error;
+use paros_shell::durable::WriteTarget;
+use paros_shell::with_size;
 
-use super::demo;
-use crate::error::Error;
-use crate::window::{self, Closed, Options};
+use super::{demo, volume};
+use crate::window::{self, WindowError, WindowOptions};
 
 /// Sculpt in a window, with mouse and keyboard.
 #[derive(Debug, Default, clap::Args)]
@@ -19,8 +20,8 @@ pub(super) struct Args {
     #[arg(long, value_name = "DIR")]
     folder: Option<PathBuf>,
     /// Voxels along an edge: 128, or 256 for a fast machine.
-    #[arg(long, default_value = "128", value_parser = ["128", "256"])]
-    size: String,
+    #[arg(long, default_value = "128", value_parser = volume::size_parser())]
+    size: usize,
     /// Write the trace of the last session to a file, when the window is closed.
     #[arg(long, value_name = "TRACE")]
     record: Option<PathBuf>,
@@ -33,39 +34,36 @@ pub(super) struct Args {
 }
 
 pub(super) fn run(args: &Args) -> Result<String, Error> {
-    open(args).map_err(|closed| match closed {
-        Closed::Unavailable(why) => Error::Failure(format!("no window can be opened: {why}")),
-        Closed::Failed(error) => error,
+    open_window(args).map_err(|closed| match closed {
+        WindowError::Unavailable(why) => Error::Failure(format!("no window can be opened: {why}")),
+        WindowError::Failed(error) => error,
     })
 }
 
 /// The window where there can be one, else the demo.
 pub(super) fn run_or_demo() -> Result<String, Error> {
-    match open(&Args::default()) {
+    match open_window(&Args::default()) {
         Ok(report) => Ok(report),
-        Err(Closed::Failed(error)) => Err(error),
-        Err(Closed::Unavailable(why)) => {
-            // Nobody may be listening there.
+        Err(WindowError::Failed(error)) => Err(error),
+        Err(WindowError::Unavailable(why)) => {
+            // Standard error may be closed.
             let _ = writeln!(io::stderr(), "no window can be opened ({why}): here is the demo");
             demo::run(&demo::Args::default())
         }
     }
 }
 
-fn open(args: &Args) -> Result<String, Closed> {
+fn open_window(args: &Args) -> Result<String, WindowError> {
     if let Some(record) = &args.record {
-        // Before the sculpting, not after it.
-        Target::tried(record).map_err(|error| Closed::Failed(error.into()))?;
+        // Checked before the sculpting, not after it.
+        WriteTarget::resolve_writable(record).map_err(|error| WindowError::Failed(error.into()))?;
     }
-    let options = Options {
+    let options = WindowOptions {
         file: args.file.clone(),
         folder: args.folder.clone(),
         record: args.record.clone(),
         script: args.script.clone(),
         validation: args.validation,
     };
-    match &*args.size {
-        "256" => window::open::<256>(&options),
-        _ => window::open::<128>(&options),
-    }
+    with_size!(args.size, N => window::run_window::<N>(&options))
 }

@@ -7,13 +7,12 @@ mod steps;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use paros_core::events::Event as Happened;
-use paros_core::size::{Grid, Size};
-use paros_core::world::Session;
-use paros_shaders::gpu::{self, Path};
-use paros_shell::stage::Pace;
+use paros_core::{Grid, SessionState, Size, WorldEvent as Happened};
+use paros_headless::Error;
+use paros_shaders::gpu::{self, RenderPath};
 use paros_shell::statics::Resident;
-use paros_shell::studio::{Note, Studio};
+use paros_shell::studio::{Notice, Studio};
+use paros_shell::tick_runner::TickClock;
 use winit::application::ApplicationHandler;
 use winit::dpi::LogicalSize;
 use winit::event::WindowEvent;
@@ -21,42 +20,42 @@ use winit::event_loop::{ActiveEventLoop, ControlFlow};
 use winit::keyboard::ModifiersState;
 use winit::window::{Window, WindowId};
 
-use super::display::{Display, takes_drops};
-use super::hands::{Hands, RIGHT};
-use super::paint::Painted;
-use super::panels::{Asked, Outline, Panels, Shown as OnPanels};
+use super::display::{DisplayConnection, takes_drops};
+use super::hands::{MouseHands, RIGHT};
+use super::os_error::describe_error;
+use super::paint::EguiBuffers;
+use super::panels::{BitOutline, PanelAction, Panels, StudioStatus};
 use super::script::Script;
-use super::view::{Shown, View};
-use super::{Closed, Options, opening};
-use crate::error::Error;
+use super::view::{FrameParams, WindowRenderer};
+use super::{WindowError, WindowOptions, opening};
 
 /// The window's size at first, in points.
 const SIZE: LogicalSize<f64> = LogicalSize::new(1180.0, 800.0);
 
-/// How often the world ticks while nothing is drawn.
+/// Interval of ticks while nothing is drawn.
 const UNSEEN: Duration = Duration::from_millis(14);
 
-/// After how long without being asked for a frame a window counts as hidden.
+/// Time without a redraw request after which the window counts as hidden.
 const HIDDEN: Duration = Duration::from_millis(150);
 
-/// Everything that a window ties together.
+/// The application: a window, its renderer, the studio and the user interface.
 pub(super) struct App<'a, const N: usize>
 where
     Grid<N>: Size,
 {
     // Before the window, which it draws into.
-    view: Option<View<N>>,
+    view: Option<WindowRenderer<N>>,
     window: Option<Arc<Window>>,
-    display: Option<Display>,
+    display: Option<DisplayConnection>,
     studio: Studio<'a, N>,
-    hands: Hands<N>,
+    hands: MouseHands<N>,
     panels: Panels,
-    painted: Painted,
+    egui_buffers: EguiBuffers,
     script: Option<Script>,
-    path: Path,
+    path: RenderPath,
     modifiers: ModifiersState,
     scale: f32,
-    pace: Pace,
+    pace: TickClock,
     begun: Instant,
     last: Instant,
     /// When the last frame was done.
@@ -68,40 +67,45 @@ where
     /// The visitor knows what closing the window would lose.
     warned: bool,
     last_note: String,
-    validation: bool,
+    /// How the device is made.
+    device: gpu::Options,
     messages: Vec<String>,
-    done: Result<(), Closed>,
+    done: Result<(), WindowError>,
 }
 
 impl<'a, const N: usize> App<'a, N>
 where
     Grid<N>: Size + Resident<N>,
 {
-    /// Before the window is there.
+    /// The application before its window is open.
     pub(super) fn new(
         mut studio: Studio<'a, N>,
         script: Option<Script>,
-        options: &Options,
+        options: &WindowOptions,
     ) -> Self {
         if let Some(file) = &options.file {
-            studio.open(file, opening::load::<N>);
+            // It lies in the resident maps: `open` has read it.
+            studio.open_file(file, |_| Ok(()));
         }
-        if script.is_some() {
-            gpu::faults::arm();
-        }
+        let device = gpu::Options {
+            validation: options.validation,
+            // A script may have the driver fail.
+            device_hook: script.is_some().then_some(paros_faults::wrap_device as _),
+            ..gpu::Options::default()
+        };
         App {
             view: None,
             window: None,
             display: None,
             studio,
-            hands: Hands::new(),
+            hands: MouseHands::new(),
             panels: Panels::new(),
-            painted: Painted::new(),
+            egui_buffers: EguiBuffers::new(),
             script,
-            path: Path::Fast,
+            path: RenderPath::Fast,
             modifiers: ModifiersState::empty(),
             scale: 1.0,
-            pace: Pace::default(),
+            pace: TickClock::default(),
             begun: Instant::now(),
             last: Instant::now(),
             drawn: Instant::now(),
@@ -110,120 +114,124 @@ where
             losses: 0,
             warned: false,
             last_note: String::new(),
-            validation: options.validation,
+            device,
             messages: Vec::new(),
             done: Ok(()),
         }
     }
 
-    /// After the last event: what there is to say.
-    pub(super) fn close(mut self) -> Result<String, Closed> {
-        self.leave();
+    /// Saves the session after the last event. Returns the last print's path as a line.
+    pub(super) fn close_and_report(mut self) -> Result<String, WindowError> {
+        self.drop_window();
         let saved = self.studio.close();
         self.done?;
-        saved.map_err(|error| Closed::Failed(error.into()))?;
+        saved.map_err(|error| WindowError::Failed(error.into()))?;
         if !self.messages.is_empty() {
             self.messages.sort();
             self.messages.dedup();
             let complaints = self.messages.join("\n");
-            return Err(Closed::Failed(Error::Failure(format!("validation: {complaints}"))));
+            return Err(WindowError::Failed(Error::Failure(format!("validation: {complaints}"))));
         }
-        let printed = self.studio.printed();
+        let printed = self.studio.last_print_path();
         Ok(printed.map_or(String::new(), |path| format!("{}\n", path.display())))
     }
 
-    /// Opens the window and what draws into it.
-    fn open(&mut self, events: &ActiveEventLoop) -> Result<(), Closed> {
-        let unavailable = |error: &dyn core::fmt::Display| Closed::Unavailable(error.to_string());
+    /// Opens the window and its renderer.
+    fn open_window(&mut self, events: &ActiveEventLoop) -> Result<(), WindowError> {
+        let unavailable =
+            |error: &dyn core::fmt::Display| WindowError::Unavailable(error.to_string());
         let attributes = Window::default_attributes().with_title("Paros").with_inner_size(SIZE);
-        let window = events.create_window(attributes).map_err(|error| unavailable(&error))?;
+        let window = events.create_window(attributes);
+        let window = window.map_err(|error| unavailable(&describe_error(&error)))?;
         self.scale = window.scale_factor() as f32;
         self.hands.size = window.inner_size().into();
-        self.display = Display::of(&window);
-        let view = View::new(&window, self.studio.world(), self.studio.places(), self.validation);
+        self.display = DisplayConnection::watch_window(&window);
+        let view =
+            WindowRenderer::new(&window, self.studio.world(), self.studio.paths(), &self.device);
         self.view = Some(view.map_err(|error| unavailable(&error))?);
         self.window = Some(Arc::new(window));
         self.last = Instant::now();
         Ok(())
     }
 
-    /// Lets the device and the window go.
-    fn leave(&mut self) {
+    /// Drops the renderer and the window. The pipeline cache is saved first.
+    fn drop_window(&mut self) {
         if let Some(view) = self.view.take() {
-            let places = self.studio.places().clone();
-            view.keep_cache(&places, self.studio.keeper());
-            self.messages.extend(view.messages());
+            let places = self.studio.paths().clone();
+            view.save_pipeline_cache(&places, self.studio.file_writer());
+            self.messages.extend(view.validation_messages());
         }
         let window = self.window.take();
-        if self.display.as_ref().is_some_and(Display::is_gone) {
-            // There is nothing left to close it with.
+        if self.display.as_ref().is_some_and(DisplayConnection::is_known_lost) {
+            // Without a connection the window can't be destroyed.
             core::mem::forget(window);
         }
     }
 
-    /// The ticks that are due, and what they and others led to.
-    fn advance(&mut self, events: &ActiveEventLoop) -> Result<(), Closed> {
+    /// Runs the ticks that are due, and takes in finished background work and notices.
+    fn run_due_ticks(&mut self, events: &ActiveEventLoop) -> Result<(), WindowError> {
         let now = Instant::now();
         let elapsed = now - core::mem::replace(&mut self.last, now);
-        self.panels.frame_took(elapsed.as_secs_f32());
-        let (due, _) = self.pace.ticks(elapsed);
-        // A script goes as fast as it can.
-        let ticks = if self.script.is_some() { Pace::CATCH_UP } else { due };
+        self.panels.add_frame_time(elapsed.as_secs_f32());
+        let (due, _) = self.pace.take_due_ticks(elapsed);
+        // A script runs as fast as it can.
+        let ticks = if self.script.is_some() { TickClock::MAX_TICKS_PER_FRAME } else { due };
         for _ in 0..ticks {
-            self.steps(events)?;
-            self.tick();
+            self.run_script_steps(events)?;
+            self.run_tick();
         }
-        if let Some(mode) = self.studio.poll() {
-            self.hands.start(mode);
+        if let Some(mode) = self.studio.poll_threads() {
+            self.hands.start_session(mode);
         }
-        let notes: Vec<Note> = self.studio.notes().collect();
+        let notes: Vec<Notice> = self.studio.take_notices().collect();
         for note in notes {
-            let (Note::Good(text) | Note::Bad(text)) = &note;
+            let (Notice::Good(text) | Notice::Bad(text)) = &note;
             self.last_note.clone_from(text);
-            self.panels.note(note);
+            self.panels.add_note(note);
         }
         Ok(())
     }
 
-    fn tick(&mut self) {
-        let input = self.hands.input(self.studio.world());
-        self.studio.tick(&input);
+    fn run_tick(&mut self) {
+        let input = self.hands.next_input(self.studio.world());
+        self.studio.run_tick(&input);
         let world = self.studio.world();
         if let Some(view) = &mut self.view {
-            view.note(world);
+            view.note_changes(world);
         }
         if world.events().iter().any(|event| matches!(event, Happened::Started(_))) {
-            self.panels.started();
+            self.panels.on_session_start();
         }
         if let Some(script) = &mut self.script {
-            script.ticked();
+            script.count_tick();
         }
     }
 
-    /// A frame: panels, then all of it.
-    fn draw(&mut self) -> Result<(), gpu::Error> {
+    /// Draws a frame: lays the panels out, then draws the scene with them.
+    fn draw_frame(&mut self) -> Result<(), gpu::Error> {
         let size = self.hands.size;
-        self.lay_out(size);
+        self.lay_out_panels(size);
         let (Some(view), Some(window)) = (&mut self.view, &self.window) else { return Ok(()) };
-        let shown = Shown {
+        let params = FrameParams {
             eye: self.hands.orbit.eye(size),
-            between: self.pace.between(),
+            between: self.pace.tick_fraction(),
             path: self.path,
         };
-        self.seen = view.draw(window, size, self.studio.world(), &shown, &mut self.painted)?;
+        self.seen =
+            view.draw_frame(window, size, self.studio.world(), &params, &mut self.egui_buffers)?;
         self.frames += u64::from(self.seen);
         let settled = !self.studio.is_printing()
-            && self.studio.opening().is_none()
-            && !self.studio.keeper().is_busy();
+            && self.studio.opening_path().is_none()
+            && !self.studio.file_writer().is_busy();
         if let Some(script) = &mut self.script
             && self.seen
         {
-            script.drawn(settled);
+            script.count_frame(settled);
         }
         Ok(())
     }
 
-    fn lay_out(&mut self, size: [u32; 2]) {
+    fn lay_out_panels(&mut self, size: [u32; 2]) {
         self.panels.input.time = Some(self.begun.elapsed().as_secs_f64());
         let [width, height] = size.map(|pixels| pixels as f32 / self.scale);
         let rect = egui::Rect::from_min_size(egui::Pos2::ZERO, egui::Vec2::new(width, height));
@@ -231,76 +239,76 @@ where
         let root = self.panels.input.viewports.entry(egui::ViewportId::ROOT).or_default();
         root.native_pixels_per_point = Some(self.scale);
         let world = self.studio.world();
-        let held = world.held(RIGHT);
-        let outline = Outline::of(world, &self.hands.orbit, size);
+        let held = world.held_tool(RIGHT);
+        let outline = BitOutline::project_bit(world, &self.hands.orbit, size);
         let (device, times) = match &self.view {
-            Some(view) => (view.device(), view.times()),
-            None => ("", gpu::Times::default()),
+            Some(view) => (view.device_name(), view.gpu_times()),
+            None => ("", gpu::FrameTimes::default()),
         };
-        let shown = OnPanels {
-            session: world.session(),
+        let status = StudioStatus {
+            session: world.session_state(),
             mode: world.mode(),
             held,
-            depth: held.map_or(0.0, |(tool, _)| self.hands.depth(tool)),
-            symmetry: world.symmetry(),
+            depth: held.map_or(0.0, |(tool, _)| self.hands.tool_depth_mm(tool)),
+            symmetry: world.is_mirrored(),
             undo: world.undo_counts(),
             printing: self.studio.is_printing(),
-            printed: self.studio.printed(),
-            unwritten: self.studio.is_unwritten(),
-            fault: self.studio.fault(),
-            opening: self.studio.opening(),
+            printed: self.studio.last_print_path(),
+            unwritten: self.studio.has_unwritten_files(),
+            fault: self.studio.save_fault(),
+            opening: self.studio.opening_path(),
             drops: self.window.as_deref().is_some_and(takes_drops),
-            fast: self.path == Path::Fast,
+            fast: self.path == RenderPath::Fast,
             device,
             times,
             outline: outline.as_ref(),
         };
-        let (output, asked) = self.panels.lay_out(&shown);
-        self.painted.take_textures(&output.textures_delta);
+        let (output, actions) = self.panels.lay_out(&status);
+        self.egui_buffers.take_textures(&output.textures_delta);
         let scale = output.pixels_per_point;
         let triangles = self.panels.context.tessellate(output.shapes, scale);
-        self.painted.take_triangles(&triangles, scale);
-        asked.into_iter().for_each(|asked| self.carry_out(asked));
+        self.egui_buffers.take_triangles(&triangles, scale);
+        actions.into_iter().for_each(|action| self.perform_action(action));
     }
 
-    fn carry_out(&mut self, asked: Asked) {
-        match asked {
-            Asked::Start(mode) => self.hands.start(mode),
-            Asked::CarveOn => {
-                let mode = self.studio.adopt();
-                self.hands.start(mode);
+    fn perform_action(&mut self, action: PanelAction) {
+        match action {
+            PanelAction::Start(mode) => self.hands.start_session(mode),
+            PanelAction::CarveOn => {
+                let mode = self.studio.adopt_sculpture();
+                self.hands.start_session(mode);
             }
-            Asked::Open(path) => self.studio.open(&path, opening::load::<N>),
-            Asked::Take(item) => self.hands.take(item),
-            Asked::WriteAgain => self.studio.write_again(),
-            Asked::Command(command) => self.hands.command(command),
-            Asked::Finish => {
-                if self.studio.world().session() == Session::Sculpting {
-                    self.hands.command(paros_core::input::commands::FINISH);
+            PanelAction::Open(path) => self.studio.open_file(&path, opening::load_file::<N>),
+            PanelAction::Take(item) => self.hands.take_item(item),
+            PanelAction::WriteAgain => self.studio.retry_unwritten_files(),
+            PanelAction::Command(command) => self.hands.queue_commands(command),
+            PanelAction::Finish => {
+                if self.studio.world().session_state() == SessionState::Sculpting {
+                    self.hands.queue_commands(paros_core::commands::FINISH);
                 }
             }
         }
     }
 
-    /// Ends the loop for a reason.
-    fn stop(&mut self, events: &ActiveEventLoop, done: Result<(), Closed>) {
+    /// Ends the event loop. The first reason is kept.
+    fn exit_loop(&mut self, events: &ActiveEventLoop, done: Result<(), WindowError>) {
         if self.done.is_ok() {
             self.done = done;
         }
         events.exit();
     }
 
-    fn redraw(&mut self, events: &ActiveEventLoop) {
-        let mut done = self.advance(events);
+    fn run_frame(&mut self, events: &ActiveEventLoop) {
+        let mut done = self.run_due_ticks(events);
         if done.is_ok()
             && !events.exiting()
-            && let Err(error) = self.draw()
+            && let Err(error) = self.draw_frame()
         {
-            done = self.lost(&error);
+            done = self.recover_device(&error);
         }
         self.drawn = Instant::now();
         if done.is_err() {
-            self.stop(events, done);
+            self.exit_loop(events, done);
         }
     }
 }
@@ -311,18 +319,18 @@ where
 {
     fn resumed(&mut self, events: &ActiveEventLoop) {
         if self.window.is_none() {
-            let opened = self.open(events);
+            let opened = self.open_window(events);
             if opened.is_err() {
-                self.stop(events, opened);
+                self.exit_loop(events, opened);
             }
         }
     }
 
     fn window_event(&mut self, events: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
         match event {
-            WindowEvent::CloseRequested => self.asked_to_close(events),
-            WindowEvent::RedrawRequested => self.redraw(events),
-            event => self.device(event),
+            WindowEvent::CloseRequested => self.close_or_warn(events),
+            WindowEvent::RedrawRequested => self.run_frame(events),
+            event => self.handle_event(event),
         }
     }
 
@@ -330,8 +338,8 @@ where
         if events.exiting() {
             return;
         }
-        if self.display.as_ref().is_some_and(Display::is_gone) {
-            self.display_gone();
+        if self.display.as_ref().is_some_and(DisplayConnection::is_known_lost) {
+            self.on_display_lost();
             events.exit();
             return;
         }
@@ -340,23 +348,23 @@ where
         if self.seen && !minimised {
             window.request_redraw();
         }
-        // Nothing to draw, or into: the world goes on, and a look is taken from time to time. A
-        // compositor that has no use for a frame does not ask for one.
+        // A hidden window gets no redraw requests: a compositor asks for frames only where they are
+        // shown. The world ticks on by a timer.
         events.set_control_flow(ControlFlow::WaitUntil(Instant::now() + UNSEEN));
         if self.last.elapsed() < UNSEEN {
             return;
         }
         if !self.seen && !minimised {
-            self.redraw(events);
+            self.run_frame(events);
         } else if minimised || self.drawn.elapsed() >= HIDDEN {
-            let done = self.advance(events);
+            let done = self.run_due_ticks(events);
             if done.is_err() {
-                self.stop(events, done);
+                self.exit_loop(events, done);
             }
         }
     }
 
     fn exiting(&mut self, _: &ActiveEventLoop) {
-        self.leave();
+        self.drop_window();
     }
 }

@@ -1,4 +1,4 @@
-//! The end of the display. Left alone, Xlib ends the program on the spot when its server is gone;
+//! Loss of the display connection. By default Xlib exits the process on an I/O error (XIOErrorHandler);
 //! here it goes on, so that the session is saved first.
 
 use std::ffi::{c_int, c_void};
@@ -9,81 +9,82 @@ use libloading::Library;
 use winit::raw_window_handle::{HasDisplayHandle, RawDisplayHandle};
 use winit::window::Window;
 
-/// Set from within Xlib, which has nowhere else to tell it.
+/// Whether the connection is lost. Set by Xlib's handler, which gets no user data.
 static GONE: AtomicBool = AtomicBool::new(false);
 
-/// A function of Xlib or libwayland that looks at a connection.
-type Look = unsafe extern "C" fn(*mut c_void) -> c_int;
+/// A function of Xlib or libwayland that polls a connection; negative on a Wayland error.
+type CheckConnection = unsafe extern "C" fn(*mut c_void) -> c_int;
 type ExitHandler = unsafe extern "C" fn(*mut c_void, *mut c_void);
-type SetErrorHandler = unsafe extern "C" fn(Look) -> Option<Look>;
+type SetErrorHandler = unsafe extern "C" fn(CheckConnection) -> Option<CheckConnection>;
 type SetExitHandler = unsafe extern "C" fn(*mut c_void, ExitHandler, *mut c_void);
 
-/// Whether files can be dropped on a window: on Wayland `winit` hears of none.
+/// Whether files can be dropped on a window. `winit` has no such event on Wayland.
 #[must_use]
 pub(super) fn takes_drops(window: &Window) -> bool {
     let display = window.display_handle().map(|display| display.as_raw());
     !matches!(display, Ok(RawDisplayHandle::Wayland(_)))
 }
 
-/// The connection to a window's display, watched.
+/// The connection of a window's display, with its I/O error handler set.
 #[derive(Debug)]
-pub(super) struct Display {
+pub(super) struct DisplayConnection {
     connection: *mut c_void,
-    look: Look,
-    // What `look` is in.
+    check: CheckConnection,
+    // The library of `check`.
     _library: Library,
 }
 
-impl Display {
-    /// That of a window. None where it can't be watched: Xlib before 1.7, or another system.
+impl DisplayConnection {
+    /// Sets the error handler of a window's connection. `None` where there is none to set: Xlib before
+    /// 1.7, or another window system.
     #[must_use]
-    pub(super) fn of(window: &Window) -> Option<Self> {
+    pub(super) fn watch_window(window: &Window) -> Option<Self> {
         match window.display_handle().ok()?.as_raw() {
-            RawDisplayHandle::Xlib(handle) => Self::x11(handle.display?.as_ptr()),
-            RawDisplayHandle::Wayland(handle) => Self::wayland(handle.display.as_ptr()),
+            RawDisplayHandle::Xlib(handle) => Self::watch_x11(handle.display?.as_ptr()),
+            RawDisplayHandle::Wayland(handle) => Self::watch_wayland(handle.display.as_ptr()),
             _ => None,
         }
     }
 
-    /// Whether it is known to be gone.
+    /// Whether an error was seen already; does not poll.
     #[must_use]
-    pub(super) fn is_gone(&self) -> bool {
+    pub(super) fn is_known_lost(&self) -> bool {
         GONE.load(Ordering::Relaxed)
     }
 
-    /// Whether it is gone, after a look at the connection.
+    /// Polls the connection. Returns whether it is lost.
     #[must_use]
-    pub(super) fn has_gone(&self) -> bool {
+    pub(super) fn check_lost(&self) -> bool {
         // SAFETY: `winit` keeps the connection while the window is there, and this is its thread.
-        self.is_gone() || unsafe { (self.look)(self.connection) } < 0 || self.is_gone()
+        self.is_known_lost() || unsafe { (self.check)(self.connection) } < 0 || self.is_known_lost()
     }
 
-    fn x11(connection: *mut c_void) -> Option<Self> {
+    fn watch_x11(connection: *mut c_void) -> Option<Self> {
         // SAFETY: this is the Xlib that `winit` has loaded and uses.
         let library = unsafe { Library::new("libX11.so.6") }.ok()?;
         // SAFETY: these are the functions' types in Xlib.h.
         unsafe {
             let on_exit = *library.get::<SetExitHandler>(b"XSetIOErrorExitHandler\0").ok()?;
             let on_error = *library.get::<SetErrorHandler>(b"XSetIOErrorHandler\0").ok()?;
-            let look = *library.get::<Look>(b"XPending\0").ok()?;
-            on_error(note_end);
-            on_exit(connection, go_on, ptr::null_mut());
-            Some(Display { connection, look, _library: library })
+            let check = *library.get::<CheckConnection>(b"XPending\0").ok()?;
+            on_error(on_io_error);
+            on_exit(connection, ignore_exit, ptr::null_mut());
+            Some(DisplayConnection { connection, check, _library: library })
         }
     }
 
-    fn wayland(connection: *mut c_void) -> Option<Self> {
+    fn watch_wayland(connection: *mut c_void) -> Option<Self> {
         // SAFETY: this is the library that `winit` has loaded and uses.
         let library = unsafe { Library::new("libwayland-client.so.0") }.ok()?;
         // SAFETY: this is the function's type in wayland-client-core.h.
-        let look = unsafe { *library.get::<Look>(b"wl_display_flush\0").ok()? };
-        Some(Display { connection, look, _library: library })
+        let check = unsafe { *library.get::<CheckConnection>(b"wl_display_flush\0").ok()? };
+        Some(DisplayConnection { connection, check, _library: library })
     }
 }
 
-unsafe extern "C" fn note_end(_connection: *mut c_void) -> c_int {
+unsafe extern "C" fn on_io_error(_connection: *mut c_void) -> c_int {
     GONE.store(true, Ordering::Relaxed);
     0
 }
 
-unsafe extern "C" fn go_on(_connection: *mut c_void, _data: *mut c_void) {}
+unsafe extern "C" fn ignore_exit(_connection: *mut c_void, _data: *mut c_void) {}

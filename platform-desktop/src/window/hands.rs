@@ -1,48 +1,47 @@
-//! Mouse and keys as a pair of hands: what happened since the last tick, the eye and the volume
-//! under the cursor become an [`Input`].
+//! Mouse and keys as a pair of hands: input events, the eye and the volume under the cursor become the
+//! core's [`TickInput`] of each tick.
 //!
-//! The right hand holds the tool; its bit rides on the surface under the cursor. While the left
-//! button is down the bit is let in by the depth that the wheel chose, below the surface *as it was
-//! when the button went down*, so a stroke is a groove of one depth, and the next goes deeper.
+//! The right hand holds the tool; its bit follows the surface under the cursor. While the left button
+//! is down the bit is lowered by the wheel's depth below the surface *at the start of the stroke*. So
+//! a stroke is a groove of one depth, and the next stroke goes deeper.
 
-mod reach;
+mod bit_guide;
 
 use std::collections::VecDeque;
 
 use glam::{Quat, Vec3};
-use paros_core::input::{HandInput, Input, Mode, Pointer, RawPose, commands};
-use paros_core::size::{Grid, Size};
-use paros_core::tools::{Bit, Tool};
-use paros_core::workbench::Item;
-use paros_core::world::World;
+use paros_core::{
+    BenchItem, Grid, HandInput, PointerCommand, RawPose, SessionMode, Size, TICK_RATE, TickInput,
+    Tool, ToolBit, World, commands,
+};
 
-use super::camera::Orbit;
-use reach::Reach;
+use super::camera::OrbitCamera;
+use bit_guide::BitGuide;
 
 /// The hand that the mouse moves.
 pub(super) const RIGHT: usize = 1;
 
-/// Where hands rest, in metres: before the chest.
+/// Rest positions of the hands in the room, in metres.
 const REST: [Vec3; 2] = [Vec3::new(-0.25, 1.0, -0.1), Vec3::new(0.25, 1.0, -0.1)];
 
-/// What A and D turn the stool by in a tick, in 65,536ths: a quarter turn a second.
-const KEY_TURN: i32 = 65_536 / 4 / 72;
+/// Turn of the stool by A and D in a tick, in 65,536ths of a turn: a quarter turn a second.
+const KEY_TURN: i32 = 65_536 / 4 / TICK_RATE as i32;
 
-/// Millimetres of depth in a notch of the wheel.
-const NOTCH: f32 = 1.0;
+/// Depth of a wheel notch, in millimetres.
+const NOTCH_MM: f32 = 1.0;
 
-/// The depths that the wheel chooses from, in millimetres; negative stays clear of the surface.
-const DEPTHS: core::ops::RangeInclusive<f32> = -20.0..=40.0;
+/// Depths that the wheel can set, in millimetres; negative is above the surface.
+const DEPTHS_MM: core::ops::RangeInclusive<f32> = -20.0..=40.0;
 
-/// Micrometres that a running tool goes in a tick at least, where there is a way to go.
-const SLOWEST: f32 = 1_500.0;
+/// Least speed of a running tool behind the cursor, in micrometres a tick.
+const LEAST_SPEED_UM: f32 = 1_500.0;
 
-/// Points of the cursor's way that are remembered.
+/// Points of the cursor's trail that are kept.
 const TRAIL: usize = 1024;
 
 /// Buttons of the mouse.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum Button {
+pub(super) enum HandButton {
     /// Runs the tool.
     Left,
     /// Turns the stool.
@@ -51,9 +50,9 @@ pub(super) enum Button {
     Right,
 }
 
-/// Keys that the hands listen to.
+/// Actions of the hands that keys are bound to.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum Key {
+pub(super) enum HandAction {
     /// Takes a tool, by number.
     Tool(u8),
     /// Mounts the held tool's bit of a number, from 0.
@@ -79,35 +78,35 @@ pub(super) enum Key {
     Farther,
 }
 
-/// What a device did.
+/// An event of mouse or keyboard over the picture.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub(super) enum Event {
+pub(super) enum InputEvent {
     /// The cursor is at a pixel, counted from the upper left.
     Moved([f32; 2]),
     /// The cursor is nowhere in the picture.
     Gone,
     /// A button went down over the picture.
-    Pressed(Button),
+    Pressed(HandButton),
     /// A button went up.
-    Released(Button),
+    Released(HandButton),
     /// The wheel turned by notches; away from the visitor is positive.
     Wheel(f32),
     /// The wheel turned with Ctrl down.
     Zoom(f32),
     /// A key went down, or up.
-    Key(Key, bool),
+    Key(HandAction, bool),
     /// Nothing is down any more: the window lost its keyboard.
     LetGo,
 }
 
-/// The hands between two ticks.
+/// The hands' state: the eye, the cursor, and what the next tick's input is to carry.
 #[derive(Debug)]
-pub(super) struct Hands<const N: usize>
+pub(super) struct MouseHands<const N: usize>
 where
     Grid<N>: Size,
 {
     /// The eye.
-    pub(super) orbit: Orbit,
+    pub(super) orbit: OrbitCamera,
     /// Pixels of the picture.
     pub(super) size: [u32; 2],
     cursor: Option<[f32; 2]>,
@@ -116,19 +115,19 @@ where
     orbiting: bool,
     dragging_stool: bool,
     turning: [bool; 2],
-    /// What a drag has turned the stool by that no tick has taken yet.
+    /// Turn of the stool that no tick has taken yet, in 65,536ths of a turn.
     turn: f32,
     commands: u8,
-    start: Mode,
-    pointers: VecDeque<Pointer>,
+    start: SessionMode,
+    pointers: VecDeque<PointerCommand>,
     /// Depth of each tool, in millimetres.
     depths: [f32; 4],
-    reach: Reach<N>,
-    /// Where the cursor went while the tool runs, and the tool has not been yet.
+    bit_guide: BitGuide<N>,
+    /// Cursor positions that the running tool has still to pass, in pixels.
     trail: VecDeque<[f32; 2]>,
 }
 
-impl<const N: usize> Hands<N>
+impl<const N: usize> MouseHands<N>
 where
     Grid<N>: Size,
 {
@@ -136,8 +135,8 @@ where
     #[must_use]
     #[allow(clippy::new_without_default)] // it takes memory for a volume
     pub(super) fn new() -> Self {
-        Hands {
-            orbit: Orbit::default(),
+        MouseHands {
+            orbit: OrbitCamera::default(),
             size: [1, 1],
             cursor: None,
             running: false,
@@ -146,29 +145,29 @@ where
             turning: [false; 2],
             turn: 0.0,
             commands: 0,
-            start: Mode::None,
+            start: SessionMode::None,
             pointers: VecDeque::new(),
             depths: [9.0, 9.0, 8.0, 2.0],
-            reach: Reach::new(),
+            bit_guide: BitGuide::new(),
             trail: VecDeque::new(),
         }
     }
 
-    /// Takes in what a device did.
-    pub(super) fn event(&mut self, event: Event, world: &World<N>) {
+    /// Handles an input event.
+    pub(super) fn handle_event(&mut self, event: InputEvent, world: &World<N>) {
         match event {
-            Event::Moved(to) => self.moved(to),
-            Event::Gone => self.cursor = None,
-            Event::Pressed(Button::Left) => self.press(world),
-            Event::Pressed(Button::Middle) => self.dragging_stool = true,
-            Event::Pressed(Button::Right) => self.orbiting = true,
-            Event::Released(Button::Left) => self.running = false,
-            Event::Released(Button::Middle) => self.dragging_stool = false,
-            Event::Released(Button::Right) => self.orbiting = false,
-            Event::Wheel(notches) => self.deepen(-notches * NOTCH, world),
-            Event::Zoom(notches) => self.orbit.zoom(notches),
-            Event::Key(key, down) => self.key(key, down, world),
-            Event::LetGo => {
+            InputEvent::Moved(to) => self.move_cursor(to),
+            InputEvent::Gone => self.cursor = None,
+            InputEvent::Pressed(HandButton::Left) => self.press_left(world),
+            InputEvent::Pressed(HandButton::Middle) => self.dragging_stool = true,
+            InputEvent::Pressed(HandButton::Right) => self.orbiting = true,
+            InputEvent::Released(HandButton::Left) => self.running = false,
+            InputEvent::Released(HandButton::Middle) => self.dragging_stool = false,
+            InputEvent::Released(HandButton::Right) => self.orbiting = false,
+            InputEvent::Wheel(notches) => self.change_depth(-notches * NOTCH_MM, world),
+            InputEvent::Zoom(notches) => self.orbit.zoom(notches),
+            InputEvent::Key(key, down) => self.handle_key(key, down, world),
+            InputEvent::LetGo => {
                 (self.running, self.orbiting, self.dragging_stool) = (false, false, false);
                 self.turning = [false; 2];
             }
@@ -176,74 +175,76 @@ where
     }
 
     /// Starts a session at the next tick, with the first tool in hand.
-    pub(super) fn start(&mut self, mode: Mode) {
+    pub(super) fn start_session(&mut self, mode: SessionMode) {
         self.start = mode;
         self.pointers.clear();
         (self.commands, self.turn, self.running) = (0, 0.0, false);
-        self.take(Item::Tool(Tool::Rotary));
+        self.take_item(BenchItem::Tool(Tool::Rotary));
     }
 
     /// Gives commands, of [`commands`], at the next tick.
-    pub(super) fn command(&mut self, commands: u8) {
+    pub(super) fn queue_commands(&mut self, commands: u8) {
         self.commands |= commands;
     }
 
     /// Takes something off the bench, in one of the next ticks.
-    pub(super) fn take(&mut self, item: Item) {
+    pub(super) fn take_item(&mut self, item: BenchItem) {
         let item = item.number() as u8;
-        self.pointers.push_back(Pointer::Take { hand: RIGHT as u8, item });
+        self.pointers.push_back(PointerCommand::Take { hand: RIGHT as u8, item });
     }
 
     /// How deep a tool goes, in millimetres.
     #[must_use]
-    pub(super) fn depth(&self, tool: Tool) -> f32 {
+    pub(super) fn tool_depth_mm(&self, tool: Tool) -> f32 {
         self.depths[tool as usize]
     }
 
-    /// The input of a tick, with what happened since the last one.
-    pub(super) fn input(&mut self, world: &World<N>) -> Input {
-        let mut input = Input { start: core::mem::take(&mut self.start), ..Input::default() };
+    /// Builds the input of the next tick from the events since the last one.
+    pub(super) fn next_input(&mut self, world: &World<N>) -> TickInput {
+        let mut input =
+            TickInput { start: core::mem::take(&mut self.start), ..TickInput::default() };
         let (position, rotation) = self.orbit.pose();
-        input.head = RawPose::new(position, rotation);
-        input.hands = REST.map(|rest| at(rest, Quat::IDENTITY));
-        if input.start != Mode::None {
+        input.head = RawPose::quantise(position, rotation);
+        input.hands = REST.map(|rest| tracked_hand(rest, Quat::IDENTITY));
+        if input.start != SessionMode::None {
             return input;
         }
         input.commands = core::mem::take(&mut self.commands);
-        if let Some((grip, rotation)) = self.tool(world) {
-            input.hands[RIGHT] = at(grip, rotation);
+        if let Some((grip, rotation)) = self.place_tool(world) {
+            input.hands[RIGHT] = tracked_hand(grip, rotation);
             input.hands[RIGHT].trigger = if self.running { 255 } else { 0 };
         }
-        input.pointer = self.pointer();
+        input.pointer = self.next_pointer();
         input
     }
 
-    /// The right hand's grip in the room: its bit on the surface under the cursor.
-    fn tool(&mut self, world: &World<N>) -> Option<(Vec3, Quat)> {
-        let (tool, bit) = world.held(RIGHT)?;
+    /// The right hand's grip in the room, with its bit on the surface under the cursor. A stuck tool is
+    /// put down and taken again.
+    fn place_tool(&mut self, world: &World<N>) -> Option<(Vec3, Quat)> {
+        let (tool, bit) = world.held_tool(RIGHT)?;
         let cursor = self.cursor?;
-        let at = if self.running { self.follow(cursor, bit) } else { cursor };
-        let ray = self.orbit.ray(at, self.size);
+        let at = if self.running { self.advance_along_trail(cursor, bit) } else { cursor };
+        let ray = self.orbit.ray_through_pixel(at, self.size);
         let depth = self.depths[tool as usize] * 1e-3;
         let up = self.orbit.pose().1 * Vec3::Y;
-        let aim = reach::Aim { ray, up, bit, depth, running: self.running };
-        let (tip, rotation) = self.reach.tip(&aim, world);
-        if self.reach.is_stuck() {
-            // Put down and taken up again, it is free of what held it.
-            self.pointers.push_back(Pointer::Return { hand: RIGHT as u8 });
-            self.take(Item::Tool(tool));
+        let aim = bit_guide::BitTarget { ray, up, bit, depth, running: self.running };
+        let (tip, rotation) = self.bit_guide.bit_pose(&aim, world);
+        if self.bit_guide.take_stuck() {
+            // Returning and taking the tool frees its bit.
+            self.pointers.push_back(PointerCommand::Return { hand: RIGHT as u8 });
+            self.take_item(BenchItem::Tool(tool));
         }
-        Some((tip + rotation * Vec3::Z * (tool.length() as f32 * 1e-6), rotation))
+        Some((tip + rotation * Vec3::Z * (tool.length_um() as f32 * 1e-6), rotation))
     }
 
-    /// Where a running tool is on the cursor's way: it goes no faster than it can bite, so that a
-    /// stroke is one groove however fast the hand was.
-    fn follow(&mut self, cursor: [f32; 2], bit: Bit) -> [f32; 2] {
-        let (eye, _) = self.orbit.ray(cursor, self.size);
-        let far = eye + (self.orbit.pose().1 * Vec3::NEG_Z) * self.reach.metres();
-        let metre = self.orbit.pixel(far, self.size).map_or(1.0, |(_, metre)| metre);
-        let data = bit.data();
-        let bite = (data.bite as f32 / f32::from(data.period)).max(SLOWEST) * 1e-6;
+    /// Advances a running tool along the cursor's trail; returns its pixel. It goes no faster than the bit
+    /// can carve, so that a stroke is one groove at any speed of the mouse.
+    fn advance_along_trail(&mut self, cursor: [f32; 2], bit: ToolBit) -> [f32; 2] {
+        let (eye, _) = self.orbit.ray_through_pixel(cursor, self.size);
+        let far = eye + (self.orbit.pose().1 * Vec3::NEG_Z) * self.bit_guide.distance_metres();
+        let metre = self.orbit.project_point(far, self.size).map_or(1.0, |(_, metre)| metre);
+        let data = bit.spec();
+        let bite = (data.bite_um as f32 / f32::from(data.bite_period)).max(LEAST_SPEED_UM) * 1e-6;
         let mut left = bite * metre;
         while let Some(&from) = self.trail.front() {
             let to = self.trail.get(1).copied().unwrap_or(cursor);
@@ -265,8 +266,8 @@ where
         cursor
     }
 
-    /// A tick has one command of the pointer; a turn waits while there is another.
-    fn pointer(&mut self) -> Pointer {
+    /// The tick's pointer command, of which there is one a tick; turns of the stool wait for the queue.
+    fn next_pointer(&mut self) -> PointerCommand {
         if let Some(pointer) = self.pointers.pop_front() {
             return pointer;
         }
@@ -274,14 +275,14 @@ where
         self.turn += (keys * KEY_TURN) as f32;
         let by = self.turn.clamp(-8192.0, 8192.0).trunc();
         self.turn -= by;
-        if by == 0.0 { Pointer::None } else { Pointer::Turn { by: by as i16 } }
+        if by == 0.0 { PointerCommand::None } else { PointerCommand::Turn { by: by as i16 } }
     }
 
-    fn moved(&mut self, to: [f32; 2]) {
+    fn move_cursor(&mut self, to: [f32; 2]) {
         if let Some(from) = self.cursor {
             let by = [to[0] - from[0], to[1] - from[1]];
             if self.orbiting {
-                self.orbit.drag(by, self.size[1]);
+                self.orbit.rotate_by_drag(by, self.size[1]);
             }
             if self.dragging_stool {
                 self.turn += by[0] / self.size[0].max(1) as f32 * 65_536.0;
@@ -293,72 +294,74 @@ where
         }
     }
 
-    /// A press on a thing on the bench takes it, any other runs the tool.
-    fn press(&mut self, world: &World<N>) {
+    /// Takes the item on the workbench under the cursor, or starts a stroke.
+    fn press_left(&mut self, world: &World<N>) {
         let Some(cursor) = self.cursor else { return };
-        let ray = self.orbit.ray(cursor, self.size);
-        match reach::thing(ray, world) {
-            Some(item) => self.take(item),
+        let ray = self.orbit.ray_through_pixel(cursor, self.size);
+        match bit_guide::pick_item(ray, world) {
+            Some(item) => self.take_item(item),
             None => {
                 self.running = true;
                 self.trail.clear();
                 self.trail.push_back(cursor);
-                self.reach.begin_stroke(world.volume().maps());
+                self.bit_guide.begin_stroke(world.volume().maps());
             }
         }
     }
 
-    fn deepen(&mut self, millimetres: f32, world: &World<N>) {
-        if let Some((tool, _)) = world.held(RIGHT) {
+    fn change_depth(&mut self, millimetres: f32, world: &World<N>) {
+        if let Some((tool, _)) = world.held_tool(RIGHT) {
             let depth = &mut self.depths[tool as usize];
-            *depth = (*depth + millimetres).clamp(*DEPTHS.start(), *DEPTHS.end());
+            *depth = (*depth + millimetres).clamp(*DEPTHS_MM.start(), *DEPTHS_MM.end());
         }
     }
 
-    fn key(&mut self, key: Key, down: bool, world: &World<N>) {
-        if let Key::Turn { left } = key {
+    fn handle_key(&mut self, key: HandAction, down: bool, world: &World<N>) {
+        if let HandAction::Turn { left } = key {
             self.turning[usize::from(!left)] = down;
         }
         if !down {
             return;
         }
         match key {
-            Key::Tool(number) => {
+            HandAction::Tool(number) => {
                 if let Some(tool) = Tool::ALL.get(usize::from(number)) {
-                    self.take(Item::Tool(*tool));
+                    self.take_item(BenchItem::Tool(*tool));
                 }
             }
-            Key::Bit(number) => self.mount(world, |_, count| usize::from(number).min(count)),
-            Key::PreviousBit => self.mount(world, |at, count| (at + count - 1) % count),
-            Key::NextBit => self.mount(world, |at, count| (at + 1) % count),
-            Key::Undo => self.command(commands::UNDO),
-            Key::Redo => self.command(commands::REDO),
-            Key::Mirror => self.command(commands::SYMMETRY),
-            Key::Nearer => self.orbit.zoom(1.0),
-            Key::Farther => self.orbit.zoom(-1.0),
-            Key::Turn { .. } => {}
+            HandAction::Bit(number) => {
+                self.mount_bit(world, |_, count| usize::from(number).min(count));
+            }
+            HandAction::PreviousBit => self.mount_bit(world, |at, count| (at + count - 1) % count),
+            HandAction::NextBit => self.mount_bit(world, |at, count| (at + 1) % count),
+            HandAction::Undo => self.queue_commands(commands::UNDO),
+            HandAction::Redo => self.queue_commands(commands::REDO),
+            HandAction::Mirror => self.queue_commands(commands::SYMMETRY),
+            HandAction::Nearer => self.orbit.zoom(1.0),
+            HandAction::Farther => self.orbit.zoom(-1.0),
+            HandAction::Turn { .. } => {}
         }
     }
 
-    /// Mounts that of the held tool's bits which `choose` says, given the mounted one's place among
-    /// them and their number.
-    fn mount(&mut self, world: &World<N>, choose: impl Fn(usize, usize) -> usize) {
-        let Some((tool, mounted)) = world.held(RIGHT) else { return };
-        let bits: Vec<Bit> = bits_of(tool).collect();
+    /// Mounts one of the held tool's bits. `choose` gets the mounted bit's index and the number of bits,
+    /// and returns the new index.
+    fn mount_bit(&mut self, world: &World<N>, choose: impl Fn(usize, usize) -> usize) {
+        let Some((tool, mounted)) = world.held_tool(RIGHT) else { return };
+        let bits: Vec<ToolBit> = bits_of(tool).collect();
         let at = bits.iter().position(|bit| *bit == mounted).unwrap_or(0);
         if let Some(bit) = bits.get(choose(at, bits.len())) {
-            self.take(Item::Bit(*bit));
+            self.take_item(BenchItem::Bit(*bit));
         }
     }
 }
 
 /// The bits that a tool takes.
-pub(super) fn bits_of(tool: Tool) -> impl Iterator<Item = Bit> {
-    Bit::ALL.into_iter().filter(move |bit| bit.data().tool == tool)
+pub(super) fn bits_of(tool: Tool) -> impl Iterator<Item = ToolBit> {
+    ToolBit::ALL.into_iter().filter(move |bit| bit.spec().tool == tool)
 }
 
-fn at(position: Vec3, rotation: Quat) -> HandInput {
-    let grip = RawPose::new(position, rotation);
+fn tracked_hand(position: Vec3, rotation: Quat) -> HandInput {
+    let grip = RawPose::quantise(position, rotation);
     HandInput { aim: grip, grip, tracked: true, ..HandInput::default() }
 }
 

@@ -1,15 +1,15 @@
-//! Which key does what.
+//! Key bindings.
 
 use winit::event::KeyEvent;
 use winit::keyboard::{Key as Logical, KeyCode, ModifiersState, NamedKey, PhysicalKey};
 
-use super::hands::Key;
+use super::hands::HandAction;
 
-/// What a key is for.
+/// A command that a key is bound to.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum Command {
-    /// Something that the hands do.
-    Hands(Key),
+pub(super) enum KeyCommand {
+    /// An action of the hands.
+    Hands(HandAction),
     /// Ends the session, when asked twice.
     Finish,
     /// Shows or hides the help.
@@ -42,60 +42,60 @@ pub(super) const HELP: [(&str, &str); 14] = [
     ("Esc", "the start panel: another mode, open a file"),
 ];
 
-/// What a key that went down or up does.
+/// The command of a key event; digits and brackets by position, the rest by meaning.
 #[must_use]
-pub(super) fn command(event: &KeyEvent, modifiers: ModifiersState) -> Option<Command> {
+pub(super) fn key_command(event: &KeyEvent, modifiers: ModifiersState) -> Option<KeyCommand> {
     let physical = match event.physical_key {
         PhysicalKey::Code(code) => code_name(code),
         PhysicalKey::Unidentified(_) => None,
     };
     if let Some(name) = physical {
-        return named(name, modifiers.shift_key());
+        return command_named(name, modifiers.shift_key());
     }
     match &event.logical_key {
-        Logical::Named(NamedKey::Space) => named("space", false),
-        Logical::Named(NamedKey::Enter) => named("enter", false),
-        Logical::Named(NamedKey::Escape) => named("escape", false),
-        Logical::Named(NamedKey::F1) => named("f1", false),
-        Logical::Named(NamedKey::F2) => named("f2", false),
-        Logical::Named(NamedKey::F3) => named("f3", false),
+        Logical::Named(NamedKey::Space) => command_named("space", false),
+        Logical::Named(NamedKey::Enter) => command_named("enter", false),
+        Logical::Named(NamedKey::Escape) => command_named("escape", false),
+        Logical::Named(NamedKey::F1) => command_named("f1", false),
+        Logical::Named(NamedKey::F2) => command_named("f2", false),
+        Logical::Named(NamedKey::F3) => command_named("f3", false),
         Logical::Character(text) => {
-            named(&text.to_lowercase(), modifiers.shift_key() && modifiers.control_key())
+            command_named(&text.to_lowercase(), modifiers.shift_key() && modifiers.control_key())
         }
         _ => None,
     }
 }
 
-/// What the key of a name does: a letter, a digit, a bracket, "enter", "space", "escape" or "f1" to
+/// The command of a key by name: a letter, a digit, a bracket, "enter", "space", "escape" or "f1" to
 /// "f3".
 #[must_use]
-pub(super) fn named(name: &str, shift: bool) -> Option<Command> {
+pub(super) fn command_named(name: &str, shift: bool) -> Option<KeyCommand> {
     let digit = name.parse::<u8>().ok().filter(|digit| (1..=9).contains(digit));
     let hands = match (name, digit) {
-        (_, Some(digit)) if shift => Key::Bit(digit - 1),
-        (_, Some(digit @ 1..=4)) => Key::Tool(digit - 1),
-        ("[", _) => Key::PreviousBit,
-        ("]", _) => Key::NextBit,
-        ("z", _) if shift => Key::Redo,
-        ("z", _) => Key::Undo,
-        ("y", _) => Key::Redo,
-        ("m", _) => Key::Mirror,
-        ("a", _) => Key::Turn { left: true },
-        ("d", _) => Key::Turn { left: false },
-        ("w", _) => Key::Nearer,
-        ("s", _) => Key::Farther,
-        ("enter" | "space", _) => return Some(Command::Finish),
-        ("h" | "f1", _) => return Some(Command::Help),
-        ("f2", _) => return Some(Command::Graph),
-        ("f3", _) => return Some(Command::Path),
-        ("r", _) => return Some(Command::Record),
-        ("escape", _) => return Some(Command::Back),
+        (_, Some(digit)) if shift => HandAction::Bit(digit - 1),
+        (_, Some(digit @ 1..=4)) => HandAction::Tool(digit - 1),
+        ("[", _) => HandAction::PreviousBit,
+        ("]", _) => HandAction::NextBit,
+        ("z", _) if shift => HandAction::Redo,
+        ("z", _) => HandAction::Undo,
+        ("y", _) => HandAction::Redo,
+        ("m", _) => HandAction::Mirror,
+        ("a", _) => HandAction::Turn { left: true },
+        ("d", _) => HandAction::Turn { left: false },
+        ("w", _) => HandAction::Nearer,
+        ("s", _) => HandAction::Farther,
+        ("enter" | "space", _) => return Some(KeyCommand::Finish),
+        ("h" | "f1", _) => return Some(KeyCommand::Help),
+        ("f2", _) => return Some(KeyCommand::Graph),
+        ("f3", _) => return Some(KeyCommand::Path),
+        ("r", _) => return Some(KeyCommand::Record),
+        ("escape", _) => return Some(KeyCommand::Back),
         _ => return None,
     };
-    Some(Command::Hands(hands))
+    Some(KeyCommand::Hands(hands))
 }
 
-/// Digits and brackets go by their place: with Shift they give other signs.
+/// The name of a key that is bound by its position, as Shift changes its character.
 const fn code_name(code: KeyCode) -> Option<&'static str> {
     Some(match code {
         KeyCode::Digit1 => "1",
@@ -112,16 +112,16 @@ const fn code_name(code: KeyCode) -> Option<&'static str> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Command, Key, named};
+    use super::{HandAction, KeyCommand, command_named};
 
     #[test]
     fn keys_do_what_the_help_says() {
-        assert_eq!(named("3", false), Some(Command::Hands(Key::Tool(2))));
-        assert_eq!(named("3", true), Some(Command::Hands(Key::Bit(2))));
-        assert_eq!(named("5", false), None);
-        assert_eq!(named("z", false), Some(Command::Hands(Key::Undo)));
-        assert_eq!(named("z", true), Some(Command::Hands(Key::Redo)));
-        assert_eq!(named("enter", false), Some(Command::Finish));
-        assert_eq!(named("q", false), None);
+        assert_eq!(command_named("3", false), Some(KeyCommand::Hands(HandAction::Tool(2))));
+        assert_eq!(command_named("3", true), Some(KeyCommand::Hands(HandAction::Bit(2))));
+        assert_eq!(command_named("5", false), None);
+        assert_eq!(command_named("z", false), Some(KeyCommand::Hands(HandAction::Undo)));
+        assert_eq!(command_named("z", true), Some(KeyCommand::Hands(HandAction::Redo)));
+        assert_eq!(command_named("enter", false), Some(KeyCommand::Finish));
+        assert_eq!(command_named("q", false), None);
     }
 }

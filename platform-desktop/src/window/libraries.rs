@@ -1,9 +1,9 @@
-//! Whether a window can be opened at all, found out before `winit` tries: without libxkbcommon-x11,
-//! say, that would panic.
+//! Check for a display and its shared libraries, before `winit` loads them: `winit` panics without
+//! libxkbcommon-x11, for example.
 
 use std::env;
 
-/// What X11 windows need at run time, each with the names it goes by.
+/// Libraries of X11 windows, each with the names it is installed under.
 const X11: [&[&str]; 6] = [
     &["libX11.so.6", "libX11.so"],
     &["libX11-xcb.so.1", "libX11-xcb.so"],
@@ -13,26 +13,34 @@ const X11: [&[&str]; 6] = [
     &["libxkbcommon-x11.so.0", "libxkbcommon-x11.so"],
 ];
 
-/// What Wayland windows need.
+/// Libraries of Wayland windows.
 const WAYLAND: [&[&str]; 1] = [&["libwayland-client.so.0", "libwayland-client.so"]];
 
-/// What both need.
+/// Libraries of both.
 const BOTH: [&[&str]; 1] = [&["libxkbcommon.so.0", "libxkbcommon.so"]];
 
-/// Whether a display is named and the libraries to reach it are there.
+/// Checks that a display is named in the environment and that its libraries can be loaded.
 ///
 /// # Errors
-/// What is missing, in a few words.
-pub(super) fn probe() -> Result<(), String> {
+/// What is missing.
+pub(super) fn check_available() -> Result<(), String> {
     if matches!(env::consts::OS, "macos" | "windows") {
         return Ok(());
     }
     let named = |name: &str| env::var_os(name).is_some_and(|value| !value.is_empty());
-    probe_with(named("WAYLAND_DISPLAY") || named("WAYLAND_SOCKET"), named("DISPLAY"), &is_there)
+    check_available_with(
+        named("WAYLAND_DISPLAY") || named("WAYLAND_SOCKET"),
+        named("DISPLAY"),
+        &is_there,
+    )
 }
 
-/// The kind of display is `winit`'s choice: Wayland if it is named, else X11.
-fn probe_with(wayland: bool, x11: bool, is_there: &dyn Fn(&str) -> bool) -> Result<(), String> {
+/// As `winit` chooses: Wayland if it is named, else X11.
+fn check_available_with(
+    wayland: bool,
+    x11: bool,
+    is_there: &dyn Fn(&str) -> bool,
+) -> Result<(), String> {
     let needed: &[&[&str]] = match (wayland, x11) {
         (true, _) => &WAYLAND,
         (false, true) => &X11,
@@ -53,21 +61,23 @@ fn is_there(name: &str) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::probe_with;
+    use super::check_available_with;
 
     #[test]
     fn what_is_missing_is_named() {
         let all = |_: &str| true;
-        assert_eq!(probe_with(true, false, &all), Ok(()));
-        assert_eq!(probe_with(false, true, &all), Ok(()));
-        assert!(probe_with(false, false, &all).expect_err("no display").contains("DISPLAY"));
+        assert_eq!(check_available_with(true, false, &all), Ok(()));
+        assert_eq!(check_available_with(false, true, &all), Ok(()));
+        assert!(
+            check_available_with(false, false, &all).expect_err("no display").contains("DISPLAY")
+        );
         let no_xkb = |name: &str| !name.starts_with("libxkbcommon-x11");
-        assert_eq!(probe_with(true, true, &no_xkb), Ok(()));
-        let why = probe_with(false, true, &no_xkb).expect_err("it is needed");
+        assert_eq!(check_available_with(true, true, &no_xkb), Ok(()));
+        let why = check_available_with(false, true, &no_xkb).expect_err("it is needed");
         assert_eq!(why, "libxkbcommon-x11.so.0 is missing");
         let unversioned = |name: &str| name.ends_with(".so");
-        assert_eq!(probe_with(true, false, &unversioned), Ok(()));
+        assert_eq!(check_available_with(true, false, &unversioned), Ok(()));
         let no_common = |name: &str| !name.starts_with("libxkbcommon.so");
-        assert!(probe_with(true, false, &no_common).is_err());
+        assert!(check_available_with(true, false, &no_common).is_err());
     }
 }

@@ -1,98 +1,102 @@
 //! The window: a studio to sculpt in with mouse and keyboard.
 //!
-//! `hands` turns what the devices do into the core's input, `paros_shell`'s studio steps the world and
-//! keeps its files, `view` draws it, `panels` ask and tell; `app` ties them to a window. Only `app`,
-//! `keys`, `screen` and `view` know `winit` or Vulkan.
+//! `hands` turns mouse and keys into the core's input, `paros_shell`'s studio steps the world and saves
+//! its files, `view` draws it, `panels` are the user interface; `app` handles the window's events. Only
+//! `app`, `display`, `keys`, `screen` and `view` use `winit` or Vulkan.
 
 mod app;
 mod camera;
-mod cast;
 mod display;
 mod hands;
 mod keys;
 mod libraries;
 mod opening;
+mod os_error;
 mod paint;
 mod panels;
+mod raycast;
 mod screen;
 mod script;
 mod view;
 
 use std::path::PathBuf;
 
-use paros_core::size::{Grid, Size};
-use paros_shaders::portrait;
-use paros_shell::places::Places;
-use paros_shell::print::{HEIGHT_MM, Printer};
+use paros_core::{Grid, Size};
+use paros_headless::Error;
+use paros_shaders::render_portrait_png;
+use paros_shell::print::{DEFAULT_HEIGHT_MM, StlPrinter};
 use paros_shell::statics::Resident;
 use paros_shell::studio::Studio;
+use paros_shell::studio_paths::StudioPaths;
 use winit::error::EventLoopError;
 use winit::event_loop::EventLoop;
 
-use crate::error::Error;
 use app::App;
+use os_error::describe_error;
 use script::Script;
 
-/// What a window is opened with.
+/// How a window is opened.
 #[derive(Clone, Default, Debug)]
-pub struct Options {
+pub struct WindowOptions {
     /// A mesh or a volume to begin with.
     pub file: Option<PathBuf>,
     /// Where sculptures go, instead of the user's own folder.
     pub folder: Option<PathBuf>,
     /// Where the trace of the last session goes.
     pub record: Option<PathBuf>,
-    /// What is done instead of by hand.
+    /// A script of input, in place of mouse and keys.
     pub script: Option<PathBuf>,
-    /// Whether Vulkan's validation looks on; what it says is an error.
+    /// Whether Vulkan's validation layer is enabled; its messages are errors.
     pub validation: bool,
 }
 
-/// Why a window closed other than by the visitor's wish.
+/// Why a window could not open, or closed by itself.
 #[derive(Debug)]
-pub enum Closed {
-    /// It never opened: no display, or no Vulkan that fits. What is missing.
+pub enum WindowError {
+    /// No display, or no suitable Vulkan device: what is missing.
     Unavailable(String),
-    /// Something failed later, or was wrong with what it was given.
+    /// Bad input, or a later failure.
     Failed(Error),
 }
 
-/// Opens the window, and comes back when it is closed: with where the last print is, if there is
-/// one.
+/// Opens the window and runs its event loop. Blocks until the window is closed. Returns the last
+/// print's path as a line, or nothing without a print.
 ///
 /// # Errors
-/// See [`Closed`]. The session has been saved in any case.
-pub fn open<const N: usize>(options: &Options) -> Result<String, Closed>
+/// See [`WindowError`]. The session has been saved in any case.
+pub fn run_window<const N: usize>(options: &WindowOptions) -> Result<String, WindowError>
 where
     Grid<N>: Size + Resident<N>,
 {
     if let Some(file) = &options.file {
-        // Whether or not there can be a window, and before one is there.
-        opening::load::<N>(file).map_err(|why| Closed::Failed(Error::Input(why)))?;
+        // Read before the window opens: a bad file is an error even without a display.
+        opening::load_file::<N>(file).map_err(|why| WindowError::Failed(Error::Input(why)))?;
     }
-    libraries::probe().map_err(Closed::Unavailable)?;
-    let script = options.script.as_deref().map(Script::open).transpose().map_err(Closed::Failed)?;
-    let events =
-        EventLoop::new().map_err(|error| Closed::Unavailable(format!("no window: {error}")))?;
-    let mut volumes = Grid::<N>::start_volumes();
-    volumes.make(&mut Grid::<N>::plane(), |_| {});
-    let (mut world, mut press) = (Grid::<N>::world(), Grid::<N>::press());
-    let printer = Printer::new(&mut press, HEIGHT_MM);
-    let printer = printer.map_err(|error| Closed::Failed(error.into()))?;
-    let places = Places::of_user(options.folder.as_deref());
-    let mut studio = Studio::new(&mut world, &mut volumes, printer, places, portrait);
-    studio.record_to(options.record.clone());
+    libraries::check_available().map_err(WindowError::Unavailable)?;
+    let script =
+        options.script.as_deref().map(Script::open).transpose().map_err(WindowError::Failed)?;
+    let events = EventLoop::new().map_err(|error| {
+        WindowError::Unavailable(format!("no window: {}", describe_error(&error)))
+    })?;
+    let mut volumes = Grid::<N>::lock_start_volumes();
+    volumes.generate_figures(&mut Grid::<N>::lock_bit_grid(), |_| {});
+    let (mut world, mut press) = (Grid::<N>::lock_world(), Grid::<N>::lock_print_buffers());
+    let printer = StlPrinter::new(&mut press, DEFAULT_HEIGHT_MM);
+    let printer = printer.map_err(|error| WindowError::Failed(error.into()))?;
+    let places = StudioPaths::for_user(options.folder.as_deref());
+    let mut studio = Studio::new(&mut world, &mut volumes, printer, places, render_portrait_png);
+    studio.write_trace_at_close(options.record.clone());
     let mut app = App::new(studio, script, options);
     let run = events.run_app(&mut app);
     if let Err(EventLoopError::ExitFailure(_)) = run {
-        app.display_gone();
+        app.on_display_lost();
     }
-    let closed = app.close();
+    let closed = app.close_and_report();
     if let Err(EventLoopError::Os(error)) = run {
-        return Err(Closed::Failed(Error::failure(error)));
+        return Err(WindowError::Failed(Error::failure(describe_error(&error))));
     }
-    if let Err(Closed::Unavailable(_)) = closed {
-        // Whoever comes next finds the world as it was.
+    if let Err(WindowError::Unavailable(_)) = closed {
+        // The demo may follow, on an empty world.
         world.clear();
     }
     closed

@@ -1,18 +1,16 @@
-//! A mesh or a volume from a file.
+//! Loading of a mesh or a volume as the stone to carve.
 
 use std::path::Path;
 
-use paros_core::bake::Up;
-use paros_core::size::{Grid, Size};
+use paros_core::{Grid, Size, UpAxis};
+use paros_shell::mesh::{self, EXTENSIONS, MeshFormat};
 use paros_shell::rmap;
 use paros_shell::statics::Resident;
 
-use crate::mesh::{self, ENDINGS, Kind};
-
-/// Whether a file's name says that it can be opened.
+/// Whether a file's extension is that of a mesh or a volume.
 #[must_use]
 pub(super) fn is_known(path: &Path) -> bool {
-    is_volume(path) || Kind::of(path).is_some()
+    is_volume(path) || MeshFormat::from_extension(path).is_some()
 }
 
 fn is_volume(path: &Path) -> bool {
@@ -22,27 +20,27 @@ fn is_volume(path: &Path) -> bool {
 /// Reads a file into the resident maps: an `.rmap` of N voxels a side, or a mesh.
 ///
 /// # Errors
-/// Why it can't be sculpted in.
-pub(super) fn load<const N: usize>(path: &Path) -> Result<(), String>
+/// A text: the file, and why it can't be carved.
+pub(super) fn load_file<const N: usize>(path: &Path) -> Result<(), String>
 where
     Grid<N>: Size + Resident<N>,
 {
-    let mut maps = Grid::<N>::maps();
+    let mut maps = Grid::<N>::lock_range_maps();
     if is_volume(path) {
-        let header = rmap::peek(path).map_err(|error| error.to_string())?;
-        if header.n != N {
-            let (path, n) = (path.display(), header.n);
+        let header = rmap::read_header(path).map_err(|error| error.to_string())?;
+        if header.side != N {
+            let (path, n) = (path.display(), header.side);
             return Err(format!("{path}: is a volume of {n}, this studio takes {N}"));
         }
         rmap::read(path, &mut maps).map_err(|error| error.to_string())?;
     } else if !is_known(path) {
         let path = path.display();
-        return Err(format!("{path}: no mesh or volume; expected a name in .rmap, {ENDINGS}"));
+        return Err(format!("{path}: no mesh or volume; expected a name in .rmap, {EXTENSIONS}"));
     } else {
         let mesh = mesh::read(path).map_err(|error| error.to_string())?;
-        let up = Kind::of(path).map_or(Up::Y, Kind::up);
-        let (mut baker, mut plane) = (Grid::<N>::baker(), Grid::<N>::plane());
-        mesh.bake(up, &mut baker, &mut maps, &mut plane)
+        let up = MeshFormat::from_extension(path).map_or(UpAxis::Y, MeshFormat::default_up_axis);
+        let (mut baker, mut plane) = (Grid::<N>::lock_baker(), Grid::<N>::lock_bit_grid());
+        mesh.bake_into_maps(up, &mut baker, &mut maps, &mut plane)
             .ok_or_else(|| format!("{}: the mesh has no extent", path.display()))?;
     }
     match maps.is_empty() {

@@ -1,34 +1,34 @@
-//! What `egui` laid out, as the renderer's triangles and texels.
+//! `egui`'s output as the overlay's vertex buffers and texture atlas.
 
 use egui::epaint::{ClippedPrimitive, ImageData, ImageDelta, Primitive};
 use egui::{TextureId, TexturesDelta};
-use paros_shaders::gpu::overlay::{ATLAS, Overlay, PATCH, Run, Vertex};
+use paros_shaders::gpu::overlay::{ATLAS_SIDE, ClippedRun, MAX_FRAME_TEXELS, Overlay, PanelVertex};
 
-/// Rows of the atlas that a frame takes.
-const ROWS: usize = PATCH / SIDE;
+/// Atlas rows that a frame can upload.
+const ROWS: usize = MAX_FRAME_TEXELS / SIDE;
 
 /// Texels along a side of the atlas.
-const SIDE: usize = ATLAS as usize;
+const SIDE: usize = ATLAS_SIDE as usize;
 
-/// The panels of a frame, and the atlas with what of it the device hasn't got yet.
+/// A frame's triangles, and the font atlas with the rows that are not uploaded yet.
 #[derive(Debug)]
-pub(super) struct Painted {
-    vertices: Vec<Vertex>,
+pub(super) struct EguiBuffers {
+    vertices: Vec<PanelVertex>,
     indices: Vec<u32>,
-    runs: Vec<Run>,
+    runs: Vec<ClippedRun>,
     texels: Vec<[u8; 4]>,
-    /// Texels of the layouter's own atlas, the upper left part of ours.
+    /// Size of `egui`'s atlas in texels; it fills the upper left of ours.
     size: [usize; 2],
-    /// Rows that changed.
+    /// Atlas rows that changed and are not uploaded yet.
     changed: core::ops::Range<usize>,
 }
 
-impl Painted {
-    /// Nothing.
+impl EguiBuffers {
+    /// Empty buffers and a transparent atlas.
     #[must_use]
     #[allow(clippy::new_without_default)] // megabytes: to be made on purpose
     pub(super) fn new() -> Self {
-        Painted {
+        EguiBuffers {
             vertices: Vec::new(),
             indices: Vec::new(),
             runs: Vec::new(),
@@ -38,16 +38,16 @@ impl Painted {
         }
     }
 
-    /// Takes in changes of the atlas. There is one texture, that of the fonts.
+    /// Applies changes of the font atlas. Other textures are ignored.
     pub(super) fn take_textures(&mut self, delta: &TexturesDelta) {
         for (id, delta) in &delta.set {
             if *id == TextureId::default() {
-                self.patch(delta);
+                self.patch_atlas(delta);
             }
         }
     }
 
-    /// Takes over the triangles of a frame, at so many pixels a point.
+    /// Converts a frame's primitives. `scale` is pixels per point.
     pub(super) fn take_triangles(&mut self, primitives: &[ClippedPrimitive], scale: f32) {
         self.vertices.clear();
         self.indices.clear();
@@ -58,7 +58,7 @@ impl Painted {
             let base = self.vertices.len() as u32;
             self.indices.extend(mesh.indices.iter().map(|index| base + index));
             let [width, height] = self.size.map(|side| side as f32);
-            self.vertices.extend(mesh.vertices.iter().map(|vertex| Vertex {
+            self.vertices.extend(mesh.vertices.iter().map(|vertex| PanelVertex {
                 position: [vertex.pos.x * scale, vertex.pos.y * scale],
                 texel: [vertex.uv.x * width, vertex.uv.y * height],
                 color: vertex.color.to_array(),
@@ -66,41 +66,41 @@ impl Painted {
             let pixel = |points: f32| (points * scale).round().max(0.0) as u32;
             let (min, max) = (clip_rect.min, clip_rect.max);
             let clip = [pixel(min.x), pixel(min.y), pixel(max.x), pixel(max.y)];
-            self.runs.push(Run { clip, indices: first..self.indices.len() as u32 });
+            self.runs.push(ClippedRun { clip, indices: first..self.indices.len() as u32 });
         }
     }
 
-    /// Hands all to a frame that has begun: the triangles, and rows of the atlas.
-    pub(super) fn hand_over(&mut self, overlay: &mut Overlay, extent: [u32; 2]) {
+    /// Uploads the triangles and the next changed rows of the atlas into a frame that has begun.
+    pub(super) fn upload_to(&mut self, overlay: &mut Overlay, extent: [u32; 2]) {
         let rows = self.changed.start..self.changed.end.min(self.changed.start + ROWS);
         let texels = &self.texels[rows.start * SIDE..rows.end * SIDE];
-        let size = [ATLAS, rows.len() as u32];
-        if !rows.is_empty() && overlay.patch([0, rows.start as u32], size, texels) {
+        let size = [ATLAS_SIDE, rows.len() as u32];
+        if !rows.is_empty() && overlay.write_atlas([0, rows.start as u32], size, texels) {
             self.changed.start = rows.end;
         }
-        // Panels that are too much for a frame are left out of it.
-        let _ = overlay.draw(&self.vertices, &self.indices, &self.runs, extent);
+        // Triangles that exceed the overlay's capacity are not drawn.
+        let _ = overlay.set_triangles(&self.vertices, &self.indices, &self.runs, extent);
     }
 
-    /// The device has lost the atlas.
+    /// Marks the whole atlas as changed, for a new device.
     pub(super) fn forget_device(&mut self) {
         self.changed = 0..self.size[1];
     }
 
     /// Vertices, indices and runs of the frame.
     #[cfg(test)]
-    pub(super) fn lengths(&self) -> (usize, usize, usize) {
+    pub(super) fn buffer_lengths(&self) -> (usize, usize, usize) {
         (self.vertices.len(), self.indices.len(), self.runs.len())
     }
 
-    fn patch(&mut self, delta: &ImageDelta) {
+    fn patch_atlas(&mut self, delta: &ImageDelta) {
         let ImageData::Color(image) = &delta.image;
         let [width, height] = image.size;
         let [left, top] = delta.pos.unwrap_or([0, 0]);
         if delta.pos.is_none() {
             self.size = [width, height];
         }
-        // The layouter knows the atlas's size and stays within it.
+        // `egui` knows the atlas's size; this guards the index only.
         let (width, height) = (width.min(SIDE - left.min(SIDE)), height.min(SIDE - top.min(SIDE)));
         for y in 0..height {
             for x in 0..width {

@@ -1,26 +1,25 @@
-//! A script in place of mouse and keys, for tests and demonstrations: a line for each thing done,
-//! carried out between ticks, so that the same script leads to the same sculpture.
+//! Scripted input in place of mouse and keys, for tests and demonstrations: a step a line, run between
+//! ticks, so that the same script leads to the same sculpture.
 
+use paros_headless::Error;
 use std::io::{self, BufRead, Write};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::thread;
 
-use crate::error::Error;
+use super::hands::{HandButton, InputEvent};
+use super::keys::{self, KeyCommand};
 
-use super::hands::{Button, Event};
-use super::keys::{self, Command};
-
-/// A thing done.
+/// A line of a script.
 #[derive(Clone, PartialEq, Debug)]
-pub(super) enum Step {
+pub(super) enum ScriptStep {
     /// `move X Y`: the cursor goes to a point of the window, in parts of a hundred of its width and
     /// height. `press left|middle|right`, `release ...`, `wheel N`, `zoom N` likewise.
-    Device(Event),
+    Device(InputEvent),
     /// `down NAME`, `up NAME`: a key; `shift+` before the name.
-    Key(Command, bool),
+    Key(KeyCommand, bool),
     /// `key NAME`: a key that goes down and up.
-    Tap(Command),
+    Tap(KeyCommand),
     /// `wait TICKS`.
     Wait(u32),
     /// `frames N`: waits until so many were drawn.
@@ -45,20 +44,20 @@ pub(super) enum Step {
     Quit,
 }
 
-/// Where steps come from.
+/// A script that is read on a thread of its own, and the step that is being waited for.
 #[derive(Debug)]
 pub(super) struct Script {
     name: String,
     lines: Receiver<io::Result<String>>,
     line: usize,
     /// The step that is being waited for, and its line.
-    waiting: Option<(Wait, String)>,
+    waiting: Option<(WaitFor, String)>,
     /// The step that is being carried out.
     doing: Option<String>,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-enum Wait {
+enum WaitFor {
     Ticks(u32),
     Frames(u32),
     Settled,
@@ -74,7 +73,7 @@ impl Script {
         let from: Box<dyn BufRead + Send> = if name == "-" {
             Box::new(io::BufReader::new(io::stdin()))
         } else {
-            let opened = paros_shell::durable::open(path);
+            let opened = paros_shell::durable::open_regular_file(path);
             let file = opened.map_err(|error| Error::Input(format!("{name}: {error}")))?;
             Box::new(io::BufReader::new(file))
         };
@@ -92,8 +91,8 @@ impl Script {
     /// The next step before a tick; none while it waits. The end of the script is `quit`.
     ///
     /// # Errors
-    /// A line that is no step, by its number.
-    pub(super) fn next(&mut self) -> Result<Option<Step>, Error> {
+    /// A line that is no step, with its number.
+    pub(super) fn next_step(&mut self) -> Result<Option<ScriptStep>, Error> {
         if self.waiting.is_some() {
             return Ok(None);
         }
@@ -103,7 +102,7 @@ impl Script {
                     line.map_err(|error| Error::Input(format!("{}: {error}", self.name)))?
                 }
                 Err(TryRecvError::Empty) => return Ok(None),
-                Err(TryRecvError::Disconnected) => return Ok(Some(Step::Quit)),
+                Err(TryRecvError::Disconnected) => return Ok(Some(ScriptStep::Quit)),
             };
             self.line += 1;
             let text = line.trim();
@@ -112,13 +111,13 @@ impl Script {
             }
         };
         let text = &*text;
-        let step = parse(text).ok_or_else(|| {
+        let step = parse_step(text).ok_or_else(|| {
             Error::Input(format!("{}: line {}: no step: {text}", self.name, self.line))
         })?;
         let wait = match step {
-            Step::Wait(ticks) => Some(Wait::Ticks(ticks)),
-            Step::Frames(frames) => Some(Wait::Frames(frames)),
-            Step::Settle => Some(Wait::Settled),
+            ScriptStep::Wait(ticks) => Some(WaitFor::Ticks(ticks)),
+            ScriptStep::Frames(frames) => Some(WaitFor::Frames(frames)),
+            ScriptStep::Settle => Some(WaitFor::Settled),
             _ => None,
         };
         self.waiting = wait.map(|wait| (wait, text.to_owned()));
@@ -126,108 +125,117 @@ impl Script {
         Ok(Some(step))
     }
 
-    /// The step that [`Script::next`] gave has been carried out.
-    pub(super) fn did(&mut self) {
+    /// Reports that the step of [`Script::next_step`] is done.
+    pub(super) fn report_done(&mut self) {
         if let Some(step) = self.doing.take() {
-            told(&step);
+            print_done(&step);
         }
     }
 
-    /// A tick is over.
-    pub(super) fn ticked(&mut self) {
-        self.count(|wait| match wait {
-            Wait::Ticks(left) => Wait::Ticks(left.saturating_sub(1)),
+    /// Counts a tick for `wait`.
+    pub(super) fn count_tick(&mut self) {
+        self.count_down(|wait| match wait {
+            WaitFor::Ticks(left) => WaitFor::Ticks(left.saturating_sub(1)),
             other => other,
         });
     }
 
-    /// A frame was drawn; `settled` if nothing is under way.
-    pub(super) fn drawn(&mut self, settled: bool) {
-        self.count(|wait| match wait {
-            Wait::Frames(left) => Wait::Frames(left.saturating_sub(1)),
-            Wait::Settled if settled => Wait::Frames(0),
+    /// Counts a frame for `frames`; `settled` if no file is being read, printed or written.
+    pub(super) fn count_frame(&mut self, settled: bool) {
+        self.count_down(|wait| match wait {
+            WaitFor::Frames(left) => WaitFor::Frames(left.saturating_sub(1)),
+            WaitFor::Settled if settled => WaitFor::Frames(0),
             other => other,
         });
     }
 
-    fn count(&mut self, less: impl Fn(Wait) -> Wait) {
+    fn count_down(&mut self, less: impl Fn(WaitFor) -> WaitFor) {
         if let Some((wait, text)) = self.waiting.take() {
             match less(wait) {
-                Wait::Ticks(0) | Wait::Frames(0) => told(&text),
+                WaitFor::Ticks(0) | WaitFor::Frames(0) => print_done(&text),
                 wait => self.waiting = Some((wait, text)),
             }
         }
     }
 }
 
-/// Says that a step is done, for whoever writes the next one.
-fn told(step: &str) {
+/// Prints that a step is done, for the writer of the script.
+fn print_done(step: &str) {
     let mut out = io::stdout().lock();
-    // Nobody may be listening there.
+    // Standard output may be closed.
     let _ = writeln!(out, "done {step}").and_then(|()| out.flush());
 }
 
-fn parse(text: &str) -> Option<Step> {
+fn parse_step(text: &str) -> Option<ScriptStep> {
     let (word, rest) = text.split_once(' ').unwrap_or((text, ""));
     let rest = rest.trim();
     let pair = || rest.split_once(' ').map(|(a, b)| (a.trim(), b.trim()));
     let number = || rest.parse::<f32>().ok().filter(|number| number.is_finite());
     let key = || {
         let shift = rest.strip_prefix("shift+");
-        keys::named(shift.unwrap_or(rest), shift.is_some())
+        keys::command_named(shift.unwrap_or(rest), shift.is_some())
     };
     let button = || match rest {
-        "left" => Some(Button::Left),
-        "middle" => Some(Button::Middle),
-        "right" => Some(Button::Right),
+        "left" => Some(HandButton::Left),
+        "middle" => Some(HandButton::Middle),
+        "right" => Some(HandButton::Right),
         _ => None,
     };
     Some(match word {
         "move" => {
             let (x, y) = pair()?;
-            Step::Device(Event::Moved([x.parse().ok()?, y.parse().ok()?]))
+            ScriptStep::Device(InputEvent::Moved([x.parse().ok()?, y.parse().ok()?]))
         }
-        "press" => Step::Device(Event::Pressed(button()?)),
-        "release" => Step::Device(Event::Released(button()?)),
-        "wheel" => Step::Device(Event::Wheel(number()?)),
-        "zoom" => Step::Device(Event::Zoom(number()?)),
-        "key" => Step::Tap(key()?),
-        "down" => Step::Key(key()?, true),
-        "up" => Step::Key(key()?, false),
-        "wait" => Step::Wait(rest.parse().ok()?),
-        "frames" => Step::Frames(rest.parse().ok()?),
-        "start" => Step::Start(rest.to_owned()),
-        "open" if !rest.is_empty() => Step::Open(rest.into()),
+        "press" => ScriptStep::Device(InputEvent::Pressed(button()?)),
+        "release" => ScriptStep::Device(InputEvent::Released(button()?)),
+        "wheel" => ScriptStep::Device(InputEvent::Wheel(number()?)),
+        "zoom" => ScriptStep::Device(InputEvent::Zoom(number()?)),
+        "key" => ScriptStep::Tap(key()?),
+        "down" => ScriptStep::Key(key()?, true),
+        "up" => ScriptStep::Key(key()?, false),
+        "wait" => ScriptStep::Wait(rest.parse().ok()?),
+        "frames" => ScriptStep::Frames(rest.parse().ok()?),
+        "start" => ScriptStep::Start(rest.to_owned()),
+        "open" if !rest.is_empty() => ScriptStep::Open(rest.into()),
         "size" => {
             let (width, height) = pair()?;
-            Step::Size([width.parse().ok()?, height.parse().ok()?])
+            ScriptStep::Size([width.parse().ok()?, height.parse().ok()?])
         }
-        "settle" => Step::Settle,
-        "minimise" => Step::Minimise(true),
-        "restore" => Step::Minimise(false),
-        "lose" => Step::Lose,
-        "starve" => Step::Starve(rest.parse().ok()?),
-        "say" => Step::Say,
-        "quit" => Step::Quit,
+        "settle" => ScriptStep::Settle,
+        "minimise" => ScriptStep::Minimise(true),
+        "restore" => ScriptStep::Minimise(false),
+        "lose" => ScriptStep::Lose,
+        "starve" => ScriptStep::Starve(rest.parse().ok()?),
+        "say" => ScriptStep::Say,
+        "quit" => ScriptStep::Quit,
         _ => return None,
     })
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Step, parse};
-    use crate::window::hands::{Button, Event, Key};
-    use crate::window::keys::Command;
+    use super::{ScriptStep, parse_step};
+    use crate::window::hands::{HandAction, HandButton, InputEvent};
+    use crate::window::keys::KeyCommand;
 
     #[test]
     fn lines_are_steps_or_refused() {
-        assert_eq!(parse("move 50 12.5"), Some(Step::Device(Event::Moved([50.0, 12.5]))));
-        assert_eq!(parse("press left"), Some(Step::Device(Event::Pressed(Button::Left))));
-        assert_eq!(parse("key shift+2"), Some(Step::Tap(Command::Hands(Key::Bit(1)))));
-        assert_eq!(parse("wait 30"), Some(Step::Wait(30)));
-        assert_eq!(parse("open a mesh.obj"), Some(Step::Open("a mesh.obj".into())));
+        assert_eq!(
+            parse_step("move 50 12.5"),
+            Some(ScriptStep::Device(InputEvent::Moved([50.0, 12.5])))
+        );
+        assert_eq!(
+            parse_step("press left"),
+            Some(ScriptStep::Device(InputEvent::Pressed(HandButton::Left)))
+        );
+        assert_eq!(
+            parse_step("key shift+2"),
+            Some(ScriptStep::Tap(KeyCommand::Hands(HandAction::Bit(1))))
+        );
+        assert_eq!(parse_step("wait 30"), Some(ScriptStep::Wait(30)));
+        assert_eq!(parse_step("open a mesh.obj"), Some(ScriptStep::Open("a mesh.obj".into())));
         for line in ["press", "press up", "move 1", "move a b", "wait -1", "key q", "wheel nan"] {
-            assert_eq!(parse(line), None, "{line}");
+            assert_eq!(parse_step(line), None, "{line}");
         }
     }
 }

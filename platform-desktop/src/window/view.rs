@@ -1,124 +1,128 @@
-//! What is shown: a frame of the world, and panels over it.
+//! The window's renderer: frames of the world, with the panels over them.
 
-use paros_core::input::TICK_RATE;
-use paros_core::size::{Grid, Size};
-use paros_core::world::World;
-use paros_shaders::gpu::{Error, Eye, Path, Seen, Show, Times};
-use paros_shaders::scene::Fresh;
+use paros_core::{Grid, Size, TICK_RATE, World};
+use paros_shaders::gpu::{Error, Eye, FrameTimes, Options, RenderPath, Viewpoint, WorldRenderer};
+use paros_shaders::scene::LatestInput;
 use paros_shell::durable;
-use paros_shell::keeper::{Keeper, What};
-use paros_shell::places::Places;
+use paros_shell::file_writer::{FileKind, FileWriter};
+use paros_shell::studio_paths::StudioPaths;
 use winit::window::Window;
 
-use super::paint::Painted;
-use super::screen::Screen;
+use super::paint::EguiBuffers;
+use super::screen::WindowSwapchain;
 
 /// Samples of a pixel.
 const SAMPLES: u32 = 4;
 
 /// A window's renderer and what it draws.
-pub(super) struct View<const N: usize>
+pub(super) struct WindowRenderer<const N: usize>
 where
     Grid<N>: Size,
 {
-    // Before the screen: it goes first.
-    show: Show<N>,
-    screen: Screen,
+    // Dropped before the swapchain.
+    show: WorldRenderer<N>,
+    screen: WindowSwapchain,
 }
 
-/// What a frame shows besides the sculpture.
+/// The parameters of a frame.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Shown {
-    /// Whence.
+pub(super) struct FrameParams {
+    /// The eye.
     pub(super) eye: Eye,
-    /// How far the time is from the last tick to the next.
+    /// Fraction of the time from the last tick to the next, 0 to 1.
     pub(super) between: f32,
-    /// By which path.
-    pub(super) path: Path,
+    /// The render path.
+    pub(super) path: RenderPath,
 }
 
-impl<const N: usize> View<N>
+impl<const N: usize> WindowRenderer<N>
 where
     Grid<N>: Size,
 {
-    /// The view into a window, of a world as it is.
+    /// Makes the device, the swapchain and the renderer of a world.
     ///
     /// # Errors
     /// No Vulkan, no device that fits, or a call that failed.
     pub(super) fn new(
         window: &Window,
         world: &World<N>,
-        places: &Places,
-        validation: bool,
+        places: &StudioPaths,
+        options: &Options,
     ) -> Result<Self, Error> {
-        let screen = Screen::new(window, validation)?;
-        // Without it the start takes longer, that is all.
-        let cache = durable::read(&places.pipelines()).unwrap_or_default();
-        let show = Show::new(screen.gpu(), screen.format(SAMPLES), world, &cache)?;
-        Ok(View { show, screen })
+        let screen = WindowSwapchain::new(window, options)?;
+        // Without the pipeline cache the start takes longer.
+        let cache = durable::read_file(&places.pipeline_cache_file()).unwrap_or_default();
+        let show = WorldRenderer::new(screen.gpu(), screen.format(SAMPLES), world, &cache)?;
+        Ok(WindowRenderer { show, screen })
     }
 
-    /// Has what makes the next start faster written.
-    pub(super) fn keep_cache(&self, places: &Places, keeper: &mut Keeper) {
-        if let Ok(bytes) = self.show.renderer.cache() {
-            keeper.keep(What::Cache, places.pipelines(), bytes);
+    /// Submits the pipeline cache to be written, for a faster next start.
+    pub(super) fn save_pipeline_cache(&self, places: &StudioPaths, keeper: &mut FileWriter) {
+        if let Ok(bytes) = self.show.renderer.pipeline_cache_data() {
+            keeper.submit_file(FileKind::PipelineCache, places.pipeline_cache_file(), bytes);
         }
     }
 
-    /// Takes in what a tick changed.
-    pub(super) fn note(&mut self, world: &World<N>) {
-        self.show.note(world);
+    /// Notes what a tick changed, for the next frame.
+    pub(super) fn note_changes(&mut self, world: &World<N>) {
+        self.show.note_tick(world);
     }
 
-    /// The window has another size.
-    pub(super) fn resized(&mut self) {
-        self.screen.resized();
+    /// Notes that the window has another size.
+    pub(super) fn mark_resized(&mut self) {
+        self.screen.mark_stale();
     }
 
     /// The device's name.
     #[must_use]
-    pub(super) fn device(&self) -> &str {
+    pub(super) fn device_name(&self) -> &str {
         &self.screen.gpu().name
     }
 
-    /// How long the device took for the latest frame known to be done.
+    /// GPU times of the latest finished frame, in nanoseconds.
     #[must_use]
-    pub(super) const fn times(&self) -> Times {
-        self.show.renderer.times()
+    pub(super) const fn gpu_times(&self) -> FrameTimes {
+        self.show.renderer.frame_times()
     }
 
-    /// What validation has complained of.
+    /// The validation layer's messages.
     #[must_use]
-    pub(super) fn messages(&self) -> Vec<String> {
-        self.screen.gpu().instance.messages()
+    pub(super) fn validation_messages(&self) -> Vec<String> {
+        self.screen.gpu().instance.validation_messages()
     }
 
-    /// Draws a frame into a window of a size in pixels. Whether there was anything to draw into.
+    /// Draws and presents a frame in a window of `size` pixels. Returns whether there was an image to
+    /// draw into.
     ///
     /// # Errors
     /// A lost device or window.
-    pub(super) fn draw(
+    pub(super) fn draw_frame(
         &mut self,
         window: &Window,
         size: [u32; 2],
         world: &World<N>,
-        shown: &Shown,
-        painted: &mut Painted,
+        params: &FrameParams,
+        egui_buffers: &mut EguiBuffers,
     ) -> Result<bool, Error> {
         if size.contains(&0) {
             return Ok(false);
         }
-        self.show.begin(world)?;
+        self.show.begin_frame(world)?;
         let renderer = &mut self.show.renderer;
         let Some(target) = self.screen.acquire(renderer, size)? else { return Ok(false) };
         let Some(surface) = self.screen.surface() else { return Ok(false) };
-        painted.hand_over(&mut renderer.overlay, surface.extent);
-        let time = (world.tick() as f64 + f64::from(shown.between)) / f64::from(TICK_RATE);
-        // The mouse is in no hand that one would see.
-        let fresh = Fresh { grips: [None; 2], hands: false, fraction: shown.between, time };
-        let seen = Seen { eyes: &[shown.eye], fresh, path: shown.path };
-        self.show.draw(world, &seen, surface, target.image, target.sync)?;
-        // From here on the next frame is asked for when the compositor wants it.
+        egui_buffers.upload_to(&mut renderer.overlay, surface.extent);
+        let time = (world.tick() as f64 + f64::from(params.between)) / f64::from(TICK_RATE);
+        // Hands are not drawn: the mouse has none.
+        let fresh = LatestInput {
+            grips: [None; 2],
+            show_hands: false,
+            tick_fraction: params.between,
+            time_seconds: time,
+        };
+        let seen = Viewpoint { eyes: &[params.eye], latest: fresh, render_path: params.path };
+        self.show.draw_frame(world, &seen, surface, target.image, target.sync)?;
+        // On Wayland this throttles redraw requests to the compositor's frame callbacks.
         window.pre_present_notify();
         self.screen.present(target)?;
         Ok(true)

@@ -14,14 +14,17 @@ use x11rb::protocol::xproto::{ConnectionExt as _, PropMode};
 use x11rb::rust_connection::RustConnection;
 use x11rb::wrapper::ConnectionExt as _;
 
-use crate::rig::{Display, STROKE, TETRAHEDRON, Visit, differing, folder, needs, paros};
+use crate::rig::{
+    STROKE, ScriptedWindow, TETRAHEDRON, XvfbDisplay, check_program, count_differing, empty_folder,
+    paros_command,
+};
 use crate::xdnd::{self, drop_files};
 
 /// A window manager, ended when dropped.
-pub(crate) struct Manager(Child);
+pub(crate) struct WindowManager(Child);
 
-impl Manager {
-    pub(crate) fn new(display: &Display) -> Result<Self, String> {
+impl WindowManager {
+    pub(crate) fn new(display: &XvfbDisplay) -> Result<Self, String> {
         let manager = Command::new("openbox")
             .env("DISPLAY", &display.name)
             .env("HOME", &display.folder)
@@ -32,11 +35,11 @@ impl Manager {
             .map_err(|error| format!("no openbox: {error}"))?;
         // It takes the screen over before it minds windows.
         thread::sleep(Duration::from_millis(500));
-        Ok(Manager(manager))
+        Ok(WindowManager(manager))
     }
 }
 
-impl Drop for Manager {
+impl Drop for WindowManager {
     fn drop(&mut self) {
         // It may have ended with its display.
         let _ = self.0.kill();
@@ -46,13 +49,13 @@ impl Drop for Manager {
 
 #[test]
 fn dropped_files_become_the_stone_or_are_refused() -> Result<(), Required> {
-    let folder = folder("dropped");
-    let Some(display) = require(Display::new(&folder))? else { return Ok(()) };
-    let mut visit = Visit::new(&display);
+    let folder = empty_folder("dropped");
+    let Some(display) = require(XvfbDisplay::new(&folder))? else { return Ok(()) };
+    let mut visit = ScriptedWindow::new(&display);
     visit.do_all(&["start cat", "wait 4"]);
     visit.do_all(&STROKE);
-    let voxels = visit.voxels();
-    let drop = |visit: &mut Visit, names: &[&str]| {
+    let voxels = visit.voxel_count();
+    let drop = |visit: &mut ScriptedWindow, names: &[&str]| {
         let paths: Vec<_> = names.iter().map(|name| folder.join(name)).collect();
         let paths: Vec<&Path> = paths.iter().map(|path| &**path).collect();
         let taken = thread::scope(|scope| {
@@ -60,7 +63,7 @@ fn dropped_files_become_the_stone_or_are_refused() -> Result<(), Required> {
                 scope.spawn(|| drop_files(&display.name, &paths).map_err(|e| e.to_string()));
             // The window hears of it while it draws.
             while !dropping.is_finished() {
-                visit.does("frames 1");
+                visit.do_step("frames 1");
             }
             dropping.join().expect("no panic")
         });
@@ -72,89 +75,97 @@ fn dropped_files_become_the_stone_or_are_refused() -> Result<(), Required> {
     fs::create_dir(folder.join("a folder.stl")).expect("a folder");
     for name in ["a letter.obj", "a letter.txt", "a folder.stl"] {
         drop(&mut visit, &[name]);
-        let note = visit.asks("note");
+        let note = visit.ask_state("note");
         assert!(note.contains(name), "{note}");
-        assert_eq!((visit.voxels(), &*visit.asks("mode")), (voxels, "Constrained { figure: 1 }"));
+        assert_eq!(
+            (visit.voxel_count(), &*visit.ask_state("mode")),
+            (voxels, "Constrained { figure: 1 }")
+        );
     }
-    visit.sees(&display, "1-refused");
+    visit.screenshot(&display, "1-refused");
     fs::write(folder.join("a shape.obj"), TETRAHEDRON).expect("a file");
     drop(&mut visit, &["a shape.obj"]);
-    let shape = visit.voxels();
-    assert_eq!(visit.asks("mode"), "Own");
+    let shape = visit.voxel_count();
+    assert_eq!(visit.ask_state("mode"), "Own");
     assert!(shape != voxels && shape > 1000, "{shape}");
-    visit.sees(&display, "2-mesh");
-    let baked = paros(&folder)
+    visit.screenshot(&display, "2-mesh");
+    let baked = paros_command(&folder)
         .args(["bake", "a shape.obj", "-o", "b.rmap"])
         .current_dir(&folder)
         .output()
         .expect("it starts");
     assert!(baked.status.success(), "{baked:?}");
     visit.do_all(&["start free", "wait 4"]);
-    assert_ne!(visit.voxels(), shape);
+    assert_ne!(visit.voxel_count(), shape);
     // The first of several is read, the others are named.
     drop(&mut visit, &["b.rmap", "a shape.obj"]);
-    assert_eq!((visit.voxels(), &*visit.asks("mode")), (shape, "Own"));
-    assert!(visit.asks("note").contains("a shape.obj: not opened"));
-    assert_eq!(visit.ends(), (Some(0), String::new()));
+    assert_eq!((visit.voxel_count(), &*visit.ask_state("mode")), (shape, "Own"));
+    assert!(visit.ask_state("note").contains("a shape.obj: not opened"));
+    assert_eq!(visit.close(), (Some(0), String::new()));
     Ok(())
 }
 
 #[test]
 fn minimised_it_draws_nothing_and_goes_on_after() -> Result<(), Required> {
-    let folder = folder("minimised");
-    let Some(display) = require(Display::new(&folder))? else { return Ok(()) };
-    let Some(()) = require(needs("xdotool", "--version"))? else { return Ok(()) };
-    let Some(_manager) = require(Manager::new(&display))? else { return Ok(()) };
-    let mut visit = Visit::new(&display);
+    let folder = empty_folder("minimised");
+    let Some(display) = require(XvfbDisplay::new(&folder))? else { return Ok(()) };
+    let Some(()) = require(check_program("xdotool", "--version"))? else { return Ok(()) };
+    let Some(_manager) = require(WindowManager::new(&display))? else { return Ok(()) };
+    let mut visit = ScriptedWindow::new(&display);
     // Out of the window, so that it does not come into it anew.
     display.xdotool("mousemove 990 690");
     visit.do_all(&["start owl", "wait 4", "size 900 600", "frames 4"]);
-    let whole = visit.voxels();
+    let whole = visit.voxel_count();
     visit.do_all(&STROKE);
-    visit.does("move 3 97");
-    let voxels = visit.voxels();
+    visit.do_step("move 3 97");
+    let voxels = visit.voxel_count();
     assert!(voxels < whole);
-    let shown = visit.sees(&display, "1-shown");
+    let shown = visit.screenshot(&display, "1-shown");
     for _ in 0..3 {
         display.xdotool("search --onlyvisible --name Paros windowminimize --sync");
         // A frame that was under way may still be drawn.
-        visit.does("wait 12");
-        let frames = visit.asks("frames");
-        visit.does("wait 60");
-        assert_eq!((visit.asks("frames"), visit.voxels()), (frames, voxels));
+        visit.do_step("wait 12");
+        let frames = visit.ask_state("frames");
+        visit.do_step("wait 60");
+        assert_eq!((visit.ask_state("frames"), visit.voxel_count()), (frames, voxels));
         display.xdotool("search --name Paros windowmap --sync");
-        visit.does("frames 4");
+        visit.do_step("frames 4");
     }
-    visit.does("move 3 97");
-    let back = visit.sees(&display, "2-back");
-    let far = differing(&shown, &back, [0, 1000], [0, 700]);
+    visit.do_step("move 3 97");
+    let back = visit.screenshot(&display, "2-back");
+    let far = count_differing(&shown, &back, [0, 1000], [0, 700]);
     assert!(far < 20, "{far} pixels are others");
     // A window that loses its size draws nothing either, and asks for nothing.
-    visit.does("size 0 0");
-    let frames = visit.asks("frames");
+    visit.do_step("size 0 0");
+    let frames = visit.ask_state("frames");
     visit.do_all(&["wait 12", "move 50 50", "press left", "wait 12", "release left"]);
-    assert_eq!((visit.asks("frames"), visit.voxels()), (frames, voxels));
+    assert_eq!((visit.ask_state("frames"), visit.voxel_count()), (frames, voxels));
     visit.do_all(&["size 0 400", "wait 12", "size 700 500", "frames 4"]);
-    assert_eq!(visit.asks("size"), "700x500");
-    assert_eq!(visit.ends(), (Some(0), String::new()));
+    assert_eq!(visit.ask_state("size"), "700x500");
+    assert_eq!(visit.close(), (Some(0), String::new()));
     Ok(())
 }
 
 #[test]
 fn on_a_fine_screen_all_is_larger_and_under_the_same_cursor() -> Result<(), Required> {
-    let plain = folder("plain");
-    let Some(display) = require(Display::sized(&plain, [1180, 800]))? else { return Ok(()) };
-    let Some(()) = require(needs("xdotool", "--version"))? else { return Ok(()) };
-    let mut visit = Visit::new(&display);
-    let (once, voxels) = fine(&mut visit, &display, 1);
-    assert_eq!(visit.ends(), (Some(0), String::new()));
-    let fine_folder = folder("fine");
-    let Some(display) = require(Display::sized(&fine_folder, [2360, 1600]))? else { return Ok(()) };
-    let mut command = paros(&fine_folder);
-    let mut visit =
-        Visit::begin(command.env("DISPLAY", &display.name).env("WINIT_X11_SCALE_FACTOR", "2"));
-    let (twice, fine_voxels) = fine(&mut visit, &display, 2);
-    assert_eq!(visit.ends(), (Some(0), String::new()));
+    let plain = empty_folder("plain");
+    let Some(display) = require(XvfbDisplay::with_size(&plain, [1180, 800]))? else {
+        return Ok(());
+    };
+    let Some(()) = require(check_program("xdotool", "--version"))? else { return Ok(()) };
+    let mut visit = ScriptedWindow::new(&display);
+    let (once, voxels) = carve_at_scale(&mut visit, &display, 1);
+    assert_eq!(visit.close(), (Some(0), String::new()));
+    let fine_folder = empty_folder("fine");
+    let Some(display) = require(XvfbDisplay::with_size(&fine_folder, [2360, 1600]))? else {
+        return Ok(());
+    };
+    let mut command = paros_command(&fine_folder);
+    let mut visit = ScriptedWindow::spawn(
+        command.env("DISPLAY", &display.name).env("WINIT_X11_SCALE_FACTOR", "2"),
+    );
+    let (twice, fine_voxels) = carve_at_scale(&mut visit, &display, 2);
+    assert_eq!(visit.close(), (Some(0), String::new()));
     // The same rays, but for rounding.
     assert!(fine_voxels.abs_diff(voxels) < 100, "{fine_voxels}, {voxels}");
     let block = |x: usize, y: usize, k: usize| {
@@ -180,62 +191,68 @@ fn on_a_fine_screen_all_is_larger_and_under_the_same_cursor() -> Result<(), Requ
 }
 
 /// Starts by a click, and carves; the picture, and the voxels left.
-fn fine(visit: &mut Visit, display: &Display, scale: usize) -> (paros_shaders::Image, u64) {
-    visit.does("frames 4");
-    assert_eq!(visit.asks("size"), format!("{}x{}", 1180 * scale, 800 * scale));
+fn carve_at_scale(
+    visit: &mut ScriptedWindow,
+    display: &XvfbDisplay,
+    scale: usize,
+) -> (paros_shaders::Image, u64) {
+    visit.do_step("frames 4");
+    assert_eq!(visit.ask_state("size"), format!("{}x{}", 1180 * scale, 800 * scale));
     // The first button of the start panel.
     display.xdotool(&format!("mousemove {} {}", 440 * scale, 298 * scale));
-    visit.does("frames 3");
+    visit.do_step("frames 3");
     display.xdotool("click 1");
-    visit.does("frames 4");
-    assert_eq!(visit.asks("mode"), "FreeForm");
+    visit.do_step("frames 4");
+    assert_eq!(visit.ask_state("mode"), "FreeForm");
     visit.do_all(&STROKE);
-    visit.does("move 3 97");
+    visit.do_step("move 3 97");
     // The tool has no part in the picture, nor has dust.
-    visit.does("wait 100");
-    visit.does("frames 6");
-    let picture = display.screen("carved");
-    (picture, visit.voxels())
+    visit.do_step("wait 100");
+    visit.do_step("frames 6");
+    let picture = display.save_screenshot("carved");
+    (picture, visit.voxel_count())
 }
 
 #[test]
 fn a_scale_that_changes_is_followed() -> Result<(), Required> {
-    let folder = folder("scale");
-    let Some(display) = require(Display::sized(&folder, [2360, 1600]))? else { return Ok(()) };
-    let mut settings = Settings::new(&display.name).expect("the display takes settings");
-    let mut visit = Visit::new(&display);
+    let folder = empty_folder("scale");
+    let Some(display) = require(XvfbDisplay::with_size(&folder, [2360, 1600]))? else {
+        return Ok(());
+    };
+    let mut settings = XSettings::new(&display.name).expect("the display takes settings");
+    let mut visit = ScriptedWindow::new(&display);
     visit.do_all(&["start free", "frames 4"]);
-    display.screen("1-once");
+    display.save_screenshot("1-once");
     for (dpi, scale, size) in [(192, "2", "2360x1600"), (144, "1.5", "1770x1200")] {
         settings.set_dpi(dpi).expect("it is set");
-        visit.does("frames 6");
-        assert_eq!((&*visit.asks("scale"), &*visit.asks("size")), (scale, size));
-        display.screen(&format!("2-{dpi}"));
+        visit.do_step("frames 6");
+        assert_eq!((&*visit.ask_state("scale"), &*visit.ask_state("size")), (scale, size));
+        display.save_screenshot(&format!("2-{dpi}"));
     }
-    let whole = visit.voxels();
+    let whole = visit.voxel_count();
     visit.do_all(&STROKE);
-    assert!(visit.voxels() + 300 < whole);
-    assert_eq!(visit.ends(), (Some(0), String::new()));
+    assert!(visit.voxel_count() + 300 < whole);
+    assert_eq!(visit.close(), (Some(0), String::new()));
     Ok(())
 }
 
 /// The settings of a desktop, as its daemon tells them to programs (XSETTINGS).
-struct Settings {
+struct XSettings {
     connection: RustConnection,
     window: u32,
     property: u32,
 }
 
-impl Settings {
+impl XSettings {
     fn new(display: &str) -> Result<Self, Box<dyn Error>> {
         let (connection, screen) = x11rb::connect(Some(display))?;
         let atom = |name: &str| {
             Ok::<_, Box<dyn Error>>(connection.intern_atom(false, name.as_bytes())?.reply()?.atom)
         };
         let (owned, property) = (atom("_XSETTINGS_S0")?, atom("_XSETTINGS_SETTINGS")?);
-        let window = xdnd::window(&connection, connection.setup().roots[screen].root)?;
+        let window = xdnd::hidden_window(&connection, connection.setup().roots[screen].root)?;
         connection.set_selection_owner(window, owned, CURRENT_TIME)?;
-        let mut settings = Settings { connection, window, property };
+        let mut settings = XSettings { connection, window, property };
         settings.set_dpi(96)?;
         Ok(settings)
     }

@@ -6,22 +6,24 @@ use std::process::Command;
 
 use paros_shell::require::{Required, require};
 
-use crate::desktop::Manager;
-use crate::rig::{Display, STROKE, TETRAHEDRON, Visit, folder, needs, paros};
+use crate::desktop::WindowManager;
+use crate::rig::{
+    STROKE, ScriptedWindow, TETRAHEDRON, XvfbDisplay, check_program, empty_folder, paros_command,
+};
 use crate::visit::check_print;
 
 const FINISH: [&str; 5] = ["key enter", "wait 4", "key enter", "wait 4", "settle"];
 
 /// A small disk, gone when dropped.
-struct Disk(PathBuf);
+struct TmpfsDisk(PathBuf);
 
-impl Disk {
+impl TmpfsDisk {
     fn new(at: &Path, size: &str) -> Result<Self, String> {
         fs::create_dir_all(at).map_err(|error| error.to_string())?;
         let mut mount = Command::new("mount");
         let mounted = mount.args(["-t", "tmpfs", "-o", &format!("size={size}"), "tmpfs"]).arg(at);
         match mounted.output() {
-            Ok(output) if output.status.success() => Ok(Disk(at.to_owned())),
+            Ok(output) if output.status.success() => Ok(TmpfsDisk(at.to_owned())),
             Ok(output) => Err(String::from_utf8_lossy(&output.stderr).trim().to_owned()),
             Err(error) => Err(format!("no mount: {error}")),
         }
@@ -41,7 +43,7 @@ impl Disk {
     }
 }
 
-impl Drop for Disk {
+impl Drop for TmpfsDisk {
     fn drop(&mut self) {
         // A test that has failed may still use it.
         let _ = Command::new("umount").arg("-l").arg(&self.0).status();
@@ -50,123 +52,130 @@ impl Drop for Disk {
 
 #[test]
 fn on_a_full_disk_the_window_stays_until_all_is_saved() -> Result<(), Required> {
-    let folder = folder("full");
-    let Some(display) = require(Display::new(&folder))? else { return Ok(()) };
-    let Some(()) = require(needs("xdotool", "--version"))? else { return Ok(()) };
-    let Some(_manager) = require(Manager::new(&display))? else { return Ok(()) };
-    let Some(disk) = require(Disk::new(&folder.join("disk"), "64m"))? else { return Ok(()) };
-    let mut command = paros(&folder);
+    let folder = empty_folder("full");
+    let Some(display) = require(XvfbDisplay::new(&folder))? else { return Ok(()) };
+    let Some(()) = require(check_program("xdotool", "--version"))? else { return Ok(()) };
+    let Some(_manager) = require(WindowManager::new(&display))? else { return Ok(()) };
+    let Some(disk) = require(TmpfsDisk::new(&folder.join("disk"), "64m"))? else { return Ok(()) };
+    let mut command = paros_command(&folder);
     command.env("DISPLAY", &display.name).env("HOME", &disk.0);
-    let mut visit = Visit::begin(command.env("XDG_DATA_HOME", disk.0.join("data")));
+    let mut visit = ScriptedWindow::spawn(command.env("XDG_DATA_HOME", disk.0.join("data")));
     disk.fill();
     visit.do_all(&["start free", "wait 4"]);
     visit.do_all(&STROKE);
     visit.do_all(&["wait 230", "settle", "wait 4"]);
-    assert!(visit.asks("fault").contains("session-128.save"));
-    display.screen("1-not-saved");
+    assert!(visit.ask_state("fault").contains("session-128.save"));
+    display.save_screenshot("1-not-saved");
     visit.do_all(&FINISH);
-    visit.does("wait 4");
-    assert_eq!(visit.asks("printed"), "");
-    visit.does("frames 4");
-    display.screen("2-not-written");
+    visit.do_step("wait 4");
+    assert_eq!(visit.ask_state("printed"), "");
+    visit.do_step("frames 4");
+    display.save_screenshot("2-not-written");
     display.xdotool("search --onlyvisible --name Paros windowfocus --sync key alt+F4");
-    visit.does("frames 8");
-    let note = visit.asks("note");
+    visit.do_step("frames 8");
+    let note = visit.ask_state("note");
     assert!(note.contains("Close the window again"), "{note}");
-    display.screen("3-not-closed");
+    display.save_screenshot("3-not-closed");
     disk.free();
-    let left = visit.voxels();
+    let left = visit.voxel_count();
     display.xdotool("search --onlyvisible --name Paros windowfocus --sync key alt+F4");
-    let (code, complaints) = visit.ended();
+    let (code, complaints) = visit.wait_for_exit();
     assert_eq!((code, &*complaints), (Some(0), ""));
     check_print(&disk.0.join("Paros/sculpture-001.stl"))?;
-    let mut command = paros(&folder);
+    let mut command = paros_command(&folder);
     command.env("DISPLAY", &display.name).env("HOME", &disk.0);
-    let mut visit = Visit::begin(command.env("XDG_DATA_HOME", disk.0.join("data")));
-    assert_eq!((visit.voxels(), &*visit.asks("session")), (left, "Finished"));
-    assert_eq!(visit.ends(), (Some(0), String::new()));
+    let mut visit = ScriptedWindow::spawn(command.env("XDG_DATA_HOME", disk.0.join("data")));
+    assert_eq!((visit.voxel_count(), &*visit.ask_state("session")), (left, "Finished"));
+    assert_eq!(visit.close(), (Some(0), String::new()));
     Ok(())
 }
 
 #[test]
 fn without_a_folder_or_a_home_the_print_goes_elsewhere() -> Result<(), Required> {
-    let folder = folder("elsewhere");
-    let Some(display) = require(Display::new(&folder))? else { return Ok(()) };
+    let folder = empty_folder("elsewhere");
+    let Some(display) = require(XvfbDisplay::new(&folder))? else { return Ok(()) };
     fs::write(folder.join("Paros"), "no folder").expect("a file");
-    let mut visit = Visit::new(&display);
+    let mut visit = ScriptedWindow::new(&display);
     visit.do_all(&["start cat", "wait 4"]);
     visit.do_all(&STROKE);
     visit.do_all(&FINISH);
-    let print = PathBuf::from(visit.asks("printed"));
+    let print = PathBuf::from(visit.ask_state("printed"));
     assert_eq!(print, folder.join("data/paros/sculpture-001.stl"));
     check_print(&print)?;
-    assert!(visit.asks("note").contains("Paros: cannot make the folder"));
-    assert_eq!(visit.ends(), (Some(0), String::new()));
+    assert!(visit.ask_state("note").contains("Paros: cannot make the folder"));
+    assert_eq!(visit.close(), (Some(0), String::new()));
     fs::remove_file(folder.join("Paros")).expect("a file");
-    let mut command = paros(&folder);
+    let mut command = paros_command(&folder);
     command.env_remove("XDG_DATA_HOME").env_remove("XDG_CACHE_HOME").env("HOME", "no/where");
-    let mut visit = Visit::begin(command.current_dir(&folder).env("DISPLAY", &display.name));
+    let mut visit =
+        ScriptedWindow::spawn(command.current_dir(&folder).env("DISPLAY", &display.name));
     visit.do_all(&["start creative", "wait 4"]);
     visit.do_all(&FINISH);
-    let print = PathBuf::from(visit.asks("printed"));
+    let print = PathBuf::from(visit.ask_state("printed"));
     assert_eq!(print, folder.join("Paros/sculpture-001.stl"));
-    assert_eq!(visit.ends(), (Some(0), String::new()));
+    assert_eq!(visit.close(), (Some(0), String::new()));
     assert!(folder.join(".local/share/paros/session-128.save").exists());
     Ok(())
 }
 
 #[test]
 fn two_windows_keep_two_sessions_and_all_their_prints() -> Result<(), Required> {
-    let folder = folder("two");
-    let Some(display) = require(Display::new(&folder))? else { return Ok(()) };
-    let mut visits = [Visit::new(&display), Visit::new(&display)];
+    let folder = empty_folder("two");
+    let Some(display) = require(XvfbDisplay::new(&folder))? else { return Ok(()) };
+    let mut visits = [ScriptedWindow::new(&display), ScriptedWindow::new(&display)];
     for visit in &mut visits {
-        visit.does("wait 4");
+        visit.do_step("wait 4");
     }
     // The one that came first has the studio's session.
-    if visits[0].asks("note").contains("another window") {
+    if visits[0].ask_state("note").contains("another window") {
         visits.swap(0, 1);
     }
-    assert!(visits[1].asks("note").contains("session-128-2.save"));
+    assert!(visits[1].ask_state("note").contains("session-128-2.save"));
     for (visit, start) in visits.iter_mut().zip(["start cat", "start owl"]) {
         visit.do_all(&[start, "wait 4"]);
         visit.do_all(&STROKE);
     }
-    let voxels = visits.each_mut().map(Visit::voxels);
+    let voxels = visits.each_mut().map(ScriptedWindow::voxel_count);
     for step in &FINISH[..4] {
         for visit in &mut visits {
-            visit.does(step);
+            visit.do_step(step);
         }
     }
     let prints = visits.each_mut().map(|visit| {
-        visit.does("settle");
-        visit.asks("printed")
+        visit.do_step("settle");
+        visit.ask_state("printed")
     });
     assert_ne!(prints[0], prints[1]);
     for print in &prints {
         check_print(Path::new(print))?;
     }
     for visit in visits {
-        assert_eq!(visit.ends(), (Some(0), String::new()));
+        assert_eq!(visit.close(), (Some(0), String::new()));
     }
-    let mut visit = Visit::new(&display);
-    assert_eq!((visit.voxels(), &*visit.asks("mode")), (voxels[0], "Constrained { figure: 1 }"));
-    let mut second = Visit::new(&display);
-    assert_eq!((second.voxels(), &*second.asks("mode")), (voxels[1], "Constrained { figure: 0 }"));
+    let mut visit = ScriptedWindow::new(&display);
+    assert_eq!(
+        (visit.voxel_count(), &*visit.ask_state("mode")),
+        (voxels[0], "Constrained { figure: 1 }")
+    );
+    let mut second = ScriptedWindow::new(&display);
+    assert_eq!(
+        (second.voxel_count(), &*second.ask_state("mode")),
+        (voxels[1], "Constrained { figure: 0 }")
+    );
     for visit in [visit, second] {
-        assert_eq!(visit.ends(), (Some(0), String::new()));
+        assert_eq!(visit.close(), (Some(0), String::new()));
     }
     Ok(())
 }
 
 #[test]
 fn a_session_that_cannot_be_read_is_kept() -> Result<(), Required> {
-    let folder = folder("unreadable");
-    let Some(display) = require(Display::new(&folder))? else { return Ok(()) };
-    let mut visit = Visit::new(&display);
+    let folder = empty_folder("unreadable");
+    let Some(display) = require(XvfbDisplay::new(&folder))? else { return Ok(()) };
+    let mut visit = ScriptedWindow::new(&display);
     visit.do_all(&["start free", "wait 4"]);
     visit.do_all(&STROKE);
-    assert_eq!(visit.ends(), (Some(0), String::new()));
+    assert_eq!(visit.close(), (Some(0), String::new()));
     let session = folder.join("data/paros/session-128.save");
     let good = fs::read(&session).expect("it was saved");
     let mut newer = good.clone();
@@ -181,46 +190,47 @@ fn a_session_that_cannot_be_read_is_kept() -> Result<(), Required> {
     ];
     for (number, (bytes, expected)) in cases.into_iter().enumerate() {
         fs::write(&session, &bytes).expect("a file");
-        let mut visit = Visit::new(&display);
-        visit.does("wait 4");
-        let note = visit.asks("note");
+        let mut visit = ScriptedWindow::new(&display);
+        visit.do_step("wait 4");
+        let note = visit.ask_state("note");
         let kept = format!("session-128.unreadable-{}", number + 1);
         assert!(note.contains(expected) && note.contains(&kept), "{note}");
-        assert_eq!(visit.asks("session"), "Waiting");
-        assert_eq!(visit.ends(), (Some(0), String::new()));
+        assert_eq!(visit.ask_state("session"), "Waiting");
+        assert_eq!(visit.close(), (Some(0), String::new()));
         assert_eq!(fs::read(session.with_file_name(kept)).expect("it is kept"), bytes);
         assert!(!session.exists());
     }
     // What isn't a file is out of the way as well.
     fs::create_dir(&session).expect("a folder");
-    let mut visit = Visit::new(&display);
-    visit.does("wait 4");
-    assert!(visit.asks("note").contains("unreadable-5"));
+    let mut visit = ScriptedWindow::new(&display);
+    visit.do_step("wait 4");
+    assert!(visit.ask_state("note").contains("unreadable-5"));
     visit.do_all(&["start free", "wait 4"]);
-    assert_eq!(visit.ends(), (Some(0), String::new()));
+    assert_eq!(visit.close(), (Some(0), String::new()));
     assert!(session.is_file());
     Ok(())
 }
 
 #[test]
 fn a_file_opened_while_the_print_is_made_costs_no_print() -> Result<(), Required> {
-    let folder = folder("while-finishing");
-    let Some(display) = require(Display::new(&folder))? else { return Ok(()) };
+    let folder = empty_folder("while-finishing");
+    let Some(display) = require(XvfbDisplay::new(&folder))? else { return Ok(()) };
     fs::write(folder.join("mesh.obj"), TETRAHEDRON).expect("a file");
     let mesh = format!("open {}", folder.join("mesh.obj").display());
-    let mut visit = Visit::new(&display);
+    let mut visit = ScriptedWindow::new(&display);
     visit.do_all(&["start owl", "wait 4"]);
     visit.do_all(&STROKE);
-    let left = visit.voxels();
+    let left = visit.voxel_count();
     visit.do_all(&["key enter", "wait 4", "key enter", &mesh, "frames 2", "settle", "wait 8"]);
-    assert_eq!((&*visit.asks("mode"), &*visit.asks("session")), ("Own", "Sculpting"));
+    assert_eq!((&*visit.ask_state("mode"), &*visit.ask_state("session")), ("Own", "Sculpting"));
     // Finished again at once: two prints are under way.
     visit.do_all(&FINISH);
-    assert_eq!(visit.ends(), (Some(0), String::new()));
+    assert_eq!(visit.close(), (Some(0), String::new()));
     for number in 1..=2 {
         check_print(&folder.join(format!("Paros/sculpture-00{number}.stl")))?;
     }
-    let told = paros(&folder).arg("info").arg(folder.join("Paros/sculpture-001.rmap")).output();
+    let told =
+        paros_command(&folder).arg("info").arg(folder.join("Paros/sculpture-001.rmap")).output();
     let told = String::from_utf8_lossy(&told.expect("it starts").stdout).into_owned();
     assert!(told.replace(',', "").contains(&left.to_string()), "{told}");
     Ok(())

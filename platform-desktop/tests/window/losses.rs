@@ -4,46 +4,48 @@ use std::fs;
 
 use paros_shell::require::{Required, require};
 
-use crate::rig::{DRIVER, Display, STROKE, TETRAHEDRON, Visit, folder, paros};
+use crate::rig::{
+    DRIVER, STROKE, ScriptedWindow, TETRAHEDRON, XvfbDisplay, empty_folder, paros_command,
+};
 
 #[test]
 fn sizes_files_and_losses_are_survived() -> Result<(), Required> {
-    let folder = folder("survived");
-    let Some(display) = require(Display::new(&folder))? else { return Ok(()) };
-    let mut visit = Visit::new(&display);
+    let folder = empty_folder("survived");
+    let Some(display) = require(XvfbDisplay::new(&folder))? else { return Ok(()) };
+    let mut visit = ScriptedWindow::new(&display);
     visit.do_all(&["start owl", "wait 4"]);
     visit.do_all(&STROKE);
-    let voxels = visit.voxels();
+    let voxels = visit.voxel_count();
     for (size, name) in [("700 500", "1-small"), ("1000 620", "2-wide"), ("120 90", "3-tiny")] {
-        visit.does(&format!("size {size}"));
-        visit.does("frames 2");
-        visit.sees(&display, name);
-        assert_eq!(visit.asks("size"), size.replace(' ', "x"));
+        visit.do_step(&format!("size {size}"));
+        visit.do_step("frames 2");
+        visit.screenshot(&display, name);
+        assert_eq!(visit.ask_state("size"), size.replace(' ', "x"));
     }
     visit.do_all(&["size 1000 700", "frames 3", "minimise", "wait 60", "restore", "frames 3"]);
     fs::write(folder.join("notes.obj"), "a letter, no mesh\n").expect("a file");
     fs::write(folder.join("notes.txt"), "a letter\n").expect("a file");
     for name in ["notes.obj", "notes.txt", "gone.stl"] {
-        visit.does(&format!("open {}", folder.join(name).display()));
-        visit.does("settle");
-        visit.does("wait 4");
-        let note = visit.asks("note");
+        visit.do_step(&format!("open {}", folder.join(name).display()));
+        visit.do_step("settle");
+        visit.do_step("wait 4");
+        let note = visit.ask_state("note");
         assert!(note.contains(name), "{note}");
-        assert_eq!(visit.voxels(), voxels);
+        assert_eq!(visit.voxel_count(), voxels);
     }
-    visit.sees(&display, "4-no-mesh");
+    visit.screenshot(&display, "4-no-mesh");
     visit.do_all(&["lose", "frames 3"]);
-    assert!(visit.asks("note").contains("lost and is back"));
-    assert_eq!(visit.voxels(), voxels);
-    let back = visit.sees(&display, "5-back");
+    assert!(visit.ask_state("note").contains("lost and is back"));
+    assert_eq!(visit.voxel_count(), voxels);
+    let back = visit.screenshot(&display, "5-back");
     assert!(back.pixel(500, 300)[0] > 90, "the stone is in the middle");
     // A mesh becomes the start of a session.
     fs::write(folder.join("mesh.obj"), TETRAHEDRON).expect("a file");
-    visit.does(&format!("open {}", folder.join("mesh.obj").display()));
+    visit.do_step(&format!("open {}", folder.join("mesh.obj").display()));
     visit.do_all(&["settle", "wait 8"]);
-    assert_eq!(visit.asks("mode"), "Own");
-    visit.sees(&display, "6-mesh");
-    let (code, complaints) = visit.ends();
+    assert_eq!(visit.ask_state("mode"), "Own");
+    visit.screenshot(&display, "6-mesh");
+    let (code, complaints) = visit.close();
     assert_eq!((code, &*complaints), (Some(0), ""));
     // What was left for the mesh's session is kept beside it.
     assert!(folder.join("data/paros/session-128.before.save").exists());
@@ -52,72 +54,73 @@ fn sizes_files_and_losses_are_survived() -> Result<(), Required> {
 
 #[test]
 fn a_window_that_is_pulled_about_goes_on_carving() -> Result<(), Required> {
-    let folder = folder("pulled");
-    let Some(display) = require(Display::new(&folder))? else { return Ok(()) };
-    let mut visit = Visit::new(&display);
+    let folder = empty_folder("pulled");
+    let Some(display) = require(XvfbDisplay::new(&folder))? else { return Ok(()) };
+    let mut visit = ScriptedWindow::new(&display);
     visit.do_all(&["start free", "wait 4", "move 42 42", "wait 8", "press left"]);
-    let whole = visit.voxels();
+    let whole = visit.voxel_count();
     let mut random = 1u32;
     let mut next = |most: u32| {
         random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         1 + (random >> 16) % most
     };
     for _ in 0..40 {
-        visit.does(&format!("size {} {}", next(1200), next(900)));
-        visit.does(&format!("wait {}", next(6)));
+        visit.do_step(&format!("size {} {}", next(1200), next(900)));
+        visit.do_step(&format!("wait {}", next(6)));
     }
     for size in ["1 1", "2400 10", "10 1800", "2600 1900", "900 600"] {
-        visit.does(&format!("size {size}"));
-        visit.does("frames 2");
-        assert_eq!(visit.asks("size"), size.replace(' ', "x"));
+        visit.do_step(&format!("size {size}"));
+        visit.do_step("frames 2");
+        assert_eq!(visit.ask_state("size"), size.replace(' ', "x"));
     }
     visit.do_all(&["move 50 46", "wait 20", "release left", "wait 4"]);
-    assert!(visit.voxels() < whole);
-    visit.sees(&display, "1-after");
-    assert_eq!(visit.ends(), (Some(0), String::new()));
+    assert!(visit.voxel_count() < whole);
+    visit.screenshot(&display, "1-after");
+    assert_eq!(visit.close(), (Some(0), String::new()));
     Ok(())
 }
 
 #[test]
 fn a_vanished_display_loses_no_sculpture() -> Result<(), Required> {
-    let folder = folder("vanished");
-    let Some(display) = require(Display::new(&folder))? else { return Ok(()) };
-    let mut visit = Visit::new(&display);
+    let folder = empty_folder("vanished");
+    let Some(display) = require(XvfbDisplay::new(&folder))? else { return Ok(()) };
+    let mut visit = ScriptedWindow::new(&display);
     visit.do_all(&["start cat", "wait 4"]);
     visit.do_all(&STROKE);
     visit.do_all(&["wait 100", "settle"]);
-    let saved = visit.voxels();
+    let saved = visit.voxel_count();
     // More than what the last save holds.
     visit.do_all(&["press left", "move 46 52", "wait 30"]);
-    let voxels = visit.voxels();
+    let voxels = visit.voxel_count();
     assert!(voxels < saved);
     drop(display);
-    let (code, complaints) = visit.ended();
+    let (code, complaints) = visit.wait_for_exit();
     assert_eq!(code, Some(1), "{complaints}");
     assert!(complaints.contains("display is gone"), "{complaints}");
-    let display = Display::new(&folder).expect("it was there before");
-    let mut visit = Visit::new(&display);
+    let display = XvfbDisplay::new(&folder).expect("it was there before");
+    let mut visit = ScriptedWindow::new(&display);
     // It may have carved on until it knew, which took no longer than it had carved before.
-    let resumed = visit.voxels();
+    let resumed = visit.voxel_count();
     let least = voxels - (saved - voxels);
     assert!((least..=voxels).contains(&resumed), "{resumed}, {voxels}, {saved}");
-    assert_eq!(visit.asks("mode"), "Constrained { figure: 1 }");
-    visit.sees(&display, "1-resumed");
-    assert_eq!(visit.ends(), (Some(0), String::new()));
+    assert_eq!(visit.ask_state("mode"), "Constrained { figure: 1 }");
+    visit.screenshot(&display, "1-resumed");
+    assert_eq!(visit.close(), (Some(0), String::new()));
     Ok(())
 }
 
 #[test]
 fn without_a_display_or_a_device_a_line_says_so() -> Result<(), Required> {
-    let folder = folder("without");
-    let output = paros(&folder).arg("window").env_remove("DISPLAY").output().expect("it starts");
+    let folder = empty_folder("without");
+    let output =
+        paros_command(&folder).arg("window").env_remove("DISPLAY").output().expect("it starts");
     let text = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(1), "{text}");
     assert!(text.contains("no display") && text.lines().count() == 1, "{text}");
-    let Some(display) = require(Display::new(&folder))? else { return Ok(()) };
+    let Some(display) = require(XvfbDisplay::new(&folder))? else { return Ok(()) };
     let window = |driver: &str, script: &str| {
         fs::write(folder.join("script"), script).expect("a file");
-        let mut window = paros(&folder);
+        let mut window = paros_command(&folder);
         window.env("DISPLAY", &display.name).env("VK_DRIVER_FILES", driver).arg("window");
         let output = window.arg("--script").arg(folder.join("script")).output();
         let output = output.expect("it starts");
@@ -136,28 +139,28 @@ fn without_a_display_or_a_device_a_line_says_so() -> Result<(), Required> {
 /// none for good, the session is saved and the window says so.
 #[test]
 fn memory_that_runs_out_loses_no_sculpture() -> Result<(), Required> {
-    let folder = folder("starved");
-    let Some(display) = require(Display::new(&folder))? else { return Ok(()) };
-    let mut visit = Visit::new(&display);
+    let folder = empty_folder("starved");
+    let Some(display) = require(XvfbDisplay::new(&folder))? else { return Ok(()) };
+    let mut visit = ScriptedWindow::new(&display);
     visit.do_all(&["start owl", "wait 4"]);
     visit.do_all(&STROKE);
-    let voxels = visit.voxels();
+    let voxels = visit.voxel_count();
     visit.do_all(&["starve 1", "size 700 500", "frames 3", "size 1000 700", "frames 3"]);
-    assert!(visit.asks("note").contains("lost and is back"));
-    let back = visit.sees(&display, "1-back");
+    assert!(visit.ask_state("note").contains("lost and is back"));
+    let back = visit.screenshot(&display, "1-back");
     assert!(back.pixel(500, 300)[0] > 90, "the stone is in the middle");
-    assert_eq!(visit.ends(), (Some(0), String::new()));
-    let mut visit = Visit::new(&display);
+    assert_eq!(visit.close(), (Some(0), String::new()));
+    let mut visit = ScriptedWindow::new(&display);
     visit.do_all(&STROKE);
-    let left = visit.voxels();
+    let left = visit.voxel_count();
     assert_ne!(left, voxels);
     visit.do_all(&["starve 100000", "size 700 500"]);
-    let complaints = visit.complaints();
+    let complaints = visit.read_stderr();
     assert_eq!(visit.window.wait().expect("it ends").code(), Some(1), "{complaints}");
     assert!(complaints.contains("memory") && complaints.contains("is saved in"), "{complaints}");
     assert_eq!(complaints.lines().count(), 1, "{complaints}");
-    let mut visit = Visit::new(&display);
-    assert_eq!(visit.voxels(), left);
-    assert_eq!(visit.ends(), (Some(0), String::new()));
+    let mut visit = ScriptedWindow::new(&display);
+    assert_eq!(visit.voxel_count(), left);
+    assert_eq!(visit.close(), (Some(0), String::new()));
     Ok(())
 }

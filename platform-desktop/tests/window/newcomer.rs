@@ -10,15 +10,15 @@ use std::time::{Duration, Instant};
 use paros_shaders::Image;
 use paros_shell::require::{Required, require};
 
-use crate::desktop::Manager;
-use crate::rig::{Display, differing, folder, needs, paros};
+use crate::desktop::WindowManager;
+use crate::rig::{XvfbDisplay, check_program, count_differing, empty_folder, paros_command};
 use crate::visit::check_print;
 
 /// How long something may take until it is seen: the device is a slow one.
 const PATIENCE: Duration = Duration::from_secs(60);
 
 /// Waits for something.
-fn until(what: &str, mut is_so: impl FnMut() -> bool) {
+fn wait_until(what: &str, mut is_so: impl FnMut() -> bool) {
     let begun = Instant::now();
     while !is_so() {
         assert!(begun.elapsed() < PATIENCE, "{what}: not within {PATIENCE:?}");
@@ -27,11 +27,11 @@ fn until(what: &str, mut is_so: impl FnMut() -> bool) {
 }
 
 /// The middle of the picture, where the stone is.
-fn changed(before: &Image, after: &Image) -> usize {
-    differing(before, after, [420, 780], [200, 640])
+fn changed_pixels(before: &Image, after: &Image) -> usize {
+    count_differing(before, after, [420, 780], [200, 640])
 }
 
-fn drag(display: &Display, from: [i32; 2], to: [i32; 2]) {
+fn drag_mouse(display: &XvfbDisplay, from: [i32; 2], to: [i32; 2]) {
     display.xdotool(&format!("mousemove {} {}", from[0], from[1]));
     thread::sleep(Duration::from_millis(600));
     display.xdotool("mousedown 1");
@@ -48,43 +48,47 @@ fn drag(display: &Display, from: [i32; 2], to: [i32; 2]) {
 
 #[test]
 fn a_newcomer_goes_from_launch_to_a_print_without_a_terminal() -> Result<(), Required> {
-    let folder = folder("newcomer");
-    let Some(display) = require(Display::sized(&folder, [1200, 860]))? else { return Ok(()) };
-    let Some(()) = require(needs("xdotool", "--version"))? else { return Ok(()) };
-    let Some(_manager) = require(Manager::new(&display))? else { return Ok(()) };
-    let mut program = launched(&display);
-    let look = |name: &str| display.screen(name);
+    let folder = empty_folder("newcomer");
+    let Some(display) = require(XvfbDisplay::with_size(&folder, [1200, 860]))? else {
+        return Ok(());
+    };
+    let Some(()) = require(check_program("xdotool", "--version"))? else { return Ok(()) };
+    let Some(_manager) = require(WindowManager::new(&display))? else { return Ok(()) };
+    let mut program = launch_paros(&display);
+    let look = |name: &str| display.save_screenshot(name);
     let launch = look("1-launch");
     display.xdotool("mousemove 480 318");
     thread::sleep(Duration::from_secs(1));
     display.xdotool("click 1");
-    until("the stone", || differing(&launch, &look("2-stone"), [300, 900], [150, 700]) > 60_000);
+    wait_until("the stone", || {
+        count_differing(&launch, &look("2-stone"), [300, 900], [150, 700]) > 60_000
+    });
     thread::sleep(Duration::from_secs(2));
     display.xdotool("mousemove 60 790");
     thread::sleep(Duration::from_secs(2));
     let stone = look("2-stone");
-    drag(&display, [500, 360], [650, 400]);
-    until("the groove", || changed(&stone, &look("3-carved")) > 800);
+    drag_mouse(&display, [500, 360], [650, 400]);
+    wait_until("the groove", || changed_pixels(&stone, &look("3-carved")) > 800);
     thread::sleep(Duration::from_secs(2));
     let carved = look("3-carved");
     display.xdotool("key z");
-    until("the stone made whole", || changed(&stone, &look("4-undone")) < 100);
+    wait_until("the stone made whole", || changed_pixels(&stone, &look("4-undone")) < 100);
     display.xdotool("key y");
-    until("the groove again", || changed(&stone, &look("5-redone")) > 800);
-    drag(&display, [490, 470], [650, 520]);
-    until("another groove", || changed(&carved, &look("6-carved-on")) > 800);
+    wait_until("the groove again", || changed_pixels(&stone, &look("5-redone")) > 800);
+    drag_mouse(&display, [490, 470], [650, 520]);
+    wait_until("another groove", || changed_pixels(&carved, &look("6-carved-on")) > 800);
     display.xdotool("key Return");
     let sculpted = look("6-carved-on");
-    until("the question", || {
-        differing(&sculpted, &look("7-asked"), [300, 900], [720, 820]) > 10_000
+    wait_until("the question", || {
+        count_differing(&sculpted, &look("7-asked"), [300, 900], [720, 820]) > 10_000
     });
     display.xdotool("key Return");
     let print = folder.join("Paros/sculpture-001.stl");
-    until("the print", || print.exists());
+    wait_until("the print", || print.exists());
     thread::sleep(Duration::from_secs(2));
     look("8-finished");
     display.xdotool("key alt+F4");
-    let output = wait(&mut program);
+    let output = wait_for_exit(&mut program);
     assert_eq!(output, (Some(0), format!("{}\n", print.display()), String::new()));
     check_print(&print)?;
     let picture = fs::read(print.with_extension("png")).expect("a picture");
@@ -94,8 +98,8 @@ fn a_newcomer_goes_from_launch_to_a_print_without_a_terminal() -> Result<(), Req
 }
 
 /// The program in a window of its own, at its start.
-fn launched(display: &Display) -> Child {
-    let program = paros(&display.folder)
+fn launch_paros(display: &XvfbDisplay) -> Child {
+    let program = paros_command(&display.folder)
         .env("DISPLAY", &display.name)
         // What validation says goes to the standard output.
         .env("VK_INSTANCE_LAYERS", "VK_LAYER_KHRONOS_validation")
@@ -106,17 +110,17 @@ fn launched(display: &Display) -> Child {
         .expect("it starts");
     display.xdotool("search --sync --onlyvisible --name Paros windowmove 0 0");
     display.xdotool("search --name Paros windowfocus");
-    until("the start panel", || {
+    wait_until("the start panel", || {
         // It is dark, over the bright stool; the window has a title above it.
-        let pixel = display.screen("1-launch").pixel(590, 630);
+        let pixel = display.save_screenshot("1-launch").pixel(590, 630);
         pixel[0] > 20 && pixel[0] < 90
     });
     program
 }
 
-fn wait(program: &mut Child) -> (Option<i32>, String, String) {
+fn wait_for_exit(program: &mut Child) -> (Option<i32>, String, String) {
     let mut code = None;
-    until("the end", || {
+    wait_until("the end", || {
         code = program.try_wait().expect("a child");
         code.is_some()
     });
@@ -131,6 +135,6 @@ fn wait(program: &mut Child) -> (Option<i32>, String, String) {
 }
 
 fn rmap_is_read(folder: &Path, volume: &Path) {
-    let told = paros(folder).arg("info").arg(volume).output().expect("it starts");
+    let told = paros_command(folder).arg("info").arg(volume).output().expect("it starts");
     assert!(told.status.success(), "{told:?}");
 }

@@ -4,34 +4,34 @@ use std::fs;
 use std::ops::ControlFlow;
 use std::path::Path;
 
-use paros_core::limits::save_bytes;
-use paros_core::world::World;
-use paros_desktop::demo::play;
+use paros_core::World;
+use paros_core::limits::max_save_bytes;
 use paros_shaders::Image;
+use paros_shell::demo::play_demo;
 use paros_shell::require::{Required, require};
-use paros_shell::stage::fresh;
+use paros_shell::tick_runner::with_fresh_world;
 
-use crate::rig::{Display, Visit, folder};
+use crate::rig::{ScriptedWindow, XvfbDisplay, empty_folder};
 
 /// Pixels of the window; the picture has half as many each way.
 const SIZE: [usize; 2] = [800, 700];
 
-type Point = [f32; 2];
+type WindowPercent = [f32; 2];
 
 /// A stroke through points of the window, in parts of a hundred, with so many ticks to each.
-fn stroke(visit: &mut Visit, points: impl IntoIterator<Item = Point>, ticks: u32) {
+fn stroke(visit: &mut ScriptedWindow, points: impl IntoIterator<Item = WindowPercent>, ticks: u32) {
     for (number, [x, y]) in points.into_iter().enumerate() {
-        visit.does(&format!("move {x:.2} {y:.2}"));
+        visit.do_step(&format!("move {x:.2} {y:.2}"));
         if number == 0 {
             visit.do_all(&["wait 12", "press left"]);
         }
-        visit.does(&format!("wait {ticks}"));
+        visit.do_step(&format!("wait {ticks}"));
     }
     visit.do_all(&["wait 40", "release left", "wait 6"]);
 }
 
 /// Points from one to another.
-fn line(from: Point, to: Point, count: u16) -> impl Iterator<Item = Point> {
+fn line(from: WindowPercent, to: WindowPercent, count: u16) -> impl Iterator<Item = WindowPercent> {
     (0..=count).map(move |i| {
         let part = f32::from(i) / f32::from(count);
         [0, 1].map(|k| from[k] + (to[k] - from[k]) * part)
@@ -39,7 +39,7 @@ fn line(from: Point, to: Point, count: u16) -> impl Iterator<Item = Point> {
 }
 
 /// A spiral, cut into the lump.
-fn free(visit: &mut Visit) {
+fn free(visit: &mut ScriptedWindow) {
     visit.do_all(&["start free", "wait 4", "wheel -9"]);
     let spiral = (0..110u8).map(|i| {
         let part = f32::from(i) / 110.0;
@@ -48,25 +48,25 @@ fn free(visit: &mut Visit) {
         [46.0 + 0.8 * radius * cos, 50.0 + radius * sin]
     });
     stroke(visit, spiral, 7);
-    visit.does("wait 100");
+    visit.do_step("wait 100");
 }
 
 /// The demo's owl, on its way out of the stone: the session that a window of this folder goes on with.
 fn save_hidden(folder: &Path) {
     let sessions = folder.join("data/paros");
     fs::create_dir_all(&sessions).expect("a folder");
-    fresh::<128, _>(|mut stage| {
+    with_fresh_world::<128, _>(|mut stage| {
         let owl = 0;
         let mut until = |world: &World<128>| {
             if world.tick() < HALF_WAY {
                 return ControlFlow::Continue(());
             }
-            let mut bytes = vec![0; save_bytes(128)];
+            let mut bytes = vec![0; max_save_bytes(128)];
             let len = world.save(&mut bytes);
             fs::write(sessions.join("session-128.save"), &bytes[..len]).expect("it is written");
             ControlFlow::Break(())
         };
-        play(&mut stage, owl, &mut until, |_, _| {});
+        play_demo(&mut stage, owl, &mut until, |_, _| {});
     });
 }
 
@@ -74,7 +74,7 @@ fn save_hidden(folder: &Path) {
 const HALF_WAY: u64 = 23_200;
 
 /// A bow tie of paste, both halves at once by the mirror.
-fn creative(visit: &mut Visit) {
+fn creative(visit: &mut ScriptedWindow) {
     visit.do_all(&["start creative", "wait 4", "key m", "wait 4", "key 3", "wait 4"]);
     for rise in [-3.0, 0.0, 3.0] {
         stroke(visit, line([48.0, 53.0], [54.0, 53.0 + rise], 8), 5);
@@ -85,20 +85,20 @@ fn creative(visit: &mut Visit) {
 #[test]
 #[ignore = "takes minutes, and writes tests/pictures/modes.png"]
 fn the_readme_shows_the_three_modes() -> Result<(), Required> {
-    let folder = folder("pictures");
-    let Some(display) = require(Display::sized(&folder, SIZE))? else { return Ok(()) };
+    let folder = empty_folder("pictures");
+    let Some(display) = require(XvfbDisplay::with_size(&folder, SIZE))? else { return Ok(()) };
     save_hidden(&folder);
-    let mut visit = Visit::new(&display);
-    let mut shot = |name, mode: fn(&mut Visit)| {
+    let mut visit = ScriptedWindow::new(&display);
+    let mut shot = |name, mode: fn(&mut ScriptedWindow)| {
         // Small while it carves: a frame takes four ticks at the most.
         visit.do_all(&["size 160 140", "frames 3"]);
         mode(&mut visit);
         visit.do_all(&["size 800 700", "frames 3", "move 64 72"]);
-        halved(&visit.sees(&display, name))
+        halved(&visit.screenshot(&display, name))
     };
     let hidden = shot("hidden", |visit| visit.do_all(&["key escape", "wait 60"]));
     let pictures = [shot("free", free), hidden, shot("creative", creative)];
-    assert_eq!(visit.ends(), (Some(0), String::new()));
+    assert_eq!(visit.close(), (Some(0), String::new()));
     let mut png = Vec::new();
     beside(&pictures).write_png(&mut png).expect("a picture");
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/pictures/modes.png");

@@ -1,4 +1,4 @@
-//! A display without a screen, a window on it that is told what to do, and what is seen there.
+//! Test fixture: an X display without a screen (Xvfb), a scripted window on it, and screenshots.
 
 use std::fs;
 use std::io::{BufRead, BufReader, Write};
@@ -15,21 +15,21 @@ pub(crate) const LAYER: &str = "/usr/share/vulkan/explicit_layer.d/VkLayer_khron
 pub(crate) const WIDTH: usize = 1000;
 pub(crate) const HEIGHT: usize = 700;
 
-/// A display without a screen, ended when dropped.
-pub(crate) struct Display {
+/// An Xvfb server, ended when dropped.
+pub(crate) struct XvfbDisplay {
     server: Child,
     size: [usize; 2],
     pub(crate) name: String,
     pub(crate) folder: PathBuf,
 }
 
-impl Display {
+impl XvfbDisplay {
     pub(crate) fn new(folder: &Path) -> Result<Self, String> {
-        Self::sized(folder, [WIDTH, HEIGHT])
+        Self::with_size(folder, [WIDTH, HEIGHT])
     }
 
-    pub(crate) fn sized(folder: &Path, size: [usize; 2]) -> Result<Self, String> {
-        needs_files(&[DRIVER, LAYER])?;
+    pub(crate) fn with_size(folder: &Path, size: [usize; 2]) -> Result<Self, String> {
+        check_files(&[DRIVER, LAYER])?;
         let mut server = Command::new("Xvfb")
             .args(["-displayfd", "1", "-nolisten", "tcp", "-fbdir"])
             .arg(folder)
@@ -42,7 +42,7 @@ impl Display {
         let out = server.stdout.take().expect("it is piped");
         BufReader::new(out).read_line(&mut number).map_err(|error| error.to_string())?;
         let name = format!(":{}", number.trim());
-        Ok(Display { server, size, name, folder: folder.to_owned() })
+        Ok(XvfbDisplay { server, size, name, folder: folder.to_owned() })
     }
 
     /// Moves the mouse, presses keys, or minds windows, as `xdotool` is told.
@@ -52,8 +52,8 @@ impl Display {
         assert!(tool.status().expect("it is there").success(), "xdotool {arguments}");
     }
 
-    /// What is on the screen, from the file that the server keeps it in (the XWD format).
-    pub(crate) fn screen(&self, name: &str) -> Image {
+    /// Reads the screen from the server's framebuffer file (XWD format), and writes it as `name.png`.
+    pub(crate) fn save_screenshot(&self, name: &str) -> Image {
         let bytes = fs::read(self.folder.join("Xvfb_screen0")).expect("the server's file");
         let word = |i: usize| {
             let word: [u8; 4] = bytes[4 * i..4 * i + 4].try_into().expect("four bytes");
@@ -75,7 +75,7 @@ impl Display {
     }
 }
 
-impl Drop for Display {
+impl Drop for XvfbDisplay {
     fn drop(&mut self) {
         // It may have ended by itself.
         let _ = self.server.kill();
@@ -83,21 +83,21 @@ impl Drop for Display {
     }
 }
 
-/// A window, and the script that it is told.
-pub(crate) struct Visit {
+/// A `paros window` process whose script is written step by step.
+pub(crate) struct ScriptedWindow {
     pub(crate) window: Child,
     steps: Option<ChildStdin>,
     answers: BufReader<ChildStdout>,
 }
 
-impl Visit {
-    /// On a display, with its files in the display's folder.
-    pub(crate) fn new(display: &Display) -> Self {
-        Self::begin(paros(&display.folder).env("DISPLAY", &display.name))
+impl ScriptedWindow {
+    /// Opens a window on a display, with its files in the display's folder.
+    pub(crate) fn new(display: &XvfbDisplay) -> Self {
+        Self::spawn(paros_command(&display.folder).env("DISPLAY", &display.name))
     }
 
-    /// By a command without its arguments.
-    pub(crate) fn begin(paros: &mut Command) -> Self {
+    /// Opens a window by a command without its arguments.
+    pub(crate) fn spawn(paros: &mut Command) -> Self {
         let mut window = paros
             .args(["window", "--script", "-", "--validation"])
             .stdin(Stdio::piped())
@@ -107,18 +107,18 @@ impl Visit {
             .expect("the program can be started");
         let steps = window.stdin.take();
         let answers = BufReader::new(window.stdout.take().expect("it is piped"));
-        Visit { window, steps, answers }
+        ScriptedWindow { window, steps, answers }
     }
 
-    /// Does a step, and waits until it is done; what was said meanwhile comes back.
-    pub(crate) fn does(&mut self, step: &str) -> String {
+    /// Writes a step and waits until it is done. Returns the output in between.
+    pub(crate) fn do_step(&mut self, step: &str) -> String {
         let steps = self.steps.as_mut().expect("the visit goes on");
         writeln!(steps, "{step}").expect("the window listens");
         let (done, mut said) = (format!("done {step}\n"), String::new());
         loop {
             let mut line = String::new();
             let read = self.answers.read_line(&mut line).expect("text");
-            assert_ne!(read, 0, "the window closed instead of: {step}; {}", self.complaints());
+            assert_ne!(read, 0, "the window closed instead of: {step}; {}", self.read_stderr());
             if line == done {
                 return said;
             }
@@ -128,13 +128,13 @@ impl Visit {
 
     pub(crate) fn do_all(&mut self, steps: &[&str]) {
         for step in steps {
-            self.does(step);
+            self.do_step(step);
         }
     }
 
-    /// What the window says of one thing.
-    pub(crate) fn asks(&mut self, what: &str) -> String {
-        let said = self.does("say");
+    /// One field of the window's state line.
+    pub(crate) fn ask_state(&mut self, what: &str) -> String {
+        let said = self.do_step("say");
         let (said, note) = said.split_once("; note ").expect("a note, the last thing said");
         if what == "note" {
             return note.trim().to_owned();
@@ -143,24 +143,24 @@ impl Visit {
         after.unwrap_or_else(|| panic!("nothing of {what} in: {said}")).trim().to_owned()
     }
 
-    pub(crate) fn voxels(&mut self) -> u64 {
-        self.asks("voxels").parse().expect("a number")
+    pub(crate) fn voxel_count(&mut self) -> u64 {
+        self.ask_state("voxels").parse().expect("a number")
     }
 
-    /// What the screen shows once all is drawn.
-    pub(crate) fn sees(&mut self, display: &Display, name: &str) -> Image {
-        self.does("frames 40");
-        display.screen(name)
+    /// The screen after 40 frames, saved as `name.png`.
+    pub(crate) fn screenshot(&mut self, display: &XvfbDisplay, name: &str) -> Image {
+        self.do_step("frames 40");
+        display.save_screenshot(name)
     }
 
-    /// Ends the visit: the exit code and what was complained of.
-    pub(crate) fn ends(mut self) -> (Option<i32>, String) {
+    /// Ends the script. Returns the exit code and standard error.
+    pub(crate) fn close(mut self) -> (Option<i32>, String) {
         drop(self.steps.take());
-        self.ended()
+        self.wait_for_exit()
     }
 
-    /// The same of a visit that ends by itself, within 20 seconds.
-    pub(crate) fn ended(mut self) -> (Option<i32>, String) {
+    /// Waits up to 20 seconds for the window to end by itself. Returns the same.
+    pub(crate) fn wait_for_exit(mut self) -> (Option<i32>, String) {
         let begun = Instant::now();
         let code = loop {
             if let Some(status) = self.window.try_wait().expect("a child") {
@@ -168,14 +168,14 @@ impl Visit {
             }
             if begun.elapsed() > Duration::from_secs(20) {
                 self.window.kill().expect("it can be ended");
-                panic!("the window goes on: {}", self.complaints());
+                panic!("the window goes on: {}", self.read_stderr());
             }
             thread::sleep(Duration::from_millis(20));
         };
-        (code, self.complaints())
+        (code, self.read_stderr())
     }
 
-    pub(crate) fn complaints(&mut self) -> String {
+    pub(crate) fn read_stderr(&mut self) -> String {
         let mut text = String::new();
         if let Some(mut from) = self.window.stderr.take() {
             std::io::Read::read_to_string(&mut from, &mut text).expect("text");
@@ -185,7 +185,7 @@ impl Visit {
 }
 
 /// The program, with a folder for a home.
-pub(crate) fn paros(folder: &Path) -> Command {
+pub(crate) fn paros_command(folder: &Path) -> Command {
     let mut paros = Command::new(env!("CARGO_BIN_EXE_paros"));
     paros
         .env("VK_DRIVER_FILES", DRIVER)
@@ -197,30 +197,30 @@ pub(crate) fn paros(folder: &Path) -> Command {
     paros
 }
 
-/// Whether files are there.
-pub(crate) fn needs_files(files: &[&str]) -> Result<(), String> {
+/// Checks that files exist.
+pub(crate) fn check_files(files: &[&str]) -> Result<(), String> {
     match files.iter().find(|file| !Path::new(file).exists()) {
         Some(file) => Err(format!("no {file}")),
         None => Ok(()),
     }
 }
 
-/// Whether a program is there, by its answer to an argument.
-pub(crate) fn needs(program: &str, argument: &str) -> Result<(), String> {
+/// Checks that a program can be run, with an argument that makes it exit.
+pub(crate) fn check_program(program: &str, argument: &str) -> Result<(), String> {
     let tried = Command::new(program).arg(argument).stdout(Stdio::null()).status();
     tried.map(drop).map_err(|error| format!("no {program}: {error}"))
 }
 
 /// An empty folder for a test.
-pub(crate) fn folder(name: &str) -> PathBuf {
+pub(crate) fn empty_folder(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("window").join(name);
     let _ = fs::remove_dir_all(&folder);
     fs::create_dir_all(&folder).expect("a folder");
     folder
 }
 
-/// Pixels of a rectangle that differ clearly.
-pub(crate) fn differing(a: &Image, b: &Image, x: [usize; 2], y: [usize; 2]) -> usize {
+/// Counts the pixels of a rectangle that differ by more than 12 of 255.
+pub(crate) fn count_differing(a: &Image, b: &Image, x: [usize; 2], y: [usize; 2]) -> usize {
     let far = |x: usize, y: usize| {
         let (a, b) = (a.pixel(x, y), b.pixel(x, y));
         (0..3).any(|k| a[k].abs_diff(b[k]) > 12)

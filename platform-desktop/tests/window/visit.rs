@@ -6,58 +6,62 @@ use std::process::Command;
 
 use paros_shell::require::{Required, require};
 
-use crate::rig::{Display, HEIGHT, STROKE, Visit, WIDTH, differing, folder, needs, paros};
+use crate::rig::{
+    HEIGHT, STROKE, ScriptedWindow, WIDTH, XvfbDisplay, check_program, count_differing,
+    empty_folder, paros_command,
+};
 
 #[test]
 fn a_visitor_carves_undoes_and_finishes() -> Result<(), Required> {
-    let folder = folder("visit");
-    let Some(display) = require(Display::new(&folder))? else { return Ok(()) };
-    let mut visit = Visit::new(&display);
-    let start = visit.sees(&display, "1-start");
+    let folder = empty_folder("visit");
+    let Some(display) = require(XvfbDisplay::new(&folder))? else { return Ok(()) };
+    let mut visit = ScriptedWindow::new(&display);
+    let start = visit.screenshot(&display, "1-start");
     visit.do_all(&["start free", "wait 4", "wheel -6", "move 3 97"]);
-    let whole = visit.voxels();
-    let stone = visit.sees(&display, "2-stone");
-    assert!(differing(&start, &stone, [0, WIDTH], [0, HEIGHT]) > 20_000, "the stone is seen");
+    let whole = visit.voxel_count();
+    let stone = visit.screenshot(&display, "2-stone");
+    assert!(count_differing(&start, &stone, [0, WIDTH], [0, HEIGHT]) > 20_000, "the stone is seen");
     visit.do_all(&STROKE);
-    visit.does("move 3 97");
-    let left = visit.voxels();
+    visit.do_step("move 3 97");
+    let left = visit.voxel_count();
     assert!(left + 300 < whole, "{left} voxels are left of {whole}");
-    let carved = visit.sees(&display, "3-carved");
+    let carved = visit.screenshot(&display, "3-carved");
     let middle = ([340, 660], [180, 440]);
-    let groove = differing(&stone, &carved, middle.0, middle.1);
+    let groove = count_differing(&stone, &carved, middle.0, middle.1);
     assert!(groove > 500, "the groove is seen in {groove} pixels");
-    visit.does("key z");
-    visit.does("wait 2");
-    assert_eq!(visit.voxels(), whole);
-    let undone = visit.sees(&display, "4-undone");
-    let still = differing(&stone, &undone, middle.0, middle.1);
+    visit.do_step("key z");
+    visit.do_step("wait 2");
+    assert_eq!(visit.voxel_count(), whole);
+    let undone = visit.screenshot(&display, "4-undone");
+    let still = count_differing(&stone, &undone, middle.0, middle.1);
     assert!(still * 20 < groove, "{still} pixels are still another");
     visit.do_all(&["key y", "wait 2"]);
-    assert_eq!(visit.voxels(), left);
-    let plain = visit.sees(&display, "5-redone");
+    assert_eq!(visit.voxel_count(), left);
+    let plain = visit.screenshot(&display, "5-redone");
     for (key, name, least) in [("key f1", "5-help", 20_000), ("key f2", "5-graph", 2_000)] {
-        visit.does(key);
-        let shown = visit.sees(&display, name);
-        let pixels = differing(&plain, &shown, [0, WIDTH], [0, HEIGHT]);
+        visit.do_step(key);
+        let shown = visit.screenshot(&display, name);
+        let pixels = count_differing(&plain, &shown, [0, WIDTH], [0, HEIGHT]);
         assert!(pixels > least, "{name} is seen in {pixels} pixels");
-        visit.does(key);
+        visit.do_step(key);
     }
     // The first asks, the second does it.
     visit.do_all(&["key enter", "wait 4"]);
-    assert_eq!(visit.asks("session"), "Sculpting");
+    assert_eq!(visit.ask_state("session"), "Sculpting");
     visit.do_all(&["key enter", "wait 4", "settle"]);
-    assert_eq!(visit.asks("session"), "Finished");
-    visit.sees(&display, "6-finished");
-    let print = PathBuf::from(visit.asks("printed"));
-    visit.does("key r");
-    visit.does("settle");
-    let (code, complaints) = visit.ends();
+    assert_eq!(visit.ask_state("session"), "Finished");
+    visit.screenshot(&display, "6-finished");
+    let print = PathBuf::from(visit.ask_state("printed"));
+    visit.do_step("key r");
+    visit.do_step("settle");
+    let (code, complaints) = visit.close();
     assert_eq!((code, &*complaints), (Some(0), ""));
     assert!(print.starts_with(folder.join("Paros")), "{}", print.display());
     for ending in ["png", "rmap"] {
         assert!(print.with_extension(ending).exists(), "no {ending}");
     }
-    let played = paros(&folder).arg("play").arg(folder.join("Paros/session-001.trace")).output();
+    let played =
+        paros_command(&folder).arg("play").arg(folder.join("Paros/session-001.trace")).output();
     let played = String::from_utf8_lossy(&played.expect("it can be started").stdout).into_owned();
     assert!(played.contains(&format!("{left} voxels")), "{played}");
     check_print(&print)
@@ -83,54 +87,57 @@ pub(crate) fn check_print(print: &Path) -> Result<(), Required> {
 
 #[test]
 fn a_mouse_and_keys_do_what_the_help_says() -> Result<(), Required> {
-    let folder = folder("devices");
-    let Some(display) = require(Display::new(&folder))? else { return Ok(()) };
-    let Some(()) = require(needs("xdotool", "--version"))? else { return Ok(()) };
+    let folder = empty_folder("devices");
+    let Some(display) = require(XvfbDisplay::new(&folder))? else { return Ok(()) };
+    let Some(()) = require(check_program("xdotool", "--version"))? else { return Ok(()) };
     let x = |arguments: &str| display.xdotool(arguments);
-    let mut visit = Visit::new(&display);
-    visit.does("frames 2");
+    let mut visit = ScriptedWindow::new(&display);
+    visit.do_step("frames 2");
     // The first button of the start panel.
     let window = "search --name Paros windowfocus --sync";
     x(window);
     x("mousemove 440 298");
-    visit.does("frames 3");
+    visit.do_step("frames 3");
     x("click 1");
-    visit.does("frames 4");
+    visit.do_step("frames 4");
     assert_eq!(
-        (visit.asks("session"), visit.asks("mode")),
+        (visit.ask_state("session"), visit.ask_state("mode")),
         ("Sculpting".into(), "FreeForm".into())
     );
-    let whole = visit.voxels();
+    let whole = visit.voxel_count();
     x("mousemove 430 300");
-    visit.does("wait 20");
+    visit.do_step("wait 20");
     x("mousedown 1");
-    visit.does("wait 30");
+    visit.do_step("wait 30");
     x("mousemove 520 320");
-    visit.does("wait 60");
+    visit.do_step("wait 60");
     x("mouseup 1");
-    visit.does("wait 8");
-    let left = visit.voxels();
+    visit.do_step("wait 8");
+    let left = visit.voxel_count();
     assert!(left + 100 < whole, "{left} voxels are left of {whole}");
     x("key z");
-    visit.does("frames 4");
-    assert_eq!(visit.voxels(), whole);
+    visit.do_step("frames 4");
+    assert_eq!(visit.voxel_count(), whole);
     x("key ctrl+shift+z");
-    visit.does("frames 4");
-    assert_eq!(visit.voxels(), left);
+    visit.do_step("frames 4");
+    assert_eq!(visit.voxel_count(), left);
     for (key, held) in
         [("3", "paste nozzle"), ("1", "medium ball burr"), ("shift+3", "large ball burr")]
     {
         x(&format!("key {key}"));
-        visit.does("frames 4");
-        assert_eq!(visit.asks("holds"), held);
+        visit.do_step("frames 4");
+        assert_eq!(visit.ask_state("holds"), held);
     }
-    let before = visit.sees(&display, "1-before");
+    let before = visit.screenshot(&display, "1-before");
     x("mousedown 3");
     x("mousemove 700 260");
     x("mouseup 3");
-    let turned = visit.sees(&display, "2-orbited");
-    assert!(differing(&before, &turned, [200, 800], [100, 560]) > 20_000, "the eye went round");
-    let (code, complaints) = visit.ends();
+    let turned = visit.screenshot(&display, "2-orbited");
+    assert!(
+        count_differing(&before, &turned, [200, 800], [100, 560]) > 20_000,
+        "the eye went round"
+    );
+    let (code, complaints) = visit.close();
     assert_eq!((code, &*complaints), (Some(0), ""));
     Ok(())
 }
@@ -150,17 +157,17 @@ const PRACTICES: [&str; 5] = [
 
 #[test]
 fn best_practices_have_nothing_new_to_say() -> Result<(), Required> {
-    let folder = folder("practices");
-    let Some(display) = require(Display::new(&folder))? else { return Ok(()) };
-    let mut command = paros(&folder);
+    let folder = empty_folder("practices");
+    let Some(display) = require(XvfbDisplay::new(&folder))? else { return Ok(()) };
+    let mut command = paros_command(&folder);
     command
         .env("DISPLAY", &display.name)
         .env("VK_LAYER_ENABLES", "VK_VALIDATION_FEATURE_ENABLE_BEST_PRACTICES_EXT");
-    let mut visit = Visit::begin(&mut command);
+    let mut visit = ScriptedWindow::spawn(&mut command);
     visit.do_all(&["size 500 400", "start free", "wait 4", "frames 3"]);
     visit.do_all(&STROKE);
     visit.do_all(&["size 600 400", "frames 6"]);
-    let (_, complaints) = visit.ends();
+    let (_, complaints) = visit.close();
     let mut others = Vec::new();
     for line in complaints.lines() {
         let id = line.split("BestPractices-").nth(1).and_then(|rest| rest.split(' ').next());

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use paros_shell::require::{Required, require};
 
-use crate::rig::{DRIVER, LAYER, STROKE, Visit, folder, needs_files, paros};
+use crate::rig::{DRIVER, LAYER, STROKE, ScriptedWindow, check_files, empty_folder, paros_command};
 use crate::visit::check_print;
 
 /// A compositor, ended when dropped.
@@ -21,7 +21,7 @@ struct Weston {
 impl Weston {
     /// With a shell, a part of it that places windows.
     fn new(folder: &Path, shell: &str) -> Result<Self, String> {
-        needs_files(&[DRIVER, LAYER])?;
+        check_files(&[DRIVER, LAYER])?;
         let run = folder.join("run");
         // Of one that was ended, its socket is still there.
         let _ = fs::remove_dir_all(&run);
@@ -49,12 +49,12 @@ impl Weston {
         Ok(weston)
     }
 
-    fn visit(&self) -> Visit {
-        let mut command = paros(&self.folder);
-        Visit::begin(self.client(&mut command))
+    fn open_window(&self) -> ScriptedWindow {
+        let mut command = paros_command(&self.folder);
+        ScriptedWindow::spawn(self.as_client(&mut command))
     }
 
-    fn client<'a>(&self, command: &'a mut Command) -> &'a mut Command {
+    fn as_client<'a>(&self, command: &'a mut Command) -> &'a mut Command {
         command
             .env_remove("DISPLAY")
             .env("WAYLAND_DISPLAY", "paros")
@@ -62,9 +62,9 @@ impl Weston {
     }
 
     /// Leaves a picture of the screen in the folder.
-    fn screen(&self) -> bool {
+    fn save_screenshot(&self) -> bool {
         let mut shooter = Command::new("weston-screenshooter");
-        let shot = self.client(&mut shooter).current_dir(&self.folder).status();
+        let shot = self.as_client(&mut shooter).current_dir(&self.folder).status();
         shot.is_ok_and(|status| status.success())
     }
 }
@@ -79,47 +79,47 @@ impl Drop for Weston {
 
 #[test]
 fn on_wayland_a_visitor_carves_and_finishes() -> Result<(), Required> {
-    let folder = folder("wayland");
+    let folder = empty_folder("wayland");
     let Some(weston) = require(Weston::new(&folder, "desktop"))? else { return Ok(()) };
-    let mut visit = weston.visit();
+    let mut visit = weston.open_window();
     visit.do_all(&["frames 4", "start free", "wait 4"]);
-    assert_eq!(visit.asks("size"), "1180x800");
-    let whole = visit.voxels();
+    assert_eq!(visit.ask_state("size"), "1180x800");
+    let whole = visit.voxel_count();
     visit.do_all(&STROKE);
-    assert!(visit.voxels() + 300 < whole);
-    visit.does("frames 4");
-    assert!(weston.screen(), "a picture of the screen");
+    assert!(visit.voxel_count() + 300 < whole);
+    visit.do_step("frames 4");
+    assert!(weston.save_screenshot(), "a picture of the screen");
     visit.do_all(&["key z", "wait 2"]);
-    assert_eq!(visit.voxels(), whole);
+    assert_eq!(visit.voxel_count(), whole);
     visit.do_all(&["key y", "key enter", "wait 4", "key enter", "wait 4", "settle"]);
-    let print = PathBuf::from(visit.asks("printed"));
+    let print = PathBuf::from(visit.ask_state("printed"));
     check_print(&print)?;
-    assert_eq!(visit.ends(), (Some(0), String::new()));
+    assert_eq!(visit.close(), (Some(0), String::new()));
     Ok(())
 }
 
 #[test]
 fn unseen_on_wayland_it_goes_on_and_saves_when_the_compositor_ends() -> Result<(), Required> {
-    let folder = folder("unseen");
+    let folder = empty_folder("unseen");
     // That shell shows no window where there is no seat: no frame is ever asked for.
     let Some(weston) = require(Weston::new(&folder, "kiosk"))? else { return Ok(()) };
-    let mut visit = weston.visit();
+    let mut visit = weston.open_window();
     visit.do_all(&["wait 20", "start free", "wait 4"]);
-    let whole = visit.voxels();
+    let whole = visit.voxel_count();
     visit.do_all(&STROKE);
-    let frames = visit.asks("frames");
-    visit.does("wait 200");
-    assert_eq!(visit.asks("frames"), frames);
-    let left = visit.voxels();
+    let frames = visit.ask_state("frames");
+    visit.do_step("wait 200");
+    assert_eq!(visit.ask_state("frames"), frames);
+    let left = visit.voxel_count();
     assert!(left + 300 < whole);
     drop(weston);
-    let (code, complaints) = visit.ended();
+    let (code, complaints) = visit.wait_for_exit();
     assert_eq!(code, Some(1), "{complaints}");
     assert!(complaints.contains("the display is gone; the session is saved"), "{complaints}");
     let Some(weston) = require(Weston::new(&folder, "desktop"))? else { return Ok(()) };
-    let mut visit = weston.visit();
-    visit.does("frames 4");
-    assert_eq!(visit.voxels(), left);
-    assert_eq!(visit.ends(), (Some(0), String::new()));
+    let mut visit = weston.open_window();
+    visit.do_step("frames 4");
+    assert_eq!(visit.voxel_count(), left);
+    assert_eq!(visit.close(), (Some(0), String::new()));
     Ok(())
 }

@@ -20,28 +20,31 @@ type Failed = Box<dyn std::error::Error>;
 pub(crate) fn drop_files(display: &str, files: &[&Path]) -> Result<bool, Failed> {
     let (connection, screen) = x11rb::connect(Some(display))?;
     let root = connection.setup().roots[screen].root;
-    let target = aware(&connection, root)?.ok_or("no window takes files")?;
-    let source = window(&connection, root)?;
-    let selection = atom(&connection, "XdndSelection")?;
+    let target = find_xdnd_aware(&connection, root)?.ok_or("no window takes files")?;
+    let source = hidden_window(&connection, root)?;
+    let selection = intern_atom(&connection, "XdndSelection")?;
     connection.set_selection_owner(source, selection, CURRENT_TIME)?;
     let drag = Drag { connection, source, target };
-    let list = drag.atom("text/uri-list")?;
-    let uris: String = files.iter().map(|file| uri(file)).collect();
-    drag.tell("XdndEnter", [5 << 24, list, 0, 0])?;
-    drag.tell("XdndPosition", [0, 200 << 16 | 200, CURRENT_TIME, drag.atom("XdndActionCopy")?])?;
-    let taken = drag.wait("XdndStatus", &uris)?[1] & 1 == 1;
+    let list = drag.intern_atom("text/uri-list")?;
+    let uris: String = files.iter().map(|file| file_uri(file)).collect();
+    drag.send_message("XdndEnter", [5 << 24, list, 0, 0])?;
+    drag.send_message(
+        "XdndPosition",
+        [0, 200 << 16 | 200, CURRENT_TIME, drag.intern_atom("XdndActionCopy")?],
+    )?;
+    let taken = drag.await_message("XdndStatus", &uris)?[1] & 1 == 1;
     // It asked what they are before it answered: that is served by now.
     if taken {
-        drag.tell("XdndDrop", [0, CURRENT_TIME, 0, 0])?;
-        drag.wait("XdndFinished", &uris)?;
+        drag.send_message("XdndDrop", [0, CURRENT_TIME, 0, 0])?;
+        drag.await_message("XdndFinished", &uris)?;
     } else {
-        drag.tell("XdndLeave", [0; 4])?;
+        drag.send_message("XdndLeave", [0; 4])?;
     }
     Ok(taken)
 }
 
 /// A window that is never shown.
-pub(crate) fn window(connection: &RustConnection, root: Window) -> Result<Window, Failed> {
+pub(crate) fn hidden_window(connection: &RustConnection, root: Window) -> Result<Window, Failed> {
     let window = connection.generate_id()?;
     connection.create_window(
         COPY_DEPTH_FROM_PARENT,
@@ -60,7 +63,7 @@ pub(crate) fn window(connection: &RustConnection, root: Window) -> Result<Window
 }
 
 /// A file as it stands in a list of them.
-fn uri(file: &Path) -> String {
+fn file_uri(file: &Path) -> String {
     let plain = |byte: u8| byte.is_ascii_alphanumeric() || b"/.-_".contains(&byte);
     let bytes = file.as_os_str().as_encoded_bytes().iter();
     let path: String = bytes
@@ -73,21 +76,21 @@ fn uri(file: &Path) -> String {
 }
 
 /// The first window under another that says it takes files.
-fn aware(connection: &RustConnection, under: Window) -> Result<Option<Window>, Failed> {
-    let property = atom(connection, "XdndAware")?;
+fn find_xdnd_aware(connection: &RustConnection, under: Window) -> Result<Option<Window>, Failed> {
+    let property = intern_atom(connection, "XdndAware")?;
     let version = connection.get_property(false, under, property, AtomEnum::ATOM, 0, 1)?.reply()?;
     if version.value32().is_some_and(|mut value| value.next().is_some()) {
         return Ok(Some(under));
     }
     for child in connection.query_tree(under)?.reply()?.children {
-        if let Some(found) = aware(connection, child)? {
+        if let Some(found) = find_xdnd_aware(connection, child)? {
             return Ok(Some(found));
         }
     }
     Ok(None)
 }
 
-fn atom(connection: &RustConnection, name: &str) -> Result<Atom, Failed> {
+fn intern_atom(connection: &RustConnection, name: &str) -> Result<Atom, Failed> {
     Ok(connection.intern_atom(false, name.as_bytes())?.reply()?.atom)
 }
 
@@ -98,24 +101,24 @@ struct Drag {
 }
 
 impl Drag {
-    fn atom(&self, name: &str) -> Result<Atom, Failed> {
-        atom(&self.connection, name)
+    fn intern_atom(&self, name: &str) -> Result<Atom, Failed> {
+        intern_atom(&self.connection, name)
     }
 
     /// Sends the target a message of the protocol.
-    fn tell(&self, message: &str, [a, b, c, d]: [u32; 4]) -> Result<(), Failed> {
+    fn send_message(&self, message: &str, [a, b, c, d]: [u32; 4]) -> Result<(), Failed> {
         let data = [self.source, a, b, c, d];
-        let event = ClientMessageEvent::new(32, self.target, self.atom(message)?, data);
+        let event = ClientMessageEvent::new(32, self.target, self.intern_atom(message)?, data);
         self.connection.send_event(false, self.target, EventMask::NO_EVENT, event)?;
         Ok(self.connection.flush()?)
     }
 
     /// The answer to a message; meanwhile the files are told to whoever asks.
-    fn wait(&self, message: &str, uris: &str) -> Result<[u32; 5], Failed> {
-        let (answer, begun) = (self.atom(message)?, Instant::now());
+    fn await_message(&self, message: &str, uris: &str) -> Result<[u32; 5], Failed> {
+        let (answer, begun) = (self.intern_atom(message)?, Instant::now());
         while begun.elapsed() < Duration::from_secs(20) {
             match self.connection.poll_for_event()? {
-                Some(Event::SelectionRequest(request)) => self.hand_over(&request, uris)?,
+                Some(Event::SelectionRequest(request)) => self.serve_selection(&request, uris)?,
                 Some(Event::ClientMessage(event)) if event.type_ == answer => {
                     return Ok(event.data.as_data32());
                 }
@@ -126,7 +129,7 @@ impl Drag {
         Err(format!("no {message}").into())
     }
 
-    fn hand_over(&self, request: &SelectionRequestEvent, uris: &str) -> Result<(), Failed> {
+    fn serve_selection(&self, request: &SelectionRequestEvent, uris: &str) -> Result<(), Failed> {
         let (to, property) = (request.requestor, request.property);
         let bytes = uris.as_bytes();
         self.connection.change_property8(PropMode::REPLACE, to, property, request.target, bytes)?;

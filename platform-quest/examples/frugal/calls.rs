@@ -1,5 +1,5 @@
-//! The calls of a frame into OpenXR and Vulkan, with a clock around each. A function that is not
-//! named here is called as it is, and its time passes for the shell's own.
+//! Function interposition: a frame's calls into OpenXR and Vulkan, each wrapped by a clock. A function
+//! that is not listed here is called directly, and its time counts as the shell's own.
 
 use std::ffi::{CStr, c_char};
 use std::mem::transmute_copy;
@@ -10,20 +10,21 @@ use std::sync::atomic::{AtomicBool, AtomicPtr, Ordering};
 use openxr::sys;
 use sys::pfn;
 
-use crate::clock::elsewhere;
+use crate::clock::time_foreign_call;
 
-/// Room for the functions of both.
-const ROOM: usize = 64;
+/// The greatest number of functions, of OpenXR and Vulkan together.
+const MAX_FUNCTIONS: usize = 64;
 
-/// The functions themselves.
-static REAL: [AtomicPtr<()>; ROOM] = [const { AtomicPtr::new(ptr::null_mut()) }; ROOM];
+/// The original functions, by [`TimedFunction`].
+static ORIGINALS: [AtomicPtr<()>; MAX_FUNCTIONS] =
+    [const { AtomicPtr::new(ptr::null_mut()) }; MAX_FUNCTIONS];
 
 /// The runtime's own `xrEnumerateViewConfigurationViews`.
-static VIEWS: AtomicPtr<()> = AtomicPtr::new(ptr::null_mut());
+static ENUMERATE_VIEWS: AtomicPtr<()> = AtomicPtr::new(ptr::null_mut());
 
-/// The views of a headset of few pixels, so that a device of software keeps pace: how many there
-/// are is nothing to the thread that is looked at.
-unsafe extern "system" fn small_views(
+/// `xrEnumerateViewConfigurationViews` with views of 32 x 24 pixels, so that a software device keeps
+/// pace. The number of pixels costs the measured thread nothing.
+unsafe extern "system" fn enumerate_small_views(
     instance: sys::Instance,
     system: sys::SystemId,
     kind: sys::ViewConfigurationType,
@@ -31,7 +32,7 @@ unsafe extern "system" fn small_views(
     count: *mut u32,
     views: *mut sys::ViewConfigurationView,
 ) -> sys::Result {
-    let real = VIEWS.load(Ordering::Relaxed);
+    let real = ENUMERATE_VIEWS.load(Ordering::Relaxed);
     // SAFETY: it was stored as what it is.
     let real: pfn::EnumerateViewConfigurationViews = unsafe { transmute_copy(&real) };
     // SAFETY: as the caller has it.
@@ -44,39 +45,39 @@ unsafe extern "system" fn small_views(
     done
 }
 
-/// A frame was ended.
-static ENDED: AtomicBool = AtomicBool::new(false);
+/// Whether `xrEndFrame` was called since the last look.
+static FRAME_ENDED: AtomicBool = AtomicBool::new(false);
 
-/// Whether a frame was ended since this was asked last.
+/// Whether a frame has ended since the last call of this.
 pub(crate) fn frame_has_ended() -> bool {
-    ENDED.swap(false, Ordering::Relaxed)
+    FRAME_ENDED.swap(false, Ordering::Relaxed)
 }
 
-/// A function that can have a clock around it.
-trait Timed: Copy {
-    /// A function that calls this one, which is kept under a number of its own.
-    fn timed<const I: usize>(self) -> Self;
+/// A function pointer that can be wrapped by a clock.
+trait AddClock: Copy {
+    /// A function that times this one, which is stored as the original number `I`.
+    fn with_clock<const I: usize>(self) -> Self;
 }
 
 macro_rules! timed {
     ($($($argument:ident: $ty:ident),*;)*) => {$(
-        impl<R, $($ty),*> Timed for unsafe extern "system" fn($($ty),*) -> R {
-            fn timed<const I: usize>(self) -> Self {
-                unsafe extern "system" fn around<const I: usize, R, $($ty),*>(
+        impl<R, $($ty),*> AddClock for unsafe extern "system" fn($($ty),*) -> R {
+            fn with_clock<const I: usize>(self) -> Self {
+                unsafe extern "system" fn call_with_clock<const I: usize, R, $($ty),*>(
                     $($argument: $ty),*
                 ) -> R {
-                    let real = REAL[I].load(Ordering::Relaxed);
+                    let real = ORIGINALS[I].load(Ordering::Relaxed);
                     type Real<R, $($ty),*> = unsafe extern "system" fn($($ty),*) -> R;
                     // SAFETY: the one function under this number is of this type.
                     let real: Real<R, $($ty),*> = unsafe { transmute_copy(&real) };
-                    if I == Number::EndFrame as usize {
-                        ENDED.store(true, Ordering::Relaxed);
+                    if I == TimedFunction::EndFrame as usize {
+                        FRAME_ENDED.store(true, Ordering::Relaxed);
                     }
                     // SAFETY: as the caller has it.
-                    elsewhere(|| unsafe { real($($argument),*) })
+                    time_foreign_call(|| unsafe { real($($argument),*) })
                 }
-                REAL[I].store(self as *mut (), Ordering::Relaxed);
-                around::<I, R, $($ty),*>
+                ORIGINALS[I].store(self as *mut (), Ordering::Relaxed);
+                call_with_clock::<I, R, $($ty),*>
             }
         }
     )*};
@@ -100,34 +101,34 @@ macro_rules! functions {
         openxr: $($name:literal: $ty:ident,)*;
         vulkan: $($field:ident($($any:tt),*),)*
     ) => {
-        /// Their numbers.
+        /// The index of each function in [`ORIGINALS`].
         #[derive(Clone, Copy)]
         #[expect(non_camel_case_types, reason = "named as the functions are")]
-        enum Number {
+        enum TimedFunction {
             $($ty,)*
             $($field,)*
             Count,
         }
 
-        const _: () = assert!(Number::Count as usize <= ROOM);
+        const _: () = assert!(TimedFunction::Count as usize <= MAX_FUNCTIONS);
 
-        /// A function of OpenXR with a clock around it, if it has a number.
+        /// A function of OpenXR, wrapped by a clock if it is listed.
         ///
         /// # Safety
         /// It is the function of this name.
-        unsafe fn around(name: &CStr, real: pfn::VoidFunction) -> pfn::VoidFunction {
+        unsafe fn with_clock_by_name(name: &CStr, real: pfn::VoidFunction) -> pfn::VoidFunction {
             match name.to_bytes() {
                 b"xrEnumerateViewConfigurationViews" => {
                     // SAFETY: the type goes with the name.
-                    unsafe { VIEWS.store(transmute_copy(&real), Ordering::Relaxed) };
-                    let small: pfn::EnumerateViewConfigurationViews = small_views;
+                    unsafe { ENUMERATE_VIEWS.store(transmute_copy(&real), Ordering::Relaxed) };
+                    let small: pfn::EnumerateViewConfigurationViews = enumerate_small_views;
                     // SAFETY: who calls it gives it its type again.
                     unsafe { transmute_copy(&small) }
                 }
                 $($name => {
                     // SAFETY: the type goes with the name.
                     let real: pfn::$ty = unsafe { transmute_copy(&real) };
-                    let timed = real.timed::<{ Number::$ty as usize }>();
+                    let timed = real.with_clock::<{ TimedFunction::$ty as usize }>();
                     // SAFETY: who calls it gives it its type again.
                     unsafe { transmute_copy(&timed) }
                 })*
@@ -135,14 +136,14 @@ macro_rules! functions {
             }
         }
 
-        /// A device with clocks around its functions.
-        pub(crate) fn device(device: ash::Device) -> ash::Device {
+        /// The device, its listed functions wrapped by clocks.
+        pub(crate) fn device_with_clocks(device: ash::Device) -> ash::Device {
             let mut table = device.fp_v1_0().clone();
             $({
                 let real: unsafe extern "system" fn($($any),*) -> _ = table.$field;
-                let timed = real.timed::<{ Number::$field as usize }>();
+                let timed = real.with_clock::<{ TimedFunction::$field as usize }>();
                 // SAFETY: it is the field's type, but for lifetimes.
-                unsafe { put(timed, &raw mut table.$field) };
+                unsafe { replace_function(timed, &raw mut table.$field) };
             })*
             let (first, second, third) = (device.fp_v1_1(), device.fp_v1_2(), device.fp_v1_3());
             let (first, second, third) = (first.clone(), second.clone(), third.clone());
@@ -195,20 +196,20 @@ functions! {
         cmd_write_timestamp(_, _, _, _),
 }
 
-/// Puts a function in place of one.
+/// Writes a function into a field of a function table.
 ///
 /// # Safety
 /// They are of one type, but for lifetimes.
-unsafe fn put<F, T>(function: F, place: *mut T) {
+unsafe fn replace_function<F, T>(function: F, place: *mut T) {
     // SAFETY: the caller's.
     unsafe { place.cast::<F>().write(function) };
 }
 
-/// The loader's own way to its functions.
+/// The loader's entry, which the wrapped one forwards to.
 static LOADER: OnceLock<openxr::Entry> = OnceLock::new();
 
-/// A way to a loader's functions with clocks around them. It is the only one of its kind.
-pub(crate) fn entry(loader: openxr::Entry) -> openxr::Result<openxr::Entry> {
+/// The loader's entry, its listed functions wrapped by clocks. One process has one.
+pub(crate) fn entry_with_clocks(loader: openxr::Entry) -> openxr::Result<openxr::Entry> {
     LOADER.get_or_init(|| loader);
     // SAFETY: all functions are the loader's, though some have a clock around them.
     unsafe { openxr::Entry::from_get_instance_proc_addr(get_instance_proc_addr, &()) }
@@ -225,7 +226,7 @@ unsafe extern "system" fn get_instance_proc_addr(
     // SAFETY: the call has succeeded, and the name is a C string.
     unsafe {
         if found == sys::Result::SUCCESS {
-            *function = (*function).map(|real| around(CStr::from_ptr(name), real));
+            *function = (*function).map(|real| with_clock_by_name(CStr::from_ptr(name), real));
         }
     }
     found

@@ -1,45 +1,45 @@
-//! This thread's time on a processor, and how much of it is not the shell's own.
+//! The CPU time of this thread, and the share of it that isn't the shell's own: foreign calls.
 
 use std::cell::Cell;
 
 thread_local! {
-    static OTHERS: Cell<u64> = const { Cell::new(0) };
-    static WITHIN: Cell<bool> = const { Cell::new(false) };
-    static CALLS: Cell<u64> = const { Cell::new(0) };
+    static FOREIGN_NANOS: Cell<u64> = const { Cell::new(0) };
+    static IN_FOREIGN_CALL: Cell<bool> = const { Cell::new(false) };
+    static FOREIGN_CALLS: Cell<u64> = const { Cell::new(0) };
 }
 
-/// Carries out what is not the shell's own. What that calls in turn is in its time already.
-pub(crate) fn elsewhere<R>(call: impl FnOnce() -> R) -> R {
-    if WITHIN.replace(true) {
+/// Runs a foreign call and counts its time. A call within another one counts as part of it.
+pub(crate) fn time_foreign_call<R>(call: impl FnOnce() -> R) -> R {
+    if IN_FOREIGN_CALL.replace(true) {
         return call();
     }
-    let begun = nanos();
+    let begun = thread_nanos();
     let done = call();
-    OTHERS.set(OTHERS.get() + (nanos() - begun));
-    CALLS.set(CALLS.get() + 1);
-    WITHIN.set(false);
+    FOREIGN_NANOS.set(FOREIGN_NANOS.get() + (thread_nanos() - begun));
+    FOREIGN_CALLS.set(FOREIGN_CALLS.get() + 1);
+    IN_FOREIGN_CALL.set(false);
     done
 }
 
-/// What a thousand calls add to the shell's own time because a clock is around them.
-pub(crate) fn cost() -> u64 {
-    let begun = own();
-    (0..1000).for_each(|_| elsewhere(|| ()));
-    own() - begun
+/// Nanoseconds that timing a thousand foreign calls adds to the shell's own time.
+pub(crate) fn clock_nanos_per_thousand_calls() -> u64 {
+    let begun = own_nanos();
+    (0..1000).for_each(|_| time_foreign_call(|| ()));
+    own_nanos() - begun
 }
 
-/// The shell's own time so far, in nanoseconds. About half of each look at the clock is within it.
-pub(crate) fn own() -> u64 {
-    nanos() - OTHERS.get()
+/// The shell's own CPU time so far, in nanoseconds. It includes about half of each reading of the clock.
+pub(crate) fn own_nanos() -> u64 {
+    thread_nanos() - FOREIGN_NANOS.get()
 }
 
-/// How many times something else was carried out so far.
-pub(crate) fn calls() -> u64 {
-    CALLS.get()
+/// Foreign calls so far.
+pub(crate) fn foreign_calls() -> u64 {
+    FOREIGN_CALLS.get()
 }
 
-/// This thread's time so far, in nanoseconds.
-pub(crate) fn nanos() -> u64 {
+/// This thread's CPU time so far, in nanoseconds (`CLOCK_THREAD_CPUTIME_ID`).
+pub(crate) fn thread_nanos() -> u64 {
     #[repr(C)]
     struct Timespec {
         seconds: i64,

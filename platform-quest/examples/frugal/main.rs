@@ -1,10 +1,10 @@
-//! The shell with a count of its allocations and a clock on its thread, frame by frame: `frugal
-//! FOLDER FRAMES`. It does what a test writes to it, leaves after so many frames behind the first
-//! hundred, and prints what they took: in nanoseconds, the median of each but for `worst`.
+//! A profiler of the frame loop: allocations and CPU time of the shell's thread, frame by frame. Usage:
+//! `frugal FOLDER FRAMES`. It runs the test commands from standard input, quits FRAMES frames after the
+//! first hundred, and prints their cost: times in nanoseconds, the median of each, and the `worst`.
 //!
-//! A frame's own time is this thread's time on a processor without that of steps of the world and
-//! of calls into OpenXR and Vulkan. Each has the clock around it: what that takes is left in, and
-//! printed beside it.
+//! A frame's own time is the thread's CPU time less that of steps of the world and of calls into OpenXR
+//! and Vulkan. Each of these is timed by reading the clock twice; the cost of that reading stays in the
+//! own time and is printed beside it.
 
 mod calls;
 mod clock;
@@ -15,33 +15,33 @@ use std::path::PathBuf;
 
 use openxr as xr;
 use paros_quest::error::Error;
-use paros_quest::host::{Host, Plain, Told};
-use paros_quest::options::Options;
-use paros_quest::shell;
+use paros_quest::options::ShellOptions;
+use paros_quest::platform::{PlainPlatform, Platform, PlatformStatus};
+use paros_quest::shell::run_shell;
 
-/// Frames that may take memory.
-const FIRST: usize = 100;
+/// Frames before the measured ones; these may allocate.
+const WARM_UP_FRAMES: usize = 100;
 
-struct Counting;
+struct CountingAllocator;
 
 thread_local! {
     static COUNT: Cell<u64> = const { Cell::new(0) };
 }
 
-fn count() {
+fn count_allocation() {
     COUNT.with(|count| count.set(count.get() + 1));
 }
 
 // SAFETY: all is done by the system's allocator.
-unsafe impl GlobalAlloc for Counting {
+unsafe impl GlobalAlloc for CountingAllocator {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        count();
+        count_allocation();
         // SAFETY: the caller's.
         unsafe { System.alloc(layout) }
     }
 
     unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
-        count();
+        count_allocation();
         // SAFETY: the caller's.
         unsafe { System.alloc_zeroed(layout) }
     }
@@ -52,75 +52,79 @@ unsafe impl GlobalAlloc for Counting {
     }
 
     unsafe fn realloc(&self, at: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        count();
+        count_allocation();
         // SAFETY: the caller's.
         unsafe { System.realloc(at, layout, size) }
     }
 }
 
 #[global_allocator]
-static ALLOCATOR: Counting = Counting;
+static ALLOCATOR: CountingAllocator = CountingAllocator;
 
-/// What there was so far, or in a frame.
+/// The cost of a frame, or of all frames so far.
 #[derive(Clone, Copy, Default)]
-struct Sums {
+struct FrameCost {
     allocations: u64,
-    /// All times are in nanoseconds.
-    own: u64,
-    steps: u64,
-    thread: u64,
-    /// Calls and steps.
-    calls: u64,
+    own_nanos: u64,
+    step_nanos: u64,
+    thread_nanos: u64,
+    /// Calls into OpenXR and Vulkan, and steps of the world.
+    foreign_calls: u64,
 }
 
-/// A system that looks at every frame.
-struct Watching {
-    frames: Vec<Sums>,
+/// The host's platform, which also samples the cost of every frame.
+struct ProfilingPlatform {
+    frames: Vec<FrameCost>,
     wanted: usize,
-    last: Sums,
-    steps: u64,
+    last: FrameCost,
+    step_nanos: u64,
 }
 
-impl Host for Watching {
-    fn entry(&mut self) -> Result<xr::Entry, Error> {
-        let entry = calls::entry(Plain.entry()?);
+impl Platform for ProfilingPlatform {
+    fn load_openxr(&mut self) -> Result<xr::Entry, Error> {
+        let entry = calls::entry_with_clocks(PlainPlatform.load_openxr()?);
         entry.map_err(|result| Error::Call { doing: "look at the loader", result })
     }
 
-    fn instance(
+    fn create_instance(
         &mut self,
         entry: &xr::Entry,
         application: &xr::ApplicationInfo<'_>,
         extensions: xr::ExtensionSet,
     ) -> xr::Result<xr::Instance> {
-        Plain.instance(entry, application, extensions)
+        PlainPlatform.create_instance(entry, application, extensions)
     }
 
-    fn told(&mut self) -> Told {
-        let (own, thread) = (clock::own(), clock::nanos());
-        let (allocations, calls) = (COUNT.with(Cell::get), clock::calls());
-        let now = Sums { allocations, own, steps: self.steps, thread, calls };
+    fn poll_status(&mut self) -> PlatformStatus {
+        let now = FrameCost {
+            own_nanos: clock::own_nanos(),
+            thread_nanos: clock::thread_nanos(),
+            allocations: COUNT.with(Cell::get),
+            foreign_calls: clock::foreign_calls(),
+            step_nanos: self.step_nanos,
+        };
         let last = core::mem::replace(&mut self.last, now);
         if calls::frame_has_ended() && self.frames.len() < self.frames.capacity() {
-            self.frames.push(Sums {
+            self.frames.push(FrameCost {
                 allocations: now.allocations - last.allocations,
-                own: now.own - last.own,
-                steps: now.steps - last.steps,
-                thread: now.thread - last.thread,
-                calls: now.calls - last.calls,
+                own_nanos: now.own_nanos - last.own_nanos,
+                step_nanos: now.step_nanos - last.step_nanos,
+                thread_nanos: now.thread_nanos - last.thread_nanos,
+                foreign_calls: now.foreign_calls - last.foreign_calls,
             });
         }
-        Told { leave: self.frames.len() == self.wanted, ..Told::default() }
+        let quit_requested = self.frames.len() == self.wanted;
+        PlatformStatus { quit_requested, ..PlatformStatus::default() }
     }
 
-    fn step(&mut self, step: &mut dyn FnMut()) {
-        let begun = clock::nanos();
-        clock::elsewhere(step);
-        self.steps += clock::nanos() - begun;
+    fn run_step(&mut self, step: &mut dyn FnMut()) {
+        let begun = clock::thread_nanos();
+        clock::time_foreign_call(step);
+        self.step_nanos += clock::thread_nanos() - begun;
     }
 
-    fn around_device(&self) -> Option<fn(ash::Device) -> ash::Device> {
-        Some(calls::device)
+    fn device_wrapper(&self) -> Option<fn(ash::Device) -> ash::Device> {
+        Some(calls::device_with_clocks)
     }
 }
 
@@ -128,12 +132,14 @@ fn main() {
     let mut args = std::env::args().skip(1);
     let folder = PathBuf::from(args.next().expect("a folder"));
     let frames: usize = args.next().and_then(|count| count.parse().ok()).expect("a number");
-    let options = Options { folder: Some(folder), script: true, ..Options::default() };
-    let wanted = FIRST + frames;
+    let options =
+        ShellOptions { folder: Some(folder), test_commands: true, ..ShellOptions::default() };
+    let wanted = WARM_UP_FRAMES + frames;
     let frames = Vec::with_capacity(wanted);
-    let mut host = Watching { frames, wanted, last: Sums::default(), steps: 0 };
-    shell::run::<128>(&mut host, &options).expect("a session");
-    let (first, rest) = host.frames.split_at(FIRST);
+    let mut platform =
+        ProfilingPlatform { frames, wanted, last: FrameCost::default(), step_nanos: 0 };
+    run_shell::<128>(&mut platform, &options).expect("a session");
+    let (first, rest) = platform.frames.split_at(WARM_UP_FRAMES);
     let taken: u64 = first.iter().map(|frame| frame.allocations).sum();
     let taking = rest.iter().filter(|frame| frame.allocations > 0).count();
     let most = rest.iter().map(|frame| frame.allocations).max().unwrap_or_default();
@@ -141,16 +147,17 @@ fn main() {
         "frames {}; first {taken}; allocating {taking}; most {most}; own {}; worst {}; \
          steps {}; thread {}; calls {}; clock {}",
         rest.len(),
-        median(rest, |frame| frame.own),
-        rest.iter().map(|frame| frame.own).max().unwrap_or_default(),
-        median(rest, |frame| frame.steps),
-        median(rest, |frame| frame.thread),
-        median(rest, |frame| frame.calls),
-        median(rest, |frame| frame.calls) * clock::cost() / 1000,
+        median_of(rest, |frame| frame.own_nanos),
+        rest.iter().map(|frame| frame.own_nanos).max().unwrap_or_default(),
+        median_of(rest, |frame| frame.step_nanos),
+        median_of(rest, |frame| frame.thread_nanos),
+        median_of(rest, |frame| frame.foreign_calls),
+        median_of(rest, |frame| frame.foreign_calls) * clock::clock_nanos_per_thousand_calls()
+            / 1000,
     );
 }
 
-fn median(frames: &[Sums], of: impl Fn(&Sums) -> u64) -> u64 {
+fn median_of(frames: &[FrameCost], of: impl Fn(&FrameCost) -> u64) -> u64 {
     let mut all: Vec<u64> = frames.iter().map(of).collect();
     all.sort_unstable();
     all[all.len() / 2]

@@ -1,40 +1,40 @@
-//! The calls that the layer looks at.
+//! The hooked functions of OpenXR: the order of calls and their arguments are checked, what the shell
+//! requests is logged, and most calls are forwarded.
 
 use std::sync::Mutex;
-use std::sync::atomic::Ordering;
 
 use openxr::sys;
-use sys::{Handle, Result as Status, pfn};
+use sys::{Result as Status, pfn};
 
-use super::{
-    FAIL, SESSION, actions, folder, formats, foveation, inject, next, note, spaces, threads,
-};
+use super::chain::call_next;
+use super::folder::{layer_folder, log_line};
+use super::{actions, events, formats, foveation, spaces, threads};
 
 /// Where a session and its frame stand.
-struct State {
-    told: sys::SessionState,
-    frame: Frame,
+struct FrameLoopState {
+    state: sys::SessionState,
+    frame: FrameStep,
     should_render: bool,
     /// Images that are taken, waited for, and not yet handed over.
     taken: u32,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-enum Frame {
+enum FrameStep {
     None,
     Waited,
     Begun,
 }
 
-static STATE: Mutex<State> = Mutex::new(State {
-    told: sys::SessionState::UNKNOWN,
-    frame: Frame::None,
+static STATE: Mutex<FrameLoopState> = Mutex::new(FrameLoopState {
+    state: sys::SessionState::UNKNOWN,
+    frame: FrameStep::None,
     should_render: false,
     taken: 0,
 });
 
-/// The layer's function of a name.
-pub(crate) fn own(name: &str) -> Option<pfn::VoidFunction> {
+/// Finds the hook of a name.
+pub(crate) fn find_hook(name: &str) -> Option<pfn::VoidFunction> {
     macro_rules! functions {
         ($($name:literal: $ty:ident = $function:path,)*) => {
             match name {
@@ -43,7 +43,7 @@ pub(crate) fn own(name: &str) -> Option<pfn::VoidFunction> {
                     // SAFETY: the shell calls it by the type that goes with the name.
                     Some(unsafe { core::mem::transmute::<pfn::$ty, pfn::VoidFunction>(function) })
                 })*
-                name => threads::own(name),
+                name => threads::find_hook(name),
             }
         };
     }
@@ -56,63 +56,53 @@ pub(crate) fn own(name: &str) -> Option<pfn::VoidFunction> {
         "xrBeginFrame": BeginFrame = begin_frame,
         "xrEndFrame": EndFrame = end_frame,
         "xrCreateSwapchain": CreateSwapchain = create_swapchain,
-        "xrAcquireSwapchainImage": AcquireSwapchainImage = acquire,
-        "xrReleaseSwapchainImage": ReleaseSwapchainImage = release,
-        "xrDestroySwapchain": DestroySwapchain = foveation::destroy,
-        "xrEnumerateSwapchainFormats": EnumerateSwapchainFormats = formats::formats,
-        "xrEnumerateSwapchainImages": EnumerateSwapchainImages = foveation::images,
-        "xrCreateFoveationProfileFB": CreateFoveationProfileFB = foveation::make_profile,
+        "xrAcquireSwapchainImage": AcquireSwapchainImage = acquire_image,
+        "xrReleaseSwapchainImage": ReleaseSwapchainImage = release_image,
+        "xrDestroySwapchain": DestroySwapchain = foveation::destroy_swapchain,
+        "xrEnumerateSwapchainFormats": EnumerateSwapchainFormats = formats::enumerate_swapchain_formats,
+        "xrEnumerateSwapchainImages": EnumerateSwapchainImages = foveation::enumerate_swapchain_images,
+        "xrCreateFoveationProfileFB": CreateFoveationProfileFB = foveation::create_profile,
         "xrDestroyFoveationProfileFB": DestroyFoveationProfileFB = foveation::destroy_profile,
-        "xrUpdateSwapchainFB": UpdateSwapchainFB = foveation::update,
-        "xrGetSwapchainStateFB": GetSwapchainStateFB = foveation::told,
-        "xrEnumerateReferenceSpaces": EnumerateReferenceSpaces = spaces::spaces,
-        "xrCreateReferenceSpace": CreateReferenceSpace = spaces::create_space,
+        "xrUpdateSwapchainFB": UpdateSwapchainFB = foveation::update_swapchain,
+        "xrGetSwapchainStateFB": GetSwapchainStateFB = foveation::get_swapchain_state,
+        "xrEnumerateReferenceSpaces": EnumerateReferenceSpaces = spaces::enumerate_reference_spaces,
+        "xrCreateReferenceSpace": CreateReferenceSpace = spaces::create_reference_space,
         "xrCreateAction": CreateAction = actions::create_action,
-        "xrSuggestInteractionProfileBindings": SuggestInteractionProfileBindings = actions::suggest,
-        "xrApplyHapticFeedback": ApplyHapticFeedback = haptic,
-        "xrPerfSettingsSetPerformanceLevelEXT": PerfSettingsSetPerformanceLevelEXT = level,
-        "xrEnumerateDisplayRefreshRatesFB": EnumerateDisplayRefreshRatesFB = rates,
-        "xrRequestDisplayRefreshRateFB": RequestDisplayRefreshRateFB = rate,
+        "xrSuggestInteractionProfileBindings": SuggestInteractionProfileBindings = actions::suggest_bindings,
+        "xrApplyHapticFeedback": ApplyHapticFeedback = apply_haptic_feedback,
+        "xrPerfSettingsSetPerformanceLevelEXT": PerfSettingsSetPerformanceLevelEXT = set_performance_level,
+        "xrEnumerateDisplayRefreshRatesFB": EnumerateDisplayRefreshRatesFB = enumerate_refresh_rates,
+        "xrRequestDisplayRefreshRateFB": RequestDisplayRefreshRateFB = request_refresh_rate,
     }
 }
 
-/// Looks at the state; what is not as it must be is noted.
-fn check(what: &str, look: impl FnOnce(&mut State) -> bool) {
+/// Updates and checks the state; logs a violation where it is not as it must be.
+fn check(what: &str, look: impl FnOnce(&mut FrameLoopState) -> bool) {
     let mut state = STATE.lock().expect("no check panics");
     if !look(&mut state) {
-        let State { told, frame, should_render, taken } = &*state;
+        let FrameLoopState { state: told, frame, should_render, taken } = &*state;
         let now = format!("{told:?}, {frame:?}, to draw {should_render}, images taken {taken}");
-        note(&format!("violation: {what} at {now}"));
+        log_line(&format!("violation: {what} at {now}"));
     }
 }
-
-/// Hands a call on, as it came.
-macro_rules! on {
-    ($name:literal: $ty:ident, $($argument:expr),*) => {{
-        // SAFETY: the type is the function's.
-        let function: pfn::$ty = unsafe { next($name) };
-        // SAFETY: handed on as it came.
-        unsafe { function($($argument),*) }
-    }};
-}
-pub(crate) use on;
 
 unsafe extern "system" fn create_session(
     instance: sys::Instance,
     info: *const sys::SessionCreateInfo,
     session: *mut sys::Session,
 ) -> Status {
-    let made = on!(c"xrCreateSession": CreateSession, instance, info, session);
+    let made = call_next!(c"xrCreateSession": CreateSession, instance, info, session);
     if made == Status::SUCCESS {
         // SAFETY: the call has succeeded.
-        SESSION.store(unsafe { (*session).into_raw() }, Ordering::SeqCst);
+        events::set_session(unsafe { *session });
         check("a session", |state| {
-            (state.told, state.frame, state.taken) = (sys::SessionState::UNKNOWN, Frame::None, 0);
+            (state.state, state.frame, state.taken) =
+                (sys::SessionState::UNKNOWN, FrameStep::None, 0);
             true
         });
         // SAFETY: the shell's structure is valid during the call.
-        unsafe { foveation::bound(info) };
-        note("session");
+        unsafe { foveation::remember_device(info) };
+        log_line("session");
     }
     made
 }
@@ -121,15 +111,15 @@ unsafe extern "system" fn begin_session(
     session: sys::Session,
     info: *const sys::SessionBeginInfo,
 ) -> Status {
-    check("xrBeginSession", |state| state.told == sys::SessionState::READY);
-    on!(c"xrBeginSession": BeginSession, session, info)
+    check("xrBeginSession", |state| state.state == sys::SessionState::READY);
+    call_next!(c"xrBeginSession": BeginSession, session, info)
 }
 
 unsafe extern "system" fn end_session(session: sys::Session) -> Status {
     check("xrEndSession", |state| {
-        state.told == sys::SessionState::STOPPING && state.frame == Frame::None
+        state.state == sys::SessionState::STOPPING && state.frame == FrameStep::None
     });
-    on!(c"xrEndSession": EndSession, session)
+    call_next!(c"xrEndSession": EndSession, session)
 }
 
 unsafe extern "system" fn poll_event(
@@ -137,17 +127,17 @@ unsafe extern "system" fn poll_event(
     event: *mut sys::EventDataBuffer,
 ) -> Status {
     // SAFETY: the shell has room for an event.
-    if unsafe { inject(event) } {
+    if unsafe { events::write_injected_event(event) } {
         return Status::SUCCESS;
     }
-    let told = on!(c"xrPollEvent": PollEvent, instance, event);
+    let told = call_next!(c"xrPollEvent": PollEvent, instance, event);
     // SAFETY: the call has succeeded, and its first word says which event it is.
     if told == Status::SUCCESS && unsafe { (*event).ty } == sys::EventDataSessionStateChanged::TYPE
     {
         // SAFETY: it is of this type.
         let state = unsafe { (*event.cast::<sys::EventDataSessionStateChanged>()).state };
         check("an event", |now| {
-            now.told = state;
+            now.state = state;
             true
         });
     }
@@ -159,15 +149,15 @@ unsafe extern "system" fn wait_frame(
     info: *const sys::FrameWaitInfo,
     frame: *mut sys::FrameState,
 ) -> Status {
-    if FAIL.swap(false, Ordering::SeqCst) {
+    if events::take_wait_failure() {
         return Status::ERROR_SESSION_LOST;
     }
-    let done = on!(c"xrWaitFrame": WaitFrame, session, info, frame);
+    let done = call_next!(c"xrWaitFrame": WaitFrame, session, info, frame);
     // SAFETY: the shell has room for a frame's state.
     let should_render = bool::from(unsafe { (*frame).should_render });
     check("xrWaitFrame", |state| {
-        let fits = state.frame == Frame::None;
-        (state.frame, state.should_render) = (Frame::Waited, should_render);
+        let fits = state.frame == FrameStep::None;
+        (state.frame, state.should_render) = (FrameStep::Waited, should_render);
         fits
     });
     done
@@ -178,9 +168,9 @@ unsafe extern "system" fn begin_frame(
     info: *const sys::FrameBeginInfo,
 ) -> Status {
     check("xrBeginFrame", |state| {
-        core::mem::replace(&mut state.frame, Frame::Begun) == Frame::Waited
+        core::mem::replace(&mut state.frame, FrameStep::Begun) == FrameStep::Waited
     });
-    on!(c"xrBeginFrame": BeginFrame, session, info)
+    call_next!(c"xrBeginFrame": BeginFrame, session, info)
 }
 
 unsafe extern "system" fn end_frame(
@@ -190,8 +180,8 @@ unsafe extern "system" fn end_frame(
     // SAFETY: the shell's structure is valid during the call.
     let count = unsafe { (*info).layer_count };
     check("xrEndFrame", |state| {
-        let fits = state.frame == Frame::Begun && state.taken == 0;
-        state.frame = Frame::None;
+        let fits = state.frame == FrameStep::Begun && state.taken == 0;
+        state.frame = FrameStep::None;
         fits && count == u32::from(state.should_render)
     });
     if count == 1 {
@@ -218,12 +208,12 @@ unsafe extern "system" fn end_frame(
                             && depth.near_z > depth.far_z
                             && depth.sub_image.swapchain != image.swapchain
                     });
-                    note("depth");
+                    log_line("depth");
                 }
             }
         }
     }
-    on!(c"xrEndFrame": EndFrame, session, info)
+    call_next!(c"xrEndFrame": EndFrame, session, info)
 }
 
 unsafe extern "system" fn create_swapchain(
@@ -235,22 +225,22 @@ unsafe extern "system" fn create_swapchain(
     let (layers, samples) = unsafe { ((*info).array_size, (*info).sample_count) };
     check("xrCreateSwapchain", |_| layers == 2 && samples == 1);
     // SAFETY: handed on as it came.
-    unsafe { foveation::make(session, info, swapchain) }
+    unsafe { foveation::create_swapchain(session, info, swapchain) }
 }
 
-unsafe extern "system" fn acquire(
+unsafe extern "system" fn acquire_image(
     swapchain: sys::Swapchain,
     info: *const sys::SwapchainImageAcquireInfo,
     index: *mut u32,
 ) -> Status {
     check("xrAcquireSwapchainImage", |state| {
         state.taken += 1;
-        state.frame == Frame::Begun && state.should_render
+        state.frame == FrameStep::Begun && state.should_render
     });
-    on!(c"xrAcquireSwapchainImage": AcquireSwapchainImage, swapchain, info, index)
+    call_next!(c"xrAcquireSwapchainImage": AcquireSwapchainImage, swapchain, info, index)
 }
 
-unsafe extern "system" fn release(
+unsafe extern "system" fn release_image(
     swapchain: sys::Swapchain,
     info: *const sys::SwapchainImageReleaseInfo,
 ) -> Status {
@@ -259,10 +249,10 @@ unsafe extern "system" fn release(
         state.taken = state.taken.saturating_sub(1);
         fits
     });
-    on!(c"xrReleaseSwapchainImage": ReleaseSwapchainImage, swapchain, info)
+    call_next!(c"xrReleaseSwapchainImage": ReleaseSwapchainImage, swapchain, info)
 }
 
-unsafe extern "system" fn haptic(
+unsafe extern "system" fn apply_haptic_feedback(
     session: sys::Session,
     action: *const sys::HapticActionInfo,
     feedback: *const sys::HapticBaseHeader,
@@ -272,28 +262,31 @@ unsafe extern "system" fn haptic(
         check("a pulse", |_| (*feedback).ty == sys::HapticVibration::TYPE);
         let pulse = &*feedback.cast::<sys::HapticVibration>();
         let (hand, nanos) = ((*action).subaction_path.into_raw(), pulse.duration.as_nanos());
-        let frame = STATE.lock().map_or(Frame::None, |state| state.frame);
-        note(&format!("pulse hand {hand} amplitude {} nanos {nanos} {frame:?}", pulse.amplitude));
+        let frame = STATE.lock().map_or(FrameStep::None, |state| state.frame);
+        log_line(&format!(
+            "pulse hand {hand} amplitude {} nanos {nanos} {frame:?}",
+            pulse.amplitude
+        ));
     }
-    on!(c"xrApplyHapticFeedback": ApplyHapticFeedback, session, action, feedback)
+    call_next!(c"xrApplyHapticFeedback": ApplyHapticFeedback, session, action, feedback)
 }
 
-unsafe extern "system" fn level(
+unsafe extern "system" fn set_performance_level(
     _: sys::Session,
     domain: sys::PerfSettingsDomainEXT,
     level: sys::PerfSettingsLevelEXT,
 ) -> Status {
-    note(&format!("level {domain:?} {level:?}"));
+    log_line(&format!("level {domain:?} {level:?}"));
     Status::SUCCESS
 }
 
-unsafe extern "system" fn rates(
+unsafe extern "system" fn enumerate_refresh_rates(
     _: sys::Session,
     capacity: u32,
     count: *mut u32,
     rates: *mut f32,
 ) -> Status {
-    let offered = if folder().join("no-rates").exists() { &[] } else { &RATES[..] };
+    let offered = if layer_folder().join("no-rates").exists() { &[] } else { &RATES[..] };
     // SAFETY: there is room for a count, and for as many rates as the shell says.
     unsafe {
         *count = offered.len() as u32;
@@ -306,7 +299,7 @@ unsafe extern "system" fn rates(
 
 const RATES: [f32; 3] = [60.0, 72.0, 90.0];
 
-unsafe extern "system" fn rate(_: sys::Session, rate: f32) -> Status {
-    note(&format!("rate {rate}"));
+unsafe extern "system" fn request_refresh_rate(_: sys::Session, rate: f32) -> Status {
+    log_line(&format!("rate {rate}"));
     Status::SUCCESS
 }

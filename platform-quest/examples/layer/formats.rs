@@ -1,26 +1,25 @@
-//! What formats pictures may have: of depth none, where a file `no-depth` stands in the layer's
-//! folder.
+//! Swapchain formats: without the depth formats where a file `no-depth` stands in the layer's folder.
 
 use ash::vk;
 use openxr::sys;
 use sys::{Result as Status, pfn};
 
-use super::checks::on;
-use super::{folder, next};
+use super::chain::call_next;
+use super::folder::layer_folder;
 
 const DEPTHS: [vk::Format; 3] =
     [vk::Format::D32_SFLOAT, vk::Format::X8_D24_UNORM_PACK32, vk::Format::D16_UNORM];
 
-pub(crate) unsafe extern "system" fn formats(
+pub(crate) unsafe extern "system" fn enumerate_swapchain_formats(
     session: sys::Session,
     capacity: u32,
     count: *mut u32,
     to: *mut i64,
 ) -> Status {
-    let done = on!(
+    let done = call_next!(
         c"xrEnumerateSwapchainFormats": EnumerateSwapchainFormats, session, capacity, count, to
     );
-    if done == Status::SUCCESS && capacity > 0 && folder().join("no-depth").exists() {
+    if done == Status::SUCCESS && capacity > 0 && layer_folder().join("no-depth").exists() {
         // SAFETY: the call has succeeded, and so many formats stand there.
         let all = unsafe { core::slice::from_raw_parts_mut(to, *count as usize) };
         let is_color =

@@ -1,5 +1,5 @@
-//! Foveation, which Monado has not: profiles, the levels that swapchains are set to, and the density
-//! maps that come with their images.
+//! Foveation, which Monado lacks: foveation profiles, the levels of swapchains, and the density maps of
+//! their images.
 
 use std::collections::HashMap;
 use std::sync::{LazyLock, Mutex, MutexGuard};
@@ -8,57 +8,57 @@ use ash::vk::{self, Handle as _};
 use openxr::sys;
 use sys::{Handle, Result as Status, pfn};
 
-use super::next;
+use super::chain::call_next;
+use super::folder::log_line;
+use super::maps;
 
-use super::checks::on;
-use super::{maps, note};
-
-/// What there is.
+/// What the shell has made.
 #[derive(Default)]
-struct State {
+struct FoveationState {
     /// Made, and not yet destroyed: their levels.
     profiles: HashMap<u64, sys::FoveationLevelFB>,
     made: u64,
     /// Swapchains that were made with density maps.
-    chains: HashMap<u64, Chain>,
+    chains: HashMap<u64, MappedSwapchain>,
 }
 
-struct Chain {
+struct MappedSwapchain {
     extent: [u32; 2],
     maps: Vec<(vk::Image, vk::DeviceMemory)>,
 }
 
-static STATE: LazyLock<Mutex<State>> = LazyLock::new(Mutex::default);
+static STATE: LazyLock<Mutex<FoveationState>> = LazyLock::new(Mutex::default);
 
-fn state() -> MutexGuard<'static, State> {
+fn lock_state() -> MutexGuard<'static, FoveationState> {
     STATE.lock().expect("no holder panics")
 }
 
 fn check(what: &str, fits: bool) {
     if !fits {
-        note(&format!("violation: {what}"));
+        log_line(&format!("violation: {what}"));
     }
 }
 
-/// Takes note of a session's device.
+/// Remembers a session's device.
 ///
 /// # Safety
 /// The structure is valid.
-pub(crate) unsafe fn bound(info: *const sys::SessionCreateInfo) {
+pub(crate) unsafe fn remember_device(info: *const sys::SessionCreateInfo) {
     // SAFETY: the caller's; what it points to says of which type it is.
     unsafe {
         let binding = (*info).next.cast::<sys::GraphicsBindingVulkanKHR>();
         if (*binding).ty == sys::GraphicsBindingVulkanKHR::TYPE {
-            maps::bound(&*binding);
+            maps::remember_device(&*binding);
         }
     }
 }
 
-/// Has the runtime make a swapchain without what it doesn't know of, and takes note of it.
+/// Has the runtime create a swapchain without the foveation structure that it doesn't know, and remembers
+/// the swapchain.
 ///
 /// # Safety
 /// The shell's structures are valid.
-pub(crate) unsafe fn make(
+pub(crate) unsafe fn create_swapchain(
     session: sys::Session,
     info: *const sys::SwapchainCreateInfo,
     to: *mut sys::Swapchain,
@@ -76,38 +76,38 @@ pub(crate) unsafe fn make(
         true
     });
     let plain = sys::SwapchainCreateInfo { next: core::ptr::null_mut(), ..info };
-    let made = on!(c"xrCreateSwapchain": CreateSwapchain, session, &raw const plain, to);
+    let made = call_next!(c"xrCreateSwapchain": CreateSwapchain, session, &raw const plain, to);
     if made == Status::SUCCESS {
         // SAFETY: the call has succeeded.
-        let (handle, mut state) = (unsafe { (*to).into_raw() }, state());
+        let (handle, mut state) = (unsafe { (*to).into_raw() }, lock_state());
         if mapped {
-            let chain = Chain { extent: [info.width, info.height], maps: Vec::new() };
+            let chain = MappedSwapchain { extent: [info.width, info.height], maps: Vec::new() };
             state.chains.insert(handle, chain);
-            note("mapped swapchain");
+            log_line("mapped swapchain");
         }
     }
     made
 }
 
-pub(crate) unsafe extern "system" fn destroy(swapchain: sys::Swapchain) -> Status {
+pub(crate) unsafe extern "system" fn destroy_swapchain(swapchain: sys::Swapchain) -> Status {
     let handle = swapchain.into_raw();
-    let chain = state().chains.remove(&handle);
-    let done = on!(c"xrDestroySwapchain": DestroySwapchain, swapchain);
-    chain.into_iter().flat_map(|chain| chain.maps).for_each(maps::unmake);
+    let chain = lock_state().chains.remove(&handle);
+    let done = call_next!(c"xrDestroySwapchain": DestroySwapchain, swapchain);
+    chain.into_iter().flat_map(|chain| chain.maps).for_each(maps::destroy_map);
     done
 }
 
-pub(crate) unsafe extern "system" fn images(
+pub(crate) unsafe extern "system" fn enumerate_swapchain_images(
     swapchain: sys::Swapchain,
     capacity: u32,
     count: *mut u32,
     to: *mut sys::SwapchainImageBaseHeader,
 ) -> Status {
-    let done = on!(c"xrEnumerateSwapchainImages": EnumerateSwapchainImages, swapchain, capacity, count, to);
+    let done = call_next!(c"xrEnumerateSwapchainImages": EnumerateSwapchainImages, swapchain, capacity, count, to);
     if done != Status::SUCCESS || capacity == 0 {
         return done;
     }
-    let mut state = state();
+    let mut state = lock_state();
     let chain = state.chains.get_mut(&swapchain.into_raw());
     // SAFETY: the call has succeeded, and so many images stand there.
     let listed = unsafe {
@@ -127,7 +127,7 @@ pub(crate) unsafe extern "system" fn images(
         };
         let ty = sys::SwapchainImageFoveationVulkanFB::TYPE;
         check("an image's chain", map.ty == ty && map.next.is_null());
-        let made = maps::make(chain.extent);
+        let made = maps::create_map(chain.extent);
         chain.maps.push(made);
         map.image = made.0.as_raw();
         [map.width, map.height] = chain.extent.map(|pixels| pixels.div_ceil(maps::TEXEL));
@@ -135,7 +135,7 @@ pub(crate) unsafe extern "system" fn images(
     done
 }
 
-pub(crate) unsafe extern "system" fn make_profile(
+pub(crate) unsafe extern "system" fn create_profile(
     _: sys::Session,
     info: *const sys::FoveationProfileCreateInfoFB,
     to: *mut sys::FoveationProfileFB,
@@ -153,7 +153,7 @@ pub(crate) unsafe extern "system" fn make_profile(
             && level.dynamic == sys::FoveationDynamicFB::DISABLED
             && level.vertical_offset == 0.0
     });
-    let mut state = state();
+    let mut state = lock_state();
     state.made += 1;
     let handle = state.made;
     state.profiles.insert(handle, level.level);
@@ -163,18 +163,18 @@ pub(crate) unsafe extern "system" fn make_profile(
 }
 
 pub(crate) unsafe extern "system" fn destroy_profile(profile: sys::FoveationProfileFB) -> Status {
-    let gone = state().profiles.remove(&profile.into_raw());
+    let gone = lock_state().profiles.remove(&profile.into_raw());
     check("a profile's end", gone.is_some());
     Status::SUCCESS
 }
 
-pub(crate) unsafe extern "system" fn update(
+pub(crate) unsafe extern "system" fn update_swapchain(
     swapchain: sys::Swapchain,
     to: *const sys::SwapchainStateBaseHeaderFB,
 ) -> Status {
     // SAFETY: the shell's structure is valid during the call, and says of which type it is.
     let to = unsafe { *to.cast::<sys::SwapchainStateFoveationFB>() };
-    let state = state();
+    let state = lock_state();
     check("an update", {
         to.ty == sys::SwapchainStateFoveationFB::TYPE
             && to.next.is_null()
@@ -186,7 +186,7 @@ pub(crate) unsafe extern "system" fn update(
         chain.is_some_and(|chain| !chain.maps.is_empty()),
     );
     match state.profiles.get(&to.profile.into_raw()) {
-        Some(level) => note(&format!("foveation {level:?}")),
+        Some(level) => log_line(&format!("foveation {level:?}")),
         None => check("an update's profile", false),
     }
     check("profiles are not piled up", state.profiles.len() == 1);
@@ -194,10 +194,10 @@ pub(crate) unsafe extern "system" fn update(
 }
 
 /// Nobody asks.
-pub(crate) unsafe extern "system" fn told(
+pub(crate) unsafe extern "system" fn get_swapchain_state(
     _: sys::Swapchain,
     _: *mut sys::SwapchainStateBaseHeaderFB,
 ) -> Status {
-    note("violation: a swapchain's state is asked for");
+    log_line("violation: a swapchain's state is asked for");
     Status::ERROR_FUNCTION_UNSUPPORTED
 }

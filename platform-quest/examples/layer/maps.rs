@@ -1,5 +1,5 @@
-//! Density maps that the layer hands out as a runtime would: images of the shell's own device, a
-//! layer for each eye, in the layout that they are read in, dense everywhere.
+//! Fragment density maps, as a runtime would provide them: images on the shell's device, an array layer
+//! for each eye, of full density everywhere.
 
 use std::sync::Mutex;
 
@@ -10,7 +10,7 @@ use openxr::sys;
 pub(crate) const TEXEL: u32 = 32;
 
 /// The shell's device.
-struct Device {
+struct SessionDevice {
     instance: ash::Instance,
     physical: vk::PhysicalDevice,
     raw: ash::Device,
@@ -18,13 +18,13 @@ struct Device {
     queue: u32,
 }
 
-static DEVICE: Mutex<Option<Device>> = Mutex::new(None);
+static DEVICE: Mutex<Option<SessionDevice>> = Mutex::new(None);
 
-/// Takes note of the device of a session.
+/// Remembers the device of a session.
 ///
 /// # Safety
 /// The binding is valid, and its device is alive until the session's end.
-pub(crate) unsafe fn bound(binding: &sys::GraphicsBindingVulkanKHR) {
+pub(crate) unsafe fn remember_device(binding: &sys::GraphicsBindingVulkanKHR) {
     let instance = vk::Instance::from_raw(binding.instance as u64);
     let device = vk::Device::from_raw(binding.device as u64);
     // SAFETY: the loader is the one that the shell has open, and the handles are its own.
@@ -36,13 +36,13 @@ pub(crate) unsafe fn bound(binding: &sys::GraphicsBindingVulkanKHR) {
         let (family, queue) = (binding.queue_family_index, binding.queue_index);
         // It stays open: the functions are its.
         core::mem::forget(entry);
-        Device { instance, physical, raw, family, queue }
+        SessionDevice { instance, physical, raw, family, queue }
     };
     *DEVICE.lock().expect("no holder panics") = Some(device);
 }
 
 /// A density map for pictures of an extent, and its memory.
-pub(crate) fn make(extent: [u32; 2]) -> (vk::Image, vk::DeviceMemory) {
+pub(crate) fn create_map(extent: [u32; 2]) -> (vk::Image, vk::DeviceMemory) {
     let device = DEVICE.lock().expect("no holder panics");
     let device = device.as_ref().expect("there is a session");
     let [width, height] = extent.map(|pixels| pixels.div_ceil(TEXEL));
@@ -70,13 +70,13 @@ pub(crate) fn make(extent: [u32; 2]) -> (vk::Image, vk::DeviceMemory) {
             vk::MemoryAllocateInfo::default().allocation_size(needs.size).memory_type_index(kind);
         let memory = device.raw.allocate_memory(&info, None).expect("memory");
         device.raw.bind_image_memory(image, memory, 0).expect("bound");
-        fill(device, image);
+        fill_dense(device, image);
         (image, memory)
     }
 }
 
 /// Unmakes one, once nothing is under way.
-pub(crate) fn unmake((image, memory): (vk::Image, vk::DeviceMemory)) {
+pub(crate) fn destroy_map((image, memory): (vk::Image, vk::DeviceMemory)) {
     let device = DEVICE.lock().expect("no holder panics");
     let device = device.as_ref().expect("there was a session");
     // SAFETY: the session's device outlives its swapchains.
@@ -86,11 +86,11 @@ pub(crate) fn unmake((image, memory): (vk::Image, vk::DeviceMemory)) {
     }
 }
 
-/// Has all of it dense, and in the layout that it is read in.
+/// Fills a density map with full density, and leaves it in the layout that it is read in.
 ///
 /// # Safety
 /// The image was just made on the device.
-unsafe fn fill(device: &Device, image: vk::Image) {
+unsafe fn fill_dense(device: &SessionDevice, image: vk::Image) {
     let raw = &device.raw;
     let all = vk::ImageSubresourceRange {
         aspect_mask: vk::ImageAspectFlags::COLOR,

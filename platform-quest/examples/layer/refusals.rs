@@ -1,5 +1,5 @@
-//! What a runtime may refuse, it refuses: the functions that a file `refuse` in the layer's folder
-//! names, at every call for as long as it does.
+//! Refusals: calls of the functions that a file `refuse` in the layer's folder names fail, as a runtime
+//! may have them fail.
 
 use std::ffi::CString;
 use std::fs;
@@ -7,13 +7,15 @@ use std::fs;
 use openxr::sys;
 use sys::{Result as Status, pfn};
 
-use super::{checks, folder, next, note};
+use super::chain::next_function;
+use super::checks;
+use super::folder::{layer_folder, log_line};
 
 /// Functions with what they answer where they refuse.
 macro_rules! refusals {
     ($($name:literal: $ty:ident = $function:ident($($argument:ident: $type:ty),*), $status:ident;)*) => {
-        /// The layer's function of a name.
-        pub(crate) fn own(name: &str) -> Option<pfn::VoidFunction> {
+        /// Finds the hook of a name.
+        pub(crate) fn find_hook(name: &str) -> Option<pfn::VoidFunction> {
             match name {
                 $($name => {
                     let function: pfn::$ty = $function;
@@ -29,7 +31,7 @@ macro_rules! refusals {
                 return Status::$status;
             }
             // SAFETY: the type is the function's.
-            let function: pfn::$ty = unsafe { behind($name) };
+            let function: pfn::$ty = unsafe { function_behind($name) };
             // SAFETY: handed on as it came.
             unsafe { function($($argument),*) }
         })*
@@ -51,7 +53,7 @@ refusals! {
         session: sys::Session,
         info: *const sys::FrameEndInfo
     ), ERROR_LAYER_INVALID;
-    "xrSuggestInteractionProfileBindings": SuggestInteractionProfileBindings = suggest(
+    "xrSuggestInteractionProfileBindings": SuggestInteractionProfileBindings = suggest_bindings(
         instance: sys::Instance,
         info: *const sys::InteractionProfileSuggestedBinding
     ), ERROR_PATH_UNSUPPORTED;
@@ -67,26 +69,26 @@ refusals! {
 }
 
 fn is_refused(name: &str) -> bool {
-    let refused = fs::read_to_string(folder().join("refuse")).unwrap_or_default();
+    let refused = fs::read_to_string(layer_folder().join("refuse")).unwrap_or_default();
     let refused = refused.split_whitespace().any(|refused| refused == name);
     if refused {
-        note(&format!("refused {name}"));
+        log_line(&format!("refused {name}"));
     }
     refused
 }
 
-/// The function that comes next, be it the layer's own.
+/// The function that comes after the refusal: the layer's own hook, or the runtime's.
 ///
 /// # Safety
 /// `F` is the type of the function of this name.
-unsafe fn behind<F: Copy>(name: &str) -> F {
-    match checks::own(name) {
+unsafe fn function_behind<F: Copy>(name: &str) -> F {
+    match checks::find_hook(name) {
         // SAFETY: the caller's, and all functions are pointers of one size.
-        Some(own) => unsafe { core::mem::transmute_copy::<pfn::VoidFunction, F>(&own) },
+        Some(hook) => unsafe { core::mem::transmute_copy::<pfn::VoidFunction, F>(&hook) },
         None => {
             let name = CString::new(name).expect("a name");
             // SAFETY: the caller's.
-            unsafe { next(&name) }
+            unsafe { next_function(&name) }
         }
     }
 }

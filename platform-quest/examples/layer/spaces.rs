@@ -1,27 +1,26 @@
-//! What spaces there are: without the floor under the visitor where a file `no-floor` stands in the
-//! layer's folder, and without the stage's where `no-stage` does.
+//! Reference spaces: without LOCAL_FLOOR where a file `no-floor` stands in the layer's folder, and
+//! without STAGE where `no-stage` does.
 
 use openxr::sys;
 use sys::{ReferenceSpaceType, Result as Status, pfn};
 
-use super::checks::on;
-use super::{folder, next, note};
+use super::chain::call_next;
+use super::folder::{layer_folder, log_line};
 
 const HIDDEN: [(&str, ReferenceSpaceType); 2] =
     [("no-floor", ReferenceSpaceType::LOCAL_FLOOR), ("no-stage", ReferenceSpaceType::STAGE)];
 
 fn is_hidden(kind: ReferenceSpaceType) -> bool {
-    HIDDEN.iter().any(|(file, hidden)| *hidden == kind && folder().join(file).exists())
+    HIDDEN.iter().any(|(file, hidden)| *hidden == kind && layer_folder().join(file).exists())
 }
 
-pub(crate) unsafe extern "system" fn spaces(
+pub(crate) unsafe extern "system" fn enumerate_reference_spaces(
     session: sys::Session,
     capacity: u32,
     count: *mut u32,
     to: *mut ReferenceSpaceType,
 ) -> Status {
-    let done =
-        on!(c"xrEnumerateReferenceSpaces": EnumerateReferenceSpaces, session, capacity, count, to);
+    let done = call_next!(c"xrEnumerateReferenceSpaces": EnumerateReferenceSpaces, session, capacity, count, to);
     if done == Status::SUCCESS && capacity > 0 {
         // SAFETY: the call has succeeded, and so many kinds stand there.
         let all = unsafe { core::slice::from_raw_parts_mut(to, *count as usize) };
@@ -33,8 +32,8 @@ pub(crate) unsafe extern "system" fn spaces(
     done
 }
 
-/// Notes `space KIND HEIGHT`; one that is hidden can't be made.
-pub(crate) unsafe extern "system" fn create_space(
+/// Logs `space KIND HEIGHT`; one that is hidden can't be made.
+pub(crate) unsafe extern "system" fn create_reference_space(
     session: sys::Session,
     info: *const sys::ReferenceSpaceCreateInfo,
     space: *mut sys::Space,
@@ -42,9 +41,9 @@ pub(crate) unsafe extern "system" fn create_space(
     // SAFETY: the shell's structure is valid during the call.
     let (kind, pose) = unsafe { ((*info).reference_space_type, (*info).pose_in_reference_space) };
     // No height is 0, not -0.
-    note(&format!("space {kind:?} {}", pose.position.y + 0.0));
+    log_line(&format!("space {kind:?} {}", pose.position.y + 0.0));
     if is_hidden(kind) {
         return Status::ERROR_REFERENCE_SPACE_UNSUPPORTED;
     }
-    on!(c"xrCreateReferenceSpace": CreateReferenceSpace, session, info, space)
+    call_next!(c"xrCreateReferenceSpace": CreateReferenceSpace, session, info, space)
 }

@@ -1,29 +1,28 @@
-//! A layer of Vulkan, not of OpenXR, in the same library: lavapipe has no
-//! `VK_EXT_fragment_density_map`, and this has it said that it has. The extension is taken out of
-//! what the device is made by; lavapipe then draws every part of a picture alike. Validation, which
-//! stands between the shell and this, sees all that the shell does with its maps. Where a file
-//! `one-view` stands in the layer's folder, it takes the device's multiview away, too.
+//! A Vulkan layer in the same library as the OpenXR layer: it reports `VK_EXT_fragment_density_map`,
+//! which lavapipe lacks. It removes the extension again when the device is created; lavapipe then shades
+//! the whole image at full density. The validation layer stands above this one and checks every use of
+//! the density maps. If the layer's folder has a file `one-view`, the device reports no multiview.
 
 use std::ffi::{CStr, c_char, c_void};
 use std::sync::Mutex;
 
 use ash::vk;
 
-/// What comes after the layer: how its functions are found.
+/// The next layer of the chain, or the driver: its functions for finding functions.
 #[derive(Clone, Copy)]
-struct Next {
+struct NextVulkanLayer {
     instance: vk::PFN_vkGetInstanceProcAddr,
     made: vk::Instance,
     device: Option<vk::PFN_vkGetDeviceProcAddr>,
 }
 
-static NEXT: Mutex<Option<Next>> = Mutex::new(None);
+static NEXT: Mutex<Option<NextVulkanLayer>> = Mutex::new(None);
 
 const NAME: &CStr = ash::ext::fragment_density_map::NAME;
 
 /// `VkNegotiateLayerInterface`.
 #[repr(C)]
-pub(crate) struct Negotiation {
+pub(crate) struct LayerNegotiation {
     ty: i32,
     next: *mut c_void,
     version: u32,
@@ -34,7 +33,7 @@ pub(crate) struct Negotiation {
 
 /// `VkLayerInstanceCreateInfo` and `VkLayerDeviceCreateInfo`, which differ in their links.
 #[repr(C)]
-struct Chained<L> {
+struct ChainedCreateInfo<L> {
     ty: vk::StructureType,
     next: *const c_void,
     /// 0 where `link` is one.
@@ -42,34 +41,34 @@ struct Chained<L> {
     link: *mut L,
 }
 
-/// `VkLayerInstanceLink` and `VkLayerDeviceLink`: for a device, the last is how its functions are
-/// found, and for an instance what nobody needs here.
+/// `VkLayerInstanceLink` and `VkLayerDeviceLink`. The last field is a device's `vkGetDeviceProcAddr`; an
+/// instance's isn't used here.
 #[repr(C)]
-struct Link {
-    next: *mut Link,
+struct LayerLink {
+    next: *mut LayerLink,
     instance: vk::PFN_vkGetInstanceProcAddr,
     device: Option<vk::PFN_vkGetDeviceProcAddr>,
 }
 
-/// The loader's first question.
+/// Negotiates the interface version between loader and layer: 2 at most.
 ///
 /// # Safety
 /// The loader's.
 #[unsafe(no_mangle)]
 pub(crate) unsafe extern "system" fn vkNegotiateLoaderLayerInterfaceVersion(
-    request: *mut Negotiation,
+    request: *mut LayerNegotiation,
 ) -> vk::Result {
     // SAFETY: the loader's request is valid during the call.
     let request = unsafe { &mut *request };
     request.version = request.version.min(2);
-    request.instance = Some(of_instance);
-    request.device = Some(of_device);
+    request.instance = Some(get_instance_proc_addr);
+    request.device = Some(get_device_proc_addr);
     request.physical = None;
     vk::Result::SUCCESS
 }
 
-/// The layer's function of a name.
-fn own(name: &CStr) -> vk::PFN_vkVoidFunction {
+/// Finds the hook of a name; none where the layer leaves the function alone.
+fn find_hook(name: &CStr) -> vk::PFN_vkVoidFunction {
     macro_rules! functions {
         ($($name:literal: $ty:ident = $function:ident,)*) => {
             match name.to_str() {
@@ -83,32 +82,32 @@ fn own(name: &CStr) -> vk::PFN_vkVoidFunction {
         };
     }
     functions! {
-        "vkGetInstanceProcAddr": PFN_vkGetInstanceProcAddr = of_instance,
-        "vkGetDeviceProcAddr": PFN_vkGetDeviceProcAddr = of_device,
+        "vkGetInstanceProcAddr": PFN_vkGetInstanceProcAddr = get_instance_proc_addr,
+        "vkGetDeviceProcAddr": PFN_vkGetDeviceProcAddr = get_device_proc_addr,
         "vkCreateInstance": PFN_vkCreateInstance = create_instance,
         "vkCreateDevice": PFN_vkCreateDevice = create_device,
-        "vkEnumerateDeviceExtensionProperties": PFN_vkEnumerateDeviceExtensionProperties = extensions,
-        "vkGetPhysicalDeviceFeatures2": PFN_vkGetPhysicalDeviceFeatures2 = features,
+        "vkEnumerateDeviceExtensionProperties": PFN_vkEnumerateDeviceExtensionProperties = enumerate_device_extensions,
+        "vkGetPhysicalDeviceFeatures2": PFN_vkGetPhysicalDeviceFeatures2 = get_features,
         // The loader calls these where the extension is enabled, too.
-        "vkGetPhysicalDeviceFeatures2KHR": PFN_vkGetPhysicalDeviceFeatures2 = features,
-        "vkGetPhysicalDeviceProperties2KHR": PFN_vkGetPhysicalDeviceProperties2 = properties,
-        "vkGetPhysicalDeviceProperties2": PFN_vkGetPhysicalDeviceProperties2 = properties,
+        "vkGetPhysicalDeviceFeatures2KHR": PFN_vkGetPhysicalDeviceFeatures2 = get_features,
+        "vkGetPhysicalDeviceProperties2KHR": PFN_vkGetPhysicalDeviceProperties2 = get_properties,
+        "vkGetPhysicalDeviceProperties2": PFN_vkGetPhysicalDeviceProperties2 = get_properties,
     }
 }
 
-unsafe extern "system" fn of_instance(
+unsafe extern "system" fn get_instance_proc_addr(
     instance: vk::Instance,
     name: *const c_char,
 ) -> vk::PFN_vkVoidFunction {
     // SAFETY: the name is a C string.
-    own(unsafe { CStr::from_ptr(name) }).or_else(|| {
+    find_hook(unsafe { CStr::from_ptr(name) }).or_else(|| {
         let next = NEXT.lock().ok().and_then(|next| *next)?;
         // SAFETY: handed on as it came.
         unsafe { (next.instance)(instance, name) }
     })
 }
 
-unsafe extern "system" fn of_device(
+unsafe extern "system" fn get_device_proc_addr(
     device: vk::Device,
     name: *const c_char,
 ) -> vk::PFN_vkVoidFunction {
@@ -117,11 +116,11 @@ unsafe extern "system" fn of_device(
     unsafe { next(device, name) }
 }
 
-/// A function of what comes after, for the instance that was made last.
+/// A function of the next layer, for the instance that was created last.
 ///
 /// # Safety
 /// `F` is the type of the function of this name.
-unsafe fn after<F: Copy>(name: &CStr) -> F {
+unsafe fn next_function<F: Copy>(name: &CStr) -> F {
     let next = NEXT.lock().ok().and_then(|next| *next).expect("there is an instance");
     // SAFETY: the instance is alive, as one of its functions is being called.
     let function = unsafe { (next.instance)(next.made, name.as_ptr()) }.expect("it is there");
@@ -129,16 +128,16 @@ unsafe fn after<F: Copy>(name: &CStr) -> F {
     unsafe { core::mem::transmute_copy::<unsafe extern "system" fn(), F>(&function) }
 }
 
-/// The link to what comes after, in the chain of what is made; the next layer is given its own.
+/// Takes this layer's link out of a chain of create infos, and leaves the next layer's in its place.
 ///
 /// # Safety
 /// The chain is one of the loader's, with a link.
-unsafe fn unlink(chain: *const c_void, ty: vk::StructureType) -> Link {
-    let mut at = chain.cast::<Chained<Link>>().cast_mut();
+unsafe fn take_layer_link(chain: *const c_void, ty: vk::StructureType) -> LayerLink {
+    let mut at = chain.cast::<ChainedCreateInfo<LayerLink>>().cast_mut();
     // SAFETY: the caller's; each of its structures begins with its type and the next.
     unsafe {
         while (*at).ty != ty || (*at).function != 0 {
-            at = (*at).next.cast::<Chained<Link>>().cast_mut();
+            at = (*at).next.cast::<ChainedCreateInfo<LayerLink>>().cast_mut();
         }
         let link = core::ptr::read((*at).link);
         (*at).link = link.next;
@@ -152,7 +151,8 @@ unsafe extern "system" fn create_instance(
     made: *mut vk::Instance,
 ) -> vk::Result {
     // SAFETY: the loader's structures are valid during the call.
-    let link = unsafe { unlink((*info).p_next, vk::StructureType::LOADER_INSTANCE_CREATE_INFO) };
+    let link =
+        unsafe { take_layer_link((*info).p_next, vk::StructureType::LOADER_INSTANCE_CREATE_INFO) };
     // SAFETY: it needs no instance.
     let create = unsafe { (link.instance)(vk::Instance::null(), c"vkCreateInstance".as_ptr()) };
     let Some(create) = create else { return vk::Result::ERROR_INITIALIZATION_FAILED };
@@ -163,7 +163,7 @@ unsafe extern "system" fn create_instance(
     if let (vk::Result::SUCCESS, Ok(mut next)) = (result, NEXT.lock()) {
         // SAFETY: the call has succeeded.
         let made = unsafe { *made };
-        *next = Some(Next { instance: link.instance, made, device: None });
+        *next = Some(NextVulkanLayer { instance: link.instance, made, device: None });
     }
     result
 }
@@ -175,8 +175,9 @@ unsafe extern "system" fn create_device(
     made: *mut vk::Device,
 ) -> vk::Result {
     // SAFETY: the loader's structures are valid during the call.
-    let (mut info, link) =
-        unsafe { (*info, unlink((*info).p_next, vk::StructureType::LOADER_DEVICE_CREATE_INFO)) };
+    let (mut info, link) = unsafe {
+        (*info, take_layer_link((*info).p_next, vk::StructureType::LOADER_DEVICE_CREATE_INFO))
+    };
     if let Ok(mut next) = NEXT.lock()
         && let Some(next) = &mut *next
     {
@@ -191,10 +192,10 @@ unsafe extern "system" fn create_device(
     // SAFETY: they are C strings.
     let theirs = |name: &*const c_char| unsafe { CStr::from_ptr(*name) } != NAME;
     let names: Vec<*const c_char> = names.iter().copied().filter(theirs).collect();
-    super::note(&format!("density maps {}", count - names.len()));
+    super::folder::log_line(&format!("density maps {}", count - names.len()));
     info.enabled_extension_count = names.len() as u32;
     info.pp_enabled_extension_names = names.as_ptr();
-    // Its features go with it.
+    // The feature structure is removed with the extension.
     let first = (&raw mut info).cast::<vk::BaseOutStructure<'_>>();
     let wanted = vk::StructureType::PHYSICAL_DEVICE_FRAGMENT_DENSITY_MAP_FEATURES_EXT;
     let mut at = first;
@@ -210,7 +211,7 @@ unsafe extern "system" fn create_device(
         cut
     };
     // SAFETY: this is the type that goes with the name.
-    let create: vk::PFN_vkCreateDevice = unsafe { after(c"vkCreateDevice") };
+    let create: vk::PFN_vkCreateDevice = unsafe { next_function(c"vkCreateDevice") };
     // SAFETY: handed on, but for what was taken out.
     let result = unsafe { create(physical, &raw const info, allocator, made) };
     if !cut.is_null() {
@@ -220,7 +221,7 @@ unsafe extern "system" fn create_device(
     result
 }
 
-unsafe extern "system" fn extensions(
+unsafe extern "system" fn enumerate_device_extensions(
     physical: vk::PhysicalDevice,
     layer: *const c_char,
     count: *mut u32,
@@ -228,7 +229,7 @@ unsafe extern "system" fn extensions(
 ) -> vk::Result {
     // SAFETY: this is the type that goes with the name.
     let all: vk::PFN_vkEnumerateDeviceExtensionProperties =
-        unsafe { after(c"vkEnumerateDeviceExtensionProperties") };
+        unsafe { next_function(c"vkEnumerateDeviceExtensionProperties") };
     // SAFETY: there is room for a count, and for as many as it says where `to` is somewhere.
     unsafe {
         let room = *count;
@@ -251,46 +252,46 @@ unsafe extern "system" fn extensions(
     vk::Result::SUCCESS
 }
 
-unsafe extern "system" fn features(
+unsafe extern "system" fn get_features(
     physical: vk::PhysicalDevice,
     to: *mut vk::PhysicalDeviceFeatures2<'_>,
 ) {
     // SAFETY: this is the type that goes with the name.
     let all: vk::PFN_vkGetPhysicalDeviceFeatures2 =
-        unsafe { after(c"vkGetPhysicalDeviceFeatures2") };
+        unsafe { next_function(c"vkGetPhysicalDeviceFeatures2") };
     // SAFETY: handed on as it came; a structure of this type is one.
     unsafe {
         all(physical, to);
         let ty = vk::StructureType::PHYSICAL_DEVICE_FRAGMENT_DENSITY_MAP_FEATURES_EXT;
-        let found =
-            find(to.cast(), ty).cast::<vk::PhysicalDeviceFragmentDensityMapFeaturesEXT<'_>>();
+        let found = find_structure(to.cast(), ty)
+            .cast::<vk::PhysicalDeviceFragmentDensityMapFeaturesEXT<'_>>();
         if let Some(found) = found.as_mut() {
             found.fragment_density_map = vk::TRUE;
             found.fragment_density_map_non_subsampled_images = vk::TRUE;
         }
         let ty = vk::StructureType::PHYSICAL_DEVICE_MULTIVIEW_FEATURES;
-        let found = find(to.cast(), ty).cast::<vk::PhysicalDeviceMultiviewFeatures<'_>>();
+        let found = find_structure(to.cast(), ty).cast::<vk::PhysicalDeviceMultiviewFeatures<'_>>();
         if let Some(found) = found.as_mut()
-            && super::folder().join("one-view").exists()
+            && super::folder::layer_folder().join("one-view").exists()
         {
             found.multiview = vk::FALSE;
         }
     }
 }
 
-unsafe extern "system" fn properties(
+unsafe extern "system" fn get_properties(
     physical: vk::PhysicalDevice,
     to: *mut vk::PhysicalDeviceProperties2<'_>,
 ) {
     // SAFETY: this is the type that goes with the name.
     let all: vk::PFN_vkGetPhysicalDeviceProperties2 =
-        unsafe { after(c"vkGetPhysicalDeviceProperties2") };
+        unsafe { next_function(c"vkGetPhysicalDeviceProperties2") };
     // SAFETY: handed on as it came; a structure of this type is one.
     unsafe {
         all(physical, to);
         let ty = vk::StructureType::PHYSICAL_DEVICE_FRAGMENT_DENSITY_MAP_PROPERTIES_EXT;
-        let found =
-            find(to.cast(), ty).cast::<vk::PhysicalDeviceFragmentDensityMapPropertiesEXT<'_>>();
+        let found = find_structure(to.cast(), ty)
+            .cast::<vk::PhysicalDeviceFragmentDensityMapPropertiesEXT<'_>>();
         if let Some(found) = found.as_mut() {
             // An Adreno's.
             let texel = vk::Extent2D { width: super::maps::TEXEL, height: super::maps::TEXEL };
@@ -301,11 +302,11 @@ unsafe extern "system" fn properties(
     }
 }
 
-/// The structure of a type in a chain, or null.
+/// The first structure of a type in a `pNext` chain, or null.
 ///
 /// # Safety
 /// Each structure of the chain is alive, and begins with its type and the next.
-unsafe fn find(
+unsafe fn find_structure(
     chain: *mut vk::BaseOutStructure<'_>,
     ty: vk::StructureType,
 ) -> *mut vk::BaseOutStructure<'_> {

@@ -1,8 +1,8 @@
-//! Android's side of the shell: the activity's entry point and events, and what [`Host`] asks for.
+//! Android's side of the shell: the activity's entry point and events, and what [`Platform`] needs.
 
 mod replay;
 
-// What `std` unwinds with. Android's own is in the NDK alone.
+// The unwinder that `std` links to. Android's own is part of the NDK only.
 extern crate unwinding as _;
 
 use std::ffi::CString;
@@ -11,53 +11,57 @@ use std::time::Duration;
 
 use android_activity::{AndroidApp, InputStatus, MainEvent, PollEvent, WindowManagerFlags};
 use openxr as xr;
-use paros_core::size::{Grid, Size};
+use paros_core::{Grid, Size};
+use paros_shell::headset::package::{self, OPENXR_LOADER};
 use paros_shell::statics::Resident;
+use paros_shell::with_size;
 
-use crate::device::{self, Device, Watch};
+use crate::device::{self, AndroidDevice, DeviceMonitor};
 use crate::error::Error;
-use crate::host::{Host, Told};
-use crate::options::Options;
-use crate::{runtime, settings, shell, starts};
+use crate::options::ShellOptions;
+use crate::platform::{Platform, PlatformStatus};
+use crate::shell::run_shell;
+use crate::{runtime, settings};
 
 #[unsafe(no_mangle)]
 fn android_main(app: AndroidApp) {
     app.set_window_flags(WindowManagerFlags::KEEP_SCREEN_ON, WindowManagerFlags::empty());
     // What is written to standard error goes to the device's log.
-    if let Err(why) = sculpt(app) {
+    if let Err(why) = run_app(app) {
         eprintln!("paros-quest: {}", why.with_remedy());
     }
 }
 
-fn sculpt(app: AndroidApp) -> Result<(), Error> {
-    let unavailable = |error: device::Error| Error::Unavailable(error.to_string());
+fn run_app(app: AndroidApp) -> Result<(), Error> {
+    let unavailable = |error: device::JavaError| Error::Unavailable(error.to_string());
     // SAFETY: the activity glue holds the machine and the activity until `android_main` returns.
-    let device = unsafe { Device::new(app.vm_as_ptr(), app.activity_as_ptr()) };
+    let device = unsafe { AndroidDevice::from_raw(app.vm_as_ptr(), app.activity_as_ptr()) };
     let device = device.map_err(unavailable)?;
-    let folder = device.storage().map_err(unavailable)?;
-    let name = device.name().map_err(unavailable)?;
-    eprintln!("paros-quest: {name}, API level {}, {}", device.level(), folder.display());
-    let (settings, line) = settings::read(&folder);
+    let folder = device.find_storage_folder().map_err(unavailable)?;
+    let name = device.read_model_name().map_err(unavailable)?;
+    eprintln!("paros-quest: {name}, API level {}, {}", device.api_level(), folder.display());
+    let (settings, line) = settings::read_settings(&folder);
     if let Some(line) = line {
         eprintln!("paros-quest: {line}");
     }
-    let headset = Headset { app, watch: Watch::new(device), leave: false };
-    match settings.size {
-        256 => run::<256>(headset, &settings.options),
-        _ => run::<128>(headset, &settings.options),
-    }
+    let platform =
+        AndroidPlatform { app, monitor: DeviceMonitor::start_polling(device), destroyed: false };
+    with_size!(settings.size, N => run_with_size::<N>(platform, &settings.options))
 }
 
-fn run<const N: usize>(mut headset: Headset, options: &Options) -> Result<(), Error>
+fn run_with_size<const N: usize>(
+    mut platform: AndroidPlatform,
+    options: &ShellOptions,
+) -> Result<(), Error>
 where
     Grid<N>: Size + Resident<N>,
 {
-    take_starts::<N>(&headset.app);
-    shell::run::<N>(&mut headset, options).map(drop)
+    load_start_volumes::<N>(&platform.app);
+    run_shell::<N>(&mut platform, options).map(drop)
 }
 
-/// Takes the start volumes out of the package. If they are not in it, they are made.
-fn take_starts<const N: usize>(app: &AndroidApp)
+/// Loads the start volumes from the package's assets. Those that are missing are computed.
+fn load_start_volumes<const N: usize>(app: &AndroidApp)
 where
     Grid<N>: Size + Resident<N>,
 {
@@ -66,57 +70,63 @@ where
         let mut asset = assets.open(&CString::new(name).ok()?)?;
         Some(asset.buffer().ok()?.to_vec())
     };
-    if let Err(why) = starts::load(&mut Grid::<N>::start_volumes(), open) {
+    if let Err(why) = package::load_start_volumes(&mut Grid::<N>::lock_start_volumes(), open) {
         eprintln!("paros-quest: {why}; the volumes are made");
     }
 }
 
-/// The headset, by its activity.
-struct Headset {
+/// The platform of a `NativeActivity`.
+struct AndroidPlatform {
     app: AndroidApp,
-    watch: Watch,
-    leave: bool,
+    monitor: DeviceMonitor,
+    destroyed: bool,
 }
 
-impl Headset {
-    fn platform(&self) -> xr::AndroidPlatformInfo {
+impl AndroidPlatform {
+    fn platform_info(&self) -> xr::AndroidPlatformInfo {
         // SAFETY: the activity glue holds both until `android_main` returns, and so after this.
         unsafe { xr::AndroidPlatformInfo::new(self.app.vm_as_ptr(), self.app.activity_as_ptr()) }
     }
 }
 
-impl Host for Headset {
-    fn entry(&mut self) -> Result<xr::Entry, Error> {
-        let broker = || runtime::ask(|table, columns| self.watch.device().query(table, columns));
+impl Platform for AndroidPlatform {
+    fn load_openxr(&mut self) -> Result<xr::Entry, Error> {
+        let broker = || {
+            runtime::query_brokers(|table, columns| {
+                self.monitor.device().query_content(table, columns)
+            })
+        };
         // SAFETY: the loader comes with the package; the broker is part of the system, or was
         // installed in its place.
-        let found = unsafe { runtime::find(Path::new(runtime::LOADER), &self.platform(), broker) };
+        let found = unsafe {
+            runtime::find_runtime(Path::new(OPENXR_LOADER), &self.platform_info(), broker)
+        };
         found.map_err(|error| Error::Unavailable(error.to_string()))
     }
 
-    fn instance(
+    fn create_instance(
         &mut self,
         entry: &xr::Entry,
         application: &xr::ApplicationInfo<'_>,
         mut extensions: xr::ExtensionSet,
     ) -> xr::Result<xr::Instance> {
         extensions.khr_android_create_instance = true;
-        entry.create_instance(application, &extensions, &[], &self.platform())
+        entry.create_instance(application, &extensions, &[], &self.platform_info())
     }
 
-    fn told(&mut self) -> Told {
-        let leave = &mut self.leave;
+    fn poll_status(&mut self) -> PlatformStatus {
+        let destroyed = &mut self.destroyed;
         self.app.poll_events(Some(Duration::ZERO), |event| {
-            *leave |= matches!(event, PollEvent::Main(MainEvent::Destroy));
+            *destroyed |= matches!(event, PollEvent::Main(MainEvent::Destroy));
         });
-        drain(&self.app);
-        Told { strain: self.watch.strain(), leave: self.leave }
+        drain_input(&self.app);
+        PlatformStatus { health: self.monitor.latest(), quit_requested: self.destroyed }
     }
 }
 
-/// Reads the activity's input queue empty. The hands come through OpenXR; but a volume key that
-/// nobody reads ends the process after five seconds.
-fn drain(app: &AndroidApp) {
+/// Drains the activity's input queue. Input comes through OpenXR; but Android ends a process that leaves a
+/// volume key unread for five seconds.
+fn drain_input(app: &AndroidApp) {
     if let Ok(mut events) = app.input_events_iter() {
         while events.next(|_| InputStatus::Unhandled) {}
     }

@@ -1,8 +1,10 @@
-//! [`crate::replay`] for a C program that has loaded this library.
+//! [`paros_shell::replay`] for a C program that has loaded this library.
 
 use std::ffi::{CStr, OsStr, c_char, c_int};
 use std::os::unix::ffi::OsStrExt;
 use std::path::Path;
+
+use paros_shell::replay::replay_trace;
 
 /// Plays the trace of the first path and writes its digests to the second; 0, or 1 after a line on
 /// standard error.
@@ -15,7 +17,7 @@ unsafe extern "C" fn paros_replay(trace: *const c_char, digests: *const c_char) 
     let [trace, digests] = [trace, digests]
         .map(|path| unsafe { CStr::from_ptr(path) }.to_bytes())
         .map(OsStr::from_bytes);
-    match crate::replay::replay(Path::new(trace), Path::new(digests)) {
+    match replay_trace(Path::new(trace), Path::new(digests)) {
         Ok(()) => 0,
         Err(error) => {
             eprintln!("{error}");

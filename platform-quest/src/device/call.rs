@@ -1,4 +1,5 @@
-//! Calls of the table's members: guarded by the API level, and with exceptions as errors.
+//! JNI calls of the table's members. A member that is newer than the device's API level is not called; a
+//! Java exception becomes an error.
 
 use std::fmt;
 
@@ -9,18 +10,18 @@ use jni::signature::{RuntimeFieldSignature, RuntimeMethodSignature};
 use jni::strings::JNIString;
 use jni::{JValue, JValueOwned};
 
-use super::table::{Kind, Member, SDK_INT};
+use super::table::{JavaMember, MemberKind, SDK_INT};
 
-/// What Java would not do.
+/// A call into Java that failed.
 #[derive(Debug)]
-pub struct Error {
-    /// The member that was called; none where the thread could not be attached.
-    pub member: Option<Member>,
+pub struct JavaError {
+    /// The member that was called; none where the thread could not be attached to the VM.
+    pub member: Option<JavaMember>,
     /// Why it failed: the exception's class and message, say.
     pub why: String,
 }
 
-impl fmt::Display for Error {
+impl fmt::Display for JavaError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match &self.member {
             Some(member) => write!(f, "{}.{}: {}", member.class, member.name, self.why),
@@ -29,62 +30,62 @@ impl fmt::Display for Error {
     }
 }
 
-impl std::error::Error for Error {}
+impl std::error::Error for JavaError {}
 
-impl From<JniError> for Error {
+impl From<JniError> for JavaError {
     fn from(error: JniError) -> Self {
-        Error { member: None, why: error.to_string() }
+        JavaError { member: None, why: error.to_string() }
     }
 }
 
-/// A thread's way into Java, at the device's API level.
-pub(super) struct Caller<'env, 'local> {
+/// The JNI environment of an attached thread, with the device's API level.
+pub(super) struct JavaCaller<'env, 'local> {
     env: &'env mut Env<'local>,
-    level: i32,
+    api_level: i32,
 }
 
-impl<'env, 'local> Caller<'env, 'local> {
+impl<'env, 'local> JavaCaller<'env, 'local> {
     /// A caller for a device of an API level.
-    pub(super) fn new(env: &'env mut Env<'local>, level: i32) -> Self {
-        Caller { env, level }
+    pub(super) fn new(env: &'env mut Env<'local>, api_level: i32) -> Self {
+        JavaCaller { env, api_level }
     }
 
-    /// The device's API level.
-    pub(super) fn level(env: &'env mut Env<'local>) -> Result<i32, Error> {
+    /// Reads the device's API level.
+    pub(super) fn read_api_level(env: &'env mut Env<'local>) -> Result<i32, JavaError> {
         // Every Android that this runs on has it.
-        let mut caller = Caller::new(env, SDK_INT.since);
-        caller.class(SDK_INT, &[])?.map_or(Ok(0), |value| int(SDK_INT, value))
+        let mut caller = JavaCaller::new(env, SDK_INT.since);
+        caller.call_static(SDK_INT, &[])?.map_or(Ok(0), |value| read_int(SDK_INT, value))
     }
 
     /// Calls a method of an object. None if the device is older than the method.
-    pub(super) fn method(
+    pub(super) fn call_method(
         &mut self,
-        member: Member,
+        member: JavaMember,
         object: &JObject<'_>,
         arguments: &[JValue<'_>],
-    ) -> Result<Option<JValueOwned<'local>>, Error> {
-        debug_assert_eq!(member.kind, Kind::Method);
-        if self.level < member.since {
+    ) -> Result<Option<JValueOwned<'local>>, JavaError> {
+        debug_assert_eq!(member.kind, MemberKind::Method);
+        if self.api_level < member.since {
             return Ok(None);
         }
         let name = JNIString::from(member.name);
         let called = RuntimeMethodSignature::from_str(member.signature).and_then(|signature| {
             self.env.call_method(object, name, signature.method_signature(), arguments)
         });
-        self.caught(member, called).map(Some)
+        self.catch_exception(member, called).map(Some)
     }
 
     /// Calls a method of a class, or reads a field. None if the device is older than it.
-    pub(super) fn class(
+    pub(super) fn call_static(
         &mut self,
-        member: Member,
+        member: JavaMember,
         arguments: &[JValue<'_>],
-    ) -> Result<Option<JValueOwned<'local>>, Error> {
-        if self.level < member.since {
+    ) -> Result<Option<JValueOwned<'local>>, JavaError> {
+        if self.api_level < member.since {
             return Ok(None);
         }
         let [class, name] = [member.class, member.name].map(JNIString::from);
-        let called = if member.kind == Kind::StaticField {
+        let called = if member.kind == MemberKind::StaticField {
             RuntimeFieldSignature::from_str(member.signature).and_then(|signature| {
                 self.env.get_static_field(class, name, signature.field_signature())
             })
@@ -93,79 +94,87 @@ impl<'env, 'local> Caller<'env, 'local> {
                 self.env.call_static_method(class, name, signature.method_signature(), arguments)
             })
         };
-        self.caught(member, called).map(Some)
+        self.catch_exception(member, called).map(Some)
     }
 
-    /// An object that a method returns; none if it is null, or the device older than the method.
-    pub(super) fn object(
+    /// Calls a method that returns an object. None if that is null, or the device older than the method.
+    pub(super) fn call_for_object(
         &mut self,
-        member: Member,
+        member: JavaMember,
         object: &JObject<'_>,
         arguments: &[JValue<'_>],
-    ) -> Result<Option<JObject<'local>>, Error> {
-        let Some(value) = self.method(member, object, arguments)? else { return Ok(None) };
-        let object = value.into_object().map_err(|error| failed(member, &error))?;
+    ) -> Result<Option<JObject<'local>>, JavaError> {
+        let Some(value) = self.call_method(member, object, arguments)? else { return Ok(None) };
+        let object = value.into_object().map_err(|error| member_error(member, &error))?;
         Ok((!object.is_null()).then_some(object))
     }
 
-    /// A text of Java's own.
-    pub(super) fn text(&mut self, text: &str) -> Result<JString<'local>, Error> {
+    /// Creates a Java string.
+    pub(super) fn new_string(&mut self, text: &str) -> Result<JString<'local>, JavaError> {
         Ok(self.env.new_string(text)?)
     }
 
-    /// An array of texts.
-    pub(super) fn texts(&mut self, texts: &[&str]) -> Result<JObject<'local>, Error> {
+    /// Creates an array of Java strings.
+    pub(super) fn new_string_array(
+        &mut self,
+        texts: &[&str],
+    ) -> Result<JObject<'local>, JavaError> {
         let array = self.env.new_object_type_array::<JString<'_>>(texts.len(), JString::null())?;
         for (i, text) in texts.iter().enumerate() {
-            let text = self.text(text)?;
+            let text = self.new_string(text)?;
             array.set_element(self.env, i, text)?;
         }
         Ok(array.into())
     }
 
-    /// The text that a value of Java's is; none if it is null.
-    pub(super) fn string(
+    /// Converts a member's value to a text; none if it is null.
+    pub(super) fn read_string(
         &mut self,
-        member: Member,
+        member: JavaMember,
         value: JValueOwned<'local>,
-    ) -> Result<Option<String>, Error> {
-        let object = value.into_object().map_err(|error| failed(member, &error))?;
+    ) -> Result<Option<String>, JavaError> {
+        let object = value.into_object().map_err(|error| member_error(member, &error))?;
         if object.is_null() {
             return Ok(None);
         }
-        let text = self.env.cast_local::<JString<'_>>(object).map_err(|e| failed(member, &e))?;
+        let text =
+            self.env.cast_local::<JString<'_>>(object).map_err(|e| member_error(member, &e))?;
         let read = text.try_to_string(self.env);
-        // An answer may be long; until it is read, no reference of it would go.
+        // A result may have many rows: without this, each would keep a local reference until the call ends.
         self.env.delete_local_ref(text);
-        read.map(Some).map_err(|error| failed(member, &error))
+        read.map(Some).map_err(|error| member_error(member, &error))
     }
 
-    /// With the exception, if there was one, in the error and no longer pending.
-    fn caught<T>(&mut self, member: Member, called: Result<T, JniError>) -> Result<T, Error> {
+    /// Clears a pending Java exception and puts its class and message into the error.
+    fn catch_exception<T>(
+        &mut self,
+        member: JavaMember,
+        called: Result<T, JniError>,
+    ) -> Result<T, JavaError> {
         called.map_err(|error| match (error, self.env.exception_catch()) {
             (_, Err(JniError::CaughtJavaException { name, msg, .. })) => {
-                Error { member: Some(member), why: format!("{name}: {msg}") }
+                JavaError { member: Some(member), why: format!("{name}: {msg}") }
             }
-            (error, _) => failed(member, &error),
+            (error, _) => member_error(member, &error),
         })
     }
 }
 
-/// The number that a member's value is.
-pub(super) fn int(member: Member, value: JValueOwned<'_>) -> Result<i32, Error> {
-    value.into_int().map_err(|error| failed(member, &error))
+/// Converts a member's value to an integer.
+pub(super) fn read_int(member: JavaMember, value: JValueOwned<'_>) -> Result<i32, JavaError> {
+    value.into_int().map_err(|error| member_error(member, &error))
 }
 
-/// The truth that a member's value is.
-pub(super) fn truth(member: Member, value: JValueOwned<'_>) -> Result<bool, Error> {
-    value.into_bool().map_err(|error| failed(member, &error))
+/// Converts a member's value to a boolean.
+pub(super) fn read_bool(member: JavaMember, value: JValueOwned<'_>) -> Result<bool, JavaError> {
+    value.into_bool().map_err(|error| member_error(member, &error))
 }
 
-/// The fraction that a member's value is.
-pub(super) fn float(member: Member, value: JValueOwned<'_>) -> Result<f32, Error> {
-    value.into_float().map_err(|error| failed(member, &error))
+/// Converts a member's value to a float.
+pub(super) fn read_float(member: JavaMember, value: JValueOwned<'_>) -> Result<f32, JavaError> {
+    value.into_float().map_err(|error| member_error(member, &error))
 }
 
-fn failed(member: Member, error: &JniError) -> Error {
-    Error { member: Some(member), why: error.to_string() }
+fn member_error(member: JavaMember, error: &JniError) -> JavaError {
+    JavaError { member: Some(member), why: error.to_string() }
 }

@@ -1,12 +1,12 @@
-//! What only Android's Java classes tell of the device: battery, heat, name, folders, network, and
-//! what other apps answer. Only this module calls Java, and only what stands in [`table`].
+//! The device's state that only Android's Java classes report: battery, thermal state, model, storage
+//! folders, network, and content providers. Calls go through JNI, to the members of [`table`] only.
 //!
-//! The screen is kept on without Java: `ANativeActivity_setWindowFlags` does it from any thread,
-//! `View` from the activity's own alone.
+//! The screen is kept on without Java: `ANativeActivity_setWindowFlags` may be called from any thread,
+//! the methods of `View` only from the activity's own.
 
 mod call;
+mod monitor;
 pub mod table;
-mod watch;
 
 use std::ffi::c_void;
 use std::path::PathBuf;
@@ -14,29 +14,29 @@ use std::path::PathBuf;
 use jni::objects::{Global, JObject};
 use jni::{Env, JValue, JavaVM};
 
-pub use call::Error;
-use call::{Caller, float, int, truth};
+pub use call::JavaError;
+use call::{JavaCaller, read_bool, read_float, read_int};
+pub use monitor::DeviceMonitor;
 use table::{
     ABSOLUTE_PATH, ACTIVE_NETWORK, BATTERY_PROPERTY, CAPABILITIES, CLOSE, COLUMN_INDEX,
-    CONTENT_RESOLVER, EXTERNAL_FILES_DIR, FILES_DIR, HAS_CAPABILITY, IS_CHARGING, MANUFACTURER,
-    MODEL, MOVE_TO_NEXT, Member, PARSE_URI, QUERY, STRING, SYSTEM_SERVICE, THERMAL_HEADROOM,
+    CONTENT_RESOLVER, EXTERNAL_FILES_DIR, FILES_DIR, HAS_CAPABILITY, IS_CHARGING, JavaMember,
+    MANUFACTURER, MODEL, MOVE_TO_NEXT, PARSE_URI, QUERY, STRING, SYSTEM_SERVICE, THERMAL_HEADROOM,
     THERMAL_STATUS,
 };
-pub use watch::Watch;
 
 /// The battery's state.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Battery {
-    /// What is left, in percent; none if the device does not know.
+    /// The charge in percent, 0 to 100; none if the device does not know it.
     pub percent: Option<u8>,
     /// Whether it is being charged.
     pub charging: bool,
 }
 
-/// How hot the device is, in Android's words.
+/// The thermal status: the values of `PowerManager.THERMAL_STATUS_*`.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 #[expect(missing_docs, reason = "Android has no more words for them either")]
-pub enum Thermal {
+pub enum ThermalStatus {
     None = 0,
     Light = 1,
     Moderate = 2,
@@ -46,40 +46,41 @@ pub enum Thermal {
     Shutdown = 6,
 }
 
-/// How hot the device is, and will be.
+/// The thermal status and its forecast.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Heat {
-    /// Now.
-    pub status: Thermal,
-    /// In ten seconds, 1 being where the device throttles; none if it does not know.
+pub struct ThermalReading {
+    /// The status now.
+    pub status: ThermalStatus,
+    /// The thermal headroom in ten seconds from now: 1 is where the device throttles. None if
+    /// the device does not know it.
     pub headroom: Option<f32>,
 }
 
-/// The device, through a context of its Java side.
+/// An Android device, by a Java context.
 #[derive(Debug)]
-pub struct Device {
+pub struct AndroidDevice {
     vm: JavaVM,
     context: Global<JObject<'static>>,
-    level: i32,
+    api_level: i32,
 }
 
-/// Texts of a row of another app's; none where a column is missing or null.
-pub type Row = Vec<Option<String>>;
+/// The texts of a content provider's row, one a column; none where a column is missing or null.
+pub type ContentRow = Vec<Option<String>>;
 
-/// Rows that are read of an answer: more than any has that is meant well.
-pub const ROWS: usize = 256;
+/// The most rows that are read of a query's result: a bound against a faulty content provider.
+pub const MAX_ROWS: usize = 256;
 
-/// Names and numbers of Android's, from the pages of the classes that take them.
+/// Constants of Android, by the reference pages of the classes that take them.
 const BATTERY_SERVICE: &str = "batterymanager";
 const POWER_SERVICE: &str = "power";
 const CONNECTIVITY_SERVICE: &str = "connectivity";
 const BATTERY_PROPERTY_CAPACITY: i32 = 4;
 const NET_CAPABILITY_VALIDATED: i32 = 16;
 
-/// How far ahead heat is asked for, in seconds: beyond it the device only guesses.
-const FORECAST: i32 = 10;
+/// How far ahead the thermal headroom is forecast, in seconds: beyond it the forecast is unreliable.
+const FORECAST_SECONDS: i32 = 10;
 
-impl Device {
+impl AndroidDevice {
     /// The device of an activity, or of another `android.content.Context`.
     ///
     /// # Safety
@@ -88,201 +89,216 @@ impl Device {
     ///
     /// # Errors
     /// The thread can't be attached, or this is no Android.
-    pub unsafe fn new(vm: *mut c_void, context: *mut c_void) -> Result<Self, Error> {
+    pub unsafe fn from_raw(vm: *mut c_void, context: *mut c_void) -> Result<Self, JavaError> {
         // SAFETY: the caller says that it is one.
         let vm = unsafe { JavaVM::from_raw(vm.cast()) };
         let raw = context.cast();
-        let (context, level) = vm.attach_current_thread(|env| -> Result<_, Error> {
+        let (context, api_level) = vm.attach_current_thread(|env| -> Result<_, JavaError> {
             // SAFETY: the caller says that it is valid; a borrowed reference is never deleted here.
             let context = unsafe { env.as_cast_raw::<JObject<'_>>(&raw)? };
             let global = env.new_global_ref(&*context)?;
-            Ok((global, Caller::level(env)?))
+            Ok((global, JavaCaller::read_api_level(env)?))
         })?;
-        Ok(Device { vm, context, level })
+        Ok(AndroidDevice { vm, context, api_level })
     }
 
     /// The device's API level.
     #[must_use]
-    pub const fn level(&self) -> i32 {
-        self.level
+    pub const fn api_level(&self) -> i32 {
+        self.api_level
     }
 
-    /// Maker and model.
+    /// Reads manufacturer and model, separated by a blank.
     ///
     /// # Errors
-    /// Java's.
-    pub fn name(&self) -> Result<String, Error> {
-        self.call(|caller, _| {
+    /// A call into Java that failed.
+    pub fn read_model_name(&self) -> Result<String, JavaError> {
+        self.call_java(|caller, _| {
             let mut words = Vec::new();
             for member in [MANUFACTURER, MODEL] {
-                if let Some(value) = caller.class(member, &[])? {
-                    words.extend(caller.string(member, value)?);
+                if let Some(value) = caller.call_static(member, &[])? {
+                    words.extend(caller.read_string(member, value)?);
                 }
             }
             Ok(words.join(" "))
         })
     }
 
-    /// The battery's state.
+    /// Reads the battery's state.
     ///
     /// # Errors
-    /// Java's.
-    pub fn battery(&self) -> Result<Battery, Error> {
-        self.call(|caller, context| {
+    /// A call into Java that failed.
+    pub fn read_battery(&self) -> Result<Battery, JavaError> {
+        self.call_java(|caller, context| {
             let mut battery = Battery { percent: None, charging: false };
-            let Some(manager) = service(caller, context, BATTERY_SERVICE)? else {
+            let Some(manager) = system_service(caller, context, BATTERY_SERVICE)? else {
                 return Ok(battery);
             };
             let which = [JValue::Int(BATTERY_PROPERTY_CAPACITY)];
-            if let Some(value) = caller.method(BATTERY_PROPERTY, &manager, &which)? {
+            if let Some(value) = caller.call_method(BATTERY_PROPERTY, &manager, &which)? {
                 // A device that does not know answers with the least number there is.
-                let percent = int(BATTERY_PROPERTY, value)?;
+                let percent = read_int(BATTERY_PROPERTY, value)?;
                 battery.percent = u8::try_from(percent).ok().filter(|percent| *percent <= 100);
             }
-            if let Some(value) = caller.method(IS_CHARGING, &manager, &[])? {
-                battery.charging = truth(IS_CHARGING, value)?;
+            if let Some(value) = caller.call_method(IS_CHARGING, &manager, &[])? {
+                battery.charging = read_bool(IS_CHARGING, value)?;
             }
             Ok(battery)
         })
     }
 
-    /// How hot the device is.
+    /// Reads the thermal status and headroom.
     ///
     /// # Errors
-    /// Java's.
-    pub fn heat(&self) -> Result<Heat, Error> {
-        self.call(|caller, context| {
-            let mut heat = Heat { status: Thermal::None, headroom: None };
-            let Some(manager) = service(caller, context, POWER_SERVICE)? else { return Ok(heat) };
-            if let Some(value) = caller.method(THERMAL_STATUS, &manager, &[])? {
-                heat.status = Thermal::of(int(THERMAL_STATUS, value)?);
+    /// A call into Java that failed.
+    pub fn read_thermal(&self) -> Result<ThermalReading, JavaError> {
+        self.call_java(|caller, context| {
+            let mut reading = ThermalReading { status: ThermalStatus::None, headroom: None };
+            let Some(manager) = system_service(caller, context, POWER_SERVICE)? else {
+                return Ok(reading);
+            };
+            if let Some(value) = caller.call_method(THERMAL_STATUS, &manager, &[])? {
+                reading.status = ThermalStatus::from_number(read_int(THERMAL_STATUS, value)?);
             }
-            let when = [JValue::Int(FORECAST)];
-            if let Some(value) = caller.method(THERMAL_HEADROOM, &manager, &when)? {
-                heat.headroom = Some(float(THERMAL_HEADROOM, value)?).filter(|it| it.is_finite());
+            let when = [JValue::Int(FORECAST_SECONDS)];
+            if let Some(value) = caller.call_method(THERMAL_HEADROOM, &manager, &when)? {
+                reading.headroom =
+                    Some(read_float(THERMAL_HEADROOM, value)?).filter(|it| it.is_finite());
             }
-            Ok(heat)
+            Ok(reading)
         })
     }
 
-    /// The folder for what is kept: where a computer sees it over USB, else the app's own.
+    /// Finds the folder for saved files: the external one, which a computer reads over USB, else the
+    /// internal one.
     ///
     /// # Errors
-    /// Java's, or there is neither.
-    pub fn storage(&self) -> Result<PathBuf, Error> {
-        self.call(|caller, context| {
+    /// A call into Java that failed, or there is neither folder.
+    pub fn find_storage_folder(&self) -> Result<PathBuf, JavaError> {
+        self.call_java(|caller, context| {
             let own = JObject::null();
-            let shared = caller.object(EXTERNAL_FILES_DIR, context, &[JValue::Object(&own)])?;
+            let shared =
+                caller.call_for_object(EXTERNAL_FILES_DIR, context, &[JValue::Object(&own)])?;
             let folder = match shared {
                 Some(folder) => Some(folder),
-                None => caller.object(FILES_DIR, context, &[])?,
+                None => caller.call_for_object(FILES_DIR, context, &[])?,
             };
-            let nowhere = |member: Member| Error { member: Some(member), why: "null".into() };
+            let nowhere =
+                |member: JavaMember| JavaError { member: Some(member), why: "null".into() };
             let folder = folder.ok_or_else(|| nowhere(FILES_DIR))?;
-            let path = caller.method(ABSOLUTE_PATH, &folder, &[])?;
-            let path = path.map(|path| caller.string(ABSOLUTE_PATH, path)).transpose()?.flatten();
+            let path = caller.call_method(ABSOLUTE_PATH, &folder, &[])?;
+            let path =
+                path.map(|path| caller.read_string(ABSOLUTE_PATH, path)).transpose()?.flatten();
             path.map(PathBuf::from).ok_or_else(|| nowhere(ABSOLUTE_PATH))
         })
     }
 
-    /// Whether the internet was reached over the network that is used.
+    /// Whether the active network has reached the internet (`NET_CAPABILITY_VALIDATED`).
     ///
     /// # Errors
-    /// Java's.
-    pub fn online(&self) -> Result<bool, Error> {
-        self.call(|caller, context| {
-            let Some(manager) = service(caller, context, CONNECTIVITY_SERVICE)? else {
+    /// A call into Java that failed.
+    pub fn is_online(&self) -> Result<bool, JavaError> {
+        self.call_java(|caller, context| {
+            let Some(manager) = system_service(caller, context, CONNECTIVITY_SERVICE)? else {
                 return Ok(false);
             };
-            let Some(network) = caller.object(ACTIVE_NETWORK, &manager, &[])? else {
+            let Some(network) = caller.call_for_object(ACTIVE_NETWORK, &manager, &[])? else {
                 return Ok(false);
             };
             let network = [JValue::Object(&network)];
-            let Some(can) = caller.object(CAPABILITIES, &manager, &network)? else {
+            let Some(can) = caller.call_for_object(CAPABILITIES, &manager, &network)? else {
                 return Ok(false);
             };
             let what = [JValue::Int(NET_CAPABILITY_VALIDATED)];
-            let value = caller.method(HAS_CAPABILITY, &can, &what)?;
-            value.map_or(Ok(false), |value| truth(HAS_CAPABILITY, value))
+            let value = caller.call_method(HAS_CAPABILITY, &can, &what)?;
+            value.map_or(Ok(false), |value| read_bool(HAS_CAPABILITY, value))
         })
     }
 
-    /// Asks the app behind a `content://` address for columns of its rows; of [`ROWS`] at the most,
-    /// and of none if there is no such app.
+    /// Queries the content provider at a `content://` address for these columns. Returns at most
+    /// [`MAX_ROWS`] rows, and none if there is no such provider.
     ///
     /// # Errors
-    /// Java's: a refused permission, say.
-    pub fn query(&self, address: &str, columns: &[&str]) -> Result<Vec<Row>, Error> {
-        self.call(|caller, context| {
-            let Some(resolver) = caller.object(CONTENT_RESOLVER, context, &[])? else {
+    /// A call into Java that failed: a refused permission, say.
+    pub fn query_content(
+        &self,
+        address: &str,
+        columns: &[&str],
+    ) -> Result<Vec<ContentRow>, JavaError> {
+        self.call_java(|caller, context| {
+            let Some(resolver) = caller.call_for_object(CONTENT_RESOLVER, context, &[])? else {
                 return Ok(Vec::new());
             };
-            let text = caller.text(address)?;
-            let address = caller.class(PARSE_URI, &[JValue::Object(&text)])?;
+            let text = caller.new_string(address)?;
+            let address = caller.call_static(PARSE_URI, &[JValue::Object(&text)])?;
             let Some(address) = address.and_then(|address| address.into_object().ok()) else {
                 return Ok(Vec::new());
             };
-            let (names, null) = (caller.texts(columns)?, JObject::null());
+            let (names, null) = (caller.new_string_array(columns)?, JObject::null());
             let arguments = [&address, &names, &null, &null, &null].map(JValue::Object);
-            let Some(cursor) = caller.object(QUERY, &resolver, &arguments)? else {
+            let Some(cursor) = caller.call_for_object(QUERY, &resolver, &arguments)? else {
                 return Ok(Vec::new());
             };
-            let rows = rows(caller, &cursor, columns);
-            caller.method(CLOSE, &cursor, &[])?;
+            let rows = read_rows(caller, &cursor, columns);
+            caller.call_method(CLOSE, &cursor, &[])?;
             rows
         })
     }
 
-    fn call<T>(
+    /// Attaches the calling thread to the Java VM and runs `body` there.
+    fn call_java<T>(
         &self,
-        what: impl FnOnce(&mut Caller<'_, '_>, &JObject<'_>) -> Result<T, Error>,
-    ) -> Result<T, Error> {
-        let inside =
-            |env: &mut Env<'_>| what(&mut Caller::new(env, self.level), self.context.as_obj());
+        body: impl FnOnce(&mut JavaCaller<'_, '_>, &JObject<'_>) -> Result<T, JavaError>,
+    ) -> Result<T, JavaError> {
+        let inside = |env: &mut Env<'_>| {
+            body(&mut JavaCaller::new(env, self.api_level), self.context.as_obj())
+        };
         self.vm.attach_current_thread(inside)
     }
 }
 
-impl Thermal {
-    /// The status of a number of Android's. A later Android's own is taken for the worst.
-    fn of(number: i32) -> Self {
-        use Thermal::{Critical, Emergency, Light, Moderate, None, Severe, Shutdown};
+impl ThermalStatus {
+    /// The status for Android's number. A number that a later Android adds is taken for the worst.
+    fn from_number(number: i32) -> Self {
+        use ThermalStatus::{Critical, Emergency, Light, Moderate, None, Severe, Shutdown};
         let all = [None, Light, Moderate, Severe, Critical, Emergency, Shutdown];
         let known = usize::try_from(number).map(|number| all.get(number).copied());
         known.map_or(None, |known| known.unwrap_or(Shutdown))
     }
 }
 
-fn service<'local>(
-    caller: &mut Caller<'_, 'local>,
+/// Finds a system service by its name; none if the device lacks it.
+fn system_service<'local>(
+    caller: &mut JavaCaller<'_, 'local>,
     context: &JObject<'_>,
     name: &str,
-) -> Result<Option<JObject<'local>>, Error> {
-    let name = caller.text(name)?;
-    caller.object(SYSTEM_SERVICE, context, &[JValue::Object(&name)])
+) -> Result<Option<JObject<'local>>, JavaError> {
+    let name = caller.new_string(name)?;
+    caller.call_for_object(SYSTEM_SERVICE, context, &[JValue::Object(&name)])
 }
 
-fn rows(
-    caller: &mut Caller<'_, '_>,
+/// Reads the rows of a query's result, from its cursor.
+fn read_rows(
+    caller: &mut JavaCaller<'_, '_>,
     cursor: &JObject<'_>,
     columns: &[&str],
-) -> Result<Vec<Row>, Error> {
+) -> Result<Vec<ContentRow>, JavaError> {
     let mut places = Vec::new();
     for column in columns {
-        let name = caller.text(column)?;
-        let place = caller.method(COLUMN_INDEX, cursor, &[JValue::Object(&name)])?;
-        places.push(place.map_or(Ok(-1), |place| int(COLUMN_INDEX, place))?);
+        let name = caller.new_string(column)?;
+        let place = caller.call_method(COLUMN_INDEX, cursor, &[JValue::Object(&name)])?;
+        places.push(place.map_or(Ok(-1), |place| read_int(COLUMN_INDEX, place))?);
     }
     let mut rows = Vec::new();
-    while rows.len() < ROWS {
-        let moved = caller.method(MOVE_TO_NEXT, cursor, &[])?;
-        if !moved.map_or(Ok(false), |value| truth(MOVE_TO_NEXT, value))? {
+    while rows.len() < MAX_ROWS {
+        let moved = caller.call_method(MOVE_TO_NEXT, cursor, &[])?;
+        if !moved.map_or(Ok(false), |value| read_bool(MOVE_TO_NEXT, value))? {
             break;
         }
         let mut row = vec![None; columns.len()];
         for (text, place) in row.iter_mut().zip(&places).filter(|(_, place)| **place >= 0) {
-            if let Some(value) = caller.method(STRING, cursor, &[JValue::Int(*place)])? {
-                *text = caller.string(STRING, value)?;
+            if let Some(value) = caller.call_method(STRING, cursor, &[JValue::Int(*place)])? {
+                *text = caller.read_string(STRING, value)?;
             }
         }
         rows.push(row);

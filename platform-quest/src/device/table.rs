@@ -1,8 +1,9 @@
-//! Every member of Android's Java classes that the shell uses: nothing else is called by name.
+//! The table of all members of Android's Java classes that the shell calls, with signature, API level and
+//! source. Nothing else is called by name.
 
-/// What kind of member it is.
+/// The kind of a Java member.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Kind {
+pub enum MemberKind {
     /// A method of an object.
     Method,
     /// A method of the class.
@@ -13,15 +14,15 @@ pub enum Kind {
 
 /// A method or a field of a Java class.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Member {
-    /// The class, with slashes.
+pub struct JavaMember {
+    /// The class's binary name, with slashes.
     pub class: &'static str,
-    /// Its name there.
+    /// The member's name.
     pub name: &'static str,
-    /// Types as the JVM writes them.
+    /// The type signature (JNI specification, "Type Signatures").
     pub signature: &'static str,
-    /// What kind of member it is.
-    pub kind: Kind,
+    /// Method or field, of an object or of the class.
+    pub kind: MemberKind,
     /// The first API level that has it.
     pub since: i32,
     /// Its page below <https://developer.android.com/reference/>.
@@ -31,17 +32,17 @@ pub struct Member {
 macro_rules! members {
     ($($(#[$doc:meta])* $constant:ident = $kind:ident $class:literal $name:literal $signature:literal
         since $since:literal in $source:literal;)*) => {
-        $($(#[$doc])* pub const $constant: Member = Member {
+        $($(#[$doc])* pub const $constant: JavaMember = JavaMember {
             class: $class,
             name: $name,
             signature: $signature,
-            kind: Kind::$kind,
+            kind: MemberKind::$kind,
             since: $since,
             source: $source,
         };)*
 
-        /// All of them.
-        pub const ALL: &[Member] = &[$($constant),*];
+        /// All members.
+        pub const ALL_MEMBERS: &[JavaMember] = &[$($constant),*];
     };
 }
 
@@ -49,64 +50,64 @@ members! {
     /// The API level of the device.
     SDK_INT = StaticField "android/os/Build$VERSION" "SDK_INT" "I"
         since 4 in "android/os/Build.VERSION#SDK_INT";
-    /// Who made the device.
+    /// The device's manufacturer.
     MANUFACTURER = StaticField "android/os/Build" "MANUFACTURER" "Ljava/lang/String;"
         since 4 in "android/os/Build#MANUFACTURER";
-    /// What the device is sold as.
+    /// The device's model, as users know it.
     MODEL = StaticField "android/os/Build" "MODEL" "Ljava/lang/String;"
         since 1 in "android/os/Build#MODEL";
     /// A system service by its name.
     SYSTEM_SERVICE = Method "android/content/Context" "getSystemService" "(Ljava/lang/String;)Ljava/lang/Object;"
         since 1 in "android/content/Context#getSystemService(java.lang.String)";
-    /// The app's own folder, which nobody else reads.
+    /// The app's internal folder, which no other app can read.
     FILES_DIR = Method "android/content/Context" "getFilesDir" "()Ljava/io/File;"
         since 1 in "android/content/Context#getFilesDir()";
-    /// The app's folder that is seen over USB. Null while it is not mounted.
+    /// The app's external folder, which a computer reads over USB. Null while it is not mounted.
     EXTERNAL_FILES_DIR = Method "android/content/Context" "getExternalFilesDir" "(Ljava/lang/String;)Ljava/io/File;"
         since 8 in "android/content/Context#getExternalFilesDir(java.lang.String)";
-    /// What answers queries of other apps' data.
+    /// The resolver, which sends queries to content providers.
     CONTENT_RESOLVER = Method "android/content/Context" "getContentResolver" "()Landroid/content/ContentResolver;"
         since 1 in "android/content/Context#getContentResolver()";
-    /// A file's whole path.
+    /// A file's absolute path.
     ABSOLUTE_PATH = Method "java/io/File" "getAbsolutePath" "()Ljava/lang/String;"
         since 1 in "java/io/File#getAbsolutePath()";
-    /// A number that the battery tells.
+    /// A property of the battery.
     BATTERY_PROPERTY = Method "android/os/BatteryManager" "getIntProperty" "(I)I"
         since 21 in "android/os/BatteryManager#getIntProperty(int)";
     /// Whether the battery is being charged.
     IS_CHARGING = Method "android/os/BatteryManager" "isCharging" "()Z"
         since 23 in "android/os/BatteryManager#isCharging()";
-    /// How hot the device is, in seven steps.
+    /// The thermal status, 0 to 6.
     THERMAL_STATUS = Method "android/os/PowerManager" "getCurrentThermalStatus" "()I"
         since 29 in "android/os/PowerManager#getCurrentThermalStatus()";
-    /// How hot it will be in some seconds, 1 being where it throttles. NaN if that is not known.
+    /// The forecast thermal headroom: 1 is where the device throttles. NaN if it is not known.
     THERMAL_HEADROOM = Method "android/os/PowerManager" "getThermalHeadroom" "(I)F"
         since 30 in "android/os/PowerManager#getThermalHeadroom(int)";
-    /// The network that is used, or null.
+    /// The active network, or null.
     ACTIVE_NETWORK = Method "android/net/ConnectivityManager" "getActiveNetwork" "()Landroid/net/Network;"
         since 23 in "android/net/ConnectivityManager#getActiveNetwork()";
-    /// What a network can do, or null if it is gone.
+    /// A network's capabilities, or null if it is gone.
     CAPABILITIES = Method "android/net/ConnectivityManager" "getNetworkCapabilities" "(Landroid/net/Network;)Landroid/net/NetworkCapabilities;"
         since 21 in "android/net/ConnectivityManager#getNetworkCapabilities(android.net.Network)";
-    /// Whether a network can do one thing.
+    /// Whether a network has a capability.
     HAS_CAPABILITY = Method "android/net/NetworkCapabilities" "hasCapability" "(I)Z"
         since 21 in "android/net/NetworkCapabilities#hasCapability(int)";
-    /// An address from its text.
+    /// Parses a URI.
     PARSE_URI = StaticMethod "android/net/Uri" "parse" "(Ljava/lang/String;)Landroid/net/Uri;"
         since 1 in "android/net/Uri#parse(java.lang.String)";
-    /// Asks another app for some columns of a table; null if nobody answers.
+    /// Queries columns of a content provider's table. Returns a cursor; null if there is no provider.
     QUERY = Method "android/content/ContentResolver" "query" "(Landroid/net/Uri;[Ljava/lang/String;Ljava/lang/String;[Ljava/lang/String;Ljava/lang/String;)Landroid/database/Cursor;"
         since 1 in "android/content/ContentResolver#query(android.net.Uri,%20java.lang.String[],%20java.lang.String,%20java.lang.String[],%20java.lang.String)";
-    /// Goes to an answer's next row, the first at first; false if there is none.
+    /// Moves a cursor to the next row, at first to the first one; false if there is none.
     MOVE_TO_NEXT = Method "android/database/Cursor" "moveToNext" "()Z"
         since 1 in "android/database/Cursor#moveToNext()";
-    /// The number of a column, -1 if there is none of that name.
+    /// The index of a column by its name; -1 if there is none.
     COLUMN_INDEX = Method "android/database/Cursor" "getColumnIndex" "(Ljava/lang/String;)I"
         since 1 in "android/database/Cursor#getColumnIndex(java.lang.String)";
-    /// The text in a column of the row.
+    /// The text in a column of the cursor's row.
     STRING = Method "android/database/Cursor" "getString" "(I)Ljava/lang/String;"
         since 1 in "android/database/Cursor#getString(int)";
-    /// Ends an answer.
+    /// Closes a cursor.
     CLOSE = Method "android/database/Cursor" "close" "()V"
         since 1 in "android/database/Cursor#close()";
 }

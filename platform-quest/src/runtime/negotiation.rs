@@ -1,55 +1,57 @@
-//! What a loader and a runtime tell each other before the first call.
+//! The negotiation of interface versions between loader and runtime, before the first call.
 
 use std::fmt;
 
 use openxr::sys::pfn::{GetInstanceProcAddr, NegotiateLoaderRuntimeInterface};
 use openxr::sys::{NegotiateLoaderInfo, NegotiateRuntimeRequest, Result as XrResult, Version};
 
-/// The one interface between loader and runtime that there is so far.
-const INTERFACE: u32 = 1;
+/// The only version of the interface between loader and runtime so far.
+const INTERFACE_VERSION: u32 = 1;
 
-/// Why a library is no runtime for this shell.
+/// Why a negotiation failed.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Refusal {
-    /// It wants another interface or version.
-    Said(XrResult),
-    /// It speaks another interface than it was offered.
+pub enum NegotiationError {
+    /// The runtime returned this result: it needs another interface or version.
+    Result(XrResult),
+    /// The runtime chose an interface version that it was not offered.
     Interface(u32),
-    /// It is made for another OpenXR than 1.
+    /// The runtime implements another major version of OpenXR.
     Version(Version),
-    /// It gave no functions.
+    /// The runtime returned no functions.
     NoFunctions,
 }
 
-impl fmt::Display for Refusal {
+impl fmt::Display for NegotiationError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Refusal::Said(result) => write!(f, "refused OpenXR 1: {result}"),
-            Refusal::Interface(number) => {
-                write!(f, "speaks loader interface {number}, expected {INTERFACE}")
+            NegotiationError::Result(result) => write!(f, "refused OpenXR 1: {result}"),
+            NegotiationError::Interface(number) => {
+                write!(f, "speaks loader interface {number}, expected {INTERFACE_VERSION}")
             }
-            Refusal::Version(version) => write!(f, "is made for OpenXR {version}, expected 1"),
-            Refusal::NoFunctions => f.write_str("gave no functions"),
+            NegotiationError::Version(version) => {
+                write!(f, "is made for OpenXR {version}, expected 1")
+            }
+            NegotiationError::NoFunctions => f.write_str("gave no functions"),
         }
     }
 }
 
-/// Asks a runtime for its functions: OpenXR 1 of any minor version, by loader interface 1.
+/// Negotiates with a runtime for OpenXR 1 of any minor version. Returns its `xrGetInstanceProcAddr`.
 ///
 /// # Errors
-/// [`Refusal`].
+/// [`NegotiationError`].
 ///
 /// # Safety
 /// The function is a runtime's `xrNegotiateLoaderRuntimeInterface`.
-pub unsafe fn negotiate(
+pub unsafe fn negotiate_interface(
     function: NegotiateLoaderRuntimeInterface,
-) -> Result<GetInstanceProcAddr, Refusal> {
+) -> Result<GetInstanceProcAddr, NegotiationError> {
     let loader = NegotiateLoaderInfo {
         struct_type: NegotiateLoaderInfo::TYPE,
         struct_version: NegotiateLoaderInfo::VERSION,
         struct_size: size_of::<NegotiateLoaderInfo>(),
-        min_interface_version: INTERFACE,
-        max_interface_version: INTERFACE,
+        min_interface_version: INTERFACE_VERSION,
+        max_interface_version: INTERFACE_VERSION,
         min_api_version: Version::new(1, 0, 0),
         max_api_version: Version::new(1, 0x3ff, 0xfff),
     };
@@ -64,15 +66,15 @@ pub unsafe fn negotiate(
     // SAFETY: the caller says what it is; both structures are as its pages have them.
     let result = unsafe { function(&raw const loader, &raw mut runtime) };
     if result != XrResult::SUCCESS {
-        return Err(Refusal::Said(result));
+        return Err(NegotiationError::Result(result));
     }
-    if runtime.runtime_interface_version != INTERFACE {
-        return Err(Refusal::Interface(runtime.runtime_interface_version));
+    if runtime.runtime_interface_version != INTERFACE_VERSION {
+        return Err(NegotiationError::Interface(runtime.runtime_interface_version));
     }
     if runtime.runtime_api_version.major() != 1 {
-        return Err(Refusal::Version(runtime.runtime_api_version));
+        return Err(NegotiationError::Version(runtime.runtime_api_version));
     }
-    runtime.get_instance_proc_addr.ok_or(Refusal::NoFunctions)
+    runtime.get_instance_proc_addr.ok_or(NegotiationError::NoFunctions)
 }
 
 #[cfg(test)]
@@ -84,7 +86,7 @@ mod tests {
     use openxr::sys::{Instance, NegotiateLoaderInfo, NegotiateRuntimeRequest, Result as XrResult};
     use openxr::sys::{LoaderInterfaceStructs, Version};
 
-    use super::{Refusal, negotiate};
+    use super::{NegotiationError, negotiate_interface};
 
     /// What the runtime below answers: a result, its interface, its version, whether it has
     /// functions.
@@ -124,17 +126,23 @@ mod tests {
             ((XrResult::SUCCESS, 1, 1, true), None),
             (
                 (XrResult::ERROR_INITIALIZATION_FAILED, 1, 1, true),
-                Some(Refusal::Said(XrResult::ERROR_INITIALIZATION_FAILED)),
+                Some(NegotiationError::Result(XrResult::ERROR_INITIALIZATION_FAILED)),
             ),
-            ((XrResult::SUCCESS, 2, 1, true), Some(Refusal::Interface(2))),
-            ((XrResult::SUCCESS, 1, 2, true), Some(Refusal::Version(Version::new(2, 0, 34)))),
-            ((XrResult::SUCCESS, 1, 1, false), Some(Refusal::NoFunctions)),
+            ((XrResult::SUCCESS, 2, 1, true), Some(NegotiationError::Interface(2))),
+            (
+                (XrResult::SUCCESS, 1, 2, true),
+                Some(NegotiationError::Version(Version::new(2, 0, 34))),
+            ),
+            ((XrResult::SUCCESS, 1, 1, false), Some(NegotiationError::NoFunctions)),
         ];
         for (answer, refusal) in answers {
             *ANSWER.lock().expect("one test") = answer;
             // SAFETY: it does what a runtime's does.
-            assert_eq!(unsafe { negotiate(runtime) }.err(), refusal);
+            assert_eq!(unsafe { negotiate_interface(runtime) }.err(), refusal);
         }
-        assert_eq!(Refusal::Interface(2).to_string(), "speaks loader interface 2, expected 1");
+        assert_eq!(
+            NegotiationError::Interface(2).to_string(),
+            "speaks loader interface 2, expected 1"
+        );
     }
 }

@@ -1,96 +1,106 @@
-//! The ticks of a frame: each with the poses of its own time.
+//! The ticks of a frame, each with the poses of its own time.
 
 use std::time::Instant;
 
 use openxr as xr;
-use paros_core::input::{HandInput, Input, RawPose};
-use paros_core::size::{Grid, Size};
-use paros_shell::stage::Pace;
+use paros_core::{Grid, HandInput, RawPose, Size, TickInput};
+use paros_shell::headset::hand_sample::HandSample;
 use paros_shell::statics::Resident;
+use paros_shell::tick_runner::TickClock;
 
-use super::{Shell, TELLING};
+use super::{DROP_LOG_INTERVAL, HeadsetShell};
 use crate::error::Error;
-use crate::host::Host;
-use crate::rig::Rig;
-use crate::sample::HandSample;
-use crate::xr::Session;
+use crate::platform::Platform;
+use crate::session_resources::SessionResources;
+use crate::xr::HeadsetSession;
 
-impl<const N: usize> Shell<'_, N>
+impl<const N: usize> HeadsetShell<'_, N>
 where
     Grid<N>: Size + Resident<N>,
 {
-    /// The ticks up to a frame that is shown at a time, and what the hands feel of them.
-    pub(super) fn ticks(
+    /// Runs the ticks up to a frame's display time, and applies their haptics.
+    pub(super) fn run_ticks(
         &mut self,
-        rig: &mut Rig<N>,
-        shown_at: xr::Time,
-        host: &mut dyn Host,
+        resources: &mut SessionResources<N>,
+        display_time: xr::Time,
+        platform: &mut dyn Platform,
     ) -> Result<(), Error> {
-        let due = self.beat.frame(shown_at.as_nanos());
-        self.fraction = due.fraction;
-        self.count_dropped(due.dropped, host);
-        let (session, listens) = (&rig.session, self.life.listens());
-        let menu = if listens {
-            session.actions.sync(&session.raw)?;
-            session.actions.menu(&session.raw)?
+        let due = self.pacer.advance_to(display_time.as_nanos());
+        self.tick_fraction = due.fraction;
+        self.count_dropped(due.dropped, platform);
+        let (session, has_focus) = (&resources.session, self.phase.has_focus());
+        let menu_down = if has_focus {
+            session.actions.sync_actions(&session.raw)?;
+            session.actions.is_menu_down(&session.raw)?
         } else {
             false
         };
-        for at in due.times() {
-            let jumped = self.recentre.breaks(at);
-            let mut input = input(session, xr::Time::from_nanos(at), listens && !jumped)?;
-            self.visitor.act(self.studio.world().session(), menu, &mut input);
-            if core::mem::take(&mut self.fresh) {
+        for tick_time in due.tick_times_ns() {
+            let jumped = self.recentering.take_due(tick_time);
+            let with_hands = has_focus && !jumped;
+            let mut input = read_input(session, xr::Time::from_nanos(tick_time), with_hands)?;
+            self.visit.apply_to_input(self.studio.world().session_state(), menu_down, &mut input);
+            if core::mem::take(&mut self.start_anew) {
                 input.start = self.options.mode;
             }
-            self.studio.tick_within(&input, |step| host.step(step));
+            self.studio.run_tick_with(&input, |step| platform.run_step(step));
             let world = self.studio.world();
-            rig.show.note(world);
-            self.pulses.note([world.hand(0).haptic, world.hand(1).haptic]);
+            resources.show.note_tick(world);
+            self.haptics.add_tick([world.hand_state(0).haptic, world.hand_state(1).haptic]);
         }
-        for (hand, pulse) in self.pulses.take().into_iter().enumerate() {
-            if let Some(pulse) = pulse.filter(|_| listens) {
-                rig.session.actions.pulse(&rig.session.raw, hand, pulse)?;
+        for (hand, pulse) in self.haptics.take_pulses().into_iter().enumerate() {
+            if let Some(pulse) = pulse.filter(|_| has_focus) {
+                session.actions.apply_haptic_pulse(&session.raw, hand, pulse)?;
             }
         }
         Ok(())
     }
 
-    /// Counts the ticks that are not made up, and tells of them from time to time.
-    fn count_dropped(&mut self, ticks: u32, host: &mut dyn Host) {
+    /// Counts dropped ticks, and logs them from time to time.
+    fn count_dropped(&mut self, ticks: u32, platform: &mut dyn Platform) {
         let dropped = &mut self.dropped;
-        dropped.ticks += u64::from(ticks);
-        let told_long_ago = dropped.told_at.is_none_or(|told_at| told_at.elapsed() > TELLING);
-        if dropped.ticks > dropped.told && told_long_ago {
-            let (all, most) = (dropped.ticks, Pace::CATCH_UP);
-            host.log(format_args!(
+        dropped.count += u64::from(ticks);
+        let log_due = dropped.logged_at.is_none_or(|at| at.elapsed() > DROP_LOG_INTERVAL);
+        if dropped.count > dropped.logged && log_due {
+            let (all, most) = (dropped.count, TickClock::MAX_TICKS_PER_FRAME);
+            platform.log(format_args!(
                 "{all} ticks dropped so far: a frame makes up {most} at the most"
             ));
-            (dropped.told, dropped.told_at) = (all, Some(Instant::now()));
+            (dropped.logged, dropped.logged_at) = (all, Some(Instant::now()));
         }
     }
 }
 
-/// Head and hands at a time, as the core takes them. `hands` are left out where they are another's.
-fn input(session: &Session, at: xr::Time, hands: bool) -> Result<Input, Error> {
-    let head = session.head(at)?;
-    let head =
-        head.map_or(RawPose::default(), |(position, rotation)| RawPose::new(position, rotation));
-    let mut input = Input { head, ..Input::default() };
-    if hands {
+/// Head and hands at a time, as the core takes them. Hands are left out without input focus.
+fn read_input(
+    session: &HeadsetSession,
+    time: xr::Time,
+    with_hands: bool,
+) -> Result<TickInput, Error> {
+    let head = session.locate_head(time)?;
+    let head = head
+        .map_or(RawPose::default(), |(position, rotation)| RawPose::quantise(position, rotation));
+    let mut input = TickInput { head, ..TickInput::default() };
+    if with_hands {
         for (hand, to) in input.hands.iter_mut().enumerate() {
-            *to = hand_input(session, hand, at)?;
+            *to = read_hand_input(session, hand, time)?;
         }
     }
     Ok(input)
 }
 
-/// A controller, or the bare hand where it is put down.
-fn hand_input(session: &Session, hand: usize, at: xr::Time) -> Result<HandInput, Error> {
-    let held = session.actions.sample(&session.raw, &session.room, hand, at)?;
-    let sample: HandSample = match &session.bare {
-        Some(bare) if held.grip.is_none() => bare.sample(&session.room, hand, at)?.unwrap_or(held),
+/// A controller's input, or the tracked bare hand's where the controller is put down.
+fn read_hand_input(
+    session: &HeadsetSession,
+    hand: usize,
+    time: xr::Time,
+) -> Result<HandInput, Error> {
+    let held = session.actions.sample_hand(&session.raw, &session.room, hand, time)?;
+    let sample: HandSample = match &session.hand_trackers {
+        Some(trackers) if held.grip.is_none() => {
+            trackers.sample_hand(&session.room, hand, time)?.unwrap_or(held)
+        }
         _ => held,
     };
-    Ok(sample.input())
+    Ok(sample.to_hand_input())
 }

@@ -1,211 +1,217 @@
-//! What both eyes see: a swapchain of two layers, its depth where that is wanted, and the projection
-//! layer that hands them to the compositor.
+//! The render targets of both eyes: a colour swapchain of two array layers, a depth swapchain where that
+//! is wanted, and the projection layer that submits them to the compositor.
 
 use std::sync::Arc;
 
 use ash::vk;
 use openxr as xr;
-use paros_shaders::gpu::{self, Format, Gpu, Layer, Renderer, Surface, read_layer};
+use paros_shaders::gpu::{self, Gpu, ImageLayer, RenderTarget, Renderer, TargetFormat, read_layer};
 
 use super::Runtime;
-use super::chain::{Chain, Kind};
-use crate::error::{Doing, Error};
-use crate::foveation::Foveation;
+use super::swapchain::{EyeSwapchain, SwapchainSpec};
+use crate::error::{CallContext, Error};
+use crate::foveation::FoveationLevel;
 
-/// Both eyes' images, and what draws into them.
-pub(crate) struct Eyes {
+/// Both eyes' images, and the surface that the renderer draws into.
+pub(crate) struct EyeTargets {
     gpu: Arc<Gpu>,
-    // Before the images it is made of.
-    pub(crate) surface: Surface,
-    color: Chain,
-    depth: Option<Chain>,
+    // Dropped before the images that it is made of.
+    pub(crate) surface: RenderTarget,
+    color: EyeSwapchain,
+    depth: Option<EyeSwapchain>,
     extent: [u32; 2],
     format: vk::Format,
     layout: vk::ImageLayout,
-    /// As it was asked for last.
-    foveation: Foveation,
+    /// The level that was set last.
+    foveation: FoveationLevel,
 }
 
-/// Images that nothing draws into yet.
-pub(crate) struct Images {
-    color: Chain,
-    depth: Option<Chain>,
+/// Swapchains without a renderer yet.
+pub(crate) struct EyeImages {
+    color: EyeSwapchain,
+    depth: Option<EyeSwapchain>,
     extent: [u32; 2],
 }
 
-/// Pixels of both eyes: left and right, red, green, blue of each.
-pub(crate) struct Shot {
+/// The pixels of both eyes, left and right.
+pub(crate) struct FrameCapture {
     /// Pixels across and down.
     pub(crate) extent: [u32; 2],
-    /// Three bytes a pixel, for each eye.
+    /// Red, green and blue of each pixel, for each eye.
     pub(crate) eyes: [Vec<u8>; 2],
 }
 
-/// The formats that hold linear light as a screen wants it.
-const COLORS: [vk::Format; 2] = [vk::Format::R8G8B8A8_SRGB, vk::Format::B8G8R8A8_SRGB];
+/// The sRGB formats that the renderer draws in.
+const SRGB_FORMATS: [vk::Format; 2] = [vk::Format::R8G8B8A8_SRGB, vk::Format::B8G8R8A8_SRGB];
 
-impl Images {
-    /// Images of the recommended size and a format. `shots` are to be taken of them.
+impl EyeImages {
+    /// Creates swapchains of the recommended extent and a format; `capturable` ones can be read back.
     ///
     /// # Errors
     /// A call that failed.
-    pub(crate) fn new(
+    pub(crate) fn create(
         runtime: &Runtime,
         session: &xr::Session<xr::Vulkan>,
         gpu: &Arc<Gpu>,
-        format: &Format,
-        shots: bool,
+        format: &TargetFormat,
+        capturable: bool,
     ) -> Result<Self, Error> {
         let sampled = xr::SwapchainUsageFlags::SAMPLED;
-        let mut color = Kind {
+        let mut color = SwapchainSpec {
             extent: runtime.extent,
             format: format.color,
             aspect: vk::ImageAspectFlags::COLOR,
             usage: xr::SwapchainUsageFlags::COLOR_ATTACHMENT | sampled,
-            mapped: format.density_map,
+            with_density_maps: format.density_map,
         };
-        if shots {
+        if capturable {
             color.usage |= xr::SwapchainUsageFlags::TRANSFER_SRC;
         }
-        let depth = Kind {
-            format: Format::depth(gpu),
+        let depth = SwapchainSpec {
+            format: TargetFormat::choose_depth(gpu),
             aspect: vk::ImageAspectFlags::DEPTH,
             usage: xr::SwapchainUsageFlags::DEPTH_STENCIL_ATTACHMENT | sampled,
-            mapped: false,
+            with_density_maps: false,
             ..color
         };
-        let color = Chain::new(session, gpu, &color)?;
-        let depth = format.keep_depth.then(|| Chain::new(session, gpu, &depth)).transpose()?;
-        Ok(Images { color, depth, extent: runtime.extent })
+        let color = EyeSwapchain::create(session, gpu, &color)?;
+        let depth =
+            format.keep_depth.then(|| EyeSwapchain::create(session, gpu, &depth)).transpose()?;
+        Ok(EyeImages { color, depth, extent: runtime.extent })
     }
 
-    /// Whether the runtime gave density maps with them.
-    pub(crate) const fn are_mapped(&self) -> bool {
-        self.color.is_mapped()
+    /// Whether the runtime gave the images density maps.
+    pub(crate) const fn have_density_maps(&self) -> bool {
+        self.color.has_density_maps()
     }
 }
 
-impl Eyes {
-    /// The renderer's format for a session: the first that the runtime would rather have. Depth is
-    /// handed over with one sample a pixel, as that of several can't be resolved.
+impl EyeTargets {
+    /// Chooses the renderer's format for a session: the first sRGB format in the runtime's order of
+    /// preference. Depth is submitted with one sample a pixel only, as multisampled depth can't be resolved.
     ///
     /// # Errors
     /// [`Error::Unavailable`] where there is no such format, or a call that failed.
-    pub(crate) fn format(
+    pub(crate) fn choose_format(
         session: &xr::Session<xr::Vulkan>,
         gpu: &Gpu,
         with_depth: bool,
-    ) -> Result<Format, Error> {
-        let formats = session.enumerate_swapchain_formats().doing("list image formats")?;
+    ) -> Result<TargetFormat, Error> {
+        let formats = session.enumerate_swapchain_formats().context("list image formats")?;
         let has = |format: vk::Format| formats.contains(&format.as_raw().cast_unsigned());
         let color = formats
             .iter()
             .map(|format| vk::Format::from_raw(format.cast_signed()))
-            .find(|format| COLORS.contains(format));
+            .find(|format| SRGB_FORMATS.contains(format));
         let color = color.ok_or_else(|| {
             Error::Unavailable("the OpenXR runtime takes no sRGB pictures".into())
         })?;
-        let keep_depth = with_depth && has(Format::depth(gpu));
-        Ok(Format {
+        let keep_depth = with_depth && has(TargetFormat::choose_depth(gpu));
+        Ok(TargetFormat {
             color,
             samples: if keep_depth { 1 } else { 4 },
             views: 2,
             final_layout: vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL,
             keep_depth,
-            density_map: gpu.needs.density_map,
+            density_map: gpu.features.density_map,
         })
     }
 
-    /// What draws into images, by a renderer of their format.
+    /// Makes images a target of a renderer of their format.
     ///
     /// # Errors
     /// A call that failed.
-    pub(crate) fn new(images: Images, renderer: &Renderer) -> Result<Self, Error> {
-        let Images { color, depth, extent } = images;
+    pub(crate) fn from_images(images: EyeImages, renderer: &Renderer) -> Result<Self, Error> {
+        let EyeImages { color, depth, extent } = images;
         let format = renderer.format();
         let surface = match &depth {
-            // A framebuffer for each pair of images.
+            // A framebuffer for each pair of a colour and a depth image.
             Some(depth) => {
                 let of = |views: &[vk::ImageView]| views.repeat(depth.views.len());
                 let each = depth.views.iter().flat_map(|depth| color.views.iter().map(|_| *depth));
                 let depths: Vec<_> = each.collect();
-                let (colors, maps) = (of(&color.views), of(&color.densities));
-                renderer.mapped_surface(extent, &colors, &depths, &maps)?
+                let (colors, maps) = (of(&color.views), of(&color.density_views));
+                renderer.create_target_with_density_maps(extent, &colors, &depths, &maps)?
             }
-            None => renderer.mapped_surface(extent, &color.views, &[], &color.densities)?,
+            None => renderer.create_target_with_density_maps(
+                extent,
+                &color.views,
+                &[],
+                &color.density_views,
+            )?,
         };
         let (gpu, format, layout) = (color.gpu.clone(), format.color, format.final_layout);
-        let foveation = Foveation::Off;
-        Ok(Eyes { gpu, surface, color, depth, extent, format, layout, foveation })
+        let foveation = FoveationLevel::Off;
+        Ok(EyeTargets { gpu, surface, color, depth, extent, format, layout, foveation })
     }
 
-    /// How coarsely they are shaded away from the middle, as it was asked for last; `None` where
-    /// that can't be said.
-    pub(crate) fn foveation(&self) -> Option<Foveation> {
-        self.color.is_mapped().then_some(self.foveation)
+    /// The foveation level that was set last; none where the images have no density maps.
+    pub(crate) fn foveation_level(&self) -> Option<FoveationLevel> {
+        self.color.has_density_maps().then_some(self.foveation)
     }
 
-    /// Has the frames to come shaded by another level. One that failed is not asked for again.
+    /// Sets the foveation level of the frames to come. A level that failed is not set again.
     ///
     /// # Errors
     /// A call that failed.
-    pub(crate) fn foveate(
+    pub(crate) fn set_foveation(
         &mut self,
         session: &xr::Session<xr::Vulkan>,
-        level: Foveation,
+        level: FoveationLevel,
     ) -> Result<(), Error> {
         self.foveation = level;
-        self.color.foveate(session, level)
+        self.color.set_foveation(session, level)
     }
 
-    /// Takes the next images: the number of the surface's to draw into.
+    /// Acquires the next images. Returns the index of the surface's framebuffer to draw into.
     ///
     /// # Errors
     /// A lost session.
-    pub(crate) fn acquire(&mut self) -> Result<usize, Error> {
-        let color = self.color.acquire()?;
+    pub(crate) fn acquire_images(&mut self) -> Result<usize, Error> {
+        let color = self.color.acquire_image()?;
         match &mut self.depth {
-            Some(depth) => Ok(depth.acquire()? * self.color.images.len() + color),
+            Some(depth) => Ok(depth.acquire_image()? * self.color.images.len() + color),
             None => Ok(color),
         }
     }
 
-    /// Gives the images back, drawn.
+    /// Releases the images, drawn, to the compositor.
     ///
     /// # Errors
     /// A lost session.
-    pub(crate) fn release(&mut self) -> Result<(), Error> {
-        self.color.handle.release_image().doing("hand over a picture")?;
+    pub(crate) fn release_images(&mut self) -> Result<(), Error> {
+        self.color.handle.release_image().context("hand over a picture")?;
         match &mut self.depth {
-            Some(depth) => depth.handle.release_image().doing("hand over a picture's depth"),
+            Some(depth) => depth.handle.release_image().context("hand over a picture's depth"),
             None => Ok(()),
         }
     }
 
-    /// The pixels of the image that was drawn last, before it is released.
+    /// Reads back the image that was drawn last, before it is released.
     ///
     /// # Errors
     /// A lost device.
-    pub(crate) fn shoot(&self, image: usize) -> Result<Shot, gpu::Error> {
+    pub(crate) fn capture_frame(&self, image: usize) -> Result<FrameCapture, gpu::Error> {
         let raw = self.color.images[image % self.color.images.len()];
         let (format, extent, layout) = (self.format, self.extent, self.layout);
         let blue_first = format == vk::Format::B8G8R8A8_SRGB;
         let eye = |number| -> Result<Vec<u8>, gpu::Error> {
-            let bytes = read_layer(&self.gpu, &Layer { raw, format, extent, layout, number })?;
+            let bytes =
+                read_layer(&self.gpu, &ImageLayer { raw, format, extent, layout, index: number })?;
             let rgb = |p: &[u8]| if blue_first { [p[2], p[1], p[0]] } else { [p[0], p[1], p[2]] };
             Ok(bytes.chunks_exact(4).flat_map(rgb).collect())
         };
-        Ok(Shot { extent, eyes: [eye(0)?, eye(1)?] })
+        Ok(FrameCapture { extent, eyes: [eye(0)?, eye(1)?] })
     }
 
-    /// Ends a frame with the pictures of these views.
+    /// Ends a frame with a projection layer of these views.
     ///
     /// # Errors
     /// A lost session.
-    pub(crate) fn end(
+    pub(crate) fn end_frame(
         &self,
         stream: &mut xr::FrameStream<xr::Vulkan>,
-        (at, blend): (xr::Time, xr::EnvironmentBlendMode),
+        (display_time, blend_mode): (xr::Time, xr::EnvironmentBlendMode),
         room: &xr::Space,
         views: &[xr::sys::View; 2],
     ) -> Result<(), Error> {
@@ -225,13 +231,13 @@ impl Eyes {
             unsafe { xr::CompositionLayerProjectionView::from_raw(raw) }
         });
         let layer = xr::CompositionLayerProjection::new().space(room).views(&views);
-        stream.end(at, blend, &[&layer]).doing("end a frame")
+        stream.end(display_time, blend_mode, &[&layer]).context("end a frame")
     }
 
-    fn sub_image(&self, chain: &Chain, eye: usize) -> xr::sys::SwapchainSubImage {
+    fn sub_image(&self, swapchain: &EyeSwapchain, eye: usize) -> xr::sys::SwapchainSubImage {
         let [width, height] = self.extent.map(u32::cast_signed);
         xr::sys::SwapchainSubImage {
-            swapchain: chain.handle.as_raw(),
+            swapchain: swapchain.handle.as_raw(),
             image_rect: xr::Rect2Di {
                 offset: xr::Offset2Di { x: 0, y: 0 },
                 extent: xr::Extent2Di { width, height },
@@ -240,8 +246,12 @@ impl Eyes {
         }
     }
 
-    /// Depth is 1 on the near plane: the compositor is told by giving the far one as the near.
-    fn depth_info(&self, depth: &Chain, eye: usize) -> xr::sys::CompositionLayerDepthInfoKHR {
+    /// Depth is reversed, 1 on the near plane: the compositor is told so by swapping the planes.
+    fn depth_info(
+        &self,
+        depth: &EyeSwapchain,
+        eye: usize,
+    ) -> xr::sys::CompositionLayerDepthInfoKHR {
         let [near, far] = gpu::Eye::PLANES;
         xr::sys::CompositionLayerDepthInfoKHR {
             ty: xr::sys::CompositionLayerDepthInfoKHR::TYPE,

@@ -1,4 +1,5 @@
-//! The runtime: an instance, the headset, and a Vulkan device made by way of it.
+//! The runtime: an instance, the head-mounted system, and the Vulkan device that is created through it
+//! (`XR_KHR_vulkan_enable2`).
 
 use std::sync::Arc;
 
@@ -6,50 +7,53 @@ use ash::vk::{self, Handle};
 use openxr as xr;
 use paros_shaders::gpu::{self, Gpu};
 
-use super::VIEWS;
-use crate::error::{Doing, Error};
-use crate::foveation::Foveation;
-use crate::host::Host;
-use crate::options::Options;
+use super::VIEW_CONFIGURATION;
+use crate::error::{CallContext, Error};
+use crate::foveation::FoveationLevel;
+use crate::options::ShellOptions;
+use crate::platform::Platform;
 
 /// Vulkan 1.1 has multiview in its core.
-const VULKAN: xr::Version = xr::Version::new(1, 1, 0);
+const VULKAN_VERSION: xr::Version = xr::Version::new(1, 1, 0);
 
-/// An instance and the headset behind it.
+/// An instance and the system that it found.
 pub(crate) struct Runtime {
     pub(crate) instance: xr::Instance,
     pub(crate) system: xr::SystemId,
-    /// What was asked for, of what is offered.
+    /// The extensions that are enabled.
     pub(crate) extensions: xr::ExtensionSet,
-    /// Its name and version, for people.
+    /// Its name and version, for messages.
     pub(crate) name: String,
-    /// Pixels of an eye's image, as recommended.
+    /// The recommended extent of an eye's image, in pixels.
     pub(crate) extent: [u32; 2],
-    /// How pictures are laid over the world.
-    pub(crate) blend: xr::EnvironmentBlendMode,
-    /// Tells the system what a thread is for.
-    pub(crate) thread_types: Option<NameThread>,
+    /// The environment blend mode.
+    pub(crate) blend_mode: xr::EnvironmentBlendMode,
+    /// `xrSetAndroidApplicationThreadKHR`, where the runtime has it.
+    pub(crate) set_thread_type: Option<SetThreadType>,
 }
 
 /// `PFN_xrSetAndroidApplicationThreadKHR`, which the crate has on Android alone.
-pub(crate) type NameThread =
+pub(crate) type SetThreadType =
     unsafe extern "system" fn(xr::sys::Session, xr::AndroidThreadTypeKHR, u32) -> xr::sys::Result;
 
-const THREADS: &[u8] = b"XR_KHR_android_thread_settings\0";
+const THREAD_SETTINGS: &[u8] = b"XR_KHR_android_thread_settings\0";
 
 impl Runtime {
-    /// The runtime of this system and its headset.
+    /// Creates an instance by the platform's loader, and finds its head-mounted system.
     ///
     /// # Errors
     /// [`Error::Unavailable`] with what is missing, or a call that failed.
-    pub(crate) fn new(host: &mut dyn Host, options: &Options) -> Result<Self, Error> {
-        let entry = host.entry()?;
-        let offered = entry.enumerate_extensions().map_err(unavailable)?;
+    pub(crate) fn create(
+        platform: &mut dyn Platform,
+        options: &ShellOptions,
+    ) -> Result<Self, Error> {
+        let entry = platform.load_openxr()?;
+        let offered = entry.enumerate_extensions().map_err(instance_error)?;
         if !offered.khr_vulkan_enable2 {
             let why = "the OpenXR runtime has no XR_KHR_vulkan_enable2";
             return Err(Error::Unavailable(why.into()));
         }
-        let extensions = wanted(options).intersection(&offered);
+        let extensions = wanted_extensions(options).intersection(&offered);
         let application = xr::ApplicationInfo {
             application_name: "Paros",
             application_version: 1,
@@ -57,23 +61,23 @@ impl Runtime {
             engine_version: 1,
             api_version: xr::Version::new(1, 0, 0),
         };
-        let made = host.instance(&entry, &application, extensions.clone());
-        let instance = made.map_err(unavailable)?;
-        let properties = instance.properties().doing("name the runtime")?;
+        let made = platform.create_instance(&entry, &application, extensions.clone());
+        let instance = made.map_err(instance_error)?;
+        let properties = instance.properties().context("name the runtime")?;
         let name = format!("{} {}", properties.runtime_name, properties.runtime_version);
         let system = instance.system(xr::FormFactor::HEAD_MOUNTED_DISPLAY).map_err(|result| {
             Error::Unavailable(format!("{name} has no headset ({result:?}): connect one"))
         })?;
-        let extent = stereo(&instance, system, &name)?;
-        let modes = instance.enumerate_environment_blend_modes(system, VIEWS);
-        let blend = modes.doing("list the blend modes")?.first().copied();
-        let blend = blend.unwrap_or(xr::EnvironmentBlendMode::OPAQUE);
-        let thread_types = thread_types(&instance, &extensions);
-        Ok(Runtime { instance, system, extensions, name, extent, blend, thread_types })
+        let extent = stereo_extent(&instance, system, &name)?;
+        let modes = instance.enumerate_environment_blend_modes(system, VIEW_CONFIGURATION);
+        let blend_mode = modes.context("list the blend modes")?.first().copied();
+        let blend_mode = blend_mode.unwrap_or(xr::EnvironmentBlendMode::OPAQUE);
+        let set_thread_type = find_set_thread_type(&instance, &extensions);
+        Ok(Runtime { instance, system, extensions, name, extent, blend_mode, set_thread_type })
     }
 
-    /// Which of some extensions it can't be asked for, by name.
-    pub(crate) fn lacks<'a>(&self, names: &[&'a str]) -> Vec<&'a str> {
+    /// Which of some extensions are not enabled, by name.
+    pub(crate) fn missing_extensions<'a>(&self, names: &[&'a str]) -> Vec<&'a str> {
         let asked = self.extensions.names();
         let has = |name: &str| {
             asked.iter().any(|asked| asked.strip_suffix(b"\0") == Some(name.as_bytes()))
@@ -81,26 +85,30 @@ impl Runtime {
         names.iter().copied().filter(|name| !has(name)).collect()
     }
 
-    /// Vulkan by way of this runtime.
+    /// Creates a Vulkan instance through this runtime.
     ///
     /// # Errors
     /// [`Error::Unavailable`], or a call that failed.
-    pub(crate) fn vulkan(&self, options: &gpu::Options) -> Result<Arc<gpu::Instance>, Error> {
+    pub(crate) fn create_vulkan(
+        &self,
+        options: &gpu::Options,
+    ) -> Result<Arc<gpu::Instance>, Error> {
         let needs = self.instance.graphics_requirements::<xr::Vulkan>(self.system);
-        let needs = needs.doing("ask what Vulkan it needs")?;
-        if needs.min_api_version_supported > VULKAN {
+        let needs = needs.context("ask what Vulkan it needs")?;
+        if needs.min_api_version_supported > VULKAN_VERSION {
             let least = needs.min_api_version_supported;
-            let why = format!("{} needs Vulkan {least}, and this is for {VULKAN}", self.name);
+            let why =
+                format!("{} needs Vulkan {least}, and this is for {VULKAN_VERSION}", self.name);
             return Err(Error::Unavailable(why));
         }
-        gpu::Instance::made_by(options, |entry, info| self.make_vulkan(entry, info))
+        gpu::Instance::create_with(options, |entry, info| self.create_vulkan_instance(entry, info))
     }
 
-    /// The device that the headset's pictures must be drawn by.
+    /// Creates a device on the physical device that the runtime names.
     ///
     /// # Errors
     /// A device without multiview, or a call that failed.
-    pub(crate) fn gpu(
+    pub(crate) fn create_gpu(
         &self,
         instance: Arc<gpu::Instance>,
         options: &gpu::Options,
@@ -108,25 +116,29 @@ impl Runtime {
         let raw = instance.raw.handle().as_raw() as xr::sys::platform::VkInstance;
         // SAFETY: the instance was made by way of this runtime.
         let physical = unsafe { self.instance.vulkan_graphics_device(self.system, raw) };
-        let physical = vk::PhysicalDevice::from_raw(physical.doing("name the device")? as u64);
+        let physical = vk::PhysicalDevice::from_raw(physical.context("name the device")? as u64);
         let entry = instance.entry.clone();
-        Gpu::made_by(instance, options, physical, |info| self.device(&entry, physical, info))
+        Gpu::create_with(instance, options, physical, |info| {
+            self.create_vulkan_device(&entry, physical, info)
+        })
     }
 
-    fn make_vulkan(
+    fn create_vulkan_instance(
         &self,
         entry: &ash::Entry,
         info: &vk::InstanceCreateInfo<'_>,
     ) -> Result<vk::Instance, Error> {
         let info = core::ptr::from_ref(info).cast();
         // SAFETY: all that `info` points to lives until the call returns, and the loader is open.
+        let made = unsafe {
+            self.instance.create_vulkan_instance(self.system, vulkan_proc_addr(entry), info)
+        };
         let made =
-            unsafe { self.instance.create_vulkan_instance(self.system, loader(entry), info) };
-        let made = made.doing("make a Vulkan instance")?.map_err(call("make an instance"))?;
+            made.context("make a Vulkan instance")?.map_err(vulkan_error("make an instance"))?;
         Ok(vk::Instance::from_raw(made as u64))
     }
 
-    fn device(
+    fn create_vulkan_device(
         &self,
         entry: &ash::Entry,
         physical: vk::PhysicalDevice,
@@ -136,26 +148,26 @@ impl Runtime {
         let info = core::ptr::from_ref(info).cast();
         // SAFETY: as above, and the physical device is the one that the runtime named.
         let made = unsafe {
-            self.instance.create_vulkan_device(self.system, loader(entry), physical, info)
+            self.instance.create_vulkan_device(self.system, vulkan_proc_addr(entry), physical, info)
         };
-        let made = made.doing("make a Vulkan device")?.map_err(call("make a device"))?;
+        let made = made.context("make a Vulkan device")?.map_err(vulkan_error("make a device"))?;
         Ok(vk::Device::from_raw(made as u64))
     }
 }
 
-/// All that the shell makes use of where it is offered. Thread types are of no use but on Android,
-/// and only there has the crate a name for them.
-fn wanted(options: &Options) -> xr::ExtensionSet {
-    let mut wanted: xr::ExtensionSet = [THREADS].into_iter().collect();
+/// All extensions that the shell enables where they are offered. Thread settings matter on Android alone,
+/// and only there does the crate name them.
+fn wanted_extensions(options: &ShellOptions) -> xr::ExtensionSet {
+    let mut wanted: xr::ExtensionSet = [THREAD_SETTINGS].into_iter().collect();
     wanted.khr_vulkan_enable2 = true;
-    wanted.khr_composition_layer_depth = options.depth;
+    wanted.khr_composition_layer_depth = options.submit_depth;
     wanted.ext_hand_tracking = true;
     wanted.ext_local_floor = true;
     wanted.ext_user_presence = true;
     wanted.ext_performance_settings = true;
     wanted.fb_display_refresh_rate = true;
     wanted.meta_touch_controller_plus = true;
-    if options.foveation != Some(Foveation::Off) {
+    if options.foveation != Some(FoveationLevel::Off) {
         wanted.fb_foveation = true;
         wanted.fb_foveation_configuration = true;
         wanted.fb_foveation_vulkan = true;
@@ -164,8 +176,11 @@ fn wanted(options: &Options) -> xr::ExtensionSet {
     wanted
 }
 
-fn thread_types(instance: &xr::Instance, extensions: &xr::ExtensionSet) -> Option<NameThread> {
-    if !extensions.names().contains(&THREADS) {
+fn find_set_thread_type(
+    instance: &xr::Instance,
+    extensions: &xr::ExtensionSet,
+) -> Option<SetThreadType> {
+    if !extensions.names().contains(&THREAD_SETTINGS) {
         return None;
     }
     let (name, mut found) = (c"xrSetAndroidApplicationThreadKHR", None);
@@ -174,13 +189,17 @@ fn thread_types(instance: &xr::Instance, extensions: &xr::ExtensionSet) -> Optio
     let _ = unsafe { find(instance.as_raw(), name.as_ptr(), &mut found) };
     // SAFETY: this is the type that goes with the name.
     found.map(|found| unsafe {
-        core::mem::transmute::<xr::sys::pfn::VoidFunction, NameThread>(found)
+        core::mem::transmute::<xr::sys::pfn::VoidFunction, SetThreadType>(found)
     })
 }
 
-/// Pixels of an eye's image.
-fn stereo(instance: &xr::Instance, system: xr::SystemId, name: &str) -> Result<[u32; 2], Error> {
-    let views = instance.enumerate_view_configuration_views(system, VIEWS);
+/// The recommended extent of an eye's image, which both eyes share.
+fn stereo_extent(
+    instance: &xr::Instance,
+    system: xr::SystemId,
+    name: &str,
+) -> Result<[u32; 2], Error> {
+    let views = instance.enumerate_view_configuration_views(system, VIEW_CONFIGURATION);
     let views = views.map_err(|_| Error::Unavailable(format!("{name} shows no two eyes")))?;
     let [left, right] = &views[..] else {
         return Err(Error::Unavailable(format!("{name} shows {} eyes, not two", views.len())));
@@ -193,7 +212,7 @@ fn stereo(instance: &xr::Instance, system: xr::SystemId, name: &str) -> Result<[
     Ok([left[0].max(right[0]), left[1].max(right[1])])
 }
 
-fn unavailable(result: xr::sys::Result) -> Error {
+fn instance_error(result: xr::sys::Result) -> Error {
     match result {
         xr::sys::Result::ERROR_RUNTIME_UNAVAILABLE | xr::sys::Result::ERROR_RUNTIME_FAILURE => {
             let remedy = "start one, or name another by XR_RUNTIME_JSON";
@@ -203,12 +222,14 @@ fn unavailable(result: xr::sys::Result) -> Error {
     }
 }
 
-fn call(doing: &'static str) -> impl Fn(i32) -> Error {
-    move |result| Error::Gpu(gpu::Error::Call { doing, result: vk::Result::from_raw(result) })
+fn vulkan_error(doing: &'static str) -> impl Fn(i32) -> Error {
+    move |result| {
+        Error::Gpu(gpu::Error::Call { action: doing, result: vk::Result::from_raw(result) })
+    }
 }
 
-/// Where the runtime finds Vulkan's functions.
-fn loader(entry: &ash::Entry) -> xr::sys::platform::VkGetInstanceProcAddr {
+/// The function by which the runtime finds Vulkan's functions.
+fn vulkan_proc_addr(entry: &ash::Entry) -> xr::sys::platform::VkGetInstanceProcAddr {
     let from = entry.static_fn().get_instance_proc_addr;
     // SAFETY: both are the type of `vkGetInstanceProcAddr`, as two crates spell it.
     unsafe { core::mem::transmute(from) }

@@ -1,33 +1,37 @@
-//! The calls of OpenXR, and the Vulkan device that comes by way of them. Nothing is decided here.
+//! The calls of OpenXR: instance, session, spaces, actions, hand tracking, swapchains, and the Vulkan device
+//! that is created through them.
+//! They take handles and times, and give poses, samples and images to draw into.
+//! They know nothing of ticks, visits or files: what is decided is decided elsewhere.
 
 mod actions;
-mod bare;
-mod chain;
 mod eyes;
+mod hand_tracking;
 mod instance;
 mod session;
+mod swapchain;
 
-pub(crate) use actions::{Actions, NO_PROFILE};
-pub(crate) use bare::BareHands;
-pub(crate) use eyes::{Eyes, Images, Shot};
+pub(crate) use actions::{ControllerActions, NO_PROFILE};
+pub(crate) use eyes::{EyeImages, EyeTargets, FrameCapture};
+pub(crate) use hand_tracking::HandTrackers;
 pub(crate) use instance::Runtime;
-pub(crate) use session::Session;
+pub(crate) use session::HeadsetSession;
 
 use glam::{Quat, Vec3};
 use openxr as xr;
-use paros_core::hand::RoomPose;
+use paros_core::internals::RoomPose;
 
-/// The two eyes.
-pub(crate) const VIEWS: xr::ViewConfigurationType = xr::ViewConfigurationType::PRIMARY_STEREO;
+/// The view configuration: two eyes.
+pub(crate) const VIEW_CONFIGURATION: xr::ViewConfigurationType =
+    xr::ViewConfigurationType::PRIMARY_STEREO;
 
-/// A pose of the runtime's.
+/// Converts a pose of OpenXR's.
 pub(crate) fn room_pose(pose: xr::Posef) -> RoomPose {
     let xr::Posef { position: p, orientation: q } = pose;
     (Vec3::new(p.x, p.y, p.z), Quat::from_xyzw(q.x, q.y, q.z, q.w))
 }
 
-/// A pose that is tracked, not guessed.
-pub(crate) fn tracked(flags: xr::SpaceLocationFlags, pose: xr::Posef) -> Option<RoomPose> {
+/// A location's pose, if it is valid and its position tracked.
+pub(crate) fn tracked_pose(flags: xr::SpaceLocationFlags, pose: xr::Posef) -> Option<RoomPose> {
     let wanted = xr::SpaceLocationFlags::POSITION_VALID
         | xr::SpaceLocationFlags::ORIENTATION_VALID
         | xr::SpaceLocationFlags::POSITION_TRACKED;

@@ -1,85 +1,93 @@
-//! A session: its spaces, and what is asked of the display and the processors.
+//! A session: its reference spaces and actions, its display refresh rate and performance levels.
 
 use ash::vk::Handle;
 use glam::{Quat, Vec3};
 use openxr as xr;
-use paros_core::hand::RoomPose;
+use paros_core::internals::RoomPose;
 use paros_shaders::gpu::{Eye, Fov, Gpu};
 
-use super::{Actions, BareHands, NO_PROFILE, Runtime, VIEWS, room_pose, tracked};
-use crate::error::{Doing, Error};
+use super::{
+    ControllerActions, HandTrackers, NO_PROFILE, Runtime, VIEW_CONFIGURATION, room_pose,
+    tracked_pose,
+};
+use crate::error::{CallContext, Error};
 
-/// A session that was made, not yet begun.
-pub(crate) struct Session {
+/// An OpenXR session, its frame loop, spaces and input.
+pub(crate) struct HeadsetSession {
     pub(crate) raw: xr::Session<xr::Vulkan>,
     pub(crate) waiter: xr::FrameWaiter,
     pub(crate) stream: xr::FrameStream<xr::Vulkan>,
-    /// The room: its origin is on the floor, its -z was ahead when it was made or recentred.
+    /// The room: a reference space with its origin on the floor, whose -z was ahead when it was created or
+    /// recentred.
     pub(crate) room: xr::Space,
-    pub(crate) room_kind: xr::ReferenceSpaceType,
+    pub(crate) room_type: xr::ReferenceSpaceType,
     head: xr::Space,
-    pub(crate) actions: Actions,
-    pub(crate) bare: Option<BareHands>,
+    pub(crate) actions: ControllerActions,
+    pub(crate) hand_trackers: Option<HandTrackers>,
 }
 
-/// How high a room's origin is held to be over the floor where the runtime doesn't know the floor.
-const EYES: f32 = 1.6;
+/// The assumed height of the eyes above the floor, in metres, where the runtime doesn't know the floor.
+const EYE_HEIGHT: f32 = 1.6;
 
-/// Hertz by which a rate may differ and be called the same: displays have 71.9 for 72.
-const SAME: f32 = 0.5;
+/// Hertz by which refresh rates may differ and count as the same: displays have 71.9 for 72.
+const RATE_TOLERANCE: f32 = 0.5;
 
-impl Session {
-    /// A session of a headset that shows what a device draws.
+impl HeadsetSession {
+    /// Creates a session for what a device draws.
     ///
     /// # Errors
-    /// [`Error::Unavailable`] where there is nothing to sculpt by, or a call that failed.
-    pub(crate) fn new(runtime: &Runtime, gpu: &Gpu) -> Result<Self, Error> {
+    /// [`Error::Unavailable`] where there is no input to sculpt with, or a call that failed.
+    pub(crate) fn create(runtime: &Runtime, gpu: &Gpu) -> Result<Self, Error> {
         let info = xr::vulkan::SessionCreateInfo {
             instance: gpu.instance.raw.handle().as_raw() as _,
-            physical_device: gpu.physical.as_raw() as _,
+            physical_device: gpu.physical_device.as_raw() as _,
             device: gpu.device.handle().as_raw() as _,
-            queue_family_index: gpu.family,
+            queue_family_index: gpu.queue_family,
             queue_index: 0,
         };
         // SAFETY: the device was made by way of this runtime, and outlives the session.
         let made = unsafe { runtime.instance.create_session::<xr::Vulkan>(runtime.system, &info) };
-        let (raw, waiter, stream) = made.doing("make a session")?;
-        let (room, room_kind) = room(&raw)?;
+        let (raw, waiter, stream) = made.context("make a session")?;
+        let (room, room_type) = create_floor_space(&raw)?;
         let space = |kind| raw.create_reference_space(kind, xr::Posef::IDENTITY);
-        let head = space(xr::ReferenceSpaceType::VIEW).doing("make a space")?;
-        let actions = Actions::new(&runtime.instance, &raw, &runtime.extensions)?;
-        let bare = BareHands::new(runtime, &raw);
-        if actions.profiles == 0 && bare.is_none() {
+        let head = space(xr::ReferenceSpaceType::VIEW).context("make a space")?;
+        let actions = ControllerActions::create(&runtime.instance, &raw, &runtime.extensions)?;
+        let hand_trackers = HandTrackers::create(runtime, &raw);
+        if actions.profiles == 0 && hand_trackers.is_none() {
             let why = format!("{NO_PROFILE}, and tracks no bare hands: choose another runtime");
             return Err(Error::Unavailable(why));
         }
-        Ok(Session { raw, waiter, stream, room, room_kind, head, actions, bare })
+        Ok(HeadsetSession { raw, waiter, stream, room, room_type, head, actions, hand_trackers })
     }
 
-    /// Asks for the display's rate, where one can: what has become of it. What is refused is no
-    /// failure: the pictures are the same.
-    pub(crate) fn ask_rate(&self, runtime: &Runtime, wanted: f32) -> String {
+    /// Requests the display refresh rate nearest to `wanted`, where the runtime offers any. Returns a line
+    /// for the log. A refusal is no failure: the pictures are the same.
+    pub(crate) fn request_refresh_rate(&self, runtime: &Runtime, wanted: f32) -> String {
         if !runtime.extensions.fb_display_refresh_rate {
             let name = &runtime.name;
-            return format!("{name} has no XR_FB_display_refresh_rate: {}", unasked(wanted));
+            return format!(
+                "{name} has no XR_FB_display_refresh_rate: {}",
+                describe_unrequested(wanted)
+            );
         }
         let rates = self.raw.enumerate_display_refresh_rates().unwrap_or_default();
         let Some(rate) = nearest_rate(&rates, wanted) else {
-            return format!("the display offers no rates: {}", unasked(wanted));
+            return format!("the display offers no rates: {}", describe_unrequested(wanted));
         };
         let asked = match self.raw.request_display_refresh_rate(rate) {
             Ok(()) => format!("is asked for {rate} Hz"),
             Err(result) => format!("was asked for {rate} Hz, and refused: {result:?}"),
         };
-        if (rate - wanted).abs() < SAME {
+        if (rate - wanted).abs() < RATE_TOLERANCE {
             return format!("the display {asked}");
         }
         let offered: Vec<String> = rates.iter().map(ToString::to_string).collect();
         format!("the display has no {wanted} Hz, only {} Hz: it {asked}", offered.join(", "))
     }
 
-    /// Asks for the processors' pace, where one can. What is refused is no failure.
-    pub(crate) fn ask_pace(&self, runtime: &Runtime) {
+    /// Requests the performance level SUSTAINED_HIGH for CPU and GPU, where the runtime has performance
+    /// settings. A refusal is no failure.
+    pub(crate) fn request_performance_levels(&self, runtime: &Runtime) {
         if let Some(settings) = &runtime.instance.exts().ext_performance_settings {
             let level = xr::PerfSettingsLevelEXT::SUSTAINED_HIGH;
             for domain in [xr::PerfSettingsDomainEXT::CPU, xr::PerfSettingsDomainEXT::GPU] {
@@ -91,54 +99,54 @@ impl Session {
         }
     }
 
-    /// What is told where the floor under the visitor isn't known.
-    pub(crate) fn floor(&self) -> Option<String> {
-        match self.room_kind {
+    /// The line for the log where the runtime has no LOCAL_FLOOR space.
+    pub(crate) fn describe_floor(&self) -> Option<String> {
+        match self.room_type {
             xr::ReferenceSpaceType::LOCAL_FLOOR => None,
             xr::ReferenceSpaceType::STAGE => {
                 Some("has no LOCAL_FLOOR: the floor is the stage's".into())
             }
             _ => Some(format!(
-                "has no LOCAL_FLOOR and no STAGE: the floor is held to be {EYES} m below where the \
+                "has no LOCAL_FLOOR and no STAGE: the floor is held to be {EYE_HEIGHT} m below where the \
                  eyes began"
             )),
         }
     }
 
-    /// Tells the system that the calling thread is the one that ticks and draws, where it has an
-    /// ear for that: Android. What is refused is no failure.
-    pub(crate) fn name_threads(&self, runtime: &Runtime) {
-        if let (Some(name), Some(thread)) = (runtime.thread_types, this_thread()) {
+    /// Gives the calling thread the types of the application's and the renderer's main thread, where the
+    /// runtime has Android's thread settings. A refusal is no failure.
+    pub(crate) fn set_thread_types(&self, runtime: &Runtime) {
+        if let (Some(set_type), Some(thread)) = (runtime.set_thread_type, current_thread_id()) {
             for kind in [
                 xr::AndroidThreadTypeKHR::APPLICATION_MAIN,
                 xr::AndroidThreadTypeKHR::RENDERER_MAIN,
             ] {
                 // SAFETY: the session is alive, and the extension is enabled.
-                let _ = unsafe { name(self.raw.as_raw(), kind, thread) };
+                let _ = unsafe { set_type(self.raw.as_raw(), kind, thread) };
             }
         }
     }
 
-    /// The head at a time.
+    /// Locates the head at a time.
     ///
     /// # Errors
     /// A lost session.
-    pub(crate) fn head(&self, at: xr::Time) -> Result<Option<RoomPose>, Error> {
-        let location = self.head.locate(&self.room, at).doing("find the head")?;
-        Ok(tracked(location.location_flags, location.pose))
+    pub(crate) fn locate_head(&self, time: xr::Time) -> Result<Option<RoomPose>, Error> {
+        let location = self.head.locate(&self.room, time).context("find the head")?;
+        Ok(tracked_pose(location.location_flags, location.pose))
     }
 
-    /// The eyes at a time, and as the runtime wants them back. Takes no memory, unlike the crate's
-    /// own way.
+    /// Locates the eyes at a time: for the renderer, and as views for the projection layer. Allocates
+    /// nothing, unlike the crate's own call.
     ///
     /// # Errors
     /// A lost session.
-    pub(crate) fn eyes(&self, at: xr::Time) -> Result<[(Eye, xr::sys::View); 2], Error> {
+    pub(crate) fn locate_eyes(&self, time: xr::Time) -> Result<[(Eye, xr::sys::View); 2], Error> {
         let info = xr::sys::ViewLocateInfo {
             ty: xr::sys::ViewLocateInfo::TYPE,
             next: core::ptr::null(),
-            view_configuration_type: VIEWS,
-            display_time: at,
+            view_configuration_type: VIEW_CONFIGURATION,
+            display_time: time,
             space: self.room.as_raw(),
         };
         let mut state = xr::sys::ViewState {
@@ -163,50 +171,55 @@ impl Session {
         }
         let known = xr::ViewStateFlags::POSITION_VALID | xr::ViewStateFlags::ORIENTATION_VALID;
         if !state.view_state_flags.contains(known) {
-            // What stands there may be no pose at all, and goes back to the runtime.
-            let position = xr::Vector3f { x: 0.0, y: EYES, z: 0.0 };
+            // The poses may hold anything, and go back to the runtime.
+            let position = xr::Vector3f { x: 0.0, y: EYE_HEIGHT, z: 0.0 };
             for view in &mut views {
                 view.pose = xr::Posef { position, ..xr::Posef::IDENTITY };
             }
         }
-        Ok(views.map(|view| (eye(&view), view)))
+        Ok(views.map(|view| (eye_from_view(&view), view)))
     }
 }
 
-/// The kernel's number of the calling thread, where there is a Linux kernel.
-fn this_thread() -> Option<u32> {
+/// The kernel's ID of the calling thread, where there is a Linux kernel.
+fn current_thread_id() -> Option<u32> {
     std::fs::read_link("/proc/thread-self").ok()?.file_name()?.to_str()?.parse().ok()
 }
 
-fn unasked(wanted: f32) -> String {
+fn describe_unrequested(wanted: f32) -> String {
     format!("it is asked for none, {wanted} Hz or another")
 }
 
-/// The rate nearest to the one that is wanted: the tick's own, or 90 where that is asked for.
+/// The refresh rate nearest to the one that is wanted.
 fn nearest_rate(rates: &[f32], wanted: f32) -> Option<f32> {
     let away = |rate: &&f32| (**rate - wanted).abs();
     rates.iter().min_by(|a, b| away(a).total_cmp(&away(b))).copied()
 }
 
-/// The room by its floor; by the stage where the floor under the visitor isn't known, and by the
-/// eyes where neither is.
-fn room(session: &xr::Session<xr::Vulkan>) -> Result<(xr::Space, xr::ReferenceSpaceType), Error> {
-    let kinds = session.enumerate_reference_spaces().doing("list spaces")?;
+/// Creates the room's space: LOCAL_FLOOR, else STAGE, else LOCAL lowered by the height of the eyes.
+fn create_floor_space(
+    session: &xr::Session<xr::Vulkan>,
+) -> Result<(xr::Space, xr::ReferenceSpaceType), Error> {
+    let kinds = session.enumerate_reference_spaces().context("list spaces")?;
     let wanted = [xr::ReferenceSpaceType::LOCAL_FLOOR, xr::ReferenceSpaceType::STAGE];
     let found = wanted.into_iter().find(|kind| kinds.contains(kind));
-    let (kind, height) = found.map_or((xr::ReferenceSpaceType::LOCAL, EYES), |kind| (kind, 0.0));
+    let (kind, height) =
+        found.map_or((xr::ReferenceSpaceType::LOCAL, EYE_HEIGHT), |kind| (kind, 0.0));
     let position = xr::Vector3f { x: 0.0, y: -height, z: 0.0 };
     let pose = xr::Posef { position, ..xr::Posef::IDENTITY };
-    let space = session.create_reference_space(kind, pose).doing("make a space")?;
+    let space = session.create_reference_space(kind, pose).context("make a space")?;
     Ok((space, kind))
 }
 
-/// An eye whose pose is not known looks ahead from where a head would be.
-fn eye(view: &xr::sys::View) -> Eye {
+/// The renderer's eye for a view. Where the pose is not known, it looks ahead from a head's height.
+fn eye_from_view(view: &xr::sys::View) -> Eye {
     let (position, rotation) = room_pose(view.pose);
     let known = rotation.is_finite() && rotation.length_squared() > 0.5 && position.is_finite();
-    let (position, rotation) =
-        if known { (position, rotation.normalize()) } else { (Vec3::Y * EYES, Quat::IDENTITY) };
+    let (position, rotation) = if known {
+        (position, rotation.normalize())
+    } else {
+        (Vec3::Y * EYE_HEIGHT, Quat::IDENTITY)
+    };
     let xr::Fovf { angle_left: left, angle_right: right, angle_up: up, angle_down: down } =
         view.fov;
     Eye { position, rotation, fov: Fov { left, right, up, down } }

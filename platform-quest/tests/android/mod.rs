@@ -1,4 +1,5 @@
-//! Stubs of Android's classes: Java sources made from the table, and what `javap` says of them.
+//! Stubs of Android's Java classes: sources generated from the table, compiled by `javac` and inspected
+//! by `javap`.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
@@ -6,30 +7,30 @@ use std::path::Path;
 use std::process::Command;
 use std::{fs, iter};
 
-use paros_quest::device::table::{ALL, Kind, Member};
+use paros_quest::device::table::{ALL_MEMBERS, JavaMember, MemberKind};
 
-/// The table's members, by their classes. Java's own classes are not Android's.
-pub(crate) fn classes() -> BTreeMap<&'static str, Vec<Member>> {
+/// The table's members, grouped by class.
+pub(crate) fn members_by_class() -> BTreeMap<&'static str, Vec<JavaMember>> {
     let mut classes: BTreeMap<_, Vec<_>> = BTreeMap::new();
-    for member in ALL {
+    for member in ALL_MEMBERS {
         classes.entry(member.class).or_default().push(*member);
     }
     classes
 }
 
-/// Whether a class is one that the stubs stand for.
+/// Whether a class is Android's, and so needs a stub; Java's own classes need none.
 pub(crate) fn is_android(class: &str) -> bool {
     class.starts_with("android/")
 }
 
-/// Writes the stubs' sources and compiles them into a folder.
+/// Generates the stubs' sources and compiles them into `folder/classes`.
 ///
 /// # Errors
-/// What `javac` says, or that there is none.
-pub(crate) fn compile(folder: &Path) -> Result<(), String> {
+/// `javac`'s messages, or that there is no `javac`.
+pub(crate) fn compile_stubs(folder: &Path) -> Result<(), String> {
     let _ = fs::remove_dir_all(folder);
     let mut files = vec![Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/android/Fake.java")];
-    for (outer, source) in sources() {
+    for (outer, source) in stub_sources() {
         let path = folder.join("sources").join(format!("{outer}.java"));
         fs::create_dir_all(path.parent().expect("a folder")).map_err(|e| e.to_string())?;
         fs::write(&path, source).map_err(|e| e.to_string())?;
@@ -42,8 +43,8 @@ pub(crate) fn compile(folder: &Path) -> Result<(), String> {
     if output.status.success() { Ok(()) } else { Err(said) }
 }
 
-/// The members that `javap` finds in classes: class, `static` or nothing, name and signature.
-pub(crate) fn javap(folder: &Path, class: &str) -> BTreeSet<String> {
+/// The public members that `javap` finds in a compiled class, as [`describe_member`] writes them.
+pub(crate) fn run_javap(folder: &Path, class: &str) -> BTreeSet<String> {
     let mut javap = Command::new("javap");
     javap.args(["-s", "-public", "-cp"]).arg(folder.join("classes")).arg(class.replace('/', "."));
     let output = javap.output().expect("a JDK has it");
@@ -58,16 +59,16 @@ pub(crate) fn javap(folder: &Path, class: &str) -> BTreeSet<String> {
     members.collect()
 }
 
-/// A member as [`javap`] tells it.
-pub(crate) fn told(member: &Member) -> String {
-    let how = if member.kind == Kind::Method { "" } else { "static " };
+/// Describes a member: `static` or nothing, name and signature.
+pub(crate) fn describe_member(member: &JavaMember) -> String {
+    let how = if member.kind == MemberKind::Method { "" } else { "static " };
     format!("{how}{} {}", member.name, member.signature)
 }
 
-/// The sources, by the outermost class. A class that is only named has an empty one.
-fn sources() -> BTreeMap<String, String> {
-    let mut classes = classes();
-    for member in ALL {
+/// The stubs' sources by outermost class. A class that occurs only in signatures has an empty body.
+fn stub_sources() -> BTreeMap<String, String> {
+    let mut classes = members_by_class();
+    for member in ALL_MEMBERS {
         let types = member.signature.split(['(', ')', ';', '[']);
         for class in
             types.filter_map(|name| name.trim_start_matches(['I', 'Z', 'F', 'V']).strip_prefix('L'))
@@ -79,7 +80,7 @@ fn sources() -> BTreeMap<String, String> {
     // Build before Build$VERSION.
     for (class, members) in classes.iter().filter(|(class, _)| is_android(class)) {
         let (outer, inner) = class.split_once('$').map_or((*class, None), |(o, i)| (o, Some(i)));
-        let body: String = members.iter().map(stub).collect();
+        let body: String = members.iter().map(stub_member).collect();
         let (package, name) = outer.rsplit_once('/').expect("a package");
         match inner {
             None => {
@@ -97,13 +98,14 @@ fn sources() -> BTreeMap<String, String> {
     sources
 }
 
-fn stub(member: &Member) -> String {
+/// The Java source of a member: a method's body calls `paros.Fake.answer`.
+fn stub_member(member: &JavaMember) -> String {
     let mut types = java_types(member.signature);
     let result = types.pop().expect("every member has a type");
-    let Member { name, kind, .. } = member;
+    let JavaMember { name, kind, .. } = member;
     let mut text = String::from("  public ");
-    text += if *kind == Kind::Method { "" } else { "static " };
-    if *kind == Kind::StaticField {
+    text += if *kind == MemberKind::Method { "" } else { "static " };
+    if *kind == MemberKind::StaticField {
         let _ = writeln!(text, "{result} {name};");
         return text;
     }
@@ -122,7 +124,7 @@ fn stub(member: &Member) -> String {
     text
 }
 
-/// The types of a signature, in Java's words; the last is what is returned.
+/// The Java types of a JNI signature: the parameters', then the returned one.
 fn java_types(signature: &str) -> Vec<String> {
     let mut rest = signature.trim_start_matches('(');
     let next = iter::from_fn(|| {

@@ -1,26 +1,26 @@
-//! What the shell asks the runtime for at its start, and what it says where it can't have it.
+//! The shell's requests to the runtime at its start, and its log where one is refused.
 
 use std::collections::BTreeSet;
 use std::fs;
 
 use paros_shell::require::require;
 
-use super::layered::{example, log, nothing_is_violated};
-use super::monado::{Monado, Shell, Tree};
+use super::layered::{assert_no_violations, find_example, read_log};
+use super::monado::{MonadoService, MonadoTree, ShellProcess};
 
-/// A profile's name, and what the shell binds in it: the action, the component, and whose hands.
-type Profile = (&'static str, &'static [(&'static str, &'static str, Hands)]);
+/// An interaction profile's path, and its bindings: action, component path, and hands.
+type BoundProfile = (&'static str, &'static [(&'static str, &'static str, BoundHands)]);
 
 #[derive(Clone, Copy)]
-enum Hands {
+enum BoundHands {
     Left,
     Right,
     Both,
 }
-use Hands::{Both, Left, Right};
+use BoundHands::{Both, Left, Right};
 
 /// Touch and Touch Plus have these alike.
-const TOUCH: &[(&str, &str, Hands)] = &[
+const TOUCH: &[(&str, &str, BoundHands)] = &[
     ("aim", "input/aim/pose", Both),
     ("grip", "input/grip/pose", Both),
     ("run", "input/trigger/value", Both),
@@ -37,7 +37,7 @@ const TOUCH: &[(&str, &str, Hands)] = &[
 
 /// As OpenXR 1.1 names profiles and components: "Interaction Profile Paths", the extension
 /// `XR_META_touch_controller_plus`, and `xr.xml`. The right Touch's menu button is the system's.
-const PROFILES: [Profile; 3] = [
+const PROFILES: [BoundProfile; 3] = [
     ("/interaction_profiles/oculus/touch_controller", TOUCH),
     ("/interaction_profiles/meta/touch_controller_plus", TOUCH),
     (
@@ -52,7 +52,7 @@ const PROFILES: [Profile; 3] = [
     ),
 ];
 
-/// What a component may move: its own type, or a number by a button, which is 0 or 1 then.
+/// The actions and their types. A button bound to a float action gives 0 or 1.
 const ACTIONS: [(&str, &str); 9] = [
     ("aim", "POSE_INPUT"),
     ("grip", "POSE_INPUT"),
@@ -66,7 +66,7 @@ const ACTIONS: [(&str, &str); 9] = [
 ];
 
 /// The log's lines of a kind, each once.
-fn lines(log: &str, kind: &str) -> BTreeSet<String> {
+fn log_entries(log: &str, kind: &str) -> BTreeSet<String> {
     let lines: Vec<String> =
         log.lines().filter(|line| line.starts_with(kind)).map(str::to_owned).collect();
     let set: BTreeSet<String> = lines.iter().cloned().collect();
@@ -76,12 +76,12 @@ fn lines(log: &str, kind: &str) -> BTreeSet<String> {
 
 #[test]
 fn controllers_are_bound_as_openxr_names_them() {
-    let Some(tree) = require(Tree::find()).unwrap() else { return };
-    let Some(layer) = require(example("liblayer.so")).unwrap() else { return };
-    let monado = Monado::start(&tree, "bound");
-    let errors = seen(monado.layered_shell(&layer, &[]));
+    let Some(tree) = require(MonadoTree::find()).unwrap() else { return };
+    let Some(layer) = require(find_example("liblayer.so")).unwrap() else { return };
+    let monado = MonadoService::start(&tree, "bound");
+    let errors = seen(monado.start_layered_shell(&layer, &[]));
     assert!(!errors.contains("no profile"), "{errors}");
-    let log = log(&monado);
+    let log = read_log(&monado);
     let mut expected = BTreeSet::new();
     for (profile, bindings) in PROFILES {
         for (action, component, hands) in bindings {
@@ -95,23 +95,23 @@ fn controllers_are_bound_as_openxr_names_them() {
             }
         }
     }
-    assert_eq!(lines(&log, "bind "), expected);
+    assert_eq!(log_entries(&log, "bind "), expected);
     let actions = ACTIONS.into_iter().chain([("feel", "VIBRATION_OUTPUT")]);
     let actions = actions.map(|(name, kind)| format!("action {name} {kind}")).collect();
-    assert_eq!(lines(&log, "action "), actions);
-    nothing_is_violated(&log);
+    assert_eq!(log_entries(&log, "action "), actions);
+    assert_no_violations(&log);
 }
 
 #[test]
 fn a_rate_is_asked_for_where_it_is_offered() {
-    let Some(tree) = require(Tree::find()).unwrap() else { return };
-    let Some(layer) = require(example("liblayer.so")).unwrap() else { return };
-    let monado = Monado::start(&tree, "rates");
+    let Some(tree) = require(MonadoTree::find()).unwrap() else { return };
+    let Some(layer) = require(find_example("liblayer.so")).unwrap() else { return };
+    let monado = MonadoService::start(&tree, "rates");
     let mut asked = 0;
     let mut asks = |rate: &str, line: &str| {
-        let errors = seen(monado.layered_shell(&layer, &["--rate", rate]));
+        let errors = seen(monado.start_layered_shell(&layer, &["--rate", rate]));
         assert!(errors.contains(&format!("paros-quest: {line}\n")), "{line}: {errors}");
-        let log = log(&monado);
+        let log = read_log(&monado);
         let rates: Vec<_> = log.lines().filter_map(|line| line.strip_prefix("rate ")).collect();
         let new: Vec<String> = rates[asked..].iter().map(ToString::to_string).collect();
         asked = rates.len();
@@ -128,23 +128,23 @@ fn a_rate_is_asked_for_where_it_is_offered() {
     let why = "ERROR_DISPLAY_REFRESH_RATE_UNSUPPORTED_FB";
     let line = format!("the display was asked for 90 Hz, and refused: {why}");
     assert_eq!(asks("90", &line), [""; 0]);
-    nothing_is_violated(&log(&monado));
+    assert_no_violations(&read_log(&monado));
     // Monado's null compositor itself.
-    let errors = seen(monado.shell(&["--rate", "90"]));
+    let errors = seen(monado.start_shell(&["--rate", "90"]));
     let line = "paros-quest: the display has no 90 Hz, only 20 Hz: it is asked for 20 Hz\n";
     assert!(errors.contains(line), "{errors}");
 }
 
 #[test]
 fn without_a_floor_under_the_visitor_the_stage_is_taken() {
-    let Some(tree) = require(Tree::find()).unwrap() else { return };
-    let Some(layer) = require(example("liblayer.so")).unwrap() else { return };
-    let monado = Monado::start(&tree, "floor");
+    let Some(tree) = require(MonadoTree::find()).unwrap() else { return };
+    let Some(layer) = require(find_example("liblayer.so")).unwrap() else { return };
+    let monado = MonadoService::start(&tree, "floor");
     let mut noted = 0;
     let mut room = || {
-        let errors = seen(monado.layered_shell(&layer, &[]));
-        let log = log(&monado);
-        let spaces = lines(&log[noted..], "space ");
+        let errors = seen(monado.start_layered_shell(&layer, &[]));
+        let log = read_log(&monado);
+        let spaces = log_entries(&log[noted..], "space ");
         noted = log.len();
         let line = errors.lines().find(|line| line.contains("floor")).map(str::to_owned);
         // The head's is always there.
@@ -162,13 +162,13 @@ fn without_a_floor_under_the_visitor_the_stage_is_taken() {
     assert_eq!(rooms, ["space LOCAL -1.6"]);
     let end = " has no LOCAL_FLOOR and no STAGE: the floor is held to be 1.6 m below where the eyes began";
     assert!(line.ends_with(end), "{line}");
-    nothing_is_violated(&log(&monado));
+    assert_no_violations(&read_log(&monado));
 }
 
 /// A shell that is seen for some frames and leaves well: what it told.
-fn seen(mut shell: Shell) -> String {
-    shell.until("focus", |said| said.field("life") == "focused");
-    shell.frames(3);
+fn seen(mut shell: ShellProcess) -> String {
+    shell.wait_until("focus", |said| said.field("life") == "focused");
+    shell.wait_frames(3);
     let (code, errors) = shell.quit();
     assert_eq!(code, Some(0), "{errors}");
     errors

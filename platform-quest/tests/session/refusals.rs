@@ -1,19 +1,18 @@
-//! What a runtime refuses or a device lacks is said in one line, with what to do; the sculpture is
-//! the same afterwards.
+//! Fault injection: whatever the runtime refuses or the device lacks, the shell ends with one line that
+//! says so and names a remedy, and the saved sculpture is unchanged.
 
 use std::fs;
 use std::path::Path;
 
-use paros_core::size::Grid;
-use paros_core::tools::Tool;
+use paros_core::{Grid, Tool};
 use paros_shell::require::require;
 use paros_shell::statics::Resident;
 
-use super::layered::{example, log};
-use super::monado::{Monado, Shell, Tree};
-use super::{carve, hands_at_rest, take};
+use super::layered::{find_example, read_log};
+use super::monado::{MonadoService, MonadoTree, ShellProcess};
+use super::{carve_voxels, hands_at_rest, take_tool};
 
-/// What is refused from the start: the functions, and what the last line says.
+/// Functions that are refused from the start, and words of the last line.
 const REFUSALS: [(&str, [&str; 2]); 3] = [
     ("xrCreateSession", ["could not make a session: ERROR_LIMIT_REACHED", "; end what else"]),
     (
@@ -28,78 +27,84 @@ const REFUSALS: [(&str, [&str; 2]); 3] = [
 
 #[test]
 fn what_is_refused_is_said_and_loses_nothing() {
-    let Some(tree) = require(Tree::find()).unwrap() else { return };
-    let Some(layer) = require(example("liblayer.so")).unwrap() else { return };
-    let monado = Monado::start(&tree, "refusals");
-    let saved = a_frame_is_refused_in_the_midst(&monado, &layer);
-    let fails = |shell: Shell, words: [&str; 2]| {
-        let (code, errors) = shell.over();
-        fails_well(code, &errors, words);
-        assert_eq!(sculpture(&monado), saved, "{errors}");
+    let Some(tree) = require(MonadoTree::find()).unwrap() else { return };
+    let Some(layer) = require(find_example("liblayer.so")).unwrap() else { return };
+    let monado = MonadoService::start(&tree, "refusals");
+    let saved = save_after_refused_frames(&monado, &layer);
+    let fails = |shell: ShellProcess, words: [&str; 2]| {
+        let (code, errors) = shell.wait_for_end();
+        assert_fails_cleanly(code, &errors, words);
+        assert_eq!(saved_sculpture(&monado), saved, "{errors}");
     };
     for (functions, words) in REFUSALS {
-        refuse(&monado, functions);
-        fails(monado.layered_shell(&layer, &[]), words);
+        refuse_functions(&monado, functions);
+        fails(monado.start_layered_shell(&layer, &[]), words);
     }
-    refuse(&monado, "");
-    fails(without_multiview(&monado, &layer), ["has no multiview", "must draw by Vulkan 1.1"]);
+    refuse_functions(&monado, "");
+    fails(
+        start_without_multiview(&monado, &layer),
+        ["has no multiview", "must draw by Vulkan 1.1"],
+    );
     let mut command = monado.layered_command(&layer, &[]);
     command.env("XR_RUNTIME_JSON", "/nonexistent");
-    fails(Shell::start(command), ["no OpenXR runtime answers", "start one, or name another"]);
+    fails(
+        ShellProcess::start(command),
+        ["no OpenXR runtime answers", "start one, or name another"],
+    );
 
     // Bare hands are enough.
-    refuse(&monado, "xrSuggestInteractionProfileBindings");
-    let mut shell = monado.layered_shell(&layer, &[]);
-    shell.until("focus", |said| said.field("life") == "focused");
+    refuse_functions(&monado, "xrSuggestInteractionProfileBindings");
+    let mut shell = monado.start_layered_shell(&layer, &[]);
+    shell.wait_until("focus", |said| said.field("life") == "focused");
     let (code, errors) = shell.quit();
     assert_eq!(code, Some(0), "{errors}");
     let (tick, digest, _) = saved;
     let goes_on = format!("a session goes on from tick {tick}, digest {digest:016x}\n");
     assert!(errors.contains(&goes_on), "{goes_on} in: {errors}");
     assert!(errors.contains("or simple ones: bare hands sculpt\n"), "{errors}");
-    let log = log(&monado);
+    let log = read_log(&monado);
     assert!(!log.contains("violation"), "{log}");
 }
 
-/// The compositor takes no picture any more: the shell tries anew, and gives up after a while. The
-/// sculpture that it leaves.
-fn a_frame_is_refused_in_the_midst(monado: &Monado, layer: &Path) -> (u64, u64, u64) {
+/// Refuses every `xrEndFrame` in a running session: the shell retries, and gives up after five losses.
+/// Returns the saved session's tick, digest and voxels.
+fn save_after_refused_frames(monado: &MonadoService, layer: &Path) -> (u64, u64, u64) {
     let mut hands = hands_at_rest(monado);
-    let mut shell = monado.layered_shell(layer, &[]);
-    shell.until("a session", |said| said.field("session") == "Sculpting");
-    take(&mut hands, &mut shell, Tool::Rotary);
-    carve(&mut hands, &mut shell, 500);
-    let voxels = shell.say().number("voxels");
-    refuse(monado, "xrEndFrame");
-    let (code, errors) = shell.over();
-    fails_well(
+    let mut shell = monado.start_layered_shell(layer, &[]);
+    shell.wait_until("a session", |said| said.field("session") == "Sculpting");
+    take_tool(&mut hands, &mut shell, Tool::Rotary);
+    carve_voxels(&mut hands, &mut shell, 500);
+    let voxels = shell.query_status().number("voxels");
+    refuse_functions(monado, "xrEndFrame");
+    let (code, errors) = shell.wait_for_end();
+    assert_fails_cleanly(
         code,
         &errors,
         ["could not end an empty frame", ": ERROR_LAYER_INVALID; end what else"],
     );
     assert_eq!(errors.matches("the sculpture is kept, and a new session is made").count(), 5);
-    let saved = sculpture(monado);
+    let saved = saved_sculpture(monado);
     assert_eq!(saved.2, voxels, "{errors}");
     saved
 }
 
-/// Has functions refused from now on.
-fn refuse(monado: &Monado, functions: &str) {
+/// Has the layer refuse functions from now on, by their names separated by blanks.
+fn refuse_functions(monado: &MonadoService, functions: &str) {
     let folder = monado.folder.join("layer");
     fs::write(folder.join("draft"), functions).expect("a wish");
     fs::rename(folder.join("draft"), folder.join("refuse")).expect("a wish");
 }
 
 /// The saved session's tick, digest and voxels.
-fn sculpture(monado: &Monado) -> (u64, u64, u64) {
+fn saved_sculpture(monado: &MonadoService) -> (u64, u64, u64) {
     let saved = fs::read(monado.folder.join("files/sessions/session-128.save")).expect("a save");
-    let mut world = Grid::<128>::world();
+    let mut world = Grid::<128>::lock_world();
     world.load(&saved).expect("a whole save");
-    (world.tick(), world.digest(), world.volume().count())
+    (world.tick(), world.digest(), world.volume().count_voxels())
 }
 
-/// It failed, said why in its last line, and neither panicked nor called wrongly.
-fn fails_well(code: Option<i32>, errors: &str, words: [&str; 2]) {
+/// Asserts exit code 1, a last line with these words, no panic and no validation message.
+fn assert_fails_cleanly(code: Option<i32>, errors: &str, words: [&str; 2]) {
     assert_eq!(code, Some(1), "{errors}");
     let last = errors.lines().last().unwrap_or_default();
     assert!(last.starts_with("paros-quest: "), "{errors}");
@@ -107,8 +112,8 @@ fn fails_well(code: Option<i32>, errors: &str, words: [&str; 2]) {
     assert!(!errors.contains("panicked") && !errors.contains("validation: "), "{errors}");
 }
 
-/// The shell on a device without multiview, as the layer has it.
-fn without_multiview(monado: &Monado, layer: &Path) -> Shell {
+/// Starts the shell on a device that reports no multiview.
+fn start_without_multiview(monado: &MonadoService, layer: &Path) -> ShellProcess {
     fs::write(monado.folder.join("layer/one-view"), "").expect("a wish");
-    monado.mapped_shell(layer, &[])
+    monado.start_mapped_shell(layer, &[])
 }

@@ -1,14 +1,15 @@
 //! The bits: exactly the brush that the core cuts with, and a shank behind it.
 
 use glam::{Quat, Vec3};
-use paros_core::tools::{Bit, Shape, Tool};
+use paros_core::internals::BitShape;
+use paros_core::{Tool, ToolBit};
 
 use super::paint::{BRASS, GRAPHITE, PASTE, STEEL};
-use super::shapes::{ball, block, lathe};
-use super::{Mesh, to};
+use super::shapes::{ball, bevelled_box, lathe};
+use super::{MeshBuilder, translation};
 
-/// How far behind the bit's centre a tool's nose is, in metres; the shank reaches a little into it.
-pub(crate) fn nose(tool: Tool) -> f32 {
+/// Distance from the bit's centre back to the tool's nose, in metres; the shank reaches 10 mm further.
+pub(crate) fn nose_distance(tool: Tool) -> f32 {
     match tool {
         Tool::Rotary => 0.045,
         Tool::Impact => 0.05,
@@ -17,40 +18,43 @@ pub(crate) fn nose(tool: Tool) -> f32 {
     }
 }
 
-/// A bit about its centre, working towards -z. The brush comes first, then the shank.
-pub(crate) fn bit(bit: Bit) -> Mesh {
-    let data = bit.data();
+/// A bit about its centre, working towards -z: the brush's shape, then the shank.
+pub(crate) fn bit_mesh(bit: ToolBit) -> MeshBuilder {
+    let data = bit.spec();
     let colour = match data.tool {
         Tool::FillGun => PASTE,
         Tool::Impact => STEEL * 0.8,
         Tool::Rotary | Tool::Rasp => STEEL,
     };
-    let mut mesh = Mesh::default();
+    let mut mesh = MeshBuilder::default();
     let back = match data.shape {
-        Shape::Ball { radius } => {
-            let radius = metres(radius);
+        BitShape::Ball { radius } => {
+            let radius = metres_from_micrometres(radius);
             let mut head = ball(radius, 24, colour);
             if data.tool == Tool::Rotary {
-                flutes(&mut head);
+                darken_flutes(&mut head);
             }
-            mesh.add(&head, glam::Affine3A::IDENTITY);
+            mesh.append(&head, glam::Affine3A::IDENTITY);
             radius
         }
-        Shape::Box { half } => {
-            let half = Vec3::from_array(half.map(metres));
-            mesh.add(&block(half, 0.0008, colour), glam::Affine3A::IDENTITY);
+        BitShape::Box { half } => {
+            let half = Vec3::from_array(half.map(metres_from_micrometres));
+            mesh.append(&bevelled_box(half, 0.0008, colour), glam::Affine3A::IDENTITY);
             half.z
         }
     };
-    mesh.add(&shank(data.tool, back), glam::Affine3A::from_quat(Quat::from_rotation_x(0.5 * PI)));
+    mesh.append(
+        &shank_mesh(data.tool, back),
+        glam::Affine3A::from_quat(Quat::from_rotation_x(0.5 * PI)),
+    );
     mesh
 }
 
 const PI: f32 = core::f32::consts::PI;
 
-/// What joins a brush that ends at `back` to the nose, about y.
-fn shank(tool: Tool, back: f32) -> Mesh {
-    let end = nose(tool) + 0.01;
+/// The shank about y, from a brush that ends `back` metres from its centre to the nose.
+fn shank_mesh(tool: Tool, back: f32) -> MeshBuilder {
+    let end = nose_distance(tool) + 0.01;
     let start = back - 0.0012;
     let rings = match tool {
         Tool::FillGun => vec![
@@ -72,8 +76,8 @@ fn shank(tool: Tool, back: f32) -> Mesh {
     lathe(&rings, 12)
 }
 
-/// Dark lines over a ball, from pole to pole.
-fn flutes(ball: &mut Mesh) {
+/// Colours a ball with dark helical lines from pole to pole.
+fn darken_flutes(ball: &mut MeshBuilder) {
     for corner in &mut ball.corners {
         let p = corner.position;
         let turn = p.z.atan2(p.x) / PI * 8.0 + p.y * 60.0;
@@ -82,20 +86,23 @@ fn flutes(ball: &mut Mesh) {
 }
 
 /// A rack in which bits stand on their shanks, `pitch` metres apart along z.
-pub(crate) fn rack(count: usize, pitch: f32) -> Mesh {
-    let mut mesh = Mesh::default();
+pub(crate) fn rack_mesh(count: usize, pitch: f32) -> MeshBuilder {
+    let mut mesh = MeshBuilder::default();
     let half = 0.5 * pitch * count as f32;
-    mesh.add(
-        &block(Vec3::new(0.034, 0.014, half), 0.004, super::paint::WALNUT),
-        to(0.0, 0.014, 0.0),
+    mesh.append(
+        &bevelled_box(Vec3::new(0.034, 0.014, half), 0.004, super::paint::WALNUT),
+        translation(0.0, 0.014, 0.0),
     );
     for i in 0..count {
         let z = pitch * (i as f32 + 0.5) - half;
-        mesh.add(&super::shapes::post(0.0075, 0.004, 0.001, 10, BRASS), to(0.0, 0.0275, z));
+        mesh.append(
+            &super::shapes::rounded_post(0.0075, 0.004, 0.001, 10, BRASS),
+            translation(0.0, 0.0275, z),
+        );
     }
     mesh
 }
 
-fn metres(micrometres: i32) -> f32 {
+fn metres_from_micrometres(micrometres: i32) -> f32 {
     micrometres as f32 * 1e-6
 }

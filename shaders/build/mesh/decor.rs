@@ -2,49 +2,49 @@
 
 use glam::{Affine3A, Vec3, Vec3Swizzles as _};
 
+use super::extent::{LOW, add_box_between};
 use super::paint::{
-    BRASS, CAST, CLAY, FRAME, IRON, LEAF, OAK, PLASTER, STONE, WALNUT, chance, vary,
+    BRASS, CAST, CLAY, FRAME, IRON, LEAF, OAK, PLASTER, STONE, WALNUT, hash_unit, vary_colour,
 };
-use super::room::{LOW, between};
-use super::shapes::{ball, beam, block, divided_block, lathe, post};
-use super::{Mesh, to};
+use super::shapes::{ball, bevelled_beam, bevelled_box, divided_box, lathe, rounded_post};
+use super::{MeshBuilder, translation};
 
 /// Two boards with plaster casts on the far wall, to the right of the sculpture.
-pub(super) fn shelves(mesh: &mut Mesh) {
+pub(super) fn add_shelves(mesh: &mut MeshBuilder) {
     let v = Vec3::new;
     let back = LOW.z;
     for (y, left, right) in [(1.36, 0.62, 2.38), (1.9, 0.62, 2.38)] {
         let half = v(0.5 * (right - left), 0.018, 0.13);
-        let made = divided_block(half, 0.006, [7, 1, 1], |_| OAK);
-        mesh.add(&made, to(0.5 * (left + right), y - 0.018, back + 0.13));
+        let made = divided_box(half, 0.006, [7, 1, 1], |_| OAK);
+        mesh.append(&made, translation(0.5 * (left + right), y - 0.018, back + 0.13));
         for x in [left + 0.22, right - 0.22] {
-            between(
+            add_box_between(
                 mesh,
                 v(x - 0.012, y - 0.2, back),
                 v(x + 0.012, y - 0.036, back + 0.02),
                 0.004,
                 IRON,
             );
-            let strut = beam(
+            let strut = bevelled_beam(
                 v(x, y - 0.19, back + 0.01),
                 v(x, y - 0.04, back + 0.2),
                 [0.008, 0.008],
                 0.003,
                 IRON,
             );
-            mesh.add(&strut, Affine3A::IDENTITY);
+            mesh.append(&strut, Affine3A::IDENTITY);
         }
     }
     let z = back + 0.135;
-    mesh.add(&ball(0.09, 24, CAST), to(0.86, 1.45, z));
+    mesh.append(&ball(0.09, 24, CAST), translation(0.86, 1.45, z));
     let cone =
         [(0.0, 0.0), (0.088, 0.0), (0.092, 0.004), (0.092, 0.01), (0.004, 0.215), (0.0, 0.218)];
-    mesh.add(&lathe(&cone.map(|(r, y)| (r, y, CAST)), 24), to(1.15, 1.36, z));
+    mesh.append(&lathe(&cone.map(|(r, y)| (r, y, CAST)), 24), translation(1.15, 1.36, z));
     let cube =
         Affine3A::from_rotation_translation(glam::Quat::from_rotation_y(0.6), v(1.44, 1.435, z));
-    mesh.add(&block(Vec3::splat(0.075), 0.006, CAST), cube);
-    mesh.add(&vase(CLAY * 1.1), to(1.75, 1.36, z));
-    mesh.add(
+    mesh.append(&bevelled_box(Vec3::splat(0.075), 0.006, CAST), cube);
+    mesh.append(&vase(CLAY * 1.1), translation(1.75, 1.36, z));
+    mesh.append(
         &torus(0.075, 0.03),
         Affine3A::from_rotation_translation(glam::Quat::from_rotation_x(1.25), v(2.08, 1.46, z)),
     );
@@ -53,14 +53,14 @@ pub(super) fn shelves(mesh: &mut Mesh) {
         glam::Quat::IDENTITY,
         v(0.9, 2.03, z),
     );
-    mesh.add(&ball(1.0, 20, CAST), egg);
-    mesh.add(&post(0.055, 0.22, 0.006, 24, CAST), to(1.2, 1.9, z));
-    mesh.add(&head(), to(1.55, 1.9, z));
+    mesh.append(&ball(1.0, 20, CAST), egg);
+    mesh.append(&rounded_post(0.055, 0.22, 0.006, 24, CAST), translation(1.2, 1.9, z));
+    mesh.append(&plaster_bust(), translation(1.55, 1.9, z));
     for (i, wide) in [0.036f32, 0.03, 0.042, 0.026, 0.034].into_iter().enumerate() {
         let x = 1.93 + 0.075 * i as f32;
-        let tall = 0.19 + 0.05 * chance(i as u32 + 7);
+        let tall = 0.19 + 0.05 * hash_unit(i as u32 + 7);
         let cover = [CLAY, FRAME, OAK, WALNUT * 1.4, PLASTER * 0.8][i];
-        between(
+        add_box_between(
             mesh,
             v(x - wide, 1.9, z - 0.08),
             v(x + wide - 0.002, 1.9 + tall, z + 0.07),
@@ -71,8 +71,8 @@ pub(super) fn shelves(mesh: &mut Mesh) {
 }
 
 /// A plain bust: shoulders, neck and a head turned aside.
-fn head() -> Mesh {
-    let mut bust = Mesh::default();
+fn plaster_bust() -> MeshBuilder {
+    let mut bust = MeshBuilder::default();
     let rings = [
         (0.0, 0.0),
         (0.062, 0.0),
@@ -89,24 +89,24 @@ fn head() -> Mesh {
         (0.0, 0.21),
     ];
     let flat = Affine3A::from_scale(Vec3::new(1.0, 1.0, 0.72));
-    bust.add(&lathe(&rings.map(|(r, y)| (r, y, CAST)), 24), flat);
+    bust.append(&lathe(&rings.map(|(r, y)| (r, y, CAST)), 24), flat);
     let turned = glam::Quat::from_rotation_y(-0.6) * glam::Quat::from_rotation_x(0.12);
     let skull = Affine3A::from_scale_rotation_translation(
         Vec3::new(0.058, 0.08, 0.07),
         turned,
         Vec3::new(0.0, 0.265, 0.004),
     );
-    bust.add(&ball(1.0, 20, CAST), skull);
+    bust.append(&ball(1.0, 20, CAST), skull);
     let nose = Affine3A::from_scale_rotation_translation(
         Vec3::new(0.011, 0.026, 0.016),
         turned,
         Vec3::new(-0.036, 0.26, 0.06),
     );
-    bust.add(&ball(1.0, 10, CAST), nose);
+    bust.append(&ball(1.0, 10, CAST), nose);
     bust
 }
 
-fn vase(colour: Vec3) -> Mesh {
+fn vase(colour: Vec3) -> MeshBuilder {
     let rings = [
         (0.0, 0.0),
         (0.05, 0.0),
@@ -127,7 +127,7 @@ fn vase(colour: Vec3) -> Mesh {
     lathe(&rings.map(|(r, y)| (r, y, colour)), 24)
 }
 
-fn torus(radius: f32, thick: f32) -> Mesh {
+fn torus(radius: f32, thick: f32) -> MeshBuilder {
     let ring = |i: u32| {
         let angle = core::f32::consts::TAU * (i % 12) as f32 / 12.0;
         (radius + thick * angle.cos(), thick * angle.sin(), CAST)
@@ -136,12 +136,12 @@ fn torus(radius: f32, thick: f32) -> Mesh {
 }
 
 /// Blocks of stone in one corner; in the other a plinth with an amphora.
-pub(super) fn corner(mesh: &mut Mesh) {
+pub(super) fn corner(mesh: &mut MeshBuilder) {
     let v = Vec3::new;
     let plinth = v(-1.72, 0.0, -2.45);
     let mut stand = |half: Vec3, y: f32| {
-        let made = divided_block(half, 0.008, [2, 5, 2], |_| CAST * 0.96);
-        mesh.add(&made, Affine3A::from_translation(plinth + Vec3::Y * y));
+        let made = divided_box(half, 0.008, [2, 5, 2], |_| CAST * 0.96);
+        mesh.append(&made, Affine3A::from_translation(plinth + Vec3::Y * y));
     };
     stand(v(0.22, 0.05, 0.22), 0.05);
     stand(v(0.185, 0.42, 0.185), 0.5);
@@ -151,7 +151,7 @@ pub(super) fn corner(mesh: &mut Mesh) {
         glam::Quat::IDENTITY,
         plinth + Vec3::Y * 0.96,
     );
-    mesh.add(&vase(CAST), tall);
+    mesh.append(&vase(CAST), tall);
     for (i, (at, half, turn)) in [
         (v(2.12, 0.19, -2.45), v(0.33, 0.19, 0.26), 0.1f32),
         (v(2.2, 0.52, -2.5), v(0.22, 0.14, 0.2), -0.25),
@@ -161,9 +161,9 @@ pub(super) fn corner(mesh: &mut Mesh) {
     .into_iter()
     .enumerate()
     {
-        let mut stone = divided_block(half, 0.02, [4, 4, 4], |_| STONE);
-        rough(&mut stone, i as u32);
-        mesh.add(
+        let mut stone = divided_box(half, 0.02, [4, 4, 4], |_| STONE);
+        roughen_corners(&mut stone, i as u32);
+        mesh.append(
             &stone,
             Affine3A::from_rotation_translation(glam::Quat::from_rotation_y(turn), at),
         );
@@ -171,7 +171,7 @@ pub(super) fn corner(mesh: &mut Mesh) {
 }
 
 /// Moves a block's corners about a little, the same way where they coincide.
-fn rough(stone: &mut Mesh, seed: u32) {
+fn roughen_corners(stone: &mut MeshBuilder, seed: u32) {
     for corner in &mut stone.corners {
         let p = corner.position;
         let wave = |a: Vec3| (p.dot(a) * 14.0 + seed as f32).sin();
@@ -186,8 +186,8 @@ fn rough(stone: &mut Mesh, seed: u32) {
 }
 
 /// An enamel lamp that hangs over the bench.
-pub(super) fn lamp(mesh: &mut Mesh) {
-    let at = to(0.62, 2.2, -0.32);
+pub(super) fn add_lamp(mesh: &mut MeshBuilder) {
+    let at = translation(0.62, 2.2, -0.32);
     let rings = [
         (0.0, 0.13, IRON),
         (0.018, 0.13, IRON),
@@ -204,15 +204,15 @@ pub(super) fn lamp(mesh: &mut Mesh) {
         (0.0, 0.118, CAST),
     ];
     let mut dome = lathe(&rings.map(|(r, y, c)| (r, -y, c)), 24);
-    dome = dome.moved(Affine3A::from_rotation_x(core::f32::consts::PI));
-    mesh.add(&dome, at);
-    mesh.add(&ball(0.035, 14, CAST), at * to(0.0, 0.06, 0.0));
-    mesh.add(&post(0.02, 0.07, 0.004, 16, BRASS), at * to(0.0, 0.125, 0.0));
-    mesh.add(&post(0.004, 1.6, 0.001, 8, IRON), at * to(0.0, 0.19, 0.0));
+    dome = dome.transformed(Affine3A::from_rotation_x(core::f32::consts::PI));
+    mesh.append(&dome, at);
+    mesh.append(&ball(0.035, 14, CAST), at * translation(0.0, 0.06, 0.0));
+    mesh.append(&rounded_post(0.02, 0.07, 0.004, 16, BRASS), at * translation(0.0, 0.125, 0.0));
+    mesh.append(&rounded_post(0.004, 1.6, 0.001, 8, IRON), at * translation(0.0, 0.19, 0.0));
 }
 
 /// A clay pot with a leafy plant.
-pub(super) fn pot(mesh: &mut Mesh, foot: Vec3, scale: f32) {
+pub(super) fn add_pot_plant(mesh: &mut MeshBuilder, foot: Vec3, scale: f32) {
     let at =
         Affine3A::from_scale_rotation_translation(Vec3::splat(scale), glam::Quat::IDENTITY, foot);
     let rings = [
@@ -226,16 +226,16 @@ pub(super) fn pot(mesh: &mut Mesh, foot: Vec3, scale: f32) {
         (0.066, 0.125),
         (0.0, 0.12),
     ];
-    mesh.add(&lathe(&rings.map(|(r, y)| (r, y, CLAY)), 24), at);
+    mesh.append(&lathe(&rings.map(|(r, y)| (r, y, CLAY)), 24), at);
     for i in 0..18u32 {
         let angle = 2.4 * i as f32;
-        let out = 0.03 + 0.075 * chance(i);
-        let tip = Vec3::new(out * angle.cos(), 0.17 + 0.16 * chance(i + 40), out * angle.sin());
+        let out = 0.03 + 0.075 * hash_unit(i);
+        let tip = Vec3::new(out * angle.cos(), 0.17 + 0.16 * hash_unit(i + 40), out * angle.sin());
         let turn = glam::Quat::from_rotation_y(-angle)
-            * glam::Quat::from_rotation_z(-0.5 - 0.9 * chance(i + 90));
-        let leaf = ball(1.0, 6, vary(LEAF, 0.4, i));
+            * glam::Quat::from_rotation_z(-0.5 - 0.9 * hash_unit(i + 90));
+        let leaf = ball(1.0, 6, vary_colour(LEAF, 0.4, i));
         let shape =
             Affine3A::from_scale_rotation_translation(Vec3::new(0.022, 0.05, 0.009), turn, tip);
-        mesh.add(&leaf, at * shape);
+        mesh.append(&leaf, at * shape);
     }
 }

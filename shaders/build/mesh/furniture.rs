@@ -3,83 +3,85 @@
 use core::f32::consts::TAU;
 
 use glam::{Affine3A, Quat, Vec3};
-use paros_core::frame::{BOX, STOOL};
-use paros_core::tools::{Bit, Tool};
-use paros_core::workbench::{BENCH_TOP, Item};
+use paros_core::internals::{BENCH_TOP, BOX_SIDE, STOOL_TOP};
+use paros_core::{BenchItem, Tool, ToolBit};
 
-use super::bits::rack;
-use super::paint::{BEECH, BRASS, CAST, CLAY, IRON, OAK, STONE, WALNUT, chance, vary};
-use super::shapes::{Ring, beam, block, divided_block, lathe, post};
-use super::{Mesh, to};
+use super::bits::rack_mesh;
+use super::paint::{BEECH, BRASS, CAST, CLAY, IRON, OAK, STONE, WALNUT, hash_unit, vary_colour};
+use super::shapes::{Ring, bevelled_beam, bevelled_box, divided_box, lathe, rounded_post};
+use super::{MeshBuilder, translation};
 
 /// Bits that can be exchanged: the fixed ones are always on their tools.
 const BITS: usize = 7;
 
 /// The bench, in the room: what rests on it rests on `rest_height`'s rectangle of the core.
-pub(crate) fn bench() -> Mesh {
-    let mut mesh = Mesh::default();
+pub(crate) fn workbench() -> MeshBuilder {
+    let mut mesh = MeshBuilder::default();
     let v = Vec3::new;
     let (lo, hi) = (v(0.3, BENCH_TOP, -0.8), v(0.9, BENCH_TOP, 0.2));
     let middle = 0.5 * (lo + hi);
     for board in 0..4u32 {
         let x = lo.x + 0.15 * (board as f32 + 0.5);
         let half = v(0.0745, 0.024, 0.5 * (hi.z - lo.z));
-        let colour = vary(BEECH, 0.08, board + 3);
-        let made = divided_block(half, 0.003, [2, 1, 10], |_| colour);
-        mesh.add(&made, to(x, BENCH_TOP - 0.024, middle.z));
+        let colour = vary_colour(BEECH, 0.08, board + 3);
+        let made = divided_box(half, 0.003, [2, 1, 10], |_| colour);
+        mesh.append(&made, translation(x, BENCH_TOP - 0.024, middle.z));
     }
     for z in [lo.z + 0.07, hi.z - 0.07] {
         for x in [lo.x + 0.06, hi.x - 0.06] {
             let leg =
-                divided_block(v(0.036, 0.5 * (BENCH_TOP - 0.05), 0.036), 0.005, [1, 4, 1], |_| OAK);
-            mesh.add(&leg, to(x, 0.5 * (BENCH_TOP - 0.05), z));
+                divided_box(v(0.036, 0.5 * (BENCH_TOP - 0.05), 0.036), 0.005, [1, 4, 1], |_| OAK);
+            mesh.append(&leg, translation(x, 0.5 * (BENCH_TOP - 0.05), z));
         }
-        mesh.add(&block(v(0.24, 0.04, 0.02), 0.004, OAK), to(middle.x, BENCH_TOP - 0.09, z));
-        mesh.add(&block(v(0.24, 0.03, 0.02), 0.004, OAK), to(middle.x, 0.17, z));
+        mesh.append(
+            &bevelled_box(v(0.24, 0.04, 0.02), 0.004, OAK),
+            translation(middle.x, BENCH_TOP - 0.09, z),
+        );
+        mesh.append(&bevelled_box(v(0.24, 0.03, 0.02), 0.004, OAK), translation(middle.x, 0.17, z));
     }
     for x in [lo.x + 0.06, hi.x - 0.06] {
-        let apron = divided_block(v(0.016, 0.05, 0.43), 0.004, [1, 1, 6], |_| OAK);
-        mesh.add(&apron, to(x, BENCH_TOP - 0.1, middle.z));
+        let apron = divided_box(v(0.016, 0.05, 0.43), 0.004, [1, 1, 6], |_| OAK);
+        mesh.append(&apron, translation(x, BENCH_TOP - 0.1, middle.z));
     }
-    let board = divided_block(v(0.24, 0.012, 0.45), 0.004, [3, 1, 5], |_| BEECH * 0.85);
-    mesh.add(&board, to(middle.x, 0.212, middle.z));
-    on_bench(&mut mesh);
+    let board = divided_box(v(0.24, 0.012, 0.45), 0.004, [3, 1, 5], |_| BEECH * 0.85);
+    mesh.append(&board, translation(middle.x, 0.212, middle.z));
+    add_bench_items(&mut mesh);
     mesh
 }
 
-fn on_bench(mesh: &mut Mesh) {
+fn add_bench_items(mesh: &mut MeshBuilder) {
     let v = Vec3::new;
     // Two rests under each tool, which lies across the bench.
     for tool in Tool::ALL {
-        let home = Item::Tool(tool).home();
+        let home = BenchItem::Tool(tool).home_position();
         for (x, high) in [(-0.045, 0.018), (0.035, 0.018)] {
             for side in [-1.0, 1.0f32] {
-                let wedge = block(v(0.007, high, 0.011), 0.003, WALNUT);
+                let wedge = bevelled_box(v(0.007, high, 0.011), 0.003, WALNUT);
                 let lean = Affine3A::from_rotation_x(-0.35 * side);
-                mesh.add(
+                mesh.append(
                     &wedge,
-                    to(home.x + x, home.y + high - 0.002, home.z + 0.021 * side) * lean,
+                    translation(home.x + x, home.y + high - 0.002, home.z + 0.021 * side) * lean,
                 );
             }
         }
     }
-    let first = Item::Bit(Bit::SmallBall).home();
-    let last = Item::Bit(Bit::ALL[BITS - 1]).home();
+    let first = BenchItem::Bit(ToolBit::SmallBall).home_position();
+    let last = BenchItem::Bit(ToolBit::ALL[BITS - 1]).home_position();
     let pitch = (last.z - first.z) / (BITS - 1) as f32;
-    mesh.add(&rack(BITS, pitch), Affine3A::from_translation(0.5 * (first + last)));
-    on_board(mesh);
-    jar(mesh);
+    mesh.append(&rack_mesh(BITS, pitch), Affine3A::from_translation(0.5 * (first + last)));
+    add_board_items(mesh);
+    add_brush_jar(mesh);
 }
 
 /// On the board below: spare stone, a bucket and a cast.
-fn on_board(mesh: &mut Mesh) {
+fn add_board_items(mesh: &mut MeshBuilder) {
     let v = Vec3::new;
-    let stone = |mesh: &mut Mesh, half: Vec3, x: f32, z: f32, turn: f32| {
+    let stone = |mesh: &mut MeshBuilder, half: Vec3, x: f32, z: f32, turn: f32| {
         let at = Affine3A::from_rotation_translation(
             Quat::from_rotation_y(turn),
             v(x, 0.224 + half.y, z),
         );
-        mesh.add(&block(half, 0.012, STONE), at);
+        mesh.append(&bevelled_box(half, 0.012, STONE), at);
     };
     stone(mesh, v(0.11, 0.075, 0.09), 0.6, -0.58, 0.2);
     stone(mesh, v(0.08, 0.05, 0.07), 0.52, -0.3, -0.4);
@@ -94,11 +96,14 @@ fn on_board(mesh: &mut Mesh) {
         (0.087, 0.02),
         (0.0, 0.018),
     ];
-    mesh.add(&lathe(&bucket.map(|(r, y)| (r, y, IRON * 2.2)), 24), to(0.62, 0.224, -0.02));
+    mesh.append(
+        &lathe(&bucket.map(|(r, y)| (r, y, IRON * 2.2)), 24),
+        translation(0.62, 0.224, -0.02),
+    );
 }
 
 /// Brushes in a jar.
-fn jar(mesh: &mut Mesh) {
+fn add_brush_jar(mesh: &mut MeshBuilder) {
     let v = Vec3::new;
     let jar = [
         (0.0, 0.0),
@@ -112,18 +117,21 @@ fn jar(mesh: &mut Mesh) {
         (0.0, 0.018),
     ];
     let jar_at = v(0.8, BENCH_TOP, 0.1);
-    mesh.add(&lathe(&jar.map(|(r, y)| (r, y, CLAY)), 20), Affine3A::from_translation(jar_at));
+    mesh.append(&lathe(&jar.map(|(r, y)| (r, y, CLAY)), 20), Affine3A::from_translation(jar_at));
     for i in 0..5u32 {
         let angle = 1.25 * i as f32;
         let foot = jar_at + v(0.012 * angle.cos(), 0.03, 0.012 * angle.sin());
-        let tip = jar_at + v(0.034 * angle.cos(), 0.2 + 0.05 * chance(i), 0.034 * angle.sin());
-        mesh.add(&beam(foot, tip, [0.004, 0.004], 0.0015, vary(BEECH, 0.2, i)), Affine3A::IDENTITY);
+        let tip = jar_at + v(0.034 * angle.cos(), 0.2 + 0.05 * hash_unit(i), 0.034 * angle.sin());
+        mesh.append(
+            &bevelled_beam(foot, tip, [0.004, 0.004], 0.0015, vary_colour(BEECH, 0.2, i)),
+            Affine3A::IDENTITY,
+        );
         let top = Affine3A::from_scale_rotation_translation(
             v(0.007, 0.018, 0.004),
             Quat::from_rotation_y(angle),
             tip,
         );
-        mesh.add(&super::shapes::ball(1.0, 6, [IRON, BRASS, CAST][i as usize % 3]), top);
+        mesh.append(&super::shapes::ball(1.0, 6, [IRON, BRASS, CAST][i as usize % 3]), top);
     }
 }
 
@@ -131,22 +139,33 @@ fn jar(mesh: &mut Mesh) {
 const TOP: f32 = 0.042;
 
 /// The stool's foot, in the room: three splayed legs and an iron screw.
-pub(crate) fn stool_base() -> Mesh {
-    let mut mesh = Mesh::default();
+pub(crate) fn stool_base() -> MeshBuilder {
+    let mut mesh = MeshBuilder::default();
     let at = |radius: f32, y: f32, i: u32, turn: f32| {
         let angle = TAU * i as f32 / 3.0 + 0.5 + turn;
-        Vec3::new(STOOL.x + radius * angle.cos(), y, STOOL.z + radius * angle.sin())
+        Vec3::new(STOOL_TOP.x + radius * angle.cos(), y, STOOL_TOP.z + radius * angle.sin())
     };
     for i in 0..3 {
-        let leg = beam(at(0.3, 0.012, i, 0.0), at(0.085, 0.64, i, 0.0), [0.024, 0.03], 0.005, OAK);
-        mesh.add(&leg, Affine3A::IDENTITY);
-        mesh.add(
-            &post(0.032, 0.016, 0.004, 20, IRON),
+        let leg = bevelled_beam(
+            at(0.3, 0.012, i, 0.0),
+            at(0.085, 0.64, i, 0.0),
+            [0.024, 0.03],
+            0.005,
+            OAK,
+        );
+        mesh.append(&leg, Affine3A::IDENTITY);
+        mesh.append(
+            &rounded_post(0.032, 0.016, 0.004, 20, IRON),
             Affine3A::from_translation(at(0.303, 0.0, i, 0.0)),
         );
-        let bar =
-            beam(at(0.225, 0.23, i, 0.0), at(0.225, 0.23, i + 1, 0.0), [0.015, 0.02], 0.004, OAK);
-        mesh.add(&bar, Affine3A::IDENTITY);
+        let bar = bevelled_beam(
+            at(0.225, 0.23, i, 0.0),
+            at(0.225, 0.23, i + 1, 0.0),
+            [0.015, 0.02],
+            0.004,
+            OAK,
+        );
+        mesh.append(&bar, Affine3A::IDENTITY);
     }
     let rings: Vec<Ring> = vec![
         (0.0, 0.40, IRON),
@@ -164,18 +183,18 @@ pub(crate) fn stool_base() -> Mesh {
         (0.075, 0.706, BRASS),
         (0.16, 0.722, BRASS),
         (0.165, 0.727, BRASS),
-        (0.165, STOOL.y - TOP - 0.006, BRASS),
-        (0.0, STOOL.y - TOP - 0.006, BRASS),
+        (0.165, STOOL_TOP.y - TOP - 0.006, BRASS),
+        (0.0, STOOL_TOP.y - TOP - 0.006, BRASS),
     ];
-    mesh.add(&lathe(&rings, 30), to(STOOL.x, 0.0, STOOL.z));
+    mesh.append(&lathe(&rings, 30), translation(STOOL_TOP.x, 0.0, STOOL_TOP.z));
     mesh
 }
 
 /// The turning top about the middle of its upper side. It just carries the box's corners.
-pub(crate) fn stool_top() -> Mesh {
+pub(crate) fn stool_top() -> MeshBuilder {
     const WEDGES: u32 = 12;
     const PER_WEDGE: usize = 5;
-    let radius = BOX * core::f32::consts::FRAC_1_SQRT_2 + 0.014;
+    let radius = BOX_SIDE * core::f32::consts::FRAC_1_SQRT_2 + 0.014;
     let segments = WEDGES as usize * PER_WEDGE;
     let rim = [
         (0.0, -TOP),
@@ -200,7 +219,7 @@ pub(crate) fn stool_top() -> Mesh {
         for number in triangle {
             if centre[*number as usize] == Vec3::ZERO {
                 centre[*number as usize] = middle;
-            } else if wedge(centre[*number as usize], WEDGES) != wedge(middle, WEDGES) {
+            } else if wedge_index(centre[*number as usize], WEDGES) != wedge_index(middle, WEDGES) {
                 // A corner between two wedges belongs to both: it is split.
                 let copy = mesh.corners[*number as usize];
                 mesh.corners.push(copy);
@@ -212,33 +231,33 @@ pub(crate) fn stool_top() -> Mesh {
     for (corner, middle) in mesh.corners.iter_mut().zip(&centre) {
         let on_top = middle.y > -0.0001;
         let far = (middle.x * middle.x + middle.z * middle.z).sqrt();
-        corner.colour = match wedge(*middle, WEDGES) {
+        corner.colour = match wedge_index(*middle, WEDGES) {
             _ if !on_top || far > 0.29 => WALNUT,
-            number if number % 2 == 0 => vary(BEECH, 0.05, number),
-            number => vary(BEECH * 0.82, 0.05, number),
+            number if number % 2 == 0 => vary_colour(BEECH, 0.05, number),
+            number => vary_colour(BEECH * 0.82, 0.05, number),
         };
     }
     for i in 0..WEDGES {
         let turn = Affine3A::from_rotation_y(TAU * i as f32 / WEDGES as f32);
         let long = if i % 3 == 0 { 0.013 } else { 0.006 };
-        mesh.add(
-            &block(Vec3::new(0.0028, 0.0065, long), 0.0012, BRASS),
-            turn * to(0.0, -0.0155, radius)
+        mesh.append(
+            &bevelled_box(Vec3::new(0.0028, 0.0065, long), 0.0012, BRASS),
+            turn * translation(0.0, -0.0155, radius)
                 * Affine3A::from_rotation_z(core::f32::consts::FRAC_PI_2),
         );
     }
     mesh
 }
 
-fn wedge(p: Vec3, count: u32) -> u32 {
+fn wedge_index(p: Vec3, count: u32) -> u32 {
     let turn = p.z.atan2(p.x) / TAU + 1.0;
     (turn * count as f32) as u32 % count
 }
 
 /// A small faceted splinter, about 1 across: scaled where it is drawn.
-pub(crate) fn chip() -> Mesh {
+pub(crate) fn chip_mesh() -> MeshBuilder {
     let v = Vec3::new;
-    faceted(&[
+    faceted_octahedron(&[
         v(0.5, 0.05, 0.1),
         v(-0.45, 0.1, -0.1),
         v(0.05, 0.3, 0.08),
@@ -249,9 +268,9 @@ pub(crate) fn chip() -> Mesh {
 }
 
 /// A speck of dust, about 1 across.
-pub(crate) fn speck() -> Mesh {
+pub(crate) fn speck_mesh() -> MeshBuilder {
     let v = Vec3::new;
-    faceted(&[
+    faceted_octahedron(&[
         v(0.5, 0.0, 0.0),
         v(-0.5, 0.0, 0.0),
         v(0.0, 0.5, 0.0),
@@ -262,15 +281,15 @@ pub(crate) fn speck() -> Mesh {
 }
 
 /// An octahedron with flat sides over corners at the ends of x, y and z.
-fn faceted([xp, xn, yp, yn, zp, zn]: &[Vec3; 6]) -> Mesh {
-    let mut mesh = Mesh::default();
+fn faceted_octahedron([xp, xn, yp, yn, zp, zn]: &[Vec3; 6]) -> MeshBuilder {
+    let mut mesh = MeshBuilder::default();
     let white = Vec3::ONE;
     for (x, sx) in [(xp, 1), (xn, -1)] {
         for (y, sy) in [(yp, 1), (yn, -1)] {
             for (z, sz) in [(zp, 1), (zn, -1)] {
                 let [a, b, c] = if sx * sy * sz > 0 { [*x, *y, *z] } else { [*x, *z, *y] };
                 let normal = (b - a).cross(c - a).normalize();
-                let [a, b, c] = [a, b, c].map(|p| mesh.corner(p, normal, white));
+                let [a, b, c] = [a, b, c].map(|p| mesh.add_corner(p, normal, white));
                 mesh.triangles.push([a, b, c]);
             }
         }

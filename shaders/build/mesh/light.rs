@@ -1,5 +1,5 @@
-//! The light that falls in the studio, by rays: sun and sky through the window, and what floor and
-//! walls give back.
+//! Baked lighting of the studio by ray casting: sun and sky through the window, and diffuse
+//! interreflection between floor, walls and furniture (radiosity over groups of triangles).
 
 use core::f32::consts::PI;
 
@@ -8,68 +8,72 @@ use std::collections::HashMap;
 use glam::{Quat, Vec3};
 
 use super::bvh::Bvh;
-use super::{Corner, Mesh};
+use super::{Corner, MeshBuilder};
 use crate::constants::{SUN_COLOR, SUN_DIRECTION};
-use crate::harmonics::{ambient, basis};
+use crate::harmonics::{ambient_over_pi, sh_basis};
 
-/// Rays for a corner, and for each place of a group of triangles that give light back.
+/// Rays cast from a corner of a standing thing.
 const CORNER_RAYS: usize = 48;
-/// Rays for a corner of a thing that shades itself.
+/// Rays cast from a corner of a carried thing, for its self-occlusion.
 const OWN_RAYS: usize = 32;
-/// Corners as close as this, in metres, may share what they receive.
+/// Corners in one cell of this side, in metres, share an openness.
 const CLOSE: f32 = 0.02;
-/// How often openness is smoothed.
+/// Passes that smooth the openness.
 const SMOOTHINGS: usize = 3;
+/// Rays cast from each sample of a group.
 const GROUP_RAYS: usize = 16;
-const GROUP_PLACES: usize = 3;
-/// Side of the cells in which triangles that face alike are a group, in metres.
+/// Samples of a group at most.
+const GROUP_SAMPLES: usize = 3;
+/// Side of a group's cell, in metres: its triangles face along the same axis.
 const GROUP_CELL: f32 = 0.5;
-/// Rays for the light about the sculpture.
+/// Rays for the spherical harmonics at the sculpture.
 const SPHERE_RAYS: usize = 8_192;
-/// How often light is given back.
+/// Diffuse bounces.
 const BOUNCES: usize = 2;
-/// How far a thing that is carried about shades itself, in metres.
+/// Length of a self-occlusion ray, in metres.
 const OWN_REACH: f32 = 0.12;
-/// A ray starts this far over the surface, in metres.
-const OFF: f32 = 0.002;
+/// Offset of a ray's origin along the normal, in metres.
+const RAY_OFFSET: f32 = 0.002;
 const FAR: f32 = 40.0;
 
 /// Radiance of the sky in a direction: hazy and bright, and a garden under it.
-pub(crate) fn sky(way: Vec3) -> Vec3 {
-    let up = (way.y * 4.0 + 0.4).clamp(0.0, 1.0);
+pub(crate) fn sky_radiance(direction: Vec3) -> Vec3 {
+    let up = (direction.y * 4.0 + 0.4).clamp(0.0, 1.0);
     Vec3::new(0.8, 0.86, 0.62).lerp(Vec3::new(4.6, 5.0, 5.7), up)
 }
 
-/// The standing things, and the radiance that each of their triangles gives back.
-pub(crate) struct Lit {
+/// The standing things, and the outgoing radiance of each of their triangles.
+pub(crate) struct RoomLight {
     bvh: Bvh,
     radiance: Vec<Vec3>,
 }
 
-impl Lit {
-    /// Lights all triangles that lie within the room's `inner` bounds. Neighbours that face alike
-    /// share what they receive of each other's light.
-    pub(crate) fn new(things: &Mesh, inner: (Vec3, Vec3)) -> Self {
-        let numbered = (0u32..).zip(things.triangles.iter().map(|t| things.positions(*t)));
+impl RoomLight {
+    /// Solves the radiance of all triangles within the room's `inner` bounds (low and high corner, in
+    /// metres). Triangles of a group share their indirect light.
+    pub(crate) fn new(things: &MeshBuilder, inner: (Vec3, Vec3)) -> Self {
+        let numbered = (0u32..).zip(things.triangles.iter().map(|t| things.corner_positions(*t)));
         let radiance = vec![Vec3::ZERO; things.triangles.len()];
-        let mut lit = Lit { bvh: Bvh::new(numbered.collect()), radiance };
-        let places: Vec<Place> = things.triangles.iter().map(|t| Place::of(things, *t)).collect();
-        let is_in =
-            |place: &Place| place.start.cmpge(inner.0).all() && place.start.cmple(inner.1).all();
+        let mut lit = RoomLight { bvh: Bvh::new(numbered.collect()), radiance };
+        let places: Vec<TriangleCentre> =
+            things.triangles.iter().map(|t| TriangleCentre::of(things, *t)).collect();
+        let is_in = |place: &TriangleCentre| {
+            place.start.cmpge(inner.0).all() && place.start.cmple(inner.1).all()
+        };
         let sun = in_parallel(&places, |place| match is_in(place) {
-            true => lit.sun(place.start, place.normal),
+            true => lit.sun_irradiance(place.start, place.normal),
             false => Vec3::ZERO,
         });
         let mut groups = HashMap::new();
-        let mut shared: Vec<Vec<Place>> = Vec::new();
+        let mut shared: Vec<Vec<TriangleCentre>> = Vec::new();
         let group: Vec<usize> = places
             .iter()
             .map(|place| {
-                let at = *groups.entry(place.cell()).or_insert(shared.len());
+                let at = *groups.entry(place.group_key()).or_insert(shared.len());
                 if at == shared.len() {
                     shared.push(Vec::new());
                 }
-                if shared[at].len() < GROUP_PLACES && is_in(place) {
+                if shared[at].len() < GROUP_SAMPLES && is_in(place) {
                     shared[at].push(*place);
                 }
                 at
@@ -77,7 +81,7 @@ impl Lit {
             .collect();
         for _ in 0..=BOUNCES {
             let received = in_parallel(&shared, |places| {
-                let each = |p: &Place| lit.ambient(p.start, p.normal, GROUP_RAYS);
+                let each = |p: &TriangleCentre| lit.mean_radiance(p.start, p.normal, GROUP_RAYS);
                 places.iter().map(each).sum::<Vec3>() / places.len().max(1) as f32
             });
             lit.radiance = (0..places.len())
@@ -93,66 +97,70 @@ impl Lit {
         lit
     }
 
-    /// Light at a corner but for the sun's own, over pi.
-    pub(crate) fn at(&self, position: Vec3, normal: Vec3) -> Vec3 {
-        self.ambient(position + normal * OFF, normal, CORNER_RAYS)
+    /// Irradiance over pi at a corner, without the direct sun.
+    pub(crate) fn ambient_at(&self, position: Vec3, normal: Vec3) -> Vec3 {
+        self.mean_radiance(position + normal * RAY_OFFSET, normal, CORNER_RAYS)
     }
 
-    /// Radiance that arrives at a point, as spherical harmonics of bands 0 to 2.
-    pub(crate) fn harmonics(&self, point: Vec3) -> [[f32; 3]; 9] {
+    /// Incoming radiance at a point, projected onto spherical harmonics of bands 0 to 2.
+    pub(crate) fn harmonics_at(&self, point: Vec3) -> [[f32; 3]; 9] {
         let mut sum = [Vec3::ZERO; 9];
         for i in 0..SPHERE_RAYS {
-            let way = on_sphere(i, SPHERE_RAYS);
-            let light = self.radiance(point, way) * (4.0 * PI / SPHERE_RAYS as f32);
-            for (sum, basis) in sum.iter_mut().zip(basis(way)) {
+            let direction = fibonacci_direction(i, SPHERE_RAYS);
+            let light = self.ray_radiance(point, direction) * (4.0 * PI / SPHERE_RAYS as f32);
+            for (sum, basis) in sum.iter_mut().zip(sh_basis(direction)) {
                 *sum += light * basis;
             }
         }
         sum.map(|light| light.to_array())
     }
 
-    /// Irradiance by the sun, over pi.
-    fn sun(&self, start: Vec3, normal: Vec3) -> Vec3 {
+    /// Irradiance over pi by the direct sun.
+    fn sun_irradiance(&self, start: Vec3, normal: Vec3) -> Vec3 {
         let sun = Vec3::from_array(SUN_DIRECTION);
         let facing = normal.dot(sun);
-        if facing <= 0.0 || self.bvh.hit(start, sun, FAR).is_some() {
+        if facing <= 0.0 || self.bvh.nearest_hit(start, sun, FAR).is_some() {
             return Vec3::ZERO;
         }
         Vec3::from_array(SUN_COLOR) * facing
     }
 
-    fn ambient(&self, start: Vec3, normal: Vec3, rays: usize) -> Vec3 {
-        let sum: Vec3 = over(normal, rays).map(|way| self.radiance(start, way)).sum();
+    /// Irradiance over pi by cosine-weighted sampling: the mean radiance of `rays` rays.
+    fn mean_radiance(&self, start: Vec3, normal: Vec3, rays: usize) -> Vec3 {
+        let sum: Vec3 = cosine_directions(normal, rays)
+            .map(|direction| self.ray_radiance(start, direction))
+            .sum();
         sum / rays as f32
     }
 
-    fn radiance(&self, start: Vec3, way: Vec3) -> Vec3 {
-        match self.bvh.hit(start, way, FAR) {
-            None => sky(way),
+    /// The radiance that arrives along a ray; back faces are black.
+    fn ray_radiance(&self, start: Vec3, direction: Vec3) -> Vec3 {
+        match self.bvh.nearest_hit(start, direction, FAR) {
+            None => sky_radiance(direction),
             Some((triangle, _, true)) => self.radiance[triangle as usize],
             Some((_, _, false)) => Vec3::ZERO,
         }
     }
 }
 
-/// The middle of a triangle.
+/// The centroid of a triangle, moved off its surface.
 #[derive(Clone, Copy)]
-struct Place {
+struct TriangleCentre {
     start: Vec3,
     normal: Vec3,
     colour: Vec3,
 }
 
-impl Place {
-    fn of(things: &Mesh, triangle: [u32; 3]) -> Self {
-        let [a, b, c] = things.positions(triangle);
+impl TriangleCentre {
+    fn of(things: &MeshBuilder, triangle: [u32; 3]) -> Self {
+        let [a, b, c] = things.corner_positions(triangle);
         let normal = (b - a).cross(c - a).normalize();
         let colour = things.corners[triangle[0] as usize].colour;
-        Place { start: (a + b + c) / 3.0 + normal * OFF, normal, colour }
+        TriangleCentre { start: (a + b + c) / 3.0 + normal * RAY_OFFSET, normal, colour }
     }
 
-    /// Where it is, coarsely, and which way it faces.
-    fn cell(&self) -> [i32; 4] {
+    /// Key of its group: its cell, and the signed axis that its normal is closest to.
+    fn group_key(&self) -> [i32; 4] {
         let [x, y, z] = (self.start / GROUP_CELL).floor().to_array().map(|f| f as i32);
         let axis = (0..3).max_by(|a, b| self.normal[*a].abs().total_cmp(&self.normal[*b].abs()));
         let axis = axis.unwrap_or(0);
@@ -160,29 +168,30 @@ impl Place {
     }
 }
 
-/// Sets how much of the light about the sculpture arrives at each corner of a standing thing.
-pub(crate) fn open_in_room(mesh: &mut Mesh, lit: &Lit, about: &[[f32; 3]; 9]) {
+/// Sets the openness of each corner of a standing thing: the ratio of its luminance to that of the
+/// ambient harmonics `about` the sculpture, at most 1.
+pub(crate) fn set_openness_in_room(mesh: &mut MeshBuilder, lit: &RoomLight, about: &[[f32; 3]; 9]) {
     const LUMA: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
-    set_open(mesh, |corner| {
-        let here = lit.at(corner.position, corner.normal).dot(LUMA);
-        (here / ambient(about, corner.normal).dot(LUMA).max(1e-3)).min(1.0)
+    set_openness(mesh, |corner| {
+        let here = lit.ambient_at(corner.position, corner.normal).dot(LUMA);
+        (here / ambient_over_pi(about, corner.normal).dot(LUMA).max(1e-3)).min(1.0)
     });
 }
 
-/// Sets how open each corner of a thing that is carried about is, past the thing itself.
-pub(crate) fn open_alone(mesh: &mut Mesh) {
-    let numbered = (0u32..).zip(mesh.triangles.iter().map(|t| mesh.positions(*t)));
+/// Ambient occlusion of a carried thing by itself: sets the openness of each corner.
+pub(crate) fn set_own_openness(mesh: &mut MeshBuilder) {
+    let numbered = (0u32..).zip(mesh.triangles.iter().map(|t| mesh.corner_positions(*t)));
     let bvh = Bvh::new(numbered.collect());
-    set_open(mesh, |corner| {
-        let start = corner.position + corner.normal * (0.2 * OFF);
-        let hit = |way: &Vec3| bvh.hit(start, *way, OWN_REACH).is_some();
-        let hidden = over(corner.normal, OWN_RAYS).filter(hit).count();
+    set_openness(mesh, |corner| {
+        let start = corner.position + corner.normal * (0.2 * RAY_OFFSET);
+        let hit = |direction: &Vec3| bvh.nearest_hit(start, *direction, OWN_REACH).is_some();
+        let hidden = cosine_directions(corner.normal, OWN_RAYS).filter(hit).count();
         1.0 - 0.9 * hidden as f32 / OWN_RAYS as f32
     });
 }
 
-/// Finds each corner's openness; those that are close together and face alike share it.
-fn set_open(mesh: &mut Mesh, open: impl Fn(&Corner) -> f32 + Sync) {
+/// Sets each corner's openness, computed once for corners that are close together and face alike.
+fn set_openness(mesh: &mut MeshBuilder, open: impl Fn(&Corner) -> f32 + Sync) {
     let mut numbers = HashMap::new();
     let mut firsts = Vec::new();
     let shared: Vec<usize> = mesh
@@ -198,33 +207,35 @@ fn set_open(mesh: &mut Mesh, open: impl Fn(&Corner) -> f32 + Sync) {
         })
         .collect();
     let open = in_parallel(&firsts, open);
-    mesh.corners.iter_mut().zip(shared).for_each(|(corner, i)| corner.open = open[i]);
+    mesh.corners.iter_mut().zip(shared).for_each(|(corner, i)| corner.openness = open[i]);
     for _ in 0..SMOOTHINGS {
-        smooth_open(mesh);
+        smooth_openness(mesh);
     }
 }
 
-/// Takes each corner's openness half-way to its neighbours' mean: few rays are enough then.
-fn smooth_open(mesh: &mut Mesh) {
+/// Laplacian smoothing: moves each corner's openness half-way to the mean of its neighbours, which
+/// removes the noise of few rays.
+fn smooth_openness(mesh: &mut MeshBuilder) {
     let mut sums = vec![(0.0, 0.0); mesh.corners.len()];
     for triangle in &mesh.triangles {
         for (i, j) in [(0, 1), (1, 2), (2, 0), (1, 0), (2, 1), (0, 2)] {
             let [a, b] = [triangle[i], triangle[j]].map(|k| &mesh.corners[k as usize]);
             if a.normal.dot(b.normal) > 0.8 {
                 let (sum, count) = &mut sums[triangle[i] as usize];
-                (*sum, *count) = (*sum + b.open, *count + 1.0);
+                (*sum, *count) = (*sum + b.openness, *count + 1.0);
             }
         }
     }
     for (corner, (sum, count)) in mesh.corners.iter_mut().zip(sums) {
         if count > 0.0 {
-            corner.open = 0.5 * (corner.open + sum / count);
+            corner.openness = 0.5 * (corner.openness + sum / count);
         }
     }
 }
 
-/// Directions over a surface, as dense as the cosine: a disc of points, lifted to the half-sphere.
-fn over(normal: Vec3, count: usize) -> impl Iterator<Item = Vec3> {
+/// Cosine-weighted directions over a surface: a Vogel spiral on the disc, projected up to the
+/// hemisphere (Malley's method).
+fn cosine_directions(normal: Vec3, count: usize) -> impl Iterator<Item = Vec3> {
     let turn = Quat::from_rotation_arc(Vec3::Y, normal);
     (0..count).map(move |i| {
         let radius = ((i as f32 + 0.5) / count as f32).sqrt();
@@ -234,7 +245,8 @@ fn over(normal: Vec3, count: usize) -> impl Iterator<Item = Vec3> {
     })
 }
 
-fn on_sphere(i: usize, count: usize) -> Vec3 {
+/// Point `i` of a Fibonacci sphere of `count` points.
+fn fibonacci_direction(i: usize, count: usize) -> Vec3 {
     let y = 1.0 - (2.0 * i as f32 + 1.0) / count as f32;
     let radius = (1.0 - y * y).sqrt();
     let angle = GOLDEN * i as f32;
@@ -244,7 +256,7 @@ fn on_sphere(i: usize, count: usize) -> Vec3 {
 /// The golden angle, in radians.
 const GOLDEN: f32 = 2.399_963;
 
-/// Maps a slice on all cores, in order.
+/// Parallel map over a slice on all cores; results keep the order.
 fn in_parallel<T: Sync, U: Send>(items: &[T], each: impl Fn(&T) -> U + Sync) -> Vec<U> {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let share = items.len().div_ceil(cores).max(1);

@@ -3,6 +3,7 @@
 pub(crate) mod bits;
 pub(crate) mod bvh;
 mod decor;
+pub(crate) mod extent;
 pub(crate) mod furniture;
 pub(crate) mod hands;
 pub(crate) mod light;
@@ -22,26 +23,26 @@ pub(crate) struct Corner {
     pub(crate) normal: Vec3,
     /// Linear reflectance.
     pub(crate) colour: Vec3,
-    /// The part of the ambient light that arrives.
-    pub(crate) open: f32,
+    /// Openness: the part of the ambient light that arrives, 0 to 1.
+    pub(crate) openness: f32,
 }
 
-/// Triangles over corners, counter-clockwise as seen from outside.
+/// An indexed triangle mesh while it is built; triangles wind counter-clockwise as seen from outside.
 #[derive(Clone, Default)]
-pub(crate) struct Mesh {
+pub(crate) struct MeshBuilder {
     pub(crate) corners: Vec<Corner>,
     pub(crate) triangles: Vec<[u32; 3]>,
 }
 
-impl Mesh {
-    /// Adds a corner and gives its number.
-    pub(crate) fn corner(&mut self, position: Vec3, normal: Vec3, colour: Vec3) -> u32 {
-        self.corners.push(Corner { position, normal, colour, open: 1.0 });
+impl MeshBuilder {
+    /// Adds a corner, of openness 1, and returns its index.
+    pub(crate) fn add_corner(&mut self, position: Vec3, normal: Vec3, colour: Vec3) -> u32 {
+        self.corners.push(Corner { position, normal, colour, openness: 1.0 });
         self.corners.len() as u32 - 1
     }
 
-    /// Two triangles; corners that coincide leave one out.
-    pub(crate) fn quad(&mut self, [a, b, c, d]: [u32; 4]) {
+    /// Adds a quadrilateral as two triangles, without those of no area.
+    pub(crate) fn add_quad(&mut self, [a, b, c, d]: [u32; 4]) {
         for triangle in [[a, b, c], [a, c, d]] {
             let [p, q, r] = triangle.map(|i| self.corners[i as usize].position);
             if (q - p).cross(r - p).length() > 1e-12 {
@@ -50,8 +51,8 @@ impl Mesh {
         }
     }
 
-    /// Adds another mesh, moved. A mirror image is turned right side out.
-    pub(crate) fn add(&mut self, other: &Mesh, at: Affine3A) {
+    /// Appends a copy of another mesh, transformed. A mirroring transform reverses the winding.
+    pub(crate) fn append(&mut self, other: &MeshBuilder, at: Affine3A) {
         let first = self.corners.len() as u32;
         let normals = at.matrix3.inverse().transpose();
         self.corners.extend(other.corners.iter().map(|corner| Corner {
@@ -66,20 +67,20 @@ impl Mesh {
         }));
     }
 
-    /// The mesh, moved.
-    pub(crate) fn moved(&self, at: Affine3A) -> Mesh {
-        let mut moved = Mesh::default();
-        moved.add(self, at);
+    /// A transformed copy.
+    pub(crate) fn transformed(&self, at: Affine3A) -> MeshBuilder {
+        let mut moved = MeshBuilder::default();
+        moved.append(self, at);
         moved
     }
 
     /// The positions of a triangle's corners.
-    pub(crate) fn positions(&self, triangle: [u32; 3]) -> [Vec3; 3] {
+    pub(crate) fn corner_positions(&self, triangle: [u32; 3]) -> [Vec3; 3] {
         triangle.map(|i| self.corners[i as usize].position)
     }
 }
 
-/// A shift.
-pub(crate) fn to(x: f32, y: f32, z: f32) -> Affine3A {
+/// A translation, in metres.
+pub(crate) fn translation(x: f32, y: f32, z: f32) -> Affine3A {
     Affine3A::from_translation(Vec3::new(x, y, z))
 }

@@ -3,14 +3,13 @@
 
 use glam::{Affine3A, Vec3};
 
-use super::decor::{corner, lamp, pot, shelves};
-use super::paint::{BEAM, BRASS, CAST, DADO, FRAME, IRON, LEAF, OAK, PLASTER, chance, vary};
-use super::shapes::{ball, beam, block, divided_block, lathe, sheet};
-use super::{Mesh, to};
-
-/// The room's inside: walls, floor, and the ceiling's boards.
-pub(crate) const LOW: Vec3 = Vec3::new(-2.4, 0.0, -3.0);
-pub(crate) const HIGH: Vec3 = Vec3::new(2.6, 3.95, 2.8);
+use super::decor::{add_lamp, add_pot_plant, add_shelves, corner};
+use super::extent::{HIGH, LOW, add_box_between};
+use super::paint::{
+    BEAM, BRASS, CAST, DADO, FRAME, IRON, LEAF, OAK, PLASTER, hash_unit, vary_colour,
+};
+use super::shapes::{ball, bevelled_beam, divided_box, flat_sheet, lathe};
+use super::{MeshBuilder, translation};
 
 /// The window in the wall at `LOW.x`. The sun's way to every point of the sculpture's box passes
 /// through its upper middle pane.
@@ -26,39 +25,34 @@ const WALL: f32 = 0.28;
 const DADO_HEIGHT: f32 = 1.02;
 
 /// All that stands still, but for the bench and the stool.
-pub(crate) fn room() -> Mesh {
-    let mut mesh = Mesh::default();
-    floor(&mut mesh);
-    walls(&mut mesh);
-    window(&mut mesh);
-    ceiling(&mut mesh);
-    trim(&mut mesh);
-    door(&mut mesh);
-    shelves(&mut mesh);
+pub(crate) fn room_mesh() -> MeshBuilder {
+    let mut mesh = MeshBuilder::default();
+    add_floor(&mut mesh);
+    add_walls(&mut mesh);
+    add_window(&mut mesh);
+    add_ceiling(&mut mesh);
+    add_trim(&mut mesh);
+    add_door(&mut mesh);
+    add_shelves(&mut mesh);
     corner(&mut mesh);
-    lamp(&mut mesh);
+    add_lamp(&mut mesh);
     mesh
 }
 
-/// A box between two corners.
-pub(super) fn between(mesh: &mut Mesh, lo: Vec3, hi: Vec3, bevel: f32, colour: Vec3) {
-    mesh.add(&block(0.5 * (hi - lo), bevel, colour), Affine3A::from_translation(0.5 * (lo + hi)));
-}
-
 /// A sheet from `corner` along two axes, in cells of about `cell` metres.
-fn spread(
-    mesh: &mut Mesh,
+fn tiled_sheet(
+    mesh: &mut MeshBuilder,
     corner: Vec3,
     ways: [Vec3; 2],
     cell: f32,
     colour: impl Fn(Vec3) -> Vec3,
 ) {
     let parts = ways.map(|way| (way.length() / cell).round().max(1.0) as usize);
-    mesh.add(&sheet(corner, ways, parts, colour), Affine3A::IDENTITY);
+    mesh.append(&flat_sheet(corner, ways, parts, colour), Affine3A::IDENTITY);
 }
 
 /// Boards of oak with bevelled edges, side by side.
-fn floor(mesh: &mut Mesh) {
+fn add_floor(mesh: &mut MeshBuilder) {
     const WIDTH: f32 = 0.2;
     const EDGE: f32 = 0.004;
     let rows = ((HIGH.x - LOW.x) / WIDTH).round() as u32;
@@ -67,14 +61,14 @@ fn floor(mesh: &mut Mesh) {
         let (mut z, mut board) = (LOW.z, 0);
         while z < HIGH.z - 0.01 {
             let seed = row * 16 + board;
-            let long = if board == 0 { 0.7 + 2.0 * chance(seed) } else { 1.9 + chance(seed) };
+            let long = if board == 0 { 0.7 + 2.0 * hash_unit(seed) } else { 1.9 + hash_unit(seed) };
             let end = if HIGH.z - z - long < 0.5 { HIGH.z } else { z + long };
-            let colour = vary(OAK, 0.2, seed);
+            let colour = vary_colour(OAK, 0.2, seed);
             let mut strip = |x: f32, y: f32, across: Vec3, shade: f32| {
                 let ways = [Vec3::new(0.0, 0.0, end - z - 0.003), across];
                 let parts = [((end - z) / 0.4).ceil() as usize, 1];
-                mesh.add(
-                    &sheet(Vec3::new(x, y, z), ways, parts, |_| colour * shade),
+                mesh.append(
+                    &flat_sheet(Vec3::new(x, y, z), ways, parts, |_| colour * shade),
                     Affine3A::IDENTITY,
                 );
             };
@@ -87,29 +81,29 @@ fn floor(mesh: &mut Mesh) {
 }
 
 /// Lime plaster, unevenly applied.
-fn plaster(p: Vec3) -> Vec3 {
+fn plaster_colour(p: Vec3) -> Vec3 {
     let cloud = (p.x * 1.9 + p.y * 1.3).sin() * (p.z * 1.7 - p.y * 0.9).sin();
     PLASTER * (1.0 + 0.025 * cloud)
 }
 
-fn walls(mesh: &mut Mesh) {
+fn add_walls(mesh: &mut MeshBuilder) {
     let v = Vec3::new;
     let (lo, hi) = (LOW - Vec3::splat(WALL), HIGH + Vec3::splat(WALL));
     let [low, head] = WINDOW_Y;
     let [near, far] = WINDOW_Z;
     let size = HIGH - LOW;
     let up = Vec3::Y * size.y;
-    spread(mesh, LOW, [Vec3::X * size.x, up], 0.3, plaster);
-    spread(mesh, v(HIGH.x, 0.0, HIGH.z), [Vec3::NEG_X * size.x, up], 0.4, plaster);
-    spread(mesh, v(HIGH.x, 0.0, LOW.z), [Vec3::Z * size.z, up], 0.36, plaster);
-    let mut left = |z0: f32, z1: f32, y0: f32, y1: f32| {
+    tiled_sheet(mesh, LOW, [Vec3::X * size.x, up], 0.3, plaster_colour);
+    tiled_sheet(mesh, v(HIGH.x, 0.0, HIGH.z), [Vec3::NEG_X * size.x, up], 0.4, plaster_colour);
+    tiled_sheet(mesh, v(HIGH.x, 0.0, LOW.z), [Vec3::Z * size.z, up], 0.36, plaster_colour);
+    let mut left_wall = |z0: f32, z1: f32, y0: f32, y1: f32| {
         let ways = [v(0.0, 0.0, z0 - z1), v(0.0, y1 - y0, 0.0)];
-        spread(mesh, v(LOW.x, y0, z1), ways, 0.3, plaster);
+        tiled_sheet(mesh, v(LOW.x, y0, z1), ways, 0.3, plaster_colour);
     };
-    left(LOW.z, near, 0.0, HIGH.y);
-    left(far, HIGH.z, 0.0, HIGH.y);
-    left(near, far, 0.0, low);
-    left(near, far, head, HIGH.y);
+    left_wall(LOW.z, near, 0.0, HIGH.y);
+    left_wall(far, HIGH.z, 0.0, HIGH.y);
+    left_wall(near, far, 0.0, low);
+    left_wall(near, far, head, HIGH.y);
     // The walls' thickness, a hair behind, keeps the sun out and frames the window.
     let hair = 0.001;
     for (a, b) in [
@@ -121,18 +115,18 @@ fn walls(mesh: &mut Mesh) {
         (v(lo.x, -0.3, near), v(LOW.x - hair, low, far)),
         (v(lo.x, head, near), v(LOW.x - hair, HIGH.y, far)),
     ] {
-        between(mesh, a, b, 0.0, PLASTER);
+        add_box_between(mesh, a, b, 0.0, PLASTER);
     }
-    between(mesh, v(lo.x, -0.3, lo.z), v(hi.x, -0.012, hi.z), 0.01, IRON);
-    between(mesh, v(lo.x, HIGH.y + 0.02, lo.z), v(hi.x, HIGH.y + 0.2, hi.z), 0.01, IRON);
+    add_box_between(mesh, v(lo.x, -0.3, lo.z), v(hi.x, -0.012, hi.z), 0.01, IRON);
+    add_box_between(mesh, v(lo.x, HIGH.y + 0.02, lo.z), v(hi.x, HIGH.y + 0.2, hi.z), 0.01, IRON);
 }
 
-fn window(mesh: &mut Mesh) {
+fn add_window(mesh: &mut MeshBuilder) {
     let v = Vec3::new;
     let x = LOW.x - 0.16;
     let [low, head] = WINDOW_Y;
     let [near, far] = WINDOW_Z;
-    let mut bar = |lo: Vec3, hi: Vec3, bevel| between(mesh, lo, hi, bevel, FRAME);
+    let mut bar = |lo: Vec3, hi: Vec3, bevel| add_box_between(mesh, lo, hi, bevel, FRAME);
     for z in [near, far] {
         bar(v(x - 0.035, low, z - 0.05), v(x + 0.035, head, z + 0.05), 0.008);
     }
@@ -146,15 +140,15 @@ fn window(mesh: &mut Mesh) {
         bar(v(x - 0.022, y - 0.016, near), v(x + 0.022, y + 0.016, far), 0.006);
     }
     // The sill's board, and a pot of herbs on it.
-    between(
+    add_box_between(
         mesh,
         v(LOW.x - 0.14, low - 0.01, near - 0.1),
         v(LOW.x + 0.13, low + 0.03, far + 0.1),
         0.008,
         OAK,
     );
-    pot(mesh, v(LOW.x + 0.02, low + 0.03, -0.52), 1.0);
-    pot(mesh, v(LOW.x + 0.0, low + 0.03, -0.17), 0.72);
+    add_pot_plant(mesh, v(LOW.x + 0.02, low + 0.03, -0.52), 1.0);
+    add_pot_plant(mesh, v(LOW.x + 0.0, low + 0.03, -0.17), 0.72);
     let cup = [
         (0.0, 0.0),
         (0.03, 0.0),
@@ -164,17 +158,20 @@ fn window(mesh: &mut Mesh) {
         (0.033, 0.01),
         (0.0, 0.009),
     ];
-    mesh.add(&lathe(&cup.map(|(r, y)| (r, y, CAST)), 24), to(LOW.x + 0.04, low + 0.03, 0.2));
+    mesh.append(
+        &lathe(&cup.map(|(r, y)| (r, y, CAST)), 24),
+        translation(LOW.x + 0.04, low + 0.03, 0.2),
+    );
 }
 
-fn ceiling(mesh: &mut Mesh) {
+fn add_ceiling(mesh: &mut MeshBuilder) {
     let v = Vec3::new;
     let mut z = LOW.z;
     let mut seed = 900;
     while z < HIGH.z - 0.01 {
         let end = (z + 0.29).min(HIGH.z);
-        let colour = vary(PLASTER * 0.85, 0.05, seed);
-        spread(
+        let colour = vary_colour(PLASTER * 0.85, 0.05, seed);
+        tiled_sheet(
             mesh,
             v(LOW.x, HIGH.y, end),
             [v(0.0, 0.0, z + 0.004 - end), v(HIGH.x - LOW.x, 0.0, 0.0)],
@@ -185,19 +182,19 @@ fn ceiling(mesh: &mut Mesh) {
     }
     for z in [-2.75, -1.65, -0.55, 0.55, 1.65, 2.6] {
         let half = Vec3::new(0.5 * (HIGH.x - LOW.x) + 0.05, 0.1, 0.085);
-        let made = divided_block(half, 0.012, [6, 1, 1], |_| BEAM);
-        mesh.add(&made, to(0.5 * (LOW.x + HIGH.x), HIGH.y - 0.09, z));
+        let made = divided_box(half, 0.012, [6, 1, 1], |_| BEAM);
+        mesh.append(&made, translation(0.5 * (LOW.x + HIGH.x), HIGH.y - 0.09, z));
     }
 }
 
 /// Skirting boards, and a rail over the walls' darker foot.
-fn trim(mesh: &mut Mesh) {
+fn add_trim(mesh: &mut MeshBuilder) {
     let v = Vec3::new;
     let mut strip = |lo: Vec3, hi: Vec3, colour: Vec3, bevel: f32| {
         let (half, middle) = (0.5 * (hi - lo), 0.5 * (lo + hi));
         let parts = [0, 1, 2].map(|k| ((hi[k] - lo[k]) / 0.45).round().max(1.0) as usize);
-        let made = divided_block(half, bevel, parts, |_| colour);
-        mesh.add(&made, Affine3A::from_translation(middle));
+        let made = divided_box(half, bevel, parts, |_| colour);
+        mesh.append(&made, Affine3A::from_translation(middle));
     };
     let far = WINDOW_Z[1];
     for (low, high, deep, colour, bevel) in [
@@ -217,63 +214,75 @@ fn trim(mesh: &mut Mesh) {
     strip(v(LOW.x, 0.12, WINDOW_Z[0] - 0.1), v(LOW.x + 0.008, top, far + 0.1), DADO, 0.001);
 }
 
-fn door(mesh: &mut Mesh) {
+fn add_door(mesh: &mut MeshBuilder) {
     let v = Vec3::new;
     let z = HIGH.z;
     for (lo, hi) in [(0.55, 0.65), (1.65, 1.75)] {
-        between(mesh, v(lo, 0.0, z - 0.04), v(hi, 2.15, z + 0.01), 0.008, OAK * 0.75);
+        add_box_between(mesh, v(lo, 0.0, z - 0.04), v(hi, 2.15, z + 0.01), 0.008, OAK * 0.75);
     }
-    between(mesh, v(0.5, 2.12, z - 0.045), v(1.8, 2.25, z + 0.01), 0.01, OAK * 0.75);
+    add_box_between(mesh, v(0.5, 2.12, z - 0.045), v(1.8, 2.25, z + 0.01), 0.01, OAK * 0.75);
     for board in 0..5u32 {
         let x = 0.65 + 0.2 * board as f32;
-        between(
+        add_box_between(
             mesh,
             v(x + 0.001, 0.01, z - 0.025),
             v(x + 0.199, 2.12, z + 0.01),
             0.005,
-            vary(FRAME, 0.1, board),
+            vary_colour(FRAME, 0.1, board),
         );
     }
     for y in [0.35, 1.75] {
-        between(mesh, v(0.68, y - 0.06, z - 0.04), v(1.62, y + 0.06, z - 0.01), 0.006, FRAME * 0.9);
+        add_box_between(
+            mesh,
+            v(0.68, y - 0.06, z - 0.04),
+            v(1.62, y + 0.06, z - 0.01),
+            0.006,
+            FRAME * 0.9,
+        );
     }
-    mesh.add(&ball(0.026, 12, BRASS), to(0.74, 1.05, z - 0.075));
-    mesh.add(
-        &beam(v(0.74, 1.05, z - 0.02), v(0.74, 1.05, z - 0.06), [0.009, 0.009], 0.003, BRASS),
+    mesh.append(&ball(0.026, 12, BRASS), translation(0.74, 1.05, z - 0.075));
+    mesh.append(
+        &bevelled_beam(
+            v(0.74, 1.05, z - 0.02),
+            v(0.74, 1.05, z - 0.06),
+            [0.009, 0.009],
+            0.003,
+            BRASS,
+        ),
         Affine3A::IDENTITY,
     );
 }
 
 /// The garden and the sky, which shine by themselves and cast no shadow.
-pub(crate) fn outside() -> Mesh {
-    let mut mesh = Mesh::default();
+pub(crate) fn outside_mesh() -> MeshBuilder {
+    let mut mesh = MeshBuilder::default();
     let haze = |p: Vec3| {
         let up = ((p.y - 0.5) / 11.0).clamp(0.0, 1.0);
         Vec3::new(0.93, 0.93, 0.90).lerp(Vec3::new(0.42, 0.60, 0.86), up.sqrt())
     };
     let sky =
-        divided_block(Vec3::new(0.1, 14.0, 22.0), 0.01, [1, 12, 2], |p| haze(p + Vec3::Y * 6.0));
-    mesh.add(&sky, to(-17.0, 6.0, 2.0));
-    let lawn = divided_block(Vec3::new(7.0, 0.1, 22.0), 0.01, [4, 1, 3], |p| {
+        divided_box(Vec3::new(0.1, 14.0, 22.0), 0.01, [1, 12, 2], |p| haze(p + Vec3::Y * 6.0));
+    mesh.append(&sky, translation(-17.0, 6.0, 2.0));
+    let lawn = divided_box(Vec3::new(7.0, 0.1, 22.0), 0.01, [4, 1, 3], |p| {
         LEAF.lerp(Vec3::new(0.42, 0.47, 0.30), 1.0 - (p.x + 7.0) / 14.0) * 1.4
     });
-    mesh.add(&lawn, to(-9.9, -0.9, 2.0));
+    mesh.append(&lawn, translation(-9.9, -0.9, 2.0));
     for i in 0..15u32 {
-        let far = chance(i);
-        let size = 0.8 + 1.5 * chance(i + 50);
+        let far = hash_unit(i);
+        let size = 0.8 + 1.5 * hash_unit(i + 50);
         let at = Vec3::new(
             -10.0 - 6.0 * far,
             -0.8 + 0.55 * size,
-            -17.0 + 2.5 * i as f32 + chance(i + 80),
+            -17.0 + 2.5 * i as f32 + hash_unit(i + 80),
         );
-        let near = vary(LEAF * 1.3, 0.25, i + 120);
+        let near = vary_colour(LEAF * 1.3, 0.25, i + 120);
         let colour = near.lerp(Vec3::new(0.50, 0.58, 0.50), 0.2 + 0.4 * far);
         let mut crown = ball(1.0, 10, colour);
         for corner in &mut crown.corners {
             corner.colour *= 0.8 + 0.25 * corner.position.y;
         }
-        let shape = Vec3::new(size, size * (0.9 + 0.5 * chance(i + 7)), size);
-        mesh.add(
+        let shape = Vec3::new(size, size * (0.9 + 0.5 * hash_unit(i + 7)), size);
+        mesh.append(
             &crown,
             Affine3A::from_scale_rotation_translation(shape, glam::Quat::IDENTITY, at),
         );

@@ -1,25 +1,25 @@
-//! Shapes that things are made of. All are closed, with smooth normals where they are round.
+//! Primitive shapes, in metres. All but the sheet are closed, with smooth normals where they are round.
 
 use core::f32::consts::{PI, TAU};
 
 use glam::{Affine3A, Quat, Vec3};
 
-use super::Mesh;
+use super::MeshBuilder;
 
 /// A box with bevelled edges about the origin.
-pub(crate) fn block(half: Vec3, bevel: f32, colour: Vec3) -> Mesh {
-    divided_block(half, bevel, [1; 3], |_| colour)
+pub(crate) fn bevelled_box(half: Vec3, bevel: f32, colour: Vec3) -> MeshBuilder {
+    divided_box(half, bevel, [1; 3], |_| colour)
 }
 
-/// A box with bevelled edges about the origin, each side divided along the axes, so that light can
-/// vary over it. The normals bend over the bevels, which so look round.
-pub(crate) fn divided_block(
+/// A box with bevelled edges about the origin. Each side is divided into `parts` along x, y and z, so
+/// that baked light can vary over it. Normals bend over the bevels, which so look round.
+pub(crate) fn divided_box(
     half: Vec3,
     bevel: f32,
     parts: [usize; 3],
     colour: impl Fn(Vec3) -> Vec3,
-) -> Mesh {
-    let mut mesh = Mesh::default();
+) -> MeshBuilder {
+    let mut mesh = MeshBuilder::default();
     let inner = half - Vec3::splat(bevel);
     // The number of the corner at steps `at` of the side that faces along `axis`.
     let mut sides: Vec<Vec<u32>> = Vec::new();
@@ -33,7 +33,7 @@ pub(crate) fn divided_block(
                 p[axis] = half[axis] * sign;
                 p[u] = inner[u] * (2.0 * i as f32 / parts[u] as f32 - 1.0);
                 p[v] = inner[v] * (2.0 * j as f32 / parts[v] as f32 - 1.0);
-                numbers.push(mesh.corner(p, Vec3::AXES[axis] * sign, colour(p)));
+                numbers.push(mesh.add_corner(p, Vec3::AXES[axis] * sign, colour(p)));
             }
         }
         let stride = parts[u] + 1;
@@ -44,42 +44,42 @@ pub(crate) fn divided_block(
                 if sign < 0.0 {
                     ring.reverse();
                 }
-                mesh.quad(ring);
+                mesh.add_quad(ring);
             }
         }
         sides.push(numbers);
     }
-    bevels(&mut mesh, &sides, parts);
+    add_bevels(&mut mesh, &sides, parts);
     mesh
 }
 
 /// A flat sheet, open at the back: `u` and `v` span it from `corner`, and it faces along u x v.
-pub(crate) fn sheet(
+pub(crate) fn flat_sheet(
     corner: Vec3,
     [u, v]: [Vec3; 2],
     parts: [usize; 2],
     colour: impl Fn(Vec3) -> Vec3,
-) -> Mesh {
-    let mut mesh = Mesh::default();
+) -> MeshBuilder {
+    let mut mesh = MeshBuilder::default();
     let normal = u.cross(v).normalize();
     for j in 0..=parts[1] {
         for i in 0..=parts[0] {
             let p = corner + u * (i as f32 / parts[0] as f32) + v * (j as f32 / parts[1] as f32);
-            mesh.corner(p, normal, colour(p));
+            mesh.add_corner(p, normal, colour(p));
         }
     }
     let stride = parts[0] + 1;
     for j in 0..parts[1] {
         for i in 0..parts[0] {
             let at = j * stride + i;
-            mesh.quad([at, at + 1, at + stride + 1, at + stride].map(|k| k as u32));
+            mesh.add_quad([at, at + 1, at + stride + 1, at + stride].map(|k| k as u32));
         }
     }
     mesh
 }
 
-/// The strips between the sides of a box, and the triangles at its eight corners.
-fn bevels(mesh: &mut Mesh, sides: &[Vec<u32>], parts: [usize; 3]) {
+/// Adds the strips between the sides of a box, and the triangles at its eight corners.
+fn add_bevels(mesh: &mut MeshBuilder, sides: &[Vec<u32>], parts: [usize; 3]) {
     let number = |side: usize, steps: [usize; 3]| {
         let axis = side / 2;
         let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
@@ -98,7 +98,7 @@ fn bevels(mesh: &mut Mesh, sides: &[Vec<u32>], parts: [usize; 3]) {
                 if high_u != high_v {
                     ring.reverse();
                 }
-                mesh.quad(ring);
+                mesh.add_quad(ring);
             }
         }
     }
@@ -107,18 +107,18 @@ fn bevels(mesh: &mut Mesh, sides: &[Vec<u32>], parts: [usize; 3]) {
         let steps = [0, 1, 2].map(|k| high[k] * parts[k]);
         let [a, b, c] = [0, 1, 2].map(|k| number(2 * k + high[k], steps));
         let outward = (high[0] + high[1] + high[2]) % 2 == 1;
-        mesh.quad(if outward { [a, b, c, a] } else { [a, c, b, a] });
+        mesh.add_quad(if outward { [a, b, c, a] } else { [a, c, b, a] });
     }
 }
 
-/// A profile point of a lathed shape: radius, height, and the colour of what leads up to it.
+/// A profile point of a surface of revolution: radius, height, and the colour of the segment below.
 pub(crate) type Ring = (f32, f32, Vec3);
 
-/// A shape of revolution about y, from its lower end to its upper one. Where the profile bends by
-/// less than `SMOOTH` the normals do too.
-pub(crate) fn lathe(profile: &[Ring], segments: usize) -> Mesh {
+/// A surface of revolution about y, its profile from the lower end to the upper one. Normals are
+/// smooth where the cosine of the profile's bend is over `SMOOTH`.
+pub(crate) fn lathe(profile: &[Ring], segments: usize) -> MeshBuilder {
     const SMOOTH: f32 = 0.75;
-    let mut mesh = Mesh::default();
+    let mut mesh = MeshBuilder::default();
     let slope = |i: usize| {
         let ((r0, y0, _), (r1, y1, _)) = (profile[i], profile[i + 1]);
         Vec3::new(y1 - y0, r0 - r1, 0.0).normalize()
@@ -139,20 +139,24 @@ pub(crate) fn lathe(profile: &[Ring], segments: usize) -> Mesh {
             let numbers: Vec<u32> = (0..=segments)
                 .map(|k| {
                     let turn = Quat::from_rotation_y(TAU * (k % segments) as f32 / segments as f32);
-                    mesh.corner(turn * Vec3::new(r, 0.0, 0.0) + Vec3::Y * y, turn * normal, colour)
+                    mesh.add_corner(
+                        turn * Vec3::new(r, 0.0, 0.0) + Vec3::Y * y,
+                        turn * normal,
+                        colour,
+                    )
                 })
                 .collect();
             numbers
         });
         for k in 0..segments {
-            mesh.quad([rows[0][k], rows[0][k + 1], rows[1][k + 1], rows[1][k]]);
+            mesh.add_quad([rows[0][k], rows[0][k + 1], rows[1][k + 1], rows[1][k]]);
         }
     }
     mesh
 }
 
-/// The profile of a ball, `rows` high.
-pub(crate) fn round(radius: f32, rows: usize, colour: Vec3) -> Vec<Ring> {
+/// The profile of a ball of `rows` segments from pole to pole.
+pub(crate) fn ball_profile(radius: f32, rows: usize, colour: Vec3) -> Vec<Ring> {
     let point = |i: usize| match i {
         0 => (0.0, -radius, colour),
         i if i == rows => (0.0, radius, colour),
@@ -165,12 +169,12 @@ pub(crate) fn round(radius: f32, rows: usize, colour: Vec3) -> Vec<Ring> {
 }
 
 /// A ball about the origin.
-pub(crate) fn ball(radius: f32, segments: usize, colour: Vec3) -> Mesh {
-    lathe(&round(radius, segments / 2, colour), segments)
+pub(crate) fn ball(radius: f32, segments: usize, colour: Vec3) -> MeshBuilder {
+    lathe(&ball_profile(radius, segments / 2, colour), segments)
 }
 
 /// A rod from `a` to `b` with round ends.
-pub(crate) fn rod(a: Vec3, b: Vec3, radii: [f32; 2], segments: usize, colour: Vec3) -> Mesh {
+pub(crate) fn rod(a: Vec3, b: Vec3, radii: [f32; 2], segments: usize, colour: Vec3) -> MeshBuilder {
     let length = a.distance(b);
     let quarter = segments / 4;
     let mut profile = Vec::new();
@@ -183,11 +187,17 @@ pub(crate) fn rod(a: Vec3, b: Vec3, radii: [f32; 2], segments: usize, colour: Ve
         }
     }
     profile.dedup_by(|b, a| (a.0 - b.0).abs() + (a.1 - b.1).abs() < 1e-6);
-    lathe(&profile, segments).moved(along(a, b))
+    lathe(&profile, segments).transformed(motion_along(a, b))
 }
 
 /// An upright post about y with slightly rounded rims, from y = 0 up.
-pub(crate) fn post(radius: f32, height: f32, rim: f32, segments: usize, colour: Vec3) -> Mesh {
+pub(crate) fn rounded_post(
+    radius: f32,
+    height: f32,
+    rim: f32,
+    segments: usize,
+    colour: Vec3,
+) -> MeshBuilder {
     let inner = radius - rim;
     let profile = [
         (0.0, 0.0),
@@ -202,14 +212,20 @@ pub(crate) fn post(radius: f32, height: f32, rim: f32, segments: usize, colour: 
     lathe(&profile.map(|(r, y)| (r, y, colour)), segments)
 }
 
-/// The motion that takes the y axis to the way from `a` to `b`, and the origin to `a`.
-pub(crate) fn along(a: Vec3, b: Vec3) -> Affine3A {
+/// The rigid motion that takes the origin to `a` and the y axis to the direction from `a` to `b`.
+pub(crate) fn motion_along(a: Vec3, b: Vec3) -> Affine3A {
     Affine3A::from_rotation_translation(Quat::from_rotation_arc(Vec3::Y, (b - a).normalize()), a)
 }
 
-/// A bevelled beam of a square section from `a` to `b`.
-pub(crate) fn beam(a: Vec3, b: Vec3, half: [f32; 2], bevel: f32, colour: Vec3) -> Mesh {
+/// A bevelled beam from `a` to `b`; `half` are half the sides of its section.
+pub(crate) fn bevelled_beam(
+    a: Vec3,
+    b: Vec3,
+    half: [f32; 2],
+    bevel: f32,
+    colour: Vec3,
+) -> MeshBuilder {
     let length = 0.5 * a.distance(b);
-    block(Vec3::new(half[0], length, half[1]), bevel, colour)
-        .moved(along(a, b) * super::to(0.0, length, 0.0))
+    bevelled_box(Vec3::new(half[0], length, half[1]), bevel, colour)
+        .transformed(motion_along(a, b) * super::translation(0.0, length, 0.0))
 }

@@ -3,29 +3,29 @@
 use core::f32::consts::FRAC_PI_2;
 
 use glam::{Affine3A, Quat, Vec3};
-use paros_core::tools::Tool;
+use paros_core::Tool;
 
-use super::bits::nose;
+use super::bits::nose_distance;
 use super::paint::{BEECH, BRASS, GRAPHITE, IRON, RUST, STEEL, TEAL, WALNUT};
-use super::shapes::{Ring, block, lathe, post};
-use super::{Mesh, to};
+use super::shapes::{Ring, bevelled_box, lathe, rounded_post};
+use super::{MeshBuilder, translation};
 
 /// A tool without its bit.
-pub(crate) fn tool(tool: Tool) -> Mesh {
+pub(crate) fn tool_body(tool: Tool) -> MeshBuilder {
     // Where the nose ends, ahead of the grip.
-    let front = tool.length() as f32 * 1e-6 - nose(tool);
+    let front = tool.length_um() as f32 * 1e-6 - nose_distance(tool);
     let ahead = Affine3A::from_quat(Quat::from_rotation_x(-FRAC_PI_2));
-    let mut mesh = Mesh::default();
+    let mut mesh = MeshBuilder::default();
     match tool {
-        Tool::Rotary => mesh.add(&rotary(front), ahead),
-        Tool::Impact => mesh.add(&impact(front), ahead),
-        Tool::FillGun => mesh.add(&fill_gun(front), ahead),
-        Tool::Rasp => mesh.add(&lathe(&rasp(front), 24), ahead),
+        Tool::Rotary => mesh.append(&rotary_body(front), ahead),
+        Tool::Impact => mesh.append(&impact_body(front), ahead),
+        Tool::FillGun => mesh.append(&fill_gun_body(front), ahead),
+        Tool::Rasp => mesh.append(&lathe(&rasp_profile(front), 24), ahead),
     }
     mesh
 }
 
-fn rotary(front: f32) -> Mesh {
+fn rotary_body(front: f32) -> MeshBuilder {
     let profile: Vec<Ring> = vec![
         (0.0, -0.085, GRAPHITE),
         (0.005, -0.085, GRAPHITE),
@@ -50,11 +50,14 @@ fn rotary(front: f32) -> Mesh {
         (0.0, front, IRON),
     ];
     let mut mesh = lathe(&profile, 24);
-    mesh.add(&block(Vec3::new(0.004, 0.009, 0.0025), 0.001, RUST), to(0.0, 0.026, 0.0185));
+    mesh.append(
+        &bevelled_box(Vec3::new(0.004, 0.009, 0.0025), 0.001, RUST),
+        translation(0.0, 0.026, 0.0185),
+    );
     mesh
 }
 
-fn impact(front: f32) -> Mesh {
+fn impact_body(front: f32) -> MeshBuilder {
     let profile: Vec<Ring> = vec![
         (0.0, -0.095, BRASS),
         (0.007, -0.095, BRASS),
@@ -87,12 +90,12 @@ fn impact(front: f32) -> Mesh {
         ];
         // Closed on the inside by the handle: the ring's own inner side.
         let closed = [ring.as_slice(), &[ring[0]]].concat();
-        mesh.add(&lathe(&closed, 24), to(0.0, -0.036 + 0.031 * i as f32, 0.0));
+        mesh.append(&lathe(&closed, 24), translation(0.0, -0.036 + 0.031 * i as f32, 0.0));
     }
     mesh
 }
 
-fn fill_gun(front: f32) -> Mesh {
+fn fill_gun_body(front: f32) -> MeshBuilder {
     let profile: Vec<Ring> = vec![
         (0.0, -0.125, IRON),
         (0.010, -0.125, IRON),
@@ -117,12 +120,12 @@ fn fill_gun(front: f32) -> Mesh {
         (0.0, front, BRASS),
     ];
     let mut mesh = lathe(&profile, 24);
-    let lever = post(0.0045, 0.055, 0.002, 12, STEEL);
-    mesh.add(&lever, to(0.0, 0.036, 0.0225) * Affine3A::from_rotation_x(2.95));
+    let lever = rounded_post(0.0045, 0.055, 0.002, 12, STEEL);
+    mesh.append(&lever, translation(0.0, 0.036, 0.0225) * Affine3A::from_rotation_x(2.95));
     mesh
 }
 
-fn rasp(front: f32) -> Vec<Ring> {
+fn rasp_profile(front: f32) -> Vec<Ring> {
     vec![
         (0.0, -0.072, WALNUT),
         (0.009, -0.072, WALNUT),

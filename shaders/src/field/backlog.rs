@@ -1,42 +1,42 @@
-//! What of the textures is behind the maps: boxes of texels to compute, lines of maps to hand out.
+//! Work queues of the update: boxes of stale texels, and lines of map columns to compare or upload.
 
 use paros_core::limits::LAYERS;
-use paros_core::maps::{Axis, Range};
+use paros_core::{Axis, Range};
 
-use super::blur::MOST;
-use super::extent::Extent;
-use super::{PAD, REACH};
+use super::extent::TexelBox;
+use super::rows::MAX_BOX;
+use super::sizes::{PAD, REACH};
 
-/// Texels along the sides of the chunks that each have a box of stale texels.
+/// Size in texels of the chunks that each keep a box of stale texels.
 pub(super) const CHUNK: [usize; 3] = [32, 16, 16];
 
-/// Texels of boxes that are computed together: no more than a chunk's, of which nothing but detail is
-/// about a frame's work.
-const MOST_JOINED: usize = CHUNK[0] * CHUNK[1] * CHUNK[2];
+/// Most texels of boxes that are computed together: a chunk's, which take about a frame's work
+/// where all is surface.
+const MAX_JOINED: usize = CHUNK[0] * CHUNK[1] * CHUNK[2];
 
-/// The finest texels to compute again: a box in each chunk.
+/// The finest texels to recompute: a dirty box in each chunk.
 #[derive(Debug)]
-pub(super) struct Backlog {
+pub(super) struct BoxBacklog {
     side: usize,
     /// Chunks along each axis.
     chunks: [usize; 3],
-    stale: Vec<Extent>,
+    stale: Vec<TexelBox>,
     /// Chunks with a stale box.
     count: usize,
-    /// The chunk to look at next, so that each gets its turn.
-    next: usize,
+    /// The chunk to look at next: round robin.
+    next_chunk: usize,
 }
 
-impl Backlog {
+impl BoxBacklog {
     /// Nothing stale.
     pub(super) fn new(side: usize) -> Self {
         let chunks = CHUNK.map(|chunk| side.div_ceil(chunk));
-        let stale = vec![Extent::NONE; chunks.iter().product()];
-        Backlog { side, chunks, stale, count: 0, next: 0 }
+        let stale = vec![TexelBox::NONE; chunks.iter().product()];
+        BoxBacklog { side, chunks, stale, count: 0, next_chunk: 0 }
     }
 
     pub(super) fn clear(&mut self) {
-        self.stale.fill(Extent::NONE);
+        self.stale.fill(TexelBox::NONE);
         self.count = 0;
     }
 
@@ -44,24 +44,24 @@ impl Backlog {
         self.count == 0
     }
 
-    /// Voxels of a box, ends included, may have changed.
-    pub(super) fn add_voxels(&mut self, lo: [usize; 3], hi: [usize; 3]) {
-        let mut extent = Extent {
+    /// Marks the texels that depend on the voxels from `lo` to `hi`, both included.
+    pub(super) fn mark_voxels(&mut self, lo: [usize; 3], hi: [usize; 3]) {
+        let mut extent = TexelBox {
             lo: lo.map(|c| c + PAD - REACH),
             hi: hi.map(|c| (c + PAD + REACH + 1).min(self.side)),
         };
-        // The ground layer's copies go down to the last texel.
+        // The ground layer is repeated down to the last texel.
         if lo[1] == 0 {
             extent.lo[1] = 0;
         }
-        // Eight texels of a row are computed at once.
+        // Texels are computed in groups of eight along x.
         extent.lo[0] = extent.lo[0] / 8 * 8;
         extent.hi[0] = extent.hi[0].next_multiple_of(8);
-        self.add(&extent);
+        self.mark_texels(&extent);
     }
 
-    /// The texels of a box are stale.
-    pub(super) fn add(&mut self, extent: &Extent) {
+    /// Marks the texels of a box stale.
+    pub(super) fn mark_texels(&mut self, extent: &TexelBox) {
         let first = [0, 1, 2].map(|axis| extent.lo[axis] / CHUNK[axis]);
         let last = [0, 1, 2].map(|axis| (extent.hi[axis] - 1) / CHUNK[axis]);
         for z in first[2]..=last[2] {
@@ -73,26 +73,29 @@ impl Backlog {
                     let hi = [0, 1, 2].map(|axis| extent.hi[axis].min(end(axis)));
                     let stale = &mut self.stale[(z * self.chunks[1] + y) * self.chunks[0] + x];
                     self.count += usize::from(stale.is_empty());
-                    *stale = stale.union(&Extent { lo, hi });
+                    *stale = stale.union(&TexelBox { lo, hi });
                 }
             }
         }
     }
 
-    /// Takes the box that is next, with those of chunks beside it as far as all can be computed at
-    /// once.
-    pub(super) fn take(&mut self) -> Option<Extent> {
+    /// Takes the next stale box, joined with those of neighbouring chunks as far as the joint box
+    /// can be computed at once.
+    pub(super) fn take_joined(&mut self) -> Option<TexelBox> {
         if self.is_empty() {
             return None;
         }
-        while self.stale[self.next].is_empty() {
-            self.next = (self.next + 1) % self.stale.len();
+        while self.stale[self.next_chunk].is_empty() {
+            self.next_chunk = (self.next_chunk + 1) % self.stale.len();
         }
         let [along_x, along_y, _] = self.chunks;
-        let chunk =
-            [self.next % along_x, self.next / along_x % along_y, self.next / (along_x * along_y)];
-        let mut all = self.take_one(self.next);
-        let near = Extent {
+        let chunk = [
+            self.next_chunk % along_x,
+            self.next_chunk / along_x % along_y,
+            self.next_chunk / (along_x * along_y),
+        ];
+        let mut all = self.take_chunk(self.next_chunk);
+        let near = TexelBox {
             lo: chunk.map(|c| c.saturating_sub(1)),
             hi: [0, 1, 2].map(|axis| self.chunks[axis].min(chunk[axis] + 2)),
         };
@@ -102,9 +105,9 @@ impl Backlog {
                 let both = all.union(&self.stale[i]);
                 let size = both.size();
                 let fits =
-                    (0..3).all(|axis| size[axis] <= MOST[axis]) && both.volume() <= MOST_JOINED;
+                    (0..3).all(|axis| size[axis] <= MAX_BOX[axis]) && both.volume() <= MAX_JOINED;
                 if !self.stale[i].is_empty() && fits {
-                    self.take_one(i);
+                    self.take_chunk(i);
                     all = both;
                 }
             }
@@ -112,28 +115,28 @@ impl Backlog {
         Some(all)
     }
 
-    fn take_one(&mut self, chunk: usize) -> Extent {
+    fn take_chunk(&mut self, chunk: usize) -> TexelBox {
         self.count -= 1;
-        std::mem::replace(&mut self.stale[chunk], Extent::NONE)
+        std::mem::replace(&mut self.stale[chunk], TexelBox::NONE)
     }
 }
 
-/// In each line of the three maps the places that are to be handed out.
+/// For each line of the three maps, the hull of the stale places.
 #[derive(Debug)]
-pub(super) struct Lines {
+pub(super) struct StaleLines {
     stale: [Vec<Range>; 3],
 }
 
-impl Lines {
+impl StaleLines {
     pub(super) fn new(n: usize) -> Self {
-        Lines { stale: [0; 3].map(|_| vec![Range::EMPTY; n]) }
+        StaleLines { stale: [0; 3].map(|_| vec![Range::EMPTY; n]) }
     }
 
     pub(super) fn clear(&mut self) {
         self.stale.iter_mut().for_each(|lines| lines.fill(Range::EMPTY));
     }
 
-    pub(super) fn add(&mut self, axis: Axis, line: usize, places: Range) {
+    pub(super) fn mark_places(&mut self, axis: Axis, line: usize, places: Range) {
         let stale = &mut self.stale[axis as usize][line];
         *stale = stale.hull_with(places);
     }
@@ -142,9 +145,9 @@ impl Lines {
         self.stale.iter().flatten().all(|places| places.is_empty())
     }
 
-    /// The next lines of a map, from the first up to but without the last, and the places of all of
-    /// them; no more than `bytes` unless it is one line.
-    pub(super) fn first(&self, bytes: usize) -> Option<(Axis, usize, usize, Range)> {
+    /// The next run of stale lines of a map: axis, first line, end line (excluded), and the hull of
+    /// their places. It takes at most `bytes` bytes, unless it is a single line.
+    pub(super) fn first_run(&self, bytes: usize) -> Option<(Axis, usize, usize, Range)> {
         let is_stale = |places: &Range| !places.is_empty();
         for axis in Axis::ALL {
             let lines = &self.stale[axis as usize];
@@ -152,7 +155,7 @@ impl Lines {
             let (mut end, mut places) = (first + 1, lines[first]);
             while end < lines.len() && is_stale(&lines[end]) {
                 let wider = places.hull_with(lines[end]);
-                let width = wider.hi() + 1 - wider.lo();
+                let width = wider.last() + 1 - wider.first();
                 if width * (end + 1 - first) * 2 * LAYERS > bytes {
                     break;
                 }
@@ -163,7 +166,7 @@ impl Lines {
         None
     }
 
-    pub(super) fn done(&mut self, axis: Axis, first: usize, end: usize) {
+    pub(super) fn clear_lines(&mut self, axis: Axis, first: usize, end: usize) {
         self.stale[axis as usize][first..end].fill(Range::EMPTY);
     }
 }

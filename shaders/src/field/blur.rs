@@ -1,175 +1,174 @@
-//! The finest density of a box of texels: blurred occupancy, with creases opened and thin features raised.
+//! The finest density of a box of texels: separable binomial blur of the occupancy, then creases
+//! opened and thin features raised.
 //!
-//! Each row of voxels is a word of bits; tables turn them into bytes blurred along x, and the rest
-//! runs over whole rows, which the compiler makes vectors of.
+//! Each row of voxels is a word of bits. Table look-ups blur it along x into bytes; the passes
+//! along y and z run over whole rows, which the compiler vectorises.
 
-use paros_core::maps::Maps;
+use paros_core::RangeMaps;
 
-use super::REACH;
 use super::crease;
-use super::extent::Extent;
-use super::texels::tops;
+use super::extent::TexelBox;
+use super::rows::{BLURRED_ROWS, HalfMasks, LANES, ROW_TEXELS, TexelRow, TexelRows};
+use super::sizes::REACH;
+use super::texels::top_bits;
 use super::thin;
-use super::window::{LEFT, ROWS, Window};
+use super::window::{MARGIN_X, VoxelWindow, WINDOW_ROWS};
 
-/// Texels of the largest box along each axis. Along x the box, with [`LEFT`] more on either side,
-/// fills a word; a multiple of 8.
-/// A stroke of radius 6 changes 19 texels along y and z.
-pub(super) const MOST: [usize; 3] = [56, 24, 24];
-
-/// Rows along y and z that are blurred: those of the box and one around.
-const OUT: usize = MOST[1] + 2;
-const WIDTH: usize = 64;
-/// What is computed at once: as many bytes as fill a vector register.
-const LANES: usize = 16;
-/// Voxels on either side that a texel is blurred with.
+/// Radius of the kernel 1 4 6 4 1, in voxels.
 const TAPS: usize = 2;
-/// A sum along x and y of voxels that are all full: 256, held to a byte.
+/// The weighted sum along x and y of full voxels: 256, saturated to a byte.
 const FULL: u8 = 255;
 
-/// What one row holds.
-type Row = [[u8; LANES]; WIDTH / LANES];
-
-/// A box of texels and what it takes to compute them.
+/// A box of texels and the buffers to compute them in.
 #[derive(Debug)]
-pub(super) struct Blur {
-    extent: Extent,
-    window: Window,
-    /// Blurred along x: 0 to 16, of one slice.
-    along_x: [Row; ROWS],
-    /// Blurred along x and y: 0 to 255, of the last five slices.
-    along_y: [[Row; OUT]; 5],
-    /// What lies in reach of those along x and y, in all slices.
-    marks: [[Marks; OUT]; ROWS],
-    /// The density, from one texel before the box, along x from [`LEFT`] before.
-    out: [[Row; OUT]; OUT],
-    /// Which of these are at least a half.
-    half: [[u64; OUT]; OUT],
+pub(super) struct BoxBlur {
+    extent: TexelBox,
+    window: VoxelWindow,
+    /// One slice blurred along x, 0 to 16.
+    along_x: [TexelRow; WINDOW_ROWS],
+    /// The last five slices blurred along x and y, 0 to 255: a ring buffer.
+    along_y: [[TexelRow; BLURRED_ROWS]; 5],
+    /// What the kernel along x and y covers, in all slices.
+    nearby: [[NearbyVoxels; BLURRED_ROWS]; WINDOW_ROWS],
+    /// The density, from one texel before the box on, along x from [`MARGIN_X`] before.
+    out: TexelRows,
+    /// Bits of the texels that are at least a half.
+    half: HalfMasks,
 }
 
-/// Which texels of a row have an occupied voxel in reach, and which an empty one.
+/// For each texel of a row, whether the kernel covers an occupied voxel, and whether an empty one.
 #[derive(Clone, Copy, Default, Debug)]
-struct Marks {
+struct NearbyVoxels {
     full: u64,
     empty: u64,
 }
 
-/// Whether sixteen texels are all the same.
+/// What the kernels of a group of sixteen texels cover: nothing, all, or both.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-enum Plain {
+enum Uniformity {
     Empty,
     Full,
     Mixed,
 }
 
-impl Marks {
-    /// What five rows of voxels have in reach together, beside the rows' ends nothing.
-    fn of_voxels(rows: [u64; 5], mask: u64) -> Self {
+impl NearbyVoxels {
+    /// Dilation along x of the union of five rows of voxels.
+    fn from_voxels(rows: [u64; 5], mask: u64) -> Self {
         let full = rows.iter().fold(0, |all, row| all | row) & mask;
         let empty = !rows.iter().fold(u64::MAX, |all, row| all & row) & mask;
         let near = |bits: u64| bits | bits << 1 | bits << 2 | bits >> 1 | bits >> 2;
-        Marks { full: near(full), empty: near(empty) }
+        NearbyVoxels { full: near(full), empty: near(empty) }
     }
 
-    fn of_slices(slices: [Marks; 5]) -> Self {
-        let all = |a: Marks, b: &Marks| Marks { full: a.full | b.full, empty: a.empty | b.empty };
-        slices.iter().fold(Marks::default(), all)
+    fn from_slices(slices: [NearbyVoxels; 5]) -> Self {
+        let all = |a: NearbyVoxels, b: &NearbyVoxels| NearbyVoxels {
+            full: a.full | b.full,
+            empty: a.empty | b.empty,
+        };
+        slices.iter().fold(NearbyVoxels::default(), all)
     }
 
     #[inline]
-    fn group(self, group: usize) -> Plain {
+    fn classify_group(self, group: usize) -> Uniformity {
         let part = |bits: u64| bits >> (LANES * group) & 0xffff;
         match (part(self.full), part(self.empty)) {
-            (0, _) => Plain::Empty,
-            (_, 0) => Plain::Full,
-            _ => Plain::Mixed,
+            (0, _) => Uniformity::Empty,
+            (_, 0) => Uniformity::Full,
+            _ => Uniformity::Mixed,
         }
     }
 
-    /// Groups of the row that are mixed.
-    fn mixed(self, groups: usize) -> usize {
+    /// The number of mixed groups in the row.
+    fn count_mixed(self, groups: usize) -> usize {
         if self.full == 0 || self.empty == 0 {
             return 0;
         }
-        (0..groups).filter(|&group| self.group(group) == Plain::Mixed).count()
+        (0..groups).filter(|&group| self.classify_group(group) == Uniformity::Mixed).count()
     }
 }
 
-impl Blur {
+impl BoxBlur {
     pub(super) const fn new() -> Self {
-        Blur {
-            extent: Extent { lo: [0; 3], hi: [0; 3] },
-            window: Window::new(),
-            along_x: [[[0; LANES]; WIDTH / LANES]; ROWS],
-            along_y: [[[[0; LANES]; WIDTH / LANES]; OUT]; 5],
-            marks: [[Marks { full: 0, empty: 0 }; OUT]; ROWS],
-            out: [[[[0; LANES]; WIDTH / LANES]; OUT]; OUT],
-            half: [[0; OUT]; OUT],
+        BoxBlur {
+            extent: TexelBox { lo: [0; 3], hi: [0; 3] },
+            window: VoxelWindow::new(),
+            along_x: [[[0; LANES]; ROW_TEXELS / LANES]; WINDOW_ROWS],
+            along_y: [[[[0; LANES]; ROW_TEXELS / LANES]; BLURRED_ROWS]; 5],
+            nearby: [[NearbyVoxels { full: 0, empty: 0 }; BLURRED_ROWS]; WINDOW_ROWS],
+            out: [[[[0; LANES]; ROW_TEXELS / LANES]; BLURRED_ROWS]; BLURRED_ROWS],
+            half: [[0; BLURRED_ROWS]; BLURRED_ROWS],
         }
     }
 
-    /// A row of the box last computed.
+    /// A row of texels of the box last computed, by the texture's y and z.
     #[inline]
     pub(super) fn row(&self, y: usize, z: usize) -> &[u8] {
         let [x0, y0, z0] = self.extent.lo;
-        &self.out[z - z0 + 1][y - y0 + 1].as_flattened()[LEFT..LEFT + self.extent.hi[0] - x0]
+        &self.out[z - z0 + 1][y - y0 + 1].as_flattened()
+            [MARGIN_X..MARGIN_X + self.extent.hi[0] - x0]
     }
 
-    /// Looks at the voxels around a box of texels, at most [`MOST`] and a multiple of 8 along x;
-    /// how many groups of texels are to be blurred comes back.
-    pub(super) fn look<const N: usize>(&mut self, maps: &Maps<N>, extent: Extent) -> usize {
+    /// Loads the voxels around a box of texels, no larger than [`MAX_BOX`](super::rows::MAX_BOX)
+    /// and a multiple of 8 along x. Returns the number of groups of sixteen texels that have to be
+    /// blurred.
+    pub(super) fn load_voxels<const N: usize>(
+        &mut self,
+        maps: &RangeMaps<N>,
+        extent: TexelBox,
+    ) -> usize {
         self.extent = extent;
-        self.window.look(maps, extent);
-        let Frame { slices, rows, groups, mask } = self.frame();
+        self.window.load_voxels(maps, extent);
+        let WindowSize { slices, rows, groups, mask } = self.window_size();
         let mut mixed = 0;
         for z in 0..slices {
             for y in 0..rows {
                 let row = |i: usize| self.window.row(y + i, z);
-                self.marks[z][y] = Marks::of_voxels([row(0), row(1), row(2), row(3), row(4)], mask);
+                self.nearby[z][y] =
+                    NearbyVoxels::from_voxels([row(0), row(1), row(2), row(3), row(4)], mask);
                 if z >= 2 * TAPS {
-                    mixed += self.marks_around(y, z - 2 * TAPS).mixed(groups);
+                    mixed += self.nearby_voxels(y, z - 2 * TAPS).count_mixed(groups);
                 }
             }
         }
         mixed
     }
 
-    /// Computes the texels of the box that was looked at.
-    pub(super) fn compute(&mut self) {
-        let Frame { slices, rows, groups, mask } = self.frame();
+    /// Computes the texels of the box whose voxels were loaded.
+    pub(super) fn compute_texels(&mut self) {
+        let WindowSize { slices, rows, groups, mask } = self.window_size();
         for z in 0..slices {
-            self.blur_slice(z, rows, groups, mask);
+            self.blur_slice_xy(z, rows, groups, mask);
             if z >= 2 * TAPS {
                 for y in 0..rows {
-                    self.blur_row(y, z - 2 * TAPS, groups, mask);
+                    self.blur_row_z(y, z - 2 * TAPS, groups, mask);
                 }
             }
         }
         let size = [rows, slices - 2 * TAPS];
-        crease::open(&self.window, size, mask, &mut self.out, &mut self.half);
-        thin::raise(&self.window, size, &mut self.out, &mut self.half);
+        crease::open_creases(&self.window, size, mask, &mut self.out, &mut self.half);
+        thin::raise_thin(&self.window, size, &mut self.out, &mut self.half);
     }
 
-    fn frame(&self) -> Frame {
+    fn window_size(&self) -> WindowSize {
         let [along_x, along_y, along_z] = self.extent.size();
-        let width = along_x + 2 * LEFT;
-        Frame {
+        let width = along_x + 2 * MARGIN_X;
+        WindowSize {
             slices: along_z + 2 * REACH,
             rows: along_y + 2 * REACH - 2 * TAPS,
             groups: width.div_ceil(LANES),
-            mask: u64::MAX >> (WIDTH - width),
+            mask: u64::MAX >> (ROW_TEXELS - width),
         }
     }
 
-    /// What is in reach of a row of texels.
+    /// What the kernels of a row of texels cover.
     #[inline]
-    fn marks_around(&self, y: usize, z: usize) -> Marks {
-        let slice = |i: usize| self.marks[z + i][y];
-        Marks::of_slices([slice(0), slice(1), slice(2), slice(3), slice(4)])
+    fn nearby_voxels(&self, y: usize, z: usize) -> NearbyVoxels {
+        let slice = |i: usize| self.nearby[z + i][y];
+        NearbyVoxels::from_slices([slice(0), slice(1), slice(2), slice(3), slice(4)])
     }
 
     /// Blurs a slice of the window along x and y.
-    fn blur_slice(&mut self, z: usize, rows: usize, groups: usize, mask: u64) {
+    fn blur_slice_xy(&mut self, z: usize, rows: usize, groups: usize, mask: u64) {
         let slot = z % 5;
         for y in 0..rows + 2 * TAPS {
             let (bits, row) = (self.window.row(y, z), &mut self.along_x[y][..groups]);
@@ -180,14 +179,14 @@ impl Blur {
             }
         }
         for y in 0..rows {
-            let marks = self.marks[z][y];
+            let marks = self.nearby[z][y];
             let [a, b, c, d, e] = [y, y + 1, y + 2, y + 3, y + 4];
             let rows = &self.along_x;
             for (g, sums) in self.along_y[slot][y][..groups].iter_mut().enumerate() {
-                *sums = match marks.group(g) {
-                    Plain::Empty => [0; LANES],
-                    Plain::Full => [FULL; LANES],
-                    Plain::Mixed => {
+                *sums = match marks.classify_group(g) {
+                    Uniformity::Empty => [0; LANES],
+                    Uniformity::Full => [FULL; LANES],
+                    Uniformity::Mixed => {
                         blur_lanes([rows[a][g], rows[b][g], rows[c][g], rows[d][g], rows[e][g]])
                     }
                 }
@@ -195,9 +194,9 @@ impl Blur {
         }
     }
 
-    /// Blurs a row along z, from the last five slices.
-    fn blur_row(&mut self, y: usize, z: usize, groups: usize, mask: u64) {
-        let marks = self.marks_around(y, z);
+    /// Blurs a row along z, from the last five slices: the density.
+    fn blur_row_z(&mut self, y: usize, z: usize, groups: usize, mask: u64) {
+        let marks = self.nearby_voxels(y, z);
         let out = &mut self.out[z][y][..groups];
         if marks.full == 0 || marks.empty == 0 {
             let full = marks.empty == 0;
@@ -208,28 +207,28 @@ impl Blur {
         let row = |z: usize| &self.along_y[z % 5][y];
         let [a, b, c, d, e] = [row(z), row(z + 1), row(z + 2), row(z + 3), row(z + 4)];
         for (g, texels) in out.iter_mut().enumerate() {
-            *texels = match marks.group(g) {
-                Plain::Empty => [0; LANES],
-                Plain::Full => [255; LANES],
-                Plain::Mixed => texels_of([a[g], b[g], c[g], d[g], e[g]]),
+            *texels = match marks.classify_group(g) {
+                Uniformity::Empty => [0; LANES],
+                Uniformity::Full => [255; LANES],
+                Uniformity::Mixed => blur_to_texels([a[g], b[g], c[g], d[g], e[g]]),
             };
         }
-        self.half[z][y] = tops(out.as_flattened());
+        self.half[z][y] = top_bits(out.as_flattened());
     }
 }
 
-/// How much of the window a box takes.
-struct Frame {
+/// The part of the window that a box takes.
+struct WindowSize {
     slices: usize,
-    /// Rows of texels in a slice, with one around.
+    /// Rows of texels in a slice, with one more on either side.
     rows: usize,
     /// Groups of texels in a row.
     groups: usize,
-    /// The voxels of a row.
+    /// Bits of the voxels in a row.
     mask: u64,
 }
 
-/// Blurs sixteen bytes, of 16 at most each; what comes to 256 is held to 255.
+/// The kernel over five rows of sixteen bytes, each at most 16; the sum saturates at 255.
 #[inline]
 fn blur_lanes([a, b, c, d, e]: [[u8; LANES]; 5]) -> [u8; LANES] {
     let mut sums = [0; LANES];
@@ -241,9 +240,9 @@ fn blur_lanes([a, b, c, d, e]: [[u8; LANES]; 5]) -> [u8; LANES] {
     sums
 }
 
-/// Blurs sixteen bytes; the mean, half up.
+/// The kernel over five rows of sixteen bytes: the weighted mean, rounded half up.
 #[inline]
-fn texels_of([a, b, c, d, e]: [[u8; LANES]; 5]) -> [u8; LANES] {
+fn blur_to_texels([a, b, c, d, e]: [[u8; LANES]; 5]) -> [u8; LANES] {
     let mut texels = [0; LANES];
     for (i, texel) in texels.iter_mut().enumerate() {
         let [a, b, c, d, e] = [a[i], b[i], c[i], d[i], e[i]].map(u16::from);
@@ -263,10 +262,10 @@ fn blur_bits(bits: u64, row: &mut [u8]) {
 }
 
 /// What the lower and the upper six of twelve voxels add to eight texels, a byte each.
-static LOW: [u64; 64] = shares(0);
-static HIGH: [u64; 64] = shares(6);
+static LOW: [u64; 64] = tap_table(0);
+static HIGH: [u64; 64] = tap_table(6);
 
-const fn shares(first: usize) -> [u64; 64] {
+const fn tap_table(first: usize) -> [u64; 64] {
     const WEIGHTS: [u64; 5] = [1, 4, 6, 4, 1];
     let mut table = [0; 64];
     let mut bits = 0;
@@ -288,8 +287,3 @@ const fn shares(first: usize) -> [u64; 64] {
     }
     table
 }
-
-/// The rows of density around a box: by z, then y.
-pub(super) type Rows = [[Row; OUT]; OUT];
-/// Which of these texels are at least a half.
-pub(super) type Halves = [[u64; OUT]; OUT];

@@ -1,106 +1,107 @@
-//! Cells of texels: which the surface of half density may pass through, and how many around the
-//! rest are free of it.
+//! Chebyshev distance transform for empty-space skipping: for each cell of texels, the distance to
+//! the nearest cell that the surface of half density may pass through.
 
-use super::FAR;
-use super::extent::Extent;
-use super::texels::{Texels, tops};
+use super::extent::TexelBox;
+use super::sizes::MAX_CELL_DISTANCE;
+use super::texels::{TexelCube, top_bits};
 
-/// The longest row of cells: 136 texels at 128.
-const MOST: usize = 68;
+/// Most cells in a row: 136 texels of a side at 128.
+const MAX_CELLS: usize = 68;
 
-/// Cells told for nothing that are cheaper than another box.
-const SLACK: usize = 256;
+/// Unchanged cells whose upload costs less than that of another box.
+const JOIN_SLACK: usize = 256;
 
-/// Distances less than [`FAR`], and cells at most so far from the surface.
-const LEVELS: usize = FAR as usize;
+/// Distances less than [`MAX_CELL_DISTANCE`]; a bit grid for each.
+const DISTANCES: usize = MAX_CELL_DISTANCE as usize;
 
-/// Cells, and how many around each are free.
+/// Distance transform by repeated dilation of bit rows.
 ///
-/// The cells at most k + 1 from the surface are those at most k from it and their neighbours: rows
-/// of bits, moved and joined. Only rows beside one that changed are joined again, so that all is
-/// right after each [`Cells::measure`], at the cost of what changed.
+/// The cells at most k + 1 from the surface are those at most k from it, dilated by one: shifts and
+/// ORs of rows of bits. [`CellDistances::update_distances`] dilates only rows beside one that
+/// changed.
 #[derive(Debug)]
-pub(super) struct Cells {
+pub(super) struct CellDistances {
     /// Texels along a side of a cell.
-    cell: usize,
-    /// By distance, the cells at most so far from the surface: a bit each along x, by z and y.
-    near: [Vec<u128>; LEVELS],
-    /// By distance, the rows of those that changed since they were measured: a bit each along y,
-    /// by z.
-    touched: [Vec<u128>; LEVELS],
-    /// The cells that changed at any distance: a bit each along x, by z and y.
+    texels_per_cell: usize,
+    /// By distance k, the cells at most k from the surface: bit rows along x, by z and y.
+    near: [Vec<u128>; DISTANCES],
+    /// By distance, the rows that changed since the last update: bit rows along y, by z.
+    touched: [Vec<u128>; DISTANCES],
+    /// The cells that changed at any distance: bit rows along x, by z and y.
     flipped: Vec<u128>,
-    /// Which texels of the last few slices looked at are at least a half: by z, wrapping, and y.
-    halves: Vec<[u64; SLICES]>,
-    free: Texels,
-    /// In each slice of equal z the cells that changed since they were taken.
-    changed: Vec<Extent>,
+    /// Texels of the last slices that are at least a half: bit rows along x, by y and z, a ring
+    /// buffer.
+    halves: Vec<[u64; KEPT_SLICES]>,
+    free: TexelCube,
+    /// By z, the box of the cells that changed since they were drained.
+    changed: Vec<TexelBox>,
 }
 
-impl Cells {
-    /// Cells of `cell` texels a side, none with surface, for `texels` a side.
+impl CellDistances {
+    /// Cells of `cell` texels a side, all empty, for a texture of `texels` a side.
     pub(super) fn new(texels: usize, cell: usize) -> Self {
         let side = texels / cell;
-        Cells {
-            cell,
-            near: [0; LEVELS].map(|_| vec![0; side * side]),
-            touched: [0; LEVELS].map(|_| vec![0; side]),
+        CellDistances {
+            texels_per_cell: cell,
+            near: [0; DISTANCES].map(|_| vec![0; side * side]),
+            touched: [0; DISTANCES].map(|_| vec![0; side]),
             flipped: vec![0; side * side],
-            halves: vec![[0; SLICES]; texels],
-            free: Texels::new(side, FAR - 1),
-            changed: vec![Extent::NONE; side],
+            halves: vec![[0; KEPT_SLICES]; texels],
+            free: TexelCube::new(side, MAX_CELL_DISTANCE - 1),
+            changed: vec![TexelBox::NONE; side],
         }
     }
 
-    /// How many cells around each are free.
-    pub(super) const fn free(&self) -> &Texels {
+    /// The distance of each cell to the nearest one with surface, less one: 0 to
+    /// [`MAX_CELL_DISTANCE`] - 1.
+    pub(super) const fn free_counts(&self) -> &TexelCube {
         &self.free
     }
 
-    /// Looks again at the cells that texels of a box belong to or lie beside.
-    pub(super) fn follow(&mut self, density: &Texels, texels: Extent) {
-        let cells = texels.grown(1, density.side()).coarser(self.cell);
-        // As many as a word holds with a texel beside on either side.
-        let step = (u64::BITS as usize - 2) / self.cell;
+    /// Recomputes which cells have surface, of those that hold or touch texels of a box.
+    pub(super) fn mark_surface(&mut self, density: &TexelCube, texels: TexelBox) {
+        let cells = texels.grown_by(1, density.side()).coarser_by(self.texels_per_cell);
+        // As many cells as fit in a word, with one texel more on either side.
+        let step = (u64::BITS as usize - 2) / self.texels_per_cell;
         for first in (cells.lo[0]..cells.hi[0]).step_by(step) {
             let end = cells.hi[0].min(first + step);
             let mut seen = 0;
             for z in cells.lo[2]..cells.hi[2] {
-                self.follow_slice(density, (z, &mut seen), cells.lo[1]..cells.hi[1], first..end);
+                self.mark_slice(density, (z, &mut seen), cells.lo[1]..cells.hi[1], first..end);
             }
         }
     }
 
-    /// Looks again at the cells of a slice, no more along x than fit in a word. Slices of texels
-    /// before `seen` have been looked at.
-    fn follow_slice(
+    /// Recomputes which cells of a slice have surface, no more along x than fit in a word. Slices
+    /// of texels before `seen` are in the ring buffer.
+    fn mark_slice(
         &mut self,
-        density: &Texels,
+        density: &TexelCube,
         (z, seen): (usize, &mut usize),
         along_y: std::ops::Range<usize>,
         along_x: std::ops::Range<usize>,
     ) {
-        let (size, texels, side) = (self.cell, density.side(), self.free.side());
+        let (size, texels, side) = (self.texels_per_cell, density.side(), self.free.side());
         let beside =
             |lo: usize, hi: usize| (lo * size).saturating_sub(1)..(hi * size + 1).min(texels);
         let (xs, ys) = (beside(along_x.start, along_x.end), beside(along_y.start, along_y.end));
-        // A few more don't matter, whole words are quicker.
+        // Rounded up to whole words, which is faster.
         let xs = xs.start..texels.min(xs.start + xs.len().next_multiple_of(8));
         // The first bit is the texel before the first cell.
         let shift = usize::from(along_x.start == 0);
         let zs = beside(z, z + 1);
         for z in zs.start.max(*seen)..zs.end {
             for y in ys.clone() {
-                self.halves[y][z % SLICES] = tops(&density.row(y, z)[xs.clone()]) << shift;
+                self.halves[y][z % KEPT_SLICES] = top_bits(&density.row(y, z)[xs.clone()]) << shift;
             }
         }
         *seen = zs.end;
         let stretch = u128::MAX >> (128 - along_x.len()) << along_x.start;
         for y in along_y {
             let rows = &self.halves[beside(y, y + 1)];
-            let any = rows
-                .iter()
-                .fold(0, |any, slices| zs.clone().fold(any, |any, z| any | slices[z % SLICES]));
+            let any = rows.iter().fold(0, |any, slices| {
+                zs.clone().fold(any, |any, z| any | slices[z % KEPT_SLICES])
+            });
             let bits = u128::from(cell_bits(any, size)) << along_x.start;
             let row = &mut self.near[0][z * side + y];
             let flipped = (*row ^ bits) & stretch;
@@ -111,37 +112,37 @@ impl Cells {
         }
     }
 
-    /// Follows the cells that the surface came to or left since the last time.
-    pub(super) fn measure(&mut self) {
+    /// Updates the distances around the cells that gained or lost surface since the last call.
+    pub(super) fn update_distances(&mut self) {
         let is_touched = |rows: &u128| *rows != 0;
         let Some(first) = self.touched[0].iter().position(is_touched) else { return };
         let last = self.touched[0].iter().rposition(is_touched).unwrap_or(first);
         let side = self.free.side();
         let reach = |by: usize| first.saturating_sub(by)..(last + 1 + by).min(side);
-        for level in 1..LEVELS {
+        for level in 1..DISTANCES {
             for z in reach(level) {
                 let touched = &self.touched[level - 1];
                 let around = &touched[z.saturating_sub(1)..(z + 2).min(side)];
                 let rows = around.iter().fold(0, |all, rows| all | rows);
                 if rows != 0 {
-                    self.grow(level, z, (rows | rows << 1 | rows >> 1) & ones(side));
+                    self.dilate_rows(level, z, (rows | rows << 1 | rows >> 1) & low_bits(side));
                 }
             }
         }
-        for z in reach(LEVELS) {
+        for z in reach(DISTANCES) {
             let mut rows = 0;
             for touched in &mut self.touched[1..] {
                 rows |= std::mem::take(&mut touched[z]);
             }
             self.touched[0][z] = 0;
-            for y in bits_of(rows) {
-                self.tell_row(y, z);
+            for y in set_bits(rows) {
+                self.count_free_row(y, z);
             }
         }
     }
 
-    /// Joins rows of a slice anew from those a cell nearer.
-    fn grow(&mut self, level: usize, z: usize, rows: u128) {
+    /// Dilates rows of a slice from those of one cell less of distance.
+    fn dilate_rows(&mut self, level: usize, z: usize, rows: u128) {
         let side = self.free.side();
         let (nearer, here) = self.near.split_at_mut(level);
         let slice = |z: usize| &nearer[level - 1][z * side..(z + 1) * side];
@@ -149,14 +150,14 @@ impl Cells {
             (slice(z.saturating_sub(1)), slice(z), slice((z + 1).min(side - 1)));
         let (first, last) = (rows.trailing_zeros() as usize, 127 - rows.leading_zeros() as usize);
         // One more at either end.
-        let mut column = [0u128; MOST + 2];
+        let mut column = [0u128; MAX_CELLS + 2];
         for y in first.saturating_sub(1)..(last + 2).min(side) {
             column[y + 1] = before[y] | this[y] | behind[y];
         }
         let mut touched = 0;
-        for y in bits_of(rows) {
+        for y in set_bits(rows) {
             let all = column[y] | column[y + 1] | column[y + 2];
-            let grown = (all | all << 1 | all >> 1) & ones(side);
+            let grown = (all | all << 1 | all >> 1) & low_bits(side);
             let row = &mut here[0][z * side + y];
             if *row != grown {
                 self.flipped[z * side + y] |= *row ^ grown;
@@ -167,12 +168,13 @@ impl Cells {
         self.touched[level][z] = touched;
     }
 
-    /// Counts for a row's cells that changed how many around them are free.
-    fn tell_row(&mut self, y: usize, z: usize) {
+    /// Recounts the distances of a row's changed cells from the bit rows.
+    fn count_free_row(&mut self, y: usize, z: usize) {
         let i = z * self.free.side() + y;
         let flipped = std::mem::take(&mut self.flipped[i]);
         let (lo, hi) = (flipped.trailing_zeros() as usize, 128 - flipped.leading_zeros() as usize);
-        // A cell has k free around it if it is further than k, k from 1 to 6: bits of that count.
+        // The distance less one is the number of k from 1 to 6 with no surface within k: its three
+        // bits.
         let near = |k: usize| self.near[k][i];
         let ones = near(2) & !near(1) | near(4) & !near(3) | near(6) & !near(5);
         let twos = near(4) & !near(2) | !near(6);
@@ -186,18 +188,18 @@ impl Cells {
                 None => bytes.copy_from_slice(&counts.to_le_bytes()[..bytes.len()]),
             }
         }
-        let part = Extent { lo: [lo, y, z], hi: [hi, y + 1, z + 1] };
+        let part = TexelBox { lo: [lo, y, z], hi: [hi, y + 1, z + 1] };
         self.changed[z] = self.changed[z].union(&part);
     }
 
-    /// Tells the boxes of cells that changed, and forgets them.
-    pub(super) fn take_changed(&mut self, mut tell: impl FnMut(&Texels, Extent)) {
-        let mut open = Extent::NONE;
+    /// Passes the boxes of cells that changed since the last call.
+    pub(super) fn drain_changed(&mut self, mut tell: impl FnMut(&TexelCube, TexelBox)) {
+        let mut open = TexelBox::NONE;
         for slice in &mut self.changed {
-            let slice = std::mem::replace(slice, Extent::NONE);
+            let slice = std::mem::replace(slice, TexelBox::NONE);
             let both = open.union(&slice);
-            // Slices go together while that takes little more than each by itself.
-            if both.volume() > open.volume() + slice.volume() + SLACK {
+            // Slices are joined while their hull is little larger than both.
+            if both.volume() > open.volume() + slice.volume() + JOIN_SLACK {
                 tell(&self.free, open);
                 open = slice;
             } else {
@@ -210,17 +212,17 @@ impl Cells {
     }
 }
 
-/// Slices of texels kept: at least those of a cell and beside it.
-const SLICES: usize = 8;
+/// Slices of texels kept: at least a cell's and one on either side.
+const KEPT_SLICES: usize = 8;
 
-const _: () = assert!(LEVELS == 7, "`tell_row` counts to 6");
+const _: () = assert!(DISTANCES == 7, "`tell_row` counts to 6");
 
-const fn ones(bits: usize) -> u128 {
+const fn low_bits(bits: usize) -> u128 {
     u128::MAX >> (128 - bits)
 }
 
-/// The places of the bits, least first.
-fn bits_of(mut bits: u128) -> impl Iterator<Item = usize> {
+/// The positions of the set bits, ascending.
+fn set_bits(mut bits: u128) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
         let bit = bits.trailing_zeros() as usize;
         (bits != 0).then(|| {
@@ -230,20 +232,20 @@ fn bits_of(mut bits: u128) -> impl Iterator<Item = usize> {
     })
 }
 
-/// A bit for each cell, from those of its texels and the ones beside; the lowest is the texel before
-/// the first cell. Cells of 2 texels, or of 4.
+/// A bit for each cell: whether any of its texels or one beside them has its bit set. The lowest
+/// bit is the texel before the first cell. Cells have 2 texels or 4.
 const fn cell_bits(texels: u64, size: usize) -> u64 {
     let mut any = texels | texels >> 1;
     any |= any >> 2;
     if size == 2 {
-        return every_other(any);
+        return compact_even_bits(any);
     }
     any |= any >> 2;
-    every_other(every_other(any))
+    compact_even_bits(compact_even_bits(any))
 }
 
-/// The even bits, moved together.
-const fn every_other(bits: u64) -> u64 {
+/// Compacts the even bits into the lower half (the inverse of Morton spreading).
+const fn compact_even_bits(bits: u64) -> u64 {
     let bits = bits & 0x5555_5555_5555_5555;
     let bits = (bits | bits >> 1) & 0x3333_3333_3333_3333;
     let bits = (bits | bits >> 2) & 0x0f0f_0f0f_0f0f_0f0f;
@@ -252,7 +254,7 @@ const fn every_other(bits: u64) -> u64 {
     (bits | bits >> 16) & 0xffff_ffff
 }
 
-/// Each bit of eight as a byte.
+/// Spreads eight bits to a byte each.
 static SPREAD: [u64; 256] = {
     let mut table = [0; 256];
     let mut bits = 0;

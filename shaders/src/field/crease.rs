@@ -1,24 +1,24 @@
-//! Opens what the blur closes: creases, and gaps of a voxel.
+//! Opens what the blur closes: creases, and gaps one voxel wide.
 //!
-//! Empty voxels that the blur leaves half full or more lie between walls; on what is smooth there
-//! are none to speak of. They are told as far below a half as they came out above, so that the
-//! surface stays within a voxel of where the walls meet.
+//! An empty voxel with a blurred density of a half or more lies between walls; smooth surfaces have
+//! hardly any. Its density is mirrored at a half, so that the surface stays within a voxel of where
+//! the walls meet.
 
-use super::blur::{Halves, Rows};
-use super::window::{BEFORE, Window};
+use super::rows::{HalfMasks, TexelRows};
+use super::window::{BLUR_MARGIN, VoxelWindow};
 
-/// Mirrors texels of so many rows along y and z, whose halves are told, about a half; `mask` has a
-/// row's voxels.
-pub(super) fn open(
-    window: &Window,
+/// Mirrors the texels of closed empty voxels at a half, in so many rows along y and z. `mask` has a
+/// row's voxels; `halves` is updated.
+pub(super) fn open_creases(
+    window: &VoxelWindow,
     [rows, slices]: [usize; 2],
     mask: u64,
-    out: &mut Rows,
-    halves: &mut Halves,
+    out: &mut TexelRows,
+    halves: &mut HalfMasks,
 ) {
     for z in 0..slices {
         for y in 0..rows {
-            let mut closed = halves[z][y] & mask & !window.row(y + BEFORE, z + BEFORE);
+            let mut closed = halves[z][y] & mask & !window.row(y + BLUR_MARGIN, z + BLUR_MARGIN);
             halves[z][y] &= !closed;
             let row = out[z][y].as_flattened_mut();
             while closed != 0 {

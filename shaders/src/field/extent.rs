@@ -4,18 +4,18 @@ use crate::upload::{Region, Texture};
 
 /// A box of texels: from `lo` up to but without `hi`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) struct Extent {
+pub(super) struct TexelBox {
     pub(super) lo: [usize; 3],
     pub(super) hi: [usize; 3],
 }
 
-impl Extent {
-    /// No texel, such that the union with any box is that box.
-    pub(super) const NONE: Extent = Extent { lo: [usize::MAX; 3], hi: [0; 3] };
+impl TexelBox {
+    /// The empty box, neutral to union.
+    pub(super) const NONE: TexelBox = TexelBox { lo: [usize::MAX; 3], hi: [0; 3] };
 
     /// A whole texture.
     pub(super) const fn cube(side: usize) -> Self {
-        Extent { lo: [0; 3], hi: [side; 3] }
+        TexelBox { lo: [0; 3], hi: [side; 3] }
     }
 
     pub(super) fn is_empty(&self) -> bool {
@@ -30,39 +30,39 @@ impl Extent {
         self.size().iter().product()
     }
 
-    /// The least box that holds both.
+    /// The bounding box of both.
     #[must_use]
     #[inline]
     pub(super) fn union(&self, other: &Self) -> Self {
-        Extent {
+        TexelBox {
             lo: [0, 1, 2].map(|axis| self.lo[axis].min(other.lo[axis])),
             hi: [0, 1, 2].map(|axis| self.hi[axis].max(other.hi[axis])),
         }
     }
 
-    /// So many texels more on every side, within a texture of `side`.
+    /// Grown by so many texels on every side, clipped to a texture of `side`.
     #[must_use]
-    pub(super) fn grown(&self, by: usize, side: usize) -> Self {
-        Extent {
+    pub(super) fn grown_by(&self, by: usize, side: usize) -> Self {
+        TexelBox {
             lo: self.lo.map(|lo| lo.saturating_sub(by)),
             hi: self.hi.map(|hi| (hi + by).min(side)),
         }
     }
 
-    /// The least box of texels `by` times as coarse that covers this one.
+    /// The bounding box of this one in texels `by` times as large.
     #[must_use]
-    pub(super) fn coarser(&self, by: usize) -> Self {
-        Extent { lo: self.lo.map(|lo| lo / by), hi: self.hi.map(|hi| hi.div_ceil(by)) }
+    pub(super) fn coarser_by(&self, by: usize) -> Self {
+        TexelBox { lo: self.lo.map(|lo| lo / by), hi: self.hi.map(|hi| hi.div_ceil(by)) }
     }
 
     /// The rows along x, as (y, z).
     pub(super) fn rows(&self) -> impl Iterator<Item = (usize, usize)> + use<> {
-        let Extent { lo, hi } = *self;
+        let TexelBox { lo, hi } = *self;
         (lo[2]..hi[2]).flat_map(move |z| (lo[1]..hi[1]).map(move |y| (y, z)))
     }
 
     /// As a region of a texture.
-    pub(super) fn region(&self, texture: Texture) -> Region {
+    pub(super) fn to_region(self, texture: Texture) -> Region {
         Region { texture, min: self.lo.map(|i| i as u32), size: self.size().map(|i| i as u32) }
     }
 }

@@ -1,12 +1,17 @@
-//! Coarser levels of the density.
+//! Mip chain of the density: a box filter over 2 x 2 x 2 texels.
 
-use super::extent::Extent;
-use super::texels::{Changes, Texels};
+use super::extent::TexelBox;
+use super::texels::{TexelChanges, TexelCube};
 
-/// Recomputes the texels `extent` of `coarse` from a level twice as fine; which changed comes back.
-pub(super) fn halve(fine: &Texels, coarse: &mut Texels, extent: Extent) -> Extent {
-    let mut changes = Changes::new(extent.lo[0]);
-    let mut means = [0u8; MOST];
+/// Recomputes the texels `extent` of `coarse` from the next finer level. Returns the box of those
+/// that changed.
+pub(super) fn downsample_box(
+    fine: &TexelCube,
+    coarse: &mut TexelCube,
+    extent: TexelBox,
+) -> TexelBox {
+    let mut changes = TexelChanges::new(extent.lo[0]);
+    let mut means = [0u8; MAX_ROW];
     let [lo, hi] = [extent.lo[0], extent.hi[0]];
     let means = &mut means[..hi - lo];
     for (y, z) in extent.rows() {
@@ -21,22 +26,22 @@ pub(super) fn halve(fine: &Texels, coarse: &mut Texels, extent: Extent) -> Exten
         let [a, b, c, d] = rows.map(|row| row.as_chunks::<8>());
         let (fours, rest) = means.as_chunks_mut::<4>();
         for (i, means) in fours.iter_mut().enumerate() {
-            *means = mean([a.0[i], b.0[i], c.0[i], d.0[i]]);
+            *means = mean_2x2x2([a.0[i], b.0[i], c.0[i], d.0[i]]);
         }
         let last = [a.1, b.1, c.1, d.1].map(|row| {
             let mut eight = [0; 8];
             eight[..row.len()].copy_from_slice(row);
             eight
         });
-        rest.copy_from_slice(&mean(last)[..rest.len()]);
-        coarse.replace((y, z), means, &mut changes);
+        rest.copy_from_slice(&mean_2x2x2(last)[..rest.len()]);
+        coarse.replace_row((y, z), means, &mut changes);
     }
-    changes.all()
+    changes.changed_box()
 }
 
-/// Four means of 2 x 2 x 2 texels, half up: pairs are added in a word's halves.
+/// Four means of 2 x 2 x 2 texels, rounded half up, with the sums in 16-bit lanes of a word.
 #[inline]
-fn mean(rows: [[u8; 8]; 4]) -> [u8; 4] {
+fn mean_2x2x2(rows: [[u8; 8]; 4]) -> [u8; 4] {
     const EVEN: u64 = 0x00ff_00ff_00ff_00ff;
     let pairs = |row: [u8; 8]| {
         let row = u64::from_le_bytes(row);
@@ -48,5 +53,5 @@ fn mean(rows: [[u8; 8]; 4]) -> [u8; 4] {
     [a, b, c, d]
 }
 
-/// The longest row: half of that at 256.
-const MOST: usize = 132;
+/// Most texels in a row: half of those at 256.
+const MAX_ROW: usize = 132;

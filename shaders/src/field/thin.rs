@@ -1,11 +1,12 @@
-//! Raises what the blur leaves too thin for a surface of half density: plates, rods, loose voxels.
+//! Preserves thin features: raises texels of plates, rods and loose voxels that the blur leaves
+//! below a half.
 //!
 //! A plate of one voxel peaks at 3/8 under the blur, a rod at 9/64. The levels here put the surface
 //! half a voxel from the centres of a long plate's and rod's outer voxels, given what the blur
 //! leaves beside them. A rod of one voxel stands a little prouder: a ray passes what is narrower.
 
-use super::blur::{Halves, Rows};
-use super::window::{BEFORE, LEFT, ROWS, Window};
+use super::rows::{HalfMasks, TexelRows};
+use super::window::{BLUR_MARGIN, MARGIN_X, VoxelWindow, WINDOW_ROWS};
 
 /// A plate of one voxel: a quarter beside it.
 const PLATE: u8 = 191;
@@ -14,36 +15,36 @@ const ROD: u8 = 255;
 /// A rod of one by two.
 const RIBBON: u8 = 217;
 /// A rod of two by two: a fifth beside it.
-const BEAM: u8 = 204;
+const SQUARE_ROD: u8 = 204;
 
-/// Voxels of a row that are thin along x, y and z.
+/// Voxels of a row that are thin along x, y and z: bit rows.
 #[derive(Clone, Copy, Default)]
-struct Thin {
+struct ThinVoxels {
     /// Both neighbours are empty.
     one: [u64; 3],
     /// In a run of one or two.
     two: [u64; 3],
 }
 
-/// Raises texels of so many rows along y and z, whose halves are told; the first row and slice, the
-/// last ones and those beyond the box along x only serve the others.
-pub(super) fn raise(
-    window: &Window,
+/// Raises texels of thin features in so many rows along y and z, and updates `halves`. The
+/// outermost rows, slices and columns only serve as neighbours.
+pub(super) fn raise_thin(
+    window: &VoxelWindow,
     [rows, slices]: [usize; 2],
-    out: &mut Rows,
-    halves: &mut Halves,
+    out: &mut TexelRows,
+    halves: &mut HalfMasks,
 ) {
     let mut found = false;
     for z in 0..slices {
         for y in 0..rows {
-            let voxels = window.row(y + BEFORE, z + BEFORE);
-            // What is half full needs nothing.
+            let voxels = window.row(y + BLUR_MARGIN, z + BLUR_MARGIN);
+            // Texels of at least a half need nothing.
             let weak = voxels & !halves[z][y];
             if weak == 0 {
                 continue;
             }
             found = true;
-            for (level, texels) in levels(window, (y + BEFORE, z + BEFORE)) {
+            for (level, texels) in raised_levels(window, (y + BLUR_MARGIN, z + BLUR_MARGIN)) {
                 raise_row(out[z][y].as_flattened_mut(), texels & weak, level);
                 halves[z][y] |= texels & weak;
             }
@@ -54,20 +55,20 @@ pub(super) fn raise(
     }
 }
 
-/// The texels of a row to raise, and how far.
-fn levels(window: &Window, (y, z): (usize, usize)) -> [(u8, u64); 4] {
-    let here = thin(window, (y, z));
+/// For a row, the levels to raise texels to, and the texels of each.
+fn raised_levels(window: &VoxelWindow, (y, z): (usize, usize)) -> [(u8, u64); 4] {
+    let here = find_single_and_double_runs(window, (y, z));
     if here.two == [0; 3] {
         return [(0, 0); 4];
     }
     let beside = [
-        thin(window, (y - 1, z)),
-        thin(window, (y + 1, z)),
-        thin(window, (y, z - 1)),
-        thin(window, (y, z + 1)),
+        find_single_and_double_runs(window, (y - 1, z)),
+        find_single_and_double_runs(window, (y + 1, z)),
+        find_single_and_double_runs(window, (y, z - 1)),
+        find_single_and_double_runs(window, (y, z + 1)),
     ];
     // The neighbours along x, y and z of which `of` holds.
-    let around = |of: &dyn Fn(&Thin) -> u64| {
+    let around = |of: &dyn Fn(&ThinVoxels) -> u64| {
         let [below, above, before, behind] = [0, 1, 2, 3].map(|i| of(&beside[i]));
         let row = of(&here);
         [[row << 1, row >> 1], [below, above], [before, behind]]
@@ -78,7 +79,7 @@ fn levels(window: &Window, (y, z): (usize, usize)) -> [(u8, u64); 4] {
         let (a, b) = ((axis + 1) % 3, (axis + 2) % 3);
         if here.one[axis] != 0 {
             let around = around(&|thin| thin.one[axis]);
-            plates |= here.one[axis] & three_of(around[a], around[b]);
+            plates |= here.one[axis] & at_least_three(around[a], around[b]);
         }
         let pair = here.two[a] & here.two[b];
         if pair != 0 {
@@ -90,18 +91,18 @@ fn levels(window: &Window, (y, z): (usize, usize)) -> [(u8, u64); 4] {
             rods[2] |= found & !either;
         }
     }
-    [(PLATE, plates), (BEAM, rods[2]), (RIBBON, rods[1]), (ROD, rods[0])]
+    [(PLATE, plates), (SQUARE_ROD, rods[2]), (RIBBON, rods[1]), (ROD, rods[0])]
 }
 
-/// Where at least three of four hold.
-fn three_of([a, b]: [u64; 2], [c, d]: [u64; 2]) -> u64 {
+/// Bits that are set in at least three of four rows.
+fn at_least_three([a, b]: [u64; 2], [c, d]: [u64; 2]) -> u64 {
     a & b & (c | d) | c & d & (a | b)
 }
 
-fn thin(window: &Window, (y, z): (usize, usize)) -> Thin {
+fn find_single_and_double_runs(window: &VoxelWindow, (y, z): (usize, usize)) -> ThinVoxels {
     let row = window.row(y, z);
     if row == 0 {
-        return Thin::default();
+        return ThinVoxels::default();
     }
     // Of a column through the row, from two voxels before to two behind.
     let thin = |[a, b, d, e]: [u64; 4]| {
@@ -109,22 +110,28 @@ fn thin(window: &Window, (y, z): (usize, usize)) -> Thin {
         (row & !b & !d, row & !three)
     };
     // Rows that lie outside the window are asked for by none that counts.
-    let at = |y: usize, z: usize| if y < ROWS && z < ROWS { window.row(y, z) } else { 0 };
+    let at =
+        |y: usize, z: usize| if y < WINDOW_ROWS && z < WINDOW_ROWS { window.row(y, z) } else { 0 };
     let (y_1, y_2, z_1, z_2) =
         (y.wrapping_sub(1), y.wrapping_sub(2), z.wrapping_sub(1), z.wrapping_sub(2));
     let x = thin([row << 2, row << 1, row >> 1, row >> 2]);
     let along_y = thin([at(y_2, z), at(y_1, z), at(y + 1, z), at(y + 2, z)]);
     let along_z = thin([at(y, z_2), at(y, z_1), at(y, z + 1), at(y, z + 2)]);
-    Thin { one: [x.0, along_y.0, along_z.0], two: [x.1, along_y.1, along_z.1] }
+    ThinVoxels { one: [x.0, along_y.0, along_z.0], two: [x.1, along_y.1, along_z.1] }
 }
 
-/// Raises what still has no texel of a half around it.
-fn raise_loose(window: &Window, [rows, slices]: [usize; 2], out: &mut Rows, halves: &Halves) {
+/// Raises occupied voxels that still have no texel of a half in their 3 x 3 x 3 neighbourhood.
+fn raise_loose(
+    window: &VoxelWindow,
+    [rows, slices]: [usize; 2],
+    out: &mut TexelRows,
+    halves: &HalfMasks,
+) {
     // Only texels that lie in the box have theirs all around.
-    let inner = u64::MAX << LEFT & u64::MAX >> LEFT;
+    let inner = u64::MAX << MARGIN_X & u64::MAX >> MARGIN_X;
     for z in 1..slices - 1 {
         for y in 1..rows - 1 {
-            let weak = window.row(y + BEFORE, z + BEFORE) & !halves[z][y] & inner;
+            let weak = window.row(y + BLUR_MARGIN, z + BLUR_MARGIN) & !halves[z][y] & inner;
             if weak == 0 {
                 continue;
             }

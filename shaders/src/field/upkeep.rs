@@ -1,144 +1,83 @@
-//! Keeping the textures up to date: what changed is noted each tick, and made good each frame.
+//! Incremental update of the textures under a frame budget: a tick notes the columns that changed,
+//! a frame compares them, uploads map regions and recomputes stale boxes of texels.
 
-use paros_core::dirty::{Dirty, Rect};
-use paros_core::maps::{Axis, Column, Maps, Range};
+use paros_core::{Axis, Column, ColumnRect, DirtyRects, Range, RangeMaps};
 
-use super::blur::MOST;
-use super::extent::Extent;
-use super::texels::{Changes, Texels};
-use super::window::LEFT;
-use super::{FAR, Field, LEVELS, REACH, cell, mips};
+use super::budget::{
+    Budget, BudgetMeter, CELL_ROW_WORK, CHANGED_COLUMN_WORK, CHANGED_WORK, COLUMN_WORK,
+    COMPARED_WORK, CROSSED_WORK, GROUP_WORK, LINE_WORK, SCAN_WORK, STALE_BOX_WORK, TEXEL_WORK,
+    TILE_WORK, UNIFORM_WORK, VOXEL_WORK, WHOLE_MAP_COLUMN_WORK,
+};
+use super::extent::TexelBox;
+use super::mips;
+use super::rows::MAX_BOX;
+use super::sizes::{LEVELS, MAX_CELL_DISTANCE, REACH, cell_side};
+use super::texels::{TexelChanges, TexelCube};
+use super::textures::DensityField;
+use super::window::MARGIN_X;
 use crate::upload::{Region, Texture};
 
-/// What a frame may spend.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Budget {
-    /// Work, in units of about an instruction (of x86-64 with SSE2, counted by Callgrind).
-    pub work: usize,
-    /// Bytes handed out.
-    pub bytes: usize,
-}
+/// Columns along a side of the tiles whose changes share a box of stale texels.
+const COMPARE_TILE: usize = 8;
 
-impl Budget {
-    /// All that is to be done.
-    pub const UNLIMITED: Budget = Budget { work: usize::MAX, bytes: usize::MAX };
-
-    /// A frame's, for a volume of `n` voxels a side: less than a million instructions and 256 KiB at
-    /// 128, and four times that at 256, as four times as much surface changes. Work may be reckoned
-    /// a third too low, hence three quarters of the million.
-    #[must_use]
-    pub const fn frame(n: usize) -> Self {
-        let more = if n > 128 { 4 } else { 1 };
-        Budget { work: more * 750_000, bytes: more * 256 * 1024 }
-    }
-}
-
-/// What of a budget is spent.
-struct Purse {
-    budget: Budget,
-    spent: Budget,
-}
-
-impl Purse {
-    const fn spend(&mut self, work: usize, bytes: usize) {
-        self.spent.work += work;
-        self.spent.bytes += bytes;
-    }
-
-    fn left(&self) -> Budget {
-        let less = |all: usize, spent| all.saturating_sub(spent);
-        let work = less(self.budget.work, self.spent.work);
-        Budget { work, bytes: less(self.budget.bytes, self.spent.bytes) }
-    }
-
-    /// Whether so much is left.
-    fn has(&self, work: usize, bytes: usize) -> bool {
-        let left = self.left();
-        work <= left.work && bytes <= left.bytes
-    }
-}
-
-/// Work of a voxel that is looked at, of one that is blurred although all around is the same, and
-/// of sixteen texels for which it isn't.
-const LOOK_WORK: usize = 6;
-const PLAIN_WORK: usize = 3;
-const GROUP_WORK: usize = 220;
-/// Work of a texel that is compared; that changed, all levels included; that the surface may have
-/// passed; and of all that.
-const SAME_WORK: usize = 5;
-const CHANGED_WORK: usize = 6;
-const CROSSED_WORK: usize = 6;
-const TEXEL_WORK: usize = SAME_WORK + CHANGED_WORK + CROSSED_WORK;
-/// Work of a row of cells, all distances included.
-const CELL_WORK: usize = 660;
-/// Work of a line that is noted; of a search for lines, for each of a map's; of a tile whose columns
-/// are compared, of a column among them, of one that changed, and of one in a line where all may
-/// have; and of a tile's box of stale texels.
-const LINE_WORK: usize = 100;
-const SCAN_WORK: usize = 18;
-const TILE_WORK: usize = 200;
-const COLUMN_WORK: usize = 14;
-const CHANGE_WORK: usize = 100;
-const WHOLE_WORK: usize = 60;
-const STALE_WORK: usize = 800;
-
-/// Columns along a side of the tiles whose changes are taken together.
-const TILE: usize = 8;
-
-impl<const N: usize> Field<N> {
-    /// Takes in what a tick changed: `maps` as they are now, and the columns in which they may
-    /// differ from what was noted before. The textures follow when they [`Field::advance`].
-    pub fn note(&mut self, maps: &Maps<N>, dirty: &Dirty) {
-        let all =
-            |&Rect { lo, hi }: &Rect| lo == (0, 0) && [hi.0, hi.1].map(usize::from) == [N - 1; 2];
-        let copied = Axis::ALL.iter().any(|&axis| dirty.rects(axis).iter().any(all));
+impl<const N: usize> DensityField<N> {
+    /// Notes what a tick changed: copies the `dirty` columns of `maps`, which are all that may
+    /// differ from what was noted before. The textures follow in [`DensityField::update_textures`].
+    pub fn note_changes(&mut self, maps: &RangeMaps<N>, dirty: &DirtyRects) {
+        let is_whole_map = |rect: &ColumnRect| {
+            rect.first == (0, 0) && [rect.last.0, rect.last.1].map(usize::from) == [N - 1; 2]
+        };
+        let copied = Axis::ALL.iter().any(|&axis| dirty.rects(axis).iter().any(is_whole_map));
         if copied {
             self.latest.copy_from(maps);
-            self.noted += 3 * N * N / 4;
+            self.unbilled_work += 3 * N * N / 4;
         }
         for axis in Axis::ALL {
-            for &Rect { lo, hi } in dirty.rects(axis) {
-                let places = Range::new(lo.1.into(), hi.1.into());
-                for line in lo.0.into()..=hi.0.into() {
-                    self.unseen.add(axis, line, places);
+            for &ColumnRect { first, last } in dirty.rects(axis) {
+                let places = Range::new(first.1.into(), last.1.into());
+                for line in first.0.into()..=last.0.into() {
+                    self.uncompared.mark_places(axis, line, places);
                     if copied {
                         continue;
                     }
-                    self.latest.copy_places(maps, axis, line, places);
-                    self.noted += LINE_WORK;
+                    self.latest.copy_columns(maps, axis, line, places);
+                    self.unbilled_work += LINE_WORK;
                 }
             }
         }
     }
 
-    /// Takes over columns as far as the budget goes; some in any case.
-    fn take_over(&mut self, purse: &mut Purse, first: &mut bool) {
-        let tiles = TILE * N;
-        while let Some((axis, line, end, places)) = self.unseen.first(2 * tiles) {
-            let most =
-                SCAN_WORK * N + (CHANGE_WORK + COLUMN_WORK) * tiles + 2 * TILE_WORK * N / TILE;
-            if !*first && !purse.has(most, 0) {
+    /// Compares noted columns with those of the textures within the budget; if nothing was done
+    /// yet, at least one line of tiles.
+    fn compare_columns(&mut self, meter: &mut BudgetMeter, idle: &mut bool) {
+        let tiles = COMPARE_TILE * N;
+        while let Some((axis, line, end, places)) = self.uncompared.first_run(2 * tiles) {
+            let most = SCAN_WORK * N
+                + (CHANGED_COLUMN_WORK + COLUMN_WORK) * tiles
+                + 2 * TILE_WORK * N / COMPARE_TILE;
+            if !*idle && !meter.can_afford(most, 0) {
                 return;
             }
-            let end = end.min(line + TILE);
-            self.unseen.done(axis, line, end);
+            let end = end.min(line + COMPARE_TILE);
+            self.uncompared.clear_lines(axis, line, end);
             let whole = places == Range::new(0, N - 1);
-            for place in (places.lo()..=places.hi()).step_by(TILE) {
-                let last = [end - 1, (place + TILE - 1).min(places.hi())];
-                self.take_over_tile(axis, ([line, place], last), whole);
+            for place in (places.first()..=places.last()).step_by(COMPARE_TILE) {
+                let last = [end - 1, (place + COMPARE_TILE - 1).min(places.last())];
+                self.compare_tile(axis, ([line, place], last), whole);
             }
-            let columns = (end - line) * (places.hi() + 1 - places.lo());
-            let changes = std::mem::take(&mut self.noted);
-            purse.spend(SCAN_WORK * N + COLUMN_WORK * columns + changes, 0);
-            *first = false;
+            let columns = (end - line) * (places.last() + 1 - places.first());
+            let changes = std::mem::take(&mut self.unbilled_work);
+            meter.spend(SCAN_WORK * N + COLUMN_WORK * columns + changes, 0);
+            *idle = false;
         }
     }
 
-    /// Takes over a tile of a map's columns, from the first line and place to the last. After the
-    /// change of a whole map all voxels of a line's columns count as changed, as that is quick.
-    fn take_over_tile(&mut self, axis: Axis, (first, last): ([usize; 2], [usize; 2]), whole: bool) {
+    /// Compares a tile of a map's columns, from the first line and place to the last, copies those
+    /// that differ, and marks their texels stale. With `whole`, after the change of a whole map,
+    /// all voxels of a changed line count as changed, which is faster.
+    fn compare_tile(&mut self, axis: Axis, (first, last): ([usize; 2], [usize; 2]), whole: bool) {
         let (mut lines, mut places, mut voxels) = (Range::EMPTY, Range::EMPTY, Range::EMPTY);
-        self.noted += TILE_WORK;
+        self.unbilled_work += TILE_WORK;
         for line in first[0]..=last[0] {
             let new = &self.latest.line(axis, line)[first[1]..=last[1]];
             let old = &self.maps.line(axis, line)[first[1]..=last[1]];
@@ -150,163 +89,176 @@ impl<const N: usize> Field<N> {
                 let hull = old.iter().zip(new).map(|(old, new)| old.hull().hull_with(new.hull()));
                 voxels = hull.fold(voxels, Range::hull_with);
                 differing = Range::new(0, new.len() - 1);
-                self.noted += new.len() * WHOLE_WORK;
+                self.unbilled_work += new.len() * WHOLE_MAP_COLUMN_WORK;
             }
             for (place, (old, new)) in old.iter().zip(new).enumerate().filter(|_| !whole) {
                 if old != new {
                     differing = differing.hull_with(Range::new(place, place));
-                    voxels = voxels.hull_with(difference(*old, *new));
-                    self.noted += CHANGE_WORK;
+                    voxels = voxels.hull_with(differing_voxels(*old, *new));
+                    self.unbilled_work += CHANGED_COLUMN_WORK;
                 }
             }
-            let differing = Range::new(differing.lo() + first[1], differing.hi() + first[1]);
-            self.maps.copy_places(&self.latest, axis, line, differing);
-            self.lines.add(axis, line, differing);
+            let differing = Range::new(differing.first() + first[1], differing.last() + first[1]);
+            self.maps.copy_columns(&self.latest, axis, line, differing);
+            self.stale_lines.mark_places(axis, line, differing);
             lines = lines.hull_with(Range::new(line, line));
             places = places.hull_with(differing);
         }
         if !lines.is_empty() {
-            let lo = axis.voxel((lines.lo(), places.lo()), voxels.lo());
-            let hi = axis.voxel((lines.hi(), places.hi()), voxels.hi());
-            self.backlog.add_voxels(lo, hi);
-            self.noted += STALE_WORK;
+            let lo = axis.voxel_at((lines.first(), places.first()), voxels.first());
+            let hi = axis.voxel_at((lines.last(), places.last()), voxels.last());
+            self.backlog.mark_voxels(lo, hi);
+            self.unbilled_work += STALE_BOX_WORK;
         }
     }
 
-    /// Brings the textures nearer to the maps, and hands out each region that changed with its
-    /// bytes, maps first. It costs no more than the budget, but does one thing at least, so that
-    /// any budget gets there. Afterwards no cell tells more than its distance in the density as it is,
-    /// and each that the surface may pass through tells 0.
-    /// About what it cost comes back.
-    pub fn advance(&mut self, budget: Budget, sink: &mut impl FnMut(Region, &[u8])) -> Budget {
-        let mut purse = Purse { budget, spent: Budget { work: 0, bytes: 0 } };
-        purse.spend(std::mem::take(&mut self.noted), 0);
-        let mut first = true;
-        self.take_over(&mut purse, &mut first);
-        while let Some((axis, line, end, places)) = self.lines.first(purse.left().bytes) {
+    /// Updates the textures within the budget and passes each region that changed, with its bytes,
+    /// to `sink`, maps first. At least one unit of work is done, so that any budget makes progress.
+    /// The cells are conservative after each call: no distance is more than the present density's,
+    /// and those that the surface may pass through are 0.
+    ///
+    /// Returns an estimate of the cost.
+    pub fn update_textures(
+        &mut self,
+        budget: Budget,
+        sink: &mut impl FnMut(Region, &[u8]),
+    ) -> Budget {
+        let mut meter = BudgetMeter { budget, spent: Budget { work: 0, bytes: 0 } };
+        meter.spend(std::mem::take(&mut self.unbilled_work), 0);
+        let mut idle = true;
+        self.compare_columns(&mut meter, &mut idle);
+        while let Some((axis, line, end, places)) =
+            self.stale_lines.first_run(meter.remaining().bytes)
+        {
             let region = map_region(axis, line..end, places);
             let work = SCAN_WORK * N + region.bytes();
-            if !purse.has(work, region.bytes()) && !first {
-                return purse.spent;
+            if !meter.can_afford(work, region.bytes()) && !idle {
+                return meter.spent;
             }
-            self.lines.done(axis, line, end);
-            self.hand_out_map(axis, region, sink);
-            purse.spend(work, region.bytes());
-            first = false;
+            self.stale_lines.clear_lines(axis, line, end);
+            self.emit_map_region(axis, region, sink);
+            meter.spend(work, region.bytes());
+            idle = false;
         }
-        // Boxes wait for all columns: they would be computed once more.
-        if self.unseen.is_empty() {
-            self.refresh_boxes(&mut purse, first, sink);
+        // Only once all columns are compared, lest boxes be computed twice.
+        if self.uncompared.is_empty() {
+            self.update_boxes(&mut meter, idle, sink);
         }
-        self.cells.measure();
-        let (cells, stage) = (&mut self.cells, &mut self.stage);
-        cells.take_changed(|free, extent| {
-            purse.spend(0, extent.volume());
-            hand_out(free, extent, Texture::Cells, stage, sink);
+        self.cells.update_distances();
+        let (cells, stage) = (&mut self.cells, &mut self.staging);
+        cells.drain_changed(|free, extent| {
+            meter.spend(0, extent.volume());
+            emit_box(free, extent, Texture::Cells, stage, sink);
         });
-        purse.spent
+        meter.spent
     }
 
-    /// Computes boxes as far as the budget goes; one at least if it is the `first` thing done.
-    fn refresh_boxes(
+    /// Recomputes stale boxes within the budget; at least one if nothing was done yet (`idle`).
+    fn update_boxes(
         &mut self,
-        purse: &mut Purse,
-        mut first: bool,
+        meter: &mut BudgetMeter,
+        mut idle: bool,
         sink: &mut impl FnMut(Region, &[u8]),
     ) {
-        let mut crossed = Crossed::new(self.side(0), cell(N));
-        while let Some(extent) = self.backlog.take() {
-            let (cell_work, cell_bytes) = crossed.with(&extent).cost();
-            let bytes = most_bytes(&extent) + cell_bytes;
-            let look = LOOK_WORK * window_of(&extent);
-            let mut goes = first || purse.has(2 * look + cell_work, bytes);
+        let mut crossed = CrossedCells::new(self.level_side(0), cell_side(N));
+        while let Some(extent) = self.backlog.take_joined() {
+            let (cell_work, cell_bytes) = crossed.with_box(&extent).max_cost();
+            let bytes = max_upload_bytes(&extent) + cell_bytes;
+            let look = VOXEL_WORK * window_voxels(&extent);
+            let mut goes = idle || meter.can_afford(2 * look + cell_work, bytes);
             if goes {
-                // A look tells how much the rest may be.
-                let groups = self.blur.look(&self.maps, extent);
-                purse.spend(look, 0);
-                let blur = PLAIN_WORK * window_of(&extent) + GROUP_WORK * groups;
+                // The voxels tell how many groups have to be blurred.
+                let groups = self.blur.load_voxels(&self.maps, extent);
+                meter.spend(look, 0);
+                let blur = UNIFORM_WORK * window_voxels(&extent) + GROUP_WORK * groups;
                 let texels = TEXEL_WORK * extent.volume();
-                goes = first || purse.has(blur + texels + cell_work, bytes);
-                purse.spend(if goes { blur } else { 0 }, 0);
+                goes = idle || meter.can_afford(blur + texels + cell_work, bytes);
+                meter.spend(if goes { blur } else { 0 }, 0);
             }
             if !goes {
-                self.backlog.add(&extent);
+                self.backlog.mark_texels(&extent);
                 break;
             }
-            let changed = self.refresh(extent, sink);
+            let changed = self.update_box(extent, sink);
             if !changed.crossed.is_empty() {
-                crossed = crossed.with(&changed.crossed);
+                crossed = crossed.with_box(&changed.crossed);
             }
-            purse.spend(changed.work, changed.bytes);
-            first = false;
+            meter.spend(changed.work, changed.bytes);
+            idle = false;
         }
-        purse.spend(crossed.cost().0, 0);
+        meter.spend(crossed.max_cost().0, 0);
     }
 
-    /// Whether the textures are behind the maps, or something is still to be handed out.
+    /// Whether textures are stale or regions wait to be uploaded.
     #[must_use]
-    pub fn pending(&self) -> bool {
-        !self.unseen.is_empty() || !self.backlog.is_empty() || !self.lines.is_empty()
+    pub fn has_pending(&self) -> bool {
+        !self.uncompared.is_empty() || !self.backlog.is_empty() || !self.stale_lines.is_empty()
     }
 
-    /// Computes the box of the finest texels that was looked at, and what follows from those that
-    /// change.
-    fn refresh(&mut self, extent: Extent, sink: &mut impl FnMut(Region, &[u8])) -> Changed {
-        self.blur.compute();
-        let mut changes = Changes::new(extent.lo[0]);
+    /// Recomputes the box of finest texels whose voxels are loaded, and what depends on those that
+    /// change: mip levels and cells.
+    fn update_box(&mut self, extent: TexelBox, sink: &mut impl FnMut(Region, &[u8])) -> BoxUpdate {
+        self.blur.compute_texels();
+        let mut changes = TexelChanges::new(extent.lo[0]);
         for (y, z) in extent.rows() {
-            self.density[0].replace((y, z), self.blur.row(y, z), &mut changes);
+            self.density[0].replace_row((y, z), self.blur.row(y, z), &mut changes);
         }
-        let (mut changed, crossed) = (changes.all(), changes.crossed());
+        let (mut changed, crossed) = (changes.changed_box(), changes.crossed_box());
         if !crossed.is_empty() {
-            self.cells.follow(&self.density[0], crossed);
+            self.cells.mark_surface(&self.density[0], crossed);
         }
-        let work = SAME_WORK * extent.volume()
+        let work = COMPARED_WORK * extent.volume()
             + CHANGED_WORK * changed.volume()
             + CROSSED_WORK * crossed.volume();
         let mut bytes = 0;
         for level in 0..LEVELS {
             if level > 0 && !changed.is_empty() {
                 let (finer, coarser) = self.density.split_at_mut(level);
-                changed = mips::halve(&finer[level - 1], &mut coarser[0], changed.coarser(2));
+                changed =
+                    mips::downsample_box(&finer[level - 1], &mut coarser[0], changed.coarser_by(2));
             }
             if changed.is_empty() {
                 break;
             }
             let texture = Texture::Density(level as u8);
-            hand_out(&self.density[level], changed, texture, &mut self.stage, sink);
+            emit_box(&self.density[level], changed, texture, &mut self.staging, sink);
             bytes += changed.volume();
         }
-        Changed { crossed, work, bytes }
+        BoxUpdate { crossed, work, bytes }
     }
 
-    fn hand_out_map(&mut self, axis: Axis, region: Region, sink: &mut impl FnMut(Region, &[u8])) {
+    fn emit_map_region(
+        &mut self,
+        axis: Axis,
+        region: Region,
+        sink: &mut impl FnMut(Region, &[u8]),
+    ) {
         let [first, line, _] = region.min.map(|i| i as usize);
         let [places, lines, _] = region.size.map(|i| i as usize);
-        self.stage.resize(region.bytes(), 0);
-        for (line, row) in (line..line + lines).zip(self.stage.chunks_exact_mut(2 * places)) {
+        self.staging.resize(region.bytes(), 0);
+        for (line, row) in (line..line + lines).zip(self.staging.chunks_exact_mut(2 * places)) {
             let columns = &self.maps.line(axis, line)[first..first + places];
             for (bytes, column) in row.as_chunks_mut::<2>().0.iter_mut().zip(columns) {
                 *bytes = column.0[0].to_bytes();
             }
         }
-        sink(region, &self.stage);
+        sink(region, &self.staging);
     }
 
-    /// The most bytes of a region that is handed out, from what is collected in between.
-    pub(super) const fn stage_bytes() -> usize {
-        let (most, map) = (MOST, N * N * 2);
+    /// An upper bound of the bytes of any region that passes through the staging buffer.
+    pub(super) const fn staging_capacity() -> usize {
+        let (most, map) = (MAX_BOX, N * N * 2);
         let chunk = most[0] * most[1] * most[2];
-        let cells = (Self::SIDE / cell(N)).pow(3);
+        let cells = (Self::SIDE / cell_side(N)).pow(3);
         let most = if chunk > map { chunk } else { map };
         if cells > most { cells } else { most }
     }
 }
 
-/// Hands out a box of a cube of texels.
-fn hand_out(
-    texels: &Texels,
-    extent: Extent,
+/// Passes a box of texels to `sink`, as contiguous rows.
+fn emit_box(
+    texels: &TexelCube,
+    extent: TexelBox,
     texture: Texture,
     stage: &mut Vec<u8>,
     sink: &mut impl FnMut(Region, &[u8]),
@@ -315,74 +267,80 @@ fn hand_out(
     for (y, z) in extent.rows() {
         stage.extend_from_slice(&texels.row(y, z)[extent.lo[0]..extent.hi[0]]);
     }
-    sink(extent.region(texture), stage);
+    sink(extent.to_region(texture), stage);
 }
 
 fn map_region(axis: Axis, lines: std::ops::Range<usize>, places: Range) -> Region {
-    let min = [places.lo() as u32, lines.start as u32, axis as u32];
-    let size = [(places.hi() + 1 - places.lo()) as u32, lines.len() as u32, 1];
+    let min = [places.first() as u32, lines.start as u32, axis as u32];
+    let size = [(places.last() + 1 - places.first()) as u32, lines.len() as u32, 1];
     Region { texture: Texture::Maps, min, size }
 }
 
-/// The voxels, from the first to the last, that are in one of two ranges only. The ranges differ.
-fn difference(old: Column, new: Column) -> Range {
+/// The hull of the symmetric difference of two columns' voxels. The columns differ.
+fn differing_voxels(old: Column, new: Column) -> Range {
     let (old, new) = (old.hull(), new.hull());
     if old.is_empty() || new.is_empty() {
         return old.hull_with(new);
     }
     let both = old.hull_with(new);
-    let first = if old.lo() == new.lo() { old.hi().min(new.hi()) + 1 } else { both.lo() };
-    let last = if old.hi() == new.hi() { old.lo().max(new.lo()) - 1 } else { both.hi() };
+    let first =
+        if old.first() == new.first() { old.last().min(new.last()) + 1 } else { both.first() };
+    let last =
+        if old.last() == new.last() { old.first().max(new.first()) - 1 } else { both.last() };
     Range::new(first, last)
 }
 
-/// The cells that a frame's boxes may change.
+/// Bounds of the cells whose distances a frame's boxes may change.
 #[derive(Clone, Copy)]
-struct Crossed {
+struct CrossedCells {
     side: usize,
     cell: usize,
-    all: Extent,
-    /// Rows of each, together.
+    bounds: TexelBox,
+    /// Rows of all boxes together, overlaps counted again.
     rows: usize,
 }
 
-impl Crossed {
+impl CrossedCells {
     const fn new(side: usize, cell: usize) -> Self {
-        Crossed { side, cell, all: Extent::NONE, rows: 0 }
+        CrossedCells { side, cell, bounds: TexelBox::NONE, rows: 0 }
     }
 
-    /// With those of one more box of texels.
-    fn with(&self, texels: &Extent) -> Self {
-        let cells = texels.grown(1, self.side).coarser(self.cell);
-        let cells = cells.grown(FAR as usize - 1, self.side / self.cell);
-        Crossed { all: self.all.union(&cells), rows: self.rows + cells.rows().count(), ..*self }
+    /// Extended by the cells that one more box of texels may change.
+    fn with_box(&self, texels: &TexelBox) -> Self {
+        let cells = texels.grown_by(1, self.side).coarser_by(self.cell);
+        let cells = cells.grown_by(MAX_CELL_DISTANCE as usize - 1, self.side / self.cell);
+        CrossedCells {
+            bounds: self.bounds.union(&cells),
+            rows: self.rows + cells.rows().count(),
+            ..*self
+        }
     }
 
-    /// At most the work and the bytes.
-    fn cost(&self) -> (usize, usize) {
+    /// Upper bounds of the work and of the bytes uploaded.
+    fn max_cost(&self) -> (usize, usize) {
         if self.rows == 0 {
             return (0, 0);
         }
-        let [_, y, z] = self.all.size();
-        (CELL_WORK * self.rows.min(y * z), self.all.volume())
+        let [_, y, z] = self.bounds.size();
+        (CELL_ROW_WORK * self.rows.min(y * z), self.bounds.volume())
     }
 }
 
-/// What a box that was computed came to.
-struct Changed {
-    /// The texels that the surface may have passed.
-    crossed: Extent,
+/// The outcome of a recomputed box: its cost, and what crossed a half.
+struct BoxUpdate {
+    /// The box of the texels that crossed a half.
+    crossed: TexelBox,
     work: usize,
     bytes: usize,
 }
 
-/// Voxels that a box looks at.
-fn window_of(extent: &Extent) -> usize {
+/// Voxels that a box of texels depends on, as they are loaded.
+fn window_voxels(extent: &TexelBox) -> usize {
     let [x, y, z] = extent.size();
-    (x + 2 * LEFT) * (y + 2 * REACH) * (z + 2 * REACH)
+    (x + 2 * MARGIN_X) * (y + 2 * REACH) * (z + 2 * REACH)
 }
 
-/// At most the bytes of a box of the finest texels.
-fn most_bytes(extent: &Extent) -> usize {
-    (0..LEVELS).map(|level| extent.coarser(1 << level).volume()).sum()
+/// Upper bound of the bytes to upload for a box of the finest texels, all mip levels included.
+fn max_upload_bytes(extent: &TexelBox) -> usize {
+    (0..LEVELS).map(|level| extent.coarser_by(1 << level).volume()).sum()
 }

@@ -1,46 +1,30 @@
 //! The Vulkan renderer that both shells drive: commands for a frame, recorded into whatever images
-//! the shell names.
+//! the shell names. It draws a sculpture, the studio around it and panels of text. It makes no window,
+//! no session and no decision.
 //!
-//! It draws a sculpture, the studio around it and panels of text. It makes no window, no session
-//! and no decision; it never reads a picture back, and waits for nothing but the frame that used
-//! the same part of its ring before.
+//! Five layers, each of which imports from those before it alone: `device`, `memory`, `pipelines`,
+//! `passes`, `frame`. The renderer never reads a picture back, and waits for nothing but the frame
+//! that used the same part of its ring before.
 
-mod buffer;
-mod context;
-mod error;
-pub mod faults;
-mod fragments;
+mod device;
 mod frame;
-mod image;
-pub mod layout;
-mod needs;
-mod offer;
-mod offscreen;
-pub mod overlay;
-mod owned;
-mod pass;
+mod memory;
+mod passes;
 mod pipelines;
-pub mod programs;
-mod recipe;
-mod record;
-mod renderer;
-mod scatter;
-mod shadow;
-mod show;
-mod slot;
-mod staging;
-mod surface;
-mod textures;
-mod timers;
 
-pub use context::{Context, Gpu, Instance, Options};
-pub use error::Error;
-pub use fragments::Fragments;
-pub use frame::{Eye, Fov, Look, Order, Parts, Path, Picture, Stand};
-pub use needs::Needs;
-pub use offscreen::{Layer, Offscreen, read_layer};
-pub use pass::Format;
-pub use renderer::{Renderer, Sync};
-pub use show::{Seen, Show};
-pub use surface::Surface;
-pub use timers::Times;
+pub use crate::scene::SculpturePlacement;
+pub use device::context::{Gpu, Instance, SharedGpu};
+pub use device::error::Error;
+pub use device::features::DeviceFeatures;
+pub use device::format::TargetFormat;
+pub use device::options::Options;
+pub use frame::offscreen::{ImageLayer, OffscreenTarget, read_layer};
+pub use frame::renderer::{FrameSemaphores, Renderer};
+pub use frame::request::{Eye, Fov, FrameRequest, RenderStyle, SculptureOrder};
+pub use frame::world_renderer::{Viewpoint, WorldRenderer};
+pub use passes::fragments::FragmentCounts;
+pub use passes::overlay;
+pub use passes::target::RenderTarget;
+pub use passes::timers::FrameTimes;
+pub use pipelines::paths::{PaperVariant, RenderPath};
+pub use pipelines::{layout, programs};

@@ -1,4 +1,4 @@
-//! What a frame draws: instances grouped by mesh.
+//! The draw list of a frame: instances batched by mesh.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Affine3A, Vec3};
@@ -6,54 +6,53 @@ use glam::{Affine3A, Vec3};
 use super::meshes::{MESHES, MeshId};
 use crate::limits::INSTANCES;
 
-/// A mesh's place in the room: 64 bytes.
+/// Per-instance vertex data of a mesh: 64 bytes.
 #[derive(Clone, Copy, PartialEq, Debug, Pod, Zeroable)]
 #[repr(C)]
-pub struct Instance {
-    /// Three rows of four: the mesh's point (x, y, z, 1) times them is the room's, in metres.
+pub struct MeshInstance {
+    /// Affine transform from the mesh to the room (metres): three rows of four.
     pub transform: [f32; 12],
-    /// Red, green and blue that its colours are multiplied by, and how much of them shines by
-    /// itself; for a particle, how much of what is behind it it hides.
+    /// Colour factors, and the emissive part; for a particle the opacity.
     pub tint: [f32; 4],
 }
 
-/// Instances of one mesh, that lie side by side.
+/// Consecutive instances of one mesh.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Batch {
     /// The mesh.
     pub mesh: MeshId,
     /// Its first instance.
     pub first: u32,
-    /// How many there are; not 0.
+    /// Number of instances, not 0.
     pub count: u32,
 }
 
-/// The instances of a frame. Its memory is taken once.
+/// The instances of a frame. Allocates only when created.
 #[derive(Debug)]
 pub struct DrawList {
-    noted: Vec<(MeshId, Instance)>,
-    instances: Vec<Instance>,
+    pending: Vec<(MeshId, MeshInstance)>,
+    instances: Vec<MeshInstance>,
     batches: Vec<Batch>,
 }
 
 impl DrawList {
-    /// An empty list with room for all.
+    /// An empty list with capacity for all instances.
     #[must_use]
     pub(crate) fn new() -> Self {
         DrawList {
-            noted: Vec::with_capacity(INSTANCES),
+            pending: Vec::with_capacity(INSTANCES),
             instances: Vec::with_capacity(INSTANCES),
             batches: Vec::with_capacity(MESHES),
         }
     }
 
-    /// All instances, those of a mesh side by side.
+    /// All instances, ordered by mesh.
     #[must_use]
-    pub fn instances(&self) -> &[Instance] {
+    pub fn instances(&self) -> &[MeshInstance] {
         &self.instances
     }
 
-    /// The meshes that are drawn, each once.
+    /// One batch for each mesh drawn.
     #[must_use]
     pub fn batches(&self) -> &[Batch] {
         &self.batches
@@ -61,35 +60,35 @@ impl DrawList {
 
     /// The instances of one mesh.
     #[must_use]
-    pub fn of(&self, mesh: MeshId) -> &[Instance] {
+    pub fn instances_of(&self, mesh: MeshId) -> &[MeshInstance] {
         let batch = self.batches.iter().find(|batch| batch.mesh == mesh);
         batch.map_or(&[], |b| &self.instances[b.first as usize..][..b.count as usize])
     }
 
-    /// Room for instances and batches, which never grows.
+    /// Capacity for instances and batches, which never grows.
     #[must_use]
     pub fn capacity(&self) -> (usize, usize) {
-        (self.instances.capacity().max(self.noted.capacity()), self.batches.capacity())
+        (self.instances.capacity().max(self.pending.capacity()), self.batches.capacity())
     }
 
     pub(crate) fn clear(&mut self) {
-        self.noted.clear();
+        self.pending.clear();
     }
 
-    /// Adds an instance. What there is no room for is left out.
+    /// Adds an instance; beyond the capacity it is dropped.
     pub(crate) fn add(&mut self, mesh: MeshId, at: Affine3A, tint: [f32; 4]) {
-        if self.noted.len() < INSTANCES {
-            self.noted.push((mesh, Instance { transform: rows(at), tint }));
+        if self.pending.len() < INSTANCES {
+            self.pending.push((mesh, MeshInstance { transform: transform_rows(at), tint }));
         }
     }
 
-    /// Groups what was added by mesh, in the order in which it was added.
-    pub(crate) fn group(&mut self) {
+    /// Counting sort of the added instances by mesh; stable.
+    pub(crate) fn group_by_mesh(&mut self) {
         self.instances.clear();
         self.batches.clear();
         let mut counts = [0u32; MESHES];
         let mut ids = [None; MESHES];
-        for (mesh, _) in &self.noted {
+        for (mesh, _) in &self.pending {
             counts[*mesh as usize] += 1;
             ids[*mesh as usize] = Some(*mesh);
         }
@@ -102,8 +101,8 @@ impl DrawList {
             }
             first += counts[i];
         }
-        self.instances.resize(self.noted.len(), Instance::zeroed());
-        for (mesh, instance) in &self.noted {
+        self.instances.resize(self.pending.len(), MeshInstance::zeroed());
+        for (mesh, instance) in &self.pending {
             let at = &mut next[*mesh as usize];
             self.instances[*at as usize] = *instance;
             *at += 1;
@@ -111,10 +110,10 @@ impl DrawList {
     }
 }
 
-impl Instance {
-    /// A point of the mesh, in the room.
+impl MeshInstance {
+    /// Transforms a point of the mesh to the room.
     #[must_use]
-    pub fn place(&self, point: Vec3) -> Vec3 {
+    pub fn transform_point(&self, point: Vec3) -> Vec3 {
         let row = |i: usize| {
             let [a, b, c, d] = [0, 1, 2, 3].map(|k| self.transform[4 * i + k]);
             a * point.x + b * point.y + c * point.z + d
@@ -123,7 +122,7 @@ impl Instance {
     }
 }
 
-fn rows(at: Affine3A) -> [f32; 12] {
+fn transform_rows(at: Affine3A) -> [f32; 12] {
     let (m, t) = (at.matrix3, at.translation);
     let row = |i: usize| [m.x_axis[i], m.y_axis[i], m.z_axis[i], t[i]];
     let [a, b, c] = [row(0), row(1), row(2)];

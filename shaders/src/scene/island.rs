@@ -1,56 +1,54 @@
-//! Where a removed island was: a coarse copy of the volume, kept up with what is dirty.
+//! Where removed islands were: a subsampled copy of the volume, updated in its dirty rectangles.
 
 use glam::Vec3;
-use paros_core::maps::Axis;
-use paros_core::row::Bits;
-use paros_core::size::{Grid, Size};
-use paros_core::world::World;
+use paros_core::{Axis, BitSet, Grid, Size, World};
 
 use crate::limits::{ISLAND_MOTES, LATTICE};
 
-/// Every so-many-th voxel: bit x of row (y, z).
+/// A subsampled bit grid: bit x of row (y, z).
 #[derive(Debug)]
-pub(super) struct Lattice {
+pub(super) struct IslandLattice {
     rows: [[u32; LATTICE]; LATTICE],
-    /// What the last look found gone.
-    gone: [[u32; LATTICE]; LATTICE],
+    /// Samples cleared by the last update.
+    removed: [[u32; LATTICE]; LATTICE],
 }
 
-impl Lattice {
+impl IslandLattice {
     pub(super) const fn new() -> Self {
-        Lattice { rows: [[0; LATTICE]; LATTICE], gone: [[0; LATTICE]; LATTICE] }
+        IslandLattice { rows: [[0; LATTICE]; LATTICE], removed: [[0; LATTICE]; LATTICE] }
     }
 
-    /// Looks at the rows that the last tick changed.
-    pub(super) fn follow<const N: usize>(&mut self, world: &World<N>)
+    /// Updates the rows that the last tick changed.
+    pub(super) fn update_from<const N: usize>(&mut self, world: &World<N>)
     where
         Grid<N>: Size,
     {
-        self.gone = [[0; LATTICE]; LATTICE];
+        self.removed = [[0; LATTICE]; LATTICE];
         let step = N.div_ceil(LATTICE);
         let volume = world.volume().rows();
-        for rect in world.dirty().rects(Axis::X) {
-            for y in sampled(rect.lo.0, rect.hi.0, step) {
-                for z in sampled(rect.lo.1, rect.hi.1, step) {
+        for rect in world.dirty_rects().rects(Axis::X) {
+            for y in sampled_range(rect.first.0, rect.last.0, step) {
+                for z in sampled_range(rect.first.1, rect.last.1, step) {
                     let row = volume.row(y * step + step / 2, z * step + step / 2);
                     let mut now = 0u32;
                     for x in 0..N / step {
                         now |= u32::from(row.contains(x * step + step / 2)) << x;
                     }
                     let old = core::mem::replace(&mut self.rows[y][z], now);
-                    self.gone[y][z] |= old & !now;
+                    self.removed[y][z] |= old & !now;
                 }
             }
         }
     }
 
-    /// The places, in voxels, of what went in the last tick; every few only, where it was large.
-    pub(super) fn gone(&self, n: usize, mut each: impl FnMut(Vec3)) {
-        let step = n.div_ceil(LATTICE);
-        let total: u32 = self.gone.iter().flatten().map(|row| row.count_ones()).sum();
+    /// Calls `each` with the positions, in voxels, of samples that the last tick removed, at most
+    /// [`ISLAND_MOTES`] of them; `grid_side` is in voxels.
+    pub(super) fn for_each_removed(&self, grid_side: usize, mut each: impl FnMut(Vec3)) {
+        let step = grid_side.div_ceil(LATTICE);
+        let total: u32 = self.removed.iter().flatten().map(|row| row.count_ones()).sum();
         let stride = (total as usize).div_ceil(ISLAND_MOTES).max(1);
         let mut count = 0;
-        for (y, line) in self.gone.iter().enumerate() {
+        for (y, line) in self.removed.iter().enumerate() {
             for (z, row) in line.iter().enumerate() {
                 for x in (0..LATTICE).filter(|x| row >> x & 1 != 0) {
                     if count % stride == 0 {
@@ -64,8 +62,8 @@ impl Lattice {
     }
 }
 
-/// The samples between two places.
-fn sampled(lo: u8, hi: u8, step: usize) -> impl Iterator<Item = usize> {
+/// Indices of the samples from voxel `lo` to `hi`, inclusive.
+fn sampled_range(lo: u8, hi: u8, step: usize) -> impl Iterator<Item = usize> {
     let first = (usize::from(lo) + step - 1).saturating_sub(step / 2) / step;
     let end = (usize::from(hi) + step - step / 2) / step;
     first..end.min(LATTICE)

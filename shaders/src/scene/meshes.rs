@@ -1,51 +1,51 @@
-//! The meshes made at build time: one table of vertices, one of indices.
+//! The meshes generated at build time, in one vertex table and one index table.
 
 use bytemuck::{Pod, Zeroable};
-use paros_core::tools::{Bit, Tool};
+use paros_core::{Tool, ToolBit};
 
-/// A corner of a triangle: 20 bytes.
+/// A mesh vertex: 20 bytes.
 #[derive(Clone, Copy, PartialEq, Debug, Pod, Zeroable)]
 #[repr(C)]
-pub struct Vertex {
+pub struct MeshVertex {
     /// In metres.
     pub position: [f32; 3],
-    /// Unit, outward, as signed parts of 127; the fourth is 0.
+    /// Unit outward normal, signed normalised; the fourth is 0.
     pub normal: [i8; 4],
-    /// Linear reflectance, as parts of 255; the fourth is the part of the ambient light that
-    /// arrives.
+    /// Linear reflectance, unsigned normalised; the fourth is the openness, the part of the ambient
+    /// light that arrives.
     pub colour: [u8; 4],
 }
 
-/// Where a mesh is in the tables.
+/// The range of a mesh in the tables.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Mesh {
+pub struct MeshRange {
     /// Its first index.
     pub first_index: u32,
-    /// Its indices: three a triangle, counter-clockwise as seen from outside.
+    /// Number of indices: three a triangle, counter-clockwise as seen from outside.
     pub index_count: u32,
-    /// What is added to its indices.
+    /// Offset added to its indices.
     pub base_vertex: u32,
-    /// Its vertices.
+    /// Number of vertices.
     pub vertex_count: u32,
-    /// Radius of the ball about its origin that holds it, in metres.
+    /// Bounding radius about its origin, in metres.
     pub radius: f32,
 }
 
-/// Parts of a scene, in the order in which they are drawn; the sculpture comes after the first.
+/// Groups of meshes in draw order; the sculpture comes after the first.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Stage {
+pub enum DrawGroup {
     /// Tools, bits and hands.
-    Handled,
+    Handheld,
     /// The room, bench and stool.
-    Standing,
-    /// Chips and dust, mixed with what is behind them by the tint's fourth part.
+    Surroundings,
+    /// Chips and dust, blended by the tint's fourth component.
     Particles,
 }
 
 include!(concat!(env!("OUT_DIR"), "/meshes.rs"));
 
 impl MeshId {
-    /// The body of a tool.
+    /// The mesh of a tool's body.
     #[must_use]
     pub const fn of_tool(tool: Tool) -> Self {
         match tool {
@@ -56,23 +56,23 @@ impl MeshId {
         }
     }
 
-    /// A bit.
+    /// The mesh of a bit.
     #[must_use]
-    pub const fn of_bit(bit: Bit) -> Self {
+    pub const fn of_bit(bit: ToolBit) -> Self {
         match bit {
-            Bit::SmallBall => MeshId::SmallBall,
-            Bit::MediumBall => MeshId::MediumBall,
-            Bit::LargeBall => MeshId::LargeBall,
-            Bit::Cylinder => MeshId::Cylinder,
-            Bit::Grinder => MeshId::Grinder,
-            Bit::PointChisel => MeshId::PointChisel,
-            Bit::FlatChisel => MeshId::FlatChisel,
-            Bit::Nozzle => MeshId::Nozzle,
-            Bit::File => MeshId::File,
+            ToolBit::SmallBall => MeshId::SmallBall,
+            ToolBit::MediumBall => MeshId::MediumBall,
+            ToolBit::LargeBall => MeshId::LargeBall,
+            ToolBit::Cylinder => MeshId::Cylinder,
+            ToolBit::Grinder => MeshId::Grinder,
+            ToolBit::PointChisel => MeshId::PointChisel,
+            ToolBit::FlatChisel => MeshId::FlatChisel,
+            ToolBit::Nozzle => MeshId::Nozzle,
+            ToolBit::File => MeshId::File,
         }
     }
 
-    /// A hand: 0 left, 1 right; closed on a handle or open.
+    /// The mesh of a hand: 0 left, 1 right; closed on a handle or open.
     #[must_use]
     pub const fn of_hand(hand: usize, closed: bool) -> Self {
         match (hand, closed) {
@@ -83,61 +83,61 @@ impl MeshId {
         }
     }
 
-    /// Where it is in the tables.
+    /// Its range in the tables.
     #[must_use]
-    pub const fn mesh(self) -> &'static Mesh {
+    pub const fn range(self) -> &'static MeshRange {
         &TABLE[self as usize]
     }
 
-    /// Whether it keeps the sun off others. The garden is beyond the sun's way, particles are too
-    /// small.
+    /// Whether it is drawn into the shadow map: not the garden, which is out of the sun's way, nor
+    /// particles, which are too small.
     #[must_use]
     pub const fn casts_shadow(self) -> bool {
         !matches!(self, MeshId::Outside | MeshId::Speck | MeshId::Chip)
     }
 
-    /// When it is drawn.
+    /// Its draw group.
     #[must_use]
-    pub const fn stage(self) -> Stage {
+    pub const fn draw_group(self) -> DrawGroup {
         match self {
             MeshId::Room
             | MeshId::Outside
             | MeshId::Workbench
             | MeshId::StoolBase
-            | MeshId::StoolTop => Stage::Standing,
-            MeshId::Chip | MeshId::Speck => Stage::Particles,
-            _ => Stage::Handled,
+            | MeshId::StoolTop => DrawGroup::Surroundings,
+            MeshId::Chip | MeshId::Speck => DrawGroup::Particles,
+            _ => DrawGroup::Handheld,
         }
     }
 
     /// Its vertices.
     #[must_use]
-    pub fn vertices(self) -> &'static [Vertex] {
-        let mesh = self.mesh();
-        &vertices()[mesh.base_vertex as usize..][..mesh.vertex_count as usize]
+    pub fn vertices(self) -> &'static [MeshVertex] {
+        let mesh = self.range();
+        &all_vertices()[mesh.base_vertex as usize..][..mesh.vertex_count as usize]
     }
 
-    /// Its indices, from its own first vertex.
+    /// Its indices, relative to its first vertex.
     #[must_use]
     pub fn indices(self) -> &'static [u16] {
-        let mesh = self.mesh();
-        &indices()[mesh.first_index as usize..][..mesh.index_count as usize]
+        let mesh = self.range();
+        &all_indices()[mesh.first_index as usize..][..mesh.index_count as usize]
     }
 }
 
 /// All vertices.
 #[must_use]
-pub fn vertices() -> &'static [Vertex] {
+pub fn all_vertices() -> &'static [MeshVertex] {
     bytemuck::cast_slice(&VERTICES.0)
 }
 
-/// All indices, each from its mesh's first vertex.
+/// All indices, each relative to its mesh's first vertex.
 #[must_use]
-pub fn indices() -> &'static [u16] {
+pub fn all_indices() -> &'static [u16] {
     bytemuck::cast_slice(&INDICES.0)
 }
 
-/// Bytes at an address that floats can have.
+/// Bytes aligned for `f32`.
 #[repr(C, align(4))]
 struct Aligned<const N: usize>([u8; N]);
 

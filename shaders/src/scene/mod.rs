@@ -1,10 +1,10 @@
-//! The studio as data: which meshes stand where, in which light. A renderer draws it, whichever
-//! shell it serves.
+//! The studio as data: which meshes stand where, in which light. Takes a world, its events and input newer
+//! than its last tick, gives a list of instances to draw; knows nothing of Vulkan, nor of the shell.
 //!
 //! Metres, right-handed, y up, the visitor at the origin looking to -z. A surface's radiance is
 //! its reflectance (the mesh's colour times the instance's tint) times
 //! [`SUN_COLOR`] x the cosine x the sun's visibility, plus the harmonics of [`ROOM_AMBIENT`]
-//! (see [`light::ambient`](crate::light::ambient)) x the vertex's openness; and its reflectance
+//! (see [`light::ambient_over_pi`](crate::twin::light::ambient_over_pi)) x the vertex's openness; and its reflectance
 //! times the tint's fourth part for what shines by itself. For particles that part is how much of
 //! what is behind them they hide.
 
@@ -15,9 +15,9 @@ pub mod meshes;
 pub mod particles;
 pub mod placing;
 
-pub use assembly::{Assembly, Fresh, SculpturePose};
-pub use draw::{Batch, DrawList, Instance};
-pub use meshes::{MESHES, Mesh, MeshId, Stage, Vertex};
+pub use assembly::{LatestInput, SceneAssembler, SculpturePlacement};
+pub use draw::{Batch, DrawList, MeshInstance};
+pub use meshes::{DrawGroup, MESHES, MeshId, MeshRange, MeshVertex};
 
 pub use crate::constants::{SUN_COLOR, SUN_DIRECTION};
 

@@ -2,16 +2,19 @@
 
 use glam::Vec3;
 
-use super::field::{blend, chain, disc, groove, limb, min, sphere, v};
+use super::sdf::{
+    carve_groove, cone_chain, min, round_cone, rounded_disc, smooth_union, sphere, v,
+};
 
-pub(super) fn field(p: Vec3) -> f32 {
+pub(super) fn signed_distance(p: Vec3) -> f32 {
     let q = v(p.x, p.y, p.z.abs());
-    let animal = blend(blend(body(q), fins(q), 4.0), fluke(q), 3.0);
-    blend(face(animal, q), wave(p), 3.0)
+    let animal =
+        smooth_union(smooth_union(body_distance(q), fins_distance(q), 4.0), fluke_distance(q), 3.0);
+    smooth_union(add_face(animal, q), wave_distance(p), 3.0)
 }
 
-fn body(q: Vec3) -> f32 {
-    let trunk = chain(
+fn body_distance(q: Vec3) -> f32 {
+    let trunk = cone_chain(
         q,
         &[
             (v(-38.0, 48.0, 0.0), 4.5),
@@ -22,30 +25,30 @@ fn body(q: Vec3) -> f32 {
             (v(27.0, 76.0, 0.0), 13.5),
         ],
     );
-    let beak = limb(q, (v(34.0, 66.0, 0.0), 6.0), (v(44.0, 55.0, 0.0), 3.4));
-    blend(trunk, beak, 4.0)
+    let beak = round_cone(q, (v(34.0, 66.0, 0.0), 6.0), (v(44.0, 55.0, 0.0), 3.4));
+    smooth_union(trunk, beak, 4.0)
 }
 
-fn fins(q: Vec3) -> f32 {
-    let back = chain(
+fn fins_distance(q: Vec3) -> f32 {
+    let back = cone_chain(
         q,
         &[(v(-1.0, 97.0, 0.0), 6.0), (v(-11.0, 109.0, 0.0), 3.4), (v(-19.0, 112.0, 0.0), 2.0)],
     );
-    let side = chain(
+    let side = cone_chain(
         q,
         &[(v(17.0, 74.0, 11.0), 5.0), (v(9.0, 63.0, 22.0), 3.6), (v(1.0, 58.0, 27.0), 2.2)],
     );
     min(back, side)
 }
 
-fn fluke(q: Vec3) -> f32 {
-    chain(
+fn fluke_distance(q: Vec3) -> f32 {
+    cone_chain(
         q,
         &[(v(-38.0, 48.0, 0.0), 4.5), (v(-41.0, 38.0, 10.0), 3.8), (v(-38.0, 33.0, 21.0), 2.4)],
     )
 }
 
-fn face(d: f32, q: Vec3) -> f32 {
+fn add_face(d: f32, q: Vec3) -> f32 {
     if q.x < 15.0 || d.abs() > 6.0 {
         return d;
     }
@@ -57,12 +60,12 @@ fn face(d: f32, q: Vec3) -> f32 {
     } else {
         9.0
     };
-    min(groove(d, gap, 1.6), eye)
+    min(carve_groove(d, gap, 1.6), eye)
 }
 
-fn wave(p: Vec3) -> f32 {
-    let sea = disc(p, (-4.0, 9.0), 42.0, 3.0);
-    let swell = chain(
+fn wave_distance(p: Vec3) -> f32 {
+    let sea = rounded_disc(p, (-4.0, 9.0), 42.0, 3.0);
+    let swell = cone_chain(
         p,
         &[
             (v(-6.0, 6.0, 0.0), 27.0),
@@ -71,7 +74,7 @@ fn wave(p: Vec3) -> f32 {
             (v(9.0, 68.0, 0.0), 9.0),
         ],
     );
-    let curl = chain(
+    let curl = cone_chain(
         p,
         &[
             (v(0.0, 54.0, 0.0), 10.0),
@@ -80,16 +83,16 @@ fn wave(p: Vec3) -> f32 {
             (v(27.0, 42.0, 0.0), 3.6),
         ],
     );
-    blend(streams(blend(sea, swell, 12.0), p), curl, 6.0)
+    smooth_union(carve_streams(smooth_union(sea, swell, 12.0), p), curl, 6.0)
 }
 
 /// Water runs up the wave in furrows that follow its back; another runs around the rim.
-fn streams(d: f32, p: Vec3) -> f32 {
+fn carve_streams(d: f32, p: Vec3) -> f32 {
     if d.abs() > 6.0 {
         return d;
     }
     let away = v(p.x - 46.0, p.y - 26.0, 0.0).length() * 0.9;
     let stream = away - 8.0 * (away / 8.0 + 0.5).floor();
-    let d = if p.y > 12.0 { groove(d, stream, 1.4) } else { d };
-    groove(d, p.y - 4.0, 1.0)
+    let d = if p.y > 12.0 { carve_groove(d, stream, 1.4) } else { d };
+    carve_groove(d, p.y - 4.0, 1.0)
 }

@@ -1,11 +1,10 @@
-//! A block as it comes from the quarry: split faces, corners knocked off, furrows of the point
-//! chisel.
+//! The lump: a convex polyhedron with wear (value noise) and furrows of a point chisel.
 
 use std::sync::LazyLock;
 
 use glam::Vec3;
 
-use super::field::{max, noise, unit, v};
+use super::sdf::{clamp_to_unit, lattice_noise, max, v};
 
 /// A flat cut: what lies beyond `height` along `normal` is gone.
 struct Facet {
@@ -64,16 +63,16 @@ static FACETS: LazyLock<[Facet; CUTS.len()]> = LazyLock::new(|| {
 /// The most by which chisel and wear move the surface.
 const RELIEF: f32 = 5.0;
 
-pub(super) fn field(p: Vec3) -> f32 {
+pub(super) fn signed_distance(p: Vec3) -> f32 {
     let middle = p - v(0.0, 64.0, 0.0);
     let beyond = |facet: &Facet| middle.dot(facet.normal) - facet.height;
     let flat = FACETS.iter().map(beyond).fold(f32::MIN, max);
     if flat.abs() > RELIEF {
         return if flat > 0.0 { flat - RELIEF } else { flat + RELIEF };
     }
-    let worn = 1.9 * noise(p * (1.0 / 21.0), 1) + 0.7 * noise(p * (1.0 / 9.0), 2);
+    let worn = 1.9 * lattice_noise(p * (1.0 / 21.0), 1) + 0.7 * lattice_noise(p * (1.0 / 9.0), 2);
     // The chisel skips where the stone was split cleanly.
-    let strength = unit(0.8 + 1.5 * noise(p * (1.0 / 23.0), 3));
+    let strength = clamp_to_unit(0.8 + 1.5 * lattice_noise(p * (1.0 / 23.0), 3));
     let chiselled = |facet: &Facet| {
         let beyond = beyond(facet);
         // Furrows are shallower than this, so farther facets stay behind.
@@ -81,14 +80,14 @@ pub(super) fn field(p: Vec3) -> f32 {
             return beyond;
         }
         let furrow = middle.dot(facet.across) + 0.35 * worn;
-        beyond + facet.bite * strength * ripple(furrow)
+        beyond + facet.bite * strength * chisel_wave(furrow)
     };
     let rough = FACETS.iter().map(chiselled).fold(f32::MIN, max);
     (rough + worn + 1.2) * 0.75
 }
 
 /// A wave of period 1 within -1..=1, its crests sharp as between two strokes.
-fn ripple(t: f32) -> f32 {
+fn chisel_wave(t: f32) -> f32 {
     let t = t - t.floor() - 0.5;
     1.0 - 8.0 * t * t
 }

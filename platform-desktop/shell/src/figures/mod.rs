@@ -1,12 +1,12 @@
-//! Start volumes as signed-distance code: a lump of stone, the figures hidden in it, and a toy.
+//! Start volumes as signed distance functions: a lump of stone, the figures hidden in it, and a toy.
 //!
-//! Everything is made when it is asked for, the same bits on every machine. All figures stand on the
-//! ground layer and, but for the toy, lie within the lump.
+//! They are rasterized on demand, to the same bits on every machine. All figures stand on the ground
+//! layer and, except for the toy, lie within the lump.
 
 mod amphora;
 mod cat;
 mod dolphin;
-mod field;
+mod sdf;
 
 mod lump;
 mod owl;
@@ -14,9 +14,7 @@ mod raster;
 mod toy;
 
 use glam::Vec3;
-use paros_core::maps::Maps;
-use paros_core::plane::Plane;
-use paros_core::size::{Grid, Size};
+use paros_core::{BitGrid, Grid, RangeMaps, Size};
 
 /// A start volume.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -44,7 +42,7 @@ impl Figure {
     /// Those that hide in the lump, for the constrained mode (section 3.5 of the paper).
     pub const HIDDEN: [Figure; 4] = [Figure::Owl, Figure::Cat, Figure::Amphora, Figure::Dolphin];
 
-    /// A word for it, as used on the command line.
+    /// Its name on the command line.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -57,47 +55,47 @@ impl Figure {
         }
     }
 
-    /// The figure of that name.
+    /// The figure with this [`Figure::name`].
     #[must_use]
-    pub fn named(name: &str) -> Option<Self> {
+    pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|figure| figure.name() == name)
     }
 
-    /// Makes the figure: `maps` are the tight hulls of its voxels, `plane` their closure. A voxel is
-    /// the figure's when its centre is.
-    pub fn carve_into<const N: usize>(self, plane: &mut Plane<N>, maps: &mut Maps<N>)
+    /// Rasterizes the figure: a voxel belongs to it if its centre does. `maps` become the tight hulls of
+    /// its voxels, `plane` their closure.
+    pub fn carve_into<const N: usize>(self, plane: &mut BitGrid<N>, maps: &mut RangeMaps<N>)
     where
         Grid<N>: Size,
     {
         match self {
-            Figure::Lump => raster::fill(plane, &lump::field),
-            Figure::Owl => raster::fill(plane, &owl::field),
-            Figure::Cat => raster::fill(plane, &cat::field),
-            Figure::Amphora => raster::fill(plane, &amphora::field),
-            Figure::Dolphin => raster::fill(plane, &dolphin::field),
-            Figure::Toy => raster::fill(plane, &toy::field),
+            Figure::Lump => raster::rasterize(plane, &lump::signed_distance),
+            Figure::Owl => raster::rasterize(plane, &owl::signed_distance),
+            Figure::Cat => raster::rasterize(plane, &cat::signed_distance),
+            Figure::Amphora => raster::rasterize(plane, &amphora::signed_distance),
+            Figure::Dolphin => raster::rasterize(plane, &dolphin::signed_distance),
+            Figure::Toy => raster::rasterize(plane, &toy::signed_distance),
         }
-        plane.hulls(maps);
-        plane.expand(maps);
+        plane.write_hulls(maps);
+        plane.set_from_maps(maps);
     }
 
-    /// Whether the centre of a voxel of an N^3 grid lies in the figure's shape, asked one by one:
-    /// what [`Figure::carve_into`] must agree with before closure.
+    /// Whether the centre of a voxel of an N^3 grid lies in the figure. [`Figure::carve_into`] must agree
+    /// with this before closure.
     #[must_use]
-    pub fn covers<const N: usize>(self, voxel: [usize; 3]) -> bool {
-        self.distance(raster::centre::<N>(voxel, 1)) <= 0.0
+    pub fn covers_voxel<const N: usize>(self, voxel: [usize; 3]) -> bool {
+        self.signed_distance(raster::cube_centre::<N>(voxel, 1)) <= 0.0
     }
 
-    /// Signed distance to the figure's surface or less, in 1/128 of the box's edge: x and z from the
-    /// middle, y from the ground.
-    fn distance(self, p: Vec3) -> f32 {
+    /// Signed distance to the figure's surface, or a bound closer to zero, in 1/128 of the box's edge.
+    /// The origin is the middle of the ground.
+    fn signed_distance(self, p: Vec3) -> f32 {
         match self {
-            Figure::Lump => lump::field(p),
-            Figure::Owl => owl::field(p),
-            Figure::Cat => cat::field(p),
-            Figure::Amphora => amphora::field(p),
-            Figure::Dolphin => dolphin::field(p),
-            Figure::Toy => toy::field(p),
+            Figure::Lump => lump::signed_distance(p),
+            Figure::Owl => owl::signed_distance(p),
+            Figure::Cat => cat::signed_distance(p),
+            Figure::Amphora => amphora::signed_distance(p),
+            Figure::Dolphin => dolphin::signed_distance(p),
+            Figure::Toy => toy::signed_distance(p),
         }
     }
 }

@@ -2,25 +2,28 @@
 
 use glam::Vec3;
 
-use super::field::{blend, cut, disc, ellipsoid, groove, limb, max, min, paired, ring, sphere, v};
+use super::sdf::{
+    carve_groove, ellipsoid, max, min, mirror_x, round_cone, rounded_disc, smooth_subtract,
+    smooth_union, sphere, torus, v,
+};
 
-pub(super) fn field(p: Vec3) -> f32 {
-    let q = paired(p);
-    let bird = blend(body(p, q), head(q), 7.0);
-    let bird = min(bird, face(q));
-    min(blend(min(bird, wings(q)), feet(q), 2.0), stump(p))
+pub(super) fn signed_distance(p: Vec3) -> f32 {
+    let q = mirror_x(p);
+    let bird = smooth_union(body_distance(p, q), head_distance(q), 7.0);
+    let bird = min(bird, face_distance(q));
+    min(smooth_union(min(bird, wings_distance(q)), feet_distance(q), 2.0), stump_distance(p))
 }
 
-fn stump(p: Vec3) -> f32 {
-    let d = disc(p, (-4.0, 14.0), 36.0, 3.0);
-    let d = groove(d, p.y - 9.5, 1.0);
-    groove(d, ring(p, 14.0, 32.0, 0.0), 1.0)
+fn stump_distance(p: Vec3) -> f32 {
+    let d = rounded_disc(p, (-4.0, 14.0), 36.0, 3.0);
+    let d = carve_groove(d, p.y - 9.5, 1.0);
+    carve_groove(d, torus(p, 14.0, 32.0, 0.0), 1.0)
 }
 
-fn body(p: Vec3, q: Vec3) -> f32 {
-    let trunk = limb(p, (v(0.0, 40.0, -2.0), 27.0), (v(0.0, 66.0, -2.0), 23.0));
-    let tail = limb(p, (v(0.0, 34.0, -20.0), 11.0), (v(0.0, 16.0, -27.0), 6.0));
-    let d = blend(trunk, tail, 8.0);
+fn body_distance(p: Vec3, q: Vec3) -> f32 {
+    let trunk = round_cone(p, (v(0.0, 40.0, -2.0), 27.0), (v(0.0, 66.0, -2.0), 23.0));
+    let tail = round_cone(p, (v(0.0, 34.0, -20.0), 11.0), (v(0.0, 16.0, -27.0), 6.0));
+    let d = smooth_union(trunk, tail, 8.0);
     if d.abs() > 8.0 || p.z < 0.0 {
         return d;
     }
@@ -32,37 +35,37 @@ fn body(p: Vec3, q: Vec3) -> f32 {
     let y = p.y - (68.0 - 9.0 * row);
     let scallop = v(x, y + 1.0, 0.0).length() - 6.5;
     let breast = max(q.x - 19.0, max(p.y - 66.0, 24.0 - p.y));
-    if breast > 0.0 { d } else { groove(d, scallop, 1.3) }
+    if breast > 0.0 { d } else { carve_groove(d, scallop, 1.3) }
 }
 
-fn head(q: Vec3) -> f32 {
+fn head_distance(q: Vec3) -> f32 {
     let skull = ellipsoid(q, v(0.0, 86.0, 0.0), v(28.0, 20.0, 22.0));
-    let tuft = limb(q, (v(15.0, 99.0, 2.0), 7.0), (v(26.0, 111.0, 0.0), 2.6));
-    let d = blend(skull, tuft, 7.0);
+    let tuft = round_cone(q, (v(15.0, 99.0, 2.0), 7.0), (v(26.0, 111.0, 0.0), 2.6));
+    let d = smooth_union(skull, tuft, 7.0);
     // The two dishes of the face.
-    cut(d, sphere(q, v(12.5, 86.0, 36.0), 19.0), 2.0)
+    smooth_subtract(d, sphere(q, v(12.5, 86.0, 36.0), 19.0), 2.0)
 }
 
-fn face(q: Vec3) -> f32 {
+fn face_distance(q: Vec3) -> f32 {
     let ball = sphere(q, v(11.8, 87.5, 14.5), 9.4);
     let iris = v(q.x - 11.6, q.y - 87.5, 0.0).length() - 5.4;
-    let eye = if q.z > 18.0 { groove(ball, iris, 1.2) } else { ball };
-    let eye = cut(eye, sphere(q, v(11.4, 87.5, 24.6), 2.8), 0.8);
-    let beak = limb(q, (v(0.0, 83.0, 19.0), 5.0), (v(0.0, 74.0, 24.5), 2.0));
+    let eye = if q.z > 18.0 { carve_groove(ball, iris, 1.2) } else { ball };
+    let eye = smooth_subtract(eye, sphere(q, v(11.4, 87.5, 24.6), 2.8), 0.8);
+    let beak = round_cone(q, (v(0.0, 83.0, 19.0), 5.0), (v(0.0, 74.0, 24.5), 2.0));
     min(eye, beak)
 }
 
-fn wings(q: Vec3) -> f32 {
-    let d = limb(q, (v(20.5, 60.0, -3.0), 13.0), (v(18.0, 20.0, -20.0), 4.6));
+fn wings_distance(q: Vec3) -> f32 {
+    let d = round_cone(q, (v(20.5, 60.0, -3.0), 13.0), (v(18.0, 20.0, -20.0), 4.6));
     // Flight feathers: furrows that sweep down and back.
     let along = q.z * 0.85 - q.y * 0.42 + 20.0;
     let furrow = along - 7.5 * (along / 7.5 + 0.5).floor();
-    if q.y > 52.0 || d.abs() > 6.0 { d } else { groove(d, furrow, 1.4) }
+    if q.y > 52.0 || d.abs() > 6.0 { d } else { carve_groove(d, furrow, 1.4) }
 }
 
-fn feet(q: Vec3) -> f32 {
+fn feet_distance(q: Vec3) -> f32 {
     [4.0, 9.5, 15.0].iter().fold(f32::MAX, |d, &x| {
-        let toe = limb(q, (v(9.5, 17.0, 16.0), 4.0), (v(x, 15.0, 27.0), 3.0));
+        let toe = round_cone(q, (v(9.5, 17.0, 16.0), 4.0), (v(x, 15.0, 27.0), 3.0));
         min(d, toe)
     })
 }

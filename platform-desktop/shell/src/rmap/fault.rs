@@ -1,16 +1,16 @@
-//! Why a file is no volume: where in it, what was found and what was expected.
+//! Errors of reading `.rmap` files: the byte offset, what was found and what was expected.
 
 use std::fmt;
 use std::io;
 use std::path::PathBuf;
 
-use paros_core::maps::Axis;
+use paros_core::Axis;
 
 use super::{SIZES, VERSION};
 
 /// Why a file was not read.
 #[derive(Debug)]
-pub enum Error {
+pub enum RmapError {
     /// The system could not read it.
     Unreadable {
         /// The file.
@@ -25,13 +25,13 @@ pub enum Error {
         /// Where in the file.
         offset: usize,
         /// What is wrong there.
-        fault: Fault,
+        fault: RmapFault,
     },
 }
 
 /// What can be wrong with the bytes of a file.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Fault {
+pub enum RmapFault {
     /// It does not start as an `.rmap`.
     Magic([u8; 4]),
     /// A version that this program does not read.
@@ -83,57 +83,59 @@ pub enum Fault {
     },
 }
 
-impl fmt::Display for Error {
+impl fmt::Display for RmapError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Error::Unreadable { path, source } => {
+            RmapError::Unreadable { path, source } => {
                 write!(f, "{}: cannot read: {source}", path.display())
             }
-            Error::Bad { path, offset, fault } => {
+            RmapError::Bad { path, offset, fault } => {
                 write!(f, "{}: at byte {offset}: {fault}", path.display())
             }
         }
     }
 }
 
-impl std::error::Error for Error {
+impl std::error::Error for RmapError {
     fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
         match self {
-            Error::Unreadable { source, .. } => Some(source),
-            Error::Bad { .. } => None,
+            RmapError::Unreadable { source, .. } => Some(source),
+            RmapError::Bad { .. } => None,
         }
     }
 }
 
-impl fmt::Display for Fault {
+impl fmt::Display for RmapFault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
-            Fault::Magic(found) => write!(
+            RmapFault::Magic(found) => write!(
                 f,
                 "expected the magic \"RMAP\", found \"{}\": not a range map file",
                 found.escape_ascii()
             ),
-            Fault::Version(found) => write!(f, "expected version {VERSION}, found {found}"),
-            Fault::Size(found) => write!(f, "expected a size N out of {SIZES:?}, found {found}"),
-            Fault::Layers(found) => write!(f, "expected 1 interval a column, found {found}"),
-            Fault::Flags(found) => write!(f, "expected a zero byte, found {found:#04x}"),
-            Fault::OtherSize { found, expected } => {
+            RmapFault::Version(found) => write!(f, "expected version {VERSION}, found {found}"),
+            RmapFault::Size(found) => {
+                write!(f, "expected a size N out of {SIZES:?}, found {found}")
+            }
+            RmapFault::Layers(found) => write!(f, "expected 1 interval a column, found {found}"),
+            RmapFault::Flags(found) => write!(f, "expected a zero byte, found {found:#04x}"),
+            RmapFault::OtherSize { found, expected } => {
                 write!(f, "expected a volume of size {expected}, found size {found}")
             }
-            Fault::Truncated { expected } => {
+            RmapFault::Truncated { expected } => {
                 write!(f, "the file ends here, expected {expected} bytes: truncated")
             }
-            Fault::Trailing => write!(f, "expected the end of the file, found more bytes"),
-            Fault::Checksum { found, expected } => {
+            RmapFault::Trailing => write!(f, "expected the end of the file, found more bytes"),
+            RmapFault::Checksum { found, expected } => {
                 write!(f, "expected the checksum {expected:08x}, found {found:08x}: damaged")
             }
-            Fault::Range { axis, address: (line, place), bytes: [not_lo, hi] } => write!(
+            RmapFault::Range { axis, address: (line, place), bytes: [not_lo, hi] } => write!(
                 f,
                 "expected a range inside the grid, found {}..={hi} \
                  (column along {axis:?}, line {line}, place {place})",
                 !not_lo
             ),
-            Fault::Loose { axis, voxel, missing } => write!(
+            RmapFault::Loose { axis, voxel, missing } => write!(
                 f,
                 "expected a tight range, but its end voxel {voxel:?} along {axis:?} is not in its \
                  column along {missing:?}"

@@ -1,153 +1,108 @@
-//! What the studio reads and writes: sessions, sculptures, traces.
+//! The studio's writes: sessions, sculptures and traces submitted to the file writer, and their
+//! outcomes reported to the visitor.
 
-use std::io::ErrorKind;
 use std::path::PathBuf;
 
-use paros_core::limits::save_bytes;
-use paros_core::size::{Grid, Size};
-use paros_core::world::Session;
+use paros_core::{Grid, Size};
 
-use super::{Note, Studio};
+use super::{Notice, Studio};
 use crate::durable;
-use crate::keeper::{Job, Kept, Place, What};
+use crate::file_writer::{Destination, FileKind, WriteJob, WriteOutcome};
 use crate::statics::Resident;
 
 impl<const N: usize> Studio<'_, N>
 where
     Grid<N>: Size + Resident<N>,
 {
-    /// Goes on with the session in the file, if it is one.
-    pub(super) fn resume(&mut self) {
-        let path = self.places.session(N);
-        if self.places.window > 1 {
-            let text = "another window has the studio's session; this one's is kept beside it, in";
-            self.note(Note::Good(format!("{text} {}", path.display())));
-        }
-        let fault = match durable::read(&path) {
-            Err(error) if error.kind() == ErrorKind::NotFound => return,
-            Err(error) => error.to_string(),
-            Ok(bytes) => match self.world.load(&bytes) {
-                Ok(()) => return,
-                Err(bad) => format!("expected {} at byte {}", bad.expected, bad.offset),
-            },
-        };
-        let aside = self.places.aside(N);
-        let kept = match std::fs::rename(&path, &aside) {
-            Ok(()) => format!("it is kept as {}", aside.display()),
-            Err(error) => format!("it is {}, and can't be moved: {error}", path.display()),
-        };
-        self.note(Note::Bad(format!("the saved session can't be read: {fault}; {kept}")));
+    /// Submits a save of the session, now or as soon as the last save is written.
+    pub(super) fn save_session(&mut self) {
+        self.autosave.submit_save(&self.session, &mut self.file_writer);
     }
 
-    /// Has the session written. While the last save is, there is nothing to write this one in: it
-    /// stays due.
-    pub(super) fn save(&mut self) {
-        if self.world.session() == Session::Waiting {
-            return;
-        }
-        let Some(mut job) = self.saving.take() else {
-            self.due = true;
-            return;
-        };
-        job.bytes.iter_mut().for_each(|bytes| self.fill(bytes));
-        self.keeper.give(job);
-        (self.changed, self.due, self.saved) = (false, false, self.world.tick());
-    }
-
-    /// The world, in bytes that are held already if there is room in them for all that it can be.
-    pub(super) fn fill(&self, bytes: &mut Vec<u8>) {
-        bytes.resize(save_bytes(N), 0);
-        let len = self.world.save(bytes);
-        debug_assert!(len <= bytes.len(), "a world of {len} bytes");
-        bytes.truncate(len);
-    }
-
-    /// Waits for all that is being written, and for a save that is due then.
+    /// Waits for all pending writes, and for a save that is due after them.
     ///
     /// # Errors
-    /// The first thing that could not be.
-    pub(super) fn wait(&mut self) -> Result<(), durable::Error> {
+    /// The first write that failed.
+    pub(super) fn wait_for_writes(&mut self) -> Result<(), durable::WriteError> {
         let mut done = Ok(());
-        while let Some(kept) = self.keeper.wait() {
-            if let Some(failed) = self.tell(kept) {
+        while let Some(outcome) = self.file_writer.wait_for_oldest() {
+            if let Some(failed) = self.report_outcome(outcome) {
                 done = done.and(Err(failed));
             }
-            if self.due {
-                self.save();
+            if self.autosave.is_due() {
+                self.save_session();
             }
         }
         done
     }
 
-    pub(super) fn write_finished(&mut self) {
-        let Some(finishing) = &mut self.finishing else { return };
-        match finishing.files() {
+    /// Submits a finished sculpture's files, once all are ready.
+    pub(super) fn submit_finished_sculpture(&mut self) {
+        match self.export.take_files() {
             None => {}
             Some(Ok(files)) => {
-                self.finishing = None;
-                let (endings, bytes) = files.into_iter().unzip();
-                self.give(What::Sculpture, "sculpture", endings, bytes);
+                let (extensions, bytes) = files.into_iter().unzip();
+                self.submit_numbered_files(FileKind::Sculpture, "sculpture", extensions, bytes);
             }
-            Some(Err(why)) => {
-                self.finishing = None;
-                self.note(Note::Bad(why));
-            }
+            Some(Err(why)) => self.push_notice(Notice::Bad(why)),
         }
     }
 
-    /// Has files written where the visitor finds them, or else beside the sessions.
-    pub(super) fn give(
+    /// Submits numbered files to the sculptures' folder or, if that fails, the sessions' folder.
+    pub(super) fn submit_numbered_files(
         &mut self,
-        what: What,
-        name: &'static str,
-        endings: Vec<&'static str>,
+        kind: FileKind,
+        stem: &'static str,
+        extensions: Vec<&'static str>,
         bytes: Vec<Vec<u8>>,
     ) {
-        let folders = vec![self.places.sculptures.clone(), self.places.sessions.clone()];
-        self.keeper.give(Job { what, place: Place::Free { folders, name, endings }, bytes });
+        let folders = vec![self.paths.sculptures.clone(), self.paths.sessions.clone()];
+        self.file_writer.submit(WriteJob {
+            kind,
+            destination: Destination::NextFree { folders, stem, extensions },
+            contents: bytes,
+        });
     }
 
-    /// Takes in what became of files; what is lost if no one tries again comes back.
-    pub(super) fn tell(&mut self, kept: Kept) -> Option<durable::Error> {
-        if let Some(refused) = kept.instead {
-            self.note(Note::Bad(refused.to_string()));
+    /// Handles a write's outcome: messages for the visitor, the save's buffer taken back, failed
+    /// sculptures kept to be submitted again. Returns the error if it failed.
+    pub(super) fn report_outcome(&mut self, outcome: WriteOutcome) -> Option<durable::WriteError> {
+        if let Some(refused) = outcome.fallback_cause {
+            self.push_notice(Notice::Bad(refused.to_string()));
         }
-        let what = kept.job.what;
-        let failed = match (kept.done, what) {
-            (Err(error), What::Session) => {
-                // Told while it lasts, and tried again.
-                if self.fault.is_none() {
-                    self.note(Note::Bad(format!("the session can't be saved: {error}")));
-                }
-                (self.fault, self.changed) = (Some(error.to_string()), true);
-                Some(error)
-            }
-            (Err(error), _) => {
-                self.note(Note::Bad(error.to_string()));
-                Some(error)
-            }
-            (Ok(paths), _) => {
-                self.tell_written(what, paths);
+        let kind = outcome.job.kind;
+        let failed = match outcome.result {
+            Ok(paths) => {
+                self.report_written(kind, paths);
                 None
             }
+            Err(error) => Some(error),
         };
-        match what {
-            What::Session => self.saving = Some(kept.job),
-            What::Sculpture | What::Before if failed.is_some() => self.unwritten.push(kept.job),
-            _ => {}
+        if kind == FileKind::Session {
+            if self.autosave.take_back_buffer(outcome.job, failed.as_ref())
+                && let Some(error) = &failed
+            {
+                self.push_notice(Notice::Bad(format!("the session can't be saved: {error}")));
+            }
+            return failed;
+        }
+        if let Some(error) = &failed {
+            self.push_notice(Notice::Bad(error.to_string()));
+            if matches!(kind, FileKind::Sculpture | FileKind::PreviousSession) {
+                self.export.keep_unwritten(outcome.job);
+            }
         }
         failed
     }
 
-    fn tell_written(&mut self, what: What, paths: Vec<PathBuf>) {
-        match what {
-            What::Session => self.fault = None,
-            What::Sculpture => self.printed = paths.into_iter().next(),
-            What::Trace => {
+    fn report_written(&mut self, kind: FileKind, paths: Vec<PathBuf>) {
+        match kind {
+            FileKind::Sculpture => self.export.set_last_print_path(paths.into_iter().next()),
+            FileKind::Trace => {
                 let path = paths.first().map_or(String::new(), |path| path.display().to_string());
-                self.note(Note::Good(format!("recorded: {path}")));
+                self.push_notice(Notice::Good(format!("recorded: {path}")));
             }
-            What::Before | What::Cache => {}
+            FileKind::Session | FileKind::PreviousSession | FileKind::PipelineCache => {}
         }
     }
 }

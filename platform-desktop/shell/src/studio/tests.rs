@@ -2,43 +2,87 @@
 
 use std::fs;
 
-use paros_core::input::{Input, Mode};
-use paros_core::size::Grid;
+use glam::{Quat, Vec3};
+use paros_core::{
+    BenchItem, Grid, HandInput, PointerCommand, RawPose, SessionMode, TICK_RATE, TickInput, Tool,
+};
 
 use super::Studio;
-use crate::places::Places;
-use crate::print::{HEIGHT_MM, Printer};
+use crate::print::{DEFAULT_HEIGHT_MM, StlPrinter};
 use crate::statics::Resident;
+use crate::studio_paths::StudioPaths;
 
 #[test]
 fn a_save_waits_for_the_one_before_it() {
     let folder = std::env::temp_dir().join(format!("paros-studio-{}", std::process::id()));
-    let (mut world, mut volumes) = (Grid::<128>::world(), Grid::<128>::start_volumes());
-    let mut press = Grid::<128>::press();
-    let printer = Printer::new(&mut press, HEIGHT_MM).expect("a height");
-    let places = Places::within(&folder);
+    let (mut world, mut volumes) = (Grid::<128>::lock_world(), Grid::<128>::lock_start_volumes());
+    let mut press = Grid::<128>::lock_print_buffers();
+    let printer = StlPrinter::new(&mut press, DEFAULT_HEIGHT_MM).expect("a height");
+    let places = StudioPaths::inside_folder(&folder);
     let mut studio =
         Studio::new(&mut world, &mut volumes, printer, places, |_| Err("no picture".into()));
-    studio.tick(&Input { start: Mode::FreeForm, ..Input::default() });
-    studio.save();
-    studio.tick(&Input::default());
+    studio.run_tick(&TickInput { start: SessionMode::FreeForm, ..TickInput::default() });
+    studio.save_session();
+    studio.run_tick(&TickInput::default());
     // The first is being written, or waits to be taken in: nothing holds its bytes anew.
-    studio.save();
-    assert!(studio.saving.is_none() && studio.due);
-    while studio.saving.is_none() {
-        studio.poll();
+    studio.save_session();
+    assert!(studio.autosave.is_writing() && studio.autosave.is_due());
+    while studio.autosave.is_writing() {
+        studio.poll_threads();
     }
     let saved = |studio: &Studio<'_, 128>| {
-        let bytes = fs::read(studio.places().session(128)).expect("a save");
+        let bytes = fs::read(studio.paths().session_file(128)).expect("a save");
         u64::from_le_bytes(bytes[16..24].try_into().expect("a tick"))
     };
-    assert_eq!((saved(&studio), studio.due), (1, true));
-    studio.tick(&Input::default());
-    assert!(studio.saving.is_none() && !studio.due, "it comes with the next tick");
+    assert_eq!((saved(&studio), studio.autosave.is_due()), (1, true));
+    studio.run_tick(&TickInput::default());
+    assert!(
+        studio.autosave.is_writing() && !studio.autosave.is_due(),
+        "it comes with the next tick"
+    );
     // At the end nothing is left due, whatever is under way.
-    studio.tick(&Input::default());
+    studio.run_tick(&TickInput::default());
     studio.close().expect("a disk");
     assert_eq!((saved(&studio), studio.world().tick()), (4, 4));
     drop(studio);
+    fs::remove_dir_all(&folder).expect("the folder can be removed");
+}
+
+/// In the first seconds of a session: what is changed by the start is saved when a stroke ends, not when
+/// a hand without a tool lets a trigger go.
+#[test]
+fn a_stroke_that_ends_is_saved() {
+    let folder = std::env::temp_dir().join(format!("paros-strokes-{}", std::process::id()));
+    for (item, saved) in [(Some(BenchItem::Tool(Tool::Rotary)), true), (None, false)] {
+        let (mut world, mut volumes) =
+            (Grid::<128>::lock_world(), Grid::<128>::lock_start_volumes());
+        let mut press = Grid::<128>::lock_print_buffers();
+        let printer = StlPrinter::new(&mut press, DEFAULT_HEIGHT_MM).expect("a height");
+        let _ = fs::remove_dir_all(&folder);
+        world.clear();
+        let places = StudioPaths::inside_folder(&folder);
+        let mut studio =
+            Studio::new(&mut world, &mut volumes, printer, places, |_| Err("no picture".into()));
+        let pointer = item.map_or(PointerCommand::None, |item| PointerCommand::Take {
+            hand: 1,
+            item: item.number() as u8,
+        });
+        studio.run_tick(&TickInput {
+            start: SessionMode::FreeForm,
+            pointer,
+            ..TickInput::default()
+        });
+        let pulled = |trigger| {
+            let grip = RawPose::quantise(Vec3::Y, Quat::IDENTITY);
+            let hand =
+                HandInput { grip, aim: grip, trigger, tracked: true, ..HandInput::default() };
+            TickInput { hands: [HandInput::default(), hand], ..TickInput::default() }
+        };
+        (0..TICK_RATE).for_each(|_| studio.run_tick(&pulled(255)));
+        assert!(!studio.autosave.is_writing(), "{item:?}: a stroke is under way");
+        studio.run_tick(&pulled(0));
+        assert_eq!(studio.autosave.is_writing(), saved, "{item:?}");
+        drop(studio);
+    }
     fs::remove_dir_all(&folder).expect("the folder can be removed");
 }

@@ -1,81 +1,85 @@
-//! How it ends, and what is saved before: by wish, with the device or with the display.
+//! Ends of a window, and saving before them: closed, device lost, display lost.
 
 use core::fmt::Display as Reason;
 
-use paros_core::size::{Grid, Size};
+use paros_core::{Grid, Size};
+use paros_headless::Error;
 use paros_shaders::gpu;
 use paros_shell::statics::Resident;
 use winit::event_loop::ActiveEventLoop;
 
 use super::App;
-use crate::error::Error;
-use crate::window::Closed;
-use crate::window::display::Display;
-use crate::window::view::View;
-use paros_shell::studio::Note;
+use crate::window::WindowError;
+use crate::window::display::DisplayConnection;
+use crate::window::view::WindowRenderer;
+use paros_shell::studio::Notice;
 
-/// Losses of the device within a run before it is given up.
+/// Device losses that are recovered within a run.
 const LOSSES: u32 = 3;
 
-/// What is said when the window's display has ended.
+/// The message when the display connection is lost.
 const DISPLAY_GONE: &str = "the display is gone";
 
 impl<const N: usize> App<'_, N>
 where
     Grid<N>: Size + Resident<N>,
 {
-    /// The device or the window's surface is gone: saves, then begins anew with both.
-    pub(super) fn lost(&mut self, error: &gpu::Error) -> Result<(), Closed> {
-        let kept = self.kept();
-        let failed = |why: &dyn Reason| Closed::Failed(Error::Failure(format!("{why}; {kept}")));
+    /// Recovers from a lost device or surface: saves the session, then makes both anew.
+    ///
+    /// # Errors
+    /// The display is lost as well, it is one loss too many, or no device can be made.
+    pub(super) fn recover_device(&mut self, error: &gpu::Error) -> Result<(), WindowError> {
+        let kept = self.save_session();
+        let failed =
+            |why: &dyn Reason| WindowError::Failed(Error::Failure(format!("{why}; {kept}")));
         self.losses += 1;
         if let Some(view) = self.view.take() {
-            self.messages.extend(view.messages());
+            self.messages.extend(view.validation_messages());
         }
-        self.painted.forget_device();
-        if self.display.as_ref().is_some_and(Display::has_gone) {
+        self.egui_buffers.forget_device();
+        if self.display.as_ref().is_some_and(DisplayConnection::check_lost) {
             return Err(failed(&DISPLAY_GONE));
         }
         let Some(window) = self.window.as_ref().filter(|_| self.losses <= LOSSES) else {
             return Err(failed(error));
         };
-        let places = self.studio.places();
-        let view = View::new(window, self.studio.world(), places, self.validation);
+        let places = self.studio.paths();
+        let view = WindowRenderer::new(window, self.studio.world(), places, &self.device);
         self.view = Some(view.map_err(|again| failed(&again))?);
         let text = "The picture was lost and is back; nothing else was.";
-        self.studio.note(Note::Good(text.into()));
+        self.studio.push_notice(Notice::Good(text.into()));
         Ok(())
     }
 
-    /// The display has ended, and the window with it.
-    pub(in crate::window) fn display_gone(&mut self) {
+    /// Saves the session when the display connection is lost. The application ends with that error.
+    pub(in crate::window) fn on_display_lost(&mut self) {
         if self.done.is_ok() {
-            let kept = self.kept();
+            let kept = self.save_session();
             let text = format!("{DISPLAY_GONE}; {kept}");
-            self.done = Err(Closed::Failed(Error::Failure(text)));
+            self.done = Err(WindowError::Failed(Error::Failure(text)));
         }
     }
 
-    /// Saves the session: where, or why not.
-    fn kept(&mut self) -> String {
+    /// Saves the session. Returns where as text, or why it failed.
+    fn save_session(&mut self) -> String {
         match self.studio.close() {
             Ok(()) => {
-                let folder = self.studio.places().sessions.display();
+                let folder = self.studio.paths().sessions.display();
                 format!("the session is saved in {folder}")
             }
             Err(error) => error.to_string(),
         }
     }
 
-    /// Closes the window, but for the first time that something would be lost by it.
-    pub(super) fn asked_to_close(&mut self, events: &ActiveEventLoop) {
+    /// Closes the window. If the session can't be saved, the first request only warns.
+    pub(super) fn close_or_warn(&mut self, events: &ActiveEventLoop) {
         match self.studio.close() {
             Err(error) if !self.warned => {
                 self.warned = true;
                 let text = format!("{error}. Close the window again to go without it.");
-                self.studio.note(Note::Bad(text));
+                self.studio.push_notice(Notice::Bad(text));
             }
-            _ => self.stop(events, Ok(())),
+            _ => self.exit_loop(events, Ok(())),
         }
     }
 }

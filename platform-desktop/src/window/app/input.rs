@@ -1,103 +1,104 @@
-//! What the window tells of mouse, keys and files.
+//! The window's events of mouse, keys and dropped files.
 
-use paros_core::size::{Grid, Size};
-use paros_core::world::Session;
-use paros_shaders::gpu::{Parts, Path};
+use paros_core::{Grid, SessionState, Size};
+use paros_shaders::gpu::{PaperVariant, RenderPath};
 use paros_shell::statics::Resident;
 use winit::event::{ElementState, MouseButton, MouseScrollDelta, WindowEvent};
 
 use super::App;
-use crate::window::hands::{Button, Event};
-use crate::window::keys::{self, Command};
+use crate::window::hands::{HandButton, InputEvent};
+use crate::window::keys::{self, KeyCommand};
 use crate::window::opening;
 
 /// Pixels of a touchpad that count as a notch of a wheel.
-const NOTCH: f64 = 40.0;
+const NOTCH_PIXELS: f64 = 40.0;
 
 impl<const N: usize> App<'_, N>
 where
     Grid<N>: Size + Resident<N>,
 {
-    /// Takes in an event of a device, or of the window itself.
-    pub(super) fn device(&mut self, event: WindowEvent) {
+    /// Handles an event of an input device, or of the window itself.
+    pub(super) fn handle_event(&mut self, event: WindowEvent) {
         match event {
             WindowEvent::Resized(size) => {
                 self.hands.size = size.into();
                 self.seen = true;
                 if let Some(view) = &mut self.view {
-                    view.resized();
+                    view.mark_resized();
                 }
             }
             WindowEvent::ScaleFactorChanged { scale_factor, .. } => {
                 self.scale = scale_factor as f32;
             }
             WindowEvent::Occluded(false) => self.seen = true,
-            WindowEvent::DroppedFile(path) => self.studio.open(&path, opening::load::<N>),
-            WindowEvent::Focused(false) => self.hand(Event::LetGo),
+            WindowEvent::DroppedFile(path) => self.studio.open_file(&path, opening::load_file::<N>),
+            WindowEvent::Focused(false) => self.send_to_hands(InputEvent::LetGo),
             WindowEvent::ModifiersChanged(modifiers) => self.modifiers = modifiers.state(),
             WindowEvent::CursorMoved { position, .. } => {
-                self.moved([position.x as f32, position.y as f32]);
+                self.move_cursor([position.x as f32, position.y as f32]);
             }
             WindowEvent::CursorLeft { .. } => {
-                self.hand(Event::Gone);
+                self.send_to_hands(InputEvent::Gone);
                 self.panels.input.events.push(egui::Event::PointerGone);
             }
             WindowEvent::MouseInput { state, button, .. } => {
-                self.button(button, state == ElementState::Pressed);
+                self.handle_button(button, state == ElementState::Pressed);
             }
-            WindowEvent::MouseWheel { delta, .. } => self.wheel(delta),
+            WindowEvent::MouseWheel { delta, .. } => self.handle_wheel(delta),
             WindowEvent::KeyboardInput { event, .. } => {
                 let down = event.state == ElementState::Pressed;
-                if let Some(command) = keys::command(&event, self.modifiers)
+                if let Some(command) = keys::key_command(&event, self.modifiers)
                     && !(event.repeat && down)
                 {
-                    self.key(command, down);
+                    self.handle_key(command, down);
                 }
             }
             _ => {}
         }
     }
 
-    /// The cursor is at a pixel.
-    pub(super) fn moved(&mut self, to: [f32; 2]) {
-        self.hand(Event::Moved(to));
+    /// Passes the cursor's position on, in pixels from the upper left.
+    pub(super) fn move_cursor(&mut self, to: [f32; 2]) {
+        self.send_to_hands(InputEvent::Moved(to));
         let at = egui::Pos2::new(to[0] / self.scale, to[1] / self.scale);
         self.panels.input.events.push(egui::Event::PointerMoved(at));
     }
 
-    /// The hands do something.
-    pub(super) fn hand(&mut self, event: Event) {
-        self.hands.event(event, self.studio.world());
+    /// Passes an input event to the hands.
+    pub(super) fn send_to_hands(&mut self, event: InputEvent) {
+        self.hands.handle_event(event, self.studio.world());
     }
 
-    /// A key went down or up.
-    pub(super) fn key(&mut self, command: Command, down: bool) {
-        let session = self.studio.world().session();
-        let sculpting = session == Session::Sculpting && self.panels.is_open();
+    /// Runs a key's command.
+    pub(super) fn handle_key(&mut self, command: KeyCommand, down: bool) {
+        let session = self.studio.world().session_state();
+        let sculpting = session == SessionState::Sculpting && self.panels.is_studio_open();
         match command {
-            // A key that is let go is let go everywhere.
-            Command::Hands(key) if sculpting || !down => self.hand(Event::Key(key, down)),
+            // A release always counts, even over a panel.
+            KeyCommand::Hands(key) if sculpting || !down => {
+                self.send_to_hands(InputEvent::Key(key, down));
+            }
             _ if !down => {}
-            Command::Hands(_) => {}
-            Command::Finish => self.panels.finish(session),
-            Command::Help => self.panels.switch_help(),
-            Command::Graph => self.panels.switch_graph(),
-            Command::Path => {
+            KeyCommand::Hands(_) => {}
+            KeyCommand::Finish => self.panels.request_finish(session),
+            KeyCommand::Help => self.panels.toggle_help(),
+            KeyCommand::Graph => self.panels.toggle_graph(),
+            KeyCommand::Path => {
                 self.path = match self.path {
-                    Path::Fast => Path::Paper(Parts::Whole),
-                    Path::Paper(_) => Path::Fast,
+                    RenderPath::Fast => RenderPath::Paper(PaperVariant::Whole),
+                    RenderPath::Paper(_) => RenderPath::Fast,
                 };
             }
-            Command::Record => self.studio.write_trace(),
-            Command::Back => self.panels.back(session),
+            KeyCommand::Record => self.studio.write_trace(),
+            KeyCommand::Back => self.panels.close_topmost(session),
         }
     }
 
-    fn button(&mut self, button: MouseButton, down: bool) {
+    fn handle_button(&mut self, button: MouseButton, down: bool) {
         let (hand, panel) = match button {
-            MouseButton::Left => (Button::Left, egui::PointerButton::Primary),
-            MouseButton::Middle => (Button::Middle, egui::PointerButton::Middle),
-            MouseButton::Right => (Button::Right, egui::PointerButton::Secondary),
+            MouseButton::Left => (HandButton::Left, egui::PointerButton::Primary),
+            MouseButton::Middle => (HandButton::Middle, egui::PointerButton::Middle),
+            MouseButton::Right => (HandButton::Right, egui::PointerButton::Secondary),
             _ => return,
         };
         if let Some(pos) = self.panels.context.input(|input| input.pointer.latest_pos()) {
@@ -105,19 +106,19 @@ where
             let event = egui::Event::PointerButton { pos, button: panel, pressed: down, modifiers };
             self.panels.input.events.push(event);
         }
-        let sculpting = self.studio.world().session() == Session::Sculpting;
-        let runs = hand != Button::Left || (sculpting && self.panels.is_open());
+        let sculpting = self.studio.world().session_state() == SessionState::Sculpting;
+        let runs = hand != HandButton::Left || (sculpting && self.panels.is_studio_open());
         if !down {
-            self.hand(Event::Released(hand));
+            self.send_to_hands(InputEvent::Released(hand));
         } else if runs && !self.panels.has_cursor() {
-            self.hand(Event::Pressed(hand));
+            self.send_to_hands(InputEvent::Pressed(hand));
         }
     }
 
-    fn wheel(&mut self, delta: MouseScrollDelta) {
+    fn handle_wheel(&mut self, delta: MouseScrollDelta) {
         let notches = match delta {
             MouseScrollDelta::LineDelta(_, y) => y,
-            MouseScrollDelta::PixelDelta(by) => (by.y / NOTCH) as f32,
+            MouseScrollDelta::PixelDelta(by) => (by.y / NOTCH_PIXELS) as f32,
         };
         if self.panels.has_cursor() {
             self.panels.input.events.push(egui::Event::MouseWheel {
@@ -126,9 +127,9 @@ where
                 modifiers: egui::Modifiers::NONE,
             });
         } else if self.modifiers.control_key() {
-            self.hand(Event::Zoom(notches));
+            self.send_to_hands(InputEvent::Zoom(notches));
         } else {
-            self.hand(Event::Wheel(notches));
+            self.send_to_hands(InputEvent::Wheel(notches));
         }
     }
 }

@@ -1,123 +1,128 @@
-//! What a script does in place of a visitor.
+//! Scripted input in place of a visitor's.
 
 use std::io::{self, Write};
 
-use paros_core::input::Mode;
-use paros_core::size::{Grid, Size};
-use paros_shaders::gpu::faults::{self, Calls, Fault, Why};
-use paros_shell::figures::Figure;
+use paros_core::{Grid, Size};
+use paros_faults::{self as faults, CallGroup, FailureCause, PlannedFault};
+use paros_headless::Error;
+use paros_shell::modes::parse_mode;
 use paros_shell::statics::Resident;
 use winit::dpi::PhysicalSize;
 use winit::event_loop::ActiveEventLoop;
 
 use super::App;
-use crate::error::Error;
-use crate::window::hands::{Event, RIGHT};
-use crate::window::script::Step;
-use crate::window::{Closed, opening};
+use crate::window::hands::{InputEvent, RIGHT};
+use crate::window::script::ScriptStep;
+use crate::window::{WindowError, opening};
 
 impl<const N: usize> App<'_, N>
 where
     Grid<N>: Size + Resident<N>,
 {
-    /// Does what is to be done before the next tick.
-    pub(super) fn steps(&mut self, events: &ActiveEventLoop) -> Result<(), Closed> {
+    /// Runs the script's steps that come before the next tick.
+    pub(super) fn run_script_steps(&mut self, events: &ActiveEventLoop) -> Result<(), WindowError> {
         while let Some(script) = &mut self.script
             && !events.exiting()
         {
-            let Some(step) = script.next().map_err(Closed::Failed)? else { break };
-            self.step(step, events)?;
+            let Some(step) = script.next_step().map_err(WindowError::Failed)? else { break };
+            self.run_script_step(step, events)?;
             if let Some(script) = &mut self.script {
-                script.did();
+                script.report_done();
             }
         }
         Ok(())
     }
 
-    fn step(&mut self, step: Step, events: &ActiveEventLoop) -> Result<(), Closed> {
+    fn run_script_step(
+        &mut self,
+        step: ScriptStep,
+        events: &ActiveEventLoop,
+    ) -> Result<(), WindowError> {
         match step {
-            Step::Device(Event::Moved([x, y])) => {
+            ScriptStep::Device(InputEvent::Moved([x, y])) => {
                 let [width, height] = self.hands.size.map(|pixels| pixels as f32 / 100.0);
-                self.moved([x * width, y * height]);
+                self.move_cursor([x * width, y * height]);
             }
-            Step::Device(event) => self.hand(event),
-            Step::Key(command, down) => self.key(command, down),
-            Step::Tap(command) => {
-                self.key(command, true);
-                self.key(command, false);
+            ScriptStep::Device(event) => self.send_to_hands(event),
+            ScriptStep::Key(command, down) => self.handle_key(command, down),
+            ScriptStep::Tap(command) => {
+                self.handle_key(command, true);
+                self.handle_key(command, false);
             }
-            Step::Wait(_) | Step::Frames(_) | Step::Settle => {}
-            Step::Start(name) => {
-                let mode = mode(&name).ok_or_else(|| {
-                    Closed::Failed(Error::Input(format!("no way to start: {name}")))
+            ScriptStep::Wait(_) | ScriptStep::Frames(_) | ScriptStep::Settle => {}
+            ScriptStep::Start(name) => {
+                let mode = parse_mode(&name).map_err(|_| {
+                    WindowError::Failed(Error::Input(format!("no way to start: {name}")))
                 })?;
-                self.hands.start(mode);
+                self.hands.start_session(mode);
             }
-            Step::Open(path) => self.studio.open(&path, opening::load::<N>),
-            Step::Size([width, height]) => {
-                let size = PhysicalSize::new(width, height);
-                if width == 0 || height == 0 {
-                    // Not every system has such windows to ask for.
-                    self.device(winit::event::WindowEvent::Resized(size));
-                } else if let Some(window) = &self.window {
-                    // A size that is granted at once brings no event.
-                    if window.request_inner_size(size) == Some(size) {
-                        self.device(winit::event::WindowEvent::Resized(size));
-                    }
-                }
-            }
-            Step::Minimise(minimised) => {
+            ScriptStep::Open(path) => self.studio.open_file(&path, opening::load_file::<N>),
+            ScriptStep::Size(size) => self.resize_window(size),
+            ScriptStep::Minimise(minimised) => {
                 if let Some(window) = &self.window {
                     window.set_minimized(minimised);
                 }
             }
-            Step::Lose => {
-                let calls = Calls::Submit;
-                faults::plan(Some(Fault { calls, after: 0, times: 1, why: Why::Lost }));
+            ScriptStep::Lose => {
+                let calls = CallGroup::Submit;
+                faults::plan_fault(Some(PlannedFault {
+                    calls,
+                    skipped_calls: 0,
+                    failing_calls: 1,
+                    cause: FailureCause::Lost,
+                }));
             }
-            Step::Starve(times) => {
-                let calls = Calls::Memory;
-                faults::plan(Some(Fault { calls, after: 0, times, why: Why::DeviceMemory }));
+            ScriptStep::Starve(times) => {
+                let calls = CallGroup::Memory;
+                faults::plan_fault(Some(PlannedFault {
+                    calls,
+                    skipped_calls: 0,
+                    failing_calls: times,
+                    cause: FailureCause::DeviceMemory,
+                }));
             }
-            Step::Say => self.say(),
-            Step::Quit => self.stop(events, Ok(())),
+            ScriptStep::Say => self.print_state(),
+            ScriptStep::Quit => self.exit_loop(events, Ok(())),
         }
         Ok(())
     }
 
-    /// Prints what there is to know, for a test to read.
-    fn say(&self) {
+    /// Asks for another size of the window, in pixels.
+    fn resize_window(&mut self, [width, height]: [u32; 2]) {
+        let size = PhysicalSize::new(width, height);
+        if width == 0 || height == 0 {
+            // Not every system has such windows to ask for.
+            self.handle_event(winit::event::WindowEvent::Resized(size));
+        } else if let Some(window) = &self.window {
+            // A size that is granted at once brings no event.
+            if window.request_inner_size(size) == Some(size) {
+                self.handle_event(winit::event::WindowEvent::Resized(size));
+            }
+        }
+    }
+
+    /// Prints the studio's state as one line, for a test to read.
+    fn print_state(&self) {
         let world = self.studio.world();
-        let held = world.held(RIGHT).map_or("nothing", |(_, bit)| bit.data().name);
+        let held = world.held_tool(RIGHT).map_or("nothing", |(_, bit)| bit.spec().name);
         let (undo, redo) = world.undo_counts();
         let printed =
-            self.studio.printed().map_or(String::new(), |path| path.display().to_string());
+            self.studio.last_print_path().map_or(String::new(), |path| path.display().to_string());
         let [width, height] = self.hands.size;
         let mut out = io::stdout().lock();
-        // Nobody may be listening there.
+        // Standard output may be closed.
         let _ = writeln!(
             out,
             "session {:?}; mode {:?}; voxels {}; holds {held}; undo {undo}; redo {redo}; \
              frames {}; size {width}x{height}; scale {}; printed {printed}; \
              fault {}; note {}",
-            world.session(),
+            world.session_state(),
             world.mode(),
-            world.volume().count(),
+            world.volume().count_voxels(),
             self.frames,
             self.scale,
-            self.studio.fault().unwrap_or_default(),
+            self.studio.save_fault().unwrap_or_default(),
             self.last_note,
         );
-    }
-}
-
-fn mode(name: &str) -> Option<Mode> {
-    match name {
-        "free" => Some(Mode::FreeForm),
-        "creative" => Some(Mode::Creative),
-        name => {
-            let figure = Figure::HIDDEN.iter().position(|figure| figure.name() == name)?;
-            Some(Mode::Constrained { figure: figure as u8 })
-        }
     }
 }

@@ -1,48 +1,46 @@
-//! The hands over a real world.
+//! The hands on a world of side 128.
 
 use std::sync::MutexGuard;
 
 use glam::Vec3;
-use paros_core::input::{Input, Mode, Pointer, commands};
-use paros_core::maps::{Axis, Maps};
-use paros_core::size::Grid;
-use paros_core::tools::{Bit, Tool};
-use paros_core::workbench::Item;
-use paros_core::world::{Session, World};
-use paros_shell::stage::Stage;
-use paros_shell::starts::StartVolumes;
+use paros_core::{
+    Axis, BenchItem, Grid, PointerCommand, RangeMaps, SessionMode, SessionState, TickInput, Tool,
+    ToolBit, World, commands,
+};
+use paros_shell::start_volume_store::StartVolumeStore;
 use paros_shell::statics::Resident;
+use paros_shell::tick_runner::TickRunner;
 
-use super::{Button, Event, Hands, Key, RIGHT};
+use super::{HandAction, HandButton, InputEvent, MouseHands, RIGHT};
 
 const SIZE: [u32; 2] = [1000, 700];
 
 /// Hands over a world of 128, one test at a time.
-struct Rig {
-    hands: Hands<128>,
-    volumes: MutexGuard<'static, StartVolumes<128>>,
+struct HandsFixture {
+    hands: MouseHands<128>,
+    volumes: MutexGuard<'static, StartVolumeStore<128>>,
     world: MutexGuard<'static, World<128>>,
 }
 
-impl Rig {
-    fn new(mode: Mode) -> Self {
-        let mut volumes = Grid::<128>::start_volumes();
-        volumes.make(&mut Grid::<128>::plane(), |_| {});
-        let mut world = Grid::<128>::world();
+impl HandsFixture {
+    fn new(mode: SessionMode) -> Self {
+        let mut volumes = Grid::<128>::lock_start_volumes();
+        volumes.generate_figures(&mut Grid::<128>::lock_bit_grid(), |_| {});
+        let mut world = Grid::<128>::lock_world();
         world.clear();
-        let mut hands = Hands::new();
+        let mut hands = MouseHands::new();
         hands.size = SIZE;
-        hands.start(mode);
-        let mut rig = Rig { hands, volumes, world };
-        rig.ticks(3);
-        assert_eq!(rig.world.session(), Session::Sculpting);
-        rig
+        hands.start_session(mode);
+        let mut fixture = HandsFixture { hands, volumes, world };
+        fixture.ticks(3);
+        assert_eq!(fixture.world.session_state(), SessionState::Sculpting);
+        fixture
     }
 
-    fn tick(&mut self) -> Input {
-        let input = self.hands.input(&self.world);
-        let hidden = self.volumes.hidden();
-        Stage::new(&mut self.world, self.volumes.starts(&hidden)).tick(&input);
+    fn tick(&mut self) -> TickInput {
+        let input = self.hands.next_input(&self.world);
+        let hidden = self.volumes.hidden_figures();
+        TickRunner::new(&mut self.world, self.volumes.start_volumes(&hidden)).run_tick(&input);
         input
     }
 
@@ -52,22 +50,22 @@ impl Rig {
         }
     }
 
-    fn does(&mut self, event: Event) {
-        self.hands.event(event, &self.world);
+    fn handle(&mut self, event: InputEvent) {
+        self.hands.handle_event(event, &self.world);
     }
 
-    fn taps(&mut self, key: Key) {
-        self.does(Event::Key(key, true));
-        self.does(Event::Key(key, false));
+    fn tap_key(&mut self, key: HandAction) {
+        self.handle(InputEvent::Key(key, true));
+        self.handle(InputEvent::Key(key, false));
         self.ticks(2);
     }
 
-    fn held(&self) -> (Tool, Bit) {
-        self.world.held(RIGHT).expect("something is held")
+    fn held(&self) -> (Tool, ToolBit) {
+        self.world.held_tool(RIGHT).expect("something is held")
     }
 
-    fn count(&self) -> u64 {
-        self.world.volume().count()
+    fn voxel_count(&self) -> u64 {
+        self.world.volume().count_voxels()
     }
 
     fn digest(&self) -> u64 {
@@ -76,7 +74,7 @@ impl Rig {
 }
 
 /// Occupied voxels of `a` that are not in `b`.
-fn missing(a: &Maps<128>, b: &Maps<128>) -> Vec<Vec3> {
+fn voxels_missing(a: &RangeMaps<128>, b: &RangeMaps<128>) -> Vec<Vec3> {
     let mut voxels = Vec::new();
     for y in 0..128 {
         for z in 0..128 {
@@ -93,53 +91,53 @@ fn missing(a: &Maps<128>, b: &Maps<128>) -> Vec<Vec3> {
 
 #[test]
 fn a_press_carves_under_the_cursor_and_undo_brings_it_back() {
-    let mut rig = Rig::new(Mode::FreeForm);
-    rig.does(Event::Moved([480.0, 330.0]));
-    rig.ticks(10);
-    let (before, untouched) = (Box::new(copy(&rig)), rig.digest());
-    rig.does(Event::Pressed(Button::Left));
-    rig.ticks(20);
-    rig.does(Event::Released(Button::Left));
-    rig.ticks(2);
-    let removed = missing(&before, rig.world.volume().maps());
+    let mut fixture = HandsFixture::new(SessionMode::FreeForm);
+    fixture.handle(InputEvent::Moved([480.0, 330.0]));
+    fixture.ticks(10);
+    let (before, untouched) = (Box::new(copy_maps(&fixture)), fixture.digest());
+    fixture.handle(InputEvent::Pressed(HandButton::Left));
+    fixture.ticks(20);
+    fixture.handle(InputEvent::Released(HandButton::Left));
+    fixture.ticks(2);
+    let removed = voxels_missing(&before, fixture.world.volume().maps());
     assert!(removed.len() > 50, "{} voxels", removed.len());
-    let (origin, direction) = rig.hands.orbit.ray([480.0, 330.0], SIZE);
-    let frame = rig.world.frame();
+    let (origin, direction) = fixture.hands.orbit.ray_through_pixel([480.0, 330.0], SIZE);
+    let frame = fixture.world.stool_frame();
     for voxel in removed {
-        let pose = paros_core::pose::Pose { position: voxel, ..paros_core::pose::Pose::ZERO };
+        let pose = paros_core::Pose { position: voxel, ..paros_core::Pose::ZERO };
         let (point, _) = frame.to_room(&pose);
         let aside = (point - origin).cross(direction).length();
         assert!(aside < 0.02, "{aside} m beside the cursor");
     }
-    rig.taps(Key::Undo);
-    assert_eq!(rig.digest(), untouched);
-    rig.taps(Key::Redo);
-    assert_ne!(rig.digest(), untouched);
+    fixture.tap_key(HandAction::Undo);
+    assert_eq!(fixture.digest(), untouched);
+    fixture.tap_key(HandAction::Redo);
+    assert_ne!(fixture.digest(), untouched);
 }
 
-fn copy(rig: &Rig) -> Maps<128> {
-    let mut maps = Maps::new();
-    maps.copy_from(rig.world.volume().maps());
+fn copy_maps(fixture: &HandsFixture) -> RangeMaps<128> {
+    let mut maps = RangeMaps::new();
+    maps.copy_from(fixture.world.volume().maps());
     maps
 }
 
 #[test]
 fn a_stroke_is_one_groove_however_fast_the_hand_is() {
     let groove = |points: u32| {
-        let mut rig = Rig::new(Mode::FreeForm);
-        rig.does(Event::Moved([440.0, 400.0]));
-        rig.ticks(10);
-        let before = rig.count();
-        rig.does(Event::Pressed(Button::Left));
-        rig.ticks(10);
+        let mut fixture = HandsFixture::new(SessionMode::FreeForm);
+        fixture.handle(InputEvent::Moved([440.0, 400.0]));
+        fixture.ticks(10);
+        let before = fixture.voxel_count();
+        fixture.handle(InputEvent::Pressed(HandButton::Left));
+        fixture.ticks(10);
         for i in 1..=points {
-            rig.does(Event::Moved([440.0 + 120.0 * i as f32 / points as f32, 400.0]));
-            rig.tick();
+            fixture.handle(InputEvent::Moved([440.0 + 120.0 * i as f32 / points as f32, 400.0]));
+            fixture.tick();
         }
-        rig.ticks(150);
-        rig.does(Event::Released(Button::Left));
-        rig.ticks(2);
-        before - rig.count()
+        fixture.ticks(150);
+        fixture.handle(InputEvent::Released(HandButton::Left));
+        fixture.ticks(2);
+        before - fixture.voxel_count()
     };
     let (slow, fast) = (groove(100), groove(1));
     assert!(slow > 400, "{slow} voxels");
@@ -149,14 +147,14 @@ fn a_stroke_is_one_groove_however_fast_the_hand_is() {
 #[test]
 fn the_wheel_chooses_the_depth_of_a_stroke() {
     let removed = |notches: f32| {
-        let mut rig = Rig::new(Mode::FreeForm);
-        rig.does(Event::Moved([480.0, 330.0]));
-        rig.does(Event::Wheel(notches));
-        rig.ticks(10);
-        let before = rig.count();
-        rig.does(Event::Pressed(Button::Left));
-        rig.ticks(60);
-        before - rig.count()
+        let mut fixture = HandsFixture::new(SessionMode::FreeForm);
+        fixture.handle(InputEvent::Moved([480.0, 330.0]));
+        fixture.handle(InputEvent::Wheel(notches));
+        fixture.ticks(10);
+        let before = fixture.voxel_count();
+        fixture.handle(InputEvent::Pressed(HandButton::Left));
+        fixture.ticks(60);
+        before - fixture.voxel_count()
     };
     let (off, usual, deep) = (removed(12.0), removed(0.0), removed(-8.0));
     assert_eq!(off, 0, "held off the surface it carves nothing");
@@ -165,107 +163,109 @@ fn the_wheel_chooses_the_depth_of_a_stroke() {
 
 #[test]
 fn a_tool_at_rest_touches_nothing_and_never_stays_behind() {
-    let mut rig = Rig::new(Mode::Creative);
-    let untouched = rig.digest();
+    let mut fixture = HandsFixture::new(SessionMode::Creative);
+    let untouched = fixture.digest();
     let mut seed = 11u32;
     let mut random = |below: f32| {
         seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         (seed >> 8) as f32 / (1 << 24) as f32 * below
     };
     for round in 0..60 {
-        rig.does(Event::Moved([300.0 + random(400.0), 100.0 + random(500.0)]));
+        fixture.handle(InputEvent::Moved([300.0 + random(400.0), 100.0 + random(500.0)]));
         if round % 6 == 0 {
-            rig.does(Event::Pressed(Button::Right));
-            rig.does(Event::Moved([random(1000.0), 100.0 + random(500.0)]));
-            rig.does(Event::Released(Button::Right));
-            rig.does(Event::Moved([300.0 + random(400.0), 100.0 + random(500.0)]));
+            fixture.handle(InputEvent::Pressed(HandButton::Right));
+            fixture.handle(InputEvent::Moved([random(1000.0), 100.0 + random(500.0)]));
+            fixture.handle(InputEvent::Released(HandButton::Right));
+            fixture.handle(InputEvent::Moved([300.0 + random(400.0), 100.0 + random(500.0)]));
         }
-        rig.ticks(45);
-        let hand = rig.world.hand(RIGHT);
-        let behind = (hand.raw.position - hand.frozen.position).length();
+        fixture.ticks(45);
+        let hand = fixture.world.hand_state(RIGHT);
+        let behind = (hand.raw_pose.position - hand.frozen_pose.position).length();
         assert!(behind < 8.0, "{behind} voxels behind in round {round}");
     }
-    assert_eq!(rig.digest(), untouched);
+    assert_eq!(fixture.digest(), untouched);
 }
 
 #[test]
 fn keys_choose_tools_and_bits() {
-    let mut rig = Rig::new(Mode::FreeForm);
-    assert_eq!(rig.held(), (Tool::Rotary, Bit::MediumBall));
-    rig.taps(Key::NextBit);
-    assert_eq!(rig.held().1, Bit::LargeBall);
-    rig.taps(Key::PreviousBit);
-    rig.taps(Key::PreviousBit);
-    rig.taps(Key::PreviousBit);
-    assert_eq!(rig.held().1, Bit::Grinder, "they go round");
-    rig.taps(Key::Bit(3));
-    assert_eq!(rig.held().1, Bit::Cylinder);
-    rig.taps(Key::Bit(8));
-    assert_eq!(rig.held().1, Bit::Cylinder, "there is no ninth");
+    let mut fixture = HandsFixture::new(SessionMode::FreeForm);
+    assert_eq!(fixture.held(), (Tool::Rotary, ToolBit::MediumBall));
+    fixture.tap_key(HandAction::NextBit);
+    assert_eq!(fixture.held().1, ToolBit::LargeBall);
+    fixture.tap_key(HandAction::PreviousBit);
+    fixture.tap_key(HandAction::PreviousBit);
+    fixture.tap_key(HandAction::PreviousBit);
+    assert_eq!(fixture.held().1, ToolBit::Grinder, "they go round");
+    fixture.tap_key(HandAction::Bit(3));
+    assert_eq!(fixture.held().1, ToolBit::Cylinder);
+    fixture.tap_key(HandAction::Bit(8));
+    assert_eq!(fixture.held().1, ToolBit::Cylinder, "there is no ninth");
     for (number, tool) in Tool::ALL.into_iter().enumerate().rev() {
-        rig.taps(Key::Tool(number as u8));
-        assert_eq!(rig.held().0, tool);
+        fixture.tap_key(HandAction::Tool(number as u8));
+        assert_eq!(fixture.held().0, tool);
     }
-    rig.taps(Key::Mirror);
-    assert!(rig.world.symmetry());
+    fixture.tap_key(HandAction::Mirror);
+    assert!(fixture.world.is_mirrored());
 }
 
 #[test]
 fn a_click_on_the_bench_takes_what_lies_there() {
-    let mut rig = Rig::new(Mode::FreeForm);
-    let untouched = rig.digest();
-    rig.hands.orbit.azimuth = 0.6;
-    rig.hands.orbit.distance = 2.0;
-    let home = Item::Tool(Tool::Impact).home();
-    let (pixel, _) = rig.hands.orbit.pixel(home, SIZE).expect("it is before the eye");
-    rig.does(Event::Moved(pixel));
-    rig.does(Event::Pressed(Button::Left));
-    rig.ticks(30);
-    assert_eq!(rig.held().0, Tool::Impact);
-    assert_eq!(rig.digest(), untouched);
+    let mut fixture = HandsFixture::new(SessionMode::FreeForm);
+    let untouched = fixture.digest();
+    fixture.hands.orbit.azimuth = 0.6;
+    fixture.hands.orbit.distance = 2.0;
+    let home = BenchItem::Tool(Tool::Impact).home_position();
+    let (pixel, _) = fixture.hands.orbit.project_point(home, SIZE).expect("it is before the eye");
+    fixture.handle(InputEvent::Moved(pixel));
+    fixture.handle(InputEvent::Pressed(HandButton::Left));
+    fixture.ticks(30);
+    assert_eq!(fixture.held().0, Tool::Impact);
+    assert_eq!(fixture.digest(), untouched);
 }
 
 #[test]
 fn drags_and_keys_turn_the_eye_and_the_stool() {
-    let mut rig = Rig::new(Mode::FreeForm);
-    let eye = rig.hands.orbit;
-    rig.does(Event::Moved([500.0, 300.0]));
-    rig.does(Event::Pressed(Button::Right));
-    rig.does(Event::Moved([560.0, 330.0]));
-    rig.does(Event::Released(Button::Right));
-    assert!(rig.hands.orbit.azimuth < eye.azimuth && rig.hands.orbit.elevation > eye.elevation);
-    let turned = |input: Input| match input.pointer {
-        Pointer::Turn { by } => i32::from(by),
+    let mut fixture = HandsFixture::new(SessionMode::FreeForm);
+    let eye = fixture.hands.orbit;
+    fixture.handle(InputEvent::Moved([500.0, 300.0]));
+    fixture.handle(InputEvent::Pressed(HandButton::Right));
+    fixture.handle(InputEvent::Moved([560.0, 330.0]));
+    fixture.handle(InputEvent::Released(HandButton::Right));
+    assert!(
+        fixture.hands.orbit.azimuth < eye.azimuth && fixture.hands.orbit.elevation > eye.elevation
+    );
+    let turned = |input: TickInput| match input.pointer {
+        PointerCommand::Turn { by } => i32::from(by),
         _ => 0,
     };
-    rig.does(Event::Moved([100.0, 300.0]));
-    rig.does(Event::Pressed(Button::Middle));
-    rig.does(Event::Moved([600.0, 300.0]));
-    rig.does(Event::Released(Button::Middle));
-    rig.does(Event::Moved([300.0, 300.0]));
+    fixture.handle(InputEvent::Moved([100.0, 300.0]));
+    fixture.handle(InputEvent::Pressed(HandButton::Middle));
+    fixture.handle(InputEvent::Moved([600.0, 300.0]));
+    fixture.handle(InputEvent::Released(HandButton::Middle));
+    fixture.handle(InputEvent::Moved([300.0, 300.0]));
     // Half the picture is half a turn, in as many ticks as it takes.
-    assert_eq!((0..8).map(|_| turned(rig.tick())).sum::<i32>(), 32_768);
-    rig.does(Event::Key(Key::Turn { left: true }, true));
-    assert_eq!((0..72).map(|_| turned(rig.tick())).sum::<i32>(), -72 * 227);
-    rig.does(Event::LetGo);
-    assert_eq!(turned(rig.tick()), 0);
-    let near = rig.hands.orbit.distance;
-    rig.does(Event::Key(Key::Nearer, true));
-    assert!(rig.hands.orbit.distance < near);
+    assert_eq!((0..8).map(|_| turned(fixture.tick())).sum::<i32>(), 32_768);
+    fixture.handle(InputEvent::Key(HandAction::Turn { left: true }, true));
+    assert_eq!((0..72).map(|_| turned(fixture.tick())).sum::<i32>(), -72 * 227);
+    fixture.handle(InputEvent::LetGo);
+    assert_eq!(turned(fixture.tick()), 0);
+    let near = fixture.hands.orbit.distance;
+    fixture.handle(InputEvent::Key(HandAction::Nearer, true));
+    assert!(fixture.hands.orbit.distance < near);
 }
 
 #[test]
 fn a_start_comes_alone_and_commands_act_once() {
-    let mut rig = Rig::new(Mode::FreeForm);
-    rig.hands.command(commands::SYMMETRY);
-    rig.hands.start(Mode::Creative);
-    let input = rig.tick();
-    assert_eq!((input.start, input.commands), (Mode::Creative, 0));
-    rig.hands.command(commands::SYMMETRY);
-    assert_eq!(rig.tick().commands, commands::SYMMETRY);
-    assert_eq!(rig.tick().commands, 0);
-    assert_eq!(rig.held().0, Tool::Rotary);
+    let mut fixture = HandsFixture::new(SessionMode::FreeForm);
+    fixture.hands.queue_commands(commands::SYMMETRY);
+    fixture.hands.start_session(SessionMode::Creative);
+    let input = fixture.tick();
+    assert_eq!((input.start, input.commands), (SessionMode::Creative, 0));
+    fixture.hands.queue_commands(commands::SYMMETRY);
+    assert_eq!(fixture.tick().commands, commands::SYMMETRY);
+    assert_eq!(fixture.tick().commands, 0);
+    assert_eq!(fixture.held().0, Tool::Rotary);
     // Where there is no cursor the hand rests and the tool does nothing.
-    rig.does(Event::Pressed(Button::Left));
-    assert_eq!(rig.tick().hands[RIGHT].trigger, 0);
+    fixture.handle(InputEvent::Pressed(HandButton::Left));
+    assert_eq!(fixture.tick().hands[RIGHT].trigger, 0);
 }

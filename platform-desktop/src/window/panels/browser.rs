@@ -1,4 +1,4 @@
-//! Files to open: folders, meshes and volumes.
+//! File browser for meshes and volumes.
 
 use std::env;
 use std::fs;
@@ -14,41 +14,41 @@ use crate::window::opening;
 pub(super) struct Browser {
     folder: PathBuf,
     /// Folders first, then files that can be opened.
-    entries: Vec<Entry>,
+    entries: Vec<FileEntry>,
     fault: Option<String>,
 }
 
 #[derive(Debug)]
-struct Entry {
+struct FileEntry {
     name: String,
     path: PathBuf,
     is_folder: bool,
 }
 
-/// What was chosen.
-pub(super) enum Answer {
+/// The outcome of a frame.
+pub(super) enum BrowserAnswer {
     None,
     Closed,
     Chosen(PathBuf),
 }
 
 impl Browser {
-    /// In the folder that the program was started in.
+    /// A browser in the working directory.
     pub(super) fn new() -> Self {
         let folder = env::current_dir().unwrap_or_else(|_| "/".into());
         let mut browser = Browser { folder: PathBuf::new(), entries: Vec::new(), fault: None };
-        browser.enter(&folder);
+        browser.enter_folder(&folder);
         browser
     }
 
-    pub(super) fn show(&mut self, context: &Context) -> Answer {
+    pub(super) fn show(&mut self, context: &Context) -> BrowserAnswer {
         let area = Area::new(Id::new("browser")).anchor(Align2::CENTER_CENTER, Vec2::ZERO);
-        let (mut answer, mut next) = (Answer::None, None);
+        let (mut answer, mut next) = (BrowserAnswer::None, None);
         area.show(context, |ui| {
-            style::card().inner_margin(22).show(ui, |ui| {
+            style::card_frame().inner_margin(22).show(ui, |ui| {
                 ui.set_width(460.0);
                 ui.label(RichText::new("Open a mesh or a volume").size(19.0));
-                ui.label(style::quiet(self.folder.display().to_string()).size(13.0));
+                ui.label(style::quiet_text(self.folder.display().to_string()).size(13.0));
                 if let Some(fault) = &self.fault {
                     ui.label(RichText::new(fault).color(style::WARNING));
                 }
@@ -57,18 +57,18 @@ impl Browser {
                         next = self.folder.parent().map(Path::to_owned);
                     }
                     if ui.button("Cancel  (Esc)").clicked() {
-                        answer = Answer::Closed;
+                        answer = BrowserAnswer::Closed;
                     }
                 });
                 ScrollArea::vertical().max_height(360.0).show(ui, |ui| {
-                    for Entry { name, path, is_folder } in &self.entries {
+                    for FileEntry { name, path, is_folder } in &self.entries {
                         let text = if *is_folder { format!("{name}/") } else { name.clone() };
                         let color = if *is_folder { style::QUIET } else { style::TEXT };
                         let button = Button::new(RichText::new(text).color(color)).frame(false);
                         if ui.add(button).clicked() {
                             match is_folder {
                                 true => next = Some(path.clone()),
-                                false => answer = Answer::Chosen(path.clone()),
+                                false => answer = BrowserAnswer::Chosen(path.clone()),
                             }
                         }
                     }
@@ -76,14 +76,14 @@ impl Browser {
             });
         });
         if let Some(folder) = next {
-            self.enter(&folder);
+            self.enter_folder(&folder);
         }
         answer
     }
 
-    /// Goes to a folder, if it can be read.
-    fn enter(&mut self, folder: &Path) {
-        match list(folder) {
+    /// Shows a folder, or the error if it can't be read.
+    fn enter_folder(&mut self, folder: &Path) {
+        match list_folder(folder) {
             Ok(entries) => {
                 *self = Browser { folder: folder.to_owned(), entries, fault: None };
             }
@@ -92,14 +92,14 @@ impl Browser {
     }
 }
 
-fn list(folder: &Path) -> std::io::Result<Vec<Entry>> {
+fn list_folder(folder: &Path) -> std::io::Result<Vec<FileEntry>> {
     let mut entries = Vec::new();
     for entry in fs::read_dir(folder)? {
         let Ok(entry) = entry else { continue };
         let (path, name) = (entry.path(), entry.file_name().to_string_lossy().into_owned());
         let is_folder = path.is_dir();
         if !name.starts_with('.') && (is_folder || opening::is_known(&path)) {
-            entries.push(Entry { name, path, is_folder });
+            entries.push(FileEntry { name, path, is_folder });
         }
     }
     entries.sort_by(|a, b| (b.is_folder, &a.name).cmp(&(a.is_folder, &b.name)));
@@ -108,7 +108,7 @@ fn list(folder: &Path) -> std::io::Result<Vec<Entry>> {
 
 #[cfg(test)]
 mod tests {
-    use super::list;
+    use super::list_folder;
 
     #[test]
     fn only_what_can_be_opened_is_listed() {
@@ -117,10 +117,10 @@ mod tests {
         for name in ["b.OBJ", "a.rmap", "notes.txt", ".hidden.stl"] {
             std::fs::write(folder.join(name), b"").expect("a file");
         }
-        let entries = list(&folder).expect("it can be read");
+        let entries = list_folder(&folder).expect("it can be read");
         let names: Vec<_> = entries.iter().map(|entry| &*entry.name).collect();
         assert_eq!(names, ["zoo", "a.rmap", "b.OBJ"]);
-        assert!(list(&folder.join("gone")).is_err());
+        assert!(list_folder(&folder.join("gone")).is_err());
         std::fs::remove_dir_all(&folder).expect("the folder can be removed");
     }
 }

@@ -1,4 +1,4 @@
-//! The keys.
+//! Help panel: mouse and keys.
 
 use egui::{Align2, Area, Context, Grid, Id, Order, RichText, Vec2};
 
@@ -10,7 +10,7 @@ pub(super) fn show(context: &Context) {
         .order(Order::Foreground)
         .anchor(Align2::RIGHT_CENTER, Vec2::new(-24.0, -20.0));
     area.show(context, |ui| {
-        style::card().inner_margin(20).show(ui, |ui| {
+        style::card_frame().inner_margin(20).show(ui, |ui| {
             ui.label(RichText::new("Mouse and keys").size(19.0));
             ui.add_space(6.0);
             Grid::new("keys").num_columns(2).spacing(Vec2::new(18.0, 7.0)).show(ui, |ui| {

@@ -1,5 +1,5 @@
-//! Panels over the picture: a start, the tools, help, frame times. They show what they are given
-//! and say what was asked for; they decide nothing.
+//! User interface in `egui`: start panel, tools, help, frame times. It takes the studio's status and
+//! returns the visitor's actions; it changes no other state.
 
 mod browser;
 mod graph;
@@ -12,49 +12,46 @@ mod style;
 use std::path::{Path, PathBuf};
 
 use egui::{Align2, Area, Context, Id, RawInput, RichText, Vec2};
-use paros_core::input::Mode;
-use paros_core::tools::{Bit, Tool};
-use paros_core::workbench::Item;
-use paros_core::world::Session;
-use paros_shaders::gpu::Times;
-use paros_shell::studio::Note;
+use paros_core::{BenchItem, SessionMode, SessionState, Tool, ToolBit};
+use paros_shaders::gpu::FrameTimes;
+use paros_shell::studio::Notice;
 
 use browser::Browser;
-use graph::Graph;
-pub(super) use outline::Outline;
+use graph::FrameTimeGraph;
+pub(super) use outline::BitOutline;
 
-/// Seconds that a note stays.
+/// Seconds that a notice is shown.
 const NOTE_SECONDS: f64 = 6.0;
 
-/// Something that was asked for.
+/// An action that the visitor chose in a panel.
 #[derive(Clone, PartialEq, Debug)]
-pub(super) enum Asked {
-    /// A session.
-    Start(Mode),
-    /// A session from the sculpture as it is.
+pub(super) enum PanelAction {
+    /// Start a session.
+    Start(SessionMode),
+    /// Start a session from the sculpture as it is.
     CarveOn,
-    /// A file to start from.
+    /// Open a file to start from.
     Open(PathBuf),
-    /// A thing off the bench.
-    Take(Item),
-    /// Commands of the core.
+    /// Take an item off the workbench.
+    Take(BenchItem),
+    /// Commands of the core, as bits of `paros_core::commands`.
     Command(u8),
-    /// The end of the session.
+    /// Finish the session.
     Finish,
-    /// Another try at writing what no folder took.
+    /// Retry to write the files that could not be written.
     WriteAgain,
 }
 
-/// What the panels show.
+/// The studio's status that the panels show.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Shown<'a> {
-    /// Where the session stands.
-    pub(super) session: Session,
-    /// How it started.
-    pub(super) mode: Mode,
+pub(super) struct StudioStatus<'a> {
+    /// State of the session.
+    pub(super) session: SessionState,
+    /// Mode of the session.
+    pub(super) mode: SessionMode,
     /// The tool in hand.
-    pub(super) held: Option<(Tool, Bit)>,
-    /// Its depth in millimetres.
+    pub(super) held: Option<(Tool, ToolBit)>,
+    /// The tool's depth in millimetres.
     pub(super) depth: f32,
     /// Whether edits are mirrored.
     pub(super) symmetry: bool,
@@ -62,7 +59,7 @@ pub(super) struct Shown<'a> {
     pub(super) undo: (usize, usize),
     /// Whether a print is being made.
     pub(super) printing: bool,
-    /// Where the print is.
+    /// Path of the last print.
     pub(super) printed: Option<&'a Path>,
     /// Whether a print could not be written.
     pub(super) unwritten: bool,
@@ -74,41 +71,41 @@ pub(super) struct Shown<'a> {
     pub(super) drops: bool,
     /// Whether the fast path draws.
     pub(super) fast: bool,
-    /// The device.
+    /// Name of the GPU.
     pub(super) device: &'a str,
-    /// Its times.
-    pub(super) times: Times,
-    /// The bit, to be drawn as lines.
-    pub(super) outline: Option<&'a Outline>,
+    /// GPU times of the latest frame.
+    pub(super) times: FrameTimes,
+    /// Outline of the bit.
+    pub(super) outline: Option<&'a BitOutline>,
 }
 
-/// The panels' own state.
+/// State of the user interface.
 pub(super) struct Panels {
-    /// What lays them out.
+    /// The `egui` context.
     pub(super) context: Context,
-    /// What happened since the last frame.
+    /// Input since the last frame.
     pub(super) input: RawInput,
     /// The start is shown.
     start: bool,
     help: bool,
     graph: bool,
-    times: Graph,
-    /// The end was asked for once.
+    times: FrameTimeGraph,
+    /// Finishing was requested once and is to be confirmed.
     finishing: bool,
     browser: Option<Browser>,
-    notes: Vec<(Note, f64)>,
-    asked: Vec<Asked>,
+    notes: Vec<(Notice, f64)>,
+    actions: Vec<PanelAction>,
 }
 
 impl Panels {
-    /// Panels that begin with the start.
+    /// Panels with the start panel shown.
     #[must_use]
     #[allow(clippy::new_without_default)] // it reads fonts
     pub(super) fn new() -> Self {
         let context = Context::default();
-        style::set(&context);
+        style::set_style(&context);
         let input = RawInput {
-            max_texture_side: Some(paros_shaders::gpu::overlay::ATLAS as usize),
+            max_texture_side: Some(paros_shaders::gpu::overlay::ATLAS_SIDE as usize),
             ..RawInput::default()
         };
         Panels {
@@ -117,28 +114,28 @@ impl Panels {
             start: true,
             help: false,
             graph: false,
-            times: Graph::new(),
+            times: FrameTimeGraph::new(),
             finishing: false,
             browser: None,
             notes: Vec::new(),
-            asked: Vec::new(),
+            actions: Vec::new(),
         }
     }
 
-    /// Whether the cursor is over a panel, or a panel covers the studio.
+    /// Whether the cursor is over a panel, or a panel is in use.
     #[must_use]
     pub(super) fn has_cursor(&self) -> bool {
         self.context.is_pointer_over_area() || self.context.is_using_pointer()
     }
 
-    /// Whether the studio is in use, not a panel that covers it.
+    /// Whether neither the start panel nor the file browser covers the studio.
     #[must_use]
-    pub(super) const fn is_open(&self) -> bool {
+    pub(super) const fn is_studio_open(&self) -> bool {
         !self.start && self.browser.is_none()
     }
 
-    /// Tells the visitor something.
-    pub(super) fn note(&mut self, note: Note) {
+    /// Shows a notice for [`NOTE_SECONDS`].
+    pub(super) fn add_note(&mut self, note: Notice) {
         let until = self.context.input(|input| input.time) + NOTE_SECONDS;
         self.notes.push((note, until));
         if self.notes.len() > 4 {
@@ -146,128 +143,133 @@ impl Panels {
         }
     }
 
-    /// A frame took so many seconds.
-    pub(super) fn frame_took(&mut self, seconds: f32) {
+    /// Adds a frame's duration to the graph.
+    pub(super) fn add_frame_time(&mut self, seconds: f32) {
         self.times.push(seconds);
     }
 
-    /// A session has started.
-    pub(super) fn started(&mut self) {
+    /// Closes the panels that cover the studio, when a session has started.
+    pub(super) fn on_session_start(&mut self) {
         (self.start, self.finishing, self.browser) = (false, false, None);
     }
 
     /// Shows the help, or hides it.
-    pub(super) fn switch_help(&mut self) {
+    pub(super) fn toggle_help(&mut self) {
         self.help = !self.help;
     }
 
     /// Shows the frame times, or hides them.
-    pub(super) fn switch_graph(&mut self) {
+    pub(super) fn toggle_graph(&mut self) {
         self.graph = !self.graph;
     }
 
-    /// Asks once more before the session ends, and the second time has it ended.
-    pub(super) fn finish(&mut self, session: Session) {
-        if session == Session::Sculpting && self.is_open() {
+    /// Requests the end of a sculpting session. The first request asks for confirmation; the second is
+    /// [`PanelAction::Finish`].
+    pub(super) fn request_finish(&mut self, session: SessionState) {
+        if session == SessionState::Sculpting && self.is_studio_open() {
             if self.finishing {
-                self.asked.push(Asked::Finish);
+                self.actions.push(PanelAction::Finish);
             }
             self.finishing = !self.finishing;
         }
     }
 
-    /// Closes what was opened last; else shows the start, or goes back to the session.
-    pub(super) fn back(&mut self, session: Session) {
+    /// Closes the topmost panel: browser, confirmation or help. Without one it toggles the start panel.
+    pub(super) fn close_topmost(&mut self, session: SessionState) {
         if self.browser.take().is_some() || core::mem::take(&mut self.finishing) {
             return;
         }
         if self.help {
             self.help = false;
         } else {
-            self.start = !self.start || session == Session::Waiting;
+            self.start = !self.start || session == SessionState::Waiting;
         }
     }
 
-    /// Lays a frame out. What was asked for comes back.
-    pub(super) fn lay_out(&mut self, shown: &Shown<'_>) -> (egui::FullOutput, Vec<Asked>) {
+    /// Lays out a frame. Returns `egui`'s output and the visitor's actions.
+    pub(super) fn lay_out(
+        &mut self,
+        status: &StudioStatus<'_>,
+    ) -> (egui::FullOutput, Vec<PanelAction>) {
         let input = self.input.take();
         self.input.max_texture_side = input.max_texture_side;
         let context = self.context.clone();
-        let output = context.run(input, |context| self.all(context, shown));
-        (output, core::mem::take(&mut self.asked))
+        let output = context.run(input, |context| self.show_all(context, status));
+        (output, core::mem::take(&mut self.actions))
     }
 
-    fn all(&mut self, context: &Context, shown: &Shown<'_>) {
-        if let Some(outline) =
-            shown.outline.filter(|_| self.is_open() && shown.session == Session::Sculpting)
+    fn show_all(&mut self, context: &Context, status: &StudioStatus<'_>) {
+        if let Some(outline) = status
+            .outline
+            .filter(|_| self.is_studio_open() && status.session == SessionState::Sculpting)
         {
             outline.draw(context);
         }
         match &mut self.browser {
             Some(browser) => match browser.show(context) {
-                browser::Answer::None => {}
-                browser::Answer::Closed => self.browser = None,
-                browser::Answer::Chosen(path) => {
+                browser::BrowserAnswer::None => {}
+                browser::BrowserAnswer::Closed => self.browser = None,
+                browser::BrowserAnswer::Chosen(path) => {
                     self.browser = None;
-                    self.asked.push(Asked::Open(path));
+                    self.actions.push(PanelAction::Open(path));
                 }
             },
-            None if self.start => self.start(context, shown),
-            None => self.studio(context, shown),
+            None if self.start => self.show_start(context, status),
+            None => self.show_studio(context, status),
         }
         if self.help {
             help::show(context);
         }
         if self.graph {
-            self.times.show(context, shown);
+            self.times.show(context, status);
         }
-        self.notes(context);
+        self.show_notes(context);
     }
 
-    fn start(&mut self, context: &Context, shown: &Shown<'_>) {
-        match start::show(context, shown) {
-            start::Answer::None => {}
-            start::Answer::Continue => self.start = false,
-            start::Answer::Browse => self.browser = Some(Browser::new()),
-            start::Answer::Start(mode) => self.asked.push(Asked::Start(mode)),
+    fn show_start(&mut self, context: &Context, status: &StudioStatus<'_>) {
+        match start::show(context, status) {
+            start::StartChoice::None => {}
+            start::StartChoice::Continue => self.start = false,
+            start::StartChoice::Browse => self.browser = Some(Browser::new()),
+            start::StartChoice::Start(mode) => self.actions.push(PanelAction::Start(mode)),
         }
     }
 
-    fn studio(&mut self, context: &Context, shown: &Shown<'_>) {
-        strip::status(context, shown);
-        match shown.session {
-            Session::Finished => {
-                if let Some(asked) = strip::finished(context, shown, &mut self.start) {
-                    self.asked.push(asked);
+    fn show_studio(&mut self, context: &Context, status: &StudioStatus<'_>) {
+        strip::show_status(context, status);
+        match status.session {
+            SessionState::Finished => {
+                if let Some(actions) = strip::show_finished(context, status, &mut self.start) {
+                    self.actions.push(actions);
                 }
             }
-            _ if self.finishing => match strip::confirm(context) {
-                strip::Answer::None => {}
-                strip::Answer::No => self.finishing = false,
-                strip::Answer::Yes => {
+            _ if self.finishing => match strip::show_confirmation(context) {
+                strip::Confirmation::None => {}
+                strip::Confirmation::No => self.finishing = false,
+                strip::Confirmation::Yes => {
                     self.finishing = false;
-                    self.asked.push(Asked::Finish);
+                    self.actions.push(PanelAction::Finish);
                 }
             },
             _ => {
                 let mut finish = false;
-                strip::tools(context, shown, &mut self.asked, &mut finish);
+                strip::show_tools(context, status, &mut self.actions, &mut finish);
                 self.finishing = finish;
             }
         }
     }
 
-    fn notes(&mut self, context: &Context) {
+    fn show_notes(&mut self, context: &Context) {
         let now = context.input(|input| input.time);
         self.notes.retain(|(_, until)| *until > now);
         let top = Area::new(Id::new("notes")).anchor(Align2::CENTER_TOP, Vec2::new(0.0, 52.0));
         top.interactable(false).show(context, |ui| {
             for (note, _) in &self.notes {
-                style::card().show(ui, |ui| {
+                style::card_frame().show(ui, |ui| {
                     ui.set_max_width(620.0);
                     match note {
-                        Note::Good(text) => ui.label(text),
-                        Note::Bad(text) => ui.label(RichText::new(text).color(style::WARNING)),
+                        Notice::Good(text) => ui.label(text),
+                        Notice::Bad(text) => ui.label(RichText::new(text).color(style::WARNING)),
                     }
                 });
             }

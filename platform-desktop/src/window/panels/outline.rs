@@ -1,55 +1,55 @@
-//! The bit as lines, where it is.
+//! Outline of the bit over the picture.
 
 use egui::{Color32, Context, LayerId, Pos2, Stroke};
 use glam::Vec3;
-use paros_core::size::{Grid, Size};
-use paros_core::tools::Shape;
-use paros_core::world::World;
+use paros_core::internals::BitShape;
+use paros_core::{Grid, Size, World};
 
 use super::style;
-use crate::window::camera::Orbit;
+use crate::window::camera::OrbitCamera;
 use crate::window::hands::RIGHT;
 
-/// A ball's circle or a box's edges, in pixels.
+/// The bit's projected outline in pixels: a ball's circle or a box's edges.
 #[derive(Clone, PartialEq, Debug)]
-pub(in crate::window) struct Outline {
+pub(in crate::window) struct BitOutline {
     lines: Vec<[[f32; 2]; 2]>,
     circle: Option<([f32; 2], f32)>,
     running: bool,
     on_mask: bool,
 }
 
-impl Outline {
-    /// The right hand's bit on a picture of a size. None without one, or behind the eye.
+impl BitOutline {
+    /// Projects the right hand's bit to a picture of `size` pixels. `None` without a bit, or behind the
+    /// eye.
     #[must_use]
-    pub(in crate::window) fn of<const N: usize>(
+    pub(in crate::window) fn project_bit<const N: usize>(
         world: &World<N>,
-        orbit: &Orbit,
+        orbit: &OrbitCamera,
         size: [u32; 2],
     ) -> Option<Self>
     where
         Grid<N>: Size,
     {
-        let (_, bit) = world.held(RIGHT)?;
-        let hand = world.hand(RIGHT);
-        if !hand.bound {
+        let (_, bit) = world.held_tool(RIGHT)?;
+        let hand = world.hand_state(RIGHT);
+        if !hand.has_frozen_pose {
             return None;
         }
-        let (position, rotation) = world.frame().to_room(&hand.frozen);
-        let on_mask = world.contact(RIGHT).is_some_and(|contact| contact.on_mask);
+        let (position, rotation) = world.stool_frame().to_room(&hand.frozen_pose);
+        let on_mask = world.hand_contact(RIGHT).is_some_and(|contact| contact.on_mask);
         let mut outline =
-            Outline { lines: Vec::new(), circle: None, running: hand.trigger, on_mask };
-        match bit.data().shape {
-            Shape::Ball { radius } => {
-                let (middle, metre) = orbit.pixel(position, size)?;
+            BitOutline { lines: Vec::new(), circle: None, running: hand.trigger, on_mask };
+        match bit.spec().shape {
+            BitShape::Ball { radius } => {
+                let (middle, metre) = orbit.project_point(position, size)?;
                 outline.circle = Some((middle, metre * radius as f32 * 1e-6));
             }
-            Shape::Box { half } => {
+            BitShape::Box { half } => {
                 let half = Vec3::from_array(half.map(|v| v as f32 * 1e-6));
                 let corner = |i: u32| {
                     let sign = |k: u32| if i >> k & 1 == 1 { 1.0 } else { -1.0 };
                     let corner = half * Vec3::new(sign(0), sign(1), sign(2));
-                    orbit.pixel(position + rotation * corner, size).map(|(pixel, _)| pixel)
+                    orbit.project_point(position + rotation * corner, size).map(|(pixel, _)| pixel)
                 };
                 for (i, k) in (0..8u32).flat_map(|i| (0..3u32).map(move |k| (i, k))) {
                     if i >> k & 1 == 0 {

@@ -1,89 +1,88 @@
-//! The start: which session, or which file.
+//! Start panel: choice of a session or a file.
 
 use egui::{Align2, Area, Button, Context, Id, RichText, Ui, Vec2};
-use paros_core::input::Mode;
-use paros_core::world::Session;
+use paros_core::{SessionMode, SessionState};
 use paros_shell::figures::Figure;
 
-use super::{Shown, style};
+use super::{StudioStatus, style};
 
-/// What was chosen.
-pub(super) enum Answer {
+/// The visitor's choice.
+pub(super) enum StartChoice {
     None,
     Continue,
     Browse,
-    Start(Mode),
+    Start(SessionMode),
 }
 
 const WIDTH: f32 = 400.0;
 
-pub(super) fn show(context: &Context, shown: &Shown<'_>) -> Answer {
+pub(super) fn show(context: &Context, status: &StudioStatus<'_>) -> StartChoice {
     let area = Area::new(Id::new("start")).anchor(Align2::CENTER_CENTER, Vec2::ZERO);
-    let mut answer = Answer::None;
+    let mut answer = StartChoice::None;
     area.show(context, |ui| {
-        style::card().inner_margin(28).show(ui, |ui| {
+        style::card_frame().inner_margin(28).show(ui, |ui| {
             ui.set_width(WIDTH);
             ui.label(RichText::new("Paros").size(34.0));
-            ui.label(style::quiet("Carve a sculpture, and take a print of it home."));
+            ui.label(style::quiet_text("Carve a sculpture, and take a print of it home."));
             ui.add_space(10.0);
-            answer = choices(ui, shown);
+            answer = show_choices(ui, status);
         });
     });
     answer
 }
 
-fn choices(ui: &mut Ui, shown: &Shown<'_>) -> Answer {
-    let mut answer = Answer::None;
-    if shown.session != Session::Waiting {
-        let text = match shown.session {
-            Session::Finished => "Back to the finished sculpture",
+fn show_choices(ui: &mut Ui, status: &StudioStatus<'_>) -> StartChoice {
+    let mut answer = StartChoice::None;
+    if status.session != SessionState::Waiting {
+        let text = match status.session {
+            SessionState::Finished => "Back to the finished sculpture",
             _ => "Go on with your sculpture",
         };
-        if ui.add_sized([WIDTH, 44.0], style::choice(text, true)).clicked() {
-            answer = Answer::Continue;
+        if ui.add_sized([WIDTH, 44.0], style::choice_button(text, true)).clicked() {
+            answer = StartChoice::Continue;
         }
         ui.add_space(6.0);
     }
-    if wide(ui, "Free form", "a lump of marble, and all the tools") {
-        answer = Answer::Start(Mode::FreeForm);
+    if add_wide_button(ui, "Free form", "a lump of marble, and all the tools") {
+        answer = StartChoice::Start(SessionMode::FreeForm);
     }
-    if wide(ui, "Creative", "a friendly figure to shape as you like") {
-        answer = Answer::Start(Mode::Creative);
+    if add_wide_button(ui, "Creative", "a friendly figure to shape as you like") {
+        answer = StartChoice::Start(SessionMode::Creative);
     }
     ui.add_space(4.0);
     ui.label("Find what hides in the stone");
-    ui.label(style::quiet("it can't be harmed").small());
+    ui.label(style::quiet_text("it can't be harmed").small());
     ui.horizontal(|ui| {
         let gaps = 8.0 * (Figure::HIDDEN.len() - 1) as f32;
         let width = (WIDTH - gaps) / Figure::HIDDEN.len() as f32;
         for (number, figure) in Figure::HIDDEN.into_iter().enumerate() {
-            if ui.add_sized([width, 36.0], Button::new(named(figure))).clicked() {
-                answer = Answer::Start(Mode::Constrained { figure: number as u8 });
+            if ui.add_sized([width, 36.0], Button::new(capitalized_name(figure))).clicked() {
+                answer = StartChoice::Start(SessionMode::Constrained { figure: number as u8 });
             }
         }
     });
     ui.add_space(6.0);
     ui.separator();
-    match shown.opening {
+    match status.opening {
         Some(path) => {
-            ui.label(style::quiet(format!("Reading {} ...", path.display())));
+            ui.label(style::quiet_text(format!("Reading {} ...", path.display())));
         }
         None => {
-            let what = match shown.drops {
+            let what = match status.drops {
                 true => "or drop a file on this window",
                 false => "a file to start from",
             };
-            if wide(ui, "Open a mesh or a volume ...", what) {
-                answer = Answer::Browse;
+            if add_wide_button(ui, "Open a mesh or a volume ...", what) {
+                answer = StartChoice::Browse;
             }
         }
     }
-    ui.label(style::quiet("F1 shows all keys").small());
+    ui.label(style::quiet_text("F1 shows all keys").small());
     answer
 }
 
-/// A wide button of two lines.
-fn wide(ui: &mut Ui, title: &str, what: &str) -> bool {
+/// Adds a wide button of two lines. Returns whether it was clicked.
+fn add_wide_button(ui: &mut Ui, title: &str, what: &str) -> bool {
     let mut text = egui::text::LayoutJob::default();
     let font = |size| egui::FontId::proportional(size);
     let format = |size, color| egui::TextFormat::simple(font(size), color);
@@ -94,7 +93,7 @@ fn wide(ui: &mut Ui, title: &str, what: &str) -> bool {
     ui.add(button).clicked()
 }
 
-fn named(figure: Figure) -> String {
+fn capitalized_name(figure: Figure) -> String {
     let name = figure.name();
     name[..1].to_uppercase() + &name[1..]
 }

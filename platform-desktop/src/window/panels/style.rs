@@ -1,4 +1,4 @@
-//! How the panels look: dark, warm and quiet, so that the stone is what is seen.
+//! Style of the panels: dark, warm and low in contrast, so that the sculpture stands out.
 
 use egui::style::WidgetVisuals;
 use egui::{
@@ -6,20 +6,20 @@ use egui::{
     Stroke, TextStyle, Vec2, Visuals,
 };
 
-/// What is chosen, and what matters.
+/// Colour of what is selected or emphasised.
 pub(super) const ACCENT: Color32 = Color32::from_rgb(222, 172, 104);
-/// What went wrong.
+/// Colour of faults.
 pub(super) const WARNING: Color32 = Color32::from_rgb(238, 148, 120);
-/// Text.
+/// Colour of text.
 pub(super) const TEXT: Color32 = Color32::from_rgb(236, 231, 223);
-/// What is said by the way.
+/// Colour of secondary text.
 pub(super) const QUIET: Color32 = Color32::from_rgb(163, 155, 145);
 
 const PANEL: Color32 = Color32::from_rgba_premultiplied(24, 22, 21, 238);
 const EDGE: Color32 = Color32::from_rgba_premultiplied(26, 24, 22, 26);
 
 /// Sets the style of all panels.
-pub(super) fn set(context: &Context) {
+pub(super) fn set_style(context: &Context) {
     context.all_styles_mut(|style| {
         let font = |size| FontId::new(size, FontFamily::Proportional);
         style.text_styles = [
@@ -34,12 +34,12 @@ pub(super) fn set(context: &Context) {
         style.spacing.button_padding = Vec2::new(12.0, 7.0);
         style.spacing.interact_size.y = 32.0;
         style.interaction.selectable_labels = false;
-        style.visuals = visuals();
+        style.visuals = dark_visuals();
     });
 }
 
-/// The frame of a panel.
-pub(super) fn card() -> Frame {
+/// Frame and background of a panel.
+pub(super) fn card_frame() -> Frame {
     Frame::new()
         .fill(PANEL)
         .stroke(Stroke::new(1.0, EDGE))
@@ -53,13 +53,13 @@ pub(super) fn card() -> Frame {
         })
 }
 
-/// Text that is said by the way.
-pub(super) fn quiet(text: impl Into<String>) -> RichText {
+/// Secondary text.
+pub(super) fn quiet_text(text: impl Into<String>) -> RichText {
     RichText::new(text).color(QUIET)
 }
 
-/// A button that stands out while `chosen`.
-pub(super) fn choice(text: &str, chosen: bool) -> Button<'_> {
+/// A button, filled with the accent colour if `chosen`.
+pub(super) fn choice_button(text: &str, chosen: bool) -> Button<'_> {
     if chosen {
         let dark = Color32::from_rgb(32, 24, 14);
         Button::new(RichText::new(text).color(dark)).fill(ACCENT)
@@ -68,7 +68,7 @@ pub(super) fn choice(text: &str, chosen: bool) -> Button<'_> {
     }
 }
 
-fn visuals() -> Visuals {
+fn dark_visuals() -> Visuals {
     let mut visuals = Visuals::dark();
     let light = |alpha| Color32::from_white_alpha(alpha);
     let widget = |fill: Color32, text: Color32| WidgetVisuals {

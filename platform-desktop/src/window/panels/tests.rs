@@ -1,22 +1,19 @@
-//! The panels without a window: clicked everywhere.
+//! The panels without a window, by clicks on a grid of points.
 
 use egui::{Event, Modifiers, PointerButton, Pos2, Rect, Vec2};
-use paros_core::input::{Mode, commands};
-use paros_core::tools::{Bit, Tool};
-use paros_core::workbench::Item;
-use paros_core::world::Session;
-use paros_shaders::gpu::Times;
-use paros_shell::studio::Note;
+use paros_core::{BenchItem, SessionMode, SessionState, Tool, ToolBit, commands};
+use paros_shaders::gpu::FrameTimes;
+use paros_shell::studio::Notice;
 
-use super::{Asked, Panels, Shown};
+use super::{PanelAction, Panels, StudioStatus};
 
 const SIZE: Vec2 = Vec2::new(1000.0, 700.0);
 
-fn shown() -> Shown<'static> {
-    Shown {
-        session: Session::Sculpting,
-        mode: Mode::FreeForm,
-        held: Some((Tool::Impact, Bit::PointChisel)),
+fn sculpting_status() -> StudioStatus<'static> {
+    StudioStatus {
+        session: SessionState::Sculpting,
+        mode: SessionMode::FreeForm,
+        held: Some((Tool::Impact, ToolBit::PointChisel)),
         depth: 5.0,
         symmetry: false,
         undo: (3, 1),
@@ -28,42 +25,43 @@ fn shown() -> Shown<'static> {
         drops: true,
         fast: true,
         device: "a device",
-        times: Times::default(),
+        times: FrameTimes::default(),
         outline: None,
     }
 }
 
-fn frame(panels: &mut Panels, shown: &Shown<'_>, events: Vec<Event>) -> Vec<Asked> {
+fn frame(panels: &mut Panels, status: &StudioStatus<'_>, events: Vec<Event>) -> Vec<PanelAction> {
     panels.input.screen_rect = Some(Rect::from_min_size(Pos2::ZERO, SIZE));
     panels.input.events = events;
-    panels.lay_out(shown).1
+    panels.lay_out(status).1
 }
 
-fn click(panels: &mut Panels, shown: &Shown<'_>, pos: Pos2) -> Vec<Asked> {
+fn click(panels: &mut Panels, status: &StudioStatus<'_>, pos: Pos2) -> Vec<PanelAction> {
     let button = |pressed| Event::PointerButton {
         pos,
         button: PointerButton::Primary,
         pressed,
         modifiers: Modifiers::NONE,
     };
-    let mut asked = frame(panels, shown, vec![Event::PointerMoved(pos)]);
-    asked.extend(frame(panels, shown, vec![button(true)]));
-    asked.extend(frame(panels, shown, vec![button(false)]));
+    let mut asked = frame(panels, status, vec![Event::PointerMoved(pos)]);
+    asked.extend(frame(panels, status, vec![button(true)]));
+    asked.extend(frame(panels, status, vec![button(false)]));
     asked
 }
 
 /// What clicks all over the picture ask for, each on panels that `make` made.
-fn clicked_everywhere(make: impl Fn() -> Panels, shown: &Shown<'_>) -> Vec<Asked> {
+fn clicked_everywhere(make: impl Fn() -> Panels, status: &StudioStatus<'_>) -> Vec<PanelAction> {
     let mut all = Vec::new();
     let mut panels = make();
-    frame(&mut panels, shown, Vec::new());
+    frame(&mut panels, status, Vec::new());
     for (x, y) in (0..50).flat_map(|y| (0..25).map(move |x| (x, y))) {
         let pos = Pos2::new(20.0 + 40.0 * x as f32, 7.0 + 14.0 * y as f32);
-        let asked = click(&mut panels, shown, pos);
-        let moved_on = panels.is_open() != make().is_open() || panels.browser.is_some();
+        let asked = click(&mut panels, status, pos);
+        let moved_on =
+            panels.is_studio_open() != make().is_studio_open() || panels.browser.is_some();
         if !asked.is_empty() || moved_on || panels.finishing {
             panels = make();
-            frame(&mut panels, shown, Vec::new());
+            frame(&mut panels, status, Vec::new());
         }
         for asked in asked {
             if !all.contains(&asked) {
@@ -76,83 +74,87 @@ fn clicked_everywhere(make: impl Fn() -> Panels, shown: &Shown<'_>) -> Vec<Asked
 
 fn in_studio() -> Panels {
     let mut panels = Panels::new();
-    panels.started();
+    panels.on_session_start();
     panels
 }
 
 #[test]
 fn every_mode_can_be_started() {
-    let asked = clicked_everywhere(Panels::new, &Shown { session: Session::Waiting, ..shown() });
-    let figures = (0..4).map(|figure| Mode::Constrained { figure });
-    for mode in [Mode::FreeForm, Mode::Creative].into_iter().chain(figures) {
-        assert!(asked.contains(&Asked::Start(mode)), "{mode:?} is not among {asked:?}");
+    let asked = clicked_everywhere(
+        Panels::new,
+        &StudioStatus { session: SessionState::Waiting, ..sculpting_status() },
+    );
+    let figures = (0..4).map(|figure| SessionMode::Constrained { figure });
+    for mode in [SessionMode::FreeForm, SessionMode::Creative].into_iter().chain(figures) {
+        assert!(asked.contains(&PanelAction::Start(mode)), "{mode:?} is not among {asked:?}");
     }
 }
 
 #[test]
 fn tools_bits_and_commands_can_be_clicked() {
-    let asked = clicked_everywhere(in_studio, &shown());
-    let mut expected: Vec<_> = Tool::ALL.map(|tool| Asked::Take(Item::Tool(tool))).into();
-    expected.push(Asked::Take(Item::Bit(Bit::FlatChisel)));
+    let asked = clicked_everywhere(in_studio, &sculpting_status());
+    let mut expected: Vec<_> =
+        Tool::ALL.map(|tool| PanelAction::Take(BenchItem::Tool(tool))).into();
+    expected.push(PanelAction::Take(BenchItem::Bit(ToolBit::FlatChisel)));
     for command in [commands::UNDO, commands::REDO, commands::SYMMETRY] {
-        expected.push(Asked::Command(command));
+        expected.push(PanelAction::Command(command));
     }
     for one in expected {
         assert!(asked.contains(&one), "{one:?} is not among {asked:?}");
     }
-    assert!(!asked.contains(&Asked::Finish), "the end is asked for twice");
+    assert!(!asked.contains(&PanelAction::Finish), "the end is asked for twice");
 }
 
 #[test]
 fn the_end_is_asked_for_twice_and_can_be_taken_back() {
     let mut panels = in_studio();
-    panels.finish(Session::Sculpting);
-    assert_eq!(frame(&mut panels, &shown(), Vec::new()), []);
-    panels.back(Session::Sculpting);
-    panels.finish(Session::Sculpting);
-    assert_eq!(frame(&mut panels, &shown(), Vec::new()), []);
-    panels.finish(Session::Sculpting);
-    assert_eq!(frame(&mut panels, &shown(), Vec::new()), [Asked::Finish]);
-    panels.finish(Session::Finished);
-    assert_eq!(frame(&mut panels, &shown(), Vec::new()), []);
+    panels.request_finish(SessionState::Sculpting);
+    assert_eq!(frame(&mut panels, &sculpting_status(), Vec::new()), []);
+    panels.close_topmost(SessionState::Sculpting);
+    panels.request_finish(SessionState::Sculpting);
+    assert_eq!(frame(&mut panels, &sculpting_status(), Vec::new()), []);
+    panels.request_finish(SessionState::Sculpting);
+    assert_eq!(frame(&mut panels, &sculpting_status(), Vec::new()), [PanelAction::Finish]);
+    panels.request_finish(SessionState::Finished);
+    assert_eq!(frame(&mut panels, &sculpting_status(), Vec::new()), []);
 }
 
 #[test]
 fn the_start_stays_until_there_is_a_session() {
     let mut panels = Panels::new();
-    panels.back(Session::Waiting);
-    assert!(!panels.is_open());
-    panels.back(Session::Sculpting);
-    assert!(panels.is_open());
-    panels.back(Session::Sculpting);
-    assert!(!panels.is_open());
+    panels.close_topmost(SessionState::Waiting);
+    assert!(!panels.is_studio_open());
+    panels.close_topmost(SessionState::Sculpting);
+    assert!(panels.is_studio_open());
+    panels.close_topmost(SessionState::Sculpting);
+    assert!(!panels.is_studio_open());
 }
 
 #[test]
 fn panels_fit_the_overlay() {
     let mut panels = in_studio();
-    panels.switch_help();
-    panels.switch_graph();
+    panels.toggle_help();
+    panels.toggle_graph();
     for i in 0..200 {
-        panels.frame_took(0.001 * i as f32);
+        panels.add_frame_time(0.001 * i as f32);
     }
-    panels.note(Note::Bad("something long to read ".repeat(20)));
-    let mut painted = crate::window::paint::Painted::new();
+    panels.add_note(Notice::Bad("something long to read ".repeat(20)));
+    let mut egui_buffers = crate::window::paint::EguiBuffers::new();
     let mut lay_out = || {
         panels.input.screen_rect = Some(Rect::from_min_size(Pos2::ZERO, SIZE));
-        let (output, _) = panels.lay_out(&shown());
-        painted.take_textures(&output.textures_delta);
+        let (output, _) = panels.lay_out(&sculpting_status());
+        egui_buffers.take_textures(&output.textures_delta);
         output.shapes
     };
     // A panel is measured before it is seen.
     lay_out();
     let shapes = lay_out();
     let triangles = panels.context.tessellate(shapes, 1.0);
-    painted.take_triangles(&triangles, 1.0);
-    let (vertices, indices, runs) = painted.lengths();
-    use paros_shaders::gpu::overlay::{INDICES, RUNS, VERTICES};
+    egui_buffers.take_triangles(&triangles, 1.0);
+    let (vertices, indices, runs) = egui_buffers.buffer_lengths();
+    use paros_shaders::gpu::overlay::{MAX_INDICES, MAX_RUNS, MAX_VERTICES};
     assert!(vertices > 1000 && indices > vertices && runs > 0);
-    assert!(vertices * 2 < VERTICES && indices * 2 < INDICES && runs * 2 < RUNS);
+    assert!(vertices * 2 < MAX_VERTICES && indices * 2 < MAX_INDICES && runs * 2 < MAX_RUNS);
 }
 
 #[test]
@@ -161,7 +163,7 @@ fn files_are_to_be_dropped_only_where_they_can_be() {
         let mut panels = Panels::new();
         let mut lay_out = || {
             panels.input.screen_rect = Some(Rect::from_min_size(Pos2::ZERO, SIZE));
-            panels.lay_out(&Shown { drops, ..shown() }).0.shapes
+            panels.lay_out(&StudioStatus { drops, ..sculpting_status() }).0.shapes
         };
         // A panel is measured before it is seen.
         lay_out();

@@ -1,5 +1,5 @@
-//! Monado from the tree that `tests/monado-tree.sh` prepares, on a software device, and the shell in
-//! its session. Nothing of the tree is installed: all is started through its own loader.
+//! A Monado service from the tree that `tests/monado-tree.sh` prepares, on a software device, and shells in
+//! its session. Nothing is installed: programs are started through the tree's own dynamic loader.
 
 mod hands;
 
@@ -13,21 +13,21 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-pub(crate) use hands::{Hand, Hands};
+pub(crate) use hands::{RemoteHand, RemoteHands};
 
-/// For as long as anything is waited for: a software device shares its processors with others.
+/// The timeout of every wait; generous, as a software device shares the processors with other tests.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// The tree.
+/// The tree of Monado's programs and libraries.
 #[derive(Clone, Debug)]
-pub(crate) struct Tree {
+pub(crate) struct MonadoTree {
     root: PathBuf,
     libraries: PathBuf,
 }
 
-impl Tree {
-    /// The tree beside this build.
-    pub(crate) fn find() -> Result<Tree, String> {
+impl MonadoTree {
+    /// Finds the tree beside this build. An error says how it is made.
+    pub(crate) fn find() -> Result<MonadoTree, String> {
         let root = Path::new(env!("CARGO_TARGET_TMPDIR")).with_file_name("monado-tree");
         let root = fs::canonicalize(&root).map_err(|error| {
             let make = "platform-quest/tests/monado-tree.sh makes it";
@@ -36,10 +36,10 @@ impl Tree {
         if !root.join(".ready").exists() {
             return Err(format!("{} is not whole", root.display()));
         }
-        Ok(Tree { libraries: root.join("usr/lib/x86_64-linux-gnu"), root })
+        Ok(MonadoTree { libraries: root.join("usr/lib/x86_64-linux-gnu"), root })
     }
 
-    /// A program that finds the tree's libraries before the machine's.
+    /// A command for a program that finds the tree's libraries before the system's.
     pub(crate) fn command(&self, program: &Path, folder: &Path) -> Command {
         let run = folder.join("run");
         fs::create_dir_all(&run).expect("a folder");
@@ -50,16 +50,16 @@ impl Tree {
         let mut command = Command::new(self.root.join("usr/lib64/ld-linux-x86-64.so.2"));
         command.arg("--library-path").arg(paths).arg(program);
         command.env("XDG_RUNTIME_DIR", run).current_dir(folder);
-        command.env("XR_RUNTIME_JSON", self.manifest("openxr/1/openxr_monado.json", folder));
-        command.env("VK_DRIVER_FILES", self.manifest("vulkan/icd.d/lvp_icd.json", folder));
+        command.env("XR_RUNTIME_JSON", self.write_manifest("openxr/1/openxr_monado.json", folder));
+        command.env("VK_DRIVER_FILES", self.write_manifest("vulkan/icd.d/lvp_icd.json", folder));
         let layer = "vulkan/explicit_layer.d/VkLayer_khronos_validation.json";
-        self.manifest(layer, folder);
+        self.write_manifest(layer, folder);
         command.env("VK_LAYER_PATH", folder);
         command
     }
 
-    /// A copy of a manifest that names its library by its whole path.
-    fn manifest(&self, name: &str, folder: &Path) -> PathBuf {
+    /// Writes a copy of a manifest into a folder, with the absolute path of its library.
+    fn write_manifest(&self, name: &str, folder: &Path) -> PathBuf {
         let text = fs::read_to_string(self.root.join("usr/share").join(name)).expect("a manifest");
         let key = text.find("\"library_path\"").expect("it names a library");
         let library = key + 14 + text[key + 14..].find('"').expect("a name") + 1;
@@ -72,25 +72,25 @@ impl Tree {
     }
 }
 
-/// What OpenXR's validation says, in the service's folder.
+/// The file of the OpenXR validation layer's messages, in the service's folder.
 const VALIDATION: &str = "validation.txt";
 
-/// Its port is one for the whole machine.
+/// Serialises services: the driver's TCP port is one for the whole machine.
 static ONE: Mutex<()> = Mutex::new(());
 
 /// A running service, ended when dropped.
-pub(crate) struct Monado {
+pub(crate) struct MonadoService {
     service: Child,
-    pub(crate) tree: Tree,
+    pub(crate) tree: MonadoTree,
     pub(crate) folder: PathBuf,
     _one: MutexGuard<'static, ()>,
 }
 
-impl Monado {
-    /// Begins the service in a folder of this name, which is emptied.
-    pub(crate) fn start(tree: &Tree, name: &str) -> Monado {
+impl MonadoService {
+    /// Starts the service in an empty folder of this name, and waits for its socket.
+    pub(crate) fn start(tree: &MonadoTree, name: &str) -> MonadoService {
         let one = ONE.lock().unwrap_or_else(PoisonError::into_inner);
-        let folder = folder(name);
+        let folder = create_empty_folder(name);
         let log = fs::File::create(folder.join("service.log")).expect("a log");
         let program = tree.root.join("usr/bin/monado-service");
         let mut service = tree
@@ -108,33 +108,33 @@ impl Monado {
             assert!(ended.is_none(), "the service ended: see {}/service.log", folder.display());
             socket.exists()
         });
-        Monado { service, tree: tree.clone(), folder, _one: one }
+        MonadoService { service, tree: tree.clone(), folder, _one: one }
     }
 
-    /// The driver of head and hands.
-    pub(crate) fn hands(&self) -> Hands {
-        Hands::connect()
+    /// Connects to the driver of head and hands.
+    pub(crate) fn connect_hands(&self) -> RemoteHands {
+        RemoteHands::connect()
     }
 
-    /// The visitor looks ahead anew.
+    /// Recentres the reference spaces, by `monado-ctl`.
     pub(crate) fn recentre(&self) {
         let program = self.tree.root.join("usr/bin/monado-ctl");
         let mut ctl = self.tree.command(&program, &self.folder);
         assert!(ctl.arg("-c").stdout(Stdio::null()).status().expect("it runs").success());
     }
 
-    /// The shell in this service's session.
-    pub(crate) fn shell(&self, args: &[&str]) -> Shell {
-        Shell::start(self.command(args))
+    /// Starts the shell in this service's session.
+    pub(crate) fn start_shell(&self, args: &[&str]) -> ShellProcess {
+        ShellProcess::start(self.command(args))
     }
 
-    /// The shell in this service's session, with the tests' own API layer between them.
-    pub(crate) fn layered_shell(&self, layer: &Path, args: &[&str]) -> Shell {
-        Shell::start(self.layered_command(layer, args))
+    /// Starts the shell with the tests' own API layer between it and the service.
+    pub(crate) fn start_layered_shell(&self, layer: &Path, args: &[&str]) -> ShellProcess {
+        ShellProcess::start(self.layered_command(layer, args))
     }
 
-    /// As before, with a device that says it has density maps.
-    pub(crate) fn mapped_shell(&self, layer: &Path, args: &[&str]) -> Shell {
+    /// As [`Self::start_layered_shell`], on a device that reports fragment density maps.
+    pub(crate) fn start_mapped_shell(&self, layer: &Path, args: &[&str]) -> ShellProcess {
         let manifest = format!(
             r#"{{"file_format_version": "1.2.0", "layer": {{"name": "VK_LAYER_PAROS_tests",
             "type": "GLOBAL", "library_path": "{}", "api_version": "1.3.0",
@@ -147,10 +147,10 @@ impl Monado {
         let mut command = self.layered_command(layer, args);
         let layers = "VK_LAYER_KHRONOS_validation:VK_LAYER_PAROS_tests";
         command.env("VK_INSTANCE_LAYERS", layers);
-        Shell::start(command)
+        ShellProcess::start(command)
     }
 
-    /// As the first, to be changed before it is started.
+    /// The command of [`Self::start_layered_shell`], before it is started.
     pub(crate) fn layered_command(&self, layer: &Path, args: &[&str]) -> Command {
         let manifest = format!(
             r#"{{"file_format_version": "1.0.0", "api_layer": {{"name": "XR_APILAYER_PAROS_tests",
@@ -175,8 +175,8 @@ impl Monado {
         command
     }
 
-    /// Khronos' layer looked on at the last shell without the tests' own, and has nothing to say but
-    /// that it began and ended.
+    /// Asserts that the OpenXR validation layer found nothing in the last shell that ran without the
+    /// tests' own layer.
     pub(crate) fn assert_valid(&self) {
         let said = fs::read_to_string(self.folder.join(VALIDATION)).expect("the layer's words");
         assert!(said.contains("VUID-CoreValidation-Initialize"), "{said}");
@@ -184,11 +184,11 @@ impl Monado {
         assert_eq!(other, None, "{said}");
     }
 
-    /// Another program that is a shell, in this service's session.
-    pub(crate) fn shell_of(&self, program: &Path, args: &[&str]) -> Shell {
+    /// Starts another program that runs the shell, in this service's session.
+    pub(crate) fn start_program(&self, program: &Path, args: &[&str]) -> ShellProcess {
         let mut command = self.tree.command(program, &self.folder);
         command.args(args);
-        Shell::start(command)
+        ShellProcess::start(command)
     }
 
     fn command(&self, args: &[&str]) -> Command {
@@ -199,7 +199,7 @@ impl Monado {
         fs::create_dir_all(&layers).expect("a folder");
         let explicit = "openxr/1/api_layers/explicit.d";
         let layer = format!("{explicit}/XrApiLayer_core_validation.x86_64-linux-gnu.json");
-        self.tree.manifest(&layer, &layers);
+        self.tree.write_manifest(&layer, &layers);
         command.env("XR_API_LAYER_PATH", layers);
         command.env("XR_ENABLE_API_LAYERS", "XR_APILAYER_LUNARG_core_validation");
         command.env("XR_CORE_VALIDATION_EXPORT_TYPE", "text");
@@ -208,7 +208,7 @@ impl Monado {
     }
 }
 
-impl Drop for Monado {
+impl Drop for MonadoService {
     fn drop(&mut self) {
         // It may have ended by itself.
         let _ = self.service.kill();
@@ -217,18 +217,18 @@ impl Drop for Monado {
 }
 
 /// A running shell, ended when dropped.
-pub(crate) struct Shell {
+pub(crate) struct ShellProcess {
     child: Child,
     stdin: ChildStdin,
     said: Receiver<String>,
     errors: Option<JoinHandle<String>>,
 }
 
-/// What a shell said of itself.
-pub(crate) struct Said(String);
+/// The status line that a shell prints on the command `say`: fields separated by semicolons.
+pub(crate) struct StatusLine(String);
 
-impl Shell {
-    pub(crate) fn start(mut command: Command) -> Shell {
+impl ShellProcess {
+    pub(crate) fn start(mut command: Command) -> ShellProcess {
         let pipes = command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
         let mut child = pipes.spawn().expect("the shell starts");
         let stdin = child.stdin.take().expect("it is piped");
@@ -243,20 +243,24 @@ impl Shell {
             let _ = err.read_to_string(&mut text);
             text
         });
-        Shell { child, stdin, said, errors: Some(errors) }
+        ShellProcess { child, stdin, said, errors: Some(errors) }
     }
 
-    /// What it says of itself now.
-    pub(crate) fn say(&mut self) -> Said {
+    /// Queries the shell's status.
+    pub(crate) fn query_status(&mut self) -> StatusLine {
         writeln!(self.stdin, "say").expect("the shell listens");
-        Said(self.said.recv_timeout(PATIENCE).expect("the shell answers"))
+        StatusLine(self.said.recv_timeout(PATIENCE).expect("the shell answers"))
     }
 
-    /// Waits until what it says is as wanted.
-    pub(crate) fn until(&mut self, what: &str, wanted: impl Fn(&Said) -> bool) -> Said {
+    /// Queries the status until it satisfies `wanted`. `what` names the condition in the panic's message.
+    pub(crate) fn wait_until(
+        &mut self,
+        what: &str,
+        wanted: impl Fn(&StatusLine) -> bool,
+    ) -> StatusLine {
         let begun = Instant::now();
         loop {
-            let said = self.say();
+            let said = self.query_status();
             if wanted(&said) {
                 return said;
             }
@@ -265,14 +269,14 @@ impl Shell {
         }
     }
 
-    /// Waits until so many more frames were made.
-    pub(crate) fn frames(&mut self, more: u64) -> Said {
-        let now = self.say().number("frames");
-        self.until("frames", |said| said.number("frames") >= now + more)
+    /// Waits until `more` frames have been made.
+    pub(crate) fn wait_frames(&mut self, more: u64) -> StatusLine {
+        let now = self.query_status().number("frames");
+        self.wait_until("frames", |said| said.number("frames") >= now + more)
     }
 
-    /// Both eyes' pictures of the next frame, left in the folder under a name.
-    pub(crate) fn shot(&mut self, folder: &Path, name: &str) -> [PathBuf; 2] {
+    /// Captures the next frame: the paths of the left and the right eye's picture.
+    pub(crate) fn capture_eyes(&mut self, folder: &Path, name: &str) -> [PathBuf; 2] {
         let prefix = folder.join(name);
         writeln!(self.stdin, "shot {}", prefix.display()).expect("the shell listens");
         let eyes = ["left", "right"].map(|eye| folder.join(format!("{name}-{eye}.png")));
@@ -280,31 +284,31 @@ impl Shell {
         eyes
     }
 
-    /// Asks it to leave: its exit code, and what it told on standard error.
+    /// Quits the shell. Returns its exit code and its standard error.
     pub(crate) fn quit(mut self) -> (Option<i32>, String) {
         writeln!(self.stdin, "quit").expect("the shell listens");
-        self.ended()
+        self.end_and_collect()
     }
 
-    /// Waits for its end: the last that it said, its exit code, and what it told on standard error.
-    pub(crate) fn last_words(mut self) -> (Said, Option<i32>, String) {
-        let (code, errors) = self.ended();
+    /// Waits for the end. Returns the last line of standard output, the exit code, and standard error.
+    pub(crate) fn wait_for_last_status(mut self) -> (StatusLine, Option<i32>, String) {
+        let (code, errors) = self.end_and_collect();
         let last = self.said.iter().last().unwrap_or_default();
-        (Said(last), code, errors)
+        (StatusLine(last), code, errors)
     }
 
-    /// Waits until it ends by itself.
-    pub(crate) fn over(mut self) -> (Option<i32>, String) {
-        self.ended()
+    /// Waits for the end. Returns the exit code and standard error.
+    pub(crate) fn wait_for_end(mut self) -> (Option<i32>, String) {
+        self.end_and_collect()
     }
 
-    /// Kills it, as a system does that needs the memory; what it told on standard error.
+    /// Kills the process, as a system does that needs its memory. Returns its standard error.
     pub(crate) fn kill(mut self) -> String {
         self.child.kill().expect("it still runs");
-        self.ended().1
+        self.end_and_collect().1
     }
 
-    fn ended(&mut self) -> (Option<i32>, String) {
+    fn end_and_collect(&mut self) -> (Option<i32>, String) {
         let begun = Instant::now();
         let status = loop {
             if let Some(status) = self.child.try_wait().expect("it is ours") {
@@ -318,7 +322,7 @@ impl Shell {
     }
 }
 
-impl Drop for Shell {
+impl Drop for ShellProcess {
     fn drop(&mut self) {
         // It may have ended by itself.
         let _ = self.child.kill();
@@ -326,13 +330,16 @@ impl Drop for Shell {
     }
 }
 
-impl Said {
+impl StatusLine {
     /// The whole line.
-    pub(crate) fn all(&self) -> &str {
+    pub(crate) fn text(&self) -> &str {
         &self.0
     }
 
-    /// A field.
+    /// The value of a field.
+    ///
+    /// # Panics
+    /// There is none of that name.
     pub(crate) fn field(&self, name: &str) -> &str {
         let start =
             |field: &&str| field.strip_prefix(name).is_some_and(|rest| rest.starts_with(' '));
@@ -340,21 +347,21 @@ impl Said {
         &field.unwrap_or_else(|| panic!("no {name} in {}", self.0))[name.len() + 1..]
     }
 
-    /// A field that is a number.
+    /// The value of a field that is a number.
     pub(crate) fn number(&self, name: &str) -> u64 {
         self.field(name).parse().expect("a number")
     }
 }
 
-/// An empty folder for a test.
-pub(crate) fn folder(name: &str) -> PathBuf {
+/// Creates an empty folder for a test.
+pub(crate) fn create_empty_folder(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("monado-{name}"));
     let _ = fs::remove_dir_all(&folder);
     fs::create_dir_all(&folder).expect("a folder");
     folder
 }
 
-/// Waits for something that happens elsewhere.
+/// Waits until `happened` returns true. `what` names the event in the panic's message.
 pub(crate) fn wait_for(what: &str, mut happened: impl FnMut() -> bool) {
     let begun = Instant::now();
     while !happened() {

@@ -1,0 +1,36 @@
+//! The replay of a recorded session, for a host and for bare metal alike.
+
+use paros_core::trace::{TickRecord, TraceHeader, digest_start_volumes};
+use paros_core::{ByteReader, Grid, RangeMaps, Size, StartVolumes, World};
+
+/// Replays a trace whose sessions start from the solid block. `world` and `block` are all zero bytes at
+/// first, so that both can live in statics. Returns the digest of the last tick.
+///
+/// # Errors
+/// What was expected of the trace, or that a tick's digest differs from the recorded one.
+// Shells step their worlds through `TickRunner`, which needs a heap.
+#[allow(clippy::disallowed_methods)]
+pub(crate) fn replay_trace<const N: usize>(
+    trace: &[u8],
+    world: &mut World<N>,
+    block: &mut RangeMaps<N>,
+) -> Result<u64, &'static str>
+where
+    Grid<N>: Size,
+{
+    block.fill_block();
+    let starts = StartVolumes { lump: block, figures: &[], creative: block, own: None };
+    let mut reader = ByteReader::new(trace);
+    let header = TraceHeader::read(&mut reader).map_err(|bad| bad.expected)?;
+    if usize::from(header.side) != N || header.starts_digest != digest_start_volumes(&starts) {
+        return Err("a trace of this size that starts from the block");
+    }
+    for _ in 0..header.ticks {
+        let record = TickRecord::read(&mut reader).map_err(|bad| bad.expected)?;
+        world.step(&record.input, &starts);
+        if world.digest() != record.digest() {
+            return Err("the digest that was recorded");
+        }
+    }
+    Ok(world.digest())
+}

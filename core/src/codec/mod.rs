@@ -1,0 +1,11 @@
+//! Serialization and digests. The lower half encodes single values ([`bytes`], [`vectors`],
+//! [`digest`]); the upper half a whole world ([`save`]) and a recorded session ([`trace`]).
+//!
+//! Takes values, or untrusted bytes; gives bytes, or the values, or the offset and reason of an error.
+//! Doesn't know files: the caller owns every buffer.
+
+pub(crate) mod bytes;
+pub(crate) mod digest;
+pub(crate) mod save;
+pub mod trace;
+pub(crate) mod vectors;

@@ -1,0 +1,195 @@
+//! Save, load and digest of the whole state.
+
+use core::array;
+
+use crate::codec::bytes::{BadBytes, ByteReader, ByteWriter};
+use crate::codec::digest::{DIGEST_PARTS, checksum, combine_digests};
+use crate::session::state::WorldState;
+use crate::session::world::World;
+use crate::volume::bit_grid::BitGrid;
+use crate::volume::column_digest::maps_digest;
+use crate::volume::range::Range;
+use crate::volume::range_maps::{Axis, Column, RangeMaps};
+use crate::volume::row::BitSet;
+use crate::volume::size::{Grid, Size};
+
+/// First bytes of a saved world.
+const MAGIC: [u8; 4] = *b"PWLD";
+
+/// Changes with every change of what is saved.
+const VERSION: u16 = 2;
+
+impl<const N: usize> World<N>
+where
+    Grid<N>: Size,
+{
+    /// Writes the whole state, a header with a checksum and then everything that later ticks depend on,
+    /// and returns its length in bytes. If that exceeds the length of `bytes`, their contents are
+    /// unspecified.
+    #[must_use]
+    pub fn save(&self, bytes: &mut [u8]) -> usize {
+        let mut to = ByteWriter::new(bytes);
+        to.bytes(&MAGIC);
+        to.u16(VERSION);
+        to.u16(N as u16);
+        to.u64(0);
+        self.state.write(&mut to);
+        write_maps(&mut to, self.volume.maps());
+        write_maps(&mut to, &self.mask);
+        self.undo.save(&mut to);
+        self.islands.save(&mut to);
+        let len = to.len();
+        if let Some(all) = bytes.get_mut(..len) {
+            let sum = checksum(&all[HEADER..]);
+            all[HEADER - 8..HEADER].copy_from_slice(&sum.to_le_bytes());
+        }
+        len
+    }
+
+    /// Restores a saved state; digests continue as if uninterrupted. Until the next tick, every column
+    /// is dirty.
+    ///
+    /// # Errors
+    /// [`BadBytes`] for bytes that [`World::save`] didn't write for this N. A wrong checksum leaves the
+    /// world unchanged; invalid bytes with a valid checksum leave the empty world.
+    pub fn load(&mut self, bytes: &[u8]) -> Result<(), BadBytes> {
+        let mut from = ByteReader::new(bytes);
+        check_header(&mut from, N, bytes)?;
+        let done = self.load_body(&mut from);
+        if done.is_err() {
+            self.clear();
+        }
+        self.mark_all_changed();
+        done
+    }
+
+    /// Becomes the empty world, which waits for a session.
+    pub fn clear(&mut self) {
+        self.state = WorldState::new();
+        self.mask.clear();
+        self.volume.set_voxels(BitGrid::clear);
+        self.undo.clear();
+        self.islands.reset();
+        self.mark_all_changed();
+    }
+
+    fn load_body(&mut self, from: &mut ByteReader<'_>) -> Result<(), BadBytes> {
+        self.state = WorldState::read(from)?;
+        // The mask is a buffer for the volume's maps until its bit rows are built.
+        read_maps(from, &mut self.mask)?;
+        self.volume.set_maps(&self.mask);
+        if !self.volume.is_tight() {
+            return Err(from.error_here("tight ranges"));
+        }
+        read_maps(from, &mut self.mask)?;
+        let masked = !self.mask.is_empty();
+        if masked != self.state.masked || maps_digest(&self.mask) != self.state.mask_digest {
+            return Err(from.error_here("the mask that the state names"));
+        }
+        if !are_maps_tight(&self.mask) || !are_maps_within(&self.mask, self.volume.rows()) {
+            return Err(from.error_here("tight ranges of voxels that are in the volume"));
+        }
+        self.undo.load(from)?;
+        self.islands.load(from)?;
+        from.expect_end()
+    }
+
+    /// The digest of all state that later ticks depend on, combined from incrementally updated digests
+    /// of its parts; [`World::recompute_digest`] computes them from scratch. A new world and a cleared
+    /// one have the same digest.
+    #[must_use]
+    pub fn digest(&self) -> u64 {
+        combine_digests(self.part_digests().map(|(_, digest)| digest))
+    }
+
+    /// The digest, with every part computed from scratch.
+    #[must_use]
+    pub fn recompute_digest(&self) -> u64 {
+        let mut state = self.state;
+        state.mask_digest = maps_digest(&self.mask);
+        combine_digests([
+            state.digest(),
+            maps_digest(self.volume.maps()),
+            self.undo.recompute_digest(),
+            self.islands.recompute_digest(),
+        ])
+    }
+
+    /// The digests of the state's parts with their names, to find the part in which two worlds differ.
+    #[must_use]
+    pub fn part_digests(&self) -> [(&'static str, u64); DIGEST_PARTS.len()] {
+        let digests =
+            [self.state.digest(), self.volume.digest(), self.undo.digest(), self.islands.digest()];
+        core::array::from_fn(|part| (DIGEST_PARTS[part], digests[part]))
+    }
+}
+
+/// Length of the header in bytes: magic, version, N, checksum of the rest.
+const HEADER: usize = 16;
+
+fn check_header(from: &mut ByteReader<'_>, side: usize, bytes: &[u8]) -> Result<(), BadBytes> {
+    let bad = from.error_here("the magic PWLD");
+    if from.bytes(4)? != MAGIC {
+        return Err(bad);
+    }
+    let bad = from.error_here("version 2");
+    if from.u16()? != VERSION {
+        return Err(bad);
+    }
+    let bad = from.error_here("this world's size");
+    if usize::from(from.u16()?) != side {
+        return Err(bad);
+    }
+    let bad = from.error_here("the checksum of what follows");
+    if from.u64()? != checksum(&bytes[HEADER..]) {
+        return Err(bad);
+    }
+    Ok(())
+}
+
+fn are_maps_tight<const N: usize>(maps: &RangeMaps<N>) -> bool {
+    Axis::ALL.into_iter().all(|axis| {
+        (0..N).all(|line| {
+            maps.line(axis, line).iter().enumerate().all(|(place, column)| {
+                let (range, at) = (column.hull(), (line, place));
+                let end = |i| maps.contains(axis.voxel_at(at, i));
+                range.is_empty() || end(range.first()) && end(range.last())
+            })
+        })
+    })
+}
+
+fn are_maps_within<const N: usize>(maps: &RangeMaps<N>, rows: &BitGrid<N>) -> bool
+where
+    Grid<N>: Size,
+{
+    let left = |y, z| maps.occupied_among((y, z), Grid::<N>::FULL & !rows.row(y, z));
+    (0..N).all(|y| (0..N).all(|z| left(y, z).is_empty()))
+}
+
+fn write_maps<const N: usize>(to: &mut ByteWriter<'_>, maps: &RangeMaps<N>) {
+    for axis in Axis::ALL {
+        for line in 0..N {
+            let columns = maps.line(axis, line);
+            let bytes: [_; N] = array::from_fn(|place| columns[place].0.map(Range::to_bytes));
+            to.bytes(bytes.as_flattened().as_flattened());
+        }
+    }
+}
+
+fn read_maps<const N: usize>(
+    from: &mut ByteReader<'_>,
+    maps: &mut RangeMaps<N>,
+) -> Result<(), BadBytes> {
+    for axis in Axis::ALL {
+        for line in 0..N {
+            for place in 0..N {
+                let bad = from.error_here("a range within the grid");
+                let bytes = [from.u8()?, from.u8()?];
+                let range = Range::from_bytes(bytes, N).ok_or(bad)?;
+                maps.set_column(axis, (line, place), Column([range]));
+            }
+        }
+    }
+    Ok(())
+}

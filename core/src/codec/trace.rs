@@ -1,0 +1,142 @@
+//! Traces: a header, then for every tick its input and the digests it led to, at fixed widths.
+//!
+//! Little-endian. Header, [`HEADER_BYTES`] bytes: `PTRC`; u16 trace version; u16 core version (what
+//! a tick computes); u16 N; u16 zero; u32 ticks; u64 digest of the start volumes; u64 digest of the
+//! world before the first tick. Record, [`RECORD_BYTES`] bytes: the input, then the u64 digests of the
+//! world's parts after it, in the order of [`DIGEST_PARTS`].
+
+use crate::codec::bytes::{BadBytes, ByteReader, ByteWriter};
+use crate::codec::digest::{DIGEST_PARTS, combine_digests, mix_bits};
+use crate::session::input::TickInput;
+use crate::session::start_volumes::StartVolumes;
+use crate::volume::column_digest::maps_digest;
+use crate::volume::range_maps::RangeMaps;
+
+/// Length of the header in bytes.
+pub const HEADER_BYTES: usize = 32;
+
+/// Length of a record in bytes.
+pub const RECORD_BYTES: usize = TickInput::BYTES + 8 * DIGEST_PARTS.len();
+
+/// Changes with every change of the trace format.
+pub const TRACE_VERSION: u16 = 2;
+
+/// Changes with every change of what a tick computes.
+pub const CORE_VERSION: u16 = 7;
+
+/// The first bytes of a trace.
+pub const MAGIC: [u8; 4] = *b"PTRC";
+
+/// What the error for another [`TRACE_VERSION`] expects.
+pub const EXPECTED_TRACE_VERSION: &str = "trace version 2";
+
+/// What the error for another [`CORE_VERSION`] expects.
+pub const EXPECTED_CORE_VERSION: &str = "core version 7";
+
+/// The header of a trace: the world it was recorded on.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct TraceHeader {
+    /// Voxels a side.
+    pub side: u16,
+    /// Number of records, by which a truncated trace is recognised.
+    pub ticks: u32,
+    /// [`digest_start_volumes`] of the start volumes.
+    pub starts_digest: u64,
+    /// The world's digest before the first tick.
+    pub first_digest: u64,
+}
+
+/// A record of a trace: one tick.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct TickRecord {
+    /// The tick's input.
+    pub input: TickInput,
+    /// The digests of the world's parts after the tick, so that a replay can name the part that
+    /// differs.
+    pub part_digests: [u64; DIGEST_PARTS.len()],
+}
+
+impl TraceHeader {
+    /// Writes [`HEADER_BYTES`] bytes.
+    pub fn write(&self, to: &mut ByteWriter<'_>) {
+        to.bytes(&MAGIC);
+        to.u16(TRACE_VERSION);
+        to.u16(CORE_VERSION);
+        to.u16(self.side);
+        to.u16(0);
+        to.u32(self.ticks);
+        to.u64(self.starts_digest);
+        to.u64(self.first_digest);
+    }
+
+    /// Reads what [`TraceHeader::write`] wrote.
+    ///
+    /// # Errors
+    /// [`BadBytes`] for another magic, version or size, or at the end.
+    pub fn read(from: &mut ByteReader<'_>) -> Result<Self, BadBytes> {
+        let bad = from.error_here("the magic PTRC");
+        if from.bytes(4)? != MAGIC {
+            return Err(bad);
+        }
+        let bad = from.error_here(EXPECTED_TRACE_VERSION);
+        if from.u16()? != TRACE_VERSION {
+            return Err(bad);
+        }
+        let bad = from.error_here(EXPECTED_CORE_VERSION);
+        if from.u16()? != CORE_VERSION {
+            return Err(bad);
+        }
+        let bad = from.error_here("a size of 128 or 256");
+        let size = from.u16()?;
+        if size != 128 && size != 256 {
+            return Err(bad);
+        }
+        let bad = from.error_here("zero");
+        if from.u16()? != 0 {
+            return Err(bad);
+        }
+        Ok(TraceHeader {
+            side: size,
+            ticks: from.u32()?,
+            starts_digest: from.u64()?,
+            first_digest: from.u64()?,
+        })
+    }
+}
+
+impl TickRecord {
+    /// The world's digest after the tick.
+    #[must_use]
+    pub fn digest(&self) -> u64 {
+        combine_digests(self.part_digests)
+    }
+
+    /// Writes [`RECORD_BYTES`] bytes.
+    pub fn write(&self, to: &mut ByteWriter<'_>) {
+        self.input.write(to);
+        self.part_digests.iter().for_each(|digest| to.u64(*digest));
+    }
+
+    /// Reads what [`TickRecord::write`] wrote.
+    ///
+    /// # Errors
+    /// [`BadBytes`] at the end, or for an invalid input.
+    pub fn read(from: &mut ByteReader<'_>) -> Result<Self, BadBytes> {
+        let input = TickInput::read(from)?;
+        let mut parts = [0; DIGEST_PARTS.len()];
+        for digest in &mut parts {
+            *digest = from.u64()?;
+        }
+        Ok(TickRecord { input, part_digests: parts })
+    }
+}
+
+/// The digest of all start volumes, in order.
+#[must_use]
+pub fn digest_start_volumes<const N: usize>(starts: &StartVolumes<'_, N>) -> u64 {
+    let all = [Some(starts.lump), Some(starts.creative), starts.own];
+    let figures = starts.figures.iter().map(|maps| Some(*maps));
+    all.into_iter().chain(figures).fold(N as u64, |sum, maps: Option<&RangeMaps<N>>| {
+        mix_bits(sum.rotate_left(23) ^ maps.map_or(1, maps_digest))
+    })
+}

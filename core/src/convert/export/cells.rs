@@ -1,0 +1,52 @@
+//! Active cells of a row, those that the surface passes through, found a machine word at a time.
+
+use super::cases::CASES;
+use crate::volume::row::BitSet;
+
+/// The four rows of voxels at the corners of a row of cells along x: by y, then by z.
+pub(super) type CornerRows<R> = [[R; 2]; 2];
+
+/// Calls `visit(cell, case)` for every cell of the row whose corners are neither all solid nor all
+/// empty. Cell c lies between the voxels c - 1 and c; everything outside the rows is empty.
+#[inline(always)]
+pub(super) fn visit_surface_cells<R: BitSet>(
+    rows: &CornerRows<R>,
+    mut visit: impl FnMut(usize, usize),
+) {
+    // 64 voxels bound 63 cells. Corners are in the order of the case's bits: y first, then z.
+    for chunk in 0..=R::WORDS {
+        let corners = [
+            chunk_voxels(&rows[0][0], chunk),
+            chunk_voxels(&rows[1][0], chunk),
+            chunk_voxels(&rows[0][1], chunk),
+            chunk_voxels(&rows[1][1], chunk),
+        ];
+        let any = corners[0] | corners[1] | corners[2] | corners[3];
+        let all = corners[0] & corners[1] & corners[2] & corners[3];
+        let mut left = (any | any >> 1) & !(all & all >> 1) & (!0 >> 1);
+        while left != 0 {
+            let cell = left.trailing_zeros();
+            left &= left - 1;
+            let ends = |edge: usize| (corners[edge] >> cell & 3) << (2 * edge);
+            visit(CHUNK * chunk + cell as usize, (ends(0) | ends(1) | ends(2) | ends(3)) as usize);
+        }
+    }
+}
+
+/// Cells of a chunk.
+const CHUNK: usize = 63;
+
+/// The voxels around the cells of a chunk: bit 0 is voxel `CHUNK * chunk - 1`.
+#[inline(always)]
+fn chunk_voxels<R: BitSet>(row: &R, chunk: usize) -> u64 {
+    let low = if chunk > 0 { row.word(chunk - 1) >> (CHUNK - chunk) } else { 0 };
+    let high = if chunk < R::WORDS { row.word(chunk) << (chunk + 1) } else { 0 };
+    low | high
+}
+
+/// The number of triangles in a row of cells.
+pub(super) fn count_triangles<R: BitSet>(rows: &CornerRows<R>) -> u32 {
+    let mut count = 0;
+    visit_surface_cells(rows, |_, case| count += u32::from(CASES[case].count));
+    count
+}

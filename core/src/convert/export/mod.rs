@@ -1,0 +1,388 @@
+//! Export: marching cubes over the supported voxels, Laplacian smoothing, and binary STL as a stream,
+//! slab by slab.
+//!
+//! Source: section 3.6 of the paper. Samples are voxel centres, and everything outside the grid is
+//! empty, so the surface is closed. Its vertices lie halfway between solid and empty centres (Lorensen
+//! and Cline, 1987) and are smoothed by two Laplacian iterations of factor one half.
+//!
+//! The model is in millimetres, z up: the grid's x, y and z become x, z and -y. Its lowest vertex is at
+//! z = 0, and its bounding box is centred over the origin.
+
+mod cases;
+mod cells;
+mod faces;
+mod smooth;
+mod stl;
+mod support;
+mod walk;
+
+use crate::volume::bit_grid::BitGrid;
+use crate::volume::range_maps::{RangeMaps, RowAddress};
+use crate::volume::row::BitSet;
+use crate::volume::size::{Grid, Size};
+use cells::CornerRows;
+use core::ops::RangeInclusive;
+use smooth::VertexSmoother;
+use stl::StlPoint;
+use support::SupportSearch;
+use walk::{CellWalk, ClosedBounds, WalkStep};
+
+/// The heights that a model may have: 0.1 to 100,000 mm, ends included.
+pub const HEIGHT_RANGE_MM: RangeInclusive<f32> = 0.1..=100_000.0;
+
+/// A height outside [`HEIGHT_RANGE_MM`], or NaN.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct HeightOutOfRange(pub f32);
+
+/// The phase of an export, in the order in which they follow each other.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+#[repr(u8)]
+pub enum ExportPhase {
+    /// Waits for [`Exporter::start_export`].
+    Idle = 0,
+    /// Finds the supported voxels.
+    Supporting,
+    /// Finds their bounding box.
+    Bounding,
+    /// Counts triangles and finds the bounds of the smoothed vertices.
+    Measuring,
+    /// Writes the header.
+    Heading,
+    /// Writes triangles.
+    Writing,
+    /// The file is complete.
+    Done,
+}
+
+/// The result of a call of [`Exporter::advance_export`].
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[must_use = "the bytes written must be taken out of the buffer"]
+pub struct ExportProgress {
+    /// Bytes written to the front of the buffer. The bytes of all calls, concatenated, are the file.
+    pub written: usize,
+    /// The phase of the next call.
+    pub phase: ExportPhase,
+}
+
+/// Writes a volume as a binary STL file of 84 + 50 x triangles bytes, a bounded piece of work at a time. All
+/// zero bytes when idle.
+///
+/// Coordinates are in millimetres with z up: the grid's y becomes z, the lowest vertex lies at z = 0, and
+/// the model is centred in x and y.
+///
+/// The file holds the *supported* voxels: those that are six-connected inside the volume to its ground
+/// layer y = 0 or to the mask. Where there is neither, it holds the largest six-connected component
+/// (of equal ones, the first in the order of y, z, x).
+pub struct Exporter<const N: usize>
+where
+    Grid<N>: Size,
+{
+    support: SupportSearch<N>,
+    smooth: VertexSmoother<N>,
+    /// Smoothed vertices in STL axes around the current row of cells: by y, z modulo 2, x and face.
+    window: [[[[StlPoint; 6]; N]; 2]; 2],
+    /// First and last occupied x, y and z.
+    voxels: ClosedBounds,
+    /// As masks of a row: the first and last x of [`Self::voxels`], and the same with their neighbours.
+    rims: [<Grid<N> as Size>::Row; 2],
+    /// The smoothed vertices' bounds in 1/128 voxel.
+    vertices: ClosedBounds,
+    triangles: u32,
+    height_mm: f32,
+    /// Millimetres per vertex unit, 1/128 voxel.
+    scale: f32,
+    walk: CellWalk,
+    /// The next layer for [`Self::bound_layer`].
+    layer: u32,
+    phase: ExportPhase,
+}
+
+impl<const N: usize> Exporter<N>
+where
+    Grid<N>: Size,
+{
+    /// With a buffer of this many bytes, [`Exporter::advance_export`] always makes progress: the
+    /// triangles of one row of cells, at worst. 32 KB at 128.
+    pub const MIN_BUFFER: usize = (N + 1) * cases::MAX_CELL_TRIANGLES * stl::TRIANGLE_BYTES;
+
+    /// Idle. For a `static`, as [`World::new`](crate::World::new).
+    #[must_use]
+    #[allow(clippy::new_without_default)] // a Default would hand the exporter about by value
+    pub const fn new() -> Self {
+        Exporter {
+            support: SupportSearch::new(),
+            smooth: VertexSmoother::new(),
+            window: [[[[[0.0; 4]; 6]; N]; 2]; 2],
+            voxels: ClosedBounds::ZERO,
+            rims: [<Grid<N> as Size>::Row::EMPTY; 2],
+            vertices: ClosedBounds::ZERO,
+            triangles: 0,
+            height_mm: 0.0,
+            scale: 0.0,
+            walk: CellWalk::new(),
+            layer: 0,
+            phase: ExportPhase::Idle,
+        }
+    }
+
+    /// Starts a file, discarding an unfinished one. The smoothed model will be `height_mm` high, from
+    /// its lowest vertex to its highest.
+    ///
+    /// # Errors
+    /// A height outside [`HEIGHT_RANGE_MM`]; the exporter is unchanged.
+    pub fn start_export(&mut self, height_mm: f32) -> Result<(), HeightOutOfRange> {
+        if !HEIGHT_RANGE_MM.contains(&height_mm) {
+            return Err(HeightOutOfRange(height_mm));
+        }
+        self.support.restart();
+        self.voxels = ClosedBounds::NONE;
+        self.vertices = ClosedBounds::NONE;
+        (self.triangles, self.layer) = (0, 0);
+        self.height_mm = height_mm;
+        self.phase = ExportPhase::Supporting;
+        Ok(())
+    }
+
+    /// Does at most `budget` units of work, writing to the front of `out`. A unit is a row visited, or
+    /// a layer searched for its bounds.
+    ///
+    /// `rows` is the volume and `mask` its mask (empty for none); neither may change from start to
+    /// end. Returns early when `out` has no room for the next piece. It never does so without progress
+    /// when `out` has [`Exporter::MIN_BUFFER`] bytes or room for the whole file. The bytes of the file
+    /// don't depend on budgets and buffers.
+    pub fn advance_export(
+        &mut self,
+        rows: &BitGrid<N>,
+        mask: &RangeMaps<N>,
+        mut budget: u32,
+        out: &mut [u8],
+    ) -> ExportProgress {
+        let mut written = 0;
+        while budget > 0 {
+            match self.phase {
+                ExportPhase::Supporting => {
+                    if self.support.visit_rows(rows, mask, &mut budget) {
+                        self.phase = ExportPhase::Bounding;
+                    }
+                    continue;
+                }
+                ExportPhase::Bounding => self.bound_layer(),
+                ExportPhase::Measuring => self.measure_step(),
+                ExportPhase::Heading | ExportPhase::Writing => {
+                    let Some(len) = self.write_step(&mut out[written..]) else { break };
+                    written += len;
+                }
+                ExportPhase::Idle | ExportPhase::Done => break,
+            }
+            budget -= 1;
+        }
+        ExportProgress { written, phase: self.phase }
+    }
+
+    /// The number of triangles, known from [`ExportPhase::Heading`] on. An empty volume has zero.
+    #[must_use]
+    pub fn triangles(&self) -> Option<u32> {
+        (self.phase >= ExportPhase::Heading).then_some(self.triangles)
+    }
+
+    /// The length of the whole file in bytes, known from [`ExportPhase::Heading`] on.
+    #[must_use]
+    pub fn file_len(&self) -> Option<u64> {
+        let triangles = u64::from(self.triangles()?);
+        Some(stl::HEADER_BYTES as u64 + triangles * stl::TRIANGLE_BYTES as u64)
+    }
+
+    /// Adds the next layer to the voxels' bounds.
+    fn bound_layer(&mut self) {
+        let y = self.layer as usize;
+        let mut all = <Grid<N> as Size>::Row::EMPTY;
+        for (z, row) in self.support.supported().layer(y).iter().enumerate() {
+            if !row.is_empty() {
+                all |= *row;
+                self.voxels.include_on_axis(1, y as i32);
+                self.voxels.include_on_axis(2, z as i32);
+            }
+        }
+        if let (Some(first), Some(last)) = (all.first(), all.last()) {
+            self.voxels.include_on_axis(0, first as i32);
+            self.voxels.include_on_axis(0, last as i32);
+        }
+        self.layer += 1;
+        if self.layer == N as u32 {
+            if !self.voxels.is_empty() {
+                let [first, last] = [self.voxels.lo[0] as usize, self.voxels.hi[0] as usize];
+                let span = <Grid<N> as Size>::Row::span;
+                self.rims[0] = span(first, first) | span(last, last);
+                self.rims[1] =
+                    (self.rims[0].shifted_up() | self.rims[0] | self.rims[0].shifted_down())
+                        & Grid::<N>::FULL;
+            }
+            self.begin_walk(ExportPhase::Measuring, ExportPhase::Heading);
+        }
+    }
+
+    /// Counts the triangles and bounds the vertices of the walk's current step. Smoothing moves no
+    /// vertex by more than half a voxel, so the outermost voxels' vertices have the bounds.
+    fn measure_step(&mut self) {
+        let solid = self.support.supported();
+        match self.walk.current_step() {
+            WalkStep::Voxels(y, z) => {
+                self.smooth.encode_row(solid, (y, z), self.rim_bits((y, z), 1));
+            }
+            WalkStep::Cells(y, z) => {
+                self.triangles += cells::count_triangles(&self.corner_rows((y, z)));
+                if y < N && z < N {
+                    let (rim, bounds) = (self.rim_bits((y, z), 0), &mut self.vertices);
+                    self.smooth.visit_vertices(
+                        solid,
+                        (y, z),
+                        rim,
+                        &[0, 1, 2, 3, 4, 5],
+                        |_, _, position| {
+                            bounds.include_point(position);
+                        },
+                    );
+                }
+            }
+        }
+        if !self.walk.move_next(&self.voxels) {
+            self.phase = ExportPhase::Heading;
+            self.scale = self.height_mm / (self.vertices.hi[1] - self.vertices.lo[1]) as f32;
+        }
+    }
+
+    /// The voxels of row (y, z) within `margin`, 0 or 1, of a face of the bounds of all voxels.
+    fn rim_bits(&self, (y, z): RowAddress, margin: usize) -> <Grid<N> as Size>::Row {
+        let ClosedBounds { lo, hi } = self.voxels;
+        let near =
+            |axis: usize, at: i32| at - lo[axis] <= margin as i32 || hi[axis] - at <= margin as i32;
+        if near(1, y as i32) || near(2, z as i32) { Grid::<N>::FULL } else { self.rims[margin] }
+    }
+
+    /// Writes the header or the triangles of the walk's current step, and returns their bytes; `None`
+    /// if `out` has no room for them.
+    fn write_step(&mut self, out: &mut [u8]) -> Option<usize> {
+        if self.phase == ExportPhase::Heading {
+            out.get_mut(..stl::HEADER_BYTES)?.copy_from_slice(&stl::header_bytes(self.triangles));
+            self.begin_walk(ExportPhase::Writing, ExportPhase::Done);
+            return Some(stl::HEADER_BYTES);
+        }
+        let mut written = 0;
+        match self.walk.current_step() {
+            WalkStep::Voxels(y, z) => {
+                self.smooth.encode_row(self.support.supported(), (y, z), Grid::<N>::FULL);
+            }
+            WalkStep::Cells(y, z) => {
+                let edges = self.corner_rows((y, z));
+                if out.len() < Self::MIN_BUFFER
+                    && out.len() < cells::count_triangles(&edges) as usize * stl::TRIANGLE_BYTES
+                {
+                    return None;
+                }
+                self.fill_window(y, z);
+                written = self.write_row_triangles(&edges, z, out);
+            }
+        }
+        if !self.walk.move_next(&self.voxels) {
+            self.phase = ExportPhase::Done;
+        }
+        Some(written)
+    }
+
+    /// Writes the smoothed vertices of the rows (y - 1, z) and (y, z) to the window, translated to the
+    /// model's origin.
+    fn fill_window(&mut self, y: usize, z: usize) {
+        let ClosedBounds { lo, hi } = self.vertices;
+        // Halves at most: all of this is exact.
+        let [x_middle, z_middle] = [0, 2].map(|axis| (lo[axis] + hi[axis]) as f32 / 2.0);
+        for (above, window) in self.window.iter_mut().enumerate() {
+            let y = (y + above).wrapping_sub(1);
+            if y >= N || z >= N {
+                continue;
+            }
+            let window = &mut window[z % 2];
+            // The cells of the slab have no vertices on its outward faces.
+            let faces = if above == 0 { &[0, 1, 2, 4, 5] } else { &[0, 1, 3, 4, 5] };
+            let solid = self.support.supported();
+            self.smooth.visit_vertices(
+                solid,
+                (y, z),
+                Grid::<N>::FULL,
+                faces,
+                |voxel, face, [x, y, z]| {
+                    window[voxel][face] =
+                        [x as f32 - x_middle, z_middle - z as f32, (y - lo[1]) as f32, 0.0];
+                },
+            );
+        }
+    }
+
+    /// Writes the triangles of a row of cells, and returns their bytes.
+    fn write_row_triangles(
+        &self,
+        edges: &CornerRows<<Grid<N> as Size>::Row>,
+        z: usize,
+        out: &mut [u8],
+    ) -> usize {
+        let window = self.window.as_flattened().as_flattened().as_flattened();
+        let places = &Self::WINDOW_OFFSETS[z % 2];
+        let (records, _) = out.as_chunks_mut::<{ stl::TRIANGLE_BYTES }>();
+        let mut records = records.iter_mut();
+        let mut count = 0;
+        cells::visit_surface_cells(edges, |cell, case| {
+            let case = &cases::CASES[case];
+            for (triangle, record) in case.triangles[..case.count as usize].iter().zip(&mut records)
+            {
+                let corner =
+                    |i: usize| window[places[triangle[i] as usize % 32].wrapping_add(cell * 6)];
+                stl::write_triangle([corner(0), corner(1), corner(2)], self.scale, record);
+            }
+            count += usize::from(case.count);
+        });
+        count * stl::TRIANGLE_BYTES
+    }
+
+    /// The rows around the cells between the layers y - 1 and y and the rows z - 1 and z.
+    fn corner_rows(&self, (y, z): RowAddress) -> CornerRows<<Grid<N> as Size>::Row> {
+        let found = self.support.supported();
+        let mut edges = [[<Grid<N> as Size>::Row::EMPTY; 2]; 2];
+        for (above, edges) in edges.iter_mut().enumerate() {
+            let y = (y + above).wrapping_sub(1);
+            if y < N {
+                for (before, edge) in edges.iter_mut().enumerate() {
+                    let z = (z + before).wrapping_sub(1);
+                    if z < N {
+                        *edge = found.row(y, z);
+                    }
+                }
+            }
+        }
+        edges
+    }
+
+    /// By z modulo 2 of the voxel after a cell, and by [`cases::CellVertex`]: the vertex's offset in
+    /// the window from that voxel's first face.
+    const WINDOW_OFFSETS: [[usize; 32]; 2] = {
+        let mut places = [[0; 32]; 2];
+        let mut i = 0;
+        while i < 2 * cases::CELL_VERTICES {
+            let (odd, vertex) = (i / cases::CELL_VERTICES, i % cases::CELL_VERTICES);
+            let (corner, face) = cases::corner_face(vertex as u8);
+            let (i_x, j, k) = (corner & 1, corner >> 1 & 1, corner >> 2);
+            let row = 2 * j + (odd + k + 1) % 2;
+            places[odd][vertex] = ((row * N + i_x) * 6 + face).wrapping_sub(6);
+            i += 1;
+        }
+        places
+    };
+
+    /// Starts a walk through the layers in the given phase; without any voxels, skips to `phase_if_empty`.
+    fn begin_walk(&mut self, phase: ExportPhase, phase_if_empty: ExportPhase) {
+        if self.voxels.is_empty() {
+            self.phase = phase_if_empty;
+        } else {
+            self.walk.restart(&self.voxels);
+            self.phase = phase;
+        }
+    }
+}

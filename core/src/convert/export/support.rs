@@ -1,0 +1,199 @@
+//! Flood fill over bit rows with a queue of rows: the supported voxels of a volume, those that hold
+//! together in print.
+
+use crate::volume::bit_grid::BitGrid;
+use crate::volume::range_maps::{RangeMaps, RowAddress};
+use crate::volume::row::BitSet;
+use crate::volume::size::{Grid, Size};
+
+/// The phase of the search.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[repr(u8)]
+enum SupportPhase {
+    /// Not started.
+    Idle,
+    /// Seeds with ground and mask voxels, row by row.
+    Seed,
+    /// Floods from the seeds.
+    Flood,
+    /// Without seeds: looks for the next component not yet flooded.
+    Part,
+    /// Floods that component and counts its voxels.
+    Count,
+    /// Floods the largest component again, alone.
+    Largest,
+    /// The supported voxels are found.
+    Done,
+}
+
+/// A connected component of the volume: one of its voxels, and their number.
+#[derive(Clone, Copy)]
+struct SolidPart {
+    size: u32,
+    voxel: [u8; 3],
+}
+
+/// The search, its result and its queue.
+pub(super) struct SupportSearch<const N: usize>
+where
+    Grid<N>: Size,
+{
+    /// The voxels reached.
+    found: BitGrid<N>,
+    /// Rows to spread from, `y N + z`, as a ring buffer that starts at `head`.
+    queue: [[u16; N]; N],
+    head: u32,
+    queued: u32,
+    /// Bit z of element y: whether row (y, z) is in the queue.
+    is_queued: [<Grid<N> as Size>::Row; N],
+    /// The next row of the phases that go through all rows.
+    next: u32,
+    part: SolidPart,
+    largest: SolidPart,
+    phase: SupportPhase,
+}
+
+impl<const N: usize> SupportSearch<N>
+where
+    Grid<N>: Size,
+{
+    /// Idle. For static initialisers only.
+    pub(super) const fn new() -> Self {
+        SupportSearch {
+            found: BitGrid::new(),
+            queue: [[0; N]; N],
+            head: 0,
+            queued: 0,
+            is_queued: [<Grid<N> as Size>::Row::EMPTY; N],
+            next: 0,
+            part: SolidPart { size: 0, voxel: [0; 3] },
+            largest: SolidPart { size: 0, voxel: [0; 3] },
+            phase: SupportPhase::Idle,
+        }
+    }
+
+    /// Starts a new search.
+    pub(super) fn restart(&mut self) {
+        self.found.clear();
+        (self.head, self.queued, self.next) = (0, 0, 0);
+        self.is_queued.fill(<Grid<N> as Size>::Row::EMPTY);
+        self.largest = SolidPart { size: 0, voxel: [0; 3] };
+        self.phase = SupportPhase::Seed;
+    }
+
+    /// The supported voxels; complete once [`SupportSearch::visit_rows`] has returned true.
+    pub(super) fn supported(&self) -> &BitGrid<N> {
+        &self.found
+    }
+
+    /// Visits rows, each of which takes one from `budget`; true when the search is done.
+    pub(super) fn visit_rows(
+        &mut self,
+        rows: &BitGrid<N>,
+        mask: &RangeMaps<N>,
+        budget: &mut u32,
+    ) -> bool {
+        while *budget > 0 && self.phase != SupportPhase::Done {
+            *budget -= 1;
+            self.phase = match self.phase {
+                SupportPhase::Seed => self.seed_row(rows, mask),
+                SupportPhase::Flood => self.flood_row(rows, SupportPhase::Done),
+                SupportPhase::Part => self.find_next_part(rows),
+                SupportPhase::Count => self.flood_row(rows, SupportPhase::Part),
+                SupportPhase::Largest => self.flood_row(rows, SupportPhase::Done),
+                SupportPhase::Idle | SupportPhase::Done => return false,
+            };
+            if self.phase == SupportPhase::Part && self.part.size > self.largest.size {
+                self.largest = self.part;
+            }
+        }
+        self.phase == SupportPhase::Done
+    }
+
+    /// Seeds the flood with the ground and mask voxels of the next row.
+    fn seed_row(&mut self, rows: &BitGrid<N>, mask: &RangeMaps<N>) -> SupportPhase {
+        let (y, z) = self.take_next_row();
+        let row = rows.row(y, z);
+        let seeds = if y == 0 { row } else { mask.occupied_among((y, z), row) };
+        self.reach_runs(rows, (y, z), seeds);
+        // Without a mask the ground layer has all the seeds.
+        if self.next < (N * N) as u32 && !(self.next == N as u32 && mask.is_empty()) {
+            return SupportPhase::Seed;
+        }
+        self.next = 0;
+        self.part.size = 0;
+        if self.queued > 0 { SupportPhase::Flood } else { SupportPhase::Part }
+    }
+
+    /// Spreads from the row at the head of the queue; with an empty queue, goes on to `next_phase`.
+    fn flood_row(&mut self, rows: &BitGrid<N>, next_phase: SupportPhase) -> SupportPhase {
+        if self.queued == 0 {
+            return next_phase;
+        }
+        let row_index = self.queue.as_flattened()[self.head as usize] as usize;
+        self.head = (self.head + 1) % (N * N) as u32;
+        self.queued -= 1;
+        let (y, z) = (row_index / N, row_index % N);
+        self.is_queued[y].toggle(z);
+        let row = self.found.row(y, z);
+        for near in [(y.wrapping_sub(1), z), (y + 1, z), (y, z.wrapping_sub(1)), (y, z + 1)] {
+            if near.0 < N && near.1 < N {
+                self.reach_runs(rows, near, row);
+            }
+        }
+        self.phase
+    }
+
+    /// Adds the runs of row (y, z) that contain a voxel of `seeds`, and queues the row if it changed.
+    #[inline]
+    fn reach_runs(&mut self, rows: &BitGrid<N>, (y, z): RowAddress, seeds: <Grid<N> as Size>::Row) {
+        let (row, found) = (rows.row(y, z), self.found.row(y, z));
+        let new = seeds & row & !found;
+        if new.is_empty() {
+            return;
+        }
+        let new = row.flood_from(new);
+        if matches!(self.phase, SupportPhase::Part | SupportPhase::Count) {
+            self.part.size += new.count_ones();
+        }
+        *self.found.row_mut(y, z) = found | new;
+        if !self.is_queued[y].contains(z) {
+            self.is_queued[y].insert(z);
+            let tail = (self.head + self.queued) as usize % (N * N);
+            self.queue.as_flattened_mut()[tail] = (y * N + z) as u16;
+            self.queued += 1;
+        }
+    }
+
+    /// Starts the next component in the order of the rows; after the last, the largest one again.
+    fn find_next_part(&mut self, rows: &BitGrid<N>) -> SupportPhase {
+        if self.next == (N * N) as u32 {
+            return self.flood_largest_part(rows);
+        }
+        let (y, z) = self.take_next_row();
+        let Some(x) = (rows.row(y, z) & !self.found.row(y, z)).first() else {
+            return SupportPhase::Part;
+        };
+        // This row may hold another component.
+        self.next -= 1;
+        self.part = SolidPart { size: 0, voxel: [x, y, z].map(|c| c as u8) };
+        self.reach_runs(rows, (y, z), <Grid<N> as Size>::Row::span(x, x));
+        SupportPhase::Count
+    }
+
+    fn flood_largest_part(&mut self, rows: &BitGrid<N>) -> SupportPhase {
+        self.found.clear();
+        if self.largest.size == 0 {
+            return SupportPhase::Done;
+        }
+        let [x, y, z] = self.largest.voxel.map(usize::from);
+        self.reach_runs(rows, (y, z), <Grid<N> as Size>::Row::span(x, x));
+        SupportPhase::Largest
+    }
+
+    fn take_next_row(&mut self) -> RowAddress {
+        let row_index = self.next as usize;
+        self.next += 1;
+        (row_index / N, row_index % N)
+    }
+}

@@ -1,0 +1,9 @@
+//! Conversion between volumes and meshes: voxelization ([`bake`]) and surface extraction for printing
+//! ([`export`]).
+//!
+//! Takes triangles, or a volume with its mask and a buffer; gives a volume, or the bytes of an STL file,
+//! a bounded piece of work at a time.
+//! Doesn't know mesh files, edits, sessions or disks.
+
+pub(crate) mod bake;
+pub(crate) mod export;

@@ -1,0 +1,335 @@
+//! Brushes: unions of convex pieces, rasterised row by row as voxel intervals in integer arithmetic.
+//!
+//! A voxel is in a brush when its centre is, boundary included. Source: section 3 of the paper
+//! (spherical and rectangular cutters), swept here along the tool's path.
+
+mod capsule;
+mod swept_box;
+
+use glam::{I64Vec3, IVec3};
+use heapless::Vec;
+
+use crate::edit::pose::{Pose, SUBUNITS_PER_VOXEL};
+use crate::limits::SWEEP_PIECES;
+use crate::volume::row::BitSet;
+use crate::volume::size::{Grid, Size};
+
+pub(crate) use capsule::Capsule;
+use swept_box::BoxLayer;
+pub(crate) use swept_box::SweptBox;
+
+/// A convex part of a brush.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[expect(clippy::large_enum_variant, reason = "there is no heap to box the larger on")]
+pub enum BrushPiece {
+    /// A swept sphere.
+    Capsule(Capsule),
+    /// A swept oriented box.
+    Box(SweptBox),
+}
+
+/// The slice of a piece at one y.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BrushLayer<'a>(LayerShape<'a>);
+
+#[derive(Clone, Copy, Debug)]
+enum LayerShape<'a> {
+    Sphere(&'a Capsule, i64),
+    Capsule(&'a Capsule, i64),
+    Box(BoxLayer<'a>),
+}
+
+/// Axis-aligned bounding box of a brush in voxels, both ends included.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct BrushBounds {
+    /// First voxel along x, y, z.
+    pub lo: [usize; 3],
+    /// Last voxel along x, y, z.
+    pub hi: [usize; 3],
+}
+
+/// The set of points that an edit is about: a union of convex pieces, stored in compact form.
+///
+/// Lengths and centres are in fixed point, [`SUBUNITS_PER_VOXEL`] to a voxel: `30 * SUBUNITS_PER_VOXEL` is 30
+/// voxels, and the top face of the grid lies at y = `N * SUBUNITS_PER_VOXEL`. A [`Pose`] is in voxels.
+///
+/// Coordinates are clamped to 8,192 voxels from the grid's corner, negative radii and half extents to
+/// 0. Products of two lengths then never overflow.
+#[derive(Clone, Debug)]
+pub struct Brush(BrushShape);
+
+#[derive(Clone, Debug)]
+#[expect(clippy::large_enum_variant, reason = "there is no heap to box the larger on")]
+enum BrushShape {
+    One(BrushPiece),
+    Sweep { half: IVec3, from: Pose, to: Pose, turns: usize },
+}
+
+/// The computed pieces of a brush, a cache for many row queries.
+#[derive(Debug)]
+pub struct BrushPieces(Vec<BrushPiece, SWEEP_PIECES, u8>);
+
+impl Brush {
+    /// A sphere; centre and radius in fixed point.
+    #[must_use]
+    pub fn sphere(centre: IVec3, radius: i32) -> Self {
+        BrushPiece::sphere(centre, radius).into()
+    }
+
+    /// A sphere swept from `a` to `b`, in fixed point.
+    #[must_use]
+    pub fn capsule(a: IVec3, b: IVec3, radius: i32) -> Self {
+        BrushPiece::capsule(a, b, radius).into()
+    }
+
+    /// A box of half extents `half` (fixed point) about a pose.
+    #[must_use]
+    pub fn oriented_box(half: IVec3, pose: &Pose) -> Self {
+        BrushPiece::oriented_box(half, pose).into()
+    }
+
+    /// A box swept from one pose to another. The rotation is divided into sub-steps in which no corner
+    /// moves more than one voxel. Each piece is a box of constant rotation, that of a sub-step's
+    /// boundary, translated from half a sub-step before to half a sub-step after. At most
+    /// [`SWEEP_PIECES`], enough for half a turn of the largest bit.
+    #[must_use]
+    pub fn swept_box(half: IVec3, from: &Pose, to: &Pose) -> Self {
+        if from.fixed_axes() == to.fixed_axes() {
+            let piece = SweptBox::new(half, to, from.fixed_position());
+            return BrushPiece::Box(piece).into();
+        }
+        let corner = half.as_vec3().length() / SUBUNITS_PER_VOXEL as f32;
+        let turns = libm::ceilf(corner * from.angle_to(to)) as usize;
+        let turns = turns.clamp(1, SWEEP_PIECES - 1);
+        Brush(BrushShape::Sweep { half, from: *from, to: *to, turns })
+    }
+
+    /// Its convex pieces, computed lazily; at most [`SWEEP_PIECES`].
+    pub fn pieces(&self) -> impl ExactSizeIterator<Item = BrushPiece> + '_ {
+        let last = match self.0 {
+            BrushShape::One(_) => 0,
+            BrushShape::Sweep { turns, .. } => turns,
+        };
+        (0..last + 1).map(|i| match &self.0 {
+            BrushShape::One(piece) => *piece,
+            BrushShape::Sweep { half, from, to, turns } => {
+                let at = |halves: usize| from.interpolate(to, halves as f32 / (2 * turns) as f32);
+                let start = at((2 * i).max(1) - 1);
+                let start = if i == 0 { from } else { &start };
+                let end = Pose { position: at(2 * i + 1).position, ..at(2 * i) };
+                BrushPiece::Box(SweptBox::new(*half, &end, start.fixed_position()))
+            }
+        })
+    }
+
+    /// The voxels of a grid `side` voxels wide that it may hold; `None` if it lies outside.
+    #[must_use]
+    pub fn bounds(&self, side: usize) -> Option<BrushBounds> {
+        self.pieces().filter_map(|piece| piece.bounds(side)).reduce(BrushBounds::union)
+    }
+
+    /// The voxels of row (y, z). [`BrushPieces`] are faster for many rows of a sweep.
+    #[must_use]
+    #[inline]
+    pub fn row_bits<const N: usize>(&self, y: usize, z: usize) -> <Grid<N> as Size>::Row
+    where
+        Grid<N>: Size,
+    {
+        self.pieces()
+            .filter_map(|piece| piece.row_span(y, z, N))
+            .fold(<Grid<N> as Size>::Row::EMPTY, |row, (lo, hi)| row | BitSet::span(lo, hi))
+    }
+}
+
+impl From<BrushPiece> for Brush {
+    fn from(piece: BrushPiece) -> Self {
+        Brush(BrushShape::One(piece))
+    }
+}
+
+impl BrushBounds {
+    fn union(self, other: Self) -> Self {
+        BrushBounds {
+            lo: core::array::from_fn(|i| self.lo[i].min(other.lo[i])),
+            hi: core::array::from_fn(|i| self.hi[i].max(other.hi[i])),
+        }
+    }
+}
+
+impl BrushPieces {
+    /// No pieces. For static initialisers only.
+    #[must_use]
+    #[allow(clippy::new_without_default)] // a Default would hand the pieces about by value
+    pub const fn new() -> Self {
+        BrushPieces(Vec::new())
+    }
+
+    /// Computes the pieces of a brush. Returns its bounds in a grid `side` voxels wide.
+    pub fn set_brush(&mut self, brush: &Brush, side: usize) -> Option<BrushBounds> {
+        self.0.clear();
+        for piece in brush.pieces() {
+            // Cannot fail: no brush has more.
+            let _ = self.0.push(piece);
+        }
+        self.0.iter().filter_map(|piece| piece.bounds(side)).reduce(BrushBounds::union)
+    }
+
+    /// Tells the intervals of voxels, first and last, that make up layer `y` of a grid `side` voxels wide, each
+    /// with the z of its row; piece by piece.
+    #[inline]
+    pub fn for_each_span(
+        &self,
+        y: usize,
+        side: usize,
+        mut tell: impl FnMut(usize, (usize, usize)),
+    ) {
+        for piece in &self.0 {
+            let layer = piece.layer(y);
+            let Some((first, last)) = layer.row_range(side) else {
+                continue;
+            };
+            for z in first..last + 1 {
+                if let Some(span) = layer.voxel_span(z, side) {
+                    tell(z, span);
+                }
+            }
+        }
+    }
+}
+
+impl BrushPiece {
+    /// A sphere; centre and radius in fixed point.
+    #[must_use]
+    pub fn sphere(centre: IVec3, radius: i32) -> Self {
+        Self::capsule(centre, centre, radius)
+    }
+
+    /// A box of half extents `half` (fixed point) about a pose.
+    #[must_use]
+    pub fn oriented_box(half: IVec3, pose: &Pose) -> Self {
+        BrushPiece::Box(SweptBox::new(half, pose, pose.fixed_position()))
+    }
+
+    fn capsule(a: IVec3, b: IVec3, radius: i32) -> Self {
+        let radius = i64::from(radius.clamp(0, FAR));
+        BrushPiece::Capsule(Capsule {
+            a: clamp_point(a),
+            b: clamp_point(b),
+            radius_squared: radius * radius,
+        })
+    }
+
+    /// The voxels of a grid `side` voxels wide that it may hold; `None` if it lies outside.
+    #[must_use]
+    pub fn bounds(&self, side: usize) -> Option<BrushBounds> {
+        let (lo, hi) = match self {
+            BrushPiece::Capsule(c) => {
+                let r = I64Vec3::splat(isqrt(c.radius_squared));
+                (c.a.min(c.b).as_i64vec3() - r, c.a.max(c.b).as_i64vec3() + r)
+            }
+            BrushPiece::Box(b) => {
+                let middle = b.middle.div_euclid(IVec3::splat(2));
+                ((middle - b.reach).as_i64vec3(), (middle + b.reach + IVec3::ONE).as_i64vec3())
+            }
+        };
+        let mut bounds = BrushBounds { lo: [0; 3], hi: [0; 3] };
+        for i in 0..3 {
+            let (lo, hi) = voxels_between(lo[i], hi[i], side)?;
+            (bounds.lo[i], bounds.hi[i]) = (lo, hi);
+        }
+        Some(bounds)
+    }
+
+    /// Bounding ball of a swept sphere, whose rows are faster to compute; `None` for other pieces.
+    #[must_use]
+    pub(crate) fn bounding_ball(&self) -> Option<BrushPiece> {
+        match self {
+            BrushPiece::Capsule(c) if c.a != c.b => {
+                let path = (c.b - c.a).as_i64vec3();
+                // Both roots are rounded down, and so is the middle.
+                let radius = isqrt(c.radius_squared) + isqrt(path.dot(path)) / 2 + 4;
+                let middle = ((c.a.as_i64vec3() + c.b.as_i64vec3()) / 2).as_ivec3();
+                let radius_squared = radius * radius;
+                Some(BrushPiece::Capsule(Capsule { a: middle, b: middle, radius_squared }))
+            }
+            _ => None,
+        }
+    }
+
+    /// Its slice at layer `y`, which shares work between the rows of the layer.
+    #[must_use]
+    #[inline]
+    pub(crate) fn layer(&self, y: usize) -> BrushLayer<'_> {
+        BrushLayer(match self {
+            BrushPiece::Capsule(c) if c.a == c.b => LayerShape::Sphere(c, voxel_centre(y)),
+            BrushPiece::Capsule(c) => LayerShape::Capsule(c, voxel_centre(y)),
+            BrushPiece::Box(b) => LayerShape::Box(b.layer(voxel_centre(y))),
+        })
+    }
+
+    /// The interval of voxels of row (y, z) of a grid `side` voxels wide whose centres are inside.
+    #[must_use]
+    #[inline]
+    pub fn row_span(&self, y: usize, z: usize, side: usize) -> Option<(usize, usize)> {
+        self.layer(y).voxel_span(z, side)
+    }
+}
+
+impl BrushLayer<'_> {
+    /// The rows of a grid `side` voxels wide that it may hold voxels of, first and last by their z; fewer than
+    /// the piece's bounds tell where it is round or stands askew.
+    #[must_use]
+    #[inline]
+    pub(crate) fn row_range(&self, side: usize) -> Option<(usize, usize)> {
+        match &self.0 {
+            LayerShape::Sphere(c, y) => c.sphere_row_range(*y, side),
+            LayerShape::Capsule(c, y) => c.row_range(*y, side),
+            LayerShape::Box(layer) => layer.row_range(side),
+        }
+    }
+
+    /// The interval of voxels of the row at `z` of a grid `side` voxels wide whose centres are inside.
+    #[must_use]
+    #[inline]
+    pub(crate) fn voxel_span(&self, z: usize, side: usize) -> Option<(usize, usize)> {
+        match &self.0 {
+            LayerShape::Sphere(c, y) => c.sphere_row_span(*y, voxel_centre(z), side),
+            LayerShape::Capsule(c, y) => c.row_span(*y, voxel_centre(z), side),
+            LayerShape::Box(layer) => layer.row_span(voxel_centre(z), side),
+        }
+    }
+}
+
+/// The limit to which coordinates and lengths are clamped: 8,192 voxels in fixed point.
+const FAR: i32 = 8192 * SUBUNITS_PER_VOXEL;
+
+fn clamp_point(point: IVec3) -> IVec3 {
+    point.clamp(IVec3::splat(-FAR), IVec3::splat(FAR))
+}
+
+/// The fixed-point coordinate of the centre of voxel `i`.
+#[must_use]
+#[inline]
+pub(crate) const fn voxel_centre(i: usize) -> i64 {
+    i as i64 * SUBUNITS_PER_VOXEL as i64 + SUBUNITS_PER_VOXEL as i64 / 2
+}
+
+/// The voxels of a grid `side` voxels wide whose centres lie in `lo..=hi`.
+#[inline]
+fn voxels_between(lo: i64, hi: i64, side: usize) -> Option<(usize, usize)> {
+    let sub = i64::from(SUBUNITS_PER_VOXEL);
+    let first = (lo - sub / 2 + sub - 1).div_euclid(sub).max(0);
+    let last = (hi - sub / 2).div_euclid(sub).min(side as i64 - 1);
+    (first <= last).then_some((first as usize, last as usize))
+}
+
+/// The integer part of a square root; 0 for negative numbers.
+#[must_use]
+#[inline]
+pub fn isqrt(v: i64) -> i64 {
+    // Below 2^52 a correctly rounded root never reaches the next integer.
+    match v.max(0) {
+        v if v < 1 << 52 => libm::sqrt(v as f64) as i64,
+        v => v.isqrt(),
+    }
+}

@@ -1,0 +1,162 @@
+//! An oriented box swept along a line: the intersection of six slabs (pairs of parallel planes).
+
+use glam::IVec3;
+
+use super::{FAR, clamp_point, voxel_centre, voxels_between};
+use crate::edit::pose::{FIXED_ONE, Pose, SUBUNITS_PER_VOXEL};
+
+/// An oriented box swept along a straight line: the points `p` with `|plane . (2p - middle)| <=
+/// extent` for its six pairs of planes.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct SweptBox {
+    /// Twice the middle of the path, in fixed point.
+    pub middle: IVec3,
+    /// The slabs as normals, whose x isn't negative, and extents: three of the box's faces and three
+    /// added by the sweep.
+    pub planes: [([i64; 3], i64); 6],
+    /// Half extents along the grid's axes, in fixed point, rounded up.
+    pub reach: IVec3,
+    /// The sides of its projection along x: those parallel to its three edges and to the path.
+    sides: [ShadowSlab; 4],
+    is_still: bool,
+}
+
+/// A 2D slab of the projection along x: the points `(y, z)` with `|up * z - slope * y| <= extent`.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+struct ShadowSlab {
+    up: i64,
+    slope: i64,
+    extent: i64,
+}
+
+impl SweptBox {
+    /// A box of half extents `half`, turned as `pose`, moved straight from `start` to the pose's
+    /// position. The path is rounded to fixed point in the box's own frame, so the planes are those
+    /// of an exact swept box; a box that moves is half a unit wider, so that the rounding loses
+    /// nothing.
+    #[must_use]
+    pub fn new(half: IVec3, pose: &Pose, start: IVec3) -> Self {
+        let unit = i64::from(FIXED_ONE);
+        let axes =
+            pose.fixed_axes().map(|axis| axis.to_array().map(|c| i64::from(c).clamp(-unit, unit)));
+        let (start, end) = (clamp_point(start), pose.fixed_position());
+        let travel = (end - start).to_array().map(i64::from);
+        let doubled =
+            half.to_array().map(|h| 2 * i64::from(h.clamp(0, FAR)) + i64::from(start != end));
+        let w: [i64; 3] = axes.map(|axis| {
+            let along: i64 = (0..3).map(|i| axis[i] * travel[i]).sum();
+            (along + unit / 2).div_euclid(unit)
+        });
+        let rightward = |normal: [i64; 3]| match normal[0] < 0 {
+            true => normal.map(|c| -c),
+            false => normal,
+        };
+        let face = |i: usize| (rightward(axes[i]), (doubled[i] + w[i].abs()) * unit);
+        let swept = |i: usize, j: usize| {
+            let normal = core::array::from_fn(|k| axes[i][k] * w[j] - axes[j][k] * w[i]);
+            (rightward(normal), (doubled[i] * w[j].abs() + doubled[j] * w[i].abs()) * unit)
+        };
+        let edge = |i: usize| axes[i].map(|c| c * doubled[i] / unit);
+        // Every `2p - middle` is a sum of these, each times -1 to 1, up to `slack` per component.
+        let edges = [edge(0), edge(1), edge(2), travel];
+        // Rounding an axis tilts it by up to a part in 2^15, which counts as far as the box reaches.
+        let size: i64 = doubled.iter().chain(&travel).map(|l| l.abs()).sum();
+        let slack = size / (1 << 12) + 16;
+        let reach = core::array::from_fn(|k| {
+            let sum: i64 = edges.iter().map(|edge| edge[k].abs()).sum();
+            ((sum + slack) / 2 + 1) as i32
+        });
+        SweptBox {
+            middle: start + end,
+            planes: [face(0), face(1), face(2), swept(0, 1), swept(0, 2), swept(1, 2)],
+            reach: IVec3::from_array(reach),
+            sides: edges.map(|edge| ShadowSlab::new(edge, &edges, slack)),
+            is_still: start == end,
+        }
+    }
+
+    /// Its slice at `y` (fixed point).
+    #[inline]
+    pub(super) fn layer(&self, y: i64) -> BoxLayer<'_> {
+        let at = 2 * y - i64::from(self.middle.y);
+        let first = 2 * voxel_centre(0) - i64::from(self.middle.x);
+        BoxLayer {
+            swept: self,
+            at,
+            planes: self.planes.map(|(normal, _)| normal[0] * first + normal[1] * at),
+        }
+    }
+}
+
+impl ShadowSlab {
+    fn new(edge: [i64; 3], edges: &[[i64; 3]; 4], slack: i64) -> Self {
+        let [_, up, slope] = edge.map(|c| c * edge[1].signum());
+        let across = |edge: &[i64; 3]| (up * edge[2] - slope * edge[1]).abs();
+        let extent = edges.iter().map(across).sum::<i64>() + (up + slope.abs()) * slack;
+        ShadowSlab { up, slope, extent }
+    }
+}
+
+/// The rows of a [`SweptBox`] at one y.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct BoxLayer<'a> {
+    swept: &'a SweptBox,
+    /// Twice its y, from the middle.
+    at: i64,
+    /// The planes at voxel 0 of the row through the middle.
+    planes: [i64; 6],
+}
+
+impl BoxLayer<'_> {
+    /// The rows that may hold voxels, first and last z: the projection along x is a convex polygon whose
+    /// sides are parallel to the projected edges.
+    #[inline]
+    pub(super) fn row_range(&self, side: usize) -> Option<(usize, usize)> {
+        let [_, reach, reach_z] = self.swept.reach.to_array().map(i64::from);
+        if self.at.abs() > 2 * reach {
+            return None;
+        }
+        let (mut lo, mut hi) = (-2 * reach_z, 2 * reach_z);
+        for side in &self.swept.sides {
+            if side.up != 0 {
+                let at = side.slope * self.at;
+                lo = lo.max((at - side.extent).div_euclid(side.up));
+                hi = hi.min((at + side.extent).div_euclid(side.up) + 1);
+            }
+        }
+        let middle = i64::from(self.swept.middle.z);
+        voxels_between((middle + lo).div_euclid(2), (middle + hi).div_euclid(2) + 1, side)
+    }
+
+    /// The voxels of its row at `z` (fixed point), by slab clipping. A plane divides only if it clips more
+    /// than those before it.
+    #[inline]
+    pub(super) fn row_span(&self, z: i64, side: usize) -> Option<(usize, usize)> {
+        let z = 2 * z - i64::from(self.swept.middle.z);
+        let (mut lo, mut hi) = (0, side as i64 - 1);
+        // Where nothing moves, the sweep adds no faces.
+        let faces = if self.swept.is_still { 3 } else { 6 };
+        for ((normal, extent), at) in self.swept.planes.iter().zip(self.planes).take(faces) {
+            let at = at + normal[2] * z;
+            let slope = normal[0] * 2 * i64::from(SUBUNITS_PER_VOXEL);
+            // The voxels with |at + slope * x| <= extent; the slope isn't negative.
+            let (below, above) = (-extent - at, extent - at);
+            if above < slope * hi {
+                if above < 0 {
+                    return None;
+                }
+                hi = above / slope;
+            }
+            if below > slope * lo {
+                if slope == 0 {
+                    return None;
+                }
+                lo = (below + slope - 1) / slope;
+            }
+            if lo > hi {
+                return None;
+            }
+        }
+        Some((lo as usize, hi as usize))
+    }
+}

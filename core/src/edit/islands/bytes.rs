@@ -1,0 +1,161 @@
+//! Serialisation and digest of an island search.
+
+use super::{IslandSearch, SearchPhase};
+use crate::codec::bytes::{BadBytes, ByteReader, ByteWriter};
+use crate::codec::digest::{DIGEST_KEYS, mix_bits};
+use crate::volume::row::BitSet;
+use crate::volume::size::{Grid, Size};
+
+impl<const N: usize> IslandSearch<N>
+where
+    Grid<N>: Size,
+{
+    /// Digest of the state that determines later passes. The part of the reached voxels is maintained
+    /// incrementally; the queue, N x N bits, is added here.
+    #[must_use]
+    pub fn digest(&self) -> u64 {
+        self.digest_with(self.reached_sum)
+    }
+
+    /// The same digest, computed without the incremental sums.
+    #[must_use]
+    pub fn recompute_digest(&self) -> u64 {
+        let mut sum = 0u64;
+        if self.phase == SearchPhase::Sweep {
+            for y in 0..N {
+                for (z, row) in self.reached.layer(y).iter().enumerate() {
+                    sum = sum.wrapping_add(hash_row(y, z, *row));
+                }
+            }
+        }
+        self.digest_with(sum)
+    }
+
+    fn digest_with(&self, reached_sum: u64) -> u64 {
+        let mut sum = reached_sum;
+        if self.phase == SearchPhase::Sweep {
+            for (y, row) in self.queued.iter().enumerate() {
+                sum = sum.wrapping_add(hash_row(N, y, *row));
+            }
+        }
+        let flags = [self.phase as u8, self.pending.into(), self.cursor, 0];
+        let mut digest = mix_bits(u32::from_le_bytes(flags).into());
+        for part in [sum, self.kept_sum] {
+            digest = mix_bits(digest ^ part);
+        }
+        digest
+    }
+
+    /// Writes the state: flags, the kept voxels' sum, and in flight the cursor, then for each layer
+    /// its queued rows and which rows hold reached voxels, as N bits each, then those rows.
+    pub fn save(&self, out: &mut ByteWriter<'_>) {
+        out.u8(self.phase as u8 | u8::from(self.pending) << 1);
+        out.u64(self.kept_sum);
+        if self.phase == SearchPhase::Idle {
+            return;
+        }
+        out.u8(self.cursor);
+        for (y, queued) in self.queued.iter().enumerate() {
+            let mut held = <Grid<N> as Size>::Row::EMPTY;
+            for (z, row) in self.reached.layer(y).iter().enumerate() {
+                if !row.is_empty() {
+                    held.insert(z);
+                }
+            }
+            write_row(out, *queued);
+            write_row(out, held);
+            for z in held.iter_ones() {
+                write_row(out, self.reached.row(y, z));
+            }
+        }
+    }
+
+    /// Reads what [`IslandSearch::save`] wrote, so that the search continues exactly from there.
+    ///
+    /// # Errors
+    /// [`BadBytes`] where the bytes end early or say what no pass does; no pass is in flight then.
+    pub fn load(&mut self, bytes: &mut ByteReader<'_>) -> Result<(), BadBytes> {
+        self.abort_pass();
+        self.kept_sum = 0;
+        let flags = bytes.u8()?;
+        if flags > 3 {
+            return Err(bytes.error_here("flags of an island pass"));
+        }
+        let kept_sum = bytes.u64()?;
+        if flags & 1 != 0 {
+            self.load_pass(bytes).inspect_err(|_| self.stop_pass())?;
+            self.phase = SearchPhase::Sweep;
+        }
+        self.kept_sum = kept_sum;
+        self.pending = flags & 2 != 0;
+        Ok(())
+    }
+
+    fn load_pass(&mut self, bytes: &mut ByteReader<'_>) -> Result<(), BadBytes> {
+        self.cursor = bytes.u8()?;
+        if usize::from(self.cursor) >= N {
+            return Err(bytes.error_here("a layer of the grid"));
+        }
+        self.reached.clear();
+        // Open rows aren't saved: treating all as open only costs time.
+        self.open.fill(Grid::<N>::FULL);
+        for y in 0..N {
+            self.queued[y] = read_row::<N>(bytes)?;
+            if !self.queued[y].is_empty() {
+                self.layers.insert(y);
+            }
+            for z in read_row::<N>(bytes)?.iter_ones() {
+                let row = read_row::<N>(bytes)?;
+                if row.is_empty() {
+                    return Err(bytes.error_here("a row that holds voxels"));
+                }
+                self.mark_reached(y, z, row);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Linear hash of row (y, z): the sum of its words, each times its own key. The hashes of disjoint sets
+/// of voxels add up to that of their union.
+#[inline]
+pub(super) fn hash_row<R: BitSet>(y: usize, z: usize, row: R) -> u64 {
+    scale_layer_hash(y, hash_row_in_layer(z, row))
+}
+
+#[inline]
+pub(super) fn hash_row_in_layer<R: BitSet>(z: usize, row: R) -> u64 {
+    let mut sum = 0u64;
+    for i in 0..R::WORDS {
+        let key = DIGEST_KEYS[z].rotate_left(13 * i as u32);
+        sum = sum.wrapping_add(row.word(i).wrapping_mul(key));
+    }
+    sum
+}
+
+/// Scales the sum of [`hash_row_in_layer`] over rows of layer `y` to the layer's part of the hash.
+#[inline]
+pub(super) fn scale_layer_hash(y: usize, sum: u64) -> u64 {
+    sum.wrapping_mul(mix_bits(DIGEST_KEYS[y]))
+}
+
+fn write_row<R: BitSet>(out: &mut ByteWriter<'_>, row: R) {
+    for i in 0..R::WORDS {
+        out.u64(row.word(i));
+    }
+}
+
+fn read_row<const N: usize>(bytes: &mut ByteReader<'_>) -> Result<<Grid<N> as Size>::Row, BadBytes>
+where
+    Grid<N>: Size,
+{
+    let mut row = <Grid<N> as Size>::Row::EMPTY;
+    for i in 0..<Grid<N> as Size>::Row::WORDS {
+        row.set_word(i, bytes.u64()?);
+    }
+    if (row & !Grid::<N>::FULL).is_empty() {
+        Ok(row)
+    } else {
+        Err(bytes.error_here("bits of the grid"))
+    }
+}

@@ -1,0 +1,230 @@
+//! The end of an island pass: removal of the unreached voxels, in time proportional to the rows and
+//! columns that hold them.
+
+use super::bytes::hash_row;
+use super::{IslandReport, IslandSearch};
+use crate::volume::editable::Volume;
+use crate::volume::journal::Journal;
+use crate::volume::range::Range;
+use crate::volume::range_maps::{Axis, Column};
+use crate::volume::row::BitSet;
+use crate::volume::size::{Grid, Size};
+
+/// The columns of a line of N that hold voxels of islands.
+#[derive(Clone, Copy)]
+struct IslandLine<R> {
+    /// The columns.
+    columns: R,
+    /// The first and the last row of islands, by their place along the columns.
+    first: usize,
+    last: usize,
+}
+
+impl<R: BitSet> IslandLine<R> {
+    const NOWHERE: Self = IslandLine { columns: R::EMPTY, first: 0, last: 0 };
+
+    /// Adds a row of islands. Rows must come in ascending order of `place` along the columns.
+    #[inline]
+    fn add_row(&mut self, columns: R, place: usize) {
+        if self.columns.is_empty() {
+            self.first = place;
+        }
+        self.last = place;
+        self.columns |= columns;
+    }
+}
+
+impl<const N: usize> IslandSearch<N>
+where
+    Grid<N>: Size,
+{
+    /// Sets the volume to the closure of its reached voxels. As the queue is empty, all rows that lose
+    /// voxels are open.
+    pub(super) fn remove_islands(
+        &mut self,
+        volume: &mut Volume<N>,
+        journal: &mut impl Journal<N>,
+    ) -> IslandReport {
+        let mut along_y = [IslandLine::NOWHERE; N];
+        let (mut missed, mut doubtful) = (0, 0);
+        for y in 0..N {
+            if self.open[y].is_empty() {
+                continue;
+            }
+            let mut along_z = IslandLine::NOWHERE;
+            missed += self.tighten_rows(volume, y, &mut along_z, &mut along_y, journal);
+            let rest = self.tighten_line(volume, Axis::Z, y, &along_z, journal);
+            doubtful += self.drop_unreached_layer(volume, y, rest);
+        }
+        if missed == 0 {
+            self.kept_sum = 0;
+            return IslandReport::default();
+        }
+        let mut rests = [<Grid<N> as Size>::Row::EMPTY; N];
+        for (z, (line, rest)) in along_y.iter().zip(&mut rests).enumerate() {
+            *rest = self.tighten_line(volume, Axis::Y, z, line, journal);
+        }
+        let (kept, kept_sum) = self.close_open_rows(volume, &rests, doubtful);
+        let known = kept_sum == self.kept_sum;
+        self.kept_sum = kept_sum;
+        let removed = missed - kept;
+        IslandReport { removed, kept: if known { 0 } else { kept }, unsupported: false }
+    }
+
+    /// Tightens the columns along x of layer `y` and notes which columns along y and z lose voxels.
+    /// Rows without reached voxels are emptied at once; of the others only those with islands stay
+    /// open. Returns the number of unreached voxels.
+    fn tighten_rows(
+        &mut self,
+        volume: &mut Volume<N>,
+        y: usize,
+        along_z: &mut IslandLine<<Grid<N> as Size>::Row>,
+        along_y: &mut [IslandLine<<Grid<N> as Size>::Row>; N],
+        journal: &mut impl Journal<N>,
+    ) -> u32 {
+        let mut new = [Column::EMPTY; N];
+        let mut changed = <Grid<N> as Size>::Row::EMPTY;
+        let (mut missed, mut count) = ([changed; N], 0);
+        for z in self.open[y].iter_ones() {
+            let (here, reached) = (volume.rows().row(y, z), self.reached.row(y, z));
+            let islands = here & !reached;
+            if islands.is_empty() {
+                self.open[y].toggle(z);
+                continue;
+            }
+            missed[count] = islands;
+            count += 1;
+            along_z.add_row(islands, z);
+            along_y[z].add_row(islands, y);
+            let left = here & reached;
+            if left.is_empty() {
+                self.open[y].toggle(z);
+                *volume.rows_mut().row_mut(y, z) = left;
+                changed.insert(z);
+            } else {
+                new[z] = Column([Range::hull_of(left)]);
+                changed.insert_if(new[z] != volume.maps().column(Axis::X, (y, z)), z);
+            }
+        }
+        volume.replace_columns(Axis::X, y, changed, &new, journal);
+        // Stored contiguously, so that the count vectorises.
+        missed[..count].iter().map(BitSet::count_ones).sum()
+    }
+
+    /// Tightens columns of a line to their reached voxels. Returns those that aren't empty then.
+    ///
+    /// A range end outside the rows of the islands stays; the others are searched for, N columns at a
+    /// time.
+    fn tighten_line(
+        &self,
+        volume: &mut Volume<N>,
+        axis: Axis,
+        line: usize,
+        &IslandLine { columns, first, last }: &IslandLine<<Grid<N> as Size>::Row>,
+        journal: &mut impl Journal<N>,
+    ) -> <Grid<N> as Size>::Row {
+        if columns.is_empty() {
+            return columns;
+        }
+        let reached = |i| {
+            let (y, z) = if axis == Axis::Y { (i, line) } else { (line, i) };
+            volume.rows().row(y, z) & self.reached.row(y, z)
+        };
+        let (below, above) = volume.maps().columns_beyond(axis, line, columns, first, last);
+        let mut new = *volume.maps().line(axis, line);
+        let within = columns & !below & !above;
+        let (empty, mut changed) =
+            find_range_ends(within, first..=last, reached, &mut new, Range::with_first);
+        let rest = columns & !empty;
+        let on = first..=N - 1;
+        changed |=
+            empty | find_range_ends(above & !below, on, reached, &mut new, Range::with_first).1;
+        let back = (0..=last).rev();
+        changed |= find_range_ends(rest & !above, back, reached, &mut new, Range::with_last).1;
+        for run in empty.iter_runs() {
+            new[run.first()..=run.last()].fill(Column::EMPTY);
+        }
+        volume.replace_columns(axis, line, changed, &new, journal);
+        rest
+    }
+
+    /// Removes the unreached voxels of layer `y`, except in rows where closure may keep some, that is
+    /// where the ranges along x and z still cover them. Only those rows stay open. Returns the number of
+    /// such voxels.
+    fn drop_unreached_layer(
+        &mut self,
+        volume: &mut Volume<N>,
+        y: usize,
+        along_z: <Grid<N> as Size>::Row,
+    ) -> usize {
+        let mut doubtful = 0;
+        for z in self.open[y].iter_ones() {
+            let (here, reached) = (volume.rows().row(y, z), self.reached.row(y, z));
+            let held = here & !reached & along_z & volume.maps().column(Axis::X, (y, z)).to_row();
+            if held.is_empty() {
+                self.open[y].toggle(z);
+                *volume.rows_mut().row_mut(y, z) = here & reached;
+            } else {
+                doubtful += held.count_ones() as usize;
+            }
+        }
+        doubtful
+    }
+
+    /// Updates the open rows from the maps. Returns the number of unreached voxels that closure keeps,
+    /// and their linear hash.
+    fn close_open_rows(
+        &mut self,
+        volume: &mut Volume<N>,
+        along_y: &[<Grid<N> as Size>::Row; N],
+        doubtful: usize,
+    ) -> (u32, u64) {
+        // Voxel by voxel for few, all columns at once for many.
+        let many = doubtful > 4 * N * N;
+        if many {
+            volume.rebuild_rows();
+        }
+        let (mut kept, mut sum) = (0, 0u64);
+        for y in 0..N {
+            for z in self.open[y].iter_ones() {
+                let (here, reached) = (volume.rows().row(y, z), self.reached.row(y, z));
+                let mut closed = here & !reached;
+                if !many {
+                    closed = volume.maps().occupied_among((y, z), closed & along_y[z]);
+                    *volume.rows_mut().row_mut(y, z) = here & reached | closed;
+                }
+                kept += closed.count_ones();
+                sum = sum.wrapping_add(hash_row(y, z, closed));
+            }
+        }
+        (kept, sum)
+    }
+}
+
+/// Scans rows in the given order and moves one end of each column's range to the first row that is set
+/// there. Returns the columns that are set in no row, and those whose range changed.
+#[inline]
+fn find_range_ends<R: BitSet, const N: usize>(
+    mut columns: R,
+    order: impl Iterator<Item = usize>,
+    row: impl Fn(usize) -> R,
+    line: &mut [Column; N],
+    end: impl Fn(Range, usize) -> Range,
+) -> (R, R) {
+    let mut changed = R::EMPTY;
+    for i in order {
+        if columns.is_empty() {
+            break;
+        }
+        let found = columns & row(i);
+        if !found.is_empty() {
+            for place in found.iter_ones() {
+                let range = end(line[place].0[0], i);
+                changed.insert_if(line[place].0[0] != range, place);
+                line[place] = Column([range]);
+            }
+            columns &= !found;
+        }
+    }
+    (columns, changed)
+}

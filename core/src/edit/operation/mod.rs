@@ -1,0 +1,254 @@
+//! Edit operations: change bit rows layer by layer, tighten the columns through them, then close.
+//!
+//! An edit is the exact boolean operation on voxels, then closure: the ranges become the tight
+//! hulls of the result and the volume their intersection. Source: sections 3, 3.2 and 3.5 of the
+//! paper; the closure rule is stated in [`crate`].
+
+mod close;
+mod pass;
+mod tighten;
+
+use pass::EditPass;
+
+use crate::edit::brush::{Brush, BrushBounds, BrushPieces};
+use crate::limits::{SHELL_DEPTH, SMOOTH_LINES};
+use crate::volume::editable::Volume;
+use crate::volume::journal::Journal;
+use crate::volume::range::Range;
+use crate::volume::range_maps::RangeMaps;
+use crate::volume::row::{BitRow, BitSet};
+use crate::volume::size::{Grid, Size};
+
+/// What an edit does to the voxels of its brush.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum EditOperation {
+    /// Removes those at most `depth` six-neighbour steps from an empty voxel, as the volume stood
+    /// when the edit began; outside the grid counts as empty. A greater depth counts as
+    /// [`SHELL_DEPTH`], four.
+    ///
+    /// To take out a whole brush, apply the edit again until it changes nothing: a ball of radius 30
+    /// takes eight edits.
+    Carve {
+        /// Layers of the shell that may go.
+        depth: usize,
+    },
+    /// Occupies those at most `depth` steps from the volume or from the ground under y = 0. A greater
+    /// depth counts as [`SHELL_DEPTH`].
+    Fill {
+        /// Layers that may be laid on.
+        depth: usize,
+    },
+    /// Each becomes what most of its 3 x 3 x 3 neighbourhood is. Below y = 0 counts as occupied,
+    /// elsewhere outside as empty.
+    Smooth,
+}
+
+impl EditOperation {
+    /// How many voxels beyond the brush the operation reads.
+    const fn neighbourhood_radius(self) -> usize {
+        match self {
+            EditOperation::Carve { depth } | EditOperation::Fill { depth }
+                if depth > SHELL_DEPTH =>
+            {
+                SHELL_DEPTH
+            }
+            EditOperation::Carve { depth } | EditOperation::Fill { depth } => depth,
+            EditOperation::Smooth => 1,
+        }
+    }
+
+    const fn removes_voxels(self) -> bool {
+        !matches!(self, EditOperation::Fill { .. })
+    }
+
+    const fn adds_voxels(self) -> bool {
+        !matches!(self, EditOperation::Carve { .. })
+    }
+}
+
+/// One edit.
+#[derive(Clone, Copy, Debug)]
+pub struct Edit<'a> {
+    /// The voxels to change.
+    pub brush: &'a Brush,
+    /// The operation on them.
+    pub operation: EditOperation,
+    /// Whether the brush's voxel mirror (x to N - 1 - x) belongs to the brush.
+    pub mirrored: bool,
+}
+
+/// The effect of an edit, in voxels.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub struct EditReport {
+    /// Occupied before, empty after.
+    pub removed: u32,
+    /// Empty before, occupied by the operation itself: inside the brush and its depth.
+    pub added: u32,
+    /// Empty before, occupied by closure alone.
+    pub closed: u32,
+    /// Not removed because the mask holds them.
+    pub refused_by_mask: u32,
+    /// Neither removed nor added because they lie beyond the shell's depth.
+    pub refused_by_depth: u32,
+    /// Removed, as the depth allowed, and brought back by closure.
+    pub refused_by_closure: u32,
+}
+
+impl EditReport {
+    /// Whether the volume changed.
+    #[must_use]
+    pub const fn changed_volume(&self) -> bool {
+        self.removed + self.added + self.closed != 0
+    }
+}
+
+/// A smoothing edit touches more rows than [`SMOOTH_LINES`] lines of N; nothing was changed.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct BrushTooLarge;
+
+/// Working memory of an edit: rows whose flips are delayed while later layers read the volume as it was,
+/// and the columns touched. Of each row only the words that the edit reads are stored.
+#[derive(Debug)]
+pub struct EditScratch<const N: usize>
+where
+    Grid<N>: Size,
+{
+    pieces: BrushPieces,
+    /// Voxels to flip, of the last layers computed, by y modulo the length.
+    pending: [[<Grid<N> as Size>::Row; N]; SHELL_DEPTH + 1],
+    /// The rows of a smoothing edit's brush as they were.
+    start: [[<Grid<N> as Size>::Row; N]; SMOOTH_LINES],
+    /// Columns along y, by z.
+    along_y: [LineFlips<<Grid<N> as Size>::Row>; N],
+    /// Columns along z, by y.
+    along_z: [LineFlips<<Grid<N> as Size>::Row>; N],
+    /// Columns along x that grew, by y.
+    grown_x: [<Grid<N> as Size>::Row; N],
+}
+
+/// The columns of a line of N that an edit touched; bit x is a column.
+#[derive(Clone, Copy, Debug)]
+struct LineFlips<R> {
+    /// Columns that voxels were flipped in.
+    flipped: R,
+    /// Along the columns, from the first flipped voxel to the last.
+    between: Range,
+    /// Columns that grew.
+    grown: R,
+    /// An interval that covers their growth.
+    growth: Range,
+}
+
+impl<R: BitSet> LineFlips<R> {
+    const UNTOUCHED: Self = LineFlips {
+        flipped: R::EMPTY,
+        between: Range::EMPTY,
+        grown: R::EMPTY,
+        growth: Range::EMPTY,
+    };
+
+    /// Notes flips at `place` along the columns. Places must come in ascending order.
+    #[inline]
+    fn note_flips<const W: usize>(&mut self, columns: BitRow<W>, place: usize) {
+        self.flipped.set_word_span(0, self.flipped.word_span(0) | columns);
+        self.between = self.between.extended_to(place);
+    }
+}
+
+impl<const N: usize> EditScratch<N>
+where
+    Grid<N>: Size,
+{
+    /// For a `static`, as [`World::new`](crate::World::new). The content between edits is meaningless.
+    #[must_use]
+    #[allow(clippy::new_without_default)] // a Default would hand the rows about by value
+    pub const fn new() -> Self {
+        let line = [<Grid<N> as Size>::Row::EMPTY; N];
+        EditScratch {
+            pieces: BrushPieces::new(),
+            pending: [line; SHELL_DEPTH + 1],
+            start: [line; SMOOTH_LINES],
+            along_y: [LineFlips::UNTOUCHED; N],
+            along_z: [LineFlips::UNTOUCHED; N],
+            grown_x: line,
+        }
+    }
+
+    /// Marks the lines within the bounds as untouched. Delayed rows are written before they are read.
+    fn reset_lines(&mut self, BrushBounds { lo, hi }: BrushBounds) {
+        self.along_y[lo[2]..=hi[2]].fill(LineFlips::UNTOUCHED);
+        self.along_z[lo[1]..=hi[1]].fill(LineFlips::UNTOUCHED);
+        self.grown_x[lo[1]..=hi[1]].fill(<Grid<N> as Size>::Row::EMPTY);
+    }
+}
+
+/// Applies an edit to a volume.
+///
+/// `mask` holds the voxels that no edit removes, the hidden figure of the constrained mode; it is a part
+/// of the volume, and `RangeMaps::new()` where there is none. `journal` is told of every change: `&mut ()`
+/// for nobody, a [`DirtyRects`](crate::DirtyRects) for the rectangles that a renderer uploads.
+///
+/// ```
+/// # use std::sync::Mutex;
+/// use paros_core::glam::IVec3;
+/// use paros_core::{Brush, Edit, EditOperation, EditScratch, RangeMaps, Volume, apply_edit};
+/// use paros_core::SUBUNITS_PER_VOXEL as VOXEL;
+///
+/// static VOLUME: Mutex<Volume<64>> = Mutex::new(Volume::new());
+/// static SCRATCH: Mutex<EditScratch<64>> = Mutex::new(EditScratch::new());
+/// let (mut volume, mut scratch) = (VOLUME.lock().unwrap(), SCRATCH.lock().unwrap());
+/// let (mut block, no_mask) = (RangeMaps::new(), RangeMaps::new());
+/// block.fill_block();
+/// volume.set_maps(&block);
+///
+/// // A hollow of 12 voxels radius in the middle of the top.
+/// let brush = Brush::sphere(IVec3::new(32, 64, 32) * VOXEL, 12 * VOXEL);
+/// let edit = Edit { brush: &brush, operation: EditOperation::Carve { depth: 4 }, mirrored: false };
+/// while apply_edit(&mut volume, &no_mask, &edit, &mut scratch, &mut ()).unwrap().changed_volume() {}
+/// assert!(!volume.maps().contains([32, 53, 32]) && volume.maps().contains([32, 51, 32]));
+/// ```
+///
+/// # Errors
+/// [`BrushTooLarge`] for a smoothing brush of more rows than there is room to remember.
+pub fn apply_edit<const N: usize, J: Journal<N>>(
+    volume: &mut Volume<N>,
+    mask: &RangeMaps<N>,
+    edit: &Edit<'_>,
+    scratch: &mut EditScratch<N>,
+    journal: &mut J,
+) -> Result<EditReport, BrushTooLarge>
+where
+    Grid<N>: Size,
+{
+    let Some(bounds) = scratch.pieces.set_brush(edit.brush, N) else {
+        return Ok(EditReport::default());
+    };
+    let rows = (bounds.hi[1] - bounds.lo[1] + 1) * (bounds.hi[2] - bounds.lo[2] + 1);
+    if edit.operation == EditOperation::Smooth && rows > SMOOTH_LINES * N {
+        return Err(BrushTooLarge);
+    }
+    let (first, words) = words_read::<N>(edit, bounds);
+    let report = EditReport::default();
+    Ok(match words {
+        1 => EditPass::<N, 1, J> { volume, mask, edit, scratch, journal, bounds, first, report }
+            .run(),
+        2 => EditPass::<N, 2, J> { volume, mask, edit, scratch, journal, bounds, first, report }
+            .run(),
+        _ => EditPass::<N, 4, J> { volume, mask, edit, scratch, journal, bounds, first: 0, report }
+            .run(),
+    })
+}
+
+/// The words of a row that an edit reads: the index of the first, and their number.
+fn words_read<const N: usize>(
+    edit: &Edit<'_>,
+    BrushBounds { lo, hi }: BrushBounds,
+) -> (usize, usize) {
+    let (mut lo, mut hi) = (lo[0], hi[0]);
+    if edit.mirrored {
+        (lo, hi) = (lo.min(N - 1 - hi), hi.max(N - 1 - lo));
+    }
+    let reach = edit.operation.neighbourhood_radius();
+    let (first, last) = (lo.saturating_sub(reach) / 64, (hi + reach).min(N - 1) / 64);
+    (first, last - first + 1)
+}

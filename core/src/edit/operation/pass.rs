@@ -1,0 +1,222 @@
+//! One edit in progress: flips voxels layer by layer and updates the ranges after them.
+
+use super::{Edit, EditOperation, EditReport, EditScratch};
+use crate::edit::brush::BrushBounds;
+use crate::limits::SHELL_DEPTH;
+use crate::volume::editable::Volume;
+use crate::volume::journal::Journal;
+use crate::volume::neighbourhood::{dilated_row, eroded_row, majority_row};
+use crate::volume::range::Range;
+use crate::volume::range_maps::{Axis, Column, RangeMaps};
+use crate::volume::row::{BitRow, BitSet};
+use crate::volume::size::{Grid, Size};
+
+/// An edit that reads and flips `W` words of each row, from word `first` on. Bit i of a `BitRow<W>` is
+/// voxel `64 * first + i`.
+pub(super) struct EditPass<'a, const N: usize, const W: usize, J>
+where
+    Grid<N>: Size,
+{
+    pub(super) volume: &'a mut Volume<N>,
+    pub(super) mask: &'a RangeMaps<N>,
+    pub(super) edit: &'a Edit<'a>,
+    pub(super) scratch: &'a mut EditScratch<N>,
+    pub(super) journal: &'a mut J,
+    pub(super) bounds: BrushBounds,
+    pub(super) first: usize,
+    pub(super) report: EditReport,
+}
+
+impl<const N: usize, const W: usize, J: Journal<N>> EditPass<'_, N, W, J>
+where
+    Grid<N>: Size,
+{
+    pub(super) fn run(mut self) -> EditReport {
+        self.scratch.reset_lines(self.bounds);
+        self.flip_voxels();
+        self.tighten_along_y();
+        if self.edit.operation.removes_voxels() {
+            self.close_holes();
+        }
+        if self.edit.operation.adds_voxels() {
+            self.close_beams();
+        }
+        self.report
+    }
+
+    /// Computes and flips layer by layer. A layer is flipped once no later layer needs its old voxels.
+    fn flip_voxels(&mut self) {
+        let lag = self.edit.operation.neighbourhood_radius();
+        let mut pending = [Range::EMPTY; SHELL_DEPTH + 1];
+        let (first, last) = (self.bounds.lo[1], self.bounds.hi[1]);
+        for y in first..=last + lag {
+            if y <= last {
+                pending[y % pending.len()] = self.compute_layer(y);
+            }
+            if y >= first + lag {
+                self.flip_layer(y - lag, pending[(y - lag) % pending.len()]);
+            }
+        }
+    }
+
+    /// Computes the voxels of layer `y` to flip, before closure. Returns the range of z whose rows may
+    /// hold some.
+    fn compute_layer(&mut self, y: usize) -> Range {
+        let rows = self.draw_brush(y);
+        match self.edit.operation {
+            EditOperation::Carve { .. } => self.carve_layer(y, rows),
+            EditOperation::Fill { .. } => self.fill_layer(y, rows),
+            EditOperation::Smooth => self.smooth_layer(y, rows),
+        }
+        rows
+    }
+
+    /// Rasterises layer `y` of the brush into the flips' memory. Returns its range of z.
+    #[inline(never)] // as the functions that follow: together they would spill registers
+    fn draw_brush(&mut self, y: usize) -> Range {
+        let layer = &mut self.scratch.pending[y % (SHELL_DEPTH + 1)];
+        let (first, mirrored) = (self.first, self.edit.mirrored);
+        let (mut least, mut greatest) = (N, 0);
+        layer[self.bounds.lo[2]..=self.bounds.hi[2]].fill(BitSet::EMPTY);
+        self.scratch.pieces.for_each_span(y, N, |z, (lo, hi)| {
+            let mut brush: BitRow<W> = layer[z].word_span(0) | span_words(first, lo, hi);
+            if mirrored {
+                brush |= span_words(first, N - 1 - hi, N - 1 - lo);
+            }
+            layer[z].set_word_span(0, brush);
+            (least, greatest) = (least.min(z), greatest.max(z));
+        });
+        if least > greatest { Range::EMPTY } else { Range::new(least, greatest) }
+    }
+
+    #[inline(never)]
+    fn carve_layer(&mut self, y: usize, rows: Range) {
+        let volume = self.volume.rows().strip::<W>(self.first);
+        let (mask, depth) = (self.mask, self.edit.operation.neighbourhood_radius());
+        let mut too_deep = 0;
+        for z in iter_voxels(rows) {
+            let flips = &mut self.scratch.pending[y % (SHELL_DEPTH + 1)][z];
+            let wanted = flips.word_span(0) & volume.row(y, z);
+            if wanted.is_empty() {
+                *flips = BitSet::EMPTY;
+                continue;
+            }
+            let deep = eroded_row(volume, (y, z), depth, wanted);
+            too_deep += deep.count_ones();
+            let mut removed = wanted & !deep;
+            if mask.column(Axis::X, (y, z)) != Column::EMPTY {
+                removed = self.report.spare_masked(mask, (y, z), self.first, removed);
+            }
+            flips.set_word_span(0, removed);
+        }
+        self.report.refused_by_depth += too_deep;
+    }
+
+    #[inline(never)]
+    fn fill_layer(&mut self, y: usize, rows: Range) {
+        let volume = self.volume.rows().strip::<W>(self.first);
+        let depth = self.edit.operation.neighbourhood_radius();
+        for z in iter_voxels(rows) {
+            let flips = &mut self.scratch.pending[y % (SHELL_DEPTH + 1)][z];
+            let wanted = flips.word_span(0) & !volume.row(y, z);
+            let near = dilated_row(volume, (y, z), depth, wanted);
+            if near != wanted {
+                self.report.refused_by_depth += (wanted & !near).count_ones();
+            }
+            flips.set_word_span(0, near);
+        }
+    }
+
+    #[inline(never)]
+    fn smooth_layer(&mut self, y: usize, rows: Range) {
+        let volume = self.volume.rows().strip::<W>(self.first);
+        for z in iter_voxels(rows) {
+            let index = self.start_index(y, z);
+            let here = volume.row(y, z);
+            self.scratch.start.as_flattened_mut()[index].set_word_span(0, here);
+            let flips = &mut self.scratch.pending[y % (SHELL_DEPTH + 1)][z];
+            let brush = flips.word_span(0);
+            let most = majority_row(volume, (y, z), brush);
+            let removed =
+                self.report.spare_masked(self.mask, (y, z), self.first, brush & here & !most);
+            flips.set_word_span(0, removed | most & !here);
+        }
+    }
+
+    /// Flips the voxels of layer `y` and updates its columns along x and z, which no later layer affects.
+    #[inline(never)]
+    fn flip_layer(&mut self, y: usize, rows: Range) {
+        let mut columns = *self.volume.maps().line(Axis::X, y);
+        let mut moved = <Grid<N> as Size>::Row::EMPTY;
+        let (mut flipped, mut between) = (BitRow::EMPTY, Range::EMPTY);
+        for z in iter_voxels(rows) {
+            let flips = self.scratch.pending[y % (SHELL_DEPTH + 1)][z].word_span(0);
+            if flips.is_empty() {
+                continue;
+            }
+            let hull = Column([self.flip_row_and_hull((y, z), flips)]);
+            moved.insert_if(hull != columns[z], z);
+            columns[z] = hull;
+            self.scratch.along_y[z].note_flips(flips, y);
+            (flipped, between) = (flipped | flips, between.extended_to(z));
+        }
+        if !flipped.is_empty() {
+            self.scratch.grown_x[y] = self.replace_columns(Axis::X, y, moved, &columns).0;
+            self.tighten_along_z(y, flipped, between);
+        }
+    }
+
+    /// Flips voxels of row (y, z). Returns the hull of the new row.
+    #[inline]
+    fn flip_row_and_hull(&mut self, (y, z): (usize, usize), flips: BitRow<W>) -> Range {
+        let row = self.volume.rows_mut().row_mut(y, z);
+        let here = row.word_span(self.first);
+        row.set_word_span(self.first, here ^ flips);
+        let hull = Range::hull_of(*row);
+        let (removed, added) = (flips & here, flips & !here);
+        if !removed.is_empty() {
+            self.report.removed += removed.count_ones();
+        }
+        if !added.is_empty() {
+            self.report.added += added.count_ones();
+            self.journal.record_added((y, z), BitSet::from_word_span(self.first, added));
+        }
+        hull
+    }
+
+    pub(super) fn start_index(&self, y: usize, z: usize) -> usize {
+        let BrushBounds { lo, hi } = self.bounds;
+        (y - lo[1]) * (hi[2] - lo[2] + 1) + z - lo[2]
+    }
+}
+
+impl EditReport {
+    /// The voxels of `removed` that the mask doesn't protect; the others are counted as refused. Bit 0
+    /// is the first of word `first`.
+    fn spare_masked<const N: usize, const W: usize>(
+        &mut self,
+        mask: &RangeMaps<N>,
+        row: (usize, usize),
+        first: usize,
+        removed: BitRow<W>,
+    ) -> BitRow<W>
+    where
+        Grid<N>: Size,
+    {
+        let held = mask.occupied_among(row, BitSet::from_word_span(first, removed));
+        self.refused_by_mask += held.count_ones();
+        removed & !held.word_span(first)
+    }
+}
+
+/// The voxels `lo..=hi` of a row, clipped to its words from `first` on.
+#[inline]
+pub(super) fn span_words<const W: usize>(first: usize, lo: usize, hi: usize) -> BitRow<W> {
+    let base = 64 * first;
+    if hi < base { BitRow::EMPTY } else { BitRow::span(lo.saturating_sub(base), hi - base) }
+}
+
+/// The voxel indices of a range, in ascending order.
+pub(super) fn iter_voxels(range: Range) -> impl Iterator<Item = usize> {
+    range.first()..range.last() + 1
+}

@@ -1,0 +1,144 @@
+//! Serialisation and digest of the undo history.
+
+use super::packed::{
+    EntryCell, EntryColumns, column_from_cell, digest_sum, digest_term, flag_cells, word_from_cells,
+};
+use super::{PackedEntry, UndoHistory, UnpackedEntry};
+use crate::codec::bytes::{BadBytes, ByteReader, ByteWriter};
+use crate::codec::digest::mix_bits;
+use crate::limits::UNDO_ENTRIES;
+use crate::volume::range::Range;
+use crate::volume::range_maps::Axis;
+use crate::volume::row::BitSet;
+use crate::volume::size::{Grid, Size};
+
+impl<const N: usize> UndoHistory<N>
+where
+    Grid<N>: Size,
+{
+    /// Digest of all entries and of which are applied. The columns' part is maintained incrementally.
+    #[must_use]
+    pub fn digest(&self) -> u64 {
+        self.digest_with(self.head.sum, |entry, _| entry.sum)
+    }
+
+    /// The same digest, computed without the incremental sums.
+    #[must_use]
+    pub fn recompute_digest(&self) -> u64 {
+        let mut sum = 0u64;
+        for (axis, line) in Axis::ALL.into_iter().flat_map(|axis| (0..N).map(move |i| (axis, i))) {
+            for place in self.head.changed[axis as usize][line].iter_ones() {
+                let other = self.head.others[axis as usize][line][place];
+                sum = sum.wrapping_add(digest_term(axis, (line, place), other));
+            }
+        }
+        self.digest_with(sum, |_, cells| digest_sum::<N>(cells))
+    }
+
+    fn digest_with(&self, head: u64, packed: impl Fn(&PackedEntry, &[EntryCell]) -> u64) -> u64 {
+        let mut cells = self.cells.as_flattened().as_flattened();
+        let mut digest = mix_bits(
+            u64::from(self.applied) << 2 | u64::from(self.has_head) << 1 | u64::from(self.fresh),
+        );
+        for entry in &self.packed {
+            digest = mix_bits(digest.wrapping_add(packed(entry, cells)));
+            cells = &cells[entry.cells as usize..];
+        }
+        mix_bits(digest.wrapping_add(head))
+    }
+
+    /// Writes the history: the number of packed entries (u16) and of applied ones (u16), flags (u8), then
+    /// each entry with its length in cells (u32), the head packed like the others.
+    pub fn save(&self, out: &mut ByteWriter<'_>) {
+        out.u16(self.packed.len() as u16);
+        out.u16(self.applied);
+        out.u8(u8::from(self.has_head) | u8::from(self.fresh) << 1);
+        let mut cells = self.cells.as_flattened().as_flattened();
+        for entry in &self.packed {
+            let (these, rest) = cells.split_at(entry.cells as usize);
+            out.u32(entry.cells);
+            out.bytes(these.as_flattened());
+            cells = rest;
+        }
+        if self.has_head {
+            out.u32(self.head.packed_len() as u32);
+            self.head.write_packed(|cell| out.bytes(&cell));
+        }
+    }
+
+    /// Reads what [`UndoHistory::save`] wrote.
+    ///
+    /// # Errors
+    /// [`BadBytes`] where the bytes end early or say what no undo ring holds; there are no entries
+    /// then.
+    pub fn load(&mut self, bytes: &mut ByteReader<'_>) -> Result<(), BadBytes> {
+        self.clear();
+        self.load_entries(bytes).inspect_err(|_| self.clear())
+    }
+
+    fn load_entries(&mut self, bytes: &mut ByteReader<'_>) -> Result<(), BadBytes> {
+        let count = usize::from(bytes.u16()?);
+        if count > UNDO_ENTRIES {
+            return Err(bytes.error_here("fewer undo entries"));
+        }
+        let applied = bytes.u16()?;
+        let flags = bytes.u8()?;
+        let has_head = flags & 1 != 0;
+        if flags > 3
+            || usize::from(applied) > count + usize::from(has_head)
+            || (count > 0 && !has_head)
+        {
+            return Err(bytes.error_here("flags of an undo ring"));
+        }
+        let mut used = 0;
+        for _ in 0..count {
+            let entry = read_entry::<N>(bytes)?;
+            let room = self.cells.as_flattened_mut().as_flattened_mut().get_mut(used..);
+            let room = room.and_then(|room| room.get_mut(..entry.len()));
+            room.ok_or(bytes.error_here("fewer undo columns"))?.copy_from_slice(entry);
+            used += entry.len();
+            let packed = PackedEntry { cells: entry.len() as u32, sum: digest_sum::<N>(entry) };
+            self.packed.push(packed).map_err(|_| bytes.error_here("fewer undo entries"))?;
+        }
+        if has_head {
+            self.head.set_from_packed(read_entry::<N>(bytes)?);
+        }
+        (self.applied, self.has_head, self.fresh) = (applied, has_head, flags & 2 != 0);
+        Ok(())
+    }
+}
+
+impl<const N: usize> UnpackedEntry<N>
+where
+    Grid<N>: Size,
+{
+    /// Sets the entry from a packed one, which must be valid.
+    fn set_from_packed(&mut self, entry: &[EntryCell]) {
+        self.clear();
+        self.sum = digest_sum::<N>(entry);
+        let (columns, values) = EntryColumns::<N>::parse(entry);
+        for ((axis, (line, place)), cell) in columns.zip(values) {
+            self.insert_columns(axis, line, BitSet::span(place, place));
+            self.others[axis as usize][line][place] = column_from_cell::<N>(*cell);
+        }
+    }
+}
+
+/// Reads a packed entry and validates it.
+fn read_entry<'a, const N: usize>(bytes: &mut ByteReader<'a>) -> Result<&'a [EntryCell], BadBytes>
+where
+    Grid<N>: Size,
+{
+    let bad = bytes.error_here("an undo entry");
+    let len = bytes.u32()? as usize;
+    let cells = bytes.bytes(len.saturating_mul(2))?.as_chunks().0;
+    if cells.len() < flag_cells::<N>() || cells.len() < EntryColumns::<N>::bitmap_len(cells) {
+        return Err(bad);
+    }
+    let (columns, values) = EntryColumns::<N>::parse(cells);
+    let grid: u64 = Grid::<N>::FULL.word(0);
+    let fits = columns.words.iter().map(word_from_cells).all(|word| word != 0 && word & !grid == 0);
+    let count: u32 = columns.words.iter().map(|word| word_from_cells(word).count_ones()).sum();
+    let ranges = values.iter().all(|cell| Range::from_bytes(*cell, N).is_some());
+    if fits && ranges && count as usize == values.len() { Ok(cells) } else { Err(bad) }
+}

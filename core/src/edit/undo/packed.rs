@@ -1,0 +1,124 @@
+//! Packed undo entries: a bitmap of columns without its zero words, then their values.
+
+use crate::volume::column_digest::{column_key, column_number};
+use crate::volume::range::Range;
+use crate::volume::range_maps::{Axis, Column};
+use crate::volume::row::BitSet;
+use crate::volume::size::{Grid, Size};
+
+/// Two bytes: a range, or a part of the bitmap.
+pub(super) type EntryCell = [u8; 2];
+
+/// The columns of a packed entry, in the order of its values.
+pub(super) struct EntryColumns<'a, const N: usize> {
+    flags: &'a [EntryCell],
+    pub(super) words: &'a [[EntryCell; 4]],
+    /// Which word of the bitmap comes next.
+    next: usize,
+    /// The unread bits of the word before it.
+    bits: u64,
+}
+
+impl<'a, const N: usize> EntryColumns<'a, N>
+where
+    Grid<N>: Size,
+{
+    /// Parses the entry at the start of `cells`: its columns, and the cells from its values on.
+    pub(super) fn parse(cells: &'a [EntryCell]) -> (Self, &'a [EntryCell]) {
+        let (bitmap, values) = cells.split_at(Self::bitmap_len(cells));
+        (Self::new(bitmap), values)
+    }
+
+    /// The same with mutable values.
+    pub(super) fn parse_mut(cells: &'a mut [EntryCell]) -> (Self, &'a mut [EntryCell]) {
+        let (bitmap, values) = cells.split_at_mut(Self::bitmap_len(cells));
+        (Self::new(bitmap), values)
+    }
+
+    pub(super) fn bitmap_len(cells: &[EntryCell]) -> usize {
+        let flags = &cells[..flag_cells::<N>()];
+        let words: u32 = flags.iter().map(|cell| u16::from_le_bytes(*cell).count_ones()).sum();
+        flags.len() + 4 * words as usize
+    }
+
+    fn new(bitmap: &'a [EntryCell]) -> Self {
+        let (flags, words) = bitmap.split_at(flag_cells::<N>());
+        EntryColumns { flags, words: words.as_chunks().0, next: 0, bits: 0 }
+    }
+}
+
+impl<const N: usize> Iterator for EntryColumns<'_, N>
+where
+    Grid<N>: Size,
+{
+    type Item = (Axis, (usize, usize));
+
+    #[inline]
+    fn next(&mut self) -> Option<Self::Item> {
+        while self.bits == 0 {
+            let flags = u16::from_le_bytes(*self.flags.get(self.next / 16)?);
+            if flags >> (self.next % 16) & 1 != 0 {
+                let (word, rest) = self.words.split_first()?;
+                self.words = rest;
+                self.bits = word_from_cells(word);
+            }
+            self.next += 1;
+        }
+        let bit = self.bits.trailing_zeros() as usize;
+        self.bits &= self.bits - 1;
+        let words = <Grid<N> as Size>::Row::WORDS;
+        let (row, word) = ((self.next - 1) / words, (self.next - 1) % words);
+        Some((Axis::ALL[row / N], (row % N, word * 64 + bit)))
+    }
+}
+
+/// Cells that an entry's flags take, one bit for each word of the bitmap.
+pub(super) const fn flag_cells<const N: usize>() -> usize
+where
+    Grid<N>: Size,
+{
+    3 * N * <Grid<N> as Size>::Row::WORDS / 16
+}
+
+/// The sum of [`digest_term`] over the columns of the entry at the start of `cells`.
+pub(super) fn digest_sum<const N: usize>(cells: &[EntryCell]) -> u64
+where
+    Grid<N>: Size,
+{
+    let (columns, values) = EntryColumns::<N>::parse(cells);
+    let terms = columns
+        .zip(values)
+        .map(|((axis, at), cell)| digest_term(axis, at, column_from_cell::<N>(*cell)));
+    terms.fold(0, u64::wrapping_add)
+}
+
+/// What a column adds to the digest of an entry: unlike [`crate::volume::column_digest::column_digest`] not
+/// nothing when it is empty, as it counts that the entry holds it.
+#[inline]
+pub(super) fn digest_term(axis: Axis, at: (usize, usize), column: Column) -> u64 {
+    column_key(axis, at).wrapping_mul(column_code(column))
+}
+
+/// A column's bytes as a number other than 0.
+#[inline]
+pub(super) fn column_code(column: Column) -> u64 {
+    column_number(column) | 1 << 16
+}
+
+#[inline]
+pub(super) fn cell_from_column(column: Column) -> EntryCell {
+    column.0[0].to_bytes()
+}
+
+/// The inverse of [`cell_from_column`], for bytes it made or that were checked.
+#[inline]
+pub(super) fn column_from_cell<const N: usize>(cell: EntryCell) -> Column {
+    Column([Range::from_bytes(cell, N).unwrap_or(Range::EMPTY)])
+}
+
+#[inline]
+pub(super) fn word_from_cells(word: &[EntryCell; 4]) -> u64 {
+    let mut bytes = [0; 8];
+    bytes.copy_from_slice(word.as_flattened());
+    u64::from_le_bytes(bytes)
+}

@@ -1,0 +1,56 @@
+//! Events of a tick, for shells to show, sound and log.
+
+use crate::edit::islands::IslandReport;
+use crate::edit::operation::EditReport;
+use crate::session::input::SessionMode;
+use crate::session::tools::{Tool, ToolBit};
+use crate::session::workbench::BenchItem;
+
+/// An event of a tick.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum WorldEvent {
+    /// A session started.
+    Started(SessionMode),
+    /// A session was asked for whose start volume doesn't exist; nothing changed.
+    NoSuchStart,
+    /// A hand took a tool, or mounted a bit.
+    Took {
+        /// 0 left, 1 right.
+        hand: u8,
+        /// What it took.
+        item: BenchItem,
+    },
+    /// A hand let go of a tool.
+    Released {
+        /// 0 left, 1 right.
+        hand: u8,
+        /// The tool.
+        tool: Tool,
+    },
+    /// A tool was put back on the bench.
+    Returned {
+        /// 0 left, 1 right.
+        hand: u8,
+        /// The tool.
+        tool: Tool,
+    },
+    /// A running tool edited the volume, or was refused by it.
+    Edited {
+        /// 0 left, 1 right.
+        hand: u8,
+        /// Its bit.
+        bit: ToolBit,
+        /// The effect, in voxels.
+        report: EditReport,
+    },
+    /// An island pass ended that removed or kept voxels, or had no support to start from.
+    Islands(IslandReport),
+    /// A stroke was undone.
+    Undone,
+    /// A stroke was redone.
+    Redone,
+    /// The mirror was switched.
+    Symmetry(bool),
+    /// The session ended: the sculpture is to be exported.
+    Finished,
+}

@@ -1,0 +1,212 @@
+//! A hand between ticks: its last valid poses, its buttons, and the pose of the bit that it holds.
+
+use glam::{Quat, Vec3};
+
+use crate::codec::bytes::{BadBytes, ByteReader, ByteWriter};
+use crate::codec::vectors::{QUAT_BYTES, VEC3_BYTES, read_quat, read_vec3, write_quat, write_vec3};
+use crate::edit::contact::Contact;
+use crate::edit::pose::Pose;
+use crate::session::input::{HandInput, RawPose, buttons};
+use crate::session::tools::ToolBitSpec;
+
+/// A position in metres and a rotation, in the room.
+pub type RoomPose = (Vec3, Quat);
+
+/// The state of one hand between ticks.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct HandState {
+    /// The last valid pose of the grip.
+    pub grip: RoomPose,
+    /// The last valid pose of the aim.
+    pub aim: RoomPose,
+    /// Whether the poses are from this tick.
+    pub tracked: bool,
+    /// Whether the trigger is pulled.
+    pub trigger: bool,
+    /// Whether the hand is squeezed.
+    pub squeeze: bool,
+    /// The buttons as of the last tick.
+    pub buttons: u8,
+    /// Ticks since the trigger was pulled.
+    pub trigger_ticks: u16,
+    /// The pose that contact allowed the bit, in the grid.
+    pub frozen_pose: Pose,
+    /// The pose that the hand asks for, without contact, in the grid.
+    pub raw_pose: Pose,
+    /// Whether `frozen_pose` is of the last tick and this bit, so that a brush may be swept from it.
+    pub can_sweep: bool,
+    /// Whether `frozen_pose` is of this bit, so that its next path starts there.
+    pub has_frozen_pose: bool,
+    /// Strength of the pulse of this tick, 0 to 255.
+    pub haptic: u8,
+}
+
+/// The rising edges of a hand's controls in a tick.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub(crate) struct HandEdges {
+    /// The trigger was pulled.
+    pub pulled: bool,
+    /// The grip was squeezed.
+    pub squeezed: bool,
+    /// The buttons that were pressed, of [`buttons`].
+    pub pressed: u8,
+}
+
+impl HandState {
+    /// A hand that was never tracked; all zero bytes.
+    #[must_use]
+    pub(crate) const fn new() -> Self {
+        let nowhere = (Vec3::ZERO, Quat::from_xyzw(0.0, 0.0, 0.0, 0.0));
+        let pose = Pose { position: nowhere.0, rotation: nowhere.1 };
+        HandState {
+            grip: nowhere,
+            aim: nowhere,
+            tracked: false,
+            trigger: false,
+            squeeze: false,
+            buttons: 0,
+            trigger_ticks: 0,
+            frozen_pose: pose,
+            raw_pose: pose,
+            can_sweep: false,
+            has_frozen_pose: false,
+            haptic: 0,
+        }
+    }
+
+    /// Applies a tick's input and returns the rising edges. Invalid poses keep the last valid ones;
+    /// without tracking, nothing is pressed.
+    pub(crate) fn apply_input(&mut self, input: &HandInput) -> HandEdges {
+        self.haptic = 0;
+        let keep = |last: &mut RoomPose, pose: &RawPose| {
+            pose.to_metres().inspect(|good| *last = *good).is_some()
+        };
+        let good = input.tracked && keep(&mut self.grip, &input.grip);
+        if input.tracked {
+            keep(&mut self.aim, &input.aim);
+        }
+        self.tracked = good || (input.tracked && self.has_pose());
+        let live = u8::from(self.tracked);
+        let trigger = is_pressed(input.trigger * live, self.trigger);
+        let squeeze = is_pressed(input.squeeze * live, self.squeeze);
+        let down = (input.buttons * live) & (buttons::LOWER | buttons::UPPER | buttons::STICK);
+        let edges = HandEdges {
+            pulled: trigger && !self.trigger,
+            squeezed: squeeze && !self.squeeze,
+            pressed: down & !self.buttons,
+        };
+        self.trigger_ticks =
+            if trigger && self.trigger { self.trigger_ticks.wrapping_add(1) } else { 0 };
+        (self.trigger, self.squeeze, self.buttons) = (trigger, squeeze, down);
+        if !self.tracked {
+            self.can_sweep = false;
+        }
+        edges
+    }
+
+    /// The pose of the bit's centre in the room, `length_metres` in front of the grip.
+    #[must_use]
+    pub fn tip_pose(&self, length_metres: f32) -> RoomPose {
+        let (position, rotation) = self.grip;
+        (position + rotation * Vec3::new(0.0, 0.0, -length_metres), rotation)
+    }
+
+    /// Invalidates the frozen pose, after a change of tool or bit.
+    pub(crate) fn forget_bit(&mut self) {
+        (self.can_sweep, self.has_frozen_pose, self.trigger_ticks) = (false, false, 0);
+    }
+
+    fn has_pose(&self) -> bool {
+        self.grip.1.length_squared() > 0.0
+    }
+
+    /// Length of a written hand: four poses, flags, buttons, phase and haptics.
+    pub(crate) const BYTES: usize = 4 * (VEC3_BYTES + QUAT_BYTES) + 1 + 1 + 2 + 1;
+
+    pub(crate) fn write(&self, to: &mut ByteWriter<'_>) {
+        for (position, rotation) in [
+            self.grip,
+            self.aim,
+            (self.frozen_pose.position, self.frozen_pose.rotation),
+            (self.raw_pose.position, self.raw_pose.rotation),
+        ] {
+            write_vec3(to, position);
+            write_quat(to, rotation);
+        }
+        let flags =
+            [self.tracked, self.trigger, self.squeeze, self.can_sweep, self.has_frozen_pose];
+        to.u8(flags.iter().rev().fold(0, |bits, flag| (bits << 1) | u8::from(*flag)));
+        to.u8(self.buttons);
+        to.u16(self.trigger_ticks);
+        to.u8(self.haptic);
+    }
+
+    pub(crate) fn read(from: &mut ByteReader<'_>) -> Result<Self, BadBytes> {
+        let (grip, aim) = (read_pose(from)?, read_pose(from)?);
+        let (frozen, raw) = (read_pose(from)?, read_pose(from)?);
+        let bad = from.error_here("flags of a hand");
+        let flags = from.u8()?;
+        if flags > 31 {
+            return Err(bad);
+        }
+        let flag = |i: u8| flags >> i & 1 != 0;
+        Ok(HandState {
+            grip,
+            aim,
+            frozen_pose: Pose { position: frozen.0, rotation: frozen.1 },
+            raw_pose: Pose { position: raw.0, rotation: raw.1 },
+            tracked: flag(0),
+            trigger: flag(1),
+            squeeze: flag(2),
+            can_sweep: flag(3),
+            has_frozen_pose: flag(4),
+            buttons: from.u8()?,
+            trigger_ticks: from.u16()?,
+            haptic: from.u8()?,
+        })
+    }
+}
+
+/// Haptic amplitude of a bit, 0 to 255: 0 without contact, growing with speed, highest on the mask. A
+/// running tool pulses with its haptic train; at rest a quarter of the amplitude is constant.
+///
+/// `speed_um` is in micrometres a tick.
+#[must_use]
+pub fn haptic_level(
+    bit: &ToolBitSpec,
+    contact: &Contact,
+    running: bool,
+    ticks: u16,
+    speed_um: u32,
+) -> u8 {
+    if contact.overlap == 0 && !contact.on_mask {
+        return 0;
+    }
+    let strength = if contact.on_mask { 255 } else { 80 + (speed_um / 250).min(120) };
+    let train = match running {
+        true => u32::from(bit.haptic_train[usize::from(ticks) % bit.haptic_train.len()]),
+        false => 64,
+    };
+    (strength * train / 255) as u8
+}
+
+/// Reads a pose in metres or voxels, with coordinates up to [`FAR`].
+fn read_pose(from: &mut ByteReader<'_>) -> Result<RoomPose, BadBytes> {
+    let bad = from.error_here("a pose within reach, with a unit rotation or none");
+    let (position, rotation) = (read_vec3(from)?, read_quat(from)?);
+    let near = position.abs().max_element() <= FAR;
+    let length = rotation.length_squared();
+    if near && (length == 0.0 || (0.99..1.01).contains(&length)) {
+        Ok((position, rotation))
+    } else {
+        Err(bad)
+    }
+}
+
+/// Greatest coordinate of a pose: more than 16 m in voxels of the finest grid.
+const FAR: f32 = 32_768.0;
+
+/// Whether an analogue button is pressed, with hysteresis: on from 128, off below 96 of 255.
+const fn is_pressed(value: u8, was_pressed: bool) -> bool {
+    value >= if was_pressed { 96 } else { 128 }
+}

@@ -1,0 +1,273 @@
+//! The input of a tick, as quantised integers of a fixed width.
+
+use glam::{Quat, Vec3};
+
+use crate::codec::bytes::{BadBytes, ByteReader, ByteWriter};
+
+/// Ticks in a second.
+pub const TICK_RATE: u32 = 72;
+
+/// Units of [`RawPose::position`] in a metre.
+pub const UNITS_PER_METRE: i32 = 1 << 16;
+
+/// A quantised tracked pose, in OpenXR's conventions: right-handed, y up, metres.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub struct RawPose {
+    /// In 1/65,536 m (15 micrometres).
+    pub position: [i32; 3],
+    /// Quaternion x, y, z, w of any length above a thousandth of the range.
+    pub rotation: [i16; 4],
+}
+
+/// One hand's controller.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub struct HandInput {
+    /// The aim pose; -z is forward.
+    pub aim: RawPose,
+    /// The grip pose, in the palm.
+    pub grip: RawPose,
+    /// 0 to 255; pulled from 128 on, until it falls below 96.
+    pub trigger: u8,
+    /// 0 to 255.
+    pub squeeze: u8,
+    /// x (right) and y (forward), -127 to 127.
+    pub stick: [i8; 2],
+    /// Pressed buttons, of [`buttons`]; the highest bit is ignored.
+    pub buttons: u8,
+    /// Whether the poses are tracked.
+    pub tracked: bool,
+}
+
+/// Bits of [`HandInput::buttons`].
+pub mod buttons {
+    /// The lower button: undo.
+    pub const LOWER: u8 = 1;
+    /// The upper button: redo.
+    pub const UPPER: u8 = 2;
+    /// The stick, pressed: symmetry.
+    pub const STICK: u8 = 4;
+}
+
+/// Bits of [`TickInput::commands`]. Each acts once a tick.
+pub mod commands {
+    /// Take the newest stroke back.
+    pub const UNDO: u8 = 1;
+    /// Bring it back again.
+    pub const REDO: u8 = 2;
+    /// Switch the mirror on or off.
+    pub const SYMMETRY: u8 = 4;
+    /// End the session; the sculpture takes no more edits.
+    pub const FINISH: u8 = 8;
+}
+
+/// A command from a mouse or a menu instead of a hand.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub enum PointerCommand {
+    /// Nothing.
+    #[default]
+    None,
+    /// Puts an item of the bench into a hand: a tool, or a bit, which is mounted on the tool that it fits.
+    Take {
+        /// 0 left, 1 right.
+        hand: u8,
+        /// [`BenchItem::number`](crate::BenchItem::number): tools first, then bits.
+        item: u8,
+    },
+    /// Puts what a hand holds back on the bench.
+    Return {
+        /// 0 left, 1 right.
+        hand: u8,
+    },
+    /// Turns the stool.
+    Turn {
+        /// In 65,536ths of a turn, counter-clockwise as seen from above.
+        by: i16,
+    },
+}
+
+/// Session mode: which volume a session starts from (sections 1.1, 3.3 and 3.5 of the paper).
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub enum SessionMode {
+    /// No session.
+    #[default]
+    None,
+    /// From a lump of stone, without a mask.
+    FreeForm,
+    /// From the lump, with a hidden figure that can't be removed.
+    Constrained {
+        /// Number of the figure.
+        figure: u8,
+    },
+    /// From an already sculpted shape.
+    Creative,
+    /// From a volume loaded by the user.
+    Own,
+}
+
+/// The input of one tick.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub struct TickInput {
+    /// The head.
+    pub head: RawPose,
+    /// Left and right hand.
+    pub hands: [HandInput; 2],
+    /// The pointer.
+    pub pointer: PointerCommand,
+    /// Of [`commands`].
+    pub commands: u8,
+    /// Starts a new session, unless [`SessionMode::None`].
+    pub start: SessionMode,
+}
+
+impl RawPose {
+    const BYTES: usize = 20;
+
+    /// Quantises a pose in metres. A pose that is not finite, or whose rotation is near zero, becomes
+    /// the default pose, which the core ignores.
+    #[must_use]
+    pub fn quantise(position: Vec3, rotation: Quat) -> Self {
+        let usable = rotation.is_finite() && rotation.length_squared() > 1e-6;
+        if !usable || !position.is_finite() {
+            return Self::default();
+        }
+        let rotation = rotation.normalize();
+        let metres = |v: f32| libm::roundf(v * UNITS_PER_METRE as f32) as i32;
+        let part = |v: f32| libm::roundf(v * f32::from(i16::MAX)) as i16;
+        RawPose {
+            position: position.to_array().map(metres),
+            rotation: rotation.to_array().map(part),
+        }
+    }
+
+    /// Position in metres, clamped to 16 m along each axis, and unit rotation. `None` where the
+    /// rotation is near zero.
+    #[must_use]
+    pub fn to_metres(&self) -> Option<(Vec3, Quat)> {
+        let far = 16 * UNITS_PER_METRE;
+        let position = self.position.map(|v| v.clamp(-far, far) as f32 / UNITS_PER_METRE as f32);
+        let q = Quat::from_array(self.rotation.map(f32::from));
+        let shortest = f32::from(i16::MAX / 1000);
+        (q.length_squared() >= shortest * shortest)
+            .then(|| (Vec3::from_array(position), q.normalize()))
+    }
+
+    fn write(&self, to: &mut ByteWriter<'_>) {
+        self.position.iter().for_each(|v| to.i32(*v));
+        self.rotation.iter().for_each(|v| to.i16(*v));
+    }
+
+    fn read(from: &mut ByteReader<'_>) -> Result<Self, BadBytes> {
+        let mut pose = RawPose::default();
+        for v in &mut pose.position {
+            *v = from.i32()?;
+        }
+        for v in &mut pose.rotation {
+            *v = from.i16()?;
+        }
+        Ok(pose)
+    }
+}
+
+impl HandInput {
+    const BYTES: usize = 2 * RawPose::BYTES + 5;
+
+    fn write(&self, to: &mut ByteWriter<'_>) {
+        self.aim.write(to);
+        self.grip.write(to);
+        to.u8(self.trigger);
+        to.u8(self.squeeze);
+        self.stick.iter().for_each(|v| to.i8(*v));
+        to.u8(self.buttons & 0x7f | u8::from(self.tracked) << 7);
+    }
+
+    fn read(from: &mut ByteReader<'_>) -> Result<Self, BadBytes> {
+        let aim = RawPose::read(from)?;
+        let grip = RawPose::read(from)?;
+        let (trigger, squeeze) = (from.u8()?, from.u8()?);
+        let stick = [from.i8()?, from.i8()?];
+        let last = from.u8()?;
+        let (buttons, tracked) = (last & 0x7f, last >> 7 != 0);
+        Ok(HandInput { aim, grip, trigger, squeeze, stick, buttons, tracked })
+    }
+}
+
+impl PointerCommand {
+    const BYTES: usize = 3;
+
+    fn write(self, to: &mut ByteWriter<'_>) {
+        match self {
+            PointerCommand::None => to.bytes(&[0, 0, 0]),
+            PointerCommand::Take { hand, item } => to.bytes(&[1, hand, item]),
+            PointerCommand::Return { hand } => to.bytes(&[2, hand, 0]),
+            PointerCommand::Turn { by } => {
+                to.u8(3);
+                to.i16(by);
+            }
+        }
+    }
+
+    fn read(from: &mut ByteReader<'_>) -> Result<Self, BadBytes> {
+        let bad = from.error_here("a pointer command, 0 to 3, and zeros for what it doesn't take");
+        match [from.u8()?, from.u8()?, from.u8()?] {
+            [0, 0, 0] => Ok(PointerCommand::None),
+            [1, hand, item] => Ok(PointerCommand::Take { hand, item }),
+            [2, hand, 0] => Ok(PointerCommand::Return { hand }),
+            [3, lo, hi] => Ok(PointerCommand::Turn { by: i16::from_le_bytes([lo, hi]) }),
+            _ => Err(bad),
+        }
+    }
+}
+
+impl SessionMode {
+    pub(crate) const BYTES: usize = 2;
+
+    pub(crate) fn write(self, to: &mut ByteWriter<'_>) {
+        to.bytes(&match self {
+            SessionMode::None => [0, 0],
+            SessionMode::FreeForm => [1, 0],
+            SessionMode::Constrained { figure } => [2, figure],
+            SessionMode::Creative => [3, 0],
+            SessionMode::Own => [4, 0],
+        });
+    }
+
+    pub(crate) fn read(from: &mut ByteReader<'_>) -> Result<Self, BadBytes> {
+        let bad = from.error_here("a mode, 0 to 4, and a figure for 2 alone");
+        match [from.u8()?, from.u8()?] {
+            [0, 0] => Ok(SessionMode::None),
+            [1, 0] => Ok(SessionMode::FreeForm),
+            [2, figure] => Ok(SessionMode::Constrained { figure }),
+            [3, 0] => Ok(SessionMode::Creative),
+            [4, 0] => Ok(SessionMode::Own),
+            _ => Err(bad),
+        }
+    }
+}
+
+impl TickInput {
+    /// Length of an input in bytes.
+    pub const BYTES: usize =
+        RawPose::BYTES + 2 * HandInput::BYTES + PointerCommand::BYTES + 1 + SessionMode::BYTES;
+
+    /// Writes [`TickInput::BYTES`] bytes.
+    pub fn write(&self, to: &mut ByteWriter<'_>) {
+        self.head.write(to);
+        self.hands.iter().for_each(|hand| hand.write(to));
+        self.pointer.write(to);
+        to.u8(self.commands);
+        self.start.write(to);
+    }
+
+    /// Reads what [`TickInput::write`] wrote.
+    ///
+    /// # Errors
+    /// [`BadBytes`] at the end, or where there is no such command or mode.
+    pub fn read(from: &mut ByteReader<'_>) -> Result<Self, BadBytes> {
+        let head = RawPose::read(from)?;
+        let hands = [HandInput::read(from)?, HandInput::read(from)?];
+        let pointer = PointerCommand::read(from)?;
+        let commands = from.u8()?;
+        let start = SessionMode::read(from)?;
+        Ok(TickInput { head, hands, pointer, commands, start })
+    }
+}

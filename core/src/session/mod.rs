@@ -1,0 +1,16 @@
+//! Sessions: the world's state, and the fixed time step that advances it.
+//!
+//! Takes one tick's input and the start volumes; gives edits, events, dirty columns, the poses and
+//! haptics of hands, and the places of tools.
+//! Doesn't know devices, windows, clocks, files or pictures.
+
+pub(crate) mod events;
+pub(crate) mod hand;
+pub(crate) mod input;
+pub(crate) mod start_volumes;
+pub(crate) mod state;
+pub(crate) mod step;
+pub(crate) mod stool_frame;
+pub(crate) mod tools;
+pub(crate) mod workbench;
+pub(crate) mod world;

@@ -1,0 +1,22 @@
+//! The volumes that a session can start from, lent by the shell.
+
+use crate::volume::range_maps::RangeMaps;
+
+/// Start volumes by session mode. All maps must be tight, and each figure a subset of the lump.
+///
+/// With one volume only, it is both `lump` and `creative`. To go on from an edited [`Volume`], lend its
+/// maps as `own` and start a session of [`SessionMode::Own`].
+///
+/// [`Volume`]: crate::Volume
+/// [`SessionMode::Own`]: crate::SessionMode::Own
+#[derive(Debug)]
+pub struct StartVolumes<'a, const N: usize> {
+    /// The rough stone of the free-form and constrained modes.
+    pub lump: &'a RangeMaps<N>,
+    /// The hidden figures of the constrained mode.
+    pub figures: &'a [&'a RangeMaps<N>],
+    /// The shape of the creative mode.
+    pub creative: &'a RangeMaps<N>,
+    /// A volume loaded by the user.
+    pub own: Option<&'a RangeMaps<N>>,
+}

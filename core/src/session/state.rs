@@ -1,0 +1,144 @@
+//! The small part of a world's state: all but volumes, undo history and island search. Written as bytes
+//! of a fixed length, which are also its digest's input.
+
+use glam::{Quat, Vec3};
+
+use crate::codec::bytes::{BadBytes, ByteReader, ByteWriter};
+use crate::codec::digest::checksum;
+use crate::codec::vectors::{QUAT_BYTES, VEC3_BYTES, read_quat, read_vec3, write_quat, write_vec3};
+use crate::limits::STATE_BYTES;
+use crate::session::hand::{HandState, RoomPose};
+use crate::session::input::SessionMode;
+use crate::session::workbench::Workbench;
+
+/// The phase of a session.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[repr(u8)]
+pub enum SessionState {
+    /// No session yet; nothing can be taken or edited.
+    Waiting = 0,
+    /// Tools can be taken and the sculpture edited.
+    Sculpting = 1,
+    /// The sculpture is final.
+    Finished = 2,
+}
+
+/// The state of a world but for volumes, undo history and island search.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(crate) struct WorldState {
+    pub(crate) tick: u64,
+    pub(crate) session: SessionState,
+    pub(crate) mode: SessionMode,
+    pub(crate) masked: bool,
+    pub(crate) symmetry: bool,
+    /// The stool's rotation in 65,536ths of a turn.
+    pub(crate) stool: u16,
+    pub(crate) head: RoomPose,
+    pub(crate) hands: [HandState; 2],
+    pub(crate) bench: Workbench,
+    pub(crate) mask_digest: u64,
+}
+
+impl WorldState {
+    pub(crate) const fn new() -> Self {
+        let quat = Quat::from_xyzw(0.0, 0.0, 0.0, 0.0);
+        WorldState {
+            tick: 0,
+            session: SessionState::Waiting,
+            mode: SessionMode::None,
+            masked: false,
+            symmetry: false,
+            stool: 0,
+            head: (Vec3::ZERO, quat),
+            hands: [HandState::new(); 2],
+            bench: Workbench::new(),
+            mask_digest: 0,
+        }
+    }
+
+    /// Length of a written state, the sum of its fields in the order of [`WorldState::write`].
+    const BYTES: usize = size_of::<u64>()
+        + size_of::<u8>()
+        + SessionMode::BYTES
+        + size_of::<u8>()
+        + size_of::<u16>()
+        + (VEC3_BYTES + QUAT_BYTES)
+        + 2 * HandState::BYTES
+        + Workbench::BYTES
+        + size_of::<u64>();
+
+    pub(crate) fn digest(&self) -> u64 {
+        const { assert!(WorldState::BYTES == STATE_BYTES, "STATE_BYTES is not what a state takes") };
+        let mut bytes = [0; STATE_BYTES];
+        let mut to = ByteWriter::new(&mut bytes);
+        self.write(&mut to);
+        debug_assert_eq!(to.len(), STATE_BYTES, "a part of the state is left out of its digest");
+        checksum(&bytes)
+    }
+
+    pub(crate) fn write(&self, to: &mut ByteWriter<'_>) {
+        to.u64(self.tick);
+        to.u8(self.session as u8);
+        self.mode.write(to);
+        to.u8(u8::from(self.masked) | u8::from(self.symmetry) << 1);
+        to.u16(self.stool);
+        write_vec3(to, self.head.0);
+        write_quat(to, self.head.1);
+        self.hands.iter().for_each(|hand| hand.write(to));
+        self.bench.write(to);
+        to.u64(self.mask_digest);
+    }
+
+    pub(crate) fn read(from: &mut ByteReader<'_>) -> Result<Self, BadBytes> {
+        let tick = from.u64()?;
+        let bad = from.error_here("a session, 0 to 2");
+        let session = match from.u8()? {
+            0 => SessionState::Waiting,
+            1 => SessionState::Sculpting,
+            2 => SessionState::Finished,
+            _ => return Err(bad),
+        };
+        let mode = SessionMode::read(from)?;
+        let bad = from.error_here("flags of a session");
+        let flags = from.u8()?;
+        if flags > 3 {
+            return Err(bad);
+        }
+        Ok(WorldState {
+            tick,
+            session,
+            mode,
+            masked: flags & 1 != 0,
+            symmetry: flags & 2 != 0,
+            stool: from.u16()?,
+            head: (read_vec3(from)?, read_quat(from)?),
+            hands: [HandState::read(from)?, HandState::read(from)?],
+            bench: Workbench::read(from)?,
+            mask_digest: from.u64()?,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_state_fills_its_bytes_and_comes_back_from_them() {
+        let mut state = WorldState::new();
+        (state.tick, state.stool, state.mask_digest) = (7, 40_000, u64::MAX);
+        state.bench.reset_items();
+        let mut bytes = [0; STATE_BYTES];
+        let mut to = ByteWriter::new(&mut bytes);
+        state.write(&mut to);
+        assert_eq!(to.len(), STATE_BYTES);
+        let mut from = ByteReader::new(&bytes);
+        assert_eq!(WorldState::read(&mut from), Ok(state));
+        assert_eq!(from.expect_end(), Ok(()));
+        for i in 0..STATE_BYTES {
+            let mut other = bytes;
+            other[i] ^= 1;
+            assert_ne!(checksum(&other), state.digest(), "byte {i} is not in the digest");
+        }
+    }
+}

@@ -1,0 +1,59 @@
+//! The transform between the room, in metres, and the grid on its turning stool, in voxels.
+
+use glam::{Quat, Vec3};
+
+use crate::edit::pose::Pose;
+
+/// Side of the sculpture's box, in metres.
+pub const BOX_SIDE: f32 = 0.45;
+
+/// Centre of the stool's top, on which the box stands, in metres in the room.
+pub const STOOL_TOP: Vec3 = Vec3::new(0.0, 0.8, -0.55);
+
+/// The frame of a turned stool that carries a grid.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct StoolFrame {
+    rotation: Quat,
+    voxel_metres: f32,
+    /// Half the grid's side, in voxels.
+    half_side: f32,
+}
+
+impl StoolFrame {
+    /// The frame of a grid of `side`^3 voxels. `turn` is in 65,536ths of a turn, counter-clockwise as
+    /// seen from above.
+    #[must_use]
+    pub fn new(turn: u16, side: usize) -> Self {
+        let radians = f32::from(turn) * (core::f32::consts::TAU / 65_536.0);
+        StoolFrame {
+            rotation: Quat::from_rotation_y(radians),
+            voxel_metres: BOX_SIDE / side as f32,
+            half_side: side as f32 / 2.0,
+        }
+    }
+
+    /// Side of a voxel, in metres.
+    #[must_use]
+    pub const fn voxel_metres(&self) -> f32 {
+        self.voxel_metres
+    }
+
+    /// Transforms a pose from the room (metres) to the grid (voxels).
+    #[must_use]
+    pub fn to_grid(&self, position: Vec3, rotation: Quat) -> Pose {
+        let to_stool = self.rotation.conjugate();
+        let from_top = to_stool * (position - STOOL_TOP) / self.voxel_metres;
+        Pose {
+            position: from_top + Vec3::new(self.half_side, 0.0, self.half_side),
+            rotation: (to_stool * rotation).normalize(),
+        }
+    }
+
+    /// Transforms a pose from the grid (voxels) to the room (metres).
+    #[must_use]
+    pub fn to_room(&self, pose: &Pose) -> (Vec3, Quat) {
+        let from_top =
+            (pose.position - Vec3::new(self.half_side, 0.0, self.half_side)) * self.voxel_metres;
+        (self.rotation * from_top + STOOL_TOP, (self.rotation * pose.rotation).normalize())
+    }
+}

@@ -1,0 +1,221 @@
+//! Tools and their exchangeable bits as a data table: shape, bite, period, haptics.
+//!
+//! Source: section 1.1 of the paper (rotary and impact tools with exchangeable bits, a fill gun);
+//! the rasp is an addition. Lengths are integers in micrometres.
+
+use glam::IVec3;
+
+use crate::edit::grid_bit::{GridBit, GridShape};
+use crate::edit::pose::SUBUNITS_PER_VOXEL;
+
+/// A tool body, held in a hand.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[repr(u8)]
+pub enum Tool {
+    /// An electric rotary tool.
+    Rotary = 0,
+    /// A pneumatic hammer.
+    Impact = 1,
+    /// A gun that lays modelling paste.
+    FillGun = 2,
+    /// A rasp that smooths.
+    Rasp = 3,
+}
+
+/// The tip of a tool. The stone's cube has a side of 450 mm: a voxel is 3.5 mm at 128 a side.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[repr(u8)]
+pub enum ToolBit {
+    /// Rotary: a ball of 9 mm radius.
+    SmallBall = 0,
+    /// Rotary: a ball of 15 mm radius.
+    MediumBall = 1,
+    /// Rotary: a ball of 24 mm radius.
+    LargeBall = 2,
+    /// Rotary: a long cutter of square section.
+    Cylinder = 3,
+    /// Rotary: a flat disc, cut as a slab.
+    Grinder = 4,
+    /// Impact: a narrow chisel.
+    PointChisel = 5,
+    /// Impact: a wide chisel.
+    FlatChisel = 6,
+    /// The fill gun's fixed nozzle.
+    Nozzle = 7,
+    /// The rasp's fixed file.
+    File = 8,
+}
+
+/// The edit that a bit makes.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum BitAction {
+    /// Removes material.
+    Carve,
+    /// Adds material.
+    Fill,
+    /// Removes bumps and fills pits.
+    Smooth,
+}
+
+/// The shape of a bit about its centre, in its own frame.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum BitShape {
+    /// A ball.
+    Ball {
+        /// In micrometres.
+        radius: i32,
+    },
+    /// A box.
+    Box {
+        /// Half extents in micrometres.
+        half: [i32; 3],
+    },
+}
+
+/// The table entry of a bit.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct ToolBitSpec {
+    /// Its name, for display.
+    pub name: &'static str,
+    /// The tool that takes it.
+    pub tool: Tool,
+    /// What it does.
+    pub action: BitAction,
+    /// Its shape.
+    pub shape: BitShape,
+    /// Greatest penetration into the material, and so the advance in an edit, in micrometres.
+    pub bite_um: i32,
+    /// Ticks from one edit to the next; 1 edits on every tick.
+    pub bite_period: u8,
+    /// Haptic amplitudes of successive ticks, 0 to 255, repeated while the tool runs.
+    pub haptic_train: &'static [u8],
+}
+
+impl Tool {
+    /// All tools, by number.
+    pub const ALL: [Tool; 4] = [Tool::Rotary, Tool::Impact, Tool::FillGun, Tool::Rasp];
+
+    /// The bit that is mounted at the start of a session.
+    #[must_use]
+    pub const fn default_bit(self) -> ToolBit {
+        match self {
+            Tool::Rotary => ToolBit::MediumBall,
+            Tool::Impact => ToolBit::PointChisel,
+            Tool::FillGun => ToolBit::Nozzle,
+            Tool::Rasp => ToolBit::File,
+        }
+    }
+
+    /// Distance from the grip forward to the centre of the bit, in micrometres.
+    #[must_use]
+    pub const fn length_um(self) -> i32 {
+        match self {
+            Tool::Rotary => 130_000,
+            Tool::Impact => 160_000,
+            Tool::FillGun => 140_000,
+            Tool::Rasp => 120_000,
+        }
+    }
+}
+
+impl ToolBit {
+    /// All bits, by number.
+    pub const ALL: [ToolBit; 9] = [
+        ToolBit::SmallBall,
+        ToolBit::MediumBall,
+        ToolBit::LargeBall,
+        ToolBit::Cylinder,
+        ToolBit::Grinder,
+        ToolBit::PointChisel,
+        ToolBit::FlatChisel,
+        ToolBit::Nozzle,
+        ToolBit::File,
+    ];
+
+    /// The bit of a number.
+    #[must_use]
+    pub fn from_number(number: u8) -> Option<ToolBit> {
+        ToolBit::ALL.get(usize::from(number)).copied()
+    }
+
+    /// Its table entry.
+    #[must_use]
+    pub const fn spec(self) -> &'static ToolBitSpec {
+        &BITS[self as usize]
+    }
+
+    /// The bit in fixed-point grid units, for voxels of side `voxel_um` in micrometres.
+    #[must_use]
+    pub fn on_grid(self, voxel_um: f32) -> GridBit {
+        let fixed =
+            |length: i32| libm::roundf(length as f32 * SUBUNITS_PER_VOXEL as f32 / voxel_um) as i32;
+        let data = self.spec();
+        let shape = match data.shape {
+            BitShape::Ball { radius } => GridShape::Ball(fixed(radius)),
+            BitShape::Box { half } => GridShape::Box(IVec3::from_array(half.map(fixed))),
+        };
+        GridBit { shape, bite: fixed(data.bite_um) }
+    }
+}
+
+const fn ball_spec(
+    name: &'static str,
+    radius: i32,
+    bite: i32,
+    train: &'static [u8],
+) -> ToolBitSpec {
+    let shape = BitShape::Ball { radius };
+    ToolBitSpec {
+        name,
+        tool: Tool::Rotary,
+        action: BitAction::Carve,
+        shape,
+        bite_um: bite,
+        bite_period: 1,
+        haptic_train: train,
+    }
+}
+
+const fn box_spec(name: &'static str, tool: Tool, half: [i32; 3], bite: i32) -> ToolBitSpec {
+    let shape = BitShape::Box { half };
+    ToolBitSpec {
+        name,
+        tool,
+        action: BitAction::Carve,
+        shape,
+        bite_um: bite,
+        bite_period: 1,
+        haptic_train: &[200, 160],
+    }
+}
+
+static BITS: [ToolBitSpec; 9] = [
+    ball_spec("small ball burr", 9_000, 2_500, &[180, 120]),
+    ball_spec("medium ball burr", 15_000, 3_000, &[200, 140]),
+    ball_spec("large ball burr", 24_000, 3_400, &[220, 220, 150]),
+    box_spec("cylinder cutter", Tool::Rotary, [9_000, 9_000, 22_000], 2_500),
+    ToolBitSpec {
+        haptic_train: &[150, 170, 190, 170],
+        ..box_spec("flat grinder", Tool::Rotary, [26_000, 26_000, 7_000], 1_500)
+    },
+    ToolBitSpec {
+        bite_period: 6,
+        haptic_train: &[255, 120, 40, 0, 0, 0],
+        ..box_spec("point chisel", Tool::Impact, [7_000, 7_000, 20_000], 3_400)
+    },
+    ToolBitSpec {
+        bite_period: 8,
+        haptic_train: &[255, 140, 60, 20, 0, 0, 0, 0],
+        ..box_spec("flat chisel", Tool::Impact, [18_000, 7_000, 14_000], 3_000)
+    },
+    ToolBitSpec {
+        tool: Tool::FillGun,
+        action: BitAction::Fill,
+        ..ball_spec("paste nozzle", 12_000, 3_000, &[60])
+    },
+    ToolBitSpec {
+        action: BitAction::Smooth,
+        haptic_train: &[90, 30, 90, 60],
+        ..box_spec("rasp file", Tool::Rasp, [10_000, 7_000, 24_000], 1_200)
+    },
+];

@@ -1,0 +1,289 @@
+//! The workbench: where each tool and bit is, and how hands take, release and return them.
+
+use glam::{Quat, Vec3};
+
+use crate::codec::bytes::{BadBytes, ByteReader, ByteWriter};
+use crate::codec::vectors::{QUAT_BYTES, VEC3_BYTES, read_quat, read_vec3, write_quat, write_vec3};
+use crate::session::input::TICK_RATE;
+use crate::session::tools::{Tool, ToolBit};
+
+/// Number of items: the tools, then the exchangeable bits.
+pub const BENCH_ITEMS: usize = 11;
+
+/// Greatest distance at which a hand can take an item, in metres.
+pub(crate) const GRAB_DISTANCE: f32 = 0.12;
+
+/// An item that can be taken.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum BenchItem {
+    /// A tool, with the bit that is mounted on it.
+    Tool(Tool),
+    /// A bit to be mounted.
+    Bit(ToolBit),
+}
+
+/// Where an item is.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum ToolPlace {
+    /// At its home position on the bench.
+    Home,
+    /// In a hand (0 left, 1 right).
+    Hand(u8),
+    /// On its tool.
+    Mounted,
+    /// Falling, for this many ticks so far.
+    Falling(u16),
+    /// Lying where it fell, for this many ticks so far; after ten seconds it returns home.
+    Lying(u16),
+}
+
+/// An item's place and pose; the pose is used only while it falls or lies.
+#[derive(Clone, Copy, PartialEq, Debug)]
+struct PlacedItem {
+    place: ToolPlace,
+    position: Vec3,
+    rotation: Quat,
+}
+
+/// The places of all items.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Workbench {
+    items: [PlacedItem; BENCH_ITEMS],
+}
+
+impl BenchItem {
+    /// The item of a number.
+    #[must_use]
+    pub fn from_number(number: usize) -> Option<BenchItem> {
+        match number {
+            0..4 => Some(BenchItem::Tool(Tool::ALL[number])),
+            4..BENCH_ITEMS => Some(BenchItem::Bit(ToolBit::ALL[number - 4])),
+            _ => None,
+        }
+    }
+
+    /// Its number.
+    #[must_use]
+    pub const fn number(self) -> usize {
+        match self {
+            BenchItem::Tool(tool) => tool as usize,
+            BenchItem::Bit(bit) => 4 + bit as usize,
+        }
+    }
+
+    /// Its home position in the room, in metres: tools in the front row, bits behind.
+    #[must_use]
+    pub fn home_position(self) -> Vec3 {
+        match self {
+            BenchItem::Tool(tool) => Vec3::new(0.45, BENCH_TOP, -0.65 + 0.18 * (tool as u8) as f32),
+            BenchItem::Bit(bit) => Vec3::new(0.7, BENCH_TOP, -0.65 + 0.1 * (bit as u8) as f32),
+        }
+    }
+}
+
+impl Workbench {
+    /// The bench before any session; all zero bytes.
+    #[must_use]
+    pub(crate) const fn new() -> Self {
+        let rotation = Quat::from_xyzw(0.0, 0.0, 0.0, 0.0);
+        Workbench {
+            items: [PlacedItem { place: ToolPlace::Home, position: Vec3::ZERO, rotation };
+                BENCH_ITEMS],
+        }
+    }
+
+    /// Puts every item home and mounts each tool's default bit.
+    pub(crate) fn reset_items(&mut self) {
+        *self = Self::new();
+        for tool in Tool::ALL {
+            self.set_place(BenchItem::Bit(tool.default_bit()), ToolPlace::Mounted);
+        }
+    }
+
+    /// The place of an item. The fixed bits of the fill gun and the rasp are always mounted.
+    #[must_use]
+    pub fn place_of(&self, item: BenchItem) -> ToolPlace {
+        self.items.get(item.number()).map_or(ToolPlace::Mounted, |thing| thing.place)
+    }
+
+    /// The bit on a tool.
+    #[must_use]
+    pub fn mounted_bit(&self, tool: Tool) -> ToolBit {
+        let on_it = |bit: &ToolBit| bit.spec().tool == tool && self.is_mounted(*bit);
+        ToolBit::ALL.into_iter().find(on_it).unwrap_or(tool.default_bit())
+    }
+
+    /// The tool in a hand.
+    #[must_use]
+    pub fn held_tool(&self, hand: usize) -> Option<Tool> {
+        let place = ToolPlace::Hand(hand as u8);
+        Tool::ALL.into_iter().find(|tool| self.place_of(BenchItem::Tool(*tool)) == place)
+    }
+
+    /// An item's pose in the room, in metres; `None` for one in a hand or on a tool.
+    #[must_use]
+    pub fn pose_of(&self, item: BenchItem) -> Option<(Vec3, Quat)> {
+        let thing = self.items.get(item.number())?;
+        match thing.place {
+            ToolPlace::Home => Some((item.home_position(), Quat::IDENTITY)),
+            ToolPlace::Falling(_) | ToolPlace::Lying(_) => Some((thing.position, thing.rotation)),
+            ToolPlace::Hand(_) | ToolPlace::Mounted => None,
+        }
+    }
+
+    /// The nearest item that a hand can take: a tool within [`GRAB_DISTANCE`] of its grip, or a bit for
+    /// the tool that it holds within that distance of its grip or the tool's tip.
+    #[must_use]
+    pub(crate) fn nearest_in_reach(&self, hand: usize, grip: Vec3, tip: Vec3) -> Option<BenchItem> {
+        let held = self.held_tool(hand);
+        let mut nearest = None;
+        let mut least = GRAB_DISTANCE;
+        for item in (0..BENCH_ITEMS).filter_map(BenchItem::from_number) {
+            let Some((position, _)) = self.pose_of(item) else { continue };
+            let distance = match item {
+                BenchItem::Tool(_) => grip.distance(position),
+                BenchItem::Bit(bit) if held == Some(bit.spec().tool) => {
+                    let (a, b) = (grip.distance(position), tip.distance(position));
+                    if a < b { a } else { b }
+                }
+                BenchItem::Bit(_) => continue,
+            };
+            if distance < least {
+                (nearest, least) = (Some(item), distance);
+            }
+        }
+        nearest
+    }
+
+    /// Puts a tool into a hand, or mounts a bit on the tool in that hand; what it replaces goes home.
+    /// Returns whether anything changed.
+    pub(crate) fn take_item(&mut self, hand: usize, item: BenchItem) -> bool {
+        match item {
+            BenchItem::Tool(tool) => {
+                let held = self.held_tool(hand);
+                if held == Some(tool) {
+                    return false;
+                }
+                if let Some(held) = held {
+                    self.set_place(BenchItem::Tool(held), ToolPlace::Home);
+                }
+                self.set_place(item, ToolPlace::Hand(hand as u8));
+            }
+            BenchItem::Bit(bit) => {
+                let tool = bit.spec().tool;
+                if self.held_tool(hand) != Some(tool) || self.is_mounted(bit) {
+                    return false;
+                }
+                self.set_place(BenchItem::Bit(self.mounted_bit(tool)), ToolPlace::Home);
+                self.set_place(item, ToolPlace::Mounted);
+            }
+        }
+        true
+    }
+
+    /// Releases the held tool at a pose in the room: near its home position it returns there, elsewhere
+    /// it falls. Returns the tool.
+    pub(crate) fn release_tool(
+        &mut self,
+        hand: usize,
+        position: Vec3,
+        rotation: Quat,
+    ) -> Option<Tool> {
+        let tool = self.held_tool(hand)?;
+        let item = BenchItem::Tool(tool);
+        let near = position.distance(item.home_position()) < 2.0 * GRAB_DISTANCE;
+        let place = if near { ToolPlace::Home } else { ToolPlace::Falling(0) };
+        self.items[item.number()] = PlacedItem { place, position, rotation };
+        Some(tool)
+    }
+
+    /// Puts the held tool back home and returns which it was.
+    pub(crate) fn return_tool(&mut self, hand: usize) -> Option<Tool> {
+        let tool = self.held_tool(hand)?;
+        self.set_place(BenchItem::Tool(tool), ToolPlace::Home);
+        Some(tool)
+    }
+
+    /// Advances dropped items by one tick: they fall, lie for ten seconds, and return home.
+    pub(crate) fn step_dropped_items(&mut self) {
+        for thing in &mut self.items {
+            thing.place = match thing.place {
+                ToolPlace::Falling(ticks) => {
+                    let rest = rest_height(thing.position);
+                    thing.position.y -= GRAVITY * (f32::from(ticks) + 0.5);
+                    if thing.position.y <= rest || ticks > 1000 {
+                        thing.position.y = rest;
+                        ToolPlace::Lying(0)
+                    } else {
+                        ToolPlace::Falling(ticks + 1)
+                    }
+                }
+                ToolPlace::Lying(ticks) if u32::from(ticks) >= 10 * TICK_RATE => ToolPlace::Home,
+                ToolPlace::Lying(ticks) => ToolPlace::Lying(ticks + 1),
+                place => place,
+            };
+        }
+    }
+
+    /// Length of a written bench: for each item its place, a count of ticks, and its pose.
+    pub(crate) const BYTES: usize = BENCH_ITEMS * (1 + 2 + VEC3_BYTES + QUAT_BYTES);
+
+    pub(crate) fn write(&self, to: &mut ByteWriter<'_>) {
+        for thing in &self.items {
+            let (kind, ticks) = match thing.place {
+                ToolPlace::Home => (0, 0),
+                ToolPlace::Hand(hand) => (1, u16::from(hand)),
+                ToolPlace::Mounted => (2, 0),
+                ToolPlace::Falling(ticks) => (3, ticks),
+                ToolPlace::Lying(ticks) => (4, ticks),
+            };
+            to.u8(kind);
+            to.u16(ticks);
+            write_vec3(to, thing.position);
+            write_quat(to, thing.rotation);
+        }
+    }
+
+    pub(crate) fn read(from: &mut ByteReader<'_>) -> Result<Self, BadBytes> {
+        let mut bench = Self::new();
+        for thing in &mut bench.items {
+            let bad = from.error_here("a place, 0 to 4");
+            let (kind, ticks) = (from.u8()?, from.u16()?);
+            thing.place = match kind {
+                0 if ticks == 0 => ToolPlace::Home,
+                1 if ticks < 2 => ToolPlace::Hand(ticks as u8),
+                2 if ticks == 0 => ToolPlace::Mounted,
+                3 => ToolPlace::Falling(ticks),
+                4 => ToolPlace::Lying(ticks),
+                _ => return Err(bad),
+            };
+            thing.position = read_vec3(from)?;
+            thing.rotation = read_quat(from)?;
+        }
+        Ok(bench)
+    }
+
+    fn is_mounted(&self, bit: ToolBit) -> bool {
+        self.place_of(BenchItem::Bit(bit)) == ToolPlace::Mounted
+    }
+
+    fn set_place(&mut self, item: BenchItem, place: ToolPlace) {
+        if let Some(thing) = self.items.get_mut(item.number()) {
+            thing.place = place;
+        }
+    }
+}
+
+/// Height of the bench's top, in metres.
+pub const BENCH_TOP: f32 = 0.86;
+
+/// Acceleration of gravity, in metres per tick squared.
+const GRAVITY: f32 = 9.81 / (TICK_RATE * TICK_RATE) as f32;
+
+/// The height at which an item dropped at this position comes to rest, in metres.
+fn rest_height(position: Vec3) -> f32 {
+    let above = (0.3..0.9).contains(&position.x)
+        && (-0.8..0.2).contains(&position.z)
+        && position.y >= BENCH_TOP;
+    if above { BENCH_TOP } else { 0.03 }
+}

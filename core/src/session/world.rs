@@ -1,0 +1,242 @@
+//! The world: the complete state of a session, and the fixed time step that advances it.
+//!
+//! [`World::step`] runs, in order: session start, input of head and hands, stool and commands, grabbing
+//! of tools, contact and edit of each hand, island search, fall of dropped tools. Only it and
+//! [`World::load`] change the state.
+
+use glam::Vec3;
+use heapless::Vec;
+
+use crate::edit::contact::Contact;
+use crate::edit::islands::IslandSearch;
+use crate::edit::operation::EditScratch;
+use crate::edit::pose::Pose;
+use crate::edit::undo::UndoHistory;
+use crate::limits::{
+    HAND_STEPS_BESIDE_ISLANDS, MAX_EVENTS, max_walk_steps, max_walk_steps_with_undo,
+};
+use crate::session::events::WorldEvent;
+use crate::session::hand::HandState;
+use crate::session::input::{HandInput, RawPose, SessionMode, TickInput};
+use crate::session::start_volumes::StartVolumes;
+use crate::session::state::{SessionState, WorldState};
+use crate::session::stool_frame::StoolFrame;
+use crate::session::tools::{Tool, ToolBit};
+use crate::session::workbench::Workbench;
+use crate::volume::dirty::DirtyRects;
+use crate::volume::editable::Volume;
+use crate::volume::range_maps::RangeMaps;
+use crate::volume::size::{Grid, Size};
+
+/// The complete state of a session on a grid of N^3 voxels.
+#[derive(Debug)]
+pub struct World<const N: usize>
+where
+    Grid<N>: Size,
+{
+    /// The sculpture.
+    pub(crate) volume: Volume<N>,
+    /// The protected voxels, a part of `volume`.
+    pub(crate) mask: RangeMaps<N>,
+    /// Columns changed by each stroke, for undo and redo.
+    pub(crate) undo: UndoHistory<N>,
+    /// The search for unsupported voxels, which takes several ticks.
+    pub(crate) islands: IslandSearch<N>,
+    /// All other state that outlives a tick.
+    pub(crate) state: WorldState,
+    /// Working memory of an edit.
+    pub(crate) scratch: EditScratch<N>,
+    /// Columns changed in the last tick.
+    pub(crate) dirty: DirtyRects,
+    /// Events of the last tick.
+    pub(crate) events: Vec<WorldEvent, MAX_EVENTS>,
+    /// Contacts of both hands in the last tick, valid where `has_contact`. Two fields, because `None` of
+    /// an `Option<Contact>` isn't all zero bytes.
+    pub(crate) contacts: [Contact; 2],
+    /// Whether the hand's tool was stepped in the last tick.
+    pub(crate) has_contact: [bool; 2],
+}
+
+impl<const N: usize> World<N>
+where
+    Grid<N>: Size,
+{
+    /// An empty world that waits for a session; all zero bytes. For a `static Mutex` or the
+    /// like: `Box::new` builds it on the stack first, which at 256 overflows.
+    #[must_use]
+    #[allow(clippy::new_without_default)] // a Default would hand the world about by value
+    pub const fn new() -> Self {
+        World {
+            volume: Volume::new(),
+            mask: RangeMaps::new(),
+            undo: UndoHistory::new(),
+            islands: IslandSearch::new(),
+            state: WorldState::new(),
+            scratch: EditScratch::new(),
+            dirty: DirtyRects::new(),
+            events: Vec::new(),
+            contacts: [Contact::NONE; 2],
+            has_contact: [false; 2],
+        }
+    }
+
+    /// Advances the world by one tick, 1/72 s. Start volumes are read only where `input` starts a
+    /// session.
+    pub fn step(&mut self, input: &TickInput, starts: &StartVolumes<'_, N>) {
+        self.events.clear();
+        self.dirty.clear();
+        self.has_contact = [false; 2];
+        if input.start != SessionMode::None {
+            self.start_session(input.start, starts);
+        }
+        if let Some((position, rotation)) = input.head.to_metres() {
+            self.state.head = (position, rotation);
+        }
+        let edges = [0, 1].map(|hand| self.state.hands[hand].apply_input(&input.hands[hand]));
+        if self.state.session == SessionState::Sculpting {
+            self.turn_stool(input);
+            let rewound = self.apply_commands(input, edges);
+            self.apply_pointer(input.pointer);
+            for (hand, edges) in edges.into_iter().enumerate() {
+                self.grab_or_release(hand, edges);
+            }
+            // Rebuilding the rows after undo or redo takes most of a tick, and so do long paths of
+            // bits: the island search then waits for the next tick.
+            let max_steps = if rewound { max_walk_steps_with_undo(N) } else { max_walk_steps(N) };
+            let mut cost = 0;
+            for (hand, edges) in edges.into_iter().enumerate() {
+                cost += self.step_tool(hand, edges, max_steps).total_steps();
+            }
+            if !rewound && cost <= HAND_STEPS_BESIDE_ISLANDS {
+                self.advance_island_search();
+            }
+        }
+        self.state.bench.step_dropped_items();
+        self.state.tick = self.state.tick.wrapping_add(1);
+    }
+
+    /// Ticks since the world began.
+    #[must_use]
+    pub const fn tick(&self) -> u64 {
+        self.state.tick
+    }
+
+    /// The phase of the session.
+    #[must_use]
+    pub const fn session_state(&self) -> SessionState {
+        self.state.session
+    }
+
+    /// How the session started.
+    #[must_use]
+    pub const fn mode(&self) -> SessionMode {
+        self.state.mode
+    }
+
+    /// Whether edits are mirrored.
+    #[must_use]
+    pub const fn is_mirrored(&self) -> bool {
+        self.state.symmetry
+    }
+
+    /// The volume.
+    #[must_use]
+    pub const fn volume(&self) -> &Volume<N> {
+        &self.volume
+    }
+
+    /// The voxels that can't be removed; empty but in the constrained mode.
+    #[must_use]
+    pub const fn mask(&self) -> &RangeMaps<N> {
+        &self.mask
+    }
+
+    /// What happened in the last tick.
+    #[must_use]
+    pub fn events(&self) -> &[WorldEvent] {
+        &self.events
+    }
+
+    /// The rectangles of each axis map that changed in the last tick.
+    #[must_use]
+    pub const fn dirty_rects(&self) -> &DirtyRects {
+        &self.dirty
+    }
+
+    /// The number of strokes that can be undone, and redone.
+    #[must_use]
+    pub fn undo_counts(&self) -> (usize, usize) {
+        self.undo.undo_redo_counts()
+    }
+
+    /// The transform between the room and the grid on its stool.
+    #[must_use]
+    pub fn stool_frame(&self) -> StoolFrame {
+        StoolFrame::new(self.state.stool, N)
+    }
+
+    /// The bench and the places of all tools and bits.
+    #[must_use]
+    pub const fn workbench(&self) -> &Workbench {
+        &self.state.bench
+    }
+
+    /// The state of a hand: 0 left, 1 right.
+    #[must_use]
+    pub const fn hand_state(&self, hand: usize) -> &HandState {
+        &self.state.hands[hand & 1]
+    }
+
+    /// The tool a hand holds and the bit on it.
+    #[must_use]
+    pub fn held_tool(&self, hand: usize) -> Option<(Tool, ToolBit)> {
+        let tool = self.state.bench.held_tool(hand)?;
+        Some((tool, self.state.bench.mounted_bit(tool)))
+    }
+
+    /// The input of a tracked hand that holds its bit at `bit_pose`, in the grid, while nothing is in its
+    /// way: the inverse of what [`World::step`] does with a grip's pose. Without a tool it is the grip
+    /// that is there.
+    #[must_use]
+    pub fn hand_with_bit_at(&self, hand: usize, bit_pose: &Pose) -> HandInput {
+        let length = self.held_tool(hand).map_or(0.0, |(tool, _)| tool.length_um() as f32 * 1e-6);
+        let (tip, rotation) = self.stool_frame().to_room(bit_pose);
+        let grip = RawPose::quantise(tip - rotation * Vec3::NEG_Z * length, rotation);
+        HandInput { aim: grip, grip, tracked: true, ..HandInput::default() }
+    }
+
+    /// Whether a stroke is under way: a hand of a sculpting session runs the tool that it holds. What
+    /// this edits belongs to one undo entry, which is complete in the first tick that ends with `false`,
+    /// but for islands that fall later.
+    #[must_use]
+    pub fn is_stroke_open(&self) -> bool {
+        let runs = |hand: usize| {
+            self.hand_state(hand).trigger && self.state.bench.held_tool(hand).is_some()
+        };
+        self.state.session == SessionState::Sculpting && (runs(0) || runs(1))
+    }
+
+    /// The contact of the held bit in the last tick; `None` where no tool was stepped.
+    #[must_use]
+    pub fn hand_contact(&self, hand: usize) -> Option<Contact> {
+        self.has_contact[hand & 1].then_some(self.contacts[hand & 1])
+    }
+
+    /// The offset of the held bit from the pose that its hand asks for, as the volume holds it back; in
+    /// metres, in the room.
+    #[must_use]
+    pub fn push_out_metres(&self, hand: usize) -> Vec3 {
+        let (state, frame) = (self.hand_state(hand), self.stool_frame());
+        match state.has_frozen_pose {
+            true => frame.to_room(&state.frozen_pose).0 - frame.to_room(&state.raw_pose).0,
+            false => Vec3::ZERO,
+        }
+    }
+
+    /// Marks all columns as changed and drops the last tick's events and contacts, after a load.
+    pub(crate) fn mark_all_changed(&mut self) {
+        self.events.clear();
+        self.has_contact = [false; 2];
+        self.dirty.mark_all(N);
+    }
+}

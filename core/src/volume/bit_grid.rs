@@ -1,0 +1,209 @@
+//! An occupancy bitmap of the whole grid: one N-bit row along x for each (y, z).
+
+use core::mem;
+
+use crate::volume::range::Range;
+use crate::volume::range_maps::{Axis, Column, RangeMaps};
+use crate::volume::row::{BitRow, BitSet};
+use crate::volume::size::{Grid, Size};
+
+/// N^3 voxels, one bit each, as N x N bit rows addressed by (y, z). The word-parallel counterpart of the
+/// range maps. 256 KiB at 128.
+#[derive(Clone, PartialEq, Eq, Debug)]
+#[repr(C)]
+pub struct BitGrid<const N: usize>
+where
+    Grid<N>: Size,
+{
+    rows: [[<Grid<N> as Size>::Row; N]; N],
+}
+
+impl<const N: usize> BitGrid<N>
+where
+    Grid<N>: Size,
+{
+    /// No voxel. For a `static`, as [`World::new`](crate::World::new).
+    #[must_use]
+    #[allow(clippy::new_without_default)] // a Default would be moved by value
+    pub const fn new() -> Self {
+        BitGrid { rows: [[<Grid<N> as Size>::Row::EMPTY; N]; N] }
+    }
+
+    /// Removes every voxel, in place.
+    pub fn clear(&mut self) {
+        self.rows.as_flattened_mut().fill(<Grid<N> as Size>::Row::EMPTY);
+    }
+
+    /// Becomes a copy of `other`, in place.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.rows.copy_from_slice(&other.rows);
+    }
+
+    /// The row at (y, z).
+    #[must_use]
+    #[inline]
+    pub fn row(&self, y: usize, z: usize) -> <Grid<N> as Size>::Row {
+        self.rows[y][z]
+    }
+
+    /// The row at (y, z), mutable.
+    #[inline]
+    pub fn row_mut(&mut self, y: usize, z: usize) -> &mut <Grid<N> as Size>::Row {
+        &mut self.rows[y][z]
+    }
+
+    /// Words `first_word..first_word + WORDS` of every row.
+    #[must_use]
+    #[inline]
+    pub(crate) const fn strip<const WORDS: usize>(
+        &self,
+        first_word: usize,
+    ) -> RowStrip<'_, N, WORDS> {
+        RowStrip { grid: self, first_word }
+    }
+
+    /// The N rows of layer y, by z.
+    #[must_use]
+    #[inline]
+    pub fn layer(&self, y: usize) -> &[<Grid<N> as Size>::Row; N] {
+        &self.rows[y]
+    }
+
+    /// The N rows of layer y, by z, mutable.
+    #[inline]
+    pub fn layer_mut(&mut self, y: usize) -> &mut [<Grid<N> as Size>::Row; N] {
+        &mut self.rows[y]
+    }
+
+    /// Whether a voxel is set.
+    #[must_use]
+    #[inline]
+    pub fn contains(&self, [x, y, z]: [usize; 3]) -> bool {
+        self.rows[y][z].contains(x)
+    }
+
+    /// Number of voxels set.
+    #[must_use]
+    pub fn count_voxels(&self) -> u64 {
+        self.rows.as_flattened().iter().map(|row| u64::from(row.count_ones())).sum()
+    }
+
+    /// Becomes the intersection of the three range maps.
+    ///
+    /// A scan conversion by parity: each range of the Y and Z maps toggles its column's bit at its
+    /// first voxel and just past its last; a prefix exclusive-or along the columns turns the toggles
+    /// into occupancy, all columns of a line at a time.
+    pub fn set_from_maps(&mut self, maps: &RangeMaps<N>) {
+        let mut ends = [<Grid<N> as Size>::Row::EMPTY; 257];
+        for (y, layer) in self.rows.iter_mut().enumerate() {
+            visit_cross_sections::<N>(maps.line(Axis::Z, y), &mut ends, |z, section| {
+                layer[z] = section;
+            });
+        }
+        for z in 0..N {
+            visit_cross_sections::<N>(maps.line(Axis::Y, z), &mut ends, |y, section| {
+                self.rows[y][z] &= section;
+            });
+        }
+        for (y, layer) in self.rows.iter_mut().enumerate() {
+            for (row, column) in layer.iter_mut().zip(maps.line(Axis::X, y)) {
+                *row &= column.to_row();
+            }
+        }
+    }
+
+    /// Writes the tight hulls of these voxels, which are the range maps of their closure. The grid
+    /// itself is unchanged; [`BitGrid::set_from_maps`] of the maps is the closure.
+    pub fn write_hulls(&self, maps: &mut RangeMaps<N>) {
+        for y in 0..N {
+            for z in 0..N {
+                maps.set_column(Axis::X, (y, z), Column([Range::hull_of(self.rows[y][z])]));
+            }
+            Self::write_hull_line(maps, Axis::Z, y, |z| self.rows[y][z]);
+        }
+        for z in 0..N {
+            Self::write_hull_line(maps, Axis::Y, z, |y| self.rows[y][z]);
+        }
+    }
+
+    /// Writes the hulls of a line of N columns along `axis`. `row(i)` holds voxel `i` of each of these
+    /// columns.
+    fn write_hull_line(
+        maps: &mut RangeMaps<N>,
+        axis: Axis,
+        line: usize,
+        row: impl Fn(usize) -> <Grid<N> as Size>::Row,
+    ) {
+        let mut first = [0u8; N];
+        let mut seen = <Grid<N> as Size>::Row::EMPTY;
+        for i in 0..N {
+            for x in (row(i) & !seen).iter_ones() {
+                first[x] = i as u8;
+            }
+            seen |= row(i);
+        }
+        for x in (Grid::<N>::FULL & !seen).iter_ones() {
+            maps.set_column(axis, (line, x), Column::EMPTY);
+        }
+        for i in (0..N).rev() {
+            for x in (row(i) & seen).iter_ones() {
+                maps.set_column(axis, (line, x), Column([Range::new(first[x].into(), i)]));
+            }
+            seen &= !row(i);
+        }
+    }
+}
+
+/// The same few words of every row of a grid: small edits read only these.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RowStrip<'a, const N: usize, const WORDS: usize>
+where
+    Grid<N>: Size,
+{
+    grid: &'a BitGrid<N>,
+    first_word: usize,
+}
+
+impl<const N: usize, const WORDS: usize> RowStrip<'_, N, WORDS>
+where
+    Grid<N>: Size,
+{
+    /// The strip's words of the row at (y, z).
+    #[must_use]
+    #[inline]
+    pub(crate) fn row(&self, y: usize, z: usize) -> BitRow<WORDS> {
+        self.grid.rows[y][z].word_span(self.first_word)
+    }
+}
+
+/// Calls `visit(i, row)` for each voxel index `i` along a line's columns; the row holds the places of
+/// the columns that contain `i`. `ends` is scratch, empty before and after.
+#[inline]
+fn visit_cross_sections<const N: usize>(
+    line: &[Column; N],
+    ends: &mut [<Grid<N> as Size>::Row; 257],
+    mut visit: impl FnMut(usize, <Grid<N> as Size>::Row),
+) where
+    Grid<N>: Size,
+{
+    for (word, columns) in line.chunks(64).enumerate() {
+        if columns.iter().all(|column| *column == Column::EMPTY) {
+            continue;
+        }
+        for (i, column) in columns.iter().enumerate() {
+            for range in column.0 {
+                let end = range.last() + 1;
+                // An empty range begins at 255, behind its end: toggled twice there, it is none.
+                for place in [range.first().min(end), end] {
+                    ends[place].toggle(64 * word + i);
+                }
+            }
+        }
+    }
+    let mut section = <Grid<N> as Size>::Row::EMPTY;
+    for (at, ends) in ends[..N].iter_mut().enumerate() {
+        section ^= mem::replace(ends, BitSet::EMPTY);
+        visit(at, section);
+    }
+    ends[N] = BitSet::EMPTY;
+}

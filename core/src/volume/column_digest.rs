@@ -1,0 +1,48 @@
+//! Digests of range maps: sums over columns, updated incrementally as single columns change.
+
+use crate::codec::digest::{DIGEST_KEYS, mix_bits};
+use crate::volume::range_maps::{Axis, Column, ColumnAddress, RangeMaps};
+
+/// The digest of a column at its address: its bytes as a number, times the keys of place and line. 0
+/// for an empty column, so all zero bytes digest to 0. Linear, so the line's key is multiplied once for
+/// all changes in a line.
+#[must_use]
+#[inline]
+pub(crate) fn column_digest(axis: Axis, (line, place): ColumnAddress, column: Column) -> u64 {
+    column_key(axis, (line, place)).wrapping_mul(column_number(column))
+}
+
+/// The key of a column's address, by which [`column_digest`] multiplies the column's number.
+#[inline]
+pub(crate) fn column_key(axis: Axis, (line, place): ColumnAddress) -> u64 {
+    DIGEST_KEYS[place].wrapping_mul(line_key(axis, line))
+}
+
+/// The factor of a column's key that depends on its line.
+#[inline]
+pub(crate) fn line_key(axis: Axis, line: usize) -> u64 {
+    mix_bits(u64::from_le_bytes([0, line as u8, axis as u8, 1, 0, 0, 0, 0])) | 1
+}
+
+/// A column's bytes as a number.
+#[inline]
+pub(crate) fn column_number(column: Column) -> u64 {
+    u16::from_le_bytes(column.0[0].to_bytes()).into()
+}
+
+/// The digest of range maps, computed from scratch: the sum over all columns of their bytes as
+/// a number, times the keys of their place and line.
+#[must_use]
+pub fn maps_digest<const N: usize>(maps: &RangeMaps<N>) -> u64 {
+    let mut sum = 0u64;
+    for axis in Axis::ALL {
+        for line in 0..N {
+            let keyed = maps.line(axis, line).iter().zip(&DIGEST_KEYS);
+            let of_line = keyed.fold(0u64, |sum, (column, key)| {
+                sum.wrapping_add(key.wrapping_mul(column_number(*column)))
+            });
+            sum = sum.wrapping_add(of_line.wrapping_mul(line_key(axis, line)));
+        }
+    }
+    sum
+}

@@ -1,0 +1,30 @@
+//! The observer interface of an edit: it sees each column before it changes.
+
+use crate::volume::range_maps::{Axis, Column, RowAddress};
+use crate::volume::size::{Grid, Size};
+
+/// An observer of each change that an edit makes, before it is made.
+pub trait Journal<const N: usize>
+where
+    Grid<N>: Size,
+{
+    /// The columns at `places` of a line are about to be replaced; `old` is the line before.
+    fn record_columns(
+        &mut self,
+        axis: Axis,
+        line: usize,
+        places: <Grid<N> as Size>::Row,
+        old: &[Column; N],
+    );
+    /// `voxels` of row (y, z) are about to be occupied that were empty when the edit began.
+    fn record_added(&mut self, row: RowAddress, voxels: <Grid<N> as Size>::Row);
+}
+
+/// Records nothing.
+impl<const N: usize> Journal<N> for ()
+where
+    Grid<N>: Size,
+{
+    fn record_columns(&mut self, _: Axis, _: usize, _: <Grid<N> as Size>::Row, _: &[Column; N]) {}
+    fn record_added(&mut self, _: RowAddress, _: <Grid<N> as Size>::Row) {}
+}

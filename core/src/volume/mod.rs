@@ -1,0 +1,16 @@
+//! Volumes: a grid of N^3 voxels as three range maps and as bit rows, kept in step.
+//!
+//! Takes sets of voxels and replaced columns; gives membership, neighbourhoods, tight maps, their
+//! digest, and the rectangles of columns that changed.
+//! Doesn't know brushes, tools, sessions, files or time.
+
+pub(crate) mod bit_grid;
+pub(crate) mod column_digest;
+pub(crate) mod dirty;
+pub(crate) mod editable;
+pub(crate) mod journal;
+pub(crate) mod neighbourhood;
+pub(crate) mod range;
+pub(crate) mod range_maps;
+pub(crate) mod row;
+pub(crate) mod size;

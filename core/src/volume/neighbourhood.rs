@@ -1,0 +1,135 @@
+//! Binary morphology on bit rows: erosion and dilation by six-neighbour steps, and the 3 x 3 x 3
+//! majority filter.
+//!
+//! Each function gives the result for the voxels `among` of a row of a [`RowStrip`]. These must be as
+//! far as the neighbourhood reaches from an end of the strip that isn't an end of the grid, since the
+//! words beyond aren't read.
+
+use crate::limits::SHELL_DEPTH;
+use crate::volume::bit_grid::RowStrip;
+use crate::volume::range_maps::RowAddress;
+use crate::volume::row::{BitRow, BitSet};
+use crate::volume::size::{Grid, Size};
+
+/// Erosion: of the voxels `among` of row (y, z), those with no empty voxel within `depth`
+/// six-neighbour steps. Everything outside the grid is empty. `depth` is at most [`SHELL_DEPTH`].
+///
+/// A row at distance d in (y, z) contributes its own erosion along x by `depth - d`. Rows of equal
+/// distance are combined first, so each step along x is done once for all of them.
+#[must_use]
+#[inline]
+pub(crate) fn eroded_row<const N: usize, const W: usize>(
+    rows: RowStrip<'_, N, W>,
+    (y, z): RowAddress,
+    depth: usize,
+    among: BitRow<W>,
+) -> BitRow<W>
+where
+    Grid<N>: Size,
+{
+    among
+        & match depth {
+            0 => rows.row(y, z),
+            1 => erode_by::<N, W, 1>(rows, (y, z)),
+            2 => erode_by::<N, W, 2>(rows, (y, z)),
+            3 => erode_by::<N, W, 3>(rows, (y, z)),
+            _ => erode_by::<N, W, SHELL_DEPTH>(rows, (y, z)),
+        }
+}
+
+/// Erosion of row (y, z) by a constant depth, so that the loops unroll.
+#[inline(never)] // the compiler makes a mess of the loops that it would be inlined into
+fn erode_by<const N: usize, const W: usize, const DEPTH: usize>(
+    rows: RowStrip<'_, N, W>,
+    (y, z): RowAddress,
+) -> BitRow<W>
+where
+    Grid<N>: Size,
+{
+    if y < DEPTH || z < DEPTH || y >= N - DEPTH || z >= N - DEPTH {
+        return BitRow::EMPTY;
+    }
+    let mut row = rows.row(y, z);
+    for away in 1..=DEPTH {
+        row = row & row.shifted_up() & row.shifted_down();
+        for i in 0..away {
+            let j = away - i;
+            row &= rows.row(y - i, z - j);
+            row &= rows.row(y + i, z + j);
+            row &= rows.row(y - j, z + i);
+            row &= rows.row(y + j, z - i);
+        }
+    }
+    row
+}
+
+/// Dilation: of the voxels `among` of row (y, z), those with an occupied voxel, or the ground below
+/// y = 0, within `depth` six-neighbour steps. Computed as [`eroded_row`] is.
+#[must_use]
+pub(crate) fn dilated_row<const N: usize, const W: usize>(
+    rows: RowStrip<'_, N, W>,
+    (y, z): RowAddress,
+    depth: usize,
+    among: BitRow<W>,
+) -> BitRow<W>
+where
+    Grid<N>: Size,
+{
+    if y < depth {
+        return among;
+    }
+    let at = |y: usize, z: usize| match y < N && z < N {
+        true => rows.row(y, z),
+        false => BitRow::EMPTY,
+    };
+    let mut row = rows.row(y, z);
+    for away in 1..=depth {
+        row = row | row.shifted_up() | row.shifted_down();
+        for i in 0..away {
+            let j = away - i;
+            row |= at(y - i, z.wrapping_sub(j)) | at(y + i, z + j);
+            row |= at(y - j, z + i) | at(y + j, z.wrapping_sub(i));
+        }
+    }
+    row & among
+}
+
+/// Majority filter: of the voxels `among` of row (y, z), those with at least 14 of the 27 voxels of
+/// their 3 x 3 x 3 neighbourhood occupied. Below y = 0 everything is occupied, elsewhere outside the
+/// grid empty. Counts with bit-sliced counters, a row at a time.
+#[must_use]
+pub(crate) fn majority_row<const N: usize, const W: usize>(
+    rows: RowStrip<'_, N, W>,
+    (y, z): RowAddress,
+    among: BitRow<W>,
+) -> BitRow<W>
+where
+    Grid<N>: Size,
+{
+    let mut count = [BitRow::EMPTY; 5];
+    for i in 0..3 {
+        for j in 0..3 {
+            let (y, z) = ((y + i).wrapping_sub(1), (z + j).wrapping_sub(1));
+            if y == usize::MAX {
+                add_to_counters(&mut count, !BitRow::EMPTY, 0);
+                add_to_counters(&mut count, !BitRow::EMPTY, 1);
+            } else if y < N && z < N {
+                let row = rows.row(y, z);
+                let (up, down) = (row.shifted_up(), row.shifted_down());
+                let odd = row ^ up ^ down;
+                add_to_counters(&mut count, odd, 0);
+                add_to_counters(&mut count, row & up | row & down | up & down, 1);
+            }
+        }
+    }
+    (count[4] | count[3] & count[2] & count[1]) & among
+}
+
+/// Adds a row to bit-sliced counters, with weight `2^place`.
+fn add_to_counters<R: BitSet>(count: &mut [R; 5], mut row: R, place: usize) {
+    for plane in &mut count[place..] {
+        let carry = *plane & row;
+        *plane ^= row;
+        row = carry;
+    }
+}

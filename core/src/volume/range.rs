@@ -1,0 +1,106 @@
+//! An interval of voxels of one column, in two bytes.
+
+/// A closed interval of voxels, `first..=last`, in two bytes. The first is stored complemented, so that
+/// two zero bytes (first 255, last 0) are the one encoding of *empty* at every grid size.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[repr(C)]
+pub struct Range {
+    not_first: u8,
+    last: u8,
+}
+
+impl Range {
+    /// No voxel.
+    pub const EMPTY: Range = Range { not_first: 0, last: 0 };
+
+    /// Voxels `first..=last`; empty when `first > last`. Both must be below 256.
+    #[must_use]
+    #[inline]
+    pub const fn new(first: usize, last: usize) -> Self {
+        debug_assert!(first < 256 && last < 256);
+        if first > last {
+            return Self::EMPTY;
+        }
+        Range { not_first: !(first as u8), last: last as u8 }
+    }
+
+    /// The first voxel; 255 when empty.
+    #[must_use]
+    #[inline]
+    pub const fn first(self) -> usize {
+        !self.not_first as usize
+    }
+
+    /// The last voxel; 0 when empty.
+    #[must_use]
+    #[inline]
+    pub const fn last(self) -> usize {
+        self.last as usize
+    }
+
+    /// The same with another first voxel, which must be at most the last.
+    #[must_use]
+    #[inline]
+    pub(crate) const fn with_first(self, first: usize) -> Self {
+        Range { not_first: !(first as u8), last: self.last }
+    }
+
+    /// The same with another last voxel, which must be at least the first.
+    #[must_use]
+    #[inline]
+    pub(crate) const fn with_last(self, last: usize) -> Self {
+        Range { not_first: self.not_first, last: last as u8 }
+    }
+
+    /// Whether no voxel is inside.
+    #[must_use]
+    #[inline]
+    pub const fn is_empty(self) -> bool {
+        self.not_first | self.last == 0
+    }
+
+    /// Whether voxel `i` is inside.
+    #[must_use]
+    #[inline]
+    pub const fn contains(self, i: usize) -> bool {
+        (self.first() <= i) & (i <= self.last())
+    }
+
+    /// The smallest range that contains both.
+    #[must_use]
+    #[inline]
+    pub const fn hull_with(self, other: Range) -> Range {
+        // With the first complemented, both ends of the hull are maxima.
+        Range {
+            not_first: if self.not_first > other.not_first {
+                self.not_first
+            } else {
+                other.not_first
+            },
+            last: if self.last > other.last { self.last } else { other.last },
+        }
+    }
+
+    /// The same with `last` as its last voxel; a single voxel if it was empty.
+    #[must_use]
+    #[inline]
+    pub(crate) const fn extended_to(self, last: usize) -> Range {
+        if self.is_empty() { Range::new(last, last) } else { self.with_last(last) }
+    }
+
+    /// The two bytes as stored: the complement of the first voxel, then the last.
+    #[must_use]
+    #[inline]
+    pub const fn to_bytes(self) -> [u8; 2] {
+        [self.not_first, self.last]
+    }
+
+    /// The inverse of [`Range::to_bytes`]. `None` for bytes that no range in a grid of `side` voxels a
+    /// side has: an end outside the grid, or an empty range that isn't two zero bytes.
+    #[must_use]
+    pub fn from_bytes([not_first, last]: [u8; 2], side: usize) -> Option<Self> {
+        let range = Range { not_first, last };
+        let valid = range == Self::EMPTY || (range.first() <= range.last() && range.last() < side);
+        valid.then_some(range)
+    }
+}

@@ -1,0 +1,276 @@
+//! Range maps: for each axis, the first and last occupied voxel of every column along it.
+//!
+//! Source: section 3.2 of the paper, after Karabassi, Papaioannou and Theoharis (1999).
+
+use crate::volume::range::Range;
+use crate::volume::row::BitSet;
+use crate::volume::size::{Grid, Size};
+
+/// The address of a column in a range map: (line, place in the line). See [`Axis::column_address`].
+pub type ColumnAddress = (usize, usize);
+
+/// The address of a bit row: (y, z).
+pub type RowAddress = (usize, usize);
+
+/// An axis of the grid, and the index of its range map.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[repr(u8)]
+pub enum Axis {
+    /// Columns along x, addressed by (y, z).
+    X = 0,
+    /// Columns along y, addressed by (z, x).
+    Y = 1,
+    /// Columns along z, addressed by (y, x).
+    Z = 2,
+}
+
+impl Axis {
+    /// All three, in the order of the maps.
+    pub const ALL: [Axis; 3] = [Axis::X, Axis::Y, Axis::Z];
+
+    /// The address of the column of this axis through a voxel.
+    ///
+    /// Lines are laid out so that the bits of a row run along a line of the Y and Z maps, and a column
+    /// of the X map has the address of its bit row.
+    #[must_use]
+    #[inline]
+    pub const fn column_address(self, voxel: [usize; 3]) -> ColumnAddress {
+        let [x, y, z] = voxel;
+        match self {
+            Axis::X => (y, z),
+            Axis::Y => (z, x),
+            Axis::Z => (y, x),
+        }
+    }
+
+    /// The voxel at index `i` along the column of this axis at `(line, place)`.
+    #[must_use]
+    #[inline]
+    pub const fn voxel_at(self, (line, place): ColumnAddress, i: usize) -> [usize; 3] {
+        match self {
+            Axis::X => [i, line, place],
+            Axis::Y => [place, i, line],
+            Axis::Z => [place, line, i],
+        }
+    }
+}
+
+/// Up to `LAYERS` disjoint intervals of one column, lowest first, empty ones last.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[repr(transparent)]
+pub struct Column<const LAYERS: usize = 1>(pub [Range; LAYERS]);
+
+impl<const LAYERS: usize> Column<LAYERS> {
+    /// A column without voxels.
+    pub const EMPTY: Self = Column([Range::EMPTY; LAYERS]);
+
+    /// Whether voxel `i` is in one of the intervals.
+    #[must_use]
+    #[inline]
+    pub fn contains(&self, i: usize) -> bool {
+        self.0.iter().any(|range| range.contains(i))
+    }
+
+    /// The voxels inside as a row.
+    #[must_use]
+    #[inline]
+    pub fn to_row<R: BitSet>(&self) -> R {
+        self.0.iter().fold(R::EMPTY, |row, range| row | range.to_row())
+    }
+
+    /// The range from the first occupied voxel to the last.
+    #[must_use]
+    #[inline]
+    pub fn hull(&self) -> Range {
+        self.0.iter().fold(Range::EMPTY, |hull, range| hull.hull_with(*range))
+    }
+}
+
+/// The three range maps of a grid of N^3 voxels: 3 x N x N columns, in the order of
+/// [`Axis::column_address`]. All zero bytes are the empty volume.
+#[derive(Clone, PartialEq, Eq, Debug)]
+#[repr(C)]
+pub struct RangeMaps<const N: usize, const LAYERS: usize = 1> {
+    columns: [[[Column<LAYERS>; N]; N]; 3],
+}
+
+impl<const N: usize, const LAYERS: usize> RangeMaps<N, LAYERS> {
+    /// The empty volume. For a `static`, as [`World::new`](crate::World::new).
+    #[must_use]
+    #[allow(clippy::new_without_default)] // a Default would be moved by value
+    pub const fn new() -> Self {
+        RangeMaps { columns: [[[Column::EMPTY; N]; N]; 3] }
+    }
+
+    /// Makes the volume empty, in place.
+    pub fn clear(&mut self) {
+        self.columns.as_flattened_mut().as_flattened_mut().fill(Column::EMPTY);
+    }
+
+    /// Becomes the solid block, in place: every voxel is occupied.
+    pub fn fill_block(&mut self) {
+        let mut column = Column::EMPTY;
+        column.0[0] = Range::new(0, N - 1);
+        self.columns.as_flattened_mut().as_flattened_mut().fill(column);
+    }
+
+    /// Becomes a copy of `other`, in place.
+    pub fn copy_from(&mut self, other: &Self) {
+        for (mine, its) in self.columns.iter_mut().zip(&other.columns) {
+            mine.copy_from_slice(its);
+        }
+    }
+
+    /// One column.
+    #[must_use]
+    #[inline]
+    pub fn column(&self, axis: Axis, (line, place): ColumnAddress) -> Column<LAYERS> {
+        self.columns[axis as usize][line][place]
+    }
+
+    /// Replaces one column. The caller must keep the maps tight.
+    #[inline]
+    pub fn set_column(&mut self, axis: Axis, (line, place): ColumnAddress, column: Column<LAYERS>) {
+        self.columns[axis as usize][line][place] = column;
+    }
+
+    /// Copies the columns at `places` of a line from `other`. The caller must keep the maps tight.
+    #[inline]
+    pub fn copy_columns(&mut self, other: &Self, axis: Axis, line: usize, places: Range) {
+        let (map, (first, last)) = (axis as usize, (places.first(), places.last()));
+        let columns = &other.columns[map][line][first..=last];
+        self.columns[map][line][first..=last].copy_from_slice(columns);
+    }
+
+    /// A line of N columns of a map.
+    #[must_use]
+    #[inline]
+    pub fn line(&self, axis: Axis, line: usize) -> &[Column<LAYERS>; N] {
+        &self.columns[axis as usize][line]
+    }
+
+    /// A line of N columns of a map, mutable. The caller must keep the maps tight.
+    #[inline]
+    pub(crate) fn line_mut(&mut self, axis: Axis, line: usize) -> &mut [Column<LAYERS>; N] {
+        &mut self.columns[axis as usize][line]
+    }
+
+    /// Whether a voxel is occupied: all three of its columns contain it.
+    #[must_use]
+    #[inline]
+    pub fn contains(&self, voxel: [usize; 3]) -> bool {
+        Axis::ALL.iter().all(|&axis| {
+            self.column(axis, axis.column_address(voxel)).contains(voxel[axis as usize])
+        })
+    }
+
+    /// Whether no column contains a voxel.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        // A line at a time: without a way out after every column the compiler reads many at once.
+        let empty = |line: &[Column<LAYERS>; N]| {
+            let bits = |column: &Column<LAYERS>| {
+                column.0.iter().fold(0, |all, r| all | u16::from_le_bytes(r.to_bytes()))
+            };
+            line.iter().fold(0, |all, column| all | bits(column)) == 0
+        };
+        self.columns[0].iter().all(empty)
+    }
+}
+
+impl<const N: usize, const LAYERS: usize> RangeMaps<N, LAYERS>
+where
+    Grid<N>: Size,
+{
+    /// Of the voxels `among` of row (y, z), those that are occupied.
+    #[must_use]
+    #[inline]
+    pub fn occupied_among(
+        &self,
+        (y, z): RowAddress,
+        among: <Grid<N> as Size>::Row,
+    ) -> <Grid<N> as Size>::Row {
+        let mut row = among & self.columns[0][y][z].to_row();
+        for x in row.iter_ones() {
+            if !(self.columns[1][z][x].contains(y) && self.columns[2][y][x].contains(z)) {
+                row.toggle(x);
+            }
+        }
+        row
+    }
+}
+
+impl<const N: usize> RangeMaps<N>
+where
+    Grid<N>: Size,
+{
+    /// The places of a line's columns that aren't empty, as a row of bits.
+    #[must_use]
+    #[inline]
+    pub fn occupied_columns(&self, axis: Axis, line: usize) -> <Grid<N> as Size>::Row {
+        let mut row = <Grid<N> as Size>::Row::EMPTY;
+        for (i, columns) in self.line(axis, line).chunks(64).enumerate() {
+            let mut word = 0;
+            for (k, four) in columns.as_chunks::<4>().0.iter().enumerate() {
+                // No sum carries out of its 16-bit lane.
+                let columns = pack_four_columns(four);
+                let any = ((columns & !TOP_OF_EACH_16) + !TOP_OF_EACH_16) | columns;
+                word |= gather_top_bits(any) << (4 * k);
+            }
+            row.set_word(i, word);
+        }
+        row
+    }
+
+    /// Of the columns of a line at the places in `columns`, those that begin below `first`, and those
+    /// that end above `last`.
+    #[must_use]
+    #[inline]
+    pub fn columns_beyond(
+        &self,
+        axis: Axis,
+        line: usize,
+        columns: <Grid<N> as Size>::Row,
+        first: usize,
+        last: usize,
+    ) -> (<Grid<N> as Size>::Row, <Grid<N> as Size>::Row) {
+        // Added to a byte in a 16-bit lane, sets the lane's top bit where the byte is at least `least`.
+        let at_least = |least: usize| ONE_IN_EACH_16 * (0x8000 - least as u64);
+        let (from, to) = (at_least(256 - first), at_least(last + 1));
+        let (mut below, mut above) = (columns, columns);
+        for (i, line) in self.line(axis, line).chunks(64).enumerate() {
+            let (mut lo, mut hi) = (0, 0);
+            for (k, four) in line.as_chunks::<4>().0.iter().enumerate() {
+                if columns.word(i) >> (4 * k) & 15 == 0 {
+                    continue;
+                }
+                let bytes = pack_four_columns(four);
+                lo |= gather_top_bits((bytes & (0xff * ONE_IN_EACH_16)) + from) << (4 * k);
+                hi |= gather_top_bits((bytes >> 8 & (0xff * ONE_IN_EACH_16)) + to) << (4 * k);
+            }
+            below.set_word(i, columns.word(i) & lo);
+            above.set_word(i, columns.word(i) & hi);
+        }
+        (below, above)
+    }
+}
+
+/// The lowest bit of each 16-bit lane, and the highest.
+const ONE_IN_EACH_16: u64 = 0x0001_0001_0001_0001;
+const TOP_OF_EACH_16: u64 = 0x8000 * ONE_IN_EACH_16;
+
+/// Four columns in 16-bit lanes: the complement of the first voxel in the low byte of each, the last
+/// voxel in the high byte.
+#[inline]
+fn pack_four_columns(columns: &[Column; 4]) -> u64 {
+    let [a, b, c, d] = columns.map(|column| u64::from(u16::from_le_bytes(column.0[0].to_bytes())));
+    a | b << 16 | c << 32 | d << 48
+}
+
+/// Gathers the top bits of the four lanes into the low four bits (a multiplication in place of `pext`).
+#[inline]
+fn gather_top_bits(lanes: u64) -> u64 {
+    // Bit i x 16 times 2 to the 48 - i x 15 is bit 48 + i; no other product comes that high
+    // without falling off the end.
+    ((lanes & TOP_OF_EACH_16) >> 15).wrapping_mul(1 << 48 | 1 << 33 | 1 << 18 | 1 << 3) >> 48 & 15
+}

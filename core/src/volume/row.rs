@@ -1,0 +1,377 @@
+//! A bit row: one line of voxels along x as machine words. Bit i is voxel x = i.
+
+use core::fmt::Debug;
+use core::ops::{BitAnd, BitAndAssign, BitOr, BitOrAssign, BitXor, BitXorAssign, Not};
+
+use crate::volume::range::Range;
+
+/// A row of `64 * WORDS` bits, lowest first.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct BitRow<const WORDS: usize>(pub [u64; WORDS]);
+
+/// Bit set operations on a row. The rows of a grid never have bits at or above N set; `!` sets them, so
+/// a complement must be intersected with a row.
+pub trait BitSet:
+    Copy
+    + Eq
+    + Debug
+    + Send
+    + Sync
+    + 'static
+    + BitAnd<Output = Self>
+    + BitOr<Output = Self>
+    + BitXor<Output = Self>
+    + Not<Output = Self>
+    + BitAndAssign
+    + BitOrAssign
+    + BitXorAssign
+{
+    /// No bit set.
+    const EMPTY: Self;
+    /// Machine words in a row.
+    const WORDS: usize;
+
+    /// Bits `first..=last`, cut at the row's end; none when `first > last`.
+    #[must_use]
+    fn span(first: usize, last: usize) -> Self;
+    /// Words `first_word..first_word + W` as a row of their own.
+    #[must_use]
+    fn word_span<const W: usize>(&self, first_word: usize) -> BitRow<W>;
+    /// Replaces words `first_word..first_word + W`.
+    fn set_word_span<const W: usize>(&mut self, first_word: usize, words: BitRow<W>);
+    /// A row that is empty but for words `first_word..first_word + W`.
+    #[must_use]
+    #[inline]
+    fn from_word_span<const W: usize>(first_word: usize, words: BitRow<W>) -> Self {
+        let mut row = Self::EMPTY;
+        row.set_word_span(first_word, words);
+        row
+    }
+    /// Word `i`, which holds the bits from `64 * i` on.
+    #[must_use]
+    fn word(&self, i: usize) -> u64;
+    /// Replaces word `i`.
+    fn set_word(&mut self, i: usize, word: u64);
+    /// Whether bit `i` is set.
+    #[must_use]
+    #[inline]
+    fn contains(&self, i: usize) -> bool {
+        self.word(i / 64) >> (i % 64) & 1 != 0
+    }
+    /// Sets bit `i`.
+    #[inline]
+    fn insert(&mut self, i: usize) {
+        self.set_word(i / 64, self.word(i / 64) | 1 << (i % 64));
+    }
+    /// Sets bit `i` if `set`, without a branch.
+    #[inline]
+    fn insert_if(&mut self, set: bool, i: usize) {
+        self.set_word(i / 64, self.word(i / 64) | u64::from(set) << (i % 64));
+    }
+    /// Flips bit `i`.
+    #[inline]
+    fn toggle(&mut self, i: usize) {
+        self.set_word(i / 64, self.word(i / 64) ^ 1 << (i % 64));
+    }
+    /// Whether no bit is set.
+    #[must_use]
+    fn is_empty(&self) -> bool;
+    /// Number of bits set.
+    #[must_use]
+    fn count_ones(&self) -> u32;
+    /// The lowest set bit.
+    #[must_use]
+    fn first(&self) -> Option<usize>;
+    /// The highest set bit.
+    #[must_use]
+    fn last(&self) -> Option<usize>;
+    /// Every bit moved one place up (towards +x).
+    #[must_use]
+    fn shifted_up(self) -> Self;
+    /// Every bit moved one place down (towards -x).
+    #[must_use]
+    fn shifted_down(self) -> Self;
+    /// The mirror image of a row of `side` voxels: bit i of the result is bit `side - 1 - i`.
+    #[must_use]
+    fn mirrored(self, side: usize) -> Self;
+    /// Flood fill along the row: the maximal runs of `self` that contain at least one bit of `seeds`.
+    #[must_use]
+    fn flood_from(self, seeds: Self) -> Self;
+    /// The set bits, lowest first.
+    fn iter_ones(self) -> SetBits<Self> {
+        SetBits { row: self, word: 0, bits: self.word(0) }
+    }
+    /// The runs of set bits, lowest first, split at word boundaries.
+    fn iter_runs(self) -> BitRuns<Self> {
+        BitRuns { row: self, word: 0, bits: self.word(0) }
+    }
+}
+
+impl Range {
+    /// The smallest range that contains all set bits of a row.
+    #[must_use]
+    #[inline]
+    pub fn hull_of<R: BitSet>(row: R) -> Self {
+        match (row.first(), row.last()) {
+            (Some(lo), Some(hi)) => Self::new(lo, hi),
+            _ => Self::EMPTY,
+        }
+    }
+
+    /// The voxels inside as a row.
+    #[must_use]
+    #[inline]
+    pub fn to_row<R: BitSet>(self) -> R {
+        if self.is_empty() { R::EMPTY } else { R::span(self.first(), self.last()) }
+    }
+}
+
+/// Iterator over the set bits of a row.
+#[derive(Debug, Clone)]
+pub struct SetBits<R> {
+    row: R,
+    word: usize,
+    /// What is left of that word.
+    bits: u64,
+}
+
+impl<R: BitSet> Iterator for SetBits<R> {
+    type Item = usize;
+
+    #[inline]
+    fn next(&mut self) -> Option<usize> {
+        while self.bits == 0 {
+            if self.word + 1 == R::WORDS {
+                return None;
+            }
+            self.word += 1;
+            self.bits = self.row.word(self.word);
+        }
+        let bit = self.bits.trailing_zeros() as usize;
+        self.bits &= self.bits - 1;
+        Some(self.word * 64 + bit)
+    }
+}
+
+/// Iterator over the runs of a row, as ranges that are not empty.
+#[derive(Debug, Clone)]
+pub struct BitRuns<R> {
+    row: R,
+    word: usize,
+    /// What is left of that word.
+    bits: u64,
+}
+
+impl<R: BitSet> Iterator for BitRuns<R> {
+    type Item = Range;
+
+    #[inline]
+    fn next(&mut self) -> Option<Range> {
+        while self.bits == 0 {
+            if self.word + 1 == R::WORDS {
+                return None;
+            }
+            self.word += 1;
+            self.bits = self.row.word(self.word);
+        }
+        let lo = self.bits.trailing_zeros();
+        let len = (!(self.bits >> lo)).trailing_zeros();
+        self.bits &= u64::MAX.checked_shl(lo + len).unwrap_or(0);
+        let base = self.word * 64;
+        Some(Range::new(base + lo as usize, base + (lo + len) as usize - 1))
+    }
+}
+
+impl<const W: usize> BitSet for BitRow<W> {
+    const EMPTY: Self = BitRow([0; W]);
+    const WORDS: usize = W;
+
+    #[inline]
+    fn span(first: usize, last: usize) -> Self {
+        if first > last {
+            return Self::EMPTY;
+        }
+        if last < 64 {
+            return Self::from_word_span(0, BitRow([u64::MAX << first & u64::MAX >> (63 - last)]));
+        }
+        BitRow(Self::BITS_BELOW[(last + 1).min(256)]) & !BitRow(Self::BITS_BELOW[first.min(256)])
+    }
+
+    #[inline]
+    fn word_span<const P: usize>(&self, first_word: usize) -> BitRow<P> {
+        let mut words = [0; P];
+        words.copy_from_slice(&self.0[first_word..first_word + P]);
+        BitRow(words)
+    }
+
+    #[inline]
+    fn set_word_span<const P: usize>(&mut self, first_word: usize, words: BitRow<P>) {
+        self.0[first_word..first_word + P].copy_from_slice(&words.0);
+    }
+
+    #[inline]
+    fn word(&self, i: usize) -> u64 {
+        self.0[i]
+    }
+
+    #[inline]
+    fn set_word(&mut self, i: usize, word: u64) {
+        self.0[i] = word;
+    }
+
+    #[inline]
+    fn is_empty(&self) -> bool {
+        self.0.iter().fold(0, |all, w| all | w) == 0
+    }
+
+    #[inline]
+    fn count_ones(&self) -> u32 {
+        self.0.iter().map(|w| w.count_ones()).sum()
+    }
+
+    #[inline]
+    fn first(&self) -> Option<usize> {
+        (0..W).find(|&i| self.0[i] != 0).map(|i| i * 64 + self.0[i].trailing_zeros() as usize)
+    }
+
+    #[inline]
+    fn last(&self) -> Option<usize> {
+        (0..W)
+            .rev()
+            .find(|&i| self.0[i] != 0)
+            .map(|i| i * 64 + 63 - self.0[i].leading_zeros() as usize)
+    }
+
+    #[inline]
+    fn shifted_up(self) -> Self {
+        let mut words = [0; W];
+        let mut carry = 0;
+        for (word, w) in words.iter_mut().zip(self.0) {
+            *word = w << 1 | carry;
+            carry = w >> 63;
+        }
+        BitRow(words)
+    }
+
+    #[inline]
+    fn shifted_down(self) -> Self {
+        let mut words = [0; W];
+        let mut carry = 0;
+        for i in (0..W).rev() {
+            words[i] = self.0[i] >> 1 | carry;
+            carry = self.0[i] << 63;
+        }
+        BitRow(words)
+    }
+
+    #[inline]
+    fn mirrored(self, side: usize) -> Self {
+        let mut words = [0; W];
+        for (i, word) in words.iter_mut().enumerate() {
+            *word = self.0[W - 1 - i].reverse_bits();
+        }
+        // Fewer than 64 voxels sit in the low bits of one word, and come out in its high bits.
+        if side < 64 {
+            words[0] >>= 64 - side;
+        }
+        BitRow(words)
+    }
+
+    /// Carry propagation: adding the seeds to the runs carries from the lowest seed of each run out of
+    /// its top, which clears the places between but for those of further seeds. The bits below a
+    /// lowest seed are then filled run by run.
+    #[inline]
+    fn flood_from(self, seeds: Self) -> Self {
+        let seeds = seeds & self;
+        // Every bit is a seed.
+        if self == seeds {
+            return self;
+        }
+        let mut found = self & (!add_with_carry(self, seeds) | seeds);
+        let mut open = found & (self & !found).shifted_up();
+        for i in 0..W {
+            while open.0[i] != 0 {
+                found |= self.run_ending_before(i * 64 + open.0[i].trailing_zeros() as usize);
+                open.0[i] &= open.0[i] - 1;
+            }
+        }
+        found
+    }
+}
+
+impl<const W: usize> BitRow<W> {
+    /// By place, the mask of all bits below it.
+    const BITS_BELOW: &[[u64; W]; 257] = &{
+        let mut below = [[0; W]; 257];
+        let mut place = 1;
+        while place < below.len() {
+            below[place] = below[place - 1];
+            let word = (place - 1) / 64;
+            if word < W {
+                below[place][word] |= 1 << ((place - 1) % 64);
+            }
+            place += 1;
+        }
+        below
+    };
+
+    /// The run of set bits that ends just below bit `end`.
+    #[inline]
+    fn run_ending_before(self, end: usize) -> Self {
+        let below = Self::span(0, end - 1);
+        let start = (!self & below).last().map_or(0, |gap| gap + 1);
+        Self::span(start, end - 1)
+    }
+}
+
+/// The sum of two rows as multiword integers, without the carry out of the top.
+#[inline]
+fn add_with_carry<const W: usize>(a: BitRow<W>, b: BitRow<W>) -> BitRow<W> {
+    let mut sum = BitRow([0; W]);
+    let mut carry = false;
+    for i in 0..W {
+        let (s, c1) = a.0[i].overflowing_add(b.0[i]);
+        let (s, c2) = s.overflowing_add(u64::from(carry));
+        sum.0[i] = s;
+        carry = c1 | c2;
+    }
+    sum
+}
+
+macro_rules! word_wise {
+    ($($op:ident, $op_assign:ident, $f:ident, $f_assign:ident;)*) => {$(
+        impl<const W: usize> $op for BitRow<W> {
+            type Output = Self;
+            #[inline]
+            fn $f(mut self, other: Self) -> Self {
+                self.$f_assign(other);
+                self
+            }
+        }
+        impl<const W: usize> $op_assign for BitRow<W> {
+            #[inline]
+            fn $f_assign(&mut self, other: Self) {
+                for (a, b) in self.0.iter_mut().zip(other.0) {
+                    a.$f_assign(b);
+                }
+            }
+        }
+    )*};
+}
+
+word_wise! {
+    BitAnd, BitAndAssign, bitand, bitand_assign;
+    BitOr, BitOrAssign, bitor, bitor_assign;
+    BitXor, BitXorAssign, bitxor, bitxor_assign;
+}
+
+impl<const W: usize> Not for BitRow<W> {
+    type Output = Self;
+    #[inline]
+    fn not(mut self) -> Self {
+        for w in &mut self.0 {
+            *w = !*w;
+        }
+        self
+    }
+}

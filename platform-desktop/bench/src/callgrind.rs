@@ -1,0 +1,90 @@
+//! Instruction counts by Callgrind (Valgrind). The program starts itself under Callgrind, which collects
+//! inside one named function only and dumps after each call; the dumps' totals are the counts.
+
+use paros_headless::Error;
+use std::fs;
+use std::io::{BufRead, BufReader, Read};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use super::OnProgress;
+
+/// A temporary folder of this process, removed when dropped.
+pub(super) struct ScratchFolder(pub(super) PathBuf);
+
+impl ScratchFolder {
+    pub(super) fn new() -> Result<Self, Error> {
+        let folder = std::env::temp_dir().join(format!("paros-bench-{}", std::process::id()));
+        fs::create_dir_all(&folder)
+            .map_err(|e| Error::Failure(format!("{}: can't be made: {e}", folder.display())))?;
+        Ok(ScratchFolder(folder))
+    }
+}
+
+impl Drop for ScratchFolder {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+/// Instructions of each call of a function, in order, while `bench --replay` plays `what`; or why
+/// there are none.
+///
+/// The function is named whole: Callgrind finds no end to names with a `*` in front. It must not end
+/// in a call, which would be a jump, of which Callgrind sees no end either.
+///
+/// The child writes the fraction done, a line each time; `on_progress` gets it.
+pub(super) fn count_instructions(
+    function: &str,
+    what: &Path,
+    folder: &ScratchFolder,
+    on_progress: OnProgress<'_>,
+) -> Result<Vec<u64>, String> {
+    let this = std::env::current_exe().map_err(|e| e.to_string())?;
+    let dumps = folder.0.join("callgrind.out");
+    let mut run = Command::new("valgrind")
+        .args(["--tool=callgrind", "--combine-dumps=yes", "--dump-line=no", "--collect-atstart=no"])
+        .args([format!("--toggle-collect={function}"), format!("--dump-after={function}")])
+        .arg(format!("--callgrind-out-file={}", dumps.display()))
+        .arg(this)
+        .args(["bench", "--replay"])
+        .arg(what)
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .map_err(|e| format!("valgrind can't be started: {e}"))?;
+    // Its errors are a few lines, for which the pipe has room until its parts are read.
+    run.stdout.take().into_iter().for_each(|parts| forward_progress(parts, on_progress));
+    let run = run.wait_with_output().map_err(|e| e.to_string())?;
+    if !run.status.success() {
+        let errors = String::from_utf8_lossy(&run.stderr);
+        // Its own lines begin so; the program's reason is the last of the others.
+        let why = errors.lines().rfind(|line| !line.starts_with("=="));
+        return Err(format!("valgrind failed: {}", why.unwrap_or_default()));
+    }
+    let file = fs::File::open(&dumps).map_err(|e| e.to_string())?;
+    let counts: Vec<u64> = BufReader::new(file)
+        .split(b'\n')
+        .map_while(Result::ok)
+        .filter_map(|line| {
+            std::str::from_utf8(&line).ok()?.strip_prefix("summary: ")?.trim().parse().ok()
+        })
+        // The last dump, at the end of the program, holds no call.
+        .filter(|&count| count > 0)
+        .collect();
+    if counts.is_empty() {
+        return Err("valgrind counted nothing".into());
+    }
+    Ok(counts)
+}
+
+/// Passes the child's progress lines on, until its output ends.
+fn forward_progress(parts: impl Read, on_progress: OnProgress<'_>) {
+    for line in BufReader::new(parts).lines().map_while(Result::ok) {
+        // Progress is for the bar only: a line that is no number is skipped.
+        if let Ok(part) = line.parse() {
+            on_progress(part);
+        }
+    }
+}

@@ -1,0 +1,92 @@
+//! Frames with the texture uploads of a carving stroke, beside the same frames without them.
+
+use paros_core::{Grid, Size};
+use paros_headless::Error;
+use paros_headless::Uploads;
+use paros_shaders::field::{Budget, DensityField};
+use paros_shaders::gpu::RenderPath;
+
+use super::edit::{CARVE, RADIUS, edit_sphere_at, surface_voxels};
+use super::fixture::{HasFixture, reset_fixture};
+use super::frames::{FrameFormat, FrameTimer, Framing, RenderSetup, VIEWS, mean_ms};
+use super::row::ReportRow;
+use super::subject::Subject;
+
+/// The subject is loaded on the easels already. One edit for each view of the ring, at places spread
+/// over the surface.
+pub(super) fn measure_rows<const N: usize>(
+    subject: &Subject,
+    framing: Framing,
+    runs: usize,
+    timer: &mut FrameTimer,
+) -> Result<Vec<ReportRow>, Error>
+where
+    Grid<N>: Size + HasFixture<N>,
+{
+    let fixture = &mut *Grid::<N>::lock_fixture();
+    let places = surface_voxels(&fixture.plane);
+    let mut field = Box::new(DensityField::<N>::new());
+    field.rebuild_from(&fixture.start);
+    reset_fixture(fixture);
+    let setup = RenderSetup { framing, path: RenderPath::Fast };
+    let mut best = [[[u64::MAX; VIEWS]; 2]; FrameFormat::ALL.len()];
+    let (mut in_frame, mut in_all) = (0, 0);
+    for view in 0..VIEWS {
+        edit_sphere_at(fixture, places[view * places.len() / VIEWS], CARVE);
+        field.note_changes(fixture.volume.maps(), &fixture.dirty);
+        let uploads = advance_field(&mut field, Budget::per_frame(N));
+        for (format, best) in FrameFormat::ALL.into_iter().zip(&mut best) {
+            for _ in 0..runs {
+                for (uploads, best) in [&uploads, &vec![]].into_iter().zip(&mut *best) {
+                    let times = timer.draw_view(&setup, format, view, uploads)?;
+                    best[view] = best[view].min(times.total_ns);
+                }
+            }
+        }
+        let bytes = upload_bytes(&uploads);
+        in_frame = in_frame.max(bytes);
+        in_all = in_all.max(bytes + upload_rest(&mut field, timer)?);
+    }
+    let row = |against: String| ReportRow::new("render", subject.name(), N, against);
+    let stroke = format!("a stroke of radius {RADIUS}");
+    let bytes = |count: usize, what: &str| ReportRow {
+        bytes: Some(count as u64),
+        ..row(format!("worst upload of {stroke}, {what}"))
+    };
+    let mut rows = vec![bytes(in_frame, "in its frame"), bytes(in_all, "in all frames")];
+    for (format, [with, without]) in FrameFormat::ALL.into_iter().zip(best) {
+        let times = [mean_ms(&with), mean_ms(&without)];
+        let added = 100.0 * (times[0] / times[1] - 1.0);
+        let against = format!("whole frame, ours with the upload of {stroke}; {}", format.name());
+        rows.push(ReportRow { added_percent: Some(added), ..row(against).with_times_ms(times) });
+    }
+    Ok(rows)
+}
+
+/// Uploads what is left after the edit's own frame; the number of bytes.
+fn upload_rest<const N: usize>(
+    field: &mut DensityField<N>,
+    timer: &mut FrameTimer,
+) -> Result<usize, Error> {
+    let mut later = 0;
+    while field.has_pending() {
+        let uploads = advance_field(field, Budget::UNLIMITED);
+        later += upload_bytes(&uploads);
+        for (region, bytes) in uploads {
+            for format in FrameFormat::ALL {
+                timer.renderer_for(N, format)?.upload_region(region, &bytes)?;
+            }
+        }
+    }
+    Ok(later)
+}
+
+fn upload_bytes(uploads: &Uploads) -> usize {
+    uploads.iter().map(|(region, _)| region.bytes()).sum()
+}
+
+fn advance_field<const N: usize>(field: &mut DensityField<N>, budget: Budget) -> Uploads {
+    let mut uploads = vec![];
+    field.update_textures(budget, &mut |region, bytes| uploads.push((region, bytes.to_vec())));
+    uploads
+}

@@ -1,0 +1,78 @@
+//! Test fixture: a volume with the state that an edit in the world changes beside it.
+
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use paros_core::internals::{IslandSearch, UndoHistory};
+use paros_core::{BitGrid, DirtyRects, EditScratch, Grid, RangeMaps, Size, Volume};
+use paros_shell::statics::Resident;
+
+/// The parts of a world that edits and islands change, each by itself.
+pub(super) struct Fixture<const N: usize>
+where
+    Grid<N>: Size,
+{
+    /// The subject, as it is before every run.
+    pub(super) start: RangeMaps<N>,
+    /// A second volume, for the rival's result.
+    pub(super) other: RangeMaps<N>,
+    /// Always empty: nothing measured here has a mask.
+    pub(super) mask: RangeMaps<N>,
+    pub(super) plane: BitGrid<N>,
+    pub(super) volume: Volume<N>,
+    pub(super) undo: UndoHistory<N>,
+    pub(super) dirty: DirtyRects,
+    pub(super) islands: IslandSearch<N>,
+    pub(super) scratch: EditScratch<N>,
+}
+
+impl<const N: usize> Fixture<N>
+where
+    Grid<N>: Size,
+{
+    const fn new() -> Self {
+        Fixture {
+            start: RangeMaps::new(),
+            other: RangeMaps::new(),
+            mask: RangeMaps::new(),
+            plane: BitGrid::new(),
+            volume: Volume::new(),
+            undo: UndoHistory::new(),
+            dirty: DirtyRects::new(),
+            islands: IslandSearch::new(),
+            scratch: EditScratch::new(),
+        }
+    }
+}
+
+/// The static fixture of a grid size.
+pub(super) trait HasFixture<const N: usize>: Resident<N>
+where
+    Grid<N>: Size,
+{
+    /// Locks the fixture until the guard is dropped.
+    fn lock_fixture() -> MutexGuard<'static, Fixture<N>>;
+}
+
+macro_rules! fixtures {
+    ($($n:literal),*) => {$(
+        impl HasFixture<$n> for Grid<$n> {
+            fn lock_fixture() -> MutexGuard<'static, Fixture<$n>> {
+                static FIXTURE: Mutex<Fixture<$n>> = Mutex::new(Fixture::new());
+                FIXTURE.lock().unwrap_or_else(PoisonError::into_inner)
+            }
+        }
+    )*};
+}
+
+/// Restores the start volume, with an empty undo history and no island pass pending.
+pub(super) fn reset_fixture<const N: usize>(fixture: &mut Fixture<N>)
+where
+    Grid<N>: Size,
+{
+    fixture.volume.set_maps(&fixture.start);
+    fixture.undo.clear();
+    fixture.dirty.clear();
+    fixture.islands.reset();
+}
+
+fixtures!(128, 256);

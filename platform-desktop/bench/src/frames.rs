@@ -1,0 +1,339 @@
+//! GPU frame times of a sculpture, by timestamp queries, over a ring of views.
+
+use std::collections::BTreeMap;
+use std::f32::consts::TAU;
+use std::sync::Arc;
+
+use glam::{Quat, Vec3};
+use paros_core::{Axis, Grid, RangeMaps, Size};
+use paros_headless::Error;
+use paros_headless::{HeadlessRenderer, PictureFormat, Uploads};
+use paros_shaders::field::DensityField;
+use paros_shaders::gpu::{
+    Eye, Fov, FrameRequest, FrameTimes, Gpu, PaperVariant, RenderPath, RenderStyle,
+    SculpturePlacement,
+};
+
+use super::fixture::{Fixture, HasFixture};
+use super::subject::Subject;
+
+/// Views of a ring.
+pub(super) const VIEWS: usize = 8;
+/// Elevation of the eye above the horizon, in radians.
+const ELEVATION: f32 = 0.3;
+/// Half the vertical angle of view, in radians; the horizontal one follows from the pixels.
+const HALF_ANGLE: f32 = TAU / 8.0;
+/// Half of the narrowest vertical angle, in radians.
+const NARROWEST: f32 = TAU / 80.0;
+/// Distance between the eyes, in metres; a side of the cube is 1 m.
+const EYES_APART: f32 = 0.064;
+
+/// Target fraction of the image that a sculpture fills, averaged over the ring.
+const FILLED: f32 = 0.25;
+/// Smallest eye distance in sides of the cube: just outside it. For a slender sculpture the angle of
+/// view is narrowed at this distance.
+const NEAREST: f32 = 0.8;
+const FARTHEST: f32 = 8.0;
+/// Bisection steps.
+const HALVINGS: usize = 12;
+/// Longest side in pixels of the pictures in which filled pixels are counted.
+const LONGEST_COUNTED: u32 = 400;
+/// Backdrop colour that no shaded surface has.
+const NOTHING: [f32; 3] = [0.0, 1.0, 0.0];
+const NOTHING_SHOWN: [u8; 3] = [0, 255, 0];
+
+/// Eyes and samples of a frame.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub(super) struct FrameFormat {
+    pub(super) eyes: u32,
+    pub(super) samples: u32,
+}
+
+impl FrameFormat {
+    pub(super) const ALL: [FrameFormat; 4] = [
+        FrameFormat { eyes: 1, samples: 1 },
+        FrameFormat { eyes: 1, samples: 4 },
+        FrameFormat { eyes: 2, samples: 1 },
+        FrameFormat { eyes: 2, samples: 4 },
+    ];
+    /// A headset's frame.
+    pub(super) const HEADSET: FrameFormat = FrameFormat { eyes: 2, samples: 4 };
+
+    pub(super) fn name(self) -> String {
+        let eyes = if self.eyes == 2 { "stereo" } else { "mono" };
+        let plural = if self.samples == 1 { "" } else { "s" };
+        format!("{eyes}, {} sample{plural}", self.samples)
+    }
+}
+
+/// Camera placement for a volume of one size.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(super) struct Framing {
+    pub(super) size: usize,
+    /// Distance from the point looked at, in sides of the cube.
+    distance: f32,
+    /// Height of the point looked at, in sides of the cube.
+    height: f32,
+    /// Half the vertical angle of view, in radians.
+    half_angle: f32,
+    /// Fraction of the image that the volume fills, 0 to 1.
+    pub(super) filled: f32,
+}
+
+/// A camera placement and a render path: what is timed.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RenderSetup {
+    pub(super) framing: Framing,
+    pub(super) path: RenderPath,
+}
+
+impl RenderSetup {
+    /// Nanoseconds of its sculpture's pass, with all that the path needs before.
+    const fn cost_ns(&self, times: &FrameTimes) -> u64 {
+        match self.path {
+            RenderPath::Fast => times.tiles_ns + times.sculpture_ns,
+            RenderPath::Paper(_) => times.sculpture_ns,
+        }
+    }
+}
+
+/// A Vulkan device with an offscreen renderer for each grid size and frame format.
+pub(super) struct FrameTimer {
+    gpu: Arc<Gpu>,
+    canvas: [u32; 2],
+    renderers: BTreeMap<(usize, FrameFormat), HeadlessRenderer>,
+    /// Small renderers in which filled pixels are counted, by grid size.
+    small_renderers: BTreeMap<usize, HeadlessRenderer>,
+    cache: Vec<u8>,
+}
+
+impl FrameTimer {
+    /// Opens the device with that name, or else the best one.
+    ///
+    /// # Errors
+    /// No such device, or it has no timestamps.
+    pub(super) fn open_device(device: Option<&str>, canvas: [u32; 2]) -> Result<Self, Error> {
+        let gpu = paros_headless::open_gpu(device)?;
+        if gpu.features.timestamp_period_fs == 0 {
+            return Err(Error::Failure(format!("{}: has no timestamps", gpu.name)));
+        }
+        let (renderers, small_renderers) = (BTreeMap::new(), BTreeMap::new());
+        Ok(FrameTimer { gpu, canvas, renderers, small_renderers, cache: vec![] })
+    }
+
+    /// The device's name.
+    pub(super) fn device_name(&self) -> &str {
+        &self.gpu.name
+    }
+
+    /// Whether it draws on this machine's processors.
+    pub(super) fn is_software(&self) -> bool {
+        self.gpu.is_software()
+    }
+
+    /// Loads a subject into the renderers of a size, and finds the framing that fills the target
+    /// fraction of the image.
+    pub(super) fn load_and_frame<const N: usize>(
+        &mut self,
+        subject: &Subject,
+        formats: &[FrameFormat],
+        fixture: &mut Fixture<N>,
+    ) -> Result<Framing, Error>
+    where
+        Grid<N>: Size + HasFixture<N>,
+    {
+        subject.load_into(&mut fixture.start, &mut fixture.plane)?;
+        let mut field = Box::new(DensityField::<N>::new());
+        field.rebuild_from(&fixture.start);
+        let full = self.canvas;
+        let shrunk = full[0].max(full[1]).div_ceil(LONGEST_COUNTED);
+        let small = full.map(|side| (side / shrunk).max(1));
+        let small_renderer = PictureFormat { size: small, eyes: 1, samples: 1 };
+        self.ensure_renderers(N, formats, full)?;
+        if !self.small_renderers.contains_key(&N) {
+            self.small_renderers
+                .insert(N, HeadlessRenderer::new(&self.gpu, N, small_renderer, &self.cache)?);
+        }
+        for format in formats {
+            self.renderer_for(N, *format)?.load_field(&field)?;
+        }
+        let renderer = self.small_renderers.get_mut(&N).ok_or_else(|| no_renderer(N))?;
+        renderer.load_field(&field)?;
+        fit_framing(renderer, small, N, middle_height(&fixture.start))
+    }
+
+    /// Milliseconds of each setup's pass: the mean over the ring of each view's best of `runs`.
+    /// The setups alternate.
+    pub(super) fn time_setups_ms(
+        &mut self,
+        setups: &[RenderSetup],
+        format: FrameFormat,
+        runs: usize,
+    ) -> Result<Vec<f64>, Error> {
+        // A driver may put off work to a pipeline's first frame.
+        for setup in setups {
+            self.draw_view(setup, format, 0, &vec![])?;
+        }
+        let mut best = vec![[u64::MAX; VIEWS]; setups.len()];
+        for _ in 0..runs {
+            for view in 0..VIEWS {
+                for (setup, best) in setups.iter().zip(&mut best) {
+                    let times = self.draw_view(setup, format, view, &vec![])?;
+                    best[view] = best[view].min(setup.cost_ns(&times));
+                }
+            }
+        }
+        Ok(best.iter().map(mean_ms).collect())
+    }
+
+    /// Draws one frame of the ring after some uploads.
+    pub(super) fn draw_view(
+        &mut self,
+        setup: &RenderSetup,
+        format: FrameFormat,
+        view: usize,
+        uploads: &Uploads,
+    ) -> Result<FrameTimes, Error> {
+        let (canvas, framing) = (self.canvas, setup.framing);
+        let (eyes, stand) = ring_view(&framing, view, canvas);
+        let both = [-0.5, 0.5]
+            .map(|side| Eye { position: eyes.position + Vec3::X * (EYES_APART * side), ..eyes });
+        let eyes = if format.eyes == 2 { &both[..] } else { &[eyes] };
+        let look = RenderStyle { path: setup.path, ..RenderStyle::default() };
+        let picture = FrameRequest {
+            eyes,
+            placement: stand,
+            style: look,
+            backdrop: paros_headless::BACKDROP,
+            scene: None,
+        };
+        self.renderer_for(framing.size, format)?.draw_picture(&picture, uploads)
+    }
+
+    /// The renderer of a grid size and frame format.
+    ///
+    /// # Errors
+    /// No subject of that size was loaded.
+    pub(super) fn renderer_for(
+        &mut self,
+        n: usize,
+        format: FrameFormat,
+    ) -> Result<&mut HeadlessRenderer, Error> {
+        self.renderers.get_mut(&(n, format)).ok_or_else(|| no_renderer(n))
+    }
+
+    fn ensure_renderers(
+        &mut self,
+        n: usize,
+        formats: &[FrameFormat],
+        size: [u32; 2],
+    ) -> Result<(), Error> {
+        for &format in formats {
+            if !self.renderers.contains_key(&(n, format)) {
+                let canvas = PictureFormat { size, eyes: format.eyes, samples: format.samples };
+                let renderer = HeadlessRenderer::new(&self.gpu, n, canvas, &self.cache)?;
+                self.cache = renderer.pipeline_cache()?;
+                self.renderers.insert((n, format), renderer);
+            }
+        }
+        Ok(())
+    }
+}
+
+fn no_renderer(n: usize) -> Error {
+    Error::Failure(format!("no volume of size {n} hangs in the studio"))
+}
+
+/// Mean of the views' nanoseconds, in milliseconds.
+pub(super) fn mean_ms(views: &[u64; VIEWS]) -> f64 {
+    views.iter().map(|&ns| ns as f64).sum::<f64>() / VIEWS as f64 * 1e-6
+}
+
+/// The eye and the stool of a view. The eye is fixed; the stool turns.
+fn ring_view(
+    framing: &Framing,
+    view: usize,
+    [width, height]: [u32; 2],
+) -> (Eye, SculpturePlacement) {
+    let (sin, cos) = ELEVATION.sin_cos();
+    let up = framing.half_angle;
+    let right = (up.tan() * width as f32 / height as f32).atan();
+    let eye = Eye {
+        position: Vec3::new(0.0, sin, cos) * framing.distance + Vec3::Y * framing.height,
+        rotation: Quat::from_rotation_x(-ELEVATION),
+        fov: Fov { left: -right, right, up, down: -up },
+    };
+    let turn = view as f32 * (TAU / VIEWS as f32);
+    (eye, SculpturePlacement { foot: Vec3::ZERO, side: 1.0, turn_radians: turn })
+}
+
+/// Mean of the lowest and highest occupied height, in sides of the cube.
+fn middle_height<const N: usize>(maps: &RangeMaps<N>) -> f32 {
+    let heights = (0..N).flat_map(|line| maps.line(Axis::Y, line)).map(|column| column.hull());
+    let (lo, hi) = heights
+        .filter(|range| !range.is_empty())
+        .fold((N, 0), |(lo, hi), range| (range.first().min(lo), range.last().max(hi)));
+    (lo + hi + 1) as f32 / (2 * N) as f32
+}
+
+/// Finds the distance, or the angle of view, at which the sculpture fills the target fraction. Pixels
+/// are counted by the paper's path, which draws the exact voxels.
+fn fit_framing(
+    small_renderer: &mut HeadlessRenderer,
+    pixels: [u32; 2],
+    size: usize,
+    height: f32,
+) -> Result<Framing, Error> {
+    let nearest = Framing { size, distance: NEAREST, height, half_angle: HALF_ANGLE, filled: 0.0 };
+    if filled_fraction(small_renderer, pixels, &nearest)? < FILLED {
+        let narrowed = |half_angle| Framing { half_angle, ..nearest };
+        bisect_framing(small_renderer, pixels, [NARROWEST, HALF_ANGLE], narrowed)
+    } else {
+        let away = |distance| Framing { distance, ..nearest };
+        bisect_framing(small_renderer, pixels, [NEAREST, FARTHEST], away)
+    }
+}
+
+/// Bisection between a value that fills more than the target and one that fills less.
+fn bisect_framing(
+    small_renderer: &mut HeadlessRenderer,
+    pixels: [u32; 2],
+    [mut more, mut less]: [f32; 2],
+    framing: impl Fn(f32) -> Framing,
+) -> Result<Framing, Error> {
+    let mut best = framing(more);
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (more + less);
+        best = framing(middle);
+        best.filled = filled_fraction(small_renderer, pixels, &best)?;
+        *(if best.filled > FILLED { &mut more } else { &mut less }) = middle;
+    }
+    Ok(best)
+}
+
+/// The fraction of the image that is not backdrop, averaged over the ring.
+fn filled_fraction(
+    small_renderer: &mut HeadlessRenderer,
+    size: [u32; 2],
+    framing: &Framing,
+) -> Result<f32, Error> {
+    let look =
+        RenderStyle { path: RenderPath::Paper(PaperVariant::Whole), ..RenderStyle::default() };
+    let mut sum = 0;
+    for view in 0..VIEWS {
+        let (eye, stand) = ring_view(framing, view, size);
+        small_renderer.draw_picture(
+            &FrameRequest {
+                eyes: &[eye],
+                placement: stand,
+                style: look,
+                backdrop: NOTHING,
+                scene: None,
+            },
+            &vec![],
+        )?;
+        let image = small_renderer.read_image(0)?;
+        sum += image.pixels.chunks_exact(3).filter(|pixel| **pixel != NOTHING_SHOWN).count();
+    }
+    Ok(sum as f32 / (size[0] as usize * size[1] as usize * VIEWS) as f32)
+}

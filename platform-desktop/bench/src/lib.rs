@@ -1,0 +1,286 @@
+//! Benchmarks: this code and its rivals on the same volumes, in alternating runs of one process.
+//!
+//! [`Plan::run`] measures a [`Plan`] and returns a [`Report`] of rows. Of the command line it knows one
+//! option: `bench --replay`, with which it starts its own program again under Callgrind. It knows
+//! neither window nor headset.
+#![forbid(unsafe_code)]
+
+mod bake;
+mod callgrind;
+mod clock;
+pub mod dense;
+mod edit;
+mod edit_frame;
+mod field;
+mod fixture;
+mod frames;
+mod islands;
+mod mesh;
+mod order;
+pub mod paper;
+mod peers;
+mod render;
+mod row;
+mod section5;
+mod step;
+mod subject;
+
+use std::path::{Path, PathBuf};
+
+use paros_headless::Error;
+use paros_shell::sizes::SIZES;
+use paros_shell::with_size;
+
+pub use row::{ReportRow, format_table};
+pub use subject::Subject;
+
+use frames::FrameTimer;
+use peers::{MissingPeer, PythonPeers};
+
+/// A benchmark, by what it measures.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Benchmark {
+    /// The search for islands.
+    Islands,
+    /// Carving and filling.
+    Edit,
+    /// Export to STL.
+    Mesh,
+    /// From triangles to a volume.
+    Bake,
+    /// Sizes in memory, and instructions of a tick of recorded sessions.
+    Step,
+    /// What a frame spends on keeping the fast path's textures up to date.
+    Field,
+    /// The sculpture's pass on a Vulkan device, by both paths.
+    Render,
+    /// The experiments of the paper's section 5.
+    Paper,
+}
+
+impl Benchmark {
+    /// All of them, in the order in which `all` runs them.
+    pub const ALL: [Benchmark; 8] = [
+        Benchmark::Islands,
+        Benchmark::Edit,
+        Benchmark::Mesh,
+        Benchmark::Bake,
+        Benchmark::Step,
+        Benchmark::Field,
+        Benchmark::Render,
+        Benchmark::Paper,
+    ];
+
+    /// Its name on the command line.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Benchmark::Islands => "islands",
+            Benchmark::Edit => "edit",
+            Benchmark::Mesh => "mesh",
+            Benchmark::Bake => "bake",
+            Benchmark::Step => "step",
+            Benchmark::Field => "field",
+            Benchmark::Render => "render",
+            Benchmark::Paper => "paper",
+        }
+    }
+
+    /// The benchmark with a name.
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|bench| bench.name() == name)
+    }
+}
+
+/// What is to be measured, on what, and how often.
+#[derive(Debug)]
+pub struct Plan {
+    /// The benches, in order.
+    pub benches: Vec<Benchmark>,
+    /// What they run on, all but [`Benchmark::Step`].
+    pub subjects: Vec<Subject>,
+    /// Sessions that [`Benchmark::Step`] plays; the demo at both sizes where there are none.
+    pub traces: Vec<PathBuf>,
+    /// Runs of each side; the best counts.
+    pub runs: usize,
+    /// Runs of each frame; the best counts.
+    pub frame_runs: usize,
+    /// Pixels across and down a frame.
+    pub canvas: [u32; 2],
+    /// A part of the name of the Vulkan device that is meant.
+    pub device: Option<String>,
+    /// The Python interpreter that has the rivals' packages.
+    pub python: PathBuf,
+}
+
+/// What was measured, and what wasn't.
+#[derive(Debug, Default)]
+pub struct Report {
+    /// The rows, in the order of the plan.
+    pub rows: Vec<ReportRow>,
+    /// Why some figures are missing, each reason once.
+    pub skipped: Vec<String>,
+}
+
+/// A unit of work of a plan: a benchmark on one input.
+#[derive(Clone, Copy)]
+enum PlanPiece<'a> {
+    On(Benchmark, &'a Subject, usize),
+    Scaling(&'a Subject),
+    Render(&'a Subject),
+    Paper(&'a Subject),
+    Sizes,
+    Demo(usize),
+    Recorded(&'a Path),
+}
+
+/// A callback that gets the fraction of a piece that is done, 0 to 1.
+type OnProgress<'a> = &'a dyn Fn(f64);
+
+/// External resources that the pieces of a plan share, or why they are not available.
+struct BenchResources {
+    peers: Result<PythonPeers, MissingPeer>,
+    timer: Result<FrameTimer, String>,
+}
+
+impl Plan {
+    /// The number of pieces, for a progress bar.
+    #[must_use]
+    pub fn piece_count(&self) -> usize {
+        self.split_pieces().len()
+    }
+
+    /// Measures. `progress` gets the number of pieces done, with the fraction of the current one.
+    ///
+    /// # Errors
+    /// A subject that holds nothing, two sides that come to different results, or no device to
+    /// draw where nothing else is to be measured.
+    pub fn run(&self, progress: impl Fn(f64)) -> Result<Report, Error> {
+        let mut report = Report::default();
+        let mut resources =
+            BenchResources { peers: self.start_peers(), timer: self.open_frame_timer()? };
+        for (i, piece) in self.split_pieces().into_iter().enumerate() {
+            let on_progress = |part: f64| progress(i as f64 + part);
+            on_progress(0.0);
+            let (rows, skipped) = self.run_piece(piece, &mut resources, &on_progress)?;
+            report.rows.extend(rows);
+            report.skipped.extend(skipped.filter(|why| !report.skipped.contains(why)));
+        }
+        let means = render::geometric_means(&report.rows);
+        report.rows.extend(means);
+        Ok(report)
+    }
+
+    fn includes_any(&self, some: [Benchmark; 2]) -> bool {
+        self.benches.iter().any(|bench| some.contains(bench))
+    }
+
+    fn start_peers(&self) -> Result<PythonPeers, MissingPeer> {
+        match self.includes_any([Benchmark::Mesh, Benchmark::Bake]) {
+            true => PythonPeers::start_python(&self.python),
+            false => Err(MissingPeer::not_started()),
+        }
+    }
+
+    /// The device that draws frames, or why there is none.
+    fn open_frame_timer(&self) -> Result<Result<FrameTimer, String>, Error> {
+        if !self.includes_any([Benchmark::Render, Benchmark::Paper]) {
+            return Ok(Err(String::new()));
+        }
+        let timer = FrameTimer::open_device(self.device.as_deref(), self.canvas);
+        if self.benches == [Benchmark::Render] {
+            return timer.map(Ok);
+        }
+        // That would take hours and tell nothing.
+        let slow = |timer: &FrameTimer| timer.is_software() && self.device.is_none();
+        Ok(match timer {
+            Ok(timer) if slow(&timer) => {
+                Err(format!("{} is no GPU; `--device` may name it", timer.device_name()))
+            }
+            timer => timer.map_err(|error| error.to_string()),
+        })
+    }
+
+    fn split_pieces(&self) -> Vec<PlanPiece<'_>> {
+        let mut pieces = vec![];
+        for &bench in &self.benches {
+            match bench {
+                Benchmark::Step => pieces.extend(self.step_pieces()),
+                Benchmark::Render => pieces.extend(self.subjects.iter().map(PlanPiece::Render)),
+                Benchmark::Paper => pieces.extend(self.subjects.iter().map(PlanPiece::Paper)),
+                _ => pieces.extend(
+                    self.subjects.iter().flat_map(|subject| pieces_by_size(bench, subject)),
+                ),
+            }
+        }
+        pieces
+    }
+
+    fn step_pieces(&self) -> impl Iterator<Item = PlanPiece<'_>> {
+        let demo = SIZES.map(PlanPiece::Demo).into_iter().filter(|_| self.traces.is_empty());
+        let recorded = self.traces.iter().map(|path| PlanPiece::Recorded(path));
+        [PlanPiece::Sizes].into_iter().chain(demo).chain(recorded)
+    }
+
+    fn run_piece(
+        &self,
+        piece: PlanPiece<'_>,
+        resources: &mut BenchResources,
+        on_progress: OnProgress<'_>,
+    ) -> Result<(Vec<ReportRow>, Option<String>), Error> {
+        let (runs, peers) = (self.runs, &mut resources.peers);
+        let timer = resources.timer.as_mut().map_err(|why| why.as_str());
+        let whole = |rows: Vec<ReportRow>| (rows, None);
+        match piece {
+            PlanPiece::On(Benchmark::Islands, on, size) => {
+                with_size!(size, N => islands::measure_rows::<N>(on, runs)).map(whole)
+            }
+            PlanPiece::On(Benchmark::Edit, on, size) => {
+                with_size!(size, N => edit::measure_rows::<N>(on, runs)).map(whole)
+            }
+            PlanPiece::On(Benchmark::Mesh, on, size) => {
+                with_size!(size, N => mesh::measure_rows::<N>(on, runs, peers))
+            }
+            PlanPiece::On(Benchmark::Bake, on, size) => {
+                with_size!(size, N => bake::measure_rows::<N>(on, runs, peers))
+            }
+            PlanPiece::On(Benchmark::Field, on, size) => {
+                with_size!(size, N => field::measure_rows::<N>(on))
+            }
+            PlanPiece::Scaling(on) => edit::measure_scaling(on, runs).map(whole),
+            PlanPiece::Render(on) | PlanPiece::On(Benchmark::Render, on, _) => match timer {
+                Ok(timer) => render::measure_rows(on, self.frame_runs, timer).map(whole),
+                Err(why) => Ok((vec![], Some(format!("frames: {why}")))),
+            },
+            PlanPiece::Paper(on) | PlanPiece::On(Benchmark::Paper, on, _) => {
+                section5::measure_rows(on, self.frame_runs, timer)
+            }
+            PlanPiece::Sizes | PlanPiece::On(Benchmark::Step, ..) => {
+                Ok(whole(step::type_size_rows()))
+            }
+            PlanPiece::Demo(size) => with_size!(size, N => step::measure_demo::<N>(on_progress)),
+            PlanPiece::Recorded(path) => step::measure_recorded(path, on_progress),
+        }
+    }
+}
+
+/// The child process under Callgrind: plays what a measuring run has written, a session's folder or a
+/// volume's file.
+///
+/// # Errors
+/// It is not as the measuring run left it.
+pub fn replay_for_callgrind(what: &Path) -> Result<(), Error> {
+    if what.is_dir() { step::replay_ticks(what) } else { field::replay_changes(what) }
+}
+
+/// The pieces of a benchmark that measures each size separately.
+fn pieces_by_size(bench: Benchmark, subject: &Subject) -> Vec<PlanPiece<'_>> {
+    let sizes = subject.sizes();
+    let mut pieces: Vec<_> =
+        sizes.iter().map(|&size| PlanPiece::On(bench, subject, size)).collect();
+    if bench == Benchmark::Edit && sizes.len() == 2 {
+        pieces.push(PlanPiece::Scaling(subject));
+    }
+    pieces
+}

@@ -1,0 +1,131 @@
+//! `bench render`: the sculpture's pass by the fast path and by the paper's, on the device's clock.
+//!
+//! Milliseconds of a frame's sculpture: the fast path's is what finds where rays start and what
+//! draws, the paper's what draws. A ring of eight views, the sculpture filling a quarter of the image
+//! on average; the mean over the views of each one's best run; all shots of a volume take turns.
+//! Then whole frames: those with a stroke's uploads, and the scene in other draw orders.
+
+use paros_core::{Grid, Size};
+use paros_headless::Error;
+use paros_shaders::gpu::{PaperVariant, RenderPath};
+use paros_shell::with_size;
+
+use super::edit_frame;
+use super::fixture::HasFixture;
+use super::frames::{FrameFormat, FrameTimer, Framing, RenderSetup};
+use super::order;
+use super::row::ReportRow;
+use super::subject::Subject;
+
+const BENCH: &str = "render";
+
+/// What is drawn of a volume, ours first.
+const PATHS: [RenderPath; 3] = [
+    RenderPath::Fast,
+    RenderPath::Paper(PaperVariant::Whole),
+    RenderPath::Paper(PaperVariant::FullMarch),
+];
+
+/// Milliseconds of the three paths.
+type Costs = [f64; 3];
+
+pub(super) fn measure_rows(
+    subject: &Subject,
+    runs: usize,
+    timer: &mut FrameTimer,
+) -> Result<Vec<ReportRow>, Error> {
+    let mut framings = vec![];
+    for &size in subject.sizes() {
+        framings.push(with_size!(size, N => load_and_frame::<N>(subject, timer))?);
+    }
+    let mut rows = vec![];
+    for format in FrameFormat::ALL {
+        let setups: Vec<RenderSetup> = framings
+            .iter()
+            .flat_map(|&framing| PATHS.map(|path| RenderSetup { framing, path }))
+            .collect();
+        let times = timer.time_setups_ms(&setups, format, runs)?;
+        let costs: Vec<Costs> =
+            times.chunks_exact(PATHS.len()).map(|costs| [costs[0], costs[1], costs[2]]).collect();
+        rows.extend(format_rows(subject, &framings, &costs, format));
+    }
+    for framing in framings {
+        let edits = with_size!(framing.size, N => edit_frame::measure_rows::<N>(subject, framing, runs, timer));
+        rows.extend(edits?);
+        if framing.size == 128 {
+            rows.extend(order::measure_rows::<128>(subject, runs, timer)?);
+        }
+    }
+    for row in &mut rows {
+        row.device = Some(timer.device_name().into());
+    }
+    Ok(rows)
+}
+
+/// The geometric means of the ratios of render rows, one for each thing that was compared on several
+/// volumes.
+pub(super) fn geometric_means(rows: &[ReportRow]) -> Vec<ReportRow> {
+    let mut means: Vec<(ReportRow, f64, u32)> = vec![];
+    for row in rows.iter().filter(|row| row.bench == BENCH) {
+        let Some(ratio) = row.ratio else { continue };
+        match means.iter_mut().find(|(mean, ..)| mean.is_like(row)) {
+            Some((_, sum, count)) => (*sum, *count) = (*sum + ratio.ln(), *count + 1),
+            None => {
+                let mean = ReportRow {
+                    device: row.device.clone(),
+                    added_percent: row.added_percent,
+                    ..ReportRow::new(BENCH, "", row.size, row.against.clone())
+                };
+                means.push((mean, ratio.ln(), 1));
+            }
+        }
+    }
+    let row = |(mean, sum, count): (ReportRow, f64, u32)| {
+        let ratio = (sum / f64::from(count)).exp();
+        let added_percent = mean.added_percent.map(|_| 100.0 * (1.0 / ratio - 1.0));
+        let volume = format!("geometric mean of {count}");
+        ReportRow { volume, ratio: Some(ratio), added_percent, ..mean }
+    };
+    means.into_iter().filter(|(.., count)| *count > 1).map(row).collect()
+}
+
+fn load_and_frame<const N: usize>(
+    subject: &Subject,
+    timer: &mut FrameTimer,
+) -> Result<Framing, Error>
+where
+    Grid<N>: Size + HasFixture<N>,
+{
+    timer.load_and_frame(subject, &FrameFormat::ALL, &mut *Grid::<N>::lock_fixture())
+}
+
+fn format_rows(
+    subject: &Subject,
+    framings: &[Framing],
+    costs: &[Costs],
+    format: FrameFormat,
+) -> Vec<ReportRow> {
+    let row = |framing: &Framing, against: &str, times: [f64; 2]| ReportRow {
+        filled: Some(framing.filled),
+        ..ReportRow::new(
+            BENCH,
+            subject.name(),
+            framing.size,
+            format!("{against}; {}", format.name()),
+        )
+        .with_times_ms(times)
+    };
+    let mut rows = vec![];
+    for (framing, &[fast, paper, full]) in framings.iter().zip(costs) {
+        rows.push(row(framing, "the paper's path", [fast, paper]));
+        rows.push(row(framing, "the paper's path with a full march, ours without", [paper, full]));
+    }
+    if let (&[small, large], &[[_, paper_small, _], [fast_large, paper_large, _]]) =
+        (framings, costs)
+    {
+        rows.push(row(&large, "the paper's path at 128", [fast_large, paper_small]));
+        let against = "the paper's path at 256, ours the same at 128";
+        rows.push(row(&small, against, [paper_small, paper_large]));
+    }
+    rows
+}

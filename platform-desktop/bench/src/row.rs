@@ -1,0 +1,188 @@
+//! Rows: what was measured, as JSON or as a table.
+
+use serde::Serialize;
+
+/// One measurement of ours beside one of another's.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct ReportRow {
+    /// Which bench.
+    pub bench: &'static str,
+    /// What it was run on.
+    pub volume: String,
+    /// Voxels along an edge.
+    pub size: usize,
+    /// Milliseconds of ours. None for what is no time.
+    pub ours_ms: Option<f64>,
+    /// What it is measured against, or the name of a figure that stands alone.
+    pub against: String,
+    /// Milliseconds of the other's. None where it didn't run, or where there is none.
+    pub against_ms: Option<f64>,
+    /// The other's time over ours: above 1 ours is faster.
+    pub ratio: Option<f64>,
+    /// Instructions, where those were counted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub instructions: Option<u64>,
+    /// Bytes, where that is the figure.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bytes: Option<u64>,
+    /// The device that drew, where one did.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub device: Option<String>,
+    /// The part of the image that the sculpture fills, where it was drawn.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub filled: Option<f32>,
+    /// How much longer ours takes, in percent, where that is the figure.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub added_percent: Option<f64>,
+    /// Our time over that of the whole frame, or over 1/72 s, in `bench paper`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub share: Option<f64>,
+    /// The same as the paper has it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub published: Option<f64>,
+    /// Why the row has no figures.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub skipped: Option<String>,
+}
+
+impl ReportRow {
+    /// A row without measurements.
+    pub(super) fn new(
+        bench: &'static str,
+        volume: &str,
+        size: usize,
+        against: impl Into<String>,
+    ) -> Self {
+        ReportRow {
+            bench,
+            volume: volume.into(),
+            size,
+            ours_ms: None,
+            against: against.into(),
+            against_ms: None,
+            ratio: None,
+            instructions: None,
+            bytes: None,
+            device: None,
+            filled: None,
+            added_percent: None,
+            share: None,
+            published: None,
+            skipped: None,
+        }
+    }
+
+    /// Whether another row makes the same comparison, on any volume.
+    pub(super) fn is_like(&self, other: &ReportRow) -> bool {
+        (self.bench, self.size, &self.against) == (other.bench, other.size, &other.against)
+    }
+
+    /// With both sides' milliseconds and their ratio, theirs over ours.
+    pub(super) fn with_times_ms(self, [ours, theirs]: [f64; 2]) -> Self {
+        ReportRow {
+            ours_ms: Some(ours),
+            against_ms: Some(theirs),
+            ratio: Some(theirs / ours),
+            ..self
+        }
+    }
+
+    /// With our milliseconds alone.
+    pub(super) fn with_our_time_ms(self, ours: f64) -> Self {
+        ReportRow { ours_ms: Some(ours), ..self }
+    }
+}
+
+/// The rows as an aligned text table, after a line for each device that drew.
+#[must_use]
+pub fn format_table(rows: &[ReportRow]) -> String {
+    const HEAD: [&str; COLUMNS] =
+        ["bench", "volume", "size", "ours", "theirs", "ratio", "published", "against"];
+    let mut cells = vec![HEAD.map(String::from)];
+    cells.extend(rows.iter().map(row_cells));
+    let width = |i: usize| cells.iter().map(|row| row[i].chars().count()).max();
+    let widths: Vec<usize> = (0..COLUMNS).filter_map(width).collect();
+    let mut lines = String::new();
+    let mut devices: Vec<_> = rows.iter().filter_map(|row| row.device.as_ref()).collect();
+    devices.dedup();
+    for device in devices {
+        lines.push_str(&format!("on {device}\n"));
+    }
+    let has_published = rows.iter().any(|row| row.published.is_some());
+    for row in &cells {
+        for (i, (cell, &width)) in row.iter().zip(&widths).enumerate() {
+            match i {
+                PUBLISHED if !has_published => {}
+                2..=PUBLISHED => lines.push_str(&format!("{cell:>width$}  ")),
+                _ if i == COLUMNS - 1 => lines.push_str(cell),
+                _ => lines.push_str(&format!("{cell:width$}  ")),
+            }
+        }
+        lines.push('\n');
+    }
+    lines
+}
+
+const COLUMNS: usize = 8;
+/// The column of what the paper published.
+const PUBLISHED: usize = 6;
+
+fn row_cells(row: &ReportRow) -> [String; COLUMNS] {
+    let ms = |ms: Option<f64>| ms.map_or_else(|| "-".into(), format_ms);
+    let number = |ratio: Option<f64>| ratio.map_or_else(|| "-".into(), format_significant);
+    let figure = match (row.instructions, row.bytes) {
+        (Some(count), Some(bytes)) => format!("{count} instructions, {bytes} bytes"),
+        (Some(count), _) => format!("{count} instructions"),
+        (_, Some(bytes)) => format!("{bytes} bytes"),
+        _ => ms(row.ours_ms),
+    };
+    let ratio = match row.added_percent {
+        Some(percent) => format!("{percent:+.1} %"),
+        None => number(row.ratio.or(row.share)),
+    };
+    let against = match &row.skipped {
+        Some(why) => format!("{}; skipped: {why}", row.against),
+        None => row.against.clone(),
+    };
+    [
+        row.bench.into(),
+        row.volume.clone(),
+        row.size.to_string(),
+        figure,
+        ms(row.against_ms),
+        ratio,
+        number(row.published),
+        against,
+    ]
+}
+
+/// Three significant digits, or all digits before the point.
+fn format_significant(number: f64) -> String {
+    let rounded = format!("{number:.2e}");
+    let exponent: i32 = rounded.split_once('e').and_then(|(_, e)| e.parse().ok()).unwrap_or(0);
+    format!("{number:.*}", usize::try_from(2 - exponent).unwrap_or(0))
+}
+
+/// Milliseconds as text, in microseconds below 0.1 ms.
+fn format_ms(ms: f64) -> String {
+    match ms {
+        ms if ms < 0.1 => format!("{:.2} us", ms * 1e3),
+        ms if ms < 10.0 => format!("{ms:.3} ms"),
+        ms => format!("{ms:.1} ms"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::format_significant;
+
+    #[test]
+    fn numbers_have_three_significant_digits() {
+        let numbers =
+            [0.0, 0.000_123_4, 0.004_267, 0.9996, 1.25, 7.349, 28.06, 99.96, 418.2, 12_345.6];
+        let told = numbers.map(format_significant);
+        let expected =
+            ["0.00", "0.000123", "0.00427", "1.00", "1.25", "7.35", "28.1", "100", "418", "12346"];
+        assert_eq!(told, expected);
+    }
+}

@@ -1,0 +1,261 @@
+//! `bench step`: what the core takes in memory, and the instructions of a session's ticks.
+//!
+//! A session is played to find its slowest ticks by the clock. These are counted one by one under
+//! Callgrind, and some of all kinds for the mean; to count every tick would take too long.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::hint::black_box;
+use std::io::{self, Write as _};
+use std::iter;
+use std::mem::size_of;
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+
+use paros_core::internals::{IslandSearch, UndoHistory};
+use paros_core::trace::TickRecord;
+use paros_core::{Baker, BitGrid, Exporter, Grid, RangeMaps, Size, TickInput, Volume, World};
+use paros_headless::Error;
+use paros_shell::demo;
+use paros_shell::durable;
+use paros_shell::figures::Figure;
+use paros_shell::rmap;
+use paros_shell::sizes::SIZES;
+use paros_shell::statics::Resident;
+use paros_shell::tick_runner::{TickRunner, with_fresh_world};
+use paros_shell::trace::Trace;
+use paros_shell::with_size;
+
+use super::OnProgress;
+use super::callgrind::{ScratchFolder, count_instructions};
+use super::clock::time_ms;
+use super::row::ReportRow;
+
+/// How many of the slowest ticks are counted.
+const SLOWEST: usize = 1000;
+
+/// One tick in so many is counted whatever it does: a prime, so that nothing periodic keeps step.
+const SAMPLED: usize = 41;
+
+/// Times that a session is played by the clock; the minimum of each tick removes outside delays.
+const RUNS: usize = 3;
+
+/// Fraction of the progress bar for the runs by the clock; the rest is counting.
+const TIMED: f64 = 0.1;
+
+/// Rows, and why some were not measured if they were not.
+type Measured = (Vec<ReportRow>, Option<String>);
+
+/// `size_of` the core's large types, at each grid size.
+pub(super) fn type_size_rows() -> Vec<ReportRow> {
+    SIZES.into_iter().flat_map(|size| with_size!(size, N => type_size_rows_at::<N>())).collect()
+}
+
+/// Instructions of a tick of the demo.
+pub(super) fn measure_demo<const N: usize>(on_progress: OnProgress<'_>) -> Result<Measured, Error>
+where
+    Grid<N>: Size + Resident<N>,
+{
+    let bytes = with_fresh_world::<N, _>(|mut stage| {
+        stage.start_recording();
+        demo::play_demo(&mut stage, 0, &mut |_| ControlFlow::Continue(()), |_, _| {});
+        stage.end_recording().unwrap_or_default()
+    });
+    let trace = Trace::decode(&bytes).map_err(|(_, bad)| Error::failure(bad.expected))?;
+    measure_session::<N>("demo", &trace, &bytes, on_progress)
+}
+
+/// Instructions of a tick of a recorded session.
+pub(super) fn measure_recorded(
+    path: &Path,
+    on_progress: OnProgress<'_>,
+) -> Result<Measured, Error> {
+    let trace = Trace::read(path).map_err(Error::input)?;
+    let bytes = durable::read_file(path).map_err(Error::input)?;
+    let name = path.file_stem().unwrap_or_default().to_string_lossy();
+    let measured = with_size!(trace.header().side, N => measure_session::<N>(&name, &trace, &bytes, on_progress));
+    measured.map_err(|error| match error {
+        Error::Input(why) => Error::Input(format!("{}: {why}", path.display())),
+        failure @ Error::Failure(_) => failure,
+    })
+}
+
+fn type_size_rows_at<const N: usize>() -> Vec<ReportRow>
+where
+    Grid<N>: Size,
+{
+    let sizes = [
+        ("World", size_of::<World<N>>()),
+        ("Exporter", size_of::<Exporter<N>>()),
+        ("Baker", size_of::<Baker<N>>()),
+        ("Volume", size_of::<Volume<N>>()),
+        ("Undo", size_of::<UndoHistory<N>>()),
+        ("Islands", size_of::<IslandSearch<N>>()),
+        ("Plane", size_of::<BitGrid<N>>()),
+        ("Maps", size_of::<RangeMaps<N>>()),
+    ];
+    let row = |(name, bytes): (&str, usize)| ReportRow {
+        bytes: Some(bytes as u64),
+        ..ReportRow::new("step", "any", N, format!("size of {name}<{N}>"))
+    };
+    sizes.map(row).into()
+}
+
+/// Plays a trace by the clock, then counts its slowest and its sampled ticks under Callgrind. `bytes`
+/// is the encoded trace.
+fn measure_session<const N: usize>(
+    name: &str,
+    trace: &Trace,
+    bytes: &[u8],
+    on_progress: OnProgress<'_>,
+) -> Result<Measured, Error>
+where
+    Grid<N>: Size + Resident<N>,
+{
+    with_fresh_world::<N, _>(|mut stage| stage.replay(trace, |_, _| {})).map_err(Error::input)?;
+    let mut times = vec![f64::INFINITY; trace.records().len()];
+    for run in 1..=RUNS {
+        on_progress(TIMED * run as f64 / (RUNS + 1) as f64);
+        with_fresh_world::<N, _>(|mut stage| keep_best_times_ms(&mut stage, trace, &mut times));
+    }
+    if times.is_empty() {
+        return Ok((vec![], None));
+    }
+    let folder = ScratchFolder::new()?;
+    durable::write_file(&folder.0.join(TRACE), bytes)?;
+    let chosen = choose_ticks(&times);
+    let starts = Grid::<N>::lock_start_volumes();
+    for figure in Figure::ALL {
+        rmap::write(&volume_path(&folder.0, figure), starts.figure(figure))
+            .map_err(Error::failure)?;
+    }
+    drop(starts);
+    let mut list = String::new();
+    for tick in &chosen {
+        let _ = writeln!(list, "{tick}");
+    }
+    durable::write_file(&folder.0.join(CHOSEN), list.as_bytes())?;
+    let counting = |part: f64| on_progress(TIMED + (1.0 - TIMED) * part);
+    counting(0.0);
+    match count_instructions(COUNTED_TICK, &folder.0, &folder, &counting) {
+        Ok(counts) if counts.len() == chosen.len() => {
+            let counted: Vec<_> = chosen.into_iter().zip(counts).collect();
+            Ok((tick_rows::<N>(name, times.len(), &counted), None))
+        }
+        Ok(counts) => {
+            let (counts, chosen) = (counts.len(), chosen.len());
+            Err(Error::Failure(format!("valgrind counted {counts} ticks instead of {chosen}")))
+        }
+        Err(why) => Ok((vec![], Some(format!("instructions of a tick: {why}")))),
+    }
+}
+
+/// Plays a trace, and lowers `best` to each tick's milliseconds where they are less.
+fn keep_best_times_ms<const N: usize>(
+    stage: &mut TickRunner<'_, N>,
+    trace: &Trace,
+    best: &mut [f64],
+) where
+    Grid<N>: Size,
+{
+    for (best, record) in iter::zip(best, trace.records()) {
+        stage.run_tick_with(&record.input, |step| *best = best.min(time_ms(step)));
+    }
+}
+
+/// The numbers of the [`SLOWEST`] ticks and of one in [`SAMPLED`], ascending.
+fn choose_ticks(times: &[f64]) -> Vec<usize> {
+    let mut ticks: Vec<usize> = (0..times.len()).collect();
+    ticks.sort_unstable_by(|&a, &b| times[b].total_cmp(&times[a]));
+    ticks.truncate(SLOWEST);
+    ticks.extend((0..times.len()).step_by(SAMPLED));
+    ticks.sort_unstable();
+    ticks.dedup();
+    ticks
+}
+
+/// Progress lines that a replay writes, about.
+const PARTS: usize = 500;
+
+const TRACE: &str = "session.trace";
+const CHOSEN: &str = "ticks";
+
+fn volume_path(folder: &Path, figure: Figure) -> PathBuf {
+    folder.join(figure.name()).with_extension("rmap")
+}
+
+/// Plays a trace again under Callgrind: the child's part.
+///
+/// # Errors
+/// A file that is not as the measuring run left it.
+pub(super) fn replay_ticks(folder: &Path) -> Result<(), Error> {
+    let trace = Trace::read(&folder.join(TRACE)).map_err(Error::input)?;
+    let list = fs::read_to_string(folder.join(CHOSEN)).map_err(Error::input)?;
+    let chosen: Result<Vec<usize>, _> = list.lines().map(str::parse).collect();
+    let chosen = chosen.map_err(Error::input)?;
+    with_size!(trace.header().side, N => replay_at::<N>(folder, &trace, &chosen))
+}
+
+fn replay_at<const N: usize>(folder: &Path, trace: &Trace, chosen: &[usize]) -> Result<(), Error>
+where
+    Grid<N>: Size + Resident<N>,
+{
+    let fill = |figure, maps: &mut _| rmap::read(&volume_path(folder, figure), maps).map(drop);
+    Grid::<N>::lock_start_volumes().load_figures(fill).map_err(Error::input)?;
+    let mut chosen = chosen.iter().copied().peekable();
+    let (ticks, mut out) = (trace.records().len(), io::stdout().lock());
+    let digest = with_fresh_world::<N, _>(|mut stage| {
+        for (tick, record) in trace.records().enumerate() {
+            if tick % ticks.div_ceil(PARTS) == 0 {
+                // The reader may have closed the pipe.
+                let _ = writeln!(out, "{}", tick as f64 / ticks as f64);
+            }
+            match chosen.next_if_eq(&tick) {
+                Some(_) => counted_tick(&mut stage, &record.input),
+                None => stage.run_tick(&record.input),
+            }
+        }
+        stage.world().digest()
+    });
+    match trace.records().last().map(TickRecord::digest) {
+        Some(recorded) if recorded != digest => {
+            Err(Error::Failure("the replay came to another digest".into()))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The counted function's name, as the prefix that all grid sizes share.
+const COUNTED_TICK: &str = concat!(module_path!(), "::counted_tick");
+
+/// One tick, the function that Callgrind counts by this name.
+#[inline(never)]
+fn counted_tick<const N: usize>(stage: &mut TickRunner<'_, N>, input: &TickInput)
+where
+    Grid<N>: Size,
+{
+    stage.run_tick(black_box(input));
+    black_box(stage.world().tick());
+}
+
+/// Rows of mean, 99th percentile and worst, from (tick, instructions) pairs.
+fn tick_rows<const N: usize>(name: &str, ticks: usize, counted: &[(usize, u64)]) -> Vec<ReportRow> {
+    let sample = counted.iter().filter(|(tick, _)| tick % SAMPLED == 0);
+    let mut sample: Vec<u64> = sample.map(|&(_, count)| count).collect();
+    sample.sort_unstable();
+    let row = |count, what: String| ReportRow {
+        instructions: Some(count),
+        ..ReportRow::new("step", name, N, what)
+    };
+    let of = format!("of {} of its {ticks} ticks, one in {SAMPLED}", sample.len());
+    let mean = sample.iter().sum::<u64>() / sample.len().max(1) as u64;
+    let p99 = sample.get((sample.len() * 99).div_ceil(100).saturating_sub(1));
+    let worst = counted.iter().max_by_key(|&&(_, count)| count);
+    let mut rows = vec![row(mean, format!("mean {of}"))];
+    rows.extend(p99.map(|&p99| row(p99, format!("p99 {of}"))));
+    rows.extend(worst.map(|&(tick, count)| {
+        let of = format!("{} of them, {SLOWEST} the slowest", counted.len());
+        row(count, format!("worst of {of}: tick {tick}"))
+    }));
+    rows
+}

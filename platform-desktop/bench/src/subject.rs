@@ -1,0 +1,163 @@
+//! Benchmark inputs: meshes, volumes from files, and the project's own figures.
+
+use std::borrow::Cow;
+use std::path::{Path, PathBuf};
+
+use paros_core::{BitGrid, ExportPhase, Exporter, Grid, RangeMaps, Size, UpAxis};
+use paros_headless::Error;
+use paros_shell::figures::Figure;
+use paros_shell::mesh::{self, EXTENSIONS, Mesh, MeshFormat};
+use paros_shell::print::DEFAULT_HEIGHT_MM;
+use paros_shell::rmap;
+use paros_shell::sizes::SIZES;
+use paros_shell::statics::Resident;
+
+/// A benchmark input.
+#[derive(Debug)]
+pub struct Subject {
+    name: String,
+    source: Source,
+}
+
+#[derive(Debug)]
+enum Source {
+    Figure(Figure),
+    Mesh(Mesh, UpAxis),
+    /// A volume file of that size.
+    Volume(PathBuf, usize),
+}
+
+impl Subject {
+    /// The default inputs: the project's own figures.
+    #[must_use]
+    pub fn own_figures() -> Vec<Self> {
+        let own = [Figure::Owl, Figure::Cat]
+            .map(|figure| Subject { name: figure.name().into(), source: Source::Figure(figure) });
+        own.into()
+    }
+
+    /// The input that a command-line argument names: a figure, a volume (.rmap) or a mesh.
+    ///
+    /// # Errors
+    /// The file, and why it can't be measured on.
+    pub fn from_name(what: &Path) -> Result<Self, Error> {
+        let text = what.to_string_lossy();
+        if let Some(figure) = Figure::from_name(&text) {
+            let source = Source::Figure(figure);
+            return Ok(Subject { name: text.into(), source });
+        }
+        let name = what.file_stem().map_or(text, |stem| stem.to_string_lossy()).into();
+        if what.extension().is_some_and(|kind| kind.eq_ignore_ascii_case("rmap")) {
+            let size = match rmap::read_header(what).map_err(Error::input)?.side {
+                size if SIZES.contains(&size) => size,
+                n => {
+                    let what = what.display();
+                    return Err(Error::Input(format!(
+                        "{what}: expected a volume of size 128 or 256, found {n}"
+                    )));
+                }
+            };
+            let source = Source::Volume(what.into(), size);
+            return Ok(Subject { name, source });
+        }
+        let kind = MeshFormat::from_extension(what).ok_or_else(|| unknown_subject(what))?;
+        let (mesh, up) = (mesh::read(what).map_err(Error::input)?, kind.default_up_axis());
+        Ok(Subject { name, source: Source::Mesh(mesh, up) })
+    }
+
+    /// What it is called in a row.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The sizes it can be had at.
+    #[must_use]
+    pub fn sizes(&self) -> &[usize] {
+        match &self.source {
+            Source::Volume(_, size) => std::slice::from_ref(size),
+            _ => &SIZES,
+        }
+    }
+
+    /// Writes the subject's tight maps, and their voxels to `plane`.
+    ///
+    /// # Errors
+    /// The file doesn't hold a volume, or an empty one.
+    pub(super) fn load_into<const N: usize>(
+        &self,
+        maps: &mut RangeMaps<N>,
+        plane: &mut BitGrid<N>,
+    ) -> Result<(), Error>
+    where
+        Grid<N>: Size + Resident<N>,
+    {
+        match &self.source {
+            Source::Figure(figure) => figure.carve_into(plane, maps),
+            Source::Mesh(mesh, up) => {
+                mesh.bake_into_maps(*up, &mut *Grid::<N>::lock_baker(), maps, plane).ok_or_else(
+                    || Error::Input(format!("{}: the mesh has no extent", self.name)),
+                )?;
+            }
+            Source::Volume(path, _) => {
+                rmap::read(path, &mut *maps).map_err(Error::input)?;
+                plane.set_from_maps(maps);
+            }
+        }
+        if maps.is_empty() {
+            return Err(Error::Input(format!("{}: the volume is empty", self.name)));
+        }
+        Ok(())
+    }
+
+    /// The subject as triangles, with its up axis: the mesh itself, or the STL export of the volume.
+    /// `maps` and `plane` are scratch space.
+    ///
+    /// # Errors
+    /// As [`Subject::load_into`].
+    pub(super) fn to_mesh<const N: usize>(
+        &self,
+        maps: &mut RangeMaps<N>,
+        plane: &mut BitGrid<N>,
+    ) -> Result<(Cow<'_, Mesh>, UpAxis), Error>
+    where
+        Grid<N>: Size + Resident<N>,
+    {
+        if let Source::Mesh(mesh, up) = &self.source {
+            return Ok((Cow::Borrowed(mesh), *up));
+        }
+        self.load_into(maps, plane)?;
+        maps.clear();
+        let stl = export_stl(plane, maps, &mut Grid::<N>::lock_print_buffers().exporter);
+        let mesh = Mesh::from_bytes(MeshFormat::Stl, &stl, Path::new(""))
+            .map_err(|fault| Error::Failure(format!("{}: its print: {fault:?}", self.name)))?;
+        Ok((Cow::Owned(mesh), MeshFormat::Stl.default_up_axis()))
+    }
+}
+
+fn unknown_subject(what: &Path) -> Error {
+    let (what, figures) = (what.display(), Figure::ALL.map(Figure::name).join(", "));
+    Error::Input(format!(
+        "{what}: nothing to measure on; expected a figure ({figures}), or a name in .rmap, {EXTENSIONS}"
+    ))
+}
+
+/// Exports bit rows to STL bytes in memory, at the default height.
+pub(super) fn export_stl<const N: usize>(
+    plane: &BitGrid<N>,
+    mask: &RangeMaps<N>,
+    exporter: &mut Exporter<N>,
+) -> Vec<u8>
+where
+    Grid<N>: Size,
+{
+    exporter.start_export(DEFAULT_HEIGHT_MM).expect("a usual height");
+    let (mut file, mut buffer) = (vec![], vec![0; Exporter::<N>::MIN_BUFFER]);
+    loop {
+        let progress = exporter.advance_export(plane, mask, u32::MAX, &mut buffer);
+        file.extend_from_slice(&buffer[..progress.written]);
+        if progress.phase == ExportPhase::Done {
+            return file;
+        }
+    }
+}

@@ -1,0 +1,76 @@
+//! Why a command ended, and the exit code that says whose fault it is.
+
+use std::error::Error as StdError;
+use std::fmt;
+use std::io::ErrorKind;
+use std::process::ExitCode;
+
+use paros_core::HeightOutOfRange;
+use paros_shaders::gpu;
+use paros_shell::durable;
+
+/// Why a command did not do its work.
+#[derive(Debug)]
+pub enum Error {
+    /// What it was given is wrong: an argument, or what a file holds. Exit code 2.
+    Input(String),
+    /// What it was given is right, but the machine would not: a full disk, say. Exit code 1.
+    Failure(String),
+}
+
+impl Error {
+    /// Whatever is wrong with what a command was given.
+    pub fn input(error: impl fmt::Display) -> Self {
+        Error::Input(error.to_string())
+    }
+
+    /// Whatever the machine would not do.
+    pub fn failure(error: impl fmt::Display) -> Self {
+        Error::Failure(error.to_string())
+    }
+
+    /// The code for the process to end with.
+    #[must_use]
+    pub fn exit_code(&self) -> ExitCode {
+        match self {
+            Error::Input(_) => ExitCode::from(2),
+            Error::Failure(_) => ExitCode::FAILURE,
+        }
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (Error::Input(message) | Error::Failure(message)) = self;
+        f.write_str(message)
+    }
+}
+
+impl StdError for Error {}
+
+/// A place where no file can be is the argument's fault; a disk that refuses is not.
+impl From<durable::WriteError> for Error {
+    fn from(error: durable::WriteError) -> Self {
+        match error.source.kind() {
+            ErrorKind::NotFound
+            | ErrorKind::NotADirectory
+            | ErrorKind::AlreadyExists
+            | ErrorKind::InvalidFilename
+            | ErrorKind::InvalidInput => Error::input(error),
+            _ => Error::failure(error),
+        }
+    }
+}
+
+/// No Vulkan, no device that fits, a lost one, or one without memory left.
+impl From<gpu::Error> for Error {
+    fn from(error: gpu::Error) -> Self {
+        Error::failure(error)
+    }
+}
+
+impl From<HeightOutOfRange> for Error {
+    fn from(HeightOutOfRange(height): HeightOutOfRange) -> Self {
+        Error::Input(format!("no print can be {height} mm high"))
+    }
+}

@@ -1,0 +1,12 @@
+//! What the desktop's commands and its bench share. It takes volumes and gives pictures, drawn by a
+//! Vulkan device without a window, and it has the [`Error`] that a command ends with. It knows neither
+//! the commands nor the window.
+#![forbid(unsafe_code)]
+
+mod error;
+mod renderer;
+
+pub use error::Error;
+pub use renderer::{
+    BACKDROP, HeadlessRenderer, PictureFormat, Uploads, eye_and_stand_of, open_gpu,
+};

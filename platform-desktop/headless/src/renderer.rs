@@ -1,0 +1,156 @@
+//! Offscreen rendering with Vulkan: a device without a window, and renderers that each hold one
+//! sculpture and an image to draw into.
+
+use std::sync::Arc;
+
+use glam::{Quat, Vec3};
+use paros_shaders::field::DensityField;
+use paros_shaders::gpu::{
+    Eye, Fov, FrameRequest, FrameSemaphores, FrameTimes, Gpu, OffscreenTarget, Options, Renderer,
+    SculptureOrder, SculpturePlacement,
+};
+use paros_shaders::upload::Region;
+use paros_shaders::{Camera, Image};
+
+use crate::Error;
+
+/// The light that falls on the middle of the twin's backdrop, as a display shows it. The studio
+/// itself is not drawn.
+pub const BACKDROP: [f32; 3] = [0.1515, 0.1499, 0.1474];
+
+/// Regions of a sculpture's texture and their bytes, to be uploaded with the next picture.
+pub type Uploads = Vec<(Region, Vec<u8>)>;
+
+/// Opens the best Vulkan device, or the best of those with `name` in theirs.
+///
+/// # Errors
+/// There is none, or it won't start.
+pub fn open_gpu(name: Option<&str>) -> Result<Arc<Gpu>, Error> {
+    let options = Options { device_name: name.map(String::from), ..Options::default() };
+    Ok(Gpu::headless(&options)?)
+}
+
+/// The format of a renderer's pictures.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct PictureFormat {
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// Eyes, 1 or 2, drawn at once.
+    pub eyes: u32,
+    /// Samples per pixel, 1 or 4.
+    pub samples: u32,
+}
+
+/// A renderer of one sculpture with an offscreen image to draw into.
+#[derive(Debug)]
+pub struct HeadlessRenderer {
+    // Dropped before the renderer that it was made with.
+    screen: OffscreenTarget,
+    renderer: Renderer,
+}
+
+impl HeadlessRenderer {
+    /// A renderer for sculptures of `side` voxels a side. `cache` is another renderer's
+    /// [`HeadlessRenderer::pipeline_cache`], or empty.
+    ///
+    /// # Errors
+    /// A picture larger than the device draws, or a call that failed: out of memory, most likely.
+    pub fn new(
+        gpu: &Arc<Gpu>,
+        side: usize,
+        canvas: PictureFormat,
+        cache: &[u8],
+    ) -> Result<Self, Error> {
+        let ([width, height], longest) = (canvas.size, gpu.max_image_side());
+        if width.max(height) > longest {
+            let name = &gpu.name;
+            return Err(Error::Failure(format!(
+                "{name}: draws at most {longest} pixels along a side, not {width}x{height}"
+            )));
+        }
+        let format = OffscreenTarget::readback_format(canvas.samples, canvas.eyes, false);
+        let renderer = Renderer::new(gpu, format, side, cache)?;
+        let screen = OffscreenTarget::new(gpu, &renderer, canvas.size)?;
+        Ok(HeadlessRenderer { screen, renderer })
+    }
+
+    /// The pipeline cache, which makes the next renderer of this device start sooner.
+    ///
+    /// # Errors
+    /// A lost device.
+    pub fn pipeline_cache(&self) -> Result<Vec<u8>, Error> {
+        Ok(self.renderer.pipeline_cache_data()?)
+    }
+
+    /// Loads a whole sculpture, of the size that the renderer was made for.
+    ///
+    /// # Errors
+    /// A lost device.
+    pub fn load_field<const N: usize>(&mut self, field: &DensityField<N>) -> Result<(), Error> {
+        let mut loaded = Ok(());
+        field.emit_all_regions(|region, bytes| {
+            if loaded.is_ok() {
+                loaded = self.renderer.upload_now(region, bytes);
+            }
+        });
+        Ok(loaded?)
+    }
+
+    /// Uploads a region of the sculpture's texture.
+    ///
+    /// # Errors
+    /// A lost device.
+    pub fn upload_region(&mut self, region: Region, bytes: &[u8]) -> Result<(), Error> {
+        Ok(self.renderer.upload_now(region, bytes)?)
+    }
+
+    /// Sets the draw order of all later pictures.
+    pub const fn set_draw_order(&mut self, order: SculptureOrder) {
+        self.renderer.set_sculpture_order(order);
+    }
+
+    /// Draws a picture after `uploads`, and waits for it. Returns the device's times for its parts.
+    ///
+    /// # Errors
+    /// More uploads than a frame takes, or a lost device.
+    pub fn draw_picture(
+        &mut self,
+        picture: &FrameRequest<'_>,
+        uploads: &Uploads,
+    ) -> Result<FrameTimes, Error> {
+        self.renderer.begin_frame()?;
+        for (region, bytes) in uploads {
+            if !self.renderer.stage_upload(*region, bytes) {
+                return Err(Error::Failure("a frame's uploads are more than it takes".into()));
+            }
+        }
+        self.renderer.draw_frame(picture, &self.screen.target, 0, FrameSemaphores::default())?;
+        Ok(self.renderer.finish_frames()?)
+    }
+
+    /// Reads one eye's image of the latest picture back.
+    ///
+    /// # Errors
+    /// A lost device.
+    pub fn read_image(&self, eye: u32) -> Result<Image, Error> {
+        let [width, height] = self.screen.target.extent.map(|side| side as usize);
+        let pixels = self.screen.read_pixels(eye)?;
+        let pixels = pixels.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect();
+        Ok(Image { width, height, pixels })
+    }
+}
+
+/// The eye and the stand that see what a camera of the twin does: a side of the cube is a metre, and
+/// the stool turns before the eye.
+#[must_use]
+pub fn eye_and_stand_of(camera: &Camera, [width, height]: [u32; 2]) -> (Eye, SculpturePlacement) {
+    let (sin, cos) = camera.elevation.sin_cos();
+    let up = 0.5 * camera.angle;
+    let right = (up.tan() * width as f32 / height as f32).atan();
+    let eye = Eye {
+        position: Vec3::new(0.0, sin, cos) * camera.distance + Vec3::Y * camera.height,
+        rotation: Quat::from_rotation_x(-camera.elevation),
+        fov: Fov { left: -right, right, up, down: -up },
+    };
+    (eye, SculpturePlacement { foot: Vec3::ZERO, side: 1.0, turn_radians: -camera.azimuth })
+}

@@ -1,0 +1,244 @@
+//! Scripted hands: movements as one tick input after another, at the speed of a person's hands.
+
+use std::ops::ControlFlow;
+
+use crate::tick_runner::TickRunner;
+use glam::{Quat, Vec3};
+use paros_core::{
+    BenchItem, Grid, Pose, RangeMaps, RawPose, SessionMode, Size, TICK_RATE, TickInput, Tool,
+    World, commands,
+};
+
+/// Metres that a hand moves in a tick: 1.6 m/s.
+const HAND_SPEED: f32 = 1.6 / TICK_RATE as f32;
+
+/// How far the hand is ahead of a bit that the stone holds back, in voxels.
+const PUSH: f32 = 3.0;
+
+/// The hands' pose between strokes, in metres: before the chest.
+const REST: [Vec3; 2] = [Vec3::new(-0.25, 1.0, -0.1), Vec3::new(0.25, 1.0, -0.1)];
+
+/// Called after every tick; may end the session early.
+pub type TickWatcher<'a, const N: usize> = dyn FnMut(&World<N>) -> ControlFlow<()> + 'a;
+
+/// Two hands that give the inputs of a [`TickRunner`].
+pub struct ScriptedHands<'a, 's, const N: usize>
+where
+    Grid<N>: Size,
+{
+    stage: &'a mut TickRunner<'s, N>,
+    watcher: &'a mut TickWatcher<'a, N>,
+    input: TickInput,
+    grips: [(Vec3, Quat); 2],
+    ended: bool,
+}
+
+impl<'a, 's, const N: usize> ScriptedHands<'a, 's, N>
+where
+    Grid<N>: Size,
+{
+    /// Hands at rest before the chest.
+    pub fn new(stage: &'a mut TickRunner<'s, N>, watcher: &'a mut TickWatcher<'a, N>) -> Self {
+        let grips = REST.map(|position| (position, Quat::IDENTITY));
+        ScriptedHands { stage, watcher, input: TickInput::default(), grips, ended: false }
+    }
+
+    /// The world as of the last tick.
+    pub fn world(&self) -> &World<N> {
+        self.stage.world()
+    }
+
+    /// Whether the watcher has ended the session; no tick is run any more.
+    pub fn has_ended(&self) -> bool {
+        self.ended
+    }
+
+    /// Starts a session, in one tick.
+    pub fn start_session(&mut self, mode: SessionMode) {
+        self.input.start = mode;
+        self.run_tick();
+        self.input.start = SessionMode::None;
+    }
+
+    /// Sends one of the core's [`commands`], in one tick.
+    pub fn send_command(&mut self, command: u8) {
+        self.input.commands = command;
+        self.run_tick();
+        self.input.commands = 0;
+    }
+
+    /// Turns symmetry on or off.
+    pub fn set_mirror(&mut self, on: bool) {
+        if self.world().is_mirrored() != on {
+            self.send_command(commands::SYMMETRY);
+        }
+    }
+
+    /// Runs ticks with the hands where they are.
+    pub fn wait_ticks(&mut self, ticks: u32) {
+        for _ in 0..ticks {
+            self.run_tick();
+        }
+    }
+
+    /// Takes a tool, or a bit for the tool that the hand holds, from the bench and returns to rest.
+    pub fn fetch_item(&mut self, hand: usize, item: BenchItem) {
+        let mut over = item.home_position() + Vec3::Y * 0.15;
+        self.move_hand_to(hand, over, Quat::IDENTITY);
+        if let (BenchItem::Bit(_), Some((tool, _))) = (item, self.world().held_tool(hand)) {
+            over -= self.grips[hand].1 * Vec3::new(0.0, 0.0, -tool_length_m(tool));
+        }
+        self.move_hand_to(hand, over - Vec3::Y * 0.13, Quat::IDENTITY);
+        self.input.hands[hand].squeeze = 255;
+        self.run_tick();
+        self.input.hands[hand].squeeze = 0;
+        self.run_tick();
+        self.rest_hand(hand);
+    }
+
+    /// Moves a hand to its rest pose before the chest.
+    pub fn rest_hand(&mut self, hand: usize) {
+        self.move_hand_to(hand, REST[hand], Quat::IDENTITY);
+    }
+
+    /// Turns the stool with the left stick until `degrees` (of the grid, counter-clockwise from +z
+    /// to +x) face the visitor.
+    pub fn turn_side_to_visitor(&mut self, degrees: f32) {
+        let target = (degrees * (-65_536.0 / 360.0)).round() as i32 as u16;
+        loop {
+            let (_, turn) = self
+                .world()
+                .stool_frame()
+                .to_room(&Pose { rotation: Quat::IDENTITY, ..Pose::ZERO });
+            let now =
+                (2.0 * libm::atan2f(turn.y, turn.w) * (65_536.0 / core::f32::consts::TAU)).round();
+            let left = i32::from(target.wrapping_sub(now as i32 as u16) as i16);
+            // A full push of the stick turns by 227 in a tick, a third of it still by 72.
+            let push = match left.abs() {
+                0..72 => break,
+                n if n < 227 => 40,
+                _ => 127,
+            };
+            self.input.hands[0].stick[0] = (push * left.signum()) as i8;
+            self.run_tick();
+            if self.ended {
+                break;
+            }
+        }
+        self.input.hands[0].stick[0] = 0;
+    }
+
+    /// Moves the bit to a point of the grid, in voxels, pointing along `direction`. The trigger stays as it is.
+    pub fn move_bit_to(&mut self, hand: usize, point: Vec3, direction: Vec3) {
+        let (position, rotation) = self.grip_for_bit(hand, point, direction);
+        self.move_hand_to(hand, position, rotation);
+    }
+
+    /// Presses the trigger and pushes the bit along `direction` until it is `distance` voxels from `from`, is
+    /// held by the mask, or makes no progress for five ticks. The trigger stays down.
+    pub fn drive_bit(&mut self, hand: usize, from: Vec3, direction: Vec3, distance: f32) {
+        self.input.hands[hand].trigger = 255;
+        let (mut best, mut stuck) = (0.0, 0);
+        while stuck < 5 && !self.ended {
+            let reached =
+                (self.world().hand_state(hand).frozen_pose.position - from).dot(direction);
+            let (grip, rotation) =
+                self.grip_for_bit(hand, from + direction * (reached.max(0.0) + PUSH), direction);
+            self.grips[hand] = (grip, rotation);
+            self.run_tick();
+            let reached =
+                (self.world().hand_state(hand).frozen_pose.position - from).dot(direction);
+            let on_mask = self.world().hand_contact(hand).is_some_and(|contact| contact.on_mask);
+            if reached >= distance || (on_mask && reached < best + 0.2) {
+                break;
+            }
+            stuck = if reached > best + 0.05 { 0 } else { stuck + 1 };
+            best = reached.max(best);
+        }
+    }
+
+    /// Presses the trigger and moves the bit through points of the grid, pointing along `direction`. At each
+    /// it waits up to `patience` ticks, as long as the bit still sinks in. The trigger stays down.
+    pub fn stroke_through(
+        &mut self,
+        hand: usize,
+        points: impl IntoIterator<Item = Vec3>,
+        direction: Vec3,
+        patience: u32,
+    ) {
+        self.input.hands[hand].trigger = 255;
+        for point in points {
+            self.grips[hand] = self.grip_for_bit(hand, point, direction);
+            self.run_tick();
+            for _ in 0..patience {
+                let before = self.world().hand_state(hand).frozen_pose.position;
+                self.run_tick();
+                if (self.world().hand_state(hand).frozen_pose.position - before).dot(direction)
+                    < 0.15
+                {
+                    break;
+                }
+            }
+        }
+    }
+
+    /// Releases the trigger.
+    pub fn release_trigger(&mut self, hand: usize) {
+        self.input.hands[hand].trigger = 0;
+        self.run_tick();
+    }
+
+    /// Casts a ray: the distances to the first voxel of stone and of the mask, in voxels, if it meets
+    /// any. It steps by a voxel.
+    pub fn cast_ray(&self, from: Vec3, direction: Vec3) -> (Option<f32>, Option<f32>) {
+        let first = |maps: &RangeMaps<N>| {
+            (0..2 * N).map(|i| i as f32).find(|&distance| {
+                let voxel = (from + direction * distance).floor();
+                let inside =
+                    voxel.cmpge(Vec3::ZERO).all() && voxel.cmplt(Vec3::splat(N as f32)).all();
+                inside && maps.contains(voxel.to_array().map(|v| v as usize))
+            })
+        };
+        (first(self.world().volume().maps()), first(self.world().mask()))
+    }
+
+    /// Runs one tick with the hands where they are, unless the session has ended.
+    fn run_tick(&mut self) {
+        if self.ended {
+            return;
+        }
+        for (hand, (position, rotation)) in self.input.hands.iter_mut().zip(self.grips) {
+            hand.grip = RawPose::quantise(position, rotation);
+            (hand.aim, hand.tracked) = (hand.grip, true);
+        }
+        self.input.head = RawPose::quantise(Vec3::new(0.0, 1.5, 0.1), Quat::IDENTITY);
+        self.stage.run_tick(&self.input);
+        self.ended = (self.watcher)(self.stage.world()).is_break();
+    }
+
+    /// Moves a hand's grip to a pose in the room, in metres, at [`HAND_SPEED`].
+    fn move_hand_to(&mut self, hand: usize, position: Vec3, rotation: Quat) {
+        let (start, turned) = self.grips[hand];
+        let steps = ((position - start).length() / HAND_SPEED).ceil().max(1.0);
+        for i in 1..=steps as usize {
+            let t = i as f32 / steps;
+            self.grips[hand] = (start + (position - start) * t, turned.slerp(rotation, t));
+            self.run_tick();
+        }
+        self.grips[hand] = (position, rotation);
+    }
+
+    /// The grip pose in the room, in metres, at which the bit is at a point of the grid and points
+    /// along `direction`.
+    fn grip_for_bit(&self, hand: usize, point: Vec3, direction: Vec3) -> (Vec3, Quat) {
+        let pose =
+            Pose { position: point, rotation: Quat::from_rotation_arc(Vec3::NEG_Z, direction) };
+        let (tip, rotation) = self.world().stool_frame().to_room(&pose);
+        let reach = self.world().held_tool(hand).map_or(0.0, |(tool, _)| tool_length_m(tool));
+        (tip + rotation * Vec3::new(0.0, 0.0, reach), rotation)
+    }
+}
+
+fn tool_length_m(tool: Tool) -> f32 {
+    tool.length_um() as f32 * 1e-6
+}

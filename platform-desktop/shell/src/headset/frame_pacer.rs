@@ -1,0 +1,121 @@
+//! Frame pacing: ticks at their fixed rate, from the predicted display times of frames.
+
+use std::time::Duration;
+
+use paros_core::TICK_RATE;
+
+use crate::tick_runner::TickClock;
+
+/// Turns the predicted display times of frames into ticks. Times are the runtime's, in nanoseconds.
+#[derive(Clone, Copy, Default, Debug)]
+pub struct FramePacer {
+    pace: TickClock,
+    last_display_time: Option<i64>,
+}
+
+/// The ticks that are due up to a frame's display time.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct DueTicks {
+    /// How many; at most [`TickClock::MAX_TICKS_PER_FRAME`].
+    pub count: u32,
+    /// How many more were due, and are dropped.
+    pub dropped: u32,
+    /// Where the display time lies between the last of them and the next, 0 to 1.
+    pub fraction: f32,
+    /// The time of the last of them.
+    last_time: i64,
+}
+
+impl FramePacer {
+    /// The ticks between the frame before and one with this display time.
+    #[must_use]
+    pub fn advance_to(&mut self, display_time_ns: i64) -> DueTicks {
+        let last = self.last_display_time;
+        let since = last.map_or(0, |last| display_time_ns.saturating_sub(last).max(0));
+        self.last_display_time =
+            Some(last.map_or(display_time_ns, |last| last.max(display_time_ns)));
+        let (count, dropped) =
+            self.pace.take_due_ticks(Duration::from_nanos(since.cast_unsigned()));
+        let fraction = self.pace.tick_fraction();
+        let ago = f64::from(fraction) * 1e9 / f64::from(TICK_RATE);
+        DueTicks { count, dropped, fraction, last_time: display_time_ns - ago as i64 }
+    }
+
+    /// Frames have stopped: the time until the next one brings no ticks.
+    pub fn pause(&mut self) {
+        self.last_display_time = None;
+    }
+}
+
+impl DueTicks {
+    /// The time of each tick, the first one first.
+    pub fn tick_times_ns(&self) -> impl Iterator<Item = i64> + use<> {
+        let DueTicks { count, last_time, .. } = *self;
+        let before = |ticks: u32| i64::from(ticks) * 1_000_000_000 / i64::from(TICK_RATE);
+        (0..count).rev().map(move |left| last_time - before(left))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use paros_core::TICK_RATE;
+
+    use super::FramePacer;
+    use crate::tick_runner::TickClock;
+
+    const TICK: i64 = 1_000_000_000 / TICK_RATE as i64;
+
+    /// Display times of frames: `rate` a second, each off by at most `jitter` nanoseconds.
+    fn display_times(rate: i64, jitter: i64) -> impl Iterator<Item = i64> {
+        let mut dice = 12345u32;
+        (0..rate * 3).map(move |i| {
+            dice = dice.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            let off = if jitter == 0 { 0 } else { i64::from(dice >> 8) % (2 * jitter) - jitter };
+            1_000_000_000_000 + i * 1_000_000_000 / rate + off
+        })
+    }
+
+    const CASES: [(i64, i64); 6] =
+        [(60, 0), (72, 0), (90, 0), (120, 2_000_000), (72, 4_000_000), (20, 3_000_000)];
+
+    #[test]
+    fn ticks_are_a_72nd_of_a_second_apart_at_any_rate_of_frames() {
+        for (rate, jitter) in CASES {
+            let mut pacer = FramePacer::default();
+            let mut last = None;
+            let mut ticks = 0;
+            for display_time_ns in display_times(rate, jitter) {
+                let due = pacer.advance_to(display_time_ns);
+                assert_eq!(due.dropped, 0, "{rate} Hz");
+                for at in due.tick_times_ns() {
+                    assert!(at <= display_time_ns && display_time_ns - at < 5 * TICK, "{rate} Hz");
+                    if let Some(last) = last.replace(at) {
+                        assert!((at - last - TICK).abs() < 10, "{rate} Hz: {}", at - last);
+                    }
+                    ticks += 1;
+                }
+            }
+            assert!((210..=216).contains(&ticks), "{rate} Hz: {ticks}");
+        }
+    }
+
+    #[test]
+    fn what_can_not_be_made_up_is_dropped_and_counted() {
+        let mut pacer = FramePacer::default();
+        assert_eq!(pacer.advance_to(0).count, 0);
+        let due = pacer.advance_to(20 * TICK + 1000);
+        assert_eq!(
+            (due.count, due.dropped),
+            (TickClock::MAX_TICKS_PER_FRAME, 20 - TickClock::MAX_TICKS_PER_FRAME)
+        );
+        // What is made up are the latest.
+        let first = due.tick_times_ns().next().expect("ticks");
+        assert!((first - 17 * TICK).abs() < 2000);
+        // Time that goes backwards brings nothing, and is not counted twice.
+        assert_eq!(pacer.advance_to(10 * TICK).count, 0);
+        assert_eq!(pacer.advance_to(21 * TICK + 1000).count, 1);
+        pacer.pause();
+        let due = pacer.advance_to(1000 * TICK);
+        assert_eq!((due.count, due.dropped), (0, 0));
+    }
+}

@@ -1,0 +1,12 @@
+//! Policies of the headset that need no device: when ticks are due, what hands feel and do, who wears
+//! the headset, how hot it is, and what the app's package holds.
+//! They take plain numbers and times, as a runtime or a device tells them, and give inputs and decisions.
+//! They know neither OpenXR nor Android.
+
+pub mod device_health;
+pub mod frame_pacer;
+pub mod hand_sample;
+pub mod haptics;
+pub mod package;
+pub mod recentering;
+pub mod visit;

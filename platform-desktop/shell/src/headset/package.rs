@@ -1,0 +1,100 @@
+//! The contents of the app's package (APK) that both its maker and the headset's shell name: start
+//! volumes as assets, so that a headset need not make them, and Khronos' OpenXR loader.
+
+use crate::figures::Figure;
+use crate::rmap::{self, RmapFault};
+use crate::start_volume_store::StartVolumeStore;
+use paros_core::{Grid, RangeMaps, Size};
+
+/// The file name of Khronos' OpenXR loader in the package, beside the shell's own library.
+pub const OPENXR_LOADER: &str = "libopenxr_loader.so";
+
+/// Why the start volumes of a package can't be used.
+#[derive(Debug)]
+pub enum AssetError {
+    /// The package lacks the asset of this name.
+    Missing(String),
+    /// The asset of this name is damaged at a byte.
+    Damaged(String, usize, RmapFault),
+}
+
+/// The name of the asset that holds a figure's volume of a size: an `.rmap`.
+#[must_use]
+pub fn start_volume_asset<const N: usize>(figure: Figure) -> String {
+    format!("starts/{N}/{}.rmap", figure.name())
+}
+
+/// Loads the start volumes from a package, where `open_asset` gives the bytes of an asset by its name.
+///
+/// # Errors
+/// An asset is missing or damaged. Then the volumes are still to be made.
+pub fn load_start_volumes<const N: usize>(
+    volumes: &mut StartVolumeStore<N>,
+    open_asset: impl Fn(&str) -> Option<Vec<u8>>,
+) -> Result<(), AssetError>
+where
+    Grid<N>: Size,
+{
+    volumes.load_figures(|figure, maps: &mut RangeMaps<N>| {
+        let name = start_volume_asset::<N>(figure);
+        let Some(bytes) = open_asset(&name) else { return Err(AssetError::Missing(name)) };
+        rmap::decode(&bytes, maps).map_err(|(at, fault)| AssetError::Damaged(name, at, fault))
+    })
+}
+
+impl std::fmt::Display for AssetError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            AssetError::Missing(name) => write!(f, "{name}: missing in the package"),
+            AssetError::Damaged(name, at, fault) => write!(f, "{name}: byte {at}: {fault}"),
+        }
+    }
+}
+
+impl std::error::Error for AssetError {}
+
+#[cfg(test)]
+mod tests {
+    use std::cell::Cell;
+
+    use crate::figures::Figure;
+    use crate::rmap;
+    use crate::start_volume_store::StartVolumeStore;
+    use paros_core::BitGrid;
+
+    use super::{AssetError, load_start_volumes};
+
+    #[test]
+    fn packaged_volumes_are_the_ones_that_would_be_made() {
+        let [mut made, mut taken, mut broken] =
+            [const { StartVolumeStore::<64>::new() }; 3].map(Box::new);
+        made.generate_figures(&mut BitGrid::new(), |_| {});
+        let made = &made;
+        let bytes_of = |name: &str| {
+            let named = |figure: &Figure| name == format!("starts/64/{}.rmap", figure.name());
+            Some(rmap::encode(made.figure(Figure::ALL.into_iter().find(named)?)))
+        };
+        let asked = Cell::new(0);
+        let open = |name: &str| {
+            asked.set(asked.get() + 1);
+            bytes_of(name)
+        };
+        load_start_volumes(&mut taken, open).expect("all are there");
+        assert_eq!(asked.get(), Figure::ALL.len());
+        for figure in Figure::ALL {
+            assert_eq!(rmap::encode(taken.figure(figure)), rmap::encode(made.figure(figure)));
+        }
+        // They need not be made any more.
+        taken.generate_figures(&mut BitGrid::new(), |_| panic!("made again"));
+
+        let without = |name: &str| bytes_of(name).filter(|_| !name.contains("cat"));
+        let why = load_start_volumes(&mut broken, without).expect_err("one is missing");
+        assert!(matches!(&why, AssetError::Missing(name) if name == "starts/64/cat.rmap"));
+        let cut = |name: &str| bytes_of(name).map(|bytes| bytes[..bytes.len() - 1].to_vec());
+        let why = load_start_volumes(&mut broken, cut).expect_err("all are short");
+        assert!(matches!(why, AssetError::Damaged(..)), "{why}");
+        let again = Cell::new(0);
+        broken.generate_figures(&mut BitGrid::new(), |_| again.set(again.get() + 1));
+        assert_eq!(again.get(), Figure::ALL.len());
+    }
+}

@@ -1,0 +1,69 @@
+//! Voxelization of a mesh through the core's baker, and the mesh's bounding box and winding check.
+
+use super::Mesh;
+use paros_core::{BakeReport, Baker, BitGrid, Grid, MeshPlacement, RangeMaps, Size, UpAxis};
+use std::collections::HashMap;
+
+impl Mesh {
+    /// Axis-aligned bounding box of the vertices as (min, max). `None` without any.
+    #[must_use]
+    pub fn bounding_box(&self) -> Option<([f32; 3], [f32; 3])> {
+        let (&first, rest) = self.positions.split_first()?;
+        let (mut low, mut high) = (first, first);
+        for p in rest {
+            for k in 0..3 {
+                low[k] = if p[k] < low[k] { p[k] } else { low[k] };
+                high[k] = if p[k] > high[k] { p[k] } else { high[k] };
+            }
+        }
+        Some((low, high))
+    }
+
+    /// Bakes the mesh, fitted to the grid as [`MeshPlacement::fit_bounds`] says, into tight maps and their
+    /// voxels. `None`, and nothing changed, when the mesh has no extent; one that was read has.
+    #[must_use]
+    pub fn bake_into_maps<const N: usize>(
+        &self,
+        up: UpAxis,
+        baker: &mut Baker<N>,
+        maps: &mut RangeMaps<N>,
+        plane: &mut BitGrid<N>,
+    ) -> Option<BakeReport>
+    where
+        Grid<N>: Size,
+    {
+        let (min, max) = self.bounding_box()?;
+        let placement = MeshPlacement::fit_bounds(min, max, up, N)?;
+        let snapped: Vec<_> = self.positions.iter().map(|&p| placement.snap_point(p)).collect();
+        baker.clear();
+        for t in &self.triangles {
+            baker
+                .add_triangle(t.map(|i| snapped[i as usize]))
+                .expect("the placement keeps every corner inside the box");
+        }
+        Some(baker.write_maps(maps, plane))
+    }
+
+    /// How many directed edges more than one triangle uses, vertices merged by position: 0 where
+    /// the winding is consistent, as on any surface that two triangles at most share an edge of.
+    #[must_use]
+    pub fn count_winding_faults(&self) -> usize {
+        let mut merged = HashMap::new();
+        let vertices: Vec<u32> = self
+            .positions
+            .iter()
+            .enumerate()
+            // Adding zero makes one of the two zeros.
+            .map(|(i, p)| *merged.entry(p.map(|c| (c + 0.0).to_bits())).or_insert(i as u32))
+            .collect();
+        let mut edges: Vec<[u32; 2]> = Vec::with_capacity(self.triangles.len() * 3);
+        for t in &self.triangles {
+            let [a, b, c] = t.map(|i| vertices[i as usize]);
+            if a != b && b != c && c != a {
+                edges.extend([[a, b], [b, c], [c, a]]);
+            }
+        }
+        edges.sort_unstable();
+        edges.chunk_by(|e, f| e == f).filter(|uses| uses.len() > 1).count()
+    }
+}

@@ -1,0 +1,251 @@
+//! Mesh files: reads OBJ, STL, PLY and glTF into checked vertices and triangles, or an error.
+
+mod bake;
+mod gltf;
+mod obj;
+mod ply;
+mod stl;
+
+use crate::durable;
+use paros_core::UpAxis;
+use std::fmt;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// The largest coordinate, in mesh units, that a file may hold.
+pub const COORDINATE_BOUND: f32 = 1e9;
+
+/// The extensions that [`read`] knows, for messages.
+pub const EXTENSIONS: &str = ".obj, .stl, .ply, .gltf or .glb";
+
+/// Triangles, counter-clockwise seen from outside. What [`read`] gives has a triangle with area,
+/// no vertex without a triangle, and coordinates inside [`COORDINATE_BOUND`].
+#[derive(Clone, PartialEq, Debug, Default)]
+pub struct Mesh {
+    /// Vertices, in mesh units.
+    pub positions: Vec<[f32; 3]>,
+    /// Three indices into `positions` each; polygons are split into fans.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+/// The kinds of file that are read.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum MeshFormat {
+    /// Wavefront OBJ; materials are not looked at. It tells no length: cut between two lines of
+    /// its faces, it reads as a mesh with a hole.
+    Obj,
+    /// STL, text or binary.
+    Stl,
+    /// PLY, text or binary.
+    Ply,
+    /// glTF 2.0 or its binary form GLB: the triangles of the default scene.
+    Gltf,
+}
+
+/// Why a file gives no mesh.
+#[derive(Debug)]
+pub struct MeshError {
+    /// The file.
+    pub path: PathBuf,
+    /// What is wrong with it.
+    pub fault: MeshFault,
+}
+
+/// What is wrong with a mesh.
+#[derive(Debug)]
+pub enum MeshFault {
+    /// The file can't be read.
+    Unreadable(io::Error),
+    /// The name ends in none of [`EXTENSIONS`].
+    UnknownKind,
+    /// The bytes are not what the kind asks for.
+    Malformed {
+        /// The kind that the name says.
+        kind: MeshFormat,
+        /// Where, what was found and what was expected.
+        what: String,
+    },
+    /// No triangle.
+    Empty,
+    /// No triangle has area.
+    NoArea,
+    /// A coordinate is not a number, infinite, or outside [`COORDINATE_BOUND`].
+    Coordinate {
+        /// Index of the vertex.
+        vertex: usize,
+        /// The coordinate.
+        value: f32,
+    },
+    /// A triangle names a vertex that isn't there.
+    Index {
+        /// Index of the triangle.
+        triangle: usize,
+        /// The vertex it names.
+        index: u32,
+        /// Number of vertices.
+        vertices: usize,
+    },
+}
+
+/// Reads the mesh in a file. Its extension tells the format.
+///
+/// # Errors
+/// The file and what is wrong with it; see [`MeshFault`].
+pub fn read(path: &Path) -> Result<Mesh, MeshError> {
+    let read = || {
+        let kind = MeshFormat::from_extension(path).ok_or(MeshFault::UnknownKind)?;
+        let bytes = durable::read_file(path).map_err(MeshFault::Unreadable)?;
+        Mesh::from_bytes(kind, &bytes, path.parent().unwrap_or(Path::new("")))
+    };
+    read().map_err(|fault| MeshError { path: path.to_owned(), fault })
+}
+
+impl MeshFormat {
+    /// The format that a file's extension names.
+    #[must_use]
+    pub fn from_extension(path: &Path) -> Option<Self> {
+        match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
+            "obj" => Some(MeshFormat::Obj),
+            "stl" => Some(MeshFormat::Stl),
+            "ply" => Some(MeshFormat::Ply),
+            "gltf" | "glb" => Some(MeshFormat::Gltf),
+            _ => None,
+        }
+    }
+
+    /// The axis that points up in most files of the format.
+    #[must_use]
+    pub fn default_up_axis(self) -> UpAxis {
+        if self == MeshFormat::Stl { UpAxis::Z } else { UpAxis::Y }
+    }
+}
+
+impl Mesh {
+    /// The mesh in the bytes of a file. `folder` is where a glTF's buffers lie.
+    ///
+    /// # Errors
+    /// As [`read`].
+    pub fn from_bytes(kind: MeshFormat, bytes: &[u8], folder: &Path) -> Result<Self, MeshFault> {
+        let mesh = match kind {
+            MeshFormat::Obj => obj::parse(bytes),
+            MeshFormat::Stl => stl::parse(bytes),
+            MeshFormat::Ply => ply::parse(bytes),
+            MeshFormat::Gltf => gltf::parse(bytes, folder),
+        };
+        let mut mesh = mesh.map_err(|what| MeshFault::Malformed { kind, what })?;
+        mesh.check_triangles()?;
+        mesh.drop_unused_vertices();
+        Ok(mesh)
+    }
+
+    /// Appends a polygon as a triangle fan.
+    fn push_polygon(&mut self, corners: &[u32]) {
+        for pair in corners.windows(2).skip(1) {
+            self.triangles.push([corners[0], pair[0], pair[1]]);
+        }
+    }
+
+    fn check_triangles(&self) -> Result<(), MeshFault> {
+        for (vertex, position) in self.positions.iter().enumerate() {
+            for &value in position {
+                if !value.is_finite() || value.abs() > COORDINATE_BOUND {
+                    return Err(MeshFault::Coordinate { vertex, value });
+                }
+            }
+        }
+        let vertices = self.positions.len();
+        for (triangle, corners) in self.triangles.iter().enumerate() {
+            for &index in corners {
+                if index as usize >= vertices {
+                    return Err(MeshFault::Index { triangle, index, vertices });
+                }
+            }
+        }
+        if self.triangles.is_empty() {
+            return Err(MeshFault::Empty);
+        }
+        if !self.triangles.iter().any(|t| self.has_area(t)) {
+            return Err(MeshFault::NoArea);
+        }
+        Ok(())
+    }
+
+    /// Removes vertices that no triangle uses.
+    fn drop_unused_vertices(&mut self) {
+        let mut used = vec![false; self.positions.len()];
+        for &i in self.triangles.as_flattened() {
+            used[i as usize] = true;
+        }
+        let mut renamed = vec![0; used.len()];
+        let kept = renamed.iter_mut().zip(&used).filter(|(_, used)| **used);
+        for (name, (renamed, _)) in (0..).zip(kept) {
+            *renamed = name;
+        }
+        for i in self.triangles.as_flattened_mut() {
+            *i = renamed[*i as usize];
+        }
+        let mut used = used.into_iter();
+        self.positions.retain(|_| used.next() == Some(true));
+    }
+
+    fn has_area(&self, triangle: &[u32; 3]) -> bool {
+        let [a, b, c] = triangle.map(|i| self.positions[i as usize].map(f64::from));
+        let (d, e) = ([0, 1, 2].map(|k| b[k] - a[k]), [0, 1, 2].map(|k| c[k] - a[k]));
+        (0..3).any(|k| {
+            let (u, v) = ((k + 1) % 3, (k + 2) % 3);
+            d[u] * e[v] != d[v] * e[u]
+        })
+    }
+}
+
+impl fmt::Display for MeshFormat {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            MeshFormat::Obj => "OBJ",
+            MeshFormat::Stl => "STL",
+            MeshFormat::Ply => "PLY",
+            MeshFormat::Gltf => "glTF",
+        })
+    }
+}
+
+impl fmt::Display for MeshFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            MeshFault::Unreadable(error) => write!(f, "cannot read: {error}"),
+            MeshFault::UnknownKind => {
+                write!(f, "unknown kind of mesh; expected a name in {EXTENSIONS}")
+            }
+            MeshFault::Malformed { kind, what } => write!(f, "not a whole {kind} file: {what}"),
+            MeshFault::Empty => f.write_str("holds no triangle; expected at least one"),
+            MeshFault::NoArea => {
+                f.write_str("holds only degenerate triangles; expected at least one with area")
+            }
+            MeshFault::Coordinate { vertex, value } => write!(
+                f,
+                "vertex {vertex} has the coordinate {value}; expected a number of at most \
+                 {COORDINATE_BOUND:e} either way"
+            ),
+            MeshFault::Index { triangle, index, vertices } => write!(
+                f,
+                "triangle {triangle} names vertex {index}; expected less than {vertices}, the \
+                 number of vertices"
+            ),
+        }
+    }
+}
+
+impl fmt::Display for MeshError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}", self.path.display(), self.fault)
+    }
+}
+
+impl std::error::Error for MeshError {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match &self.fault {
+            MeshFault::Unreadable(error) => Some(error),
+            _ => None,
+        }
+    }
+}

@@ -1,0 +1,55 @@
+//! The names of the ways to start a session, as command lines and scripts have them.
+
+use std::fmt;
+
+use paros_core::SessionMode;
+
+use crate::figures::Figure;
+
+/// A name of no mode that sessions can be started in by name.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct UnknownMode;
+
+/// The modes that have names, each with its own: `free`, `creative`, and the figures that hide in the
+/// stone. A start of the visitor's own has none.
+pub fn named_modes() -> impl Iterator<Item = (&'static str, SessionMode)> {
+    let hidden = (0..).zip(Figure::HIDDEN);
+    let constrained = hidden.map(|(figure, of)| (of.name(), SessionMode::Constrained { figure }));
+    [("free", SessionMode::FreeForm), ("creative", SessionMode::Creative)]
+        .into_iter()
+        .chain(constrained)
+}
+
+/// The mode of a name.
+///
+/// # Errors
+/// It has none; the error says which have.
+pub fn parse_mode(name: &str) -> Result<SessionMode, UnknownMode> {
+    let found = named_modes().find(|(named, _)| *named == name);
+    found.map(|(_, mode)| mode).ok_or(UnknownMode)
+}
+
+impl fmt::Display for UnknownMode {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let hidden = Figure::HIDDEN.map(Figure::name).join(", ");
+        write!(f, "expected free, creative or one of {hidden}")
+    }
+}
+
+impl std::error::Error for UnknownMode {}
+
+#[cfg(test)]
+mod tests {
+    use super::{SessionMode, UnknownMode, named_modes, parse_mode};
+
+    #[test]
+    fn names_are_parsed_to_their_modes() {
+        for (name, mode) in named_modes() {
+            assert_eq!(parse_mode(name), Ok(mode), "{name}");
+        }
+        assert_eq!(parse_mode("cat"), Ok(SessionMode::Constrained { figure: 1 }));
+        assert_eq!(parse_mode("Free"), Err(UnknownMode));
+        let told = UnknownMode.to_string();
+        assert_eq!(told, "expected free, creative or one of owl, cat, amphora, dolphin");
+    }
+}

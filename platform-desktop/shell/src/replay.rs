@@ -1,0 +1,65 @@
+//! Replays of a trace without a display: the same ticks lead to the same digests on every machine.
+
+use std::fmt::{self, Write};
+use std::path::{Path, PathBuf};
+
+use crate::durable::{self, WriteTarget};
+use crate::statics::Resident;
+use crate::tick_runner;
+use crate::trace::{ReplayDivergence, Trace, TraceError};
+use crate::with_size;
+use paros_core::{Grid, Size};
+
+/// Why a replay wrote no digests. Its text names the file.
+#[derive(Debug)]
+pub enum ReplayError {
+    /// The file is no trace.
+    Trace(TraceError),
+    /// The replay differs from what was recorded.
+    ReplayDivergence(PathBuf, ReplayDivergence),
+    /// The digests can't be written.
+    Write(durable::WriteError),
+}
+
+/// Replays a trace from a file and writes every tick's digest to another, 16 hexadecimal digits a line.
+///
+/// # Errors
+/// A file that is no trace, the first tick that differs, or a place where no file can be. Then
+/// nothing is written.
+pub fn replay_trace(trace: &Path, digests: &Path) -> Result<(), ReplayError> {
+    let target = WriteTarget::resolve_writable(digests).map_err(ReplayError::Write)?;
+    let read = Trace::read(trace).map_err(ReplayError::Trace)?;
+    let played = with_size!(read.header().side, N => replay_digests::<N>(&read));
+    let played =
+        played.map_err(|diverged| ReplayError::ReplayDivergence(trace.into(), diverged))?;
+    target.write_file(played.as_bytes()).map_err(ReplayError::Write)
+}
+
+/// The digests of all ticks, as the file has them.
+fn replay_digests<const N: usize>(trace: &Trace) -> Result<String, ReplayDivergence>
+where
+    Grid<N>: Size + Resident<N>,
+{
+    let mut digests = String::with_capacity(17 * trace.records().len());
+    tick_runner::with_fresh_world::<N, _>(|mut stage| {
+        stage.replay(trace, |_, world| {
+            // A String takes everything.
+            let _ = writeln!(digests, "{:016x}", world.digest());
+        })
+    })?;
+    Ok(digests)
+}
+
+impl fmt::Display for ReplayError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            ReplayError::Trace(error) => error.fmt(f),
+            ReplayError::ReplayDivergence(path, diverged) => {
+                write!(f, "{}: {diverged}", path.display())
+            }
+            ReplayError::Write(error) => error.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for ReplayError {}

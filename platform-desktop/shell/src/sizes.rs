@@ -1,0 +1,62 @@
+//! The sizes that a sculpture has in the shells. They are chosen at run time, from a file or a command
+//! line, and are const generics in the core: here one becomes the other.
+
+/// Voxels along an edge of a sculpture, the usual number first.
+pub const SIZES: [usize; 2] = [128, 256];
+
+/// The sizes as command lines have them.
+pub const SIZE_NAMES: [&str; 2] = ["128", "256"];
+
+/// The size of a name, or the usual one where it is none of [`SIZE_NAMES`].
+#[must_use]
+pub fn size_named(name: &str) -> usize {
+    let found = SIZE_NAMES.into_iter().zip(SIZES).find(|(named, _)| *named == name);
+    found.map_or(SIZES[0], |(_, size)| size)
+}
+
+/// An expression that is generic in the size N, at a size that is known at run time only:
+/// `with_size!(size, N => bake::<N>(mesh))`. What is not 256 is 128, or, after `else`, something else:
+/// `with_size!(size, N => bake::<N>(mesh), else Err(Unusable))`.
+#[macro_export]
+macro_rules! with_size {
+    ($size:expr, $N:ident => $at:expr $(,)?) => {
+        match $size {
+            256 => {
+                const $N: usize = 256;
+                $at
+            }
+            _ => {
+                const $N: usize = 128;
+                $at
+            }
+        }
+    };
+    ($size:expr, $N:ident => $at:expr, else $other:expr $(,)?) => {
+        match $size {
+            size if $crate::sizes::SIZES.contains(&size) => $crate::with_size!(size, $N => $at),
+            _ => $other,
+        }
+    };
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{SIZE_NAMES, SIZES, size_named};
+
+    const fn twice<const N: usize>() -> usize {
+        2 * N
+    }
+
+    #[test]
+    fn names_are_the_sizes_in_digits() {
+        assert_eq!(SIZE_NAMES.map(size_named), SIZES);
+        assert_eq!(SIZE_NAMES.map(String::from), SIZES.map(|size| size.to_string()));
+    }
+
+    #[test]
+    fn each_size_is_its_own_constant() {
+        assert_eq!(SIZES.map(|size| with_size!(size, N => twice::<N>())), SIZES.map(|n| 2 * n));
+        let strict = [64, 128, 256].map(|size| with_size!(size, N => twice::<N>(), else 0));
+        assert_eq!((strict, with_size!(7, N => twice::<N>())), ([0, 256, 512], 256));
+    }
+}

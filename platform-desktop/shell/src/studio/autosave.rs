@@ -1,0 +1,150 @@
+//! Autosave: decides after each tick whether the session is saved, and submits the save to the file
+//! writer. It knows neither how a session starts nor what else is written.
+
+use std::mem;
+
+use paros_core::limits::max_save_bytes;
+use paros_core::{Grid, SessionState, Size, TICK_RATE, World, WorldEvent};
+
+use super::session::LiveSession;
+use crate::durable;
+use crate::file_writer::{Destination, FileKind, FileWriter, WriteJob};
+use crate::studio_paths::StudioPaths;
+
+/// Least ticks between two saves: three seconds.
+const SAVE_TICKS: u64 = 3 * TICK_RATE as u64;
+
+/// Least ticks between two saves where a stroke has just ended: one second.
+const STROKE_TICKS: u64 = TICK_RATE as u64;
+
+/// The session's state relative to its last save.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum SaveState {
+    /// Unchanged since.
+    Saved,
+    /// Changed since.
+    Changed,
+    /// To be saved as soon as the last save is written.
+    Due,
+}
+
+/// Saves the session from time to time, with one buffer that goes to the file writer and comes back.
+pub(super) struct Autosave {
+    state: SaveState,
+    /// The save job, its buffer large enough for any session. `None` while it is being written.
+    buffer: Option<WriteJob>,
+    /// The tick of the last save.
+    saved_at: u64,
+    /// Whether a stroke was under way after the last tick.
+    stroke_open: bool,
+    /// Why the last save was not written.
+    fault: Option<String>,
+}
+
+impl Autosave {
+    /// A state with nothing to save. Allocates the buffer.
+    pub(super) fn new<const N: usize>(places: &StudioPaths) -> Self {
+        let buffer = WriteJob {
+            kind: FileKind::Session,
+            destination: Destination::Replace(vec![places.session_file(N)]),
+            contents: vec![vec![0; max_save_bytes(N)]],
+        };
+        Autosave {
+            state: SaveState::Saved,
+            buffer: Some(buffer),
+            saved_at: 0,
+            stroke_open: false,
+            fault: None,
+        }
+    }
+
+    /// The error of the last save, while saving fails.
+    pub(super) fn fault(&self) -> Option<&str> {
+        self.fault.as_deref()
+    }
+
+    /// Whether a save is to begin as soon as the last one is written.
+    pub(super) fn is_due(&self) -> bool {
+        self.state == SaveState::Due
+    }
+
+    /// Whether the session may differ from what was saved last.
+    pub(super) fn is_changed(&self) -> bool {
+        self.state != SaveState::Saved
+    }
+
+    /// Whether a save is being written.
+    #[cfg(test)]
+    pub(super) const fn is_writing(&self) -> bool {
+        self.buffer.is_none()
+    }
+
+    /// Restarts the interval for a new session, whose ticks count from 0.
+    pub(super) fn begin_session(&mut self) {
+        self.saved_at = 0;
+    }
+
+    /// Updates the state after a tick. A save becomes due when something has changed and either the
+    /// session is finished or the last save is old enough: one second where a stroke has just ended,
+    /// else three.
+    pub(super) fn observe_tick<const N: usize>(&mut self, world: &World<N>)
+    where
+        Grid<N>: Size,
+    {
+        if !world.events().is_empty() || !world.dirty_rects().is_empty() {
+            self.mark_changed();
+        }
+        let was_open = mem::replace(&mut self.stroke_open, world.is_stroke_open());
+        let stroke_ended = was_open && !self.stroke_open;
+        let interval = if stroke_ended { STROKE_TICKS } else { SAVE_TICKS };
+        let is_old = world.tick() >= self.saved_at + interval;
+        if self.state == SaveState::Changed
+            && (is_old || world.events().contains(&WorldEvent::Finished))
+        {
+            self.state = SaveState::Due;
+        }
+    }
+
+    /// Encodes and submits the session. While the last save is still being written there is no buffer,
+    /// and the save stays due.
+    pub(super) fn submit_save<const N: usize>(
+        &mut self,
+        session: &LiveSession<'_, N>,
+        file_writer: &mut FileWriter,
+    ) where
+        Grid<N>: Size,
+    {
+        if session.world.session_state() == SessionState::Waiting {
+            return;
+        }
+        let Some(mut job) = self.buffer.take() else {
+            self.state = SaveState::Due;
+            return;
+        };
+        job.contents.iter_mut().for_each(|bytes| session.encode_into(bytes));
+        file_writer.submit(job);
+        (self.state, self.saved_at) = (SaveState::Saved, session.world.tick());
+    }
+
+    /// Takes back the buffer of a save, with its error if it failed; the save is then tried again.
+    /// Returns whether the visitor is to be told: only at the first of a row of failures.
+    pub(super) fn take_back_buffer(
+        &mut self,
+        job: WriteJob,
+        failed: Option<&durable::WriteError>,
+    ) -> bool {
+        self.buffer = Some(job);
+        let was_well = self.fault.is_none();
+        self.fault = failed.map(ToString::to_string);
+        if failed.is_some() {
+            self.mark_changed();
+        }
+        was_well && failed.is_some()
+    }
+
+    fn mark_changed(&mut self) {
+        if self.state == SaveState::Saved {
+            self.state = SaveState::Changed;
+        }
+    }
+}

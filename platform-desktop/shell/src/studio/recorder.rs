@@ -1,0 +1,97 @@
+//! Trace recording of the current session. It runs the ticks and gives a trace's bytes. It writes no
+//! files; it only keeps the path that the trace gets at the end.
+
+use std::path::{Path, PathBuf};
+
+use paros_core::{Grid, Size, TICK_RATE, TickInput};
+
+use crate::tick_runner::{TickRunner, TraceRecording};
+
+/// The most ticks recorded of a session without a file for its trace: two hours, 70 MiB.
+const MAX_UNASKED_TICKS: u32 = 2 * 60 * 60 * TICK_RATE;
+
+/// How much of each session is recorded.
+#[derive(Clone, PartialEq, Eq, Debug)]
+enum RecordingExtent {
+    /// Nothing.
+    None,
+    /// The first [`MAX_UNASKED_TICKS`].
+    Limited,
+    /// All of it. At the end the trace goes to this file.
+    Whole(PathBuf),
+}
+
+/// Records each session from its start. A session resumed from a save is not recorded: a trace must
+/// begin at its start.
+#[derive(Debug)]
+pub(super) struct Recorder {
+    extent: RecordingExtent,
+    recording: Option<TraceRecording>,
+}
+
+impl Recorder {
+    /// Records the first hours of each session.
+    pub(super) const fn new() -> Self {
+        Recorder { extent: RecordingExtent::Limited, recording: None }
+    }
+
+    /// Records nothing from now on.
+    pub(super) fn disable_recording(&mut self) {
+        self.extent = RecordingExtent::None;
+    }
+
+    /// Records whole sessions, for the trace file `path`; with `None`, their first two hours.
+    pub(super) fn record_whole_to(&mut self, path: Option<PathBuf>) {
+        self.extent = path.map_or(RecordingExtent::Limited, RecordingExtent::Whole);
+    }
+
+    /// The file for the last session's trace.
+    pub(super) fn trace_path(&self) -> Option<&Path> {
+        match &self.extent {
+            RecordingExtent::Whole(path) => Some(path),
+            RecordingExtent::None | RecordingExtent::Limited => None,
+        }
+    }
+
+    /// The bytes of the trace so far; `None` for a session that is not recorded.
+    pub(super) fn trace_bytes(&self) -> Option<Vec<u8>> {
+        self.recording.as_ref().map(TraceRecording::to_trace_bytes)
+    }
+
+    /// Whether the recording has reached its limit.
+    pub(super) fn is_full(&self) -> bool {
+        self.recording.as_ref().is_some_and(|recording| !self.has_room(recording))
+    }
+
+    /// Drops the recording.
+    pub(super) fn discard_recording(&mut self) {
+        self.recording = None;
+    }
+
+    /// Runs one tick, recorded if the session is. `starts` tells whether the tick starts a session.
+    pub(super) fn run_tick<const N: usize>(
+        &mut self,
+        mut runner: TickRunner<'_, N>,
+        starts: bool,
+        input: &TickInput,
+        around: impl FnOnce(&mut dyn FnMut()),
+    ) where
+        Grid<N>: Size,
+    {
+        if self.is_full() {
+            runner.run_tick_with(input, around);
+            return;
+        }
+        match self.recording.take() {
+            Some(recording) => runner.resume_recording(recording),
+            None if starts && self.extent != RecordingExtent::None => runner.start_recording(),
+            None => {}
+        }
+        runner.run_tick_with(input, around);
+        self.recording = runner.into_recording();
+    }
+
+    fn has_room(&self, recording: &TraceRecording) -> bool {
+        self.trace_path().is_some() || recording.tick_count() < MAX_UNASKED_TICKS
+    }
+}

@@ -1,0 +1,93 @@
+//! The files of one finished sculpture while they are made: print, volume and picture. The picture is
+//! drawn in a thread.
+
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::thread;
+
+use paros_core::{Grid, RangeMaps, Size, World};
+
+use super::DrawPicture;
+use crate::print::{FinishedPrint, StlPrinter};
+use crate::rmap;
+
+/// Each file's extension and bytes.
+pub(super) type NamedFiles = Vec<(&'static str, Vec<u8>)>;
+
+/// The parts made so far.
+#[derive(Debug)]
+pub(super) struct SculptureFiles {
+    print: Option<FinishedPrint>,
+    picture: PictureState,
+    rmap: Vec<u8>,
+}
+
+#[derive(Debug)]
+enum PictureState {
+    Drawing(Receiver<Result<Vec<u8>, String>>),
+    Drawn(Result<Vec<u8>, String>),
+}
+
+impl SculptureFiles {
+    /// Starts the picture's thread and encodes the volume of a world whose session has just ended.
+    pub(super) fn start<const N: usize>(world: &World<N>, draw_picture: DrawPicture<N>) -> Self
+    where
+        Grid<N>: Size,
+    {
+        let maps = world.volume().maps();
+        let mut copy = Box::new(RangeMaps::<N>::new());
+        copy.copy_from(maps);
+        let (tell, drawing) = channel();
+        thread::spawn(move || {
+            // The receiver is gone if the studio was dropped.
+            let _ = tell.send(draw_picture(&copy));
+        });
+        let picture = PictureState::Drawing(drawing);
+        SculptureFiles { print: None, picture, rmap: rmap::encode(maps) }
+    }
+
+    /// Takes the print, if it is finished.
+    pub(super) fn take_print(&mut self, print: Option<FinishedPrint>) {
+        self.print = self.print.take().or(print);
+    }
+
+    /// Waits for the picture and makes what is left of the print.
+    pub(super) fn finish_parts<const N: usize>(&mut self, printer: &mut StlPrinter<'_, N>)
+    where
+        Grid<N>: Size,
+    {
+        self.take_print(printer.finish_print());
+        self.wait_for_picture();
+    }
+
+    /// Waits for the picture.
+    pub(super) fn wait_for_picture(&mut self) {
+        if let PictureState::Drawing(drawing) = &self.picture {
+            let drawn = drawing.recv().unwrap_or_else(|_| Err("no picture was drawn".into()));
+            self.picture = PictureState::Drawn(drawn);
+        }
+    }
+
+    /// The files, the print first, once all are ready; or why there are none.
+    pub(super) fn take_files(&mut self) -> Option<Result<NamedFiles, String>> {
+        if let PictureState::Drawing(drawing) = &self.picture {
+            self.picture = match drawing.try_recv() {
+                Ok(drawn) => PictureState::Drawn(drawn),
+                Err(TryRecvError::Empty) => return None,
+                Err(TryRecvError::Disconnected) => {
+                    PictureState::Drawn(Err("no picture was drawn".into()))
+                }
+            };
+        }
+        let PictureState::Drawn(drawn) = &mut self.picture else { return None };
+        let print = self.print.take()?;
+        if print.triangle_count == 0 {
+            return Some(Err("nothing is left to print".into()));
+        }
+        let mut files = vec![("stl", print.stl), ("rmap", core::mem::take(&mut self.rmap))];
+        // A sculpture without its picture is better than none.
+        if let Ok(png) = drawn {
+            files.push(("png", core::mem::take(png)));
+        }
+        Some(Ok(files))
+    }
+}

@@ -1,0 +1,87 @@
+//! The current session: the world, its start volumes, and the claim on its file. It reads and encodes
+//! saves. It knows neither when it is saved nor whether it is recorded.
+
+use std::io::ErrorKind;
+
+use paros_core::limits::max_save_bytes;
+use paros_core::{Grid, SessionState, Size, World};
+
+use super::Notice;
+use crate::claim::SessionClaim;
+use crate::durable;
+use crate::start_volume_store::StartVolumeStore;
+use crate::studio_paths::StudioPaths;
+
+/// A world with its start volumes, and the claim on its session file.
+pub(super) struct LiveSession<'a, const N: usize>
+where
+    Grid<N>: Size,
+{
+    pub(super) world: &'a mut World<N>,
+    pub(super) volumes: &'a mut StartVolumeStore<N>,
+    _claim: SessionClaim,
+}
+
+impl<'a, const N: usize> LiveSession<'a, N>
+where
+    Grid<N>: Size,
+{
+    /// Claims the lowest free session file for a world, and sets `paths.window` to its number.
+    pub(super) fn claim_file(
+        world: &'a mut World<N>,
+        volumes: &'a mut StartVolumeStore<N>,
+        paths: &mut StudioPaths,
+    ) -> Self {
+        let claim = SessionClaim::take_lowest_free(&paths.sessions, N);
+        paths.window = claim.number();
+        LiveSession { world, volumes, _claim: claim }
+    }
+
+    /// Loads the saved session, if there is one. A file that can't be read is moved aside. Returns the
+    /// messages for the visitor.
+    pub(super) fn resume_saved(&mut self, paths: &StudioPaths) -> Vec<Notice> {
+        let path = paths.session_file(N);
+        let mut notices = Vec::new();
+        if paths.window > 1 {
+            let text = "another window has the studio's session; this one's is kept beside it, in";
+            notices.push(Notice::Good(format!("{text} {}", path.display())));
+        }
+        let fault = match durable::read_file(&path) {
+            Err(error) if error.kind() == ErrorKind::NotFound => return notices,
+            Err(error) => error.to_string(),
+            Ok(bytes) => match self.world.load(&bytes) {
+                Ok(()) => return notices,
+                Err(bad) => format!("expected {} at byte {}", bad.expected, bad.offset),
+            },
+        };
+        let aside = paths.free_unreadable_file(N);
+        let kept = match std::fs::rename(&path, &aside) {
+            Ok(()) => format!("it is kept as {}", aside.display()),
+            Err(error) => format!("it is {}, and can't be moved: {error}", path.display()),
+        };
+        notices.push(Notice::Bad(format!("the saved session can't be read: {fault}; {kept}")));
+        notices
+    }
+
+    /// Encodes the world into `bytes`, which are overwritten. Allocates nothing if their capacity is
+    /// enough for any save.
+    pub(super) fn encode_into(&self, bytes: &mut Vec<u8>) {
+        bytes.resize(max_save_bytes(N), 0);
+        let len = self.world.save(bytes);
+        debug_assert!(len <= bytes.len(), "a world of {len} bytes");
+        bytes.truncate(len);
+    }
+
+    /// Clears the world for another session. Returns the save of the one before, if it was unfinished
+    /// and something was sculpted in it.
+    pub(super) fn save_and_clear(&mut self) -> Option<Vec<u8>> {
+        let sculpted = self.world.session_state() == SessionState::Sculpting;
+        let save = (sculpted && self.world.undo_counts() != (0, 0)).then(|| {
+            let mut bytes = Vec::new();
+            self.encode_into(&mut bytes);
+            bytes
+        });
+        self.world.clear();
+        save
+    }
+}

@@ -1,0 +1,203 @@
+//! The tick loop: a fixed time step. [`TickClock`] turns frame times into ticks, and [`TickRunner`]
+//! runs each as one `World::step` and can record it in a trace. It knows no files and no display.
+
+use std::time::Duration;
+
+use paros_core::internals::ByteWriter;
+use paros_core::trace::{
+    HEADER_BYTES, RECORD_BYTES, TickRecord, TraceHeader, digest_start_volumes,
+};
+use paros_core::{Grid, Size, StartVolumes, TICK_RATE, TickInput, World};
+
+use crate::statics::Resident;
+use crate::trace::{ReplayDivergence, Trace};
+
+/// Runs the ticks of a world. It borrows the world and its start volumes, and records every tick
+/// while a recording is on.
+#[derive(Debug)]
+pub struct TickRunner<'a, const N: usize>
+where
+    Grid<N>: Size,
+{
+    world: &'a mut World<N>,
+    starts: StartVolumes<'a, N>,
+    recording: Option<TraceRecording>,
+}
+
+/// A trace that is being recorded.
+#[derive(Debug)]
+pub struct TraceRecording {
+    header: TraceHeader,
+    /// Room for the header, then the records so far.
+    bytes: Vec<u8>,
+}
+
+impl TraceRecording {
+    /// Ticks recorded so far.
+    #[must_use]
+    pub const fn tick_count(&self) -> u32 {
+        self.header.ticks
+    }
+
+    /// The bytes of a trace file that ends with the last recorded tick.
+    #[must_use]
+    pub fn to_trace_bytes(&self) -> Vec<u8> {
+        let mut bytes = self.bytes.clone();
+        self.header.write(&mut ByteWriter::new(&mut bytes));
+        bytes
+    }
+}
+
+impl<'a, const N: usize> TickRunner<'a, N>
+where
+    Grid<N>: Size,
+{
+    /// A runner that records nothing yet.
+    #[must_use]
+    pub fn new(world: &'a mut World<N>, starts: StartVolumes<'a, N>) -> Self {
+        TickRunner { world, starts, recording: None }
+    }
+
+    /// The world as of the last tick.
+    #[must_use]
+    pub const fn world(&self) -> &World<N> {
+        self.world
+    }
+
+    /// The header of a trace that starts with the next tick: size and digests, with no ticks.
+    #[must_use]
+    pub fn trace_header(&self) -> TraceHeader {
+        TraceHeader {
+            side: N as u16,
+            ticks: 0,
+            starts_digest: digest_start_volumes(&self.starts),
+            first_digest: self.world.digest(),
+        }
+    }
+
+    /// Starts a recording with the next tick. One under way is dropped.
+    pub fn start_recording(&mut self) {
+        self.recording =
+            Some(TraceRecording { header: self.trace_header(), bytes: vec![0; HEADER_BYTES] });
+    }
+
+    /// Ends the recording and returns the bytes of its trace file; `None` if none was on.
+    #[must_use]
+    pub fn end_recording(&mut self) -> Option<Vec<u8>> {
+        self.recording.take().map(|recording| recording.to_trace_bytes())
+    }
+
+    /// Ends the borrow of the world and returns the recording under way, for
+    /// [`TickRunner::resume_recording`] of another runner.
+    #[must_use]
+    pub fn into_recording(self) -> Option<TraceRecording> {
+        self.recording
+    }
+
+    /// Continues a recording that another runner of this world and these start volumes began.
+    pub fn resume_recording(&mut self, recording: TraceRecording) {
+        self.recording = Some(recording);
+    }
+
+    /// Runs one tick.
+    pub fn run_tick(&mut self, input: &TickInput) {
+        self.run_tick_with(input, |step| step());
+    }
+
+    /// Runs one tick. `around` must call its argument, the step itself, exactly once: it can measure
+    /// the step's time, say.
+    #[expect(clippy::disallowed_methods, reason = "the one place outside tests")]
+    pub fn run_tick_with(&mut self, input: &TickInput, around: impl FnOnce(&mut dyn FnMut())) {
+        around(&mut || self.world.step(input, &self.starts));
+        if let Some(TraceRecording { header, bytes }) = &mut self.recording {
+            header.ticks += 1;
+            let at = bytes.len();
+            bytes.resize(at + RECORD_BYTES, 0);
+            let parts = self.world.part_digests().map(|(_, digest)| digest);
+            let record = TickRecord { input: *input, part_digests: parts };
+            record.write(&mut ByteWriter::new(&mut bytes[at..]));
+        }
+    }
+
+    /// Replays a trace. Calls `on_tick` with the tick's number, from 0, and the world after every tick.
+    ///
+    /// # Errors
+    /// [`ReplayDivergence`] where the trace was recorded on other start volumes or from another state, or
+    /// at the first tick after which a part of the world's state differs.
+    pub fn replay(
+        &mut self,
+        trace: &Trace,
+        mut on_tick: impl FnMut(usize, &World<N>),
+    ) -> Result<(), ReplayDivergence> {
+        let (recorded, here) = (trace.header(), self.trace_header());
+        if recorded.side != here.side {
+            return Err(ReplayDivergence::Size { recorded: recorded.side, here: here.side });
+        }
+        if recorded.starts_digest != here.starts_digest {
+            return Err(ReplayDivergence::Starts {
+                recorded: recorded.starts_digest,
+                here: here.starts_digest,
+            });
+        }
+        if recorded.first_digest != here.first_digest {
+            return Err(ReplayDivergence::State {
+                recorded: recorded.first_digest,
+                here: here.first_digest,
+            });
+        }
+        for (tick, record) in trace.records().enumerate() {
+            self.run_tick(&record.input);
+            for ((part, here), recorded) in
+                self.world.part_digests().into_iter().zip(record.part_digests)
+            {
+                if here != recorded {
+                    return Err(ReplayDivergence::Tick { tick, part, recorded, here });
+                }
+            }
+            on_tick(tick, self.world);
+        }
+        Ok(())
+    }
+}
+
+/// Locks the process's resident world, clears it, generates its start volumes, and calls `act` with a
+/// runner of it.
+pub fn with_fresh_world<const N: usize, T>(act: impl FnOnce(TickRunner<'_, N>) -> T) -> T
+where
+    Grid<N>: Size + Resident<N>,
+{
+    let mut starts = Grid::<N>::lock_start_volumes();
+    starts.generate_figures(&mut Grid::<N>::lock_bit_grid(), |_| {});
+    let (hidden, mut world) = (starts.hidden_figures(), Grid::<N>::lock_world());
+    world.clear();
+    act(TickRunner::new(&mut world, starts.start_volumes(&hidden)))
+}
+
+/// Fixed-time-step accumulator: turns the time between frames into whole ticks at the core's
+/// `TICK_RATE`, and carries the rest over.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct TickClock {
+    /// Time not yet turned into ticks, in nanoseconds times the tick rate: 1e9 is a tick.
+    remainder: u128,
+}
+
+impl TickClock {
+    /// The most ticks of one frame; further ticks are dropped.
+    pub const MAX_TICKS_PER_FRAME: u32 = 4;
+
+    /// The ticks to run after `elapsed`, and the number dropped beyond [`TickClock::MAX_TICKS_PER_FRAME`].
+    #[must_use]
+    pub fn take_due_ticks(&mut self, elapsed: Duration) -> (u32, u32) {
+        let second = 1_000_000_000;
+        self.remainder += elapsed.as_nanos() * u128::from(TICK_RATE);
+        let due = u32::try_from(self.remainder / second).unwrap_or(u32::MAX);
+        self.remainder %= second;
+        (due.min(Self::MAX_TICKS_PER_FRAME), due.saturating_sub(Self::MAX_TICKS_PER_FRAME))
+    }
+
+    /// The time since the last tick as a fraction of a tick, in 0..1: for interpolation.
+    #[must_use]
+    pub fn tick_fraction(&self) -> f32 {
+        self.remainder as f32 / 1e9
+    }
+}

@@ -1,0 +1,144 @@
+//! The package's file: the manifest, the libraries, the start volumes.
+
+use std::fs::{self, File};
+use std::io::{Cursor, Read, Write};
+use std::path::Path;
+
+use paros_core::{Grid, Size};
+use paros_shell::figures::Figure;
+use paros_shell::headset::package::start_volume_asset;
+use paros_shell::rmap;
+use paros_shell::statics::Resident;
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, ZipArchive, ZipWriter};
+
+use crate::elf::PAGE;
+use crate::error::PackageError;
+
+/// What an installed package may take: a visitor's headset fetches it over a museum's network.
+pub(crate) const MAX_BYTES: u64 = 8 << 20;
+
+/// Where the libraries of arm64 lie.
+const LIBRARIES: &str = "lib/arm64-v8a";
+
+/// Puts everything beside a compiled manifest into a package that has yet to be signed.
+///
+/// Entries have no dates, so the same input makes the same bytes. The libraries lie unpacked at
+/// multiples of a page, to be mapped from where they are.
+///
+/// # Errors
+/// A file can't be read or written.
+pub(crate) fn write_package(
+    manifest: &Path,
+    libraries: &[(&str, Vec<u8>)],
+    to: &Path,
+) -> Result<(), PackageError> {
+    let mut package = ZipWriter::new(Cursor::new(Vec::new()));
+    let packed = SimpleFileOptions::default().compression_method(CompressionMethod::Deflated);
+    let plain = SimpleFileOptions::default().compression_method(CompressionMethod::Stored);
+    let compiled = File::open(manifest).map_err(PackageError::failure)?;
+    let mut compiled = ZipArchive::new(compiled).map_err(PackageError::failure)?;
+    for i in 0..compiled.len() {
+        let mut entry = compiled.by_index(i).map_err(PackageError::failure)?;
+        let stored = entry.compression() == CompressionMethod::Stored;
+        let options = if stored { plain.with_android_alignment(4) } else { packed };
+        let name = entry.name().map_err(PackageError::failure)?.into_owned();
+        let mut bytes = Vec::new();
+        entry.read_to_end(&mut bytes).map_err(PackageError::failure)?;
+        add_entry(&mut package, &name, options, &bytes)?;
+    }
+    for (name, bytes) in libraries {
+        let name = format!("{LIBRARIES}/{name}");
+        add_entry(&mut package, &name, plain.with_android_alignment(PAGE as u16), bytes)?;
+    }
+    for (name, bytes) in
+        encode_start_volumes::<128>().into_iter().chain(encode_start_volumes::<256>())
+    {
+        add_entry(&mut package, &format!("assets/{name}"), packed, &bytes)?;
+    }
+    let bytes = package.finish().map_err(PackageError::failure)?.into_inner();
+    fs::write(to, bytes).map_err(|e| PackageError::Failure(format!("{}: {e}", to.display())))
+}
+
+/// What keeps the entries of a package from being mapped or installed, and a list of them: bytes in
+/// the package, bytes, name.
+///
+/// # Errors
+/// It can't be read.
+pub(crate) fn inspect_package(package: &Path) -> Result<(Vec<String>, String), PackageError> {
+    let (mut faults, mut list) = (Vec::new(), String::new());
+    let file = File::open(package).map_err(PackageError::failure)?;
+    let whole = file.metadata().map_err(PackageError::failure)?.len();
+    if whole > MAX_BYTES {
+        faults.push(format!("the package takes {whole} bytes, more than {MAX_BYTES}"));
+    }
+    let mut package = ZipArchive::new(file).map_err(PackageError::failure)?;
+    for i in 0..package.len() {
+        let entry = package.by_index(i).map_err(PackageError::failure)?;
+        let name = entry.name().map_err(PackageError::failure)?;
+        let at = entry.data_start().unwrap_or(u64::MAX);
+        if name.starts_with(LIBRARIES)
+            && (entry.compression() != CompressionMethod::Stored || at % PAGE != 0)
+        {
+            faults.push(format!("{name} lies at byte {at}, or packed; it can't be mapped"));
+        }
+        list += &format!("{:>9} {:>9}  {name}\n", entry.compressed_size(), entry.size());
+    }
+    list += &format!("{whole:>9}            in all");
+    Ok((faults, list))
+}
+
+fn add_entry(
+    package: &mut ZipWriter<Cursor<Vec<u8>>>,
+    name: &str,
+    options: SimpleFileOptions,
+    bytes: &[u8],
+) -> Result<(), PackageError> {
+    package.start_file(name, options).map_err(PackageError::failure)?;
+    package.write_all(bytes).map_err(PackageError::failure)
+}
+
+/// The start volumes of a size, with the names that the shell asks for.
+fn encode_start_volumes<const N: usize>() -> Vec<(String, Vec<u8>)>
+where
+    Grid<N>: Size + Resident<N>,
+{
+    eprintln!("start volumes of {N}");
+    let mut volumes = Grid::<N>::lock_start_volumes();
+    volumes.generate_figures(&mut Grid::<N>::lock_bit_grid(), |_| {});
+    let named = |figure| (start_volume_asset::<N>(figure), rmap::encode(volumes.figure(figure)));
+    Figure::ALL.into_iter().map(named).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs::File;
+
+    use zip::write::SimpleFileOptions;
+    use zip::{CompressionMethod, ZipWriter};
+
+    use super::{PAGE, inspect_package};
+    use crate::test_support::scratch_folder;
+
+    #[test]
+    fn a_library_that_cannot_be_mapped_is_told() {
+        let folder = scratch_folder("apk");
+        let path = folder.at("try.apk");
+        let faults = |options: SimpleFileOptions, name: &str| {
+            let mut package = ZipWriter::new(File::create(&path).expect("room on the disk"));
+            package.start_file(name, options).expect("an entry");
+            package.finish().expect("room on the disk");
+            inspect_package(&path).expect("a package").0
+        };
+        let stored = SimpleFileOptions::default().compression_method(CompressionMethod::Stored);
+        let packed = stored.compression_method(CompressionMethod::Deflated);
+        let aligned = stored.with_android_alignment(PAGE as u16);
+        assert_eq!(faults(aligned, "lib/arm64-v8a/libx.so"), [""; 0]);
+        assert_eq!(faults(stored.with_android_alignment(4096), "lib/arm64-v8a/libx.so").len(), 1);
+        assert_eq!(
+            faults(packed.with_android_alignment(PAGE as u16), "lib/arm64-v8a/libx.so").len(),
+            1
+        );
+        assert_eq!(faults(stored, "assets/libx.so"), [""; 0]);
+    }
+}

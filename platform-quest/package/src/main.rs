@@ -1,0 +1,142 @@
+//! Makes the package for a Quest, with cargo and Debian's tools alone: no SDK, no Gradle, and an NDK
+//! only where `ANDROID_NDK_HOME` names one.
+
+mod apk;
+mod elf;
+mod error;
+mod library;
+mod manifest;
+mod signing;
+mod stubs;
+mod symbols;
+#[cfg(test)]
+mod test_support;
+mod tools;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode};
+
+use clap::Parser;
+use paros_shell::durable::{self, WriteTarget};
+use paros_shell::headset::package::OPENXR_LOADER;
+
+use crate::error::PackageError;
+use crate::manifest::{MANIFEST, MIN_API_LEVEL};
+use crate::signing::SigningKey;
+use crate::symbols::Symbols;
+use crate::tools::Scratch;
+
+/// Build the headset's app: a signed package (.apk) for a Quest.
+#[derive(Debug, Parser)]
+#[command(name = "package")]
+struct PackageArgs {
+    /// Where the package goes; without it, `android/paros.apk` in cargo's target folder.
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Sign with this key store rather than with the debug key.
+    #[arg(long, value_name = "STORE", requires = "key_password")]
+    key: Option<PathBuf>,
+    /// The key's name in its store, where that holds several.
+    #[arg(long, value_name = "ALIAS", requires = "key")]
+    key_alias: Option<String>,
+    /// Where the store's password is: env:NAME or file:PATH.
+    #[arg(long, value_name = "WHERE", requires = "key")]
+    key_password: Option<String>,
+    /// Khronos' OpenXR loader for arm64, to be put beside the library and used instead of asking the
+    /// headset's runtime broker.
+    #[arg(long, value_name = "FILE")]
+    loader: Option<PathBuf>,
+    /// Package this library instead of building it.
+    #[arg(long, value_name = "FILE")]
+    library: Option<PathBuf>,
+}
+
+fn main() -> ExitCode {
+    match run(&PackageArgs::parse()) {
+        Ok(report) => {
+            println!("{report}");
+            ExitCode::SUCCESS
+        }
+        Err(error) => {
+            eprintln!("package: {error}");
+            error.exit_code()
+        }
+    }
+}
+
+fn run(args: &PackageArgs) -> Result<String, PackageError> {
+    let folder = library::target_folder().join("android");
+    durable::make_folder(&folder).map_err(PackageError::failure)?;
+    let output = args.output.clone().unwrap_or_else(|| folder.join("paros.apk"));
+    let target = WriteTarget::resolve_writable(&output).map_err(PackageError::input)?;
+    let loader = args.loader.as_deref().map(read_loader).transpose()?;
+    tools::check_tools(args.library.is_none())?;
+    let key = match (&args.key, &args.key_password) {
+        (Some(store), Some(password)) => {
+            SigningKey::release(store, args.key_alias.as_deref(), password)?
+        }
+        _ => SigningKey::debug()?,
+    };
+    let library = obtain_library(args)?;
+
+    let scratch = Scratch::within(&folder, "package")?;
+    let [bare, unsigned, signed] =
+        ["bare.apk", "unsigned.apk", "signed.apk"].map(|n| scratch.at(n));
+    manifest::compile_manifest(MANIFEST, &scratch, &bare)?;
+    let mut libraries = vec![(library::NAME, library)];
+    libraries.extend(loader.map(|bytes| (OPENXR_LOADER, bytes)));
+    apk::write_package(&bare, &libraries, &unsigned)?;
+    key.sign(&unsigned, &signed)?;
+    let report = check_package(&signed)?;
+    target.write_file(&read_file(&signed)?).map_err(PackageError::failure)?;
+    Ok(format!("{report}\n{}\n{}", output.display(), tools::install_commands(&output)))
+}
+
+/// The bytes of the library, built or given, once Android is sure to load it.
+fn obtain_library(args: &PackageArgs) -> Result<Vec<u8>, PackageError> {
+    let symbols = Symbols::load_all();
+    let path = match &args.library {
+        Some(path) => path.clone(),
+        None => library::build_library(&symbols, MIN_API_LEVEL)?,
+    };
+    let bytes = read_file(&path)?;
+    let faults = elf::find_faults(&bytes, &symbols, MIN_API_LEVEL);
+    match (faults.is_empty(), &args.library) {
+        (true, _) => Ok(bytes),
+        (false, None) => Err(PackageError::Failure(describe_faults(&path, &faults))),
+        (false, Some(_)) => Err(PackageError::Input(describe_faults(&path, &faults))),
+    }
+}
+
+/// The bytes of a loader that was given.
+fn read_loader(path: &Path) -> Result<Vec<u8>, PackageError> {
+    let bytes = read_file(path)?;
+    match elf::find_load_fault(&bytes) {
+        None => Ok(bytes),
+        Some(fault) => Err(PackageError::Input(describe_faults(path, &[fault]))),
+    }
+}
+
+/// What the finished package holds and who signed it, once nothing is wrong with it.
+fn check_package(package: &Path) -> Result<String, PackageError> {
+    let (mut faults, list) = apk::inspect_package(package)?;
+    faults.extend(manifest::find_faults(package)?);
+    if !faults.is_empty() {
+        return Err(PackageError::Failure(describe_faults(package, &faults)));
+    }
+    tools::run_tool(
+        "alignment's check",
+        Command::new("zipalign").args(["-c", "-p", "4"]).arg(package),
+    )?;
+    let signer = signing::verify_signature(package)?;
+    Ok(format!("{list}\n{signer}"))
+}
+
+fn describe_faults(path: &Path, faults: &[String]) -> String {
+    format!("{}: {}", path.display(), faults.join("\n    "))
+}
+
+fn read_file(path: &Path) -> Result<Vec<u8>, PackageError> {
+    fs::read(path).map_err(|e| PackageError::Input(format!("{}: {e}", path.display())))
+}

@@ -1,0 +1,230 @@
+//! The manifest: compiled by `aapt2`, read back from the package, and held against what a Quest
+//! demands of it.
+
+use std::path::Path;
+use std::process::Command;
+
+use crate::error::PackageError;
+use crate::tools::{self, FRAMEWORK, Scratch};
+
+/// The manifest as it was written.
+pub(crate) const MANIFEST: &str = include_str!("AndroidManifest.xml");
+
+/// The first Android that the package runs on: a Quest's of 2021.
+pub(crate) const MIN_API_LEVEL: u32 = 29;
+
+/// The Android whose behaviour it is made for.
+const TARGET_API_LEVEL: u32 = 32;
+
+/// An element that the manifest must hold: its path, and the values of its attributes.
+type Demand = (&'static str, &'static [(&'static str, &'static str)]);
+
+const ACTIVITY: &str = "manifest/application/activity";
+const CATEGORY: &str = "manifest/application/activity/intent-filter/category";
+const PERMISSION: &str = "manifest/uses-permission";
+
+/// What Meta's manifest rules and Khronos' loader ask for.
+const DEMANDS: [Demand; 17] = [
+    ("manifest", &[("installLocation", "0")]),
+    ("manifest/uses-sdk", &[("minSdkVersion", "29"), ("targetSdkVersion", "32")]),
+    (
+        "manifest/uses-feature",
+        &[("name", "android.hardware.vr.headtracking"), ("required", "true"), ("version", "1")],
+    ),
+    ("manifest/uses-feature", &[("name", "oculus.software.handtracking"), ("required", "false")]),
+    (PERMISSION, &[("name", "org.khronos.openxr.permission.OPENXR")]),
+    (PERMISSION, &[("name", "org.khronos.openxr.permission.OPENXR_SYSTEM")]),
+    (PERMISSION, &[("name", "com.oculus.permission.HAND_TRACKING")]),
+    (PERMISSION, &[("name", "android.permission.ACCESS_NETWORK_STATE")]),
+    (
+        "manifest/queries/provider",
+        &[(
+            "authorities",
+            "org.khronos.openxr.runtime_broker;org.khronos.openxr.system_runtime_broker",
+        )],
+    ),
+    ("manifest/queries/intent/action", &[("name", "org.khronos.openxr.OpenXRRuntimeService")]),
+    // The library is mapped as it lies in the package; there is no Java code; nothing is backed up.
+    (
+        "manifest/application",
+        &[("extractNativeLibs", "false"), ("hasCode", "false"), ("allowBackup", "false")],
+    ),
+    (
+        "manifest/application/meta-data",
+        &[("name", "com.oculus.supportedDevices"), ("value", "quest2|questpro|quest3|quest3s")],
+    ),
+    // singleTask, landscape, and none of the fourteen changes of configuration starts it again.
+    (
+        ACTIVITY,
+        &[
+            ("name", "android.app.NativeActivity"),
+            ("exported", "true"),
+            ("launchMode", "2"),
+            ("screenOrientation", "0"),
+            ("configChanges", "0x00003fff"),
+        ],
+    ),
+    (
+        "manifest/application/activity/meta-data",
+        &[("name", "android.app.lib_name"), ("value", "paros_quest")],
+    ),
+    (CATEGORY, &[("name", "com.oculus.intent.category.VR")]),
+    (CATEGORY, &[("name", "org.khronos.openxr.intent.category.IMMERSIVE_HMD")]),
+    (CATEGORY, &[("name", "android.intent.category.LAUNCHER")]),
+];
+
+/// Makes a package of a manifest alone.
+///
+/// # Errors
+/// `aapt2` refuses it.
+pub(crate) fn compile_manifest(
+    manifest: &str,
+    folder: &Scratch,
+    to: &Path,
+) -> Result<(), PackageError> {
+    let xml = folder.at("AndroidManifest.xml");
+    std::fs::write(&xml, manifest).map_err(PackageError::failure)?;
+    let (least, target) = (MIN_API_LEVEL.to_string(), TARGET_API_LEVEL.to_string());
+    let mut link = Command::new("aapt2");
+    // It knows no `<queries>`, but writes it down.
+    link.args(["link", "--warn-manifest-validation", "-I", FRAMEWORK, "--manifest"]).arg(&xml);
+    link.args(["--min-sdk-version", &least, "--target-sdk-version", &target]);
+    link.args(["--version-name", env!("CARGO_PKG_VERSION")]);
+    link.args(["--version-code", &version_code(env!("CARGO_PKG_VERSION"))]).arg("-o").arg(to);
+    tools::run_tool("manifest", &mut link).map(drop)
+}
+
+/// Finds the demands that a package's manifest does not meet.
+///
+/// # Errors
+/// `aapt2` can't read it.
+pub(crate) fn find_faults(package: &Path) -> Result<Vec<String>, PackageError> {
+    let mut dump = Command::new("aapt2");
+    dump.args(["dump", "xmltree", "--file", "AndroidManifest.xml"]).arg(package);
+    let elements = parse_elements(&tools::run_tool("manifest's check", &mut dump)?);
+    let met = |(path, values): &&Demand| {
+        let holds = |element: &Element| {
+            let has = |(name, value): &(&str, &str)| {
+                element.attributes.iter().any(|(n, v)| n == name && v == value)
+            };
+            element.path == *path && values.iter().all(has)
+        };
+        elements.iter().any(holds)
+    };
+    let missed = DEMANDS.iter().filter(|demand| !met(demand));
+    Ok(missed.map(|(path, values)| format!("the manifest lacks {path} with {values:?}")).collect())
+}
+
+/// A number that grows with the version: two digits for each part after the first.
+fn version_code(version: &str) -> String {
+    let parts = version.split('.').map(|part| part.parse().unwrap_or(0));
+    parts.fold(0u32, |code, part| code * 100 + part).to_string()
+}
+
+/// An element of a compiled manifest.
+#[derive(Debug, PartialEq, Eq)]
+struct Element {
+    /// The names from the root on, parted by slashes.
+    path: String,
+    attributes: Vec<(String, String)>,
+}
+
+/// The elements of what `aapt2 dump xmltree` says.
+fn parse_elements(dump: &str) -> Vec<Element> {
+    let mut elements: Vec<Element> = Vec::new();
+    // How far each open element is indented.
+    let mut open: Vec<(usize, String)> = Vec::new();
+    for line in dump.lines() {
+        let text = line.trim_start();
+        let indent = line.len() - text.len();
+        if let Some(element) = text.strip_prefix("E: ") {
+            let name = element.split(' ').next().unwrap_or_default();
+            open.retain(|(outer, _)| *outer < indent);
+            open.push((indent, name.to_owned()));
+            let path = open.iter().map(|(_, name)| name.as_str()).collect::<Vec<_>>().join("/");
+            elements.push(Element { path, attributes: Vec::new() });
+        } else if let Some((name, value)) = text.strip_prefix("A: ").and_then(|a| a.split_once('='))
+            && let Some(element) = elements.last_mut()
+        {
+            let name = name.rsplit(':').next().unwrap_or(name).split('(').next().unwrap_or(name);
+            let value = value.split(" (Raw:").next().unwrap_or(value).trim_matches('"');
+            element.attributes.push((name.to_owned(), value.to_owned()));
+        }
+    }
+    elements
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{DEMANDS, MANIFEST, compile_manifest, find_faults, parse_elements, version_code};
+    use crate::test_support::scratch_folder;
+    use crate::tools;
+
+    #[test]
+    fn each_demand_that_is_not_met_is_told() {
+        let folder = scratch_folder("manifest");
+        if paros_shell::require::require(tools::check_tools(false))
+            .expect("Debian has them")
+            .is_none()
+        {
+            return;
+        }
+        let faults_of = |manifest: &str| {
+            let package = folder.at("bare.apk");
+            compile_manifest(manifest, &folder, &package).expect("it is a manifest");
+            find_faults(&package).expect("it can be read")
+        };
+        assert_eq!(faults_of(MANIFEST), [""; 0]);
+        let values =
+            DEMANDS.iter().flat_map(|(path, values)| values.iter().map(move |v| (path, v)));
+        let mut tried = 0;
+        for (path, (name, value)) in values {
+            let spoilt = match MANIFEST.matches(&format!("{name}=\"{value}\"")).count() {
+                1 => {
+                    MANIFEST.replace(&format!("{name}=\"{value}\""), &format!("{name}=\"false0\""))
+                }
+                _ => continue,
+            };
+            let Ok(()) = compile_manifest(&spoilt, &folder, &folder.at("bare.apk")) else {
+                continue;
+            };
+            let told = find_faults(&folder.at("bare.apk")).expect("it can be read");
+            assert!(told.iter().any(|fault| fault.contains(path)), "{name}={value}: {told:?}");
+            tried += 1;
+        }
+        assert!(tried > 10, "{tried} demands were spoilt");
+        let without = MANIFEST.replace("singleTask", "singleTop").replace("|uiMode", "");
+        assert_eq!(faults_of(&without).len(), 1);
+    }
+
+    #[test]
+    fn a_dump_is_read() {
+        let dump = "N: android=http://schemas.android.com/apk/res/android (line=4)\n  \
+            E: manifest (line=4)\n    \
+            A: package=\"a.b\" (Raw: \"a.b\")\n      \
+            E: queries (line=0)\n          \
+            E: provider (line=1)\n            \
+            A: http://schemas.android.com/apk/res/android:authorities(0x01010018)=\"x;y\" (Raw: \"x;y\")\n      \
+            E: application (line=2)\n        \
+            A: http://schemas.android.com/apk/res/android:hasCode(0x0101000c)=false\n";
+        let read: Vec<_> = parse_elements(dump)
+            .into_iter()
+            .map(|e| format!("{} {:?}", e.path, e.attributes))
+            .collect();
+        assert_eq!(
+            read,
+            [
+                r#"manifest [("package", "a.b")]"#,
+                "manifest/queries []",
+                r#"manifest/queries/provider [("authorities", "x;y")]"#,
+                r#"manifest/application [("hasCode", "false")]"#,
+            ]
+        );
+    }
+
+    #[test]
+    fn a_later_version_has_a_greater_code() {
+        assert_eq!(version_code("0.1.0"), "100");
+        assert_eq!(version_code("1.2.3"), "10203");
+    }
+}

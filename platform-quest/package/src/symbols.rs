@@ -1,0 +1,89 @@
+//! The symbols that Android's libraries export, and the API levels that they came with.
+
+use std::collections::BTreeMap;
+
+/// The list of `symbols.txt`: by a symbol's name the library that has it, and the API level it came
+/// with.
+#[derive(Debug, Clone)]
+pub(crate) struct Symbols(BTreeMap<&'static str, SymbolOrigin>);
+
+/// The library and the API level that a symbol comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct SymbolOrigin {
+    /// The library, `libc` say.
+    pub(crate) library: &'static str,
+    /// The first API level that has it; 21 stands for all before.
+    pub(crate) since: u32,
+}
+
+impl Symbols {
+    /// The whole list.
+    pub(crate) fn load_all() -> Self {
+        let mut symbols = BTreeMap::new();
+        let mut origin = SymbolOrigin { library: "", since: 0 };
+        for line in include_str!("symbols.txt").lines().filter(|line| !line.starts_with('#')) {
+            if line.starts_with(' ') {
+                symbols.extend(line.split_whitespace().map(|name| (name, origin)));
+            } else if let Some((library, since)) = line.split_once(' ') {
+                origin = SymbolOrigin { library, since: since.parse().unwrap_or(u32::MAX) };
+            }
+        }
+        Symbols(symbols)
+    }
+
+    /// The origin of a symbol, if Android has it.
+    pub(crate) fn find_origin(&self, name: &str) -> Option<SymbolOrigin> {
+        self.0.get(name).copied()
+    }
+
+    /// The libraries' names.
+    pub(crate) fn libraries(&self) -> Vec<&'static str> {
+        let mut names: Vec<_> = self.0.values().map(|origin| origin.library).collect();
+        names.sort_unstable();
+        names.dedup();
+        names
+    }
+
+    /// The symbols that a library exports at an API level.
+    pub(crate) fn offered_by(
+        &self,
+        library: &str,
+        level: u32,
+    ) -> impl Iterator<Item = &'static str> {
+        let offered =
+            move |origin: &SymbolOrigin| origin.library == library && origin.since <= level;
+        self.0.iter().filter(move |(_, origin)| offered(origin)).map(|(name, _)| *name)
+    }
+
+    /// The list without a symbol.
+    #[cfg(test)]
+    pub(crate) fn without(mut self, name: &str) -> Self {
+        assert!(self.0.remove(name).is_some(), "{name} is not listed");
+        self
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{SymbolOrigin, Symbols};
+
+    #[test]
+    fn the_list_is_read() {
+        let symbols = Symbols::load_all();
+        assert_eq!(symbols.libraries(), ["libandroid", "libc", "libdl", "liblog", "libm"]);
+        assert_eq!(
+            symbols.find_origin("getrandom"),
+            Some(SymbolOrigin { library: "libc", since: 28 })
+        );
+        assert_eq!(
+            symbols.find_origin("dlopen"),
+            Some(SymbolOrigin { library: "libdl", since: 21 })
+        );
+        assert_eq!(symbols.find_origin("no_such_function"), None);
+        assert!(symbols.0.values().all(|origin| (21..=34).contains(&origin.since)));
+        let has = |level| {
+            symbols.offered_by("libandroid", level).any(|name| name == "AInputEvent_release")
+        };
+        assert!(!has(30) && has(31));
+    }
+}

@@ -1,0 +1,59 @@
+//! What the packager's tests share: scratch folders, and libraries linked as the package's is.
+
+use std::path::PathBuf;
+use std::process::Command;
+use std::{env, fs};
+
+use object::write::{Object, Relocation, SymbolSection};
+use object::{
+    Architecture, BinaryFormat, Endianness, RelocationEncoding, RelocationFlags, RelocationKind,
+    SectionKind,
+};
+
+use crate::library;
+use crate::stubs::{dynamic_symbol, object_defining, write_stubs};
+use crate::symbols::Symbols;
+use crate::tools::{Scratch, Toolchain};
+
+/// Links a library that defines some names and needs others, as the package's library is linked.
+pub(crate) fn link_library(
+    symbols: &Symbols,
+    level: u32,
+    [defines, wants]: [&[&str]; 2],
+    folder: &Scratch,
+) -> Option<Result<PathBuf, String>> {
+    let linker = paros_shell::require::require(Toolchain::find()).expect("rustup target")?.linker;
+    let stubs = folder.at("stubs");
+    write_stubs(symbols, level, &linker, &stubs).expect("stubs");
+    let [ours, theirs, library] = ["ours.o", "theirs.o", "library.so"].map(|name| folder.at(name));
+    let defines = object_defining(defines.iter().copied()).expect("an object");
+    fs::write(&ours, defines).expect("room on the disk");
+    fs::write(&theirs, object_wanting(wants)).expect("room on the disk");
+    let mut link = Command::new(&linker);
+    link.args(["-flavor", "gnu", "-shared", "-o"]).args([&library, &ours, &theirs]);
+    link.arg("-L").arg(&stubs).args(library::LINK_ARGUMENTS);
+    link.args(symbols.libraries().iter().map(|name| format!("-l{}", &name[3..])));
+    let output = link.output().expect("it starts");
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    Some(if output.status.success() { Ok(library) } else { Err(said) })
+}
+
+/// An object file whose data are the addresses of names that it does not define.
+fn object_wanting(names: &[&str]) -> Vec<u8> {
+    let mut object = Object::new(BinaryFormat::Elf, Architecture::Aarch64, Endianness::Little);
+    let data = object.add_section(Vec::new(), b".data".to_vec(), SectionKind::Data);
+    for name in names {
+        let symbol = object.add_symbol(dynamic_symbol(name, SymbolSection::Undefined));
+        let offset = object.append_section_data(data, &[0; 8], 8);
+        let (kind, encoding) = (RelocationKind::Absolute, RelocationEncoding::Generic);
+        let flags = RelocationFlags::Generic { kind, encoding, size: 64 };
+        let relocation = Relocation { offset, symbol, addend: 0, flags };
+        object.add_relocation(data, relocation).expect("a kind that arm64 has");
+    }
+    object.write().expect("an object")
+}
+
+/// An empty folder of a test's own.
+pub(crate) fn scratch_folder(name: &str) -> Scratch {
+    Scratch::within(&env::temp_dir(), &format!("paros-{name}")).expect("room on the disk")
+}

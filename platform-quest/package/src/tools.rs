@@ -1,0 +1,140 @@
+//! The programs of other packages that this one needs: found, asked for by name, run.
+
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::{env, fs};
+
+use crate::error::PackageError;
+
+/// What Debian calls the package that brings a file or a program.
+const PACKAGES: [(&str, &str); 5] = [
+    ("aapt2", "aapt"),
+    ("zipalign", "zipalign"),
+    ("apksigner", "apksigner"),
+    ("keytool", "default-jre-headless"),
+    (FRAMEWORK, "android-framework-res"),
+];
+
+/// What the manifest's names are looked up in.
+pub(crate) const FRAMEWORK: &str = "/usr/share/android-framework-res/framework-res.apk";
+
+/// The target of the library.
+pub(crate) const TARGET: &str = "aarch64-linux-android";
+
+/// Whether all is there that packing and signing take, and building the library if that is to be.
+///
+/// # Errors
+/// All that is missing, and the commands that bring it, each in a line.
+pub(crate) fn check_tools(builds: bool) -> Result<(), PackageError> {
+    let missing: Vec<_> = PACKAGES
+        .iter()
+        .filter(|(what, _)| !is_installed(what))
+        .map(|(_, package)| *package)
+        .collect();
+    let apt = (!missing.is_empty())
+        .then(|| format!("apt install --no-install-recommends {}", missing.join(" ")));
+    let toolchain = if builds { Toolchain::find().err() } else { None };
+    let lines: Vec<String> = apt.into_iter().chain(toolchain).collect();
+    if lines.is_empty() {
+        return Ok(());
+    }
+    Err(PackageError::Failure(format!("something is missing; on Debian:\n{}", lines.join("\n"))))
+}
+
+/// The commands that install a package on a headset: first the one that brings `adb`, if there is
+/// none.
+pub(crate) fn install_commands(package: &Path) -> String {
+    let adb = if is_installed("adb") { "" } else { "apt install adb\n" };
+    format!("{adb}adb install -r {}", package.display())
+}
+
+fn is_installed(what: &str) -> bool {
+    let on_path = || env::split_paths(&env::var_os("PATH").unwrap_or_default()).any(has_file(what));
+    if what.starts_with('/') { Path::new(what).exists() } else { on_path() }
+}
+
+fn has_file(program: &str) -> impl Fn(PathBuf) -> bool {
+    move |folder| folder.join(program).is_file()
+}
+
+/// Runs a program, says so before on standard error, and hands back what it wrote.
+///
+/// # Errors
+/// It won't start or ends in an error: what it said.
+pub(crate) fn run_tool(what: &str, command: &mut Command) -> Result<String, PackageError> {
+    eprintln!("{what}");
+    let program = command.get_program().to_owned();
+    let program = Path::new(&program).file_name().unwrap_or_default().display();
+    let output = command.output().map_err(|e| PackageError::Failure(format!("{program}: {e}")))?;
+    if output.status.success() {
+        return Ok(String::from_utf8_lossy(&output.stdout).into_owned());
+    }
+    let said =
+        [output.stdout, output.stderr].map(|said| String::from_utf8_lossy(&said).into_owned());
+    Err(PackageError::Failure(format!("{what}: {program} failed\n{}", said.concat().trim_end())))
+}
+
+/// Rust's own linker and the target's standard library.
+#[derive(Debug)]
+pub(crate) struct Toolchain {
+    /// `rust-lld`, which comes with every compiler.
+    pub(crate) linker: PathBuf,
+}
+
+impl Toolchain {
+    /// The one of the compiler at hand.
+    ///
+    /// # Errors
+    /// The command that brings what is missing.
+    pub(crate) fn find() -> Result<Self, String> {
+        let add = format!("rustup target add {TARGET}");
+        let rustup = |why: String| format!("{add}  # {why}: by rustup, from https://rustup.rs");
+        let rustc = env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
+        let ask = |arguments: &[&str]| -> Result<String, String> {
+            let output = Command::new(&rustc).args(arguments).output();
+            let output = output.map_err(|e| rustup(format!("{}: {e}", rustc.display())))?;
+            Ok(String::from_utf8_lossy(&output.stdout).trim_end().to_owned())
+        };
+        let libraries = PathBuf::from(ask(&["--print", "sysroot"])?).join("lib/rustlib");
+        let version = ask(&["-vV"])?;
+        let host = version.lines().find_map(|line| line.strip_prefix("host: ")).unwrap_or_default();
+        let linker = libraries.join(host).join("bin/rust-lld");
+        if !linker.is_file() {
+            return Err(rustup(format!("no {}", linker.display())));
+        }
+        if libraries.join(TARGET).is_dir() { Ok(Toolchain { linker }) } else { Err(add) }
+    }
+}
+
+/// An empty folder that goes with the value. Nothing in it outlives the program.
+#[derive(Debug)]
+pub(crate) struct Scratch(PathBuf);
+
+impl Scratch {
+    /// A folder of this process's own within another, which is made.
+    ///
+    /// # Errors
+    /// The disk refuses.
+    pub(crate) fn within(folder: &Path, name: &str) -> Result<Self, PackageError> {
+        let path = folder.join(format!("{name}-{}", std::process::id()));
+        let fail = |e| PackageError::Failure(format!("{}: {e}", path.display()));
+        if path.exists() {
+            fs::remove_dir_all(&path).map_err(fail)?;
+        }
+        fs::create_dir_all(&path).map_err(fail)?;
+        Ok(Scratch(path))
+    }
+
+    /// A place in it.
+    pub(crate) fn at(&self, name: impl AsRef<OsStr>) -> PathBuf {
+        self.0.join(name.as_ref())
+    }
+}
+
+impl Drop for Scratch {
+    fn drop(&mut self) {
+        // What stays is rubbish in the target folder, no more.
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}

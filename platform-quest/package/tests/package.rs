@@ -1,0 +1,228 @@
+//! The program that makes the package, run as its users run it. What it makes is looked at with the
+//! tools of others.
+
+use std::os::unix::fs::PermissionsExt;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::{env, fs};
+
+use object::write::Object;
+use object::{Architecture, BinaryFormat, Endianness};
+use paros_shell::require::require;
+
+const PASSWORD: (&str, &str) = ("PAROS_TEST_KEY", "a secret of tests");
+
+/// A file that is no library.
+const TEXT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/Cargo.toml");
+
+fn run_packager(arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_package"));
+    command.env(PASSWORD.0, PASSWORD.1).args(arguments).output().expect("it starts")
+}
+
+/// Processors' numbers in ELF.
+const AARCH64: u16 = 183;
+const X86_64: u16 = 62;
+
+/// What may stand for a loader: the header of a shared library, with one segment to be loaded that
+/// is aligned to so many bytes.
+fn stand_in_library(machine: u16, align: u64) -> Vec<u8> {
+    let mut bytes = b"\x7fELF\x02\x01\x01".to_vec();
+    bytes.resize(16, 0);
+    for half in [3, machine, 1, 0] {
+        bytes.extend(half.to_le_bytes());
+    }
+    // The entry, where the segments' table is, and where that of the sections isn't.
+    for word in [0u64, 64, 0] {
+        bytes.extend(word.to_le_bytes());
+    }
+    for half in [0u16, 0, 64, 56, 1, 64, 0, 0] {
+        bytes.extend(half.to_le_bytes());
+    }
+    bytes.extend([1u32, 4].map(u32::to_le_bytes).concat());
+    bytes.extend([0u64, 0, 0, 120, 120, align].map(u64::to_le_bytes).concat());
+    bytes
+}
+
+fn stderr_text(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// The library that was built last, where the tools for packing it are.
+fn find_built_library() -> Option<PathBuf> {
+    let target = env::var_os("CARGO_TARGET_DIR").map_or("target".into(), PathBuf::from);
+    let target = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(target);
+    let library = target.join("aarch64-linux-android/release/libparos_quest.so");
+    let tools = ["aapt2", "zipalign", "apksigner", "keytool"];
+    let starts = |tool: &&str| Command::new(tool).output().is_ok();
+    let part = match (library.is_file(), tools.iter().find(|tool| !starts(tool))) {
+        (_, Some(tool)) => Err(format!("no {tool}")),
+        (false, None) => Err("no library for Android: cargo run -p paros-package".into()),
+        (true, None) => Ok(library),
+    };
+    require(part).expect("the package is made before the tests")
+}
+
+fn create_release_key(name: &str) -> PathBuf {
+    let store = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let _ = fs::remove_file(&store);
+    let mut make = Command::new("keytool");
+    make.args(["-genkeypair", "-keyalg", "RSA", "-keysize", "2048", "-alias", "release"]);
+    make.args(["-dname", "CN=Somebody", "-storepass:env", PASSWORD.0, "-keystore"]).arg(&store);
+    assert!(make.env(PASSWORD.0, PASSWORD.1).status().expect("it starts").success());
+    store
+}
+
+#[test]
+fn the_same_input_makes_the_same_package() {
+    let Some(library) = find_built_library() else { return };
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
+    let key = create_release_key("same.keystore");
+    let [one, other] = ["one.apk", "other.apk"].map(|name| folder.join(name));
+    let [library, key] = [&library, &key].map(|path| path.to_str().expect("UTF-8"));
+    for path in [&one, &other] {
+        let output = path.to_str().expect("UTF-8");
+        let made = run_packager(&[
+            "--library",
+            library,
+            "--key",
+            key,
+            "--key-password",
+            "env:PAROS_TEST_KEY",
+            "-o",
+            output,
+        ]);
+        assert!(made.status.success(), "{}", stderr_text(&made));
+        let report = String::from_utf8_lossy(&made.stdout);
+        let has_adb = Command::new("adb").arg("version").output().is_ok();
+        let adb = if has_adb { "" } else { "apt install adb\n" };
+        assert!(
+            report.ends_with(&format!("\n{output}\n{adb}adb install -r {output}\n")),
+            "{report}"
+        );
+        assert!(report.contains("DN: CN=Somebody"), "{report}");
+        let bytes = [&report, &*stderr_text(&made)].map(|text| text.contains(PASSWORD.1));
+        assert_eq!(bytes, [false; 2]);
+    }
+    let [one, other] = [one, other].map(|path| fs::read(path).expect("it was made"));
+    assert!(one == other, "two packages of one library differ");
+}
+
+#[test]
+fn what_aapt_and_apksigner_say() {
+    let Some(library) = find_built_library() else { return };
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
+    let (path, loader) = (folder.join("said.apk"), folder.join("loader.so"));
+    fs::write(&loader, stand_in_library(AARCH64, 16 << 10)).expect("room on the disk");
+    let [library, loader, output] =
+        [&library, &loader, &path].map(|path| path.to_str().expect("UTF-8"));
+    // With a debug key of the tests' own.
+    let mut command = Command::new(env!("CARGO_BIN_EXE_package"));
+    command.env("ANDROID_USER_HOME", folder).args(["--library", library, "--loader", loader]);
+    let made = command.args(["-o", output]).output().expect("it starts");
+    assert!(made.status.success(), "{}", stderr_text(&made));
+    let ask = |program: &str, arguments: &[&str]| {
+        let output = Command::new(program).args(arguments).arg(&path).output().expect("it starts");
+        assert!(output.status.success(), "{program}: {}", stderr_text(&output));
+        String::from_utf8_lossy(&output.stdout).into_owned()
+    };
+    let badging = ask("aapt", &["dump", "badging"]);
+    for line in ["package: name='org.paros.studio'", "native-code: 'arm64-v8a'", "sdkVersion:'29'"]
+    {
+        assert!(badging.contains(line), "no {line} in\n{badging}");
+    }
+    let listed = ask("aapt", &["list"]);
+    assert_eq!(listed.lines().filter(|line| line.starts_with("assets/starts/128/")).count(), 6);
+    assert!(listed.lines().any(|line| line == "lib/arm64-v8a/libopenxr_loader.so"), "{listed}");
+    let verified = ask("apksigner", &["verify", "-v", "--min-sdk-version", "29"]);
+    assert!(verified.contains("v3 scheme (APK Signature Scheme v3): true"), "{verified}");
+    ask("zipalign", &["-c", "-p", "4"]);
+    assert!(fs::metadata(&path).expect("it was made").len() < 8 << 20);
+}
+
+#[test]
+fn what_is_wrong_is_told_and_nothing_is_left() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
+    let output = folder.join("none.apk");
+    let _ = fs::remove_file(&output);
+    let at = output.to_str().expect("UTF-8");
+    let fails = |arguments: &[&str], code: i32, why: &str| {
+        let failed = run_packager(&[arguments, &["-o", at]].concat());
+        assert_eq!(failed.status.code(), Some(code), "{}", stderr_text(&failed));
+        assert!(stderr_text(&failed).contains(why), "{}", stderr_text(&failed));
+        assert!(!output.exists());
+    };
+    fails(&["--key", "store"], 2, "--key-password");
+    fails(&["--loader", "/no/such/loader.so"], 2, "/no/such/loader.so");
+    fails(&["--loader", TEXT], 2, "it is no library");
+    let loader = folder.join("wrong-loader.so");
+    let at_loader = loader.to_str().expect("UTF-8");
+    let object = Object::new(BinaryFormat::Elf, Architecture::Aarch64, Endianness::Little);
+    for (bytes, why) in [
+        (stand_in_library(AARCH64, 4 << 10), "a segment is aligned to 4096 bytes, not 16384"),
+        (stand_in_library(X86_64, 16 << 10), "it is not for arm64"),
+        (object.write().expect("an object"), "it is no library, but an object file"),
+    ] {
+        fs::write(&loader, bytes).expect("room on the disk");
+        fails(&["--loader", at_loader], 2, &format!("{at_loader}: {why}"));
+    }
+    fails(&["--no-such-option"], 2, "--no-such-option");
+    let nowhere = run_packager(&["-o", "/no/such/folder/x.apk"]);
+    assert_eq!(nowhere.status.code(), Some(2), "{}", stderr_text(&nowhere));
+
+    let Some(library) = find_built_library() else { return };
+    fails(&["--library", TEXT], 2, "it is no library");
+    let library = library.to_str().expect("UTF-8");
+    let key = create_release_key("wrong.keystore").to_str().expect("UTF-8").to_owned();
+    let wrong = ["--library", library, "--key", &key, "--key-password", "env:PATH"];
+    fails(&wrong, 1, "apksigner failed");
+}
+
+/// A compiler whose folder has these parts, for who asks it where that is.
+fn create_fake_compiler(name: &str, parts: &[&str]) -> PathBuf {
+    let root = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let _ = fs::remove_dir_all(&root);
+    for part in parts {
+        let part = root.join("lib/rustlib").join(part);
+        fs::create_dir_all(part.parent().expect("a folder")).expect("room on the disk");
+        fs::write(part, "").expect("room on the disk");
+    }
+    let rustc = root.join("rustc");
+    let answers = format!("case $1 in -vV) echo host: here;; *) echo {};; esac", root.display());
+    fs::write(&rustc, format!("#!/bin/sh\n{answers}\n")).expect("room on the disk");
+    fs::set_permissions(&rustc, fs::Permissions::from_mode(0o755)).expect("it is ours");
+    rustc
+}
+
+#[test]
+fn all_that_is_missing_is_named_at_once() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
+    let says = |rustc: &Path, arguments: &[&str]| {
+        let mut bare = Command::new(env!("CARGO_BIN_EXE_package"));
+        bare.args(arguments).env("PATH", "").env("RUSTC", rustc).env("CARGO_TARGET_DIR", folder);
+        let output = bare.output().expect("it starts");
+        assert_eq!(output.status.code(), Some(1));
+        let text = stderr_text(&output);
+        let mut lines = text.lines().map(str::to_owned);
+        assert_eq!(lines.next().as_deref(), Some("package: something is missing; on Debian:"));
+        let apt = lines.next().expect("programs are missing");
+        let programs = "aapt zipalign apksigner default-jre-headless";
+        let all = format!("apt install --no-install-recommends {programs}");
+        assert!(apt == all || apt == format!("{all} android-framework-res"), "{text}");
+        lines.collect::<Vec<_>>()
+    };
+    let target = "rustup target add aarch64-linux-android";
+    let linker = "here/bin/rust-lld";
+    let bare = create_fake_compiler("bare-compiler", &[linker]);
+    assert_eq!(says(&bare, &[]), [target]);
+    // Nothing is built then.
+    assert_eq!(says(&bare, &["--library", TEXT]), [""; 0]);
+    let whole = create_fake_compiler("whole-compiler", &[linker, "aarch64-linux-android/lib"]);
+    assert_eq!(says(&whole, &[]), [""; 0]);
+    // What no rustup brought.
+    for rustc in [create_fake_compiler("other-compiler", &["here/lib"]), "/no/such/rustc".into()] {
+        let line = says(&rustc, &[]).concat();
+        assert!(line.starts_with(&format!("{target}  # ")), "{line}");
+        assert!(line.ends_with(": by rustup, from https://rustup.rs"), "{line}");
+    }
+}

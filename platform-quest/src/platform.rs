@@ -1,0 +1,88 @@
+//! What the shell needs of the operating system beside the runtime: an OpenXR entry point, an instance,
+//! the device's health, a log.
+
+use std::fmt;
+use std::io::{self, Write};
+
+use openxr as xr;
+use paros_shell::headset::device_health::DeviceHealth;
+
+use crate::error::Error;
+
+/// The operating system: Android, or anything else.
+pub trait Platform {
+    /// Loads the OpenXR loader or runtime. Called again after the runtime was lost.
+    ///
+    /// # Errors
+    /// [`Error::Unavailable`] where there is none.
+    fn load_openxr(&mut self) -> Result<xr::Entry, Error>;
+
+    /// Creates an instance with these extensions, and those that the operating system itself needs.
+    ///
+    /// # Errors
+    /// The runtime's.
+    fn create_instance(
+        &mut self,
+        entry: &xr::Entry,
+        application: &xr::ApplicationInfo<'_>,
+        extensions: xr::ExtensionSet,
+    ) -> xr::Result<xr::Instance>;
+
+    /// Polls the operating system; called in every frame, and often while no frames are made.
+    fn poll_status(&mut self) -> PlatformStatus {
+        PlatformStatus::default()
+    }
+
+    /// Runs a step of the world. A profiler reads its clock before and after.
+    fn run_step(&mut self, step: &mut dyn FnMut()) {
+        step();
+    }
+
+    /// What wraps the functions of a Vulkan device in a profiler's, if anything does.
+    fn device_wrapper(&self) -> Option<fn(ash::Device) -> ash::Device> {
+        None
+    }
+
+    /// Writes a line to the log.
+    fn log(&mut self, text: fmt::Arguments<'_>) {
+        // Nobody may be listening there.
+        let _ = writeln!(io::stderr(), "paros-quest: {text}");
+    }
+}
+
+/// The operating system's state.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub struct PlatformStatus {
+    /// Thermal state and battery.
+    pub health: DeviceHealth,
+    /// Whether the application is to quit.
+    pub quit_requested: bool,
+}
+
+/// An operating system that reports nothing, with the loader among the system's libraries: Linux.
+#[derive(Clone, Copy, Default, Debug)]
+pub struct PlainPlatform;
+
+impl Platform for PlainPlatform {
+    fn load_openxr(&mut self) -> Result<xr::Entry, Error> {
+        // SAFETY: the loader is the system's own; loading it runs its initialisers.
+        unsafe { xr::Entry::load(&()) }.map_err(|error| {
+            let mut why: &dyn std::error::Error = &error;
+            while let Some(deeper) = why.source() {
+                why = deeper;
+            }
+            Error::Unavailable(format!(
+                "no OpenXR loader: {why}; install one (Debian: libopenxr-loader1)"
+            ))
+        })
+    }
+
+    fn create_instance(
+        &mut self,
+        entry: &xr::Entry,
+        application: &xr::ApplicationInfo<'_>,
+        extensions: xr::ExtensionSet,
+    ) -> xr::Result<xr::Instance> {
+        entry.create_instance(application, &extensions, &[], &())
+    }
+}

@@ -1,0 +1,120 @@
+//! The OpenXR and Vulkan objects of one session, created and destroyed together.
+
+use std::sync::Arc;
+
+use paros_core::{Grid, Size, World};
+use paros_shaders::gpu::{self, Gpu, TargetFormat, WorldRenderer};
+use paros_shell::durable;
+use paros_shell::file_writer::{FileKind, FileWriter};
+use paros_shell::studio_paths::StudioPaths;
+
+use crate::error::Error;
+use crate::foveation::{FOVEATION_EXTENSIONS, FoveationLevel};
+use crate::options::ShellOptions;
+use crate::platform::Platform;
+use crate::xr::{EyeImages, EyeTargets, HeadsetSession, Runtime};
+
+/// A session and what draws for it. Fields are dropped in this order.
+pub(crate) struct SessionResources<const N: usize>
+where
+    Grid<N>: Size,
+{
+    pub(crate) eyes: EyeTargets,
+    pub(crate) show: WorldRenderer<N>,
+    pub(crate) session: HeadsetSession,
+    pub(crate) gpu: Arc<Gpu>,
+    pub(crate) runtime: Runtime,
+    /// The pipeline cache as it was read from the disk or submitted for writing.
+    pipeline_cache: Vec<u8>,
+}
+
+impl<const N: usize> SessionResources<N>
+where
+    Grid<N>: Size,
+{
+    /// Creates a session that shows a world. The Vulkan instance, which has the validation messages, is
+    /// left in `vulkan` even if the rest fails.
+    ///
+    /// # Errors
+    /// [`Error::Unavailable`] with what is missing, or a call that failed.
+    pub(crate) fn create(
+        platform: &mut dyn Platform,
+        options: &ShellOptions,
+        world: &World<N>,
+        places: &StudioPaths,
+        vulkan: &mut Option<Arc<gpu::Instance>>,
+    ) -> Result<Self, Error> {
+        let runtime = Runtime::create(platform, options)?;
+        let missing = runtime.missing_extensions(&FOVEATION_EXTENSIONS);
+        let wanted = gpu::Options {
+            validation: options.validation,
+            density_map: missing.is_empty(),
+            device_hook: platform.device_wrapper(),
+            ..gpu::Options::default()
+        };
+        let instance = vulkan.insert(runtime.create_vulkan(&wanted)?);
+        let gpu = runtime.create_gpu(instance.clone(), &wanted)?;
+        let session = HeadsetSession::create(&runtime, &gpu)?;
+        platform
+            .log(format_args!("{}", session.request_refresh_rate(&runtime, options.refresh_rate)));
+        session.request_performance_levels(&runtime);
+        if let Some(floor) = session.describe_floor() {
+            platform.log(format_args!("{} {floor}", runtime.name));
+        }
+        let with_depth = options.submit_depth && runtime.extensions.khr_composition_layer_depth;
+        let mut format = EyeTargets::choose_format(&session.raw, &gpu, with_depth)?;
+        let images =
+            EyeImages::create(&runtime, &session.raw, &gpu, &format, options.test_commands)?;
+        format.density_map = images.have_density_maps();
+        log_missing_features(platform, options, (&runtime, &gpu), &format);
+        // Without it only the start takes longer.
+        let pipeline_cache = durable::read_file(&places.pipeline_cache_file()).unwrap_or_default();
+        let show = WorldRenderer::new(&gpu, format, world, &pipeline_cache)?;
+        let eyes = EyeTargets::from_images(images, &show.renderer)?;
+        Ok(SessionResources { eyes, show, session, gpu, runtime, pipeline_cache })
+    }
+
+    /// Has the pipeline cache written, where it has changed: the next start is faster. The driver may take
+    /// longer than a frame: call it while none is due.
+    pub(crate) fn save_pipeline_cache(&mut self, places: &StudioPaths, keeper: &mut FileWriter) {
+        if let Ok(bytes) = self.show.renderer.pipeline_cache_data()
+            && bytes != self.pipeline_cache
+        {
+            keeper.submit_file(
+                FileKind::PipelineCache,
+                places.pipeline_cache_file(),
+                bytes.clone(),
+            );
+            self.pipeline_cache = bytes;
+        }
+    }
+}
+
+/// Logs a line for each feature that was asked for and is missing; the session goes on without it.
+fn log_missing_features(
+    platform: &mut dyn Platform,
+    options: &ShellOptions,
+    (runtime, gpu): (&Runtime, &Gpu),
+    format: &TargetFormat,
+) {
+    let name = &runtime.name;
+    if options.submit_depth && !format.keep_depth {
+        let what = match runtime.extensions.khr_composition_layer_depth {
+            true => format!("{name} takes no {:?}", TargetFormat::choose_depth(gpu)),
+            false => format!("{name} has no XR_KHR_composition_layer_depth"),
+        };
+        platform.log(format_args!("no depth for the compositor, though it is asked for: {what}"));
+    }
+    if format.density_map {
+        return;
+    }
+    let extensions = runtime.missing_extensions(&FOVEATION_EXTENSIONS);
+    let what = match (&extensions[..], &gpu.missing_features[..]) {
+        ([], []) => format!("{name} gives no density maps with its pictures"),
+        ([], lacks) => format!("{} has no {}", gpu.name, lacks.join(", ")),
+        (extensions, _) => format!("{name} has no {}", extensions.join(", ")),
+    };
+    if let Some(line) = FoveationLevel::describe_missing(options.foveation, &what) {
+        platform.log(format_args!("{line}"));
+    }
+}

@@ -1,0 +1,164 @@
+//! The runtime's events, polled between frames, and the status line for tests.
+
+use std::io::{self, Write};
+
+use openxr as xr;
+use paros_core::{Grid, Size};
+use paros_shell::headset::device_health::ThermalState;
+use paros_shell::statics::Resident;
+
+use super::HeadsetShell;
+use crate::error::{CallContext, Error};
+use crate::platform::Platform;
+use crate::session_phase::{SessionDuty, SessionEvent, SessionPhase};
+use crate::session_resources::SessionResources;
+use crate::xr::VIEW_CONFIGURATION;
+
+impl<const N: usize> HeadsetShell<'_, N>
+where
+    Grid<N>: Size + Resident<N>,
+{
+    /// Polls the event queue (`xrPollEvent`) until it is empty, and handles each event.
+    ///
+    /// # Errors
+    /// A call that failed: polling itself, or beginning or ending the session.
+    pub(super) fn poll_events(
+        &mut self,
+        resources: &mut SessionResources<N>,
+        platform: &mut dyn Platform,
+    ) -> Result<(), Error> {
+        let mut buffer = xr::EventDataBuffer::new();
+        while let Some(event) =
+            resources.runtime.instance.poll_event(&mut buffer).context("ask what happened")?
+        {
+            match event {
+                xr::Event::SessionStateChanged(change) => {
+                    if let Some(event) = session_event(change.state()) {
+                        self.on_session_event(event, resources, platform)?;
+                    }
+                }
+                xr::Event::InstanceLossPending(_) => {
+                    self.on_session_event(SessionEvent::LossPending, resources, platform)?;
+                }
+                xr::Event::ReferenceSpaceChangePending(change)
+                    if change.reference_space_type() == resources.session.room_type =>
+                {
+                    self.recentering.schedule_change(change.change_time().as_nanos());
+                    platform.log(format_args!("recentred"));
+                }
+                xr::Event::UserPresenceChangedEXT(change) => {
+                    self.on_user_presence(change.is_user_present(), platform);
+                }
+                xr::Event::PerfSettingsEXT(change)
+                    if change.sub_domain() == xr::PerfSettingsSubDomainEXT::THERMAL =>
+                {
+                    self.runtime_thermal = thermal_state(change.to_level());
+                }
+                xr::Event::EventsLost(lost) => {
+                    platform.log(format_args!("{} events are lost", lost.lost_event_count()));
+                }
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
+    /// Moves the session's phase on by an event, and fulfils the duty that comes with it.
+    fn on_session_event(
+        &mut self,
+        event: SessionEvent,
+        resources: &mut SessionResources<N>,
+        platform: &mut dyn Platform,
+    ) -> Result<(), Error> {
+        platform.log(format_args!("{event:?}"));
+        let (phase, duty) = self.phase.after_event(event);
+        self.phase = phase;
+        match duty {
+            Some(SessionDuty::Begin) => {
+                resources.session.raw.begin(VIEW_CONFIGURATION).context("begin the session")?;
+                resources.session.set_thread_types(&resources.runtime);
+                self.pacer.pause();
+            }
+            Some(SessionDuty::Save) => self.save_session(),
+            Some(SessionDuty::SaveAndEnd) => {
+                self.save_pipeline_cache(resources);
+                self.save_session();
+                resources.session.raw.end().context("end the session")?;
+            }
+            None => {}
+        }
+        Ok(())
+    }
+
+    /// Tells the visit policy that the headset was put on or off (`XR_EXT_user_presence`).
+    fn on_user_presence(&mut self, present: bool, platform: &mut dyn Platform) {
+        if self.visit.update_presence(present, self.started_at.elapsed()) {
+            platform.log(format_args!("another visitor"));
+        }
+        if !present {
+            self.studio.save_and_wait();
+        }
+    }
+
+    /// Saves the session, as the headset may stay off from now on.
+    pub(super) fn save_session(&mut self) {
+        self.studio.retry_unwritten_files();
+        self.studio.save_and_wait();
+    }
+
+    /// Prints the status line of the test command `say`.
+    pub(super) fn print_status(&self, resources: &SessionResources<N>) {
+        let world = self.studio.world();
+        let held =
+            [0, 1].map(|hand| world.held_tool(hand).map_or("nothing", |(_, bit)| bit.spec().name));
+        let tracked = [0, 1].map(|hand| world.hand_state(hand).tracked);
+        let phase = match self.phase {
+            SessionPhase::Focused => "focused",
+            SessionPhase::Visible => "seen",
+            _ => "unseen",
+        };
+        let (undo, redo) = world.undo_counts();
+        let mut out = io::stdout().lock();
+        // Nobody may be listening there.
+        let _ = writeln!(
+            out,
+            "life {phase}; session {:?}; mode {:?}; voxels {}; holds {held:?}; tracked {tracked:?}; \
+             undo {undo}; redo {redo}; ticks {}; frames {}; dropped {}; digest {:016x}; \
+             device {}; runtime {}; note {}",
+            world.session_state(),
+            world.mode(),
+            world.volume().count_voxels(),
+            world.tick(),
+            self.frames,
+            self.dropped.count,
+            world.digest(),
+            resources.gpu.name,
+            resources.runtime.name,
+            self.last_note,
+        );
+    }
+}
+
+/// The event for a session state (`XrSessionState`); none for one that a later OpenXR adds.
+fn session_event(state: xr::SessionState) -> Option<SessionEvent> {
+    Some(match state {
+        xr::SessionState::IDLE => SessionEvent::Idle,
+        xr::SessionState::READY => SessionEvent::Ready,
+        xr::SessionState::SYNCHRONIZED => SessionEvent::Synchronized,
+        xr::SessionState::VISIBLE => SessionEvent::Visible,
+        xr::SessionState::FOCUSED => SessionEvent::Focused,
+        xr::SessionState::STOPPING => SessionEvent::Stopping,
+        xr::SessionState::LOSS_PENDING => SessionEvent::LossPending,
+        xr::SessionState::EXITING => SessionEvent::Exiting,
+        _ => return None,
+    })
+}
+
+/// The thermal state for a notification level of `XR_EXT_performance_settings`.
+fn thermal_state(level: xr::PerfSettingsNotificationLevelEXT) -> ThermalState {
+    match level {
+        xr::PerfSettingsNotificationLevelEXT::NORMAL => ThermalState::Normal,
+        xr::PerfSettingsNotificationLevelEXT::WARNING => ThermalState::Warm,
+        _ => ThermalState::Hot,
+    }
+}

@@ -1,0 +1,111 @@
+//! A frame: wait, begin, ticks, drawing for both eyes, end.
+
+use std::path::Path;
+
+use openxr as xr;
+use paros_core::internals::RoomPose;
+use paros_core::{Grid, Size, TICK_RATE};
+use paros_shaders::Image;
+use paros_shaders::gpu::{FrameSemaphores, Viewpoint};
+use paros_shaders::scene::LatestInput;
+use paros_shell::durable;
+use paros_shell::statics::Resident;
+
+use super::HeadsetShell;
+use crate::error::{CallContext, Error};
+use crate::platform::Platform;
+use crate::session_resources::SessionResources;
+use crate::xr::{FrameCapture, HeadsetSession};
+
+impl<const N: usize> HeadsetShell<'_, N>
+where
+    Grid<N>: Size + Resident<N>,
+{
+    /// Waits for the next frame, runs the ticks up to its display time, and draws it if the runtime
+    /// wants it rendered.
+    pub(super) fn run_frame(
+        &mut self,
+        resources: &mut SessionResources<N>,
+        platform: &mut dyn Platform,
+    ) -> Result<(), Error> {
+        let frame = resources.session.waiter.wait().context("wait for a frame")?;
+        resources.session.stream.begin().context("begin a frame")?;
+        let display_time = frame.predicted_display_time;
+        self.run_ticks(resources, display_time, platform)?;
+        self.frames += 1;
+        if frame.should_render {
+            return self.draw_frame(resources, display_time);
+        }
+        let blend_mode = resources.runtime.blend_mode;
+        resources.session.stream.end(display_time, blend_mode, &[]).context("end an empty frame")
+    }
+
+    /// Acquires both eyes' images, draws the world at the display time, and submits them.
+    fn draw_frame(
+        &mut self,
+        resources: &mut SessionResources<N>,
+        display_time: xr::Time,
+    ) -> Result<(), Error> {
+        let world = self.studio.world();
+        resources.show.begin_frame(world)?;
+        let image = resources.eyes.acquire_images()?;
+        let hands = self.phase.has_focus();
+        let session = &resources.session;
+        let grips = if hands { locate_grips(session, display_time)? } else { [None; 2] };
+        let time = (world.tick() as f64 + f64::from(self.tick_fraction)) / f64::from(TICK_RATE);
+        let fresh = LatestInput {
+            grips,
+            show_hands: hands,
+            tick_fraction: self.tick_fraction,
+            time_seconds: time,
+        };
+        // As late as can be: the later, the better the prediction.
+        let [(left, left_view), (right, right_view)] = session.locate_eyes(display_time)?;
+        let seen =
+            Viewpoint { eyes: &[left, right], latest: fresh, render_path: self.options.path };
+        resources.show.draw_frame(
+            world,
+            &seen,
+            &resources.eyes.surface,
+            image,
+            FrameSemaphores::default(),
+        )?;
+        if let Some(prefix) = self.capture_prefix.take() {
+            write_capture(&resources.eyes.capture_frame(image)?, &prefix)?;
+        }
+        resources.eyes.release_images()?;
+        let when = (display_time, resources.runtime.blend_mode);
+        let HeadsetSession { stream, room, .. } = &mut resources.session;
+        resources.eyes.end_frame(stream, when, room, &[left_view, right_view])
+    }
+}
+
+/// The grip poses at the display time, which are newer than any tick's.
+fn locate_grips(
+    session: &HeadsetSession,
+    display_time: xr::Time,
+) -> Result<[Option<RoomPose>; 2], Error> {
+    let mut grips = [None; 2];
+    for (hand, grip) in grips.iter_mut().enumerate() {
+        *grip = session.actions.locate_grip(&session.room, hand, display_time)?;
+        if let (None, Some(trackers)) = (&grip, &session.hand_trackers) {
+            let sample = trackers.sample_hand(&session.room, hand, display_time)?;
+            *grip = sample.and_then(|sample| sample.grip);
+        }
+    }
+    Ok(grips)
+}
+
+/// Writes both eyes' pictures to `PREFIX-left.png` and `PREFIX-right.png`.
+fn write_capture(capture: &FrameCapture, prefix: &Path) -> Result<(), Error> {
+    for (name, pixels) in ["left", "right"].into_iter().zip(&capture.eyes) {
+        let [width, height] = capture.extent.map(|pixels| pixels as usize);
+        let image = Image { width, height, pixels: pixels.clone() };
+        let mut png = Vec::new();
+        image.write_png(&mut png).map_err(|error| Error::Input(error.to_string()))?;
+        let mut path = prefix.as_os_str().to_owned();
+        path.push(format!("-{name}.png"));
+        durable::write_file(Path::new(&path), &png)?;
+    }
+    Ok(())
+}

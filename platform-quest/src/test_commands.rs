@@ -1,0 +1,68 @@
+//! Commands from standard input, one a line, for tests: `say` prints the status, `shot PREFIX` writes the
+//! next frame's pictures to `PREFIX-left.png` and `PREFIX-right.png`, `quit` asks the runtime to end the
+//! session.
+
+use std::io::{self, BufRead};
+use std::path::PathBuf;
+use std::sync::mpsc::{Receiver, channel};
+use std::thread;
+
+/// A command of a test.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub(crate) enum TestCommand {
+    /// Print the status.
+    PrintStatus,
+    /// Write pictures of the next frame, to files that begin like this.
+    CaptureFrame(PathBuf),
+    /// End the session.
+    Quit,
+}
+
+/// Commands that a thread reads from standard input.
+pub(crate) struct CommandQueue(Receiver<TestCommand>);
+
+impl CommandQueue {
+    /// Starts the thread. Lines that are no commands are passed over.
+    pub(crate) fn spawn_reader() -> Self {
+        let (sender, commands) = channel();
+        thread::spawn(move || {
+            for line in io::stdin().lock().lines().map_while(Result::ok) {
+                if let Some(command) = parse_command(&line)
+                    && sender.send(command).is_err()
+                {
+                    break;
+                }
+            }
+        });
+        CommandQueue(commands)
+    }
+
+    /// The next command, if one has arrived.
+    pub(crate) fn poll_next(&self) -> Option<TestCommand> {
+        self.0.try_recv().ok()
+    }
+}
+
+fn parse_command(line: &str) -> Option<TestCommand> {
+    match line.split_once(' ').unwrap_or((line, "")) {
+        ("say", "") => Some(TestCommand::PrintStatus),
+        ("shot", prefix) if !prefix.is_empty() => Some(TestCommand::CaptureFrame(prefix.into())),
+        ("quit", "") => Some(TestCommand::Quit),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{TestCommand, parse_command};
+
+    #[test]
+    fn lines_are_commands() {
+        assert_eq!(parse_command("say"), Some(TestCommand::PrintStatus));
+        let capture = TestCommand::CaptureFrame("/tmp/a b".into());
+        assert_eq!(parse_command("shot /tmp/a b"), Some(capture));
+        assert_eq!(parse_command("quit"), Some(TestCommand::Quit));
+        assert_eq!(parse_command("shot"), None);
+        assert_eq!(parse_command("dance"), None);
+    }
+}

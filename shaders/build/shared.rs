@@ -1,0 +1,116 @@
+//! The constants that Rust and WGSL share, as the text of one WGSL module.
+
+use std::fmt::Write as _;
+
+use crate::constants;
+
+/// A constant's type and value in WGSL.
+trait InWgsl {
+    fn in_wgsl(&self) -> (&'static str, String);
+}
+
+impl InWgsl for f32 {
+    fn in_wgsl(&self) -> (&'static str, String) {
+        // As many digits as tell it from every other number.
+        ("f32", format!("{self:?}"))
+    }
+}
+
+impl InWgsl for u32 {
+    fn in_wgsl(&self) -> (&'static str, String) {
+        ("u32", format!("{self}u"))
+    }
+}
+
+impl InWgsl for usize {
+    fn in_wgsl(&self) -> (&'static str, String) {
+        ("u32", format!("{self}u"))
+    }
+}
+
+impl InWgsl for [f32; 2] {
+    fn in_wgsl(&self) -> (&'static str, String) {
+        let [x, y] = self;
+        ("vec2<f32>", format!("vec2<f32>({x:?}, {y:?})"))
+    }
+}
+
+impl InWgsl for [f32; 3] {
+    fn in_wgsl(&self) -> (&'static str, String) {
+        let [x, y, z] = self;
+        ("vec3<f32>", format!("vec3<f32>({x:?}, {y:?}, {z:?})"))
+    }
+}
+
+/// Declares constants of `src/constants.rs` in WGSL.
+macro_rules! declare {
+    ($($name:ident),* $(,)?) => {{
+        let mut text = String::from("#define_import_path paros::constants\n");
+        $(
+            let (kind, value) = constants::$name.in_wgsl();
+            writeln!(text, "const {}: {kind} = {value};", stringify!($name))
+                .expect("strings take text");
+        )*
+        text
+    }};
+}
+
+/// The module `paros::constants`.
+pub(crate) fn constants_module() -> String {
+    declare!(
+        BEAM_PIXELS,
+        BLOB_START_BACK,
+        BLOB_RADIUS,
+        BLOB_SHARPNESS,
+        BLOB_MAX_STEPS,
+        BLOB_HIT_DISTANCE,
+        DENSITY_LEVELS,
+        FAST_AO_MAX_DENSITY,
+        FAST_EDGE_CUBIC,
+        FAST_AO_HEIGHT,
+        FAST_AO_SCALE,
+        FAST_SHADOW_OPACITY,
+        FAST_SHADOW_SPACING,
+        FAST_REFERENCE_SIDE,
+        FAST_STEP_FAR,
+        FAST_STEP_NEAR,
+        FAST_SKIP_INTERVAL,
+        FAST_TRANSLUCENCY,
+        FAST_TRANSLUCENCY_DEPTH,
+        GOLDEN_ANGLE_COS_SIN,
+        MAP_BORDER_COLUMNS,
+        MARBLE_VEIN_NORMAL,
+        MARBLE_TURBULENCE,
+        MARBLE_VEIN_CONTRAST,
+        MARBLE_VEIN_FALLOFF,
+        MARBLE_VEIN_COLOR,
+        MARBLE_HAZE_GREY,
+        MARBLE_NOISE_SCALE,
+        MARBLE_VEIN_GREY,
+        MARBLE_VEIN_COUNT,
+        MARBLE_BASE_COLOR,
+        MARCH_FRACTION_BITS,
+        NOISE_CELLS,
+        SHADOW_DAMPING,
+        SHADOW_RADIUS_FAR,
+        SHADOW_RADIUS_NEAR,
+        SHADOW_SAMPLES,
+        SHADOW_DISC_STRIDE,
+        SRGB_LINEAR_SLOPE,
+        SRGB_OFFSET,
+        SRGB_EXPONENT,
+        TILE_PIXELS,
+        TONE_WHITE_POINT,
+    )
+}
+
+// What the programs have written out, term by term or binding by binding.
+const _: () = {
+    assert!(constants::MARBLE_OCTAVES == 4, "marble.wgsl adds four octaves");
+    assert!(constants::DENSITY_LEVELS == 4, "scatter.wgsl binds four levels");
+    let product = constants::BLOB_SHARPNESS * constants::BLOB_BLEND_WIDTH * std::f32::consts::LN_2;
+    assert!(
+        product > 0.999_999 && product < 1.000_001,
+        "BLOB_SHARPNESS is made of BLOB_BLEND_WIDTH"
+    );
+};

@@ -1,0 +1,188 @@
+//! The textures of a volume: full rebuild, full upload, and sampling.
+
+use glam::Vec3;
+use paros_core::RangeMaps;
+use rayon::prelude::*;
+
+use super::backlog::{BoxBacklog, CHUNK, StaleLines};
+use super::blur::BoxBlur;
+use super::cells::CellDistances;
+use super::extent::TexelBox;
+use super::mips;
+use super::sizes::{LEVELS, PAD, cell_side};
+use super::texels::TexelCube;
+use crate::upload::{Region, Texture};
+
+/// The textures of a volume of N voxels a side, N a multiple of 8 and at most 256, and the work
+/// left to bring them up to date.
+#[derive(Debug)]
+pub struct DensityField<const N: usize> {
+    /// The maps as noted last, and those that the textures follow.
+    pub(super) latest: Box<RangeMaps<N>>,
+    pub(super) maps: Box<RangeMaps<N>>,
+    /// Columns in which the two may differ.
+    pub(super) uncompared: StaleLines,
+    pub(super) density: [TexelCube; LEVELS],
+    pub(super) cells: CellDistances,
+    pub(super) backlog: BoxBacklog,
+    pub(super) stale_lines: StaleLines,
+    /// Work done since the last update, not yet charged to a budget.
+    pub(super) unbilled_work: usize,
+    pub(super) blur: Box<BoxBlur>,
+    /// Staging buffer: a region's contiguous bytes.
+    pub(super) staging: Vec<u8>,
+}
+
+impl<const N: usize> DensityField<N> {
+    /// Texels along a side of the finest density.
+    pub(super) const SIDE: usize = {
+        assert!(N.is_multiple_of(8) && N <= 256);
+        N + 2 * PAD
+    };
+
+    /// The textures of the empty volume: density 0, cell distances
+    /// [`MAX_CELL_DISTANCE`](super::MAX_CELL_DISTANCE) - 1. All memory is allocated here.
+    #[must_use]
+    #[allow(clippy::new_without_default)] // megabytes: to be made on purpose
+    pub fn new() -> Self {
+        DensityField {
+            latest: Box::new(RangeMaps::new()),
+            maps: Box::new(RangeMaps::new()),
+            uncompared: StaleLines::new(N),
+            density: [0, 1, 2, 3].map(|level| TexelCube::new(Self::SIDE >> level, 0)),
+            cells: CellDistances::new(Self::SIDE, cell_side(N)),
+            backlog: BoxBacklog::new(Self::SIDE),
+            stale_lines: StaleLines::new(N),
+            unbilled_work: 0,
+            blur: Box::new(BoxBlur::new()),
+            staging: Vec::with_capacity(Self::staging_capacity()),
+        }
+    }
+
+    /// Rebuilds all textures from these maps, on all cores. Uploads nothing: see
+    /// [`DensityField::emit_all_regions`].
+    pub fn rebuild_from(&mut self, maps: &RangeMaps<N>) {
+        self.latest.copy_from(maps);
+        self.maps.copy_from(maps);
+        self.uncompared.clear();
+        let maps = &*self.maps;
+        let side = Self::SIDE;
+        let [finest, ..] = &mut self.density;
+        finest.slabs_mut(CHUNK[2]).enumerate().for_each_init(
+            || Box::new(BoxBlur::new()),
+            |blur, (slab, texels)| {
+                for extent in slab_extents(side, slab) {
+                    blur.load_voxels(maps, extent);
+                    blur.compute_texels();
+                    for (y, z) in extent.rows() {
+                        let at = ((z - extent.lo[2]) * side + y) * side;
+                        texels[at + extent.lo[0]..at + extent.hi[0]]
+                            .copy_from_slice(blur.row(y, z));
+                    }
+                }
+            },
+        );
+        for level in 1..LEVELS {
+            let (finer, coarser) = self.density.split_at_mut(level);
+            let side = Self::SIDE >> level;
+            mips::downsample_box(&finer[level - 1], &mut coarser[0], TexelBox::cube(side));
+        }
+        self.cells.mark_surface(&self.density[0], TexelBox::cube(Self::SIDE));
+        self.cells.update_distances();
+        self.cells.drain_changed(|_, _| {});
+        self.backlog.clear();
+        self.stale_lines.clear();
+        self.unbilled_work = 0;
+    }
+
+    /// Passes every texture whole to `sink`, for textures on the GPU that were just created.
+    pub fn emit_all_regions(&self, mut sink: impl FnMut(Region, &[u8])) {
+        for axis in paros_core::Axis::ALL {
+            let min = [0, 0, axis as u32];
+            let lines = (0..N).flat_map(|line| self.maps.line(axis, line));
+            let bytes: Vec<u8> = lines.flat_map(|column| column.0[0].to_bytes()).collect();
+            let size = [N as u32, N as u32, 1];
+            sink(Region { texture: Texture::Maps, min, size }, &bytes);
+        }
+        for (level, texels) in self.density.iter().enumerate() {
+            let texture = Texture::Density(level as u8);
+            sink(TexelBox::cube(texels.side()).to_region(texture), texels.bytes());
+        }
+        let cells = self.cells.free_counts();
+        sink(TexelBox::cube(cells.side()).to_region(Texture::Cells), cells.bytes());
+    }
+
+    /// The maps as they were last noted.
+    #[must_use]
+    pub const fn latest_maps(&self) -> &RangeMaps<N> {
+        &self.latest
+    }
+
+    /// Whether a voxel of the grid is occupied in [`DensityField::latest_maps`].
+    #[must_use]
+    #[inline]
+    pub fn is_occupied(&self, voxel: [usize; 3]) -> bool {
+        self.latest.contains(voxel)
+    }
+
+    /// Texels along a side of the density at a level below [`LEVELS`].
+    #[must_use]
+    #[inline]
+    pub fn level_side(&self, level: usize) -> usize {
+        self.density[level].side()
+    }
+
+    /// A texel of the density at a level, 255 where all is full.
+    #[must_use]
+    #[inline]
+    pub fn density_texel(&self, level: usize, texel: [usize; 3]) -> u8 {
+        self.density[level].texel(texel)
+    }
+
+    /// Trilinear sample of the density, 0 to 1, at a mip level and a point in voxels, clamped to
+    /// the edge.
+    #[must_use]
+    #[inline]
+    pub fn sample_density(&self, level: usize, point: Vec3) -> f32 {
+        let scale = 1.0 / (1u32 << level) as f32;
+        self.density[level].sample_trilinear((point + Vec3::splat(PAD as f32)) * scale)
+    }
+
+    /// The Chebyshev distance, in voxels, within which no surface lies around a point in voxels:
+    /// that of its cell, clamped to the edge.
+    #[must_use]
+    #[inline]
+    pub fn free_distance(&self, point: Vec3) -> f32 {
+        let most = self.cells_side() - 1;
+        let size = cell_side(N) as f32;
+        let place = (point + Vec3::splat(PAD as f32)) / size;
+        f32::from(self.free_cells(place.to_array().map(|c| (c as usize).min(most)))) * size
+    }
+
+    /// Cells along a side.
+    #[must_use]
+    #[inline]
+    pub fn cells_side(&self) -> usize {
+        self.cells.free_counts().side()
+    }
+
+    /// The number of cells around one, in each direction, that are free of the surface, 0 to
+    /// [`MAX_CELL_DISTANCE`](super::MAX_CELL_DISTANCE) - 1. Texel t lies in cell t / [`cell_side`].
+    #[must_use]
+    #[inline]
+    pub fn free_cells(&self, cell: [usize; 3]) -> u8 {
+        self.cells.free_counts().texel(cell)
+    }
+}
+
+/// Boxes that each can be computed at once and together cover a slab of the finest texels.
+fn slab_extents(side: usize, slab: usize) -> impl Iterator<Item = TexelBox> {
+    let [along_x, along_y, along_z] = CHUNK;
+    let starts = (0..side)
+        .step_by(along_y)
+        .flat_map(move |y| (0..side).step_by(along_x).map(move |x| [x, y, slab * along_z]));
+    starts.map(move |lo| TexelBox {
+        lo,
+        hi: [0, 1, 2].map(|axis: usize| side.min(lo[axis] + CHUNK[axis])),
+    })
+}

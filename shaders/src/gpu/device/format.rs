@@ -1,0 +1,58 @@
+//! Attachment formats: colour, depth, samples and views of a render target.
+
+use ash::vk;
+
+use super::context::Gpu;
+
+/// The format of the images that a renderer draws into.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct TargetFormat {
+    /// Colour format; an sRGB one, as the programs output linear light.
+    pub color: vk::Format,
+    /// Samples per pixel, 1 or 4; several are resolved within the pass, into the shell's image of one.
+    pub samples: u32,
+    /// Multiview: layers of an image, one for each eye, 1 or 2.
+    pub views: u32,
+    /// Image layout of the shell's colour image after the pass.
+    pub final_layout: vk::ImageLayout,
+    /// Whether depth is stored, in an image of the shell's, of format [`TargetFormat::choose_depth`].
+    pub keep_depth: bool,
+    /// Whether the shell has a fragment density map for each image, which tells how densely its
+    /// parts are shaded: a view of format [`TargetFormat::DENSITY`], made with
+    /// `VK_IMAGE_USAGE_FRAGMENT_DENSITY_MAP_BIT_EXT`, in the layout for that use, a layer for each
+    /// eye or one for both; the shell's images are not subsampled. A device that was not asked for
+    /// [`Options::density_map`], or lacks it, draws without. No tiler has run this yet, and no
+    /// software driver has the extension: what was checked is what the calls are given.
+    ///
+    /// [`Options::density_map`]: crate::gpu::Options::density_map
+    pub density_map: bool,
+}
+
+impl TargetFormat {
+    /// Format of density maps: shading density along x and y.
+    pub const DENSITY: vk::Format = vk::Format::R8G8_UNORM;
+
+    /// The depth format of a device: 32-bit float if supported, else 24 or 16 bits.
+    #[must_use]
+    pub fn choose_depth(gpu: &Gpu) -> vk::Format {
+        let wanted = vk::FormatFeatureFlags::DEPTH_STENCIL_ATTACHMENT;
+        let has = |format: &vk::Format| {
+            // SAFETY: the physical device is one of this instance's.
+            let properties = unsafe {
+                gpu.instance.raw.get_physical_device_format_properties(gpu.physical_device, *format)
+            };
+            properties.optimal_tiling_features.contains(wanted)
+        };
+        let formats = [vk::Format::D32_SFLOAT, vk::Format::X8_D24_UNORM_PACK32];
+        formats.into_iter().find(has).unwrap_or(vk::Format::D16_UNORM)
+    }
+
+    pub(crate) const fn sample_count(&self) -> vk::SampleCountFlags {
+        if self.samples == 4 { vk::SampleCountFlags::TYPE_4 } else { vk::SampleCountFlags::TYPE_1 }
+    }
+
+    /// View mask: one bit for each view.
+    pub(crate) const fn view_mask(&self) -> u32 {
+        (1 << self.views) - 1
+    }
+}

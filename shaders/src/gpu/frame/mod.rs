@@ -1,0 +1,11 @@
+//! Frames: what a shell requests of one, and the renderer that records and submits it.
+//! Takes a request (eyes, the sculpture's placement, light, scene) and regions to upload, draws into a
+//! render target; knows nothing of windows, sessions or where the pictures go.
+
+pub(crate) mod offscreen;
+pub(crate) mod record;
+pub(crate) mod renderer;
+pub(crate) mod request;
+pub(crate) mod slot;
+pub(crate) mod uniforms;
+pub(crate) mod world_renderer;

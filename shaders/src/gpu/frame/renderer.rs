@@ -1,0 +1,379 @@
+//! The renderer: a ring of two frames in flight, each with its command buffer, buffers and queries.
+
+use std::sync::Arc;
+
+use ash::vk;
+
+use super::request::{FrameRequest, SculptureOrder};
+use super::slot::FrameSlot;
+use super::uniforms;
+use crate::constants::NOISE_TEXELS;
+use crate::gpu::device::context::Gpu;
+use crate::gpu::device::error::{Error, ErrorContext};
+use crate::gpu::device::format::TargetFormat;
+use crate::gpu::device::owned::OwnedHandle;
+use crate::gpu::memory::buffer::Buffer;
+use crate::gpu::memory::staging::FRAME_UPLOAD_BYTES;
+use crate::gpu::memory::textures::SculptureTextures;
+use crate::gpu::passes::fragments::FragmentCounts;
+use crate::gpu::passes::overlay::Overlay;
+use crate::gpu::passes::render_pass::RenderPass;
+use crate::gpu::passes::shadow_map::ShadowMap;
+use crate::gpu::passes::target::{RenderTarget, TargetResources, TargetViews};
+use crate::gpu::passes::timers::{FrameTimes, Timestamp};
+use crate::gpu::passes::upload::record_uploads;
+use crate::gpu::pipelines::graphics::{PassHandles, Pipelines};
+use crate::gpu::pipelines::paths::RenderPath;
+use crate::gpu::pipelines::scatter::TexelWriter;
+use crate::scene::meshes;
+use crate::twin::{marble, noise};
+use crate::upload::{Region, Texture};
+
+/// Frames in flight.
+const RING: usize = 2;
+
+/// The semaphores of a frame's submission, for a swapchain.
+#[derive(Clone, Copy, Default, Debug)]
+pub struct FrameSemaphores {
+    /// Waited for before colour output: the image is available.
+    pub wait: Option<vk::Semaphore>,
+    /// Signaled when the frame is done.
+    pub signal: Option<vk::Semaphore>,
+}
+
+/// Draws sculptures of N voxels a side, for one target format.
+///
+/// A failed call may lose staged uploads: drop the renderer then and create another one, on another
+/// device if this one [is lost].
+///
+/// [is lost]: Error::is_lost
+pub struct Renderer {
+    pub(crate) gpu: Arc<Gpu>,
+    format: TargetFormat,
+    grid_side: usize,
+    /// The overlay of the current frame.
+    pub overlay: Overlay,
+    pub(crate) march_starts: RenderPass,
+    pub(crate) shadow: ShadowMap,
+    pub(crate) frame: RenderPass,
+    pub(crate) pipelines: Pipelines,
+    pub(crate) textures: SculptureTextures,
+    /// None without compute writes.
+    scatter: Option<TexelWriter>,
+    pub(crate) meshes: Meshes,
+    pub(crate) ring: Vec<FrameSlot>,
+    /// Pool of the ring's command buffers.
+    _pool: OwnedHandle<vk::CommandPool>,
+    pub(crate) slot_index: usize,
+    frame_times: FrameTimes,
+    fragment_counts: FragmentCounts,
+    pub(crate) order: SculptureOrder,
+}
+
+/// Vertex and index buffers of all scene meshes.
+pub(crate) struct Meshes {
+    pub(crate) vertices: Buffer,
+    pub(crate) indices: Buffer,
+}
+
+impl core::fmt::Debug for Renderer {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("Renderer")
+            .field("format", &self.format)
+            .field("grid_side", &self.grid_side)
+            .finish()
+    }
+}
+
+impl Renderer {
+    /// Creates a renderer for volumes of `grid_side` voxels a side. `cache` is the result of
+    /// [`Renderer::pipeline_cache_data`] at an earlier start, or empty. Without density maps if the device
+    /// has none: see [`Gpu::missing_features`].
+    ///
+    /// # Errors
+    /// A call that failed; out of memory, most likely.
+    pub fn new(
+        gpu: &Arc<Gpu>,
+        format: TargetFormat,
+        grid_side: usize,
+        cache: &[u8],
+    ) -> Result<Self, Error> {
+        let density_map = format.density_map && gpu.features.density_map;
+        let format = TargetFormat { density_map, ..format };
+        let march_starts = RenderPass::for_march_starts(gpu, &format)?;
+        let frame = RenderPass::for_frame(gpu, &format)?;
+        let shadow = ShadowMap::new(gpu)?;
+        let passes = PassHandles {
+            march_starts: march_starts.raw,
+            shadow: shadow.pass.raw,
+            frame: frame.raw,
+        };
+        let pipelines = Pipelines::new(gpu, &format, &passes, cache)?;
+        let textures = SculptureTextures::new(gpu, grid_side as u32, marble::TEXTURE_SIDE as u32)?;
+        let info = vk::CommandPoolCreateInfo::default()
+            .queue_family_index(gpu.queue_family)
+            .flags(vk::CommandPoolCreateFlags::RESET_COMMAND_BUFFER);
+        // SAFETY: the family is the device's.
+        let pool = unsafe { gpu.device.create_command_pool(&info, None) }.context("make a pool")?;
+        let pool = OwnedHandle::new(gpu, pool);
+        let overlay = Overlay::new(gpu, &format, frame.raw, RING, pipelines.cache)?;
+        let ring = (0..RING)
+            .map(|_| FrameSlot::new(gpu, pool.raw, format.views))
+            .collect::<Result<Vec<_>, _>>()?;
+        let staged = ring.iter().map(|slot| &slot.staging);
+        let scatter = match gpu.features.storage_writes {
+            true => Some(TexelWriter::new(gpu, &textures, staged, pipelines.cache)?),
+            false => None,
+        };
+        let mut renderer = Renderer {
+            gpu: gpu.clone(),
+            format,
+            grid_side,
+            overlay,
+            march_starts,
+            shadow,
+            frame,
+            pipelines,
+            textures,
+            scatter,
+            meshes: Meshes::new(gpu)?,
+            ring,
+            _pool: pool,
+            slot_index: 0,
+            frame_times: FrameTimes::default(),
+            fragment_counts: FragmentCounts::default(),
+            order: SculptureOrder::default(),
+        };
+        let cube = |texture, side: usize| Region { texture, min: [0; 3], size: [side as u32; 3] };
+        let bytes: Vec<u8> =
+            noise::noise_texture().iter().map(|noise| noise.cast_unsigned()).collect();
+        renderer.upload_now(cube(Texture::Noise, NOISE_TEXELS), &bytes)?;
+        renderer.upload_now(cube(Texture::Marble, marble::TEXTURE_SIDE), marble::grey_texture())?;
+        Ok(renderer)
+    }
+
+    /// The target format: as requested, as far as the device supports it.
+    #[must_use]
+    pub const fn format(&self) -> &TargetFormat {
+        &self.format
+    }
+
+    /// GPU times of the latest frame known to be done.
+    #[must_use]
+    pub const fn frame_times(&self) -> FrameTimes {
+        self.frame_times
+    }
+
+    /// Fragment counts of that frame.
+    #[must_use]
+    pub const fn fragment_counts(&self) -> FragmentCounts {
+        self.fragment_counts
+    }
+
+    /// Sets the draw order of later frames, for benchmarks.
+    pub const fn set_sculpture_order(&mut self, order: SculptureOrder) {
+        self.order = order;
+    }
+
+    /// Serialised pipeline cache of this device and driver, which speeds up the next start.
+    ///
+    /// # Errors
+    /// A lost device.
+    pub fn pipeline_cache_data(&self) -> Result<Vec<u8>, Error> {
+        self.pipelines.cache_data()
+    }
+
+    /// Creates a render target for the shell's image views.
+    ///
+    /// # Errors
+    /// A call that failed.
+    pub fn create_target(
+        &self,
+        extent: [u32; 2],
+        colors: &[vk::ImageView],
+        depths: &[vk::ImageView],
+    ) -> Result<RenderTarget, Error> {
+        self.create_target_with_density_maps(extent, colors, depths, &[])
+    }
+
+    /// Creates a render target with a density map for each image; the maps are ignored if
+    /// [`Renderer::format`] is without.
+    ///
+    /// # Errors
+    /// [`Error::NoDensityMap`], or a call that failed.
+    pub fn create_target_with_density_maps(
+        &self,
+        extent: [u32; 2],
+        colors: &[vk::ImageView],
+        depths: &[vk::ImageView],
+        densities: &[vk::ImageView],
+    ) -> Result<RenderTarget, Error> {
+        let parts = TargetResources {
+            gpu: &self.gpu,
+            format: &self.format,
+            march_starts: &self.march_starts,
+            frame: &self.frame,
+            pipelines: &self.pipelines,
+            textures: &self.textures,
+            shadow: &self.shadow,
+        };
+        let views = TargetViews { colors, depths, densities };
+        RenderTarget::new(&parts, extent, &views, self.ring.iter().map(|slot| &slot.uniform))
+    }
+
+    /// Begins a frame: waits for the fence of the frame before the last.
+    ///
+    /// # Errors
+    /// A lost device.
+    pub fn begin_frame(&mut self) -> Result<(), Error> {
+        let slot = &mut self.ring[self.slot_index];
+        if slot.is_submitted {
+            let fences = [slot.fence.raw];
+            // SAFETY: the fence is this device's.
+            unsafe { self.gpu.device.wait_for_fences(&fences, true, u64::MAX) }
+                .context("wait for a frame")?;
+            slot.is_submitted = false;
+        }
+        if slot.has_picture {
+            (self.frame_times, self.fragment_counts) = (slot.timers.read(), slot.counters.read());
+        }
+        slot.has_picture = false;
+        slot.staging.clear();
+        self.overlay.begin_frame(self.slot_index);
+        Ok(())
+    }
+
+    /// Stages a region's bytes for upload in the current frame. False, without effect, if there is no
+    /// room.
+    #[must_use]
+    pub fn stage_upload(&mut self, region: Region, bytes: &[u8]) -> bool {
+        debug_assert_eq!(region.bytes(), bytes.len(), "a region's bytes");
+        self.ring[self.slot_index].staging.push(region, bytes)
+    }
+
+    /// Uploads a region of any size now, in as many submissions as it takes, without drawing.
+    ///
+    /// # Errors
+    /// A lost device.
+    pub fn upload_now(&mut self, region: Region, bytes: &[u8]) -> Result<(), Error> {
+        let layer = bytes.len() / region.size[2] as usize;
+        let layers = (FRAME_UPLOAD_BYTES / layer).max(1);
+        for (i, part) in bytes.chunks(layers * layer).enumerate() {
+            let mut piece = region;
+            piece.min[2] += (i * layers) as u32;
+            piece.size[2] = (part.len() / layer) as u32;
+            self.begin_frame()?;
+            let fits = self.stage_upload(piece, part);
+            assert!(fits, "a layer of a texture is larger than a frame's staging memory");
+            self.submit_frame(FrameSemaphores::default(), |_, _| ())?;
+        }
+        Ok(())
+    }
+
+    /// Records and submits the current frame, with the uploads staged since [`begin_frame`]; `image` is
+    /// the index of the target's image.
+    ///
+    /// [`begin_frame`]: Renderer::begin_frame
+    ///
+    /// # Errors
+    /// A lost device.
+    pub fn draw_frame(
+        &mut self,
+        picture: &FrameRequest<'_>,
+        target: &RenderTarget,
+        image: usize,
+        sync: FrameSemaphores,
+    ) -> Result<(), Error> {
+        let bytes = uniforms::frame_uniforms(picture, self.grid_side, target.extent);
+        let slot = &mut self.ring[self.slot_index];
+        slot.uniform.write(0, bytemuck::bytes_of(&bytes));
+        if let Some(scene) = picture.scene {
+            slot.instances.write(0, bytemuck::cast_slice(scene.instances()));
+        }
+        let at = self.slot_index;
+        self.submit_frame(sync, |renderer, commands| {
+            renderer.record_shadow_map(commands, picture.scene, target.sets[at]);
+            renderer.ring[at].timers.write_timestamp(commands, Timestamp::Shadowed);
+            if picture.style.path == RenderPath::Fast {
+                renderer.record_march_starts(commands, target);
+            }
+            renderer.ring[at].timers.write_timestamp(commands, Timestamp::Tiled);
+            renderer.record_frame_pass(commands, picture, target, image);
+            renderer.ring[at].has_picture = true;
+        })
+    }
+
+    /// Waits until the device is idle; returns the GPU times of the latest frame.
+    ///
+    /// # Errors
+    /// A lost device.
+    pub fn finish_frames(&mut self) -> Result<FrameTimes, Error> {
+        self.gpu.wait_idle()?;
+        let slot = &self.ring[(self.slot_index + RING - 1) % RING];
+        if slot.has_picture {
+            (self.frame_times, self.fragment_counts) = (slot.timers.read(), slot.counters.read());
+        }
+        Ok(self.frame_times)
+    }
+
+    /// Records the uploads and what `record` adds, submits, and advances the ring.
+    fn submit_frame(
+        &mut self,
+        sync: FrameSemaphores,
+        record: impl FnOnce(&mut Self, vk::CommandBuffer),
+    ) -> Result<(), Error> {
+        let gpu = self.gpu.clone();
+        let slot = &mut self.ring[self.slot_index];
+        let (commands, fence) = (slot.commands, slot.fence.raw);
+        let info = vk::CommandBufferBeginInfo::default()
+            .flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
+        // SAFETY: the frame's fence has passed, so its commands are free.
+        unsafe { gpu.device.begin_command_buffer(commands, &info) }.context("record")?;
+        slot.timers.reset(commands);
+        slot.counters.reset(commands);
+        slot.timers.write_timestamp(commands, Timestamp::Begin);
+        let scatter = self.scatter.as_mut();
+        record_uploads(&mut self.textures, commands, &slot.staging, scatter, self.slot_index);
+        self.overlay.record_atlas_copies(commands);
+        slot.timers.write_timestamp(commands, Timestamp::Uploaded);
+        record(self, commands);
+        self.ring[self.slot_index].timers.write_timestamp(commands, Timestamp::End);
+        // SAFETY: the commands are being recorded.
+        unsafe { gpu.device.end_command_buffer(commands) }.context("record")?;
+        let buffers = [commands];
+        let (waits, signals) = (sync.wait.as_slice(), sync.signal.as_slice());
+        let stages = [vk::PipelineStageFlags::COLOR_ATTACHMENT_OUTPUT];
+        let info = vk::SubmitInfo::default()
+            .command_buffers(&buffers)
+            .wait_semaphores(waits)
+            .wait_dst_stage_mask(&stages[..waits.len()])
+            .signal_semaphores(signals);
+        // SAFETY: the fence has passed, and the queue is used by one thread.
+        unsafe {
+            gpu.device.reset_fences(&[fence]).context("reset a fence")?;
+            gpu.device.queue_submit(gpu.queue, &[info], fence).context("submit a frame")?;
+        }
+        self.ring[self.slot_index].is_submitted = true;
+        self.slot_index = (self.slot_index + 1) % RING;
+        Ok(())
+    }
+}
+
+impl Meshes {
+    fn new(gpu: &Arc<Gpu>) -> Result<Self, Error> {
+        let constant = |bytes, usage| Buffer::new_device_local(gpu, bytes, usage);
+        let vertices = bytemuck::cast_slice(meshes::all_vertices());
+        let indices = bytemuck::cast_slice(meshes::all_indices());
+        Ok(Meshes {
+            vertices: constant(vertices, vk::BufferUsageFlags::VERTEX_BUFFER)?,
+            indices: constant(indices, vk::BufferUsageFlags::INDEX_BUFFER)?,
+        })
+    }
+}
+
+impl Drop for Renderer {
+    fn drop(&mut self) {
+        // A lost device has nothing under way.
+        let _ = self.gpu.wait_idle();
+    }
+}

@@ -1,0 +1,151 @@
+//! What a shell requests of a frame: eyes, the sculpture's placement, light, render path and scene.
+
+use glam::{Mat4, Quat, Vec3, Vec4};
+
+use crate::constants::{AMBIENT_HARMONICS, SUN_COLOR, SUN_DIRECTION};
+use crate::gpu::pipelines::paths::RenderPath;
+use crate::scene::SculpturePlacement;
+use crate::scene::{DrawList, ROOM_AMBIENT};
+
+/// Distance of the near plane, in metres.
+pub(crate) const NEAR: f32 = 0.04;
+/// Distance of the far plane, in metres.
+pub(crate) const FAR: f32 = 60.0;
+
+/// Field of view, as OpenXR's `XrFovf`: angles from the eye's axis to the sides of its picture, in
+/// radians, positive to the right and up.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Fov {
+    /// To the left side; mostly negative.
+    pub left: f32,
+    /// To the right side.
+    pub right: f32,
+    /// To the upper side.
+    pub up: f32,
+    /// To the lower side; mostly negative.
+    pub down: f32,
+}
+
+/// An eye in the room, looking along its own -z.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Eye {
+    /// Where it is, in metres.
+    pub position: Vec3,
+    /// How it is turned.
+    pub rotation: Quat,
+    /// What it sees.
+    pub fov: Fov,
+}
+
+/// Draw order of the sculpture among the opaque parts of the scene. The picture stays the same; what
+/// differs is the overdraw.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub enum SculptureOrder {
+    /// After tools and hands, before stool, bench and room.
+    #[default]
+    Between,
+    /// Before all.
+    First,
+    /// After all.
+    Last,
+}
+
+/// Render path and lighting.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct RenderStyle {
+    /// The sculpture's render path.
+    pub path: RenderPath,
+    /// Unit vector towards the sun, in the room.
+    pub sun_direction: Vec3,
+    /// The sun's irradiance at normal incidence, over pi.
+    pub sun_color: Vec3,
+    /// Ambient radiance as spherical harmonics, as `constants::AMBIENT_HARMONICS`.
+    pub ambient: [[f32; 3]; 9],
+}
+
+impl Default for RenderStyle {
+    fn default() -> Self {
+        RenderStyle {
+            path: RenderPath::default(),
+            sun_direction: Vec3::from_array(SUN_DIRECTION),
+            sun_color: Vec3::from_array(SUN_COLOR),
+            ambient: AMBIENT_HARMONICS,
+        }
+    }
+}
+
+impl RenderStyle {
+    /// The studio's light with a render path: the sun dimmed and the ambient light raised, so that
+    /// sunlit white stone keeps its shading and the room is not gloomy.
+    #[must_use]
+    pub fn in_studio(path: RenderPath) -> Self {
+        const SUN: f32 = 0.74;
+        const ROOM: f32 = 1.2;
+        let sun_color = Vec3::from_array(SUN_COLOR) * SUN;
+        let ambient = ROOM_AMBIENT.map(|color| color.map(|part| part * ROOM));
+        RenderStyle { path, sun_color, ambient, ..RenderStyle::default() }
+    }
+}
+
+/// What a frame shows.
+#[derive(Clone, Copy, Debug)]
+pub struct FrameRequest<'a> {
+    /// One eye, or the left and the right one: as many as the format has views.
+    pub eyes: &'a [Eye],
+    /// The sculpture's placement.
+    pub placement: SculpturePlacement,
+    /// Render path and lighting.
+    pub style: RenderStyle,
+    /// The room and its contents; None draws the sculpture alone, without shadows from or on anything
+    /// else.
+    pub scene: Option<&'a DrawList>,
+    /// Linear colour of what nothing covers.
+    pub backdrop: [f32; 3],
+}
+
+impl FrameRequest<'_> {
+    /// Whether the sculpture is drawn: not from far beyond the far plane, where a step along a ray
+    /// would be below float precision and the march would not end.
+    pub(crate) fn shows_sculpture(&self) -> bool {
+        let near = |eye: &Eye| eye.position.distance(self.placement.foot) < 10.0 * FAR;
+        self.eyes.iter().all(near)
+    }
+}
+
+impl SculpturePlacement {
+    /// Transform from the grid (voxels, `grid_side` a side) to the room (metres).
+    #[must_use]
+    pub fn room_from_grid(&self, grid_side: usize) -> Mat4 {
+        let half = 0.5 * grid_side as f32;
+        Mat4::from_translation(self.foot)
+            * Mat4::from_rotation_y(self.turn_radians)
+            * Mat4::from_scale(Vec3::splat(self.side / grid_side as f32))
+            * Mat4::from_translation(Vec3::new(-half, 0.0, -half))
+    }
+}
+
+impl Eye {
+    /// Distances of the near and the far plane, in metres.
+    pub const PLANES: [f32; 2] = [NEAR, FAR];
+
+    /// View-projection matrix from the room to Vulkan's clip space; reversed depth, 1 on the near plane
+    /// and 0 on the far one.
+    #[must_use]
+    pub fn clip_from_room(&self) -> Mat4 {
+        let [l, r, u, d] = self.tangents();
+        let (width, height) = (r - l, u - d);
+        // Vulkan's y points down.
+        let projection = Mat4::from_cols(
+            Vec4::new(2.0 / width, 0.0, 0.0, 0.0),
+            Vec4::new(0.0, -2.0 / height, 0.0, 0.0),
+            Vec4::new((r + l) / width, -(u + d) / height, NEAR / (FAR - NEAR), -1.0),
+            Vec4::new(0.0, 0.0, NEAR * FAR / (FAR - NEAR), 0.0),
+        );
+        projection * Mat4::from_rotation_translation(self.rotation, self.position).inverse()
+    }
+
+    /// The tangents of the angles to its sides: left, right, up and down.
+    pub(crate) fn tangents(&self) -> [f32; 4] {
+        [self.fov.left, self.fov.right, self.fov.up, self.fov.down].map(f32::tan)
+    }
+}

@@ -1,0 +1,60 @@
+//! One frame of the renderer's ring: command buffer, fence, buffers and queries.
+
+use std::sync::Arc;
+
+use ash::vk;
+
+use crate::gpu::device::context::Gpu;
+use crate::gpu::device::error::{Error, ErrorContext};
+use crate::gpu::device::owned::OwnedHandle;
+use crate::gpu::memory::buffer::Buffer;
+use crate::gpu::memory::staging::Staging;
+use crate::gpu::passes::fragments::FragmentQueries;
+use crate::gpu::passes::timers::TimestampQueries;
+use crate::gpu::pipelines::layout::FrameUniforms;
+use crate::limits::INSTANCES;
+use crate::scene::MeshInstance;
+
+/// One frame of the ring.
+pub(crate) struct FrameSlot {
+    pub(crate) commands: vk::CommandBuffer,
+    /// Signaled when the submitted commands are done.
+    pub(crate) fence: OwnedHandle<vk::Fence>,
+    pub(crate) is_submitted: bool,
+    pub(crate) uniform: Buffer,
+    /// The scene's mesh instances.
+    pub(crate) instances: Buffer,
+    pub(crate) staging: Staging,
+    pub(crate) timers: TimestampQueries,
+    pub(crate) counters: FragmentQueries,
+    /// Whether its commands drew a picture, and so wrote every timestamp.
+    pub(crate) has_picture: bool,
+}
+
+impl FrameSlot {
+    /// Allocates a command buffer from a pool, and queries for a number of views.
+    pub(crate) fn new(gpu: &Arc<Gpu>, pool: vk::CommandPool, views: u32) -> Result<Self, Error> {
+        let device = &gpu.device;
+        let info =
+            vk::CommandBufferAllocateInfo::default().command_pool(pool).command_buffer_count(1);
+        // SAFETY: the pool is this device's.
+        let commands =
+            unsafe { device.allocate_command_buffers(&info) }.context("make a command buffer")?[0];
+        let info = vk::FenceCreateInfo::default();
+        // SAFETY: the info is complete.
+        let fence = unsafe { device.create_fence(&info, None) }.context("make a fence")?;
+        let uniform = vk::BufferUsageFlags::UNIFORM_BUFFER;
+        let vertices = vk::BufferUsageFlags::VERTEX_BUFFER;
+        Ok(FrameSlot {
+            commands,
+            fence: OwnedHandle::new(gpu, fence),
+            is_submitted: false,
+            uniform: Buffer::new(gpu, size_of::<FrameUniforms>(), uniform)?,
+            instances: Buffer::new(gpu, INSTANCES * size_of::<MeshInstance>(), vertices)?,
+            staging: Staging::new(gpu)?,
+            timers: TimestampQueries::new(gpu)?,
+            counters: FragmentQueries::new(gpu, views)?,
+            has_picture: false,
+        })
+    }
+}

@@ -1,0 +1,125 @@
+//! Renders a world: its volume's textures and its scene, updated each tick, drawn each frame.
+
+use std::sync::Arc;
+
+use glam::Vec3;
+use paros_core::{Grid, Size, World, WorldEvent};
+
+use super::renderer::{FrameSemaphores, Renderer};
+use super::request::{Eye, FrameRequest, RenderStyle};
+use crate::field::{Budget, DensityField};
+use crate::gpu::device::context::Gpu;
+use crate::gpu::device::error::Error;
+use crate::gpu::device::format::TargetFormat;
+use crate::gpu::passes::target::RenderTarget;
+use crate::gpu::pipelines::paths::RenderPath;
+use crate::scene::{LatestInput, SKY, SceneAssembler};
+use crate::twin::render::tone_map;
+
+/// A renderer with the textures and the scene of a world.
+#[derive(Debug)]
+pub struct WorldRenderer<const N: usize>
+where
+    Grid<N>: Size,
+{
+    /// The renderer, with its overlay.
+    pub renderer: Renderer,
+    field: Box<DensityField<N>>,
+    /// Whether the volume was replaced: all textures are rebuilt before the next frame.
+    anew: bool,
+    scene: Box<SceneAssembler>,
+}
+
+/// From where and how a frame shows the world.
+#[derive(Clone, Copy, Debug)]
+pub struct Viewpoint<'a> {
+    /// One eye for each view of the format.
+    pub eyes: &'a [Eye],
+    /// What is newer than the last tick.
+    pub latest: LatestInput,
+    /// The sculpture's render path.
+    pub render_path: RenderPath,
+}
+
+impl<const N: usize> WorldRenderer<N>
+where
+    Grid<N>: Size,
+{
+    /// Creates the renderer and uploads a world's volume. `cache` is the result of
+    /// [`Renderer::pipeline_cache_data`] at an earlier start, or empty.
+    ///
+    /// # Errors
+    /// A call that failed; out of memory, most likely.
+    pub fn new(
+        gpu: &Arc<Gpu>,
+        format: TargetFormat,
+        world: &World<N>,
+        cache: &[u8],
+    ) -> Result<Self, Error> {
+        let renderer = Renderer::new(gpu, format, N, cache)?;
+        let mut scene = Box::new(SceneAssembler::new());
+        scene.follow_tick(world);
+        let mut show =
+            WorldRenderer { renderer, field: Box::new(DensityField::new()), anew: false, scene };
+        show.upload_volume(world)?;
+        Ok(show)
+    }
+
+    /// Notes what a tick changed; call it after each tick.
+    pub fn note_tick(&mut self, world: &World<N>) {
+        self.field.note_changes(world.volume().maps(), world.dirty_rects());
+        self.anew |= world.events().iter().any(|event| matches!(event, WorldEvent::Started(_)));
+        self.scene.follow_tick(world);
+    }
+
+    /// Begins a frame: waits for the fence of the frame before the last.
+    ///
+    /// # Errors
+    /// A lost device.
+    pub fn begin_frame(&mut self, world: &World<N>) -> Result<(), Error> {
+        if core::mem::take(&mut self.anew) {
+            self.upload_volume(world)?;
+        }
+        self.renderer.begin_frame()
+    }
+
+    /// Draws the current frame into an image of a render target.
+    ///
+    /// # Errors
+    /// A lost device.
+    pub fn draw_frame(
+        &mut self,
+        world: &World<N>,
+        seen: &Viewpoint<'_>,
+        target: &RenderTarget,
+        image: usize,
+        sync: FrameSemaphores,
+    ) -> Result<(), Error> {
+        let renderer = &mut self.renderer;
+        self.field.update_textures(Budget::per_frame(N), &mut |region, bytes| {
+            let fits = renderer.stage_upload(region, bytes);
+            debug_assert!(fits, "a frame's budget is within what it can upload");
+        });
+        self.scene.assemble_frame(world, &seen.latest);
+        let picture = FrameRequest {
+            eyes: seen.eyes,
+            placement: self.scene.sculpture_placement(),
+            style: RenderStyle::in_studio(seen.render_path),
+            backdrop: tone_map(Vec3::from_array(SKY)).to_array(),
+            scene: Some(self.scene.draw_list()),
+        };
+        self.renderer.draw_frame(&picture, target, image, sync)
+    }
+
+    /// Rebuilds and uploads all textures of a world's volume.
+    fn upload_volume(&mut self, world: &World<N>) -> Result<(), Error> {
+        self.field.rebuild_from(world.volume().maps());
+        let mut loaded = Ok(());
+        self.field.emit_all_regions(|region, bytes| {
+            if loaded.is_ok() {
+                loaded = self.renderer.upload_now(region, bytes);
+            }
+        });
+        loaded
+    }
+}

@@ -1,0 +1,168 @@
+//! Images with a view each, each with its own memory allocation; layout transitions.
+
+use std::sync::Arc;
+
+use ash::vk;
+
+use super::buffer::allocate_memory;
+use crate::gpu::device::context::Gpu;
+use crate::gpu::device::error::{Error, ErrorContext};
+
+/// The parameters of an image.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ImageSpec {
+    pub(crate) format: vk::Format,
+    pub(crate) extent: [u32; 3],
+    pub(crate) layers: u32,
+    pub(crate) levels: u32,
+    pub(crate) samples: vk::SampleCountFlags,
+    pub(crate) usage: vk::ImageUsageFlags,
+}
+
+impl ImageSpec {
+    /// A 2D array image of one level and one sample, without usage flags.
+    pub(crate) const fn new_2d(format: vk::Format, [w, h]: [u32; 2], layers: u32) -> Self {
+        ImageSpec {
+            format,
+            extent: [w, h, 1],
+            layers,
+            levels: 1,
+            samples: vk::SampleCountFlags::TYPE_1,
+            usage: vk::ImageUsageFlags::empty(),
+        }
+    }
+
+    pub(crate) const fn with_usage(self, usage: vk::ImageUsageFlags) -> Self {
+        ImageSpec { usage, ..self }
+    }
+
+    const fn is_3d(&self) -> bool {
+        self.extent[2] > 1
+    }
+}
+
+/// A device-local image with a view of all levels and layers.
+pub(crate) struct GpuImage {
+    gpu: Arc<Gpu>,
+    pub(crate) raw: vk::Image,
+    pub(crate) view: vk::ImageView,
+    memory: vk::DeviceMemory,
+    pub(crate) shape: ImageSpec,
+}
+
+impl GpuImage {
+    pub(crate) fn new(gpu: &Arc<Gpu>, shape: ImageSpec) -> Result<Self, Error> {
+        let solid = shape.is_3d();
+        let [width, height, depth] = shape.extent;
+        let info = vk::ImageCreateInfo::default()
+            .image_type(if solid { vk::ImageType::TYPE_3D } else { vk::ImageType::TYPE_2D })
+            .format(shape.format)
+            .extent(vk::Extent3D { width, height, depth })
+            .mip_levels(shape.levels)
+            .array_layers(shape.layers)
+            .samples(shape.samples)
+            .usage(shape.usage);
+        // SAFETY: the device is alive and the info complete.
+        let raw = unsafe { gpu.device.create_image(&info, None) }.context("make an image")?;
+        let mut image = GpuImage {
+            gpu: gpu.clone(),
+            raw,
+            view: vk::ImageView::null(),
+            memory: vk::DeviceMemory::null(),
+            shape,
+        };
+        // SAFETY: the image was made on this device.
+        let needs = unsafe { gpu.device.get_image_memory_requirements(raw) };
+        let mut kind = vk::MemoryPropertyFlags::DEVICE_LOCAL;
+        if shape.usage.contains(vk::ImageUsageFlags::TRANSIENT_ATTACHMENT) {
+            kind |= vk::MemoryPropertyFlags::LAZILY_ALLOCATED;
+        }
+        image.memory = allocate_memory(gpu, needs, kind)?;
+        // SAFETY: the memory fits the image's requirements and is bound once.
+        unsafe { gpu.device.bind_image_memory(raw, image.memory, 0) }.context("bind an image")?;
+        let kind =
+            if solid { vk::ImageViewType::TYPE_3D } else { vk::ImageViewType::TYPE_2D_ARRAY };
+        let info = vk::ImageViewCreateInfo::default()
+            .image(raw)
+            .view_type(kind)
+            .format(shape.format)
+            .subresource_range(image.full_range());
+        // SAFETY: the image is bound.
+        image.view =
+            unsafe { gpu.device.create_image_view(&info, None) }.context("view an image")?;
+        Ok(image)
+    }
+
+    /// The subresource range of the whole image.
+    pub(crate) fn full_range(&self) -> vk::ImageSubresourceRange {
+        vk::ImageSubresourceRange {
+            aspect_mask: aspect_of(self.shape.format),
+            base_mip_level: 0,
+            level_count: self.shape.levels,
+            base_array_layer: 0,
+            layer_count: self.shape.layers,
+        }
+    }
+}
+
+impl GpuImage {
+    /// A layout transition of the whole image; accesses are derived from the layouts.
+    pub(crate) fn layout_barrier(
+        &self,
+        from: vk::ImageLayout,
+        to: vk::ImageLayout,
+    ) -> vk::ImageMemoryBarrier<'static> {
+        vk::ImageMemoryBarrier::default()
+            .image(self.raw)
+            .subresource_range(self.full_range())
+            .old_layout(from)
+            .new_layout(to)
+            .src_access_mask(stage_and_access(from).1)
+            .dst_access_mask(stage_and_access(to).1)
+            .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+            .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+    }
+}
+
+impl Drop for GpuImage {
+    fn drop(&mut self) {
+        // SAFETY: the owner waits for the device before it drops what was submitted.
+        unsafe {
+            self.gpu.device.destroy_image_view(self.view, None);
+            self.gpu.device.destroy_image(self.raw, None);
+            self.gpu.device.free_memory(self.memory, None);
+        }
+    }
+}
+
+/// The aspect of a format: depth or colour.
+pub(crate) const fn aspect_of(format: vk::Format) -> vk::ImageAspectFlags {
+    match format {
+        vk::Format::D16_UNORM | vk::Format::D32_SFLOAT | vk::Format::X8_D24_UNORM_PACK32 => {
+            vk::ImageAspectFlags::DEPTH
+        }
+        _ => vk::ImageAspectFlags::COLOR,
+    }
+}
+
+/// The pipeline stages and accesses that use an image in a layout.
+pub(crate) fn stage_and_access(
+    layout: vk::ImageLayout,
+) -> (vk::PipelineStageFlags, vk::AccessFlags) {
+    match layout {
+        vk::ImageLayout::TRANSFER_DST_OPTIMAL => {
+            (vk::PipelineStageFlags::TRANSFER, vk::AccessFlags::TRANSFER_WRITE)
+        }
+        vk::ImageLayout::TRANSFER_SRC_OPTIMAL => {
+            (vk::PipelineStageFlags::TRANSFER, vk::AccessFlags::TRANSFER_READ)
+        }
+        vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL => (
+            vk::PipelineStageFlags::VERTEX_SHADER | vk::PipelineStageFlags::FRAGMENT_SHADER,
+            vk::AccessFlags::SHADER_READ,
+        ),
+        vk::ImageLayout::GENERAL => {
+            (vk::PipelineStageFlags::COMPUTE_SHADER, vk::AccessFlags::SHADER_WRITE)
+        }
+        _ => (vk::PipelineStageFlags::TOP_OF_PIPE, vk::AccessFlags::empty()),
+    }
+}

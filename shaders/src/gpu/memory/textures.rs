@@ -1,0 +1,259 @@
+//! The sculpture's textures on the device, their layout transitions and copies.
+
+use std::sync::Arc;
+
+use ash::vk;
+
+use super::image::{GpuImage, ImageSpec, stage_and_access};
+use super::staging::Staging;
+use crate::constants::{MAP_BORDER_COLUMNS, NOISE_TEXELS};
+use crate::field::{LEVELS, PAD, cell_side};
+use crate::gpu::device::context::Gpu;
+use crate::gpu::device::error::{Error, ErrorContext};
+use crate::gpu::device::owned::OwnedHandle;
+use crate::upload::{Region, Texture};
+
+/// Number of textures.
+pub(crate) const TEXTURE_COUNT: usize = 5;
+const STORAGE: vk::ImageUsageFlags = vk::ImageUsageFlags::STORAGE;
+
+/// The textures of a sculpture, and the samplers that read them.
+pub(crate) struct SculptureTextures {
+    gpu: Arc<Gpu>,
+    pub(crate) maps: GpuImage,
+    pub(crate) density: GpuImage,
+    pub(crate) cells: GpuImage,
+    pub(crate) noise: GpuImage,
+    pub(crate) marble: GpuImage,
+    pub(crate) linear_clamp: OwnedHandle<vk::Sampler>,
+    pub(crate) linear_repeat: OwnedHandle<vk::Sampler>,
+    pub(crate) nearest_clamp: OwnedHandle<vk::Sampler>,
+    cleared: bool,
+}
+
+impl SculptureTextures {
+    pub(crate) fn new(gpu: &Arc<Gpu>, grid_side: u32, marble_side: u32) -> Result<Self, Error> {
+        let usage = vk::ImageUsageFlags::SAMPLED
+            | vk::ImageUsageFlags::TRANSFER_DST
+            | vk::ImageUsageFlags::TRANSFER_SRC;
+        let written = match gpu.features.storage_writes {
+            true => usage | STORAGE,
+            false => usage,
+        };
+        let solid = |format, side: u32, levels, usage| {
+            let shape =
+                ImageSpec { extent: [side; 3], levels, ..ImageSpec::new_2d(format, [side; 2], 1) };
+            GpuImage::new(gpu, shape.with_usage(usage))
+        };
+        let byte = vk::Format::R8_UNORM;
+        let flat =
+            ImageSpec::new_2d(vk::Format::R8G8_UINT, [grid_side + 2 * MAP_BORDER_COLUMNS; 2], 3);
+        let sampler = |filter, mode| create_sampler(gpu, filter, mode);
+        let (edge, repeat) =
+            (vk::SamplerAddressMode::CLAMP_TO_EDGE, vk::SamplerAddressMode::REPEAT);
+        Ok(SculptureTextures {
+            gpu: gpu.clone(),
+            maps: GpuImage::new(gpu, flat.with_usage(usage))?,
+            density: solid(byte, grid_side + 2 * PAD as u32, LEVELS as u32, written)?,
+            cells: solid(
+                byte,
+                (grid_side + 2 * PAD as u32) / cell_side(grid_side as usize) as u32,
+                1,
+                written,
+            )?,
+            noise: solid(vk::Format::R8_SNORM, NOISE_TEXELS as u32, 1, usage)?,
+            marble: solid(byte, marble_side, 1, usage)?,
+            linear_clamp: sampler(vk::Filter::LINEAR, edge)?,
+            linear_repeat: sampler(vk::Filter::LINEAR, repeat)?,
+            nearest_clamp: sampler(vk::Filter::NEAREST, edge)?,
+            cleared: false,
+        })
+    }
+
+    /// Records a clear of all textures on the first call; later calls do nothing.
+    pub(crate) fn record_clear_once(&mut self, commands: vk::CommandBuffer) {
+        if !self.cleared {
+            self.record_clear(commands);
+            self.cleared = true;
+        }
+    }
+
+    /// Which images have storage usage.
+    pub(crate) fn storage_images(&self) -> [bool; TEXTURE_COUNT] {
+        self.images().map(|image| image.shape.usage.contains(STORAGE))
+    }
+
+    /// Records copies of the staged regions for which `is_copied` holds.
+    pub(crate) fn record_copies(
+        &self,
+        commands: vk::CommandBuffer,
+        staging: &Staging,
+        is_copied: impl Fn(&Region) -> bool,
+    ) {
+        let mut unordered = 0;
+        for (i, (region, at)) in staging.regions.iter().enumerate() {
+            if !is_copied(region) {
+                continue;
+            }
+            // Boxes computed one after the other may share a coarser texel, which the later has
+            // right; of copies without a barrier between them either may come last.
+            let earlier = &staging.regions[unordered..i];
+            if earlier.iter().any(|(other, _)| other.overlaps(region)) {
+                self.record_copy_barrier(commands);
+                unordered = i;
+            }
+            let (image, copy) = self.copy_region(region, *at);
+            // SAFETY: the image is in this layout, and the region lies within it and the buffer.
+            unsafe {
+                self.gpu.device.cmd_copy_buffer_to_image(
+                    commands,
+                    staging.buffer.raw,
+                    image,
+                    vk::ImageLayout::TRANSFER_DST_OPTIMAL,
+                    &[copy],
+                );
+            }
+        }
+    }
+
+    /// Records a barrier between copies: later ones write after earlier ones.
+    fn record_copy_barrier(&self, commands: vk::CommandBuffer) {
+        let copy = vk::PipelineStageFlags::TRANSFER;
+        let written = vk::MemoryBarrier::default()
+            .src_access_mask(vk::AccessFlags::TRANSFER_WRITE)
+            .dst_access_mask(vk::AccessFlags::TRANSFER_WRITE);
+        let none = vk::DependencyFlags::empty();
+        let device = &self.gpu.device;
+        // SAFETY: the commands are being recorded outside of a pass.
+        unsafe {
+            device.cmd_pipeline_barrier(commands, copy, copy, none, &[written], &[], &[]);
+        }
+    }
+
+    /// Which images have a staged region among those for which `among` holds.
+    pub(crate) fn staged_images(
+        &self,
+        staging: &Staging,
+        among: impl Fn(&Region) -> bool,
+    ) -> [bool; TEXTURE_COUNT] {
+        let holds = |image: &GpuImage, region| self.region_image(region).0.raw == image.raw;
+        let regions = || staging.regions.iter().map(|(region, _)| region).filter(|one| among(one));
+        self.images().map(|image| regions().any(|region| holds(image, region)))
+    }
+
+    /// The image and mip level of a region.
+    const fn region_image(&self, region: &Region) -> (&GpuImage, u32) {
+        match region.texture {
+            Texture::Maps => (&self.maps, 0),
+            Texture::Density(level) => (&self.density, level as u32),
+            Texture::Cells => (&self.cells, 0),
+            Texture::Noise => (&self.noise, 0),
+            Texture::Marble => (&self.marble, 0),
+        }
+    }
+
+    /// The image and copy command of a region, its bytes at `at` in a buffer.
+    pub(crate) fn copy_region(&self, region: &Region, at: u64) -> (vk::Image, vk::BufferImageCopy) {
+        let (image, level) = self.region_image(region);
+        let ([x, y, z], [width, height, depth]) = (region.min, region.size);
+        let is_maps = region.texture == Texture::Maps;
+        let (layer, layers, border) =
+            if is_maps { (z, depth, MAP_BORDER_COLUMNS) } else { (0, 1, 0) };
+        let (z, depth) = if is_maps { (0, 1) } else { (z, depth) };
+        let copy = vk::BufferImageCopy {
+            buffer_offset: at,
+            image_subresource: vk::ImageSubresourceLayers {
+                aspect_mask: vk::ImageAspectFlags::COLOR,
+                mip_level: level,
+                base_array_layer: layer,
+                layer_count: layers,
+            },
+            image_offset: vk::Offset3D {
+                x: (x + border) as i32,
+                y: (y + border) as i32,
+                z: z as i32,
+            },
+            image_extent: vk::Extent3D { width, height, depth },
+            ..vk::BufferImageCopy::default()
+        };
+        (image.raw, copy)
+    }
+
+    fn images(&self) -> [&GpuImage; TEXTURE_COUNT] {
+        [&self.maps, &self.density, &self.cells, &self.noise, &self.marble]
+    }
+
+    fn record_clear(&self, commands: vk::CommandBuffer) {
+        let write = vk::ImageLayout::TRANSFER_DST_OPTIMAL;
+        self.record_transition(commands, [true; TEXTURE_COUNT], vk::ImageLayout::UNDEFINED, write);
+        let zero = vk::ClearColorValue { uint32: [0; 4] };
+        for image in self.images() {
+            // SAFETY: the image is in this layout, and the range is all of it.
+            unsafe {
+                self.gpu.device.cmd_clear_color_image(
+                    commands,
+                    image.raw,
+                    write,
+                    &zero,
+                    &[image.full_range()],
+                );
+            }
+        }
+        self.record_transition(
+            commands,
+            [true; TEXTURE_COUNT],
+            write,
+            vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL,
+        );
+    }
+
+    /// Records layout transitions of some images, after their uses in the first layout.
+    pub(crate) fn record_transition(
+        &self,
+        commands: vk::CommandBuffer,
+        which: [bool; TEXTURE_COUNT],
+        from: vk::ImageLayout,
+        to: vk::ImageLayout,
+    ) {
+        let (from_stage, to_stage) = (stage_and_access(from).0, stage_and_access(to).0);
+        let mut barriers = [vk::ImageMemoryBarrier::default(); TEXTURE_COUNT];
+        let images = self.images().into_iter().zip(which).filter(|(_, is)| *is);
+        let count = barriers
+            .iter_mut()
+            .zip(images)
+            .map(|(one, (image, _))| *one = image.layout_barrier(from, to))
+            .count();
+        let none = vk::DependencyFlags::empty();
+        // SAFETY: the images are the device's, and in the layout `from` at this point.
+        unsafe {
+            self.gpu.device.cmd_pipeline_barrier(
+                commands,
+                from_stage,
+                to_stage,
+                none,
+                &[],
+                &[],
+                &barriers[..count],
+            );
+        }
+    }
+}
+
+/// A sampler without mip filtering, one address mode for all axes.
+fn create_sampler(
+    gpu: &Arc<Gpu>,
+    filter: vk::Filter,
+    mode: vk::SamplerAddressMode,
+) -> Result<OwnedHandle<vk::Sampler>, Error> {
+    let info = vk::SamplerCreateInfo::default()
+        .mag_filter(filter)
+        .min_filter(filter)
+        .mipmap_mode(vk::SamplerMipmapMode::NEAREST)
+        .address_mode_u(mode)
+        .address_mode_v(mode)
+        .address_mode_w(mode)
+        .max_lod(vk::LOD_CLAMP_NONE);
+    // SAFETY: the device is alive and the info complete.
+    let raw = unsafe { gpu.device.create_sampler(&info, None) }.context("make a sampler")?;
+    Ok(OwnedHandle::new(gpu, raw))
+}

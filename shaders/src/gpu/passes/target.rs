@@ -1,0 +1,240 @@
+//! Render targets: framebuffers and descriptor sets for the shell's images, transient attachments, and
+//! the images of march starts.
+
+use std::sync::Arc;
+
+use ash::vk;
+
+use super::render_pass::{MARCH_START_FORMAT, RenderPass, create_framebuffer};
+use super::shadow_map::ShadowMap;
+use crate::constants::{BEAM_PIXELS, TILE_PIXELS};
+use crate::gpu::device::context::Gpu;
+use crate::gpu::device::error::{Error, ErrorContext};
+use crate::gpu::device::format::TargetFormat;
+use crate::gpu::device::owned::OwnedHandle;
+use crate::gpu::memory::buffer::Buffer;
+use crate::gpu::memory::image::{GpuImage, ImageSpec};
+use crate::gpu::memory::textures::SculptureTextures;
+use crate::gpu::pipelines::graphics::{BINDING_TYPES, Pipelines};
+
+/// Framebuffers for the images of a swapchain, or for a single image; all have one size.
+pub struct RenderTarget {
+    gpu: Arc<Gpu>,
+    /// Pixels across and down.
+    pub extent: [u32; 2],
+    pub(crate) framebuffers: Vec<OwnedHandle<vk::Framebuffer>>,
+    /// March starts of the tiles, then of the beams within them.
+    pub(crate) march_starts: [MarchStarts; 2],
+    /// Descriptor sets, one for each frame of the ring.
+    pub(crate) sets: Vec<vk::DescriptorSet>,
+    pool: vk::DescriptorPool,
+    /// Multisampled colour and depth; transient attachments.
+    transient: Vec<GpuImage>,
+}
+
+/// An image of the depths at which marches start, with its framebuffer.
+pub(crate) struct MarchStarts {
+    pub(crate) framebuffer: OwnedHandle<vk::Framebuffer>,
+    pub(crate) extent: [u32; 2],
+    image: GpuImage,
+}
+
+/// Image views of the shell's images.
+pub(crate) struct TargetViews<'a> {
+    /// Each with as many layers as the format has views.
+    pub(crate) colors: &'a [vk::ImageView],
+    /// As many, where depth is kept; else none.
+    pub(crate) depths: &'a [vk::ImageView],
+    /// As many, where there are density maps.
+    pub(crate) densities: &'a [vk::ImageView],
+}
+
+/// The renderer's objects that a render target refers to.
+pub(crate) struct TargetResources<'a> {
+    pub(crate) gpu: &'a Arc<Gpu>,
+    pub(crate) format: &'a TargetFormat,
+    pub(crate) march_starts: &'a RenderPass,
+    pub(crate) frame: &'a RenderPass,
+    pub(crate) pipelines: &'a Pipelines,
+    pub(crate) textures: &'a SculptureTextures,
+    pub(crate) shadow: &'a ShadowMap,
+}
+
+impl core::fmt::Debug for RenderTarget {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("Surface").field("extent", &self.extent).finish_non_exhaustive()
+    }
+}
+
+impl RenderTarget {
+    /// Creates a target for the shell's image views; `uniforms` has a buffer for each frame of the ring.
+    pub(crate) fn new<'b>(
+        parts: &TargetResources<'_>,
+        extent: [u32; 2],
+        views: &TargetViews<'_>,
+        uniforms: impl Iterator<Item = &'b Buffer>,
+    ) -> Result<Self, Error> {
+        let (gpu, format) = (parts.gpu, parts.format);
+        let (images, maps) = (views.colors.len(), views.densities.len());
+        if format.density_map && images != maps {
+            return Err(Error::NoDensityMap { images, maps });
+        }
+        let march_starts = |width: u32| {
+            let across = extent.map(|pixels| pixels.div_ceil(width));
+            MarchStarts::new(gpu, parts.march_starts, across, format.views)
+        };
+        let mut target = RenderTarget {
+            gpu: gpu.clone(),
+            extent,
+            framebuffers: Vec::new(),
+            march_starts: [march_starts(TILE_PIXELS)?, march_starts(BEAM_PIXELS)?],
+            sets: Vec::new(),
+            pool: vk::DescriptorPool::null(),
+            transient: Vec::new(),
+        };
+        target.create_transient_images(format, views.depths.is_empty())?;
+        for i in 0..images {
+            let attachments = target.framebuffer_attachments(format, views, i);
+            target.framebuffers.push(create_framebuffer(gpu, parts.frame, extent, &attachments)?);
+        }
+        target.allocate_sets(parts, uniforms)?;
+        Ok(target)
+    }
+
+    fn create_transient_images(
+        &mut self,
+        format: &TargetFormat,
+        with_depth: bool,
+    ) -> Result<(), Error> {
+        let transient = vk::ImageUsageFlags::TRANSIENT_ATTACHMENT;
+        let shape = |of, usage| ImageSpec {
+            samples: format.sample_count(),
+            ..ImageSpec::new_2d(of, self.extent, format.views).with_usage(usage | transient)
+        };
+        let mut shapes = Vec::new();
+        if format.samples > 1 {
+            shapes.push(shape(format.color, vk::ImageUsageFlags::COLOR_ATTACHMENT));
+        }
+        if with_depth {
+            let usage = vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT;
+            shapes.push(shape(TargetFormat::choose_depth(&self.gpu), usage));
+        }
+        for shape in shapes {
+            self.transient.push(GpuImage::new(&self.gpu, shape)?);
+        }
+        Ok(())
+    }
+
+    /// The image views of framebuffer `i`, in the order of the pass's attachments: colour, depth,
+    /// resolved colour, density map.
+    fn framebuffer_attachments(
+        &self,
+        format: &TargetFormat,
+        views: &TargetViews<'_>,
+        i: usize,
+    ) -> Vec<vk::ImageView> {
+        let (color, depth) = (views.colors[i], views.depths.get(i).copied());
+        let mut transient = self.transient.iter().map(|image| image.view);
+        let drawn = if format.samples > 1 { transient.next() } else { Some(color) };
+        let depth = depth.or_else(|| transient.next());
+        let resolved = (format.samples > 1).then_some(color);
+        let density = format.density_map.then(|| views.densities[i]);
+        [drawn, depth, resolved, density].into_iter().flatten().collect()
+    }
+
+    fn allocate_sets<'b>(
+        &mut self,
+        parts: &TargetResources<'_>,
+        uniforms: impl Iterator<Item = &'b Buffer>,
+    ) -> Result<(), Error> {
+        let uniforms: Vec<&Buffer> = uniforms.collect();
+        let count = uniforms.len() as u32;
+        let size = |ty| {
+            let each = BINDING_TYPES.iter().filter(|kind| **kind == ty).count() as u32;
+            vk::DescriptorPoolSize { ty, descriptor_count: each * count }
+        };
+        let sizes = [
+            size(vk::DescriptorType::UNIFORM_BUFFER),
+            size(vk::DescriptorType::SAMPLED_IMAGE),
+            size(vk::DescriptorType::SAMPLER),
+        ];
+        let info = vk::DescriptorPoolCreateInfo::default().max_sets(2 * count).pool_sizes(&sizes);
+        let device = &self.gpu.device;
+        // SAFETY: the info is complete.
+        self.pool = unsafe { device.create_descriptor_pool(&info, None) }.context("make a pool")?;
+        let layouts = vec![parts.pipelines.set_layout; uniforms.len()];
+        let info = vk::DescriptorSetAllocateInfo::default()
+            .descriptor_pool(self.pool)
+            .set_layouts(&layouts);
+        // SAFETY: the pool has room for these sets.
+        self.sets = unsafe { device.allocate_descriptor_sets(&info) }.context("make sets")?;
+        for (set, uniform) in self.sets.iter().zip(uniforms) {
+            self.write_set(*set, parts, uniform);
+        }
+        Ok(())
+    }
+
+    fn write_set(&self, set: vk::DescriptorSet, parts: &TargetResources<'_>, uniform: &Buffer) {
+        let (textures, shadow) = (parts.textures, parts.shadow);
+        let buffer =
+            [vk::DescriptorBufferInfo::default().buffer(uniform.raw).range(vk::WHOLE_SIZE)];
+        let image = |view| {
+            [vk::DescriptorImageInfo::default()
+                .image_view(view)
+                .image_layout(vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL)]
+        };
+        let sampler = |sampler| [vk::DescriptorImageInfo::default().sampler(sampler)];
+        let images = [
+            (1, image(textures.maps.view)),
+            (2, image(textures.density.view)),
+            (3, image(textures.cells.view)),
+            (4, image(textures.noise.view)),
+            (7, image(self.march_starts[0].image.view)),
+            (8, image(textures.marble.view)),
+            (10, image(self.march_starts[1].image.view)),
+            (11, image(shadow.image.view)),
+        ];
+        let samplers = [
+            (5, sampler(textures.linear_clamp.raw)),
+            (6, sampler(textures.nearest_clamp.raw)),
+            (9, sampler(textures.linear_repeat.raw)),
+            (12, sampler(shadow.sampler.raw)),
+        ];
+        let write = |binding, kind| {
+            vk::WriteDescriptorSet::default()
+                .dst_set(set)
+                .dst_binding(binding)
+                .descriptor_type(kind)
+        };
+        let mut writes = vec![write(0, vk::DescriptorType::UNIFORM_BUFFER).buffer_info(&buffer)];
+        for (binding, info) in &images {
+            writes.push(write(*binding, vk::DescriptorType::SAMPLED_IMAGE).image_info(info));
+        }
+        for (binding, info) in &samplers {
+            writes.push(write(*binding, vk::DescriptorType::SAMPLER).image_info(info));
+        }
+        // SAFETY: the set is new, and all that it names outlives it.
+        unsafe { self.gpu.device.update_descriptor_sets(&writes, &[]) };
+    }
+}
+
+impl Drop for RenderTarget {
+    fn drop(&mut self) {
+        // A frame may still be drawn into it; a lost device has none under way.
+        let _ = self.gpu.wait_idle();
+        // SAFETY: nothing is under way.
+        unsafe { self.gpu.device.destroy_descriptor_pool(self.pool, None) };
+    }
+}
+
+impl MarchStarts {
+    fn new(gpu: &Arc<Gpu>, pass: &RenderPass, extent: [u32; 2], views: u32) -> Result<Self, Error> {
+        let usage = vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::COLOR_ATTACHMENT;
+        let image = GpuImage::new(
+            gpu,
+            ImageSpec::new_2d(MARCH_START_FORMAT, extent, views).with_usage(usage),
+        )?;
+        let framebuffer = create_framebuffer(gpu, pass, extent, &[image.view])?;
+        Ok(MarchStarts { framebuffer, extent, image })
+    }
+}

@@ -1,0 +1,120 @@
+//! GPU times of the parts of a frame (timestamp queries).
+
+use std::sync::Arc;
+
+use ash::vk;
+
+use crate::gpu::device::context::Gpu;
+use crate::gpu::device::error::{Error, ErrorContext};
+
+/// GPU times of a frame's parts, in nanoseconds; zero on a device without timestamps.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub struct FrameTimes {
+    /// Texture uploads.
+    pub uploads_ns: u64,
+    /// The shadow map.
+    pub shadow_ns: u64,
+    /// The march starts of tiles and beams.
+    pub tiles_ns: u64,
+    /// The sculpture within the frame's pass.
+    pub sculpture_ns: u64,
+    /// The rest of the frame's pass: the scene, clears and resolves.
+    pub scene_ns: u64,
+    /// The whole frame.
+    pub total_ns: u64,
+}
+
+/// Timestamps of a frame, in order; the number is that of the query.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum Timestamp {
+    Begin = 0,
+    Uploaded = 2,
+    Shadowed = 4,
+    Tiled = 6,
+    SculptureBegins = 8,
+    SculptureEnds = 10,
+    End = 12,
+}
+
+/// Two queries for each timestamp: within a multiview pass it takes one for each view.
+const QUERY_COUNT: u32 = 14;
+
+/// The query pool of one frame of the ring.
+pub(crate) struct TimestampQueries {
+    gpu: Arc<Gpu>,
+    pool: vk::QueryPool,
+}
+
+impl TimestampQueries {
+    pub(crate) fn new(gpu: &Arc<Gpu>) -> Result<Self, Error> {
+        let info = vk::QueryPoolCreateInfo::default()
+            .query_type(vk::QueryType::TIMESTAMP)
+            .query_count(QUERY_COUNT);
+        // SAFETY: the device is alive and the info complete.
+        let pool =
+            unsafe { gpu.device.create_query_pool(&info, None) }.context("make a query pool")?;
+        Ok(TimestampQueries { gpu: gpu.clone(), pool })
+    }
+
+    pub(crate) fn reset(&self, commands: vk::CommandBuffer) {
+        // SAFETY: the frame's fence has passed, so no work writes these queries.
+        unsafe { self.gpu.device.cmd_reset_query_pool(commands, self.pool, 0, QUERY_COUNT) };
+    }
+
+    pub(crate) fn write_timestamp(&self, commands: vk::CommandBuffer, mark: Timestamp) {
+        if self.gpu.features.timestamp_period_fs == 0 {
+            return;
+        }
+        let stage = vk::PipelineStageFlags::BOTTOM_OF_PIPE;
+        // SAFETY: the queries were reset in this buffer and each mark is set once.
+        unsafe { self.gpu.device.cmd_write_timestamp(commands, stage, self.pool, mark as u32) };
+    }
+
+    /// Reads the times of a frame whose fence is signaled.
+    pub(crate) fn read(&self) -> FrameTimes {
+        let mut ticks = [0u64; QUERY_COUNT as usize];
+        for mark in [
+            Timestamp::Begin,
+            Timestamp::Uploaded,
+            Timestamp::Shadowed,
+            Timestamp::Tiled,
+            Timestamp::SculptureBegins,
+            Timestamp::SculptureEnds,
+            Timestamp::End,
+        ] {
+            let place = mark as usize;
+            // SAFETY: the pool has this query, which the frame wrote; no wait is asked for.
+            let read = unsafe {
+                self.gpu.device.get_query_pool_results(
+                    self.pool,
+                    place as u32,
+                    &mut ticks[place..=place],
+                    vk::QueryResultFlags::TYPE_64,
+                )
+            };
+            if read.is_err() {
+                return FrameTimes::default();
+            }
+        }
+        let between = |from: Timestamp, to: Timestamp| {
+            let ticks = ticks[to as usize].saturating_sub(ticks[from as usize]);
+            ticks * self.gpu.features.timestamp_period_fs / 1_000_000
+        };
+        FrameTimes {
+            uploads_ns: between(Timestamp::Begin, Timestamp::Uploaded),
+            shadow_ns: between(Timestamp::Uploaded, Timestamp::Shadowed),
+            tiles_ns: between(Timestamp::Shadowed, Timestamp::Tiled),
+            sculpture_ns: between(Timestamp::SculptureBegins, Timestamp::SculptureEnds),
+            scene_ns: between(Timestamp::Tiled, Timestamp::SculptureBegins)
+                + between(Timestamp::SculptureEnds, Timestamp::End),
+            total_ns: between(Timestamp::Begin, Timestamp::End),
+        }
+    }
+}
+
+impl Drop for TimestampQueries {
+    fn drop(&mut self) {
+        // SAFETY: the owner waits for the device before it drops what was submitted.
+        unsafe { self.gpu.device.destroy_query_pool(self.pool, None) };
+    }
+}

@@ -1,0 +1,38 @@
+//! Texture uploads from staging memory, by a compute program or by copy commands.
+
+use ash::vk;
+
+use crate::gpu::memory::staging::Staging;
+use crate::gpu::memory::textures::SculptureTextures;
+use crate::gpu::pipelines::scatter::TexelWriter;
+use crate::upload::Region;
+
+/// Records the uploads of all staged regions of a frame of the ring; the first call clears the textures
+/// before. The compute program writes the regions that it can, unless some overlap.
+pub(crate) fn record_uploads(
+    textures: &mut SculptureTextures,
+    commands: vk::CommandBuffer,
+    staging: &Staging,
+    scatter: Option<&mut TexelWriter>,
+    frame: usize,
+) {
+    textures.record_clear_once(commands);
+    let scatter = scatter.filter(|_| !staging.has_overlaps());
+    let is_written = |region: &Region| scatter.is_some() && TexelWriter::can_write(region);
+    let read = vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL;
+    let copied = textures.staged_images(staging, |region| !is_written(region));
+    if copied.contains(&true) {
+        let write = vk::ImageLayout::TRANSFER_DST_OPTIMAL;
+        textures.record_transition(commands, copied, read, write);
+        textures.record_copies(commands, staging, |region| !is_written(region));
+        textures.record_transition(commands, copied, write, read);
+    }
+    let writes = staging.regions.iter().any(|(region, _)| is_written(region));
+    if let Some(scatter) = scatter.filter(|_| writes) {
+        // Those that the program has bound, whether a box lies in them or not.
+        let bound = textures.storage_images();
+        textures.record_transition(commands, bound, read, vk::ImageLayout::GENERAL);
+        scatter.record_writes(commands, frame, staging);
+        textures.record_transition(commands, bound, vk::ImageLayout::GENERAL, read);
+    }
+}

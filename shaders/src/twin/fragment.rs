@@ -1,0 +1,170 @@
+//! One fragment of the sculpture: march, surface, light.
+//!
+//! Source: section 4 of the paper.
+
+use glam::Vec3;
+use paros_core::RangeMaps;
+
+use super::march::{Ray, is_occupied, march_maps};
+use super::{fast, light, marble, noise, surface};
+use crate::constants::{SUN_COLOR, SUN_DIRECTION};
+use crate::field::DensityField;
+
+/// Switches of the paper's path, for its experiments. The default is the path as the paper has it.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct TwinSettings {
+    /// The blob surface and equation 1; else the voxel's face (section 5's first experiment).
+    pub sdf: bool,
+    /// Marble, sun, shadow and ambient light; else the normal as a colour.
+    pub shading: bool,
+    /// Look at all three maps on every step, not only on a quick hit. The picture is the same.
+    pub full_march: bool,
+}
+
+impl Default for TwinSettings {
+    fn default() -> Self {
+        TwinSettings { sdf: true, shading: true, full_march: false }
+    }
+}
+
+/// What a fragment reads.
+#[derive(Clone, Copy, Debug)]
+pub struct TwinScene<'a, const N: usize> {
+    /// The sculpture.
+    pub maps: &'a RangeMaps<N>,
+    /// The noise texture.
+    pub noise: &'a [i8],
+    /// Cosine and sine of the stool's rotation about y.
+    pub turn_cos_sin: [f32; 2],
+    /// The parts of the path that are on.
+    pub settings: TwinSettings,
+    /// The fast path's textures, if that is the path.
+    pub field: Option<&'a DensityField<N>>,
+}
+
+/// A shaded point of the sculpture.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct ShadedHit {
+    /// Linear radiance.
+    pub color: Vec3,
+    /// Distance from the ray's origin, in sides of the cube.
+    pub depth: f32,
+    /// The point, in the studio.
+    pub position: Vec3,
+    /// The outward unit normal, in the studio.
+    pub normal: Vec3,
+    /// The voxel that was hit; on the fast path, the one that the point lies in.
+    pub voxel: [usize; 3],
+}
+
+impl<'a, const N: usize> TwinScene<'a, N> {
+    /// A sculpture on a stool rotated by an angle, counter-clockwise from above.
+    #[must_use]
+    pub fn new(maps: &'a RangeMaps<N>, turn_radians: f32, settings: TwinSettings) -> Self {
+        TwinScene {
+            maps,
+            noise: noise::noise_texture(),
+            turn_cos_sin: [turn_radians.cos(), turn_radians.sin()],
+            settings,
+            field: None,
+        }
+    }
+
+    /// Rotates a studio direction into the grid.
+    #[must_use]
+    pub fn direction_to_grid(&self, d: Vec3) -> Vec3 {
+        let [c, s] = self.turn_cos_sin;
+        Vec3::new(c * d.x - s * d.z, d.y, s * d.x + c * d.z)
+    }
+
+    /// Rotates a direction of the grid into the studio.
+    #[must_use]
+    pub fn direction_to_studio(&self, d: Vec3) -> Vec3 {
+        let [c, s] = self.turn_cos_sin;
+        Vec3::new(c * d.x + s * d.z, d.y, c * d.z - s * d.x)
+    }
+
+    /// A studio point in the grid, in voxels. The cube's base is centred on the studio's origin.
+    #[must_use]
+    pub fn point_to_grid(&self, p: Vec3) -> Vec3 {
+        (self.direction_to_grid(p) + Vec3::new(0.5, 0.0, 0.5)) * N as f32
+    }
+
+    /// A point of the grid, in voxels, in the studio, in sides of the cube.
+    #[must_use]
+    pub fn point_to_studio(&self, p: Vec3) -> Vec3 {
+        self.direction_to_studio(p / N as f32 - Vec3::new(0.5, 0.0, 0.5))
+    }
+
+    /// A studio ray in the grid, in voxels.
+    #[must_use]
+    pub fn ray_to_grid(&self, ray: &Ray) -> Ray {
+        Ray {
+            origin: self.point_to_grid(ray.origin),
+            direction: self.direction_to_grid(ray.direction),
+        }
+    }
+}
+
+/// Casts a studio ray at the sculpture and shades the hit; `None` if the ray misses. `dither` in
+/// 0..1 differs from fragment to fragment.
+#[must_use]
+pub fn shade_ray<const N: usize>(
+    scene: &TwinScene<'_, N>,
+    ray: &Ray,
+    dither: f32,
+) -> Option<ShadedHit> {
+    let inside = scene.ray_to_grid(ray);
+    let (at, voxel) = match scene.field {
+        Some(field) => {
+            let at = fast::find_surface(field, &inside)?;
+            (at, at.position.to_array().map(|c| (c as usize).min(N - 1)))
+        }
+        None => {
+            let sample = march_maps(scene.maps, &inside, scene.settings.full_march)?;
+            let at = if scene.settings.sdf {
+                surface::trace_blobs(scene.maps, &inside, &sample)
+            } else {
+                surface::entry_face(&inside, &sample)
+            };
+            (at, sample.voxel)
+        }
+    };
+    let normal = scene.direction_to_studio(at.normal);
+    let color = match scene.field {
+        _ if !scene.settings.shading => normal * 0.5 + Vec3::splat(0.5),
+        Some(field) => {
+            let sun = scene.direction_to_grid(Vec3::from_array(SUN_DIRECTION));
+            let sun = (sun, Vec3::from_array(SUN_COLOR));
+            fast::shade_surface(field, &at, sun, light::ambient_over_pi(normal))
+        }
+        None => shade_marble(scene, at.position, at.normal, dither),
+    };
+    Some(ShadedHit {
+        color,
+        depth: at.distance / N as f32,
+        position: scene.point_to_studio(at.position),
+        normal,
+        voxel,
+    })
+}
+
+/// Lambertian marble under the sun and the ambient light; point and normal are those of the grid.
+fn shade_marble<const N: usize>(
+    scene: &TwinScene<'_, N>,
+    point: Vec3,
+    normal: Vec3,
+    dither: f32,
+) -> Vec3 {
+    let sun = scene.direction_to_grid(Vec3::from_array(SUN_DIRECTION));
+    let facing = normal.dot(sun).max(0.0);
+    let held = |at: Vec3| is_occupied(scene.maps, at);
+    let direct = if facing > 0.0 {
+        facing * light::trace_visibility(N, point, sun, dither, held)
+    } else {
+        0.0
+    };
+    let ambient = light::ambient_over_pi(scene.direction_to_studio(normal));
+    marble::reflectance(scene.noise, point / N as f32)
+        * (Vec3::from_array(SUN_COLOR) * direct + ambient)
+}

@@ -1,0 +1,160 @@
+//! Ray marching of the range maps: one step for each voxel layer of the ray's dominant axis.
+//!
+//! Source: section 4.1 of the paper.
+
+use glam::Vec3;
+use paros_core::{Axis, RangeMaps};
+
+use crate::constants::MARCH_FRACTION_BITS;
+
+/// A half-line. `direction` has unit length.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Ray {
+    /// Where it starts.
+    pub origin: Vec3,
+    /// Where it goes.
+    pub direction: Vec3,
+}
+
+impl Ray {
+    /// The point at a distance from the origin.
+    #[must_use]
+    #[inline]
+    pub fn at(&self, distance: f32) -> Vec3 {
+        self.origin + self.direction * distance
+    }
+}
+
+/// The first occupied sample on a ray.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct VoxelHit {
+    /// The voxel it lies in.
+    pub voxel: [usize; 3],
+    /// Its distance from the ray's origin, in voxels.
+    pub distance: f32,
+}
+
+/// The first occupied sample of a ray given in voxels, stepping from layer centre to layer centre
+/// of the ray's dominant axis: at most N steps, and none outside the cube.
+///
+/// A step reads the dominant axis's map, and the other two only where that one holds the sample.
+/// With `read_all_maps` every step reads all three, for comparison; the answer is the same.
+#[must_use]
+pub fn march_maps<const N: usize>(
+    maps: &RangeMaps<N>,
+    ray: &Ray,
+    read_all_maps: bool,
+) -> Option<VoxelHit> {
+    let span = clip_to_cube(ray, N as f32)?;
+    match dominant_axis(ray.direction) {
+        Axis::X => march_along::<N, 0>(maps, ray, span, read_all_maps),
+        Axis::Y => march_along::<N, 1>(maps, ray, span, read_all_maps),
+        Axis::Z => march_along::<N, 2>(maps, ray, span, read_all_maps),
+    }
+}
+
+/// Slab test: the distances at which a ray enters and leaves the cube of a side at the origin, the
+/// first one at least 0. `None` if it misses.
+#[must_use]
+pub fn clip_to_cube(ray: &Ray, side: f32) -> Option<(f32, f32)> {
+    let (mut near, mut far) = (0.0f32, f32::INFINITY);
+    for axis in 0..3 {
+        let (origin, direction) = (ray.origin[axis], ray.direction[axis]);
+        if direction == 0.0 {
+            if !(0.0..side).contains(&origin) {
+                return None;
+            }
+        } else {
+            let (a, b) = (-origin / direction, (side - origin) / direction);
+            near = near.max(a.min(b));
+            far = far.min(a.max(b));
+        }
+    }
+    (near < far).then_some((near, far))
+}
+
+/// Whether the voxel that holds a point is occupied; outside the cube is empty.
+#[must_use]
+#[inline]
+pub fn is_occupied<const N: usize>(maps: &RangeMaps<N>, point: Vec3) -> bool {
+    let inside = |c: f32| c >= 0.0 && c < N as f32;
+    inside(point.x)
+        && inside(point.y)
+        && inside(point.z)
+        && maps.contains([point.x as usize, point.y as usize, point.z as usize])
+}
+
+/// The axis most parallel to a direction; the earlier one of equals.
+#[must_use]
+pub fn dominant_axis(direction: Vec3) -> Axis {
+    let size = direction.abs();
+    if size.x >= size.y && size.x >= size.z {
+        Axis::X
+    } else if size.y >= size.z {
+        Axis::Y
+    } else {
+        Axis::Z
+    }
+}
+
+fn march_along<const N: usize, const AXIS: usize>(
+    maps: &RangeMaps<N>,
+    ray: &Ray,
+    (near, far): (f32, f32),
+    read_all_maps: bool,
+) -> Option<VoxelHit> {
+    let axis = Axis::ALL[AXIS];
+    let towards = ray.direction[AXIS];
+    let each = 1.0 / towards.abs();
+    let first = (ray.at(near)[AXIS] as usize).min(N - 1);
+    let mut distance = (first as f32 + 0.5 - ray.origin[AXIS]) / towards;
+    let mut layer = first as isize;
+    let step = if towards > 0.0 { 1 } else { -1 };
+    if distance < near {
+        layer += step;
+        distance += each;
+    }
+    // Voxels in fixed point, as the shader steps, so that both look at the same ones.
+    let fixed = |c: f32| (c * ONE_VOXEL) as i32;
+    let mut place = ray.at(distance).to_array().map(|c| fixed(c + 1.0));
+    let slide = (ray.direction * each).to_array().map(fixed);
+    let steps = ((far - distance) / each).ceil().clamp(0.0, N as f32) as usize;
+    for i in 0..steps {
+        if !(0..N as isize).contains(&layer) {
+            break;
+        }
+        let mut voxel = place.map(|c| (c >> MARCH_FRACTION_BITS) - 1);
+        voxel[AXIS] = layer as i32;
+        // Rounding may carry a place out of the grid, where all is empty.
+        if voxel.iter().all(|&c| (0..N as i32).contains(&c)) {
+            let voxel = voxel.map(|c| c as usize);
+            let hit = if read_all_maps {
+                maps.contains(voxel)
+            } else {
+                maps.column(axis, axis.column_address(voxel)).contains(voxel[AXIS])
+                    && other_maps_hold::<N, AXIS>(maps, voxel)
+            };
+            if hit {
+                return Some(VoxelHit { voxel, distance: distance + each * i as f32 });
+            }
+        }
+        for (place, slide) in place.iter_mut().zip(slide) {
+            *place = place.wrapping_add(slide);
+        }
+        layer += step;
+    }
+    None
+}
+
+/// One voxel in fixed point.
+const ONE_VOXEL: f32 = (1 << MARCH_FRACTION_BITS) as f32;
+
+#[inline]
+fn other_maps_hold<const N: usize, const AXIS: usize>(
+    maps: &RangeMaps<N>,
+    voxel: [usize; 3],
+) -> bool {
+    [Axis::ALL[(AXIS + 1) % 3], Axis::ALL[(AXIS + 2) % 3]]
+        .iter()
+        .all(|&axis| maps.column(axis, axis.column_address(voxel)).contains(voxel[axis as usize]))
+}

@@ -1,0 +1,138 @@
+//! Renders a whole picture: supersampled fragments on all cores, tone mapped, encoded as sRGB.
+
+use core::sync::atomic::{AtomicUsize, Ordering};
+
+use glam::Vec3;
+use paros_core::RangeMaps;
+use rayon::prelude::*;
+
+use super::camera::Camera;
+use super::fragment::{TwinScene, TwinSettings, shade_ray};
+use super::image::Image;
+use super::{noise, studio};
+use crate::constants::{SRGB_EXPONENT, SRGB_LINEAR_SLOPE, SRGB_OFFSET, TONE_WHITE_POINT};
+use crate::field::DensityField;
+
+/// Size, sampling and path of a picture.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct RenderOptions {
+    /// Pixels in a row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Rays along a side of each pixel; at least 1.
+    pub samples: usize,
+    /// The parts of the path that are on.
+    pub settings: TwinSettings,
+    /// The fast path, the smooth surface of the blurred volume, instead of the paper's.
+    pub fast: bool,
+}
+
+impl Default for RenderOptions {
+    fn default() -> Self {
+        let settings = TwinSettings::default();
+        RenderOptions { width: 640, height: 480, samples: 2, settings, fast: true }
+    }
+}
+
+impl RenderOptions {
+    /// The default size with the paper's path.
+    #[must_use]
+    pub fn paper_path() -> Self {
+        RenderOptions { fast: false, ..Self::default() }
+    }
+}
+
+/// Renders a sculpture in its studio on all cores. `progress` is called with the fraction done, 0
+/// to 1, from any of the threads; the picture doesn't depend on their number.
+#[must_use]
+pub fn render_image<const N: usize>(
+    maps: &RangeMaps<N>,
+    camera: &Camera,
+    options: &RenderOptions,
+    progress: &(dyn Fn(f32) + Sync),
+) -> Image {
+    // The camera stands still, so that the stool turns against the azimuth.
+    let field = options.fast.then(|| {
+        let mut field = DensityField::new();
+        field.rebuild_from(maps);
+        field
+    });
+    let scene = TwinScene {
+        field: field.as_ref(),
+        ..TwinScene::new(maps, -camera.azimuth, options.settings)
+    };
+    let mut image = Image::filled(options.width, options.height, [0; 3]);
+    let done = AtomicUsize::new(0);
+    let row_bytes = 3 * options.width.max(1);
+    image.pixels.par_chunks_mut(row_bytes).enumerate().for_each(|(y, row)| {
+        for (x, pixel) in row.chunks_exact_mut(3).enumerate() {
+            pixel.copy_from_slice(&encode_srgb(pixel_color(&scene, camera, options, [x, y])));
+        }
+        let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+        progress(done as f32 / options.height as f32);
+    });
+    image
+}
+
+/// The bytes of a PNG file with a sculpture's picture, 720 pixels a side.
+///
+/// # Errors
+/// What keeps a picture from being encoded.
+pub fn render_portrait_png<const N: usize>(maps: &RangeMaps<N>) -> Result<Vec<u8>, String> {
+    let options = RenderOptions { width: 720, height: 720, ..RenderOptions::default() };
+    let image = render_image(maps, &Camera::on_ring(0.4, 0.25), &options, &|_| {});
+    let mut png = Vec::new();
+    image.write_png(&mut png).map_err(|error| error.to_string())?;
+    Ok(png)
+}
+
+/// Supersampling: the mean tone-mapped colour of a pixel's rays.
+fn pixel_color<const N: usize>(
+    scene: &TwinScene<'_, N>,
+    camera: &Camera,
+    options: &RenderOptions,
+    [x, y]: [usize; 2],
+) -> Vec3 {
+    let samples = options.samples.max(1);
+    let side = samples as f32;
+    let (width, height) = (options.width as f32, options.height as f32);
+    let turn = noise::hash_u32(x as u32 | (y as u32) << 16) as f32 / 4_294_967_296.0;
+    let mut sum = Vec3::ZERO;
+    for i in 0..samples * samples {
+        let px = x as f32 + ((i % samples) as f32 + 0.5) / side;
+        let py = y as f32 + ((i / samples) as f32 + 0.5) / side;
+        let ray = camera.ray_through((2.0 * px - width) / height, 1.0 - 2.0 * py / height);
+        let dither = (turn + i as f32 / (side * side)).fract();
+        let color = match shade_ray(scene, &ray, dither) {
+            Some(hit) => hit.color,
+            None => studio::shade_background(scene, &ray, dither),
+        };
+        sum += tone_map(color);
+    }
+    sum / (side * side)
+}
+
+/// Radiance to sRGB bytes, through the tone curve.
+#[must_use]
+pub fn tone_map_to_srgb(color: Vec3) -> [u8; 3] {
+    encode_srgb(tone_map(color))
+}
+
+/// Reinhard's tone curve: radiance to display intensity, `TONE_WHITE_POINT` to 1.
+pub(crate) fn tone_map(color: Vec3) -> Vec3 {
+    color * (Vec3::ONE + color / (TONE_WHITE_POINT * TONE_WHITE_POINT)) / (Vec3::ONE + color)
+}
+
+/// Linear intensity to sRGB bytes (IEC 61966-2-1).
+fn encode_srgb(color: Vec3) -> [u8; 3] {
+    color.to_array().map(|c| {
+        let c = c.clamp(0.0, 1.0);
+        let encoded = if c <= 0.003_130_8 {
+            SRGB_LINEAR_SLOPE * c
+        } else {
+            (1.0 + SRGB_OFFSET) * c.powf(1.0 / SRGB_EXPONENT) - SRGB_OFFSET
+        };
+        (encoded * 255.0 + 0.5) as u8
+    })
+}

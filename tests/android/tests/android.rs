@@ -1,0 +1,92 @@
+//! The library that Android loads makes the same digests as the host, under qemu and glibc.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::sync::{Mutex, PoisonError};
+use std::{env, fs};
+
+use paros_core::{Grid, SessionMode, Size, TickInput};
+use paros_models::random_visitor::RandomVisitor;
+use paros_shell::replay::replay_trace;
+use paros_shell::require::require;
+use paros_shell::statics::Resident;
+use paros_shell::tick_runner;
+
+/// The one world of the process is recorded and played by one test after the other.
+static TURN: Mutex<()> = Mutex::new(());
+
+/// Plays a trace on the Android library, which `cargo run -p paros-package` builds.
+fn on_android(trace: &Path, digests: &Path) -> Output {
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../bionic/replay");
+    Command::new("bash").arg(script).args([trace, digests]).output().expect("bash starts")
+}
+
+fn parts() -> Result<(), String> {
+    let tools = ["qemu-aarch64-static", "aarch64-linux-gnu-gcc", "aarch64-linux-gnu-nm"];
+    let missing = |tool: &&&str| Command::new(tool).arg("--version").output().is_err();
+    let target = env::var_os("CARGO_TARGET_DIR").map_or("target".into(), PathBuf::from);
+    let target = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(target);
+    match tools.iter().find(missing) {
+        Some(tool) => Err(format!("no {tool}")),
+        None if !target.join("aarch64-linux-android/release/libparos_quest.so").exists() => {
+            Err("no library for Android: cargo run -p paros-package".into())
+        }
+        None => Ok(()),
+    }
+}
+
+/// A restless visitor's session.
+fn record<const N: usize>(ticks: u32) -> Vec<u8>
+where
+    Grid<N>: Size + Resident<N>,
+{
+    tick_runner::with_fresh_world::<N, _>(|mut stage| {
+        stage.start_recording();
+        stage.run_tick(&TickInput {
+            start: SessionMode::Constrained { figure: 1 },
+            ..TickInput::default()
+        });
+        let mut visitor = RandomVisitor::new(2024);
+        (1..ticks).for_each(|_| stage.run_tick(&visitor.next_input()));
+        stage.end_recording().expect("a recording")
+    })
+}
+
+/// A trace of a restless visitor, and where its digests go.
+fn recorded<const N: usize>(name: &str, ticks: u32) -> [PathBuf; 2]
+where
+    Grid<N>: Size + Resident<N>,
+{
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
+    let [trace, digests] = ["trace", "digests"].map(|end| folder.join(format!("{name}.{end}")));
+    fs::write(&trace, record::<N>(ticks)).expect("room on the disk");
+    let _ = fs::remove_file(&digests);
+    [trace, digests]
+}
+
+#[test]
+fn a_replay_writes_a_digest_for_each_tick_or_nothing() {
+    let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
+    let [trace, digests] = recorded::<128>("short", 200);
+    replay_trace(&trace, &digests).expect("it was just recorded");
+    let written = fs::read_to_string(&digests).expect("it was written");
+    assert_eq!(written.lines().count(), 200);
+    let last = format!("{:016x}", Grid::<128>::lock_world().digest());
+    assert_eq!(written.lines().last(), Some(&*last));
+
+    fs::remove_file(&digests).expect("it was written");
+    let mut bytes = fs::read(&trace).expect("it was written");
+    // The digest of the last part, after the last tick.
+    *bytes.last_mut().expect("a trace") ^= 1;
+    fs::write(&trace, bytes).expect("room on the disk");
+    let why = replay_trace(&trace, &digests).expect_err("it is another trace").to_string();
+    let part = Grid::<128>::lock_world().part_digests().last().expect("some parts").0;
+    assert!(why.contains(&format!("tick 199: another state of {part} (")), "{why}");
+    assert!(!digests.exists());
+    if require(parts()).expect("the package is made before the tests").is_some() {
+        let output = on_android(&trace, &digests);
+        assert_eq!(output.status.code(), Some(1));
+        assert_eq!(String::from_utf8_lossy(&output.stderr).trim_end(), why);
+        assert!(!digests.exists());
+    }
+}

@@ -1,0 +1,230 @@
+//! Collision detection and freeze against the model, which walks over plain voxels, and against walls of
+//! every tilt.
+
+mod exits;
+mod plates;
+mod stone;
+
+use std::sync::Mutex;
+
+use glam::{IVec3, Quat, Vec3};
+use paros_core::internals::{FreezeResult, GridBit, GridShape, exit_probes};
+use paros_core::limits::{EXIT_PROBES, max_walk_steps, max_walk_steps_with_undo};
+use paros_core::{Grid, Pose, SUBUNITS_PER_VOXEL, Size, ToolBit};
+use paros_models::contact::{ContactModel, path_poses};
+use paros_models::dense::{DenseVolume, masked_volumes};
+use proptest::prelude::*;
+
+use crate::stone::{
+    ContactHarness, STONE_16, STONE_128, STONE_256, any_rotations, lock_stone, table_bit,
+    voxel_micrometres,
+};
+
+/// A strategy for bits: those of the table at both grid sizes, and balls and boxes of any proportion.
+fn any_bits() -> impl Strategy<Value = GridBit> {
+    let table =
+        (0..9u8, prop_oneof![Just(128), Just(256)]).prop_map(|(number, n)| table_bit(number, n));
+    let balls = (1..6 * SUBUNITS_PER_VOXEL, 0..1000).prop_map(|(radius, share)| GridBit {
+        shape: GridShape::Ball(radius),
+        bite: radius * share / 1000,
+    });
+    let boxes = (
+        [1..6 * SUBUNITS_PER_VOXEL, 1..6 * SUBUNITS_PER_VOXEL, 1..6 * SUBUNITS_PER_VOXEL],
+        0..1000,
+    )
+        .prop_map(|(half, share)| {
+            let half = IVec3::from_array(half);
+            GridBit { shape: GridShape::Box(half), bite: half.min_element() * share / 1000 }
+        });
+    prop_oneof![3 => table, 2 => balls, 2 => boxes]
+}
+
+/// A strategy for poses in and around a grid of `n`^3, some at a voxel's centre or corner, some metres away.
+fn any_poses(n: usize) -> impl Strategy<Value = Pose> {
+    let n = n as f32;
+    let near = [-6.0..n + 6.0, -6.0..n + 6.0, -6.0..n + 6.0];
+    let halves = near.clone().prop_map(|p| p.map(|f: f32| (f * 2.0).round() / 2.0));
+    let far = [-5000.0..5000.0f32, -5000.0..5000.0f32, -5000.0..5000.0f32];
+    let position = prop_oneof![6 => near, 2 => halves, 2 => far];
+    (position, any_rotations())
+        .prop_map(|(p, rotation)| Pose { position: Vec3::from_array(p), rotation })
+}
+
+/// A strategy for a hand's motion in a tick: a jump, a small motion, a rotation in place.
+fn any_motions(n: usize) -> impl Strategy<Value = Motion> {
+    let small = [-3.0..3.0f32, -3.0..3.0f32, -3.0..3.0f32].prop_map(Vec3::from_array);
+    prop_oneof![
+        2 => any_poses(n).prop_map(Motion::To),
+        4 => (small.clone(), (small.clone(), 0.0..0.4f32)).prop_map(|(by, (axis, angle))| {
+            Motion::By(by, Quat::from_axis_angle(axis.normalize_or(Vec3::X), angle))
+        }),
+        1 => any_rotations().prop_map(|turn| Motion::By(Vec3::ZERO, turn)),
+        1 => small.prop_map(|by| Motion::By(by, Quat::IDENTITY)),
+        1 => Just(Motion::By(Vec3::ZERO, Quat::IDENTITY)),
+    ]
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Motion {
+    To(Pose),
+    By(Vec3, Quat),
+}
+
+impl Motion {
+    fn apply_to(self, pose: &Pose) -> Pose {
+        match self {
+            Motion::To(pose) => pose,
+            Motion::By(by, turn) => {
+                Pose { position: pose.position + by, rotation: (turn * pose.rotation).normalize() }
+            }
+        }
+    }
+}
+
+/// Asserts that a freeze equals the model's walk and slide, and that no depth exceeds its limit.
+fn assert_freeze_follows_walk(
+    stone: &ContactHarness<16>,
+    block: &ContactModel,
+    bit: &GridBit,
+    from: &Pose,
+    raw: &Pose,
+) -> Result<FreezeResult, TestCaseError> {
+    let mut frozen = FreezeResult { pose: *from, blocked: false, steps: 0 };
+    for most in [max_walk_steps_with_undo(16), max_walk_steps(16)] {
+        frozen = stone.obstacle().freeze_bit(bit, from, raw, most);
+        prop_assert_eq!(frozen, block.freeze_by_walk(bit, from, raw, most));
+        let (before, after) = (block.depths_at(bit, from), block.depths_at(bit, &frozen.pose));
+        prop_assert!(after.volume <= bit.bite.max(before.volume), "{before:?} -> {after:?}");
+        prop_assert!(after.mask <= before.mask, "{before:?} -> {after:?}");
+        if !frozen.blocked && frozen.steps < most {
+            prop_assert_eq!(frozen.pose, *raw);
+        }
+    }
+    Ok(frozen)
+}
+
+/// The greatest distance, in voxels, that a point of the bit moves between two poses.
+fn longest_point_path(bit: &GridBit, a: &Pose, b: &Pose) -> f32 {
+    let half = match bit.shape {
+        GridShape::Ball(_) => Vec3::ZERO,
+        GridShape::Box(half) => half.as_vec3() / SUBUNITS_PER_VOXEL as f32,
+    };
+    let corner = |pose: &Pose, k: i32| {
+        let sign = |bit: i32| if k & bit == 0 { -1.0 } else { 1.0 };
+        pose.position + pose.rotation * (half * Vec3::new(sign(1), sign(2), sign(4)))
+    };
+    (0..8).map(|k| corner(a, k).distance(corner(b, k))).fold(0.0, f32::max)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(2000))]
+
+    #[test]
+    fn contact_is_that_of_the_voxels((volume, mask) in masked_volumes(16), bit in any_bits(), pose in any_poses(16)) {
+        let mut stone = lock_stone(&STONE_16);
+        stone.set(&volume, &mask);
+        let block = ContactModel::new(volume, &mask);
+        prop_assert_eq!(stone.contact(&bit, &pose), block.contact_at(&bit, &pose));
+    }
+
+    #[test]
+    fn no_step_is_longer_than_a_quarter_voxel(bit in any_bits(), from in any_poses(16), motion in any_motions(16)) {
+        let mut last = from;
+        for next in path_poses(&bit, &from, &motion.apply_to(&from)).take(400) {
+            let way = longest_point_path(&bit, &last, &next);
+            // Positions thousands of voxels off are held to a two-thousandth of a voxel.
+            prop_assert!(way < 0.2525, "a step of {way} voxels");
+            last = next;
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(700))]
+
+    /// From any pose, deep inside too, as after an undo, a fill or a load.
+    #[test]
+    fn freeze_is_the_walk_from_anywhere(
+        (volume, mask) in masked_volumes(16),
+        bit in any_bits(),
+        from in any_poses(16),
+        motions in proptest::collection::vec(any_motions(16), 1..5),
+    ) {
+        let mut stone = lock_stone(&STONE_16);
+        stone.set(&volume, &mask);
+        let block = ContactModel::new(volume, &mask);
+        let mut pose = from;
+        for motion in motions {
+            let raw = motion.apply_to(&pose);
+            pose = assert_freeze_follows_walk(&stone, &block, &bit, &pose, &raw)?.pose;
+        }
+    }
+
+    /// From outside, a bit's penetration never exceeds its bite, and is 0 in the mask.
+    #[test]
+    fn from_outside_nothing_gets_deeper_than_its_bite(
+        (volume, mask) in masked_volumes(16),
+        bit in any_bits(),
+        start in any_rotations(),
+        side in [-1.0..1.0f32, -1.0..1.0f32, -1.0..1.0f32],
+        motions in proptest::collection::vec(any_motions(16), 1..6),
+    ) {
+        let mut stone = lock_stone(&STONE_16);
+        stone.set(&volume, &mask);
+        let block = ContactModel::new(volume, &mask);
+        let away = Vec3::from_array(side).normalize_or(Vec3::Y) * 40.0;
+        let mut pose = Pose { position: Vec3::splat(8.0) + away, rotation: start };
+        for motion in motions {
+            let raw = motion.apply_to(&pose);
+            pose = assert_freeze_follows_walk(&stone, &block, &bit, &pose, &raw)?.pose;
+            let sits = block.depths_at(&bit, &pose);
+            prop_assert!(sits.volume <= bit.bite && sits.mask == 0, "{sits:?}");
+        }
+    }
+}
+
+/// Asserts how far a tick walks: along a floor every step counts; in free air the first four count as one, then
+/// every sixteen.
+fn assert_tick_reach<const N: usize>(stone: &'static Mutex<ContactHarness<N>>)
+where
+    Grid<N>: Size,
+{
+    let mut stone = lock_stone(stone);
+    stone.set(&DenseVolume::from_fn(N, |[_, y, _]| y < 20), &DenseVolume::empty(N));
+    let bit = ToolBit::MediumBall.on_grid(voxel_micrometres(N));
+    let rest = 19.53 + (bit.inner_radius() - bit.bite) as f32 / SUBUNITS_PER_VOXEL as f32;
+    let at = |x: f32, y: f32| Pose { position: Vec3::new(x, y, 40.5), rotation: Quat::IDENTITY };
+    let walked = |y: f32, to: f32| {
+        let frozen = stone.freeze(&bit, &at(20.0, y), &at(to, y));
+        assert!(!frozen.blocked && frozen.steps == max_walk_steps(N), "{frozen:?}");
+        frozen.pose.position.x - 20.0
+    };
+    let far = max_walk_steps(N) as f32 / 4.0;
+    assert!((walked(rest, 120.0) - far).abs() < 0.1);
+    assert!((walked(60.0, 1e4) - (16.0 * far - 3.0)).abs() < 0.1);
+}
+
+#[test]
+fn a_tick_goes_so_far_at_128() {
+    assert_tick_reach::<128>(&STONE_128);
+}
+
+#[test]
+fn a_tick_goes_so_far_at_256() {
+    assert_tick_reach::<256>(&STONE_256);
+}
+
+#[test]
+fn looks_are_spread_over_the_rest_of_the_way() {
+    for steps in 1..200 {
+        for i in 0..steps + 1 {
+            let probes: Vec<u32> = exit_probes(i, steps).collect();
+            let ways: Vec<u32> =
+                [i].iter().chain(&probes).zip(&probes).map(|(a, b)| b - a).collect();
+            assert_eq!(probes.len() as u32, EXIT_PROBES.min(steps - i));
+            assert_eq!(ways.iter().sum::<u32>(), steps - i);
+            let widest = ways.iter().max().copied().unwrap_or(1);
+            assert!(ways.iter().all(|way| (1..=widest).contains(way) && widest - way <= 1));
+        }
+    }
+}

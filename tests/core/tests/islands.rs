@@ -1,0 +1,273 @@
+//! Island removal against the model's flood fill, with no edits meanwhile; `islands_in_flight` tests it with
+//! edits.
+//!
+//! Planted faults, one line each, and what catches them (tried by hand; `at_rest` and
+//! `while_visitors_edit` where nothing else is said):
+//! - `queue_neighbours`: never the row below, or before; `visit_queued_rows`: a row never becomes open, or open
+//!   rows below, or above, are forgotten; `visit_row`: the row itself gives no seeds.
+//! - `add_voxels`: the row, or its neighbours, not queued; the voxels not reached ->
+//!   `while_visitors_edit`. Voxels reached before queued again -> `one_voxel_for_ever`.
+//! - `open_rows_around`: no look across the border of a word -> `across_words`.
+//! - `begin_pass`: the mask, or the ground, forgotten -> `at_rest`, `mask_holds`.
+//! - `advance_pass`: no look at the ground at the end -> `ground_goes_in_flight`; edits in flight
+//!   forgotten -> `while_visitors_edit`.
+//! - `remove_islands`: a map not tightened, rows not closed -> `at_rest`; kept told again ->
+//!   `kept_is_told_once`.
+
+use std::sync::Mutex;
+
+use paros_core::limits::island_row_visits;
+use paros_core::{BitSet, ByteReader, Grid, IslandReport, Size, Volume};
+use paros_models::dense::{DenseVolume, closed_volumes, masked_volumes};
+use paros_models::island_harness::{IslandHarness, RandomEdit, loose_volumes};
+use paros_models::islands::clear_islands;
+use proptest::prelude::*;
+
+fn check_at_rest<const N: usize>(
+    harness: &Mutex<IslandHarness<N>>,
+    (volume, mask): &(DenseVolume, DenseVolume),
+    budget: u32,
+) -> Result<(), TestCaseError>
+where
+    Grid<N>: Size,
+{
+    let mut harness = harness.lock().unwrap_or_else(|e| e.into_inner());
+    harness.set_volume(volume, mask);
+    let expected = clear_islands(volume, mask);
+    // All zero: no kept voxels remembered from another case.
+    prop_assert_eq!(harness.islands.load(&mut ByteReader::new(&[0; 17])), Ok(()));
+    let (report, _) = harness.run_pass(budget)?;
+    prop_assert!(
+        harness.to_dense() == expected.after,
+        "{:?} instead of {:?}",
+        harness.to_dense(),
+        expected
+    );
+    prop_assert_eq!(report.removed, expected.removed);
+    prop_assert_eq!(report.unsupported, expected.unsupported);
+    harness.check_closed()?;
+    let (again, _) = harness.run_pass(budget)?;
+    prop_assert!(harness.to_dense() == expected.after, "a second pass changes nothing");
+    prop_assert_eq!((again.removed, again.kept), (0, 0));
+    prop_assert_eq!(report.kept, expected.kept);
+    Ok(())
+}
+
+static AT_REST_16: Mutex<IslandHarness<16>> = Mutex::new(IslandHarness::new());
+static AT_REST_32: Mutex<IslandHarness<32>> = Mutex::new(IslandHarness::new());
+static AT_REST_64: Mutex<IslandHarness<64>> = Mutex::new(IslandHarness::new());
+static AT_REST_128: Mutex<IslandHarness<128>> = Mutex::new(IslandHarness::new());
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(2500))]
+    #[test]
+    fn at_rest(case in masked_volumes(16), budget in 1u32..400) {
+        check_at_rest(&AT_REST_16, &case, budget)?;
+    }
+
+    #[test]
+    fn at_rest_loose(case in loose_volumes(16), budget in 1u32..400) {
+        check_at_rest(&AT_REST_16, &case, budget)?;
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(200))]
+    #[test]
+    fn at_rest_32(case in masked_volumes(32), budget in 1u32..2000) {
+        check_at_rest(&AT_REST_32, &case, budget)?;
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+    #[test]
+    fn at_rest_64(case in masked_volumes(64), budget in 100u32..8000) {
+        check_at_rest(&AT_REST_64, &case, budget)?;
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(3))]
+    #[test]
+    fn at_rest_128(case in masked_volumes(128)) {
+        check_at_rest(&AT_REST_128, &case, island_row_visits(128))?;
+    }
+}
+
+/// Kept voxels are reported when they change, and not again after an edit elsewhere.
+#[test]
+fn kept_is_told_once() {
+    static HARNESS: Mutex<IslandHarness<16>> = Mutex::new(IslandHarness::new());
+    let mut harness = HARNESS.lock().unwrap();
+    let (cave, mask) = (pinwheel_volume(16, [7, 7, 7]), DenseVolume::empty(16));
+    harness.set_volume(&cave, &mask);
+    let expected = clear_islands(&cave, &mask);
+    assert!(expected.kept > 0, "the shape keeps a loose voxel");
+    let (report, _) = harness.run_pass(1000).unwrap();
+    assert_eq!((report.removed, report.kept), (0, expected.kept));
+    harness.apply_edit(&RandomEdit { at: [0, 15, 0], radius: 1, kind: 0 });
+    let (report, _) = harness.run_pass(1000).unwrap();
+    assert_eq!((report.removed, report.kept), (0, 0));
+}
+
+/// A loose voxel at `c` amid the ends of six arms, which stand on the ground and shield it on all axes.
+fn pinwheel_volume(side: i32, c: [i32; 3]) -> DenseVolume {
+    let mut dense = DenseVolume::empty(side as usize);
+    let mut bar = |a: [i32; 3], b: [i32; 3]| {
+        let [x, y, z] = [0, 1, 2].map(|i| a[i].min(b[i])..=a[i].max(b[i]));
+        for y in y {
+            for z in z.clone() {
+                x.clone().for_each(|x| dense.set([x, y, z], true));
+            }
+        }
+    };
+    let ([x, y, z], end) = (c, side - 1);
+    bar(c, c);
+    bar([x, 0, z], [x, 1, z]);
+    for (tip, corner) in [([0, y, z], [0, y, 0]), ([end, y, z], [end, y, end])] {
+        bar(tip, corner);
+        bar(corner, [corner[0], 0, corner[2]]);
+    }
+    for (tip, corner) in [([x, y, 0], [end, y, 0]), ([x, y, end], [0, y, end])] {
+        bar(tip, corner);
+        bar(corner, [corner[0], 0, corner[2]]);
+    }
+    bar([x, y, 0], [x, end, 0]);
+    bar([x, end, 0], [x, end, z]);
+    dense.closure()
+}
+
+/// Sheets in series need about N^3 / 2 row visits, one after the other: many ticks, no island.
+#[test]
+fn comb_of_sheets() {
+    const N: usize = 128;
+    static HARNESS: Mutex<IslandHarness<N>> = Mutex::new(IslandHarness::new());
+    let mut harness = HARNESS.lock().unwrap();
+    write_comb(&mut harness.volume);
+    let voxels = harness.volume.count_voxels();
+    harness.islands.request_pass();
+    let mut ticks = 1;
+    let report = loop {
+        let harness = &mut *harness;
+        let budget = island_row_visits(N);
+        if let Some(report) =
+            harness.islands.advance_pass(&mut harness.volume, &harness.mask, budget, &mut ())
+        {
+            break report;
+        }
+        ticks += 1;
+    };
+    assert_eq!(report, IslandReport::default());
+    assert_eq!(harness.volume.count_voxels(), voxels);
+    let visits = ticks * island_row_visits(N);
+    assert!((900_000..1_300_000).contains(&visits), "{visits} row visits");
+}
+
+/// Walls across x, two voxels apart, joined to the next at the bottom and at the top in turn.
+fn write_comb<const N: usize>(volume: &mut Volume<N>)
+where
+    Grid<N>: Size,
+{
+    let mut walls = <Grid<N> as Size>::Row::EMPTY;
+    let (mut low, mut high) = (walls, walls);
+    for x in 0..N {
+        match x % 4 {
+            1 => high.insert(x),
+            3 => low.insert(x),
+            _ => walls.insert(x),
+        }
+    }
+    volume.set_voxels(|plane| {
+        for y in 0..N {
+            for z in 0..N {
+                *plane.row_mut(y, z) = walls
+                    | if y == 1 { low } else { <Grid<N> as Size>::Row::EMPTY }
+                    | if y == N - 1 { high } else { <Grid<N> as Size>::Row::EMPTY };
+            }
+        }
+        // Only the first wall stands.
+        for z in 0..N {
+            let mut first = <Grid<N> as Size>::Row::EMPTY;
+            first.insert(0);
+            *plane.row_mut(0, z) = first;
+        }
+    });
+}
+
+/// A beam that is reached late, at its far end and from above, passes the queue's word border.
+#[test]
+fn across_words() {
+    const N: usize = 128;
+    static HARNESS: Mutex<IslandHarness<N>> = Mutex::new(IslandHarness::new());
+    let mut harness = HARNESS.lock().unwrap();
+    for end in [20, N - 1 - 20] {
+        harness.volume.set_voxels(|plane| {
+            for y in 0..=8 {
+                plane.row_mut(y, end).insert(30);
+                if y >= 5 {
+                    plane.row_mut(y, end).insert(10);
+                }
+            }
+            *plane.row_mut(8, end) |= <Grid<N> as Size>::Row::span(10, 30);
+            (20..N - 20).for_each(|z| plane.row_mut(5, z).insert(10));
+        });
+        let voxels = harness.volume.count_voxels();
+        let (report, _) = harness.run_pass(island_row_visits(N)).unwrap();
+        assert_eq!((report.removed, harness.volume.count_voxels()), (0, voxels));
+    }
+}
+
+/// Neither ground nor mask: nothing goes, and that is said, after each edit anew.
+#[test]
+fn nothing_to_stand_on() {
+    static HARNESS: Mutex<IslandHarness<16>> = Mutex::new(IslandHarness::new());
+    let mut harness = HARNESS.lock().unwrap();
+    let floating = DenseVolume::from_fn(16, |[_, y, _]| y > 0 && y != 5);
+    harness.set_volume(&floating.closure(), &DenseVolume::empty(16));
+    for _ in 0..2 {
+        let (report, ticks) = harness.run_pass(10).unwrap();
+        assert_eq!(report, IslandReport { unsupported: true, ..Default::default() });
+        assert_eq!(ticks, 1);
+    }
+    assert!(harness.to_dense() == floating.closure());
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(300))]
+    /// All of the volume masked: all of it stands.
+    #[test]
+    fn mask_holds(volume in closed_volumes(16)) {
+        check_at_rest(&AT_REST_16, &(volume.clone(), volume), 50)?;
+    }
+}
+
+/// Laying out the mask is a tick's work, so a search that is short without one takes a second tick;
+/// where only the ground is there, it is short indeed.
+#[test]
+fn the_mask_takes_a_tick() {
+    let mut harness = AT_REST_16.lock().unwrap_or_else(|e| e.into_inner());
+    for height in [1, 4] {
+        let floor = DenseVolume::from_fn(16, |[_, y, _]| y < height);
+        for (mask, ticks) in [(DenseVolume::empty(16), 1), (floor.clone(), 2)] {
+            harness.set_volume(&floor, &mask);
+            assert_eq!(harness.run_pass(island_row_visits(16)).unwrap().1, ticks, "{height} high");
+        }
+    }
+}
+
+/// A block that floats in a well: columns along x and z hold all of it, too much to ask for voxel
+/// by voxel, but none along y.
+#[test]
+fn a_block_in_a_well() {
+    let wall = |i: i32| i == 0 || i == 15;
+    let inside = |i: i32| (2..14).contains(&i);
+    let well = DenseVolume::from_fn(16, |[x, y, z]| {
+        wall(x) || wall(z) || (inside(x) && inside(z) && (2..15).contains(&y))
+    });
+    assert!(
+        well == well.closure()
+            && clear_islands(&well, &DenseVolume::empty(16)).removed == 12 * 13 * 12
+    );
+    check_at_rest(&AT_REST_16, &(well, DenseVolume::empty(16)), 50).unwrap();
+}

@@ -1,0 +1,123 @@
+//! Undo and redo against whole copies of the maps, with island removals in between.
+
+use std::sync::Mutex;
+
+use paros_core::{Grid, Size};
+use paros_models::undo_harness::{IslandClearing, SphereEdit, UndoHarness, apply_stroke};
+use proptest::prelude::*;
+
+#[derive(Clone, Debug)]
+enum UndoAction {
+    /// A stroke: edits, with islands cleared after some of them, perhaps after the next began.
+    Stroke {
+        edits: Vec<SphereEdit>,
+        clear: IslandClearing,
+    },
+    Undo,
+    Redo,
+    Save,
+}
+
+fn any_actions(n: i32, most: usize) -> impl Strategy<Value = Vec<UndoAction>> {
+    let touch = ([0..n, 0..n, 0..n], 0..n, any::<bool>())
+        .prop_map(|(at, radius, fill)| SphereEdit { at, radius, fill });
+    let clear = prop_oneof![
+        Just(IslandClearing::Never),
+        Just(IslandClearing::AtEnd),
+        Just(IslandClearing::Late)
+    ];
+    let stroke = (proptest::collection::vec(touch, 0..5), clear)
+        .prop_map(|(edits, clear)| UndoAction::Stroke { edits, clear });
+    let step = prop_oneof![6 => stroke, 3 => Just(UndoAction::Undo), 2 => Just(UndoAction::Redo), 1 => Just(UndoAction::Save)];
+    proptest::collection::vec(step, 1..most)
+}
+
+fn check_actions<const N: usize>(
+    harness: &Mutex<UndoHarness<N>>,
+    steps: &[UndoAction],
+) -> Result<(), TestCaseError>
+where
+    Grid<N>: Size,
+{
+    let mut harness = harness.lock().unwrap_or_else(|e| e.into_inner());
+    let mut history = harness.reset();
+    for step in steps {
+        match step {
+            UndoAction::Stroke { edits, clear } => {
+                apply_stroke(&mut harness, &mut history, edits, *clear);
+            }
+            UndoAction::Undo => {
+                prop_assert_eq!(harness.step_checked(true)?, history.undo().is_some());
+            }
+            UndoAction::Redo => {
+                prop_assert_eq!(harness.step_checked(false)?, history.redo().is_some());
+            }
+            UndoAction::Save => harness.check_saved()?,
+        }
+        let (undoable, redoable) = harness.undo.undo_redo_counts();
+        prop_assert!(undoable >= history.counts().0.min(2), "two entries always fit");
+        prop_assert!(undoable <= history.counts().0);
+        history.keep_newest(undoable);
+        prop_assert_eq!(redoable, history.counts().1);
+        prop_assert_eq!(harness.undo.digest(), harness.undo.recompute_digest());
+    }
+    while let Some(maps) = history.undo() {
+        prop_assert!(harness.step_checked(true)?);
+        harness.check_volume(maps)?;
+    }
+    prop_assert!(!harness.step_checked(true)?);
+    while let Some(maps) = history.redo() {
+        prop_assert!(harness.step_checked(false)?);
+        harness.check_volume(maps)?;
+    }
+    prop_assert!(!harness.step_checked(false)?);
+    harness.check_saved()
+}
+
+static STEPS_16: Mutex<UndoHarness<16>> = Mutex::new(UndoHarness::new());
+static STEPS_32: Mutex<UndoHarness<32>> = Mutex::new(UndoHarness::new());
+static STEPS_128: Mutex<UndoHarness<128>> = Mutex::new(UndoHarness::new());
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(3000))]
+    #[test]
+    fn strokes_16(steps in any_actions(16, 40)) {
+        check_actions(&STEPS_16, &steps)?;
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(300))]
+    #[test]
+    fn strokes_32(steps in any_actions(32, 60)) {
+        check_actions(&STEPS_32, &steps)?;
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(4))]
+    #[test]
+    fn strokes_128(steps in any_actions(128, 12)) {
+        check_actions(&STEPS_128, &steps)?;
+    }
+}
+
+/// A stroke that changes nothing leaves no entry, and doesn't drop what was undone.
+#[test]
+fn idle_stroke() {
+    static HARNESS: Mutex<UndoHarness<16>> = Mutex::new(UndoHarness::new());
+    let mut harness = HARNESS.lock().unwrap();
+    let mut history = harness.reset();
+    let dent = SphereEdit { at: [8, 11, 8], radius: 5, fill: false };
+    apply_stroke(&mut harness, &mut history, std::slice::from_ref(&dent), IslandClearing::Never);
+    assert!(harness.step_checked(true).unwrap());
+    apply_stroke(
+        &mut harness,
+        &mut history,
+        &[SphereEdit { at: [8, 15, 8], radius: 1, fill: false }],
+        IslandClearing::Never,
+    );
+    assert_eq!(harness.undo.undo_redo_counts(), (0, 1));
+    apply_stroke(&mut harness, &mut history, &[dent], IslandClearing::Never);
+    assert_eq!(harness.undo.undo_redo_counts(), (1, 0));
+}

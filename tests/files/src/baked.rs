@@ -1,0 +1,68 @@
+//! What must hold of a mesh that is baked, whichever it is.
+
+use std::sync::Mutex;
+
+use paros_core::{
+    BakeReport, Baker, BitGrid, BitSet, Grid, MeshPlacement, RangeMaps, Size, UpAxis,
+};
+use paros_models::bake::Triangle;
+use paros_models::bake_harness::{N, check};
+use paros_shell::mesh::Mesh;
+
+use crate::shapes::closed;
+
+/// Bakes a mesh that stands upright.
+///
+/// # Panics
+/// It is no solid.
+pub fn bake<const M: usize>(
+    mesh: &Mesh,
+    baker: &Mutex<Baker<M>>,
+    maps: &Mutex<RangeMaps<M>>,
+    plane: &Mutex<BitGrid<M>>,
+) -> BakeReport
+where
+    Grid<M>: Size,
+{
+    let (mut baker, mut maps) = (baker.lock().unwrap(), maps.lock().unwrap());
+    mesh.bake_into_maps(UpAxis::Y, &mut baker, &mut maps, &mut plane.lock().unwrap()).unwrap()
+}
+
+/// An open mesh and the same with its hole closed bake to nearly the same voxels.
+///
+/// # Panics
+/// They don't.
+pub fn bakes_alike_with_its_base_closed(open: &Mesh) {
+    static BAKER: Mutex<Baker<128>> = Mutex::new(Baker::new());
+    static MAPS: Mutex<RangeMaps<128>> = Mutex::new(RangeMaps::new());
+    static PLANES: [Mutex<BitGrid<128>>; 2] = [const { Mutex::new(BitGrid::new()) }; 2];
+    let whole = closed(open);
+    assert!(whole.triangles.len() > open.triangles.len(), "the mesh has no hole to close");
+    let whole_report = bake(&whole, &BAKER, &MAPS, &PLANES[1]);
+    let report = bake(open, &BAKER, &MAPS, &PLANES[0]);
+    assert!(!report.flipped, "{report:?}");
+    // A fan may cut through the surface beside its hole, hence not zero.
+    assert!(
+        whole_report.opened_columns * 20 < report.opened_columns,
+        "{report:?} {whole_report:?}"
+    );
+    let [a, b] = [PLANES[0].lock().unwrap(), PLANES[1].lock().unwrap()];
+    let rows = (0..128 * 128).map(|i| (i / 128, i % 128));
+    let apart: u64 = rows.map(|(y, z)| u64::from((a.row(y, z) ^ b.row(y, z)).count_ones())).sum();
+    println!("{apart} of {} voxels differ", b.count_voxels());
+    assert!(apart * 200 < b.count_voxels(), "{apart} of {} voxels differ", b.count_voxels());
+}
+
+/// A mesh bakes as the dense model has it, and so does the same inside out.
+///
+/// # Panics
+/// It doesn't.
+pub fn agrees_with_the_model_inside_out_and_not(mesh: &Mesh) {
+    let (min, max) = mesh.bounding_box().unwrap();
+    let placement = MeshPlacement::fit_bounds(min, max, UpAxis::Y, N).unwrap();
+    let place = |i: u32| placement.snap_point(mesh.positions[i as usize]).to_array();
+    let triangles: Vec<Triangle> = mesh.triangles.iter().map(|t| t.map(place)).collect();
+    check(&triangles).unwrap();
+    let inside_out: Vec<Triangle> = triangles.iter().map(|t| [t[0], t[2], t[1]]).collect();
+    check(&inside_out).unwrap();
+}

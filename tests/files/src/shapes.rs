@@ -1,0 +1,69 @@
+//! Meshes to bake, of the project's own.
+
+use paros_shell::mesh::Mesh;
+use std::collections::HashMap;
+
+/// A surface of revolution, closed at the top and open at the bottom.
+#[must_use]
+pub fn vase() -> Mesh {
+    const AROUND: u32 = 120;
+    const LEVELS: u32 = 90;
+    let mut mesh = Mesh::default();
+    for level in 0..LEVELS {
+        let height = level as f32 / LEVELS as f32;
+        let radius = 0.3 + 0.15 * (height * 9.0).sin();
+        for i in 0..AROUND {
+            let angle = i as f32 / AROUND as f32 * std::f32::consts::TAU;
+            mesh.positions.push([radius * angle.cos(), height, -radius * angle.sin()]);
+        }
+    }
+    let top = mesh.positions.len() as u32;
+    mesh.positions.push([0.0, 1.0, 0.0]);
+    for level in 0..LEVELS {
+        for i in 0..AROUND {
+            let [a, b] = [i, (i + 1) % AROUND].map(|i| level * AROUND + i);
+            if level + 1 == LEVELS {
+                mesh.triangles.push([a, b, top]);
+            } else {
+                mesh.triangles.extend([[a, b, b + AROUND], [a, b + AROUND, a + AROUND]]);
+            }
+        }
+    }
+    mesh
+}
+
+/// The mesh and a fan from the middle of each loop of edges that only one triangle uses.
+#[must_use]
+pub fn closed(mesh: &Mesh) -> Mesh {
+    let mut next: HashMap<u32, Vec<u32>> = HashMap::new();
+    let mut uses: HashMap<[u32; 2], i32> = HashMap::new();
+    for t in &mesh.triangles {
+        for [a, b] in [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]] {
+            *uses.entry([a, b]).or_default() += 1;
+            *uses.entry([b, a]).or_default() -= 1;
+        }
+    }
+    for ([a, b], _) in uses.into_iter().filter(|&(_, uses)| uses > 0) {
+        next.entry(b).or_default().push(a);
+    }
+    let mut closed = mesh.clone();
+    while let Some(start) = next.iter().find(|(_, ends)| !ends.is_empty()).map(|(&start, _)| start)
+    {
+        let mut ring = vec![start];
+        while let Some(end) = next.get_mut(ring.last().unwrap()).and_then(Vec::pop) {
+            if end == start {
+                break;
+            }
+            ring.push(end);
+        }
+        let middle = [0, 1, 2].map(|k| {
+            ring.iter().map(|&i| mesh.positions[i as usize][k]).sum::<f32>() / ring.len() as f32
+        });
+        let centre = closed.positions.len() as u32;
+        closed.positions.push(middle);
+        for (i, &a) in ring.iter().enumerate() {
+            closed.triangles.push([a, ring[(i + 1) % ring.len()], centre]);
+        }
+    }
+    closed
+}

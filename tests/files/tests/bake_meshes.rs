@@ -1,0 +1,52 @@
+//! Meshes of the project's own, baked against the dense model. `tests/real-meshes` has the same of others.
+
+use std::sync::Mutex;
+
+use glam::IVec3;
+use paros_core::{Baker, BitGrid, MeshPlacement, RangeMaps, UpAxis};
+use paros_models::bake::{self as model, Triangle};
+use paros_models::bake_harness::{N, check_across_words};
+use paros_tests_files::baked::{
+    agrees_with_the_model_inside_out_and_not, bake, bakes_alike_with_its_base_closed,
+};
+use paros_tests_files::shapes::{closed, vase};
+
+#[test]
+fn a_finely_divided_shape_in_rows_of_two_words() {
+    let vase = closed(&vase());
+    let (min, max) = vase.bounding_box().unwrap();
+    let placement = MeshPlacement::fit_bounds(min, max, UpAxis::Y, N).unwrap();
+    let place =
+        |i: u32| (placement.snap_point(vase.positions[i as usize]) + IVec3::Y * 5).to_array();
+    let triangles: Vec<Triangle> = vase.triangles.iter().map(|t| t.map(place)).collect();
+    let baked = model::bake_triangles(N, &triangles);
+    assert_eq!(baked.opened, 0);
+    check_across_words(&triangles, &baked).unwrap();
+}
+
+#[test]
+fn a_vase_with_its_base_closed_bakes_alike() {
+    bakes_alike_with_its_base_closed(&vase());
+}
+
+#[test]
+fn a_vase_inside_out_and_not_agrees_with_the_model() {
+    agrees_with_the_model_inside_out_and_not(&vase());
+}
+
+#[test]
+fn an_inside_out_mesh_bakes_as_if_it_were_not() {
+    static BAKER: Mutex<Baker<64>> = Mutex::new(Baker::new());
+    static MAPS: [Mutex<RangeMaps<64>>; 2] = [const { Mutex::new(RangeMaps::new()) }; 2];
+    static PLANE: Mutex<BitGrid<64>> = Mutex::new(BitGrid::new());
+    let mesh = vase();
+    let mut turned = mesh.clone();
+    for t in &mut turned.triangles {
+        t.swap(1, 2);
+    }
+    let right = bake(&mesh, &BAKER, &MAPS[0], &PLANE);
+    let wrong = bake(&turned, &BAKER, &MAPS[1], &PLANE);
+    assert!(!right.flipped && wrong.flipped);
+    assert_eq!(right.opened_columns, wrong.opened_columns);
+    assert!(*MAPS[0].lock().unwrap() == *MAPS[1].lock().unwrap());
+}

@@ -1,0 +1,69 @@
+//! Meshes in their place: fitted, turned, and with their winding looked at.
+
+use paros_core::internals::BAKE_UNITS_PER_VOXEL;
+use paros_core::{Baker, BitGrid, MeshPlacement, RangeMaps, UpAxis};
+use paros_shell::mesh::Mesh;
+use paros_tests_files::shapes::vase;
+use std::sync::Mutex;
+
+#[test]
+fn a_fitted_mesh_stands_on_the_ground_with_a_voxel_free_around_it() {
+    static BAKER: Mutex<Baker<64>> = Mutex::new(Baker::new());
+    static MAPS: Mutex<RangeMaps<64>> = Mutex::new(RangeMaps::new());
+    static PLANE: Mutex<BitGrid<64>> = Mutex::new(BitGrid::new());
+    for stretch in [[1.0, 1.0, 1.0], [9.0, 1.0, 1.0], [1.0, 1e8, 1.0], [1e-30, 1e-30, 3e-30]] {
+        let mut mesh = vase();
+        for p in &mut mesh.positions {
+            *p = [0, 1, 2].map(|k| p[k] * stretch[k]);
+        }
+        let mut maps = MAPS.lock().unwrap();
+        let (mut baker, mut plane) = (BAKER.lock().unwrap(), PLANE.lock().unwrap());
+        mesh.bake_into_maps(UpAxis::Y, &mut baker, &mut maps, &mut plane).unwrap();
+        let voxels = (0..64 * 64 * 64).map(|i| [i % 64, i / 64 % 64, i / 4096]);
+        let set: Vec<_> = voxels.filter(|&v| maps.contains(v)).collect();
+        let low = [0, 1, 2].map(|k| set.iter().map(|v| v[k]).min().unwrap());
+        let high = [0, 1, 2].map(|k| set.iter().map(|v| v[k]).max().unwrap());
+        assert_eq!(low[1], 0);
+        assert!(low[0] >= 1 && low[2] >= 1 && high.iter().all(|&h| h <= 62), "{low:?} {high:?}");
+        assert!((0..3).any(|k| high[k] - low[k] >= 61), "{low:?} {high:?}");
+        assert!(low[0].abs_diff(63 - high[0]) <= 1 && low[2].abs_diff(63 - high[2]) <= 1);
+    }
+}
+
+#[test]
+fn z_up_is_a_turn_and_not_a_mirror() {
+    let placement = MeshPlacement::fit_bounds([0.0; 3], [1.0, 2.0, 4.0], UpAxis::Z, 64).unwrap();
+    let [o, x, y, z] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 4.0]]
+        .map(|p| placement.snap_point(p));
+    assert!((x - o).x > 0 && (z - o).y > 0 && (y - o).z < 0);
+    assert_eq!((o.y, z.y), (0, 63 * BAKE_UNITS_PER_VOXEL - 1));
+}
+
+#[test]
+fn bounds_that_can_not_be_fitted_are_refused() {
+    for (min, max) in [
+        ([0.0; 3], [0.0; 3]),
+        ([f32::NAN, 0.0, 0.0], [1.0; 3]),
+        ([0.0; 3], [f32::INFINITY, 1.0, 1.0]),
+        ([2.0; 3], [1.0; 3]),
+    ] {
+        assert_eq!(MeshPlacement::fit_bounds(min, max, UpAxis::Y, 64), None);
+    }
+}
+
+#[test]
+fn winding_faults_are_counted() {
+    let mesh = vase();
+    assert_eq!(mesh.count_winding_faults(), 0);
+    let mut faulty = mesh.clone();
+    faulty.triangles[700].swap(1, 2);
+    assert_eq!(faulty.count_winding_faults(), 3);
+    // Split at a seam, the same surface: vertices are merged by position.
+    let mut split = Mesh::default();
+    for t in &faulty.triangles {
+        let base = split.positions.len() as u32;
+        split.positions.extend(t.map(|i| faulty.positions[i as usize]));
+        split.triangles.push([base, base + 1, base + 2]);
+    }
+    assert_eq!(split.count_winding_faults(), 3);
+}

@@ -1,0 +1,202 @@
+//! Prints made beside the ticks: the same ticks, the same bytes, never more work than agreed.
+//!
+//! Planted faults, and what catches each (tried by hand):
+//! - a second finish drops the print under way, or is not heard -> `no_finished_sculpture_is_lost`.
+//! - twice the budget in a step, or the mask left out -> `each_step_stays_in_its_budget`.
+
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use paros_core::{
+    BitGrid, ExportPhase, Exporter, RangeMaps, SessionMode, TickInput, World, WorldEvent, commands,
+};
+use paros_models::random_visitor::RandomVisitor;
+use paros_models::world_harness::WorldHarness;
+use paros_shell::print::{
+    DEFAULT_HEIGHT_MM, FinishedPrint, MAX_BYTES_PER_STEP, PrintBuffers, StlPrinter, UNITS_PER_STEP,
+};
+
+/// The file, made in one call.
+fn export_at_once(
+    exporter: &mut Exporter<64>,
+    rows: &BitGrid<64>,
+    mask: &RangeMaps<64>,
+) -> Vec<u8> {
+    let mut file = vec![0; 1 << 24];
+    exporter.start_export(DEFAULT_HEIGHT_MM).unwrap();
+    let progress = exporter.advance_export(rows, mask, u32::MAX, &mut file);
+    assert_eq!(progress.phase, ExportPhase::Done);
+    file.truncate(progress.written);
+    file
+}
+
+struct Shop {
+    studio: WorldHarness<64>,
+    press: PrintBuffers<64>,
+    exporter: Exporter<64>,
+}
+
+fn lock_shop() -> MutexGuard<'static, Shop> {
+    static SHOP: Mutex<Shop> = Mutex::new(Shop {
+        studio: WorldHarness::new(),
+        press: PrintBuffers::new(),
+        exporter: Exporter::new(),
+    });
+    SHOP.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// What the ticks of a session are given: it starts, is sculpted, is finished after 150 ticks, and
+/// `pause` ticks later the next one starts.
+fn two_sessions(pause: usize) -> Vec<TickInput> {
+    let start = |mode| TickInput { start: mode, ..TickInput::default() };
+    let finish = TickInput { commands: commands::FINISH, ..TickInput::default() };
+    let mut visitor = RandomVisitor::new(7);
+    visitor.restless = false;
+    let mut inputs = vec![start(SessionMode::Constrained { figure: 0 })];
+    inputs.extend((0..150).map(|_| visitor.next_input()));
+    inputs.push(finish);
+    inputs.extend((0..pause).map(|_| visitor.next_input()));
+    inputs.push(start(SessionMode::Creative));
+    inputs.extend((0..60).map(|_| visitor.next_input()));
+    inputs.push(finish);
+    inputs.extend((0..60).map(|_| visitor.next_input()));
+    inputs
+}
+
+/// Steps an empty world through inputs; its digests, and what `each` made of the ticks.
+fn run_inputs<T>(
+    studio: &mut WorldHarness<64>,
+    inputs: &[TickInput],
+    mut each: impl FnMut(&World<64>) -> Option<T>,
+) -> (Vec<u64>, Vec<T>) {
+    studio.reset();
+    let (mut digests, mut made) = (vec![], vec![]);
+    for input in inputs {
+        studio.step(input);
+        made.extend(each(&studio.world));
+        digests.push(studio.world.digest());
+    }
+    (digests, made)
+}
+
+/// Without a printer: digests, and the files of what was finished, drained at once.
+fn run_without_printer(shop: &mut Shop, inputs: &[TickInput]) -> (Vec<u64>, Vec<Vec<u8>>) {
+    let Shop { studio, exporter, .. } = shop;
+    run_inputs(studio, inputs, |world| {
+        let finished = world.events().contains(&WorldEvent::Finished);
+        finished.then(|| export_at_once(exporter, world.volume().rows(), world.mask()))
+    })
+}
+
+/// With one: digests, prints, and the most ticks that one took.
+fn run_with_printer(shop: &mut Shop, inputs: &[TickInput]) -> (Vec<u64>, Vec<FinishedPrint>, u32) {
+    let mut printer = StlPrinter::new(&mut shop.press, DEFAULT_HEIGHT_MM).unwrap();
+    let (mut busy, mut most) = (0, 0);
+    let (digests, prints) = run_inputs(&mut shop.studio, inputs, |world| {
+        let print = printer.advance_after_tick(world);
+        busy = if printer.is_busy() { busy + 1 } else { 0 };
+        most = most.max(busy);
+        print
+    });
+    assert!(!printer.is_busy() && printer.finish_print().is_none());
+    (digests, prints, most)
+}
+
+fn stl_files(prints: &[FinishedPrint]) -> Vec<&[u8]> {
+    prints.iter().map(|print| &print.stl[..]).collect()
+}
+
+#[test]
+fn ticks_and_bytes_are_those_of_a_print_made_at_once() {
+    let mut shop = lock_shop();
+    let inputs = two_sessions(40);
+    let (digests, expected) = run_without_printer(&mut shop, &inputs);
+    let (same, prints, ticks) = run_with_printer(&mut shop, &inputs);
+    assert!(digests == same);
+    assert_eq!(expected.len(), 2);
+    assert!(stl_files(&prints) == expected);
+    assert!(ticks >= 3, "it was spread over {ticks} ticks");
+    for print in prints {
+        assert!(print.triangle_count > 1000);
+        assert_eq!(print.stl.len(), 84 + 50 * print.triangle_count as usize);
+    }
+}
+
+#[test]
+fn a_new_session_leaves_the_print_alone() {
+    let mut shop = lock_shop();
+    let inputs = two_sessions(0);
+    let (digests, expected) = run_without_printer(&mut shop, &inputs);
+    let (same, prints, _) = run_with_printer(&mut shop, &inputs);
+    assert!(digests == same && stl_files(&prints) == expected);
+}
+
+#[test]
+fn no_finished_sculpture_is_lost() {
+    let mut shop = lock_shop();
+    let mut inputs = two_sessions(0);
+    // The second session is finished in the tick after its start.
+    let finish = inputs.remove(inputs.len() - 61);
+    inputs.insert(153, finish);
+    assert_eq!(
+        (inputs[152].start, inputs[153].commands),
+        (SessionMode::Creative, commands::FINISH)
+    );
+    let (digests, expected) = run_without_printer(&mut shop, &inputs);
+    assert!(expected.len() == 2 && expected[0] != expected[1]);
+    let (same, prints, _) = run_with_printer(&mut shop, &inputs);
+    assert!(digests == same && stl_files(&prints) == expected);
+}
+
+#[test]
+fn each_step_stays_in_its_budget() {
+    let shop = &mut *lock_shop();
+    let Shop { studio, press, exporter } = shop;
+    studio.start_session(SessionMode::Constrained { figure: 0 });
+    let (rows, mask) = (studio.world.volume().rows(), studio.world.mask());
+    // Bytes that there are after each unit of work.
+    let mut units = vec![0];
+    let mut buffer = vec![0; Exporter::<64>::MIN_BUFFER];
+    exporter.start_export(DEFAULT_HEIGHT_MM).unwrap();
+    loop {
+        let progress = exporter.advance_export(rows, mask, 1, &mut buffer);
+        units.push(units.last().unwrap() + progress.written);
+        if progress.phase == ExportPhase::Done {
+            break;
+        }
+    }
+    let mut printer = StlPrinter::new(press, DEFAULT_HEIGHT_MM).unwrap();
+    printer.begin_print(rows, mask);
+    let (mut steps, mut before) = (0, 0);
+    let print = loop {
+        steps += 1;
+        let print = printer.advance_print();
+        let made = print.as_ref().map_or(printer.bytes_made(), |print| print.stl.len());
+        let most = units[units.len().min(steps * UNITS_PER_STEP as usize + 1) - 1];
+        assert!(made <= most, "step {steps}: {made} bytes, the budget is for {most}");
+        assert!(made - before <= MAX_BYTES_PER_STEP);
+        before = made;
+        if let Some(print) = print {
+            break print;
+        }
+    };
+    assert_eq!(print.stl.len(), *units.last().unwrap());
+    assert!(
+        steps * UNITS_PER_STEP as usize >= units.len() - 1,
+        "{steps} steps for {}",
+        units.len() - 1
+    );
+}
+
+#[test]
+fn nothing_is_printed_of_nothing() {
+    let shop = &mut *lock_shop();
+    for height in [0.0, -1.0, f32::NAN, f32::INFINITY] {
+        assert!(StlPrinter::new(&mut shop.press, height).is_err());
+    }
+    let mut printer = StlPrinter::new(&mut shop.press, DEFAULT_HEIGHT_MM).unwrap();
+    shop.studio.start_from_voxels(|_| false);
+    assert_eq!((printer.advance_after_tick(&shop.studio.world), printer.is_busy()), (None, false));
+    shop.studio.step(&TickInput { commands: commands::FINISH, ..TickInput::default() });
+    assert_eq!((printer.advance_after_tick(&shop.studio.world), printer.is_busy()), (None, true));
+    assert_eq!(printer.finish_print().map(|print| print.triangle_count), Some(0));
+}

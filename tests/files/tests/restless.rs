@@ -1,0 +1,69 @@
+//! A restless visitor's sessions are recorded and lead to the same digests when they are played again.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+
+use paros_core::{Grid, SessionMode, Size, TICK_RATE, TickInput};
+use paros_models::random_visitor::RandomVisitor;
+use paros_shell::replay::replay_trace;
+use paros_shell::statics::Resident;
+use paros_shell::tick_runner;
+
+/// The one world of the process is recorded and played by one test after the other.
+static TURN: Mutex<()> = Mutex::new(());
+
+/// Ten minutes.
+const TICKS: u32 = 600 * TICK_RATE;
+
+/// A restless visitor's session.
+fn record_trace<const N: usize>(ticks: u32) -> Vec<u8>
+where
+    Grid<N>: Size + Resident<N>,
+{
+    tick_runner::with_fresh_world::<N, _>(|mut runner| {
+        runner.start_recording();
+        runner.run_tick(&TickInput {
+            start: SessionMode::Constrained { figure: 1 },
+            ..TickInput::default()
+        });
+        let mut visitor = RandomVisitor::new(2024);
+        (1..ticks).for_each(|_| runner.run_tick(&visitor.next_input()));
+        runner.end_recording().expect("a recording")
+    })
+}
+
+/// A trace of a restless visitor, and where its digests go.
+fn recorded_files<const N: usize>(name: &str, ticks: u32) -> [PathBuf; 2]
+where
+    Grid<N>: Size + Resident<N>,
+{
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
+    let [trace, digests] = ["trace", "digests"].map(|end| folder.join(format!("{name}.{end}")));
+    fs::write(&trace, record_trace::<N>(ticks)).expect("room on the disk");
+    let _ = fs::remove_file(&digests);
+    [trace, digests]
+}
+
+/// `.ci/run` plays what this leaves in the other builds and shells, and on Android's library.
+#[test]
+fn ten_restless_minutes_lead_to_the_same_digests() {
+    leads_to_the_same_digests::<128>("restless", TICKS);
+}
+
+/// Its ticks are counted there.
+#[test]
+fn a_restless_minute_at_256_leads_to_the_same_digests() {
+    leads_to_the_same_digests::<256>("restless-256", TICKS / 10);
+}
+
+fn leads_to_the_same_digests<const N: usize>(name: &str, ticks: u32)
+where
+    Grid<N>: Size + Resident<N>,
+{
+    let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
+    let [trace, digests] = recorded_files::<N>(name, ticks);
+    replay_trace(&trace, &digests).expect("it was just recorded");
+    let digests = fs::read_to_string(&digests).expect("it was written");
+    assert_eq!(digests.lines().count(), ticks as usize);
+}

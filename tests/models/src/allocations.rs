@@ -1,0 +1,56 @@
+//! A counting allocator, for tests of code that must not allocate.
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+
+thread_local! {
+    /// The number of this thread's allocations.
+    static COUNT: Cell<u64> = const { Cell::new(0) };
+}
+
+/// The system's allocator, which counts each thread's allocations. A test makes it the global one.
+#[derive(Clone, Copy, Debug)]
+pub struct CountingAllocator;
+
+fn count_allocation() {
+    // A thread that is ending has no count any more.
+    let _ = COUNT.try_with(|count| count.set(count.get() + 1));
+}
+
+// SAFETY: every call goes to the system's allocator with the arguments it came with.
+unsafe impl GlobalAlloc for CountingAllocator {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        count_allocation();
+        // SAFETY: the caller's promise is passed on.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        count_allocation();
+        // SAFETY: the caller's promise is passed on.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+
+    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        count_allocation();
+        // SAFETY: the caller's promise is passed on.
+        unsafe { System.realloc(pointer, layout, size) }
+    }
+}
+
+/// The number of this thread's allocations so far.
+#[must_use]
+pub fn allocation_count() -> u64 {
+    COUNT.get()
+}
+
+/// Runs `act`, which must not allocate.
+///
+/// # Panics
+/// It allocates; the message begins with `what`.
+pub fn without_allocating<T>(what: &str, act: impl FnOnce() -> T) -> T {
+    let before = allocation_count();
+    let result = act();
+    assert_eq!(allocation_count(), before, "{what} allocated");
+    result
+}

@@ -1,0 +1,113 @@
+//! Model of brush rasterisation: point-in-capsule and point-in-swept-box tests of every voxel's centre, by
+//! their naive definitions, in 128-bit integers.
+
+use glam::{IVec3, Quat, Vec3};
+use paros_core::internals::FIXED_ONE;
+use paros_core::{Pose, SUBUNITS_PER_VOXEL};
+
+use crate::dense::DenseVolume;
+
+/// A voxel's centre in fixed point: [`SUBUNITS_PER_VOXEL`] units a voxel.
+pub fn fixed_centre(voxel: [i32; 3]) -> [i128; 3] {
+    voxel.map(|i| {
+        i128::from(i) * i128::from(SUBUNITS_PER_VOXEL) + i128::from(SUBUNITS_PER_VOXEL / 2)
+    })
+}
+
+/// The voxels whose centres are at most `radius` from the segment between `a` and `b`, in fixed point.
+pub fn capsule_voxels(n: usize, a: IVec3, b: IVec3, radius: i32) -> DenseVolume {
+    DenseVolume::from_fn(n, |voxel| {
+        is_near_segment(fixed_centre(voxel), widen(a), widen(b), radius.into())
+    })
+}
+
+/// The voxels whose centres lie in an oriented box of half extents `half` at a pose.
+pub fn box_voxels(n: usize, half: IVec3, pose: &Pose) -> DenseVolume {
+    DenseVolume::from_fn(n, |voxel| {
+        is_in_swept_box(fixed_centre(voxel), half, pose, pose.fixed_position())
+    })
+}
+
+/// The voxels whose centres lie in the swept volume of a box with the pose's rotation that moves straight
+/// from `start` to the pose's position.
+pub fn swept_box_voxels(n: usize, half: IVec3, pose: &Pose, start: IVec3) -> DenseVolume {
+    DenseVolume::from_fn(n, |voxel| is_in_swept_box(fixed_centre(voxel), half, pose, start))
+}
+
+/// The greatest distance, in voxels, between a corner's positions under two rotations of the box.
+pub fn longest_corner_path(half: IVec3, from: Quat, to: Quat) -> f32 {
+    let half = half.as_vec3() / SUBUNITS_PER_VOXEL as f32;
+    let mut greatest = 0.0f32;
+    for k in 0..8 {
+        let sign = |bit: i32| if k & bit == 0 { -1.0 } else { 1.0 };
+        let corner = half * Vec3::new(sign(1), sign(2), sign(4));
+        greatest = greatest.max((from * corner - to * corner).length());
+    }
+    greatest
+}
+
+fn widen(v: IVec3) -> [i128; 3] {
+    v.to_array().map(i128::from)
+}
+
+fn dot(a: [i128; 3], b: [i128; 3]) -> i128 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn subtract(a: [i128; 3], b: [i128; 3]) -> [i128; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+/// Whether a point is at most `radius` from a segment. Between the segment's end planes the distance is that
+/// to its line, the area of a parallelogram over its base; beyond them, that to an end.
+fn is_near_segment(p: [i128; 3], a: [i128; 3], b: [i128; 3], radius: i128) -> bool {
+    let (path, from_a, from_b) = (subtract(b, a), subtract(p, a), subtract(p, b));
+    if dot(from_a, path) > 0 && dot(from_b, path) < 0 {
+        let area = cross(from_a, path);
+        return dot(area, area) <= radius * radius * dot(path, path);
+    }
+    [from_a, from_b].iter().any(|&d| dot(d, d) <= radius * radius)
+}
+
+fn cross(a: [i128; 3], b: [i128; 3]) -> [i128; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+/// Slab test of a point against a moving box: whether some t in -1..=1 has |axis . (2p - middle) - t w| <=
+/// 2 half along all three axes of the box, where `w` is the path in the box's frame. A moving box is half a
+/// unit wider, so that rounding the path loses nothing.
+fn is_in_swept_box(p: [i128; 3], half: IVec3, pose: &Pose, start: IVec3) -> bool {
+    let end = pose.fixed_position();
+    let path = subtract(widen(end), widen(start));
+    let middle = [0, 1, 2].map(|i| widen(start)[i] + widen(end)[i]);
+    let d = subtract(p.map(|i| 2 * i), middle);
+    let unit = i128::from(FIXED_ONE);
+    let wider = i128::from(start != end);
+    // The interval of t so far, as fractions with positive denominators.
+    let (mut from, mut to) = ((-1, 1), (1, 1));
+    for (axis, half) in pose.fixed_axes().into_iter().zip(half.to_array()) {
+        let at = dot(widen(axis), d);
+        let w = divide_to_nearest(dot(widen(axis), path), unit) * unit;
+        let extent = (2 * i128::from(half) + wider) * unit;
+        if w == 0 {
+            if at.abs() > extent {
+                return false;
+            }
+            continue;
+        }
+        let (at, w) = (at * w.signum(), w.abs());
+        let (enters, leaves) = ((at - extent, w), (at + extent, w));
+        if enters.0 * from.1 > from.0 * enters.1 {
+            from = enters;
+        }
+        if leaves.0 * to.1 < to.0 * leaves.1 {
+            to = leaves;
+        }
+    }
+    from.0 * to.1 <= to.0 * from.1
+}
+
+/// `a / b` rounded to the nearest integer, halves up. `b` is positive.
+fn divide_to_nearest(a: i128, b: i128) -> i128 {
+    (2 * a + b).div_euclid(2 * b)
+}

@@ -1,0 +1,316 @@
+//! Model of collision detection and response: contact by a test of every voxel, and the freeze as a walk in
+//! quarter-voxel steps along the path with a slide along the tangent. The naive definition: it skips nothing.
+
+use glam::{I64Vec3, IVec3, Vec3};
+use paros_core::internals::{
+    FIXED_ONE, FreezeResult, GridBit, GridShape, LONG_STRETCH, SHORT_STRETCH, exit_probes,
+};
+use paros_core::limits::deep_step_cost;
+use paros_core::{Contact, Pose, SUBUNITS_PER_VOXEL};
+
+use crate::dense::{DenseVolume, face_neighbours};
+
+/// Walk steps a voxel of path length.
+pub const STEPS_PER_VOXEL: f32 = 4.0;
+
+/// The obstacle: a volume and its mask, the part that can't be removed.
+#[derive(Debug)]
+pub struct ContactModel {
+    volume: DenseVolume,
+    voxels: Vec<[i32; 3]>,
+    masked: Vec<[i32; 3]>,
+}
+
+/// A bit's penetration depths in fixed point; 0 outside.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct PenetrationDepths {
+    /// The depth in the volume.
+    pub volume: i32,
+    /// The depth in the mask.
+    pub mask: i32,
+}
+
+impl PenetrationDepths {
+    /// Whether both are at most the limits.
+    fn are_within(self, may: PenetrationDepths) -> bool {
+        self.volume <= may.volume && self.mask <= may.mask
+    }
+}
+
+impl ContactModel {
+    /// The obstacle of a volume and its mask.
+    ///
+    /// # Panics
+    /// The mask is not part of the volume.
+    pub fn new(volume: DenseVolume, mask: &DenseVolume) -> Self {
+        assert!(mask.is_within(&volume), "the mask is part of the volume");
+        ContactModel {
+            voxels: volume.occupied().collect(),
+            masked: mask.occupied().collect(),
+            volume,
+        }
+    }
+
+    /// The contact of a bit at a pose: overlapping voxels, penetration depth and normal.
+    pub fn contact_at(&self, bit: &GridBit, pose: &Pose) -> Contact {
+        let mut normal = IVec3::ZERO;
+        let (mut overlap, mut depth) = (0, 0);
+        for &voxel in &self.voxels {
+            let Some(inner) = inner_distance(bit, pose, voxel) else { continue };
+            overlap += 1;
+            depth = depth.max(inner);
+            for near in face_neighbours(voxel) {
+                if !self.volume.contains(near) {
+                    normal += IVec3::from_array(near) - IVec3::from_array(voxel);
+                }
+            }
+        }
+        let normal = normal.as_vec3().normalize_or_zero();
+        let on_mask = self.masked.iter().any(|&voxel| is_within_a_voxel(bit, pose, voxel));
+        Contact { overlap, depth, normal, on_mask }
+    }
+
+    /// The penetration depths of a bit at a pose.
+    pub fn depths_at(&self, bit: &GridBit, pose: &Pose) -> PenetrationDepths {
+        if self.is_outside_grid(bit, pose) {
+            return PenetrationDepths { volume: 0, mask: 0 };
+        }
+        let deepest = |voxels: &[[i32; 3]]| {
+            let inner = |&voxel: &[i32; 3]| inner_distance(bit, pose, voxel);
+            voxels.iter().filter_map(inner).max().unwrap_or(0)
+        };
+        PenetrationDepths { volume: deepest(&self.voxels), mask: deepest(&self.masked) }
+    }
+
+    /// Freezes a bit on its way from one pose to the raw pose: walks step by step while the penetration is within
+    /// the limit, then slides once along the tangent. `most` is the limit of steps.
+    pub fn freeze_by_walk(
+        &self,
+        bit: &GridBit,
+        from: &Pose,
+        raw: &Pose,
+        most: u32,
+    ) -> FreezeResult {
+        let mut left = most as usize;
+        let (pose, blocked) = self.walk_and_slide(bit, from, raw, &mut left);
+        FreezeResult { pose, blocked, steps: most - left as u32 }
+    }
+
+    /// Walks, and slides where it is stopped. Returns the pose and whether it was stopped; `steps` is the number
+    /// of steps left.
+    fn walk_and_slide(
+        &self,
+        bit: &GridBit,
+        from: &Pose,
+        raw: &Pose,
+        steps: &mut usize,
+    ) -> (Pose, bool) {
+        let (reached, stop) = self.walk_path(bit, from, raw, steps);
+        let Some(stop) = stop else {
+            return (reached, false);
+        };
+        let left = raw.position - reached.position;
+        let normal = match self.contact_at(bit, &stop).normal {
+            Vec3::ZERO => -left.normalize_or_zero(),
+            normal => normal,
+        };
+        let inward = left.dot(normal);
+        let target = if inward < 0.0 {
+            Pose { position: reached.position + left - normal * inward, rotation: raw.rotation }
+        } else {
+            Pose { position: raw.position, rotation: reached.rotation }
+        };
+        let mut pose = self.walk_path(bit, &reached, &target, steps).0;
+        let wanted = (target.position - reached.position) * STEPS_PER_VOXEL;
+        if pose.position == reached.position && wanted.length_squared() > 1.0 {
+            let sits = self.depths_at(bit, &reached);
+            let mut away = I64Vec3::ZERO;
+            for voxel in &self.voxels {
+                let inner = inner_distance(bit, &stop, *voxel).unwrap_or(i32::MIN);
+                let held = self.masked.contains(voxel);
+                if inner > bit.bite.max(sits.volume) || (held && inner > sits.mask) {
+                    away -= centre_from_bit(&stop, *voxel);
+                }
+            }
+            let away = away.as_vec3().normalize_or_zero();
+            let tangent = left - away * left.dot(away).min(0.0);
+            let target = Pose { position: reached.position + tangent, ..reached };
+            pose = self.walk_path(bit, &reached, &target, steps).0;
+        }
+        (pose, true)
+    }
+
+    /// Walks a path. Returns the last allowed pose, and the next one if that is blocked. A bit that is too deep
+    /// leaves where the path does. Stretches of free path cost fewer of the steps `left`, but are walked alike.
+    pub fn walk_path(
+        &self,
+        bit: &GridBit,
+        from: &Pose,
+        to: &Pose,
+        left: &mut usize,
+    ) -> (Pose, Option<Pose>) {
+        let poses: Vec<Pose> = path_poses(bit, from, to).collect();
+        let mut reached = *from;
+        let mut sits = self.depths_at(bit, from);
+        let (mut i, mut singly_to, mut stretch) = (0, 0, SHORT_STRETCH as usize);
+        while i < poses.len() && *left > 0 {
+            let usual = PenetrationDepths { volume: bit.bite, mask: 0 };
+            let may = PenetrationDepths { volume: bit.bite.max(sits.volume), mask: sits.mask };
+            if i >= singly_to {
+                let end = (i + stretch).min(poses.len());
+                if may == usual && self.is_sweep_free(bit, &reached, &poses[end - 1], usual) {
+                    assert!(
+                        poses[i..end]
+                            .iter()
+                            .all(|pose| self.depths_at(bit, pose).are_within(usual))
+                    );
+                    (i, *left, reached) = (end, *left - 1, poses[end - 1]);
+                    (sits, stretch) = (self.depths_at(bit, &reached), LONG_STRETCH as usize);
+                    continue;
+                }
+                if stretch > SHORT_STRETCH as usize {
+                    stretch = SHORT_STRETCH as usize;
+                    continue;
+                }
+                singly_to = end;
+            }
+            *left = left.saturating_sub(if may == usual {
+                1
+            } else {
+                deep_step_cost(self.volume.side()) as usize
+            });
+            let next = poses[i];
+            i += 1;
+            let depths = self.depths_at(bit, &next);
+            if depths.are_within(may) {
+                (reached, sits) = (next, depths);
+                continue;
+            }
+            if may == usual {
+                return (reached, Some(next));
+            }
+            match self.find_exit(bit, may, &reached, (&poses, i)) {
+                Some(out) => (i, reached) = (out, poses[out - 1]),
+                None => return (reached, Some(next)),
+            }
+            sits = self.depths_at(bit, &reached);
+        }
+        (reached, None)
+    }
+
+    /// The first exit probe after step `i` at which the bit is out of the stone. If the bit's centre is in the
+    /// open, only probes that the centre reaches through the open count.
+    fn find_exit(
+        &self,
+        bit: &GridBit,
+        may: PenetrationDepths,
+        reached: &Pose,
+        (poses, i): (&[Pose], usize),
+    ) -> Option<usize> {
+        let half_diagonal = (SUBUNITS_PER_VOXEL as f32 * 0.866).ceil() as i32;
+        let open = PenetrationDepths { volume: bit.inner_radius() - half_diagonal, ..may };
+        let mut last = *reached;
+        for look in exit_probes(i as u32, poses.len() as u32) {
+            let pose = poses[look as usize - 1];
+            if may.volume <= open.volume && !self.is_sweep_free(bit, &last, &pose, open) {
+                return None;
+            }
+            if self
+                .depths_at(bit, &pose)
+                .are_within(PenetrationDepths { volume: bit.bite, mask: 0 })
+            {
+                return Some(look as usize);
+            }
+            last = pose;
+        }
+        None
+    }
+
+    /// Whether the swept volume of the bit, shrunk to the allowed depths, contains no voxel. Conservative.
+    fn is_sweep_free(&self, bit: &GridBit, from: &Pose, to: &Pose, may: PenetrationDepths) -> bool {
+        let n = self.volume.side();
+        let clear = |level, voxels: &[[i32; 3]]| {
+            bit.swept_brush_deeper_than(level, from, to).is_none_or(|brush| {
+                let pieces: Vec<_> = brush.pieces().collect();
+                !voxels.iter().any(|voxel| {
+                    let [x, y, z] = voxel.map(|i| i as usize);
+                    let holds = |(lo, hi)| (lo..=hi).contains(&x);
+                    pieces.iter().any(|piece| piece.row_span(y, z, n).is_some_and(holds))
+                })
+            })
+        };
+        clear(may.volume, &self.voxels) && clear(may.mask, &self.masked)
+    }
+
+    /// Whether the whole bit lies outside the grid.
+    fn is_outside_grid(&self, bit: &GridBit, pose: &Pose) -> bool {
+        let n = self.volume.side() as f32;
+        let outer = bit.outer_radius() as f32 / SUBUNITS_PER_VOXEL as f32 + 1.0;
+        let held = pose.position.clamp(Vec3::ZERO, Vec3::splat(n));
+        held.distance(pose.position) > outer
+    }
+}
+
+/// The poses of a path, in steps of a quarter voxel of translation and rotation together; the last is `to`.
+pub fn path_poses(bit: &GridBit, from: &Pose, to: &Pose) -> impl Iterator<Item = Pose> + use<> {
+    let (from, to) = (*from, *to);
+    let turn = from.angle_to(&to) * bit.outer_radius() as f32 / SUBUNITS_PER_VOXEL as f32;
+    let length = (to.position - from.position).length() + turn;
+    let steps = (length * STEPS_PER_VOXEL).ceil().max(1.0) as u32;
+    (1..=steps).map(move |i| from.interpolate(&to, i as f32 / steps as f32))
+}
+
+/// The depth of a voxel's centre inside the bit, rounded up to whole fixed-point units; `None` outside.
+fn inner_distance(bit: &GridBit, pose: &Pose, voxel: [i32; 3]) -> Option<i32> {
+    let p = centre_from_bit(pose, voxel);
+    let inner = match bit.shape {
+        GridShape::Ball(radius) => {
+            // The least k for which radius - k is no more than the distance.
+            let squared = p.length_squared();
+            let mut k = i64::from(radius) - squared.isqrt() - 1;
+            while (i64::from(radius) - k).max(0).pow(2) > squared {
+                k += 1;
+            }
+            if squared > i64::from(radius).pow(2) {
+                return None;
+            }
+            k
+        }
+        GridShape::Box(half) => {
+            let unit = i64::from(FIXED_ONE);
+            let left =
+                axis_distances(pose, p).map(|(i, across)| i64::from(half[i]) * unit - across);
+            let least = *left.iter().min().expect("three axes");
+            if least < 0 {
+                return None;
+            }
+            (least + unit - 1) / unit
+        }
+    };
+    Some(inner as i32)
+}
+
+/// Whether a voxel's centre lies in the bit or less than a voxel outside its radius or faces.
+fn is_within_a_voxel(bit: &GridBit, pose: &Pose, voxel: [i32; 3]) -> bool {
+    let p = centre_from_bit(pose, voxel);
+    match bit.shape {
+        GridShape::Ball(radius) => {
+            p.length_squared() < i64::from(radius + SUBUNITS_PER_VOXEL).pow(2)
+        }
+        GridShape::Box(half) => axis_distances(pose, p).iter().all(|&(i, across)| {
+            across < i64::from(half[i] + SUBUNITS_PER_VOXEL) * i64::from(FIXED_ONE)
+        }),
+    }
+}
+
+/// A voxel's centre relative to the bit's, in fixed point.
+fn centre_from_bit(pose: &Pose, voxel: [i32; 3]) -> I64Vec3 {
+    let centre = voxel.map(|i| i64::from(i * SUBUNITS_PER_VOXEL + SUBUNITS_PER_VOXEL / 2));
+    I64Vec3::from_array(centre) - pose.fixed_position().as_i64vec3()
+}
+
+/// The distances of a point from the bit's centre along the bit's axes, each with its index, times [`FIXED_ONE`].
+fn axis_distances(pose: &Pose, p: I64Vec3) -> [(usize, i64); 3] {
+    let axes = pose.fixed_axes();
+    [0, 1, 2].map(|i| (i, p.dot(axes[i].as_i64vec3()).abs()))
+}

@@ -1,0 +1,334 @@
+//! Model of the range maps: a set of voxels as one boolean each. Column hull, closure, support by flood fill
+//! and distance in steps, by their naive definitions; and proptest strategies for volumes.
+
+use std::collections::VecDeque;
+
+use paros_core::{Axis, BitGrid, BitSet, Column, Grid, Range, RangeMaps, Size};
+use proptest::prelude::*;
+
+/// The offsets of the six face neighbours.
+pub const NEIGHBOUR_STEPS: [[i32; 3]; 6] =
+    [[-1, 0, 0], [1, 0, 0], [0, -1, 0], [0, 1, 0], [0, 0, -1], [0, 0, 1]];
+
+/// A set of voxels in a grid of `n`^3: one boolean a voxel.
+#[derive(Clone, PartialEq, Eq)]
+pub struct DenseVolume {
+    n: usize,
+    voxels: Vec<bool>,
+}
+
+impl DenseVolume {
+    /// The empty set in a grid of `n`^3 voxels.
+    pub fn empty(n: usize) -> Self {
+        DenseVolume { n, voxels: vec![false; n * n * n] }
+    }
+
+    /// The voxels for which `occupied` returns true.
+    pub fn from_fn(n: usize, mut occupied: impl FnMut([i32; 3]) -> bool) -> Self {
+        let mut dense = DenseVolume::empty(n);
+        for voxel in dense.all_voxels() {
+            dense.set(voxel, occupied(voxel));
+        }
+        dense
+    }
+
+    /// The intersection of the three maps, tested voxel by voxel.
+    pub fn from_maps<const N: usize>(maps: &RangeMaps<N>) -> Self {
+        DenseVolume::from_fn(N, |voxel| {
+            let voxel = voxel.map(|i| i as usize);
+            Axis::ALL.iter().all(|&axis| {
+                let range = maps.column(axis, axis.column_address(voxel)).0[0];
+                let i = voxel[axis as usize];
+                range.first() <= i && i <= range.last()
+            })
+        })
+    }
+
+    /// The voxels of a bit grid.
+    pub fn from_bits<const N: usize>(plane: &BitGrid<N>) -> Self
+    where
+        Grid<N>: Size,
+    {
+        DenseVolume::from_fn(N, |[x, y, z]| plane.row(y as usize, z as usize).contains(x as usize))
+    }
+
+    /// Sets the occupied voxels in an empty bit grid.
+    pub fn write_bits<const N: usize>(&self, plane: &mut BitGrid<N>)
+    where
+        Grid<N>: Size,
+    {
+        for [x, y, z] in self.occupied() {
+            plane.row_mut(y as usize, z as usize).insert(x as usize);
+        }
+    }
+
+    /// Writes the tight hulls of the columns.
+    pub fn write_maps<const N: usize>(&self, maps: &mut RangeMaps<N>) {
+        for axis in Axis::ALL {
+            for line in 0..N {
+                for place in 0..N {
+                    let range = match self.column_hull(axis, (line, place)) {
+                        Some((lo, hi)) => Range::new(lo, hi),
+                        None => Range::EMPTY,
+                    };
+                    maps.set_column(axis, (line, place), Column([range]));
+                }
+            }
+        }
+    }
+
+    /// The grid's side in voxels.
+    pub fn side(&self) -> usize {
+        self.n
+    }
+
+    /// Every voxel of the grid.
+    pub fn all_voxels(&self) -> impl Iterator<Item = [i32; 3]> + use<> {
+        let n = self.n as i32;
+        (0..n).flat_map(move |y| (0..n).flat_map(move |z| (0..n).map(move |x| [x, y, z])))
+    }
+
+    /// Every occupied voxel.
+    pub fn occupied(&self) -> impl Iterator<Item = [i32; 3]> {
+        self.all_voxels()
+            .zip(&self.voxels)
+            .filter_map(|(voxel, &occupied)| occupied.then_some(voxel))
+    }
+
+    /// Whether a voxel lies in the grid and is occupied.
+    pub fn contains(&self, voxel: [i32; 3]) -> bool {
+        self.index(voxel).is_some_and(|i| self.voxels[i])
+    }
+
+    /// Occupies or empties a voxel of the grid.
+    pub fn set(&mut self, voxel: [i32; 3], occupied: bool) {
+        let i = self.index(voxel).expect("a voxel of the grid");
+        self.voxels[i] = occupied;
+    }
+
+    /// Occupied voxels.
+    pub fn count(&self) -> u32 {
+        self.voxels.iter().map(|&occupied| u32::from(occupied)).sum()
+    }
+
+    /// Whether no voxel is occupied.
+    pub fn is_empty(&self) -> bool {
+        self.count() == 0
+    }
+
+    /// The voxels of either set.
+    pub fn union(&self, other: &DenseVolume) -> DenseVolume {
+        self.zip(other, |a, b| a | b)
+    }
+
+    /// The voxels of both sets.
+    pub fn intersection(&self, other: &DenseVolume) -> DenseVolume {
+        self.zip(other, |a, b| a & b)
+    }
+
+    /// The voxels of this set that the other lacks.
+    pub fn difference(&self, other: &DenseVolume) -> DenseVolume {
+        self.zip(other, |a, b| a & !b)
+    }
+
+    /// Whether the other holds every voxel of this one.
+    pub fn is_within(&self, other: &DenseVolume) -> bool {
+        self.difference(other).is_empty()
+    }
+
+    /// The mirror image across the grid's middle: x becomes n - 1 - x.
+    pub fn mirrored_in_x(&self) -> DenseVolume {
+        let n = self.n as i32;
+        DenseVolume::from_fn(self.n, |[x, y, z]| self.contains([n - 1 - x, y, z]))
+    }
+
+    /// The first and last occupied voxel of a column.
+    pub fn column_hull(&self, axis: Axis, at: (usize, usize)) -> Option<(usize, usize)> {
+        let occupied = |&i: &usize| self.contains(axis.voxel_at(at, i).map(|i| i as i32));
+        Some(((0..self.n).find(occupied)?, (0..self.n).rfind(occupied)?))
+    }
+
+    /// The closure: the voxels that lie within the hulls of all three columns through them.
+    pub fn closure(&self) -> DenseVolume {
+        let n = self.n;
+        let hulls = Axis::ALL.map(|axis| {
+            let column = |i: usize| self.column_hull(axis, (i / n, i % n));
+            (0..n * n).map(column).collect::<Vec<_>>()
+        });
+        DenseVolume::from_fn(n, |voxel| {
+            let voxel = voxel.map(|i| i as usize);
+            Axis::ALL.iter().all(|&axis| {
+                let (line, place) = axis.column_address(voxel);
+                let i = voxel[axis as usize];
+                hulls[axis as usize][line * n + place].is_some_and(|(lo, hi)| lo <= i && i <= hi)
+            })
+        })
+    }
+
+    /// The support S(V): the voxels connected by six-neighbour steps inside the volume to its ground layer
+    /// y = 0 or to its voxels in the mask.
+    pub fn supported_voxels(&self, mask: &DenseVolume) -> DenseVolume {
+        let seeds = self.occupied().filter(|&voxel| voxel[1] == 0 || mask.contains(voxel));
+        self.connected_to(seeds.collect())
+    }
+
+    /// Breadth-first flood fill: the occupied voxels connected to the seeds, which are occupied.
+    pub fn connected_to(&self, seeds: Vec<[i32; 3]>) -> DenseVolume {
+        let mut found = DenseVolume::empty(self.n);
+        let mut queue = VecDeque::from(seeds);
+        while let Some(voxel) = queue.pop_front() {
+            if self.contains(voxel) && !found.contains(voxel) {
+                found.set(voxel, true);
+                queue.extend(face_neighbours(voxel));
+            }
+        }
+        found
+    }
+
+    /// The voxels at most `depth` six-neighbour steps from one for which `seed` returns true. Steps and seeds
+    /// include the layer of voxels around the grid.
+    pub fn within_steps(&self, depth: usize, seed: impl Fn([i32; 3]) -> bool) -> DenseVolume {
+        let n = self.n as i32;
+        let side = self.n + 2;
+        let index = |[x, y, z]: [i32; 3]| {
+            ((y + 1) as usize * side + (z + 1) as usize) * side + (x + 1) as usize
+        };
+        let mut near = vec![false; side * side * side];
+        let mut front = Vec::new();
+        for y in -1..=n {
+            for z in -1..=n {
+                for x in -1..=n {
+                    if seed([x, y, z]) {
+                        near[index([x, y, z])] = true;
+                        front.push([x, y, z]);
+                    }
+                }
+            }
+        }
+        for _ in 0..depth {
+            let mut next = Vec::new();
+            for place in front.into_iter().flat_map(face_neighbours) {
+                let inside = place.iter().all(|i| (-1..=n).contains(i));
+                if inside && !near[index(place)] {
+                    near[index(place)] = true;
+                    next.push(place);
+                }
+            }
+            front = next;
+        }
+        DenseVolume::from_fn(self.n, |voxel| near[index(voxel)])
+    }
+
+    /// Voxels at most `depth` six-neighbour steps from an empty one; outside counts as empty.
+    pub fn near_empty(&self, depth: usize) -> DenseVolume {
+        self.within_steps(depth, |place| !self.contains(place))
+    }
+
+    /// Voxels at most `depth` six-neighbour steps from an occupied one or from the ground, which is
+    /// everywhere under y = 0.
+    pub fn near_occupied(&self, depth: usize) -> DenseVolume {
+        self.within_steps(depth, |place| place[1] < 0 || self.contains(place))
+    }
+
+    fn index(&self, [x, y, z]: [i32; 3]) -> Option<usize> {
+        let n = self.n as i32;
+        let inside = [x, y, z].iter().all(|i| (0..n).contains(i));
+        inside.then(|| ((y * n + z) * n + x) as usize)
+    }
+
+    fn zip(&self, other: &DenseVolume, op: impl Fn(bool, bool) -> bool) -> DenseVolume {
+        assert_eq!(self.n, other.n, "grids of one size");
+        let both = self.voxels.iter().zip(&other.voxels);
+        DenseVolume { n: self.n, voxels: both.map(|(&a, &b)| op(a, b)).collect() }
+    }
+}
+
+impl std::fmt::Debug for DenseVolume {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let some: Vec<_> = self.occupied().take(24).collect();
+        write!(f, "{} of {}^3 voxels: {some:?}", self.count(), self.n)
+    }
+}
+
+/// The six neighbours of a voxel.
+pub fn face_neighbours([x, y, z]: [i32; 3]) -> [[i32; 3]; 6] {
+    NEIGHBOUR_STEPS.map(|[i, j, k]| [x + i, y + j, z + k])
+}
+
+/// A strategy for any set of voxels: empty, full, noise, checkerboards, combs, single voxels, balls, slabs,
+/// frames along the border. Not closed; about half do not touch the ground.
+pub fn any_voxels(n: usize) -> impl Strategy<Value = DenseVolume> {
+    let n = n as i32;
+    let place = [0..n, 0..n, 0..n];
+    prop_oneof![
+        1 => Just(DenseVolume::empty(n as usize)),
+        1 => Just(DenseVolume::from_fn(n as usize, |_| true)),
+        3 => (any::<u64>(), 1..256u64).prop_map(move |(seed, density)| noise_voxels(n as usize, seed, density)),
+        1 => (0..2).prop_map(move |odd| DenseVolume::from_fn(n as usize, |[x, y, z]| (x + y + z) % 2 == odd)),
+        2 => (0..3usize, 2..5, 0..4).prop_map(move |(axis, period, spine)| comb_voxels(n, axis, period, spine)),
+        2 => proptest::collection::vec(place.clone(), 1..4).prop_map(move |voxels| {
+            let mut dense = DenseVolume::empty(n as usize);
+            voxels.into_iter().for_each(|voxel| dense.set(voxel, true));
+            dense
+        }),
+        6 => proptest::collection::vec((place.clone(), 1..n), 1..5)
+            .prop_map(move |balls| DenseVolume::from_fn(n as usize, |v| balls.iter().any(|&(c, r)| in_ball(v, c, r)))),
+        4 => proptest::collection::vec((place.clone(), place), 1..5)
+            .prop_map(move |slabs| DenseVolume::from_fn(n as usize, |v| slabs.iter().any(|&(a, b)| in_slab(v, a, b)))),
+        1 => (1..4).prop_map(move |thick| DenseVolume::from_fn(n as usize, |v| {
+            v.iter().filter(|&&i| i < thick || i >= n - thick).count() >= 2
+        })),
+    ]
+}
+
+/// A strategy for closed volumes, the closures of [`any_voxels`].
+pub fn closed_volumes(n: usize) -> impl Strategy<Value = DenseVolume> {
+    any_voxels(n).prop_map(|voxels| voxels.closure())
+}
+
+/// A strategy for a closed volume and a closed mask inside it, which is often empty, sometimes all of it.
+pub fn masked_volumes(n: usize) -> impl Strategy<Value = (DenseVolume, DenseVolume)> {
+    let mask = prop_oneof![
+        2 => Just(DenseVolume::empty(n)),
+        3 => any_voxels(n),
+    ];
+    (closed_volumes(n), mask).prop_map(|(volume, mask)| {
+        let mask = volume.intersection(&mask).closure();
+        (volume, mask)
+    })
+}
+
+/// Independent voxels (xorshift64), each occupied with probability `density` / 256.
+fn noise_voxels(n: usize, seed: u64, density: u64) -> DenseVolume {
+    let mut state = seed | 1;
+    DenseVolume::from_fn(n, |_| {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        state >> 56 < density
+    })
+}
+
+/// Sheets across an axis, every `period` voxels. `spine` says how they are joined: 0 not at all, 1 and 2 at
+/// one edge of the grid, 3 at both edges in turn.
+fn comb_voxels(n: i32, axis: usize, period: i32, spine: i32) -> DenseVolume {
+    DenseVolume::from_fn(n as usize, |voxel| {
+        let (i, j) = (voxel[axis], voxel[(axis + 1) % 3]);
+        let joined = match spine {
+            0 => false,
+            1 => j == 0,
+            2 => j == n - 1,
+            _ => j == if (i / period) % 2 == 0 { 0 } else { n - 1 },
+        };
+        i % period == 0 || joined
+    })
+}
+
+fn in_ball(voxel: [i32; 3], centre: [i32; 3], radius: i32) -> bool {
+    (0..3).map(|i| (voxel[i] - centre[i]).pow(2)).sum::<i32>() <= radius * radius / 4
+}
+
+/// Whether a voxel lies in the box with these opposite corners, inclusive.
+fn in_slab(voxel: [i32; 3], a: [i32; 3], b: [i32; 3]) -> bool {
+    (0..3).all(|i| (a[i].min(b[i])..=a[i].max(b[i])).contains(&voxel[i]))
+}

@@ -1,0 +1,94 @@
+//! Model of an edit: a boolean operation on the voxels within the brush, then closure, by its naive
+//! definition.
+
+use paros_core::{Axis, EditOperation, EditReport};
+
+use crate::dense::DenseVolume;
+
+/// The volume after an edit of the voxels of `brush`, and the counts of its report.
+pub fn expected_edit(
+    volume: &DenseVolume,
+    mask: &DenseVolume,
+    brush: &DenseVolume,
+    operation: EditOperation,
+    mirrored: bool,
+) -> (DenseVolume, EditReport) {
+    let brush = if mirrored { brush.union(&brush.mirrored_in_x()) } else { brush.clone() };
+    let none = DenseVolume::empty(volume.side());
+    let (removed, filled, too_deep) = match operation {
+        EditOperation::Carve { depth } => {
+            let wanted = brush.intersection(volume);
+            let reached = wanted.intersection(&volume.near_empty(depth));
+            (reached.clone(), none, wanted.difference(&reached))
+        }
+        EditOperation::Fill { depth } => {
+            let wanted = brush.difference(volume);
+            let reached = wanted.intersection(&volume.near_occupied(depth));
+            (none, reached.clone(), wanted.difference(&reached))
+        }
+        EditOperation::Smooth => {
+            let most = majority_voxels(volume);
+            let removed = brush.intersection(volume).difference(&most);
+            (removed, brush.intersection(&most).difference(volume), none)
+        }
+    };
+    let after = volume.difference(&removed.difference(mask)).union(&filled).closure();
+    let report = EditReport {
+        removed: volume.difference(&after).count(),
+        added: filled.count(),
+        closed: after.difference(volume).difference(&filled).count(),
+        refused_by_mask: removed.intersection(mask).count(),
+        refused_by_depth: too_deep.count(),
+        refused_by_closure: removed.difference(mask).intersection(&after).count(),
+    };
+    (after, report)
+}
+
+/// Asserts the invariants of every edit, independently of its definition: the mask stays, nothing beside
+/// the brush is removed, additions lie in columns that cross the brush, and symmetry is kept.
+///
+/// # Panics
+/// One does not hold.
+pub fn assert_edit_bounds(
+    volume: &DenseVolume,
+    mask: &DenseVolume,
+    after: &DenseVolume,
+    brush: &DenseVolume,
+    operation: EditOperation,
+    mirrored: bool,
+) {
+    let brush = if mirrored { brush.union(&brush.mirrored_in_x()) } else { brush.clone() };
+    assert!(mask.is_within(after), "a masked voxel is lost");
+    assert!(volume.difference(after).is_within(&brush), "a voxel beside the brush was removed");
+    let added = after.difference(volume);
+    match operation {
+        EditOperation::Carve { .. } => assert!(added.is_empty(), "a carve added"),
+        EditOperation::Fill { .. } => assert!(volume.is_within(after), "a fill removed"),
+        EditOperation::Smooth => {}
+    }
+    let held = Axis::ALL.map(|axis| {
+        move |brush: &DenseVolume, voxel: [i32; 3]| {
+            brush.column_hull(axis, axis.column_address(voxel.map(|i| i as usize))).is_some()
+        }
+    });
+    for voxel in added.occupied() {
+        assert!(held.iter().any(|held| held(&brush, voxel)), "{voxel:?} is in no beam");
+    }
+    if mirrored && volume == &volume.mirrored_in_x() && mask == &mask.mirrored_in_x() {
+        assert_eq!(after, &after.mirrored_in_x(), "the mirror is broken");
+    }
+}
+
+/// Majority filter: the voxels with at least 14 occupied ones among the 27 of their neighbourhood. Below
+/// y = 0 everything counts as occupied.
+fn majority_voxels(volume: &DenseVolume) -> DenseVolume {
+    DenseVolume::from_fn(volume.side(), |[x, y, z]| {
+        let mut occupied = 0;
+        for k in 0..27 {
+            let place = [x + k % 3 - 1, y + k / 3 % 3 - 1, z + k / 9 - 1];
+            let inside = (0..3).all(|i| (0..volume.side() as i32).contains(&place[i]));
+            occupied += i32::from(place[1] < 0 || inside && volume.contains(place));
+        }
+        occupied >= 14
+    })
+}

@@ -1,0 +1,183 @@
+//! Model of the density field and its mip chain: blur, thin-feature boost and Chebyshev distance of the fast
+//! render path's textures, texel by texel, by their naive definition.
+
+use crate::dense::DenseVolume;
+
+/// Texels around the grid on each side.
+const PAD: i32 = 4;
+const HALF: u8 = 128;
+const FAR: i32 = 7;
+
+/// The density of a volume at four levels, and the free distances of its cells; x fastest, then y, then z.
+pub struct FieldModel {
+    /// The grid's side in voxels.
+    n: i32,
+    occupied: Vec<bool>,
+    /// The density, finest first.
+    pub density: [Vec<u8>; 4],
+    /// The number of free cells around each cell in every direction, 0 to 6.
+    pub cells: Vec<u8>,
+}
+
+/// Each axis with the two others.
+const AXES: [[usize; 3]; 3] = [[0, 1, 2], [1, 2, 0], [2, 0, 1]];
+
+/// Voxels around the grid that are read.
+const MARGIN: i32 = 12;
+
+impl FieldModel {
+    /// The field of a set of voxels.
+    pub fn from_voxels(dense: &DenseVolume) -> Self {
+        let n = dense.side() as i32;
+        let occupied = cube_places(n + 2 * MARGIN)
+            .map(|at| at.map(|c| c - MARGIN))
+            .map(|[x, y, z]| dense.contains([x, y.max(0), z]))
+            .collect();
+        let none = [const { Vec::new() }; 4];
+        let mut model = FieldModel { n, occupied, density: none, cells: Vec::new() };
+        model.density[0] = model.finest_density();
+        for level in 1..4 {
+            model.density[level] =
+                halve_density(&model.density[level - 1], model.texels_per_side(level - 1));
+        }
+        model.cells = model.free_distances();
+        model
+    }
+
+    /// Texels a side at a level.
+    pub fn texels_per_side(&self, level: usize) -> i32 {
+        (self.n + 2 * PAD) >> level
+    }
+
+    /// Whether a voxel counts as occupied; it may lie up to [`MARGIN`] voxels outside the grid.
+    fn is_occupied(&self, voxel: [i32; 3]) -> bool {
+        self.occupied[cube_index(voxel.map(|c| c + MARGIN), self.n + 2 * MARGIN)]
+    }
+
+    /// The density of level 0: blurred voxels, creases and thin features corrected.
+    fn finest_density(&self) -> Vec<u8> {
+        // One more texel around: a loose voxel is found by its neighbours.
+        let side = self.texels_per_side(0) + 2;
+        let voxel = |at: [i32; 3]| at.map(|c| c - PAD - 1);
+        let mut texels: Vec<u8> =
+            cube_places(side).map(|at| self.blurred_density(voxel(at))).collect();
+        for (texel, at) in texels.iter_mut().zip(cube_places(side)) {
+            // An empty voxel in a crease: mirrored to below a half.
+            if *texel >= HALF && !self.is_occupied(voxel(at)) {
+                *texel = 255 - *texel;
+            }
+            if *texel < HALF {
+                *texel = (*texel).max(self.raised_density(voxel(at)));
+            }
+        }
+        let loose = |at: [i32; 3]| {
+            self.is_occupied(voxel(at))
+                && cube_around(at, 1).all(|at| texels[cube_index(at, side)] < HALF)
+        };
+        cube_places(side - 2)
+            .map(|at| at.map(|c| c + 1))
+            .map(|at| if loose(at) { 255 } else { texels[cube_index(at, side)] })
+            .collect()
+    }
+
+    /// The density by a separable blur of 5^3 voxels with the weights 1, 4, 6, 4, 1.
+    fn blurred_density(&self, voxel: [i32; 3]) -> u8 {
+        let weight = |by: i32| [6, 4, 1][by.unsigned_abs() as usize];
+        let slice = |z: i32| {
+            let full = cube_around(voxel, 2).filter(|&at| at[2] == z && self.is_occupied(at));
+            let sum: u32 = full.map(|at| weight(at[0] - voxel[0]) * weight(at[1] - voxel[1])).sum();
+            sum.min(255)
+        };
+        let sum: u32 = (-2..=2).map(|by| weight(by) * slice(voxel[2] + by)).sum();
+        (f64::from(sum) / 16.0).round() as u8
+    }
+
+    /// The least density of a voxel of a plate or a rod that is one or two voxels thick; 0 for others.
+    fn raised_density(&self, voxel: [i32; 3]) -> u8 {
+        let mut level = 0;
+        for [axis, a, b] in AXES {
+            let thin = |at: [i32; 3]| self.run_length(at, axis) == 1;
+            let beside = [a, b]
+                .into_iter()
+                .flat_map(|axis| [offset_along(voxel, axis, -1), offset_along(voxel, axis, 1)]);
+            if thin(voxel) && beside.filter(|&at| thin(at)).count() >= 3 {
+                level = level.max(191);
+            }
+            let rod = |at: [i32; 3]| {
+                [a, b].iter().all(|&axis| (1..=2).contains(&self.run_length(at, axis)))
+            };
+            if rod(voxel)
+                && (rod(offset_along(voxel, axis, -1)) || rod(offset_along(voxel, axis, 1)))
+            {
+                level = level.max(match self.run_length(voxel, a) + self.run_length(voxel, b) {
+                    2 => 255,
+                    3 => 217,
+                    _ => 204,
+                });
+            }
+        }
+        level
+    }
+
+    /// The length of the run of occupied voxels through a voxel along an axis, counted up to three voxels in
+    /// each direction; 0 for an empty voxel.
+    fn run_length(&self, voxel: [i32; 3], axis: usize) -> i32 {
+        if !self.is_occupied(voxel) {
+            return 0;
+        }
+        let way = |by: i32| {
+            (1..=3).take_while(|i| self.is_occupied(offset_along(voxel, axis, by * i))).count()
+        };
+        1 + way(-1) as i32 + way(1) as i32
+    }
+
+    /// The Chebyshev distance of every cell to the nearest cell with density, less one.
+    fn free_distances(&self) -> Vec<u8> {
+        let texels = self.texels_per_side(0);
+        let size = if self.n > 128 { 4 } else { 2 };
+        let side = texels / size;
+        let solid = |cell: [i32; 3]| {
+            let corner = cell.map(|c| size * c);
+            let texel =
+                |at: [i32; 3]| [0, 1, 2].map(|i| (corner[i] - 1 + at[i]).clamp(0, texels - 1));
+            cube_places(size + 2).any(|at| self.density[0][cube_index(texel(at), texels)] >= HALF)
+        };
+        let solid: Vec<[i32; 3]> = cube_places(side).filter(|&cell| solid(cell)).collect();
+        let apart = |a: [i32; 3], b: [i32; 3]| (0..3).map(|i| (a[i] - b[i]).abs()).max().unwrap();
+        cube_places(side)
+            .map(|cell| solid.iter().map(|&at| apart(at, cell)).min().unwrap_or(FAR).min(FAR))
+            .map(|distance| (distance - 1).max(0) as u8)
+            .collect()
+    }
+}
+
+/// The next level: the mean of 2^3 texels each. `side` is the input's.
+fn halve_density(texels: &[u8], side: i32) -> Vec<u8> {
+    let mean = |at: [i32; 3]| {
+        let finer = cube_places(2).map(|by| [0, 1, 2].map(|i| 2 * at[i] + by[i]));
+        let sum: f64 = finer.map(|at| f64::from(texels[cube_index(at, side)])).sum();
+        (sum / 8.0).round() as u8
+    };
+    cube_places(side / 2).map(mean).collect()
+}
+
+/// The voxel `by` steps along an axis.
+fn offset_along(mut voxel: [i32; 3], axis: usize, by: i32) -> [i32; 3] {
+    voxel[axis] += by;
+    voxel
+}
+
+/// Every voxel within a Chebyshev distance.
+fn cube_around(at: [i32; 3], by: i32) -> impl Iterator<Item = [i32; 3]> {
+    cube_places(2 * by + 1).map(move |other| [0, 1, 2].map(|i| at[i] + other[i] - by))
+}
+
+/// Every voxel of a cube of this side, x fastest.
+pub fn cube_places(side: i32) -> impl Iterator<Item = [i32; 3]> {
+    (0..side.pow(3)).map(move |i| [i % side, i / side % side, i / (side * side)])
+}
+
+/// The index of a voxel in a cube of this side, x fastest.
+pub fn cube_index([x, y, z]: [i32; 3], side: i32) -> usize {
+    ((z * side + y) * side + x) as usize
+}

@@ -1,0 +1,218 @@
+//! Test harness of island removal: a volume, its mask and a pass, each tick of which is checked against its
+//! journal.
+
+use glam::IVec3;
+use paros_core::internals::{IslandSearch, maps_digest};
+use paros_core::{
+    Axis, BitSet, Brush, Column, Edit, EditOperation, EditScratch, Grid, IslandReport, Journal,
+    RangeMaps, SUBUNITS_PER_VOXEL, Size, Volume, apply_edit,
+};
+use proptest::prelude::*;
+
+use crate::dense::{DenseVolume, masked_volumes};
+
+/// A volume with its mask and island pass, and the scratch memory of edits.
+pub struct IslandHarness<const N: usize>
+where
+    Grid<N>: Size,
+{
+    /// The volume that is edited and cleared.
+    pub volume: Volume<N>,
+    /// The part of `volume` that is never removed.
+    pub mask: RangeMaps<N>,
+    /// The island pass.
+    pub islands: IslandSearch<N>,
+    scratch: EditScratch<N>,
+    spare: RangeMaps<N>,
+}
+
+impl<const N: usize> IslandHarness<N>
+where
+    Grid<N>: Size,
+{
+    /// An empty volume, for static initialisers.
+    #[must_use]
+    #[allow(clippy::new_without_default)] // a Default would hand the volume about by value
+    pub const fn new() -> Self {
+        IslandHarness {
+            volume: Volume::new(),
+            mask: RangeMaps::new(),
+            islands: IslandSearch::new(),
+            scratch: EditScratch::new(),
+            spare: RangeMaps::new(),
+        }
+    }
+
+    /// Sets volume and mask, and aborts the pass.
+    pub fn set_volume(&mut self, volume: &DenseVolume, mask: &DenseVolume) {
+        self.volume.set_voxels(|plane| volume.write_bits(plane));
+        mask.write_maps(&mut self.mask);
+        self.islands.abort_pass();
+    }
+
+    /// The volume as the model's set of voxels.
+    #[must_use]
+    pub fn to_dense(&self) -> DenseVolume {
+        DenseVolume::from_bits(self.volume.rows())
+    }
+
+    /// Advances the pass by one tick's `budget`. The journal must name exactly the changed columns with their old
+    /// values, nothing may be added, the maps must be tight and the digests right. Returns the report at the
+    /// pass's end.
+    ///
+    /// # Errors
+    /// A check that failed.
+    pub fn advance_checked(&mut self, budget: u32) -> Result<Option<IslandReport>, TestCaseError> {
+        self.spare.copy_from(self.volume.maps());
+        let mut changes = JournalledChanges::default();
+        let report = self.islands.advance_pass(&mut self.volume, &self.mask, budget, &mut changes);
+        prop_assert!(changes.added.is_empty(), "an island pass adds nothing");
+        for (axis, at, old) in changes.columns {
+            prop_assert_eq!(self.spare.column(axis, at), old, "told once, with the old value");
+            let new = self.volume.maps().column(axis, at);
+            prop_assert!(new != old, "told without a change");
+            self.spare.set_column(axis, at, new);
+        }
+        prop_assert!(self.spare == *self.volume.maps(), "a change wasn't told");
+        prop_assert_eq!(self.islands.digest(), self.islands.recompute_digest());
+        if report.is_some() {
+            prop_assert_eq!(self.volume.digest(), maps_digest(self.volume.maps()));
+            self.check_closed()?;
+        }
+        Ok(report)
+    }
+
+    /// Checks that the rows are the intersection of the maps, and that every range is tight.
+    ///
+    /// # Errors
+    /// A check that failed.
+    pub fn check_closed(&mut self) -> Result<(), TestCaseError> {
+        let dense = self.to_dense();
+        prop_assert!(dense == DenseVolume::from_maps(self.volume.maps()), "rows and maps differ");
+        dense.write_maps(&mut self.spare);
+        prop_assert!(self.spare == *self.volume.maps(), "a range isn't tight");
+        Ok(())
+    }
+
+    /// Runs a whole pass. Returns its report and the number of ticks.
+    ///
+    /// # Errors
+    /// As [`IslandHarness::advance_checked`].
+    pub fn run_pass(&mut self, budget: u32) -> Result<(IslandReport, u32), TestCaseError> {
+        self.islands.request_pass();
+        for ticks in 1.. {
+            if let Some(report) = self.advance_checked(budget)? {
+                return Ok((report, ticks));
+            }
+        }
+        unreachable!()
+    }
+
+    /// Applies an edit. Returns the voxels that it added, by row.
+    pub fn apply_edit(
+        &mut self,
+        visit: &RandomEdit,
+    ) -> Vec<((usize, usize), <Grid<N> as Size>::Row)> {
+        let place = |i: i32| i * SUBUNITS_PER_VOXEL + SUBUNITS_PER_VOXEL / 2;
+        let brush = Brush::sphere(
+            IVec3::from_array(visit.at.map(place)),
+            visit.radius * SUBUNITS_PER_VOXEL / 2,
+        );
+        let operation = match visit.kind {
+            0 => EditOperation::Carve { depth: 4 },
+            1 => EditOperation::Fill { depth: 2 },
+            _ => EditOperation::Smooth,
+        };
+        let edit = Edit { brush: &brush, operation, mirrored: false };
+        let mut log = AdditionJournal { islands: &mut self.islands, added: Vec::new() };
+        let report = apply_edit(&mut self.volume, &self.mask, &edit, &mut self.scratch, &mut log);
+        let added = log.added;
+        if report.is_ok_and(|report| report.changed_volume()) {
+            self.islands.request_pass();
+        }
+        added
+    }
+}
+
+/// An edit of one tick, with a sphere.
+#[derive(Clone, Debug)]
+pub struct RandomEdit {
+    /// The voxel at the sphere's centre.
+    pub at: [i32; 3],
+    /// The radius in half voxels.
+    pub radius: i32,
+    /// 0 carves, 1 fills, 2 smooths.
+    pub kind: u8,
+}
+
+/// A strategy for 1 to 39 edits, one a tick, in a grid of `side`^3 voxels.
+pub fn random_edits(n: i32) -> impl Strategy<Value = Vec<RandomEdit>> {
+    let visit = ([0..n, 0..n, 0..n], 0..n / 2 + 2, 0..3u8)
+        .prop_map(|(at, radius, kind)| RandomEdit { at, radius, kind });
+    proptest::collection::vec(visit, 1..40)
+}
+
+/// A strategy for loosely joined balls, which an edit easily separates, with an empty mask; or any volume
+/// and mask.
+pub fn loose_volumes(n: usize) -> impl Strategy<Value = (DenseVolume, DenseVolume)> {
+    let side = n as i32;
+    let ball = ([0..side, 0..side, 0..side], 1..side / 2);
+    let balls = proptest::collection::vec(ball, 1..8).prop_map(move |balls| {
+        let inside = |[x, y, z]: [i32; 3], ([i, j, k], r): ([i32; 3], i32)| {
+            4 * ((x - i).pow(2) + (y - j).pow(2) + (z - k).pow(2)) <= r * r
+        };
+        let voxels = DenseVolume::from_fn(n, |v| balls.iter().any(|&ball| inside(v, ball)));
+        (voxels.closure(), DenseVolume::empty(n))
+    });
+    prop_oneof![2 => balls, 1 => masked_volumes(n)]
+}
+
+/// A journal that keeps everything: changed columns with their old values, and added voxels.
+struct JournalledChanges<R> {
+    columns: Vec<(Axis, (usize, usize), Column)>,
+    added: Vec<((usize, usize), R)>,
+}
+
+impl<R> Default for JournalledChanges<R> {
+    fn default() -> Self {
+        JournalledChanges { columns: Vec::new(), added: Vec::new() }
+    }
+}
+
+impl<const N: usize> Journal<N> for JournalledChanges<<Grid<N> as Size>::Row>
+where
+    Grid<N>: Size,
+{
+    fn record_columns(
+        &mut self,
+        axis: Axis,
+        line: usize,
+        places: <Grid<N> as Size>::Row,
+        old: &[Column; N],
+    ) {
+        self.columns.extend(places.iter_ones().map(|place| (axis, (line, place), old[place])));
+    }
+    fn record_added(&mut self, row: (usize, usize), voxels: <Grid<N> as Size>::Row) {
+        self.added.push((row, voxels));
+    }
+}
+
+/// A journal that passes an edit's additions on to the island pass, and keeps them.
+struct AdditionJournal<'a, const N: usize>
+where
+    Grid<N>: Size,
+{
+    islands: &'a mut IslandSearch<N>,
+    added: Vec<((usize, usize), <Grid<N> as Size>::Row)>,
+}
+
+impl<const N: usize> Journal<N> for AdditionJournal<'_, N>
+where
+    Grid<N>: Size,
+{
+    fn record_columns(&mut self, _: Axis, _: usize, _: <Grid<N> as Size>::Row, _: &[Column; N]) {}
+    fn record_added(&mut self, row: (usize, usize), voxels: <Grid<N> as Size>::Row) {
+        self.islands.add_voxels(row, voxels);
+        self.added.push((row, voxels));
+    }
+}

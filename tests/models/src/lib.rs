@@ -1,0 +1,40 @@
+//! Reference models: the naive definition of each algorithm of the core, for differential tests. A model
+//! takes the core's inputs and returns what the core must return, voxel by voxel. Beside the models stand
+//! harnesses, which hold the core's state under test and check its invariants, and generators of inputs.
+//! Nothing here knows a picture, a file or a device.
+
+pub mod allocations;
+pub mod bake;
+pub mod bake_harness;
+pub mod brush;
+pub mod contact;
+pub mod dense;
+pub mod edit;
+pub mod export;
+pub mod field;
+pub mod island_harness;
+pub mod islands;
+pub mod random_visitor;
+pub mod scripted_hand;
+pub mod solid;
+pub mod twin;
+pub mod undo;
+pub mod undo_harness;
+pub mod voxel_traversal;
+pub mod world_harness;
+
+use paros_core::internals::ByteWriter;
+
+/// Runs `save` twice, first to measure the length, and returns the bytes that it writes.
+///
+/// # Panics
+/// The second run writes more than the first.
+pub fn save_to_bytes(save: impl Fn(&mut ByteWriter<'_>)) -> Vec<u8> {
+    let mut sizing = ByteWriter::new(&mut []);
+    save(&mut sizing);
+    let mut bytes = vec![0; sizing.len()];
+    let mut writer = ByteWriter::new(&mut bytes);
+    save(&mut writer);
+    assert!(writer.fits());
+    bytes
+}

@@ -1,0 +1,86 @@
+//! Scripted input: single actions of a hand, for tests of one scenario.
+
+use glam::{Quat, Vec3};
+use paros_core::{
+    BenchItem, Grid, HandInput, PointerCommand, Pose, RawPose, Size, TickInput, WorldEvent,
+};
+
+use crate::dense::DenseVolume;
+use crate::world_harness::WorldHarness;
+
+/// The left hand.
+pub const LEFT: usize = 0;
+/// The right hand.
+pub const RIGHT: usize = 1;
+
+/// The input of a tracked hand at a position of the room, pointing along -z, with nothing pressed.
+pub fn hand_input_at(position: Vec3) -> HandInput {
+    let pose = RawPose::quantise(position, Quat::IDENTITY);
+    HandInput { aim: pose, grip: pose, tracked: true, ..HandInput::default() }
+}
+
+/// A tick's input with one hand; the other is not tracked.
+pub fn input_with_hand(hand: usize, input: HandInput) -> TickInput {
+    let mut all = TickInput::default();
+    all.hands[hand] = input;
+    all
+}
+
+/// Runs two ticks: a squeeze at a position of the room, and its release. Returns the squeeze's events.
+pub fn squeeze_and_release(
+    studio: &mut WorldHarness<64>,
+    hand: usize,
+    position: Vec3,
+) -> Vec<WorldEvent> {
+    studio.step(&input_with_hand(hand, HandInput { squeeze: 255, ..hand_input_at(position) }));
+    let events = studio.world.events().to_vec();
+    studio.step(&input_with_hand(hand, hand_input_at(position)));
+    events
+}
+
+/// Runs a tick in which the pointer puts an item into a hand.
+pub fn take_item<const N: usize>(studio: &mut WorldHarness<N>, hand: usize, item: BenchItem)
+where
+    Grid<N>: Size,
+{
+    let pointer = PointerCommand::Take { hand: hand as u8, item: item.number() as u8 };
+    studio.step(&TickInput { pointer, ..TickInput::default() });
+}
+
+/// Runs a tick with the held bit at a position of the grid, the trigger pulled or not.
+pub fn step_with_bit_at<const N: usize>(
+    studio: &mut WorldHarness<N>,
+    hand: usize,
+    position: Vec3,
+    trigger: bool,
+) where
+    Grid<N>: Size,
+{
+    let pose = Pose { position, rotation: Quat::IDENTITY };
+    let input = HandInput {
+        trigger: if trigger { 255 } else { 0 },
+        ..studio.world.hand_with_bit_at(hand, &pose)
+    };
+    studio.step(&input_with_hand(hand, input));
+}
+
+/// Runs a stroke of `ticks` ticks between two positions of the grid, the trigger pulled; then lifts the bit by
+/// 40 voxels.
+pub fn run_stroke(studio: &mut WorldHarness<64>, hand: usize, from: Vec3, to: Vec3, ticks: u32) {
+    step_with_bit_at(studio, hand, from, false);
+    for i in 1..=ticks {
+        step_with_bit_at(studio, hand, from.lerp(to, i as f32 / ticks as f32), true);
+    }
+    step_with_bit_at(studio, hand, to, false);
+    step_with_bit_at(studio, hand, to + Vec3::Y * 40.0, false);
+}
+
+/// Starts a session from a floor of stone of `height` voxels.
+pub fn start_from_floor(studio: &mut WorldHarness<64>, height: usize) {
+    studio.start_from_voxels(|[_, y, _]| y < height);
+}
+
+/// The world's volume, as the model's set of voxels.
+pub fn volume_of(studio: &WorldHarness<64>) -> DenseVolume {
+    DenseVolume::from_bits(studio.world.volume().rows())
+}

@@ -1,0 +1,53 @@
+//! Model of the undo ring: a list of whole copies of the maps, the naive definition of undo and redo.
+
+use paros_core::RangeMaps;
+
+/// The maps before each stroke and after the newest, with the current position.
+pub struct SnapshotHistory<const N: usize> {
+    /// Oldest first.
+    states: Vec<Box<RangeMaps<N>>>,
+    at: usize,
+}
+
+impl<const N: usize> SnapshotHistory<N> {
+    /// A history of one state, with nothing to undo.
+    pub fn new(maps: &RangeMaps<N>) -> Self {
+        SnapshotHistory { states: vec![Box::new(maps.clone())], at: 0 }
+    }
+
+    /// Appends the maps after a stroke; what could be redone is dropped.
+    pub fn push_state(&mut self, maps: &RangeMaps<N>) {
+        self.states.truncate(self.at + 1);
+        self.states.push(Box::new(maps.clone()));
+        self.at += 1;
+    }
+
+    /// Replaces the current state, as when a later removal belongs to the newest stroke.
+    pub fn replace_newest(&mut self, maps: &RangeMaps<N>) {
+        self.states[self.at].copy_from(maps);
+    }
+
+    /// Drops all but the newest `strokes` that can be undone.
+    pub fn keep_newest(&mut self, strokes: usize) {
+        self.states.drain(..self.at - strokes);
+        self.at = strokes;
+    }
+
+    /// Undoes a stroke. Returns the maps before it; none if there is nothing to undo.
+    pub fn undo(&mut self) -> Option<&RangeMaps<N>> {
+        self.at = self.at.checked_sub(1)?;
+        Some(&self.states[self.at])
+    }
+
+    /// Redoes a stroke. Returns the maps after it; none if there is nothing to redo.
+    pub fn redo(&mut self) -> Option<&RangeMaps<N>> {
+        let next = self.states.get(self.at + 1)?;
+        self.at += 1;
+        Some(next)
+    }
+
+    /// The numbers of strokes that can be undone and redone.
+    pub fn counts(&self) -> (usize, usize) {
+        (self.at, self.states.len() - 1 - self.at)
+    }
+}

@@ -1,0 +1,74 @@
+//! Model of ray casting: voxel traversal from one voxel to the next, in its naive form: every plane's distance
+//! is computed by itself, so that no sum drifts.
+//!
+//! Source: Amanatides and Woo, "A Fast Voxel Traversal Algorithm for Ray Tracing" (1987).
+
+use crate::dense::DenseVolume;
+
+/// The entry of a ray into a voxel.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct VoxelEntry {
+    /// The voxel, which is occupied.
+    pub voxel: [i32; 3],
+    /// The voxel that the ray leaves, empty or outside the grid.
+    pub before: [i32; 3],
+    /// Distance from the ray's origin, in voxels.
+    pub distance: f64,
+}
+
+/// The first occupied voxel on a ray. Origin and direction are in voxels; the direction has unit length, and
+/// the origin lies outside the grid.
+pub fn first_occupied(
+    dense: &DenseVolume,
+    origin: [f64; 3],
+    direction: [f64; 3],
+) -> Option<VoxelEntry> {
+    let n = dense.side() as f64;
+    let (mut distance, mut side, mut far) = (0.0f64, 0, f64::INFINITY);
+    for axis in 0..3 {
+        let (a, b) = (-origin[axis] / direction[axis], (n - origin[axis]) / direction[axis]);
+        // Parallel to the planes: infinities of one sign outside of them, of both between them.
+        if a.min(b) > distance {
+            (distance, side) = (a.min(b), axis);
+        }
+        far = far.min(a.max(b));
+    }
+    if distance >= far {
+        return None;
+    }
+    let mut voxel = [0, 1, 2].map(|axis| {
+        let place = origin[axis] + direction[axis] * distance;
+        (place.floor() as i32).clamp(0, dense.side() as i32 - 1)
+    });
+    let mut before = voxel;
+    before[side] -= step_along(direction[side]);
+    loop {
+        if dense.contains(voxel) {
+            return Some(VoxelEntry { voxel, before, distance });
+        }
+        // The nearest plane ahead.
+        let leaves = [0, 1, 2].map(|axis| {
+            let plane = voxel[axis] + i32::from(direction[axis] > 0.0);
+            match direction[axis] {
+                0.0 => f64::INFINITY,
+                along => (f64::from(plane) - origin[axis]) / along,
+            }
+        });
+        let mut axis = 0;
+        for other in 1..3 {
+            if leaves[other] < leaves[axis] {
+                axis = other;
+            }
+        }
+        distance = leaves[axis];
+        before = voxel;
+        voxel[axis] += step_along(direction[axis]);
+        if !(0..dense.side() as i32).contains(&voxel[axis]) {
+            return None;
+        }
+    }
+}
+
+fn step_along(direction: f64) -> i32 {
+    if direction > 0.0 { 1 } else { -1 }
+}

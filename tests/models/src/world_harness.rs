@@ -1,0 +1,130 @@
+//! Test harness of the world: a world with start volumes, and the invariants that hold after every tick.
+
+use paros_core::{
+    Axis, BitGrid, BitSet, Grid, RangeMaps, SessionMode, Size, StartVolumes, TickInput, World,
+};
+use paros_shell::figures::Figure;
+
+/// A world and its start volumes. It is made for a static: all its bytes are zero at first.
+#[derive(Debug)]
+pub struct WorldHarness<const N: usize>
+where
+    Grid<N>: Size,
+{
+    /// The world.
+    pub world: World<N>,
+    /// The start volume of the mode `Own`, offered if `has_own`.
+    pub own: RangeMaps<N>,
+    /// Whether `own` is offered.
+    pub has_own: bool,
+    lump: RangeMaps<N>,
+    figure: RangeMaps<N>,
+    creative: RangeMaps<N>,
+    made: bool,
+    plane: BitGrid<N>,
+}
+
+impl<const N: usize> WorldHarness<N>
+where
+    Grid<N>: Size,
+{
+    /// An empty harness, for static initialisers.
+    #[allow(clippy::new_without_default)] // a Default would hand the studio about by value
+    pub const fn new() -> Self {
+        WorldHarness {
+            world: World::new(),
+            own: RangeMaps::new(),
+            has_own: false,
+            lump: RangeMaps::new(),
+            figure: RangeMaps::new(),
+            creative: RangeMaps::new(),
+            made: false,
+            plane: BitGrid::new(),
+        }
+    }
+
+    /// Clears the world. Its start volumes are the lump, one hidden figure and the toy.
+    pub fn reset(&mut self) -> &mut Self {
+        if !self.made {
+            Figure::Lump.carve_into(&mut self.plane, &mut self.lump);
+            Figure::Owl.carve_into(&mut self.plane, &mut self.figure);
+            Figure::Toy.carve_into(&mut self.plane, &mut self.creative);
+            self.made = true;
+        }
+        self.has_own = false;
+        self.world.clear();
+        self
+    }
+
+    /// Clears the world and starts a session of a mode; the one hidden figure is number 0.
+    pub fn start_session(&mut self, mode: SessionMode) -> &mut Self {
+        self.reset();
+        self.step(&TickInput { start: mode, ..TickInput::default() });
+        self
+    }
+
+    /// Clears the world and starts a session from the closure of these voxels.
+    pub fn start_from_voxels(&mut self, mut occupied: impl FnMut([usize; 3]) -> bool) -> &mut Self {
+        self.reset();
+        self.plane.clear();
+        for y in 0..N {
+            for z in 0..N {
+                let row = self.plane.row_mut(y, z);
+                (0..N).filter(|&x| occupied([x, y, z])).for_each(|x| row.insert(x));
+            }
+        }
+        self.plane.write_hulls(&mut self.own);
+        self.has_own = true;
+        self.step(&TickInput { start: SessionMode::Own, ..TickInput::default() });
+        self
+    }
+
+    /// Runs one tick.
+    #[expect(clippy::disallowed_methods, reason = "the one place of the tests")]
+    pub fn step(&mut self, input: &TickInput) {
+        let figures = [&self.figure];
+        let starts = StartVolumes {
+            lump: &self.lump,
+            figures: &figures,
+            creative: &self.creative,
+            own: self.has_own.then_some(&self.own),
+        };
+        self.world.step(input, &starts);
+    }
+
+    /// The world, and the start volumes of lump, figure and toy.
+    pub fn world_and_start_volumes(
+        &mut self,
+    ) -> (&mut World<N>, &RangeMaps<N>, &RangeMaps<N>, &RangeMaps<N>) {
+        (&mut self.world, &self.lump, &self.figure, &self.creative)
+    }
+
+    /// Asserts the invariants: the maps are tight, the rows follow them, the mask is part of the volume, and the
+    /// digest equals a recomputation.
+    ///
+    /// # Panics
+    /// One does not hold.
+    pub fn check_invariants(&mut self) {
+        let world = &self.world;
+        let tick = world.tick();
+        assert_eq!(world.digest(), world.recompute_digest(), "tick {tick}: digest");
+        assert!(world.volume().is_tight(), "tick {tick}: a range that isn't tight");
+        self.plane.set_from_maps(world.volume().maps());
+        for y in 0..N {
+            assert!(
+                self.plane.layer(y) == world.volume().rows().layer(y),
+                "tick {tick}: layer {y}"
+            );
+            for z in 0..N {
+                let gone = !world.volume().rows().row(y, z) & Grid::<N>::FULL;
+                let lost = world.mask().occupied_among((y, z), gone);
+                assert!(lost.is_empty(), "tick {tick}: mask voxels lost in row ({y}, {z})");
+            }
+        }
+    }
+}
+
+/// Whether two sets of maps hold the same ranges.
+pub fn maps_are_equal<const N: usize>(a: &RangeMaps<N>, b: &RangeMaps<N>) -> bool {
+    Axis::ALL.into_iter().all(|axis| (0..N).all(|line| a.line(axis, line) == b.line(axis, line)))
+}

@@ -1,0 +1,326 @@
+//! The fast path's textures, kept up to date while the volume changes, against a rebuild from
+//! nothing, with a copy that only sees what is handed out.
+
+use std::sync::{Mutex, PoisonError};
+
+use glam::IVec3;
+use paros_core::{
+    Axis, Brush, DirtyRects, Edit, EditOperation, EditScratch, Grid, RangeMaps, SUBUNITS_PER_VOXEL,
+    Size, Volume, apply_edit,
+};
+use paros_models::random_visitor::RandomSource;
+use paros_shaders::field::{Budget, DensityField, HALF_DENSITY, LEVELS, MAX_CELL_DISTANCE};
+use paros_shaders::upload::{Region, Texture};
+
+/// A texture's bytes, and how many make a texel.
+#[derive(PartialEq)]
+struct TextureCopy {
+    side: [usize; 2],
+    texel: usize,
+    bytes: Vec<u8>,
+}
+
+/// The textures as a GPU has them that is told of every region.
+struct TextureCopies(Vec<TextureCopy>);
+
+impl TextureCopies {
+    fn of<const N: usize>(field: &DensityField<N>) -> Self {
+        let cube =
+            |side: usize| TextureCopy { side: [side; 2], texel: 1, bytes: vec![99; side.pow(3)] };
+        let mut copies =
+            vec![TextureCopy { side: [N; 2], texel: 2, bytes: vec![99; 3 * N * N * 2] }];
+        copies.extend((0..LEVELS).map(|level| cube(field.level_side(level))));
+        copies.push(cube(field.cells_side()));
+        let mut copies = TextureCopies(copies);
+        field.emit_all_regions(|region, bytes| copies.write(region, bytes));
+        copies
+    }
+
+    fn write(&mut self, region: Region, bytes: &[u8]) {
+        assert!(region.size.iter().all(|&side| side > 0), "{region:?}");
+        assert_eq!(bytes.len(), region.bytes(), "{region:?}");
+        let copy = &mut self.0[match region.texture {
+            Texture::Maps => 0,
+            Texture::Density(level) => 1 + usize::from(level),
+            Texture::Cells => 1 + LEVELS,
+            Texture::Noise | Texture::Marble => panic!("{region:?} is no function of the maps"),
+        }];
+        let [x, y, z] = region.min.map(|i| i as usize);
+        let [width, height, _] = region.size.map(|i| i as usize);
+        assert!(x + width <= copy.side[0] && y + height <= copy.side[1], "{region:?}");
+        for (i, row) in bytes.chunks_exact(width * copy.texel).enumerate() {
+            let (y, z) = (y + i % height, z + i / height);
+            let at = ((z * copy.side[1] + y) * copy.side[0] + x) * copy.texel;
+            copy.bytes[at..at + row.len()].copy_from_slice(row);
+        }
+    }
+
+    /// No surface passes through the cells that one tells are free.
+    fn check_cells(&self, settled: bool) {
+        let (density, cells) = (&self.0[1], &self.0[1 + LEVELS]);
+        let (texels, side) = (density.side[0], cells.side[0]);
+        let size = texels / side;
+        let mut solid = vec![MAX_CELL_DISTANCE; side.pow(3)];
+        for (i, _) in density.bytes.iter().enumerate().filter(|(_, texel)| **texel >= HALF_DENSITY)
+        {
+            let at = [i % texels, i / texels % texels, i / (texels * texels)];
+            let beside = |c: usize| c.saturating_sub(1) / size..=((c + 1) / size).min(side - 1);
+            for z in beside(at[2]) {
+                for y in beside(at[1]) {
+                    beside(at[0]).for_each(|x| solid[(z * side + y) * side + x] = 0);
+                }
+            }
+        }
+        // Step by step, a cell at a time.
+        for distance in 0..MAX_CELL_DISTANCE {
+            let last = solid.clone();
+            for (i, _) in last.iter().enumerate().filter(|(_, d)| **d == distance) {
+                let at = [i % side, i / side % side, i / (side * side)];
+                let beside = |c: usize| c.saturating_sub(1)..=(c + 1).min(side - 1);
+                for z in beside(at[2]) {
+                    for y in beside(at[1]) {
+                        for x in beside(at[0]) {
+                            let near = &mut solid[(z * side + y) * side + x];
+                            *near = (*near).min(distance + 1);
+                        }
+                    }
+                }
+            }
+        }
+        let free: Vec<u8> = solid.iter().map(|distance| distance.saturating_sub(1)).collect();
+        for (right, told) in free.iter().zip(&cells.bytes) {
+            assert!(told <= right, "{told} told, it is {right}");
+        }
+        assert!(!settled || free == cells.bytes, "cells are not right for the density");
+    }
+}
+
+/// A volume that random edits, undos and loads change.
+struct EditedField<const N: usize>
+where
+    Grid<N>: Size,
+{
+    volume: Volume<N>,
+    mask: RangeMaps<N>,
+    scratch: EditScratch<N>,
+    earlier: RangeMaps<N>,
+    edits: u32,
+}
+
+impl<const N: usize> EditedField<N>
+where
+    Grid<N>: Size,
+{
+    const fn new() -> Self {
+        EditedField {
+            volume: Volume::new(),
+            mask: RangeMaps::new(),
+            scratch: EditScratch::new(),
+            earlier: RangeMaps::new(),
+            edits: 0,
+        }
+    }
+
+    /// One tick: mostly an edit or two, now and then an undo, seldom a load.
+    fn apply_random_tick(&mut self, dice: &mut RandomSource, dirty: &mut DirtyRects) {
+        dirty.clear();
+        match dice.below(60) {
+            0 => self.load_volume(dice, dirty),
+            1..4 => self.swap_volume(dirty),
+            4..8 => self.earlier.copy_from(self.volume.maps()),
+            _ => (0..=dice.below(2)).for_each(|_| self.apply_random_edit(dice, dirty)),
+        }
+    }
+
+    fn apply_random_edit(&mut self, dice: &mut RandomSource, dirty: &mut DirtyRects) {
+        let n = N as u64;
+        let at = [0; 3].map(|_| {
+            (dice.below(n) as i32) * SUBUNITS_PER_VOXEL
+                + dice.below(SUBUNITS_PER_VOXEL as u64) as i32
+        });
+        let most = if dice.one_in(8) { n / 4 } else { n / 10 };
+        let radius = dice.below(most * SUBUNITS_PER_VOXEL as u64) as i32;
+        let brush = Brush::sphere(IVec3::from_array(at), radius);
+        let operation = [
+            EditOperation::Carve { depth: 4 },
+            EditOperation::Carve { depth: 2 },
+            EditOperation::Fill { depth: 3 },
+            EditOperation::Smooth,
+        ][dice.below(4) as usize];
+        let edit = Edit { brush: &brush, operation, mirrored: dice.one_in(4) };
+        let log = &mut *dirty;
+        // A ball that is too large to smooth changes nothing.
+        let _ = apply_edit(&mut self.volume, &self.mask, &edit, &mut self.scratch, log);
+        dirty.end_edit();
+        self.edits += 1;
+    }
+
+    /// The volume as it was, noted as an undo is: column by column.
+    fn swap_volume(&mut self, dirty: &mut DirtyRects) {
+        let before = Box::new(self.volume.maps().clone());
+        self.volume.set_maps(&self.earlier);
+        for axis in Axis::ALL {
+            for at in (0..N * N).map(|i| (i / N, i % N)) {
+                if before.column(axis, at) != self.earlier.column(axis, at) {
+                    dirty.mark_column(axis, at);
+                }
+            }
+        }
+        dirty.end_edit();
+        self.earlier.copy_from(&before);
+    }
+
+    fn load_volume(&mut self, dice: &mut RandomSource, dirty: &mut DirtyRects) {
+        let kind = dice.below(4);
+        let n = N as i32;
+        let balls = [0; 3].map(|_| {
+            ([0; 3].map(|_| dice.below(N as u64) as i32), dice.below(N as u64 / 2) as i32)
+        });
+        self.volume.set_voxels(|plane| {
+            for (y, z) in (0..N * N).map(|i| (i / N, i % N)) {
+                for x in 0..N {
+                    let at = [x, y, z].map(|c| c as i32);
+                    let in_ball = |(centre, radius): &([i32; 3], i32)| {
+                        (0..3).map(|i| (at[i] - centre[i]).pow(2)).sum::<i32>() <= radius * radius
+                    };
+                    let full = match kind {
+                        0 => at.iter().all(|&c| c > 1 && c < n - 2),
+                        1 => at[0] % 8 < 2 || at[1] == 0 || (at[2] % 9 == 4 && at[1] < n / 2),
+                        _ => balls.iter().any(in_ball),
+                    };
+                    if full {
+                        use paros_core::BitSet;
+                        plane.row_mut(y, z).insert(x);
+                    }
+                }
+            }
+        });
+        dirty.mark_all(N);
+    }
+}
+
+fn follow_edits<const N: usize>(studio: &mut EditedField<N>, seed: u64, ticks: u32)
+where
+    Grid<N>: Size,
+{
+    let mut dice = RandomSource::new(seed);
+    let mut dirty = DirtyRects::new();
+    let mut field = DensityField::<N>::new();
+    let mut fresh = DensityField::<N>::new();
+    let mut copies = TextureCopies::of(&field);
+    let (mut settled, mut frames) = (0, 0);
+    studio.load_volume(&mut dice, &mut dirty);
+    field.note_changes(studio.volume.maps(), &dirty);
+    for tick in 0..ticks {
+        studio.apply_random_tick(&mut dice, &mut dirty);
+        field.note_changes(studio.volume.maps(), &dirty);
+        if dice.one_in(4) {
+            continue;
+        }
+        // Now and then there is time to get done.
+        for _ in 0..[1, 1, 1, 500][dice.below(4) as usize] {
+            let budget =
+                Budget { work: dice.below(400_000) as usize, bytes: dice.below(100_000) as usize };
+            field.update_textures(budget, &mut |region, bytes| copies.write(region, bytes));
+            frames += 1;
+            if tick % 8 == 0 {
+                // Maps may wait for another frame.
+                let told = copies.0[1..] == TextureCopies::of(&field).0[1..];
+                assert!(told, "tick {tick}: a change is not told");
+                copies.check_cells(!field.has_pending());
+            }
+            if !field.has_pending() {
+                break;
+            }
+        }
+        assert!(field.latest_maps() == studio.volume.maps());
+        if !field.has_pending() {
+            settled += 1;
+            fresh.rebuild_from(studio.volume.maps());
+            let fresh = TextureCopies::of(&fresh).0;
+            assert!(fresh == copies.0, "tick {tick}: not what a rebuild gives");
+        }
+    }
+    println!("{frames} frames, {settled} times settled, {} edits", studio.edits);
+    assert!(settled > ticks / 20 && frames > settled);
+}
+
+#[test]
+fn upkeep_is_a_rebuild_on_16() {
+    static STUDIO: Mutex<EditedField<16>> = Mutex::new(EditedField::new());
+    let mut studio = STUDIO.lock().unwrap_or_else(PoisonError::into_inner);
+    (0..6).for_each(|seed| follow_edits(&mut studio, seed, 600));
+}
+
+#[test]
+fn upkeep_is_a_rebuild_on_64() {
+    static STUDIO: Mutex<EditedField<64>> = Mutex::new(EditedField::new());
+    let mut studio = STUDIO.lock().unwrap_or_else(PoisonError::into_inner);
+    (0..2).for_each(|seed| follow_edits(&mut studio, 40 + seed, 400));
+}
+
+#[test]
+fn upkeep_is_a_rebuild_on_128() {
+    static STUDIO: Mutex<EditedField<128>> = Mutex::new(EditedField::new());
+    let mut studio = STUDIO.lock().unwrap_or_else(PoisonError::into_inner);
+    follow_edits(&mut studio, 70, 60);
+}
+
+/// What a frame costs and hands out is within its budget, and a load comes to its end.
+#[test]
+fn frames_keep_to_their_budget() {
+    static STUDIO: Mutex<EditedField<128>> = Mutex::new(EditedField::new());
+    let mut studio = STUDIO.lock().unwrap_or_else(PoisonError::into_inner);
+    let (mut dice, mut dirty) = (RandomSource::new(5), DirtyRects::new());
+    let mut field = DensityField::<128>::new();
+    let budget = Budget::per_frame(128);
+    for tick in 0..400 {
+        dirty.clear();
+        match tick % 200 {
+            0 => studio.load_volume(&mut dice, &mut dirty),
+            180 => studio.swap_volume(&mut dirty),
+            _ if dice.one_in(2) => studio.apply_random_edit(&mut dice, &mut dirty),
+            _ => {}
+        }
+        field.note_changes(studio.volume.maps(), &dirty);
+        let mut bytes = 0;
+        let spent = field.update_textures(budget, &mut |_, region| bytes += region.len());
+        assert!(bytes <= budget.bytes, "tick {tick}: {bytes} bytes");
+        // A frame does one thing at least: a box of nothing but detail is reckoned at a fifth more.
+        assert!(spent.work <= budget.work * 6 / 5, "tick {tick}: {spent:?}");
+        assert_eq!(spent.bytes, bytes, "tick {tick}");
+    }
+    let frames = (0..600).take_while(|_| {
+        field.update_textures(budget, &mut |_, _| {});
+        field.has_pending()
+    });
+    assert!(frames.count() < 400, "never done");
+}
+
+/// Cells of four texels.
+#[test]
+fn cells_at_256() {
+    static STUDIO: Mutex<EditedField<256>> = Mutex::new(EditedField::new());
+    let mut studio = STUDIO.lock().unwrap_or_else(PoisonError::into_inner);
+    let (mut dice, mut dirty) = (RandomSource::new(6), DirtyRects::new());
+    let (mut field, mut fresh) = (DensityField::<256>::new(), DensityField::<256>::new());
+    let mut copies = TextureCopies::of(&field);
+    for _ in 0..3 {
+        dirty.clear();
+        studio.load_volume(&mut dice, &mut dirty);
+        field.note_changes(studio.volume.maps(), &dirty);
+        field.update_textures(Budget::per_frame(256), &mut |region, bytes| {
+            copies.write(region, bytes);
+        });
+        copies.check_cells(false);
+    }
+    dirty.clear();
+    (0..5).for_each(|_| studio.apply_random_edit(&mut dice, &mut dirty));
+    field.note_changes(studio.volume.maps(), &dirty);
+    while field.has_pending() {
+        field.update_textures(Budget::UNLIMITED, &mut |region, bytes| copies.write(region, bytes));
+    }
+    copies.check_cells(true);
+    fresh.rebuild_from(studio.volume.maps());
+    assert!(TextureCopies::of(&fresh).0 == copies.0);
+}

@@ -1,0 +1,152 @@
+//! How smooth the fast path is: surface, normals and outline of solids that are known exactly,
+//! voxelised by the voxels' centres.
+//!
+//! Planted faults, and what catches each (tried by hand):
+//! - `fast.rs`, `density_descent`: samples of level 0, or 2, for 1 -> `normals`.
+//! - `fast.rs`, `refine_hit`: the first sample inside is the surface -> `a_spheres_surface`.
+//! - `fast.rs`: the surface where the density is 0.35 -> `a_spheres_surface`, `a_spheres_outline`.
+//! - `blur.rs`: no blur along x -> `normals`.
+
+use glam::{EulerRot, Quat, Vec3};
+use paros_models::solid::{Solid, SolidShape};
+use paros_shaders::light::tangent_basis;
+use paros_shaders::march::march_maps;
+use paros_shaders::surface::{SurfacePoint, trace_blobs};
+use paros_shaders::{Ray, fast};
+use paros_tests_render::view::build_textures;
+use rayon::prelude::*;
+
+const N: usize = 128;
+/// Off the lattice's points and planes.
+const MIDDLE: Vec3 = Vec3::new(63.7, 62.2, 64.45);
+
+fn sphere_solid(radius: f32) -> Solid {
+    Solid { shape: SolidShape::Sphere { radius }, centre: MIDDLE, rotation: Quat::IDENTITY }
+}
+
+/// As the axes lie, and askew.
+fn test_turns() -> [Quat; 2] {
+    [Quat::IDENTITY, Quat::from_euler(EulerRot::YXZ, 0.5, 0.4, 0.3)]
+}
+
+/// Evenly spread directions (a spiral).
+fn sphere_directions(count: u32) -> Vec<Vec3> {
+    let way = |i| {
+        let y = 1.0 - 2.0 * (i as f32 + 0.5) / count as f32;
+        let (sin, cos) = (i as f32 * 2.399_963_2).sin_cos();
+        let radius = (1.0 - y * y).sqrt();
+        Vec3::new(radius * cos, y, radius * sin)
+    };
+    (0..count).map(way).collect()
+}
+
+/// Mean errors on what is seen of a solid from all around.
+#[derive(Clone, Copy, Default, Debug)]
+struct SmoothErrors {
+    hits: f32,
+    /// Of the fast surface's place, in voxels; the farthest.
+    off: f32,
+    farthest: f32,
+    /// Of the normals, in degrees.
+    fast: f32,
+    paper: f32,
+}
+
+fn measure_errors(solid: &Solid) -> SmoothErrors {
+    let (maps, field) = build_textures::<N>(&solid.to_voxels(N));
+    let degrees = |at: &SurfacePoint| {
+        let cos = at.normal.dot(solid.normal(at.position));
+        cos.clamp(-1.0, 1.0).acos().to_degrees()
+    };
+    let from = |way: Vec3| {
+        let ((u, v), mut sum) = (tangent_basis(way), SmoothErrors::default());
+        for i in 0..60 * 60 {
+            let [x, y] = [i % 60, i / 60].map(|i| 2.0 * (i as f32 - 29.5));
+            let eye = MIDDLE - way * 300.0;
+            let ray = Ray { origin: eye, direction: (MIDDLE + u * x + v * y - eye).normalize() };
+            let both = (fast::find_surface(&field, &ray), march_maps(&maps, &ray, false));
+            let (Some(at), Some(sample)) = both else { continue };
+            let off = solid.distance(at.position).abs();
+            sum.hits += 1.0;
+            sum.off += off;
+            sum.farthest = sum.farthest.max(off);
+            sum.fast += degrees(&at);
+            sum.paper += degrees(&trace_blobs(&maps, &ray, &sample));
+        }
+        sum
+    };
+    let sums: Vec<SmoothErrors> = sphere_directions(16).into_par_iter().map(from).collect();
+    let all = sums.iter().fold(SmoothErrors::default(), |a, b| SmoothErrors {
+        hits: a.hits + b.hits,
+        off: a.off + b.off,
+        farthest: a.farthest.max(b.farthest),
+        fast: a.fast + b.fast,
+        paper: a.paper + b.paper,
+    });
+    let mean = |sum: f32| sum / all.hits;
+    let mean =
+        SmoothErrors { off: mean(all.off), fast: mean(all.fast), paper: mean(all.paper), ..all };
+    println!("{solid:?}: {mean:?}");
+    assert!(mean.hits > 5000.0);
+    mean
+}
+
+/// In the mean of what is seen from all around; and nowhere off by much more than half a voxel.
+#[test]
+fn a_spheres_surface_is_within_a_quarter_of_a_voxel() {
+    for radius in [30.0, 43.3, 50.0] {
+        let errors = measure_errors(&sphere_solid(radius));
+        assert!(errors.off <= 0.25 && errors.farthest <= 0.55, "{errors:?}");
+    }
+}
+
+#[test]
+fn normals_err_a_quarter_as_much_as_the_papers() {
+    for radius in [30.0, 50.0] {
+        let errors = measure_errors(&sphere_solid(radius));
+        assert!(errors.fast < 3.0 && errors.fast <= 0.25 * errors.paper, "{errors:?}");
+    }
+    let torus = SolidShape::Torus { ring: 38.0, tube: 16.0 };
+    let rounded = SolidShape::Rounded { half: Vec3::new(45.0, 38.0, 30.0), radius: 12.0 };
+    for shape in [torus, rounded] {
+        for turn in test_turns() {
+            let errors = measure_errors(&Solid { shape, centre: MIDDLE, rotation: turn });
+            assert!(errors.fast <= 0.25 * errors.paper, "{errors:?}");
+        }
+    }
+}
+
+/// From every side, near and far: where a ray that swings outwards last meets the fast surface.
+#[test]
+fn a_spheres_outline_is_a_circle() {
+    for radius in [30.0, 50.0] {
+        let (_, field) = build_textures::<N>(&sphere_solid(radius).to_voxels(N));
+        let views = sphere_directions(26)
+            .into_iter()
+            .flat_map(|way| [110.0, 300.0, 900.0].map(|far| (way, far)));
+        let worst = views.par_bridge().map(|(way, far)| {
+            let (u, v) = tangent_basis(way);
+            let squares = (0..180).map(|i| {
+                let (sin, cos) = (2.0 * i as f32).to_radians().sin_cos();
+                let off = |from_middle: f32| {
+                    let slope = from_middle / far;
+                    let ahead = way * (1.0 - slope * slope).sqrt();
+                    let direction = ahead + (u * cos + v * sin) * slope;
+                    fast::find_surface(&field, &Ray { origin: MIDDLE - way * far, direction })
+                        .is_none()
+                };
+                let (mut on_it, mut beside) = (radius - 2.0, radius + 2.0);
+                assert!(!off(on_it) && off(beside));
+                while beside - on_it > 0.002 {
+                    let middle = 0.5 * (on_it + beside);
+                    *(if off(middle) { &mut beside } else { &mut on_it }) = middle;
+                }
+                (on_it - radius).powi(2)
+            });
+            (squares.sum::<f32>() / 180.0).sqrt()
+        });
+        let worst = worst.reduce(|| 0.0, f32::max);
+        println!("radius {radius}: {worst:.3} voxels in the worst view");
+        assert!(worst < 0.15, "{worst}");
+    }
+}

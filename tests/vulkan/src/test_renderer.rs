@@ -1,0 +1,138 @@
+//! A renderer with an offscreen target, under the validation layer.
+
+use glam::{Quat, Vec3};
+use paros_core::{Grid, Size, World};
+use paros_shaders::field::{Budget, DensityField};
+use paros_shaders::gpu::{
+    Eye, Fov, FrameRequest, FrameSemaphores, Gpu, OffscreenTarget, Options, RenderStyle, Renderer,
+    SculpturePlacement, SharedGpu,
+};
+use paros_shell::require::require;
+
+/// A device with validation, or None if the machine has none.
+///
+/// # Panics
+/// One is required and missing.
+pub fn test_device() -> Option<SharedGpu> {
+    test_device_with(Options::default())
+}
+
+/// The same, with other options.
+///
+/// # Panics
+/// As [`test_device`].
+pub fn test_device_with(options: Options) -> Option<SharedGpu> {
+    let options = Options { validation: true, ..options };
+    require(Gpu::headless(&options)).expect("a Vulkan device and its validation")
+}
+
+/// The layers of a picture: red, green, blue, alpha.
+pub type Layers = Vec<Vec<[u8; 4]>>;
+
+/// A renderer with an offscreen target. Dropping it panics if validation reported anything.
+#[derive(Debug)]
+pub struct TestRenderer {
+    // Dropped before the renderer that it was made with.
+    /// The offscreen target.
+    pub screen: OffscreenTarget,
+    /// The renderer.
+    pub renderer: Renderer,
+    gpu: SharedGpu,
+}
+
+impl TestRenderer {
+    /// For volumes of `n` voxels a side, samples per pixel, views, and a size in pixels. Depth is kept
+    /// with one sample.
+    ///
+    /// # Panics
+    /// A call that fails, here and below.
+    pub fn new(gpu: &SharedGpu, n: usize, [samples, views]: [u32; 2], size: [u32; 2]) -> Self {
+        let format = OffscreenTarget::readback_format(samples, views, samples == 1);
+        let renderer = Renderer::new(gpu, format, n, &[]).expect("a renderer");
+        let screen = OffscreenTarget::new(gpu, &renderer, size).expect("an image");
+        TestRenderer { screen, renderer, gpu: gpu.clone() }
+    }
+
+    /// Uploads all textures of a sculpture at once.
+    pub fn upload_field<const N: usize>(&mut self, field: &DensityField<N>) {
+        field.emit_all_regions(|region, bytes| {
+            self.renderer.upload_now(region, bytes).expect("an upload");
+        });
+    }
+
+    /// Draws a frame and reads back the pixels of each view.
+    pub fn draw_picture(&mut self, picture: &FrameRequest<'_>) -> Layers {
+        self.renderer.begin_frame().expect("a frame");
+        let target = &self.screen.target;
+        self.renderer
+            .draw_frame(picture, target, 0, FrameSemaphores::default())
+            .expect("a picture");
+        self.renderer.finish_frames().expect("the device");
+        let views = self.renderer.format().views;
+        (0..views).map(|view| self.screen.read_pixels(view).expect("pixels")).collect()
+    }
+
+    /// Draws a frame, with as many pending uploads as its budget allows.
+    pub fn draw_pending<const N: usize>(&mut self, field: &mut DensityField<N>) {
+        self.renderer.begin_frame().expect("a frame");
+        let (budget, mut bytes) = (Budget::per_frame(N), 0);
+        field.update_textures(budget, &mut |region, texels| {
+            bytes += texels.len();
+            assert!(
+                self.renderer.stage_upload(region, texels),
+                "a frame's budget is more than it takes"
+            );
+        });
+        assert!(bytes <= budget.bytes, "{bytes} bytes in a frame");
+        let target = &self.screen.target;
+        self.renderer
+            .draw_frame(&lone_sculpture(&[AHEAD]), target, 0, FrameSemaphores::default())
+            .expect("a picture");
+    }
+
+    /// Asserts that the device's textures equal a rebuild from a world's volume.
+    pub fn check_textures<const N: usize>(
+        &self,
+        world: &World<N>,
+        rebuilt: &mut DensityField<N>,
+        when: &str,
+    ) where
+        Grid<N>: Size,
+    {
+        rebuilt.rebuild_from(world.volume().maps());
+        rebuilt.emit_all_regions(|region, bytes| {
+            let held = self.screen.read_texels(&self.renderer, region).expect("texels");
+            assert_eq!(held.len(), bytes.len());
+            let wrong = held.iter().zip(bytes).filter(|(held, right)| held != right).count();
+            assert_eq!(wrong, 0, "{when}: of {} bytes of {:?}", bytes.len(), region.texture);
+        });
+    }
+}
+
+impl Drop for TestRenderer {
+    fn drop(&mut self) {
+        if !std::thread::panicking() {
+            assert_eq!(self.gpu.instance.validation_messages(), Vec::<String>::new());
+        }
+    }
+}
+
+/// An eye in front of the lone sculpture.
+pub const AHEAD: Eye = Eye {
+    position: Vec3::new(0.0, 0.5, 2.0),
+    rotation: Quat::IDENTITY,
+    fov: Fov { left: -0.5, right: 0.5, up: 0.5, down: -0.5 },
+};
+
+/// A request for a sculpture a metre wide, without a scene.
+#[must_use]
+pub fn lone_sculpture(eyes: &[Eye]) -> FrameRequest<'_> {
+    let stand = SculpturePlacement { foot: Vec3::ZERO, side: 1.0, turn_radians: 0.0 };
+    FrameRequest {
+        eyes,
+        placement: stand,
+        style: RenderStyle::default(),
+        backdrop: [0.0; 3],
+        scene: None,
+    }
+}

@@ -1,0 +1,104 @@
+//! How smooth the outline of the fast path is where the device takes four samples of a pixel.
+//!
+//! Planted faults, and what catches each (tried by hand):
+//! - `pipelines.rs`: alpha is no coverage; `fast.wgsl`: a margin of 0.01 -> `an_outline_has`.
+
+use glam::{Quat, Vec3};
+use paros_models::solid::{Solid, SolidShape};
+use paros_shaders::gpu::{
+    Eye, Fov, FrameRequest, FrameSemaphores, Gpu, OffscreenTarget, Options, RenderPath,
+    RenderStyle, Renderer, SculpturePlacement,
+};
+use paros_shell::require::require;
+use paros_tests_render::view::build_textures;
+
+const EXTENT: [u32; 2] = [240, 240];
+/// What the picture shows on each side of its middle, in radians.
+const FIELD: f32 = 0.35;
+
+/// What part of each pixel a sphere covers at 4 samples, of radius 24 in 64 voxels, a voxel about
+/// two and a half pixels wide: told by what shines through of two backdrops.
+fn measure_coverage(gpu: &paros_shaders::gpu::SharedGpu, eye: &Eye) -> Vec<f32> {
+    let shape = SolidShape::Sphere { radius: 24.0 };
+    let solid = Solid { shape, centre: Vec3::splat(32.0), rotation: Quat::IDENTITY };
+    let (_, field) = build_textures::<64>(&solid.to_voxels(64));
+    let mut renderer = Renderer::new(gpu, OffscreenTarget::readback_format(4, 1, false), 64, &[])
+        .expect("a renderer");
+    let screen = OffscreenTarget::new(gpu, &renderer, EXTENT).expect("images");
+    field.emit_all_regions(|region, bytes| renderer.upload_now(region, bytes).expect("a device"));
+    let [black, white] = [0.0, 1.0].map(|backdrop| {
+        let picture = FrameRequest {
+            eyes: &[*eye],
+            placement: SculpturePlacement { foot: Vec3::ZERO, side: 1.0, turn_radians: 0.3 },
+            style: RenderStyle { path: RenderPath::Fast, ..RenderStyle::default() },
+            backdrop: [backdrop; 3],
+            scene: None,
+        };
+        renderer.begin_frame().expect("a device");
+        renderer
+            .draw_frame(&picture, &screen.target, 0, FrameSemaphores::default())
+            .expect("a device");
+        gpu.wait_idle().expect("a device");
+        screen.read_pixels(0).expect("a device")
+    });
+    let linear = |byte: u8| {
+        let c = f32::from(byte) / 255.0;
+        if c <= 0.040_45 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
+    };
+    black.iter().zip(&white).map(|(b, w)| 1.0 - (linear(w[1]) - linear(b[1]))).collect()
+}
+
+/// In single precision, and in halves as on a headset.
+#[test]
+fn an_outline_has_three_levels_of_coverage() {
+    [true, false].into_iter().for_each(check_outline);
+}
+
+fn check_outline(single: bool) {
+    let options = Options { validation: true, single_precision: single, ..Options::default() };
+    let Some(gpu) = require(Gpu::headless(&options)).expect("Vulkan") else { return };
+    for (position, down) in [(Vec3::new(0.1, 0.5, 2.0), 0.0f32), (Vec3::new(0.0, 1.7, 1.6), 0.64)] {
+        let fov = Fov { left: -FIELD, right: FIELD, up: FIELD, down: -FIELD };
+        let eye = Eye { position, rotation: Quat::from_rotation_x(-down), fov };
+        let middle = eye.rotation.inverse() * (Vec3::new(0.0, 0.5, 0.0) - position);
+        // Pixels by eighths of the outline and quarters of coverage; what covers more than a pixel
+        // whose middle the sphere covers, in pixels along the outline.
+        let (mut levels, mut more) = ([[0; 5]; 8], 0.0);
+        for (i, covered) in measure_coverage(&gpu, &eye).into_iter().enumerate() {
+            let level = 4.0 * covered;
+            assert!((level - level.round()).abs() < 0.06, "{covered} of a pixel");
+            let (beside, angle) = outline_offset(middle, i as u32);
+            more += covered - if beside < 0.0 { 1.0 } else { 0.0 };
+            if beside.abs() > 1.5 {
+                assert_eq!(level.round(), if beside < 0.0 { 4.0 } else { 0.0 }, "{beside} pixels");
+            } else {
+                levels[(8.0 * angle) as usize % 8][level.round() as usize] += 1;
+            }
+        }
+        let round = std::f32::consts::TAU * (24.0 / 64.0) / middle.length() / pixel_width();
+        println!("{levels:?}, {:.2} pixels out", more / round);
+        for levels in levels {
+            assert!(levels.iter().all(|&pixels| pixels > 0), "{levels:?}");
+        }
+        assert!((more / round).abs() < 0.4, "the outline is {} pixels off", more / round);
+    }
+    let messages = gpu.instance.validation_messages();
+    assert!(messages.is_empty(), "validation: {}", messages.join("\n"));
+}
+
+/// A pixel's width at a distance of one.
+fn pixel_width() -> f32 {
+    2.0 * FIELD.tan() / EXTENT[0] as f32
+}
+
+/// How far outside of the sphere's outline a pixel's middle lies, in pixels, and at which part of
+/// the way around it; of a sphere whose middle the eye sees there.
+fn outline_offset(middle: Vec3, i: u32) -> (f32, f32) {
+    let [x, y] = [i % EXTENT[0], i / EXTENT[0]].map(|c| c as f32 + 0.5);
+    let [width, height] = EXTENT.map(|pixels| pixels as f32 / 2.0);
+    let ray =
+        Vec3::new((x - width) * pixel_width(), (height - y) * pixel_width(), -1.0).normalize();
+    let away = ray * middle.dot(ray) - middle;
+    let angle = away.y.atan2(away.x) / std::f32::consts::TAU + 0.5;
+    ((away.length() - 24.0 / 64.0) / middle.length() / pixel_width(), angle)
+}
