@@ -197,6 +197,10 @@ where
                 sum = sum.wrapping_add(hash_row(y, z, closed));
             }
         }
+        // Even keys shift high bits out: no set but the empty one has the empty one's hash.
+        if kept != 0 && sum == 0 {
+            sum = 1;
+        }
         (kept, sum)
     }
 }
