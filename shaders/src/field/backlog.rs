@@ -12,12 +12,13 @@ pub(super) const CHUNK: [usize; 3] = [32, 16, 16];
 
 /// Most texels of boxes that are computed together: a chunk's, which take about a frame's work
 /// where all is surface.
-const MAX_JOINED: usize = CHUNK[0] * CHUNK[1] * CHUNK[2];
+const MAX_MERGED_TEXELS: usize = CHUNK[0] * CHUNK[1] * CHUNK[2];
 
 /// The finest texels to recompute: a dirty box in each chunk.
 #[derive(Debug)]
 pub(super) struct BoxBacklog {
-    side: usize,
+    /// Texels along a side of the finest density.
+    density_side: usize,
     /// Chunks along each axis.
     chunks: [usize; 3],
     stale: Vec<TexelBox>,
@@ -29,10 +30,10 @@ pub(super) struct BoxBacklog {
 
 impl BoxBacklog {
     /// Nothing stale.
-    pub(super) fn new(side: usize) -> Self {
-        let chunks = CHUNK.map(|chunk| side.div_ceil(chunk));
+    pub(super) fn new(density_side: usize) -> Self {
+        let chunks = CHUNK.map(|chunk| density_side.div_ceil(chunk));
         let stale = vec![TexelBox::NONE; chunks.iter().product()];
-        BoxBacklog { side, chunks, stale, count: 0, next_chunk: 0 }
+        BoxBacklog { density_side, chunks, stale, count: 0, next_chunk: 0 }
     }
 
     pub(super) fn clear(&mut self) {
@@ -44,24 +45,24 @@ impl BoxBacklog {
         self.count == 0
     }
 
-    /// Marks the texels that depend on the voxels from `lo` to `hi`, both included.
-    pub(super) fn mark_voxels(&mut self, lo: [usize; 3], hi: [usize; 3]) {
+    /// Marks the texels stale that depend on the voxels from the first to the last, both included.
+    pub(super) fn mark_voxel_box(&mut self, first: [usize; 3], last: [usize; 3]) {
         let mut extent = TexelBox {
-            lo: lo.map(|c| c + PAD - REACH),
-            hi: hi.map(|c| (c + PAD + REACH + 1).min(self.side)),
+            lo: first.map(|c| c + PAD - REACH),
+            hi: last.map(|c| (c + PAD + REACH + 1).min(self.density_side)),
         };
         // The ground layer is repeated down to the last texel.
-        if lo[1] == 0 {
+        if first[1] == 0 {
             extent.lo[1] = 0;
         }
         // Texels are computed in groups of eight along x.
         extent.lo[0] = extent.lo[0] / 8 * 8;
         extent.hi[0] = extent.hi[0].next_multiple_of(8);
-        self.mark_texels(&extent);
+        self.mark_texel_box(&extent);
     }
 
     /// Marks the texels of a box stale.
-    pub(super) fn mark_texels(&mut self, extent: &TexelBox) {
+    pub(super) fn mark_texel_box(&mut self, extent: &TexelBox) {
         let first = [0, 1, 2].map(|axis| extent.lo[axis] / CHUNK[axis]);
         let last = [0, 1, 2].map(|axis| (extent.hi[axis] - 1) / CHUNK[axis]);
         for z in first[2]..=last[2] {
@@ -79,9 +80,9 @@ impl BoxBacklog {
         }
     }
 
-    /// Takes the next stale box, joined with those of neighbouring chunks as far as the joint box
+    /// Takes the next stale box, merged with those of neighbouring chunks as far as the joint box
     /// can be computed at once.
-    pub(super) fn take_joined(&mut self) -> Option<TexelBox> {
+    pub(super) fn take_merged_box(&mut self) -> Option<TexelBox> {
         if self.is_empty() {
             return None;
         }
@@ -104,8 +105,8 @@ impl BoxBacklog {
                 let i = (z * along_y + y) * along_x + x;
                 let both = all.union(&self.stale[i]);
                 let size = both.size();
-                let fits =
-                    (0..3).all(|axis| size[axis] <= MAX_BOX[axis]) && both.volume() <= MAX_JOINED;
+                let fits = (0..3).all(|axis| size[axis] <= MAX_BOX[axis])
+                    && both.volume() <= MAX_MERGED_TEXELS;
                 if !self.stale[i].is_empty() && fits {
                     self.take_chunk(i);
                     all = both;
@@ -115,10 +116,17 @@ impl BoxBacklog {
         Some(all)
     }
 
-    fn take_chunk(&mut self, chunk: usize) -> TexelBox {
+    fn take_chunk(&mut self, chunk_index: usize) -> TexelBox {
         self.count -= 1;
-        std::mem::replace(&mut self.stale[chunk], TexelBox::NONE)
+        std::mem::replace(&mut self.stale[chunk_index], TexelBox::NONE)
     }
+}
+
+/// A run of lines of a map, and the places in them that are stale.
+pub(super) struct LineRun {
+    pub(super) axis: Axis,
+    pub(super) lines: std::ops::Range<usize>,
+    pub(super) places: Range,
 }
 
 /// For each line of the three maps, the hull of the stale places.
@@ -128,15 +136,15 @@ pub(super) struct StaleLines {
 }
 
 impl StaleLines {
-    pub(super) fn new(n: usize) -> Self {
-        StaleLines { stale: [0; 3].map(|_| vec![Range::EMPTY; n]) }
+    pub(super) fn new(grid_side: usize) -> Self {
+        StaleLines { stale: [0; 3].map(|_| vec![Range::EMPTY; grid_side]) }
     }
 
     pub(super) fn clear(&mut self) {
         self.stale.iter_mut().for_each(|lines| lines.fill(Range::EMPTY));
     }
 
-    pub(super) fn mark_places(&mut self, axis: Axis, line: usize, places: Range) {
+    pub(super) fn mark_stale(&mut self, axis: Axis, line: usize, places: Range) {
         let stale = &mut self.stale[axis as usize][line];
         *stale = stale.hull_with(places);
     }
@@ -145,9 +153,9 @@ impl StaleLines {
         self.stale.iter().flatten().all(|places| places.is_empty())
     }
 
-    /// The next run of stale lines of a map: axis, first line, end line (excluded), and the hull of
-    /// their places. It takes at most `bytes` bytes, unless it is a single line.
-    pub(super) fn first_run(&self, bytes: usize) -> Option<(Axis, usize, usize, Range)> {
+    /// The next run of stale lines of a map, with the hull of their places. It takes at most
+    /// `max_bytes` bytes, unless it is a single line.
+    pub(super) fn next_run(&self, max_bytes: usize) -> Option<LineRun> {
         let is_stale = |places: &Range| !places.is_empty();
         for axis in Axis::ALL {
             let lines = &self.stale[axis as usize];
@@ -156,17 +164,17 @@ impl StaleLines {
             while end < lines.len() && is_stale(&lines[end]) {
                 let wider = places.hull_with(lines[end]);
                 let width = wider.last() + 1 - wider.first();
-                if width * (end + 1 - first) * 2 * LAYERS > bytes {
+                if width * (end + 1 - first) * 2 * LAYERS > max_bytes {
                     break;
                 }
                 (end, places) = (end + 1, wider);
             }
-            return Some((axis, first, end, places));
+            return Some(LineRun { axis, lines: first..end, places });
         }
         None
     }
 
-    pub(super) fn clear_lines(&mut self, axis: Axis, first: usize, end: usize) {
-        self.stale[axis as usize][first..end].fill(Range::EMPTY);
+    pub(super) fn clear_lines(&mut self, axis: Axis, lines: std::ops::Range<usize>) {
+        self.stale[axis as usize][lines].fill(Range::EMPTY);
     }
 }

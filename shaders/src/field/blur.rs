@@ -1,5 +1,5 @@
 //! The finest density of a box of texels: separable binomial blur of the occupancy, then creases
-//! opened and thin features raised.
+//! reopened and thin features raised.
 //!
 //! Each row of voxels is a word of bits. Table look-ups blur it along x into bytes; the passes
 //! along y and z run over whole rows, which the compiler vectorises.
@@ -10,7 +10,7 @@ use super::crease;
 use super::extent::TexelBox;
 use super::rows::{BLURRED_ROWS, HalfMasks, LANES, ROW_TEXELS, TexelRow, TexelRows};
 use super::sizes::REACH;
-use super::texels::top_bits;
+use super::texels::gather_top_bits;
 use super::thin;
 use super::window::{MARGIN_X, VoxelWindow, WINDOW_ROWS};
 
@@ -24,6 +24,8 @@ const FULL: u8 = 255;
 pub(super) struct BoxBlur {
     extent: TexelBox,
     window: VoxelWindow,
+    /// Groups of sixteen texels in the box that have to be blurred.
+    mixed_groups: usize,
     /// One slice blurred along x, 0 to 16.
     along_x: [TexelRow; WINDOW_ROWS],
     /// The last five slices blurred along x and y, 0 to 255: a ring buffer.
@@ -53,14 +55,15 @@ enum Uniformity {
 
 impl NearbyVoxels {
     /// Dilation along x of the union of five rows of voxels.
-    fn from_voxels(rows: [u64; 5], mask: u64) -> Self {
-        let full = rows.iter().fold(0, |all, row| all | row) & mask;
-        let empty = !rows.iter().fold(u64::MAX, |all, row| all & row) & mask;
+    fn around_rows(voxel_rows: [u64; 5], row_bits: u64) -> Self {
+        let full = voxel_rows.iter().fold(0, |all, row| all | row) & row_bits;
+        let empty = !voxel_rows.iter().fold(u64::MAX, |all, row| all & row) & row_bits;
         let near = |bits: u64| bits | bits << 1 | bits << 2 | bits >> 1 | bits >> 2;
         NearbyVoxels { full: near(full), empty: near(empty) }
     }
 
-    fn from_slices(slices: [NearbyVoxels; 5]) -> Self {
+    /// The union of a row's voxels in five slices.
+    fn union_of_slices(slices: [NearbyVoxels; 5]) -> Self {
         let all = |a: NearbyVoxels, b: &NearbyVoxels| NearbyVoxels {
             full: a.full | b.full,
             empty: a.empty | b.empty,
@@ -69,8 +72,8 @@ impl NearbyVoxels {
     }
 
     #[inline]
-    fn classify_group(self, group: usize) -> Uniformity {
-        let part = |bits: u64| bits >> (LANES * group) & 0xffff;
+    fn classify_group(self, group_index: usize) -> Uniformity {
+        let part = |bits: u64| bits >> (LANES * group_index) & 0xffff;
         match (part(self.full), part(self.empty)) {
             (0, _) => Uniformity::Empty,
             (_, 0) => Uniformity::Full,
@@ -78,12 +81,12 @@ impl NearbyVoxels {
         }
     }
 
-    /// The number of mixed groups in the row.
-    fn count_mixed(self, groups: usize) -> usize {
+    /// The number of mixed groups in the row, of so many.
+    fn count_mixed_groups(self, group_count: usize) -> usize {
         if self.full == 0 || self.empty == 0 {
             return 0;
         }
-        (0..groups).filter(|&group| self.classify_group(group) == Uniformity::Mixed).count()
+        (0..group_count).filter(|&group| self.classify_group(group) == Uniformity::Mixed).count()
     }
 }
 
@@ -92,6 +95,7 @@ impl BoxBlur {
         BoxBlur {
             extent: TexelBox { lo: [0; 3], hi: [0; 3] },
             window: VoxelWindow::new(),
+            mixed_groups: 0,
             along_x: [[[0; LANES]; ROW_TEXELS / LANES]; WINDOW_ROWS],
             along_y: [[[[0; LANES]; ROW_TEXELS / LANES]; BLURRED_ROWS]; 5],
             nearby: [[NearbyVoxels { full: 0, empty: 0 }; BLURRED_ROWS]; WINDOW_ROWS],
@@ -102,51 +106,51 @@ impl BoxBlur {
 
     /// A row of texels of the box last computed, by the texture's y and z.
     #[inline]
-    pub(super) fn row(&self, y: usize, z: usize) -> &[u8] {
+    pub(super) fn texel_row(&self, texture_y: usize, texture_z: usize) -> &[u8] {
         let [x0, y0, z0] = self.extent.lo;
-        &self.out[z - z0 + 1][y - y0 + 1].as_flattened()
+        &self.out[texture_z - z0 + 1][texture_y - y0 + 1].as_flattened()
             [MARGIN_X..MARGIN_X + self.extent.hi[0] - x0]
     }
 
     /// Loads the voxels around a box of texels, no larger than [`MAX_BOX`](super::rows::MAX_BOX)
-    /// and a multiple of 8 along x. Returns the number of groups of sixteen texels that have to be
-    /// blurred.
-    pub(super) fn load_voxels<const N: usize>(
-        &mut self,
-        maps: &RangeMaps<N>,
-        extent: TexelBox,
-    ) -> usize {
+    /// and a multiple of 8 along x.
+    pub(super) fn load_voxels<const N: usize>(&mut self, maps: &RangeMaps<N>, extent: TexelBox) {
         self.extent = extent;
         self.window.load_voxels(maps, extent);
-        let WindowSize { slices, rows, groups, mask } = self.window_size();
+        let WindowSize { slices, rows, groups, row_bits } = self.window_size();
         let mut mixed = 0;
         for z in 0..slices {
             for y in 0..rows {
                 let row = |i: usize| self.window.row(y + i, z);
                 self.nearby[z][y] =
-                    NearbyVoxels::from_voxels([row(0), row(1), row(2), row(3), row(4)], mask);
+                    NearbyVoxels::around_rows([row(0), row(1), row(2), row(3), row(4)], row_bits);
                 if z >= 2 * TAPS {
-                    mixed += self.nearby_voxels(y, z - 2 * TAPS).count_mixed(groups);
+                    mixed += self.nearby_voxels(y, z - 2 * TAPS).count_mixed_groups(groups);
                 }
             }
         }
-        mixed
+        self.mixed_groups = mixed;
+    }
+
+    /// The number of groups of sixteen texels, in the box that was loaded, that have to be blurred.
+    pub(super) const fn mixed_group_count(&self) -> usize {
+        self.mixed_groups
     }
 
     /// Computes the texels of the box whose voxels were loaded.
     pub(super) fn compute_texels(&mut self) {
-        let WindowSize { slices, rows, groups, mask } = self.window_size();
-        for z in 0..slices {
-            self.blur_slice_xy(z, rows, groups, mask);
+        let size = self.window_size();
+        for z in 0..size.slices {
+            self.blur_slice_xy(z, &size);
             if z >= 2 * TAPS {
-                for y in 0..rows {
-                    self.blur_row_z(y, z - 2 * TAPS, groups, mask);
+                for y in 0..size.rows {
+                    self.blur_row_z(y, z - 2 * TAPS, &size);
                 }
             }
         }
-        let size = [rows, slices - 2 * TAPS];
-        crease::open_creases(&self.window, size, mask, &mut self.out, &mut self.half);
-        thin::raise_thin(&self.window, size, &mut self.out, &mut self.half);
+        let counts = [size.rows, size.slices - 2 * TAPS];
+        crease::reopen_creases(&self.window, counts, size.row_bits, &mut self.out, &mut self.half);
+        thin::raise_thin_features(&self.window, counts, &mut self.out, &mut self.half);
     }
 
     fn window_size(&self) -> WindowSize {
@@ -156,7 +160,7 @@ impl BoxBlur {
             slices: along_z + 2 * REACH,
             rows: along_y + 2 * REACH - 2 * TAPS,
             groups: width.div_ceil(LANES),
-            mask: u64::MAX >> (ROW_TEXELS - width),
+            row_bits: u64::MAX >> (ROW_TEXELS - width),
         }
     }
 
@@ -164,18 +168,19 @@ impl BoxBlur {
     #[inline]
     fn nearby_voxels(&self, y: usize, z: usize) -> NearbyVoxels {
         let slice = |i: usize| self.nearby[z + i][y];
-        NearbyVoxels::from_slices([slice(0), slice(1), slice(2), slice(3), slice(4)])
+        NearbyVoxels::union_of_slices([slice(0), slice(1), slice(2), slice(3), slice(4)])
     }
 
     /// Blurs a slice of the window along x and y.
-    fn blur_slice_xy(&mut self, z: usize, rows: usize, groups: usize, mask: u64) {
-        let slot = z % 5;
+    fn blur_slice_xy(&mut self, window_z: usize, size: &WindowSize) {
+        let WindowSize { rows, groups, row_bits, .. } = *size;
+        let (z, slot) = (window_z, window_z % 5);
         for y in 0..rows + 2 * TAPS {
             let (bits, row) = (self.window.row(y, z), &mut self.along_x[y][..groups]);
-            match bits & mask {
+            match bits & row_bits {
                 0 => row.fill([0; LANES]),
-                all if all == mask => row.fill([16; LANES]),
-                _ => blur_bits(bits, row.as_flattened_mut()),
+                all if all == row_bits => row.fill([16; LANES]),
+                _ => blur_row_x(bits, row.as_flattened_mut()),
             }
         }
         for y in 0..rows {
@@ -194,14 +199,14 @@ impl BoxBlur {
         }
     }
 
-    /// Blurs a row along z, from the last five slices: the density.
-    fn blur_row_z(&mut self, y: usize, z: usize, groups: usize, mask: u64) {
+    /// Blurs a row of texels along z, from the last five slices: the density.
+    fn blur_row_z(&mut self, y: usize, z: usize, size: &WindowSize) {
         let marks = self.nearby_voxels(y, z);
-        let out = &mut self.out[z][y][..groups];
+        let out = &mut self.out[z][y][..size.groups];
         if marks.full == 0 || marks.empty == 0 {
             let full = marks.empty == 0;
             out.fill([if full { 255 } else { 0 }; LANES]);
-            self.half[z][y] = if full { mask } else { 0 };
+            self.half[z][y] = if full { size.row_bits } else { 0 };
             return;
         }
         let row = |z: usize| &self.along_y[z % 5][y];
@@ -213,7 +218,7 @@ impl BoxBlur {
                 Uniformity::Mixed => blur_to_texels([a[g], b[g], c[g], d[g], e[g]]),
             };
         }
-        self.half[z][y] = top_bits(out.as_flattened());
+        self.half[z][y] = gather_top_bits(out.as_flattened());
     }
 }
 
@@ -225,7 +230,7 @@ struct WindowSize {
     /// Groups of texels in a row.
     groups: usize,
     /// Bits of the voxels in a row.
-    mask: u64,
+    row_bits: u64,
 }
 
 /// The kernel over five rows of sixteen bytes, each at most 16; the sum saturates at 255.
@@ -252,8 +257,8 @@ fn blur_to_texels([a, b, c, d, e]: [[u8; LANES]; 5]) -> [u8; LANES] {
 }
 
 /// Blurs a row of bits along x into bytes, 0 to 16; nothing lies beyond the word.
-fn blur_bits(bits: u64, row: &mut [u8]) {
-    for (i, eight) in row.as_chunks_mut::<8>().0.iter_mut().enumerate() {
+fn blur_row_x(bits: u64, sums: &mut [u8]) {
+    for (i, eight) in sums.as_chunks_mut::<8>().0.iter_mut().enumerate() {
         // The twelve voxels that eight texels see.
         let seen = if i == 0 { bits << 2 } else { bits >> (8 * i - 2) };
         let sums = LOW[(seen & 63) as usize] + HIGH[(seen >> 6 & 63) as usize];
@@ -265,7 +270,8 @@ fn blur_bits(bits: u64, row: &mut [u8]) {
 static LOW: [u64; 64] = tap_table(0);
 static HIGH: [u64; 64] = tap_table(6);
 
-const fn tap_table(first: usize) -> [u64; 64] {
+/// By six voxels, from the `first_voxel`th of twelve on, as bits: what they add to eight texels.
+const fn tap_table(first_voxel: usize) -> [u64; 64] {
     const WEIGHTS: [u64; 5] = [1, 4, 6, 4, 1];
     let mut table = [0; 64];
     let mut bits = 0;
@@ -275,7 +281,7 @@ const fn tap_table(first: usize) -> [u64; 64] {
             // Voxel v lies in texels v - 4 to v.
             let mut tap = 0;
             while bits >> bit & 1 == 1 && tap < 5 {
-                let voxel = first + bit;
+                let voxel = first_voxel + bit;
                 if voxel >= tap && voxel - tap < 8 {
                     table[bits] += WEIGHTS[tap] << (8 * (voxel - tap));
                 }

@@ -9,30 +9,66 @@ pub struct Budget {
     pub bytes: usize,
 }
 
+/// What an update costs of a [`Budget`], in the same units.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Cost {
+    /// CPU work.
+    pub work: usize,
+    /// Bytes uploaded.
+    pub bytes: usize,
+}
+
+impl Cost {
+    pub(super) const NONE: Cost = Cost { work: 0, bytes: 0 };
+
+    /// Work alone, without an upload.
+    pub(super) const fn of_work(work: usize) -> Self {
+        Cost { work, bytes: 0 }
+    }
+}
+
 impl Budget {
     /// No limit.
     pub const UNLIMITED: Budget = Budget { work: usize::MAX, bytes: usize::MAX };
 
-    /// The shells' budget for a volume of `side` voxels a side: less than a million instructions
+    /// The shells' budget for a volume of `grid_side` voxels a side: less than a million instructions
     /// and 256 KiB at 128, four times that at 256, where four times as much surface changes.
     /// Estimates of work may be a third too low, hence three quarters of a million.
     #[must_use]
-    pub const fn per_frame(side: usize) -> Self {
-        let more = if side > 128 { 4 } else { 1 };
+    pub const fn per_frame(grid_side: usize) -> Self {
+        let more = if grid_side > 128 { 4 } else { 1 };
         Budget { work: more * 750_000, bytes: more * 256 * 1024 }
     }
 }
 
 /// Accounts for what of a budget is spent.
 pub(super) struct BudgetMeter {
-    pub(super) budget: Budget,
-    pub(super) spent: Budget,
+    budget: Budget,
+    spent: Cost,
+    /// Whether a unit of work was done: the first one may be more than the budget.
+    has_progressed: bool,
 }
 
 impl BudgetMeter {
-    pub(super) const fn spend(&mut self, work: usize, bytes: usize) {
-        self.spent.work += work;
-        self.spent.bytes += bytes;
+    /// Nothing spent yet.
+    pub(super) const fn new(budget: Budget) -> Self {
+        BudgetMeter { budget, spent: Cost::NONE, has_progressed: false }
+    }
+
+    pub(super) const fn spent(&self) -> Cost {
+        self.spent
+    }
+
+    /// Counts a cost that is no unit of work by itself.
+    pub(super) const fn spend(&mut self, cost: Cost) {
+        self.spent.work += cost.work;
+        self.spent.bytes += cost.bytes;
+    }
+
+    /// Counts the cost of a unit of work, or of its last part.
+    pub(super) const fn finish_unit(&mut self, cost: Cost) {
+        self.spend(cost);
+        self.has_progressed = true;
     }
 
     pub(super) fn remaining(&self) -> Budget {
@@ -41,10 +77,10 @@ impl BudgetMeter {
         Budget { work, bytes: less(self.budget.bytes, self.spent.bytes) }
     }
 
-    /// Whether so much work and so many bytes remain.
-    pub(super) fn can_afford(&self, work: usize, bytes: usize) -> bool {
+    /// Whether a unit of work of this cost may be done: it is the first one, or so much remains.
+    pub(super) fn allows_unit(&self, cost: Cost) -> bool {
         let left = self.remaining();
-        work <= left.work && bytes <= left.bytes
+        !self.has_progressed || cost.work <= left.work && cost.bytes <= left.bytes
     }
 }
 

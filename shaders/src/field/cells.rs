@@ -3,7 +3,7 @@
 
 use super::extent::TexelBox;
 use super::sizes::MAX_CELL_DISTANCE;
-use super::texels::{TexelCube, top_bits};
+use super::texels::{TexelCube, gather_top_bits};
 
 /// Most cells in a row: 136 texels of a side at 128.
 const MAX_CELLS: usize = 68;
@@ -22,7 +22,7 @@ const DISTANCES: usize = MAX_CELL_DISTANCE as usize;
 #[derive(Debug)]
 pub(super) struct CellDistances {
     /// Texels along a side of a cell.
-    texels_per_cell: usize,
+    cell_side_texels: usize,
     /// By distance k, the cells at most k from the surface: bit rows along x, by z and y.
     near: [Vec<u128>; DISTANCES],
     /// By distance, the rows that changed since the last update: bit rows along y, by z.
@@ -38,15 +38,15 @@ pub(super) struct CellDistances {
 }
 
 impl CellDistances {
-    /// Cells of `cell` texels a side, all empty, for a texture of `texels` a side.
-    pub(super) fn new(texels: usize, cell: usize) -> Self {
-        let side = texels / cell;
+    /// Cells of so many texels a side, all empty, for a density of so many.
+    pub(super) fn new(density_side: usize, cell_side_texels: usize) -> Self {
+        let side = density_side / cell_side_texels;
         CellDistances {
-            texels_per_cell: cell,
+            cell_side_texels,
             near: [0; DISTANCES].map(|_| vec![0; side * side]),
             touched: [0; DISTANCES].map(|_| vec![0; side]),
             flipped: vec![0; side * side],
-            halves: vec![[0; KEPT_SLICES]; texels],
+            halves: vec![[0; KEPT_SLICES]; density_side],
             free: TexelCube::new(side, MAX_CELL_DISTANCE - 1),
             changed: vec![TexelBox::NONE; side],
         }
@@ -54,60 +54,63 @@ impl CellDistances {
 
     /// The distance of each cell to the nearest one with surface, less one: 0 to
     /// [`MAX_CELL_DISTANCE`] - 1.
-    pub(super) const fn free_counts(&self) -> &TexelCube {
+    pub(super) const fn free_distances(&self) -> &TexelCube {
         &self.free
     }
 
     /// Recomputes which cells have surface, of those that hold or touch texels of a box.
-    pub(super) fn mark_surface(&mut self, density: &TexelCube, texels: TexelBox) {
-        let cells = texels.grown_by(1, density.side()).coarser_by(self.texels_per_cell);
+    pub(super) fn rescan_surface(&mut self, density: &TexelCube, extent: TexelBox) {
+        let cells = extent.grown_by(1, density.side()).coarser_by(self.cell_side_texels);
         // As many cells as fit in a word, with one texel more on either side.
-        let step = (u64::BITS as usize - 2) / self.texels_per_cell;
+        let step = (u64::BITS as usize - 2) / self.cell_side_texels;
         for first in (cells.lo[0]..cells.hi[0]).step_by(step) {
             let end = cells.hi[0].min(first + step);
-            let mut seen = 0;
-            for z in cells.lo[2]..cells.hi[2] {
-                self.mark_slice(density, (z, &mut seen), cells.lo[1]..cells.hi[1], first..end);
+            let (cell_ys, mut halves_end_z) = (cells.lo[1]..cells.hi[1], 0);
+            for cell_z in cells.lo[2]..cells.hi[2] {
+                let ys = cell_ys.clone();
+                self.rescan_slice(density, &mut halves_end_z, first..end, ys, cell_z);
             }
         }
     }
 
     /// Recomputes which cells of a slice have surface, no more along x than fit in a word. Slices
-    /// of texels before `seen` are in the ring buffer.
-    fn mark_slice(
+    /// of texels before `halves_end_z` are in the ring buffer already.
+    fn rescan_slice(
         &mut self,
         density: &TexelCube,
-        (z, seen): (usize, &mut usize),
-        along_y: std::ops::Range<usize>,
-        along_x: std::ops::Range<usize>,
+        halves_end_z: &mut usize,
+        cell_xs: std::ops::Range<usize>,
+        cell_ys: std::ops::Range<usize>,
+        cell_z: usize,
     ) {
-        let (size, texels, side) = (self.texels_per_cell, density.side(), self.free.side());
+        let (size, texels, side) = (self.cell_side_texels, density.side(), self.free.side());
         let beside =
             |lo: usize, hi: usize| (lo * size).saturating_sub(1)..(hi * size + 1).min(texels);
-        let (xs, ys) = (beside(along_x.start, along_x.end), beside(along_y.start, along_y.end));
+        let (xs, ys) = (beside(cell_xs.start, cell_xs.end), beside(cell_ys.start, cell_ys.end));
         // Rounded up to whole words, which is faster.
         let xs = xs.start..texels.min(xs.start + xs.len().next_multiple_of(8));
         // The first bit is the texel before the first cell.
-        let shift = usize::from(along_x.start == 0);
-        let zs = beside(z, z + 1);
-        for z in zs.start.max(*seen)..zs.end {
+        let shift = usize::from(cell_xs.start == 0);
+        let zs = beside(cell_z, cell_z + 1);
+        for z in zs.start.max(*halves_end_z)..zs.end {
             for y in ys.clone() {
-                self.halves[y][z % KEPT_SLICES] = top_bits(&density.row(y, z)[xs.clone()]) << shift;
+                self.halves[y][z % KEPT_SLICES] =
+                    gather_top_bits(&density.row(y, z)[xs.clone()]) << shift;
             }
         }
-        *seen = zs.end;
-        let stretch = u128::MAX >> (128 - along_x.len()) << along_x.start;
-        for y in along_y {
+        *halves_end_z = zs.end;
+        let scanned = u128::MAX >> (128 - cell_xs.len()) << cell_xs.start;
+        for y in cell_ys {
             let rows = &self.halves[beside(y, y + 1)];
             let any = rows.iter().fold(0, |any, slices| {
                 zs.clone().fold(any, |any, z| any | slices[z % KEPT_SLICES])
             });
-            let bits = u128::from(cell_bits(any, size)) << along_x.start;
-            let row = &mut self.near[0][z * side + y];
-            let flipped = (*row ^ bits) & stretch;
+            let bits = u128::from(cells_with_any_bit(any, size)) << cell_xs.start;
+            let row = &mut self.near[0][cell_z * side + y];
+            let flipped = (*row ^ bits) & scanned;
             if flipped != 0 {
                 *row ^= flipped;
-                self.touched[0][z] |= 1 << y;
+                self.touched[0][cell_z] |= 1 << y;
             }
         }
     }
@@ -119,13 +122,14 @@ impl CellDistances {
         let last = self.touched[0].iter().rposition(is_touched).unwrap_or(first);
         let side = self.free.side();
         let reach = |by: usize| first.saturating_sub(by)..(last + 1 + by).min(side);
-        for level in 1..DISTANCES {
-            for z in reach(level) {
-                let touched = &self.touched[level - 1];
+        for distance in 1..DISTANCES {
+            for z in reach(distance) {
+                let touched = &self.touched[distance - 1];
                 let around = &touched[z.saturating_sub(1)..(z + 2).min(side)];
                 let rows = around.iter().fold(0, |all, rows| all | rows);
                 if rows != 0 {
-                    self.dilate_rows(level, z, (rows | rows << 1 | rows >> 1) & low_bits(side));
+                    let rows = (rows | rows << 1 | rows >> 1) & low_bits(side);
+                    self.dilate_rows(distance, z, rows);
                 }
             }
         }
@@ -135,27 +139,29 @@ impl CellDistances {
                 rows |= std::mem::take(&mut touched[z]);
             }
             self.touched[0][z] = 0;
-            for y in set_bits(rows) {
-                self.count_free_row(y, z);
+            for y in bit_positions(rows) {
+                self.write_distances_row(y, z);
             }
         }
     }
 
-    /// Dilates rows of a slice from those of one cell less of distance.
-    fn dilate_rows(&mut self, level: usize, z: usize, rows: u128) {
+    /// Dilates rows of a slice, one for each bit of `row_bits`, from those of one cell less of
+    /// distance.
+    fn dilate_rows(&mut self, distance: usize, z: usize, row_bits: u128) {
         let side = self.free.side();
-        let (nearer, here) = self.near.split_at_mut(level);
-        let slice = |z: usize| &nearer[level - 1][z * side..(z + 1) * side];
+        let (nearer, here) = self.near.split_at_mut(distance);
+        let slice = |z: usize| &nearer[distance - 1][z * side..(z + 1) * side];
         let (before, this, behind) =
             (slice(z.saturating_sub(1)), slice(z), slice((z + 1).min(side - 1)));
-        let (first, last) = (rows.trailing_zeros() as usize, 127 - rows.leading_zeros() as usize);
+        let first = row_bits.trailing_zeros() as usize;
+        let last = 127 - row_bits.leading_zeros() as usize;
         // One more at either end.
         let mut column = [0u128; MAX_CELLS + 2];
         for y in first.saturating_sub(1)..(last + 2).min(side) {
             column[y + 1] = before[y] | this[y] | behind[y];
         }
         let mut touched = 0;
-        for y in set_bits(rows) {
+        for y in bit_positions(row_bits) {
             let all = column[y] | column[y + 1] | column[y + 2];
             let grown = (all | all << 1 | all >> 1) & low_bits(side);
             let row = &mut here[0][z * side + y];
@@ -165,11 +171,11 @@ impl CellDistances {
                 touched |= 1 << y;
             }
         }
-        self.touched[level][z] = touched;
+        self.touched[distance][z] = touched;
     }
 
-    /// Recounts the distances of a row's changed cells from the bit rows.
-    fn count_free_row(&mut self, y: usize, z: usize) {
+    /// Recomputes the distances of a row's changed cells from the bit rows.
+    fn write_distances_row(&mut self, y: usize, z: usize) {
         let i = z * self.free.side() + y;
         let flipped = std::mem::take(&mut self.flipped[i]);
         let (lo, hi) = (flipped.trailing_zeros() as usize, 128 - flipped.leading_zeros() as usize);
@@ -192,22 +198,22 @@ impl CellDistances {
         self.changed[z] = self.changed[z].union(&part);
     }
 
-    /// Passes the boxes of cells that changed since the last call.
-    pub(super) fn drain_changed(&mut self, mut tell: impl FnMut(&TexelCube, TexelBox)) {
+    /// Passes the distances, and each box of cells that changed since the last call.
+    pub(super) fn drain_changed_boxes(&mut self, mut sink: impl FnMut(&TexelCube, TexelBox)) {
         let mut open = TexelBox::NONE;
         for slice in &mut self.changed {
             let slice = std::mem::replace(slice, TexelBox::NONE);
             let both = open.union(&slice);
             // Slices are joined while their hull is little larger than both.
             if both.volume() > open.volume() + slice.volume() + JOIN_SLACK {
-                tell(&self.free, open);
+                sink(&self.free, open);
                 open = slice;
             } else {
                 open = both;
             }
         }
         if !open.is_empty() {
-            tell(&self.free, open);
+            sink(&self.free, open);
         }
     }
 }
@@ -215,14 +221,14 @@ impl CellDistances {
 /// Slices of texels kept: at least a cell's and one on either side.
 const KEPT_SLICES: usize = 8;
 
-const _: () = assert!(DISTANCES == 7, "`tell_row` counts to 6");
+const _: () = assert!(DISTANCES == 7, "`write_distances_row` counts to 6");
 
-const fn low_bits(bits: usize) -> u128 {
-    u128::MAX >> (128 - bits)
+const fn low_bits(count: usize) -> u128 {
+    u128::MAX >> (128 - count)
 }
 
 /// The positions of the set bits, ascending.
-fn set_bits(mut bits: u128) -> impl Iterator<Item = usize> {
+fn bit_positions(mut bits: u128) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
         let bit = bits.trailing_zeros() as usize;
         (bits != 0).then(|| {
@@ -234,10 +240,10 @@ fn set_bits(mut bits: u128) -> impl Iterator<Item = usize> {
 
 /// A bit for each cell: whether any of its texels or one beside them has its bit set. The lowest
 /// bit is the texel before the first cell. Cells have 2 texels or 4.
-const fn cell_bits(texels: u64, size: usize) -> u64 {
-    let mut any = texels | texels >> 1;
+const fn cells_with_any_bit(texel_bits: u64, cell_side_texels: usize) -> u64 {
+    let mut any = texel_bits | texel_bits >> 1;
     any |= any >> 2;
-    if size == 2 {
+    if cell_side_texels == 2 {
         return compact_even_bits(any);
     }
     any |= any >> 2;

@@ -1,4 +1,4 @@
-//! Opens what the blur closes: creases, and gaps one voxel wide.
+//! Reopens what the blur closes: creases, and gaps one voxel wide.
 //!
 //! An empty voxel with a blurred density of a half or more lies between walls; smooth surfaces have
 //! hardly any. Its density is mirrored at a half, so that the surface stays within a voxel of where
@@ -7,18 +7,19 @@
 use super::rows::{HalfMasks, TexelRows};
 use super::window::{BLUR_MARGIN, VoxelWindow};
 
-/// Mirrors the texels of closed empty voxels at a half, in so many rows along y and z. `mask` has a
-/// row's voxels; `halves` is updated.
-pub(super) fn open_creases(
+/// Mirrors the texels of closed empty voxels at a half, in so many rows along y and z. `row_bits` has
+/// a row's voxels; `halves` is updated.
+pub(super) fn reopen_creases(
     window: &VoxelWindow,
-    [rows, slices]: [usize; 2],
-    mask: u64,
+    [row_count, slice_count]: [usize; 2],
+    row_bits: u64,
     out: &mut TexelRows,
     halves: &mut HalfMasks,
 ) {
-    for z in 0..slices {
-        for y in 0..rows {
-            let mut closed = halves[z][y] & mask & !window.row(y + BLUR_MARGIN, z + BLUR_MARGIN);
+    for z in 0..slice_count {
+        for y in 0..row_count {
+            let mut closed =
+                halves[z][y] & row_bits & !window.row(y + BLUR_MARGIN, z + BLUR_MARGIN);
             halves[z][y] &= !closed;
             let row = out[z][y].as_flattened_mut();
             while closed != 0 {

@@ -40,19 +40,19 @@ impl TexelBox {
         }
     }
 
-    /// Grown by so many texels on every side, clipped to a texture of `side`.
+    /// Grown by so many texels on every side, clipped to a texture of `texture_side`.
     #[must_use]
-    pub(super) fn grown_by(&self, by: usize, side: usize) -> Self {
+    pub(super) fn grown_by(&self, texels: usize, texture_side: usize) -> Self {
         TexelBox {
-            lo: self.lo.map(|lo| lo.saturating_sub(by)),
-            hi: self.hi.map(|hi| (hi + by).min(side)),
+            lo: self.lo.map(|lo| lo.saturating_sub(texels)),
+            hi: self.hi.map(|hi| (hi + texels).min(texture_side)),
         }
     }
 
-    /// The bounding box of this one in texels `by` times as large.
+    /// The bounding box of this one in texels `factor` times as large.
     #[must_use]
-    pub(super) fn coarser_by(&self, by: usize) -> Self {
-        TexelBox { lo: self.lo.map(|lo| lo / by), hi: self.hi.map(|hi| hi.div_ceil(by)) }
+    pub(super) fn coarser_by(&self, factor: usize) -> Self {
+        TexelBox { lo: self.lo.map(|lo| lo / factor), hi: self.hi.map(|hi| hi.div_ceil(factor)) }
     }
 
     /// The rows along x, as (y, z).

@@ -3,18 +3,18 @@
 use super::extent::TexelBox;
 use super::texels::{TexelChanges, TexelCube};
 
-/// Recomputes the texels `extent` of `coarse` from the next finer level. Returns the box of those
-/// that changed.
+/// Recomputes the texels `coarse_extent` of `coarse` from the next finer level. Returns the box of
+/// those that changed.
 pub(super) fn downsample_box(
     fine: &TexelCube,
     coarse: &mut TexelCube,
-    extent: TexelBox,
+    coarse_extent: TexelBox,
 ) -> TexelBox {
-    let mut changes = TexelChanges::new(extent.lo[0]);
+    let mut changes = TexelChanges::new(coarse_extent.lo[0]);
     let mut means = [0u8; MAX_ROW];
-    let [lo, hi] = [extent.lo[0], extent.hi[0]];
+    let [lo, hi] = [coarse_extent.lo[0], coarse_extent.hi[0]];
     let means = &mut means[..hi - lo];
-    for (y, z) in extent.rows() {
+    for (y, z) in coarse_extent.rows() {
         let fine_row = |y: usize, z: usize| &fine.row(y, z)[2 * lo..2 * hi];
         let (y2, z2) = (2 * y, 2 * z);
         let rows = [

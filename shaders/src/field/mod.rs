@@ -9,11 +9,11 @@
 //!   on every side. A byte, 255 where all is full: the mean of 5 x 5 x 5 voxels with the weights
 //!   1 4 6 4 1 along each axis. Exactly: the weighted sum of a slice's 5 x 5 voxels, 256 where all
 //!   are full, is held to 255, and the weighted mean of five such sums rounded, half up. Below y = 0
-//!   the ground layer goes on, the rest outside is empty. Creases that would close are opened (see
+//!   the ground layer goes on, the rest outside is empty. Creases that would close are reopened (see
 //!   `crease`), and what is too thin to reach a half by itself is raised (see `thin`).
 //! - [`Texture::Density`] 1 to 3: each texel the mean of 2 x 2 x 2 of the finer one, half up.
 //! - [`Texture::Cells`]: a byte for each cell of 2 x 2 x 2 texels at N up to 128 and 4 x 4 x 4
-//!   above, so that cells are as large in the room (see [`cell_side`]). The surface of half density may
+//!   above, so that cells are as large in the room (see [`cell_side_texels`]). The surface of half density may
 //!   pass through a cell where a texel in it or next to it is at least [`HALF_DENSITY`]. The byte is how
 //!   many cells all around are none of these: the Chebyshev distance to the nearest one, at most
 //!   [`MAX_CELL_DISTANCE`], less one; 0 for those themselves and their neighbours. From anywhere in the cell so
@@ -43,6 +43,6 @@ mod thin;
 mod upkeep;
 mod window;
 
-pub use budget::Budget;
-pub use sizes::{HALF_DENSITY, LEVELS, MAX_CELL_DISTANCE, PAD, REACH, cell_side};
+pub use budget::{Budget, Cost};
+pub use sizes::{HALF_DENSITY, LEVELS, MAX_CELL_DISTANCE, PAD, REACH, cell_side_texels};
 pub use textures::DensityField;

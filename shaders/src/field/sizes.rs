@@ -16,6 +16,6 @@ pub const REACH: usize = 3;
 /// Texels along a side of a cell, for a volume of `grid_side` voxels a side: 68 cells a side at
 /// 128, 66 at 256.
 #[must_use]
-pub const fn cell_side(grid_side: usize) -> usize {
+pub const fn cell_side_texels(grid_side: usize) -> usize {
     if grid_side > 128 { 4 } else { 2 }
 }

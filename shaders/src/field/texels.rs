@@ -13,8 +13,8 @@ pub(super) struct TexelCube {
 }
 
 impl TexelCube {
-    pub(super) fn new(side: usize, texel: u8) -> Self {
-        TexelCube { side, bytes: vec![texel; side.pow(3)] }
+    pub(super) fn new(side: usize, fill: u8) -> Self {
+        TexelCube { side, bytes: vec![fill; side.pow(3)] }
     }
 
     pub(super) const fn side(&self) -> usize {
@@ -40,15 +40,15 @@ impl TexelCube {
         &mut self.bytes[(z * self.side + y) * self.side..][..self.side]
     }
 
-    /// Slabs of so many slices of equal z, in order, for parallel writing.
+    /// Slabs of so many slices of equal z each, in order, for parallel writing.
     pub(super) fn slabs_mut(
         &mut self,
-        slices: usize,
+        slices_per_slab: usize,
     ) -> impl IndexedParallelIterator<Item = &mut [u8]> {
-        self.bytes.par_chunks_mut(slices * self.side * self.side)
+        self.bytes.par_chunks_mut(slices_per_slab * self.side * self.side)
     }
 
-    /// Replaces a part of the row (y, z), from the x where `changes` starts, and records in
+    /// Replaces a part of the row (y, z), from the first x of `changes` on, and records in
     /// `changes` which texels differ.
     #[inline]
     pub(super) fn replace_row(
@@ -57,7 +57,7 @@ impl TexelCube {
         texels: &[u8],
         changes: &mut TexelChanges,
     ) {
-        let row = &mut self.row_mut(y, z)[changes.start..][..texels.len()];
+        let row = &mut self.row_mut(y, z)[changes.first_x..][..texels.len()];
         let (old, new) = (row.as_chunks_mut::<8>(), texels.as_chunks::<8>());
         let mut flipped = 0;
         for ((old, new), all) in old.0.iter_mut().zip(new.0).zip(&mut changes.flipped) {
@@ -79,14 +79,14 @@ impl TexelCube {
         }
     }
 
-    /// Trilinear sample, 0 to 1, at a place in texels, clamped to the edge. Texel centres lie at
+    /// Trilinear sample, 0 to 1, at a point in texels, clamped to the edge. Texel centres lie at
     /// halves.
     #[inline]
-    pub(super) fn sample_trilinear(&self, place: Vec3) -> f32 {
+    pub(super) fn sample_trilinear(&self, point_in_texels: Vec3) -> f32 {
         let most = (self.side - 1) as f32;
-        let place = (place - Vec3::splat(0.5)).clamp(Vec3::ZERO, Vec3::splat(most));
-        let [x, y, z] = place.to_array().map(|c| (c as usize).min(self.side - 2));
-        let part = place - Vec3::new(x as f32, y as f32, z as f32);
+        let point = (point_in_texels - Vec3::splat(0.5)).clamp(Vec3::ZERO, Vec3::splat(most));
+        let [x, y, z] = point.to_array().map(|c| (c as usize).min(self.side - 2));
+        let part = point - Vec3::new(x as f32, y as f32, z as f32);
         let mix = |a: f32, b: f32, part: f32| a + (b - a) * part;
         let along_x = |y: usize, z: usize| {
             let row = self.row(y, z);
@@ -104,7 +104,7 @@ const TOP_BITS: u64 = 0x8080_8080_8080_8080;
 #[derive(Debug)]
 pub(super) struct TexelChanges {
     /// Where the box starts along x.
-    start: usize,
+    first_x: usize,
     /// Bits that flipped in any row, eight texels a word; the last word may be partial.
     flipped: [u64; MAX_ROW / 8 + 1],
     /// Bounds of the rows with a change, and of those with a texel that crossed a half.
@@ -116,10 +116,10 @@ pub(super) struct TexelChanges {
 const MAX_ROW: usize = 264;
 
 impl TexelChanges {
-    /// No change yet, in a box that starts at `start` along x.
-    pub(super) const fn new(start: usize) -> Self {
+    /// No change yet, in a box that starts at `first_x` along x.
+    pub(super) const fn new(first_x: usize) -> Self {
         let none = TexelBox::NONE;
-        TexelChanges { start, flipped: [0; MAX_ROW / 8 + 1], rows: none, crossed_rows: none }
+        TexelChanges { first_x, flipped: [0; MAX_ROW / 8 + 1], rows: none, crossed_rows: none }
     }
 
     /// The bounding box of the texels that changed.
@@ -128,42 +128,42 @@ impl TexelChanges {
     }
 
     /// The bounding box of the texels that crossed a half.
-    pub(super) fn crossed_box(&self) -> TexelBox {
+    pub(super) fn half_crossed_box(&self) -> TexelBox {
         self.bounds_of(TOP_BITS, self.crossed_rows)
     }
 
-    fn bounds_of(&self, mask: u64, rows: TexelBox) -> TexelBox {
-        let flipped = |word: &u64| word & mask != 0;
+    fn bounds_of(&self, bits_of_bytes: u64, rows: TexelBox) -> TexelBox {
+        let flipped = |word: &u64| word & bits_of_bytes != 0;
         let (Some(front), Some(back)) =
             (self.flipped.iter().position(flipped), self.flipped.iter().rposition(flipped))
         else {
             return TexelBox::NONE;
         };
-        let first = 8 * front + (self.flipped[front] & mask).trailing_zeros() as usize / 8;
-        let end = 8 * back + 8 - (self.flipped[back] & mask).leading_zeros() as usize / 8;
+        let first = 8 * front + (self.flipped[front] & bits_of_bytes).trailing_zeros() as usize / 8;
+        let end = 8 * back + 8 - (self.flipped[back] & bits_of_bytes).leading_zeros() as usize / 8;
         let [_, y, z] = rows.lo;
         let [_, y_end, z_end] = rows.hi;
-        TexelBox { lo: [self.start + first, y, z], hi: [self.start + end, y_end, z_end] }
+        TexelBox { lo: [self.first_x + first, y, z], hi: [self.first_x + end, y_end, z_end] }
     }
 }
 
 /// The top bit of each of up to 64 bytes, the first one lowest.
 #[inline]
-pub(super) fn top_bits(bytes: &[u8]) -> u64 {
+pub(super) fn gather_top_bits(bytes: &[u8]) -> u64 {
     let (eights, rest) = bytes.as_chunks::<8>();
     let mut bits = match rest {
         [] => 0,
-        rest => top_bits_of_word(word_from_bytes(rest)) << (8 * eights.len()),
+        rest => gather_word_top_bits(word_from_bytes(rest)) << (8 * eights.len()),
     };
     for (i, eight) in eights.iter().enumerate() {
-        bits |= top_bits_of_word(u64::from_le_bytes(*eight)) << (8 * i);
+        bits |= gather_word_top_bits(u64::from_le_bytes(*eight)) << (8 * i);
     }
     bits
 }
 
 /// The top bits of eight bytes.
 #[inline]
-const fn top_bits_of_word(bytes: u64) -> u64 {
+const fn gather_word_top_bits(bytes: u64) -> u64 {
     // Bit 7 of byte k goes to bit 56 + k; no two products meet below.
     (bytes >> 7 & 0x0101_0101_0101_0101).wrapping_mul(0x0102_0408_1020_4080) >> 56
 }

@@ -9,7 +9,7 @@ use super::blur::BoxBlur;
 use super::cells::CellDistances;
 use super::extent::TexelBox;
 use super::mips;
-use super::sizes::{LEVELS, PAD, cell_side};
+use super::sizes::{LEVELS, PAD, cell_side_texels};
 use super::texels::TexelCube;
 use crate::upload::{Region, Texture};
 
@@ -18,7 +18,7 @@ use crate::upload::{Region, Texture};
 #[derive(Debug)]
 pub struct DensityField<const N: usize> {
     /// The maps as noted last, and those that the textures follow.
-    pub(super) latest: Box<RangeMaps<N>>,
+    pub(super) noted: Box<RangeMaps<N>>,
     pub(super) maps: Box<RangeMaps<N>>,
     /// Columns in which the two may differ.
     pub(super) uncompared: StaleLines,
@@ -46,11 +46,11 @@ impl<const N: usize> DensityField<N> {
     #[allow(clippy::new_without_default)] // megabytes: to be made on purpose
     pub fn new() -> Self {
         DensityField {
-            latest: Box::new(RangeMaps::new()),
+            noted: Box::new(RangeMaps::new()),
             maps: Box::new(RangeMaps::new()),
             uncompared: StaleLines::new(N),
             density: [0, 1, 2, 3].map(|level| TexelCube::new(Self::SIDE >> level, 0)),
-            cells: CellDistances::new(Self::SIDE, cell_side(N)),
+            cells: CellDistances::new(Self::SIDE, cell_side_texels(N)),
             backlog: BoxBacklog::new(Self::SIDE),
             stale_lines: StaleLines::new(N),
             unbilled_work: 0,
@@ -62,7 +62,7 @@ impl<const N: usize> DensityField<N> {
     /// Rebuilds all textures from these maps, on all cores. Uploads nothing: see
     /// [`DensityField::emit_all_regions`].
     pub fn rebuild_from(&mut self, maps: &RangeMaps<N>) {
-        self.latest.copy_from(maps);
+        self.noted.copy_from(maps);
         self.maps.copy_from(maps);
         self.uncompared.clear();
         let maps = &*self.maps;
@@ -77,7 +77,7 @@ impl<const N: usize> DensityField<N> {
                     for (y, z) in extent.rows() {
                         let at = ((z - extent.lo[2]) * side + y) * side;
                         texels[at + extent.lo[0]..at + extent.hi[0]]
-                            .copy_from_slice(blur.row(y, z));
+                            .copy_from_slice(blur.texel_row(y, z));
                     }
                 }
             },
@@ -87,9 +87,9 @@ impl<const N: usize> DensityField<N> {
             let side = Self::SIDE >> level;
             mips::downsample_box(&finer[level - 1], &mut coarser[0], TexelBox::cube(side));
         }
-        self.cells.mark_surface(&self.density[0], TexelBox::cube(Self::SIDE));
+        self.cells.rescan_surface(&self.density[0], TexelBox::cube(Self::SIDE));
         self.cells.update_distances();
-        self.cells.drain_changed(|_, _| {});
+        self.cells.drain_changed_boxes(|_, _| {});
         self.backlog.clear();
         self.stale_lines.clear();
         self.unbilled_work = 0;
@@ -108,81 +108,83 @@ impl<const N: usize> DensityField<N> {
             let texture = Texture::Density(level as u8);
             sink(TexelBox::cube(texels.side()).to_region(texture), texels.bytes());
         }
-        let cells = self.cells.free_counts();
+        let cells = self.cells.free_distances();
         sink(TexelBox::cube(cells.side()).to_region(Texture::Cells), cells.bytes());
     }
 
     /// The maps as they were last noted.
     #[must_use]
-    pub const fn latest_maps(&self) -> &RangeMaps<N> {
-        &self.latest
+    pub const fn noted_maps(&self) -> &RangeMaps<N> {
+        &self.noted
     }
 
-    /// Whether a voxel of the grid is occupied in [`DensityField::latest_maps`].
+    /// Whether a voxel of the grid is occupied in [`DensityField::noted_maps`].
     #[must_use]
     #[inline]
     pub fn is_occupied(&self, voxel: [usize; 3]) -> bool {
-        self.latest.contains(voxel)
+        self.noted.contains(voxel)
     }
 
     /// Texels along a side of the density at a level below [`LEVELS`].
     #[must_use]
     #[inline]
-    pub fn level_side(&self, level: usize) -> usize {
-        self.density[level].side()
+    pub fn level_side(&self, mip_level: usize) -> usize {
+        self.density[mip_level].side()
     }
 
     /// A texel of the density at a level, 255 where all is full.
     #[must_use]
     #[inline]
-    pub fn density_texel(&self, level: usize, texel: [usize; 3]) -> u8 {
-        self.density[level].texel(texel)
+    pub fn density_texel(&self, mip_level: usize, texel: [usize; 3]) -> u8 {
+        self.density[mip_level].texel(texel)
     }
 
     /// Trilinear sample of the density, 0 to 1, at a mip level and a point in voxels, clamped to
     /// the edge.
     #[must_use]
     #[inline]
-    pub fn sample_density(&self, level: usize, point: Vec3) -> f32 {
-        let scale = 1.0 / (1u32 << level) as f32;
-        self.density[level].sample_trilinear((point + Vec3::splat(PAD as f32)) * scale)
+    pub fn sample_density(&self, mip_level: usize, point_in_voxels: Vec3) -> f32 {
+        let scale = 1.0 / (1u32 << mip_level) as f32;
+        self.density[mip_level]
+            .sample_trilinear((point_in_voxels + Vec3::splat(PAD as f32)) * scale)
     }
 
     /// The Chebyshev distance, in voxels, within which no surface lies around a point in voxels:
     /// that of its cell, clamped to the edge.
     #[must_use]
     #[inline]
-    pub fn free_distance(&self, point: Vec3) -> f32 {
-        let most = self.cells_side() - 1;
-        let size = cell_side(N) as f32;
-        let place = (point + Vec3::splat(PAD as f32)) / size;
-        f32::from(self.free_cells(place.to_array().map(|c| (c as usize).min(most)))) * size
+    pub fn free_distance_voxels(&self, point_in_voxels: Vec3) -> f32 {
+        let most = self.cells_per_side() - 1;
+        let size = cell_side_texels(N) as f32;
+        let place = (point_in_voxels + Vec3::splat(PAD as f32)) / size;
+        let cell = place.to_array().map(|c| (c as usize).min(most));
+        f32::from(self.free_distance_cells(cell)) * size
     }
 
     /// Cells along a side.
     #[must_use]
     #[inline]
-    pub fn cells_side(&self) -> usize {
-        self.cells.free_counts().side()
+    pub fn cells_per_side(&self) -> usize {
+        self.cells.free_distances().side()
     }
 
     /// The number of cells around one, in each direction, that are free of the surface, 0 to
-    /// [`MAX_CELL_DISTANCE`](super::MAX_CELL_DISTANCE) - 1. Texel t lies in cell t / [`cell_side`].
+    /// [`MAX_CELL_DISTANCE`](super::MAX_CELL_DISTANCE) - 1. Texel t lies in cell t / [`cell_side_texels`].
     #[must_use]
     #[inline]
-    pub fn free_cells(&self, cell: [usize; 3]) -> u8 {
-        self.cells.free_counts().texel(cell)
+    pub fn free_distance_cells(&self, cell: [usize; 3]) -> u8 {
+        self.cells.free_distances().texel(cell)
     }
 }
 
 /// Boxes that each can be computed at once and together cover a slab of the finest texels.
-fn slab_extents(side: usize, slab: usize) -> impl Iterator<Item = TexelBox> {
+fn slab_extents(density_side: usize, slab_index: usize) -> impl Iterator<Item = TexelBox> {
     let [along_x, along_y, along_z] = CHUNK;
-    let starts = (0..side)
-        .step_by(along_y)
-        .flat_map(move |y| (0..side).step_by(along_x).map(move |x| [x, y, slab * along_z]));
+    let starts = (0..density_side).step_by(along_y).flat_map(move |y| {
+        (0..density_side).step_by(along_x).map(move |x| [x, y, slab_index * along_z])
+    });
     starts.map(move |lo| TexelBox {
         lo,
-        hi: [0, 1, 2].map(|axis: usize| side.min(lo[axis] + CHUNK[axis])),
+        hi: [0, 1, 2].map(|axis: usize| density_side.min(lo[axis] + CHUNK[axis])),
     })
 }

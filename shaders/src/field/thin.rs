@@ -1,7 +1,7 @@
-//! Preserves thin features: raises texels of plates, rods and loose voxels that the blur leaves
+//! Preserves thin features: raises texels of plates, rods and single voxels that the blur leaves
 //! below a half.
 //!
-//! A plate of one voxel peaks at 3/8 under the blur, a rod at 9/64. The levels here put the surface
+//! A plate of one voxel peaks at 3/8 under the blur, a rod at 9/64. The values here put the surface
 //! half a voxel from the centres of a long plate's and rod's outer voxels, given what the blur
 //! leaves beside them. A rod of one voxel stands a little prouder: a ray passes what is narrower.
 
@@ -28,15 +28,15 @@ struct ThinVoxels {
 
 /// Raises texels of thin features in so many rows along y and z, and updates `halves`. The
 /// outermost rows, slices and columns only serve as neighbours.
-pub(super) fn raise_thin(
+pub(super) fn raise_thin_features(
     window: &VoxelWindow,
-    [rows, slices]: [usize; 2],
+    [row_count, slice_count]: [usize; 2],
     out: &mut TexelRows,
     halves: &mut HalfMasks,
 ) {
     let mut found = false;
-    for z in 0..slices {
-        for y in 0..rows {
+    for z in 0..slice_count {
+        for y in 0..row_count {
             let voxels = window.row(y + BLUR_MARGIN, z + BLUR_MARGIN);
             // Texels of at least a half need nothing.
             let weak = voxels & !halves[z][y];
@@ -44,28 +44,42 @@ pub(super) fn raise_thin(
                 continue;
             }
             found = true;
-            for (level, texels) in raised_levels(window, (y + BLUR_MARGIN, z + BLUR_MARGIN)) {
-                raise_row(out[z][y].as_flattened_mut(), texels & weak, level);
+            for RaisedTexels { value, texels } in
+                find_thin_texels(window, y + BLUR_MARGIN, z + BLUR_MARGIN)
+            {
+                raise_texels(out[z][y].as_flattened_mut(), texels & weak, value);
                 halves[z][y] |= texels & weak;
             }
         }
     }
     if found {
-        raise_loose(window, [rows, slices], out, halves);
+        raise_vanished_voxels(window, [row_count, slice_count], out, halves);
     }
 }
 
-/// For a row, the levels to raise texels to, and the texels of each.
-fn raised_levels(window: &VoxelWindow, (y, z): (usize, usize)) -> [(u8, u64); 4] {
-    let here = find_single_and_double_runs(window, (y, z));
+/// Texels of a row, as bits, and the value that they are raised to.
+#[derive(Clone, Copy)]
+struct RaisedTexels {
+    value: u8,
+    texels: u64,
+}
+
+impl RaisedTexels {
+    const NONE: RaisedTexels = RaisedTexels { value: 0, texels: 0 };
+}
+
+/// The texels to raise in a row of the window: a plate's, and three widths of rods'.
+fn find_thin_texels(window: &VoxelWindow, window_y: usize, window_z: usize) -> [RaisedTexels; 4] {
+    let (y, z) = (window_y, window_z);
+    let here = find_thin_voxels(window, y, z);
     if here.two == [0; 3] {
-        return [(0, 0); 4];
+        return [RaisedTexels::NONE; 4];
     }
     let beside = [
-        find_single_and_double_runs(window, (y - 1, z)),
-        find_single_and_double_runs(window, (y + 1, z)),
-        find_single_and_double_runs(window, (y, z - 1)),
-        find_single_and_double_runs(window, (y, z + 1)),
+        find_thin_voxels(window, y - 1, z),
+        find_thin_voxels(window, y + 1, z),
+        find_thin_voxels(window, y, z - 1),
+        find_thin_voxels(window, y, z + 1),
     ];
     // The neighbours along x, y and z of which `of` holds.
     let around = |of: &dyn Fn(&ThinVoxels) -> u64| {
@@ -79,7 +93,7 @@ fn raised_levels(window: &VoxelWindow, (y, z): (usize, usize)) -> [(u8, u64); 4]
         let (a, b) = ((axis + 1) % 3, (axis + 2) % 3);
         if here.one[axis] != 0 {
             let around = around(&|thin| thin.one[axis]);
-            plates |= here.one[axis] & at_least_three(around[a], around[b]);
+            plates |= here.one[axis] & at_least_three_of_four(around[a], around[b]);
         }
         let pair = here.two[a] & here.two[b];
         if pair != 0 {
@@ -92,14 +106,17 @@ fn raised_levels(window: &VoxelWindow, (y, z): (usize, usize)) -> [(u8, u64); 4]
         }
     }
     [(PLATE, plates), (SQUARE_ROD, rods[2]), (RIBBON, rods[1]), (ROD, rods[0])]
+        .map(|(value, texels)| RaisedTexels { value, texels })
 }
 
 /// Bits that are set in at least three of four rows.
-fn at_least_three([a, b]: [u64; 2], [c, d]: [u64; 2]) -> u64 {
+fn at_least_three_of_four([a, b]: [u64; 2], [c, d]: [u64; 2]) -> u64 {
     a & b & (c | d) | c & d & (a | b)
 }
 
-fn find_single_and_double_runs(window: &VoxelWindow, (y, z): (usize, usize)) -> ThinVoxels {
+/// The voxels of a row of the window that are in runs of one or two.
+fn find_thin_voxels(window: &VoxelWindow, window_y: usize, window_z: usize) -> ThinVoxels {
+    let (y, z) = (window_y, window_z);
     let row = window.row(y, z);
     if row == 0 {
         return ThinVoxels::default();
@@ -121,31 +138,31 @@ fn find_single_and_double_runs(window: &VoxelWindow, (y, z): (usize, usize)) -> 
 }
 
 /// Raises occupied voxels that still have no texel of a half in their 3 x 3 x 3 neighbourhood.
-fn raise_loose(
+fn raise_vanished_voxels(
     window: &VoxelWindow,
-    [rows, slices]: [usize; 2],
+    [row_count, slice_count]: [usize; 2],
     out: &mut TexelRows,
     halves: &HalfMasks,
 ) {
     // Only texels that lie in the box have theirs all around.
     let inner = u64::MAX << MARGIN_X & u64::MAX >> MARGIN_X;
-    for z in 1..slices - 1 {
-        for y in 1..rows - 1 {
+    for z in 1..slice_count - 1 {
+        for y in 1..row_count - 1 {
             let weak = window.row(y + BLUR_MARGIN, z + BLUR_MARGIN) & !halves[z][y] & inner;
             if weak == 0 {
                 continue;
             }
             let around = halves[z - 1..=z + 1].iter().flat_map(|slice| &slice[y - 1..=y + 1]);
             let near = around.fold(0, |all, row| all | row << 1 | row | row >> 1);
-            raise_row(out[z][y].as_flattened_mut(), weak & !near, ROD);
+            raise_texels(out[z][y].as_flattened_mut(), weak & !near, ROD);
         }
     }
 }
 
-fn raise_row(row: &mut [u8], mut texels: u64, level: u8) {
+fn raise_texels(row: &mut [u8], mut texels: u64, least: u8) {
     while texels != 0 {
         let texel = &mut row[texels.trailing_zeros() as usize];
-        *texel = (*texel).max(level);
+        *texel = (*texel).max(least);
         texels &= texels - 1;
     }
 }

@@ -3,19 +3,29 @@
 
 use paros_core::{Axis, Column, ColumnRect, DirtyRects, Range, RangeMaps};
 
+use super::backlog::LineRun;
 use super::budget::{
     Budget, BudgetMeter, CELL_ROW_WORK, CHANGED_COLUMN_WORK, CHANGED_WORK, COLUMN_WORK,
-    COMPARED_WORK, CROSSED_WORK, GROUP_WORK, LINE_WORK, SCAN_WORK, STALE_BOX_WORK, TEXEL_WORK,
-    TILE_WORK, UNIFORM_WORK, VOXEL_WORK, WHOLE_MAP_COLUMN_WORK,
+    COMPARED_WORK, CROSSED_WORK, Cost, GROUP_WORK, LINE_WORK, SCAN_WORK, STALE_BOX_WORK,
+    TEXEL_WORK, TILE_WORK, UNIFORM_WORK, VOXEL_WORK, WHOLE_MAP_COLUMN_WORK,
 };
 use super::extent::TexelBox;
 use super::mips;
 use super::rows::MAX_BOX;
-use super::sizes::{LEVELS, MAX_CELL_DISTANCE, REACH, cell_side};
+use super::sizes::{LEVELS, MAX_CELL_DISTANCE, REACH, cell_side_texels};
 use super::texels::{TexelChanges, TexelCube};
 use super::textures::DensityField;
 use super::window::MARGIN_X;
 use crate::upload::{Region, Texture};
+
+/// What counts as changed in a line with a column that differs.
+#[derive(Clone, Copy)]
+enum ChangeDetail {
+    /// The hull of the voxels that differ.
+    DifferingVoxels,
+    /// All its voxels: after the change of a whole map, which is faster.
+    WholeLines,
+}
 
 /// Columns along a side of the tiles whose changes share a box of stale texels.
 const COMPARE_TILE: usize = 8;
@@ -29,18 +39,18 @@ impl<const N: usize> DensityField<N> {
         };
         let copied = Axis::ALL.iter().any(|&axis| dirty.rects(axis).iter().any(is_whole_map));
         if copied {
-            self.latest.copy_from(maps);
+            self.noted.copy_from(maps);
             self.unbilled_work += 3 * N * N / 4;
         }
         for axis in Axis::ALL {
             for &ColumnRect { first, last } in dirty.rects(axis) {
                 let places = Range::new(first.1.into(), last.1.into());
                 for line in first.0.into()..=last.0.into() {
-                    self.uncompared.mark_places(axis, line, places);
+                    self.uncompared.mark_stale(axis, line, places);
                     if copied {
                         continue;
                     }
-                    self.latest.copy_columns(maps, axis, line, places);
+                    self.noted.copy_columns(maps, axis, line, places);
                     self.unbilled_work += LINE_WORK;
                 }
             }
@@ -49,42 +59,51 @@ impl<const N: usize> DensityField<N> {
 
     /// Compares noted columns with those of the textures within the budget; if nothing was done
     /// yet, at least one line of tiles.
-    fn compare_columns(&mut self, meter: &mut BudgetMeter, idle: &mut bool) {
+    fn compare_noted_columns(&mut self, meter: &mut BudgetMeter) {
         let tiles = COMPARE_TILE * N;
-        while let Some((axis, line, end, places)) = self.uncompared.first_run(2 * tiles) {
+        while let Some(LineRun { axis, lines, places }) = self.uncompared.next_run(2 * tiles) {
             let most = SCAN_WORK * N
                 + (CHANGED_COLUMN_WORK + COLUMN_WORK) * tiles
                 + 2 * TILE_WORK * N / COMPARE_TILE;
-            if !*idle && !meter.can_afford(most, 0) {
+            if !meter.allows_unit(Cost::of_work(most)) {
                 return;
             }
-            let end = end.min(line + COMPARE_TILE);
-            self.uncompared.clear_lines(axis, line, end);
-            let whole = places == Range::new(0, N - 1);
+            let lines = lines.start..lines.end.min(lines.start + COMPARE_TILE);
+            self.uncompared.clear_lines(axis, lines.clone());
+            let detail = match places == Range::new(0, N - 1) {
+                true => ChangeDetail::WholeLines,
+                false => ChangeDetail::DifferingVoxels,
+            };
+            let tile_lines = Range::new(lines.start, lines.end - 1);
             for place in (places.first()..=places.last()).step_by(COMPARE_TILE) {
-                let last = [end - 1, (place + COMPARE_TILE - 1).min(places.last())];
-                self.compare_tile(axis, ([line, place], last), whole);
+                let last = (place + COMPARE_TILE - 1).min(places.last());
+                self.compare_tile(axis, tile_lines, Range::new(place, last), detail);
             }
-            let columns = (end - line) * (places.last() + 1 - places.first());
+            let columns = lines.len() * (places.last() + 1 - places.first());
             let changes = std::mem::take(&mut self.unbilled_work);
-            meter.spend(SCAN_WORK * N + COLUMN_WORK * columns + changes, 0);
-            *idle = false;
+            meter.finish_unit(Cost::of_work(SCAN_WORK * N + COLUMN_WORK * columns + changes));
         }
     }
 
-    /// Compares a tile of a map's columns, from the first line and place to the last, copies those
-    /// that differ, and marks their texels stale. With `whole`, after the change of a whole map,
-    /// all voxels of a changed line count as changed, which is faster.
-    fn compare_tile(&mut self, axis: Axis, (first, last): ([usize; 2], [usize; 2]), whole: bool) {
+    /// Compares a tile of a map's columns, copies those that differ, and marks their texels stale.
+    fn compare_tile(
+        &mut self,
+        axis: Axis,
+        tile_lines: Range,
+        tile_places: Range,
+        detail: ChangeDetail,
+    ) {
+        let (first, last) = (tile_places.first(), tile_places.last());
         let (mut lines, mut places, mut voxels) = (Range::EMPTY, Range::EMPTY, Range::EMPTY);
         self.unbilled_work += TILE_WORK;
-        for line in first[0]..=last[0] {
-            let new = &self.latest.line(axis, line)[first[1]..=last[1]];
-            let old = &self.maps.line(axis, line)[first[1]..=last[1]];
+        for line in tile_lines.first()..=tile_lines.last() {
+            let new = &self.noted.line(axis, line)[first..=last];
+            let old = &self.maps.line(axis, line)[first..=last];
             if old == new {
                 continue;
             }
             let mut differing = Range::EMPTY;
+            let whole = matches!(detail, ChangeDetail::WholeLines);
             if whole {
                 let hull = old.iter().zip(new).map(|(old, new)| old.hull().hull_with(new.hull()));
                 voxels = hull.fold(voxels, Range::hull_with);
@@ -94,20 +113,20 @@ impl<const N: usize> DensityField<N> {
             for (place, (old, new)) in old.iter().zip(new).enumerate().filter(|_| !whole) {
                 if old != new {
                     differing = differing.hull_with(Range::new(place, place));
-                    voxels = voxels.hull_with(differing_voxels(*old, *new));
+                    voxels = voxels.hull_with(difference_hull(*old, *new));
                     self.unbilled_work += CHANGED_COLUMN_WORK;
                 }
             }
-            let differing = Range::new(differing.first() + first[1], differing.last() + first[1]);
-            self.maps.copy_columns(&self.latest, axis, line, differing);
-            self.stale_lines.mark_places(axis, line, differing);
+            let differing = Range::new(differing.first() + first, differing.last() + first);
+            self.maps.copy_columns(&self.noted, axis, line, differing);
+            self.stale_lines.mark_stale(axis, line, differing);
             lines = lines.hull_with(Range::new(line, line));
             places = places.hull_with(differing);
         }
         if !lines.is_empty() {
-            let lo = axis.voxel_at((lines.first(), places.first()), voxels.first());
-            let hi = axis.voxel_at((lines.last(), places.last()), voxels.last());
-            self.backlog.mark_voxels(lo, hi);
+            let first_voxel = axis.voxel_at((lines.first(), places.first()), voxels.first());
+            let last_voxel = axis.voxel_at((lines.last(), places.last()), voxels.last());
+            self.backlog.mark_voxel_box(first_voxel, last_voxel);
             self.unbilled_work += STALE_BOX_WORK;
         }
     }
@@ -122,71 +141,66 @@ impl<const N: usize> DensityField<N> {
         &mut self,
         budget: Budget,
         sink: &mut impl FnMut(Region, &[u8]),
-    ) -> Budget {
-        let mut meter = BudgetMeter { budget, spent: Budget { work: 0, bytes: 0 } };
-        meter.spend(std::mem::take(&mut self.unbilled_work), 0);
-        let mut idle = true;
-        self.compare_columns(&mut meter, &mut idle);
-        while let Some((axis, line, end, places)) =
-            self.stale_lines.first_run(meter.remaining().bytes)
-        {
-            let region = map_region(axis, line..end, places);
-            let work = SCAN_WORK * N + region.bytes();
-            if !meter.can_afford(work, region.bytes()) && !idle {
-                return meter.spent;
+    ) -> Cost {
+        let mut meter = BudgetMeter::new(budget);
+        meter.spend(Cost::of_work(std::mem::take(&mut self.unbilled_work)));
+        self.compare_noted_columns(&mut meter);
+        while let Some(run) = self.stale_lines.next_run(meter.remaining().bytes) {
+            let region = map_region(&run);
+            let cost = Cost { work: SCAN_WORK * N + region.bytes(), bytes: region.bytes() };
+            if !meter.allows_unit(cost) {
+                return meter.spent();
             }
-            self.stale_lines.clear_lines(axis, line, end);
-            self.emit_map_region(axis, region, sink);
-            meter.spend(work, region.bytes());
-            idle = false;
+            self.stale_lines.clear_lines(run.axis, run.lines);
+            self.emit_map_region(run.axis, region, sink);
+            meter.finish_unit(cost);
         }
         // Only once all columns are compared, lest boxes be computed twice.
         if self.uncompared.is_empty() {
-            self.update_boxes(&mut meter, idle, sink);
+            self.recompute_stale_boxes(&mut meter, sink);
         }
         self.cells.update_distances();
         let (cells, stage) = (&mut self.cells, &mut self.staging);
-        cells.drain_changed(|free, extent| {
-            meter.spend(0, extent.volume());
-            emit_box(free, extent, Texture::Cells, stage, sink);
+        cells.drain_changed_boxes(|distances, changed| {
+            meter.spend(Cost { work: 0, bytes: changed.volume() });
+            emit_box(distances, changed, Texture::Cells, stage, sink);
         });
-        meter.spent
+        meter.spent()
     }
 
-    /// Recomputes stale boxes within the budget; at least one if nothing was done yet (`idle`).
-    fn update_boxes(
+    /// Recomputes stale boxes within the budget; at least one if nothing was done yet.
+    fn recompute_stale_boxes(
         &mut self,
         meter: &mut BudgetMeter,
-        mut idle: bool,
         sink: &mut impl FnMut(Region, &[u8]),
     ) {
-        let mut crossed = CrossedCells::new(self.level_side(0), cell_side(N));
-        while let Some(extent) = self.backlog.take_joined() {
-            let (cell_work, cell_bytes) = crossed.with_box(&extent).max_cost();
-            let bytes = max_upload_bytes(&extent) + cell_bytes;
-            let look = VOXEL_WORK * window_voxels(&extent);
-            let mut goes = idle || meter.can_afford(2 * look + cell_work, bytes);
+        let mut affected = AffectedCells::new(self.level_side(0), cell_side_texels(N));
+        while let Some(extent) = self.backlog.take_merged_box() {
+            let cells = affected.including_texels(&extent).max_cost();
+            let bytes = max_upload_bytes(&extent) + cells.bytes;
+            let look = VOXEL_WORK * count_window_voxels(&extent);
+            let mut goes = meter.allows_unit(Cost { work: 2 * look + cells.work, bytes });
             if goes {
                 // The voxels tell how many groups have to be blurred.
-                let groups = self.blur.load_voxels(&self.maps, extent);
-                meter.spend(look, 0);
-                let blur = UNIFORM_WORK * window_voxels(&extent) + GROUP_WORK * groups;
+                self.blur.load_voxels(&self.maps, extent);
+                meter.spend(Cost::of_work(look));
+                let blur = UNIFORM_WORK * count_window_voxels(&extent)
+                    + GROUP_WORK * self.blur.mixed_group_count();
                 let texels = TEXEL_WORK * extent.volume();
-                goes = idle || meter.can_afford(blur + texels + cell_work, bytes);
-                meter.spend(if goes { blur } else { 0 }, 0);
+                goes = meter.allows_unit(Cost { work: blur + texels + cells.work, bytes });
+                meter.spend(Cost::of_work(if goes { blur } else { 0 }));
             }
             if !goes {
-                self.backlog.mark_texels(&extent);
+                self.backlog.mark_texel_box(&extent);
                 break;
             }
-            let changed = self.update_box(extent, sink);
-            if !changed.crossed.is_empty() {
-                crossed = crossed.with_box(&changed.crossed);
+            let update = self.recompute_box(extent, sink);
+            if !update.half_crossed.is_empty() {
+                affected = affected.including_texels(&update.half_crossed);
             }
-            meter.spend(changed.work, changed.bytes);
-            idle = false;
+            meter.finish_unit(update.cost);
         }
-        meter.spend(crossed.max_cost().0, 0);
+        meter.spend(Cost::of_work(affected.max_cost().work));
     }
 
     /// Whether textures are stale or regions wait to be uploaded.
@@ -197,19 +211,23 @@ impl<const N: usize> DensityField<N> {
 
     /// Recomputes the box of finest texels whose voxels are loaded, and what depends on those that
     /// change: mip levels and cells.
-    fn update_box(&mut self, extent: TexelBox, sink: &mut impl FnMut(Region, &[u8])) -> BoxUpdate {
+    fn recompute_box(
+        &mut self,
+        extent: TexelBox,
+        sink: &mut impl FnMut(Region, &[u8]),
+    ) -> BoxUpdate {
         self.blur.compute_texels();
         let mut changes = TexelChanges::new(extent.lo[0]);
         for (y, z) in extent.rows() {
-            self.density[0].replace_row((y, z), self.blur.row(y, z), &mut changes);
+            self.density[0].replace_row((y, z), self.blur.texel_row(y, z), &mut changes);
         }
-        let (mut changed, crossed) = (changes.changed_box(), changes.crossed_box());
-        if !crossed.is_empty() {
-            self.cells.mark_surface(&self.density[0], crossed);
+        let (mut changed, half_crossed) = (changes.changed_box(), changes.half_crossed_box());
+        if !half_crossed.is_empty() {
+            self.cells.rescan_surface(&self.density[0], half_crossed);
         }
         let work = COMPARED_WORK * extent.volume()
             + CHANGED_WORK * changed.volume()
-            + CROSSED_WORK * crossed.volume();
+            + CROSSED_WORK * half_crossed.volume();
         let mut bytes = 0;
         for level in 0..LEVELS {
             if level > 0 && !changed.is_empty() {
@@ -224,7 +242,7 @@ impl<const N: usize> DensityField<N> {
             emit_box(&self.density[level], changed, texture, &mut self.staging, sink);
             bytes += changed.volume();
         }
-        BoxUpdate { crossed, work, bytes }
+        BoxUpdate { half_crossed, cost: Cost { work, bytes } }
     }
 
     fn emit_map_region(
@@ -249,7 +267,7 @@ impl<const N: usize> DensityField<N> {
     pub(super) const fn staging_capacity() -> usize {
         let (most, map) = (MAX_BOX, N * N * 2);
         let chunk = most[0] * most[1] * most[2];
-        let cells = (Self::SIDE / cell_side(N)).pow(3);
+        let cells = (Self::SIDE / cell_side_texels(N)).pow(3);
         let most = if chunk > map { chunk } else { map };
         if cells > most { cells } else { most }
     }
@@ -270,14 +288,16 @@ fn emit_box(
     sink(extent.to_region(texture), stage);
 }
 
-fn map_region(axis: Axis, lines: std::ops::Range<usize>, places: Range) -> Region {
-    let min = [places.first() as u32, lines.start as u32, axis as u32];
+/// The region of a map's texture that holds a run of lines.
+fn map_region(run: &LineRun) -> Region {
+    let LineRun { axis, lines, places } = run;
+    let min = [places.first() as u32, lines.start as u32, *axis as u32];
     let size = [(places.last() + 1 - places.first()) as u32, lines.len() as u32, 1];
     Region { texture: Texture::Maps, min, size }
 }
 
 /// The hull of the symmetric difference of two columns' voxels. The columns differ.
-fn differing_voxels(old: Column, new: Column) -> Range {
+fn difference_hull(old: Column, new: Column) -> Range {
     let (old, new) = (old.hull(), new.hull());
     if old.is_empty() || new.is_empty() {
         return old.hull_with(new);
@@ -292,24 +312,25 @@ fn differing_voxels(old: Column, new: Column) -> Range {
 
 /// Bounds of the cells whose distances a frame's boxes may change.
 #[derive(Clone, Copy)]
-struct CrossedCells {
-    side: usize,
-    cell: usize,
+struct AffectedCells {
+    density_side: usize,
+    cell_side_texels: usize,
     bounds: TexelBox,
     /// Rows of all boxes together, overlaps counted again.
     rows: usize,
 }
 
-impl CrossedCells {
-    const fn new(side: usize, cell: usize) -> Self {
-        CrossedCells { side, cell, bounds: TexelBox::NONE, rows: 0 }
+impl AffectedCells {
+    const fn new(density_side: usize, cell_side_texels: usize) -> Self {
+        AffectedCells { density_side, cell_side_texels, bounds: TexelBox::NONE, rows: 0 }
     }
 
-    /// Extended by the cells that one more box of texels may change.
-    fn with_box(&self, texels: &TexelBox) -> Self {
-        let cells = texels.grown_by(1, self.side).coarser_by(self.cell);
-        let cells = cells.grown_by(MAX_CELL_DISTANCE as usize - 1, self.side / self.cell);
-        CrossedCells {
+    /// Extended by the cells whose distances one more box of texels may change.
+    fn including_texels(&self, extent: &TexelBox) -> Self {
+        let cells = extent.grown_by(1, self.density_side).coarser_by(self.cell_side_texels);
+        let cells_per_side = self.density_side / self.cell_side_texels;
+        let cells = cells.grown_by(MAX_CELL_DISTANCE as usize - 1, cells_per_side);
+        AffectedCells {
             bounds: self.bounds.union(&cells),
             rows: self.rows + cells.rows().count(),
             ..*self
@@ -317,25 +338,24 @@ impl CrossedCells {
     }
 
     /// Upper bounds of the work and of the bytes uploaded.
-    fn max_cost(&self) -> (usize, usize) {
+    fn max_cost(&self) -> Cost {
         if self.rows == 0 {
-            return (0, 0);
+            return Cost::NONE;
         }
         let [_, y, z] = self.bounds.size();
-        (CELL_ROW_WORK * self.rows.min(y * z), self.bounds.volume())
+        Cost { work: CELL_ROW_WORK * self.rows.min(y * z), bytes: self.bounds.volume() }
     }
 }
 
 /// The outcome of a recomputed box: its cost, and what crossed a half.
 struct BoxUpdate {
     /// The box of the texels that crossed a half.
-    crossed: TexelBox,
-    work: usize,
-    bytes: usize,
+    half_crossed: TexelBox,
+    cost: Cost,
 }
 
 /// Voxels that a box of texels depends on, as they are loaded.
-fn window_voxels(extent: &TexelBox) -> usize {
+fn count_window_voxels(extent: &TexelBox) -> usize {
     let [x, y, z] = extent.size();
     (x + 2 * MARGIN_X) * (y + 2 * REACH) * (z + 2 * REACH)
 }

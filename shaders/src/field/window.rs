@@ -29,20 +29,20 @@ struct VoxelSpan {
 }
 
 impl VoxelSpan {
-    /// The index of a voxel within the run, clamped to 0 and `len`.
+    /// A voxel's offset from the run's start, clamped to 0 and `len`.
     #[inline]
-    fn clamp_to_place(&self, voxel: usize) -> usize {
+    fn clamped_offset(&self, voxel: usize) -> usize {
         (voxel as isize - self.start).clamp(0, self.len as isize) as usize
     }
 
-    /// The voxels of the run that lie in a grid of side `n`.
-    fn voxels_in_grid(self, n: usize) -> std::ops::Range<usize> {
-        let inside = |end: isize| end.clamp(0, n as isize) as usize;
+    /// The voxels of the run that lie in a grid.
+    fn voxels_in_grid(self, grid_side: usize) -> std::ops::Range<usize> {
+        let inside = |end: isize| end.clamp(0, grid_side as isize) as usize;
         inside(self.start)..inside(self.start + self.len as isize)
     }
 
-    /// The index within the run of the first of them.
-    const fn first_place_in_grid(self) -> usize {
+    /// The offset from the run's start of the first of them.
+    const fn offset_of_grid(self) -> usize {
         self.start.unsigned_abs() * (self.start < 0) as usize
     }
 }
@@ -54,115 +54,127 @@ impl VoxelWindow {
 
     /// A bit row along x, by the window's own y and z, from 0.
     #[inline]
-    pub(super) fn row(&self, y: usize, z: usize) -> u64 {
-        self.rows[z][y]
+    pub(super) fn row(&self, window_y: usize, window_z: usize) -> u64 {
+        self.rows[window_z][window_y]
     }
 
     /// Intersects the three range maps around a box of texels into bit rows.
     pub(super) fn load_voxels<const N: usize>(&mut self, maps: &RangeMaps<N>, extent: TexelBox) {
-        let around = |axis: usize, by: usize| VoxelSpan {
-            start: extent.lo[axis] as isize - (PAD + by) as isize,
-            len: extent.size()[axis] + 2 * by,
+        let around = |axis: usize, margin: usize| VoxelSpan {
+            start: extent.lo[axis] as isize - (PAD + margin) as isize,
+            len: extent.size()[axis] + 2 * margin,
         };
         let (x, y, z) = (around(0, MARGIN_X), around(1, REACH), around(2, REACH));
         for rows in &mut self.rows[..z.len] {
             rows[..y.len].fill(0);
         }
-        let (of_y, of_z) = (ColumnTests::new(y, N), ColumnTests::new(z, N));
-        for (i, voxel) in z.voxels_in_grid(N).enumerate() {
-            self.fill_from_y_map(maps, x, (y, &of_y), (z.first_place_in_grid() + i, voxel));
+        let (of_y, of_z) = (ColumnClassifier::new(y, N), ColumnClassifier::new(z, N));
+        for (i, grid_z) in z.voxels_in_grid(N).enumerate() {
+            self.fill_slice_from_y_map(maps, x, &of_y, z.offset_of_grid() + i, grid_z);
         }
         // Rows beside the grid stay empty.
-        for at in 0..y.len {
-            let voxel = (y.start + at as isize).max(0) as usize;
-            if voxel < N {
-                self.intersect_z_and_x_maps(maps, x, (z, &of_z), (at, voxel));
+        for window_y in 0..y.len {
+            let grid_y = (y.start + window_y as isize).max(0) as usize;
+            if grid_y < N {
+                self.intersect_layer_with_z_and_x_maps(maps, x, &of_z, window_y, grid_y);
             }
         }
     }
 
     /// Sets, in a slice of equal z, the voxels that the Y map's columns hold: a parity fill from
     /// the columns' ends.
-    fn fill_from_y_map<const N: usize>(
+    fn fill_slice_from_y_map<const N: usize>(
         &mut self,
         maps: &RangeMaps<N>,
         x: VoxelSpan,
-        (y, tests): (VoxelSpan, &ColumnTests),
-        (at, voxel): (usize, usize),
+        along_y: &ColumnClassifier,
+        window_z: usize,
+        grid_z: usize,
     ) {
-        let columns = &maps.line(Axis::Y, voxel)[x.voxels_in_grid(N)];
-        let (mut ends, full) = column_ends(columns, x, tests, |range| {
+        let columns = &maps.line(Axis::Y, grid_z)[x.voxels_in_grid(N)];
+        let y = along_y.span;
+        let ColumnEnds { mut toggles, full } = find_column_ends(columns, x, along_y, |range| {
             // A column that stands on the ground is continued below it.
-            let first = if range.first() == 0 { 0 } else { y.clamp_to_place(range.first()) };
-            (first, y.clamp_to_place(range.last() + 1))
+            let first = if range.first() == 0 { 0 } else { y.clamped_offset(range.first()) };
+            first..y.clamped_offset(range.last() + 1)
         });
         // Full columns are continued below the ground, and not above the grid.
-        ends[0] ^= full;
-        ends[y.clamp_to_place(N)] ^= full;
+        toggles[0] ^= full;
+        toggles[y.clamped_offset(N)] ^= full;
         let mut inside = 0;
-        for (row, end) in self.rows[at][..y.len].iter_mut().zip(ends) {
-            inside ^= end;
+        for (row, toggled) in self.rows[window_z][..y.len].iter_mut().zip(toggles) {
+            inside ^= toggled;
             *row = inside;
         }
     }
 
     /// Keeps, in a layer of equal y, only the voxels that the Z and X maps' columns hold too.
-    fn intersect_z_and_x_maps<const N: usize>(
+    fn intersect_layer_with_z_and_x_maps<const N: usize>(
         &mut self,
         maps: &RangeMaps<N>,
         x: VoxelSpan,
-        (z, tests): (VoxelSpan, &ColumnTests),
-        (at, voxel): (usize, usize),
+        along_z: &ColumnClassifier,
+        window_y: usize,
+        grid_y: usize,
     ) {
-        let columns = &maps.line(Axis::Z, voxel)[x.voxels_in_grid(N)];
-        let (ends, full) = column_ends(columns, x, tests, |range| {
-            (z.clamp_to_place(range.first()), z.clamp_to_place(range.last() + 1))
+        let columns = &maps.line(Axis::Z, grid_y)[x.voxels_in_grid(N)];
+        let z = along_z.span;
+        let ColumnEnds { toggles, full } = find_column_ends(columns, x, along_z, |range| {
+            z.clamped_offset(range.first())..z.clamped_offset(range.last() + 1)
         });
         let mut inside = full;
-        for (rows, end) in self.rows[..z.len].iter_mut().zip(ends) {
-            inside ^= end;
-            rows[at] &= inside;
+        for (rows, toggled) in self.rows[..z.len].iter_mut().zip(toggles) {
+            inside ^= toggled;
+            rows[window_y] &= inside;
         }
-        let line = maps.line(Axis::X, voxel);
+        let line = maps.line(Axis::X, grid_y);
         for (rows, column) in
-            self.rows[z.first_place_in_grid()..].iter_mut().zip(&line[z.voxels_in_grid(N)])
+            self.rows[z.offset_of_grid()..].iter_mut().zip(&line[z.voxels_in_grid(N)])
         {
-            if rows[at] != 0 {
-                rows[at] &= span_bits(column.hull(), x);
+            if rows[window_y] != 0 {
+                rows[window_y] &= range_bits(column.hull(), x);
             }
         }
     }
 }
 
-/// For columns along x, a bit each: the rows at which they begin or end, as `places` maps their
-/// ranges, and those that hold all rows.
+/// Where columns side by side along x begin and end, a bit for each column.
+struct ColumnEnds {
+    /// By row of the window, the columns that begin or end before it.
+    toggles: [u64; WINDOW_ROWS + 1],
+    /// The columns that hold all rows; they are in no toggles.
+    full: u64,
+}
+
+/// Finds the ends of columns side by side along x, from a span's first voxel in the grid on;
+/// `window_rows` tells the rows that a column's range holds.
 #[inline(always)]
-fn column_ends(
+fn find_column_ends(
     columns: &[Column],
     x: VoxelSpan,
-    tests: &ColumnTests,
-    places: impl Fn(Range) -> (usize, usize),
-) -> ([u64; WINDOW_ROWS + 1], u64) {
-    let mut ends = [0u64; WINDOW_ROWS + 1];
+    classifier: &ColumnClassifier,
+    window_rows: impl Fn(Range) -> std::ops::Range<usize>,
+) -> ColumnEnds {
+    let mut toggles = [0u64; WINDOW_ROWS + 1];
     let mut full = 0;
     for (i, columns) in columns.chunks(8).enumerate() {
-        let bit = x.first_place_in_grid() + 8 * i;
-        match tests.classify_columns(columns) {
+        let bit = x.offset_of_grid() + 8 * i;
+        match classifier.classify_eight(columns) {
             ColumnCoverage::Empty => {}
             ColumnCoverage::Full => full |= (u64::MAX >> (64 - columns.len())) << bit,
             ColumnCoverage::Mixed => {
                 for (bit, column) in (bit..).zip(columns) {
                     let range = column.hull();
                     if !range.is_empty() {
-                        let (first, end) = places(range);
-                        ends[first] ^= 1 << bit;
-                        ends[end] ^= 1 << bit;
+                        let rows = window_rows(range);
+                        toggles[rows.start] ^= 1 << bit;
+                        toggles[rows.end] ^= 1 << bit;
                     }
                 }
             }
         }
     }
-    (ends, full)
+    ColumnEnds { toggles, full }
 }
 
 /// What eight columns hold of a run of voxels.
@@ -173,8 +185,10 @@ enum ColumnCoverage {
     Mixed,
 }
 
-/// Bounds for comparing eight columns' ends at once, as a range stores them.
-struct ColumnTests {
+/// What columns hold of a span: bounds for comparing eight columns' ends at once, as a range stores
+/// them.
+struct ColumnClassifier {
+    span: VoxelSpan,
     /// Ends at least these: the column holds all of the run.
     full: [u8; 16],
     /// Ends at most these: the column holds nothing of the run, as it lies behind it, or before.
@@ -182,9 +196,9 @@ struct ColumnTests {
     before: [u8; 16],
 }
 
-impl ColumnTests {
-    fn new(stretch: VoxelSpan, n: usize) -> Self {
-        let voxels = stretch.voxels_in_grid(n);
+impl ColumnClassifier {
+    fn new(span: VoxelSpan, grid_side: usize) -> Self {
+        let voxels = span.voxels_in_grid(grid_side);
         let pairs = |[not_lo, hi]: [u8; 2]| {
             [
                 not_lo, hi, not_lo, hi, not_lo, hi, not_lo, hi, not_lo, hi, not_lo, hi, not_lo, hi,
@@ -199,11 +213,11 @@ impl ColumnTests {
             start => [u8::MAX, start as u8 - 1],
         };
         let full = Range::new(voxels.start, voxels.end - 1).to_bytes();
-        ColumnTests { full: pairs(full), behind: pairs(behind), before: pairs(before) }
+        ColumnClassifier { span, full: pairs(full), behind: pairs(behind), before: pairs(before) }
     }
 
     #[inline]
-    fn classify_columns(&self, columns: &[Column]) -> ColumnCoverage {
+    fn classify_eight(&self, columns: &[Column]) -> ColumnCoverage {
         let Some(columns) = columns.first_chunk::<8>() else { return ColumnCoverage::Mixed };
         let mut ends = [0; 16];
         for (i, column) in columns.iter().enumerate() {
@@ -224,11 +238,12 @@ impl ColumnTests {
     }
 }
 
-/// Bits of a run's voxels that a range holds. The run has at most 64.
-fn span_bits(range: Range, stretch: VoxelSpan) -> u64 {
+/// The voxels of a span that a range holds, a bit each, the span's first one lowest. The span has at
+/// most 64.
+fn range_bits(range: Range, span: VoxelSpan) -> u64 {
     if range.is_empty() {
         return 0;
     }
-    let below = |place: usize| if place >= 64 { u64::MAX } else { (1 << place) - 1 };
-    below(stretch.clamp_to_place(range.last() + 1)) & !below(stretch.clamp_to_place(range.first()))
+    let below = |offset: usize| if offset >= 64 { u64::MAX } else { (1 << offset) - 1 };
+    below(span.clamped_offset(range.last() + 1)) & !below(span.clamped_offset(range.first()))
 }

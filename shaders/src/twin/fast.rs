@@ -89,7 +89,7 @@ fn march_density<const N: usize>(
         }
         // Empty-space skipping.
         while t < end && steps_left > 0 {
-            let free = field.free_distance(ray.at(t));
+            let free = field.free_distance_voxels(ray.at(t));
             if free == 0.0 {
                 break;
             }

@@ -6,7 +6,7 @@
 //! - `thin.rs`: `PLATE` made 0 -> plates; `ROD` made 230 -> rods.
 //! - `fast.rs`: the surface where the density is 0.35 -> grooves, `exact_hits_and_fast_hits`.
 //! - `fast.rs`, `refine_hit`: the first sample inside is the surface -> `exact_hits_and_fast_hits`.
-//! - `field/textures.rs`, `free_distance`: a cell more -> all.
+//! - `field/textures.rs`, `free_distance_voxels`: a cell more -> all.
 //! - `texels.rs`, `sample_trilinear`: places off by 0.3 -> all but rods.
 
 use std::sync::Mutex;

@@ -3,7 +3,7 @@
 use paros_core::RangeMaps;
 use paros_models::dense::{DenseVolume, any_voxels};
 use paros_models::field::{FieldModel, cube_index, cube_places};
-use paros_shaders::field::{DensityField, LEVELS, cell_side};
+use paros_shaders::field::{DensityField, LEVELS, cell_side_texels};
 use proptest::prelude::*;
 
 fn check_rebuild<const N: usize>(dense: &DenseVolume) {
@@ -24,10 +24,10 @@ fn check_rebuild<const N: usize>(dense: &DenseVolume) {
             );
         }
     }
-    let side = model.texels_per_side(0) / cell_side(N) as i32;
-    assert_eq!(field.cells_side(), side as usize);
+    let side = model.texels_per_side(0) / cell_side_texels(N) as i32;
+    assert_eq!(field.cells_per_side(), side as usize);
     for at in cube_places(side) {
-        let free = field.free_cells(at.map(|c| c as usize));
+        let free = field.free_distance_cells(at.map(|c| c as usize));
         assert_eq!(free, model.cells[cube_index(at, side)], "cell {at:?}");
     }
 }

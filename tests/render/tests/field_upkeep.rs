@@ -30,7 +30,7 @@ impl TextureCopies {
         let mut copies =
             vec![TextureCopy { side: [N; 2], texel: 2, bytes: vec![99; 3 * N * N * 2] }];
         copies.extend((0..LEVELS).map(|level| cube(field.level_side(level))));
-        copies.push(cube(field.cells_side()));
+        copies.push(cube(field.cells_per_side()));
         let mut copies = TextureCopies(copies);
         field.emit_all_regions(|region, bytes| copies.write(region, bytes));
         copies
@@ -233,7 +233,7 @@ where
                 break;
             }
         }
-        assert!(field.latest_maps() == studio.volume.maps());
+        assert!(field.noted_maps() == studio.volume.maps());
         if !field.has_pending() {
             settled += 1;
             fresh.rebuild_from(studio.volume.maps());

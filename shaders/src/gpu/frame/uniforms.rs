@@ -4,7 +4,7 @@ use glam::{Mat3, Mat4, Vec3};
 
 use super::request::{FAR, FrameRequest, NEAR};
 use crate::constants::TILE_PIXELS;
-use crate::field::{PAD, cell_side};
+use crate::field::{PAD, cell_side_texels};
 use crate::gpu::passes::shadow_map;
 use crate::gpu::pipelines::layout;
 use crate::twin::harmonics::{BASIS_FACTORS, COSINE_FACTORS};
@@ -60,7 +60,7 @@ pub(crate) fn frame_uniforms(
         voxel_size: voxel,
         pixels: [w as f32, h as f32],
         tiles: tiles.map(|tiles| tiles as f32),
-        cell_reach: 255.0 * cell_side(grid_side) as f32,
+        cell_reach: 255.0 * cell_side_texels(grid_side) as f32,
         shadow_depth_per_metre: shadow_map::depth_per_metre(),
         shadow_texel: 1.0 / shadow_map::MAP_SIDE as f32,
         padding: 0.0,

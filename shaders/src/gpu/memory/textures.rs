@@ -7,7 +7,7 @@ use ash::vk;
 use super::image::{GpuImage, ImageSpec, stage_and_access};
 use super::staging::Staging;
 use crate::constants::{MAP_BORDER_COLUMNS, NOISE_TEXELS};
-use crate::field::{LEVELS, PAD, cell_side};
+use crate::field::{LEVELS, PAD, cell_side_texels};
 use crate::gpu::device::context::Gpu;
 use crate::gpu::device::error::{Error, ErrorContext};
 use crate::gpu::device::owned::OwnedHandle;
@@ -57,7 +57,7 @@ impl SculptureTextures {
             density: solid(byte, grid_side + 2 * PAD as u32, LEVELS as u32, written)?,
             cells: solid(
                 byte,
-                (grid_side + 2 * PAD as u32) / cell_side(grid_side as usize) as u32,
+                (grid_side + 2 * PAD as u32) / cell_side_texels(grid_side as usize) as u32,
                 1,
                 written,
             )?,
