@@ -76,7 +76,7 @@ fn a_vulkan_picture_has_the_twins_silhouette() {
     rmap::write(&folder.join("toy.rmap"), maps).unwrap();
     let (width, height, azimuth, elevation) = (240, 180, 0.5_f32, 0.3_f32);
     let view = format!("{},{}", azimuth.to_degrees(), elevation.to_degrees());
-    let camera = Camera::on_ring(azimuth, elevation);
+    let camera = Camera::orbiting(azimuth, elevation);
     let scene = TwinScene::new(maps, -azimuth, TwinSettings::default());
     let hit = |i: usize| {
         let (x, y) = ((i % width) as f32 + 0.5, (i / width) as f32 + 0.5);

@@ -75,7 +75,7 @@ fn fragment(
         }
     }
     let p = o + direction * t;
-    let descent = density_descent(p);
+    let descent = negative_density_gradient(p);
     let normal = descent * inverseSqrt(max(dot(descent, descent), real(1e-4)));
     let depth = frame.depth_scale / t + frame.depth_offset;
     return FragmentOutput(vec4<f32>(vec3<f32>(shade_point(p, normal)), f32(coverage)), depth);
@@ -107,7 +107,7 @@ fn march_density(o: vec3<f32>, d: vec3<f32>, start: f32, end: f32, voxel: f32) -
             if COVERAGE {
                 peak = max(peak, full);
             }
-            reach = step_length(full);
+            reach = step_length_voxels(full);
             t += f32(reach) * voxel;
         }
         // The same test as in the loop. A different number keeps the compiler from holding the
@@ -123,7 +123,7 @@ fn march_density(o: vec3<f32>, d: vec3<f32>, start: f32, end: f32, voxel: f32) -
             t += free * frame.cell_reach * voxel;
         }
     }
-    // The sample before the last: `step_length` inverted.
+    // The sample before the last: `step_length_voxels` inverted.
     let before = max(
         (real(FAST_STEP_FAR.x) - reach) * real(1.0 / FAST_STEP_FAR.y),
         (real(FAST_STEP_NEAR.x) - reach) * real(1.0 / FAST_STEP_NEAR.y),
@@ -157,10 +157,10 @@ fn edge_distance(excess: real) -> real {
 
 // The march's step at a density, in voxels. It ends a little behind a plane of that density, yet a
 // wall one voxel thick can't be stepped over.
-fn step_length(full: real) -> real {
+fn step_length_voxels(density_here: real) -> real {
     return max(
-        real(FAST_STEP_FAR.x) - full * real(FAST_STEP_FAR.y),
-        real(FAST_STEP_NEAR.x) - full * real(FAST_STEP_NEAR.y),
+        real(FAST_STEP_FAR.x) - density_here * real(FAST_STEP_FAR.y),
+        real(FAST_STEP_NEAR.x) - density_here * real(FAST_STEP_NEAR.y),
     );
 }
 
@@ -203,7 +203,7 @@ fn shade_point(p: vec3<f32>, normal: real3) -> real3 {
 
 // The negative gradient of the density at mip level 1, times 4 voxels, from four samples at the
 // corners of a tetrahedron.
-fn density_descent(p: vec3<f32>) -> real3 {
+fn negative_density_gradient(p: vec3<f32>) -> real3 {
     let voxel = 1.0 / frame.density_side;
     let a = real(sample_density(p + vec3<f32>(1.0, 1.0, 1.0) * voxel, 1.0));
     let b = real(sample_density(p + vec3<f32>(1.0, -1.0, -1.0) * voxel, 1.0));

@@ -62,7 +62,7 @@ fn fragment(
     if SDF {
         at = trace_blobs(eye - centre, direction, hit);
     } else {
-        at = entry_face(eye - centre, direction);
+        at = entry_face_point(eye - centre, direction);
     }
     var color: vec3<f32>;
     if SHADING {
@@ -252,8 +252,8 @@ fn shepard_normal(p: vec3<f32>, around: Neighbours) -> vec3<f32> {
     return normalize(select(sum, p + vec3<f32>(0.0, 1e-9, 0.0), alone));
 }
 
-// The face through which the ray enters the voxel, without the blobs.
-fn entry_face(eye: vec3<f32>, direction: vec3<f32>) -> SurfacePoint {
+// Where the ray enters the voxel, with the normal of that face, without the blobs.
+fn entry_face_point(eye: vec3<f32>, direction: vec3<f32>) -> SurfacePoint {
     let towards = sign(direction);
     let entry = select((-0.5 * towards - eye) / direction, vec3<f32>(-1e9), direction == vec3<f32>(0.0));
     let t = max(entry.x, max(entry.y, entry.z));

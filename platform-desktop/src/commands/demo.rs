@@ -171,7 +171,7 @@ fn play_session() -> Result<DemoResult, Error> {
             let drawn = Instant::now();
             chapters.push((chapter, world.tick(), world.volume().count_voxels()));
             let options = RenderOptions { width: 480, height: 480, ..RenderOptions::default() };
-            let camera = Camera::on_ring(0.45, 0.3);
+            let camera = Camera::orbiting(0.45, 0.3);
             pictures.push(render_image(world.volume().maps(), &camera, &options, &|_| {}));
             bar.advance_to(chapters.len() as u64);
             drawing += drawn.elapsed();

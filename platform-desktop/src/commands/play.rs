@@ -210,7 +210,7 @@ where
     Grid<N>: Size,
 {
     let image =
-        renderer.draw_picture(world.volume().maps(), &Camera::on_ring(0.45, 0.3), &|_| {})?;
+        renderer.draw_picture(world.volume().maps(), &Camera::orbiting(0.45, 0.3), &|_| {})?;
     durable::make_folder(folder)?;
     let mut png = Vec::new();
     image.write_png(&mut png).map_err(Error::failure)?;

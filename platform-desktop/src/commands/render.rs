@@ -72,7 +72,7 @@ where
     let [width, height] = args.size;
     let mut renderer = args.drawing.make_renderer::<N>(args.size, SAMPLES)?;
     let rendering = progress::show_progress("rendering", Some(height as u64));
-    let image = renderer.draw_picture(&maps, &Camera::on_ring(azimuth, elevation), &|done| {
+    let image = renderer.draw_picture(&maps, &Camera::orbiting(azimuth, elevation), &|done| {
         rendering.advance_to((done * height as f32) as u64);
     })?;
     drop(rendering);

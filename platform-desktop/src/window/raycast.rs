@@ -3,7 +3,7 @@
 use glam::Vec3;
 use paros_core::RangeMaps;
 use paros_shaders::Ray;
-use paros_shaders::march::clip_to_cube;
+use paros_shaders::march::{RaySpan, clip_to_cube};
 
 /// The point at which a ray enters an occupied voxel.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -22,7 +22,7 @@ pub(super) fn cast_ray<const N: usize>(
     origin: Vec3,
     direction: Vec3,
 ) -> Option<CursorHit> {
-    let (enter, leave) = clip_to_cube(&Ray { origin, direction }, N as f32)?;
+    let RaySpan { near: enter, far: leave } = clip_to_cube(&Ray { origin, direction }, N as f32)?;
     let start = origin + direction * enter;
     let (from, way) = (start.to_array(), direction.to_array());
     let mut voxel = from.map(|v| (v.floor() as i64).clamp(0, N as i64 - 1));

@@ -10,7 +10,7 @@ use glam::{Quat, Vec3};
 use super::bvh::Bvh;
 use super::{Corner, MeshBuilder};
 use crate::constants::{SUN_COLOR, SUN_DIRECTION};
-use crate::harmonics::{ambient_over_pi, sh_basis};
+use crate::harmonics::{irradiance_over_pi, sh_basis};
 
 /// Rays cast from a corner of a standing thing.
 const CORNER_RAYS: usize = 48;
@@ -174,7 +174,7 @@ pub(crate) fn set_openness_in_room(mesh: &mut MeshBuilder, lit: &RoomLight, abou
     const LUMA: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
     set_openness(mesh, |corner| {
         let here = lit.ambient_at(corner.position, corner.normal).dot(LUMA);
-        (here / ambient_over_pi(about, corner.normal).dot(LUMA).max(1e-3)).min(1.0)
+        (here / irradiance_over_pi(about, corner.normal).dot(LUMA).max(1e-3)).min(1.0)
     });
 }
 

@@ -11,9 +11,9 @@ use paros_core::{BenchItem, Grid, Pose, Size, Tool, ToolBit, World, WorldEvent};
 
 use super::draw::DrawList;
 use super::island::IslandLattice;
-use super::meshes::MeshId;
-use super::particles::{ParticleKind, Particles, random_vector};
-use super::placing::{bit_pose, shown_pose, stool_turn_radians};
+use super::meshes::{HandShape, MeshId};
+use super::particles::{ParticleKind, Particles, random_in_cube};
+use super::placing::{bit_pose, display_pose_unless_held, stool_turn_radians};
 use crate::limits::EDIT_PARTICLES;
 
 /// Input of a frame that is newer than the last tick.
@@ -96,14 +96,14 @@ impl SceneAssembler {
         for i in 0..BENCH_ITEMS {
             let Some(item) = BenchItem::from_number(i) else { continue };
             let place = world.workbench().place_of(item);
-            self.items[1][i] = shown_pose(world.workbench(), item);
+            self.items[1][i] = display_pose_unless_held(world.workbench(), item);
             let drops = matches!(place, ToolPlace::Falling(ticks) if ticks > 0)
                 || matches!(place, ToolPlace::Lying(_));
             if skipped || !drops {
                 self.items[0][i] = self.items[1][i];
             }
         }
-        self.lattice.update_from(world);
+        self.lattice.follow_tick(world);
         self.spawn_particles(world);
     }
 
@@ -140,7 +140,7 @@ impl SceneAssembler {
             self.add_hand(world, latest, hand);
         }
         self.particles.add_instances(&mut self.list);
-        self.list.group_by_mesh();
+        self.list.batch_by_mesh();
         &self.list
     }
 
@@ -203,7 +203,9 @@ impl SceneAssembler {
             None => grip,
         };
         if latest.show_hands && (state.tracked || latest.grips[hand].is_some()) {
-            self.list.add(MeshId::of_hand(hand, held.is_some()), pose_transform(grip), PLAIN);
+            let shape = if held.is_some() { HandShape::Closed } else { HandShape::Open };
+            let of_hand = [MeshId::of_left_hand, MeshId::of_right_hand][hand];
+            self.list.add(of_hand(shape), pose_transform(grip), PLAIN);
         }
     }
 
@@ -240,12 +242,12 @@ impl SceneAssembler {
         world: &World<N>,
         hand: usize,
         bit: ToolBit,
-        removed: u32,
+        removed_voxels: u32,
         seed: u64,
     ) where
         Grid<N>: Size,
     {
-        if removed == 0 {
+        if removed_voxels == 0 {
             return;
         }
         let frame = world.stool_frame();
@@ -258,11 +260,11 @@ impl SceneAssembler {
         } as f32
             * 1e-6;
         // A chip stands for a few cubic millimetres: finer grids throw no more.
-        let volume = removed as f32 * (frame.voxel_metres() * 1e3).powi(3);
+        let volume = removed_voxels as f32 * (frame.voxel_metres() * 1e3).powi(3);
         let count = ((volume / 250.0).ceil() as u32).min(EDIT_PARTICLES);
         for i in 0..u64::from(count) {
             let seed = seed + i;
-            let aside = random_vector(seed, 10);
+            let aside = random_in_cube(seed, 10);
             let from = centre + (aside * 0.8 - normal * 0.5) * radius;
             let smooth = bit.spec().action == BitAction::Smooth;
             let kind = if smooth || i % 3 != 0 { ParticleKind::Dust } else { ParticleKind::Chip };
@@ -280,9 +282,9 @@ impl SceneAssembler {
         let frame = world.stool_frame();
         let mut seed = seed;
         let particles = &mut self.particles;
-        self.lattice.for_each_removed(N, |voxel| {
+        self.lattice.for_each_removed_sample(N, |voxel| {
             seed += 1;
-            let aside = random_vector(seed, 10);
+            let aside = random_in_cube(seed, 10);
             let pose = Pose { position: voxel + aside * 1.5, rotation: Quat::IDENTITY };
             let (from, _) = frame.to_room(&pose);
             particles.spawn(ParticleKind::Mote, from, aside * 0.05, seed);
@@ -290,6 +292,7 @@ impl SceneAssembler {
     }
 }
 
+/// The transform from an item's own space, at a pose, to the room.
 fn pose_transform((position, rotation): RoomPose) -> Affine3A {
     Affine3A::from_rotation_translation(rotation, position)
 }

@@ -27,6 +27,15 @@ pub struct Batch {
     pub count: u32,
 }
 
+/// What a draw list holds without allocating.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct DrawListCapacity {
+    /// Instances.
+    pub instances: usize,
+    /// Batches.
+    pub batches: usize,
+}
+
 /// The instances of a frame. Allocates only when created.
 #[derive(Debug)]
 pub struct DrawList {
@@ -65,10 +74,11 @@ impl DrawList {
         batch.map_or(&[], |b| &self.instances[b.first as usize..][..b.count as usize])
     }
 
-    /// Capacity for instances and batches, which never grows.
+    /// The capacity, which never grows.
     #[must_use]
-    pub fn capacity(&self) -> (usize, usize) {
-        (self.instances.capacity().max(self.pending.capacity()), self.batches.capacity())
+    pub fn capacity(&self) -> DrawListCapacity {
+        let instances = self.instances.capacity().max(self.pending.capacity());
+        DrawListCapacity { instances, batches: self.batches.capacity() }
     }
 
     pub(crate) fn clear(&mut self) {
@@ -76,14 +86,15 @@ impl DrawList {
     }
 
     /// Adds an instance; beyond the capacity it is dropped.
-    pub(crate) fn add(&mut self, mesh: MeshId, at: Affine3A, tint: [f32; 4]) {
+    pub(crate) fn add(&mut self, mesh: MeshId, room_from_mesh: Affine3A, tint: [f32; 4]) {
         if self.pending.len() < INSTANCES {
-            self.pending.push((mesh, MeshInstance { transform: transform_rows(at), tint }));
+            self.pending
+                .push((mesh, MeshInstance { transform: matrix_rows(room_from_mesh), tint }));
         }
     }
 
     /// Counting sort of the added instances by mesh; stable.
-    pub(crate) fn group_by_mesh(&mut self) {
+    pub(crate) fn batch_by_mesh(&mut self) {
         self.instances.clear();
         self.batches.clear();
         let mut counts = [0u32; MESHES];
@@ -122,8 +133,9 @@ impl MeshInstance {
     }
 }
 
-fn transform_rows(at: Affine3A) -> [f32; 12] {
-    let (m, t) = (at.matrix3, at.translation);
+/// The three rows of four of an affine transform.
+fn matrix_rows(transform: Affine3A) -> [f32; 12] {
+    let (m, t) = (transform.matrix3, transform.translation);
     let row = |i: usize| [m.x_axis[i], m.y_axis[i], m.z_axis[i], t[i]];
     let [a, b, c] = [row(0), row(1), row(2)];
     core::array::from_fn(|i| [a, b, c][i / 4][i % 4])

@@ -19,7 +19,7 @@ impl IslandLattice {
     }
 
     /// Updates the rows that the last tick changed.
-    pub(super) fn update_from<const N: usize>(&mut self, world: &World<N>)
+    pub(super) fn follow_tick<const N: usize>(&mut self, world: &World<N>)
     where
         Grid<N>: Size,
     {
@@ -27,8 +27,8 @@ impl IslandLattice {
         let step = N.div_ceil(LATTICE);
         let volume = world.volume().rows();
         for rect in world.dirty_rects().rects(Axis::X) {
-            for y in sampled_range(rect.first.0, rect.last.0, step) {
-                for z in sampled_range(rect.first.1, rect.last.1, step) {
+            for y in sample_indices_between(rect.first.0, rect.last.0, step) {
+                for z in sample_indices_between(rect.first.1, rect.last.1, step) {
                     let row = volume.row(y * step + step / 2, z * step + step / 2);
                     let mut now = 0u32;
                     for x in 0..N / step {
@@ -41,9 +41,9 @@ impl IslandLattice {
         }
     }
 
-    /// Calls `each` with the positions, in voxels, of samples that the last tick removed, at most
+    /// Calls `visit` with the positions, in voxels, of samples that the last tick removed, at most
     /// [`ISLAND_MOTES`] of them; `grid_side` is in voxels.
-    pub(super) fn for_each_removed(&self, grid_side: usize, mut each: impl FnMut(Vec3)) {
+    pub(super) fn for_each_removed_sample(&self, grid_side: usize, mut visit: impl FnMut(Vec3)) {
         let step = grid_side.div_ceil(LATTICE);
         let total: u32 = self.removed.iter().flatten().map(|row| row.count_ones()).sum();
         let stride = (total as usize).div_ceil(ISLAND_MOTES).max(1);
@@ -53,7 +53,7 @@ impl IslandLattice {
                 for x in (0..LATTICE).filter(|x| row >> x & 1 != 0) {
                     if count % stride == 0 {
                         let at = [x, y, z].map(|i| (i * step + step / 2) as f32 + 0.5);
-                        each(Vec3::from_array(at));
+                        visit(Vec3::from_array(at));
                     }
                     count += 1;
                 }
@@ -62,9 +62,14 @@ impl IslandLattice {
     }
 }
 
-/// Indices of the samples from voxel `lo` to `hi`, inclusive.
-fn sampled_range(lo: u8, hi: u8, step: usize) -> impl Iterator<Item = usize> {
-    let first = (usize::from(lo) + step - 1).saturating_sub(step / 2) / step;
-    let end = (usize::from(hi) + step - step / 2) / step;
+/// Indices of the samples, one for every `sample_step` voxels, from the first voxel to the last.
+fn sample_indices_between(
+    first_voxel: u8,
+    last_voxel: u8,
+    sample_step: usize,
+) -> impl Iterator<Item = usize> {
+    let step = sample_step;
+    let first = (usize::from(first_voxel) + step - 1).saturating_sub(step / 2) / step;
+    let end = (usize::from(last_voxel) + step - step / 2) / step;
     first..end.min(LATTICE)
 }

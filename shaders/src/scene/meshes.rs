@@ -42,6 +42,15 @@ pub enum DrawGroup {
     Particles,
 }
 
+/// What a hand does.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum HandShape {
+    /// It is held open.
+    Open,
+    /// It is closed on a handle.
+    Closed,
+}
+
 include!(concat!(env!("OUT_DIR"), "/meshes.rs"));
 
 impl MeshId {
@@ -72,14 +81,21 @@ impl MeshId {
         }
     }
 
-    /// The mesh of a hand: 0 left, 1 right; closed on a handle or open.
+    /// The mesh of the left hand.
     #[must_use]
-    pub const fn of_hand(hand: usize, closed: bool) -> Self {
-        match (hand, closed) {
-            (0, false) => MeshId::OpenLeftHand,
-            (0, true) => MeshId::ClosedLeftHand,
-            (_, false) => MeshId::OpenRightHand,
-            (_, true) => MeshId::ClosedRightHand,
+    pub const fn of_left_hand(shape: HandShape) -> Self {
+        match shape {
+            HandShape::Open => MeshId::OpenLeftHand,
+            HandShape::Closed => MeshId::ClosedLeftHand,
+        }
+    }
+
+    /// The mesh of the right hand.
+    #[must_use]
+    pub const fn of_right_hand(shape: HandShape) -> Self {
+        match shape {
+            HandShape::Open => MeshId::OpenRightHand,
+            HandShape::Closed => MeshId::ClosedRightHand,
         }
     }
 

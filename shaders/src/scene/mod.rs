@@ -16,8 +16,8 @@ pub mod particles;
 pub mod placing;
 
 pub use assembly::{LatestInput, SceneAssembler, SculpturePlacement};
-pub use draw::{Batch, DrawList, MeshInstance};
-pub use meshes::{DrawGroup, MESHES, MeshId, MeshRange, MeshVertex};
+pub use draw::{Batch, DrawList, DrawListCapacity, MeshInstance};
+pub use meshes::{DrawGroup, HandShape, MESHES, MeshId, MeshRange, MeshVertex};
 
 pub use crate::constants::{SUN_COLOR, SUN_DIRECTION};
 

@@ -80,13 +80,13 @@ impl Particles {
     /// Spawns one at `position` (metres) with `velocity` (metres a second); `seed` varies it. Replaces
     /// the oldest when full.
     pub fn spawn(&mut self, kind: ParticleKind, position: Vec3, velocity: Vec3, seed: u64) {
-        let [a, b, c, d, e] = [0, 1, 2, 3, 4].map(|i| random_unit(seed, i));
+        let [a, b, c, d, e] = [0, 1, 2, 3, 4].map(|i| random_fraction(seed, i));
         let (life_seconds, size) = match kind {
             ParticleKind::Chip => (1.0 + (MAX_LIFE_SECONDS - 1.0) * a, 0.003 + 0.006 * b * b),
             ParticleKind::Dust => (0.5 + 0.6 * a, 0.0012 + 0.0016 * b),
             ParticleKind::Mote => (MOTE_SECONDS * (0.6 + 0.4 * a), 0.004 + 0.006 * b),
         };
-        let spin = random_vector(seed, 5) * if kind == ParticleKind::Chip { 18.0 } else { 2.0 };
+        let spin = random_in_cube(seed, 5) * if kind == ParticleKind::Chip { 18.0 } else { 2.0 };
         let rotation = Quat::from_xyzw(c - 0.5, d - 0.5, e - 0.5, 0.6).normalize();
         let shade = 0.82 + 0.18 * c;
         let particle = Particle {
@@ -144,9 +144,9 @@ impl Particle {
         };
         self.velocity.y -= gravity * seconds;
         self.velocity *= 1.0 / (1.0 + drag * seconds);
-        let before = self.position.y;
+        let previous_height = self.position.y;
         self.position += self.velocity * seconds;
-        let ground = ground_height(self.position, before) + 0.3 * self.size;
+        let ground = ground_height_metres(self.position, previous_height) + 0.3 * self.size;
         if self.position.y < ground && self.velocity.y < 0.0 {
             self.position.y = ground;
             self.velocity *= Vec3::new(0.55, -0.3, 0.55);
@@ -161,27 +161,31 @@ impl Particle {
     }
 }
 
-/// Height of the ground under a point, in metres: stool, bench or floor, if height `before` was above it.
-fn ground_height(point: Vec3, before: f32) -> f32 {
+/// Height of the ground under a point, in metres: stool, bench or floor, if `previous_height` was above
+/// it.
+fn ground_height_metres(point: Vec3, previous_height: f32) -> f32 {
     let aside = point - STOOL_TOP;
     let on_stool = aside.x * aside.x + aside.z * aside.z < 0.55 * BOX_SIDE * BOX_SIDE;
     let on_bench = (0.3..0.9).contains(&point.x) && (-0.8..0.2).contains(&point.z);
-    if on_stool && before > STOOL_TOP.y - 0.02 {
+    if on_stool && previous_height > STOOL_TOP.y - 0.02 {
         STOOL_TOP.y
-    } else if on_bench && before > BENCH_TOP - 0.02 {
+    } else if on_bench && previous_height > BENCH_TOP - 0.02 {
         BENCH_TOP
     } else {
         0.0
     }
 }
 
-/// Pseudo-random number in 0..1: the `i`th of a seed.
-pub(super) fn random_unit(seed: u64, i: u64) -> f32 {
-    let hash = paros_core::internals::mix_bits(seed.wrapping_mul(64).wrapping_add(i));
+/// Pseudo-random number in 0..1: a seed's of this number.
+pub(super) fn random_fraction(seed: u64, number: u64) -> f32 {
+    let hash = paros_core::internals::mix_bits(seed.wrapping_mul(64).wrapping_add(number));
     (hash >> 40) as f32 / (1u64 << 24) as f32
 }
 
-/// Pseudo-random vector in the cube from -1 to 1, from numbers `i` to `i + 2` of a seed.
-pub(super) fn random_vector(seed: u64, i: u64) -> Vec3 {
-    Vec3::new(random_unit(seed, i), random_unit(seed, i + 1), random_unit(seed, i + 2)) * 2.0 - 1.0
+/// Pseudo-random vector in the cube from -1 to 1, from three numbers of a seed.
+pub(super) fn random_in_cube(seed: u64, first_number: u64) -> Vec3 {
+    let i = first_number;
+    Vec3::new(random_fraction(seed, i), random_fraction(seed, i + 1), random_fraction(seed, i + 2))
+        * 2.0
+        - 1.0
 }

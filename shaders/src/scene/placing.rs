@@ -17,20 +17,21 @@ const SETTLE: f32 = 10.0;
 
 /// Distance from a tool's grip to the centre of its bit, in metres.
 #[must_use]
-pub fn tool_length_metres(tool: Tool) -> f32 {
+pub fn grip_to_bit_metres(tool: Tool) -> f32 {
     tool.length_um() as f32 * 1e-6
 }
 
 /// Pose of the bit of a tool held at a grip pose.
 #[must_use]
-pub fn bit_pose((position, rotation): RoomPose, tool: Tool) -> RoomPose {
-    (position + rotation * Vec3::new(0.0, 0.0, -tool_length_metres(tool)), rotation)
+pub fn bit_pose(grip: RoomPose, tool: Tool) -> RoomPose {
+    let (position, rotation) = grip;
+    (position + rotation * Vec3::new(0.0, 0.0, -grip_to_bit_metres(tool)), rotation)
 }
 
 /// Display pose of an item that is neither held nor mounted; None otherwise. At home, tools lie across
 /// the bench and bits stand in their rack; the core's own poses, which hands reach for, differ.
 #[must_use]
-pub fn shown_pose(bench: &Workbench, item: BenchItem) -> Option<RoomPose> {
+pub fn display_pose_unless_held(bench: &Workbench, item: BenchItem) -> Option<RoomPose> {
     let (position, rotation) = bench.pose_of(item)?;
     Some(match (bench.place_of(item), item) {
         (ToolPlace::Home, BenchItem::Tool(_)) => {
@@ -41,10 +42,10 @@ pub fn shown_pose(bench: &Workbench, item: BenchItem) -> Option<RoomPose> {
         }
         (ToolPlace::Lying(ticks), _) => {
             let settled = (f32::from(ticks) / SETTLE).min(1.0);
-            let lift = lying_height(bench, item)
+            let lift = lying_axis_height_metres(bench, item)
                 * settled
                 * if position.y < 0.5 * BENCH_TOP { 0.2 } else { 1.0 };
-            (position + Vec3::Y * lift, rotation.slerp(level_rotation(rotation), settled))
+            (position + Vec3::Y * lift, rotation.slerp(yaw_rotation(rotation), settled))
         }
         _ => (position, rotation),
     })
@@ -58,7 +59,7 @@ pub fn stool_turn_radians(frame: &StoolFrame) -> f32 {
 }
 
 /// The yaw of a rotation, without pitch and roll.
-fn level_rotation(rotation: Quat) -> Quat {
+fn yaw_rotation(rotation: Quat) -> Quat {
     let ahead = rotation * Vec3::NEG_Z;
     let bearing =
         if ahead.x.abs() + ahead.z.abs() > 1e-4 { (-ahead.x).atan2(-ahead.z) } else { 0.0 };
@@ -66,7 +67,7 @@ fn level_rotation(rotation: Quat) -> Quat {
 }
 
 /// Height of a lying item's axis over the ground, in metres.
-fn lying_height(bench: &Workbench, item: BenchItem) -> f32 {
+fn lying_axis_height_metres(bench: &Workbench, item: BenchItem) -> f32 {
     let bit = match item {
         BenchItem::Tool(tool) => bench.mounted_bit(tool),
         BenchItem::Bit(bit) => bit,

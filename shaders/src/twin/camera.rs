@@ -23,15 +23,16 @@ pub struct Camera {
 impl Camera {
     /// A camera at such a distance that it sees the whole cube.
     #[must_use]
-    pub fn on_ring(azimuth_radians: f32, elevation_radians: f32) -> Self {
+    pub fn orbiting(azimuth_radians: f32, elevation_radians: f32) -> Self {
         let (azimuth, elevation) = (azimuth_radians, elevation_radians);
         Camera { azimuth, elevation, distance: 3.2, height: 0.43, angle: 0.41 }
     }
 
-    /// The studio ray through a point of the picture: x from -aspect to aspect, y from -1 to 1,
-    /// growing to the right and up.
+    /// The studio ray through a point of the picture, in half heights from its middle: x from
+    /// -aspect to aspect, y from -1 to 1, growing to the right and up.
     #[must_use]
-    pub fn ray_through(&self, x: f32, y: f32) -> Ray {
+    pub fn ray_through(&self, right_half_heights: f32, up_half_heights: f32) -> Ray {
+        let (x, y) = (right_half_heights, up_half_heights);
         let (sin, cos) = self.elevation.sin_cos();
         let back = Vec3::new(0.0, sin, cos);
         let up = Vec3::new(0.0, cos, -sin);

@@ -7,7 +7,7 @@
 use glam::Vec3;
 
 use super::marble;
-use super::march::{Ray, clip_to_cube};
+use super::march::{Ray, RaySpan, clip_to_cube};
 use super::surface::SurfacePoint;
 use crate::constants::{
     FAST_AO_HEIGHT, FAST_AO_MAX_DENSITY, FAST_AO_SCALE, FAST_EDGE_CUBIC, FAST_REFERENCE_SIDE,
@@ -22,35 +22,47 @@ use crate::field::{DensityField, LEVELS, PAD};
 pub fn find_surface<const N: usize>(field: &DensityField<N>, ray: &Ray) -> Option<SurfacePoint> {
     let side = N as f32 + 2.0;
     let around = Ray { origin: ray.origin + Vec3::ONE, ..*ray };
-    let (near, far) = clip_to_cube(&around, side)?;
+    let RaySpan { near, far } = clip_to_cube(&around, side)?;
     // The ground ends a ray.
     let ground = if ray.direction.y < 0.0 { -ray.origin.y / ray.direction.y } else { far };
-    let met = march_density(field, ray, near, far.min(ground))?;
-    Some(refine_hit(field, ray, &met))
+    let hit = march_density(field, ray, RaySpan { near, far: far.min(ground) })?;
+    Some(refine_hit(field, ray, &hit))
 }
 
-/// The linear radiance of a surface point, before tone mapping: Lambertian marble under a sun, as
-/// its direction in the grid and its irradiance over pi, and an ambient irradiance over pi.
+/// The sun as a surface sees it.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct SunLight {
+    /// Unit vector towards it, in the grid.
+    pub direction: Vec3,
+    /// Its irradiance at normal incidence, over pi.
+    pub color: Vec3,
+}
+
+/// The linear radiance of a surface point, before tone mapping: Lambertian marble under a sun and an
+/// ambient irradiance over pi.
 #[must_use]
 pub fn shade_surface<const N: usize>(
     field: &DensityField<N>,
-    at: &SurfacePoint,
-    (sun, sun_color): (Vec3, Vec3),
+    surface: &SurfacePoint,
+    sun: &SunLight,
     ambient_over_pi: Vec3,
 ) -> Vec3 {
+    let SunLight { direction: to_sun, color: sun_color } = *sun;
     let scale = N as f32 / FAST_REFERENCE_SIDE;
-    let facing = at.normal.dot(sun);
+    let facing = surface.normal.dot(to_sun);
     let direct = if facing > 0.0 {
-        sun_color * (facing * sun_visibility(field, at.position, sun, scale))
+        sun_color * (facing * sun_visibility(field, surface.position, to_sun, scale))
     } else {
-        let through = at.position + (sun * FAST_TRANSLUCENCY_DEPTH - at.normal) * scale;
+        let through =
+            surface.position + (to_sun * FAST_TRANSLUCENCY_DEPTH - surface.normal) * scale;
         sun_color
             * Vec3::from_array(FAST_TRANSLUCENCY)
             * ((1.0 - field.sample_density(1, through)) * -facing)
     };
-    let above = field.sample_density(2, at.position + at.normal * (FAST_AO_HEIGHT * scale));
+    let above =
+        field.sample_density(2, surface.position + surface.normal * (FAST_AO_HEIGHT * scale));
     let open = FAST_AO_SCALE - FAST_AO_SCALE * above.min(FAST_AO_MAX_DENSITY);
-    let grey = marble::sample_grey(at.position / N as f32);
+    let grey = marble::sample_grey(surface.position / N as f32);
     let stone = Vec3::from_array(MARBLE_BASE_COLOR).lerp(Vec3::from_array(MARBLE_VEIN_COLOR), grey);
     stone * (direct + ambient_over_pi * open)
 }
@@ -60,35 +72,34 @@ struct DensityHit {
     /// Its distance from the ray's origin, in voxels.
     t: f32,
     /// Its density.
-    full: f32,
+    density: f32,
     /// Length of the step to it, in voxels.
-    reach: f32,
+    step_voxels: f32,
 }
 
 fn march_density<const N: usize>(
     field: &DensityField<N>,
     ray: &Ray,
-    near: f32,
-    end: f32,
+    RaySpan { near, far }: RaySpan,
 ) -> Option<DensityHit> {
-    let (mut t, mut reach) = (near, step_length(0.0));
+    let (mut t, mut step_voxels) = (near, step_length_voxels(0.0));
     // From an origin so far that a step is less than the distance's precision, `t` doesn't grow.
     let mut steps_left = 8 * N;
-    while t < end && steps_left > 0 {
+    while t < far && steps_left > 0 {
         // Steps by density.
         let mut left = FAST_SKIP_INTERVAL;
         while left > 0.0 && steps_left > 0 {
-            let full = field.sample_density(0, ray.at(t));
-            if full >= 0.5 {
-                return (t < end).then_some(DensityHit { t, full, reach });
+            let density = field.sample_density(0, ray.at(t));
+            if density >= 0.5 {
+                return (t < far).then_some(DensityHit { t, density, step_voxels });
             }
-            reach = step_length(full);
-            t += reach;
-            left -= reach;
+            step_voxels = step_length_voxels(density);
+            t += step_voxels;
+            left -= step_voxels;
             steps_left -= 1;
         }
         // Empty-space skipping.
-        while t < end && steps_left > 0 {
+        while t < far && steps_left > 0 {
             let free = field.free_distance_voxels(ray.at(t));
             if free == 0.0 {
                 break;
@@ -103,15 +114,15 @@ fn march_density<const N: usize>(
 
 /// The march's step at a density, in voxels. It ends a little behind a plane of that density, yet a
 /// wall one voxel thick can't be stepped over.
-fn step_length(full: f32) -> f32 {
+fn step_length_voxels(density: f32) -> f32 {
     let ([a, b], [c, d]) = (FAST_STEP_FAR, FAST_STEP_NEAR);
-    (a - b * full).max(c - d * full)
+    (a - b * density).max(c - d * density)
 }
 
-/// The density at which a step is so long: [`step_length`] inverted.
-fn density_before_step(reach: f32) -> f32 {
+/// The density at which a step is so long: [`step_length_voxels`] inverted.
+fn density_of_step_length(step_voxels: f32) -> f32 {
     let ([a, b], [c, d]) = (FAST_STEP_FAR, FAST_STEP_NEAR);
-    ((a - reach) / b).max((c - reach) / d)
+    ((a - step_voxels) / b).max((c - step_voxels) / d)
 }
 
 /// Steps back from a sample inside to the level set, by linear interpolation between the last two
@@ -119,21 +130,23 @@ fn density_before_step(reach: f32) -> f32 {
 fn refine_hit<const N: usize>(
     field: &DensityField<N>,
     ray: &Ray,
-    met: &DensityHit,
+    hit: &DensityHit,
 ) -> SurfacePoint {
     // Distance to a plane, up to a factor, from its blurred density less a half.
     let edge_distance = |excess: f32| excess + FAST_EDGE_CUBIC * excess * excess * excess;
-    let (inside, outside) =
-        (edge_distance(met.full - 0.5), edge_distance(0.5 - density_before_step(met.reach)));
-    let distance = met.t - met.reach * inside / (inside + outside);
+    let (inside, outside) = (
+        edge_distance(hit.density - 0.5),
+        edge_distance(0.5 - density_of_step_length(hit.step_voxels)),
+    );
+    let distance = hit.t - hit.step_voxels * inside / (inside + outside);
     let position = ray.at(distance);
-    let normal = density_descent(field, position).try_normalize().unwrap_or(Vec3::Y);
+    let normal = negative_density_gradient(field, position).try_normalize().unwrap_or(Vec3::Y);
     SurfacePoint { position, normal, distance }
 }
 
 /// The negative gradient of the density at mip level 1, times 4 voxels, from four samples at the
 /// corners of a tetrahedron.
-fn density_descent<const N: usize>(field: &DensityField<N>, point: Vec3) -> Vec3 {
+fn negative_density_gradient<const N: usize>(field: &DensityField<N>, point: Vec3) -> Vec3 {
     let mut sum = Vec3::ZERO;
     for (y, z) in [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)] {
         let corner = Vec3::new(y * z, y, z);
@@ -143,18 +156,19 @@ fn density_descent<const N: usize>(field: &DensityField<N>, point: Vec3) -> Vec3
 }
 
 /// Soft shadow by cone tracing: three samples towards the sun, each farther and of a coarser mip
-/// level. Visibility, 0 to 1.
+/// level. Visibility, 0 to 1; `scale` is how many voxels one of the reference grid is.
 fn sun_visibility<const N: usize>(
     field: &DensityField<N>,
     point: Vec3,
-    sun: Vec3,
+    to_sun: Vec3,
     scale: f32,
 ) -> f32 {
     let [mut far, grows] = FAST_SHADOW_SPACING;
     let mut seen = 1.0;
     for level in 1..LEVELS {
-        seen -=
-            seen * FAST_SHADOW_OPACITY * field.sample_density(level, point + sun * (far * scale));
+        seen -= seen
+            * FAST_SHADOW_OPACITY
+            * field.sample_density(level, point + to_sun * (far * scale));
         far *= grows;
     }
     seen

@@ -5,7 +5,7 @@
 use glam::Vec3;
 use paros_core::RangeMaps;
 
-use super::march::{Ray, is_occupied, march_maps};
+use super::march::{Ray, is_point_occupied, march_all_maps, march_maps};
 use super::{fast, light, marble, noise, surface};
 use crate::constants::{SUN_COLOR, SUN_DIRECTION};
 use crate::field::DensityField;
@@ -72,36 +72,38 @@ impl<'a, const N: usize> TwinScene<'a, N> {
 
     /// Rotates a studio direction into the grid.
     #[must_use]
-    pub fn direction_to_grid(&self, d: Vec3) -> Vec3 {
+    pub fn direction_to_grid(&self, studio_direction: Vec3) -> Vec3 {
         let [c, s] = self.turn_cos_sin;
+        let d = studio_direction;
         Vec3::new(c * d.x - s * d.z, d.y, s * d.x + c * d.z)
     }
 
     /// Rotates a direction of the grid into the studio.
     #[must_use]
-    pub fn direction_to_studio(&self, d: Vec3) -> Vec3 {
+    pub fn direction_to_studio(&self, grid_direction: Vec3) -> Vec3 {
         let [c, s] = self.turn_cos_sin;
+        let d = grid_direction;
         Vec3::new(c * d.x + s * d.z, d.y, c * d.z - s * d.x)
     }
 
     /// A studio point in the grid, in voxels. The cube's base is centred on the studio's origin.
     #[must_use]
-    pub fn point_to_grid(&self, p: Vec3) -> Vec3 {
-        (self.direction_to_grid(p) + Vec3::new(0.5, 0.0, 0.5)) * N as f32
+    pub fn point_to_grid(&self, studio_point: Vec3) -> Vec3 {
+        (self.direction_to_grid(studio_point) + Vec3::new(0.5, 0.0, 0.5)) * N as f32
     }
 
     /// A point of the grid, in voxels, in the studio, in sides of the cube.
     #[must_use]
-    pub fn point_to_studio(&self, p: Vec3) -> Vec3 {
-        self.direction_to_studio(p / N as f32 - Vec3::new(0.5, 0.0, 0.5))
+    pub fn point_to_studio(&self, grid_point: Vec3) -> Vec3 {
+        self.direction_to_studio(grid_point / N as f32 - Vec3::new(0.5, 0.0, 0.5))
     }
 
     /// A studio ray in the grid, in voxels.
     #[must_use]
-    pub fn ray_to_grid(&self, ray: &Ray) -> Ray {
+    pub fn ray_to_grid(&self, studio_ray: &Ray) -> Ray {
         Ray {
-            origin: self.point_to_grid(ray.origin),
-            direction: self.direction_to_grid(ray.direction),
+            origin: self.point_to_grid(studio_ray.origin),
+            direction: self.direction_to_grid(studio_ray.direction),
         }
     }
 }
@@ -111,32 +113,35 @@ impl<'a, const N: usize> TwinScene<'a, N> {
 #[must_use]
 pub fn shade_ray<const N: usize>(
     scene: &TwinScene<'_, N>,
-    ray: &Ray,
+    studio_ray: &Ray,
     dither: f32,
 ) -> Option<ShadedHit> {
-    let inside = scene.ray_to_grid(ray);
+    let inside = scene.ray_to_grid(studio_ray);
     let (at, voxel) = match scene.field {
         Some(field) => {
             let at = fast::find_surface(field, &inside)?;
             (at, at.position.to_array().map(|c| (c as usize).min(N - 1)))
         }
         None => {
-            let sample = march_maps(scene.maps, &inside, scene.settings.full_march)?;
-            let at = if scene.settings.sdf {
-                surface::trace_blobs(scene.maps, &inside, &sample)
-            } else {
-                surface::entry_face(&inside, &sample)
+            let hit = match scene.settings.full_march {
+                true => march_all_maps(scene.maps, &inside)?,
+                false => march_maps(scene.maps, &inside)?,
             };
-            (at, sample.voxel)
+            let at = if scene.settings.sdf {
+                surface::trace_blobs(scene.maps, &inside, &hit)
+            } else {
+                surface::entry_face_point(&inside, &hit)
+            };
+            (at, hit.voxel)
         }
     };
     let normal = scene.direction_to_studio(at.normal);
     let color = match scene.field {
         _ if !scene.settings.shading => normal * 0.5 + Vec3::splat(0.5),
         Some(field) => {
-            let sun = scene.direction_to_grid(Vec3::from_array(SUN_DIRECTION));
-            let sun = (sun, Vec3::from_array(SUN_COLOR));
-            fast::shade_surface(field, &at, sun, light::ambient_over_pi(normal))
+            let direction = scene.direction_to_grid(Vec3::from_array(SUN_DIRECTION));
+            let sun = fast::SunLight { direction, color: Vec3::from_array(SUN_COLOR) };
+            fast::shade_surface(field, &at, &sun, light::ambient_over_pi(normal))
         }
         None => shade_marble(scene, at.position, at.normal, dither),
     };
@@ -152,15 +157,16 @@ pub fn shade_ray<const N: usize>(
 /// Lambertian marble under the sun and the ambient light; point and normal are those of the grid.
 fn shade_marble<const N: usize>(
     scene: &TwinScene<'_, N>,
-    point: Vec3,
-    normal: Vec3,
+    grid_point: Vec3,
+    grid_normal: Vec3,
     dither: f32,
 ) -> Vec3 {
-    let sun = scene.direction_to_grid(Vec3::from_array(SUN_DIRECTION));
-    let facing = normal.dot(sun).max(0.0);
-    let held = |at: Vec3| is_occupied(scene.maps, at);
+    let (point, normal) = (grid_point, grid_normal);
+    let to_sun = scene.direction_to_grid(Vec3::from_array(SUN_DIRECTION));
+    let facing = normal.dot(to_sun).max(0.0);
+    let held = |at: Vec3| is_point_occupied(scene.maps, at);
     let direct = if facing > 0.0 {
-        facing * light::trace_visibility(N, point, sun, dither, held)
+        facing * light::cone_visibility(N, point, to_sun, dither, held)
     } else {
         0.0
     };

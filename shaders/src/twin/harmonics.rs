@@ -25,7 +25,8 @@ pub const COSINE_FACTORS: [f32; 9] =
 
 /// The nine harmonics in a direction of length 1.
 #[must_use]
-pub fn sh_basis(d: Vec3) -> [f32; 9] {
+pub fn sh_basis(direction: Vec3) -> [f32; 9] {
+    let d = direction;
     [
         BASIS_FACTORS[0],
         BASIS_FACTORS[1] * d.y,
@@ -41,9 +42,10 @@ pub fn sh_basis(d: Vec3) -> [f32; 9] {
 
 /// Irradiance over pi of a surface with this normal under a radiance in harmonics.
 #[must_use]
-pub fn ambient_over_pi(light: &[[f32; 3]; 9], normal: Vec3) -> Vec3 {
+pub fn irradiance_over_pi(radiance_sh: &[[f32; 3]; 9], normal: Vec3) -> Vec3 {
     let mut sum = Vec3::ZERO;
-    for ((basis, band), color) in sh_basis(normal).into_iter().zip(COSINE_FACTORS).zip(*light) {
+    for ((basis, band), color) in sh_basis(normal).into_iter().zip(COSINE_FACTORS).zip(*radiance_sh)
+    {
         sum += Vec3::from_array(color) * (basis * band);
     }
     sum.max(Vec3::ZERO)

@@ -11,37 +11,36 @@ use crate::constants::{
     SHADOW_RADIUS_NEAR, SHADOW_SAMPLES,
 };
 
-/// Stochastic soft shadow: the visibility, 0 to 1, in direction `towards` from a point in the cube
-/// of `side` voxels. It is 1 times the damping for every occupied sample up to the cube's border.
+/// Stochastic soft shadow: the visibility, 0 to 1, in direction `to_light` from a point in the cube
+/// of `grid_side` voxels. It is 1 times the damping for every occupied sample up to the cube's border.
 ///
 /// The samples are dispersed in a cone that is wide at the point and narrow at the border. `dither`
-/// in
-/// 0..1 rotates the pattern, so that neighbouring fragments differ.
+/// in 0..1 rotates the pattern, so that neighbouring fragments differ.
 #[must_use]
-pub fn trace_visibility(
-    side: usize,
+pub fn cone_visibility(
+    grid_side: usize,
     point: Vec3,
-    towards: Vec3,
+    to_light: Vec3,
     dither: f32,
-    occupied: impl Fn(Vec3) -> bool,
+    is_occupied: impl Fn(Vec3) -> bool,
 ) -> f32 {
-    let way = Ray { origin: point, direction: towards };
-    let Some((_, length)) = clip_to_cube(&way, side as f32) else {
+    let axis = Ray { origin: point, direction: to_light };
+    let Some(span) = clip_to_cube(&axis, grid_side as f32) else {
         return 1.0;
     };
     let mut visibility = 1.0;
-    for sample in cone_samples(&way, length, dither) {
-        if occupied(sample) {
+    for sample in cone_sample_points(&axis, span.far, dither) {
+        if is_occupied(sample) {
             visibility *= SHADOW_DAMPING;
         }
     }
     visibility
 }
 
-/// The dispersed samples along `length` of a shadow ray.
-pub fn cone_samples(way: &Ray, length: f32, dither: f32) -> impl Iterator<Item = Vec3> {
-    let (u, v) = tangent_basis(way.direction);
-    let way = *way;
+/// The points sampled in a shadow ray's cone, dispersed around `length` of its axis.
+pub fn cone_sample_points(axis: &Ray, length: f32, dither: f32) -> impl Iterator<Item = Vec3> {
+    let (u, v) = tangent_basis(axis.direction);
+    let axis = *axis;
     let [mut cos, mut sin] = circle_point(dither);
     (0..SHADOW_SAMPLES).map(move |i| {
         let part = (i as f32 + 0.5) / SHADOW_SAMPLES as f32;
@@ -53,7 +52,7 @@ pub fn cone_samples(way: &Ray, length: f32, dither: f32) -> impl Iterator<Item =
         let offset = u * (radius * cos) + v * (radius * sin);
         let [c, s] = GOLDEN_ANGLE_COS_SIN;
         (cos, sin) = (cos * c - sin * s, sin * c + cos * s);
-        way.at(part * length) + offset
+        axis.at(part * length) + offset
     })
 }
 
@@ -70,8 +69,8 @@ pub fn circle_point(turns: f32) -> [f32; 2] {
 
 /// Ambient irradiance over pi of a surface with this normal, in the studio.
 #[must_use]
-pub fn ambient_over_pi(normal: Vec3) -> Vec3 {
-    harmonics::ambient_over_pi(&AMBIENT_HARMONICS, normal)
+pub fn ambient_over_pi(studio_normal: Vec3) -> Vec3 {
+    harmonics::irradiance_over_pi(&AMBIENT_HARMONICS, studio_normal)
 }
 
 /// Radiance of the studio in a direction, without the sun: a cool sky over a warm floor, and a

@@ -16,15 +16,16 @@ use crate::constants::{
 
 /// Diffuse reflectance at a point of the unit cube.
 #[must_use]
-pub fn reflectance(texture: &[i8], point: Vec3) -> Vec3 {
+pub fn reflectance(noise_texture: &[i8], cube_point: Vec3) -> Vec3 {
     Vec3::from_array(MARBLE_BASE_COLOR)
-        .lerp(Vec3::from_array(MARBLE_VEIN_COLOR), vein_grey(texture, point))
+        .lerp(Vec3::from_array(MARBLE_VEIN_COLOR), vein_grey(noise_texture, cube_point))
 }
 
 /// Greyness of a point of the unit cube, 0 to 1.
-fn vein_grey(texture: &[i8], point: Vec3) -> f32 {
-    let (turbulence, cloud) = sum_octaves(texture, point * MARBLE_NOISE_SCALE);
-    let across = point.dot(Vec3::from_array(MARBLE_VEIN_NORMAL)) * MARBLE_VEIN_COUNT;
+fn vein_grey(noise_texture: &[i8], cube_point: Vec3) -> f32 {
+    let NoiseOctaves { sum: turbulence, first: cloud } =
+        sum_octaves(noise_texture, cube_point * MARBLE_NOISE_SCALE);
+    let across = cube_point.dot(Vec3::from_array(MARBLE_VEIN_NORMAL)) * MARBLE_VEIN_COUNT;
     // Distance to the nearest zero of the wave, 0 on a vein and 1 between two.
     let phase = across + MARBLE_TURBULENCE * turbulence;
     let distance_to_vein = 2.0 * (phase - phase.round()).abs();
@@ -57,10 +58,10 @@ pub fn grey_texture() -> &'static [u8] {
 
 /// Trilinear sample of [`grey_texture`] at a point of the unit cube, 0 to 1, clamped to the edge.
 #[must_use]
-pub fn sample_grey(point: Vec3) -> f32 {
+pub fn sample_grey(cube_point: Vec3) -> f32 {
     let texels = grey_texture();
     let place =
-        (point * TEXTURE_SIDE as f32 - Vec3::splat(0.5)).clamp(Vec3::ZERO, Vec3::splat(LAST));
+        (cube_point * TEXTURE_SIDE as f32 - Vec3::splat(0.5)).clamp(Vec3::ZERO, Vec3::splat(LAST));
     let low = place.to_array().map(|c| (c as usize).min(TEXTURE_SIDE - 2));
     let part = place - Vec3::from_array(low.map(|c| c as f32));
     let at = |x: usize, y: usize, z: usize| {
@@ -74,15 +75,22 @@ pub fn sample_grey(point: Vec3) -> f32 {
 
 const LAST: f32 = (TEXTURE_SIDE - 1) as f32;
 
-/// The sum of octaves of noise with halving amplitude, and the first one by itself.
-fn sum_octaves(texture: &[i8], point: Vec3) -> (f32, f32) {
-    let cloud = noise::sample_noise(texture, point);
-    let mut sum = cloud * 0.5;
+/// Octaves of noise at a point.
+struct NoiseOctaves {
+    /// Their sum, with halving amplitude.
+    sum: f32,
+    /// The first one by itself.
+    first: f32,
+}
+
+fn sum_octaves(noise_texture: &[i8], lattice_point: Vec3) -> NoiseOctaves {
+    let first = noise::sample_noise(noise_texture, lattice_point);
+    let mut sum = first * 0.5;
     let (mut scale, mut amplitude) = (1.0, 0.5);
     for _ in 1..MARBLE_OCTAVES {
         scale *= 2.0;
         amplitude *= 0.5;
-        sum += amplitude * noise::sample_noise(texture, point * scale);
+        sum += amplitude * noise::sample_noise(noise_texture, lattice_point * scale);
     }
-    (sum, cloud)
+    NoiseOctaves { sum, first }
 }

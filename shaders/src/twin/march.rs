@@ -34,29 +34,56 @@ pub struct VoxelHit {
     pub distance: f32,
 }
 
+/// A part of a ray, by distances from its origin.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct RaySpan {
+    /// Where it begins; at least 0.
+    pub near: f32,
+    /// Where it ends.
+    pub far: f32,
+}
+
+/// Which maps a step of a march reads; the answer is the same.
+#[derive(Clone, Copy)]
+enum MapReads {
+    /// The dominant axis's, and the other two only where that one holds the sample.
+    AsNeeded,
+    /// All three.
+    All,
+}
+
 /// The first occupied sample of a ray given in voxels, stepping from layer centre to layer centre
 /// of the ray's dominant axis: at most N steps, and none outside the cube.
 ///
 /// A step reads the dominant axis's map, and the other two only where that one holds the sample.
-/// With `read_all_maps` every step reads all three, for comparison; the answer is the same.
 #[must_use]
-pub fn march_maps<const N: usize>(
+pub fn march_maps<const N: usize>(maps: &RangeMaps<N>, ray: &Ray) -> Option<VoxelHit> {
+    march_reading(maps, ray, MapReads::AsNeeded)
+}
+
+/// [`march_maps`] with every step reading all three maps, for comparison; the answer is the same.
+#[must_use]
+pub fn march_all_maps<const N: usize>(maps: &RangeMaps<N>, ray: &Ray) -> Option<VoxelHit> {
+    march_reading(maps, ray, MapReads::All)
+}
+
+fn march_reading<const N: usize>(
     maps: &RangeMaps<N>,
     ray: &Ray,
-    read_all_maps: bool,
+    reads: MapReads,
 ) -> Option<VoxelHit> {
     let span = clip_to_cube(ray, N as f32)?;
     match dominant_axis(ray.direction) {
-        Axis::X => march_along::<N, 0>(maps, ray, span, read_all_maps),
-        Axis::Y => march_along::<N, 1>(maps, ray, span, read_all_maps),
-        Axis::Z => march_along::<N, 2>(maps, ray, span, read_all_maps),
+        Axis::X => march_along_axis::<N, 0>(maps, ray, span, reads),
+        Axis::Y => march_along_axis::<N, 1>(maps, ray, span, reads),
+        Axis::Z => march_along_axis::<N, 2>(maps, ray, span, reads),
     }
 }
 
-/// Slab test: the distances at which a ray enters and leaves the cube of a side at the origin, the
-/// first one at least 0. `None` if it misses.
+/// Slab test: the part of a ray in the cube from the origin to `side` along each axis. `None` if it
+/// misses.
 #[must_use]
-pub fn clip_to_cube(ray: &Ray, side: f32) -> Option<(f32, f32)> {
+pub fn clip_to_cube(ray: &Ray, side: f32) -> Option<RaySpan> {
     let (mut near, mut far) = (0.0f32, f32::INFINITY);
     for axis in 0..3 {
         let (origin, direction) = (ray.origin[axis], ray.direction[axis]);
@@ -70,13 +97,13 @@ pub fn clip_to_cube(ray: &Ray, side: f32) -> Option<(f32, f32)> {
             far = far.min(a.max(b));
         }
     }
-    (near < far).then_some((near, far))
+    (near < far).then_some(RaySpan { near, far })
 }
 
 /// Whether the voxel that holds a point is occupied; outside the cube is empty.
 #[must_use]
 #[inline]
-pub fn is_occupied<const N: usize>(maps: &RangeMaps<N>, point: Vec3) -> bool {
+pub fn is_point_occupied<const N: usize>(maps: &RangeMaps<N>, point: Vec3) -> bool {
     let inside = |c: f32| c >= 0.0 && c < N as f32;
     inside(point.x)
         && inside(point.y)
@@ -97,11 +124,11 @@ pub fn dominant_axis(direction: Vec3) -> Axis {
     }
 }
 
-fn march_along<const N: usize, const AXIS: usize>(
+fn march_along_axis<const N: usize, const AXIS: usize>(
     maps: &RangeMaps<N>,
     ray: &Ray,
-    (near, far): (f32, f32),
-    read_all_maps: bool,
+    RaySpan { near, far }: RaySpan,
+    reads: MapReads,
 ) -> Option<VoxelHit> {
     let axis = Axis::ALL[AXIS];
     let towards = ray.direction[AXIS];
@@ -128,11 +155,12 @@ fn march_along<const N: usize, const AXIS: usize>(
         // Rounding may carry a place out of the grid, where all is empty.
         if voxel.iter().all(|&c| (0..N as i32).contains(&c)) {
             let voxel = voxel.map(|c| c as usize);
-            let hit = if read_all_maps {
-                maps.contains(voxel)
-            } else {
-                maps.column(axis, axis.column_address(voxel)).contains(voxel[AXIS])
-                    && other_maps_hold::<N, AXIS>(maps, voxel)
+            let hit = match reads {
+                MapReads::All => maps.contains(voxel),
+                MapReads::AsNeeded => {
+                    maps.column(axis, axis.column_address(voxel)).contains(voxel[AXIS])
+                        && other_maps_hold::<N, AXIS>(maps, voxel)
+                }
             };
             if hit {
                 return Some(VoxelHit { voxel, distance: distance + each * i as f32 });

@@ -27,9 +27,9 @@ pub fn noise_texture() -> &'static [i8] {
 
 /// Trilinear sample of the texture at a point in lattice cells, repeating; about -1 to 1.
 #[must_use]
-pub fn sample_noise(texture: &[i8], point: Vec3) -> f32 {
+pub fn sample_noise(noise_texture: &[i8], lattice_point: Vec3) -> f32 {
     let texels = NOISE_TEXELS as f32 / NOISE_CELLS as f32;
-    let (low, part) = split_at_cell(point * texels - Vec3::splat(0.5));
+    let (low, part) = split_at_cell(lattice_point * texels - Vec3::splat(0.5));
     let at = |dx: i32, dy: i32, dz: i32| {
         let wrap = |c: i32| (c & (NOISE_TEXELS as i32 - 1)) as usize;
         let [x, y, z] = [
@@ -37,15 +37,15 @@ pub fn sample_noise(texture: &[i8], point: Vec3) -> f32 {
             wrap(low[1].wrapping_add(dy)),
             wrap(low[2].wrapping_add(dz)),
         ];
-        f32::from(texture[(z * NOISE_TEXELS + y) * NOISE_TEXELS + x])
+        f32::from(noise_texture[(z * NOISE_TEXELS + y) * NOISE_TEXELS + x])
     };
     mix_trilinear(at, part) / 127.0
 }
 
 /// Gradient noise at a point in lattice cells, repeating after [`NOISE_CELLS`].
 #[must_use]
-pub fn gradient_noise(point: Vec3) -> f32 {
-    let (low, part) = split_at_cell(point);
+pub fn gradient_noise(lattice_point: Vec3) -> f32 {
+    let (low, part) = split_at_cell(lattice_point);
     let corner = |dx: i32, dy: i32, dz: i32| {
         let away = part - Vec3::new(dx as f32, dy as f32, dz as f32);
         lattice_gradient([low[0] + dx, low[1] + dy, low[2] + dz]).dot(away)
@@ -60,16 +60,17 @@ fn split_at_cell(point: Vec3) -> ([i32; 3], Vec3) {
     (low, point - Vec3::from_array(low.map(|c| c as f32)))
 }
 
-fn mix_trilinear(at: impl Fn(i32, i32, i32) -> f32, part: Vec3) -> f32 {
+/// Trilinear interpolation of the values at the corners (0 or 1 along each axis) of a cell.
+fn mix_trilinear(value_at_corner: impl Fn(i32, i32, i32) -> f32, part: Vec3) -> f32 {
     let mix = |a: f32, b: f32, t: f32| a + (b - a) * t;
-    let line = |dy, dz| mix(at(0, dy, dz), at(1, dy, dz), part.x);
+    let line = |dy, dz| mix(value_at_corner(0, dy, dz), value_at_corner(1, dy, dz), part.x);
     let face = |dz| mix(line(0, dz), line(1, dz), part.y);
     mix(face(0), face(1), part.z)
 }
 
 /// The gradient at a lattice point: one of the twelve directions from a cube's centre to its edges.
-fn lattice_gradient(cell: [i32; 3]) -> Vec3 {
-    let [x, y, z] = cell.map(|c| c.rem_euclid(NOISE_CELLS as i32) as u32);
+fn lattice_gradient(lattice_point: [i32; 3]) -> Vec3 {
+    let [x, y, z] = lattice_point.map(|c| c.rem_euclid(NOISE_CELLS as i32) as u32);
     let hash = hash_u32(x | y << 8 | z << 16) % 12;
     let sign = |bit: u32| if hash >> bit & 1 == 0 { 1.0 } else { -1.0 };
     let mut gradient = Vec3::ZERO;

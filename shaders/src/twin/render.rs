@@ -81,7 +81,7 @@ pub fn render_image<const N: usize>(
 /// What keeps a picture from being encoded.
 pub fn render_portrait_png<const N: usize>(maps: &RangeMaps<N>) -> Result<Vec<u8>, String> {
     let options = RenderOptions { width: 720, height: 720, ..RenderOptions::default() };
-    let image = render_image(maps, &Camera::on_ring(0.4, 0.25), &options, &|_| {});
+    let image = render_image(maps, &Camera::orbiting(0.4, 0.25), &options, &|_| {});
     let mut png = Vec::new();
     image.write_png(&mut png).map_err(|error| error.to_string())?;
     Ok(png)

@@ -9,7 +9,7 @@ use glam::Vec3;
 
 use super::fragment::TwinScene;
 use super::light;
-use super::march::{Ray, is_occupied, march_maps};
+use super::march::{Ray, is_point_occupied, march_maps};
 use crate::constants::{GOLDEN_ANGLE_COS_SIN, SUN_COLOR, SUN_DIRECTION};
 
 const FLOOR: f32 = -1.1;
@@ -24,7 +24,12 @@ const FAR: f32 = 14.0;
 
 /// Linear radiance of the studio along a studio ray that misses the sculpture.
 #[must_use]
-pub fn shade_background<const N: usize>(scene: &TwinScene<'_, N>, ray: &Ray, dither: f32) -> Vec3 {
+pub fn shade_background<const N: usize>(
+    scene: &TwinScene<'_, N>,
+    studio_ray: &Ray,
+    dither: f32,
+) -> Vec3 {
+    let ray = studio_ray;
     let backdrop = backdrop_radiance(ray.direction);
     let Some(distance) = trace_stool_and_floor(ray) else {
         return backdrop;
@@ -33,7 +38,7 @@ pub fn shade_background<const N: usize>(scene: &TwinScene<'_, N>, ray: &Ray, dit
     let normal = studio_normal(point);
     let on_floor = point.y < FLOOR + 0.01;
     let reflectance = if on_floor { FLOOR_COLOR } else { STOOL_COLOR };
-    let sun = sun_factor(scene, point, normal, dither);
+    let sun = sun_visibility_times_cosine(scene, point, normal, dither);
     let open = ambient_openness(scene, point, normal, dither);
     let color =
         reflectance * (Vec3::from_array(SUN_COLOR) * sun + light::ambient_over_pi(normal) * open);
@@ -112,7 +117,7 @@ fn studio_normal(point: Vec3) -> Vec3 {
 
 /// Area-light shadow: the part of the sun's disc that a studio point sees past stool and sculpture,
 /// times the cosine of incidence.
-fn sun_factor<const N: usize>(
+fn sun_visibility_times_cosine<const N: usize>(
     scene: &TwinScene<'_, N>,
     point: Vec3,
     normal: Vec3,
@@ -131,20 +136,20 @@ fn sun_factor<const N: usize>(
         let radius = SUN_RADIUS * ((i as f32 + dither) / SHADOW_RAYS as f32).sqrt();
         let direction = (sun + (u * cos + v * sin) * radius).normalize();
         let ray = Ray { origin: start, direction };
-        let hidden = march_maps(scene.maps, &scene.ray_to_grid(&ray), false).is_some();
+        let hidden = march_maps(scene.maps, &scene.ray_to_grid(&ray)).is_some();
         seen += u32::from(!hidden);
         let [c, s] = GOLDEN_ANGLE_COS_SIN;
         (cos, sin) = (cos * c - sin * s, sin * c + cos * s);
     }
-    facing * stool_shadow(start, sun) * seen as f32 / SHADOW_RAYS as f32
+    facing * stool_sun_visibility(start, sun) * seen as f32 / SHADOW_RAYS as f32
 }
 
 /// Distance field soft shadow of the stool: by the shadow ray's closest approach (Aaltonen and
-/// Quilez).
-fn stool_shadow(start: Vec3, sun: Vec3) -> f32 {
+/// Quilez). Visibility, 0 to 1.
+fn stool_sun_visibility(start: Vec3, to_sun: Vec3) -> f32 {
     let (mut distance, mut seen) = (0.02, 1.0f32);
     for _ in 0..32 {
-        let gap = stool_distance(start + sun * distance);
+        let gap = stool_distance(start + to_sun * distance);
         seen = seen.min(gap / (SUN_RADIUS * distance) * 0.5 + 0.5);
         if seen <= 0.0 {
             return 0.0;
@@ -177,7 +182,7 @@ fn ambient_openness<const N: usize>(
         let reach = 0.015 + 0.35 * part * part;
         let spread = reach * (0.3 + 1.2 * (i * 7 % samples) as f32 / samples as f32);
         let sample = point + normal * reach + (u * cos + v * sin) * spread;
-        free += if is_occupied(scene.maps, scene.point_to_grid(sample)) { 0.0 } else { 1.0 };
+        free += if is_point_occupied(scene.maps, scene.point_to_grid(sample)) { 0.0 } else { 1.0 };
         let [c, s] = GOLDEN_ANGLE_COS_SIN;
         (cos, sin) = (cos * c - sin * s, sin * c + cos * s);
     }

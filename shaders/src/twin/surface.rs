@@ -24,14 +24,10 @@ pub struct SurfacePoint {
 /// Sphere tracing of the blobs around a hit voxel, from half a voxel before the sample. If the ray
 /// misses them, its closest approach is taken. The normal is equation 1.
 #[must_use]
-pub fn trace_blobs<const N: usize>(
-    maps: &RangeMaps<N>,
-    ray: &Ray,
-    sample: &VoxelHit,
-) -> SurfacePoint {
-    let neighbours = Neighbours::around_voxel(maps, sample.voxel);
-    let centre = voxel_centre(sample.voxel);
-    let mut distance = sample.distance - BLOB_START_BACK;
+pub fn trace_blobs<const N: usize>(maps: &RangeMaps<N>, ray: &Ray, hit: &VoxelHit) -> SurfacePoint {
+    let neighbours = Neighbours::around_voxel(maps, hit.voxel);
+    let centre = voxel_centre(hit.voxel);
+    let mut distance = hit.distance - BLOB_START_BACK;
     let (mut closest, mut closest_gap) = (distance, f32::INFINITY);
     for _ in 0..BLOB_MAX_STEPS {
         let gap = neighbours.blob_distance(ray.at(distance) - centre);
@@ -51,10 +47,10 @@ pub fn trace_blobs<const N: usize>(
     }
 }
 
-/// The face through which a ray enters the hit voxel, for pictures without blobs.
+/// Where a ray enters the hit voxel, with the normal of that face, for pictures without blobs.
 #[must_use]
-pub fn entry_face(ray: &Ray, sample: &VoxelHit) -> SurfacePoint {
-    let centre = voxel_centre(sample.voxel);
+pub fn entry_face_point(ray: &Ray, hit: &VoxelHit) -> SurfacePoint {
+    let centre = voxel_centre(hit.voxel);
     let (mut distance, mut axis) = (f32::NEG_INFINITY, 0);
     for i in 0..3 {
         let towards = ray.direction[i];
@@ -91,13 +87,15 @@ impl Neighbours {
     /// Signed distance from a point, given from the hit voxel's centre, to the smooth union of the
     /// blobs of that voxel and its occupied neighbours, in voxels.
     #[must_use]
-    pub fn blob_distance(&self, point: Vec3) -> f32 {
+    pub fn blob_distance(&self, from_centre: Vec3) -> f32 {
+        let point = from_centre;
         let square = point.length_squared();
         let weight = |square: f32| ((BLOB_RADIUS - square.sqrt()) / BLOB_BLEND_WIDTH).exp();
         let mut sum = weight(square);
         for i in 0..6 {
             if self.0[i] {
-                sum += weight((square + 1.0 - 2.0 * component_towards(point, i)).max(0.0));
+                sum +=
+                    weight((square + 1.0 - 2.0 * component_towards_neighbour(point, i)).max(0.0));
             }
         }
         -BLOB_BLEND_WIDTH * sum.ln()
@@ -107,7 +105,8 @@ impl Neighbours {
     /// a point, given from the hit voxel's centre, weighted by inverse square distance. A voxel
     /// without neighbours is a ball.
     #[must_use]
-    pub fn shepard_normal(&self, point: Vec3) -> Vec3 {
+    pub fn shepard_normal(&self, from_centre: Vec3) -> Vec3 {
+        let point = from_centre;
         let mut sum = Vec3::ZERO;
         for i in 0..6 {
             if self.0[i] {
@@ -123,12 +122,14 @@ fn voxel_centre(voxel: [usize; 3]) -> Vec3 {
     Vec3::from_array(voxel.map(|c| c as f32 + 0.5))
 }
 
-fn component_towards(point: Vec3, i: usize) -> f32 {
-    if i % 2 == 1 { point[i / 2] } else { -point[i / 2] }
+/// A vector's component in the direction of a neighbour, one of the six.
+fn component_towards_neighbour(vector: Vec3, neighbour: usize) -> f32 {
+    if neighbour % 2 == 1 { vector[neighbour / 2] } else { -vector[neighbour / 2] }
 }
 
-fn neighbour_offset(i: usize) -> Vec3 {
+/// The unit step to a neighbour, one of the six.
+fn neighbour_offset(neighbour: usize) -> Vec3 {
     let mut offset = Vec3::ZERO;
-    offset[i / 2] = if i % 2 == 1 { 1.0 } else { -1.0 };
+    offset[neighbour / 2] = if neighbour % 2 == 1 { 1.0 } else { -1.0 };
     offset
 }

@@ -19,7 +19,7 @@ use paros_shaders::{
 fn depth_and_position_agree_with_the_turned_stool() {
     with_ball_maps(|maps| {
         let scene = TwinScene::new(maps, 0.7, TwinSettings::default());
-        let camera = Camera::on_ring(0.0, 0.3);
+        let camera = Camera::orbiting(0.0, 0.3);
         let mut hits = 0;
         for (x, y) in (0..400).map(|i| (i as f32 % 20.0 / 10.0 - 1.0, i as f32 / 200.0 - 1.0)) {
             let ray = camera.ray_through(x, y);
@@ -42,7 +42,7 @@ fn azimuth_chooses_the_side() {
     });
     with_maps_of_16(&cross, |maps| {
         for (quarter, axis, end) in [(0, 2, 15), (1, 0, 15), (2, 2, 0), (3, 0, 0)] {
-            let camera = Camera::on_ring(quarter as f32 * std::f32::consts::FRAC_PI_2, 0.0);
+            let camera = Camera::orbiting(quarter as f32 * std::f32::consts::FRAC_PI_2, 0.0);
             let scene = TwinScene::new(maps, -camera.azimuth, TwinSettings::default());
             let hit = shade_ray(&scene, &camera.ray_through(0.0, 0.0), 0.5)
                 .expect("the cross fills the centre");
@@ -100,7 +100,7 @@ fn small_options(settings: TwinSettings) -> RenderOptions {
 
 fn render_in_threads(threads: usize, maps: &RangeMaps<64>, options: &RenderOptions) -> Image {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-    pool.install(|| render_image(maps, &Camera::on_ring(0.4, 0.2), options, &|_| ()))
+    pool.install(|| render_image(maps, &Camera::orbiting(0.4, 0.2), options, &|_| ()))
 }
 
 #[test]
@@ -122,7 +122,7 @@ fn a_picture_shows_a_ball_in_a_studio() {
         let plain = TwinSettings { shading: false, ..TwinSettings::default() };
         let image = render_in_threads(2, maps, &small_options(plain));
         let studio = with_maps_of_16(&DenseVolume::empty(16), |empty| {
-            render_image(empty, &Camera::on_ring(0.4, 0.2), &small_options(plain), &|_| ())
+            render_image(empty, &Camera::orbiting(0.4, 0.2), &small_options(plain), &|_| ())
         });
         let ball =
             (0..96 * 72).filter(|i| image.pixel(i % 96, i / 96) != studio.pixel(i % 96, i / 96));
@@ -143,7 +143,7 @@ fn progress_is_told_row_by_row() {
         let most = Mutex::new(0.0f32);
         let image = render_image(
             maps,
-            &Camera::on_ring(0.0, 0.1),
+            &Camera::orbiting(0.0, 0.1),
             &small_options(TwinSettings::default()),
             &|part| {
                 calls.fetch_add(1, Ordering::Relaxed);
@@ -162,7 +162,7 @@ fn a_picture_without_pixels_is_no_error() {
     with_ball_maps(|maps| {
         for (width, height) in [(0, 5), (5, 0), (0, 0)] {
             let options = RenderOptions { width, height, ..small_options(TwinSettings::default()) };
-            let image = render_image(maps, &Camera::on_ring(0.0, 0.1), &options, &|_| ());
+            let image = render_image(maps, &Camera::orbiting(0.0, 0.1), &options, &|_| ());
             assert!(image.pixels.is_empty());
             assert!(image.write_png(Vec::new()).is_err());
         }

@@ -12,7 +12,9 @@ use paros_models::scripted_hand::{
 use paros_models::world_harness::WorldHarness;
 use paros_shaders::limits::{INSTANCES, PARTICLES};
 use paros_shaders::scene::particles::{MAX_LIFE_SECONDS, MOTE_SECONDS};
-use paros_shaders::scene::{LatestInput, MESHES, MeshId, ROOM_AMBIENT, SceneAssembler, meshes};
+use paros_shaders::scene::{
+    HandShape, LatestInput, MESHES, MeshId, ROOM_AMBIENT, SceneAssembler, meshes,
+};
 
 static STUDIO: Mutex<WorldHarness<64>> = Mutex::new(WorldHarness::new());
 
@@ -26,9 +28,8 @@ fn all_meshes() -> Vec<MeshId> {
     all.extend([MeshId::StoolTop, MeshId::Chip, MeshId::Speck]);
     all.extend(Tool::ALL.map(MeshId::of_tool));
     all.extend(ToolBit::ALL.map(MeshId::of_bit));
-    all.extend(
-        [(0, true), (0, false), (1, true), (1, false)].map(|(hand, c)| MeshId::of_hand(hand, c)),
-    );
+    all.extend([HandShape::Closed, HandShape::Open].map(MeshId::of_left_hand));
+    all.extend([HandShape::Closed, HandShape::Open].map(MeshId::of_right_hand));
     all
 }
 
@@ -47,7 +48,8 @@ fn the_tables_hold_every_mesh() {
         (meshes::all_vertices().len(), meshes::all_indices().len() / 3)
     );
     // What a frame draws but for particles: everything, with one pair of hands.
-    let pair = [0, 1].map(|hand| MeshId::of_hand(hand, true).indices().len() / 3);
+    let pair = [MeshId::of_left_hand, MeshId::of_right_hand]
+        .map(|of| of(HandShape::Closed).indices().len() / 3);
     let drawn = triangles - pair.iter().sum::<usize>();
     assert!(drawn < 40_000, "{drawn} triangles");
     for mesh in all {
@@ -242,7 +244,7 @@ fn chips_fly_and_are_gone_and_nothing_grows() {
     let mut studio = lock_studio();
     let mut scene = SceneAssembler::new();
     let capacity = scene.draw_list().capacity();
-    assert_eq!(capacity.0, INSTANCES);
+    assert_eq!(capacity.instances, INSTANCES);
     let mut most = 0;
     let time = carve_strokes(&mut studio, &mut scene, |scene| {
         most = most.max(scene.particles().alive_count());

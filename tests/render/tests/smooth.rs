@@ -2,7 +2,7 @@
 //! voxelised by the voxels' centres.
 //!
 //! Planted faults, and what catches each (tried by hand):
-//! - `fast.rs`, `density_descent`: samples of level 0, or 2, for 1 -> `normals`.
+//! - `fast.rs`, `negative_density_gradient`: samples of level 0, or 2, for 1 -> `normals`.
 //! - `fast.rs`, `refine_hit`: the first sample inside is the surface -> `a_spheres_surface`.
 //! - `fast.rs`: the surface where the density is 0.35 -> `a_spheres_surface`, `a_spheres_outline`.
 //! - `blur.rs`: no blur along x -> `normals`.
@@ -64,7 +64,7 @@ fn measure_errors(solid: &Solid) -> SmoothErrors {
             let [x, y] = [i % 60, i / 60].map(|i| 2.0 * (i as f32 - 29.5));
             let eye = MIDDLE - way * 300.0;
             let ray = Ray { origin: eye, direction: (MIDDLE + u * x + v * y - eye).normalize() };
-            let both = (fast::find_surface(&field, &ray), march_maps(&maps, &ray, false));
+            let both = (fast::find_surface(&field, &ray), march_maps(&maps, &ray));
             let (Some(at), Some(sample)) = both else { continue };
             let off = solid.distance(at.position).abs();
             sum.hits += 1.0;

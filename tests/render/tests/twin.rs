@@ -7,14 +7,15 @@ use paros_models::twin::{
     self as model, BALL_CENTRE, BALL_RADIUS, sample_directions, voxel_centre, with_ball_maps,
     with_maps_of_16,
 };
+use paros_shaders::fast::SunLight;
 use paros_shaders::field::DensityField;
-use paros_shaders::march::{clip_to_cube, is_occupied, march_maps};
+use paros_shaders::march::{RaySpan, clip_to_cube, is_point_occupied, march_all_maps, march_maps};
 use paros_shaders::surface::{self, Neighbours, SurfacePoint};
 use paros_shaders::{Ray, TwinScene, TwinSettings, fast, light, shade_ray};
 use proptest::prelude::*;
 
 fn sun_visibility(maps: &RangeMaps<16>, point: Vec3, towards: Vec3, dither: f32) -> f32 {
-    light::trace_visibility(16, point, towards, dither, |at| is_occupied(maps, at))
+    light::cone_visibility(16, point, towards, dither, |at| is_point_occupied(maps, at))
 }
 
 fn build_field<const N: usize>(maps: &RangeMaps<N>) -> Box<DensityField<N>> {
@@ -51,8 +52,8 @@ proptest! {
     ) {
         with_maps_of_16(&dense, |maps| {
             for ray in &rays {
-                let quick = march_maps(maps, ray, false);
-                prop_assert_eq!(quick, march_maps(maps, ray, true));
+                let quick = march_maps(maps, ray);
+                prop_assert_eq!(quick, march_all_maps(maps, ray));
                 let found = model::march_layers(
                     &dense,
                     ray.origin.to_array().map(f64::from),
@@ -76,7 +77,7 @@ proptest! {
     fn normals_are_equation_1(dense in closed_volumes(16), rays in proptest::collection::vec(any_ray(16.0), 24)) {
         with_maps_of_16(&dense, |maps| {
             for ray in &rays {
-                let Some(sample) = march_maps(maps, ray, false) else { continue };
+                let Some(sample) = march_maps(maps, ray) else { continue };
                 let at = surface::trace_blobs(maps, ray, &sample);
                 prop_assert!((at.normal.length() - 1.0).abs() < 1e-4);
                 prop_assert!((ray.at(at.distance) - at.position).length() < 1e-3);
@@ -99,10 +100,10 @@ proptest! {
         part in 0.0..1.0f32,
         dither in 0.0..1.0f32,
     ) {
-        let Some((near, far)) = clip_to_cube(&ray, 16.0) else { return Ok(()) };
+        let Some(RaySpan { near, far }) = clip_to_cube(&ray, 16.0) else { return Ok(()) };
         let way = Ray { origin: ray.at(near + (far - near) * part * 0.99), ..ray };
-        let Some((_, length)) = clip_to_cube(&way, 16.0) else { return Ok(()) };
-        let samples: Vec<Vec3> = light::cone_samples(&way, length, dither).collect();
+        let Some(RaySpan { far: length, .. }) = clip_to_cube(&way, 16.0) else { return Ok(()) };
+        let samples: Vec<Vec3> = light::cone_sample_points(&way, length, dither).collect();
         prop_assert_eq!(samples.len(), 10);
         let mut blocked = 0;
         for (i, sample) in samples.into_iter().enumerate() {
@@ -122,7 +123,7 @@ proptest! {
         let ray = Ray { origin: Vec3::new(a, b, c), direction: Vec3::new(d, e, f) };
         let dense = DenseVolume::from_fn(16, |[x, y, z]| x + y + z < 20);
         with_maps_of_16(&dense, |maps| {
-            let _ = march_maps(maps, &ray, false);
+            let _ = march_maps(maps, &ray);
             let _ = sun_visibility(maps, ray.origin, ray.direction, dither);
             let field = build_field(maps);
             let scene = TwinScene { field: Some(&field), ..TwinScene::new(maps, 0.3, TwinSettings::default()) };
@@ -166,12 +167,12 @@ fn hits_are_within_a_voxel_of_a_ball_from_every_side() {
     with_ball_maps(|maps| {
         let (mut rays, mut blob_off, mut face_off) = (0, 0.0f32, 0.0f32);
         for_ball_rays(|ray| {
-            let sample = march_maps(maps, ray, false).expect("the ray meets the ball");
+            let sample = march_maps(maps, ray).expect("the ray meets the ball");
             let off = |at: surface::SurfacePoint| {
                 ((at.position - BALL_CENTRE).length() - BALL_RADIUS).abs()
             };
             blob_off = blob_off.max(off(surface::trace_blobs(maps, ray, &sample)));
-            face_off = face_off.max(off(surface::entry_face(ray, &sample)));
+            face_off = face_off.max(off(surface::entry_face_point(ray, &sample)));
             rays += 1;
         });
         assert!(rays > 4000, "{rays}");
@@ -188,11 +189,11 @@ fn normals_of_a_ball_point_outwards() {
     with_ball_maps(|maps| {
         let (mut blob, mut face) = (Vec::new(), Vec::new());
         for_ball_rays(|ray| {
-            let sample = march_maps(maps, ray, false).expect("the ray meets the ball");
+            let sample = march_maps(maps, ray).expect("the ray meets the ball");
             let error =
                 |at: surface::SurfacePoint| degrees_between(at.normal, at.position - BALL_CENTRE);
             blob.push(error(surface::trace_blobs(maps, ray, &sample)));
-            face.push(error(surface::entry_face(ray, &sample)));
+            face.push(error(surface::entry_face_point(ray, &sample)));
         });
         let mean = |errors: &[f32]| errors.iter().sum::<f32>() / errors.len() as f32;
         assert!(mean(&blob) < 27.0, "{}", mean(&blob));
@@ -204,7 +205,7 @@ fn normals_of_a_ball_point_outwards() {
                 let (angle, off) = (i as f32 * 2.4, 5.0 * (i as f32 / 1000.0).sqrt());
                 let beside = BALL_CENTRE + (u * angle.cos() + v * angle.sin()) * off;
                 let ray = Ray { origin: beside - direction * 100.0, direction };
-                let sample = march_maps(maps, &ray, false).expect("the ray meets the ball");
+                let sample = march_maps(maps, &ray).expect("the ray meets the ball");
                 let at = surface::trace_blobs(maps, &ray, &sample);
                 normal += at.normal;
                 outwards += (at.position - BALL_CENTRE).normalize();
@@ -285,7 +286,7 @@ fn shade_sunlit(dense: &DenseVolume, normal: Vec3, sun: Vec3, points: &[Vec3]) -
     let field = build_field(&maps);
     let lit = |position: &Vec3| {
         let at = SurfacePoint { position: *position, normal, distance: 0.0 };
-        fast::shade_surface(&field, &at, (sun, Vec3::ONE), Vec3::ZERO)
+        fast::shade_surface(&field, &at, &SunLight { direction: sun, color: Vec3::ONE }, Vec3::ZERO)
     };
     points.iter().map(lit).collect()
 }
@@ -327,9 +328,9 @@ fn shadows_are_dark_at_a_contact_and_softer_from_afar() {
 fn points_outside_the_cube_are_empty() {
     let full = DenseVolume::from_fn(16, |_| true);
     with_maps_of_16(&full, |maps| {
-        assert!(is_occupied(maps, Vec3::splat(15.99)) && is_occupied(maps, Vec3::ZERO));
+        assert!(is_point_occupied(maps, Vec3::splat(15.99)) && is_point_occupied(maps, Vec3::ZERO));
         for outside in [-0.01, 16.0, 1e30, f32::NAN, f32::INFINITY] {
-            assert!(!is_occupied(maps, Vec3::new(3.0, outside, 3.0)));
+            assert!(!is_point_occupied(maps, Vec3::new(3.0, outside, 3.0)));
         }
     });
 }
