@@ -4,16 +4,16 @@ use std::fmt::Write as _;
 
 /// Rust source of compile-time assertions that the named structures have the size and the field
 /// offsets of the structures of the same names in a WGSL module.
-pub(crate) fn layout_checks(path: &str, source: &str, structures: &[&str]) -> String {
-    let source = source.replace("#define_import_path", "//");
+pub(crate) fn layout_assertions(wgsl_path: &str, wgsl: &str, structures: &[&str]) -> String {
+    let source = wgsl.replace("#define_import_path", "//");
     let module = naga::front::wgsl::parse_str(&source)
-        .unwrap_or_else(|error| panic!("{path}: {}", error.emit_to_string(&source)));
+        .unwrap_or_else(|error| panic!("{wgsl_path}: {}", error.emit_to_string(&source)));
     let mut text = String::from("const _: () = {\n");
     for name in structures {
         let named = |ty: &&naga::Type| ty.name.as_deref() == Some(name);
         let found = module.types.iter().map(|(_, ty)| ty).find(named);
         let Some(naga::TypeInner::Struct { members, span }) = found.map(|ty| &ty.inner) else {
-            panic!("{path} has no structure {name}");
+            panic!("{wgsl_path} has no structure {name}");
         };
         push_check(&mut text, &format!("size_of::<{name}>()"), *span, name);
         for member in members {

@@ -8,6 +8,7 @@ use glam::Vec3;
 use paros_core::internals::{BOX_SIDE, STOOL_TOP};
 use paros_core::{Tool, ToolBit};
 
+use crate::mesh::hands::HandShape;
 use crate::mesh::{MeshBuilder, bits, extent, furniture, hands, light, room, tools, translation};
 
 /// How a mesh's openness is found.
@@ -33,16 +34,17 @@ pub(crate) fn write_meshes(out: &Path) {
     // The stool's top takes part in the room's light where it is at first.
     let mut lit_things = standing;
     lit_things.append(&furniture::stool_top(), translation(STOOL_TOP.x, STOOL_TOP.y, STOOL_TOP.z));
-    let lit = light::RoomLight::new(&lit_things, (extent::LOW, extent::HIGH));
-    let about = lit.harmonics_at(STOOL_TOP + Vec3::Y * (0.5 * BOX_SIDE));
+    let inside = light::BoxBounds { low: extent::LOW, high: extent::HIGH };
+    let lit = light::RoomLight::new(&lit_things, &inside);
+    let sculpture_sh = lit.radiance_sh_at(STOOL_TOP + Vec3::Y * (0.5 * BOX_SIDE));
     for (_, light, mesh) in &mut meshes {
         match light {
-            MeshLight::Room => light::set_openness_in_room(mesh, &lit, &about),
-            MeshLight::Alone => light::set_own_openness(mesh),
+            MeshLight::Room => light::set_openness_in_room(mesh, &lit, &sculpture_sh),
+            MeshLight::Alone => light::set_openness_by_itself(mesh),
             MeshLight::None => {}
         }
     }
-    write_ambient(out, &about);
+    write_ambient(out, &sculpture_sh);
     write_tables(out, &meshes);
 }
 
@@ -59,9 +61,9 @@ fn all_meshes() -> Vec<(String, MeshLight, MeshBuilder)> {
         Tool::ALL.map(|tool| (format!("{tool:?}"), MeshLight::Alone, tools::tool_body(tool))),
     );
     all.extend(ToolBit::ALL.map(|bit| (format!("{bit:?}"), MeshLight::Alone, bits::bit_mesh(bit))));
-    for (name, closed) in [("Open", false), ("Closed", true)] {
-        all.push((format!("{name}LeftHand"), MeshLight::Alone, hands::left_hand(closed)));
-        all.push((format!("{name}RightHand"), MeshLight::Alone, hands::right_hand(closed)));
+    for (name, shape) in [("Open", HandShape::Open), ("Closed", HandShape::Closed)] {
+        all.push((format!("{name}LeftHand"), MeshLight::Alone, hands::left_hand(shape)));
+        all.push((format!("{name}RightHand"), MeshLight::Alone, hands::right_hand(shape)));
     }
     all.push(("Chip".to_owned(), MeshLight::None, furniture::chip_mesh()));
     all.push(("Speck".to_owned(), MeshLight::None, furniture::speck_mesh()));
@@ -77,8 +79,8 @@ fn write_tables(out: &Path, meshes: &[(String, MeshLight, MeshBuilder)]) {
             corner.position.to_array().iter().for_each(|f| vertices.extend(f.to_le_bytes()));
             vertices.extend(corner.normal.to_array().map(|f| (f * 127.0).round() as i8 as u8));
             vertices.push(0);
-            vertices.extend(corner.colour.to_array().map(unit_to_byte));
-            vertices.push(unit_to_byte(corner.openness));
+            vertices.extend(corner.colour.to_array().map(fraction_to_byte));
+            vertices.push(fraction_to_byte(corner.openness));
         }
         for i in mesh.triangles.iter().flatten() {
             let index = u16::try_from(*i).expect("at most 65,536 vertices in a mesh");
@@ -86,7 +88,7 @@ fn write_tables(out: &Path, meshes: &[(String, MeshLight, MeshBuilder)]) {
         }
         let radius = mesh.corners.iter().fold(0.0, |r: f32, c| r.max(c.position.length()));
         let count = 3 * mesh.triangles.len();
-        let spaced = spaced_words(name);
+        let spaced = space_out_words(name);
         let _ = writeln!(ids, "    /// {spaced}.\n    {name},");
         let _ = writeln!(
             rows,
@@ -107,8 +109,8 @@ fn write_tables(out: &Path, meshes: &[(String, MeshLight, MeshBuilder)]) {
     write_file(out, "meshes.rs", table.as_bytes());
 }
 
-fn write_ambient(out: &Path, about: &[[f32; 3]; 9]) {
-    let rows: String = about.iter().map(|c| format!("    {c:?},\n")).collect();
+fn write_ambient(out: &Path, sculpture_sh: &[[f32; 3]; 9]) {
+    let rows: String = sculpture_sh.iter().map(|c| format!("    {c:?},\n")).collect();
     let text = format!(
         "/// Radiance about the sculpture but for the sun's own, in the order and the units of\n\
          /// [`AMBIENT_HARMONICS`](crate::constants::AMBIENT_HARMONICS): the window's sky, and what the room gives back.\n\
@@ -118,9 +120,9 @@ fn write_ambient(out: &Path, about: &[[f32; 3]; 9]) {
 }
 
 /// A camel-case name as lower-case words after the first.
-fn spaced_words(name: &str) -> String {
+fn space_out_words(camel_case: &str) -> String {
     let mut words = String::new();
-    for c in name.chars() {
+    for c in camel_case.chars() {
         match c.is_uppercase() && !words.is_empty() {
             true => words.extend([' ', c.to_ascii_lowercase()]),
             false => words.push(c),
@@ -130,8 +132,8 @@ fn spaced_words(name: &str) -> String {
 }
 
 /// A number in 0..1 as a normalised byte.
-fn unit_to_byte(part: f32) -> u8 {
-    (part.clamp(0.0, 1.0) * 255.0).round() as u8
+fn fraction_to_byte(fraction: f32) -> u8 {
+    (fraction.clamp(0.0, 1.0) * 255.0).round() as u8
 }
 
 fn write_file(out: &Path, name: &str, bytes: &[u8]) {

@@ -15,7 +15,8 @@ use naga_oil::compose::{
 };
 
 use crate::constants::BINDING_COUNT;
-use crate::{layout, shared, words};
+use crate::words::{self, LoopUnrolling};
+use crate::{layout, shared};
 
 /// Modules that others import, each after what it imports itself.
 const LIBRARY: [&str; 7] = ["constants", "layout", "box", "light", "marble", "beam", "shadow"];
@@ -63,8 +64,8 @@ pub(crate) fn write_programs(out: &Path) {
     for (module, structures) in
         [("layout", &["ViewUniforms", "FrameUniforms"][..]), ("scatter", &["Patch"])]
     {
-        let (path, source) = read_module(module);
-        let checks = layout::layout_checks(&path, &source, structures);
+        let WgslModule { path, text } = read_module(module);
+        let checks = layout::layout_assertions(&path, &text, structures);
         std::fs::write(out.join(format!("{module}.rs")), checks).expect("OUT_DIR takes files");
     }
     writeln!(
@@ -130,10 +131,10 @@ fn compile_program(program: &ShaderVariant) -> Vec<u32> {
     let defs: HashMap<_, _> =
         program.defs.iter().map(|def| ((*def).to_owned(), ShaderDefValue::Bool(true))).collect();
     for name in LIBRARY {
-        let (file_path, source) = read_module(name);
+        let WgslModule { path, text } = read_module(name);
         let module = ComposableModuleDescriptor {
-            source: &source,
-            file_path: &file_path,
+            source: &text,
+            file_path: &path,
             shader_defs: defs.clone(),
             ..ComposableModuleDescriptor::default()
         };
@@ -141,22 +142,25 @@ fn compile_program(program: &ShaderVariant) -> Vec<u32> {
             panic!("{}", error.emit_to_string(&composer));
         }
     }
-    let (file_path, mut source) = read_module(program.module);
+    let WgslModule { path, mut text } = read_module(program.module);
     if program.defs.contains(&"HALF") {
         // Directives stand before everything else, conditions of the preprocessor too.
-        source.insert_str(0, "enable f16;\n");
+        text.insert_str(0, "enable f16;\n");
     }
     let module = composer.make_naga_module(NagaModuleDescriptor {
-        source: &source,
-        file_path: &file_path,
+        source: &text,
+        file_path: &path,
         shader_type: ShaderType::Wgsl,
         shader_defs: defs,
         ..NagaModuleDescriptor::default()
     });
     let module = module.unwrap_or_else(|error| panic!("{}", error.emit_to_string(&composer)));
     // The fast path of single precision is for desktops, whose drivers know better.
-    let loops = program.defs.contains(&"HALF") || program.module != "fast";
-    words::finish_words(&write_spirv(&module, program, capabilities), loops)
+    let unrolling = match program.module == "fast" && !program.defs.contains(&"HALF") {
+        true => LoopUnrolling::Allowed,
+        false => LoopUnrolling::Forbidden,
+    };
+    words::postprocess_spirv(&write_spirv(&module, program, capabilities), unrolling)
 }
 
 fn write_spirv(
@@ -213,12 +217,18 @@ fn same_binding(binding: u32) -> (naga::ResourceBinding, spv::BindingInfo) {
     (naga::ResourceBinding { group: 0, binding }, info)
 }
 
-/// A module's path and WGSL text; the text of `constants` is generated.
-fn read_module(name: &str) -> (String, String) {
+/// A module of WGSL.
+struct WgslModule {
+    path: String,
+    text: String,
+}
+
+/// Reads a module; the text of `constants` is generated.
+fn read_module(name: &str) -> WgslModule {
     if name == "constants" {
-        return ("constants.wgsl".into(), shared::constants_module());
+        return WgslModule { path: "constants.wgsl".into(), text: shared::constants_module() };
     }
     let path = format!("wgsl/{name}.wgsl");
     let text = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{path}: {error}"));
-    (path, text)
+    WgslModule { path, text }
 }

@@ -4,41 +4,46 @@ use std::fmt::Write as _;
 
 use crate::constants;
 
-/// A constant's type and value in WGSL.
+/// A constant's type and value, as WGSL text.
+struct WgslConstant {
+    ty: &'static str,
+    value: String,
+}
+
 trait InWgsl {
-    fn in_wgsl(&self) -> (&'static str, String);
+    fn in_wgsl(&self) -> WgslConstant;
 }
 
 impl InWgsl for f32 {
-    fn in_wgsl(&self) -> (&'static str, String) {
+    fn in_wgsl(&self) -> WgslConstant {
         // As many digits as tell it from every other number.
-        ("f32", format!("{self:?}"))
+        WgslConstant { ty: "f32", value: format!("{self:?}") }
     }
 }
 
 impl InWgsl for u32 {
-    fn in_wgsl(&self) -> (&'static str, String) {
-        ("u32", format!("{self}u"))
+    fn in_wgsl(&self) -> WgslConstant {
+        WgslConstant { ty: "u32", value: format!("{self}u") }
     }
 }
 
 impl InWgsl for usize {
-    fn in_wgsl(&self) -> (&'static str, String) {
-        ("u32", format!("{self}u"))
+    fn in_wgsl(&self) -> WgslConstant {
+        WgslConstant { ty: "u32", value: format!("{self}u") }
     }
 }
 
 impl InWgsl for [f32; 2] {
-    fn in_wgsl(&self) -> (&'static str, String) {
+    fn in_wgsl(&self) -> WgslConstant {
         let [x, y] = self;
-        ("vec2<f32>", format!("vec2<f32>({x:?}, {y:?})"))
+        WgslConstant { ty: "vec2<f32>", value: format!("vec2<f32>({x:?}, {y:?})") }
     }
 }
 
 impl InWgsl for [f32; 3] {
-    fn in_wgsl(&self) -> (&'static str, String) {
+    fn in_wgsl(&self) -> WgslConstant {
         let [x, y, z] = self;
-        ("vec3<f32>", format!("vec3<f32>({x:?}, {y:?}, {z:?})"))
+        WgslConstant { ty: "vec3<f32>", value: format!("vec3<f32>({x:?}, {y:?}, {z:?})") }
     }
 }
 
@@ -47,8 +52,8 @@ macro_rules! declare {
     ($($name:ident),* $(,)?) => {{
         let mut text = String::from("#define_import_path paros::constants\n");
         $(
-            let (kind, value) = constants::$name.in_wgsl();
-            writeln!(text, "const {}: {kind} = {value};", stringify!($name))
+            let WgslConstant { ty, value } = constants::$name.in_wgsl();
+            writeln!(text, "const {}: {ty} = {value};", stringify!($name))
                 .expect("strings take text");
         )*
         text

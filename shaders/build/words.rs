@@ -8,9 +8,17 @@ const DONT_UNROLL: u32 = 2;
 /// arithmetic. The programs have none, and few phones offer it.
 const STORAGE_16: [u32; 3] = [4433, 4434, 4436];
 
-/// Removes unused capabilities from a program's words. With `keep_loops`, marks every loop
-/// `DontUnroll`: a phone's driver that unrolls a march needs three times the registers.
-pub(crate) fn finish_words(words: &[u32], keep_loops: bool) -> Vec<u32> {
+/// Whether a driver may unroll a program's loops.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum LoopUnrolling {
+    Allowed,
+    /// Every loop is marked `DontUnroll`: a phone's driver that unrolls a march needs three times the
+    /// registers.
+    Forbidden,
+}
+
+/// Removes unused capabilities from a program's SPIR-V words, and marks its loops.
+pub(crate) fn postprocess_spirv(words: &[u32], unrolling: LoopUnrolling) -> Vec<u32> {
     const HEADER: usize = 5;
     let mut out = words[..HEADER].to_vec();
     let mut rest = &words[HEADER..];
@@ -19,7 +27,7 @@ pub(crate) fn finish_words(words: &[u32], keep_loops: bool) -> Vec<u32> {
         rest = after;
         match (first & 0xffff, instruction) {
             (OP_CAPABILITY, [_, capability]) if STORAGE_16.contains(capability) => {}
-            (OP_LOOP_MERGE, [_, merge, next, _]) if keep_loops => {
+            (OP_LOOP_MERGE, [_, merge, next, _]) if unrolling == LoopUnrolling::Forbidden => {
                 out.extend([*first, *merge, *next, DONT_UNROLL]);
             }
             _ => out.extend(instruction),

@@ -9,7 +9,7 @@ use super::shapes::{ball, bevelled_box, lathe};
 use super::{MeshBuilder, translation};
 
 /// Distance from the bit's centre back to the tool's nose, in metres; the shank reaches 10 mm further.
-pub(crate) fn nose_distance(tool: Tool) -> f32 {
+pub(crate) fn bit_to_nose_metres(tool: Tool) -> f32 {
     match tool {
         Tool::Rotary => 0.045,
         Tool::Impact => 0.05,
@@ -52,10 +52,10 @@ pub(crate) fn bit_mesh(bit: ToolBit) -> MeshBuilder {
 
 const PI: f32 = core::f32::consts::PI;
 
-/// The shank about y, from a brush that ends `back` metres from its centre to the nose.
-fn shank_mesh(tool: Tool, back: f32) -> MeshBuilder {
-    let end = nose_distance(tool) + 0.01;
-    let start = back - 0.0012;
+/// The shank about y, from a brush that ends so far behind its centre to the nose.
+fn shank_mesh(tool: Tool, brush_end_metres: f32) -> MeshBuilder {
+    let end = bit_to_nose_metres(tool) + 0.01;
+    let start = brush_end_metres - 0.0012;
     let rings = match tool {
         Tool::FillGun => vec![
             (0.0, start, BRASS),
@@ -85,16 +85,16 @@ fn darken_flutes(ball: &mut MeshBuilder) {
     }
 }
 
-/// A rack in which bits stand on their shanks, `pitch` metres apart along z.
-pub(crate) fn rack_mesh(count: usize, pitch: f32) -> MeshBuilder {
+/// A rack in which bits stand on their shanks, side by side along z.
+pub(crate) fn rack_mesh(bit_count: usize, pitch_metres: f32) -> MeshBuilder {
     let mut mesh = MeshBuilder::default();
-    let half = 0.5 * pitch * count as f32;
+    let half = 0.5 * pitch_metres * bit_count as f32;
     mesh.append(
         &bevelled_box(Vec3::new(0.034, 0.014, half), 0.004, super::paint::WALNUT),
         translation(0.0, 0.014, 0.0),
     );
-    for i in 0..count {
-        let z = pitch * (i as f32 + 0.5) - half;
+    for i in 0..bit_count {
+        let z = pitch_metres * (i as f32 + 0.5) - half;
         mesh.append(
             &super::shapes::rounded_post(0.0075, 0.004, 0.001, 10, BRASS),
             translation(0.0, 0.0275, z),

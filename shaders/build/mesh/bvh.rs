@@ -5,7 +5,32 @@ use glam::Vec3;
 /// A bounding volume hierarchy over numbered triangles.
 pub(crate) struct Bvh {
     nodes: Vec<Node>,
-    triangles: Vec<(u32, [Vec3; 3])>,
+    triangles: Vec<BvhTriangle>,
+}
+
+/// A triangle, and the number by which a hit tells it.
+pub(crate) struct BvhTriangle {
+    pub(crate) number: u32,
+    pub(crate) corners: [Vec3; 3],
+}
+
+/// Where a ray hits a triangle.
+#[derive(Clone, Copy)]
+pub(crate) struct BvhHit {
+    /// The triangle's number.
+    pub(crate) triangle: u32,
+    /// Distance from the ray's origin.
+    pub(crate) distance: f32,
+    /// The side that is hit.
+    pub(crate) face: HitFace,
+}
+
+/// The side of a triangle that a ray hits.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum HitFace {
+    /// From which its corners wind counter-clockwise.
+    Front,
+    Back,
 }
 
 /// An axis-aligned box. A leaf holds triangles `first..first + count`. An inner node has count 0; its
@@ -21,7 +46,7 @@ const LEAF: usize = 4;
 
 impl Bvh {
     /// Builds the hierarchy.
-    pub(crate) fn new(triangles: Vec<(u32, [Vec3; 3])>) -> Self {
+    pub(crate) fn new(triangles: Vec<BvhTriangle>) -> Self {
         let mut bvh = Bvh { nodes: Vec::new(), triangles };
         if !bvh.triangles.is_empty() {
             bvh.build_node(0, bvh.triangles.len());
@@ -29,14 +54,13 @@ impl Bvh {
         bvh
     }
 
-    /// The nearest triangle that a ray hits between distances 0 and `max_distance`: its number, the
-    /// distance, and whether its front face is hit.
+    /// The nearest hit of a ray between distances 0 and `max_distance`.
     pub(crate) fn nearest_hit(
         &self,
         origin: Vec3,
         direction: Vec3,
         max_distance: f32,
-    ) -> Option<(u32, f32, bool)> {
+    ) -> Option<BvhHit> {
         let inverse = direction.recip();
         let (mut best, mut max_distance) = (None, max_distance);
         let mut stack = [0u32; 64];
@@ -63,11 +87,9 @@ impl Bvh {
                 continue;
             }
             let (first, count) = (node.first as usize, node.count as usize);
-            for (number, triangle) in &self.triangles[first..first + count] {
-                if let Some((distance, outside)) =
-                    intersect_triangle(triangle, origin, direction, max_distance)
-                {
-                    (best, max_distance) = (Some((*number, distance, outside)), distance);
+            for triangle in &self.triangles[first..first + count] {
+                if let Some(hit) = intersect_triangle(triangle, origin, direction, max_distance) {
+                    (best, max_distance) = (Some(hit), hit.distance);
                 }
             }
         }
@@ -76,7 +98,7 @@ impl Bvh {
 
     fn build_node(&mut self, first: usize, end: usize) {
         let part = &self.triangles[first..end];
-        let corners = || part.iter().flat_map(|(_, triangle)| triangle);
+        let corners = || part.iter().flat_map(|triangle| &triangle.corners);
         let lo = corners().fold(Vec3::splat(f32::MAX), |lo, p| lo.min(*p));
         let hi = corners().fold(Vec3::splat(f32::MIN), |hi, p| hi.max(*p));
         let at = self.nodes.len();
@@ -87,7 +109,10 @@ impl Bvh {
         }
         let extent = hi - lo;
         let axis = (0..3).max_by(|a, b| extent[*a].total_cmp(&extent[*b])).unwrap_or(0);
-        let centroid_sum = |(_, t): &(u32, [Vec3; 3])| t[0][axis] + t[1][axis] + t[2][axis];
+        let centroid_sum = |triangle: &BvhTriangle| {
+            let [a, b, c] = triangle.corners;
+            a[axis] + b[axis] + c[axis]
+        };
         let half = first + count / 2;
         self.triangles[first..end]
             .select_nth_unstable_by(count / 2, |a, b| centroid_sum(a).total_cmp(&centroid_sum(b)));
@@ -99,9 +124,15 @@ impl Bvh {
 }
 
 impl Node {
-    /// Slab test: the distance at which a ray enters the box, 0 if it starts inside. `inverse` is the
-    /// reciprocal of the direction.
-    fn entry_distance(&self, origin: Vec3, inverse: Vec3, max_distance: f32) -> Option<f32> {
+    /// Slab test: the distance at which a ray enters the box, 0 if it starts inside. `inverse_direction`
+    /// has the reciprocals of the direction's components.
+    fn entry_distance(
+        &self,
+        origin: Vec3,
+        inverse_direction: Vec3,
+        max_distance: f32,
+    ) -> Option<f32> {
+        let inverse = inverse_direction;
         let (mut enter, mut leave) = (0.0f32, max_distance);
         for k in 0..3 {
             let (a, b) =
@@ -114,14 +145,14 @@ impl Node {
     }
 }
 
-/// Ray-triangle intersection (Moeller and Trumbore 1997): the distance, and whether the front face
-/// is hit.
+/// Ray-triangle intersection (Moeller and Trumbore 1997).
 fn intersect_triangle(
-    [a, b, c]: &[Vec3; 3],
+    triangle: &BvhTriangle,
     origin: Vec3,
     direction: Vec3,
     max_distance: f32,
-) -> Option<(f32, bool)> {
+) -> Option<BvhHit> {
+    let [a, b, c] = &triangle.corners;
     let (e, f) = (*b - *a, *c - *a);
     let cross = direction.cross(f);
     let determinant = e.dot(cross);
@@ -134,5 +165,7 @@ fn intersect_triangle(
     let v = direction.dot(q) / determinant;
     let distance = f.dot(q) / determinant;
     let inside = u >= 0.0 && v >= 0.0 && u + v <= 1.0;
-    (inside && distance > 0.0 && distance < max_distance).then_some((distance, determinant > 0.0))
+    let face = if determinant > 0.0 { HitFace::Front } else { HitFace::Back };
+    let hit = BvhHit { triangle: triangle.number, distance, face };
+    (inside && distance > 0.0 && distance < max_distance).then_some(hit)
 }

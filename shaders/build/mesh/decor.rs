@@ -4,7 +4,7 @@ use glam::{Affine3A, Vec3, Vec3Swizzles as _};
 
 use super::extent::{LOW, add_box_between};
 use super::paint::{
-    BRASS, CAST, CLAY, FRAME, IRON, LEAF, OAK, PLASTER, STONE, WALNUT, hash_unit, vary_colour,
+    BRASS, CAST, CLAY, FRAME, IRON, LEAF, OAK, PLASTER, STONE, WALNUT, hash_fraction, vary_colour,
 };
 use super::shapes::{ball, bevelled_beam, bevelled_box, divided_box, lathe, rounded_post};
 use super::{MeshBuilder, translation};
@@ -58,7 +58,7 @@ pub(super) fn add_shelves(mesh: &mut MeshBuilder) {
     mesh.append(&plaster_bust(), translation(1.55, 1.9, z));
     for (i, wide) in [0.036f32, 0.03, 0.042, 0.026, 0.034].into_iter().enumerate() {
         let x = 1.93 + 0.075 * i as f32;
-        let tall = 0.19 + 0.05 * hash_unit(i as u32 + 7);
+        let tall = 0.19 + 0.05 * hash_fraction(i as u32 + 7);
         let cover = [CLAY, FRAME, OAK, WALNUT * 1.4, PLASTER * 0.8][i];
         add_box_between(
             mesh,
@@ -136,7 +136,7 @@ fn torus(radius: f32, thick: f32) -> MeshBuilder {
 }
 
 /// Blocks of stone in one corner; in the other a plinth with an amphora.
-pub(super) fn corner(mesh: &mut MeshBuilder) {
+pub(super) fn add_corner_items(mesh: &mut MeshBuilder) {
     let v = Vec3::new;
     let plinth = v(-1.72, 0.0, -2.45);
     let mut stand = |half: Vec3, y: f32| {
@@ -229,10 +229,11 @@ pub(super) fn add_pot_plant(mesh: &mut MeshBuilder, foot: Vec3, scale: f32) {
     mesh.append(&lathe(&rings.map(|(r, y)| (r, y, CLAY)), 24), at);
     for i in 0..18u32 {
         let angle = 2.4 * i as f32;
-        let out = 0.03 + 0.075 * hash_unit(i);
-        let tip = Vec3::new(out * angle.cos(), 0.17 + 0.16 * hash_unit(i + 40), out * angle.sin());
+        let out = 0.03 + 0.075 * hash_fraction(i);
+        let tip =
+            Vec3::new(out * angle.cos(), 0.17 + 0.16 * hash_fraction(i + 40), out * angle.sin());
         let turn = glam::Quat::from_rotation_y(-angle)
-            * glam::Quat::from_rotation_z(-0.5 - 0.9 * hash_unit(i + 90));
+            * glam::Quat::from_rotation_z(-0.5 - 0.9 * hash_fraction(i + 90));
         let leaf = ball(1.0, 6, vary_colour(LEAF, 0.4, i));
         let shape =
             Affine3A::from_scale_rotation_translation(Vec3::new(0.022, 0.05, 0.009), turn, tip);

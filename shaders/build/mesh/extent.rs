@@ -9,16 +9,16 @@ use super::shapes::bevelled_box;
 pub(crate) const LOW: Vec3 = Vec3::new(-2.4, 0.0, -3.0);
 pub(crate) const HIGH: Vec3 = Vec3::new(2.6, 3.95, 2.8);
 
-/// A box between two corners.
+/// Adds a box between two corners.
 pub(super) fn add_box_between(
     mesh: &mut MeshBuilder,
-    lo: Vec3,
-    hi: Vec3,
+    low_corner: Vec3,
+    high_corner: Vec3,
     bevel: f32,
     colour: Vec3,
 ) {
     mesh.append(
-        &bevelled_box(0.5 * (hi - lo), bevel, colour),
-        Affine3A::from_translation(0.5 * (lo + hi)),
+        &bevelled_box(0.5 * (high_corner - low_corner), bevel, colour),
+        Affine3A::from_translation(0.5 * (low_corner + high_corner)),
     );
 }

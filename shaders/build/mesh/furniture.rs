@@ -7,7 +7,9 @@ use paros_core::internals::{BENCH_TOP, BOX_SIDE, STOOL_TOP};
 use paros_core::{BenchItem, Tool, ToolBit};
 
 use super::bits::rack_mesh;
-use super::paint::{BEECH, BRASS, CAST, CLAY, IRON, OAK, STONE, WALNUT, hash_unit, vary_colour};
+use super::paint::{
+    BEECH, BRASS, CAST, CLAY, IRON, OAK, STONE, WALNUT, hash_fraction, vary_colour,
+};
 use super::shapes::{Ring, bevelled_beam, bevelled_box, divided_box, lathe, rounded_post};
 use super::{MeshBuilder, translation};
 
@@ -121,7 +123,8 @@ fn add_brush_jar(mesh: &mut MeshBuilder) {
     for i in 0..5u32 {
         let angle = 1.25 * i as f32;
         let foot = jar_at + v(0.012 * angle.cos(), 0.03, 0.012 * angle.sin());
-        let tip = jar_at + v(0.034 * angle.cos(), 0.2 + 0.05 * hash_unit(i), 0.034 * angle.sin());
+        let tip =
+            jar_at + v(0.034 * angle.cos(), 0.2 + 0.05 * hash_fraction(i), 0.034 * angle.sin());
         mesh.append(
             &bevelled_beam(foot, tip, [0.004, 0.004], 0.0015, vary_colour(BEECH, 0.2, i)),
             Affine3A::IDENTITY,

@@ -9,8 +9,17 @@ use super::shapes::{lathe, motion_along, rod};
 
 const FINGERS: [f32; 4] = [-0.031, -0.0105, 0.0105, 0.030];
 
-/// The right hand, closed on a handle or open.
-pub(crate) fn right_hand(closed: bool) -> MeshBuilder {
+/// What a hand does.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum HandShape {
+    Open,
+    /// It is closed on a handle.
+    Closed,
+}
+
+/// The right hand.
+pub(crate) fn right_hand(shape: HandShape) -> MeshBuilder {
+    let closed = shape == HandShape::Closed;
     let mut mesh = MeshBuilder::default();
     let v = Vec3::new;
     add_palm(&mut mesh);
@@ -40,8 +49,8 @@ pub(crate) fn right_hand(closed: bool) -> MeshBuilder {
 }
 
 /// The left hand: the right one in a mirror.
-pub(crate) fn left_hand(closed: bool) -> MeshBuilder {
-    right_hand(closed).transformed(Affine3A::from_scale(Vec3::new(-1.0, 1.0, 1.0)))
+pub(crate) fn left_hand(shape: HandShape) -> MeshBuilder {
+    right_hand(shape).transformed(Affine3A::from_scale(Vec3::new(-1.0, 1.0, 1.0)))
 }
 
 fn add_palm(mesh: &mut MeshBuilder) {

@@ -7,7 +7,7 @@ use std::collections::HashMap;
 
 use glam::{Quat, Vec3};
 
-use super::bvh::Bvh;
+use super::bvh::{Bvh, BvhTriangle, HitFace};
 use super::{Corner, MeshBuilder};
 use crate::constants::{SUN_COLOR, SUN_DIRECTION};
 use crate::harmonics::{irradiance_over_pi, sh_basis};
@@ -49,19 +49,18 @@ pub(crate) struct RoomLight {
 }
 
 impl RoomLight {
-    /// Solves the radiance of all triangles within the room's `inner` bounds (low and high corner, in
-    /// metres). Triangles of a group share their indirect light.
-    pub(crate) fn new(things: &MeshBuilder, inner: (Vec3, Vec3)) -> Self {
-        let numbered = (0u32..).zip(things.triangles.iter().map(|t| things.corner_positions(*t)));
+    /// Solves the radiance of all triangles within the room's inside. Triangles of a group share their
+    /// indirect light.
+    pub(crate) fn new(things: &MeshBuilder, inside: &BoxBounds) -> Self {
         let radiance = vec![Vec3::ZERO; things.triangles.len()];
-        let mut lit = RoomLight { bvh: Bvh::new(numbered.collect()), radiance };
+        let mut lit = RoomLight { bvh: build_bvh(things), radiance };
         let places: Vec<TriangleCentre> =
             things.triangles.iter().map(|t| TriangleCentre::of(things, *t)).collect();
         let is_in = |place: &TriangleCentre| {
-            place.start.cmpge(inner.0).all() && place.start.cmple(inner.1).all()
+            place.start.cmpge(inside.low).all() && place.start.cmple(inside.high).all()
         };
         let sun = in_parallel(&places, |place| match is_in(place) {
-            true => lit.sun_irradiance(place.start, place.normal),
+            true => lit.sun_irradiance_over_pi(place.start, place.normal),
             false => Vec3::ZERO,
         });
         let mut groups = HashMap::new();
@@ -98,12 +97,12 @@ impl RoomLight {
     }
 
     /// Irradiance over pi at a corner, without the direct sun.
-    pub(crate) fn ambient_at(&self, position: Vec3, normal: Vec3) -> Vec3 {
+    pub(crate) fn ambient_over_pi_at(&self, position: Vec3, normal: Vec3) -> Vec3 {
         self.mean_radiance(position + normal * RAY_OFFSET, normal, CORNER_RAYS)
     }
 
     /// Incoming radiance at a point, projected onto spherical harmonics of bands 0 to 2.
-    pub(crate) fn harmonics_at(&self, point: Vec3) -> [[f32; 3]; 9] {
+    pub(crate) fn radiance_sh_at(&self, point: Vec3) -> [[f32; 3]; 9] {
         let mut sum = [Vec3::ZERO; 9];
         for i in 0..SPHERE_RAYS {
             let direction = fibonacci_direction(i, SPHERE_RAYS);
@@ -116,7 +115,7 @@ impl RoomLight {
     }
 
     /// Irradiance over pi by the direct sun.
-    fn sun_irradiance(&self, start: Vec3, normal: Vec3) -> Vec3 {
+    fn sun_irradiance_over_pi(&self, start: Vec3, normal: Vec3) -> Vec3 {
         let sun = Vec3::from_array(SUN_DIRECTION);
         let facing = normal.dot(sun);
         if facing <= 0.0 || self.bvh.nearest_hit(start, sun, FAR).is_some() {
@@ -125,22 +124,36 @@ impl RoomLight {
         Vec3::from_array(SUN_COLOR) * facing
     }
 
-    /// Irradiance over pi by cosine-weighted sampling: the mean radiance of `rays` rays.
-    fn mean_radiance(&self, start: Vec3, normal: Vec3, rays: usize) -> Vec3 {
-        let sum: Vec3 = cosine_directions(normal, rays)
+    /// Irradiance over pi by cosine-weighted sampling: the mean radiance of `ray_count` rays.
+    fn mean_radiance(&self, start: Vec3, normal: Vec3, ray_count: usize) -> Vec3 {
+        let sum: Vec3 = cosine_directions(normal, ray_count)
             .map(|direction| self.ray_radiance(start, direction))
             .sum();
-        sum / rays as f32
+        sum / ray_count as f32
     }
 
     /// The radiance that arrives along a ray; back faces are black.
     fn ray_radiance(&self, start: Vec3, direction: Vec3) -> Vec3 {
         match self.bvh.nearest_hit(start, direction, FAR) {
             None => sky_radiance(direction),
-            Some((triangle, _, true)) => self.radiance[triangle as usize],
-            Some((_, _, false)) => Vec3::ZERO,
+            Some(hit) if hit.face == HitFace::Front => self.radiance[hit.triangle as usize],
+            Some(_) => Vec3::ZERO,
         }
     }
+}
+
+/// A box by two of its corners, in metres.
+pub(crate) struct BoxBounds {
+    pub(crate) low: Vec3,
+    pub(crate) high: Vec3,
+}
+
+/// The hierarchy of a mesh's triangles, numbered as they stand there.
+fn build_bvh(mesh: &MeshBuilder) -> Bvh {
+    let numbered = (0u32..).zip(&mesh.triangles);
+    let triangle =
+        |(number, t): (u32, &[u32; 3])| BvhTriangle { number, corners: mesh.corner_positions(*t) };
+    Bvh::new(numbered.map(triangle).collect())
 }
 
 /// The centroid of a triangle, moved off its surface.
@@ -159,29 +172,40 @@ impl TriangleCentre {
         TriangleCentre { start: (a + b + c) / 3.0 + normal * RAY_OFFSET, normal, colour }
     }
 
-    /// Key of its group: its cell, and the signed axis that its normal is closest to.
-    fn group_key(&self) -> [i32; 4] {
-        let [x, y, z] = (self.start / GROUP_CELL).floor().to_array().map(|f| f as i32);
+    fn group_key(&self) -> GroupKey {
+        let cell = (self.start / GROUP_CELL).floor().to_array().map(|f| f as i32);
         let axis = (0..3).max_by(|a, b| self.normal[*a].abs().total_cmp(&self.normal[*b].abs()));
         let axis = axis.unwrap_or(0);
-        [x, y, z, 2 * axis as i32 + i32::from(self.normal[axis] > 0.0)]
+        GroupKey { cell, axis, is_positive: self.normal[axis] > 0.0 }
     }
 }
 
+/// What the triangles of a group share.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+struct GroupKey {
+    cell: [i32; 3],
+    /// The axis that their normals are closest to, and its sign.
+    axis: usize,
+    is_positive: bool,
+}
+
 /// Sets the openness of each corner of a standing thing: the ratio of its luminance to that of the
-/// ambient harmonics `about` the sculpture, at most 1.
-pub(crate) fn set_openness_in_room(mesh: &mut MeshBuilder, lit: &RoomLight, about: &[[f32; 3]; 9]) {
+/// ambient harmonics at the sculpture, at most 1.
+pub(crate) fn set_openness_in_room(
+    mesh: &mut MeshBuilder,
+    light: &RoomLight,
+    sculpture_sh: &[[f32; 3]; 9],
+) {
     const LUMA: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
     set_openness(mesh, |corner| {
-        let here = lit.ambient_at(corner.position, corner.normal).dot(LUMA);
-        (here / irradiance_over_pi(about, corner.normal).dot(LUMA).max(1e-3)).min(1.0)
+        let here = light.ambient_over_pi_at(corner.position, corner.normal).dot(LUMA);
+        (here / irradiance_over_pi(sculpture_sh, corner.normal).dot(LUMA).max(1e-3)).min(1.0)
     });
 }
 
 /// Ambient occlusion of a carried thing by itself: sets the openness of each corner.
-pub(crate) fn set_own_openness(mesh: &mut MeshBuilder) {
-    let numbered = (0u32..).zip(mesh.triangles.iter().map(|t| mesh.corner_positions(*t)));
-    let bvh = Bvh::new(numbered.collect());
+pub(crate) fn set_openness_by_itself(mesh: &mut MeshBuilder) {
+    let bvh = build_bvh(mesh);
     set_openness(mesh, |corner| {
         let start = corner.position + corner.normal * (0.2 * RAY_OFFSET);
         let hit = |direction: &Vec3| bvh.nearest_hit(start, *direction, OWN_REACH).is_some();
@@ -191,7 +215,7 @@ pub(crate) fn set_own_openness(mesh: &mut MeshBuilder) {
 }
 
 /// Sets each corner's openness, computed once for corners that are close together and face alike.
-fn set_openness(mesh: &mut MeshBuilder, open: impl Fn(&Corner) -> f32 + Sync) {
+fn set_openness(mesh: &mut MeshBuilder, openness_of: impl Fn(&Corner) -> f32 + Sync) {
     let mut numbers = HashMap::new();
     let mut firsts = Vec::new();
     let shared: Vec<usize> = mesh
@@ -206,7 +230,7 @@ fn set_openness(mesh: &mut MeshBuilder, open: impl Fn(&Corner) -> f32 + Sync) {
             })
         })
         .collect();
-    let open = in_parallel(&firsts, open);
+    let open = in_parallel(&firsts, openness_of);
     mesh.corners.iter_mut().zip(shared).for_each(|(corner, i)| corner.openness = open[i]);
     for _ in 0..SMOOTHINGS {
         smooth_openness(mesh);
@@ -245,11 +269,11 @@ fn cosine_directions(normal: Vec3, count: usize) -> impl Iterator<Item = Vec3> {
     })
 }
 
-/// Point `i` of a Fibonacci sphere of `count` points.
-fn fibonacci_direction(i: usize, count: usize) -> Vec3 {
-    let y = 1.0 - (2.0 * i as f32 + 1.0) / count as f32;
+/// A point of a Fibonacci sphere of `count` points.
+fn fibonacci_direction(index: usize, count: usize) -> Vec3 {
+    let y = 1.0 - (2.0 * index as f32 + 1.0) / count as f32;
     let radius = (1.0 - y * y).sqrt();
-    let angle = GOLDEN * i as f32;
+    let angle = GOLDEN * index as f32;
     Vec3::new(radius * angle.cos(), y, radius * angle.sin())
 }
 

@@ -52,15 +52,15 @@ impl MeshBuilder {
     }
 
     /// Appends a copy of another mesh, transformed. A mirroring transform reverses the winding.
-    pub(crate) fn append(&mut self, other: &MeshBuilder, at: Affine3A) {
+    pub(crate) fn append(&mut self, other: &MeshBuilder, transform: Affine3A) {
         let first = self.corners.len() as u32;
-        let normals = at.matrix3.inverse().transpose();
+        let normals = transform.matrix3.inverse().transpose();
         self.corners.extend(other.corners.iter().map(|corner| Corner {
-            position: at.transform_point3(corner.position),
+            position: transform.transform_point3(corner.position),
             normal: (normals * corner.normal).normalize(),
             ..*corner
         }));
-        let mirrored = at.matrix3.determinant() < 0.0;
+        let mirrored = transform.matrix3.determinant() < 0.0;
         self.triangles.extend(other.triangles.iter().map(|[a, b, c]| {
             let [b, c] = if mirrored { [c, b] } else { [b, c] };
             [a, b, c].map(|i| i + first)
@@ -68,9 +68,9 @@ impl MeshBuilder {
     }
 
     /// A transformed copy.
-    pub(crate) fn transformed(&self, at: Affine3A) -> MeshBuilder {
+    pub(crate) fn transformed(&self, transform: Affine3A) -> MeshBuilder {
         let mut moved = MeshBuilder::default();
-        moved.append(self, at);
+        moved.append(self, transform);
         moved
     }
 

@@ -3,10 +3,10 @@
 
 use glam::{Affine3A, Vec3};
 
-use super::decor::{add_lamp, add_pot_plant, add_shelves, corner};
+use super::decor::{add_corner_items, add_lamp, add_pot_plant, add_shelves};
 use super::extent::{HIGH, LOW, add_box_between};
 use super::paint::{
-    BEAM, BRASS, CAST, DADO, FRAME, IRON, LEAF, OAK, PLASTER, hash_unit, vary_colour,
+    BEAM, BRASS, CAST, DADO, FRAME, IRON, LEAF, OAK, PLASTER, hash_fraction, vary_colour,
 };
 use super::shapes::{ball, bevelled_beam, divided_box, flat_sheet, lathe};
 use super::{MeshBuilder, translation};
@@ -34,21 +34,21 @@ pub(crate) fn room_mesh() -> MeshBuilder {
     add_trim(&mut mesh);
     add_door(&mut mesh);
     add_shelves(&mut mesh);
-    corner(&mut mesh);
+    add_corner_items(&mut mesh);
     add_lamp(&mut mesh);
     mesh
 }
 
-/// A sheet from `corner` along two axes, in cells of about `cell` metres.
-fn tiled_sheet(
+/// Adds a sheet that two edges span from a corner, in cells of about `cell_metres`.
+fn add_tiled_sheet(
     mesh: &mut MeshBuilder,
     corner: Vec3,
-    ways: [Vec3; 2],
-    cell: f32,
+    edges: [Vec3; 2],
+    cell_metres: f32,
     colour: impl Fn(Vec3) -> Vec3,
 ) {
-    let parts = ways.map(|way| (way.length() / cell).round().max(1.0) as usize);
-    mesh.append(&flat_sheet(corner, ways, parts, colour), Affine3A::IDENTITY);
+    let parts = edges.map(|edge| (edge.length() / cell_metres).round().max(1.0) as usize);
+    mesh.append(&flat_sheet(corner, edges, parts, colour), Affine3A::IDENTITY);
 }
 
 /// Boards of oak with bevelled edges, side by side.
@@ -61,14 +61,18 @@ fn add_floor(mesh: &mut MeshBuilder) {
         let (mut z, mut board) = (LOW.z, 0);
         while z < HIGH.z - 0.01 {
             let seed = row * 16 + board;
-            let long = if board == 0 { 0.7 + 2.0 * hash_unit(seed) } else { 1.9 + hash_unit(seed) };
+            let long = if board == 0 {
+                0.7 + 2.0 * hash_fraction(seed)
+            } else {
+                1.9 + hash_fraction(seed)
+            };
             let end = if HIGH.z - z - long < 0.5 { HIGH.z } else { z + long };
             let colour = vary_colour(OAK, 0.2, seed);
             let mut strip = |x: f32, y: f32, across: Vec3, shade: f32| {
-                let ways = [Vec3::new(0.0, 0.0, end - z - 0.003), across];
+                let edges = [Vec3::new(0.0, 0.0, end - z - 0.003), across];
                 let parts = [((end - z) / 0.4).ceil() as usize, 1];
                 mesh.append(
-                    &flat_sheet(Vec3::new(x, y, z), ways, parts, |_| colour * shade),
+                    &flat_sheet(Vec3::new(x, y, z), edges, parts, |_| colour * shade),
                     Affine3A::IDENTITY,
                 );
             };
@@ -93,12 +97,12 @@ fn add_walls(mesh: &mut MeshBuilder) {
     let [near, far] = WINDOW_Z;
     let size = HIGH - LOW;
     let up = Vec3::Y * size.y;
-    tiled_sheet(mesh, LOW, [Vec3::X * size.x, up], 0.3, plaster_colour);
-    tiled_sheet(mesh, v(HIGH.x, 0.0, HIGH.z), [Vec3::NEG_X * size.x, up], 0.4, plaster_colour);
-    tiled_sheet(mesh, v(HIGH.x, 0.0, LOW.z), [Vec3::Z * size.z, up], 0.36, plaster_colour);
+    add_tiled_sheet(mesh, LOW, [Vec3::X * size.x, up], 0.3, plaster_colour);
+    add_tiled_sheet(mesh, v(HIGH.x, 0.0, HIGH.z), [Vec3::NEG_X * size.x, up], 0.4, plaster_colour);
+    add_tiled_sheet(mesh, v(HIGH.x, 0.0, LOW.z), [Vec3::Z * size.z, up], 0.36, plaster_colour);
     let mut left_wall = |z0: f32, z1: f32, y0: f32, y1: f32| {
-        let ways = [v(0.0, 0.0, z0 - z1), v(0.0, y1 - y0, 0.0)];
-        tiled_sheet(mesh, v(LOW.x, y0, z1), ways, 0.3, plaster_colour);
+        let edges = [v(0.0, 0.0, z0 - z1), v(0.0, y1 - y0, 0.0)];
+        add_tiled_sheet(mesh, v(LOW.x, y0, z1), edges, 0.3, plaster_colour);
     };
     left_wall(LOW.z, near, 0.0, HIGH.y);
     left_wall(far, HIGH.z, 0.0, HIGH.y);
@@ -171,7 +175,7 @@ fn add_ceiling(mesh: &mut MeshBuilder) {
     while z < HIGH.z - 0.01 {
         let end = (z + 0.29).min(HIGH.z);
         let colour = vary_colour(PLASTER * 0.85, 0.05, seed);
-        tiled_sheet(
+        add_tiled_sheet(
             mesh,
             v(LOW.x, HIGH.y, end),
             [v(0.0, 0.0, z + 0.004 - end), v(HIGH.x - LOW.x, 0.0, 0.0)],
@@ -268,12 +272,12 @@ pub(crate) fn outside_mesh() -> MeshBuilder {
     });
     mesh.append(&lawn, translation(-9.9, -0.9, 2.0));
     for i in 0..15u32 {
-        let far = hash_unit(i);
-        let size = 0.8 + 1.5 * hash_unit(i + 50);
+        let far = hash_fraction(i);
+        let size = 0.8 + 1.5 * hash_fraction(i + 50);
         let at = Vec3::new(
             -10.0 - 6.0 * far,
             -0.8 + 0.55 * size,
-            -17.0 + 2.5 * i as f32 + hash_unit(i + 80),
+            -17.0 + 2.5 * i as f32 + hash_fraction(i + 80),
         );
         let near = vary_colour(LEAF * 1.3, 0.25, i + 120);
         let colour = near.lerp(Vec3::new(0.50, 0.58, 0.50), 0.2 + 0.4 * far);
@@ -281,7 +285,7 @@ pub(crate) fn outside_mesh() -> MeshBuilder {
         for corner in &mut crown.corners {
             corner.colour *= 0.8 + 0.25 * corner.position.y;
         }
-        let shape = Vec3::new(size, size * (0.9 + 0.5 * hash_unit(i + 7)), size);
+        let shape = Vec3::new(size, size * (0.9 + 0.5 * hash_fraction(i + 7)), size);
         mesh.append(
             &crown,
             Affine3A::from_scale_rotation_translation(shape, glam::Quat::IDENTITY, at),

@@ -7,18 +7,19 @@ use glam::{Affine3A, Quat, Vec3};
 use super::MeshBuilder;
 
 /// A box with bevelled edges about the origin.
-pub(crate) fn bevelled_box(half: Vec3, bevel: f32, colour: Vec3) -> MeshBuilder {
-    divided_box(half, bevel, [1; 3], |_| colour)
+pub(crate) fn bevelled_box(half_size: Vec3, bevel: f32, colour: Vec3) -> MeshBuilder {
+    divided_box(half_size, bevel, [1; 3], |_| colour)
 }
 
 /// A box with bevelled edges about the origin. Each side is divided into `parts` along x, y and z, so
 /// that baked light can vary over it. Normals bend over the bevels, which so look round.
 pub(crate) fn divided_box(
-    half: Vec3,
+    half_size: Vec3,
     bevel: f32,
     parts: [usize; 3],
     colour: impl Fn(Vec3) -> Vec3,
 ) -> MeshBuilder {
+    let half = half_size;
     let mut mesh = MeshBuilder::default();
     let inner = half - Vec3::splat(bevel);
     // The number of the corner at steps `at` of the side that faces along `axis`.
@@ -53,13 +54,15 @@ pub(crate) fn divided_box(
     mesh
 }
 
-/// A flat sheet, open at the back: `u` and `v` span it from `corner`, and it faces along u x v.
+/// A flat sheet, open at the back: two edges u and v span it from a corner, each divided into so many
+/// parts, and it faces along u x v.
 pub(crate) fn flat_sheet(
     corner: Vec3,
-    [u, v]: [Vec3; 2],
+    edges: [Vec3; 2],
     parts: [usize; 2],
     colour: impl Fn(Vec3) -> Vec3,
 ) -> MeshBuilder {
+    let [u, v] = edges;
     let mut mesh = MeshBuilder::default();
     let normal = u.cross(v).normalize();
     for j in 0..=parts[1] {
@@ -155,17 +158,17 @@ pub(crate) fn lathe(profile: &[Ring], segments: usize) -> MeshBuilder {
     mesh
 }
 
-/// The profile of a ball of `rows` segments from pole to pole.
-pub(crate) fn ball_profile(radius: f32, rows: usize, colour: Vec3) -> Vec<Ring> {
+/// The profile of a ball of so many segments from pole to pole.
+pub(crate) fn ball_profile(radius: f32, segments: usize, colour: Vec3) -> Vec<Ring> {
     let point = |i: usize| match i {
         0 => (0.0, -radius, colour),
-        i if i == rows => (0.0, radius, colour),
+        i if i == segments => (0.0, radius, colour),
         i => {
-            let angle = PI * i as f32 / rows as f32;
+            let angle = PI * i as f32 / segments as f32;
             (radius * angle.sin(), -radius * angle.cos(), colour)
         }
     };
-    (0..=rows).map(point).collect()
+    (0..=segments).map(point).collect()
 }
 
 /// A ball about the origin.
@@ -217,15 +220,15 @@ pub(crate) fn motion_along(a: Vec3, b: Vec3) -> Affine3A {
     Affine3A::from_rotation_translation(Quat::from_rotation_arc(Vec3::Y, (b - a).normalize()), a)
 }
 
-/// A bevelled beam from `a` to `b`; `half` are half the sides of its section.
+/// A bevelled beam from `a` to `b`; `half_section` are half the sides of its section.
 pub(crate) fn bevelled_beam(
     a: Vec3,
     b: Vec3,
-    half: [f32; 2],
+    half_section: [f32; 2],
     bevel: f32,
     colour: Vec3,
 ) -> MeshBuilder {
     let length = 0.5 * a.distance(b);
-    bevelled_box(Vec3::new(half[0], length, half[1]), bevel, colour)
+    bevelled_box(Vec3::new(half_section[0], length, half_section[1]), bevel, colour)
         .transformed(motion_along(a, b) * super::translation(0.0, length, 0.0))
 }

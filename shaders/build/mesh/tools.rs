@@ -5,7 +5,7 @@ use core::f32::consts::FRAC_PI_2;
 use glam::{Affine3A, Quat, Vec3};
 use paros_core::Tool;
 
-use super::bits::nose_distance;
+use super::bits::bit_to_nose_metres;
 use super::paint::{BEECH, BRASS, GRAPHITE, IRON, RUST, STEEL, TEAL, WALNUT};
 use super::shapes::{Ring, bevelled_box, lathe, rounded_post};
 use super::{MeshBuilder, translation};
@@ -13,7 +13,7 @@ use super::{MeshBuilder, translation};
 /// A tool without its bit.
 pub(crate) fn tool_body(tool: Tool) -> MeshBuilder {
     // Where the nose ends, ahead of the grip.
-    let front = tool.length_um() as f32 * 1e-6 - nose_distance(tool);
+    let front = tool.length_um() as f32 * 1e-6 - bit_to_nose_metres(tool);
     let ahead = Affine3A::from_quat(Quat::from_rotation_x(-FRAC_PI_2));
     let mut mesh = MeshBuilder::default();
     match tool {
