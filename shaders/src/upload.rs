@@ -30,7 +30,7 @@ pub struct Region {
 impl Region {
     /// Bytes of the box, rows after rows without gaps.
     #[must_use]
-    pub const fn bytes(&self) -> usize {
+    pub const fn byte_count(&self) -> usize {
         let texel = match self.texture {
             Texture::Maps => 2,
             Texture::Density(_) | Texture::Cells | Texture::Noise | Texture::Marble => 1,

@@ -173,8 +173,8 @@ fn ray_end(o: vec3<f32>, d: vec3<f32>) -> f32 {
 }
 
 // Trilinear sample of a mip level, 0 to 1.
-fn sample_density(p: vec3<f32>, level: f32) -> f32 {
-    return textureSampleLevel(density, clamped, p, level).x;
+fn sample_density(p: vec3<f32>, mip_level: f32) -> f32 {
+    return textureSampleLevel(density, clamped, p, mip_level).x;
 }
 
 // Lambertian marble under the sun and the ambient light, tone mapped.

@@ -20,7 +20,8 @@ fn tone_map(color: vec3<f32>) -> vec3<f32> {
 }
 
 // Orthonormal basis: two unit vectors at right angles to a unit vector (Duff et al. 2017).
-fn tangent_basis(d: vec3<f32>) -> mat2x3<f32> {
+fn tangent_basis(unit_normal: vec3<f32>) -> mat2x3<f32> {
+    let d = unit_normal;
     let sign = select(1.0, -1.0, d.z < 0.0);
     let a = -1.0 / (sign + d.z);
     let b = d.x * d.y * a;

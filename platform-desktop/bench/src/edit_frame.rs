@@ -82,7 +82,7 @@ fn upload_rest<const N: usize>(
 }
 
 fn upload_bytes(uploads: &Uploads) -> usize {
-    uploads.iter().map(|(region, _)| region.bytes()).sum()
+    uploads.iter().map(|(region, _)| region.byte_count()).sum()
 }
 
 fn advance_field<const N: usize>(field: &mut DensityField<N>, budget: Budget) -> Uploads {

@@ -120,12 +120,12 @@ impl HeadlessRenderer {
     ) -> Result<FrameTimes, Error> {
         self.renderer.begin_frame()?;
         for (region, bytes) in uploads {
-            if !self.renderer.stage_upload(*region, bytes) {
+            if !self.renderer.try_stage_upload(*region, bytes) {
                 return Err(Error::Failure("a frame's uploads are more than it takes".into()));
             }
         }
         self.renderer.draw_frame(picture, &self.screen.target, 0, FrameSemaphores::default())?;
-        Ok(self.renderer.finish_frames()?)
+        Ok(self.renderer.wait_for_frames()?)
     }
 
     /// Reads one eye's image of the latest picture back.

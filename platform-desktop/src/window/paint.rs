@@ -75,11 +75,11 @@ impl EguiBuffers {
         let rows = self.changed.start..self.changed.end.min(self.changed.start + ROWS);
         let texels = &self.texels[rows.start * SIDE..rows.end * SIDE];
         let size = [ATLAS_SIDE, rows.len() as u32];
-        if !rows.is_empty() && overlay.write_atlas([0, rows.start as u32], size, texels) {
+        if !rows.is_empty() && overlay.try_write_atlas([0, rows.start as u32], size, texels) {
             self.changed.start = rows.end;
         }
         // Triangles that exceed the overlay's capacity are not drawn.
-        let _ = overlay.set_triangles(&self.vertices, &self.indices, &self.runs, extent);
+        let _ = overlay.try_set_triangles(&self.vertices, &self.indices, &self.runs, extent);
     }
 
     /// Marks the whole atlas as changed, for a new device.

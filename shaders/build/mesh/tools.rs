@@ -13,19 +13,19 @@ use super::{MeshBuilder, translation};
 /// A tool without its bit.
 pub(crate) fn tool_body(tool: Tool) -> MeshBuilder {
     // Where the nose ends, ahead of the grip.
-    let front = tool.length_um() as f32 * 1e-6 - bit_to_nose_metres(tool);
+    let nose_metres = tool.length_um() as f32 * 1e-6 - bit_to_nose_metres(tool);
     let ahead = Affine3A::from_quat(Quat::from_rotation_x(-FRAC_PI_2));
     let mut mesh = MeshBuilder::default();
     match tool {
-        Tool::Rotary => mesh.append(&rotary_body(front), ahead),
-        Tool::Impact => mesh.append(&impact_body(front), ahead),
-        Tool::FillGun => mesh.append(&fill_gun_body(front), ahead),
-        Tool::Rasp => mesh.append(&lathe(&rasp_profile(front), 24), ahead),
+        Tool::Rotary => mesh.append(&rotary_body(nose_metres), ahead),
+        Tool::Impact => mesh.append(&impact_body(nose_metres), ahead),
+        Tool::FillGun => mesh.append(&fill_gun_body(nose_metres), ahead),
+        Tool::Rasp => mesh.append(&lathe(&rasp_profile(nose_metres), 24), ahead),
     }
     mesh
 }
 
-fn rotary_body(front: f32) -> MeshBuilder {
+fn rotary_body(nose_metres: f32) -> MeshBuilder {
     let profile: Vec<Ring> = vec![
         (0.0, -0.085, GRAPHITE),
         (0.005, -0.085, GRAPHITE),
@@ -43,11 +43,11 @@ fn rotary_body(front: f32) -> MeshBuilder {
         (0.0190, 0.046, TEAL),
         (0.0165, 0.052, GRAPHITE),
         (0.0125, 0.056, GRAPHITE),
-        (0.0105, front - 0.016, GRAPHITE),
-        (0.0100, front - 0.014, STEEL),
-        (0.0100, front - 0.004, STEEL),
-        (0.0070, front, STEEL),
-        (0.0, front, IRON),
+        (0.0105, nose_metres - 0.016, GRAPHITE),
+        (0.0100, nose_metres - 0.014, STEEL),
+        (0.0100, nose_metres - 0.004, STEEL),
+        (0.0070, nose_metres, STEEL),
+        (0.0, nose_metres, IRON),
     ];
     let mut mesh = lathe(&profile, 24);
     mesh.append(
@@ -57,7 +57,7 @@ fn rotary_body(front: f32) -> MeshBuilder {
     mesh
 }
 
-fn impact_body(front: f32) -> MeshBuilder {
+fn impact_body(nose_metres: f32) -> MeshBuilder {
     let profile: Vec<Ring> = vec![
         (0.0, -0.095, BRASS),
         (0.007, -0.095, BRASS),
@@ -73,10 +73,10 @@ fn impact_body(front: f32) -> MeshBuilder {
         (0.0225, 0.047, STEEL),
         (0.0225, 0.078, STEEL),
         (0.0200, 0.083, STEEL),
-        (0.0150, front - 0.018, STEEL),
-        (0.0130, front - 0.006, STEEL),
-        (0.0100, front, STEEL),
-        (0.0, front, IRON),
+        (0.0150, nose_metres - 0.018, STEEL),
+        (0.0130, nose_metres - 0.006, STEEL),
+        (0.0100, nose_metres, STEEL),
+        (0.0, nose_metres, IRON),
     ];
     let mut mesh = lathe(&profile, 24);
     for i in 0..3 {
@@ -95,7 +95,7 @@ fn impact_body(front: f32) -> MeshBuilder {
     mesh
 }
 
-fn fill_gun_body(front: f32) -> MeshBuilder {
+fn fill_gun_body(nose_metres: f32) -> MeshBuilder {
     let profile: Vec<Ring> = vec![
         (0.0, -0.125, IRON),
         (0.010, -0.125, IRON),
@@ -113,11 +113,11 @@ fn fill_gun_body(front: f32) -> MeshBuilder {
         (0.0205, 0.039, BRASS),
         (0.0205, 0.046, BRASS),
         (0.0225, 0.049, TEAL),
-        (0.0225, front - 0.016, TEAL),
-        (0.0200, front - 0.010, TEAL),
-        (0.0140, front - 0.004, BRASS),
-        (0.0140, front, BRASS),
-        (0.0, front, BRASS),
+        (0.0225, nose_metres - 0.016, TEAL),
+        (0.0200, nose_metres - 0.010, TEAL),
+        (0.0140, nose_metres - 0.004, BRASS),
+        (0.0140, nose_metres, BRASS),
+        (0.0, nose_metres, BRASS),
     ];
     let mut mesh = lathe(&profile, 24);
     let lever = rounded_post(0.0045, 0.055, 0.002, 12, STEEL);
@@ -125,7 +125,7 @@ fn fill_gun_body(front: f32) -> MeshBuilder {
     mesh
 }
 
-fn rasp_profile(front: f32) -> Vec<Ring> {
+fn rasp_profile(nose_metres: f32) -> Vec<Ring> {
     vec![
         (0.0, -0.072, WALNUT),
         (0.009, -0.072, WALNUT),
@@ -141,7 +141,7 @@ fn rasp_profile(front: f32) -> Vec<Ring> {
         (0.0120, 0.062, BRASS),
         (0.0090, 0.064, BRASS),
         (0.0055, 0.066, STEEL),
-        (0.0060, front, STEEL),
-        (0.0, front, STEEL),
+        (0.0060, nose_metres, STEEL),
+        (0.0, nose_metres, STEEL),
     ]
 }

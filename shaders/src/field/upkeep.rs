@@ -147,7 +147,8 @@ impl<const N: usize> DensityField<N> {
         self.compare_noted_columns(&mut meter);
         while let Some(run) = self.stale_lines.next_run(meter.remaining().bytes) {
             let region = map_region(&run);
-            let cost = Cost { work: SCAN_WORK * N + region.bytes(), bytes: region.bytes() };
+            let cost =
+                Cost { work: SCAN_WORK * N + region.byte_count(), bytes: region.byte_count() };
             if !meter.allows_unit(cost) {
                 return meter.spent();
             }
@@ -253,7 +254,7 @@ impl<const N: usize> DensityField<N> {
     ) {
         let [first, line, _] = region.min.map(|i| i as usize);
         let [places, lines, _] = region.size.map(|i| i as usize);
-        self.staging.resize(region.bytes(), 0);
+        self.staging.resize(region.byte_count(), 0);
         for (line, row) in (line..line + lines).zip(self.staging.chunks_exact_mut(2 * places)) {
             let columns = &self.maps.line(axis, line)[first..first + places];
             for (bytes, column) in row.as_chunks_mut::<2>().0.iter_mut().zip(columns) {

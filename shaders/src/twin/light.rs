@@ -86,7 +86,8 @@ pub fn environment_radiance(direction: Vec3) -> Vec3 {
 
 /// Orthonormal basis: two unit vectors at right angles to a unit vector (Duff et al. 2017).
 #[must_use]
-pub fn tangent_basis(d: Vec3) -> (Vec3, Vec3) {
+pub fn tangent_basis(unit_normal: Vec3) -> (Vec3, Vec3) {
+    let d = unit_normal;
     let sign = if d.z < 0.0 { -1.0 } else { 1.0 };
     let a = -1.0 / (sign + d.z);
     let b = d.x * d.y * a;

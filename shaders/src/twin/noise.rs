@@ -29,7 +29,7 @@ pub fn noise_texture() -> &'static [i8] {
 #[must_use]
 pub fn sample_noise(noise_texture: &[i8], lattice_point: Vec3) -> f32 {
     let texels = NOISE_TEXELS as f32 / NOISE_CELLS as f32;
-    let (low, part) = split_at_cell(lattice_point * texels - Vec3::splat(0.5));
+    let CellPoint { low, part } = split_at_cell(lattice_point * texels - Vec3::splat(0.5));
     let at = |dx: i32, dy: i32, dz: i32| {
         let wrap = |c: i32| (c & (NOISE_TEXELS as i32 - 1)) as usize;
         let [x, y, z] = [
@@ -45,7 +45,7 @@ pub fn sample_noise(noise_texture: &[i8], lattice_point: Vec3) -> f32 {
 /// Gradient noise at a point in lattice cells, repeating after [`NOISE_CELLS`].
 #[must_use]
 pub fn gradient_noise(lattice_point: Vec3) -> f32 {
-    let (low, part) = split_at_cell(lattice_point);
+    let CellPoint { low, part } = split_at_cell(lattice_point);
     let corner = |dx: i32, dy: i32, dz: i32| {
         let away = part - Vec3::new(dx as f32, dy as f32, dz as f32);
         lattice_gradient([low[0] + dx, low[1] + dy, low[2] + dz]).dot(away)
@@ -54,10 +54,17 @@ pub fn gradient_noise(lattice_point: Vec3) -> f32 {
     mix_trilinear(corner, Vec3::new(fade(part.x), fade(part.y), fade(part.z)))
 }
 
-/// The lattice cell of a point, and the point's coordinates within it, 0 to 1.
-fn split_at_cell(point: Vec3) -> ([i32; 3], Vec3) {
+/// A point of the lattice by its cell.
+struct CellPoint {
+    /// The cell's lowest corner.
+    low: [i32; 3],
+    /// Coordinates within the cell, 0 to 1.
+    part: Vec3,
+}
+
+fn split_at_cell(point: Vec3) -> CellPoint {
     let low = point.to_array().map(|c| (c as i32).saturating_sub(i32::from(c < 0.0)));
-    (low, point - Vec3::from_array(low.map(|c| c as f32)))
+    CellPoint { low, part: point - Vec3::from_array(low.map(|c| c as f32)) }
 }
 
 /// Trilinear interpolation of the values at the corners (0 or 1 along each axis) of a cell.

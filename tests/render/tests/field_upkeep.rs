@@ -38,7 +38,7 @@ impl TextureCopies {
 
     fn write(&mut self, region: Region, bytes: &[u8]) {
         assert!(region.size.iter().all(|&side| side > 0), "{region:?}");
-        assert_eq!(bytes.len(), region.bytes(), "{region:?}");
+        assert_eq!(bytes.len(), region.byte_count(), "{region:?}");
         let copy = &mut self.0[match region.texture {
             Texture::Maps => 0,
             Texture::Density(level) => 1 + usize::from(level),

@@ -67,7 +67,7 @@ impl TestRenderer {
         self.renderer
             .draw_frame(picture, target, 0, FrameSemaphores::default())
             .expect("a picture");
-        self.renderer.finish_frames().expect("the device");
+        self.renderer.wait_for_frames().expect("the device");
         let views = self.renderer.format().views;
         (0..views).map(|view| self.screen.read_pixels(view).expect("pixels")).collect()
     }
@@ -79,7 +79,7 @@ impl TestRenderer {
         field.update_textures(budget, &mut |region, texels| {
             bytes += texels.len();
             assert!(
-                self.renderer.stage_upload(region, texels),
+                self.renderer.try_stage_upload(region, texels),
                 "a frame's budget is more than it takes"
             );
         });

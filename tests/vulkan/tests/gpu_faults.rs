@@ -79,7 +79,7 @@ fn start_and_draw(
             FrameSemaphores::default(),
         )?;
     }
-    renderer.finish_frames()?;
+    renderer.wait_for_frames()?;
     screen.read_pixels(0)
 }
 

@@ -6,9 +6,9 @@ use std::sync::{Arc, Mutex};
 use ash::{ext, vk};
 
 use super::error::{Error, ErrorContext};
-use super::features::DeviceFeatures;
+use super::features::{DeviceFeatures, NegotiatedFeatures};
 use super::options::Options;
-use super::selection::{API_VERSION, device_name, find_queue_family, rank_device_type};
+use super::selection::{API_VERSION, device_name, find_queue_family, rank_device_type_best_first};
 
 /// A Vulkan instance, and the messages of the validation layer.
 pub struct Instance {
@@ -39,6 +39,14 @@ pub struct Gpu {
     /// The device's name.
     pub name: String,
     pub(crate) memory: vk::PhysicalDeviceMemoryProperties,
+}
+
+/// A physical device to be used.
+struct DeviceChoice {
+    physical: vk::PhysicalDevice,
+    /// Index of the queue family.
+    family: u32,
+    name: String,
 }
 
 /// A shared reference to a device.
@@ -156,7 +164,7 @@ unsafe extern "system" fn store_message(
     data: *const vk::DebugUtilsMessengerCallbackDataEXT<'_>,
     messages: *mut c_void,
 ) -> vk::Bool32 {
-    // SAFETY: `listen` gave a pointer to the messages, which outlive the messenger.
+    // SAFETY: `install_messenger` gave a pointer to the messages, which outlive the messenger.
     let messages = unsafe { &*messages.cast::<Mutex<Vec<String>>>() };
     // SAFETY: the layer's data is valid during the call, its message a C string or null.
     let text = unsafe {
@@ -208,22 +216,18 @@ impl Gpu {
             }
             match find_queue_family(&instance.raw, physical, &properties, &presents) {
                 Ok(family) => {
-                    fitting.push((
-                        rank_device_type(properties.device_type),
-                        physical,
-                        family,
-                        name,
-                    ));
+                    let rank = rank_device_type_best_first(properties.device_type);
+                    fitting.push((rank, DeviceChoice { physical, family, name }));
                 }
                 Err(lacks) => refused.push(format!("{name} {lacks}")),
             }
         }
         fitting.sort_by_key(|(rank, ..)| *rank);
-        let Some((_, physical, family, name)) = fitting.into_iter().next() else {
+        let Some((_, choice)) = fitting.into_iter().next() else {
             return Err(Error::NoDevice(refused));
         };
-        let raw = instance.raw.clone();
-        Self::create_device(instance, options, (physical, family, name), |info| {
+        let (raw, physical) = (instance.raw.clone(), choice.physical);
+        Self::create_device(instance, options, choice, |info| {
             // SAFETY: all that `info` points to lives until the call returns.
             let made =
                 unsafe { raw.create_device(physical, info, None) }.context("make a device")?;
@@ -247,18 +251,19 @@ impl Gpu {
         let name = device_name(&properties);
         let family = find_queue_family(&instance.raw, physical, &properties, &|_, _| true)
             .map_err(|lacks| Error::NoDevice(vec![format!("{name} {lacks}")]))?;
-        Self::create_device(instance, options, (physical, family, name), make)
+        Self::create_device(instance, options, DeviceChoice { physical, family, name }, make)
     }
 
     /// Creates the logical device and fetches its queue.
     fn create_device<E: From<Error>>(
         instance: Arc<Instance>,
         options: &Options,
-        (physical, family, name): (vk::PhysicalDevice, u32, String),
+        DeviceChoice { physical, family, name }: DeviceChoice,
         make: impl FnOnce(&vk::DeviceCreateInfo<'_>) -> Result<vk::Device, E>,
     ) -> Result<Arc<Self>, E> {
-        let (needs, lacks) = DeviceFeatures::negotiate(&instance.raw, physical, family, options);
-        let made = needs.with_create_info(family, options, make)?;
+        let NegotiatedFeatures { enabled, missing } =
+            DeviceFeatures::negotiate(&instance.raw, physical, family, options);
+        let made = enabled.with_create_info(family, options, make)?;
         // SAFETY: the device is alive, and is this instance's.
         let device = unsafe { ash::Device::load(instance.raw.fp_v1_0(), made) };
         let device = match options.device_hook {
@@ -275,8 +280,8 @@ impl Gpu {
             device,
             queue_family: family,
             queue,
-            features: needs,
-            missing_features: lacks,
+            features: enabled,
+            missing_features: missing,
             name,
             memory,
         }))

@@ -24,33 +24,40 @@ pub struct DeviceFeatures {
     pub timestamp_period_fs: u64,
 }
 
+/// The features that a device supports of those requested.
+pub(crate) struct NegotiatedFeatures {
+    pub(crate) enabled: DeviceFeatures,
+    /// Texts for the user about those that are requested and missing.
+    pub(crate) missing: Vec<&'static str>,
+}
+
 /// Text for the user when density maps are requested and not supported.
 const NO_DENSITY_MAP: &str = "density maps (VK_EXT_fragment_density_map with images that are not \
                               subsampled): every part of a picture is shaded alike";
 
 impl DeviceFeatures {
-    /// Intersects supported with requested features; also returns texts for those requested and
-    /// missing.
+    /// Intersects supported with requested features.
     pub(crate) fn negotiate(
         instance: &ash::Instance,
         physical: vk::PhysicalDevice,
-        family: u32,
+        queue_family: u32,
         options: &Options,
-    ) -> (DeviceFeatures, Vec<&'static str>) {
-        let mut needs = DeviceFeatures::query_device(instance, physical, family);
-        needs.half_precision &= !options.single_precision;
-        needs.storage_writes &= !options.copies_only;
-        let lacks = options.density_map && !needs.density_map;
-        needs.density_map &= options.density_map;
-        needs.fragment_counts &= options.fragment_counts;
-        (needs, lacks.then_some(NO_DENSITY_MAP).into_iter().collect())
+    ) -> NegotiatedFeatures {
+        let mut enabled = DeviceFeatures::query_device(instance, physical, queue_family);
+        enabled.half_precision &= !options.single_precision;
+        enabled.storage_writes &= !options.copies_only;
+        let lacks = options.density_map && !enabled.density_map;
+        enabled.density_map &= options.density_map;
+        enabled.fragment_counts &= options.fragment_counts;
+        let missing = lacks.then_some(NO_DENSITY_MAP).into_iter().collect();
+        NegotiatedFeatures { enabled, missing }
     }
 
     /// The features that a physical device and its queue family support.
     fn query_device(
         instance: &ash::Instance,
         physical: vk::PhysicalDevice,
-        family: u32,
+        queue_family: u32,
     ) -> DeviceFeatures {
         let has = |name| has_extension(instance, physical, name);
         let mut half = vk::PhysicalDeviceShaderFloat16Int8Features::default();
@@ -72,7 +79,7 @@ impl DeviceFeatures {
         let properties = unsafe { instance.get_physical_device_properties(physical) };
         // SAFETY: as above.
         let families = unsafe { instance.get_physical_device_queue_family_properties(physical) };
-        let family = &families[family as usize];
+        let family = &families[queue_family as usize];
         let bits = family.timestamp_valid_bits;
         let period = (f64::from(properties.limits.timestamp_period) * 1e6) as u64;
         DeviceFeatures {
@@ -93,12 +100,12 @@ impl DeviceFeatures {
     /// Calls `make` with the create info of a device with one queue of a family.
     pub(crate) fn with_create_info<T>(
         &self,
-        family: u32,
+        queue_family: u32,
         options: &Options,
         make: impl FnOnce(&vk::DeviceCreateInfo<'_>) -> T,
     ) -> T {
         let queues = [vk::DeviceQueueCreateInfo::default()
-            .queue_family_index(family)
+            .queue_family_index(queue_family)
             .queue_priorities(&[1.0])];
         let mut extensions: Vec<*const c_char> =
             options.device_extensions.iter().map(|name| name.as_ptr()).collect();

@@ -6,7 +6,7 @@ use ash::vk;
 pub(crate) const API_VERSION: u32 = vk::API_VERSION_1_1;
 
 /// Preference among device types: the lower, the better.
-pub(crate) const fn rank_device_type(kind: vk::PhysicalDeviceType) -> u8 {
+pub(crate) const fn rank_device_type_best_first(kind: vk::PhysicalDeviceType) -> u8 {
     match kind {
         vk::PhysicalDeviceType::DISCRETE_GPU => 0,
         vk::PhysicalDeviceType::INTEGRATED_GPU => 1,
@@ -21,7 +21,7 @@ pub(crate) fn find_queue_family(
     instance: &ash::Instance,
     physical: vk::PhysicalDevice,
     properties: &vk::PhysicalDeviceProperties,
-    presents: &impl Fn(vk::PhysicalDevice, u32) -> bool,
+    can_present: &impl Fn(vk::PhysicalDevice, u32) -> bool,
 ) -> Result<u32, String> {
     check_api_version(properties.api_version)?;
     let mut multiview = vk::PhysicalDeviceMultiviewFeatures::default();
@@ -35,7 +35,7 @@ pub(crate) fn find_queue_family(
     let families = unsafe { instance.get_physical_device_queue_family_properties(physical) };
     let draws = |i: &u32| {
         families[*i as usize].queue_flags.contains(vk::QueueFlags::GRAPHICS)
-            && presents(physical, *i)
+            && can_present(physical, *i)
     };
     (0..families.len() as u32)
         .find(draws)

@@ -89,7 +89,7 @@ impl OffscreenTarget {
     pub fn read_depths(&self, view: u32) -> Result<Option<Vec<f32>>, Error> {
         let one = vk::SampleCountFlags::TYPE_1;
         let readable = |depth: &&GpuImage| {
-            depth.shape.samples == one && depth.shape.format == vk::Format::D32_SFLOAT
+            depth.spec.samples == one && depth.spec.format == vk::Format::D32_SFLOAT
         };
         let Some(depth) = self.depth.as_ref().filter(readable) else { return Ok(None) };
         let layout = vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
@@ -104,9 +104,10 @@ impl OffscreenTarget {
     /// A lost device, or no memory for the bytes.
     pub fn read_texels(&self, renderer: &Renderer, region: Region) -> Result<Vec<u8>, Error> {
         self.gpu.wait_idle()?;
-        let buffer = Buffer::new(&self.gpu, region.bytes(), vk::BufferUsageFlags::TRANSFER_DST)?;
+        let buffer =
+            Buffer::new(&self.gpu, region.byte_count(), vk::BufferUsageFlags::TRANSFER_DST)?;
         let textures = &renderer.textures;
-        let (image, copy) = textures.copy_region(&region, 0);
+        let (image, copy) = textures.buffer_image_copy(&region, 0);
         let (drawn, from) =
             (vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL, vk::ImageLayout::TRANSFER_SRC_OPTIMAL);
         submit_and_wait(&self.gpu, |device, commands| {
@@ -125,8 +126,8 @@ impl OffscreenTarget {
         layout: vk::ImageLayout,
         view: u32,
     ) -> Result<Vec<u8>, Error> {
-        let [width, height, _] = image.shape.extent;
-        let (raw, format) = (image.raw, image.shape.format);
+        let [width, height, _] = image.spec.extent;
+        let (raw, format) = (image.raw, image.spec.format);
         read_layer(
             &self.gpu,
             &ImageLayer { raw, format, extent: [width, height], layout, index: view },

@@ -18,6 +18,14 @@ use crate::scene::{Batch, DrawGroup, DrawList};
 
 const GRAPHICS: vk::PipelineBindPoint = vk::PipelineBindPoint::GRAPHICS;
 
+/// A render pass and the framebuffer that it draws to.
+struct PassFramebuffer {
+    pass: vk::RenderPass,
+    framebuffer: vk::Framebuffer,
+    /// Pixels across and down.
+    extent: [u32; 2],
+}
+
 impl Renderer {
     fn bind_set(&self, commands: vk::CommandBuffer, set: vk::DescriptorSet) {
         // SAFETY: the set has the layout's bindings, and what it names is alive.
@@ -46,8 +54,12 @@ impl Renderer {
         self.shadow.is_drawn = true;
         let far = vk::ClearDepthStencilValue { depth: 1.0, stencil: 0 };
         let clear = [vk::ClearValue { depth_stencil: far }];
-        let target = (self.shadow.pass.raw, self.shadow.framebuffer.raw);
-        self.record_pass(commands, target, [shadow_map::MAP_SIDE; 2], &clear, |device| {
+        let drawn = PassFramebuffer {
+            pass: self.shadow.pass.raw,
+            framebuffer: self.shadow.framebuffer.raw,
+            extent: [shadow_map::MAP_SIDE; 2],
+        };
+        self.record_pass(commands, drawn, &clear, |device| {
             let Some(scene) = scene else { return };
             self.bind_set(commands, set);
             let [meshes, sculpture] = self.pipelines.shadow_casters;
@@ -72,9 +84,13 @@ impl Renderer {
         for ((march_starts, vertices, instances), pipeline) in
             draws.into_iter().zip(self.pipelines.march_starts)
         {
-            let pass = (self.march_starts.raw, march_starts.framebuffer.raw);
+            let drawn = PassFramebuffer {
+                pass: self.march_starts.raw,
+                framebuffer: march_starts.framebuffer.raw,
+                extent: march_starts.extent,
+            };
             let clear = [vk::ClearValue { color: none }];
-            self.record_pass(commands, pass, march_starts.extent, &clear, |device| {
+            self.record_pass(commands, drawn, &clear, |device| {
                 self.bind_set(commands, target.sets[self.slot_index]);
                 // SAFETY: the pass is the pipeline's, and vertices are made from their numbers.
                 unsafe {
@@ -88,11 +104,11 @@ impl Renderer {
     pub(crate) fn record_frame_pass(
         &self,
         commands: vk::CommandBuffer,
-        picture: &FrameRequest<'_>,
+        request: &FrameRequest<'_>,
         target: &RenderTarget,
-        image: usize,
+        image_index: usize,
     ) {
-        let [r, g, b] = picture.backdrop;
+        let [r, g, b] = request.backdrop;
         let color = vk::ClearColorValue { float32: [r, g, b, 1.0] };
         let depth = vk::ClearDepthStencilValue { depth: 0.0, stencil: 0 };
         let clears = [
@@ -100,10 +116,14 @@ impl Renderer {
             vk::ClearValue { depth_stencil: depth },
             vk::ClearValue { color },
         ];
-        let pass = (self.frame.raw, target.framebuffers[image].raw);
-        self.record_pass(commands, pass, target.extent, &clears, |_| {
+        let drawn = PassFramebuffer {
+            pass: self.frame.raw,
+            framebuffer: target.framebuffers[image_index].raw,
+            extent: target.extent,
+        };
+        self.record_pass(commands, drawn, &clears, |_| {
             self.bind_set(commands, target.sets[self.slot_index]);
-            if picture.scene.is_some() {
+            if request.scene.is_some() {
                 self.bind_meshes(commands);
             }
             let parts = match self.order {
@@ -120,10 +140,10 @@ impl Renderer {
             for part in parts {
                 let counters = &self.ring[self.slot_index].counters;
                 counters.count_during(commands, part, || {
-                    self.record_part(commands, part, picture, target);
+                    self.record_part(commands, part, request, target);
                 });
             }
-            if let Some(scene) = picture.scene {
+            if let Some(scene) = request.scene {
                 self.record_group(commands, scene, DrawGroup::Particles);
             }
             self.overlay.record_draws(commands, target.extent);
@@ -134,15 +154,15 @@ impl Renderer {
         &self,
         commands: vk::CommandBuffer,
         part: PassPart,
-        picture: &FrameRequest<'_>,
+        request: &FrameRequest<'_>,
         target: &RenderTarget,
     ) {
         let timers = &self.ring[self.slot_index].timers;
-        match (part, picture.scene) {
+        match (part, request.scene) {
             (PassPart::Sculpture, _) => {
                 timers.write_timestamp(commands, Timestamp::SculptureBegins);
-                if picture.shows_sculpture() {
-                    self.record_sculpture(commands, picture.style.path, target);
+                if request.shows_sculpture() {
+                    self.record_sculpture(commands, request.style.path, target);
                 }
                 timers.write_timestamp(commands, Timestamp::SculptureEnds);
             }
@@ -176,15 +196,15 @@ impl Renderer {
         }
     }
 
-    fn record_group(&self, commands: vk::CommandBuffer, scene: &DrawList, stage: DrawGroup) {
-        let pipeline = match stage {
+    fn record_group(&self, commands: vk::CommandBuffer, scene: &DrawList, group: DrawGroup) {
+        let pipeline = match group {
             DrawGroup::Particles => self.pipelines.particles,
             DrawGroup::Handheld | DrawGroup::Surroundings => self.pipelines.meshes,
         };
         // SAFETY: the pass is the pipeline's.
         unsafe { self.gpu.device.cmd_bind_pipeline(commands, GRAPHICS, pipeline) };
         // The room is the first of the list and behind all else.
-        for batch in scene.batches().iter().rev().filter(|batch| batch.mesh.draw_group() == stage) {
+        for batch in scene.batches().iter().rev().filter(|batch| batch.mesh.draw_group() == group) {
             self.record_batch(commands, batch);
         }
     }
@@ -220,8 +240,7 @@ impl Renderer {
     fn record_pass(
         &self,
         commands: vk::CommandBuffer,
-        (pass, framebuffer): (vk::RenderPass, vk::Framebuffer),
-        [width, height]: [u32; 2],
+        PassFramebuffer { pass, framebuffer, extent: [width, height] }: PassFramebuffer,
         clears: &[vk::ClearValue],
         inside: impl FnOnce(&ash::Device),
     ) {

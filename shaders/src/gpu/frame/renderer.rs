@@ -59,7 +59,7 @@ pub struct Renderer {
     pub(crate) pipelines: Pipelines,
     pub(crate) textures: SculptureTextures,
     /// None without compute writes.
-    scatter: Option<TexelWriter>,
+    writer: Option<TexelWriter>,
     pub(crate) meshes: Meshes,
     pub(crate) ring: Vec<FrameSlot>,
     /// Pool of the ring's command buffers.
@@ -86,7 +86,7 @@ impl core::fmt::Debug for Renderer {
 }
 
 impl Renderer {
-    /// Creates a renderer for volumes of `grid_side` voxels a side. `cache` is the result of
+    /// Creates a renderer for volumes of `grid_side` voxels a side. `cache_data` is the result of
     /// [`Renderer::pipeline_cache_data`] at an earlier start, or empty. Without density maps if the device
     /// has none: see [`Gpu::missing_features`].
     ///
@@ -96,7 +96,7 @@ impl Renderer {
         gpu: &Arc<Gpu>,
         format: TargetFormat,
         grid_side: usize,
-        cache: &[u8],
+        cache_data: &[u8],
     ) -> Result<Self, Error> {
         let density_map = format.density_map && gpu.features.density_map;
         let format = TargetFormat { density_map, ..format };
@@ -108,7 +108,7 @@ impl Renderer {
             shadow: shadow.pass.raw,
             frame: frame.raw,
         };
-        let pipelines = Pipelines::new(gpu, &format, &passes, cache)?;
+        let pipelines = Pipelines::new(gpu, &format, &passes, cache_data)?;
         let textures = SculptureTextures::new(gpu, grid_side as u32, marble::TEXTURE_SIDE as u32)?;
         let info = vk::CommandPoolCreateInfo::default()
             .queue_family_index(gpu.queue_family)
@@ -121,7 +121,7 @@ impl Renderer {
             .map(|_| FrameSlot::new(gpu, pool.raw, format.views))
             .collect::<Result<Vec<_>, _>>()?;
         let staged = ring.iter().map(|slot| &slot.staging);
-        let scatter = match gpu.features.storage_writes {
+        let writer = match gpu.features.storage_writes {
             true => Some(TexelWriter::new(gpu, &textures, staged, pipelines.cache)?),
             false => None,
         };
@@ -135,7 +135,7 @@ impl Renderer {
             frame,
             pipelines,
             textures,
-            scatter,
+            writer,
             meshes: Meshes::new(gpu)?,
             ring,
             _pool: pool,
@@ -206,9 +206,9 @@ impl Renderer {
         extent: [u32; 2],
         colors: &[vk::ImageView],
         depths: &[vk::ImageView],
-        densities: &[vk::ImageView],
+        density_maps: &[vk::ImageView],
     ) -> Result<RenderTarget, Error> {
-        let parts = TargetResources {
+        let resources = TargetResources {
             gpu: &self.gpu,
             format: &self.format,
             march_starts: &self.march_starts,
@@ -217,8 +217,8 @@ impl Renderer {
             textures: &self.textures,
             shadow: &self.shadow,
         };
-        let views = TargetViews { colors, depths, densities };
-        RenderTarget::new(&parts, extent, &views, self.ring.iter().map(|slot| &slot.uniform))
+        let views = TargetViews { colors, depths, density_maps };
+        RenderTarget::new(&resources, extent, &views, self.ring.iter().map(|slot| &slot.uniform))
     }
 
     /// Begins a frame: waits for the fence of the frame before the last.
@@ -246,9 +246,9 @@ impl Renderer {
     /// Stages a region's bytes for upload in the current frame. False, without effect, if there is no
     /// room.
     #[must_use]
-    pub fn stage_upload(&mut self, region: Region, bytes: &[u8]) -> bool {
-        debug_assert_eq!(region.bytes(), bytes.len(), "a region's bytes");
-        self.ring[self.slot_index].staging.push(region, bytes)
+    pub fn try_stage_upload(&mut self, region: Region, bytes: &[u8]) -> bool {
+        debug_assert_eq!(region.byte_count(), bytes.len(), "a region's bytes");
+        self.ring[self.slot_index].staging.try_push(region, bytes)
     }
 
     /// Uploads a region of any size now, in as many submissions as it takes, without drawing.
@@ -263,15 +263,15 @@ impl Renderer {
             piece.min[2] += (i * layers) as u32;
             piece.size[2] = (part.len() / layer) as u32;
             self.begin_frame()?;
-            let fits = self.stage_upload(piece, part);
+            let fits = self.try_stage_upload(piece, part);
             assert!(fits, "a layer of a texture is larger than a frame's staging memory");
             self.submit_frame(FrameSemaphores::default(), |_, _| ())?;
         }
         Ok(())
     }
 
-    /// Records and submits the current frame, with the uploads staged since [`begin_frame`]; `image` is
-    /// the index of the target's image.
+    /// Records and submits the current frame, with the uploads staged since [`begin_frame`], into an
+    /// image of the target.
     ///
     /// [`begin_frame`]: Renderer::begin_frame
     ///
@@ -279,35 +279,35 @@ impl Renderer {
     /// A lost device.
     pub fn draw_frame(
         &mut self,
-        picture: &FrameRequest<'_>,
+        request: &FrameRequest<'_>,
         target: &RenderTarget,
-        image: usize,
-        sync: FrameSemaphores,
+        image_index: usize,
+        semaphores: FrameSemaphores,
     ) -> Result<(), Error> {
-        let bytes = uniforms::frame_uniforms(picture, self.grid_side, target.extent);
+        let bytes = uniforms::frame_uniforms(request, self.grid_side, target.extent);
         let slot = &mut self.ring[self.slot_index];
         slot.uniform.write(0, bytemuck::bytes_of(&bytes));
-        if let Some(scene) = picture.scene {
+        if let Some(scene) = request.scene {
             slot.instances.write(0, bytemuck::cast_slice(scene.instances()));
         }
         let at = self.slot_index;
-        self.submit_frame(sync, |renderer, commands| {
-            renderer.record_shadow_map(commands, picture.scene, target.sets[at]);
+        self.submit_frame(semaphores, |renderer, commands| {
+            renderer.record_shadow_map(commands, request.scene, target.sets[at]);
             renderer.ring[at].timers.write_timestamp(commands, Timestamp::Shadowed);
-            if picture.style.path == RenderPath::Fast {
+            if request.style.path == RenderPath::Fast {
                 renderer.record_march_starts(commands, target);
             }
             renderer.ring[at].timers.write_timestamp(commands, Timestamp::Tiled);
-            renderer.record_frame_pass(commands, picture, target, image);
+            renderer.record_frame_pass(commands, request, target, image_index);
             renderer.ring[at].has_picture = true;
         })
     }
 
-    /// Waits until the device is idle; returns the GPU times of the latest frame.
+    /// Waits for all frames, until the device is idle; returns the GPU times of the latest frame.
     ///
     /// # Errors
     /// A lost device.
-    pub fn finish_frames(&mut self) -> Result<FrameTimes, Error> {
+    pub fn wait_for_frames(&mut self) -> Result<FrameTimes, Error> {
         self.gpu.wait_idle()?;
         let slot = &self.ring[(self.slot_index + RING - 1) % RING];
         if slot.has_picture {
@@ -319,7 +319,7 @@ impl Renderer {
     /// Records the uploads and what `record` adds, submits, and advances the ring.
     fn submit_frame(
         &mut self,
-        sync: FrameSemaphores,
+        semaphores: FrameSemaphores,
         record: impl FnOnce(&mut Self, vk::CommandBuffer),
     ) -> Result<(), Error> {
         let gpu = self.gpu.clone();
@@ -332,8 +332,8 @@ impl Renderer {
         slot.timers.reset(commands);
         slot.counters.reset(commands);
         slot.timers.write_timestamp(commands, Timestamp::Begin);
-        let scatter = self.scatter.as_mut();
-        record_uploads(&mut self.textures, commands, &slot.staging, scatter, self.slot_index);
+        let writer = self.writer.as_mut();
+        record_uploads(&mut self.textures, commands, &slot.staging, writer, self.slot_index);
         self.overlay.record_atlas_copies(commands);
         slot.timers.write_timestamp(commands, Timestamp::Uploaded);
         record(self, commands);
@@ -341,7 +341,7 @@ impl Renderer {
         // SAFETY: the commands are being recorded.
         unsafe { gpu.device.end_command_buffer(commands) }.context("record")?;
         let buffers = [commands];
-        let (waits, signals) = (sync.wait.as_slice(), sync.signal.as_slice());
+        let (waits, signals) = (semaphores.wait.as_slice(), semaphores.signal.as_slice());
         let stages = [vk::PipelineStageFlags::COLOR_ATTACHMENT_OUTPUT];
         let info = vk::SubmitInfo::default()
             .command_buffers(&buffers)

@@ -26,6 +26,15 @@ pub struct Fov {
     pub down: f32,
 }
 
+/// The tangents of a [`Fov`]'s angles, positive to the right and up.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(crate) struct FovTangents {
+    pub(crate) left: f32,
+    pub(crate) right: f32,
+    pub(crate) up: f32,
+    pub(crate) down: f32,
+}
+
 /// An eye in the room, looking along its own -z.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Eye {
@@ -132,7 +141,7 @@ impl Eye {
     /// and 0 on the far one.
     #[must_use]
     pub fn clip_from_room(&self) -> Mat4 {
-        let [l, r, u, d] = self.tangents();
+        let FovTangents { left: l, right: r, up: u, down: d } = self.fov_tangents();
         let (width, height) = (r - l, u - d);
         // Vulkan's y points down.
         let projection = Mat4::from_cols(
@@ -144,8 +153,10 @@ impl Eye {
         projection * Mat4::from_rotation_translation(self.rotation, self.position).inverse()
     }
 
-    /// The tangents of the angles to its sides: left, right, up and down.
-    pub(crate) fn tangents(&self) -> [f32; 4] {
-        [self.fov.left, self.fov.right, self.fov.up, self.fov.down].map(f32::tan)
+    /// The tangents of the angles to the sides of its picture.
+    pub(crate) fn fov_tangents(&self) -> FovTangents {
+        let Fov { left, right, up, down } = self.fov;
+        let [left, right, up, down] = [left, right, up, down].map(f32::tan);
+        FovTangents { left, right, up, down }
     }
 }

@@ -2,43 +2,43 @@
 
 use glam::{Mat3, Mat4, Vec3};
 
-use super::request::{FAR, FrameRequest, NEAR};
+use super::request::{FAR, FovTangents, FrameRequest, NEAR};
 use crate::constants::TILE_PIXELS;
 use crate::field::{PAD, cell_side_texels};
 use crate::gpu::passes::shadow_map;
 use crate::gpu::pipelines::layout;
 use crate::twin::harmonics::{BASIS_FACTORS, COSINE_FACTORS};
 
-/// The uniforms of a request, for `grid_side` voxels a side and a picture of `[w, h]` pixels.
+/// The uniforms of a request, for `grid_side` voxels a side and a picture of so many pixels.
 pub(crate) fn frame_uniforms(
-    picture: &FrameRequest<'_>,
+    request: &FrameRequest<'_>,
     grid_side: usize,
-    [w, h]: [u32; 2],
+    [width, height]: [u32; 2],
 ) -> layout::FrameUniforms {
-    let room_from_grid = picture.placement.room_from_grid(grid_side);
+    let room_from_grid = request.placement.room_from_grid(grid_side);
     let grid_from_room = room_from_grid.inverse();
-    let voxel = picture.placement.side / grid_side as f32;
-    let look = &picture.style;
-    let shadow_from_room = match picture.scene {
-        Some(_) => shadow_map::shadow_from_room(look.sun_direction),
+    let voxel = request.placement.side / grid_side as f32;
+    let style = &request.style;
+    let shadow_from_room = match request.scene {
+        Some(_) => shadow_map::shadow_from_room(style.sun_direction),
         None => Mat4::ZERO,
     };
-    let sun_in_grid = grid_from_room.transform_vector3(look.sun_direction).normalize();
+    let sun_in_grid = grid_from_room.transform_vector3(style.sun_direction).normalize();
     let mut views = [layout::ViewUniforms::default(); 2];
-    for (view, eye) in views.iter_mut().zip(picture.eyes) {
-        let [l, r, u, d] = eye.tangents();
+    for (view, eye) in views.iter_mut().zip(request.eyes) {
+        let FovTangents { left: l, right: r, up: u, down: d } = eye.fov_tangents();
         // A direction whose part along the eye's axis is a voxel's length.
         let turned = |v: Vec3| grid_from_room.transform_vector3(eye.rotation * v * voxel);
         *view = layout::ViewUniforms {
             clip_from_room: eye.clip_from_room().to_cols_array_2d(),
             eye: grid_from_room.transform_point3(eye.position).into(),
             ray_base: turned(Vec3::new(l, u, -1.0)).into(),
-            ray_x: turned(Vec3::X * ((r - l) / w as f32)).into(),
-            ray_y: turned(Vec3::Y * ((d - u) / h as f32)).into(),
+            ray_x: turned(Vec3::X * ((r - l) / width as f32)).into(),
+            ray_y: turned(Vec3::Y * ((d - u) / height as f32)).into(),
         };
     }
     let pixel_width = Vec3::from_array(views[0].ray_x.xyz).length();
-    let tiles = [w, h].map(|pixels| pixels.div_ceil(TILE_PIXELS));
+    let tiles = [width, height].map(|pixels| pixels.div_ceil(TILE_PIXELS));
     layout::FrameUniforms {
         views,
         shadow_from_grid: (shadow_from_room * room_from_grid).to_cols_array_2d(),
@@ -46,22 +46,22 @@ pub(crate) fn frame_uniforms(
         room_from_grid: room_from_grid.to_cols_array_2d(),
         sun_in_grid: sun_in_grid.to_array(),
         grid_side: grid_side as f32,
-        sun_in_room: look.sun_direction.to_array(),
+        sun_in_room: style.sun_direction.to_array(),
         density_side: (grid_side + 2 * PAD) as f32,
-        sun_color: look.sun_color.to_array(),
+        sun_color: style.sun_color.to_array(),
         pixel_width,
         ambient: ambient_polynomial(
-            &look.ambient,
-            Mat3::from_rotation_y(picture.placement.turn_radians),
+            &style.ambient,
+            Mat3::from_rotation_y(request.placement.turn_radians),
         ),
         depth_scale: NEAR * FAR / (FAR - NEAR) / voxel,
         depth_offset: -NEAR / (FAR - NEAR),
         near: NEAR / voxel,
         voxel_size: voxel,
-        pixels: [w as f32, h as f32],
+        pixels: [width as f32, height as f32],
         tiles: tiles.map(|tiles| tiles as f32),
         cell_reach: 255.0 * cell_side_texels(grid_side) as f32,
-        shadow_depth_per_metre: shadow_map::depth_per_metre(),
+        shadow_depth_per_metre: shadow_map::shadow_depth_per_metre(),
         shadow_texel: 1.0 / shadow_map::MAP_SIDE as f32,
         padding: 0.0,
     }
@@ -69,12 +69,16 @@ pub(crate) fn frame_uniforms(
 
 /// Spherical-harmonics irradiance (bands 0 to 2) as a polynomial of the grid's normal: the
 /// coefficients of 1, x, y, z, xy, yz, xz, xx and yy.
-fn ambient_polynomial(ambient: &[[f32; 3]; 9], room_from_grid: Mat3) -> [layout::PaddedVec3; 9] {
+fn ambient_polynomial(
+    radiance_sh: &[[f32; 3]; 9],
+    room_from_grid: Mat3,
+) -> [layout::PaddedVec3; 9] {
     let mut polynomial = [layout::PaddedVec3::default(); 9];
     #[expect(clippy::needless_range_loop, reason = "a channel of three arrays")]
     for channel in 0..3 {
-        let c: [f32; 9] =
-            core::array::from_fn(|i| ambient[i][channel] * BASIS_FACTORS[i] * COSINE_FACTORS[i]);
+        let c: [f32; 9] = core::array::from_fn(|i| {
+            radiance_sh[i][channel] * BASIS_FACTORS[i] * COSINE_FACTORS[i]
+        });
         let linear = room_from_grid.transpose() * Vec3::new(c[3], c[1], c[2]);
         let square = Mat3::from_cols(
             Vec3::new(c[8] - c[6], 0.5 * c[4], 0.5 * c[7]),

@@ -90,25 +90,25 @@ where
     pub fn draw_frame(
         &mut self,
         world: &World<N>,
-        seen: &Viewpoint<'_>,
+        viewpoint: &Viewpoint<'_>,
         target: &RenderTarget,
-        image: usize,
-        sync: FrameSemaphores,
+        image_index: usize,
+        semaphores: FrameSemaphores,
     ) -> Result<(), Error> {
         let renderer = &mut self.renderer;
         self.field.update_textures(Budget::per_frame(N), &mut |region, bytes| {
-            let fits = renderer.stage_upload(region, bytes);
+            let fits = renderer.try_stage_upload(region, bytes);
             debug_assert!(fits, "a frame's budget is within what it can upload");
         });
-        self.scene.assemble_frame(world, &seen.latest);
-        let picture = FrameRequest {
-            eyes: seen.eyes,
+        self.scene.assemble_frame(world, &viewpoint.latest);
+        let request = FrameRequest {
+            eyes: viewpoint.eyes,
             placement: self.scene.sculpture_placement(),
-            style: RenderStyle::in_studio(seen.render_path),
+            style: RenderStyle::in_studio(viewpoint.render_path),
             backdrop: tone_map(Vec3::from_array(SKY)).to_array(),
             scene: Some(self.scene.draw_list()),
         };
-        self.renderer.draw_frame(&picture, target, image, sync)
+        self.renderer.draw_frame(&request, target, image_index, semaphores)
     }
 
     /// Rebuilds and uploads all textures of a world's volume.

@@ -59,7 +59,7 @@ impl Buffer {
         gpu: &Arc<Gpu>,
         size: usize,
         usage: vk::BufferUsageFlags,
-        kind: vk::MemoryPropertyFlags,
+        memory: vk::MemoryPropertyFlags,
     ) -> Result<Self, Error> {
         let info = vk::BufferCreateInfo::default().size(size as u64).usage(usage);
         // SAFETY: the device is alive and the info complete.
@@ -73,7 +73,7 @@ impl Buffer {
         };
         // SAFETY: the buffer was made on this device.
         let needs = unsafe { gpu.device.get_buffer_memory_requirements(raw) };
-        buffer.memory = allocate_memory(gpu, needs, kind)?;
+        buffer.memory = allocate_memory(gpu, needs, memory)?;
         // SAFETY: the memory fits the buffer's requirements and is bound once.
         unsafe { gpu.device.bind_buffer_memory(raw, buffer.memory, 0) }.context("bind a buffer")?;
         Ok(buffer)
@@ -112,7 +112,7 @@ impl Drop for Buffer {
 pub(crate) fn allocate_memory(
     gpu: &Gpu,
     needs: vk::MemoryRequirements,
-    kind: vk::MemoryPropertyFlags,
+    properties: vk::MemoryPropertyFlags,
 ) -> Result<vk::DeviceMemory, Error> {
     let types = gpu.memory.memory_types_as_slice();
     let fits = |wanted: vk::MemoryPropertyFlags| {
@@ -121,7 +121,7 @@ pub(crate) fn allocate_memory(
         })
     };
     let lazy = vk::MemoryPropertyFlags::LAZILY_ALLOCATED;
-    let index = fits(kind).or_else(|| fits(kind & !lazy));
+    let index = fits(properties).or_else(|| fits(properties & !lazy));
     let missing = Error::Call {
         action: "find memory of the kind needed",
         result: vk::Result::ERROR_FEATURE_NOT_PRESENT,

@@ -47,21 +47,21 @@ pub(crate) struct GpuImage {
     pub(crate) raw: vk::Image,
     pub(crate) view: vk::ImageView,
     memory: vk::DeviceMemory,
-    pub(crate) shape: ImageSpec,
+    pub(crate) spec: ImageSpec,
 }
 
 impl GpuImage {
-    pub(crate) fn new(gpu: &Arc<Gpu>, shape: ImageSpec) -> Result<Self, Error> {
-        let solid = shape.is_3d();
-        let [width, height, depth] = shape.extent;
+    pub(crate) fn new(gpu: &Arc<Gpu>, spec: ImageSpec) -> Result<Self, Error> {
+        let solid = spec.is_3d();
+        let [width, height, depth] = spec.extent;
         let info = vk::ImageCreateInfo::default()
             .image_type(if solid { vk::ImageType::TYPE_3D } else { vk::ImageType::TYPE_2D })
-            .format(shape.format)
+            .format(spec.format)
             .extent(vk::Extent3D { width, height, depth })
-            .mip_levels(shape.levels)
-            .array_layers(shape.layers)
-            .samples(shape.samples)
-            .usage(shape.usage);
+            .mip_levels(spec.levels)
+            .array_layers(spec.layers)
+            .samples(spec.samples)
+            .usage(spec.usage);
         // SAFETY: the device is alive and the info complete.
         let raw = unsafe { gpu.device.create_image(&info, None) }.context("make an image")?;
         let mut image = GpuImage {
@@ -69,12 +69,12 @@ impl GpuImage {
             raw,
             view: vk::ImageView::null(),
             memory: vk::DeviceMemory::null(),
-            shape,
+            spec,
         };
         // SAFETY: the image was made on this device.
         let needs = unsafe { gpu.device.get_image_memory_requirements(raw) };
         let mut kind = vk::MemoryPropertyFlags::DEVICE_LOCAL;
-        if shape.usage.contains(vk::ImageUsageFlags::TRANSIENT_ATTACHMENT) {
+        if spec.usage.contains(vk::ImageUsageFlags::TRANSIENT_ATTACHMENT) {
             kind |= vk::MemoryPropertyFlags::LAZILY_ALLOCATED;
         }
         image.memory = allocate_memory(gpu, needs, kind)?;
@@ -85,7 +85,7 @@ impl GpuImage {
         let info = vk::ImageViewCreateInfo::default()
             .image(raw)
             .view_type(kind)
-            .format(shape.format)
+            .format(spec.format)
             .subresource_range(image.full_range());
         // SAFETY: the image is bound.
         image.view =
@@ -96,11 +96,11 @@ impl GpuImage {
     /// The subresource range of the whole image.
     pub(crate) fn full_range(&self) -> vk::ImageSubresourceRange {
         vk::ImageSubresourceRange {
-            aspect_mask: aspect_of(self.shape.format),
+            aspect_mask: aspect_of(self.spec.format),
             base_mip_level: 0,
-            level_count: self.shape.levels,
+            level_count: self.spec.levels,
             base_array_layer: 0,
-            layer_count: self.shape.layers,
+            layer_count: self.spec.layers,
         }
     }
 }

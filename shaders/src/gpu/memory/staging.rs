@@ -48,7 +48,7 @@ impl Staging {
 
     /// Stages a region's bytes. False, without effect, if this frame has no room for them.
     #[must_use]
-    pub(crate) fn push(&mut self, region: Region, bytes: &[u8]) -> bool {
+    pub(crate) fn try_push(&mut self, region: Region, bytes: &[u8]) -> bool {
         let at = self.used.next_multiple_of(ALIGNMENT);
         let fits = at + bytes.len() <= STAGING_BYTES && self.regions.len() < MAX_REGIONS;
         if fits {

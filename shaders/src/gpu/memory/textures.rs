@@ -15,6 +15,8 @@ use crate::upload::{Region, Texture};
 
 /// Number of textures.
 pub(crate) const TEXTURE_COUNT: usize = 5;
+/// A part of the textures: a flag for each, in the order of [`SculptureTextures::images`].
+pub(crate) type TextureSet = [bool; TEXTURE_COUNT];
 const STORAGE: vk::ImageUsageFlags = vk::ImageUsageFlags::STORAGE;
 
 /// The textures of a sculpture, and the samplers that read them.
@@ -78,21 +80,21 @@ impl SculptureTextures {
         }
     }
 
-    /// Which images have storage usage.
-    pub(crate) fn storage_images(&self) -> [bool; TEXTURE_COUNT] {
-        self.images().map(|image| image.shape.usage.contains(STORAGE))
+    /// The textures that have storage usage.
+    pub(crate) fn with_storage_usage(&self) -> TextureSet {
+        self.images().map(|image| image.spec.usage.contains(STORAGE))
     }
 
-    /// Records copies of the staged regions for which `is_copied` holds.
+    /// Records copies of the staged regions for which `include` holds.
     pub(crate) fn record_copies(
         &self,
         commands: vk::CommandBuffer,
         staging: &Staging,
-        is_copied: impl Fn(&Region) -> bool,
+        include: impl Fn(&Region) -> bool,
     ) {
         let mut unordered = 0;
         for (i, (region, at)) in staging.regions.iter().enumerate() {
-            if !is_copied(region) {
+            if !include(region) {
                 continue;
             }
             // Boxes computed one after the other may share a coarser texel, which the later has
@@ -102,7 +104,7 @@ impl SculptureTextures {
                 self.record_copy_barrier(commands);
                 unordered = i;
             }
-            let (image, copy) = self.copy_region(region, *at);
+            let (image, copy) = self.buffer_image_copy(region, *at);
             // SAFETY: the image is in this layout, and the region lies within it and the buffer.
             unsafe {
                 self.gpu.device.cmd_copy_buffer_to_image(
@@ -130,19 +132,20 @@ impl SculptureTextures {
         }
     }
 
-    /// Which images have a staged region among those for which `among` holds.
-    pub(crate) fn staged_images(
+    /// The textures with a staged region for which `include` holds.
+    pub(crate) fn with_staged_regions(
         &self,
         staging: &Staging,
-        among: impl Fn(&Region) -> bool,
-    ) -> [bool; TEXTURE_COUNT] {
-        let holds = |image: &GpuImage, region| self.region_image(region).0.raw == image.raw;
-        let regions = || staging.regions.iter().map(|(region, _)| region).filter(|one| among(one));
+        include: impl Fn(&Region) -> bool,
+    ) -> TextureSet {
+        let holds = |image: &GpuImage, region| self.image_and_mip_level(region).0.raw == image.raw;
+        let regions =
+            || staging.regions.iter().map(|(region, _)| region).filter(|one| include(one));
         self.images().map(|image| regions().any(|region| holds(image, region)))
     }
 
     /// The image and mip level of a region.
-    const fn region_image(&self, region: &Region) -> (&GpuImage, u32) {
+    const fn image_and_mip_level(&self, region: &Region) -> (&GpuImage, u32) {
         match region.texture {
             Texture::Maps => (&self.maps, 0),
             Texture::Density(level) => (&self.density, level as u32),
@@ -152,16 +155,20 @@ impl SculptureTextures {
         }
     }
 
-    /// The image and copy command of a region, its bytes at `at` in a buffer.
-    pub(crate) fn copy_region(&self, region: &Region, at: u64) -> (vk::Image, vk::BufferImageCopy) {
-        let (image, level) = self.region_image(region);
+    /// The image of a region, and what copies its bytes there from an offset in a buffer.
+    pub(crate) fn buffer_image_copy(
+        &self,
+        region: &Region,
+        buffer_offset: u64,
+    ) -> (vk::Image, vk::BufferImageCopy) {
+        let (image, level) = self.image_and_mip_level(region);
         let ([x, y, z], [width, height, depth]) = (region.min, region.size);
         let is_maps = region.texture == Texture::Maps;
         let (layer, layers, border) =
             if is_maps { (z, depth, MAP_BORDER_COLUMNS) } else { (0, 1, 0) };
         let (z, depth) = if is_maps { (0, 1) } else { (z, depth) };
         let copy = vk::BufferImageCopy {
-            buffer_offset: at,
+            buffer_offset,
             image_subresource: vk::ImageSubresourceLayers {
                 aspect_mask: vk::ImageAspectFlags::COLOR,
                 mip_level: level,
@@ -211,13 +218,13 @@ impl SculptureTextures {
     pub(crate) fn record_transition(
         &self,
         commands: vk::CommandBuffer,
-        which: [bool; TEXTURE_COUNT],
+        textures: TextureSet,
         from: vk::ImageLayout,
         to: vk::ImageLayout,
     ) {
         let (from_stage, to_stage) = (stage_and_access(from).0, stage_and_access(to).0);
         let mut barriers = [vk::ImageMemoryBarrier::default(); TEXTURE_COUNT];
-        let images = self.images().into_iter().zip(which).filter(|(_, is)| *is);
+        let images = self.images().into_iter().zip(textures).filter(|(_, is)| *is);
         let count = barriers
             .iter_mut()
             .zip(images)
@@ -243,15 +250,15 @@ impl SculptureTextures {
 fn create_sampler(
     gpu: &Arc<Gpu>,
     filter: vk::Filter,
-    mode: vk::SamplerAddressMode,
+    address_mode: vk::SamplerAddressMode,
 ) -> Result<OwnedHandle<vk::Sampler>, Error> {
     let info = vk::SamplerCreateInfo::default()
         .mag_filter(filter)
         .min_filter(filter)
         .mipmap_mode(vk::SamplerMipmapMode::NEAREST)
-        .address_mode_u(mode)
-        .address_mode_v(mode)
-        .address_mode_w(mode)
+        .address_mode_u(address_mode)
+        .address_mode_v(address_mode)
+        .address_mode_w(address_mode)
         .max_lod(vk::LOD_CLAMP_NONE);
     // SAFETY: the device is alive and the info complete.
     let raw = unsafe { gpu.device.create_sampler(&info, None) }.context("make a sampler")?;

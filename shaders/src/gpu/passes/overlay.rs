@@ -10,7 +10,7 @@ use crate::gpu::device::error::Error;
 use crate::gpu::device::format::TargetFormat;
 use crate::gpu::memory::buffer::Buffer;
 use crate::gpu::memory::image::{GpuImage, ImageSpec};
-use crate::gpu::pipelines::overlay_pipeline::OverlayPipeline;
+use crate::gpu::pipelines::overlay_pipeline::{OverlayPipeline, PanelBuffers};
 pub use crate::gpu::pipelines::panel::{ClippedRun, PanelVertex};
 
 /// Side of the atlas in texels: enough for a few hundred glyphs at twice the usual scale.
@@ -53,7 +53,7 @@ impl Overlay {
         gpu: &Arc<Gpu>,
         format: &TargetFormat,
         pass: vk::RenderPass,
-        ring: usize,
+        frames_in_flight: usize,
         cache: vk::PipelineCache,
     ) -> Result<Self, Error> {
         let usage = vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST;
@@ -61,14 +61,15 @@ impl Overlay {
             ImageSpec::new_2d(vk::Format::R8G8B8A8_UNORM, [ATLAS_SIDE; 2], 1).with_usage(usage);
         let atlas = GpuImage::new(gpu, shape)?;
         let pipeline = OverlayPipeline::new(gpu, format, pass, atlas.view, cache)?;
-        let slots = (0..ring).map(|_| OverlaySlot::new(gpu)).collect::<Result<_, _>>()?;
+        let slots =
+            (0..frames_in_flight).map(|_| OverlaySlot::new(gpu)).collect::<Result<_, _>>()?;
         Ok(Overlay { pipeline, atlas, slots, slot_index: 0, cleared: false })
     }
 
     /// Stages texels for a rectangle of the atlas, row by row, premultiplied RGBA. False, without
     /// effect, if it lies outside of the atlas or the current frame has no room.
     #[must_use]
-    pub fn write_atlas(&mut self, min: [u32; 2], size: [u32; 2], texels: &[[u8; 4]]) -> bool {
+    pub fn try_write_atlas(&mut self, min: [u32; 2], size: [u32; 2], texels: &[[u8; 4]]) -> bool {
         debug_assert_eq!(texels.len() as u32, size[0] * size[1], "a rectangle's texels");
         let slot = &mut self.slots[self.slot_index];
         let inside = (0..2).all(|k| min[k] + size[k] <= ATLAS_SIDE);
@@ -86,15 +87,15 @@ impl Overlay {
     }
 
     /// Sets the triangles of the current frame, replacing earlier ones: `runs` of `indices` into
-    /// `vertices`, on a target of `extent` pixels. False, without effect, if they are too many or an
+    /// `vertices`, on a target of `target_extent` pixels. False, without effect, if they are too many or an
     /// index is out of range.
     #[must_use]
-    pub fn set_triangles(
+    pub fn try_set_triangles(
         &mut self,
         vertices: &[PanelVertex],
         indices: &[u32],
         runs: &[ClippedRun],
-        extent: [u32; 2],
+        target_extent: [u32; 2],
     ) -> bool {
         let slot = &mut self.slots[self.slot_index];
         let fits = vertices.len() <= MAX_VERTICES
@@ -106,7 +107,7 @@ impl Overlay {
             return false;
         }
         for (i, vertex) in vertices.iter().enumerate() {
-            let clip = |k: usize| vertex.position[k] * 2.0 / extent[k].max(1) as f32 - 1.0;
+            let clip = |k: usize| vertex.position[k] * 2.0 / target_extent[k].max(1) as f32 - 1.0;
             let place = vertex.texel.map(|texel| texel / ATLAS_SIDE as f32);
             let vertex = PanelVertex { position: [clip(0), clip(1)], texel: place, ..*vertex };
             slot.vertices.write(i * size_of::<PanelVertex>(), bytemuck::bytes_of(&vertex));
@@ -140,11 +141,11 @@ impl Overlay {
     }
 
     /// Records the draw calls, in the frame's pass.
-    pub(crate) fn record_draws(&self, commands: vk::CommandBuffer, extent: [u32; 2]) {
+    pub(crate) fn record_draws(&self, commands: vk::CommandBuffer, target_extent: [u32; 2]) {
         let slot = &self.slots[self.slot_index];
         if !slot.runs.is_empty() {
-            let buffers = (slot.vertices.raw, slot.indices.raw);
-            self.pipeline.record_draws(commands, buffers, &slot.runs, extent);
+            let buffers = PanelBuffers { vertices: slot.vertices.raw, indices: slot.indices.raw };
+            self.pipeline.record_draws(commands, buffers, &slot.runs, target_extent);
         }
     }
 }

@@ -154,8 +154,8 @@ fn with_frame_pass_info<T>(
 fn with_pass_info<T>(
     attachments: &[vk::AttachmentDescription],
     subpass: vk::SubpassDescription<'_>,
-    mask: u32,
-    density: Option<vk::AttachmentReference>,
+    view_mask: u32,
+    density_map: Option<vk::AttachmentReference>,
     make: impl FnOnce(&vk::RenderPassCreateInfo<'_>) -> T,
 ) -> T {
     let subpasses = [subpass];
@@ -184,9 +184,9 @@ fn with_pass_info<T>(
             .src_access_mask(written)
             .dst_access_mask(vk::AccessFlags::SHADER_READ | vk::AccessFlags::TRANSFER_READ),
     ];
-    let masks = [mask];
+    let masks = [view_mask];
     // The sun's view is one, not one for each eye.
-    let views = if mask == 0 { &masks[..0] } else { &masks[..] };
+    let views = if view_mask == 0 { &masks[..0] } else { &masks[..] };
     let mut multiview =
         vk::RenderPassMultiviewCreateInfo::default().view_masks(views).correlation_masks(views);
     let mut mapped = vk::RenderPassFragmentDensityMapCreateInfoEXT::default();
@@ -195,7 +195,7 @@ fn with_pass_info<T>(
         .subpasses(&subpasses)
         .dependencies(&dependencies)
         .push_next(&mut multiview);
-    if let Some(density) = density {
+    if let Some(density) = density_map {
         mapped.fragment_density_map_attachment = density;
         info = info.push_next(&mut mapped);
     }

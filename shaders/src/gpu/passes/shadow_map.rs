@@ -58,18 +58,18 @@ impl ShadowMap {
 }
 
 /// Orthographic projection from the room to the map's clip space, over [`SUN_BOUNDS`]; depth 0 is next
-/// to the sun. `sun` is the unit vector towards it.
-pub(crate) fn shadow_from_room(sun: Vec3) -> Mat4 {
+/// to the sun. `to_sun` is the unit vector towards it.
+pub(crate) fn shadow_from_room(to_sun: Vec3) -> Mat4 {
     let (middle, radius) = (Vec3::from_array(SUN_BOUNDS.0), SUN_BOUNDS.1);
-    let right = Vec3::Y.cross(sun).try_normalize().unwrap_or(Vec3::X);
+    let right = Vec3::Y.cross(to_sun).try_normalize().unwrap_or(Vec3::X);
     // As an eye that looks along the rays has them: right, down, ahead.
-    let rows = [right / radius, right.cross(sun) / radius, sun / (-2.0 * radius)];
+    let rows = [right / radius, right.cross(to_sun) / radius, to_sun / (-2.0 * radius)];
     let [x, y, z] = rows.map(|row| row.extend(-row.dot(middle)));
     Mat4::from_cols(x, y, z + glam::Vec4::W * 0.5, glam::Vec4::W).transpose()
 }
 
-/// The map's depth per metre.
-pub(crate) fn depth_per_metre() -> f32 {
+/// The map's depth per metre away from the sun.
+pub(crate) fn shadow_depth_per_metre() -> f32 {
     0.5 / SUN_BOUNDS.1
 }
 

@@ -46,7 +46,7 @@ pub(crate) struct TargetViews<'a> {
     /// As many, where depth is kept; else none.
     pub(crate) depths: &'a [vk::ImageView],
     /// As many, where there are density maps.
-    pub(crate) densities: &'a [vk::ImageView],
+    pub(crate) density_maps: &'a [vk::ImageView],
 }
 
 /// The renderer's objects that a render target refers to.
@@ -69,19 +69,19 @@ impl core::fmt::Debug for RenderTarget {
 impl RenderTarget {
     /// Creates a target for the shell's image views; `uniforms` has a buffer for each frame of the ring.
     pub(crate) fn new<'b>(
-        parts: &TargetResources<'_>,
+        resources: &TargetResources<'_>,
         extent: [u32; 2],
         views: &TargetViews<'_>,
         uniforms: impl Iterator<Item = &'b Buffer>,
     ) -> Result<Self, Error> {
-        let (gpu, format) = (parts.gpu, parts.format);
-        let (images, maps) = (views.colors.len(), views.densities.len());
+        let (gpu, format) = (resources.gpu, resources.format);
+        let (images, maps) = (views.colors.len(), views.density_maps.len());
         if format.density_map && images != maps {
             return Err(Error::NoDensityMap { images, maps });
         }
         let march_starts = |width: u32| {
             let across = extent.map(|pixels| pixels.div_ceil(width));
-            MarchStarts::new(gpu, parts.march_starts, across, format.views)
+            MarchStarts::new(gpu, resources.march_starts, across, format.views)
         };
         let mut target = RenderTarget {
             gpu: gpu.clone(),
@@ -95,9 +95,14 @@ impl RenderTarget {
         target.create_transient_images(format, views.depths.is_empty())?;
         for i in 0..images {
             let attachments = target.framebuffer_attachments(format, views, i);
-            target.framebuffers.push(create_framebuffer(gpu, parts.frame, extent, &attachments)?);
+            target.framebuffers.push(create_framebuffer(
+                gpu,
+                resources.frame,
+                extent,
+                &attachments,
+            )?);
         }
-        target.allocate_sets(parts, uniforms)?;
+        target.allocate_sets(resources, uniforms)?;
         Ok(target)
     }
 
@@ -125,26 +130,26 @@ impl RenderTarget {
         Ok(())
     }
 
-    /// The image views of framebuffer `i`, in the order of the pass's attachments: colour, depth,
+    /// The image views of a framebuffer, in the order of the pass's attachments: colour, depth,
     /// resolved colour, density map.
     fn framebuffer_attachments(
         &self,
         format: &TargetFormat,
         views: &TargetViews<'_>,
-        i: usize,
+        image_index: usize,
     ) -> Vec<vk::ImageView> {
-        let (color, depth) = (views.colors[i], views.depths.get(i).copied());
+        let (color, depth) = (views.colors[image_index], views.depths.get(image_index).copied());
         let mut transient = self.transient.iter().map(|image| image.view);
         let drawn = if format.samples > 1 { transient.next() } else { Some(color) };
         let depth = depth.or_else(|| transient.next());
         let resolved = (format.samples > 1).then_some(color);
-        let density = format.density_map.then(|| views.densities[i]);
+        let density = format.density_map.then(|| views.density_maps[image_index]);
         [drawn, depth, resolved, density].into_iter().flatten().collect()
     }
 
     fn allocate_sets<'b>(
         &mut self,
-        parts: &TargetResources<'_>,
+        resources: &TargetResources<'_>,
         uniforms: impl Iterator<Item = &'b Buffer>,
     ) -> Result<(), Error> {
         let uniforms: Vec<&Buffer> = uniforms.collect();
@@ -162,20 +167,20 @@ impl RenderTarget {
         let device = &self.gpu.device;
         // SAFETY: the info is complete.
         self.pool = unsafe { device.create_descriptor_pool(&info, None) }.context("make a pool")?;
-        let layouts = vec![parts.pipelines.set_layout; uniforms.len()];
+        let layouts = vec![resources.pipelines.set_layout; uniforms.len()];
         let info = vk::DescriptorSetAllocateInfo::default()
             .descriptor_pool(self.pool)
             .set_layouts(&layouts);
         // SAFETY: the pool has room for these sets.
         self.sets = unsafe { device.allocate_descriptor_sets(&info) }.context("make sets")?;
         for (set, uniform) in self.sets.iter().zip(uniforms) {
-            self.write_set(*set, parts, uniform);
+            self.write_set(*set, resources, uniform);
         }
         Ok(())
     }
 
-    fn write_set(&self, set: vk::DescriptorSet, parts: &TargetResources<'_>, uniform: &Buffer) {
-        let (textures, shadow) = (parts.textures, parts.shadow);
+    fn write_set(&self, set: vk::DescriptorSet, resources: &TargetResources<'_>, uniform: &Buffer) {
+        let (textures, shadow) = (resources.textures, resources.shadow);
         let buffer =
             [vk::DescriptorBufferInfo::default().buffer(uniform.raw).range(vk::WHOLE_SIZE)];
         let image = |view| {

@@ -7,20 +7,20 @@ use crate::gpu::memory::textures::SculptureTextures;
 use crate::gpu::pipelines::scatter::TexelWriter;
 use crate::upload::Region;
 
-/// Records the uploads of all staged regions of a frame of the ring; the first call clears the textures
-/// before. The compute program writes the regions that it can, unless some overlap.
+/// Records the uploads of all staged regions of a frame, which has a slot of the ring; the first call clears
+/// the textures before. The compute program writes the regions that it can, unless some overlap.
 pub(crate) fn record_uploads(
     textures: &mut SculptureTextures,
     commands: vk::CommandBuffer,
     staging: &Staging,
-    scatter: Option<&mut TexelWriter>,
-    frame: usize,
+    writer: Option<&mut TexelWriter>,
+    slot_index: usize,
 ) {
     textures.record_clear_once(commands);
-    let scatter = scatter.filter(|_| !staging.has_overlaps());
-    let is_written = |region: &Region| scatter.is_some() && TexelWriter::can_write(region);
+    let writer = writer.filter(|_| !staging.has_overlaps());
+    let is_written = |region: &Region| writer.is_some() && TexelWriter::can_write(region);
     let read = vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL;
-    let copied = textures.staged_images(staging, |region| !is_written(region));
+    let copied = textures.with_staged_regions(staging, |region| !is_written(region));
     if copied.contains(&true) {
         let write = vk::ImageLayout::TRANSFER_DST_OPTIMAL;
         textures.record_transition(commands, copied, read, write);
@@ -28,11 +28,11 @@ pub(crate) fn record_uploads(
         textures.record_transition(commands, copied, write, read);
     }
     let writes = staging.regions.iter().any(|(region, _)| is_written(region));
-    if let Some(scatter) = scatter.filter(|_| writes) {
+    if let Some(writer) = writer.filter(|_| writes) {
         // Those that the program has bound, whether a box lies in them or not.
-        let bound = textures.storage_images();
+        let bound = textures.with_storage_usage();
         textures.record_transition(commands, bound, read, vk::ImageLayout::GENERAL);
-        scatter.record_writes(commands, frame, staging);
+        writer.record_writes(commands, slot_index, staging);
         textures.record_transition(commands, bound, vk::ImageLayout::GENERAL, read);
     }
 }

@@ -62,9 +62,9 @@ impl Pipelines {
         gpu: &Arc<Gpu>,
         format: &TargetFormat,
         passes: &PassHandles,
-        cache: &[u8],
+        cache_data: &[u8],
     ) -> Result<Self, Error> {
-        let info = vk::PipelineCacheCreateInfo::default().initial_data(cache);
+        let info = vk::PipelineCacheCreateInfo::default().initial_data(cache_data);
         // SAFETY: a driver checks the data's header and ignores what isn't its own.
         let cache =
             unsafe { gpu.device.create_pipeline_cache(&info, None) }.context("make a cache")?;
@@ -254,8 +254,8 @@ impl Drop for Pipelines {
     }
 }
 
-const fn fast_program(half: bool, coverage: bool) -> ShaderProgram {
-    match (half, coverage) {
+const fn fast_program(half_precision: bool, alpha_to_coverage: bool) -> ShaderProgram {
+    match (half_precision, alpha_to_coverage) {
         (true, true) => programs::FAST_HALF_COVERAGE,
         (true, false) => programs::FAST_HALF,
         (false, true) => programs::FAST_COVERAGE,

@@ -13,6 +13,12 @@ use crate::gpu::device::error::{Error, ErrorContext};
 use crate::gpu::device::format::TargetFormat;
 use crate::gpu::memory::image::{GpuImage, stage_and_access};
 
+/// The buffers of a frame's panels.
+pub(crate) struct PanelBuffers {
+    pub(crate) vertices: vk::Buffer,
+    pub(crate) indices: vk::Buffer,
+}
+
 /// The overlay's pipeline, sampler and descriptor set.
 pub(crate) struct OverlayPipeline {
     gpu: Arc<Gpu>,
@@ -123,7 +129,7 @@ impl OverlayPipeline {
     pub(crate) fn record_draws(
         &self,
         commands: vk::CommandBuffer,
-        (vertices, indices): (vk::Buffer, vk::Buffer),
+        PanelBuffers { vertices, indices }: PanelBuffers,
         runs: &[ClippedRun],
         [width, height]: [u32; 2],
     ) {
@@ -158,7 +164,7 @@ impl OverlayPipeline {
         &self,
         commands: vk::CommandBuffer,
         atlas: &GpuImage,
-        from: vk::Buffer,
+        texel_buffer: vk::Buffer,
         patches: impl Iterator<Item = (vk::Rect2D, u64)>,
     ) {
         let (read, write) =
@@ -179,7 +185,9 @@ impl OverlayPipeline {
             };
             let device = &self.gpu.device;
             // SAFETY: the atlas is in this layout, and the rectangle within it and the buffer.
-            unsafe { device.cmd_copy_buffer_to_image(commands, from, atlas.raw, write, &[copy]) };
+            unsafe {
+                device.cmd_copy_buffer_to_image(commands, texel_buffer, atlas.raw, write, &[copy]);
+            };
         }
         self.record_transition(commands, atlas, write, read);
     }

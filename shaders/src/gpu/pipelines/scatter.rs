@@ -56,7 +56,7 @@ impl TexelWriter {
     pub(crate) fn new<'a>(
         gpu: &Arc<Gpu>,
         textures: &SculptureTextures,
-        ring: impl ExactSizeIterator<Item = &'a Staging>,
+        staging_ring: impl ExactSizeIterator<Item = &'a Staging>,
         cache: vk::PipelineCache,
     ) -> Result<Self, Error> {
         let set_layout = create_set_layout(gpu)?;
@@ -72,7 +72,7 @@ impl TexelWriter {
             .map(|i| level(&textures.density, i))
             .collect::<Result<Vec<_>, _>>()?;
         views.push(level(&textures.cells, 0)?);
-        let pool = create_pool(gpu, ring.len() as u32)?;
+        let pool = create_pool(gpu, staging_ring.len() as u32)?;
         let slot = |staging: &Staging| {
             let size = MAX_REGIONS * size_of::<Patch>();
             let boxes = Buffer::new(gpu, size, vk::BufferUsageFlags::STORAGE_BUFFER)?;
@@ -85,7 +85,7 @@ impl TexelWriter {
             write_set(gpu, set, [&boxes, &staging.buffer], &views);
             Ok((boxes, set))
         };
-        let slots = ring.map(slot).collect::<Result<_, _>>()?;
+        let slots = staging_ring.map(slot).collect::<Result<_, _>>()?;
         Ok(TexelWriter {
             gpu: gpu.clone(),
             pipeline,
@@ -102,17 +102,17 @@ impl TexelWriter {
         image_index(region.texture).is_some()
     }
 
-    /// Records the dispatch that writes the staged regions it [can write], in a frame of the ring. No two
+    /// Records the dispatch that writes the staged regions it [can write], with a slot of the ring. No two
     /// may overlap, and their images must be in the layout `GENERAL`.
     ///
     /// [can write]: TexelWriter::can_write
     pub(crate) fn record_writes(
         &mut self,
         commands: vk::CommandBuffer,
-        frame: usize,
+        slot_index: usize,
         staging: &Staging,
     ) {
-        let (boxes, set) = &mut self.slots[frame];
+        let (boxes, set) = &mut self.slots[slot_index];
         let mut count = 0;
         for (region, at) in &staging.regions {
             let Some(texture) = image_index(region.texture) else { continue };
@@ -182,28 +182,31 @@ fn create_pipeline(
 fn create_level_view(
     gpu: &Arc<Gpu>,
     image: &GpuImage,
-    level: u32,
+    mip_level: u32,
 ) -> Result<OwnedHandle<vk::ImageView>, Error> {
-    let range =
-        vk::ImageSubresourceRange { base_mip_level: level, level_count: 1, ..image.full_range() };
+    let range = vk::ImageSubresourceRange {
+        base_mip_level: mip_level,
+        level_count: 1,
+        ..image.full_range()
+    };
     let info = vk::ImageViewCreateInfo::default()
         .image(image.raw)
         .view_type(vk::ImageViewType::TYPE_3D)
-        .format(image.shape.format)
+        .format(image.spec.format)
         .subresource_range(range);
     // SAFETY: the image is bound, and outlives the view.
     let raw = unsafe { gpu.device.create_image_view(&info, None) }.context("view a level")?;
     Ok(OwnedHandle::new(gpu, raw))
 }
 
-fn create_pool(gpu: &Arc<Gpu>, sets: u32) -> Result<OwnedHandle<vk::DescriptorPool>, Error> {
+fn create_pool(gpu: &Arc<Gpu>, set_count: u32) -> Result<OwnedHandle<vk::DescriptorPool>, Error> {
     let size =
-        |ty, each: usize| vk::DescriptorPoolSize { ty, descriptor_count: sets * each as u32 };
+        |ty, each: usize| vk::DescriptorPoolSize { ty, descriptor_count: set_count * each as u32 };
     let sizes = [
         size(vk::DescriptorType::STORAGE_BUFFER, BUFFER_COUNT),
         size(vk::DescriptorType::STORAGE_IMAGE, IMAGE_COUNT),
     ];
-    let info = vk::DescriptorPoolCreateInfo::default().max_sets(sets).pool_sizes(&sizes);
+    let info = vk::DescriptorPoolCreateInfo::default().max_sets(set_count).pool_sizes(&sizes);
     // SAFETY: the info is complete.
     let raw = unsafe { gpu.device.create_descriptor_pool(&info, None) }.context("make a pool")?;
     Ok(OwnedHandle::new(gpu, raw))
