@@ -15,8 +15,8 @@ fn ambient_over_pi(n: vec3<f32>) -> vec3<f32> {
 }
 
 // Reinhard's tone curve: radiance to display intensity, TONE_WHITE_POINT to 1.
-fn tone_map(color: vec3<f32>) -> vec3<f32> {
-    return color * (1.0 + color * (1.0 / (TONE_WHITE_POINT * TONE_WHITE_POINT))) / (1.0 + color);
+fn tone_map(radiance: vec3<f32>) -> vec3<f32> {
+    return radiance * (1.0 + radiance * (1.0 / (TONE_WHITE_POINT * TONE_WHITE_POINT))) / (1.0 + radiance);
 }
 
 // Orthonormal basis: two unit vectors at right angles to a unit vector (Duff et al. 2017).

@@ -194,12 +194,13 @@ struct GroupKey {
 pub(crate) fn set_openness_in_room(
     mesh: &mut MeshBuilder,
     light: &RoomLight,
-    sculpture_sh: &[[f32; 3]; 9],
+    sculpture_radiance_sh: &[[f32; 3]; 9],
 ) {
     const LUMA: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
     set_openness(mesh, |corner| {
         let here = light.ambient_over_pi_at(corner.position, corner.normal).dot(LUMA);
-        (here / irradiance_over_pi(sculpture_sh, corner.normal).dot(LUMA).max(1e-3)).min(1.0)
+        (here / irradiance_over_pi(sculpture_radiance_sh, corner.normal).dot(LUMA).max(1e-3))
+            .min(1.0)
     });
 }
 

@@ -31,7 +31,7 @@ pub(crate) fn hash_fraction(seed: u32) -> f32 {
     (h >> 8) as f32 / (1 << 24) as f32
 }
 
-/// A colour scaled by a factor in 1 - `most` to 1 + `most`.
-pub(crate) fn vary_colour(colour: Vec3, most: f32, seed: u32) -> Vec3 {
-    colour * (1.0 + most * (2.0 * hash_fraction(seed) - 1.0))
+/// A colour scaled by a factor in 1 - `max_change` to 1 + `max_change`.
+pub(crate) fn vary_colour(colour: Vec3, max_change: f32, seed: u32) -> Vec3 {
+    colour * (1.0 + max_change * (2.0 * hash_fraction(seed) - 1.0))
 }

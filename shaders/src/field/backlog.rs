@@ -46,23 +46,27 @@ impl BoxBacklog {
     }
 
     /// Marks the texels stale that depend on the voxels from the first to the last, both included.
-    pub(super) fn mark_voxel_box(&mut self, first: [usize; 3], last: [usize; 3]) {
+    pub(super) fn mark_texels_around_voxels(
+        &mut self,
+        first_voxel: [usize; 3],
+        last_voxel: [usize; 3],
+    ) {
         let mut extent = TexelBox {
-            lo: first.map(|c| c + PAD - REACH),
-            hi: last.map(|c| (c + PAD + REACH + 1).min(self.density_side)),
+            lo: first_voxel.map(|c| c + PAD - REACH),
+            hi: last_voxel.map(|c| (c + PAD + REACH + 1).min(self.density_side)),
         };
         // The ground layer is repeated down to the last texel.
-        if first[1] == 0 {
+        if first_voxel[1] == 0 {
             extent.lo[1] = 0;
         }
         // Texels are computed in groups of eight along x.
         extent.lo[0] = extent.lo[0] / 8 * 8;
         extent.hi[0] = extent.hi[0].next_multiple_of(8);
-        self.mark_texel_box(&extent);
+        self.mark_texels(&extent);
     }
 
     /// Marks the texels of a box stale.
-    pub(super) fn mark_texel_box(&mut self, extent: &TexelBox) {
+    pub(super) fn mark_texels(&mut self, extent: &TexelBox) {
         let first = [0, 1, 2].map(|axis| extent.lo[axis] / CHUNK[axis]);
         let last = [0, 1, 2].map(|axis| (extent.hi[axis] - 1) / CHUNK[axis]);
         for z in first[2]..=last[2] {

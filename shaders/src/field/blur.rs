@@ -192,7 +192,7 @@ impl BoxBlur {
                     Uniformity::Empty => [0; LANES],
                     Uniformity::Full => [FULL; LANES],
                     Uniformity::Mixed => {
-                        blur_lanes([rows[a][g], rows[b][g], rows[c][g], rows[d][g], rows[e][g]])
+                        blur_to_sums([rows[a][g], rows[b][g], rows[c][g], rows[d][g], rows[e][g]])
                     }
                 }
             }
@@ -235,7 +235,7 @@ struct WindowSize {
 
 /// The kernel over five rows of sixteen bytes, each at most 16; the sum saturates at 255.
 #[inline]
-fn blur_lanes([a, b, c, d, e]: [[u8; LANES]; 5]) -> [u8; LANES] {
+fn blur_to_sums([a, b, c, d, e]: [[u8; LANES]; 5]) -> [u8; LANES] {
     let mut sums = [0; LANES];
     for (i, sum) in sums.iter_mut().enumerate() {
         let double = b[i] + d[i] + c[i];
@@ -257,10 +257,10 @@ fn blur_to_texels([a, b, c, d, e]: [[u8; LANES]; 5]) -> [u8; LANES] {
 }
 
 /// Blurs a row of bits along x into bytes, 0 to 16; nothing lies beyond the word.
-fn blur_row_x(bits: u64, sums: &mut [u8]) {
+fn blur_row_x(voxels: u64, sums: &mut [u8]) {
     for (i, eight) in sums.as_chunks_mut::<8>().0.iter_mut().enumerate() {
         // The twelve voxels that eight texels see.
-        let seen = if i == 0 { bits << 2 } else { bits >> (8 * i - 2) };
+        let seen = if i == 0 { voxels << 2 } else { voxels >> (8 * i - 2) };
         let sums = LOW[(seen & 63) as usize] + HIGH[(seen >> 6 & 63) as usize];
         *eight = sums.to_le_bytes();
     }

@@ -66,7 +66,7 @@ impl BudgetMeter {
     }
 
     /// Counts the cost of a unit of work, or of its last part.
-    pub(super) const fn finish_unit(&mut self, cost: Cost) {
+    pub(super) const fn finish_unit_of_work(&mut self, cost: Cost) {
         self.spend(cost);
         self.has_progressed = true;
     }
@@ -78,7 +78,7 @@ impl BudgetMeter {
     }
 
     /// Whether a unit of work of this cost may be done: it is the first one, or so much remains.
-    pub(super) fn allows_unit(&self, cost: Cost) -> bool {
+    pub(super) fn allows_unit_of_work(&self, cost: Cost) -> bool {
         let left = self.remaining();
         !self.has_progressed || cost.work <= left.work && cost.bytes <= left.bytes
     }

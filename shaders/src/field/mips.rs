@@ -3,13 +3,13 @@
 use super::extent::TexelBox;
 use super::texels::{TexelChanges, TexelCube};
 
-/// Recomputes the texels `coarse_extent` of `coarse` from the next finer level. Returns the box of
-/// those that changed.
+/// Recomputes the texels `coarse_extent` of `coarse` from the next finer level. Returns which of
+/// them changed.
 pub(super) fn downsample_box(
     fine: &TexelCube,
     coarse: &mut TexelCube,
     coarse_extent: TexelBox,
-) -> TexelBox {
+) -> TexelChanges {
     let mut changes = TexelChanges::new(coarse_extent.lo[0]);
     let mut means = [0u8; MAX_ROW];
     let [lo, hi] = [coarse_extent.lo[0], coarse_extent.hi[0]];
@@ -34,9 +34,9 @@ pub(super) fn downsample_box(
             eight
         });
         rest.copy_from_slice(&mean_2x2x2(last)[..rest.len()]);
-        coarse.replace_row((y, z), means, &mut changes);
+        coarse.replace_row(y, z, means, &mut changes);
     }
-    changes.changed_box()
+    changes
 }
 
 /// Four means of 2 x 2 x 2 texels, rounded half up, with the sums in 16-bit lanes of a word.

@@ -53,7 +53,8 @@ impl TexelCube {
     #[inline]
     pub(super) fn replace_row(
         &mut self,
-        (y, z): (usize, usize),
+        y: usize,
+        z: usize,
         texels: &[u8],
         changes: &mut TexelChanges,
     ) {
@@ -132,15 +133,15 @@ impl TexelChanges {
         self.bounds_of(TOP_BITS, self.crossed_rows)
     }
 
-    fn bounds_of(&self, bits_of_bytes: u64, rows: TexelBox) -> TexelBox {
-        let flipped = |word: &u64| word & bits_of_bytes != 0;
+    fn bounds_of(&self, relevant_bits: u64, rows: TexelBox) -> TexelBox {
+        let flipped = |word: &u64| word & relevant_bits != 0;
         let (Some(front), Some(back)) =
             (self.flipped.iter().position(flipped), self.flipped.iter().rposition(flipped))
         else {
             return TexelBox::NONE;
         };
-        let first = 8 * front + (self.flipped[front] & bits_of_bytes).trailing_zeros() as usize / 8;
-        let end = 8 * back + 8 - (self.flipped[back] & bits_of_bytes).leading_zeros() as usize / 8;
+        let first = 8 * front + (self.flipped[front] & relevant_bits).trailing_zeros() as usize / 8;
+        let end = 8 * back + 8 - (self.flipped[back] & relevant_bits).leading_zeros() as usize / 8;
         let [_, y, z] = rows.lo;
         let [_, y_end, z_end] = rows.hi;
         TexelBox { lo: [self.first_x + first, y, z], hi: [self.first_x + end, y_end, z_end] }

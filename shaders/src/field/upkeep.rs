@@ -65,7 +65,7 @@ impl<const N: usize> DensityField<N> {
             let most = SCAN_WORK * N
                 + (CHANGED_COLUMN_WORK + COLUMN_WORK) * tiles
                 + 2 * TILE_WORK * N / COMPARE_TILE;
-            if !meter.allows_unit(Cost::of_work(most)) {
+            if !meter.allows_unit_of_work(Cost::of_work(most)) {
                 return;
             }
             let lines = lines.start..lines.end.min(lines.start + COMPARE_TILE);
@@ -81,7 +81,9 @@ impl<const N: usize> DensityField<N> {
             }
             let columns = lines.len() * (places.last() + 1 - places.first());
             let changes = std::mem::take(&mut self.unbilled_work);
-            meter.finish_unit(Cost::of_work(SCAN_WORK * N + COLUMN_WORK * columns + changes));
+            meter.finish_unit_of_work(Cost::of_work(
+                SCAN_WORK * N + COLUMN_WORK * columns + changes,
+            ));
         }
     }
 
@@ -126,7 +128,7 @@ impl<const N: usize> DensityField<N> {
         if !lines.is_empty() {
             let first_voxel = axis.voxel_at((lines.first(), places.first()), voxels.first());
             let last_voxel = axis.voxel_at((lines.last(), places.last()), voxels.last());
-            self.backlog.mark_voxel_box(first_voxel, last_voxel);
+            self.backlog.mark_texels_around_voxels(first_voxel, last_voxel);
             self.unbilled_work += STALE_BOX_WORK;
         }
     }
@@ -149,12 +151,12 @@ impl<const N: usize> DensityField<N> {
             let region = map_region(&run);
             let cost =
                 Cost { work: SCAN_WORK * N + region.byte_count(), bytes: region.byte_count() };
-            if !meter.allows_unit(cost) {
+            if !meter.allows_unit_of_work(cost) {
                 return meter.spent();
             }
             self.stale_lines.clear_lines(run.axis, run.lines);
             self.emit_map_region(run.axis, region, sink);
-            meter.finish_unit(cost);
+            meter.finish_unit_of_work(cost);
         }
         // Only once all columns are compared, lest boxes be computed twice.
         if self.uncompared.is_empty() {
@@ -180,7 +182,7 @@ impl<const N: usize> DensityField<N> {
             let cells = affected.including_texels(&extent).max_cost();
             let bytes = max_upload_bytes(&extent) + cells.bytes;
             let look = VOXEL_WORK * count_window_voxels(&extent);
-            let mut goes = meter.allows_unit(Cost { work: 2 * look + cells.work, bytes });
+            let mut goes = meter.allows_unit_of_work(Cost { work: 2 * look + cells.work, bytes });
             if goes {
                 // The voxels tell how many groups have to be blurred.
                 self.blur.load_voxels(&self.maps, extent);
@@ -188,18 +190,18 @@ impl<const N: usize> DensityField<N> {
                 let blur = UNIFORM_WORK * count_window_voxels(&extent)
                     + GROUP_WORK * self.blur.mixed_group_count();
                 let texels = TEXEL_WORK * extent.volume();
-                goes = meter.allows_unit(Cost { work: blur + texels + cells.work, bytes });
+                goes = meter.allows_unit_of_work(Cost { work: blur + texels + cells.work, bytes });
                 meter.spend(Cost::of_work(if goes { blur } else { 0 }));
             }
             if !goes {
-                self.backlog.mark_texel_box(&extent);
+                self.backlog.mark_texels(&extent);
                 break;
             }
             let update = self.recompute_box(extent, sink);
             if !update.half_crossed.is_empty() {
                 affected = affected.including_texels(&update.half_crossed);
             }
-            meter.finish_unit(update.cost);
+            meter.finish_unit_of_work(update.cost);
         }
         meter.spend(Cost::of_work(affected.max_cost().work));
     }
@@ -220,7 +222,7 @@ impl<const N: usize> DensityField<N> {
         self.blur.compute_texels();
         let mut changes = TexelChanges::new(extent.lo[0]);
         for (y, z) in extent.rows() {
-            self.density[0].replace_row((y, z), self.blur.texel_row(y, z), &mut changes);
+            self.density[0].replace_row(y, z, self.blur.texel_row(y, z), &mut changes);
         }
         let (mut changed, half_crossed) = (changes.changed_box(), changes.half_crossed_box());
         if !half_crossed.is_empty() {
@@ -233,8 +235,9 @@ impl<const N: usize> DensityField<N> {
         for level in 0..LEVELS {
             if level > 0 && !changed.is_empty() {
                 let (finer, coarser) = self.density.split_at_mut(level);
-                changed =
-                    mips::downsample_box(&finer[level - 1], &mut coarser[0], changed.coarser_by(2));
+                let extent = changed.coarser_by(2);
+                let changes = mips::downsample_box(&finer[level - 1], &mut coarser[0], extent);
+                changed = changes.changed_box();
             }
             if changed.is_empty() {
                 break;

@@ -163,7 +163,7 @@ impl SceneAssembler {
     }
 
     /// Adds the items that rest, fall or lie, each tool with its bit.
-    fn add_items<const N: usize>(&mut self, world: &World<N>, fraction: f32)
+    fn add_items<const N: usize>(&mut self, world: &World<N>, tick_fraction: f32)
     where
         Grid<N>: Size,
     {
@@ -172,13 +172,13 @@ impl SceneAssembler {
                 continue;
             };
             let last = self.items[0][i].unwrap_or(now);
-            let pose = (last.0.lerp(now.0, fraction), last.1.slerp(now.1, fraction));
+            let pose = (last.0.lerp(now.0, tick_fraction), last.1.slerp(now.1, tick_fraction));
             match item {
                 BenchItem::Tool(tool) => {
                     self.add_tool(tool, world.workbench().mounted_bit(tool), pose);
                 }
                 BenchItem::Bit(bit) => {
-                    self.list.add(MeshId::of_bit(bit), pose_transform(pose), PLAIN);
+                    self.list.add(MeshId::of_bit(bit), room_from_pose(pose), PLAIN);
                 }
             }
         }
@@ -205,13 +205,13 @@ impl SceneAssembler {
         if latest.show_hands && (state.tracked || latest.grips[hand].is_some()) {
             let shape = if held.is_some() { HandShape::Closed } else { HandShape::Open };
             let of_hand = [MeshId::of_left_hand, MeshId::of_right_hand][hand];
-            self.list.add(of_hand(shape), pose_transform(grip), PLAIN);
+            self.list.add(of_hand(shape), room_from_pose(grip), PLAIN);
         }
     }
 
     fn add_tool(&mut self, tool: Tool, bit: ToolBit, grip: RoomPose) {
-        self.list.add(MeshId::of_tool(tool), pose_transform(grip), PLAIN);
-        self.list.add(MeshId::of_bit(bit), pose_transform(bit_pose(grip, tool)), PLAIN);
+        self.list.add(MeshId::of_tool(tool), room_from_pose(grip), PLAIN);
+        self.list.add(MeshId::of_bit(bit), room_from_pose(bit_pose(grip, tool)), PLAIN);
     }
 
     /// Spawns the particles of the tick's events.
@@ -293,6 +293,6 @@ impl SceneAssembler {
 }
 
 /// The transform from an item's own space, at a pose, to the room.
-fn pose_transform((position, rotation): RoomPose) -> Affine3A {
+fn room_from_pose((position, rotation): RoomPose) -> Affine3A {
     Affine3A::from_rotation_translation(rotation, position)
 }

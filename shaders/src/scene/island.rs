@@ -41,9 +41,13 @@ impl IslandLattice {
         }
     }
 
-    /// Calls `visit` with the positions, in voxels, of samples that the last tick removed, at most
-    /// [`ISLAND_MOTES`] of them; `grid_side` is in voxels.
-    pub(super) fn for_each_removed_sample(&self, grid_side: usize, mut visit: impl FnMut(Vec3)) {
+    /// Calls `visit_grid_point` with the positions, in voxels, of samples that the last tick removed,
+    /// at most [`ISLAND_MOTES`] of them; `grid_side` is in voxels.
+    pub(super) fn for_each_removed_sample(
+        &self,
+        grid_side: usize,
+        mut visit_grid_point: impl FnMut(Vec3),
+    ) {
         let step = grid_side.div_ceil(LATTICE);
         let total: u32 = self.removed.iter().flatten().map(|row| row.count_ones()).sum();
         let stride = (total as usize).div_ceil(ISLAND_MOTES).max(1);
@@ -53,7 +57,7 @@ impl IslandLattice {
                 for x in (0..LATTICE).filter(|x| row >> x & 1 != 0) {
                     if count % stride == 0 {
                         let at = [x, y, z].map(|i| (i * step + step / 2) as f32 + 0.5);
-                        visit(Vec3::from_array(at));
+                        visit_grid_point(Vec3::from_array(at));
                     }
                     count += 1;
                 }

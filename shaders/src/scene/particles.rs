@@ -77,9 +77,14 @@ impl Particles {
         self.ring.iter().filter(|p| p.seconds_left > 0.0).count()
     }
 
-    /// Spawns one at `position` (metres) with `velocity` (metres a second); `seed` varies it. Replaces
-    /// the oldest when full.
-    pub fn spawn(&mut self, kind: ParticleKind, position: Vec3, velocity: Vec3, seed: u64) {
+    /// Spawns one with this position and velocity; `seed` varies it. Replaces the oldest when full.
+    pub fn spawn(
+        &mut self,
+        kind: ParticleKind,
+        position_metres: Vec3,
+        metres_per_second: Vec3,
+        seed: u64,
+    ) {
         let [a, b, c, d, e] = [0, 1, 2, 3, 4].map(|i| random_fraction(seed, i));
         let (life_seconds, size) = match kind {
             ParticleKind::Chip => (1.0 + (MAX_LIFE_SECONDS - 1.0) * a, 0.003 + 0.006 * b * b),
@@ -94,8 +99,8 @@ impl Particles {
             seconds_left: life_seconds,
             life_seconds,
             size,
-            position,
-            velocity,
+            position: position_metres,
+            velocity: metres_per_second,
             spin,
             rotation,
             shade,

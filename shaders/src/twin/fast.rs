@@ -19,14 +19,18 @@ use crate::field::{DensityField, LEVELS, PAD};
 /// Where a ray in voxels first meets the surface, the level set of a half. It may lie up to a voxel
 /// outside of the grid, but not under the ground.
 #[must_use]
-pub fn find_surface<const N: usize>(field: &DensityField<N>, ray: &Ray) -> Option<SurfacePoint> {
+pub fn find_surface<const N: usize>(
+    field: &DensityField<N>,
+    grid_ray: &Ray,
+) -> Option<SurfacePoint> {
     let side = N as f32 + 2.0;
-    let around = Ray { origin: ray.origin + Vec3::ONE, ..*ray };
+    let around = Ray { origin: grid_ray.origin + Vec3::ONE, ..*grid_ray };
     let RaySpan { near, far } = clip_to_cube(&around, side)?;
     // The ground ends a ray.
-    let ground = if ray.direction.y < 0.0 { -ray.origin.y / ray.direction.y } else { far };
-    let hit = march_density(field, ray, RaySpan { near, far: far.min(ground) })?;
-    Some(refine_hit(field, ray, &hit))
+    let ground =
+        if grid_ray.direction.y < 0.0 { -grid_ray.origin.y / grid_ray.direction.y } else { far };
+    let hit = march_density(field, grid_ray, RaySpan { near, far: far.min(ground) })?;
+    Some(refine_hit(field, grid_ray, &hit))
 }
 
 /// The sun as a surface sees it.
@@ -146,29 +150,30 @@ fn refine_hit<const N: usize>(
 
 /// The negative gradient of the density at mip level 1, times 4 voxels, from four samples at the
 /// corners of a tetrahedron.
-fn negative_density_gradient<const N: usize>(field: &DensityField<N>, point: Vec3) -> Vec3 {
+fn negative_density_gradient<const N: usize>(field: &DensityField<N>, grid_point: Vec3) -> Vec3 {
     let mut sum = Vec3::ZERO;
     for (y, z) in [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)] {
         let corner = Vec3::new(y * z, y, z);
-        sum -= corner * field.sample_density(1, point + corner);
+        sum -= corner * field.sample_density(1, grid_point + corner);
     }
     sum
 }
 
 /// Soft shadow by cone tracing: three samples towards the sun, each farther and of a coarser mip
-/// level. Visibility, 0 to 1; `scale` is how many voxels one of the reference grid is.
+/// level. Visibility, 0 to 1; `reference_voxel` is the side of one of the reference
+/// grid's voxels, in voxels.
 fn sun_visibility<const N: usize>(
     field: &DensityField<N>,
-    point: Vec3,
+    grid_point: Vec3,
     to_sun: Vec3,
-    scale: f32,
+    reference_voxel: f32,
 ) -> f32 {
     let [mut far, grows] = FAST_SHADOW_SPACING;
     let mut seen = 1.0;
     for level in 1..LEVELS {
         seen -= seen
             * FAST_SHADOW_OPACITY
-            * field.sample_density(level, point + to_sun * (far * scale));
+            * field.sample_density(level, grid_point + to_sun * (far * reference_voxel));
         far *= grows;
     }
     seen

@@ -19,12 +19,12 @@ use crate::constants::{
 #[must_use]
 pub fn cone_visibility(
     grid_side: usize,
-    point: Vec3,
+    grid_point: Vec3,
     to_light: Vec3,
     dither: f32,
     is_occupied: impl Fn(Vec3) -> bool,
 ) -> f32 {
-    let axis = Ray { origin: point, direction: to_light };
+    let axis = Ray { origin: grid_point, direction: to_light };
     let Some(span) = clip_to_cube(&axis, grid_side as f32) else {
         return 1.0;
     };

@@ -57,14 +57,14 @@ enum MapReads {
 ///
 /// A step reads the dominant axis's map, and the other two only where that one holds the sample.
 #[must_use]
-pub fn march_maps<const N: usize>(maps: &RangeMaps<N>, ray: &Ray) -> Option<VoxelHit> {
-    march_reading(maps, ray, MapReads::AsNeeded)
+pub fn march_maps<const N: usize>(maps: &RangeMaps<N>, grid_ray: &Ray) -> Option<VoxelHit> {
+    march_reading(maps, grid_ray, MapReads::AsNeeded)
 }
 
 /// [`march_maps`] with every step reading all three maps, for comparison; the answer is the same.
 #[must_use]
-pub fn march_all_maps<const N: usize>(maps: &RangeMaps<N>, ray: &Ray) -> Option<VoxelHit> {
-    march_reading(maps, ray, MapReads::All)
+pub fn march_all_maps<const N: usize>(maps: &RangeMaps<N>, grid_ray: &Ray) -> Option<VoxelHit> {
+    march_reading(maps, grid_ray, MapReads::All)
 }
 
 fn march_reading<const N: usize>(
@@ -103,12 +103,12 @@ pub fn clip_to_cube(ray: &Ray, side: f32) -> Option<RaySpan> {
 /// Whether the voxel that holds a point is occupied; outside the cube is empty.
 #[must_use]
 #[inline]
-pub fn is_point_occupied<const N: usize>(maps: &RangeMaps<N>, point: Vec3) -> bool {
+pub fn is_point_occupied<const N: usize>(maps: &RangeMaps<N>, grid_point: Vec3) -> bool {
     let inside = |c: f32| c >= 0.0 && c < N as f32;
-    inside(point.x)
-        && inside(point.y)
-        && inside(point.z)
-        && maps.contains([point.x as usize, point.y as usize, point.z as usize])
+    inside(grid_point.x)
+        && inside(grid_point.y)
+        && inside(grid_point.z)
+        && maps.contains([grid_point.x as usize, grid_point.y as usize, grid_point.z as usize])
 }
 
 /// The axis most parallel to a direction; the earlier one of equals.

@@ -115,18 +115,19 @@ fn pixel_color<const N: usize>(
 
 /// Radiance to sRGB bytes, through the tone curve.
 #[must_use]
-pub fn tone_map_to_srgb(color: Vec3) -> [u8; 3] {
-    encode_srgb(tone_map(color))
+pub fn tone_map_to_srgb(radiance: Vec3) -> [u8; 3] {
+    encode_srgb(tone_map(radiance))
 }
 
 /// Reinhard's tone curve: radiance to display intensity, `TONE_WHITE_POINT` to 1.
-pub(crate) fn tone_map(color: Vec3) -> Vec3 {
-    color * (Vec3::ONE + color / (TONE_WHITE_POINT * TONE_WHITE_POINT)) / (Vec3::ONE + color)
+pub(crate) fn tone_map(radiance: Vec3) -> Vec3 {
+    radiance * (Vec3::ONE + radiance / (TONE_WHITE_POINT * TONE_WHITE_POINT))
+        / (Vec3::ONE + radiance)
 }
 
 /// Linear intensity to sRGB bytes (IEC 61966-2-1).
-fn encode_srgb(color: Vec3) -> [u8; 3] {
-    color.to_array().map(|c| {
+fn encode_srgb(intensity: Vec3) -> [u8; 3] {
+    intensity.to_array().map(|c| {
         let c = c.clamp(0.0, 1.0);
         let encoded = if c <= 0.003_130_8 {
             SRGB_LINEAR_SLOPE * c

@@ -31,7 +31,7 @@ pub fn shade_background<const N: usize>(
 ) -> Vec3 {
     let ray = studio_ray;
     let backdrop = backdrop_radiance(ray.direction);
-    let Some(distance) = trace_stool_and_floor(ray) else {
+    let Some(distance) = distance_to_stool_or_floor(ray) else {
         return backdrop;
     };
     let point = ray.at(distance);
@@ -59,16 +59,16 @@ fn backdrop_radiance(direction: Vec3) -> Vec3 {
 }
 
 /// Sphere tracing: distance along a ray to the floor or the stool, which lie below y = 0.
-fn trace_stool_and_floor(ray: &Ray) -> Option<f32> {
-    let falling = -ray.direction.y;
-    let to_height = |y: f32| (ray.origin.y - y) / falling;
-    if ray.origin.y > 0.0 && falling <= 0.0 {
+fn distance_to_stool_or_floor(studio_ray: &Ray) -> Option<f32> {
+    let falling = -studio_ray.direction.y;
+    let to_height = |y: f32| (studio_ray.origin.y - y) / falling;
+    if studio_ray.origin.y > 0.0 && falling <= 0.0 {
         return None;
     }
-    let mut distance = if ray.origin.y > 0.0 { to_height(0.0) } else { 0.0 };
+    let mut distance = if studio_ray.origin.y > 0.0 { to_height(0.0) } else { 0.0 };
     let floor = if falling > 0.0 { to_height(FLOOR) } else { f32::INFINITY };
     for _ in 0..64 {
-        let gap = stool_distance(ray.at(distance));
+        let gap = stool_distance(studio_ray.at(distance));
         if gap < 0.0008 {
             return Some(distance);
         }

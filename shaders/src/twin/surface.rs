@@ -24,13 +24,17 @@ pub struct SurfacePoint {
 /// Sphere tracing of the blobs around a hit voxel, from half a voxel before the sample. If the ray
 /// misses them, its closest approach is taken. The normal is equation 1.
 #[must_use]
-pub fn trace_blobs<const N: usize>(maps: &RangeMaps<N>, ray: &Ray, hit: &VoxelHit) -> SurfacePoint {
+pub fn trace_blobs<const N: usize>(
+    maps: &RangeMaps<N>,
+    grid_ray: &Ray,
+    hit: &VoxelHit,
+) -> SurfacePoint {
     let neighbours = Neighbours::around_voxel(maps, hit.voxel);
     let centre = voxel_centre(hit.voxel);
     let mut distance = hit.distance - BLOB_START_BACK;
     let (mut closest, mut closest_gap) = (distance, f32::INFINITY);
     for _ in 0..BLOB_MAX_STEPS {
-        let gap = neighbours.blob_distance(ray.at(distance) - centre);
+        let gap = neighbours.blob_distance(grid_ray.at(distance) - centre);
         if gap.abs() < closest_gap {
             (closest, closest_gap) = (distance, gap.abs());
         }
@@ -39,7 +43,7 @@ pub fn trace_blobs<const N: usize>(maps: &RangeMaps<N>, ray: &Ray, hit: &VoxelHi
         }
         distance += gap;
     }
-    let position = ray.at(closest);
+    let position = grid_ray.at(closest);
     SurfacePoint {
         position,
         normal: neighbours.shepard_normal(position - centre),
@@ -49,21 +53,21 @@ pub fn trace_blobs<const N: usize>(maps: &RangeMaps<N>, ray: &Ray, hit: &VoxelHi
 
 /// Where a ray enters the hit voxel, with the normal of that face, for pictures without blobs.
 #[must_use]
-pub fn entry_face_point(ray: &Ray, hit: &VoxelHit) -> SurfacePoint {
+pub fn entry_face_point(grid_ray: &Ray, hit: &VoxelHit) -> SurfacePoint {
     let centre = voxel_centre(hit.voxel);
     let (mut distance, mut axis) = (f32::NEG_INFINITY, 0);
     for i in 0..3 {
-        let towards = ray.direction[i];
+        let towards = grid_ray.direction[i];
         if towards != 0.0 {
-            let entry = (centre[i] - 0.5 * towards.signum() - ray.origin[i]) / towards;
+            let entry = (centre[i] - 0.5 * towards.signum() - grid_ray.origin[i]) / towards;
             if entry > distance {
                 (distance, axis) = (entry, i);
             }
         }
     }
     let mut normal = Vec3::ZERO;
-    normal[axis] = -ray.direction[axis].signum();
-    SurfacePoint { position: ray.at(distance), normal, distance }
+    normal[axis] = -grid_ray.direction[axis].signum();
+    SurfacePoint { position: grid_ray.at(distance), normal, distance }
 }
 
 /// Which of a voxel's six neighbours are occupied: -x, +x, -y, +y, -z, +z.

@@ -16,13 +16,16 @@ pub(crate) const fn rank_device_type_best_first(kind: vk::PhysicalDeviceType) ->
     }
 }
 
+/// What a device lacks, as text for the user after its name.
+type Lack = String;
+
 /// Index of a queue family that supports graphics and presentation, or what the device lacks.
 pub(crate) fn find_queue_family(
     instance: &ash::Instance,
     physical: vk::PhysicalDevice,
     properties: &vk::PhysicalDeviceProperties,
     can_present: &impl Fn(vk::PhysicalDevice, u32) -> bool,
-) -> Result<u32, String> {
+) -> Result<u32, Lack> {
     check_api_version(properties.api_version)?;
     let mut multiview = vk::PhysicalDeviceMultiviewFeatures::default();
     let mut features = vk::PhysicalDeviceFeatures2::default().push_next(&mut multiview);
@@ -43,7 +46,7 @@ pub(crate) fn find_queue_family(
 }
 
 /// Fails with a text for the user if the version is below the required one.
-fn check_api_version(version: u32) -> Result<(), String> {
+fn check_api_version(version: u32) -> Result<(), Lack> {
     if version < API_VERSION {
         let (major, minor) = (vk::api_version_major(version), vk::api_version_minor(version));
         return Err(format!("speaks Vulkan {major}.{minor}, not 1.1"));

@@ -10,7 +10,7 @@ use crate::gpu::device::error::Error;
 use crate::gpu::device::format::TargetFormat;
 use crate::gpu::memory::buffer::Buffer;
 use crate::gpu::memory::image::{GpuImage, ImageSpec};
-use crate::gpu::pipelines::overlay_pipeline::{OverlayPipeline, PanelBuffers};
+use crate::gpu::pipelines::overlay_pipeline::{AtlasPatch, OverlayPipeline, PanelBuffers};
 pub use crate::gpu::pipelines::panel::{ClippedRun, PanelVertex};
 
 /// Side of the atlas in texels: enough for a few hundred glyphs at twice the usual scale.
@@ -69,16 +69,21 @@ impl Overlay {
     /// Stages texels for a rectangle of the atlas, row by row, premultiplied RGBA. False, without
     /// effect, if it lies outside of the atlas or the current frame has no room.
     #[must_use]
-    pub fn try_write_atlas(&mut self, min: [u32; 2], size: [u32; 2], texels: &[[u8; 4]]) -> bool {
-        debug_assert_eq!(texels.len() as u32, size[0] * size[1], "a rectangle's texels");
+    pub fn try_write_atlas(
+        &mut self,
+        first_texel: [u32; 2],
+        extent: [u32; 2],
+        texels: &[[u8; 4]],
+    ) -> bool {
+        debug_assert_eq!(texels.len() as u32, extent[0] * extent[1], "a rectangle's texels");
         let slot = &mut self.slots[self.slot_index];
-        let inside = (0..2).all(|k| min[k] + size[k] <= ATLAS_SIDE);
+        let inside = (0..2).all(|k| first_texel[k] + extent[k] <= ATLAS_SIDE);
         let fits = slot.used + texels.len() <= MAX_FRAME_TEXELS && slot.patches.len() < PATCHES;
         if inside && fits && !texels.is_empty() {
             slot.texels.write(slot.used * TEXEL, bytemuck::cast_slice(texels));
             let rect = vk::Rect2D {
-                offset: vk::Offset2D { x: min[0] as i32, y: min[1] as i32 },
-                extent: vk::Extent2D { width: size[0], height: size[1] },
+                offset: vk::Offset2D { x: first_texel[0] as i32, y: first_texel[1] as i32 },
+                extent: vk::Extent2D { width: extent[0], height: extent[1] },
             };
             slot.patches.push((rect, slot.used));
             slot.used += texels.len();
@@ -135,7 +140,10 @@ impl Overlay {
             self.cleared = true;
         }
         if !slot.patches.is_empty() {
-            let patches = slot.patches.iter().map(|(rect, at)| (*rect, (at * TEXEL) as u64));
+            let patches = slot.patches.iter().map(|(rect, first_texel)| AtlasPatch {
+                rect: *rect,
+                buffer_offset: (first_texel * TEXEL) as u64,
+            });
             self.pipeline.record_copies(commands, &self.atlas, slot.texels.raw, patches);
         }
     }

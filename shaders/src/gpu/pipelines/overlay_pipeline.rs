@@ -19,6 +19,13 @@ pub(crate) struct PanelBuffers {
     pub(crate) indices: vk::Buffer,
 }
 
+/// Texels in a buffer for a rectangle of the atlas.
+pub(crate) struct AtlasPatch {
+    pub(crate) rect: vk::Rect2D,
+    /// In bytes.
+    pub(crate) buffer_offset: u64,
+}
+
 /// The overlay's pipeline, sampler and descriptor set.
 pub(crate) struct OverlayPipeline {
     gpu: Arc<Gpu>,
@@ -159,21 +166,21 @@ impl OverlayPipeline {
         }
     }
 
-    /// Records copies of rectangles into the atlas, each from an offset in a buffer.
+    /// Records copies of a buffer's texels into the atlas.
     pub(crate) fn record_copies(
         &self,
         commands: vk::CommandBuffer,
         atlas: &GpuImage,
         texel_buffer: vk::Buffer,
-        patches: impl Iterator<Item = (vk::Rect2D, u64)>,
+        patches: impl Iterator<Item = AtlasPatch>,
     ) {
         let (read, write) =
             (vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL, vk::ImageLayout::TRANSFER_DST_OPTIMAL);
         self.record_transition(commands, atlas, read, write);
-        for (rect, at) in patches {
+        for AtlasPatch { rect, buffer_offset } in patches {
             let vk::Rect2D { offset, extent: vk::Extent2D { width, height } } = rect;
             let copy = vk::BufferImageCopy {
-                buffer_offset: at,
+                buffer_offset,
                 image_subresource: vk::ImageSubresourceLayers {
                     aspect_mask: vk::ImageAspectFlags::COLOR,
                     layer_count: 1,
