@@ -9,7 +9,7 @@ use clap::Parser;
 use paros_desktop::commands::Cli;
 
 fn main() -> ExitCode {
-    match Cli::parse().run().and_then(|report| print_report(&report)) {
+    match Cli::parse().run().and_then(|report| write_to_stdout(&report)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             // Standard error may be closed; the exit code still reports the failure.
@@ -19,8 +19,8 @@ fn main() -> ExitCode {
     }
 }
 
-/// Prints a report. A closed pipe is no error.
-fn print_report(report: &str) -> Result<(), Error> {
+/// Writes a report to standard output. A closed pipe is no error.
+fn write_to_stdout(report: &str) -> Result<(), Error> {
     let mut out = io::stdout().lock();
     match out.write_all(report.as_bytes()).and_then(|()| out.flush()) {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(Error::failure(error)),

@@ -8,7 +8,7 @@ use std::process::{Command, Output, Stdio};
 use paros_bench::{Benchmark, Plan};
 use paros_core::{Grid, TickInput};
 use paros_shell::figures::Figure;
-use paros_shell::require::require;
+use paros_shell::require::require_or_skip;
 use paros_shell::rmap;
 use paros_shell::statics::Resident;
 use paros_shell::tick_runner;
@@ -72,10 +72,11 @@ fn a_missing_rival_leaves_its_half_empty_and_says_so() {
 fn the_worst_frame_of_each_change_is_told() {
     let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join("bench-field-toy.rmap");
     let (maps, plane) = (&mut *Grid::<128>::lock_range_maps(), &mut *Grid::<128>::lock_bit_grid());
-    Figure::Toy.carve_into(plane, maps);
+    Figure::Toy.rasterize_into(maps, plane);
     rmap::write(&file, maps).unwrap();
     let valgrind = Command::new("valgrind").arg("--version").output();
-    let counts = require(valgrind.map_err(|error| format!("no valgrind: {error}"))).unwrap();
+    let counts =
+        require_or_skip(valgrind.map_err(|error| format!("no valgrind: {error}"))).unwrap();
     let rows = rows(&["field", file.to_str().unwrap(), "--json"]);
     for what in ["a stroke of radius 6", "taken back", "a load", "the upper half falls"] {
         let row = rows.iter().find(|row| row["against"].as_str().unwrap().contains(what));
@@ -121,14 +122,14 @@ fn a_counted_replay_tells_its_progress() {
     let trace = tick_runner::with_fresh_world::<128, _>(|mut runner| {
         runner.start_recording();
         (0..1200).for_each(|_| runner.run_tick(&TickInput::default()));
-        runner.end_recording().unwrap()
+        runner.end_recording_to_bytes().unwrap()
     });
     fs::write(folder.join("session.trace"), &trace).unwrap();
     fs::write(folder.join("ticks"), "7\n").unwrap();
     for figure in Figure::ALL {
         let (maps, plane) =
             (&mut *Grid::<128>::lock_range_maps(), &mut *Grid::<128>::lock_bit_grid());
-        figure.carve_into(plane, maps);
+        figure.rasterize_into(maps, plane);
         rmap::write(&folder.join(figure.name()).with_extension("rmap"), maps).unwrap();
     }
     let output = bench(&["--replay", folder.to_str().unwrap()]);
@@ -148,7 +149,7 @@ fn progress_is_told_within_a_piece() {
     let trace = tick_runner::with_fresh_world::<128, _>(|mut runner| {
         runner.start_recording();
         runner.run_tick(&TickInput::default());
-        runner.end_recording().unwrap()
+        runner.end_recording_to_bytes().unwrap()
     });
     fs::write(&path, trace).unwrap();
     let plan = Plan {
@@ -177,7 +178,7 @@ fn a_trace_that_differs_is_refused_at_its_tick() {
     let mut trace = tick_runner::with_fresh_world::<128, _>(|mut runner| {
         runner.start_recording();
         (0..30).for_each(|_| runner.run_tick(&TickInput::default()));
-        runner.end_recording().unwrap()
+        runner.end_recording_to_bytes().unwrap()
     });
     let (good, bad) = (folder.join("good.trace"), folder.join("bad.trace"));
     fs::write(&good, &trace).unwrap();
@@ -189,7 +190,8 @@ fn a_trace_that_differs_is_refused_at_its_tick() {
     assert!(errors.contains("bad.trace: ") && errors.contains("tick 29"), "{errors}");
 
     let valgrind = Command::new("valgrind").arg("--version").output();
-    if require(valgrind.map_err(|error| format!("no valgrind: {error}"))).unwrap().is_some() {
+    if require_or_skip(valgrind.map_err(|error| format!("no valgrind: {error}"))).unwrap().is_some()
+    {
         let rows = rows(&["step", good.to_str().unwrap(), "--json"]);
         let worst = rows.iter().find(|row| row["against"].as_str().unwrap().contains("worst"));
         let worst = worst.unwrap_or_else(|| panic!("no worst tick in {rows:?}"));

@@ -21,7 +21,7 @@ fn toy() -> Vec<u8> {
         Mutex::new((RangeMaps::new(), BitGrid::new()));
     let mut buffers = BUFFERS.lock().unwrap();
     let (maps, plane) = &mut *buffers;
-    Figure::Toy.carve_into(plane, maps);
+    Figure::Toy.rasterize_into(maps, plane);
     rmap::encode(maps)
 }
 

@@ -8,7 +8,7 @@ use paros_core::{Grid, SessionMode, TickInput};
 
 use paros_shaders::{Camera, TwinScene, TwinSettings, shade_ray};
 use paros_shell::figures::Figure;
-use paros_shell::require::require;
+use paros_shell::require::require_or_skip;
 use paros_shell::rmap;
 use paros_shell::statics::Resident;
 use paros_shell::tick_runner::TickRunner;
@@ -16,7 +16,7 @@ use serde_json::Value;
 
 /// The name of the best device, if there is one.
 fn device() -> Option<String> {
-    require(paros_headless::open_gpu(None)).unwrap().map(|gpu| gpu.name.clone())
+    require_or_skip(paros_headless::open_gpu(None)).unwrap().map(|gpu| gpu.name.clone())
 }
 
 fn folder(name: &str) -> PathBuf {
@@ -72,7 +72,7 @@ fn a_vulkan_picture_has_the_twins_silhouette() {
     let Some(_) = device() else { return };
     let folder = folder("silhouette");
     let (maps, plane) = (&mut *Grid::<128>::lock_range_maps(), &mut *Grid::<128>::lock_bit_grid());
-    Figure::Toy.carve_into(plane, maps);
+    Figure::Toy.rasterize_into(maps, plane);
     rmap::write(&folder.join("toy.rmap"), maps).unwrap();
     let (width, height, azimuth, elevation) = (240, 180, 0.5_f32, 0.3_f32);
     let view = format!("{},{}", azimuth.to_degrees(), elevation.to_degrees());
@@ -129,7 +129,7 @@ fn trace(path: &Path) {
     stage.start_recording();
     stage.run_tick(&TickInput { start: SessionMode::FreeForm, ..TickInput::default() });
     stage.run_tick(&TickInput::default());
-    fs::write(path, stage.end_recording().unwrap()).unwrap();
+    fs::write(path, stage.end_recording_to_bytes().unwrap()).unwrap();
 }
 
 #[test]
@@ -222,7 +222,7 @@ fn bench_paper_sets_ratios_beside_the_published_ones() {
 fn without_vulkan_a_line_says_so() {
     let folder = folder("without");
     let (maps, plane) = (&mut *Grid::<128>::lock_range_maps(), &mut *Grid::<128>::lock_bit_grid());
-    Figure::Toy.carve_into(plane, maps);
+    Figure::Toy.rasterize_into(maps, plane);
     rmap::write(&folder.join("toy.rmap"), maps).unwrap();
     let without = |args: &[&str]| {
         let mut paros = paros(&folder, args);

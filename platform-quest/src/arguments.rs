@@ -7,7 +7,7 @@ use clap::Parser;
 use paros_core::{SessionMode, TICK_RATE};
 use paros_shell::headset::visit::DEFAULT_HANDOVER;
 use paros_shell::modes::parse_mode;
-use paros_shell::sizes::{SIZE_NAMES, size_named};
+use paros_shell::sizes::{GRID_SIDE_NAMES, grid_side_or_default};
 
 use crate::foveation::FoveationLevel;
 use crate::options::ShellOptions;
@@ -17,7 +17,7 @@ use crate::options::ShellOptions;
 #[command(name = "paros-quest", version)]
 pub struct HeadsetArgs {
     /// Voxels along an edge: 128, or 256 for a fast machine.
-    #[arg(long, default_value = "128", value_parser = SIZE_NAMES)]
+    #[arg(long, default_value = "128", value_parser = GRID_SIDE_NAMES)]
     pub size: String,
     /// One folder for sessions and sculptures, instead of the user's own.
     #[arg(long, value_name = "DIR")]
@@ -63,7 +63,7 @@ impl HeadsetArgs {
     /// Voxels along an edge.
     #[must_use]
     pub fn grid_size(&self) -> usize {
-        size_named(&self.size)
+        grid_side_or_default(&self.size)
     }
 
     /// The options of a run that is no replay.

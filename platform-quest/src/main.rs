@@ -9,7 +9,7 @@ use paros_quest::error::Error;
 use paros_quest::platform::PlainPlatform;
 use paros_quest::shell::run_shell;
 use paros_shell::durable::WriteTarget;
-use paros_shell::replay::{ReplayError, replay_trace};
+use paros_shell::replay::{ReplayError, write_replay_digests};
 use paros_shell::with_size;
 
 fn main() -> ExitCode {
@@ -29,13 +29,13 @@ fn main() -> ExitCode {
 
 fn run(args: &HeadsetArgs) -> Result<String, (String, ExitCode)> {
     if let (Some(trace), Some(digests)) = (&args.replay, &args.digests) {
-        let done = replay_trace(trace, digests);
+        let done = write_replay_digests(trace, digests);
         done.map_err(|error| (error.to_string(), replay_exit_code(&error)))?;
         return Ok(format!("{}: all as recorded\n", trace.display()));
     }
     if let Some(record) = &args.record {
         // Before the sculpting, not after it.
-        WriteTarget::resolve_writable(record).map_err(|error| {
+        WriteTarget::resolve_and_check_writable(record).map_err(|error| {
             let error = ReplayError::Write(error);
             (error.to_string(), replay_exit_code(&error))
         })?;

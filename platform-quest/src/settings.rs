@@ -136,7 +136,7 @@ fn parse_settings(folder: &Path, words: &[Word<'_>]) -> Result<HeadsetSettings, 
     if let Some(record) = &mut options.record {
         *record = folder.join(&*record);
         // Now, not after the sculpting.
-        WriteTarget::resolve_writable(record).map_err(|error| {
+        WriteTarget::resolve_and_check_writable(record).map_err(|error| {
             let flag = words.iter().find(|word| word.text.starts_with("--record"));
             LineError { line: flag.map_or(0, |word| word.line), why: error.to_string() }
         })?;

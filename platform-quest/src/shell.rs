@@ -16,8 +16,8 @@ use paros_shell::headset::frame_pacer::FramePacer;
 use paros_shell::headset::haptics::FrameHaptics;
 use paros_shell::headset::recentering::PendingRecentering;
 use paros_shell::headset::visit::VisitPolicy;
-use paros_shell::print::{DEFAULT_HEIGHT_MM, StlPrinter};
 use paros_shell::statics::Resident;
+use paros_shell::stl_export::{DEFAULT_HEIGHT_MM, StlExporter};
 use paros_shell::studio::{Notice, Studio};
 use paros_shell::studio_paths::StudioPaths;
 
@@ -108,14 +108,15 @@ where
 {
     let mut volumes = Grid::<N>::lock_start_volumes();
     volumes.generate_figures(&mut Grid::<N>::lock_bit_grid(), |_| {});
-    let (mut world, mut press) = (Grid::<N>::lock_world(), Grid::<N>::lock_print_buffers());
-    let printer = StlPrinter::new(&mut press, DEFAULT_HEIGHT_MM);
-    let printer = printer.map_err(|height| Error::Input(format!("{height:?}")))?;
+    let (mut world, mut stl_buffers) = (Grid::<N>::lock_world(), Grid::<N>::lock_stl_buffers());
+    let stl_exporter = StlExporter::new(&mut stl_buffers, DEFAULT_HEIGHT_MM);
+    let stl_exporter = stl_exporter.map_err(|height| Error::Input(format!("{height:?}")))?;
     let folder = options.folder.as_deref();
     let places = folder.map_or_else(|| StudioPaths::for_user(None), StudioPaths::inside_folder);
-    let mut studio = Studio::new(&mut world, &mut volumes, printer, places, render_portrait_png);
+    let mut studio =
+        Studio::new(&mut world, &mut volumes, stl_exporter, places, render_portrait_png);
     match &options.record {
-        Some(_) => studio.write_trace_at_close(options.record.clone()),
+        Some(_) => studio.set_closing_trace_path(options.record.clone()),
         None => studio.disable_recording(),
     }
     if studio.world().session_state() != SessionState::Waiting {
@@ -124,7 +125,7 @@ where
     }
     let mut shell = HeadsetShell::new(studio, options);
     let done = shell.run_sessions(platform);
-    let saved = shell.studio.close();
+    let saved = shell.studio.finish_and_save_all();
     shell.log_notes(platform);
     if let (Err(_), Err(error)) = (&done, &saved) {
         platform.log(format_args!("{error}"));
@@ -140,7 +141,7 @@ where
     if !messages.is_empty() {
         return Err(Error::Unavailable(format!("validation: {messages}")));
     }
-    let printed = shell.studio.last_print_path();
+    let printed = shell.studio.last_stl_path();
     Ok(printed.map_or(String::new(), |path| format!("{}\n", path.display())))
 }
 
@@ -182,7 +183,7 @@ where
                 Err(error) if error.is_loss() || has_run || self.frames > 0 => Some(error),
                 Err(error) => return Err(error),
             };
-            self.studio.save_and_wait();
+            self.studio.save_session_and_wait();
             has_run = true;
             losses = if begun.elapsed() > STEADY_AFTER { 1 } else { losses + 1 };
             let text = why.as_ref().map_or("the session is lost".into(), ToString::to_string);
@@ -261,7 +262,7 @@ where
             if exit_requested_at.is_some_and(|since| since.elapsed() > EXIT_TIMEOUT) {
                 return Ok(SessionEnd::Exited);
             }
-            self.studio.poll_threads();
+            self.studio.poll_background_work();
             self.log_notes(platform);
         }
     }
@@ -280,7 +281,7 @@ where
         let thermal = health.thermal.max(self.runtime_thermal);
         let health = DeviceHealth { thermal, ..health };
         let before = core::mem::replace(&mut self.health, health);
-        if let Some(warning) = health.warning_since(before) {
+        if let Some(warning) = health.new_warning(before) {
             platform.log(format_args!("{warning}"));
         }
     }

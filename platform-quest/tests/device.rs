@@ -19,7 +19,7 @@ use paros_quest::runtime::{
     FUNCTION_COLUMNS, NEGOTIATE_FUNCTION, RUNTIME_COLUMNS, RuntimeLibrary, query_brokers,
 };
 use paros_shell::headset::device_health::{DeviceHealth, ThermalState};
-use paros_shell::require::require;
+use paros_shell::require::require_or_skip;
 
 use android::{compile_stubs, describe_member, is_android, members_by_class, run_javap};
 
@@ -44,7 +44,7 @@ static VM: LazyLock<JavaVM> = LazyLock::new(|| {
 fn has_jdk() -> bool {
     let starts = |program: &&str| Command::new(program).arg("-version").output().is_ok();
     let missing = ["java", "javac", "javap"].into_iter().find(|program| !starts(program));
-    require(missing.map_or(Ok(()), |program| Err(format!("no {program}"))))
+    require_or_skip(missing.map_or(Ok(()), |program| Err(format!("no {program}"))))
         .expect("a JDK")
         .is_some()
 }

@@ -41,7 +41,7 @@ fn drawn_positions(
     let seconds = |at: i64| (at - begin) as f32 * 1e-9;
     let mut seen = Vec::new();
     for display_time in display_times(rate, jitter) {
-        let due = pacer.advance_to(display_time);
+        let due = pacer.take_due_ticks_until(display_time);
         for at in due.tick_times_ns() {
             let (position, rotation) = hand(seconds(at));
             let grip = RawPose::quantise(position, rotation);

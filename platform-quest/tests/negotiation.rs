@@ -7,7 +7,7 @@ use std::{env, fs};
 
 use openxr as xr;
 use paros_quest::runtime::{NEGOTIATE_FUNCTION, open_runtime, query_brokers};
-use paros_shell::require::require;
+use paros_shell::require::require_or_skip;
 
 /// Set to the library in the process that runs on the tree's libraries.
 const INSIDE: &str = "PAROS_INSIDE_RUNTIME";
@@ -26,7 +26,7 @@ fn the_library_that_a_broker_names_is_negotiated_with() {
     if let Some(library) = env::var_os(INSIDE) {
         return negotiate_as_on_a_headset(Path::new(&library));
     }
-    let Some(root) = require(find_tree()).expect("Monado") else { return };
+    let Some(root) = require_or_skip(find_tree()).expect("Monado") else { return };
     let libraries = root.join("usr/lib/x86_64-linux-gnu");
     let monado = libraries.join("libopenxr_monado.so");
     let rerun = |library: &Path| rerun_on_tree(&root, &libraries, library);

@@ -24,7 +24,7 @@ fn a_replay_that_differs_stops_at_the_tick_and_names_the_part() {
         stage.start_recording();
         stage.run_tick(&TickInput { start: SessionMode::FreeForm, ..TickInput::default() });
         (1..40).for_each(|_| stage.run_tick(&TickInput::default()));
-        stage.end_recording().expect("a recording")
+        stage.end_recording_to_bytes().expect("a recording")
     });
     fs::write(folder.join("good.trace"), &bytes).expect("room on the disk");
     // The digests of the second part and of the last, after a tick of those in the middle.

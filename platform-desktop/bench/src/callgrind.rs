@@ -27,35 +27,38 @@ impl Drop for ScratchFolder {
     }
 }
 
-/// Instructions of each call of a function, in order, while `bench --replay` plays `what`; or why
-/// there are none.
+/// Instructions of each call of a function, in order, while `bench --replay` plays `replayed_path`; or
+/// why there are none.
 ///
 /// The function is named whole: Callgrind finds no end to names with a `*` in front. It must not end
 /// in a call, which would be a jump, of which Callgrind sees no end either.
 ///
 /// The child writes the fraction done, a line each time; `on_progress` gets it.
-pub(super) fn count_instructions(
-    function: &str,
-    what: &Path,
-    folder: &ScratchFolder,
+pub(super) fn count_instructions_per_call(
+    function_path: &str,
+    replayed_path: &Path,
+    scratch: &ScratchFolder,
     on_progress: OnProgress<'_>,
 ) -> Result<Vec<u64>, String> {
     let this = std::env::current_exe().map_err(|e| e.to_string())?;
-    let dumps = folder.0.join("callgrind.out");
+    let dumps = scratch.0.join("callgrind.out");
     let mut run = Command::new("valgrind")
         .args(["--tool=callgrind", "--combine-dumps=yes", "--dump-line=no", "--collect-atstart=no"])
-        .args([format!("--toggle-collect={function}"), format!("--dump-after={function}")])
+        .args([
+            format!("--toggle-collect={function_path}"),
+            format!("--dump-after={function_path}"),
+        ])
         .arg(format!("--callgrind-out-file={}", dumps.display()))
         .arg(this)
         .args(["bench", "--replay"])
-        .arg(what)
+        .arg(replayed_path)
         .stdin(Stdio::null())
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn()
         .map_err(|e| format!("valgrind can't be started: {e}"))?;
-    // Its errors are a few lines, for which the pipe has room until its parts are read.
-    run.stdout.take().into_iter().for_each(|parts| forward_progress(parts, on_progress));
+    // Its errors are a few lines, for which the pipe has room until its output is read.
+    run.stdout.take().into_iter().for_each(|output| forward_progress(output, on_progress));
     let run = run.wait_with_output().map_err(|e| e.to_string())?;
     if !run.status.success() {
         let errors = String::from_utf8_lossy(&run.stderr);
@@ -80,8 +83,8 @@ pub(super) fn count_instructions(
 }
 
 /// Passes the child's progress lines on, until its output ends.
-fn forward_progress(parts: impl Read, on_progress: OnProgress<'_>) {
-    for line in BufReader::new(parts).lines().map_while(Result::ok) {
+fn forward_progress(output: impl Read, on_progress: OnProgress<'_>) {
+    for line in BufReader::new(output).lines().map_while(Result::ok) {
         // Progress is for the bar only: a line that is no number is skipped.
         if let Ok(part) = line.parse() {
             on_progress(part);

@@ -3,6 +3,13 @@
 use std::hint::black_box;
 use std::time::Instant;
 
+/// A figure of ours, and the same of the rival's.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(super) struct OursTheirs<T> {
+    pub(super) ours: T,
+    pub(super) theirs: T,
+}
+
 /// The wall-clock time of `work` in milliseconds.
 pub(super) fn time_ms<T>(work: impl FnOnce() -> T) -> f64 {
     let begun = Instant::now();
@@ -12,28 +19,29 @@ pub(super) fn time_ms<T>(work: impl FnOnce() -> T) -> f64 {
 
 /// The minimum over `runs` runs of each side, in milliseconds. Runs alternate: ours, theirs, ours,
 /// theirs. A run returns its own milliseconds, so that its set-up is not counted.
-pub(super) fn best_in_turns_ms<E>(
+pub(super) fn min_in_turns_ms<E>(
     runs: usize,
-    mut ours: impl FnMut() -> Result<f64, E>,
-    mut theirs: impl FnMut() -> Result<f64, E>,
-) -> Result<[f64; 2], E> {
-    let mut best = [f64::INFINITY; 2];
+    mut run_ours_ms: impl FnMut() -> Result<f64, E>,
+    mut run_theirs_ms: impl FnMut() -> Result<f64, E>,
+) -> Result<OursTheirs<f64>, E> {
+    let mut best = OursTheirs { ours: f64::INFINITY, theirs: f64::INFINITY };
     for _ in 0..runs {
-        best[0] = best[0].min(ours()?);
-        best[1] = best[1].min(theirs()?);
+        best.ours = best.ours.min(run_ours_ms()?);
+        best.theirs = best.theirs.min(run_theirs_ms()?);
     }
     Ok(best)
 }
 
-/// As [`best_in_turns_ms`] for runs of many ticks: the minimum of each tick, in milliseconds.
-pub(super) fn best_ticks_ms(
+/// As [`min_in_turns_ms`] for runs of many ticks: the minimum of each tick, in milliseconds.
+pub(super) fn min_of_each_tick_ms(
     runs: usize,
-    mut ours: impl FnMut() -> Vec<f64>,
-    mut theirs: impl FnMut() -> Vec<f64>,
-) -> [Vec<f64>; 2] {
-    let mut best: [Vec<f64>; 2] = Default::default();
+    mut run_ours_ms: impl FnMut() -> Vec<f64>,
+    mut run_theirs_ms: impl FnMut() -> Vec<f64>,
+) -> OursTheirs<Vec<f64>> {
+    let mut best = OursTheirs { ours: vec![], theirs: vec![] };
     for _ in 0..runs {
-        for (best, run) in best.iter_mut().zip([ours(), theirs()]) {
+        let runs = [(&mut best.ours, run_ours_ms()), (&mut best.theirs, run_theirs_ms())];
+        for (best, run) in runs {
             best.resize(run.len(), f64::INFINITY);
             for (best, tick) in best.iter_mut().zip(run) {
                 *best = best.min(tick);

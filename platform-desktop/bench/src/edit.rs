@@ -9,7 +9,7 @@ use paros_core::{
 };
 use paros_headless::Error;
 
-use super::clock::{best_in_turns_ms, time_ms};
+use super::clock::{OursTheirs, min_in_turns_ms, time_ms};
 use super::dense::DenseGrid;
 use super::fixture::{Fixture, HasFixture, reset_fixture};
 use super::row::ReportRow;
@@ -21,8 +21,8 @@ pub(super) const RADIUS: i32 = 6;
 /// Layers of the surface that a carve may remove.
 const DEPTH: usize = 2;
 
-/// Places on the surface, one edit each.
-const PLACES: usize = 64;
+/// Edits, each at another voxel of the surface.
+const EDITS: usize = 64;
 
 pub(super) const CARVE: EditOperation = EditOperation::Carve { depth: DEPTH };
 const FILL: EditOperation = EditOperation::Fill { depth: DEPTH };
@@ -35,46 +35,46 @@ where
     Grid<N>: Size + HasFixture<N>,
 {
     let fixture = &mut *Grid::<N>::lock_fixture();
-    subject.load_into(&mut fixture.start, &mut fixture.plane)?;
-    let places = surface_voxels(&fixture.plane);
-    check_agreement(fixture, &places, subject.name())?;
+    subject.load_into(&mut fixture.start, &mut fixture.bit_grid)?;
+    let voxels = surface_voxels(&fixture.bit_grid);
+    check_agreement(fixture, &voxels, subject.name())?;
     let fixture = RefCell::new(fixture);
     let (mut fill, mut strokes) = (f64::INFINITY, f64::INFINITY);
-    let times = best_in_turns_ms(
+    let times = min_in_turns_ms(
         runs,
         || {
             let fixture = &mut **fixture.borrow_mut();
-            fill = fill.min(edits_ms(fixture, &places, FILL));
-            strokes = strokes.min(edits_with_own_strokes_ms(fixture, &places, CARVE));
-            Ok::<_, Error>(edits_ms(fixture, &places, CARVE))
+            fill = fill.min(mean_edit_in_one_stroke_ms(fixture, &voxels, FILL));
+            strokes = strokes.min(mean_edit_with_a_stroke_each_ms(fixture, &voxels, CARVE));
+            Ok::<_, Error>(mean_edit_in_one_stroke_ms(fixture, &voxels, CARVE))
         },
         || {
             let mut grid = DenseGrid::new(&fixture.borrow().start);
             let carve =
-                |place: &[usize; 3]| grid.carve_sphere(voxel_centre(*place), RADIUS as f32, DEPTH);
-            let whole = time_ms(|| places.iter().for_each(carve));
-            Ok(whole / places.len() as f64)
+                |voxel: &[usize; 3]| grid.carve_sphere(voxel_centre(*voxel), RADIUS as f32, DEPTH);
+            let whole = time_ms(|| voxels.iter().for_each(carve));
+            Ok(whole / voxels.len() as f64)
         },
     )?;
     let row = |against: &str| ReportRow::new("edit", subject.name(), N, against);
     Ok(vec![
         row("a dense carve of radius 6, maps recomputed").with_times_ms(times),
-        row("the same, ours a fill").with_times_ms([fill, times[1]]),
+        row("the same, ours a fill").with_times_ms(OursTheirs { ours: fill, ..times }),
         row("the same, ours a stroke each, with as many to undo as fit")
-            .with_times_ms([strokes, times[1]]),
+            .with_times_ms(OursTheirs { ours: strokes, ..times }),
     ])
 }
 
 /// The same carve at both sizes. The ratio is the small grid's time over the large one's.
 pub(super) fn measure_scaling(subject: &Subject, runs: usize) -> Result<Vec<ReportRow>, Error> {
     let (small, large) = (&mut *Grid::<128>::lock_fixture(), &mut *Grid::<256>::lock_fixture());
-    subject.load_into(&mut small.start, &mut small.plane)?;
-    subject.load_into(&mut large.start, &mut large.plane)?;
-    let (in_small, in_large) = (surface_voxels(&small.plane), surface_voxels(&large.plane));
-    let times = best_in_turns_ms(
+    subject.load_into(&mut small.start, &mut small.bit_grid)?;
+    subject.load_into(&mut large.start, &mut large.bit_grid)?;
+    let (in_small, in_large) = (surface_voxels(&small.bit_grid), surface_voxels(&large.bit_grid));
+    let times = min_in_turns_ms(
         runs,
-        || Ok::<_, Error>(edits_ms(large, &in_large, CARVE)),
-        || Ok(edits_ms(small, &in_small, CARVE)),
+        || Ok::<_, Error>(mean_edit_in_one_stroke_ms(large, &in_large, CARVE)),
+        || Ok(mean_edit_in_one_stroke_ms(small, &in_small, CARVE)),
     )?;
     Ok(vec![
         ReportRow::new("edit", subject.name(), 256, "ours at 128, the same radius")
@@ -83,31 +83,31 @@ pub(super) fn measure_scaling(subject: &Subject, runs: usize) -> Result<Vec<Repo
 }
 
 /// Voxels of the surface above the ground layer, evenly spaced in the order of y, z, x.
-pub(super) fn surface_voxels<const N: usize>(plane: &BitGrid<N>) -> Vec<[usize; 3]>
+pub(super) fn surface_voxels<const N: usize>(bit_grid: &BitGrid<N>) -> Vec<[usize; 3]>
 where
     Grid<N>: Size,
 {
     let mut all = vec![];
     for y in 1..N - 1 {
         for z in 1..N - 1 {
-            let here = plane.row(y, z);
+            let here = bit_grid.row(y, z);
             let inner = here.shifted_up()
                 & here.shifted_down()
-                & plane.row(y - 1, z)
-                & plane.row(y + 1, z)
-                & plane.row(y, z - 1)
-                & plane.row(y, z + 1);
+                & bit_grid.row(y - 1, z)
+                & bit_grid.row(y + 1, z)
+                & bit_grid.row(y, z - 1)
+                & bit_grid.row(y, z + 1);
             all.extend((here & !inner).iter_ones().map(|x| [x, y, z]));
         }
     }
-    let count = all.len().min(PLACES);
+    let count = all.len().min(EDITS);
     (0..count).map(|i| all[(2 * i + 1) * all.len() / (2 * count)]).collect()
 }
 
-/// Mean milliseconds of an edit: one at each place, all in one stroke.
-fn edits_ms<const N: usize>(
+/// Mean milliseconds of an edit: one at each voxel, all in one stroke.
+fn mean_edit_in_one_stroke_ms<const N: usize>(
     fixture: &mut Fixture<N>,
-    places: &[[usize; 3]],
+    voxels: &[[usize; 3]],
     operation: EditOperation,
 ) -> f64
 where
@@ -116,18 +116,18 @@ where
     reset_fixture(fixture);
     let whole = time_ms(|| {
         fixture.undo.begin_stroke();
-        for place in places {
-            edit_sphere_at(fixture, *place, operation);
+        for voxel in voxels {
+            edit_sphere_at(fixture, *voxel, operation);
         }
     });
-    whole / places.len() as f64
+    whole / voxels.len() as f64
 }
 
-/// As [`edits_ms`], with a stroke for each edit. The third round counts: the undo history is full by
-/// then, and every new stroke evicts the oldest.
-fn edits_with_own_strokes_ms<const N: usize>(
+/// As [`mean_edit_in_one_stroke_ms`], with a stroke for each edit. The third round counts: the
+/// undo history is full by then, and every new stroke evicts the oldest.
+fn mean_edit_with_a_stroke_each_ms<const N: usize>(
     fixture: &mut Fixture<N>,
-    places: &[[usize; 3]],
+    voxels: &[[usize; 3]],
     operation: EditOperation,
 ) -> f64
 where
@@ -138,26 +138,26 @@ where
     for _ in 0..3 {
         fixture.volume.set_maps(&fixture.start);
         whole = time_ms(|| {
-            for place in places {
+            for voxel in voxels {
                 fixture.undo.begin_stroke();
-                edit_sphere_at(fixture, *place, operation);
+                edit_sphere_at(fixture, *voxel, operation);
             }
         });
     }
-    whole / places.len() as f64
+    whole / voxels.len() as f64
 }
 
 /// An edit as the world applies it: with undo, dirty rectangles, island search and digest kept up to
 /// date.
 pub(super) fn edit_sphere_at<const N: usize>(
     fixture: &mut Fixture<N>,
-    place: [usize; 3],
+    voxel: [usize; 3],
     operation: EditOperation,
 ) where
     Grid<N>: Size,
 {
     fixture.dirty.clear();
-    let [x, y, z] = place.map(|i| i as i32 * SUBUNITS_PER_VOXEL + SUBUNITS_PER_VOXEL / 2);
+    let [x, y, z] = voxel.map(|i| i as i32 * SUBUNITS_PER_VOXEL + SUBUNITS_PER_VOXEL / 2);
     let brush = Brush::sphere(IVec3::new(x, y, z), RADIUS * SUBUNITS_PER_VOXEL);
     let edit = Edit { brush: &brush, operation, mirrored: false };
     let mut log = StrokeJournal {
@@ -176,22 +176,22 @@ pub(super) fn edit_sphere_at<const N: usize>(
 /// Checks that some of the carves, each on the start volume, leave both sides with the same maps.
 fn check_agreement<const N: usize>(
     fixture: &mut Fixture<N>,
-    places: &[[usize; 3]],
+    voxels: &[[usize; 3]],
     name: &str,
 ) -> Result<(), Error>
 where
     Grid<N>: Size,
 {
-    for &place in places.iter().step_by(PLACES / 2) {
+    for &voxel in voxels.iter().step_by(EDITS / 2) {
         reset_fixture(fixture);
-        edit_sphere_at(fixture, place, CARVE);
+        edit_sphere_at(fixture, voxel, CARVE);
         let mut grid = DenseGrid::new(&fixture.start);
-        grid.carve_sphere(voxel_centre(place), RADIUS as f32, DEPTH);
+        grid.carve_sphere(voxel_centre(voxel), RADIUS as f32, DEPTH);
         let columns = Axis::ALL.into_iter().flat_map(|axis| (0..N * N).map(move |i| (axis, i)));
         for (axis, i) in columns {
             let at = (i / N, i % N);
             if fixture.volume.maps().column(axis, at).0[0] != grid.column_range(axis, at) {
-                let what = format!("{name} at {N}: carves at {place:?} differ");
+                let what = format!("{name} at {N}: carves at {voxel:?} differ");
                 return Err(Error::Failure(what));
             }
         }
@@ -199,6 +199,6 @@ where
     Ok(())
 }
 
-fn voxel_centre(place: [usize; 3]) -> [f32; 3] {
-    place.map(|i| i as f32 + 0.5)
+fn voxel_centre(voxel: [usize; 3]) -> [f32; 3] {
+    voxel.map(|i| i as f32 + 0.5)
 }

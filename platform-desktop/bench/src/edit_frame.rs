@@ -6,13 +6,14 @@ use paros_headless::Uploads;
 use paros_shaders::field::{Budget, DensityField};
 use paros_shaders::gpu::RenderPath;
 
+use super::clock::OursTheirs;
 use super::edit::{CARVE, RADIUS, edit_sphere_at, surface_voxels};
 use super::fixture::{HasFixture, reset_fixture};
 use super::frames::{FrameFormat, FrameTimer, Framing, RenderSetup, VIEWS, mean_ms};
 use super::row::ReportRow;
 use super::subject::Subject;
 
-/// The subject is loaded on the easels already. One edit for each view of the ring, at places spread
+/// The subject is loaded on the easels already. One edit for each view of the ring, at voxels spread
 /// over the surface.
 pub(super) fn measure_rows<const N: usize>(
     subject: &Subject,
@@ -24,7 +25,7 @@ where
     Grid<N>: Size + HasFixture<N>,
 {
     let fixture = &mut *Grid::<N>::lock_fixture();
-    let places = surface_voxels(&fixture.plane);
+    let voxels = surface_voxels(&fixture.bit_grid);
     let mut field = Box::new(DensityField::<N>::new());
     field.rebuild_from(&fixture.start);
     reset_fixture(fixture);
@@ -32,9 +33,9 @@ where
     let mut best = [[[u64::MAX; VIEWS]; 2]; FrameFormat::ALL.len()];
     let (mut in_frame, mut in_all) = (0, 0);
     for view in 0..VIEWS {
-        edit_sphere_at(fixture, places[view * places.len() / VIEWS], CARVE);
+        edit_sphere_at(fixture, voxels[view * voxels.len() / VIEWS], CARVE);
         field.note_changes(fixture.volume.maps(), &fixture.dirty);
-        let uploads = advance_field(&mut field, Budget::per_frame(N));
+        let uploads = collect_uploads(&mut field, Budget::per_frame(N));
         for (format, best) in FrameFormat::ALL.into_iter().zip(&mut best) {
             for _ in 0..runs {
                 for (uploads, best) in [&uploads, &vec![]].into_iter().zip(&mut *best) {
@@ -45,7 +46,7 @@ where
         }
         let bytes = upload_bytes(&uploads);
         in_frame = in_frame.max(bytes);
-        in_all = in_all.max(bytes + upload_rest(&mut field, timer)?);
+        in_all = in_all.max(bytes + upload_rest_and_count_bytes(&mut field, timer)?);
     }
     let row = |against: String| ReportRow::new("render", subject.name(), N, against);
     let stroke = format!("a stroke of radius {RADIUS}");
@@ -55,8 +56,8 @@ where
     };
     let mut rows = vec![bytes(in_frame, "in its frame"), bytes(in_all, "in all frames")];
     for (format, [with, without]) in FrameFormat::ALL.into_iter().zip(best) {
-        let times = [mean_ms(&with), mean_ms(&without)];
-        let added = 100.0 * (times[0] / times[1] - 1.0);
+        let times = OursTheirs { ours: mean_ms(&with), theirs: mean_ms(&without) };
+        let added = 100.0 * (times.ours / times.theirs - 1.0);
         let against = format!("whole frame, ours with the upload of {stroke}; {}", format.name());
         rows.push(ReportRow { added_percent: Some(added), ..row(against).with_times_ms(times) });
     }
@@ -64,13 +65,13 @@ where
 }
 
 /// Uploads what is left after the edit's own frame; the number of bytes.
-fn upload_rest<const N: usize>(
+fn upload_rest_and_count_bytes<const N: usize>(
     field: &mut DensityField<N>,
     timer: &mut FrameTimer,
 ) -> Result<usize, Error> {
     let mut later = 0;
     while field.has_pending() {
-        let uploads = advance_field(field, Budget::UNLIMITED);
+        let uploads = collect_uploads(field, Budget::UNLIMITED);
         later += upload_bytes(&uploads);
         for (region, bytes) in uploads {
             for format in FrameFormat::ALL {
@@ -85,7 +86,7 @@ fn upload_bytes(uploads: &Uploads) -> usize {
     uploads.iter().map(|(region, _)| region.byte_count()).sum()
 }
 
-fn advance_field<const N: usize>(field: &mut DensityField<N>, budget: Budget) -> Uploads {
+fn collect_uploads<const N: usize>(field: &mut DensityField<N>, budget: Budget) -> Uploads {
     let mut uploads = vec![];
     field.update_textures(budget, &mut |region, bytes| uploads.push((region, bytes.to_vec())));
     uploads

@@ -13,11 +13,11 @@ use paros_headless::Error;
 use paros_shaders::field::{Budget, DensityField};
 use paros_shell::{rmap, with_size};
 
-use super::callgrind::{ScratchFolder, count_instructions};
+use super::callgrind::{ScratchFolder, count_instructions_per_call};
 use super::edit::{CARVE, RADIUS, edit_sphere_at, surface_voxels};
 use super::fixture::{Fixture, HasFixture, reset_fixture};
-use super::islands::{cut_loose, run_pass};
-use super::row::ReportRow;
+use super::islands::{Fraction, advance_pass, cut_gap};
+use super::row::{Measured, ReportRow};
 use super::subject::Subject;
 
 /// What changes the volume.
@@ -43,20 +43,18 @@ impl FieldChange {
     }
 }
 
-/// The worst frame of each change, and why instructions were not counted if they were not.
-pub(super) fn measure_rows<const N: usize>(
-    subject: &Subject,
-) -> Result<(Vec<ReportRow>, Option<String>), Error>
+/// The worst frame of each change.
+pub(super) fn measure_rows<const N: usize>(subject: &Subject) -> Result<Measured, Error>
 where
     Grid<N>: Size + HasFixture<N>,
 {
     let fixture = &mut *Grid::<N>::lock_fixture();
-    subject.load_into(&mut fixture.start, &mut fixture.plane)?;
+    subject.load_into(&mut fixture.start, &mut fixture.bit_grid)?;
     let folder = ScratchFolder::new()?;
     let volume = folder.0.join("volume.rmap");
     rmap::write(&volume, &fixture.start).map_err(Error::failure)?;
     let frames = play_changes(fixture)?;
-    let mut counted = count_instructions(COUNTED, &volume, &folder, &|_| {});
+    let mut counted = count_instructions_per_call(COUNTED, &volume, &folder, &|_| {});
     if let Ok(counts) = &counted
         && counts.len() != frames.len()
     {
@@ -74,24 +72,24 @@ where
         }
     };
     let why = counted.as_ref().err().map(|why| format!("instructions of a frame: {why}"));
-    Ok((FieldChange::ALL.map(row).into(), why))
+    Ok(Measured { rows: FieldChange::ALL.map(row).into(), skipped: why })
 }
 
 /// Plays the cases on a volume's file: the part of the child that is counted.
 ///
 /// # Errors
 /// A file that is not as the measuring run left it.
-pub(super) fn replay_changes(volume: &Path) -> Result<(), Error> {
-    let subject = Subject::from_name(volume)?;
-    with_size!(subject.sizes()[0], N => replay_at::<N>(&subject))
+pub(super) fn replay_changes(volume_path: &Path) -> Result<(), Error> {
+    let subject = Subject::from_name_or_path(volume_path)?;
+    with_size!(subject.grid_sides()[0], N => replay_changes_at::<N>(&subject))
 }
 
-fn replay_at<const N: usize>(subject: &Subject) -> Result<(), Error>
+fn replay_changes_at<const N: usize>(subject: &Subject) -> Result<(), Error>
 where
     Grid<N>: Size + HasFixture<N>,
 {
     let fixture = &mut *Grid::<N>::lock_fixture();
-    subject.load_into(&mut fixture.start, &mut fixture.plane)?;
+    subject.load_into(&mut fixture.start, &mut fixture.bit_grid)?;
     play_changes(fixture).map(|_| ())
 }
 
@@ -104,13 +102,13 @@ struct PlayedFrame {
 /// The textures as they follow a volume.
 struct FieldFollower<const N: usize> {
     field: Box<DensityField<N>>,
-    staged: Vec<u8>,
+    staging: Vec<u8>,
     frames: Vec<PlayedFrame>,
 }
 
 impl<const N: usize> FieldFollower<N> {
-    fn play_frame(&mut self, change: FieldChange, noted: Option<(&RangeMaps<N>, &DirtyRects)>) {
-        let bytes = counted_frame(&mut self.field, noted, &mut self.staged);
+    fn play_frame(&mut self, change: FieldChange, changes: Option<(&RangeMaps<N>, &DirtyRects)>) {
+        let bytes = stage_frame_and_count_bytes(&mut self.field, changes, &mut self.staging);
         self.frames.push(PlayedFrame { change, bytes });
     }
 
@@ -126,15 +124,15 @@ fn play_changes<const N: usize>(fixture: &mut Fixture<N>) -> Result<Vec<PlayedFr
 where
     Grid<N>: Size,
 {
-    let staged = vec![0; Budget::per_frame(N).bytes];
+    let staging = vec![0; Budget::per_frame(N).bytes];
     let mut follower =
-        FieldFollower { field: Box::new(DensityField::new()), staged, frames: vec![] };
+        FieldFollower { field: Box::new(DensityField::new()), staging, frames: vec![] };
     reset_fixture(fixture);
     fixture.dirty.mark_all(N);
     follower.play_frame(FieldChange::Load, Some((fixture.volume.maps(), &fixture.dirty)));
     follower.play_until_settled(FieldChange::Load);
     fixture.undo.begin_stroke();
-    for place in surface_voxels(&fixture.plane) {
+    for place in surface_voxels(&fixture.bit_grid) {
         edit_sphere_at(fixture, place, CARVE);
         follower.play_frame(FieldChange::Stroke, Some((fixture.volume.maps(), &fixture.dirty)));
     }
@@ -145,14 +143,15 @@ where
     }
     follower.play_frame(FieldChange::Undo, Some((fixture.volume.maps(), &fixture.dirty)));
     follower.play_until_settled(FieldChange::Undo);
-    cut_loose(&mut fixture.plane, &mut fixture.start, [1, 2]);
+    let half = Fraction { numerator: 1, denominator: 2 };
+    cut_gap(&mut fixture.start, &mut fixture.bit_grid, half);
     reset_fixture(fixture);
     follower.field.rebuild_from(&fixture.start);
     fixture.islands.request_pass();
     let mut removed = 0;
     while fixture.islands.is_busy() {
         fixture.dirty.clear();
-        removed += run_pass(fixture, island_row_visits(N)).map_or(0, |report| report.removed);
+        removed += advance_pass(fixture, island_row_visits(N)).map_or(0, |report| report.removed);
         follower.play_frame(FieldChange::Fall, Some((fixture.volume.maps(), &fixture.dirty)));
     }
     follower.play_until_settled(FieldChange::Fall);
@@ -162,23 +161,23 @@ where
     Ok(follower.frames)
 }
 
-const COUNTED: &str = concat!(module_path!(), "::counted_frame");
+const COUNTED: &str = concat!(module_path!(), "::stage_frame_and_count_bytes");
 
 /// One frame's upkeep, the function that Callgrind counts by this name; the bytes staged.
 #[inline(never)]
-fn counted_frame<const N: usize>(
+fn stage_frame_and_count_bytes<const N: usize>(
     field: &mut DensityField<N>,
-    noted: Option<(&RangeMaps<N>, &DirtyRects)>,
-    staged: &mut [u8],
+    changes: Option<(&RangeMaps<N>, &DirtyRects)>,
+    staging: &mut [u8],
 ) -> usize {
-    if let Some((maps, dirty)) = noted {
+    if let Some((maps, dirty)) = changes {
         field.note_changes(maps, black_box(dirty));
     }
     let mut used = 0;
     field.update_textures(Budget::per_frame(N), &mut |_, bytes| {
-        staged[used..used + bytes.len()].copy_from_slice(bytes);
+        staging[used..used + bytes.len()].copy_from_slice(bytes);
         used += bytes.len();
     });
-    black_box(staged);
+    black_box(staging);
     black_box(used)
 }

@@ -17,7 +17,7 @@ where
     pub(super) other: RangeMaps<N>,
     /// Always empty: nothing measured here has a mask.
     pub(super) mask: RangeMaps<N>,
-    pub(super) plane: BitGrid<N>,
+    pub(super) bit_grid: BitGrid<N>,
     pub(super) volume: Volume<N>,
     pub(super) undo: UndoHistory<N>,
     pub(super) dirty: DirtyRects,
@@ -34,7 +34,7 @@ where
             start: RangeMaps::new(),
             other: RangeMaps::new(),
             mask: RangeMaps::new(),
-            plane: BitGrid::new(),
+            bit_grid: BitGrid::new(),
             volume: Volume::new(),
             undo: UndoHistory::new(),
             dirty: DirtyRects::new(),

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use glam::{Quat, Vec3};
 use paros_core::{Axis, Grid, RangeMaps, Size};
 use paros_headless::Error;
-use paros_headless::{HeadlessRenderer, PictureFormat, Uploads};
+use paros_headless::{HeadlessRenderer, PictureFormat, SculptureView, Uploads};
 use paros_shaders::field::DensityField;
 use paros_shaders::gpu::{
     Eye, Fov, FrameRequest, FrameTimes, Gpu, PaperVariant, RenderPath, RenderStyle,
@@ -69,7 +69,8 @@ impl FrameFormat {
 /// Camera placement for a volume of one size.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) struct Framing {
-    pub(super) size: usize,
+    /// Of the volume's grid.
+    pub(super) grid_side: usize,
     /// Distance from the point looked at, in sides of the cube.
     distance: f32,
     /// Height of the point looked at, in sides of the cube.
@@ -108,12 +109,12 @@ pub(super) struct FrameTimer {
 }
 
 impl FrameTimer {
-    /// Opens the device with that name, or else the best one.
+    /// Opens the best device, or the best of those whose names contain `name_part`.
     ///
     /// # Errors
     /// No such device, or it has no timestamps.
-    pub(super) fn open_device(device: Option<&str>, canvas: [u32; 2]) -> Result<Self, Error> {
-        let gpu = paros_headless::open_gpu(device)?;
+    pub(super) fn open_device(name_part: Option<&str>, canvas: [u32; 2]) -> Result<Self, Error> {
+        let gpu = paros_headless::open_gpu(name_part)?;
         if gpu.features.timestamp_period_fs == 0 {
             return Err(Error::Failure(format!("{}: has no timestamps", gpu.name)));
         }
@@ -133,7 +134,7 @@ impl FrameTimer {
 
     /// Loads a subject into the renderers of a size, and finds the framing that fills the target
     /// fraction of the image.
-    pub(super) fn load_and_frame<const N: usize>(
+    pub(super) fn load_and_fit_framing<const N: usize>(
         &mut self,
         subject: &Subject,
         formats: &[FrameFormat],
@@ -142,7 +143,7 @@ impl FrameTimer {
     where
         Grid<N>: Size + HasFixture<N>,
     {
-        subject.load_into(&mut fixture.start, &mut fixture.plane)?;
+        subject.load_into(&mut fixture.start, &mut fixture.bit_grid)?;
         let mut field = Box::new(DensityField::<N>::new());
         field.rebuild_from(&fixture.start);
         let full = self.canvas;
@@ -159,12 +160,12 @@ impl FrameTimer {
         }
         let renderer = self.small_renderers.get_mut(&N).ok_or_else(|| no_renderer(N))?;
         renderer.load_field(&field)?;
-        fit_framing(renderer, small, N, middle_height(&fixture.start))
+        fit_framing(renderer, small, N, middle_height_sides(&fixture.start))
     }
 
     /// Milliseconds of each setup's pass: the mean over the ring of each view's best of `runs`.
     /// The setups alternate.
-    pub(super) fn time_setups_ms(
+    pub(super) fn mean_of_best_ms_per_setup(
         &mut self,
         setups: &[RenderSetup],
         format: FrameFormat,
@@ -195,19 +196,19 @@ impl FrameTimer {
         uploads: &Uploads,
     ) -> Result<FrameTimes, Error> {
         let (canvas, framing) = (self.canvas, setup.framing);
-        let (eyes, stand) = ring_view(&framing, view, canvas);
+        let SculptureView { eye, placement } = ring_view(&framing, view, canvas);
         let both = [-0.5, 0.5]
-            .map(|side| Eye { position: eyes.position + Vec3::X * (EYES_APART * side), ..eyes });
-        let eyes = if format.eyes == 2 { &both[..] } else { &[eyes] };
+            .map(|side| Eye { position: eye.position + Vec3::X * (EYES_APART * side), ..eye });
+        let eyes = if format.eyes == 2 { &both[..] } else { &[eye] };
         let look = RenderStyle { path: setup.path, ..RenderStyle::default() };
-        let picture = FrameRequest {
+        let request = FrameRequest {
             eyes,
-            placement: stand,
+            placement,
             style: look,
             backdrop: paros_headless::BACKDROP,
             scene: None,
         };
-        self.renderer_for(framing.size, format)?.draw_picture(&picture, uploads)
+        self.renderer_for(framing.grid_side, format)?.draw_frame(&request, uploads)
     }
 
     /// The renderer of a grid size and frame format.
@@ -216,32 +217,33 @@ impl FrameTimer {
     /// No subject of that size was loaded.
     pub(super) fn renderer_for(
         &mut self,
-        n: usize,
+        grid_side: usize,
         format: FrameFormat,
     ) -> Result<&mut HeadlessRenderer, Error> {
-        self.renderers.get_mut(&(n, format)).ok_or_else(|| no_renderer(n))
+        self.renderers.get_mut(&(grid_side, format)).ok_or_else(|| no_renderer(grid_side))
     }
 
     fn ensure_renderers(
         &mut self,
-        n: usize,
+        grid_side: usize,
         formats: &[FrameFormat],
-        size: [u32; 2],
+        image_size: [u32; 2],
     ) -> Result<(), Error> {
         for &format in formats {
-            if !self.renderers.contains_key(&(n, format)) {
-                let canvas = PictureFormat { size, eyes: format.eyes, samples: format.samples };
-                let renderer = HeadlessRenderer::new(&self.gpu, n, canvas, &self.cache)?;
+            if !self.renderers.contains_key(&(grid_side, format)) {
+                let canvas =
+                    PictureFormat { size: image_size, eyes: format.eyes, samples: format.samples };
+                let renderer = HeadlessRenderer::new(&self.gpu, grid_side, canvas, &self.cache)?;
                 self.cache = renderer.pipeline_cache()?;
-                self.renderers.insert((n, format), renderer);
+                self.renderers.insert((grid_side, format), renderer);
             }
         }
         Ok(())
     }
 }
 
-fn no_renderer(n: usize) -> Error {
-    Error::Failure(format!("no volume of size {n} hangs in the studio"))
+fn no_renderer(grid_side: usize) -> Error {
+    Error::Failure(format!("no volume of size {grid_side} hangs in the studio"))
 }
 
 /// Mean of the views' nanoseconds, in milliseconds.
@@ -249,12 +251,8 @@ pub(super) fn mean_ms(views: &[u64; VIEWS]) -> f64 {
     views.iter().map(|&ns| ns as f64).sum::<f64>() / VIEWS as f64 * 1e-6
 }
 
-/// The eye and the stool of a view. The eye is fixed; the stool turns.
-fn ring_view(
-    framing: &Framing,
-    view: usize,
-    [width, height]: [u32; 2],
-) -> (Eye, SculpturePlacement) {
+/// A view of the ring. The eye is fixed; the stool turns.
+fn ring_view(framing: &Framing, view: usize, [width, height]: [u32; 2]) -> SculptureView {
     let (sin, cos) = ELEVATION.sin_cos();
     let up = framing.half_angle;
     let right = (up.tan() * width as f32 / height as f32).atan();
@@ -264,11 +262,12 @@ fn ring_view(
         fov: Fov { left: -right, right, up, down: -up },
     };
     let turn = view as f32 * (TAU / VIEWS as f32);
-    (eye, SculpturePlacement { foot: Vec3::ZERO, side: 1.0, turn_radians: turn })
+    let placement = SculpturePlacement { foot: Vec3::ZERO, side: 1.0, turn_radians: turn };
+    SculptureView { eye, placement }
 }
 
 /// Mean of the lowest and highest occupied height, in sides of the cube.
-fn middle_height<const N: usize>(maps: &RangeMaps<N>) -> f32 {
+fn middle_height_sides<const N: usize>(maps: &RangeMaps<N>) -> f32 {
     let heights = (0..N).flat_map(|line| maps.line(Axis::Y, line)).map(|column| column.hull());
     let (lo, hi) = heights
         .filter(|range| !range.is_empty())
@@ -280,33 +279,34 @@ fn middle_height<const N: usize>(maps: &RangeMaps<N>) -> f32 {
 /// are counted by the paper's path, which draws the exact voxels.
 fn fit_framing(
     small_renderer: &mut HeadlessRenderer,
-    pixels: [u32; 2],
-    size: usize,
+    image_size: [u32; 2],
+    grid_side: usize,
     height: f32,
 ) -> Result<Framing, Error> {
-    let nearest = Framing { size, distance: NEAREST, height, half_angle: HALF_ANGLE, filled: 0.0 };
-    if filled_fraction(small_renderer, pixels, &nearest)? < FILLED {
+    let nearest =
+        Framing { grid_side, distance: NEAREST, height, half_angle: HALF_ANGLE, filled: 0.0 };
+    if filled_fraction(small_renderer, image_size, &nearest)? < FILLED {
         let narrowed = |half_angle| Framing { half_angle, ..nearest };
-        bisect_framing(small_renderer, pixels, [NARROWEST, HALF_ANGLE], narrowed)
+        bisect_framing(small_renderer, image_size, [NARROWEST, HALF_ANGLE], narrowed)
     } else {
         let away = |distance| Framing { distance, ..nearest };
-        bisect_framing(small_renderer, pixels, [NEAREST, FARTHEST], away)
+        bisect_framing(small_renderer, image_size, [NEAREST, FARTHEST], away)
     }
 }
 
-/// Bisection between a value that fills more than the target and one that fills less.
+/// Bisection between a value whose framing fills more than the target and one whose fills less.
 fn bisect_framing(
     small_renderer: &mut HeadlessRenderer,
-    pixels: [u32; 2],
-    [mut more, mut less]: [f32; 2],
-    framing: impl Fn(f32) -> Framing,
+    image_size: [u32; 2],
+    [mut filling_more, mut filling_less]: [f32; 2],
+    make_framing: impl Fn(f32) -> Framing,
 ) -> Result<Framing, Error> {
-    let mut best = framing(more);
+    let mut best = make_framing(filling_more);
     for _ in 0..HALVINGS {
-        let middle = 0.5 * (more + less);
-        best = framing(middle);
-        best.filled = filled_fraction(small_renderer, pixels, &best)?;
-        *(if best.filled > FILLED { &mut more } else { &mut less }) = middle;
+        let middle = 0.5 * (filling_more + filling_less);
+        best = make_framing(middle);
+        best.filled = filled_fraction(small_renderer, image_size, &best)?;
+        *(if best.filled > FILLED { &mut filling_more } else { &mut filling_less }) = middle;
     }
     Ok(best)
 }
@@ -314,26 +314,20 @@ fn bisect_framing(
 /// The fraction of the image that is not backdrop, averaged over the ring.
 fn filled_fraction(
     small_renderer: &mut HeadlessRenderer,
-    size: [u32; 2],
+    image_size: [u32; 2],
     framing: &Framing,
 ) -> Result<f32, Error> {
     let look =
         RenderStyle { path: RenderPath::Paper(PaperVariant::Whole), ..RenderStyle::default() };
     let mut sum = 0;
     for view in 0..VIEWS {
-        let (eye, stand) = ring_view(framing, view, size);
-        small_renderer.draw_picture(
-            &FrameRequest {
-                eyes: &[eye],
-                placement: stand,
-                style: look,
-                backdrop: NOTHING,
-                scene: None,
-            },
+        let SculptureView { eye, placement } = ring_view(framing, view, image_size);
+        small_renderer.draw_frame(
+            &FrameRequest { eyes: &[eye], placement, style: look, backdrop: NOTHING, scene: None },
             &vec![],
         )?;
         let image = small_renderer.read_image(0)?;
         sum += image.pixels.chunks_exact(3).filter(|pixel| **pixel != NOTHING_SHOWN).count();
     }
-    Ok(sum as f32 / (size[0] as usize * size[1] as usize * VIEWS) as f32)
+    Ok(sum as f32 / (image_size[0] as usize * image_size[1] as usize * VIEWS) as f32)
 }

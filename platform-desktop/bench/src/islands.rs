@@ -5,9 +5,9 @@ use paros_core::limits::island_row_visits;
 use paros_core::{BitGrid, BitSet, Grid, IslandReport, RangeMaps, Size};
 use paros_headless::Error;
 
-use super::clock::{best_in_turns_ms, best_ticks_ms, time_ms};
+use super::clock::{OursTheirs, min_in_turns_ms, min_of_each_tick_ms, time_ms};
 use super::fixture::{Fixture, HasFixture, reset_fixture};
-use super::paper::{PAPER_VISITS, VoxelFill};
+use super::paper::{FillState, PAPER_VISITS, VoxelFill};
 use super::row::ReportRow;
 use super::subject::Subject;
 
@@ -24,14 +24,15 @@ where
     let fixture = &mut *Grid::<N>::lock_fixture();
     let mut paper = VoxelFill::<N>::new();
     let mut rows = vec![];
-    for (loose, what) in [(false, "nothing to remove"), (true, "an island to remove")] {
-        subject.load_into(&mut fixture.start, &mut fixture.plane)?;
-        if loose {
-            cut_loose(&mut fixture.plane, &mut fixture.start, [3, 4]);
+    for (has_island, what) in [(false, "nothing to remove"), (true, "an island to remove")] {
+        subject.load_into(&mut fixture.start, &mut fixture.bit_grid)?;
+        if has_island {
+            let three_quarters = Fraction { numerator: 3, denominator: 4 };
+            cut_gap(&mut fixture.start, &mut fixture.bit_grid, three_quarters);
         }
-        check_agreement(fixture, &mut paper, loose, subject.name())?;
+        check_agreement(fixture, &mut paper, has_island, subject.name())?;
         let row = |against: String| ReportRow::new("islands", subject.name(), N, against);
-        let times = at_once_ms(fixture, &mut paper, runs)?;
+        let times = min_whole_pass_ms(fixture, &mut paper, runs)?;
         rows.push(row(format!("the paper's voxel queue at once, {what}")).with_times_ms(times));
         let times = worst_ticks_ms(fixture, &mut paper, runs);
         rows.push(
@@ -41,67 +42,75 @@ where
     Ok(rows)
 }
 
-/// Clears layers at the fraction `part / of` of the height: all above is an island. Closure restores
+/// A fraction of a height.
+#[derive(Clone, Copy)]
+pub(super) struct Fraction {
+    pub(super) numerator: usize,
+    pub(super) denominator: usize,
+}
+
+/// Clears layers at a fraction of the occupied height: all above is an island. Closure restores
 /// nothing there, as a cleared layer has no columns along x and z.
-pub(super) fn cut_loose<const N: usize>(
-    plane: &mut BitGrid<N>,
+pub(super) fn cut_gap<const N: usize>(
     maps: &mut RangeMaps<N>,
-    [part, of]: [usize; 2],
+    bit_grid: &mut BitGrid<N>,
+    height: Fraction,
 ) where
     Grid<N>: Size,
 {
-    let top = (0..N).rev().find(|&y| plane.layer(y).iter().any(|row| !row.is_empty()));
-    let cut = (top.unwrap_or(0) * part / of).max(1);
+    let top = (0..N).rev().find(|&y| bit_grid.layer(y).iter().any(|row| !row.is_empty()));
+    let cut = (top.unwrap_or(0) * height.numerator / height.denominator).max(1);
     for y in cut..(cut + GAP).min(N) {
-        plane.layer_mut(y).fill(<Grid<N> as Size>::Row::EMPTY);
+        bit_grid.layer_mut(y).fill(<Grid<N> as Size>::Row::EMPTY);
     }
-    plane.write_hulls(maps);
-    plane.set_from_maps(maps);
+    bit_grid.write_hulls(maps);
+    bit_grid.set_from_maps(maps);
 }
 
 /// Checks that both sides leave the same tight maps, and fewer voxels if there was an island.
 fn check_agreement<const N: usize>(
     fixture: &mut Fixture<N>,
     paper: &mut VoxelFill<N>,
-    loose: bool,
+    has_island: bool,
     name: &str,
 ) -> Result<(), Error>
 where
     Grid<N>: Size,
 {
     prepare_pass(fixture);
-    let report = run_pass(fixture, u32::MAX).unwrap_or_default();
+    let report = advance_pass(fixture, u32::MAX).unwrap_or_default();
     fixture.other.copy_from(&fixture.start);
-    paper.run_pass(&mut fixture.other);
+    paper.remove_islands(&mut fixture.other);
     if &fixture.other != fixture.volume.maps() {
         return Err(Error::Failure(format!("{name} at {N}: the two ways leave different volumes")));
     }
-    if loose && report.removed == 0 {
+    if has_island && report.removed == 0 {
         return Err(Error::Failure(format!("{name} at {N}: no island came loose")));
     }
     Ok(())
 }
 
-fn at_once_ms<const N: usize>(
+/// The best time of a whole pass by each side, in milliseconds.
+fn min_whole_pass_ms<const N: usize>(
     fixture: &mut Fixture<N>,
     paper: &mut VoxelFill<N>,
     runs: usize,
-) -> Result<[f64; 2], Error>
+) -> Result<OursTheirs<f64>, Error>
 where
     Grid<N>: Size,
 {
     let fixture = std::cell::RefCell::new(fixture);
-    best_in_turns_ms(
+    min_in_turns_ms(
         runs,
         || {
             let fixture = &mut **fixture.borrow_mut();
             prepare_pass(fixture);
-            Ok(time_ms(|| run_pass(fixture, u32::MAX)))
+            Ok(time_ms(|| advance_pass(fixture, u32::MAX)))
         },
         || {
             let fixture = &mut **fixture.borrow_mut();
             fixture.other.copy_from(&fixture.start);
-            Ok(time_ms(|| paper.run_pass(&mut fixture.other)))
+            Ok(time_ms(|| paper.remove_islands(&mut fixture.other)))
         },
     )
 }
@@ -111,12 +120,12 @@ fn worst_ticks_ms<const N: usize>(
     fixture: &mut Fixture<N>,
     paper: &mut VoxelFill<N>,
     runs: usize,
-) -> [f64; 2]
+) -> OursTheirs<f64>
 where
     Grid<N>: Size,
 {
     let fixture = std::cell::RefCell::new(fixture);
-    let ticks = best_ticks_ms(
+    let ticks = min_of_each_tick_ms(
         runs,
         || our_ticks_ms(&mut fixture.borrow_mut(), island_row_visits(N)),
         || {
@@ -125,28 +134,32 @@ where
             paper_ticks_ms(paper, &mut fixture.other, PAPER_VISITS)
         },
     );
-    ticks.map(|ticks| ticks.into_iter().fold(0.0, f64::max))
+    let worst = |ticks: Vec<f64>| ticks.into_iter().fold(0.0, f64::max);
+    OursTheirs { ours: worst(ticks.ours), theirs: worst(ticks.theirs) }
 }
 
-/// Milliseconds of each tick of our pass, with `budget` row visits a tick.
-pub(super) fn our_ticks_ms<const N: usize>(fixture: &mut Fixture<N>, budget: u32) -> Vec<f64>
+/// Milliseconds of each tick of our pass, in the order of the ticks.
+pub(super) fn our_ticks_ms<const N: usize>(
+    fixture: &mut Fixture<N>,
+    row_visits_per_tick: u32,
+) -> Vec<f64>
 where
     Grid<N>: Size,
 {
     prepare_pass(fixture);
     let mut ticks = vec![];
     while fixture.islands.is_busy() {
-        ticks.push(time_ms(|| run_pass(fixture, budget)));
+        ticks.push(time_ms(|| advance_pass(fixture, row_visits_per_tick)));
     }
     ticks
 }
 
-/// Milliseconds of each tick of the paper's pass, with `visits` voxels a tick. The first tick builds
+/// Milliseconds of each tick of the paper's pass, in the order of the ticks. The first tick builds
 /// the voxel grid, the last shrinks the ranges.
 pub(super) fn paper_ticks_ms<const N: usize>(
     paper: &mut VoxelFill<N>,
     maps: &mut RangeMaps<N>,
-    visits: usize,
+    voxel_visits_per_tick: usize,
 ) -> Vec<f64> {
     let mut ticks = vec![];
     let mut done = false;
@@ -155,7 +168,7 @@ pub(super) fn paper_ticks_ms<const N: usize>(
             if ticks.is_empty() {
                 paper.begin_pass(maps);
             }
-            done = paper.visit_voxels(visits);
+            done = paper.visit_voxels(voxel_visits_per_tick) == FillState::Done;
             if done {
                 paper.finish_pass(maps);
             }
@@ -173,16 +186,21 @@ where
     fixture.islands.request_pass();
 }
 
-pub(super) fn run_pass<const N: usize>(
+/// Advances the pass under way by at most so many row visits; its report once it is done.
+pub(super) fn advance_pass<const N: usize>(
     fixture: &mut Fixture<N>,
-    budget: u32,
+    max_row_visits: u32,
 ) -> Option<IslandReport>
 where
     Grid<N>: Size,
 {
     let mut record = RemovalJournal { undo: &mut fixture.undo, dirty: &mut fixture.dirty };
-    let report =
-        fixture.islands.advance_pass(&mut fixture.volume, &fixture.mask, budget, &mut record);
+    let report = fixture.islands.advance_pass(
+        &mut fixture.volume,
+        &fixture.mask,
+        max_row_visits,
+        &mut record,
+    );
     fixture.dirty.end_edit();
     report
 }

@@ -28,7 +28,7 @@ mod subject;
 use std::path::{Path, PathBuf};
 
 use paros_headless::Error;
-use paros_shell::sizes::SIZES;
+use paros_shell::sizes::GRID_SIDES;
 use paros_shell::with_size;
 
 pub use row::{ReportRow, format_table};
@@ -36,6 +36,7 @@ pub use subject::Subject;
 
 use frames::FrameTimer;
 use peers::{MissingPeer, PythonPeers};
+use row::Measured;
 
 /// A benchmark, by what it measures.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -138,10 +139,13 @@ enum PlanPiece<'a> {
 /// A callback that gets the fraction of a piece that is done, 0 to 1.
 type OnProgress<'a> = &'a dyn Fn(f64);
 
+/// Why no frames are timed in a plan that goes on without.
+struct NoFrameTimer(String);
+
 /// External resources that the pieces of a plan share, or why they are not available.
 struct BenchResources {
     peers: Result<PythonPeers, MissingPeer>,
-    timer: Result<FrameTimer, String>,
+    timer: Result<FrameTimer, NoFrameTimer>,
 }
 
 impl Plan {
@@ -151,19 +155,19 @@ impl Plan {
         self.split_pieces().len()
     }
 
-    /// Measures. `progress` gets the number of pieces done, with the fraction of the current one.
+    /// Measures. `on_pieces_done` gets the number of pieces done, with the fraction of the current one.
     ///
     /// # Errors
     /// A subject that holds nothing, two sides that come to different results, or no device to
     /// draw where nothing else is to be measured.
-    pub fn run(&self, progress: impl Fn(f64)) -> Result<Report, Error> {
+    pub fn run(&self, on_pieces_done: impl Fn(f64)) -> Result<Report, Error> {
         let mut report = Report::default();
         let mut resources =
             BenchResources { peers: self.start_peers(), timer: self.open_frame_timer()? };
         for (i, piece) in self.split_pieces().into_iter().enumerate() {
-            let on_progress = |part: f64| progress(i as f64 + part);
+            let on_progress = |part: f64| on_pieces_done(i as f64 + part);
             on_progress(0.0);
-            let (rows, skipped) = self.run_piece(piece, &mut resources, &on_progress)?;
+            let Measured { rows, skipped } = self.run_piece(piece, &mut resources, &on_progress)?;
             report.rows.extend(rows);
             report.skipped.extend(skipped.filter(|why| !report.skipped.contains(why)));
         }
@@ -184,9 +188,9 @@ impl Plan {
     }
 
     /// The device that draws frames, or why there is none.
-    fn open_frame_timer(&self) -> Result<Result<FrameTimer, String>, Error> {
+    fn open_frame_timer(&self) -> Result<Result<FrameTimer, NoFrameTimer>, Error> {
         if !self.includes_any([Benchmark::Render, Benchmark::Paper]) {
-            return Ok(Err(String::new()));
+            return Ok(Err(NoFrameTimer(String::new())));
         }
         let timer = FrameTimer::open_device(self.device.as_deref(), self.canvas);
         if self.benches == [Benchmark::Render] {
@@ -196,9 +200,10 @@ impl Plan {
         let slow = |timer: &FrameTimer| timer.is_software() && self.device.is_none();
         Ok(match timer {
             Ok(timer) if slow(&timer) => {
-                Err(format!("{} is no GPU; `--device` may name it", timer.device_name()))
+                let name = timer.device_name();
+                Err(NoFrameTimer(format!("{name} is no GPU; `--device` may name it")))
             }
-            timer => timer.map_err(|error| error.to_string()),
+            timer => timer.map_err(|error| NoFrameTimer(error.to_string())),
         })
     }
 
@@ -210,7 +215,7 @@ impl Plan {
                 Benchmark::Render => pieces.extend(self.subjects.iter().map(PlanPiece::Render)),
                 Benchmark::Paper => pieces.extend(self.subjects.iter().map(PlanPiece::Paper)),
                 _ => pieces.extend(
-                    self.subjects.iter().flat_map(|subject| pieces_by_size(bench, subject)),
+                    self.subjects.iter().flat_map(|subject| pieces_by_grid_side(bench, subject)),
                 ),
             }
         }
@@ -218,7 +223,7 @@ impl Plan {
     }
 
     fn step_pieces(&self) -> impl Iterator<Item = PlanPiece<'_>> {
-        let demo = SIZES.map(PlanPiece::Demo).into_iter().filter(|_| self.traces.is_empty());
+        let demo = GRID_SIDES.map(PlanPiece::Demo).into_iter().filter(|_| self.traces.is_empty());
         let recorded = self.traces.iter().map(|path| PlanPiece::Recorded(path));
         [PlanPiece::Sizes].into_iter().chain(demo).chain(recorded)
     }
@@ -228,10 +233,10 @@ impl Plan {
         piece: PlanPiece<'_>,
         resources: &mut BenchResources,
         on_progress: OnProgress<'_>,
-    ) -> Result<(Vec<ReportRow>, Option<String>), Error> {
+    ) -> Result<Measured, Error> {
         let (runs, peers) = (self.runs, &mut resources.peers);
-        let timer = resources.timer.as_mut().map_err(|why| why.as_str());
-        let whole = |rows: Vec<ReportRow>| (rows, None);
+        let timer = resources.timer.as_mut().map_err(|NoFrameTimer(why)| why.as_str());
+        let whole = |rows: Vec<ReportRow>| Measured { rows, skipped: None };
         match piece {
             PlanPiece::On(Benchmark::Islands, on, size) => {
                 with_size!(size, N => islands::measure_rows::<N>(on, runs)).map(whole)
@@ -251,7 +256,7 @@ impl Plan {
             PlanPiece::Scaling(on) => edit::measure_scaling(on, runs).map(whole),
             PlanPiece::Render(on) | PlanPiece::On(Benchmark::Render, on, _) => match timer {
                 Ok(timer) => render::measure_rows(on, self.frame_runs, timer).map(whole),
-                Err(why) => Ok((vec![], Some(format!("frames: {why}")))),
+                Err(why) => Ok(Measured { rows: vec![], skipped: Some(format!("frames: {why}")) }),
             },
             PlanPiece::Paper(on) | PlanPiece::On(Benchmark::Paper, on, _) => {
                 section5::measure_rows(on, self.frame_runs, timer)
@@ -270,16 +275,20 @@ impl Plan {
 ///
 /// # Errors
 /// It is not as the measuring run left it.
-pub fn replay_for_callgrind(what: &Path) -> Result<(), Error> {
-    if what.is_dir() { step::replay_ticks(what) } else { field::replay_changes(what) }
+pub fn replay_for_callgrind(folder_or_volume: &Path) -> Result<(), Error> {
+    if folder_or_volume.is_dir() {
+        step::replay_ticks(folder_or_volume)
+    } else {
+        field::replay_changes(folder_or_volume)
+    }
 }
 
 /// The pieces of a benchmark that measures each size separately.
-fn pieces_by_size(bench: Benchmark, subject: &Subject) -> Vec<PlanPiece<'_>> {
-    let sizes = subject.sizes();
+fn pieces_by_grid_side(bench: Benchmark, subject: &Subject) -> Vec<PlanPiece<'_>> {
+    let sides = subject.grid_sides();
     let mut pieces: Vec<_> =
-        sizes.iter().map(|&size| PlanPiece::On(bench, subject, size)).collect();
-    if bench == Benchmark::Edit && sizes.len() == 2 {
+        sides.iter().map(|&side| PlanPiece::On(bench, subject, side)).collect();
+    if bench == Benchmark::Edit && sides.len() == 2 {
         pieces.push(PlanPiece::Scaling(subject));
     }
     pieces

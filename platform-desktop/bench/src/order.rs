@@ -12,6 +12,7 @@ use paros_shaders::gpu::{
 use paros_shaders::scene::{LatestInput, SKY, SceneAssembler};
 use paros_shell::statics::Resident;
 
+use super::clock::OursTheirs;
 use super::frames::{FrameFormat, FrameTimer, VIEWS, mean_ms};
 use super::row::ReportRow;
 use super::subject::Subject;
@@ -49,7 +50,7 @@ where
         for run in 0..=runs {
             for view in 0..VIEWS {
                 let turn = view as f32 * (TAU / VIEWS as f32);
-                let picture = FrameRequest {
+                let request = FrameRequest {
                     eyes: &eyes[..format.eyes as usize],
                     placement: SculpturePlacement {
                         foot: pose.foot,
@@ -62,7 +63,7 @@ where
                 };
                 for ((order, _), best) in ORDERS.iter().zip(&mut best) {
                     renderer.set_draw_order(*order);
-                    let times = renderer.draw_picture(&picture, &vec![])?;
+                    let times = renderer.draw_frame(&request, &vec![])?;
                     // The first run is for drivers that put work off.
                     if run > 0 {
                         best[view] =
@@ -75,19 +76,19 @@ where
         let [ours, others @ ..] = best;
         for (other, (_, name)) in others.iter().zip(&ORDERS[1..]) {
             let against = format!("{name}, ours {}; {}", ORDERS[0].1, format.name());
-            let times = [mean_ms(&ours), mean_ms(other)];
+            let times = OursTheirs { ours: mean_ms(&ours), theirs: mean_ms(other) };
             rows.push(ReportRow::new("render", subject.name(), N, against).with_times_ms(times));
         }
     }
     Ok(rows)
 }
 
-/// The scene with a hand in front of the sculpture, whose middle is `middle` in the room.
-fn assemble_scene<const N: usize>(middle: Vec3) -> SceneAssembler
+/// The scene with a hand in front of the sculpture, whose middle is given in the room.
+fn assemble_scene<const N: usize>(sculpture_middle_m: Vec3) -> SceneAssembler
 where
     Grid<N>: Size + Resident<N>,
 {
-    let grip = (middle + Vec3::new(0.05, 0.05, 0.36), Quat::from_rotation_x(0.3));
+    let grip = (sculpture_middle_m + Vec3::new(0.05, 0.05, 0.36), Quat::from_rotation_x(0.3));
     let fresh = LatestInput {
         grips: [None, Some(grip)],
         show_hands: true,

@@ -15,6 +15,15 @@ const EMPTY: u8 = 0;
 const OCCUPIED: u8 = 1;
 const VISITED: u8 = 2;
 
+/// Whether voxels are left to be visited in a pass.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum FillState {
+    /// The queue holds more voxels.
+    Unfinished,
+    /// The queue is empty.
+    Done,
+}
+
 /// The grid and the queue, kept from pass to pass.
 pub struct VoxelFill<const N: usize> {
     /// (N + 2)^3 voxels, x fastest, then z, then y, with an empty border.
@@ -40,11 +49,11 @@ impl<const N: usize> VoxelFill<N> {
         }
     }
 
-    /// A whole pass; the number of voxels removed, before the ranges' intersection brings some
+    /// A whole pass. Returns the number of voxels removed, before the ranges' intersection brings some
     /// back.
-    pub fn run_pass(&mut self, maps: &mut RangeMaps<N>) -> usize {
+    pub fn remove_islands(&mut self, maps: &mut RangeMaps<N>) -> usize {
         self.begin_pass(maps);
-        while !self.visit_voxels(usize::MAX) {}
+        while self.visit_voxels(usize::MAX) != FillState::Done {}
         self.finish_pass(maps)
     }
 
@@ -74,23 +83,23 @@ impl<const N: usize> VoxelFill<N> {
         self.head = 0;
         for z in 0..N {
             for x in 0..N {
-                self.enqueue_occupied(Self::padded_index(x, 0, z));
+                self.mark_and_enqueue_if_occupied(Self::padded_index(x, 0, z));
             }
         }
     }
 
-    /// Visits up to `limit` queued voxels. Returns whether the queue is empty.
-    pub fn visit_voxels(&mut self, limit: usize) -> bool {
-        let end = self.head.saturating_add(limit);
+    /// Visits up to `max_visits` queued voxels.
+    pub fn visit_voxels(&mut self, max_visits: usize) -> FillState {
+        let end = self.head.saturating_add(max_visits);
         while self.head < self.queue.len().min(end) {
             let at = self.queue[self.head] as usize;
             self.head += 1;
             for step in [1, Self::ROW, Self::LAYER] {
-                self.enqueue_occupied(at - step);
-                self.enqueue_occupied(at + step);
+                self.mark_and_enqueue_if_occupied(at - step);
+                self.mark_and_enqueue_if_occupied(at + step);
             }
         }
-        self.head == self.queue.len()
+        if self.head == self.queue.len() { FillState::Done } else { FillState::Unfinished }
     }
 
     /// Shrinks the ranges to the visited voxels. Returns the number of voxels not visited.
@@ -125,10 +134,10 @@ impl<const N: usize> VoxelFill<N> {
     }
 
     #[inline]
-    fn enqueue_occupied(&mut self, at: usize) {
-        if self.voxels[at] == OCCUPIED {
-            self.voxels[at] = VISITED;
-            self.queue.push(at as u32);
+    fn mark_and_enqueue_if_occupied(&mut self, padded_index: usize) {
+        if self.voxels[padded_index] == OCCUPIED {
+            self.voxels[padded_index] = VISITED;
+            self.queue.push(padded_index as u32);
         }
     }
 

@@ -9,6 +9,8 @@ use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use paros_core::{BitGrid, Grid, Size};
 use paros_shell::mesh::Mesh;
 
+use super::clock::OursTheirs;
+
 /// The Python program that answers requests.
 const PROGRAM: &str = include_str!("peers.py");
 
@@ -17,6 +19,19 @@ pub(super) struct PythonPeers {
     child: Child,
     requests: Option<ChildStdin>,
     answers: BufReader<ChildStdout>,
+}
+
+/// A Python package's version.
+pub(super) type PackageVersion = String;
+
+/// Ours timed beside a rival.
+#[derive(Debug)]
+pub(super) struct PeerTiming {
+    pub(super) version: PackageVersion,
+    /// The best of the runs.
+    pub(super) times_ms: OursTheirs<f64>,
+    /// How often each side was run.
+    pub(super) runs: usize,
 }
 
 /// Why a rival can't be run.
@@ -66,25 +81,29 @@ impl PythonPeers {
     /// Sends the voxels for the next runs. Returns VTK's version.
     pub(super) fn send_voxels<const N: usize>(
         &mut self,
-        plane: &BitGrid<N>,
-    ) -> Result<String, MissingPeer>
+        bit_grid: &BitGrid<N>,
+    ) -> Result<PackageVersion, MissingPeer>
     where
         Grid<N>: Size,
     {
         let mut request = format!("voxels {N}\n").into_bytes();
         for y in 0..N {
             for z in 0..N {
-                request.extend((0..N).map(|x| u8::from(plane.contains([x, y, z]))));
+                request.extend((0..N).map(|x| u8::from(bit_grid.contains([x, y, z]))));
             }
         }
         self.send_request(&request, "ready")
     }
 
-    /// Sends the mesh for the next runs, with the voxel side `pitch` in mesh units. Returns trimesh's
+    /// Sends the mesh for the next runs, with a voxel's side in mesh units. Returns trimesh's
     /// version.
-    pub(super) fn send_mesh(&mut self, mesh: &Mesh, pitch: f64) -> Result<String, MissingPeer> {
+    pub(super) fn send_mesh(
+        &mut self,
+        mesh: &Mesh,
+        voxel_pitch: f64,
+    ) -> Result<PackageVersion, MissingPeer> {
         let (vertices, triangles) = (&mesh.positions, &mesh.triangles);
-        let head = format!("mesh {} {} {pitch}\n", vertices.len(), triangles.len());
+        let head = format!("mesh {} {} {voxel_pitch}\n", vertices.len(), triangles.len());
         let mut request = head.into_bytes();
         request.extend(vertices.iter().flatten().flat_map(|c| c.to_le_bytes()));
         request.extend(triangles.iter().flatten().flat_map(|i| i.to_le_bytes()));
@@ -92,8 +111,8 @@ impl PythonPeers {
     }
 
     /// Runs `edges`, `smooth` or `fill` once. Returns milliseconds by the child's clock.
-    pub(super) fn run_ms(&mut self, what: &str) -> Result<f64, MissingPeer> {
-        let answer = self.send_request(format!("{what}\n").as_bytes(), "ms")?;
+    pub(super) fn run_request_ms(&mut self, request: &str) -> Result<f64, MissingPeer> {
+        let answer = self.send_request(format!("{request}\n").as_bytes(), "ms")?;
         answer.parse().map_err(|_| MissingPeer(format!("Python answered {answer:?}")))
     }
 

@@ -10,6 +10,7 @@ use paros_headless::Error;
 use paros_shaders::gpu::{PaperVariant, RenderPath};
 use paros_shell::with_size;
 
+use super::clock::OursTheirs;
 use super::edit_frame;
 use super::fixture::HasFixture;
 use super::frames::{FrameFormat, FrameTimer, Framing, RenderSetup};
@@ -35,8 +36,8 @@ pub(super) fn measure_rows(
     timer: &mut FrameTimer,
 ) -> Result<Vec<ReportRow>, Error> {
     let mut framings = vec![];
-    for &size in subject.sizes() {
-        framings.push(with_size!(size, N => load_and_frame::<N>(subject, timer))?);
+    for &size in subject.grid_sides() {
+        framings.push(with_size!(size, N => load_and_fit_framing::<N>(subject, timer))?);
     }
     let mut rows = vec![];
     for format in FrameFormat::ALL {
@@ -44,15 +45,15 @@ pub(super) fn measure_rows(
             .iter()
             .flat_map(|&framing| PATHS.map(|path| RenderSetup { framing, path }))
             .collect();
-        let times = timer.time_setups_ms(&setups, format, runs)?;
+        let times = timer.mean_of_best_ms_per_setup(&setups, format, runs)?;
         let costs: Vec<Costs> =
             times.chunks_exact(PATHS.len()).map(|costs| [costs[0], costs[1], costs[2]]).collect();
         rows.extend(format_rows(subject, &framings, &costs, format));
     }
     for framing in framings {
-        let edits = with_size!(framing.size, N => edit_frame::measure_rows::<N>(subject, framing, runs, timer));
+        let edits = with_size!(framing.grid_side, N => edit_frame::measure_rows::<N>(subject, framing, runs, timer));
         rows.extend(edits?);
-        if framing.size == 128 {
+        if framing.grid_side == 128 {
             rows.extend(order::measure_rows::<128>(subject, runs, timer)?);
         }
     }
@@ -68,7 +69,7 @@ pub(super) fn geometric_means(rows: &[ReportRow]) -> Vec<ReportRow> {
     let mut means: Vec<(ReportRow, f64, u32)> = vec![];
     for row in rows.iter().filter(|row| row.bench == BENCH) {
         let Some(ratio) = row.ratio else { continue };
-        match means.iter_mut().find(|(mean, ..)| mean.is_like(row)) {
+        match means.iter_mut().find(|(mean, ..)| mean.is_same_comparison(row)) {
             Some((_, sum, count)) => (*sum, *count) = (*sum + ratio.ln(), *count + 1),
             None => {
                 let mean = ReportRow {
@@ -89,14 +90,14 @@ pub(super) fn geometric_means(rows: &[ReportRow]) -> Vec<ReportRow> {
     means.into_iter().filter(|(.., count)| *count > 1).map(row).collect()
 }
 
-fn load_and_frame<const N: usize>(
+fn load_and_fit_framing<const N: usize>(
     subject: &Subject,
     timer: &mut FrameTimer,
 ) -> Result<Framing, Error>
 where
     Grid<N>: Size + HasFixture<N>,
 {
-    timer.load_and_frame(subject, &FrameFormat::ALL, &mut *Grid::<N>::lock_fixture())
+    timer.load_and_fit_framing(subject, &FrameFormat::ALL, &mut *Grid::<N>::lock_fixture())
 }
 
 fn format_rows(
@@ -105,27 +106,27 @@ fn format_rows(
     costs: &[Costs],
     format: FrameFormat,
 ) -> Vec<ReportRow> {
-    let row = |framing: &Framing, against: &str, times: [f64; 2]| ReportRow {
+    let row = |framing: &Framing, against: &str, ours: f64, theirs: f64| ReportRow {
         filled: Some(framing.filled),
         ..ReportRow::new(
             BENCH,
             subject.name(),
-            framing.size,
+            framing.grid_side,
             format!("{against}; {}", format.name()),
         )
-        .with_times_ms(times)
+        .with_times_ms(OursTheirs { ours, theirs })
     };
     let mut rows = vec![];
     for (framing, &[fast, paper, full]) in framings.iter().zip(costs) {
-        rows.push(row(framing, "the paper's path", [fast, paper]));
-        rows.push(row(framing, "the paper's path with a full march, ours without", [paper, full]));
+        rows.push(row(framing, "the paper's path", fast, paper));
+        rows.push(row(framing, "the paper's path with a full march, ours without", paper, full));
     }
     if let (&[small, large], &[[_, paper_small, _], [fast_large, paper_large, _]]) =
         (framings, costs)
     {
-        rows.push(row(&large, "the paper's path at 128", [fast_large, paper_small]));
+        rows.push(row(&large, "the paper's path at 128", fast_large, paper_small));
         let against = "the paper's path at 256, ours the same at 128";
-        rows.push(row(&small, against, [paper_small, paper_large]));
+        rows.push(row(&small, against, paper_small, paper_large));
     }
     rows
 }

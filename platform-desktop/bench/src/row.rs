@@ -2,6 +2,8 @@
 
 use serde::Serialize;
 
+use super::clock::OursTheirs;
+
 /// One measurement of ours beside one of another's.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct ReportRow {
@@ -45,20 +47,27 @@ pub struct ReportRow {
     pub skipped: Option<String>,
 }
 
+/// Rows, and why some figures are missing if they are.
+#[derive(Debug)]
+pub(super) struct Measured {
+    pub(super) rows: Vec<ReportRow>,
+    pub(super) skipped: Option<String>,
+}
+
 impl ReportRow {
     /// A row without measurements.
     pub(super) fn new(
         bench: &'static str,
         volume: &str,
-        size: usize,
-        against: impl Into<String>,
+        grid_side: usize,
+        compared_with: impl Into<String>,
     ) -> Self {
         ReportRow {
             bench,
             volume: volume.into(),
-            size,
+            size: grid_side,
             ours_ms: None,
-            against: against.into(),
+            against: compared_with.into(),
             against_ms: None,
             ratio: None,
             instructions: None,
@@ -73,12 +82,12 @@ impl ReportRow {
     }
 
     /// Whether another row makes the same comparison, on any volume.
-    pub(super) fn is_like(&self, other: &ReportRow) -> bool {
+    pub(super) fn is_same_comparison(&self, other: &ReportRow) -> bool {
         (self.bench, self.size, &self.against) == (other.bench, other.size, &other.against)
     }
 
     /// With both sides' milliseconds and their ratio, theirs over ours.
-    pub(super) fn with_times_ms(self, [ours, theirs]: [f64; 2]) -> Self {
+    pub(super) fn with_times_ms(self, OursTheirs { ours, theirs }: OursTheirs<f64>) -> Self {
         ReportRow {
             ours_ms: Some(ours),
             against_ms: Some(theirs),
@@ -88,8 +97,8 @@ impl ReportRow {
     }
 
     /// With our milliseconds alone.
-    pub(super) fn with_our_time_ms(self, ours: f64) -> Self {
-        ReportRow { ours_ms: Some(ours), ..self }
+    pub(super) fn with_our_time_ms(self, ours_ms: f64) -> Self {
+        ReportRow { ours_ms: Some(ours_ms), ..self }
     }
 }
 

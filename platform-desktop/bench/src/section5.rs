@@ -12,12 +12,12 @@ use paros_headless::Error;
 use paros_shaders::gpu::{PaperVariant, RenderPath};
 use paros_shell::with_size;
 
-use super::clock::best_ticks_ms;
+use super::clock::min_of_each_tick_ms;
 use super::fixture::HasFixture;
 use super::frames::{FrameFormat, FrameTimer, Framing, RenderSetup};
 use super::islands::{our_ticks_ms, paper_ticks_ms};
 use super::paper::{PAPER_VISITS, VoxelFill};
-use super::row::ReportRow;
+use super::row::{Measured, ReportRow};
 use super::subject::Subject;
 
 const BENCH: &str = "paper";
@@ -36,61 +36,91 @@ const AT_256_FPS: f64 = 50.0;
 /// Milliseconds of a frame with a clean-up in every one.
 const EVERY_FRAME_MS: f64 = 76.0;
 
-/// An experiment that is drawn: its name, path, whether at 256, and the published ratio.
-type DrawnExperiment = (&'static str, RenderPath, bool, Option<f64>);
+/// An experiment that is drawn.
+#[derive(Clone, Copy)]
+struct DrawnExperiment {
+    name: &'static str,
+    path: RenderPath,
+    /// At the largest of a subject's sides, which must be larger than the least; else at the least.
+    at_largest_side: bool,
+    /// Time over that of the whole frame, as the paper has it.
+    published_share: Option<f64>,
+}
 
 const DRAWN: [DrawnExperiment; 7] = [
-    ("whole frame", RenderPath::Paper(PaperVariant::Whole), false, Some(1.0)),
-    (
-        "SDF off (published: at most)",
-        RenderPath::Paper(PaperVariant::NoSdf),
-        false,
-        Some(KEPT_UP_MS / WHOLE_MS),
-    ),
-    (
-        "shading off (published: at most)",
-        RenderPath::Paper(PaperVariant::NoShading),
-        false,
-        Some(KEPT_UP_MS / WHOLE_MS),
-    ),
-    (
-        "full march",
-        RenderPath::Paper(PaperVariant::FullMarch),
-        false,
-        Some(1e3 / FULL_MARCH_FPS / WHOLE_MS),
-    ),
-    (
-        "whole frame at 256",
-        RenderPath::Paper(PaperVariant::Whole),
-        true,
-        Some(1e3 / AT_256_FPS / WHOLE_MS),
-    ),
-    ("our fast path", RenderPath::Fast, false, None),
-    ("our fast path at 256", RenderPath::Fast, true, None),
+    DrawnExperiment {
+        name: "whole frame",
+        path: RenderPath::Paper(PaperVariant::Whole),
+        at_largest_side: false,
+        published_share: Some(1.0),
+    },
+    DrawnExperiment {
+        name: "SDF off (published: at most)",
+        path: RenderPath::Paper(PaperVariant::NoSdf),
+        at_largest_side: false,
+        published_share: Some(KEPT_UP_MS / WHOLE_MS),
+    },
+    DrawnExperiment {
+        name: "shading off (published: at most)",
+        path: RenderPath::Paper(PaperVariant::NoShading),
+        at_largest_side: false,
+        published_share: Some(KEPT_UP_MS / WHOLE_MS),
+    },
+    DrawnExperiment {
+        name: "full march",
+        path: RenderPath::Paper(PaperVariant::FullMarch),
+        at_largest_side: false,
+        published_share: Some(1e3 / FULL_MARCH_FPS / WHOLE_MS),
+    },
+    DrawnExperiment {
+        name: "whole frame at 256",
+        path: RenderPath::Paper(PaperVariant::Whole),
+        at_largest_side: true,
+        published_share: Some(1e3 / AT_256_FPS / WHOLE_MS),
+    },
+    DrawnExperiment {
+        name: "our fast path",
+        path: RenderPath::Fast,
+        at_largest_side: false,
+        published_share: None,
+    },
+    DrawnExperiment {
+        name: "our fast path at 256",
+        path: RenderPath::Fast,
+        at_largest_side: true,
+        published_share: None,
+    },
 ];
 
-/// The rows, and why those that are drawn have no figures if they haven't.
 pub(super) fn measure_rows(
     subject: &Subject,
     runs: usize,
     timer: Result<&mut FrameTimer, &str>,
-) -> Result<(Vec<ReportRow>, Option<String>), Error> {
+) -> Result<Measured, Error> {
     let (mut rows, skipped) = match timer {
         Ok(timer) => (measure_drawn(subject, runs, timer)?, None),
         Err(why) => (skipped_rows(subject, why), Some(format!("frames: {why}"))),
     };
-    rows.extend(with_size!(subject.sizes()[0], N => measure_clean_up::<N>(subject, runs))?);
-    Ok((rows, skipped))
+    rows.extend(with_size!(subject.grid_sides()[0], N => measure_clean_up::<N>(subject, runs))?);
+    Ok(Measured { rows, skipped })
 }
 
-/// The experiments that a subject's sizes allow, each with its size.
-fn available_experiments(subject: &Subject) -> impl Iterator<Item = (DrawnExperiment, usize)> {
-    let sizes = subject.sizes();
-    let (least, most) = (sizes[0], sizes[sizes.len() - 1]);
-    DRAWN
-        .into_iter()
-        .filter(move |(_, _, at_256, _)| !at_256 || most > least)
-        .map(move |drawn| (drawn, if drawn.2 { most } else { least }))
+/// An experiment with the side of the grid on which it is made.
+struct SizedExperiment {
+    experiment: DrawnExperiment,
+    grid_side: usize,
+}
+
+/// The experiments that a subject's sides allow.
+fn available_experiments(subject: &Subject) -> impl Iterator<Item = SizedExperiment> {
+    let sides = subject.grid_sides();
+    let (least, most) = (sides[0], sides[sides.len() - 1]);
+    DRAWN.into_iter().filter(move |experiment| !experiment.at_largest_side || most > least).map(
+        move |experiment| SizedExperiment {
+            experiment,
+            grid_side: if experiment.at_largest_side { most } else { least },
+        },
+    )
 }
 
 fn measure_drawn(
@@ -99,48 +129,49 @@ fn measure_drawn(
     timer: &mut FrameTimer,
 ) -> Result<Vec<ReportRow>, Error> {
     let mut framings = vec![];
-    for &size in subject.sizes() {
-        framings.push(with_size!(size, N => load_and_frame::<N>(subject, timer))?);
+    for &size in subject.grid_sides() {
+        framings.push(with_size!(size, N => load_and_fit_framing::<N>(subject, timer))?);
     }
-    let framed = |size: usize| framings.iter().find(|framing| framing.size == size);
+    let framed = |grid_side: usize| framings.iter().find(|framing| framing.grid_side == grid_side);
     let setups: Vec<RenderSetup> = available_experiments(subject)
-        .filter_map(|((_, path, ..), size)| Some(RenderSetup { framing: *framed(size)?, path }))
+        .filter_map(|SizedExperiment { experiment: DrawnExperiment { path, .. }, grid_side }| {
+            Some(RenderSetup { framing: *framed(grid_side)?, path })
+        })
         .collect();
-    let times = timer.time_setups_ms(&setups, FrameFormat::HEADSET, runs)?;
+    let times = timer.mean_of_best_ms_per_setup(&setups, FrameFormat::HEADSET, runs)?;
     let whole = times[0];
-    let rows = available_experiments(subject).zip(times).map(|((drawn, size), ms)| ReportRow {
+    let rows = available_experiments(subject).zip(times).map(|(drawn, ms)| ReportRow {
         device: Some(timer.device_name().into()),
         share: Some(ms / whole),
-        ..experiment_row(subject, size, &drawn).with_our_time_ms(ms)
+        ..experiment_row(subject, &drawn).with_our_time_ms(ms)
     });
     Ok(rows.collect())
 }
 
 fn skipped_rows(subject: &Subject, why: &str) -> Vec<ReportRow> {
     available_experiments(subject)
-        .map(|(drawn, size)| ReportRow {
-            skipped: Some(why.into()),
-            ..experiment_row(subject, size, &drawn)
-        })
+        .map(|drawn| ReportRow { skipped: Some(why.into()), ..experiment_row(subject, &drawn) })
         .collect()
 }
 
 fn experiment_row(
     subject: &Subject,
-    size: usize,
-    (name, _, _, published): &DrawnExperiment,
+    SizedExperiment { experiment, grid_side }: &SizedExperiment,
 ) -> ReportRow {
-    ReportRow { published: *published, ..ReportRow::new(BENCH, subject.name(), size, *name) }
+    ReportRow {
+        published: experiment.published_share,
+        ..ReportRow::new(BENCH, subject.name(), *grid_side, experiment.name)
+    }
 }
 
-fn load_and_frame<const N: usize>(
+fn load_and_fit_framing<const N: usize>(
     subject: &Subject,
     timer: &mut FrameTimer,
 ) -> Result<Framing, Error>
 where
     Grid<N>: Size + HasFixture<N>,
 {
-    timer.load_and_frame(subject, &[FrameFormat::HEADSET], &mut *Grid::<N>::lock_fixture())
+    timer.load_and_fit_framing(subject, &[FrameFormat::HEADSET], &mut *Grid::<N>::lock_fixture())
 }
 
 /// The island pass on a volume without islands, the usual case, by the paper's queue and by our rows.
@@ -149,25 +180,26 @@ where
     Grid<N>: Size + HasFixture<N>,
 {
     let fixture = &mut *Grid::<N>::lock_fixture();
-    subject.load_into(&mut fixture.start, &mut fixture.plane)?;
+    subject.load_into(&mut fixture.start, &mut fixture.bit_grid)?;
     let both = RefCell::new((fixture, VoxelFill::<N>::new()));
-    let ticks = |ours: u32, theirs: usize| {
-        best_ticks_ms(
+    let ticks = |row_visits: u32, voxel_visits: usize| {
+        min_of_each_tick_ms(
             runs,
-            || our_ticks_ms(both.borrow_mut().0, ours),
+            || our_ticks_ms(both.borrow_mut().0, row_visits),
             || {
                 let (fixture, paper) = &mut *both.borrow_mut();
                 fixture.other.copy_from(&fixture.start);
-                paper_ticks_ms(paper, &mut fixture.other, theirs)
+                paper_ticks_ms(paper, &mut fixture.other, voxel_visits)
             },
         )
     };
     let whole = ticks(u32::MAX, usize::MAX);
     let parts = ticks(paros_core::limits::island_row_visits(N), PAPER_VISITS);
     let mut rows = vec![];
-    for (way, whole, parts) in
-        [("the paper's queue", &whole[1], &parts[1]), ("our rows", &whole[0], &parts[0])]
-    {
+    for (way, whole, parts) in [
+        ("the paper's queue", &whole.theirs, &parts.theirs),
+        ("our rows", &whole.ours, &parts.ours),
+    ] {
         let at_once: f64 = whole.iter().sum();
         let worst = parts.iter().copied().fold(0.0, f64::max);
         let mean = parts.iter().sum::<f64>() / parts.len() as f64;

@@ -20,16 +20,16 @@ use paros_shell::demo;
 use paros_shell::durable;
 use paros_shell::figures::Figure;
 use paros_shell::rmap;
-use paros_shell::sizes::SIZES;
+use paros_shell::sizes::GRID_SIDES;
 use paros_shell::statics::Resident;
 use paros_shell::tick_runner::{TickRunner, with_fresh_world};
 use paros_shell::trace::Trace;
 use paros_shell::with_size;
 
 use super::OnProgress;
-use super::callgrind::{ScratchFolder, count_instructions};
+use super::callgrind::{ScratchFolder, count_instructions_per_call};
 use super::clock::time_ms;
-use super::row::ReportRow;
+use super::row::{Measured, ReportRow};
 
 /// How many of the slowest ticks are counted.
 const SLOWEST: usize = 1000;
@@ -43,12 +43,12 @@ const RUNS: usize = 3;
 /// Fraction of the progress bar for the runs by the clock; the rest is counting.
 const TIMED: f64 = 0.1;
 
-/// Rows, and why some were not measured if they were not.
-type Measured = (Vec<ReportRow>, Option<String>);
-
 /// `size_of` the core's large types, at each grid size.
 pub(super) fn type_size_rows() -> Vec<ReportRow> {
-    SIZES.into_iter().flat_map(|size| with_size!(size, N => type_size_rows_at::<N>())).collect()
+    GRID_SIDES
+        .into_iter()
+        .flat_map(|size| with_size!(size, N => type_size_rows_at::<N>()))
+        .collect()
 }
 
 /// Instructions of a tick of the demo.
@@ -56,12 +56,12 @@ pub(super) fn measure_demo<const N: usize>(on_progress: OnProgress<'_>) -> Resul
 where
     Grid<N>: Size + Resident<N>,
 {
-    let bytes = with_fresh_world::<N, _>(|mut stage| {
-        stage.start_recording();
-        demo::play_demo(&mut stage, 0, &mut |_| ControlFlow::Continue(()), |_, _| {});
-        stage.end_recording().unwrap_or_default()
+    let bytes = with_fresh_world::<N, _>(|mut runner| {
+        runner.start_recording();
+        demo::play_demo(&mut runner, 0, &mut |_| ControlFlow::Continue(()), |_, _| {});
+        runner.end_recording_to_bytes().unwrap_or_default()
     });
-    let trace = Trace::decode(&bytes).map_err(|(_, bad)| Error::failure(bad.expected))?;
+    let trace = Trace::decode(&bytes).map_err(|fault| Error::failure(fault.bad.expected))?;
     measure_session::<N>("demo", &trace, &bytes, on_progress)
 }
 
@@ -101,29 +101,31 @@ where
     sizes.map(row).into()
 }
 
-/// Plays a trace by the clock, then counts its slowest and its sampled ticks under Callgrind. `bytes`
-/// is the encoded trace.
+/// Plays a trace by the clock, then counts its slowest and its sampled ticks under Callgrind.
+/// `trace_bytes` is the encoded trace.
 fn measure_session<const N: usize>(
     name: &str,
     trace: &Trace,
-    bytes: &[u8],
+    trace_bytes: &[u8],
     on_progress: OnProgress<'_>,
 ) -> Result<Measured, Error>
 where
     Grid<N>: Size + Resident<N>,
 {
-    with_fresh_world::<N, _>(|mut stage| stage.replay(trace, |_, _| {})).map_err(Error::input)?;
+    with_fresh_world::<N, _>(|mut runner| runner.replay(trace, |_| {})).map_err(Error::input)?;
     let mut times = vec![f64::INFINITY; trace.records().len()];
     for run in 1..=RUNS {
         on_progress(TIMED * run as f64 / (RUNS + 1) as f64);
-        with_fresh_world::<N, _>(|mut stage| keep_best_times_ms(&mut stage, trace, &mut times));
+        with_fresh_world::<N, _>(|mut runner| {
+            replay_and_lower_best_ms(&mut runner, trace, &mut times)
+        });
     }
     if times.is_empty() {
-        return Ok((vec![], None));
+        return Ok(Measured { rows: vec![], skipped: None });
     }
     let folder = ScratchFolder::new()?;
-    durable::write_file(&folder.0.join(TRACE), bytes)?;
-    let chosen = choose_ticks(&times);
+    durable::write_file(&folder.0.join(TRACE), trace_bytes)?;
+    let chosen = choose_ticks_to_count(&times);
     let starts = Grid::<N>::lock_start_volumes();
     for figure in Figure::ALL {
         rmap::write(&volume_path(&folder.0, figure), starts.figure(figure))
@@ -137,38 +139,44 @@ where
     durable::write_file(&folder.0.join(CHOSEN), list.as_bytes())?;
     let counting = |part: f64| on_progress(TIMED + (1.0 - TIMED) * part);
     counting(0.0);
-    match count_instructions(COUNTED_TICK, &folder.0, &folder, &counting) {
+    match count_instructions_per_call(COUNTED_TICK, &folder.0, &folder, &counting) {
         Ok(counts) if counts.len() == chosen.len() => {
-            let counted: Vec<_> = chosen.into_iter().zip(counts).collect();
-            Ok((tick_rows::<N>(name, times.len(), &counted), None))
+            let counted: Vec<_> = iter::zip(chosen, counts)
+                .map(|(index, instructions)| CountedTick { index, instructions })
+                .collect();
+            let rows = tick_rows::<N>(name, times.len(), &counted);
+            Ok(Measured { rows, skipped: None })
         }
         Ok(counts) => {
             let (counts, chosen) = (counts.len(), chosen.len());
             Err(Error::Failure(format!("valgrind counted {counts} ticks instead of {chosen}")))
         }
-        Err(why) => Ok((vec![], Some(format!("instructions of a tick: {why}")))),
+        Err(why) => {
+            let skipped = Some(format!("instructions of a tick: {why}"));
+            Ok(Measured { rows: vec![], skipped })
+        }
     }
 }
 
-/// Plays a trace, and lowers `best` to each tick's milliseconds where they are less.
-fn keep_best_times_ms<const N: usize>(
-    stage: &mut TickRunner<'_, N>,
+/// Plays a trace, and lowers `best_ms` to each tick's milliseconds where they are less.
+fn replay_and_lower_best_ms<const N: usize>(
+    runner: &mut TickRunner<'_, N>,
     trace: &Trace,
-    best: &mut [f64],
+    best_ms: &mut [f64],
 ) where
     Grid<N>: Size,
 {
-    for (best, record) in iter::zip(best, trace.records()) {
-        stage.run_tick_with(&record.input, |step| *best = best.min(time_ms(step)));
+    for (best, record) in iter::zip(best_ms, trace.records()) {
+        runner.run_tick_wrapped(&record.input, |step| *best = best.min(time_ms(step)));
     }
 }
 
 /// The numbers of the [`SLOWEST`] ticks and of one in [`SAMPLED`], ascending.
-fn choose_ticks(times: &[f64]) -> Vec<usize> {
-    let mut ticks: Vec<usize> = (0..times.len()).collect();
-    ticks.sort_unstable_by(|&a, &b| times[b].total_cmp(&times[a]));
+fn choose_ticks_to_count(times_ms: &[f64]) -> Vec<usize> {
+    let mut ticks: Vec<usize> = (0..times_ms.len()).collect();
+    ticks.sort_unstable_by(|&a, &b| times_ms[b].total_cmp(&times_ms[a]));
     ticks.truncate(SLOWEST);
-    ticks.extend((0..times.len()).step_by(SAMPLED));
+    ticks.extend((0..times_ms.len()).step_by(SAMPLED));
     ticks.sort_unstable();
     ticks.dedup();
     ticks
@@ -188,34 +196,38 @@ fn volume_path(folder: &Path, figure: Figure) -> PathBuf {
 ///
 /// # Errors
 /// A file that is not as the measuring run left it.
-pub(super) fn replay_ticks(folder: &Path) -> Result<(), Error> {
-    let trace = Trace::read(&folder.join(TRACE)).map_err(Error::input)?;
-    let list = fs::read_to_string(folder.join(CHOSEN)).map_err(Error::input)?;
+pub(super) fn replay_ticks(session_folder: &Path) -> Result<(), Error> {
+    let trace = Trace::read(&session_folder.join(TRACE)).map_err(Error::input)?;
+    let list = fs::read_to_string(session_folder.join(CHOSEN)).map_err(Error::input)?;
     let chosen: Result<Vec<usize>, _> = list.lines().map(str::parse).collect();
     let chosen = chosen.map_err(Error::input)?;
-    with_size!(trace.header().side, N => replay_at::<N>(folder, &trace, &chosen))
+    with_size!(trace.header().side, N => replay_ticks_at::<N>(session_folder, &trace, &chosen))
 }
 
-fn replay_at<const N: usize>(folder: &Path, trace: &Trace, chosen: &[usize]) -> Result<(), Error>
+fn replay_ticks_at<const N: usize>(
+    folder: &Path,
+    trace: &Trace,
+    chosen: &[usize],
+) -> Result<(), Error>
 where
     Grid<N>: Size + Resident<N>,
 {
-    let fill = |figure, maps: &mut _| rmap::read(&volume_path(folder, figure), maps).map(drop);
-    Grid::<N>::lock_start_volumes().load_figures(fill).map_err(Error::input)?;
+    let load_into = |figure, maps: &mut _| rmap::read(&volume_path(folder, figure), maps).map(drop);
+    Grid::<N>::lock_start_volumes().load_figures(load_into).map_err(Error::input)?;
     let mut chosen = chosen.iter().copied().peekable();
     let (ticks, mut out) = (trace.records().len(), io::stdout().lock());
-    let digest = with_fresh_world::<N, _>(|mut stage| {
+    let digest = with_fresh_world::<N, _>(|mut runner| {
         for (tick, record) in trace.records().enumerate() {
             if tick % ticks.div_ceil(PARTS) == 0 {
                 // The reader may have closed the pipe.
                 let _ = writeln!(out, "{}", tick as f64 / ticks as f64);
             }
             match chosen.next_if_eq(&tick) {
-                Some(_) => counted_tick(&mut stage, &record.input),
-                None => stage.run_tick(&record.input),
+                Some(_) => counted_tick(&mut runner, &record.input),
+                None => runner.run_tick(&record.input),
             }
         }
-        stage.world().digest()
+        runner.world().digest()
     });
     match trace.records().last().map(TickRecord::digest) {
         Some(recorded) if recorded != digest => {
@@ -230,32 +242,44 @@ const COUNTED_TICK: &str = concat!(module_path!(), "::counted_tick");
 
 /// One tick, the function that Callgrind counts by this name.
 #[inline(never)]
-fn counted_tick<const N: usize>(stage: &mut TickRunner<'_, N>, input: &TickInput)
+fn counted_tick<const N: usize>(runner: &mut TickRunner<'_, N>, input: &TickInput)
 where
     Grid<N>: Size,
 {
-    stage.run_tick(black_box(input));
-    black_box(stage.world().tick());
+    runner.run_tick(black_box(input));
+    black_box(runner.world().tick());
 }
 
-/// Rows of mean, 99th percentile and worst, from (tick, instructions) pairs.
-fn tick_rows<const N: usize>(name: &str, ticks: usize, counted: &[(usize, u64)]) -> Vec<ReportRow> {
-    let sample = counted.iter().filter(|(tick, _)| tick % SAMPLED == 0);
-    let mut sample: Vec<u64> = sample.map(|&(_, count)| count).collect();
+/// A tick of a session, and the instructions that it took.
+#[derive(Clone, Copy)]
+struct CountedTick {
+    /// The number of ticks before it.
+    index: usize,
+    instructions: u64,
+}
+
+/// Rows of mean, 99th percentile and worst.
+fn tick_rows<const N: usize>(
+    session_name: &str,
+    session_ticks: usize,
+    counted: &[CountedTick],
+) -> Vec<ReportRow> {
+    let sample = counted.iter().filter(|tick| tick.index % SAMPLED == 0);
+    let mut sample: Vec<u64> = sample.map(|tick| tick.instructions).collect();
     sample.sort_unstable();
     let row = |count, what: String| ReportRow {
         instructions: Some(count),
-        ..ReportRow::new("step", name, N, what)
+        ..ReportRow::new("step", session_name, N, what)
     };
-    let of = format!("of {} of its {ticks} ticks, one in {SAMPLED}", sample.len());
+    let of = format!("of {} of its {session_ticks} ticks, one in {SAMPLED}", sample.len());
     let mean = sample.iter().sum::<u64>() / sample.len().max(1) as u64;
     let p99 = sample.get((sample.len() * 99).div_ceil(100).saturating_sub(1));
-    let worst = counted.iter().max_by_key(|&&(_, count)| count);
+    let worst = counted.iter().max_by_key(|tick| tick.instructions);
     let mut rows = vec![row(mean, format!("mean {of}"))];
     rows.extend(p99.map(|&p99| row(p99, format!("p99 {of}"))));
-    rows.extend(worst.map(|&(tick, count)| {
+    rows.extend(worst.map(|&CountedTick { index, instructions }| {
         let of = format!("{} of them, {SLOWEST} the slowest", counted.len());
-        row(count, format!("worst of {of}: tick {tick}"))
+        row(instructions, format!("worst of {of}: tick {index}"))
     }));
     rows
 }

@@ -7,10 +7,10 @@ use paros_core::{BitGrid, ExportPhase, Exporter, Grid, RangeMaps, Size, UpAxis};
 use paros_headless::Error;
 use paros_shell::figures::Figure;
 use paros_shell::mesh::{self, EXTENSIONS, Mesh, MeshFormat};
-use paros_shell::print::DEFAULT_HEIGHT_MM;
 use paros_shell::rmap;
-use paros_shell::sizes::SIZES;
+use paros_shell::sizes::GRID_SIDES;
 use paros_shell::statics::Resident;
+use paros_shell::stl_export::DEFAULT_HEIGHT_MM;
 
 /// A benchmark input.
 #[derive(Debug)]
@@ -30,38 +30,39 @@ enum Source {
 impl Subject {
     /// The default inputs: the project's own figures.
     #[must_use]
-    pub fn own_figures() -> Vec<Self> {
-        let own = [Figure::Owl, Figure::Cat]
+    pub fn built_in_figures() -> Vec<Self> {
+        let figures = [Figure::Owl, Figure::Cat]
             .map(|figure| Subject { name: figure.name().into(), source: Source::Figure(figure) });
-        own.into()
+        figures.into()
     }
 
     /// The input that a command-line argument names: a figure, a volume (.rmap) or a mesh.
     ///
     /// # Errors
     /// The file, and why it can't be measured on.
-    pub fn from_name(what: &Path) -> Result<Self, Error> {
-        let text = what.to_string_lossy();
+    pub fn from_name_or_path(name_or_path: &Path) -> Result<Self, Error> {
+        let text = name_or_path.to_string_lossy();
         if let Some(figure) = Figure::from_name(&text) {
             let source = Source::Figure(figure);
             return Ok(Subject { name: text.into(), source });
         }
-        let name = what.file_stem().map_or(text, |stem| stem.to_string_lossy()).into();
-        if what.extension().is_some_and(|kind| kind.eq_ignore_ascii_case("rmap")) {
-            let size = match rmap::read_header(what).map_err(Error::input)?.side {
-                size if SIZES.contains(&size) => size,
+        let name = name_or_path.file_stem().map_or(text, |stem| stem.to_string_lossy()).into();
+        if name_or_path.extension().is_some_and(|kind| kind.eq_ignore_ascii_case("rmap")) {
+            let size = match rmap::read_header(name_or_path).map_err(Error::input)?.grid_side {
+                size if GRID_SIDES.contains(&size) => size,
                 n => {
-                    let what = what.display();
+                    let what = name_or_path.display();
                     return Err(Error::Input(format!(
                         "{what}: expected a volume of size 128 or 256, found {n}"
                     )));
                 }
             };
-            let source = Source::Volume(what.into(), size);
+            let source = Source::Volume(name_or_path.into(), size);
             return Ok(Subject { name, source });
         }
-        let kind = MeshFormat::from_extension(what).ok_or_else(|| unknown_subject(what))?;
-        let (mesh, up) = (mesh::read(what).map_err(Error::input)?, kind.default_up_axis());
+        let kind = MeshFormat::from_extension(name_or_path)
+            .ok_or_else(|| unknown_subject(name_or_path))?;
+        let (mesh, up) = (mesh::read(name_or_path).map_err(Error::input)?, kind.default_up_axis());
         Ok(Subject { name, source: Source::Mesh(mesh, up) })
     }
 
@@ -71,37 +72,38 @@ impl Subject {
         &self.name
     }
 
-    /// The sizes it can be had at.
+    /// The grid's sides that it can be had at.
     #[must_use]
-    pub fn sizes(&self) -> &[usize] {
+    pub fn grid_sides(&self) -> &[usize] {
         match &self.source {
             Source::Volume(_, size) => std::slice::from_ref(size),
-            _ => &SIZES,
+            _ => &GRID_SIDES,
         }
     }
 
-    /// Writes the subject's tight maps, and their voxels to `plane`.
+    /// Writes the subject's tight maps, and their voxels to `bit_grid`.
     ///
     /// # Errors
     /// The file doesn't hold a volume, or an empty one.
     pub(super) fn load_into<const N: usize>(
         &self,
         maps: &mut RangeMaps<N>,
-        plane: &mut BitGrid<N>,
+        bit_grid: &mut BitGrid<N>,
     ) -> Result<(), Error>
     where
         Grid<N>: Size + Resident<N>,
     {
         match &self.source {
-            Source::Figure(figure) => figure.carve_into(plane, maps),
+            Source::Figure(figure) => figure.rasterize_into(maps, bit_grid),
             Source::Mesh(mesh, up) => {
-                mesh.bake_into_maps(*up, &mut *Grid::<N>::lock_baker(), maps, plane).ok_or_else(
-                    || Error::Input(format!("{}: the mesh has no extent", self.name)),
-                )?;
+                mesh.bake_into_maps(*up, &mut *Grid::<N>::lock_baker(), maps, bit_grid)
+                    .ok_or_else(|| {
+                        Error::Input(format!("{}: the mesh has no extent", self.name))
+                    })?;
             }
             Source::Volume(path, _) => {
                 rmap::read(path, &mut *maps).map_err(Error::input)?;
-                plane.set_from_maps(maps);
+                bit_grid.set_from_maps(maps);
             }
         }
         if maps.is_empty() {
@@ -111,14 +113,14 @@ impl Subject {
     }
 
     /// The subject as triangles, with its up axis: the mesh itself, or the STL export of the volume.
-    /// `maps` and `plane` are scratch space.
+    /// `maps` and `bit_grid` are scratch space.
     ///
     /// # Errors
     /// As [`Subject::load_into`].
     pub(super) fn to_mesh<const N: usize>(
         &self,
         maps: &mut RangeMaps<N>,
-        plane: &mut BitGrid<N>,
+        bit_grid: &mut BitGrid<N>,
     ) -> Result<(Cow<'_, Mesh>, UpAxis), Error>
     where
         Grid<N>: Size + Resident<N>,
@@ -126,9 +128,9 @@ impl Subject {
         if let Source::Mesh(mesh, up) = &self.source {
             return Ok((Cow::Borrowed(mesh), *up));
         }
-        self.load_into(maps, plane)?;
+        self.load_into(maps, bit_grid)?;
         maps.clear();
-        let stl = export_stl(plane, maps, &mut Grid::<N>::lock_print_buffers().exporter);
+        let stl = export_stl(bit_grid, maps, &mut Grid::<N>::lock_stl_buffers().exporter);
         let mesh = Mesh::from_bytes(MeshFormat::Stl, &stl, Path::new(""))
             .map_err(|fault| Error::Failure(format!("{}: its print: {fault:?}", self.name)))?;
         Ok((Cow::Owned(mesh), MeshFormat::Stl.default_up_axis()))
@@ -144,7 +146,7 @@ fn unknown_subject(what: &Path) -> Error {
 
 /// Exports bit rows to STL bytes in memory, at the default height.
 pub(super) fn export_stl<const N: usize>(
-    plane: &BitGrid<N>,
+    bit_grid: &BitGrid<N>,
     mask: &RangeMaps<N>,
     exporter: &mut Exporter<N>,
 ) -> Vec<u8>
@@ -154,7 +156,7 @@ where
     exporter.start_export(DEFAULT_HEIGHT_MM).expect("a usual height");
     let (mut file, mut buffer) = (vec![], vec![0; Exporter::<N>::MIN_BUFFER]);
     loop {
-        let progress = exporter.advance_export(plane, mask, u32::MAX, &mut buffer);
+        let progress = exporter.advance_export(bit_grid, mask, u32::MAX, &mut buffer);
         file.extend_from_slice(&buffer[..progress.written]);
         if progress.phase == ExportPhase::Done {
             return file;

@@ -8,5 +8,5 @@ mod renderer;
 
 pub use error::Error;
 pub use renderer::{
-    BACKDROP, HeadlessRenderer, PictureFormat, Uploads, eye_and_stand_of, open_gpu,
+    BACKDROP, HeadlessRenderer, PictureFormat, SculptureView, Uploads, open_gpu, view_of_camera,
 };

@@ -21,12 +21,12 @@ pub const BACKDROP: [f32; 3] = [0.1515, 0.1499, 0.1474];
 /// Regions of a sculpture's texture and their bytes, to be uploaded with the next picture.
 pub type Uploads = Vec<(Region, Vec<u8>)>;
 
-/// Opens the best Vulkan device, or the best of those with `name` in theirs.
+/// Opens the best Vulkan device, or the best of those whose names contain `name_part`.
 ///
 /// # Errors
 /// There is none, or it won't start.
-pub fn open_gpu(name: Option<&str>) -> Result<Arc<Gpu>, Error> {
-    let options = Options { device_name: name.map(String::from), ..Options::default() };
+pub fn open_gpu(name_part: Option<&str>) -> Result<Arc<Gpu>, Error> {
+    let options = Options { device_name: name_part.map(String::from), ..Options::default() };
     Ok(Gpu::headless(&options)?)
 }
 
@@ -50,27 +50,28 @@ pub struct HeadlessRenderer {
 }
 
 impl HeadlessRenderer {
-    /// A renderer for sculptures of `side` voxels a side. `cache` is another renderer's
+    /// A renderer for sculptures of `grid_side` voxels a side. `pipeline_cache` is another renderer's
     /// [`HeadlessRenderer::pipeline_cache`], or empty.
     ///
     /// # Errors
     /// A picture larger than the device draws, or a call that failed: out of memory, most likely.
     pub fn new(
         gpu: &Arc<Gpu>,
-        side: usize,
-        canvas: PictureFormat,
-        cache: &[u8],
+        grid_side: usize,
+        picture_format: PictureFormat,
+        pipeline_cache: &[u8],
     ) -> Result<Self, Error> {
-        let ([width, height], longest) = (canvas.size, gpu.max_image_side());
+        let ([width, height], longest) = (picture_format.size, gpu.max_image_side());
         if width.max(height) > longest {
             let name = &gpu.name;
             return Err(Error::Failure(format!(
                 "{name}: draws at most {longest} pixels along a side, not {width}x{height}"
             )));
         }
-        let format = OffscreenTarget::readback_format(canvas.samples, canvas.eyes, false);
-        let renderer = Renderer::new(gpu, format, side, cache)?;
-        let screen = OffscreenTarget::new(gpu, &renderer, canvas.size)?;
+        let target_format =
+            OffscreenTarget::readback_format(picture_format.samples, picture_format.eyes, false);
+        let renderer = Renderer::new(gpu, target_format, grid_side, pipeline_cache)?;
+        let screen = OffscreenTarget::new(gpu, &renderer, picture_format.size)?;
         Ok(HeadlessRenderer { screen, renderer })
     }
 
@@ -109,13 +110,13 @@ impl HeadlessRenderer {
         self.renderer.set_sculpture_order(order);
     }
 
-    /// Draws a picture after `uploads`, and waits for it. Returns the device's times for its parts.
+    /// Draws a frame after `uploads`, and waits for it. Returns the device's times for its parts.
     ///
     /// # Errors
     /// More uploads than a frame takes, or a lost device.
-    pub fn draw_picture(
+    pub fn draw_frame(
         &mut self,
-        picture: &FrameRequest<'_>,
+        request: &FrameRequest<'_>,
         uploads: &Uploads,
     ) -> Result<FrameTimes, Error> {
         self.renderer.begin_frame()?;
@@ -124,7 +125,7 @@ impl HeadlessRenderer {
                 return Err(Error::Failure("a frame's uploads are more than it takes".into()));
             }
         }
-        self.renderer.draw_frame(picture, &self.screen.target, 0, FrameSemaphores::default())?;
+        self.renderer.draw_frame(request, &self.screen.target, 0, FrameSemaphores::default())?;
         Ok(self.renderer.wait_for_frames()?)
     }
 
@@ -140,10 +141,19 @@ impl HeadlessRenderer {
     }
 }
 
-/// The eye and the stand that see what a camera of the twin does: a side of the cube is a metre, and
-/// the stool turns before the eye.
+/// An eye and the sculpture that it looks at.
+#[derive(Clone, Copy, Debug)]
+pub struct SculptureView {
+    /// The eye.
+    pub eye: Eye,
+    /// Where the sculpture stands.
+    pub placement: SculpturePlacement,
+}
+
+/// The view that shows what a camera of the twin does: a side of the cube is a metre, and the stool
+/// turns before the eye.
 #[must_use]
-pub fn eye_and_stand_of(camera: &Camera, [width, height]: [u32; 2]) -> (Eye, SculpturePlacement) {
+pub fn view_of_camera(camera: &Camera, [width, height]: [u32; 2]) -> SculptureView {
     let (sin, cos) = camera.elevation.sin_cos();
     let up = 0.5 * camera.angle;
     let right = (up.tan() * width as f32 / height as f32).atan();
@@ -152,5 +162,7 @@ pub fn eye_and_stand_of(camera: &Camera, [width, height]: [u32; 2]) -> (Eye, Scu
         rotation: Quat::from_rotation_x(-camera.elevation),
         fov: Fov { left: -right, right, up, down: -up },
     };
-    (eye, SculpturePlacement { foot: Vec3::ZERO, side: 1.0, turn_radians: -camera.azimuth })
+    let placement =
+        SculpturePlacement { foot: Vec3::ZERO, side: 1.0, turn_radians: -camera.azimuth };
+    SculptureView { eye, placement }
 }

@@ -9,24 +9,27 @@ use std::path::Path;
 pub(crate) struct SessionClaim {
     number: u32,
     // Held for its drop.
-    _token: Option<ClaimToken>,
+    _socket: Option<ClaimSocket>,
 }
 
 impl SessionClaim {
-    /// Claims the lowest free number, from 1, for a session folder and a grid of `side` voxels a side. The
-    /// folder is created. On systems other than Linux the number is always 1.
+    /// Claims the lowest free number, from 1, for a session folder and a grid of `grid_side` voxels a
+    /// side. The folder is created. On systems other than Linux the number is always 1.
     #[must_use]
-    pub(crate) fn take_lowest_free(folder: &Path, side: usize) -> Self {
+    pub(crate) fn claim_lowest_free_number(sessions_folder: &Path, grid_side: usize) -> Self {
         // Two names of one folder must give one claim. A folder that can't be created needs none.
-        let _ = std::fs::create_dir_all(folder);
-        let folder = std::fs::canonicalize(folder)
-            .or_else(|_| std::path::absolute(folder))
-            .unwrap_or_else(|_| folder.to_owned());
+        let _ = std::fs::create_dir_all(sessions_folder);
+        let folder = std::fs::canonicalize(sessions_folder)
+            .or_else(|_| std::path::absolute(sessions_folder))
+            .unwrap_or_else(|_| sessions_folder.to_owned());
         let mut number = 1;
         loop {
-            match bind_token(&format!("paros-{side}-{number}-{}", folder.display())) {
-                Ok(token) => return SessionClaim { number, _token: token },
-                Err(TokenTaken) => number += 1,
+            match bind_socket_if_supported(&format!(
+                "paros-{grid_side}-{number}-{}",
+                folder.display()
+            )) {
+                Ok(socket) => return SessionClaim { number, _socket: socket },
+                Err(NameTaken) => number += 1,
             }
         }
     }
@@ -38,15 +41,15 @@ impl SessionClaim {
     }
 }
 
-struct TokenTaken;
+struct NameTaken;
 
 #[cfg(target_os = "linux")]
-type ClaimToken = std::os::unix::net::UnixDatagram;
+type ClaimSocket = std::os::unix::net::UnixDatagram;
 
 /// Binds a datagram socket to an abstract address derived from `name`: only one socket can have it,
 /// and it leaves no file behind. `None` where the system has no such sockets.
 #[cfg(target_os = "linux")]
-fn bind_token(name: &str) -> Result<Option<ClaimToken>, TokenTaken> {
+fn bind_socket_if_supported(name: &str) -> Result<Option<ClaimSocket>, NameTaken> {
     use std::hash::{DefaultHasher, Hash, Hasher};
     use std::io::ErrorKind;
     use std::os::linux::net::SocketAddrExt;
@@ -56,18 +59,18 @@ fn bind_token(name: &str) -> Result<Option<ClaimToken>, TokenTaken> {
     let mut hasher = DefaultHasher::new();
     name.hash(&mut hasher);
     let address = SocketAddr::from_abstract_name(format!("paros-{:016x}", hasher.finish()));
-    match address.and_then(|address| ClaimToken::bind_addr(&address)) {
-        Ok(token) => Ok(Some(token)),
-        Err(error) if error.kind() == ErrorKind::AddrInUse => Err(TokenTaken),
+    match address.and_then(|address| ClaimSocket::bind_addr(&address)) {
+        Ok(socket) => Ok(Some(socket)),
+        Err(error) if error.kind() == ErrorKind::AddrInUse => Err(NameTaken),
         Err(_) => Ok(None),
     }
 }
 
 #[cfg(not(target_os = "linux"))]
-type ClaimToken = ();
+type ClaimSocket = ();
 
 #[cfg(not(target_os = "linux"))]
-fn bind_token(_name: &str) -> Result<Option<ClaimToken>, TokenTaken> {
+fn bind_socket_if_supported(_name: &str) -> Result<Option<ClaimSocket>, NameTaken> {
     Ok(None)
 }
 
@@ -78,13 +81,13 @@ mod tests {
     #[test]
     fn windows_count_while_they_are_open() {
         let folder = std::env::temp_dir().join(format!("paros-claim-{}", std::process::id()));
-        let first = SessionClaim::take_lowest_free(&folder, 128);
-        let second = SessionClaim::take_lowest_free(&folder, 128);
+        let first = SessionClaim::claim_lowest_free_number(&folder, 128);
+        let second = SessionClaim::claim_lowest_free_number(&folder, 128);
         assert_eq!((first.number(), second.number()), (1, 2));
-        assert_eq!(SessionClaim::take_lowest_free(&folder, 256).number(), 1);
+        assert_eq!(SessionClaim::claim_lowest_free_number(&folder, 256).number(), 1);
         drop(first);
-        assert_eq!(SessionClaim::take_lowest_free(&folder, 128).number(), 1);
-        assert_eq!(SessionClaim::take_lowest_free(&folder.join("else"), 128).number(), 1);
+        assert_eq!(SessionClaim::claim_lowest_free_number(&folder, 128).number(), 1);
+        assert_eq!(SessionClaim::claim_lowest_free_number(&folder.join("else"), 128).number(), 1);
         drop(second);
     }
 }

@@ -63,12 +63,12 @@ pub fn make_folder(path: &Path) -> Result<(), WriteError> {
 /// Removes the temporary files that killed processes left in a folder, by age: those older than
 /// an hour. The process number in the name would not tell, as it may be in use again, or on
 /// another machine.
-pub fn remove_stale_drafts(folder: &Path) {
+pub fn remove_stale_temporaries(folder: &Path) {
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         let is_ours = entry.file_name().to_str().is_some_and(is_temporary_name);
         let modified = entry.metadata().and_then(|found| found.modified());
         let age = modified.ok().and_then(|modified| modified.elapsed().ok());
-        if is_ours && age.is_some_and(|age| age > MAX_DRAFT_AGE) {
+        if is_ours && age.is_some_and(|age| age > MAX_TEMPORARY_AGE) {
             // A file that can't be removed does no harm.
             let _ = fs::remove_file(entry.path());
         }
@@ -89,9 +89,9 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
 /// # Errors
 /// When a folder or the disk refuses. Those before the one that is named have been written.
 pub fn write_files(files: &[(WriteTarget, &[u8])]) -> Result<(), WriteError> {
-    let drafts: Result<Vec<_>, _> =
-        files.iter().map(|(target, bytes)| target.write_draft(bytes)).collect();
-    drafts?.into_iter().try_for_each(DraftFile::publish_replacing)
+    let temporaries: Result<Vec<_>, _> =
+        files.iter().map(|(target, bytes)| target.write_temporary(bytes)).collect();
+    temporaries?.into_iter().try_for_each(TemporaryFile::rename_over_target)
 }
 
 /// Creates several new files, whole, all or none. No existing file is replaced, even where other
@@ -99,20 +99,20 @@ pub fn write_files(files: &[(WriteTarget, &[u8])]) -> Result<(), WriteError> {
 ///
 /// # Errors
 /// As [`write_files`], and `AlreadyExists` where a name is taken; then none of them is there.
-pub fn write_new_files(files: &[(WriteTarget, &[u8])]) -> Result<(), WriteError> {
-    let drafts: Result<Vec<_>, _> =
-        files.iter().map(|(target, bytes)| target.write_draft(bytes)).collect();
-    let mut published = Vec::new();
-    for draft in drafts? {
-        let file = &draft.target.file;
-        if let Err(error) = draft.publish_if_free() {
-            for file in published {
+pub fn create_new_files(files: &[(WriteTarget, &[u8])]) -> Result<(), WriteError> {
+    let temporaries: Result<Vec<_>, _> =
+        files.iter().map(|(target, bytes)| target.write_temporary(bytes)).collect();
+    let mut created = Vec::new();
+    for temporary in temporaries? {
+        let file = &temporary.target.file;
+        if let Err(error) = temporary.link_if_target_is_absent() {
+            for file in created {
                 // The error that is told is the first one.
                 let _ = fs::remove_file(file);
             }
             return Err(error);
         }
-        published.push(file);
+        created.push(file);
     }
     Ok(())
 }
@@ -159,9 +159,9 @@ impl WriteTarget {
     ///
     /// # Errors
     /// Those of [`WriteTarget::resolve`], and when the folder takes no new file.
-    pub fn resolve_writable(path: &Path) -> Result<Self, WriteError> {
+    pub fn resolve_and_check_writable(path: &Path) -> Result<Self, WriteError> {
         let target = Self::resolve(path)?;
-        drop(target.write_draft(&[])?);
+        drop(target.write_temporary(&[])?);
         Ok(target)
     }
 
@@ -171,7 +171,7 @@ impl WriteTarget {
     /// When the folder or the disk refuses; then nothing has changed, unless it is the folder's sync
     /// that failed ([`WriteError`]).
     pub fn write_file(&self, bytes: &[u8]) -> Result<(), WriteError> {
-        self.write_draft(bytes)?.publish_replacing()
+        self.write_temporary(bytes)?.rename_over_target()
     }
 
     /// The path as it was named.
@@ -186,53 +186,53 @@ impl WriteTarget {
         self.file == other.file
     }
 
-    fn write_draft<'a>(&'a self, bytes: &[u8]) -> Result<DraftFile<'a>, WriteError> {
+    fn write_temporary<'a>(&'a self, bytes: &[u8]) -> Result<TemporaryFile<'a>, WriteError> {
         let fail = |action| move |source| write_error(&self.path, action, source);
         let temporary = self.file.with_file_name(temporary_name());
         let mut options = OpenOptions::new();
         let opened = options.write(true).create_new(true).open(&temporary);
         let mut file = opened.map_err(fail("create"))?;
-        let draft = DraftFile { target: self, temporary: Some(temporary) };
+        let temporary = TemporaryFile { target: self, path: Some(temporary) };
         if !bytes.is_empty() {
             file.write_all(bytes).map_err(fail("write"))?;
         }
         file.sync_all().map_err(fail("sync"))?;
-        Ok(draft)
+        Ok(temporary)
     }
 }
 
-/// A file synced to disk under a temporary name. It is removed when dropped before it is published.
-struct DraftFile<'a> {
+/// A file synced to disk under a temporary name. It is removed when dropped before it has its own name.
+struct TemporaryFile<'a> {
     target: &'a WriteTarget,
     /// The temporary path; `None` once it is renamed.
-    temporary: Option<PathBuf>,
+    path: Option<PathBuf>,
 }
 
-impl DraftFile<'_> {
-    fn publish_replacing(mut self) -> Result<(), WriteError> {
+impl TemporaryFile<'_> {
+    fn rename_over_target(mut self) -> Result<(), WriteError> {
         let WriteTarget { path, file } = self.target;
-        if let Some(temporary) = &self.temporary {
+        if let Some(temporary) = &self.path {
             fs::rename(temporary, file).map_err(|source| write_error(path, "rename", source))?;
         }
-        self.temporary = None;
+        self.path = None;
         sync_folder(file).map_err(|source| write_error(path, "sync the folder of", source))
     }
 
-    /// Publishes by a hard link, which unlike a rename replaces nothing. Where the file system has no
-    /// links (FAT) it checks that the name is free and renames.
-    fn publish_if_free(mut self) -> Result<(), WriteError> {
+    /// Gives the file its own name by a hard link, which unlike a rename replaces nothing. Where the
+    /// file system has no links (FAT) it checks that there is no such file and renames.
+    fn link_if_target_is_absent(mut self) -> Result<(), WriteError> {
         let WriteTarget { path, file } = self.target;
-        let Some(temporary) = &self.temporary else { return Ok(()) };
+        let Some(temporary) = &self.path else { return Ok(()) };
         let taken = |source| Err(write_error(path, "create", source));
         match fs::hard_link(temporary, file) {
-            // The temporary name goes with the draft.
+            // The temporary name goes with `self`.
             Ok(()) => {}
             Err(source) if source.kind() == io::ErrorKind::AlreadyExists => return taken(source),
             Err(_) if file.exists() => return taken(io::ErrorKind::AlreadyExists.into()),
             Err(_) => {
                 fs::rename(temporary, file)
                     .map_err(|source| write_error(path, "rename", source))?;
-                self.temporary = None;
+                self.path = None;
             }
         }
         sync_folder(file).map_err(|source| {
@@ -243,9 +243,9 @@ impl DraftFile<'_> {
     }
 }
 
-impl Drop for DraftFile<'_> {
+impl Drop for TemporaryFile<'_> {
     fn drop(&mut self) {
-        if let Some(temporary) = &self.temporary {
+        if let Some(temporary) = &self.path {
             // Nothing is left to do with an error here; the stray name says what it is.
             let _ = fs::remove_file(temporary);
         }
@@ -262,21 +262,21 @@ fn ends_in_separator(path: &Path) -> bool {
 
 /// The age at which a temporary file counts as stale: longer than the slowest disk takes. If a file
 /// still being written were removed, its rename would fail with an error and it would be written again.
-const MAX_DRAFT_AGE: Duration = Duration::from_secs(60 * 60);
+const MAX_TEMPORARY_AGE: Duration = Duration::from_secs(60 * 60);
 
-/// A temporary file name, unique among all processes' drafts. It is not derived from the target's
+/// A temporary file name, unique among those of all processes. It is not derived from the target's
 /// name, which may have the greatest length allowed.
 fn temporary_name() -> String {
-    static DRAFTS: AtomicU32 = AtomicU32::new(0);
-    let draft = DRAFTS.fetch_add(1, Ordering::Relaxed);
-    format!(".paros-{}-{draft}.part", std::process::id())
+    static COUNT: AtomicU32 = AtomicU32::new(0);
+    let number = COUNT.fetch_add(1, Ordering::Relaxed);
+    format!(".paros-{}-{number}.part", std::process::id())
 }
 
 /// Whether [`temporary_name`] makes such names.
 fn is_temporary_name(name: &str) -> bool {
     let numbers = name.strip_prefix(".paros-").and_then(|rest| rest.strip_suffix(".part"));
-    numbers.and_then(|numbers| numbers.split_once('-')).is_some_and(|(process, draft)| {
-        [process, draft].iter().all(|number| number.parse::<u32>().is_ok())
+    numbers.and_then(|numbers| numbers.split_once('-')).is_some_and(|(process, number)| {
+        [process, number].iter().all(|number| number.parse::<u32>().is_ok())
     })
 }
 
@@ -300,7 +300,7 @@ mod tests {
     use std::fs::{self, File};
     use std::time::SystemTime;
 
-    use super::{MAX_DRAFT_AGE, remove_stale_drafts, temporary_name};
+    use super::{MAX_TEMPORARY_AGE, remove_stale_temporaries, temporary_name};
 
     #[test]
     fn only_what_was_left_long_ago_is_swept() {
@@ -311,14 +311,14 @@ mod tests {
             ["session-128.save", ".paros-1.part", ".paros-1-x.part", ".paros-1-2.part.rmap"];
         for name in [&*left, &under_way].into_iter().chain(others) {
             let file = File::create(folder.join(name)).expect("room on the disk");
-            let age = if name == under_way { MAX_DRAFT_AGE / 2 } else { MAX_DRAFT_AGE * 2 };
+            let age = if name == under_way { MAX_TEMPORARY_AGE / 2 } else { MAX_TEMPORARY_AGE * 2 };
             file.set_modified(SystemTime::now() - age).expect("it is ours");
         }
-        remove_stale_drafts(&folder);
+        remove_stale_temporaries(&folder);
         assert!(!folder.join(&left).exists());
         assert!(folder.join(&under_way).exists());
         assert!(others.iter().all(|name| folder.join(name).exists()));
-        remove_stale_drafts(&folder.join("none"));
+        remove_stale_temporaries(&folder.join("none"));
         fs::remove_dir_all(&folder).expect("it is ours");
     }
 }

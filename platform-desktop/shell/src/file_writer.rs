@@ -118,7 +118,7 @@ impl FileWriter {
     }
 
     /// The outcome of the oldest pending job, if it is done. Does not block.
-    pub fn poll(&mut self) -> Option<WriteOutcome> {
+    pub fn poll_outcome(&mut self) -> Option<WriteOutcome> {
         match self.outcomes.try_recv() {
             Ok(outcome) => {
                 self.pending -= 1;
@@ -129,7 +129,7 @@ impl FileWriter {
     }
 
     /// Waits for the outcome of the oldest pending job; `None` if no job is pending.
-    pub fn wait_for_oldest(&mut self) -> Option<WriteOutcome> {
+    pub fn wait_for_next_outcome(&mut self) -> Option<WriteOutcome> {
         if self.pending == 0 {
             return None;
         }
@@ -148,11 +148,21 @@ impl Drop for FileWriter {
     }
 }
 
+/// The result of files in one of several folders.
+struct FolderWrite {
+    /// The paths written, or the first folder's error.
+    result: Result<Vec<PathBuf>, WriteError>,
+    /// The first folder's error, where a later folder took the files.
+    fallback_cause: Option<WriteError>,
+}
+
 fn run_job(job: WriteJob) -> WriteOutcome {
-    let (result, fallback_cause) = match &job.destination {
-        Destination::Replace(paths) => (replace_files(paths, &job.contents), None),
+    let FolderWrite { result, fallback_cause } = match &job.destination {
+        Destination::Replace(paths) => {
+            FolderWrite { result: replace_files(paths, &job.contents), fallback_cause: None }
+        }
         Destination::NextFree { folders, stem, extensions } => {
-            write_to_first_folder(folders, stem, extensions, &job.contents)
+            write_to_first_writable_folder(folders, stem, extensions, &job.contents)
         }
     };
     WriteOutcome { job, result, fallback_cause }
@@ -163,36 +173,35 @@ fn replace_files(paths: &[PathBuf], contents: &[Vec<u8>]) -> Result<Vec<PathBuf>
     Ok(paths.to_vec())
 }
 
-/// Tries one folder after another. The paths written, or the first folder's error; and that error
-/// where a later folder took the files.
-fn write_to_first_folder(
+/// Tries one folder after another.
+fn write_to_first_writable_folder(
     folders: &[PathBuf],
     stem: &str,
     extensions: &[&str],
     contents: &[Vec<u8>],
-) -> (Result<Vec<PathBuf>, WriteError>, Option<WriteError>) {
+) -> FolderWrite {
     let mut first_error = None;
     for folder in folders {
-        match write_next_numbered(&folder.join(stem), extensions, contents) {
-            Ok(paths) => return (Ok(paths), first_error),
+        match write_under_lowest_free_number(&folder.join(stem), extensions, contents) {
+            Ok(paths) => return FolderWrite { result: Ok(paths), fallback_cause: first_error },
             Err(error) => first_error = first_error.or(Some(error)),
         }
     }
     let no_folder =
         || WriteError { path: stem.into(), action: "create", source: ErrorKind::NotFound.into() };
-    (Err(first_error.unwrap_or_else(no_folder)), None)
+    FolderWrite { result: Err(first_error.unwrap_or_else(no_folder)), fallback_cause: None }
 }
 
 /// Writes `STEM-NNN.EXTENSION` files under the lowest number that none of them has yet.
-fn write_next_numbered(
-    stem: &Path,
+fn write_under_lowest_free_number(
+    path_stem: &Path,
     extensions: &[&str],
     contents: &[Vec<u8>],
 ) -> Result<Vec<PathBuf>, WriteError> {
     let mut number = 1;
     loop {
         let path = |extension: &&str| {
-            let mut name = stem.as_os_str().to_owned();
+            let mut name = path_stem.as_os_str().to_owned();
             name.push(format!("-{number:03}.{extension}"));
             PathBuf::from(name)
         };
@@ -201,7 +210,7 @@ fn write_next_numbered(
         if paths.iter().any(|path| path.symlink_metadata().is_ok()) {
             continue;
         }
-        match durable::write_new_files(&resolve_targets(&paths, contents)?) {
+        match durable::create_new_files(&resolve_targets(&paths, contents)?) {
             // Another process took the number in the meantime.
             Err(error) if error.source.kind() == ErrorKind::AlreadyExists => {}
             result => return result.map(|()| paths),

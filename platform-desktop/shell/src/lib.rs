@@ -11,13 +11,14 @@ pub mod headset;
 #[cfg(feature = "meshes")]
 pub mod mesh;
 pub mod modes;
-pub mod print;
+
 pub mod replay;
 pub mod require;
 pub mod rmap;
 pub mod sizes;
 pub mod start_volume_store;
 pub mod statics;
+pub mod stl_export;
 pub mod studio;
 pub mod studio_paths;
 pub mod tick_runner;

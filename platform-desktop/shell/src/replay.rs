@@ -26,12 +26,13 @@ pub enum ReplayError {
 /// # Errors
 /// A file that is no trace, the first tick that differs, or a place where no file can be. Then
 /// nothing is written.
-pub fn replay_trace(trace: &Path, digests: &Path) -> Result<(), ReplayError> {
-    let target = WriteTarget::resolve_writable(digests).map_err(ReplayError::Write)?;
-    let read = Trace::read(trace).map_err(ReplayError::Trace)?;
+pub fn write_replay_digests(trace_path: &Path, digests_path: &Path) -> Result<(), ReplayError> {
+    let target =
+        WriteTarget::resolve_and_check_writable(digests_path).map_err(ReplayError::Write)?;
+    let read = Trace::read(trace_path).map_err(ReplayError::Trace)?;
     let played = with_size!(read.header().side, N => replay_digests::<N>(&read));
     let played =
-        played.map_err(|diverged| ReplayError::ReplayDivergence(trace.into(), diverged))?;
+        played.map_err(|diverged| ReplayError::ReplayDivergence(trace_path.into(), diverged))?;
     target.write_file(played.as_bytes()).map_err(ReplayError::Write)
 }
 
@@ -41,10 +42,10 @@ where
     Grid<N>: Size + Resident<N>,
 {
     let mut digests = String::with_capacity(17 * trace.records().len());
-    tick_runner::with_fresh_world::<N, _>(|mut stage| {
-        stage.replay(trace, |_, world| {
+    tick_runner::with_fresh_world::<N, _>(|mut runner| {
+        runner.replay(trace, |tick| {
             // A String takes everything.
-            let _ = writeln!(digests, "{:016x}", world.digest());
+            let _ = writeln!(digests, "{:016x}", tick.world.digest());
         })
     })?;
     Ok(digests)

@@ -28,7 +28,7 @@ use std::path::Path;
 use paros_core::{Axis, Column, Grid, Range, RangeMaps, Size};
 
 use crate::durable;
-pub use fault::{RmapError, RmapFault};
+pub use fault::{RmapError, RmapFault, RmapFaultAt};
 
 const MAGIC: [u8; 4] = *b"RMAP";
 const VERSION: u16 = 1;
@@ -42,16 +42,18 @@ pub struct RmapHeader {
     /// Format version.
     pub version: u16,
     /// Voxels along an edge of the grid (N).
-    pub side: usize,
+    pub grid_side: usize,
     /// Intervals per column (L).
-    pub layers: usize,
+    pub intervals_per_column: usize,
 }
 
 impl RmapHeader {
     /// Length of the whole file in bytes.
     #[must_use]
     pub fn file_length(&self) -> usize {
-        HEADER_BYTES + 3 * self.side * self.side * self.layers * 2 + CHECKSUM_BYTES
+        HEADER_BYTES
+            + 3 * self.grid_side * self.grid_side * self.intervals_per_column * 2
+            + CHECKSUM_BYTES
     }
 }
 
@@ -65,7 +67,7 @@ pub fn read_header(path: &Path) -> Result<RmapHeader, RmapError> {
     file.take(HEADER_BYTES as u64)
         .read_to_end(&mut start)
         .map_err(|source| read_error(path, source))?;
-    parse_header(&start).map_err(|(offset, fault)| format_error(path, offset, fault))
+    parse_header(&start).map_err(|found| format_error(path, found))
 }
 
 /// Reads a volume of N^3 voxels. `maps` is unchanged unless the whole file is valid.
@@ -77,18 +79,15 @@ where
     Grid<N>: Size,
 {
     let header = read_header(path)?;
-    if header.side != N {
-        return Err(format_error(
-            path,
-            6,
-            RmapFault::OtherSize { found: header.side, expected: N },
-        ));
+    if header.grid_side != N {
+        let fault = RmapFault::OtherSize { found: header.grid_side, expected: N };
+        return Err(format_error(path, RmapFaultAt { offset: 6, fault }));
     }
     let mut bytes = Vec::with_capacity(header.file_length() + 1);
     durable::open_regular_file(path)
         .and_then(|file| file.take(header.file_length() as u64 + 1).read_to_end(&mut bytes))
         .map_err(|source| read_error(path, source))?;
-    decode(&bytes, maps).map_err(|(offset, fault)| format_error(path, offset, fault))
+    decode(&bytes, maps).map_err(|found| format_error(path, found))
 }
 
 /// Writes a volume, whole or not at all.
@@ -108,7 +107,7 @@ pub fn encode<const N: usize>(maps: &RangeMaps<N>) -> Vec<u8>
 where
     Grid<N>: Size,
 {
-    let header = RmapHeader { version: VERSION, side: N, layers: 1 };
+    let header = RmapHeader { version: VERSION, grid_side: N, intervals_per_column: 1 };
     let mut bytes = Vec::with_capacity(header.file_length());
     bytes.extend(MAGIC);
     bytes.extend(VERSION.to_le_bytes());
@@ -137,24 +136,26 @@ where
 /// Decodes the bytes of a file. `maps` is unchanged unless all of them are valid.
 ///
 /// # Errors
-/// The first fault found and the offset of the byte where it lies.
-pub fn decode<const N: usize>(
-    bytes: &[u8],
-    maps: &mut RangeMaps<N>,
-) -> Result<(), (usize, RmapFault)>
+/// The first fault found and where it lies.
+pub fn decode<const N: usize>(bytes: &[u8], maps: &mut RangeMaps<N>) -> Result<(), RmapFaultAt>
 where
     Grid<N>: Size,
 {
     let header = parse_header(bytes)?;
-    if header.side != N {
-        return Err((6, RmapFault::OtherSize { found: header.side, expected: N }));
+    if header.grid_side != N {
+        let fault = RmapFault::OtherSize { found: header.grid_side, expected: N };
+        return Err(RmapFaultAt { offset: 6, fault });
     }
-    let columns = RmapColumns { bytes: checked_columns(bytes, &header)?, side: N };
+    let columns = RmapColumns { bytes: checked_columns(bytes, &header)?, grid_side: N };
     columns.check_ranges()?;
     columns.check_tightness()?;
     for axis in Axis::ALL {
         for address in columns.column_addresses() {
-            maps.set_column(axis, address, Column([columns.range_or_empty(axis, address)]));
+            maps.set_column(
+                axis,
+                address,
+                Column([columns.range_or_empty_if_invalid(axis, address)]),
+            );
         }
     }
     Ok(())
@@ -164,53 +165,52 @@ fn read_error(path: &Path, source: io::Error) -> RmapError {
     RmapError::Unreadable { path: path.to_owned(), source }
 }
 
-fn format_error(path: &Path, offset: usize, fault: RmapFault) -> RmapError {
+fn format_error(path: &Path, RmapFaultAt { offset, fault }: RmapFaultAt) -> RmapError {
     RmapError::Bad { path: path.to_owned(), offset, fault }
 }
 
-fn parse_header(bytes: &[u8]) -> Result<RmapHeader, (usize, RmapFault)> {
+fn parse_header(bytes: &[u8]) -> Result<RmapHeader, RmapFaultAt> {
     if let Some(&magic) = bytes.first_chunk()
         && magic != MAGIC
     {
-        return Err((0, RmapFault::Magic(magic)));
+        return Err(RmapFaultAt { offset: 0, fault: RmapFault::Magic(magic) });
     }
+    let at = |offset, fault| Err(RmapFaultAt { offset, fault });
     let Some(&[_, _, _, _, v0, v1, n0, n1, layers, fill @ ..]) =
         bytes.first_chunk::<HEADER_BYTES>()
     else {
-        return Err((bytes.len(), RmapFault::Truncated { expected: HEADER_BYTES }));
+        return at(bytes.len(), RmapFault::Truncated { expected: HEADER_BYTES });
     };
     let (version, n) = (u16::from_le_bytes([v0, v1]), u16::from_le_bytes([n0, n1]));
     if version != VERSION {
-        return Err((4, RmapFault::Version(version)));
+        return at(4, RmapFault::Version(version));
     }
     if !SIZES.contains(&n) {
-        return Err((6, RmapFault::Size(n)));
+        return at(6, RmapFault::Size(n));
     }
     if layers != 1 {
-        return Err((8, RmapFault::Layers(layers)));
+        return at(8, RmapFault::Layers(layers));
     }
     if let Some(i) = fill.iter().position(|&byte| byte != 0) {
-        return Err((9 + i, RmapFault::Flags(fill[i])));
+        return at(9 + i, RmapFault::Flags(fill[i]));
     }
-    Ok(RmapHeader { version, side: n.into(), layers: layers.into() })
+    Ok(RmapHeader { version, grid_side: n.into(), intervals_per_column: layers.into() })
 }
 
 /// Checks length and checksum and returns the bytes of the columns.
-fn checked_columns<'a>(
-    bytes: &'a [u8],
-    header: &RmapHeader,
-) -> Result<&'a [u8], (usize, RmapFault)> {
+fn checked_columns<'a>(bytes: &'a [u8], header: &RmapHeader) -> Result<&'a [u8], RmapFaultAt> {
+    let at = |offset, fault| Err(RmapFaultAt { offset, fault });
     let length = header.file_length();
     if bytes.len() < length {
-        return Err((bytes.len(), RmapFault::Truncated { expected: length }));
+        return at(bytes.len(), RmapFault::Truncated { expected: length });
     }
     if bytes.len() > length {
-        return Err((length, RmapFault::Trailing));
+        return at(length, RmapFault::Trailing);
     }
     let summed = &bytes[..length - CHECKSUM_BYTES];
     let (found, expected) = (stored_checksum(bytes), crc32fast::hash(summed));
     if found != expected {
-        return Err((length - CHECKSUM_BYTES, RmapFault::Checksum { found, expected }));
+        return at(length - CHECKSUM_BYTES, RmapFault::Checksum { found, expected });
     }
     Ok(&summed[HEADER_BYTES..])
 }
@@ -223,37 +223,38 @@ fn stored_checksum(bytes: &[u8]) -> u32 {
 /// The column bytes of a file with one interval per column, not yet known to be tight.
 struct RmapColumns<'a> {
     bytes: &'a [u8],
-    side: usize,
+    grid_side: usize,
 }
 
 impl RmapColumns<'_> {
     fn column_addresses(&self) -> impl Iterator<Item = (usize, usize)> + use<> {
-        let n = self.side;
+        let n = self.grid_side;
         (0..n * n).map(move |i| (i / n, i % n))
     }
 
     /// The offset of a column's two bytes from the end of the header.
-    fn byte_offset(&self, axis: Axis, (line, place): (usize, usize)) -> usize {
-        2 * ((axis as usize * self.side + line) * self.side + place)
+    fn offset_after_header(&self, axis: Axis, (line, place): (usize, usize)) -> usize {
+        2 * ((axis as usize * self.grid_side + line) * self.grid_side + place)
     }
 
     fn column_bytes(&self, axis: Axis, address: (usize, usize)) -> [u8; 2] {
-        let at = self.byte_offset(axis, address);
+        let at = self.offset_after_header(axis, address);
         [self.bytes[at], self.bytes[at + 1]]
     }
 
     /// A column's range. Two bytes that are no range give the empty one.
-    fn range_or_empty(&self, axis: Axis, address: (usize, usize)) -> Range {
-        Range::from_bytes(self.column_bytes(axis, address), self.side).unwrap_or(Range::EMPTY)
+    fn range_or_empty_if_invalid(&self, axis: Axis, address: (usize, usize)) -> Range {
+        Range::from_bytes(self.column_bytes(axis, address), self.grid_side).unwrap_or(Range::EMPTY)
     }
 
-    fn check_ranges(&self) -> Result<(), (usize, RmapFault)> {
+    fn check_ranges(&self) -> Result<(), RmapFaultAt> {
         for axis in Axis::ALL {
             for address in self.column_addresses() {
                 let bytes = self.column_bytes(axis, address);
-                if Range::from_bytes(bytes, self.side).is_none() {
+                if Range::from_bytes(bytes, self.grid_side).is_none() {
                     let fault = RmapFault::Range { axis, address, bytes };
-                    return Err((HEADER_BYTES + self.byte_offset(axis, address), fault));
+                    let offset = HEADER_BYTES + self.offset_after_header(axis, address);
+                    return Err(RmapFaultAt { offset, fault });
                 }
             }
         }
@@ -262,18 +263,19 @@ impl RmapColumns<'_> {
 
     /// A range is the hull of its column's occupied voxels exactly when both its ends are occupied,
     /// for no voxel outside it can be.
-    fn check_tightness(&self) -> Result<(), (usize, RmapFault)> {
+    fn check_tightness(&self) -> Result<(), RmapFaultAt> {
         for axis in Axis::ALL {
             for address in self.column_addresses() {
-                let range = self.range_or_empty(axis, address);
+                let range = self.range_or_empty_if_invalid(axis, address);
                 if range.is_empty() {
                     continue;
                 }
                 for (byte, end) in [range.first(), range.last()].into_iter().enumerate() {
                     let voxel = axis.voxel_at(address, end);
-                    if let Some(missing) = self.axis_without_voxel(voxel) {
+                    if let Some(missing) = self.first_axis_not_holding(voxel) {
                         let fault = RmapFault::Loose { axis, voxel, missing };
-                        return Err((HEADER_BYTES + self.byte_offset(axis, address) + byte, fault));
+                        let offset = HEADER_BYTES + self.offset_after_header(axis, address) + byte;
+                        return Err(RmapFaultAt { offset, fault });
                     }
                 }
             }
@@ -282,9 +284,10 @@ impl RmapColumns<'_> {
     }
 
     /// The first axis along which the column through a voxel does not hold it.
-    fn axis_without_voxel(&self, voxel: [usize; 3]) -> Option<Axis> {
+    fn first_axis_not_holding(&self, voxel: [usize; 3]) -> Option<Axis> {
         let holds = |axis: Axis| {
-            self.range_or_empty(axis, axis.column_address(voxel)).contains(voxel[axis as usize])
+            self.range_or_empty_if_invalid(axis, axis.column_address(voxel))
+                .contains(voxel[axis as usize])
         };
         Axis::ALL.into_iter().find(|&axis| !holds(axis))
     }

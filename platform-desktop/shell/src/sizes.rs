@@ -2,16 +2,16 @@
 //! line, and are const generics in the core: here one becomes the other.
 
 /// Voxels along an edge of a sculpture, the usual number first.
-pub const SIZES: [usize; 2] = [128, 256];
+pub const GRID_SIDES: [usize; 2] = [128, 256];
 
 /// The sizes as command lines have them.
-pub const SIZE_NAMES: [&str; 2] = ["128", "256"];
+pub const GRID_SIDE_NAMES: [&str; 2] = ["128", "256"];
 
-/// The size of a name, or the usual one where it is none of [`SIZE_NAMES`].
+/// The grid's side of a name, or the usual one where it is none of [`GRID_SIDE_NAMES`].
 #[must_use]
-pub fn size_named(name: &str) -> usize {
-    let found = SIZE_NAMES.into_iter().zip(SIZES).find(|(named, _)| *named == name);
-    found.map_or(SIZES[0], |(_, size)| size)
+pub fn grid_side_or_default(name: &str) -> usize {
+    let found = GRID_SIDE_NAMES.into_iter().zip(GRID_SIDES).find(|(named, _)| *named == name);
+    found.map_or(GRID_SIDES[0], |(_, size)| size)
 }
 
 /// An expression that is generic in the size N, at a size that is known at run time only:
@@ -33,7 +33,7 @@ macro_rules! with_size {
     };
     ($size:expr, $N:ident => $at:expr, else $other:expr $(,)?) => {
         match $size {
-            size if $crate::sizes::SIZES.contains(&size) => $crate::with_size!(size, $N => $at),
+            size if $crate::sizes::GRID_SIDES.contains(&size) => $crate::with_size!(size, $N => $at),
             _ => $other,
         }
     };
@@ -41,7 +41,7 @@ macro_rules! with_size {
 
 #[cfg(test)]
 mod tests {
-    use super::{SIZE_NAMES, SIZES, size_named};
+    use super::{GRID_SIDE_NAMES, GRID_SIDES, grid_side_or_default};
 
     const fn twice<const N: usize>() -> usize {
         2 * N
@@ -49,13 +49,16 @@ mod tests {
 
     #[test]
     fn names_are_the_sizes_in_digits() {
-        assert_eq!(SIZE_NAMES.map(size_named), SIZES);
-        assert_eq!(SIZE_NAMES.map(String::from), SIZES.map(|size| size.to_string()));
+        assert_eq!(GRID_SIDE_NAMES.map(grid_side_or_default), GRID_SIDES);
+        assert_eq!(GRID_SIDE_NAMES.map(String::from), GRID_SIDES.map(|size| size.to_string()));
     }
 
     #[test]
     fn each_size_is_its_own_constant() {
-        assert_eq!(SIZES.map(|size| with_size!(size, N => twice::<N>())), SIZES.map(|n| 2 * n));
+        assert_eq!(
+            GRID_SIDES.map(|size| with_size!(size, N => twice::<N>())),
+            GRID_SIDES.map(|n| 2 * n)
+        );
         let strict = [64, 128, 256].map(|size| with_size!(size, N => twice::<N>(), else 0));
         assert_eq!((strict, with_size!(7, N => twice::<N>())), ([0, 256, 512], 256));
     }

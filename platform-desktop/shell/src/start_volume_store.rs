@@ -9,9 +9,9 @@ use crate::figures::Figure;
 #[derive(Debug)]
 pub struct StartVolumeStore<const N: usize> {
     figures: [RangeMaps<N>; Figure::ALL.len()],
-    own: RangeMaps<N>,
-    made: bool,
-    has_own: bool,
+    visitor_volume: RangeMaps<N>,
+    has_figures: bool,
+    offers_visitor_volume: bool,
 }
 
 impl<const N: usize> StartVolumeStore<N>
@@ -24,50 +24,50 @@ where
     pub const fn new() -> Self {
         StartVolumeStore {
             figures: [const { RangeMaps::new() }; Figure::ALL.len()],
-            own: RangeMaps::new(),
-            made: false,
-            has_own: false,
+            visitor_volume: RangeMaps::new(),
+            has_figures: false,
+            offers_visitor_volume: false,
         }
     }
 
-    /// Generates the figures unless they are there already. `plane` is scratch memory. `progress` is
+    /// Generates the figures unless they are there already. `on_fraction_done` is
     /// called with the fraction done, 0 to 1.
-    pub fn generate_figures(&mut self, plane: &mut BitGrid<N>, progress: impl Fn(f32)) {
-        if self.made {
+    pub fn generate_figures(&mut self, scratch: &mut BitGrid<N>, on_fraction_done: impl Fn(f32)) {
+        if self.has_figures {
             return;
         }
         for (i, figure) in Figure::ALL.into_iter().enumerate() {
-            progress(i as f32 / Figure::ALL.len() as f32);
-            figure.carve_into(plane, &mut self.figures[i]);
+            on_fraction_done(i as f32 / Figure::ALL.len() as f32);
+            figure.rasterize_into(&mut self.figures[i], scratch);
         }
-        self.made = true;
+        self.has_figures = true;
     }
 
-    /// Loads the figures instead of generating them: `fill` writes each into its maps.
+    /// Loads the figures instead of generating them: `load_into` writes each into its maps.
     ///
     /// # Errors
-    /// The first error of `fill`. The store then counts as empty.
+    /// The first error of `load_into`. The store then counts as empty.
     pub fn load_figures<E>(
         &mut self,
-        mut fill: impl FnMut(Figure, &mut RangeMaps<N>) -> Result<(), E>,
+        mut load_into: impl FnMut(Figure, &mut RangeMaps<N>) -> Result<(), E>,
     ) -> Result<(), E> {
-        self.made = false;
+        self.has_figures = false;
         for figure in Figure::ALL {
-            fill(figure, &mut self.figures[figure as usize])?;
+            load_into(figure, &mut self.figures[figure as usize])?;
         }
-        self.made = true;
+        self.has_figures = true;
         Ok(())
     }
 
     /// The visitor's own volume, to be overwritten. From now on it is offered as a start volume.
-    pub fn own_volume_mut(&mut self) -> &mut RangeMaps<N> {
-        self.has_own = true;
-        &mut self.own
+    pub fn offer_visitor_volume(&mut self) -> &mut RangeMaps<N> {
+        self.offers_visitor_volume = true;
+        &mut self.visitor_volume
     }
 
     /// No longer offers a volume of the visitor's own.
-    pub fn clear_own_volume(&mut self) {
-        self.has_own = false;
+    pub fn withdraw_visitor_volume(&mut self) {
+        self.offers_visitor_volume = false;
     }
 
     /// The figures hidden in the lump, indexed by their number in the constrained mode.
@@ -82,14 +82,18 @@ where
         &self.figures[figure as usize]
     }
 
-    /// The start volumes for a tick; `hidden` is the result of [`StartVolumeStore::hidden_figures`].
+    /// The start volumes for a tick; `hidden_figures` is the result of
+    /// [`StartVolumeStore::hidden_figures`].
     #[must_use]
-    pub fn start_volumes<'a>(&'a self, hidden: &'a [&'a RangeMaps<N>]) -> StartVolumes<'a, N> {
+    pub fn start_volumes<'a>(
+        &'a self,
+        hidden_figures: &'a [&'a RangeMaps<N>],
+    ) -> StartVolumes<'a, N> {
         StartVolumes {
             lump: self.figure(Figure::Lump),
-            figures: hidden,
+            figures: hidden_figures,
             creative: self.figure(Figure::Toy),
-            own: self.has_own.then_some(&self.own),
+            own: self.offers_visitor_volume.then_some(&self.visitor_volume),
         }
     }
 }

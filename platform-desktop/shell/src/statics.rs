@@ -5,8 +5,8 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use paros_core::{Baker, BitGrid, Grid, RangeMaps, Size, World};
 
-use crate::print::PrintBuffers;
 use crate::start_volume_store::StartVolumeStore;
+use crate::stl_export::StlBuffers;
 
 /// The static buffers of a `Grid<N>`. Each method locks one until the guard is dropped; it still
 /// holds what its last user left in it.
@@ -21,7 +21,7 @@ where
     /// Locks the baker, which turns triangles into maps.
     fn lock_baker() -> MutexGuard<'static, Baker<N>>;
     /// Locks the print buffers, which turn voxels into triangles.
-    fn lock_print_buffers() -> MutexGuard<'static, PrintBuffers<N>>;
+    fn lock_stl_buffers() -> MutexGuard<'static, StlBuffers<N>>;
     /// Locks the world.
     fn lock_world() -> MutexGuard<'static, World<N>>;
     /// Locks the start volumes.
@@ -46,8 +46,8 @@ macro_rules! resident {
                 BAKER.lock().unwrap_or_else(PoisonError::into_inner)
             }
 
-            fn lock_print_buffers() -> MutexGuard<'static, PrintBuffers<$n>> {
-                static PRINT_BUFFERS: Mutex<PrintBuffers<$n>> = Mutex::new(PrintBuffers::new());
+            fn lock_stl_buffers() -> MutexGuard<'static, StlBuffers<$n>> {
+                static PRINT_BUFFERS: Mutex<StlBuffers<$n>> = Mutex::new(StlBuffers::new());
                 PRINT_BUFFERS.lock().unwrap_or_else(PoisonError::into_inner)
             }
 

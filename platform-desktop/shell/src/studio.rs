@@ -1,4 +1,4 @@
-//! The studio: one world's sessions with their ticks, saves, prints and traces.
+//! The studio: one world's sessions with their ticks, saves, exports and traces.
 //!
 //! It takes tick inputs and gives files, through the [`FileWriter`]. `session` holds the world,
 //! `autosave` decides when it is saved, `recorder` records its trace, `export` makes a finished
@@ -15,9 +15,9 @@ mod session;
 use std::path::{Path, PathBuf};
 
 use crate::file_writer::{FileKind, FileWriter};
-use crate::print::StlPrinter;
 use crate::start_volume_store::StartVolumeStore;
 use crate::statics::Resident;
+use crate::stl_export::StlExporter;
 use crate::studio_paths::StudioPaths;
 use crate::tick_runner::TickRunner;
 use crate::{durable, rmap};
@@ -32,7 +32,14 @@ use session::LiveSession;
 pub type DrawPicture<const N: usize> = fn(&RangeMaps<N>) -> Result<Vec<u8>, String>;
 
 /// Reads a file into the static range maps of its size. It is called in a thread.
-pub type ReadVolume = fn(&Path) -> Result<(), String>;
+pub type VolumeReader = fn(&Path) -> Result<(), String>;
+
+/// A session that the shell is to start with the next tick's input.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct SessionToStart {
+    /// How it starts.
+    pub mode: SessionMode,
+}
 
 /// A message for the visitor.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -55,7 +62,7 @@ where
     recorder: Recorder,
     export: SculptureExport<'a, N>,
     paths: StudioPaths,
-    opening: Option<PendingRead>,
+    pending_read: Option<PendingRead>,
     notices: Vec<Notice>,
 }
 
@@ -69,13 +76,13 @@ where
     pub fn new(
         world: &'a mut World<N>,
         volumes: &'a mut StartVolumeStore<N>,
-        printer: StlPrinter<'a, N>,
+        stl_exporter: StlExporter<'a, N>,
         mut paths: StudioPaths,
         draw_picture: DrawPicture<N>,
     ) -> Self {
         let mut session = LiveSession::claim_file(world, volumes, &mut paths);
         for folder in [&paths.sculptures, &paths.sessions, &paths.cache] {
-            durable::remove_stale_drafts(folder);
+            durable::remove_stale_temporaries(folder);
         }
         let autosave = Autosave::new::<N>(&paths);
         let notices = session.resume_saved(&paths);
@@ -84,9 +91,9 @@ where
             session,
             autosave,
             recorder: Recorder::new(),
-            export: SculptureExport::new(printer, draw_picture),
+            export: SculptureExport::new(stl_exporter, draw_picture),
             paths,
-            opening: None,
+            pending_read: None,
             notices,
         }
     }
@@ -102,9 +109,10 @@ where
         self.recorder.disable_recording();
     }
 
-    /// Sets the file to which [`Studio::close`] writes the trace of the last session; `None` for none.
-    pub fn write_trace_at_close(&mut self, path: Option<PathBuf>) {
-        self.recorder.record_whole_to(path);
+    /// Sets the file to which [`Studio::finish_and_save_all`] writes the trace of the last session;
+    /// `None` for none.
+    pub fn set_closing_trace_path(&mut self, path: Option<PathBuf>) {
+        self.recorder.set_closing_trace_path(path);
     }
 
     /// The studio's folders and file names.
@@ -118,34 +126,34 @@ where
         &mut self.file_writer
     }
 
-    /// The path of the last finished sculpture's print, once it is written.
+    /// The path of the last finished sculpture's STL file, once it is written.
     #[must_use]
-    pub fn last_print_path(&self) -> Option<&Path> {
-        self.export.last_print_path()
+    pub fn last_stl_path(&self) -> Option<&Path> {
+        self.export.last_stl_path()
     }
 
     /// The error of the last save, while saving fails.
     #[must_use]
-    pub fn save_fault(&self) -> Option<&str> {
-        self.autosave.fault()
+    pub fn save_error(&self) -> Option<&str> {
+        self.autosave.save_error()
     }
 
     /// Whether files of a sculpture could not be written and wait for
-    /// [`Studio::retry_unwritten_files`].
+    /// [`Studio::retry_failed_writes`].
     #[must_use]
-    pub const fn has_unwritten_files(&self) -> bool {
-        self.export.has_unwritten()
+    pub const fn has_failed_writes(&self) -> bool {
+        self.export.has_failed_jobs()
     }
 
     /// The path of the file being read.
     #[must_use]
-    pub fn opening_path(&self) -> Option<&Path> {
-        self.opening.as_ref().map(|opening| &*opening.path)
+    pub fn path_being_read(&self) -> Option<&Path> {
+        self.pending_read.as_ref().map(|pending| &*pending.path)
     }
 
-    /// Whether a print is being made or written.
+    /// Whether a finished sculpture's files are being made or written.
     #[must_use]
-    pub const fn is_printing(&self) -> bool {
+    pub const fn is_exporting(&self) -> bool {
         self.export.is_busy()
     }
 
@@ -155,42 +163,50 @@ where
     }
 
     /// Adds a message for the visitor.
-    pub fn push_notice(&mut self, note: Notice) {
-        self.notices.push(note);
+    pub fn push_notice(&mut self, notice: Notice) {
+        self.notices.push(notice);
     }
 
     /// Runs one tick. Where it starts a session, the one before is saved to a file of its own.
     pub fn run_tick(&mut self, input: &TickInput) {
-        self.run_tick_with(input, |step| step());
+        self.run_tick_wrapped(input, |step| step());
     }
 
-    /// Runs one tick. `around` must call its argument, the step itself, exactly once: it can measure
+    /// Runs one tick. `wrap_step` must call its argument, the step itself, exactly once: it can measure
     /// the step's time, say.
-    pub fn run_tick_with(&mut self, input: &TickInput, around: impl FnOnce(&mut dyn FnMut())) {
-        let starts = input.start != SessionMode::None;
-        if starts {
-            self.leave_session();
+    pub fn run_tick_wrapped(
+        &mut self,
+        input: &TickInput,
+        wrap_step: impl FnOnce(&mut dyn FnMut()),
+    ) {
+        let starts_session = input.start != SessionMode::None;
+        if starts_session {
+            self.save_and_leave_session();
         }
         let LiveSession { world, volumes, .. } = &mut self.session;
         let hidden = volumes.hidden_figures();
-        let stage = TickRunner::new(world, volumes.start_volumes(&hidden));
-        self.recorder.run_tick(stage, starts, input, around);
+        let runner = TickRunner::new(world, volumes.start_volumes(&hidden));
+        self.recorder.run_tick(runner, starts_session, input, wrap_step);
         self.after_tick();
     }
 
-    /// Collects finished writes and reads. Returns the mode of the session to start where a file has
-    /// been read.
-    pub fn poll_threads(&mut self) -> Option<SessionMode> {
-        while let Some(outcome) = self.file_writer.poll() {
-            self.report_outcome(outcome);
+    /// Collects finished writes and reads, without blocking. Returns the session to start where a file
+    /// has been read.
+    pub fn poll_background_work(&mut self) -> Option<SessionToStart> {
+        while let Some(outcome) = self.file_writer.poll_outcome() {
+            // Errors are added to the messages.
+            let _ = self.handle_write_outcome(outcome);
         }
         self.submit_finished_sculpture();
-        let done = self.opening.as_ref()?.poll_result()?;
-        self.opening = None;
+        let done = self.pending_read.as_ref()?.poll_result()?;
+        self.pending_read = None;
         match done {
             Ok(()) => {
-                self.session.volumes.own_volume_mut().copy_from(&Grid::<N>::lock_range_maps());
-                Some(SessionMode::Own)
+                self.session
+                    .volumes
+                    .offer_visitor_volume()
+                    .copy_from(&Grid::<N>::lock_range_maps());
+                Some(SessionToStart { mode: SessionMode::Own })
             }
             Err(why) => {
                 self.push_notice(Notice::Bad(why));
@@ -200,11 +216,11 @@ where
     }
 
     /// Starts to read a file, for a new session. One at a time; others are refused with a message.
-    pub fn open_file(&mut self, path: &Path, read: ReadVolume) {
-        match &self.opening {
-            None => self.opening = Some(PendingRead::spawn(path, read)),
-            Some(opening) => {
-                let (path, first) = (path.display(), opening.path.display());
+    pub fn open_file(&mut self, path: &Path, reader: VolumeReader) {
+        match &self.pending_read {
+            None => self.pending_read = Some(PendingRead::spawn(path, reader)),
+            Some(pending) => {
+                let (path, first) = (path.display(), pending.path.display());
                 self.push_notice(Notice::Bad(format!(
                     "{path}: not opened, {first} is still being read"
                 )));
@@ -213,26 +229,26 @@ where
     }
 
     /// Submits once more the files that could not be written.
-    pub fn retry_unwritten_files(&mut self) {
-        self.export.take_unwritten().for_each(|job| self.file_writer.submit(job));
+    pub fn retry_failed_writes(&mut self) {
+        self.export.take_failed_jobs().for_each(|job| self.file_writer.submit(job));
     }
 
-    /// Copies the current sculpture to the visitor's own start volume. Returns the mode that starts
+    /// Copies the current sculpture to the visitor's own start volume. Returns the session that starts
     /// from it.
-    pub fn adopt_sculpture(&mut self) -> SessionMode {
+    pub fn copy_sculpture_to_visitor_volume(&mut self) -> SessionToStart {
         let LiveSession { world, volumes, .. } = &mut self.session;
-        volumes.own_volume_mut().copy_from(world.volume().maps());
-        SessionMode::Own
+        volumes.offer_visitor_volume().copy_from(world.volume().maps());
+        SessionToStart { mode: SessionMode::Own }
     }
 
     /// Submits the trace of the session so far, and its start volume if that was the visitor's own.
-    pub fn write_trace(&mut self) {
+    pub fn submit_session_trace(&mut self) {
         let Some(trace) = self.recorder.trace_bytes() else {
             let why = "only a session that began here can be recorded";
             self.push_notice(Notice::Bad(why.into()));
             return;
         };
-        if self.recorder.is_full() {
+        if self.recorder.has_reached_limit() {
             let text = "two hours of a session are recorded: the trace ends there";
             self.notices.push(Notice::Good(text.into()));
         }
@@ -246,7 +262,7 @@ where
     }
 
     /// Saves the session and waits until it is written: the process may be suspended next.
-    pub fn save_and_wait(&mut self) {
+    pub fn save_session_and_wait(&mut self) {
         if self.autosave.is_changed() {
             self.save_session();
         }
@@ -254,14 +270,14 @@ where
         let _ = self.wait_for_writes();
     }
 
-    /// Finishes the print under way, saves the session, and waits until all is written.
+    /// Finishes the export under way, saves the session, and waits until all is written.
     ///
     /// # Errors
     /// The first write that failed.
-    pub fn close(&mut self) -> Result<(), durable::WriteError> {
-        self.export.finish_files();
+    pub fn finish_and_save_all(&mut self) -> Result<(), durable::WriteError> {
+        self.export.finish_making_files();
         self.submit_finished_sculpture();
-        self.retry_unwritten_files();
+        self.retry_failed_writes();
         self.save_session();
         if let Some(path) = self.recorder.trace_path().map(PathBuf::from) {
             match self.recorder.trace_bytes() {
@@ -275,8 +291,8 @@ where
         self.wait_for_writes()
     }
 
-    fn leave_session(&mut self) {
-        if let Some(save) = self.session.save_and_clear() {
+    fn save_and_leave_session(&mut self) {
+        if let Some(save) = self.session.take_unfinished_save_and_clear() {
             self.file_writer.submit_file(
                 FileKind::PreviousSession,
                 self.paths.previous_session_file(N),
@@ -284,18 +300,18 @@ where
             );
         }
         self.recorder.discard_recording();
-        self.export.set_last_print_path(None);
+        self.export.set_last_stl_path(None);
         self.autosave.begin_session();
     }
 
     fn after_tick(&mut self) {
         let world = &*self.session.world;
-        self.export.advance_print(world);
+        self.export.advance_stl_after_tick(world);
         if world.events().contains(&WorldEvent::Finished) {
-            // The printer has made the last one's print at once, before it began with this one's.
+            // The exporter has made the last one's file at once, before it began with this one's.
             self.export.wait_for_picture();
             self.submit_finished_sculpture();
-            self.export.start_files(self.session.world);
+            self.export.start_making_files(self.session.world);
         }
         self.autosave.observe_tick(self.session.world);
         if self.autosave.is_due() {

@@ -46,23 +46,25 @@ impl StudioPaths {
         }
     }
 
-    /// The save of the current session on a grid of `side` voxels a side.
+    /// The save of the current session on a grid of `grid_side` voxels a side.
     #[must_use]
-    pub fn session_file(&self, side: usize) -> PathBuf {
-        self.sessions.join(format!("session-{side}{}.save", self.window_suffix()))
+    pub fn session_file(&self, grid_side: usize) -> PathBuf {
+        self.sessions.join(format!("session-{grid_side}{}.save", self.window_suffix()))
     }
 
     /// The save of the session before it.
     #[must_use]
-    pub fn previous_session_file(&self, side: usize) -> PathBuf {
-        self.sessions.join(format!("session-{side}{}.before.save", self.window_suffix()))
+    pub fn previous_session_file(&self, grid_side: usize) -> PathBuf {
+        self.sessions.join(format!("session-{grid_side}{}.before.save", self.window_suffix()))
     }
 
     /// An unused path beside the session's save, to move an unreadable save to.
     #[must_use]
-    pub fn free_unreadable_file(&self, side: usize) -> PathBuf {
+    pub fn unused_path_for_unreadable_save(&self, grid_side: usize) -> PathBuf {
         (1u32..)
-            .map(|number| self.session_file(side).with_extension(format!("unreadable-{number}")))
+            .map(|number| {
+                self.session_file(grid_side).with_extension(format!("unreadable-{number}"))
+            })
             .find(|path| path.symlink_metadata().is_err())
             .unwrap_or_default()
     }

@@ -20,8 +20,20 @@ where
     Grid<N>: Size,
 {
     world: &'a mut World<N>,
-    starts: StartVolumes<'a, N>,
+    start_volumes: StartVolumes<'a, N>,
     recording: Option<TraceRecording>,
+}
+
+/// A tick of a replay, after it was run.
+#[derive(Clone, Copy, Debug)]
+pub struct ReplayedTick<'a, const N: usize>
+where
+    Grid<N>: Size,
+{
+    /// The number of ticks before it.
+    pub index: usize,
+    /// The world after it.
+    pub world: &'a World<N>,
 }
 
 /// A trace that is being recorded.
@@ -54,8 +66,8 @@ where
 {
     /// A runner that records nothing yet.
     #[must_use]
-    pub fn new(world: &'a mut World<N>, starts: StartVolumes<'a, N>) -> Self {
-        TickRunner { world, starts, recording: None }
+    pub fn new(world: &'a mut World<N>, start_volumes: StartVolumes<'a, N>) -> Self {
+        TickRunner { world, start_volumes, recording: None }
     }
 
     /// The world as of the last tick.
@@ -70,7 +82,7 @@ where
         TraceHeader {
             side: N as u16,
             ticks: 0,
-            starts_digest: digest_start_volumes(&self.starts),
+            starts_digest: digest_start_volumes(&self.start_volumes),
             first_digest: self.world.digest(),
         }
     }
@@ -83,32 +95,36 @@ where
 
     /// Ends the recording and returns the bytes of its trace file; `None` if none was on.
     #[must_use]
-    pub fn end_recording(&mut self) -> Option<Vec<u8>> {
+    pub fn end_recording_to_bytes(&mut self) -> Option<Vec<u8>> {
         self.recording.take().map(|recording| recording.to_trace_bytes())
     }
 
     /// Ends the borrow of the world and returns the recording under way, for
-    /// [`TickRunner::resume_recording`] of another runner.
+    /// [`TickRunner::attach_recording`] of another runner.
     #[must_use]
-    pub fn into_recording(self) -> Option<TraceRecording> {
+    pub fn detach_recording(self) -> Option<TraceRecording> {
         self.recording
     }
 
     /// Continues a recording that another runner of this world and these start volumes began.
-    pub fn resume_recording(&mut self, recording: TraceRecording) {
+    pub fn attach_recording(&mut self, recording: TraceRecording) {
         self.recording = Some(recording);
     }
 
     /// Runs one tick.
     pub fn run_tick(&mut self, input: &TickInput) {
-        self.run_tick_with(input, |step| step());
+        self.run_tick_wrapped(input, |step| step());
     }
 
-    /// Runs one tick. `around` must call its argument, the step itself, exactly once: it can measure
+    /// Runs one tick. `wrap_step` must call its argument, the step itself, exactly once: it can measure
     /// the step's time, say.
     #[expect(clippy::disallowed_methods, reason = "the one place outside tests")]
-    pub fn run_tick_with(&mut self, input: &TickInput, around: impl FnOnce(&mut dyn FnMut())) {
-        around(&mut || self.world.step(input, &self.starts));
+    pub fn run_tick_wrapped(
+        &mut self,
+        input: &TickInput,
+        wrap_step: impl FnOnce(&mut dyn FnMut()),
+    ) {
+        wrap_step(&mut || self.world.step(input, &self.start_volumes));
         if let Some(TraceRecording { header, bytes }) = &mut self.recording {
             header.ticks += 1;
             let at = bytes.len();
@@ -119,7 +135,7 @@ where
         }
     }
 
-    /// Replays a trace. Calls `on_tick` with the tick's number, from 0, and the world after every tick.
+    /// Replays a trace. Calls `after_tick` after every tick.
     ///
     /// # Errors
     /// [`ReplayDivergence`] where the trace was recorded on other start volumes or from another state, or
@@ -127,7 +143,7 @@ where
     pub fn replay(
         &mut self,
         trace: &Trace,
-        mut on_tick: impl FnMut(usize, &World<N>),
+        mut after_tick: impl FnMut(ReplayedTick<'_, N>),
     ) -> Result<(), ReplayDivergence> {
         let (recorded, here) = (trace.header(), self.trace_header());
         if recorded.side != here.side {
@@ -154,23 +170,32 @@ where
                     return Err(ReplayDivergence::Tick { tick, part, recorded, here });
                 }
             }
-            on_tick(tick, self.world);
+            after_tick(ReplayedTick { index: tick, world: self.world });
         }
         Ok(())
     }
 }
 
-/// Locks the process's resident world, clears it, generates its start volumes, and calls `act` with a
+/// Locks the process's resident world, clears it, generates its start volumes, and calls `run` with a
 /// runner of it.
-pub fn with_fresh_world<const N: usize, T>(act: impl FnOnce(TickRunner<'_, N>) -> T) -> T
+pub fn with_fresh_world<const N: usize, T>(run: impl FnOnce(TickRunner<'_, N>) -> T) -> T
 where
     Grid<N>: Size + Resident<N>,
 {
-    let mut starts = Grid::<N>::lock_start_volumes();
-    starts.generate_figures(&mut Grid::<N>::lock_bit_grid(), |_| {});
-    let (hidden, mut world) = (starts.hidden_figures(), Grid::<N>::lock_world());
+    let mut start_volumes = Grid::<N>::lock_start_volumes();
+    start_volumes.generate_figures(&mut Grid::<N>::lock_bit_grid(), |_| {});
+    let (hidden, mut world) = (start_volumes.hidden_figures(), Grid::<N>::lock_world());
     world.clear();
-    act(TickRunner::new(&mut world, starts.start_volumes(&hidden)))
+    run(TickRunner::new(&mut world, start_volumes.start_volumes(&hidden)))
+}
+
+/// The ticks of a stretch of time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ClockTicks {
+    /// To be run; at most [`TickClock::MAX_TICKS_PER_FRAME`].
+    pub due: u32,
+    /// Not to be run: those beyond that number.
+    pub dropped: u32,
 }
 
 /// Fixed-time-step accumulator: turns the time between frames into whole ticks at the core's
@@ -185,14 +210,17 @@ impl TickClock {
     /// The most ticks of one frame; further ticks are dropped.
     pub const MAX_TICKS_PER_FRAME: u32 = 4;
 
-    /// The ticks to run after `elapsed`, and the number dropped beyond [`TickClock::MAX_TICKS_PER_FRAME`].
+    /// The ticks to run, `since_last_call` after the last call.
     #[must_use]
-    pub fn take_due_ticks(&mut self, elapsed: Duration) -> (u32, u32) {
+    pub fn take_due_ticks(&mut self, since_last_call: Duration) -> ClockTicks {
         let second = 1_000_000_000;
-        self.remainder += elapsed.as_nanos() * u128::from(TICK_RATE);
+        self.remainder += since_last_call.as_nanos() * u128::from(TICK_RATE);
         let due = u32::try_from(self.remainder / second).unwrap_or(u32::MAX);
         self.remainder %= second;
-        (due.min(Self::MAX_TICKS_PER_FRAME), due.saturating_sub(Self::MAX_TICKS_PER_FRAME))
+        ClockTicks {
+            due: due.min(Self::MAX_TICKS_PER_FRAME),
+            dropped: due.saturating_sub(Self::MAX_TICKS_PER_FRAME),
+        }
     }
 
     /// The time since the last tick as a fraction of a tick, in 0..1: for interpolation.

@@ -34,6 +34,15 @@ pub enum TraceError {
     },
 }
 
+/// What is wrong with the bytes of a trace file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct TraceFault {
+    /// The tick whose record is wrong, from 0; `None` for the header.
+    pub tick: Option<usize>,
+    /// What is wrong at which byte of the file.
+    pub bad: BadBytes,
+}
+
 /// Where a replay first differs from its trace.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ReplayDivergence {
@@ -78,7 +87,7 @@ impl Trace {
     /// [`TraceError`], with the file and the offset or tick.
     pub fn read(path: &Path) -> Result<Self, TraceError> {
         let bytes = durable::read_file(path).map_err(|e| TraceError::Read(path.into(), e))?;
-        Self::decode(&bytes).map_err(|(tick, bad)| match tick {
+        Self::decode(&bytes).map_err(|TraceFault { tick, bad }| match tick {
             None => TraceError::Header(path.into(), bad),
             Some(tick) => TraceError::Record { path: path.into(), tick, bad },
         })
@@ -87,25 +96,26 @@ impl Trace {
     /// Decodes the bytes of a trace file.
     ///
     /// # Errors
-    /// The tick, unless it is the header, and what is wrong at which byte.
-    pub fn decode(bytes: &[u8]) -> Result<Self, (Option<usize>, BadBytes)> {
-        let header = TraceHeader::read(&mut ByteReader::new(bytes)).map_err(|bad| (None, bad))?;
+    /// [`TraceFault`], its offset counted from the file's start.
+    pub fn decode(bytes: &[u8]) -> Result<Self, TraceFault> {
+        let header = TraceHeader::read(&mut ByteReader::new(bytes))
+            .map_err(|bad| TraceFault { tick: None, bad })?;
         let mut records = Vec::with_capacity(bytes.len() / RECORD_BYTES);
         let chunks = bytes[HEADER_BYTES..].chunks(RECORD_BYTES);
         for (tick, chunk) in chunks.enumerate() {
             let record = TickRecord::read(&mut ByteReader::new(chunk)).map_err(|bad| {
                 let start = HEADER_BYTES + tick * RECORD_BYTES;
-                (Some(tick), BadBytes { offset: start + bad.offset, ..bad })
+                TraceFault { tick: Some(tick), bad: BadBytes { offset: start + bad.offset, ..bad } }
             })?;
             records.push(record);
         }
         if records.len() != header.ticks as usize {
             let tick = records.len().min(header.ticks as usize);
             let expected = "as many ticks as the header says";
-            return Err((
-                Some(tick),
-                BadBytes { offset: HEADER_BYTES + tick * RECORD_BYTES, expected },
-            ));
+            return Err(TraceFault {
+                tick: Some(tick),
+                bad: BadBytes { offset: HEADER_BYTES + tick * RECORD_BYTES, expected },
+            });
         }
         Ok(Trace { header, records })
     }

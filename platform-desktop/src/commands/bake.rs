@@ -21,14 +21,14 @@ pub(super) struct Args {
     #[arg(short, long, value_name = "V.rmap")]
     output: PathBuf,
     /// Voxels along an edge.
-    #[arg(long, default_value = "128", value_parser = volume::size_parser())]
+    #[arg(long, default_value = "128", value_parser = volume::grid_side_parser())]
     size: usize,
 }
 
 pub(super) fn run(args: &Args) -> Result<String, Error> {
-    volume::check_distinct(&args.mesh, &args.output)?;
-    volume::check_ending(&args.output, "rmap")?;
-    if MeshFormat::from_extension(&args.mesh).is_none() && volume::is_volume_file(&args.mesh) {
+    volume::check_output_is_not_input(&args.mesh, &args.output)?;
+    volume::check_extension(&args.output, "rmap")?;
+    if MeshFormat::from_extension(&args.mesh).is_none() && volume::has_volume_header(&args.mesh) {
         let what = args.mesh.display();
         return Err(Error::Input(format!("{what}: is a volume already; expected a mesh")));
     }
@@ -42,14 +42,14 @@ fn bake_mesh<const N: usize>(args: &Args, mesh: &Mesh) -> Result<String, Error>
 where
     Grid<N>: Size + Resident<N>,
 {
-    let (mut maps, mut plane) = (Grid::<N>::lock_range_maps(), Grid::<N>::lock_bit_grid());
+    let (mut maps, mut bit_grid) = (Grid::<N>::lock_range_maps(), Grid::<N>::lock_bit_grid());
     let baking = progress::show_progress("baking", None);
     // The mesh has been read, so its name has a kind.
     let up = MeshFormat::from_extension(&args.mesh).map_or(UpAxis::Y, MeshFormat::default_up_axis);
     let report = mesh
-        .bake_into_maps(up, &mut *Grid::<N>::lock_baker(), &mut *maps, &mut *plane)
+        .bake_into_maps(up, &mut *Grid::<N>::lock_baker(), &mut *maps, &mut *bit_grid)
         .ok_or_else(|| Error::Input(format!("{}: the mesh has no extent", args.mesh.display())))?;
-    let faults = mesh.count_winding_faults();
+    let faults = mesh.count_repeated_directed_edges();
     drop(baking);
     rmap::write(&args.output, &maps)?;
 
@@ -58,7 +58,7 @@ where
     let _ = writeln!(
         lines,
         "{output}: {} voxels of {N}^3 from {triangles} triangles",
-        plane.count_voxels()
+        bit_grid.count_voxels()
     );
     if report.degenerate > 0 {
         let _ = writeln!(lines, "{} triangles have no area at this size", report.degenerate);

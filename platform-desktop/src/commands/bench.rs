@@ -5,10 +5,10 @@ use std::path::PathBuf;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use paros_bench::{Benchmark, Plan, Subject, format_table};
 use paros_headless::Error;
-use paros_shell::require::require;
+use paros_shell::require::require_or_skip;
 
 use super::progress;
-use super::render::parse_pixels;
+use super::render::parse_image_size;
 
 /// Measure speed and size against the usual ways, in turns, best of many runs, on one thread.
 #[derive(Debug, clap::Args)]
@@ -30,7 +30,7 @@ pub(super) struct Args {
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..))]
     runs: Option<u16>,
     /// Width and height in pixels of a frame.
-    #[arg(long, value_name = "WxH", default_value = "1440x1584", value_parser = parse_pixels, allow_hyphen_values = true)]
+    #[arg(long, value_name = "WxH", default_value = "1440x1584", value_parser = parse_image_size, allow_hyphen_values = true)]
     size: [usize; 2],
     /// A part of the name of the Vulkan device that draws; else the best one, which for `all` and
     /// `paper` must be a GPU.
@@ -72,10 +72,10 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
     if let BenchChoice::One(Benchmark::Step) = args.what {
         traces = named.drain(..).cloned().collect();
     }
-    let subjects = named.into_iter().map(|v| Subject::from_name(v));
+    let subjects = named.into_iter().map(|v| Subject::from_name_or_path(v));
     let mut subjects = subjects.collect::<Result<Vec<_>, _>>()?;
     if subjects.is_empty() {
-        subjects = Subject::own_figures();
+        subjects = Subject::built_in_figures();
     }
     let benches = match args.what {
         BenchChoice::All => Benchmark::ALL.to_vec(),
@@ -94,9 +94,9 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
     let slow = plan.benches.contains(&Benchmark::Step);
     let what = if slow { "measuring (step takes minutes)" } else { "measuring" };
     let bar = progress::show_progress(what, Some(BAR * plan.piece_count() as u64));
-    let report = plan.run(|done| bar.advance_to((BAR as f64 * done) as u64))?;
+    let report = plan.run(|done| bar.set_steps_done((BAR as f64 * done) as u64))?;
     drop(bar);
-    let missing = report.skipped.iter().map(|why| require::<(), _>(Err(why)));
+    let missing = report.skipped.iter().map(|why| require_or_skip::<(), _>(Err(why)));
     // All are told before the first of them counts.
     for missing in missing.collect::<Vec<_>>() {
         missing.map_err(Error::failure)?;

@@ -11,8 +11,8 @@ use paros_shaders::{Camera, Image, RenderOptions, contact_sheet, render_image};
 use paros_shell::demo::{self, Chapter};
 use paros_shell::durable::WriteTarget;
 use paros_shell::figures::Figure;
-use paros_shell::print::{DEFAULT_HEIGHT_MM, FinishedPrint, StlPrinter};
 use paros_shell::statics::Resident;
+use paros_shell::stl_export::{DEFAULT_HEIGHT_MM, FinishedStl, StlExporter};
 use paros_shell::tick_runner::TickRunner;
 use paros_shell::{durable, rmap};
 
@@ -22,7 +22,7 @@ use super::progress;
 const N: usize = 128;
 
 /// Which of the hidden figures comes to light.
-const FIGURE: u8 = 0;
+const HIDDEN_FIGURE: u8 = 0;
 
 /// The files that it writes.
 const FILES: [&str; 5] =
@@ -46,7 +46,8 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
     let folder = &args.output;
     durable::make_folder(folder)?;
     // Checked before the work, and written together after it.
-    let tried = FILES.iter().map(|name| WriteTarget::resolve_writable(&folder.join(name)));
+    let tried =
+        FILES.iter().map(|name| WriteTarget::resolve_and_check_writable(&folder.join(name)));
     let targets = tried.collect::<Result<Vec<_>, _>>()?;
     let session = play_session()?;
     let mut png = Vec::new();
@@ -54,7 +55,7 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
     let world = Grid::<N>::lock_world();
     let maps = rmap::encode(world.volume().maps());
     let mut report = session.format_report(world.volume().count_voxels());
-    let bytes = [&session.trace, &maps, &session.print.stl, &png, report.as_bytes()];
+    let bytes = [&session.trace, &maps, &session.stl.bytes, &png, report.as_bytes()];
     durable::write_files(&targets.into_iter().zip(bytes).collect::<Vec<_>>())?;
     let _ = writeln!(report, "{}: {}", folder.display(), FILES.join(", "));
     Ok(report)
@@ -63,7 +64,7 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
 /// The session's results, except the world itself.
 struct DemoResult {
     trace: Vec<u8>,
-    print: FinishedPrint,
+    stl: FinishedStl,
     pictures: Vec<Image>,
     tally: EventCounts,
     chapters: Vec<(Chapter, u64, u64)>,
@@ -115,7 +116,7 @@ impl DemoResult {
         let _ = writeln!(
             lines,
             "the {} from the stone: {ticks} ticks ({} s of sculpting), stepped in {:.2} s",
-            Figure::HIDDEN[usize::from(FIGURE)].name(),
+            Figure::HIDDEN[usize::from(HIDDEN_FIGURE)].name(),
             ticks / u64::from(paros_core::TICK_RATE),
             self.spent.as_secs_f32(),
         );
@@ -137,7 +138,7 @@ impl DemoResult {
         let _ = writeln!(
             lines,
             "print: {} triangles, {DEFAULT_HEIGHT_MM} mm high",
-            self.print.triangle_count
+            self.stl.triangle_count
         );
         lines
     }
@@ -150,21 +151,22 @@ fn play_session() -> Result<DemoResult, Error> {
     drop(making);
     let hidden = starts.hidden_figures();
     let mut world = Grid::<N>::lock_world();
-    let mut stage = TickRunner::new(&mut world, starts.start_volumes(&hidden));
-    stage.start_recording();
-    let mut press = Grid::<N>::lock_print_buffers();
-    let (mut printer, mut print) = (StlPrinter::new(&mut press, DEFAULT_HEIGHT_MM)?, None);
+    let mut runner = TickRunner::new(&mut world, starts.start_volumes(&hidden));
+    runner.start_recording();
+    let mut stl_buffers = Grid::<N>::lock_stl_buffers();
+    let (mut stl_exporter, mut stl) =
+        (StlExporter::new(&mut stl_buffers, DEFAULT_HEIGHT_MM)?, None);
 
     let bar = progress::show_progress("sculpting", Some(Chapter::ALL.len() as u64));
     let (mut tally, mut pictures, mut chapters) = (EventCounts::default(), Vec::new(), Vec::new());
     let mut drawing = Duration::ZERO;
     let begun = Instant::now();
     demo::play_demo(
-        &mut stage,
-        FIGURE,
+        &mut runner,
+        HIDDEN_FIGURE,
         &mut |world| {
             tally.count_events(world);
-            print = printer.advance_after_tick(world).or(print.take());
+            stl = stl_exporter.begin_or_advance_after_tick(world).or(stl.take());
             ControlFlow::Continue(())
         },
         |chapter, world| {
@@ -173,15 +175,15 @@ fn play_session() -> Result<DemoResult, Error> {
             let options = RenderOptions { width: 480, height: 480, ..RenderOptions::default() };
             let camera = Camera::orbiting(0.45, 0.3);
             pictures.push(render_image(world.volume().maps(), &camera, &options, &|_| {}));
-            bar.advance_to(chapters.len() as u64);
+            bar.set_steps_done(chapters.len() as u64);
             drawing += drawn.elapsed();
         },
     );
     let spent = begun.elapsed() - drawing;
-    let trace = stage.end_recording().unwrap_or_default();
-    // No ticks follow: the print is finished at once.
-    let print = printer.finish_print().or(print);
-    let print = print.ok_or_else(|| Error::Failure("the demo was not finished".into()))?;
-    let digest = stage.world().digest();
-    Ok(DemoResult { trace, print, pictures, tally, chapters, digest, spent })
+    let trace = runner.end_recording_to_bytes().unwrap_or_default();
+    // No ticks follow: the export is finished at once.
+    let stl = stl_exporter.run_export_to_end().or(stl);
+    let stl = stl.ok_or_else(|| Error::Failure("the demo was not finished".into()))?;
+    let digest = runner.world().digest();
+    Ok(DemoResult { trace, stl, pictures, tally, chapters, digest, spent })
 }

@@ -2,7 +2,7 @@
 
 use clap::ValueEnum;
 use paros_core::RangeMaps;
-use paros_headless::{BACKDROP, Error, HeadlessRenderer, PictureFormat};
+use paros_headless::{BACKDROP, Error, HeadlessRenderer, PictureFormat, SculptureView};
 use paros_shaders::field::DensityField;
 use paros_shaders::gpu::{FrameRequest, PaperVariant, RenderPath, RenderStyle};
 use paros_shaders::{Camera, Image, RenderOptions, render_image};
@@ -38,7 +38,7 @@ enum PathChoice {
 pub(super) enum PictureRenderer<const N: usize> {
     Cpu(RenderOptions),
     Vulkan {
-        easel: Box<HeadlessRenderer>,
+        renderer: Box<HeadlessRenderer>,
         field: Box<DensityField<N>>,
         size: [u32; 2],
         path: RenderPath,
@@ -46,56 +46,64 @@ pub(super) enum PictureRenderer<const N: usize> {
 }
 
 impl DrawingOptions {
-    /// Makes a renderer of pictures of `[width, height]` pixels. On the CPU, `samples` rays go along
-    /// each side of a pixel.
+    /// Makes a renderer of pictures of `[width, height]` pixels. On the CPU, `rays_along_pixel_side`
+    /// rays go along each side of a pixel.
     pub(super) fn make_renderer<const N: usize>(
         &self,
         [width, height]: [usize; 2],
-        samples: usize,
+        rays_along_pixel_side: usize,
     ) -> Result<PictureRenderer<N>, Error> {
         if self.renderer == RendererChoice::Cpu {
             let options = match self.path {
                 PathChoice::Paper => RenderOptions::paper_path(),
                 PathChoice::Fast => RenderOptions::default(),
             };
-            return Ok(PictureRenderer::Cpu(RenderOptions { width, height, samples, ..options }));
+            return Ok(PictureRenderer::Cpu(RenderOptions {
+                width,
+                height,
+                samples: rays_along_pixel_side,
+                ..options
+            }));
         }
         let size = [width, height].map(|side| side as u32);
         let canvas = PictureFormat { size, eyes: 1, samples: SAMPLES };
-        let easel =
+        let renderer =
             Box::new(HeadlessRenderer::new(&paros_headless::open_gpu(None)?, N, canvas, &[])?);
         let path = match self.path {
             PathChoice::Paper => RenderPath::Paper(PaperVariant::Whole),
             PathChoice::Fast => RenderPath::Fast,
         };
-        Ok(PictureRenderer::Vulkan { easel, field: Box::new(DensityField::new()), size, path })
+        Ok(PictureRenderer::Vulkan { renderer, field: Box::new(DensityField::new()), size, path })
     }
 }
 
 impl<const N: usize> PictureRenderer<N> {
-    /// Draws a volume. `progress` gets the fraction done, 0 to 1.
-    pub(super) fn draw_picture(
+    /// Draws a volume. `on_fraction_done` gets the fraction done, 0 to 1.
+    pub(super) fn draw_volume(
         &mut self,
         maps: &RangeMaps<N>,
         camera: &Camera,
-        progress: &(dyn Fn(f32) + Sync),
+        on_fraction_done: &(dyn Fn(f32) + Sync),
     ) -> Result<Image, Error> {
         match self {
-            PictureRenderer::Cpu(options) => Ok(render_image(maps, camera, options, progress)),
-            PictureRenderer::Vulkan { easel, field, size, path } => {
+            PictureRenderer::Cpu(options) => {
+                Ok(render_image(maps, camera, options, on_fraction_done))
+            }
+            PictureRenderer::Vulkan { renderer, field, size, path } => {
                 field.rebuild_from(maps);
-                easel.load_field(field)?;
-                let (eye, stand) = paros_headless::eye_and_stand_of(camera, *size);
+                renderer.load_field(field)?;
+                let SculptureView { eye, placement } =
+                    paros_headless::view_of_camera(camera, *size);
                 let look = RenderStyle { path: *path, ..RenderStyle::default() };
-                let picture = FrameRequest {
+                let request = FrameRequest {
                     eyes: &[eye],
-                    placement: stand,
+                    placement,
                     style: look,
                     backdrop: BACKDROP,
                     scene: None,
                 };
-                easel.draw_picture(&picture, &vec![])?;
-                easel.read_image(0)
+                renderer.draw_frame(&request, &vec![])?;
+                renderer.read_image(0)
             }
         }
     }

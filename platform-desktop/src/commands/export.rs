@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use paros_core::{Grid, HEIGHT_RANGE_MM, Size};
 use paros_headless::Error;
 use paros_shell::durable::WriteTarget;
-use paros_shell::print::StlPrinter;
 use paros_shell::statics::Resident;
+use paros_shell::stl_export::StlExporter;
 use paros_shell::with_size;
 
 use super::{progress, volume};
@@ -37,34 +37,34 @@ fn parse_height_mm(text: &str) -> Result<f32, String> {
 }
 
 pub(super) fn run(args: &Args) -> Result<String, Error> {
-    volume::check_distinct(&args.volume, &args.output)?;
-    volume::check_ending(&args.output, "stl")?;
-    let size = volume::read_size(&args.volume)?;
-    with_size!(size, N => export_volume::<N>(args), else Err(volume::unusable_size(&args.volume, size)))
+    volume::check_output_is_not_input(&args.volume, &args.output)?;
+    volume::check_extension(&args.output, "stl")?;
+    let size = volume::read_grid_side(&args.volume)?;
+    with_size!(size, N => export_volume::<N>(args), else Err(volume::unusable_grid_side(&args.volume, size)))
 }
 
 fn export_volume<const N: usize>(args: &Args) -> Result<String, Error>
 where
     Grid<N>: Size + Resident<N>,
 {
-    let (mut maps, mut plane) = (Grid::<N>::lock_range_maps(), Grid::<N>::lock_bit_grid());
+    let (mut maps, mut bit_grid) = (Grid::<N>::lock_range_maps(), Grid::<N>::lock_bit_grid());
     volume::read_nonempty(&args.volume, &mut maps)?;
-    plane.set_from_maps(&maps);
+    bit_grid.set_from_maps(&maps);
     // A volume from a file has no mask.
     maps.clear();
-    let target = WriteTarget::resolve_writable(&args.output)?;
+    let target = WriteTarget::resolve_and_check_writable(&args.output)?;
     let exporting = progress::show_progress("exporting", None);
-    let mut press = Grid::<N>::lock_print_buffers();
-    let mut printer = StlPrinter::new(&mut press, args.height_mm)?;
-    printer.begin_print(&plane, &maps);
-    let print = volume::require_print(printer.finish_print(), &args.volume)?;
+    let mut stl_buffers = Grid::<N>::lock_stl_buffers();
+    let mut stl_exporter = StlExporter::new(&mut stl_buffers, args.height_mm)?;
+    stl_exporter.begin_export(&bit_grid, &maps);
+    let stl = volume::require_nonempty_stl(stl_exporter.run_export_to_end(), &args.volume)?;
     drop(exporting);
-    target.write_file(&print.stl)?;
+    target.write_file(&stl.bytes)?;
     Ok(format!(
         "{}: {} triangles, {} bytes, {} mm high\n",
         args.output.display(),
-        print.triangle_count,
-        print.stl.len(),
+        stl.triangle_count,
+        stl.bytes.len(),
         args.height_mm
     ))
 }

@@ -59,8 +59,8 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
     let info = if MeshFormat::from_extension(&args.file).is_some() {
         Info::Mesh(mesh_info(&args.file)?)
     } else {
-        let size = volume::read_size(&args.file)?;
-        let unusable = || Err(volume::unusable_size(&args.file, size));
+        let size = volume::read_grid_side(&args.file)?;
+        let unusable = || Err(volume::unusable_grid_side(&args.file, size));
         Info::Volume(with_size!(size, N => volume_info::<N>(&args.file), else unusable())?)
     };
     if args.json {
@@ -78,38 +78,45 @@ where
     Grid<N>: Size + Resident<N>,
 {
     let header = rmap::read_header(path).map_err(Error::input)?;
-    let (mut maps, mut plane) = (Grid::<N>::lock_range_maps(), Grid::<N>::lock_bit_grid());
+    let (mut maps, mut bit_grid) = (Grid::<N>::lock_range_maps(), Grid::<N>::lock_bit_grid());
     rmap::read(path, &mut *maps).map_err(Error::input)?;
-    plane.set_from_maps(&maps);
+    bit_grid.set_from_maps(&maps);
     Ok(VolumeInfo {
         version: header.version,
-        size: header.side,
-        layers: header.layers,
+        size: header.grid_side,
+        layers: header.intervals_per_column,
         bytes: header.file_length(),
         checksum: format!("{:08x}", rmap::volume_checksum(&maps)),
-        voxels: plane.count_voxels(),
-        ground: plane.layer(0).iter().map(|row| u64::from(row.count_ones())).sum(),
-        bounds: voxel_bounds(&plane),
+        voxels: bit_grid.count_voxels(),
+        ground: bit_grid.layer(0).iter().map(|row| u64::from(row.count_ones())).sum(),
+        bounds: voxel_bounds(&bit_grid).map(|bounds| [bounds.first, bounds.last]),
     })
 }
 
-/// First and last occupied voxel along x, y and z.
-fn voxel_bounds<const N: usize>(plane: &BitGrid<N>) -> Option<[[usize; 3]; 2]>
+/// The least and greatest coordinates of a volume's occupied voxels.
+struct VoxelBounds {
+    first: [usize; 3],
+    last: [usize; 3],
+}
+
+/// The bounds of the occupied voxels; none in an empty volume.
+fn voxel_bounds<const N: usize>(bit_grid: &BitGrid<N>) -> Option<VoxelBounds>
 where
     Grid<N>: Size,
 {
-    let mut bounds: Option<[[usize; 3]; 2]> = None;
+    let mut bounds: Option<VoxelBounds> = None;
     for y in 0..N {
         for z in 0..N {
-            let row = plane.row(y, z);
+            let row = bit_grid.row(y, z);
             let (Some(first), Some(last)) = (row.first(), row.last()) else {
                 continue;
             };
-            let [lo, hi] = bounds.unwrap_or([[first, y, z], [last, y, z]]);
-            bounds = Some([
-                [lo[0].min(first), lo[1].min(y), lo[2].min(z)],
-                [hi[0].max(last), hi[1].max(y), hi[2].max(z)],
-            ]);
+            let VoxelBounds { first: lo, last: hi } =
+                bounds.unwrap_or(VoxelBounds { first: [first, y, z], last: [last, y, z] });
+            bounds = Some(VoxelBounds {
+                first: [lo[0].min(first), lo[1].min(y), lo[2].min(z)],
+                last: [hi[0].max(last), hi[1].max(y), hi[2].max(z)],
+            });
         }
     }
     bounds
@@ -136,8 +143,8 @@ fn mesh_info(path: &Path) -> Result<MeshInfo, Error> {
     Ok(MeshInfo {
         vertices: mesh.positions.len(),
         triangles: mesh.triangles.len(),
-        bounds: mesh.bounding_box(),
-        winding_faults: mesh.count_winding_faults(),
+        bounds: mesh.bounding_box().map(|bounds| (bounds.min, bounds.max)),
+        winding_faults: mesh.count_repeated_directed_edges(),
     })
 }
 

@@ -43,7 +43,7 @@ impl Cli {
     /// What failed, and whether input or program is at fault. No file is written then.
     pub fn run(&self) -> Result<String, Error> {
         match &self.command {
-            None => window::run_or_demo(),
+            None => window::run_window_or_demo(),
             Some(CliCommand::Demo(args)) => demo::run(args),
             Some(CliCommand::Bake(args)) => bake::run(args),
             Some(CliCommand::Bench(args)) => bench::run(args),

@@ -7,9 +7,9 @@ use paros_core::{Grid, SessionState, Size, World};
 use paros_headless::Error;
 use paros_shaders::Camera;
 use paros_shell::durable::{self, WriteTarget};
-use paros_shell::print::{DEFAULT_HEIGHT_MM, FinishedPrint, StlPrinter};
 use paros_shell::statics::Resident;
-use paros_shell::tick_runner::TickRunner;
+use paros_shell::stl_export::{DEFAULT_HEIGHT_MM, FinishedStl, StlExporter};
+use paros_shell::tick_runner::{ReplayedTick, TickRunner};
 use paros_shell::trace::Trace;
 use paros_shell::with_size;
 
@@ -45,15 +45,15 @@ const FRAME_TICKS: usize = 36;
 
 pub(super) fn run(args: &Args) -> Result<String, Error> {
     for output in [&args.digests, &args.stl].into_iter().flatten() {
-        volume::check_distinct(&args.trace, output)?;
+        volume::check_output_is_not_input(&args.trace, output)?;
         if let Some(volume) = &args.volume {
-            volume::check_distinct(volume, output)?;
+            volume::check_output_is_not_input(volume, output)?;
         }
     }
     if let Some(stl) = &args.stl {
-        volume::check_ending(stl, "stl")?;
+        volume::check_extension(stl, "stl")?;
     }
-    if volume::is_volume_file(&args.trace) {
+    if volume::has_volume_header(&args.trace) {
         let what = args.trace.display();
         let why = format!("{what}: is a volume, not a trace; `paros render` draws it");
         return Err(Error::Input(why));
@@ -69,8 +69,8 @@ where
     let outputs = OutputTargets::check_writable(args)?;
     let mut starts = Grid::<N>::lock_start_volumes();
     if let Some(path) = &args.volume {
-        match volume::read_size(path)? {
-            n if n == N => volume::read_nonempty(path, starts.own_volume_mut())?,
+        match volume::read_grid_side(path)? {
+            n if n == N => volume::read_nonempty(path, starts.offer_visitor_volume())?,
             n => {
                 let path = path.display();
                 return Err(Error::Input(format!("{path}: has size {n}, the trace {N}")));
@@ -81,10 +81,10 @@ where
     starts.generate_figures(&mut Grid::<N>::lock_bit_grid(), |_| {});
     drop(making);
     let (hidden, mut world) = (starts.hidden_figures(), Grid::<N>::lock_world());
-    let mut stage = TickRunner::new(&mut world, starts.start_volumes(&hidden));
-    let played = replay_trace(args, trace, &mut stage)?;
+    let mut runner = TickRunner::new(&mut world, starts.start_volumes(&hidden));
+    let played = replay_for_outputs(args, trace, &mut runner)?;
 
-    let world = stage.world();
+    let world = runner.world();
     let mut report = format!(
         "{}: {} ticks, all as recorded; {} voxels, digest {:016x}\n",
         args.trace.display(),
@@ -93,8 +93,8 @@ where
         world.digest()
     );
     outputs.write_files(&played)?;
-    if let (Some(path), Some(print)) = (&args.stl, &played.print) {
-        let _ = writeln!(report, "{}: {} triangles", path.display(), print.triangle_count);
+    if let (Some(path), Some(stl)) = (&args.stl, &played.stl) {
+        let _ = writeln!(report, "{}: {} triangles", path.display(), stl.triangle_count);
     }
     if let Some(folder) = &args.frames {
         let _ = writeln!(report, "{}: {} pictures", folder.display(), played.frames);
@@ -111,8 +111,9 @@ struct OutputTargets {
 impl OutputTargets {
     /// Checks before the work that the files can be written.
     fn check_writable(args: &Args) -> Result<Self, Error> {
-        let tried =
-            |path: &Option<PathBuf>| path.as_deref().map(WriteTarget::resolve_writable).transpose();
+        let tried = |path: &Option<PathBuf>| {
+            path.as_deref().map(WriteTarget::resolve_and_check_writable).transpose()
+        };
         let outputs = OutputTargets { digests: tried(&args.digests)?, stl: tried(&args.stl)? };
         match (&outputs.digests, &outputs.stl) {
             (Some(a), Some(b)) if a.is_same_file(b) => {
@@ -124,8 +125,8 @@ impl OutputTargets {
 
     fn write_files(self, played: &ReplayResult) -> Result<(), Error> {
         let digests = self.digests.map(|target| (target, played.digests.as_bytes()));
-        let print = self.stl.zip(played.print.as_ref().map(|print| &print.stl[..]));
-        let files: Vec<_> = digests.into_iter().chain(print).collect();
+        let stl = self.stl.zip(played.stl.as_ref().map(|stl| &stl.bytes[..]));
+        let files: Vec<_> = digests.into_iter().chain(stl).collect();
         Ok(durable::write_files(&files)?)
     }
 }
@@ -133,87 +134,87 @@ impl OutputTargets {
 /// The results of a replay, except the world itself.
 struct ReplayResult {
     digests: String,
-    print: Option<FinishedPrint>,
+    stl: Option<FinishedStl>,
     frames: usize,
 }
 
-fn replay_trace<const N: usize>(
+fn replay_for_outputs<const N: usize>(
     args: &Args,
     trace: &Trace,
-    stage: &mut TickRunner<'_, N>,
+    runner: &mut TickRunner<'_, N>,
 ) -> Result<ReplayResult, Error>
 where
     Grid<N>: Size + Resident<N>,
 {
     let bar = progress::show_progress("playing", Some(trace.records().len() as u64));
-    let mut played = ReplayResult { digests: String::new(), print: None, frames: 0 };
+    let mut played = ReplayResult { digests: String::new(), stl: None, frames: 0 };
     let mut drawn = Ok(());
     let mut frames = match args.frames.as_deref() {
         Some(folder) => Some((folder, args.drawing.make_renderer::<N>(FRAME_SIZE, 1)?)),
         None => None,
     };
-    let mut press = Grid::<N>::lock_print_buffers();
-    let mut printer = StlPrinter::new(&mut press, DEFAULT_HEIGHT_MM)?;
-    stage
-        .replay(trace, |tick, world| {
+    let mut stl_buffers = Grid::<N>::lock_stl_buffers();
+    let mut stl_exporter = StlExporter::new(&mut stl_buffers, DEFAULT_HEIGHT_MM)?;
+    runner
+        .replay(trace, |ReplayedTick { index: tick, world }| {
             let _ = writeln!(played.digests, "{:016x}", world.digest());
             if args.stl.is_some()
-                && let Some(print) = printer.advance_after_tick(world)
+                && let Some(stl) = stl_exporter.begin_or_advance_after_tick(world)
             {
-                played.print = Some(print);
+                played.stl = Some(stl);
             }
             if tick % 64 == 0 {
-                bar.advance_to(tick as u64);
+                bar.set_steps_done(tick as u64);
             }
             if let Some((folder, renderer)) = &mut frames
                 && tick % FRAME_TICKS == 0
                 && drawn.is_ok()
             {
-                drawn = draw_frame(renderer, folder, tick / FRAME_TICKS, world);
+                drawn = write_picture(renderer, folder, tick / FRAME_TICKS, world);
                 played.frames += 1;
             }
         })
         .map_err(|diverged| Error::Input(format!("{}: {diverged}", args.trace.display())))?;
     drawn?;
     if args.stl.is_some() {
-        let last = last_print(&mut printer, played.print.take(), stage.world());
-        played.print = Some(volume::require_print(last, &args.trace)?);
+        let last = stl_of_last_tick(&mut stl_exporter, played.stl.take(), runner.world());
+        played.stl = Some(volume::require_nonempty_stl(last, &args.trace)?);
     }
     Ok(played)
 }
 
-/// The print of the last tick's sculpture. A session that was finished has its print in progress or
+/// The STL file of the last tick's sculpture. A session that was finished has its export in progress or
 /// made already; else one is begun.
-fn last_print<const N: usize>(
-    printer: &mut StlPrinter<'_, N>,
-    made: Option<FinishedPrint>,
+fn stl_of_last_tick<const N: usize>(
+    stl_exporter: &mut StlExporter<'_, N>,
+    finished_earlier: Option<FinishedStl>,
     world: &World<N>,
-) -> Option<FinishedPrint>
+) -> Option<FinishedStl>
 where
     Grid<N>: Size,
 {
     if world.session_state() != SessionState::Finished {
-        printer.begin_print(world.volume().rows(), world.mask());
+        stl_exporter.begin_export(world.volume().rows(), world.mask());
     }
-    printer.finish_print().or(made)
+    stl_exporter.run_export_to_end().or(finished_earlier)
 }
 
-/// Draws a picture of a replay to `{frame:06}.png`. The folder is made with the first picture, when
+/// Draws a picture of a replay to `{number:06}.png`. The folder is made with the first picture, when
 /// the trace is known to match.
-fn draw_frame<const N: usize>(
+fn write_picture<const N: usize>(
     renderer: &mut PictureRenderer<N>,
     folder: &Path,
-    frame: usize,
+    number: usize,
     world: &World<N>,
 ) -> Result<(), Error>
 where
     Grid<N>: Size,
 {
     let image =
-        renderer.draw_picture(world.volume().maps(), &Camera::orbiting(0.45, 0.3), &|_| {})?;
+        renderer.draw_volume(world.volume().maps(), &Camera::orbiting(0.45, 0.3), &|_| {})?;
     durable::make_folder(folder)?;
     let mut png = Vec::new();
     image.write_png(&mut png).map_err(Error::failure)?;
-    durable::write_file(&folder.join(format!("{frame:06}.png")), &png)?;
+    durable::write_file(&folder.join(format!("{number:06}.png")), &png)?;
     Ok(())
 }

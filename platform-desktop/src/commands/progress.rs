@@ -26,8 +26,8 @@ pub(super) fn show_progress(what: &'static str, steps: Option<u64>) -> ProgressD
 pub(super) struct ProgressDisplay(ProgressBar);
 
 impl ProgressDisplay {
-    pub(super) fn advance_to(&self, step: u64) {
-        self.0.set_position(step);
+    pub(super) fn set_steps_done(&self, steps: u64) {
+        self.0.set_position(steps);
     }
 }
 

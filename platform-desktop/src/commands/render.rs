@@ -25,12 +25,12 @@ pub(super) struct Args {
     #[arg(short, long, value_name = "P.png")]
     output: PathBuf,
     /// Width and height in pixels.
-    #[arg(long, value_name = "WxH", default_value = "640x480", value_parser = parse_pixels, allow_hyphen_values = true)]
+    #[arg(long, value_name = "WxH", default_value = "640x480", value_parser = parse_image_size, allow_hyphen_values = true)]
     size: [usize; 2],
     /// Azimuth (0 looks at the front, 90 at the right) and elevation of the view, in degrees.
-    #[arg(long, value_name = "AZ,EL", default_value = "25,15", value_parser = parse_view,
+    #[arg(long, value_name = "AZ,EL", default_value = "25,15", value_parser = parse_view_degrees,
           allow_hyphen_values = true)]
-    view: [f32; 2],
+    view: ViewDegrees,
     #[command(flatten)]
     drawing: DrawingOptions,
 }
@@ -39,25 +39,36 @@ pub(super) struct Args {
 const SAMPLES: usize = 2;
 
 /// Parses `WxH`, in pixels.
-pub(super) fn parse_pixels(text: &str) -> Result<[usize; 2], String> {
+pub(super) fn parse_image_size(text: &str) -> Result<[usize; 2], String> {
     let side = |text: &str| text.parse().ok().filter(|side| (1..=LONGEST).contains(side));
     text.split_once('x')
         .and_then(|(width, height)| Some([side(width)?, side(height)?]))
         .ok_or_else(|| format!("expected WxH, each 1 to {LONGEST}"))
 }
 
-fn parse_view(text: &str) -> Result<[f32; 2], String> {
+/// The direction of a view, in degrees.
+#[derive(Clone, Copy, Debug)]
+struct ViewDegrees {
+    azimuth: f32,
+    elevation: f32,
+}
+
+/// Parses `AZ,EL`.
+fn parse_view_degrees(text: &str) -> Result<ViewDegrees, String> {
     let angle = |text: &str, most: f32| text.parse().ok().filter(|a: &f32| a.abs() <= most);
     text.split_once(',')
-        .and_then(|(azimuth, elevation)| Some([angle(azimuth, 360.0)?, angle(elevation, 90.0)?]))
+        .and_then(|(azimuth, elevation)| {
+            let (azimuth, elevation) = (angle(azimuth, 360.0)?, angle(elevation, 90.0)?);
+            Some(ViewDegrees { azimuth, elevation })
+        })
         .ok_or_else(|| "expected AZ,EL in degrees, at most 360 and 90 either way".into())
 }
 
 pub(super) fn run(args: &Args) -> Result<String, Error> {
-    volume::check_distinct(&args.volume, &args.output)?;
-    volume::check_ending(&args.output, "png")?;
-    let size = volume::read_size(&args.volume)?;
-    with_size!(size, N => render_volume::<N>(args), else Err(volume::unusable_size(&args.volume, size)))
+    volume::check_output_is_not_input(&args.volume, &args.output)?;
+    volume::check_extension(&args.output, "png")?;
+    let size = volume::read_grid_side(&args.volume)?;
+    with_size!(size, N => render_volume::<N>(args), else Err(volume::unusable_grid_side(&args.volume, size)))
 }
 
 fn render_volume<const N: usize>(args: &Args) -> Result<String, Error>
@@ -67,13 +78,14 @@ where
     let mut maps = Grid::<N>::lock_range_maps();
     volume::read_nonempty(&args.volume, &mut maps)?;
     // Tried before the work: a place where no file can be is told at once.
-    let target = WriteTarget::resolve_writable(&args.output)?;
-    let [azimuth, elevation] = args.view.map(f32::to_radians);
+    let target = WriteTarget::resolve_and_check_writable(&args.output)?;
+    let ViewDegrees { azimuth, elevation } = args.view;
+    let camera = Camera::orbiting(azimuth.to_radians(), elevation.to_radians());
     let [width, height] = args.size;
     let mut renderer = args.drawing.make_renderer::<N>(args.size, SAMPLES)?;
     let rendering = progress::show_progress("rendering", Some(height as u64));
-    let image = renderer.draw_picture(&maps, &Camera::orbiting(azimuth, elevation), &|done| {
-        rendering.advance_to((done * height as f32) as u64);
+    let image = renderer.draw_volume(&maps, &camera, &|done| {
+        rendering.set_steps_done((done * height as f32) as u64);
     })?;
     drop(rendering);
     let mut png = Vec::new();

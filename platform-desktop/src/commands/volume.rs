@@ -6,13 +6,13 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use paros_core::{Grid, RangeMaps, Size, trace};
 use paros_headless::Error;
 use paros_shell::mesh::MeshFormat;
-use paros_shell::print::FinishedPrint;
 use paros_shell::rmap::{self, RmapFault};
-use paros_shell::sizes::{SIZE_NAMES, size_named};
+use paros_shell::sizes::{GRID_SIDE_NAMES, grid_side_or_default};
+use paros_shell::stl_export::FinishedStl;
 
 /// Reads the grid's side N from a volume file's header.
-pub(super) fn read_size(path: &Path) -> Result<usize, Error> {
-    rmap::read_header(path).map(|header| header.side).map_err(|error| match error {
+pub(super) fn read_grid_side(path: &Path) -> Result<usize, Error> {
+    rmap::read_header(path).map(|header| header.grid_side).map_err(|error| match error {
         rmap::RmapError::Bad { fault: RmapFault::Magic(trace::MAGIC), .. } => {
             Error::Input(format!("{}: is a trace, not a volume; use `paros play`", path.display()))
         }
@@ -27,12 +27,12 @@ pub(super) fn read_size(path: &Path) -> Result<usize, Error> {
 }
 
 /// The command-line parser of a grid side.
-pub(super) fn size_parser() -> impl TypedValueParser<Value = usize> {
-    PossibleValuesParser::new(SIZE_NAMES).map(|name| size_named(&name))
+pub(super) fn grid_side_parser() -> impl TypedValueParser<Value = usize> {
+    PossibleValuesParser::new(GRID_SIDE_NAMES).map(|name| grid_side_or_default(&name))
 }
 
 /// Whether a file has a volume's header.
-pub(super) fn is_volume_file(path: &Path) -> bool {
+pub(super) fn has_volume_header(path: &Path) -> bool {
     rmap::read_header(path).is_ok()
 }
 
@@ -52,22 +52,24 @@ where
 }
 
 /// The error for a size that is none of a sculpture's.
-pub(super) fn unusable_size(path: &Path, n: usize) -> Error {
-    Error::Input(format!("{}: expected a volume of size 128 or 256, found {n}", path.display()))
+pub(super) fn unusable_grid_side(path: &Path, grid_side: usize) -> Error {
+    Error::Input(format!(
+        "{}: expected a volume of size 128 or 256, found {grid_side}",
+        path.display()
+    ))
 }
 
-/// The print, or the error that the file `of` leaves nothing to print.
-pub(super) fn require_print(
-    print: Option<FinishedPrint>,
-    of: &Path,
-) -> Result<FinishedPrint, Error> {
-    print
-        .filter(|print| print.triangle_count > 0)
-        .ok_or_else(|| Error::Input(format!("{}: nothing is left to print", of.display())))
+/// The STL file, or the error that the file `source` leaves nothing to print.
+pub(super) fn require_nonempty_stl(
+    stl: Option<FinishedStl>,
+    source: &Path,
+) -> Result<FinishedStl, Error> {
+    stl.filter(|stl| stl.triangle_count > 0)
+        .ok_or_else(|| Error::Input(format!("{}: nothing is left to print", source.display())))
 }
 
 /// Refuses a name whose extension is not `expected`. A name without an extension is accepted.
-pub(super) fn check_ending(output: &Path, expected: &str) -> Result<(), Error> {
+pub(super) fn check_extension(output: &Path, expected: &str) -> Result<(), Error> {
     match output.extension() {
         Some(ending) if !ending.eq_ignore_ascii_case(expected) => {
             let output = output.display();
@@ -78,7 +80,7 @@ pub(super) fn check_ending(output: &Path, expected: &str) -> Result<(), Error> {
 }
 
 /// Refuses to write over the file that is read.
-pub(super) fn check_distinct(input: &Path, output: &Path) -> Result<(), Error> {
+pub(super) fn check_output_is_not_input(input: &Path, output: &Path) -> Result<(), Error> {
     match (input.canonicalize(), output.canonicalize()) {
         (Ok(a), Ok(b)) if a == b => {
             Err(Error::Input(format!("{}: is both input and output", output.display())))

@@ -20,7 +20,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "DIR")]
     folder: Option<PathBuf>,
     /// Voxels along an edge: 128, or 256 for a fast machine.
-    #[arg(long, default_value = "128", value_parser = volume::size_parser())]
+    #[arg(long, default_value = "128", value_parser = volume::grid_side_parser())]
     size: usize,
     /// Write the trace of the last session to a file, when the window is closed.
     #[arg(long, value_name = "TRACE")]
@@ -41,7 +41,7 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
 }
 
 /// The window where there can be one, else the demo.
-pub(super) fn run_or_demo() -> Result<String, Error> {
+pub(super) fn run_window_or_demo() -> Result<String, Error> {
     match open_window(&Args::default()) {
         Ok(report) => Ok(report),
         Err(WindowError::Failed(error)) => Err(error),
@@ -56,7 +56,8 @@ pub(super) fn run_or_demo() -> Result<String, Error> {
 fn open_window(args: &Args) -> Result<String, WindowError> {
     if let Some(record) = &args.record {
         // Checked before the sculpting, not after it.
-        WriteTarget::resolve_writable(record).map_err(|error| WindowError::Failed(error.into()))?;
+        WriteTarget::resolve_and_check_writable(record)
+            .map_err(|error| WindowError::Failed(error.into()))?;
     }
     let options = WindowOptions {
         file: args.file.clone(),

@@ -1,7 +1,7 @@
 //! The window's events, frame by frame.
 
-mod ends;
 mod input;
+mod shutdown;
 mod steps;
 
 use std::sync::Arc;
@@ -20,7 +20,7 @@ use winit::event_loop::{ActiveEventLoop, ControlFlow};
 use winit::keyboard::ModifiersState;
 use winit::window::{Window, WindowId};
 
-use super::display::{DisplayConnection, takes_drops};
+use super::display::{DisplayConnection, supports_file_drops};
 use super::hands::{MouseHands, RIGHT};
 use super::os_error::describe_error;
 use super::paint::EguiBuffers;
@@ -66,7 +66,7 @@ where
     losses: u32,
     /// The visitor knows what closing the window would lose.
     warned: bool,
-    last_note: String,
+    last_notice: String,
     /// How the device is made.
     device: gpu::Options,
     messages: Vec<String>,
@@ -113,7 +113,7 @@ where
             frames: 0,
             losses: 0,
             warned: false,
-            last_note: String::new(),
+            last_notice: String::new(),
             device,
             messages: Vec::new(),
             done: Ok(()),
@@ -123,7 +123,7 @@ where
     /// Saves the session after the last event. Returns the last print's path as a line.
     pub(super) fn close_and_report(mut self) -> Result<String, WindowError> {
         self.drop_window();
-        let saved = self.studio.close();
+        let saved = self.studio.finish_and_save_all();
         self.done?;
         saved.map_err(|error| WindowError::Failed(error.into()))?;
         if !self.messages.is_empty() {
@@ -132,7 +132,7 @@ where
             let complaints = self.messages.join("\n");
             return Err(WindowError::Failed(Error::Failure(format!("validation: {complaints}"))));
         }
-        let printed = self.studio.last_print_path();
+        let printed = self.studio.last_stl_path();
         Ok(printed.map_or(String::new(), |path| format!("{}\n", path.display())))
     }
 
@@ -157,8 +157,8 @@ where
     /// Drops the renderer and the window. The pipeline cache is saved first.
     fn drop_window(&mut self) {
         if let Some(view) = self.view.take() {
-            let places = self.studio.paths().clone();
-            view.save_pipeline_cache(&places, self.studio.file_writer());
+            let paths = self.studio.paths().clone();
+            view.save_pipeline_cache(&paths, self.studio.file_writer());
             self.messages.extend(view.validation_messages());
         }
         let window = self.window.take();
@@ -173,21 +173,21 @@ where
         let now = Instant::now();
         let elapsed = now - core::mem::replace(&mut self.last, now);
         self.panels.add_frame_time(elapsed.as_secs_f32());
-        let (due, _) = self.pace.take_due_ticks(elapsed);
+        let due = self.pace.take_due_ticks(elapsed).due;
         // A script runs as fast as it can.
         let ticks = if self.script.is_some() { TickClock::MAX_TICKS_PER_FRAME } else { due };
         for _ in 0..ticks {
             self.run_script_steps(events)?;
             self.run_tick();
         }
-        if let Some(mode) = self.studio.poll_threads() {
-            self.hands.start_session(mode);
+        if let Some(session) = self.studio.poll_background_work() {
+            self.hands.start_session(session.mode);
         }
-        let notes: Vec<Notice> = self.studio.take_notices().collect();
-        for note in notes {
-            let (Notice::Good(text) | Notice::Bad(text)) = &note;
-            self.last_note.clone_from(text);
-            self.panels.add_note(note);
+        let notices: Vec<Notice> = self.studio.take_notices().collect();
+        for notice in notices {
+            let (Notice::Good(text) | Notice::Bad(text)) = &notice;
+            self.last_notice.clone_from(text);
+            self.panels.show_notice(notice);
         }
         Ok(())
     }
@@ -197,10 +197,10 @@ where
         self.studio.run_tick(&input);
         let world = self.studio.world();
         if let Some(view) = &mut self.view {
-            view.note_changes(world);
+            view.record_tick(world);
         }
         if world.events().iter().any(|event| matches!(event, Happened::Started(_))) {
-            self.panels.on_session_start();
+            self.panels.close_covering_panels();
         }
         if let Some(script) = &mut self.script {
             script.count_tick();
@@ -217,11 +217,16 @@ where
             between: self.pace.tick_fraction(),
             path: self.path,
         };
-        self.seen =
-            view.draw_frame(window, size, self.studio.world(), &params, &mut self.egui_buffers)?;
+        self.seen = view.try_draw_frame(
+            window,
+            size,
+            self.studio.world(),
+            &params,
+            &mut self.egui_buffers,
+        )?;
         self.frames += u64::from(self.seen);
-        let settled = !self.studio.is_printing()
-            && self.studio.opening_path().is_none()
+        let settled = !self.studio.is_exporting()
+            && self.studio.path_being_read().is_none()
             && !self.studio.file_writer().is_busy();
         if let Some(script) = &mut self.script
             && self.seen
@@ -252,22 +257,22 @@ where
             depth: held.map_or(0.0, |(tool, _)| self.hands.tool_depth_mm(tool)),
             symmetry: world.is_mirrored(),
             undo: world.undo_counts(),
-            printing: self.studio.is_printing(),
-            printed: self.studio.last_print_path(),
-            unwritten: self.studio.has_unwritten_files(),
-            fault: self.studio.save_fault(),
-            opening: self.studio.opening_path(),
-            drops: self.window.as_deref().is_some_and(takes_drops),
+            printing: self.studio.is_exporting(),
+            printed: self.studio.last_stl_path(),
+            unwritten: self.studio.has_failed_writes(),
+            fault: self.studio.save_error(),
+            opening: self.studio.path_being_read(),
+            drops: self.window.as_deref().is_some_and(supports_file_drops),
             fast: self.path == RenderPath::Fast,
             device,
             times,
             outline: outline.as_ref(),
         };
         let (output, actions) = self.panels.lay_out(&status);
-        self.egui_buffers.take_textures(&output.textures_delta);
+        self.egui_buffers.apply_atlas_changes(&output.textures_delta);
         let scale = output.pixels_per_point;
         let triangles = self.panels.context.tessellate(output.shapes, scale);
-        self.egui_buffers.take_triangles(&triangles, scale);
+        self.egui_buffers.set_triangles_of_frame(&triangles, scale);
         actions.into_iter().for_each(|action| self.perform_action(action));
     }
 
@@ -275,12 +280,14 @@ where
         match action {
             PanelAction::Start(mode) => self.hands.start_session(mode),
             PanelAction::CarveOn => {
-                let mode = self.studio.adopt_sculpture();
-                self.hands.start_session(mode);
+                let session = self.studio.copy_sculpture_to_visitor_volume();
+                self.hands.start_session(session.mode);
             }
-            PanelAction::Open(path) => self.studio.open_file(&path, opening::load_file::<N>),
+            PanelAction::Open(path) => {
+                self.studio.open_file(&path, opening::read_into_resident_maps::<N>)
+            }
             PanelAction::Take(item) => self.hands.take_item(item),
-            PanelAction::WriteAgain => self.studio.retry_unwritten_files(),
+            PanelAction::WriteAgain => self.studio.retry_failed_writes(),
             PanelAction::Command(command) => self.hands.queue_commands(command),
             PanelAction::Finish => {
                 if self.studio.world().session_state() == SessionState::Sculpting {

@@ -1,7 +1,8 @@
 //! Orbit camera around the sculpture.
 
 use glam::{Quat, Vec3};
-use paros_core::internals::{BOX_SIDE, STOOL_TOP};
+use paros_core::internals::{BOX_SIDE, RoomPose, STOOL_TOP};
+use paros_shaders::Ray;
 use paros_shaders::gpu::{Eye, Fov};
 
 /// The eye's position, in spherical coordinates around the middle of the sculpture's box.
@@ -24,22 +25,32 @@ impl Default for OrbitCamera {
     }
 }
 
+/// A point of the room in the picture.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(super) struct ProjectedPoint {
+    /// Counted from the upper left; it may be outside the picture.
+    pub(super) pixel: [f32; 2],
+    /// At the point's depth.
+    pub(super) pixels_per_metre: f32,
+}
+
 impl OrbitCamera {
-    /// Orbits by a drag of `[x, y]` pixels in a picture of `height` pixels.
-    pub(super) fn rotate_by_drag(&mut self, [x, y]: [f32; 2], height: u32) {
-        let radians = 2.6 / height.max(1) as f32;
+    /// Orbits by a drag to the right and down, in a picture of some height.
+    pub(super) fn rotate_by_drag(&mut self, drag_pixels: [f32; 2], height_pixels: u32) {
+        let [x, y] = drag_pixels;
+        let radians = 2.6 / height_pixels.max(1) as f32;
         self.azimuth = (self.azimuth - x * radians).rem_euclid(core::f32::consts::TAU);
         self.elevation = (self.elevation + y * radians).clamp(-0.35, 1.5);
     }
 
-    /// Moves nearer by wheel notches, or farther where `steps` is negative.
-    pub(super) fn zoom(&mut self, steps: f32) {
-        self.distance = (self.distance * (-0.12 * steps).exp()).clamp(0.28, 2.6);
+    /// Moves nearer by wheel notches, or farther where they are negative.
+    pub(super) fn zoom_in(&mut self, notches: f32) {
+        self.distance = (self.distance * (-0.12 * notches).exp()).clamp(0.28, 2.6);
     }
 
     /// The eye's position in the room, in metres, and its rotation; it looks along its -z.
     #[must_use]
-    pub(super) fn pose(&self) -> (Vec3, Quat) {
+    pub(super) fn pose(&self) -> RoomPose {
         let middle = STOOL_TOP + Vec3::Y * (0.46 * BOX_SIDE);
         let rotation = Quat::from_rotation_y(self.azimuth) * Quat::from_rotation_x(-self.elevation);
         (middle + rotation * Vec3::Z * self.distance, rotation)
@@ -54,28 +65,28 @@ impl OrbitCamera {
         Eye { position, rotation, fov }
     }
 
-    /// The ray through a pixel, counted from the upper left: origin in metres and unit direction, in
-    /// the room.
+    /// The ray in the room through a pixel, counted from the upper left: origin in metres and unit
+    /// direction.
     #[must_use]
-    pub(super) fn ray_through_pixel(&self, [x, y]: [f32; 2], size: [u32; 2]) -> (Vec3, Vec3) {
+    pub(super) fn room_ray_through_pixel(&self, [x, y]: [f32; 2], size: [u32; 2]) -> Ray {
         let (position, rotation) = self.pose();
         let [across, down] = size.map(|pixels| pixels.max(1) as f32);
         let up = HALF_ANGLE.tan();
         let right = (2.0 * x / across - 1.0) * up * aspect_ratio(size);
         let direction = Vec3::new(right, (1.0 - 2.0 * y / down) * up, -1.0);
-        (position, (rotation * direction).normalize())
+        Ray { origin: position, direction: (rotation * direction).normalize() }
     }
 
-    /// Projects a point of the room: its pixel, and the pixels of a metre at its depth. `None` behind
-    /// the eye.
+    /// Projects a point of the room, in metres. `None` behind the eye.
     #[must_use]
-    pub(super) fn project_point(&self, point: Vec3, size: [u32; 2]) -> Option<([f32; 2], f32)> {
+    pub(super) fn project_point(&self, room_point: Vec3, size: [u32; 2]) -> Option<ProjectedPoint> {
         let (position, rotation) = self.pose();
-        let seen = rotation.conjugate() * (point - position);
+        let seen = rotation.conjugate() * (room_point - position);
         let [across, down] = size.map(|pixels| pixels as f32);
-        let metre = 0.5 * down / (HALF_ANGLE.tan() * -seen.z);
-        let at = [0.5 * across + seen.x * metre, 0.5 * down - seen.y * metre];
-        (seen.z < -0.04).then_some((at, metre))
+        let pixels_per_metre = 0.5 * down / (HALF_ANGLE.tan() * -seen.z);
+        let pixel =
+            [0.5 * across + seen.x * pixels_per_metre, 0.5 * down - seen.y * pixels_per_metre];
+        (seen.z < -0.04).then_some(ProjectedPoint { pixel, pixels_per_metre })
     }
 }
 
@@ -85,7 +96,7 @@ fn aspect_ratio([across, down]: [u32; 2]) -> f32 {
 
 #[cfg(test)]
 mod tests {
-    use super::OrbitCamera;
+    use super::{OrbitCamera, Ray};
 
     #[test]
     fn a_ray_goes_through_the_pixel_that_shows_its_points() {
@@ -93,12 +104,12 @@ mod tests {
         orbit.rotate_by_drag([40.0, -10.0], 600);
         let size = [800, 600];
         for pixel in [[400.0, 300.0], [13.0, 588.0], [799.0, 2.0]] {
-            let (origin, direction) = orbit.ray_through_pixel(pixel, size);
-            let (shown, _) =
-                orbit.project_point(origin + direction * 0.7, size).expect("before the eye");
+            let Ray { origin, direction } = orbit.room_ray_through_pixel(pixel, size);
+            let shown = orbit.project_point(origin + direction * 0.7, size);
+            let shown = shown.expect("before the eye").pixel;
             assert!((shown[0] - pixel[0]).abs() < 0.02 && (shown[1] - pixel[1]).abs() < 0.02);
         }
-        let (origin, direction) = orbit.ray_through_pixel([400.0, 300.0], size);
+        let Ray { origin, direction } = orbit.room_ray_through_pixel([400.0, 300.0], size);
         assert_eq!(orbit.project_point(origin - direction, size), None);
     }
 }

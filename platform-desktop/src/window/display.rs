@@ -20,7 +20,7 @@ type SetExitHandler = unsafe extern "C" fn(*mut c_void, ExitHandler, *mut c_void
 
 /// Whether files can be dropped on a window. `winit` has no such event on Wayland.
 #[must_use]
-pub(super) fn takes_drops(window: &Window) -> bool {
+pub(super) fn supports_file_drops(window: &Window) -> bool {
     let display = window.display_handle().map(|display| display.as_raw());
     !matches!(display, Ok(RawDisplayHandle::Wayland(_)))
 }
@@ -54,7 +54,7 @@ impl DisplayConnection {
 
     /// Polls the connection. Returns whether it is lost.
     #[must_use]
-    pub(super) fn check_lost(&self) -> bool {
+    pub(super) fn poll_is_lost(&self) -> bool {
         // SAFETY: `winit` keeps the connection while the window is there, and this is its thread.
         self.is_known_lost() || unsafe { (self.check)(self.connection) } < 0 || self.is_known_lost()
     }
@@ -68,7 +68,7 @@ impl DisplayConnection {
             let on_error = *library.get::<SetErrorHandler>(b"XSetIOErrorHandler\0").ok()?;
             let check = *library.get::<CheckConnection>(b"XPending\0").ok()?;
             on_error(on_io_error);
-            on_exit(connection, ignore_exit, ptr::null_mut());
+            on_exit(connection, ignore_io_error_exit, ptr::null_mut());
             Some(DisplayConnection { connection, check, _library: library })
         }
     }
@@ -87,4 +87,4 @@ unsafe extern "C" fn on_io_error(_connection: *mut c_void) -> c_int {
     0
 }
 
-unsafe extern "C" fn ignore_exit(_connection: *mut c_void, _data: *mut c_void) {}
+unsafe extern "C" fn ignore_io_error_exit(_connection: *mut c_void, _data: *mut c_void) {}

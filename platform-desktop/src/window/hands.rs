@@ -10,6 +10,7 @@ mod bit_guide;
 use std::collections::VecDeque;
 
 use glam::{Quat, Vec3};
+use paros_core::internals::RoomPose;
 use paros_core::{
     BenchItem, Grid, HandInput, PointerCommand, RawPose, SessionMode, Size, TICK_RATE, TickInput,
     Tool, ToolBit, World, commands,
@@ -99,6 +100,15 @@ pub(super) enum InputEvent {
     LetGo,
 }
 
+/// The mounted bit among those of its tool.
+#[derive(Clone, Copy)]
+struct MountedBit {
+    /// Its index.
+    mounted: usize,
+    /// How many there are.
+    count: usize,
+}
+
 /// The hands' state: the eye, the cursor, and what the next tick's input is to carry.
 #[derive(Debug)]
 pub(super) struct MouseHands<const N: usize>
@@ -117,11 +127,11 @@ where
     turning: [bool; 2],
     /// Turn of the stool that no tick has taken yet, in 65,536ths of a turn.
     turn: f32,
-    commands: u8,
+    command_bits: u8,
     start: SessionMode,
     pointers: VecDeque<PointerCommand>,
     /// Depth of each tool, in millimetres.
-    depths: [f32; 4],
+    depths_mm: [f32; 4],
     bit_guide: BitGuide<N>,
     /// Cursor positions that the running tool has still to pass, in pixels.
     trail: VecDeque<[f32; 2]>,
@@ -144,10 +154,10 @@ where
             dragging_stool: false,
             turning: [false; 2],
             turn: 0.0,
-            commands: 0,
+            command_bits: 0,
             start: SessionMode::None,
             pointers: VecDeque::new(),
-            depths: [9.0, 9.0, 8.0, 2.0],
+            depths_mm: [9.0, 9.0, 8.0, 2.0],
             bit_guide: BitGuide::new(),
             trail: VecDeque::new(),
         }
@@ -164,8 +174,8 @@ where
             InputEvent::Released(HandButton::Left) => self.running = false,
             InputEvent::Released(HandButton::Middle) => self.dragging_stool = false,
             InputEvent::Released(HandButton::Right) => self.orbiting = false,
-            InputEvent::Wheel(notches) => self.change_depth(-notches * NOTCH_MM, world),
-            InputEvent::Zoom(notches) => self.orbit.zoom(notches),
+            InputEvent::Wheel(notches) => self.change_depth_by(-notches * NOTCH_MM, world),
+            InputEvent::Zoom(notches) => self.orbit.zoom_in(notches),
             InputEvent::Key(key, down) => self.handle_key(key, down, world),
             InputEvent::LetGo => {
                 (self.running, self.orbiting, self.dragging_stool) = (false, false, false);
@@ -178,13 +188,13 @@ where
     pub(super) fn start_session(&mut self, mode: SessionMode) {
         self.start = mode;
         self.pointers.clear();
-        (self.commands, self.turn, self.running) = (0, 0.0, false);
+        (self.command_bits, self.turn, self.running) = (0, 0.0, false);
         self.take_item(BenchItem::Tool(Tool::Rotary));
     }
 
-    /// Gives commands, of [`commands`], at the next tick.
-    pub(super) fn queue_commands(&mut self, commands: u8) {
-        self.commands |= commands;
+    /// Gives commands, as bits of [`commands`], at the next tick.
+    pub(super) fn queue_commands(&mut self, command_bits: u8) {
+        self.command_bits |= command_bits;
     }
 
     /// Takes something off the bench, in one of the next ticks.
@@ -196,7 +206,7 @@ where
     /// How deep a tool goes, in millimetres.
     #[must_use]
     pub(super) fn tool_depth_mm(&self, tool: Tool) -> f32 {
-        self.depths[tool as usize]
+        self.depths_mm[tool as usize]
     }
 
     /// Builds the input of the next tick from the events since the last one.
@@ -209,8 +219,8 @@ where
         if input.start != SessionMode::None {
             return input;
         }
-        input.commands = core::mem::take(&mut self.commands);
-        if let Some((grip, rotation)) = self.place_tool(world) {
+        input.commands = core::mem::take(&mut self.command_bits);
+        if let Some((grip, rotation)) = self.next_grip_pose(world) {
             input.hands[RIGHT] = tracked_hand(grip, rotation);
             input.hands[RIGHT].trigger = if self.running { 255 } else { 0 };
         }
@@ -220,16 +230,16 @@ where
 
     /// The right hand's grip in the room, with its bit on the surface under the cursor. A stuck tool is
     /// put down and taken again.
-    fn place_tool(&mut self, world: &World<N>) -> Option<(Vec3, Quat)> {
+    fn next_grip_pose(&mut self, world: &World<N>) -> Option<RoomPose> {
         let (tool, bit) = world.held_tool(RIGHT)?;
         let cursor = self.cursor?;
         let at = if self.running { self.advance_along_trail(cursor, bit) } else { cursor };
-        let ray = self.orbit.ray_through_pixel(at, self.size);
-        let depth = self.depths[tool as usize] * 1e-3;
+        let room_ray = self.orbit.room_ray_through_pixel(at, self.size);
+        let depth_m = self.depths_mm[tool as usize] * 1e-3;
         let up = self.orbit.pose().1 * Vec3::Y;
-        let aim = bit_guide::BitTarget { ray, up, bit, depth, running: self.running };
-        let (tip, rotation) = self.bit_guide.bit_pose(&aim, world);
-        if self.bit_guide.take_stuck() {
+        let aim = bit_guide::BitTarget { room_ray, up, bit, depth_m, running: self.running };
+        let (tip, rotation) = self.bit_guide.next_bit_pose(&aim, world);
+        if self.bit_guide.take_is_stuck() {
             // Returning and taking the tool frees its bit.
             self.pointers.push_back(PointerCommand::Return { hand: RIGHT as u8 });
             self.take_item(BenchItem::Tool(tool));
@@ -239,15 +249,16 @@ where
 
     /// Advances a running tool along the cursor's trail; returns its pixel. It goes no faster than the bit
     /// can carve, so that a stroke is one groove at any speed of the mouse.
-    fn advance_along_trail(&mut self, cursor: [f32; 2], bit: ToolBit) -> [f32; 2] {
-        let (eye, _) = self.orbit.ray_through_pixel(cursor, self.size);
-        let far = eye + (self.orbit.pose().1 * Vec3::NEG_Z) * self.bit_guide.distance_metres();
-        let metre = self.orbit.project_point(far, self.size).map_or(1.0, |(_, metre)| metre);
+    fn advance_along_trail(&mut self, cursor_pixel: [f32; 2], bit: ToolBit) -> [f32; 2] {
+        let eye = self.orbit.pose().0;
+        let far = eye + (self.orbit.pose().1 * Vec3::NEG_Z) * self.bit_guide.last_hit_distance_m();
+        let projected = self.orbit.project_point(far, self.size);
+        let pixels_per_metre = projected.map_or(1.0, |point| point.pixels_per_metre);
         let data = bit.spec();
         let bite = (data.bite_um as f32 / f32::from(data.bite_period)).max(LEAST_SPEED_UM) * 1e-6;
-        let mut left = bite * metre;
+        let mut left = bite * pixels_per_metre;
         while let Some(&from) = self.trail.front() {
-            let to = self.trail.get(1).copied().unwrap_or(cursor);
+            let to = self.trail.get(1).copied().unwrap_or(cursor_pixel);
             let way = [to[0] - from[0], to[1] - from[1]];
             let length = way[0].hypot(way[1]);
             if length > left {
@@ -263,7 +274,7 @@ where
             }
             self.trail.pop_front();
         }
-        cursor
+        cursor_pixel
     }
 
     /// The tick's pointer command, of which there is one a tick; turns of the stool wait for the queue.
@@ -297,8 +308,8 @@ where
     /// Takes the item on the workbench under the cursor, or starts a stroke.
     fn press_left(&mut self, world: &World<N>) {
         let Some(cursor) = self.cursor else { return };
-        let ray = self.orbit.ray_through_pixel(cursor, self.size);
-        match bit_guide::pick_item(ray, world) {
+        let room_ray = self.orbit.room_ray_through_pixel(cursor, self.size);
+        match bit_guide::pick_item(&room_ray, world) {
             Some(item) => self.take_item(item),
             None => {
                 self.running = true;
@@ -309,10 +320,10 @@ where
         }
     }
 
-    fn change_depth(&mut self, millimetres: f32, world: &World<N>) {
+    fn change_depth_by(&mut self, delta_mm: f32, world: &World<N>) {
         if let Some((tool, _)) = world.held_tool(RIGHT) {
-            let depth = &mut self.depths[tool as usize];
-            *depth = (*depth + millimetres).clamp(*DEPTHS_MM.start(), *DEPTHS_MM.end());
+            let depth = &mut self.depths_mm[tool as usize];
+            *depth = (*depth + delta_mm).clamp(*DEPTHS_MM.start(), *DEPTHS_MM.end());
         }
     }
 
@@ -330,33 +341,34 @@ where
                 }
             }
             HandAction::Bit(number) => {
-                self.mount_bit(world, |_, count| usize::from(number).min(count));
+                self.mount_bit(world, |bits| usize::from(number).min(bits.count));
             }
-            HandAction::PreviousBit => self.mount_bit(world, |at, count| (at + count - 1) % count),
-            HandAction::NextBit => self.mount_bit(world, |at, count| (at + 1) % count),
+            HandAction::PreviousBit => {
+                self.mount_bit(world, |bits| (bits.mounted + bits.count - 1) % bits.count)
+            }
+            HandAction::NextBit => self.mount_bit(world, |bits| (bits.mounted + 1) % bits.count),
             HandAction::Undo => self.queue_commands(commands::UNDO),
             HandAction::Redo => self.queue_commands(commands::REDO),
             HandAction::Mirror => self.queue_commands(commands::SYMMETRY),
-            HandAction::Nearer => self.orbit.zoom(1.0),
-            HandAction::Farther => self.orbit.zoom(-1.0),
+            HandAction::Nearer => self.orbit.zoom_in(1.0),
+            HandAction::Farther => self.orbit.zoom_in(-1.0),
             HandAction::Turn { .. } => {}
         }
     }
 
-    /// Mounts one of the held tool's bits. `choose` gets the mounted bit's index and the number of bits,
-    /// and returns the new index.
-    fn mount_bit(&mut self, world: &World<N>, choose: impl Fn(usize, usize) -> usize) {
+    /// Mounts one of the held tool's bits, by its index among them.
+    fn mount_bit(&mut self, world: &World<N>, choose_index: impl Fn(MountedBit) -> usize) {
         let Some((tool, mounted)) = world.held_tool(RIGHT) else { return };
-        let bits: Vec<ToolBit> = bits_of(tool).collect();
-        let at = bits.iter().position(|bit| *bit == mounted).unwrap_or(0);
-        if let Some(bit) = bits.get(choose(at, bits.len())) {
+        let bits: Vec<ToolBit> = tool_bits_of(tool).collect();
+        let mounted = bits.iter().position(|bit| *bit == mounted).unwrap_or(0);
+        if let Some(bit) = bits.get(choose_index(MountedBit { mounted, count: bits.len() })) {
             self.take_item(BenchItem::Bit(*bit));
         }
     }
 }
 
 /// The bits that a tool takes.
-pub(super) fn bits_of(tool: Tool) -> impl Iterator<Item = ToolBit> {
+pub(super) fn tool_bits_of(tool: Tool) -> impl Iterator<Item = ToolBit> {
     ToolBit::ALL.into_iter().filter(move |bit| bit.spec().tool == tool)
 }
 

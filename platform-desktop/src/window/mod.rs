@@ -24,8 +24,8 @@ use std::path::PathBuf;
 use paros_core::{Grid, Size};
 use paros_headless::Error;
 use paros_shaders::render_portrait_png;
-use paros_shell::print::{DEFAULT_HEIGHT_MM, StlPrinter};
 use paros_shell::statics::Resident;
+use paros_shell::stl_export::{DEFAULT_HEIGHT_MM, StlExporter};
 use paros_shell::studio::Studio;
 use paros_shell::studio_paths::StudioPaths;
 use winit::error::EventLoopError;
@@ -70,7 +70,8 @@ where
 {
     if let Some(file) = &options.file {
         // Read before the window opens: a bad file is an error even without a display.
-        opening::load_file::<N>(file).map_err(|why| WindowError::Failed(Error::Input(why)))?;
+        opening::read_into_resident_maps::<N>(file)
+            .map_err(|why| WindowError::Failed(Error::Input(why)))?;
     }
     libraries::check_available().map_err(WindowError::Unavailable)?;
     let script =
@@ -80,12 +81,13 @@ where
     })?;
     let mut volumes = Grid::<N>::lock_start_volumes();
     volumes.generate_figures(&mut Grid::<N>::lock_bit_grid(), |_| {});
-    let (mut world, mut press) = (Grid::<N>::lock_world(), Grid::<N>::lock_print_buffers());
-    let printer = StlPrinter::new(&mut press, DEFAULT_HEIGHT_MM);
-    let printer = printer.map_err(|error| WindowError::Failed(error.into()))?;
-    let places = StudioPaths::for_user(options.folder.as_deref());
-    let mut studio = Studio::new(&mut world, &mut volumes, printer, places, render_portrait_png);
-    studio.write_trace_at_close(options.record.clone());
+    let (mut world, mut stl_buffers) = (Grid::<N>::lock_world(), Grid::<N>::lock_stl_buffers());
+    let stl_exporter = StlExporter::new(&mut stl_buffers, DEFAULT_HEIGHT_MM);
+    let stl_exporter = stl_exporter.map_err(|error| WindowError::Failed(error.into()))?;
+    let paths = StudioPaths::for_user(options.folder.as_deref());
+    let mut studio =
+        Studio::new(&mut world, &mut volumes, stl_exporter, paths, render_portrait_png);
+    studio.set_closing_trace_path(options.record.clone());
     let mut app = App::new(studio, script, options);
     let run = events.run_app(&mut app);
     if let Err(EventLoopError::ExitFailure(_)) = run {

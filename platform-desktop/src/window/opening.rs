@@ -9,11 +9,11 @@ use paros_shell::statics::Resident;
 
 /// Whether a file's extension is that of a mesh or a volume.
 #[must_use]
-pub(super) fn is_known(path: &Path) -> bool {
-    is_volume(path) || MeshFormat::from_extension(path).is_some()
+pub(super) fn has_known_extension(path: &Path) -> bool {
+    has_volume_extension(path) || MeshFormat::from_extension(path).is_some()
 }
 
-fn is_volume(path: &Path) -> bool {
+fn has_volume_extension(path: &Path) -> bool {
     path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("rmap"))
 }
 
@@ -21,26 +21,26 @@ fn is_volume(path: &Path) -> bool {
 ///
 /// # Errors
 /// A text: the file, and why it can't be carved.
-pub(super) fn load_file<const N: usize>(path: &Path) -> Result<(), String>
+pub(super) fn read_into_resident_maps<const N: usize>(path: &Path) -> Result<(), String>
 where
     Grid<N>: Size + Resident<N>,
 {
     let mut maps = Grid::<N>::lock_range_maps();
-    if is_volume(path) {
+    if has_volume_extension(path) {
         let header = rmap::read_header(path).map_err(|error| error.to_string())?;
-        if header.side != N {
-            let (path, n) = (path.display(), header.side);
+        if header.grid_side != N {
+            let (path, n) = (path.display(), header.grid_side);
             return Err(format!("{path}: is a volume of {n}, this studio takes {N}"));
         }
         rmap::read(path, &mut maps).map_err(|error| error.to_string())?;
-    } else if !is_known(path) {
+    } else if !has_known_extension(path) {
         let path = path.display();
         return Err(format!("{path}: no mesh or volume; expected a name in .rmap, {EXTENSIONS}"));
     } else {
         let mesh = mesh::read(path).map_err(|error| error.to_string())?;
         let up = MeshFormat::from_extension(path).map_or(UpAxis::Y, MeshFormat::default_up_axis);
-        let (mut baker, mut plane) = (Grid::<N>::lock_baker(), Grid::<N>::lock_bit_grid());
-        mesh.bake_into_maps(up, &mut baker, &mut maps, &mut plane)
+        let (mut baker, mut bit_grid) = (Grid::<N>::lock_baker(), Grid::<N>::lock_bit_grid());
+        mesh.bake_into_maps(up, &mut baker, &mut maps, &mut bit_grid)
             .ok_or_else(|| format!("{}: the mesh has no extent", path.display()))?;
     }
     match maps.is_empty() {

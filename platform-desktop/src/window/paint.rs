@@ -23,6 +23,14 @@ pub(super) struct EguiBuffers {
     changed: core::ops::Range<usize>,
 }
 
+/// How much a frame holds.
+#[cfg(test)]
+pub(super) struct BufferLengths {
+    pub(super) vertices: usize,
+    pub(super) indices: usize,
+    pub(super) runs: usize,
+}
+
 impl EguiBuffers {
     /// Empty buffers and a transparent atlas.
     #[must_use]
@@ -39,7 +47,7 @@ impl EguiBuffers {
     }
 
     /// Applies changes of the font atlas. Other textures are ignored.
-    pub(super) fn take_textures(&mut self, delta: &TexturesDelta) {
+    pub(super) fn apply_atlas_changes(&mut self, delta: &TexturesDelta) {
         for (id, delta) in &delta.set {
             if *id == TextureId::default() {
                 self.patch_atlas(delta);
@@ -47,8 +55,12 @@ impl EguiBuffers {
         }
     }
 
-    /// Converts a frame's primitives. `scale` is pixels per point.
-    pub(super) fn take_triangles(&mut self, primitives: &[ClippedPrimitive], scale: f32) {
+    /// Converts a frame's primitives.
+    pub(super) fn set_triangles_of_frame(
+        &mut self,
+        primitives: &[ClippedPrimitive],
+        pixels_per_point: f32,
+    ) {
         self.vertices.clear();
         self.indices.clear();
         self.runs.clear();
@@ -59,11 +71,11 @@ impl EguiBuffers {
             self.indices.extend(mesh.indices.iter().map(|index| base + index));
             let [width, height] = self.size.map(|side| side as f32);
             self.vertices.extend(mesh.vertices.iter().map(|vertex| PanelVertex {
-                position: [vertex.pos.x * scale, vertex.pos.y * scale],
+                position: [vertex.pos.x * pixels_per_point, vertex.pos.y * pixels_per_point],
                 texel: [vertex.uv.x * width, vertex.uv.y * height],
                 color: vertex.color.to_array(),
             }));
-            let pixel = |points: f32| (points * scale).round().max(0.0) as u32;
+            let pixel = |points: f32| (points * pixels_per_point).round().max(0.0) as u32;
             let (min, max) = (clip_rect.min, clip_rect.max);
             let clip = [pixel(min.x), pixel(min.y), pixel(max.x), pixel(max.y)];
             self.runs.push(ClippedRun { clip, indices: first..self.indices.len() as u32 });
@@ -83,14 +95,15 @@ impl EguiBuffers {
     }
 
     /// Marks the whole atlas as changed, for a new device.
-    pub(super) fn forget_device(&mut self) {
+    pub(super) fn mark_atlas_changed(&mut self) {
         self.changed = 0..self.size[1];
     }
 
-    /// Vertices, indices and runs of the frame.
+    /// The lengths of the frame's buffers.
     #[cfg(test)]
-    pub(super) fn buffer_lengths(&self) -> (usize, usize, usize) {
-        (self.vertices.len(), self.indices.len(), self.runs.len())
+    pub(super) fn buffer_lengths(&self) -> BufferLengths {
+        let (vertices, indices) = (self.vertices.len(), self.indices.len());
+        BufferLengths { vertices, indices, runs: self.runs.len() }
     }
 
     fn patch_atlas(&mut self, delta: &ImageDelta) {

@@ -8,23 +8,19 @@ use paros_shaders::march::{RaySpan, clip_to_cube};
 /// The point at which a ray enters an occupied voxel.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) struct CursorHit {
-    /// Distance from the ray's origin, in voxels.
-    pub(super) distance: f32,
+    /// Distance from the ray's origin.
+    pub(super) distance_voxels: f32,
     /// The voxel.
     pub(super) voxel: [usize; 3],
 }
 
-/// Voxel traversal (Amanatides and Woo, 1987): the first occupied voxel along a ray. `origin` is in
-/// voxels, `direction` a unit vector.
+/// Voxel traversal (Amanatides and Woo, 1987): the first occupied voxel along a ray. Its origin is in
+/// voxels, its direction a unit vector.
 #[must_use]
-pub(super) fn cast_ray<const N: usize>(
-    maps: &RangeMaps<N>,
-    origin: Vec3,
-    direction: Vec3,
-) -> Option<CursorHit> {
-    let RaySpan { near: enter, far: leave } = clip_to_cube(&Ray { origin, direction }, N as f32)?;
-    let start = origin + direction * enter;
-    let (from, way) = (start.to_array(), direction.to_array());
+pub(super) fn cast_ray<const N: usize>(maps: &RangeMaps<N>, grid_ray: &Ray) -> Option<CursorHit> {
+    let RaySpan { near: enter, far: leave } = clip_to_cube(grid_ray, N as f32)?;
+    let start = grid_ray.origin + grid_ray.direction * enter;
+    let (from, way) = (start.to_array(), grid_ray.direction.to_array());
     let mut voxel = from.map(|v| (v.floor() as i64).clamp(0, N as i64 - 1));
     let step = way.map(|w| if w < 0.0 { -1 } else { 1 });
     // Distance from one boundary to the next along each axis, and to the next one ahead.
@@ -37,7 +33,7 @@ pub(super) fn cast_ray<const N: usize>(
     while distance <= leave {
         let at = voxel.map(|v| v as usize);
         if maps.contains(at) {
-            return Some(CursorHit { distance, voxel: at });
+            return Some(CursorHit { distance_voxels: distance, voxel: at });
         }
         let k = (0..3).fold(0, |least, k| if next[k] < next[least] { k } else { least });
         distance = next[k];
@@ -50,15 +46,15 @@ pub(super) fn cast_ray<const N: usize>(
     None
 }
 
-/// Surface normal by occupancy: the unit vector away from the occupied voxels within `reach` voxels of
-/// `point`, which is in voxels. `None` where they cancel out or there are none.
+/// Surface normal by occupancy: the unit vector away from the occupied voxels within a ball around a
+/// point. `None` where they cancel out or there are none.
 #[must_use]
 pub(super) fn estimate_normal<const N: usize>(
     maps: &RangeMaps<N>,
-    point: Vec3,
-    reach: i32,
+    point_voxels: Vec3,
+    radius_voxels: i32,
 ) -> Option<Vec3> {
-    let middle = point.floor().as_ivec3();
+    let (middle, reach) = (point_voxels.floor().as_ivec3(), radius_voxels);
     let mut out = Vec3::ZERO;
     for z in -reach..=reach {
         for y in -reach..=reach {
@@ -79,7 +75,7 @@ pub(super) fn estimate_normal<const N: usize>(
 
 #[cfg(test)]
 mod tests {
-    use super::{cast_ray, estimate_normal};
+    use super::{Ray, cast_ray, estimate_normal};
     use glam::Vec3;
     use paros_core::{BitGrid, BitSet, RangeMaps};
 
@@ -89,15 +85,15 @@ mod tests {
             let far: f32 = v.iter().map(|&c| (c as f32 - 7.5).powi(2)).sum();
             far <= 25.0 || v == [0, 0, 0]
         };
-        let mut plane = Box::new(BitGrid::<16>::new());
+        let mut bit_grid = Box::new(BitGrid::<16>::new());
         for y in 0..16 {
             for z in 0..16 {
-                let row = plane.row_mut(y, z);
+                let row = bit_grid.row_mut(y, z);
                 (0..16).filter(|x| inside([*x, y, z])).for_each(|x| row.insert(x));
             }
         }
         let mut maps = Box::new(RangeMaps::new());
-        plane.write_hulls(&mut maps);
+        bit_grid.write_hulls(&mut maps);
         maps
     }
 
@@ -118,7 +114,8 @@ mod tests {
                 let inside = at.cmpge(Vec3::ZERO).all() && at.cmplt(Vec3::splat(16.0)).all();
                 inside && maps.contains(at.to_array().map(|v| v as usize))
             });
-            let walked = cast_ray(&maps, from, direction).map(|hit| hit.distance);
+            let walked =
+                cast_ray(&maps, &Ray { origin: from, direction }).map(|hit| hit.distance_voxels);
             match (stepped, walked) {
                 (Some(a), Some(b)) => assert!((a - b).abs() < 0.011, "{a} and {b}"),
                 // Small steps pass the least corners by.

@@ -32,9 +32,9 @@ pub(super) struct WindowSwapchain {
 struct Swapchain {
     raw: vk::SwapchainKHR,
     /// What the renderer draws into.
-    surface: RenderTarget,
+    render_target: RenderTarget,
     views: Vec<vk::ImageView>,
-    drawn: Vec<vk::Semaphore>,
+    render_finished: Vec<vk::Semaphore>,
     /// The window has changed since: to be made anew.
     stale: bool,
 }
@@ -140,10 +140,10 @@ impl WindowSwapchain {
         }
     }
 
-    /// What is drawn into, once [`WindowSwapchain::acquire`] gave an image of it.
+    /// What is drawn into, once [`WindowSwapchain::acquire_image`] gave an image of it.
     #[must_use]
-    pub(super) fn surface(&self) -> Option<&RenderTarget> {
-        self.swapchain.as_ref().map(|swapchain| &swapchain.surface)
+    pub(super) fn render_target(&self) -> Option<&RenderTarget> {
+        self.swapchain.as_ref().map(|swapchain| &swapchain.render_target)
     }
 
     /// Acquires the next image, in a frame that has begun. `None` while the window has no area, or if
@@ -151,13 +151,15 @@ impl WindowSwapchain {
     ///
     /// # Errors
     /// A lost device or window.
-    pub(super) fn acquire(
+    pub(super) fn acquire_image(
         &mut self,
         renderer: &Renderer,
-        size: [u32; 2],
+        window_pixels: [u32; 2],
     ) -> Result<Option<AcquiredImage>, Error> {
         let fresh = |swapchain: &Swapchain| !swapchain.stale;
-        if !self.swapchain.as_ref().is_some_and(fresh) && !self.rebuild_swapchain(renderer, size)? {
+        if !self.swapchain.as_ref().is_some_and(fresh)
+            && !self.try_rebuild_swapchain(renderer, window_pixels)?
+        {
             return Ok(None);
         }
         let Some(swapchain) = &mut self.swapchain else { return Ok(None) };
@@ -173,8 +175,10 @@ impl WindowSwapchain {
                 swapchain.stale = suboptimal;
                 self.at = (self.at + 1) % self.acquired.len();
                 let image = image as usize;
-                let sync =
-                    FrameSemaphores { wait: Some(wait), signal: Some(swapchain.drawn[image]) };
+                let sync = FrameSemaphores {
+                    wait: Some(wait),
+                    signal: Some(swapchain.render_finished[image]),
+                };
                 Ok(Some(AcquiredImage { image, sync }))
             }
             Err(vk::Result::TIMEOUT | vk::Result::NOT_READY) => Ok(None),
@@ -213,7 +217,11 @@ impl WindowSwapchain {
     }
 
     /// Makes a swapchain of the window's size. Returns whether the window has an area.
-    fn rebuild_swapchain(&mut self, renderer: &Renderer, size: [u32; 2]) -> Result<bool, Error> {
+    fn try_rebuild_swapchain(
+        &mut self,
+        renderer: &Renderer,
+        size: [u32; 2],
+    ) -> Result<bool, Error> {
         self.gpu.wait_idle()?;
         // SAFETY: the device and the surface are this instance's.
         let can = unsafe {
@@ -253,36 +261,38 @@ impl WindowSwapchain {
             self.destroy_swapchain(old);
         }
         let raw = raw.map_err(call_failed("make a swapchain"))?;
-        self.swapchain = Some(self.finish_swapchain(raw, renderer, [width, height])?);
+        self.swapchain = Some(self.create_swapchain_parts(raw, renderer, [width, height])?);
         Ok(true)
     }
 
     /// Makes the image views, semaphores and render target of a raw swapchain. On an error all are
     /// destroyed, the swapchain too.
-    fn finish_swapchain(
+    fn create_swapchain_parts(
         &self,
         raw: vk::SwapchainKHR,
         renderer: &Renderer,
         extent: [u32; 2],
     ) -> Result<Swapchain, Error> {
-        let (mut views, mut drawn) = (Vec::new(), Vec::new());
+        let (mut views, mut render_finished) = (Vec::new(), Vec::new());
         let made = self
-            .create_views(raw, &mut views, &mut drawn)
+            .create_views_and_semaphores(raw, &mut views, &mut render_finished)
             .and_then(|()| renderer.create_target(extent, &views, &[]));
         match made {
-            Ok(surface) => Ok(Swapchain { raw, surface, views, drawn, stale: false }),
+            Ok(render_target) => {
+                Ok(Swapchain { raw, render_target, views, render_finished, stale: false })
+            }
             Err(error) => {
-                self.destroy_parts(raw, views, drawn);
+                self.destroy_swapchain_parts(raw, views, render_finished);
                 Err(error)
             }
         }
     }
 
-    fn create_views(
+    fn create_views_and_semaphores(
         &self,
         raw: vk::SwapchainKHR,
         views: &mut Vec<vk::ImageView>,
-        drawn: &mut Vec<vk::Semaphore>,
+        render_finished: &mut Vec<vk::Semaphore>,
     ) -> Result<(), Error> {
         // SAFETY: the swapchain is this device's.
         let images = unsafe { self.swapchains.get_swapchain_images(raw) }
@@ -290,7 +300,7 @@ impl WindowSwapchain {
         for image in &images {
             views.push(self.create_view(*image)?);
         }
-        *drawn = create_semaphores(&self.gpu, images.len())?;
+        *render_finished = create_semaphores(&self.gpu, images.len())?;
         Ok(())
     }
 
@@ -311,21 +321,23 @@ impl WindowSwapchain {
     }
 
     fn destroy_swapchain(&self, swapchain: Swapchain) {
-        let Swapchain { raw, surface, views, drawn, .. } = swapchain;
-        drop(surface);
-        self.destroy_parts(raw, views, drawn);
+        let Swapchain { raw, render_target, views, render_finished, .. } = swapchain;
+        drop(render_target);
+        self.destroy_swapchain_parts(raw, views, render_finished);
     }
 
-    fn destroy_parts(
+    fn destroy_swapchain_parts(
         &self,
         raw: vk::SwapchainKHR,
         views: Vec<vk::ImageView>,
-        drawn: Vec<vk::Semaphore>,
+        render_finished: Vec<vk::Semaphore>,
     ) {
         // SAFETY: the device was waited for, or is lost: nothing is under way.
         unsafe {
             views.into_iter().for_each(|view| self.gpu.device.destroy_image_view(view, None));
-            drawn.into_iter().for_each(|one| self.gpu.device.destroy_semaphore(one, None));
+            render_finished
+                .into_iter()
+                .for_each(|one| self.gpu.device.destroy_semaphore(one, None));
             self.swapchains.destroy_swapchain(raw, None);
         }
     }

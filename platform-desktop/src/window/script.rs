@@ -125,8 +125,8 @@ impl Script {
         Ok(Some(step))
     }
 
-    /// Reports that the step of [`Script::next_step`] is done.
-    pub(super) fn report_done(&mut self) {
+    /// Prints that the step of [`Script::next_step`] is done.
+    pub(super) fn print_step_done(&mut self) {
         if let Some(step) = self.doing.take() {
             print_done(&step);
         }
@@ -134,24 +134,24 @@ impl Script {
 
     /// Counts a tick for `wait`.
     pub(super) fn count_tick(&mut self) {
-        self.count_down(|wait| match wait {
+        self.update_wait(|wait| match wait {
             WaitFor::Ticks(left) => WaitFor::Ticks(left.saturating_sub(1)),
             other => other,
         });
     }
 
-    /// Counts a frame for `frames`; `settled` if no file is being read, printed or written.
-    pub(super) fn count_frame(&mut self, settled: bool) {
-        self.count_down(|wait| match wait {
+    /// Counts a frame for `frames`; `is_settled` if no file is being read, printed or written.
+    pub(super) fn count_frame(&mut self, is_settled: bool) {
+        self.update_wait(|wait| match wait {
             WaitFor::Frames(left) => WaitFor::Frames(left.saturating_sub(1)),
-            WaitFor::Settled if settled => WaitFor::Frames(0),
+            WaitFor::Settled if is_settled => WaitFor::Frames(0),
             other => other,
         });
     }
 
-    fn count_down(&mut self, less: impl Fn(WaitFor) -> WaitFor) {
+    fn update_wait(&mut self, next: impl Fn(WaitFor) -> WaitFor) {
         if let Some((wait, text)) = self.waiting.take() {
-            match less(wait) {
+            match next(wait) {
                 WaitFor::Ticks(0) | WaitFor::Frames(0) => print_done(&text),
                 wait => self.waiting = Some((wait, text)),
             }

@@ -46,25 +46,25 @@ where
     pub(super) fn new(
         window: &Window,
         world: &World<N>,
-        places: &StudioPaths,
+        paths: &StudioPaths,
         options: &Options,
     ) -> Result<Self, Error> {
         let screen = WindowSwapchain::new(window, options)?;
         // Without the pipeline cache the start takes longer.
-        let cache = durable::read_file(&places.pipeline_cache_file()).unwrap_or_default();
+        let cache = durable::read_file(&paths.pipeline_cache_file()).unwrap_or_default();
         let show = WorldRenderer::new(screen.gpu(), screen.format(SAMPLES), world, &cache)?;
         Ok(WindowRenderer { show, screen })
     }
 
     /// Submits the pipeline cache to be written, for a faster next start.
-    pub(super) fn save_pipeline_cache(&self, places: &StudioPaths, keeper: &mut FileWriter) {
+    pub(super) fn save_pipeline_cache(&self, paths: &StudioPaths, file_writer: &mut FileWriter) {
         if let Ok(bytes) = self.show.renderer.pipeline_cache_data() {
-            keeper.submit_file(FileKind::PipelineCache, places.pipeline_cache_file(), bytes);
+            file_writer.submit_file(FileKind::PipelineCache, paths.pipeline_cache_file(), bytes);
         }
     }
 
-    /// Notes what a tick changed, for the next frame.
-    pub(super) fn note_changes(&mut self, world: &World<N>) {
+    /// Records what a tick changed, for the next frame.
+    pub(super) fn record_tick(&mut self, world: &World<N>) {
         self.show.note_tick(world);
     }
 
@@ -96,7 +96,7 @@ where
     ///
     /// # Errors
     /// A lost device or window.
-    pub(super) fn draw_frame(
+    pub(super) fn try_draw_frame(
         &mut self,
         window: &Window,
         size: [u32; 2],
@@ -109,9 +109,9 @@ where
         }
         self.show.begin_frame(world)?;
         let renderer = &mut self.show.renderer;
-        let Some(target) = self.screen.acquire(renderer, size)? else { return Ok(false) };
-        let Some(surface) = self.screen.surface() else { return Ok(false) };
-        egui_buffers.upload_to(&mut renderer.overlay, surface.extent);
+        let Some(target) = self.screen.acquire_image(renderer, size)? else { return Ok(false) };
+        let Some(render_target) = self.screen.render_target() else { return Ok(false) };
+        egui_buffers.upload_to(&mut renderer.overlay, render_target.extent);
         let time = (world.tick() as f64 + f64::from(params.between)) / f64::from(TICK_RATE);
         // Hands are not drawn: the mouse has none.
         let fresh = LatestInput {
@@ -121,7 +121,7 @@ where
             time_seconds: time,
         };
         let seen = Viewpoint { eyes: &[params.eye], latest: fresh, render_path: params.path };
-        self.show.draw_frame(world, &seen, surface, target.image, target.sync)?;
+        self.show.draw_frame(world, &seen, render_target, target.image, target.sync)?;
         // On Wayland this throttles redraw requests to the compositor's frame callbacks.
         window.pre_present_notify();
         self.screen.present(target)?;

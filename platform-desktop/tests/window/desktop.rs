@@ -7,7 +7,7 @@ use std::process::{Child, Command, Stdio};
 use std::thread;
 use std::time::Duration;
 
-use paros_shell::require::{Required, require};
+use paros_shell::require::{MissingDependency, require_or_skip};
 use x11rb::CURRENT_TIME;
 use x11rb::connection::Connection;
 use x11rb::protocol::xproto::{ConnectionExt as _, PropMode};
@@ -48,9 +48,9 @@ impl Drop for WindowManager {
 }
 
 #[test]
-fn dropped_files_become_the_stone_or_are_refused() -> Result<(), Required> {
+fn dropped_files_become_the_stone_or_are_refused() -> Result<(), MissingDependency> {
     let folder = empty_folder("dropped");
-    let Some(display) = require(XvfbDisplay::new(&folder))? else { return Ok(()) };
+    let Some(display) = require_or_skip(XvfbDisplay::new(&folder))? else { return Ok(()) };
     let mut visit = ScriptedWindow::new(&display);
     visit.do_all(&["start cat", "wait 4"]);
     visit.do_all(&STROKE);
@@ -106,11 +106,11 @@ fn dropped_files_become_the_stone_or_are_refused() -> Result<(), Required> {
 }
 
 #[test]
-fn minimised_it_draws_nothing_and_goes_on_after() -> Result<(), Required> {
+fn minimised_it_draws_nothing_and_goes_on_after() -> Result<(), MissingDependency> {
     let folder = empty_folder("minimised");
-    let Some(display) = require(XvfbDisplay::new(&folder))? else { return Ok(()) };
-    let Some(()) = require(check_program("xdotool", "--version"))? else { return Ok(()) };
-    let Some(_manager) = require(WindowManager::new(&display))? else { return Ok(()) };
+    let Some(display) = require_or_skip(XvfbDisplay::new(&folder))? else { return Ok(()) };
+    let Some(()) = require_or_skip(check_program("xdotool", "--version"))? else { return Ok(()) };
+    let Some(_manager) = require_or_skip(WindowManager::new(&display))? else { return Ok(()) };
     let mut visit = ScriptedWindow::new(&display);
     // Out of the window, so that it does not come into it anew.
     display.xdotool("mousemove 990 690");
@@ -147,17 +147,17 @@ fn minimised_it_draws_nothing_and_goes_on_after() -> Result<(), Required> {
 }
 
 #[test]
-fn on_a_fine_screen_all_is_larger_and_under_the_same_cursor() -> Result<(), Required> {
+fn on_a_fine_screen_all_is_larger_and_under_the_same_cursor() -> Result<(), MissingDependency> {
     let plain = empty_folder("plain");
-    let Some(display) = require(XvfbDisplay::with_size(&plain, [1180, 800]))? else {
+    let Some(display) = require_or_skip(XvfbDisplay::with_size(&plain, [1180, 800]))? else {
         return Ok(());
     };
-    let Some(()) = require(check_program("xdotool", "--version"))? else { return Ok(()) };
+    let Some(()) = require_or_skip(check_program("xdotool", "--version"))? else { return Ok(()) };
     let mut visit = ScriptedWindow::new(&display);
     let (once, voxels) = carve_at_scale(&mut visit, &display, 1);
     assert_eq!(visit.close(), (Some(0), String::new()));
     let fine_folder = empty_folder("fine");
-    let Some(display) = require(XvfbDisplay::with_size(&fine_folder, [2360, 1600]))? else {
+    let Some(display) = require_or_skip(XvfbDisplay::with_size(&fine_folder, [2360, 1600]))? else {
         return Ok(());
     };
     let mut command = paros_command(&fine_folder);
@@ -214,9 +214,9 @@ fn carve_at_scale(
 }
 
 #[test]
-fn a_scale_that_changes_is_followed() -> Result<(), Required> {
+fn a_scale_that_changes_is_followed() -> Result<(), MissingDependency> {
     let folder = empty_folder("scale");
-    let Some(display) = require(XvfbDisplay::with_size(&folder, [2360, 1600]))? else {
+    let Some(display) = require_or_skip(XvfbDisplay::with_size(&folder, [2360, 1600]))? else {
         return Ok(());
     };
     let mut settings = XSettings::new(&display.name).expect("the display takes settings");

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use paros_shell::require::{Required, require};
+use paros_shell::require::{MissingDependency, require_or_skip};
 
 use crate::desktop::WindowManager;
 use crate::rig::{
@@ -51,12 +51,14 @@ impl Drop for TmpfsDisk {
 }
 
 #[test]
-fn on_a_full_disk_the_window_stays_until_all_is_saved() -> Result<(), Required> {
+fn on_a_full_disk_the_window_stays_until_all_is_saved() -> Result<(), MissingDependency> {
     let folder = empty_folder("full");
-    let Some(display) = require(XvfbDisplay::new(&folder))? else { return Ok(()) };
-    let Some(()) = require(check_program("xdotool", "--version"))? else { return Ok(()) };
-    let Some(_manager) = require(WindowManager::new(&display))? else { return Ok(()) };
-    let Some(disk) = require(TmpfsDisk::new(&folder.join("disk"), "64m"))? else { return Ok(()) };
+    let Some(display) = require_or_skip(XvfbDisplay::new(&folder))? else { return Ok(()) };
+    let Some(()) = require_or_skip(check_program("xdotool", "--version"))? else { return Ok(()) };
+    let Some(_manager) = require_or_skip(WindowManager::new(&display))? else { return Ok(()) };
+    let Some(disk) = require_or_skip(TmpfsDisk::new(&folder.join("disk"), "64m"))? else {
+        return Ok(());
+    };
     let mut command = paros_command(&folder);
     command.env("DISPLAY", &display.name).env("HOME", &disk.0);
     let mut visit = ScriptedWindow::spawn(command.env("XDG_DATA_HOME", disk.0.join("data")));
@@ -91,9 +93,9 @@ fn on_a_full_disk_the_window_stays_until_all_is_saved() -> Result<(), Required> 
 }
 
 #[test]
-fn without_a_folder_or_a_home_the_print_goes_elsewhere() -> Result<(), Required> {
+fn without_a_folder_or_a_home_the_print_goes_elsewhere() -> Result<(), MissingDependency> {
     let folder = empty_folder("elsewhere");
-    let Some(display) = require(XvfbDisplay::new(&folder))? else { return Ok(()) };
+    let Some(display) = require_or_skip(XvfbDisplay::new(&folder))? else { return Ok(()) };
     fs::write(folder.join("Paros"), "no folder").expect("a file");
     let mut visit = ScriptedWindow::new(&display);
     visit.do_all(&["start cat", "wait 4"]);
@@ -119,9 +121,9 @@ fn without_a_folder_or_a_home_the_print_goes_elsewhere() -> Result<(), Required>
 }
 
 #[test]
-fn two_windows_keep_two_sessions_and_all_their_prints() -> Result<(), Required> {
+fn two_windows_keep_two_sessions_and_all_their_prints() -> Result<(), MissingDependency> {
     let folder = empty_folder("two");
-    let Some(display) = require(XvfbDisplay::new(&folder))? else { return Ok(()) };
+    let Some(display) = require_or_skip(XvfbDisplay::new(&folder))? else { return Ok(()) };
     let mut visits = [ScriptedWindow::new(&display), ScriptedWindow::new(&display)];
     for visit in &mut visits {
         visit.do_step("wait 4");
@@ -169,9 +171,9 @@ fn two_windows_keep_two_sessions_and_all_their_prints() -> Result<(), Required> 
 }
 
 #[test]
-fn a_session_that_cannot_be_read_is_kept() -> Result<(), Required> {
+fn a_session_that_cannot_be_read_is_kept() -> Result<(), MissingDependency> {
     let folder = empty_folder("unreadable");
-    let Some(display) = require(XvfbDisplay::new(&folder))? else { return Ok(()) };
+    let Some(display) = require_or_skip(XvfbDisplay::new(&folder))? else { return Ok(()) };
     let mut visit = ScriptedWindow::new(&display);
     visit.do_all(&["start free", "wait 4"]);
     visit.do_all(&STROKE);
@@ -212,9 +214,9 @@ fn a_session_that_cannot_be_read_is_kept() -> Result<(), Required> {
 }
 
 #[test]
-fn a_file_opened_while_the_print_is_made_costs_no_print() -> Result<(), Required> {
+fn a_file_opened_while_the_print_is_made_costs_no_print() -> Result<(), MissingDependency> {
     let folder = empty_folder("while-finishing");
-    let Some(display) = require(XvfbDisplay::new(&folder))? else { return Ok(()) };
+    let Some(display) = require_or_skip(XvfbDisplay::new(&folder))? else { return Ok(()) };
     fs::write(folder.join("mesh.obj"), TETRAHEDRON).expect("a file");
     let mesh = format!("open {}", folder.join("mesh.obj").display());
     let mut visit = ScriptedWindow::new(&display);

@@ -2,16 +2,16 @@
 
 use std::fs;
 
-use paros_shell::require::{Required, require};
+use paros_shell::require::{MissingDependency, require_or_skip};
 
 use crate::rig::{
     DRIVER, STROKE, ScriptedWindow, TETRAHEDRON, XvfbDisplay, empty_folder, paros_command,
 };
 
 #[test]
-fn sizes_files_and_losses_are_survived() -> Result<(), Required> {
+fn sizes_files_and_losses_are_survived() -> Result<(), MissingDependency> {
     let folder = empty_folder("survived");
-    let Some(display) = require(XvfbDisplay::new(&folder))? else { return Ok(()) };
+    let Some(display) = require_or_skip(XvfbDisplay::new(&folder))? else { return Ok(()) };
     let mut visit = ScriptedWindow::new(&display);
     visit.do_all(&["start owl", "wait 4"]);
     visit.do_all(&STROKE);
@@ -53,9 +53,9 @@ fn sizes_files_and_losses_are_survived() -> Result<(), Required> {
 }
 
 #[test]
-fn a_window_that_is_pulled_about_goes_on_carving() -> Result<(), Required> {
+fn a_window_that_is_pulled_about_goes_on_carving() -> Result<(), MissingDependency> {
     let folder = empty_folder("pulled");
-    let Some(display) = require(XvfbDisplay::new(&folder))? else { return Ok(()) };
+    let Some(display) = require_or_skip(XvfbDisplay::new(&folder))? else { return Ok(()) };
     let mut visit = ScriptedWindow::new(&display);
     visit.do_all(&["start free", "wait 4", "move 42 42", "wait 8", "press left"]);
     let whole = visit.voxel_count();
@@ -81,9 +81,9 @@ fn a_window_that_is_pulled_about_goes_on_carving() -> Result<(), Required> {
 }
 
 #[test]
-fn a_vanished_display_loses_no_sculpture() -> Result<(), Required> {
+fn a_vanished_display_loses_no_sculpture() -> Result<(), MissingDependency> {
     let folder = empty_folder("vanished");
-    let Some(display) = require(XvfbDisplay::new(&folder))? else { return Ok(()) };
+    let Some(display) = require_or_skip(XvfbDisplay::new(&folder))? else { return Ok(()) };
     let mut visit = ScriptedWindow::new(&display);
     visit.do_all(&["start cat", "wait 4"]);
     visit.do_all(&STROKE);
@@ -110,14 +110,14 @@ fn a_vanished_display_loses_no_sculpture() -> Result<(), Required> {
 }
 
 #[test]
-fn without_a_display_or_a_device_a_line_says_so() -> Result<(), Required> {
+fn without_a_display_or_a_device_a_line_says_so() -> Result<(), MissingDependency> {
     let folder = empty_folder("without");
     let output =
         paros_command(&folder).arg("window").env_remove("DISPLAY").output().expect("it starts");
     let text = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(1), "{text}");
     assert!(text.contains("no display") && text.lines().count() == 1, "{text}");
-    let Some(display) = require(XvfbDisplay::new(&folder))? else { return Ok(()) };
+    let Some(display) = require_or_skip(XvfbDisplay::new(&folder))? else { return Ok(()) };
     let window = |driver: &str, script: &str| {
         fs::write(folder.join("script"), script).expect("a file");
         let mut window = paros_command(&folder);
@@ -138,9 +138,9 @@ fn without_a_display_or_a_device_a_line_says_so() -> Result<(), Required> {
 /// Memory of the device that is missing once is asked for anew with another device; where there is
 /// none for good, the session is saved and the window says so.
 #[test]
-fn memory_that_runs_out_loses_no_sculpture() -> Result<(), Required> {
+fn memory_that_runs_out_loses_no_sculpture() -> Result<(), MissingDependency> {
     let folder = empty_folder("starved");
-    let Some(display) = require(XvfbDisplay::new(&folder))? else { return Ok(()) };
+    let Some(display) = require_or_skip(XvfbDisplay::new(&folder))? else { return Ok(()) };
     let mut visit = ScriptedWindow::new(&display);
     visit.do_all(&["start owl", "wait 4"]);
     visit.do_all(&STROKE);

@@ -8,7 +8,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use paros_shaders::Image;
-use paros_shell::require::{Required, require};
+use paros_shell::require::{MissingDependency, require_or_skip};
 
 use crate::desktop::WindowManager;
 use crate::rig::{XvfbDisplay, check_program, count_differing, empty_folder, paros_command};
@@ -47,13 +47,13 @@ fn drag_mouse(display: &XvfbDisplay, from: [i32; 2], to: [i32; 2]) {
 }
 
 #[test]
-fn a_newcomer_goes_from_launch_to_a_print_without_a_terminal() -> Result<(), Required> {
+fn a_newcomer_goes_from_launch_to_a_print_without_a_terminal() -> Result<(), MissingDependency> {
     let folder = empty_folder("newcomer");
-    let Some(display) = require(XvfbDisplay::with_size(&folder, [1200, 860]))? else {
+    let Some(display) = require_or_skip(XvfbDisplay::with_size(&folder, [1200, 860]))? else {
         return Ok(());
     };
-    let Some(()) = require(check_program("xdotool", "--version"))? else { return Ok(()) };
-    let Some(_manager) = require(WindowManager::new(&display))? else { return Ok(()) };
+    let Some(()) = require_or_skip(check_program("xdotool", "--version"))? else { return Ok(()) };
+    let Some(_manager) = require_or_skip(WindowManager::new(&display))? else { return Ok(()) };
     let mut program = launch_paros(&display);
     let look = |name: &str| display.save_screenshot(name);
     let launch = look("1-launch");

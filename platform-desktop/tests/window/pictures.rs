@@ -8,7 +8,7 @@ use paros_core::World;
 use paros_core::limits::max_save_bytes;
 use paros_shaders::Image;
 use paros_shell::demo::play_demo;
-use paros_shell::require::{Required, require};
+use paros_shell::require::{MissingDependency, require_or_skip};
 use paros_shell::tick_runner::with_fresh_world;
 
 use crate::rig::{ScriptedWindow, XvfbDisplay, empty_folder};
@@ -84,9 +84,11 @@ fn creative(visit: &mut ScriptedWindow) {
 
 #[test]
 #[ignore = "takes minutes, and writes tests/pictures/modes.png"]
-fn the_readme_shows_the_three_modes() -> Result<(), Required> {
+fn the_readme_shows_the_three_modes() -> Result<(), MissingDependency> {
     let folder = empty_folder("pictures");
-    let Some(display) = require(XvfbDisplay::with_size(&folder, SIZE))? else { return Ok(()) };
+    let Some(display) = require_or_skip(XvfbDisplay::with_size(&folder, SIZE))? else {
+        return Ok(());
+    };
     save_hidden(&folder);
     let mut visit = ScriptedWindow::new(&display);
     let mut shot = |name, mode: fn(&mut ScriptedWindow)| {

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use paros_shell::require::{Required, require};
+use paros_shell::require::{MissingDependency, require_or_skip};
 
 use crate::rig::{
     HEIGHT, STROKE, ScriptedWindow, WIDTH, XvfbDisplay, check_program, count_differing,
@@ -12,9 +12,9 @@ use crate::rig::{
 };
 
 #[test]
-fn a_visitor_carves_undoes_and_finishes() -> Result<(), Required> {
+fn a_visitor_carves_undoes_and_finishes() -> Result<(), MissingDependency> {
     let folder = empty_folder("visit");
-    let Some(display) = require(XvfbDisplay::new(&folder))? else { return Ok(()) };
+    let Some(display) = require_or_skip(XvfbDisplay::new(&folder))? else { return Ok(()) };
     let mut visit = ScriptedWindow::new(&display);
     let start = visit.screenshot(&display, "1-start");
     visit.do_all(&["start free", "wait 4", "wheel -6", "move 3 97"]);
@@ -68,10 +68,11 @@ fn a_visitor_carves_undoes_and_finishes() -> Result<(), Required> {
 }
 
 /// The print has triangles, and `admesh` finds nothing to mend.
-pub(crate) fn check_print(print: &Path) -> Result<(), Required> {
+pub(crate) fn check_print(print: &Path) -> Result<(), MissingDependency> {
     assert!(fs::metadata(print).expect("the print").len() > 84);
     let checked = Command::new("admesh").arg(print).output();
-    let Some(report) = require(checked.map_err(|error| format!("no admesh: {error}")))? else {
+    let Some(report) = require_or_skip(checked.map_err(|error| format!("no admesh: {error}")))?
+    else {
         return Ok(());
     };
     let report = String::from_utf8_lossy(&report.stdout);
@@ -86,10 +87,10 @@ pub(crate) fn check_print(print: &Path) -> Result<(), Required> {
 }
 
 #[test]
-fn a_mouse_and_keys_do_what_the_help_says() -> Result<(), Required> {
+fn a_mouse_and_keys_do_what_the_help_says() -> Result<(), MissingDependency> {
     let folder = empty_folder("devices");
-    let Some(display) = require(XvfbDisplay::new(&folder))? else { return Ok(()) };
-    let Some(()) = require(check_program("xdotool", "--version"))? else { return Ok(()) };
+    let Some(display) = require_or_skip(XvfbDisplay::new(&folder))? else { return Ok(()) };
+    let Some(()) = require_or_skip(check_program("xdotool", "--version"))? else { return Ok(()) };
     let x = |arguments: &str| display.xdotool(arguments);
     let mut visit = ScriptedWindow::new(&display);
     visit.do_step("frames 2");
@@ -156,9 +157,9 @@ const PRACTICES: [&str; 5] = [
 ];
 
 #[test]
-fn best_practices_have_nothing_new_to_say() -> Result<(), Required> {
+fn best_practices_have_nothing_new_to_say() -> Result<(), MissingDependency> {
     let folder = empty_folder("practices");
-    let Some(display) = require(XvfbDisplay::new(&folder))? else { return Ok(()) };
+    let Some(display) = require_or_skip(XvfbDisplay::new(&folder))? else { return Ok(()) };
     let mut command = paros_command(&folder);
     command
         .env("DISPLAY", &display.name)

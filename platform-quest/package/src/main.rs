@@ -69,7 +69,7 @@ fn run(args: &PackageArgs) -> Result<String, PackageError> {
     let folder = library::target_folder().join("android");
     durable::make_folder(&folder).map_err(PackageError::failure)?;
     let output = args.output.clone().unwrap_or_else(|| folder.join("paros.apk"));
-    let target = WriteTarget::resolve_writable(&output).map_err(PackageError::input)?;
+    let target = WriteTarget::resolve_and_check_writable(&output).map_err(PackageError::input)?;
     let loader = args.loader.as_deref().map(read_loader).transpose()?;
     tools::check_tools(args.library.is_none())?;
     let key = match (&args.key, &args.key_password) {

@@ -4,7 +4,7 @@ use std::ffi::{CStr, OsStr, c_char, c_int};
 use std::os::unix::ffi::OsStrExt;
 use std::path::Path;
 
-use paros_shell::replay::replay_trace;
+use paros_shell::replay::write_replay_digests;
 
 /// Plays the trace of the first path and writes its digests to the second; 0, or 1 after a line on
 /// standard error.
@@ -17,7 +17,7 @@ unsafe extern "C" fn paros_replay(trace: *const c_char, digests: *const c_char) 
     let [trace, digests] = [trace, digests]
         .map(|path| unsafe { CStr::from_ptr(path) }.to_bytes())
         .map(OsStr::from_bytes);
-    match replay_trace(Path::new(trace), Path::new(digests)) {
+    match write_replay_digests(Path::new(trace), Path::new(digests)) {
         Ok(()) => 0,
         Err(error) => {
             eprintln!("{error}");

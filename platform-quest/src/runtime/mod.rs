@@ -128,12 +128,12 @@ impl std::error::Error for RuntimeError {}
 mod tests {
     use std::path::Path;
 
-    use paros_shell::require::{Required, require};
+    use paros_shell::require::{MissingDependency, require_or_skip};
 
     use super::{RuntimeError, RuntimeLibrary, find_runtime, open_runtime};
 
     #[test]
-    fn what_is_no_runtime_is_told() -> Result<(), Required> {
+    fn what_is_no_runtime_is_told() -> Result<(), MissingDependency> {
         // SAFETY: nothing is opened.
         let why = unsafe {
             open_runtime(&RuntimeLibrary::with_own_names("/no/such/runtime.so".into()), &())
@@ -144,7 +144,7 @@ mod tests {
             RuntimeLibrary { path: "libm.so.6".into(), negotiate_symbol: "maker_negotiate".into() };
         // SAFETY: the C library's mathematics are loaded already.
         let part = unsafe { libloading::Library::new(&libm.path) };
-        if require(part.map_err(|why| why.to_string()))?.is_some() {
+        if require_or_skip(part.map_err(|why| why.to_string()))?.is_some() {
             // SAFETY: as before.
             let why = unsafe { open_runtime(&libm, &()) }.err().expect("it is none");
             assert_eq!(why.to_string(), "libm.so.6: no OpenXR runtime: it has no maker_negotiate");

@@ -5,6 +5,7 @@ use std::io::{self, Write};
 use openxr as xr;
 use paros_core::{Grid, Size};
 use paros_shell::headset::device_health::ThermalState;
+use paros_shell::headset::visit::VisitorChange;
 use paros_shell::statics::Resident;
 
 use super::HeadsetShell;
@@ -92,18 +93,19 @@ where
 
     /// Tells the visit policy that the headset was put on or off (`XR_EXT_user_presence`).
     fn on_user_presence(&mut self, present: bool, platform: &mut dyn Platform) {
-        if self.visit.update_presence(present, self.started_at.elapsed()) {
+        let change = self.visit.observe_presence(present, self.started_at.elapsed());
+        if change == VisitorChange::NextVisitor {
             platform.log(format_args!("another visitor"));
         }
         if !present {
-            self.studio.save_and_wait();
+            self.studio.save_session_and_wait();
         }
     }
 
     /// Saves the session, as the headset may stay off from now on.
     pub(super) fn save_session(&mut self) {
-        self.studio.retry_unwritten_files();
-        self.studio.save_and_wait();
+        self.studio.retry_failed_writes();
+        self.studio.save_session_and_wait();
     }
 
     /// Prints the status line of the test command `say`.

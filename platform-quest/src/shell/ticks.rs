@@ -25,7 +25,7 @@ where
         display_time: xr::Time,
         platform: &mut dyn Platform,
     ) -> Result<(), Error> {
-        let due = self.pacer.advance_to(display_time.as_nanos());
+        let due = self.pacer.take_due_ticks_until(display_time.as_nanos());
         self.tick_fraction = due.fraction;
         self.count_dropped(due.dropped, platform);
         let (session, has_focus) = (&resources.session, self.phase.has_focus());
@@ -36,17 +36,21 @@ where
             false
         };
         for tick_time in due.tick_times_ns() {
-            let jumped = self.recentering.take_due(tick_time);
+            let jumped = self.recentering.take_change_due_at(tick_time);
             let with_hands = has_focus && !jumped;
             let mut input = read_input(session, xr::Time::from_nanos(tick_time), with_hands)?;
-            self.visit.apply_to_input(self.studio.world().session_state(), menu_down, &mut input);
+            self.visit.add_session_commands(
+                self.studio.world().session_state(),
+                menu_down,
+                &mut input,
+            );
             if core::mem::take(&mut self.start_anew) {
                 input.start = self.options.mode;
             }
-            self.studio.run_tick_with(&input, |step| platform.run_step(step));
+            self.studio.run_tick_wrapped(&input, |step| platform.run_step(step));
             let world = self.studio.world();
             resources.show.note_tick(world);
-            self.haptics.add_tick([world.hand_state(0).haptic, world.hand_state(1).haptic]);
+            self.haptics.add_tick_levels([world.hand_state(0).haptic, world.hand_state(1).haptic]);
         }
         for (hand, pulse) in self.haptics.take_pulses().into_iter().enumerate() {
             if let Some(pulse) = pulse.filter(|_| has_focus) {

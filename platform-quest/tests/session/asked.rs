@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::fs;
 
-use paros_shell::require::require;
+use paros_shell::require::require_or_skip;
 
 use super::layered::{assert_no_violations, find_example, read_log};
 use super::monado::{MonadoService, MonadoTree, ShellProcess};
@@ -76,8 +76,8 @@ fn log_entries(log: &str, kind: &str) -> BTreeSet<String> {
 
 #[test]
 fn controllers_are_bound_as_openxr_names_them() {
-    let Some(tree) = require(MonadoTree::find()).unwrap() else { return };
-    let Some(layer) = require(find_example("liblayer.so")).unwrap() else { return };
+    let Some(tree) = require_or_skip(MonadoTree::find()).unwrap() else { return };
+    let Some(layer) = require_or_skip(find_example("liblayer.so")).unwrap() else { return };
     let monado = MonadoService::start(&tree, "bound");
     let errors = seen(monado.start_layered_shell(&layer, &[]));
     assert!(!errors.contains("no profile"), "{errors}");
@@ -104,8 +104,8 @@ fn controllers_are_bound_as_openxr_names_them() {
 
 #[test]
 fn a_rate_is_asked_for_where_it_is_offered() {
-    let Some(tree) = require(MonadoTree::find()).unwrap() else { return };
-    let Some(layer) = require(find_example("liblayer.so")).unwrap() else { return };
+    let Some(tree) = require_or_skip(MonadoTree::find()).unwrap() else { return };
+    let Some(layer) = require_or_skip(find_example("liblayer.so")).unwrap() else { return };
     let monado = MonadoService::start(&tree, "rates");
     let mut asked = 0;
     let mut asks = |rate: &str, line: &str| {
@@ -137,8 +137,8 @@ fn a_rate_is_asked_for_where_it_is_offered() {
 
 #[test]
 fn without_a_floor_under_the_visitor_the_stage_is_taken() {
-    let Some(tree) = require(MonadoTree::find()).unwrap() else { return };
-    let Some(layer) = require(find_example("liblayer.so")).unwrap() else { return };
+    let Some(tree) = require_or_skip(MonadoTree::find()).unwrap() else { return };
+    let Some(layer) = require_or_skip(find_example("liblayer.so")).unwrap() else { return };
     let monado = MonadoService::start(&tree, "floor");
     let mut noted = 0;
     let mut room = || {

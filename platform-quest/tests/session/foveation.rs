@@ -6,7 +6,7 @@ use std::fs;
 
 use paros_core::Tool;
 use paros_core::internals::STOOL_TOP;
-use paros_shell::require::require;
+use paros_shell::require::require_or_skip;
 
 use super::layered::{assert_no_violations, find_example, inject_event, read_log};
 use super::monado::{MonadoService, MonadoTree, RemoteHand, ShellProcess, wait_for};
@@ -20,8 +20,8 @@ fn logged_levels(monado: &MonadoService) -> Vec<String> {
 
 #[test]
 fn heat_raises_foveation_between_strokes() {
-    let Some(tree) = require(MonadoTree::find()).unwrap() else { return };
-    let Some(layer) = require(find_example("liblayer.so")).unwrap() else { return };
+    let Some(tree) = require_or_skip(MonadoTree::find()).unwrap() else { return };
+    let Some(layer) = require_or_skip(find_example("liblayer.so")).unwrap() else { return };
     let monado = MonadoService::start(&tree, "foveated");
     let mut hands = hands_at_rest(&monado);
     let mut shell = monado.start_mapped_shell(&layer, &["--foveation", "low"]);
@@ -58,8 +58,8 @@ fn heat_raises_foveation_between_strokes() {
 /// Depth is handed over with one sample a pixel, and a framebuffer for each pair of images.
 #[test]
 fn depth_goes_together_with_density_maps() {
-    let Some(tree) = require(MonadoTree::find()).unwrap() else { return };
-    let Some(layer) = require(find_example("liblayer.so")).unwrap() else { return };
+    let Some(tree) = require_or_skip(MonadoTree::find()).unwrap() else { return };
+    let Some(layer) = require_or_skip(find_example("liblayer.so")).unwrap() else { return };
     let monado = MonadoService::start(&tree, "foveated-depth");
     let mut shell = monado.start_mapped_shell(&layer, &["--foveation", "high", "--depth"]);
     shell.wait_until("focus", |said| said.field("life") == "focused");
@@ -73,8 +73,8 @@ fn depth_goes_together_with_density_maps() {
 
 #[test]
 fn what_is_asked_for_and_missing_is_told_in_a_line() {
-    let Some(tree) = require(MonadoTree::find()).unwrap() else { return };
-    let Some(layer) = require(find_example("liblayer.so")).unwrap() else { return };
+    let Some(tree) = require_or_skip(MonadoTree::find()).unwrap() else { return };
+    let Some(layer) = require_or_skip(find_example("liblayer.so")).unwrap() else { return };
     let monado = MonadoService::start(&tree, "unfoveated");
     let told = |mut shell: ShellProcess| {
         shell.wait_until("a session", |said| said.field("session") == "Sculpting");

@@ -7,7 +7,7 @@ use std::time::{Duration, SystemTime};
 
 use paros_core::Tool;
 use paros_core::internals::STOOL_TOP;
-use paros_shell::require::require;
+use paros_shell::require::require_or_skip;
 
 use super::layered::find_example;
 use super::monado::{MonadoService, MonadoTree, RemoteHand, RemoteHands, ShellProcess};
@@ -26,8 +26,8 @@ const MOST: u64 = 300_000;
 /// Allocations are the shell's own, too: those of drivers are not counted.
 #[test]
 fn a_frame_takes_little_time_and_no_memory() {
-    let Some(tree) = require(MonadoTree::find()).unwrap() else { return };
-    let Some(frugal) = require(find_example("frugal")).unwrap() else { return };
+    let Some(tree) = require_or_skip(MonadoTree::find()).unwrap() else { return };
+    let Some(frugal) = require_or_skip(find_example("frugal")).unwrap() else { return };
     let monado = MonadoService::start(&tree, "frugal");
     let mut hands = hands_at_rest(&monado);
     let mut shell = monado.start_program(&frugal, &["files", &FRAMES.to_string()]);

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use paros_core::Tool;
-use paros_shell::require::require;
+use paros_shell::require::require_or_skip;
 
 use super::monado::{MonadoService, MonadoTree, ShellProcess, wait_for};
 use super::{REST, RIGHT, carve_voxels, hands_at_rest, take_tool};
@@ -48,8 +48,8 @@ fn assert_session_resumes(
 
 #[test]
 fn hands_feel_the_stone_and_losses_lose_nothing() {
-    let Some(tree) = require(MonadoTree::find()).unwrap() else { return };
-    let Some(layer) = require(find_example("liblayer.so")).unwrap() else { return };
+    let Some(tree) = require_or_skip(MonadoTree::find()).unwrap() else { return };
+    let Some(layer) = require_or_skip(find_example("liblayer.so")).unwrap() else { return };
     let monado = MonadoService::start(&tree, "layered");
     let mut hands = hands_at_rest(&monado);
     let mut shell = monado.start_layered_shell(&layer, &["--depth"]);

@@ -21,7 +21,7 @@ use monado::{MonadoService, MonadoTree, RemoteHand, RemoteHands, ShellProcess};
 use paros_core::internals::{STOOL_TOP, UNITS_PER_METRE};
 use paros_core::{BenchItem, Grid, Tool};
 use paros_shaders::gpu::{Eye, Fov};
-use paros_shell::require::require;
+use paros_shell::require::require_or_skip;
 use paros_shell::statics::Resident;
 use paros_shell::trace::Trace;
 
@@ -118,7 +118,7 @@ fn pixel_of(eye: &Eye, point: Vec3, path: &Path) -> [f32; 2] {
 
 #[test]
 fn a_scripted_hand_takes_a_tool_and_carves() {
-    let Some(tree) = require(MonadoTree::find()).unwrap() else { return };
+    let Some(tree) = require_or_skip(MonadoTree::find()).unwrap() else { return };
     let monado = MonadoService::start(&tree, "carves");
     let mut hands = hands_at_rest(&monado);
     let mut shell = monado.start_shell(&["--record", "live.trace"]);
@@ -204,7 +204,7 @@ fn assert_replays_alike(folder: &Path) {
     assert!(played.status.success(), "{}", String::from_utf8_lossy(&played.stderr));
     let paros = quest.with_file_name("paros");
     let found = paros.exists().then_some(()).ok_or("no paros beside paros-quest: build it");
-    if require(found).unwrap().is_none() {
+    if require_or_skip(found).unwrap().is_none() {
         return;
     }
     let play = ["play", "live.trace", "--digests", "there"];
@@ -216,7 +216,7 @@ fn assert_replays_alike(folder: &Path) {
 
 #[test]
 fn a_killed_shell_goes_on_where_it_was() {
-    let Some(tree) = require(MonadoTree::find()).unwrap() else { return };
+    let Some(tree) = require_or_skip(MonadoTree::find()).unwrap() else { return };
     let monado = MonadoService::start(&tree, "killed");
     let mut hands = hands_at_rest(&monado);
     let mut shell = monado.start_shell(&[]);
@@ -244,7 +244,7 @@ fn a_killed_shell_goes_on_where_it_was() {
 
 #[test]
 fn what_is_missing_is_said() {
-    let Some(tree) = require(MonadoTree::find()).unwrap() else { return };
+    let Some(tree) = require_or_skip(MonadoTree::find()).unwrap() else { return };
     let folder = monado::create_empty_folder("missing");
     let quest = Path::new(env!("CARGO_BIN_EXE_paros-quest"));
     let refuses = |command: &mut Command, word: &str| {

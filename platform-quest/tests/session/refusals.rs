@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 
 use paros_core::{Grid, Tool};
-use paros_shell::require::require;
+use paros_shell::require::require_or_skip;
 use paros_shell::statics::Resident;
 
 use super::layered::{find_example, read_log};
@@ -27,8 +27,8 @@ const REFUSALS: [(&str, [&str; 2]); 3] = [
 
 #[test]
 fn what_is_refused_is_said_and_loses_nothing() {
-    let Some(tree) = require(MonadoTree::find()).unwrap() else { return };
-    let Some(layer) = require(find_example("liblayer.so")).unwrap() else { return };
+    let Some(tree) = require_or_skip(MonadoTree::find()).unwrap() else { return };
+    let Some(layer) = require_or_skip(find_example("liblayer.so")).unwrap() else { return };
     let monado = MonadoService::start(&tree, "refusals");
     let saved = save_after_refused_frames(&monado, &layer);
     let fails = |shell: ShellProcess, words: [&str; 2]| {

@@ -7,8 +7,8 @@ use std::{env, fs};
 
 use paros_core::{Grid, SessionMode, Size, TickInput};
 use paros_models::random_visitor::RandomVisitor;
-use paros_shell::replay::replay_trace;
-use paros_shell::require::require;
+use paros_shell::replay::write_replay_digests;
+use paros_shell::require::require_or_skip;
 use paros_shell::statics::Resident;
 use paros_shell::tick_runner;
 
@@ -48,7 +48,7 @@ where
         });
         let mut visitor = RandomVisitor::new(2024);
         (1..ticks).for_each(|_| stage.run_tick(&visitor.next_input()));
-        stage.end_recording().expect("a recording")
+        stage.end_recording_to_bytes().expect("a recording")
     })
 }
 
@@ -68,7 +68,7 @@ where
 fn a_replay_writes_a_digest_for_each_tick_or_nothing() {
     let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
     let [trace, digests] = recorded::<128>("short", 200);
-    replay_trace(&trace, &digests).expect("it was just recorded");
+    write_replay_digests(&trace, &digests).expect("it was just recorded");
     let written = fs::read_to_string(&digests).expect("it was written");
     assert_eq!(written.lines().count(), 200);
     let last = format!("{:016x}", Grid::<128>::lock_world().digest());
@@ -79,11 +79,11 @@ fn a_replay_writes_a_digest_for_each_tick_or_nothing() {
     // The digest of the last part, after the last tick.
     *bytes.last_mut().expect("a trace") ^= 1;
     fs::write(&trace, bytes).expect("room on the disk");
-    let why = replay_trace(&trace, &digests).expect_err("it is another trace").to_string();
+    let why = write_replay_digests(&trace, &digests).expect_err("it is another trace").to_string();
     let part = Grid::<128>::lock_world().part_digests().last().expect("some parts").0;
     assert!(why.contains(&format!("tick 199: another state of {part} (")), "{why}");
     assert!(!digests.exists());
-    if require(parts()).expect("the package is made before the tests").is_some() {
+    if require_or_skip(parts()).expect("the package is made before the tests").is_some() {
         let output = on_android(&trace, &digests);
         assert_eq!(output.status.code(), Some(1));
         assert_eq!(String::from_utf8_lossy(&output.stderr).trim_end(), why);

@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use paros_shell::require::require;
+use paros_shell::require::require_or_skip;
 use public_api::Builder;
 
 const AGAIN: &str =
@@ -45,7 +45,7 @@ fn find_difference<'a>(kept: &'a str, now: &'a str) -> Option<(&'static str, &'a
 
 #[test]
 fn the_listing_of_the_public_api_is_up_to_date() {
-    let Some(now) = require(list_public_api()).expect("rustdoc's JSON") else { return };
+    let Some(now) = require_or_skip(list_public_api()).expect("rustdoc's JSON") else { return };
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../goldens/core-api.txt");
     if std::env::var("PAROS_GOLDEN").as_deref() == Ok("write") {
         std::fs::write(&path, now).expect("the golden file");

@@ -48,7 +48,7 @@ fn record_groove() -> Vec<u8> {
         runner.run_tick(&input);
     }
     assert!(!runner.world().volume().rows().contains([60, 126, 64]), "no groove was drawn");
-    runner.end_recording().expect("a recording")
+    runner.end_recording_to_bytes().expect("a recording")
 }
 
 #[test]

@@ -7,7 +7,7 @@ use paros_core::{
 };
 use paros_models::bake::Triangle;
 use paros_models::bake_harness::{N, check};
-use paros_shell::mesh::Mesh;
+use paros_shell::mesh::{Mesh, MeshBounds};
 
 use crate::shapes::closed;
 
@@ -58,7 +58,7 @@ pub fn bakes_alike_with_its_base_closed(open: &Mesh) {
 /// # Panics
 /// It doesn't.
 pub fn agrees_with_the_model_inside_out_and_not(mesh: &Mesh) {
-    let (min, max) = mesh.bounding_box().unwrap();
+    let MeshBounds { min, max } = mesh.bounding_box().unwrap();
     let placement = MeshPlacement::fit_bounds(min, max, UpAxis::Y, N).unwrap();
     let place = |i: u32| placement.snap_point(mesh.positions[i as usize]).to_array();
     let triangles: Vec<Triangle> = mesh.triangles.iter().map(|t| t.map(place)).collect();

@@ -6,6 +6,7 @@ use glam::IVec3;
 use paros_core::{Baker, BitGrid, MeshPlacement, RangeMaps, UpAxis};
 use paros_models::bake::{self as model, Triangle};
 use paros_models::bake_harness::{N, check_across_words};
+use paros_shell::mesh::MeshBounds;
 use paros_tests_files::baked::{
     agrees_with_the_model_inside_out_and_not, bake, bakes_alike_with_its_base_closed,
 };
@@ -14,7 +15,7 @@ use paros_tests_files::shapes::{closed, vase};
 #[test]
 fn a_finely_divided_shape_in_rows_of_two_words() {
     let vase = closed(&vase());
-    let (min, max) = vase.bounding_box().unwrap();
+    let MeshBounds { min, max } = vase.bounding_box().unwrap();
     let placement = MeshPlacement::fit_bounds(min, max, UpAxis::Y, N).unwrap();
     let place =
         |i: u32| (placement.snap_point(vase.positions[i as usize]) + IVec3::Y * 5).to_array();

@@ -17,7 +17,7 @@ fn for_each_figure(
     let mut maps = MAPS.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
     let mut plane = PLANE.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
     for &figure in figures {
-        figure.carve_into(&mut *plane, &mut *maps);
+        figure.rasterize_into(&mut *maps, &mut *plane);
         check(figure, &plane, &maps);
     }
 }
@@ -44,7 +44,7 @@ fn every_figure_is_the_same_bits_as_ever() {
     let (mut large, mut plane) = (MAPS.lock().unwrap(), PLANE.lock().unwrap());
     let mut found = Vec::new();
     for_each_figure(&Figure::ALL, |figure, _, maps| {
-        figure.carve_into(&mut *plane, &mut *large);
+        figure.rasterize_into(&mut *large, &mut *plane);
         let small = (rmap::encode(maps).len(), rmap::volume_checksum(maps));
         found.push((figure, small, (rmap::encode(&*large).len(), rmap::volume_checksum(&*large))));
     });
@@ -70,9 +70,9 @@ where
     Grid<N>: Size,
 {
     for figure in Figure::ALL {
-        figure.carve_into(plane, maps);
+        figure.rasterize_into(maps, plane);
         let shape: Vec<bool> =
-            all_voxels::<N>().map(|voxel| figure.covers_voxel::<N>(voxel)).collect();
+            all_voxels::<N>().map(|voxel| figure.contains_voxel_centre::<N>(voxel)).collect();
         let closed = dense_closure::<N>(&shape);
         for (voxel, expected) in all_voxels::<N>().zip(closed) {
             assert_eq!(plane.contains(voxel), expected, "{figure:?} at {voxel:?} of {N}");
@@ -96,7 +96,8 @@ fn full_size_figures_are_their_shapes() {
     for_each_figure(&Figure::ALL, |figure, plane, _| {
         // Closure only adds; a voxel that the shape covers is there, and few others are.
         let (mut covered, mut missing) = (0, 0);
-        for voxel in all_voxels::<128>().filter(|&voxel| figure.covers_voxel::<128>(voxel)) {
+        for voxel in all_voxels::<128>().filter(|&voxel| figure.contains_voxel_centre::<128>(voxel))
+        {
             covered += 1;
             missing += u64::from(!plane.contains(voxel));
         }

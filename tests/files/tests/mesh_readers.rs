@@ -8,7 +8,7 @@
 mod mesh_samples;
 
 use mesh_samples::*;
-use paros_shell::mesh::{self, Mesh, MeshFault, MeshFormat};
+use paros_shell::mesh::{self, Mesh, MeshBounds, MeshFault, MeshFormat};
 use proptest::prelude::*;
 use std::path::Path;
 
@@ -38,7 +38,7 @@ fn every_kind_reads_alike() {
     for (name, kind, bytes) in all_samples() {
         let mesh = parse_mesh(kind, &bytes).unwrap_or_else(|fault| panic!("{name}: {fault}"));
         assert_eq!(triangle_points(&mesh), expected_points(), "{name}");
-        assert_eq!(mesh.count_winding_faults(), 0);
+        assert_eq!(mesh.count_repeated_directed_edges(), 0);
     }
 }
 
@@ -194,7 +194,7 @@ fn a_count_beyond_the_file_is_refused() {
 fn vertices_without_a_triangle_are_dropped() {
     let text = "v 9 9 9\nv 0 0 0\nv 1 0 0\nv -9 9 9\nv 0 1 0\nf 2 3 5\n";
     let mesh = parse_mesh(MeshFormat::Obj, text.as_bytes()).unwrap();
-    assert_eq!(mesh.bounding_box(), Some(([0.0; 3], [1.0, 1.0, 0.0])));
+    assert_eq!(mesh.bounding_box(), Some(MeshBounds { min: [0.0; 3], max: [1.0, 1.0, 0.0] }));
     let text = replace_text(&ply_file("ascii"), "vertex 8", "vertex 9");
     let mesh = parse_mesh(MeshFormat::Ply, &replace_text(&text, "-3\n", "7 7 7 7\n-3\n")).unwrap();
     assert_eq!((triangle_points(&mesh), mesh.positions.len()), (expected_points(), 8));

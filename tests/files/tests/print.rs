@@ -11,8 +11,8 @@ use paros_core::{
 };
 use paros_models::random_visitor::RandomVisitor;
 use paros_models::world_harness::WorldHarness;
-use paros_shell::print::{
-    DEFAULT_HEIGHT_MM, FinishedPrint, MAX_BYTES_PER_STEP, PrintBuffers, StlPrinter, UNITS_PER_STEP,
+use paros_shell::stl_export::{
+    DEFAULT_HEIGHT_MM, FinishedStl, MAX_BYTES_PER_STEP, StlBuffers, StlExporter, UNITS_PER_STEP,
 };
 
 /// The file, made in one call.
@@ -31,14 +31,14 @@ fn export_at_once(
 
 struct Shop {
     studio: WorldHarness<64>,
-    press: PrintBuffers<64>,
+    press: StlBuffers<64>,
     exporter: Exporter<64>,
 }
 
 fn lock_shop() -> MutexGuard<'static, Shop> {
     static SHOP: Mutex<Shop> = Mutex::new(Shop {
         studio: WorldHarness::new(),
-        press: PrintBuffers::new(),
+        press: StlBuffers::new(),
         exporter: Exporter::new(),
     });
     SHOP.lock().unwrap_or_else(PoisonError::into_inner)
@@ -78,7 +78,7 @@ fn run_inputs<T>(
     (digests, made)
 }
 
-/// Without a printer: digests, and the files of what was finished, drained at once.
+/// Without an exporter: digests, and the files of what was finished, drained at once.
 fn run_without_printer(shop: &mut Shop, inputs: &[TickInput]) -> (Vec<u64>, Vec<Vec<u8>>) {
     let Shop { studio, exporter, .. } = shop;
     run_inputs(studio, inputs, |world| {
@@ -88,21 +88,21 @@ fn run_without_printer(shop: &mut Shop, inputs: &[TickInput]) -> (Vec<u64>, Vec<
 }
 
 /// With one: digests, prints, and the most ticks that one took.
-fn run_with_printer(shop: &mut Shop, inputs: &[TickInput]) -> (Vec<u64>, Vec<FinishedPrint>, u32) {
-    let mut printer = StlPrinter::new(&mut shop.press, DEFAULT_HEIGHT_MM).unwrap();
+fn run_with_printer(shop: &mut Shop, inputs: &[TickInput]) -> (Vec<u64>, Vec<FinishedStl>, u32) {
+    let mut stl_exporter = StlExporter::new(&mut shop.press, DEFAULT_HEIGHT_MM).unwrap();
     let (mut busy, mut most) = (0, 0);
     let (digests, prints) = run_inputs(&mut shop.studio, inputs, |world| {
-        let print = printer.advance_after_tick(world);
-        busy = if printer.is_busy() { busy + 1 } else { 0 };
+        let print = stl_exporter.begin_or_advance_after_tick(world);
+        busy = if stl_exporter.is_busy() { busy + 1 } else { 0 };
         most = most.max(busy);
         print
     });
-    assert!(!printer.is_busy() && printer.finish_print().is_none());
+    assert!(!stl_exporter.is_busy() && stl_exporter.run_export_to_end().is_none());
     (digests, prints, most)
 }
 
-fn stl_files(prints: &[FinishedPrint]) -> Vec<&[u8]> {
-    prints.iter().map(|print| &print.stl[..]).collect()
+fn stl_files(prints: &[FinishedStl]) -> Vec<&[u8]> {
+    prints.iter().map(|print| &print.bytes[..]).collect()
 }
 
 #[test]
@@ -117,7 +117,7 @@ fn ticks_and_bytes_are_those_of_a_print_made_at_once() {
     assert!(ticks >= 3, "it was spread over {ticks} ticks");
     for print in prints {
         assert!(print.triangle_count > 1000);
-        assert_eq!(print.stl.len(), 84 + 50 * print.triangle_count as usize);
+        assert_eq!(print.bytes.len(), 84 + 50 * print.triangle_count as usize);
     }
 }
 
@@ -164,13 +164,13 @@ fn each_step_stays_in_its_budget() {
             break;
         }
     }
-    let mut printer = StlPrinter::new(press, DEFAULT_HEIGHT_MM).unwrap();
-    printer.begin_print(rows, mask);
+    let mut stl_exporter = StlExporter::new(press, DEFAULT_HEIGHT_MM).unwrap();
+    stl_exporter.begin_export(rows, mask);
     let (mut steps, mut before) = (0, 0);
     let print = loop {
         steps += 1;
-        let print = printer.advance_print();
-        let made = print.as_ref().map_or(printer.bytes_made(), |print| print.stl.len());
+        let print = stl_exporter.advance_export_step();
+        let made = print.as_ref().map_or(stl_exporter.bytes_made(), |print| print.bytes.len());
         let most = units[units.len().min(steps * UNITS_PER_STEP as usize + 1) - 1];
         assert!(made <= most, "step {steps}: {made} bytes, the budget is for {most}");
         assert!(made - before <= MAX_BYTES_PER_STEP);
@@ -179,7 +179,7 @@ fn each_step_stays_in_its_budget() {
             break print;
         }
     };
-    assert_eq!(print.stl.len(), *units.last().unwrap());
+    assert_eq!(print.bytes.len(), *units.last().unwrap());
     assert!(
         steps * UNITS_PER_STEP as usize >= units.len() - 1,
         "{steps} steps for {}",
@@ -191,12 +191,18 @@ fn each_step_stays_in_its_budget() {
 fn nothing_is_printed_of_nothing() {
     let shop = &mut *lock_shop();
     for height in [0.0, -1.0, f32::NAN, f32::INFINITY] {
-        assert!(StlPrinter::new(&mut shop.press, height).is_err());
+        assert!(StlExporter::new(&mut shop.press, height).is_err());
     }
-    let mut printer = StlPrinter::new(&mut shop.press, DEFAULT_HEIGHT_MM).unwrap();
+    let mut stl_exporter = StlExporter::new(&mut shop.press, DEFAULT_HEIGHT_MM).unwrap();
     shop.studio.start_from_voxels(|_| false);
-    assert_eq!((printer.advance_after_tick(&shop.studio.world), printer.is_busy()), (None, false));
+    assert_eq!(
+        (stl_exporter.begin_or_advance_after_tick(&shop.studio.world), stl_exporter.is_busy()),
+        (None, false)
+    );
     shop.studio.step(&TickInput { commands: commands::FINISH, ..TickInput::default() });
-    assert_eq!((printer.advance_after_tick(&shop.studio.world), printer.is_busy()), (None, true));
-    assert_eq!(printer.finish_print().map(|print| print.triangle_count), Some(0));
+    assert_eq!(
+        (stl_exporter.begin_or_advance_after_tick(&shop.studio.world), stl_exporter.is_busy()),
+        (None, true)
+    );
+    assert_eq!(stl_exporter.run_export_to_end().map(|print| print.triangle_count), Some(0));
 }

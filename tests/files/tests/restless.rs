@@ -6,7 +6,7 @@ use std::sync::{Mutex, PoisonError};
 
 use paros_core::{Grid, SessionMode, Size, TICK_RATE, TickInput};
 use paros_models::random_visitor::RandomVisitor;
-use paros_shell::replay::replay_trace;
+use paros_shell::replay::write_replay_digests;
 use paros_shell::statics::Resident;
 use paros_shell::tick_runner;
 
@@ -29,7 +29,7 @@ where
         });
         let mut visitor = RandomVisitor::new(2024);
         (1..ticks).for_each(|_| runner.run_tick(&visitor.next_input()));
-        runner.end_recording().expect("a recording")
+        runner.end_recording_to_bytes().expect("a recording")
     })
 }
 
@@ -63,7 +63,7 @@ where
 {
     let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
     let [trace, digests] = recorded_files::<N>(name, ticks);
-    replay_trace(&trace, &digests).expect("it was just recorded");
+    write_replay_digests(&trace, &digests).expect("it was just recorded");
     let digests = fs::read_to_string(&digests).expect("it was written");
     assert_eq!(digests.lines().count(), ticks as usize);
 }

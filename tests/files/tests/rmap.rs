@@ -8,7 +8,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use paros_core::{Axis, BitGrid, BitSet, Column, Range, RangeMaps};
 use paros_shell::durable::{self, WriteTarget};
 use paros_shell::figures::Figure;
-use paros_shell::rmap::{self, RmapError, RmapFault};
+use paros_shell::rmap::{self, RmapError, RmapFault, RmapFaultAt};
 use proptest::prelude::*;
 
 /// Bytes before the columns and after them, and of the columns at 16.
@@ -43,7 +43,7 @@ fn make_folder(name: &str) -> PathBuf {
 fn encode_toy() -> Vec<u8> {
     let mut b = lock_buffers();
     let Buffers { maps, plane, .. } = &mut *b;
-    Figure::Toy.carve_into(plane, maps);
+    Figure::Toy.rasterize_into(maps, plane);
     rmap::encode(maps)
 }
 
@@ -63,11 +63,11 @@ fn bitwise_crc32(bytes: &[u8]) -> u32 {
 fn decode_refusal(bytes: &[u8]) -> (usize, RmapFault) {
     let mut b = lock_buffers();
     let Buffers { maps, other, plane } = &mut *b;
-    Figure::Cat.carve_into(plane, maps);
+    Figure::Cat.rasterize_into(maps, plane);
     other.copy_from(maps);
-    let fault = rmap::decode(bytes, maps).expect_err("must be refused");
+    let RmapFaultAt { offset, fault } = rmap::decode(bytes, maps).expect_err("must be refused");
     assert!(maps == other, "a refused file left its mark");
-    fault
+    (offset, fault)
 }
 
 #[test]
@@ -177,7 +177,10 @@ fn files_come_back_and_errors_name_them() {
     rmap::write(&path, &b.maps).unwrap();
     assert_eq!(fs::read(&path).unwrap(), bytes);
     let header = rmap::read_header(&path).unwrap();
-    assert_eq!((header.side, header.layers, header.file_length()), (16, 1, bytes.len()));
+    assert_eq!(
+        (header.grid_side, header.intervals_per_column, header.file_length()),
+        (16, 1, bytes.len())
+    );
     let Buffers { maps, other, .. } = &mut *b;
     other.clear();
     rmap::read(&path, other).unwrap();
@@ -268,8 +271,8 @@ fn a_file_is_replaced_when_its_bytes_are_there_and_not_before() {
     let path = folder.join("file");
     durable::write_file(&path, b"old").unwrap();
     let (a, b) = (
-        WriteTarget::resolve_writable(&path).unwrap(),
-        WriteTarget::resolve_writable(&path).unwrap(),
+        WriteTarget::resolve_and_check_writable(&path).unwrap(),
+        WriteTarget::resolve_and_check_writable(&path).unwrap(),
     );
     assert_eq!(file_names(&folder), ["file"], "nothing is there to be left behind");
     assert_eq!(fs::read(&path).unwrap(), b"old");

@@ -14,7 +14,7 @@ use paros_core::{
 use paros_models::random_visitor::{RandomSource, RandomVisitor, arbitrary_input};
 use paros_models::world_harness::WorldHarness;
 use paros_shell::tick_runner::TickRunner;
-use paros_shell::trace::{ReplayDivergence, Trace, TraceError};
+use paros_shell::trace::{ReplayDivergence, Trace, TraceError, TraceFault};
 
 static STUDIO: Mutex<WorldHarness<128>> = Mutex::new(WorldHarness::new());
 const TICKS: usize = 80;
@@ -45,7 +45,7 @@ fn record_trace(studio: &mut WorldHarness<128>) -> Vec<u8> {
                 ..TickInput::default()
             });
             (1..TICKS).for_each(|_| stage.run_tick(&visitor.next_input()));
-            stage.end_recording().expect("a recording")
+            stage.end_recording_to_bytes().expect("a recording")
         },
     )
 }
@@ -59,7 +59,7 @@ fn replay_trace(
         |_| {},
         |stage| {
             let mut ticks = 0;
-            let result = stage.replay(trace, |_, _| ticks += 1);
+            let result = stage.replay(trace, |_| ticks += 1);
             (ticks, result)
         },
     )
@@ -89,8 +89,8 @@ fn a_replay_makes_the_recorded_digests() {
         |_| {},
         |stage| {
             stage.start_recording();
-            stage.replay(&trace, |_, _| {}).expect("the same session");
-            stage.end_recording()
+            stage.replay(&trace, |_| {}).expect("the same session");
+            stage.end_recording_to_bytes()
         },
     );
     assert!(again.as_deref() == Some(&bytes[..]));
@@ -137,21 +137,20 @@ fn traces_of_other_volumes_states_and_sizes_part_before_the_first_tick() {
     let (world, lump, figure, creative) = studio.world_and_start_volumes();
     // The figure and the toy have changed places.
     let starts = StartVolumes { lump, figures: &[creative], creative: figure, own: None };
-    let played = TickRunner::new(world, starts).replay(&trace, |_, _| panic!("a tick was played"));
+    let played = TickRunner::new(world, starts).replay(&trace, |_| panic!("a tick was played"));
     assert!(matches!(played, Err(ReplayDivergence::Starts { .. })), "{played:?}");
     assert!(played.expect_err("other volumes").to_string().starts_with("before tick 0:"));
     assert_eq!(world.tick(), 0);
     let figures = [figure];
     let starts = || StartVolumes { lump, figures: &figures, creative, own: None };
     TickRunner::new(world, starts()).run_tick(&TickInput::default());
-    let played =
-        TickRunner::new(world, starts()).replay(&trace, |_, _| panic!("a tick was played"));
+    let played = TickRunner::new(world, starts()).replay(&trace, |_| panic!("a tick was played"));
     assert!(matches!(played, Err(ReplayDivergence::State { .. })), "{played:?}");
     static SMALL: Mutex<(World<64>, RangeMaps<64>)> = Mutex::new((World::new(), RangeMaps::new()));
     let mut small = SMALL.lock().unwrap_or_else(PoisonError::into_inner);
     let (world, maps) = &mut *small;
     let starts = StartVolumes { lump: maps, figures: &[], creative: maps, own: None };
-    let played = TickRunner::new(world, starts).replay(&trace, |_, _| panic!("a tick was played"));
+    let played = TickRunner::new(world, starts).replay(&trace, |_| panic!("a tick was played"));
     assert_eq!(played, Err(ReplayDivergence::Size { recorded: 128, here: 64 }));
 }
 
@@ -183,7 +182,8 @@ fn traces_cut_short_name_the_tick() {
     let mut studio = STUDIO.lock().unwrap_or_else(PoisonError::into_inner);
     let bytes = record_trace(&mut studio);
     for len in 0..HEADER_BYTES {
-        let (tick, bad) = Trace::decode(&bytes[..len]).expect_err("a header cut short");
+        let TraceFault { tick, bad } =
+            Trace::decode(&bytes[..len]).expect_err("a header cut short");
         assert_eq!(tick, None);
         assert!(bad.offset <= len && !bad.expected.is_empty());
     }
@@ -191,14 +191,15 @@ fn traces_cut_short_name_the_tick() {
         let start = HEADER_BYTES + tick * RECORD_BYTES;
         // At a record's very start, in its input and in its digest.
         for len in [start, start + 1, start + TickInput::BYTES, start + RECORD_BYTES - 1] {
-            let (at, bad) = Trace::decode(&bytes[..len]).expect_err("a record cut short");
+            let TraceFault { tick: at, bad } =
+                Trace::decode(&bytes[..len]).expect_err("a record cut short");
             assert_eq!(at, Some(tick), "{len} bytes");
             assert!((start..=len).contains(&bad.offset), "{bad:?}");
         }
     }
     let mut longer = bytes.clone();
     longer.extend_from_slice(record_of(&mut bytes.clone(), 0));
-    assert_eq!(Trace::decode(&longer).expect_err("a record too many").0, Some(TICKS));
+    assert_eq!(Trace::decode(&longer).expect_err("a record too many").tick, Some(TICKS));
     let path = std::env::temp_dir().join(format!("paros-{}-cut.trace", std::process::id()));
     std::fs::write(&path, &bytes[..bytes.len() - 1]).expect("a file");
     let error = Trace::read(&path).expect_err("a trace cut short");
@@ -223,7 +224,7 @@ fn headers_of_another_kind_or_version_are_turned_away() {
         wrong[at] ^= 0x40;
         let bad = TraceHeader::read(&mut ByteReader::new(&wrong)).expect_err("another header");
         assert_eq!(bad.offset, offset, "byte {at}: {}", bad.expected);
-        assert_eq!(Trace::decode(&wrong).expect_err("another header").0, None);
+        assert_eq!(Trace::decode(&wrong).expect_err("another header").tick, None);
         match offset {
             4 => assert_eq!(bad.expected, EXPECTED_TRACE_VERSION),
             6 => assert_eq!(bad.expected, EXPECTED_CORE_VERSION),
@@ -243,7 +244,7 @@ fn a_record_that_is_no_input_is_named_by_its_tick() {
         let record = record_of(&mut wrong, 7);
         record[110..116].fill(0);
         record[at] = value;
-        let (tick, bad) = Trace::decode(&wrong).expect_err("no such command or mode");
+        let TraceFault { tick, bad } = Trace::decode(&wrong).expect_err("no such command or mode");
         let from = HEADER_BYTES + 7 * RECORD_BYTES;
         assert_eq!((tick, bad.offset), (Some(7), from + if at < 114 { 110 } else { 114 }));
     }

@@ -4,7 +4,7 @@
 use std::path::Path;
 use std::process::ExitCode;
 
-use paros_shell::replay::replay_trace;
+use paros_shell::replay::write_replay_digests;
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -12,7 +12,7 @@ fn main() -> ExitCode {
         eprintln!("replay TRACE DIGESTS");
         return ExitCode::from(2);
     };
-    match replay_trace(Path::new(trace), Path::new(digests)) {
+    match write_replay_digests(Path::new(trace), Path::new(digests)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("{error}");

@@ -46,9 +46,9 @@ where
     /// Clears the world. Its start volumes are the lump, one hidden figure and the toy.
     pub fn reset(&mut self) -> &mut Self {
         if !self.made {
-            Figure::Lump.carve_into(&mut self.plane, &mut self.lump);
-            Figure::Owl.carve_into(&mut self.plane, &mut self.figure);
-            Figure::Toy.carve_into(&mut self.plane, &mut self.creative);
+            Figure::Lump.rasterize_into(&mut self.lump, &mut self.plane);
+            Figure::Owl.rasterize_into(&mut self.figure, &mut self.plane);
+            Figure::Toy.rasterize_into(&mut self.creative, &mut self.plane);
             self.made = true;
         }
         self.has_own = false;

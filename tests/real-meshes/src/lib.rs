@@ -5,7 +5,7 @@
 use std::path::Path;
 
 use paros_shell::mesh::{self, Mesh};
-use paros_shell::require::require;
+use paros_shell::require::require_or_skip;
 
 /// A mesh from the folder beside the checkout, or none after `skipped: why` where it is missing.
 ///
@@ -15,6 +15,6 @@ use paros_shell::require::require;
 pub fn real_mesh(name: &str) -> Option<Mesh> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/meshes").join(name);
     let found = path.is_file().then_some(()).ok_or_else(|| format!("no ../shared/meshes/{name}"));
-    require(found).expect("the meshes beside the checkout")?;
+    require_or_skip(found).expect("the meshes beside the checkout")?;
     Some(mesh::read(&path).expect("a mesh"))
 }

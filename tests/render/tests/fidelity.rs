@@ -72,7 +72,7 @@ fn test_volumes() -> Vec<(&'static str, DenseVolume)> {
     let steps = DenseVolume::from_fn(N, |[x, y, z]| y < 16 + 12 * (x / 18) && (z + y) % 128 > 18);
     let mut volumes = vec![("pair", pair.closure()), ("steps", steps.closure())];
     for figure in [Figure::Owl, Figure::Cat, Figure::Amphora] {
-        figure.carve_into(&mut *plane, &mut *maps);
+        figure.rasterize_into(&mut *maps, &mut *plane);
         volumes.push((figure.name(), DenseVolume::from_maps(&maps)));
     }
     volumes

@@ -7,7 +7,7 @@ use paros_shaders::gpu::{
     Eye, Fov, FrameRequest, FrameSemaphores, Gpu, OffscreenTarget, Options, RenderStyle, Renderer,
     SculpturePlacement, SharedGpu,
 };
-use paros_shell::require::require;
+use paros_shell::require::require_or_skip;
 
 /// A device with validation, or None if the machine has none.
 ///
@@ -23,7 +23,7 @@ pub fn test_device() -> Option<SharedGpu> {
 /// As [`test_device`].
 pub fn test_device_with(options: Options) -> Option<SharedGpu> {
     let options = Options { validation: true, ..options };
-    require(Gpu::headless(&options)).expect("a Vulkan device and its validation")
+    require_or_skip(Gpu::headless(&options)).expect("a Vulkan device and its validation")
 }
 
 /// The layers of a picture: red, green, blue, alpha.

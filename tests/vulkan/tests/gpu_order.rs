@@ -14,7 +14,7 @@ use paros_shaders::gpu::{
     SculptureOrder,
 };
 use paros_shaders::scene::{LatestInput, SKY, SceneAssembler};
-use paros_shell::require::require;
+use paros_shell::require::require_or_skip;
 use paros_tests_vulkan::test_renderer::TestRenderer;
 
 const N: usize = 64;
@@ -25,10 +25,10 @@ const N: usize = 64;
 fn the_order_shades_less_than_the_others() {
     static STUDIO: Mutex<WorldHarness<N>> = Mutex::new(WorldHarness::new());
     let options = Options { validation: true, fragment_counts: true, ..Options::default() };
-    let gpu = require(Gpu::headless(&options)).expect("a Vulkan device and its validation");
+    let gpu = require_or_skip(Gpu::headless(&options)).expect("a Vulkan device and its validation");
     let Some(gpu) = gpu else { return };
     let counts = gpu.features.fragment_counts.then_some(()).ok_or("the device counts no fragments");
-    let Some(()) = require(counts).expect("a device that counts fragments") else { return };
+    let Some(()) = require_or_skip(counts).expect("a device that counts fragments") else { return };
     let mut studio = STUDIO.lock().unwrap_or_else(PoisonError::into_inner);
     studio.start_session(SessionMode::FreeForm);
     take_item(&mut studio, RIGHT, BenchItem::Tool(Tool::Rotary));

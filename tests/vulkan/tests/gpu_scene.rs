@@ -139,7 +139,7 @@ static FIELDS: LazyLock<[Box<DensityField<N>>; 2]> = LazyLock::new(|| {
     let mut maps: Box<RangeMaps<N>> = Box::new(RangeMaps::new());
     let mut fields = [Box::new(DensityField::new()), Box::new(DensityField::new())];
     fields[1].rebuild_from(&maps);
-    Figure::Owl.carve_into(&mut plane, &mut maps);
+    Figure::Owl.rasterize_into(&mut maps, &mut plane);
     fields[0].rebuild_from(&maps);
     fields
 });

@@ -12,7 +12,7 @@ use paros_shaders::gpu::{
 };
 use paros_shaders::march::clip_to_cube;
 use paros_shaders::{Image, Ray, TwinScene, TwinSettings, shade_ray};
-use paros_shell::require::require;
+use paros_shell::require::require_or_skip;
 use paros_tests_render::view::build_textures;
 
 const EXTENT: [u32; 2] = [200, 168];
@@ -44,10 +44,10 @@ impl TwinRig {
     /// the device has no use for them.
     fn new(single: bool) -> Option<Self> {
         let options = Options { validation: true, single_precision: single, ..Options::default() };
-        let gpu = require(Gpu::headless(&options)).expect("Vulkan")?;
+        let gpu = require_or_skip(Gpu::headless(&options)).expect("Vulkan")?;
         let precision =
             (single || gpu.features.half_precision).then_some(()).ok_or("no half precision");
-        require(precision).expect("half precision")?;
+        require_or_skip(precision).expect("half precision")?;
         let format = OffscreenTarget::readback_format(1, 1, true);
         let renderer = Renderer::new(&gpu, format, N, &[]).expect("a renderer");
         let screen = OffscreenTarget::new(&gpu, &renderer, EXTENT).expect("images");

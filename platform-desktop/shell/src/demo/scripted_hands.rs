@@ -4,6 +4,7 @@ use std::ops::ControlFlow;
 
 use crate::tick_runner::TickRunner;
 use glam::{Quat, Vec3};
+use paros_core::internals::RoomPose;
 use paros_core::{
     BenchItem, Grid, Pose, RangeMaps, RawPose, SessionMode, Size, TICK_RATE, TickInput, Tool,
     World, commands,
@@ -21,15 +22,24 @@ const REST: [Vec3; 2] = [Vec3::new(-0.25, 1.0, -0.1), Vec3::new(0.25, 1.0, -0.1)
 /// Called after every tick; may end the session early.
 pub type TickWatcher<'a, const N: usize> = dyn FnMut(&World<N>) -> ControlFlow<()> + 'a;
 
+/// Distances in voxels from a ray's origin to what it meets first, if it meets any.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct RayDistances {
+    /// To stone.
+    pub stone: Option<f32>,
+    /// To the mask.
+    pub mask: Option<f32>,
+}
+
 /// Two hands that give the inputs of a [`TickRunner`].
 pub struct ScriptedHands<'a, 's, const N: usize>
 where
     Grid<N>: Size,
 {
-    stage: &'a mut TickRunner<'s, N>,
+    runner: &'a mut TickRunner<'s, N>,
     watcher: &'a mut TickWatcher<'a, N>,
     input: TickInput,
-    grips: [(Vec3, Quat); 2],
+    grips: [RoomPose; 2],
     ended: bool,
 }
 
@@ -38,14 +48,14 @@ where
     Grid<N>: Size,
 {
     /// Hands at rest before the chest.
-    pub fn new(stage: &'a mut TickRunner<'s, N>, watcher: &'a mut TickWatcher<'a, N>) -> Self {
+    pub fn new(runner: &'a mut TickRunner<'s, N>, watcher: &'a mut TickWatcher<'a, N>) -> Self {
         let grips = REST.map(|position| (position, Quat::IDENTITY));
-        ScriptedHands { stage, watcher, input: TickInput::default(), grips, ended: false }
+        ScriptedHands { runner, watcher, input: TickInput::default(), grips, ended: false }
     }
 
     /// The world as of the last tick.
     pub fn world(&self) -> &World<N> {
-        self.stage.world()
+        self.runner.world()
     }
 
     /// Whether the watcher has ended the session; no tick is run any more.
@@ -60,9 +70,9 @@ where
         self.input.start = SessionMode::None;
     }
 
-    /// Sends one of the core's [`commands`], in one tick.
-    pub fn send_command(&mut self, command: u8) {
-        self.input.commands = command;
+    /// Sends some of the core's [`commands`], as bits, in one tick.
+    pub fn send_commands(&mut self, command_bits: u8) {
+        self.input.commands = command_bits;
         self.run_tick();
         self.input.commands = 0;
     }
@@ -70,7 +80,7 @@ where
     /// Turns symmetry on or off.
     pub fn set_mirror(&mut self, on: bool) {
         if self.world().is_mirrored() != on {
-            self.send_command(commands::SYMMETRY);
+            self.send_commands(commands::SYMMETRY);
         }
     }
 
@@ -93,18 +103,18 @@ where
         self.run_tick();
         self.input.hands[hand].squeeze = 0;
         self.run_tick();
-        self.rest_hand(hand);
+        self.return_hand_to_rest(hand);
     }
 
     /// Moves a hand to its rest pose before the chest.
-    pub fn rest_hand(&mut self, hand: usize) {
+    pub fn return_hand_to_rest(&mut self, hand: usize) {
         self.move_hand_to(hand, REST[hand], Quat::IDENTITY);
     }
 
-    /// Turns the stool with the left stick until `degrees` (of the grid, counter-clockwise from +z
-    /// to +x) face the visitor.
-    pub fn turn_side_to_visitor(&mut self, degrees: f32) {
-        let target = (degrees * (-65_536.0 / 360.0)).round() as i32 as u16;
+    /// Turns the stool with the left stick until the side at an azimuth (of the grid,
+    /// counter-clockwise from +z to +x) faces the visitor.
+    pub fn turn_azimuth_to_visitor(&mut self, azimuth_degrees: f32) {
+        let target = (azimuth_degrees * (-65_536.0 / 360.0)).round() as i32 as u16;
         loop {
             let (_, turn) = self
                 .world()
@@ -128,28 +138,37 @@ where
         self.input.hands[0].stick[0] = 0;
     }
 
-    /// Moves the bit to a point of the grid, in voxels, pointing along `direction`. The trigger stays as it is.
-    pub fn move_bit_to(&mut self, hand: usize, point: Vec3, direction: Vec3) {
-        let (position, rotation) = self.grip_for_bit(hand, point, direction);
+    /// Moves the bit to a point of the grid, pointing along `direction`. The trigger stays as it is.
+    pub fn move_bit_to(&mut self, hand: usize, point_voxels: Vec3, direction: Vec3) {
+        let (position, rotation) = self.grip_for_bit(hand, point_voxels, direction);
         self.move_hand_to(hand, position, rotation);
     }
 
-    /// Presses the trigger and pushes the bit along `direction` until it is `distance` voxels from `from`, is
-    /// held by the mask, or makes no progress for five ticks. The trigger stays down.
-    pub fn drive_bit(&mut self, hand: usize, from: Vec3, direction: Vec3, distance: f32) {
+    /// Presses the trigger and pushes the bit along `direction` until it is `distance_voxels` from
+    /// `start_voxels`, is held by the mask, or makes no progress for five ticks. The trigger stays down.
+    pub fn drive_bit(
+        &mut self,
+        hand: usize,
+        start_voxels: Vec3,
+        direction: Vec3,
+        distance_voxels: f32,
+    ) {
         self.input.hands[hand].trigger = 255;
         let (mut best, mut stuck) = (0.0, 0);
         while stuck < 5 && !self.ended {
             let reached =
-                (self.world().hand_state(hand).frozen_pose.position - from).dot(direction);
-            let (grip, rotation) =
-                self.grip_for_bit(hand, from + direction * (reached.max(0.0) + PUSH), direction);
+                (self.world().hand_state(hand).frozen_pose.position - start_voxels).dot(direction);
+            let (grip, rotation) = self.grip_for_bit(
+                hand,
+                start_voxels + direction * (reached.max(0.0) + PUSH),
+                direction,
+            );
             self.grips[hand] = (grip, rotation);
             self.run_tick();
             let reached =
-                (self.world().hand_state(hand).frozen_pose.position - from).dot(direction);
+                (self.world().hand_state(hand).frozen_pose.position - start_voxels).dot(direction);
             let on_mask = self.world().hand_contact(hand).is_some_and(|contact| contact.on_mask);
-            if reached >= distance || (on_mask && reached < best + 0.2) {
+            if reached >= distance_voxels || (on_mask && reached < best + 0.2) {
                 break;
             }
             stuck = if reached > best + 0.05 { 0 } else { stuck + 1 };
@@ -158,19 +177,19 @@ where
     }
 
     /// Presses the trigger and moves the bit through points of the grid, pointing along `direction`. At each
-    /// it waits up to `patience` ticks, as long as the bit still sinks in. The trigger stays down.
+    /// it waits up to `max_wait_ticks` ticks, as long as the bit still sinks in. The trigger stays down.
     pub fn stroke_through(
         &mut self,
         hand: usize,
-        points: impl IntoIterator<Item = Vec3>,
+        points_voxels: impl IntoIterator<Item = Vec3>,
         direction: Vec3,
-        patience: u32,
+        max_wait_ticks: u32,
     ) {
         self.input.hands[hand].trigger = 255;
-        for point in points {
+        for point in points_voxels {
             self.grips[hand] = self.grip_for_bit(hand, point, direction);
             self.run_tick();
-            for _ in 0..patience {
+            for _ in 0..max_wait_ticks {
                 let before = self.world().hand_state(hand).frozen_pose.position;
                 self.run_tick();
                 if (self.world().hand_state(hand).frozen_pose.position - before).dot(direction)
@@ -188,18 +207,20 @@ where
         self.run_tick();
     }
 
-    /// Casts a ray: the distances to the first voxel of stone and of the mask, in voxels, if it meets
-    /// any. It steps by a voxel.
-    pub fn cast_ray(&self, from: Vec3, direction: Vec3) -> (Option<f32>, Option<f32>) {
+    /// Casts a ray to the first voxel of stone and of the mask. It steps by a voxel.
+    pub fn cast_ray(&self, origin_voxels: Vec3, direction: Vec3) -> RayDistances {
         let first = |maps: &RangeMaps<N>| {
             (0..2 * N).map(|i| i as f32).find(|&distance| {
-                let voxel = (from + direction * distance).floor();
+                let voxel = (origin_voxels + direction * distance).floor();
                 let inside =
                     voxel.cmpge(Vec3::ZERO).all() && voxel.cmplt(Vec3::splat(N as f32)).all();
                 inside && maps.contains(voxel.to_array().map(|v| v as usize))
             })
         };
-        (first(self.world().volume().maps()), first(self.world().mask()))
+        RayDistances {
+            stone: first(self.world().volume().maps()),
+            mask: first(self.world().mask()),
+        }
     }
 
     /// Runs one tick with the hands where they are, unless the session has ended.
@@ -212,8 +233,8 @@ where
             (hand.aim, hand.tracked) = (hand.grip, true);
         }
         self.input.head = RawPose::quantise(Vec3::new(0.0, 1.5, 0.1), Quat::IDENTITY);
-        self.stage.run_tick(&self.input);
-        self.ended = (self.watcher)(self.stage.world()).is_break();
+        self.runner.run_tick(&self.input);
+        self.ended = (self.watcher)(self.runner.world()).is_break();
     }
 
     /// Moves a hand's grip to a pose in the room, in metres, at [`HAND_SPEED`].
@@ -230,9 +251,11 @@ where
 
     /// The grip pose in the room, in metres, at which the bit is at a point of the grid and points
     /// along `direction`.
-    fn grip_for_bit(&self, hand: usize, point: Vec3, direction: Vec3) -> (Vec3, Quat) {
-        let pose =
-            Pose { position: point, rotation: Quat::from_rotation_arc(Vec3::NEG_Z, direction) };
+    fn grip_for_bit(&self, hand: usize, point_voxels: Vec3, direction: Vec3) -> RoomPose {
+        let pose = Pose {
+            position: point_voxels,
+            rotation: Quat::from_rotation_arc(Vec3::NEG_Z, direction),
+        };
         let (tip, rotation) = self.world().stool_frame().to_room(&pose);
         let reach = self.world().held_tool(hand).map_or(0.0, |(tool, _)| tool_length_m(tool));
         (tip + rotation * Vec3::new(0.0, 0.0, reach), rotation)

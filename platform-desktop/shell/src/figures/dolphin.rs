@@ -3,19 +3,22 @@
 use glam::Vec3;
 
 use super::sdf::{
-    carve_groove, cone_chain, min, round_cone, rounded_disc, smooth_union, sphere, v,
+    carve_groove, cone_chain, min, round_cone, rounded_disc_around_y, smooth_union, sphere, v,
 };
 
 pub(super) fn signed_distance(p: Vec3) -> f32 {
-    let q = v(p.x, p.y, p.z.abs());
-    let animal =
-        smooth_union(smooth_union(body_distance(q), fins_distance(q), 4.0), fluke_distance(q), 3.0);
-    smooth_union(add_face(animal, q), wave_distance(p), 3.0)
+    let folded = v(p.x, p.y, p.z.abs());
+    let animal = smooth_union(
+        smooth_union(body_distance(folded), fins_distance(folded), 4.0),
+        fluke_distance(folded),
+        3.0,
+    );
+    smooth_union(add_face(animal, folded), wave_distance(p), 3.0)
 }
 
-fn body_distance(q: Vec3) -> f32 {
+fn body_distance(folded: Vec3) -> f32 {
     let trunk = cone_chain(
-        q,
+        folded,
         &[
             (v(-38.0, 48.0, 0.0), 4.5),
             (v(-31.0, 62.0, 0.0), 7.5),
@@ -25,46 +28,46 @@ fn body_distance(q: Vec3) -> f32 {
             (v(27.0, 76.0, 0.0), 13.5),
         ],
     );
-    let beak = round_cone(q, (v(34.0, 66.0, 0.0), 6.0), (v(44.0, 55.0, 0.0), 3.4));
+    let beak = round_cone(folded, (v(34.0, 66.0, 0.0), 6.0), (v(44.0, 55.0, 0.0), 3.4));
     smooth_union(trunk, beak, 4.0)
 }
 
-fn fins_distance(q: Vec3) -> f32 {
+fn fins_distance(folded: Vec3) -> f32 {
     let back = cone_chain(
-        q,
+        folded,
         &[(v(-1.0, 97.0, 0.0), 6.0), (v(-11.0, 109.0, 0.0), 3.4), (v(-19.0, 112.0, 0.0), 2.0)],
     );
     let side = cone_chain(
-        q,
+        folded,
         &[(v(17.0, 74.0, 11.0), 5.0), (v(9.0, 63.0, 22.0), 3.6), (v(1.0, 58.0, 27.0), 2.2)],
     );
     min(back, side)
 }
 
-fn fluke_distance(q: Vec3) -> f32 {
+fn fluke_distance(folded: Vec3) -> f32 {
     cone_chain(
-        q,
+        folded,
         &[(v(-38.0, 48.0, 0.0), 4.5), (v(-41.0, 38.0, 10.0), 3.8), (v(-38.0, 33.0, 21.0), 2.4)],
     )
 }
 
-fn add_face(d: f32, q: Vec3) -> f32 {
-    if q.x < 15.0 || d.abs() > 6.0 {
-        return d;
+fn add_face(distance: f32, folded: Vec3) -> f32 {
+    if folded.x < 15.0 || distance.abs() > 6.0 {
+        return distance;
     }
-    let eye = sphere(q, v(28.5, 74.0, 12.4), 3.0);
+    let eye = sphere(folded, v(28.5, 74.0, 12.4), 3.0);
     // The mouth: a furrow along the beak that turns up at its end, and so smiles.
-    let mouth = (q.x - 33.0) * 0.74 + (q.y - 63.0) * 0.67;
-    let gap = if mouth > -6.0 && q.y < 70.0 {
-        ((q.x - 33.0) * 0.67 + (q.y - 65.0) * 0.74).abs()
+    let mouth = (folded.x - 33.0) * 0.74 + (folded.y - 63.0) * 0.67;
+    let gap = if mouth > -6.0 && folded.y < 70.0 {
+        ((folded.x - 33.0) * 0.67 + (folded.y - 65.0) * 0.74).abs()
     } else {
         9.0
     };
-    min(carve_groove(d, gap, 1.6), eye)
+    min(carve_groove(distance, gap, 1.6), eye)
 }
 
 fn wave_distance(p: Vec3) -> f32 {
-    let sea = rounded_disc(p, (-4.0, 9.0), 42.0, 3.0);
+    let sea = rounded_disc_around_y(p, -4.0..9.0, 42.0, 3.0);
     let swell = cone_chain(
         p,
         &[
@@ -87,12 +90,12 @@ fn wave_distance(p: Vec3) -> f32 {
 }
 
 /// Water runs up the wave in furrows that follow its back; another runs around the rim.
-fn carve_streams(d: f32, p: Vec3) -> f32 {
-    if d.abs() > 6.0 {
-        return d;
+fn carve_streams(distance: f32, p: Vec3) -> f32 {
+    if distance.abs() > 6.0 {
+        return distance;
     }
     let away = v(p.x - 46.0, p.y - 26.0, 0.0).length() * 0.9;
     let stream = away - 8.0 * (away / 8.0 + 0.5).floor();
-    let d = if p.y > 12.0 { carve_groove(d, stream, 1.4) } else { d };
-    carve_groove(d, p.y - 4.0, 1.0)
+    let distance = if p.y > 12.0 { carve_groove(distance, stream, 1.4) } else { distance };
+    carve_groove(distance, p.y - 4.0, 1.0)
 }

@@ -4,7 +4,7 @@ use std::sync::LazyLock;
 
 use glam::Vec3;
 
-use super::sdf::{clamp_to_unit, lattice_noise, max, v};
+use super::sdf::{clamp_to_unit, max, signed_value_noise, v};
 
 /// A flat cut: what lies beyond `height` along `normal` is gone.
 struct Facet {
@@ -70,9 +70,10 @@ pub(super) fn signed_distance(p: Vec3) -> f32 {
     if flat.abs() > RELIEF {
         return if flat > 0.0 { flat - RELIEF } else { flat + RELIEF };
     }
-    let worn = 1.9 * lattice_noise(p * (1.0 / 21.0), 1) + 0.7 * lattice_noise(p * (1.0 / 9.0), 2);
+    let worn = 1.9 * signed_value_noise(p * (1.0 / 21.0), 1)
+        + 0.7 * signed_value_noise(p * (1.0 / 9.0), 2);
     // The chisel skips where the stone was split cleanly.
-    let strength = clamp_to_unit(0.8 + 1.5 * lattice_noise(p * (1.0 / 23.0), 3));
+    let strength = clamp_to_unit(0.8 + 1.5 * signed_value_noise(p * (1.0 / 23.0), 3));
     let chiselled = |facet: &Facet| {
         let beyond = beyond(facet);
         // Furrows are shallower than this, so farther facets stay behind.

@@ -62,28 +62,28 @@ impl Figure {
     }
 
     /// Rasterizes the figure: a voxel belongs to it if its centre does. `maps` become the tight hulls of
-    /// its voxels, `plane` their closure.
-    pub fn carve_into<const N: usize>(self, plane: &mut BitGrid<N>, maps: &mut RangeMaps<N>)
+    /// its voxels, `bit_grid` their closure.
+    pub fn rasterize_into<const N: usize>(self, maps: &mut RangeMaps<N>, bit_grid: &mut BitGrid<N>)
     where
         Grid<N>: Size,
     {
         match self {
-            Figure::Lump => raster::rasterize(plane, &lump::signed_distance),
-            Figure::Owl => raster::rasterize(plane, &owl::signed_distance),
-            Figure::Cat => raster::rasterize(plane, &cat::signed_distance),
-            Figure::Amphora => raster::rasterize(plane, &amphora::signed_distance),
-            Figure::Dolphin => raster::rasterize(plane, &dolphin::signed_distance),
-            Figure::Toy => raster::rasterize(plane, &toy::signed_distance),
+            Figure::Lump => raster::rasterize(bit_grid, &lump::signed_distance),
+            Figure::Owl => raster::rasterize(bit_grid, &owl::signed_distance),
+            Figure::Cat => raster::rasterize(bit_grid, &cat::signed_distance),
+            Figure::Amphora => raster::rasterize(bit_grid, &amphora::signed_distance),
+            Figure::Dolphin => raster::rasterize(bit_grid, &dolphin::signed_distance),
+            Figure::Toy => raster::rasterize(bit_grid, &toy::signed_distance),
         }
-        plane.write_hulls(maps);
-        plane.set_from_maps(maps);
+        bit_grid.write_hulls(maps);
+        bit_grid.set_from_maps(maps);
     }
 
-    /// Whether the centre of a voxel of an N^3 grid lies in the figure. [`Figure::carve_into`] must agree
-    /// with this before closure.
+    /// Whether the centre of a voxel of an N^3 grid lies in the figure. [`Figure::rasterize_into`] must
+    /// agree with this before closure.
     #[must_use]
-    pub fn covers_voxel<const N: usize>(self, voxel: [usize; 3]) -> bool {
-        self.signed_distance(raster::cube_centre::<N>(voxel, 1)) <= 0.0
+    pub fn contains_voxel_centre<const N: usize>(self, voxel: [usize; 3]) -> bool {
+        self.signed_distance(raster::block_centre::<N>(voxel, 1)) <= 0.0
     }
 
     /// Signed distance to the figure's surface, or a bound closer to zero, in 1/128 of the box's edge.

@@ -11,50 +11,53 @@ const STEEPEST: f32 = 2.0;
 /// Units along an edge of the box.
 const EDGE: f32 = 128.0;
 
-/// The centre of a cube of `size` voxels whose lowest is `corner`, in units: x and z from the
-/// middle of the box, y from the ground.
-pub(super) fn cube_centre<const N: usize>([x, y, z]: [usize; 3], size: usize) -> Vec3 {
+/// The centre of a cube of `edge_voxels` voxels a side whose lowest is `lowest_voxel`, in units: x and
+/// z from the middle of the box, y from the ground.
+pub(super) fn block_centre<const N: usize>(lowest_voxel: [usize; 3], edge_voxels: usize) -> Vec3 {
+    let [x, y, z] = lowest_voxel;
     let unit = EDGE / N as f32;
-    let middle = |i: usize| (i as f32 + size as f32 * 0.5) * unit;
+    let middle = |i: usize| (i as f32 + edge_voxels as f32 * 0.5) * unit;
     Vec3::new(middle(x) - EDGE * 0.5, middle(y), middle(z) - EDGE * 0.5)
 }
 
-/// Sets `plane` to the voxels at whose centres `field` is at most zero.
-pub(super) fn rasterize<const N: usize>(plane: &mut BitGrid<N>, field: &impl Fn(Vec3) -> f32)
-where
-    Grid<N>: Size,
-{
-    plane.clear();
-    fill_block(plane, field, [0; 3], N);
-}
-
-fn fill_block<const N: usize>(
-    plane: &mut BitGrid<N>,
-    field: &impl Fn(Vec3) -> f32,
-    corner: [usize; 3],
-    size: usize,
+/// Sets `bit_grid` to the voxels at whose centres `signed_distance` is at most zero.
+pub(super) fn rasterize<const N: usize>(
+    bit_grid: &mut BitGrid<N>,
+    signed_distance: &impl Fn(Vec3) -> f32,
 ) where
     Grid<N>: Size,
 {
-    let distance = field(cube_centre::<N>(corner, size));
+    bit_grid.clear();
+    fill_block(bit_grid, signed_distance, [0; 3], N);
+}
+
+fn fill_block<const N: usize>(
+    bit_grid: &mut BitGrid<N>,
+    signed_distance: &impl Fn(Vec3) -> f32,
+    lowest_voxel: [usize; 3],
+    edge_voxels: usize,
+) where
+    Grid<N>: Size,
+{
+    let distance = signed_distance(block_centre::<N>(lowest_voxel, edge_voxels));
     // From the centre to the farthest voxel centre in the block: half its diagonal.
-    let reach = STEEPEST * 0.866_026 * (size - 1) as f32 * (EDGE / N as f32);
+    let reach = STEEPEST * 0.866_026 * (edge_voxels - 1) as f32 * (EDGE / N as f32);
     if distance > reach {
         return;
     }
-    let [x, y, z] = corner;
+    let [x, y, z] = lowest_voxel;
     if distance <= -reach {
-        let run = <Grid<N> as Size>::Row::span(x, x + size - 1);
-        for y in y..y + size {
-            for row in &mut plane.layer_mut(y)[z..z + size] {
+        let run = <Grid<N> as Size>::Row::span(x, x + edge_voxels - 1);
+        for y in y..y + edge_voxels {
+            for row in &mut bit_grid.layer_mut(y)[z..z + edge_voxels] {
                 *row |= run;
             }
         }
         return;
     }
-    let half = size / 2;
+    let half = edge_voxels / 2;
     for child in 0..8 {
         let step = |bit: usize| (child >> bit & 1) * half;
-        fill_block(plane, field, [x + step(0), y + step(1), z + step(2)], half);
+        fill_block(bit_grid, signed_distance, [x + step(0), y + step(1), z + step(2)], half);
     }
 }

@@ -4,6 +4,8 @@
 //! every machine gets the same bits. Every shape is Lipschitz with constant 1, and every operation
 //! keeps it so. Formulas: Hart (1996), "Sphere tracing"; Quilez, "Distance functions".
 
+use std::ops::Range;
+
 use glam::{Vec2, Vec3};
 
 /// The smaller; never NaN here, and the sign of a zero makes no difference.
@@ -31,21 +33,21 @@ pub(super) fn v(x: f32, y: f32, z: f32) -> Vec3 {
 
 /// Mirrors a point to x >= 0, for shapes in mirrored pairs.
 #[inline]
-pub(super) fn mirror_x(p: Vec3) -> Vec3 {
+pub(super) fn fold_x(p: Vec3) -> Vec3 {
     v(p.x.abs(), p.y, p.z)
 }
 
-/// Smooth minimum (Quilez, polynomial): a union with a fillet of about `k / 4`.
+/// Smooth minimum (Quilez, polynomial): a union with a fillet of about `blend_width / 4`.
 #[inline]
-pub(super) fn smooth_union(a: f32, b: f32, k: f32) -> f32 {
-    let h = max(k - (a - b).abs(), 0.0);
-    min(a, b) - h * h / (4.0 * k)
+pub(super) fn smooth_union(a: f32, b: f32, blend_width: f32) -> f32 {
+    let h = max(blend_width - (a - b).abs(), 0.0);
+    min(a, b) - h * h / (4.0 * blend_width)
 }
 
-/// Smooth difference `a` minus `b`; `k` as in [`smooth_union`].
+/// Smooth difference: `solid` without `cutter`; `blend_width` as in [`smooth_union`].
 #[inline]
-pub(super) fn smooth_subtract(a: f32, b: f32, k: f32) -> f32 {
-    -smooth_union(-a, b, k)
+pub(super) fn smooth_subtract(solid: f32, cutter: f32, blend_width: f32) -> f32 {
+    -smooth_union(-solid, cutter, blend_width)
 }
 
 #[inline]
@@ -59,72 +61,87 @@ pub(super) fn ellipsoid(p: Vec3, centre: Vec3, radii: Vec3) -> f32 {
     (((p - centre) / radii).length() - 1.0) * min(radii.x, min(radii.y, radii.z))
 }
 
-/// A round cone: the union of the spheres on a segment from `a` to `b`, of radii from `ra` to `rb`.
+/// A round cone: the union of the spheres on a segment from `a` to `b`, of radii from `radius_a` to
+/// `radius_b`.
 #[inline]
-pub(super) fn round_cone(p: Vec3, (a, ra): (Vec3, f32), (b, rb): (Vec3, f32)) -> f32 {
+pub(super) fn round_cone(p: Vec3, (a, radius_a): (Vec3, f32), (b, radius_b): (Vec3, f32)) -> f32 {
     let (axis, from) = (b - a, p - a);
     let length = axis.length();
     // In the half plane through the axis: distance from it, and place along it.
     let y = from.dot(axis) / length;
     let x = square_root(max(from.dot(from) - y * y, 0.0));
     // The flank leans by the sine `s`; the spheres at its ends touch it at its normals' feet.
-    let s = (ra - rb) / length;
+    let s = (radius_a - radius_b) / length;
     let c = square_root(1.0 - s * s);
     let foot = y * c - x * s;
     if foot < 0.0 {
-        from.length() - ra
+        from.length() - radius_a
     } else if foot > c * length {
-        (p - b).length() - rb
+        (p - b).length() - radius_b
     } else {
-        x * c + y * s - ra
+        x * c + y * s - radius_a
     }
 }
 
-/// A chain of round cones through the given points and radii.
+/// A chain of round cones through the given centres of spheres, each with its radius.
 #[inline]
-pub(super) fn cone_chain(p: Vec3, joints: &[(Vec3, f32)]) -> f32 {
-    joints.windows(2).fold(f32::MAX, |d, pair| min(d, round_cone(p, pair[0], pair[1])))
+pub(super) fn cone_chain(p: Vec3, centres_and_radii: &[(Vec3, f32)]) -> f32 {
+    centres_and_radii.windows(2).fold(f32::MAX, |d, pair| min(d, round_cone(p, pair[0], pair[1])))
 }
 
-/// A box of half extents `half`, its edges rounded by `radius` within them.
+/// A box, its edges rounded by `edge_radius` within the half extents.
 #[inline]
-pub(super) fn rounded_box(p: Vec3, centre: Vec3, half: Vec3, radius: f32) -> f32 {
-    let q = (p - centre).abs() - half + Vec3::splat(radius);
+pub(super) fn rounded_box(
+    p: Vec3,
+    centre: Vec3,
+    outer_half_extents: Vec3,
+    edge_radius: f32,
+) -> f32 {
+    let q = (p - centre).abs() - outer_half_extents + Vec3::splat(edge_radius);
     let outside = v(max(q.x, 0.0), max(q.y, 0.0), max(q.z, 0.0)).length();
-    outside + min(max(q.x, max(q.y, q.z)), 0.0) - radius
+    outside + min(max(q.x, max(q.y, q.z)), 0.0) - edge_radius
 }
 
-/// An upright disc: from height `low` to `high` around the y axis, its rim rounded by `rim`.
+/// An upright disc around the y axis, its rim rounded by `rim_radius` within `radius`.
 #[inline]
-pub(super) fn rounded_disc(p: Vec3, (low, high): (f32, f32), radius: f32, rim: f32) -> f32 {
-    let half = (high - low) * 0.5;
-    let q = Vec2::new(axis_distance(p) - radius + rim, (p.y - low - half).abs() - half + rim);
+pub(super) fn rounded_disc_around_y(
+    p: Vec3,
+    y_range: Range<f32>,
+    radius: f32,
+    rim_radius: f32,
+) -> f32 {
+    let (low, rim) = (y_range.start, rim_radius);
+    let half = (y_range.end - low) * 0.5;
+    let q =
+        Vec2::new(distance_from_y_axis(p) - radius + rim, (p.y - low - half).abs() - half + rim);
     let outside = Vec2::new(max(q.x, 0.0), max(q.y, 0.0)).length();
     outside + min(max(q.x, q.y), 0.0) - rim
 }
 
-/// A torus around the y axis at `height`; `thickness` is its tube's radius.
+/// A torus around the y axis.
 #[inline]
-pub(super) fn torus(p: Vec3, height: f32, radius: f32, thickness: f32) -> f32 {
-    Vec2::new(axis_distance(p) - radius, p.y - height).length() - thickness
+pub(super) fn torus_around_y(p: Vec3, centre_y: f32, ring_radius: f32, tube_radius: f32) -> f32 {
+    Vec2::new(distance_from_y_axis(p) - ring_radius, p.y - centre_y).length() - tube_radius
 }
 
 /// Distance from the y axis.
 #[inline]
-pub(super) fn axis_distance(p: Vec3) -> f32 {
+pub(super) fn distance_from_y_axis(p: Vec3) -> f32 {
     square_root(p.x * p.x + p.z * p.z)
 }
 
-/// Carves a furrow of half width and depth `size` into the surface of `d` where `line` is zero.
+/// Carves a furrow of half width and depth `groove_radius` into the surface where `solid_distance` is
+/// zero, along the line where `line_distance` is.
 #[inline]
-pub(super) fn carve_groove(d: f32, line: f32, size: f32) -> f32 {
-    smooth_subtract(d, Vec2::new(d, line).length() - size, size)
+pub(super) fn carve_groove(solid_distance: f32, line_distance: f32, groove_radius: f32) -> f32 {
+    let groove = Vec2::new(solid_distance, line_distance).length() - groove_radius;
+    smooth_subtract(solid_distance, groove, groove_radius)
 }
 
-/// Folds a point by symmetry around the y axis into one of 16 equal wedges. The result's x is
-/// along the wedge's middle and y across it, within a 32nd of a turn.
+/// Distance from the nearest of 16 half planes that stand around the y axis like spokes, a 16th of a
+/// turn apart. The point is folded by symmetry to within a 32nd of a turn of the first.
 #[inline]
-pub(super) fn fold_to_wedge(p: Vec3) -> Vec2 {
+pub(super) fn distance_from_nearest_of_16_spokes(p: Vec3) -> f32 {
     let mut q = Vec2::new(p.x.abs(), p.z.abs());
     // Sine and cosine of the mirrors at 45, 22.5 and 11.25 degrees.
     const MIRRORS: [(f32, f32); 3] =
@@ -135,17 +152,17 @@ pub(super) fn fold_to_wedge(p: Vec3) -> Vec2 {
             q += Vec2::new(sine, -cosine) * (2.0 * beyond);
         }
     }
-    q
+    q.y
 }
 
 /// Value noise within -1..=1: hashed values at integer points, smoothstep between them. It changes by at most
 /// 5.2 over a unit.
-pub(super) fn lattice_noise(p: Vec3, seed: u32) -> f32 {
+pub(super) fn signed_value_noise(p: Vec3, seed: u32) -> f32 {
     let cell = p.floor();
     let ease = |t: f32| t * t * (3.0 - 2.0 * t);
     let (fx, fy, fz) = (ease(p.x - cell.x), ease(p.y - cell.y), ease(p.z - cell.z));
     let [x, y, z] = cell.to_array().map(|c| c as i32);
-    let at = |dx, dy, dz| hash_lattice_point([x + dx, y + dy, z + dz], seed);
+    let at = |dx, dy, dz| hash_to_signed_unit([x + dx, y + dy, z + dz], seed);
     let mix = |a: f32, b: f32, t: f32| a + (b - a) * t;
     let line = |dy, dz| mix(at(0, dy, dz), at(1, dy, dz), fx);
     let face = |dz| mix(line(0, dz), line(1, dz), fy);
@@ -153,9 +170,9 @@ pub(super) fn lattice_noise(p: Vec3, seed: u32) -> f32 {
 }
 
 /// A lattice point's value within -1..=1.
-fn hash_lattice_point(point: [i32; 3], seed: u32) -> f32 {
+fn hash_to_signed_unit(lattice_point: [i32; 3], seed: u32) -> f32 {
     let mut h = seed.wrapping_mul(0x9e37_79b9);
-    for c in point {
+    for c in lattice_point {
         h = (h ^ c as u32).wrapping_mul(0x85eb_ca6b);
         h = (h ^ h >> 15).wrapping_mul(0xc2b2_ae35);
         h ^= h >> 13;

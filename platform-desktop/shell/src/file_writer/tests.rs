@@ -24,24 +24,24 @@ fn sculpture(folders: &[&Path], byte: u8) -> WriteJob {
     }
 }
 
-fn all(keeper: &mut FileWriter) -> Vec<WriteOutcome> {
-    std::iter::from_fn(|| keeper.wait_for_oldest()).collect()
+fn all(file_writer: &mut FileWriter) -> Vec<WriteOutcome> {
+    std::iter::from_fn(|| file_writer.wait_for_next_outcome()).collect()
 }
 
 #[test]
 fn files_are_written_in_order_and_all_or_none() {
     let folder = folder("order");
     let (a, b) = (folder.join("deep/a"), folder.join("b"));
-    let mut keeper = FileWriter::spawn();
+    let mut file_writer = FileWriter::spawn();
     for bytes in [b"old".to_vec(), b"new".to_vec()] {
-        keeper.submit_file(FileKind::Session, a.clone(), bytes);
+        file_writer.submit_file(FileKind::Session, a.clone(), bytes);
     }
     // A folder can't be replaced by a file.
     let place = Destination::Replace(vec![b.clone(), folder.join("deep")]);
     let job =
         WriteJob { kind: FileKind::Trace, destination: place, contents: vec![vec![1], vec![2]] };
-    keeper.submit(job.clone());
-    let mut heard = all(&mut keeper);
+    file_writer.submit(job.clone());
+    let mut heard = all(&mut file_writer);
     assert!(heard[0].result.is_ok() && heard[1].result.is_ok());
     let last = heard.pop().expect("three");
     assert!(last.result.is_err());
@@ -55,14 +55,14 @@ fn files_are_written_in_order_and_all_or_none() {
 fn no_name_is_given_twice() {
     let folder = folder("twice");
     fs::write(folder.join("sculpture-002.rmap"), b"an old one").expect("a file");
-    let mut keepers: Vec<_> = (0..4).map(|_| FileWriter::spawn()).collect();
+    let mut file_writers: Vec<_> = (0..4).map(|_| FileWriter::spawn()).collect();
     for round in 0..8 {
-        for (number, keeper) in keepers.iter_mut().enumerate() {
-            keeper.submit(sculpture(&[&folder], round * 4 + number as u8));
+        for (number, file_writer) in file_writers.iter_mut().enumerate() {
+            file_writer.submit(sculpture(&[&folder], round * 4 + number as u8));
         }
     }
     let mut bytes = Vec::new();
-    for kept in keepers.iter_mut().flat_map(all) {
+    for kept in file_writers.iter_mut().flat_map(all) {
         let paths = kept.result.expect("written");
         let [stl, rmap] = &paths[..] else { panic!("two files") };
         assert_eq!(stl.with_extension("rmap"), *rmap);
@@ -82,10 +82,10 @@ fn a_folder_that_takes_nothing_has_another_in_its_place() {
     let folder = folder("instead");
     let (file, there) = (folder.join("file"), folder.join("there"));
     fs::write(&file, b"no folder").expect("a file");
-    let mut keeper = FileWriter::spawn();
-    keeper.submit(sculpture(&[&file, &there], 7));
-    keeper.submit(sculpture(&[&file], 7));
-    let heard = all(&mut keeper);
+    let mut file_writer = FileWriter::spawn();
+    file_writer.submit(sculpture(&[&file, &there], 7));
+    file_writer.submit(sculpture(&[&file], 7));
+    let heard = all(&mut file_writer);
     assert_eq!(heard[0].result.as_ref().expect("written")[0], there.join("sculpture-001.stl"));
     assert!(heard[0].fallback_cause.as_ref().expect("why").to_string().contains("file"));
     assert!(heard[1].result.is_err() && heard[1].fallback_cause.is_none());

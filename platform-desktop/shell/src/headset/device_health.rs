@@ -26,13 +26,13 @@ pub struct DeviceHealth {
 const LOW_BATTERY: u8 = 15;
 
 impl DeviceHealth {
-    /// The warning that a change from `before` calls for; each is given once.
+    /// The warning that a change from `previous` calls for; each is given once.
     #[must_use]
-    pub fn warning_since(self, before: DeviceHealth) -> Option<&'static str> {
-        if self.thermal == ThermalState::Hot && before.thermal != ThermalState::Hot {
+    pub fn new_warning(self, previous: DeviceHealth) -> Option<&'static str> {
+        if self.thermal == ThermalState::Hot && previous.thermal != ThermalState::Hot {
             return Some("the headset is hot");
         }
-        (self.is_battery_low() && !before.is_battery_low()).then_some("the battery is low")
+        (self.is_battery_low() && !previous.is_battery_low()).then_some("the battery is low")
     }
 
     /// Whether the battery is low, and not being charged.
@@ -50,11 +50,11 @@ mod tests {
     fn a_warning_is_given_once() {
         let fine = DeviceHealth { thermal: ThermalState::Normal, battery_percent: Some(90) };
         let low = DeviceHealth { battery_percent: Some(9), ..fine };
-        assert!(low.warning_since(fine).is_some_and(|text| text.contains("battery")));
-        assert_eq!(low.warning_since(low), None);
+        assert!(low.new_warning(fine).is_some_and(|text| text.contains("battery")));
+        assert_eq!(low.new_warning(low), None);
         let hot = DeviceHealth { thermal: ThermalState::Hot, ..low };
-        assert!(hot.warning_since(low).is_some_and(|text| text.contains("hot")));
-        assert_eq!(hot.warning_since(hot), None);
-        assert_eq!(fine.warning_since(hot), None);
+        assert!(hot.new_warning(low).is_some_and(|text| text.contains("hot")));
+        assert_eq!(hot.new_warning(hot), None);
+        assert_eq!(fine.new_warning(hot), None);
     }
 }

@@ -4,13 +4,13 @@ use std::time::Duration;
 
 use paros_core::TICK_RATE;
 
-use crate::tick_runner::TickClock;
+use crate::tick_runner::{ClockTicks, TickClock};
 
 /// Turns the predicted display times of frames into ticks. Times are the runtime's, in nanoseconds.
 #[derive(Clone, Copy, Default, Debug)]
 pub struct FramePacer {
     pace: TickClock,
-    last_display_time: Option<i64>,
+    last_display_time_ns: Option<i64>,
 }
 
 /// The ticks that are due up to a frame's display time.
@@ -23,36 +23,36 @@ pub struct DueTicks {
     /// Where the display time lies between the last of them and the next, 0 to 1.
     pub fraction: f32,
     /// The time of the last of them.
-    last_time: i64,
+    last_time_ns: i64,
 }
 
 impl FramePacer {
     /// The ticks between the frame before and one with this display time.
     #[must_use]
-    pub fn advance_to(&mut self, display_time_ns: i64) -> DueTicks {
-        let last = self.last_display_time;
+    pub fn take_due_ticks_until(&mut self, display_time_ns: i64) -> DueTicks {
+        let last = self.last_display_time_ns;
         let since = last.map_or(0, |last| display_time_ns.saturating_sub(last).max(0));
-        self.last_display_time =
+        self.last_display_time_ns =
             Some(last.map_or(display_time_ns, |last| last.max(display_time_ns)));
-        let (count, dropped) =
+        let ClockTicks { due, dropped } =
             self.pace.take_due_ticks(Duration::from_nanos(since.cast_unsigned()));
         let fraction = self.pace.tick_fraction();
         let ago = f64::from(fraction) * 1e9 / f64::from(TICK_RATE);
-        DueTicks { count, dropped, fraction, last_time: display_time_ns - ago as i64 }
+        DueTicks { count: due, dropped, fraction, last_time_ns: display_time_ns - ago as i64 }
     }
 
     /// Frames have stopped: the time until the next one brings no ticks.
     pub fn pause(&mut self) {
-        self.last_display_time = None;
+        self.last_display_time_ns = None;
     }
 }
 
 impl DueTicks {
     /// The time of each tick, the first one first.
     pub fn tick_times_ns(&self) -> impl Iterator<Item = i64> + use<> {
-        let DueTicks { count, last_time, .. } = *self;
+        let DueTicks { count, last_time_ns, .. } = *self;
         let before = |ticks: u32| i64::from(ticks) * 1_000_000_000 / i64::from(TICK_RATE);
-        (0..count).rev().map(move |left| last_time - before(left))
+        (0..count).rev().map(move |left| last_time_ns - before(left))
     }
 }
 
@@ -85,7 +85,7 @@ mod tests {
             let mut last = None;
             let mut ticks = 0;
             for display_time_ns in display_times(rate, jitter) {
-                let due = pacer.advance_to(display_time_ns);
+                let due = pacer.take_due_ticks_until(display_time_ns);
                 assert_eq!(due.dropped, 0, "{rate} Hz");
                 for at in due.tick_times_ns() {
                     assert!(at <= display_time_ns && display_time_ns - at < 5 * TICK, "{rate} Hz");
@@ -102,8 +102,8 @@ mod tests {
     #[test]
     fn what_can_not_be_made_up_is_dropped_and_counted() {
         let mut pacer = FramePacer::default();
-        assert_eq!(pacer.advance_to(0).count, 0);
-        let due = pacer.advance_to(20 * TICK + 1000);
+        assert_eq!(pacer.take_due_ticks_until(0).count, 0);
+        let due = pacer.take_due_ticks_until(20 * TICK + 1000);
         assert_eq!(
             (due.count, due.dropped),
             (TickClock::MAX_TICKS_PER_FRAME, 20 - TickClock::MAX_TICKS_PER_FRAME)
@@ -112,10 +112,10 @@ mod tests {
         let first = due.tick_times_ns().next().expect("ticks");
         assert!((first - 17 * TICK).abs() < 2000);
         // Time that goes backwards brings nothing, and is not counted twice.
-        assert_eq!(pacer.advance_to(10 * TICK).count, 0);
-        assert_eq!(pacer.advance_to(21 * TICK + 1000).count, 1);
+        assert_eq!(pacer.take_due_ticks_until(10 * TICK).count, 0);
+        assert_eq!(pacer.take_due_ticks_until(21 * TICK + 1000).count, 1);
         pacer.pause();
-        let due = pacer.advance_to(1000 * TICK);
+        let due = pacer.take_due_ticks_until(1000 * TICK);
         assert_eq!((due.count, due.dropped), (0, 0));
     }
 }

@@ -45,9 +45,9 @@ impl HandSample {
         HandInput {
             aim: quantize_pose(self.aim),
             grip: quantize_pose(self.grip),
-            trigger: quantize_unsigned(self.trigger),
-            squeeze: quantize_unsigned(self.squeeze),
-            stick: self.stick.map(quantize_signed),
+            trigger: to_unorm8(self.trigger),
+            squeeze: to_unorm8(self.squeeze),
+            stick: self.stick.map(to_snorm8),
             buttons: self.buttons,
             tracked: self.grip.is_some(),
         }
@@ -62,31 +62,31 @@ impl HandSample {
         HandSample {
             aim: Some(joints.palm),
             grip: Some(joints.palm),
-            trigger: clamped_ramp(thumb.distance(index), PINCH_DISTANCE),
-            squeeze: clamped_ramp(mean / 3.0, FIST_DISTANCE),
+            trigger: closed_fraction(thumb.distance(index), PINCH_OPEN_CLOSED_M),
+            squeeze: closed_fraction(mean / 3.0, FIST_OPEN_CLOSED_M),
             ..HandSample::default()
         }
     }
 }
 
 /// Pinch thresholds: metres between the tips of thumb and index finger, open and closed.
-const PINCH_DISTANCE: [f32; 2] = [0.05, 0.015];
+const PINCH_OPEN_CLOSED_M: [f32; 2] = [0.05, 0.015];
 
 /// Fist thresholds: metres from the palm to the other fingers' tips in the mean, open and closed.
-const FIST_DISTANCE: [f32; 2] = [0.085, 0.045];
+const FIST_OPEN_CLOSED_M: [f32; 2] = [0.085, 0.045];
 
-/// A linear ramp: 0 at `open` and beyond, 1 at `closed` and below.
-fn clamped_ramp(distance: f32, [open, closed]: [f32; 2]) -> f32 {
-    ((open - distance) / (open - closed)).clamp(0.0, 1.0)
+/// A linear ramp: 0 at `open_m` and beyond, 1 at `closed_m` and below.
+fn closed_fraction(distance_m: f32, [open_m, closed_m]: [f32; 2]) -> f32 {
+    ((open_m - distance_m) / (open_m - closed_m)).clamp(0.0, 1.0)
 }
 
 /// 0 to 1 as a byte; NaN becomes 0.
-fn quantize_unsigned(value: f32) -> u8 {
+fn to_unorm8(value: f32) -> u8 {
     (value.clamp(0.0, 1.0) * 255.0).round() as u8
 }
 
 /// -1 to 1 as a signed byte; NaN becomes 0.
-fn quantize_signed(value: f32) -> i8 {
+fn to_snorm8(value: f32) -> i8 {
     (value.clamp(-1.0, 1.0) * 127.0).round() as i8
 }
 

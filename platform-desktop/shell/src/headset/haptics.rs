@@ -21,8 +21,8 @@ pub struct FrameHaptics {
 
 impl FrameHaptics {
     /// Adds a tick's levels, 0 to 255, of the left and the right hand.
-    pub fn add_tick(&mut self, levels: [u8; 2]) {
-        for (most, level) in self.levels.iter_mut().zip(levels) {
+    pub fn add_tick_levels(&mut self, left_and_right: [u8; 2]) {
+        for (most, level) in self.levels.iter_mut().zip(left_and_right) {
             *most = level.max(*most);
         }
         self.ticks += 1;
@@ -47,9 +47,9 @@ mod tests {
     fn a_frame_gives_one_pulse_a_hand_the_strongest_of_its_ticks() {
         let mut haptics = FrameHaptics::default();
         assert_eq!(haptics.take_pulses(), [None, None]);
-        haptics.add_tick([0, 51]);
-        haptics.add_tick([0, 204]);
-        haptics.add_tick([0, 102]);
+        haptics.add_tick_levels([0, 51]);
+        haptics.add_tick_levels([0, 204]);
+        haptics.add_tick_levels([0, 102]);
         let pulse = HapticPulse { amplitude: 0.8, nanos: 41_666_666 };
         assert_eq!(haptics.take_pulses(), [None, Some(pulse)]);
         assert_eq!(haptics.take_pulses(), [None, None], "each tick is felt once");

@@ -2,7 +2,7 @@
 //! volumes as assets, so that a headset need not make them, and Khronos' OpenXR loader.
 
 use crate::figures::Figure;
-use crate::rmap::{self, RmapFault};
+use crate::rmap::{self, RmapFaultAt};
 use crate::start_volume_store::StartVolumeStore;
 use paros_core::{Grid, RangeMaps, Size};
 
@@ -15,7 +15,7 @@ pub enum AssetError {
     /// The package lacks the asset of this name.
     Missing(String),
     /// The asset of this name is damaged at a byte.
-    Damaged(String, usize, RmapFault),
+    Damaged(String, RmapFaultAt),
 }
 
 /// The name of the asset that holds a figure's volume of a size: an `.rmap`.
@@ -38,7 +38,7 @@ where
     volumes.load_figures(|figure, maps: &mut RangeMaps<N>| {
         let name = start_volume_asset::<N>(figure);
         let Some(bytes) = open_asset(&name) else { return Err(AssetError::Missing(name)) };
-        rmap::decode(&bytes, maps).map_err(|(at, fault)| AssetError::Damaged(name, at, fault))
+        rmap::decode(&bytes, maps).map_err(|found| AssetError::Damaged(name, found))
     })
 }
 
@@ -46,7 +46,9 @@ impl std::fmt::Display for AssetError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             AssetError::Missing(name) => write!(f, "{name}: missing in the package"),
-            AssetError::Damaged(name, at, fault) => write!(f, "{name}: byte {at}: {fault}"),
+            AssetError::Damaged(name, RmapFaultAt { offset, fault }) => {
+                write!(f, "{name}: byte {offset}: {fault}")
+            }
         }
     }
 }

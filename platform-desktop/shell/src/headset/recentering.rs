@@ -8,17 +8,17 @@ pub struct PendingRecentering {
 }
 
 impl PendingRecentering {
-    /// Schedules a change: poses from `change_time` on, in nanoseconds, are in another space. Of
+    /// Schedules a change: poses from `change_time_ns` on are in another space. Of
     /// several pending changes the earliest counts.
     pub fn schedule_change(&mut self, change_time_ns: i64) {
         self.change_time_ns =
             Some(self.change_time_ns.map_or(change_time_ns, |at| at.min(change_time_ns)));
     }
 
-    /// Whether the tick at `tick_time` is the first after the change. Its hand poses must be left
+    /// Whether the tick at `tick_time_ns` is the first after the change. Its hand poses must be left
     /// out: a stroke would sweep from the old space to the new one.
     #[must_use]
-    pub fn take_due(&mut self, tick_time_ns: i64) -> bool {
+    pub fn take_change_due_at(&mut self, tick_time_ns: i64) -> bool {
         let due = self.change_time_ns.is_some_and(|at| at <= tick_time_ns);
         if due {
             self.change_time_ns = None;
@@ -34,9 +34,12 @@ mod tests {
     #[test]
     fn one_tick_is_broken_at_the_time_of_change() {
         let mut recentering = PendingRecentering::default();
-        assert!(!recentering.take_due(0));
+        assert!(!recentering.take_change_due_at(0));
         recentering.schedule_change(100);
         recentering.schedule_change(120);
-        assert_eq!([99, 100, 101].map(|at| recentering.take_due(at)), [false, true, false]);
+        assert_eq!(
+            [99, 100, 101].map(|at| recentering.take_change_due_at(at)),
+            [false, true, false]
+        );
     }
 }

@@ -11,13 +11,22 @@ pub const DEFAULT_HANDOVER: Duration = Duration::from_secs(45);
 /// Ticks for which the menu button is held to finish: a second and a half.
 const FINISH_HOLD_TICKS: u32 = TICK_RATE * 3 / 2;
 
+/// Whether another visitor has put the headset on.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum VisitorChange {
+    /// It is off, or the same visitor wears it.
+    None,
+    /// It was off for long: another visitor wears it.
+    NextVisitor,
+}
+
 /// Decides when sessions start and finish: from user presence and the menu button.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct VisitPolicy {
     /// How sessions start.
     start_mode: SessionMode,
     /// How long the headset must be off for whoever puts it on next to be another visitor.
-    handover_after: Duration,
+    absence_before_handover: Duration,
     away_since: Option<Duration>,
     /// The session is to be finished and another started: another visitor has come.
     handing_over: bool,
@@ -27,12 +36,12 @@ pub struct VisitPolicy {
 
 impl VisitPolicy {
     /// A policy by which sessions start in a mode, and are handed over once the headset was off for
-    /// `handover_after`.
+    /// `absence_before_handover`.
     #[must_use]
-    pub const fn new(start_mode: SessionMode, handover_after: Duration) -> Self {
+    pub const fn new(start_mode: SessionMode, absence_before_handover: Duration) -> Self {
         VisitPolicy {
             start_mode,
-            handover_after,
+            absence_before_handover,
             away_since: None,
             handing_over: false,
             menu_held_ticks: 0,
@@ -40,28 +49,29 @@ impl VisitPolicy {
     }
 
     /// Takes in a change of user presence: the headset was put on or taken off. `now` is the time
-    /// since any fixed moment. Returns whether another visitor has put it on.
-    pub fn update_presence(&mut self, present: bool, now: Duration) -> bool {
-        if !present {
+    /// since any fixed moment.
+    pub fn observe_presence(&mut self, is_worn: bool, now: Duration) -> VisitorChange {
+        if !is_worn {
             self.away_since = self.away_since.or(Some(now));
-            return false;
+            return VisitorChange::None;
         }
         let away = self.away_since.take().map(|since| now.saturating_sub(since));
-        let another = away.is_some_and(|away| away >= self.handover_after);
+        let another = away.is_some_and(|away| away >= self.absence_before_handover);
         self.handing_over |= another;
-        another
+        if another { VisitorChange::NextVisitor } else { VisitorChange::None }
     }
 
     /// Adds to a tick's input: a start where there is no session; the finish where the menu button was
     /// held long enough, or another visitor has come.
-    pub fn apply_to_input(
+    pub fn add_session_commands(
         &mut self,
         session: SessionState,
-        menu_down: bool,
+        is_menu_down: bool,
         input: &mut TickInput,
     ) {
-        let pressed = menu_down && self.menu_held_ticks == 0;
-        self.menu_held_ticks = if menu_down { self.menu_held_ticks.saturating_add(1) } else { 0 };
+        let pressed = is_menu_down && self.menu_held_ticks == 0;
+        self.menu_held_ticks =
+            if is_menu_down { self.menu_held_ticks.saturating_add(1) } else { 0 };
         match session {
             SessionState::Waiting => input.start = self.start_mode,
             SessionState::Sculpting
@@ -84,15 +94,15 @@ mod tests {
 
     use paros_core::{SessionMode, SessionState, TickInput, commands};
 
-    use super::{DEFAULT_HANDOVER, FINISH_HOLD_TICKS, VisitPolicy};
+    use super::{DEFAULT_HANDOVER, FINISH_HOLD_TICKS, VisitPolicy, VisitorChange};
 
     fn apply(
         policy: &mut VisitPolicy,
         session: SessionState,
-        menu_down: bool,
+        is_menu_down: bool,
     ) -> (SessionMode, u8) {
         let mut input = TickInput::default();
-        policy.apply_to_input(session, menu_down, &mut input);
+        policy.add_session_commands(session, is_menu_down, &mut input);
         (input.start, input.commands)
     }
 
@@ -127,12 +137,15 @@ mod tests {
     fn a_headset_off_for_long_is_handed_over_and_off_for_short_is_not() {
         let mut policy = VisitPolicy::new(SessionMode::FreeForm, DEFAULT_HANDOVER);
         let soon = DEFAULT_HANDOVER - Duration::from_millis(1);
-        policy.update_presence(false, Duration::ZERO);
-        policy.update_presence(false, soon);
-        assert!(!policy.update_presence(true, soon));
+        policy.observe_presence(false, Duration::ZERO);
+        policy.observe_presence(false, soon);
+        assert_eq!(policy.observe_presence(true, soon), VisitorChange::None);
         assert_eq!(apply(&mut policy, SessionState::Sculpting, false), NOTHING);
-        policy.update_presence(false, soon);
-        assert!(policy.update_presence(true, soon + DEFAULT_HANDOVER));
+        policy.observe_presence(false, soon);
+        assert_eq!(
+            policy.observe_presence(true, soon + DEFAULT_HANDOVER),
+            VisitorChange::NextVisitor
+        );
         assert_eq!(
             apply(&mut policy, SessionState::Sculpting, false),
             (SessionMode::None, commands::FINISH)

@@ -4,10 +4,19 @@ use super::Mesh;
 use paros_core::{BakeReport, Baker, BitGrid, Grid, MeshPlacement, RangeMaps, Size, UpAxis};
 use std::collections::HashMap;
 
+/// An axis-aligned bounding box, in mesh units.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct MeshBounds {
+    /// The least coordinates.
+    pub min: [f32; 3],
+    /// The greatest coordinates.
+    pub max: [f32; 3],
+}
+
 impl Mesh {
-    /// Axis-aligned bounding box of the vertices as (min, max). `None` without any.
+    /// Axis-aligned bounding box of the vertices. `None` without any.
     #[must_use]
-    pub fn bounding_box(&self) -> Option<([f32; 3], [f32; 3])> {
+    pub fn bounding_box(&self) -> Option<MeshBounds> {
         let (&first, rest) = self.positions.split_first()?;
         let (mut low, mut high) = (first, first);
         for p in rest {
@@ -16,7 +25,7 @@ impl Mesh {
                 high[k] = if p[k] > high[k] { p[k] } else { high[k] };
             }
         }
-        Some((low, high))
+        Some(MeshBounds { min: low, max: high })
     }
 
     /// Bakes the mesh, fitted to the grid as [`MeshPlacement::fit_bounds`] says, into tight maps and their
@@ -27,12 +36,12 @@ impl Mesh {
         up: UpAxis,
         baker: &mut Baker<N>,
         maps: &mut RangeMaps<N>,
-        plane: &mut BitGrid<N>,
+        bit_grid: &mut BitGrid<N>,
     ) -> Option<BakeReport>
     where
         Grid<N>: Size,
     {
-        let (min, max) = self.bounding_box()?;
+        let MeshBounds { min, max } = self.bounding_box()?;
         let placement = MeshPlacement::fit_bounds(min, max, up, N)?;
         let snapped: Vec<_> = self.positions.iter().map(|&p| placement.snap_point(p)).collect();
         baker.clear();
@@ -41,13 +50,13 @@ impl Mesh {
                 .add_triangle(t.map(|i| snapped[i as usize]))
                 .expect("the placement keeps every corner inside the box");
         }
-        Some(baker.write_maps(maps, plane))
+        Some(baker.write_maps(maps, bit_grid))
     }
 
     /// How many directed edges more than one triangle uses, vertices merged by position: 0 where
     /// the winding is consistent, as on any surface that two triangles at most share an edge of.
     #[must_use]
-    pub fn count_winding_faults(&self) -> usize {
+    pub fn count_repeated_directed_edges(&self) -> usize {
         let mut merged = HashMap::new();
         let vertices: Vec<u32> = self
             .positions

@@ -28,7 +28,9 @@ pub(super) fn parse(bytes: &[u8], folder: &Path) -> Result<Mesh, String> {
     let mut scene =
         SceneTriangles { buffers, mesh: Mesh::default(), seen: vec![false; gltf.nodes().len()] };
     match gltf.default_scene().or_else(|| gltf.scenes().next()) {
-        Some(root) => scene.add_nodes(root.nodes().map(|node| (node, IDENTITY)).collect())?,
+        Some(root) => scene.add_subtrees(
+            root.nodes().map(|node| PlacedNode { node, world_from_parent: IDENTITY }).collect(),
+        )?,
         None => {
             for mesh in gltf.meshes() {
                 for primitive in mesh.primitives() {
@@ -117,6 +119,12 @@ fn read_buffers(
     Ok(buffers)
 }
 
+/// A node whose triangles are still to be added.
+struct PlacedNode<'a> {
+    node: Node<'a>,
+    world_from_parent: NodeMatrix,
+}
+
 struct SceneTriangles {
     buffers: Vec<Vec<u8>>,
     mesh: Mesh,
@@ -125,17 +133,20 @@ struct SceneTriangles {
 }
 
 impl SceneTriangles {
-    fn add_nodes(&mut self, mut todo: Vec<(Node<'_>, NodeMatrix)>) -> Result<(), String> {
-        while let Some((node, parent)) = todo.pop() {
+    fn add_subtrees(&mut self, mut pending: Vec<PlacedNode<'_>>) -> Result<(), String> {
+        while let Some(PlacedNode { node, world_from_parent }) = pending.pop() {
             if std::mem::replace(&mut self.seen[node.index()], true) {
                 return Err(format!("node {} is reached twice; expected trees", node.index()));
             }
-            let own = node.transform().matrix().map(|column| column.map(f64::from));
-            let matrix = matrix_product(&parent, &own);
+            let parent_from_node = node.transform().matrix().map(|column| column.map(f64::from));
+            let matrix = matrix_product(&world_from_parent, &parent_from_node);
             for primitive in node.mesh().iter().flat_map(|mesh| mesh.primitives()) {
                 self.add_primitive(&primitive, &matrix)?;
             }
-            todo.extend(node.children().map(|child| (child, matrix)));
+            let children = node.children();
+            pending.extend(
+                children.map(|child| PlacedNode { node: child, world_from_parent: matrix }),
+            );
         }
         Ok(())
     }
@@ -143,7 +154,7 @@ impl SceneTriangles {
     fn add_primitive(
         &mut self,
         primitive: &Primitive<'_>,
-        matrix: &NodeMatrix,
+        world_from_node: &NodeMatrix,
     ) -> Result<(), String> {
         let mode = primitive.mode();
         if !matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
@@ -164,7 +175,7 @@ impl SceneTriangles {
             None => (0..points.len() as u64).collect(),
         };
         let base = self.mesh.positions.len() as u64;
-        let mirrored = determinant(matrix) < 0.0;
+        let mirrored = determinant(world_from_node) < 0.0;
         for [a, b, c] in split_into_triangles(mode, &corners) {
             let triangle = if mirrored { [a, c, b] } else { [a, b, c] };
             if let Some(i) = triangle.iter().find(|&&i| i >= points.len() as u64) {
@@ -179,7 +190,10 @@ impl SceneTriangles {
         }
         let coordinate = |bytes: &[u8]| f64::from(f32::from_bits(little_endian(bytes) as u32));
         self.mesh.positions.extend(points.iter().map(|bytes| {
-            transform_point(matrix, [&bytes[..4], &bytes[4..8], &bytes[8..]].map(coordinate))
+            transform_point(
+                world_from_node,
+                [&bytes[..4], &bytes[4..8], &bytes[8..]].map(coordinate),
+            )
         }));
         Ok(())
     }

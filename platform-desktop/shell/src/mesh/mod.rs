@@ -6,6 +6,8 @@ mod obj;
 mod ply;
 mod stl;
 
+pub use bake::MeshBounds;
+
 use crate::durable;
 use paros_core::UpAxis;
 use std::fmt;
@@ -133,7 +135,7 @@ impl Mesh {
             MeshFormat::Gltf => gltf::parse(bytes, folder),
         };
         let mut mesh = mesh.map_err(|what| MeshFault::Malformed { kind, what })?;
-        mesh.check_triangles()?;
+        mesh.check_coordinates_and_triangles()?;
         mesh.drop_unused_vertices();
         Ok(mesh)
     }
@@ -145,7 +147,7 @@ impl Mesh {
         }
     }
 
-    fn check_triangles(&self) -> Result<(), MeshFault> {
+    fn check_coordinates_and_triangles(&self) -> Result<(), MeshFault> {
         for (vertex, position) in self.positions.iter().enumerate() {
             for &value in position {
                 if !value.is_finite() || value.abs() > COORDINATE_BOUND {

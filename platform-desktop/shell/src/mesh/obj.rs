@@ -24,7 +24,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Mesh, String> {
     };
     let no_materials = |_: &std::path::Path| Ok(Default::default());
     let (models, _) = tobj::load_obj_buf(&mut lines, &options, no_materials).map_err(|error| {
-        format!("line {}: {error}; expected {}", lines.read, expected_text(error))
+        format!("line {}: {error}; expected {}", lines.read, describe_expected_syntax(error))
     })?;
     let mut mesh = Mesh::default();
     for model in models {
@@ -36,7 +36,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Mesh, String> {
     Ok(mesh)
 }
 
-fn expected_text(error: tobj::LoadError) -> &'static str {
+fn describe_expected_syntax(error: tobj::LoadError) -> &'static str {
     match error {
         tobj::LoadError::PositionParseError => "`v x y z` with three numbers",
         tobj::LoadError::FaceParseError | tobj::LoadError::InvalidPolygon => {

@@ -29,6 +29,15 @@ pub enum RmapError {
     },
 }
 
+/// What is wrong with the bytes of a file, and where.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct RmapFaultAt {
+    /// The offset of the byte from the file's start.
+    pub offset: usize,
+    /// What is wrong there.
+    pub fault: RmapFault,
+}
+
 /// What can be wrong with the bytes of a file.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum RmapFault {

@@ -28,39 +28,46 @@ enum SaveState {
     Due,
 }
 
+/// Whether the visitor is to be told of a failed save: only of the first of a row.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum FailureNotice {
+    Due,
+    NotDue,
+}
+
 /// Saves the session from time to time, with one buffer that goes to the file writer and comes back.
 pub(super) struct Autosave {
     state: SaveState,
     /// The save job, its buffer large enough for any session. `None` while it is being written.
     buffer: Option<WriteJob>,
     /// The tick of the last save.
-    saved_at: u64,
+    saved_at_tick: u64,
     /// Whether a stroke was under way after the last tick.
     stroke_open: bool,
     /// Why the last save was not written.
-    fault: Option<String>,
+    save_error: Option<String>,
 }
 
 impl Autosave {
     /// A state with nothing to save. Allocates the buffer.
-    pub(super) fn new<const N: usize>(places: &StudioPaths) -> Self {
+    pub(super) fn new<const N: usize>(paths: &StudioPaths) -> Self {
         let buffer = WriteJob {
             kind: FileKind::Session,
-            destination: Destination::Replace(vec![places.session_file(N)]),
+            destination: Destination::Replace(vec![paths.session_file(N)]),
             contents: vec![vec![0; max_save_bytes(N)]],
         };
         Autosave {
             state: SaveState::Saved,
             buffer: Some(buffer),
-            saved_at: 0,
+            saved_at_tick: 0,
             stroke_open: false,
-            fault: None,
+            save_error: None,
         }
     }
 
     /// The error of the last save, while saving fails.
-    pub(super) fn fault(&self) -> Option<&str> {
-        self.fault.as_deref()
+    pub(super) fn save_error(&self) -> Option<&str> {
+        self.save_error.as_deref()
     }
 
     /// Whether a save is to begin as soon as the last one is written.
@@ -81,7 +88,7 @@ impl Autosave {
 
     /// Restarts the interval for a new session, whose ticks count from 0.
     pub(super) fn begin_session(&mut self) {
-        self.saved_at = 0;
+        self.saved_at_tick = 0;
     }
 
     /// Updates the state after a tick. A save becomes due when something has changed and either the
@@ -97,7 +104,7 @@ impl Autosave {
         let was_open = mem::replace(&mut self.stroke_open, world.is_stroke_open());
         let stroke_ended = was_open && !self.stroke_open;
         let interval = if stroke_ended { STROKE_TICKS } else { SAVE_TICKS };
-        let is_old = world.tick() >= self.saved_at + interval;
+        let is_old = world.tick() >= self.saved_at_tick + interval;
         if self.state == SaveState::Changed
             && (is_old || world.events().contains(&WorldEvent::Finished))
         {
@@ -123,23 +130,25 @@ impl Autosave {
         };
         job.contents.iter_mut().for_each(|bytes| session.encode_into(bytes));
         file_writer.submit(job);
-        (self.state, self.saved_at) = (SaveState::Saved, session.world.tick());
+        (self.state, self.saved_at_tick) = (SaveState::Saved, session.world.tick());
     }
 
     /// Takes back the buffer of a save, with its error if it failed; the save is then tried again.
-    /// Returns whether the visitor is to be told: only at the first of a row of failures.
-    pub(super) fn take_back_buffer(
+    pub(super) fn reclaim_buffer(
         &mut self,
         job: WriteJob,
-        failed: Option<&durable::WriteError>,
-    ) -> bool {
+        error: Option<&durable::WriteError>,
+    ) -> FailureNotice {
         self.buffer = Some(job);
-        let was_well = self.fault.is_none();
-        self.fault = failed.map(ToString::to_string);
-        if failed.is_some() {
+        let was_well = self.save_error.is_none();
+        self.save_error = error.map(ToString::to_string);
+        if error.is_some() {
             self.mark_changed();
         }
-        was_well && failed.is_some()
+        match was_well && error.is_some() {
+            true => FailureNotice::Due,
+            false => FailureNotice::NotDue,
+        }
     }
 
     fn mark_changed(&mut self) {

@@ -1,4 +1,4 @@
-//! Export of a finished sculpture: a print, its volume and a picture. It takes the world after each
+//! Export of a finished sculpture: an STL file, its volume and a picture. It takes the world after each
 //! tick and gives files as bytes. It knows neither where they go nor how they are written.
 
 use std::path::{Path, PathBuf};
@@ -6,22 +6,22 @@ use std::path::{Path, PathBuf};
 use paros_core::{Grid, Size, World};
 
 use super::DrawPicture;
-use super::sculpture_files::{NamedFiles, SculptureFiles};
+use super::sculpture_files::{FilesByExtension, SculptureFiles};
 use crate::file_writer::WriteJob;
-use crate::print::StlPrinter;
+use crate::stl_export::StlExporter;
 
 /// The export of a finished sculpture, and the result of the last one.
 pub(super) struct SculptureExport<'a, const N: usize>
 where
     Grid<N>: Size,
 {
-    printer: StlPrinter<'a, N>,
+    stl_exporter: StlExporter<'a, N>,
     draw_picture: DrawPicture<N>,
     files: Option<SculptureFiles>,
-    /// The path of the last print.
-    last_print: Option<PathBuf>,
+    /// The path of the last STL file.
+    last_stl_path: Option<PathBuf>,
     /// Jobs that failed in every folder, of finished sculptures and previous sessions.
-    unwritten: Vec<WriteJob>,
+    failed_jobs: Vec<WriteJob>,
 }
 
 impl<'a, const N: usize> SculptureExport<'a, N>
@@ -29,51 +29,57 @@ where
     Grid<N>: Size,
 {
     /// Nothing to export yet.
-    pub(super) fn new(printer: StlPrinter<'a, N>, draw_picture: DrawPicture<N>) -> Self {
-        let unwritten = Vec::new();
-        SculptureExport { printer, draw_picture, files: None, last_print: None, unwritten }
+    pub(super) fn new(stl_exporter: StlExporter<'a, N>, draw_picture: DrawPicture<N>) -> Self {
+        let failed_jobs = Vec::new();
+        SculptureExport {
+            stl_exporter,
+            draw_picture,
+            files: None,
+            last_stl_path: None,
+            failed_jobs,
+        }
     }
 
-    /// The path of the last print.
-    pub(super) fn last_print_path(&self) -> Option<&Path> {
-        self.last_print.as_deref()
+    /// The path of the last STL file.
+    pub(super) fn last_stl_path(&self) -> Option<&Path> {
+        self.last_stl_path.as_deref()
     }
 
-    /// Sets the path of the session's print; `None` before there is one.
-    pub(super) fn set_last_print_path(&mut self, path: Option<PathBuf>) {
-        self.last_print = path;
+    /// Sets the path of the session's STL file; `None` before there is one.
+    pub(super) fn set_last_stl_path(&mut self, path: Option<PathBuf>) {
+        self.last_stl_path = path;
     }
 
     /// Whether failed jobs are kept.
-    pub(super) const fn has_unwritten(&self) -> bool {
-        !self.unwritten.is_empty()
+    pub(super) const fn has_failed_jobs(&self) -> bool {
+        !self.failed_jobs.is_empty()
     }
 
     /// Keeps a failed job, to be submitted again.
-    pub(super) fn keep_unwritten(&mut self, job: WriteJob) {
-        self.unwritten.push(job);
+    pub(super) fn keep_failed_job(&mut self, job: WriteJob) {
+        self.failed_jobs.push(job);
     }
 
     /// Removes and returns the failed jobs.
-    pub(super) fn take_unwritten(&mut self) -> impl Iterator<Item = WriteJob> {
-        self.unwritten.drain(..)
+    pub(super) fn take_failed_jobs(&mut self) -> impl Iterator<Item = WriteJob> {
+        self.failed_jobs.drain(..)
     }
 
-    /// Whether a print is being made.
+    /// Whether files are being made.
     pub(super) const fn is_busy(&self) -> bool {
         self.files.is_some()
     }
 
-    /// Advances the print after a tick; begins one where the tick finished the session.
-    pub(super) fn advance_print(&mut self, world: &World<N>) {
-        let print = self.printer.advance_after_tick(world);
+    /// Advances the STL export after a tick; begins one where the tick finished the session.
+    pub(super) fn advance_stl_after_tick(&mut self, world: &World<N>) {
+        let stl = self.stl_exporter.begin_or_advance_after_tick(world);
         if let Some(files) = &mut self.files {
-            files.take_print(print);
+            files.keep_stl(stl);
         }
     }
 
     /// Starts the export of a world whose session has just ended.
-    pub(super) fn start_files(&mut self, world: &World<N>) {
+    pub(super) fn start_making_files(&mut self, world: &World<N>) {
         self.files = Some(SculptureFiles::start(world, self.draw_picture));
     }
 
@@ -84,16 +90,16 @@ where
         }
     }
 
-    /// Waits for the picture and makes what is left of the print.
-    pub(super) fn finish_files(&mut self) {
+    /// Waits for the picture and makes what is left of the STL file.
+    pub(super) fn finish_making_files(&mut self) {
         if let Some(files) = &mut self.files {
-            files.finish_parts(&mut self.printer);
+            files.finish_making_files(&mut self.stl_exporter);
         }
     }
 
     /// The files once all are ready, or why there are none. They are returned once.
-    pub(super) fn take_files(&mut self) -> Option<Result<NamedFiles, String>> {
-        let files = self.files.as_mut()?.take_files()?;
+    pub(super) fn take_finished_files(&mut self) -> Option<Result<FilesByExtension, String>> {
+        let files = self.files.as_mut()?.take_finished_files()?;
         self.files = None;
         Some(files)
     }

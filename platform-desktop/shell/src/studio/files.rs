@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use paros_core::{Grid, Size};
 
+use super::autosave::FailureNotice;
 use super::{Notice, Studio};
 use crate::durable;
 use crate::file_writer::{Destination, FileKind, WriteJob, WriteOutcome};
@@ -25,10 +26,8 @@ where
     /// The first write that failed.
     pub(super) fn wait_for_writes(&mut self) -> Result<(), durable::WriteError> {
         let mut done = Ok(());
-        while let Some(outcome) = self.file_writer.wait_for_oldest() {
-            if let Some(failed) = self.report_outcome(outcome) {
-                done = done.and(Err(failed));
-            }
+        while let Some(outcome) = self.file_writer.wait_for_next_outcome() {
+            done = done.and(self.handle_write_outcome(outcome));
             if self.autosave.is_due() {
                 self.save_session();
             }
@@ -38,7 +37,7 @@ where
 
     /// Submits a finished sculpture's files, once all are ready.
     pub(super) fn submit_finished_sculpture(&mut self) {
-        match self.export.take_files() {
+        match self.export.take_finished_files() {
             None => {}
             Some(Ok(files)) => {
                 let (extensions, bytes) = files.into_iter().unzip();
@@ -65,39 +64,40 @@ where
     }
 
     /// Handles a write's outcome: messages for the visitor, the save's buffer taken back, failed
-    /// sculptures kept to be submitted again. Returns the error if it failed.
-    pub(super) fn report_outcome(&mut self, outcome: WriteOutcome) -> Option<durable::WriteError> {
+    /// sculptures kept to be submitted again.
+    ///
+    /// # Errors
+    /// The write's.
+    pub(super) fn handle_write_outcome(
+        &mut self,
+        outcome: WriteOutcome,
+    ) -> Result<(), durable::WriteError> {
         if let Some(refused) = outcome.fallback_cause {
             self.push_notice(Notice::Bad(refused.to_string()));
         }
         let kind = outcome.job.kind;
-        let failed = match outcome.result {
-            Ok(paths) => {
-                self.report_written(kind, paths);
-                None
-            }
-            Err(error) => Some(error),
-        };
+        let written = outcome.result.map(|paths| self.report_written(kind, paths));
+        let error = written.as_ref().err();
         if kind == FileKind::Session {
-            if self.autosave.take_back_buffer(outcome.job, failed.as_ref())
-                && let Some(error) = &failed
+            if self.autosave.reclaim_buffer(outcome.job, error) == FailureNotice::Due
+                && let Some(error) = error
             {
                 self.push_notice(Notice::Bad(format!("the session can't be saved: {error}")));
             }
-            return failed;
+            return written;
         }
-        if let Some(error) = &failed {
+        if let Some(error) = error {
             self.push_notice(Notice::Bad(error.to_string()));
             if matches!(kind, FileKind::Sculpture | FileKind::PreviousSession) {
-                self.export.keep_unwritten(outcome.job);
+                self.export.keep_failed_job(outcome.job);
             }
         }
-        failed
+        written
     }
 
     fn report_written(&mut self, kind: FileKind, paths: Vec<PathBuf>) {
         match kind {
-            FileKind::Sculpture => self.export.set_last_print_path(paths.into_iter().next()),
+            FileKind::Sculpture => self.export.set_last_stl_path(paths.into_iter().next()),
             FileKind::Trace => {
                 let path = paths.first().map_or(String::new(), |path| path.display().to_string());
                 self.push_notice(Notice::Good(format!("recorded: {path}")));

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::thread;
 
-use super::ReadVolume;
+use super::VolumeReader;
 
 /// A file being read. When it is done, the static range maps of its size hold it.
 #[derive(Debug)]
@@ -17,12 +17,12 @@ pub(super) struct PendingRead {
 impl PendingRead {
     /// Starts a thread that reads a file.
     #[must_use]
-    pub(super) fn spawn(path: &Path, read: ReadVolume) -> Self {
+    pub(super) fn spawn(path: &Path, reader: VolumeReader) -> Self {
         let (tell, done) = channel();
         let file = path.to_owned();
         thread::spawn(move || {
             // The receiver is gone if the studio was dropped.
-            let _ = tell.send(read(&file));
+            let _ = tell.send(reader(&file));
         });
         PendingRead { path: path.to_owned(), done }
     }

@@ -40,9 +40,10 @@ impl Recorder {
         self.extent = RecordingExtent::None;
     }
 
-    /// Records whole sessions, for the trace file `path`; with `None`, their first two hours.
-    pub(super) fn record_whole_to(&mut self, path: Option<PathBuf>) {
-        self.extent = path.map_or(RecordingExtent::Limited, RecordingExtent::Whole);
+    /// Sets the file for the last session's trace, and records whole sessions; with `None`, their first
+    /// two hours.
+    pub(super) fn set_closing_trace_path(&mut self, trace_path: Option<PathBuf>) {
+        self.extent = trace_path.map_or(RecordingExtent::Limited, RecordingExtent::Whole);
     }
 
     /// The file for the last session's trace.
@@ -59,8 +60,8 @@ impl Recorder {
     }
 
     /// Whether the recording has reached its limit.
-    pub(super) fn is_full(&self) -> bool {
-        self.recording.as_ref().is_some_and(|recording| !self.has_room(recording))
+    pub(super) fn has_reached_limit(&self) -> bool {
+        self.recording.as_ref().is_some_and(|recording| !self.has_room_in(recording))
     }
 
     /// Drops the recording.
@@ -68,30 +69,33 @@ impl Recorder {
         self.recording = None;
     }
 
-    /// Runs one tick, recorded if the session is. `starts` tells whether the tick starts a session.
+    /// Runs one tick, recorded if the session is. `starts_session` tells whether the tick starts a
+    /// session.
     pub(super) fn run_tick<const N: usize>(
         &mut self,
         mut runner: TickRunner<'_, N>,
-        starts: bool,
+        starts_session: bool,
         input: &TickInput,
-        around: impl FnOnce(&mut dyn FnMut()),
+        wrap_step: impl FnOnce(&mut dyn FnMut()),
     ) where
         Grid<N>: Size,
     {
-        if self.is_full() {
-            runner.run_tick_with(input, around);
+        if self.has_reached_limit() {
+            runner.run_tick_wrapped(input, wrap_step);
             return;
         }
         match self.recording.take() {
-            Some(recording) => runner.resume_recording(recording),
-            None if starts && self.extent != RecordingExtent::None => runner.start_recording(),
+            Some(recording) => runner.attach_recording(recording),
+            None if starts_session && self.extent != RecordingExtent::None => {
+                runner.start_recording()
+            }
             None => {}
         }
-        runner.run_tick_with(input, around);
-        self.recording = runner.into_recording();
+        runner.run_tick_wrapped(input, wrap_step);
+        self.recording = runner.detach_recording();
     }
 
-    fn has_room(&self, recording: &TraceRecording) -> bool {
+    fn has_room_in(&self, recording: &TraceRecording) -> bool {
         self.trace_path().is_some() || recording.tick_count() < MAX_UNASKED_TICKS
     }
 }

@@ -1,4 +1,4 @@
-//! The files of one finished sculpture while they are made: print, volume and picture. The picture is
+//! The files of one finished sculpture while they are made: STL, volume and picture. The picture is
 //! drawn in a thread.
 
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
@@ -7,16 +7,16 @@ use std::thread;
 use paros_core::{Grid, RangeMaps, Size, World};
 
 use super::DrawPicture;
-use crate::print::{FinishedPrint, StlPrinter};
 use crate::rmap;
+use crate::stl_export::{FinishedStl, StlExporter};
 
 /// Each file's extension and bytes.
-pub(super) type NamedFiles = Vec<(&'static str, Vec<u8>)>;
+pub(super) type FilesByExtension = Vec<(&'static str, Vec<u8>)>;
 
 /// The parts made so far.
 #[derive(Debug)]
 pub(super) struct SculptureFiles {
-    print: Option<FinishedPrint>,
+    stl: Option<FinishedStl>,
     picture: PictureState,
     rmap: Vec<u8>,
 }
@@ -42,20 +42,22 @@ impl SculptureFiles {
             let _ = tell.send(draw_picture(&copy));
         });
         let picture = PictureState::Drawing(drawing);
-        SculptureFiles { print: None, picture, rmap: rmap::encode(maps) }
+        SculptureFiles { stl: None, picture, rmap: rmap::encode(maps) }
     }
 
-    /// Takes the print, if it is finished.
-    pub(super) fn take_print(&mut self, print: Option<FinishedPrint>) {
-        self.print = self.print.take().or(print);
+    /// Keeps the STL file, if it is finished.
+    pub(super) fn keep_stl(&mut self, stl: Option<FinishedStl>) {
+        self.stl = self.stl.take().or(stl);
     }
 
-    /// Waits for the picture and makes what is left of the print.
-    pub(super) fn finish_parts<const N: usize>(&mut self, printer: &mut StlPrinter<'_, N>)
-    where
+    /// Waits for the picture and makes what is left of the STL file.
+    pub(super) fn finish_making_files<const N: usize>(
+        &mut self,
+        stl_exporter: &mut StlExporter<'_, N>,
+    ) where
         Grid<N>: Size,
     {
-        self.take_print(printer.finish_print());
+        self.keep_stl(stl_exporter.run_export_to_end());
         self.wait_for_picture();
     }
 
@@ -67,8 +69,8 @@ impl SculptureFiles {
         }
     }
 
-    /// The files, the print first, once all are ready; or why there are none.
-    pub(super) fn take_files(&mut self) -> Option<Result<NamedFiles, String>> {
+    /// The files, the STL file first, once all are ready; or why there are none.
+    pub(super) fn take_finished_files(&mut self) -> Option<Result<FilesByExtension, String>> {
         if let PictureState::Drawing(drawing) = &self.picture {
             self.picture = match drawing.try_recv() {
                 Ok(drawn) => PictureState::Drawn(drawn),
@@ -79,11 +81,11 @@ impl SculptureFiles {
             };
         }
         let PictureState::Drawn(drawn) = &mut self.picture else { return None };
-        let print = self.print.take()?;
-        if print.triangle_count == 0 {
+        let stl = self.stl.take()?;
+        if stl.triangle_count == 0 {
             return Some(Err("nothing is left to print".into()));
         }
-        let mut files = vec![("stl", print.stl), ("rmap", core::mem::take(&mut self.rmap))];
+        let mut files = vec![("stl", stl.bytes), ("rmap", core::mem::take(&mut self.rmap))];
         // A sculpture without its picture is better than none.
         if let Ok(png) = drawn {
             files.push(("png", core::mem::take(png)));

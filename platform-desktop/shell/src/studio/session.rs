@@ -32,7 +32,7 @@ where
         volumes: &'a mut StartVolumeStore<N>,
         paths: &mut StudioPaths,
     ) -> Self {
-        let claim = SessionClaim::take_lowest_free(&paths.sessions, N);
+        let claim = SessionClaim::claim_lowest_free_number(&paths.sessions, N);
         paths.window = claim.number();
         LiveSession { world, volumes, _claim: claim }
     }
@@ -54,7 +54,7 @@ where
                 Err(bad) => format!("expected {} at byte {}", bad.expected, bad.offset),
             },
         };
-        let aside = paths.free_unreadable_file(N);
+        let aside = paths.unused_path_for_unreadable_save(N);
         let kept = match std::fs::rename(&path, &aside) {
             Ok(()) => format!("it is kept as {}", aside.display()),
             Err(error) => format!("it is {}, and can't be moved: {error}", path.display()),
@@ -74,7 +74,7 @@ where
 
     /// Clears the world for another session. Returns the save of the one before, if it was unfinished
     /// and something was sculpted in it.
-    pub(super) fn save_and_clear(&mut self) -> Option<Vec<u8>> {
+    pub(super) fn take_unfinished_save_and_clear(&mut self) -> Option<Vec<u8>> {
         let sculpted = self.world.session_state() == SessionState::Sculpting;
         let save = (sculpted && self.world.undo_counts() != (0, 0)).then(|| {
             let mut bytes = Vec::new();

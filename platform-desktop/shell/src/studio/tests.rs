@@ -8,19 +8,19 @@ use paros_core::{
 };
 
 use super::Studio;
-use crate::print::{DEFAULT_HEIGHT_MM, StlPrinter};
 use crate::statics::Resident;
+use crate::stl_export::{DEFAULT_HEIGHT_MM, StlExporter};
 use crate::studio_paths::StudioPaths;
 
 #[test]
 fn a_save_waits_for_the_one_before_it() {
     let folder = std::env::temp_dir().join(format!("paros-studio-{}", std::process::id()));
     let (mut world, mut volumes) = (Grid::<128>::lock_world(), Grid::<128>::lock_start_volumes());
-    let mut press = Grid::<128>::lock_print_buffers();
-    let printer = StlPrinter::new(&mut press, DEFAULT_HEIGHT_MM).expect("a height");
+    let mut stl_buffers = Grid::<128>::lock_stl_buffers();
+    let stl_exporter = StlExporter::new(&mut stl_buffers, DEFAULT_HEIGHT_MM).expect("a height");
     let places = StudioPaths::inside_folder(&folder);
     let mut studio =
-        Studio::new(&mut world, &mut volumes, printer, places, |_| Err("no picture".into()));
+        Studio::new(&mut world, &mut volumes, stl_exporter, places, |_| Err("no picture".into()));
     studio.run_tick(&TickInput { start: SessionMode::FreeForm, ..TickInput::default() });
     studio.save_session();
     studio.run_tick(&TickInput::default());
@@ -28,7 +28,7 @@ fn a_save_waits_for_the_one_before_it() {
     studio.save_session();
     assert!(studio.autosave.is_writing() && studio.autosave.is_due());
     while studio.autosave.is_writing() {
-        studio.poll_threads();
+        studio.poll_background_work();
     }
     let saved = |studio: &Studio<'_, 128>| {
         let bytes = fs::read(studio.paths().session_file(128)).expect("a save");
@@ -42,7 +42,7 @@ fn a_save_waits_for_the_one_before_it() {
     );
     // At the end nothing is left due, whatever is under way.
     studio.run_tick(&TickInput::default());
-    studio.close().expect("a disk");
+    studio.finish_and_save_all().expect("a disk");
     assert_eq!((saved(&studio), studio.world().tick()), (4, 4));
     drop(studio);
     fs::remove_dir_all(&folder).expect("the folder can be removed");
@@ -56,13 +56,14 @@ fn a_stroke_that_ends_is_saved() {
     for (item, saved) in [(Some(BenchItem::Tool(Tool::Rotary)), true), (None, false)] {
         let (mut world, mut volumes) =
             (Grid::<128>::lock_world(), Grid::<128>::lock_start_volumes());
-        let mut press = Grid::<128>::lock_print_buffers();
-        let printer = StlPrinter::new(&mut press, DEFAULT_HEIGHT_MM).expect("a height");
+        let mut stl_buffers = Grid::<128>::lock_stl_buffers();
+        let stl_exporter = StlExporter::new(&mut stl_buffers, DEFAULT_HEIGHT_MM).expect("a height");
         let _ = fs::remove_dir_all(&folder);
         world.clear();
         let places = StudioPaths::inside_folder(&folder);
-        let mut studio =
-            Studio::new(&mut world, &mut volumes, printer, places, |_| Err("no picture".into()));
+        let mut studio = Studio::new(&mut world, &mut volumes, stl_exporter, places, |_| {
+            Err("no picture".into())
+        });
         let pointer = item.map_or(PointerCommand::None, |item| PointerCommand::Take {
             hand: 1,
             item: item.number() as u8,

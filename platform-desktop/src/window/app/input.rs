@@ -31,7 +31,9 @@ where
                 self.scale = scale_factor as f32;
             }
             WindowEvent::Occluded(false) => self.seen = true,
-            WindowEvent::DroppedFile(path) => self.studio.open_file(&path, opening::load_file::<N>),
+            WindowEvent::DroppedFile(path) => {
+                self.studio.open_file(&path, opening::read_into_resident_maps::<N>)
+            }
             WindowEvent::Focused(false) => self.send_to_hands(InputEvent::LetGo),
             WindowEvent::ModifiersChanged(modifiers) => self.modifiers = modifiers.state(),
             WindowEvent::CursorMoved { position, .. } => {
@@ -72,7 +74,7 @@ where
     /// Runs a key's command.
     pub(super) fn handle_key(&mut self, command: KeyCommand, down: bool) {
         let session = self.studio.world().session_state();
-        let sculpting = session == SessionState::Sculpting && self.panels.is_studio_open();
+        let sculpting = session == SessionState::Sculpting && self.panels.is_sculpture_uncovered();
         match command {
             // A release always counts, even over a panel.
             KeyCommand::Hands(key) if sculpting || !down => {
@@ -89,8 +91,8 @@ where
                     RenderPath::Paper(_) => RenderPath::Fast,
                 };
             }
-            KeyCommand::Record => self.studio.write_trace(),
-            KeyCommand::Back => self.panels.close_topmost(session),
+            KeyCommand::Record => self.studio.submit_session_trace(),
+            KeyCommand::Back => self.panels.close_topmost_or_toggle_start(session),
         }
     }
 
@@ -107,10 +109,10 @@ where
             self.panels.input.events.push(event);
         }
         let sculpting = self.studio.world().session_state() == SessionState::Sculpting;
-        let runs = hand != HandButton::Left || (sculpting && self.panels.is_studio_open());
+        let runs = hand != HandButton::Left || (sculpting && self.panels.is_sculpture_uncovered());
         if !down {
             self.send_to_hands(InputEvent::Released(hand));
-        } else if runs && !self.panels.has_cursor() {
+        } else if runs && !self.panels.wants_pointer() {
             self.send_to_hands(InputEvent::Pressed(hand));
         }
     }
@@ -120,7 +122,7 @@ where
             MouseScrollDelta::LineDelta(_, y) => y,
             MouseScrollDelta::PixelDelta(by) => (by.y / NOTCH_PIXELS) as f32,
         };
-        if self.panels.has_cursor() {
+        if self.panels.wants_pointer() {
             self.panels.input.events.push(egui::Event::MouseWheel {
                 unit: egui::MouseWheelUnit::Line,
                 delta: egui::Vec2::new(0.0, notches),

@@ -27,7 +27,7 @@ where
             let Some(step) = script.next_step().map_err(WindowError::Failed)? else { break };
             self.run_script_step(step, events)?;
             if let Some(script) = &mut self.script {
-                script.report_done();
+                script.print_step_done();
             }
         }
         Ok(())
@@ -56,7 +56,9 @@ where
                 })?;
                 self.hands.start_session(mode);
             }
-            ScriptStep::Open(path) => self.studio.open_file(&path, opening::load_file::<N>),
+            ScriptStep::Open(path) => {
+                self.studio.open_file(&path, opening::read_into_resident_maps::<N>)
+            }
             ScriptStep::Size(size) => self.resize_window(size),
             ScriptStep::Minimise(minimised) => {
                 if let Some(window) = &self.window {
@@ -107,7 +109,7 @@ where
         let held = world.held_tool(RIGHT).map_or("nothing", |(_, bit)| bit.spec().name);
         let (undo, redo) = world.undo_counts();
         let printed =
-            self.studio.last_print_path().map_or(String::new(), |path| path.display().to_string());
+            self.studio.last_stl_path().map_or(String::new(), |path| path.display().to_string());
         let [width, height] = self.hands.size;
         let mut out = io::stdout().lock();
         // Standard output may be closed.
@@ -121,8 +123,8 @@ where
             world.volume().count_voxels(),
             self.frames,
             self.scale,
-            self.studio.save_fault().unwrap_or_default(),
-            self.last_note,
+            self.studio.save_error().unwrap_or_default(),
+            self.last_notice,
         );
     }
 }

@@ -1,8 +1,9 @@
 //! Target pose of the bit: on the surface under the cursor, with a way there through the air.
 
 use glam::{Quat, Vec3};
-use paros_core::internals::{BENCH_ITEMS, BitAction, BitShape};
+use paros_core::internals::{BENCH_ITEMS, BitAction, BitShape, RoomPose};
 use paros_core::{BenchItem, Grid, RangeMaps, Size, ToolBit, World};
+use paros_shaders::Ray;
 
 use crate::window::raycast;
 
@@ -31,12 +32,12 @@ const TURN_FRACTION: f32 = 0.3;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BitTarget {
     /// The cursor's ray in the room: origin in metres, unit direction.
-    pub(super) ray: (Vec3, Vec3),
+    pub(super) room_ray: Ray,
     /// The eye's up vector in the room.
     pub(super) up: Vec3,
     pub(super) bit: ToolBit,
     /// Depth below the surface while it runs, in metres.
-    pub(super) depth: f32,
+    pub(super) depth_m: f32,
     pub(super) running: bool,
 }
 
@@ -48,20 +49,18 @@ pub(super) struct BitGuide<const N: usize> {
     /// The bit's rotation in the grid, smoothed.
     rotation: Option<Quat>,
     /// Distance from the eye to the last hit, in voxels, and the same in metres.
-    distance: f32,
-    metres: f32,
+    hit_distance_voxels: f32,
+    hit_distance_m: f32,
     lifted: bool,
     behind: u32,
 }
 
 /// Picks the item on the workbench nearest to a ray in the room, unless the sculpture occludes it.
-pub(super) fn pick_item<const N: usize>(
-    (origin, direction): (Vec3, Vec3),
-    world: &World<N>,
-) -> Option<BenchItem>
+pub(super) fn pick_item<const N: usize>(room_ray: &Ray, world: &World<N>) -> Option<BenchItem>
 where
     Grid<N>: Size,
 {
+    let Ray { origin, direction } = *room_ray;
     let pointed = |item: &BenchItem| {
         let (position, _) = world.workbench().pose_of(*item)?;
         let along = (position - origin).dot(direction);
@@ -73,9 +72,9 @@ where
         .filter_map(|item| Some((pointed(&item)?, item)))
         .min_by(|((_, a), _), ((_, b), _)| a.total_cmp(b));
     let ((along, _), item) = nearest?;
-    let (eye, way) = ray_to_grid((origin, direction), world);
-    let before = raycast::cast_ray(world.volume().maps(), eye, way)
-        .is_some_and(|hit| hit.distance * world.stool_frame().voxel_metres() < along);
+    let grid_ray = ray_from_room_to_grid(room_ray, world);
+    let before = raycast::cast_ray(world.volume().maps(), &grid_ray)
+        .is_some_and(|hit| hit.distance_voxels * world.stool_frame().voxel_metres() < along);
     (!before).then_some(item)
 }
 
@@ -85,7 +84,14 @@ where
 {
     pub(super) fn new() -> Self {
         let before = Box::new(RangeMaps::new());
-        BitGuide { before, rotation: None, distance: 0.0, metres: 1.0, lifted: false, behind: 0 }
+        BitGuide {
+            before,
+            rotation: None,
+            hit_distance_voxels: 0.0,
+            hit_distance_m: 1.0,
+            lifted: false,
+            behind: 0,
+        }
     }
 
     /// Copies the volume whose surface the stroke follows.
@@ -94,12 +100,12 @@ where
     }
 
     /// Distance from the eye to the last hit, in metres.
-    pub(super) const fn distance_metres(&self) -> f32 {
-        self.metres
+    pub(super) const fn last_hit_distance_m(&self) -> f32 {
+        self.hit_distance_m
     }
 
     /// Whether the bit has lagged for more than [`STUCK_TICKS`]. Clears the count if so.
-    pub(super) fn take_stuck(&mut self) -> bool {
+    pub(super) fn take_is_stuck(&mut self) -> bool {
         let stuck = self.behind > STUCK_TICKS;
         if stuck {
             self.behind = 0;
@@ -108,28 +114,31 @@ where
     }
 
     /// The pose of the bit's centre in the room: position in metres, and rotation.
-    pub(super) fn bit_pose(&mut self, aim: &BitTarget, world: &World<N>) -> (Vec3, Quat) {
+    pub(super) fn next_bit_pose(&mut self, aim: &BitTarget, world: &World<N>) -> RoomPose {
         let frame = world.stool_frame();
-        let (eye, way) = ray_to_grid(aim.ray, world);
+        let grid_ray = ray_from_room_to_grid(&aim.room_ray, world);
+        let Ray { origin: eye, direction: way } = grid_ray;
         let maps = if aim.running { &*self.before } else { world.volume().maps() };
-        let (target, rotation) = match raycast::cast_ray(maps, eye, way) {
+        let (target, rotation) = match raycast::cast_ray(maps, &grid_ray) {
             Some(hit) => {
-                (self.distance, self.metres) = (hit.distance, hit.distance * frame.voxel_metres());
-                let point = eye + way * hit.distance;
+                self.hit_distance_voxels = hit.distance_voxels;
+                self.hit_distance_m = hit.distance_voxels * frame.voxel_metres();
+                let point = eye + way * hit.distance_voxels;
                 let reach = (4 * N / 128).max(3) as i32;
                 let normal = raycast::estimate_normal(maps, point, reach).unwrap_or(-way);
                 // At a silhouette the normal points away from the eye: it is bent back towards it.
                 let normal = (normal - way * (0.35 + normal.dot(way).max(0.0))).normalize();
                 let up = frame.to_grid(Vec3::ZERO, Quat::IDENTITY).rotation * aim.up;
-                let (rotation, extent) = bit_orientation(aim.bit, normal, up);
-                let depth = if aim.running { aim.depth } else { -CLEARANCE_M };
-                (point + normal * ((extent - depth) / frame.voxel_metres()), rotation)
+                let BitOrientation { rotation, centre_height_m } =
+                    bit_orientation(aim.bit, normal, up);
+                let depth_m = if aim.running { aim.depth_m } else { -CLEARANCE_M };
+                (point + normal * ((centre_height_m - depth_m) / frame.voxel_metres()), rotation)
             }
             None => {
                 // Beside the sculpture the distance from the eye is kept.
                 let middle = Vec3::new(0.5, 0.4, 0.5) * N as f32;
                 let far = (middle - eye).dot(way);
-                let distance = if aim.running { self.distance } else { far };
+                let distance = if aim.running { self.hit_distance_voxels } else { far };
                 (eye + way * distance, Quat::from_rotation_arc(Vec3::NEG_Z, way))
             }
         };
@@ -145,39 +154,49 @@ where
         frame.to_room(&paros_core::Pose { position: target, rotation: turned })
     }
 
-    /// The next point on the way to `target`, in grid units: the target itself, or `before_eye` while the
-    /// sculpture blocks the straight way.
+    /// The next point on the way to `target`, in voxels: the target itself, or `point_before_eye` while
+    /// the sculpture blocks the straight way.
     fn next_waypoint(
         &mut self,
         target: Vec3,
-        before_eye: Vec3,
-        running: bool,
+        point_before_eye: Vec3,
+        is_running: bool,
         world: &World<N>,
     ) -> Vec3 {
         let hand = world.hand_state(RIGHT);
         let at = hand.frozen_pose.position;
         let way = target - at;
         let far = way.length() * 128.0 / N as f32 > MAX_LAG_VOXELS;
-        if running || !hand.has_frozen_pose || !far {
+        if is_running || !hand.has_frozen_pose || !far {
             (self.lifted, self.behind) = (false, 0);
             return target;
         }
         self.behind += 1;
-        let hit = raycast::cast_ray(world.volume().maps(), at, way.normalize());
-        let blocked = hit.is_some_and(|hit| hit.distance < way.length());
+        let hit = raycast::cast_ray(
+            world.volume().maps(),
+            &Ray { origin: at, direction: way.normalize() },
+        );
+        let blocked = hit.is_some_and(|hit| hit.distance_voxels < way.length());
         self.lifted = blocked && !self.lifted;
-        if self.lifted { before_eye } else { target }
+        if self.lifted { point_before_eye } else { target }
     }
 }
 
-/// The bit's rotation on a surface with unit `normal`, and the distance of its centre from the face
-/// that carves, in metres.
-fn bit_orientation(bit: ToolBit, normal: Vec3, up: Vec3) -> (Quat, f32) {
+/// How a bit lies on a surface.
+struct BitOrientation {
+    rotation: Quat,
+    /// The distance of its centre from the face that carves.
+    centre_height_m: f32,
+}
+
+/// How a bit lies on a surface with an outward unit normal, turned towards the eye's up vector.
+fn bit_orientation(bit: ToolBit, outward_normal: Vec3, eye_up: Vec3) -> BitOrientation {
+    let normal = outward_normal;
     let metres = |micrometres: i32| micrometres as f32 * 1e-6;
     let along = |axis: Vec3| (axis - normal * axis.dot(normal)).try_normalize();
     let aside = normal.any_orthonormal_vector();
-    let upward = along(up).unwrap_or(aside);
-    let (forward, y, extent) = match bit.spec().shape {
+    let upward = along(eye_up).unwrap_or(aside);
+    let (forward, y, centre_height_m) = match bit.spec().shape {
         // A rasp lies flat, on its thin side.
         BitShape::Box { half } if bit.spec().action == BitAction::Smooth => {
             (upward, normal, metres(half[1]))
@@ -186,14 +205,15 @@ fn bit_orientation(bit: ToolBit, normal: Vec3, up: Vec3) -> (Quat, f32) {
         BitShape::Ball { radius } => (-normal, upward, metres(radius)),
     };
     let z = -forward;
-    (Quat::from_mat3(&glam::Mat3::from_cols(y.cross(z), y, z)), extent)
+    let rotation = Quat::from_mat3(&glam::Mat3::from_cols(y.cross(z), y, z));
+    BitOrientation { rotation, centre_height_m }
 }
 
 /// Transforms a ray from the room to the grid: origin in voxels, unit direction.
-fn ray_to_grid<const N: usize>((origin, direction): (Vec3, Vec3), world: &World<N>) -> (Vec3, Vec3)
+fn ray_from_room_to_grid<const N: usize>(room_ray: &Ray, world: &World<N>) -> Ray
 where
     Grid<N>: Size,
 {
-    let pose = world.stool_frame().to_grid(origin, Quat::IDENTITY);
-    (pose.position, pose.rotation * direction)
+    let pose = world.stool_frame().to_grid(room_ray.origin, Quat::IDENTITY);
+    Ray { origin: pose.position, direction: pose.rotation * room_ray.direction }
 }

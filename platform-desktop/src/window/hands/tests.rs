@@ -7,6 +7,7 @@ use paros_core::{
     Axis, BenchItem, Grid, PointerCommand, RangeMaps, SessionMode, SessionState, TickInput, Tool,
     ToolBit, World, commands,
 };
+use paros_shaders::Ray;
 use paros_shell::start_volume_store::StartVolumeStore;
 use paros_shell::statics::Resident;
 use paros_shell::tick_runner::TickRunner;
@@ -101,7 +102,8 @@ fn a_press_carves_under_the_cursor_and_undo_brings_it_back() {
     fixture.ticks(2);
     let removed = voxels_missing(&before, fixture.world.volume().maps());
     assert!(removed.len() > 50, "{} voxels", removed.len());
-    let (origin, direction) = fixture.hands.orbit.ray_through_pixel([480.0, 330.0], SIZE);
+    let Ray { origin, direction } =
+        fixture.hands.orbit.room_ray_through_pixel([480.0, 330.0], SIZE);
     let frame = fixture.world.stool_frame();
     for voxel in removed {
         let pose = paros_core::Pose { position: voxel, ..paros_core::Pose::ZERO };
@@ -215,8 +217,8 @@ fn a_click_on_the_bench_takes_what_lies_there() {
     fixture.hands.orbit.azimuth = 0.6;
     fixture.hands.orbit.distance = 2.0;
     let home = BenchItem::Tool(Tool::Impact).home_position();
-    let (pixel, _) = fixture.hands.orbit.project_point(home, SIZE).expect("it is before the eye");
-    fixture.handle(InputEvent::Moved(pixel));
+    let point = fixture.hands.orbit.project_point(home, SIZE).expect("it is before the eye");
+    fixture.handle(InputEvent::Moved(point.pixel));
     fixture.handle(InputEvent::Pressed(HandButton::Left));
     fixture.ticks(30);
     assert_eq!(fixture.held().0, Tool::Impact);

@@ -98,7 +98,7 @@ fn list_folder(folder: &Path) -> std::io::Result<Vec<FileEntry>> {
         let Ok(entry) = entry else { continue };
         let (path, name) = (entry.path(), entry.file_name().to_string_lossy().into_owned());
         let is_folder = path.is_dir();
-        if !name.starts_with('.') && (is_folder || opening::is_known(&path)) {
+        if !name.starts_with('.') && (is_folder || opening::has_known_extension(&path)) {
             entries.push(FileEntry { name, path, is_folder });
         }
     }

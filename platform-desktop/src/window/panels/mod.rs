@@ -19,9 +19,10 @@ use paros_shell::studio::Notice;
 use browser::Browser;
 use graph::FrameTimeGraph;
 pub(super) use outline::BitOutline;
+use strip::{FinishButton, FinishedChoice};
 
 /// Seconds that a notice is shown.
-const NOTE_SECONDS: f64 = 6.0;
+const NOTICE_SECONDS: f64 = 6.0;
 
 /// An action that the visitor chose in a panel.
 #[derive(Clone, PartialEq, Debug)]
@@ -93,7 +94,7 @@ pub(super) struct Panels {
     /// Finishing was requested once and is to be confirmed.
     finishing: bool,
     browser: Option<Browser>,
-    notes: Vec<(Notice, f64)>,
+    notices: Vec<(Notice, f64)>,
     actions: Vec<PanelAction>,
 }
 
@@ -117,29 +118,29 @@ impl Panels {
             times: FrameTimeGraph::new(),
             finishing: false,
             browser: None,
-            notes: Vec::new(),
+            notices: Vec::new(),
             actions: Vec::new(),
         }
     }
 
     /// Whether the cursor is over a panel, or a panel is in use.
     #[must_use]
-    pub(super) fn has_cursor(&self) -> bool {
+    pub(super) fn wants_pointer(&self) -> bool {
         self.context.is_pointer_over_area() || self.context.is_using_pointer()
     }
 
     /// Whether neither the start panel nor the file browser covers the studio.
     #[must_use]
-    pub(super) const fn is_studio_open(&self) -> bool {
+    pub(super) const fn is_sculpture_uncovered(&self) -> bool {
         !self.start && self.browser.is_none()
     }
 
-    /// Shows a notice for [`NOTE_SECONDS`].
-    pub(super) fn add_note(&mut self, note: Notice) {
-        let until = self.context.input(|input| input.time) + NOTE_SECONDS;
-        self.notes.push((note, until));
-        if self.notes.len() > 4 {
-            self.notes.remove(0);
+    /// Shows a notice for [`NOTICE_SECONDS`].
+    pub(super) fn show_notice(&mut self, notice: Notice) {
+        let until = self.context.input(|input| input.time) + NOTICE_SECONDS;
+        self.notices.push((notice, until));
+        if self.notices.len() > 4 {
+            self.notices.remove(0);
         }
     }
 
@@ -149,7 +150,7 @@ impl Panels {
     }
 
     /// Closes the panels that cover the studio, when a session has started.
-    pub(super) fn on_session_start(&mut self) {
+    pub(super) fn close_covering_panels(&mut self) {
         (self.start, self.finishing, self.browser) = (false, false, None);
     }
 
@@ -166,7 +167,7 @@ impl Panels {
     /// Requests the end of a sculpting session. The first request asks for confirmation; the second is
     /// [`PanelAction::Finish`].
     pub(super) fn request_finish(&mut self, session: SessionState) {
-        if session == SessionState::Sculpting && self.is_studio_open() {
+        if session == SessionState::Sculpting && self.is_sculpture_uncovered() {
             if self.finishing {
                 self.actions.push(PanelAction::Finish);
             }
@@ -175,7 +176,7 @@ impl Panels {
     }
 
     /// Closes the topmost panel: browser, confirmation or help. Without one it toggles the start panel.
-    pub(super) fn close_topmost(&mut self, session: SessionState) {
+    pub(super) fn close_topmost_or_toggle_start(&mut self, session: SessionState) {
         if self.browser.take().is_some() || core::mem::take(&mut self.finishing) {
             return;
         }
@@ -201,7 +202,7 @@ impl Panels {
     fn show_all(&mut self, context: &Context, status: &StudioStatus<'_>) {
         if let Some(outline) = status
             .outline
-            .filter(|_| self.is_studio_open() && status.session == SessionState::Sculpting)
+            .filter(|_| self.is_sculpture_uncovered() && status.session == SessionState::Sculpting)
         {
             outline.draw(context);
         }
@@ -215,7 +216,7 @@ impl Panels {
                 }
             },
             None if self.start => self.show_start(context, status),
-            None => self.show_studio(context, status),
+            None => self.show_over_sculpture(context, status),
         }
         if self.help {
             help::show(context);
@@ -223,7 +224,7 @@ impl Panels {
         if self.graph {
             self.times.show(context, status);
         }
-        self.show_notes(context);
+        self.show_notices(context);
     }
 
     fn show_start(&mut self, context: &Context, status: &StudioStatus<'_>) {
@@ -235,14 +236,14 @@ impl Panels {
         }
     }
 
-    fn show_studio(&mut self, context: &Context, status: &StudioStatus<'_>) {
+    fn show_over_sculpture(&mut self, context: &Context, status: &StudioStatus<'_>) {
         strip::show_status(context, status);
         match status.session {
-            SessionState::Finished => {
-                if let Some(actions) = strip::show_finished(context, status, &mut self.start) {
-                    self.actions.push(actions);
-                }
-            }
+            SessionState::Finished => match strip::show_finished(context, status) {
+                None => {}
+                Some(FinishedChoice::SomethingNew) => self.start = true,
+                Some(FinishedChoice::Action(action)) => self.actions.push(action),
+            },
             _ if self.finishing => match strip::show_confirmation(context) {
                 strip::Confirmation::None => {}
                 strip::Confirmation::No => self.finishing = false,
@@ -252,22 +253,21 @@ impl Panels {
                 }
             },
             _ => {
-                let mut finish = false;
-                strip::show_tools(context, status, &mut self.actions, &mut finish);
-                self.finishing = finish;
+                self.finishing =
+                    strip::show_tools(context, status, &mut self.actions) == FinishButton::Clicked;
             }
         }
     }
 
-    fn show_notes(&mut self, context: &Context) {
+    fn show_notices(&mut self, context: &Context) {
         let now = context.input(|input| input.time);
-        self.notes.retain(|(_, until)| *until > now);
+        self.notices.retain(|(_, until)| *until > now);
         let top = Area::new(Id::new("notes")).anchor(Align2::CENTER_TOP, Vec2::new(0.0, 52.0));
         top.interactable(false).show(context, |ui| {
-            for (note, _) in &self.notes {
+            for (notice, _) in &self.notices {
                 style::card_frame().show(ui, |ui| {
                     ui.set_max_width(620.0);
-                    match note {
+                    match notice {
                         Notice::Good(text) => ui.label(text),
                         Notice::Bad(text) => ui.label(RichText::new(text).color(style::WARNING)),
                     }

@@ -41,15 +41,18 @@ impl BitOutline {
             BitOutline { lines: Vec::new(), circle: None, running: hand.trigger, on_mask };
         match bit.spec().shape {
             BitShape::Ball { radius } => {
-                let (middle, metre) = orbit.project_point(position, size)?;
-                outline.circle = Some((middle, metre * radius as f32 * 1e-6));
+                let middle = orbit.project_point(position, size)?;
+                let radius_pixels = middle.pixels_per_metre * radius as f32 * 1e-6;
+                outline.circle = Some((middle.pixel, radius_pixels));
             }
             BitShape::Box { half } => {
                 let half = Vec3::from_array(half.map(|v| v as f32 * 1e-6));
                 let corner = |i: u32| {
                     let sign = |k: u32| if i >> k & 1 == 1 { 1.0 } else { -1.0 };
                     let corner = half * Vec3::new(sign(0), sign(1), sign(2));
-                    orbit.project_point(position + rotation * corner, size).map(|(pixel, _)| pixel)
+                    orbit
+                        .project_point(position + rotation * corner, size)
+                        .map(|corner| corner.pixel)
                 };
                 for (i, k) in (0..8u32).flat_map(|i| (0..3u32).map(move |k| (i, k))) {
                     if i >> k & 1 == 0 {

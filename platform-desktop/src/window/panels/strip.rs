@@ -5,13 +5,27 @@ use paros_core::{BenchItem, SessionMode, SessionState, Tool, ToolBit, commands};
 use paros_shell::figures::Figure;
 
 use super::{PanelAction, StudioStatus, style};
-use crate::window::hands::bits_of;
+use crate::window::hands::tool_bits_of;
 
 /// The answer to the confirmation.
 pub(super) enum Confirmation {
     None,
     Yes,
     No,
+}
+
+/// The button of the tool bar that asks for the end.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum FinishButton {
+    NotClicked,
+    Clicked,
+}
+
+/// What was clicked at the end of a session.
+pub(super) enum FinishedChoice {
+    /// The start panel is to be shown.
+    SomethingNew,
+    Action(PanelAction),
 }
 
 /// Shows the status line at the top, and why the session is not saved.
@@ -49,13 +63,13 @@ pub(super) fn show_status(context: &Context, status: &StudioStatus<'_>) {
         .show(context, |ui| ui.label(style::quiet_text("F1 help  ·  Esc start")));
 }
 
-/// Shows the tool bar. `finish` is set to whether its button was clicked.
+/// Shows the tool bar.
 pub(super) fn show_tools(
     context: &Context,
     status: &StudioStatus<'_>,
     actions: &mut Vec<PanelAction>,
-    finish: &mut bool,
-) {
+) -> FinishButton {
+    let mut finish = FinishButton::NotClicked;
     let bottom = Area::new(Id::new("tools")).anchor(Align2::CENTER_BOTTOM, Vec2::new(0.0, -16.0));
     bottom.show(context, |ui| {
         style::card_frame().inner_margin(egui::Margin::symmetric(12, 10)).show(ui, |ui| {
@@ -70,13 +84,16 @@ pub(super) fn show_tools(
                 ui.add_space(10.0);
                 show_edits(ui, status, actions);
                 ui.add_space(10.0);
-                *finish = ui.add(Button::new("Finish")).clicked();
+                if ui.add(Button::new("Finish")).clicked() {
+                    finish = FinishButton::Clicked;
+                }
             });
             if let Some((tool, bit)) = status.held {
                 ui.horizontal(|ui| show_bits(ui, status, (tool, bit), actions));
             }
         });
     });
+    finish
 }
 
 fn show_edits(ui: &mut Ui, status: &StudioStatus<'_>, actions: &mut Vec<PanelAction>) {
@@ -99,7 +116,7 @@ fn show_bits(
     (tool, mounted): (Tool, ToolBit),
     actions: &mut Vec<PanelAction>,
 ) {
-    for bit in bits_of(tool) {
+    for bit in tool_bits_of(tool) {
         let mut text = RichText::new(bit.spec().name).size(13.0);
         if bit != mounted {
             text = text.color(style::QUIET);
@@ -138,14 +155,13 @@ pub(super) fn show_confirmation(context: &Context) -> Confirmation {
     answer
 }
 
-/// Shows the end of a session, with the print's path. `start` is set to show the start panel.
+/// Shows the end of a session, with the print's path.
 pub(super) fn show_finished(
     context: &Context,
     status: &StudioStatus<'_>,
-    start: &mut bool,
-) -> Option<PanelAction> {
+) -> Option<FinishedChoice> {
     debug_assert_eq!(status.session, SessionState::Finished);
-    let mut action = None;
+    let mut choice = None;
     let bottom =
         Area::new(Id::new("finished")).anchor(Align2::CENTER_BOTTOM, Vec2::new(0.0, -16.0));
     bottom.show(context, |ui| {
@@ -168,18 +184,18 @@ pub(super) fn show_finished(
             };
             ui.horizontal(|ui| {
                 if ui.add(style::choice_button("Something new", true)).clicked() {
-                    *start = true;
+                    choice = Some(FinishedChoice::SomethingNew);
                 }
                 if ui.add(Button::new("Carve on")).clicked() {
-                    action = Some(PanelAction::CarveOn);
+                    choice = Some(FinishedChoice::Action(PanelAction::CarveOn));
                 }
                 if status.unwritten && ui.add(Button::new("Write it again")).clicked() {
-                    action = Some(PanelAction::WriteAgain);
+                    choice = Some(FinishedChoice::Action(PanelAction::WriteAgain));
                 }
             });
         });
     });
-    action
+    choice
 }
 
 const fn tool_name(tool: Tool) -> &'static str {

@@ -57,8 +57,8 @@ fn clicked_everywhere(make: impl Fn() -> Panels, status: &StudioStatus<'_>) -> V
     for (x, y) in (0..50).flat_map(|y| (0..25).map(move |x| (x, y))) {
         let pos = Pos2::new(20.0 + 40.0 * x as f32, 7.0 + 14.0 * y as f32);
         let asked = click(&mut panels, status, pos);
-        let moved_on =
-            panels.is_studio_open() != make().is_studio_open() || panels.browser.is_some();
+        let moved_on = panels.is_sculpture_uncovered() != make().is_sculpture_uncovered()
+            || panels.browser.is_some();
         if !asked.is_empty() || moved_on || panels.finishing {
             panels = make();
             frame(&mut panels, status, Vec::new());
@@ -74,7 +74,7 @@ fn clicked_everywhere(make: impl Fn() -> Panels, status: &StudioStatus<'_>) -> V
 
 fn in_studio() -> Panels {
     let mut panels = Panels::new();
-    panels.on_session_start();
+    panels.close_covering_panels();
     panels
 }
 
@@ -110,7 +110,7 @@ fn the_end_is_asked_for_twice_and_can_be_taken_back() {
     let mut panels = in_studio();
     panels.request_finish(SessionState::Sculpting);
     assert_eq!(frame(&mut panels, &sculpting_status(), Vec::new()), []);
-    panels.close_topmost(SessionState::Sculpting);
+    panels.close_topmost_or_toggle_start(SessionState::Sculpting);
     panels.request_finish(SessionState::Sculpting);
     assert_eq!(frame(&mut panels, &sculpting_status(), Vec::new()), []);
     panels.request_finish(SessionState::Sculpting);
@@ -122,12 +122,12 @@ fn the_end_is_asked_for_twice_and_can_be_taken_back() {
 #[test]
 fn the_start_stays_until_there_is_a_session() {
     let mut panels = Panels::new();
-    panels.close_topmost(SessionState::Waiting);
-    assert!(!panels.is_studio_open());
-    panels.close_topmost(SessionState::Sculpting);
-    assert!(panels.is_studio_open());
-    panels.close_topmost(SessionState::Sculpting);
-    assert!(!panels.is_studio_open());
+    panels.close_topmost_or_toggle_start(SessionState::Waiting);
+    assert!(!panels.is_sculpture_uncovered());
+    panels.close_topmost_or_toggle_start(SessionState::Sculpting);
+    assert!(panels.is_sculpture_uncovered());
+    panels.close_topmost_or_toggle_start(SessionState::Sculpting);
+    assert!(!panels.is_sculpture_uncovered());
 }
 
 #[test]
@@ -138,20 +138,21 @@ fn panels_fit_the_overlay() {
     for i in 0..200 {
         panels.add_frame_time(0.001 * i as f32);
     }
-    panels.add_note(Notice::Bad("something long to read ".repeat(20)));
-    let mut egui_buffers = crate::window::paint::EguiBuffers::new();
+    panels.show_notice(Notice::Bad("something long to read ".repeat(20)));
+    use crate::window::paint::{BufferLengths, EguiBuffers};
+    let mut egui_buffers = EguiBuffers::new();
     let mut lay_out = || {
         panels.input.screen_rect = Some(Rect::from_min_size(Pos2::ZERO, SIZE));
         let (output, _) = panels.lay_out(&sculpting_status());
-        egui_buffers.take_textures(&output.textures_delta);
+        egui_buffers.apply_atlas_changes(&output.textures_delta);
         output.shapes
     };
     // A panel is measured before it is seen.
     lay_out();
     let shapes = lay_out();
     let triangles = panels.context.tessellate(shapes, 1.0);
-    egui_buffers.take_triangles(&triangles, 1.0);
-    let (vertices, indices, runs) = egui_buffers.buffer_lengths();
+    egui_buffers.set_triangles_of_frame(&triangles, 1.0);
+    let BufferLengths { vertices, indices, runs } = egui_buffers.buffer_lengths();
     use paros_shaders::gpu::overlay::{MAX_INDICES, MAX_RUNS, MAX_VERTICES};
     assert!(vertices > 1000 && indices > vertices && runs > 0);
     assert!(vertices * 2 < MAX_VERTICES && indices * 2 < MAX_INDICES && runs * 2 < MAX_RUNS);

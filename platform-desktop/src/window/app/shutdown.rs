@@ -29,22 +29,22 @@ where
     /// # Errors
     /// The display is lost as well, it is one loss too many, or no device can be made.
     pub(super) fn recover_device(&mut self, error: &gpu::Error) -> Result<(), WindowError> {
-        let kept = self.save_session();
+        let kept = self.save_and_describe_where();
         let failed =
             |why: &dyn Reason| WindowError::Failed(Error::Failure(format!("{why}; {kept}")));
         self.losses += 1;
         if let Some(view) = self.view.take() {
             self.messages.extend(view.validation_messages());
         }
-        self.egui_buffers.forget_device();
-        if self.display.as_ref().is_some_and(DisplayConnection::check_lost) {
+        self.egui_buffers.mark_atlas_changed();
+        if self.display.as_ref().is_some_and(DisplayConnection::poll_is_lost) {
             return Err(failed(&DISPLAY_GONE));
         }
         let Some(window) = self.window.as_ref().filter(|_| self.losses <= LOSSES) else {
             return Err(failed(error));
         };
-        let places = self.studio.paths();
-        let view = WindowRenderer::new(window, self.studio.world(), places, &self.device);
+        let paths = self.studio.paths();
+        let view = WindowRenderer::new(window, self.studio.world(), paths, &self.device);
         self.view = Some(view.map_err(|again| failed(&again))?);
         let text = "The picture was lost and is back; nothing else was.";
         self.studio.push_notice(Notice::Good(text.into()));
@@ -54,15 +54,15 @@ where
     /// Saves the session when the display connection is lost. The application ends with that error.
     pub(in crate::window) fn on_display_lost(&mut self) {
         if self.done.is_ok() {
-            let kept = self.save_session();
+            let kept = self.save_and_describe_where();
             let text = format!("{DISPLAY_GONE}; {kept}");
             self.done = Err(WindowError::Failed(Error::Failure(text)));
         }
     }
 
-    /// Saves the session. Returns where as text, or why it failed.
-    fn save_session(&mut self) -> String {
-        match self.studio.close() {
+    /// Saves the session. Returns as text where, or why it failed.
+    fn save_and_describe_where(&mut self) -> String {
+        match self.studio.finish_and_save_all() {
             Ok(()) => {
                 let folder = self.studio.paths().sessions.display();
                 format!("the session is saved in {folder}")
@@ -73,7 +73,7 @@ where
 
     /// Closes the window. If the session can't be saved, the first request only warns.
     pub(super) fn close_or_warn(&mut self, events: &ActiveEventLoop) {
-        match self.studio.close() {
+        match self.studio.finish_and_save_all() {
             Err(error) if !self.warned => {
                 self.warned = true;
                 let text = format!("{error}. Close the window again to go without it.");

@@ -1,0 +1,143 @@
+//! Incremental STL export: after each tick a bounded piece of work turns a finished sculpture into
+//! the bytes of an STL file. It knows no files.
+
+use paros_core::{
+    BitGrid, ExportPhase, Exporter, Grid, HEIGHT_RANGE_MM, HeightOutOfRange, RangeMaps, Size,
+    World, WorldEvent,
+};
+
+/// The default height of an export, in millimetres.
+pub const DEFAULT_HEIGHT_MM: f32 = 120.0;
+
+/// Work units of the exporter in one [`StlExporter::advance_export_step`]: 0.2 ms of a desktop's thread
+/// in the mean and 0.4 at most, so that a headset's has room for it in a tick. The exports of the demo
+/// at 128 and of a bunny at 256 take 20 and 120 of them.
+pub const UNITS_PER_STEP: u32 = 2048;
+
+/// Bytes that one [`StlExporter::advance_export_step`] makes at the most, above what its units usually
+/// make.
+pub const MAX_BYTES_PER_STEP: usize = 1 << 20;
+
+/// The exporter and a copy of the voxels it exports. All zero bytes at first: it lives in a static.
+pub struct StlBuffers<const N: usize>
+where
+    Grid<N>: Size,
+{
+    /// Turns voxels into the bytes of an STL file.
+    pub exporter: Exporter<N>,
+    bit_grid: BitGrid<N>,
+    mask: RangeMaps<N>,
+}
+
+/// A finished export.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct FinishedStl {
+    /// The bytes of the file.
+    pub bytes: Vec<u8>,
+    /// Triangles in it; 0 if there were no voxels to print.
+    pub triangle_count: u32,
+}
+
+/// Makes STL files, one at a time. It works on a copy of the voxels, so that a new session may begin
+/// while the last one's sculpture is exported.
+pub struct StlExporter<'a, const N: usize>
+where
+    Grid<N>: Size,
+{
+    buffers: &'a mut StlBuffers<N>,
+    height_mm: f32,
+    /// The bytes so far of the export under way; `None` at rest.
+    stl: Option<Vec<u8>>,
+}
+
+impl<const N: usize> StlBuffers<N>
+where
+    Grid<N>: Size,
+{
+    /// Empty buffers. For static initialisers only: they are large.
+    #[must_use]
+    #[allow(clippy::new_without_default)] // a Default would hand the buffers about by value
+    pub const fn new() -> Self {
+        StlBuffers { exporter: Exporter::new(), bit_grid: BitGrid::new(), mask: RangeMaps::new() }
+    }
+}
+
+impl<'a, const N: usize> StlExporter<'a, N>
+where
+    Grid<N>: Size,
+{
+    /// An exporter at rest, for models `height_mm` millimetres high.
+    ///
+    /// # Errors
+    /// A height outside [`HEIGHT_RANGE_MM`].
+    pub fn new(buffers: &'a mut StlBuffers<N>, height_mm: f32) -> Result<Self, HeightOutOfRange> {
+        match HEIGHT_RANGE_MM.contains(&height_mm) {
+            true => Ok(StlExporter { buffers, height_mm, stl: None }),
+            false => Err(HeightOutOfRange(height_mm)),
+        }
+    }
+
+    /// Begins an export if the tick finished the session, else advances the one under way. Call it after
+    /// every tick. Returns each file once, when it is finished. Where a session ends before the last
+    /// one's is finished, that one is finished at once and returned.
+    #[must_use = "a file is handed out once"]
+    pub fn begin_or_advance_after_tick(&mut self, world: &World<N>) -> Option<FinishedStl> {
+        if !world.events().contains(&WorldEvent::Finished) {
+            return self.advance_export_step();
+        }
+        let last = self.run_export_to_end();
+        self.begin_export(world.volume().rows(), world.mask());
+        last
+    }
+
+    /// Begins an export of these voxels and the mask that supports some of them (empty for none). An
+    /// export under way is dropped.
+    pub fn begin_export(&mut self, bit_grid: &BitGrid<N>, mask: &RangeMaps<N>) {
+        self.buffers.bit_grid.copy_from(bit_grid);
+        self.buffers.mask.copy_from(mask);
+        let started = self.buffers.exporter.start_export(self.height_mm);
+        self.stl = started.is_ok().then(Vec::new);
+    }
+
+    /// Works on the export under way, [`UNITS_PER_STEP`] units or [`MAX_BYTES_PER_STEP`] bytes. Returns
+    /// the file once it is finished.
+    #[must_use = "a file is handed out once"]
+    pub fn advance_export_step(&mut self) -> Option<FinishedStl> {
+        let stl = self.stl.as_mut()?;
+        let StlBuffers { exporter, bit_grid, mask } = &mut *self.buffers;
+        let made = stl.len();
+        let left = exporter.file_len().map_or(MAX_BYTES_PER_STEP, |len| len as usize - made);
+        stl.reserve_exact(left);
+        stl.resize(made + left.min(MAX_BYTES_PER_STEP), 0);
+        let progress = exporter.advance_export(bit_grid, mask, UNITS_PER_STEP, &mut stl[made..]);
+        stl.truncate(made + progress.written);
+        if progress.phase != ExportPhase::Done {
+            return None;
+        }
+        let triangles = exporter.triangles().unwrap_or(0);
+        self.stl.take().map(|bytes| FinishedStl { bytes, triangle_count: triangles })
+    }
+
+    /// Runs the export under way to its end; `None` if there is none.
+    #[must_use = "a file is handed out once"]
+    pub fn run_export_to_end(&mut self) -> Option<FinishedStl> {
+        while self.is_busy() {
+            if let Some(finished) = self.advance_export_step() {
+                return Some(finished);
+            }
+        }
+        None
+    }
+
+    /// Whether an export is under way.
+    #[must_use]
+    pub const fn is_busy(&self) -> bool {
+        self.stl.is_some()
+    }
+
+    /// Bytes made so far of the export under way; 0 at rest.
+    #[must_use]
+    pub fn bytes_made(&self) -> usize {
+        self.stl.as_ref().map_or(0, Vec::len)
+    }
+}
