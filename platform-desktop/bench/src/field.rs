@@ -107,8 +107,8 @@ struct FieldFollower<const N: usize> {
 }
 
 impl<const N: usize> FieldFollower<N> {
-    fn play_frame(&mut self, change: FieldChange, changes: Option<(&RangeMaps<N>, &DirtyRects)>) {
-        let bytes = stage_frame_and_count_bytes(&mut self.field, changes, &mut self.staging);
+    fn play_frame(&mut self, change: FieldChange, changed: Option<(&RangeMaps<N>, &DirtyRects)>) {
+        let bytes = stage_frame_and_count_bytes(&mut self.field, changed, &mut self.staging);
         self.frames.push(PlayedFrame { change, bytes });
     }
 
@@ -167,10 +167,10 @@ const COUNTED: &str = concat!(module_path!(), "::stage_frame_and_count_bytes");
 #[inline(never)]
 fn stage_frame_and_count_bytes<const N: usize>(
     field: &mut DensityField<N>,
-    changes: Option<(&RangeMaps<N>, &DirtyRects)>,
+    changed: Option<(&RangeMaps<N>, &DirtyRects)>,
     staging: &mut [u8],
 ) -> usize {
-    if let Some((maps, dirty)) = changes {
+    if let Some((maps, dirty)) = changed {
         field.note_changes(maps, black_box(dirty));
     }
     let mut used = 0;

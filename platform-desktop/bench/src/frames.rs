@@ -247,8 +247,8 @@ fn no_renderer(grid_side: usize) -> Error {
 }
 
 /// Mean of the views' nanoseconds, in milliseconds.
-pub(super) fn mean_ms(views: &[u64; VIEWS]) -> f64 {
-    views.iter().map(|&ns| ns as f64).sum::<f64>() / VIEWS as f64 * 1e-6
+pub(super) fn mean_ms(views_ns: &[u64; VIEWS]) -> f64 {
+    views_ns.iter().map(|&ns| ns as f64).sum::<f64>() / VIEWS as f64 * 1e-6
 }
 
 /// A view of the ring. The eye is fixed; the stool turns.
@@ -281,10 +281,15 @@ fn fit_framing(
     small_renderer: &mut HeadlessRenderer,
     image_size: [u32; 2],
     grid_side: usize,
-    height: f32,
+    middle_height_sides: f32,
 ) -> Result<Framing, Error> {
-    let nearest =
-        Framing { grid_side, distance: NEAREST, height, half_angle: HALF_ANGLE, filled: 0.0 };
+    let nearest = Framing {
+        grid_side,
+        distance: NEAREST,
+        height: middle_height_sides,
+        half_angle: HALF_ANGLE,
+        filled: 0.0,
+    };
     if filled_fraction(small_renderer, image_size, &nearest)? < FILLED {
         let narrowed = |half_angle| Framing { half_angle, ..nearest };
         bisect_framing(small_renderer, image_size, [NARROWEST, HALF_ANGLE], narrowed)

@@ -34,7 +34,7 @@ where
         let row = |against: String| ReportRow::new("islands", subject.name(), N, against);
         let times = min_whole_pass_ms(fixture, &mut paper, runs)?;
         rows.push(row(format!("the paper's voxel queue at once, {what}")).with_times_ms(times));
-        let times = worst_ticks_ms(fixture, &mut paper, runs);
+        let times = worst_tick_ms(fixture, &mut paper, runs);
         rows.push(
             row(format!("the same {PAPER_VISITS} voxels a tick, worst tick")).with_times_ms(times),
         );
@@ -116,7 +116,7 @@ where
 }
 
 /// The slowest tick of each side, in milliseconds.
-fn worst_ticks_ms<const N: usize>(
+fn worst_tick_ms<const N: usize>(
     fixture: &mut Fixture<N>,
     paper: &mut VoxelFill<N>,
     runs: usize,
@@ -170,7 +170,7 @@ pub(super) fn paper_ticks_ms<const N: usize>(
             }
             done = paper.visit_voxels(voxel_visits_per_tick) == FillState::Done;
             if done {
-                paper.finish_pass(maps);
+                paper.remove_unvisited(maps);
             }
         }));
     }

@@ -117,7 +117,7 @@ where
     for run in 1..=RUNS {
         on_progress(TIMED * run as f64 / (RUNS + 1) as f64);
         with_fresh_world::<N, _>(|mut runner| {
-            replay_and_lower_best_ms(&mut runner, trace, &mut times)
+            replay_and_lower_best_ms(&mut runner, trace, &mut times);
         });
     }
     if times.is_empty() {

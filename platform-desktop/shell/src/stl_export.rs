@@ -45,7 +45,7 @@ where
     Grid<N>: Size,
 {
     buffers: &'a mut StlBuffers<N>,
-    height_mm: f32,
+    model_height_mm: f32,
     /// The bytes so far of the export under way; `None` at rest.
     stl: Option<Vec<u8>>,
 }
@@ -66,14 +66,17 @@ impl<'a, const N: usize> StlExporter<'a, N>
 where
     Grid<N>: Size,
 {
-    /// An exporter at rest, for models `height_mm` millimetres high.
+    /// An exporter at rest, for models `model_height_mm` millimetres high.
     ///
     /// # Errors
     /// A height outside [`HEIGHT_RANGE_MM`].
-    pub fn new(buffers: &'a mut StlBuffers<N>, height_mm: f32) -> Result<Self, HeightOutOfRange> {
-        match HEIGHT_RANGE_MM.contains(&height_mm) {
-            true => Ok(StlExporter { buffers, height_mm, stl: None }),
-            false => Err(HeightOutOfRange(height_mm)),
+    pub fn new(
+        buffers: &'a mut StlBuffers<N>,
+        model_height_mm: f32,
+    ) -> Result<Self, HeightOutOfRange> {
+        match HEIGHT_RANGE_MM.contains(&model_height_mm) {
+            true => Ok(StlExporter { buffers, model_height_mm, stl: None }),
+            false => Err(HeightOutOfRange(model_height_mm)),
         }
     }
 
@@ -95,7 +98,7 @@ where
     pub fn begin_export(&mut self, bit_grid: &BitGrid<N>, mask: &RangeMaps<N>) {
         self.buffers.bit_grid.copy_from(bit_grid);
         self.buffers.mask.copy_from(mask);
-        let started = self.buffers.exporter.start_export(self.height_mm);
+        let started = self.buffers.exporter.start_export(self.model_height_mm);
         self.stl = started.is_ok().then(Vec::new);
     }
 

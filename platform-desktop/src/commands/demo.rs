@@ -109,7 +109,7 @@ impl EventCounts {
 }
 
 impl DemoResult {
-    fn format_report(&self, voxels: u64) -> String {
+    fn format_report(&self, remaining_voxels: u64) -> String {
         let t = &self.tally;
         let ticks = self.chapters.last().map_or(0, |chapter| chapter.1);
         let mut lines = String::new();
@@ -134,7 +134,7 @@ impl DemoResult {
             "islands: {} voxels fell, at most {} at once; {} stroke undone",
             t.island_voxels, t.largest_island, t.undone
         );
-        let _ = writeln!(lines, "{voxels} voxels remain; digest {:016x}", self.digest);
+        let _ = writeln!(lines, "{remaining_voxels} voxels remain; digest {:016x}", self.digest);
         let _ = writeln!(
             lines,
             "print: {} triangles, {DEFAULT_HEIGHT_MM} mm high",

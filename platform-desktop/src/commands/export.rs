@@ -48,7 +48,7 @@ where
     Grid<N>: Size + Resident<N>,
 {
     let (mut maps, mut bit_grid) = (Grid::<N>::lock_range_maps(), Grid::<N>::lock_bit_grid());
-    volume::read_nonempty(&args.volume, &mut maps)?;
+    volume::read_nonempty_volume(&args.volume, &mut maps)?;
     bit_grid.set_from_maps(&maps);
     // A volume from a file has no mask.
     maps.clear();

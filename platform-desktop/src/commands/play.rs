@@ -70,7 +70,7 @@ where
     let mut starts = Grid::<N>::lock_start_volumes();
     if let Some(path) = &args.volume {
         match volume::read_grid_side(path)? {
-            n if n == N => volume::read_nonempty(path, starts.offer_visitor_volume())?,
+            n if n == N => volume::read_nonempty_volume(path, starts.offer_visitor_volume())?,
             n => {
                 let path = path.display();
                 return Err(Error::Input(format!("{path}: has size {n}, the trace {N}")));

@@ -76,7 +76,7 @@ where
     Grid<N>: Size + Resident<N>,
 {
     let mut maps = Grid::<N>::lock_range_maps();
-    volume::read_nonempty(&args.volume, &mut maps)?;
+    volume::read_nonempty_volume(&args.volume, &mut maps)?;
     // Tried before the work: a place where no file can be is told at once.
     let target = WriteTarget::resolve_and_check_writable(&args.output)?;
     let ViewDegrees { azimuth, elevation } = args.view;

@@ -37,7 +37,7 @@ pub(super) fn has_volume_header(path: &Path) -> bool {
 }
 
 /// Reads a volume; an empty one is an error.
-pub(super) fn read_nonempty<const N: usize>(
+pub(super) fn read_nonempty_volume<const N: usize>(
     path: &Path,
     maps: &mut RangeMaps<N>,
 ) -> Result<(), Error>

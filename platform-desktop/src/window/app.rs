@@ -284,7 +284,7 @@ where
                 self.hands.start_session(session.mode);
             }
             PanelAction::Open(path) => {
-                self.studio.open_file(&path, opening::read_into_resident_maps::<N>)
+                self.studio.open_file(&path, opening::read_into_resident_maps::<N>);
             }
             PanelAction::Take(item) => self.hands.take_item(item),
             PanelAction::WriteAgain => self.studio.retry_failed_writes(),

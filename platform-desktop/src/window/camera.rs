@@ -56,11 +56,11 @@ impl OrbitCamera {
         (middle + rotation * Vec3::Z * self.distance, rotation)
     }
 
-    /// The eye for a picture of `size` pixels.
+    /// The eye for a picture of `picture_size` pixels.
     #[must_use]
-    pub(super) fn eye(&self, size: [u32; 2]) -> Eye {
+    pub(super) fn eye(&self, picture_size: [u32; 2]) -> Eye {
         let (position, rotation) = self.pose();
-        let across = (HALF_ANGLE.tan() * aspect_ratio(size)).atan();
+        let across = (HALF_ANGLE.tan() * aspect_ratio(picture_size)).atan();
         let fov = Fov { left: -across, right: across, up: HALF_ANGLE, down: -HALF_ANGLE };
         Eye { position, rotation, fov }
     }
@@ -68,21 +68,25 @@ impl OrbitCamera {
     /// The ray in the room through a pixel, counted from the upper left: origin in metres and unit
     /// direction.
     #[must_use]
-    pub(super) fn room_ray_through_pixel(&self, [x, y]: [f32; 2], size: [u32; 2]) -> Ray {
+    pub(super) fn room_ray_through_pixel(&self, [x, y]: [f32; 2], picture_size: [u32; 2]) -> Ray {
         let (position, rotation) = self.pose();
-        let [across, down] = size.map(|pixels| pixels.max(1) as f32);
+        let [across, down] = picture_size.map(|pixels| pixels.max(1) as f32);
         let up = HALF_ANGLE.tan();
-        let right = (2.0 * x / across - 1.0) * up * aspect_ratio(size);
+        let right = (2.0 * x / across - 1.0) * up * aspect_ratio(picture_size);
         let direction = Vec3::new(right, (1.0 - 2.0 * y / down) * up, -1.0);
         Ray { origin: position, direction: (rotation * direction).normalize() }
     }
 
     /// Projects a point of the room, in metres. `None` behind the eye.
     #[must_use]
-    pub(super) fn project_point(&self, room_point: Vec3, size: [u32; 2]) -> Option<ProjectedPoint> {
+    pub(super) fn project_point(
+        &self,
+        room_point: Vec3,
+        picture_size: [u32; 2],
+    ) -> Option<ProjectedPoint> {
         let (position, rotation) = self.pose();
         let seen = rotation.conjugate() * (room_point - position);
-        let [across, down] = size.map(|pixels| pixels as f32);
+        let [across, down] = picture_size.map(|pixels| pixels as f32);
         let pixels_per_metre = 0.5 * down / (HALF_ANGLE.tan() * -seen.z);
         let pixel =
             [0.5 * across + seen.x * pixels_per_metre, 0.5 * down - seen.y * pixels_per_metre];
@@ -102,14 +106,14 @@ mod tests {
     fn a_ray_goes_through_the_pixel_that_shows_its_points() {
         let mut orbit = OrbitCamera { azimuth: 1.0, ..OrbitCamera::default() };
         orbit.rotate_by_drag([40.0, -10.0], 600);
-        let size = [800, 600];
+        let picture_size = [800, 600];
         for pixel in [[400.0, 300.0], [13.0, 588.0], [799.0, 2.0]] {
-            let Ray { origin, direction } = orbit.room_ray_through_pixel(pixel, size);
-            let shown = orbit.project_point(origin + direction * 0.7, size);
+            let Ray { origin, direction } = orbit.room_ray_through_pixel(pixel, picture_size);
+            let shown = orbit.project_point(origin + direction * 0.7, picture_size);
             let shown = shown.expect("before the eye").pixel;
             assert!((shown[0] - pixel[0]).abs() < 0.02 && (shown[1] - pixel[1]).abs() < 0.02);
         }
-        let Ray { origin, direction } = orbit.room_ray_through_pixel([400.0, 300.0], size);
-        assert_eq!(orbit.project_point(origin - direction, size), None);
+        let Ray { origin, direction } = orbit.room_ray_through_pixel([400.0, 300.0], picture_size);
+        assert_eq!(orbit.project_point(origin - direction, picture_size), None);
     }
 }

@@ -233,7 +233,7 @@ where
     fn next_grip_pose(&mut self, world: &World<N>) -> Option<RoomPose> {
         let (tool, bit) = world.held_tool(RIGHT)?;
         let cursor = self.cursor?;
-        let at = if self.running { self.advance_along_trail(cursor, bit) } else { cursor };
+        let at = if self.running { self.next_trail_pixel(cursor, bit) } else { cursor };
         let room_ray = self.orbit.room_ray_through_pixel(at, self.size);
         let depth_m = self.depths_mm[tool as usize] * 1e-3;
         let up = self.orbit.pose().1 * Vec3::Y;
@@ -249,7 +249,7 @@ where
 
     /// Advances a running tool along the cursor's trail; returns its pixel. It goes no faster than the bit
     /// can carve, so that a stroke is one groove at any speed of the mouse.
-    fn advance_along_trail(&mut self, cursor_pixel: [f32; 2], bit: ToolBit) -> [f32; 2] {
+    fn next_trail_pixel(&mut self, cursor_pixel: [f32; 2], bit: ToolBit) -> [f32; 2] {
         let eye = self.orbit.pose().0;
         let far = eye + (self.orbit.pose().1 * Vec3::NEG_Z) * self.bit_guide.last_hit_distance_m();
         let projected = self.orbit.project_point(far, self.size);
@@ -344,7 +344,7 @@ where
                 self.mount_bit(world, |bits| usize::from(number).min(bits.count));
             }
             HandAction::PreviousBit => {
-                self.mount_bit(world, |bits| (bits.mounted + bits.count - 1) % bits.count)
+                self.mount_bit(world, |bits| (bits.mounted + bits.count - 1) % bits.count);
             }
             HandAction::NextBit => self.mount_bit(world, |bits| (bits.mounted + 1) % bits.count),
             HandAction::Undo => self.queue_commands(commands::UNDO),

@@ -154,11 +154,11 @@ impl WindowSwapchain {
     pub(super) fn acquire_image(
         &mut self,
         renderer: &Renderer,
-        window_pixels: [u32; 2],
+        window_size: [u32; 2],
     ) -> Result<Option<AcquiredImage>, Error> {
         let fresh = |swapchain: &Swapchain| !swapchain.stale;
         if !self.swapchain.as_ref().is_some_and(fresh)
-            && !self.try_rebuild_swapchain(renderer, window_pixels)?
+            && !self.try_rebuild_swapchain(renderer, window_size)?
         {
             return Ok(None);
         }
@@ -220,7 +220,7 @@ impl WindowSwapchain {
     fn try_rebuild_swapchain(
         &mut self,
         renderer: &Renderer,
-        size: [u32; 2],
+        window_size: [u32; 2],
     ) -> Result<bool, Error> {
         self.gpu.wait_idle()?;
         // SAFETY: the device and the surface are this instance's.
@@ -232,12 +232,13 @@ impl WindowSwapchain {
         let vk::Extent2D { width, height } = match can.current_extent {
             // The swapchain's extent sets the window's (vkGetPhysicalDeviceSurfaceCapabilitiesKHR).
             vk::Extent2D { width: u32::MAX, .. } => vk::Extent2D {
-                width: size[0].clamp(can.min_image_extent.width, can.max_image_extent.width),
-                height: size[1].clamp(can.min_image_extent.height, can.max_image_extent.height),
+                width: window_size[0].clamp(can.min_image_extent.width, can.max_image_extent.width),
+                height: window_size[1]
+                    .clamp(can.min_image_extent.height, can.max_image_extent.height),
             },
             extent => extent,
         };
-        if width == 0 || height == 0 || size.contains(&0) {
+        if width == 0 || height == 0 || window_size.contains(&0) {
             return Ok(false);
         }
         let old = self.swapchain.take();

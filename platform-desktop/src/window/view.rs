@@ -91,25 +91,27 @@ where
         self.screen.gpu().instance.validation_messages()
     }
 
-    /// Draws and presents a frame in a window of `size` pixels. Returns whether there was an image to
-    /// draw into.
+    /// Draws and presents a frame in a window of `window_size` pixels. Returns whether there was an
+    /// image to draw into.
     ///
     /// # Errors
     /// A lost device or window.
     pub(super) fn try_draw_frame(
         &mut self,
         window: &Window,
-        size: [u32; 2],
+        window_size: [u32; 2],
         world: &World<N>,
         params: &FrameParams,
         egui_buffers: &mut EguiBuffers,
     ) -> Result<bool, Error> {
-        if size.contains(&0) {
+        if window_size.contains(&0) {
             return Ok(false);
         }
         self.show.begin_frame(world)?;
         let renderer = &mut self.show.renderer;
-        let Some(target) = self.screen.acquire_image(renderer, size)? else { return Ok(false) };
+        let Some(target) = self.screen.acquire_image(renderer, window_size)? else {
+            return Ok(false);
+        };
         let Some(render_target) = self.screen.render_target() else { return Ok(false) };
         egui_buffers.upload_to(&mut renderer.overlay, render_target.extent);
         let time = (world.tick() as f64 + f64::from(params.between)) / f64::from(TICK_RATE);

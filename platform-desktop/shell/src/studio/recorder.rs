@@ -87,7 +87,7 @@ impl Recorder {
         match self.recording.take() {
             Some(recording) => runner.attach_recording(recording),
             None if starts_session && self.extent != RecordingExtent::None => {
-                runner.start_recording()
+                runner.start_recording();
             }
             None => {}
         }

@@ -32,7 +32,7 @@ where
             }
             WindowEvent::Occluded(false) => self.seen = true,
             WindowEvent::DroppedFile(path) => {
-                self.studio.open_file(&path, opening::read_into_resident_maps::<N>)
+                self.studio.open_file(&path, opening::read_into_resident_maps::<N>);
             }
             WindowEvent::Focused(false) => self.send_to_hands(InputEvent::LetGo),
             WindowEvent::ModifiersChanged(modifiers) => self.modifiers = modifiers.state(),

@@ -57,7 +57,7 @@ where
                 self.hands.start_session(mode);
             }
             ScriptStep::Open(path) => {
-                self.studio.open_file(&path, opening::read_into_resident_maps::<N>)
+                self.studio.open_file(&path, opening::read_into_resident_maps::<N>);
             }
             ScriptStep::Size(size) => self.resize_window(size),
             ScriptStep::Minimise(minimised) => {

@@ -19,13 +19,13 @@ pub(in crate::window) struct BitOutline {
 }
 
 impl BitOutline {
-    /// Projects the right hand's bit to a picture of `size` pixels. `None` without a bit, or behind the
-    /// eye.
+    /// Projects the right hand's bit to a picture of `picture_size` pixels. `None` without a bit, or
+    /// behind the eye.
     #[must_use]
     pub(in crate::window) fn project_bit<const N: usize>(
         world: &World<N>,
         orbit: &OrbitCamera,
-        size: [u32; 2],
+        picture_size: [u32; 2],
     ) -> Option<Self>
     where
         Grid<N>: Size,
@@ -41,7 +41,7 @@ impl BitOutline {
             BitOutline { lines: Vec::new(), circle: None, running: hand.trigger, on_mask };
         match bit.spec().shape {
             BitShape::Ball { radius } => {
-                let middle = orbit.project_point(position, size)?;
+                let middle = orbit.project_point(position, picture_size)?;
                 let radius_pixels = middle.pixels_per_metre * radius as f32 * 1e-6;
                 outline.circle = Some((middle.pixel, radius_pixels));
             }
@@ -51,7 +51,7 @@ impl BitOutline {
                     let sign = |k: u32| if i >> k & 1 == 1 { 1.0 } else { -1.0 };
                     let corner = half * Vec3::new(sign(0), sign(1), sign(2));
                     orbit
-                        .project_point(position + rotation * corner, size)
+                        .project_point(position + rotation * corner, picture_size)
                         .map(|corner| corner.pixel)
                 };
                 for (i, k) in (0..8u32).flat_map(|i| (0..3u32).map(move |k| (i, k))) {
