@@ -16,12 +16,12 @@ use paros_shell::tick_runner;
 static TURN: Mutex<()> = Mutex::new(());
 
 /// Plays a trace on the Android library, which `cargo run -p paros-package` builds.
-fn on_android(trace: &Path, digests: &Path) -> Output {
+fn replay_on_android(trace: &Path, digests_out: &Path) -> Output {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../bionic/replay");
-    Command::new("bash").arg(script).args([trace, digests]).output().expect("bash starts")
+    Command::new("bash").arg(script).args([trace, digests_out]).output().expect("bash starts")
 }
 
-fn parts() -> Result<(), String> {
+fn check_parts() -> Result<(), String> {
     let tools = ["qemu-aarch64-static", "aarch64-linux-gnu-gcc", "aarch64-linux-gnu-nm"];
     let missing = |tool: &&&str| Command::new(tool).arg("--version").output().is_err();
     let target = env::var_os("CARGO_TARGET_DIR").map_or("target".into(), PathBuf::from);
@@ -36,7 +36,7 @@ fn parts() -> Result<(), String> {
 }
 
 /// A restless visitor's session.
-fn record<const N: usize>(ticks: u32) -> Vec<u8>
+fn record_random_session<const N: usize>(ticks: u32) -> Vec<u8>
 where
     Grid<N>: Size + Resident<N>,
 {
@@ -52,22 +52,28 @@ where
     })
 }
 
-/// A trace of a restless visitor, and where its digests go.
-fn recorded<const N: usize>(name: &str, ticks: u32) -> [PathBuf; 2]
+/// A trace, and where its digests go.
+struct ReplayFiles {
+    trace: PathBuf,
+    digests: PathBuf,
+}
+
+/// Writes a trace of a restless visitor.
+fn write_random_trace<const N: usize>(name: &str, ticks: u32) -> ReplayFiles
 where
     Grid<N>: Size + Resident<N>,
 {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
     let [trace, digests] = ["trace", "digests"].map(|end| folder.join(format!("{name}.{end}")));
-    fs::write(&trace, record::<N>(ticks)).expect("room on the disk");
+    fs::write(&trace, record_random_session::<N>(ticks)).expect("room on the disk");
     let _ = fs::remove_file(&digests);
-    [trace, digests]
+    ReplayFiles { trace, digests }
 }
 
 #[test]
 fn a_replay_writes_a_digest_for_each_tick_or_nothing() {
     let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
-    let [trace, digests] = recorded::<128>("short", 200);
+    let ReplayFiles { trace, digests } = write_random_trace::<128>("short", 200);
     write_replay_digests(&trace, &digests).expect("it was just recorded");
     let written = fs::read_to_string(&digests).expect("it was written");
     assert_eq!(written.lines().count(), 200);
@@ -83,8 +89,8 @@ fn a_replay_writes_a_digest_for_each_tick_or_nothing() {
     let part = Grid::<128>::lock_world().part_digests().last().expect("some parts").0;
     assert!(why.contains(&format!("tick 199: another state of {part} (")), "{why}");
     assert!(!digests.exists());
-    if require_or_skip(parts()).expect("the package is made before the tests").is_some() {
-        let output = on_android(&trace, &digests);
+    if require_or_skip(check_parts()).expect("the package is made before the tests").is_some() {
+        let output = replay_on_android(&trace, &digests);
         assert_eq!(output.status.code(), Some(1));
         assert_eq!(String::from_utf8_lossy(&output.stderr).trim_end(), why);
         assert!(!digests.exists());

@@ -5,13 +5,15 @@
 //!   `soups`, `segments_and_points`, `closed_shapes`.
 //! - `crossing.rs`, `compare_along_ray`: the last `then_with` dropped -> `folds_under_a_centre`.
 //! - `crossing.rs`, `contains_displaced`: a tie always inside -> `soups`, `closed_shapes`.
-//! - `mod.rs`, `write_maps`: the first voxel always the hull's -> `holed_shapes`, `bakes_alike_with_its_base_closed`.
+//! - `mod.rs`, `write_maps`: the first voxel always the hull's -> `holed_shapes`, `assert_open_base_bakes_alike`.
 
 use glam::IVec3;
 use paros_core::internals::BAKE_UNITS_PER_VOXEL;
 use paros_core::{Baker, OutsideBox};
 use paros_models::bake::{self as model, Triangle};
-use paros_models::bake_harness::{BakeHarness, N, SIDE_UNITS, check, check_across_words};
+use paros_models::bake_harness::{
+    BakeHarness, N, SIDE_UNITS, check_bake, check_bake_in_two_word_rows,
+};
 use proptest::prelude::*;
 use std::sync::Mutex;
 
@@ -146,22 +148,22 @@ proptest! {
 
     #[test]
     fn soups(triangles in prop::collection::vec(any_triangle(), 1..8)) {
-        check(&triangles)?;
+        check_bake(&triangles)?;
     }
 
     #[test]
     fn folds_under_a_centre(triangles in folded_sheets()) {
-        check(&triangles)?;
+        check_bake(&triangles)?;
     }
 
     #[test]
     fn segments_and_points(triangles in prop::collection::vec(degenerate_triangle(), 1..6)) {
-        check(&triangles)?;
+        check_bake(&triangles)?;
     }
 
     #[test]
     fn closed_shapes(triangles in nested_shells()) {
-        check(&triangles)?;
+        check_bake(&triangles)?;
     }
 
     #[test]
@@ -173,7 +175,7 @@ proptest! {
                 return Ok(());
             }
         }
-        check(&triangles)?;
+        check_bake(&triangles)?;
     }
 
     #[test]
@@ -189,7 +191,7 @@ proptest! {
             for t in list {
                 prop_assert_eq!(harness.baker.add_triangle(t.map(IVec3::from_array)), Ok(()));
             }
-            reports.push(harness.baker.write_maps(&mut harness.maps, &mut harness.plane));
+            reports.push(harness.baker.write_maps(&mut harness.maps, &mut harness.bits));
         }
         prop_assert_eq!(reports[0], reports[1]);
         prop_assert!(benches[0].maps == benches[1].maps);
@@ -207,7 +209,7 @@ proptest! {
         let baked = model::bake_triangles(N, &triangles);
         // What runs to an end of the box runs further in a larger one.
         prop_assume!(baked.opened == 0);
-        check_across_words(&triangles, &baked)?;
+        check_bake_in_two_word_rows(&triangles, &baked)?;
     }
 
     #[test]
@@ -227,11 +229,11 @@ proptest! {
 fn a_corner_outside_the_box_is_refused_and_changes_nothing() {
     static HARNESS: Mutex<BakeHarness> = Mutex::new(BakeHarness::new());
     let mut harness = HARNESS.lock().unwrap();
-    let BakeHarness { baker, maps, plane, .. } = &mut *harness;
+    let BakeHarness { baker, maps, bits, .. } = &mut *harness;
     for bad in [[-1, 0, 0], [0, SIDE_UNITS + 1, 0], [0, 0, i32::MAX], [i32::MIN, 0, 0]] {
         let t = [IVec3::ZERO, IVec3::splat(SIDE_UNITS), IVec3::from_array(bad)];
         assert_eq!(baker.add_triangle(t), Err(OutsideBox));
     }
-    assert_eq!(baker.write_maps(maps, plane).triangles, 0);
+    assert_eq!(baker.write_maps(maps, bits).triangles, 0);
     assert!(maps.is_empty());
 }

@@ -3,7 +3,9 @@
 use glam::{IVec3, Quat, Vec3};
 use paros_core::internals::{BrushPiece, BrushPieces, isqrt};
 use paros_core::{BitSet, Brush, Grid, Pose, SUBUNITS_PER_VOXEL, Size};
-use paros_models::brush::{box_voxels, capsule_voxels, longest_corner_path, swept_box_voxels};
+use paros_models::brush::{
+    box_voxels, capsule_voxels, longest_corner_chord_voxels, swept_box_voxels,
+};
 use paros_models::dense::DenseVolume;
 use proptest::prelude::*;
 
@@ -177,11 +179,11 @@ proptest! {
         let last = (steps - 1).max(1) as f32;
         let turned = |i: usize| from.interpolate(&to, i as f32 / last).rotation;
         for i in 1..steps {
-            let way = longest_corner_path(half, turned(i - 1), turned(i));
+            let way = longest_corner_chord_voxels(half, turned(i - 1), turned(i));
             prop_assert!(way <= 1.001, "{} voxels in step {} of {}", way, i, steps);
         }
         if steps == 1 {
-            prop_assert!(longest_corner_path(half, from.rotation, to.rotation) < 0.01);
+            prop_assert!(longest_corner_chord_voxels(half, from.rotation, to.rotation) < 0.01);
         }
     }
 }

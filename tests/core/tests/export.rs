@@ -16,7 +16,7 @@ use paros_core::{
     BitGrid, ExportPhase, ExportProgress, Exporter, Grid, HeightOutOfRange, RangeMaps, Size,
 };
 use paros_models::dense::{self, DenseVolume};
-use paros_models::export::{SurfaceModel, printed_voxels};
+use paros_models::export::{SurfaceModel, exported_voxels};
 use proptest::prelude::*;
 
 const HEIGHT_MM: f32 = 120.0;
@@ -58,7 +58,7 @@ where
     fn check_export(&mut self, volume: &DenseVolume, mask: &DenseVolume) {
         self.set(volume, mask);
         let file = self.export_at_once();
-        check_model(&printed_voxels(volume, mask), &file);
+        check_model(&exported_voxels(volume, mask), &file);
     }
 }
 
@@ -189,7 +189,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(600))]
 
     #[test]
-    fn anything_at_16((volume, mask) in dense::masked_volumes(16)) {
+    fn anything_at_16(dense::MaskedVolume { volume, mask } in dense::masked_volumes(16)) {
         harness!(16, |harness: &mut ExportHarness<16>| harness.check_export(&volume, &mask));
     }
 

@@ -14,7 +14,7 @@ use paros_core::{
     BenchItem, PointerCommand, SessionMode, StartVolumes, TickInput, Tool, WorldEvent,
 };
 use paros_models::random_visitor::RandomVisitor;
-use paros_models::world_harness::WorldHarness;
+use paros_models::world_harness::{WorldAndStarts, WorldHarness};
 
 /// The sessions: mode, the visitor's seed, and the tool that is put into a hand early on.
 const SESSIONS: [(SessionMode, u64, Tool); 4] = [
@@ -122,7 +122,7 @@ fn play_sessions() -> (GoldenSession, GoldenTally) {
     static HARNESS: Mutex<WorldHarness<128>> = Mutex::new(WorldHarness::new());
     let mut harness = HARNESS.lock().unwrap_or_else(PoisonError::into_inner);
     harness.reset();
-    let (_, lump, figure, creative) = harness.world_and_start_volumes();
+    let WorldAndStarts { lump, figure, creative, .. } = harness.world_and_start_volumes();
     let figures = [figure];
     let starts =
         digest_start_volumes(&StartVolumes { lump, figures: &figures, creative, own: None });

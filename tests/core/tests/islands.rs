@@ -18,14 +18,14 @@ use std::sync::Mutex;
 
 use paros_core::limits::island_row_visits;
 use paros_core::{BitSet, ByteReader, Grid, IslandReport, Size, Volume};
-use paros_models::dense::{DenseVolume, closed_volumes, masked_volumes};
-use paros_models::island_harness::{IslandHarness, RandomEdit, loose_volumes};
+use paros_models::dense::{DenseVolume, MaskedVolume, closed_volumes, masked_volumes};
+use paros_models::island_harness::{IslandHarness, RandomEdit, WholePass, barely_joined_volumes};
 use paros_models::islands::clear_islands;
 use proptest::prelude::*;
 
 fn check_at_rest<const N: usize>(
     harness: &Mutex<IslandHarness<N>>,
-    (volume, mask): &(DenseVolume, DenseVolume),
+    MaskedVolume { volume, mask }: &MaskedVolume,
     budget: u32,
 ) -> Result<(), TestCaseError>
 where
@@ -36,7 +36,7 @@ where
     let expected = clear_islands(volume, mask);
     // All zero: no kept voxels remembered from another case.
     prop_assert_eq!(harness.islands.load(&mut ByteReader::new(&[0; 17])), Ok(()));
-    let (report, _) = harness.run_pass(budget)?;
+    let report = harness.run_pass(budget)?.report;
     prop_assert!(
         harness.to_dense() == expected.after,
         "{:?} instead of {:?}",
@@ -46,7 +46,7 @@ where
     prop_assert_eq!(report.removed, expected.removed);
     prop_assert_eq!(report.unsupported, expected.unsupported);
     harness.check_closed()?;
-    let (again, _) = harness.run_pass(budget)?;
+    let again = harness.run_pass(budget)?.report;
     prop_assert!(harness.to_dense() == expected.after, "a second pass changes nothing");
     prop_assert_eq!((again.removed, again.kept), (0, 0));
     prop_assert_eq!(report.kept, expected.kept);
@@ -66,7 +66,7 @@ proptest! {
     }
 
     #[test]
-    fn at_rest_loose(case in loose_volumes(16), budget in 1u32..400) {
+    fn at_rest_loose(case in barely_joined_volumes(16), budget in 1u32..400) {
         check_at_rest(&AT_REST_16, &case, budget)?;
     }
 }
@@ -104,10 +104,10 @@ fn kept_is_told_once() {
     harness.set_volume(&cave, &mask);
     let expected = clear_islands(&cave, &mask);
     assert!(expected.kept > 0, "the shape keeps a loose voxel");
-    let (report, _) = harness.run_pass(1000).unwrap();
+    let report = harness.run_pass(1000).unwrap().report;
     assert_eq!((report.removed, report.kept), (0, expected.kept));
     harness.apply_edit(&RandomEdit { at: [0, 15, 0], radius: 1, kind: 0 });
-    let (report, _) = harness.run_pass(1000).unwrap();
+    let report = harness.run_pass(1000).unwrap().report;
     assert_eq!((report.removed, report.kept), (0, 0));
 }
 
@@ -121,9 +121,9 @@ fn kept_is_told_near_the_end_of_a_row() {
         let cave = pinwheel_volume(N, [N - 3, y, 7]);
         harness.set_volume(&cave, &DenseVolume::empty(64));
         harness.islands.reset();
-        let (report, _) = harness.run_pass(4096).unwrap();
+        let report = harness.run_pass(4096).unwrap().report;
         assert_eq!((report.removed, report.kept), (0, 1), "at y = {y}");
-        let (report, _) = harness.run_pass(4096).unwrap();
+        let report = harness.run_pass(4096).unwrap().report;
         assert_eq!((report.removed, report.kept), (0, 0), "at y = {y}, again");
     }
 }
@@ -230,7 +230,7 @@ fn across_words() {
             (20..N - 20).for_each(|z| plane.row_mut(5, z).insert(10));
         });
         let voxels = harness.volume.count_voxels();
-        let (report, _) = harness.run_pass(island_row_visits(N)).unwrap();
+        let report = harness.run_pass(island_row_visits(N)).unwrap().report;
         assert_eq!((report.removed, harness.volume.count_voxels()), (0, voxels));
     }
 }
@@ -243,7 +243,7 @@ fn nothing_to_stand_on() {
     let floating = DenseVolume::from_fn(16, |[_, y, _]| y > 0 && y != 5);
     harness.set_volume(&floating.closure(), &DenseVolume::empty(16));
     for _ in 0..2 {
-        let (report, ticks) = harness.run_pass(10).unwrap();
+        let WholePass { report, ticks } = harness.run_pass(10).unwrap();
         assert_eq!(report, IslandReport { unsupported: true, ..Default::default() });
         assert_eq!(ticks, 1);
     }
@@ -255,7 +255,7 @@ proptest! {
     /// All of the volume masked: all of it stands.
     #[test]
     fn mask_holds(volume in closed_volumes(16)) {
-        check_at_rest(&AT_REST_16, &(volume.clone(), volume), 50)?;
+        check_at_rest(&AT_REST_16, &MaskedVolume { mask: volume.clone(), volume }, 50)?;
     }
 }
 
@@ -268,7 +268,11 @@ fn the_mask_takes_a_tick() {
         let floor = DenseVolume::from_fn(16, |[_, y, _]| y < height);
         for (mask, ticks) in [(DenseVolume::empty(16), 1), (floor.clone(), 2)] {
             harness.set_volume(&floor, &mask);
-            assert_eq!(harness.run_pass(island_row_visits(16)).unwrap().1, ticks, "{height} high");
+            assert_eq!(
+                harness.run_pass(island_row_visits(16)).unwrap().ticks,
+                ticks,
+                "{height} high"
+            );
         }
     }
 }
@@ -286,5 +290,6 @@ fn a_block_in_a_well() {
         well == well.closure()
             && clear_islands(&well, &DenseVolume::empty(16)).removed == 12 * 13 * 12
     );
-    check_at_rest(&AT_REST_16, &(well, DenseVolume::empty(16)), 50).unwrap();
+    check_at_rest(&AT_REST_16, &MaskedVolume { volume: well, mask: DenseVolume::empty(16) }, 50)
+        .unwrap();
 }

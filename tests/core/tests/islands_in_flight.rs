@@ -4,9 +4,11 @@
 use std::sync::Mutex;
 
 use paros_core::{BitSet, ByteReader, IslandReport};
-use paros_models::dense::DenseVolume;
-use paros_models::island_harness::{IslandHarness, RandomEdit, loose_volumes, random_edits};
-use paros_models::islands::{clear_islands, untouched_islands};
+use paros_models::dense::{DenseVolume, MaskedVolume};
+use paros_models::island_harness::{
+    AddedVoxels, IslandHarness, RandomEdit, barely_joined_volumes, random_edits,
+};
+use paros_models::islands::{clear_islands, islands_away_from};
 use paros_models::save_to_bytes;
 use proptest::prelude::*;
 
@@ -16,7 +18,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(1500))]
     #[test]
     fn while_visitors_edit(
-        (volume, mask) in loose_volumes(16),
+        MaskedVolume { volume, mask } in barely_joined_volumes(16),
         edits in random_edits(16),
         budget in 1u32..60,
     ) {
@@ -25,7 +27,7 @@ proptest! {
 
     #[test]
     fn saved_in_the_middle(
-        (volume, mask) in loose_volumes(16),
+        MaskedVolume { volume, mask } in barely_joined_volumes(16),
         edits in random_edits(16),
         budget in 1u32..60,
         cut in 0usize..20,
@@ -50,7 +52,7 @@ fn check_while_edited(
     let mut begun = None;
     let mut added = DenseVolume::empty(N);
     for edit in edits {
-        for ((y, z), voxels) in harness.apply_edit(edit) {
+        for AddedVoxels { row: (y, z), voxels } in harness.apply_edit(edit) {
             voxels.iter_ones().for_each(|x| added.set([x as i32, y as i32, z as i32], true));
         }
         prop_assert_eq!(harness.islands.digest(), harness.islands.recompute_digest());
@@ -65,14 +67,14 @@ fn check_while_edited(
         prop_assert_eq!(gone.count(), report.removed);
         prop_assert!(after.is_within(&before));
         prop_assert!(
-            gone.intersection(&before.supported_voxels(mask)).is_empty(),
+            gone.intersection(&before.supported_by_ground_or(mask)).is_empty(),
             "supported voxels are gone"
         );
         let start = begun.take().expect("a pass began");
         if report.unsupported {
             prop_assert!(gone.is_empty());
         } else {
-            let let_be = untouched_islands(&start, mask, &added);
+            let let_be = islands_away_from(&start, mask, &added);
             let rest = after.difference(&let_be);
             prop_assert!(after.is_within(&rest.closure()), "an island is still there");
         }
@@ -208,7 +210,7 @@ fn ground_goes_in_flight() {
     assert_eq!(harness.advance_checked(1).unwrap(), None);
     harness.apply_edit(&RandomEdit { at: [1, 0, 1], radius: 8, kind: 0 });
     let before = harness.to_dense();
-    let (report, _) = harness.run_pass(10).unwrap();
+    let report = harness.run_pass(10).unwrap().report;
     assert_eq!(report, IslandReport { unsupported: true, ..Default::default() });
     assert!(harness.to_dense() == before);
 }

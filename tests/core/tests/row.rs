@@ -265,7 +265,7 @@ where
     for axis in Axis::ALL {
         for at in (0..N * N).map(|i| (i / N, i % N)) {
             let range = maps.column(axis, at).0[0];
-            let hull = (!range.is_empty()).then(|| (range.first(), range.last()));
+            let hull = (!range.is_empty()).then_some(range);
             assert_eq!(hull, dense.column_hull(axis, at), "{axis:?} {at:?}");
         }
     }

@@ -40,38 +40,38 @@ where
     Grid<N>: Size,
 {
     let mut harness = harness.lock().unwrap_or_else(|e| e.into_inner());
-    let mut history = harness.reset();
+    let mut history = harness.reset_to_block();
     for step in steps {
         match step {
             UndoAction::Stroke { edits, clear } => {
                 apply_stroke(&mut harness, &mut history, edits, *clear);
             }
             UndoAction::Undo => {
-                prop_assert_eq!(harness.step_checked(true)?, history.undo().is_some());
+                prop_assert_eq!(harness.try_undo_checked()?, history.undo().is_some());
             }
             UndoAction::Redo => {
-                prop_assert_eq!(harness.step_checked(false)?, history.redo().is_some());
+                prop_assert_eq!(harness.try_redo_checked()?, history.redo().is_some());
             }
-            UndoAction::Save => harness.check_saved()?,
+            UndoAction::Save => harness.check_save_round_trip()?,
         }
         let (undoable, redoable) = harness.undo.undo_redo_counts();
-        prop_assert!(undoable >= history.counts().0.min(2), "two entries always fit");
-        prop_assert!(undoable <= history.counts().0);
-        history.keep_newest(undoable);
-        prop_assert_eq!(redoable, history.counts().1);
+        prop_assert!(undoable >= history.stroke_counts().undoable.min(2), "two entries always fit");
+        prop_assert!(undoable <= history.stroke_counts().undoable);
+        history.keep_undoable(undoable);
+        prop_assert_eq!(redoable, history.stroke_counts().redoable);
         prop_assert_eq!(harness.undo.digest(), harness.undo.recompute_digest());
     }
     while let Some(maps) = history.undo() {
-        prop_assert!(harness.step_checked(true)?);
-        harness.check_volume(maps)?;
+        prop_assert!(harness.try_undo_checked()?);
+        harness.check_volume_equals(maps)?;
     }
-    prop_assert!(!harness.step_checked(true)?);
+    prop_assert!(!harness.try_undo_checked()?);
     while let Some(maps) = history.redo() {
-        prop_assert!(harness.step_checked(false)?);
-        harness.check_volume(maps)?;
+        prop_assert!(harness.try_redo_checked()?);
+        harness.check_volume_equals(maps)?;
     }
-    prop_assert!(!harness.step_checked(false)?);
-    harness.check_saved()
+    prop_assert!(!harness.try_redo_checked()?);
+    harness.check_save_round_trip()
 }
 
 static STEPS_16: Mutex<UndoHarness<16>> = Mutex::new(UndoHarness::new());
@@ -107,10 +107,10 @@ proptest! {
 fn idle_stroke() {
     static HARNESS: Mutex<UndoHarness<16>> = Mutex::new(UndoHarness::new());
     let mut harness = HARNESS.lock().unwrap();
-    let mut history = harness.reset();
+    let mut history = harness.reset_to_block();
     let dent = SphereEdit { at: [8, 11, 8], radius: 5, fill: false };
     apply_stroke(&mut harness, &mut history, std::slice::from_ref(&dent), IslandClearing::Never);
-    assert!(harness.step_checked(true).unwrap());
+    assert!(harness.try_undo_checked().unwrap());
     apply_stroke(
         &mut harness,
         &mut history,

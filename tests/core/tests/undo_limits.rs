@@ -25,17 +25,17 @@ where
     for _ in 0..4 {
         for operation in [EditOperation::Carve { depth: 1 }, EditOperation::Fill { depth: 4 }] {
             harness.undo.begin_stroke();
-            assert!(harness.apply_edit(&everywhere, operation));
+            assert!(harness.apply_edit(&everywhere, operation).unwrap().changed_volume());
         }
         assert!(harness.volume.maps() == &full, "filled up again");
     }
     assert!(harness.undo.undo_redo_counts().0 >= 2);
     assert!(harness.undo.undo_redo_counts().0 < 8, "every column is in every entry");
-    harness.check_saved().unwrap();
-    assert!(harness.step_checked(true).unwrap() && harness.step_checked(true).unwrap());
-    harness.check_volume(&full).unwrap();
-    assert!(harness.step_checked(false).unwrap() && harness.step_checked(false).unwrap());
-    harness.check_volume(&full).unwrap();
+    harness.check_save_round_trip().unwrap();
+    assert!(harness.try_undo_checked().unwrap() && harness.try_undo_checked().unwrap());
+    harness.check_volume_equals(&full).unwrap();
+    assert!(harness.try_redo_checked().unwrap() && harness.try_redo_checked().unwrap());
+    harness.check_volume_equals(&full).unwrap();
 }
 
 #[test]
@@ -61,7 +61,7 @@ fn worst_case_256() {
 fn dents() {
     static HARNESS: Mutex<UndoHarness<128>> = Mutex::new(UndoHarness::new());
     let mut harness = HARNESS.lock().unwrap();
-    let mut history = harness.reset();
+    let mut history = harness.reset_to_block();
     for i in 0..300 {
         let touch =
             SphereEdit { at: [i * 7 % 128, 96, 4 + i * 11 % 120], radius: 14, fill: i % 3 == 0 };
@@ -69,10 +69,10 @@ fn dents() {
     }
     let (undoable, _) = harness.undo.undo_redo_counts();
     assert!((48..=UNDO_ENTRIES + 1).contains(&undoable), "{undoable} dents");
-    history.keep_newest(undoable);
+    history.keep_undoable(undoable);
     while let Some(maps) = history.undo() {
-        assert!(harness.step_checked(true).unwrap());
-        harness.check_volume(maps).unwrap();
+        assert!(harness.try_undo_checked().unwrap());
+        harness.check_volume_equals(maps).unwrap();
     }
 }
 
@@ -81,14 +81,14 @@ fn dents() {
 fn full_table() {
     static HARNESS: Mutex<UndoHarness<32>> = Mutex::new(UndoHarness::new());
     let mut harness = HARNESS.lock().unwrap();
-    let mut history = harness.reset();
+    let mut history = harness.reset_to_block();
     for i in 0..(UNDO_ENTRIES as i32 + 50) {
         let touch = SphereEdit { at: [i % 32, 23, 2 + i / 32], radius: 0, fill: false };
         apply_stroke(&mut harness, &mut history, &[touch], IslandClearing::Never);
     }
     assert!(harness.undo.undo_redo_counts().0 <= UNDO_ENTRIES + 1);
     assert!(harness.undo.undo_redo_counts().0 > 20);
-    harness.check_saved().unwrap();
+    harness.check_save_round_trip().unwrap();
 }
 
 /// Cut short or with bytes changed: an error and no entries, or a ring that can be walked.
@@ -96,7 +96,7 @@ fn full_table() {
 fn bad_bytes() {
     static HARNESS: Mutex<UndoHarness<16>> = Mutex::new(UndoHarness::new());
     let mut harness = HARNESS.lock().unwrap();
-    let mut history = harness.reset();
+    let mut history = harness.reset_to_block();
     for i in 0..5 {
         let touch = SphereEdit { at: [3 * i, 10, 8], radius: 4, fill: i == 3 };
         apply_stroke(&mut harness, &mut history, &[touch], IslandClearing::AtEnd);
@@ -114,8 +114,8 @@ fn bad_bytes() {
             match harness.undo.load(&mut ByteReader::new(&bytes)) {
                 Ok(()) => {
                     assert_eq!(harness.undo.digest(), harness.undo.recompute_digest());
-                    while harness.step_checked(true).unwrap() {}
-                    while harness.step_checked(false).unwrap() {}
+                    while harness.try_undo_checked().unwrap() {}
+                    while harness.try_redo_checked().unwrap() {}
                 }
                 Err(error) => {
                     assert!(error.offset <= bytes.len());

@@ -14,7 +14,7 @@ use paros_models::scripted_hand::{
     LEFT, RIGHT, hand_input_at, input_with_hand, run_stroke, start_from_floor, step_with_bit_at,
     take_item, volume_of,
 };
-use paros_models::world_harness::{WorldHarness, maps_are_equal};
+use paros_models::world_harness::{WorldAndStarts, WorldHarness, maps_are_equal};
 
 static HARNESS: Mutex<WorldHarness<64>> = Mutex::new(WorldHarness::new());
 
@@ -45,7 +45,7 @@ fn modes_start_from_their_volumes() {
                 .iter()
                 .all(|axis| harness.world.dirty_rects().rects(*axis)[0].area() == 64 * 64)
         );
-        let (world, lump, figure, creative) = harness.world_and_start_volumes();
+        let WorldAndStarts { world, lump, figure, creative } = harness.world_and_start_volumes();
         let from = if mode == SessionMode::Creative { creative } else { lump };
         assert!(maps_are_equal(world.volume().maps(), from), "{mode:?}");
         assert_eq!(maps_are_equal(world.mask(), figure), masked, "{mode:?}");

@@ -67,15 +67,15 @@ fn lock_state() -> MutexGuard<'static, FaultState> {
     FAULT_STATE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Sets the fault of the latest device, or none; resets the count of failed calls.
-pub fn plan_fault(fault: Option<PlannedFault>) {
+/// Sets the fault of the latest device, or none; resets the count of injected failures.
+pub fn set_planned_fault(fault: Option<PlannedFault>) {
     let mut state = lock_state();
     (state.fault, state.failed) = (fault, 0);
 }
 
 /// Number of calls failed by the latest plan.
 #[must_use]
-pub fn failed_calls() -> u32 {
+pub fn injected_failure_count() -> u32 {
     lock_state().failed
 }
 

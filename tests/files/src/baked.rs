@@ -6,10 +6,10 @@ use paros_core::{
     BakeReport, Baker, BitGrid, BitSet, Grid, MeshPlacement, RangeMaps, Size, UpAxis,
 };
 use paros_models::bake::Triangle;
-use paros_models::bake_harness::{N, check};
+use paros_models::bake_harness::{N, check_bake};
 use paros_shell::mesh::{Mesh, MeshBounds};
 
-use crate::shapes::closed;
+use crate::shapes::with_holes_closed;
 
 /// Bakes a mesh that stands upright.
 ///
@@ -19,24 +19,24 @@ pub fn bake<const M: usize>(
     mesh: &Mesh,
     baker: &Mutex<Baker<M>>,
     maps: &Mutex<RangeMaps<M>>,
-    plane: &Mutex<BitGrid<M>>,
+    bits: &Mutex<BitGrid<M>>,
 ) -> BakeReport
 where
     Grid<M>: Size,
 {
     let (mut baker, mut maps) = (baker.lock().unwrap(), maps.lock().unwrap());
-    mesh.bake_into_maps(UpAxis::Y, &mut baker, &mut maps, &mut plane.lock().unwrap()).unwrap()
+    mesh.bake_into_maps(UpAxis::Y, &mut baker, &mut maps, &mut bits.lock().unwrap()).unwrap()
 }
 
 /// An open mesh and the same with its hole closed bake to nearly the same voxels.
 ///
 /// # Panics
 /// They don't.
-pub fn bakes_alike_with_its_base_closed(open: &Mesh) {
+pub fn assert_open_base_bakes_alike(open: &Mesh) {
     static BAKER: Mutex<Baker<128>> = Mutex::new(Baker::new());
     static MAPS: Mutex<RangeMaps<128>> = Mutex::new(RangeMaps::new());
     static PLANES: [Mutex<BitGrid<128>>; 2] = [const { Mutex::new(BitGrid::new()) }; 2];
-    let whole = closed(open);
+    let whole = with_holes_closed(open);
     assert!(whole.triangles.len() > open.triangles.len(), "the mesh has no hole to close");
     let whole_report = bake(&whole, &BAKER, &MAPS, &PLANES[1]);
     let report = bake(open, &BAKER, &MAPS, &PLANES[0]);
@@ -57,12 +57,12 @@ pub fn bakes_alike_with_its_base_closed(open: &Mesh) {
 ///
 /// # Panics
 /// It doesn't.
-pub fn agrees_with_the_model_inside_out_and_not(mesh: &Mesh) {
+pub fn assert_bakes_as_model_also_inside_out(mesh: &Mesh) {
     let MeshBounds { min, max } = mesh.bounding_box().unwrap();
     let placement = MeshPlacement::fit_bounds(min, max, UpAxis::Y, N).unwrap();
     let place = |i: u32| placement.snap_point(mesh.positions[i as usize]).to_array();
     let triangles: Vec<Triangle> = mesh.triangles.iter().map(|t| t.map(place)).collect();
-    check(&triangles).unwrap();
+    check_bake(&triangles).unwrap();
     let inside_out: Vec<Triangle> = triangles.iter().map(|t| [t[0], t[2], t[1]]).collect();
-    check(&inside_out).unwrap();
+    check_bake(&inside_out).unwrap();
 }

@@ -34,7 +34,7 @@ pub fn vase() -> Mesh {
 
 /// The mesh and a fan from the middle of each loop of edges that only one triangle uses.
 #[must_use]
-pub fn closed(mesh: &Mesh) -> Mesh {
+pub fn with_holes_closed(mesh: &Mesh) -> Mesh {
     let mut next: HashMap<u32, Vec<u32>> = HashMap::new();
     let mut uses: HashMap<[u32; 2], i32> = HashMap::new();
     for t in &mesh.triangles {

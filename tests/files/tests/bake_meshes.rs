@@ -5,16 +5,16 @@ use std::sync::Mutex;
 use glam::IVec3;
 use paros_core::{Baker, BitGrid, MeshPlacement, RangeMaps, UpAxis};
 use paros_models::bake::{self as model, Triangle};
-use paros_models::bake_harness::{N, check_across_words};
+use paros_models::bake_harness::{N, check_bake_in_two_word_rows};
 use paros_shell::mesh::MeshBounds;
 use paros_tests_files::baked::{
-    agrees_with_the_model_inside_out_and_not, bake, bakes_alike_with_its_base_closed,
+    assert_bakes_as_model_also_inside_out, assert_open_base_bakes_alike, bake,
 };
-use paros_tests_files::shapes::{closed, vase};
+use paros_tests_files::shapes::{vase, with_holes_closed};
 
 #[test]
 fn a_finely_divided_shape_in_rows_of_two_words() {
-    let vase = closed(&vase());
+    let vase = with_holes_closed(&vase());
     let MeshBounds { min, max } = vase.bounding_box().unwrap();
     let placement = MeshPlacement::fit_bounds(min, max, UpAxis::Y, N).unwrap();
     let place =
@@ -22,17 +22,17 @@ fn a_finely_divided_shape_in_rows_of_two_words() {
     let triangles: Vec<Triangle> = vase.triangles.iter().map(|t| t.map(place)).collect();
     let baked = model::bake_triangles(N, &triangles);
     assert_eq!(baked.opened, 0);
-    check_across_words(&triangles, &baked).unwrap();
+    check_bake_in_two_word_rows(&triangles, &baked).unwrap();
 }
 
 #[test]
 fn a_vase_with_its_base_closed_bakes_alike() {
-    bakes_alike_with_its_base_closed(&vase());
+    assert_open_base_bakes_alike(&vase());
 }
 
 #[test]
 fn a_vase_inside_out_and_not_agrees_with_the_model() {
-    agrees_with_the_model_inside_out_and_not(&vase());
+    assert_bakes_as_model_also_inside_out(&vase());
 }
 
 #[test]

@@ -12,7 +12,7 @@ use paros_core::{
     TickInput, World,
 };
 use paros_models::random_visitor::{RandomSource, RandomVisitor, arbitrary_input};
-use paros_models::world_harness::WorldHarness;
+use paros_models::world_harness::{WorldAndStarts, WorldHarness};
 use paros_shell::tick_runner::TickRunner;
 use paros_shell::trace::{ReplayDivergence, Trace, TraceError, TraceFault};
 
@@ -26,7 +26,7 @@ fn on_stage<T>(
     act: impl FnOnce(&mut TickRunner<'_, 128>) -> T,
 ) -> T {
     studio.reset();
-    let (world, lump, figure, creative) = studio.world_and_start_volumes();
+    let WorldAndStarts { world, lump, figure, creative } = studio.world_and_start_volumes();
     change(world);
     let figures = [figure];
     act(&mut TickRunner::new(world, StartVolumes { lump, figures: &figures, creative, own: None }))
@@ -134,7 +134,7 @@ fn traces_of_other_volumes_states_and_sizes_part_before_the_first_tick() {
     let mut studio = STUDIO.lock().unwrap_or_else(PoisonError::into_inner);
     let trace = decode_trace(&record_trace(&mut studio));
     studio.reset();
-    let (world, lump, figure, creative) = studio.world_and_start_volumes();
+    let WorldAndStarts { world, lump, figure, creative } = studio.world_and_start_volumes();
     // The figure and the toy have changed places.
     let starts = StartVolumes { lump, figures: &[creative], creative: figure, own: None };
     let played = TickRunner::new(world, starts).replay(&trace, |_| panic!("a tick was played"));
@@ -158,7 +158,7 @@ fn traces_of_other_volumes_states_and_sizes_part_before_the_first_tick() {
 fn each_start_volume_counts_in_their_digest() {
     let mut studio = STUDIO.lock().unwrap_or_else(PoisonError::into_inner);
     studio.reset();
-    let (_, lump, figure, creative) = studio.world_and_start_volumes();
+    let WorldAndStarts { lump, figure, creative, .. } = studio.world_and_start_volumes();
     let two = [figure, creative];
     let of = |lump, figures, creative, own| {
         digest_start_volumes(&StartVolumes { lump, figures, creative, own })

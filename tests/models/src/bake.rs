@@ -19,25 +19,25 @@ pub struct BakedVoxels {
     pub opened: u32,
 }
 
-/// Voxelises triangles in a grid of n^3 voxels.
+/// Voxelises triangles in a grid of `side`^3 voxels.
 #[must_use]
-pub fn bake_triangles(n: usize, triangles: &[Triangle]) -> BakedVoxels {
-    let mut touched = vec![false; n * n * n];
+pub fn bake_triangles(side: usize, triangles: &[Triangle]) -> BakedVoxels {
+    let mut touched = vec![false; side * side * side];
     for triangle in triangles {
-        for [x, y, z] in touched_voxels(n, triangle) {
-            touched[x + n * (y + n * z)] = true;
+        for [x, y, z] in touched_voxels(side, triangle) {
+            touched[x + side * (y + side * z)] = true;
         }
     }
-    let flipped = volume_about_centre(n, triangles) < 0;
-    let mut occupied = vec![true; n * n * n];
+    let flipped = six_times_signed_volume(side, triangles) < 0;
+    let mut occupied = vec![true; side * side * side];
     let mut opened = 0;
     for axis in Axis::ALL {
-        for column in column_voxels(n, axis) {
+        for column in column_voxels(side, axis) {
             let hull: Vec<bool> =
-                column.iter().map(|&[x, y, z]| touched[x + n * (y + n * z)]).collect();
-            let mut lo = hull.iter().position(|&bit| bit).unwrap_or(n);
+                column.iter().map(|&[x, y, z]| touched[x + side * (y + side * z)]).collect();
+            let mut lo = hull.iter().position(|&bit| bit).unwrap_or(side);
             let mut end = hull.iter().rposition(|&bit| bit).map_or(0, |hi| hi + 1);
-            let groups = crossing_facings(triangles, axis, column[0]);
+            let groups = signs_of_crossings(triangles, axis, column[0]);
             let outwards = if flipped { -1 } else { 1 };
             let below = groups.first().is_some_and(|&facing| facing * outwards > 0);
             let above = groups.last().is_some_and(|&facing| facing * outwards < 0);
@@ -45,11 +45,11 @@ pub fn bake_triangles(n: usize, triangles: &[Triangle]) -> BakedVoxels {
                 lo = 0;
             }
             if above {
-                end = n;
+                end = side;
             }
             opened += u32::from(below || above);
             for (i, &[x, y, z]) in column.iter().enumerate() {
-                occupied[x + n * (y + n * z)] &= lo <= i && i < end;
+                occupied[x + side * (y + side * z)] &= lo <= i && i < end;
             }
         }
     }
@@ -58,7 +58,7 @@ pub fn bake_triangles(n: usize, triangles: &[Triangle]) -> BakedVoxels {
 }
 
 /// Writes the hull of every column of a set of voxels to the maps.
-pub fn write_hulls<const N: usize>(occupied: &[bool], maps: &mut RangeMaps<N>) {
+pub fn write_column_hulls<const N: usize>(occupied: &[bool], maps: &mut RangeMaps<N>) {
     for axis in Axis::ALL {
         for column in column_voxels(N, axis) {
             let inside = |&[x, y, z]: &[usize; 3]| occupied[x + N * (y + N * z)];
@@ -71,26 +71,26 @@ pub fn write_hulls<const N: usize>(occupied: &[bool], maps: &mut RangeMaps<N>) {
 }
 
 /// The voxels of every column along an axis, in order.
-fn column_voxels(n: usize, axis: Axis) -> Vec<Vec<[usize; 3]>> {
-    let places = (0..n).flat_map(|line| (0..n).map(move |place| (line, place)));
-    places.map(|at| (0..n).map(|i| axis.voxel_at(at, i)).collect()).collect()
+fn column_voxels(side: usize, axis: Axis) -> Vec<Vec<[usize; 3]>> {
+    let places = (0..side).flat_map(|line| (0..side).map(move |place| (line, place)));
+    places.map(|at| (0..side).map(|i| axis.voxel_at(at, i)).collect()).collect()
 }
 
 /// A point in homogeneous coordinates: (x, y, z) / w, with w positive.
 type HomogeneousPoint = [i128; 4];
 
 /// The voxels whose closed boxes a triangle touches.
-fn touched_voxels(n: usize, triangle: &Triangle) -> Vec<[usize; 3]> {
+fn touched_voxels(side: usize, triangle: &Triangle) -> Vec<[usize; 3]> {
     let corners: Vec<HomogeneousPoint> = triangle
         .iter()
         .map(|p| [i128::from(p[0]), i128::from(p[1]), i128::from(p[2]), 1])
         .collect();
     let mut voxels = Vec::new();
-    for x in 0..n {
+    for x in 0..side {
         let slab = clip_to_slab(&corners, 0, x);
-        for y in 0..n {
+        for y in 0..side {
             let beam = clip_to_slab(&slab, 1, y);
-            for z in 0..n {
+            for z in 0..side {
                 let reaches_low = beam.iter().any(|p| p[2] >= 256 * z as i128 * p[3]);
                 let reaches_high = beam.iter().any(|p| p[2] <= 256 * (z as i128 + 1) * p[3]);
                 if reaches_low && reaches_high {
@@ -108,16 +108,16 @@ fn clip_to_slab(polygon: &[HomogeneousPoint], axis: usize, i: usize) -> Vec<Homo
     clip_to_half_space(&above, |p| 256 * (i as i128 + 1) * p[3] - p[axis])
 }
 
-/// Clips a convex polygon to the half space where `height`, linear in a point, is not negative
+/// Clips a convex polygon to the half space where `signed_height`, linear in a point, is not negative
 /// (Sutherland and Hodgman, 1974).
 fn clip_to_half_space(
     polygon: &[HomogeneousPoint],
-    height: impl Fn(&HomogeneousPoint) -> i128,
+    signed_height: impl Fn(&HomogeneousPoint) -> i128,
 ) -> Vec<HomogeneousPoint> {
     let mut kept = Vec::new();
     for (i, p) in polygon.iter().enumerate() {
         let q = &polygon[(i + 1) % polygon.len()];
-        let (h_p, h_q) = (height(p), height(q));
+        let (h_p, h_q) = (signed_height(p), signed_height(q));
         if h_p >= 0 {
             kept.push(*p);
         }
@@ -130,10 +130,10 @@ fn clip_to_half_space(
 
 /// The facings of the crossings of a column's centre line, in order along the axis: positive where the line
 /// leaves the mesh, and the sum where several triangles are crossed at one height.
-fn crossing_facings(triangles: &[Triangle], axis: Axis, voxel: [usize; 3]) -> Vec<i32> {
+fn signs_of_crossings(triangles: &[Triangle], axis: Axis, column_voxel: [usize; 3]) -> Vec<i32> {
     let w = axis as usize;
     let [u, v] = [(w + 1) % 3, (w + 2) % 3];
-    let centre = [u, v].map(|k| 256 * voxel[k] as i128 + 128);
+    let centre = [u, v].map(|k| 256 * column_voxel[k] as i128 + 128);
     let mut found: Vec<([Fraction; 3], i32)> = Vec::new();
     for triangle in triangles {
         let n = triangle_normal(triangle);
@@ -204,8 +204,8 @@ fn triangle_normal(triangle: &Triangle) -> [i128; 3] {
 }
 
 /// Six times the signed volume between the triangles and the box's centre.
-fn volume_about_centre(n: usize, triangles: &[Triangle]) -> i128 {
-    let centre = 128 * n as i128;
+fn six_times_signed_volume(side: usize, triangles: &[Triangle]) -> i128 {
+    let centre = 128 * side as i128;
     let volume = |t: &Triangle| -> i128 {
         (0..3).map(|k| triangle_normal(t)[k] * (i128::from(t[0][k]) - centre)).sum()
     };

@@ -22,7 +22,7 @@ pub struct BakeHarness {
     /// The baked volume.
     pub maps: RangeMaps<N>,
     /// The baked volume as bits.
-    pub plane: BitGrid<N>,
+    pub bits: BitGrid<N>,
     expected: RangeMaps<N>,
 }
 
@@ -39,7 +39,7 @@ impl BakeHarness {
         BakeHarness {
             baker: Baker::new(),
             maps: RangeMaps::new(),
-            plane: BitGrid::new(),
+            bits: BitGrid::new(),
             expected: RangeMaps::new(),
         }
     }
@@ -53,18 +53,18 @@ impl BakeHarness {
         for t in triangles {
             prop_assert_eq!(self.baker.add_triangle(t.map(IVec3::from_array)), Ok(()));
         }
-        let report = self.baker.write_maps(&mut self.maps, &mut self.plane);
+        let report = self.baker.write_maps(&mut self.maps, &mut self.bits);
         let baked = model::bake_triangles(N, triangles);
         for z in 0..N {
             for y in 0..N {
                 for x in 0..N {
                     let expected = baked.occupied[x + N * (y + N * z)];
                     prop_assert_eq!(self.maps.contains([x, y, z]), expected, "{:?}", [x, y, z]);
-                    prop_assert_eq!(self.plane.contains([x, y, z]), expected, "{:?}", [x, y, z]);
+                    prop_assert_eq!(self.bits.contains([x, y, z]), expected, "{:?}", [x, y, z]);
                 }
             }
         }
-        model::write_hulls(&baked.occupied, &mut self.expected);
+        model::write_column_hulls(&baked.occupied, &mut self.expected);
         prop_assert!(self.maps == self.expected, "the maps are not tight");
         prop_assert_eq!(report.flipped, baked.flipped);
         prop_assert_eq!(report.degenerate, baked.degenerate);
@@ -78,7 +78,7 @@ impl BakeHarness {
 ///
 /// # Errors
 /// As [`BakeHarness::check_bake`].
-pub fn check(triangles: &[Triangle]) -> Result<(), TestCaseError> {
+pub fn check_bake(triangles: &[Triangle]) -> Result<(), TestCaseError> {
     static BENCH: Mutex<BakeHarness> = Mutex::new(BakeHarness::new());
     BENCH.lock().unwrap_or_else(|held| held.into_inner()).check_bake(triangles)
 }
@@ -88,7 +88,7 @@ pub fn check(triangles: &[Triangle]) -> Result<(), TestCaseError> {
 ///
 /// # Errors
 /// The baker's volume differs from what is expected.
-pub fn check_across_words(
+pub fn check_bake_in_two_word_rows(
     triangles: &[Triangle],
     baked: &model::BakedVoxels,
 ) -> Result<(), TestCaseError> {
@@ -96,17 +96,17 @@ pub fn check_across_words(
     static MAPS: Mutex<RangeMaps<128>> = Mutex::new(RangeMaps::new());
     static PLANE: Mutex<BitGrid<128>> = Mutex::new(BitGrid::new());
     let mut baker = BAKER.lock().unwrap_or_else(|held| held.into_inner());
-    let mut plane = PLANE.lock().unwrap_or_else(|held| held.into_inner());
+    let mut bits = PLANE.lock().unwrap_or_else(|held| held.into_inner());
     baker.clear();
     for t in triangles {
         let moved = t.map(|p| IVec3::from_array(p) + IVec3::splat(56 * BAKE_UNITS_PER_VOXEL));
         prop_assert_eq!(baker.add_triangle(moved), Ok(()));
     }
-    baker.write_maps(&mut MAPS.lock().unwrap_or_else(|held| held.into_inner()), &mut plane);
+    baker.write_maps(&mut MAPS.lock().unwrap_or_else(|held| held.into_inner()), &mut bits);
     for (i, &expected) in baked.occupied.iter().enumerate() {
         let voxel = [i % N, i / N % N, i / N / N].map(|c| c + 56);
-        prop_assert_eq!(plane.contains(voxel), expected, "{:?}", voxel);
+        prop_assert_eq!(bits.contains(voxel), expected, "{:?}", voxel);
     }
-    prop_assert_eq!(plane.count_voxels(), baked.occupied.iter().filter(|&&set| set).count() as u64);
+    prop_assert_eq!(bits.count_voxels(), baked.occupied.iter().filter(|&&set| set).count() as u64);
     Ok(())
 }

@@ -8,35 +8,58 @@ use paros_core::{Pose, SUBUNITS_PER_VOXEL};
 use crate::dense::DenseVolume;
 
 /// A voxel's centre in fixed point: [`SUBUNITS_PER_VOXEL`] units a voxel.
-pub fn fixed_centre(voxel: [i32; 3]) -> [i128; 3] {
+pub fn voxel_centre_subunits(voxel: [i32; 3]) -> [i128; 3] {
     voxel.map(|i| {
         i128::from(i) * i128::from(SUBUNITS_PER_VOXEL) + i128::from(SUBUNITS_PER_VOXEL / 2)
     })
 }
 
-/// The voxels whose centres are at most `radius` from the segment between `a` and `b`, in fixed point.
-pub fn capsule_voxels(n: usize, a: IVec3, b: IVec3, radius: i32) -> DenseVolume {
-    DenseVolume::from_fn(n, |voxel| {
-        is_near_segment(fixed_centre(voxel), widen(a), widen(b), radius.into())
+/// The voxels whose centres are at most `radius_subunits` from a segment.
+pub fn capsule_voxels(
+    side: usize,
+    start_subunits: IVec3,
+    end_subunits: IVec3,
+    radius_subunits: i32,
+) -> DenseVolume {
+    let (start, end) = (widen(start_subunits), widen(end_subunits));
+    DenseVolume::from_fn(side, |voxel| {
+        is_near_segment(voxel_centre_subunits(voxel), start, end, radius_subunits.into())
     })
 }
 
-/// The voxels whose centres lie in an oriented box of half extents `half` at a pose.
-pub fn box_voxels(n: usize, half: IVec3, pose: &Pose) -> DenseVolume {
-    DenseVolume::from_fn(n, |voxel| {
-        is_in_swept_box(fixed_centre(voxel), half, pose, pose.fixed_position())
+/// The voxels whose centres lie in an oriented box at a pose.
+pub fn box_voxels(side: usize, half_extents_subunits: IVec3, pose: &Pose) -> DenseVolume {
+    DenseVolume::from_fn(side, |voxel| {
+        is_in_swept_box(
+            voxel_centre_subunits(voxel),
+            half_extents_subunits,
+            pose,
+            pose.fixed_position(),
+        )
     })
 }
 
 /// The voxels whose centres lie in the swept volume of a box with the pose's rotation that moves straight
-/// from `start` to the pose's position.
-pub fn swept_box_voxels(n: usize, half: IVec3, pose: &Pose, start: IVec3) -> DenseVolume {
-    DenseVolume::from_fn(n, |voxel| is_in_swept_box(fixed_centre(voxel), half, pose, start))
+/// from `start_subunits` to the pose's position.
+pub fn swept_box_voxels(
+    side: usize,
+    half_extents_subunits: IVec3,
+    end_pose: &Pose,
+    start_subunits: IVec3,
+) -> DenseVolume {
+    DenseVolume::from_fn(side, |voxel| {
+        is_in_swept_box(
+            voxel_centre_subunits(voxel),
+            half_extents_subunits,
+            end_pose,
+            start_subunits,
+        )
+    })
 }
 
 /// The greatest distance, in voxels, between a corner's positions under two rotations of the box.
-pub fn longest_corner_path(half: IVec3, from: Quat, to: Quat) -> f32 {
-    let half = half.as_vec3() / SUBUNITS_PER_VOXEL as f32;
+pub fn longest_corner_chord_voxels(half_extents_subunits: IVec3, from: Quat, to: Quat) -> f32 {
+    let half = half_extents_subunits.as_vec3() / SUBUNITS_PER_VOXEL as f32;
     let mut greatest = 0.0f32;
     for k in 0..8 {
         let sign = |bit: i32| if k & bit == 0 { -1.0 } else { 1.0 };
@@ -87,7 +110,7 @@ fn is_in_swept_box(p: [i128; 3], half: IVec3, pose: &Pose, start: IVec3) -> bool
     let (mut from, mut to) = ((-1, 1), (1, 1));
     for (axis, half) in pose.fixed_axes().into_iter().zip(half.to_array()) {
         let at = dot(widen(axis), d);
-        let w = divide_to_nearest(dot(widen(axis), path), unit) * unit;
+        let w = divide_rounding_half_up(dot(widen(axis), path), unit) * unit;
         let extent = (2 * i128::from(half) + wider) * unit;
         if w == 0 {
             if at.abs() > extent {
@@ -108,6 +131,6 @@ fn is_in_swept_box(p: [i128; 3], half: IVec3, pose: &Pose, start: IVec3) -> bool
 }
 
 /// `a / b` rounded to the nearest integer, halves up. `b` is positive.
-fn divide_to_nearest(a: i128, b: i128) -> i128 {
+fn divide_rounding_half_up(a: i128, b: i128) -> i128 {
     (2 * a + b).div_euclid(2 * b)
 }

@@ -32,9 +32,25 @@ pub struct PenetrationDepths {
 
 impl PenetrationDepths {
     /// Whether both are at most the limits.
-    fn are_within(self, may: PenetrationDepths) -> bool {
-        self.volume <= may.volume && self.mask <= may.mask
+    fn are_at_most(self, limits: PenetrationDepths) -> bool {
+        self.volume <= limits.volume && self.mask <= limits.mask
     }
+}
+
+/// The end of a walk along a path.
+#[derive(Clone, Copy, Debug)]
+pub struct PathWalk {
+    /// The last pose within the limit.
+    pub last_allowed: Pose,
+    /// The next pose of the path, if it is blocked.
+    pub blocked: Option<Pose>,
+}
+
+/// The end of a walk with its slide.
+struct SlidingWalk {
+    pose: Pose,
+    /// Whether the walk was stopped, so that the bit slid.
+    blocked: bool,
 }
 
 impl ContactModel {
@@ -56,7 +72,7 @@ impl ContactModel {
         let mut normal = IVec3::ZERO;
         let (mut overlap, mut depth) = (0, 0);
         for &voxel in &self.voxels {
-            let Some(inner) = inner_distance(bit, pose, voxel) else { continue };
+            let Some(inner) = centre_depth_subunits(bit, pose, voxel) else { continue };
             overlap += 1;
             depth = depth.max(inner);
             for near in face_neighbours(voxel) {
@@ -66,106 +82,114 @@ impl ContactModel {
             }
         }
         let normal = normal.as_vec3().normalize_or_zero();
-        let on_mask = self.masked.iter().any(|&voxel| is_within_a_voxel(bit, pose, voxel));
+        let on_mask =
+            self.masked.iter().any(|&voxel| is_less_than_a_voxel_outside(bit, pose, voxel));
         Contact { overlap, depth, normal, on_mask }
     }
 
     /// The penetration depths of a bit at a pose.
-    pub fn depths_at(&self, bit: &GridBit, pose: &Pose) -> PenetrationDepths {
+    pub fn penetration_at(&self, bit: &GridBit, pose: &Pose) -> PenetrationDepths {
         if self.is_outside_grid(bit, pose) {
             return PenetrationDepths { volume: 0, mask: 0 };
         }
         let deepest = |voxels: &[[i32; 3]]| {
-            let inner = |&voxel: &[i32; 3]| inner_distance(bit, pose, voxel);
+            let inner = |&voxel: &[i32; 3]| centre_depth_subunits(bit, pose, voxel);
             voxels.iter().filter_map(inner).max().unwrap_or(0)
         };
         PenetrationDepths { volume: deepest(&self.voxels), mask: deepest(&self.masked) }
     }
 
-    /// Freezes a bit on its way from one pose to the raw pose: walks step by step while the penetration is within
-    /// the limit, then slides once along the tangent. `most` is the limit of steps.
+    /// Freezes a bit on its way from one pose to the tracked pose: walks step by step while the penetration is
+    /// within the limit, then slides once along the tangent.
     pub fn freeze_by_walk(
         &self,
         bit: &GridBit,
         from: &Pose,
-        raw: &Pose,
-        most: u32,
+        tracked: &Pose,
+        max_steps: u32,
     ) -> FreezeResult {
-        let mut left = most as usize;
-        let (pose, blocked) = self.walk_and_slide(bit, from, raw, &mut left);
-        FreezeResult { pose, blocked, steps: most - left as u32 }
+        let mut steps_left = max_steps as usize;
+        let walk = self.walk_and_slide(bit, from, tracked, &mut steps_left);
+        FreezeResult {
+            pose: walk.pose,
+            blocked: walk.blocked,
+            steps: max_steps - steps_left as u32,
+        }
     }
 
-    /// Walks, and slides where it is stopped. Returns the pose and whether it was stopped; `steps` is the number
-    /// of steps left.
+    /// Walks, and slides where it is stopped.
     fn walk_and_slide(
         &self,
         bit: &GridBit,
         from: &Pose,
-        raw: &Pose,
-        steps: &mut usize,
-    ) -> (Pose, bool) {
-        let (reached, stop) = self.walk_path(bit, from, raw, steps);
-        let Some(stop) = stop else {
-            return (reached, false);
+        tracked: &Pose,
+        steps_left: &mut usize,
+    ) -> SlidingWalk {
+        let PathWalk { last_allowed: reached, blocked } =
+            self.walk_path(bit, from, tracked, steps_left);
+        let Some(stop) = blocked else {
+            return SlidingWalk { pose: reached, blocked: false };
         };
-        let left = raw.position - reached.position;
+        let offset_left = tracked.position - reached.position;
         let normal = match self.contact_at(bit, &stop).normal {
-            Vec3::ZERO => -left.normalize_or_zero(),
+            Vec3::ZERO => -offset_left.normalize_or_zero(),
             normal => normal,
         };
-        let inward = left.dot(normal);
+        let inward = offset_left.dot(normal);
         let target = if inward < 0.0 {
-            Pose { position: reached.position + left - normal * inward, rotation: raw.rotation }
+            Pose {
+                position: reached.position + offset_left - normal * inward,
+                rotation: tracked.rotation,
+            }
         } else {
-            Pose { position: raw.position, rotation: reached.rotation }
+            Pose { position: tracked.position, rotation: reached.rotation }
         };
-        let mut pose = self.walk_path(bit, &reached, &target, steps).0;
+        let mut pose = self.walk_path(bit, &reached, &target, steps_left).last_allowed;
         let wanted = (target.position - reached.position) * STEPS_PER_VOXEL;
         if pose.position == reached.position && wanted.length_squared() > 1.0 {
-            let sits = self.depths_at(bit, &reached);
+            let sits = self.penetration_at(bit, &reached);
             let mut away = I64Vec3::ZERO;
             for voxel in &self.voxels {
-                let inner = inner_distance(bit, &stop, *voxel).unwrap_or(i32::MIN);
+                let inner = centre_depth_subunits(bit, &stop, *voxel).unwrap_or(i32::MIN);
                 let held = self.masked.contains(voxel);
                 if inner > bit.bite.max(sits.volume) || (held && inner > sits.mask) {
-                    away -= centre_from_bit(&stop, *voxel);
+                    away -= centre_offset_subunits(&stop, *voxel);
                 }
             }
             let away = away.as_vec3().normalize_or_zero();
-            let tangent = left - away * left.dot(away).min(0.0);
+            let tangent = offset_left - away * offset_left.dot(away).min(0.0);
             let target = Pose { position: reached.position + tangent, ..reached };
-            pose = self.walk_path(bit, &reached, &target, steps).0;
+            pose = self.walk_path(bit, &reached, &target, steps_left).last_allowed;
         }
-        (pose, true)
+        SlidingWalk { pose, blocked: true }
     }
 
-    /// Walks a path. Returns the last allowed pose, and the next one if that is blocked. A bit that is too deep
-    /// leaves where the path does. Stretches of free path cost fewer of the steps `left`, but are walked alike.
+    /// Walks a path while the penetration is within the limit. A bit that is too deep leaves where the path
+    /// does. Stretches of free path cost fewer of the steps that are left, but are walked alike.
     pub fn walk_path(
         &self,
         bit: &GridBit,
         from: &Pose,
         to: &Pose,
-        left: &mut usize,
-    ) -> (Pose, Option<Pose>) {
+        steps_left: &mut usize,
+    ) -> PathWalk {
         let poses: Vec<Pose> = path_poses(bit, from, to).collect();
         let mut reached = *from;
-        let mut sits = self.depths_at(bit, from);
-        let (mut i, mut singly_to, mut stretch) = (0, 0, SHORT_STRETCH as usize);
-        while i < poses.len() && *left > 0 {
+        let mut sits = self.penetration_at(bit, from);
+        let (mut steps_done, mut singly_to, mut stretch) = (0, 0, SHORT_STRETCH as usize);
+        while steps_done < poses.len() && *steps_left > 0 {
             let usual = PenetrationDepths { volume: bit.bite, mask: 0 };
-            let may = PenetrationDepths { volume: bit.bite.max(sits.volume), mask: sits.mask };
-            if i >= singly_to {
-                let end = (i + stretch).min(poses.len());
-                if may == usual && self.is_sweep_free(bit, &reached, &poses[end - 1], usual) {
+            let limits = PenetrationDepths { volume: bit.bite.max(sits.volume), mask: sits.mask };
+            if steps_done >= singly_to {
+                let end = (steps_done + stretch).min(poses.len());
+                if limits == usual && self.is_sweep_free(bit, &reached, &poses[end - 1], usual) {
                     assert!(
-                        poses[i..end]
+                        poses[steps_done..end]
                             .iter()
-                            .all(|pose| self.depths_at(bit, pose).are_within(usual))
+                            .all(|pose| self.penetration_at(bit, pose).are_at_most(usual))
                     );
-                    (i, *left, reached) = (end, *left - 1, poses[end - 1]);
-                    (sits, stretch) = (self.depths_at(bit, &reached), LONG_STRETCH as usize);
+                    (steps_done, *steps_left, reached) = (end, *steps_left - 1, poses[end - 1]);
+                    (sits, stretch) = (self.penetration_at(bit, &reached), LONG_STRETCH as usize);
                     continue;
                 }
                 if stretch > SHORT_STRETCH as usize {
@@ -174,52 +198,54 @@ impl ContactModel {
                 }
                 singly_to = end;
             }
-            *left = left.saturating_sub(if may == usual {
+            *steps_left = steps_left.saturating_sub(if limits == usual {
                 1
             } else {
                 deep_step_cost(self.volume.side()) as usize
             });
-            let next = poses[i];
-            i += 1;
-            let depths = self.depths_at(bit, &next);
-            if depths.are_within(may) {
+            let next = poses[steps_done];
+            steps_done += 1;
+            let depths = self.penetration_at(bit, &next);
+            if depths.are_at_most(limits) {
                 (reached, sits) = (next, depths);
                 continue;
             }
-            if may == usual {
-                return (reached, Some(next));
+            if limits == usual {
+                return PathWalk { last_allowed: reached, blocked: Some(next) };
             }
-            match self.find_exit(bit, may, &reached, (&poses, i)) {
-                Some(out) => (i, reached) = (out, poses[out - 1]),
-                None => return (reached, Some(next)),
+            match self.find_exit_step(bit, limits, &reached, &poses, steps_done) {
+                Some(step) => (steps_done, reached) = (step, poses[step - 1]),
+                None => return PathWalk { last_allowed: reached, blocked: Some(next) },
             }
-            sits = self.depths_at(bit, &reached);
+            sits = self.penetration_at(bit, &reached);
         }
-        (reached, None)
+        PathWalk { last_allowed: reached, blocked: None }
     }
 
-    /// The first exit probe after step `i` at which the bit is out of the stone. If the bit's centre is in the
-    /// open, only probes that the centre reaches through the open count.
-    fn find_exit(
+    /// The step of the first exit probe after `after_step` at which the bit is out of the stone; step 1 leads to
+    /// the first pose of `path`. If the bit's centre is in the open, only probes that the centre reaches through
+    /// the open count.
+    fn find_exit_step(
         &self,
         bit: &GridBit,
-        may: PenetrationDepths,
-        reached: &Pose,
-        (poses, i): (&[Pose], usize),
+        limits: PenetrationDepths,
+        last_allowed: &Pose,
+        path: &[Pose],
+        after_step: usize,
     ) -> Option<usize> {
         let half_diagonal = (SUBUNITS_PER_VOXEL as f32 * 0.866).ceil() as i32;
-        let open = PenetrationDepths { volume: bit.inner_radius() - half_diagonal, ..may };
-        let mut last = *reached;
-        for look in exit_probes(i as u32, poses.len() as u32) {
-            let pose = poses[look as usize - 1];
-            if may.volume <= open.volume && !self.is_sweep_free(bit, &last, &pose, open) {
+        let open = PenetrationDepths { volume: bit.inner_radius() - half_diagonal, ..limits };
+        let mut last = *last_allowed;
+        for step in exit_probes(after_step as u32, path.len() as u32) {
+            let pose = path[step as usize - 1];
+            if limits.volume <= open.volume && !self.is_sweep_free(bit, &last, &pose, open) {
                 return None;
             }
             if self
-                .depths_at(bit, &pose)
-                .are_within(PenetrationDepths { volume: bit.bite, mask: 0 })
+                .penetration_at(bit, &pose)
+                .are_at_most(PenetrationDepths { volume: bit.bite, mask: 0 })
             {
-                return Some(look as usize);
+                return Some(step as usize);
             }
             last = pose;
         }
@@ -227,7 +253,13 @@ impl ContactModel {
     }
 
     /// Whether the swept volume of the bit, shrunk to the allowed depths, contains no voxel. Conservative.
-    fn is_sweep_free(&self, bit: &GridBit, from: &Pose, to: &Pose, may: PenetrationDepths) -> bool {
+    fn is_sweep_free(
+        &self,
+        bit: &GridBit,
+        from: &Pose,
+        to: &Pose,
+        allowed: PenetrationDepths,
+    ) -> bool {
         let n = self.volume.side();
         let clear = |level, voxels: &[[i32; 3]]| {
             bit.swept_brush_deeper_than(level, from, to).is_none_or(|brush| {
@@ -239,7 +271,7 @@ impl ContactModel {
                 })
             })
         };
-        clear(may.volume, &self.voxels) && clear(may.mask, &self.masked)
+        clear(allowed.volume, &self.voxels) && clear(allowed.mask, &self.masked)
     }
 
     /// Whether the whole bit lies outside the grid.
@@ -251,7 +283,8 @@ impl ContactModel {
     }
 }
 
-/// The poses of a path, in steps of a quarter voxel of translation and rotation together; the last is `to`.
+/// The poses of a path, in steps of a quarter voxel of translation and rotation together: `from` is none of
+/// them, the last is `to`.
 pub fn path_poses(bit: &GridBit, from: &Pose, to: &Pose) -> impl Iterator<Item = Pose> + use<> {
     let (from, to) = (*from, *to);
     let turn = from.angle_to(&to) * bit.outer_radius() as f32 / SUBUNITS_PER_VOXEL as f32;
@@ -261,8 +294,8 @@ pub fn path_poses(bit: &GridBit, from: &Pose, to: &Pose) -> impl Iterator<Item =
 }
 
 /// The depth of a voxel's centre inside the bit, rounded up to whole fixed-point units; `None` outside.
-fn inner_distance(bit: &GridBit, pose: &Pose, voxel: [i32; 3]) -> Option<i32> {
-    let p = centre_from_bit(pose, voxel);
+fn centre_depth_subunits(bit: &GridBit, pose: &Pose, voxel: [i32; 3]) -> Option<i32> {
+    let p = centre_offset_subunits(pose, voxel);
     let inner = match bit.shape {
         GridShape::Ball(radius) => {
             // The least k for which radius - k is no more than the distance.
@@ -278,8 +311,8 @@ fn inner_distance(bit: &GridBit, pose: &Pose, voxel: [i32; 3]) -> Option<i32> {
         }
         GridShape::Box(half) => {
             let unit = i64::from(FIXED_ONE);
-            let left =
-                axis_distances(pose, p).map(|(i, across)| i64::from(half[i]) * unit - across);
+            let across = distances_along_bit_axes(pose, p);
+            let left = [0, 1, 2].map(|i| i64::from(half[i]) * unit - across[i]);
             let least = *left.iter().min().expect("three axes");
             if least < 0 {
                 return None;
@@ -291,26 +324,27 @@ fn inner_distance(bit: &GridBit, pose: &Pose, voxel: [i32; 3]) -> Option<i32> {
 }
 
 /// Whether a voxel's centre lies in the bit or less than a voxel outside its radius or faces.
-fn is_within_a_voxel(bit: &GridBit, pose: &Pose, voxel: [i32; 3]) -> bool {
-    let p = centre_from_bit(pose, voxel);
+fn is_less_than_a_voxel_outside(bit: &GridBit, pose: &Pose, voxel: [i32; 3]) -> bool {
+    let p = centre_offset_subunits(pose, voxel);
     match bit.shape {
         GridShape::Ball(radius) => {
             p.length_squared() < i64::from(radius + SUBUNITS_PER_VOXEL).pow(2)
         }
-        GridShape::Box(half) => axis_distances(pose, p).iter().all(|&(i, across)| {
-            across < i64::from(half[i] + SUBUNITS_PER_VOXEL) * i64::from(FIXED_ONE)
-        }),
+        GridShape::Box(half) => {
+            distances_along_bit_axes(pose, p).iter().enumerate().all(|(i, &across)| {
+                across < i64::from(half[i] + SUBUNITS_PER_VOXEL) * i64::from(FIXED_ONE)
+            })
+        }
     }
 }
 
-/// A voxel's centre relative to the bit's, in fixed point.
-fn centre_from_bit(pose: &Pose, voxel: [i32; 3]) -> I64Vec3 {
+/// A voxel's centre relative to the bit's, along the grid's axes.
+fn centre_offset_subunits(bit_pose: &Pose, voxel: [i32; 3]) -> I64Vec3 {
     let centre = voxel.map(|i| i64::from(i * SUBUNITS_PER_VOXEL + SUBUNITS_PER_VOXEL / 2));
-    I64Vec3::from_array(centre) - pose.fixed_position().as_i64vec3()
+    I64Vec3::from_array(centre) - bit_pose.fixed_position().as_i64vec3()
 }
 
-/// The distances of a point from the bit's centre along the bit's axes, each with its index, times [`FIXED_ONE`].
-fn axis_distances(pose: &Pose, p: I64Vec3) -> [(usize, i64); 3] {
-    let axes = pose.fixed_axes();
-    [0, 1, 2].map(|i| (i, p.dot(axes[i].as_i64vec3()).abs()))
+/// The distances of a point from the bit's centre along the bit's axes, in subunits times [`FIXED_ONE`].
+fn distances_along_bit_axes(bit_pose: &Pose, offset_subunits: I64Vec3) -> [i64; 3] {
+    bit_pose.fixed_axes().map(|axis| offset_subunits.dot(axis.as_i64vec3()).abs())
 }

@@ -3,6 +3,7 @@
 
 use std::collections::VecDeque;
 
+use paros_core::internals::ColumnAddress;
 use paros_core::{Axis, BitGrid, BitSet, Column, Grid, Range, RangeMaps, Size};
 use proptest::prelude::*;
 
@@ -18,14 +19,14 @@ pub struct DenseVolume {
 }
 
 impl DenseVolume {
-    /// The empty set in a grid of `n`^3 voxels.
-    pub fn empty(n: usize) -> Self {
-        DenseVolume { n, voxels: vec![false; n * n * n] }
+    /// The empty set in a grid of `side`^3 voxels.
+    pub fn empty(side: usize) -> Self {
+        DenseVolume { n: side, voxels: vec![false; side * side * side] }
     }
 
     /// The voxels for which `occupied` returns true.
-    pub fn from_fn(n: usize, mut occupied: impl FnMut([i32; 3]) -> bool) -> Self {
-        let mut dense = DenseVolume::empty(n);
+    pub fn from_fn(side: usize, mut occupied: impl FnMut([i32; 3]) -> bool) -> Self {
+        let mut dense = DenseVolume::empty(side);
         for voxel in dense.all_voxels() {
             dense.set(voxel, occupied(voxel));
         }
@@ -45,20 +46,20 @@ impl DenseVolume {
     }
 
     /// The voxels of a bit grid.
-    pub fn from_bits<const N: usize>(plane: &BitGrid<N>) -> Self
+    pub fn from_bits<const N: usize>(bits: &BitGrid<N>) -> Self
     where
         Grid<N>: Size,
     {
-        DenseVolume::from_fn(N, |[x, y, z]| plane.row(y as usize, z as usize).contains(x as usize))
+        DenseVolume::from_fn(N, |[x, y, z]| bits.row(y as usize, z as usize).contains(x as usize))
     }
 
     /// Sets the occupied voxels in an empty bit grid.
-    pub fn write_bits<const N: usize>(&self, plane: &mut BitGrid<N>)
+    pub fn write_bits<const N: usize>(&self, bits: &mut BitGrid<N>)
     where
         Grid<N>: Size,
     {
         for [x, y, z] in self.occupied() {
-            plane.row_mut(y as usize, z as usize).insert(x as usize);
+            bits.row_mut(y as usize, z as usize).insert(x as usize);
         }
     }
 
@@ -67,10 +68,7 @@ impl DenseVolume {
         for axis in Axis::ALL {
             for line in 0..N {
                 for place in 0..N {
-                    let range = match self.column_hull(axis, (line, place)) {
-                        Some((lo, hi)) => Range::new(lo, hi),
-                        None => Range::EMPTY,
-                    };
+                    let range = self.column_hull(axis, (line, place)).unwrap_or(Range::EMPTY);
                     maps.set_column(axis, (line, place), Column([range]));
                 }
             }
@@ -142,10 +140,10 @@ impl DenseVolume {
         DenseVolume::from_fn(self.n, |[x, y, z]| self.contains([n - 1 - x, y, z]))
     }
 
-    /// The first and last occupied voxel of a column.
-    pub fn column_hull(&self, axis: Axis, at: (usize, usize)) -> Option<(usize, usize)> {
+    /// The first and last occupied voxel of a column; none if it is empty.
+    pub fn column_hull(&self, axis: Axis, at: ColumnAddress) -> Option<Range> {
         let occupied = |&i: &usize| self.contains(axis.voxel_at(at, i).map(|i| i as i32));
-        Some(((0..self.n).find(occupied)?, (0..self.n).rfind(occupied)?))
+        Some(Range::new((0..self.n).find(occupied)?, (0..self.n).rfind(occupied)?))
     }
 
     /// The closure: the voxels that lie within the hulls of all three columns through them.
@@ -160,14 +158,14 @@ impl DenseVolume {
             Axis::ALL.iter().all(|&axis| {
                 let (line, place) = axis.column_address(voxel);
                 let i = voxel[axis as usize];
-                hulls[axis as usize][line * n + place].is_some_and(|(lo, hi)| lo <= i && i <= hi)
+                hulls[axis as usize][line * n + place].is_some_and(|hull| hull.contains(i))
             })
         })
     }
 
     /// The support S(V): the voxels connected by six-neighbour steps inside the volume to its ground layer
     /// y = 0 or to its voxels in the mask.
-    pub fn supported_voxels(&self, mask: &DenseVolume) -> DenseVolume {
+    pub fn supported_by_ground_or(&self, mask: &DenseVolume) -> DenseVolume {
         let seeds = self.occupied().filter(|&voxel| voxel[1] == 0 || mask.contains(voxel));
         self.connected_to(seeds.collect())
     }
@@ -185,9 +183,13 @@ impl DenseVolume {
         found
     }
 
-    /// The voxels at most `depth` six-neighbour steps from one for which `seed` returns true. Steps and seeds
-    /// include the layer of voxels around the grid.
-    pub fn within_steps(&self, depth: usize, seed: impl Fn([i32; 3]) -> bool) -> DenseVolume {
+    /// The voxels at most `max_steps` six-neighbour steps from one for which `is_seed` returns true. Steps and
+    /// seeds include the layer of voxels around the grid.
+    pub fn within_face_steps(
+        &self,
+        max_steps: usize,
+        is_seed: impl Fn([i32; 3]) -> bool,
+    ) -> DenseVolume {
         let n = self.n as i32;
         let side = self.n + 2;
         let index = |[x, y, z]: [i32; 3]| {
@@ -198,14 +200,14 @@ impl DenseVolume {
         for y in -1..=n {
             for z in -1..=n {
                 for x in -1..=n {
-                    if seed([x, y, z]) {
+                    if is_seed([x, y, z]) {
                         near[index([x, y, z])] = true;
                         front.push([x, y, z]);
                     }
                 }
             }
         }
-        for _ in 0..depth {
+        for _ in 0..max_steps {
             let mut next = Vec::new();
             for place in front.into_iter().flat_map(face_neighbours) {
                 let inside = place.iter().all(|i| (-1..=n).contains(i));
@@ -219,15 +221,15 @@ impl DenseVolume {
         DenseVolume::from_fn(self.n, |voxel| near[index(voxel)])
     }
 
-    /// Voxels at most `depth` six-neighbour steps from an empty one; outside counts as empty.
-    pub fn near_empty(&self, depth: usize) -> DenseVolume {
-        self.within_steps(depth, |place| !self.contains(place))
+    /// Voxels at most `max_steps` six-neighbour steps from an empty one; outside counts as empty.
+    pub fn within_steps_of_empty(&self, max_steps: usize) -> DenseVolume {
+        self.within_face_steps(max_steps, |place| !self.contains(place))
     }
 
-    /// Voxels at most `depth` six-neighbour steps from an occupied one or from the ground, which is
+    /// Voxels at most `max_steps` six-neighbour steps from an occupied one or from the ground, which is
     /// everywhere under y = 0.
-    pub fn near_occupied(&self, depth: usize) -> DenseVolume {
-        self.within_steps(depth, |place| place[1] < 0 || self.contains(place))
+    pub fn within_steps_of_occupied(&self, max_steps: usize) -> DenseVolume {
+        self.within_face_steps(max_steps, |place| place[1] < 0 || self.contains(place))
     }
 
     fn index(&self, [x, y, z]: [i32; 3]) -> Option<usize> {
@@ -255,80 +257,104 @@ pub fn face_neighbours([x, y, z]: [i32; 3]) -> [[i32; 3]; 6] {
     NEIGHBOUR_STEPS.map(|[i, j, k]| [x + i, y + j, z + k])
 }
 
-/// A strategy for any set of voxels: empty, full, noise, checkerboards, combs, single voxels, balls, slabs,
+/// A strategy for any set of voxels: empty, full, noise, checkerboards, combs, single voxels, balls, boxes,
 /// frames along the border. Not closed; about half do not touch the ground.
-pub fn any_voxels(n: usize) -> impl Strategy<Value = DenseVolume> {
-    let n = n as i32;
+pub fn any_voxels(side: usize) -> impl Strategy<Value = DenseVolume> {
+    let n = side as i32;
     let place = [0..n, 0..n, 0..n];
     prop_oneof![
-        1 => Just(DenseVolume::empty(n as usize)),
-        1 => Just(DenseVolume::from_fn(n as usize, |_| true)),
-        3 => (any::<u64>(), 1..256u64).prop_map(move |(seed, density)| noise_voxels(n as usize, seed, density)),
-        1 => (0..2).prop_map(move |odd| DenseVolume::from_fn(n as usize, |[x, y, z]| (x + y + z) % 2 == odd)),
-        2 => (0..3usize, 2..5, 0..4).prop_map(move |(axis, period, spine)| comb_voxels(n, axis, period, spine)),
+        1 => Just(DenseVolume::empty(side)),
+        1 => Just(DenseVolume::from_fn(side, |_| true)),
+        3 => (any::<u64>(), 1..256u64).prop_map(move |(seed, occupied_of_256)| noise_voxels(side, seed, occupied_of_256)),
+        1 => (0..2).prop_map(move |odd| DenseVolume::from_fn(side, |[x, y, z]| (x + y + z) % 2 == odd)),
+        2 => (0..3usize, 2..5, 0..4usize).prop_map(move |(axis, period, spine)| comb_voxels(side, axis, period, CombSpine::ALL[spine])),
         2 => proptest::collection::vec(place.clone(), 1..4).prop_map(move |voxels| {
-            let mut dense = DenseVolume::empty(n as usize);
+            let mut dense = DenseVolume::empty(side);
             voxels.into_iter().for_each(|voxel| dense.set(voxel, true));
             dense
         }),
         6 => proptest::collection::vec((place.clone(), 1..n), 1..5)
-            .prop_map(move |balls| DenseVolume::from_fn(n as usize, |v| balls.iter().any(|&(c, r)| in_ball(v, c, r)))),
+            .prop_map(move |balls| DenseVolume::from_fn(side, |v| balls.iter().any(|&(centre, diameter)| is_in_ball(v, centre, diameter)))),
         4 => proptest::collection::vec((place.clone(), place), 1..5)
-            .prop_map(move |slabs| DenseVolume::from_fn(n as usize, |v| slabs.iter().any(|&(a, b)| in_slab(v, a, b)))),
-        1 => (1..4).prop_map(move |thick| DenseVolume::from_fn(n as usize, |v| {
+            .prop_map(move |boxes| DenseVolume::from_fn(side, |v| boxes.iter().any(|&(a, b)| is_in_box(v, a, b)))),
+        1 => (1..4).prop_map(move |thick| DenseVolume::from_fn(side, |v| {
             v.iter().filter(|&&i| i < thick || i >= n - thick).count() >= 2
         })),
     ]
 }
 
 /// A strategy for closed volumes, the closures of [`any_voxels`].
-pub fn closed_volumes(n: usize) -> impl Strategy<Value = DenseVolume> {
-    any_voxels(n).prop_map(|voxels| voxels.closure())
+pub fn closed_volumes(side: usize) -> impl Strategy<Value = DenseVolume> {
+    any_voxels(side).prop_map(|voxels| voxels.closure())
+}
+
+/// A closed volume, and a closed mask inside it.
+#[derive(Clone, Debug)]
+pub struct MaskedVolume {
+    /// The volume.
+    pub volume: DenseVolume,
+    /// Its mask.
+    pub mask: DenseVolume,
 }
 
 /// A strategy for a closed volume and a closed mask inside it, which is often empty, sometimes all of it.
-pub fn masked_volumes(n: usize) -> impl Strategy<Value = (DenseVolume, DenseVolume)> {
+pub fn masked_volumes(side: usize) -> impl Strategy<Value = MaskedVolume> {
     let mask = prop_oneof![
-        2 => Just(DenseVolume::empty(n)),
-        3 => any_voxels(n),
+        2 => Just(DenseVolume::empty(side)),
+        3 => any_voxels(side),
     ];
-    (closed_volumes(n), mask).prop_map(|(volume, mask)| {
+    (closed_volumes(side), mask).prop_map(|(volume, mask)| {
         let mask = volume.intersection(&mask).closure();
-        (volume, mask)
+        MaskedVolume { volume, mask }
     })
 }
 
-/// Independent voxels (xorshift64), each occupied with probability `density` / 256.
-fn noise_voxels(n: usize, seed: u64, density: u64) -> DenseVolume {
+/// Independent voxels (xorshift64), each occupied with probability `occupied_of_256` / 256.
+fn noise_voxels(side: usize, seed: u64, occupied_of_256: u64) -> DenseVolume {
     let mut state = seed | 1;
-    DenseVolume::from_fn(n, |_| {
+    DenseVolume::from_fn(side, |_| {
         state ^= state << 13;
         state ^= state >> 7;
         state ^= state << 17;
-        state >> 56 < density
+        state >> 56 < occupied_of_256
     })
 }
 
-/// Sheets across an axis, every `period` voxels. `spine` says how they are joined: 0 not at all, 1 and 2 at
-/// one edge of the grid, 3 at both edges in turn.
-fn comb_voxels(n: i32, axis: usize, period: i32, spine: i32) -> DenseVolume {
-    DenseVolume::from_fn(n as usize, |voxel| {
+/// How the sheets of a comb are joined.
+#[derive(Clone, Copy)]
+enum CombSpine {
+    None,
+    LowEdge,
+    HighEdge,
+    /// At both edges in turn.
+    Alternating,
+}
+
+impl CombSpine {
+    const ALL: [CombSpine; 4] =
+        [CombSpine::None, CombSpine::LowEdge, CombSpine::HighEdge, CombSpine::Alternating];
+}
+
+/// Sheets across an axis, every `period` voxels, joined at edges of the grid.
+fn comb_voxels(side: usize, axis: usize, period: i32, spine: CombSpine) -> DenseVolume {
+    let last = side as i32 - 1;
+    DenseVolume::from_fn(side, |voxel| {
         let (i, j) = (voxel[axis], voxel[(axis + 1) % 3]);
         let joined = match spine {
-            0 => false,
-            1 => j == 0,
-            2 => j == n - 1,
-            _ => j == if (i / period) % 2 == 0 { 0 } else { n - 1 },
+            CombSpine::None => false,
+            CombSpine::LowEdge => j == 0,
+            CombSpine::HighEdge => j == last,
+            CombSpine::Alternating => j == if (i / period) % 2 == 0 { 0 } else { last },
         };
         i % period == 0 || joined
     })
 }
 
-fn in_ball(voxel: [i32; 3], centre: [i32; 3], radius: i32) -> bool {
-    (0..3).map(|i| (voxel[i] - centre[i]).pow(2)).sum::<i32>() <= radius * radius / 4
+fn is_in_ball(voxel: [i32; 3], centre: [i32; 3], diameter: i32) -> bool {
+    (0..3).map(|i| (voxel[i] - centre[i]).pow(2)).sum::<i32>() <= diameter * diameter / 4
 }
 
 /// Whether a voxel lies in the box with these opposite corners, inclusive.
-fn in_slab(voxel: [i32; 3], a: [i32; 3], b: [i32; 3]) -> bool {
-    (0..3).all(|i| (a[i].min(b[i])..=a[i].max(b[i])).contains(&voxel[i]))
+fn is_in_box(voxel: [i32; 3], corner: [i32; 3], opposite: [i32; 3]) -> bool {
+    (0..3).all(|i| (corner[i].min(opposite[i])..=corner[i].max(opposite[i])).contains(&voxel[i]))
 }

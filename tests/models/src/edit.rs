@@ -5,6 +5,15 @@ use paros_core::{Axis, EditOperation, EditReport};
 
 use crate::dense::DenseVolume;
 
+/// What an edit must lead to.
+#[derive(Clone, Debug)]
+pub struct ExpectedEdit {
+    /// The volume afterwards.
+    pub after: DenseVolume,
+    /// The counts.
+    pub report: EditReport,
+}
+
 /// The volume after an edit of the voxels of `brush`, and the counts of its report.
 pub fn expected_edit(
     volume: &DenseVolume,
@@ -12,22 +21,22 @@ pub fn expected_edit(
     brush: &DenseVolume,
     operation: EditOperation,
     mirrored: bool,
-) -> (DenseVolume, EditReport) {
+) -> ExpectedEdit {
     let brush = if mirrored { brush.union(&brush.mirrored_in_x()) } else { brush.clone() };
     let none = DenseVolume::empty(volume.side());
     let (removed, filled, too_deep) = match operation {
         EditOperation::Carve { depth } => {
             let wanted = brush.intersection(volume);
-            let reached = wanted.intersection(&volume.near_empty(depth));
+            let reached = wanted.intersection(&volume.within_steps_of_empty(depth));
             (reached.clone(), none, wanted.difference(&reached))
         }
         EditOperation::Fill { depth } => {
             let wanted = brush.difference(volume);
-            let reached = wanted.intersection(&volume.near_occupied(depth));
+            let reached = wanted.intersection(&volume.within_steps_of_occupied(depth));
             (none, reached.clone(), wanted.difference(&reached))
         }
         EditOperation::Smooth => {
-            let most = majority_voxels(volume);
+            let most = filter_by_majority_of_27(volume);
             let removed = brush.intersection(volume).difference(&most);
             (removed, brush.intersection(&most).difference(volume), none)
         }
@@ -41,7 +50,7 @@ pub fn expected_edit(
         refused_by_depth: too_deep.count(),
         refused_by_closure: removed.difference(mask).intersection(&after).count(),
     };
-    (after, report)
+    ExpectedEdit { after, report }
 }
 
 /// Asserts the invariants of every edit, independently of its definition: the mask stays, nothing beside
@@ -49,21 +58,21 @@ pub fn expected_edit(
 ///
 /// # Panics
 /// One does not hold.
-pub fn assert_edit_bounds(
-    volume: &DenseVolume,
+pub fn assert_edit_invariants(
+    before: &DenseVolume,
     mask: &DenseVolume,
-    after: &DenseVolume,
     brush: &DenseVolume,
     operation: EditOperation,
     mirrored: bool,
+    after: &DenseVolume,
 ) {
     let brush = if mirrored { brush.union(&brush.mirrored_in_x()) } else { brush.clone() };
     assert!(mask.is_within(after), "a masked voxel is lost");
-    assert!(volume.difference(after).is_within(&brush), "a voxel beside the brush was removed");
-    let added = after.difference(volume);
+    assert!(before.difference(after).is_within(&brush), "a voxel beside the brush was removed");
+    let added = after.difference(before);
     match operation {
         EditOperation::Carve { .. } => assert!(added.is_empty(), "a carve added"),
-        EditOperation::Fill { .. } => assert!(volume.is_within(after), "a fill removed"),
+        EditOperation::Fill { .. } => assert!(before.is_within(after), "a fill removed"),
         EditOperation::Smooth => {}
     }
     let held = Axis::ALL.map(|axis| {
@@ -74,14 +83,14 @@ pub fn assert_edit_bounds(
     for voxel in added.occupied() {
         assert!(held.iter().any(|held| held(&brush, voxel)), "{voxel:?} is in no beam");
     }
-    if mirrored && volume == &volume.mirrored_in_x() && mask == &mask.mirrored_in_x() {
+    if mirrored && before == &before.mirrored_in_x() && mask == &mask.mirrored_in_x() {
         assert_eq!(after, &after.mirrored_in_x(), "the mirror is broken");
     }
 }
 
 /// Majority filter: the voxels with at least 14 occupied ones among the 27 of their neighbourhood. Below
 /// y = 0 everything counts as occupied.
-fn majority_voxels(volume: &DenseVolume) -> DenseVolume {
+fn filter_by_majority_of_27(volume: &DenseVolume) -> DenseVolume {
     DenseVolume::from_fn(volume.side(), |[x, y, z]| {
         let mut occupied = 0;
         for k in 0..27 {

@@ -7,10 +7,10 @@ use crate::dense::{DenseVolume, face_neighbours};
 
 /// The exported voxels of a volume: the support S(V), or the largest part where nothing is supported.
 #[must_use]
-pub fn printed_voxels(volume: &DenseVolume, mask: &DenseVolume) -> DenseVolume {
+pub fn exported_voxels(volume: &DenseVolume, mask: &DenseVolume) -> DenseVolume {
     let grounded = volume.occupied().any(|[_, y, _]| y == 0);
     if grounded || !volume.intersection(mask).is_empty() {
-        return volume.supported_voxels(mask);
+        return volume.supported_by_ground_or(mask);
     }
     let mut seen = DenseVolume::empty(volume.side());
     let mut largest = Vec::new();
@@ -51,22 +51,22 @@ impl SurfaceModel {
         let mut surface = SurfaceModel::default();
         let mut ids = HashMap::new();
         for voxel in solid.occupied() {
-            for beside in face_neighbours(voxel).into_iter().filter(|&v| !solid.contains(v)) {
-                ids.insert((voxel, beside), surface.raw.len());
-                surface.raw.push([0, 1, 2].map(|i| voxel[i] + beside[i]));
+            for empty in face_neighbours(voxel).into_iter().filter(|&v| !solid.contains(v)) {
+                ids.insert(CrossingEdge { solid: voxel, empty }, surface.raw.len());
+                surface.raw.push([0, 1, 2].map(|i| voxel[i] + empty[i]));
             }
         }
-        for corner in cell_corners(solid) {
+        for corner in lowest_corners_of_cells(solid) {
             let mut cell = Vec::new();
             for axis in 0..3 {
-                let here = square_contour(solid, corner, axis);
+                let here = contour_of_square(solid, corner, axis);
                 surface.segments.extend(here.iter().map(|ends| ends.map(|end| ids[&end])));
                 let mut opposite = corner;
                 opposite[axis] += 1;
                 cell.extend(here);
-                cell.extend(square_contour(solid, opposite, axis));
+                cell.extend(contour_of_square(solid, opposite, axis));
             }
-            surface.triangles += count_triangles(&cell);
+            surface.triangles += count_cell_triangles(&cell);
         }
         let once = smooth_once(&surface.raw, &surface.segments);
         surface.smooth = smooth_once(&once, &surface.segments);
@@ -74,10 +74,15 @@ impl SurfaceModel {
     }
 }
 
-type CrossingEdge = ([i32; 3], [i32; 3]);
+/// An edge of a cell from a solid to an empty voxel centre.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+struct CrossingEdge {
+    solid: [i32; 3],
+    empty: [i32; 3],
+}
 
 /// The lowest corners of all cells (cubes of eight voxel centres) that touch a solid voxel.
-fn cell_corners(solid: &DenseVolume) -> Vec<[i32; 3]> {
+fn lowest_corners_of_cells(solid: &DenseVolume) -> Vec<[i32; 3]> {
     let mut all: Vec<_> = solid
         .occupied()
         .flat_map(|[x, y, z]| (0..8).map(move |k| [x - (k & 1), y - (k >> 1 & 1), z - (k >> 2)]))
@@ -89,20 +94,24 @@ fn cell_corners(solid: &DenseVolume) -> Vec<[i32; 3]> {
 
 /// Marching squares on the square of four centres across an axis: segments between two edges from a solid to
 /// an empty centre. Of two solid corners on a diagonal, each is cut off by itself.
-fn square_contour(solid: &DenseVolume, corner: [i32; 3], axis: usize) -> Vec<[CrossingEdge; 2]> {
+fn contour_of_square(
+    solid: &DenseVolume,
+    lowest_corner: [i32; 3],
+    normal_axis: usize,
+) -> Vec<[CrossingEdge; 2]> {
     let at = |u: i32, v: i32| {
-        let mut voxel = corner;
-        voxel[(axis + 1) % 3] += u;
-        voxel[(axis + 2) % 3] += v;
+        let mut voxel = lowest_corner;
+        voxel[(normal_axis + 1) % 3] += u;
+        voxel[(normal_axis + 2) % 3] += v;
         voxel
     };
     let square = [at(0, 0), at(1, 0), at(1, 1), at(0, 1)];
     let is_solid = square.map(|voxel| solid.contains(voxel));
-    let edge = |i: usize, j: usize| {
-        let (i, j) = (i % 4, j % 4);
-        if is_solid[i] { (square[i], square[j]) } else { (square[j], square[i]) }
+    let crossing = |i: usize, j: usize| {
+        let (i, j) = if is_solid[i % 4] { (i % 4, j % 4) } else { (j % 4, i % 4) };
+        CrossingEdge { solid: square[i], empty: square[j] }
     };
-    let round = |i: usize| [edge(i, i + 1), edge(i, i + 3)];
+    let round = |i: usize| [crossing(i, i + 1), crossing(i, i + 3)];
     let mut segments = Vec::new();
     for i in 0..4 {
         let [here, next, across, before] = [0, 1, 2, 3].map(|k| is_solid[(i + k) % 4]);
@@ -113,14 +122,14 @@ fn square_contour(solid: &DenseVolume, corner: [i32; 3], axis: usize) -> Vec<[Cr
             segments.push(round(i));
         }
         if here && next && !across && !before {
-            segments.push([edge(i, i + 3), edge(i + 1, i + 2)]);
+            segments.push([crossing(i, i + 3), crossing(i + 1, i + 2)]);
         }
     }
     segments
 }
 
 /// The number of triangles of a cell, from the contours on its six sides.
-fn count_triangles(segments: &[[CrossingEdge; 2]]) -> usize {
+fn count_cell_triangles(segments: &[[CrossingEdge; 2]]) -> usize {
     let mut left = segments.to_vec();
     let mut triangles = 0;
     while let Some([start, mut at]) = left.pop() {

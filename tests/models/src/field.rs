@@ -29,7 +29,7 @@ impl FieldModel {
     /// The field of a set of voxels.
     pub fn from_voxels(dense: &DenseVolume) -> Self {
         let n = dense.side() as i32;
-        let occupied = cube_places(n + 2 * MARGIN)
+        let occupied = grid_points(n + 2 * MARGIN)
             .map(|at| at.map(|c| c - MARGIN))
             .map(|[x, y, z]| dense.contains([x, y.max(0), z]))
             .collect();
@@ -38,9 +38,9 @@ impl FieldModel {
         model.density[0] = model.finest_density();
         for level in 1..4 {
             model.density[level] =
-                halve_density(&model.density[level - 1], model.texels_per_side(level - 1));
+                halve_resolution(&model.density[level - 1], model.texels_per_side(level - 1));
         }
-        model.cells = model.free_distances();
+        model.cells = model.count_free_cells();
         model
     }
 
@@ -51,7 +51,7 @@ impl FieldModel {
 
     /// Whether a voxel counts as occupied; it may lie up to [`MARGIN`] voxels outside the grid.
     fn is_occupied(&self, voxel: [i32; 3]) -> bool {
-        self.occupied[cube_index(voxel.map(|c| c + MARGIN), self.n + 2 * MARGIN)]
+        self.occupied[grid_index(voxel.map(|c| c + MARGIN), self.n + 2 * MARGIN)]
     }
 
     /// The density of level 0: blurred voxels, creases and thin features corrected.
@@ -60,23 +60,23 @@ impl FieldModel {
         let side = self.texels_per_side(0) + 2;
         let voxel = |at: [i32; 3]| at.map(|c| c - PAD - 1);
         let mut texels: Vec<u8> =
-            cube_places(side).map(|at| self.blurred_density(voxel(at))).collect();
-        for (texel, at) in texels.iter_mut().zip(cube_places(side)) {
+            grid_points(side).map(|at| self.blurred_density(voxel(at))).collect();
+        for (texel, at) in texels.iter_mut().zip(grid_points(side)) {
             // An empty voxel in a crease: mirrored to below a half.
             if *texel >= HALF && !self.is_occupied(voxel(at)) {
                 *texel = 255 - *texel;
             }
             if *texel < HALF {
-                *texel = (*texel).max(self.raised_density(voxel(at)));
+                *texel = (*texel).max(self.thin_feature_density(voxel(at)));
             }
         }
         let loose = |at: [i32; 3]| {
             self.is_occupied(voxel(at))
-                && cube_around(at, 1).all(|at| texels[cube_index(at, side)] < HALF)
+                && cube_around(at, 1).all(|at| texels[grid_index(at, side)] < HALF)
         };
-        cube_places(side - 2)
+        grid_points(side - 2)
             .map(|at| at.map(|c| c + 1))
-            .map(|at| if loose(at) { 255 } else { texels[cube_index(at, side)] })
+            .map(|at| if loose(at) { 255 } else { texels[grid_index(at, side)] })
             .collect()
     }
 
@@ -93,10 +93,10 @@ impl FieldModel {
     }
 
     /// The least density of a voxel of a plate or a rod that is one or two voxels thick; 0 for others.
-    fn raised_density(&self, voxel: [i32; 3]) -> u8 {
+    fn thin_feature_density(&self, voxel: [i32; 3]) -> u8 {
         let mut level = 0;
         for [axis, a, b] in AXES {
-            let thin = |at: [i32; 3]| self.run_length(at, axis) == 1;
+            let thin = |at: [i32; 3]| self.occupied_run_length(at, axis) == 1;
             let beside = [a, b]
                 .into_iter()
                 .flat_map(|axis| [offset_along(voxel, axis, -1), offset_along(voxel, axis, 1)]);
@@ -104,16 +104,18 @@ impl FieldModel {
                 level = level.max(191);
             }
             let rod = |at: [i32; 3]| {
-                [a, b].iter().all(|&axis| (1..=2).contains(&self.run_length(at, axis)))
+                [a, b].iter().all(|&axis| (1..=2).contains(&self.occupied_run_length(at, axis)))
             };
             if rod(voxel)
                 && (rod(offset_along(voxel, axis, -1)) || rod(offset_along(voxel, axis, 1)))
             {
-                level = level.max(match self.run_length(voxel, a) + self.run_length(voxel, b) {
-                    2 => 255,
-                    3 => 217,
-                    _ => 204,
-                });
+                level = level.max(
+                    match self.occupied_run_length(voxel, a) + self.occupied_run_length(voxel, b) {
+                        2 => 255,
+                        3 => 217,
+                        _ => 204,
+                    },
+                );
             }
         }
         level
@@ -121,7 +123,7 @@ impl FieldModel {
 
     /// The length of the run of occupied voxels through a voxel along an axis, counted up to three voxels in
     /// each direction; 0 for an empty voxel.
-    fn run_length(&self, voxel: [i32; 3], axis: usize) -> i32 {
+    fn occupied_run_length(&self, voxel: [i32; 3], axis: usize) -> i32 {
         if !self.is_occupied(voxel) {
             return 0;
         }
@@ -132,7 +134,7 @@ impl FieldModel {
     }
 
     /// The Chebyshev distance of every cell to the nearest cell with density, less one.
-    fn free_distances(&self) -> Vec<u8> {
+    fn count_free_cells(&self) -> Vec<u8> {
         let texels = self.texels_per_side(0);
         let size = if self.n > 128 { 4 } else { 2 };
         let side = texels / size;
@@ -140,25 +142,25 @@ impl FieldModel {
             let corner = cell.map(|c| size * c);
             let texel =
                 |at: [i32; 3]| [0, 1, 2].map(|i| (corner[i] - 1 + at[i]).clamp(0, texels - 1));
-            cube_places(size + 2).any(|at| self.density[0][cube_index(texel(at), texels)] >= HALF)
+            grid_points(size + 2).any(|at| self.density[0][grid_index(texel(at), texels)] >= HALF)
         };
-        let solid: Vec<[i32; 3]> = cube_places(side).filter(|&cell| solid(cell)).collect();
+        let solid: Vec<[i32; 3]> = grid_points(side).filter(|&cell| solid(cell)).collect();
         let apart = |a: [i32; 3], b: [i32; 3]| (0..3).map(|i| (a[i] - b[i]).abs()).max().unwrap();
-        cube_places(side)
+        grid_points(side)
             .map(|cell| solid.iter().map(|&at| apart(at, cell)).min().unwrap_or(FAR).min(FAR))
             .map(|distance| (distance - 1).max(0) as u8)
             .collect()
     }
 }
 
-/// The next level: the mean of 2^3 texels each. `side` is the input's.
-fn halve_density(texels: &[u8], side: i32) -> Vec<u8> {
+/// The next level: the mean of 2^3 texels each. `texels_per_side` is the input's.
+fn halve_resolution(texels: &[u8], texels_per_side: i32) -> Vec<u8> {
     let mean = |at: [i32; 3]| {
-        let finer = cube_places(2).map(|by| [0, 1, 2].map(|i| 2 * at[i] + by[i]));
-        let sum: f64 = finer.map(|at| f64::from(texels[cube_index(at, side)])).sum();
+        let finer = grid_points(2).map(|by| [0, 1, 2].map(|i| 2 * at[i] + by[i]));
+        let sum: f64 = finer.map(|at| f64::from(texels[grid_index(at, texels_per_side)])).sum();
         (sum / 8.0).round() as u8
     };
-    cube_places(side / 2).map(mean).collect()
+    grid_points(texels_per_side / 2).map(mean).collect()
 }
 
 /// The voxel `by` steps along an axis.
@@ -167,17 +169,17 @@ fn offset_along(mut voxel: [i32; 3], axis: usize, by: i32) -> [i32; 3] {
     voxel
 }
 
-/// Every voxel within a Chebyshev distance.
-fn cube_around(at: [i32; 3], by: i32) -> impl Iterator<Item = [i32; 3]> {
-    cube_places(2 * by + 1).map(move |other| [0, 1, 2].map(|i| at[i] + other[i] - by))
+/// Every voxel within a Chebyshev distance of one.
+fn cube_around(centre: [i32; 3], radius: i32) -> impl Iterator<Item = [i32; 3]> {
+    grid_points(2 * radius + 1).map(move |at| [0, 1, 2].map(|i| centre[i] + at[i] - radius))
 }
 
 /// Every voxel of a cube of this side, x fastest.
-pub fn cube_places(side: i32) -> impl Iterator<Item = [i32; 3]> {
+pub fn grid_points(side: i32) -> impl Iterator<Item = [i32; 3]> {
     (0..side.pow(3)).map(move |i| [i % side, i / side % side, i / (side * side)])
 }
 
 /// The index of a voxel in a cube of this side, x fastest.
-pub fn cube_index([x, y, z]: [i32; 3], side: i32) -> usize {
+pub fn grid_index([x, y, z]: [i32; 3], side: i32) -> usize {
     ((z * side + y) * side + x) as usize
 }

@@ -2,14 +2,14 @@
 //! journal.
 
 use glam::IVec3;
-use paros_core::internals::{IslandSearch, maps_digest};
+use paros_core::internals::{ColumnAddress, IslandSearch, RowAddress, maps_digest};
 use paros_core::{
     Axis, BitSet, Brush, Column, Edit, EditOperation, EditScratch, Grid, IslandReport, Journal,
     RangeMaps, SUBUNITS_PER_VOXEL, Size, Volume, apply_edit,
 };
 use proptest::prelude::*;
 
-use crate::dense::{DenseVolume, masked_volumes};
+use crate::dense::{DenseVolume, MaskedVolume, masked_volumes};
 
 /// A volume with its mask and island pass, and the scratch memory of edits.
 pub struct IslandHarness<const N: usize>
@@ -45,7 +45,7 @@ where
 
     /// Sets volume and mask, and aborts the pass.
     pub fn set_volume(&mut self, volume: &DenseVolume, mask: &DenseVolume) {
-        self.volume.set_voxels(|plane| volume.write_bits(plane));
+        self.volume.set_voxels(|bits| volume.write_bits(bits));
         mask.write_maps(&mut self.mask);
         self.islands.abort_pass();
     }
@@ -56,16 +56,20 @@ where
         DenseVolume::from_bits(self.volume.rows())
     }
 
-    /// Advances the pass by one tick's `budget`. The journal must name exactly the changed columns with their old
-    /// values, nothing may be added, the maps must be tight and the digests right. Returns the report at the
-    /// pass's end.
+    /// Advances the pass by a tick of `max_row_visits`. The journal must name exactly the changed columns with
+    /// their old values, nothing may be added, the maps must be tight and the digests right. Returns the report
+    /// at the pass's end.
     ///
     /// # Errors
     /// A check that failed.
-    pub fn advance_checked(&mut self, budget: u32) -> Result<Option<IslandReport>, TestCaseError> {
+    pub fn advance_checked(
+        &mut self,
+        max_row_visits: u32,
+    ) -> Result<Option<IslandReport>, TestCaseError> {
         self.spare.copy_from(self.volume.maps());
         let mut changes = JournalledChanges::default();
-        let report = self.islands.advance_pass(&mut self.volume, &self.mask, budget, &mut changes);
+        let report =
+            self.islands.advance_pass(&mut self.volume, &self.mask, max_row_visits, &mut changes);
         prop_assert!(changes.added.is_empty(), "an island pass adds nothing");
         for (axis, at, old) in changes.columns {
             prop_assert_eq!(self.spare.column(axis, at), old, "told once, with the old value");
@@ -94,31 +98,28 @@ where
         Ok(())
     }
 
-    /// Runs a whole pass. Returns its report and the number of ticks.
+    /// Runs a whole pass in ticks of `max_row_visits`.
     ///
     /// # Errors
     /// As [`IslandHarness::advance_checked`].
-    pub fn run_pass(&mut self, budget: u32) -> Result<(IslandReport, u32), TestCaseError> {
+    pub fn run_pass(&mut self, max_row_visits: u32) -> Result<WholePass, TestCaseError> {
         self.islands.request_pass();
         for ticks in 1.. {
-            if let Some(report) = self.advance_checked(budget)? {
-                return Ok((report, ticks));
+            if let Some(report) = self.advance_checked(max_row_visits)? {
+                return Ok(WholePass { report, ticks });
             }
         }
         unreachable!()
     }
 
     /// Applies an edit. Returns the voxels that it added, by row.
-    pub fn apply_edit(
-        &mut self,
-        visit: &RandomEdit,
-    ) -> Vec<((usize, usize), <Grid<N> as Size>::Row)> {
+    pub fn apply_edit(&mut self, edit: &RandomEdit) -> Vec<AddedVoxels<<Grid<N> as Size>::Row>> {
         let place = |i: i32| i * SUBUNITS_PER_VOXEL + SUBUNITS_PER_VOXEL / 2;
         let brush = Brush::sphere(
-            IVec3::from_array(visit.at.map(place)),
-            visit.radius * SUBUNITS_PER_VOXEL / 2,
+            IVec3::from_array(edit.at.map(place)),
+            edit.radius * SUBUNITS_PER_VOXEL / 2,
         );
-        let operation = match visit.kind {
+        let operation = match edit.kind {
             0 => EditOperation::Carve { depth: 4 },
             1 => EditOperation::Fill { depth: 2 },
             _ => EditOperation::Smooth,
@@ -134,6 +135,24 @@ where
     }
 }
 
+/// The report of a whole pass.
+#[derive(Clone, Copy, Debug)]
+pub struct WholePass {
+    /// The report.
+    pub report: IslandReport,
+    /// The number of ticks that it took.
+    pub ticks: u32,
+}
+
+/// The voxels that an edit added to a bit row.
+#[derive(Clone, Copy, Debug)]
+pub struct AddedVoxels<R> {
+    /// The row's address.
+    pub row: RowAddress,
+    /// The voxels, which were empty.
+    pub voxels: R,
+}
+
 /// An edit of one tick, with a sphere.
 #[derive(Clone, Debug)]
 pub struct RandomEdit {
@@ -146,31 +165,31 @@ pub struct RandomEdit {
 }
 
 /// A strategy for 1 to 39 edits, one a tick, in a grid of `side`^3 voxels.
-pub fn random_edits(n: i32) -> impl Strategy<Value = Vec<RandomEdit>> {
-    let visit = ([0..n, 0..n, 0..n], 0..n / 2 + 2, 0..3u8)
+pub fn random_edits(side: i32) -> impl Strategy<Value = Vec<RandomEdit>> {
+    let edit = ([0..side, 0..side, 0..side], 0..side / 2 + 2, 0..3u8)
         .prop_map(|(at, radius, kind)| RandomEdit { at, radius, kind });
-    proptest::collection::vec(visit, 1..40)
+    proptest::collection::vec(edit, 1..40)
 }
 
 /// A strategy for loosely joined balls, which an edit easily separates, with an empty mask; or any volume
 /// and mask.
-pub fn loose_volumes(n: usize) -> impl Strategy<Value = (DenseVolume, DenseVolume)> {
-    let side = n as i32;
-    let ball = ([0..side, 0..side, 0..side], 1..side / 2);
+pub fn barely_joined_volumes(side: usize) -> impl Strategy<Value = MaskedVolume> {
+    let n = side as i32;
+    let ball = ([0..n, 0..n, 0..n], 1..n / 2);
     let balls = proptest::collection::vec(ball, 1..8).prop_map(move |balls| {
         let inside = |[x, y, z]: [i32; 3], ([i, j, k], r): ([i32; 3], i32)| {
             4 * ((x - i).pow(2) + (y - j).pow(2) + (z - k).pow(2)) <= r * r
         };
-        let voxels = DenseVolume::from_fn(n, |v| balls.iter().any(|&ball| inside(v, ball)));
-        (voxels.closure(), DenseVolume::empty(n))
+        let voxels = DenseVolume::from_fn(side, |v| balls.iter().any(|&ball| inside(v, ball)));
+        MaskedVolume { volume: voxels.closure(), mask: DenseVolume::empty(side) }
     });
-    prop_oneof![2 => balls, 1 => masked_volumes(n)]
+    prop_oneof![2 => balls, 1 => masked_volumes(side)]
 }
 
 /// A journal that keeps everything: changed columns with their old values, and added voxels.
 struct JournalledChanges<R> {
-    columns: Vec<(Axis, (usize, usize), Column)>,
-    added: Vec<((usize, usize), R)>,
+    columns: Vec<(Axis, ColumnAddress, Column)>,
+    added: Vec<AddedVoxels<R>>,
 }
 
 impl<R> Default for JournalledChanges<R> {
@@ -192,8 +211,8 @@ where
     ) {
         self.columns.extend(places.iter_ones().map(|place| (axis, (line, place), old[place])));
     }
-    fn record_added(&mut self, row: (usize, usize), voxels: <Grid<N> as Size>::Row) {
-        self.added.push((row, voxels));
+    fn record_added(&mut self, row: RowAddress, voxels: <Grid<N> as Size>::Row) {
+        self.added.push(AddedVoxels { row, voxels });
     }
 }
 
@@ -203,7 +222,7 @@ where
     Grid<N>: Size,
 {
     islands: &'a mut IslandSearch<N>,
-    added: Vec<((usize, usize), <Grid<N> as Size>::Row)>,
+    added: Vec<AddedVoxels<<Grid<N> as Size>::Row>>,
 }
 
 impl<const N: usize> Journal<N> for AdditionJournal<'_, N>
@@ -211,8 +230,8 @@ where
     Grid<N>: Size,
 {
     fn record_columns(&mut self, _: Axis, _: usize, _: <Grid<N> as Size>::Row, _: &[Column; N]) {}
-    fn record_added(&mut self, row: (usize, usize), voxels: <Grid<N> as Size>::Row) {
+    fn record_added(&mut self, row: RowAddress, voxels: <Grid<N> as Size>::Row) {
         self.islands.add_voxels(row, voxels);
-        self.added.push((row, voxels));
+        self.added.push(AddedVoxels { row, voxels });
     }
 }

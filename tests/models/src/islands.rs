@@ -22,7 +22,7 @@ pub fn clear_islands(volume: &DenseVolume, mask: &DenseVolume) -> ClearedVolume 
     if !grounded && mask.is_empty() {
         return ClearedVolume { after: volume.clone(), removed: 0, kept: 0, unsupported: true };
     }
-    let supported = volume.supported_voxels(mask);
+    let supported = volume.supported_by_ground_or(mask);
     let after = supported.closure();
     let removed = volume.difference(&after).count();
     let kept = after.difference(&supported).count();
@@ -30,12 +30,12 @@ pub fn clear_islands(volume: &DenseVolume, mask: &DenseVolume) -> ClearedVolume 
 }
 
 /// The voxels of all islands that neither contain nor touch a voxel of `added`.
-pub fn untouched_islands(
+pub fn islands_away_from(
     volume: &DenseVolume,
     mask: &DenseVolume,
     added: &DenseVolume,
 ) -> DenseVolume {
-    let loose = volume.difference(&volume.supported_voxels(mask));
+    let loose = volume.difference(&volume.supported_by_ground_or(mask));
     let seeds = loose.occupied().filter(|&voxel| {
         added.contains(voxel) || face_neighbours(voxel).iter().any(|&at| added.contains(at))
     });

@@ -24,9 +24,9 @@ impl RandomSource {
         self.0.wrapping_mul(0x2545_f491_4f6c_dd1d)
     }
 
-    /// A number from 0 to `sides - 1`.
-    pub fn below(&mut self, sides: u64) -> u64 {
-        (self.next_bits() >> 16) % sides
+    /// A number from 0 to `end - 1`.
+    pub fn below(&mut self, end: u64) -> u64 {
+        (self.next_bits() >> 16) % end
     }
 
     /// True with probability 1 / `sides`.
@@ -35,22 +35,22 @@ impl RandomSource {
     }
 
     /// A number from -1 to 1.
-    pub fn signed_unit(&mut self) -> f32 {
+    pub fn uniform_signed(&mut self) -> f32 {
         self.below(1 << 20) as f32 / (1 << 19) as f32 - 1.0
     }
 
     /// A vector with components from -1 to 1.
-    pub fn signed_vector(&mut self) -> Vec3 {
-        Vec3::new(self.signed_unit(), self.signed_unit(), self.signed_unit())
+    pub fn uniform_in_cube(&mut self) -> Vec3 {
+        Vec3::new(self.uniform_signed(), self.uniform_signed(), self.uniform_signed())
     }
 
     /// A random rotation, not uniform.
-    pub fn rotation(&mut self) -> Quat {
+    pub fn arbitrary_rotation(&mut self) -> Quat {
         let q = Quat::from_xyzw(
-            self.signed_unit(),
-            self.signed_unit(),
-            self.signed_unit(),
-            self.signed_unit(),
+            self.uniform_signed(),
+            self.uniform_signed(),
+            self.uniform_signed(),
+            self.uniform_signed(),
         );
         if q.length_squared() > 0.01 { q.normalize() } else { Quat::IDENTITY }
     }
@@ -114,9 +114,9 @@ impl RandomVisitor {
         input
     }
 
-    fn hand_input(&mut self, i: usize) -> HandInput {
+    fn hand_input(&mut self, hand: usize) -> HandInput {
         let RandomVisitor { dice, arms, restless, .. } = self;
-        let arm = &mut arms[i];
+        let arm = &mut arms[hand];
         arm.advance_motion(dice);
         let mut grip = arm.tip - arm.rotation * Vec3::NEG_Z * 0.135;
         let squeeze = dice.one_in(200);
@@ -135,7 +135,7 @@ impl RandomVisitor {
             grip: pose,
             trigger: if arm.trigger { 255 } else { dice.below(100) as u8 },
             squeeze: if squeeze { 255 } else { 0 },
-            stick: [if dice.one_in(30) { dice.signed_unit() * 127.0 } else { 0.0 } as i8, 0],
+            stick: [if dice.one_in(30) { dice.uniform_signed() * 127.0 } else { 0.0 } as i8, 0],
             buttons: if *restless && dice.one_in(150) { button } else { 0 },
             tracked: arm.lost_ticks == 0,
         }
@@ -163,16 +163,16 @@ impl ArmState {
         let middle = STOOL_TOP + Vec3::Y * 0.5 * BOX_SIDE;
         if dice.one_in(25) {
             // Into the stone or past it, at up to two metres a second.
-            let goal = middle + dice.signed_vector() * 0.3 * BOX_SIDE;
+            let goal = middle + dice.uniform_in_cube() * 0.3 * BOX_SIDE;
             self.velocity =
-                (goal - self.tip).normalize_or_zero() * 0.015 * dice.signed_unit().abs();
+                (goal - self.tip).normalize_or_zero() * 0.015 * dice.uniform_signed().abs();
         }
         self.tip += self.velocity;
         if dice.one_in(300) || self.tip.distance(middle) > 1.2 * BOX_SIDE {
-            self.tip = middle + dice.signed_vector().normalize_or(Vec3::Y) * 0.8 * BOX_SIDE;
+            self.tip = middle + dice.uniform_in_cube().normalize_or(Vec3::Y) * 0.8 * BOX_SIDE;
         }
         let turn = if dice.one_in(80) { 3.0 } else { 0.05 };
-        let turn = Quat::from_scaled_axis(dice.signed_vector() * turn);
+        let turn = Quat::from_scaled_axis(dice.uniform_in_cube() * turn);
         self.rotation = (turn * self.rotation).normalize();
         if dice.one_in(if self.trigger { 40 } else { 10 }) {
             self.trigger = !self.trigger;
@@ -230,7 +230,7 @@ fn arbitrary_pose(dice: &mut RandomSource) -> RawPose {
         0 => [i32::MIN, i32::MAX, 0][dice.below(3) as usize],
         1 => dice.next_bits() as i32,
         2 => dice.below(40 * UNITS_PER_METRE as u64) as i32 - 20 * UNITS_PER_METRE,
-        _ => ((v + dice.signed_unit() * 0.4) * UNITS_PER_METRE as f32) as i32,
+        _ => ((v + dice.uniform_signed() * 0.4) * UNITS_PER_METRE as f32) as i32,
     });
     let kind = dice.below(6);
     let rotation = [0; 4].map(|_: i32| match kind {

@@ -14,8 +14,8 @@ pub const LEFT: usize = 0;
 pub const RIGHT: usize = 1;
 
 /// The input of a tracked hand at a position of the room, pointing along -z, with nothing pressed.
-pub fn hand_input_at(position: Vec3) -> HandInput {
-    let pose = RawPose::quantise(position, Quat::IDENTITY);
+pub fn hand_input_at(room_position: Vec3) -> HandInput {
+    let pose = RawPose::quantise(room_position, Quat::IDENTITY);
     HandInput { aim: pose, grip: pose, tracked: true, ..HandInput::default() }
 }
 
@@ -28,59 +28,66 @@ pub fn input_with_hand(hand: usize, input: HandInput) -> TickInput {
 
 /// Runs two ticks: a squeeze at a position of the room, and its release. Returns the squeeze's events.
 pub fn squeeze_and_release(
-    studio: &mut WorldHarness<64>,
+    harness: &mut WorldHarness<64>,
     hand: usize,
-    position: Vec3,
+    room_position: Vec3,
 ) -> Vec<WorldEvent> {
-    studio.step(&input_with_hand(hand, HandInput { squeeze: 255, ..hand_input_at(position) }));
-    let events = studio.world.events().to_vec();
-    studio.step(&input_with_hand(hand, hand_input_at(position)));
+    harness
+        .step(&input_with_hand(hand, HandInput { squeeze: 255, ..hand_input_at(room_position) }));
+    let events = harness.world.events().to_vec();
+    harness.step(&input_with_hand(hand, hand_input_at(room_position)));
     events
 }
 
 /// Runs a tick in which the pointer puts an item into a hand.
-pub fn take_item<const N: usize>(studio: &mut WorldHarness<N>, hand: usize, item: BenchItem)
+pub fn take_item<const N: usize>(harness: &mut WorldHarness<N>, hand: usize, item: BenchItem)
 where
     Grid<N>: Size,
 {
     let pointer = PointerCommand::Take { hand: hand as u8, item: item.number() as u8 };
-    studio.step(&TickInput { pointer, ..TickInput::default() });
+    harness.step(&TickInput { pointer, ..TickInput::default() });
 }
 
 /// Runs a tick with the held bit at a position of the grid, the trigger pulled or not.
 pub fn step_with_bit_at<const N: usize>(
-    studio: &mut WorldHarness<N>,
+    harness: &mut WorldHarness<N>,
     hand: usize,
-    position: Vec3,
-    trigger: bool,
+    grid_position: Vec3,
+    trigger_down: bool,
 ) where
     Grid<N>: Size,
 {
-    let pose = Pose { position, rotation: Quat::IDENTITY };
+    let pose = Pose { position: grid_position, rotation: Quat::IDENTITY };
     let input = HandInput {
-        trigger: if trigger { 255 } else { 0 },
-        ..studio.world.hand_with_bit_at(hand, &pose)
+        trigger: if trigger_down { 255 } else { 0 },
+        ..harness.world.hand_with_bit_at(hand, &pose)
     };
-    studio.step(&input_with_hand(hand, input));
+    harness.step(&input_with_hand(hand, input));
 }
 
 /// Runs a stroke of `ticks` ticks between two positions of the grid, the trigger pulled; then lifts the bit by
 /// 40 voxels.
-pub fn run_stroke(studio: &mut WorldHarness<64>, hand: usize, from: Vec3, to: Vec3, ticks: u32) {
-    step_with_bit_at(studio, hand, from, false);
+pub fn run_stroke(
+    harness: &mut WorldHarness<64>,
+    hand: usize,
+    grid_start: Vec3,
+    grid_end: Vec3,
+    ticks: u32,
+) {
+    step_with_bit_at(harness, hand, grid_start, false);
     for i in 1..=ticks {
-        step_with_bit_at(studio, hand, from.lerp(to, i as f32 / ticks as f32), true);
+        step_with_bit_at(harness, hand, grid_start.lerp(grid_end, i as f32 / ticks as f32), true);
     }
-    step_with_bit_at(studio, hand, to, false);
-    step_with_bit_at(studio, hand, to + Vec3::Y * 40.0, false);
+    step_with_bit_at(harness, hand, grid_end, false);
+    step_with_bit_at(harness, hand, grid_end + Vec3::Y * 40.0, false);
 }
 
-/// Starts a session from a floor of stone of `height` voxels.
-pub fn start_from_floor(studio: &mut WorldHarness<64>, height: usize) {
-    studio.start_from_voxels(|[_, y, _]| y < height);
+/// Starts a session from a floor of stone, so many voxels thick.
+pub fn start_from_floor(harness: &mut WorldHarness<64>, thickness: usize) {
+    harness.start_from_voxels(|[_, y, _]| y < thickness);
 }
 
 /// The world's volume, as the model's set of voxels.
-pub fn volume_of(studio: &WorldHarness<64>) -> DenseVolume {
-    DenseVolume::from_bits(studio.world.volume().rows())
+pub fn volume_of(harness: &WorldHarness<64>) -> DenseVolume {
+    DenseVolume::from_bits(harness.world.volume().rows())
 }

@@ -39,42 +39,53 @@ pub enum SolidShape {
     },
 }
 
+/// The surface as seen from a point.
+struct SurfaceProjection {
+    /// Negative inside.
+    signed_distance: f32,
+    /// The outward unit normal at the nearest point.
+    normal: Vec3,
+}
+
 impl Solid {
     /// The signed distance of a point to the surface, negative inside.
-    pub fn distance(&self, point: Vec3) -> f32 {
-        self.shape.distance_and_normal(self.rotation.inverse() * (point - self.centre)).0
+    pub fn signed_distance(&self, point: Vec3) -> f32 {
+        self.shape
+            .nearest_on_surface(self.rotation.inverse() * (point - self.centre))
+            .signed_distance
     }
 
     /// The outward unit normal at the surface's nearest point to a point.
-    pub fn normal(&self, point: Vec3) -> Vec3 {
+    pub fn nearest_normal(&self, point: Vec3) -> Vec3 {
         self.rotation
-            * self.shape.distance_and_normal(self.rotation.inverse() * (point - self.centre)).1
+            * self.shape.nearest_on_surface(self.rotation.inverse() * (point - self.centre)).normal
     }
 
     /// The voxels whose centres lie inside.
     pub fn to_voxels(&self, n: usize) -> DenseVolume {
         DenseVolume::from_fn(n, |voxel| {
-            self.distance(Vec3::from_array(voxel.map(|c| c as f32 + 0.5))) <= 0.0
+            self.signed_distance(Vec3::from_array(voxel.map(|c| c as f32 + 0.5))) <= 0.0
         })
     }
 }
 
 impl SolidShape {
     /// The signed distance of a point, and the outward normal at the nearest point of the surface.
-    fn distance_and_normal(self, point: Vec3) -> (f32, Vec3) {
+    fn nearest_on_surface(self, point: Vec3) -> SurfaceProjection {
+        let found = |signed_distance, normal| SurfaceProjection { signed_distance, normal };
         match self {
-            SolidShape::Sphere { radius } => (point.length() - radius, point.normalize()),
+            SolidShape::Sphere { radius } => found(point.length() - radius, point.normalize()),
             SolidShape::Torus { ring, tube } => {
                 let flat = Vec3::new(point.x, 0.0, point.z);
                 let from = point - flat.normalize() * ring;
-                (from.length() - tube, from.normalize())
+                found(from.length() - tube, from.normalize())
             }
             SolidShape::Rounded { half, radius } => {
                 let over = point.abs() - (half - radius);
                 let outside = over.max(Vec3::ZERO);
                 if outside != Vec3::ZERO {
                     let away = outside.normalize() * point.signum();
-                    return (outside.length() - radius, away);
+                    return found(outside.length() - radius, away);
                 }
                 let axis = if over.x >= over.y && over.x >= over.z {
                     Vec3::X
@@ -83,7 +94,7 @@ impl SolidShape {
                 } else {
                     Vec3::Z
                 };
-                (over.max_element() - radius, axis * point.signum())
+                found(over.max_element() - radius, axis * point.signum())
             }
         }
     }

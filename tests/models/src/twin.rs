@@ -11,7 +11,7 @@ use crate::dense::{DenseVolume, NEIGHBOUR_STEPS};
 static MAPS_16: Mutex<RangeMaps<16>> = Mutex::new(RangeMaps::new());
 static MAPS_64: Mutex<RangeMaps<64>> = Mutex::new(RangeMaps::new());
 
-/// The centre of the ball of [`with_ball_maps`], in voxels.
+/// The centre of the ball of [`with_maps_of_ball`], in voxels.
 pub const BALL_CENTRE: Vec3 = Vec3::new(32.0, 31.5, 32.25);
 /// Its radius, in voxels.
 pub const BALL_RADIUS: f32 = 24.0;
@@ -24,7 +24,7 @@ pub fn with_maps_of_16<T>(dense: &DenseVolume, f: impl FnOnce(&RangeMaps<16>) ->
 }
 
 /// Calls `f` with the maps of a ball in a grid of 64^3 voxels.
-pub fn with_ball_maps<T>(f: impl FnOnce(&RangeMaps<64>) -> T) -> T {
+pub fn with_maps_of_ball<T>(f: impl FnOnce(&RangeMaps<64>) -> T) -> T {
     let mut maps = MAPS_64.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
     DenseVolume::from_fn(64, |voxel| (voxel_centre(voxel) - BALL_CENTRE).length() <= BALL_RADIUS)
         .write_maps(&mut maps);
@@ -89,13 +89,13 @@ pub fn march_layers(dense: &DenseVolume, origin: [f64; 3], direction: [f64; 3]) 
 
 /// The normal by equation 1 of the paper at a point near the voxel that was hit, before normalisation.
 #[must_use]
-pub fn normal_sum(dense: &DenseVolume, voxel: [i32; 3], place: [f64; 3]) -> [f64; 3] {
+pub fn unnormalised_normal(dense: &DenseVolume, hit_voxel: [i32; 3], point: [f64; 3]) -> [f64; 3] {
     let mut sum = [0.0; 3];
     for step in NEIGHBOUR_STEPS {
-        let neighbour: [i32; 3] = std::array::from_fn(|i| voxel[i] + step[i]);
+        let neighbour: [i32; 3] = std::array::from_fn(|i| hit_voxel[i] + step[i]);
         if dense.contains(neighbour) {
             let from: [f64; 3] =
-                std::array::from_fn(|i| place[i] - (f64::from(neighbour[i]) + 0.5));
+                std::array::from_fn(|i| point[i] - (f64::from(neighbour[i]) + 0.5));
             let square: f64 = from.iter().map(|c| c * c).sum();
             (0..3).for_each(|i| sum[i] += from[i] / square);
         }

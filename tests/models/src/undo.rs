@@ -9,6 +9,15 @@ pub struct SnapshotHistory<const N: usize> {
     at: usize,
 }
 
+/// How many strokes can be undone and redone.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct StrokeCounts {
+    /// Those that can be undone.
+    pub undoable: usize,
+    /// Those that can be redone.
+    pub redoable: usize,
+}
+
 impl<const N: usize> SnapshotHistory<N> {
     /// A history of one state, with nothing to undo.
     pub fn new(maps: &RangeMaps<N>) -> Self {
@@ -23,12 +32,12 @@ impl<const N: usize> SnapshotHistory<N> {
     }
 
     /// Replaces the current state, as when a later removal belongs to the newest stroke.
-    pub fn replace_newest(&mut self, maps: &RangeMaps<N>) {
+    pub fn replace_current(&mut self, maps: &RangeMaps<N>) {
         self.states[self.at].copy_from(maps);
     }
 
-    /// Drops all but the newest `strokes` that can be undone.
-    pub fn keep_newest(&mut self, strokes: usize) {
+    /// Drops the oldest states, so that only `strokes` can be undone.
+    pub fn keep_undoable(&mut self, strokes: usize) {
         self.states.drain(..self.at - strokes);
         self.at = strokes;
     }
@@ -47,7 +56,7 @@ impl<const N: usize> SnapshotHistory<N> {
     }
 
     /// The numbers of strokes that can be undone and redone.
-    pub fn counts(&self) -> (usize, usize) {
-        (self.at, self.states.len() - 1 - self.at)
+    pub fn stroke_counts(&self) -> StrokeCounts {
+        StrokeCounts { undoable: self.at, redoable: self.states.len() - 1 - self.at }
     }
 }

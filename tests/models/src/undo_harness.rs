@@ -4,8 +4,9 @@
 use glam::IVec3;
 use paros_core::internals::{IslandSearch, UndoHistory, maps_digest};
 use paros_core::{
-    Axis, BitGrid, Brush, ByteReader, Column, DirtyRects, Edit, EditOperation, EditScratch, Grid,
-    Journal, RangeMaps, SUBUNITS_PER_VOXEL, Size, Volume, apply_edit,
+    Axis, BitGrid, Brush, BrushTooLarge, ByteReader, Column, DirtyRects, Edit, EditOperation,
+    EditReport, EditScratch, Grid, Journal, RangeMaps, SUBUNITS_PER_VOXEL, Size, Volume,
+    apply_edit,
 };
 use proptest::prelude::*;
 
@@ -50,7 +51,7 @@ where
     }
 
     /// Resets the volume to a block on the ground, with no history. Returns the model's history of it.
-    pub fn reset(&mut self) -> SnapshotHistory<N> {
+    pub fn reset_to_block(&mut self) -> SnapshotHistory<N> {
         self.volume.set_voxels(|plane| {
             for y in 0..N * 3 / 4 {
                 plane.layer_mut(y)[2..N - 2].fill(Grid::<N>::FULL);
@@ -61,32 +62,37 @@ where
         SnapshotHistory::new(self.volume.maps())
     }
 
-    /// Applies an edit. Returns whether the volume changed.
-    pub fn apply_edit(&mut self, brush: &Brush, operation: EditOperation) -> bool {
+    /// Applies an edit, which the ring records.
+    ///
+    /// # Errors
+    /// The core's.
+    pub fn apply_edit(
+        &mut self,
+        brush: &Brush,
+        operation: EditOperation,
+    ) -> Result<EditReport, BrushTooLarge> {
         let edit = Edit { brush, operation, mirrored: false };
         let mut log = UndoJournal { undo: &mut self.undo, late: false };
         let scratch = &mut self.scratch;
-        let report = apply_edit(&mut self.volume, &self.none, &edit, scratch, &mut log);
-        report.is_ok_and(|report| report.changed_volume())
+        apply_edit(&mut self.volume, &self.none, &edit, scratch, &mut log)
     }
 
-    /// Runs a whole island pass. Returns whether it removed voxels.
-    pub fn clear_islands(&mut self) -> bool {
+    /// Runs a whole island pass, whose removals amend the newest stroke.
+    pub fn clear_islands(&mut self) {
         self.islands.request_pass();
         let mut log = UndoJournal { undo: &mut self.undo, late: true };
-        let report = self.islands.advance_pass(&mut self.volume, &self.none, u32::MAX, &mut log);
-        report.is_some_and(|report| report.removed > 0)
+        self.islands.advance_pass(&mut self.volume, &self.none, u32::MAX, &mut log);
     }
 
-    /// Checks that the volume is exactly that of `maps`, and that its rows and its digest follow.
+    /// Checks that the volume is exactly that of `expected`, and that its rows and its digest follow.
     ///
     /// # Errors
     /// A check that failed.
-    pub fn check_volume(&mut self, maps: &RangeMaps<N>) -> Result<(), TestCaseError> {
-        prop_assert!(self.volume.maps() == maps, "the maps differ");
-        self.plane.set_from_maps(maps);
+    pub fn check_volume_equals(&mut self, expected: &RangeMaps<N>) -> Result<(), TestCaseError> {
+        prop_assert!(self.volume.maps() == expected, "the maps differ");
+        self.plane.set_from_maps(expected);
         prop_assert!(self.volume.rows() == &self.plane, "the rows differ");
-        prop_assert_eq!(self.volume.digest(), maps_digest(maps));
+        prop_assert_eq!(self.volume.digest(), maps_digest(expected));
         Ok(())
     }
 
@@ -94,7 +100,7 @@ where
     ///
     /// # Errors
     /// A check that failed.
-    pub fn check_saved(&mut self) -> Result<(), TestCaseError> {
+    pub fn check_save_round_trip(&mut self) -> Result<(), TestCaseError> {
         prop_assert_eq!(self.undo.digest(), self.undo.recompute_digest());
         let bytes = save_to_bytes(|out| self.undo.save(out));
         let mut reader = ByteReader::new(&bytes);
@@ -106,18 +112,29 @@ where
         Ok(())
     }
 
-    /// Undoes (`back`) or redoes a stroke. The dirty rectangles must turn the old maps into the new ones.
-    /// Returns whether there was a stroke.
+    /// Undoes a stroke, if there is one. The dirty rectangles must turn the old maps into the new ones.
     ///
     /// # Errors
     /// A check that failed.
-    pub fn step_checked(&mut self, back: bool) -> Result<bool, TestCaseError> {
+    pub fn try_undo_checked(&mut self) -> Result<bool, TestCaseError> {
+        self.try_step_checked(UndoHistory::undo)
+    }
+
+    /// Redoes a stroke, if there is one; checked as an undo.
+    ///
+    /// # Errors
+    /// A check that failed.
+    pub fn try_redo_checked(&mut self) -> Result<bool, TestCaseError> {
+        self.try_step_checked(UndoHistory::redo)
+    }
+
+    fn try_step_checked(
+        &mut self,
+        try_step: impl FnOnce(&mut UndoHistory<N>, &mut Volume<N>, &mut DirtyRects) -> bool,
+    ) -> Result<bool, TestCaseError> {
         let mut dirty = DirtyRects::new();
         self.stale.copy_from(self.volume.maps());
-        let stepped = match back {
-            true => self.undo.undo(&mut self.volume, &mut dirty),
-            false => self.undo.redo(&mut self.volume, &mut dirty),
-        };
+        let stepped = try_step(&mut self.undo, &mut self.volume, &mut dirty);
         for axis in Axis::ALL {
             for rect in dirty.rects(axis) {
                 for line in rect.first.0..=rect.last.0 {
@@ -169,28 +186,29 @@ impl SphereEdit {
 
 /// Applies a stroke of these edits, and appends it to `history` if it changed the volume.
 pub fn apply_stroke<const N: usize>(
-    bench: &mut UndoHarness<N>,
+    harness: &mut UndoHarness<N>,
     history: &mut SnapshotHistory<N>,
     edits: &[SphereEdit],
-    clear: IslandClearing,
+    clearing: IslandClearing,
 ) where
     Grid<N>: Size,
 {
-    bench.undo.begin_stroke();
+    harness.undo.begin_stroke();
     let mut changed = false;
     for touch in edits {
-        changed |= bench.apply_edit(&touch.brush(), touch.operation());
+        let report = harness.apply_edit(&touch.brush(), touch.operation());
+        changed |= report.is_ok_and(|report| report.changed_volume());
     }
     if changed {
-        match clear {
+        match clearing {
             IslandClearing::Never => {}
-            IslandClearing::AtEnd => _ = bench.clear_islands(),
+            IslandClearing::AtEnd => harness.clear_islands(),
             IslandClearing::Late => {
-                bench.undo.begin_stroke();
-                bench.clear_islands();
+                harness.undo.begin_stroke();
+                harness.clear_islands();
             }
         }
-        history.push_state(bench.volume.maps());
+        history.push_state(harness.volume.maps());
     }
 }
 

@@ -16,17 +16,17 @@ pub struct VoxelEntry {
     pub distance: f64,
 }
 
-/// The first occupied voxel on a ray. Origin and direction are in voxels; the direction has unit length, and
-/// the origin lies outside the grid.
-pub fn first_occupied(
+/// The first occupied voxel on a ray. Origin and direction are in voxels; the origin lies outside the grid.
+pub fn find_first_occupied(
     dense: &DenseVolume,
     origin: [f64; 3],
-    direction: [f64; 3],
+    unit_direction: [f64; 3],
 ) -> Option<VoxelEntry> {
     let n = dense.side() as f64;
     let (mut distance, mut side, mut far) = (0.0f64, 0, f64::INFINITY);
     for axis in 0..3 {
-        let (a, b) = (-origin[axis] / direction[axis], (n - origin[axis]) / direction[axis]);
+        let (a, b) =
+            (-origin[axis] / unit_direction[axis], (n - origin[axis]) / unit_direction[axis]);
         // Parallel to the planes: infinities of one sign outside of them, of both between them.
         if a.min(b) > distance {
             (distance, side) = (a.min(b), axis);
@@ -37,19 +37,19 @@ pub fn first_occupied(
         return None;
     }
     let mut voxel = [0, 1, 2].map(|axis| {
-        let place = origin[axis] + direction[axis] * distance;
+        let place = origin[axis] + unit_direction[axis] * distance;
         (place.floor() as i32).clamp(0, dense.side() as i32 - 1)
     });
     let mut before = voxel;
-    before[side] -= step_along(direction[side]);
+    before[side] -= step_along(unit_direction[side]);
     loop {
         if dense.contains(voxel) {
             return Some(VoxelEntry { voxel, before, distance });
         }
         // The nearest plane ahead.
         let leaves = [0, 1, 2].map(|axis| {
-            let plane = voxel[axis] + i32::from(direction[axis] > 0.0);
-            match direction[axis] {
+            let plane = voxel[axis] + i32::from(unit_direction[axis] > 0.0);
+            match unit_direction[axis] {
                 0.0 => f64::INFINITY,
                 along => (f64::from(plane) - origin[axis]) / along,
             }
@@ -62,7 +62,7 @@ pub fn first_occupied(
         }
         distance = leaves[axis];
         before = voxel;
-        voxel[axis] += step_along(direction[axis]);
+        voxel[axis] += step_along(unit_direction[axis]);
         if !(0..dense.side() as i32).contains(&voxel[axis]) {
             return None;
         }

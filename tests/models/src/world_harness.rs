@@ -24,6 +24,22 @@ where
     plane: BitGrid<N>,
 }
 
+/// A world, and the start volumes that every session of the harness has.
+#[derive(Debug)]
+pub struct WorldAndStarts<'a, const N: usize>
+where
+    Grid<N>: Size,
+{
+    /// The world.
+    pub world: &'a mut World<N>,
+    /// The lump, of the free mode.
+    pub lump: &'a RangeMaps<N>,
+    /// The one hidden figure.
+    pub figure: &'a RangeMaps<N>,
+    /// The toy, of the creative mode.
+    pub creative: &'a RangeMaps<N>,
+}
+
 impl<const N: usize> WorldHarness<N>
 where
     Grid<N>: Size,
@@ -93,10 +109,9 @@ where
     }
 
     /// The world, and the start volumes of lump, figure and toy.
-    pub fn world_and_start_volumes(
-        &mut self,
-    ) -> (&mut World<N>, &RangeMaps<N>, &RangeMaps<N>, &RangeMaps<N>) {
-        (&mut self.world, &self.lump, &self.figure, &self.creative)
+    pub fn world_and_start_volumes(&mut self) -> WorldAndStarts<'_, N> {
+        let WorldHarness { world, lump, figure, creative, .. } = self;
+        WorldAndStarts { world, lump, figure, creative }
     }
 
     /// Asserts the invariants: the maps are tight, the rows follow them, the mask is part of the volume, and the

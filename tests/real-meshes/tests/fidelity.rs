@@ -6,7 +6,7 @@ use paros_core::{Baker, BitGrid, RangeMaps};
 use paros_models::dense::DenseVolume;
 use paros_tests_files::baked::bake;
 use paros_tests_real_meshes::real_mesh;
-use paros_tests_render::fidelity::{N, hits_lie_together};
+use paros_tests_render::fidelity::{N, assert_hits_agree};
 
 #[test]
 fn exact_hits_and_fast_hits_of_the_bunny_lie_together() {
@@ -15,5 +15,5 @@ fn exact_hits_and_fast_hits_of_the_bunny_lie_together() {
     static PLANE: Mutex<BitGrid<N>> = Mutex::new(BitGrid::new());
     let Some(bunny) = real_mesh("stanford-bunny.obj") else { return };
     bake(&bunny, &BAKER, &MAPS, &PLANE);
-    hits_lie_together("bunny", &DenseVolume::from_maps(&MAPS.lock().unwrap()));
+    assert_hits_agree("bunny", &DenseVolume::from_maps(&MAPS.lock().unwrap()));
 }

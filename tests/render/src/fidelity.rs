@@ -7,7 +7,7 @@ use paros_shaders::fast;
 use paros_shaders::field::DensityField;
 use rayon::prelude::*;
 
-use crate::view::{PinholeView, TracedPicture, build_textures};
+use crate::view::{PinholeView, TracedPicture, build_maps_and_field};
 
 /// Voxels a side.
 pub const N: usize = 128;
@@ -25,8 +25,8 @@ const OFF: f32 = 1.0;
 ///
 /// # Panics
 /// Hits lie farther apart than allowed.
-pub fn hits_lie_together(name: &str, dense: &DenseVolume) {
-    let (_, field) = build_textures::<N>(dense);
+pub fn assert_hits_agree(name: &str, dense: &DenseVolume) {
+    let (_, field) = build_maps_and_field::<N>(dense);
     let at = Vec3::new(64.0, 60.0, 64.0);
     for (i, (way, from)) in [
         ([0.4, 0.2, 1.0], [300.0, 150.0]),
@@ -85,19 +85,19 @@ struct ExactHit {
 }
 
 fn check_view(name: &str, dense: &DenseVolume, field: &DensityField<N>, picture: &TracedPicture) {
-    let away = away_from_outlines(picture);
+    let away = flag_pixels_away_from_outlines(picture);
     let tested: Vec<usize> = (0..SIDE * SIDE).filter(|&pixel| away[pixel]).collect();
     let seen = |&pixel: &usize| {
         let place = classify_hit(dense, picture.exact[pixel].as_ref()?);
-        let near = is_near_fast(field, picture, pixel, OFF);
+        let near = is_exact_hit_near_fast_surface(field, picture, pixel, OFF);
         let right = near
             || place != HitSurroundings::Open
-                && is_near_fast(field, picture, pixel, place.max_distance());
+                && is_exact_hit_near_fast_surface(field, picture, pixel, place.max_distance());
         Some(ExactHit { pixel, place, near, right })
     };
     let seen: Vec<ExactHit> = tested.par_iter().filter_map(seen).collect();
     let astray = |&pixel: &usize| {
-        picture.fast[pixel].is_some_and(|at| !is_near_occupied(dense, at.position, OFF))
+        picture.fast[pixel].is_some_and(|at| !is_near_occupied_voxel(dense, at.position, OFF))
     };
     let stray = tested.iter().copied().filter(astray);
     let wrong = seen.iter().filter(|seen| !seen.right).map(|seen| seen.pixel);
@@ -118,7 +118,7 @@ fn check_view(name: &str, dense: &DenseVolume, field: &DensityField<N>, picture:
 }
 
 /// Which pixels are farther than two voxels' projected width from any outline.
-fn away_from_outlines(picture: &TracedPicture) -> Vec<bool> {
+fn flag_pixels_away_from_outlines(picture: &TracedPicture) -> Vec<bool> {
     let mut away = vec![true; SIDE * SIDE];
     let distance = |i: usize| picture.exact[i].map(|entry| entry.distance);
     for i in 0..SIDE * SIDE {
@@ -142,29 +142,34 @@ fn away_from_outlines(picture: &TracedPicture) -> Vec<bool> {
 }
 
 /// Whether a pixel's exact hit lies at most so far from a point that the fast path shows.
-fn is_near_fast(field: &DensityField<N>, picture: &TracedPicture, pixel: usize, most: f32) -> bool {
+fn is_exact_hit_near_fast_surface(
+    field: &DensityField<N>,
+    picture: &TracedPicture,
+    pixel: usize,
+    max_distance: f32,
+) -> bool {
     let at = picture.exact_point(pixel).expect("a hit");
-    let close = |to: Vec3| to.distance(at) <= most;
+    let close = |to: Vec3| to.distance(at) <= max_distance;
     if picture.fast[pixel].is_some_and(|fast| close(fast.position)) {
         return true;
     }
     let [right, up, _] = picture.view.axes;
-    let steps = || (-20..=20).map(|i| i as f32 * most / 20.0);
+    let steps = || (-20..=20).map(|i| i as f32 * max_distance / 20.0);
     steps().any(|x| {
         steps().any(|y| {
             let ray = picture.view.ray_towards(at + right * x + up * y);
-            x * x + y * y <= most * most
+            x * x + y * y <= max_distance * max_distance
                 && fast::find_surface(field, &ray).is_some_and(|fast| close(fast.position))
         })
     })
 }
 
 /// Whether an occupied voxel lies at most so far from a point.
-fn is_near_occupied(dense: &DenseVolume, point: Vec3, most: f32) -> bool {
+fn is_near_occupied_voxel(dense: &DenseVolume, point: Vec3, max_distance: f32) -> bool {
     let [x, y, z] = point.to_array().map(|c| c.floor() as i32);
     (0..125).any(|i| {
         let voxel = [x + i % 5 - 2, y + i / 5 % 5 - 2, z + i / 25 - 2];
         let low = Vec3::from_array(voxel.map(|c| c as f32));
-        dense.contains(voxel) && point.distance(point.clamp(low, low + 1.0)) <= most
+        dense.contains(voxel) && point.distance(point.clamp(low, low + 1.0)) <= max_distance
     })
 }

@@ -26,17 +26,22 @@ pub struct PinholeView {
 }
 
 impl PinholeView {
-    /// A camera that looks at a point from the direction `way` and a distance; `across` voxels fill
-    /// the picture's width there.
-    pub fn new(at: Vec3, way: [f32; 3], [distance, across]: [f32; 2], side: usize) -> Self {
-        let ahead = -Vec3::from_array(way).normalize();
+    /// A camera that looks at a point from a direction and a distance; `width_at_target` voxels fill the
+    /// picture's width there.
+    pub fn new(
+        target: Vec3,
+        towards_eye: [f32; 3],
+        [distance, width_at_target]: [f32; 2],
+        side_pixels: usize,
+    ) -> Self {
+        let ahead = -Vec3::from_array(towards_eye).normalize();
         let right = ahead.cross(Vec3::Y).try_normalize().unwrap_or(Vec3::X);
         let axes = [right, right.cross(ahead), ahead];
         PinholeView {
-            eye: at - ahead * distance,
+            eye: target - ahead * distance,
             axes,
-            focal: side as f32 * distance / across,
-            side,
+            focal: side_pixels as f32 * distance / width_at_target,
+            side: side_pixels,
         }
     }
 
@@ -95,7 +100,7 @@ impl TracedPicture {
             let [origin, direction] =
                 [ray.origin, ray.direction].map(|v| v.to_array().map(f64::from));
             (
-                voxel_traversal::first_occupied(dense, origin, direction),
+                voxel_traversal::find_first_occupied(dense, origin, direction),
                 fast::find_surface(field, &ray),
             )
         };
@@ -131,11 +136,11 @@ impl TracedPicture {
     }
 }
 
-/// The maps and textures of a volume that is its own closure.
+/// The maps and the density field of a volume that is its own closure.
 ///
 /// # Panics
 /// It is not.
-pub fn build_textures<const N: usize>(
+pub fn build_maps_and_field<const N: usize>(
     dense: &DenseVolume,
 ) -> (Box<RangeMaps<N>>, Box<DensityField<N>>) {
     let mut maps = Box::new(RangeMaps::new());

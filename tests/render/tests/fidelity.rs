@@ -16,8 +16,8 @@ use paros_core::{BitGrid, RangeMaps};
 use paros_models::dense::{DenseVolume, closed_volumes as small};
 use paros_models::voxel_traversal;
 use paros_shell::figures::Figure;
-use paros_tests_render::fidelity::{N, hits_lie_together};
-use paros_tests_render::view::{PinholeView, TracedPicture, build_textures};
+use paros_tests_render::fidelity::{N, assert_hits_agree};
+use paros_tests_render::view::{PinholeView, TracedPicture, build_maps_and_field};
 use proptest::prelude::*;
 
 proptest! {
@@ -34,7 +34,7 @@ proptest! {
         let way = way.map(|c| c / length);
         let place = |distance: f64| std::array::from_fn(|i| from[i] + way[i] * distance);
         let voxel = |at: [f64; 3]| at.map(|c| c.floor() as i32);
-        let entry = voxel_traversal::first_occupied(&dense, from, way);
+        let entry = voxel_traversal::find_first_occupied(&dense, from, way);
         let end = entry.as_ref().map_or(100.0, |entry| entry.distance - 1e-6);
         for i in 0..(end.max(0.0) * 100.0) as usize {
             prop_assert!(!dense.contains(voxel(place(i as f64 * 0.01))), "{entry:?}");
@@ -55,7 +55,7 @@ proptest! {
 #[test]
 fn exact_hits_and_fast_hits_lie_together() {
     for (name, dense) in test_volumes() {
-        hits_lie_together(name, &dense);
+        assert_hits_agree(name, &dense);
     }
 }
 
@@ -98,7 +98,7 @@ const WAYS: [[f32; 3]; 14] = [
 
 /// Pictures of a volume of 64 voxels a side from everywhere, a voxel about four pixels wide.
 fn take_pictures(dense: &DenseVolume) -> impl Iterator<Item = (usize, TracedPicture)> + use<> {
-    let (_, field) = build_textures::<64>(dense);
+    let (_, field) = build_maps_and_field::<64>(dense);
     let dense = dense.clone();
     WAYS.into_iter().enumerate().map(move |(i, way)| {
         let view = PinholeView::new(Vec3::splat(32.0), way, [150.0, 56.0], 200);

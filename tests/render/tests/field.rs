@@ -2,7 +2,7 @@
 
 use paros_core::RangeMaps;
 use paros_models::dense::{DenseVolume, any_voxels};
-use paros_models::field::{FieldModel, cube_index, cube_places};
+use paros_models::field::{FieldModel, grid_index, grid_points};
 use paros_shaders::field::{DensityField, LEVELS, cell_side_texels};
 use proptest::prelude::*;
 
@@ -15,20 +15,20 @@ fn check_rebuild<const N: usize>(dense: &DenseVolume) {
     for level in 0..LEVELS {
         let side = model.texels_per_side(level);
         assert_eq!(field.level_side(level), side as usize);
-        for at in cube_places(side) {
+        for at in grid_points(side) {
             let texel = field.density_texel(level, at.map(|c| c as usize));
             assert_eq!(
                 texel,
-                model.density[level][cube_index(at, side)],
+                model.density[level][grid_index(at, side)],
                 "level {level}, texel {at:?}"
             );
         }
     }
     let side = model.texels_per_side(0) / cell_side_texels(N) as i32;
     assert_eq!(field.cells_per_side(), side as usize);
-    for at in cube_places(side) {
+    for at in grid_points(side) {
         let free = field.free_distance_cells(at.map(|c| c as usize));
-        assert_eq!(free, model.cells[cube_index(at, side)], "cell {at:?}");
+        assert_eq!(free, model.cells[grid_index(at, side)], "cell {at:?}");
     }
 }
 

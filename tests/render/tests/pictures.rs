@@ -7,7 +7,7 @@ use glam::Vec3;
 use paros_core::RangeMaps;
 use paros_models::dense::DenseVolume;
 use paros_models::twin::{
-    self as model, BALL_CENTRE, BALL_RADIUS, sample_directions, with_ball_maps, with_maps_of_16,
+    self as model, BALL_CENTRE, BALL_RADIUS, sample_directions, with_maps_of_16, with_maps_of_ball,
 };
 use paros_shaders::harmonics::sh_basis;
 use paros_shaders::{
@@ -17,7 +17,7 @@ use paros_shaders::{
 
 #[test]
 fn depth_and_position_agree_with_the_turned_stool() {
-    with_ball_maps(|maps| {
+    with_maps_of_ball(|maps| {
         let scene = TwinScene::new(maps, 0.7, TwinSettings::default());
         let camera = Camera::orbiting(0.0, 0.3);
         let mut hits = 0;
@@ -105,7 +105,7 @@ fn render_in_threads(threads: usize, maps: &RangeMaps<64>, options: &RenderOptio
 
 #[test]
 fn a_picture_does_not_depend_on_the_threads_or_the_march() {
-    with_ball_maps(|maps| {
+    with_maps_of_ball(|maps| {
         let options = RenderOptions { samples: 2, ..small_options(TwinSettings::default()) };
         let one = render_in_threads(1, maps, &options);
         assert!(one == render_in_threads(3, maps, &options));
@@ -118,7 +118,7 @@ fn a_picture_does_not_depend_on_the_threads_or_the_march() {
 
 #[test]
 fn a_picture_shows_a_ball_in_a_studio() {
-    with_ball_maps(|maps| {
+    with_maps_of_ball(|maps| {
         let plain = TwinSettings { shading: false, ..TwinSettings::default() };
         let image = render_in_threads(2, maps, &small_options(plain));
         let studio = with_maps_of_16(&DenseVolume::empty(16), |empty| {
@@ -138,7 +138,7 @@ fn a_picture_shows_a_ball_in_a_studio() {
 
 #[test]
 fn progress_is_told_row_by_row() {
-    with_ball_maps(|maps| {
+    with_maps_of_ball(|maps| {
         let calls = AtomicU32::new(0);
         let most = Mutex::new(0.0f32);
         let image = render_image(
@@ -159,7 +159,7 @@ fn progress_is_told_row_by_row() {
 
 #[test]
 fn a_picture_without_pixels_is_no_error() {
-    with_ball_maps(|maps| {
+    with_maps_of_ball(|maps| {
         for (width, height) in [(0, 5), (5, 0), (0, 0)] {
             let options = RenderOptions { width, height, ..small_options(TwinSettings::default()) };
             let image = render_image(maps, &Camera::orbiting(0.0, 0.1), &options, &|_| ());

@@ -13,7 +13,7 @@ use paros_shaders::light::tangent_basis;
 use paros_shaders::march::march_maps;
 use paros_shaders::surface::{SurfacePoint, trace_blobs};
 use paros_shaders::{Ray, fast};
-use paros_tests_render::view::build_textures;
+use paros_tests_render::view::build_maps_and_field;
 use rayon::prelude::*;
 
 const N: usize = 128;
@@ -53,9 +53,9 @@ struct SmoothErrors {
 }
 
 fn measure_errors(solid: &Solid) -> SmoothErrors {
-    let (maps, field) = build_textures::<N>(&solid.to_voxels(N));
+    let (maps, field) = build_maps_and_field::<N>(&solid.to_voxels(N));
     let degrees = |at: &SurfacePoint| {
-        let cos = at.normal.dot(solid.normal(at.position));
+        let cos = at.normal.dot(solid.nearest_normal(at.position));
         cos.clamp(-1.0, 1.0).acos().to_degrees()
     };
     let from = |way: Vec3| {
@@ -66,7 +66,7 @@ fn measure_errors(solid: &Solid) -> SmoothErrors {
             let ray = Ray { origin: eye, direction: (MIDDLE + u * x + v * y - eye).normalize() };
             let both = (fast::find_surface(&field, &ray), march_maps(&maps, &ray));
             let (Some(at), Some(sample)) = both else { continue };
-            let off = solid.distance(at.position).abs();
+            let off = solid.signed_distance(at.position).abs();
             sum.hits += 1.0;
             sum.off += off;
             sum.farthest = sum.farthest.max(off);
@@ -120,7 +120,7 @@ fn normals_err_a_quarter_as_much_as_the_papers() {
 #[test]
 fn a_spheres_outline_is_a_circle() {
     for radius in [30.0, 50.0] {
-        let (_, field) = build_textures::<N>(&sphere_solid(radius).to_voxels(N));
+        let (_, field) = build_maps_and_field::<N>(&sphere_solid(radius).to_voxels(N));
         let views = sphere_directions(26)
             .into_iter()
             .flat_map(|way| [110.0, 300.0, 900.0].map(|far| (way, far)));

@@ -4,8 +4,8 @@ use glam::Vec3;
 use paros_core::RangeMaps;
 use paros_models::dense::{DenseVolume, closed_volumes};
 use paros_models::twin::{
-    self as model, BALL_CENTRE, BALL_RADIUS, sample_directions, voxel_centre, with_ball_maps,
-    with_maps_of_16,
+    self as model, BALL_CENTRE, BALL_RADIUS, sample_directions, voxel_centre, with_maps_of_16,
+    with_maps_of_ball,
 };
 use paros_shaders::fast::SunLight;
 use paros_shaders::field::DensityField;
@@ -82,7 +82,7 @@ proptest! {
                 prop_assert!((at.normal.length() - 1.0).abs() < 1e-4);
                 prop_assert!((ray.at(at.distance) - at.position).length() < 1e-3);
                 let place = at.position.to_array().map(f64::from);
-                let sum = model::normal_sum(&dense, sample.voxel.map(|c| c as i32), place);
+                let sum = model::unnormalised_normal(&dense, sample.voxel.map(|c| c as i32), place);
                 let size = sum.iter().map(|c| c * c).sum::<f64>().sqrt();
                 if size > 0.02 {
                     let normal = Vec3::from_array(sum.map(|c| (c / size) as f32));
@@ -164,7 +164,7 @@ fn for_ball_rays(mut f: impl FnMut(&Ray)) {
 
 #[test]
 fn hits_are_within_a_voxel_of_a_ball_from_every_side() {
-    with_ball_maps(|maps| {
+    with_maps_of_ball(|maps| {
         let (mut rays, mut blob_off, mut face_off) = (0, 0.0f32, 0.0f32);
         for_ball_rays(|ray| {
             let sample = march_maps(maps, ray).expect("the ray meets the ball");
@@ -186,7 +186,7 @@ fn hits_are_within_a_voxel_of_a_ball_from_every_side() {
 /// voxels the errors cancel, which is what the eye sees as the surface's shading.
 #[test]
 fn normals_of_a_ball_point_outwards() {
-    with_ball_maps(|maps| {
+    with_maps_of_ball(|maps| {
         let (mut blob, mut face) = (Vec::new(), Vec::new());
         for_ball_rays(|ray| {
             let sample = march_maps(maps, ray).expect("the ray meets the ball");
@@ -241,7 +241,7 @@ fn blobs_join_smoothly() {
 
 #[test]
 fn the_smooth_surface_of_a_ball_is_close_and_smooth() {
-    with_ball_maps(|maps| {
+    with_maps_of_ball(|maps| {
         let field = build_field(maps);
         let (mut off, mut worst, mut sum, mut rays) = (0.0f32, 0.0f32, 0.0, 0);
         for_ball_rays(|ray| {

@@ -41,15 +41,20 @@ pub struct TestRenderer {
 }
 
 impl TestRenderer {
-    /// For volumes of `n` voxels a side, samples per pixel, views, and a size in pixels. Depth is kept
+    /// For volumes of `grid_side` voxels a side, and pictures of an extent in pixels. Depth is kept
     /// with one sample.
     ///
     /// # Panics
     /// A call that fails, here and below.
-    pub fn new(gpu: &SharedGpu, n: usize, [samples, views]: [u32; 2], size: [u32; 2]) -> Self {
+    pub fn new(
+        gpu: &SharedGpu,
+        grid_side: usize,
+        [samples, views]: [u32; 2],
+        extent: [u32; 2],
+    ) -> Self {
         let format = OffscreenTarget::readback_format(samples, views, samples == 1);
-        let renderer = Renderer::new(gpu, format, n, &[]).expect("a renderer");
-        let screen = OffscreenTarget::new(gpu, &renderer, size).expect("an image");
+        let renderer = Renderer::new(gpu, format, grid_side, &[]).expect("a renderer");
+        let screen = OffscreenTarget::new(gpu, &renderer, extent).expect("an image");
         TestRenderer { screen, renderer, gpu: gpu.clone() }
     }
 
@@ -73,7 +78,7 @@ impl TestRenderer {
     }
 
     /// Draws a frame, with as many pending uploads as its budget allows.
-    pub fn draw_pending<const N: usize>(&mut self, field: &mut DensityField<N>) {
+    pub fn draw_with_pending_uploads<const N: usize>(&mut self, field: &mut DensityField<N>) {
         self.renderer.begin_frame().expect("a frame");
         let (budget, mut bytes) = (Budget::per_frame(N), 0);
         field.update_textures(budget, &mut |region, texels| {
@@ -91,20 +96,20 @@ impl TestRenderer {
     }
 
     /// Asserts that the device's textures equal a rebuild from a world's volume.
-    pub fn check_textures<const N: usize>(
+    pub fn assert_textures_match<const N: usize>(
         &self,
         world: &World<N>,
-        rebuilt: &mut DensityField<N>,
-        when: &str,
+        scratch: &mut DensityField<N>,
+        context: &str,
     ) where
         Grid<N>: Size,
     {
-        rebuilt.rebuild_from(world.volume().maps());
-        rebuilt.emit_all_regions(|region, bytes| {
+        scratch.rebuild_from(world.volume().maps());
+        scratch.emit_all_regions(|region, bytes| {
             let held = self.screen.read_texels(&self.renderer, region).expect("texels");
             assert_eq!(held.len(), bytes.len());
             let wrong = held.iter().zip(bytes).filter(|(held, right)| held != right).count();
-            assert_eq!(wrong, 0, "{when}: of {} bytes of {:?}", bytes.len(), region.texture);
+            assert_eq!(wrong, 0, "{context}: of {} bytes of {:?}", bytes.len(), region.texture);
         });
     }
 }

@@ -26,7 +26,7 @@ static ALONE: Mutex<()> = Mutex::new(());
 /// An instance that validation looks at, whose devices can fail; none where there is none.
 fn locked_instance() -> Option<(MutexGuard<'static, ()>, Arc<Instance>)> {
     let guard = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
-    faults::plan_fault(None);
+    faults::set_planned_fault(None);
     let options = Options { validation: true, ..Options::default() };
     let instance =
         require_or_skip(Instance::create(&options)).expect("Vulkan and its validation")?;
@@ -95,15 +95,15 @@ fn memory_may_run_out_at_any_call_of_the_start() {
                 if after % 2 == 0 { FailureCause::DeviceMemory } else { FailureCause::HostMemory };
             let gpu = create_device(&instance).expect("a device");
             // Some more calls fail with it, as memory does not come back by itself.
-            faults::plan_fault(Some(PlannedFault {
+            faults::set_planned_fault(Some(PlannedFault {
                 calls,
                 skipped_calls: after,
                 failing_calls: 1 + after % 3,
                 cause: why,
             }));
             let started = start_and_draw(&gpu, &field, 1);
-            let failed = faults::failed_calls();
-            faults::plan_fault(None);
+            let failed = faults::injected_failure_count();
+            faults::set_planned_fault(None);
             drop(gpu);
             assert_eq!(
                 instance.validation_messages(),
@@ -135,15 +135,15 @@ fn a_lost_device_is_told_and_the_next_draws_the_same() {
     let mut losses = 0;
     for after in 0.. {
         let gpu = create_device(&instance).expect("a device");
-        faults::plan_fault(Some(PlannedFault {
+        faults::set_planned_fault(Some(PlannedFault {
             calls: CallGroup::Submit,
             skipped_calls: after,
             failing_calls: 1,
             cause: FailureCause::Lost,
         }));
         let started = start_and_draw(&gpu, &field, 3);
-        let failed = faults::failed_calls();
-        faults::plan_fault(None);
+        let failed = faults::injected_failure_count();
+        faults::set_planned_fault(None);
         drop(gpu);
         if failed == 0 {
             break;
@@ -175,7 +175,7 @@ fn a_frame_that_failed_is_not_waited_for() {
             failing_calls: 1,
             cause: FailureCause::HostMemory,
         };
-        faults::plan_fault((i % 2 == 1).then_some(fault));
+        faults::set_planned_fault((i % 2 == 1).then_some(fault));
         renderer.begin_frame().expect("no wait");
         let drawn = renderer.draw_frame(
             &lone_sculpture(&[AHEAD]),
@@ -185,7 +185,7 @@ fn a_frame_that_failed_is_not_waited_for() {
         );
         assert_eq!(drawn.is_ok(), i % 2 == 0, "{drawn:?}");
     }
-    faults::plan_fault(None);
+    faults::set_planned_fault(None);
     drop((screen, renderer, gpu));
     assert_eq!(instance.validation_messages(), Vec::<String>::new());
 }

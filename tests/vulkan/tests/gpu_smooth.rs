@@ -10,7 +10,7 @@ use paros_shaders::gpu::{
     RenderStyle, Renderer, SculpturePlacement,
 };
 use paros_shell::require::require_or_skip;
-use paros_tests_render::view::build_textures;
+use paros_tests_render::view::build_maps_and_field;
 
 const EXTENT: [u32; 2] = [240, 240];
 /// What the picture shows on each side of its middle, in radians.
@@ -21,7 +21,7 @@ const FIELD: f32 = 0.35;
 fn measure_coverage(gpu: &paros_shaders::gpu::SharedGpu, eye: &Eye) -> Vec<f32> {
     let shape = SolidShape::Sphere { radius: 24.0 };
     let solid = Solid { shape, centre: Vec3::splat(32.0), rotation: Quat::IDENTITY };
-    let (_, field) = build_textures::<64>(&solid.to_voxels(64));
+    let (_, field) = build_maps_and_field::<64>(&solid.to_voxels(64));
     let mut renderer = Renderer::new(gpu, OffscreenTarget::readback_format(4, 1, false), 64, &[])
         .expect("a renderer");
     let screen = OffscreenTarget::new(gpu, &renderer, EXTENT).expect("images");

@@ -58,7 +58,7 @@ where
     }
 
     fn draw_frame(&mut self) {
-        self.test_renderer.draw_pending(&mut self.field);
+        self.test_renderer.draw_with_pending_uploads(&mut self.field);
         self.frames += 1;
     }
 
@@ -67,7 +67,7 @@ where
         while self.field.has_pending() {
             self.draw_frame();
         }
-        self.test_renderer.check_textures(world, &mut self.rebuilt, when);
+        self.test_renderer.assert_textures_match(world, &mut self.rebuilt, when);
     }
 }
 

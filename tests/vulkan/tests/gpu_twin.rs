@@ -13,7 +13,7 @@ use paros_shaders::gpu::{
 use paros_shaders::march::clip_to_cube;
 use paros_shaders::{Image, Ray, TwinScene, TwinSettings, shade_ray};
 use paros_shell::require::require_or_skip;
-use paros_tests_render::view::build_textures;
+use paros_tests_render::view::build_maps_and_field;
 
 const EXTENT: [u32; 2] = [200, 168];
 const N: usize = 64;
@@ -106,7 +106,7 @@ fn from_inside_the_box_the_gpu_draws_what_its_twin_draws() {
 fn check_agreement(single: bool, paths: &[RenderPath], eye: impl Fn(usize) -> Eye) {
     let Some(mut rig) = TwinRig::new(single) else { return };
     for (name, volume) in test_volumes() {
-        let (maps, field) = build_textures::<N>(&volume);
+        let (maps, field) = build_maps_and_field::<N>(&volume);
         rig.load(&field);
         for (view, turn) in TURNS.into_iter().enumerate() {
             for &path in paths {
@@ -129,7 +129,7 @@ fn check_agreement(single: bool, paths: &[RenderPath], eye: impl Fn(usize) -> Ey
 fn a_full_march_draws_what_the_quick_one_draws() {
     let Some(mut rig) = TwinRig::new(true) else { return };
     for (name, volume) in test_volumes() {
-        rig.load(&build_textures::<N>(&volume).1);
+        rig.load(&build_maps_and_field::<N>(&volume).1);
         for (view, turn) in TURNS.into_iter().enumerate() {
             let [quick, full] = [PaperVariant::Whole, PaperVariant::FullMarch]
                 .map(|parts| rig.draw(eye(view), turn, RenderPath::Paper(parts)));
@@ -152,7 +152,7 @@ fn the_gpu_keeps_what_is_thin() {
         ("plates", DenseVolume::from_fn(N, plates).closure(), 0.9),
         ("rods", DenseVolume::from_fn(N, rods).closure(), 0.6),
     ] {
-        let (maps, field) = build_textures::<N>(&volume);
+        let (maps, field) = build_maps_and_field::<N>(&volume);
         rig.load(&field);
         for (view, turn) in TURNS.into_iter().enumerate() {
             let scene = TwinScene::new(&maps, turn, TwinSettings::default());
@@ -161,7 +161,7 @@ fn the_gpu_keeps_what_is_thin() {
             let shows = |i: &usize| {
                 let ray = scene.ray_to_grid(&pixel_ray(&eye(view), i % width, i / width).0);
                 let [from, way] = [ray.origin, ray.direction].map(|v| v.to_array().map(f64::from));
-                voxel_traversal::first_occupied(&volume, from, way).is_some()
+                voxel_traversal::find_first_occupied(&volume, from, way).is_some()
             };
             let shown: Vec<usize> = (0..pixels.len()).filter(shows).collect();
             let kept = shown.iter().filter(|&&i| depths[i] > 0.0).count();

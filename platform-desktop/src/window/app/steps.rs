@@ -67,7 +67,7 @@ where
             }
             ScriptStep::Lose => {
                 let calls = CallGroup::Submit;
-                faults::plan_fault(Some(PlannedFault {
+                faults::set_planned_fault(Some(PlannedFault {
                     calls,
                     skipped_calls: 0,
                     failing_calls: 1,
@@ -76,7 +76,7 @@ where
             }
             ScriptStep::Starve(times) => {
                 let calls = CallGroup::Memory;
-                faults::plan_fault(Some(PlannedFault {
+                faults::set_planned_fault(Some(PlannedFault {
                     calls,
                     skipped_calls: 0,
                     failing_calls: times,

@@ -12,7 +12,7 @@ use paros_core::internals::{FreezeResult, GridBit, GridShape, exit_probes};
 use paros_core::limits::{EXIT_PROBES, max_walk_steps, max_walk_steps_with_undo};
 use paros_core::{Grid, Pose, SUBUNITS_PER_VOXEL, Size, ToolBit};
 use paros_models::contact::{ContactModel, path_poses};
-use paros_models::dense::{DenseVolume, masked_volumes};
+use paros_models::dense::{DenseVolume, MaskedVolume, masked_volumes};
 use proptest::prelude::*;
 
 use crate::stone::{
@@ -93,7 +93,8 @@ fn assert_freeze_follows_walk(
     for most in [max_walk_steps_with_undo(16), max_walk_steps(16)] {
         frozen = stone.obstacle().freeze_bit(bit, from, raw, most);
         prop_assert_eq!(frozen, block.freeze_by_walk(bit, from, raw, most));
-        let (before, after) = (block.depths_at(bit, from), block.depths_at(bit, &frozen.pose));
+        let (before, after) =
+            (block.penetration_at(bit, from), block.penetration_at(bit, &frozen.pose));
         prop_assert!(after.volume <= bit.bite.max(before.volume), "{before:?} -> {after:?}");
         prop_assert!(after.mask <= before.mask, "{before:?} -> {after:?}");
         if !frozen.blocked && frozen.steps < most {
@@ -120,7 +121,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
 
     #[test]
-    fn contact_is_that_of_the_voxels((volume, mask) in masked_volumes(16), bit in any_bits(), pose in any_poses(16)) {
+    fn contact_is_that_of_the_voxels(MaskedVolume { volume, mask } in masked_volumes(16), bit in any_bits(), pose in any_poses(16)) {
         let mut stone = lock_stone(&STONE_16);
         stone.set(&volume, &mask);
         let block = ContactModel::new(volume, &mask);
@@ -145,7 +146,7 @@ proptest! {
     /// From any pose, deep inside too, as after an undo, a fill or a load.
     #[test]
     fn freeze_is_the_walk_from_anywhere(
-        (volume, mask) in masked_volumes(16),
+        MaskedVolume { volume, mask } in masked_volumes(16),
         bit in any_bits(),
         from in any_poses(16),
         motions in proptest::collection::vec(any_motions(16), 1..5),
@@ -163,7 +164,7 @@ proptest! {
     /// From outside, a bit's penetration never exceeds its bite, and is 0 in the mask.
     #[test]
     fn from_outside_nothing_gets_deeper_than_its_bite(
-        (volume, mask) in masked_volumes(16),
+        MaskedVolume { volume, mask } in masked_volumes(16),
         bit in any_bits(),
         start in any_rotations(),
         side in [-1.0..1.0f32, -1.0..1.0f32, -1.0..1.0f32],
@@ -177,7 +178,7 @@ proptest! {
         for motion in motions {
             let raw = motion.apply_to(&pose);
             pose = assert_freeze_follows_walk(&stone, &block, &bit, &pose, &raw)?.pose;
-            let sits = block.depths_at(&bit, &pose);
+            let sits = block.penetration_at(&bit, &pose);
             prop_assert!(sits.volume <= bit.bite && sits.mask == 0, "{sits:?}");
         }
     }

@@ -12,8 +12,8 @@ use paros_core::{
     Axis, BitSet, Brush, BrushTooLarge, Edit, EditOperation, EditReport, Grid, Pose, RangeMaps,
     SUBUNITS_PER_VOXEL, Size, apply_edit,
 };
-use paros_models::dense::{DenseVolume, masked_volumes};
-use paros_models::edit::{assert_edit_bounds, expected_edit};
+use paros_models::dense::{DenseVolume, MaskedVolume, masked_volumes};
+use paros_models::edit::{ExpectedEdit, assert_edit_invariants, expected_edit};
 use proptest::prelude::*;
 
 use harness::{BrushSpec, EditHarness, JournalNotes, Stroke, any_strokes};
@@ -21,7 +21,7 @@ use harness::{BrushSpec, EditHarness, JournalNotes, Stroke, any_strokes};
 /// Applies strokes one after the other and compares each with the model.
 fn assert_strokes_follow_definition<const N: usize>(
     harness: &Mutex<EditHarness<N>>,
-    (volume, mask): &(DenseVolume, DenseVolume),
+    MaskedVolume { volume, mask }: &MaskedVolume,
     strokes: &[Stroke],
 ) where
     Grid<N>: Size,
@@ -62,7 +62,8 @@ where
         return volume.clone();
     };
     let dense = voxels_by_rows::<N>(&brush);
-    let (after, expected) = expected_edit(volume, mask, &dense, operation, mirrored);
+    let ExpectedEdit { after, report: expected } =
+        expected_edit(volume, mask, &dense, operation, mirrored);
     assert_eq!(DenseVolume::from_bits(harness.volume.rows()), after, "the volume");
     assert_eq!(report, expected);
     assert_eq!(report.changed_volume(), &after != volume);
@@ -73,7 +74,7 @@ where
     assert_eq!(harness.volume.digest(), maps_digest(harness.volume.maps()));
     assert_eq!(notes.added, after.difference(volume), "added");
     assert_columns_are_changes(&notes, &harness.before, harness.volume.maps());
-    assert_edit_bounds(volume, mask, &after, &dense, operation, mirrored);
+    assert_edit_invariants(volume, mask, &dense, operation, mirrored, &after);
     after
 }
 
@@ -120,8 +121,11 @@ proptest! {
     #[test]
     fn mirrored_strokes_on_a_mirrored_16_stay_mirrored(start in masked_volumes(16), strokes in any_strokes(16, 3)) {
         static HARNESS: Mutex<EditHarness<16>> = Mutex::new(EditHarness::new());
-        let (volume, mask) = start;
-        let start = (volume.union(&volume.mirrored_in_x()).closure(), mask.union(&mask.mirrored_in_x()).closure());
+        let MaskedVolume { volume, mask } = start;
+        let start = MaskedVolume {
+            volume: volume.union(&volume.mirrored_in_x()).closure(),
+            mask: mask.union(&mask.mirrored_in_x()).closure(),
+        };
         let strokes: Vec<_> = strokes.into_iter().map(|stroke| Stroke { mirrored: true, ..stroke }).collect();
         assert_strokes_follow_definition(&HARNESS, &start, &strokes);
     }
@@ -161,7 +165,7 @@ proptest! {
 /// the model's result of the unmoved ones.
 fn assert_shifted_strokes_do_the_same<const N: usize>(
     harness: &Mutex<EditHarness<N>>,
-    (volume, mask): &(DenseVolume, DenseVolume),
+    MaskedVolume { volume, mask }: &MaskedVolume,
     shift: i32,
     strokes: &[Stroke],
 ) where
@@ -186,7 +190,8 @@ fn assert_shifted_strokes_do_the_same<const N: usize>(
         harness.before.copy_from(harness.volume.maps());
         let report =
             apply_edit(&mut harness.volume, &harness.mask, &edit, &mut harness.scratch, &mut notes);
-        let (after, expected) = expected_edit(&volume, mask, &voxels, *operation, false);
+        let ExpectedEdit { after, report: expected } =
+            expected_edit(&volume, mask, &voxels, *operation, false);
         assert_eq!(report, Ok(expected));
         let rows = harness.volume.rows();
         let is_occupied =
@@ -258,7 +263,10 @@ fn a_stroke_across_256_follows_the_definition() {
     let volume = DenseVolume::from_fn(256, |[x, y, z]| {
         [x, y, z].iter().map(|i| (i - 128) * (i - 128)).sum::<i32>() < 120 * 120 || y < 20
     });
-    let start = (volume.closure(), DenseVolume::from_fn(256, |[x, y, _]| y < 2 && x < 99));
+    let start = MaskedVolume {
+        volume: volume.closure(),
+        mask: DenseVolume::from_fn(256, |[x, y, _]| y < 2 && x < 99),
+    };
     let shape = BrushSpec::Capsule(
         IVec3::splat(3 * SUBUNITS_PER_VOXEL),
         IVec3::splat(250 * SUBUNITS_PER_VOXEL),
@@ -276,7 +284,7 @@ fn a_stroke_across_256_follows_the_definition() {
 #[test]
 fn paste_never_floats_but_stands_on_the_ground() {
     static HARNESS: Mutex<EditHarness<16>> = Mutex::new(EditHarness::new());
-    let nothing = (DenseVolume::empty(16), DenseVolume::empty(16));
+    let nothing = MaskedVolume { volume: DenseVolume::empty(16), mask: DenseVolume::empty(16) };
     let all = BrushSpec::Capsule(
         IVec3::splat(8 * SUBUNITS_PER_VOXEL),
         IVec3::splat(8 * SUBUNITS_PER_VOXEL),
