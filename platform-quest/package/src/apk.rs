@@ -29,14 +29,14 @@ const LIBRARIES: &str = "lib/arm64-v8a";
 /// # Errors
 /// A file can't be read or written.
 pub(crate) fn write_package(
-    manifest: &Path,
+    compiled_manifest: &Path,
     libraries: &[(&str, Vec<u8>)],
-    to: &Path,
+    output: &Path,
 ) -> Result<(), PackageError> {
     let mut package = ZipWriter::new(Cursor::new(Vec::new()));
     let packed = SimpleFileOptions::default().compression_method(CompressionMethod::Deflated);
     let plain = SimpleFileOptions::default().compression_method(CompressionMethod::Stored);
-    let compiled = File::open(manifest).map_err(PackageError::failure)?;
+    let compiled = File::open(compiled_manifest).map_err(PackageError::failure)?;
     let mut compiled = ZipArchive::new(compiled).map_err(PackageError::failure)?;
     for i in 0..compiled.len() {
         let mut entry = compiled.by_index(i).map_err(PackageError::failure)?;
@@ -57,16 +57,25 @@ pub(crate) fn write_package(
         add_entry(&mut package, &format!("assets/{name}"), packed, &bytes)?;
     }
     let bytes = package.finish().map_err(PackageError::failure)?.into_inner();
-    fs::write(to, bytes).map_err(|e| PackageError::Failure(format!("{}: {e}", to.display())))
+    fs::write(output, bytes)
+        .map_err(|e| PackageError::Failure(format!("{}: {e}", output.display())))
 }
 
-/// What keeps the entries of a package from being mapped or installed, and a list of them: bytes in
-/// the package, bytes, name.
+/// A package's entries.
+#[derive(Debug)]
+pub(crate) struct PackageInspection {
+    /// What keeps them from being mapped or installed.
+    pub(crate) faults: Vec<String>,
+    /// A line for each: bytes in the package, bytes, name.
+    pub(crate) listing: String,
+}
+
+/// Lists a package's entries, and what keeps them from being mapped or installed.
 ///
 /// # Errors
 /// It can't be read.
-pub(crate) fn inspect_package(package: &Path) -> Result<(Vec<String>, String), PackageError> {
-    let (mut faults, mut list) = (Vec::new(), String::new());
+pub(crate) fn inspect_package(package: &Path) -> Result<PackageInspection, PackageError> {
+    let (mut faults, mut listing) = (Vec::new(), String::new());
     let file = File::open(package).map_err(PackageError::failure)?;
     let whole = file.metadata().map_err(PackageError::failure)?.len();
     if whole > MAX_BYTES {
@@ -82,10 +91,10 @@ pub(crate) fn inspect_package(package: &Path) -> Result<(Vec<String>, String), P
         {
             faults.push(format!("{name} lies at byte {at}, or packed; it can't be mapped"));
         }
-        list += &format!("{:>9} {:>9}  {name}\n", entry.compressed_size(), entry.size());
+        listing += &format!("{:>9} {:>9}  {name}\n", entry.compressed_size(), entry.size());
     }
-    list += &format!("{whole:>9}            in all");
-    Ok((faults, list))
+    listing += &format!("{whole:>9}            in all");
+    Ok(PackageInspection { faults, listing })
 }
 
 fn add_entry(
@@ -128,7 +137,7 @@ mod tests {
             let mut package = ZipWriter::new(File::create(&path).expect("room on the disk"));
             package.start_file(name, options).expect("an entry");
             package.finish().expect("room on the disk");
-            inspect_package(&path).expect("a package").0
+            inspect_package(&path).expect("a package").faults
         };
         let stored = SimpleFileOptions::default().compression_method(CompressionMethod::Stored);
         let packed = stored.compression_method(CompressionMethod::Deflated);

@@ -14,23 +14,23 @@ pub(crate) const ENTRY: &str = "ANativeActivity_onCreate";
 
 /// Finds all that keeps the bytes of the shell's library from being loaded and started by Android at
 /// an API level. Empty if nothing does.
-pub(crate) fn find_faults(bytes: &[u8], symbols: &Symbols, level: u32) -> Vec<String> {
+pub(crate) fn find_library_faults(bytes: &[u8], symbols: &Symbols, api_level: u32) -> Vec<String> {
     let file = match parse_library(bytes) {
         Ok(file) => file,
         Err(fault) => return vec![fault],
     };
-    let mut faults = find_missing(&file, symbols, level);
+    let mut faults = find_unavailable_dependencies(&file, symbols, api_level);
     let is_entry = |name| name == Ok(ENTRY);
     if !file.dynamic_symbols().any(|symbol| symbol.is_definition() && is_entry(symbol.name())) {
         faults.push(format!("it does not have {ENTRY}"));
     }
-    faults.extend(check_alignment(&file));
+    faults.extend(find_misalignment(&file));
     faults
 }
 
 /// What keeps any other library from being loaded on a device with pages of 16 KiB.
-pub(crate) fn find_load_fault(bytes: &[u8]) -> Option<String> {
-    parse_library(bytes).map_or_else(Some, |file| check_alignment(&file))
+pub(crate) fn find_layout_fault(bytes: &[u8]) -> Option<String> {
+    parse_library(bytes).map_or_else(Some, |file| find_misalignment(&file))
 }
 
 /// A library for arm64, or why these bytes are none.
@@ -48,14 +48,18 @@ fn parse_library(bytes: &[u8]) -> Result<ElfFile64<'_>, String> {
 }
 
 /// What it wants and Android hasn't. A weak symbol may be missing.
-fn find_missing(file: &ElfFile64<'_>, symbols: &Symbols, level: u32) -> Vec<String> {
+fn find_unavailable_dependencies(
+    file: &ElfFile64<'_>,
+    symbols: &Symbols,
+    api_level: u32,
+) -> Vec<String> {
     let undefined =
         file.dynamic_symbols().filter(|symbol| symbol.is_undefined() && !symbol.is_weak());
     let names = undefined.filter_map(|symbol| symbol.name().ok()).filter(|name| !name.is_empty());
     let mut faults: Vec<_> = names
         .filter_map(|name| match symbols.find_origin(name) {
             None => Some(format!("it wants {name}, which Android does not offer")),
-            Some(origin) if origin.since > level => {
+            Some(origin) if origin.since > api_level => {
                 Some(format!("it wants {name}, which comes with API level {} only", origin.since))
             }
             Some(_) => None,
@@ -74,7 +78,7 @@ fn find_missing(file: &ElfFile64<'_>, symbols: &Symbols, level: u32) -> Vec<Stri
     faults
 }
 
-fn check_alignment(file: &ElfFile64<'_>) -> Option<String> {
+fn find_misalignment(file: &ElfFile64<'_>) -> Option<String> {
     let least = file.segments().map(|segment| segment.align()).min().unwrap_or(0);
     (least < PAGE || least % PAGE != 0)
         .then(|| format!("a segment is aligned to {least} bytes, not {PAGE}"))
@@ -84,26 +88,31 @@ fn check_alignment(file: &ElfFile64<'_>) -> Option<String> {
 mod tests {
     use std::fs;
 
-    use super::{ENTRY, find_faults};
+    use super::{ENTRY, find_library_faults};
     use crate::symbols::Symbols;
-    use crate::test_support::{link_library, scratch_folder};
+    use crate::test_support::{LibraryNames, link_library_if_toolchain, scratch_folder};
 
     #[test]
     fn what_android_would_not_load_is_found() {
         let (symbols, folder) = (Symbols::load_all(), scratch_folder("elf"));
         // Linked against what a later Android has.
-        let wants: &[&str] = &["AInputEvent_release", "dlopen", "getrandom"];
-        let Some(library) = link_library(&symbols, 31, [&[ENTRY], wants], &folder) else { return };
+        let needed: &[&str] = &["AInputEvent_release", "dlopen", "getrandom"];
+        let names = LibraryNames { defined: &[ENTRY], needed };
+        let Some(library) = link_library_if_toolchain(&symbols, 31, names, &folder) else { return };
         let bytes = fs::read(library.expect("all are listed")).expect("it was linked");
-        assert_eq!(find_faults(&bytes, &symbols, 31), [""; 0]);
+        assert_eq!(find_library_faults(&bytes, &symbols, 31), [""; 0]);
         let early = "it wants AInputEvent_release, which comes with API level 31 only";
-        assert_eq!(find_faults(&bytes, &symbols, 29), [early]);
+        assert_eq!(find_library_faults(&bytes, &symbols, 29), [early]);
         let unknown = "it wants dlopen, which Android does not offer";
-        assert_eq!(find_faults(&bytes, &symbols.clone().without("dlopen"), 31), [unknown]);
+        assert_eq!(find_library_faults(&bytes, &symbols.clone().without("dlopen"), 31), [unknown]);
 
-        let headless = link_library(&symbols, 29, [&["main"], &[]], &folder).expect("as before");
+        let names = LibraryNames { defined: &["main"], needed: &[] };
+        let headless = link_library_if_toolchain(&symbols, 29, names, &folder).expect("as before");
         let bytes = fs::read(headless.expect("nothing is wanted")).expect("it was linked");
-        assert_eq!(find_faults(&bytes, &symbols, 29), [format!("it does not have {ENTRY}")]);
+        assert_eq!(
+            find_library_faults(&bytes, &symbols, 29),
+            [format!("it does not have {ENTRY}")]
+        );
     }
 
     #[test]
@@ -111,9 +120,10 @@ mod tests {
         let here = fs::read(std::env::current_exe().expect("this test")).expect("readable");
         let expected =
             if cfg!(target_arch = "aarch64") { "it does not" } else { "it is not for arm64" };
-        assert!(find_faults(&here, &Symbols::load_all(), 29)[0].starts_with(expected));
+        assert!(find_library_faults(&here, &Symbols::load_all(), 29)[0].starts_with(expected));
         assert!(
-            find_faults(b"no ELF", &Symbols::load_all(), 29)[0].starts_with("it is no library")
+            find_library_faults(b"no ELF", &Symbols::load_all(), 29)[0]
+                .starts_with("it is no library")
         );
     }
 }

@@ -39,14 +39,14 @@ pub(crate) fn target_folder() -> PathBuf {
 ///
 /// # Errors
 /// Something is missing, or it does not compile or link.
-pub(crate) fn build_library(symbols: &Symbols, level: u32) -> Result<PathBuf, PackageError> {
+pub(crate) fn build_library(symbols: &Symbols, api_level: u32) -> Result<PathBuf, PackageError> {
     let target = target_folder();
     let stubs = target.join("android/stubs");
     let toolchain = Toolchain::find().map_err(PackageError::Failure)?;
     let linker = match env::var_os("ANDROID_NDK_HOME").filter(|path| !path.is_empty()) {
-        Some(ndk) => Linker::Ndk(find_clang(Path::new(&ndk), level)?),
+        Some(ndk) => Linker::Ndk(find_clang(Path::new(&ndk), api_level)?),
         None => {
-            stubs::write_stubs(symbols, level, &toolchain.linker, &stubs)?;
+            stubs::write_stub_libraries(symbols, api_level, &toolchain.linker, &stubs)?;
             Linker::Rust { lld: toolchain.linker, stubs }
         }
     };
@@ -108,8 +108,8 @@ impl Linker {
 }
 
 /// The NDK's compiler driver for an API level.
-fn find_clang(ndk: &Path, level: u32) -> Result<PathBuf, PackageError> {
-    let name = format!("{TARGET}{level}-clang");
+fn find_clang(ndk: &Path, api_level: u32) -> Result<PathBuf, PackageError> {
+    let name = format!("{TARGET}{api_level}-clang");
     let hosts = ndk.join("toolchains/llvm/prebuilt");
     let folders = hosts.read_dir().into_iter().flatten().flatten();
     let found =

@@ -21,6 +21,7 @@ use clap::Parser;
 use paros_shell::durable::{self, WriteTarget};
 use paros_shell::headset::package::OPENXR_LOADER;
 
+use crate::apk::PackageInspection;
 use crate::error::PackageError;
 use crate::manifest::{MANIFEST, MIN_API_LEVEL};
 use crate::signing::SigningKey;
@@ -53,7 +54,7 @@ struct PackageArgs {
 }
 
 fn main() -> ExitCode {
-    match run(&PackageArgs::parse()) {
+    match make_package(&PackageArgs::parse()) {
         Ok(report) => {
             println!("{report}");
             ExitCode::SUCCESS
@@ -65,7 +66,8 @@ fn main() -> ExitCode {
     }
 }
 
-fn run(args: &PackageArgs) -> Result<String, PackageError> {
+/// Makes the package. Returns the report for standard output.
+fn make_package(args: &PackageArgs) -> Result<String, PackageError> {
     let folder = library::target_folder().join("android");
     durable::make_folder(&folder).map_err(PackageError::failure)?;
     let output = args.output.clone().unwrap_or_else(|| folder.join("paros.apk"));
@@ -74,9 +76,9 @@ fn run(args: &PackageArgs) -> Result<String, PackageError> {
     tools::check_tools(args.library.is_none())?;
     let key = match (&args.key, &args.key_password) {
         (Some(store), Some(password)) => {
-            SigningKey::release(store, args.key_alias.as_deref(), password)?
+            SigningKey::load_release(store, args.key_alias.as_deref(), password)?
         }
-        _ => SigningKey::debug()?,
+        _ => SigningKey::load_or_create_debug()?,
     };
     let library = obtain_library(args)?;
 
@@ -88,9 +90,9 @@ fn run(args: &PackageArgs) -> Result<String, PackageError> {
     libraries.extend(loader.map(|bytes| (OPENXR_LOADER, bytes)));
     apk::write_package(&bare, &libraries, &unsigned)?;
     key.sign(&unsigned, &signed)?;
-    let report = check_package(&signed)?;
+    let report = check_and_describe_package(&signed)?;
     target.write_file(&read_file(&signed)?).map_err(PackageError::failure)?;
-    Ok(format!("{report}\n{}\n{}", output.display(), tools::install_commands(&output)))
+    Ok(format!("{report}\n{}\n{}", output.display(), tools::adb_install_commands(&output)))
 }
 
 /// The bytes of the library, built or given, once Android is sure to load it.
@@ -101,7 +103,7 @@ fn obtain_library(args: &PackageArgs) -> Result<Vec<u8>, PackageError> {
         None => library::build_library(&symbols, MIN_API_LEVEL)?,
     };
     let bytes = read_file(&path)?;
-    let faults = elf::find_faults(&bytes, &symbols, MIN_API_LEVEL);
+    let faults = elf::find_library_faults(&bytes, &symbols, MIN_API_LEVEL);
     match (faults.is_empty(), &args.library) {
         (true, _) => Ok(bytes),
         (false, None) => Err(PackageError::Failure(describe_faults(&path, &faults))),
@@ -112,16 +114,16 @@ fn obtain_library(args: &PackageArgs) -> Result<Vec<u8>, PackageError> {
 /// The bytes of a loader that was given.
 fn read_loader(path: &Path) -> Result<Vec<u8>, PackageError> {
     let bytes = read_file(path)?;
-    match elf::find_load_fault(&bytes) {
+    match elf::find_layout_fault(&bytes) {
         None => Ok(bytes),
         Some(fault) => Err(PackageError::Input(describe_faults(path, &[fault]))),
     }
 }
 
 /// What the finished package holds and who signed it, once nothing is wrong with it.
-fn check_package(package: &Path) -> Result<String, PackageError> {
-    let (mut faults, list) = apk::inspect_package(package)?;
-    faults.extend(manifest::find_faults(package)?);
+fn check_and_describe_package(package: &Path) -> Result<String, PackageError> {
+    let PackageInspection { mut faults, listing } = apk::inspect_package(package)?;
+    faults.extend(manifest::find_unmet_demands(package)?);
     if !faults.is_empty() {
         return Err(PackageError::Failure(describe_faults(package, &faults)));
     }
@@ -129,8 +131,8 @@ fn check_package(package: &Path) -> Result<String, PackageError> {
         "alignment's check",
         Command::new("zipalign").args(["-c", "-p", "4"]).arg(package),
     )?;
-    let signer = signing::verify_signature(package)?;
-    Ok(format!("{list}\n{signer}"))
+    let signer = signing::verify_and_describe_signer(package)?;
+    Ok(format!("{listing}\n{signer}"))
 }
 
 fn describe_faults(path: &Path, faults: &[String]) -> String {

@@ -78,19 +78,19 @@ const DEMANDS: [Demand; 17] = [
 /// # Errors
 /// `aapt2` refuses it.
 pub(crate) fn compile_manifest(
-    manifest: &str,
-    folder: &Scratch,
-    to: &Path,
+    manifest_xml: &str,
+    scratch: &Scratch,
+    output: &Path,
 ) -> Result<(), PackageError> {
-    let xml = folder.at("AndroidManifest.xml");
-    std::fs::write(&xml, manifest).map_err(PackageError::failure)?;
+    let xml = scratch.at("AndroidManifest.xml");
+    std::fs::write(&xml, manifest_xml).map_err(PackageError::failure)?;
     let (least, target) = (MIN_API_LEVEL.to_string(), TARGET_API_LEVEL.to_string());
     let mut link = Command::new("aapt2");
     // It knows no `<queries>`, but writes it down.
     link.args(["link", "--warn-manifest-validation", "-I", FRAMEWORK, "--manifest"]).arg(&xml);
     link.args(["--min-sdk-version", &least, "--target-sdk-version", &target]);
     link.args(["--version-name", env!("CARGO_PKG_VERSION")]);
-    link.args(["--version-code", &version_code(env!("CARGO_PKG_VERSION"))]).arg("-o").arg(to);
+    link.args(["--version-code", &version_code(env!("CARGO_PKG_VERSION"))]).arg("-o").arg(output);
     tools::run_tool("manifest", &mut link).map(drop)
 }
 
@@ -98,7 +98,7 @@ pub(crate) fn compile_manifest(
 ///
 /// # Errors
 /// `aapt2` can't read it.
-pub(crate) fn find_faults(package: &Path) -> Result<Vec<String>, PackageError> {
+pub(crate) fn find_unmet_demands(package: &Path) -> Result<Vec<String>, PackageError> {
     let mut dump = Command::new("aapt2");
     dump.args(["dump", "xmltree", "--file", "AndroidManifest.xml"]).arg(package);
     let elements = parse_elements(&tools::run_tool("manifest's check", &mut dump)?);
@@ -156,7 +156,9 @@ fn parse_elements(dump: &str) -> Vec<Element> {
 
 #[cfg(test)]
 mod tests {
-    use super::{DEMANDS, MANIFEST, compile_manifest, find_faults, parse_elements, version_code};
+    use super::{
+        DEMANDS, MANIFEST, compile_manifest, find_unmet_demands, parse_elements, version_code,
+    };
     use crate::test_support::scratch_folder;
     use crate::tools;
 
@@ -172,7 +174,7 @@ mod tests {
         let faults_of = |manifest: &str| {
             let package = folder.at("bare.apk");
             compile_manifest(manifest, &folder, &package).expect("it is a manifest");
-            find_faults(&package).expect("it can be read")
+            find_unmet_demands(&package).expect("it can be read")
         };
         assert_eq!(faults_of(MANIFEST), [""; 0]);
         let values =
@@ -188,7 +190,7 @@ mod tests {
             let Ok(()) = compile_manifest(&spoilt, &folder, &folder.at("bare.apk")) else {
                 continue;
             };
-            let told = find_faults(&folder.at("bare.apk")).expect("it can be read");
+            let told = find_unmet_demands(&folder.at("bare.apk")).expect("it can be read");
             assert!(told.iter().any(|fault| fault.contains(path)), "{name}={value}: {told:?}");
             tried += 1;
         }

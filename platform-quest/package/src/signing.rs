@@ -30,7 +30,7 @@ impl SigningKey {
     ///
     /// # Errors
     /// The store is no file, or the password is not given by `env:` or `file:`.
-    pub(crate) fn release(
+    pub(crate) fn load_release(
         store: &Path,
         alias: Option<&str>,
         password: &str,
@@ -57,7 +57,7 @@ impl SigningKey {
     ///
     /// # Errors
     /// There is no home, or `keytool` fails.
-    pub(crate) fn debug() -> Result<Self, PackageError> {
+    pub(crate) fn load_or_create_debug() -> Result<Self, PackageError> {
         let home = env::home_dir()
             .ok_or_else(|| PackageError::failure("no home folder for a debug key"))?;
         let folder = env::var_os("ANDROID_USER_HOME").map_or(home.join(".android"), PathBuf::from);
@@ -74,7 +74,7 @@ impl SigningKey {
     ///
     /// # Errors
     /// The password is wrong, say: what `apksigner` says.
-    pub(crate) fn sign(&self, package: &Path, to: &Path) -> Result<(), PackageError> {
+    pub(crate) fn sign(&self, package: &Path, output: &Path) -> Result<(), PackageError> {
         let mut sign = Command::new("apksigner");
         sign.args(["sign", "--min-sdk-version", &MIN_API_LEVEL.to_string()]);
         sign.args(["--v1-signing-enabled", "false", "--v4-signing-enabled", "false", "--ks"]);
@@ -85,7 +85,7 @@ impl SigningKey {
         let debug = format!("env:{DEBUG_VARIABLE}");
         sign.env(DEBUG_VARIABLE, DEBUG_PASSWORD);
         sign.args(["--ks-pass", self.password.as_ref().unwrap_or(&debug)]);
-        sign.arg("--out").arg(to).arg(package);
+        sign.arg("--out").arg(output).arg(package);
         tools::run_tool("signature", &mut sign).map(drop)
     }
 }
@@ -94,7 +94,7 @@ impl SigningKey {
 ///
 /// # Errors
 /// The signature is not one.
-pub(crate) fn verify_signature(package: &Path) -> Result<String, PackageError> {
+pub(crate) fn verify_and_describe_signer(package: &Path) -> Result<String, PackageError> {
     let mut verify = Command::new("apksigner");
     verify.args(["verify", "--min-sdk-version", &MIN_API_LEVEL.to_string(), "--print-certs", "-v"]);
     let said = tools::run_tool("signature's check", verify.arg(package))?;
@@ -129,7 +129,7 @@ mod tests {
     #[test]
     fn a_password_is_never_an_argument() {
         let here = env::current_exe().expect("this test");
-        let why = |password| match SigningKey::release(&here, None, password) {
+        let why = |password| match SigningKey::load_release(&here, None, password) {
             Ok(_) => String::new(),
             Err(error) => error.to_string(),
         };
@@ -139,7 +139,7 @@ mod tests {
         assert_eq!(why("file:/no/such"), "--key-password: /no/such: no such file");
         assert_eq!(why("env:PATH"), "");
         let nowhere =
-            SigningKey::release("/no/store".as_ref(), None, "env:PATH").expect_err("no store");
+            SigningKey::load_release("/no/store".as_ref(), None, "env:PATH").expect_err("no store");
         assert_eq!(nowhere.to_string(), "/no/store: no key store");
     }
 }

@@ -17,9 +17,9 @@ use crate::tools;
 ///
 /// # Errors
 /// The disk refuses, or the linker.
-pub(crate) fn write_stubs(
+pub(crate) fn write_stub_libraries(
     symbols: &Symbols,
-    level: u32,
+    api_level: u32,
     linker: &Path,
     folder: &Path,
 ) -> Result<(), PackageError> {
@@ -27,7 +27,7 @@ pub(crate) fn write_stubs(
     fs::create_dir_all(folder).map_err(fail)?;
     for library in symbols.libraries() {
         let object = folder.join(format!("{library}.o"));
-        let bytes = object_defining(symbols.offered_by(library, level))?;
+        let bytes = object_defining(symbols.exported_by(library, api_level))?;
         fs::write(&object, bytes).map_err(fail)?;
         let shared = folder.join(format!("{library}.so"));
         let soname = format!("-soname={library}.so");
@@ -67,21 +67,28 @@ pub(crate) fn dynamic_symbol(name: &str, section: SymbolSection) -> Symbol {
 #[cfg(test)]
 mod tests {
     use crate::symbols::Symbols;
-    use crate::test_support::{link_library, scratch_folder};
+    use crate::test_support::{LibraryNames, link_library_if_toolchain, scratch_folder};
 
     #[test]
     fn a_name_less_fails_the_link() {
         let folder = scratch_folder("stubs");
-        let names: [&[&str]; 2] = [&["ANativeActivity_onCreate"], &["getrandom", "dlopen"]];
-        let Some(whole) = link_library(&Symbols::load_all(), 29, names, &folder) else { return };
+        let names = LibraryNames {
+            defined: &["ANativeActivity_onCreate"],
+            needed: &["getrandom", "dlopen"],
+        };
+        let Some(whole) = link_library_if_toolchain(&Symbols::load_all(), 29, names, &folder)
+        else {
+            return;
+        };
         whole.expect("all names are listed");
         let less = Symbols::load_all().without("dlopen");
-        let why = link_library(&less, 29, names, &folder)
+        let why = link_library_if_toolchain(&less, 29, names, &folder)
             .expect("as before")
             .expect_err("one is missing");
         assert!(why.contains("undefined symbol: dlopen") && !why.contains("getrandom"), "{why}");
         // Not there yet at that level.
-        let why = link_library(&Symbols::load_all(), 27, names, &folder).expect("as before");
+        let why =
+            link_library_if_toolchain(&Symbols::load_all(), 27, names, &folder).expect("as before");
         assert!(why.expect_err("it came with 28").contains("undefined symbol: getrandom"));
     }
 }

@@ -45,13 +45,13 @@ impl Symbols {
     }
 
     /// The symbols that a library exports at an API level.
-    pub(crate) fn offered_by(
+    pub(crate) fn exported_by(
         &self,
         library: &str,
-        level: u32,
+        api_level: u32,
     ) -> impl Iterator<Item = &'static str> {
         let offered =
-            move |origin: &SymbolOrigin| origin.library == library && origin.since <= level;
+            move |origin: &SymbolOrigin| origin.library == library && origin.since <= api_level;
         self.0.iter().filter(move |(_, origin)| offered(origin)).map(|(name, _)| *name)
     }
 
@@ -82,7 +82,7 @@ mod tests {
         assert_eq!(symbols.find_origin("no_such_function"), None);
         assert!(symbols.0.values().all(|origin| (21..=34).contains(&origin.since)));
         let has = |level| {
-            symbols.offered_by("libandroid", level).any(|name| name == "AInputEvent_release")
+            symbols.exported_by("libandroid", level).any(|name| name == "AInputEvent_release")
         };
         assert!(!has(30) && has(31));
     }

@@ -11,25 +11,33 @@ use object::{
 };
 
 use crate::library;
-use crate::stubs::{dynamic_symbol, object_defining, write_stubs};
+use crate::stubs::{dynamic_symbol, object_defining, write_stub_libraries};
 use crate::symbols::Symbols;
 use crate::tools::{Scratch, Toolchain};
 
-/// Links a library that defines some names and needs others, as the package's library is linked.
-pub(crate) fn link_library(
+/// What a library defines, and what it needs of others.
+#[derive(Clone, Copy)]
+pub(crate) struct LibraryNames<'a> {
+    pub(crate) defined: &'a [&'a str],
+    pub(crate) needed: &'a [&'a str],
+}
+
+/// Links a library as the package's library is linked: its path, or what the linker says. None where the
+/// toolchain is missing.
+pub(crate) fn link_library_if_toolchain(
     symbols: &Symbols,
-    level: u32,
-    [defines, wants]: [&[&str]; 2],
-    folder: &Scratch,
+    api_level: u32,
+    names: LibraryNames<'_>,
+    scratch: &Scratch,
 ) -> Option<Result<PathBuf, String>> {
     let linker =
         paros_shell::require::require_or_skip(Toolchain::find()).expect("rustup target")?.linker;
-    let stubs = folder.at("stubs");
-    write_stubs(symbols, level, &linker, &stubs).expect("stubs");
-    let [ours, theirs, library] = ["ours.o", "theirs.o", "library.so"].map(|name| folder.at(name));
-    let defines = object_defining(defines.iter().copied()).expect("an object");
+    let stubs = scratch.at("stubs");
+    write_stub_libraries(symbols, api_level, &linker, &stubs).expect("stubs");
+    let [ours, theirs, library] = ["ours.o", "theirs.o", "library.so"].map(|name| scratch.at(name));
+    let defines = object_defining(names.defined.iter().copied()).expect("an object");
     fs::write(&ours, defines).expect("room on the disk");
-    fs::write(&theirs, object_wanting(wants)).expect("room on the disk");
+    fs::write(&theirs, object_needing(names.needed)).expect("room on the disk");
     let mut link = Command::new(&linker);
     link.args(["-flavor", "gnu", "-shared", "-o"]).args([&library, &ours, &theirs]);
     link.arg("-L").arg(&stubs).args(library::LINK_ARGUMENTS);
@@ -40,7 +48,7 @@ pub(crate) fn link_library(
 }
 
 /// An object file whose data are the addresses of names that it does not define.
-fn object_wanting(names: &[&str]) -> Vec<u8> {
+fn object_needing(names: &[&str]) -> Vec<u8> {
     let mut object = Object::new(BinaryFormat::Elf, Architecture::Aarch64, Endianness::Little);
     let data = object.add_section(Vec::new(), b".data".to_vec(), SectionKind::Data);
     for name in names {

@@ -26,7 +26,7 @@ pub(crate) const TARGET: &str = "aarch64-linux-android";
 ///
 /// # Errors
 /// All that is missing, and the commands that bring it, each in a line.
-pub(crate) fn check_tools(builds: bool) -> Result<(), PackageError> {
+pub(crate) fn check_tools(builds_library: bool) -> Result<(), PackageError> {
     let missing: Vec<_> = PACKAGES
         .iter()
         .filter(|(what, _)| !is_installed(what))
@@ -34,7 +34,7 @@ pub(crate) fn check_tools(builds: bool) -> Result<(), PackageError> {
         .collect();
     let apt = (!missing.is_empty())
         .then(|| format!("apt install --no-install-recommends {}", missing.join(" ")));
-    let toolchain = if builds { Toolchain::find().err() } else { None };
+    let toolchain = if builds_library { Toolchain::find().err() } else { None };
     let lines: Vec<String> = apt.into_iter().chain(toolchain).collect();
     if lines.is_empty() {
         return Ok(());
@@ -44,17 +44,18 @@ pub(crate) fn check_tools(builds: bool) -> Result<(), PackageError> {
 
 /// The commands that install a package on a headset: first the one that brings `adb`, if there is
 /// none.
-pub(crate) fn install_commands(package: &Path) -> String {
+pub(crate) fn adb_install_commands(package: &Path) -> String {
     let adb = if is_installed("adb") { "" } else { "apt install adb\n" };
     format!("{adb}adb install -r {}", package.display())
 }
 
 fn is_installed(what: &str) -> bool {
-    let on_path = || env::split_paths(&env::var_os("PATH").unwrap_or_default()).any(has_file(what));
+    let on_path =
+        || env::split_paths(&env::var_os("PATH").unwrap_or_default()).any(contains_program(what));
     if what.starts_with('/') { Path::new(what).exists() } else { on_path() }
 }
 
-fn has_file(program: &str) -> impl Fn(PathBuf) -> bool {
+fn contains_program(program: &str) -> impl Fn(PathBuf) -> bool {
     move |folder| folder.join(program).is_file()
 }
 
@@ -62,8 +63,8 @@ fn has_file(program: &str) -> impl Fn(PathBuf) -> bool {
 ///
 /// # Errors
 /// It won't start or ends in an error: what it said.
-pub(crate) fn run_tool(what: &str, command: &mut Command) -> Result<String, PackageError> {
-    eprintln!("{what}");
+pub(crate) fn run_tool(step: &str, command: &mut Command) -> Result<String, PackageError> {
+    eprintln!("{step}");
     let program = command.get_program().to_owned();
     let program = Path::new(&program).file_name().unwrap_or_default().display();
     let output = command.output().map_err(|e| PackageError::Failure(format!("{program}: {e}")))?;
@@ -72,7 +73,7 @@ pub(crate) fn run_tool(what: &str, command: &mut Command) -> Result<String, Pack
     }
     let said =
         [output.stdout, output.stderr].map(|said| String::from_utf8_lossy(&said).into_owned());
-    Err(PackageError::Failure(format!("{what}: {program} failed\n{}", said.concat().trim_end())))
+    Err(PackageError::Failure(format!("{step}: {program} failed\n{}", said.concat().trim_end())))
 }
 
 /// Rust's own linker and the target's standard library.
