@@ -77,12 +77,12 @@ pub(crate) fn find_hook(name: &str) -> Option<pfn::VoidFunction> {
 }
 
 /// Updates and checks the state; logs a violation where it is not as it must be.
-fn check(what: &str, look: impl FnOnce(&mut FrameLoopState) -> bool) {
+fn update_and_check(rule: &str, holds_after_update: impl FnOnce(&mut FrameLoopState) -> bool) {
     let mut state = STATE.lock().expect("no check panics");
-    if !look(&mut state) {
+    if !holds_after_update(&mut state) {
         let FrameLoopState { state: told, frame, should_render, taken } = &*state;
         let now = format!("{told:?}, {frame:?}, to draw {should_render}, images taken {taken}");
-        log_line(&format!("violation: {what} at {now}"));
+        log_line(&format!("violation: {rule} at {now}"));
     }
 }
 
@@ -95,7 +95,7 @@ unsafe extern "system" fn create_session(
     if made == Status::SUCCESS {
         // SAFETY: the call has succeeded.
         events::set_session(unsafe { *session });
-        check("a session", |state| {
+        update_and_check("a session", |state| {
             (state.state, state.frame, state.taken) =
                 (sys::SessionState::UNKNOWN, FrameStep::None, 0);
             true
@@ -111,12 +111,12 @@ unsafe extern "system" fn begin_session(
     session: sys::Session,
     info: *const sys::SessionBeginInfo,
 ) -> Status {
-    check("xrBeginSession", |state| state.state == sys::SessionState::READY);
+    update_and_check("xrBeginSession", |state| state.state == sys::SessionState::READY);
     call_next!(c"xrBeginSession": BeginSession, session, info)
 }
 
 unsafe extern "system" fn end_session(session: sys::Session) -> Status {
-    check("xrEndSession", |state| {
+    update_and_check("xrEndSession", |state| {
         state.state == sys::SessionState::STOPPING && state.frame == FrameStep::None
     });
     call_next!(c"xrEndSession": EndSession, session)
@@ -127,7 +127,7 @@ unsafe extern "system" fn poll_event(
     event: *mut sys::EventDataBuffer,
 ) -> Status {
     // SAFETY: the shell has room for an event.
-    if unsafe { events::write_injected_event(event) } {
+    if unsafe { events::try_write_injected_event(event) } {
         return Status::SUCCESS;
     }
     let told = call_next!(c"xrPollEvent": PollEvent, instance, event);
@@ -136,7 +136,7 @@ unsafe extern "system" fn poll_event(
     {
         // SAFETY: it is of this type.
         let state = unsafe { (*event.cast::<sys::EventDataSessionStateChanged>()).state };
-        check("an event", |now| {
+        update_and_check("an event", |now| {
             now.state = state;
             true
         });
@@ -149,13 +149,13 @@ unsafe extern "system" fn wait_frame(
     info: *const sys::FrameWaitInfo,
     frame: *mut sys::FrameState,
 ) -> Status {
-    if events::take_wait_failure() {
+    if events::take_wait_frame_failure() {
         return Status::ERROR_SESSION_LOST;
     }
     let done = call_next!(c"xrWaitFrame": WaitFrame, session, info, frame);
     // SAFETY: the shell has room for a frame's state.
     let should_render = bool::from(unsafe { (*frame).should_render });
-    check("xrWaitFrame", |state| {
+    update_and_check("xrWaitFrame", |state| {
         let fits = state.frame == FrameStep::None;
         (state.frame, state.should_render) = (FrameStep::Waited, should_render);
         fits
@@ -167,7 +167,7 @@ unsafe extern "system" fn begin_frame(
     session: sys::Session,
     info: *const sys::FrameBeginInfo,
 ) -> Status {
-    check("xrBeginFrame", |state| {
+    update_and_check("xrBeginFrame", |state| {
         core::mem::replace(&mut state.frame, FrameStep::Begun) == FrameStep::Waited
     });
     call_next!(c"xrBeginFrame": BeginFrame, session, info)
@@ -179,7 +179,7 @@ unsafe extern "system" fn end_frame(
 ) -> Status {
     // SAFETY: the shell's structure is valid during the call.
     let count = unsafe { (*info).layer_count };
-    check("xrEndFrame", |state| {
+    update_and_check("xrEndFrame", |state| {
         let fits = state.frame == FrameStep::Begun && state.taken == 0;
         state.frame = FrameStep::None;
         fits && count == u32::from(state.should_render)
@@ -188,13 +188,13 @@ unsafe extern "system" fn end_frame(
         // SAFETY: there is a layer, and it says of which type it is.
         unsafe {
             let layer = *(*info).layers;
-            check("a layer", |_| (*layer).ty == sys::CompositionLayerProjection::TYPE);
+            update_and_check("a layer", |_| (*layer).ty == sys::CompositionLayerProjection::TYPE);
             let layer = &*layer.cast::<sys::CompositionLayerProjection>();
-            check("the views", |_| layer.view_count == 2);
+            update_and_check("the views", |_| layer.view_count == 2);
             for eye in 0..2 {
                 let view = &*layer.views.add(eye);
                 let image = view.sub_image;
-                check("a view", |_| {
+                update_and_check("a view", |_| {
                     let extent = image.image_rect.extent;
                     view.ty == sys::CompositionLayerProjectionView::TYPE
                         && image.image_array_index as usize == eye
@@ -203,7 +203,7 @@ unsafe extern "system" fn end_frame(
                 });
                 if !view.next.is_null() {
                     let depth = &*view.next.cast::<sys::CompositionLayerDepthInfoKHR>();
-                    check("a view's depth", |_| {
+                    update_and_check("a view's depth", |_| {
                         depth.ty == sys::CompositionLayerDepthInfoKHR::TYPE
                             && depth.near_z > depth.far_z
                             && depth.sub_image.swapchain != image.swapchain
@@ -223,7 +223,7 @@ unsafe extern "system" fn create_swapchain(
 ) -> Status {
     // SAFETY: the shell's structure is valid during the call.
     let (layers, samples) = unsafe { ((*info).array_size, (*info).sample_count) };
-    check("xrCreateSwapchain", |_| layers == 2 && samples == 1);
+    update_and_check("xrCreateSwapchain", |_| layers == 2 && samples == 1);
     // SAFETY: handed on as it came.
     unsafe { foveation::create_swapchain(session, info, swapchain) }
 }
@@ -233,7 +233,7 @@ unsafe extern "system" fn acquire_image(
     info: *const sys::SwapchainImageAcquireInfo,
     index: *mut u32,
 ) -> Status {
-    check("xrAcquireSwapchainImage", |state| {
+    update_and_check("xrAcquireSwapchainImage", |state| {
         state.taken += 1;
         state.frame == FrameStep::Begun && state.should_render
     });
@@ -244,7 +244,7 @@ unsafe extern "system" fn release_image(
     swapchain: sys::Swapchain,
     info: *const sys::SwapchainImageReleaseInfo,
 ) -> Status {
-    check("xrReleaseSwapchainImage", |state| {
+    update_and_check("xrReleaseSwapchainImage", |state| {
         let fits = state.taken > 0;
         state.taken = state.taken.saturating_sub(1);
         fits
@@ -259,7 +259,7 @@ unsafe extern "system" fn apply_haptic_feedback(
 ) -> Status {
     // SAFETY: the shell's structures are valid during the call, and say of which type they are.
     unsafe {
-        check("a pulse", |_| (*feedback).ty == sys::HapticVibration::TYPE);
+        update_and_check("a pulse", |_| (*feedback).ty == sys::HapticVibration::TYPE);
         let pulse = &*feedback.cast::<sys::HapticVibration>();
         let (hand, nanos) = ((*action).subaction_path.into_raw(), pulse.duration.as_nanos());
         let frame = STATE.lock().map_or(FrameStep::None, |state| state.frame);
@@ -299,7 +299,7 @@ unsafe extern "system" fn enumerate_refresh_rates(
 
 const RATES: [f32; 3] = [60.0, 72.0, 90.0];
 
-unsafe extern "system" fn request_refresh_rate(_: sys::Session, rate: f32) -> Status {
-    log_line(&format!("rate {rate}"));
+unsafe extern "system" fn request_refresh_rate(_: sys::Session, rate_hz: f32) -> Status {
+    log_line(&format!("rate {rate_hz}"));
     Status::SUCCESS
 }

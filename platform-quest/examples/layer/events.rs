@@ -19,7 +19,7 @@ pub(crate) fn set_session(session: sys::Session) {
 }
 
 /// Whether this frame wait is to fail; the next one is not.
-pub(crate) fn take_wait_failure() -> bool {
+pub(crate) fn take_wait_frame_failure() -> bool {
     FAIL_NEXT_WAIT.swap(false, Ordering::SeqCst)
 }
 
@@ -27,7 +27,7 @@ pub(crate) fn take_wait_failure() -> bool {
 ///
 /// # Safety
 /// There is room for an event.
-pub(crate) unsafe fn write_injected_event(event: *mut sys::EventDataBuffer) -> bool {
+pub(crate) unsafe fn try_write_injected_event(event: *mut sys::EventDataBuffer) -> bool {
     let path = layer_folder().join("inject");
     let Ok(request) = fs::read_to_string(&path) else { return false };
     // It is done once, as far as we can help.

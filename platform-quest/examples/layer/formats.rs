@@ -14,14 +14,14 @@ pub(crate) unsafe extern "system" fn enumerate_swapchain_formats(
     session: sys::Session,
     capacity: u32,
     count: *mut u32,
-    to: *mut i64,
+    formats: *mut i64,
 ) -> Status {
     let done = call_next!(
-        c"xrEnumerateSwapchainFormats": EnumerateSwapchainFormats, session, capacity, count, to
+        c"xrEnumerateSwapchainFormats": EnumerateSwapchainFormats, session, capacity, count, formats
     );
     if done == Status::SUCCESS && capacity > 0 && layer_folder().join("no-depth").exists() {
         // SAFETY: the call has succeeded, and so many formats stand there.
-        let all = unsafe { core::slice::from_raw_parts_mut(to, *count as usize) };
+        let all = unsafe { core::slice::from_raw_parts_mut(formats, *count as usize) };
         let is_color =
             |format: &i64| DEPTHS.iter().all(|depth| i64::from(depth.as_raw()) != *format);
         let colors: Vec<i64> = all.iter().copied().filter(is_color).collect();

@@ -4,13 +4,13 @@
 use std::collections::HashMap;
 use std::sync::{LazyLock, Mutex, MutexGuard};
 
-use ash::vk::{self, Handle as _};
+use ash::vk::Handle as _;
 use openxr::sys;
 use sys::{Handle, Result as Status, pfn};
 
 use super::chain::call_next;
+use super::density_maps::{self, DensityMap};
 use super::folder::log_line;
-use super::maps;
 
 /// What the shell has made.
 #[derive(Default)]
@@ -24,7 +24,7 @@ struct FoveationState {
 
 struct MappedSwapchain {
     extent: [u32; 2],
-    maps: Vec<(vk::Image, vk::DeviceMemory)>,
+    maps: Vec<DensityMap>,
 }
 
 static STATE: LazyLock<Mutex<FoveationState>> = LazyLock::new(Mutex::default);
@@ -33,9 +33,9 @@ fn lock_state() -> MutexGuard<'static, FoveationState> {
     STATE.lock().expect("no holder panics")
 }
 
-fn check(what: &str, fits: bool) {
-    if !fits {
-        log_line(&format!("violation: {what}"));
+fn check_rule(rule: &str, holds: bool) {
+    if !holds {
+        log_line(&format!("violation: {rule}"));
     }
 }
 
@@ -48,7 +48,7 @@ pub(crate) unsafe fn remember_device(info: *const sys::SessionCreateInfo) {
     unsafe {
         let binding = (*info).next.cast::<sys::GraphicsBindingVulkanKHR>();
         if (*binding).ty == sys::GraphicsBindingVulkanKHR::TYPE {
-            maps::remember_device(&*binding);
+            density_maps::remember_device(&*binding);
         }
     }
 }
@@ -61,14 +61,14 @@ pub(crate) unsafe fn remember_device(info: *const sys::SessionCreateInfo) {
 pub(crate) unsafe fn create_swapchain(
     session: sys::Session,
     info: *const sys::SwapchainCreateInfo,
-    to: *mut sys::Swapchain,
+    swapchain: *mut sys::Swapchain,
 ) -> Status {
     // SAFETY: the caller's.
     let info = unsafe { *info };
     let foveation = info.next.cast::<sys::SwapchainCreateInfoFoveationFB>();
     // SAFETY: what it points to, if anything, says of which type it is.
     let mapped = unsafe { foveation.as_ref() }.is_some_and(|foveation| {
-        check("a swapchain's chain", {
+        check_rule("a swapchain's chain", {
             foveation.ty == sys::SwapchainCreateInfoFoveationFB::TYPE
                 && foveation.next.is_null()
                 && foveation.flags == sys::SwapchainCreateFoveationFlagsFB::FRAGMENT_DENSITY_MAP
@@ -76,10 +76,11 @@ pub(crate) unsafe fn create_swapchain(
         true
     });
     let plain = sys::SwapchainCreateInfo { next: core::ptr::null_mut(), ..info };
-    let made = call_next!(c"xrCreateSwapchain": CreateSwapchain, session, &raw const plain, to);
+    let made =
+        call_next!(c"xrCreateSwapchain": CreateSwapchain, session, &raw const plain, swapchain);
     if made == Status::SUCCESS {
         // SAFETY: the call has succeeded.
-        let (handle, mut state) = (unsafe { (*to).into_raw() }, lock_state());
+        let (handle, mut state) = (unsafe { (*swapchain).into_raw() }, lock_state());
         if mapped {
             let chain = MappedSwapchain { extent: [info.width, info.height], maps: Vec::new() };
             state.chains.insert(handle, chain);
@@ -93,7 +94,7 @@ pub(crate) unsafe extern "system" fn destroy_swapchain(swapchain: sys::Swapchain
     let handle = swapchain.into_raw();
     let chain = lock_state().chains.remove(&handle);
     let done = call_next!(c"xrDestroySwapchain": DestroySwapchain, swapchain);
-    chain.into_iter().flat_map(|chain| chain.maps).for_each(maps::destroy_map);
+    chain.into_iter().flat_map(|chain| chain.maps).for_each(density_maps::destroy_density_map);
     done
 }
 
@@ -101,9 +102,9 @@ pub(crate) unsafe extern "system" fn enumerate_swapchain_images(
     swapchain: sys::Swapchain,
     capacity: u32,
     count: *mut u32,
-    to: *mut sys::SwapchainImageBaseHeader,
+    images: *mut sys::SwapchainImageBaseHeader,
 ) -> Status {
-    let done = call_next!(c"xrEnumerateSwapchainImages": EnumerateSwapchainImages, swapchain, capacity, count, to);
+    let done = call_next!(c"xrEnumerateSwapchainImages": EnumerateSwapchainImages, swapchain, capacity, count, images);
     if done != Status::SUCCESS || capacity == 0 {
         return done;
     }
@@ -111,26 +112,26 @@ pub(crate) unsafe extern "system" fn enumerate_swapchain_images(
     let chain = state.chains.get_mut(&swapchain.into_raw());
     // SAFETY: the call has succeeded, and so many images stand there.
     let listed = unsafe {
-        let to = to.cast::<sys::SwapchainImageVulkanKHR>();
-        core::slice::from_raw_parts(to, *count as usize)
+        let images = images.cast::<sys::SwapchainImageVulkanKHR>();
+        core::slice::from_raw_parts(images, *count as usize)
     };
     let Some(chain) = chain else {
-        check("images without maps", listed.iter().all(|image| image.next.is_null()));
+        check_rule("images without maps", listed.iter().all(|image| image.next.is_null()));
         return done;
     };
     for image in listed {
         let map = image.next.cast::<sys::SwapchainImageFoveationVulkanFB>();
         // SAFETY: what it points to, if anything, says of which type it is.
         let Some(map) = (unsafe { map.as_mut() }) else {
-            check("an image has no place for its map", false);
+            check_rule("an image has no place for its map", false);
             continue;
         };
         let ty = sys::SwapchainImageFoveationVulkanFB::TYPE;
-        check("an image's chain", map.ty == ty && map.next.is_null());
-        let made = maps::create_map(chain.extent);
+        check_rule("an image's chain", map.ty == ty && map.next.is_null());
+        let made = density_maps::create_density_map(chain.extent);
+        map.image = made.image.as_raw();
         chain.maps.push(made);
-        map.image = made.0.as_raw();
-        [map.width, map.height] = chain.extent.map(|pixels| pixels.div_ceil(maps::TEXEL));
+        [map.width, map.height] = chain.extent.map(|pixels| pixels.div_ceil(density_maps::TEXEL));
     }
     done
 }
@@ -138,15 +139,15 @@ pub(crate) unsafe extern "system" fn enumerate_swapchain_images(
 pub(crate) unsafe extern "system" fn create_profile(
     _: sys::Session,
     info: *const sys::FoveationProfileCreateInfoFB,
-    to: *mut sys::FoveationProfileFB,
+    profile: *mut sys::FoveationProfileFB,
 ) -> Status {
     // SAFETY: the shell's structures are valid during the call, and say of which type they are.
     let (info, level) = unsafe {
         let level = (*info).next.cast::<sys::FoveationLevelProfileCreateInfoFB>();
         (*info, *level)
     };
-    check("a profile", info.ty == sys::FoveationProfileCreateInfoFB::TYPE);
-    check("a profile's level", {
+    check_rule("a profile", info.ty == sys::FoveationProfileCreateInfoFB::TYPE);
+    check_rule("a profile's level", {
         level.ty == sys::FoveationLevelProfileCreateInfoFB::TYPE
             && level.next.is_null()
             && (0..=3).contains(&level.level.into_raw())
@@ -158,38 +159,38 @@ pub(crate) unsafe extern "system" fn create_profile(
     let handle = state.made;
     state.profiles.insert(handle, level.level);
     // SAFETY: there is room for a handle.
-    unsafe { *to = sys::FoveationProfileFB::from_raw(handle) };
+    unsafe { *profile = sys::FoveationProfileFB::from_raw(handle) };
     Status::SUCCESS
 }
 
 pub(crate) unsafe extern "system" fn destroy_profile(profile: sys::FoveationProfileFB) -> Status {
     let gone = lock_state().profiles.remove(&profile.into_raw());
-    check("a profile's end", gone.is_some());
+    check_rule("a profile's end", gone.is_some());
     Status::SUCCESS
 }
 
 pub(crate) unsafe extern "system" fn update_swapchain(
     swapchain: sys::Swapchain,
-    to: *const sys::SwapchainStateBaseHeaderFB,
+    new_state: *const sys::SwapchainStateBaseHeaderFB,
 ) -> Status {
     // SAFETY: the shell's structure is valid during the call, and says of which type it is.
-    let to = unsafe { *to.cast::<sys::SwapchainStateFoveationFB>() };
+    let new_state = unsafe { *new_state.cast::<sys::SwapchainStateFoveationFB>() };
     let state = lock_state();
-    check("an update", {
-        to.ty == sys::SwapchainStateFoveationFB::TYPE
-            && to.next.is_null()
-            && to.flags == sys::SwapchainStateFoveationFlagsFB::EMPTY
+    check_rule("an update", {
+        new_state.ty == sys::SwapchainStateFoveationFB::TYPE
+            && new_state.next.is_null()
+            && new_state.flags == sys::SwapchainStateFoveationFlagsFB::EMPTY
     });
     let chain = state.chains.get(&swapchain.into_raw());
-    check(
+    check_rule(
         "an update is of a swapchain with maps",
         chain.is_some_and(|chain| !chain.maps.is_empty()),
     );
-    match state.profiles.get(&to.profile.into_raw()) {
+    match state.profiles.get(&new_state.profile.into_raw()) {
         Some(level) => log_line(&format!("foveation {level:?}")),
-        None => check("an update's profile", false),
+        None => check_rule("an update's profile", false),
     }
-    check("profiles are not piled up", state.profiles.len() == 1);
+    check_rule("profiles are not piled up", state.profiles.len() == 1);
     Status::SUCCESS
 }
 

@@ -15,11 +15,11 @@
 mod actions;
 mod chain;
 mod checks;
+mod density_maps;
 mod events;
 mod folder;
 mod formats;
 mod foveation;
-mod maps;
 mod refusals;
 mod spaces;
 mod threads;
@@ -89,7 +89,7 @@ unsafe extern "system" fn create_instance(
     let made = unsafe { create(&info, &layer, instance) };
     if made == Status::SUCCESS {
         // SAFETY: the call has succeeded.
-        chain::set_next(get, unsafe { *instance });
+        chain::set_next_layer(get, unsafe { *instance });
     }
     made
 }
@@ -107,9 +107,9 @@ unsafe extern "system" fn get_instance_proc_addr(
         unsafe { *function = Some(hook) };
         return Status::SUCCESS;
     }
-    let Some((get, _)) = chain::next() else {
+    let Some(next) = chain::next_layer() else {
         return Status::ERROR_FUNCTION_UNSUPPORTED;
     };
     // SAFETY: handed on as it came.
-    unsafe { get(instance, name.as_ptr(), function) }
+    unsafe { (next.get_instance_proc_addr)(instance, name.as_ptr(), function) }
 }

@@ -31,7 +31,7 @@ macro_rules! refusals {
                 return Status::$status;
             }
             // SAFETY: the type is the function's.
-            let function: pfn::$ty = unsafe { function_behind($name) };
+            let function: pfn::$ty = unsafe { hook_or_next_function($name) };
             // SAFETY: handed on as it came.
             unsafe { function($($argument),*) }
         })*
@@ -81,7 +81,7 @@ fn is_refused(name: &str) -> bool {
 ///
 /// # Safety
 /// `F` is the type of the function of this name.
-unsafe fn function_behind<F: Copy>(name: &str) -> F {
+unsafe fn hook_or_next_function<F: Copy>(name: &str) -> F {
     match checks::find_hook(name) {
         // SAFETY: the caller's, and all functions are pointers of one size.
         Some(hook) => unsafe { core::mem::transmute_copy::<pfn::VoidFunction, F>(&hook) },

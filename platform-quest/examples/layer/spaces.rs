@@ -18,12 +18,12 @@ pub(crate) unsafe extern "system" fn enumerate_reference_spaces(
     session: sys::Session,
     capacity: u32,
     count: *mut u32,
-    to: *mut ReferenceSpaceType,
+    spaces: *mut ReferenceSpaceType,
 ) -> Status {
-    let done = call_next!(c"xrEnumerateReferenceSpaces": EnumerateReferenceSpaces, session, capacity, count, to);
+    let done = call_next!(c"xrEnumerateReferenceSpaces": EnumerateReferenceSpaces, session, capacity, count, spaces);
     if done == Status::SUCCESS && capacity > 0 {
         // SAFETY: the call has succeeded, and so many kinds stand there.
-        let all = unsafe { core::slice::from_raw_parts_mut(to, *count as usize) };
+        let all = unsafe { core::slice::from_raw_parts_mut(spaces, *count as usize) };
         let seen: Vec<_> = all.iter().copied().filter(|kind| !is_hidden(*kind)).collect();
         all[..seen.len()].copy_from_slice(&seen);
         // SAFETY: as above.

@@ -19,11 +19,11 @@ pub(crate) fn find_hook(name: &str) -> Option<pfn::VoidFunction> {
 /// Logs which thread is given a type, and whether it is the one that calls.
 unsafe extern "system" fn set_thread_type(
     _: sys::Session,
-    kind: sys::AndroidThreadTypeKHR,
-    thread: u32,
+    thread_type: sys::AndroidThreadTypeKHR,
+    thread_id: u32,
 ) -> Status {
     let here = std::fs::read_link("/proc/thread-self").unwrap_or_default();
-    let own = here.ends_with(thread.to_string());
-    log_line(&format!("thread {kind:?} {}", if own { "its own" } else { "another" }));
+    let own = here.ends_with(thread_id.to_string());
+    log_line(&format!("thread {thread_type:?} {}", if own { "its own" } else { "another" }));
     Status::SUCCESS
 }

@@ -148,7 +148,7 @@ unsafe fn take_layer_link(chain: *const c_void, ty: vk::StructureType) -> LayerL
 unsafe extern "system" fn create_instance(
     info: *const vk::InstanceCreateInfo<'_>,
     allocator: *const vk::AllocationCallbacks<'_>,
-    made: *mut vk::Instance,
+    instance: *mut vk::Instance,
 ) -> vk::Result {
     // SAFETY: the loader's structures are valid during the call.
     let link =
@@ -159,11 +159,11 @@ unsafe extern "system" fn create_instance(
     // SAFETY: this is the type that goes with the name.
     let create: vk::PFN_vkCreateInstance = unsafe { core::mem::transmute(create) };
     // SAFETY: handed on as it came, but for the link.
-    let result = unsafe { create(info, allocator, made) };
+    let result = unsafe { create(info, allocator, instance) };
     if let (vk::Result::SUCCESS, Ok(mut next)) = (result, NEXT.lock()) {
         // SAFETY: the call has succeeded.
-        let made = unsafe { *made };
-        *next = Some(NextVulkanLayer { instance: link.instance, made, device: None });
+        let instance = unsafe { *instance };
+        *next = Some(NextVulkanLayer { instance: link.instance, made: instance, device: None });
     }
     result
 }
@@ -172,7 +172,7 @@ unsafe extern "system" fn create_device(
     physical: vk::PhysicalDevice,
     info: *const vk::DeviceCreateInfo<'_>,
     allocator: *const vk::AllocationCallbacks<'_>,
-    made: *mut vk::Device,
+    device: *mut vk::Device,
 ) -> vk::Result {
     // SAFETY: the loader's structures are valid during the call.
     let (mut info, link) = unsafe {
@@ -213,7 +213,7 @@ unsafe extern "system" fn create_device(
     // SAFETY: this is the type that goes with the name.
     let create: vk::PFN_vkCreateDevice = unsafe { next_function(c"vkCreateDevice") };
     // SAFETY: handed on, but for what was taken out.
-    let result = unsafe { create(physical, &raw const info, allocator, made) };
+    let result = unsafe { create(physical, &raw const info, allocator, device) };
     if !cut.is_null() {
         // SAFETY: as above; the chain is the shell's, and is whole again.
         unsafe { (*at).p_next = cut };
@@ -223,21 +223,21 @@ unsafe extern "system" fn create_device(
 
 unsafe extern "system" fn enumerate_device_extensions(
     physical: vk::PhysicalDevice,
-    layer: *const c_char,
+    layer_name: *const c_char,
     count: *mut u32,
-    to: *mut vk::ExtensionProperties,
+    properties: *mut vk::ExtensionProperties,
 ) -> vk::Result {
     // SAFETY: this is the type that goes with the name.
     let all: vk::PFN_vkEnumerateDeviceExtensionProperties =
         unsafe { next_function(c"vkEnumerateDeviceExtensionProperties") };
-    // SAFETY: there is room for a count, and for as many as it says where `to` is somewhere.
+    // SAFETY: there is room for a count, and for as many as it says where `properties` is somewhere.
     unsafe {
         let room = *count;
-        let result = all(physical, layer, count, to);
-        if !layer.is_null() || result != vk::Result::SUCCESS {
+        let result = all(physical, layer_name, count, properties);
+        if !layer_name.is_null() || result != vk::Result::SUCCESS {
             return result;
         }
-        if !to.is_null() {
+        if !properties.is_null() {
             if room <= *count {
                 return vk::Result::INCOMPLETE;
             }
@@ -245,7 +245,7 @@ unsafe extern "system" fn enumerate_device_extensions(
             let name = NAME.to_bytes_with_nul();
             more.extension_name[..name.len()]
                 .copy_from_slice(core::mem::transmute::<&[u8], &[c_char]>(name));
-            *to.add(*count as usize) = more;
+            *properties.add(*count as usize) = more;
         }
         *count += 1;
     }
@@ -254,23 +254,24 @@ unsafe extern "system" fn enumerate_device_extensions(
 
 unsafe extern "system" fn get_features(
     physical: vk::PhysicalDevice,
-    to: *mut vk::PhysicalDeviceFeatures2<'_>,
+    features: *mut vk::PhysicalDeviceFeatures2<'_>,
 ) {
     // SAFETY: this is the type that goes with the name.
     let all: vk::PFN_vkGetPhysicalDeviceFeatures2 =
         unsafe { next_function(c"vkGetPhysicalDeviceFeatures2") };
     // SAFETY: handed on as it came; a structure of this type is one.
     unsafe {
-        all(physical, to);
+        all(physical, features);
         let ty = vk::StructureType::PHYSICAL_DEVICE_FRAGMENT_DENSITY_MAP_FEATURES_EXT;
-        let found = find_structure(to.cast(), ty)
+        let found = find_structure(features.cast(), ty)
             .cast::<vk::PhysicalDeviceFragmentDensityMapFeaturesEXT<'_>>();
         if let Some(found) = found.as_mut() {
             found.fragment_density_map = vk::TRUE;
             found.fragment_density_map_non_subsampled_images = vk::TRUE;
         }
         let ty = vk::StructureType::PHYSICAL_DEVICE_MULTIVIEW_FEATURES;
-        let found = find_structure(to.cast(), ty).cast::<vk::PhysicalDeviceMultiviewFeatures<'_>>();
+        let found =
+            find_structure(features.cast(), ty).cast::<vk::PhysicalDeviceMultiviewFeatures<'_>>();
         if let Some(found) = found.as_mut()
             && super::folder::layer_folder().join("one-view").exists()
         {
@@ -281,20 +282,23 @@ unsafe extern "system" fn get_features(
 
 unsafe extern "system" fn get_properties(
     physical: vk::PhysicalDevice,
-    to: *mut vk::PhysicalDeviceProperties2<'_>,
+    properties: *mut vk::PhysicalDeviceProperties2<'_>,
 ) {
     // SAFETY: this is the type that goes with the name.
     let all: vk::PFN_vkGetPhysicalDeviceProperties2 =
         unsafe { next_function(c"vkGetPhysicalDeviceProperties2") };
     // SAFETY: handed on as it came; a structure of this type is one.
     unsafe {
-        all(physical, to);
+        all(physical, properties);
         let ty = vk::StructureType::PHYSICAL_DEVICE_FRAGMENT_DENSITY_MAP_PROPERTIES_EXT;
-        let found = find_structure(to.cast(), ty)
+        let found = find_structure(properties.cast(), ty)
             .cast::<vk::PhysicalDeviceFragmentDensityMapPropertiesEXT<'_>>();
         if let Some(found) = found.as_mut() {
             // An Adreno's.
-            let texel = vk::Extent2D { width: super::maps::TEXEL, height: super::maps::TEXEL };
+            let texel = vk::Extent2D {
+                width: super::density_maps::TEXEL,
+                height: super::density_maps::TEXEL,
+            };
             found.min_fragment_density_texel_size = texel;
             found.max_fragment_density_texel_size = texel;
             found.fragment_density_invocations = vk::TRUE;

@@ -41,11 +41,18 @@ pub(crate) unsafe fn remember_device(binding: &sys::GraphicsBindingVulkanKHR) {
     *DEVICE.lock().expect("no holder panics") = Some(device);
 }
 
-/// A density map for pictures of an extent, and its memory.
-pub(crate) fn create_map(extent: [u32; 2]) -> (vk::Image, vk::DeviceMemory) {
+/// A density map, and its memory.
+#[derive(Clone, Copy)]
+pub(crate) struct DensityMap {
+    pub(crate) image: vk::Image,
+    memory: vk::DeviceMemory,
+}
+
+/// Creates a density map for pictures of an extent in pixels.
+pub(crate) fn create_density_map(picture_extent: [u32; 2]) -> DensityMap {
     let device = DEVICE.lock().expect("no holder panics");
     let device = device.as_ref().expect("there is a session");
-    let [width, height] = extent.map(|pixels| pixels.div_ceil(TEXEL));
+    let [width, height] = picture_extent.map(|pixels| pixels.div_ceil(TEXEL));
     let info = vk::ImageCreateInfo::default()
         .image_type(vk::ImageType::TYPE_2D)
         .format(vk::Format::R8G8_UNORM)
@@ -70,19 +77,19 @@ pub(crate) fn create_map(extent: [u32; 2]) -> (vk::Image, vk::DeviceMemory) {
             vk::MemoryAllocateInfo::default().allocation_size(needs.size).memory_type_index(kind);
         let memory = device.raw.allocate_memory(&info, None).expect("memory");
         device.raw.bind_image_memory(image, memory, 0).expect("bound");
-        fill_dense(device, image);
-        (image, memory)
+        fill_with_full_density(device, image);
+        DensityMap { image, memory }
     }
 }
 
 /// Unmakes one, once nothing is under way.
-pub(crate) fn destroy_map((image, memory): (vk::Image, vk::DeviceMemory)) {
+pub(crate) fn destroy_density_map(map: DensityMap) {
     let device = DEVICE.lock().expect("no holder panics");
     let device = device.as_ref().expect("there was a session");
     // SAFETY: the session's device outlives its swapchains.
     unsafe {
-        device.raw.destroy_image(image, None);
-        device.raw.free_memory(memory, None);
+        device.raw.destroy_image(map.image, None);
+        device.raw.free_memory(map.memory, None);
     }
 }
 
@@ -90,7 +97,7 @@ pub(crate) fn destroy_map((image, memory): (vk::Image, vk::DeviceMemory)) {
 ///
 /// # Safety
 /// The image was just made on the device.
-unsafe fn fill_dense(device: &SessionDevice, image: vk::Image) {
+unsafe fn fill_with_full_density(device: &SessionDevice, image: vk::Image) {
     let raw = &device.raw;
     let all = vk::ImageSubresourceRange {
         aspect_mask: vk::ImageAspectFlags::COLOR,
