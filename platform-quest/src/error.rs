@@ -29,7 +29,7 @@ pub enum Error {
 impl Error {
     /// Whether the instance, the session or the device is lost, and may be created anew.
     #[must_use]
-    pub const fn is_loss(&self) -> bool {
+    pub const fn is_recoverable_loss(&self) -> bool {
         match self {
             Error::Call { result, .. } => matches!(
                 *result,
@@ -46,7 +46,7 @@ impl Error {
 impl Error {
     /// The error's text, and what an operator may do about it: the last line of the log.
     #[must_use]
-    pub fn with_remedy(&self) -> String {
+    pub fn message_with_remedy(&self) -> String {
         let remedy = match self {
             Error::Call { .. } => "end what else uses the headset, or start its runtime anew",
             Error::Gpu(_) => "the headset's device must draw by Vulkan 1.1 with multiview",

@@ -39,25 +39,28 @@ impl FoveationLevel {
     /// The level for a device's health, and at least the level of a setting: `None` leaves it to the
     /// health alone, `Off` disables foveation.
     #[must_use]
-    pub fn choose(health: DeviceHealth, setting: Option<FoveationLevel>) -> FoveationLevel {
+    pub fn choose(health: DeviceHealth, minimum_or_off: Option<FoveationLevel>) -> FoveationLevel {
         let least = match health.thermal {
             ThermalState::Hot => FoveationLevel::High,
             ThermalState::Warm => FoveationLevel::Medium,
             ThermalState::Normal if health.is_battery_low() => FoveationLevel::Medium,
             ThermalState::Normal => FoveationLevel::Off,
         };
-        match setting {
+        match minimum_or_off {
             Some(FoveationLevel::Off) => FoveationLevel::Off,
-            setting => setting.unwrap_or_default().max(least),
+            minimum => minimum.unwrap_or_default().max(least),
         }
     }
 
     /// The line for the log where a setting asks for foveation and something is missing; none where it
     /// was not asked for.
     #[must_use]
-    pub fn describe_missing(setting: Option<FoveationLevel>, what: &str) -> Option<String> {
-        let asked = setting.filter(|level| *level != FoveationLevel::Off)?;
-        Some(format!("no foveation, though {asked} is asked for: {what}"))
+    pub fn describe_unmet_request(
+        requested: Option<FoveationLevel>,
+        missing: &str,
+    ) -> Option<String> {
+        let asked = requested.filter(|level| *level != FoveationLevel::Off)?;
+        Some(format!("no foveation, though {asked} is asked for: {missing}"))
     }
 }
 
@@ -108,7 +111,8 @@ mod tests {
 
     #[test]
     fn only_who_asks_is_told() {
-        let told = |setting| FoveationLevel::describe_missing(setting, "the runtime lacks it");
+        let told =
+            |setting| FoveationLevel::describe_unmet_request(setting, "the runtime lacks it");
         assert_eq!(told(None), None);
         assert_eq!(told(Some(FoveationLevel::Off)), None);
         let line = "no foveation, though medium is asked for: the runtime lacks it";

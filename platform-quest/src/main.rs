@@ -13,42 +13,53 @@ use paros_shell::replay::{ReplayError, write_replay_digests};
 use paros_shell::with_size;
 
 fn main() -> ExitCode {
-    match run(&HeadsetArgs::parse()) {
+    match run_command(&HeadsetArgs::parse()) {
         Ok(report) => {
             // A reader that has seen enough and left is no error.
             let _ = io::stdout().lock().write_all(report.as_bytes());
             ExitCode::SUCCESS
         }
-        Err((why, code)) => {
+        Err(RunFailure { message, exit_code }) => {
             // Nobody may be listening there; the exit code still tells.
-            let _ = writeln!(io::stderr(), "paros-quest: {why}");
-            code
+            let _ = writeln!(io::stderr(), "paros-quest: {message}");
+            exit_code
         }
     }
 }
 
-fn run(args: &HeadsetArgs) -> Result<String, (String, ExitCode)> {
+/// What standard error and the exit code tell.
+struct RunFailure {
+    message: String,
+    exit_code: ExitCode,
+}
+
+/// Replays a trace or runs the shell. Returns what standard output tells.
+fn run_command(args: &HeadsetArgs) -> Result<String, RunFailure> {
     if let (Some(trace), Some(digests)) = (&args.replay, &args.digests) {
-        let done = write_replay_digests(trace, digests);
-        done.map_err(|error| (error.to_string(), replay_exit_code(&error)))?;
+        write_replay_digests(trace, digests).map_err(|error| replay_failure(&error))?;
         return Ok(format!("{}: all as recorded\n", trace.display()));
     }
     if let Some(record) = &args.record {
         // Before the sculpting, not after it.
-        WriteTarget::resolve_and_check_writable(record).map_err(|error| {
-            let error = ReplayError::Write(error);
-            (error.to_string(), replay_exit_code(&error))
-        })?;
+        WriteTarget::resolve_and_check_writable(record)
+            .map_err(|error| replay_failure(&ReplayError::Write(error)))?;
     }
     let options = args.to_options();
     let done = with_size!(args.grid_size(), N => run_shell::<N>(&mut PlainPlatform, &options));
-    done.map_err(|error| {
-        let code = match error {
-            Error::Input(_) => ExitCode::from(2),
-            _ => ExitCode::FAILURE,
-        };
-        (error.with_remedy(), code)
-    })
+    match done {
+        Ok(printed) => Ok(printed.map_or(String::new(), |path| format!("{}\n", path.display()))),
+        Err(error) => {
+            let exit_code = match error {
+                Error::Input(_) => ExitCode::from(2),
+                _ => ExitCode::FAILURE,
+            };
+            Err(RunFailure { message: error.message_with_remedy(), exit_code })
+        }
+    }
+}
+
+fn replay_failure(error: &ReplayError) -> RunFailure {
+    RunFailure { message: error.to_string(), exit_code: replay_exit_code(error) }
 }
 
 /// The exit code of a failed replay: a place where no file can be is the argument's fault, a disk that

@@ -34,12 +34,12 @@ pub trait Platform {
     }
 
     /// Runs a step of the world. A profiler reads its clock before and after.
-    fn run_step(&mut self, step: &mut dyn FnMut()) {
+    fn run_world_step(&mut self, step: &mut dyn FnMut()) {
         step();
     }
 
     /// What wraps the functions of a Vulkan device in a profiler's, if anything does.
-    fn device_wrapper(&self) -> Option<fn(ash::Device) -> ash::Device> {
+    fn vulkan_device_wrapper(&self) -> Option<fn(ash::Device) -> ash::Device> {
         None
     }
 

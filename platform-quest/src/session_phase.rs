@@ -51,12 +51,21 @@ pub enum SessionDuty {
     SaveAndEnd,
 }
 
+/// What a session event changes.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct PhaseChange {
+    /// The phase after the event.
+    pub phase: SessionPhase,
+    /// The duty that comes with it, to be done in that phase.
+    pub duty: Option<SessionDuty>,
+}
+
 impl SessionPhase {
     /// The phase after an event, and the duty that comes with it.
     #[must_use]
-    pub fn after_event(self, event: SessionEvent) -> (SessionPhase, Option<SessionDuty>) {
+    pub fn after_event(self, event: SessionEvent) -> PhaseChange {
         use SessionDuty::{Begin, Save, SaveAndEnd};
-        match event {
+        let (phase, duty) = match event {
             SessionEvent::Idle => (SessionPhase::Idle, None),
             SessionEvent::Ready => (SessionPhase::Hidden, Some(Begin)),
             SessionEvent::Synchronized => (SessionPhase::Hidden, self.is_visible().then_some(Save)),
@@ -65,7 +74,8 @@ impl SessionPhase {
             SessionEvent::Stopping => (SessionPhase::Idle, self.is_running().then_some(SaveAndEnd)),
             SessionEvent::LossPending => (SessionPhase::Lost, Some(Save)),
             SessionEvent::Exiting => (SessionPhase::Exited, Some(Save)),
-        }
+        };
+        PhaseChange { phase, duty }
     }
 
     /// Whether the session is running: frames are to be waited for, begun and ended.
@@ -87,13 +97,13 @@ impl SessionPhase {
 
 #[cfg(test)]
 mod tests {
-    use super::{SessionDuty, SessionEvent, SessionPhase};
+    use super::{PhaseChange, SessionDuty, SessionEvent, SessionPhase};
 
     /// The phase after a row of events, and the duties on the way.
     fn run_events(events: &[SessionEvent]) -> (SessionPhase, Vec<SessionDuty>) {
         let mut duties = Vec::new();
         let phase = events.iter().fold(SessionPhase::default(), |phase, event| {
-            let (phase, duty) = phase.after_event(*event);
+            let PhaseChange { phase, duty } = phase.after_event(*event);
             duties.extend(duty);
             phase
         });
@@ -134,7 +144,7 @@ mod tests {
         let (phase, duties) = run_events(&[&TO_FOCUS[..], &[SessionEvent::Visible]].concat());
         assert!(phase.is_running() && !phase.has_focus());
         assert_eq!(duties, [SessionDuty::Begin, SessionDuty::Save]);
-        let (phase, _) = phase.after_event(SessionEvent::Focused);
+        let phase = phase.after_event(SessionEvent::Focused).phase;
         assert!(phase.is_running() && phase.has_focus());
     }
 

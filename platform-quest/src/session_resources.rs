@@ -33,7 +33,7 @@ where
     Grid<N>: Size,
 {
     /// Creates a session that shows a world. The Vulkan instance, which has the validation messages, is
-    /// left in `vulkan` even if the rest fails.
+    /// left in `vulkan_out` even if the rest fails.
     ///
     /// # Errors
     /// [`Error::Unavailable`] with what is missing, or a call that failed.
@@ -41,24 +41,26 @@ where
         platform: &mut dyn Platform,
         options: &ShellOptions,
         world: &World<N>,
-        places: &StudioPaths,
-        vulkan: &mut Option<Arc<gpu::Instance>>,
+        paths: &StudioPaths,
+        vulkan_out: &mut Option<Arc<gpu::Instance>>,
     ) -> Result<Self, Error> {
         let runtime = Runtime::create(platform, options)?;
-        let missing = runtime.missing_extensions(&FOVEATION_EXTENSIONS);
+        let missing = runtime.find_disabled_extensions(&FOVEATION_EXTENSIONS);
         let wanted = gpu::Options {
             validation: options.validation,
             density_map: missing.is_empty(),
-            device_hook: platform.device_wrapper(),
+            device_hook: platform.vulkan_device_wrapper(),
             ..gpu::Options::default()
         };
-        let instance = vulkan.insert(runtime.create_vulkan(&wanted)?);
+        let instance = vulkan_out.insert(runtime.create_vulkan(&wanted)?);
         let gpu = runtime.create_gpu(instance.clone(), &wanted)?;
         let session = HeadsetSession::create(&runtime, &gpu)?;
-        platform
-            .log(format_args!("{}", session.request_refresh_rate(&runtime, options.refresh_rate)));
+        platform.log(format_args!(
+            "{}",
+            session.request_refresh_rate_and_describe(&runtime, options.refresh_rate)
+        ));
         session.request_performance_levels(&runtime);
-        if let Some(floor) = session.describe_floor() {
+        if let Some(floor) = session.describe_floor_fallback() {
             platform.log(format_args!("{} {floor}", runtime.name));
         }
         let with_depth = options.submit_depth && runtime.extensions.khr_composition_layer_depth;
@@ -66,9 +68,9 @@ where
         let images =
             EyeImages::create(&runtime, &session.raw, &gpu, &format, options.test_commands)?;
         format.density_map = images.have_density_maps();
-        log_missing_features(platform, options, (&runtime, &gpu), &format);
+        log_missing_features(platform, options, &runtime, &gpu, &format);
         // Without it only the start takes longer.
-        let pipeline_cache = durable::read_file(&places.pipeline_cache_file()).unwrap_or_default();
+        let pipeline_cache = durable::read_file(&paths.pipeline_cache_file()).unwrap_or_default();
         let show = WorldRenderer::new(&gpu, format, world, &pipeline_cache)?;
         let eyes = EyeTargets::from_images(images, &show.renderer)?;
         Ok(SessionResources { eyes, show, session, gpu, runtime, pipeline_cache })
@@ -76,15 +78,11 @@ where
 
     /// Has the pipeline cache written, where it has changed: the next start is faster. The driver may take
     /// longer than a frame: call it while none is due.
-    pub(crate) fn save_pipeline_cache(&mut self, places: &StudioPaths, keeper: &mut FileWriter) {
+    pub(crate) fn save_pipeline_cache(&mut self, paths: &StudioPaths, writer: &mut FileWriter) {
         if let Ok(bytes) = self.show.renderer.pipeline_cache_data()
             && bytes != self.pipeline_cache
         {
-            keeper.submit_file(
-                FileKind::PipelineCache,
-                places.pipeline_cache_file(),
-                bytes.clone(),
-            );
+            writer.submit_file(FileKind::PipelineCache, paths.pipeline_cache_file(), bytes.clone());
             self.pipeline_cache = bytes;
         }
     }
@@ -94,7 +92,8 @@ where
 fn log_missing_features(
     platform: &mut dyn Platform,
     options: &ShellOptions,
-    (runtime, gpu): (&Runtime, &Gpu),
+    runtime: &Runtime,
+    gpu: &Gpu,
     format: &TargetFormat,
 ) {
     let name = &runtime.name;
@@ -108,13 +107,13 @@ fn log_missing_features(
     if format.density_map {
         return;
     }
-    let extensions = runtime.missing_extensions(&FOVEATION_EXTENSIONS);
+    let extensions = runtime.find_disabled_extensions(&FOVEATION_EXTENSIONS);
     let what = match (&extensions[..], &gpu.missing_features[..]) {
         ([], []) => format!("{name} gives no density maps with its pictures"),
         ([], lacks) => format!("{} has no {}", gpu.name, lacks.join(", ")),
         (extensions, _) => format!("{name} has no {}", extensions.join(", ")),
     };
-    if let Some(line) = FoveationLevel::describe_missing(options.foveation, &what) {
+    if let Some(line) = FoveationLevel::describe_unmet_request(options.foveation, &what) {
         platform.log(format_args!("{line}"));
     }
 }

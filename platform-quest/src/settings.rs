@@ -55,17 +55,28 @@ pub struct HeadsetSettings {
     pub options: ShellOptions,
 }
 
-/// Reads the settings of a shell whose files lie in a folder, with a line for the log if there is a file.
+/// The settings of a shell, and what is to be said of their file.
+#[derive(Clone, PartialEq, Debug)]
+pub struct LoadedSettings {
+    /// The file's settings, or the defaults.
+    pub settings: HeadsetSettings,
+    /// The flags that were read or what is wrong with them, for the log; none if there is no file.
+    pub log_line: Option<String>,
+}
+
+/// Reads the settings of a shell whose files lie in a folder.
 /// A trace to be recorded goes into the folder, unless its path is absolute.
 #[must_use]
-pub fn read_settings(folder: &Path) -> (HeadsetSettings, Option<String>) {
+pub fn read_settings(folder: &Path) -> LoadedSettings {
     let path = folder.join(FILE_NAME);
     let defaults = || {
         let options = ShellOptions { folder: Some(folder.into()), ..ShellOptions::default() };
         HeadsetSettings { size: 128, options }
     };
     let text = match read_text(&path) {
-        Err(error) if error.kind() == io::ErrorKind::NotFound => return (defaults(), None),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => {
+            return LoadedSettings { settings: defaults(), log_line: None };
+        }
         text => text.map_err(|error| format!("{}: {error}", path.display())),
     };
     let parsed = text.and_then(|text| {
@@ -75,10 +86,9 @@ pub fn read_settings(folder: &Path) -> (HeadsetSettings, Option<String>) {
         let taken = if taken.is_empty() { "no flags".into() } else { taken.join(" ") };
         Ok((settings, format!("{}: {taken}", path.display())))
     });
-    match parsed {
-        Ok((settings, line)) => (settings, Some(line)),
-        Err(why) => (defaults(), Some(format!("{why}; the defaults hold"))),
-    }
+    let (settings, line) =
+        parsed.unwrap_or_else(|why: String| (defaults(), format!("{why}; the defaults hold")));
+    LoadedSettings { settings, log_line: Some(line) }
 }
 
 /// A word, and the number of its line, from 1.
@@ -119,7 +129,7 @@ fn split_words(text: &str) -> Vec<Word<'_>> {
     words
 }
 
-fn parse_settings(folder: &Path, words: &[Word<'_>]) -> Result<HeadsetSettings, LineError> {
+fn parse_settings(base_folder: &Path, words: &[Word<'_>]) -> Result<HeadsetSettings, LineError> {
     for word in words {
         let flag = word.text.split_once('=').map_or(word.text, |(flag, _)| flag);
         if let Some((_, why)) = REFUSED_FLAGS.iter().find(|(refused, _)| *refused == flag) {
@@ -128,13 +138,13 @@ fn parse_settings(folder: &Path, words: &[Word<'_>]) -> Result<HeadsetSettings, 
         }
     }
     let args = parse_arguments(words).map_err(|error| LineError {
-        line: find_faulty_line(words),
+        line: find_faulty_line_number(words),
         why: summarize_error(&error),
     })?;
     let mut options = args.to_options();
-    options.folder = Some(folder.into());
+    options.folder = Some(base_folder.into());
     if let Some(record) = &mut options.record {
-        *record = folder.join(&*record);
+        *record = base_folder.join(&*record);
         // Now, not after the sculpting.
         WriteTarget::resolve_and_check_writable(record).map_err(|error| {
             let flag = words.iter().find(|word| word.text.starts_with("--record"));
@@ -153,7 +163,7 @@ fn parse_arguments(words: &[Word<'_>]) -> Result<HeadsetArgs, clap::Error> {
 
 /// The line at fault: the first after which no further line makes the command line valid again, as one
 /// does that holds the value of a flag before it.
-fn find_faulty_line(words: &[Word<'_>]) -> usize {
+fn find_faulty_line_number(words: &[Word<'_>]) -> usize {
     let mut line = 0;
     for end in (1..=words.len()).rev() {
         let is_line = words.get(end).is_none_or(|next| next.line > words[end - 1].line);
@@ -199,7 +209,7 @@ mod tests {
 
     use paros_core::SessionMode;
 
-    use super::{FILE_NAME, HeadsetSettings, MAX_BYTES, read_settings};
+    use super::{FILE_NAME, HeadsetSettings, LoadedSettings, MAX_BYTES, read_settings};
     use crate::foveation::FoveationLevel;
     use crate::options::ShellOptions;
 
@@ -219,8 +229,9 @@ mod tests {
     #[test]
     fn no_file_is_the_defaults_and_no_line() {
         let folder = folder("no-options");
-        assert_eq!(read_settings(&folder), (defaults(&folder), None));
-        assert_eq!(read_settings(&folder.join("none")).1, None);
+        let expected = LoadedSettings { settings: defaults(&folder), log_line: None };
+        assert_eq!(read_settings(&folder), expected);
+        assert_eq!(read_settings(&folder.join("none")).log_line, None);
         fs::remove_dir_all(folder).expect("it is ours");
     }
 
@@ -230,13 +241,14 @@ mod tests {
         let path = folder.join(FILE_NAME);
         for empty in ["", "\n", "# nothing\n   # --rate 90", "\u{feff}\r\n"] {
             fs::write(&path, empty).expect("room on the disk");
-            let line = format!("{}: no flags", path.display());
-            assert_eq!(read_settings(&folder), (defaults(&folder), Some(line)), "{empty:?}");
+            let log_line = Some(format!("{}: no flags", path.display()));
+            let expected = LoadedSettings { settings: defaults(&folder), log_line };
+            assert_eq!(read_settings(&folder), expected, "{empty:?}");
         }
         let text = "\u{feff}# for the fair\r\n--rate 90 --depth#!\r\n\t--foveation\r\n# half\r\n\
             medium\r\n--handover=120 --mode creative --size 256 --record own.trace";
         fs::write(&path, text).expect("room on the disk");
-        let (found, line) = read_settings(&folder);
+        let LoadedSettings { settings: found, log_line: line } = read_settings(&folder);
         let options = ShellOptions {
             refresh_rate: 90.0,
             submit_depth: true,
@@ -284,7 +296,7 @@ mod tests {
             ("--depth\n--record none/own.trace", 2, "none/own.trace: cannot "),
         ] {
             fs::write(&path, text).expect("room on the disk");
-            let (found, told) = read_settings(&folder);
+            let LoadedSettings { settings: found, log_line: told } = read_settings(&folder);
             let told = told.expect("there is a file");
             assert_eq!(found, defaults(&folder), "{text}");
             assert!(told.starts_with(&format!("{}:{line}: ", path.display())), "{text:?}: {told}");
@@ -299,7 +311,7 @@ mod tests {
         let folder = folder("no-text");
         let path = folder.join(FILE_NAME);
         let told = |why: &str| {
-            let (found, told) = read_settings(&folder);
+            let LoadedSettings { settings: found, log_line: told } = read_settings(&folder);
             let told = told.expect("there is something");
             assert_eq!(found, defaults(&folder));
             let ends = told.starts_with(&format!("{}: ", path.display()))
@@ -314,7 +326,7 @@ mod tests {
         told("it is longer than 4096 bytes, expected flags as text");
         let longest = format!("{:1$}", "--depth", MAX_BYTES as usize);
         fs::write(&path, &longest).expect("room on the disk");
-        assert!(read_settings(&folder).0.options.submit_depth);
+        assert!(read_settings(&folder).settings.options.submit_depth);
         fs::write(&path, longest + " ").expect("room on the disk");
         told("it is longer than 4096 bytes");
         fs::remove_file(&path).expect("it is ours");

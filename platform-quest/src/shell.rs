@@ -4,7 +4,8 @@ mod events;
 mod frame;
 mod ticks;
 
-use std::path::PathBuf;
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::thread;
 use std::time::{Duration, Instant};
@@ -93,8 +94,8 @@ enum SessionEnd {
     Lost,
 }
 
-/// Runs OpenXR sessions until the visitor, the operating system or the runtime quits. Returns a line with
-/// the path of the last print, if there is one.
+/// Runs OpenXR sessions until the visitor, the operating system or the runtime quits. Returns the
+/// path of the last print, if there is one.
 ///
 /// # Errors
 /// [`Error::Unavailable`] where there is nothing to run on, or what went wrong later. What was
@@ -102,7 +103,7 @@ enum SessionEnd {
 pub fn run_shell<const N: usize>(
     platform: &mut dyn Platform,
     options: &ShellOptions,
-) -> Result<String, Error>
+) -> Result<Option<PathBuf>, Error>
 where
     Grid<N>: Size + Resident<N>,
 {
@@ -141,8 +142,7 @@ where
     if !messages.is_empty() {
         return Err(Error::Unavailable(format!("validation: {messages}")));
     }
-    let printed = shell.studio.last_stl_path();
-    Ok(printed.map_or(String::new(), |path| format!("{}\n", path.display())))
+    Ok(shell.studio.last_stl_path().map(Path::to_path_buf))
 }
 
 impl<'a, const N: usize> HeadsetShell<'a, N>
@@ -180,7 +180,9 @@ where
             let why = match self.run_session(platform) {
                 Ok(SessionEnd::Exited) => return Ok(()),
                 Ok(SessionEnd::Lost) => None,
-                Err(error) if error.is_loss() || has_run || self.frames > 0 => Some(error),
+                Err(error) if error.is_recoverable_loss() || has_run || self.frames > 0 => {
+                    Some(error)
+                }
                 Err(error) => return Err(error),
             };
             self.studio.save_session_and_wait();
@@ -198,20 +200,20 @@ where
     /// Runs one session from its creation to its end, and collects the messages of Vulkan's validation.
     fn run_session(&mut self, platform: &mut dyn Platform) -> Result<SessionEnd, Error> {
         let mut vulkan = None;
-        let end = self.run_session_on(platform, &mut vulkan);
+        let end = self.create_and_run_session(platform, &mut vulkan);
         let messages = vulkan.map(|vulkan| vulkan.validation_messages()).unwrap_or_default();
         self.validation_messages.extend(messages);
         end
     }
 
-    fn run_session_on(
+    fn create_and_run_session(
         &mut self,
         platform: &mut dyn Platform,
-        vulkan: &mut Option<Arc<gpu::Instance>>,
+        vulkan_out: &mut Option<Arc<gpu::Instance>>,
     ) -> Result<SessionEnd, Error> {
-        let (world, places) = (self.studio.world(), self.studio.paths());
+        let (world, paths) = (self.studio.world(), self.studio.paths());
         let mut resources =
-            SessionResources::create(platform, self.options, world, places, vulkan)?;
+            SessionResources::create(platform, self.options, world, paths, vulkan_out)?;
         if resources.session.actions.profiles == 0 {
             platform.log(format_args!("{NO_PROFILE}: bare hands sculpt"));
         }
@@ -250,10 +252,11 @@ where
             let status = platform.poll_status();
             self.update_thermal(status.health, platform);
             self.update_foveation(resources, platform)?;
-            let quit = self.run_test_command(resources, platform) || status.quit_requested;
+            let quit =
+                self.run_test_command(resources, platform).is_break() || status.quit_requested;
             if quit && exit_requested_at.is_none() {
                 exit_requested_at = Some(Instant::now());
-                self.save_session();
+                self.save_studio();
                 if resources.session.raw.request_exit().is_err() {
                     // The session is not running: it has not begun, or has ended.
                     return Ok(SessionEnd::Exited);
@@ -301,28 +304,28 @@ where
             return Ok(());
         }
         match resources.eyes.set_foveation(&resources.session.raw, wanted) {
-            Err(error) if error.is_loss() => return Err(error),
+            Err(error) if error.is_recoverable_loss() => return Err(error),
             Err(error) => platform.log(format_args!("{error}")),
             Ok(()) => platform.log(format_args!("foveation {wanted}")),
         }
         Ok(())
     }
 
-    /// Runs a command of a test, if one has arrived. Returns whether the session is to end.
+    /// Runs a command of a test, if one has arrived. Breaks if the session is to end.
     fn run_test_command(
         &mut self,
         resources: &SessionResources<N>,
         platform: &mut dyn Platform,
-    ) -> bool {
+    ) -> ControlFlow<()> {
         match self.test_commands.as_ref().and_then(CommandQueue::poll_next) {
-            None => return false,
+            None => {}
             Some(TestCommand::PrintStatus) => self.print_status(resources),
             Some(TestCommand::CaptureFrame(prefix)) => self.capture_prefix = Some(prefix),
             Some(TestCommand::Quit) => {
                 platform.log(format_args!("leaving"));
-                return true;
+                return ControlFlow::Break(());
             }
         }
-        false
+        ControlFlow::Continue(())
     }
 }

@@ -24,7 +24,7 @@ static ENUMERATE_VIEWS: AtomicPtr<()> = AtomicPtr::new(ptr::null_mut());
 
 /// `xrEnumerateViewConfigurationViews` with views of 32 x 24 pixels, so that a software device keeps
 /// pace. The number of pixels costs the measured thread nothing.
-unsafe extern "system" fn enumerate_small_views(
+unsafe extern "system" fn enumerate_low_resolution_views(
     instance: sys::Instance,
     system: sys::SystemId,
     kind: sys::ViewConfigurationType,
@@ -49,35 +49,35 @@ unsafe extern "system" fn enumerate_small_views(
 static FRAME_ENDED: AtomicBool = AtomicBool::new(false);
 
 /// Whether a frame has ended since the last call of this.
-pub(crate) fn frame_has_ended() -> bool {
+pub(crate) fn take_frame_ended() -> bool {
     FRAME_ENDED.swap(false, Ordering::Relaxed)
 }
 
 /// A function pointer that can be wrapped by a clock.
 trait AddClock: Copy {
-    /// A function that times this one, which is stored as the original number `I`.
-    fn with_clock<const I: usize>(self) -> Self;
+    /// A function that times this one, which is stored as the original number `SLOT`.
+    fn with_clock<const SLOT: usize>(self) -> Self;
 }
 
 macro_rules! timed {
     ($($($argument:ident: $ty:ident),*;)*) => {$(
         impl<R, $($ty),*> AddClock for unsafe extern "system" fn($($ty),*) -> R {
-            fn with_clock<const I: usize>(self) -> Self {
-                unsafe extern "system" fn call_with_clock<const I: usize, R, $($ty),*>(
+            fn with_clock<const SLOT: usize>(self) -> Self {
+                unsafe extern "system" fn call_with_clock<const SLOT: usize, R, $($ty),*>(
                     $($argument: $ty),*
                 ) -> R {
-                    let real = ORIGINALS[I].load(Ordering::Relaxed);
+                    let real = ORIGINALS[SLOT].load(Ordering::Relaxed);
                     type Real<R, $($ty),*> = unsafe extern "system" fn($($ty),*) -> R;
                     // SAFETY: the one function under this number is of this type.
                     let real: Real<R, $($ty),*> = unsafe { transmute_copy(&real) };
-                    if I == TimedFunction::EndFrame as usize {
+                    if SLOT == TimedFunction::EndFrame as usize {
                         FRAME_ENDED.store(true, Ordering::Relaxed);
                     }
                     // SAFETY: as the caller has it.
                     time_foreign_call(|| unsafe { real($($argument),*) })
                 }
-                ORIGINALS[I].store(self as *mut (), Ordering::Relaxed);
-                call_with_clock::<I, R, $($ty),*>
+                ORIGINALS[SLOT].store(self as *mut (), Ordering::Relaxed);
+                call_with_clock::<SLOT, R, $($ty),*>
             }
         }
     )*};
@@ -121,7 +121,7 @@ macro_rules! functions {
                 b"xrEnumerateViewConfigurationViews" => {
                     // SAFETY: the type goes with the name.
                     unsafe { ENUMERATE_VIEWS.store(transmute_copy(&real), Ordering::Relaxed) };
-                    let small: pfn::EnumerateViewConfigurationViews = enumerate_small_views;
+                    let small: pfn::EnumerateViewConfigurationViews = enumerate_low_resolution_views;
                     // SAFETY: who calls it gives it its type again.
                     unsafe { transmute_copy(&small) }
                 }
@@ -200,9 +200,9 @@ functions! {
 ///
 /// # Safety
 /// They are of one type, but for lifetimes.
-unsafe fn replace_function<F, T>(function: F, place: *mut T) {
+unsafe fn replace_function<F, T>(function: F, field: *mut T) {
     // SAFETY: the caller's.
-    unsafe { place.cast::<F>().write(function) };
+    unsafe { field.cast::<F>().write(function) };
 }
 
 /// The loader's entry, which the wrapped one forwards to.

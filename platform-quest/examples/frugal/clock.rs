@@ -13,33 +13,33 @@ pub(crate) fn time_foreign_call<R>(call: impl FnOnce() -> R) -> R {
     if IN_FOREIGN_CALL.replace(true) {
         return call();
     }
-    let begun = thread_nanos();
+    let begun = thread_cpu_nanos_so_far();
     let done = call();
-    FOREIGN_NANOS.set(FOREIGN_NANOS.get() + (thread_nanos() - begun));
+    FOREIGN_NANOS.set(FOREIGN_NANOS.get() + (thread_cpu_nanos_so_far() - begun));
     FOREIGN_CALLS.set(FOREIGN_CALLS.get() + 1);
     IN_FOREIGN_CALL.set(false);
     done
 }
 
 /// Nanoseconds that timing a thousand foreign calls adds to the shell's own time.
-pub(crate) fn clock_nanos_per_thousand_calls() -> u64 {
-    let begun = own_nanos();
+pub(crate) fn measure_clock_nanos_per_thousand_calls() -> u64 {
+    let begun = own_cpu_nanos_so_far();
     (0..1000).for_each(|_| time_foreign_call(|| ()));
-    own_nanos() - begun
+    own_cpu_nanos_so_far() - begun
 }
 
 /// The shell's own CPU time so far, in nanoseconds. It includes about half of each reading of the clock.
-pub(crate) fn own_nanos() -> u64 {
-    thread_nanos() - FOREIGN_NANOS.get()
+pub(crate) fn own_cpu_nanos_so_far() -> u64 {
+    thread_cpu_nanos_so_far() - FOREIGN_NANOS.get()
 }
 
 /// Foreign calls so far.
-pub(crate) fn foreign_calls() -> u64 {
+pub(crate) fn foreign_calls_so_far() -> u64 {
     FOREIGN_CALLS.get()
 }
 
 /// This thread's CPU time so far, in nanoseconds (`CLOCK_THREAD_CPUTIME_ID`).
-pub(crate) fn thread_nanos() -> u64 {
+pub(crate) fn thread_cpu_nanos_so_far() -> u64 {
     #[repr(C)]
     struct Timespec {
         seconds: i64,

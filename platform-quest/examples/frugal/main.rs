@@ -46,15 +46,15 @@ unsafe impl GlobalAlloc for CountingAllocator {
         unsafe { System.alloc_zeroed(layout) }
     }
 
-    unsafe fn dealloc(&self, at: *mut u8, layout: Layout) {
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
         // SAFETY: the caller's.
-        unsafe { System.dealloc(at, layout) }
+        unsafe { System.dealloc(pointer, layout) }
     }
 
-    unsafe fn realloc(&self, at: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
         count_allocation();
         // SAFETY: the caller's.
-        unsafe { System.realloc(at, layout, size) }
+        unsafe { System.realloc(pointer, layout, size) }
     }
 }
 
@@ -97,14 +97,14 @@ impl Platform for ProfilingPlatform {
 
     fn poll_status(&mut self) -> PlatformStatus {
         let now = FrameCost {
-            own_nanos: clock::own_nanos(),
-            thread_nanos: clock::thread_nanos(),
+            own_nanos: clock::own_cpu_nanos_so_far(),
+            thread_nanos: clock::thread_cpu_nanos_so_far(),
             allocations: COUNT.with(Cell::get),
-            foreign_calls: clock::foreign_calls(),
+            foreign_calls: clock::foreign_calls_so_far(),
             step_nanos: self.step_nanos,
         };
         let last = core::mem::replace(&mut self.last, now);
-        if calls::frame_has_ended() && self.frames.len() < self.frames.capacity() {
+        if calls::take_frame_ended() && self.frames.len() < self.frames.capacity() {
             self.frames.push(FrameCost {
                 allocations: now.allocations - last.allocations,
                 own_nanos: now.own_nanos - last.own_nanos,
@@ -117,13 +117,13 @@ impl Platform for ProfilingPlatform {
         PlatformStatus { quit_requested, ..PlatformStatus::default() }
     }
 
-    fn run_step(&mut self, step: &mut dyn FnMut()) {
-        let begun = clock::thread_nanos();
+    fn run_world_step(&mut self, step: &mut dyn FnMut()) {
+        let begun = clock::thread_cpu_nanos_so_far();
         clock::time_foreign_call(step);
-        self.step_nanos += clock::thread_nanos() - begun;
+        self.step_nanos += clock::thread_cpu_nanos_so_far() - begun;
     }
 
-    fn device_wrapper(&self) -> Option<fn(ash::Device) -> ash::Device> {
+    fn vulkan_device_wrapper(&self) -> Option<fn(ash::Device) -> ash::Device> {
         Some(calls::device_with_clocks)
     }
 }
@@ -152,7 +152,8 @@ fn main() {
         median_of(rest, |frame| frame.step_nanos),
         median_of(rest, |frame| frame.thread_nanos),
         median_of(rest, |frame| frame.foreign_calls),
-        median_of(rest, |frame| frame.foreign_calls) * clock::clock_nanos_per_thousand_calls()
+        median_of(rest, |frame| frame.foreign_calls)
+            * clock::measure_clock_nanos_per_thousand_calls()
             / 1000,
     );
 }

@@ -20,6 +20,7 @@ use crate::device::{self, AndroidDevice, DeviceMonitor};
 use crate::error::Error;
 use crate::options::ShellOptions;
 use crate::platform::{Platform, PlatformStatus};
+use crate::settings::LoadedSettings;
 use crate::shell::run_shell;
 use crate::{runtime, settings};
 
@@ -28,7 +29,7 @@ fn android_main(app: AndroidApp) {
     app.set_window_flags(WindowManagerFlags::KEEP_SCREEN_ON, WindowManagerFlags::empty());
     // What is written to standard error goes to the device's log.
     if let Err(why) = run_app(app) {
-        eprintln!("paros-quest: {}", why.with_remedy());
+        eprintln!("paros-quest: {}", why.message_with_remedy());
     }
 }
 
@@ -40,8 +41,8 @@ fn run_app(app: AndroidApp) -> Result<(), Error> {
     let folder = device.find_storage_folder().map_err(unavailable)?;
     let name = device.read_model_name().map_err(unavailable)?;
     eprintln!("paros-quest: {name}, API level {}, {}", device.api_level(), folder.display());
-    let (settings, line) = settings::read_settings(&folder);
-    if let Some(line) = line {
+    let LoadedSettings { settings, log_line } = settings::read_settings(&folder);
+    if let Some(line) = log_line {
         eprintln!("paros-quest: {line}");
     }
     let platform =

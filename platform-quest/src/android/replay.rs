@@ -12,12 +12,15 @@ use paros_shell::replay::write_replay_digests;
 /// # Safety
 /// Both are C strings.
 #[unsafe(no_mangle)]
-unsafe extern "C" fn paros_replay(trace: *const c_char, digests: *const c_char) -> c_int {
+unsafe extern "C" fn paros_replay(
+    trace_path: *const c_char,
+    digests_out_path: *const c_char,
+) -> c_int {
     // SAFETY: the caller hands over two C strings, which outlive this call.
-    let [trace, digests] = [trace, digests]
+    let [trace_path, digests_out_path] = [trace_path, digests_out_path]
         .map(|path| unsafe { CStr::from_ptr(path) }.to_bytes())
         .map(OsStr::from_bytes);
-    match write_replay_digests(Path::new(trace), Path::new(digests)) {
+    match write_replay_digests(Path::new(trace_path), Path::new(digests_out_path)) {
         Ok(()) => 0,
         Err(error) => {
             eprintln!("{error}");

@@ -46,19 +46,21 @@ pub(super) struct JavaCaller<'env, 'local> {
 
 impl<'env, 'local> JavaCaller<'env, 'local> {
     /// A caller for a device of an API level.
-    pub(super) fn new(env: &'env mut Env<'local>, api_level: i32) -> Self {
-        JavaCaller { env, api_level }
+    pub(super) fn new(env: &'env mut Env<'local>, device_api_level: i32) -> Self {
+        JavaCaller { env, api_level: device_api_level }
     }
 
     /// Reads the device's API level.
     pub(super) fn read_api_level(env: &'env mut Env<'local>) -> Result<i32, JavaError> {
         // Every Android that this runs on has it.
         let mut caller = JavaCaller::new(env, SDK_INT.since);
-        caller.call_static(SDK_INT, &[])?.map_or(Ok(0), |value| read_int(SDK_INT, value))
+        caller
+            .call_static_if_available(SDK_INT, &[])?
+            .map_or(Ok(0), |value| read_int(SDK_INT, value))
     }
 
     /// Calls a method of an object. None if the device is older than the method.
-    pub(super) fn call_method(
+    pub(super) fn call_method_if_available(
         &mut self,
         member: JavaMember,
         object: &JObject<'_>,
@@ -76,7 +78,7 @@ impl<'env, 'local> JavaCaller<'env, 'local> {
     }
 
     /// Calls a method of a class, or reads a field. None if the device is older than it.
-    pub(super) fn call_static(
+    pub(super) fn call_static_if_available(
         &mut self,
         member: JavaMember,
         arguments: &[JValue<'_>],
@@ -98,13 +100,15 @@ impl<'env, 'local> JavaCaller<'env, 'local> {
     }
 
     /// Calls a method that returns an object. None if that is null, or the device older than the method.
-    pub(super) fn call_for_object(
+    pub(super) fn call_object_method_if_available(
         &mut self,
         member: JavaMember,
         object: &JObject<'_>,
         arguments: &[JValue<'_>],
     ) -> Result<Option<JObject<'local>>, JavaError> {
-        let Some(value) = self.call_method(member, object, arguments)? else { return Ok(None) };
+        let Some(value) = self.call_method_if_available(member, object, arguments)? else {
+            return Ok(None);
+        };
         let object = value.into_object().map_err(|error| member_error(member, &error))?;
         Ok((!object.is_null()).then_some(object))
     }

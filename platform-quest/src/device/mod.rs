@@ -116,7 +116,7 @@ impl AndroidDevice {
         self.call_java(|caller, _| {
             let mut words = Vec::new();
             for member in [MANUFACTURER, MODEL] {
-                if let Some(value) = caller.call_static(member, &[])? {
+                if let Some(value) = caller.call_static_if_available(member, &[])? {
                     words.extend(caller.read_string(member, value)?);
                 }
             }
@@ -135,12 +135,14 @@ impl AndroidDevice {
                 return Ok(battery);
             };
             let which = [JValue::Int(BATTERY_PROPERTY_CAPACITY)];
-            if let Some(value) = caller.call_method(BATTERY_PROPERTY, &manager, &which)? {
+            if let Some(value) =
+                caller.call_method_if_available(BATTERY_PROPERTY, &manager, &which)?
+            {
                 // A device that does not know answers with the least number there is.
                 let percent = read_int(BATTERY_PROPERTY, value)?;
                 battery.percent = u8::try_from(percent).ok().filter(|percent| *percent <= 100);
             }
-            if let Some(value) = caller.call_method(IS_CHARGING, &manager, &[])? {
+            if let Some(value) = caller.call_method_if_available(IS_CHARGING, &manager, &[])? {
                 battery.charging = read_bool(IS_CHARGING, value)?;
             }
             Ok(battery)
@@ -157,11 +159,13 @@ impl AndroidDevice {
             let Some(manager) = system_service(caller, context, POWER_SERVICE)? else {
                 return Ok(reading);
             };
-            if let Some(value) = caller.call_method(THERMAL_STATUS, &manager, &[])? {
+            if let Some(value) = caller.call_method_if_available(THERMAL_STATUS, &manager, &[])? {
                 reading.status = ThermalStatus::from_number(read_int(THERMAL_STATUS, value)?);
             }
             let when = [JValue::Int(FORECAST_SECONDS)];
-            if let Some(value) = caller.call_method(THERMAL_HEADROOM, &manager, &when)? {
+            if let Some(value) =
+                caller.call_method_if_available(THERMAL_HEADROOM, &manager, &when)?
+            {
                 reading.headroom =
                     Some(read_float(THERMAL_HEADROOM, value)?).filter(|it| it.is_finite());
             }
@@ -177,16 +181,19 @@ impl AndroidDevice {
     pub fn find_storage_folder(&self) -> Result<PathBuf, JavaError> {
         self.call_java(|caller, context| {
             let own = JObject::null();
-            let shared =
-                caller.call_for_object(EXTERNAL_FILES_DIR, context, &[JValue::Object(&own)])?;
+            let shared = caller.call_object_method_if_available(
+                EXTERNAL_FILES_DIR,
+                context,
+                &[JValue::Object(&own)],
+            )?;
             let folder = match shared {
                 Some(folder) => Some(folder),
-                None => caller.call_for_object(FILES_DIR, context, &[])?,
+                None => caller.call_object_method_if_available(FILES_DIR, context, &[])?,
             };
             let nowhere =
                 |member: JavaMember| JavaError { member: Some(member), why: "null".into() };
             let folder = folder.ok_or_else(|| nowhere(FILES_DIR))?;
-            let path = caller.call_method(ABSOLUTE_PATH, &folder, &[])?;
+            let path = caller.call_method_if_available(ABSOLUTE_PATH, &folder, &[])?;
             let path =
                 path.map(|path| caller.read_string(ABSOLUTE_PATH, path)).transpose()?.flatten();
             path.map(PathBuf::from).ok_or_else(|| nowhere(ABSOLUTE_PATH))
@@ -202,15 +209,19 @@ impl AndroidDevice {
             let Some(manager) = system_service(caller, context, CONNECTIVITY_SERVICE)? else {
                 return Ok(false);
             };
-            let Some(network) = caller.call_for_object(ACTIVE_NETWORK, &manager, &[])? else {
+            let Some(network) =
+                caller.call_object_method_if_available(ACTIVE_NETWORK, &manager, &[])?
+            else {
                 return Ok(false);
             };
             let network = [JValue::Object(&network)];
-            let Some(can) = caller.call_for_object(CAPABILITIES, &manager, &network)? else {
+            let Some(can) =
+                caller.call_object_method_if_available(CAPABILITIES, &manager, &network)?
+            else {
                 return Ok(false);
             };
             let what = [JValue::Int(NET_CAPABILITY_VALIDATED)];
-            let value = caller.call_method(HAS_CAPABILITY, &can, &what)?;
+            let value = caller.call_method_if_available(HAS_CAPABILITY, &can, &what)?;
             value.map_or(Ok(false), |value| read_bool(HAS_CAPABILITY, value))
         })
     }
@@ -226,21 +237,25 @@ impl AndroidDevice {
         columns: &[&str],
     ) -> Result<Vec<ContentRow>, JavaError> {
         self.call_java(|caller, context| {
-            let Some(resolver) = caller.call_for_object(CONTENT_RESOLVER, context, &[])? else {
+            let Some(resolver) =
+                caller.call_object_method_if_available(CONTENT_RESOLVER, context, &[])?
+            else {
                 return Ok(Vec::new());
             };
             let text = caller.new_string(address)?;
-            let address = caller.call_static(PARSE_URI, &[JValue::Object(&text)])?;
+            let address = caller.call_static_if_available(PARSE_URI, &[JValue::Object(&text)])?;
             let Some(address) = address.and_then(|address| address.into_object().ok()) else {
                 return Ok(Vec::new());
             };
             let (names, null) = (caller.new_string_array(columns)?, JObject::null());
             let arguments = [&address, &names, &null, &null, &null].map(JValue::Object);
-            let Some(cursor) = caller.call_for_object(QUERY, &resolver, &arguments)? else {
+            let Some(cursor) =
+                caller.call_object_method_if_available(QUERY, &resolver, &arguments)?
+            else {
                 return Ok(Vec::new());
             };
             let rows = read_rows(caller, &cursor, columns);
-            caller.call_method(CLOSE, &cursor, &[])?;
+            caller.call_method_if_available(CLOSE, &cursor, &[])?;
             rows
         })
     }
@@ -274,7 +289,7 @@ fn system_service<'local>(
     name: &str,
 ) -> Result<Option<JObject<'local>>, JavaError> {
     let name = caller.new_string(name)?;
-    caller.call_for_object(SYSTEM_SERVICE, context, &[JValue::Object(&name)])
+    caller.call_object_method_if_available(SYSTEM_SERVICE, context, &[JValue::Object(&name)])
 }
 
 /// Reads the rows of a query's result, from its cursor.
@@ -286,18 +301,21 @@ fn read_rows(
     let mut places = Vec::new();
     for column in columns {
         let name = caller.new_string(column)?;
-        let place = caller.call_method(COLUMN_INDEX, cursor, &[JValue::Object(&name)])?;
+        let place =
+            caller.call_method_if_available(COLUMN_INDEX, cursor, &[JValue::Object(&name)])?;
         places.push(place.map_or(Ok(-1), |place| read_int(COLUMN_INDEX, place))?);
     }
     let mut rows = Vec::new();
     while rows.len() < MAX_ROWS {
-        let moved = caller.call_method(MOVE_TO_NEXT, cursor, &[])?;
+        let moved = caller.call_method_if_available(MOVE_TO_NEXT, cursor, &[])?;
         if !moved.map_or(Ok(false), |value| read_bool(MOVE_TO_NEXT, value))? {
             break;
         }
         let mut row = vec![None; columns.len()];
         for (text, place) in row.iter_mut().zip(&places).filter(|(_, place)| **place >= 0) {
-            if let Some(value) = caller.call_method(STRING, cursor, &[JValue::Int(*place)])? {
+            if let Some(value) =
+                caller.call_method_if_available(STRING, cursor, &[JValue::Int(*place)])?
+            {
                 *text = caller.read_string(STRING, value)?;
             }
         }

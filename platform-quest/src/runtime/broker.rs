@@ -32,7 +32,7 @@ pub struct RuntimeLibrary {
 impl RuntimeLibrary {
     /// A library whose symbols are OpenXR's names.
     #[must_use]
-    pub fn with_own_names(path: PathBuf) -> Self {
+    pub fn with_standard_names(path: PathBuf) -> Self {
         RuntimeLibrary { path, negotiate_symbol: NEGOTIATE_FUNCTION.into() }
     }
 }
@@ -66,7 +66,7 @@ fn query_broker(
     let Some([Some(folder), Some(name), package, renames]) = rows.first().map(Vec::as_slice) else {
         return Ok(None);
     };
-    let mut library = RuntimeLibrary::with_own_names(Path::new(folder).join(name));
+    let mut library = RuntimeLibrary::with_standard_names(Path::new(folder).join(name));
     if renames.as_deref() != Some("1") {
         return Ok(Some(library));
     }

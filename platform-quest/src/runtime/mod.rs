@@ -136,7 +136,7 @@ mod tests {
     fn what_is_no_runtime_is_told() -> Result<(), MissingDependency> {
         // SAFETY: nothing is opened.
         let why = unsafe {
-            open_runtime(&RuntimeLibrary::with_own_names("/no/such/runtime.so".into()), &())
+            open_runtime(&RuntimeLibrary::with_standard_names("/no/such/runtime.so".into()), &())
         };
         let why = why.err().expect("no library");
         assert!(why.to_string().starts_with("/no/such/runtime.so: can't be opened: "), "{why}");

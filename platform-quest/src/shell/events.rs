@@ -11,7 +11,7 @@ use paros_shell::statics::Resident;
 use super::HeadsetShell;
 use crate::error::{CallContext, Error};
 use crate::platform::Platform;
-use crate::session_phase::{SessionDuty, SessionEvent, SessionPhase};
+use crate::session_phase::{PhaseChange, SessionDuty, SessionEvent, SessionPhase};
 use crate::session_resources::SessionResources;
 use crate::xr::VIEW_CONFIGURATION;
 
@@ -48,7 +48,7 @@ where
                     platform.log(format_args!("recentred"));
                 }
                 xr::Event::UserPresenceChangedEXT(change) => {
-                    self.on_user_presence(change.is_user_present(), platform);
+                    self.on_user_presence_changed(change.is_user_present(), platform);
                 }
                 xr::Event::PerfSettingsEXT(change)
                     if change.sub_domain() == xr::PerfSettingsSubDomainEXT::THERMAL =>
@@ -72,7 +72,7 @@ where
         platform: &mut dyn Platform,
     ) -> Result<(), Error> {
         platform.log(format_args!("{event:?}"));
-        let (phase, duty) = self.phase.after_event(event);
+        let PhaseChange { phase, duty } = self.phase.after_event(event);
         self.phase = phase;
         match duty {
             Some(SessionDuty::Begin) => {
@@ -80,10 +80,10 @@ where
                 resources.session.set_thread_types(&resources.runtime);
                 self.pacer.pause();
             }
-            Some(SessionDuty::Save) => self.save_session(),
+            Some(SessionDuty::Save) => self.save_studio(),
             Some(SessionDuty::SaveAndEnd) => {
                 self.save_pipeline_cache(resources);
-                self.save_session();
+                self.save_studio();
                 resources.session.raw.end().context("end the session")?;
             }
             None => {}
@@ -92,18 +92,18 @@ where
     }
 
     /// Tells the visit policy that the headset was put on or off (`XR_EXT_user_presence`).
-    fn on_user_presence(&mut self, present: bool, platform: &mut dyn Platform) {
-        let change = self.visit.observe_presence(present, self.started_at.elapsed());
+    fn on_user_presence_changed(&mut self, is_present: bool, platform: &mut dyn Platform) {
+        let change = self.visit.observe_presence(is_present, self.started_at.elapsed());
         if change == VisitorChange::NextVisitor {
             platform.log(format_args!("another visitor"));
         }
-        if !present {
+        if !is_present {
             self.studio.save_session_and_wait();
         }
     }
 
-    /// Saves the session, as the headset may stay off from now on.
-    pub(super) fn save_session(&mut self) {
+    /// Saves the core's session, as the headset may stay off from now on.
+    pub(super) fn save_studio(&mut self) {
         self.studio.retry_failed_writes();
         self.studio.save_session_and_wait();
     }

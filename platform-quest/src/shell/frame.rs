@@ -48,10 +48,11 @@ where
     ) -> Result<(), Error> {
         let world = self.studio.world();
         resources.show.begin_frame(world)?;
-        let image = resources.eyes.acquire_images()?;
+        let framebuffer = resources.eyes.acquire_framebuffer()?;
         let hands = self.phase.has_focus();
         let session = &resources.session;
-        let grips = if hands { locate_grips(session, display_time)? } else { [None; 2] };
+        let grips =
+            if hands { locate_left_and_right_grips(session, display_time)? } else { [None; 2] };
         let time = (world.tick() as f64 + f64::from(self.tick_fraction)) / f64::from(TICK_RATE);
         let fresh = LatestInput {
             grips,
@@ -60,28 +61,31 @@ where
             time_seconds: time,
         };
         // As late as can be: the later, the better the prediction.
-        let [(left, left_view), (right, right_view)] = session.locate_eyes(display_time)?;
-        let seen =
-            Viewpoint { eyes: &[left, right], latest: fresh, render_path: self.options.path };
+        let [left, right] = session.locate_eyes(display_time)?;
+        let seen = Viewpoint {
+            eyes: &[left.eye, right.eye],
+            latest: fresh,
+            render_path: self.options.path,
+        };
         resources.show.draw_frame(
             world,
             &seen,
             &resources.eyes.surface,
-            image,
+            framebuffer,
             FrameSemaphores::default(),
         )?;
         if let Some(prefix) = self.capture_prefix.take() {
-            write_capture(&resources.eyes.capture_frame(image)?, &prefix)?;
+            write_capture(&resources.eyes.capture_frame(framebuffer)?, &prefix)?;
         }
         resources.eyes.release_images()?;
-        let when = (display_time, resources.runtime.blend_mode);
+        let blend_mode = resources.runtime.blend_mode;
         let HeadsetSession { stream, room, .. } = &mut resources.session;
-        resources.eyes.end_frame(stream, when, room, &[left_view, right_view])
+        resources.eyes.end_frame(stream, display_time, blend_mode, room, &[left.view, right.view])
     }
 }
 
 /// The grip poses at the display time, which are newer than any tick's.
-fn locate_grips(
+fn locate_left_and_right_grips(
     session: &HeadsetSession,
     display_time: xr::Time,
 ) -> Result<[Option<RoomPose>; 2], Error> {

@@ -27,7 +27,7 @@ where
     ) -> Result<(), Error> {
         let due = self.pacer.take_due_ticks_until(display_time.as_nanos());
         self.tick_fraction = due.fraction;
-        self.count_dropped(due.dropped, platform);
+        self.record_dropped_ticks(due.dropped, platform);
         let (session, has_focus) = (&resources.session, self.phase.has_focus());
         let menu_down = if has_focus {
             session.actions.sync_actions(&session.raw)?;
@@ -38,7 +38,7 @@ where
         for tick_time in due.tick_times_ns() {
             let jumped = self.recentering.take_change_due_at(tick_time);
             let with_hands = has_focus && !jumped;
-            let mut input = read_input(session, xr::Time::from_nanos(tick_time), with_hands)?;
+            let mut input = read_tick_input(session, xr::Time::from_nanos(tick_time), with_hands)?;
             self.visit.add_session_commands(
                 self.studio.world().session_state(),
                 menu_down,
@@ -47,7 +47,7 @@ where
             if core::mem::take(&mut self.start_anew) {
                 input.start = self.options.mode;
             }
-            self.studio.run_tick_wrapped(&input, |step| platform.run_step(step));
+            self.studio.run_tick_wrapped(&input, |step| platform.run_world_step(step));
             let world = self.studio.world();
             resources.show.note_tick(world);
             self.haptics.add_tick_levels([world.hand_state(0).haptic, world.hand_state(1).haptic]);
@@ -61,9 +61,9 @@ where
     }
 
     /// Counts dropped ticks, and logs them from time to time.
-    fn count_dropped(&mut self, ticks: u32, platform: &mut dyn Platform) {
+    fn record_dropped_ticks(&mut self, count: u32, platform: &mut dyn Platform) {
         let dropped = &mut self.dropped;
-        dropped.count += u64::from(ticks);
+        dropped.count += u64::from(count);
         let log_due = dropped.logged_at.is_none_or(|at| at.elapsed() > DROP_LOG_INTERVAL);
         if dropped.count > dropped.logged && log_due {
             let (all, most) = (dropped.count, TickClock::MAX_TICKS_PER_FRAME);
@@ -76,18 +76,18 @@ where
 }
 
 /// Head and hands at a time, as the core takes them. Hands are left out without input focus.
-fn read_input(
+fn read_tick_input(
     session: &HeadsetSession,
-    time: xr::Time,
-    with_hands: bool,
+    tick_time: xr::Time,
+    include_hands: bool,
 ) -> Result<TickInput, Error> {
-    let head = session.locate_head(time)?;
+    let head = session.locate_head(tick_time)?;
     let head = head
         .map_or(RawPose::default(), |(position, rotation)| RawPose::quantise(position, rotation));
     let mut input = TickInput { head, ..TickInput::default() };
-    if with_hands {
+    if include_hands {
         for (hand, to) in input.hands.iter_mut().enumerate() {
-            *to = read_hand_input(session, hand, time)?;
+            *to = read_hand_input(session, hand, tick_time)?;
         }
     }
     Ok(input)
@@ -97,12 +97,12 @@ fn read_input(
 fn read_hand_input(
     session: &HeadsetSession,
     hand: usize,
-    time: xr::Time,
+    tick_time: xr::Time,
 ) -> Result<HandInput, Error> {
-    let held = session.actions.sample_hand(&session.raw, &session.room, hand, time)?;
+    let held = session.actions.sample_hand(&session.raw, &session.room, hand, tick_time)?;
     let sample: HandSample = match &session.hand_trackers {
         Some(trackers) if held.grip.is_none() => {
-            trackers.sample_hand(&session.room, hand, time)?.unwrap_or(held)
+            trackers.sample_hand(&session.room, hand, tick_time)?.unwrap_or(held)
         }
         _ => held,
     };

@@ -5,7 +5,7 @@ use paros_core::buttons;
 use paros_shell::headset::hand_sample::HandSample;
 use paros_shell::headset::haptics::HapticPulse;
 
-use super::tracked_pose;
+use super::convert_pose_if_tracked;
 use crate::error::{CallContext, Error};
 
 /// The action set of the studio, and the action spaces of both hands.
@@ -80,14 +80,15 @@ impl ControllerActions {
             profiles: 0,
             set,
         };
-        actions.profiles = actions.suggest_bindings(instance, &poses, extensions)?;
+        actions.profiles =
+            actions.suggest_bindings_and_count_accepted(instance, &poses, extensions)?;
         session.attach_action_sets(&[&actions.set]).context("attach the actions")?;
         Ok(actions)
     }
 
     /// Suggests bindings for all interaction profiles; one that the runtime doesn't know is passed over.
     /// Returns how many are accepted.
-    fn suggest_bindings(
+    fn suggest_bindings_and_count_accepted(
         &self,
         instance: &xr::Instance,
         poses: &PoseActions,
@@ -235,10 +236,10 @@ impl<'a> BindingList<'a> {
     fn bind<T: xr::ActionTy>(
         &mut self,
         action: &'a xr::Action<T>,
-        hand: &str,
-        part: &str,
+        hand_path: &str,
+        component_path: &str,
     ) -> Result<(), Error> {
-        let path = self.instance.string_to_path(&format!("{hand}/{part}"));
+        let path = self.instance.string_to_path(&format!("{hand_path}/{component_path}"));
         self.bindings.push(xr::Binding::new(action, path.context("name a button")?));
         Ok(())
     }
@@ -258,5 +259,5 @@ fn locate_tracked(
     time: xr::Time,
 ) -> Result<Option<paros_core::internals::RoomPose>, Error> {
     let location = space.locate(room, time).context("find a hand")?;
-    Ok(tracked_pose(location.location_flags, location.pose))
+    Ok(convert_pose_if_tracked(location.location_flags, location.pose))
 }

@@ -163,14 +163,14 @@ impl EyeTargets {
         self.color.set_foveation(session, level)
     }
 
-    /// Acquires the next images. Returns the index of the surface's framebuffer to draw into.
+    /// Acquires the next images, and waits for them. Returns the index of the surface's framebuffer to draw into.
     ///
     /// # Errors
     /// A lost session.
-    pub(crate) fn acquire_images(&mut self) -> Result<usize, Error> {
-        let color = self.color.acquire_image()?;
+    pub(crate) fn acquire_framebuffer(&mut self) -> Result<usize, Error> {
+        let color = self.color.acquire_and_wait_image()?;
         match &mut self.depth {
-            Some(depth) => Ok(depth.acquire_image()? * self.color.images.len() + color),
+            Some(depth) => Ok(depth.acquire_and_wait_image()? * self.color.images.len() + color),
             None => Ok(color),
         }
     }
@@ -191,8 +191,8 @@ impl EyeTargets {
     ///
     /// # Errors
     /// A lost device.
-    pub(crate) fn capture_frame(&self, image: usize) -> Result<FrameCapture, gpu::Error> {
-        let raw = self.color.images[image % self.color.images.len()];
+    pub(crate) fn capture_frame(&self, framebuffer: usize) -> Result<FrameCapture, gpu::Error> {
+        let raw = self.color.images[framebuffer % self.color.images.len()];
         let (format, extent, layout) = (self.format, self.extent, self.layout);
         let blue_first = format == vk::Format::B8G8R8A8_SRGB;
         let eye = |number| -> Result<Vec<u8>, gpu::Error> {
@@ -211,7 +211,8 @@ impl EyeTargets {
     pub(crate) fn end_frame(
         &self,
         stream: &mut xr::FrameStream<xr::Vulkan>,
-        (display_time, blend_mode): (xr::Time, xr::EnvironmentBlendMode),
+        display_time: xr::Time,
+        blend_mode: xr::EnvironmentBlendMode,
         room: &xr::Space,
         views: &[xr::sys::View; 2],
     ) -> Result<(), Error> {

@@ -3,7 +3,7 @@
 use openxr as xr;
 use paros_shell::headset::hand_sample::{HandJoints, HandSample};
 
-use super::{Runtime, room_pose};
+use super::{Runtime, convert_pose};
 use crate::error::{CallContext, Error};
 
 /// The trackers of both hands.
@@ -45,7 +45,7 @@ impl HandTrackers {
         let Some(joints) = joints else { return Ok(None) };
         let valid =
             xr::SpaceLocationFlags::POSITION_VALID | xr::SpaceLocationFlags::ORIENTATION_VALID;
-        let pose = |joint: xr::HandJoint| room_pose(joints[joint.into_raw() as usize].pose);
+        let pose = |joint: xr::HandJoint| convert_pose(joints[joint.into_raw() as usize].pose);
         let seen = |joint: &xr::HandJoint| {
             joints[joint.into_raw() as usize].location_flags.contains(valid)
         };

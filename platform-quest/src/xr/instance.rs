@@ -68,7 +68,7 @@ impl Runtime {
         let system = instance.system(xr::FormFactor::HEAD_MOUNTED_DISPLAY).map_err(|result| {
             Error::Unavailable(format!("{name} has no headset ({result:?}): connect one"))
         })?;
-        let extent = stereo_extent(&instance, system, &name)?;
+        let extent = recommended_eye_extent(&instance, system, &name)?;
         let modes = instance.enumerate_environment_blend_modes(system, VIEW_CONFIGURATION);
         let blend_mode = modes.context("list the blend modes")?.first().copied();
         let blend_mode = blend_mode.unwrap_or(xr::EnvironmentBlendMode::OPAQUE);
@@ -77,7 +77,7 @@ impl Runtime {
     }
 
     /// Which of some extensions are not enabled, by name.
-    pub(crate) fn missing_extensions<'a>(&self, names: &[&'a str]) -> Vec<&'a str> {
+    pub(crate) fn find_disabled_extensions<'a>(&self, names: &[&'a str]) -> Vec<&'a str> {
         let asked = self.extensions.names();
         let has = |name: &str| {
             asked.iter().any(|asked| asked.strip_suffix(b"\0") == Some(name.as_bytes()))
@@ -194,15 +194,19 @@ fn find_set_thread_type(
 }
 
 /// The recommended extent of an eye's image, which both eyes share.
-fn stereo_extent(
+fn recommended_eye_extent(
     instance: &xr::Instance,
     system: xr::SystemId,
-    name: &str,
+    runtime_name: &str,
 ) -> Result<[u32; 2], Error> {
     let views = instance.enumerate_view_configuration_views(system, VIEW_CONFIGURATION);
-    let views = views.map_err(|_| Error::Unavailable(format!("{name} shows no two eyes")))?;
+    let views =
+        views.map_err(|_| Error::Unavailable(format!("{runtime_name} shows no two eyes")))?;
     let [left, right] = &views[..] else {
-        return Err(Error::Unavailable(format!("{name} shows {} eyes, not two", views.len())));
+        return Err(Error::Unavailable(format!(
+            "{runtime_name} shows {} eyes, not two",
+            views.len()
+        )));
     };
     // Both are layers of one image.
     let size = |view: &xr::ViewConfigurationView| {

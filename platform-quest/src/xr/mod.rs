@@ -25,15 +25,18 @@ pub(crate) const VIEW_CONFIGURATION: xr::ViewConfigurationType =
     xr::ViewConfigurationType::PRIMARY_STEREO;
 
 /// Converts a pose of OpenXR's.
-pub(crate) fn room_pose(pose: xr::Posef) -> RoomPose {
+pub(crate) fn convert_pose(pose: xr::Posef) -> RoomPose {
     let xr::Posef { position: p, orientation: q } = pose;
     (Vec3::new(p.x, p.y, p.z), Quat::from_xyzw(q.x, q.y, q.z, q.w))
 }
 
 /// A location's pose, if it is valid and its position tracked.
-pub(crate) fn tracked_pose(flags: xr::SpaceLocationFlags, pose: xr::Posef) -> Option<RoomPose> {
+pub(crate) fn convert_pose_if_tracked(
+    flags: xr::SpaceLocationFlags,
+    pose: xr::Posef,
+) -> Option<RoomPose> {
     let wanted = xr::SpaceLocationFlags::POSITION_VALID
         | xr::SpaceLocationFlags::ORIENTATION_VALID
         | xr::SpaceLocationFlags::POSITION_TRACKED;
-    flags.contains(wanted).then(|| room_pose(pose))
+    flags.contains(wanted).then(|| convert_pose(pose))
 }

@@ -7,8 +7,8 @@ use paros_core::internals::RoomPose;
 use paros_shaders::gpu::{Eye, Fov, Gpu};
 
 use super::{
-    ControllerActions, HandTrackers, NO_PROFILE, Runtime, VIEW_CONFIGURATION, room_pose,
-    tracked_pose,
+    ControllerActions, HandTrackers, NO_PROFILE, Runtime, VIEW_CONFIGURATION, convert_pose,
+    convert_pose_if_tracked,
 };
 use crate::error::{CallContext, Error};
 
@@ -24,6 +24,12 @@ pub(crate) struct HeadsetSession {
     head: xr::Space,
     pub(crate) actions: ControllerActions,
     pub(crate) hand_trackers: Option<HandTrackers>,
+}
+
+/// An eye at a time: for the renderer, and as a view for the projection layer.
+pub(crate) struct LocatedEye {
+    pub(crate) eye: Eye,
+    pub(crate) view: xr::sys::View,
 }
 
 /// The assumed height of the eyes above the floor, in metres, where the runtime doesn't know the floor.
@@ -60,29 +66,33 @@ impl HeadsetSession {
         Ok(HeadsetSession { raw, waiter, stream, room, room_type, head, actions, hand_trackers })
     }
 
-    /// Requests the display refresh rate nearest to `wanted`, where the runtime offers any. Returns a line
+    /// Requests the display refresh rate nearest to `wanted_hz`, where the runtime offers any. Returns a line
     /// for the log. A refusal is no failure: the pictures are the same.
-    pub(crate) fn request_refresh_rate(&self, runtime: &Runtime, wanted: f32) -> String {
+    pub(crate) fn request_refresh_rate_and_describe(
+        &self,
+        runtime: &Runtime,
+        wanted_hz: f32,
+    ) -> String {
         if !runtime.extensions.fb_display_refresh_rate {
             let name = &runtime.name;
             return format!(
                 "{name} has no XR_FB_display_refresh_rate: {}",
-                describe_unrequested(wanted)
+                describe_no_request(wanted_hz)
             );
         }
         let rates = self.raw.enumerate_display_refresh_rates().unwrap_or_default();
-        let Some(rate) = nearest_rate(&rates, wanted) else {
-            return format!("the display offers no rates: {}", describe_unrequested(wanted));
+        let Some(rate) = nearest_rate(&rates, wanted_hz) else {
+            return format!("the display offers no rates: {}", describe_no_request(wanted_hz));
         };
         let asked = match self.raw.request_display_refresh_rate(rate) {
             Ok(()) => format!("is asked for {rate} Hz"),
             Err(result) => format!("was asked for {rate} Hz, and refused: {result:?}"),
         };
-        if (rate - wanted).abs() < RATE_TOLERANCE {
+        if (rate - wanted_hz).abs() < RATE_TOLERANCE {
             return format!("the display {asked}");
         }
         let offered: Vec<String> = rates.iter().map(ToString::to_string).collect();
-        format!("the display has no {wanted} Hz, only {} Hz: it {asked}", offered.join(", "))
+        format!("the display has no {wanted_hz} Hz, only {} Hz: it {asked}", offered.join(", "))
     }
 
     /// Requests the performance level SUSTAINED_HIGH for CPU and GPU, where the runtime has performance
@@ -100,7 +110,7 @@ impl HeadsetSession {
     }
 
     /// The line for the log where the runtime has no LOCAL_FLOOR space.
-    pub(crate) fn describe_floor(&self) -> Option<String> {
+    pub(crate) fn describe_floor_fallback(&self) -> Option<String> {
         match self.room_type {
             xr::ReferenceSpaceType::LOCAL_FLOOR => None,
             xr::ReferenceSpaceType::STAGE => {
@@ -133,15 +143,15 @@ impl HeadsetSession {
     /// A lost session.
     pub(crate) fn locate_head(&self, time: xr::Time) -> Result<Option<RoomPose>, Error> {
         let location = self.head.locate(&self.room, time).context("find the head")?;
-        Ok(tracked_pose(location.location_flags, location.pose))
+        Ok(convert_pose_if_tracked(location.location_flags, location.pose))
     }
 
-    /// Locates the eyes at a time: for the renderer, and as views for the projection layer. Allocates
+    /// Locates the left and the right eye at a time. Allocates
     /// nothing, unlike the crate's own call.
     ///
     /// # Errors
     /// A lost session.
-    pub(crate) fn locate_eyes(&self, time: xr::Time) -> Result<[(Eye, xr::sys::View); 2], Error> {
+    pub(crate) fn locate_eyes(&self, time: xr::Time) -> Result<[LocatedEye; 2], Error> {
         let info = xr::sys::ViewLocateInfo {
             ty: xr::sys::ViewLocateInfo::TYPE,
             next: core::ptr::null(),
@@ -177,7 +187,7 @@ impl HeadsetSession {
                 view.pose = xr::Posef { position, ..xr::Posef::IDENTITY };
             }
         }
-        Ok(views.map(|view| (eye_from_view(&view), view)))
+        Ok(views.map(|view| LocatedEye { eye: eye_from_view(&view), view }))
     }
 }
 
@@ -186,14 +196,14 @@ fn current_thread_id() -> Option<u32> {
     std::fs::read_link("/proc/thread-self").ok()?.file_name()?.to_str()?.parse().ok()
 }
 
-fn describe_unrequested(wanted: f32) -> String {
-    format!("it is asked for none, {wanted} Hz or another")
+fn describe_no_request(wanted_hz: f32) -> String {
+    format!("it is asked for none, {wanted_hz} Hz or another")
 }
 
 /// The refresh rate nearest to the one that is wanted.
-fn nearest_rate(rates: &[f32], wanted: f32) -> Option<f32> {
-    let away = |rate: &&f32| (**rate - wanted).abs();
-    rates.iter().min_by(|a, b| away(a).total_cmp(&away(b))).copied()
+fn nearest_rate(rates_hz: &[f32], wanted_hz: f32) -> Option<f32> {
+    let away = |rate: &&f32| (**rate - wanted_hz).abs();
+    rates_hz.iter().min_by(|a, b| away(a).total_cmp(&away(b))).copied()
 }
 
 /// Creates the room's space: LOCAL_FLOOR, else STAGE, else LOCAL lowered by the height of the eyes.
@@ -213,7 +223,7 @@ fn create_floor_space(
 
 /// The renderer's eye for a view. Where the pose is not known, it looks ahead from a head's height.
 fn eye_from_view(view: &xr::sys::View) -> Eye {
-    let (position, rotation) = room_pose(view.pose);
+    let (position, rotation) = convert_pose(view.pose);
     let known = rotation.is_finite() && rotation.length_squared() > 0.5 && position.is_finite();
     let (position, rotation) = if known {
         (position, rotation.normalize())

@@ -45,14 +45,15 @@ impl EyeSwapchain {
         spec: &SwapchainSpec,
     ) -> Result<Self, Error> {
         let handle = create_swapchain(session, spec)?;
-        let (images, maps) = enumerate_images(&handle, spec.with_density_maps)?;
+        let SwapchainImages { images, density_maps } =
+            enumerate_images(&handle, spec.with_density_maps)?;
         let (views, density_views) = (Vec::new(), Vec::new());
         let mut swapchain = EyeSwapchain { gpu: gpu.clone(), handle, images, views, density_views };
         for i in 0..swapchain.images.len() {
             let view = swapchain.create_view(swapchain.images[i], spec.format, spec.aspect)?;
             swapchain.views.push(view);
         }
-        for map in maps {
+        for map in density_maps {
             let view =
                 swapchain.create_view(map, TargetFormat::DENSITY, vk::ImageAspectFlags::COLOR)?;
             swapchain.density_views.push(view);
@@ -69,7 +70,7 @@ impl EyeSwapchain {
     ///
     /// # Errors
     /// A lost session.
-    pub(super) fn acquire_image(&mut self) -> Result<usize, Error> {
+    pub(super) fn acquire_and_wait_image(&mut self) -> Result<usize, Error> {
         let image = self.handle.acquire_image().context("take an image")?;
         self.handle.wait_image(xr::Duration::INFINITE).context("wait for an image")?;
         Ok(image as usize)
@@ -182,11 +183,18 @@ fn create_swapchain(
     Ok(unsafe { xr::Swapchain::from_raw(session.clone(), handle) })
 }
 
-/// A swapchain's images, and a density map for each, or none.
+/// A swapchain's images.
+struct SwapchainImages {
+    images: Vec<vk::Image>,
+    /// A fragment density map for each image, or none at all.
+    density_maps: Vec<vk::Image>,
+}
+
+/// Lists a swapchain's images.
 fn enumerate_images(
     swapchain: &xr::Swapchain<xr::Vulkan>,
     with_density_maps: bool,
-) -> Result<(Vec<vk::Image>, Vec<vk::Image>), Error> {
+) -> Result<SwapchainImages, Error> {
     let enumerate = swapchain.instance().fp().enumerate_swapchain_images;
     let mut count = 0;
     // SAFETY: there is room for a count.
@@ -213,7 +221,7 @@ fn enumerate_images(
     let images = images.iter().map(|image| vk::Image::from_raw(image.image)).collect();
     let maps: Vec<_> = maps.iter().map(|map| vk::Image::from_raw(map.image)).collect();
     let whole = with_density_maps && maps.iter().all(|map| !map.is_null());
-    Ok((images, if whole { maps } else { Vec::new() }))
+    Ok(SwapchainImages { images, density_maps: if whole { maps } else { Vec::new() } })
 }
 
 fn check_result(result: xr::sys::Result, doing: &'static str) -> Result<(), Error> {
