@@ -6,7 +6,7 @@ use std::fs;
 use paros_shell::require::require_or_skip;
 
 use super::layered::{assert_no_violations, find_example, read_log};
-use super::monado::{MonadoService, MonadoTree, ShellProcess};
+use super::monado::{MonadoService, MonadoTree, ShellEnd, ShellProcess};
 
 /// An interaction profile's path, and its bindings: action, component path, and hands.
 type BoundProfile = (&'static str, &'static [(&'static str, &'static str, BoundHands)]);
@@ -169,7 +169,7 @@ fn without_a_floor_under_the_visitor_the_stage_is_taken() {
 fn seen(mut shell: ShellProcess) -> String {
     shell.wait_until("focus", |said| said.field("life") == "focused");
     shell.wait_frames(3);
-    let (code, errors) = shell.quit();
+    let ShellEnd { code, errors } = shell.quit();
     assert_eq!(code, Some(0), "{errors}");
     errors
 }

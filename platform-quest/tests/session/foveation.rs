@@ -9,7 +9,7 @@ use paros_core::internals::STOOL_TOP;
 use paros_shell::require::require_or_skip;
 
 use super::layered::{assert_no_violations, find_example, inject_event, read_log};
-use super::monado::{MonadoService, MonadoTree, RemoteHand, ShellProcess, wait_for};
+use super::monado::{MonadoService, MonadoTree, RemoteHand, ShellEnd, ShellProcess, wait_for};
 use super::{RIGHT, hands_at_rest, take_tool};
 
 /// The levels that were set, in their order.
@@ -48,7 +48,7 @@ fn heat_raises_foveation_between_strokes() {
     shell.wait_until("focus", |said| said.field("life") == "focused");
     shell.wait_frames(3);
 
-    let (code, errors) = shell.quit();
+    let ShellEnd { code, errors } = shell.quit();
     assert_eq!(code, Some(0), "{errors}");
     assert_eq!(errors.matches("paros-quest: foveation low\n").count(), 3, "{errors}");
     assert!(!errors.contains("no foveation"), "{errors}");
@@ -64,7 +64,7 @@ fn depth_goes_together_with_density_maps() {
     let mut shell = monado.start_mapped_shell(&layer, &["--foveation", "high", "--depth"]);
     shell.wait_until("focus", |said| said.field("life") == "focused");
     shell.wait_frames(5);
-    let (code, errors) = shell.quit();
+    let ShellEnd { code, errors } = shell.quit();
     assert_eq!(code, Some(0), "{errors}");
     assert_eq!(logged_levels(&monado), ["HIGH"]);
     assert!(read_log(&monado).contains("depth\n"), "the compositor was to get depth");
@@ -78,7 +78,7 @@ fn what_is_asked_for_and_missing_is_told_in_a_line() {
     let monado = MonadoService::start(&tree, "unfoveated");
     let told = |mut shell: ShellProcess| {
         shell.wait_until("a session", |said| said.field("session") == "Sculpting");
-        let (code, errors) = shell.quit();
+        let ShellEnd { code, errors } = shell.quit();
         assert_eq!(code, Some(0), "{errors}");
         let line = errors.lines().find(|line| line.contains("though"));
         line.unwrap_or_default().to_owned()

@@ -10,7 +10,7 @@ use paros_core::internals::STOOL_TOP;
 use paros_shell::require::require_or_skip;
 
 use super::layered::find_example;
-use super::monado::{MonadoService, MonadoTree, RemoteHand, RemoteHands, ShellProcess};
+use super::monado::{MonadoService, MonadoTree, RemoteHand, RemoteHands, ShellEnd, ShellProcess};
 use super::{REST, RIGHT, hands_at_rest, take_tool};
 
 /// Warm-up frames, which may allocate, and measured frames.
@@ -36,7 +36,7 @@ fn a_frame_takes_little_time_and_no_memory() {
     let before = shell.wait_until("the first frames", |said| said.number("frames") > FIRST);
     let saves = sculpt_while_busy(&monado, &mut hands, &mut shell);
     let gone = before.number("voxels") - shell.query_status().number("voxels");
-    let (said, code, errors) = shell.wait_for_last_status();
+    let (said, ShellEnd { code, errors }) = shell.wait_for_last_status();
     println!("{gone} voxels, {saves} saves, nanoseconds: {}", said.text());
     assert_eq!(code, Some(0), "{errors}");
     assert!(gone > 1000 && saves > 4, "{gone} voxels are gone, {saves} saves");

@@ -9,7 +9,7 @@ use paros_shell::require::require_or_skip;
 use paros_shell::rmap;
 
 use super::layered::{assert_no_violations, find_example, inject_event, read_log};
-use super::monado::{MonadoService, MonadoTree, wait_for};
+use super::monado::{MonadoService, MonadoTree, ShellEnd, wait_for};
 use super::{carve_voxels, hands_at_rest, take_tool};
 
 /// The handover time of this test: a headset that was off for longer has another visitor.
@@ -55,7 +55,7 @@ fn another_visitor_finds_a_new_stone_and_the_last_ones_sculpture_is_kept() {
     volume.set_maps(&maps);
     assert_eq!(volume.count_voxels(), voxels, "what was sculpted, and all of it");
 
-    let (code, errors) = shell.quit();
+    let ShellEnd { code, errors } = shell.quit();
     assert_eq!(code, Some(0), "{errors}");
     assert_eq!(errors.matches("another visitor\n").count(), 1, "{errors}");
     assert_no_violations(&read_log(&monado));

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use paros_core::Tool;
 use paros_shell::require::require_or_skip;
 
-use super::monado::{MonadoService, MonadoTree, ShellProcess, wait_for};
+use super::monado::{MonadoService, MonadoTree, ShellEnd, ShellProcess, wait_for};
 use super::{REST, RIGHT, carve_voxels, hands_at_rest, take_tool};
 
 /// Finds the layer's library or the profiler, which `cargo test` builds as examples.
@@ -81,7 +81,7 @@ fn hands_feel_the_stone_and_losses_lose_nothing() {
         inject_event(&monado, loss);
         assert_session_resumes(&monado, &mut shell, i + 2, voxels);
     }
-    let (code, errors) = shell.quit();
+    let ShellEnd { code, errors } = shell.quit();
     assert_eq!(code, Some(0), "{errors}");
     assert!(errors.contains("the headset is hot"), "{errors}");
     assert_eq!(errors.matches("the sculpture is kept").count(), 3, "{errors}");

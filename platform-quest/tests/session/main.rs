@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
 use glam::{Quat, Vec3, Vec4Swizzles};
-use monado::{MonadoService, MonadoTree, RemoteHand, RemoteHands, ShellProcess};
+use monado::{MonadoService, MonadoTree, RemoteHand, RemoteHands, ShellEnd, ShellProcess};
 use paros_core::internals::{STOOL_TOP, UNITS_PER_METRE};
 use paros_core::{BenchItem, Grid, Tool};
 use paros_shaders::gpu::{Eye, Fov};
@@ -86,32 +86,46 @@ fn carve_voxels(hands: &mut monado::RemoteHands, shell: &mut ShellProcess, voxel
     Vec3::new(0.05, STOOL_TOP.y + 0.27, -0.33)
 }
 
-/// Reads a captured frame: width, height, and red, green and blue of each pixel.
-fn read_pixels(path: &Path) -> (usize, usize, Vec<u8>) {
-    let file = std::io::BufReader::new(fs::File::open(path).expect("a picture"));
-    let mut reader = png::Decoder::new(file).read_info().expect("a picture");
-    let mut pixels = vec![0; reader.output_buffer_size().expect("it has a size")];
-    let info = reader.next_frame(&mut pixels).expect("a picture");
-    (info.width as usize, info.height as usize, pixels)
+/// A captured frame.
+struct CapturedFrame {
+    width: usize,
+    height: usize,
+    /// Red, green and blue of each pixel.
+    rgb: Vec<u8>,
 }
 
-/// Compares two captured frames: the count of pixels that differ by more than 24, and their centroid.
-fn changed_pixels(a: &Path, b: &Path) -> (usize, [f32; 2]) {
-    let ((width, _, a), (.., b)) = (read_pixels(a), read_pixels(b));
+fn read_frame(path: &Path) -> CapturedFrame {
+    let file = std::io::BufReader::new(fs::File::open(path).expect("a picture"));
+    let mut reader = png::Decoder::new(file).read_info().expect("a picture");
+    let mut rgb = vec![0; reader.output_buffer_size().expect("it has a size")];
+    let info = reader.next_frame(&mut rgb).expect("a picture");
+    CapturedFrame { width: info.width as usize, height: info.height as usize, rgb }
+}
+
+/// The pixels that differ by more than 24.
+struct ChangedPixels {
+    count: usize,
+    /// Column and row.
+    centroid: [f32; 2],
+}
+
+/// Compares two captured frames.
+fn compare_frames(before: &Path, after: &Path) -> ChangedPixels {
+    let (before, after) = (read_frame(before), read_frame(after));
     let (mut count, mut sum) = (0, [0.0; 2]);
-    for (i, (a, b)) in a.chunks_exact(3).zip(b.chunks_exact(3)).enumerate() {
+    for (i, (a, b)) in before.rgb.chunks_exact(3).zip(after.rgb.chunks_exact(3)).enumerate() {
         if a.iter().zip(b).any(|(a, b)| a.abs_diff(*b) > 24) {
             count += 1;
-            sum = [sum[0] + (i % width) as f32, sum[1] + (i / width) as f32];
+            sum = [sum[0] + (i % before.width) as f32, sum[1] + (i / before.width) as f32];
         }
     }
-    (count, sum.map(|sum| sum / count.max(1) as f32))
+    ChangedPixels { count, centroid: sum.map(|sum| sum / count.max(1) as f32) }
 }
 
 /// Projects a point of the room to a pixel of an eye's frame.
-fn pixel_of(eye: &Eye, point: Vec3, path: &Path) -> [f32; 2] {
-    let (width, height, _) = read_pixels(path);
-    let clip = eye.clip_from_room() * point.extend(1.0);
+fn project_to_pixel(eye: &Eye, room_point: Vec3, frame: &Path) -> [f32; 2] {
+    let CapturedFrame { width, height, .. } = read_frame(frame);
+    let clip = eye.clip_from_room() * room_point.extend(1.0);
     let at = clip.xy() / clip.w * 0.5 + 0.5;
     [at.x * width as f32, at.y * height as f32]
 }
@@ -132,17 +146,17 @@ fn a_scripted_hand_takes_a_tool_and_carves() {
     let place = carve_voxels(&mut hands, &mut shell, 3000);
     let after = shell.capture_eyes(&monado.folder, "after");
     for eye in 0..2 {
-        let (count, mean) = changed_pixels(&before[eye], &after[eye]);
-        let there = pixel_of(&visitor_eyes()[eye], place, &after[eye]);
+        let ChangedPixels { count, centroid: mean } = compare_frames(&before[eye], &after[eye]);
+        let there = project_to_pixel(&visitor_eyes()[eye], place, &after[eye]);
         let off = (mean[0] - there[0]).hypot(mean[1] - there[1]);
         assert!(count > 50 && off < 25.0, "eye {eye}: {count} pixels at {mean:?}, not {there:?}");
     }
-    assert!(changed_pixels(&after[0], &after[1]).0 > 500, "both eyes see the same");
+    assert!(compare_frames(&after[0], &after[1]).count > 500, "both eyes see the same");
 
     lose_and_regain_tracking(&mut hands, &mut shell);
     monado.recentre();
     shell.wait_frames(6);
-    let (code, errors) = shell.quit();
+    let ShellEnd { code, errors } = shell.quit();
     assert_eq!(code, Some(0), "{errors}");
     assert!(errors.contains("recentred"), "{errors}");
     monado.assert_valid();
@@ -237,7 +251,7 @@ fn a_killed_shell_goes_on_where_it_was() {
     let mut shell = monado.start_shell(&[]);
     let again = shell.wait_until("focus", |said| said.field("life") == "focused");
     assert_eq!((again.number("voxels"), again.number("undo")), (voxels, undo));
-    let (code, errors) = shell.quit();
+    let ShellEnd { code, errors } = shell.quit();
     assert_eq!(code, Some(0), "{errors}");
     assert!(errors.contains(&digest), "{digest} in: {errors}");
 }

@@ -9,7 +9,7 @@ use paros_shell::require::require_or_skip;
 use paros_shell::statics::Resident;
 
 use super::layered::{find_example, read_log};
-use super::monado::{MonadoService, MonadoTree, ShellProcess};
+use super::monado::{MonadoService, MonadoTree, ShellEnd, ShellProcess};
 use super::{carve_voxels, hands_at_rest, take_tool};
 
 /// Functions that are refused from the start, and words of the last line.
@@ -32,9 +32,9 @@ fn what_is_refused_is_said_and_loses_nothing() {
     let monado = MonadoService::start(&tree, "refusals");
     let saved = save_after_refused_frames(&monado, &layer);
     let fails = |shell: ShellProcess, words: [&str; 2]| {
-        let (code, errors) = shell.wait_for_end();
+        let ShellEnd { code, errors } = shell.wait_for_end();
         assert_fails_cleanly(code, &errors, words);
-        assert_eq!(saved_sculpture(&monado), saved, "{errors}");
+        assert_eq!(load_saved_session(&monado), saved, "{errors}");
     };
     for (functions, words) in REFUSALS {
         refuse_functions(&monado, functions);
@@ -56,9 +56,9 @@ fn what_is_refused_is_said_and_loses_nothing() {
     refuse_functions(&monado, "xrSuggestInteractionProfileBindings");
     let mut shell = monado.start_layered_shell(&layer, &[]);
     shell.wait_until("focus", |said| said.field("life") == "focused");
-    let (code, errors) = shell.quit();
+    let ShellEnd { code, errors } = shell.quit();
     assert_eq!(code, Some(0), "{errors}");
-    let (tick, digest, _) = saved;
+    let SavedSession { tick, digest, .. } = saved;
     let goes_on = format!("a session goes on from tick {tick}, digest {digest:016x}\n");
     assert!(errors.contains(&goes_on), "{goes_on} in: {errors}");
     assert!(errors.contains("or simple ones: bare hands sculpt\n"), "{errors}");
@@ -67,8 +67,8 @@ fn what_is_refused_is_said_and_loses_nothing() {
 }
 
 /// Refuses every `xrEndFrame` in a running session: the shell retries, and gives up after five losses.
-/// Returns the saved session's tick, digest and voxels.
-fn save_after_refused_frames(monado: &MonadoService, layer: &Path) -> (u64, u64, u64) {
+/// Returns the saved session.
+fn save_after_refused_frames(monado: &MonadoService, layer: &Path) -> SavedSession {
     let mut hands = hands_at_rest(monado);
     let mut shell = monado.start_layered_shell(layer, &[]);
     shell.wait_until("a session", |said| said.field("session") == "Sculpting");
@@ -76,15 +76,15 @@ fn save_after_refused_frames(monado: &MonadoService, layer: &Path) -> (u64, u64,
     carve_voxels(&mut hands, &mut shell, 500);
     let voxels = shell.query_status().number("voxels");
     refuse_functions(monado, "xrEndFrame");
-    let (code, errors) = shell.wait_for_end();
+    let ShellEnd { code, errors } = shell.wait_for_end();
     assert_fails_cleanly(
         code,
         &errors,
         ["could not end an empty frame", ": ERROR_LAYER_INVALID; end what else"],
     );
     assert_eq!(errors.matches("the sculpture is kept, and a new session is made").count(), 5);
-    let saved = saved_sculpture(monado);
-    assert_eq!(saved.2, voxels, "{errors}");
+    let saved = load_saved_session(monado);
+    assert_eq!(saved.voxels, voxels, "{errors}");
     saved
 }
 
@@ -95,12 +95,23 @@ fn refuse_functions(monado: &MonadoService, functions: &str) {
     fs::rename(folder.join("draft"), folder.join("refuse")).expect("a wish");
 }
 
-/// The saved session's tick, digest and voxels.
-fn saved_sculpture(monado: &MonadoService) -> (u64, u64, u64) {
+/// The saved session.
+#[derive(PartialEq, Debug)]
+struct SavedSession {
+    tick: u64,
+    digest: u64,
+    voxels: u64,
+}
+
+fn load_saved_session(monado: &MonadoService) -> SavedSession {
     let saved = fs::read(monado.folder.join("files/sessions/session-128.save")).expect("a save");
     let mut world = Grid::<128>::lock_world();
     world.load(&saved).expect("a whole save");
-    (world.tick(), world.digest(), world.volume().count_voxels())
+    SavedSession {
+        tick: world.tick(),
+        digest: world.digest(),
+        voxels: world.volume().count_voxels(),
+    }
 }
 
 /// Asserts exit code 1, a last line with these words, no panic and no validation message.

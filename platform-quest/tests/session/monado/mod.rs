@@ -227,6 +227,14 @@ pub(crate) struct ShellProcess {
 /// The status line that a shell prints on the command `say`: fields separated by semicolons.
 pub(crate) struct StatusLine(String);
 
+/// A shell's end.
+pub(crate) struct ShellEnd {
+    /// The exit code; none if a signal ended it.
+    pub(crate) code: Option<i32>,
+    /// What it wrote to standard error.
+    pub(crate) errors: String,
+}
+
 impl ShellProcess {
     pub(crate) fn start(mut command: Command) -> ShellProcess {
         let pipes = command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
@@ -284,31 +292,31 @@ impl ShellProcess {
         eyes
     }
 
-    /// Quits the shell. Returns its exit code and its standard error.
-    pub(crate) fn quit(mut self) -> (Option<i32>, String) {
+    /// Quits the shell.
+    pub(crate) fn quit(mut self) -> ShellEnd {
         writeln!(self.stdin, "quit").expect("the shell listens");
-        self.end_and_collect()
+        self.wait_and_collect()
     }
 
-    /// Waits for the end. Returns the last line of standard output, the exit code, and standard error.
-    pub(crate) fn wait_for_last_status(mut self) -> (StatusLine, Option<i32>, String) {
-        let (code, errors) = self.end_and_collect();
+    /// Waits for the end. Returns the last line of standard output beside the end.
+    pub(crate) fn wait_for_last_status(mut self) -> (StatusLine, ShellEnd) {
+        let end = self.wait_and_collect();
         let last = self.said.iter().last().unwrap_or_default();
-        (StatusLine(last), code, errors)
+        (StatusLine(last), end)
     }
 
-    /// Waits for the end. Returns the exit code and standard error.
-    pub(crate) fn wait_for_end(mut self) -> (Option<i32>, String) {
-        self.end_and_collect()
+    /// Waits for the end.
+    pub(crate) fn wait_for_end(mut self) -> ShellEnd {
+        self.wait_and_collect()
     }
 
     /// Kills the process, as a system does that needs its memory. Returns its standard error.
     pub(crate) fn kill(mut self) -> String {
         self.child.kill().expect("it still runs");
-        self.end_and_collect().1
+        self.wait_and_collect().errors
     }
 
-    fn end_and_collect(&mut self) -> (Option<i32>, String) {
+    fn wait_and_collect(&mut self) -> ShellEnd {
         let begun = Instant::now();
         let status = loop {
             if let Some(status) = self.child.try_wait().expect("it is ours") {
@@ -318,7 +326,7 @@ impl ShellProcess {
             thread::sleep(Duration::from_millis(20));
         };
         let errors = self.errors.take().expect("it ends once");
-        (status.code(), errors.join().expect("it is text"))
+        ShellEnd { code: status.code(), errors: errors.join().expect("it is text") }
     }
 }
 
