@@ -8,7 +8,7 @@
 //! decide. Only coplanar triangles that overlap are crossed together; their directions are summed.
 
 use super::BAKE_UNITS_PER_VOXEL;
-use super::triangle::{GridTriangle, ShadowEdge, other_axes};
+use super::triangle::{GridTriangle, ProjectedEdge, other_axes};
 use crate::volume::range_maps::Axis;
 use core::cmp::Ordering;
 
@@ -31,18 +31,25 @@ pub(super) struct ColumnCrossings {
     last: RayCrossing,
 }
 
+/// By end of a column's ray, whether it is inside the mesh there: before its first crossing, after its
+/// last.
+#[derive(Clone, Copy)]
+pub(super) struct OpenEnds {
+    pub(super) low: bool,
+    pub(super) high: bool,
+}
+
 impl ColumnCrossings {
     pub(super) const NONE: ColumnCrossings =
         ColumnCrossings { first: RayCrossing::NONE, last: RayCrossing::NONE };
 
-    /// Whether the ray is inside the mesh before its first crossing, and after its last: the mesh has
-    /// a hole at that end. `flipped`: the mesh is inside out.
+    /// The ends at which the mesh has a hole.
     #[inline]
-    pub(super) fn open_ends(&self, flipped: bool) -> (bool, bool) {
-        if flipped {
-            (self.first.entered > 0, self.last.entered < 0)
+    pub(super) fn open_ends(&self, is_mesh_inside_out: bool) -> OpenEnds {
+        if is_mesh_inside_out {
+            OpenEnds { low: self.first.entered > 0, high: self.last.entered < 0 }
         } else {
-            (self.first.entered < 0, self.last.entered > 0)
+            OpenEnds { low: self.first.entered < 0, high: self.last.entered > 0 }
         }
     }
 
@@ -52,14 +59,8 @@ impl ColumnCrossings {
             *self = ColumnCrossings { first: crossing, last: crossing };
             return;
         }
-        let order = crossing.compare_along_ray(&self.first);
-        if order != Ordering::Greater {
-            self.first.replace_or_merge(crossing, order);
-        }
-        let order = crossing.compare_along_ray(&self.last);
-        if order != Ordering::Less {
-            self.last.replace_or_merge(crossing, order);
-        }
+        self.first.keep_outermost(crossing, Ordering::Less);
+        self.last.keep_outermost(crossing, Ordering::Greater);
     }
 }
 
@@ -78,9 +79,14 @@ impl RayCrossing {
             .then_with(|| by(self.slope[1], other.slope[1]))
     }
 
-    /// Is replaced by `other`, or merged with it when `order` says that they are equal.
+    /// Is replaced by `other` where that lies farther out, or merged with it where they are equal.
+    /// `outward` is the order along the ray of a crossing farther out.
     #[inline]
-    fn replace_or_merge(&mut self, other: RayCrossing, order: Ordering) {
+    fn keep_outermost(&mut self, other: RayCrossing, outward: Ordering) {
+        let order = other.compare_along_ray(self);
+        if order == outward.reverse() {
+            return;
+        }
         if order == Ordering::Equal {
             self.entered += other.entered;
         } else {
@@ -104,13 +110,12 @@ pub(super) fn add_triangle_crossings<const N: usize>(
     if facing == 0 || u_centres.is_empty() || v_centres.is_empty() {
         return;
     }
-    let edges =
-        [triangle.shadow_edge(w, 0), triangle.shadow_edge(w, 1), triangle.shadow_edge(w, 2)];
+    let edges = triangle.projected_edges(w);
     for i in u_centres {
-        let p_u = voxel_centre(i) - triangle.origin[u];
+        let p_u = voxel_centre_bake_units(i) - triangle.origin[u];
         for j in v_centres.clone() {
-            let p_v = voxel_centre(j) - triangle.origin[v];
-            if edges.iter().all(|edge| edge.contains_displaced(facing, [p_u, p_v])) {
+            let p_v = voxel_centre_bake_units(j) - triangle.origin[v];
+            if edges.iter().all(|edge| edge.contains_displaced_point(facing, [p_u, p_v])) {
                 let mut voxel = [0; 3];
                 (voxel[u], voxel[v]) = (i as usize, j as usize);
                 let (line, place) = axis.column_address(voxel);
@@ -130,22 +135,23 @@ pub(super) fn add_triangle_crossings<const N: usize>(
     }
 }
 
-impl ShadowEdge {
-    /// Whether a displaced point is on the inner side; `area_sign` is the sign of the shadow's area.
+impl ProjectedEdge {
+    /// Whether a displaced point is on the inner side; `projected_area_sign` is the sign of the
+    /// projection's area, not 0.
     #[inline(always)]
-    fn contains_displaced(&self, area_sign: i64, [p_u, p_v]: [i64; 2]) -> bool {
+    fn contains_displaced_point(&self, projected_area_sign: i64, [p_u, p_v]: [i64; 2]) -> bool {
         let [s, t] = self.slope;
         let value = match s * p_u + t * p_v + self.offset {
             0 if s != 0 => s,
             0 => t,
             value => value,
         };
-        (value ^ area_sign) >= 0
+        (value ^ projected_area_sign) >= 0
     }
 }
 
 /// The centre of voxel `i` along an axis, in bake units.
 #[inline]
-fn voxel_centre(i: i32) -> i64 {
+fn voxel_centre_bake_units(i: i32) -> i64 {
     i64::from(i * BAKE_UNITS_PER_VOXEL + BAKE_UNITS_PER_VOXEL / 2)
 }

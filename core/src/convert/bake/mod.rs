@@ -20,7 +20,7 @@ use crate::volume::bit_grid::BitGrid;
 use crate::volume::range::Range;
 use crate::volume::range_maps::{Axis, Column, RangeMaps};
 use crate::volume::size::{Grid, Size};
-use crossing::ColumnCrossings;
+use crossing::{ColumnCrossings, OpenEnds};
 use glam::IVec3;
 use triangle::GridTriangle;
 
@@ -88,48 +88,49 @@ where
         self.degenerate = 0;
     }
 
-    /// Adds a triangle: corners in units of 1/256 voxel, counter-clockwise seen from outside. A
+    /// Adds a triangle: corners in bake units of 1/256 voxel, counter-clockwise seen from outside. A
     /// triangle without area touches the voxels of its segment or point.
     ///
     /// # Errors
     /// [`OutsideBox`] when a corner is outside `0..=256 N`; nothing is changed then.
-    pub fn add_triangle(&mut self, corners: [IVec3; 3]) -> Result<(), OutsideBox> {
-        let triangle = GridTriangle::new::<N>(corners).ok_or(OutsideBox)?;
-        triangle.mark_touched(&mut self.touched);
+    pub fn add_triangle(&mut self, corners_bake_units: [IVec3; 3]) -> Result<(), OutsideBox> {
+        let triangle = GridTriangle::new::<N>(corners_bake_units).ok_or(OutsideBox)?;
+        triangle.mark_touched_voxels(&mut self.touched);
         let [x, y, z] = &mut self.ends;
         crossing::add_triangle_crossings(&triangle, Axis::X, x);
         crossing::add_triangle_crossings(&triangle, Axis::Y, y);
         crossing::add_triangle_crossings(&triangle, Axis::Z, z);
         self.volume += i128::from(
-            triangle.tetrahedron_volume_x6([N as i64 * i64::from(BAKE_UNITS_PER_VOXEL) / 2; 3]),
+            triangle
+                .signed_tetrahedron_volume_x6([N as i64 * i64::from(BAKE_UNITS_PER_VOXEL) / 2; 3]),
         );
         self.triangles += 1;
         self.degenerate += u64::from(triangle.is_degenerate());
         Ok(())
     }
 
-    /// Writes the tight range maps of all triangles so far, and their voxels to `rows`. More triangles
-    /// may be added afterwards.
-    pub fn write_maps(&self, maps: &mut RangeMaps<N>, rows: &mut BitGrid<N>) -> BakeReport {
+    /// Writes the tight range maps of all triangles so far, and their voxels to `voxels`, whatever both
+    /// held before. More triangles may be added afterwards.
+    pub fn write_maps(&self, maps: &mut RangeMaps<N>, voxels: &mut BitGrid<N>) -> BakeReport {
         let flipped = self.volume < 0;
         self.touched.write_hulls(maps);
         let mut opened = 0;
         for axis in Axis::ALL {
             for (line, ends) in self.ends[axis as usize].iter().enumerate() {
                 for (place, ends) in ends.iter().enumerate() {
-                    let (below, above) = ends.open_ends(flipped);
-                    if below || above {
+                    let OpenEnds { low, high } = ends.open_ends(flipped);
+                    if low || high {
                         let hull = maps.column(axis, (line, place)).hull();
-                        let lo = if below { 0 } else { hull.first() };
-                        let hi = if above { N - 1 } else { hull.last() };
+                        let lo = if low { 0 } else { hull.first() };
+                        let hi = if high { N - 1 } else { hull.last() };
                         maps.set_column(axis, (line, place), Column([Range::new(lo, hi)]));
                         opened += 1;
                     }
                 }
             }
         }
-        rows.set_from_maps(maps);
-        rows.write_hulls(maps);
+        voxels.set_from_maps(maps);
+        voxels.write_hulls(maps);
         BakeReport {
             triangles: self.triangles,
             degenerate: self.degenerate,

@@ -1,8 +1,8 @@
 //! Triangle and box overlap by the separating axis theorem: the voxels that a triangle touches.
 //!
 //! A triangle touches a voxel when they are separated by no face direction of the voxel, not by the
-//! triangle's plane, and by no edge of a *shadow*, the triangle's projection along an axis. All of it
-//! is exact: coordinates are at most 2^16 units, so areas stay under 2^34 and heights times areas under
+//! triangle's plane, and by no edge of its projections along the axes. All of it is exact:
+//! coordinates are at most 2^16 units, so areas stay under 2^34 and heights times areas under
 //! 2^52.
 
 use super::BAKE_UNITS_PER_VOXEL;
@@ -27,17 +27,17 @@ pub(super) struct GridTriangle {
     last: [usize; 3],
     /// Edge i goes from corner i to the next.
     edges: [[i64; 3]; 3],
-    /// By the axis of projection and by edge: see [`GridTriangle::shadow_edge`].
+    /// By the axis of projection and by edge: see [`GridTriangle::projected_edges`].
     offsets: [[i64; 3]; 3],
-    /// The outward normal, of twice the area's length. Twice a shadow's signed area is the component
+    /// The outward normal, of twice the area's length. Twice a projection's signed area is the component
     /// along its axis.
     pub(super) normal: [i64; 3],
 }
 
-/// The edge function of a shadow's directed edge: `slope . p + offset` is zero on the edge, and has the
-/// sign of the shadow's area inside.
+/// The edge function of a projection's directed edge: `slope . p + offset` is zero on the edge, and has
+/// the sign of the projection's area inside.
 #[derive(Clone, Copy)]
-pub(super) struct ShadowEdge {
+pub(super) struct ProjectedEdge {
     pub(super) slope: [i64; 2],
     pub(super) offset: i64,
 }
@@ -65,8 +65,9 @@ impl GridTriangle {
         triangle.set_axis_bounds::<N>(0, points, low, high);
         triangle.set_axis_bounds::<N>(1, points, low, high);
         triangle.set_axis_bounds::<N>(2, points, low, high);
-        triangle.normal =
-            [triangle.project_shadow(0), triangle.project_shadow(1), triangle.project_shadow(2)];
+        triangle.set_projection(0);
+        triangle.set_projection(1);
+        triangle.set_projection(2);
         Some(triangle)
     }
 
@@ -92,14 +93,14 @@ impl GridTriangle {
         [self.edges[0][axis], self.edges[1][axis], self.edges[2][axis]] = [b - a, c - b, a - c];
     }
 
-    /// Fills in the shadow along `axis`, and returns twice its signed area.
+    /// Fills in the projection along `axis`: its edges' offsets and twice its signed area.
     #[inline(always)]
-    fn project_shadow(&mut self, axis: usize) -> i64 {
+    fn set_projection(&mut self, axis: usize) {
         let [u, v] = other_axes(axis);
         let [a, b, c] = self.corners;
         let cross = |p: [i64; 3], q: [i64; 3]| p[u] * q[v] - p[v] * q[u];
         self.offsets[axis] = [cross(a, b), cross(b, c), cross(c, a)];
-        self.offsets[axis][0] + self.offsets[axis][1] + self.offsets[axis][2]
+        self.normal[axis] = self.offsets[axis][0] + self.offsets[axis][1] + self.offsets[axis][2];
     }
 
     /// Whether the triangle has no area.
@@ -108,44 +109,44 @@ impl GridTriangle {
         self.normal == [0; 3]
     }
 
-    /// Six times the signed volume of the tetrahedron with its apex at `centre`.
+    /// Six times the signed volume of the tetrahedron with its apex at a point in bake units.
     #[inline(always)]
-    pub(super) fn tetrahedron_volume_x6(&self, centre: [i64; 3]) -> i64 {
-        let [x, y, z] = [0, 1, 2].map(|k| self.corners[0][k] + self.origin[k] - centre[k]);
+    pub(super) fn signed_tetrahedron_volume_x6(&self, apex: [i64; 3]) -> i64 {
+        let [x, y, z] = [0, 1, 2].map(|k| self.corners[0][k] + self.origin[k] - apex[k]);
         self.normal[0] * x + self.normal[1] * y + self.normal[2] * z
     }
 
-    /// The edge function of an edge, 0 to 2, of the shadow along `axis`, in the coordinates of
-    /// [`other_axes`].
+    /// The edge functions of the projection along `axis`, in the coordinates of [`other_axes`].
     #[inline(always)]
-    pub(super) fn shadow_edge(&self, axis: usize, edge: usize) -> ShadowEdge {
+    pub(super) fn projected_edges(&self, axis: usize) -> [ProjectedEdge; 3] {
         let [u, v] = other_axes(axis);
-        ShadowEdge {
-            slope: [-self.edges[edge][v], self.edges[edge][u]],
-            offset: self.offsets[axis][edge],
-        }
+        let edge = |i: usize| ProjectedEdge {
+            slope: [-self.edges[i][v], self.edges[i][u]],
+            offset: self.offsets[axis][i],
+        };
+        [edge(0), edge(1), edge(2)]
     }
 
     /// Sets every voxel whose closed box the triangle touches.
     #[inline(always)]
-    pub(super) fn mark_touched<const N: usize>(&self, touched: &mut BitGrid<N>)
+    pub(super) fn mark_touched_voxels<const N: usize>(&self, touched: &mut BitGrid<N>)
     where
         Grid<N>: Size,
     {
         let more = [0, 1, 2].map(|k| self.last[k] - self.first[k]);
         if (more[0] | more[1] | more[2]) <= 1 {
-            self.mark_octants(touched);
+            self.mark_in_octants(touched);
         } else if let Some(thin) = (0..3).find(|&k| more[k] == 0) {
-            self.mark_sheet(thin, touched);
+            self.mark_in_sheet(thin, touched);
         } else {
-            self.mark_layers(touched);
+            self.mark_in_box(touched);
         }
     }
 
     /// Marks at most 2x2x2 voxels. They are the octants around `origin`, and each edge or plane that
     /// separates one from the triangle has the origin on its far side and faces away from it.
     #[inline(always)]
-    fn mark_octants<const N: usize>(&self, touched: &mut BitGrid<N>)
+    fn mark_in_octants<const N: usize>(&self, touched: &mut BitGrid<N>)
     where
         Grid<N>: Size,
     {
@@ -154,13 +155,13 @@ impl GridTriangle {
         let mut missed = beyond(0) | beyond(1) | beyond(2);
         // Two voxels in a line need no test: the triangle reaches both.
         if double[1] && double[2] {
-            missed |= self.missed_octants(0);
+            missed |= self.octants_beyond_edges(0);
         }
         if double[2] && double[0] {
-            missed |= self.missed_octants(1);
+            missed |= self.octants_beyond_edges(1);
         }
         if double[0] && double[1] {
-            missed |= self.missed_octants(2);
+            missed |= self.octants_beyond_edges(2);
         }
         if double == [true; 3] {
             let [x, y, z] = [0, 1, 2].map(|k| self.normal[k] * self.corners[0][k]);
@@ -176,15 +177,15 @@ impl GridTriangle {
         for (dy, dz) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
             let pair = octants >> (2 * dy + 4 * dz) & 0b11;
             if pair != 0 {
-                insert_pair::<N>(touched.row_mut(y + dy, z + dz), x, pair);
+                insert_two_voxels::<N>(touched.row_mut(y + dy, z + dz), x, pair);
             }
         }
     }
 
-    /// The octants around the origin that an edge of the shadow along `axis` separates from the
+    /// The octants around the origin that an edge of the projection along `axis` separates from the
     /// triangle.
     #[inline(always)]
-    fn missed_octants(&self, axis: usize) -> u8 {
+    fn octants_beyond_edges(&self, axis: usize) -> OctantMask {
         let [u, v] = other_axes(axis);
         let area = sign_index(self.normal[axis]);
         let mut missed = 0;
@@ -198,45 +199,46 @@ impl GridTriangle {
         missed
     }
 
-    /// Marks a sheet of voxels one thick along `axis`: the shadow along it decides alone.
-    fn mark_sheet<const N: usize>(&self, axis: usize, touched: &mut BitGrid<N>)
+    /// Marks a sheet of voxels one thick along `axis`: the projection along it decides alone.
+    fn mark_in_sheet<const N: usize>(&self, axis: usize, touched: &mut BitGrid<N>)
     where
         Grid<N>: Size,
     {
         let [u, v] = other_axes(axis);
-        let edges = self.grown_edges(axis);
+        let edges = self.conservative_edges(axis);
         let mut voxel = self.first;
         for i in self.first[u]..=self.last[u] {
             voxel[u] = i;
             for j in self.first[v]..=self.last[v] {
                 voxel[v] = j;
-                if contain_square(&edges, [self.local_low_end(u, i), self.local_low_end(v, j)]) {
+                let low_corner = [self.low_end_from_origin(u, i), self.low_end_from_origin(v, j)];
+                if contain_square(&edges, low_corner) {
                     touched.row_mut(voxel[1], voxel[2]).insert(voxel[0]);
                 }
             }
         }
     }
 
-    /// Marks voxels of a box of any size: the cells of the shadow along the dominant axis of the
+    /// Marks voxels of a box of any size: the cells of the projection along the dominant axis of the
     /// normal, and in each cell the few voxels that the triangle's plane passes through.
-    fn mark_layers<const N: usize>(&self, touched: &mut BitGrid<N>)
+    fn mark_in_box<const N: usize>(&self, touched: &mut BitGrid<N>)
     where
         Grid<N>: Size,
     {
         let area = self.normal.map(i64::abs);
         let w = (0..3).fold(0, |best, k| if area[k] > area[best] { k } else { best });
         let [u, v] = other_axes(w);
-        let [along_u, along_v, along_w] = [u, v, w].map(|k| self.grown_edges(k));
+        let [along_u, along_v, along_w] = [u, v, w].map(|k| self.conservative_edges(k));
         let (mut cell, mut voxel) = ([0; 3], [0; 3]);
         for i in self.first[u]..=self.last[u] {
-            (cell[u], voxel[u]) = (self.local_low_end(u, i), i);
+            (cell[u], voxel[u]) = (self.low_end_from_origin(u, i), i);
             for j in self.first[v]..=self.last[v] {
-                (cell[v], voxel[v]) = (self.local_low_end(v, j), j);
+                (cell[v], voxel[v]) = (self.low_end_from_origin(v, j), j);
                 if !contain_square(&along_w, [cell[u], cell[v]]) {
                     continue;
                 }
-                for k in self.passed_voxels([u, v, w], cell) {
-                    (cell[w], voxel[w]) = (self.local_low_end(w, k), k);
+                for k in self.voxels_along_w_in_plane([u, v, w], cell) {
+                    (cell[w], voxel[w]) = (self.low_end_from_origin(w, k), k);
                     if contain_square(&along_u, [cell[v], cell[w]])
                         && contain_square(&along_v, [cell[w], cell[u]])
                     {
@@ -247,17 +249,16 @@ impl GridTriangle {
         }
     }
 
-    /// The shadow's edge functions along `axis`, each moved outwards so that a voxel-sized square
-    /// overlaps the shadow exactly where its low corner is inside all three.
+    /// The projection's edge functions along `axis`, each moved outwards so that a voxel-sized square
+    /// overlaps the projection exactly where its low corner is inside all three.
     #[inline(always)]
-    fn grown_edges(&self, axis: usize) -> [ShadowEdge; 3] {
-        let mut edges =
-            [self.shadow_edge(axis, 0), self.shadow_edge(axis, 1), self.shadow_edge(axis, 2)];
+    fn conservative_edges(&self, axis: usize) -> [ProjectedEdge; 3] {
+        let mut edges = self.projected_edges(axis);
         if self.normal[axis] == 0 {
-            // The shadow is a segment: any edge that isn't a point gives both sides.
+            // The projection is a segment: any edge that isn't a point gives both sides.
             let edge = edges.into_iter().find(|edge| edge.slope != [0; 2]).unwrap_or(edges[0]);
             let [s, t] = edge.slope;
-            edges = [edge, ShadowEdge { slope: [-s, -t], offset: -edge.offset }, edge];
+            edges = [edge, ProjectedEdge { slope: [-s, -t], offset: -edge.offset }, edge];
         }
         let turn = if self.normal[axis] < 0 { -1 } else { 1 };
         for edge in &mut edges {
@@ -270,14 +271,18 @@ impl GridTriangle {
 
     /// The low end of a voxel along an axis, in units relative to `origin`.
     #[inline(always)]
-    fn local_low_end(&self, axis: usize, voxel: usize) -> i64 {
+    fn low_end_from_origin(&self, axis: usize, voxel: usize) -> i64 {
         (voxel as i64 - self.first[axis] as i64 - 1) * VOXEL_UNITS
     }
 
     /// The voxels along w, inside the bounds, through which the plane passes over the cell with its low
     /// corner at `cell_low`.
     #[inline(always)]
-    fn passed_voxels(&self, [u, v, w]: [usize; 3], cell_low: [i64; 3]) -> core::ops::Range<usize> {
+    fn voxels_along_w_in_plane(
+        &self,
+        [u, v, w]: [usize; 3],
+        cell_low: [i64; 3],
+    ) -> core::ops::Range<usize> {
         let toward = self.normal[w].signum();
         if toward == 0 {
             return self.first[w]..self.last[w] + 1;
@@ -303,21 +308,28 @@ pub(super) const fn other_axes(axis: usize) -> [usize; 2] {
     [(axis + 1) % 3, (axis + 2) % 3]
 }
 
-/// Whether a voxel-sized square's low corner is inside all three grown edges.
+/// Whether a voxel-sized square's low corner is inside all three conservative edges.
 #[inline(always)]
-fn contain_square(edges: &[ShadowEdge; 3], low_corner: [i64; 2]) -> bool {
-    let inside = |edge: &ShadowEdge| {
+fn contain_square(edges: &[ProjectedEdge; 3], low_corner: [i64; 2]) -> bool {
+    let inside = |edge: &ProjectedEdge| {
         edge.slope[0] * low_corner[0] + edge.slope[1] * low_corner[1] + edge.offset >= 0
     };
     inside(&edges[0]) & inside(&edges[1]) & inside(&edges[2])
 }
 
-/// By axis k, the octants around the origin on the axis's high side: octant i where bit k of i is set.
-const HIGH_OCTANTS: [u8; 3] = [0b1010_1010, 0b1100_1100, 0b1111_0000];
+/// A set of the octants around a triangle's origin: bit i is octant i, which lies on the high side of axis
+/// k where bit k of i is set.
+type OctantMask = u8;
+
+/// The sign of a number, as [`sign_index`] gives it: 0 for negative, 1 for zero, 2 for positive.
+type SignIndex = usize;
+
+/// By axis, the octants on its high side.
+const HIGH_OCTANTS: [OctantMask; 3] = [0b1010_1010, 0b1100_1100, 0b1111_0000];
 
 /// By axis, the octants in the quadrant that a 2D direction on the [`other_axes`] points to, at index
 /// `3 * sign_index(u) + sign_index(v)`; both sides of an axis on which it is zero.
-const QUADRANT_OCTANTS: [[u8; 9]; 3] = {
+const QUADRANT_OCTANTS: [[OctantMask; 9]; 3] = {
     let mut table = [[0; 9]; 3];
     let mut i = 0;
     while i < 27 {
@@ -330,7 +342,7 @@ const QUADRANT_OCTANTS: [[u8; 9]; 3] = {
 };
 
 /// The octants that a direction points to, at `9 * sign_index(x) + 3 * sign_index(y) + sign_index(z)`.
-const DIRECTION_OCTANTS: [u8; 27] = {
+const DIRECTION_OCTANTS: [OctantMask; 27] = {
     let mut table = [0; 27];
     let mut i = 0;
     while i < 27 {
@@ -342,30 +354,35 @@ const DIRECTION_OCTANTS: [u8; 27] = {
 };
 
 /// The octants on the low side of an axis for [`sign_index`] 0, all for 1, on the high side for 2.
-const fn octants_on_side(axis: usize, sign: usize) -> u8 {
-    [!HIGH_OCTANTS[axis], 0xff, HIGH_OCTANTS[axis]][sign]
+const fn octants_on_side(axis: usize, side: SignIndex) -> OctantMask {
+    [!HIGH_OCTANTS[axis], 0xff, HIGH_OCTANTS[axis]][side]
 }
 
 /// 0 for negative, 1 for zero, 2 for positive.
 #[inline(always)]
-fn sign_index(value: i64) -> usize {
+fn sign_index(value: i64) -> SignIndex {
     (value >= 0) as usize + (value > 0) as usize
 }
 
-/// The table's octants for a direction index where `sign` is 2, for the opposite direction where it is
-/// 0, and none where it is 1.
+/// The table's octants for a direction where `sign` is positive, for the opposite direction where it is
+/// negative, and none where it is zero.
 #[inline(always)]
-fn octants_towards<const M: usize>(octants: &[u8; M], direction: usize, sign: usize) -> u8 {
-    let at = if sign == 0 { M - 1 - direction } else { direction };
-    octants[at] & ((sign != 1) as u8).wrapping_neg()
+fn octants_towards<const M: usize>(
+    octants_by_direction: &[OctantMask; M],
+    direction_index: usize,
+    sign: SignIndex,
+) -> OctantMask {
+    let at = if sign == 0 { M - 1 - direction_index } else { direction_index };
+    octants_by_direction[at] & ((sign != 1) as u8).wrapping_neg()
 }
 
-/// Sets bit x where bit 0 of `pair` is set, and bit x + 1 where bit 1 is.
+/// Sets bit `first_x` where bit 0 of `two_bits` is set, and the next where bit 1 is.
 #[inline(always)]
-fn insert_pair<const N: usize>(row: &mut <Grid<N> as Size>::Row, x: usize, pair: u8)
+fn insert_two_voxels<const N: usize>(row: &mut <Grid<N> as Size>::Row, first_x: usize, two_bits: u8)
 where
     Grid<N>: Size,
 {
+    let (x, pair) = (first_x, two_bits);
     if x % 64 < 63 {
         row.set_word(x / 64, row.word(x / 64) | u64::from(pair) << (x % 64));
     } else {

@@ -37,14 +37,21 @@ pub(super) static CASES: [CellCase; 256] = {
     cases
 };
 
-/// The solid corner of a vertex, and the face of that corner's voxel whose centre it is.
-pub(super) const fn corner_face(vertex: CellVertex) -> (usize, VoxelFace) {
-    let (corner, axis) = (vertex as usize / 3, vertex as usize % 3);
-    // A corner at the low end of the axis has its edge to the high side.
-    (corner, 2 * axis + (corner >> axis & 1))
+/// A corner of a cell, and a face of that corner's voxel.
+pub(super) struct CornerFace {
+    pub(super) corner: usize,
+    pub(super) face: VoxelFace,
 }
 
-const fn vertex_of(corner: usize, face: VoxelFace) -> CellVertex {
+/// The solid corner of a vertex, and the face of that corner's voxel whose centre it is.
+pub(super) const fn split_vertex(vertex: CellVertex) -> CornerFace {
+    let (corner, axis) = (vertex as usize / 3, vertex as usize % 3);
+    // A corner at the low end of the axis has its edge to the high side.
+    CornerFace { corner, face: 2 * axis + (corner >> axis & 1) }
+}
+
+/// The inverse of [`split_vertex`].
+const fn join_vertex(CornerFace { corner, face }: CornerFace) -> CellVertex {
     (3 * corner + face / 2) as CellVertex
 }
 
@@ -78,7 +85,7 @@ const fn triangulate_case(solid_mask: usize) -> CellCase {
 }
 
 const fn is_vertex(solid_mask: usize, vertex: CellVertex) -> bool {
-    let (corner, face) = corner_face(vertex);
+    let CornerFace { corner, face } = split_vertex(vertex);
     solid_mask >> corner & 1 == 1 && solid_mask >> (corner ^ 1 << (face / 2)) & 1 == 0
 }
 
@@ -99,21 +106,21 @@ const fn trace_contour(solid_mask: usize, start: CellVertex) -> CellContour {
 /// The next vertex of the contour. Of the two cell faces at a vertex, the contour leaves through the
 /// one in direction d for which d, the other face's direction and the outward normal are right-handed.
 const fn next_vertex(solid_mask: usize, at: CellVertex) -> CellVertex {
-    let (corner, normal) = corner_face(at);
+    let CornerFace { corner, face: normal } = split_vertex(at);
     let mut k = 0;
     loop {
         let along = TANGENTS[normal][k];
         let other = cross_direction(normal, along);
-        if stays_in_cell(corner, along) && stays_in_cell(corner, other) {
+        if is_step_inside_cell(corner, along) && is_step_inside_cell(corner, other) {
             let beside = corner ^ 1 << (along / 2);
             let across = beside ^ 1 << (normal / 2);
-            return match SurfaceTurn::from_solid(
+            return match SurfaceTurn::from_neighbours(
                 solid_mask >> beside & 1 == 1,
                 solid_mask >> across & 1 == 1,
             ) {
-                SurfaceTurn::Convex => vertex_of(corner, along),
-                SurfaceTurn::Straight => vertex_of(beside, normal),
-                SurfaceTurn::Concave => vertex_of(across, along ^ 1),
+                SurfaceTurn::Convex => join_vertex(CornerFace { corner, face: along }),
+                SurfaceTurn::Straight => join_vertex(CornerFace { corner: beside, face: normal }),
+                SurfaceTurn::Concave => join_vertex(CornerFace { corner: across, face: along ^ 1 }),
             };
         }
         k += 1;
@@ -121,7 +128,7 @@ const fn next_vertex(solid_mask: usize, at: CellVertex) -> CellVertex {
 }
 
 /// Whether a step from the corner in the direction of a face stays in the cell.
-const fn stays_in_cell(corner: usize, face: VoxelFace) -> bool {
+const fn is_step_inside_cell(corner: usize, face: VoxelFace) -> bool {
     corner >> (face / 2) & 1 == face & 1
 }
 
@@ -138,7 +145,9 @@ const fn triangulate_contour(
     }
     let mut apex = first + 1;
     while apex < last {
-        if is_valid_side(contour, first, apex) && is_valid_side(contour, apex, last) {
+        if is_valid_triangle_side(contour, first, apex)
+            && is_valid_triangle_side(contour, apex, last)
+        {
             let mut with = case;
             with.triangles[with.count as usize] =
                 [contour.vertices[first], contour.vertices[apex], contour.vertices[last]];
@@ -157,12 +166,12 @@ const fn triangulate_contour(
 /// Whether a triangle may have the side from vertex `i` to `j`: a side of the contour, or a diagonal
 /// that lies in no cell face (the cell beyond that face could have the same diagonal, and four
 /// triangles would share it).
-const fn is_valid_side(contour: &CellContour, i: usize, j: usize) -> bool {
-    j - i == 1 || !are_in_one_face(contour.vertices[i], contour.vertices[j])
+const fn is_valid_triangle_side(contour: &CellContour, i: usize, j: usize) -> bool {
+    j - i == 1 || !share_cell_face(contour.vertices[i], contour.vertices[j])
 }
 
 /// Whether two vertices lie in the same face of the cell.
-const fn are_in_one_face(a: CellVertex, b: CellVertex) -> bool {
+const fn share_cell_face(a: CellVertex, b: CellVertex) -> bool {
     let ((a, a_axis), (b, b_axis)) =
         ((a as usize / 3, a as usize % 3), (b as usize / 3, b as usize % 3));
     let mut axis = 0;

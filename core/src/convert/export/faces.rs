@@ -26,9 +26,10 @@ pub(super) enum SurfaceTurn {
 }
 
 impl SurfaceTurn {
-    /// The turn, by whether the voxel beside and the one above that are solid.
-    pub(super) const fn from_solid(beside_solid: bool, above_solid: bool) -> Self {
-        match (beside_solid, above_solid) {
+    /// The turn, by whether the voxel beside, in the direction along the face, and the one diagonally
+    /// above are solid.
+    pub(super) const fn from_neighbours(is_beside_solid: bool, is_diagonal_solid: bool) -> Self {
+        match (is_beside_solid, is_diagonal_solid) {
             (false, _) => SurfaceTurn::Convex,
             (true, false) => SurfaceTurn::Straight,
             (true, true) => SurfaceTurn::Concave,

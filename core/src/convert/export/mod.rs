@@ -92,7 +92,7 @@ where
     /// Millimetres per vertex unit, 1/128 voxel.
     scale: f32,
     walk: CellWalk,
-    /// The next layer for [`Self::bound_layer`].
+    /// The next layer for [`Self::include_next_layer_in_bounds`].
     layer: u32,
     phase: ExportPhase,
 }
@@ -143,7 +143,7 @@ where
         Ok(())
     }
 
-    /// Does at most `budget` units of work, writing to the front of `out`. A unit is a row visited, or
+    /// Does at most `max_work_units` of work, writing to the front of `out`. A unit is a row visited, or
     /// a layer searched for its bounds.
     ///
     /// `rows` is the volume and `mask` its mask (empty for none); neither may change from start to
@@ -154,27 +154,28 @@ where
         &mut self,
         rows: &BitGrid<N>,
         mask: &RangeMaps<N>,
-        mut budget: u32,
+        max_work_units: u32,
         out: &mut [u8],
     ) -> ExportProgress {
-        let mut written = 0;
-        while budget > 0 {
+        let (mut written, mut units_left) = (0, max_work_units);
+        while units_left > 0 {
             match self.phase {
                 ExportPhase::Supporting => {
-                    if self.support.visit_rows(rows, mask, &mut budget) {
+                    self.support.advance_search(rows, mask, &mut units_left);
+                    if self.support.is_done() {
                         self.phase = ExportPhase::Bounding;
                     }
                     continue;
                 }
-                ExportPhase::Bounding => self.bound_layer(),
-                ExportPhase::Measuring => self.measure_step(),
+                ExportPhase::Bounding => self.include_next_layer_in_bounds(),
+                ExportPhase::Measuring => self.measure_next_row(),
                 ExportPhase::Heading | ExportPhase::Writing => {
-                    let Some(len) = self.write_step(&mut out[written..]) else { break };
+                    let Some(len) = self.write_next_piece(&mut out[written..]) else { break };
                     written += len;
                 }
                 ExportPhase::Idle | ExportPhase::Done => break,
             }
-            budget -= 1;
+            units_left -= 1;
         }
         ExportProgress { written, phase: self.phase }
     }
@@ -193,10 +194,10 @@ where
     }
 
     /// Adds the next layer to the voxels' bounds.
-    fn bound_layer(&mut self) {
+    fn include_next_layer_in_bounds(&mut self) {
         let y = self.layer as usize;
         let mut all = <Grid<N> as Size>::Row::EMPTY;
-        for (z, row) in self.support.supported().layer(y).iter().enumerate() {
+        for (z, row) in self.support.supported_voxels().layer(y).iter().enumerate() {
             if !row.is_empty() {
                 all |= *row;
                 self.voxels.include_on_axis(1, y as i32);
@@ -217,73 +218,78 @@ where
                     (self.rims[0].shifted_up() | self.rims[0] | self.rims[0].shifted_down())
                         & Grid::<N>::FULL;
             }
-            self.begin_walk(ExportPhase::Measuring, ExportPhase::Heading);
+            self.start_walk_or_skip(ExportPhase::Measuring, ExportPhase::Heading);
         }
     }
 
     /// Counts the triangles and bounds the vertices of the walk's current step. Smoothing moves no
     /// vertex by more than half a voxel, so the outermost voxels' vertices have the bounds.
-    fn measure_step(&mut self) {
-        let solid = self.support.supported();
+    fn measure_next_row(&mut self) {
+        let solid = self.support.supported_voxels();
         match self.walk.current_step() {
             WalkStep::Voxels(y, z) => {
-                self.smooth.encode_row(solid, (y, z), self.rim_bits((y, z), 1));
+                self.smooth.encode_turns_of_row(solid, (y, z), self.voxels_near_bounds((y, z), 1));
             }
             WalkStep::Cells(y, z) => {
                 self.triangles += cells::count_triangles(&self.corner_rows((y, z)));
                 if y < N && z < N {
-                    let (rim, bounds) = (self.rim_bits((y, z), 0), &mut self.vertices);
-                    self.smooth.visit_vertices(
-                        solid,
-                        (y, z),
-                        rim,
-                        &[0, 1, 2, 3, 4, 5],
-                        |_, _, position| {
-                            bounds.include_point(position);
-                        },
-                    );
+                    let (rim, bounds) = (self.voxels_near_bounds((y, z), 0), &mut self.vertices);
+                    self.smooth.visit_vertices(solid, (y, z), rim, &[0, 1, 2, 3, 4, 5], |vertex| {
+                        bounds.include_point(vertex.position);
+                    });
                 }
             }
         }
-        if !self.walk.move_next(&self.voxels) {
+        if !self.walk.advance_if_more(&self.voxels) {
             self.phase = ExportPhase::Heading;
             self.scale = self.height_mm / (self.vertices.hi[1] - self.vertices.lo[1]) as f32;
         }
     }
 
-    /// The voxels of row (y, z) within `margin`, 0 or 1, of a face of the bounds of all voxels.
-    fn rim_bits(&self, (y, z): RowAddress, margin: usize) -> <Grid<N> as Size>::Row {
-        let ClosedBounds { lo, hi } = self.voxels;
-        let near =
-            |axis: usize, at: i32| at - lo[axis] <= margin as i32 || hi[axis] - at <= margin as i32;
-        if near(1, y as i32) || near(2, z as i32) { Grid::<N>::FULL } else { self.rims[margin] }
+    /// The voxels of row (y, z) within a margin, 0 or 1, of a face of the bounds of all voxels.
+    fn voxels_near_bounds(
+        &self,
+        (y, z): RowAddress,
+        margin_voxels: usize,
+    ) -> <Grid<N> as Size>::Row {
+        let (ClosedBounds { lo, hi }, margin) = (self.voxels, margin_voxels as i32);
+        let near = |axis: usize, at: i32| at - lo[axis] <= margin || hi[axis] - at <= margin;
+        if near(1, y as i32) || near(2, z as i32) {
+            Grid::<N>::FULL
+        } else {
+            self.rims[margin_voxels]
+        }
     }
 
     /// Writes the header or the triangles of the walk's current step, and returns their bytes; `None`
     /// if `out` has no room for them.
-    fn write_step(&mut self, out: &mut [u8]) -> Option<usize> {
+    fn write_next_piece(&mut self, out: &mut [u8]) -> Option<usize> {
         if self.phase == ExportPhase::Heading {
             out.get_mut(..stl::HEADER_BYTES)?.copy_from_slice(&stl::header_bytes(self.triangles));
-            self.begin_walk(ExportPhase::Writing, ExportPhase::Done);
+            self.start_walk_or_skip(ExportPhase::Writing, ExportPhase::Done);
             return Some(stl::HEADER_BYTES);
         }
         let mut written = 0;
         match self.walk.current_step() {
             WalkStep::Voxels(y, z) => {
-                self.smooth.encode_row(self.support.supported(), (y, z), Grid::<N>::FULL);
+                self.smooth.encode_turns_of_row(
+                    self.support.supported_voxels(),
+                    (y, z),
+                    Grid::<N>::FULL,
+                );
             }
             WalkStep::Cells(y, z) => {
-                let edges = self.corner_rows((y, z));
+                let corners = self.corner_rows((y, z));
                 if out.len() < Self::MIN_BUFFER
-                    && out.len() < cells::count_triangles(&edges) as usize * stl::TRIANGLE_BYTES
+                    && out.len() < cells::count_triangles(&corners) as usize * stl::TRIANGLE_BYTES
                 {
                     return None;
                 }
-                self.fill_window(y, z);
-                written = self.write_row_triangles(&edges, z, out);
+                self.smooth_vertices_into_window((y, z));
+                written = self.write_row_triangles(&corners, z, out);
             }
         }
-        if !self.walk.move_next(&self.voxels) {
+        if !self.walk.advance_if_more(&self.voxels) {
             self.phase = ExportPhase::Done;
         }
         Some(written)
@@ -291,7 +297,7 @@ where
 
     /// Writes the smoothed vertices of the rows (y - 1, z) and (y, z) to the window, translated to the
     /// model's origin.
-    fn fill_window(&mut self, y: usize, z: usize) {
+    fn smooth_vertices_into_window(&mut self, (y, z): RowAddress) {
         let ClosedBounds { lo, hi } = self.vertices;
         // Halves at most: all of this is exact.
         let [x_middle, z_middle] = [0, 2].map(|axis| (lo[axis] + hi[axis]) as f32 / 2.0);
@@ -303,24 +309,19 @@ where
             let window = &mut window[z % 2];
             // The cells of the slab have no vertices on its outward faces.
             let faces = if above == 0 { &[0, 1, 2, 4, 5] } else { &[0, 1, 3, 4, 5] };
-            let solid = self.support.supported();
-            self.smooth.visit_vertices(
-                solid,
-                (y, z),
-                Grid::<N>::FULL,
-                faces,
-                |voxel, face, [x, y, z]| {
-                    window[voxel][face] =
-                        [x as f32 - x_middle, z_middle - z as f32, (y - lo[1]) as f32, 0.0];
-                },
-            );
+            let solid = self.support.supported_voxels();
+            self.smooth.visit_vertices(solid, (y, z), Grid::<N>::FULL, faces, |vertex| {
+                let [x, y, z] = vertex.position;
+                window[vertex.x][vertex.face] =
+                    [x as f32 - x_middle, z_middle - z as f32, (y - lo[1]) as f32, 0.0];
+            });
         }
     }
 
     /// Writes the triangles of a row of cells, and returns their bytes.
     fn write_row_triangles(
         &self,
-        edges: &CornerRows<<Grid<N> as Size>::Row>,
+        corners: &CornerRows<<Grid<N> as Size>::Row>,
         z: usize,
         out: &mut [u8],
     ) -> usize {
@@ -329,12 +330,12 @@ where
         let (records, _) = out.as_chunks_mut::<{ stl::TRIANGLE_BYTES }>();
         let mut records = records.iter_mut();
         let mut count = 0;
-        cells::visit_surface_cells(edges, |cell, case| {
-            let case = &cases::CASES[case];
+        cells::visit_surface_cells(corners, |cell| {
+            let case = &cases::CASES[cell.case];
             for (triangle, record) in case.triangles[..case.count as usize].iter().zip(&mut records)
             {
                 let corner =
-                    |i: usize| window[places[triangle[i] as usize % 32].wrapping_add(cell * 6)];
+                    |i: usize| window[places[triangle[i] as usize % 32].wrapping_add(cell.x * 6)];
                 stl::write_triangle([corner(0), corner(1), corner(2)], self.scale, record);
             }
             count += usize::from(case.count);
@@ -344,20 +345,20 @@ where
 
     /// The rows around the cells between the layers y - 1 and y and the rows z - 1 and z.
     fn corner_rows(&self, (y, z): RowAddress) -> CornerRows<<Grid<N> as Size>::Row> {
-        let found = self.support.supported();
-        let mut edges = [[<Grid<N> as Size>::Row::EMPTY; 2]; 2];
-        for (above, edges) in edges.iter_mut().enumerate() {
+        let found = self.support.supported_voxels();
+        let mut corners = [[<Grid<N> as Size>::Row::EMPTY; 2]; 2];
+        for (above, corners) in corners.iter_mut().enumerate() {
             let y = (y + above).wrapping_sub(1);
             if y < N {
-                for (before, edge) in edges.iter_mut().enumerate() {
+                for (before, corner) in corners.iter_mut().enumerate() {
                     let z = (z + before).wrapping_sub(1);
                     if z < N {
-                        *edge = found.row(y, z);
+                        *corner = found.row(y, z);
                     }
                 }
             }
         }
-        edges
+        corners
     }
 
     /// By z modulo 2 of the voxel after a cell, and by [`cases::CellVertex`]: the vertex's offset in
@@ -367,7 +368,7 @@ where
         let mut i = 0;
         while i < 2 * cases::CELL_VERTICES {
             let (odd, vertex) = (i / cases::CELL_VERTICES, i % cases::CELL_VERTICES);
-            let (corner, face) = cases::corner_face(vertex as u8);
+            let cases::CornerFace { corner, face } = cases::split_vertex(vertex as u8);
             let (i_x, j, k) = (corner & 1, corner >> 1 & 1, corner >> 2);
             let row = 2 * j + (odd + k + 1) % 2;
             places[odd][vertex] = ((row * N + i_x) * 6 + face).wrapping_sub(6);
@@ -377,7 +378,7 @@ where
     };
 
     /// Starts a walk through the layers in the given phase; without any voxels, skips to `phase_if_empty`.
-    fn begin_walk(&mut self, phase: ExportPhase, phase_if_empty: ExportPhase) {
+    fn start_walk_or_skip(&mut self, phase: ExportPhase, phase_if_empty: ExportPhase) {
         if self.voxels.is_empty() {
             self.phase = phase_if_empty;
         } else {

@@ -27,6 +27,16 @@ pub(super) struct VertexSmoother<const N: usize> {
     codes: [[[[u8; 6]; N]; N]; WINDOW_LAYERS],
 }
 
+/// A smoothed vertex of a row of voxels.
+pub(super) struct SmoothedVertex {
+    /// Its voxel.
+    pub(super) x: usize,
+    /// The exposed face whose centre it was.
+    pub(super) face: VoxelFace,
+    /// In 1/128 voxel; the centre of voxel (x, y, z) is at 128 (x, y, z).
+    pub(super) position: [i32; 3],
+}
+
 /// The hop from a face to a neighbour of its vertex.
 #[derive(Clone, Copy)]
 struct NeighbourHop {
@@ -49,7 +59,7 @@ where
     }
 
     /// Computes the codes of the exposed faces of the voxels `among` of row (y, z).
-    pub(super) fn encode_row(
+    pub(super) fn encode_turns_of_row(
         &mut self,
         solid: &BitGrid<N>,
         (y, z): RowAddress,
@@ -61,17 +71,16 @@ where
         }
         let near = RowNeighbours::new(solid, (y, z));
         let codes = &mut self.codes[y % WINDOW_LAYERS][z];
-        encode_face::<0, N, _>(row, &near, codes);
-        encode_face::<1, N, _>(row, &near, codes);
-        encode_face::<2, N, _>(row, &near, codes);
-        encode_face::<3, N, _>(row, &near, codes);
-        encode_face::<4, N, _>(row, &near, codes);
-        encode_face::<5, N, _>(row, &near, codes);
+        encode_turns_of_face::<0, N, _>(row, &near, codes);
+        encode_turns_of_face::<1, N, _>(row, &near, codes);
+        encode_turns_of_face::<2, N, _>(row, &near, codes);
+        encode_turns_of_face::<3, N, _>(row, &near, codes);
+        encode_turns_of_face::<4, N, _>(row, &near, codes);
+        encode_turns_of_face::<5, N, _>(row, &near, codes);
     }
 
-    /// Calls `visit(x, face, position)` for the smoothed vertices of the voxels `among` of row (y, z),
-    /// on those `faces` that are exposed. Positions are in 1/128 voxel; the centre of voxel (x, y, z)
-    /// is at 128 (x, y, z). The codes of the layers y - 1 to y + 1 around those voxels must be in the
+    /// Visits the smoothed vertices of the voxels `among` of row (y, z), on those `faces` that are
+    /// exposed. The codes of the layers y - 1 to y + 1 around those voxels must be in the
     /// window.
     #[inline(always)]
     pub(super) fn visit_vertices(
@@ -80,7 +89,7 @@ where
         (y, z): RowAddress,
         among: <Grid<N> as Size>::Row,
         faces: &[VoxelFace],
-        mut visit: impl FnMut(usize, VoxelFace, [i32; 3]),
+        mut visit: impl FnMut(SmoothedVertex),
     ) {
         let row = solid.row(y, z) & among;
         if row.is_empty() {
@@ -94,8 +103,9 @@ where
         for &face in faces {
             let hops = &Self::HOPS[y % WINDOW_LAYERS][face];
             visit_ones(exposed[face], |x| {
-                let [dx, dy, dz] = smoothed_offset(codes, start + x * 6, face, hops);
-                visit(x, face, [x as i32 * VERTEX_UNITS + dx, y_units + dy, z_units + dz]);
+                let [dx, dy, dz] = smoothed_offset_from_centre(codes, start + x * 6, face, hops);
+                let position = [x as i32 * VERTEX_UNITS + dx, y_units + dy, z_units + dz];
+                visit(SmoothedVertex { x, face, position });
             });
         }
     }
@@ -107,14 +117,14 @@ where
         while i < WINDOW_LAYERS * 6 * 16 {
             let (layer, face, k, turn) = (i / (6 * 16), i / 16 % 6, i / 4 % 4, i % 4);
             hops[layer][face][k][turn] =
-                Self::hop_to_neighbour(layer, face, TANGENTS[face][k], decode_turn(turn));
+                Self::neighbour_hop(layer, face, TANGENTS[face][k], decode_turn(turn));
             i += 1;
         }
         hops
     };
 
-    const fn hop_to_neighbour(
-        layer: usize,
+    const fn neighbour_hop(
+        window_layer: usize,
         normal: VoxelFace,
         along: VoxelFace,
         turn: SurfaceTurn,
@@ -124,27 +134,33 @@ where
             SurfaceTurn::Straight => (FACE_STEPS[along], normal),
             SurfaceTurn::Concave => (add_steps(FACE_STEPS[along], FACE_STEPS[normal]), along ^ 1),
         };
-        let to = (layer as i32 + dy).rem_euclid(WINDOW_LAYERS as i32);
-        let offset = (((to - layer as i32) * N as i32 + dz) * N as i32 + dx) * 6 + face as i32;
+        let to = (window_layer as i32 + dy).rem_euclid(WINDOW_LAYERS as i32);
+        let offset =
+            (((to - window_layer as i32) * N as i32 + dz) * N as i32 + dx) * 6 + face as i32;
         NeighbourHop { offset, first: (face << 8) as u32 }
     }
 }
 
 /// The vector from a voxel's centre to the smoothed vertex of one of its exposed faces, in 1/128 voxel;
-/// `voxel` is the index of its first code.
+/// `first_code` is the index of the voxel's codes, by face.
 #[inline(always)]
-fn smoothed_offset(codes: &[u8], voxel: usize, face: VoxelFace, hops: &FaceHops) -> [i32; 3] {
-    let code = codes[voxel + face];
+fn smoothed_offset_from_centre(
+    codes: &[u8],
+    first_code: usize,
+    face: VoxelFace,
+    hops: &FaceHops,
+) -> [i32; 3] {
+    let code = codes[first_code + face];
     let first = NEIGHBOUR_SUMS[(face << 8 | code as usize) % NEIGHBOUR_SUMS.len()];
     let mut sum = FACE_CENTRE[face].wrapping_add(first.wrapping_mul(12));
     for (k, hops) in hops.iter().enumerate() {
         let hop = hops[(code >> (2 * k) & 3) as usize];
-        let neighbour = codes[voxel.wrapping_add_signed(hop.offset as isize)];
+        let neighbour = codes[first_code.wrapping_add_signed(hop.offset as isize)];
         sum = sum.wrapping_add(
             NEIGHBOUR_SUMS[(hop.first as usize | neighbour as usize) % NEIGHBOUR_SUMS.len()],
         );
     }
-    unpack_vector(sum)
+    unpack_biased_10_10_10(sum)
 }
 
 /// Calls `visit` with the set bits of a row, lowest first.
@@ -215,7 +231,7 @@ impl<R: BitSet> RowNeighbours<R> {
 }
 
 #[inline(always)]
-fn encode_face<const FACE: VoxelFace, const N: usize, R: BitSet>(
+fn encode_turns_of_face<const FACE: VoxelFace, const N: usize, R: BitSet>(
     row: R,
     near: &RowNeighbours<R>,
     codes: &mut [[u8; 6]; N],
@@ -258,7 +274,7 @@ static NEIGHBOUR_SUMS: [u32; 8 << 8] = {
             );
             k += 1;
         }
-        first[i] = pack_vector(sum);
+        first[i] = pack_10_10_10(sum);
         i += 1;
     }
     first
@@ -271,7 +287,7 @@ static FACE_CENTRE: [u32; 6] = {
     let mut face = 0;
     while face < 6 {
         let [x, y, z] = FACE_STEPS[face];
-        centres[face] = pack_vector([
+        centres[face] = pack_10_10_10([
             512 + VERTEX_UNITS / 2 * x,
             512 + VERTEX_UNITS / 2 * y,
             512 + VERTEX_UNITS / 2 * z,
@@ -292,7 +308,7 @@ const fn neighbour_step(normal: VoxelFace, along: VoxelFace, turn: SurfaceTurn) 
 }
 
 const fn decode_turn(turn_bits: usize) -> SurfaceTurn {
-    SurfaceTurn::from_solid(turn_bits & 1 == 1, turn_bits & 2 == 2)
+    SurfaceTurn::from_neighbours(turn_bits & 1 == 1, turn_bits & 2 == 2)
 }
 
 const fn add_steps(a: [i32; 3], b: [i32; 3]) -> [i32; 3] {
@@ -302,11 +318,13 @@ const fn add_steps(a: [i32; 3], b: [i32; 3]) -> [i32; 3] {
 /// Packs three small integers into ten bits each of a word, so that adding words adds vectors (SIMD
 /// within a register). Negative components borrow from the next field; a bias of 512 in each field,
 /// added once, corrects that.
-const fn pack_vector([x, y, z]: [i32; 3]) -> u32 {
+const fn pack_10_10_10([x, y, z]: [i32; 3]) -> u32 {
     (x as u32).wrapping_add((y as u32) << 10).wrapping_add((z as u32) << 20)
 }
 
+/// The inverse, of a sum with the bias.
 #[inline]
-const fn unpack_vector(sum: u32) -> [i32; 3] {
+const fn unpack_biased_10_10_10(packed_sum: u32) -> [i32; 3] {
+    let sum = packed_sum;
     [(sum & 1023) as i32 - 512, (sum >> 10 & 1023) as i32 - 512, (sum >> 20 & 1023) as i32 - 512]
 }

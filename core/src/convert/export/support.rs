@@ -17,7 +17,7 @@ enum SupportPhase {
     /// Floods from the seeds.
     Flood,
     /// Without seeds: looks for the next component not yet flooded.
-    Part,
+    Component,
     /// Floods that component and counts its voxels.
     Count,
     /// Floods the largest component again, alone.
@@ -28,7 +28,7 @@ enum SupportPhase {
 
 /// A connected component of the volume: one of its voxels, and their number.
 #[derive(Clone, Copy)]
-struct SolidPart {
+struct SolidComponent {
     size: u32,
     voxel: [u8; 3],
 }
@@ -48,8 +48,8 @@ where
     is_queued: [<Grid<N> as Size>::Row; N],
     /// The next row of the phases that go through all rows.
     next: u32,
-    part: SolidPart,
-    largest: SolidPart,
+    component: SolidComponent,
+    largest: SolidComponent,
     phase: SupportPhase,
 }
 
@@ -66,8 +66,8 @@ where
             queued: 0,
             is_queued: [<Grid<N> as Size>::Row::EMPTY; N],
             next: 0,
-            part: SolidPart { size: 0, voxel: [0; 3] },
-            largest: SolidPart { size: 0, voxel: [0; 3] },
+            component: SolidComponent { size: 0, voxel: [0; 3] },
+            largest: SolidComponent { size: 0, voxel: [0; 3] },
             phase: SupportPhase::Idle,
         }
     }
@@ -77,37 +77,40 @@ where
         self.found.clear();
         (self.head, self.queued, self.next) = (0, 0, 0);
         self.is_queued.fill(<Grid<N> as Size>::Row::EMPTY);
-        self.largest = SolidPart { size: 0, voxel: [0; 3] };
+        self.largest = SolidComponent { size: 0, voxel: [0; 3] };
         self.phase = SupportPhase::Seed;
     }
 
-    /// The supported voxels; complete once [`SupportSearch::visit_rows`] has returned true.
-    pub(super) fn supported(&self) -> &BitGrid<N> {
+    /// The supported voxels; complete once [`SupportSearch::is_done`].
+    pub(super) fn supported_voxels(&self) -> &BitGrid<N> {
         &self.found
     }
 
-    /// Visits rows, each of which takes one from `budget`; true when the search is done.
-    pub(super) fn visit_rows(
+    pub(super) fn is_done(&self) -> bool {
+        self.phase == SupportPhase::Done
+    }
+
+    /// Visits rows until the search is done, each of which takes one from `visits_left`.
+    pub(super) fn advance_search(
         &mut self,
         rows: &BitGrid<N>,
         mask: &RangeMaps<N>,
-        budget: &mut u32,
-    ) -> bool {
-        while *budget > 0 && self.phase != SupportPhase::Done {
-            *budget -= 1;
+        visits_left: &mut u32,
+    ) {
+        while *visits_left > 0 && !self.is_done() {
+            *visits_left -= 1;
             self.phase = match self.phase {
                 SupportPhase::Seed => self.seed_row(rows, mask),
                 SupportPhase::Flood => self.flood_row(rows, SupportPhase::Done),
-                SupportPhase::Part => self.find_next_part(rows),
-                SupportPhase::Count => self.flood_row(rows, SupportPhase::Part),
+                SupportPhase::Component => self.find_next_component(rows),
+                SupportPhase::Count => self.flood_row(rows, SupportPhase::Component),
                 SupportPhase::Largest => self.flood_row(rows, SupportPhase::Done),
-                SupportPhase::Idle | SupportPhase::Done => return false,
+                SupportPhase::Idle | SupportPhase::Done => return,
             };
-            if self.phase == SupportPhase::Part && self.part.size > self.largest.size {
-                self.largest = self.part;
+            if self.phase == SupportPhase::Component && self.component.size > self.largest.size {
+                self.largest = self.component;
             }
         }
-        self.phase == SupportPhase::Done
     }
 
     /// Seeds the flood with the ground and mask voxels of the next row.
@@ -115,14 +118,14 @@ where
         let (y, z) = self.take_next_row();
         let row = rows.row(y, z);
         let seeds = if y == 0 { row } else { mask.occupied_among((y, z), row) };
-        self.reach_runs(rows, (y, z), seeds);
+        self.reach_runs_with_seeds(rows, (y, z), seeds);
         // Without a mask the ground layer has all the seeds.
         if self.next < (N * N) as u32 && !(self.next == N as u32 && mask.is_empty()) {
             return SupportPhase::Seed;
         }
         self.next = 0;
-        self.part.size = 0;
-        if self.queued > 0 { SupportPhase::Flood } else { SupportPhase::Part }
+        self.component.size = 0;
+        if self.queued > 0 { SupportPhase::Flood } else { SupportPhase::Component }
     }
 
     /// Spreads from the row at the head of the queue; with an empty queue, goes on to `next_phase`.
@@ -138,7 +141,7 @@ where
         let row = self.found.row(y, z);
         for near in [(y.wrapping_sub(1), z), (y + 1, z), (y, z.wrapping_sub(1)), (y, z + 1)] {
             if near.0 < N && near.1 < N {
-                self.reach_runs(rows, near, row);
+                self.reach_runs_with_seeds(rows, near, row);
             }
         }
         self.phase
@@ -146,15 +149,20 @@ where
 
     /// Adds the runs of row (y, z) that contain a voxel of `seeds`, and queues the row if it changed.
     #[inline]
-    fn reach_runs(&mut self, rows: &BitGrid<N>, (y, z): RowAddress, seeds: <Grid<N> as Size>::Row) {
+    fn reach_runs_with_seeds(
+        &mut self,
+        rows: &BitGrid<N>,
+        (y, z): RowAddress,
+        seeds: <Grid<N> as Size>::Row,
+    ) {
         let (row, found) = (rows.row(y, z), self.found.row(y, z));
         let new = seeds & row & !found;
         if new.is_empty() {
             return;
         }
         let new = row.flood_from(new);
-        if matches!(self.phase, SupportPhase::Part | SupportPhase::Count) {
-            self.part.size += new.count_ones();
+        if matches!(self.phase, SupportPhase::Component | SupportPhase::Count) {
+            self.component.size += new.count_ones();
         }
         *self.found.row_mut(y, z) = found | new;
         if !self.is_queued[y].contains(z) {
@@ -166,28 +174,28 @@ where
     }
 
     /// Starts the next component in the order of the rows; after the last, the largest one again.
-    fn find_next_part(&mut self, rows: &BitGrid<N>) -> SupportPhase {
+    fn find_next_component(&mut self, rows: &BitGrid<N>) -> SupportPhase {
         if self.next == (N * N) as u32 {
-            return self.flood_largest_part(rows);
+            return self.flood_largest_component(rows);
         }
         let (y, z) = self.take_next_row();
         let Some(x) = (rows.row(y, z) & !self.found.row(y, z)).first() else {
-            return SupportPhase::Part;
+            return SupportPhase::Component;
         };
         // This row may hold another component.
         self.next -= 1;
-        self.part = SolidPart { size: 0, voxel: [x, y, z].map(|c| c as u8) };
-        self.reach_runs(rows, (y, z), <Grid<N> as Size>::Row::span(x, x));
+        self.component = SolidComponent { size: 0, voxel: [x, y, z].map(|c| c as u8) };
+        self.reach_runs_with_seeds(rows, (y, z), <Grid<N> as Size>::Row::span(x, x));
         SupportPhase::Count
     }
 
-    fn flood_largest_part(&mut self, rows: &BitGrid<N>) -> SupportPhase {
+    fn flood_largest_component(&mut self, rows: &BitGrid<N>) -> SupportPhase {
         self.found.clear();
         if self.largest.size == 0 {
             return SupportPhase::Done;
         }
         let [x, y, z] = self.largest.voxel.map(usize::from);
-        self.reach_runs(rows, (y, z), <Grid<N> as Size>::Row::span(x, x));
+        self.reach_runs_with_seeds(rows, (y, z), <Grid<N> as Size>::Row::span(x, x));
         SupportPhase::Largest
     }
 

@@ -59,8 +59,8 @@ impl CellWalk {
     }
 
     /// Goes to the first row of voxels within the bounds, which aren't empty.
-    pub(super) fn restart(&mut self, voxels: &ClosedBounds) {
-        let [_, bottom, first] = voxels.lo;
+    pub(super) fn restart(&mut self, voxel_bounds: &ClosedBounds) {
+        let [_, bottom, first] = voxel_bounds.lo;
         *self = CellWalk { layer: bottom as u32, row: first as u32, in_cells: false };
     }
 
@@ -70,8 +70,8 @@ impl CellWalk {
     }
 
     /// Goes to the next step; false after the last one.
-    pub(super) fn move_next(&mut self, voxels: &ClosedBounds) -> bool {
-        let ClosedBounds { lo: [_, bottom, first], hi: [_, top, last] } = *voxels;
+    pub(super) fn advance_if_more(&mut self, voxel_bounds: &ClosedBounds) -> bool {
+        let ClosedBounds { lo: [_, bottom, first], hi: [_, top, last] } = *voxel_bounds;
         self.row += 1;
         // One more row of cells than of voxels.
         if self.row <= last as u32 + u32::from(self.in_cells) {
