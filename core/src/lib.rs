@@ -114,6 +114,7 @@ pub use edit::operation::{
     BrushTooLarge, Edit, EditOperation, EditReport, EditScratch, apply_edit,
 };
 pub use edit::pose::{Pose, SUBUNITS_PER_VOXEL};
+pub use edit::undo::UndoCounts;
 /// Vectors and quaternions in the signatures.
 pub use glam;
 pub use session::events::WorldEvent;

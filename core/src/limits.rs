@@ -1,5 +1,5 @@
-//! Every capacity of the core, with its reason. `side` is the number of voxels along a side of the
-//! grid, N.
+//! Every capacity of the core, with its reason. `grid_side` is the number of voxels along a side of
+//! the grid, N.
 
 /// Intervals of a column. One expresses every shape without hidden cavities (section 3.2 of the paper).
 pub const LAYERS: usize = 1;
@@ -33,12 +33,12 @@ pub const UNDO_ENTRIES: usize = 128;
 /// reached every row, and 1 KiB for everything of fixed length. 684 KiB at 128, 3.7 MiB at 256; a third
 /// of it is usual.
 #[must_use]
-pub const fn max_save_bytes(side: usize) -> usize {
-    let row = side.div_ceil(64) * 8;
-    let maps = 3 * side * side * 2;
-    let entries = UNDO_PLANES * side * side * 2 + UNDO_ENTRIES * 4;
-    let newest = maps + 3 * side * row + 3 * side * row / 64;
-    let islands = side * (side + 2) * row;
+pub const fn max_save_bytes(grid_side: usize) -> usize {
+    let row = grid_side.div_ceil(64) * 8;
+    let maps = 3 * grid_side * grid_side * 2;
+    let entries = UNDO_PLANES * grid_side * grid_side * 2 + UNDO_ENTRIES * 4;
+    let newest = maps + 3 * grid_side * row + 3 * grid_side * row / 64;
+    let islands = grid_side * (grid_side + 2) * row;
     2 * maps + entries + newest + islands + 1024
 }
 
@@ -54,29 +54,29 @@ pub const MAX_EVENTS: usize = 16;
 /// some 8,000 and the cost of a removal, and 16,384 at 256. A visit takes 100 to 170 instructions in a
 /// solid at 128, and 300 in a comb of sheets; half as many again at 256.
 #[must_use]
-pub const fn island_row_visits(side: usize) -> u32 {
-    (if side > 128 { side * side / 4 } else { side * side * 5 / 8 }) as u32
+pub const fn island_row_visits_per_tick(grid_side: usize) -> u32 {
+    (if grid_side > 128 { grid_side * grid_side / 4 } else { grid_side * grid_side * 5 / 8 }) as u32
 }
 
 /// The cost of expanding the mask into bit rows when an island search begins, in row visits: the whole
 /// budget of a tick.
 #[must_use]
-pub const fn mask_layout_cost(side: usize) -> u32 {
-    island_row_visits(side)
+pub const fn mask_layout_row_visits(grid_side: usize) -> u32 {
+    island_row_visits_per_tick(grid_side)
 }
 
 /// Upper bound of a bit's steps in a tick, each of a quarter voxel, forward or sliding: 7 cm in contact
 /// with the stone, or 5 m/s, which is faster than hands at work. A stretch of free steps counts as one
 /// step, so a bit in the air covers a metre. After a jump the bit catches up within some ticks.
 #[must_use]
-pub const fn max_walk_steps(side: usize) -> u32 {
-    if side > 128 { 160 } else { 80 }
+pub const fn max_bit_steps_per_tick(grid_side: usize) -> u32 {
+    if grid_side > 128 { 160 } else { 80 }
 }
 
-/// [`max_walk_steps`] in a tick with an undo or redo, which rebuilds the volume's bit rows.
+/// [`max_bit_steps_per_tick`] in a tick with an undo or redo, which rebuilds the volume's bit rows.
 #[must_use]
-pub const fn max_walk_steps_with_undo(side: usize) -> u32 {
-    max_walk_steps(side) / 4
+pub const fn max_bit_steps_in_undo_tick(grid_side: usize) -> u32 {
+    max_bit_steps_per_tick(grid_side) / 4
 }
 
 /// The work of both hands in a tick, in steps plus brush pieces, above which the island search waits
@@ -87,8 +87,8 @@ pub const HAND_STEPS_BESIDE_ISLANDS: u32 = 24;
 /// The cost of a step, in steps, while the bit is deeper than its penetration limit, as an undo may
 /// leave it. Such a step measures the depth of every voxel inside the bit, eight times as many at 256.
 #[must_use]
-pub const fn deep_step_cost(side: usize) -> u32 {
-    if side > 128 { 8 } else { 4 }
+pub const fn deep_step_cost_in_steps(grid_side: usize) -> u32 {
+    if grid_side > 128 { 8 } else { 4 }
 }
 
 /// Exit probes: places on the rest of its path at which a bit beyond its penetration limit is tested,
@@ -99,6 +99,6 @@ pub const EXIT_PROBES: u32 = 32;
 /// The cost of removing the islands found, in row visits. With less budget left, the next tick removes
 /// them.
 #[must_use]
-pub const fn island_removal_row_visits(side: usize) -> u32 {
-    (side * side / 8) as u32
+pub const fn island_removal_row_visits(grid_side: usize) -> u32 {
+    (grid_side * grid_side / 8) as u32
 }

@@ -3,23 +3,23 @@
 use paros_core::trace::{TickRecord, TraceHeader, digest_start_volumes};
 use paros_core::{ByteReader, Grid, RangeMaps, Size, StartVolumes, World};
 
-/// Replays a trace whose sessions start from the solid block. `world` and `block` are all zero bytes at
-/// first, so that both can live in statics. Returns the digest of the last tick.
+/// Replays a trace whose sessions start from the solid block. `world` and `start_block` are all zero
+/// bytes at first, so that both can live in statics. Returns the digest of the last tick.
 ///
 /// # Errors
 /// What was expected of the trace, or that a tick's digest differs from the recorded one.
 // Shells step their worlds through `TickRunner`, which needs a heap.
 #[allow(clippy::disallowed_methods)]
-pub(crate) fn replay_trace<const N: usize>(
+pub(crate) fn replay_to_last_digest<const N: usize>(
     trace: &[u8],
     world: &mut World<N>,
-    block: &mut RangeMaps<N>,
+    start_block: &mut RangeMaps<N>,
 ) -> Result<u64, &'static str>
 where
     Grid<N>: Size,
 {
-    block.fill_block();
-    let starts = StartVolumes { lump: block, figures: &[], creative: block, own: None };
+    start_block.fill_block();
+    let starts = StartVolumes { lump: start_block, figures: &[], creative: start_block, own: None };
     let mut reader = ByteReader::new(trace);
     let header = TraceHeader::read(&mut reader).map_err(|bad| bad.expected)?;
     if usize::from(header.side) != N || header.starts_digest != digest_start_volumes(&starts) {

@@ -78,7 +78,7 @@ where
         // The mask is a buffer for the volume's maps until its bit rows are built.
         read_maps(from, &mut self.mask)?;
         self.volume.set_maps(&self.mask);
-        if !self.volume.is_tight() {
+        if !self.volume.are_ranges_tight() {
             return Err(from.error_here("tight ranges"));
         }
         read_maps(from, &mut self.mask)?;
@@ -86,7 +86,7 @@ where
         if masked != self.state.masked || maps_digest(&self.mask) != self.state.mask_digest {
             return Err(from.error_here("the mask that the state names"));
         }
-        if !are_maps_tight(&self.mask) || !are_maps_within(&self.mask, self.volume.rows()) {
+        if !are_maps_tight(&self.mask) || !is_volume_within(&self.mask, self.volume.rows()) {
             return Err(from.error_here("tight ranges of voxels that are in the volume"));
         }
         self.undo.load(from)?;
@@ -127,7 +127,7 @@ where
 /// Length of the header in bytes: magic, version, N, checksum of the rest.
 const HEADER: usize = 16;
 
-fn check_header(from: &mut ByteReader<'_>, side: usize, bytes: &[u8]) -> Result<(), BadBytes> {
+fn check_header(from: &mut ByteReader<'_>, grid_side: usize, bytes: &[u8]) -> Result<(), BadBytes> {
     let bad = from.error_here("the magic PWLD");
     if from.bytes(4)? != MAGIC {
         return Err(bad);
@@ -137,7 +137,7 @@ fn check_header(from: &mut ByteReader<'_>, side: usize, bytes: &[u8]) -> Result<
         return Err(bad);
     }
     let bad = from.error_here("this world's size");
-    if usize::from(from.u16()?) != side {
+    if usize::from(from.u16()?) != grid_side {
         return Err(bad);
     }
     let bad = from.error_here("the checksum of what follows");
@@ -159,11 +159,12 @@ fn are_maps_tight<const N: usize>(maps: &RangeMaps<N>) -> bool {
     })
 }
 
-fn are_maps_within<const N: usize>(maps: &RangeMaps<N>, rows: &BitGrid<N>) -> bool
+/// Whether every voxel of `inner` is in `outer`.
+fn is_volume_within<const N: usize>(inner: &RangeMaps<N>, outer: &BitGrid<N>) -> bool
 where
     Grid<N>: Size,
 {
-    let left = |y, z| maps.occupied_among((y, z), Grid::<N>::FULL & !rows.row(y, z));
+    let left = |y, z| inner.occupied_among((y, z), Grid::<N>::FULL & !outer.row(y, z));
     (0..N).all(|y| (0..N).all(|z| left(y, z).is_empty()))
 }
 

@@ -29,13 +29,13 @@ const ROUNDING: i32 = SUBUNITS_PER_VOXEL / 16;
 impl GridBit {
     /// The shell depth of an edit: the bite in voxels, rounded up.
     #[must_use]
-    pub fn shell_depth(&self) -> usize {
+    pub fn shell_depth_voxels(&self) -> usize {
         (self.bite + SUBUNITS_PER_VOXEL - 1).div_euclid(SUBUNITS_PER_VOXEL).max(0) as usize
     }
 
     /// Radius of the largest ball inside the shape.
     #[must_use]
-    pub fn inner_radius(&self) -> i32 {
+    pub fn inscribed_radius_subunits(&self) -> i32 {
         match self.shape {
             GridShape::Ball(radius) => radius,
             GridShape::Box(half) => half.min_element(),
@@ -44,30 +44,30 @@ impl GridBit {
 
     /// Radius of the smallest ball about its centre that holds the shape.
     #[must_use]
-    pub fn outer_radius(&self) -> i32 {
+    pub fn circumscribed_radius_subunits(&self) -> i32 {
         match self.shape {
             GridShape::Ball(radius) => radius,
             GridShape::Box(half) => libm::ceilf(half.as_vec3().length()) as i32,
         }
     }
 
-    /// Offset shape: the points deeper inside the bit than `level` (fixed point). A negative level
-    /// enlarges the bit by its faces or radius. `None` if no point is that deep.
+    /// Offset shape: the points deeper inside the bit than a depth. A negative depth enlarges the bit
+    /// by its faces or radius. `None` if no point is that deep.
     #[must_use]
-    pub(crate) fn piece_deeper_than(&self, level: i32, pose: &Pose) -> Option<BrushPiece> {
+    pub(crate) fn piece_deeper_than(&self, depth_subunits: i32, pose: &Pose) -> Option<BrushPiece> {
         match self.shape {
             GridShape::Ball(radius) => {
-                let left = i64::from(radius - level);
-                let a = pose.fixed_position();
+                let left = i64::from(radius - depth_subunits);
+                let a = pose.position_subunits();
                 let capsule = Capsule { a, b: a, radius_squared: left * left - 1 };
                 (left > 0).then_some(BrushPiece::Capsule(capsule))
             }
             GridShape::Box(half) => {
-                let left = half - IVec3::splat(level);
+                let left = half - IVec3::splat(depth_subunits);
                 if left.min_element() <= 0 {
                     return None;
                 }
-                let mut piece = SweptBox::new(left, pose, pose.fixed_position());
+                let mut piece = SweptBox::new(left, pose, pose.position_subunits());
                 for (_, extent) in &mut piece.planes[..3] {
                     *extent -= 1;
                 }
@@ -80,7 +80,7 @@ impl GridBit {
     #[must_use]
     pub fn piece_at(&self, pose: &Pose) -> BrushPiece {
         match self.shape {
-            GridShape::Ball(radius) => BrushPiece::sphere(pose.fixed_position(), radius),
+            GridShape::Ball(radius) => BrushPiece::sphere(pose.position_subunits(), radius),
             GridShape::Box(half) => BrushPiece::oriented_box(half, pose),
         }
     }
@@ -90,21 +90,26 @@ impl GridBit {
     pub fn swept_brush(&self, from: &Pose, to: &Pose) -> Brush {
         match self.shape {
             GridShape::Ball(radius) => {
-                Brush::capsule(from.fixed_position(), to.fixed_position(), radius)
+                Brush::capsule(from.position_subunits(), to.position_subunits(), radius)
             }
             GridShape::Box(half) => Brush::swept_box(half, from, to),
         }
     }
 
-    /// Depth of a point inside the bit, in fixed point, rounded up; negative outside. `offset` is from
-    /// the bit's centre, `axes` are those of [`Pose::fixed_axes`].
-    pub(super) fn inner_distance(&self, axes: &[IVec3; 3], offset: I64Vec3) -> i32 {
+    /// Depth of a point inside the bit, rounded up; negative outside. The axes are those of
+    /// [`Pose::unit_axes_q14`], the offset is along the grid's axes, in subunits.
+    pub(super) fn depth_subunits_at(
+        &self,
+        unit_axes_q14: &[IVec3; 3],
+        offset_from_bit: I64Vec3,
+    ) -> i32 {
         match self.shape {
-            GridShape::Ball(radius) => radius - isqrt(offset.dot(offset)) as i32,
+            GridShape::Ball(radius) => radius - isqrt(offset_from_bit.dot(offset_from_bit)) as i32,
             GridShape::Box(half) => {
                 let unit = i64::from(FIXED_ONE);
                 let inside = |i: usize| {
-                    let left = i64::from(half[i]) * unit - offset.dot(axes[i].as_i64vec3()).abs();
+                    let left = i64::from(half[i]) * unit
+                        - offset_from_bit.dot(unit_axes_q14[i].as_i64vec3()).abs();
                     -(-left).div_euclid(unit)
                 };
                 inside(0).min(inside(1)).min(inside(2)) as i32
@@ -112,19 +117,24 @@ impl GridBit {
         }
     }
 
-    /// Swept offset shape: covers all points deeper inside the bit than `level` (fixed point) at any
-    /// step between two poses. Conservative, up to about a voxel larger. `None` if no point is that deep.
+    /// Swept offset shape: covers all points deeper inside the bit than a depth at any step between two
+    /// poses. Conservative, up to about a voxel larger. `None` if no point is that deep.
     #[must_use]
-    pub fn swept_brush_deeper_than(&self, level: i32, from: &Pose, to: &Pose) -> Option<Brush> {
+    pub fn swept_brush_deeper_than(
+        &self,
+        depth_subunits: i32,
+        from: &Pose,
+        to: &Pose,
+    ) -> Option<Brush> {
         let shape = match self.shape {
             GridShape::Ball(radius) => {
-                let left = radius - level;
+                let left = radius - depth_subunits;
                 (left > 0).then_some(GridShape::Ball(left + ROUNDING))
             }
             GridShape::Box(half) => {
-                let left = half - IVec3::splat(level);
+                let left = half - IVec3::splat(depth_subunits);
                 // A piece has one rotation, that of its middle: corners are off by half the piece's turn.
-                let turn = left.as_vec3().length() * from.angle_to(to);
+                let turn = left.as_vec3().length() * from.angle_radians_to(to);
                 let pieces = libm::ceilf(turn / SUBUNITS_PER_VOXEL as f32).max(1.0);
                 let wider = ROUNDING + libm::ceilf(turn / pieces / 2.0) as i32;
                 (left.min_element() > 0).then_some(GridShape::Box(left + wider))

@@ -36,19 +36,19 @@ impl Pose {
 
     /// The angle between the two rotations, in radians, 0 to pi.
     #[must_use]
-    pub fn angle_to(&self, other: &Pose) -> f32 {
+    pub fn angle_radians_to(&self, other: &Pose) -> f32 {
         self.rotation.angle_between(other.rotation)
     }
 
     /// The position in fixed point, clamped to 8,192 voxels along each axis.
     #[must_use]
-    pub fn fixed_position(&self) -> IVec3 {
-        to_fixed(self.position)
+    pub fn position_subunits(&self) -> IVec3 {
+        subunits_from_voxels(self.position)
     }
 
     /// The bit's three unit axes in the grid, in fixed point ([`FIXED_ONE`] is 1).
     #[must_use]
-    pub fn fixed_axes(&self) -> [IVec3; 3] {
+    pub fn unit_axes_q14(&self) -> [IVec3; 3] {
         [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| {
             let v = self.rotation * axis * FIXED_ONE as f32;
             IVec3::new(round_to_i32(v.x), round_to_i32(v.y), round_to_i32(v.z))
@@ -58,7 +58,7 @@ impl Pose {
 
 /// Converts voxels to fixed point, rounded and clamped to [`FAR`]. NaN becomes 0.
 #[must_use]
-pub(crate) fn to_fixed(v: Vec3) -> IVec3 {
+pub(crate) fn subunits_from_voxels(v: Vec3) -> IVec3 {
     let one = |f: f32| round_to_i32((f * SUBUNITS_PER_VOXEL as f32).clamp(-FAR, FAR));
     IVec3::new(one(v.x), one(v.y), one(v.z))
 }

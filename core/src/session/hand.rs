@@ -41,15 +41,15 @@ pub struct HandState {
     pub haptic: u8,
 }
 
-/// The rising edges of a hand's controls in a tick.
+/// What a hand newly pressed in a tick: the rising edges of its controls.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
-pub(crate) struct HandEdges {
+pub(crate) struct HandPresses {
     /// The trigger was pulled.
     pub pulled: bool,
     /// The grip was squeezed.
     pub squeezed: bool,
     /// The buttons that were pressed, of [`buttons`].
-    pub pressed: u8,
+    pub buttons: u8,
 }
 
 impl HandState {
@@ -74,9 +74,9 @@ impl HandState {
         }
     }
 
-    /// Applies a tick's input and returns the rising edges. Invalid poses keep the last valid ones;
+    /// Applies a tick's input and returns the presses. Invalid poses keep the last valid ones;
     /// without tracking, nothing is pressed.
-    pub(crate) fn apply_input(&mut self, input: &HandInput) -> HandEdges {
+    pub(crate) fn apply_input(&mut self, input: &HandInput) -> HandPresses {
         self.haptic = 0;
         let keep = |last: &mut RoomPose, pose: &RawPose| {
             pose.to_metres().inspect(|good| *last = *good).is_some()
@@ -87,13 +87,13 @@ impl HandState {
         }
         self.tracked = good || (input.tracked && self.has_pose());
         let live = u8::from(self.tracked);
-        let trigger = is_pressed(input.trigger * live, self.trigger);
-        let squeeze = is_pressed(input.squeeze * live, self.squeeze);
+        let trigger = is_pressed_with_hysteresis(input.trigger * live, self.trigger);
+        let squeeze = is_pressed_with_hysteresis(input.squeeze * live, self.squeeze);
         let down = (input.buttons * live) & (buttons::LOWER | buttons::UPPER | buttons::STICK);
-        let edges = HandEdges {
+        let presses = HandPresses {
             pulled: trigger && !self.trigger,
             squeezed: squeeze && !self.squeeze,
-            pressed: down & !self.buttons,
+            buttons: down & !self.buttons,
         };
         self.trigger_ticks =
             if trigger && self.trigger { self.trigger_ticks.wrapping_add(1) } else { 0 };
@@ -101,7 +101,7 @@ impl HandState {
         if !self.tracked {
             self.can_sweep = false;
         }
-        edges
+        presses
     }
 
     /// The pose of the bit's centre in the room, `length_metres` in front of the grip.
@@ -112,7 +112,7 @@ impl HandState {
     }
 
     /// Invalidates the frozen pose, after a change of tool or bit.
-    pub(crate) fn forget_bit(&mut self) {
+    pub(crate) fn invalidate_bit_pose(&mut self) {
         (self.can_sweep, self.has_frozen_pose, self.trigger_ticks) = (false, false, 0);
     }
 
@@ -169,22 +169,20 @@ impl HandState {
 
 /// Haptic amplitude of a bit, 0 to 255: 0 without contact, growing with speed, highest on the mask. A
 /// running tool pulses with its haptic train; at rest a quarter of the amplitude is constant.
-///
-/// `speed_um` is in micrometres a tick.
 #[must_use]
-pub fn haptic_level(
+pub fn haptic_amplitude(
     bit: &ToolBitSpec,
     contact: &Contact,
-    running: bool,
-    ticks: u16,
-    speed_um: u32,
+    is_running: bool,
+    trigger_ticks: u16,
+    speed_um_per_tick: u32,
 ) -> u8 {
     if contact.overlap == 0 && !contact.on_mask {
         return 0;
     }
-    let strength = if contact.on_mask { 255 } else { 80 + (speed_um / 250).min(120) };
-    let train = match running {
-        true => u32::from(bit.haptic_train[usize::from(ticks) % bit.haptic_train.len()]),
+    let strength = if contact.on_mask { 255 } else { 80 + (speed_um_per_tick / 250).min(120) };
+    let train = match is_running {
+        true => u32::from(bit.haptic_train[usize::from(trigger_ticks) % bit.haptic_train.len()]),
         false => 64,
     };
     (strength * train / 255) as u8
@@ -207,6 +205,6 @@ fn read_pose(from: &mut ByteReader<'_>) -> Result<RoomPose, BadBytes> {
 const FAR: f32 = 32_768.0;
 
 /// Whether an analogue button is pressed, with hysteresis: on from 128, off below 96 of 255.
-const fn is_pressed(value: u8, was_pressed: bool) -> bool {
+const fn is_pressed_with_hysteresis(value: u8, was_pressed: bool) -> bool {
     value >= if was_pressed { 96 } else { 128 }
 }

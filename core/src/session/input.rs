@@ -3,6 +3,7 @@
 use glam::{Quat, Vec3};
 
 use crate::codec::bytes::{BadBytes, ByteReader, ByteWriter};
+use crate::session::hand::RoomPose;
 
 /// Ticks in a second.
 pub const TICK_RATE: u32 = 72;
@@ -125,16 +126,16 @@ impl RawPose {
     /// Quantises a pose in metres. A pose that is not finite, or whose rotation is near zero, becomes
     /// the default pose, which the core ignores.
     #[must_use]
-    pub fn quantise(position: Vec3, rotation: Quat) -> Self {
+    pub fn quantise(position_metres: Vec3, rotation: Quat) -> Self {
         let usable = rotation.is_finite() && rotation.length_squared() > 1e-6;
-        if !usable || !position.is_finite() {
+        if !usable || !position_metres.is_finite() {
             return Self::default();
         }
         let rotation = rotation.normalize();
         let metres = |v: f32| libm::roundf(v * UNITS_PER_METRE as f32) as i32;
         let part = |v: f32| libm::roundf(v * f32::from(i16::MAX)) as i16;
         RawPose {
-            position: position.to_array().map(metres),
+            position: position_metres.to_array().map(metres),
             rotation: rotation.to_array().map(part),
         }
     }
@@ -142,7 +143,7 @@ impl RawPose {
     /// Position in metres, clamped to 16 m along each axis, and unit rotation. `None` where the
     /// rotation is near zero.
     #[must_use]
-    pub fn to_metres(&self) -> Option<(Vec3, Quat)> {
+    pub fn to_metres(&self) -> Option<RoomPose> {
         let far = 16 * UNITS_PER_METRE;
         let position = self.position.map(|v| v.clamp(-far, far) as f32 / UNITS_PER_METRE as f32);
         let q = Quat::from_array(self.rotation.map(f32::from));

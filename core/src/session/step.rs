@@ -5,9 +5,9 @@ use crate::edit::islands::IslandSearch;
 use crate::edit::operation::{Edit, EditOperation, EditReport, apply_edit};
 use crate::edit::pose::Pose;
 use crate::edit::undo::UndoHistory;
-use crate::limits::island_row_visits;
+use crate::limits::island_row_visits_per_tick;
 use crate::session::events::WorldEvent;
-use crate::session::hand::{HandEdges, haptic_level};
+use crate::session::hand::{HandPresses, haptic_amplitude};
 use crate::session::input::{PointerCommand, SessionMode, TICK_RATE, TickInput, buttons, commands};
 use crate::session::start_volumes::StartVolumes;
 use crate::session::state::{SessionState, WorldState};
@@ -17,14 +17,21 @@ use crate::session::world::World;
 use crate::volume::dirty::DirtyRects;
 use crate::volume::editable::Volume;
 use crate::volume::journal::Journal;
-use crate::volume::range_maps::{Axis, Column};
+use crate::volume::range_maps::{Axis, Column, RowAddress};
 use crate::volume::size::{Grid, Size};
+
+/// What the commands of a tick did.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) struct CommandEffects {
+    /// Whether undo or redo changed the volume.
+    pub(crate) volume_rewound: bool,
+}
 
 /// The work done for one hand in a tick.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub(crate) struct StepCost {
     /// Steps that the bit moved, as counted by the path traversal.
-    pub(crate) walk_steps: u32,
+    pub(crate) bit_steps: u32,
     /// Convex pieces of the brush that was applied.
     pub(crate) brush_pieces: u32,
 }
@@ -32,7 +39,7 @@ pub(crate) struct StepCost {
 impl StepCost {
     /// The cost in steps; a brush piece counts as one step.
     pub(crate) const fn total_steps(self) -> u32 {
-        self.walk_steps + self.brush_pieces
+        self.bit_steps + self.brush_pieces
     }
 }
 
@@ -89,16 +96,20 @@ where
     }
 
     /// Runs the commands of shells and buttons: undo, redo, symmetry and finish. Undo together with
-    /// redo does neither. Returns whether undo or redo changed the volume.
-    pub(crate) fn apply_commands(&mut self, input: &TickInput, edges: [HandEdges; 2]) -> bool {
-        let pressed = edges[0].pressed | edges[1].pressed;
+    /// redo does neither.
+    pub(crate) fn apply_commands(
+        &mut self,
+        input: &TickInput,
+        presses: [HandPresses; 2],
+    ) -> CommandEffects {
+        let pressed = presses[0].buttons | presses[1].buttons;
         let asked =
             |command: u8, button: u8| input.commands & command != 0 || pressed & button != 0;
         let undo = asked(commands::UNDO, buttons::LOWER);
         let redo = asked(commands::REDO, buttons::UPPER);
         let rewound = match (undo, redo) {
-            (true, false) => self.step_history(WorldEvent::Undone, UndoHistory::undo),
-            (false, true) => self.step_history(WorldEvent::Redone, UndoHistory::redo),
+            (true, false) => self.try_undo_or_redo(WorldEvent::Undone, UndoHistory::undo),
+            (false, true) => self.try_undo_or_redo(WorldEvent::Redone, UndoHistory::redo),
             _ => false,
         };
         if asked(commands::SYMMETRY, buttons::STICK) {
@@ -107,29 +118,29 @@ where
         }
         if input.commands & commands::FINISH != 0 {
             self.state.session = SessionState::Finished;
-            self.islands.abort_pass();
+            self.islands.cancel_passes();
             self.push_event(WorldEvent::Finished);
         }
-        rewound
+        CommandEffects { volume_rewound: rewound }
     }
 
     /// Undoes or redoes one stroke, which ends a running island pass without a new one. Returns whether
     /// there was such a stroke.
-    fn step_history(
+    fn try_undo_or_redo(
         &mut self,
         event: WorldEvent,
-        swap: fn(&mut UndoHistory<N>, &mut Volume<N>, &mut DirtyRects) -> bool,
+        undo_or_redo: fn(&mut UndoHistory<N>, &mut Volume<N>, &mut DirtyRects) -> bool,
     ) -> bool {
-        let rewound = swap(&mut self.undo, &mut self.volume, &mut self.dirty);
+        let rewound = undo_or_redo(&mut self.undo, &mut self.volume, &mut self.dirty);
         if rewound {
-            self.islands.abort_pass();
+            self.islands.cancel_passes();
             self.push_event(event);
         }
         rewound
     }
 
     /// Takes or returns an item for a pointer. [`World::turn_stool`] handles its turns.
-    pub(crate) fn apply_pointer(&mut self, pointer: PointerCommand) {
+    pub(crate) fn apply_pointer_command(&mut self, pointer: PointerCommand) {
         match pointer {
             PointerCommand::Take { hand, item } => {
                 if let Some(item) = BenchItem::from_number(item.into()) {
@@ -139,7 +150,7 @@ where
             PointerCommand::Return { hand } => {
                 let hand = usize::from(hand & 1);
                 if let Some(tool) = self.state.bench.return_tool(hand) {
-                    self.state.hands[hand].forget_bit();
+                    self.state.hands[hand].invalidate_bit_pose();
                     self.push_event(WorldEvent::Returned { hand: hand as u8, tool });
                 }
             }
@@ -148,8 +159,8 @@ where
     }
 
     /// On the edge of a squeeze: takes the nearest item in reach, else releases the held tool.
-    pub(crate) fn grab_or_release(&mut self, hand: usize, edges: HandEdges) {
-        if !edges.squeezed {
+    pub(crate) fn grab_or_release(&mut self, hand: usize, presses: HandPresses) {
+        if !presses.squeezed {
             return;
         }
         let state = self.state.hands[hand];
@@ -161,27 +172,32 @@ where
         let tip = tip.unwrap_or(state.grip.0);
         if let Some(item) = self.state.bench.nearest_in_reach(hand, state.grip.0, tip) {
             self.take_item(hand, item);
-        } else if let Some(tool) = self.state.bench.release_tool(hand, state.grip.0, state.grip.1) {
-            self.state.hands[hand].forget_bit();
+        } else if let Some(tool) = self.state.bench.release_tool(hand, state.grip) {
+            self.state.hands[hand].invalidate_bit_pose();
             self.push_event(WorldEvent::Released { hand: hand as u8, tool });
         }
     }
 
     fn take_item(&mut self, hand: usize, item: BenchItem) {
         let other = self.state.bench.held_tool(1 - hand);
-        if self.state.bench.take_item(hand, item) {
-            self.state.hands[hand].forget_bit();
+        if self.state.bench.try_take_item(hand, item) {
+            self.state.hands[hand].invalidate_bit_pose();
             if self.state.bench.held_tool(1 - hand) != other {
-                self.state.hands[1 - hand].forget_bit();
+                self.state.hands[1 - hand].invalidate_bit_pose();
             }
             self.push_event(WorldEvent::Took { hand: hand as u8, item });
         }
     }
 
     /// Moves the bit of a held tool with its hand, as far as the volume lets it, and applies the edit if
-    /// the tool is running. `max_steps` limits the path traversal. Nothing happens without a tool, without
-    /// tracking, or outside a sculpting session.
-    pub(crate) fn step_tool(&mut self, hand: usize, edges: HandEdges, max_steps: u32) -> StepCost {
+    /// the tool is running. `max_bit_steps` limits the path traversal. Nothing happens without a tool,
+    /// without tracking, or outside a sculpting session.
+    pub(crate) fn step_tool(
+        &mut self,
+        hand: usize,
+        presses: HandPresses,
+        max_bit_steps: u32,
+    ) -> StepCost {
         let Some((tool, bit)) = self.held_tool(hand) else {
             return StepCost::default();
         };
@@ -192,14 +208,14 @@ where
 
         // The wanted pose, and the allowed pose that contact gives for it.
         let frame = self.stool_frame();
-        let grid_bit = bit.on_grid(frame.voxel_metres() * 1e6);
+        let grid_bit = bit.to_grid_bit(frame.voxel_metres() * 1e6);
         let (position, rotation) = state.tip_pose(metres_from_um(tool.length_um()));
         let raw = frame.to_grid(position, rotation);
         let last = if state.has_frozen_pose { state.frozen_pose } else { raw };
         let mask = self.state.masked.then_some(&self.mask);
         let obstacle = Obstacle { rows: self.volume.rows(), mask };
-        let FreezeResult { pose: frozen, steps: walk_steps, .. } =
-            obstacle.freeze_bit(&grid_bit, &last, &raw, max_steps);
+        let FreezeResult { pose: frozen, steps: bit_steps, .. } =
+            obstacle.freeze_bit(&grid_bit, &last, &raw, max_bit_steps);
         let contact = obstacle.contact_at(&grid_bit, &frozen);
 
         // Haptics follow the speed of the hand, not that of the bit.
@@ -209,7 +225,7 @@ where
         };
         let speed_um = (moved_voxels * frame.voxel_metres() * 1e6).min(1e6) as u32;
         let (running, ticks) = (state.trigger, state.trigger_ticks);
-        state.haptic = haptic_level(bit.spec(), &contact, running, ticks, speed_um);
+        state.haptic = haptic_amplitude(bit.spec(), &contact, running, ticks, speed_um);
 
         let sweep_start = if state.can_sweep { last } else { frozen };
         let is_new_bit = !state.has_frozen_pose;
@@ -219,21 +235,27 @@ where
         self.contacts[hand] = contact;
         self.has_contact[hand] = true;
 
-        if edges.pulled || running && is_new_bit {
+        if presses.pulled || running && is_new_bit {
             self.undo.begin_stroke();
         }
         let mut brush_pieces = 0;
         if running && ticks.is_multiple_of(u16::from(bit.spec().bite_period)) {
-            brush_pieces = self.edit_along_path(hand, bit, &sweep_start, &frozen);
+            brush_pieces = self.edit_along_path_counting_pieces(hand, bit, &sweep_start, &frozen);
         }
-        StepCost { walk_steps, brush_pieces }
+        StepCost { bit_steps, brush_pieces }
     }
 
     /// Applies a bit's edit along its path between two poses in the grid. Returns the number of convex
     /// pieces in the brush.
-    fn edit_along_path(&mut self, hand: usize, bit: ToolBit, from: &Pose, to: &Pose) -> u32 {
-        let grid_bit = bit.on_grid(self.stool_frame().voxel_metres() * 1e6);
-        let depth = grid_bit.shell_depth();
+    fn edit_along_path_counting_pieces(
+        &mut self,
+        hand: usize,
+        bit: ToolBit,
+        from: &Pose,
+        to: &Pose,
+    ) -> u32 {
+        let grid_bit = bit.to_grid_bit(self.stool_frame().voxel_metres() * 1e6);
+        let depth = grid_bit.shell_depth_voxels();
         let operation = match bit.spec().action {
             BitAction::Carve => EditOperation::Carve { depth },
             BitAction::Fill => EditOperation::Fill { depth },
@@ -271,7 +293,7 @@ where
         let report = self.islands.advance_pass(
             &mut self.volume,
             &self.mask,
-            island_row_visits(N),
+            island_row_visits_per_tick(N),
             &mut journal,
         );
         self.dirty.end_edit();
@@ -325,13 +347,13 @@ where
         axis: Axis,
         line: usize,
         places: <Grid<N> as Size>::Row,
-        old: &[Column; N],
+        old_columns: &[Column; N],
     ) {
-        self.undo.amend_newest(axis, line, places, old);
+        self.undo.record_into_newest_entry(axis, line, places, old_columns);
         self.dirty.mark_columns(axis, line, places);
     }
 
-    fn record_added(&mut self, _: (usize, usize), _: <Grid<N> as Size>::Row) {}
+    fn record_added(&mut self, _: RowAddress, _: <Grid<N> as Size>::Row) {}
 }
 
 impl<const N: usize> Journal<N> for StrokeJournal<'_, N>
@@ -343,14 +365,14 @@ where
         axis: Axis,
         line: usize,
         places: <Grid<N> as Size>::Row,
-        old: &[Column; N],
+        old_columns: &[Column; N],
     ) {
-        self.undo.record_columns(axis, line, places, old);
+        self.undo.record_columns(axis, line, places, old_columns);
         self.dirty.mark_columns(axis, line, places);
     }
 
-    fn record_added(&mut self, row: (usize, usize), voxels: <Grid<N> as Size>::Row) {
-        self.islands.add_voxels(row, voxels);
+    fn record_added(&mut self, row: RowAddress, voxels: <Grid<N> as Size>::Row) {
+        self.islands.mark_added_as_reached(row, voxels);
     }
 }
 

@@ -3,6 +3,7 @@
 use glam::{Quat, Vec3};
 
 use crate::edit::pose::Pose;
+use crate::session::hand::RoomPose;
 
 /// Side of the sculpture's box, in metres.
 pub const BOX_SIDE: f32 = 0.45;
@@ -20,15 +21,14 @@ pub struct StoolFrame {
 }
 
 impl StoolFrame {
-    /// The frame of a grid of `side`^3 voxels. `turn` is in 65,536ths of a turn, counter-clockwise as
-    /// seen from above.
+    /// The frame of a grid of `grid_side`^3 voxels. The turn is counter-clockwise as seen from above.
     #[must_use]
-    pub fn new(turn: u16, side: usize) -> Self {
-        let radians = f32::from(turn) * (core::f32::consts::TAU / 65_536.0);
+    pub fn new(turn_65536ths: u16, grid_side: usize) -> Self {
+        let radians = f32::from(turn_65536ths) * (core::f32::consts::TAU / 65_536.0);
         StoolFrame {
             rotation: Quat::from_rotation_y(radians),
-            voxel_metres: BOX_SIDE / side as f32,
-            half_side: side as f32 / 2.0,
+            voxel_metres: BOX_SIDE / grid_side as f32,
+            half_side: grid_side as f32 / 2.0,
         }
     }
 
@@ -40,9 +40,9 @@ impl StoolFrame {
 
     /// Transforms a pose from the room (metres) to the grid (voxels).
     #[must_use]
-    pub fn to_grid(&self, position: Vec3, rotation: Quat) -> Pose {
+    pub fn to_grid(&self, position_metres: Vec3, rotation: Quat) -> Pose {
         let to_stool = self.rotation.conjugate();
-        let from_top = to_stool * (position - STOOL_TOP) / self.voxel_metres;
+        let from_top = to_stool * (position_metres - STOOL_TOP) / self.voxel_metres;
         Pose {
             position: from_top + Vec3::new(self.half_side, 0.0, self.half_side),
             rotation: (to_stool * rotation).normalize(),
@@ -51,7 +51,7 @@ impl StoolFrame {
 
     /// Transforms a pose from the grid (voxels) to the room (metres).
     #[must_use]
-    pub fn to_room(&self, pose: &Pose) -> (Vec3, Quat) {
+    pub fn to_room(&self, pose: &Pose) -> RoomPose {
         let from_top =
             (pose.position - Vec3::new(self.half_side, 0.0, self.half_side)) * self.voxel_metres;
         (self.rotation * from_top + STOOL_TOP, (self.rotation * pose.rotation).normalize())

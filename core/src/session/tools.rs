@@ -146,7 +146,7 @@ impl ToolBit {
 
     /// The bit in fixed-point grid units, for voxels of side `voxel_um` in micrometres.
     #[must_use]
-    pub fn on_grid(self, voxel_um: f32) -> GridBit {
+    pub fn to_grid_bit(self, voxel_um: f32) -> GridBit {
         let fixed =
             |length: i32| libm::roundf(length as f32 * SUBUNITS_PER_VOXEL as f32 / voxel_um) as i32;
         let data = self.spec();
@@ -160,30 +160,35 @@ impl ToolBit {
 
 const fn ball_spec(
     name: &'static str,
-    radius: i32,
-    bite: i32,
-    train: &'static [u8],
+    radius_um: i32,
+    bite_um: i32,
+    haptic_train: &'static [u8],
 ) -> ToolBitSpec {
-    let shape = BitShape::Ball { radius };
+    let shape = BitShape::Ball { radius: radius_um };
     ToolBitSpec {
         name,
         tool: Tool::Rotary,
         action: BitAction::Carve,
         shape,
-        bite_um: bite,
+        bite_um,
         bite_period: 1,
-        haptic_train: train,
+        haptic_train,
     }
 }
 
-const fn box_spec(name: &'static str, tool: Tool, half: [i32; 3], bite: i32) -> ToolBitSpec {
-    let shape = BitShape::Box { half };
+const fn box_spec(
+    name: &'static str,
+    tool: Tool,
+    half_extents_um: [i32; 3],
+    bite_um: i32,
+) -> ToolBitSpec {
+    let shape = BitShape::Box { half: half_extents_um };
     ToolBitSpec {
         name,
         tool,
         action: BitAction::Carve,
         shape,
-        bite_um: bite,
+        bite_um,
         bite_period: 1,
         haptic_train: &[200, 160],
     }

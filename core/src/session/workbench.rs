@@ -4,6 +4,7 @@ use glam::{Quat, Vec3};
 
 use crate::codec::bytes::{BadBytes, ByteReader, ByteWriter};
 use crate::codec::vectors::{QUAT_BYTES, VEC3_BYTES, read_quat, read_vec3, write_quat, write_vec3};
+use crate::session::hand::RoomPose;
 use crate::session::input::TICK_RATE;
 use crate::session::tools::{Tool, ToolBit};
 
@@ -122,7 +123,7 @@ impl Workbench {
 
     /// An item's pose in the room, in metres; `None` for one in a hand or on a tool.
     #[must_use]
-    pub fn pose_of(&self, item: BenchItem) -> Option<(Vec3, Quat)> {
+    pub fn pose_of(&self, item: BenchItem) -> Option<RoomPose> {
         let thing = self.items.get(item.number())?;
         match thing.place {
             ToolPlace::Home => Some((item.home_position(), Quat::IDENTITY)),
@@ -157,7 +158,7 @@ impl Workbench {
 
     /// Puts a tool into a hand, or mounts a bit on the tool in that hand; what it replaces goes home.
     /// Returns whether anything changed.
-    pub(crate) fn take_item(&mut self, hand: usize, item: BenchItem) -> bool {
+    pub(crate) fn try_take_item(&mut self, hand: usize, item: BenchItem) -> bool {
         match item {
             BenchItem::Tool(tool) => {
                 let held = self.held_tool(hand);
@@ -186,8 +187,7 @@ impl Workbench {
     pub(crate) fn release_tool(
         &mut self,
         hand: usize,
-        position: Vec3,
-        rotation: Quat,
+        (position, rotation): RoomPose,
     ) -> Option<Tool> {
         let tool = self.held_tool(hand)?;
         let item = BenchItem::Tool(tool);
@@ -209,7 +209,7 @@ impl Workbench {
         for thing in &mut self.items {
             thing.place = match thing.place {
                 ToolPlace::Falling(ticks) => {
-                    let rest = rest_height(thing.position);
+                    let rest = rest_height_metres(thing.position);
                     thing.position.y -= GRAVITY * (f32::from(ticks) + 0.5);
                     if thing.position.y <= rest || ticks > 1000 {
                         thing.position.y = rest;
@@ -280,8 +280,8 @@ pub const BENCH_TOP: f32 = 0.86;
 /// Acceleration of gravity, in metres per tick squared.
 const GRAVITY: f32 = 9.81 / (TICK_RATE * TICK_RATE) as f32;
 
-/// The height at which an item dropped at this position comes to rest, in metres.
-fn rest_height(position: Vec3) -> f32 {
+/// The height at which an item dropped at this position comes to rest.
+fn rest_height_metres(position: Vec3) -> f32 {
     let above = (0.3..0.9).contains(&position.x)
         && (-0.8..0.2).contains(&position.z)
         && position.y >= BENCH_TOP;

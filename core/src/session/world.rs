@@ -11,9 +11,9 @@ use crate::edit::contact::Contact;
 use crate::edit::islands::IslandSearch;
 use crate::edit::operation::EditScratch;
 use crate::edit::pose::Pose;
-use crate::edit::undo::UndoHistory;
+use crate::edit::undo::{UndoCounts, UndoHistory};
 use crate::limits::{
-    HAND_STEPS_BESIDE_ISLANDS, MAX_EVENTS, max_walk_steps, max_walk_steps_with_undo,
+    HAND_STEPS_BESIDE_ISLANDS, MAX_EVENTS, max_bit_steps_in_undo_tick, max_bit_steps_per_tick,
 };
 use crate::session::events::WorldEvent;
 use crate::session::hand::HandState;
@@ -92,20 +92,21 @@ where
         if let Some((position, rotation)) = input.head.to_metres() {
             self.state.head = (position, rotation);
         }
-        let edges = [0, 1].map(|hand| self.state.hands[hand].apply_input(&input.hands[hand]));
+        let presses = [0, 1].map(|hand| self.state.hands[hand].apply_input(&input.hands[hand]));
         if self.state.session == SessionState::Sculpting {
             self.turn_stool(input);
-            let rewound = self.apply_commands(input, edges);
-            self.apply_pointer(input.pointer);
-            for (hand, edges) in edges.into_iter().enumerate() {
-                self.grab_or_release(hand, edges);
+            let rewound = self.apply_commands(input, presses).volume_rewound;
+            self.apply_pointer_command(input.pointer);
+            for (hand, presses) in presses.into_iter().enumerate() {
+                self.grab_or_release(hand, presses);
             }
             // Rebuilding the rows after undo or redo takes most of a tick, and so do long paths of
             // bits: the island search then waits for the next tick.
-            let max_steps = if rewound { max_walk_steps_with_undo(N) } else { max_walk_steps(N) };
+            let max_steps =
+                if rewound { max_bit_steps_in_undo_tick(N) } else { max_bit_steps_per_tick(N) };
             let mut cost = 0;
-            for (hand, edges) in edges.into_iter().enumerate() {
-                cost += self.step_tool(hand, edges, max_steps).total_steps();
+            for (hand, presses) in presses.into_iter().enumerate() {
+                cost += self.step_tool(hand, presses, max_steps).total_steps();
             }
             if !rewound && cost <= HAND_STEPS_BESIDE_ISLANDS {
                 self.advance_island_search();
@@ -163,10 +164,10 @@ where
         &self.dirty
     }
 
-    /// The number of strokes that can be undone, and redone.
+    /// The numbers of strokes that can be undone and redone.
     #[must_use]
-    pub fn undo_counts(&self) -> (usize, usize) {
-        self.undo.undo_redo_counts()
+    pub fn undo_counts(&self) -> UndoCounts {
+        self.undo.undo_counts()
     }
 
     /// The transform between the room and the grid on its stool.

@@ -55,7 +55,7 @@ where
     /// Words `first_word..first_word + WORDS` of every row.
     #[must_use]
     #[inline]
-    pub(crate) const fn strip<const WORDS: usize>(
+    pub(crate) const fn row_strip<const WORDS: usize>(
         &self,
         first_word: usize,
     ) -> RowStrip<'_, N, WORDS> {
@@ -94,15 +94,15 @@ where
     /// first voxel and just past its last; a prefix exclusive-or along the columns turns the toggles
     /// into occupancy, all columns of a line at a time.
     pub fn set_from_maps(&mut self, maps: &RangeMaps<N>) {
-        let mut ends = [<Grid<N> as Size>::Row::EMPTY; 257];
+        let mut toggles = [<Grid<N> as Size>::Row::EMPTY; 257];
         for (y, layer) in self.rows.iter_mut().enumerate() {
-            visit_cross_sections::<N>(maps.line(Axis::Z, y), &mut ends, |z, section| {
-                layer[z] = section;
+            visit_cross_sections::<N>(maps.line(Axis::Z, y), &mut toggles, |section| {
+                layer[section.position] = section.places;
             });
         }
         for z in 0..N {
-            visit_cross_sections::<N>(maps.line(Axis::Y, z), &mut ends, |y, section| {
-                self.rows[y][z] &= section;
+            visit_cross_sections::<N>(maps.line(Axis::Y, z), &mut toggles, |section| {
+                self.rows[section.position][z] &= section.places;
             });
         }
         for (y, layer) in self.rows.iter_mut().enumerate() {
@@ -126,30 +126,30 @@ where
         }
     }
 
-    /// Writes the hulls of a line of N columns along `axis`. `row(i)` holds voxel `i` of each of these
-    /// columns.
+    /// Writes the hulls of a line of N columns along `axis`. `row_at(i)` holds voxel `i` of each of
+    /// these columns.
     fn write_hull_line(
         maps: &mut RangeMaps<N>,
         axis: Axis,
         line: usize,
-        row: impl Fn(usize) -> <Grid<N> as Size>::Row,
+        row_at: impl Fn(usize) -> <Grid<N> as Size>::Row,
     ) {
         let mut first = [0u8; N];
         let mut seen = <Grid<N> as Size>::Row::EMPTY;
         for i in 0..N {
-            for x in (row(i) & !seen).iter_ones() {
+            for x in (row_at(i) & !seen).iter_ones() {
                 first[x] = i as u8;
             }
-            seen |= row(i);
+            seen |= row_at(i);
         }
         for x in (Grid::<N>::FULL & !seen).iter_ones() {
             maps.set_column(axis, (line, x), Column::EMPTY);
         }
         for i in (0..N).rev() {
-            for x in (row(i) & seen).iter_ones() {
+            for x in (row_at(i) & seen).iter_ones() {
                 maps.set_column(axis, (line, x), Column([Range::new(first[x].into(), i)]));
             }
-            seen &= !row(i);
+            seen &= !row_at(i);
         }
     }
 }
@@ -176,13 +176,20 @@ where
     }
 }
 
-/// Calls `visit(i, row)` for each voxel index `i` along a line's columns; the row holds the places of
-/// the columns that contain `i`. `ends` is scratch, empty before and after.
+/// The voxels of a line's columns at one position along them.
+struct CrossSection<R> {
+    position: usize,
+    /// The places of the columns that contain this position.
+    places: R,
+}
+
+/// Visits the cross sections of a line's columns at all positions, in ascending order. `toggles` is
+/// scratch, empty before and after.
 #[inline]
 fn visit_cross_sections<const N: usize>(
     line: &[Column; N],
-    ends: &mut [<Grid<N> as Size>::Row; 257],
-    mut visit: impl FnMut(usize, <Grid<N> as Size>::Row),
+    toggles: &mut [<Grid<N> as Size>::Row; 257],
+    mut visit: impl FnMut(CrossSection<<Grid<N> as Size>::Row>),
 ) where
     Grid<N>: Size,
 {
@@ -194,16 +201,16 @@ fn visit_cross_sections<const N: usize>(
             for range in column.0 {
                 let end = range.last() + 1;
                 // An empty range begins at 255, behind its end: toggled twice there, it is none.
-                for place in [range.first().min(end), end] {
-                    ends[place].toggle(64 * word + i);
+                for position in [range.first().min(end), end] {
+                    toggles[position].toggle(64 * word + i);
                 }
             }
         }
     }
-    let mut section = <Grid<N> as Size>::Row::EMPTY;
-    for (at, ends) in ends[..N].iter_mut().enumerate() {
-        section ^= mem::replace(ends, BitSet::EMPTY);
-        visit(at, section);
+    let mut places = <Grid<N> as Size>::Row::EMPTY;
+    for (position, toggled) in toggles[..N].iter_mut().enumerate() {
+        places ^= mem::replace(toggled, BitSet::EMPTY);
+        visit(CrossSection { position, places });
     }
-    ends[N] = BitSet::EMPTY;
+    toggles[N] = BitSet::EMPTY;
 }

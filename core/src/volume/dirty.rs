@@ -104,13 +104,14 @@ impl DirtyRects {
         }
     }
 
-    /// Marks every column of a grid of `side` voxels a side.
-    pub fn mark_all(&mut self, side: usize) {
+    /// Marks every column of a grid of `grid_side` voxels a side.
+    pub fn mark_all(&mut self, grid_side: usize) {
         self.clear();
         for rects in &mut self.rects {
             push_merged(
                 rects,
-                ColumnRect::of_column((0, 0)).union(ColumnRect::of_column((side - 1, side - 1))),
+                ColumnRect::of_column((0, 0))
+                    .union(ColumnRect::of_column((grid_side - 1, grid_side - 1))),
             );
         }
     }
@@ -150,16 +151,27 @@ where
 /// areas of no pair sum to more than the bounds of all, and those of eight to at most four times that.
 fn push_merged(rects: &mut Vec<ColumnRect, MAX_DIRTY_RECTS, u8>, mut rect: ColumnRect) {
     let growth = |a: &ColumnRect, b: ColumnRect| i64::from(a.union(b).area()) - i64::from(a.area());
-    while let Some((i, least)) = least_growth(rects, |r| growth(r, rect)) {
-        if least > i64::from(rect.area()) && !rects.is_full() {
+    while let Some(least) = find_least_growth(rects, |r| growth(r, rect)) {
+        if least.growth > i64::from(rect.area()) && !rects.is_full() {
             break;
         }
-        rect = rect.union(rects.swap_remove(i));
+        rect = rect.union(rects.swap_remove(least.index));
     }
     // Cannot fail: a full list was merged into.
     let _ = rects.push(rect);
 }
 
-fn least_growth(rects: &[ColumnRect], growth: impl Fn(&ColumnRect) -> i64) -> Option<(usize, i64)> {
-    rects.iter().map(growth).enumerate().min_by_key(|&(_, growth)| growth)
+/// The rectangle of a list that would grow least.
+struct LeastGrowth {
+    index: usize,
+    /// Columns that it would gain.
+    growth: i64,
+}
+
+fn find_least_growth(
+    rects: &[ColumnRect],
+    growth: impl Fn(&ColumnRect) -> i64,
+) -> Option<LeastGrowth> {
+    let growths = rects.iter().map(growth).enumerate();
+    growths.map(|(index, growth)| LeastGrowth { index, growth }).min_by_key(|least| least.growth)
 }

@@ -36,10 +36,10 @@ where
         self.rebuild_from_maps();
     }
 
-    /// Becomes the closure of the voxels that `fill` sets in an empty grid.
-    pub fn set_voxels(&mut self, fill: impl FnOnce(&mut BitGrid<N>)) {
+    /// Becomes the closure of the voxels that `fill_empty` sets in an empty grid.
+    pub fn set_voxels(&mut self, fill_empty: impl FnOnce(&mut BitGrid<N>)) {
         self.rows.clear();
-        fill(&mut self.rows);
+        fill_empty(&mut self.rows);
         self.rows.write_hulls(&mut self.maps);
         self.rebuild_from_maps();
     }
@@ -50,7 +50,7 @@ where
         self.digest = maps_digest(&self.maps);
     }
 
-    /// Rebuilds the bit rows after [`Volume::replace_column_leaving_rows`].
+    /// Rebuilds the bit rows after [`Volume::replace_column_leaving_bit_rows`].
     pub(crate) fn rebuild_rows(&mut self) {
         self.rows.set_from_maps(&self.maps);
     }
@@ -110,7 +110,7 @@ where
     /// Replaces one column without journalling it, and returns the old one. The bit rows are stale
     /// until [`Volume::rebuild_rows`].
     #[inline]
-    pub(crate) fn replace_column_leaving_rows(
+    pub(crate) fn replace_column_leaving_bit_rows(
         &mut self,
         axis: Axis,
         at: ColumnAddress,
@@ -128,7 +128,7 @@ where
     /// Whether every range is tight: both its end voxels are occupied. Always true after an edit; a
     /// check for range maps of unknown origin.
     #[must_use]
-    pub fn is_tight(&self) -> bool {
+    pub fn are_ranges_tight(&self) -> bool {
         Axis::ALL.into_iter().all(|axis| {
             (0..N).all(|line| {
                 self.maps.line(axis, line).iter().enumerate().all(|(place, column)| {

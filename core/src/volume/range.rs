@@ -95,12 +95,13 @@ impl Range {
         [self.not_first, self.last]
     }
 
-    /// The inverse of [`Range::to_bytes`]. `None` for bytes that no range in a grid of `side` voxels a
-    /// side has: an end outside the grid, or an empty range that isn't two zero bytes.
+    /// The inverse of [`Range::to_bytes`]. `None` for bytes that no range in a grid of `grid_side` voxels
+    /// a side has: an end outside the grid, or an empty range that isn't two zero bytes.
     #[must_use]
-    pub fn from_bytes([not_first, last]: [u8; 2], side: usize) -> Option<Self> {
+    pub fn from_bytes([not_first, last]: [u8; 2], grid_side: usize) -> Option<Self> {
         let range = Range { not_first, last };
-        let valid = range == Self::EMPTY || (range.first() <= range.last() && range.last() < side);
+        let valid =
+            range == Self::EMPTY || (range.first() <= range.last() && range.last() < grid_side);
         valid.then_some(range)
     }
 }

@@ -86,6 +86,15 @@ impl<const LAYERS: usize> Column<LAYERS> {
     }
 }
 
+/// Places of columns that reach beyond an interval; see [`RangeMaps::columns_beyond`].
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct ColumnsBeyond<R> {
+    /// Columns that begin below its first voxel.
+    pub below_first: R,
+    /// Columns that end above its last.
+    pub above_last: R,
+}
+
 /// The three range maps of a grid of N^3 voxels: 3 x N x N columns, in the order of
 /// [`Axis::column_address`]. All zero bytes are the empty volume.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -222,36 +231,36 @@ where
         row
     }
 
-    /// Of the columns of a line at the places in `columns`, those that begin below `first`, and those
-    /// that end above `last`.
+    /// Of the columns of a line at `places`, those that begin below `first`, and those that end above
+    /// `last`.
     #[must_use]
     #[inline]
     pub fn columns_beyond(
         &self,
         axis: Axis,
         line: usize,
-        columns: <Grid<N> as Size>::Row,
+        places: <Grid<N> as Size>::Row,
         first: usize,
         last: usize,
-    ) -> (<Grid<N> as Size>::Row, <Grid<N> as Size>::Row) {
+    ) -> ColumnsBeyond<<Grid<N> as Size>::Row> {
         // Added to a byte in a 16-bit lane, sets the lane's top bit where the byte is at least `least`.
         let at_least = |least: usize| ONE_IN_EACH_16 * (0x8000 - least as u64);
         let (from, to) = (at_least(256 - first), at_least(last + 1));
-        let (mut below, mut above) = (columns, columns);
+        let (mut below, mut above) = (places, places);
         for (i, line) in self.line(axis, line).chunks(64).enumerate() {
             let (mut lo, mut hi) = (0, 0);
             for (k, four) in line.as_chunks::<4>().0.iter().enumerate() {
-                if columns.word(i) >> (4 * k) & 15 == 0 {
+                if places.word(i) >> (4 * k) & 15 == 0 {
                     continue;
                 }
                 let bytes = pack_four_columns(four);
                 lo |= gather_top_bits((bytes & (0xff * ONE_IN_EACH_16)) + from) << (4 * k);
                 hi |= gather_top_bits((bytes >> 8 & (0xff * ONE_IN_EACH_16)) + to) << (4 * k);
             }
-            below.set_word(i, columns.word(i) & lo);
-            above.set_word(i, columns.word(i) & hi);
+            below.set_word(i, places.word(i) & lo);
+            above.set_word(i, places.word(i) & hi);
         }
-        (below, above)
+        ColumnsBeyond { below_first: below, above_last: above }
     }
 }
 

@@ -91,9 +91,10 @@ pub trait BitSet:
     /// Every bit moved one place down (towards -x).
     #[must_use]
     fn shifted_down(self) -> Self;
-    /// The mirror image of a row of `side` voxels: bit i of the result is bit `side - 1 - i`.
+    /// The mirror image of a row of `grid_side` voxels: bit i of the result is bit
+    /// `grid_side - 1 - i`.
     #[must_use]
-    fn mirrored(self, side: usize) -> Self;
+    fn mirrored(self, grid_side: usize) -> Self;
     /// Flood fill along the row: the maximal runs of `self` that contain at least one bit of `seeds`.
     #[must_use]
     fn flood_from(self, seeds: Self) -> Self;
@@ -265,14 +266,14 @@ impl<const W: usize> BitSet for BitRow<W> {
     }
 
     #[inline]
-    fn mirrored(self, side: usize) -> Self {
+    fn mirrored(self, grid_side: usize) -> Self {
         let mut words = [0; W];
         for (i, word) in words.iter_mut().enumerate() {
             *word = self.0[W - 1 - i].reverse_bits();
         }
         // Fewer than 64 voxels sit in the low bits of one word, and come out in its high bits.
-        if side < 64 {
-            words[0] >>= 64 - side;
+        if grid_side < 64 {
+            words[0] >>= 64 - grid_side;
         }
         BitRow(words)
     }

@@ -7,7 +7,7 @@
 use std::hint::black_box;
 use std::path::Path;
 
-use paros_core::limits::island_row_visits;
+use paros_core::limits::island_row_visits_per_tick;
 use paros_core::{DirtyRects, Grid, RangeMaps, Size};
 use paros_headless::Error;
 use paros_shaders::field::{Budget, DensityField};
@@ -151,7 +151,7 @@ where
     let mut removed = 0;
     while fixture.islands.is_busy() {
         fixture.dirty.clear();
-        removed += advance_pass(fixture, island_row_visits(N)).map_or(0, |report| report.removed);
+        removed += advance_pass(fixture, island_row_visits_per_tick(N)).map_or(0, |report| report.removed);
         follower.play_frame(FieldChange::Fall, Some((fixture.volume.maps(), &fixture.dirty)));
     }
     follower.play_until_settled(FieldChange::Fall);

@@ -1,7 +1,7 @@
 //! `bench islands`: a whole pass over the bit rows against the paper's queue of voxels.
 
 use paros_core::internals::RemovalJournal;
-use paros_core::limits::island_row_visits;
+use paros_core::limits::island_row_visits_per_tick;
 use paros_core::{BitGrid, BitSet, Grid, IslandReport, RangeMaps, Size};
 use paros_headless::Error;
 
@@ -127,7 +127,7 @@ where
     let fixture = std::cell::RefCell::new(fixture);
     let ticks = min_of_each_tick_ms(
         runs,
-        || our_ticks_ms(&mut fixture.borrow_mut(), island_row_visits(N)),
+        || our_ticks_ms(&mut fixture.borrow_mut(), island_row_visits_per_tick(N)),
         || {
             let fixture = &mut **fixture.borrow_mut();
             fixture.other.copy_from(&fixture.start);

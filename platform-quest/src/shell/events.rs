@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use openxr as xr;
-use paros_core::{Grid, Size};
+use paros_core::{Grid, Size, UndoCounts};
 use paros_shell::headset::device_health::ThermalState;
 use paros_shell::headset::visit::VisitorChange;
 use paros_shell::statics::Resident;
@@ -119,7 +119,7 @@ where
             SessionPhase::Visible => "seen",
             _ => "unseen",
         };
-        let (undo, redo) = world.undo_counts();
+        let UndoCounts { undoable: undo, redoable: redo } = world.undo_counts();
         let mut out = io::stdout().lock();
         // Nobody may be listening there.
         let _ = writeln!(

@@ -20,7 +20,7 @@ where
     let mut dense = DenseVolume::empty(N);
     for y in 0..N {
         let mut layer = vec![<Grid<N> as Size>::Row::EMPTY; N];
-        pieces.for_each_span(y, N, |z, (lo, hi)| layer[z] |= BitSet::span(lo, hi));
+        pieces.visit_layer_rows(y, N, |row| layer[row.z] |= row.x_range.to_row());
         for (z, row) in layer.into_iter().enumerate() {
             assert_eq!(row, brush.row_bits::<N>(y, z), "row {y}, {z}");
             row.iter_ones().for_each(|x| dense.set([x as i32, y as i32, z as i32], true));
@@ -140,7 +140,8 @@ proptest! {
     fn a_moved_box_is_its_points(half in any_half_extents(16), start in any_point(16), pose in any_pose(16)) {
         let start = Pose { position: start.as_vec3() / SUBUNITS_PER_VOXEL as f32, rotation: pose.rotation };
         let rows = voxels_by_rows::<16>(&Brush::swept_box(half, &start, &pose));
-        let wrong = symmetric_difference(&rows, &swept_box_voxels(16, half, &pose, start.fixed_position()));
+        let model = swept_box_voxels(16, half, &pose, start.position_subunits());
+        let wrong = symmetric_difference(&rows, &model);
         prop_assert!(wrong.is_empty(), "{:?}", wrong);
         for end in [&start, &pose] {
             prop_assert!(box_voxels(16, half, end).is_within(&rows));
@@ -160,7 +161,7 @@ proptest! {
         // Between its ends the box turns by less than a voxel at its corners from some piece's, so
         // the box with that much taken off all round lies inside.
         let corner = half.as_vec3().length() / SUBUNITS_PER_VOXEL as f32;
-        let turn = corner * from.angle_to(&to);
+        let turn = corner * from.angle_radians_to(&to);
         if turn < 90.0 && half.min_element() > 2 * SUBUNITS_PER_VOXEL && from.position.length().max(to.position.length()) < 100.0 {
             for t in times {
                 let core = box_voxels(16, half - IVec3::splat(SUBUNITS_PER_VOXEL + 8), &from.interpolate(&to, t));
@@ -280,7 +281,7 @@ fn awkward_numbers_do_not_panic() {
         for to in poses.iter().skip(i % 7).step_by(7) {
             let l = |k: usize| lengths[(i + k) % lengths.len()];
             ask(&Brush::swept_box(IVec3::new(l(0), l(1), l(3)), from, to));
-            ask(&Brush::capsule(IVec3::new(l(2), l(5), l(1)), to.fixed_position(), l(4)));
+            ask(&Brush::capsule(IVec3::new(l(2), l(5), l(1)), to.position_subunits(), l(4)));
         }
         ask(&Brush::oriented_box(IVec3::splat(lengths[i % 8]), from));
     }

@@ -219,13 +219,13 @@ fn assert_no_sweep(
     before: &DenseVolume,
     what: &str,
 ) {
-    let grid = bit.on_grid(harness.world.stool_frame().voxel_metres() * 1e6);
+    let grid = bit.to_grid_bit(harness.world.stool_frame().voxel_metres() * 1e6);
     let piece = grid.piece_at(&harness.world.hand_state(hand).frozen_pose);
     let gone = before.difference(&volume_of(harness));
     assert!(!gone.is_empty(), "{what}: nothing carved");
     for voxel in gone.occupied() {
         let [x, y, z] = voxel.map(|i| i as usize);
-        let is_now = piece.row_span(y, z, 64).is_some_and(|(lo, hi)| (lo..=hi).contains(&x));
+        let is_now = piece.x_range(y, z, 64).is_some_and(|range| range.contains(x));
         assert!(is_now, "{what}: {voxel:?} was swept");
     }
 }

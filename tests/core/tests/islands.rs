@@ -5,7 +5,7 @@
 //! `while_visitors_edit` where nothing else is said):
 //! - `queue_neighbours`: never the row below, or before; `visit_queued_rows`: a row never becomes open, or open
 //!   rows below, or above, are forgotten; `visit_row`: the row itself gives no seeds.
-//! - `add_voxels`: the row, or its neighbours, not queued; the voxels not reached ->
+//! - `mark_added_as_reached`: the row, or its neighbours, not queued; the voxels not reached ->
 //!   `while_visitors_edit`. Voxels reached before queued again -> `one_voxel_for_ever`.
 //! - `open_rows_around`: no look across the border of a word -> `across_words`.
 //! - `begin_pass`: the mask, or the ground, forgotten -> `at_rest`, `mask_holds`.
@@ -16,7 +16,7 @@
 
 use std::sync::Mutex;
 
-use paros_core::limits::island_row_visits;
+use paros_core::limits::island_row_visits_per_tick;
 use paros_core::{BitSet, ByteReader, Grid, IslandReport, Size, Volume};
 use paros_models::dense::{DenseVolume, MaskedVolume, closed_volumes, masked_volumes};
 use paros_models::island_harness::{IslandHarness, RandomEdit, WholePass, barely_joined_volumes};
@@ -91,7 +91,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(3))]
     #[test]
     fn at_rest_128(case in masked_volumes(128)) {
-        check_at_rest(&AT_REST_128, &case, island_row_visits(128))?;
+        check_at_rest(&AT_REST_128, &case, island_row_visits_per_tick(128))?;
     }
 }
 
@@ -167,7 +167,7 @@ fn comb_of_sheets() {
     let mut ticks = 1;
     let report = loop {
         let harness = &mut *harness;
-        let budget = island_row_visits(N);
+        let budget = island_row_visits_per_tick(N);
         if let Some(report) =
             harness.islands.advance_pass(&mut harness.volume, &harness.mask, budget, &mut ())
         {
@@ -177,7 +177,7 @@ fn comb_of_sheets() {
     };
     assert_eq!(report, IslandReport::default());
     assert_eq!(harness.volume.count_voxels(), voxels);
-    let visits = ticks * island_row_visits(N);
+    let visits = ticks * island_row_visits_per_tick(N);
     assert!((900_000..1_300_000).contains(&visits), "{visits} row visits");
 }
 
@@ -230,7 +230,7 @@ fn across_words() {
             (20..N - 20).for_each(|z| plane.row_mut(5, z).insert(10));
         });
         let voxels = harness.volume.count_voxels();
-        let report = harness.run_pass(island_row_visits(N)).unwrap().report;
+        let report = harness.run_pass(island_row_visits_per_tick(N)).unwrap().report;
         assert_eq!((report.removed, harness.volume.count_voxels()), (0, voxels));
     }
 }
@@ -269,7 +269,7 @@ fn the_mask_takes_a_tick() {
         for (mask, ticks) in [(DenseVolume::empty(16), 1), (floor.clone(), 2)] {
             harness.set_volume(&floor, &mask);
             assert_eq!(
-                harness.run_pass(island_row_visits(16)).unwrap().ticks,
+                harness.run_pass(island_row_visits_per_tick(16)).unwrap().ticks,
                 ticks,
                 "{height} high"
             );

@@ -227,7 +227,7 @@ fn aborted() {
     );
     harness.islands.request_pass();
     assert_eq!(harness.advance_checked(5).unwrap(), None);
-    harness.islands.abort_pass();
+    harness.islands.cancel_passes();
     assert_eq!(harness.islands.digest(), idle);
     assert_eq!(harness.islands.recompute_digest(), idle);
     assert_eq!(harness.advance_checked(5).unwrap(), None);

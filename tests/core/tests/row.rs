@@ -137,13 +137,13 @@ fn assert_line_is_column_by_column<const N: usize>(
         line.map(|column| f(column.hull())).collect::<Vec<_>>()
     };
     assert_eq!(row_to_bits(maps.occupied_columns(Axis::Z, 1), N), each(&|range| !range.is_empty()));
-    let (below, above) = maps.columns_beyond(Axis::Z, 1, row_from_bits::<N>(columns), first, last);
+    let beyond = maps.columns_beyond(Axis::Z, 1, row_from_bits::<N>(columns), first, last);
     let among = |row: RowType<N>, f: &dyn Fn(Range) -> bool| {
         let expected = each(f).into_iter().zip(columns).map(|(is, among)| is && *among);
         assert_eq!(row_to_bits(row, N), expected.collect::<Vec<_>>());
     };
-    among(below, &|range| range.first() < first);
-    among(above, &|range| range.last() > last);
+    among(beyond.below_first, &|range| range.first() < first);
+    among(beyond.above_last, &|range| range.last() > last);
 }
 
 proptest! {

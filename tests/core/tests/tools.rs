@@ -3,7 +3,7 @@
 use std::f32::consts::PI;
 
 use glam::{Quat, Vec3};
-use paros_core::internals::{BOX_SIDE, BitAction, GridBit, GridShape, haptic_level};
+use paros_core::internals::{BOX_SIDE, BitAction, GridBit, GridShape, haptic_amplitude};
 use paros_core::limits::{SHELL_DEPTH, SMOOTH_LINES, SWEEP_PIECES};
 use paros_core::{Contact, Pose, SUBUNITS_PER_VOXEL, Tool, ToolBit};
 use proptest::prelude::*;
@@ -14,7 +14,7 @@ fn grid_sizes() -> [(usize, f32); 2] {
 }
 
 fn all_grid_bits() -> impl Iterator<Item = (ToolBit, usize, GridBit)> {
-    let at = |bit: ToolBit| grid_sizes().map(|(n, voxel)| (bit, n, bit.on_grid(voxel)));
+    let at = |bit: ToolBit| grid_sizes().map(|(n, voxel)| (bit, n, bit.to_grid_bit(voxel)));
     ToolBit::ALL.into_iter().flat_map(at)
 }
 
@@ -30,7 +30,8 @@ fn half_extents(bit: &GridBit) -> Vec3 {
 #[test]
 fn no_bit_can_jump_a_wall() {
     for (bit, n, grid) in all_grid_bits() {
-        let left = (grid.inner_radius() - grid.bite) as f32 / SUBUNITS_PER_VOXEL as f32;
+        let left =
+            (grid.inscribed_radius_subunits() - grid.bite) as f32 / SUBUNITS_PER_VOXEL as f32;
         assert!(left > 0.87, "{bit:?} at {n}: {left}");
         let between = (left * left - 0.125 * 0.125).sqrt();
         assert!(between > 3f32.sqrt() / 2.0, "{bit:?} at {n}: {between}");
@@ -41,8 +42,8 @@ fn no_bit_can_jump_a_wall() {
 fn the_shell_is_as_deep_as_the_bite() {
     for (bit, n, grid) in all_grid_bits() {
         let bite = bit.spec().bite_um as f32 / (BOX_SIDE / n as f32 * 1e6);
-        assert_eq!(grid.shell_depth(), bite.ceil() as usize, "{bit:?} at {n}");
-        assert!((1..=SHELL_DEPTH).contains(&grid.shell_depth()), "{bit:?} at {n}");
+        assert_eq!(grid.shell_depth_voxels(), bite.ceil() as usize, "{bit:?} at {n}");
+        assert!((1..=SHELL_DEPTH).contains(&grid.shell_depth_voxels()), "{bit:?} at {n}");
     }
 }
 
@@ -77,7 +78,7 @@ proptest! {
         way in [-1.0f32..1.0, -1.0f32..1.0, -1.0f32..1.0],
     ) {
         for (n, voxel) in grid_sizes() {
-            let bit = ToolBit::File.on_grid(voxel);
+            let bit = ToolBit::File.to_grid_bit(voxel);
             let rotation = Quat::from_array(from).normalize();
             let rotation = if rotation.is_finite() { rotation } else { Quat::IDENTITY };
             let position = Vec3::splat(n as f32 / 2.0);
@@ -145,11 +146,12 @@ fn pulse_trains_are_the_golden_ones() {
     for bit in ToolBit::ALL {
         let data = bit.spec();
         let train = |on_mask| {
-            let level =
-                |phase| haptic_level(data, &contact_on(on_mask), true, phase, 20_000).to_string();
+            let level = |phase| {
+                haptic_amplitude(data, &contact_on(on_mask), true, phase, 20_000).to_string()
+            };
             (0..2 * data.haptic_train.len() as u16).map(level).collect::<Vec<_>>().join(" ")
         };
-        let rest = haptic_level(data, &contact_on(false), false, 0, 20_000);
+        let rest = haptic_amplitude(data, &contact_on(false), false, 0, 20_000);
         text += &format!("{}: {} / {} / {rest}\n", data.name, train(false), train(true));
     }
     assert_eq!(text, PULSES, "\n{text}");
@@ -167,7 +169,7 @@ proptest! {
     ) {
         let data = ToolBit::from_number(number).expect("a bit of the table").spec();
         speeds.sort_unstable();
-        let level = |contact: &Contact, speed| haptic_level(data, contact, running, phase, speed);
+        let level = |contact: &Contact, speed| haptic_amplitude(data, contact, running, phase, speed);
         let [slow, fast] = speeds.map(|speed| level(&contact_on(false), speed));
         prop_assert!(slow <= fast);
         let on_mask = speeds.map(|speed| level(&contact_on(true), speed));

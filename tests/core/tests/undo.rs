@@ -2,7 +2,7 @@
 
 use std::sync::Mutex;
 
-use paros_core::{Grid, Size};
+use paros_core::{Grid, Size, UndoCounts};
 use paros_models::undo_harness::{IslandClearing, SphereEdit, UndoHarness, apply_stroke};
 use proptest::prelude::*;
 
@@ -54,7 +54,7 @@ where
             }
             UndoAction::Save => harness.check_save_round_trip()?,
         }
-        let (undoable, redoable) = harness.undo.undo_redo_counts();
+        let UndoCounts { undoable, redoable } = harness.undo.undo_counts();
         prop_assert!(undoable >= history.stroke_counts().undoable.min(2), "two entries always fit");
         prop_assert!(undoable <= history.stroke_counts().undoable);
         history.keep_undoable(undoable);
@@ -117,7 +117,7 @@ fn idle_stroke() {
         &[SphereEdit { at: [8, 15, 8], radius: 1, fill: false }],
         IslandClearing::Never,
     );
-    assert_eq!(harness.undo.undo_redo_counts(), (0, 1));
+    assert_eq!(harness.undo.undo_counts(), UndoCounts { undoable: 0, redoable: 1 });
     apply_stroke(&mut harness, &mut history, &[dent], IslandClearing::Never);
-    assert_eq!(harness.undo.undo_redo_counts(), (1, 0));
+    assert_eq!(harness.undo.undo_counts(), UndoCounts { undoable: 1, redoable: 0 });
 }

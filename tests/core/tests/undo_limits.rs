@@ -4,7 +4,7 @@ use std::sync::Mutex;
 
 use glam::IVec3;
 use paros_core::limits::UNDO_ENTRIES;
-use paros_core::{Brush, ByteReader, EditOperation, Grid, SUBUNITS_PER_VOXEL, Size};
+use paros_core::{Brush, ByteReader, EditOperation, Grid, SUBUNITS_PER_VOXEL, Size, UndoCounts};
 use paros_models::save_to_bytes;
 use paros_models::undo_harness::{IslandClearing, SphereEdit, UndoHarness, apply_stroke};
 
@@ -29,8 +29,8 @@ where
         }
         assert!(harness.volume.maps() == &full, "filled up again");
     }
-    assert!(harness.undo.undo_redo_counts().0 >= 2);
-    assert!(harness.undo.undo_redo_counts().0 < 8, "every column is in every entry");
+    assert!(harness.undo.undo_counts().undoable >= 2);
+    assert!(harness.undo.undo_counts().undoable < 8, "every column is in every entry");
     harness.check_save_round_trip().unwrap();
     assert!(harness.try_undo_checked().unwrap() && harness.try_undo_checked().unwrap());
     harness.check_volume_equals(&full).unwrap();
@@ -67,7 +67,7 @@ fn dents() {
             SphereEdit { at: [i * 7 % 128, 96, 4 + i * 11 % 120], radius: 14, fill: i % 3 == 0 };
         apply_stroke(&mut harness, &mut history, &[touch], IslandClearing::AtEnd);
     }
-    let (undoable, _) = harness.undo.undo_redo_counts();
+    let undoable = harness.undo.undo_counts().undoable;
     assert!((48..=UNDO_ENTRIES + 1).contains(&undoable), "{undoable} dents");
     history.keep_undoable(undoable);
     while let Some(maps) = history.undo() {
@@ -86,8 +86,8 @@ fn full_table() {
         let touch = SphereEdit { at: [i % 32, 23, 2 + i / 32], radius: 0, fill: false };
         apply_stroke(&mut harness, &mut history, &[touch], IslandClearing::Never);
     }
-    assert!(harness.undo.undo_redo_counts().0 <= UNDO_ENTRIES + 1);
-    assert!(harness.undo.undo_redo_counts().0 > 20);
+    assert!(harness.undo.undo_counts().undoable <= UNDO_ENTRIES + 1);
+    assert!(harness.undo.undo_counts().undoable > 20);
     harness.check_save_round_trip().unwrap();
 }
 
@@ -104,7 +104,7 @@ fn bad_bytes() {
     let bytes = save_to_bytes(|out| harness.undo.save(out));
     for len in 0..bytes.len() {
         assert!(harness.undo.load(&mut ByteReader::new(&bytes[..len])).is_err(), "cut at {len}");
-        assert_eq!(harness.undo.undo_redo_counts(), (0, 0));
+        assert_eq!(harness.undo.undo_counts(), UndoCounts { undoable: 0, redoable: 0 });
     }
     let mut refused = 0;
     for at in 0..bytes.len() {
@@ -119,7 +119,7 @@ fn bad_bytes() {
                 }
                 Err(error) => {
                     assert!(error.offset <= bytes.len());
-                    assert_eq!(harness.undo.undo_redo_counts(), (0, 0));
+                    assert_eq!(harness.undo.undo_counts(), UndoCounts { undoable: 0, redoable: 0 });
                     refused += 1;
                 }
             }

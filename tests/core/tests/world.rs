@@ -7,7 +7,7 @@ use paros_core::internals::{BitAction, Obstacle, STOOL_TOP, ToolPlace, maps_dige
 use paros_core::limits::HAND_STEPS_BESIDE_ISLANDS;
 use paros_core::{
     Axis, BenchItem, HandInput, PointerCommand, Pose, SUBUNITS_PER_VOXEL, SessionMode,
-    SessionState, TickInput, Tool, ToolBit, WorldEvent, buttons, commands,
+    SessionState, TickInput, Tool, ToolBit, UndoCounts, WorldEvent, buttons, commands,
 };
 use paros_models::random_visitor::{RandomSource, RandomVisitor};
 use paros_models::scripted_hand::{
@@ -39,7 +39,10 @@ fn modes_start_from_their_volumes() {
             (harness.world.session_state(), harness.world.mode()),
             (SessionState::Sculpting, mode)
         );
-        assert_eq!((harness.world.undo_counts(), harness.world.is_mirrored()), ((0, 0), false));
+        assert_eq!(
+            (harness.world.undo_counts(), harness.world.is_mirrored()),
+            (UndoCounts { undoable: 0, redoable: 0 }, false)
+        );
         assert!(
             Axis::ALL
                 .iter()
@@ -103,7 +106,7 @@ fn a_stroke_is_one_entry_with_the_islands_it_cut_off() {
     take_item(&mut harness, RIGHT, BenchItem::Tool(Tool::Rotary));
     run_stroke(&mut harness, RIGHT, Vec3::new(10.0, 11.0, 50.0), Vec3::new(50.0, 11.0, 50.0), 20);
     let first = maps_digest(harness.world.volume().maps());
-    assert_eq!(harness.world.undo_counts(), (1, 0));
+    assert_eq!(harness.world.undo_counts(), UndoCounts { undoable: 1, redoable: 0 });
     let mut removed = 0;
     step_with_bit_at(&mut harness, RIGHT, Vec3::new(32.0, 15.0, 50.0), false);
     for i in 0..60 {
@@ -116,7 +119,7 @@ fn a_stroke_is_one_entry_with_the_islands_it_cut_off() {
     }
     assert!(removed > 500, "the cap is gone: {removed}");
     let second = maps_digest(harness.world.volume().maps());
-    assert_eq!(harness.world.undo_counts(), (2, 0));
+    assert_eq!(harness.world.undo_counts(), UndoCounts { undoable: 2, redoable: 0 });
     for (command, expected, event) in [
         (commands::UNDO, first, WorldEvent::Undone),
         (commands::UNDO, start, WorldEvent::Undone),
@@ -148,8 +151,9 @@ fn island_falls_during(
     depth: f32,
     commands: u8,
 ) -> bool {
-    let nozzle = ToolBit::Nozzle.on_grid(harness.world.stool_frame().voxel_metres() * 1e6);
-    let rest = 9.53 + (nozzle.inner_radius() - nozzle.bite) as f32 / SUBUNITS_PER_VOXEL as f32;
+    let nozzle = ToolBit::Nozzle.to_grid_bit(harness.world.stool_frame().voxel_metres() * 1e6);
+    let rest = 9.53
+        + (nozzle.inscribed_radius_subunits() - nozzle.bite) as f32 / SUBUNITS_PER_VOXEL as f32;
     let aim = |hand: usize, x: f32, y: f32| {
         let pose = Pose { position: Vec3::new(x, y, 40.5), rotation: Quat::IDENTITY };
         harness.world.hand_with_bit_at(hand, &pose)
@@ -206,7 +210,7 @@ fn another_bit_begins_another_stroke() {
         PointerCommand::Take { hand: 1, item: BenchItem::Bit(ToolBit::LargeBall).number() as u8 };
     harness.step(&TickInput { pointer, ..input_with_hand(RIGHT, hand) });
     (0..4).for_each(|_| step_with_bit_at(&mut harness, RIGHT, Vec3::new(44.0, 31.0, 44.0), true));
-    assert_eq!(harness.world.undo_counts(), (2, 0));
+    assert_eq!(harness.world.undo_counts(), UndoCounts { undoable: 2, redoable: 0 });
     harness.step(&TickInput { commands: commands::UNDO, ..TickInput::default() });
     assert_eq!(maps_digest(harness.world.volume().maps()), first);
 }
@@ -219,7 +223,7 @@ fn buttons_act_once_a_press() {
     for x in [12.0, 32.0, 52.0] {
         run_stroke(&mut harness, RIGHT, Vec3::new(x, 31.0, 12.0), Vec3::new(x, 31.0, 50.0), 12);
     }
-    assert_eq!(harness.world.undo_counts(), (3, 0));
+    assert_eq!(harness.world.undo_counts(), UndoCounts { undoable: 3, redoable: 0 });
     let press = |harness: &mut WorldHarness<64>, buttons| {
         (0..5).for_each(|_| {
             harness.step(&input_with_hand(LEFT, HandInput { buttons, ..hand_input_at(STOOL_TOP) }));
@@ -227,15 +231,22 @@ fn buttons_act_once_a_press() {
         harness.step(&input_with_hand(LEFT, hand_input_at(STOOL_TOP)));
     };
     press(&mut harness, buttons::LOWER);
-    assert_eq!(harness.world.undo_counts(), (2, 1));
+    assert_eq!(harness.world.undo_counts(), UndoCounts { undoable: 2, redoable: 1 });
     // Both at once are neither.
     press(&mut harness, buttons::LOWER | buttons::UPPER);
-    assert_eq!((harness.world.undo_counts(), harness.world.events()), ((2, 1), &[][..]));
+    assert_eq!(
+        (harness.world.undo_counts(), harness.world.events()),
+        (UndoCounts { undoable: 2, redoable: 1 }, &[][..])
+    );
     press(&mut harness, buttons::UPPER);
-    assert_eq!(harness.world.undo_counts(), (3, 0));
+    assert_eq!(harness.world.undo_counts(), UndoCounts { undoable: 3, redoable: 0 });
     press(&mut harness, buttons::UPPER);
     press(&mut harness, buttons::LOWER | buttons::UPPER);
-    assert_eq!(harness.world.undo_counts(), (3, 0), "as where nothing is to be done again");
+    assert_eq!(
+        harness.world.undo_counts(),
+        UndoCounts { undoable: 3, redoable: 0 },
+        "as where nothing is to be done again"
+    );
     press(&mut harness, buttons::STICK);
     assert!(harness.world.is_mirrored());
     harness.step(&TickInput { commands: commands::SYMMETRY, ..TickInput::default() });
@@ -310,7 +321,7 @@ fn the_hidden_figure_outlasts_any_carving() {
         // From outside: the bit has a place that isn't too deep.
         step_with_bit_at(&mut harness, RIGHT, Vec3::new(32.0, 90.0, 32.0), false);
         let mask = maps_digest(harness.world.mask());
-        let grid = bit.on_grid(harness.world.stool_frame().voxel_metres() * 1e6);
+        let grid = bit.to_grid_bit(harness.world.stool_frame().voxel_metres() * 1e6);
         for _ in 0..900 {
             let mut input = visitor.next_input();
             input.hands[LEFT] = HandInput::default();

@@ -34,7 +34,7 @@ pub fn box_voxels(side: usize, half_extents_subunits: IVec3, pose: &Pose) -> Den
             voxel_centre_subunits(voxel),
             half_extents_subunits,
             pose,
-            pose.fixed_position(),
+            pose.position_subunits(),
         )
     })
 }
@@ -100,7 +100,7 @@ fn cross(a: [i128; 3], b: [i128; 3]) -> [i128; 3] {
 /// 2 half along all three axes of the box, where `w` is the path in the box's frame. A moving box is half a
 /// unit wider, so that rounding the path loses nothing.
 fn is_in_swept_box(p: [i128; 3], half: IVec3, pose: &Pose, start: IVec3) -> bool {
-    let end = pose.fixed_position();
+    let end = pose.position_subunits();
     let path = subtract(widen(end), widen(start));
     let middle = [0, 1, 2].map(|i| widen(start)[i] + widen(end)[i]);
     let d = subtract(p.map(|i| 2 * i), middle);
@@ -108,7 +108,7 @@ fn is_in_swept_box(p: [i128; 3], half: IVec3, pose: &Pose, start: IVec3) -> bool
     let wider = i128::from(start != end);
     // The interval of t so far, as fractions with positive denominators.
     let (mut from, mut to) = ((-1, 1), (1, 1));
-    for (axis, half) in pose.fixed_axes().into_iter().zip(half.to_array()) {
+    for (axis, half) in pose.unit_axes_q14().into_iter().zip(half.to_array()) {
         let at = dot(widen(axis), d);
         let w = divide_rounding_half_up(dot(widen(axis), path), unit) * unit;
         let extent = (2 * i128::from(half) + wider) * unit;

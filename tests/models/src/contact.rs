@@ -3,10 +3,10 @@
 
 use glam::{I64Vec3, IVec3, Vec3};
 use paros_core::internals::{
-    FIXED_ONE, FreezeResult, GridBit, GridShape, LONG_STRETCH, SHORT_STRETCH, exit_probes,
+    FIXED_ONE, FreezeResult, GridBit, GridShape, LONG_STRETCH, SHORT_STRETCH, exit_probe_steps,
 };
-use paros_core::limits::deep_step_cost;
-use paros_core::{Contact, Pose, SUBUNITS_PER_VOXEL};
+use paros_core::limits::deep_step_cost_in_steps;
+use paros_core::{Contact, Pose, Range, SUBUNITS_PER_VOXEL};
 
 use crate::dense::{DenseVolume, face_neighbours};
 
@@ -201,7 +201,7 @@ impl ContactModel {
             *steps_left = steps_left.saturating_sub(if limits == usual {
                 1
             } else {
-                deep_step_cost(self.volume.side()) as usize
+                deep_step_cost_in_steps(self.volume.side()) as usize
             });
             let next = poses[steps_done];
             steps_done += 1;
@@ -234,9 +234,9 @@ impl ContactModel {
         after_step: usize,
     ) -> Option<usize> {
         let half_diagonal = (SUBUNITS_PER_VOXEL as f32 * 0.866).ceil() as i32;
-        let open = PenetrationDepths { volume: bit.inner_radius() - half_diagonal, ..limits };
+        let open = PenetrationDepths { volume: bit.inscribed_radius_subunits() - half_diagonal, ..limits };
         let mut last = *last_allowed;
-        for step in exit_probes(after_step as u32, path.len() as u32) {
+        for step in exit_probe_steps(after_step as u32, path.len() as u32) {
             let pose = path[step as usize - 1];
             if limits.volume <= open.volume && !self.is_sweep_free(bit, &last, &pose, open) {
                 return None;
@@ -266,8 +266,8 @@ impl ContactModel {
                 let pieces: Vec<_> = brush.pieces().collect();
                 !voxels.iter().any(|voxel| {
                     let [x, y, z] = voxel.map(|i| i as usize);
-                    let holds = |(lo, hi)| (lo..=hi).contains(&x);
-                    pieces.iter().any(|piece| piece.row_span(y, z, n).is_some_and(holds))
+                    let holds = |range: Range| range.contains(x);
+                    pieces.iter().any(|piece| piece.x_range(y, z, n).is_some_and(holds))
                 })
             })
         };
@@ -277,7 +277,7 @@ impl ContactModel {
     /// Whether the whole bit lies outside the grid.
     fn is_outside_grid(&self, bit: &GridBit, pose: &Pose) -> bool {
         let n = self.volume.side() as f32;
-        let outer = bit.outer_radius() as f32 / SUBUNITS_PER_VOXEL as f32 + 1.0;
+        let outer = bit.circumscribed_radius_subunits() as f32 / SUBUNITS_PER_VOXEL as f32 + 1.0;
         let held = pose.position.clamp(Vec3::ZERO, Vec3::splat(n));
         held.distance(pose.position) > outer
     }
@@ -287,7 +287,8 @@ impl ContactModel {
 /// them, the last is `to`.
 pub fn path_poses(bit: &GridBit, from: &Pose, to: &Pose) -> impl Iterator<Item = Pose> + use<> {
     let (from, to) = (*from, *to);
-    let turn = from.angle_to(&to) * bit.outer_radius() as f32 / SUBUNITS_PER_VOXEL as f32;
+    let turn = from.angle_radians_to(&to) * bit.circumscribed_radius_subunits() as f32
+        / SUBUNITS_PER_VOXEL as f32;
     let length = (to.position - from.position).length() + turn;
     let steps = (length * STEPS_PER_VOXEL).ceil().max(1.0) as u32;
     (1..=steps).map(move |i| from.interpolate(&to, i as f32 / steps as f32))
@@ -341,10 +342,10 @@ fn is_less_than_a_voxel_outside(bit: &GridBit, pose: &Pose, voxel: [i32; 3]) -> 
 /// A voxel's centre relative to the bit's, along the grid's axes.
 fn centre_offset_subunits(bit_pose: &Pose, voxel: [i32; 3]) -> I64Vec3 {
     let centre = voxel.map(|i| i64::from(i * SUBUNITS_PER_VOXEL + SUBUNITS_PER_VOXEL / 2));
-    I64Vec3::from_array(centre) - bit_pose.fixed_position().as_i64vec3()
+    I64Vec3::from_array(centre) - bit_pose.position_subunits().as_i64vec3()
 }
 
 /// The distances of a point from the bit's centre along the bit's axes, in subunits times [`FIXED_ONE`].
 fn distances_along_bit_axes(bit_pose: &Pose, offset_subunits: I64Vec3) -> [i64; 3] {
-    bit_pose.fixed_axes().map(|axis| offset_subunits.dot(axis.as_i64vec3()).abs())
+    bit_pose.unit_axes_q14().map(|axis| offset_subunits.dot(axis.as_i64vec3()).abs())
 }

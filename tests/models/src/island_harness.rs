@@ -47,7 +47,7 @@ where
     pub fn set_volume(&mut self, volume: &DenseVolume, mask: &DenseVolume) {
         self.volume.set_voxels(|bits| volume.write_bits(bits));
         mask.write_maps(&mut self.mask);
-        self.islands.abort_pass();
+        self.islands.cancel_passes();
     }
 
     /// The volume as the model's set of voxels.
@@ -231,7 +231,7 @@ where
 {
     fn record_columns(&mut self, _: Axis, _: usize, _: <Grid<N> as Size>::Row, _: &[Column; N]) {}
     fn record_added(&mut self, row: RowAddress, voxels: <Grid<N> as Size>::Row) {
-        self.islands.add_voxels(row, voxels);
+        self.islands.mark_added_as_reached(row, voxels);
         self.added.push(AddedVoxels { row, voxels });
     }
 }

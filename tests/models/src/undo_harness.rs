@@ -58,7 +58,7 @@ where
             }
         });
         self.undo.clear();
-        self.islands.abort_pass();
+        self.islands.cancel_passes();
         SnapshotHistory::new(self.volume.maps())
     }
 
@@ -233,7 +233,7 @@ where
         old: &[Column; N],
     ) {
         match self.late {
-            true => self.undo.amend_newest(axis, line, places, old),
+            true => self.undo.record_into_newest_entry(axis, line, places, old),
             false => self.undo.record_columns(axis, line, places, old),
         }
     }

@@ -123,7 +123,7 @@ where
         let world = &self.world;
         let tick = world.tick();
         assert_eq!(world.digest(), world.recompute_digest(), "tick {tick}: digest");
-        assert!(world.volume().is_tight(), "tick {tick}: a range that isn't tight");
+        assert!(world.volume().are_ranges_tight(), "tick {tick}: a range that isn't tight");
         self.plane.set_from_maps(world.volume().maps());
         for y in 0..N {
             assert!(

@@ -22,7 +22,7 @@ fn main() -> ! {
     static mut WORLD: World<128> = World::new();
     static mut BLOCK: RangeMaps<128> = RangeMaps::new();
 
-    match replay::replay_trace(include_bytes!("../../replay/groove.trace"), WORLD, BLOCK) {
+    match replay::replay_to_last_digest(include_bytes!("../../replay/groove.trace"), WORLD, BLOCK) {
         Ok(digest) => {
             hprintln!("{} ticks, last digest {:016x}", WORLD.tick(), digest);
             debug::exit(debug::EXIT_SUCCESS);

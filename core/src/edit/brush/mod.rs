@@ -11,6 +11,7 @@ use heapless::Vec;
 
 use crate::edit::pose::{Pose, SUBUNITS_PER_VOXEL};
 use crate::limits::SWEEP_PIECES;
+use crate::volume::range::Range;
 use crate::volume::row::BitSet;
 use crate::volume::size::{Grid, Size};
 
@@ -65,27 +66,36 @@ enum BrushShape {
     Sweep { half: IVec3, from: Pose, to: Pose, turns: usize },
 }
 
+/// An interval of voxels of a brush in one row of a layer.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct BrushRow {
+    /// The row's z.
+    pub z: usize,
+    /// The voxels of the row.
+    pub x_range: Range,
+}
+
 /// The computed pieces of a brush, a cache for many row queries.
 #[derive(Debug)]
 pub struct BrushPieces(Vec<BrushPiece, SWEEP_PIECES, u8>);
 
 impl Brush {
-    /// A sphere; centre and radius in fixed point.
+    /// A sphere.
     #[must_use]
-    pub fn sphere(centre: IVec3, radius: i32) -> Self {
-        BrushPiece::sphere(centre, radius).into()
+    pub fn sphere(centre_subunits: IVec3, radius_subunits: i32) -> Self {
+        BrushPiece::sphere(centre_subunits, radius_subunits).into()
     }
 
-    /// A sphere swept from `a` to `b`, in fixed point.
+    /// A sphere swept from `a` to `b`.
     #[must_use]
-    pub fn capsule(a: IVec3, b: IVec3, radius: i32) -> Self {
-        BrushPiece::capsule(a, b, radius).into()
+    pub fn capsule(a_subunits: IVec3, b_subunits: IVec3, radius_subunits: i32) -> Self {
+        BrushPiece::capsule(a_subunits, b_subunits, radius_subunits).into()
     }
 
-    /// A box of half extents `half` (fixed point) about a pose.
+    /// A box about a pose.
     #[must_use]
-    pub fn oriented_box(half: IVec3, pose: &Pose) -> Self {
-        BrushPiece::oriented_box(half, pose).into()
+    pub fn oriented_box(half_extents_subunits: IVec3, pose: &Pose) -> Self {
+        BrushPiece::oriented_box(half_extents_subunits, pose).into()
     }
 
     /// A box swept from one pose to another. The rotation is divided into sub-steps in which no corner
@@ -93,13 +103,14 @@ impl Brush {
     /// boundary, translated from half a sub-step before to half a sub-step after. At most
     /// [`SWEEP_PIECES`], enough for half a turn of the largest bit.
     #[must_use]
-    pub fn swept_box(half: IVec3, from: &Pose, to: &Pose) -> Self {
-        if from.fixed_axes() == to.fixed_axes() {
-            let piece = SweptBox::new(half, to, from.fixed_position());
+    pub fn swept_box(half_extents_subunits: IVec3, from: &Pose, to: &Pose) -> Self {
+        let half = half_extents_subunits;
+        if from.unit_axes_q14() == to.unit_axes_q14() {
+            let piece = SweptBox::new(half, to, from.position_subunits());
             return BrushPiece::Box(piece).into();
         }
         let corner = half.as_vec3().length() / SUBUNITS_PER_VOXEL as f32;
-        let turns = libm::ceilf(corner * from.angle_to(to)) as usize;
+        let turns = libm::ceilf(corner * from.angle_radians_to(to)) as usize;
         let turns = turns.clamp(1, SWEEP_PIECES - 1);
         Brush(BrushShape::Sweep { half, from: *from, to: *to, turns })
     }
@@ -117,15 +128,15 @@ impl Brush {
                 let start = at((2 * i).max(1) - 1);
                 let start = if i == 0 { from } else { &start };
                 let end = Pose { position: at(2 * i + 1).position, ..at(2 * i) };
-                BrushPiece::Box(SweptBox::new(*half, &end, start.fixed_position()))
+                BrushPiece::Box(SweptBox::new(*half, &end, start.position_subunits()))
             }
         })
     }
 
-    /// The voxels of a grid `side` voxels wide that it may hold; `None` if it lies outside.
+    /// The voxels of a grid `grid_side` voxels wide that it may hold; `None` if it lies outside.
     #[must_use]
-    pub fn bounds(&self, side: usize) -> Option<BrushBounds> {
-        self.pieces().filter_map(|piece| piece.bounds(side)).reduce(BrushBounds::union)
+    pub fn bounds(&self, grid_side: usize) -> Option<BrushBounds> {
+        self.pieces().filter_map(|piece| piece.bounds(grid_side)).reduce(BrushBounds::union)
     }
 
     /// The voxels of row (y, z). [`BrushPieces`] are faster for many rows of a sweep.
@@ -136,8 +147,8 @@ impl Brush {
         Grid<N>: Size,
     {
         self.pieces()
-            .filter_map(|piece| piece.row_span(y, z, N))
-            .fold(<Grid<N> as Size>::Row::EMPTY, |row, (lo, hi)| row | BitSet::span(lo, hi))
+            .filter_map(|piece| piece.x_range(y, z, N))
+            .fold(<Grid<N> as Size>::Row::EMPTY, |row, x_range| row | x_range.to_row())
     }
 }
 
@@ -164,33 +175,28 @@ impl BrushPieces {
         BrushPieces(Vec::new())
     }
 
-    /// Computes the pieces of a brush. Returns its bounds in a grid `side` voxels wide.
-    pub fn set_brush(&mut self, brush: &Brush, side: usize) -> Option<BrushBounds> {
+    /// Computes the pieces of a brush. Returns its bounds in a grid `grid_side` voxels wide.
+    pub fn set_brush(&mut self, brush: &Brush, grid_side: usize) -> Option<BrushBounds> {
         self.0.clear();
         for piece in brush.pieces() {
             // Cannot fail: no brush has more.
             let _ = self.0.push(piece);
         }
-        self.0.iter().filter_map(|piece| piece.bounds(side)).reduce(BrushBounds::union)
+        self.0.iter().filter_map(|piece| piece.bounds(grid_side)).reduce(BrushBounds::union)
     }
 
-    /// Tells the intervals of voxels, first and last, that make up layer `y` of a grid `side` voxels wide, each
-    /// with the z of its row; piece by piece.
+    /// Visits the intervals of voxels that make up layer `y` of a grid `grid_side` voxels wide, piece
+    /// by piece.
     #[inline]
-    pub fn for_each_span(
-        &self,
-        y: usize,
-        side: usize,
-        mut tell: impl FnMut(usize, (usize, usize)),
-    ) {
+    pub fn visit_layer_rows(&self, y: usize, grid_side: usize, mut visit: impl FnMut(BrushRow)) {
         for piece in &self.0 {
             let layer = piece.layer(y);
-            let Some((first, last)) = layer.row_range(side) else {
+            let Some(z_range) = layer.z_range(grid_side) else {
                 continue;
             };
-            for z in first..last + 1 {
-                if let Some(span) = layer.voxel_span(z, side) {
-                    tell(z, span);
+            for z in z_range.first()..z_range.last() + 1 {
+                if let Some(x_range) = layer.x_range(z, grid_side) {
+                    visit(BrushRow { z, x_range });
                 }
             }
         }
@@ -198,30 +204,30 @@ impl BrushPieces {
 }
 
 impl BrushPiece {
-    /// A sphere; centre and radius in fixed point.
+    /// A sphere.
     #[must_use]
-    pub fn sphere(centre: IVec3, radius: i32) -> Self {
-        Self::capsule(centre, centre, radius)
+    pub fn sphere(centre_subunits: IVec3, radius_subunits: i32) -> Self {
+        Self::capsule(centre_subunits, centre_subunits, radius_subunits)
     }
 
-    /// A box of half extents `half` (fixed point) about a pose.
+    /// A box about a pose.
     #[must_use]
-    pub fn oriented_box(half: IVec3, pose: &Pose) -> Self {
-        BrushPiece::Box(SweptBox::new(half, pose, pose.fixed_position()))
+    pub fn oriented_box(half_extents_subunits: IVec3, pose: &Pose) -> Self {
+        BrushPiece::Box(SweptBox::new(half_extents_subunits, pose, pose.position_subunits()))
     }
 
-    fn capsule(a: IVec3, b: IVec3, radius: i32) -> Self {
-        let radius = i64::from(radius.clamp(0, FAR));
+    fn capsule(a_subunits: IVec3, b_subunits: IVec3, radius_subunits: i32) -> Self {
+        let radius = i64::from(radius_subunits.clamp(0, FAR));
         BrushPiece::Capsule(Capsule {
-            a: clamp_point(a),
-            b: clamp_point(b),
+            a: clamp_to_far(a_subunits),
+            b: clamp_to_far(b_subunits),
             radius_squared: radius * radius,
         })
     }
 
-    /// The voxels of a grid `side` voxels wide that it may hold; `None` if it lies outside.
+    /// The voxels of a grid `grid_side` voxels wide that it may hold; `None` if it lies outside.
     #[must_use]
-    pub fn bounds(&self, side: usize) -> Option<BrushBounds> {
+    pub fn bounds(&self, grid_side: usize) -> Option<BrushBounds> {
         let (lo, hi) = match self {
             BrushPiece::Capsule(c) => {
                 let r = I64Vec3::splat(isqrt(c.radius_squared));
@@ -234,15 +240,16 @@ impl BrushPiece {
         };
         let mut bounds = BrushBounds { lo: [0; 3], hi: [0; 3] };
         for i in 0..3 {
-            let (lo, hi) = voxels_between(lo[i], hi[i], side)?;
-            (bounds.lo[i], bounds.hi[i]) = (lo, hi);
+            let inside = SubunitInterval { lo: lo[i], hi: hi[i] };
+            let voxels = voxels_with_centre_in(inside, grid_side)?;
+            (bounds.lo[i], bounds.hi[i]) = (voxels.first(), voxels.last());
         }
         Some(bounds)
     }
 
     /// Bounding ball of a swept sphere, whose rows are faster to compute; `None` for other pieces.
     #[must_use]
-    pub(crate) fn bounding_ball(&self) -> Option<BrushPiece> {
+    pub(crate) fn bounding_ball_of_capsule(&self) -> Option<BrushPiece> {
         match self {
             BrushPiece::Capsule(c) if c.a != c.b => {
                 let path = (c.b - c.a).as_i64vec3();
@@ -261,41 +268,41 @@ impl BrushPiece {
     #[inline]
     pub(crate) fn layer(&self, y: usize) -> BrushLayer<'_> {
         BrushLayer(match self {
-            BrushPiece::Capsule(c) if c.a == c.b => LayerShape::Sphere(c, voxel_centre(y)),
-            BrushPiece::Capsule(c) => LayerShape::Capsule(c, voxel_centre(y)),
-            BrushPiece::Box(b) => LayerShape::Box(b.layer(voxel_centre(y))),
+            BrushPiece::Capsule(c) if c.a == c.b => LayerShape::Sphere(c, voxel_centre_subunits(y)),
+            BrushPiece::Capsule(c) => LayerShape::Capsule(c, voxel_centre_subunits(y)),
+            BrushPiece::Box(b) => LayerShape::Box(b.layer(voxel_centre_subunits(y))),
         })
     }
 
-    /// The interval of voxels of row (y, z) of a grid `side` voxels wide whose centres are inside.
+    /// The interval of voxels of row (y, z) of a grid `grid_side` voxels wide whose centres are inside.
     #[must_use]
     #[inline]
-    pub fn row_span(&self, y: usize, z: usize, side: usize) -> Option<(usize, usize)> {
-        self.layer(y).voxel_span(z, side)
+    pub fn x_range(&self, y: usize, z: usize, grid_side: usize) -> Option<Range> {
+        self.layer(y).x_range(z, grid_side)
     }
 }
 
 impl BrushLayer<'_> {
-    /// The rows of a grid `side` voxels wide that it may hold voxels of, first and last by their z; fewer than
+    /// The rows of a grid `grid_side` voxels wide that it may hold voxels of, by their z; fewer than
     /// the piece's bounds tell where it is round or stands askew.
     #[must_use]
     #[inline]
-    pub(crate) fn row_range(&self, side: usize) -> Option<(usize, usize)> {
+    pub(crate) fn z_range(&self, grid_side: usize) -> Option<Range> {
         match &self.0 {
-            LayerShape::Sphere(c, y) => c.sphere_row_range(*y, side),
-            LayerShape::Capsule(c, y) => c.row_range(*y, side),
-            LayerShape::Box(layer) => layer.row_range(side),
+            LayerShape::Sphere(c, y) => c.sphere_z_range(*y, grid_side),
+            LayerShape::Capsule(c, y) => c.z_range(*y, grid_side),
+            LayerShape::Box(layer) => layer.z_range(grid_side),
         }
     }
 
-    /// The interval of voxels of the row at `z` of a grid `side` voxels wide whose centres are inside.
+    /// The interval of voxels of the row at `z` of a grid `grid_side` voxels wide whose centres are inside.
     #[must_use]
     #[inline]
-    pub(crate) fn voxel_span(&self, z: usize, side: usize) -> Option<(usize, usize)> {
+    pub(crate) fn x_range(&self, z: usize, grid_side: usize) -> Option<Range> {
         match &self.0 {
-            LayerShape::Sphere(c, y) => c.sphere_row_span(*y, voxel_centre(z), side),
-            LayerShape::Capsule(c, y) => c.row_span(*y, voxel_centre(z), side),
-            LayerShape::Box(layer) => layer.row_span(voxel_centre(z), side),
+            LayerShape::Sphere(c, y) => c.sphere_x_range(*y, voxel_centre_subunits(z), grid_side),
+            LayerShape::Capsule(c, y) => c.x_range(*y, voxel_centre_subunits(z), grid_side),
+            LayerShape::Box(layer) => layer.x_range(voxel_centre_subunits(z), grid_side),
         }
     }
 }
@@ -303,24 +310,48 @@ impl BrushLayer<'_> {
 /// The limit to which coordinates and lengths are clamped: 8,192 voxels in fixed point.
 const FAR: i32 = 8192 * SUBUNITS_PER_VOXEL;
 
-fn clamp_point(point: IVec3) -> IVec3 {
-    point.clamp(IVec3::splat(-FAR), IVec3::splat(FAR))
+fn clamp_to_far(point_subunits: IVec3) -> IVec3 {
+    point_subunits.clamp(IVec3::splat(-FAR), IVec3::splat(FAR))
 }
 
 /// The fixed-point coordinate of the centre of voxel `i`.
 #[must_use]
 #[inline]
-pub(crate) const fn voxel_centre(i: usize) -> i64 {
+pub(crate) const fn voxel_centre_subunits(i: usize) -> i64 {
     i as i64 * SUBUNITS_PER_VOXEL as i64 + SUBUNITS_PER_VOXEL as i64 / 2
 }
 
-/// The voxels of a grid `side` voxels wide whose centres lie in `lo..=hi`.
+/// A closed interval along an axis, `lo..=hi`, in fixed point.
+#[derive(Clone, Copy)]
+struct SubunitInterval {
+    lo: i64,
+    hi: i64,
+}
+
+impl SubunitInterval {
+    /// `centre - reach..=centre + reach`.
+    #[inline]
+    fn around(centre: i32, reach: i64) -> Self {
+        SubunitInterval { lo: -reach, hi: reach }.shifted_by(centre)
+    }
+
+    #[inline]
+    fn shifted_by(self, offset: i32) -> Self {
+        let offset = i64::from(offset);
+        SubunitInterval { lo: offset + self.lo, hi: offset + self.hi }
+    }
+}
+
+/// The voxels of a grid `grid_side` voxels wide whose centres lie in an interval.
 #[inline]
-fn voxels_between(lo: i64, hi: i64, side: usize) -> Option<(usize, usize)> {
+fn voxels_with_centre_in(
+    SubunitInterval { lo, hi }: SubunitInterval,
+    grid_side: usize,
+) -> Option<Range> {
     let sub = i64::from(SUBUNITS_PER_VOXEL);
     let first = (lo - sub / 2 + sub - 1).div_euclid(sub).max(0);
-    let last = (hi - sub / 2).div_euclid(sub).min(side as i64 - 1);
-    (first <= last).then_some((first as usize, last as usize))
+    let last = (hi - sub / 2).div_euclid(sub).min(grid_side as i64 - 1);
+    (first <= last).then(|| Range::new(first as usize, last as usize))
 }
 
 /// The integer part of a square root; 0 for negative numbers.

@@ -2,8 +2,9 @@
 
 use glam::IVec3;
 
-use super::{FAR, clamp_point, voxel_centre, voxels_between};
+use super::{FAR, SubunitInterval, clamp_to_far, voxel_centre_subunits, voxels_with_centre_in};
 use crate::edit::pose::{FIXED_ONE, Pose, SUBUNITS_PER_VOXEL};
+use crate::volume::range::Range;
 
 /// An oriented box swept along a straight line: the points `p` with `|plane . (2p - middle)| <=
 /// extent` for its six pairs of planes.
@@ -17,32 +18,33 @@ pub struct SweptBox {
     /// Half extents along the grid's axes, in fixed point, rounded up.
     pub reach: IVec3,
     /// The sides of its projection along x: those parallel to its three edges and to the path.
-    sides: [ShadowSlab; 4],
+    sides: [ProjectedSlab; 4],
     is_still: bool,
 }
 
 /// A 2D slab of the projection along x: the points `(y, z)` with `|up * z - slope * y| <= extent`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-struct ShadowSlab {
+struct ProjectedSlab {
     up: i64,
     slope: i64,
     extent: i64,
 }
 
 impl SweptBox {
-    /// A box of half extents `half`, turned as `pose`, moved straight from `start` to the pose's
-    /// position. The path is rounded to fixed point in the box's own frame, so the planes are those
-    /// of an exact swept box; a box that moves is half a unit wider, so that the rounding loses
-    /// nothing.
+    /// A box turned as the pose `end`, moved straight from a start to that pose's position. The path is
+    /// rounded to fixed point in the box's own frame, so the planes are those of an exact swept box; a
+    /// box that moves is half a unit wider, so that the rounding loses nothing.
     #[must_use]
-    pub fn new(half: IVec3, pose: &Pose, start: IVec3) -> Self {
+    pub fn new(half_extents_subunits: IVec3, end: &Pose, start_subunits: IVec3) -> Self {
         let unit = i64::from(FIXED_ONE);
-        let axes =
-            pose.fixed_axes().map(|axis| axis.to_array().map(|c| i64::from(c).clamp(-unit, unit)));
-        let (start, end) = (clamp_point(start), pose.fixed_position());
+        let axes = end
+            .unit_axes_q14()
+            .map(|axis| axis.to_array().map(|c| i64::from(c).clamp(-unit, unit)));
+        let (start, end) = (clamp_to_far(start_subunits), end.position_subunits());
         let travel = (end - start).to_array().map(i64::from);
-        let doubled =
-            half.to_array().map(|h| 2 * i64::from(h.clamp(0, FAR)) + i64::from(start != end));
+        let doubled = half_extents_subunits
+            .to_array()
+            .map(|h| 2 * i64::from(h.clamp(0, FAR)) + i64::from(start != end));
         let w: [i64; 3] = axes.map(|axis| {
             let along: i64 = (0..3).map(|i| axis[i] * travel[i]).sum();
             (along + unit / 2).div_euclid(unit)
@@ -57,20 +59,20 @@ impl SweptBox {
             (rightward(normal), (doubled[i] * w[j].abs() + doubled[j] * w[i].abs()) * unit)
         };
         let edge = |i: usize| axes[i].map(|c| c * doubled[i] / unit);
-        // Every `2p - middle` is a sum of these, each times -1 to 1, up to `slack` per component.
+        // Every `2p - middle` is a sum of these, each times -1 to 1, up to `margin` per component.
         let edges = [edge(0), edge(1), edge(2), travel];
         // Rounding an axis tilts it by up to a part in 2^15, which counts as far as the box reaches.
         let size: i64 = doubled.iter().chain(&travel).map(|l| l.abs()).sum();
-        let slack = size / (1 << 12) + 16;
+        let margin = size / (1 << 12) + 16;
         let reach = core::array::from_fn(|k| {
             let sum: i64 = edges.iter().map(|edge| edge[k].abs()).sum();
-            ((sum + slack) / 2 + 1) as i32
+            ((sum + margin) / 2 + 1) as i32
         });
         SweptBox {
             middle: start + end,
             planes: [face(0), face(1), face(2), swept(0, 1), swept(0, 2), swept(1, 2)],
             reach: IVec3::from_array(reach),
-            sides: edges.map(|edge| ShadowSlab::new(edge, &edges, slack)),
+            sides: edges.map(|edge| ProjectedSlab::new(edge, &edges, margin)),
             is_still: start == end,
         }
     }
@@ -79,7 +81,7 @@ impl SweptBox {
     #[inline]
     pub(super) fn layer(&self, y: i64) -> BoxLayer<'_> {
         let at = 2 * y - i64::from(self.middle.y);
-        let first = 2 * voxel_centre(0) - i64::from(self.middle.x);
+        let first = 2 * voxel_centre_subunits(0) - i64::from(self.middle.x);
         BoxLayer {
             swept: self,
             at,
@@ -88,12 +90,14 @@ impl SweptBox {
     }
 }
 
-impl ShadowSlab {
-    fn new(edge: [i64; 3], edges: &[[i64; 3]; 4], slack: i64) -> Self {
-        let [_, up, slope] = edge.map(|c| c * edge[1].signum());
+impl ProjectedSlab {
+    /// The slab parallel to `side` that holds all sums of the `edges`, each times -1 to 1, up to
+    /// `rounding_margin` a component.
+    fn new(side: [i64; 3], edges: &[[i64; 3]; 4], rounding_margin: i64) -> Self {
+        let [_, up, slope] = side.map(|c| c * side[1].signum());
         let across = |edge: &[i64; 3]| (up * edge[2] - slope * edge[1]).abs();
-        let extent = edges.iter().map(across).sum::<i64>() + (up + slope.abs()) * slack;
-        ShadowSlab { up, slope, extent }
+        let extent = edges.iter().map(across).sum::<i64>() + (up + slope.abs()) * rounding_margin;
+        ProjectedSlab { up, slope, extent }
     }
 }
 
@@ -108,10 +112,10 @@ pub(super) struct BoxLayer<'a> {
 }
 
 impl BoxLayer<'_> {
-    /// The rows that may hold voxels, first and last z: the projection along x is a convex polygon whose
+    /// The z of the rows that may hold voxels: the projection along x is a convex polygon whose
     /// sides are parallel to the projected edges.
     #[inline]
-    pub(super) fn row_range(&self, side: usize) -> Option<(usize, usize)> {
+    pub(super) fn z_range(&self, grid_side: usize) -> Option<Range> {
         let [_, reach, reach_z] = self.swept.reach.to_array().map(i64::from);
         if self.at.abs() > 2 * reach {
             return None;
@@ -125,15 +129,19 @@ impl BoxLayer<'_> {
             }
         }
         let middle = i64::from(self.swept.middle.z);
-        voxels_between((middle + lo).div_euclid(2), (middle + hi).div_euclid(2) + 1, side)
+        let inside = SubunitInterval {
+            lo: (middle + lo).div_euclid(2),
+            hi: (middle + hi).div_euclid(2) + 1,
+        };
+        voxels_with_centre_in(inside, grid_side)
     }
 
-    /// The voxels of its row at `z` (fixed point), by slab clipping. A plane divides only if it clips more
+    /// The voxels of its row at a fixed-point z, by slab clipping. A plane divides only if it clips more
     /// than those before it.
     #[inline]
-    pub(super) fn row_span(&self, z: i64, side: usize) -> Option<(usize, usize)> {
-        let z = 2 * z - i64::from(self.swept.middle.z);
-        let (mut lo, mut hi) = (0, side as i64 - 1);
+    pub(super) fn x_range(&self, z_subunits: i64, grid_side: usize) -> Option<Range> {
+        let z = 2 * z_subunits - i64::from(self.swept.middle.z);
+        let (mut lo, mut hi) = (0, grid_side as i64 - 1);
         // Where nothing moves, the sweep adds no faces.
         let faces = if self.swept.is_still { 3 } else { 6 };
         for ((normal, extent), at) in self.swept.planes.iter().zip(self.planes).take(faces) {
@@ -157,6 +165,6 @@ impl BoxLayer<'_> {
                 return None;
             }
         }
-        Some((lo as usize, hi as usize))
+        Some(Range::new(lo as usize, hi as usize))
     }
 }

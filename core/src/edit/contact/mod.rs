@@ -9,15 +9,15 @@ mod rows;
 
 use glam::{IVec3, Vec3};
 
-use crate::edit::brush::voxel_centre;
+use crate::edit::brush::voxel_centre_subunits;
 use crate::edit::grid_bit::GridBit;
 use crate::edit::pose::Pose;
 use crate::volume::bit_grid::BitGrid;
 use crate::volume::range_maps::RangeMaps;
 use crate::volume::row::BitSet;
 use crate::volume::size::{Grid, Size};
-use path::STEPS_PER_VOXEL;
-pub use path::{LONG_STRETCH, SHORT_STRETCH, exit_probes};
+pub use path::{LONG_STRETCH, SHORT_STRETCH, exit_probe_steps};
+use path::{PathAdvance, PenetratingVoxel, STEPS_PER_VOXEL};
 
 /// The contact of a bit with the volume at a pose.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -38,16 +38,23 @@ impl Contact {
     pub const NONE: Contact = Contact { overlap: 0, depth: 0, normal: Vec3::ZERO, on_mask: false };
 }
 
-/// The result of moving a bit toward a raw pose.
+/// The result of moving a bit toward a wanted pose.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct FreezeResult {
     /// The pose reached, the frozen pose.
     pub pose: Pose,
-    /// Whether the volume stopped the bit. If not, the pose is the raw one, or where the step budget
+    /// Whether the volume stopped the bit. If not, the pose is the wanted one, or where the step budget
     /// ran out.
     pub blocked: bool,
     /// Steps spent of the budget.
     pub steps: u32,
+}
+
+/// Where [`Obstacle::move_and_slide`] took a bit.
+struct SlideResult {
+    pose: Pose,
+    /// Whether the volume stopped the bit.
+    blocked: bool,
 }
 
 /// The voxels that a bit can collide with.
@@ -69,7 +76,7 @@ where
     /// The contact of the bit at a pose in the grid.
     #[must_use]
     pub fn contact_at(&self, bit: &GridBit, pose: &Pose) -> Contact {
-        let (position, axes) = (pose.fixed_position().as_i64vec3(), pose.fixed_axes());
+        let (position, axes) = (pose.position_subunits().as_i64vec3(), pose.unit_axes_q14());
         let mut contact = Contact {
             overlap: 0,
             depth: 0,
@@ -77,13 +84,16 @@ where
             on_mask: self.is_near_mask(bit, pose),
         };
         let mut normal = IVec3::ZERO;
-        self.for_each_row(&bit.piece_at(pose), |y, z, inside| {
+        self.visit_occupied_rows(&bit.piece_at(pose), |(y, z), inside| {
             contact.overlap += inside.count_ones();
-            normal += self.empty_directions(y, z, inside);
+            normal += self.sum_directions_to_empty((y, z), inside);
             for x in inside.iter_ones() {
-                let p = glam::I64Vec3::new(voxel_centre(x), voxel_centre(y), voxel_centre(z))
-                    - position;
-                contact.depth = contact.depth.max(bit.inner_distance(&axes, p));
+                let p = glam::I64Vec3::new(
+                    voxel_centre_subunits(x),
+                    voxel_centre_subunits(y),
+                    voxel_centre_subunits(z),
+                ) - position;
+                contact.depth = contact.depth.max(bit.depth_subunits_at(&axes, p));
             }
         });
         contact.normal = normal.as_vec3().normalize_or_zero();
@@ -96,64 +106,70 @@ where
     /// blocking voxels to its centre. A bit that is too deep already may only move without going
     /// deeper, or leave the volume at an exit farther along the path.
     ///
-    /// `max_steps` limits the path traversal; see [`crate::limits::max_walk_steps`].
+    /// `max_steps` limits the path traversal; see [`crate::limits::max_bit_steps_per_tick`].
     #[must_use]
     pub fn freeze_bit(
         &self,
         bit: &GridBit,
         from: &Pose,
-        raw: &Pose,
+        wanted: &Pose,
         max_steps: u32,
     ) -> FreezeResult {
         let mut steps_left = max_steps;
-        let (pose, blocked) = self.move_and_slide(bit, from, raw, &mut steps_left);
+        let SlideResult { pose, blocked } = self.move_and_slide(bit, from, wanted, &mut steps_left);
         FreezeResult { pose, blocked, steps: max_steps - steps_left }
     }
 
-    /// Up to three paths: toward the raw pose, and two slides. They share the step budget. Returns the
-    /// pose reached and whether the volume stopped the bit.
+    /// Up to three paths: toward the wanted pose, and two slides. They share the step budget.
     fn move_and_slide(
         &self,
         bit: &GridBit,
         from: &Pose,
-        raw: &Pose,
+        wanted: &Pose,
         steps_left: &mut u32,
-    ) -> (Pose, bool) {
-        let (reached, stop) = self.advance_along(bit, from, raw, steps_left);
-        let Some(stop) = stop else {
-            return (reached, false);
+    ) -> SlideResult {
+        let PathAdvance { last_allowed: reached, first_forbidden } =
+            self.advance_along(bit, from, wanted, steps_left);
+        let Some(forbidden) = first_forbidden else {
+            return SlideResult { pose: reached, blocked: false };
         };
-        let remaining = raw.position - reached.position;
-        let mut normal = self.contact_at(bit, &stop).normal;
+        let remaining = wanted.position - reached.position;
+        let mut normal = self.contact_at(bit, &forbidden).normal;
         if normal == Vec3::ZERO {
             normal = -remaining.normalize_or_zero();
         }
         let inward = remaining.dot(normal);
         let target = match inward < 0.0 {
-            true => Pose { position: reached.position + remaining - normal * inward, ..*raw },
+            true => Pose { position: reached.position + remaining - normal * inward, ..*wanted },
             // The remaining path leads outward, so only the rotation was stopped: keep the old one.
-            false => Pose { position: raw.position, ..reached },
+            false => Pose { position: wanted.position, ..reached },
         };
-        let (mut pose, _) = self.advance_along(bit, &reached, &target, steps_left);
-        let wanted = (target.position - reached.position) * STEPS_PER_VOXEL;
-        if pose.position == reached.position && wanted.length_squared() > 1.0 {
-            let away = self.direction_from_blockers(bit, &reached, &stop);
+        let mut pose = self.advance_along(bit, &reached, &target, steps_left).last_allowed;
+        let slide_steps = (target.position - reached.position) * STEPS_PER_VOXEL;
+        if pose.position == reached.position && slide_steps.length_squared() > 1.0 {
+            let away = self.unit_direction_from_blockers(bit, &reached, &forbidden);
             let inward = remaining.dot(away);
             let tangent = if inward < 0.0 { remaining - away * inward } else { remaining };
             let target = Pose { position: reached.position + tangent, ..reached };
-            pose = self.advance_along(bit, &reached, &target, steps_left).0;
+            pose = self.advance_along(bit, &reached, &target, steps_left).last_allowed;
         }
-        (pose, true)
+        SlideResult { pose, blocked: true }
     }
 
-    /// The mean unit direction to the bit's centre from the voxels that forbid the pose `stop`, when it
-    /// comes from `reached`; zero if they cancel out.
-    fn direction_from_blockers(&self, bit: &GridBit, reached: &Pose, stop: &Pose) -> Vec3 {
-        let limit = self.penetration_limit(bit, reached);
+    /// The mean unit direction to the bit's centre from the voxels that forbid the pose `forbidden`, when
+    /// it comes from `last_allowed`; zero if they cancel out.
+    fn unit_direction_from_blockers(
+        &self,
+        bit: &GridBit,
+        last_allowed: &Pose,
+        forbidden: &Pose,
+    ) -> Vec3 {
+        let limit = self.penetration_limit(bit, last_allowed);
         let mut away = glam::I64Vec3::ZERO;
-        self.for_each_depth(bit, stop, |from_centre, depth, masked| {
-            if depth > limit.volume || (masked && depth > limit.mask) {
-                away -= from_centre;
+        self.visit_penetrating_voxels(bit, forbidden, |voxel| {
+            let PenetratingVoxel { offset_from_bit, depth_subunits: depth, is_masked } = voxel;
+            if depth > limit.volume || (is_masked && depth > limit.mask) {
+                away -= offset_from_bit;
             }
         });
         away.as_vec3().normalize_or_zero()

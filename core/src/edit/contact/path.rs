@@ -9,11 +9,11 @@ use core::mem;
 use glam::I64Vec3;
 
 use super::Obstacle;
-use crate::edit::brush::voxel_centre;
+use super::rows::TestedVoxels;
+use crate::edit::brush::voxel_centre_subunits;
 use crate::edit::grid_bit::GridBit;
 use crate::edit::pose::{Pose, SUBUNITS_PER_VOXEL};
-use crate::limits::{EXIT_PROBES, deep_step_cost};
-use crate::volume::range_maps::RangeMaps;
+use crate::limits::{EXIT_PROBES, deep_step_cost_in_steps};
 use crate::volume::row::BitSet;
 use crate::volume::size::{Grid, Size};
 
@@ -21,9 +21,8 @@ impl<const N: usize> Obstacle<'_, N>
 where
     Grid<N>: Size,
 {
-    /// Moves the bit along the interpolated path. Returns the last allowed pose and the first
-    /// forbidden one, `None` where the end of the path or of the step budget comes first. A bit that
-    /// starts too deep may leave the volume at an exit farther along the path.
+    /// Moves the bit along the interpolated path. A bit that starts too deep may leave the volume at an
+    /// exit farther along the path.
     ///
     /// `steps_left` is the remaining budget in steps; a free stretch costs one.
     pub(super) fn advance_along(
@@ -32,8 +31,9 @@ where
         from: &Pose,
         to: &Pose,
         steps_left: &mut u32,
-    ) -> (Pose, Option<Pose>) {
-        let arc = from.angle_to(to) * bit.outer_radius() as f32 / SUBUNITS_PER_VOXEL as f32;
+    ) -> PathAdvance {
+        let arc = from.angle_radians_to(to) * bit.circumscribed_radius_subunits() as f32
+            / SUBUNITS_PER_VOXEL as f32;
         let length = (to.position - from.position).length() + arc;
         let steps = (libm::ceilf(length * STEPS_PER_VOXEL) as u32).max(1);
         let pose_at = |step: u32| from.interpolate(to, step as f32 / steps as f32);
@@ -54,22 +54,23 @@ where
             }
             while step < end && *steps_left > 0 {
                 step += 1;
-                let cost = if limit.is_of_bite(bit) { 1 } else { deep_step_cost(N) };
+                let cost = if limit.is_of_bite(bit) { 1 } else { deep_step_cost_in_steps(N) };
                 *steps_left = steps_left.saturating_sub(cost);
                 let next = pose_at(step);
                 if self.is_allowed(bit, &next, limit) {
-                    limit = limit.after_step(bit, || self.penetration_limit(bit, &next));
+                    limit =
+                        limit.remeasured_if_too_deep(bit, || self.penetration_limit(bit, &next));
                     reached = next;
                     continue;
                 }
-                let probes = exit_probes(step, steps);
-                let Some(exit) = self.find_exit(bit, limit, &reached, probes, pose_at) else {
-                    return (reached, Some(next));
+                let probes = exit_probe_steps(step, steps);
+                let Some(exit) = self.find_exit_step(bit, limit, &reached, probes, pose_at) else {
+                    return PathAdvance { last_allowed: reached, first_forbidden: Some(next) };
                 };
                 (step, reached, limit) = (exit, pose_at(exit), PenetrationLimit::of_bite(bit));
             }
         }
-        (reached, None)
+        PathAdvance { last_allowed: reached, first_forbidden: None }
     }
 
     /// The depth allowed at the next step: the bite, or the present depth where that is greater.
@@ -78,63 +79,68 @@ where
         if self.is_allowed(bit, pose, limit) {
             return limit;
         }
-        self.for_each_depth(bit, pose, |_, depth, masked| {
-            limit.volume = limit.volume.max(depth);
-            if masked {
-                limit.mask = limit.mask.max(depth);
+        self.visit_penetrating_voxels(bit, pose, |voxel| {
+            limit.volume = limit.volume.max(voxel.depth_subunits);
+            if voxel.is_masked {
+                limit.mask = limit.mask.max(voxel.depth_subunits);
             }
         });
         limit
     }
 
-    /// Calls `each` for every occupied voxel centre in the bit with its offset from the bit's centre
-    /// and its depth in the bit, both in fixed point, and whether the mask protects it.
-    pub(super) fn for_each_depth(
+    /// Calls `visit` for every occupied voxel whose centre is in the bit.
+    pub(super) fn visit_penetrating_voxels(
         &self,
         bit: &GridBit,
         pose: &Pose,
-        mut each: impl FnMut(I64Vec3, i32, bool),
+        mut visit: impl FnMut(PenetratingVoxel),
     ) {
-        let (position, axes) = (pose.fixed_position().as_i64vec3(), pose.fixed_axes());
-        self.for_each_row(&bit.piece_at(pose), |y, z, inside| {
+        let (position, axes) = (pose.position_subunits().as_i64vec3(), pose.unit_axes_q14());
+        self.visit_occupied_rows(&bit.piece_at(pose), |(y, z), inside| {
             let held = self.mask.map(|mask| mask.occupied_among((y, z), inside));
             for x in inside.iter_ones() {
-                let p = I64Vec3::new(voxel_centre(x), voxel_centre(y), voxel_centre(z)) - position;
-                let held = held.is_some_and(|held| held.contains(x));
-                each(p, bit.inner_distance(&axes, p), held);
+                let p = I64Vec3::new(
+                    voxel_centre_subunits(x),
+                    voxel_centre_subunits(y),
+                    voxel_centre_subunits(z),
+                ) - position;
+                let is_masked = held.is_some_and(|held| held.contains(x));
+                let depth_subunits = bit.depth_subunits_at(&axes, p);
+                visit(PenetratingVoxel { offset_from_bit: p, depth_subunits, is_masked });
             }
         });
     }
 
     /// Exit search for a bit that is too deep and whose next step would take it deeper: the first of
-    /// the `probes` (steps of the path) at which the bit sits no deeper than its bite. `None` where
+    /// the `probe_steps` of the path at which the bit sits no deeper than its bite. `None` where
     /// there is none, or where the bit isn't too deep.
     ///
     /// A bit whose centre lies outside the material is stopped by its sides alone. Its centre must
     /// reach the exit through empty space, so the search ends at the first probe that it can't reach.
-    fn find_exit(
+    fn find_exit_step(
         &self,
         bit: &GridBit,
         limit: PenetrationLimit,
-        reached: &Pose,
-        mut probes: impl Iterator<Item = u32>,
-        pose_at: impl Fn(u32) -> Pose,
+        last_allowed: &Pose,
+        mut probe_steps: impl Iterator<Item = u32>,
+        pose_at_step: impl Fn(u32) -> Pose,
     ) -> Option<u32> {
         let bite = PenetrationLimit::of_bite(bit);
-        let is_exit = |probe: &u32| self.is_allowed(bit, &pose_at(*probe), bite);
+        let is_exit = |probe: &u32| self.is_allowed(bit, &pose_at_step(*probe), bite);
         if limit.is_of_bite(bit) {
             return None;
         }
-        if limit.is_buried(bit) {
-            return probes.find(is_exit);
+        if limit.may_bury_centre(bit) {
+            return probe_steps.find(is_exit);
         }
-        let centre_only = PenetrationLimit { volume: bit.inner_radius() - HALF_DIAGONAL, ..limit };
-        let mut last = *reached;
+        let centre_only =
+            PenetrationLimit { volume: bit.inscribed_radius_subunits() - HALF_DIAGONAL, ..limit };
+        let mut last = *last_allowed;
         let is_reachable = |probe: &u32| {
-            let from = mem::replace(&mut last, pose_at(*probe));
+            let from = mem::replace(&mut last, pose_at_step(*probe));
             self.is_path_surely_free(bit, &from, &last, centre_only)
         };
-        probes.take_while(is_reachable).find(is_exit)
+        probe_steps.take_while(is_reachable).find(is_exit)
     }
 
     /// Whether no voxel stops a bit of this limit between two poses of its path. Conservative: the
@@ -146,36 +152,71 @@ where
         to: &Pose,
         limit: PenetrationLimit,
     ) -> bool {
-        self.is_clear(limit, |level, mask| {
-            let swept = bit.swept_brush_deeper_than(level, from, to);
-            swept.is_some_and(|brush| self.brush_hits(&brush, mask))
+        self.is_within_limit(limit, |test| {
+            let swept = bit.swept_brush_deeper_than(test.deeper_than_subunits, from, to);
+            swept.is_some_and(|brush| self.brush_overlaps(&brush, test.voxels))
         })
     }
 
     /// Whether the bit, at this pose, sits no deeper than the limit.
     fn is_allowed(&self, bit: &GridBit, pose: &Pose, limit: PenetrationLimit) -> bool {
-        self.is_clear(limit, |level, mask| {
-            bit.piece_deeper_than(level, pose).is_some_and(|piece| self.piece_hits(&piece, mask))
+        self.is_within_limit(limit, |test| {
+            bit.piece_deeper_than(test.deeper_than_subunits, pose)
+                .is_some_and(|piece| self.piece_overlaps(&piece, test.voxels))
         })
     }
 
     /// Whether the part of the bit deeper than the limits meets neither the volume nor the mask.
-    /// `meets` takes a depth in fixed point, and the mask for the second test.
-    fn is_clear(
+    /// `overlaps` carries out one of the two tests.
+    fn is_within_limit(
         &self,
         limit: PenetrationLimit,
-        meets: impl Fn(i32, Option<&RangeMaps<N>>) -> bool,
+        overlaps: impl Fn(PenetrationTest<'_, N>) -> bool,
     ) -> bool {
-        !meets(limit.volume, None) && self.mask.is_none_or(|mask| !meets(limit.mask, Some(mask)))
+        let of_volume = PenetrationTest {
+            deeper_than_subunits: limit.volume,
+            voxels: TestedVoxels::AllOccupied,
+        };
+        let of_mask = |mask| PenetrationTest {
+            deeper_than_subunits: limit.mask,
+            voxels: TestedVoxels::OfMask(mask),
+        };
+        !overlaps(of_volume) && self.mask.is_none_or(|mask| !overlaps(of_mask(mask)))
     }
 }
 
 /// The steps at which the exit search tests the rest of a path: at most [`EXIT_PROBES`], spread evenly
-/// over `step + 1..=steps`, the last step among them. `step` is at most `steps`.
-pub fn exit_probes(step: u32, steps: u32) -> impl Iterator<Item = u32> {
-    let left = steps - step;
+/// over `after_step + 1..=last_step`, the last among them. `after_step` is at most `last_step`.
+pub fn exit_probe_steps(after_step: u32, last_step: u32) -> impl Iterator<Item = u32> {
+    let left = last_step - after_step;
     let probes = left.min(EXIT_PROBES);
-    (1..probes + 1).map(move |i| step + left * i / probes)
+    (1..probes + 1).map(move |i| after_step + left * i / probes)
+}
+
+/// How far [`Obstacle::advance_along`] moved a bit.
+pub(super) struct PathAdvance {
+    /// The last pose of the path that the volume allows.
+    pub(super) last_allowed: Pose,
+    /// The pose of the step after it; `None` where the end of the path or of the step budget came
+    /// first.
+    pub(super) first_forbidden: Option<Pose>,
+}
+
+/// An occupied voxel whose centre is in a bit.
+#[derive(Clone, Copy)]
+pub(super) struct PenetratingVoxel {
+    /// From the bit's centre to the voxel's, along the grid's axes, in subunits.
+    pub(super) offset_from_bit: I64Vec3,
+    /// How deep the voxel's centre lies in the bit.
+    pub(super) depth_subunits: i32,
+    /// Whether the mask protects it.
+    pub(super) is_masked: bool,
+}
+
+/// One test of a bit against its limit: does its part deeper than this hold one of these voxels?
+struct PenetrationTest<'a, const N: usize> {
+    deeper_than_subunits: i32,
+    voxels: TestedVoxels<'a, N>,
 }
 
 /// Steps in a voxel's length of path.
@@ -207,7 +248,7 @@ impl PenetrationLimit {
     }
 
     /// The limit after a step. A bit that is too deep is measured again at each step.
-    fn after_step(
+    fn remeasured_if_too_deep(
         self,
         bit: &GridBit,
         measure: impl FnOnce() -> PenetrationLimit,
@@ -217,8 +258,8 @@ impl PenetrationLimit {
 
     /// Whether the bit's centre may lie in an occupied voxel: some voxel's centre is within half a
     /// diagonal of it.
-    fn is_buried(self, bit: &GridBit) -> bool {
-        !self.is_of_bite(bit) && self.volume > bit.inner_radius() - HALF_DIAGONAL
+    fn may_bury_centre(self, bit: &GridBit) -> bool {
+        !self.is_of_bite(bit) && self.volume > bit.inscribed_radius_subunits() - HALF_DIAGONAL
     }
 }
 

@@ -8,9 +8,26 @@ use super::Obstacle;
 use crate::edit::brush::{Brush, BrushBounds, BrushLayer, BrushPiece};
 use crate::edit::grid_bit::GridBit;
 use crate::edit::pose::{Pose, SUBUNITS_PER_VOXEL};
-use crate::volume::range_maps::{Axis, RangeMaps};
+use crate::volume::range_maps::{Axis, RangeMaps, RowAddress};
 use crate::volume::row::BitSet;
 use crate::volume::size::{Grid, Size};
+
+/// The occupied voxels that an intersection test looks for.
+#[derive(Clone, Copy)]
+pub(super) enum TestedVoxels<'a, const N: usize> {
+    /// All of the volume's.
+    AllOccupied,
+    /// Those that belong to a mask.
+    OfMask(&'a RangeMaps<N>),
+}
+
+/// A piece's slice at one y.
+#[derive(Clone, Copy)]
+struct PieceLayers<'a> {
+    piece: &'a BrushLayer<'a>,
+    /// The slice of its bounding ball, tested first as it is cheaper.
+    bounding_ball: Option<&'a BrushLayer<'a>>,
+}
 
 impl<const N: usize> Obstacle<'_, N>
 where
@@ -23,64 +40,71 @@ where
         else {
             return false;
         };
-        self.piece_hits(&piece, Some(mask))
+        self.piece_overlaps(&piece, TestedVoxels::OfMask(mask))
     }
 
-    /// Whether a brush holds an occupied voxel, of `mask` if one is given.
-    pub(super) fn brush_hits(&self, brush: &Brush, mask: Option<&RangeMaps<N>>) -> bool {
-        brush.pieces().any(|piece| self.piece_hits(&piece, mask))
+    /// Whether a brush holds one of the tested voxels.
+    pub(super) fn brush_overlaps(&self, brush: &Brush, tested: TestedVoxels<'_, N>) -> bool {
+        brush.pieces().any(|piece| self.piece_overlaps(&piece, tested))
     }
 
-    /// Whether a piece holds an occupied voxel, of `mask` if one is given.
-    pub(super) fn piece_hits(&self, piece: &BrushPiece, mask: Option<&RangeMaps<N>>) -> bool {
+    /// Whether a piece holds one of the tested voxels.
+    pub(super) fn piece_overlaps(&self, piece: &BrushPiece, tested: TestedVoxels<'_, N>) -> bool {
         let Some(BrushBounds { lo, hi }) = piece.bounds(N) else {
             return false;
         };
         let within: <Grid<N> as Size>::Row = BitSet::span(lo[0], hi[0]);
-        let ball = piece.bounding_ball();
+        let ball = piece.bounding_ball_of_capsule();
         let (first_word, words) = (lo[0] / 64, lo[0] / 64 + 1..hi[0] / 64 + 1);
         let is_near = |row: &<Grid<N> as Size>::Row, i: usize| row.word(i) & within.word(i) != 0;
         (lo[1]..hi[1] + 1).any(|y| {
             let layer = piece.layer(y);
-            let ball = ball.as_ref().map(|ball| ball.layer(y));
-            let Some((first, last)) = layer.row_range(N) else {
+            let ball_layer = ball.as_ref().map(|ball| ball.layer(y));
+            let layers = PieceLayers { piece: &layer, bounding_ball: ball_layer.as_ref() };
+            let Some(z_range) = layer.z_range(N) else {
                 return false;
             };
-            let rows = &self.rows.layer(y)[first..last + 1];
-            iter::zip(first.., rows).any(|(z, row)| {
+            let rows = &self.rows.layer(y)[z_range.first()..z_range.last() + 1];
+            iter::zip(z_range.first().., rows).any(|(z, row)| {
                 // Early out: most rows hold no voxel within the bounds.
                 (is_near(row, first_word) || words.clone().any(|i| is_near(row, i)))
-                    && self.row_hits((&layer, ball.as_ref()), (y, z), *row & within, mask)
+                    && self.row_overlaps(layers, (y, z), *row & within, tested)
             })
         })
     }
 
-    /// Whether row (y, z) of a piece holds one of the voxels `near`, of `mask` if one is given. `ball`
-    /// is a layer of the piece's bounding ball, tested first as it is cheaper.
-    fn row_hits(
+    /// Whether a piece holds one of the occupied voxels `candidates` of row (y, z) that is tested.
+    fn row_overlaps(
         &self,
-        (layer, ball): (&BrushLayer<'_>, Option<&BrushLayer<'_>>),
-        (y, z): (usize, usize),
-        near: <Grid<N> as Size>::Row,
-        mask: Option<&RangeMaps<N>>,
+        layers: PieceLayers<'_>,
+        (y, z): RowAddress,
+        candidates: <Grid<N> as Size>::Row,
+        tested: TestedVoxels<'_, N>,
     ) -> bool {
-        let near = mask.map_or(near, |mask| near & mask.column(Axis::X, (y, z)).to_row());
+        let near = match tested {
+            TestedVoxels::AllOccupied => candidates,
+            TestedVoxels::OfMask(mask) => candidates & mask.column(Axis::X, (y, z)).to_row(),
+        };
         let within = |near: <Grid<N> as Size>::Row, layer: &BrushLayer<'_>| match near.is_empty() {
             true => near,
-            false => layer
-                .voxel_span(z, N)
-                .map_or(<Grid<N> as Size>::Row::EMPTY, |(lo, hi)| near & BitSet::span(lo, hi)),
+            false => layer.x_range(z, N).map_or(<Grid<N> as Size>::Row::EMPTY, |x_range| {
+                near & BitSet::span(x_range.first(), x_range.last())
+            }),
         };
-        let inside = within(ball.map_or(near, |ball| within(near, ball)), layer);
+        let near = layers.bounding_ball.map_or(near, |ball| within(near, ball));
+        let inside = within(near, layers.piece);
         !inside.is_empty()
-            && mask.is_none_or(|mask| !mask.occupied_among((y, z), inside).is_empty())
+            && match tested {
+                TestedVoxels::AllOccupied => true,
+                TestedVoxels::OfMask(mask) => !mask.occupied_among((y, z), inside).is_empty(),
+            }
     }
 
-    /// Calls `each` with y, z and the occupied voxels of each row of a piece that holds any.
-    pub(super) fn for_each_row(
+    /// Calls `visit` with the address and the occupied voxels of each row of a piece that holds any.
+    pub(super) fn visit_occupied_rows(
         &self,
         piece: &BrushPiece,
-        mut each: impl FnMut(usize, usize, <Grid<N> as Size>::Row),
+        mut visit: impl FnMut(RowAddress, <Grid<N> as Size>::Row),
     ) {
         let Some(BrushBounds { lo, hi }) = piece.bounds(N) else {
             return;
@@ -88,29 +112,34 @@ where
         let within: <Grid<N> as Size>::Row = BitSet::span(lo[0], hi[0]);
         for y in lo[1]..hi[1] + 1 {
             let layer = piece.layer(y);
-            let Some((first, last)) = layer.row_range(N) else {
+            let Some(z_range) = layer.z_range(N) else {
                 continue;
             };
-            for (z, row) in iter::zip(first.., &self.rows.layer(y)[first..last + 1]) {
+            let rows = &self.rows.layer(y)[z_range.first()..z_range.last() + 1];
+            for (z, row) in iter::zip(z_range.first().., rows) {
                 let near = *row & within;
                 if near.is_empty() {
                     continue;
                 }
-                if let Some((lo, hi)) = layer.voxel_span(z, N) {
-                    let inside = near & BitSet::span(lo, hi);
+                if let Some(x_range) = layer.x_range(z, N) {
+                    let inside = near & BitSet::span(x_range.first(), x_range.last());
                     if !inside.is_empty() {
-                        each(y, z, inside);
+                        visit((y, z), inside);
                     }
                 }
             }
         }
     }
 
-    /// The sum of the directions from voxels of a row to their empty six-neighbours.
-    pub(super) fn empty_directions(&self, y: usize, z: usize, of: <Grid<N> as Size>::Row) -> IVec3 {
+    /// The sum of the directions from voxels of row (y, z) to their empty six-neighbours.
+    pub(super) fn sum_directions_to_empty(
+        &self,
+        (y, z): RowAddress,
+        voxels: <Grid<N> as Size>::Row,
+    ) -> IVec3 {
         let empty = |row: Option<<Grid<N> as Size>::Row>| match row {
-            Some(row) => (of & !row).count_ones() as i32,
-            None => of.count_ones() as i32,
+            Some(row) => (voxels & !row).count_ones() as i32,
+            None => voxels.count_ones() as i32,
         };
         let row = |y: usize, z: usize| (y < N && z < N).then(|| self.rows.row(y, z));
         let here = self.rows.row(y, z);

@@ -3,6 +3,7 @@
 use super::{IslandSearch, SearchPhase};
 use crate::codec::bytes::{BadBytes, ByteReader, ByteWriter};
 use crate::codec::digest::{DIGEST_KEYS, mix_bits};
+use crate::volume::range_maps::RowAddress;
 use crate::volume::row::BitSet;
 use crate::volume::size::{Grid, Size};
 
@@ -24,7 +25,7 @@ where
         if self.phase == SearchPhase::Sweep {
             for y in 0..N {
                 for (z, row) in self.reached.layer(y).iter().enumerate() {
-                    sum = sum.wrapping_add(hash_row(y, z, *row));
+                    sum = sum.wrapping_add(hash_row((y, z), *row));
                 }
             }
         }
@@ -35,7 +36,7 @@ where
         let mut sum = reached_sum;
         if self.phase == SearchPhase::Sweep {
             for (y, row) in self.queued.iter().enumerate() {
-                sum = sum.wrapping_add(hash_row(N, y, *row));
+                sum = sum.wrapping_add(hash_row((N, y), *row));
             }
         }
         let flags = [self.phase as u8, self.pending.into(), self.cursor, 0];
@@ -75,7 +76,7 @@ where
     /// # Errors
     /// [`BadBytes`] where the bytes end early or say what no pass does; no pass is in flight then.
     pub fn load(&mut self, bytes: &mut ByteReader<'_>) -> Result<(), BadBytes> {
-        self.abort_pass();
+        self.cancel_passes();
         self.kept_sum = 0;
         let flags = bytes.u8()?;
         if flags > 3 {
@@ -83,7 +84,7 @@ where
         }
         let kept_sum = bytes.u64()?;
         if flags & 1 != 0 {
-            self.load_pass(bytes).inspect_err(|_| self.stop_pass())?;
+            self.load_pass(bytes).inspect_err(|_| self.end_running_pass())?;
             self.phase = SearchPhase::Sweep;
         }
         self.kept_sum = kept_sum;
@@ -109,7 +110,7 @@ where
                 if row.is_empty() {
                     return Err(bytes.error_here("a row that holds voxels"));
                 }
-                self.mark_reached(y, z, row);
+                self.mark_reached((y, z), row);
             }
         }
         Ok(())
@@ -119,24 +120,24 @@ where
 /// Linear hash of row (y, z): the sum of its words, each times its own key. The hashes of disjoint sets
 /// of voxels add up to that of their union.
 #[inline]
-pub(super) fn hash_row<R: BitSet>(y: usize, z: usize, row: R) -> u64 {
-    scale_layer_hash(y, hash_row_in_layer(z, row))
+pub(super) fn hash_row<R: BitSet>((y, z): RowAddress, voxels: R) -> u64 {
+    layer_hash_from_sum(y, hash_row_in_layer(z, voxels))
 }
 
 #[inline]
-pub(super) fn hash_row_in_layer<R: BitSet>(z: usize, row: R) -> u64 {
+pub(super) fn hash_row_in_layer<R: BitSet>(z: usize, voxels: R) -> u64 {
     let mut sum = 0u64;
     for i in 0..R::WORDS {
         let key = DIGEST_KEYS[z].rotate_left(13 * i as u32);
-        sum = sum.wrapping_add(row.word(i).wrapping_mul(key));
+        sum = sum.wrapping_add(voxels.word(i).wrapping_mul(key));
     }
     sum
 }
 
 /// Scales the sum of [`hash_row_in_layer`] over rows of layer `y` to the layer's part of the hash.
 #[inline]
-pub(super) fn scale_layer_hash(y: usize, sum: u64) -> u64 {
-    sum.wrapping_mul(mix_bits(DIGEST_KEYS[y]))
+pub(super) fn layer_hash_from_sum(y: usize, sum_of_rows: u64) -> u64 {
+    sum_of_rows.wrapping_mul(mix_bits(DIGEST_KEYS[y]))
 }
 
 fn write_row<R: BitSet>(out: &mut ByteWriter<'_>, row: R) {

@@ -14,14 +14,14 @@
 mod bytes;
 mod removal;
 
-use crate::limits::{island_removal_row_visits, mask_layout_cost};
+use crate::limits::{island_removal_row_visits, mask_layout_row_visits};
 use crate::volume::bit_grid::BitGrid;
 use crate::volume::editable::Volume;
 use crate::volume::journal::Journal;
-use crate::volume::range_maps::{Axis, RangeMaps};
+use crate::volume::range_maps::{Axis, RangeMaps, RowAddress};
 use crate::volume::row::BitSet;
 use crate::volume::size::{Grid, Size};
-use bytes::{hash_row, hash_row_in_layer, scale_layer_hash};
+use bytes::{hash_row, hash_row_in_layer, layer_hash_from_sum};
 
 /// The result of a finished pass.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
@@ -33,6 +33,27 @@ pub struct IslandReport {
     pub kept: u32,
     /// Neither the ground layer nor the mask holds a voxel. Nothing was removed.
     pub unsupported: bool,
+}
+
+/// Rows of a layer as bits of one word of z: bit i of word k is the row at z = 64 k + i.
+type RowsOfWord = u64;
+
+/// Open rows about one word of a layer.
+struct OpenRows {
+    /// Those of the word itself.
+    here: RowsOfWord,
+    /// The last row of the word before, as the bit of the row that it adjoins.
+    last_before: RowsOfWord,
+    /// The first row of the word after, likewise.
+    first_after: RowsOfWord,
+}
+
+/// The result of visiting a row.
+struct RowVisit<R> {
+    /// The voxels that it marked as reached.
+    newly_reached: R,
+    /// Whether no unreached voxels remain in the row.
+    is_all_reached: bool,
 }
 
 /// The phase of a pass.
@@ -97,29 +118,29 @@ where
     }
 
     /// Counts voxels of row (y, z) that are about to be occupied as reached; see [`Journal::record_added`].
-    pub fn add_voxels(&mut self, (y, z): (usize, usize), voxels: <Grid<N> as Size>::Row) {
+    pub fn mark_added_as_reached(&mut self, (y, z): RowAddress, voxels: <Grid<N> as Size>::Row) {
         // Reached voxels have queued their neighbours already. Queueing them again would let a user who
         // fills and carves one voxel for ever keep the pass from ending.
         let new = voxels & !self.reached.row(y, z);
         if self.phase == SearchPhase::Idle || new.is_empty() {
             return;
         }
-        self.mark_reached(y, z, new);
-        self.queue_row_if(true, y, z);
-        for (y, z) in neighbour_rows::<N>(y, z) {
-            self.queue_row_if(true, y, z);
+        self.mark_reached((y, z), new);
+        self.queue_row_if(true, (y, z));
+        for row in neighbour_rows::<N>((y, z)) {
+            self.queue_row_if(true, row);
         }
     }
 
     /// Cancels the running and the requested pass, as the volume was replaced as a whole.
-    pub fn abort_pass(&mut self) {
-        self.stop_pass();
+    pub fn cancel_passes(&mut self) {
+        self.end_running_pass();
         self.pending = false;
     }
 
     /// Returns to the initial state: no pass, none requested, nothing reported as kept.
     pub fn reset(&mut self) {
-        self.abort_pass();
+        self.cancel_passes();
         self.kept_sum = 0;
     }
 
@@ -129,8 +150,8 @@ where
         self.pending || matches!(self.phase, SearchPhase::Sweep)
     }
 
-    /// Begins a pass if one is called for, which takes [`mask_layout_cost`] where there is a mask, and
-    /// carries it on by what is left of `budget`, in row visits. When
+    /// Begins a pass if one is called for, which takes [`mask_layout_row_visits`] where there is a mask, and
+    /// carries it on by what is left of `max_row_visits`. When
     /// it ends, all islands go at once and its report comes back. The removal is left to the next
     /// call if the visits left to this one are fewer than [`island_removal_row_visits`].
     ///
@@ -139,10 +160,10 @@ where
         &mut self,
         volume: &mut Volume<N>,
         mask: &RangeMaps<N>,
-        budget: u32,
+        max_row_visits: u32,
         journal: &mut impl Journal<N>,
     ) -> Option<IslandReport> {
-        let mut budget = budget;
+        let mut visits_left = max_row_visits;
         let begins = self.phase == SearchPhase::Idle;
         if begins {
             if !self.pending {
@@ -154,12 +175,12 @@ where
             }
             self.begin_pass(volume, mask);
             if !mask.is_empty() {
-                budget = budget.saturating_sub(mask_layout_cost(N));
+                visits_left = visits_left.saturating_sub(mask_layout_row_visits(N));
             }
         }
         let waited = !begins && self.layers.is_empty();
-        let left = self.sweep_queue(volume.rows(), budget);
-        if !self.layers.is_empty() || (left < island_removal_row_visits(N) && !waited) {
+        self.sweep_queue(volume.rows(), &mut visits_left);
+        if !self.layers.is_empty() || (visits_left < island_removal_row_visits(N) && !waited) {
             return None;
         }
         let report = if has_no_support(volume, mask) {
@@ -167,7 +188,7 @@ where
         } else {
             self.remove_islands(volume, journal)
         };
-        self.stop_pass();
+        self.end_running_pass();
         Some(report)
     }
 }
@@ -192,7 +213,7 @@ where
             let rows = self.reached.layer(y).iter().enumerate().filter(|(_, row)| !row.is_empty());
             let sum =
                 rows.fold(0, |sum: u64, (z, row)| sum.wrapping_add(hash_row_in_layer(z, *row)));
-            self.reached_sum = self.reached_sum.wrapping_add(scale_layer_hash(y, sum));
+            self.reached_sum = self.reached_sum.wrapping_add(layer_hash_from_sum(y, sum));
         }
         for y in 1..N {
             self.queued[y] = volume.maps().occupied_columns(Axis::X, y);
@@ -203,104 +224,106 @@ where
         self.phase = SearchPhase::Sweep;
     }
 
-    /// Visits queued rows layer by layer in cyclic order, each layer until it has none left. `budget`
-    /// is in row visits; returns what is left of it.
-    fn sweep_queue(&mut self, rows: &BitGrid<N>, budget: u32) -> u32 {
-        let mut left = budget;
+    /// Visits queued rows layer by layer in cyclic order, each layer until it has none left. Each takes
+    /// one from `visits_left`.
+    fn sweep_queue(&mut self, rows: &BitGrid<N>, visits_left: &mut u32) {
         while let Some(y) = next_set_cyclic(self.layers, self.cursor.into()) {
             self.cursor = y as u8;
-            if left == 0 {
+            if *visits_left == 0 {
                 break;
             }
-            for i in 0..<Grid<N> as Size>::Row::WORDS {
-                if self.queued[y].word(i) != 0 {
-                    left = self.visit_queued_rows(rows, y, i, left);
+            for z_word in 0..<Grid<N> as Size>::Row::WORDS {
+                if self.queued[y].word(z_word) != 0 {
+                    self.visit_queued_rows(rows, y, z_word, visits_left);
                 }
             }
             if self.queued[y].is_empty() {
                 self.layers.toggle(y);
             }
         }
-        left
     }
 
-    /// Visits the queued rows of word `i` of layer `y`, lowest first, including those queued meanwhile.
-    /// `budget` is in row visits; returns what is left of it.
-    fn visit_queued_rows(&mut self, rows: &BitGrid<N>, y: usize, i: usize, budget: u32) -> u32 {
-        let mut left = budget;
-        let mut todo = self.queued[y].word(i);
+    /// Visits the queued rows of one word of layer `y`, lowest first, including those queued meanwhile.
+    /// Each takes one from `visits_left`.
+    fn visit_queued_rows(
+        &mut self,
+        rows: &BitGrid<N>,
+        y: usize,
+        z_word: usize,
+        visits_left: &mut u32,
+    ) {
+        let mut left = *visits_left;
+        let mut todo = self.queued[y].word(z_word);
         let mut sum = 0u64;
         let [below, above] = [y.saturating_sub(1), if y + 1 < N { y + 1 } else { y }];
-        let beside = (self.open[below] | self.open[above]).word(i);
-        let (mut open, before, after) = self.open_rows_around(y, i);
+        let beside = (self.open[below] | self.open[above]).word(z_word);
+        let OpenRows { here: mut open, last_before: before, first_after: after } =
+            self.open_rows_around(y, z_word);
         while todo != 0 && left > 0 {
-            let z = i * 64 + todo.trailing_zeros() as usize;
+            let z = z_word * 64 + todo.trailing_zeros() as usize;
             let bit = todo & todo.wrapping_neg();
             todo ^= bit;
             left -= 1;
-            let (new, all) = self.visit_row(rows, y, z);
+            let RowVisit { newly_reached: new, is_all_reached } = self.visit_row(rows, (y, z));
             sum = sum.wrapping_add(hash_row_in_layer(z, new));
-            open = if all { open & !bit } else { open | bit };
+            open = if is_all_reached { open & !bit } else { open | bit };
             let near = beside | open << 1 | before | open >> 1 | after;
             if near & bit != 0 && !new.is_empty() {
-                todo |= self.queue_neighbours(rows, (y, z), new, i);
+                todo |= self.queue_neighbours_outside_word(rows, (y, z), new, z_word);
             }
         }
-        self.reached_sum = self.reached_sum.wrapping_add(scale_layer_hash(y, sum));
+        self.reached_sum = self.reached_sum.wrapping_add(layer_hash_from_sum(y, sum));
         // Rows of this word were queued in `todo`, rows of the words beside in the queue.
-        self.queued[y].set_word(i, todo);
-        self.open[y].set_word(i, open);
-        left
+        self.queued[y].set_word(z_word, todo);
+        self.open[y].set_word(z_word, open);
+        *visits_left = left;
     }
 
-    /// Word `i` of the open rows of layer `y`, and the adjacent bits of the words before and after it,
-    /// shifted to the bit of the row that they adjoin.
+    /// The open rows of one word of layer `y`, and those next to it.
     #[inline]
-    fn open_rows_around(&self, y: usize, i: usize) -> (u64, u64, u64) {
-        let open = self.open[y];
+    fn open_rows_around(&self, y: usize, z_word: usize) -> OpenRows {
+        let (open, i) = (self.open[y], z_word);
         let before = if i > 0 { open.word(i - 1) >> 63 } else { 0 };
         let after = if i + 1 < <Grid<N> as Size>::Row::WORDS { open.word(i + 1) << 63 } else { 0 };
-        (open.word(i), before, after)
+        OpenRows { here: open.word(i), last_before: before, first_after: after }
     }
 
-    /// Marks the runs of row (y, z) that touch reached voxels as reached. Returns them, and whether no
-    /// unreached voxels remain in the row.
+    /// Marks the runs of row (y, z) that touch reached voxels as reached.
     #[inline]
     fn visit_row(
         &mut self,
         rows: &BitGrid<N>,
-        y: usize,
-        z: usize,
-    ) -> (<Grid<N> as Size>::Row, bool) {
+        (y, z): RowAddress,
+    ) -> RowVisit<<Grid<N> as Size>::Row> {
         let reached = self.reached.row(y, z);
         let medium = rows.row(y, z) & !reached;
         let mut seeds = reached.shifted_up() | reached.shifted_down();
-        for (y, z) in neighbour_rows::<N>(y, z) {
+        for (y, z) in neighbour_rows::<N>((y, z)) {
             seeds |= self.reached.row(y, z);
         }
         let new = medium.flood_from(seeds);
         *self.reached.row_mut(y, z) = reached | new;
-        (new, new == medium)
+        RowVisit { newly_reached: new, is_all_reached: new == medium }
     }
 
-    /// Queues the neighbour rows of (y, z) with unreached voxels next to its newly reached voxels `new`.
-    /// Those in the same word `i` of the same layer are returned instead, as bits of that word.
+    /// Queues the neighbour rows of (y, z) with unreached voxels next to its newly reached voxels.
+    /// Those in the same word of the same layer are returned instead.
     #[cold]
-    fn queue_neighbours(
+    fn queue_neighbours_outside_word(
         &mut self,
         rows: &BitGrid<N>,
-        (y, z): (usize, usize),
-        new: <Grid<N> as Size>::Row,
-        i: usize,
-    ) -> u64 {
+        (y, z): RowAddress,
+        newly_reached: <Grid<N> as Size>::Row,
+        z_word: usize,
+    ) -> RowsOfWord {
         let mut todo = 0;
-        for (beside_y, beside_z) in neighbour_rows::<N>(y, z) {
+        for (beside_y, beside_z) in neighbour_rows::<N>((y, z)) {
             let left = rows.row(beside_y, beside_z) & !self.reached.row(beside_y, beside_z);
-            let woken = !(left & new).is_empty();
-            if beside_y == y && beside_z / 64 == i {
+            let woken = !(left & newly_reached).is_empty();
+            if beside_y == y && beside_z / 64 == z_word {
                 todo |= u64::from(woken) << (beside_z % 64);
             } else {
-                self.queue_row_if(woken, beside_y, beside_z);
+                self.queue_row_if(woken, (beside_y, beside_z));
             }
         }
         todo
@@ -308,19 +331,19 @@ where
 
     /// Marks unreached voxels of row (y, z) as reached.
     #[inline]
-    fn mark_reached(&mut self, y: usize, z: usize, new: <Grid<N> as Size>::Row) {
-        *self.reached.row_mut(y, z) |= new;
-        self.reached_sum = self.reached_sum.wrapping_add(hash_row(y, z, new));
+    fn mark_reached(&mut self, (y, z): RowAddress, unreached: <Grid<N> as Size>::Row) {
+        *self.reached.row_mut(y, z) |= unreached;
+        self.reached_sum = self.reached_sum.wrapping_add(hash_row((y, z), unreached));
     }
 
     #[inline]
-    fn queue_row_if(&mut self, is_needed: bool, y: usize, z: usize) {
+    fn queue_row_if(&mut self, is_needed: bool, (y, z): RowAddress) {
         self.queued[y].insert_if(is_needed, z);
         self.layers.insert_if(is_needed, y);
     }
 
     /// Ends the running pass without a result.
-    fn stop_pass(&mut self) {
+    fn end_running_pass(&mut self) {
         self.queued.fill(<Grid<N> as Size>::Row::EMPTY);
         self.layers = <Grid<N> as Size>::Row::EMPTY;
         self.open.fill(<Grid<N> as Size>::Row::EMPTY);
@@ -342,7 +365,7 @@ where
 /// neighbour is replaced by the row itself, which is harmless: a row doesn't seed itself, and has no
 /// unreached voxels where it was just reached.
 #[inline]
-fn neighbour_rows<const N: usize>(y: usize, z: usize) -> [(usize, usize); 4] {
+fn neighbour_rows<const N: usize>((y, z): RowAddress) -> [RowAddress; 4] {
     let before = |i: usize| i.saturating_sub(1);
     let after = |i: usize| if i + 1 < N { i + 1 } else { i };
     [(before(y), z), (after(y), z), (y, before(z)), (y, after(z))]

@@ -6,7 +6,7 @@ use super::{IslandReport, IslandSearch};
 use crate::volume::editable::Volume;
 use crate::volume::journal::Journal;
 use crate::volume::range::Range;
-use crate::volume::range_maps::{Axis, Column};
+use crate::volume::range_maps::{Axis, Column, ColumnsBeyond};
 use crate::volume::row::BitSet;
 use crate::volume::size::{Grid, Size};
 
@@ -15,7 +15,7 @@ use crate::volume::size::{Grid, Size};
 struct IslandLine<R> {
     /// The columns.
     columns: R,
-    /// The first and the last row of islands, by their place along the columns.
+    /// The first and the last row of islands, by their position along the columns.
     first: usize,
     last: usize,
 }
@@ -23,13 +23,13 @@ struct IslandLine<R> {
 impl<R: BitSet> IslandLine<R> {
     const NOWHERE: Self = IslandLine { columns: R::EMPTY, first: 0, last: 0 };
 
-    /// Adds a row of islands. Rows must come in ascending order of `place` along the columns.
+    /// Adds a row of islands. Rows must come in ascending order of their position along the columns.
     #[inline]
-    fn add_row(&mut self, columns: R, place: usize) {
+    fn add_row(&mut self, columns: R, position: usize) {
         if self.columns.is_empty() {
-            self.first = place;
+            self.first = position;
         }
-        self.last = place;
+        self.last = position;
         self.columns |= columns;
     }
 }
@@ -52,9 +52,15 @@ where
                 continue;
             }
             let mut along_z = IslandLine::NOWHERE;
-            missed += self.tighten_rows(volume, y, &mut along_z, &mut along_y, journal);
+            missed += self.tighten_rows_counting_unreached(
+                volume,
+                y,
+                &mut along_z,
+                &mut along_y,
+                journal,
+            );
             let rest = self.tighten_line(volume, Axis::Z, y, &along_z, journal);
-            doubtful += self.drop_unreached_layer(volume, y, rest);
+            doubtful += self.remove_unreached_counting_doubtful(volume, y, rest);
         }
         if missed == 0 {
             self.kept_sum = 0;
@@ -64,9 +70,9 @@ where
         for (z, (line, rest)) in along_y.iter().zip(&mut rests).enumerate() {
             *rest = self.tighten_line(volume, Axis::Y, z, line, journal);
         }
-        let (kept, kept_sum) = self.close_open_rows(volume, &rests, doubtful);
-        let known = kept_sum == self.kept_sum;
-        self.kept_sum = kept_sum;
+        let KeptVoxels { count: kept, hash } = self.close_in_open_rows(volume, &rests, doubtful);
+        let known = hash == self.kept_sum;
+        self.kept_sum = hash;
         let removed = missed - kept;
         IslandReport { removed, kept: if known { 0 } else { kept }, unsupported: false }
     }
@@ -74,7 +80,7 @@ where
     /// Tightens the columns along x of layer `y` and notes which columns along y and z lose voxels.
     /// Rows without reached voxels are emptied at once; of the others only those with islands stay
     /// open. Returns the number of unreached voxels.
-    fn tighten_rows(
+    fn tighten_rows_counting_unreached(
         &mut self,
         volume: &mut Volume<N>,
         y: usize,
@@ -130,17 +136,19 @@ where
             let (y, z) = if axis == Axis::Y { (i, line) } else { (line, i) };
             volume.rows().row(y, z) & self.reached.row(y, z)
         };
-        let (below, above) = volume.maps().columns_beyond(axis, line, columns, first, last);
+        let ColumnsBeyond { below_first: below, above_last: above } =
+            volume.maps().columns_beyond(axis, line, columns, first, last);
         let mut new = *volume.maps().line(axis, line);
         let within = columns & !below & !above;
-        let (empty, mut changed) =
-            find_range_ends(within, first..=last, reached, &mut new, Range::with_first);
+        let EndScan { empty, mut changed } =
+            move_range_ends(within, first..=last, reached, &mut new, Range::with_first);
         let rest = columns & !empty;
         let on = first..=N - 1;
-        changed |=
-            empty | find_range_ends(above & !below, on, reached, &mut new, Range::with_first).1;
+        changed |= empty
+            | move_range_ends(above & !below, on, reached, &mut new, Range::with_first).changed;
         let back = (0..=last).rev();
-        changed |= find_range_ends(rest & !above, back, reached, &mut new, Range::with_last).1;
+        changed |=
+            move_range_ends(rest & !above, back, reached, &mut new, Range::with_last).changed;
         for run in empty.iter_runs() {
             new[run.first()..=run.last()].fill(Column::EMPTY);
         }
@@ -151,16 +159,17 @@ where
     /// Removes the unreached voxels of layer `y`, except in rows where closure may keep some, that is
     /// where the ranges along x and z still cover them. Only those rows stay open. Returns the number of
     /// such voxels.
-    fn drop_unreached_layer(
+    fn remove_unreached_counting_doubtful(
         &mut self,
         volume: &mut Volume<N>,
         y: usize,
-        along_z: <Grid<N> as Size>::Row,
+        nonempty_along_z: <Grid<N> as Size>::Row,
     ) -> usize {
         let mut doubtful = 0;
         for z in self.open[y].iter_ones() {
             let (here, reached) = (volume.rows().row(y, z), self.reached.row(y, z));
-            let held = here & !reached & along_z & volume.maps().column(Axis::X, (y, z)).to_row();
+            let along_x = volume.maps().column(Axis::X, (y, z)).to_row();
+            let held = here & !reached & nonempty_along_z & along_x;
             if held.is_empty() {
                 self.open[y].toggle(z);
                 *volume.rows_mut().row_mut(y, z) = here & reached;
@@ -171,16 +180,16 @@ where
         doubtful
     }
 
-    /// Updates the open rows from the maps. Returns the number of unreached voxels that closure keeps,
-    /// and their linear hash.
-    fn close_open_rows(
+    /// Updates the open rows from the maps. Returns the unreached voxels that closure keeps.
+    /// `nonempty_along_y` is by z, `doubtful_voxels` their number at most.
+    fn close_in_open_rows(
         &mut self,
         volume: &mut Volume<N>,
-        along_y: &[<Grid<N> as Size>::Row; N],
-        doubtful: usize,
-    ) -> (u32, u64) {
+        nonempty_along_y: &[<Grid<N> as Size>::Row; N],
+        doubtful_voxels: usize,
+    ) -> KeptVoxels {
         // Voxel by voxel for few, all columns at once for many.
-        let many = doubtful > 4 * N * N;
+        let many = doubtful_voxels > 4 * N * N;
         if many {
             volume.rebuild_rows();
         }
@@ -190,45 +199,60 @@ where
                 let (here, reached) = (volume.rows().row(y, z), self.reached.row(y, z));
                 let mut closed = here & !reached;
                 if !many {
-                    closed = volume.maps().occupied_among((y, z), closed & along_y[z]);
+                    closed = volume.maps().occupied_among((y, z), closed & nonempty_along_y[z]);
                     *volume.rows_mut().row_mut(y, z) = here & reached | closed;
                 }
                 kept += closed.count_ones();
-                sum = sum.wrapping_add(hash_row(y, z, closed));
+                sum = sum.wrapping_add(hash_row((y, z), closed));
             }
         }
         // Even keys shift high bits out: no set but the empty one has the empty one's hash.
         if kept != 0 && sum == 0 {
             sum = 1;
         }
-        (kept, sum)
+        KeptVoxels { count: kept, hash: sum }
     }
 }
 
-/// Scans rows in the given order and moves one end of each column's range to the first row that is set
-/// there. Returns the columns that are set in no row, and those whose range changed.
+/// Unreached voxels that closure keeps.
+struct KeptVoxels {
+    count: u32,
+    /// Their linear hash; 0 for none alone.
+    hash: u64,
+}
+
+/// What a scan for range ends found.
+struct EndScan<R> {
+    /// Columns that are set in no row.
+    empty: R,
+    /// Columns whose range changed.
+    changed: R,
+}
+
+/// Scans rows in the given order of positions along the columns and moves one end of each column's range
+/// to the first row that is set there. `with_end` gives a range this end.
 #[inline]
-fn find_range_ends<R: BitSet, const N: usize>(
+fn move_range_ends<R: BitSet, const N: usize>(
     mut columns: R,
-    order: impl Iterator<Item = usize>,
-    row: impl Fn(usize) -> R,
+    positions: impl Iterator<Item = usize>,
+    row_at: impl Fn(usize) -> R,
     line: &mut [Column; N],
-    end: impl Fn(Range, usize) -> Range,
-) -> (R, R) {
+    with_end: impl Fn(Range, usize) -> Range,
+) -> EndScan<R> {
     let mut changed = R::EMPTY;
-    for i in order {
+    for position in positions {
         if columns.is_empty() {
             break;
         }
-        let found = columns & row(i);
+        let found = columns & row_at(position);
         if !found.is_empty() {
             for place in found.iter_ones() {
-                let range = end(line[place].0[0], i);
+                let range = with_end(line[place].0[0], position);
                 changed.insert_if(line[place].0[0] != range, place);
                 line[place] = Column([range]);
             }
             columns &= !found;
         }
     }
-    (columns, changed)
+    EndScan { empty: columns, changed }
 }

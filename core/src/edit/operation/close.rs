@@ -1,10 +1,10 @@
 //! Closure after an edit: occupies every voxel that all three ranges hold.
 
-use super::pass::{EditPass, iter_voxels, span_words};
+use super::pass::{EditPass, iter_voxels, word_window_of_span};
 use super::{EditOperation, LineFlips};
 use crate::edit::brush::BrushBounds;
 use crate::volume::journal::Journal;
-use crate::volume::range_maps::Axis;
+use crate::volume::range_maps::{Axis, RowAddress};
 use crate::volume::row::{BitRow, BitSet};
 use crate::volume::size::{Grid, Size};
 
@@ -14,56 +14,56 @@ where
 {
     /// Restores removed voxels that all three ranges still hold. They lie where columns along y and z
     /// that lost voxels cross.
-    pub(super) fn close_holes(&mut self) {
+    pub(super) fn close_after_removal(&mut self) {
         for y in self.bounds.lo[1]..=self.bounds.hi[1] {
             let LineFlips { flipped, between, .. } = self.scratch.along_z[y];
             for z in iter_voxels(between) {
                 let along_x = self.volume.maps().column(Axis::X, (y, z)).hull();
-                let among: BitRow<W> = span_words(self.first, along_x.first(), along_x.last())
-                    & !self.volume.rows().row(y, z).word_span(self.first)
+                let among: BitRow<W> = word_window_of_span(self.first_word, along_x)
+                    & !self.volume.rows().row(y, z).word_span(self.first_word)
                     & flipped.word_span(0)
                     & self.scratch.along_y[z].flipped.word_span(0);
                 if among.is_empty() {
                     continue;
                 }
-                let along_y = &self.volume.maps().line(Axis::Y, z)[64 * self.first..];
-                let along_z = &self.volume.maps().line(Axis::Z, y)[64 * self.first..];
+                let along_y = &self.volume.maps().line(Axis::Y, z)[64 * self.first_word..];
+                let along_z = &self.volume.maps().line(Axis::Z, y)[64 * self.first_word..];
                 let mut holes = BitRow::<W>::EMPTY;
                 for x in among.iter_ones() {
                     holes.insert_if(along_y[x].contains(y) & along_z[x].contains(z), x);
                 }
                 if !holes.is_empty() {
-                    self.close_row(y, z, BitSet::from_word_span(self.first, holes));
+                    self.close_in_row((y, z), BitSet::from_word_span(self.first_word, holes));
                 }
             }
         }
     }
 
     /// Occupies voxels that all three ranges hold since columns grew.
-    pub(super) fn close_beams(&mut self) {
+    pub(super) fn close_after_growth(&mut self) {
         let BrushBounds { lo, hi } = self.bounds;
         for y in lo[1]..=hi[1] {
             for z in self.scratch.grown_x[y].iter_ones() {
-                self.close_row(y, z, Grid::<N>::FULL);
+                self.close_in_row((y, z), Grid::<N>::FULL);
             }
             let LineFlips { grown, growth, .. } = self.scratch.along_z[y];
             for z in iter_voxels(growth) {
-                self.close_row(y, z, grown);
+                self.close_in_row((y, z), grown);
             }
         }
         for z in lo[2]..=hi[2] {
             let LineFlips { grown, growth, .. } = self.scratch.along_y[z];
             for y in iter_voxels(growth) {
-                self.close_row(y, z, grown);
+                self.close_in_row((y, z), grown);
             }
         }
     }
 
-    /// Occupies the voxels of row (y, z) in `window` that all three ranges hold, and reports them.
+    /// Occupies those `candidates` of row (y, z) that all three ranges hold, and reports them.
     #[inline]
-    fn close_row(&mut self, y: usize, z: usize, window: <Grid<N> as Size>::Row) {
+    fn close_in_row(&mut self, (y, z): RowAddress, candidates: <Grid<N> as Size>::Row) {
         let here = self.volume.rows().row(y, z);
-        let among = window & !here;
+        let among = candidates & !here;
         if among.is_empty() {
             return;
         }
@@ -71,7 +71,7 @@ where
         if missing.is_empty() {
             return;
         }
-        let back = missing & self.row_at_start(y, z);
+        let back = missing & self.row_before_edit((y, z));
         let closed = missing & !back;
         self.report.removed -= back.count_ones();
         self.report.refused_by_closure += back.count_ones();
@@ -85,7 +85,7 @@ where
     /// Row (y, z) at the start of the edit, exact for voxels that closure can occupy: after a carve all
     /// of them were there, after a fill none was. Smoothing removed some only in rows between the
     /// layer's first flip and last, of which it saved the start.
-    fn row_at_start(&self, y: usize, z: usize) -> <Grid<N> as Size>::Row {
+    fn row_before_edit(&self, (y, z): RowAddress) -> <Grid<N> as Size>::Row {
         let flipped = || {
             (self.bounds.lo[1]..=self.bounds.hi[1]).contains(&y)
                 && self.scratch.along_z[y].between.contains(z)
@@ -93,8 +93,8 @@ where
         match self.edit.operation {
             EditOperation::Carve { .. } => Grid::<N>::FULL,
             EditOperation::Smooth if flipped() => {
-                let start = self.scratch.start.as_flattened()[self.start_index(y, z)];
-                BitSet::from_word_span(self.first, start.word_span::<W>(0))
+                let start = self.scratch.rows_before.as_flattened()[self.saved_row_index((y, z))];
+                BitSet::from_word_span(self.first_word, start.word_span::<W>(0))
             }
             _ => <Grid<N> as Size>::Row::EMPTY,
         }

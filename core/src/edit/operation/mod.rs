@@ -117,7 +117,7 @@ where
     /// Voxels to flip, of the last layers computed, by y modulo the length.
     pending: [[<Grid<N> as Size>::Row; N]; SHELL_DEPTH + 1],
     /// The rows of a smoothing edit's brush as they were.
-    start: [[<Grid<N> as Size>::Row; N]; SMOOTH_LINES],
+    rows_before: [[<Grid<N> as Size>::Row; N]; SMOOTH_LINES],
     /// Columns along y, by z.
     along_y: [LineFlips<<Grid<N> as Size>::Row>; N],
     /// Columns along z, by y.
@@ -147,11 +147,11 @@ impl<R: BitSet> LineFlips<R> {
         growth: Range::EMPTY,
     };
 
-    /// Notes flips at `place` along the columns. Places must come in ascending order.
+    /// Notes flips at a position along the columns. Positions must come in ascending order.
     #[inline]
-    fn note_flips<const W: usize>(&mut self, columns: BitRow<W>, place: usize) {
+    fn note_flips<const W: usize>(&mut self, columns: BitRow<W>, position: usize) {
         self.flipped.set_word_span(0, self.flipped.word_span(0) | columns);
-        self.between = self.between.extended_to(place);
+        self.between = self.between.extended_to(position);
     }
 }
 
@@ -167,7 +167,7 @@ where
         EditScratch {
             pieces: BrushPieces::new(),
             pending: [line; SHELL_DEPTH + 1],
-            start: [line; SMOOTH_LINES],
+            rows_before: [line; SMOOTH_LINES],
             along_y: [LineFlips::UNTOUCHED; N],
             along_z: [LineFlips::UNTOUCHED; N],
             grown_x: line,
@@ -227,28 +227,47 @@ where
     if edit.operation == EditOperation::Smooth && rows > SMOOTH_LINES * N {
         return Err(BrushTooLarge);
     }
-    let (first, words) = words_read::<N>(edit, bounds);
+    let WordWindow { first_word, word_count } = find_word_window::<N>(edit, bounds);
     let report = EditReport::default();
-    Ok(match words {
-        1 => EditPass::<N, 1, J> { volume, mask, edit, scratch, journal, bounds, first, report }
-            .run(),
-        2 => EditPass::<N, 2, J> { volume, mask, edit, scratch, journal, bounds, first, report }
-            .run(),
-        _ => EditPass::<N, 4, J> { volume, mask, edit, scratch, journal, bounds, first: 0, report }
-            .run(),
+    Ok(match word_count {
+        1 => {
+            EditPass::<N, 1, J> { volume, mask, edit, scratch, journal, bounds, first_word, report }
+                .run()
+        }
+        2 => {
+            EditPass::<N, 2, J> { volume, mask, edit, scratch, journal, bounds, first_word, report }
+                .run()
+        }
+        _ => EditPass::<N, 4, J> {
+            volume,
+            mask,
+            edit,
+            scratch,
+            journal,
+            bounds,
+            first_word: 0,
+            report,
+        }
+        .run(),
     })
 }
 
-/// The words of a row that an edit reads: the index of the first, and their number.
-fn words_read<const N: usize>(
+/// Some words of every row.
+struct WordWindow {
+    first_word: usize,
+    word_count: usize,
+}
+
+/// The words of a row that an edit reads.
+fn find_word_window<const N: usize>(
     edit: &Edit<'_>,
     BrushBounds { lo, hi }: BrushBounds,
-) -> (usize, usize) {
+) -> WordWindow {
     let (mut lo, mut hi) = (lo[0], hi[0]);
     if edit.mirrored {
         (lo, hi) = (lo.min(N - 1 - hi), hi.max(N - 1 - lo));
     }
     let reach = edit.operation.neighbourhood_radius();
     let (first, last) = (lo.saturating_sub(reach) / 64, (hi + reach).min(N - 1) / 64);
-    (first, last - first + 1)
+    WordWindow { first_word: first, word_count: last - first + 1 }
 }

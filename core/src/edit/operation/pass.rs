@@ -1,18 +1,18 @@
 //! One edit in progress: flips voxels layer by layer and updates the ranges after them.
 
 use super::{Edit, EditOperation, EditReport, EditScratch};
-use crate::edit::brush::BrushBounds;
+use crate::edit::brush::{BrushBounds, BrushRow};
 use crate::limits::SHELL_DEPTH;
 use crate::volume::editable::Volume;
 use crate::volume::journal::Journal;
 use crate::volume::neighbourhood::{dilated_row, eroded_row, majority_row};
 use crate::volume::range::Range;
-use crate::volume::range_maps::{Axis, Column, RangeMaps};
+use crate::volume::range_maps::{Axis, Column, RangeMaps, RowAddress};
 use crate::volume::row::{BitRow, BitSet};
 use crate::volume::size::{Grid, Size};
 
-/// An edit that reads and flips `W` words of each row, from word `first` on. Bit i of a `BitRow<W>` is
-/// voxel `64 * first + i`.
+/// An edit that reads and flips `W` words of each row, from word `first_word` on. Bit i of a `BitRow<W>`
+/// is voxel `64 * first_word + i`.
 pub(super) struct EditPass<'a, const N: usize, const W: usize, J>
 where
     Grid<N>: Size,
@@ -23,7 +23,7 @@ where
     pub(super) scratch: &'a mut EditScratch<N>,
     pub(super) journal: &'a mut J,
     pub(super) bounds: BrushBounds,
-    pub(super) first: usize,
+    pub(super) first_word: usize,
     pub(super) report: EditReport,
 }
 
@@ -36,10 +36,10 @@ where
         self.flip_voxels();
         self.tighten_along_y();
         if self.edit.operation.removes_voxels() {
-            self.close_holes();
+            self.close_after_removal();
         }
         if self.edit.operation.adds_voxels() {
-            self.close_beams();
+            self.close_after_growth();
         }
         self.report
     }
@@ -51,7 +51,7 @@ where
         let (first, last) = (self.bounds.lo[1], self.bounds.hi[1]);
         for y in first..=last + lag {
             if y <= last {
-                pending[y % pending.len()] = self.compute_layer(y);
+                pending[y % pending.len()] = self.compute_layer_flips(y);
             }
             if y >= first + lag {
                 self.flip_layer(y - lag, pending[(y - lag) % pending.len()]);
@@ -59,10 +59,10 @@ where
         }
     }
 
-    /// Computes the voxels of layer `y` to flip, before closure. Returns the range of z whose rows may
+    /// Computes the voxels of layer `y` to flip, before closure. Returns the z of the rows that may
     /// hold some.
-    fn compute_layer(&mut self, y: usize) -> Range {
-        let rows = self.draw_brush(y);
+    fn compute_layer_flips(&mut self, y: usize) -> ZRange {
+        let rows = self.rasterise_brush_layer(y);
         match self.edit.operation {
             EditOperation::Carve { .. } => self.carve_layer(y, rows),
             EditOperation::Fill { .. } => self.fill_layer(y, rows),
@@ -71,17 +71,19 @@ where
         rows
     }
 
-    /// Rasterises layer `y` of the brush into the flips' memory. Returns its range of z.
+    /// Rasterises layer `y` of the brush into the flips' memory. Returns the z of its rows.
     #[inline(never)] // as the functions that follow: together they would spill registers
-    fn draw_brush(&mut self, y: usize) -> Range {
+    fn rasterise_brush_layer(&mut self, y: usize) -> ZRange {
         let layer = &mut self.scratch.pending[y % (SHELL_DEPTH + 1)];
-        let (first, mirrored) = (self.first, self.edit.mirrored);
+        let (first_word, mirrored) = (self.first_word, self.edit.mirrored);
         let (mut least, mut greatest) = (N, 0);
         layer[self.bounds.lo[2]..=self.bounds.hi[2]].fill(BitSet::EMPTY);
-        self.scratch.pieces.for_each_span(y, N, |z, (lo, hi)| {
-            let mut brush: BitRow<W> = layer[z].word_span(0) | span_words(first, lo, hi);
+        self.scratch.pieces.visit_layer_rows(y, N, |BrushRow { z, x_range }| {
+            let mut brush: BitRow<W> =
+                layer[z].word_span(0) | word_window_of_span(first_word, x_range);
             if mirrored {
-                brush |= span_words(first, N - 1 - hi, N - 1 - lo);
+                let mirror = Range::new(N - 1 - x_range.last(), N - 1 - x_range.first());
+                brush |= word_window_of_span(first_word, mirror);
             }
             layer[z].set_word_span(0, brush);
             (least, greatest) = (least.min(z), greatest.max(z));
@@ -90,8 +92,8 @@ where
     }
 
     #[inline(never)]
-    fn carve_layer(&mut self, y: usize, rows: Range) {
-        let volume = self.volume.rows().strip::<W>(self.first);
+    fn carve_layer(&mut self, y: usize, rows: ZRange) {
+        let volume = self.volume.rows().row_strip::<W>(self.first_word);
         let (mask, depth) = (self.mask, self.edit.operation.neighbourhood_radius());
         let mut too_deep = 0;
         for z in iter_voxels(rows) {
@@ -105,7 +107,7 @@ where
             too_deep += deep.count_ones();
             let mut removed = wanted & !deep;
             if mask.column(Axis::X, (y, z)) != Column::EMPTY {
-                removed = self.report.spare_masked(mask, (y, z), self.first, removed);
+                removed = self.report.exclude_masked(mask, (y, z), self.first_word, removed);
             }
             flips.set_word_span(0, removed);
         }
@@ -113,8 +115,8 @@ where
     }
 
     #[inline(never)]
-    fn fill_layer(&mut self, y: usize, rows: Range) {
-        let volume = self.volume.rows().strip::<W>(self.first);
+    fn fill_layer(&mut self, y: usize, rows: ZRange) {
+        let volume = self.volume.rows().row_strip::<W>(self.first_word);
         let depth = self.edit.operation.neighbourhood_radius();
         for z in iter_voxels(rows) {
             let flips = &mut self.scratch.pending[y % (SHELL_DEPTH + 1)][z];
@@ -128,24 +130,28 @@ where
     }
 
     #[inline(never)]
-    fn smooth_layer(&mut self, y: usize, rows: Range) {
-        let volume = self.volume.rows().strip::<W>(self.first);
+    fn smooth_layer(&mut self, y: usize, rows: ZRange) {
+        let volume = self.volume.rows().row_strip::<W>(self.first_word);
         for z in iter_voxels(rows) {
-            let index = self.start_index(y, z);
+            let index = self.saved_row_index((y, z));
             let here = volume.row(y, z);
-            self.scratch.start.as_flattened_mut()[index].set_word_span(0, here);
+            self.scratch.rows_before.as_flattened_mut()[index].set_word_span(0, here);
             let flips = &mut self.scratch.pending[y % (SHELL_DEPTH + 1)][z];
             let brush = flips.word_span(0);
             let most = majority_row(volume, (y, z), brush);
-            let removed =
-                self.report.spare_masked(self.mask, (y, z), self.first, brush & here & !most);
+            let removed = self.report.exclude_masked(
+                self.mask,
+                (y, z),
+                self.first_word,
+                brush & here & !most,
+            );
             flips.set_word_span(0, removed | most & !here);
         }
     }
 
     /// Flips the voxels of layer `y` and updates its columns along x and z, which no later layer affects.
     #[inline(never)]
-    fn flip_layer(&mut self, y: usize, rows: Range) {
+    fn flip_layer(&mut self, y: usize, rows: ZRange) {
         let mut columns = *self.volume.maps().line(Axis::X, y);
         let mut moved = <Grid<N> as Size>::Row::EMPTY;
         let (mut flipped, mut between) = (BitRow::EMPTY, Range::EMPTY);
@@ -154,24 +160,24 @@ where
             if flips.is_empty() {
                 continue;
             }
-            let hull = Column([self.flip_row_and_hull((y, z), flips)]);
+            let hull = Column([self.flip_row_returning_hull((y, z), flips)]);
             moved.insert_if(hull != columns[z], z);
             columns[z] = hull;
             self.scratch.along_y[z].note_flips(flips, y);
             (flipped, between) = (flipped | flips, between.extended_to(z));
         }
         if !flipped.is_empty() {
-            self.scratch.grown_x[y] = self.replace_columns(Axis::X, y, moved, &columns).0;
+            self.scratch.grown_x[y] = self.replace_columns(Axis::X, y, moved, &columns).grown;
             self.tighten_along_z(y, flipped, between);
         }
     }
 
     /// Flips voxels of row (y, z). Returns the hull of the new row.
     #[inline]
-    fn flip_row_and_hull(&mut self, (y, z): (usize, usize), flips: BitRow<W>) -> Range {
+    fn flip_row_returning_hull(&mut self, (y, z): RowAddress, flips: BitRow<W>) -> Range {
         let row = self.volume.rows_mut().row_mut(y, z);
-        let here = row.word_span(self.first);
-        row.set_word_span(self.first, here ^ flips);
+        let here = row.word_span(self.first_word);
+        row.set_word_span(self.first_word, here ^ flips);
         let hull = Range::hull_of(*row);
         let (removed, added) = (flips & here, flips & !here);
         if !removed.is_empty() {
@@ -179,12 +185,13 @@ where
         }
         if !added.is_empty() {
             self.report.added += added.count_ones();
-            self.journal.record_added((y, z), BitSet::from_word_span(self.first, added));
+            self.journal.record_added((y, z), BitSet::from_word_span(self.first_word, added));
         }
         hull
     }
 
-    pub(super) fn start_index(&self, y: usize, z: usize) -> usize {
+    /// The index of row (y, z) among those that a smoothing edit saves.
+    pub(super) fn saved_row_index(&self, (y, z): RowAddress) -> usize {
         let BrushBounds { lo, hi } = self.bounds;
         (y - lo[1]) * (hi[2] - lo[2] + 1) + z - lo[2]
     }
@@ -192,29 +199,32 @@ where
 
 impl EditReport {
     /// The voxels of `removed` that the mask doesn't protect; the others are counted as refused. Bit 0
-    /// is the first of word `first`.
-    fn spare_masked<const N: usize, const W: usize>(
+    /// is the first of word `first_word`.
+    fn exclude_masked<const N: usize, const W: usize>(
         &mut self,
         mask: &RangeMaps<N>,
-        row: (usize, usize),
-        first: usize,
+        row: RowAddress,
+        first_word: usize,
         removed: BitRow<W>,
     ) -> BitRow<W>
     where
         Grid<N>: Size,
     {
-        let held = mask.occupied_among(row, BitSet::from_word_span(first, removed));
+        let held = mask.occupied_among(row, BitSet::from_word_span(first_word, removed));
         self.refused_by_mask += held.count_ones();
-        removed & !held.word_span(first)
+        removed & !held.word_span(first_word)
     }
 }
 
-/// The voxels `lo..=hi` of a row, clipped to its words from `first` on.
+/// The voxels of a range, clipped to a row's words from `first_word` on.
 #[inline]
-pub(super) fn span_words<const W: usize>(first: usize, lo: usize, hi: usize) -> BitRow<W> {
-    let base = 64 * first;
+pub(super) fn word_window_of_span<const W: usize>(first_word: usize, voxels: Range) -> BitRow<W> {
+    let (base, lo, hi) = (64 * first_word, voxels.first(), voxels.last());
     if hi < base { BitRow::EMPTY } else { BitRow::span(lo.saturating_sub(base), hi - base) }
 }
+
+/// The range of z of a layer's rows.
+type ZRange = Range;
 
 /// The voxel indices of a range, in ascending order.
 pub(super) fn iter_voxels(range: Range) -> impl Iterator<Item = usize> {

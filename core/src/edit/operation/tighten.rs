@@ -19,60 +19,73 @@ where
             if between.is_empty() {
                 continue;
             }
-            let rows = self.volume.rows().strip::<W>(self.first);
+            let rows = self.volume.rows().row_strip::<W>(self.first_word);
             let mut columns = *self.volume.maps().line(Axis::Y, z);
-            let moved = self
-                .tighten_columns(&mut columns, flipped.word_span(0), between, |y| rows.row(y, z));
-            let (grown, growth) = self.replace_columns(Axis::Y, z, moved, &columns);
+            let moved =
+                self.tighten_flipped_columns(&mut columns, flipped.word_span(0), between, |y| {
+                    rows.row(y, z)
+                });
+            let ColumnGrowth { grown, growth } = self.replace_columns(Axis::Y, z, moved, &columns);
             self.scratch.along_y[z] = LineFlips { flipped, between, grown, growth };
         }
     }
 
     /// Tightens the columns along z of layer `y` in which voxels were flipped.
-    pub(super) fn tighten_along_z(&mut self, y: usize, flipped: BitRow<W>, between: Range) {
-        let rows = self.volume.rows().strip::<W>(self.first);
+    pub(super) fn tighten_along_z(
+        &mut self,
+        y: usize,
+        flipped_columns: BitRow<W>,
+        flipped_z: Range,
+    ) {
+        let (flipped, between) = (flipped_columns, flipped_z);
+        let rows = self.volume.rows().row_strip::<W>(self.first_word);
         let mut columns = *self.volume.maps().line(Axis::Z, y);
-        let moved = self.tighten_columns(&mut columns, flipped, between, |z| rows.row(y, z));
-        let (grown, growth) = self.replace_columns(Axis::Z, y, moved, &columns);
+        let moved =
+            self.tighten_flipped_columns(&mut columns, flipped, between, |z| rows.row(y, z));
+        let ColumnGrowth { grown, growth } = self.replace_columns(Axis::Z, y, moved, &columns);
         let flipped = BitSet::from_word_span(0, flipped);
         self.scratch.along_z[y] = LineFlips { flipped, between, grown, growth };
     }
 
-    /// Tightens the columns of a line in which voxels were flipped. `row(i)` is the line's row at place
-    /// `i` along the columns. Returns the columns that may have changed. All ends that may have moved
+    /// Tightens the columns of a line in which voxels were flipped. `row_at(i)` is the line's row at
+    /// position `i` along the columns, `flipped_positions` holds all flips. Returns the columns that may
+    /// have changed. All ends that may have moved
     /// are searched for together.
     #[inline]
-    fn tighten_columns(
+    fn tighten_flipped_columns(
         &self,
         columns: &mut [Column; N],
-        flipped: BitRow<W>,
-        between: Range,
-        row: impl Fn(usize) -> BitRow<W>,
+        flipped_columns: BitRow<W>,
+        flipped_positions: Range,
+        row_at: impl Fn(usize) -> BitRow<W>,
     ) -> <Grid<N> as Size>::Row {
-        let columns = &mut columns[64 * self.first..];
+        let (columns, between) = (&mut columns[64 * self.first_word..], flipped_positions);
         let carve = matches!(self.edit.operation, EditOperation::Carve { .. });
         let (mut seek_lo, mut seek_hi) = (BitRow::EMPTY, BitRow::EMPTY);
         let (mut least, mut greatest) = (between.first(), between.last());
-        for x in flipped.iter_ones() {
+        for x in flipped_columns.iter_ones() {
             let old = columns[x].hull();
             (least, greatest) = (least.min(old.first()), greatest.max(old.last()));
             // An end is unchanged if its voxel is still occupied (carve) or lies beyond the flips.
-            let stands = |end, beyond| if carve { row(end).contains(x) } else { beyond };
+            let stands = |end, beyond| if carve { row_at(end).contains(x) } else { beyond };
             seek_lo.insert_if(!stands(old.first(), old.first() < between.first()), x);
             seek_hi.insert_if(!stands(old.last(), between.last() < old.last()), x);
         }
-        find_first_occupied(seek_hi, (least..between.last() + 1).rev(), &row, |x, i| {
-            columns[x] = Column([columns[x].0[0].with_last(i)]);
+        visit_first_occupied(seek_hi, (least..between.last() + 1).rev(), &row_at, |found| {
+            let column = &mut columns[found.x];
+            *column = Column([column.0[0].with_last(found.position)]);
         });
-        let empty = find_first_occupied(seek_lo, between.first()..greatest + 1, &row, |x, i| {
-            columns[x] = Column([columns[x].0[0].with_first(i)]);
-        });
+        let empty =
+            visit_first_occupied(seek_lo, between.first()..greatest + 1, &row_at, |found| {
+                let column = &mut columns[found.x];
+                *column = Column([column.0[0].with_first(found.position)]);
+            });
         empty.iter_ones().for_each(|x| columns[x] = Column::EMPTY);
-        BitSet::from_word_span(self.first, seek_lo | seek_hi)
+        BitSet::from_word_span(self.first_word, seek_lo | seek_hi)
     }
 
-    /// Replaces the columns of a line at `places`. Where an edit adds voxels, returns which columns grew
-    /// and an interval that covers their growth.
+    /// Replaces the columns of a line at `places`. Returns their growth where an edit adds voxels, else
+    /// none.
     #[inline]
     pub(super) fn replace_columns(
         &mut self,
@@ -80,7 +93,7 @@ where
         line: usize,
         mut places: <Grid<N> as Size>::Row,
         columns: &[Column; N],
-    ) -> (<Grid<N> as Size>::Row, Range) {
+    ) -> ColumnGrowth<<Grid<N> as Size>::Row> {
         let mut grown = <Grid<N> as Size>::Row::EMPTY;
         let mut growth = Range::EMPTY;
         if self.edit.operation.adds_voxels() {
@@ -88,20 +101,22 @@ where
             for place in places.iter_ones() {
                 if columns[place] == old[place] {
                     places.toggle(place);
-                } else if let Some(by) = added_stretch(old[place].hull(), columns[place].hull()) {
+                } else if let Some(by) =
+                    range_covering_growth(old[place].hull(), columns[place].hull())
+                {
                     grown.insert(place);
                     growth = growth.hull_with(by);
                 }
             }
         }
         self.volume.replace_columns(axis, line, places, columns, self.journal);
-        (grown, growth)
+        ColumnGrowth { grown, growth }
     }
 }
 
 /// An interval that covers the growth of a range; `None` if it didn't grow.
 #[inline]
-fn added_stretch(old: Range, new: Range) -> Option<Range> {
+fn range_covering_growth(old: Range, new: Range) -> Option<Range> {
     if new.is_empty() || old.first() <= new.first() && new.last() <= old.last() {
         return None;
     }
@@ -110,22 +125,41 @@ fn added_stretch(old: Range, new: Range) -> Option<Range> {
     Some(if old.is_empty() { new } else { Range::new(lo, hi) })
 }
 
-/// Scans rows in the given order and calls `found_at` with each sought column and the row where it is
-/// first occupied. Returns the columns that are occupied in no row.
+/// The growth of columns of a line.
+pub(super) struct ColumnGrowth<R> {
+    /// Which of them grew.
+    pub(super) grown: R,
+    /// An interval that covers what they grew by.
+    pub(super) growth: Range,
+}
+
+/// A column's first occupied voxel in the order of a scan.
+struct FirstOccupied {
+    /// The column, by its x from the first word on.
+    x: usize,
+    /// The voxel's position along the column.
+    position: usize,
+}
+
+/// The columns in which a scan found no voxel.
+type EmptyColumns<const W: usize> = BitRow<W>;
+
+/// Scans rows in the given order of positions along the columns and calls `visit` for each sought column
+/// where it is first occupied. Returns those that are occupied in no row.
 #[inline]
-fn find_first_occupied<const W: usize>(
+fn visit_first_occupied<const W: usize>(
     mut sought: BitRow<W>,
-    order: impl Iterator<Item = usize>,
-    row: impl Fn(usize) -> BitRow<W>,
-    mut found_at: impl FnMut(usize, usize),
-) -> BitRow<W> {
-    for i in order {
+    positions: impl Iterator<Item = usize>,
+    row_at: impl Fn(usize) -> BitRow<W>,
+    mut visit: impl FnMut(FirstOccupied),
+) -> EmptyColumns<W> {
+    for position in positions {
         if sought.is_empty() {
             break;
         }
-        let found = sought & row(i);
+        let found = sought & row_at(position);
         if !found.is_empty() {
-            found.iter_ones().for_each(|x| found_at(x, i));
+            found.iter_ones().for_each(|x| visit(FirstOccupied { x, position }));
             sought &= !found;
         }
     }

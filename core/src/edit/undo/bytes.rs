@@ -1,7 +1,8 @@
 //! Serialisation and digest of the undo history.
 
 use super::packed::{
-    EntryCell, EntryColumns, column_from_cell, digest_sum, digest_term, flag_cells, word_from_cells,
+    EntryCell, EntryColumns, column_from_cell, digest_sum, digest_term, flag_cell_count,
+    word_from_cells,
 };
 use super::{PackedEntry, UndoHistory, UnpackedEntry};
 use crate::codec::bytes::{BadBytes, ByteReader, ByteWriter};
@@ -61,7 +62,7 @@ where
             cells = rest;
         }
         if self.has_head {
-            out.u32(self.head.packed_len() as u32);
+            out.u32(self.head.packed_cell_count() as u32);
             self.head.write_packed(|cell| out.bytes(&cell));
         }
     }
@@ -116,7 +117,7 @@ where
     fn set_from_packed(&mut self, entry: &[EntryCell]) {
         self.clear();
         self.sum = digest_sum::<N>(entry);
-        let (columns, values) = EntryColumns::<N>::parse(entry);
+        let (columns, values) = EntryColumns::<N>::split_columns_and_values(entry);
         for ((axis, (line, place)), cell) in columns.zip(values) {
             self.insert_columns(axis, line, BitSet::span(place, place));
             self.others[axis as usize][line][place] = column_from_cell::<N>(*cell);
@@ -132,10 +133,12 @@ where
     let bad = bytes.error_here("an undo entry");
     let len = bytes.u32()? as usize;
     let cells = bytes.bytes(len.saturating_mul(2))?.as_chunks().0;
-    if cells.len() < flag_cells::<N>() || cells.len() < EntryColumns::<N>::bitmap_len(cells) {
+    if cells.len() < flag_cell_count::<N>()
+        || cells.len() < EntryColumns::<N>::bitmap_cell_count(cells)
+    {
         return Err(bad);
     }
-    let (columns, values) = EntryColumns::<N>::parse(cells);
+    let (columns, values) = EntryColumns::<N>::split_columns_and_values(cells);
     let grid: u64 = Grid::<N>::FULL.word(0);
     let fits = columns.words.iter().map(word_from_cells).all(|word| word != 0 && word & !grid == 0);
     let count: u32 = columns.words.iter().map(|word| word_from_cells(word).count_ones()).sum();

@@ -19,12 +19,12 @@ use crate::limits::{UNDO_ENTRIES, UNDO_PLANES};
 use crate::volume::column_digest::line_key;
 use crate::volume::dirty::DirtyRects;
 use crate::volume::editable::Volume;
-use crate::volume::range_maps::{Axis, Column};
+use crate::volume::range_maps::{Axis, Column, ColumnAddress};
 use crate::volume::row::BitSet;
 use crate::volume::size::{Grid, Size};
 use packed::{
-    EntryCell, EntryColumns, cell_from_column, column_code, column_from_cell, digest_term,
-    flag_cells,
+    EntryCell, EntryColumns, cell_from_column, column_from_cell, digest_term, flag_cell_count,
+    nonzero_column_number,
 };
 
 /// The strokes that can be undone and redone in a volume of N^3 voxels.
@@ -57,6 +57,33 @@ where
     /// The other values of the entry's columns; meaningless elsewhere.
     others: [[[Column; N]; N]; 3],
     sum: u64,
+}
+
+/// The numbers of strokes that can be undone and redone.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub struct UndoCounts {
+    /// Strokes that are applied.
+    pub undoable: usize,
+    /// Strokes that were undone.
+    pub redoable: usize,
+}
+
+/// The columns of an entry that lie in one line.
+struct EntryLine<'a, const N: usize>
+where
+    Grid<N>: Size,
+{
+    /// The line's index in the three maps together.
+    line_of_maps: usize,
+    columns: <Grid<N> as Size>::Row,
+    /// Their other values; meaningless elsewhere.
+    others: &'a [Column; N],
+}
+
+/// A word of an entry's bitmap of columns.
+struct BitmapWord {
+    index: usize,
+    bits: u64,
 }
 
 /// One packed entry.
@@ -103,29 +130,29 @@ where
     }
 
     /// Records columns that a stroke is about to change: those at `places` of a line, whose present
-    /// values are `old`.
+    /// values are in `old_columns`.
     #[inline]
     pub fn record_columns(
         &mut self,
         axis: Axis,
         line: usize,
         places: <Grid<N> as Size>::Row,
-        old: &[Column; N],
+        old_columns: &[Column; N],
     ) {
         if self.fresh && !places.is_empty() {
             self.open_entry();
         }
-        self.amend_newest(axis, line, places, old);
+        self.record_into_newest_entry(axis, line, places, old_columns);
     }
 
     /// Records columns that an island removal is about to change. They join the newest entry, even when
     /// the next stroke has begun but changed nothing.
-    pub fn amend_newest(
+    pub fn record_into_newest_entry(
         &mut self,
         axis: Axis,
         line: usize,
         places: <Grid<N> as Size>::Row,
-        old: &[Column; N],
+        old_columns: &[Column; N],
     ) {
         if places.is_empty() {
             return;
@@ -137,18 +164,19 @@ where
         let mut sum = 0u64;
         for run in new.iter_runs() {
             let run = run.first()..=run.last();
-            others[run.clone()].copy_from_slice(&old[run.clone()]);
-            for (old, key) in old[run.clone()].iter().zip(&DIGEST_KEYS[run]) {
-                sum = sum.wrapping_add(key.wrapping_mul(column_code(*old)));
+            others[run.clone()].copy_from_slice(&old_columns[run.clone()]);
+            for (old, key) in old_columns[run.clone()].iter().zip(&DIGEST_KEYS[run]) {
+                sum = sum.wrapping_add(key.wrapping_mul(nonzero_column_number(*old)));
             }
         }
         self.head.sum = self.head.sum.wrapping_add(sum.wrapping_mul(line_key(axis, line)));
     }
 
-    /// The number of entries that can be undone, and redone.
+    /// The numbers of entries that can be undone and redone.
     #[must_use]
-    pub fn undo_redo_counts(&self) -> (usize, usize) {
-        (self.applied.into(), self.len() - usize::from(self.applied))
+    pub fn undo_counts(&self) -> UndoCounts {
+        let undoable = usize::from(self.applied);
+        UndoCounts { undoable, redoable: self.len() - undoable }
     }
 
     /// Undoes the newest applied entry and marks its columns in `dirty` as one edit. Returns `false`
@@ -197,9 +225,9 @@ where
     }
 
     fn pack_head(&mut self) {
-        let need = self.head.packed_len();
-        self.make_room(need);
-        let mut end = self.used_cells();
+        let need = self.head.packed_cell_count();
+        self.make_room_for_cells(need);
+        let mut end = self.count_packed_cells();
         let cells = self.cells.as_flattened_mut().as_flattened_mut();
         self.head.write_packed(|cell| {
             cells[end] = cell;
@@ -210,9 +238,9 @@ where
     }
 
     /// Drops the oldest entries until one of `need` cells fits after the rest.
-    fn make_room(&mut self, need: usize) {
+    fn make_room_for_cells(&mut self, need: usize) {
         let room = UNDO_PLANES * N * N;
-        let (mut dropped, mut freed, used) = (0, 0, self.used_cells());
+        let (mut dropped, mut freed, used) = (0, 0, self.count_packed_cells());
         while used - freed + need > room || self.packed.len() - dropped == UNDO_ENTRIES {
             freed += self.packed[dropped].cells as usize;
             dropped += 1;
@@ -225,7 +253,7 @@ where
     }
 
     /// Cells that the packed entries take.
-    fn used_cells(&self) -> usize {
+    fn count_packed_cells(&self) -> usize {
         self.packed.iter().map(|entry| entry.cells as usize).sum()
     }
 
@@ -233,7 +261,7 @@ where
     fn swap_entry(&mut self, index: usize, volume: &mut Volume<N>, dirty: &mut DirtyRects) {
         let mut sum = 0u64;
         let mut exchange = |axis, at, theirs: Column| {
-            let ours = volume.replace_column_leaving_rows(axis, at, theirs);
+            let ours = volume.replace_column_leaving_bit_rows(axis, at, theirs);
             if ours != theirs {
                 dirty.mark_column(axis, at);
             }
@@ -243,13 +271,14 @@ where
         if index < self.packed.len() {
             let start = self.packed[..index].iter().map(|entry| entry.cells as usize).sum();
             let cells = self.cells.as_flattened_mut().as_flattened_mut();
-            let (columns, values) = EntryColumns::<N>::parse_mut(&mut cells[start..]);
+            let (columns, values) =
+                EntryColumns::<N>::split_columns_and_values_mut(&mut cells[start..]);
             for ((axis, at), cell) in columns.zip(values) {
                 *cell = cell_from_column(exchange(axis, at, column_from_cell::<N>(*cell)));
             }
             self.packed[index].sum = sum;
         } else {
-            self.head.for_each_column(|axis, at, other| *other = exchange(axis, at, *other));
+            self.head.visit_columns(|axis, at, other| *other = exchange(axis, at, *other));
             self.head.sum = sum;
         }
         dirty.end_edit();
@@ -278,64 +307,67 @@ where
         self.lines[axis as usize].insert(line);
     }
 
-    fn for_each_column(&mut self, mut f: impl FnMut(Axis, (usize, usize), &mut Column)) {
+    fn visit_columns(&mut self, mut visit: impl FnMut(Axis, ColumnAddress, &mut Column)) {
         for axis in Axis::ALL {
             for line in self.lines[axis as usize].iter_ones() {
                 for place in self.changed[axis as usize][line].iter_ones() {
-                    f(axis, (line, place), &mut self.others[axis as usize][line][place]);
+                    visit(axis, (line, place), &mut self.others[axis as usize][line][place]);
                 }
             }
         }
     }
 
-    /// Calls `f` for each line of the entry with its index in the three maps, the columns, and the other
-    /// values.
+    /// Visits each line of the entry.
     #[inline]
-    fn for_each_line(&self, mut f: impl FnMut(usize, <Grid<N> as Size>::Row, &[Column; N])) {
+    fn visit_lines(&self, mut visit: impl FnMut(EntryLine<'_, N>)) {
         for axis in 0..3 {
             for line in self.lines[axis].iter_ones() {
-                f(axis * N + line, self.changed[axis][line], &self.others[axis][line]);
+                visit(EntryLine {
+                    line_of_maps: axis * N + line,
+                    columns: self.changed[axis][line],
+                    others: &self.others[axis][line],
+                });
             }
         }
     }
 
-    /// Calls `f` with the index and the value of each non-zero word of the bitmap.
+    /// Visits each non-zero word of the bitmap.
     #[inline]
-    fn for_each_word(&self, mut f: impl FnMut(usize, u64)) {
+    fn visit_bitmap_words(&self, mut visit: impl FnMut(BitmapWord)) {
         let words = <Grid<N> as Size>::Row::WORDS;
-        self.for_each_line(|line, columns, _| {
+        self.visit_lines(|EntryLine { line_of_maps, columns, .. }| {
             for i in 0..words {
                 if columns.word(i) != 0 {
-                    f(line * words + i, columns.word(i));
+                    visit(BitmapWord { index: line_of_maps * words + i, bits: columns.word(i) });
                 }
             }
         });
     }
 
     /// Cells that [`UnpackedEntry::write_packed`] emits.
-    fn packed_len(&self) -> usize {
-        let mut cells = flag_cells::<N>();
-        self.for_each_word(|_, word| cells += 4 + word.count_ones() as usize);
+    fn packed_cell_count(&self) -> usize {
+        let mut cells = flag_cell_count::<N>();
+        self.visit_bitmap_words(|word| cells += 4 + word.bits.count_ones() as usize);
         cells
     }
 
     fn write_packed(&self, mut emit: impl FnMut(EntryCell)) {
         let (mut flags, mut cell) = (0u16, 0);
-        self.for_each_word(|i, _| {
+        self.visit_bitmap_words(|BitmapWord { index: i, .. }| {
             while cell < i / 16 {
                 emit(flags.to_le_bytes());
                 (flags, cell) = (0, cell + 1);
             }
             flags |= 1 << (i % 16);
         });
-        for _ in cell..flag_cells::<N>() {
+        for _ in cell..flag_cell_count::<N>() {
             emit(flags.to_le_bytes());
             flags = 0;
         }
-        self.for_each_word(|_, word| {
-            word.to_le_bytes().as_chunks().0.iter().for_each(|cell| emit(*cell));
+        self.visit_bitmap_words(|word| {
+            word.bits.to_le_bytes().as_chunks().0.iter().for_each(|cell| emit(*cell));
         });
-        self.for_each_line(|_, columns, others| {
+        self.visit_lines(|EntryLine { columns, others, .. }| {
             columns.iter_ones().for_each(|place| emit(cell_from_column(others[place])));
         });
     }

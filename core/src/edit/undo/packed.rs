@@ -2,7 +2,7 @@
 
 use crate::volume::column_digest::{column_key, column_number};
 use crate::volume::range::Range;
-use crate::volume::range_maps::{Axis, Column};
+use crate::volume::range_maps::{Axis, Column, ColumnAddress};
 use crate::volume::row::BitSet;
 use crate::volume::size::{Grid, Size};
 
@@ -24,25 +24,28 @@ where
     Grid<N>: Size,
 {
     /// Parses the entry at the start of `cells`: its columns, and the cells from its values on.
-    pub(super) fn parse(cells: &'a [EntryCell]) -> (Self, &'a [EntryCell]) {
-        let (bitmap, values) = cells.split_at(Self::bitmap_len(cells));
+    pub(super) fn split_columns_and_values(cells: &'a [EntryCell]) -> (Self, &'a [EntryCell]) {
+        let (bitmap, values) = cells.split_at(Self::bitmap_cell_count(cells));
         (Self::new(bitmap), values)
     }
 
     /// The same with mutable values.
-    pub(super) fn parse_mut(cells: &'a mut [EntryCell]) -> (Self, &'a mut [EntryCell]) {
-        let (bitmap, values) = cells.split_at_mut(Self::bitmap_len(cells));
+    pub(super) fn split_columns_and_values_mut(
+        cells: &'a mut [EntryCell],
+    ) -> (Self, &'a mut [EntryCell]) {
+        let (bitmap, values) = cells.split_at_mut(Self::bitmap_cell_count(cells));
         (Self::new(bitmap), values)
     }
 
-    pub(super) fn bitmap_len(cells: &[EntryCell]) -> usize {
-        let flags = &cells[..flag_cells::<N>()];
+    /// Cells that the bitmap of the entry at the start of `cells` takes, its flags among them.
+    pub(super) fn bitmap_cell_count(cells: &[EntryCell]) -> usize {
+        let flags = &cells[..flag_cell_count::<N>()];
         let words: u32 = flags.iter().map(|cell| u16::from_le_bytes(*cell).count_ones()).sum();
         flags.len() + 4 * words as usize
     }
 
     fn new(bitmap: &'a [EntryCell]) -> Self {
-        let (flags, words) = bitmap.split_at(flag_cells::<N>());
+        let (flags, words) = bitmap.split_at(flag_cell_count::<N>());
         EntryColumns { flags, words: words.as_chunks().0, next: 0, bits: 0 }
     }
 }
@@ -51,7 +54,7 @@ impl<const N: usize> Iterator for EntryColumns<'_, N>
 where
     Grid<N>: Size,
 {
-    type Item = (Axis, (usize, usize));
+    type Item = (Axis, ColumnAddress);
 
     #[inline]
     fn next(&mut self) -> Option<Self::Item> {
@@ -73,7 +76,7 @@ where
 }
 
 /// Cells that an entry's flags take, one bit for each word of the bitmap.
-pub(super) const fn flag_cells<const N: usize>() -> usize
+pub(super) const fn flag_cell_count<const N: usize>() -> usize
 where
     Grid<N>: Size,
 {
@@ -85,7 +88,7 @@ pub(super) fn digest_sum<const N: usize>(cells: &[EntryCell]) -> u64
 where
     Grid<N>: Size,
 {
-    let (columns, values) = EntryColumns::<N>::parse(cells);
+    let (columns, values) = EntryColumns::<N>::split_columns_and_values(cells);
     let terms = columns
         .zip(values)
         .map(|((axis, at), cell)| digest_term(axis, at, column_from_cell::<N>(*cell)));
@@ -95,13 +98,13 @@ where
 /// What a column adds to the digest of an entry: unlike [`crate::volume::column_digest::column_digest`] not
 /// nothing when it is empty, as it counts that the entry holds it.
 #[inline]
-pub(super) fn digest_term(axis: Axis, at: (usize, usize), column: Column) -> u64 {
-    column_key(axis, at).wrapping_mul(column_code(column))
+pub(super) fn digest_term(axis: Axis, at: ColumnAddress, column: Column) -> u64 {
+    column_key(axis, at).wrapping_mul(nonzero_column_number(column))
 }
 
 /// A column's bytes as a number other than 0.
 #[inline]
-pub(super) fn column_code(column: Column) -> u64 {
+pub(super) fn nonzero_column_number(column: Column) -> u64 {
     column_number(column) | 1 << 16
 }
 

@@ -4,7 +4,7 @@
 use std::io::ErrorKind;
 
 use paros_core::limits::max_save_bytes;
-use paros_core::{Grid, SessionState, Size, World};
+use paros_core::{Grid, SessionState, Size, UndoCounts, World};
 
 use super::Notice;
 use crate::claim::SessionClaim;
@@ -76,7 +76,7 @@ where
     /// and something was sculpted in it.
     pub(super) fn take_unfinished_save_and_clear(&mut self) -> Option<Vec<u8>> {
         let sculpted = self.world.session_state() == SessionState::Sculpting;
-        let save = (sculpted && self.world.undo_counts() != (0, 0)).then(|| {
+        let save = (sculpted && self.world.undo_counts() != UndoCounts::default()).then(|| {
             let mut bytes = Vec::new();
             self.encode_into(&mut bytes);
             bytes

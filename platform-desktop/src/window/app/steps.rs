@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use paros_core::{Grid, Size};
+use paros_core::{Grid, Size, UndoCounts};
 use paros_faults::{self as faults, CallGroup, FailureCause, PlannedFault};
 use paros_headless::Error;
 use paros_shell::modes::parse_mode;
@@ -107,7 +107,7 @@ where
     fn print_state(&self) {
         let world = self.studio.world();
         let held = world.held_tool(RIGHT).map_or("nothing", |(_, bit)| bit.spec().name);
-        let (undo, redo) = world.undo_counts();
+        let UndoCounts { undoable: undo, redoable: redo } = world.undo_counts();
         let printed =
             self.studio.last_stl_path().map_or(String::new(), |path| path.display().to_string());
         let [width, height] = self.hands.size;

@@ -12,7 +12,7 @@ mod style;
 use std::path::{Path, PathBuf};
 
 use egui::{Align2, Area, Context, Id, RawInput, RichText, Vec2};
-use paros_core::{BenchItem, SessionMode, SessionState, Tool, ToolBit};
+use paros_core::{BenchItem, SessionMode, SessionState, Tool, ToolBit, UndoCounts};
 use paros_shaders::gpu::FrameTimes;
 use paros_shell::studio::Notice;
 
@@ -57,7 +57,7 @@ pub(super) struct StudioStatus<'a> {
     /// Whether edits are mirrored.
     pub(super) symmetry: bool,
     /// Strokes to undo and to redo.
-    pub(super) undo: (usize, usize),
+    pub(super) undo: UndoCounts,
     /// Whether a print is being made.
     pub(super) printing: bool,
     /// Path of the last print.

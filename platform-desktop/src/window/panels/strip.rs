@@ -1,7 +1,7 @@
 //! Tool bar: tools, bits, depth, commands; status line; end of a session.
 
 use egui::{Align2, Area, Button, Context, Id, Label, RichText, Ui, Vec2};
-use paros_core::{BenchItem, SessionMode, SessionState, Tool, ToolBit, commands};
+use paros_core::{BenchItem, SessionMode, SessionState, Tool, ToolBit, UndoCounts, commands};
 use paros_shell::figures::Figure;
 
 use super::{PanelAction, StudioStatus, style};
@@ -97,9 +97,9 @@ pub(super) fn show_tools(
 }
 
 fn show_edits(ui: &mut Ui, status: &StudioStatus<'_>, actions: &mut Vec<PanelAction>) {
-    let (undo, redo) = status.undo;
+    let UndoCounts { undoable, redoable } = status.undo;
     for (text, possible, command) in
-        [("Undo", undo > 0, commands::UNDO), ("Redo", redo > 0, commands::REDO)]
+        [("Undo", undoable > 0, commands::UNDO), ("Redo", redoable > 0, commands::REDO)]
     {
         if ui.add_enabled(possible, Button::new(text)).clicked() {
             actions.push(PanelAction::Command(command));

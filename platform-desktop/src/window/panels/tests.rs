@@ -1,7 +1,7 @@
 //! The panels without a window, by clicks on a grid of points.
 
 use egui::{Event, Modifiers, PointerButton, Pos2, Rect, Vec2};
-use paros_core::{BenchItem, SessionMode, SessionState, Tool, ToolBit, commands};
+use paros_core::{BenchItem, SessionMode, SessionState, Tool, ToolBit, UndoCounts, commands};
 use paros_shaders::gpu::FrameTimes;
 use paros_shell::studio::Notice;
 
@@ -16,7 +16,7 @@ fn sculpting_status() -> StudioStatus<'static> {
         held: Some((Tool::Impact, ToolBit::PointChisel)),
         depth: 5.0,
         symmetry: false,
-        undo: (3, 1),
+        undo: UndoCounts { undoable: 3, redoable: 1 },
         printing: false,
         printed: None,
         unwritten: false,

@@ -2,7 +2,7 @@
 
 use glam::{Quat, Vec3};
 use paros_core::internals::FreezeResult;
-use paros_core::limits::{deep_step_cost, max_walk_steps};
+use paros_core::limits::{deep_step_cost_in_steps, max_bit_steps_per_tick};
 use paros_core::{Pose, SUBUNITS_PER_VOXEL, ToolBit};
 use paros_models::dense::DenseVolume;
 
@@ -21,7 +21,7 @@ fn a_buried_bit_can_only_come_out() {
         let down = stone.freeze(&bit, &at(39.0), &at(20.0));
         assert!(stone.contact(&bit, &down.pose).depth <= sits, "bit {number}: {down:?}");
         let mut up = FreezeResult { pose: at(39.0), blocked: false, steps: 0 };
-        for _ in 0..21 * 4 * deep_step_cost(64) / max_walk_steps(64) + 1 {
+        for _ in 0..21 * 4 * deep_step_cost_in_steps(64) / max_bit_steps_per_tick(64) + 1 {
             up = stone.freeze(&bit, &up.pose, &at(60.0));
         }
         assert_eq!((up.pose, up.blocked), (at(60.0), false), "bit {number}");
@@ -73,7 +73,8 @@ fn a_bit_comes_out_of_a_slot() {
             // Not through the wall.
             let aside = Pose { position: Vec3::new(62.0, 20.1, 32.3), rotation };
             let held = stone.freeze(&bit, &at(20.1), &aside).pose;
-            let is_buried = stone.contact(&bit, &at(20.1)).depth > bit.inner_radius() - 222;
+            let is_buried =
+                stone.contact(&bit, &at(20.1)).depth > bit.inscribed_radius_subunits() - 222;
             assert!(is_buried || held.position.x < x + width as f32, "bit {number}: {held:?}");
         }
     }
@@ -84,13 +85,14 @@ fn a_bit_comes_out_of_a_slot() {
 fn a_blocked_bit_slides() {
     let mut stone = lock_stone(&STONE_64);
     stone.set(&DenseVolume::from_fn(64, |[_, y, _]| y < 20), &DenseVolume::empty(64));
-    let bit = ToolBit::MediumBall.on_grid(voxel_micrometres(128));
+    let bit = ToolBit::MediumBall.to_grid_bit(voxel_micrometres(128));
     let at = |x: f32, y: f32| Pose { position: Vec3::new(x, y, 32.0), rotation: Quat::IDENTITY };
     let mut frozen = stone.freeze(&bit, &at(20.0, 30.0), &at(40.0, 10.0));
     for _ in 0..2 {
         frozen = stone.freeze(&bit, &frozen.pose, &at(40.0, 10.0));
     }
-    let rest = 20.0 + (bit.inner_radius() - bit.bite) as f32 / SUBUNITS_PER_VOXEL as f32;
+    let rest =
+        20.0 + (bit.inscribed_radius_subunits() - bit.bite) as f32 / SUBUNITS_PER_VOXEL as f32;
     let position = frozen.pose.position;
     assert!(frozen.blocked && (position.x - 40.0).abs() < 0.3, "{position}");
     assert!((position.y - rest).abs() < 0.8, "{position}, {rest}");

@@ -8,8 +8,8 @@ mod stone;
 use std::sync::Mutex;
 
 use glam::{IVec3, Quat, Vec3};
-use paros_core::internals::{FreezeResult, GridBit, GridShape, exit_probes};
-use paros_core::limits::{EXIT_PROBES, max_walk_steps, max_walk_steps_with_undo};
+use paros_core::internals::{FreezeResult, GridBit, GridShape, exit_probe_steps};
+use paros_core::limits::{EXIT_PROBES, max_bit_steps_in_undo_tick, max_bit_steps_per_tick};
 use paros_core::{Grid, Pose, SUBUNITS_PER_VOXEL, Size, ToolBit};
 use paros_models::contact::{ContactModel, path_poses};
 use paros_models::dense::{DenseVolume, MaskedVolume, masked_volumes};
@@ -90,7 +90,7 @@ fn assert_freeze_follows_walk(
     raw: &Pose,
 ) -> Result<FreezeResult, TestCaseError> {
     let mut frozen = FreezeResult { pose: *from, blocked: false, steps: 0 };
-    for most in [max_walk_steps_with_undo(16), max_walk_steps(16)] {
+    for most in [max_bit_steps_in_undo_tick(16), max_bit_steps_per_tick(16)] {
         frozen = stone.obstacle().freeze_bit(bit, from, raw, most);
         prop_assert_eq!(frozen, block.freeze_by_walk(bit, from, raw, most));
         let (before, after) =
@@ -192,15 +192,16 @@ where
 {
     let mut stone = lock_stone(stone);
     stone.set(&DenseVolume::from_fn(N, |[_, y, _]| y < 20), &DenseVolume::empty(N));
-    let bit = ToolBit::MediumBall.on_grid(voxel_micrometres(N));
-    let rest = 19.53 + (bit.inner_radius() - bit.bite) as f32 / SUBUNITS_PER_VOXEL as f32;
+    let bit = ToolBit::MediumBall.to_grid_bit(voxel_micrometres(N));
+    let rest =
+        19.53 + (bit.inscribed_radius_subunits() - bit.bite) as f32 / SUBUNITS_PER_VOXEL as f32;
     let at = |x: f32, y: f32| Pose { position: Vec3::new(x, y, 40.5), rotation: Quat::IDENTITY };
     let walked = |y: f32, to: f32| {
         let frozen = stone.freeze(&bit, &at(20.0, y), &at(to, y));
-        assert!(!frozen.blocked && frozen.steps == max_walk_steps(N), "{frozen:?}");
+        assert!(!frozen.blocked && frozen.steps == max_bit_steps_per_tick(N), "{frozen:?}");
         frozen.pose.position.x - 20.0
     };
-    let far = max_walk_steps(N) as f32 / 4.0;
+    let far = max_bit_steps_per_tick(N) as f32 / 4.0;
     assert!((walked(rest, 120.0) - far).abs() < 0.1);
     assert!((walked(60.0, 1e4) - (16.0 * far - 3.0)).abs() < 0.1);
 }
@@ -219,7 +220,7 @@ fn a_tick_goes_so_far_at_256() {
 fn looks_are_spread_over_the_rest_of_the_way() {
     for steps in 1..200 {
         for i in 0..steps + 1 {
-            let probes: Vec<u32> = exit_probes(i, steps).collect();
+            let probes: Vec<u32> = exit_probe_steps(i, steps).collect();
             let ways: Vec<u32> =
                 [i].iter().chain(&probes).zip(&probes).map(|(a, b)| b - a).collect();
             assert_eq!(probes.len() as u32, EXIT_PROBES.min(steps - i));

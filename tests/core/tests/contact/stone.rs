@@ -4,7 +4,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use glam::Quat;
 use paros_core::internals::{BOX_SIDE, FreezeResult, GridBit, Obstacle};
-use paros_core::limits::max_walk_steps;
+use paros_core::limits::max_bit_steps_per_tick;
 use paros_core::{BitGrid, Contact, Grid, Pose, RangeMaps, Size, ToolBit};
 use paros_models::dense::DenseVolume;
 use proptest::prelude::*;
@@ -43,7 +43,7 @@ where
     }
 
     pub(crate) fn freeze(&self, bit: &GridBit, from: &Pose, raw: &Pose) -> FreezeResult {
-        self.obstacle().freeze_bit(bit, from, raw, max_walk_steps(N))
+        self.obstacle().freeze_bit(bit, from, raw, max_bit_steps_per_tick(N))
     }
 }
 
@@ -63,7 +63,7 @@ pub(crate) fn voxel_micrometres(n: usize) -> f32 {
 
 /// The table's bit of a number, in a grid of `n`^3.
 pub(crate) fn table_bit(number: u8, n: usize) -> GridBit {
-    ToolBit::from_number(number).expect("a bit of the table").on_grid(voxel_micrometres(n))
+    ToolBit::from_number(number).expect("a bit of the table").to_grid_bit(voxel_micrometres(n))
 }
 
 /// A strategy for rotations: the identity, or any.
