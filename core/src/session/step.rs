@@ -108,8 +108,8 @@ where
         let undo = asked(commands::UNDO, buttons::LOWER);
         let redo = asked(commands::REDO, buttons::UPPER);
         let rewound = match (undo, redo) {
-            (true, false) => self.try_undo_or_redo(WorldEvent::Undone, UndoHistory::undo),
-            (false, true) => self.try_undo_or_redo(WorldEvent::Redone, UndoHistory::redo),
+            (true, false) => self.try_undo_or_redo(WorldEvent::Undone, UndoHistory::try_undo),
+            (false, true) => self.try_undo_or_redo(WorldEvent::Redone, UndoHistory::try_redo),
             _ => false,
         };
         if asked(commands::SYMMETRY, buttons::STICK) {

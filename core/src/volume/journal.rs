@@ -8,13 +8,13 @@ pub trait Journal<const N: usize>
 where
     Grid<N>: Size,
 {
-    /// The columns at `places` of a line are about to be replaced; `old` is the line before.
+    /// The columns at `places` of a line are about to be replaced; `old_columns` is the line before.
     fn record_columns(
         &mut self,
         axis: Axis,
         line: usize,
         places: <Grid<N> as Size>::Row,
-        old: &[Column; N],
+        old_columns: &[Column; N],
     );
     /// `voxels` of row (y, z) are about to be occupied that were empty when the edit began.
     fn record_added(&mut self, row: RowAddress, voxels: <Grid<N> as Size>::Row);

@@ -138,7 +138,7 @@ where
     }
     follower.play_until_settled(FieldChange::Stroke);
     fixture.dirty.clear();
-    if !fixture.undo.undo(&mut fixture.volume, &mut fixture.dirty) {
+    if !fixture.undo.try_undo(&mut fixture.volume, &mut fixture.dirty) {
         return Err(Error::Failure(format!("at {N}: no stroke can be taken back")));
     }
     follower.play_frame(FieldChange::Undo, Some((fixture.volume.maps(), &fixture.dirty)));

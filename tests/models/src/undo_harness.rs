@@ -117,7 +117,7 @@ where
     /// # Errors
     /// A check that failed.
     pub fn try_undo_checked(&mut self) -> Result<bool, TestCaseError> {
-        self.try_step_checked(UndoHistory::undo)
+        self.try_step_checked(UndoHistory::try_undo)
     }
 
     /// Redoes a stroke, if there is one; checked as an undo.
@@ -125,7 +125,7 @@ where
     /// # Errors
     /// A check that failed.
     pub fn try_redo_checked(&mut self) -> Result<bool, TestCaseError> {
-        self.try_step_checked(UndoHistory::redo)
+        self.try_step_checked(UndoHistory::try_redo)
     }
 
     fn try_step_checked(

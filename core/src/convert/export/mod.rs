@@ -146,13 +146,13 @@ where
     /// Does at most `max_work_units` of work, writing to the front of `out`. A unit is a row visited, or
     /// a layer searched for its bounds.
     ///
-    /// `rows` is the volume and `mask` its mask (empty for none); neither may change from start to
+    /// `mask` is the volume's mask (empty for none); neither may change from start to
     /// end. Returns early when `out` has no room for the next piece. It never does so without progress
     /// when `out` has [`Exporter::MIN_BUFFER`] bytes or room for the whole file. The bytes of the file
     /// don't depend on budgets and buffers.
     pub fn advance_export(
         &mut self,
-        rows: &BitGrid<N>,
+        volume: &BitGrid<N>,
         mask: &RangeMaps<N>,
         max_work_units: u32,
         out: &mut [u8],
@@ -161,7 +161,7 @@ where
         while units_left > 0 {
             match self.phase {
                 ExportPhase::Supporting => {
-                    self.support.advance_search(rows, mask, &mut units_left);
+                    self.support.advance_search(volume, mask, &mut units_left);
                     if self.support.is_done() {
                         self.phase = ExportPhase::Bounding;
                     }
@@ -227,10 +227,10 @@ where
     fn measure_next_row(&mut self) {
         let solid = self.support.supported_voxels();
         match self.walk.current_step() {
-            WalkStep::Voxels(y, z) => {
+            WalkStep::Voxels((y, z)) => {
                 self.smooth.encode_turns_of_row(solid, (y, z), self.voxels_near_bounds((y, z), 1));
             }
-            WalkStep::Cells(y, z) => {
+            WalkStep::Cells((y, z)) => {
                 self.triangles += cells::count_triangles(&self.corner_rows((y, z)));
                 if y < N && z < N {
                     let (rim, bounds) = (self.voxels_near_bounds((y, z), 0), &mut self.vertices);
@@ -271,14 +271,14 @@ where
         }
         let mut written = 0;
         match self.walk.current_step() {
-            WalkStep::Voxels(y, z) => {
+            WalkStep::Voxels((y, z)) => {
                 self.smooth.encode_turns_of_row(
                     self.support.supported_voxels(),
                     (y, z),
                     Grid::<N>::FULL,
                 );
             }
-            WalkStep::Cells(y, z) => {
+            WalkStep::Cells((y, z)) => {
                 let corners = self.corner_rows((y, z));
                 if out.len() < Self::MIN_BUFFER
                     && out.len() < cells::count_triangles(&corners) as usize * stl::TRIANGLE_BYTES

@@ -96,7 +96,7 @@ where
             return;
         }
         let near = RowNeighbours::new(solid, (y, z));
-        let exposed = near.exposed_faces(row);
+        let exposed = near.exposed_by_face(row);
         let codes = self.codes.as_flattened().as_flattened().as_flattened();
         let start = (y % WINDOW_LAYERS * N + z) * N * 6;
         let [y_units, z_units] = [y as i32 * VERTEX_UNITS, z as i32 * VERTEX_UNITS];
@@ -215,17 +215,17 @@ impl<R: BitSet> RowNeighbours<R> {
         }
     }
 
-    /// By face, the voxels of the middle row on which it is exposed.
+    /// By face, those `voxels` of the middle row on which it is exposed.
     #[inline(always)]
-    fn exposed_faces(&self, row: R) -> [R; 6] {
+    fn exposed_by_face(&self, voxels: R) -> [R; 6] {
         let [[_, below, _], [behind, here, before], [_, above, _]] = self.rows;
         [
-            row & !here.shifted_down(),
-            row & !here.shifted_up(),
-            row & !above,
-            row & !below,
-            row & !before,
-            row & !behind,
+            voxels & !here.shifted_down(),
+            voxels & !here.shifted_up(),
+            voxels & !above,
+            voxels & !below,
+            voxels & !before,
+            voxels & !behind,
         ]
     }
 }

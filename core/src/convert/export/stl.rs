@@ -21,17 +21,19 @@ pub(super) fn header_bytes(triangles: u32) -> [u8; HEADER_BYTES] {
     bytes
 }
 
-/// Writes a triangle whose corners are small integers, scaled to millimetres by `scale`. The cross
+/// Writes a triangle whose corners are small integers, scaled to millimetres by `mm_per_unit`. The cross
 /// product of its sides is exact in f32.
 #[inline(always)]
 pub(super) fn write_triangle(
     [a, b, c]: [StlPoint; 3],
-    scale: f32,
+    mm_per_unit: f32,
     bytes: &mut [u8; TRIANGLE_BYTES],
 ) {
     let normal = unit_normal(a, b, c);
     for (corner, point) in
-        [normal, scaled(a, scale), scaled(b, scale), scaled(c, scale)].iter().enumerate()
+        [normal, scaled(a, mm_per_unit), scaled(b, mm_per_unit), scaled(c, mm_per_unit)]
+            .iter()
+            .enumerate()
     {
         for (axis, value) in point[..3].iter().enumerate() {
             let at = corner * 12 + axis * 4;

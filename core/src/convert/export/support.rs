@@ -93,18 +93,18 @@ where
     /// Visits rows until the search is done, each of which takes one from `visits_left`.
     pub(super) fn advance_search(
         &mut self,
-        rows: &BitGrid<N>,
+        voxels: &BitGrid<N>,
         mask: &RangeMaps<N>,
         visits_left: &mut u32,
     ) {
         while *visits_left > 0 && !self.is_done() {
             *visits_left -= 1;
             self.phase = match self.phase {
-                SupportPhase::Seed => self.seed_row(rows, mask),
-                SupportPhase::Flood => self.flood_row(rows, SupportPhase::Done),
-                SupportPhase::Component => self.find_next_component(rows),
-                SupportPhase::Count => self.flood_row(rows, SupportPhase::Component),
-                SupportPhase::Largest => self.flood_row(rows, SupportPhase::Done),
+                SupportPhase::Seed => self.seed_row(voxels, mask),
+                SupportPhase::Flood => self.flood_row(voxels, SupportPhase::Done),
+                SupportPhase::Component => self.find_next_component(voxels),
+                SupportPhase::Count => self.flood_row(voxels, SupportPhase::Component),
+                SupportPhase::Largest => self.flood_row(voxels, SupportPhase::Done),
                 SupportPhase::Idle | SupportPhase::Done => return,
             };
             if self.phase == SupportPhase::Component && self.component.size > self.largest.size {
@@ -114,11 +114,11 @@ where
     }
 
     /// Seeds the flood with the ground and mask voxels of the next row.
-    fn seed_row(&mut self, rows: &BitGrid<N>, mask: &RangeMaps<N>) -> SupportPhase {
+    fn seed_row(&mut self, voxels: &BitGrid<N>, mask: &RangeMaps<N>) -> SupportPhase {
         let (y, z) = self.take_next_row();
-        let row = rows.row(y, z);
+        let row = voxels.row(y, z);
         let seeds = if y == 0 { row } else { mask.occupied_among((y, z), row) };
-        self.reach_runs_with_seeds(rows, (y, z), seeds);
+        self.reach_runs_with_seeds(voxels, (y, z), seeds);
         // Without a mask the ground layer has all the seeds.
         if self.next < (N * N) as u32 && !(self.next == N as u32 && mask.is_empty()) {
             return SupportPhase::Seed;
@@ -129,7 +129,7 @@ where
     }
 
     /// Spreads from the row at the head of the queue; with an empty queue, goes on to `next_phase`.
-    fn flood_row(&mut self, rows: &BitGrid<N>, next_phase: SupportPhase) -> SupportPhase {
+    fn flood_row(&mut self, voxels: &BitGrid<N>, next_phase: SupportPhase) -> SupportPhase {
         if self.queued == 0 {
             return next_phase;
         }
@@ -141,7 +141,7 @@ where
         let row = self.found.row(y, z);
         for near in [(y.wrapping_sub(1), z), (y + 1, z), (y, z.wrapping_sub(1)), (y, z + 1)] {
             if near.0 < N && near.1 < N {
-                self.reach_runs_with_seeds(rows, near, row);
+                self.reach_runs_with_seeds(voxels, near, row);
             }
         }
         self.phase
@@ -151,11 +151,11 @@ where
     #[inline]
     fn reach_runs_with_seeds(
         &mut self,
-        rows: &BitGrid<N>,
+        voxels: &BitGrid<N>,
         (y, z): RowAddress,
         seeds: <Grid<N> as Size>::Row,
     ) {
-        let (row, found) = (rows.row(y, z), self.found.row(y, z));
+        let (row, found) = (voxels.row(y, z), self.found.row(y, z));
         let new = seeds & row & !found;
         if new.is_empty() {
             return;
@@ -174,28 +174,28 @@ where
     }
 
     /// Starts the next component in the order of the rows; after the last, the largest one again.
-    fn find_next_component(&mut self, rows: &BitGrid<N>) -> SupportPhase {
+    fn find_next_component(&mut self, voxels: &BitGrid<N>) -> SupportPhase {
         if self.next == (N * N) as u32 {
-            return self.flood_largest_component(rows);
+            return self.flood_largest_component(voxels);
         }
         let (y, z) = self.take_next_row();
-        let Some(x) = (rows.row(y, z) & !self.found.row(y, z)).first() else {
+        let Some(x) = (voxels.row(y, z) & !self.found.row(y, z)).first() else {
             return SupportPhase::Component;
         };
         // This row may hold another component.
         self.next -= 1;
         self.component = SolidComponent { size: 0, voxel: [x, y, z].map(|c| c as u8) };
-        self.reach_runs_with_seeds(rows, (y, z), <Grid<N> as Size>::Row::span(x, x));
+        self.reach_runs_with_seeds(voxels, (y, z), <Grid<N> as Size>::Row::span(x, x));
         SupportPhase::Count
     }
 
-    fn flood_largest_component(&mut self, rows: &BitGrid<N>) -> SupportPhase {
+    fn flood_largest_component(&mut self, voxels: &BitGrid<N>) -> SupportPhase {
         self.found.clear();
         if self.largest.size == 0 {
             return SupportPhase::Done;
         }
         let [x, y, z] = self.largest.voxel.map(usize::from);
-        self.reach_runs_with_seeds(rows, (y, z), <Grid<N> as Size>::Row::span(x, x));
+        self.reach_runs_with_seeds(voxels, (y, z), <Grid<N> as Size>::Row::span(x, x));
         SupportPhase::Largest
     }
 

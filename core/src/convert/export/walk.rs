@@ -1,6 +1,8 @@
 //! Traversal order of a streamed export, row by row: each layer's voxels before the cells that need
 //! them.
 
+use crate::volume::range_maps::RowAddress;
+
 /// An axis-aligned box of integers; both ends are inside.
 #[derive(Clone, Copy)]
 pub(super) struct ClosedBounds {
@@ -38,10 +40,10 @@ impl ClosedBounds {
 /// A step of the traversal.
 pub(super) enum WalkStep {
     /// Row (y, z) of voxels.
-    Voxels(usize, usize),
+    Voxels(RowAddress),
     /// The cells between the layers y - 1 and y and the rows z - 1 and z. The voxels of layer y, and of
     /// layer y + 1 where it has any, came before.
-    Cells(usize, usize),
+    Cells(RowAddress),
 }
 
 /// The current position of the traversal.
@@ -66,7 +68,11 @@ impl CellWalk {
 
     pub(super) fn current_step(&self) -> WalkStep {
         let (layer, row) = (self.layer as usize, self.row as usize);
-        if self.in_cells { WalkStep::Cells(layer - 1, row) } else { WalkStep::Voxels(layer, row) }
+        if self.in_cells {
+            WalkStep::Cells((layer - 1, row))
+        } else {
+            WalkStep::Voxels((layer, row))
+        }
     }
 
     /// Goes to the next step; false after the last one.

@@ -77,10 +77,10 @@ impl SweptBox {
         }
     }
 
-    /// Its slice at `y` (fixed point).
+    /// Its slice at a fixed-point y.
     #[inline]
-    pub(super) fn layer(&self, y: i64) -> BoxLayer<'_> {
-        let at = 2 * y - i64::from(self.middle.y);
+    pub(super) fn layer(&self, y_subunits: i64) -> BoxLayer<'_> {
+        let at = 2 * y_subunits - i64::from(self.middle.y);
         let first = 2 * voxel_centre_subunits(0) - i64::from(self.middle.x);
         BoxLayer {
             swept: self,

@@ -226,7 +226,7 @@ where
 
     /// Visits queued rows layer by layer in cyclic order, each layer until it has none left. Each takes
     /// one from `visits_left`.
-    fn sweep_queue(&mut self, rows: &BitGrid<N>, visits_left: &mut u32) {
+    fn sweep_queue(&mut self, voxels: &BitGrid<N>, visits_left: &mut u32) {
         while let Some(y) = next_set_cyclic(self.layers, self.cursor.into()) {
             self.cursor = y as u8;
             if *visits_left == 0 {
@@ -234,7 +234,7 @@ where
             }
             for z_word in 0..<Grid<N> as Size>::Row::WORDS {
                 if self.queued[y].word(z_word) != 0 {
-                    self.visit_queued_rows(rows, y, z_word, visits_left);
+                    self.visit_queued_rows(voxels, y, z_word, visits_left);
                 }
             }
             if self.queued[y].is_empty() {
@@ -247,7 +247,7 @@ where
     /// Each takes one from `visits_left`.
     fn visit_queued_rows(
         &mut self,
-        rows: &BitGrid<N>,
+        voxels: &BitGrid<N>,
         y: usize,
         z_word: usize,
         visits_left: &mut u32,
@@ -264,12 +264,12 @@ where
             let bit = todo & todo.wrapping_neg();
             todo ^= bit;
             left -= 1;
-            let RowVisit { newly_reached: new, is_all_reached } = self.visit_row(rows, (y, z));
+            let RowVisit { newly_reached: new, is_all_reached } = self.visit_row(voxels, (y, z));
             sum = sum.wrapping_add(hash_row_in_layer(z, new));
             open = if is_all_reached { open & !bit } else { open | bit };
             let near = beside | open << 1 | before | open >> 1 | after;
             if near & bit != 0 && !new.is_empty() {
-                todo |= self.queue_neighbours_outside_word(rows, (y, z), new, z_word);
+                todo |= self.queue_neighbours_outside_word(voxels, (y, z), new, z_word);
             }
         }
         self.reached_sum = self.reached_sum.wrapping_add(layer_hash_from_sum(y, sum));
@@ -292,11 +292,11 @@ where
     #[inline]
     fn visit_row(
         &mut self,
-        rows: &BitGrid<N>,
+        voxels: &BitGrid<N>,
         (y, z): RowAddress,
     ) -> RowVisit<<Grid<N> as Size>::Row> {
         let reached = self.reached.row(y, z);
-        let medium = rows.row(y, z) & !reached;
+        let medium = voxels.row(y, z) & !reached;
         let mut seeds = reached.shifted_up() | reached.shifted_down();
         for (y, z) in neighbour_rows::<N>((y, z)) {
             seeds |= self.reached.row(y, z);
@@ -311,14 +311,14 @@ where
     #[cold]
     fn queue_neighbours_outside_word(
         &mut self,
-        rows: &BitGrid<N>,
+        voxels: &BitGrid<N>,
         (y, z): RowAddress,
         newly_reached: <Grid<N> as Size>::Row,
         z_word: usize,
     ) -> RowsOfWord {
         let mut todo = 0;
         for (beside_y, beside_z) in neighbour_rows::<N>((y, z)) {
-            let left = rows.row(beside_y, beside_z) & !self.reached.row(beside_y, beside_z);
+            let left = voxels.row(beside_y, beside_z) & !self.reached.row(beside_y, beside_z);
             let woken = !(left & newly_reached).is_empty();
             if beside_y == y && beside_z / 64 == z_word {
                 todo |= u64::from(woken) << (beside_z % 64);

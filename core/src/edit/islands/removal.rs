@@ -59,7 +59,7 @@ where
                 &mut along_y,
                 journal,
             );
-            let rest = self.tighten_line(volume, Axis::Z, y, &along_z, journal);
+            let rest = self.tighten_line_returning_nonempty(volume, Axis::Z, y, &along_z, journal);
             doubtful += self.remove_unreached_counting_doubtful(volume, y, rest);
         }
         if missed == 0 {
@@ -68,7 +68,7 @@ where
         }
         let mut rests = [<Grid<N> as Size>::Row::EMPTY; N];
         for (z, (line, rest)) in along_y.iter().zip(&mut rests).enumerate() {
-            *rest = self.tighten_line(volume, Axis::Y, z, line, journal);
+            *rest = self.tighten_line_returning_nonempty(volume, Axis::Y, z, line, journal);
         }
         let KeptVoxels { count: kept, hash } = self.close_in_open_rows(volume, &rests, doubtful);
         let known = hash == self.kept_sum;
@@ -121,7 +121,7 @@ where
     ///
     /// A range end outside the rows of the islands stays; the others are searched for, N columns at a
     /// time.
-    fn tighten_line(
+    fn tighten_line_returning_nonempty(
         &self,
         volume: &mut Volume<N>,
         axis: Axis,

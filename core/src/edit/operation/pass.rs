@@ -62,13 +62,13 @@ where
     /// Computes the voxels of layer `y` to flip, before closure. Returns the z of the rows that may
     /// hold some.
     fn compute_layer_flips(&mut self, y: usize) -> ZRange {
-        let rows = self.rasterise_brush_layer(y);
+        let z_range = self.rasterise_brush_layer(y);
         match self.edit.operation {
-            EditOperation::Carve { .. } => self.carve_layer(y, rows),
-            EditOperation::Fill { .. } => self.fill_layer(y, rows),
-            EditOperation::Smooth => self.smooth_layer(y, rows),
+            EditOperation::Carve { .. } => self.carve_layer(y, z_range),
+            EditOperation::Fill { .. } => self.fill_layer(y, z_range),
+            EditOperation::Smooth => self.smooth_layer(y, z_range),
         }
-        rows
+        z_range
     }
 
     /// Rasterises layer `y` of the brush into the flips' memory. Returns the z of its rows.
@@ -92,11 +92,11 @@ where
     }
 
     #[inline(never)]
-    fn carve_layer(&mut self, y: usize, rows: ZRange) {
+    fn carve_layer(&mut self, y: usize, z_range: ZRange) {
         let volume = self.volume.rows().row_strip::<W>(self.first_word);
         let (mask, depth) = (self.mask, self.edit.operation.neighbourhood_radius());
         let mut too_deep = 0;
-        for z in iter_voxels(rows) {
+        for z in iter_voxels(z_range) {
             let flips = &mut self.scratch.pending[y % (SHELL_DEPTH + 1)][z];
             let wanted = flips.word_span(0) & volume.row(y, z);
             if wanted.is_empty() {
@@ -115,10 +115,10 @@ where
     }
 
     #[inline(never)]
-    fn fill_layer(&mut self, y: usize, rows: ZRange) {
+    fn fill_layer(&mut self, y: usize, z_range: ZRange) {
         let volume = self.volume.rows().row_strip::<W>(self.first_word);
         let depth = self.edit.operation.neighbourhood_radius();
-        for z in iter_voxels(rows) {
+        for z in iter_voxels(z_range) {
             let flips = &mut self.scratch.pending[y % (SHELL_DEPTH + 1)][z];
             let wanted = flips.word_span(0) & !volume.row(y, z);
             let near = dilated_row(volume, (y, z), depth, wanted);
@@ -130,9 +130,9 @@ where
     }
 
     #[inline(never)]
-    fn smooth_layer(&mut self, y: usize, rows: ZRange) {
+    fn smooth_layer(&mut self, y: usize, z_range: ZRange) {
         let volume = self.volume.rows().row_strip::<W>(self.first_word);
-        for z in iter_voxels(rows) {
+        for z in iter_voxels(z_range) {
             let index = self.saved_row_index((y, z));
             let here = volume.row(y, z);
             self.scratch.rows_before.as_flattened_mut()[index].set_word_span(0, here);
@@ -151,11 +151,11 @@ where
 
     /// Flips the voxels of layer `y` and updates its columns along x and z, which no later layer affects.
     #[inline(never)]
-    fn flip_layer(&mut self, y: usize, rows: ZRange) {
+    fn flip_layer(&mut self, y: usize, z_range: ZRange) {
         let mut columns = *self.volume.maps().line(Axis::X, y);
         let mut moved = <Grid<N> as Size>::Row::EMPTY;
         let (mut flipped, mut between) = (BitRow::EMPTY, Range::EMPTY);
-        for z in iter_voxels(rows) {
+        for z in iter_voxels(z_range) {
             let flips = self.scratch.pending[y % (SHELL_DEPTH + 1)][z].word_span(0);
             if flips.is_empty() {
                 continue;

@@ -181,7 +181,7 @@ where
 
     /// Undoes the newest applied entry and marks its columns in `dirty` as one edit. Returns `false`
     /// when there is none.
-    pub fn undo(&mut self, volume: &mut Volume<N>, dirty: &mut DirtyRects) -> bool {
+    pub fn try_undo(&mut self, volume: &mut Volume<N>, dirty: &mut DirtyRects) -> bool {
         if self.applied == 0 {
             return false;
         }
@@ -191,7 +191,7 @@ where
     }
 
     /// Redoes the oldest undone entry, likewise. Returns `false` when there is none.
-    pub fn redo(&mut self, volume: &mut Volume<N>, dirty: &mut DirtyRects) -> bool {
+    pub fn try_redo(&mut self, volume: &mut Volume<N>, dirty: &mut DirtyRects) -> bool {
         if usize::from(self.applied) == self.len() {
             return false;
         }
@@ -237,11 +237,11 @@ where
         self.packed.push(entry).expect("room was made");
     }
 
-    /// Drops the oldest entries until one of `need` cells fits after the rest.
-    fn make_room_for_cells(&mut self, need: usize) {
+    /// Drops the oldest entries until one of `needed` cells fits after the rest.
+    fn make_room_for_cells(&mut self, needed: usize) {
         let room = UNDO_PLANES * N * N;
         let (mut dropped, mut freed, used) = (0, 0, self.count_packed_cells());
-        while used - freed + need > room || self.packed.len() - dropped == UNDO_ENTRIES {
+        while used - freed + needed > room || self.packed.len() - dropped == UNDO_ENTRIES {
             freed += self.packed[dropped].cells as usize;
             dropped += 1;
         }
