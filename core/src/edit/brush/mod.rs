@@ -351,7 +351,8 @@ fn voxels_with_centre_in(
     let sub = i64::from(SUBUNITS_PER_VOXEL);
     let first = (lo - sub / 2 + sub - 1).div_euclid(sub).max(0);
     let last = (hi - sub / 2).div_euclid(sub).min(grid_side as i64 - 1);
-    (first <= last).then(|| Range::new(first as usize, last as usize))
+    // Their order is known, which `Range::new` would test once more.
+    (first <= last).then(|| Range::EMPTY.with_last(last as usize).with_first(first as usize))
 }
 
 /// The integer part of a square root; 0 for negative numbers.
