@@ -151,7 +151,8 @@ where
     let mut removed = 0;
     while fixture.islands.is_busy() {
         fixture.dirty.clear();
-        removed += advance_pass(fixture, island_row_visits_per_tick(N)).map_or(0, |report| report.removed);
+        removed +=
+            advance_pass(fixture, island_row_visits_per_tick(N)).map_or(0, |report| report.removed);
         follower.play_frame(FieldChange::Fall, Some((fixture.volume.maps(), &fixture.dirty)));
     }
     follower.play_until_settled(FieldChange::Fall);

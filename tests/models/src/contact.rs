@@ -234,7 +234,8 @@ impl ContactModel {
         after_step: usize,
     ) -> Option<usize> {
         let half_diagonal = (SUBUNITS_PER_VOXEL as f32 * 0.866).ceil() as i32;
-        let open = PenetrationDepths { volume: bit.inscribed_radius_subunits() - half_diagonal, ..limits };
+        let open =
+            PenetrationDepths { volume: bit.inscribed_radius_subunits() - half_diagonal, ..limits };
         let mut last = *last_allowed;
         for step in exit_probe_steps(after_step as u32, path.len() as u32) {
             let pose = path[step as usize - 1];
