@@ -13,8 +13,8 @@ pub enum Error {
     Unavailable(String),
     /// A call of OpenXR failed.
     Call {
-        /// What the call was to do.
-        doing: &'static str,
+        /// What the call was to do, an infinitive: "make a session".
+        action: &'static str,
         /// The result code.
         result: xr::sys::Result,
     },
@@ -61,7 +61,7 @@ impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Error::Unavailable(why) | Error::Input(why) => f.write_str(why),
-            Error::Call { doing, result } => write!(f, "OpenXR could not {doing}: {result:?}"),
+            Error::Call { action, result } => write!(f, "OpenXR could not {action}: {result:?}"),
             Error::Gpu(error) => error.fmt(f),
             Error::File(error) => error.fmt(f),
         }
@@ -84,11 +84,11 @@ impl From<durable::WriteError> for Error {
 
 /// Adds to a failed call's result what the call was to do.
 pub(crate) trait CallContext<T> {
-    fn context(self, doing: &'static str) -> Result<T, Error>;
+    fn could_not(self, action: &'static str) -> Result<T, Error>;
 }
 
 impl<T> CallContext<T> for xr::Result<T> {
-    fn context(self, doing: &'static str) -> Result<T, Error> {
-        self.map_err(|result| Error::Call { doing, result })
+    fn could_not(self, action: &'static str) -> Result<T, Error> {
+        self.map_err(|result| Error::Call { action, result })
     }
 }

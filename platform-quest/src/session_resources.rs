@@ -70,7 +70,8 @@ where
         format.density_map = images.have_density_maps();
         log_missing_features(platform, options, &runtime, &gpu, &format);
         // Without it only the start takes longer.
-        let pipeline_cache = durable::read_file(&paths.pipeline_cache_file()).unwrap_or_default();
+        let pipeline_cache =
+            durable::read_regular_file(&paths.pipeline_cache_file()).unwrap_or_default();
         let show = WorldRenderer::new(&gpu, format, world, &pipeline_cache)?;
         let eyes = EyeTargets::from_images(images, &show.renderer)?;
         Ok(SessionResources { eyes, show, session, gpu, runtime, pipeline_cache })
@@ -78,7 +79,11 @@ where
 
     /// Has the pipeline cache written, where it has changed: the next start is faster. The driver may take
     /// longer than a frame: call it while none is due.
-    pub(crate) fn save_pipeline_cache(&mut self, paths: &StudioPaths, writer: &mut FileWriter) {
+    pub(crate) fn submit_changed_pipeline_cache_between_frames(
+        &mut self,
+        paths: &StudioPaths,
+        writer: &mut FileWriter,
+    ) {
         if let Ok(bytes) = self.show.renderer.pipeline_cache_data()
             && bytes != self.pipeline_cache
         {

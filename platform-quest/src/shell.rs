@@ -126,7 +126,7 @@ where
     }
     let mut shell = HeadsetShell::new(studio, options);
     let done = shell.run_sessions(platform);
-    let saved = shell.studio.finish_and_save_all();
+    let saved = shell.studio.save_all_and_wait();
     shell.log_notes(platform);
     if let (Err(_), Err(error)) = (&done, &saved) {
         platform.log(format_args!("{error}"));
@@ -222,15 +222,18 @@ where
         self.phase = SessionPhase::default();
         self.pacer.pause();
         // Whatever ends the session, the next start finds the compiled programs.
-        self.save_pipeline_cache(&mut resources);
+        self.submit_changed_pipeline_cache_between_frames(&mut resources);
         let end = self.run_frames(&mut resources, platform);
-        self.save_pipeline_cache(&mut resources);
+        self.submit_changed_pipeline_cache_between_frames(&mut resources);
         end
     }
 
-    fn save_pipeline_cache(&mut self, resources: &mut SessionResources<N>) {
+    fn submit_changed_pipeline_cache_between_frames(
+        &mut self,
+        resources: &mut SessionResources<N>,
+    ) {
         let places = self.studio.paths().clone();
-        resources.save_pipeline_cache(&places, self.studio.file_writer());
+        resources.submit_changed_pipeline_cache_between_frames(&places, self.studio.file_writer());
     }
 
     /// Polls events and makes frames until the session ends.
@@ -246,11 +249,11 @@ where
                 SessionPhase::Exited => return Ok(SessionEnd::Exited),
                 SessionPhase::Lost if exit_requested_at.is_some() => return Ok(SessionEnd::Exited),
                 SessionPhase::Lost => return Ok(SessionEnd::Lost),
-                phase if phase.is_running() => self.run_frame(resources, platform)?,
+                phase if phase.is_running() => self.wait_and_run_frame(resources, platform)?,
                 _ => thread::sleep(IDLE_POLL_INTERVAL),
             }
             let status = platform.poll_status();
-            self.update_thermal(status.health, platform);
+            self.note_health_and_log_warning(status.health, platform);
             self.update_foveation(resources, platform)?;
             let quit =
                 self.run_test_command(resources, platform).is_break() || status.quit_requested;
@@ -280,7 +283,7 @@ where
     }
 
     /// Takes in thermal state and battery, and logs a warning once.
-    fn update_thermal(&mut self, health: DeviceHealth, platform: &mut dyn Platform) {
+    fn note_health_and_log_warning(&mut self, health: DeviceHealth, platform: &mut dyn Platform) {
         let thermal = health.thermal.max(self.runtime_thermal);
         let health = DeviceHealth { thermal, ..health };
         let before = core::mem::replace(&mut self.health, health);

@@ -123,9 +123,12 @@ fn check_all_calls() {
 fn check_names() {
     set_field("android.os.Build.MANUFACTURER", "S:Oculus");
     set_field("android.os.Build.MODEL", "S:Quest 3");
-    assert_eq!(device_at_level(29).read_model_name().expect("a name"), "Oculus Quest 3");
+    assert_eq!(
+        device_at_level(29).read_manufacturer_and_model().expect("a name"),
+        "Oculus Quest 3"
+    );
     set_field("android.os.Build.MANUFACTURER", "N:");
-    assert_eq!(device_at_level(29).read_model_name().expect("a name"), "Quest 3");
+    assert_eq!(device_at_level(29).read_manufacturer_and_model().expect("a name"), "Quest 3");
     assert_eq!(device_at_level(31).api_level(), 31);
 }
 

@@ -104,11 +104,11 @@ impl HandState {
         presses
     }
 
-    /// The pose of the bit's centre in the room, `length_metres` in front of the grip.
+    /// The pose of the bit's centre in the room, `tool_length_metres` in front of the grip.
     #[must_use]
-    pub fn tip_pose(&self, length_metres: f32) -> RoomPose {
+    pub fn bit_centre_pose(&self, tool_length_metres: f32) -> RoomPose {
         let (position, rotation) = self.grip;
-        (position + rotation * Vec3::new(0.0, 0.0, -length_metres), rotation)
+        (position + rotation * Vec3::new(0.0, 0.0, -tool_length_metres), rotation)
     }
 
     /// Invalidates the frozen pose, after a change of tool or bit.

@@ -149,7 +149,7 @@ where
             }
             PointerCommand::Return { hand } => {
                 let hand = usize::from(hand & 1);
-                if let Some(tool) = self.state.bench.return_tool(hand) {
+                if let Some(tool) = self.state.bench.return_tool_home(hand) {
                     self.state.hands[hand].invalidate_bit_pose();
                     self.push_event(WorldEvent::Returned { hand: hand as u8, tool });
                 }
@@ -168,11 +168,11 @@ where
             .state
             .bench
             .held_tool(hand)
-            .map(|tool| state.tip_pose(metres_from_um(tool.length_um())).0);
+            .map(|tool| state.bit_centre_pose(metres_from_um(tool.length_um())).0);
         let tip = tip.unwrap_or(state.grip.0);
         if let Some(item) = self.state.bench.nearest_in_reach(hand, state.grip.0, tip) {
             self.take_item(hand, item);
-        } else if let Some(tool) = self.state.bench.release_tool(hand, state.grip) {
+        } else if let Some(tool) = self.state.bench.drop_tool_or_return_home(hand, state.grip) {
             self.state.hands[hand].invalidate_bit_pose();
             self.push_event(WorldEvent::Released { hand: hand as u8, tool });
         }
@@ -209,7 +209,7 @@ where
         // The wanted pose, and the allowed pose that contact gives for it.
         let frame = self.stool_frame();
         let grid_bit = bit.to_grid_bit(frame.voxel_metres() * 1e6);
-        let (position, rotation) = state.tip_pose(metres_from_um(tool.length_um()));
+        let (position, rotation) = state.bit_centre_pose(metres_from_um(tool.length_um()));
         let raw = frame.to_grid(position, rotation);
         let last = if state.has_frozen_pose { state.frozen_pose } else { raw };
         let mask = self.state.masked.then_some(&self.mask);

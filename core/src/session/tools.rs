@@ -63,12 +63,12 @@ pub enum BitShape {
     /// A ball.
     Ball {
         /// In micrometres.
-        radius: i32,
+        radius_um: i32,
     },
     /// A box.
     Box {
         /// Half extents in micrometres.
-        half: [i32; 3],
+        half_extents_um: [i32; 3],
     },
 }
 
@@ -151,8 +151,10 @@ impl ToolBit {
             |length: i32| libm::roundf(length as f32 * SUBUNITS_PER_VOXEL as f32 / voxel_um) as i32;
         let data = self.spec();
         let shape = match data.shape {
-            BitShape::Ball { radius } => GridShape::Ball(fixed(radius)),
-            BitShape::Box { half } => GridShape::Box(IVec3::from_array(half.map(fixed))),
+            BitShape::Ball { radius_um } => GridShape::Ball(fixed(radius_um)),
+            BitShape::Box { half_extents_um } => {
+                GridShape::Box(IVec3::from_array(half_extents_um.map(fixed)))
+            }
         };
         GridBit { shape, bite: fixed(data.bite_um) }
     }
@@ -164,7 +166,7 @@ const fn ball_spec(
     bite_um: i32,
     haptic_train: &'static [u8],
 ) -> ToolBitSpec {
-    let shape = BitShape::Ball { radius: radius_um };
+    let shape = BitShape::Ball { radius_um };
     ToolBitSpec {
         name,
         tool: Tool::Rotary,
@@ -182,7 +184,7 @@ const fn box_spec(
     half_extents_um: [i32; 3],
     bite_um: i32,
 ) -> ToolBitSpec {
-    let shape = BitShape::Box { half: half_extents_um };
+    let shape = BitShape::Box { half_extents_um };
     ToolBitSpec {
         name,
         tool,

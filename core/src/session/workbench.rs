@@ -182,13 +182,10 @@ impl Workbench {
         true
     }
 
-    /// Releases the held tool at a pose in the room: near its home position it returns there, elsewhere
-    /// it falls. Returns the tool.
-    pub(crate) fn release_tool(
-        &mut self,
-        hand: usize,
-        (position, rotation): RoomPose,
-    ) -> Option<Tool> {
+    /// Releases the held tool at the grip's pose in the room: near its home position it returns there,
+    /// elsewhere it falls. Returns the tool.
+    pub(crate) fn drop_tool_or_return_home(&mut self, hand: usize, grip: RoomPose) -> Option<Tool> {
+        let (position, rotation) = grip;
         let tool = self.held_tool(hand)?;
         let item = BenchItem::Tool(tool);
         let near = position.distance(item.home_position()) < 2.0 * GRAB_DISTANCE;
@@ -198,7 +195,7 @@ impl Workbench {
     }
 
     /// Puts the held tool back home and returns which it was.
-    pub(crate) fn return_tool(&mut self, hand: usize) -> Option<Tool> {
+    pub(crate) fn return_tool_home(&mut self, hand: usize) -> Option<Tool> {
         let tool = self.held_tool(hand)?;
         self.set_place(BenchItem::Tool(tool), ToolPlace::Home);
         Some(tool)

@@ -71,7 +71,7 @@ pub(super) fn measure_recorded(
     on_progress: OnProgress<'_>,
 ) -> Result<Measured, Error> {
     let trace = Trace::read(path).map_err(Error::input)?;
-    let bytes = durable::read_file(path).map_err(Error::input)?;
+    let bytes = durable::read_regular_file(path).map_err(Error::input)?;
     let name = path.file_stem().unwrap_or_default().to_string_lossy();
     let measured = with_size!(trace.header().side, N => measure_session::<N>(&name, &trace, &bytes, on_progress));
     measured.map_err(|error| match error {
@@ -112,7 +112,8 @@ fn measure_session<const N: usize>(
 where
     Grid<N>: Size + Resident<N>,
 {
-    with_fresh_world::<N, _>(|mut runner| runner.replay(trace, |_| {})).map_err(Error::input)?;
+    with_fresh_world::<N, _>(|mut runner| runner.replay_on_same_start(trace, |_| {}))
+        .map_err(Error::input)?;
     let mut times = vec![f64::INFINITY; trace.records().len()];
     for run in 1..=RUNS {
         on_progress(TIMED * run as f64 / (RUNS + 1) as f64);

@@ -119,7 +119,7 @@ impl HeadlessRenderer {
         request: &FrameRequest<'_>,
         uploads: &Uploads,
     ) -> Result<FrameTimes, Error> {
-        self.renderer.begin_frame()?;
+        self.renderer.wait_and_begin_frame()?;
         for (region, bytes) in uploads {
             if !self.renderer.try_stage_upload(*region, bytes) {
                 return Err(Error::Failure("a frame's uploads are more than it takes".into()));

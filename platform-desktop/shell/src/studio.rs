@@ -109,7 +109,7 @@ where
         self.recorder.disable_recording();
     }
 
-    /// Sets the file to which [`Studio::finish_and_save_all`] writes the trace of the last session;
+    /// Sets the file to which [`Studio::save_all_and_wait`] writes the trace of the last session;
     /// `None` for none.
     pub fn set_closing_trace_path(&mut self, path: Option<PathBuf>) {
         self.recorder.set_closing_trace_path(path);
@@ -274,8 +274,8 @@ where
     ///
     /// # Errors
     /// The first write that failed.
-    pub fn finish_and_save_all(&mut self) -> Result<(), durable::WriteError> {
-        self.export.finish_making_files();
+    pub fn save_all_and_wait(&mut self) -> Result<(), durable::WriteError> {
+        self.export.make_files_to_end();
         self.submit_finished_sculpture();
         self.retry_failed_writes();
         self.save_session();
@@ -295,7 +295,7 @@ where
         if let Some(save) = self.session.take_unfinished_save_and_clear() {
             self.file_writer.submit_file(
                 FileKind::PreviousSession,
-                self.paths.previous_session_file(N),
+                self.paths.left_unfinished_session_file(N),
                 save,
             );
         }

@@ -52,9 +52,9 @@ impl StudioPaths {
         self.sessions.join(format!("session-{grid_side}{}.save", self.window_suffix()))
     }
 
-    /// The save of the session before it.
+    /// The save of the session before it, where that was left unfinished.
     #[must_use]
-    pub fn previous_session_file(&self, grid_side: usize) -> PathBuf {
+    pub fn left_unfinished_session_file(&self, grid_side: usize) -> PathBuf {
         self.sessions.join(format!("session-{grid_side}{}.before.save", self.window_suffix()))
     }
 

@@ -135,12 +135,13 @@ where
         }
     }
 
-    /// Replays a trace. Calls `after_tick` after every tick.
+    /// Replays a trace, from the start volumes and the state that it was recorded on: it holds their
+    /// digests only. Calls `after_tick` after every tick.
     ///
     /// # Errors
     /// [`ReplayDivergence`] where the trace was recorded on other start volumes or from another state, or
     /// at the first tick after which a part of the world's state differs.
-    pub fn replay(
+    pub fn replay_on_same_start(
         &mut self,
         trace: &Trace,
         mut after_tick: impl FnMut(ReplayedTick<'_, N>),

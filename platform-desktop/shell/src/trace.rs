@@ -86,7 +86,8 @@ impl Trace {
     /// # Errors
     /// [`TraceError`], with the file and the offset or tick.
     pub fn read(path: &Path) -> Result<Self, TraceError> {
-        let bytes = durable::read_file(path).map_err(|e| TraceError::Read(path.into(), e))?;
+        let bytes =
+            durable::read_regular_file(path).map_err(|e| TraceError::Read(path.into(), e))?;
         Self::decode(&bytes).map_err(|TraceFault { tick, bad }| match tick {
             None => TraceError::Header(path.into(), bad),
             Some(tick) => TraceError::Record { path: path.into(), tick, bad },

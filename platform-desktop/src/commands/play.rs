@@ -156,7 +156,7 @@ where
     let mut stl_buffers = Grid::<N>::lock_stl_buffers();
     let mut stl_exporter = StlExporter::new(&mut stl_buffers, DEFAULT_HEIGHT_MM)?;
     runner
-        .replay(trace, |ReplayedTick { index: tick, world }| {
+        .replay_on_same_start(trace, |ReplayedTick { index: tick, world }| {
             let _ = writeln!(played.digests, "{:016x}", world.digest());
             if args.stl.is_some()
                 && let Some(stl) = stl_exporter.begin_or_advance_after_tick(world)

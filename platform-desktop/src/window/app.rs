@@ -123,7 +123,7 @@ where
     /// Saves the session after the last event. Returns the last print's path as a line.
     pub(super) fn close_and_report(mut self) -> Result<String, WindowError> {
         self.drop_window();
-        let saved = self.studio.finish_and_save_all();
+        let saved = self.studio.save_all_and_wait();
         self.done?;
         saved.map_err(|error| WindowError::Failed(error.into()))?;
         if !self.messages.is_empty() {
@@ -158,7 +158,7 @@ where
     fn drop_window(&mut self) {
         if let Some(view) = self.view.take() {
             let paths = self.studio.paths().clone();
-            view.save_pipeline_cache(&paths, self.studio.file_writer());
+            view.submit_pipeline_cache(&paths, self.studio.file_writer());
             self.messages.extend(view.validation_messages());
         }
         let window = self.window.take();
@@ -197,7 +197,7 @@ where
         self.studio.run_tick(&input);
         let world = self.studio.world();
         if let Some(view) = &mut self.view {
-            view.record_tick(world);
+            view.note_tick(world);
         }
         if world.events().iter().any(|event| matches!(event, Happened::Started(_))) {
             self.panels.close_covering_panels();

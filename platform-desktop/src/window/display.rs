@@ -40,8 +40,12 @@ impl DisplayConnection {
     #[must_use]
     pub(super) fn watch_window(window: &Window) -> Option<Self> {
         match window.display_handle().ok()?.as_raw() {
-            RawDisplayHandle::Xlib(handle) => Self::watch_x11(handle.display?.as_ptr()),
-            RawDisplayHandle::Wayland(handle) => Self::watch_wayland(handle.display.as_ptr()),
+            RawDisplayHandle::Xlib(handle) => {
+                Self::set_xlib_error_handlers(handle.display?.as_ptr())
+            }
+            RawDisplayHandle::Wayland(handle) => {
+                Self::watch_wayland_display(handle.display.as_ptr())
+            }
             _ => None,
         }
     }
@@ -59,7 +63,7 @@ impl DisplayConnection {
         self.is_known_lost() || unsafe { (self.check)(self.connection) } < 0 || self.is_known_lost()
     }
 
-    fn watch_x11(connection: *mut c_void) -> Option<Self> {
+    fn set_xlib_error_handlers(xlib_display: *mut c_void) -> Option<Self> {
         // SAFETY: this is the Xlib that `winit` has loaded and uses.
         let library = unsafe { Library::new("libX11.so.6") }.ok()?;
         // SAFETY: these are the functions' types in Xlib.h.
@@ -68,17 +72,17 @@ impl DisplayConnection {
             let on_error = *library.get::<SetErrorHandler>(b"XSetIOErrorHandler\0").ok()?;
             let check = *library.get::<CheckConnection>(b"XPending\0").ok()?;
             on_error(on_io_error);
-            on_exit(connection, ignore_io_error_exit, ptr::null_mut());
-            Some(DisplayConnection { connection, check, _library: library })
+            on_exit(xlib_display, ignore_io_error_exit, ptr::null_mut());
+            Some(DisplayConnection { connection: xlib_display, check, _library: library })
         }
     }
 
-    fn watch_wayland(connection: *mut c_void) -> Option<Self> {
+    fn watch_wayland_display(wl_display: *mut c_void) -> Option<Self> {
         // SAFETY: this is the library that `winit` has loaded and uses.
         let library = unsafe { Library::new("libwayland-client.so.0") }.ok()?;
         // SAFETY: this is the function's type in wayland-client-core.h.
         let check = unsafe { *library.get::<CheckConnection>(b"wl_display_flush\0").ok()? };
-        Some(DisplayConnection { connection, check, _library: library })
+        Some(DisplayConnection { connection: wl_display, check, _library: library })
     }
 }
 

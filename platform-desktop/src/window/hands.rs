@@ -224,7 +224,7 @@ where
             input.hands[RIGHT] = tracked_hand(grip, rotation);
             input.hands[RIGHT].trigger = if self.running { 255 } else { 0 };
         }
-        input.pointer = self.next_pointer();
+        input.pointer = self.take_bench_or_stool_command();
         input
     }
 
@@ -278,7 +278,7 @@ where
     }
 
     /// The tick's pointer command, of which there is one a tick; turns of the stool wait for the queue.
-    fn next_pointer(&mut self) -> PointerCommand {
+    fn take_bench_or_stool_command(&mut self) -> PointerCommand {
         if let Some(pointer) = self.pointers.pop_front() {
             return pointer;
         }

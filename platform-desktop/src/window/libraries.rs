@@ -23,37 +23,37 @@ const BOTH: [&[&str]; 1] = [&["libxkbcommon.so.0", "libxkbcommon.so"]];
 ///
 /// # Errors
 /// What is missing.
-pub(super) fn check_available() -> Result<(), String> {
+pub(super) fn check_display_and_libraries() -> Result<(), String> {
     if matches!(env::consts::OS, "macos" | "windows") {
         return Ok(());
     }
     let named = |name: &str| env::var_os(name).is_some_and(|value| !value.is_empty());
-    check_available_with(
+    check_named_display_and_libraries(
         named("WAYLAND_DISPLAY") || named("WAYLAND_SOCKET"),
         named("DISPLAY"),
-        &is_there,
+        &can_load,
     )
 }
 
 /// As `winit` chooses: Wayland if it is named, else X11.
-fn check_available_with(
-    wayland: bool,
-    x11: bool,
-    is_there: &dyn Fn(&str) -> bool,
+fn check_named_display_and_libraries(
+    names_wayland: bool,
+    names_x11: bool,
+    can_load: &dyn Fn(&str) -> bool,
 ) -> Result<(), String> {
-    let needed: &[&[&str]] = match (wayland, x11) {
+    let needed: &[&[&str]] = match (names_wayland, names_x11) {
         (true, _) => &WAYLAND,
         (false, true) => &X11,
         (false, false) => return Err("no display: DISPLAY and WAYLAND_DISPLAY are not set".into()),
     };
-    let missing = |names: &&&[&str]| !names.iter().any(|name| is_there(name));
+    let missing = |names: &&&[&str]| !names.iter().any(|name| can_load(name));
     match needed.iter().chain(&BOTH).find(missing) {
         None => Ok(()),
         Some(names) => Err(format!("{} is missing", names[0])),
     }
 }
 
-fn is_there(name: &str) -> bool {
+fn can_load(name: &str) -> bool {
     // SAFETY: these are the system's window libraries, whose initialisers do nothing but set
     // themselves up; `winit` would load the same ones.
     unsafe { libloading::Library::new(name) }.is_ok()
@@ -61,23 +61,26 @@ fn is_there(name: &str) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::check_available_with;
+    use super::check_named_display_and_libraries;
 
     #[test]
     fn what_is_missing_is_named() {
         let all = |_: &str| true;
-        assert_eq!(check_available_with(true, false, &all), Ok(()));
-        assert_eq!(check_available_with(false, true, &all), Ok(()));
+        assert_eq!(check_named_display_and_libraries(true, false, &all), Ok(()));
+        assert_eq!(check_named_display_and_libraries(false, true, &all), Ok(()));
         assert!(
-            check_available_with(false, false, &all).expect_err("no display").contains("DISPLAY")
+            check_named_display_and_libraries(false, false, &all)
+                .expect_err("no display")
+                .contains("DISPLAY")
         );
         let no_xkb = |name: &str| !name.starts_with("libxkbcommon-x11");
-        assert_eq!(check_available_with(true, true, &no_xkb), Ok(()));
-        let why = check_available_with(false, true, &no_xkb).expect_err("it is needed");
+        assert_eq!(check_named_display_and_libraries(true, true, &no_xkb), Ok(()));
+        let why =
+            check_named_display_and_libraries(false, true, &no_xkb).expect_err("it is needed");
         assert_eq!(why, "libxkbcommon-x11.so.0 is missing");
         let unversioned = |name: &str| name.ends_with(".so");
-        assert_eq!(check_available_with(true, false, &unversioned), Ok(()));
+        assert_eq!(check_named_display_and_libraries(true, false, &unversioned), Ok(()));
         let no_common = |name: &str| !name.starts_with("libxkbcommon.so");
-        assert!(check_available_with(true, false, &no_common).is_err());
+        assert!(check_named_display_and_libraries(true, false, &no_common).is_err());
     }
 }

@@ -73,7 +73,7 @@ where
         opening::read_into_resident_maps::<N>(file)
             .map_err(|why| WindowError::Failed(Error::Input(why)))?;
     }
-    libraries::check_available().map_err(WindowError::Unavailable)?;
+    libraries::check_display_and_libraries().map_err(WindowError::Unavailable)?;
     let script =
         options.script.as_deref().map(Script::open).transpose().map_err(WindowError::Failed)?;
     let events = EventLoop::new().map_err(|error| {

@@ -87,7 +87,7 @@ impl EguiBuffers {
         let rows = self.changed.start..self.changed.end.min(self.changed.start + ROWS);
         let texels = &self.texels[rows.start * SIDE..rows.end * SIDE];
         let size = [ATLAS_SIDE, rows.len() as u32];
-        if !rows.is_empty() && overlay.try_write_atlas([0, rows.start as u32], size, texels) {
+        if !rows.is_empty() && overlay.try_stage_atlas_patch([0, rows.start as u32], size, texels) {
             self.changed.start = rows.end;
         }
         // Triangles that exceed the overlay's capacity are not drawn.

@@ -58,7 +58,7 @@ impl WindowSwapchain {
         let display = window.display_handle().map_err(lost)?.as_raw();
         let handle = window.window_handle().map_err(lost)?.as_raw();
         let needed =
-            ash_window::enumerate_required_extensions(display).map_err(call_failed("name"))?;
+            ash_window::enumerate_required_extensions(display).map_err(could_not("name"))?;
         // SAFETY: ash-window's names are C strings that live for good.
         let names = needed.iter().map(|name| unsafe { CStr::from_ptr(*name) });
         let options = Options {
@@ -71,7 +71,7 @@ impl WindowSwapchain {
         let surfaces = khr::surface::Instance::new(entry, raw);
         // SAFETY: the handles are the window's, which outlives the surface.
         let surface = unsafe { ash_window::create_surface(entry, raw, display, handle, None) }
-            .map_err(call_failed("make a surface"))?;
+            .map_err(could_not("make a surface"))?;
         let made = Self::for_surface(&instance, &options, &surfaces, surface);
         made.inspect_err(|_| {
             // SAFETY: nothing was made on the surface.
@@ -93,7 +93,7 @@ impl WindowSwapchain {
         // SAFETY: as above.
         let formats =
             unsafe { surfaces.get_physical_device_surface_formats(gpu.physical_device, surface) }
-                .map_err(call_failed("list a window's formats"))?;
+                .map_err(could_not("list a window's formats"))?;
         let wanted = [vk::Format::B8G8R8A8_SRGB, vk::Format::R8G8B8A8_SRGB];
         let format = formats.into_iter().find(|format| wanted.contains(&format.format));
         let format = format.ok_or_else(|| {
@@ -228,7 +228,7 @@ impl WindowSwapchain {
             self.surfaces
                 .get_physical_device_surface_capabilities(self.gpu.physical_device, self.surface)
         }
-        .map_err(call_failed("look at a window"))?;
+        .map_err(could_not("look at a window"))?;
         let vk::Extent2D { width, height } = match can.current_extent {
             // The swapchain's extent sets the window's (vkGetPhysicalDeviceSurfaceCapabilitiesKHR).
             vk::Extent2D { width: u32::MAX, .. } => vk::Extent2D {
@@ -261,7 +261,7 @@ impl WindowSwapchain {
         if let Some(old) = old {
             self.destroy_swapchain(old);
         }
-        let raw = raw.map_err(call_failed("make a swapchain"))?;
+        let raw = raw.map_err(could_not("make a swapchain"))?;
         self.swapchain = Some(self.create_swapchain_parts(raw, renderer, [width, height])?);
         Ok(true)
     }
@@ -297,7 +297,7 @@ impl WindowSwapchain {
     ) -> Result<(), Error> {
         // SAFETY: the swapchain is this device's.
         let images = unsafe { self.swapchains.get_swapchain_images(raw) }
-            .map_err(call_failed("list a window's images"))?;
+            .map_err(could_not("list a window's images"))?;
         for image in &images {
             views.push(self.create_view(*image)?);
         }
@@ -318,7 +318,7 @@ impl WindowSwapchain {
             });
         // SAFETY: the image is the swapchain's.
         unsafe { self.gpu.device.create_image_view(&info, None) }
-            .map_err(call_failed("view an image"))
+            .map_err(could_not("view an image"))
     }
 
     fn destroy_swapchain(&self, swapchain: Swapchain) {
@@ -372,7 +372,7 @@ fn create_semaphores(gpu: &Gpu, count: usize) -> Result<Vec<vk::Semaphore>, Erro
             Err(result) => {
                 // SAFETY: nothing uses them yet.
                 all.into_iter().for_each(|one| unsafe { gpu.device.destroy_semaphore(one, None) });
-                return Err(call_failed("make a semaphore")(result));
+                return Err(could_not("make a semaphore")(result));
             }
         }
     }
@@ -390,6 +390,6 @@ fn opaque_composite_alpha(ways: vk::CompositeAlphaFlagsKHR) -> vk::CompositeAlph
     offered.unwrap_or(vk::CompositeAlphaFlagsKHR::POST_MULTIPLIED)
 }
 
-fn call_failed(doing: &'static str) -> impl Fn(vk::Result) -> Error {
-    move |result| Error::Call { action: doing, result }
+fn could_not(action: &'static str) -> impl Fn(vk::Result) -> Error {
+    move |result| Error::Call { action, result }
 }

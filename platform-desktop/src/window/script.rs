@@ -126,7 +126,7 @@ impl Script {
     }
 
     /// Prints that the step of [`Script::next_step`] is done.
-    pub(super) fn print_step_done(&mut self) {
+    pub(super) fn print_done_of_immediate_step(&mut self) {
         if let Some(step) = self.doing.take() {
             print_done(&step);
         }

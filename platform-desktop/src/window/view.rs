@@ -51,20 +51,20 @@ where
     ) -> Result<Self, Error> {
         let screen = WindowSwapchain::new(window, options)?;
         // Without the pipeline cache the start takes longer.
-        let cache = durable::read_file(&paths.pipeline_cache_file()).unwrap_or_default();
+        let cache = durable::read_regular_file(&paths.pipeline_cache_file()).unwrap_or_default();
         let show = WorldRenderer::new(screen.gpu(), screen.format(SAMPLES), world, &cache)?;
         Ok(WindowRenderer { show, screen })
     }
 
     /// Submits the pipeline cache to be written, for a faster next start.
-    pub(super) fn save_pipeline_cache(&self, paths: &StudioPaths, file_writer: &mut FileWriter) {
+    pub(super) fn submit_pipeline_cache(&self, paths: &StudioPaths, file_writer: &mut FileWriter) {
         if let Ok(bytes) = self.show.renderer.pipeline_cache_data() {
             file_writer.submit_file(FileKind::PipelineCache, paths.pipeline_cache_file(), bytes);
         }
     }
 
-    /// Records what a tick changed, for the next frame.
-    pub(super) fn record_tick(&mut self, world: &World<N>) {
+    /// Notes what a tick changed, for the next frame.
+    pub(super) fn note_tick(&mut self, world: &World<N>) {
         self.show.note_tick(world);
     }
 
@@ -107,7 +107,7 @@ where
         if window_size.contains(&0) {
             return Ok(false);
         }
-        self.show.begin_frame(world)?;
+        self.show.wait_and_begin_frame(world)?;
         let renderer = &mut self.show.renderer;
         let Some(target) = self.screen.acquire_image(renderer, window_size)? else {
             return Ok(false);

@@ -83,7 +83,7 @@ struct ProfilingPlatform {
 impl Platform for ProfilingPlatform {
     fn load_openxr(&mut self) -> Result<xr::Entry, Error> {
         let entry = calls::entry_with_clocks(PlainPlatform.load_openxr()?);
-        entry.map_err(|result| Error::Call { doing: "look at the loader", result })
+        entry.map_err(|result| Error::Call { action: "look at the loader", result })
     }
 
     fn create_instance(

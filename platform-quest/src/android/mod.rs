@@ -39,7 +39,7 @@ fn run_app(app: AndroidApp) -> Result<(), Error> {
     let device = unsafe { AndroidDevice::from_raw(app.vm_as_ptr(), app.activity_as_ptr()) };
     let device = device.map_err(unavailable)?;
     let folder = device.find_storage_folder().map_err(unavailable)?;
-    let name = device.read_model_name().map_err(unavailable)?;
+    let name = device.read_manufacturer_and_model().map_err(unavailable)?;
     eprintln!("paros-quest: {name}, API level {}, {}", device.api_level(), folder.display());
     let LoadedSettings { settings, log_line } = settings::read_settings(&folder);
     if let Some(line) = log_line {

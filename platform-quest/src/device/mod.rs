@@ -112,7 +112,7 @@ impl AndroidDevice {
     ///
     /// # Errors
     /// A call into Java that failed.
-    pub fn read_model_name(&self) -> Result<String, JavaError> {
+    pub fn read_manufacturer_and_model(&self) -> Result<String, JavaError> {
         self.call_java(|caller, _| {
             let mut words = Vec::new();
             for member in [MANUFACTURER, MODEL] {

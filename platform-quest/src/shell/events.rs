@@ -30,7 +30,7 @@ where
     ) -> Result<(), Error> {
         let mut buffer = xr::EventDataBuffer::new();
         while let Some(event) =
-            resources.runtime.instance.poll_event(&mut buffer).context("ask what happened")?
+            resources.runtime.instance.poll_event(&mut buffer).could_not("ask what happened")?
         {
             match event {
                 xr::Event::SessionStateChanged(change) => {
@@ -76,15 +76,15 @@ where
         self.phase = phase;
         match duty {
             Some(SessionDuty::Begin) => {
-                resources.session.raw.begin(VIEW_CONFIGURATION).context("begin the session")?;
+                resources.session.raw.begin(VIEW_CONFIGURATION).could_not("begin the session")?;
                 resources.session.set_thread_types(&resources.runtime);
                 self.pacer.pause();
             }
             Some(SessionDuty::Save) => self.save_studio(),
             Some(SessionDuty::SaveAndEnd) => {
-                self.save_pipeline_cache(resources);
+                self.submit_changed_pipeline_cache_between_frames(resources);
                 self.save_studio();
-                resources.session.raw.end().context("end the session")?;
+                resources.session.raw.end().could_not("end the session")?;
             }
             None => {}
         }

@@ -23,13 +23,13 @@ where
 {
     /// Waits for the next frame, runs the ticks up to its display time, and draws it if the runtime
     /// wants it rendered.
-    pub(super) fn run_frame(
+    pub(super) fn wait_and_run_frame(
         &mut self,
         resources: &mut SessionResources<N>,
         platform: &mut dyn Platform,
     ) -> Result<(), Error> {
-        let frame = resources.session.waiter.wait().context("wait for a frame")?;
-        resources.session.stream.begin().context("begin a frame")?;
+        let frame = resources.session.waiter.wait().could_not("wait for a frame")?;
+        resources.session.stream.begin().could_not("begin a frame")?;
         let display_time = frame.predicted_display_time;
         self.run_ticks(resources, display_time, platform)?;
         self.frames += 1;
@@ -37,7 +37,7 @@ where
             return self.draw_frame(resources, display_time);
         }
         let blend_mode = resources.runtime.blend_mode;
-        resources.session.stream.end(display_time, blend_mode, &[]).context("end an empty frame")
+        resources.session.stream.end(display_time, blend_mode, &[]).could_not("end an empty frame")
     }
 
     /// Acquires both eyes' images, draws the world at the display time, and submits them.
@@ -47,7 +47,7 @@ where
         display_time: xr::Time,
     ) -> Result<(), Error> {
         let world = self.studio.world();
-        resources.show.begin_frame(world)?;
+        resources.show.wait_and_begin_frame(world)?;
         let framebuffer = resources.eyes.acquire_framebuffer()?;
         let hands = self.phase.has_focus();
         let session = &resources.session;

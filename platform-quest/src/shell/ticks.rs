@@ -39,7 +39,7 @@ where
             let jumped = self.recentering.take_change_due_at(tick_time);
             let with_hands = has_focus && !jumped;
             let mut input = read_tick_input(session, xr::Time::from_nanos(tick_time), with_hands)?;
-            self.visit.add_session_commands(
+            self.visit.add_session_start_or_finish(
                 self.studio.world().session_state(),
                 menu_down,
                 &mut input,

@@ -51,38 +51,39 @@ impl ControllerActions {
         extensions: &xr::ExtensionSet,
     ) -> Result<Self, Error> {
         let purpose = "make an action";
-        let set = instance.create_action_set("sculpting", "Sculpting", 0).context(purpose)?;
-        let path = |hand: &str| instance.string_to_path(hand).context("name a hand");
+        let set = instance.create_action_set("sculpting", "Sculpting", 0).could_not(purpose)?;
+        let path = |hand: &str| instance.string_to_path(hand).could_not("name a hand");
         let paths = [path(HANDS[0])?, path(HANDS[1])?];
         let poses = PoseActions {
-            aim: set.create_action("aim", "Where the hand points", &paths).context(purpose)?,
-            grip: set.create_action("grip", "Where the tool is held", &paths).context(purpose)?,
+            aim: set.create_action("aim", "Where the hand points", &paths).could_not(purpose)?,
+            grip: set.create_action("grip", "Where the tool is held", &paths).could_not(purpose)?,
         };
-        let button = |name, words| set.create_action::<bool>(name, words, &paths).context(purpose);
+        let button =
+            |name, words| set.create_action::<bool>(name, words, &paths).could_not(purpose);
         let space = |action: &xr::Action<xr::Posef>, path| {
-            action.create_space(session, path, xr::Posef::IDENTITY).context("make a hand's space")
+            action.create_space(session, path, xr::Posef::IDENTITY).could_not("make a hand's space")
         };
         let hand = |path| -> Result<HandSpaces, Error> {
             Ok(HandSpaces { path, aim: space(&poses.aim, path)?, grip: space(&poses.grip, path)? })
         };
         let mut actions = ControllerActions {
             hands: [hand(paths[0])?, hand(paths[1])?],
-            trigger: set.create_action("run", "Run the tool", &paths).context(purpose)?,
-            squeeze: set.create_action("take", "Take and let go", &paths).context(purpose)?,
-            stick: set.create_action("turn", "Turn the stool", &paths).context(purpose)?,
+            trigger: set.create_action("run", "Run the tool", &paths).could_not(purpose)?,
+            squeeze: set.create_action("take", "Take and let go", &paths).could_not(purpose)?,
+            stick: set.create_action("turn", "Turn the stool", &paths).could_not(purpose)?,
             buttons: [
                 (button("undo", "Undo")?, buttons::LOWER),
                 (button("redo", "Redo")?, buttons::UPPER),
                 (button("mirror", "Mirror")?, buttons::STICK),
             ],
             menu: button("menu", "Finish, if held")?,
-            haptic: set.create_action("feel", "Feel the stone", &paths).context(purpose)?,
+            haptic: set.create_action("feel", "Feel the stone", &paths).could_not(purpose)?,
             profiles: 0,
             set,
         };
         actions.profiles =
             actions.suggest_bindings_and_count_accepted(instance, &poses, extensions)?;
-        session.attach_action_sets(&[&actions.set]).context("attach the actions")?;
+        session.attach_action_sets(&[&actions.set]).could_not("attach the actions")?;
         Ok(actions)
     }
 
@@ -107,7 +108,7 @@ impl ControllerActions {
                 SIMPLE => self.bind_simple(&mut list)?,
                 _ => self.bind_touch(&mut list)?,
             }
-            let path = instance.string_to_path(profile).context("name a profile")?;
+            let path = instance.string_to_path(profile).could_not("name a profile")?;
             let suggest = instance.suggest_interaction_profile_bindings(path, &list.bindings);
             known += u32::from(suggest.is_ok());
         }
@@ -148,7 +149,7 @@ impl ControllerActions {
     /// # Errors
     /// A lost session.
     pub(crate) fn sync_actions(&self, session: &xr::Session<xr::Vulkan>) -> Result<(), Error> {
-        session.sync_actions(&[(&self.set).into()]).context("ask the controllers")
+        session.sync_actions(&[(&self.set).into()]).could_not("ask the controllers")
     }
 
     /// Samples a hand's controller: its poses at a time, and its buttons as of the last
@@ -165,11 +166,11 @@ impl ControllerActions {
     ) -> Result<HandSample, Error> {
         let purpose = "ask a controller";
         let path = self.hands[hand].path;
-        let value = |action: &xr::Action<f32>| action.state(session, path).context(purpose);
-        let stick = self.stick.state(session, path).context(purpose)?.current_state;
+        let value = |action: &xr::Action<f32>| action.state(session, path).could_not(purpose);
+        let stick = self.stick.state(session, path).could_not(purpose)?.current_state;
         let mut pressed = 0;
         for (action, bit) in &self.buttons {
-            let state = action.state(session, path).context(purpose)?;
+            let state = action.state(session, path).could_not(purpose)?;
             pressed |= if state.current_state { *bit } else { 0 };
         }
         Ok(HandSample {
@@ -200,7 +201,7 @@ impl ControllerActions {
     /// # Errors
     /// A lost session.
     pub(crate) fn is_menu_down(&self, session: &xr::Session<xr::Vulkan>) -> Result<bool, Error> {
-        let state = self.menu.state(session, xr::Path::NULL).context("ask a controller")?;
+        let state = self.menu.state(session, xr::Path::NULL).could_not("ask a controller")?;
         Ok(state.current_state)
     }
 
@@ -218,7 +219,7 @@ impl ControllerActions {
             .amplitude(pulse.amplitude)
             .frequency(xr::FREQUENCY_UNSPECIFIED)
             .duration(xr::Duration::from_nanos(pulse.nanos));
-        self.haptic.apply_feedback(session, self.hands[hand].path, &event).context("vibrate")
+        self.haptic.apply_feedback(session, self.hands[hand].path, &event).could_not("vibrate")
     }
 }
 
@@ -240,7 +241,7 @@ impl<'a> BindingList<'a> {
         component_path: &str,
     ) -> Result<(), Error> {
         let path = self.instance.string_to_path(&format!("{hand_path}/{component_path}"));
-        self.bindings.push(xr::Binding::new(action, path.context("name a button")?));
+        self.bindings.push(xr::Binding::new(action, path.could_not("name a button")?));
         Ok(())
     }
 
@@ -258,6 +259,6 @@ fn locate_tracked(
     room: &xr::Space,
     time: xr::Time,
 ) -> Result<Option<paros_core::internals::RoomPose>, Error> {
-    let location = space.locate(room, time).context("find a hand")?;
+    let location = space.locate(room, time).could_not("find a hand")?;
     Ok(convert_pose_if_tracked(location.location_flags, location.pose))
 }

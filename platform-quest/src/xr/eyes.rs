@@ -97,7 +97,7 @@ impl EyeTargets {
         gpu: &Gpu,
         with_depth: bool,
     ) -> Result<TargetFormat, Error> {
-        let formats = session.enumerate_swapchain_formats().context("list image formats")?;
+        let formats = session.enumerate_swapchain_formats().could_not("list image formats")?;
         let has = |format: vk::Format| formats.contains(&format.as_raw().cast_unsigned());
         let color = formats
             .iter()
@@ -180,9 +180,9 @@ impl EyeTargets {
     /// # Errors
     /// A lost session.
     pub(crate) fn release_images(&mut self) -> Result<(), Error> {
-        self.color.handle.release_image().context("hand over a picture")?;
+        self.color.handle.release_image().could_not("hand over a picture")?;
         match &mut self.depth {
-            Some(depth) => depth.handle.release_image().context("hand over a picture's depth"),
+            Some(depth) => depth.handle.release_image().could_not("hand over a picture's depth"),
             None => Ok(()),
         }
     }
@@ -232,7 +232,7 @@ impl EyeTargets {
             unsafe { xr::CompositionLayerProjectionView::from_raw(raw) }
         });
         let layer = xr::CompositionLayerProjection::new().space(room).views(&views);
-        stream.end(display_time, blend_mode, &[&layer]).context("end a frame")
+        stream.end(display_time, blend_mode, &[&layer]).could_not("end a frame")
     }
 
     fn sub_image(&self, swapchain: &EyeSwapchain, eye: usize) -> xr::sys::SwapchainSubImage {

@@ -41,7 +41,7 @@ impl HandTrackers {
         time: xr::Time,
     ) -> Result<Option<HandSample>, Error> {
         let joints =
-            room.locate_hand_joints(&self.trackers[hand], time).context("find the fingers")?;
+            room.locate_hand_joints(&self.trackers[hand], time).could_not("find the fingers")?;
         let Some(joints) = joints else { return Ok(None) };
         let valid =
             xr::SpaceLocationFlags::POSITION_VALID | xr::SpaceLocationFlags::ORIENTATION_VALID;

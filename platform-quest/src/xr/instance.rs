@@ -63,14 +63,14 @@ impl Runtime {
         };
         let made = platform.create_instance(&entry, &application, extensions.clone());
         let instance = made.map_err(instance_error)?;
-        let properties = instance.properties().context("name the runtime")?;
+        let properties = instance.properties().could_not("name the runtime")?;
         let name = format!("{} {}", properties.runtime_name, properties.runtime_version);
         let system = instance.system(xr::FormFactor::HEAD_MOUNTED_DISPLAY).map_err(|result| {
             Error::Unavailable(format!("{name} has no headset ({result:?}): connect one"))
         })?;
         let extent = recommended_eye_extent(&instance, system, &name)?;
         let modes = instance.enumerate_environment_blend_modes(system, VIEW_CONFIGURATION);
-        let blend_mode = modes.context("list the blend modes")?.first().copied();
+        let blend_mode = modes.could_not("list the blend modes")?.first().copied();
         let blend_mode = blend_mode.unwrap_or(xr::EnvironmentBlendMode::OPAQUE);
         let set_thread_type = find_set_thread_type(&instance, &extensions);
         Ok(Runtime { instance, system, extensions, name, extent, blend_mode, set_thread_type })
@@ -94,7 +94,7 @@ impl Runtime {
         options: &gpu::Options,
     ) -> Result<Arc<gpu::Instance>, Error> {
         let needs = self.instance.graphics_requirements::<xr::Vulkan>(self.system);
-        let needs = needs.context("ask what Vulkan it needs")?;
+        let needs = needs.could_not("ask what Vulkan it needs")?;
         if needs.min_api_version_supported > VULKAN_VERSION {
             let least = needs.min_api_version_supported;
             let why =
@@ -116,7 +116,7 @@ impl Runtime {
         let raw = instance.raw.handle().as_raw() as xr::sys::platform::VkInstance;
         // SAFETY: the instance was made by way of this runtime.
         let physical = unsafe { self.instance.vulkan_graphics_device(self.system, raw) };
-        let physical = vk::PhysicalDevice::from_raw(physical.context("name the device")? as u64);
+        let physical = vk::PhysicalDevice::from_raw(physical.could_not("name the device")? as u64);
         let entry = instance.entry.clone();
         Gpu::create_with(instance, options, physical, |info| {
             self.create_vulkan_device(&entry, physical, info)
@@ -133,8 +133,9 @@ impl Runtime {
         let made = unsafe {
             self.instance.create_vulkan_instance(self.system, vulkan_proc_addr(entry), info)
         };
-        let made =
-            made.context("make a Vulkan instance")?.map_err(vulkan_error("make an instance"))?;
+        let made = made
+            .could_not("make a Vulkan instance")?
+            .map_err(vulkan_could_not("make an instance"))?;
         Ok(vk::Instance::from_raw(made as u64))
     }
 
@@ -150,7 +151,8 @@ impl Runtime {
         let made = unsafe {
             self.instance.create_vulkan_device(self.system, vulkan_proc_addr(entry), physical, info)
         };
-        let made = made.context("make a Vulkan device")?.map_err(vulkan_error("make a device"))?;
+        let made =
+            made.could_not("make a Vulkan device")?.map_err(vulkan_could_not("make a device"))?;
         Ok(vk::Device::from_raw(made as u64))
     }
 }
@@ -222,14 +224,12 @@ fn instance_error(result: xr::sys::Result) -> Error {
             let remedy = "start one, or name another by XR_RUNTIME_JSON";
             Error::Unavailable(format!("no OpenXR runtime answers ({result:?}): {remedy}"))
         }
-        result => Error::Call { doing: "make an instance", result },
+        result => Error::Call { action: "make an instance", result },
     }
 }
 
-fn vulkan_error(doing: &'static str) -> impl Fn(i32) -> Error {
-    move |result| {
-        Error::Gpu(gpu::Error::Call { action: doing, result: vk::Result::from_raw(result) })
-    }
+fn vulkan_could_not(action: &'static str) -> impl Fn(i32) -> Error {
+    move |result| Error::Gpu(gpu::Error::Call { action, result: vk::Result::from_raw(result) })
 }
 
 /// The function by which the runtime finds Vulkan's functions.

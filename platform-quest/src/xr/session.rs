@@ -53,10 +53,10 @@ impl HeadsetSession {
         };
         // SAFETY: the device was made by way of this runtime, and outlives the session.
         let made = unsafe { runtime.instance.create_session::<xr::Vulkan>(runtime.system, &info) };
-        let (raw, waiter, stream) = made.context("make a session")?;
+        let (raw, waiter, stream) = made.could_not("make a session")?;
         let (room, room_type) = create_floor_space(&raw)?;
         let space = |kind| raw.create_reference_space(kind, xr::Posef::IDENTITY);
-        let head = space(xr::ReferenceSpaceType::VIEW).context("make a space")?;
+        let head = space(xr::ReferenceSpaceType::VIEW).could_not("make a space")?;
         let actions = ControllerActions::create(&runtime.instance, &raw, &runtime.extensions)?;
         let hand_trackers = HandTrackers::create(runtime, &raw);
         if actions.profiles == 0 && hand_trackers.is_none() {
@@ -142,7 +142,7 @@ impl HeadsetSession {
     /// # Errors
     /// A lost session.
     pub(crate) fn locate_head(&self, time: xr::Time) -> Result<Option<RoomPose>, Error> {
-        let location = self.head.locate(&self.room, time).context("find the head")?;
+        let location = self.head.locate(&self.room, time).could_not("find the head")?;
         Ok(convert_pose_if_tracked(location.location_flags, location.pose))
     }
 
@@ -177,7 +177,7 @@ impl HeadsetSession {
             locate(self.raw.as_raw(), &info, &mut state, 2, &mut count, views.as_mut_ptr())
         };
         if result.into_raw() < 0 {
-            return Err(Error::Call { doing: "find the eyes", result });
+            return Err(Error::Call { action: "find the eyes", result });
         }
         let known = xr::ViewStateFlags::POSITION_VALID | xr::ViewStateFlags::ORIENTATION_VALID;
         if !state.view_state_flags.contains(known) {
@@ -210,14 +210,14 @@ fn nearest_rate(rates_hz: &[f32], wanted_hz: f32) -> Option<f32> {
 fn create_floor_space(
     session: &xr::Session<xr::Vulkan>,
 ) -> Result<(xr::Space, xr::ReferenceSpaceType), Error> {
-    let kinds = session.enumerate_reference_spaces().context("list spaces")?;
+    let kinds = session.enumerate_reference_spaces().could_not("list spaces")?;
     let wanted = [xr::ReferenceSpaceType::LOCAL_FLOOR, xr::ReferenceSpaceType::STAGE];
     let found = wanted.into_iter().find(|kind| kinds.contains(kind));
     let (kind, height) =
         found.map_or((xr::ReferenceSpaceType::LOCAL, EYE_HEIGHT), |kind| (kind, 0.0));
     let position = xr::Vector3f { x: 0.0, y: -height, z: 0.0 };
     let pose = xr::Posef { position, ..xr::Posef::IDENTITY };
-    let space = session.create_reference_space(kind, pose).context("make a space")?;
+    let space = session.create_reference_space(kind, pose).could_not("make a space")?;
     Ok((space, kind))
 }
 

@@ -71,8 +71,8 @@ impl EyeSwapchain {
     /// # Errors
     /// A lost session.
     pub(super) fn acquire_and_wait_image(&mut self) -> Result<usize, Error> {
-        let image = self.handle.acquire_image().context("take an image")?;
-        self.handle.wait_image(xr::Duration::INFINITE).context("wait for an image")?;
+        let image = self.handle.acquire_image().could_not("take an image")?;
+        self.handle.wait_image(xr::Duration::INFINITE).could_not("wait for an image")?;
         Ok(image as usize)
     }
 
@@ -98,7 +98,7 @@ impl EyeSwapchain {
         let dynamic = xr::FoveationDynamicFB::DISABLED;
         let profile = xr::FoveationLevelProfile { level, vertical_offset: 0.0, dynamic };
         let profile = session.create_foveation_profile(Some(profile));
-        let profile = profile.context("make a foveation profile")?;
+        let profile = profile.could_not("make a foveation profile")?;
         let state = xr::sys::SwapchainStateFoveationFB {
             ty: xr::sys::SwapchainStateFoveationFB::TYPE,
             next: core::ptr::null_mut(),
@@ -224,6 +224,6 @@ fn enumerate_images(
     Ok(SwapchainImages { images, density_maps: if whole { maps } else { Vec::new() } })
 }
 
-fn check_result(result: xr::sys::Result, doing: &'static str) -> Result<(), Error> {
-    if result.into_raw() < 0 { Err(Error::Call { doing, result }) } else { Ok(()) }
+fn check_result(result: xr::sys::Result, could_not: &'static str) -> Result<(), Error> {
+    if result.into_raw() < 0 { Err(Error::Call { action: could_not, result }) } else { Ok(()) }
 }

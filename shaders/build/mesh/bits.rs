@@ -5,7 +5,7 @@ use paros_core::internals::BitShape;
 use paros_core::{Tool, ToolBit};
 
 use super::paint::{BRASS, GRAPHITE, PASTE, STEEL};
-use super::shapes::{ball, bevelled_box, lathe};
+use super::shapes::{ball, bevelled_box, lathe_about_y};
 use super::{MeshBuilder, translation};
 
 /// Distance from the bit's centre back to the tool's nose, in metres; the shank reaches 10 mm further.
@@ -28,8 +28,8 @@ pub(crate) fn bit_mesh(bit: ToolBit) -> MeshBuilder {
     };
     let mut mesh = MeshBuilder::default();
     let back = match data.shape {
-        BitShape::Ball { radius } => {
-            let radius = metres_from_micrometres(radius);
+        BitShape::Ball { radius_um } => {
+            let radius = metres_from_micrometres(radius_um);
             let mut head = ball(radius, 24, colour);
             if data.tool == Tool::Rotary {
                 darken_flutes(&mut head);
@@ -37,14 +37,14 @@ pub(crate) fn bit_mesh(bit: ToolBit) -> MeshBuilder {
             mesh.append(&head, glam::Affine3A::IDENTITY);
             radius
         }
-        BitShape::Box { half } => {
-            let half = Vec3::from_array(half.map(metres_from_micrometres));
+        BitShape::Box { half_extents_um } => {
+            let half = Vec3::from_array(half_extents_um.map(metres_from_micrometres));
             mesh.append(&bevelled_box(half, 0.0008, colour), glam::Affine3A::IDENTITY);
             half.z
         }
     };
     mesh.append(
-        &shank_mesh(data.tool, back),
+        &shank_mesh_along_y(data.tool, back),
         glam::Affine3A::from_quat(Quat::from_rotation_x(0.5 * PI)),
     );
     mesh
@@ -52,10 +52,10 @@ pub(crate) fn bit_mesh(bit: ToolBit) -> MeshBuilder {
 
 const PI: f32 = core::f32::consts::PI;
 
-/// The shank about y, from a brush that ends so far behind its centre to the nose.
-fn shank_mesh(tool: Tool, brush_end_metres: f32) -> MeshBuilder {
+/// The shank about y, from a head that ends so far behind its centre to the nose.
+fn shank_mesh_along_y(tool: Tool, head_end_metres: f32) -> MeshBuilder {
     let end = bit_to_nose_metres(tool) + 0.01;
-    let start = brush_end_metres - 0.0012;
+    let start = head_end_metres - 0.0012;
     let rings = match tool {
         Tool::FillGun => vec![
             (0.0, start, BRASS),
@@ -73,7 +73,7 @@ fn shank_mesh(tool: Tool, brush_end_metres: f32) -> MeshBuilder {
             (0.0, end, GRAPHITE),
         ],
     };
-    lathe(&rings, 12)
+    lathe_about_y(&rings, 12)
 }
 
 /// Colours a ball with dark helical lines from pole to pole.
@@ -96,7 +96,7 @@ pub(crate) fn rack_mesh(bit_count: usize, pitch_metres: f32) -> MeshBuilder {
     for i in 0..bit_count {
         let z = pitch_metres * (i as f32 + 0.5) - half;
         mesh.append(
-            &super::shapes::rounded_post(0.0075, 0.004, 0.001, 10, BRASS),
+            &super::shapes::upright_rounded_post(0.0075, 0.004, 0.001, 10, BRASS),
             translation(0.0, 0.0275, z),
         );
     }

@@ -6,7 +6,9 @@ use super::extent::{LOW, add_box_between};
 use super::paint::{
     BRASS, CAST, CLAY, FRAME, IRON, LEAF, OAK, PLASTER, STONE, WALNUT, hash_fraction, vary_colour,
 };
-use super::shapes::{ball, bevelled_beam, bevelled_box, divided_box, lathe, rounded_post};
+use super::shapes::{
+    ball, bevelled_beam, bevelled_box, divided_box, lathe_about_y, upright_rounded_post,
+};
 use super::{MeshBuilder, translation};
 
 /// Two boards with plaster casts on the far wall, to the right of the sculpture.
@@ -39,13 +41,13 @@ pub(super) fn add_shelves(mesh: &mut MeshBuilder) {
     mesh.append(&ball(0.09, 24, CAST), translation(0.86, 1.45, z));
     let cone =
         [(0.0, 0.0), (0.088, 0.0), (0.092, 0.004), (0.092, 0.01), (0.004, 0.215), (0.0, 0.218)];
-    mesh.append(&lathe(&cone.map(|(r, y)| (r, y, CAST)), 24), translation(1.15, 1.36, z));
+    mesh.append(&lathe_about_y(&cone.map(|(r, y)| (r, y, CAST)), 24), translation(1.15, 1.36, z));
     let cube =
         Affine3A::from_rotation_translation(glam::Quat::from_rotation_y(0.6), v(1.44, 1.435, z));
     mesh.append(&bevelled_box(Vec3::splat(0.075), 0.006, CAST), cube);
-    mesh.append(&vase(CLAY * 1.1), translation(1.75, 1.36, z));
+    mesh.append(&vase_about_y(CLAY * 1.1), translation(1.75, 1.36, z));
     mesh.append(
-        &torus(0.075, 0.03),
+        &torus_about_y(0.075, 0.03),
         Affine3A::from_rotation_translation(glam::Quat::from_rotation_x(1.25), v(2.08, 1.46, z)),
     );
     let egg = Affine3A::from_scale_rotation_translation(
@@ -54,7 +56,7 @@ pub(super) fn add_shelves(mesh: &mut MeshBuilder) {
         v(0.9, 2.03, z),
     );
     mesh.append(&ball(1.0, 20, CAST), egg);
-    mesh.append(&rounded_post(0.055, 0.22, 0.006, 24, CAST), translation(1.2, 1.9, z));
+    mesh.append(&upright_rounded_post(0.055, 0.22, 0.006, 24, CAST), translation(1.2, 1.9, z));
     mesh.append(&plaster_bust(), translation(1.55, 1.9, z));
     for (i, wide) in [0.036f32, 0.03, 0.042, 0.026, 0.034].into_iter().enumerate() {
         let x = 1.93 + 0.075 * i as f32;
@@ -89,7 +91,7 @@ fn plaster_bust() -> MeshBuilder {
         (0.0, 0.21),
     ];
     let flat = Affine3A::from_scale(Vec3::new(1.0, 1.0, 0.72));
-    bust.append(&lathe(&rings.map(|(r, y)| (r, y, CAST)), 24), flat);
+    bust.append(&lathe_about_y(&rings.map(|(r, y)| (r, y, CAST)), 24), flat);
     let turned = glam::Quat::from_rotation_y(-0.6) * glam::Quat::from_rotation_x(0.12);
     let skull = Affine3A::from_scale_rotation_translation(
         Vec3::new(0.058, 0.08, 0.07),
@@ -106,7 +108,7 @@ fn plaster_bust() -> MeshBuilder {
     bust
 }
 
-fn vase(colour: Vec3) -> MeshBuilder {
+fn vase_about_y(colour: Vec3) -> MeshBuilder {
     let rings = [
         (0.0, 0.0),
         (0.05, 0.0),
@@ -124,15 +126,16 @@ fn vase(colour: Vec3) -> MeshBuilder {
         (0.026, 0.23),
         (0.0, 0.22),
     ];
-    lathe(&rings.map(|(r, y)| (r, y, colour)), 24)
+    lathe_about_y(&rings.map(|(r, y)| (r, y, colour)), 24)
 }
 
-fn torus(radius: f32, thick: f32) -> MeshBuilder {
+/// A torus about y, around the origin.
+fn torus_about_y(ring_radius: f32, tube_radius: f32) -> MeshBuilder {
     let ring = |i: u32| {
         let angle = core::f32::consts::TAU * (i % 12) as f32 / 12.0;
-        (radius + thick * angle.cos(), thick * angle.sin(), CAST)
+        (ring_radius + tube_radius * angle.cos(), tube_radius * angle.sin(), CAST)
     };
-    lathe(&(0..=12).map(ring).collect::<Vec<_>>(), 24)
+    lathe_about_y(&(0..=12).map(ring).collect::<Vec<_>>(), 24)
 }
 
 /// Blocks of stone in one corner; in the other a plinth with an amphora.
@@ -151,7 +154,7 @@ pub(super) fn add_corner_items(mesh: &mut MeshBuilder) {
         glam::Quat::IDENTITY,
         plinth + Vec3::Y * 0.96,
     );
-    mesh.append(&vase(CAST), tall);
+    mesh.append(&vase_about_y(CAST), tall);
     for (i, (at, half, turn)) in [
         (v(2.12, 0.19, -2.45), v(0.33, 0.19, 0.26), 0.1f32),
         (v(2.2, 0.52, -2.5), v(0.22, 0.14, 0.2), -0.25),
@@ -203,12 +206,18 @@ pub(super) fn add_lamp(mesh: &mut MeshBuilder) {
         (0.06, 0.105, CAST),
         (0.0, 0.118, CAST),
     ];
-    let mut dome = lathe(&rings.map(|(r, y, c)| (r, -y, c)), 24);
+    let mut dome = lathe_about_y(&rings.map(|(r, y, c)| (r, -y, c)), 24);
     dome = dome.transformed(Affine3A::from_rotation_x(core::f32::consts::PI));
     mesh.append(&dome, at);
     mesh.append(&ball(0.035, 14, CAST), at * translation(0.0, 0.06, 0.0));
-    mesh.append(&rounded_post(0.02, 0.07, 0.004, 16, BRASS), at * translation(0.0, 0.125, 0.0));
-    mesh.append(&rounded_post(0.004, 1.6, 0.001, 8, IRON), at * translation(0.0, 0.19, 0.0));
+    mesh.append(
+        &upright_rounded_post(0.02, 0.07, 0.004, 16, BRASS),
+        at * translation(0.0, 0.125, 0.0),
+    );
+    mesh.append(
+        &upright_rounded_post(0.004, 1.6, 0.001, 8, IRON),
+        at * translation(0.0, 0.19, 0.0),
+    );
 }
 
 /// A clay pot with a leafy plant.
@@ -226,7 +235,7 @@ pub(super) fn add_pot_plant(mesh: &mut MeshBuilder, foot: Vec3, scale: f32) {
         (0.066, 0.125),
         (0.0, 0.12),
     ];
-    mesh.append(&lathe(&rings.map(|(r, y)| (r, y, CLAY)), 24), at);
+    mesh.append(&lathe_about_y(&rings.map(|(r, y)| (r, y, CLAY)), 24), at);
     for i in 0..18u32 {
         let angle = 2.4 * i as f32;
         let out = 0.03 + 0.075 * hash_fraction(i);

@@ -10,7 +10,9 @@ use super::bits::rack_mesh;
 use super::paint::{
     BEECH, BRASS, CAST, CLAY, IRON, OAK, STONE, WALNUT, hash_fraction, vary_colour,
 };
-use super::shapes::{Ring, bevelled_beam, bevelled_box, divided_box, lathe, rounded_post};
+use super::shapes::{
+    Ring, bevelled_beam, bevelled_box, divided_box, lathe_about_y, upright_rounded_post,
+};
 use super::{MeshBuilder, translation};
 
 /// Bits that can be exchanged: the fixed ones are always on their tools.
@@ -99,7 +101,7 @@ fn add_board_items(mesh: &mut MeshBuilder) {
         (0.0, 0.018),
     ];
     mesh.append(
-        &lathe(&bucket.map(|(r, y)| (r, y, IRON * 2.2)), 24),
+        &lathe_about_y(&bucket.map(|(r, y)| (r, y, IRON * 2.2)), 24),
         translation(0.62, 0.224, -0.02),
     );
 }
@@ -119,7 +121,10 @@ fn add_brush_jar(mesh: &mut MeshBuilder) {
         (0.0, 0.018),
     ];
     let jar_at = v(0.8, BENCH_TOP, 0.1);
-    mesh.append(&lathe(&jar.map(|(r, y)| (r, y, CLAY)), 20), Affine3A::from_translation(jar_at));
+    mesh.append(
+        &lathe_about_y(&jar.map(|(r, y)| (r, y, CLAY)), 20),
+        Affine3A::from_translation(jar_at),
+    );
     for i in 0..5u32 {
         let angle = 1.25 * i as f32;
         let foot = jar_at + v(0.012 * angle.cos(), 0.03, 0.012 * angle.sin());
@@ -158,7 +163,7 @@ pub(crate) fn stool_base() -> MeshBuilder {
         );
         mesh.append(&leg, Affine3A::IDENTITY);
         mesh.append(
-            &rounded_post(0.032, 0.016, 0.004, 20, IRON),
+            &upright_rounded_post(0.032, 0.016, 0.004, 20, IRON),
             Affine3A::from_translation(at(0.303, 0.0, i, 0.0)),
         );
         let bar = bevelled_beam(
@@ -189,7 +194,7 @@ pub(crate) fn stool_base() -> MeshBuilder {
         (0.165, STOOL_TOP.y - TOP - 0.006, BRASS),
         (0.0, STOOL_TOP.y - TOP - 0.006, BRASS),
     ];
-    mesh.append(&lathe(&rings, 30), translation(STOOL_TOP.x, 0.0, STOOL_TOP.z));
+    mesh.append(&lathe_about_y(&rings, 30), translation(STOOL_TOP.x, 0.0, STOOL_TOP.z));
     mesh
 }
 
@@ -213,7 +218,7 @@ pub(crate) fn stool_top() -> MeshBuilder {
         (0.1, 0.0),
         (0.0, 0.0),
     ];
-    let mut mesh = lathe(&rim.map(|(r, y)| (r, y, BEECH)), segments);
+    let mut mesh = lathe_about_y(&rim.map(|(r, y)| (r, y, BEECH)), segments);
     // Wedges of two woods, an inlaid ring, and a rim that is darker all round.
     let mut centre = vec![Vec3::ZERO; mesh.corners.len()];
     for triangle in &mut mesh.triangles {

@@ -5,7 +5,7 @@ use glam::{Affine3A, Vec3};
 
 use super::MeshBuilder;
 use super::paint::{LEATHER, WALNUT};
-use super::shapes::{lathe, motion_along, rod};
+use super::shapes::{lathe_about_y, motion_of_y_axis_onto, round_ended_rod};
 
 const FINGERS: [f32; 4] = [-0.031, -0.0105, 0.0105, 0.030];
 
@@ -59,11 +59,17 @@ fn add_palm(mesh: &mut MeshBuilder) {
         let wrist = v(0.022, 0.052, z * 0.62 + 0.004);
         let knuckle = v(0.027, -0.034, z);
         mesh.append(
-            &rod(wrist, knuckle, [0.0165, 0.0125], 12, leather_shade(i)),
+            &round_ended_rod(wrist, knuckle, [0.0165, 0.0125], 12, leather_shade(i)),
             Affine3A::IDENTITY,
         );
     }
-    let ball = rod(v(0.012, 0.044, -0.012), v(0.010, 0.020, -0.030), [0.017, 0.0145], 12, LEATHER);
+    let ball = round_ended_rod(
+        v(0.012, 0.044, -0.012),
+        v(0.010, 0.020, -0.030),
+        [0.017, 0.0145],
+        12,
+        LEATHER,
+    );
     mesh.append(&ball, Affine3A::IDENTITY);
     let rings = [
         (0.0, 0.0, LEATHER),
@@ -79,13 +85,16 @@ fn add_palm(mesh: &mut MeshBuilder) {
         (0.033, 0.093, WALNUT),
         (0.0, 0.088, WALNUT),
     ];
-    mesh.append(&lathe(&rings, 20), motion_along(v(0.021, 0.036, 0.002), v(0.026, 0.125, 0.026)));
+    mesh.append(
+        &lathe_about_y(&rings, 20),
+        motion_of_y_axis_onto(v(0.021, 0.036, 0.002), v(0.026, 0.125, 0.026)),
+    );
 }
 
-fn add_finger(mesh: &mut MeshBuilder, joints: &[Vec3], thick: f32) {
+fn add_finger(mesh: &mut MeshBuilder, joints: &[Vec3], radius: f32) {
     for (i, pair) in joints.windows(2).enumerate() {
-        let taper = |k: usize| thick * (1.08 - 0.07 * k as f32);
-        let part = rod(pair[0], pair[1], [taper(i), taper(i + 1)], 8, leather_shade(i));
+        let taper = |k: usize| radius * (1.08 - 0.07 * k as f32);
+        let part = round_ended_rod(pair[0], pair[1], [taper(i), taper(i + 1)], 8, leather_shade(i));
         mesh.append(&part, Affine3A::IDENTITY);
     }
 }

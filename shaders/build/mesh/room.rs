@@ -8,7 +8,7 @@ use super::extent::{HIGH, LOW, add_box_between};
 use super::paint::{
     BEAM, BRASS, CAST, DADO, FRAME, IRON, LEAF, OAK, PLASTER, hash_fraction, vary_colour,
 };
-use super::shapes::{ball, bevelled_beam, divided_box, flat_sheet, lathe};
+use super::shapes::{ball, bevelled_beam, divided_box, flat_sheet, lathe_about_y};
 use super::{MeshBuilder, translation};
 
 /// The window in the wall at `LOW.x`. The sun's way to every point of the sculpture's box passes
@@ -163,7 +163,7 @@ fn add_window(mesh: &mut MeshBuilder) {
         (0.0, 0.009),
     ];
     mesh.append(
-        &lathe(&cup.map(|(r, y)| (r, y, CAST)), 24),
+        &lathe_about_y(&cup.map(|(r, y)| (r, y, CAST)), 24),
         translation(LOW.x + 0.04, low + 0.03, 0.2),
     );
 }

@@ -119,7 +119,7 @@ pub(crate) type Ring = (f32, f32, Vec3);
 
 /// A surface of revolution about y, its profile from the lower end to the upper one. Normals are
 /// smooth where the cosine of the profile's bend is over `SMOOTH`.
-pub(crate) fn lathe(profile: &[Ring], segments: usize) -> MeshBuilder {
+pub(crate) fn lathe_about_y(profile: &[Ring], segments: usize) -> MeshBuilder {
     const SMOOTH: f32 = 0.75;
     let mut mesh = MeshBuilder::default();
     let slope = |i: usize| {
@@ -173,11 +173,17 @@ pub(crate) fn ball_profile(radius: f32, segments: usize, colour: Vec3) -> Vec<Ri
 
 /// A ball about the origin.
 pub(crate) fn ball(radius: f32, segments: usize, colour: Vec3) -> MeshBuilder {
-    lathe(&ball_profile(radius, segments / 2, colour), segments)
+    lathe_about_y(&ball_profile(radius, segments / 2, colour), segments)
 }
 
 /// A rod from `a` to `b` with round ends.
-pub(crate) fn rod(a: Vec3, b: Vec3, radii: [f32; 2], segments: usize, colour: Vec3) -> MeshBuilder {
+pub(crate) fn round_ended_rod(
+    a: Vec3,
+    b: Vec3,
+    radii: [f32; 2],
+    segments: usize,
+    colour: Vec3,
+) -> MeshBuilder {
     let length = a.distance(b);
     let quarter = segments / 4;
     let mut profile = Vec::new();
@@ -190,11 +196,11 @@ pub(crate) fn rod(a: Vec3, b: Vec3, radii: [f32; 2], segments: usize, colour: Ve
         }
     }
     profile.dedup_by(|b, a| (a.0 - b.0).abs() + (a.1 - b.1).abs() < 1e-6);
-    lathe(&profile, segments).transformed(motion_along(a, b))
+    lathe_about_y(&profile, segments).transformed(motion_of_y_axis_onto(a, b))
 }
 
 /// An upright post about y with slightly rounded rims, from y = 0 up.
-pub(crate) fn rounded_post(
+pub(crate) fn upright_rounded_post(
     radius: f32,
     height: f32,
     rim: f32,
@@ -212,11 +218,11 @@ pub(crate) fn rounded_post(
         (inner, height),
         (0.0, height),
     ];
-    lathe(&profile.map(|(r, y)| (r, y, colour)), segments)
+    lathe_about_y(&profile.map(|(r, y)| (r, y, colour)), segments)
 }
 
 /// The rigid motion that takes the origin to `a` and the y axis to the direction from `a` to `b`.
-pub(crate) fn motion_along(a: Vec3, b: Vec3) -> Affine3A {
+pub(crate) fn motion_of_y_axis_onto(a: Vec3, b: Vec3) -> Affine3A {
     Affine3A::from_rotation_translation(Quat::from_rotation_arc(Vec3::Y, (b - a).normalize()), a)
 }
 
@@ -230,5 +236,5 @@ pub(crate) fn bevelled_beam(
 ) -> MeshBuilder {
     let length = 0.5 * a.distance(b);
     bevelled_box(Vec3::new(half_section[0], length, half_section[1]), bevel, colour)
-        .transformed(motion_along(a, b) * super::translation(0.0, length, 0.0))
+        .transformed(motion_of_y_axis_onto(a, b) * super::translation(0.0, length, 0.0))
 }

@@ -7,7 +7,7 @@ use paros_core::Tool;
 
 use super::bits::bit_to_nose_metres;
 use super::paint::{BEECH, BRASS, GRAPHITE, IRON, RUST, STEEL, TEAL, WALNUT};
-use super::shapes::{Ring, bevelled_box, lathe, rounded_post};
+use super::shapes::{Ring, bevelled_box, lathe_about_y, upright_rounded_post};
 use super::{MeshBuilder, translation};
 
 /// A tool without its bit.
@@ -17,15 +17,15 @@ pub(crate) fn tool_body(tool: Tool) -> MeshBuilder {
     let ahead = Affine3A::from_quat(Quat::from_rotation_x(-FRAC_PI_2));
     let mut mesh = MeshBuilder::default();
     match tool {
-        Tool::Rotary => mesh.append(&rotary_body(nose_metres), ahead),
-        Tool::Impact => mesh.append(&impact_body(nose_metres), ahead),
-        Tool::FillGun => mesh.append(&fill_gun_body(nose_metres), ahead),
-        Tool::Rasp => mesh.append(&lathe(&rasp_profile(nose_metres), 24), ahead),
+        Tool::Rotary => mesh.append(&rotary_body_along_y(nose_metres), ahead),
+        Tool::Impact => mesh.append(&impact_body_along_y(nose_metres), ahead),
+        Tool::FillGun => mesh.append(&fill_gun_body_along_y(nose_metres), ahead),
+        Tool::Rasp => mesh.append(&lathe_about_y(&rasp_profile_along_y(nose_metres), 24), ahead),
     }
     mesh
 }
 
-fn rotary_body(nose_metres: f32) -> MeshBuilder {
+fn rotary_body_along_y(nose_y_metres: f32) -> MeshBuilder {
     let profile: Vec<Ring> = vec![
         (0.0, -0.085, GRAPHITE),
         (0.005, -0.085, GRAPHITE),
@@ -43,13 +43,13 @@ fn rotary_body(nose_metres: f32) -> MeshBuilder {
         (0.0190, 0.046, TEAL),
         (0.0165, 0.052, GRAPHITE),
         (0.0125, 0.056, GRAPHITE),
-        (0.0105, nose_metres - 0.016, GRAPHITE),
-        (0.0100, nose_metres - 0.014, STEEL),
-        (0.0100, nose_metres - 0.004, STEEL),
-        (0.0070, nose_metres, STEEL),
-        (0.0, nose_metres, IRON),
+        (0.0105, nose_y_metres - 0.016, GRAPHITE),
+        (0.0100, nose_y_metres - 0.014, STEEL),
+        (0.0100, nose_y_metres - 0.004, STEEL),
+        (0.0070, nose_y_metres, STEEL),
+        (0.0, nose_y_metres, IRON),
     ];
-    let mut mesh = lathe(&profile, 24);
+    let mut mesh = lathe_about_y(&profile, 24);
     mesh.append(
         &bevelled_box(Vec3::new(0.004, 0.009, 0.0025), 0.001, RUST),
         translation(0.0, 0.026, 0.0185),
@@ -57,7 +57,7 @@ fn rotary_body(nose_metres: f32) -> MeshBuilder {
     mesh
 }
 
-fn impact_body(nose_metres: f32) -> MeshBuilder {
+fn impact_body_along_y(nose_y_metres: f32) -> MeshBuilder {
     let profile: Vec<Ring> = vec![
         (0.0, -0.095, BRASS),
         (0.007, -0.095, BRASS),
@@ -73,12 +73,12 @@ fn impact_body(nose_metres: f32) -> MeshBuilder {
         (0.0225, 0.047, STEEL),
         (0.0225, 0.078, STEEL),
         (0.0200, 0.083, STEEL),
-        (0.0150, nose_metres - 0.018, STEEL),
-        (0.0130, nose_metres - 0.006, STEEL),
-        (0.0100, nose_metres, STEEL),
-        (0.0, nose_metres, IRON),
+        (0.0150, nose_y_metres - 0.018, STEEL),
+        (0.0130, nose_y_metres - 0.006, STEEL),
+        (0.0100, nose_y_metres, STEEL),
+        (0.0, nose_y_metres, IRON),
     ];
-    let mut mesh = lathe(&profile, 24);
+    let mut mesh = lathe_about_y(&profile, 24);
     for i in 0..3 {
         let ring: [Ring; 6] = [
             (0.017, -0.001, IRON),
@@ -90,12 +90,12 @@ fn impact_body(nose_metres: f32) -> MeshBuilder {
         ];
         // Closed on the inside by the handle: the ring's own inner side.
         let closed = [ring.as_slice(), &[ring[0]]].concat();
-        mesh.append(&lathe(&closed, 24), translation(0.0, -0.036 + 0.031 * i as f32, 0.0));
+        mesh.append(&lathe_about_y(&closed, 24), translation(0.0, -0.036 + 0.031 * i as f32, 0.0));
     }
     mesh
 }
 
-fn fill_gun_body(nose_metres: f32) -> MeshBuilder {
+fn fill_gun_body_along_y(nose_y_metres: f32) -> MeshBuilder {
     let profile: Vec<Ring> = vec![
         (0.0, -0.125, IRON),
         (0.010, -0.125, IRON),
@@ -113,19 +113,19 @@ fn fill_gun_body(nose_metres: f32) -> MeshBuilder {
         (0.0205, 0.039, BRASS),
         (0.0205, 0.046, BRASS),
         (0.0225, 0.049, TEAL),
-        (0.0225, nose_metres - 0.016, TEAL),
-        (0.0200, nose_metres - 0.010, TEAL),
-        (0.0140, nose_metres - 0.004, BRASS),
-        (0.0140, nose_metres, BRASS),
-        (0.0, nose_metres, BRASS),
+        (0.0225, nose_y_metres - 0.016, TEAL),
+        (0.0200, nose_y_metres - 0.010, TEAL),
+        (0.0140, nose_y_metres - 0.004, BRASS),
+        (0.0140, nose_y_metres, BRASS),
+        (0.0, nose_y_metres, BRASS),
     ];
-    let mut mesh = lathe(&profile, 24);
-    let lever = rounded_post(0.0045, 0.055, 0.002, 12, STEEL);
+    let mut mesh = lathe_about_y(&profile, 24);
+    let lever = upright_rounded_post(0.0045, 0.055, 0.002, 12, STEEL);
     mesh.append(&lever, translation(0.0, 0.036, 0.0225) * Affine3A::from_rotation_x(2.95));
     mesh
 }
 
-fn rasp_profile(nose_metres: f32) -> Vec<Ring> {
+fn rasp_profile_along_y(nose_y_metres: f32) -> Vec<Ring> {
     vec![
         (0.0, -0.072, WALNUT),
         (0.009, -0.072, WALNUT),
@@ -141,7 +141,7 @@ fn rasp_profile(nose_metres: f32) -> Vec<Ring> {
         (0.0120, 0.062, BRASS),
         (0.0090, 0.064, BRASS),
         (0.0055, 0.066, STEEL),
-        (0.0060, nose_metres, STEEL),
-        (0.0, nose_metres, STEEL),
+        (0.0060, nose_y_metres, STEEL),
+        (0.0, nose_y_metres, STEEL),
     ]
 }

@@ -8,7 +8,7 @@ use paros_core::RangeMaps;
 
 use super::crease;
 use super::extent::TexelBox;
-use super::rows::{BLURRED_ROWS, HalfMasks, LANES, ROW_TEXELS, TexelRow, TexelRows};
+use super::rows::{AtLeastHalfMasks, BLURRED_ROWS, LANES, ROW_TEXELS, TexelRow, TexelRows};
 use super::sizes::REACH;
 use super::texels::gather_top_bits;
 use super::thin;
@@ -35,7 +35,7 @@ pub(super) struct BoxBlur {
     /// The density, from one texel before the box on, along x from [`MARGIN_X`] before.
     out: TexelRows,
     /// Bits of the texels that are at least a half.
-    half: HalfMasks,
+    at_least_half: AtLeastHalfMasks,
 }
 
 /// For each texel of a row, whether the kernel covers an occupied voxel, and whether an empty one.
@@ -100,7 +100,7 @@ impl BoxBlur {
             along_y: [[[[0; LANES]; ROW_TEXELS / LANES]; BLURRED_ROWS]; 5],
             nearby: [[NearbyVoxels { full: 0, empty: 0 }; BLURRED_ROWS]; WINDOW_ROWS],
             out: [[[[0; LANES]; ROW_TEXELS / LANES]; BLURRED_ROWS]; BLURRED_ROWS],
-            half: [[0; BLURRED_ROWS]; BLURRED_ROWS],
+            at_least_half: [[0; BLURRED_ROWS]; BLURRED_ROWS],
         }
     }
 
@@ -149,8 +149,14 @@ impl BoxBlur {
             }
         }
         let counts = [size.rows, size.slices - 2 * TAPS];
-        crease::reopen_creases(&self.window, counts, size.row_bits, &mut self.out, &mut self.half);
-        thin::raise_thin_features(&self.window, counts, &mut self.out, &mut self.half);
+        crease::reopen_creases(
+            &self.window,
+            counts,
+            size.row_bits,
+            &mut self.out,
+            &mut self.at_least_half,
+        );
+        thin::raise_thin_features(&self.window, counts, &mut self.out, &mut self.at_least_half);
     }
 
     fn window_size(&self) -> WindowSize {
@@ -206,7 +212,7 @@ impl BoxBlur {
         if marks.full == 0 || marks.empty == 0 {
             let full = marks.empty == 0;
             out.fill([if full { 255 } else { 0 }; LANES]);
-            self.half[z][y] = if full { size.row_bits } else { 0 };
+            self.at_least_half[z][y] = if full { size.row_bits } else { 0 };
             return;
         }
         let row = |z: usize| &self.along_y[z % 5][y];
@@ -218,7 +224,7 @@ impl BoxBlur {
                 Uniformity::Mixed => blur_to_texels([a[g], b[g], c[g], d[g], e[g]]),
             };
         }
-        self.half[z][y] = gather_top_bits(out.as_flattened());
+        self.at_least_half[z][y] = gather_top_bits(out.as_flattened());
     }
 }
 

@@ -18,4 +18,4 @@ pub(super) type TexelRow = [[u8; LANES]; ROW_TEXELS / LANES];
 /// The rows of density around a box: by z, then y.
 pub(super) type TexelRows = [[TexelRow; BLURRED_ROWS]; BLURRED_ROWS];
 /// Bits of those texels that are at least a half: bit rows along x, by z, then y.
-pub(super) type HalfMasks = [[u64; BLURRED_ROWS]; BLURRED_ROWS];
+pub(super) type AtLeastHalfMasks = [[u64; BLURRED_ROWS]; BLURRED_ROWS];

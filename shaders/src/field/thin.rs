@@ -5,7 +5,7 @@
 //! half a voxel from the centres of a long plate's and rod's outer voxels, given what the blur
 //! leaves beside them. A rod of one voxel stands a little prouder: a ray passes what is narrower.
 
-use super::rows::{HalfMasks, TexelRows};
+use super::rows::{AtLeastHalfMasks, TexelRows};
 use super::window::{BLUR_MARGIN, MARGIN_X, VoxelWindow, WINDOW_ROWS};
 
 /// A plate of one voxel: a quarter beside it.
@@ -14,32 +14,32 @@ const PLATE: u8 = 191;
 const ROD: u8 = 255;
 /// A rod of one by two.
 const RIBBON: u8 = 217;
-/// A rod of two by two: a fifth beside it.
+/// A rod of two by at_most_two: a fifth beside it.
 const SQUARE_ROD: u8 = 204;
 
 /// Voxels of a row that are thin along x, y and z: bit rows.
 #[derive(Clone, Copy, Default)]
 struct ThinVoxels {
     /// Both neighbours are empty.
-    one: [u64; 3],
+    single: [u64; 3],
     /// In a run of one or two.
-    two: [u64; 3],
+    at_most_two: [u64; 3],
 }
 
-/// Raises texels of thin features in so many rows along y and z, and updates `halves`. The
+/// Raises texels of thin features in so many rows along y and z, and updates `at_least_half`. The
 /// outermost rows, slices and columns only serve as neighbours.
 pub(super) fn raise_thin_features(
     window: &VoxelWindow,
     [row_count, slice_count]: [usize; 2],
     out: &mut TexelRows,
-    halves: &mut HalfMasks,
+    at_least_half: &mut AtLeastHalfMasks,
 ) {
     let mut found = false;
     for z in 0..slice_count {
         for y in 0..row_count {
             let voxels = window.row(y + BLUR_MARGIN, z + BLUR_MARGIN);
             // Texels of at least a half need nothing.
-            let weak = voxels & !halves[z][y];
+            let weak = voxels & !at_least_half[z][y];
             if weak == 0 {
                 continue;
             }
@@ -48,12 +48,12 @@ pub(super) fn raise_thin_features(
                 find_thin_texels(window, y + BLUR_MARGIN, z + BLUR_MARGIN)
             {
                 raise_texels(out[z][y].as_flattened_mut(), texels & weak, value);
-                halves[z][y] |= texels & weak;
+                at_least_half[z][y] |= texels & weak;
             }
         }
     }
     if found {
-        raise_vanished_voxels(window, [row_count, slice_count], out, halves);
+        raise_vanished_voxels(window, [row_count, slice_count], out, at_least_half);
     }
 }
 
@@ -71,15 +71,15 @@ impl RaisedTexels {
 /// The texels to raise in a row of the window: a plate's, and three widths of rods'.
 fn find_thin_texels(window: &VoxelWindow, window_y: usize, window_z: usize) -> [RaisedTexels; 4] {
     let (y, z) = (window_y, window_z);
-    let here = find_thin_voxels(window, y, z);
-    if here.two == [0; 3] {
+    let here = find_voxels_thin_along_xyz(window, y, z);
+    if here.at_most_two == [0; 3] {
         return [RaisedTexels::NONE; 4];
     }
     let beside = [
-        find_thin_voxels(window, y - 1, z),
-        find_thin_voxels(window, y + 1, z),
-        find_thin_voxels(window, y, z - 1),
-        find_thin_voxels(window, y, z + 1),
+        find_voxels_thin_along_xyz(window, y - 1, z),
+        find_voxels_thin_along_xyz(window, y + 1, z),
+        find_voxels_thin_along_xyz(window, y, z - 1),
+        find_voxels_thin_along_xyz(window, y, z + 1),
     ];
     // The neighbours along x, y and z of which `of` holds.
     let around = |of: &dyn Fn(&ThinVoxels) -> u64| {
@@ -91,15 +91,16 @@ fn find_thin_texels(window: &VoxelWindow, window_y: usize, window_z: usize) -> [
     let mut rods = [0; 3];
     for axis in 0..3 {
         let (a, b) = ((axis + 1) % 3, (axis + 2) % 3);
-        if here.one[axis] != 0 {
-            let around = around(&|thin| thin.one[axis]);
-            plates |= here.one[axis] & at_least_three_of_four(around[a], around[b]);
+        if here.single[axis] != 0 {
+            let around = around(&|thin| thin.single[axis]);
+            plates |= here.single[axis] & at_least_three_of_four(around[a], around[b]);
         }
-        let pair = here.two[a] & here.two[b];
+        let pair = here.at_most_two[a] & here.at_most_two[b];
         if pair != 0 {
-            let [one, other] = around(&|thin| thin.two[a] & thin.two[b])[axis];
+            let [one, other] = around(&|thin| thin.at_most_two[a] & thin.at_most_two[b])[axis];
             let found = pair & (one | other);
-            let (single, either) = (here.one[a] & here.one[b], here.one[a] | here.one[b]);
+            let (single, either) =
+                (here.single[a] & here.single[b], here.single[a] | here.single[b]);
             rods[0] |= found & single;
             rods[1] |= found & either & !single;
             rods[2] |= found & !either;
@@ -115,7 +116,11 @@ fn at_least_three_of_four([a, b]: [u64; 2], [c, d]: [u64; 2]) -> u64 {
 }
 
 /// The voxels of a row of the window that are in runs of one or two.
-fn find_thin_voxels(window: &VoxelWindow, window_y: usize, window_z: usize) -> ThinVoxels {
+fn find_voxels_thin_along_xyz(
+    window: &VoxelWindow,
+    window_y: usize,
+    window_z: usize,
+) -> ThinVoxels {
     let (y, z) = (window_y, window_z);
     let row = window.row(y, z);
     if row == 0 {
@@ -134,7 +139,7 @@ fn find_thin_voxels(window: &VoxelWindow, window_y: usize, window_z: usize) -> T
     let x = thin([row << 2, row << 1, row >> 1, row >> 2]);
     let along_y = thin([at(y_2, z), at(y_1, z), at(y + 1, z), at(y + 2, z)]);
     let along_z = thin([at(y, z_2), at(y, z_1), at(y, z + 1), at(y, z + 2)]);
-    ThinVoxels { one: [x.0, along_y.0, along_z.0], two: [x.1, along_y.1, along_z.1] }
+    ThinVoxels { single: [x.0, along_y.0, along_z.0], at_most_two: [x.1, along_y.1, along_z.1] }
 }
 
 /// Raises occupied voxels that still have no texel of a half in their 3 x 3 x 3 neighbourhood.
@@ -142,17 +147,18 @@ fn raise_vanished_voxels(
     window: &VoxelWindow,
     [row_count, slice_count]: [usize; 2],
     out: &mut TexelRows,
-    halves: &HalfMasks,
+    at_least_half: &AtLeastHalfMasks,
 ) {
     // Only texels that lie in the box have theirs all around.
     let inner = u64::MAX << MARGIN_X & u64::MAX >> MARGIN_X;
     for z in 1..slice_count - 1 {
         for y in 1..row_count - 1 {
-            let weak = window.row(y + BLUR_MARGIN, z + BLUR_MARGIN) & !halves[z][y] & inner;
+            let weak = window.row(y + BLUR_MARGIN, z + BLUR_MARGIN) & !at_least_half[z][y] & inner;
             if weak == 0 {
                 continue;
             }
-            let around = halves[z - 1..=z + 1].iter().flat_map(|slice| &slice[y - 1..=y + 1]);
+            let around =
+                at_least_half[z - 1..=z + 1].iter().flat_map(|slice| &slice[y - 1..=y + 1]);
             let near = around.fold(0, |all, row| all | row << 1 | row | row >> 1);
             raise_texels(out[z][y].as_flattened_mut(), weak & !near, ROD);
         }

@@ -255,8 +255,8 @@ impl SceneAssembler {
         let turn = frame.to_room(&Pose::ZERO).1;
         let normal = world.hand_contact(hand).map_or(Vec3::Y, |contact| turn * contact.normal);
         let radius = match bit.spec().shape {
-            BitShape::Ball { radius } => radius,
-            BitShape::Box { half } => half[0].min(half[1]),
+            BitShape::Ball { radius_um } => radius_um,
+            BitShape::Box { half_extents_um: [x, y, _] } => x.min(y),
         } as f32
             * 1e-6;
         // A chip stands for a few cubic millimetres: finer grids throw no more.

@@ -72,9 +72,9 @@ fn lying_axis_height_metres(bench: &Workbench, item: BenchItem) -> f32 {
         BenchItem::Tool(tool) => bench.mounted_bit(tool),
         BenchItem::Bit(bit) => bit,
     };
-    let thick = match bit.spec().shape {
-        BitShape::Ball { radius } => radius,
-        BitShape::Box { half } => half[1],
+    let half_thickness_um = match bit.spec().shape {
+        BitShape::Ball { radius_um } => radius_um,
+        BitShape::Box { half_extents_um } => half_extents_um[1],
     };
-    (thick as f32 * 1e-6).max(0.023)
+    (half_thickness_um as f32 * 1e-6).max(0.023)
 }

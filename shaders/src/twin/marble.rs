@@ -36,12 +36,12 @@ fn vein_grey(noise_texture: &[i8], cube_point: Vec3) -> f32 {
     (MARBLE_VEIN_GREY * vein + haze).clamp(0.0, 1.0)
 }
 
-/// Texels along a side of [`grey_texture`].
+/// Texels along a side of [`grey_texture_3d`].
 pub const TEXTURE_SIDE: usize = 128;
 
 /// Greyness over the unit cube, as bytes of 0 to 255; x fastest, then y, then z. Made once.
 #[must_use]
-pub fn grey_texture() -> &'static [u8] {
+pub fn grey_texture_3d() -> &'static [u8] {
     static TEXTURE: OnceLock<Box<[u8]>> = OnceLock::new();
     TEXTURE.get_or_init(|| {
         let mut texels = vec![0u8; TEXTURE_SIDE * TEXTURE_SIDE * TEXTURE_SIDE].into_boxed_slice();
@@ -56,10 +56,10 @@ pub fn grey_texture() -> &'static [u8] {
     })
 }
 
-/// Trilinear sample of [`grey_texture`] at a point of the unit cube, 0 to 1, clamped to the edge.
+/// Trilinear sample of [`grey_texture_3d`] at a point of the unit cube, 0 to 1, clamped to the edge.
 #[must_use]
 pub fn sample_grey(cube_point: Vec3) -> f32 {
-    let texels = grey_texture();
+    let texels = grey_texture_3d();
     let place =
         (cube_point * TEXTURE_SIDE as f32 - Vec3::splat(0.5)).clamp(Vec3::ZERO, Vec3::splat(LAST));
     let low = place.to_array().map(|c| (c as usize).min(TEXTURE_SIDE - 2));

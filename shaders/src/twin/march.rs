@@ -45,11 +45,11 @@ pub struct RaySpan {
 
 /// Which maps a step of a march reads; the answer is the same.
 #[derive(Clone, Copy)]
-enum MapReads {
+enum MapReadOrder {
     /// The dominant axis's, and the other two only where that one holds the sample.
-    AsNeeded,
+    DominantFirst,
     /// All three.
-    All,
+    AllThree,
 }
 
 /// The first occupied sample of a ray given in voxels, stepping from layer centre to layer centre
@@ -58,25 +58,25 @@ enum MapReads {
 /// A step reads the dominant axis's map, and the other two only where that one holds the sample.
 #[must_use]
 pub fn march_maps<const N: usize>(maps: &RangeMaps<N>, grid_ray: &Ray) -> Option<VoxelHit> {
-    march_reading(maps, grid_ray, MapReads::AsNeeded)
+    march_reading(maps, grid_ray, MapReadOrder::DominantFirst)
 }
 
 /// [`march_maps`] with every step reading all three maps, for comparison; the answer is the same.
 #[must_use]
 pub fn march_all_maps<const N: usize>(maps: &RangeMaps<N>, grid_ray: &Ray) -> Option<VoxelHit> {
-    march_reading(maps, grid_ray, MapReads::All)
+    march_reading(maps, grid_ray, MapReadOrder::AllThree)
 }
 
 fn march_reading<const N: usize>(
     maps: &RangeMaps<N>,
     ray: &Ray,
-    reads: MapReads,
+    read_order: MapReadOrder,
 ) -> Option<VoxelHit> {
     let span = clip_to_cube(ray, N as f32)?;
     match dominant_axis(ray.direction) {
-        Axis::X => march_along_axis::<N, 0>(maps, ray, span, reads),
-        Axis::Y => march_along_axis::<N, 1>(maps, ray, span, reads),
-        Axis::Z => march_along_axis::<N, 2>(maps, ray, span, reads),
+        Axis::X => first_sample_hit_along_axis::<N, 0>(maps, ray, span, read_order),
+        Axis::Y => first_sample_hit_along_axis::<N, 1>(maps, ray, span, read_order),
+        Axis::Z => first_sample_hit_along_axis::<N, 2>(maps, ray, span, read_order),
     }
 }
 
@@ -124,11 +124,11 @@ pub fn dominant_axis(direction: Vec3) -> Axis {
     }
 }
 
-fn march_along_axis<const N: usize, const AXIS: usize>(
+fn first_sample_hit_along_axis<const N: usize, const AXIS: usize>(
     maps: &RangeMaps<N>,
     ray: &Ray,
     RaySpan { near, far }: RaySpan,
-    reads: MapReads,
+    read_order: MapReadOrder,
 ) -> Option<VoxelHit> {
     let axis = Axis::ALL[AXIS];
     let towards = ray.direction[AXIS];
@@ -155,9 +155,9 @@ fn march_along_axis<const N: usize, const AXIS: usize>(
         // Rounding may carry a place out of the grid, where all is empty.
         if voxel.iter().all(|&c| (0..N as i32).contains(&c)) {
             let voxel = voxel.map(|c| c as usize);
-            let hit = match reads {
-                MapReads::All => maps.contains(voxel),
-                MapReads::AsNeeded => {
+            let hit = match read_order {
+                MapReadOrder::AllThree => maps.contains(voxel),
+                MapReadOrder::DominantFirst => {
                     maps.column(axis, axis.column_address(voxel)).contains(voxel[AXIS])
                         && other_maps_hold::<N, AXIS>(maps, voxel)
                 }

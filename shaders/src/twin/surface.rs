@@ -91,8 +91,8 @@ impl Neighbours {
     /// Signed distance from a point, given from the hit voxel's centre, to the smooth union of the
     /// blobs of that voxel and its occupied neighbours, in voxels.
     #[must_use]
-    pub fn blob_distance(&self, from_centre: Vec3) -> f32 {
-        let point = from_centre;
+    pub fn blob_distance(&self, from_voxel_centre: Vec3) -> f32 {
+        let point = from_voxel_centre;
         let square = point.length_squared();
         let weight = |square: f32| ((BLOB_RADIUS - square.sqrt()) / BLOB_BLEND_WIDTH).exp();
         let mut sum = weight(square);
@@ -109,8 +109,8 @@ impl Neighbours {
     /// a point, given from the hit voxel's centre, weighted by inverse square distance. A voxel
     /// without neighbours is a ball.
     #[must_use]
-    pub fn shepard_normal(&self, from_centre: Vec3) -> Vec3 {
-        let point = from_centre;
+    pub fn shepard_normal(&self, from_voxel_centre: Vec3) -> Vec3 {
+        let point = from_voxel_centre;
         let mut sum = Vec3::ZERO;
         for i in 0..6 {
             if self.0[i] {

@@ -1,7 +1,7 @@
 //! Bake, bit for bit against the dense model. `tests/files` bakes meshes, `tests/real-meshes` real ones.
 //!
 //! Planted faults, and what catches each (tried by hand):
-//! - `triangle.rs`, `set_axis_bounds`: `low - 1` made `low`, so that a face belongs to one voxel only ->
+//! - `triangle.rs`, `set_components_on_axis`: `low - 1` made `low`, so that a face belongs to one voxel only ->
 //!   `soups`, `segments_and_points`, `closed_shapes`.
 //! - `crossing.rs`, `compare_along_ray`: the last `then_with` dropped -> `folds_under_a_centre`.
 //! - `crossing.rs`, `contains_displaced`: a tie always inside -> `soups`, `closed_shapes`.
@@ -12,7 +12,7 @@ use paros_core::internals::BAKE_UNITS_PER_VOXEL;
 use paros_core::{Baker, OutsideBox};
 use paros_models::bake::{self as model, Triangle};
 use paros_models::bake_harness::{
-    BakeHarness, N, SIDE_UNITS, check_bake, check_bake_in_two_word_rows,
+    BakeHarness, N, SIDE_UNITS, check_bake, check_bake_moved_into_two_word_rows,
 };
 use proptest::prelude::*;
 use std::sync::Mutex;
@@ -209,7 +209,7 @@ proptest! {
         let baked = model::bake_triangles(N, &triangles);
         // What runs to an end of the box runs further in a larger one.
         prop_assume!(baked.opened == 0);
-        check_bake_in_two_word_rows(&triangles, &baked)?;
+        check_bake_moved_into_two_word_rows(&triangles, &baked)?;
     }
 
     #[test]

@@ -60,7 +60,7 @@ proptest! {
     fn a_stale_copy_follows(start in closed_volumes(16), ticks in any_ticks()) {
         let harness = &mut *HARNESS.lock().unwrap_or_else(PoisonError::into_inner);
         let DirtyHarness { volume, mask, scratch, stale, before } = harness;
-        volume.set_voxels(|plane| start.write_bits(plane));
+        volume.set_voxels(|plane| start.insert_into_empty_bits(plane));
         stale.copy_from(volume.maps());
         let mut dirty = DirtyRects::new();
         for tick in ticks {

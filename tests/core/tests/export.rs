@@ -2,7 +2,8 @@
 //! without area.
 //!
 //! Planted faults, and what catches each (tried by hand):
-//! - `support.rs`, `seed_row`: the mask's rows left out -> `anything_at_16`, `every_pair_of_cells`.
+//! - `support.rs`, `seed_next_row_from_ground_and_mask`: the mask's rows left out ->
+//!   `anything_at_16`, `every_pair_of_cells`.
 //! - `cases.rs`, `is_valid_side`: any diagonal allowed -> `every_pair_of_cells`, `anything_at_16`.
 //! - `smooth.rs`: a window of three layers -> `anything_at_16`, `large_grids`.
 //! - `support.rs`, `find_next_part`: on to the next row after each part ->
@@ -40,7 +41,7 @@ where
 
     fn set(&mut self, volume: &DenseVolume, mask: &DenseVolume) {
         self.rows.clear();
-        volume.write_bits(&mut self.rows);
+        volume.insert_into_empty_bits(&mut self.rows);
         mask.write_maps(&mut self.mask);
     }
 
@@ -189,7 +190,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(600))]
 
     #[test]
-    fn anything_at_16(dense::MaskedVolume { volume, mask } in dense::masked_volumes(16)) {
+    fn anything_at_16(dense::MaskedVolume { volume, mask } in dense::closed_volumes_with_inner_mask(16)) {
         harness!(16, |harness: &mut ExportHarness<16>| harness.check_export(&volume, &mask));
     }
 

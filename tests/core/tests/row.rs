@@ -258,7 +258,7 @@ where
 {
     let GridPair { plane, other, maps, volume } = grids;
     plane.clear();
-    dense.write_bits(plane);
+    dense.insert_into_empty_bits(plane);
     assert_eq!(&DenseVolume::from_bits(plane), dense);
     assert_eq!(plane.count_voxels(), u64::from(dense.count()));
     plane.write_hulls(maps);
@@ -274,7 +274,7 @@ where
     plane.set_from_maps(maps);
     assert_eq!(DenseVolume::from_bits(plane), closed);
     assert_eq!(closed.closure(), closed, "closure is idempotent");
-    volume.set_voxels(|plane| dense.write_bits(plane));
+    volume.set_voxels(|plane| dense.insert_into_empty_bits(plane));
     assert_eq!((volume.maps(), volume.rows()), (&*maps, &*plane));
     assert_eq!(volume.digest(), maps_digest(maps));
     assert_eq!(volume.count_voxels(), u64::from(closed.count()));

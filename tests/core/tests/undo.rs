@@ -57,7 +57,7 @@ where
         let UndoCounts { undoable, redoable } = harness.undo.undo_counts();
         prop_assert!(undoable >= history.stroke_counts().undoable.min(2), "two entries always fit");
         prop_assert!(undoable <= history.stroke_counts().undoable);
-        history.keep_undoable(undoable);
+        history.drop_oldest_until_undoable(undoable);
         prop_assert_eq!(redoable, history.stroke_counts().redoable);
         prop_assert_eq!(harness.undo.digest(), harness.undo.recompute_digest());
     }

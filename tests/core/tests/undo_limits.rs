@@ -69,7 +69,7 @@ fn dents() {
     }
     let undoable = harness.undo.undo_counts().undoable;
     assert!((48..=UNDO_ENTRIES + 1).contains(&undoable), "{undoable} dents");
-    history.keep_undoable(undoable);
+    history.drop_oldest_until_undoable(undoable);
     while let Some(maps) = history.undo() {
         assert!(harness.try_undo_checked().unwrap());
         harness.check_volume_equals(maps).unwrap();

@@ -5,7 +5,7 @@ use std::sync::Mutex;
 use glam::IVec3;
 use paros_core::{Baker, BitGrid, MeshPlacement, RangeMaps, UpAxis};
 use paros_models::bake::{self as model, Triangle};
-use paros_models::bake_harness::{N, check_bake_in_two_word_rows};
+use paros_models::bake_harness::{N, check_bake_moved_into_two_word_rows};
 use paros_shell::mesh::MeshBounds;
 use paros_tests_files::baked::{
     assert_bakes_as_model_also_inside_out, assert_open_base_bakes_alike, bake,
@@ -22,7 +22,7 @@ fn a_finely_divided_shape_in_rows_of_two_words() {
     let triangles: Vec<Triangle> = vase.triangles.iter().map(|t| t.map(place)).collect();
     let baked = model::bake_triangles(N, &triangles);
     assert_eq!(baked.opened, 0);
-    check_bake_in_two_word_rows(&triangles, &baked).unwrap();
+    check_bake_moved_into_two_word_rows(&triangles, &baked).unwrap();
 }
 
 #[test]

@@ -38,7 +38,7 @@ fn every_kind_reads_alike() {
     for (name, kind, bytes) in all_samples() {
         let mesh = parse_mesh(kind, &bytes).unwrap_or_else(|fault| panic!("{name}: {fault}"));
         assert_eq!(triangle_points(&mesh), expected_points(), "{name}");
-        assert_eq!(mesh.count_repeated_directed_edges(), 0);
+        assert_eq!(mesh.count_directed_edges_repeated_by_position(), 0);
     }
 }
 

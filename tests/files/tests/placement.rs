@@ -54,10 +54,10 @@ fn bounds_that_can_not_be_fitted_are_refused() {
 #[test]
 fn winding_faults_are_counted() {
     let mesh = vase();
-    assert_eq!(mesh.count_repeated_directed_edges(), 0);
+    assert_eq!(mesh.count_directed_edges_repeated_by_position(), 0);
     let mut faulty = mesh.clone();
     faulty.triangles[700].swap(1, 2);
-    assert_eq!(faulty.count_repeated_directed_edges(), 3);
+    assert_eq!(faulty.count_directed_edges_repeated_by_position(), 3);
     // Split at a seam, the same surface: vertices are merged by position.
     let mut split = Mesh::default();
     for t in &faulty.triangles {
@@ -65,5 +65,5 @@ fn winding_faults_are_counted() {
         split.positions.extend(t.map(|i| faulty.positions[i as usize]));
         split.triangles.push([base, base + 1, base + 2]);
     }
-    assert_eq!(split.count_repeated_directed_edges(), 3);
+    assert_eq!(split.count_directed_edges_repeated_by_position(), 3);
 }

@@ -59,7 +59,7 @@ fn replay_trace(
         |_| {},
         |stage| {
             let mut ticks = 0;
-            let result = stage.replay(trace, |_| ticks += 1);
+            let result = stage.replay_on_same_start(trace, |_| ticks += 1);
             (ticks, result)
         },
     )
@@ -89,7 +89,7 @@ fn a_replay_makes_the_recorded_digests() {
         |_| {},
         |stage| {
             stage.start_recording();
-            stage.replay(&trace, |_| {}).expect("the same session");
+            stage.replay_on_same_start(&trace, |_| {}).expect("the same session");
             stage.end_recording_to_bytes()
         },
     );
@@ -137,20 +137,23 @@ fn traces_of_other_volumes_states_and_sizes_part_before_the_first_tick() {
     let WorldAndStarts { world, lump, figure, creative } = studio.world_and_start_volumes();
     // The figure and the toy have changed places.
     let starts = StartVolumes { lump, figures: &[creative], creative: figure, own: None };
-    let played = TickRunner::new(world, starts).replay(&trace, |_| panic!("a tick was played"));
+    let played = TickRunner::new(world, starts)
+        .replay_on_same_start(&trace, |_| panic!("a tick was played"));
     assert!(matches!(played, Err(ReplayDivergence::Starts { .. })), "{played:?}");
     assert!(played.expect_err("other volumes").to_string().starts_with("before tick 0:"));
     assert_eq!(world.tick(), 0);
     let figures = [figure];
     let starts = || StartVolumes { lump, figures: &figures, creative, own: None };
     TickRunner::new(world, starts()).run_tick(&TickInput::default());
-    let played = TickRunner::new(world, starts()).replay(&trace, |_| panic!("a tick was played"));
+    let played = TickRunner::new(world, starts())
+        .replay_on_same_start(&trace, |_| panic!("a tick was played"));
     assert!(matches!(played, Err(ReplayDivergence::State { .. })), "{played:?}");
     static SMALL: Mutex<(World<64>, RangeMaps<64>)> = Mutex::new((World::new(), RangeMaps::new()));
     let mut small = SMALL.lock().unwrap_or_else(PoisonError::into_inner);
     let (world, maps) = &mut *small;
     let starts = StartVolumes { lump: maps, figures: &[], creative: maps, own: None };
-    let played = TickRunner::new(world, starts).replay(&trace, |_| panic!("a tick was played"));
+    let played = TickRunner::new(world, starts)
+        .replay_on_same_start(&trace, |_| panic!("a tick was played"));
     assert_eq!(played, Err(ReplayDivergence::Size { recorded: 128, here: 64 }));
 }
 

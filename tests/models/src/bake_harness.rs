@@ -88,9 +88,9 @@ pub fn check_bake(triangles: &[Triangle]) -> Result<(), TestCaseError> {
 ///
 /// # Errors
 /// The baker's volume differs from what is expected.
-pub fn check_bake_in_two_word_rows(
-    triangles: &[Triangle],
-    baked: &model::BakedVoxels,
+pub fn check_bake_moved_into_two_word_rows(
+    small_grid_triangles: &[Triangle],
+    small_grid_baked: &model::BakedVoxels,
 ) -> Result<(), TestCaseError> {
     static BAKER: Mutex<Baker<128>> = Mutex::new(Baker::new());
     static MAPS: Mutex<RangeMaps<128>> = Mutex::new(RangeMaps::new());
@@ -98,15 +98,18 @@ pub fn check_bake_in_two_word_rows(
     let mut baker = BAKER.lock().unwrap_or_else(|held| held.into_inner());
     let mut bits = PLANE.lock().unwrap_or_else(|held| held.into_inner());
     baker.clear();
-    for t in triangles {
+    for t in small_grid_triangles {
         let moved = t.map(|p| IVec3::from_array(p) + IVec3::splat(56 * BAKE_UNITS_PER_VOXEL));
         prop_assert_eq!(baker.add_triangle(moved), Ok(()));
     }
     baker.write_maps(&mut MAPS.lock().unwrap_or_else(|held| held.into_inner()), &mut bits);
-    for (i, &expected) in baked.occupied.iter().enumerate() {
+    for (i, &expected) in small_grid_baked.occupied.iter().enumerate() {
         let voxel = [i % N, i / N % N, i / N / N].map(|c| c + 56);
         prop_assert_eq!(bits.contains(voxel), expected, "{:?}", voxel);
     }
-    prop_assert_eq!(bits.count_voxels(), baked.occupied.iter().filter(|&&set| set).count() as u64);
+    prop_assert_eq!(
+        bits.count_voxels(),
+        small_grid_baked.occupied.iter().filter(|&&set| set).count() as u64
+    );
     Ok(())
 }

@@ -42,8 +42,8 @@ impl PenetrationDepths {
 pub struct PathWalk {
     /// The last pose within the limit.
     pub last_allowed: Pose,
-    /// The next pose of the path, if it is blocked.
-    pub blocked: Option<Pose>,
+    /// The next pose of the path, if it is forbidden.
+    pub first_forbidden: Option<Pose>,
 }
 
 /// The end of a walk with its slide.
@@ -125,9 +125,9 @@ impl ContactModel {
         tracked: &Pose,
         steps_left: &mut usize,
     ) -> SlidingWalk {
-        let PathWalk { last_allowed: reached, blocked } =
-            self.walk_path(bit, from, tracked, steps_left);
-        let Some(stop) = blocked else {
+        let PathWalk { last_allowed: reached, first_forbidden } =
+            self.walk_while_allowed(bit, from, tracked, steps_left);
+        let Some(stop) = first_forbidden else {
             return SlidingWalk { pose: reached, blocked: false };
         };
         let offset_left = tracked.position - reached.position;
@@ -144,7 +144,7 @@ impl ContactModel {
         } else {
             Pose { position: tracked.position, rotation: reached.rotation }
         };
-        let mut pose = self.walk_path(bit, &reached, &target, steps_left).last_allowed;
+        let mut pose = self.walk_while_allowed(bit, &reached, &target, steps_left).last_allowed;
         let wanted = (target.position - reached.position) * STEPS_PER_VOXEL;
         if pose.position == reached.position && wanted.length_squared() > 1.0 {
             let sits = self.penetration_at(bit, &reached);
@@ -159,14 +159,14 @@ impl ContactModel {
             let away = away.as_vec3().normalize_or_zero();
             let tangent = offset_left - away * offset_left.dot(away).min(0.0);
             let target = Pose { position: reached.position + tangent, ..reached };
-            pose = self.walk_path(bit, &reached, &target, steps_left).last_allowed;
+            pose = self.walk_while_allowed(bit, &reached, &target, steps_left).last_allowed;
         }
         SlidingWalk { pose, blocked: true }
     }
 
     /// Walks a path while the penetration is within the limit. A bit that is too deep leaves where the path
     /// does. Stretches of free path cost fewer of the steps that are left, but are walked alike.
-    pub fn walk_path(
+    pub fn walk_while_allowed(
         &self,
         bit: &GridBit,
         from: &Pose,
@@ -211,15 +211,15 @@ impl ContactModel {
                 continue;
             }
             if limits == usual {
-                return PathWalk { last_allowed: reached, blocked: Some(next) };
+                return PathWalk { last_allowed: reached, first_forbidden: Some(next) };
             }
             match self.find_exit_step(bit, limits, &reached, &poses, steps_done) {
                 Some(step) => (steps_done, reached) = (step, poses[step - 1]),
-                None => return PathWalk { last_allowed: reached, blocked: Some(next) },
+                None => return PathWalk { last_allowed: reached, first_forbidden: Some(next) },
             }
             sits = self.penetration_at(bit, &reached);
         }
-        PathWalk { last_allowed: reached, blocked: None }
+        PathWalk { last_allowed: reached, first_forbidden: None }
     }
 
     /// The step of the first exit probe after `after_step` at which the bit is out of the stone; step 1 leads to

@@ -54,12 +54,12 @@ impl DenseVolume {
     }
 
     /// Sets the occupied voxels in an empty bit grid.
-    pub fn write_bits<const N: usize>(&self, bits: &mut BitGrid<N>)
+    pub fn insert_into_empty_bits<const N: usize>(&self, empty_bits: &mut BitGrid<N>)
     where
         Grid<N>: Size,
     {
         for [x, y, z] in self.occupied() {
-            bits.row_mut(y as usize, z as usize).insert(x as usize);
+            empty_bits.row_mut(y as usize, z as usize).insert(x as usize);
         }
     }
 
@@ -298,7 +298,7 @@ pub struct MaskedVolume {
 }
 
 /// A strategy for a closed volume and a closed mask inside it, which is often empty, sometimes all of it.
-pub fn masked_volumes(side: usize) -> impl Strategy<Value = MaskedVolume> {
+pub fn closed_volumes_with_inner_mask(side: usize) -> impl Strategy<Value = MaskedVolume> {
     let mask = prop_oneof![
         2 => Just(DenseVolume::empty(side)),
         3 => any_voxels(side),

@@ -49,9 +49,10 @@ impl FieldModel {
         (self.n + 2 * PAD) >> level
     }
 
-    /// Whether a voxel counts as occupied; it may lie up to [`MARGIN`] voxels outside the grid.
-    fn is_occupied(&self, voxel: [i32; 3]) -> bool {
-        self.occupied[grid_index(voxel.map(|c| c + MARGIN), self.n + 2 * MARGIN)]
+    /// Whether a voxel counts as occupied; it may lie up to [`MARGIN`] voxels outside the grid. Below the
+    /// grid the ground layer repeats.
+    fn is_occupied_with_ground_repeated(&self, voxel_near_grid: [i32; 3]) -> bool {
+        self.occupied[grid_index(voxel_near_grid.map(|c| c + MARGIN), self.n + 2 * MARGIN)]
     }
 
     /// The density of level 0: blurred voxels, creases and thin features corrected.
@@ -63,7 +64,7 @@ impl FieldModel {
             grid_points(side).map(|at| self.blurred_density(voxel(at))).collect();
         for (texel, at) in texels.iter_mut().zip(grid_points(side)) {
             // An empty voxel in a crease: mirrored to below a half.
-            if *texel >= HALF && !self.is_occupied(voxel(at)) {
+            if *texel >= HALF && !self.is_occupied_with_ground_repeated(voxel(at)) {
                 *texel = 255 - *texel;
             }
             if *texel < HALF {
@@ -71,7 +72,7 @@ impl FieldModel {
             }
         }
         let loose = |at: [i32; 3]| {
-            self.is_occupied(voxel(at))
+            self.is_occupied_with_ground_repeated(voxel(at))
                 && cube_around(at, 1).all(|at| texels[grid_index(at, side)] < HALF)
         };
         grid_points(side - 2)
@@ -84,7 +85,8 @@ impl FieldModel {
     fn blurred_density(&self, voxel: [i32; 3]) -> u8 {
         let weight = |by: i32| [6, 4, 1][by.unsigned_abs() as usize];
         let slice = |z: i32| {
-            let full = cube_around(voxel, 2).filter(|&at| at[2] == z && self.is_occupied(at));
+            let full = cube_around(voxel, 2)
+                .filter(|&at| at[2] == z && self.is_occupied_with_ground_repeated(at));
             let sum: u32 = full.map(|at| weight(at[0] - voxel[0]) * weight(at[1] - voxel[1])).sum();
             sum.min(255)
         };
@@ -96,7 +98,7 @@ impl FieldModel {
     fn thin_feature_density(&self, voxel: [i32; 3]) -> u8 {
         let mut level = 0;
         for [axis, a, b] in AXES {
-            let thin = |at: [i32; 3]| self.occupied_run_length(at, axis) == 1;
+            let thin = |at: [i32; 3]| self.occupied_run_length_within_three(at, axis) == 1;
             let beside = [a, b]
                 .into_iter()
                 .flat_map(|axis| [offset_along(voxel, axis, -1), offset_along(voxel, axis, 1)]);
@@ -104,13 +106,17 @@ impl FieldModel {
                 level = level.max(191);
             }
             let rod = |at: [i32; 3]| {
-                [a, b].iter().all(|&axis| (1..=2).contains(&self.occupied_run_length(at, axis)))
+                [a, b]
+                    .iter()
+                    .all(|&axis| (1..=2).contains(&self.occupied_run_length_within_three(at, axis)))
             };
             if rod(voxel)
                 && (rod(offset_along(voxel, axis, -1)) || rod(offset_along(voxel, axis, 1)))
             {
                 level = level.max(
-                    match self.occupied_run_length(voxel, a) + self.occupied_run_length(voxel, b) {
+                    match self.occupied_run_length_within_three(voxel, a)
+                        + self.occupied_run_length_within_three(voxel, b)
+                    {
                         2 => 255,
                         3 => 217,
                         _ => 204,
@@ -123,12 +129,16 @@ impl FieldModel {
 
     /// The length of the run of occupied voxels through a voxel along an axis, counted up to three voxels in
     /// each direction; 0 for an empty voxel.
-    fn occupied_run_length(&self, voxel: [i32; 3], axis: usize) -> i32 {
-        if !self.is_occupied(voxel) {
+    fn occupied_run_length_within_three(&self, voxel: [i32; 3], axis: usize) -> i32 {
+        if !self.is_occupied_with_ground_repeated(voxel) {
             return 0;
         }
         let way = |by: i32| {
-            (1..=3).take_while(|i| self.is_occupied(offset_along(voxel, axis, by * i))).count()
+            (1..=3)
+                .take_while(|i| {
+                    self.is_occupied_with_ground_repeated(offset_along(voxel, axis, by * i))
+                })
+                .count()
         };
         1 + way(-1) as i32 + way(1) as i32
     }

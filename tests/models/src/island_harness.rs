@@ -9,7 +9,7 @@ use paros_core::{
 };
 use proptest::prelude::*;
 
-use crate::dense::{DenseVolume, MaskedVolume, masked_volumes};
+use crate::dense::{DenseVolume, MaskedVolume, closed_volumes_with_inner_mask};
 
 /// A volume with its mask and island pass, and the scratch memory of edits.
 pub struct IslandHarness<const N: usize>
@@ -45,7 +45,7 @@ where
 
     /// Sets volume and mask, and aborts the pass.
     pub fn set_volume(&mut self, volume: &DenseVolume, mask: &DenseVolume) {
-        self.volume.set_voxels(|bits| volume.write_bits(bits));
+        self.volume.set_voxels(|bits| volume.insert_into_empty_bits(bits));
         mask.write_maps(&mut self.mask);
         self.islands.cancel_passes();
     }
@@ -183,7 +183,7 @@ pub fn barely_joined_volumes(side: usize) -> impl Strategy<Value = MaskedVolume>
         let voxels = DenseVolume::from_fn(side, |v| balls.iter().any(|&ball| inside(v, ball)));
         MaskedVolume { volume: voxels.closure(), mask: DenseVolume::empty(side) }
     });
-    prop_oneof![2 => balls, 1 => masked_volumes(side)]
+    prop_oneof![2 => balls, 1 => closed_volumes_with_inner_mask(side)]
 }
 
 /// A journal that keeps everything: changed columns with their old values, and added voxels.

@@ -47,7 +47,7 @@ pub fn sample_directions() -> Vec<Vec3> {
 /// The samples of a ray that a march may return: the first that is certainly in an occupied voxel, and those
 /// before it that rounding may put into one.
 #[derive(Clone, PartialEq, Debug, Default)]
-pub struct MarchSamples {
+pub struct PossibleHits {
     /// The distance of the first sample whose voxel is occupied however its position is rounded.
     pub sure: Option<f64>,
     /// The distances of samples before it whose voxel is occupied under some roundings only.
@@ -56,7 +56,11 @@ pub struct MarchSamples {
 
 /// Samples a ray at the middle of every layer of the direction's longest axis.
 #[must_use]
-pub fn march_layers(dense: &DenseVolume, origin: [f64; 3], direction: [f64; 3]) -> MarchSamples {
+pub fn possible_hits_at_layer_middles(
+    dense: &DenseVolume,
+    origin: [f64; 3],
+    direction: [f64; 3],
+) -> PossibleHits {
     const DOUBT: f64 = 1e-3;
     let n = dense.side();
     let mut axis = 0;
@@ -68,7 +72,7 @@ pub fn march_layers(dense: &DenseVolume, origin: [f64; 3], direction: [f64; 3]) 
     let mut samples: Vec<f64> =
         (0..n).map(|layer| (layer as f64 + 0.5 - origin[axis]) / direction[axis]).collect();
     samples.sort_by(f64::total_cmp);
-    let mut found = MarchSamples::default();
+    let mut found = PossibleHits::default();
     for t in samples.into_iter().filter(|&t| t > -DOUBT) {
         let place: [f64; 3] = std::array::from_fn(|i| origin[i] + t * direction[i]);
         let all = (0..8).map(|corner| {

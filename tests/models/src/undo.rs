@@ -37,7 +37,7 @@ impl<const N: usize> SnapshotHistory<N> {
     }
 
     /// Drops the oldest states, so that only `strokes` can be undone.
-    pub fn keep_undoable(&mut self, strokes: usize) {
+    pub fn drop_oldest_until_undoable(&mut self, strokes: usize) {
         self.states.drain(..self.at - strokes);
         self.at = strokes;
     }

@@ -96,9 +96,9 @@ fn meshes_are_closed_and_face_outward() {
 /// How far a point is from a bit's analytic surface, in metres.
 fn distance_from_surface(bit: ToolBit, p: Vec3) -> f32 {
     match bit.spec().shape {
-        BitShape::Ball { radius } => (p.length() - radius as f32 * 1e-6).abs(),
-        BitShape::Box { half } => {
-            let q = p.abs() - Vec3::from_array(half.map(|h| h as f32 * 1e-6));
+        BitShape::Ball { radius_um } => (p.length() - radius_um as f32 * 1e-6).abs(),
+        BitShape::Box { half_extents_um } => {
+            let q = p.abs() - Vec3::from_array(half_extents_um.map(|h| h as f32 * 1e-6));
             (q.max(Vec3::ZERO).length() + q.max_element().min(0.0)).abs()
         }
     }
@@ -109,8 +109,10 @@ fn a_bit_is_seen_where_it_cuts() {
     for bit in ToolBit::ALL {
         let mesh = MeshId::of_bit(bit);
         let reach = match bit.spec().shape {
-            BitShape::Ball { radius } => Vec3::splat(radius as f32 * 1e-6),
-            BitShape::Box { half } => Vec3::from_array(half.map(|h| h as f32 * 1e-6)),
+            BitShape::Ball { radius_um } => Vec3::splat(radius_um as f32 * 1e-6),
+            BitShape::Box { half_extents_um } => {
+                Vec3::from_array(half_extents_um.map(|h| h as f32 * 1e-6))
+            }
         };
         let (mut lo, mut hi, mut brush) = (Vec3::MAX, Vec3::MIN, 0);
         for vertex in mesh.vertices() {
@@ -157,7 +159,7 @@ fn a_held_tool_is_at_the_freshest_grip_pushed_out() {
     let mut scene = SceneAssembler::new();
     // Without a fresher grip the drawn tip is the core's.
     let list = scene.assemble_frame(&studio.world, &fresh_at(0.0));
-    let tip = studio.world.hand_state(RIGHT).tip_pose(0.13).0 + push;
+    let tip = studio.world.hand_state(RIGHT).bit_centre_pose(0.13).0 + push;
     let drawn = list.instances_of(MeshId::MediumBall)[0].transform_point(Vec3::ZERO);
     assert!(drawn.distance(tip) < 1e-5, "{drawn} for {tip}");
     let centre = studio.world.stool_frame().to_room(&studio.world.hand_state(RIGHT).frozen_pose).0;

@@ -54,7 +54,7 @@ proptest! {
             for ray in &rays {
                 let quick = march_maps(maps, ray);
                 prop_assert_eq!(quick, march_all_maps(maps, ray));
-                let found = model::march_layers(
+                let found = model::possible_hits_at_layer_middles(
                     &dense,
                     ray.origin.to_array().map(f64::from),
                     ray.direction.to_array().map(f64::from),

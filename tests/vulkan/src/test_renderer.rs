@@ -67,7 +67,7 @@ impl TestRenderer {
 
     /// Draws a frame and reads back the pixels of each view.
     pub fn draw_picture(&mut self, picture: &FrameRequest<'_>) -> Layers {
-        self.renderer.begin_frame().expect("a frame");
+        self.renderer.wait_and_begin_frame().expect("a frame");
         let target = &self.screen.target;
         self.renderer
             .draw_frame(picture, target, 0, FrameSemaphores::default())
@@ -79,7 +79,7 @@ impl TestRenderer {
 
     /// Draws a frame, with as many pending uploads as its budget allows.
     pub fn draw_with_pending_uploads<const N: usize>(&mut self, field: &mut DensityField<N>) {
-        self.renderer.begin_frame().expect("a frame");
+        self.renderer.wait_and_begin_frame().expect("a frame");
         let (budget, mut bytes) = (Budget::per_frame(N), 0);
         field.update_textures(budget, &mut |region, texels| {
             bytes += texels.len();
@@ -91,7 +91,12 @@ impl TestRenderer {
         assert!(bytes <= budget.bytes, "{bytes} bytes in a frame");
         let target = &self.screen.target;
         self.renderer
-            .draw_frame(&lone_sculpture(&[AHEAD]), target, 0, FrameSemaphores::default())
+            .draw_frame(
+                &metre_wide_sculpture_at_origin(&[AHEAD]),
+                target,
+                0,
+                FrameSemaphores::default(),
+            )
             .expect("a picture");
     }
 
@@ -131,7 +136,7 @@ pub const AHEAD: Eye = Eye {
 
 /// A request for a sculpture a metre wide, without a scene.
 #[must_use]
-pub fn lone_sculpture(eyes: &[Eye]) -> FrameRequest<'_> {
+pub fn metre_wide_sculpture_at_origin(eyes: &[Eye]) -> FrameRequest<'_> {
     let stand = SculpturePlacement { foot: Vec3::ZERO, side: 1.0, turn_radians: 0.0 };
     FrameRequest {
         eyes,

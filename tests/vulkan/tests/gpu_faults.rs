@@ -15,7 +15,7 @@ use paros_shaders::gpu::{
     Error, FrameSemaphores, Gpu, Instance, OffscreenTarget, Options, Renderer, SharedGpu,
 };
 use paros_shell::require::require_or_skip;
-use paros_tests_vulkan::test_renderer::{AHEAD, lone_sculpture};
+use paros_tests_vulkan::test_renderer::{AHEAD, metre_wide_sculpture_at_origin};
 
 const N: usize = 32;
 const SIZE: [u32; 2] = [96, 80];
@@ -72,9 +72,9 @@ fn start_and_draw(
     });
     loaded?;
     for _ in 0..frames {
-        renderer.begin_frame()?;
+        renderer.wait_and_begin_frame()?;
         renderer.draw_frame(
-            &lone_sculpture(&[AHEAD]),
+            &metre_wide_sculpture_at_origin(&[AHEAD]),
             &screen.target,
             0,
             FrameSemaphores::default(),
@@ -176,9 +176,9 @@ fn a_frame_that_failed_is_not_waited_for() {
             cause: FailureCause::HostMemory,
         };
         faults::set_planned_fault((i % 2 == 1).then_some(fault));
-        renderer.begin_frame().expect("no wait");
+        renderer.wait_and_begin_frame().expect("no wait");
         let drawn = renderer.draw_frame(
-            &lone_sculpture(&[AHEAD]),
+            &metre_wide_sculpture_at_origin(&[AHEAD]),
             &screen.target,
             0,
             FrameSemaphores::default(),

@@ -34,7 +34,7 @@ fn measure_coverage(gpu: &paros_shaders::gpu::SharedGpu, eye: &Eye) -> Vec<f32> 
             backdrop: [backdrop; 3],
             scene: None,
         };
-        renderer.begin_frame().expect("a device");
+        renderer.wait_and_begin_frame().expect("a device");
         renderer
             .draw_frame(&picture, &screen.target, 0, FrameSemaphores::default())
             .expect("a device");

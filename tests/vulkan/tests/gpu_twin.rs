@@ -69,7 +69,7 @@ impl TwinRig {
             backdrop: [0.0; 3],
             scene: None,
         };
-        self.renderer.begin_frame().expect("a device");
+        self.renderer.wait_and_begin_frame().expect("a device");
         self.renderer
             .draw_frame(&picture, &self.screen.target, 0, FrameSemaphores::default())
             .expect("a device");

@@ -62,9 +62,9 @@ impl GridTriangle {
             normal: [0; 3],
         };
         // Written out by axis: the compiler leaves a loop of this size a loop.
-        triangle.set_axis_bounds::<N>(0, points, low, high);
-        triangle.set_axis_bounds::<N>(1, points, low, high);
-        triangle.set_axis_bounds::<N>(2, points, low, high);
+        triangle.set_components_on_axis::<N>(0, points, low, high);
+        triangle.set_components_on_axis::<N>(1, points, low, high);
+        triangle.set_components_on_axis::<N>(2, points, low, high);
         triangle.set_projection(0);
         triangle.set_projection(1);
         triangle.set_projection(2);
@@ -73,7 +73,7 @@ impl GridTriangle {
 
     /// Fills in what depends on one axis alone.
     #[inline(always)]
-    fn set_axis_bounds<const N: usize>(
+    fn set_components_on_axis<const N: usize>(
         &mut self,
         axis: usize,
         points: [IVec3; 3],
@@ -205,7 +205,7 @@ impl GridTriangle {
         Grid<N>: Size,
     {
         let [u, v] = other_axes(axis);
-        let edges = self.conservative_edges(axis);
+        let edges = self.conservative_edges_for_low_corners(axis);
         let mut voxel = self.first;
         for i in self.first[u]..=self.last[u] {
             voxel[u] = i;
@@ -228,7 +228,8 @@ impl GridTriangle {
         let area = self.normal.map(i64::abs);
         let w = (0..3).fold(0, |best, k| if area[k] > area[best] { k } else { best });
         let [u, v] = other_axes(w);
-        let [along_u, along_v, along_w] = [u, v, w].map(|k| self.conservative_edges(k));
+        let [along_u, along_v, along_w] =
+            [u, v, w].map(|k| self.conservative_edges_for_low_corners(k));
         let (mut cell, mut voxel) = ([0; 3], [0; 3]);
         for i in self.first[u]..=self.last[u] {
             (cell[u], voxel[u]) = (self.low_end_from_origin(u, i), i);
@@ -252,7 +253,7 @@ impl GridTriangle {
     /// The projection's edge functions along `axis`, each moved outwards so that a voxel-sized square
     /// overlaps the projection exactly where its low corner is inside all three.
     #[inline(always)]
-    fn conservative_edges(&self, axis: usize) -> [ProjectedEdge; 3] {
+    fn conservative_edges_for_low_corners(&self, axis: usize) -> [ProjectedEdge; 3] {
         let mut edges = self.projected_edges(axis);
         if self.normal[axis] == 0 {
             // The projection is a segment: any edge that isn't a point gives both sides.

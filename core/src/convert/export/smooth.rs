@@ -274,7 +274,7 @@ static NEIGHBOUR_SUMS: [u32; 8 << 8] = {
             );
             k += 1;
         }
-        first[i] = pack_10_10_10(sum);
+        first[i] = pack_borrowing_10_10_10(sum);
         i += 1;
     }
     first
@@ -287,7 +287,7 @@ static FACE_CENTRE: [u32; 6] = {
     let mut face = 0;
     while face < 6 {
         let [x, y, z] = FACE_STEPS[face];
-        centres[face] = pack_10_10_10([
+        centres[face] = pack_borrowing_10_10_10([
             512 + VERTEX_UNITS / 2 * x,
             512 + VERTEX_UNITS / 2 * y,
             512 + VERTEX_UNITS / 2 * z,
@@ -318,7 +318,7 @@ const fn add_steps(a: [i32; 3], b: [i32; 3]) -> [i32; 3] {
 /// Packs three small integers into ten bits each of a word, so that adding words adds vectors (SIMD
 /// within a register). Negative components borrow from the next field; a bias of 512 in each field,
 /// added once, corrects that.
-const fn pack_10_10_10([x, y, z]: [i32; 3]) -> u32 {
+const fn pack_borrowing_10_10_10([x, y, z]: [i32; 3]) -> u32 {
     (x as u32).wrapping_add((y as u32) << 10).wrapping_add((z as u32) << 20)
 }
 

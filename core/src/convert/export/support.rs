@@ -100,7 +100,7 @@ where
         while *visits_left > 0 && !self.is_done() {
             *visits_left -= 1;
             self.phase = match self.phase {
-                SupportPhase::Seed => self.seed_row(voxels, mask),
+                SupportPhase::Seed => self.seed_next_row_from_ground_and_mask(voxels, mask),
                 SupportPhase::Flood => self.flood_row(voxels, SupportPhase::Done),
                 SupportPhase::Component => self.find_next_component(voxels),
                 SupportPhase::Count => self.flood_row(voxels, SupportPhase::Component),
@@ -114,13 +114,17 @@ where
     }
 
     /// Seeds the flood with the ground and mask voxels of the next row.
-    fn seed_row(&mut self, voxels: &BitGrid<N>, mask: &RangeMaps<N>) -> SupportPhase {
+    fn seed_next_row_from_ground_and_mask(
+        &mut self,
+        voxels: &BitGrid<N>,
+        seed_mask: &RangeMaps<N>,
+    ) -> SupportPhase {
         let (y, z) = self.take_next_row();
         let row = voxels.row(y, z);
-        let seeds = if y == 0 { row } else { mask.occupied_among((y, z), row) };
+        let seeds = if y == 0 { row } else { seed_mask.occupied_among((y, z), row) };
         self.reach_runs_with_seeds(voxels, (y, z), seeds);
         // Without a mask the ground layer has all the seeds.
-        if self.next < (N * N) as u32 && !(self.next == N as u32 && mask.is_empty()) {
+        if self.next < (N * N) as u32 && !(self.next == N as u32 && seed_mask.is_empty()) {
             return SupportPhase::Seed;
         }
         self.next = 0;

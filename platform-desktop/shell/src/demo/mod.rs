@@ -10,7 +10,7 @@ use glam::Vec3;
 use paros_core::{Axis, BenchItem, Grid, SessionMode, Size, Tool, ToolBit, commands};
 
 pub use scripted_hands::TickWatcher;
-use scripted_hands::{RayDistances, ScriptedHands};
+use scripted_hands::{ScriptedHands, StoneAndMaskDistances};
 
 /// A stage of the session, for pictures and the report.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -149,8 +149,13 @@ where
     let aside = evenly_spaced(6.0, 60.0, 6.0).map(|x| (beside + x * unit, foot));
     for (x, y) in down.chain(aside) {
         let from = Vec3::new(x, y, 144.0 * unit);
-        let Some(front) = hands.cast_ray(from, Vec3::NEG_Z).stone else { continue };
-        let Some(back) = hands.cast_ray(from.with_z(-16.0 * unit), Vec3::Z).stone else { continue };
+        let Some(front) = hands.cast_ray_to_stone_and_mask(from, Vec3::NEG_Z).stone else {
+            continue;
+        };
+        let Some(back) = hands.cast_ray_to_stone_and_mask(from.with_z(-16.0 * unit), Vec3::Z).stone
+        else {
+            continue;
+        };
         let start = from.with_z(from.z - front + 9.0 * unit);
         hands.move_bit_to(RIGHT, from, Vec3::NEG_Z);
         hands.move_bit_to(RIGHT, start, Vec3::NEG_Z);
@@ -186,18 +191,18 @@ impl PlungeRaster {
 /// Plunges the bit into one side of the block, row by row. Symmetry does the other half.
 fn plunge_side<const N: usize>(
     hands: &mut ScriptedHands<'_, '_, N>,
-    azimuth_degrees: f32,
+    degrees_from_z_to_x: f32,
     raster: PlungeRaster,
 ) where
     Grid<N>: Size,
 {
     let unit = N as f32 / 128.0;
-    let out = direction_at_azimuth(azimuth_degrees);
+    let out = direction_at_azimuth(degrees_from_z_to_x);
     let side = Vec3::Y.cross(out);
     let foot = Vec3::new(64.0, 0.0, 64.0) * unit;
     // Clear of the box by the largest bit.
-    let far = if azimuth_degrees % 90.0 == 0.0 { 74.0 } else { 98.0 };
-    hands.turn_azimuth_to_visitor(azimuth_degrees);
+    let far = if degrees_from_z_to_x % 90.0 == 0.0 { 74.0 } else { 98.0 };
+    hands.turn_azimuth_to_visitor(degrees_from_z_to_x);
     for height in raster.row_heights() {
         for aside in evenly_spaced(-raster.wide, raster.wide, raster.spacing) {
             let start = foot + (Vec3::Y * height + side * aside + out * far) * unit;
@@ -236,7 +241,9 @@ fn plunge_bit<const N: usize>(
 ) where
     Grid<N>: Size,
 {
-    let RayDistances { stone: Some(stone), mask } = hands.cast_ray(start_voxels, direction) else {
+    let StoneAndMaskDistances { stone: Some(stone), mask } =
+        hands.cast_ray_to_stone_and_mask(start_voxels, direction)
+    else {
         return;
     };
     // The bit is let into what is left by its own size; the mask stops it.
@@ -262,7 +269,7 @@ where
     let unit = N as f32 / 128.0;
     hands.turn_azimuth_to_visitor(0.0);
     let start = Vec3::new(64.0, 140.0, 64.0) * unit;
-    let Some(stone) = hands.cast_ray(start, Vec3::NEG_Y).stone else { return };
+    let Some(stone) = hands.cast_ray_to_stone_and_mask(start, Vec3::NEG_Y).stone else { return };
     let touch = start + Vec3::NEG_Y * (stone - 2.0 * unit);
     hands.move_bit_to(RIGHT, touch + Vec3::Y * (10.0 * unit), Vec3::NEG_Y);
     let swirl = (0..90).map(|i| {
@@ -284,23 +291,24 @@ where
 /// other half.
 fn draw_strips<const N: usize>(
     hands: &mut ScriptedHands<'_, '_, N>,
-    azimuth_degrees: f32,
+    degrees_from_z_to_x: f32,
     spacing_units: f32,
 ) where
     Grid<N>: Size,
 {
     let unit = N as f32 / 128.0;
-    let out = direction_at_azimuth(azimuth_degrees);
+    let out = direction_at_azimuth(degrees_from_z_to_x);
     let side = Vec3::Y.cross(out);
     let axis = Vec3::new(64.0, 0.0, 64.0) * unit;
-    hands.turn_azimuth_to_visitor(azimuth_degrees);
+    hands.turn_azimuth_to_visitor(degrees_from_z_to_x);
     for aside in evenly_spaced(-40.0, 40.0, spacing_units) {
         let start = axis + (side * aside + out * 98.0) * unit;
         if is_in_mirrored_half(start, out, unit) {
             continue;
         }
         let press = |y: f32| {
-            let RayDistances { stone, mask } = hands.cast_ray(start.with_y(y * unit), -out);
+            let StoneAndMaskDistances { stone, mask } =
+                hands.cast_ray_to_stone_and_mask(start.with_y(y * unit), -out);
             Some((y * unit, mask.unwrap_or(stone?) + 2.0 * unit))
         };
         let strip: Vec<(f32, f32)> = PlungeRaster { spacing: 2.0, ..PlungeRaster::WHOLE }
@@ -336,7 +344,7 @@ where
         hands.turn_azimuth_to_visitor(degrees);
         let out = direction_at_azimuth(degrees);
         let start = Vec3::new(64.0, 68.0, 64.0) * unit + out * (98.0 * unit);
-        let Some(stone) = hands.cast_ray(start, -out).stone else { continue };
+        let Some(stone) = hands.cast_ray_to_stone_and_mask(start, -out).stone else { continue };
         let touch = start - out * (stone - 2.0 * unit);
         hands.move_bit_to(RIGHT, start, -out);
         hands.move_bit_to(RIGHT, touch + out * (8.0 * unit), -out);
@@ -348,8 +356,8 @@ where
 }
 
 /// The horizontal unit vector at an angle in degrees from +z towards +x.
-fn direction_at_azimuth(azimuth_degrees: f32) -> Vec3 {
-    let radians = azimuth_degrees.to_radians();
+fn direction_at_azimuth(degrees_from_z_to_x: f32) -> Vec3 {
+    let radians = degrees_from_z_to_x.to_radians();
     Vec3::new(libm::sinf(radians), 0.0, libm::cosf(radians))
 }
 

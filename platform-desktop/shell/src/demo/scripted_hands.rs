@@ -24,7 +24,7 @@ pub type TickWatcher<'a, const N: usize> = dyn FnMut(&World<N>) -> ControlFlow<(
 
 /// Distances in voxels from a ray's origin to what it meets first, if it meets any.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct RayDistances {
+pub struct StoneAndMaskDistances {
     /// To stone.
     pub stone: Option<f32>,
     /// To the mask.
@@ -113,8 +113,8 @@ where
 
     /// Turns the stool with the left stick until the side at an azimuth (of the grid,
     /// counter-clockwise from +z to +x) faces the visitor.
-    pub fn turn_azimuth_to_visitor(&mut self, azimuth_degrees: f32) {
-        let target = (azimuth_degrees * (-65_536.0 / 360.0)).round() as i32 as u16;
+    pub fn turn_azimuth_to_visitor(&mut self, degrees_from_z_to_x: f32) {
+        let target = (degrees_from_z_to_x * (-65_536.0 / 360.0)).round() as i32 as u16;
         loop {
             let (_, turn) = self
                 .world()
@@ -138,35 +138,35 @@ where
         self.input.hands[0].stick[0] = 0;
     }
 
-    /// Moves the bit to a point of the grid, pointing along `direction`. The trigger stays as it is.
-    pub fn move_bit_to(&mut self, hand: usize, point_voxels: Vec3, direction: Vec3) {
-        let (position, rotation) = self.grip_for_bit(hand, point_voxels, direction);
+    /// Moves the bit to a point of the grid, pointing along `grid_direction`. The trigger stays as it is.
+    pub fn move_bit_to(&mut self, hand: usize, point_voxels: Vec3, grid_direction: Vec3) {
+        let (position, rotation) = self.grip_for_bit(hand, point_voxels, grid_direction);
         self.move_hand_to(hand, position, rotation);
     }
 
-    /// Presses the trigger and pushes the bit along `direction` until it is `distance_voxels` from
+    /// Presses the trigger and pushes the bit along `grid_direction` until it is `distance_voxels` from
     /// `start_voxels`, is held by the mask, or makes no progress for five ticks. The trigger stays down.
     pub fn drive_bit(
         &mut self,
         hand: usize,
         start_voxels: Vec3,
-        direction: Vec3,
+        grid_direction: Vec3,
         distance_voxels: f32,
     ) {
         self.input.hands[hand].trigger = 255;
         let (mut best, mut stuck) = (0.0, 0);
         while stuck < 5 && !self.ended {
-            let reached =
-                (self.world().hand_state(hand).frozen_pose.position - start_voxels).dot(direction);
+            let reached = (self.world().hand_state(hand).frozen_pose.position - start_voxels)
+                .dot(grid_direction);
             let (grip, rotation) = self.grip_for_bit(
                 hand,
-                start_voxels + direction * (reached.max(0.0) + PUSH),
-                direction,
+                start_voxels + grid_direction * (reached.max(0.0) + PUSH),
+                grid_direction,
             );
             self.grips[hand] = (grip, rotation);
             self.run_tick();
-            let reached =
-                (self.world().hand_state(hand).frozen_pose.position - start_voxels).dot(direction);
+            let reached = (self.world().hand_state(hand).frozen_pose.position - start_voxels)
+                .dot(grid_direction);
             let on_mask = self.world().hand_contact(hand).is_some_and(|contact| contact.on_mask);
             if reached >= distance_voxels || (on_mask && reached < best + 0.2) {
                 break;
@@ -176,23 +176,23 @@ where
         }
     }
 
-    /// Presses the trigger and moves the bit through points of the grid, pointing along `direction`. At each
-    /// it waits up to `max_wait_ticks` ticks, as long as the bit still sinks in. The trigger stays down.
+    /// Presses the trigger and moves the bit through points of the grid, pointing along `grid_direction`. At
+    /// each it waits up to `max_wait_ticks` ticks, as long as the bit still sinks in. The trigger stays down.
     pub fn stroke_through(
         &mut self,
         hand: usize,
         points_voxels: impl IntoIterator<Item = Vec3>,
-        direction: Vec3,
+        grid_direction: Vec3,
         max_wait_ticks: u32,
     ) {
         self.input.hands[hand].trigger = 255;
         for point in points_voxels {
-            self.grips[hand] = self.grip_for_bit(hand, point, direction);
+            self.grips[hand] = self.grip_for_bit(hand, point, grid_direction);
             self.run_tick();
             for _ in 0..max_wait_ticks {
                 let before = self.world().hand_state(hand).frozen_pose.position;
                 self.run_tick();
-                if (self.world().hand_state(hand).frozen_pose.position - before).dot(direction)
+                if (self.world().hand_state(hand).frozen_pose.position - before).dot(grid_direction)
                     < 0.15
                 {
                     break;
@@ -208,16 +208,20 @@ where
     }
 
     /// Casts a ray to the first voxel of stone and of the mask. It steps by a voxel.
-    pub fn cast_ray(&self, origin_voxels: Vec3, direction: Vec3) -> RayDistances {
+    pub fn cast_ray_to_stone_and_mask(
+        &self,
+        origin_voxels: Vec3,
+        grid_direction: Vec3,
+    ) -> StoneAndMaskDistances {
         let first = |maps: &RangeMaps<N>| {
             (0..2 * N).map(|i| i as f32).find(|&distance| {
-                let voxel = (origin_voxels + direction * distance).floor();
+                let voxel = (origin_voxels + grid_direction * distance).floor();
                 let inside =
                     voxel.cmpge(Vec3::ZERO).all() && voxel.cmplt(Vec3::splat(N as f32)).all();
                 inside && maps.contains(voxel.to_array().map(|v| v as usize))
             })
         };
-        RayDistances {
+        StoneAndMaskDistances {
             stone: first(self.world().volume().maps()),
             mask: first(self.world().mask()),
         }
@@ -250,11 +254,11 @@ where
     }
 
     /// The grip pose in the room, in metres, at which the bit is at a point of the grid and points
-    /// along `direction`.
-    fn grip_for_bit(&self, hand: usize, point_voxels: Vec3, direction: Vec3) -> RoomPose {
+    /// along `grid_direction`.
+    fn grip_for_bit(&self, hand: usize, point_voxels: Vec3, grid_direction: Vec3) -> RoomPose {
         let pose = Pose {
             position: point_voxels,
-            rotation: Quat::from_rotation_arc(Vec3::NEG_Z, direction),
+            rotation: Quat::from_rotation_arc(Vec3::NEG_Z, grid_direction),
         };
         let (tip, rotation) = self.world().stool_frame().to_room(&pose);
         let reach = self.world().held_tool(hand).map_or(0.0, |(tool, _)| tool_length_m(tool));

@@ -63,16 +63,16 @@ impl VisitPolicy {
 
     /// Adds to a tick's input: a start where there is no session; the finish where the menu button was
     /// held long enough, or another visitor has come.
-    pub fn add_session_commands(
+    pub fn add_session_start_or_finish(
         &mut self,
-        session: SessionState,
+        world_session: SessionState,
         is_menu_down: bool,
         input: &mut TickInput,
     ) {
         let pressed = is_menu_down && self.menu_held_ticks == 0;
         self.menu_held_ticks =
             if is_menu_down { self.menu_held_ticks.saturating_add(1) } else { 0 };
-        match session {
+        match world_session {
             SessionState::Waiting => input.start = self.start_mode,
             SessionState::Sculpting
                 if self.handing_over || self.menu_held_ticks == FINISH_HOLD_TICKS =>
@@ -102,7 +102,7 @@ mod tests {
         is_menu_down: bool,
     ) -> (SessionMode, u8) {
         let mut input = TickInput::default();
-        policy.add_session_commands(session, is_menu_down, &mut input);
+        policy.add_session_start_or_finish(session, is_menu_down, &mut input);
         (input.start, input.commands)
     }
 

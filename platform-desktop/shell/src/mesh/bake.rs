@@ -56,7 +56,7 @@ impl Mesh {
     /// How many directed edges more than one triangle uses, vertices merged by position: 0 where
     /// the winding is consistent, as on any surface that two triangles at most share an edge of.
     #[must_use]
-    pub fn count_repeated_directed_edges(&self) -> usize {
+    pub fn count_directed_edges_repeated_by_position(&self) -> usize {
         let mut merged = HashMap::new();
         let vertices: Vec<u32> = self
             .positions

@@ -101,7 +101,7 @@ fn read_buffers(
                 }
                 None => {
                     let file = folder.join(decode_percent(uri));
-                    durable::read_file(&file)
+                    durable::read_regular_file(&file)
                         .map_err(|e| format!("buffer {}: {e}", file.display()))?
                 }
             },

@@ -96,7 +96,7 @@ pub enum MeshFault {
 pub fn read(path: &Path) -> Result<Mesh, MeshError> {
     let read = || {
         let kind = MeshFormat::from_extension(path).ok_or(MeshFault::UnknownKind)?;
-        let bytes = durable::read_file(path).map_err(MeshFault::Unreadable)?;
+        let bytes = durable::read_regular_file(path).map_err(MeshFault::Unreadable)?;
         Mesh::from_bytes(kind, &bytes, path.parent().unwrap_or(Path::new("")))
     };
     read().map_err(|fault| MeshError { path: path.to_owned(), fault })

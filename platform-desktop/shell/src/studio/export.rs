@@ -91,9 +91,9 @@ where
     }
 
     /// Waits for the picture and makes what is left of the STL file.
-    pub(super) fn finish_making_files(&mut self) {
+    pub(super) fn make_files_to_end(&mut self) {
         if let Some(files) = &mut self.files {
-            files.finish_making_files(&mut self.stl_exporter);
+            files.make_files_to_end(&mut self.stl_exporter);
         }
     }
 

@@ -51,7 +51,7 @@ impl SculptureFiles {
     }
 
     /// Waits for the picture and makes what is left of the STL file.
-    pub(super) fn finish_making_files<const N: usize>(
+    pub(super) fn make_files_to_end<const N: usize>(
         &mut self,
         stl_exporter: &mut StlExporter<'_, N>,
     ) where

@@ -46,7 +46,7 @@ where
             let text = "another window has the studio's session; this one's is kept beside it, in";
             notices.push(Notice::Good(format!("{text} {}", path.display())));
         }
-        let fault = match durable::read_file(&path) {
+        let fault = match durable::read_regular_file(&path) {
             Err(error) if error.kind() == ErrorKind::NotFound => return notices,
             Err(error) => error.to_string(),
             Ok(bytes) => match self.world.load(&bytes) {

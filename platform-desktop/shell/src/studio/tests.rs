@@ -42,7 +42,7 @@ fn a_save_waits_for_the_one_before_it() {
     );
     // At the end nothing is left due, whatever is under way.
     studio.run_tick(&TickInput::default());
-    studio.finish_and_save_all().expect("a disk");
+    studio.save_all_and_wait().expect("a disk");
     assert_eq!((saved(&studio), studio.world().tick()), (4, 4));
     drop(studio);
     fs::remove_dir_all(&folder).expect("the folder can be removed");

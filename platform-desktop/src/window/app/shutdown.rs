@@ -62,7 +62,7 @@ where
 
     /// Saves the session. Returns as text where, or why it failed.
     fn save_and_describe_where(&mut self) -> String {
-        match self.studio.finish_and_save_all() {
+        match self.studio.save_all_and_wait() {
             Ok(()) => {
                 let folder = self.studio.paths().sessions.display();
                 format!("the session is saved in {folder}")
@@ -73,7 +73,7 @@ where
 
     /// Closes the window. If the session can't be saved, the first request only warns.
     pub(super) fn close_or_warn(&mut self, events: &ActiveEventLoop) {
-        match self.studio.finish_and_save_all() {
+        match self.studio.save_all_and_wait() {
             Err(error) if !self.warned => {
                 self.warned = true;
                 let text = format!("{error}. Close the window again to go without it.");

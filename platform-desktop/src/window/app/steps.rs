@@ -27,7 +27,7 @@ where
             let Some(step) = script.next_step().map_err(WindowError::Failed)? else { break };
             self.run_script_step(step, events)?;
             if let Some(script) = &mut self.script {
-                script.print_step_done();
+                script.print_done_of_immediate_step();
             }
         }
         Ok(())

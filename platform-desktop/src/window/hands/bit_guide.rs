@@ -198,11 +198,11 @@ fn bit_orientation(bit: ToolBit, outward_normal: Vec3, eye_up: Vec3) -> BitOrien
     let upward = along(eye_up).unwrap_or(aside);
     let (forward, y, centre_height_m) = match bit.spec().shape {
         // A rasp lies flat, on its thin side.
-        BitShape::Box { half } if bit.spec().action == BitAction::Smooth => {
-            (upward, normal, metres(half[1]))
+        BitShape::Box { half_extents_um } if bit.spec().action == BitAction::Smooth => {
+            (upward, normal, metres(half_extents_um[1]))
         }
-        BitShape::Box { half } => (-normal, upward, metres(half[2])),
-        BitShape::Ball { radius } => (-normal, upward, metres(radius)),
+        BitShape::Box { half_extents_um } => (-normal, upward, metres(half_extents_um[2])),
+        BitShape::Ball { radius_um } => (-normal, upward, metres(radius_um)),
     };
     let z = -forward;
     let rotation = Quat::from_mat3(&glam::Mat3::from_cols(y.cross(z), y, z));

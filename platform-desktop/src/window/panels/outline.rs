@@ -40,13 +40,13 @@ impl BitOutline {
         let mut outline =
             BitOutline { lines: Vec::new(), circle: None, running: hand.trigger, on_mask };
         match bit.spec().shape {
-            BitShape::Ball { radius } => {
+            BitShape::Ball { radius_um } => {
                 let middle = orbit.project_point(position, picture_size)?;
-                let radius_pixels = middle.pixels_per_metre * radius as f32 * 1e-6;
+                let radius_pixels = middle.pixels_per_metre * radius_um as f32 * 1e-6;
                 outline.circle = Some((middle.pixel, radius_pixels));
             }
-            BitShape::Box { half } => {
-                let half = Vec3::from_array(half.map(|v| v as f32 * 1e-6));
+            BitShape::Box { half_extents_um } => {
+                let half = Vec3::from_array(half_extents_um.map(|v| v as f32 * 1e-6));
                 let corner = |i: u32| {
                     let sign = |k: u32| if i >> k & 1 == 1 { 1.0 } else { -1.0 };
                     let corner = half * Vec3::new(sign(0), sign(1), sign(2));

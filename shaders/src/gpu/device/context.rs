@@ -72,7 +72,8 @@ impl Instance {
     pub fn create(options: &Options) -> Result<Arc<Self>, Error> {
         Self::create_with(options, |entry, info| {
             // SAFETY: all that `info` points to lives until the call returns.
-            let made = unsafe { entry.create_instance(info, None) }.context("make an instance")?;
+            let made =
+                unsafe { entry.create_instance(info, None) }.could_not("make an instance")?;
             Ok(made.handle())
         })
     }
@@ -141,7 +142,7 @@ impl Instance {
             .user_data(Arc::as_ptr(&self.messages).cast_mut().cast::<c_void>());
         // SAFETY: the messages outlive the messenger, which `drop` destroys first.
         let messenger = unsafe { debug.create_debug_utils_messenger(&info, None) }
-            .context("listen to validation")?;
+            .could_not("listen to validation")?;
         self.messenger = Some((debug, messenger));
         Ok(())
     }
@@ -199,7 +200,7 @@ impl Gpu {
         presents: impl Fn(vk::PhysicalDevice, u32) -> bool,
     ) -> Result<Arc<Self>, Error> {
         // SAFETY: the instance is alive.
-        let all = unsafe { instance.raw.enumerate_physical_devices() }.context("list devices")?;
+        let all = unsafe { instance.raw.enumerate_physical_devices() }.could_not("list devices")?;
         let mut refused = Vec::new();
         let mut fitting = Vec::new();
         for physical in all {
@@ -230,7 +231,7 @@ impl Gpu {
         Self::create_device(instance, options, choice, |info| {
             // SAFETY: all that `info` points to lives until the call returns.
             let made =
-                unsafe { raw.create_device(physical, info, None) }.context("make a device")?;
+                unsafe { raw.create_device(physical, info, None) }.could_not("make a device")?;
             Ok(made.handle())
         })
     }
@@ -311,7 +312,7 @@ impl Gpu {
     /// A lost device.
     pub fn wait_idle(&self) -> Result<(), Error> {
         // SAFETY: the queue is used by one thread.
-        unsafe { self.device.device_wait_idle() }.context("wait for the device")
+        unsafe { self.device.device_wait_idle() }.could_not("wait for the device")
     }
 }
 

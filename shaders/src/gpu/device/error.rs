@@ -42,8 +42,8 @@ impl core::fmt::Display for Error {
             Error::NoDensityMap { images, maps } => {
                 write!(f, "{images} images to draw into came with {maps} density maps")
             }
-            Error::Call { action: doing, result } => {
-                write!(f, "Vulkan could not {doing}: {result}")
+            Error::Call { action, result } => {
+                write!(f, "Vulkan could not {action}: {result}")
             }
         }
     }
@@ -53,11 +53,11 @@ impl core::error::Error for Error {}
 
 /// Adds the attempted action to a failed call's result code.
 pub(crate) trait ErrorContext<T> {
-    fn context(self, doing: &'static str) -> Result<T, Error>;
+    fn could_not(self, action: &'static str) -> Result<T, Error>;
 }
 
 impl<T> ErrorContext<T> for Result<T, vk::Result> {
-    fn context(self, doing: &'static str) -> Result<T, Error> {
-        self.map_err(|result| Error::Call { action: doing, result })
+    fn could_not(self, action: &'static str) -> Result<T, Error> {
+        self.map_err(|result| Error::Call { action, result })
     }
 }

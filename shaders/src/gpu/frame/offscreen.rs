@@ -49,8 +49,12 @@ impl OffscreenTarget {
     ///
     /// # Errors
     /// A call that failed.
-    pub fn new(gpu: &Arc<Gpu>, renderer: &Renderer, extent: [u32; 2]) -> Result<Self, Error> {
-        let format = renderer.format();
+    pub fn new(
+        gpu: &Arc<Gpu>,
+        readback_renderer: &Renderer,
+        extent: [u32; 2],
+    ) -> Result<Self, Error> {
+        let format = readback_renderer.format();
         let back = vk::ImageUsageFlags::TRANSFER_SRC;
         let shape = ImageSpec::new_2d(format.color, extent, format.views);
         let color =
@@ -67,7 +71,7 @@ impl OffscreenTarget {
             false => None,
         };
         let depths: Vec<_> = depth.iter().map(|depth| depth.view).collect();
-        let target = renderer.create_target(extent, &[color.view], &depths)?;
+        let target = readback_renderer.create_target(extent, &[color.view], &depths)?;
         Ok(OffscreenTarget { target, gpu: gpu.clone(), color, depth })
     }
 

@@ -114,7 +114,8 @@ impl Renderer {
             .queue_family_index(gpu.queue_family)
             .flags(vk::CommandPoolCreateFlags::RESET_COMMAND_BUFFER);
         // SAFETY: the family is the device's.
-        let pool = unsafe { gpu.device.create_command_pool(&info, None) }.context("make a pool")?;
+        let pool =
+            unsafe { gpu.device.create_command_pool(&info, None) }.could_not("make a pool")?;
         let pool = OwnedHandle::new(gpu, pool);
         let overlay = Overlay::new(gpu, &format, frame.raw, RING, pipelines.cache)?;
         let ring = (0..RING)
@@ -148,7 +149,8 @@ impl Renderer {
         let bytes: Vec<u8> =
             noise::noise_texture().iter().map(|noise| noise.cast_unsigned()).collect();
         renderer.upload_now(cube(Texture::Noise, NOISE_TEXELS), &bytes)?;
-        renderer.upload_now(cube(Texture::Marble, marble::TEXTURE_SIDE), marble::grey_texture())?;
+        renderer
+            .upload_now(cube(Texture::Marble, marble::TEXTURE_SIDE), marble::grey_texture_3d())?;
         Ok(renderer)
     }
 
@@ -225,13 +227,13 @@ impl Renderer {
     ///
     /// # Errors
     /// A lost device.
-    pub fn begin_frame(&mut self) -> Result<(), Error> {
+    pub fn wait_and_begin_frame(&mut self) -> Result<(), Error> {
         let slot = &mut self.ring[self.slot_index];
         if slot.is_submitted {
             let fences = [slot.fence.raw];
             // SAFETY: the fence is this device's.
             unsafe { self.gpu.device.wait_for_fences(&fences, true, u64::MAX) }
-                .context("wait for a frame")?;
+                .could_not("wait for a frame")?;
             slot.is_submitted = false;
         }
         if slot.has_picture {
@@ -262,7 +264,7 @@ impl Renderer {
             let mut piece = region;
             piece.min[2] += (i * layers) as u32;
             piece.size[2] = (part.len() / layer) as u32;
-            self.begin_frame()?;
+            self.wait_and_begin_frame()?;
             let fits = self.try_stage_upload(piece, part);
             assert!(fits, "a layer of a texture is larger than a frame's staging memory");
             self.submit_frame(FrameSemaphores::default(), |_, _| ())?;
@@ -270,10 +272,10 @@ impl Renderer {
         Ok(())
     }
 
-    /// Records and submits the current frame, with the uploads staged since [`begin_frame`], into an
+    /// Records and submits the current frame, with the uploads staged since [`wait_and_begin_frame`], into an
     /// image of the target.
     ///
-    /// [`begin_frame`]: Renderer::begin_frame
+    /// [`wait_and_begin_frame`]: Renderer::wait_and_begin_frame
     ///
     /// # Errors
     /// A lost device.
@@ -328,7 +330,7 @@ impl Renderer {
         let info = vk::CommandBufferBeginInfo::default()
             .flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
         // SAFETY: the frame's fence has passed, so its commands are free.
-        unsafe { gpu.device.begin_command_buffer(commands, &info) }.context("record")?;
+        unsafe { gpu.device.begin_command_buffer(commands, &info) }.could_not("record")?;
         slot.timers.reset(commands);
         slot.counters.reset(commands);
         slot.timers.write_timestamp(commands, Timestamp::Begin);
@@ -339,7 +341,7 @@ impl Renderer {
         record(self, commands);
         self.ring[self.slot_index].timers.write_timestamp(commands, Timestamp::End);
         // SAFETY: the commands are being recorded.
-        unsafe { gpu.device.end_command_buffer(commands) }.context("record")?;
+        unsafe { gpu.device.end_command_buffer(commands) }.could_not("record")?;
         let buffers = [commands];
         let (waits, signals) = (semaphores.wait.as_slice(), semaphores.signal.as_slice());
         let stages = [vk::PipelineStageFlags::COLOR_ATTACHMENT_OUTPUT];
@@ -350,8 +352,8 @@ impl Renderer {
             .signal_semaphores(signals);
         // SAFETY: the fence has passed, and the queue is used by one thread.
         unsafe {
-            gpu.device.reset_fences(&[fence]).context("reset a fence")?;
-            gpu.device.queue_submit(gpu.queue, &[info], fence).context("submit a frame")?;
+            gpu.device.reset_fences(&[fence]).could_not("reset a fence")?;
+            gpu.device.queue_submit(gpu.queue, &[info], fence).could_not("submit a frame")?;
         }
         self.ring[self.slot_index].is_submitted = true;
         self.slot_index = (self.slot_index + 1) % RING;

@@ -38,11 +38,11 @@ impl FrameSlot {
         let info =
             vk::CommandBufferAllocateInfo::default().command_pool(pool).command_buffer_count(1);
         // SAFETY: the pool is this device's.
-        let commands =
-            unsafe { device.allocate_command_buffers(&info) }.context("make a command buffer")?[0];
+        let commands = unsafe { device.allocate_command_buffers(&info) }
+            .could_not("make a command buffer")?[0];
         let info = vk::FenceCreateInfo::default();
         // SAFETY: the info is complete.
-        let fence = unsafe { device.create_fence(&info, None) }.context("make a fence")?;
+        let fence = unsafe { device.create_fence(&info, None) }.could_not("make a fence")?;
         let uniform = vk::BufferUsageFlags::UNIFORM_BUFFER;
         let vertices = vk::BufferUsageFlags::VERTEX_BUFFER;
         Ok(FrameSlot {

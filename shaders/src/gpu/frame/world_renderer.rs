@@ -72,15 +72,16 @@ where
         self.scene.follow_tick(world);
     }
 
-    /// Begins a frame: waits for the fence of the frame before the last.
+    /// Begins a frame: waits for the fence of the frame before the last. Uploads the whole volume first
+    /// where a session has begun since.
     ///
     /// # Errors
     /// A lost device.
-    pub fn begin_frame(&mut self, world: &World<N>) -> Result<(), Error> {
+    pub fn wait_and_begin_frame(&mut self, world: &World<N>) -> Result<(), Error> {
         if core::mem::take(&mut self.anew) {
             self.upload_volume(world)?;
         }
-        self.renderer.begin_frame()
+        self.renderer.wait_and_begin_frame()
     }
 
     /// Draws the current frame into an image of a render target.

@@ -31,7 +31,7 @@ impl Buffer {
         let whole = vk::MemoryMapFlags::empty();
         // SAFETY: the memory is visible to the host and mapped once, until it is freed.
         buffer.mapped = unsafe { gpu.device.map_memory(buffer.memory, 0, vk::WHOLE_SIZE, whole) }
-            .context("map a buffer")?
+            .could_not("map a buffer")?
             .cast();
         Ok(buffer)
     }
@@ -63,7 +63,7 @@ impl Buffer {
     ) -> Result<Self, Error> {
         let info = vk::BufferCreateInfo::default().size(size as u64).usage(usage);
         // SAFETY: the device is alive and the info complete.
-        let raw = unsafe { gpu.device.create_buffer(&info, None) }.context("make a buffer")?;
+        let raw = unsafe { gpu.device.create_buffer(&info, None) }.could_not("make a buffer")?;
         let mut buffer = Buffer {
             gpu: gpu.clone(),
             raw,
@@ -75,7 +75,8 @@ impl Buffer {
         let needs = unsafe { gpu.device.get_buffer_memory_requirements(raw) };
         buffer.memory = allocate_memory(gpu, needs, memory)?;
         // SAFETY: the memory fits the buffer's requirements and is bound once.
-        unsafe { gpu.device.bind_buffer_memory(raw, buffer.memory, 0) }.context("bind a buffer")?;
+        unsafe { gpu.device.bind_buffer_memory(raw, buffer.memory, 0) }
+            .could_not("bind a buffer")?;
         Ok(buffer)
     }
 
@@ -130,5 +131,5 @@ pub(crate) fn allocate_memory(
         .allocation_size(needs.size)
         .memory_type_index(index.ok_or(missing)? as u32);
     // SAFETY: the type is one of the device's.
-    unsafe { gpu.device.allocate_memory(&info, None) }.context("allocate memory")
+    unsafe { gpu.device.allocate_memory(&info, None) }.could_not("allocate memory")
 }

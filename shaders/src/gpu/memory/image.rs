@@ -63,7 +63,7 @@ impl GpuImage {
             .samples(spec.samples)
             .usage(spec.usage);
         // SAFETY: the device is alive and the info complete.
-        let raw = unsafe { gpu.device.create_image(&info, None) }.context("make an image")?;
+        let raw = unsafe { gpu.device.create_image(&info, None) }.could_not("make an image")?;
         let mut image = GpuImage {
             gpu: gpu.clone(),
             raw,
@@ -79,7 +79,7 @@ impl GpuImage {
         }
         image.memory = allocate_memory(gpu, needs, kind)?;
         // SAFETY: the memory fits the image's requirements and is bound once.
-        unsafe { gpu.device.bind_image_memory(raw, image.memory, 0) }.context("bind an image")?;
+        unsafe { gpu.device.bind_image_memory(raw, image.memory, 0) }.could_not("bind an image")?;
         let kind =
             if solid { vk::ImageViewType::TYPE_3D } else { vk::ImageViewType::TYPE_2D_ARRAY };
         let info = vk::ImageViewCreateInfo::default()
@@ -89,7 +89,7 @@ impl GpuImage {
             .subresource_range(image.full_range());
         // SAFETY: the image is bound.
         image.view =
-            unsafe { gpu.device.create_image_view(&info, None) }.context("view an image")?;
+            unsafe { gpu.device.create_image_view(&info, None) }.could_not("view an image")?;
         Ok(image)
     }
 

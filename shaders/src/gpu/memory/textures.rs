@@ -261,6 +261,6 @@ fn create_sampler(
         .address_mode_w(address_mode)
         .max_lod(vk::LOD_CLAMP_NONE);
     // SAFETY: the device is alive and the info complete.
-    let raw = unsafe { gpu.device.create_sampler(&info, None) }.context("make a sampler")?;
+    let raw = unsafe { gpu.device.create_sampler(&info, None) }.could_not("make a sampler")?;
     Ok(OwnedHandle::new(gpu, raw))
 }

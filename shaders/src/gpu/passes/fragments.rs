@@ -45,7 +45,7 @@ impl FragmentQueries {
                 .query_count(PART_COUNT * views);
             // SAFETY: the device is alive, and counts.
             counters.pool = unsafe { gpu.device.create_query_pool(&info, None) }
-                .context("make a query pool")?;
+                .could_not("make a query pool")?;
         }
         Ok(counters)
     }

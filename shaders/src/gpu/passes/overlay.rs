@@ -69,7 +69,7 @@ impl Overlay {
     /// Stages texels for a rectangle of the atlas, row by row, premultiplied RGBA. False, without
     /// effect, if it lies outside of the atlas or the current frame has no room.
     #[must_use]
-    pub fn try_write_atlas(
+    pub fn try_stage_atlas_patch(
         &mut self,
         first_texel: [u32; 2],
         extent: [u32; 2],

@@ -64,7 +64,7 @@ impl RenderPass {
     fn new(gpu: &Arc<Gpu>, info: &vk::RenderPassCreateInfo<'_>) -> Result<Self, Error> {
         // SAFETY: all that `info` points to lives until the call returns.
         let raw =
-            unsafe { gpu.device.create_render_pass(info, None) }.context("make a render pass")?;
+            unsafe { gpu.device.create_render_pass(info, None) }.could_not("make a render pass")?;
         Ok(RenderPass { gpu: gpu.clone(), raw })
     }
 }
@@ -94,7 +94,7 @@ pub(crate) fn create_framebuffer(
         .layers(1);
     // SAFETY: the views and the pass are this device's, and fit each other.
     let raw =
-        unsafe { gpu.device.create_framebuffer(&info, None) }.context("make a framebuffer")?;
+        unsafe { gpu.device.create_framebuffer(&info, None) }.could_not("make a framebuffer")?;
     Ok(OwnedHandle::new(gpu, raw))
 }
 

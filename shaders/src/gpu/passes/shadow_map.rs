@@ -46,7 +46,7 @@ impl ShadowMap {
             .compare_enable(true)
             .compare_op(vk::CompareOp::LESS_OR_EQUAL);
         // SAFETY: the device is alive and the info complete.
-        let raw = unsafe { gpu.device.create_sampler(&info, None) }.context("make a sampler")?;
+        let raw = unsafe { gpu.device.create_sampler(&info, None) }.could_not("make a sampler")?;
         Ok(ShadowMap {
             pass,
             framebuffer,

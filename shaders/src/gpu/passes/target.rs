@@ -166,13 +166,14 @@ impl RenderTarget {
         let info = vk::DescriptorPoolCreateInfo::default().max_sets(2 * count).pool_sizes(&sizes);
         let device = &self.gpu.device;
         // SAFETY: the info is complete.
-        self.pool = unsafe { device.create_descriptor_pool(&info, None) }.context("make a pool")?;
+        self.pool =
+            unsafe { device.create_descriptor_pool(&info, None) }.could_not("make a pool")?;
         let layouts = vec![resources.pipelines.set_layout; uniforms.len()];
         let info = vk::DescriptorSetAllocateInfo::default()
             .descriptor_pool(self.pool)
             .set_layouts(&layouts);
         // SAFETY: the pool has room for these sets.
-        self.sets = unsafe { device.allocate_descriptor_sets(&info) }.context("make sets")?;
+        self.sets = unsafe { device.allocate_descriptor_sets(&info) }.could_not("make sets")?;
         for (set, uniform) in self.sets.iter().zip(uniforms) {
             self.write_set(*set, resources, uniform);
         }

@@ -52,7 +52,7 @@ impl TimestampQueries {
             .query_count(QUERY_COUNT);
         // SAFETY: the device is alive and the info complete.
         let pool =
-            unsafe { gpu.device.create_query_pool(&info, None) }.context("make a query pool")?;
+            unsafe { gpu.device.create_query_pool(&info, None) }.could_not("make a query pool")?;
         Ok(TimestampQueries { gpu: gpu.clone(), pool })
     }
 

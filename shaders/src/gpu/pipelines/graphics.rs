@@ -67,7 +67,7 @@ impl Pipelines {
         let info = vk::PipelineCacheCreateInfo::default().initial_data(cache_data);
         // SAFETY: a driver checks the data's header and ignores what isn't its own.
         let cache =
-            unsafe { gpu.device.create_pipeline_cache(&info, None) }.context("make a cache")?;
+            unsafe { gpu.device.create_pipeline_cache(&info, None) }.could_not("make a cache")?;
         let null = vk::Pipeline::null();
         let mut all = Pipelines {
             gpu: gpu.clone(),
@@ -201,7 +201,7 @@ impl Pipelines {
     /// Serialised pipeline cache, for the next start.
     pub(crate) fn cache_data(&self) -> Result<Vec<u8>, Error> {
         // SAFETY: the cache is this device's.
-        unsafe { self.gpu.device.get_pipeline_cache_data(self.cache) }.context("read the cache")
+        unsafe { self.gpu.device.get_pipeline_cache_data(self.cache) }.could_not("read the cache")
     }
 
     fn create_layouts(&mut self) -> Result<(), Error> {
@@ -217,13 +217,13 @@ impl Pipelines {
         }
         let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
         // SAFETY: the info is complete.
-        self.set_layout =
-            unsafe { device.create_descriptor_set_layout(&info, None) }.context("lay a set out")?;
+        self.set_layout = unsafe { device.create_descriptor_set_layout(&info, None) }
+            .could_not("lay a set out")?;
         let sets = [self.set_layout];
         let info = vk::PipelineLayoutCreateInfo::default().set_layouts(&sets);
         // SAFETY: the set layout is this device's.
-        self.layout =
-            unsafe { device.create_pipeline_layout(&info, None) }.context("lay a pipeline out")?;
+        self.layout = unsafe { device.create_pipeline_layout(&info, None) }
+            .could_not("lay a pipeline out")?;
         Ok(())
     }
 

@@ -76,7 +76,7 @@ impl OverlayPipeline {
             .address_mode_u(vk::SamplerAddressMode::CLAMP_TO_EDGE)
             .address_mode_v(vk::SamplerAddressMode::CLAMP_TO_EDGE);
         // SAFETY: the info is complete.
-        self.sampler = unsafe { device.create_sampler(&info, None) }.context("make a sampler")?;
+        self.sampler = unsafe { device.create_sampler(&info, None) }.could_not("make a sampler")?;
         let binding = |binding, kind| {
             vk::DescriptorSetLayoutBinding::default()
                 .binding(binding)
@@ -90,13 +90,13 @@ impl OverlayPipeline {
         ];
         let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
         // SAFETY: the info is complete.
-        self.set_layout =
-            unsafe { device.create_descriptor_set_layout(&info, None) }.context("lay a set out")?;
+        self.set_layout = unsafe { device.create_descriptor_set_layout(&info, None) }
+            .could_not("lay a set out")?;
         let sets = [self.set_layout];
         let info = vk::PipelineLayoutCreateInfo::default().set_layouts(&sets);
         // SAFETY: the set layout is this device's.
-        self.layout =
-            unsafe { device.create_pipeline_layout(&info, None) }.context("lay a pipeline out")?;
+        self.layout = unsafe { device.create_pipeline_layout(&info, None) }
+            .could_not("lay a pipeline out")?;
         Ok(())
     }
 
@@ -106,13 +106,14 @@ impl OverlayPipeline {
         let sizes = [size(vk::DescriptorType::SAMPLED_IMAGE), size(vk::DescriptorType::SAMPLER)];
         let info = vk::DescriptorPoolCreateInfo::default().max_sets(1).pool_sizes(&sizes);
         // SAFETY: the info is complete.
-        self.pool = unsafe { device.create_descriptor_pool(&info, None) }.context("make a pool")?;
+        self.pool =
+            unsafe { device.create_descriptor_pool(&info, None) }.could_not("make a pool")?;
         let layouts = [self.set_layout];
         let info = vk::DescriptorSetAllocateInfo::default()
             .descriptor_pool(self.pool)
             .set_layouts(&layouts);
         // SAFETY: the pool has room for the set.
-        self.set = unsafe { device.allocate_descriptor_sets(&info) }.context("make a set")?[0];
+        self.set = unsafe { device.allocate_descriptor_sets(&info) }.could_not("make a set")?[0];
         let image = [vk::DescriptorImageInfo::default()
             .image_view(atlas)
             .image_layout(vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL)];

@@ -64,7 +64,7 @@ impl TexelWriter {
         let info = vk::PipelineLayoutCreateInfo::default().set_layouts(&layouts);
         // SAFETY: the set's layout is this device's.
         let layout = unsafe { gpu.device.create_pipeline_layout(&info, None) }
-            .context("lay a pipeline out")?;
+            .could_not("lay a pipeline out")?;
         let layout = OwnedHandle::new(gpu, layout);
         let pipeline = create_pipeline(gpu, layout.raw, cache)?;
         let level = |image, level| create_level_view(gpu, image, level);
@@ -81,7 +81,7 @@ impl TexelWriter {
                 .set_layouts(&layouts);
             // SAFETY: the pool has room for a set of this layout for each frame of the ring.
             let set =
-                unsafe { gpu.device.allocate_descriptor_sets(&info) }.context("make a set")?[0];
+                unsafe { gpu.device.allocate_descriptor_sets(&info) }.could_not("make a set")?[0];
             write_set(gpu, set, [&boxes, &staging.buffer], &views);
             Ok((boxes, set))
         };
@@ -157,8 +157,8 @@ fn create_set_layout(gpu: &Arc<Gpu>) -> Result<OwnedHandle<vk::DescriptorSetLayo
     }
     let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
     // SAFETY: the info is complete.
-    let raw =
-        unsafe { gpu.device.create_descriptor_set_layout(&info, None) }.context("lay a set out")?;
+    let raw = unsafe { gpu.device.create_descriptor_set_layout(&info, None) }
+        .could_not("lay a set out")?;
     Ok(OwnedHandle::new(gpu, raw))
 }
 
@@ -175,7 +175,7 @@ fn create_pipeline(
     let infos = [vk::ComputePipelineCreateInfo::default().stage(stage).layout(layout)];
     // SAFETY: the program reads and writes what the layout has.
     let made = unsafe { gpu.device.create_compute_pipelines(cache, &infos, None) };
-    let raw = made.map_err(|(_, result)| result).context("make a pipeline")?[0];
+    let raw = made.map_err(|(_, result)| result).could_not("make a pipeline")?[0];
     Ok(OwnedHandle::new(gpu, raw))
 }
 
@@ -195,7 +195,7 @@ fn create_level_view(
         .format(image.spec.format)
         .subresource_range(range);
     // SAFETY: the image is bound, and outlives the view.
-    let raw = unsafe { gpu.device.create_image_view(&info, None) }.context("view a level")?;
+    let raw = unsafe { gpu.device.create_image_view(&info, None) }.could_not("view a level")?;
     Ok(OwnedHandle::new(gpu, raw))
 }
 
@@ -208,7 +208,7 @@ fn create_pool(gpu: &Arc<Gpu>, set_count: u32) -> Result<OwnedHandle<vk::Descrip
     ];
     let info = vk::DescriptorPoolCreateInfo::default().max_sets(set_count).pool_sizes(&sizes);
     // SAFETY: the info is complete.
-    let raw = unsafe { gpu.device.create_descriptor_pool(&info, None) }.context("make a pool")?;
+    let raw = unsafe { gpu.device.create_descriptor_pool(&info, None) }.could_not("make a pool")?;
     Ok(OwnedHandle::new(gpu, raw))
 }
 

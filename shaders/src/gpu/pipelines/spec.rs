@@ -162,7 +162,8 @@ impl<'a> ShaderModule<'a> {
         let words = program.words();
         let info = vk::ShaderModuleCreateInfo::default().code(&words);
         // SAFETY: the words are a program that the build validated.
-        let raw = unsafe { gpu.device.create_shader_module(&info, None) }.context(program.name)?;
+        let raw =
+            unsafe { gpu.device.create_shader_module(&info, None) }.could_not(program.name)?;
         Ok(ShaderModule { gpu, raw })
     }
 }

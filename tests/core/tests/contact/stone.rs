@@ -29,7 +29,7 @@ where
 
     pub(crate) fn set(&mut self, volume: &DenseVolume, mask: &DenseVolume) {
         self.rows.clear();
-        volume.write_bits(&mut self.rows);
+        volume.insert_into_empty_bits(&mut self.rows);
         mask.write_maps(&mut self.mask);
         self.masked = !mask.is_empty();
     }
