@@ -27,7 +27,7 @@ fn carve_ball(volume: &mut Volume<SIDE>, centre: IVec3, radius: i32) -> u32 {
     // One edit removes a shell of four voxels at most, so a large ball takes several.
     let edit =
         Edit { brush: &brush, operation: EditOperation::Carve { depth: 4 }, mirrored: false };
-    let no_mask = RangeMaps::new();
+    let no_mask = RangeMaps::<SIDE>::new();
     let mut scratch = SCRATCH.lock().unwrap();
     let mut removed = 0;
     loop {
@@ -44,7 +44,7 @@ fn carve_ball(volume: &mut Volume<SIDE>, centre: IVec3, radius: i32) -> u32 {
 fn export_stl(volume: &Volume<SIDE>, height_mm: f32) -> Result<Vec<u8>, Box<dyn Error>> {
     let mut exporter = EXPORTER.lock().unwrap();
     exporter.start_export(height_mm).map_err(|_| "a height that no model can have")?;
-    let no_mask = RangeMaps::new();
+    let no_mask = RangeMaps::<SIDE>::new();
     let (mut stl, mut buffer) = (Vec::new(), vec![0; 1 << 16]);
     loop {
         // At most 10,000 units of work a call: a frame could be drawn between two.

@@ -32,6 +32,10 @@
 //! only fail to remove voxels of its own brush, and a fill can add others only along the three
 //! beams of columns through its brush.
 //!
+//! A column of one interval can't hold a hole. `Volume<N, K>` and all that holds volumes take a second
+//! parameter, the intervals of a column, 1 unless one says more: K intervals keep K - 1 gaps. The rule for
+//! them, and what it promises, stands at [`Volume`].
+//!
 //! # An example
 //! A session on the solid block: the right hand takes the rotary tool and draws a groove through the top,
 //! which is then exported as binary STL. To edit by brushes, without hands and tools, see [`apply_edit`].
@@ -77,8 +81,8 @@
 //!
 //! # What it does not do
 //! It does no I/O, allocates nothing, reads no clock, draws no picture and never panics on input.
-//! Files, time and devices are the shells' (`paros-shell`); pictures are `paros-shaders`'. It knows one
-//! interval a column: a cavity that no axis sees is refused, and the [`EditReport`] says by what.
+//! Files, time and devices are the shells' (`paros-shell`); pictures are `paros-shaders`'. A volume of one
+//! interval a column refuses a cavity that no axis sees, and the [`EditReport`] says so.
 //!
 //! # Principles
 //! 1. Data in, data out: a tick is a function of state, input and start volumes.

@@ -1,7 +1,8 @@
 //! Every capacity of the core, with its reason. `grid_side` is the number of voxels along a side of
 //! the grid, N.
 
-/// Intervals of a column. One expresses every shape without hidden cavities (section 3.2 of the paper).
+/// Intervals of a column in the shells. One expresses every shape without hidden cavities (section 3.2 of the
+/// paper).
 pub const LAYERS: usize = 1;
 
 /// Convex pieces of a brush's swept volume. A swept box takes one piece for each voxel of arc that its
@@ -21,7 +22,8 @@ pub const SMOOTH_LINES: usize = 8;
 /// beyond eight, rectangles are merged.
 pub const MAX_DIRTY_RECTS: usize = 8;
 
-/// Planes of N x N cells of 2 bytes that hold the packed undo entries: 128 KiB at 128. Two entries that
+/// Planes of N x N columns that hold the packed undo entries: 128 KiB at 128 with one interval a column,
+/// and as much for each more. Two entries that
 /// changed every column fit, the newest being stored unpacked beside them, or some fifty usual ones.
 pub const UNDO_PLANES: usize = 4;
 
@@ -30,13 +32,13 @@ pub const UNDO_ENTRIES: usize = 128;
 
 /// Upper bound of a saved world's length in bytes: the range maps of volume and mask, an undo history
 /// whose packed entries are full and whose newest entry changed every column, an island search that
-/// reached every row, and 1 KiB for everything of fixed length. 684 KiB at 128, 3.7 MiB at 256; a third
-/// of it is usual.
+/// reached every row, and 1 KiB for everything of fixed length. 684 KiB at 128 with one interval a
+/// column, 3.7 MiB at 256; a third of it is usual.
 #[must_use]
-pub const fn max_save_bytes(grid_side: usize) -> usize {
+pub const fn max_save_bytes(grid_side: usize, intervals: usize) -> usize {
     let row = grid_side.div_ceil(64) * 8;
-    let maps = 3 * grid_side * grid_side * 2;
-    let entries = UNDO_PLANES * grid_side * grid_side * 2 + UNDO_ENTRIES * 4;
+    let maps = 3 * grid_side * grid_side * 2 * intervals;
+    let entries = UNDO_PLANES * grid_side * grid_side * 2 * intervals + UNDO_ENTRIES * 4;
     let newest = maps + 3 * grid_side * row + 3 * grid_side * row / 64;
     let islands = grid_side * (grid_side + 2) * row;
     2 * maps + entries + newest + islands + 1024

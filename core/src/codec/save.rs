@@ -16,10 +16,13 @@ use crate::volume::size::{Grid, Size};
 /// First bytes of a saved world.
 const MAGIC: [u8; 4] = *b"PWLD";
 
-/// Changes with every change of what is saved.
-const VERSION: u16 = 2;
+/// Changes with every change of what is saved. For one interval a column 2; for K of them 3 in the high
+/// byte and K in the low one.
+const fn save_version(intervals: usize) -> u16 {
+    if intervals == 1 { 2 } else { 3 << 8 | intervals as u16 }
+}
 
-impl<const N: usize> World<N>
+impl<const N: usize, const K: usize> World<N, K>
 where
     Grid<N>: Size,
 {
@@ -30,7 +33,7 @@ where
     pub fn save(&self, bytes: &mut [u8]) -> usize {
         let mut to = ByteWriter::new(bytes);
         to.bytes(&MAGIC);
-        to.u16(VERSION);
+        to.u16(save_version(K));
         to.u16(N as u16);
         to.u64(0);
         self.state.write(&mut to);
@@ -54,7 +57,7 @@ where
     /// world unchanged; invalid bytes with a valid checksum leave the empty world.
     pub fn load(&mut self, bytes: &[u8]) -> Result<(), BadBytes> {
         let mut from = ByteReader::new(bytes);
-        check_header(&mut from, N, bytes)?;
+        check_header::<K>(&mut from, N, bytes)?;
         let done = self.load_body(&mut from);
         if done.is_err() {
             self.clear();
@@ -80,6 +83,9 @@ where
         self.volume.set_maps(&self.mask);
         if !self.volume.are_ranges_tight() {
             return Err(from.error_here("tight ranges"));
+        }
+        if !self.volume.is_saturated() {
+            return Err(from.error_here("columns without empty voxels where a gap has room"));
         }
         read_maps(from, &mut self.mask)?;
         let masked = !self.mask.is_empty();
@@ -127,13 +133,18 @@ where
 /// Length of the header in bytes: magic, version, N, checksum of the rest.
 const HEADER: usize = 16;
 
-fn check_header(from: &mut ByteReader<'_>, grid_side: usize, bytes: &[u8]) -> Result<(), BadBytes> {
+fn check_header<const K: usize>(
+    from: &mut ByteReader<'_>,
+    grid_side: usize,
+    bytes: &[u8],
+) -> Result<(), BadBytes> {
     let bad = from.error_here("the magic PWLD");
     if from.bytes(4)? != MAGIC {
         return Err(bad);
     }
-    let bad = from.error_here("version 2");
-    if from.u16()? != VERSION {
+    let expected = if K == 1 { "version 2" } else { "version 3, of as many intervals a column" };
+    let bad = from.error_here(expected);
+    if from.u16()? != save_version(K) {
         return Err(bad);
     }
     let bad = from.error_here("this world's size");
@@ -147,20 +158,24 @@ fn check_header(from: &mut ByteReader<'_>, grid_side: usize, bytes: &[u8]) -> Re
     Ok(())
 }
 
-fn are_maps_tight<const N: usize>(maps: &RangeMaps<N>) -> bool {
+fn are_maps_tight<const N: usize, const K: usize>(maps: &RangeMaps<N, K>) -> bool {
     Axis::ALL.into_iter().all(|axis| {
         (0..N).all(|line| {
             maps.line(axis, line).iter().enumerate().all(|(place, column)| {
-                let (range, at) = (column.hull(), (line, place));
-                let end = |i| maps.contains(axis.voxel_at(at, i));
-                range.is_empty() || end(range.first()) && end(range.last())
+                column.0.iter().filter(|range| !range.is_empty()).all(|range| {
+                    let end = |i| maps.contains(axis.voxel_at((line, place), i));
+                    end(range.first()) && end(range.last())
+                })
             })
         })
     })
 }
 
 /// Whether every voxel of `inner` is in `outer`.
-fn is_volume_within<const N: usize>(inner: &RangeMaps<N>, outer: &BitGrid<N>) -> bool
+fn is_volume_within<const N: usize, const K: usize>(
+    inner: &RangeMaps<N, K>,
+    outer: &BitGrid<N>,
+) -> bool
 where
     Grid<N>: Size,
 {
@@ -168,7 +183,7 @@ where
     (0..N).all(|y| (0..N).all(|z| left(y, z).is_empty()))
 }
 
-fn write_maps<const N: usize>(to: &mut ByteWriter<'_>, maps: &RangeMaps<N>) {
+fn write_maps<const N: usize, const K: usize>(to: &mut ByteWriter<'_>, maps: &RangeMaps<N, K>) {
     for axis in Axis::ALL {
         for line in 0..N {
             let columns = maps.line(axis, line);
@@ -178,17 +193,19 @@ fn write_maps<const N: usize>(to: &mut ByteWriter<'_>, maps: &RangeMaps<N>) {
     }
 }
 
-fn read_maps<const N: usize>(
+fn read_maps<const N: usize, const K: usize>(
     from: &mut ByteReader<'_>,
-    maps: &mut RangeMaps<N>,
+    maps: &mut RangeMaps<N, K>,
 ) -> Result<(), BadBytes> {
     for axis in Axis::ALL {
         for line in 0..N {
             for place in 0..N {
                 let bad = from.error_here("a range within the grid");
-                let bytes = [from.u8()?, from.u8()?];
-                let range = Range::from_bytes(bytes, N).ok_or(bad)?;
-                maps.set_column(axis, (line, place), Column([range]));
+                let mut bytes = [[0; 2]; K];
+                for range in &mut bytes {
+                    *range = [from.u8()?, from.u8()?];
+                }
+                maps.set_column(axis, (line, place), Column::from_bytes(bytes, N).ok_or(bad)?);
             }
         }
     }

@@ -133,10 +133,12 @@ impl TickRecord {
 
 /// The digest of all start volumes, in order.
 #[must_use]
-pub fn digest_start_volumes<const N: usize>(starts: &StartVolumes<'_, N>) -> u64 {
+pub fn digest_start_volumes<const N: usize, const K: usize>(
+    starts: &StartVolumes<'_, N, K>,
+) -> u64 {
     let all = [Some(starts.lump), Some(starts.creative), starts.own];
     let figures = starts.figures.iter().map(|maps| Some(*maps));
-    all.into_iter().chain(figures).fold(N as u64, |sum, maps: Option<&RangeMaps<N>>| {
+    all.into_iter().chain(figures).fold(N as u64, |sum, maps: Option<&RangeMaps<N, K>>| {
         mix_bits(sum.rotate_left(23) ^ maps.map_or(1, maps_digest))
     })
 }

@@ -10,13 +10,13 @@ use crate::volume::range_maps::RangeMaps;
 /// [`Volume`]: crate::Volume
 /// [`SessionMode::Own`]: crate::SessionMode::Own
 #[derive(Debug)]
-pub struct StartVolumes<'a, const N: usize> {
+pub struct StartVolumes<'a, const N: usize, const K: usize = 1> {
     /// The rough stone of the free-form and constrained modes.
-    pub lump: &'a RangeMaps<N>,
+    pub lump: &'a RangeMaps<N, K>,
     /// The hidden figures of the constrained mode.
-    pub figures: &'a [&'a RangeMaps<N>],
+    pub figures: &'a [&'a RangeMaps<N, K>],
     /// The shape of the creative mode.
-    pub creative: &'a RangeMaps<N>,
+    pub creative: &'a RangeMaps<N, K>,
     /// A volume loaded by the user.
-    pub own: Option<&'a RangeMaps<N>>,
+    pub own: Option<&'a RangeMaps<N, K>>,
 }

@@ -43,13 +43,13 @@ impl StepCost {
     }
 }
 
-impl<const N: usize> World<N>
+impl<const N: usize, const K: usize> World<N, K>
 where
     Grid<N>: Size,
 {
     /// Starts a session in this mode and resets all but tick and head. Without a start volume for the
     /// mode, only [`WorldEvent::NoSuchStart`] is reported.
-    pub(crate) fn start_session(&mut self, mode: SessionMode, starts: &StartVolumes<'_, N>) {
+    pub(crate) fn start_session(&mut self, mode: SessionMode, starts: &StartVolumes<'_, N, K>) {
         let volume = match mode {
             SessionMode::None => None,
             SessionMode::FreeForm => Some(starts.lump),
@@ -129,7 +129,7 @@ where
     fn try_undo_or_redo(
         &mut self,
         event: WorldEvent,
-        undo_or_redo: fn(&mut UndoHistory<N>, &mut Volume<N>, &mut DirtyRects) -> bool,
+        undo_or_redo: fn(&mut UndoHistory<N, K>, &mut Volume<N, K>, &mut DirtyRects) -> bool,
     ) -> bool {
         let rewound = undo_or_redo(&mut self.undo, &mut self.volume, &mut self.dirty);
         if rewound {
@@ -313,12 +313,12 @@ where
 
 /// Journal of an island removal: notes its columns for undo and for the renderer.
 #[derive(Debug)]
-pub struct RemovalJournal<'a, const N: usize>
+pub struct RemovalJournal<'a, const N: usize, const K: usize = 1>
 where
     Grid<N>: Size,
 {
     /// The history; the removal joins its newest entry.
-    pub undo: &'a mut UndoHistory<N>,
+    pub undo: &'a mut UndoHistory<N, K>,
     /// The rectangles that cover the changed columns.
     pub dirty: &'a mut DirtyRects,
 }
@@ -326,19 +326,19 @@ where
 /// Journal of a stroke's edit: notes its columns for undo and for the renderer, and the added voxels
 /// for a running island pass.
 #[derive(Debug)]
-pub struct StrokeJournal<'a, const N: usize>
+pub struct StrokeJournal<'a, const N: usize, const K: usize = 1>
 where
     Grid<N>: Size,
 {
     /// The history that records the stroke.
-    pub undo: &'a mut UndoHistory<N>,
+    pub undo: &'a mut UndoHistory<N, K>,
     /// The rectangles that cover the changed columns.
     pub dirty: &'a mut DirtyRects,
     /// The search that counts added voxels as supported.
     pub islands: &'a mut IslandSearch<N>,
 }
 
-impl<const N: usize> Journal<N> for RemovalJournal<'_, N>
+impl<const N: usize, const K: usize> Journal<N, K> for RemovalJournal<'_, N, K>
 where
     Grid<N>: Size,
 {
@@ -347,7 +347,7 @@ where
         axis: Axis,
         line: usize,
         places: <Grid<N> as Size>::Row,
-        old_columns: &[Column; N],
+        old_columns: &[Column<K>; N],
     ) {
         self.undo.record_into_newest_entry(axis, line, places, old_columns);
         self.dirty.mark_columns(axis, line, places);
@@ -356,7 +356,7 @@ where
     fn record_added(&mut self, _: RowAddress, _: <Grid<N> as Size>::Row) {}
 }
 
-impl<const N: usize> Journal<N> for StrokeJournal<'_, N>
+impl<const N: usize, const K: usize> Journal<N, K> for StrokeJournal<'_, N, K>
 where
     Grid<N>: Size,
 {
@@ -365,7 +365,7 @@ where
         axis: Axis,
         line: usize,
         places: <Grid<N> as Size>::Row,
-        old_columns: &[Column; N],
+        old_columns: &[Column<K>; N],
     ) {
         self.undo.record_columns(axis, line, places, old_columns);
         self.dirty.mark_columns(axis, line, places);

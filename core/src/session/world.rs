@@ -30,16 +30,16 @@ use crate::volume::size::{Grid, Size};
 
 /// The complete state of a session on a grid of N^3 voxels.
 #[derive(Debug)]
-pub struct World<const N: usize>
+pub struct World<const N: usize, const K: usize = 1>
 where
     Grid<N>: Size,
 {
     /// The sculpture.
-    pub(crate) volume: Volume<N>,
+    pub(crate) volume: Volume<N, K>,
     /// The protected voxels, a part of `volume`.
-    pub(crate) mask: RangeMaps<N>,
+    pub(crate) mask: RangeMaps<N, K>,
     /// Columns changed by each stroke, for undo and redo.
-    pub(crate) undo: UndoHistory<N>,
+    pub(crate) undo: UndoHistory<N, K>,
     /// The search for unsupported voxels, which takes several ticks.
     pub(crate) islands: IslandSearch<N>,
     /// All other state that outlives a tick.
@@ -57,7 +57,7 @@ where
     pub(crate) has_contact: [bool; 2],
 }
 
-impl<const N: usize> World<N>
+impl<const N: usize, const K: usize> World<N, K>
 where
     Grid<N>: Size,
 {
@@ -82,7 +82,7 @@ where
 
     /// Advances the world by one tick, 1/72 s. Start volumes are read only where `input` starts a
     /// session.
-    pub fn step(&mut self, input: &TickInput, starts: &StartVolumes<'_, N>) {
+    pub fn step(&mut self, input: &TickInput, starts: &StartVolumes<'_, N, K>) {
         self.events.clear();
         self.dirty.clear();
         self.has_contact = [false; 2];
@@ -142,13 +142,13 @@ where
 
     /// The volume.
     #[must_use]
-    pub const fn volume(&self) -> &Volume<N> {
+    pub const fn volume(&self) -> &Volume<N, K> {
         &self.volume
     }
 
     /// The voxels that can't be removed; empty but in the constrained mode.
     #[must_use]
-    pub const fn mask(&self) -> &RangeMaps<N> {
+    pub const fn mask(&self) -> &RangeMaps<N, K> {
         &self.mask
     }
 

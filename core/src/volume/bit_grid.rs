@@ -2,6 +2,7 @@
 
 use core::mem;
 
+use crate::volume::closure::ClosingLine;
 use crate::volume::range::Range;
 use crate::volume::range_maps::{Axis, Column, RangeMaps};
 use crate::volume::row::{BitRow, BitSet};
@@ -93,15 +94,15 @@ where
     /// A scan conversion by parity: each range of the Y and Z maps toggles its column's bit at its
     /// first voxel and just past its last; a prefix exclusive-or along the columns turns the toggles
     /// into occupancy, all columns of a line at a time.
-    pub fn set_from_maps(&mut self, maps: &RangeMaps<N>) {
+    pub fn set_from_maps<const K: usize>(&mut self, maps: &RangeMaps<N, K>) {
         let mut toggles = [<Grid<N> as Size>::Row::EMPTY; 257];
         for (y, layer) in self.rows.iter_mut().enumerate() {
-            visit_cross_sections::<N>(maps.line(Axis::Z, y), &mut toggles, |section| {
+            visit_cross_sections::<N, K>(maps.line(Axis::Z, y), &mut toggles, |section| {
                 layer[section.position] = section.places;
             });
         }
         for z in 0..N {
-            visit_cross_sections::<N>(maps.line(Axis::Y, z), &mut toggles, |section| {
+            visit_cross_sections::<N, K>(maps.line(Axis::Y, z), &mut toggles, |section| {
                 self.rows[section.position][z] &= section.places;
             });
         }
@@ -112,12 +113,44 @@ where
         }
     }
 
-    /// Writes the tight hulls of these voxels, which are the range maps of their closure. The grid
-    /// itself is unchanged; [`BitGrid::set_from_maps`] of the maps is the closure.
-    pub fn write_hulls(&self, maps: &mut RangeMaps<N>) {
+    /// Writes the range maps of these voxels' closure, of columns that had no gaps before: their tight
+    /// hulls without the longest K - 1 empty runs inside each. The grid itself is unchanged;
+    /// [`BitGrid::set_from_maps`] of the maps is the closure.
+    pub fn write_closure<const K: usize>(&self, maps: &mut RangeMaps<N, K>) {
+        self.write_hulls(maps);
+        if K == 1 {
+            return;
+        }
+        let no_gaps = [Column::EMPTY; N];
+        for y in 0..N {
+            for (row, column) in self.rows[y].iter().zip(maps.line_mut(Axis::X, y)) {
+                *column = Column::closed_over(*row, &Column::EMPTY);
+            }
+            Self::insert_gaps(maps.line_mut(Axis::Z, y), &no_gaps, |z| self.rows[y][z]);
+        }
+        for z in 0..N {
+            Self::insert_gaps(maps.line_mut(Axis::Y, z), &no_gaps, |y| self.rows[y][z]);
+        }
+    }
+
+    fn insert_gaps<const K: usize>(
+        after: &mut [Column<K>; N],
+        before: &[Column<K>; N],
+        row_at: impl Fn(usize) -> <Grid<N> as Size>::Row,
+    ) {
+        ClosingLine { before, after, changed: Range::new(0, N - 1) }
+            .insert_gaps::<_, <Grid<N> as Size>::Row>(Grid::<N>::FULL, row_at);
+    }
+
+    /// Writes the tight hulls of these voxels: columns of one interval. The grid itself is unchanged.
+    pub fn write_hulls<const K: usize>(&self, maps: &mut RangeMaps<N, K>) {
         for y in 0..N {
             for z in 0..N {
-                maps.set_column(Axis::X, (y, z), Column([Range::hull_of(self.rows[y][z])]));
+                maps.set_column(
+                    Axis::X,
+                    (y, z),
+                    Column::from_range(Range::hull_of(self.rows[y][z])),
+                );
             }
             Self::write_hull_line(maps, Axis::Z, y, |z| self.rows[y][z]);
         }
@@ -128,8 +161,8 @@ where
 
     /// Writes the hulls of a line of N columns along `axis`. `row_at(i)` holds voxel `i` of each of
     /// these columns.
-    fn write_hull_line(
-        maps: &mut RangeMaps<N>,
+    fn write_hull_line<const K: usize>(
+        maps: &mut RangeMaps<N, K>,
         axis: Axis,
         line: usize,
         row_at: impl Fn(usize) -> <Grid<N> as Size>::Row,
@@ -147,7 +180,11 @@ where
         }
         for i in (0..N).rev() {
             for x in (row_at(i) & seen).iter_ones() {
-                maps.set_column(axis, (line, x), Column([Range::new(first[x].into(), i)]));
+                maps.set_column(
+                    axis,
+                    (line, x),
+                    Column::from_range(Range::new(first[x].into(), i)),
+                );
             }
             seen &= !row_at(i);
         }
@@ -186,8 +223,8 @@ struct CrossSection<R> {
 /// Visits the cross sections of a line's columns at all positions, in ascending order. `toggles` is
 /// scratch, empty before and after.
 #[inline]
-fn visit_cross_sections<const N: usize>(
-    line: &[Column; N],
+fn visit_cross_sections<const N: usize, const K: usize>(
+    line: &[Column<K>; N],
     toggles: &mut [<Grid<N> as Size>::Row; 257],
     mut visit: impl FnMut(CrossSection<<Grid<N> as Size>::Row>),
 ) where

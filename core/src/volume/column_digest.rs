@@ -8,7 +8,11 @@ use crate::volume::range_maps::{Axis, Column, ColumnAddress, RangeMaps};
 /// all changes in a line.
 #[must_use]
 #[inline]
-pub(crate) fn column_digest(axis: Axis, (line, place): ColumnAddress, column: Column) -> u64 {
+pub(crate) fn column_digest<const K: usize>(
+    axis: Axis,
+    (line, place): ColumnAddress,
+    column: Column<K>,
+) -> u64 {
     column_key(axis, (line, place)).wrapping_mul(column_number(column))
 }
 
@@ -26,14 +30,17 @@ pub(crate) fn line_key(axis: Axis, line: usize) -> u64 {
 
 /// A column's bytes as a number.
 #[inline]
-pub(crate) fn column_number(column: Column) -> u64 {
-    u16::from_le_bytes(column.0[0].to_bytes()).into()
+pub(crate) fn column_number<const K: usize>(column: Column<K>) -> u64 {
+    let places = column.0.iter().enumerate();
+    places.fold(0, |number, (i, range)| {
+        number | u64::from(u16::from_le_bytes(range.to_bytes())) << (16 * i)
+    })
 }
 
 /// The digest of range maps, computed from scratch: the sum over all columns of their bytes as
 /// a number, times the keys of their place and line.
 #[must_use]
-pub fn maps_digest<const N: usize>(maps: &RangeMaps<N>) -> u64 {
+pub fn maps_digest<const N: usize, const K: usize>(maps: &RangeMaps<N, K>) -> u64 {
     let mut sum = 0u64;
     for axis in Axis::ALL {
         for line in 0..N {

@@ -130,7 +130,7 @@ impl DirtyRects {
 }
 
 /// Records only the bounds of an edit.
-impl<const N: usize> Journal<N> for DirtyRects
+impl<const N: usize, const K: usize> Journal<N, K> for DirtyRects
 where
     Grid<N>: Size,
 {
@@ -139,7 +139,7 @@ where
         axis: Axis,
         line: usize,
         places: <Grid<N> as Size>::Row,
-        _: &[Column; N],
+        _: &[Column<K>; N],
     ) {
         self.mark_columns(axis, line, places);
     }

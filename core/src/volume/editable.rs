@@ -4,22 +4,55 @@ use crate::codec::digest::DIGEST_KEYS;
 use crate::volume::bit_grid::BitGrid;
 use crate::volume::column_digest::{column_digest, column_number, line_key, maps_digest};
 use crate::volume::journal::Journal;
+use crate::volume::range::Range;
 use crate::volume::range_maps::{Axis, Column, ColumnAddress, RangeMaps};
 use crate::volume::row::BitSet;
 use crate::volume::size::{Grid, Size};
 
-/// N^3 voxels: three tight range maps, the bit rows of their intersection, and a running digest.
+/// N^3 voxels: three tight range maps of K intervals a column, the bit rows of their intersection, and a
+/// running digest.
+///
+/// # The closure rule
+/// Columns of K intervals have K - 1 gaps between them. Let V be the volume, e the exact voxels after an
+/// edit. In each column in which e differs from V: the tight hull of e, without the first K - 1 of its
+/// *runs*, the maximal sequences of empty voxels inside that hull, in this order: those that hold a voxel
+/// of a gap that the column had before, then the longer, then the lower. The new volume V' is what all
+/// three maps hold. K = 1 is the rule of the paper (section 3.2): the tight hulls, and their intersection.
+///
+/// What follows from it, each a property test in the project's tests:
+///
+/// 1. *Nothing of e is lost*: e is within V'. A column that e changed holds all of e, as runs are empty
+///    in e; in any other column e is V, which it holds.
+/// 2. *Every interval is tight*: its ends are voxels of V'. By construction they are voxels of e, or of V
+///    in a column in which e is V.
+/// 3. *Every column is saturated*: one with fewer than K - 1 gaps has no other empty voxel inside its
+///    hull. The column took all runs of e, and by (1) V' has no empty voxel that e hasn't. Therefore the
+///    rule leaves a column alone in which e doesn't differ from V, and maps change exactly when V does.
+/// 4. *A carve (e within V) adds nothing*, so what it leaves behind lies in its brush. A voxel outside V
+///    was outside the hull of a column, and hulls of e only shrink; or in a gap, which is empty in e and
+///    therefore lies in one run, of which there are at most as many as there were gaps: all are held.
+/// 5. *A fill (V within e) adds outside its brush only along its beams*: what a column excluded that the
+///    brush doesn't cross, it excludes still.
+/// 6. *The order of columns doesn't matter*: each depends on e and on its own gaps.
+/// 7. *A second island pass changes nothing.* A pass carves V to the supported voxels S, and S is within
+///    V' within V, so what V' supports is S again. The runs of S are as before, and the gaps that were
+///    chosen come first now.
+///
+/// Three things that hold for K = 1 don't for more: the maps are no function of V, as which gaps are held
+/// is history; closure isn't monotone, as a larger carve may leave a voxel that a smaller one wouldn't;
+/// and a mirrored edit of a mirrored volume may break the mirror, as of two runs of equal length the
+/// lower is held.
 #[derive(Debug)]
-pub struct Volume<const N: usize>
+pub struct Volume<const N: usize, const K: usize = 1>
 where
     Grid<N>: Size,
 {
-    maps: RangeMaps<N>,
+    maps: RangeMaps<N, K>,
     rows: BitGrid<N>,
     digest: u64,
 }
 
-impl<const N: usize> Volume<N>
+impl<const N: usize, const K: usize> Volume<N, K>
 where
     Grid<N>: Size,
 {
@@ -30,8 +63,8 @@ where
         Volume { maps: RangeMaps::new(), rows: BitGrid::new(), digest: 0 }
     }
 
-    /// Becomes the volume of these range maps, which must be tight.
-    pub fn set_maps(&mut self, maps: &RangeMaps<N>) {
+    /// Becomes the volume of these range maps, which must be tight and saturated.
+    pub fn set_maps(&mut self, maps: &RangeMaps<N, K>) {
         self.maps.copy_from(maps);
         self.rebuild_from_maps();
     }
@@ -40,7 +73,7 @@ where
     pub fn set_voxels(&mut self, fill_empty: impl FnOnce(&mut BitGrid<N>)) {
         self.rows.clear();
         fill_empty(&mut self.rows);
-        self.rows.write_hulls(&mut self.maps);
+        self.rows.write_closure(&mut self.maps);
         self.rebuild_from_maps();
     }
 
@@ -57,7 +90,7 @@ where
 
     /// The range maps.
     #[must_use]
-    pub const fn maps(&self) -> &RangeMaps<N> {
+    pub const fn maps(&self) -> &RangeMaps<N, K> {
         &self.maps
     }
 
@@ -86,8 +119,8 @@ where
         axis: Axis,
         line: usize,
         places: <Grid<N> as Size>::Row,
-        new: &[Column; N],
-        journal: &mut impl Journal<N>,
+        new: &[Column<K>; N],
+        journal: &mut impl Journal<N, K>,
     ) {
         if places.is_empty() {
             return;
@@ -114,8 +147,8 @@ where
         &mut self,
         axis: Axis,
         at: ColumnAddress,
-        column: Column,
-    ) -> Column {
+        column: Column<K>,
+    ) -> Column<K> {
         let old = self.maps.column(axis, at);
         self.digest = self
             .digest
@@ -139,6 +172,24 @@ where
                 })
             })
         })
+    }
+
+    /// Whether every column is saturated: with room for another gap it has no empty voxel inside its
+    /// intervals. Always true after an edit, and for columns of one interval.
+    #[must_use]
+    pub fn is_saturated(&self) -> bool {
+        let solid = |axis: Axis, at, range: Range| {
+            (range.first()..range.last() + 1).all(|i| self.rows.contains(axis.voxel_at(at, i)))
+        };
+        K == 1
+            || Axis::ALL.into_iter().all(|axis| {
+                (0..N).all(|line| {
+                    self.maps.line(axis, line).iter().enumerate().all(|(place, column)| {
+                        !column.0[K - 1].is_empty()
+                            || column.0.iter().all(|range| solid(axis, (line, place), *range))
+                    })
+                })
+            })
     }
 
     /// Number of occupied voxels.

@@ -4,7 +4,7 @@ use crate::volume::range_maps::{Axis, Column, RowAddress};
 use crate::volume::size::{Grid, Size};
 
 /// An observer of each change that an edit makes, before it is made.
-pub trait Journal<const N: usize>
+pub trait Journal<const N: usize, const K: usize = 1>
 where
     Grid<N>: Size,
 {
@@ -14,17 +14,18 @@ where
         axis: Axis,
         line: usize,
         places: <Grid<N> as Size>::Row,
-        old_columns: &[Column; N],
+        old_columns: &[Column<K>; N],
     );
     /// `voxels` of row (y, z) are about to be occupied that were empty when the edit began.
     fn record_added(&mut self, row: RowAddress, voxels: <Grid<N> as Size>::Row);
 }
 
 /// Records nothing.
-impl<const N: usize> Journal<N> for ()
+impl<const N: usize, const K: usize> Journal<N, K> for ()
 where
     Grid<N>: Size,
 {
-    fn record_columns(&mut self, _: Axis, _: usize, _: <Grid<N> as Size>::Row, _: &[Column; N]) {}
+    fn record_columns(&mut self, _: Axis, _: usize, _: <Grid<N> as Size>::Row, _: &[Column<K>; N]) {
+    }
     fn record_added(&mut self, _: RowAddress, _: <Grid<N> as Size>::Row) {}
 }

@@ -55,14 +55,49 @@ impl Axis {
     }
 }
 
-/// Up to `LAYERS` disjoint intervals of one column, lowest first, empty ones last.
+/// Up to `K` disjoint intervals of one column, lowest first, empty ones last.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 #[repr(transparent)]
-pub struct Column<const LAYERS: usize = 1>(pub [Range; LAYERS]);
+pub struct Column<const K: usize = 1>(pub [Range; K]);
 
-impl<const LAYERS: usize> Column<LAYERS> {
+impl<const K: usize> Column<K> {
     /// A column without voxels.
-    pub const EMPTY: Self = Column([Range::EMPTY; LAYERS]);
+    pub const EMPTY: Self = Column([Range::EMPTY; K]);
+
+    /// A column of one interval, or of none where that is empty.
+    #[must_use]
+    #[inline]
+    pub const fn from_range(range: Range) -> Self {
+        let mut column = Self::EMPTY;
+        column.0[0] = range;
+        column
+    }
+
+    /// The intervals' bytes as stored, each as [`Range::to_bytes`].
+    #[must_use]
+    #[inline]
+    pub fn to_bytes(self) -> [[u8; 2]; K] {
+        self.0.map(Range::to_bytes)
+    }
+
+    /// The inverse of [`Column::to_bytes`]. `None` for bytes that no column in a grid of `grid_side` voxels
+    /// a side has: an invalid range, intervals that overlap or touch or aren't in ascending order, or one
+    /// behind an empty one.
+    #[must_use]
+    pub fn from_bytes(bytes: [[u8; 2]; K], grid_side: usize) -> Option<Self> {
+        let mut column = Self::EMPTY;
+        for (i, bytes) in bytes.into_iter().enumerate() {
+            let range = Range::from_bytes(bytes, grid_side)?;
+            if i > 0 && !range.is_empty() {
+                let before = column.0[i - 1];
+                if before.is_empty() || range.first() <= before.last() + 1 {
+                    return None;
+                }
+            }
+            column.0[i] = range;
+        }
+        Some(column)
+    }
 
     /// Whether voxel `i` is in one of the intervals.
     #[must_use]
@@ -99,11 +134,11 @@ pub struct ColumnsBeyond<R> {
 /// [`Axis::column_address`]. All zero bytes are the empty volume.
 #[derive(Clone, PartialEq, Eq, Debug)]
 #[repr(C)]
-pub struct RangeMaps<const N: usize, const LAYERS: usize = 1> {
-    columns: [[[Column<LAYERS>; N]; N]; 3],
+pub struct RangeMaps<const N: usize, const K: usize = 1> {
+    columns: [[[Column<K>; N]; N]; 3],
 }
 
-impl<const N: usize, const LAYERS: usize> RangeMaps<N, LAYERS> {
+impl<const N: usize, const K: usize> RangeMaps<N, K> {
     /// The empty volume. For a `static`, as [`World::new`](crate::World::new).
     #[must_use]
     #[allow(clippy::new_without_default)] // a Default would be moved by value
@@ -118,8 +153,7 @@ impl<const N: usize, const LAYERS: usize> RangeMaps<N, LAYERS> {
 
     /// Becomes the solid block, in place: every voxel is occupied.
     pub fn fill_block(&mut self) {
-        let mut column = Column::EMPTY;
-        column.0[0] = Range::new(0, N - 1);
+        let column = Column::from_range(Range::new(0, N - 1));
         self.columns.as_flattened_mut().as_flattened_mut().fill(column);
     }
 
@@ -133,13 +167,13 @@ impl<const N: usize, const LAYERS: usize> RangeMaps<N, LAYERS> {
     /// One column.
     #[must_use]
     #[inline]
-    pub fn column(&self, axis: Axis, (line, place): ColumnAddress) -> Column<LAYERS> {
+    pub fn column(&self, axis: Axis, (line, place): ColumnAddress) -> Column<K> {
         self.columns[axis as usize][line][place]
     }
 
     /// Replaces one column. The caller must keep the maps tight.
     #[inline]
-    pub fn set_column(&mut self, axis: Axis, (line, place): ColumnAddress, column: Column<LAYERS>) {
+    pub fn set_column(&mut self, axis: Axis, (line, place): ColumnAddress, column: Column<K>) {
         self.columns[axis as usize][line][place] = column;
     }
 
@@ -154,13 +188,13 @@ impl<const N: usize, const LAYERS: usize> RangeMaps<N, LAYERS> {
     /// A line of N columns of a map.
     #[must_use]
     #[inline]
-    pub fn line(&self, axis: Axis, line: usize) -> &[Column<LAYERS>; N] {
+    pub fn line(&self, axis: Axis, line: usize) -> &[Column<K>; N] {
         &self.columns[axis as usize][line]
     }
 
     /// A line of N columns of a map, mutable. The caller must keep the maps tight.
     #[inline]
-    pub(crate) fn line_mut(&mut self, axis: Axis, line: usize) -> &mut [Column<LAYERS>; N] {
+    pub(crate) fn line_mut(&mut self, axis: Axis, line: usize) -> &mut [Column<K>; N] {
         &mut self.columns[axis as usize][line]
     }
 
@@ -177,8 +211,8 @@ impl<const N: usize, const LAYERS: usize> RangeMaps<N, LAYERS> {
     #[must_use]
     pub fn is_empty(&self) -> bool {
         // A line at a time: without a way out after every column the compiler reads many at once.
-        let empty = |line: &[Column<LAYERS>; N]| {
-            let bits = |column: &Column<LAYERS>| {
+        let empty = |line: &[Column<K>; N]| {
+            let bits = |column: &Column<K>| {
                 column.0.iter().fold(0, |all, r| all | u16::from_le_bytes(r.to_bytes()))
             };
             line.iter().fold(0, |all, column| all | bits(column)) == 0
@@ -187,7 +221,7 @@ impl<const N: usize, const LAYERS: usize> RangeMaps<N, LAYERS> {
     }
 }
 
-impl<const N: usize, const LAYERS: usize> RangeMaps<N, LAYERS>
+impl<const N: usize, const K: usize> RangeMaps<N, K>
 where
     Grid<N>: Size,
 {
@@ -209,7 +243,7 @@ where
     }
 }
 
-impl<const N: usize> RangeMaps<N>
+impl<const N: usize, const K: usize> RangeMaps<N, K>
 where
     Grid<N>: Size,
 {
@@ -271,8 +305,9 @@ const TOP_OF_EACH_16: u64 = 0x8000 * ONE_IN_EACH_16;
 /// Four columns in 16-bit lanes: the complement of the first voxel in the low byte of each, the last
 /// voxel in the high byte.
 #[inline]
-fn pack_four_columns(columns: &[Column; 4]) -> u64 {
-    let [a, b, c, d] = columns.map(|column| u64::from(u16::from_le_bytes(column.0[0].to_bytes())));
+fn pack_four_columns<const K: usize>(columns: &[Column<K>; 4]) -> u64 {
+    let [a, b, c, d] =
+        columns.map(|column| u64::from(u16::from_le_bytes(column.hull().to_bytes())));
     a | b << 16 | c << 32 | d << 48
 }
 

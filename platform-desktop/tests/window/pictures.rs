@@ -61,7 +61,7 @@ fn save_hidden(folder: &Path) {
             if world.tick() < HALF_WAY {
                 return ControlFlow::Continue(());
             }
-            let mut bytes = vec![0; max_save_bytes(128)];
+            let mut bytes = vec![0; max_save_bytes(128, 1)];
             let len = world.save(&mut bytes);
             fs::write(sessions.join("session-128.save"), &bytes[..len]).expect("it is written");
             ControlFlow::Break(())

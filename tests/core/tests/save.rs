@@ -20,7 +20,7 @@ fn save_to_vec(world: &World<64>) -> Vec<u8> {
     let mut bytes = vec![0; world.save(&mut [])];
     let len = world.save(&mut bytes);
     assert_eq!(len, bytes.len());
-    assert!(len <= max_save_bytes(64), "{len} bytes");
+    assert!(len <= max_save_bytes(64, 1), "{len} bytes");
     bytes
 }
 

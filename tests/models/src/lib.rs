@@ -14,6 +14,7 @@ pub mod export;
 pub mod field;
 pub mod island_harness;
 pub mod islands;
+pub mod layers;
 pub mod random_visitor;
 pub mod scripted_hand;
 pub mod solid;

@@ -111,7 +111,11 @@ where
 
     /// Writes the tight range maps of all triangles so far, and their voxels to `voxels`, whatever both
     /// held before. More triangles may be added afterwards.
-    pub fn write_maps(&self, maps: &mut RangeMaps<N>, voxels: &mut BitGrid<N>) -> BakeReport {
+    pub fn write_maps<const K: usize>(
+        &self,
+        maps: &mut RangeMaps<N, K>,
+        voxels: &mut BitGrid<N>,
+    ) -> BakeReport {
         let flipped = self.volume < 0;
         self.touched.write_hulls(maps);
         let mut opened = 0;
@@ -123,14 +127,18 @@ where
                         let hull = maps.column(axis, (line, place)).hull();
                         let lo = if low { 0 } else { hull.first() };
                         let hi = if high { N - 1 } else { hull.last() };
-                        maps.set_column(axis, (line, place), Column([Range::new(lo, hi)]));
+                        maps.set_column(
+                            axis,
+                            (line, place),
+                            Column::from_range(Range::new(lo, hi)),
+                        );
                         opened += 1;
                     }
                 }
             }
         }
         voxels.set_from_maps(maps);
-        voxels.write_hulls(maps);
+        voxels.write_closure(maps);
         BakeReport {
             triangles: self.triangles,
             degenerate: self.degenerate,

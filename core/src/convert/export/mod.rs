@@ -150,10 +150,10 @@ where
     /// end. Returns early when `out` has no room for the next piece. It never does so without progress
     /// when `out` has [`Exporter::MIN_BUFFER`] bytes or room for the whole file. The bytes of the file
     /// don't depend on budgets and buffers.
-    pub fn advance_export(
+    pub fn advance_export<const K: usize>(
         &mut self,
         volume: &BitGrid<N>,
-        mask: &RangeMaps<N>,
+        mask: &RangeMaps<N, K>,
         max_work_units: u32,
         out: &mut [u8],
     ) -> ExportProgress {

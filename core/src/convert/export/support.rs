@@ -91,10 +91,10 @@ where
     }
 
     /// Visits rows until the search is done, each of which takes one from `visits_left`.
-    pub(super) fn advance_search(
+    pub(super) fn advance_search<const K: usize>(
         &mut self,
         voxels: &BitGrid<N>,
-        mask: &RangeMaps<N>,
+        mask: &RangeMaps<N, K>,
         visits_left: &mut u32,
     ) {
         while *visits_left > 0 && !self.is_done() {
@@ -114,10 +114,10 @@ where
     }
 
     /// Seeds the flood with the ground and mask voxels of the next row.
-    fn seed_next_row_from_ground_and_mask(
+    fn seed_next_row_from_ground_and_mask<const K: usize>(
         &mut self,
         voxels: &BitGrid<N>,
-        seed_mask: &RangeMaps<N>,
+        seed_mask: &RangeMaps<N, K>,
     ) -> SupportPhase {
         let (y, z) = self.take_next_row();
         let row = voxels.row(y, z);

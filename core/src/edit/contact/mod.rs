@@ -59,17 +59,17 @@ struct SlideResult {
 
 /// The voxels that a bit can collide with.
 #[derive(Debug)]
-pub struct Obstacle<'a, const N: usize>
+pub struct Obstacle<'a, const N: usize, const K: usize = 1>
 where
     Grid<N>: Size,
 {
     /// The volume's bit rows.
     pub rows: &'a BitGrid<N>,
     /// The part of it that can't be removed; `None` where there is no mask.
-    pub mask: Option<&'a RangeMaps<N>>,
+    pub mask: Option<&'a RangeMaps<N, K>>,
 }
 
-impl<const N: usize> Obstacle<'_, N>
+impl<const N: usize, const K: usize> Obstacle<'_, N, K>
 where
     Grid<N>: Size,
 {

@@ -17,7 +17,7 @@ use crate::limits::{EXIT_PROBES, deep_step_cost_in_steps};
 use crate::volume::row::BitSet;
 use crate::volume::size::{Grid, Size};
 
-impl<const N: usize> Obstacle<'_, N>
+impl<const N: usize, const K: usize> Obstacle<'_, N, K>
 where
     Grid<N>: Size,
 {
@@ -171,7 +171,7 @@ where
     fn is_within_limit(
         &self,
         limit: PenetrationLimit,
-        overlaps: impl Fn(PenetrationTest<'_, N>) -> bool,
+        overlaps: impl Fn(PenetrationTest<'_, N, K>) -> bool,
     ) -> bool {
         let of_volume = PenetrationTest {
             deeper_than_subunits: limit.volume,
@@ -214,9 +214,9 @@ pub(super) struct PenetratingVoxel {
 }
 
 /// One test of a bit against its limit: does its part deeper than this hold one of these voxels?
-struct PenetrationTest<'a, const N: usize> {
+struct PenetrationTest<'a, const N: usize, const K: usize> {
     deeper_than_subunits: i32,
-    voxels: TestedVoxels<'a, N>,
+    voxels: TestedVoxels<'a, N, K>,
 }
 
 /// Steps in a voxel's length of path.

@@ -14,11 +14,11 @@ use crate::volume::size::{Grid, Size};
 
 /// The occupied voxels that an intersection test looks for.
 #[derive(Clone, Copy)]
-pub(super) enum TestedVoxels<'a, const N: usize> {
+pub(super) enum TestedVoxels<'a, const N: usize, const K: usize> {
     /// All of the volume's.
     AllOccupied,
     /// Those that belong to a mask.
-    OfMask(&'a RangeMaps<N>),
+    OfMask(&'a RangeMaps<N, K>),
 }
 
 /// A piece's slice at one y.
@@ -29,7 +29,7 @@ struct PieceLayers<'a> {
     bounding_ball: Option<&'a BrushLayer<'a>>,
 }
 
-impl<const N: usize> Obstacle<'_, N>
+impl<const N: usize, const K: usize> Obstacle<'_, N, K>
 where
     Grid<N>: Size,
 {
@@ -44,12 +44,16 @@ where
     }
 
     /// Whether a brush holds one of the tested voxels.
-    pub(super) fn brush_overlaps(&self, brush: &Brush, tested: TestedVoxels<'_, N>) -> bool {
+    pub(super) fn brush_overlaps(&self, brush: &Brush, tested: TestedVoxels<'_, N, K>) -> bool {
         brush.pieces().any(|piece| self.piece_overlaps(&piece, tested))
     }
 
     /// Whether a piece holds one of the tested voxels.
-    pub(super) fn piece_overlaps(&self, piece: &BrushPiece, tested: TestedVoxels<'_, N>) -> bool {
+    pub(super) fn piece_overlaps(
+        &self,
+        piece: &BrushPiece,
+        tested: TestedVoxels<'_, N, K>,
+    ) -> bool {
         let Some(BrushBounds { lo, hi }) = piece.bounds(N) else {
             return false;
         };
@@ -79,7 +83,7 @@ where
         layers: PieceLayers<'_>,
         (y, z): RowAddress,
         candidates: <Grid<N> as Size>::Row,
-        tested: TestedVoxels<'_, N>,
+        tested: TestedVoxels<'_, N, K>,
     ) -> bool {
         let near = match tested {
             TestedVoxels::AllOccupied => candidates,

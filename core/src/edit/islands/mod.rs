@@ -156,12 +156,12 @@ where
     /// call if the visits left to this one are fewer than [`island_removal_row_visits`].
     ///
     /// `mask` is part of the volume and the same throughout a pass.
-    pub fn advance_pass(
+    pub fn advance_pass<const K: usize>(
         &mut self,
-        volume: &mut Volume<N>,
-        mask: &RangeMaps<N>,
+        volume: &mut Volume<N, K>,
+        mask: &RangeMaps<N, K>,
         max_row_visits: u32,
-        journal: &mut impl Journal<N>,
+        journal: &mut impl Journal<N, K>,
     ) -> Option<IslandReport> {
         let mut visits_left = max_row_visits;
         let begins = self.phase == SearchPhase::Idle;
@@ -199,7 +199,7 @@ where
     Grid<N>: Size,
 {
     /// Begins a pass: marks ground layer and mask as reached and queues all other rows with voxels.
-    fn begin_pass(&mut self, volume: &Volume<N>, mask: &RangeMaps<N>) {
+    fn begin_pass<const K: usize>(&mut self, volume: &Volume<N, K>, mask: &RangeMaps<N, K>) {
         let seeded = if mask.is_empty() {
             self.reached.clear();
             1
@@ -354,7 +354,10 @@ where
 }
 
 /// Whether neither the ground layer nor the mask holds a voxel.
-fn has_no_support<const N: usize>(volume: &Volume<N>, mask: &RangeMaps<N>) -> bool
+fn has_no_support<const N: usize, const K: usize>(
+    volume: &Volume<N, K>,
+    mask: &RangeMaps<N, K>,
+) -> bool
 where
     Grid<N>: Size,
 {

@@ -3,6 +3,7 @@
 
 use super::bytes::hash_row;
 use super::{IslandReport, IslandSearch};
+use crate::volume::closure::ClosingLine;
 use crate::volume::editable::Volume;
 use crate::volume::journal::Journal;
 use crate::volume::range::Range;
@@ -40,10 +41,10 @@ where
 {
     /// Sets the volume to the closure of its reached voxels. As the queue is empty, all rows that lose
     /// voxels are open.
-    pub(super) fn remove_islands(
+    pub(super) fn remove_islands<const K: usize>(
         &mut self,
-        volume: &mut Volume<N>,
-        journal: &mut impl Journal<N>,
+        volume: &mut Volume<N, K>,
+        journal: &mut impl Journal<N, K>,
     ) -> IslandReport {
         let mut along_y = [IslandLine::NOWHERE; N];
         let (mut missed, mut doubtful) = (0, 0);
@@ -80,13 +81,13 @@ where
     /// Tightens the columns along x of layer `y` and notes which columns along y and z lose voxels.
     /// Rows without reached voxels are emptied at once; of the others only those with islands stay
     /// open. Returns the number of unreached voxels.
-    fn tighten_rows_counting_unreached(
+    fn tighten_rows_counting_unreached<const K: usize>(
         &mut self,
-        volume: &mut Volume<N>,
+        volume: &mut Volume<N, K>,
         y: usize,
         along_z: &mut IslandLine<<Grid<N> as Size>::Row>,
         along_y: &mut [IslandLine<<Grid<N> as Size>::Row>; N],
-        journal: &mut impl Journal<N>,
+        journal: &mut impl Journal<N, K>,
     ) -> u32 {
         let mut new = [Column::EMPTY; N];
         let mut changed = <Grid<N> as Size>::Row::EMPTY;
@@ -108,8 +109,9 @@ where
                 *volume.rows_mut().row_mut(y, z) = left;
                 changed.insert(z);
             } else {
-                new[z] = Column([Range::hull_of(left)]);
-                changed.insert_if(new[z] != volume.maps().column(Axis::X, (y, z)), z);
+                let before = volume.maps().column(Axis::X, (y, z));
+                new[z] = Column::closed_over(left, &before);
+                changed.insert_if(new[z] != before, z);
             }
         }
         volume.replace_columns(Axis::X, y, changed, &new, journal);
@@ -121,13 +123,13 @@ where
     ///
     /// A range end outside the rows of the islands stays; the others are searched for, N columns at a
     /// time.
-    fn tighten_line_returning_nonempty(
+    fn tighten_line_returning_nonempty<const K: usize>(
         &self,
-        volume: &mut Volume<N>,
+        volume: &mut Volume<N, K>,
         axis: Axis,
         line: usize,
         &IslandLine { columns, first, last }: &IslandLine<<Grid<N> as Size>::Row>,
-        journal: &mut impl Journal<N>,
+        journal: &mut impl Journal<N, K>,
     ) -> <Grid<N> as Size>::Row {
         if columns.is_empty() {
             return columns;
@@ -138,7 +140,8 @@ where
         };
         let ColumnsBeyond { below_first: below, above_last: above } =
             volume.maps().columns_beyond(axis, line, columns, first, last);
-        let mut new = *volume.maps().line(axis, line);
+        let before = volume.maps().line(axis, line);
+        let mut new = before.map(|column| Column::from_range(column.hull()));
         let within = columns & !below & !above;
         let EndScan { empty, mut changed } =
             move_range_ends(within, first..=last, reached, &mut new, Range::with_first);
@@ -152,6 +155,14 @@ where
         for run in empty.iter_runs() {
             new[run.first()..=run.last()].fill(Column::EMPTY);
         }
+        if K > 1 {
+            let rows = Range::new(first, last);
+            ClosingLine { before, after: &mut new, changed: rows }
+                .insert_gaps::<_, <Grid<N> as Size>::Row>(rest, reached);
+            for place in columns.iter_ones() {
+                changed.insert_if(new[place] != before[place], place);
+            }
+        }
         volume.replace_columns(axis, line, changed, &new, journal);
         rest
     }
@@ -159,9 +170,9 @@ where
     /// Removes the unreached voxels of layer `y`, except in rows where closure may keep some, that is
     /// where the ranges along x and z still cover them. Only those rows stay open. Returns the number of
     /// such voxels.
-    fn remove_unreached_counting_doubtful(
+    fn remove_unreached_counting_doubtful<const K: usize>(
         &mut self,
-        volume: &mut Volume<N>,
+        volume: &mut Volume<N, K>,
         y: usize,
         nonempty_along_z: <Grid<N> as Size>::Row,
     ) -> usize {
@@ -182,9 +193,9 @@ where
 
     /// Updates the open rows from the maps. Returns the unreached voxels that closure keeps.
     /// `nonempty_along_y` is by z, `doubtful_voxels` their number at most.
-    fn close_in_open_rows(
+    fn close_in_open_rows<const K: usize>(
         &mut self,
-        volume: &mut Volume<N>,
+        volume: &mut Volume<N, K>,
         nonempty_along_y: &[<Grid<N> as Size>::Row; N],
         doubtful_voxels: usize,
     ) -> KeptVoxels {
@@ -232,11 +243,11 @@ struct EndScan<R> {
 /// Scans rows in the given order of positions along the columns and moves one end of each column's range
 /// to the first row that is set there. `with_end` gives a range this end.
 #[inline]
-fn move_range_ends<R: BitSet, const N: usize>(
+fn move_range_ends<R: BitSet, const N: usize, const K: usize>(
     mut columns: R,
     positions: impl Iterator<Item = usize>,
     row_at: impl Fn(usize) -> R,
-    line: &mut [Column; N],
+    line: &mut [Column<K>; N],
     with_end: impl Fn(Range, usize) -> Range,
 ) -> EndScan<R> {
     let mut changed = R::EMPTY;
@@ -249,7 +260,7 @@ fn move_range_ends<R: BitSet, const N: usize>(
             for place in found.iter_ones() {
                 let range = with_end(line[place].0[0], position);
                 changed.insert_if(line[place].0[0] != range, place);
-                line[place] = Column([range]);
+                line[place].0[0] = range;
             }
             columns &= !found;
         }

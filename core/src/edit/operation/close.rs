@@ -1,6 +1,6 @@
 //! Closure after an edit: occupies every voxel that all three ranges hold.
 
-use super::pass::{EditPass, iter_voxels, word_window_of_span};
+use super::pass::{EditPass, iter_voxels};
 use super::{EditOperation, LineFlips};
 use crate::edit::brush::BrushBounds;
 use crate::volume::journal::Journal;
@@ -8,7 +8,7 @@ use crate::volume::range_maps::{Axis, RowAddress};
 use crate::volume::row::{BitRow, BitSet};
 use crate::volume::size::{Grid, Size};
 
-impl<const N: usize, const W: usize, J: Journal<N>> EditPass<'_, N, W, J>
+impl<const N: usize, const K: usize, const W: usize, J: Journal<N, K>> EditPass<'_, N, K, W, J>
 where
     Grid<N>: Size,
 {
@@ -18,8 +18,9 @@ where
         for y in self.bounds.lo[1]..=self.bounds.hi[1] {
             let LineFlips { flipped, between, .. } = self.scratch.along_z[y];
             for z in iter_voxels(between) {
-                let along_x = self.volume.maps().column(Axis::X, (y, z)).hull();
-                let among: BitRow<W> = word_window_of_span(self.first_word, along_x)
+                let along_x: <Grid<N> as Size>::Row =
+                    self.volume.maps().column(Axis::X, (y, z)).to_row();
+                let among: BitRow<W> = along_x.word_span(self.first_word)
                     & !self.volume.rows().row(y, z).word_span(self.first_word)
                     & flipped.word_span(0)
                     & self.scratch.along_y[z].flipped.word_span(0);

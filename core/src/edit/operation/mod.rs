@@ -210,9 +210,9 @@ where
 ///
 /// # Errors
 /// [`BrushTooLarge`] for a smoothing brush of more rows than there is room to remember.
-pub fn apply_edit<const N: usize, J: Journal<N>>(
-    volume: &mut Volume<N>,
-    mask: &RangeMaps<N>,
+pub fn apply_edit<const N: usize, const K: usize, J: Journal<N, K>>(
+    volume: &mut Volume<N, K>,
+    mask: &RangeMaps<N, K>,
     edit: &Edit<'_>,
     scratch: &mut EditScratch<N>,
     journal: &mut J,
@@ -230,15 +230,29 @@ where
     let WordWindow { first_word, word_count } = find_word_window::<N>(edit, bounds);
     let report = EditReport::default();
     Ok(match word_count {
-        1 => {
-            EditPass::<N, 1, J> { volume, mask, edit, scratch, journal, bounds, first_word, report }
-                .run()
+        1 => EditPass::<N, K, 1, J> {
+            volume,
+            mask,
+            edit,
+            scratch,
+            journal,
+            bounds,
+            first_word,
+            report,
         }
-        2 => {
-            EditPass::<N, 2, J> { volume, mask, edit, scratch, journal, bounds, first_word, report }
-                .run()
+        .run(),
+        2 => EditPass::<N, K, 2, J> {
+            volume,
+            mask,
+            edit,
+            scratch,
+            journal,
+            bounds,
+            first_word,
+            report,
         }
-        _ => EditPass::<N, 4, J> {
+        .run(),
+        _ => EditPass::<N, K, 4, J> {
             volume,
             mask,
             edit,

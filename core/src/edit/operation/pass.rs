@@ -13,12 +13,12 @@ use crate::volume::size::{Grid, Size};
 
 /// An edit that reads and flips `W` words of each row, from word `first_word` on. Bit i of a `BitRow<W>`
 /// is voxel `64 * first_word + i`.
-pub(super) struct EditPass<'a, const N: usize, const W: usize, J>
+pub(super) struct EditPass<'a, const N: usize, const K: usize, const W: usize, J>
 where
     Grid<N>: Size,
 {
-    pub(super) volume: &'a mut Volume<N>,
-    pub(super) mask: &'a RangeMaps<N>,
+    pub(super) volume: &'a mut Volume<N, K>,
+    pub(super) mask: &'a RangeMaps<N, K>,
     pub(super) edit: &'a Edit<'a>,
     pub(super) scratch: &'a mut EditScratch<N>,
     pub(super) journal: &'a mut J,
@@ -27,7 +27,7 @@ where
     pub(super) report: EditReport,
 }
 
-impl<const N: usize, const W: usize, J: Journal<N>> EditPass<'_, N, W, J>
+impl<const N: usize, const K: usize, const W: usize, J: Journal<N, K>> EditPass<'_, N, K, W, J>
 where
     Grid<N>: Size,
 {
@@ -160,9 +160,10 @@ where
             if flips.is_empty() {
                 continue;
             }
-            let hull = Column([self.flip_row_returning_hull((y, z), flips)]);
-            moved.insert_if(hull != columns[z], z);
-            columns[z] = hull;
+            let row = self.flip_row((y, z), flips);
+            let column = Column::closed_over(row, &columns[z]);
+            moved.insert_if(column != columns[z], z);
+            columns[z] = column;
             self.scratch.along_y[z].note_flips(flips, y);
             (flipped, between) = (flipped | flips, between.extended_to(z));
         }
@@ -172,13 +173,13 @@ where
         }
     }
 
-    /// Flips voxels of row (y, z). Returns the hull of the new row.
+    /// Flips voxels of row (y, z). Returns the new row.
     #[inline]
-    fn flip_row_returning_hull(&mut self, (y, z): RowAddress, flips: BitRow<W>) -> Range {
+    fn flip_row(&mut self, (y, z): RowAddress, flips: BitRow<W>) -> <Grid<N> as Size>::Row {
         let row = self.volume.rows_mut().row_mut(y, z);
         let here = row.word_span(self.first_word);
         row.set_word_span(self.first_word, here ^ flips);
-        let hull = Range::hull_of(*row);
+        let flipped = *row;
         let (removed, added) = (flips & here, flips & !here);
         if !removed.is_empty() {
             self.report.removed += removed.count_ones();
@@ -187,7 +188,7 @@ where
             self.report.added += added.count_ones();
             self.journal.record_added((y, z), BitSet::from_word_span(self.first_word, added));
         }
-        hull
+        flipped
     }
 
     /// The index of row (y, z) among those that a smoothing edit saves.
@@ -200,9 +201,9 @@ where
 impl EditReport {
     /// The voxels of `removed` that the mask doesn't protect; the others are counted as refused. Bit 0
     /// is the first of word `first_word`.
-    fn exclude_masked<const N: usize, const W: usize>(
+    fn exclude_masked<const N: usize, const K: usize, const W: usize>(
         &mut self,
-        mask: &RangeMaps<N>,
+        mask: &RangeMaps<N, K>,
         row: RowAddress,
         first_word: usize,
         removed: BitRow<W>,

@@ -2,13 +2,14 @@
 
 use super::pass::EditPass;
 use super::{EditOperation, LineFlips};
+use crate::volume::closure::ClosingLine;
 use crate::volume::journal::Journal;
 use crate::volume::range::Range;
 use crate::volume::range_maps::{Axis, Column};
 use crate::volume::row::{BitRow, BitSet};
 use crate::volume::size::{Grid, Size};
 
-impl<const N: usize, const W: usize, J: Journal<N>> EditPass<'_, N, W, J>
+impl<const N: usize, const K: usize, const W: usize, J: Journal<N, K>> EditPass<'_, N, K, W, J>
 where
     Grid<N>: Size,
 {
@@ -20,11 +21,11 @@ where
                 continue;
             }
             let rows = self.volume.rows().row_strip::<W>(self.first_word);
-            let mut columns = *self.volume.maps().line(Axis::Y, z);
+            let before = self.volume.maps().line(Axis::Y, z);
+            let mut columns = *before;
+            let flips = (flipped.word_span(0), between);
             let moved =
-                self.tighten_flipped_columns(&mut columns, flipped.word_span(0), between, |y| {
-                    rows.row(y, z)
-                });
+                self.tighten_flipped_columns(before, &mut columns, flips, |y| rows.row(y, z));
             let ColumnGrowth { grown, growth } = self.replace_columns(Axis::Y, z, moved, &columns);
             self.scratch.along_y[z] = LineFlips { flipped, between, grown, growth };
         }
@@ -39,32 +40,35 @@ where
     ) {
         let (flipped, between) = (flipped_columns, flipped_z);
         let rows = self.volume.rows().row_strip::<W>(self.first_word);
-        let mut columns = *self.volume.maps().line(Axis::Z, y);
-        let moved =
-            self.tighten_flipped_columns(&mut columns, flipped, between, |z| rows.row(y, z));
+        let before = self.volume.maps().line(Axis::Z, y);
+        let mut columns = *before;
+        let flips = (flipped, between);
+        let moved = self.tighten_flipped_columns(before, &mut columns, flips, |z| rows.row(y, z));
         let ColumnGrowth { grown, growth } = self.replace_columns(Axis::Z, y, moved, &columns);
         let flipped = BitSet::from_word_span(0, flipped);
         self.scratch.along_z[y] = LineFlips { flipped, between, grown, growth };
     }
 
     /// Tightens the columns of a line in which voxels were flipped. `row_at(i)` is the line's row at
-    /// position `i` along the columns, `flipped_positions` holds all flips. Returns the columns that may
-    /// have changed. All ends that may have moved
-    /// are searched for together.
+    /// position `i` along the columns; the flips are given by their columns and by a range of positions
+    /// that holds all. Returns the columns that may have changed. All ends that may have moved are
+    /// searched for together.
     #[inline]
     fn tighten_flipped_columns(
         &self,
-        columns: &mut [Column; N],
-        flipped_columns: BitRow<W>,
-        flipped_positions: Range,
+        before: &[Column<K>; N],
+        columns: &mut [Column<K>; N],
+        (flipped_columns, between): (BitRow<W>, Range),
         row_at: impl Fn(usize) -> BitRow<W>,
     ) -> <Grid<N> as Size>::Row {
-        let (columns, between) = (&mut columns[64 * self.first_word..], flipped_positions);
+        let before = &before[64 * self.first_word..];
+        let columns = &mut columns[64 * self.first_word..];
         let carve = matches!(self.edit.operation, EditOperation::Carve { .. });
         let (mut seek_lo, mut seek_hi) = (BitRow::EMPTY, BitRow::EMPTY);
         let (mut least, mut greatest) = (between.first(), between.last());
         for x in flipped_columns.iter_ones() {
-            let old = columns[x].hull();
+            let old = before[x].hull();
+            columns[x] = Column::from_range(old);
             (least, greatest) = (least.min(old.first()), greatest.max(old.last()));
             // An end is unchanged if its voxel is still occupied (carve) or lies beyond the flips.
             let stands = |end, beyond| if carve { row_at(end).contains(x) } else { beyond };
@@ -72,16 +76,25 @@ where
             seek_hi.insert_if(!stands(old.last(), between.last() < old.last()), x);
         }
         visit_first_occupied(seek_hi, (least..between.last() + 1).rev(), &row_at, |found| {
-            let column = &mut columns[found.x];
-            *column = Column([column.0[0].with_last(found.position)]);
+            let hull = &mut columns[found.x].0[0];
+            *hull = hull.with_last(found.position);
         });
         let empty =
             visit_first_occupied(seek_lo, between.first()..greatest + 1, &row_at, |found| {
-                let column = &mut columns[found.x];
-                *column = Column([column.0[0].with_first(found.position)]);
+                let hull = &mut columns[found.x].0[0];
+                *hull = hull.with_first(found.position);
             });
         empty.iter_ones().for_each(|x| columns[x] = Column::EMPTY);
-        BitSet::from_word_span(self.first_word, seek_lo | seek_hi)
+        let mut moved = seek_lo | seek_hi;
+        if K > 1 {
+            let changed = if carve { between } else { Range::new(least, greatest) };
+            ClosingLine { before, after: columns, changed }
+                .insert_gaps::<_, <Grid<N> as Size>::Row>(flipped_columns, &row_at);
+            for x in flipped_columns.iter_ones() {
+                moved.insert_if(columns[x] != before[x], x);
+            }
+        }
+        BitSet::from_word_span(self.first_word, moved)
     }
 
     /// Replaces the columns of a line at `places`. Returns their growth where an edit adds voxels, else
@@ -92,7 +105,7 @@ where
         axis: Axis,
         line: usize,
         mut places: <Grid<N> as Size>::Row,
-        columns: &[Column; N],
+        columns: &[Column<K>; N],
     ) -> ColumnGrowth<<Grid<N> as Size>::Row> {
         let mut grown = <Grid<N> as Size>::Row::EMPTY;
         let mut growth = Range::EMPTY;
@@ -101,9 +114,7 @@ where
             for place in places.iter_ones() {
                 if columns[place] == old[place] {
                     places.toggle(place);
-                } else if let Some(by) =
-                    range_covering_growth(old[place].hull(), columns[place].hull())
-                {
+                } else if let Some(by) = range_covering_growth::<N, K>(old[place], columns[place]) {
                     grown.insert(place);
                     growth = growth.hull_with(by);
                 }
@@ -114,9 +125,25 @@ where
     }
 }
 
-/// An interval that covers the growth of a range; `None` if it didn't grow.
+/// An interval that covers what `new` holds and `old` doesn't; `None` if that is nothing.
 #[inline]
-fn range_covering_growth(old: Range, new: Range) -> Option<Range> {
+fn range_covering_growth<const N: usize, const K: usize>(
+    old: Column<K>,
+    new: Column<K>,
+) -> Option<Range>
+where
+    Grid<N>: Size,
+{
+    if !old.has_gaps() && !new.has_gaps() {
+        return range_covering_hull_growth(old.hull(), new.hull());
+    }
+    let growth = new.to_row::<<Grid<N> as Size>::Row>() & !old.to_row::<<Grid<N> as Size>::Row>();
+    (!growth.is_empty()).then(|| Range::hull_of(growth))
+}
+
+/// The same for columns of one interval.
+#[inline]
+fn range_covering_hull_growth(old: Range, new: Range) -> Option<Range> {
     if new.is_empty() || old.first() <= new.first() && new.last() <= old.last() {
         return None;
     }

@@ -1,19 +1,18 @@
 //! Serialisation and digest of the undo history.
 
 use super::packed::{
-    EntryCell, EntryColumns, column_from_cell, digest_sum, digest_term, flag_cell_count,
+    EntryCell, EntryColumns, column_from_cells, digest_sum, digest_term, flag_cell_count,
     word_from_cells,
 };
 use super::{PackedEntry, UndoHistory, UnpackedEntry};
 use crate::codec::bytes::{BadBytes, ByteReader, ByteWriter};
 use crate::codec::digest::mix_bits;
 use crate::limits::UNDO_ENTRIES;
-use crate::volume::range::Range;
-use crate::volume::range_maps::Axis;
+use crate::volume::range_maps::{Axis, Column};
 use crate::volume::row::BitSet;
 use crate::volume::size::{Grid, Size};
 
-impl<const N: usize> UndoHistory<N>
+impl<const N: usize, const K: usize> UndoHistory<N, K>
 where
     Grid<N>: Size,
 {
@@ -33,11 +32,11 @@ where
                 sum = sum.wrapping_add(digest_term(axis, (line, place), other));
             }
         }
-        self.digest_with(sum, |_, cells| digest_sum::<N>(cells))
+        self.digest_with(sum, |_, cells| digest_sum::<N, K>(cells))
     }
 
     fn digest_with(&self, head: u64, packed: impl Fn(&PackedEntry, &[EntryCell]) -> u64) -> u64 {
-        let mut cells = self.cells.as_flattened().as_flattened();
+        let mut cells = self.cells.as_flattened().as_flattened().as_flattened();
         let mut digest = mix_bits(
             u64::from(self.applied) << 2 | u64::from(self.has_head) << 1 | u64::from(self.fresh),
         );
@@ -54,7 +53,7 @@ where
         out.u16(self.packed.len() as u16);
         out.u16(self.applied);
         out.u8(u8::from(self.has_head) | u8::from(self.fresh) << 1);
-        let mut cells = self.cells.as_flattened().as_flattened();
+        let mut cells = self.cells.as_flattened().as_flattened().as_flattened();
         for entry in &self.packed {
             let (these, rest) = cells.split_at(entry.cells as usize);
             out.u32(entry.cells);
@@ -93,40 +92,43 @@ where
         }
         let mut used = 0;
         for _ in 0..count {
-            let entry = read_entry::<N>(bytes)?;
-            let room = self.cells.as_flattened_mut().as_flattened_mut().get_mut(used..);
+            let entry = read_entry::<N, K>(bytes)?;
+            let room =
+                self.cells.as_flattened_mut().as_flattened_mut().as_flattened_mut().get_mut(used..);
             let room = room.and_then(|room| room.get_mut(..entry.len()));
             room.ok_or(bytes.error_here("fewer undo columns"))?.copy_from_slice(entry);
             used += entry.len();
-            let packed = PackedEntry { cells: entry.len() as u32, sum: digest_sum::<N>(entry) };
+            let packed = PackedEntry { cells: entry.len() as u32, sum: digest_sum::<N, K>(entry) };
             self.packed.push(packed).map_err(|_| bytes.error_here("fewer undo entries"))?;
         }
         if has_head {
-            self.head.set_from_packed(read_entry::<N>(bytes)?);
+            self.head.set_from_packed(read_entry::<N, K>(bytes)?);
         }
         (self.applied, self.has_head, self.fresh) = (applied, has_head, flags & 2 != 0);
         Ok(())
     }
 }
 
-impl<const N: usize> UnpackedEntry<N>
+impl<const N: usize, const K: usize> UnpackedEntry<N, K>
 where
     Grid<N>: Size,
 {
     /// Sets the entry from a packed one, which must be valid.
     fn set_from_packed(&mut self, entry: &[EntryCell]) {
         self.clear();
-        self.sum = digest_sum::<N>(entry);
+        self.sum = digest_sum::<N, K>(entry);
         let (columns, values) = EntryColumns::<N>::split_columns_and_values(entry);
-        for ((axis, (line, place)), cell) in columns.zip(values) {
+        for ((axis, (line, place)), cells) in columns.zip(values.as_chunks().0) {
             self.insert_columns(axis, line, BitSet::span(place, place));
-            self.others[axis as usize][line][place] = column_from_cell::<N>(*cell);
+            self.others[axis as usize][line][place] = column_from_cells::<N, K>(*cells);
         }
     }
 }
 
 /// Reads a packed entry and validates it.
-fn read_entry<'a, const N: usize>(bytes: &mut ByteReader<'a>) -> Result<&'a [EntryCell], BadBytes>
+fn read_entry<'a, const N: usize, const K: usize>(
+    bytes: &mut ByteReader<'a>,
+) -> Result<&'a [EntryCell], BadBytes>
 where
     Grid<N>: Size,
 {
@@ -142,6 +144,6 @@ where
     let grid: u64 = Grid::<N>::FULL.word(0);
     let fits = columns.words.iter().map(word_from_cells).all(|word| word != 0 && word & !grid == 0);
     let count: u32 = columns.words.iter().map(|word| word_from_cells(word).count_ones()).sum();
-    let ranges = values.iter().all(|cell| Range::from_bytes(*cell, N).is_some());
-    if fits && ranges && count as usize == values.len() { Ok(cells) } else { Err(bad) }
+    let valid = values.as_chunks::<K>().0.iter().all(|c| Column::from_bytes(*c, N).is_some());
+    if fits && valid && count as usize * K == values.len() { Ok(cells) } else { Err(bad) }
 }

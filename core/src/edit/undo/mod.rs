@@ -6,7 +6,7 @@
 //! the oldest is dropped when space runs out.
 //!
 //! A packed entry is a sequence of cells of two bytes: a bitmap of the columns as words of 64 (map
-//! by map, line by line) without the zero words, behind one flag a word; then a range for each
+//! by map, line by line) without the zero words, behind one flag a word; then the K ranges of each
 //! column in that order.
 
 mod bytes;
@@ -23,19 +23,18 @@ use crate::volume::range_maps::{Axis, Column, ColumnAddress};
 use crate::volume::row::BitSet;
 use crate::volume::size::{Grid, Size};
 use packed::{
-    EntryCell, EntryColumns, cell_from_column, column_from_cell, digest_term, flag_cell_count,
-    nonzero_column_number,
+    EntryCell, EntryColumns, column_from_cells, digest_term, flag_cell_count, nonzero_column_number,
 };
 
 /// The strokes that can be undone and redone in a volume of N^3 voxels.
 #[derive(Debug)]
-pub struct UndoHistory<const N: usize>
+pub struct UndoHistory<const N: usize, const K: usize = 1>
 where
     Grid<N>: Size,
 {
-    head: UnpackedEntry<N>,
+    head: UnpackedEntry<N, K>,
     /// The packed entries.
-    cells: [[[EntryCell; N]; N]; UNDO_PLANES],
+    cells: [[[[EntryCell; K]; N]; N]; UNDO_PLANES],
     packed: Vec<PackedEntry, UNDO_ENTRIES, u16>,
     /// Number of applied entries; those after them are undone.
     applied: u16,
@@ -46,7 +45,7 @@ where
 
 /// The newest entry. Empty where `changed` is.
 #[derive(Debug)]
-struct UnpackedEntry<const N: usize>
+struct UnpackedEntry<const N: usize, const K: usize = 1>
 where
     Grid<N>: Size,
 {
@@ -55,7 +54,7 @@ where
     /// Bit `line` of `lines[axis]`: a line that holds such a column.
     lines: [<Grid<N> as Size>::Row; 3],
     /// The other values of the entry's columns; meaningless elsewhere.
-    others: [[[Column; N]; N]; 3],
+    others: [[[Column<K>; N]; N]; 3],
     sum: u64,
 }
 
@@ -69,7 +68,7 @@ pub struct UndoCounts {
 }
 
 /// The columns of an entry that lie in one line.
-struct EntryLine<'a, const N: usize>
+struct EntryLine<'a, const N: usize, const K: usize = 1>
 where
     Grid<N>: Size,
 {
@@ -77,7 +76,7 @@ where
     line_of_maps: usize,
     columns: <Grid<N> as Size>::Row,
     /// Their other values; meaningless elsewhere.
-    others: &'a [Column; N],
+    others: &'a [Column<K>; N],
 }
 
 /// A word of an entry's bitmap of columns.
@@ -94,7 +93,7 @@ struct PackedEntry {
     sum: u64,
 }
 
-impl<const N: usize> UndoHistory<N>
+impl<const N: usize, const K: usize> UndoHistory<N, K>
 where
     Grid<N>: Size,
 {
@@ -109,7 +108,7 @@ where
                 others: [[[Column::EMPTY; N]; N]; 3],
                 sum: 0,
             },
-            cells: [[[[0; 2]; N]; N]; UNDO_PLANES],
+            cells: [[[[[0; 2]; K]; N]; N]; UNDO_PLANES],
             packed: Vec::new(),
             applied: 0,
             has_head: false,
@@ -137,7 +136,7 @@ where
         axis: Axis,
         line: usize,
         places: <Grid<N> as Size>::Row,
-        old_columns: &[Column; N],
+        old_columns: &[Column<K>; N],
     ) {
         if self.fresh && !places.is_empty() {
             self.open_entry();
@@ -152,7 +151,7 @@ where
         axis: Axis,
         line: usize,
         places: <Grid<N> as Size>::Row,
-        old_columns: &[Column; N],
+        old_columns: &[Column<K>; N],
     ) {
         if places.is_empty() {
             return;
@@ -181,7 +180,7 @@ where
 
     /// Undoes the newest applied entry and marks its columns in `dirty` as one edit. Returns `false`
     /// when there is none.
-    pub fn try_undo(&mut self, volume: &mut Volume<N>, dirty: &mut DirtyRects) -> bool {
+    pub fn try_undo(&mut self, volume: &mut Volume<N, K>, dirty: &mut DirtyRects) -> bool {
         if self.applied == 0 {
             return false;
         }
@@ -191,7 +190,7 @@ where
     }
 
     /// Redoes the oldest undone entry, likewise. Returns `false` when there is none.
-    pub fn try_redo(&mut self, volume: &mut Volume<N>, dirty: &mut DirtyRects) -> bool {
+    pub fn try_redo(&mut self, volume: &mut Volume<N, K>, dirty: &mut DirtyRects) -> bool {
         if usize::from(self.applied) == self.len() {
             return false;
         }
@@ -228,7 +227,7 @@ where
         let need = self.head.packed_cell_count();
         self.make_room_for_cells(need);
         let mut end = self.count_packed_cells();
-        let cells = self.cells.as_flattened_mut().as_flattened_mut();
+        let cells = self.cells.as_flattened_mut().as_flattened_mut().as_flattened_mut();
         self.head.write_packed(|cell| {
             cells[end] = cell;
             end += 1;
@@ -239,14 +238,18 @@ where
 
     /// Drops the oldest entries until one of `needed` cells fits after the rest.
     fn make_room_for_cells(&mut self, needed: usize) {
-        let room = UNDO_PLANES * N * N;
+        let room = UNDO_PLANES * N * N * K;
         let (mut dropped, mut freed, used) = (0, 0, self.count_packed_cells());
         while used - freed + needed > room || self.packed.len() - dropped == UNDO_ENTRIES {
             freed += self.packed[dropped].cells as usize;
             dropped += 1;
         }
         if dropped > 0 {
-            self.cells.as_flattened_mut().as_flattened_mut().copy_within(freed..used, 0);
+            self.cells
+                .as_flattened_mut()
+                .as_flattened_mut()
+                .as_flattened_mut()
+                .copy_within(freed..used, 0);
             self.packed.rotate_left(dropped);
             self.packed.truncate(self.packed.len() - dropped);
         }
@@ -258,9 +261,9 @@ where
     }
 
     /// Swaps the values of entry `index` with the volume's columns.
-    fn swap_entry(&mut self, index: usize, volume: &mut Volume<N>, dirty: &mut DirtyRects) {
+    fn swap_entry(&mut self, index: usize, volume: &mut Volume<N, K>, dirty: &mut DirtyRects) {
         let mut sum = 0u64;
-        let mut exchange = |axis, at, theirs: Column| {
+        let mut exchange = |axis, at, theirs: Column<K>| {
             let ours = volume.replace_column_leaving_bit_rows(axis, at, theirs);
             if ours != theirs {
                 dirty.mark_column(axis, at);
@@ -270,11 +273,11 @@ where
         };
         if index < self.packed.len() {
             let start = self.packed[..index].iter().map(|entry| entry.cells as usize).sum();
-            let cells = self.cells.as_flattened_mut().as_flattened_mut();
+            let cells = self.cells.as_flattened_mut().as_flattened_mut().as_flattened_mut();
             let (columns, values) =
                 EntryColumns::<N>::split_columns_and_values_mut(&mut cells[start..]);
-            for ((axis, at), cell) in columns.zip(values) {
-                *cell = cell_from_column(exchange(axis, at, column_from_cell::<N>(*cell)));
+            for ((axis, at), cells) in columns.zip(values.as_chunks_mut().0) {
+                *cells = exchange(axis, at, column_from_cells::<N, K>(*cells)).to_bytes();
             }
             self.packed[index].sum = sum;
         } else {
@@ -288,7 +291,7 @@ where
     }
 }
 
-impl<const N: usize> UnpackedEntry<N>
+impl<const N: usize, const K: usize> UnpackedEntry<N, K>
 where
     Grid<N>: Size,
 {
@@ -307,7 +310,7 @@ where
         self.lines[axis as usize].insert(line);
     }
 
-    fn visit_columns(&mut self, mut visit: impl FnMut(Axis, ColumnAddress, &mut Column)) {
+    fn visit_columns(&mut self, mut visit: impl FnMut(Axis, ColumnAddress, &mut Column<K>)) {
         for axis in Axis::ALL {
             for line in self.lines[axis as usize].iter_ones() {
                 for place in self.changed[axis as usize][line].iter_ones() {
@@ -319,7 +322,7 @@ where
 
     /// Visits each line of the entry.
     #[inline]
-    fn visit_lines(&self, mut visit: impl FnMut(EntryLine<'_, N>)) {
+    fn visit_lines(&self, mut visit: impl FnMut(EntryLine<'_, N, K>)) {
         for axis in 0..3 {
             for line in self.lines[axis].iter_ones() {
                 visit(EntryLine {
@@ -347,7 +350,7 @@ where
     /// Cells that [`UnpackedEntry::write_packed`] emits.
     fn packed_cell_count(&self) -> usize {
         let mut cells = flag_cell_count::<N>();
-        self.visit_bitmap_words(|word| cells += 4 + word.bits.count_ones() as usize);
+        self.visit_bitmap_words(|word| cells += 4 + K * word.bits.count_ones() as usize);
         cells
     }
 
@@ -368,7 +371,7 @@ where
             word.bits.to_le_bytes().as_chunks().0.iter().for_each(|cell| emit(*cell));
         });
         self.visit_lines(|EntryLine { columns, others, .. }| {
-            columns.iter_ones().for_each(|place| emit(cell_from_column(others[place])));
+            columns.iter_ones().flat_map(|place| others[place].to_bytes()).for_each(&mut emit);
         });
     }
 }

@@ -1,7 +1,6 @@
-//! Packed undo entries: a bitmap of columns without its zero words, then their values.
+//! Packed undo entries: a bitmap of columns without its zero words, then their values, K cells each.
 
 use crate::volume::column_digest::{column_key, column_number};
-use crate::volume::range::Range;
 use crate::volume::range_maps::{Axis, Column, ColumnAddress};
 use crate::volume::row::BitSet;
 use crate::volume::size::{Grid, Size};
@@ -84,39 +83,37 @@ where
 }
 
 /// The sum of [`digest_term`] over the columns of the entry at the start of `cells`.
-pub(super) fn digest_sum<const N: usize>(cells: &[EntryCell]) -> u64
+pub(super) fn digest_sum<const N: usize, const K: usize>(cells: &[EntryCell]) -> u64
 where
     Grid<N>: Size,
 {
     let (columns, values) = EntryColumns::<N>::split_columns_and_values(cells);
     let terms = columns
-        .zip(values)
-        .map(|((axis, at), cell)| digest_term(axis, at, column_from_cell::<N>(*cell)));
+        .zip(values.as_chunks().0)
+        .map(|((axis, at), cells)| digest_term(axis, at, column_from_cells::<N, K>(*cells)));
     terms.fold(0, u64::wrapping_add)
 }
 
 /// What a column adds to the digest of an entry: unlike [`crate::volume::column_digest::column_digest`] not
 /// nothing when it is empty, as it counts that the entry holds it.
 #[inline]
-pub(super) fn digest_term(axis: Axis, at: ColumnAddress, column: Column) -> u64 {
+pub(super) fn digest_term<const K: usize>(axis: Axis, at: ColumnAddress, column: Column<K>) -> u64 {
     column_key(axis, at).wrapping_mul(nonzero_column_number(column))
 }
 
 /// A column's bytes as a number other than 0.
 #[inline]
-pub(super) fn nonzero_column_number(column: Column) -> u64 {
-    column_number(column) | 1 << 16
+pub(super) fn nonzero_column_number<const K: usize>(column: Column<K>) -> u64 {
+    // No column has all bits of its number set: two intervals can't both begin at 0.
+    if K == 1 { column_number(column) | 1 << 16 } else { column_number(column) + 1 }
 }
 
+/// The column of these cells, which are [`Column::to_bytes`] or were checked.
 #[inline]
-pub(super) fn cell_from_column(column: Column) -> EntryCell {
-    column.0[0].to_bytes()
-}
-
-/// The inverse of [`cell_from_column`], for bytes it made or that were checked.
-#[inline]
-pub(super) fn column_from_cell<const N: usize>(cell: EntryCell) -> Column {
-    Column([Range::from_bytes(cell, N).unwrap_or(Range::EMPTY)])
+pub(super) fn column_from_cells<const N: usize, const K: usize>(
+    cells: [EntryCell; K],
+) -> Column<K> {
+    Column::from_bytes(cells, N).unwrap_or(Column::EMPTY)
 }
 
 #[inline]

@@ -3,7 +3,7 @@
 
 use std::mem;
 
-use paros_core::limits::max_save_bytes;
+use paros_core::limits::{LAYERS, max_save_bytes};
 use paros_core::{Grid, SessionState, Size, TICK_RATE, World, WorldEvent};
 
 use super::session::LiveSession;
@@ -54,7 +54,7 @@ impl Autosave {
         let buffer = WriteJob {
             kind: FileKind::Session,
             destination: Destination::Replace(vec![paths.session_file(N)]),
-            contents: vec![vec![0; max_save_bytes(N)]],
+            contents: vec![vec![0; max_save_bytes(N, LAYERS)]],
         };
         Autosave {
             state: SaveState::Saved,

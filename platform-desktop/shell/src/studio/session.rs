@@ -3,7 +3,7 @@
 
 use std::io::ErrorKind;
 
-use paros_core::limits::max_save_bytes;
+use paros_core::limits::{LAYERS, max_save_bytes};
 use paros_core::{Grid, SessionState, Size, UndoCounts, World};
 
 use super::Notice;
@@ -66,7 +66,7 @@ where
     /// Encodes the world into `bytes`, which are overwritten. Allocates nothing if their capacity is
     /// enough for any save.
     pub(super) fn encode_into(&self, bytes: &mut Vec<u8>) {
-        bytes.resize(max_save_bytes(N), 0);
+        bytes.resize(max_save_bytes(N, LAYERS), 0);
         let len = self.world.save(bytes);
         debug_assert!(len <= bytes.len(), "a world of {len} bytes");
         bytes.truncate(len);

@@ -1,6 +1,7 @@
 //! Edits against the model: every voxel, every count of the report, every journalled column.
 
 mod harness;
+mod layers;
 
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
@@ -13,7 +14,9 @@ use paros_core::{
     SUBUNITS_PER_VOXEL, Size, apply_edit,
 };
 use paros_models::dense::{DenseVolume, MaskedVolume, closed_volumes_with_inner_mask};
-use paros_models::edit::{ExpectedEdit, assert_edit_invariants, expected_edit};
+use paros_models::edit::{
+    ExpectedEdit, assert_edit_invariants, assert_mirror_is_kept, expected_edit,
+};
 use proptest::prelude::*;
 
 use harness::{BrushSpec, EditHarness, JournalNotes, Stroke, any_strokes};
@@ -75,6 +78,9 @@ where
     assert_eq!(notes.added, after.difference(volume), "added");
     assert_columns_are_changes(&notes, &harness.before, harness.volume.maps());
     assert_edit_invariants(volume, mask, &dense, operation, mirrored, &after);
+    if mirrored {
+        assert_mirror_is_kept(volume, mask, &after);
+    }
     after
 }
 

@@ -1,0 +1,119 @@
+//! Model of a volume of K intervals a column: three lists of intervals beside one boolean a voxel, and the
+//! closure rule by its naive definition.
+
+use paros_core::Axis;
+
+use crate::dense::DenseVolume;
+
+/// The intervals of a column, lowest first: first voxel and last.
+pub type Intervals = Vec<(usize, usize)>;
+
+/// A volume with its maps, which are history beside the voxels: which gaps a column holds depends on the
+/// edits before.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct LayeredVolume {
+    layers: usize,
+    voxels: DenseVolume,
+    /// By axis, then by line and place.
+    columns: [Vec<Intervals>; 3],
+}
+
+impl LayeredVolume {
+    /// The closure of `voxels` in columns of at most `layers` intervals that held no gap before.
+    pub fn new(voxels: &DenseVolume, layers: usize) -> Self {
+        let n = voxels.side();
+        let columns = Axis::ALL.map(|_| vec![Vec::new(); n * n]);
+        let mut volume = LayeredVolume { layers, voxels: DenseVolume::empty(n), columns };
+        volume.become_closure_of(voxels);
+        volume
+    }
+
+    /// The occupied voxels.
+    pub fn voxels(&self) -> &DenseVolume {
+        &self.voxels
+    }
+
+    /// The intervals of the column at (line, place).
+    pub fn column(&self, axis: Axis, (line, place): (usize, usize)) -> &Intervals {
+        &self.columns[axis as usize][line * self.voxels.side() + place]
+    }
+
+    /// Becomes what follows when an edit's exact result is `exact`: the columns in which it differs from the
+    /// volume by the closure rule, then the voxels that all three columns hold.
+    pub fn become_closure_of(&mut self, exact: &DenseVolume) {
+        let n = self.voxels.side();
+        for axis in Axis::ALL {
+            for at in 0..n * n {
+                let voxel = |i: usize| axis.voxel_at((at / n, at % n), i).map(|i| i as i32);
+                if (0..n).any(|i| exact.contains(voxel(i)) != self.voxels.contains(voxel(i))) {
+                    let bits: Vec<_> = (0..n).map(|i| exact.contains(voxel(i))).collect();
+                    let column = &mut self.columns[axis as usize][at];
+                    *column = closed_intervals(&bits, column, self.layers);
+                }
+            }
+        }
+        self.voxels = DenseVolume::from_fn(n, |voxel| {
+            let voxel = voxel.map(|i| i as usize);
+            Axis::ALL.iter().all(|&axis| {
+                let column = self.column(axis, axis.column_address(voxel));
+                column.iter().any(|&(lo, hi)| (lo..=hi).contains(&voxel[axis as usize]))
+            })
+        });
+    }
+
+    /// Asserts what holds for every volume: each interval is tight, and a column with fewer than K - 1 gaps
+    /// has no other empty run inside its hull.
+    ///
+    /// # Panics
+    /// One does not hold.
+    pub fn assert_tight_and_saturated(&self) {
+        let n = self.voxels.side();
+        for axis in Axis::ALL {
+            for at in (0..n * n).map(|at| (at / n, at % n)) {
+                let column = self.column(axis, at);
+                let occupied = |i| self.voxels.contains(axis.voxel_at(at, i).map(|i| i as i32));
+                for &(lo, hi) in column {
+                    assert!(occupied(lo) && occupied(hi), "{axis:?} {at:?} isn't tight");
+                    if column.len() < self.layers {
+                        assert!((lo..=hi).all(occupied), "{axis:?} {at:?} isn't saturated");
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// The closure rule for one column: the hull of `bits` without the first `layers - 1` of its empty runs,
+/// sorted by (touches a gap of `before`: first; length, longest first; lowest coordinate).
+fn closed_intervals(bits: &[bool], before: &Intervals, layers: usize) -> Intervals {
+    let Some(first) = bits.iter().position(|&bit| bit) else {
+        return Vec::new();
+    };
+    let last = bits.iter().rposition(|&bit| bit).unwrap_or(first);
+    let held = |i: &usize| {
+        let inside = before.iter().any(|&(lo, hi)| lo <= *i && *i <= hi);
+        let between = before.first().is_some_and(|&(lo, _)| lo < *i)
+            && before.last().is_some_and(|&(_, hi)| *i < hi);
+        between && !inside
+    };
+    let mut runs = Vec::new();
+    let mut i = first;
+    while i <= last {
+        let end = (i..=last).find(|&j| bits[j] != bits[i]).unwrap_or(last + 1);
+        if !bits[i] {
+            runs.push((i, end - 1));
+        }
+        i = end;
+    }
+    runs.sort_by_key(|&(lo, hi)| (!(lo..=hi).any(|i| held(&i)), std::cmp::Reverse(hi - lo), lo));
+    runs.truncate(layers - 1);
+    runs.sort_unstable();
+    let mut intervals = Vec::new();
+    let mut start = first;
+    for (lo, hi) in runs {
+        intervals.push((start, lo - 1));
+        start = hi + 1;
+    }
+    intervals.push((start, last));
+    intervals
+}
