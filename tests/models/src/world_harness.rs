@@ -7,40 +7,41 @@ use paros_shell::figures::Figure;
 
 /// A world and its start volumes. It is made for a static: all its bytes are zero at first.
 #[derive(Debug)]
-pub struct WorldHarness<const N: usize>
+pub struct WorldHarness<const N: usize, const K: usize = 1>
 where
     Grid<N>: Size,
 {
     /// The world.
-    pub world: World<N>,
+    pub world: World<N, K>,
     /// The start volume of the mode `Own`, offered if `has_own`.
-    pub own: RangeMaps<N>,
+    pub own: RangeMaps<N, K>,
     /// Whether `own` is offered.
     pub has_own: bool,
-    lump: RangeMaps<N>,
-    figure: RangeMaps<N>,
-    creative: RangeMaps<N>,
+    lump: RangeMaps<N, K>,
+    figure: RangeMaps<N, K>,
+    creative: RangeMaps<N, K>,
     made: bool,
+    one_interval: RangeMaps<N>,
     plane: BitGrid<N>,
 }
 
 /// A world, and the start volumes that every session of the harness has.
 #[derive(Debug)]
-pub struct WorldAndStarts<'a, const N: usize>
+pub struct WorldAndStarts<'a, const N: usize, const K: usize = 1>
 where
     Grid<N>: Size,
 {
     /// The world.
-    pub world: &'a mut World<N>,
+    pub world: &'a mut World<N, K>,
     /// The lump, of the free mode.
-    pub lump: &'a RangeMaps<N>,
+    pub lump: &'a RangeMaps<N, K>,
     /// The one hidden figure.
-    pub figure: &'a RangeMaps<N>,
+    pub figure: &'a RangeMaps<N, K>,
     /// The toy, of the creative mode.
-    pub creative: &'a RangeMaps<N>,
+    pub creative: &'a RangeMaps<N, K>,
 }
 
-impl<const N: usize> WorldHarness<N>
+impl<const N: usize, const K: usize> WorldHarness<N, K>
 where
     Grid<N>: Size,
 {
@@ -55,6 +56,7 @@ where
             figure: RangeMaps::new(),
             creative: RangeMaps::new(),
             made: false,
+            one_interval: RangeMaps::new(),
             plane: BitGrid::new(),
         }
     }
@@ -62,9 +64,13 @@ where
     /// Clears the world. Its start volumes are the lump, one hidden figure and the toy.
     pub fn reset(&mut self) -> &mut Self {
         if !self.made {
-            Figure::Lump.rasterize_into(&mut self.lump, &mut self.plane);
-            Figure::Owl.rasterize_into(&mut self.figure, &mut self.plane);
-            Figure::Toy.rasterize_into(&mut self.creative, &mut self.plane);
+            let figures = [Figure::Lump, Figure::Owl, Figure::Toy];
+            let starts = [&mut self.lump, &mut self.figure, &mut self.creative];
+            for (figure, maps) in figures.into_iter().zip(starts) {
+                figure.rasterize_into(&mut self.one_interval, &mut self.plane);
+                self.plane.set_from_maps(&self.one_interval);
+                self.plane.write_closure(maps);
+            }
             self.made = true;
         }
         self.has_own = false;
@@ -89,7 +95,7 @@ where
                 (0..N).filter(|&x| occupied([x, y, z])).for_each(|x| row.insert(x));
             }
         }
-        self.plane.write_hulls(&mut self.own);
+        self.plane.write_closure(&mut self.own);
         self.has_own = true;
         self.step(&TickInput { start: SessionMode::Own, ..TickInput::default() });
         self
@@ -109,12 +115,12 @@ where
     }
 
     /// The world, and the start volumes of lump, figure and toy.
-    pub fn world_and_start_volumes(&mut self) -> WorldAndStarts<'_, N> {
+    pub fn world_and_start_volumes(&mut self) -> WorldAndStarts<'_, N, K> {
         let WorldHarness { world, lump, figure, creative, .. } = self;
         WorldAndStarts { world, lump, figure, creative }
     }
 
-    /// Asserts the invariants: the maps are tight, the rows follow them, the mask is part of the volume, and the
+    /// Asserts the invariants: the maps are tight and saturated, the rows follow them, the mask is part of the volume, and the
     /// digest equals a recomputation.
     ///
     /// # Panics
@@ -124,6 +130,7 @@ where
         let tick = world.tick();
         assert_eq!(world.digest(), world.recompute_digest(), "tick {tick}: digest");
         assert!(world.volume().are_ranges_tight(), "tick {tick}: a range that isn't tight");
+        assert!(world.volume().is_saturated(), "tick {tick}: a column that isn't saturated");
         self.plane.set_from_maps(world.volume().maps());
         for y in 0..N {
             assert!(
