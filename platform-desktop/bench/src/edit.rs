@@ -105,8 +105,8 @@ where
 }
 
 /// Mean milliseconds of an edit: one at each voxel, all in one stroke.
-fn mean_edit_in_one_stroke_ms<const N: usize>(
-    fixture: &mut Fixture<N>,
+pub(super) fn mean_edit_in_one_stroke_ms<const N: usize, const K: usize>(
+    fixture: &mut Fixture<N, K>,
     voxels: &[[usize; 3]],
     operation: EditOperation,
 ) -> f64
@@ -149,17 +149,29 @@ where
 
 /// An edit as the world applies it: with undo, dirty rectangles, island search and digest kept up to
 /// date.
-pub(super) fn edit_sphere_at<const N: usize>(
-    fixture: &mut Fixture<N>,
+pub(super) fn edit_sphere_at<const N: usize, const K: usize>(
+    fixture: &mut Fixture<N, K>,
     voxel: [usize; 3],
     operation: EditOperation,
 ) where
     Grid<N>: Size,
 {
-    fixture.dirty.clear();
     let [x, y, z] = voxel.map(|i| i as i32 * SUBUNITS_PER_VOXEL + SUBUNITS_PER_VOXEL / 2);
     let brush = Brush::sphere(IVec3::new(x, y, z), RADIUS * SUBUNITS_PER_VOXEL);
-    let edit = Edit { brush: &brush, operation, mirrored: false };
+    try_edit(fixture, &brush, operation);
+}
+
+/// The same with any brush. Returns whether the volume changed.
+pub(super) fn try_edit<const N: usize, const K: usize>(
+    fixture: &mut Fixture<N, K>,
+    brush: &Brush,
+    operation: EditOperation,
+) -> bool
+where
+    Grid<N>: Size,
+{
+    fixture.dirty.clear();
+    let edit = Edit { brush, operation, mirrored: false };
     let mut log = StrokeJournal {
         undo: &mut fixture.undo,
         dirty: &mut fixture.dirty,
@@ -168,9 +180,11 @@ pub(super) fn edit_sphere_at<const N: usize>(
     let report =
         apply_edit(&mut fixture.volume, &fixture.mask, &edit, &mut fixture.scratch, &mut log);
     fixture.dirty.end_edit();
-    if report.is_ok_and(|report| report.changed_volume()) {
+    let changed = report.is_ok_and(|report| report.changed_volume());
+    if changed {
         fixture.islands.request_pass();
     }
+    changed
 }
 
 /// Checks that some of the carves, each on the start volume, leave both sides with the same maps.

@@ -7,29 +7,29 @@ use paros_core::{BitGrid, DirtyRects, EditScratch, Grid, RangeMaps, Size, Volume
 use paros_shell::statics::Resident;
 
 /// The parts of a world that edits and islands change, each by itself.
-pub(super) struct Fixture<const N: usize>
+pub(super) struct Fixture<const N: usize, const K: usize = 1>
 where
     Grid<N>: Size,
 {
     /// The subject, as it is before every run.
-    pub(super) start: RangeMaps<N>,
+    pub(super) start: RangeMaps<N, K>,
     /// A second volume, for the rival's result.
-    pub(super) other: RangeMaps<N>,
+    pub(super) other: RangeMaps<N, K>,
     /// Always empty: nothing measured here has a mask.
-    pub(super) mask: RangeMaps<N>,
+    pub(super) mask: RangeMaps<N, K>,
     pub(super) bit_grid: BitGrid<N>,
-    pub(super) volume: Volume<N>,
-    pub(super) undo: UndoHistory<N>,
+    pub(super) volume: Volume<N, K>,
+    pub(super) undo: UndoHistory<N, K>,
     pub(super) dirty: DirtyRects,
     pub(super) islands: IslandSearch<N>,
     pub(super) scratch: EditScratch<N>,
 }
 
-impl<const N: usize> Fixture<N>
+impl<const N: usize, const K: usize> Fixture<N, K>
 where
     Grid<N>: Size,
 {
-    const fn new() -> Self {
+    pub(super) const fn new() -> Self {
         Fixture {
             start: RangeMaps::new(),
             other: RangeMaps::new(),
@@ -65,7 +65,7 @@ macro_rules! fixtures {
 }
 
 /// Restores the start volume, with an empty undo history and no island pass pending.
-pub(super) fn reset_fixture<const N: usize>(fixture: &mut Fixture<N>)
+pub(super) fn reset_fixture<const N: usize, const K: usize>(fixture: &mut Fixture<N, K>)
 where
     Grid<N>: Size,
 {

@@ -15,6 +15,7 @@ mod field;
 mod fixture;
 mod frames;
 mod islands;
+mod layers;
 mod mesh;
 mod order;
 pub mod paper;
@@ -45,6 +46,8 @@ pub enum Benchmark {
     Islands,
     /// Carving and filling.
     Edit,
+    /// One interval a column against two: what closure refuses, and the cost of an edit.
+    Layers,
     /// Export to STL.
     Mesh,
     /// From triangles to a volume.
@@ -61,9 +64,10 @@ pub enum Benchmark {
 
 impl Benchmark {
     /// All of them, in the order in which `all` runs them.
-    pub const ALL: [Benchmark; 8] = [
+    pub const ALL: [Benchmark; 9] = [
         Benchmark::Islands,
         Benchmark::Edit,
+        Benchmark::Layers,
         Benchmark::Mesh,
         Benchmark::Bake,
         Benchmark::Step,
@@ -78,6 +82,7 @@ impl Benchmark {
         match self {
             Benchmark::Islands => "islands",
             Benchmark::Edit => "edit",
+            Benchmark::Layers => "layers",
             Benchmark::Mesh => "mesh",
             Benchmark::Bake => "bake",
             Benchmark::Step => "step",
@@ -101,7 +106,8 @@ pub struct Plan {
     pub benches: Vec<Benchmark>,
     /// What they run on, all but [`Benchmark::Step`].
     pub subjects: Vec<Subject>,
-    /// Sessions that [`Benchmark::Step`] plays; the demo at both sizes where there are none.
+    /// Sessions that [`Benchmark::Step`] and [`Benchmark::Layers`] play; the demo at both sizes for the
+    /// former where there are none.
     pub traces: Vec<PathBuf>,
     /// Runs of each side; the best counts.
     pub runs: usize,
@@ -129,6 +135,9 @@ pub struct Report {
 enum PlanPiece<'a> {
     On(Benchmark, &'a Subject, usize),
     Scaling(&'a Subject),
+    LayerCuts,
+    LayerCarve(&'a Subject),
+    LayerSession(&'a Path),
     Render(&'a Subject),
     Paper(&'a Subject),
     Sizes,
@@ -212,6 +221,7 @@ impl Plan {
         for &bench in &self.benches {
             match bench {
                 Benchmark::Step => pieces.extend(self.step_pieces()),
+                Benchmark::Layers => pieces.extend(self.layer_pieces()),
                 Benchmark::Render => pieces.extend(self.subjects.iter().map(PlanPiece::Render)),
                 Benchmark::Paper => pieces.extend(self.subjects.iter().map(PlanPiece::Paper)),
                 _ => pieces.extend(
@@ -226,6 +236,13 @@ impl Plan {
         let demo = GRID_SIDES.map(PlanPiece::Demo).into_iter().filter(|_| self.traces.is_empty());
         let recorded = self.traces.iter().map(|path| PlanPiece::Recorded(path));
         [PlanPiece::Sizes].into_iter().chain(demo).chain(recorded)
+    }
+
+    fn layer_pieces(&self) -> impl Iterator<Item = PlanPiece<'_>> {
+        let at_128 = |subject: &&Subject| subject.grid_sides().contains(&128);
+        let carves = self.subjects.iter().filter(at_128).map(PlanPiece::LayerCarve);
+        let sessions = self.traces.iter().map(|path| PlanPiece::LayerSession(path));
+        [PlanPiece::LayerCuts].into_iter().chain(carves).chain(sessions)
     }
 
     fn run_piece(
@@ -254,6 +271,11 @@ impl Plan {
                 with_size!(size, N => field::measure_rows::<N>(on))
             }
             PlanPiece::Scaling(on) => edit::measure_scaling(on, runs).map(whole),
+            PlanPiece::LayerCuts | PlanPiece::On(Benchmark::Layers, ..) => {
+                Ok(whole(layers::measure_cuts()))
+            }
+            PlanPiece::LayerCarve(on) => layers::measure_carve(on, runs).map(whole),
+            PlanPiece::LayerSession(path) => layers::measure_session(path).map(whole),
             PlanPiece::Render(on) | PlanPiece::On(Benchmark::Render, on, _) => match timer {
                 Ok(timer) => render::measure_rows(on, self.frame_runs, timer).map(whole),
                 Err(why) => Ok(Measured { rows: vec![], skipped: Some(format!("frames: {why}")) }),

@@ -42,9 +42,32 @@ pub struct ReportRow {
     /// The same as the paper has it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub published: Option<f64>,
+    /// What closure refuses, in `bench layers`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub refusal: Option<Refusal>,
     /// Why the row has no figures.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub skipped: Option<String>,
+}
+
+/// What closure brings back, in percent of what was removed and brought back together.
+#[derive(Clone, Copy, PartialEq, Debug, Serialize)]
+pub struct Refusal {
+    /// With one interval a column.
+    pub one_percent: f64,
+    /// With two.
+    pub two_percent: f64,
+    /// With two, of the volume in which it is most, where there are several.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub worst_two_percent: Option<f64>,
+}
+
+impl Refusal {
+    fn to_text(self) -> String {
+        let worst = self.worst_two_percent.map(|worst| format!(" (at worst {worst:.2} %)"));
+        let (one, two) = (self.one_percent, self.two_percent);
+        format!("refused {two:.2} %{}, with one {one:.2} %", worst.unwrap_or_default())
+    }
 }
 
 /// Rows, and why some figures are missing if they are.
@@ -77,6 +100,7 @@ impl ReportRow {
             added_percent: None,
             share: None,
             published: None,
+            refusal: None,
             skipped: None,
         }
     }
@@ -149,9 +173,10 @@ fn row_cells(row: &ReportRow) -> [String; COLUMNS] {
         Some(percent) => format!("{percent:+.1} %"),
         None => number(row.ratio.or(row.share)),
     };
-    let against = match &row.skipped {
-        Some(why) => format!("{}; skipped: {why}", row.against),
-        None => row.against.clone(),
+    let against = match (&row.skipped, row.refusal) {
+        (Some(why), _) => format!("{}; skipped: {why}", row.against),
+        (None, Some(refusal)) => format!("{}; {}", row.against, refusal.to_text()),
+        (None, None) => row.against.clone(),
     };
     [
         row.bench.into(),

@@ -15,25 +15,25 @@ use crate::trace::{ReplayDivergence, Trace};
 /// Runs the ticks of a world. It borrows the world and its start volumes, and records every tick
 /// while a recording is on.
 #[derive(Debug)]
-pub struct TickRunner<'a, const N: usize>
+pub struct TickRunner<'a, const N: usize, const K: usize = 1>
 where
     Grid<N>: Size,
 {
-    world: &'a mut World<N>,
-    start_volumes: StartVolumes<'a, N>,
+    world: &'a mut World<N, K>,
+    start_volumes: StartVolumes<'a, N, K>,
     recording: Option<TraceRecording>,
 }
 
 /// A tick of a replay, after it was run.
 #[derive(Clone, Copy, Debug)]
-pub struct ReplayedTick<'a, const N: usize>
+pub struct ReplayedTick<'a, const N: usize, const K: usize = 1>
 where
     Grid<N>: Size,
 {
     /// The number of ticks before it.
     pub index: usize,
     /// The world after it.
-    pub world: &'a World<N>,
+    pub world: &'a World<N, K>,
 }
 
 /// A trace that is being recorded.
@@ -60,19 +60,19 @@ impl TraceRecording {
     }
 }
 
-impl<'a, const N: usize> TickRunner<'a, N>
+impl<'a, const N: usize, const K: usize> TickRunner<'a, N, K>
 where
     Grid<N>: Size,
 {
     /// A runner that records nothing yet.
     #[must_use]
-    pub fn new(world: &'a mut World<N>, start_volumes: StartVolumes<'a, N>) -> Self {
+    pub fn new(world: &'a mut World<N, K>, start_volumes: StartVolumes<'a, N, K>) -> Self {
         TickRunner { world, start_volumes, recording: None }
     }
 
     /// The world as of the last tick.
     #[must_use]
-    pub const fn world(&self) -> &World<N> {
+    pub const fn world(&self) -> &World<N, K> {
         self.world
     }
 
@@ -144,7 +144,7 @@ where
     pub fn replay_on_same_start(
         &mut self,
         trace: &Trace,
-        mut after_tick: impl FnMut(ReplayedTick<'_, N>),
+        mut after_tick: impl FnMut(ReplayedTick<'_, N, K>),
     ) -> Result<(), ReplayDivergence> {
         let (recorded, here) = (trace.header(), self.trace_header());
         if recorded.side != here.side {

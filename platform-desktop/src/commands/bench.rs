@@ -17,7 +17,7 @@ pub(super) struct Args {
     #[arg(default_value = "all", value_parser = choice_parser())]
     what: BenchChoice,
     /// What to measure on: meshes, volumes (.rmap) or figures (lump, owl, cat, amphora, dolphin, toy);
-    /// for `step`, traces of sessions, each of which takes minutes.
+    /// for `step` and `layers`, traces of sessions, each of which takes `step` minutes.
     #[arg(value_name = "V")]
     named: Vec<PathBuf>,
     /// The same, one each time.
@@ -69,7 +69,7 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
     }
     let mut named: Vec<_> = args.named.iter().chain(&args.volumes).collect();
     let mut traces = vec![];
-    if let BenchChoice::One(Benchmark::Step) = args.what {
+    if let BenchChoice::One(Benchmark::Step | Benchmark::Layers) = args.what {
         traces = named.drain(..).cloned().collect();
     }
     let subjects = named.into_iter().map(|v| Subject::from_name_or_path(v));

@@ -1,0 +1,280 @@
+//! `bench layers`: what closure refuses of the cuts of a column's one interval and of two, and what an
+//! edit costs with each. At 128 voxels a side.
+
+use std::cell::RefCell;
+use std::f32::consts::{SQRT_2, TAU};
+use std::path::Path;
+use std::sync::{Mutex, PoisonError};
+
+use glam::{Quat, Vec3};
+use paros_core::{
+    BitGrid, BitSet, Brush, Grid, Pose, RangeMaps, SUBUNITS_PER_VOXEL, StartVolumes, World,
+    WorldEvent,
+};
+use paros_headless::Error;
+use paros_shell::figures::Figure;
+use paros_shell::statics::Resident;
+use paros_shell::tick_runner::{TickRunner, with_fresh_world};
+use paros_shell::trace::Trace;
+
+use super::clock::{OursTheirs, min_in_turns_ms, time_ms};
+use super::edit::{CARVE, mean_edit_in_one_stroke_ms, surface_voxels, try_edit};
+use super::fixture::{Fixture, HasFixture, reset_fixture};
+use super::row::{Refusal, ReportRow};
+use super::subject::Subject;
+
+/// Voxels a side.
+const SIDE: usize = 128;
+
+/// The radius of the ball that is cut, in voxels.
+const BALL_RADIUS: f32 = 56.0;
+
+/// Balls that each kind of cut is made in, each turned another way.
+const SEEDS: usize = 8;
+
+/// Cuts in a ball.
+const CUTS: usize = 12;
+
+static TWO_INTERVALS: Mutex<Fixture<SIDE, 2>> = Mutex::new(Fixture::new());
+
+/// The world of two intervals and its start volumes, for replays.
+struct LayeredStudio {
+    studio: World<SIDE, 2>,
+    figures: [RangeMaps<SIDE, 2>; Figure::ALL.len()],
+}
+
+static LAYERED_STUDIO: Mutex<LayeredStudio> = Mutex::new(LayeredStudio {
+    studio: World::new(),
+    figures: [const { RangeMaps::new() }; Figure::ALL.len()],
+});
+
+/// A kind of cut. In every ball, its brushes are carved one after the other, each until nothing goes.
+struct CutKind {
+    name: &'static str,
+    brushes: fn(seed: usize) -> Vec<Brush>,
+}
+
+const CUT_KINDS: [CutKind; 5] = [
+    CutKind { name: "12 holes of radius 4, 25 deep", brushes: drills },
+    CutKind { name: "12 bent undercuts, 18 deep", brushes: undercuts },
+    CutKind { name: "slot 2 thick, 20 deep, at 4 degrees", brushes: |seed| slot(seed, 4.0) },
+    CutKind { name: "slot 2 thick, 20 deep, at 10 degrees", brushes: |seed| slot(seed, 10.0) },
+    CutKind { name: "slot 2 thick, 20 deep, at 45 degrees", brushes: |seed| slot(seed, 45.0) },
+];
+
+/// What closure refuses of the cuts, a row a kind.
+pub(super) fn measure_cuts() -> Vec<ReportRow> {
+    let one = &mut *Grid::<SIDE>::lock_fixture();
+    let two = &mut *TWO_INTERVALS.lock().unwrap_or_else(PoisonError::into_inner);
+    draw_ball(&mut one.bit_grid);
+    one.bit_grid.write_closure(&mut one.start);
+    one.bit_grid.write_closure(&mut two.start);
+    let row = |kind: &CutKind| {
+        let cuts = (0..SEEDS).map(|seed| {
+            let brushes = (kind.brushes)(seed);
+            OursTheirs { ours: cut(two, &brushes), theirs: cut(one, &brushes) }
+        });
+        let cuts: Vec<_> = cuts.collect();
+        let sum = |of: fn(&OursTheirs<CutVolume>) -> &CutVolume| {
+            cuts.iter().map(of).fold(CutVolume::default(), CutVolume::plus)
+        };
+        let (ours, theirs) = (sum(|cut| &cut.ours), sum(|cut| &cut.theirs));
+        let worst = cuts.iter().map(|cut| cut.ours.refused_percent()).fold(0.0, f64::max);
+        let times = OursTheirs { ours: ours.ms, theirs: theirs.ms };
+        ReportRow {
+            refusal: Some(Refusal {
+                one_percent: theirs.refused_percent(),
+                two_percent: ours.refused_percent(),
+                worst_two_percent: Some(worst),
+            }),
+            ..ReportRow::new("layers", kind.name, SIDE, "one interval a column")
+                .with_times_ms(times)
+        }
+    };
+    CUT_KINDS.iter().map(row).collect()
+}
+
+/// The carve of `bench edit` with two intervals a column against one.
+pub(super) fn measure_carve(subject: &Subject, runs: usize) -> Result<Vec<ReportRow>, Error> {
+    let one = &mut *Grid::<SIDE>::lock_fixture();
+    let two = &mut *TWO_INTERVALS.lock().unwrap_or_else(PoisonError::into_inner);
+    subject.load_into(&mut one.start, &mut one.bit_grid)?;
+    one.bit_grid.set_from_maps(&one.start);
+    one.bit_grid.write_closure(&mut two.start);
+    let voxels = surface_voxels(&one.bit_grid);
+    let (one, two) = (RefCell::new(one), RefCell::new(two));
+    let times = min_in_turns_ms(
+        runs,
+        || Ok::<_, Error>(mean_edit_in_one_stroke_ms(*two.borrow_mut(), &voxels, CARVE)),
+        || Ok(mean_edit_in_one_stroke_ms(*one.borrow_mut(), &voxels, CARVE)),
+    )?;
+    let against = "a carve of radius 6 with one interval a column";
+    Ok(vec![ReportRow::new("layers", subject.name(), SIDE, against).with_times_ms(times)])
+}
+
+/// What closure refuses of a recorded session's edits, when its input is played with one interval and with
+/// two. With two the hands meet another volume, so that the sessions drift apart.
+pub(super) fn measure_session(path: &Path) -> Result<Vec<ReportRow>, Error> {
+    let trace = Trace::read(path).map_err(Error::input)?;
+    let name = path.file_stem().unwrap_or_default().to_string_lossy();
+    if usize::from(trace.header().side) != SIDE {
+        let expected = format!("{}: expected a session at {SIDE}", path.display());
+        return Err(Error::Input(expected));
+    }
+    let one = with_fresh_world::<SIDE, _>(|mut runner| play(&mut runner, &trace));
+    let studio = &mut *LAYERED_STUDIO.lock().unwrap_or_else(PoisonError::into_inner);
+    load_figures(&mut studio.figures);
+    let figure = |figure: Figure| &studio.figures[figure as usize];
+    let hidden = Figure::HIDDEN.map(figure);
+    let starts = StartVolumes {
+        lump: figure(Figure::Lump),
+        figures: &hidden,
+        creative: figure(Figure::Toy),
+        own: None,
+    };
+    studio.studio.clear();
+    let two = play(&mut TickRunner::new(&mut studio.studio, starts), &trace);
+    Ok(vec![ReportRow {
+        refusal: Some(Refusal {
+            one_percent: one.refused_percent(),
+            two_percent: two.refused_percent(),
+            worst_two_percent: None,
+        }),
+        ..ReportRow::new("layers", &name, SIDE, "its input with one interval a column")
+            .with_times_ms(OursTheirs { ours: two.ms, theirs: one.ms })
+    }])
+}
+
+fn load_figures(figures: &mut [RangeMaps<SIDE, 2>; Figure::ALL.len()]) {
+    let mut store = Grid::<SIDE>::lock_start_volumes();
+    let bit_grid = &mut *Grid::<SIDE>::lock_bit_grid();
+    store.generate_figures(bit_grid, |_| {});
+    for (figure, maps) in Figure::ALL.into_iter().zip(figures) {
+        bit_grid.set_from_maps(store.figure(figure));
+        bit_grid.write_closure(maps);
+    }
+}
+
+/// Voxels that were to go, and those of them that closure brought back; and the milliseconds it took.
+#[derive(Clone, Copy, Default)]
+struct CutVolume {
+    wanted: u64,
+    refused: u64,
+    ms: f64,
+}
+
+impl CutVolume {
+    fn refused_percent(&self) -> f64 {
+        100.0 * self.refused as f64 / self.wanted.max(1) as f64
+    }
+
+    fn plus(self, other: &Self) -> Self {
+        CutVolume {
+            wanted: self.wanted + other.wanted,
+            refused: self.refused + other.refused,
+            ms: self.ms + other.ms,
+        }
+    }
+}
+
+/// Plays the ticks of a trace, whatever state they lead to.
+fn play<const K: usize>(runner: &mut TickRunner<'_, SIDE, K>, trace: &Trace) -> CutVolume {
+    let mut sum = CutVolume::default();
+    for record in trace.records() {
+        sum.ms += time_ms(|| runner.run_tick(&record.input));
+        for event in runner.world().events() {
+            if let WorldEvent::Edited { report, .. } = event {
+                sum.wanted += u64::from(report.removed + report.refused_by_closure);
+                sum.refused += u64::from(report.refused_by_closure);
+            }
+        }
+    }
+    sum
+}
+
+/// Carves brushes into the start volume, one after the other.
+fn cut<const K: usize>(fixture: &mut Fixture<SIDE, K>, brushes: &[Brush]) -> CutVolume {
+    reset_fixture(fixture);
+    let mut sum = CutVolume::default();
+    for brush in brushes {
+        sum.wanted += count_occupied(fixture.volume.rows(), brush);
+        sum.ms += time_ms(|| while try_edit(fixture, brush, CARVE) {});
+        sum.refused += count_occupied(fixture.volume.rows(), brush);
+    }
+    sum
+}
+
+/// Occupied voxels within a brush.
+fn count_occupied(volume: &BitGrid<SIDE>, brush: &Brush) -> u64 {
+    let rows = (0..SIDE).flat_map(|y| (0..SIDE).map(move |z| (y, z)));
+    rows.map(|(y, z)| (brush.row_bits::<SIDE>(y, z) & volume.row(y, z)).count_ones())
+        .map(u64::from)
+        .sum()
+}
+
+fn draw_ball(bit_grid: &mut BitGrid<SIDE>) {
+    bit_grid.clear();
+    let middle = SIDE as f32 / 2.0;
+    let ball = sphere_brush(Vec3::splat(middle), BALL_RADIUS);
+    for y in 0..SIDE {
+        for z in 0..SIDE {
+            *bit_grid.row_mut(y, z) = ball.row_bits::<SIDE>(y, z);
+        }
+    }
+}
+
+fn drills(seed: usize) -> Vec<Brush> {
+    let drill = |out| capsule_brush(out * (BALL_RADIUS + 4.0), out * (BALL_RADIUS - 25.0), 4.0);
+    directions(seed).map(drill).collect()
+}
+
+/// Down by nine voxels, then as far again along a slope of 45 degrees.
+fn undercuts(seed: usize) -> Vec<Brush> {
+    let undercut = |out: Vec3| {
+        let bend = out * (BALL_RADIUS - 9.0);
+        let slope = (out.any_orthonormal_vector() - out) / SQRT_2;
+        [
+            capsule_brush(out * (BALL_RADIUS + 4.0), bend, 3.0),
+            capsule_brush(bend, bend + slope * 9.0 * SQRT_2, 3.0),
+        ]
+    };
+    directions(seed).flat_map(undercut).collect()
+}
+
+/// A slot in the plane across an axis of the grid, turned by an angle about another axis.
+fn slot(seed: usize, degrees: f32) -> Vec<Brush> {
+    let axes = [Vec3::X, Vec3::Y, Vec3::Z];
+    let (normal, out) = (axes[seed % 3], axes[(seed % 3 + 1 + seed / 3 % 2) % 3]);
+    let along = normal.cross(out);
+    let turn = Quat::from_axis_angle(if seed < 6 { out } else { along }, degrees.to_radians());
+    let half_extents = normal + out * 10.0 + along.abs() * 20.0;
+    let position = Vec3::splat(SIDE as f32 / 2.0) + turn * out * (BALL_RADIUS - 10.0);
+    vec![Brush::oriented_box(to_subunits(half_extents), &Pose { position, rotation: turn })]
+}
+
+/// Directions spread over the sphere by a spiral of the golden angle, turned another way for each seed.
+fn directions(seed: usize) -> impl Iterator<Item = Vec3> {
+    let golden_angle = TAU * (1.0 - 2.0 / (1.0 + 5.0f32.sqrt()));
+    let axis = Vec3::new(1.0, 2.0 + seed as f32, 3.0).normalize();
+    let turn = Quat::from_axis_angle(axis, 1.0 + seed as f32);
+    (0..CUTS).map(move |i| {
+        let height = 1.0 - (2 * i + 1) as f32 / CUTS as f32;
+        let (sine, cosine) = (i as f32 * golden_angle).sin_cos();
+        let across = (1.0 - height * height).sqrt();
+        turn * Vec3::new(across * cosine, height, across * sine)
+    })
+}
+
+/// Both ends are from the ball's middle, in voxels.
+fn capsule_brush(from: Vec3, to: Vec3, radius: f32) -> Brush {
+    let subunits = |place: Vec3| to_subunits(place + Vec3::splat(SIDE as f32 / 2.0));
+    Brush::capsule(subunits(from), subunits(to), (radius * SUBUNITS_PER_VOXEL as f32) as i32)
+}
+
+fn sphere_brush(centre: Vec3, radius: f32) -> Brush {
+    Brush::sphere(to_subunits(centre), (radius * SUBUNITS_PER_VOXEL as f32) as i32)
+}
+
+fn to_subunits(voxels: Vec3) -> glam::IVec3 {
+    (voxels * SUBUNITS_PER_VOXEL as f32).round().as_ivec3()
+}
