@@ -138,7 +138,7 @@ where
         before: &[Column<K>; N],
         row_at: impl Fn(usize) -> <Grid<N> as Size>::Row,
     ) {
-        ClosingLine { before, after, changed: Range::new(0, N - 1) }
+        ClosingLine { before, after, changed: Range::new(0, N - 1), removed_only: false }
             .insert_gaps::<_, <Grid<N> as Size>::Row>(Grid::<N>::FULL, row_at);
     }
 

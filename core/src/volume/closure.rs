@@ -62,51 +62,112 @@ pub(crate) struct ClosingLine<'a, const K: usize> {
     pub(crate) after: &'a mut [Column<K>],
     /// An interval outside which a column without gaps that is occupied is so from end to end of its new hull.
     pub(crate) changed: Range,
+    /// Whether voxels were only removed.
+    pub(crate) removed_only: bool,
 }
 
 impl<const K: usize> ClosingLine<'_, K> {
     /// Completes the columns `among` by the closure rule. `row(i)` holds voxel `i` of each column, exact;
     /// `R` is a row along the line and `C` one along a column.
     #[inline]
-    pub(crate) fn insert_gaps<R: BitSet, C: BitSet>(self, among: R, row: impl Fn(usize) -> R) {
-        if K == 1 || among.is_empty() {
+    pub(crate) fn insert_gaps<R: BitSet, C: BitSet>(mut self, among: R, row: impl Fn(usize) -> R) {
+        if K == 1 {
             return;
         }
-        let mut had_gaps = R::EMPTY;
+        let mut solid_before = among;
         for place in among.iter_ones() {
-            had_gaps.insert_if(self.before[place].has_gaps(), place);
-        }
-        let holes = self.find_columns_with_holes(among, &row);
-        for place in (had_gaps | holes).iter_ones() {
+            let before = self.before[place];
+            if !before.has_gaps() {
+                continue;
+            }
+            solid_before.toggle(place);
             let hull = self.after[place].0[0];
-            let column = |rows: Range| gather_column::<R, C>(rows, place, &row);
-            let voxels = if had_gaps.contains(place) {
-                column(hull)
-            } else {
-                let rows = hull.intersection_with(self.changed);
-                hull.to_row::<C>() & !rows.to_row::<C>() | column(rows)
-            };
-            self.after[place] = Column::closed_over(voxels, &self.before[place]);
+            let is_occupied = |i: usize| row(i).contains(place);
+            let widened = if self.removed_only { before.widened(hull, is_occupied) } else { None };
+            self.after[place] = widened.unwrap_or_else(|| {
+                Column::closed_over(gather_column::<R, C>(hull, place, &row), &before)
+            });
+        }
+        if !solid_before.is_empty() {
+            self.split_at_holes(solid_before, row);
         }
     }
 
-    /// Of the columns `among` without gaps before, those with an empty voxel inside their hull; of the
-    /// others any.
-    fn find_columns_with_holes<R: BitSet>(&self, among: R, row: impl Fn(usize) -> R) -> R {
-        let (mut below, mut above) = (R::EMPTY, R::EMPTY);
+    /// Gives columns that had no gaps the longest runs of empty voxels inside their hull: a scan for the
+    /// ends of runs, all columns at once.
+    #[inline]
+    fn split_at_holes<R: BitSet>(&mut self, among: R, row: impl Fn(usize) -> R) {
+        let (first, last) = (self.changed.first(), self.changed.last());
+        let (mut inside, mut above) = (R::EMPTY, R::EMPTY);
         for place in among.iter_ones() {
             let hull = self.after[place].0[0];
-            below.insert_if(!hull.is_empty() && hull.first() < self.changed.first(), place);
-            above.insert_if(hull.last() > self.changed.last(), place);
+            inside.insert_if(!hull.is_empty() && hull.first() < first, place);
+            above.insert_if(hull.last() > last, place);
         }
-        let (mut empty_since, mut holes) = (R::EMPTY, R::EMPTY);
-        for i in self.changed.first()..self.changed.last() + 1 {
+        let mut starts = [0; 256];
+        let mut in_run = R::EMPTY;
+        for i in first..last + 1 {
             let occupied = row(i) & among;
-            holes |= empty_since & occupied;
-            empty_since |= below & !occupied;
-            below |= occupied;
+            for place in (in_run & occupied).iter_ones() {
+                self.after[place].offer_gap(Range::new(starts[place].into(), i - 1));
+            }
+            for place in (inside & !occupied & !in_run).iter_ones() {
+                starts[place] = i as u8;
+            }
+            inside |= occupied;
+            in_run = inside & !occupied;
         }
-        holes | empty_since & above
+        for place in (in_run & above).iter_ones() {
+            self.after[place].offer_gap(Range::new(starts[place].into(), last));
+        }
+    }
+}
+
+impl<const K: usize> Column<K> {
+    /// This column after voxels were removed, when its hull is `hull`: with its gaps, wider where voxels at
+    /// their ends are gone. `None` where a gap went or met another, or there is room for one more: then the
+    /// whole column counts.
+    #[inline]
+    fn widened(mut self, hull: Range, is_occupied: impl Fn(usize) -> bool) -> Option<Self> {
+        let has_room = self.0[K - 1].is_empty();
+        if has_room || self.0[0].last() < hull.first() || hull.last() < self.0[K - 1].first() {
+            return None;
+        }
+        self.0[0] = self.0[0].with_first(hull.first());
+        self.0[K - 1] = self.0[K - 1].with_last(hull.last());
+        for interval in 0..K {
+            let (mut first, mut last) = (self.0[interval].first(), self.0[interval].last());
+            while first <= last && !is_occupied(first) {
+                first += 1;
+            }
+            if first > last {
+                return None;
+            }
+            while !is_occupied(last) {
+                last -= 1;
+            }
+            self.0[interval] = Range::new(first, last);
+        }
+        Some(self)
+    }
+
+    /// Takes a run as a gap if it has room, or in place of a shorter one. Runs must come lowest first.
+    #[inline]
+    fn offer_gap(&mut self, run: Range) {
+        let mut last = self.0.iter().rposition(|interval| !interval.is_empty()).unwrap_or(0);
+        if last == K - 1 {
+            let gap = |i: usize| self.0[i].first() - self.0[i - 1].last() - 1;
+            // Of equally short ones the highest.
+            let shortest = (1..K).rev().min_by_key(|&i| gap(i)).unwrap_or(1);
+            if gap(shortest) > run.last() - run.first() {
+                return;
+            }
+            self.0[shortest - 1] = self.0[shortest - 1].with_last(self.0[shortest].last());
+            self.0.copy_within(shortest + 1.., shortest);
+            last -= 1;
+        }
+        self.0[last + 1] = self.0[last].with_first(run.last() + 1);
+        self.0[last] = self.0[last].with_last(run.first() - 1);
     }
 }
 

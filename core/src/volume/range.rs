@@ -81,14 +81,6 @@ impl Range {
         }
     }
 
-    /// The range that both contain.
-    #[must_use]
-    #[inline]
-    pub(crate) const fn intersection_with(self, other: Range) -> Range {
-        let first = if self.first() > other.first() { self.first() } else { other.first() };
-        Range::new(first, if self.last < other.last { self.last() } else { other.last() })
-    }
-
     /// The same with `last` as its last voxel; a single voxel if it was empty.
     #[must_use]
     #[inline]

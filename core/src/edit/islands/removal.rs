@@ -157,7 +157,7 @@ where
         }
         if K > 1 {
             let rows = Range::new(first, last);
-            ClosingLine { before, after: &mut new, changed: rows }
+            ClosingLine { before, after: &mut new, changed: rows, removed_only: true }
                 .insert_gaps::<_, <Grid<N> as Size>::Row>(rest, reached);
             for place in columns.iter_ones() {
                 changed.insert_if(new[place] != before[place], place);

@@ -88,7 +88,7 @@ where
         let mut moved = seek_lo | seek_hi;
         if K > 1 {
             let changed = if carve { between } else { Range::new(least, greatest) };
-            ClosingLine { before, after: columns, changed }
+            ClosingLine { before, after: columns, changed, removed_only: carve }
                 .insert_gaps::<_, <Grid<N> as Size>::Row>(flipped_columns, &row_at);
             for x in flipped_columns.iter_ones() {
                 moved.insert_if(columns[x] != before[x], x);
