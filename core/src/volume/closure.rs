@@ -21,6 +21,16 @@ impl<const K: usize> Column<K> {
         if empty.is_empty() { column } else { column.with_gaps_among(empty, before.gaps()) }
     }
 
+    /// The same where voxels were only removed.
+    #[inline]
+    pub(crate) fn closed_over_removal<R: BitSet>(voxels: R, before: &Self) -> Self {
+        let widened = match before.has_gaps() {
+            true => before.widened(Range::hull_of(voxels), |i| voxels.contains(i)),
+            false => None,
+        };
+        widened.unwrap_or_else(|| Self::closed_over(voxels, before))
+    }
+
     /// The voxels between the first interval and the last that no interval holds, as a row.
     #[must_use]
     #[inline]

@@ -110,7 +110,7 @@ where
                 changed.insert(z);
             } else {
                 let before = volume.maps().column(Axis::X, (y, z));
-                new[z] = Column::closed_over(left, &before);
+                new[z] = Column::closed_over_removal(left, &before);
                 changed.insert_if(new[z] != before, z);
             }
         }

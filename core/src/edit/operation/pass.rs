@@ -161,7 +161,10 @@ where
                 continue;
             }
             let row = self.flip_row((y, z), flips);
-            let column = Column::closed_over(row, &columns[z]);
+            let column = match self.edit.operation {
+                EditOperation::Carve { .. } => Column::closed_over_removal(row, &columns[z]),
+                _ => Column::closed_over(row, &columns[z]),
+            };
             moved.insert_if(column != columns[z], z);
             columns[z] = column;
             self.scratch.along_y[z].note_flips(flips, y);
