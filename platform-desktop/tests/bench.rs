@@ -67,6 +67,26 @@ fn a_missing_rival_leaves_its_half_empty_and_says_so() {
     assert!(required.stdout.is_empty());
 }
 
+/// The aims of two intervals: holes 0.5 %, undercuts 5 % and 10 % at worst, slots 1 %.
+#[test]
+fn two_intervals_keep_cuts_that_one_refuses() {
+    let rows = rows(&["layers", "--runs", "1", "--json"]);
+    let cuts: Vec<_> = rows.iter().filter(|row| row.get("refusal").is_some()).collect();
+    assert_eq!(cuts.len(), 5);
+    for (row, aim, worst_aim) in [
+        (cuts[0], 0.5, 0.5),
+        (cuts[1], 5.0, 10.0),
+        (cuts[2], 1.0, 1.0),
+        (cuts[3], 1.0, 1.0),
+        (cuts[4], 1.0, 1.0),
+    ] {
+        let [one, two, worst] = ["one_percent", "two_percent", "worst_two_percent"]
+            .map(|key| row["refusal"][key].as_f64().unwrap());
+        assert!(two < aim && worst < worst_aim, "{row}");
+        assert!(one > 9.0, "{row}");
+    }
+}
+
 /// Instructions of a debug build say nothing: that they are there is enough.
 #[test]
 fn the_worst_frame_of_each_change_is_told() {

@@ -82,11 +82,7 @@ pub(super) fn measure_cuts() -> Vec<ReportRow> {
         let worst = cuts.iter().map(|cut| cut.ours.refused_percent()).fold(0.0, f64::max);
         let times = OursTheirs { ours: ours.ms, theirs: theirs.ms };
         ReportRow {
-            refusal: Some(Refusal {
-                one_percent: theirs.refused_percent(),
-                two_percent: ours.refused_percent(),
-                worst_two_percent: Some(worst),
-            }),
+            refusal: Some(Refusal { worst_two_percent: Some(worst), ..to_refusal(&theirs, &ours) }),
             ..ReportRow::new("layers", kind.name, SIDE, "one interval a column")
                 .with_times_ms(times)
         }
@@ -135,11 +131,7 @@ pub(super) fn measure_session(path: &Path) -> Result<Vec<ReportRow>, Error> {
     studio.studio.clear();
     let two = play(&mut TickRunner::new(&mut studio.studio, starts), &trace);
     Ok(vec![ReportRow {
-        refusal: Some(Refusal {
-            one_percent: one.refused_percent(),
-            two_percent: two.refused_percent(),
-            worst_two_percent: None,
-        }),
+        refusal: Some(to_refusal(&one, &two)),
         ..ReportRow::new("layers", &name, SIDE, "its input with one interval a column")
             .with_times_ms(OursTheirs { ours: two.ms, theirs: one.ms })
     }])
@@ -174,6 +166,16 @@ impl CutVolume {
             refused: self.refused + other.refused,
             ms: self.ms + other.ms,
         }
+    }
+}
+
+fn to_refusal(one: &CutVolume, two: &CutVolume) -> Refusal {
+    Refusal {
+        one_percent: one.refused_percent(),
+        one_voxels: one.wanted,
+        two_percent: two.refused_percent(),
+        two_voxels: two.wanted,
+        worst_two_percent: None,
     }
 }
 

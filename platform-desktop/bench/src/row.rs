@@ -50,13 +50,17 @@ pub struct ReportRow {
     pub skipped: Option<String>,
 }
 
-/// What closure brings back, in percent of what was removed and brought back together.
+/// What closure brings back, in percent of the voxels that were removed and brought back together.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize)]
 pub struct Refusal {
     /// With one interval a column.
     pub one_percent: f64,
+    /// Of so many voxels.
+    pub one_voxels: u64,
     /// With two.
     pub two_percent: f64,
+    /// Of so many voxels.
+    pub two_voxels: u64,
     /// With two, of the volume in which it is most, where there are several.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub worst_two_percent: Option<f64>,
@@ -65,8 +69,11 @@ pub struct Refusal {
 impl Refusal {
     fn to_text(self) -> String {
         let worst = self.worst_two_percent.map(|worst| format!(" (at worst {worst:.2} %)"));
-        let (one, two) = (self.one_percent, self.two_percent);
-        format!("refused {two:.2} %{}, with one {one:.2} %", worst.unwrap_or_default())
+        let Refusal { one_percent, one_voxels, two_percent, two_voxels, .. } = self;
+        let worst = worst.unwrap_or_default();
+        format!(
+            "refused {two_percent:.2} % of {two_voxels}{worst}, with one {one_percent:.2} % of {one_voxels}"
+        )
     }
 }
 
