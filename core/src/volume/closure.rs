@@ -63,14 +63,14 @@ impl<const K: usize> Column<K> {
     }
 }
 
-/// A line of columns after an edit: the first interval of each changed one is its new hull, and the rest
-/// is missing. By axis and line as in the range maps.
+/// A line of columns after an edit, whose hulls are new and whose gaps are missing.
 pub(crate) struct ClosingLine<'a, const K: usize> {
     /// The line as it was.
     pub(crate) before: &'a [Column<K>],
-    /// The line to complete.
+    /// The line to complete: each changed column is its new hull, as one interval.
     pub(crate) after: &'a mut [Column<K>],
-    /// An interval outside which a column without gaps that is occupied is so from end to end of its new hull.
+    /// The positions at which voxels changed: outside them, a column that had no gaps is solid as far as its
+    /// new hull goes.
     pub(crate) changed: Range,
     /// Whether voxels were only removed.
     pub(crate) removed_only: bool,
