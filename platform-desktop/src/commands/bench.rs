@@ -17,7 +17,7 @@ pub(super) struct Args {
     #[arg(default_value = "all", value_parser = choice_parser())]
     what: BenchChoice,
     /// What to measure on: meshes, volumes (.rmap) or figures (lump, owl, cat, amphora, dolphin, toy);
-    /// for `step` and `layers`, traces of sessions, each of which takes `step` minutes.
+    /// for `step`, traces of sessions, each of which takes minutes, and for `layers`, which is quick.
     #[arg(value_name = "V")]
     named: Vec<PathBuf>,
     /// The same, one each time.
