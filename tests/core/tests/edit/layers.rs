@@ -8,11 +8,14 @@
 //! - `tighten_flipped_columns`: a fill looks no farther than its flips.
 //! - `tighten_line_returning_nonempty`: columns whose hull stays aren't replaced.
 
-use paros_core::internals::{ColumnAddress, IslandSearch, RowAddress, UndoHistory, maps_digest};
+use paros_core::internals::{
+    ColumnAddress, IslandSearch, RemovalJournal, RowAddress, StrokeJournal, UndoHistory,
+    maps_digest,
+};
 use paros_core::limits::island_row_visits_per_tick;
 use paros_core::{
-    Axis, BitGrid, Brush, Column, DirtyRects, Edit, EditOperation, EditScratch, Grid, Journal,
-    RangeMaps, SUBUNITS_PER_VOXEL, Size, Volume, apply_edit,
+    Axis, BitGrid, BitSet, Brush, Column, DirtyRects, Edit, EditOperation, EditScratch, Grid,
+    Journal, RangeMaps, SUBUNITS_PER_VOXEL, Size, Volume, apply_edit,
 };
 use paros_models::dense::{DenseVolume, MaskedVolume, any_voxels, closed_volumes_with_inner_mask};
 use paros_models::edit::{assert_edit_invariants, exact_edit};
@@ -33,6 +36,7 @@ where
     scratch: EditScratch<N>,
     islands: IslandSearch<N>,
     undo: UndoHistory<N, K>,
+    dirty: DirtyRects,
     rows: BitGrid<N>,
     model: LayeredVolume,
     dense_mask: DenseVolume,
@@ -53,6 +57,7 @@ where
             scratch: EditScratch::new(),
             islands: IslandSearch::new(),
             undo: UndoHistory::new(),
+            dirty: DirtyRects::new(),
             rows: BitGrid::new(),
             model: LayeredVolume::new(volume, K),
             dense_mask: mask.clone(),
@@ -71,7 +76,11 @@ where
         let edit = Edit { brush: &brush, operation: *operation, mirrored: *mirrored };
         self.before.copy_from(self.volume.maps());
         self.undo.begin_stroke();
-        let mut journal = StrokeNotes { undo: &mut self.undo, columns: Vec::new() };
+        let mut journal = JournalNotes::of(StrokeJournal {
+            undo: &mut self.undo,
+            dirty: &mut self.dirty,
+            islands: &mut self.islands,
+        });
         let done = apply_edit(&mut self.volume, &self.mask, &edit, &mut self.scratch, &mut journal);
         let columns = journal.columns;
         let Ok(report) = done else {
@@ -119,10 +128,12 @@ where
         self.islands.request_pass();
         loop {
             self.before.copy_from(self.volume.maps());
-            let mut journal = IslandNotes { undo: &mut self.undo, columns: Vec::new() };
+            let mut journal =
+                JournalNotes::of(RemovalJournal { undo: &mut self.undo, dirty: &mut self.dirty });
             let visits = island_row_visits_per_tick(N);
             let (volume, mask) = (&mut self.volume, &self.mask);
             let report = self.islands.advance_pass(volume, mask, visits, &mut journal);
+            assert!(!journal.has_additions, "an island pass adds nothing");
             let columns = journal.columns;
             self.assert_changes_were_told(&columns);
             if let Some(report) = report {
@@ -186,15 +197,20 @@ where
 
 type ChangedColumn<const K: usize> = (Axis, ColumnAddress, Column<K>);
 
-struct StrokeNotes<'a, const N: usize, const K: usize>
-where
-    Grid<N>: Size,
-{
-    undo: &'a mut UndoHistory<N, K>,
+/// A journal of the core that keeps what it is told.
+struct JournalNotes<J, const K: usize> {
+    journal: J,
     columns: Vec<ChangedColumn<K>>,
+    has_additions: bool,
 }
 
-impl<const N: usize, const K: usize> Journal<N, K> for StrokeNotes<'_, N, K>
+impl<J, const K: usize> JournalNotes<J, K> {
+    fn of(journal: J) -> Self {
+        JournalNotes { journal, columns: Vec::new(), has_additions: false }
+    }
+}
+
+impl<J: Journal<N, K>, const N: usize, const K: usize> Journal<N, K> for JournalNotes<J, K>
 where
     Grid<N>: Size,
 {
@@ -205,48 +221,14 @@ where
         places: <Grid<N> as Size>::Row,
         old: &[Column<K>; N],
     ) {
-        self.undo.record_columns(axis, line, places, old);
-        self.columns
-            .extend(iter_places::<N>(places).map(|place| (axis, (line, place), old[place])));
+        self.journal.record_columns(axis, line, places, old);
+        self.columns.extend(places.iter_ones().map(|place| (axis, (line, place), old[place])));
     }
 
-    fn record_added(&mut self, _: RowAddress, _: <Grid<N> as Size>::Row) {}
-}
-
-struct IslandNotes<'a, const N: usize, const K: usize>
-where
-    Grid<N>: Size,
-{
-    undo: &'a mut UndoHistory<N, K>,
-    columns: Vec<ChangedColumn<K>>,
-}
-
-impl<const N: usize, const K: usize> Journal<N, K> for IslandNotes<'_, N, K>
-where
-    Grid<N>: Size,
-{
-    fn record_columns(
-        &mut self,
-        axis: Axis,
-        line: usize,
-        places: <Grid<N> as Size>::Row,
-        old: &[Column<K>; N],
-    ) {
-        self.undo.record_into_newest_entry(axis, line, places, old);
-        self.columns
-            .extend(iter_places::<N>(places).map(|place| (axis, (line, place), old[place])));
+    fn record_added(&mut self, row: RowAddress, voxels: <Grid<N> as Size>::Row) {
+        self.journal.record_added(row, voxels);
+        self.has_additions = true;
     }
-
-    fn record_added(&mut self, _: RowAddress, _: <Grid<N> as Size>::Row) {
-        panic!("an island pass adds nothing");
-    }
-}
-
-fn iter_places<const N: usize>(places: <Grid<N> as Size>::Row) -> impl Iterator<Item = usize>
-where
-    Grid<N>: Size,
-{
-    paros_core::BitSet::iter_ones(places)
 }
 
 /// Volumes and masks, of which half aren't closed.
