@@ -22,8 +22,11 @@ where
     let starts = StartVolumes { lump: start_block, figures: &[], creative: start_block, own: None };
     let mut reader = ByteReader::new(trace);
     let header = TraceHeader::read(&mut reader).map_err(|bad| bad.expected)?;
-    if usize::from(header.side) != N || header.starts_digest != digest_start_volumes(&starts) {
-        return Err("a trace of this size that starts from the block");
+    if usize::from(header.side) != N || header.intervals != 1 {
+        return Err("a trace of this size, of one interval a column");
+    }
+    if header.starts_digest != digest_start_volumes(&starts) {
+        return Err("a trace that starts from the block");
     }
     for _ in 0..header.ticks {
         let record = TickRecord::read(&mut reader).map_err(|bad| bad.expected)?;

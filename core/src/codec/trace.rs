@@ -1,12 +1,14 @@
 //! Traces: a header, then for every tick its input and the digests it led to, at fixed widths.
 //!
 //! Little-endian. Header, [`HEADER_BYTES`] bytes: `PTRC`; u16 trace version; u16 core version (what
-//! a tick computes); u16 N; u16 zero; u32 ticks; u64 digest of the start volumes; u64 digest of the
-//! world before the first tick. Record, [`RECORD_BYTES`] bytes: the input, then the u64 digests of the
-//! world's parts after it, in the order of [`DIGEST_PARTS`].
+//! a tick computes); u16 N; u16 K, the intervals of a column, written as 0 where there is one; u32 ticks;
+//! u64 digest of the start volumes; u64 digest of the world before the first tick. Record, [`RECORD_BYTES`]
+//! bytes: the input, then the u64 digests of the world's parts after it, in the order of
+//! [`DIGEST_PARTS`].
 
 use crate::codec::bytes::{BadBytes, ByteReader, ByteWriter};
 use crate::codec::digest::{DIGEST_PARTS, combine_digests, mix_bits};
+use crate::limits::MAX_LAYERS;
 use crate::session::input::TickInput;
 use crate::session::start_volumes::StartVolumes;
 use crate::volume::column_digest::maps_digest;
@@ -38,6 +40,8 @@ pub const EXPECTED_CORE_VERSION: &str = "core version 7";
 pub struct TraceHeader {
     /// Voxels a side.
     pub side: u16,
+    /// Intervals of a column, 1 to [`MAX_LAYERS`].
+    pub intervals: u16,
     /// Number of records, by which a truncated trace is recognised.
     pub ticks: u32,
     /// [`digest_start_volumes`] of the start volumes.
@@ -63,7 +67,8 @@ impl TraceHeader {
         to.u16(TRACE_VERSION);
         to.u16(CORE_VERSION);
         to.u16(self.side);
-        to.u16(0);
+        // Traces from before there were more have 0 here.
+        to.u16(if self.intervals == 1 { 0 } else { self.intervals });
         to.u32(self.ticks);
         to.u64(self.starts_digest);
         to.u64(self.first_digest);
@@ -72,7 +77,8 @@ impl TraceHeader {
     /// Reads what [`TraceHeader::write`] wrote.
     ///
     /// # Errors
-    /// [`BadBytes`] for another magic, version or size, or at the end.
+    /// [`BadBytes`] for another magic or version, a size or a number of intervals that no world has, or at
+    /// the end.
     pub fn read(from: &mut ByteReader<'_>) -> Result<Self, BadBytes> {
         let bad = from.error_here("the magic PTRC");
         if from.bytes(4)? != MAGIC {
@@ -91,12 +97,14 @@ impl TraceHeader {
         if size != 128 && size != 256 {
             return Err(bad);
         }
-        let bad = from.error_here("zero");
-        if from.u16()? != 0 {
+        let bad = from.error_here("0 to 4 intervals a column");
+        let intervals = from.u16()?.max(1);
+        if usize::from(intervals) > MAX_LAYERS {
             return Err(bad);
         }
         Ok(TraceHeader {
             side: size,
+            intervals,
             ticks: from.u32()?,
             starts_digest: from.u64()?,
             first_digest: from.u64()?,

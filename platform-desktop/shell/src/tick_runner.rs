@@ -81,6 +81,7 @@ where
     pub fn trace_header(&self) -> TraceHeader {
         TraceHeader {
             side: N as u16,
+            intervals: K as u16,
             ticks: 0,
             starts_digest: digest_start_volumes(&self.start_volumes),
             first_digest: self.world.digest(),
@@ -149,6 +150,12 @@ where
         let (recorded, here) = (trace.header(), self.trace_header());
         if recorded.side != here.side {
             return Err(ReplayDivergence::Size { recorded: recorded.side, here: here.side });
+        }
+        if recorded.intervals != here.intervals {
+            return Err(ReplayDivergence::Intervals {
+                recorded: recorded.intervals,
+                here: here.intervals,
+            });
         }
         if recorded.starts_digest != here.starts_digest {
             return Err(ReplayDivergence::Starts {

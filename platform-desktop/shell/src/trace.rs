@@ -53,6 +53,13 @@ pub enum ReplayDivergence {
         /// Of the world.
         here: u16,
     },
+    /// Recorded with another number of intervals a column.
+    Intervals {
+        /// Of the trace.
+        recorded: u16,
+        /// Of the world.
+        here: u16,
+    },
     /// Recorded on other start volumes.
     Starts {
         /// Their digest in the trace.
@@ -162,6 +169,9 @@ impl fmt::Display for ReplayDivergence {
         match self {
             ReplayDivergence::Size { recorded, here } => {
                 write!(f, "before tick 0: recorded at {recorded} voxels a side, played at {here}")
+            }
+            ReplayDivergence::Intervals { recorded, here } => {
+                write!(f, "before tick 0: intervals a column: {recorded} as recorded, {here} here")
             }
             ReplayDivergence::Starts { recorded, here } => write!(
                 f,

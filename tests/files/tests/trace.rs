@@ -214,8 +214,13 @@ fn traces_cut_short_name_the_tick() {
 
 #[test]
 fn headers_of_another_kind_or_version_are_turned_away() {
-    let header =
-        TraceHeader { side: 256, ticks: 0, starts_digest: 0x0123_4567_89ab_cdef, first_digest: 42 };
+    let header = TraceHeader {
+        side: 256,
+        intervals: 1,
+        ticks: 0,
+        starts_digest: 0x0123_4567_89ab_cdef,
+        first_digest: 42,
+    };
     let mut bytes = [0; HEADER_BYTES];
     let mut to = ByteWriter::new(&mut bytes);
     header.write(&mut to);
