@@ -114,7 +114,11 @@ impl BoxBlur {
 
     /// Loads the voxels around a box of texels, no larger than [`MAX_BOX`](super::rows::MAX_BOX)
     /// and a multiple of 8 along x.
-    pub(super) fn load_voxels<const N: usize>(&mut self, maps: &RangeMaps<N>, extent: TexelBox) {
+    pub(super) fn load_voxels<const N: usize, const K: usize>(
+        &mut self,
+        maps: &RangeMaps<N, K>,
+        extent: TexelBox,
+    ) {
         self.extent = extent;
         self.window.load_voxels(maps, extent);
         let WindowSize { slices, rows, groups, row_bits } = self.window_size();

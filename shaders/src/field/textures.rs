@@ -16,10 +16,10 @@ use crate::upload::{Region, Texture};
 /// The textures of a volume of N voxels a side, N a multiple of 8 and at most 256, and the work
 /// left to bring them up to date.
 #[derive(Debug)]
-pub struct DensityField<const N: usize> {
+pub struct DensityField<const N: usize, const K: usize = 1> {
     /// The maps as noted last, and those that the textures follow.
-    pub(super) noted: Box<RangeMaps<N>>,
-    pub(super) maps: Box<RangeMaps<N>>,
+    pub(super) noted: Box<RangeMaps<N, K>>,
+    pub(super) maps: Box<RangeMaps<N, K>>,
     /// Columns in which the two may differ.
     pub(super) uncompared: StaleLines,
     pub(super) density: [TexelCube; LEVELS],
@@ -33,7 +33,7 @@ pub struct DensityField<const N: usize> {
     pub(super) staging: Vec<u8>,
 }
 
-impl<const N: usize> DensityField<N> {
+impl<const N: usize, const K: usize> DensityField<N, K> {
     /// Texels along a side of the finest density.
     pub(super) const SIDE: usize = {
         assert!(N.is_multiple_of(8) && N <= 256);
@@ -61,7 +61,7 @@ impl<const N: usize> DensityField<N> {
 
     /// Rebuilds all textures from these maps, on all cores. Uploads nothing: see
     /// [`DensityField::emit_all_regions`].
-    pub fn rebuild_from(&mut self, maps: &RangeMaps<N>) {
+    pub fn rebuild_from(&mut self, maps: &RangeMaps<N, K>) {
         self.noted.copy_from(maps);
         self.maps.copy_from(maps);
         self.uncompared.clear();
@@ -114,7 +114,7 @@ impl<const N: usize> DensityField<N> {
 
     /// The maps as they were last noted.
     #[must_use]
-    pub const fn noted_maps(&self) -> &RangeMaps<N> {
+    pub const fn noted_maps(&self) -> &RangeMaps<N, K> {
         &self.noted
     }
 

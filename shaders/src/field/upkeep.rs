@@ -30,10 +30,10 @@ enum ChangeDetail {
 /// Columns along a side of the tiles whose changes share a box of stale texels.
 const COMPARE_TILE: usize = 8;
 
-impl<const N: usize> DensityField<N> {
+impl<const N: usize, const K: usize> DensityField<N, K> {
     /// Notes what a tick changed: copies the `dirty` columns of `maps`, which are all that may
     /// differ from what was noted before. The textures follow in [`DensityField::update_textures`].
-    pub fn note_changes(&mut self, maps: &RangeMaps<N>, dirty: &DirtyRects) {
+    pub fn note_changes(&mut self, maps: &RangeMaps<N, K>, dirty: &DirtyRects) {
         let is_whole_map = |rect: &ColumnRect| {
             rect.first == (0, 0) && [rect.last.0, rect.last.1].map(usize::from) == [N - 1; 2]
         };
@@ -301,7 +301,7 @@ fn map_region(run: &LineRun) -> Region {
 }
 
 /// The hull of the symmetric difference of two columns' voxels. The columns differ.
-fn difference_hull(old: Column, new: Column) -> Range {
+fn difference_hull<const K: usize>(old: Column<K>, new: Column<K>) -> Range {
     let (old, new) = (old.hull(), new.hull());
     if old.is_empty() || new.is_empty() {
         return old.hull_with(new);

@@ -59,7 +59,11 @@ impl VoxelWindow {
     }
 
     /// Intersects the three range maps around a box of texels into bit rows.
-    pub(super) fn load_voxels<const N: usize>(&mut self, maps: &RangeMaps<N>, extent: TexelBox) {
+    pub(super) fn load_voxels<const N: usize, const K: usize>(
+        &mut self,
+        maps: &RangeMaps<N, K>,
+        extent: TexelBox,
+    ) {
         let around = |axis: usize, margin: usize| VoxelSpan {
             start: extent.lo[axis] as isize - (PAD + margin) as isize,
             len: extent.size()[axis] + 2 * margin,
@@ -83,9 +87,9 @@ impl VoxelWindow {
 
     /// Sets, in a slice of equal z, the voxels that the Y map's columns hold: a parity fill from
     /// the columns' ends.
-    fn fill_slice_from_y_map<const N: usize>(
+    fn fill_slice_from_y_map<const N: usize, const K: usize>(
         &mut self,
-        maps: &RangeMaps<N>,
+        maps: &RangeMaps<N, K>,
         x: VoxelSpan,
         along_y: &ColumnClassifier,
         window_z: usize,
@@ -109,9 +113,9 @@ impl VoxelWindow {
     }
 
     /// Keeps, in a layer of equal y, only the voxels that the Z and X maps' columns hold too.
-    fn intersect_layer_with_z_and_x_maps<const N: usize>(
+    fn intersect_layer_with_z_and_x_maps<const N: usize, const K: usize>(
         &mut self,
-        maps: &RangeMaps<N>,
+        maps: &RangeMaps<N, K>,
         x: VoxelSpan,
         along_z: &ColumnClassifier,
         window_y: usize,
@@ -149,8 +153,8 @@ struct ColumnEnds {
 /// Finds the ends of columns side by side along x, from a span's first voxel in the grid on;
 /// `window_rows` tells the rows that a column's range holds.
 #[inline(always)]
-fn find_column_ends(
-    columns: &[Column],
+fn find_column_ends<const K: usize>(
+    columns: &[Column<K>],
     x: VoxelSpan,
     classifier: &ColumnClassifier,
     window_rows: impl Fn(Range) -> std::ops::Range<usize>,
@@ -217,7 +221,7 @@ impl ColumnClassifier {
     }
 
     #[inline]
-    fn classify_eight(&self, columns: &[Column]) -> ColumnCoverage {
+    fn classify_eight<const K: usize>(&self, columns: &[Column<K>]) -> ColumnCoverage {
         let Some(columns) = columns.first_chunk::<8>() else { return ColumnCoverage::Mixed };
         let mut ends = [0; 16];
         for (i, column) in columns.iter().enumerate() {

@@ -81,7 +81,7 @@ impl SceneAssembler {
 
     /// Takes in a tick. Call it after every tick, as the world keeps only the last tick's events; a
     /// second call for the same tick changes nothing.
-    pub fn follow_tick<const N: usize>(&mut self, world: &World<N>)
+    pub fn follow_tick<const N: usize, const K: usize>(&mut self, world: &World<N, K>)
     where
         Grid<N>: Size,
     {
@@ -108,9 +108,9 @@ impl SceneAssembler {
     }
 
     /// Builds and returns the draw list of a frame.
-    pub fn assemble_frame<const N: usize>(
+    pub fn assemble_frame<const N: usize, const K: usize>(
         &mut self,
-        world: &World<N>,
+        world: &World<N, K>,
         latest: &LatestInput,
     ) -> &DrawList
     where
@@ -163,7 +163,7 @@ impl SceneAssembler {
     }
 
     /// Adds the items that rest, fall or lie, each tool with its bit.
-    fn add_items<const N: usize>(&mut self, world: &World<N>, tick_fraction: f32)
+    fn add_items<const N: usize, const K: usize>(&mut self, world: &World<N, K>, tick_fraction: f32)
     where
         Grid<N>: Size,
     {
@@ -186,8 +186,12 @@ impl SceneAssembler {
 
     /// Adds a hand and what it holds at its latest grip, displaced by the tool's push-out from the
     /// volume.
-    fn add_hand<const N: usize>(&mut self, world: &World<N>, latest: &LatestInput, hand: usize)
-    where
+    fn add_hand<const N: usize, const K: usize>(
+        &mut self,
+        world: &World<N, K>,
+        latest: &LatestInput,
+        hand: usize,
+    ) where
         Grid<N>: Size,
     {
         let held = world.held_tool(hand);
@@ -215,7 +219,7 @@ impl SceneAssembler {
     }
 
     /// Spawns the particles of the tick's events.
-    fn spawn_particles<const N: usize>(&mut self, world: &World<N>)
+    fn spawn_particles<const N: usize, const K: usize>(&mut self, world: &World<N, K>)
     where
         Grid<N>: Size,
     {
@@ -237,9 +241,9 @@ impl SceneAssembler {
     }
 
     /// Spawns chips and dust under a bit that removed voxels.
-    fn spawn_chips<const N: usize>(
+    fn spawn_chips<const N: usize, const K: usize>(
         &mut self,
-        world: &World<N>,
+        world: &World<N, K>,
         hand: usize,
         bit: ToolBit,
         removed_voxels: u32,
@@ -275,7 +279,7 @@ impl SceneAssembler {
     }
 
     /// Spawns motes where an island was removed.
-    fn spawn_island_motes<const N: usize>(&mut self, world: &World<N>, seed: u64)
+    fn spawn_island_motes<const N: usize, const K: usize>(&mut self, world: &World<N, K>, seed: u64)
     where
         Grid<N>: Size,
     {

@@ -19,7 +19,7 @@ impl IslandLattice {
     }
 
     /// Updates the rows that the last tick changed.
-    pub(super) fn follow_tick<const N: usize>(&mut self, world: &World<N>)
+    pub(super) fn follow_tick<const N: usize, const K: usize>(&mut self, world: &World<N, K>)
     where
         Grid<N>: Size,
     {

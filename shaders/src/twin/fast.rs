@@ -19,8 +19,8 @@ use crate::field::{DensityField, LEVELS, PAD};
 /// Where a ray in voxels first meets the surface, the level set of a half. It may lie up to a voxel
 /// outside of the grid, but not under the ground.
 #[must_use]
-pub fn find_surface<const N: usize>(
-    field: &DensityField<N>,
+pub fn find_surface<const N: usize, const K: usize>(
+    field: &DensityField<N, K>,
     grid_ray: &Ray,
 ) -> Option<SurfacePoint> {
     let side = N as f32 + 2.0;
@@ -45,8 +45,8 @@ pub struct SunLight {
 /// The linear radiance of a surface point, before tone mapping: Lambertian marble under a sun and an
 /// ambient irradiance over pi.
 #[must_use]
-pub fn shade_surface<const N: usize>(
-    field: &DensityField<N>,
+pub fn shade_surface<const N: usize, const K: usize>(
+    field: &DensityField<N, K>,
     surface: &SurfacePoint,
     sun: &SunLight,
     ambient_over_pi: Vec3,
@@ -81,8 +81,8 @@ struct DensityHit {
     step_voxels: f32,
 }
 
-fn march_density<const N: usize>(
-    field: &DensityField<N>,
+fn march_density<const N: usize, const K: usize>(
+    field: &DensityField<N, K>,
     ray: &Ray,
     RaySpan { near, far }: RaySpan,
 ) -> Option<DensityHit> {
@@ -131,8 +131,8 @@ fn density_of_step_length(step_voxels: f32) -> f32 {
 
 /// Steps back from a sample inside to the level set, by linear interpolation between the last two
 /// samples' distances to a plane.
-fn refine_hit<const N: usize>(
-    field: &DensityField<N>,
+fn refine_hit<const N: usize, const K: usize>(
+    field: &DensityField<N, K>,
     ray: &Ray,
     hit: &DensityHit,
 ) -> SurfacePoint {
@@ -150,7 +150,10 @@ fn refine_hit<const N: usize>(
 
 /// The negative gradient of the density at mip level 1, times 4 voxels, from four samples at the
 /// corners of a tetrahedron.
-fn negative_density_gradient<const N: usize>(field: &DensityField<N>, grid_point: Vec3) -> Vec3 {
+fn negative_density_gradient<const N: usize, const K: usize>(
+    field: &DensityField<N, K>,
+    grid_point: Vec3,
+) -> Vec3 {
     let mut sum = Vec3::ZERO;
     for (y, z) in [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)] {
         let corner = Vec3::new(y * z, y, z);
@@ -162,8 +165,8 @@ fn negative_density_gradient<const N: usize>(field: &DensityField<N>, grid_point
 /// Soft shadow by cone tracing: three samples towards the sun, each farther and of a coarser mip
 /// level. Visibility, 0 to 1; `reference_voxel` is the side of one of the reference
 /// grid's voxels, in voxels.
-fn sun_visibility<const N: usize>(
-    field: &DensityField<N>,
+fn sun_visibility<const N: usize, const K: usize>(
+    field: &DensityField<N, K>,
     grid_point: Vec3,
     to_sun: Vec3,
     reference_voxel: f32,

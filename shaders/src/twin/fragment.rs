@@ -29,9 +29,9 @@ impl Default for TwinSettings {
 
 /// What a fragment reads.
 #[derive(Clone, Copy, Debug)]
-pub struct TwinScene<'a, const N: usize> {
+pub struct TwinScene<'a, const N: usize, const K: usize = 1> {
     /// The sculpture.
-    pub maps: &'a RangeMaps<N>,
+    pub maps: &'a RangeMaps<N, K>,
     /// The noise texture.
     pub noise: &'a [i8],
     /// Cosine and sine of the stool's rotation about y.
@@ -39,7 +39,7 @@ pub struct TwinScene<'a, const N: usize> {
     /// The parts of the path that are on.
     pub settings: TwinSettings,
     /// The fast path's textures, if that is the path.
-    pub field: Option<&'a DensityField<N>>,
+    pub field: Option<&'a DensityField<N, K>>,
 }
 
 /// A shaded point of the sculpture.
@@ -57,10 +57,10 @@ pub struct ShadedHit {
     pub voxel: [usize; 3],
 }
 
-impl<'a, const N: usize> TwinScene<'a, N> {
+impl<'a, const N: usize, const K: usize> TwinScene<'a, N, K> {
     /// A sculpture on a stool rotated by an angle, counter-clockwise from above.
     #[must_use]
-    pub fn new(maps: &'a RangeMaps<N>, turn_radians: f32, settings: TwinSettings) -> Self {
+    pub fn new(maps: &'a RangeMaps<N, K>, turn_radians: f32, settings: TwinSettings) -> Self {
         TwinScene {
             maps,
             noise: noise::noise_texture(),
@@ -111,8 +111,8 @@ impl<'a, const N: usize> TwinScene<'a, N> {
 /// Casts a studio ray at the sculpture and shades the hit; `None` if the ray misses. `dither` in
 /// 0..1 differs from fragment to fragment.
 #[must_use]
-pub fn shade_ray<const N: usize>(
-    scene: &TwinScene<'_, N>,
+pub fn shade_ray<const N: usize, const K: usize>(
+    scene: &TwinScene<'_, N, K>,
     studio_ray: &Ray,
     dither: f32,
 ) -> Option<ShadedHit> {
@@ -155,8 +155,8 @@ pub fn shade_ray<const N: usize>(
 }
 
 /// Lambertian marble under the sun and the ambient light; point and normal are those of the grid.
-fn shade_marble<const N: usize>(
-    scene: &TwinScene<'_, N>,
+fn shade_marble<const N: usize, const K: usize>(
+    scene: &TwinScene<'_, N, K>,
     grid_point: Vec3,
     grid_normal: Vec3,
     dither: f32,

@@ -57,26 +57,32 @@ enum MapReadOrder {
 ///
 /// A step reads the dominant axis's map, and the other two only where that one holds the sample.
 #[must_use]
-pub fn march_maps<const N: usize>(maps: &RangeMaps<N>, grid_ray: &Ray) -> Option<VoxelHit> {
+pub fn march_maps<const N: usize, const K: usize>(
+    maps: &RangeMaps<N, K>,
+    grid_ray: &Ray,
+) -> Option<VoxelHit> {
     march_reading(maps, grid_ray, MapReadOrder::DominantFirst)
 }
 
 /// [`march_maps`] with every step reading all three maps, for comparison; the answer is the same.
 #[must_use]
-pub fn march_all_maps<const N: usize>(maps: &RangeMaps<N>, grid_ray: &Ray) -> Option<VoxelHit> {
+pub fn march_all_maps<const N: usize, const K: usize>(
+    maps: &RangeMaps<N, K>,
+    grid_ray: &Ray,
+) -> Option<VoxelHit> {
     march_reading(maps, grid_ray, MapReadOrder::AllThree)
 }
 
-fn march_reading<const N: usize>(
-    maps: &RangeMaps<N>,
+fn march_reading<const N: usize, const K: usize>(
+    maps: &RangeMaps<N, K>,
     ray: &Ray,
     read_order: MapReadOrder,
 ) -> Option<VoxelHit> {
     let span = clip_to_cube(ray, N as f32)?;
     match dominant_axis(ray.direction) {
-        Axis::X => first_sample_hit_along_axis::<N, 0>(maps, ray, span, read_order),
-        Axis::Y => first_sample_hit_along_axis::<N, 1>(maps, ray, span, read_order),
-        Axis::Z => first_sample_hit_along_axis::<N, 2>(maps, ray, span, read_order),
+        Axis::X => first_sample_hit_along_axis::<N, K, 0>(maps, ray, span, read_order),
+        Axis::Y => first_sample_hit_along_axis::<N, K, 1>(maps, ray, span, read_order),
+        Axis::Z => first_sample_hit_along_axis::<N, K, 2>(maps, ray, span, read_order),
     }
 }
 
@@ -103,7 +109,10 @@ pub fn clip_to_cube(ray: &Ray, side: f32) -> Option<RaySpan> {
 /// Whether the voxel that holds a point is occupied; outside the cube is empty.
 #[must_use]
 #[inline]
-pub fn is_point_occupied<const N: usize>(maps: &RangeMaps<N>, grid_point: Vec3) -> bool {
+pub fn is_point_occupied<const N: usize, const K: usize>(
+    maps: &RangeMaps<N, K>,
+    grid_point: Vec3,
+) -> bool {
     let inside = |c: f32| c >= 0.0 && c < N as f32;
     inside(grid_point.x)
         && inside(grid_point.y)
@@ -124,8 +133,8 @@ pub fn dominant_axis(direction: Vec3) -> Axis {
     }
 }
 
-fn first_sample_hit_along_axis<const N: usize, const AXIS: usize>(
-    maps: &RangeMaps<N>,
+fn first_sample_hit_along_axis<const N: usize, const K: usize, const AXIS: usize>(
+    maps: &RangeMaps<N, K>,
     ray: &Ray,
     RaySpan { near, far }: RaySpan,
     read_order: MapReadOrder,
@@ -159,7 +168,7 @@ fn first_sample_hit_along_axis<const N: usize, const AXIS: usize>(
                 MapReadOrder::AllThree => maps.contains(voxel),
                 MapReadOrder::DominantFirst => {
                     maps.column(axis, axis.column_address(voxel)).contains(voxel[AXIS])
-                        && other_maps_hold::<N, AXIS>(maps, voxel)
+                        && other_maps_hold::<N, K, AXIS>(maps, voxel)
                 }
             };
             if hit {
@@ -178,8 +187,8 @@ fn first_sample_hit_along_axis<const N: usize, const AXIS: usize>(
 const ONE_VOXEL: f32 = (1 << MARCH_FRACTION_BITS) as f32;
 
 #[inline]
-fn other_maps_hold<const N: usize, const AXIS: usize>(
-    maps: &RangeMaps<N>,
+fn other_maps_hold<const N: usize, const K: usize, const AXIS: usize>(
+    maps: &RangeMaps<N, K>,
     voxel: [usize; 3],
 ) -> bool {
     [Axis::ALL[(AXIS + 1) % 3], Axis::ALL[(AXIS + 2) % 3]]

@@ -46,8 +46,8 @@ impl RenderOptions {
 /// Renders a sculpture in its studio on all cores. `progress` is called with the fraction done, 0
 /// to 1, from any of the threads; the picture doesn't depend on their number.
 #[must_use]
-pub fn render_image<const N: usize>(
-    maps: &RangeMaps<N>,
+pub fn render_image<const N: usize, const K: usize>(
+    maps: &RangeMaps<N, K>,
     camera: &Camera,
     options: &RenderOptions,
     progress: &(dyn Fn(f32) + Sync),
@@ -79,7 +79,9 @@ pub fn render_image<const N: usize>(
 ///
 /// # Errors
 /// What keeps a picture from being encoded.
-pub fn render_portrait_png<const N: usize>(maps: &RangeMaps<N>) -> Result<Vec<u8>, String> {
+pub fn render_portrait_png<const N: usize, const K: usize>(
+    maps: &RangeMaps<N, K>,
+) -> Result<Vec<u8>, String> {
     let options = RenderOptions { width: 720, height: 720, ..RenderOptions::default() };
     let image = render_image(maps, &Camera::orbiting(0.4, 0.25), &options, &|_| {});
     let mut png = Vec::new();
@@ -88,8 +90,8 @@ pub fn render_portrait_png<const N: usize>(maps: &RangeMaps<N>) -> Result<Vec<u8
 }
 
 /// Supersampling: the mean tone-mapped colour of a pixel's rays.
-fn pixel_color<const N: usize>(
-    scene: &TwinScene<'_, N>,
+fn pixel_color<const N: usize, const K: usize>(
+    scene: &TwinScene<'_, N, K>,
     camera: &Camera,
     options: &RenderOptions,
     [x, y]: [usize; 2],

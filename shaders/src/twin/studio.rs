@@ -24,8 +24,8 @@ const FAR: f32 = 14.0;
 
 /// Linear radiance of the studio along a studio ray that misses the sculpture.
 #[must_use]
-pub fn shade_background<const N: usize>(
-    scene: &TwinScene<'_, N>,
+pub fn shade_background<const N: usize, const K: usize>(
+    scene: &TwinScene<'_, N, K>,
     studio_ray: &Ray,
     dither: f32,
 ) -> Vec3 {
@@ -117,8 +117,8 @@ fn studio_normal(point: Vec3) -> Vec3 {
 
 /// Area-light shadow: the part of the sun's disc that a studio point sees past stool and sculpture,
 /// times the cosine of incidence.
-fn sun_visibility_times_cosine<const N: usize>(
-    scene: &TwinScene<'_, N>,
+fn sun_visibility_times_cosine<const N: usize, const K: usize>(
+    scene: &TwinScene<'_, N, K>,
     point: Vec3,
     normal: Vec3,
     dither: f32,
@@ -163,8 +163,8 @@ fn stool_sun_visibility(start: Vec3, to_sun: Vec3) -> f32 {
 }
 
 /// Ambient occlusion by stool and sculpture at a studio point: the part of the ambient light left.
-fn ambient_openness<const N: usize>(
-    scene: &TwinScene<'_, N>,
+fn ambient_openness<const N: usize, const K: usize>(
+    scene: &TwinScene<'_, N, K>,
     point: Vec3,
     normal: Vec3,
     dither: f32,

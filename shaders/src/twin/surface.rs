@@ -24,8 +24,8 @@ pub struct SurfacePoint {
 /// Sphere tracing of the blobs around a hit voxel, from half a voxel before the sample. If the ray
 /// misses them, its closest approach is taken. The normal is equation 1.
 #[must_use]
-pub fn trace_blobs<const N: usize>(
-    maps: &RangeMaps<N>,
+pub fn trace_blobs<const N: usize, const K: usize>(
+    maps: &RangeMaps<N, K>,
     grid_ray: &Ray,
     hit: &VoxelHit,
 ) -> SurfacePoint {
@@ -77,7 +77,10 @@ pub struct Neighbours(pub [bool; 6]);
 impl Neighbours {
     /// The neighbours of a voxel; outside the cube is empty.
     #[must_use]
-    pub fn around_voxel<const N: usize>(maps: &RangeMaps<N>, voxel: [usize; 3]) -> Self {
+    pub fn around_voxel<const N: usize, const K: usize>(
+        maps: &RangeMaps<N, K>,
+        voxel: [usize; 3],
+    ) -> Self {
         let mut occupied = [false; 6];
         for (i, occupied) in occupied.iter_mut().enumerate() {
             let mut at = voxel;

@@ -18,13 +18,13 @@ use crate::twin::render::tone_map;
 
 /// A renderer with the textures and the scene of a world.
 #[derive(Debug)]
-pub struct WorldRenderer<const N: usize>
+pub struct WorldRenderer<const N: usize, const K: usize = 1>
 where
     Grid<N>: Size,
 {
     /// The renderer, with its overlay.
     pub renderer: Renderer,
-    field: Box<DensityField<N>>,
+    field: Box<DensityField<N, K>>,
     /// Whether the volume was replaced: all textures are rebuilt before the next frame.
     anew: bool,
     scene: Box<SceneAssembler>,
@@ -41,7 +41,7 @@ pub struct Viewpoint<'a> {
     pub render_path: RenderPath,
 }
 
-impl<const N: usize> WorldRenderer<N>
+impl<const N: usize, const K: usize> WorldRenderer<N, K>
 where
     Grid<N>: Size,
 {
@@ -53,7 +53,7 @@ where
     pub fn new(
         gpu: &Arc<Gpu>,
         format: TargetFormat,
-        world: &World<N>,
+        world: &World<N, K>,
         cache: &[u8],
     ) -> Result<Self, Error> {
         let renderer = Renderer::new(gpu, format, N, cache)?;
@@ -66,7 +66,7 @@ where
     }
 
     /// Notes what a tick changed; call it after each tick.
-    pub fn note_tick(&mut self, world: &World<N>) {
+    pub fn note_tick(&mut self, world: &World<N, K>) {
         self.field.note_changes(world.volume().maps(), world.dirty_rects());
         self.anew |= world.events().iter().any(|event| matches!(event, WorldEvent::Started(_)));
         self.scene.follow_tick(world);
@@ -77,7 +77,7 @@ where
     ///
     /// # Errors
     /// A lost device.
-    pub fn wait_and_begin_frame(&mut self, world: &World<N>) -> Result<(), Error> {
+    pub fn wait_and_begin_frame(&mut self, world: &World<N, K>) -> Result<(), Error> {
         if core::mem::take(&mut self.anew) {
             self.upload_volume(world)?;
         }
@@ -90,7 +90,7 @@ where
     /// A lost device.
     pub fn draw_frame(
         &mut self,
-        world: &World<N>,
+        world: &World<N, K>,
         viewpoint: &Viewpoint<'_>,
         target: &RenderTarget,
         image_index: usize,
@@ -113,7 +113,7 @@ where
     }
 
     /// Rebuilds and uploads all textures of a world's volume.
-    fn upload_volume(&mut self, world: &World<N>) -> Result<(), Error> {
+    fn upload_volume(&mut self, world: &World<N, K>) -> Result<(), Error> {
         self.field.rebuild_from(world.volume().maps());
         let mut loaded = Ok(());
         self.field.emit_all_regions(|region, bytes| {
