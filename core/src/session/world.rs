@@ -9,7 +9,7 @@ use heapless::Vec;
 
 use crate::edit::contact::Contact;
 use crate::edit::islands::IslandSearch;
-use crate::edit::operation::EditScratch;
+use crate::edit::operation::{EditReport, EditScratch};
 use crate::edit::pose::Pose;
 use crate::edit::undo::{UndoCounts, UndoHistory};
 use crate::limits::{
@@ -156,6 +156,16 @@ where
     #[must_use]
     pub fn events(&self) -> &[WorldEvent] {
         &self.events
+    }
+
+    /// What a hand's edits of the last tick did, together: the sum of its [`WorldEvent::Edited`].
+    #[must_use]
+    pub fn edit_report(&self, hand: usize) -> EditReport {
+        let reports = self.events.iter().filter_map(|event| match event {
+            WorldEvent::Edited { hand: of, report, .. } if usize::from(*of) == hand => Some(report),
+            _ => None,
+        });
+        reports.fold(EditReport::default(), |sum, report| sum.sum_with(*report))
     }
 
     /// The rectangles of each axis map that changed in the last tick.

@@ -15,3 +15,4 @@ pub(crate) mod range;
 pub(crate) mod range_maps;
 pub(crate) mod row;
 pub(crate) mod size;
+pub(crate) mod voxel_box;

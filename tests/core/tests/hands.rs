@@ -5,8 +5,8 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use glam::{Quat, Vec3};
 use paros_core::internals::{BENCH_TOP, BOX_SIDE, STOOL_TOP, ToolPlace};
 use paros_core::{
-    BenchItem, HandInput, PointerCommand, Pose, RawPose, SessionMode, TICK_RATE, TickInput, Tool,
-    ToolBit, WorldEvent,
+    BenchItem, EditReport, HandInput, PointerCommand, Pose, RawPose, SessionMode, TICK_RATE,
+    TickInput, Tool, ToolBit, WorldEvent,
 };
 use paros_models::dense::DenseVolume;
 use paros_models::scripted_hand::{
@@ -290,4 +290,53 @@ fn a_grab_a_tool_change_and_a_gap_never_sweep() {
         assert_eq!(harness.world.held_tool(RIGHT).map(|held| held.1), Some(bit));
         assert_no_sweep(&harness, RIGHT, bit, &before, what);
     }
+}
+
+/// Both hands cut sideways from within a tunnel each, where a column of one interval keeps nothing empty.
+#[test]
+fn each_hand_is_told_what_closure_brought_back() {
+    let mut harness = lock_harness();
+    harness.start_from_voxels(|[_, y, z]| {
+        y < 40 && !((10..22).contains(&y) && ((8..20).contains(&z) || (44..56).contains(&z)))
+    });
+    take_item(&mut harness, LEFT, BenchItem::Tool(Tool::Impact));
+    take_item(&mut harness, RIGHT, BenchItem::Tool(Tool::Rotary));
+    let before = volume_of(&harness);
+    let mut refused_together = 0;
+    for tick in 0..40 {
+        let aside = 0.25 * tick as f32;
+        let mut input = TickInput::default();
+        for (hand, z) in [(LEFT, 14.0 + aside), (RIGHT, 50.0 - aside)] {
+            let pose = Pose { position: Vec3::new(32.0, 16.0, z), rotation: Quat::IDENTITY };
+            let at = harness.world.hand_with_bit_at(hand, &pose);
+            input.hands[hand] = HandInput { trigger: 255, ..at };
+        }
+        harness.step(&input);
+        let reports = [LEFT, RIGHT].map(|hand| harness.world.edit_report(hand));
+        for (report, walls) in reports.iter().zip([20..32, 32..44]) {
+            assert_eq!(report.removed, 0);
+            assert_eq!(report.closure_box.is_empty(), report.refused_by_closure == 0);
+            let [x, y, z] = report.closure_box.ranges();
+            let is_at_bit = walls.contains(&z.first()) && walls.contains(&z.last());
+            assert!(report.closure_box.is_empty() || is_at_bit, "{z:?}");
+            assert!(x.is_empty() || x.contains(32) && y.contains(16));
+        }
+        refused_together += u32::from(reports.iter().all(|report| report.refused_by_closure > 0));
+        let sum = reports[0].sum_with(reports[1]);
+        let [.., z] = sum.closure_box.ranges();
+        assert_eq!(
+            sum.refused_by_closure,
+            reports[0].refused_by_closure + reports[1].refused_by_closure
+        );
+        assert!(
+            reports
+                .iter()
+                .all(|report| sum.closure_box.hull_with(report.closure_box) == sum.closure_box)
+        );
+        assert!(reports.iter().any(|report| report.closure_box.is_empty()) || z.contains(31));
+    }
+    assert!(refused_together > 2, "{refused_together} ticks");
+    assert_eq!(volume_of(&harness), before);
+    harness.step(&TickInput::default());
+    assert_eq!(harness.world.edit_report(RIGHT), EditReport::default());
 }

@@ -4,7 +4,7 @@
 use std::collections::VecDeque;
 
 use paros_core::internals::ColumnAddress;
-use paros_core::{Axis, BitGrid, BitSet, Column, Grid, Range, RangeMaps, Size};
+use paros_core::{Axis, BitGrid, BitSet, Column, Grid, Range, RangeMaps, Size, VoxelBox};
 use proptest::prelude::*;
 
 /// The offsets of the six face neighbours.
@@ -107,6 +107,14 @@ impl DenseVolume {
     /// Occupied voxels.
     pub fn count(&self) -> u32 {
         self.voxels.iter().map(|&occupied| u32::from(occupied)).sum()
+    }
+
+    /// The smallest box around the occupied voxels.
+    pub fn bounding_box(&self) -> VoxelBox {
+        VoxelBox::new([0, 1, 2].map(|i| {
+            let along = || self.occupied().map(|voxel| voxel[i] as usize);
+            along().min().zip(along().max()).map_or(Range::EMPTY, |(lo, hi)| Range::new(lo, hi))
+        }))
     }
 
     /// Whether no voxel is occupied.

@@ -41,13 +41,15 @@ pub struct ExactEdit {
 impl ExactEdit {
     /// The counts of the report when closure of the exact voxels leaves `after` of `before`.
     pub fn expected_report(&self, before: &DenseVolume, after: &DenseVolume) -> EditReport {
+        let back = before.difference(&self.exact).intersection(after);
         EditReport {
             removed: before.difference(after).count(),
             added: self.filled.count(),
             closed: after.difference(before).difference(&self.filled).count(),
             refused_by_mask: self.refused_by_mask,
             refused_by_depth: self.refused_by_depth,
-            refused_by_closure: before.difference(&self.exact).intersection(after).count(),
+            refused_by_closure: back.count(),
+            closure_box: back.bounding_box(),
         }
     }
 }

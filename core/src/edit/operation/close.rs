@@ -1,12 +1,13 @@
 //! Closure after an edit: occupies every voxel that all three ranges hold.
 
 use super::pass::{EditPass, iter_voxels};
-use super::{EditOperation, LineFlips};
+use super::{EditOperation, EditReport, LineFlips};
 use crate::edit::brush::BrushBounds;
 use crate::volume::journal::Journal;
 use crate::volume::range_maps::{Axis, RowAddress};
 use crate::volume::row::{BitRow, BitSet};
 use crate::volume::size::{Grid, Size};
+use crate::volume::voxel_box::VoxelBox;
 
 impl<const N: usize, const K: usize, const W: usize, J: Journal<N, K>> EditPass<'_, N, K, W, J>
 where
@@ -74,8 +75,7 @@ where
         }
         let back = missing & self.row_before_edit((y, z));
         let closed = missing & !back;
-        self.report.removed -= back.count_ones();
-        self.report.refused_by_closure += back.count_ones();
+        self.report.note_back((y, z), back);
         self.report.closed += closed.count_ones();
         if !closed.is_empty() {
             self.journal.record_added((y, z), closed);
@@ -99,5 +99,15 @@ where
             }
             _ => <Grid<N> as Size>::Row::EMPTY,
         }
+    }
+}
+
+impl EditReport {
+    /// Counts removed voxels of a row that closure brought back.
+    #[inline]
+    fn note_back<R: BitSet>(&mut self, row: RowAddress, back: R) {
+        self.removed -= back.count_ones();
+        self.refused_by_closure += back.count_ones();
+        self.closure_box = self.closure_box.hull_with(VoxelBox::around_row(row, back));
     }
 }

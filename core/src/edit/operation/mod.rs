@@ -18,6 +18,7 @@ use crate::volume::range::Range;
 use crate::volume::range_maps::RangeMaps;
 use crate::volume::row::{BitRow, BitSet};
 use crate::volume::size::{Grid, Size};
+use crate::volume::voxel_box::VoxelBox;
 
 /// What an edit does to the voxels of its brush.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -86,12 +87,16 @@ pub struct EditReport {
     pub added: u32,
     /// Empty before, occupied by closure alone.
     pub closed: u32,
-    /// Not removed because the mask holds them.
+    /// Within the brush and its depth, and not removed because the mask holds them.
     pub refused_by_mask: u32,
-    /// Neither removed nor added because they lie beyond the shell's depth.
+    /// Within the brush, but neither carved nor filled because they lie more steps from the surface than
+    /// the edit's depth. The next edit at the same place may reach them: this counts them once an edit,
+    /// masked or not. Smoothing has no depth.
     pub refused_by_depth: u32,
     /// Removed, as the depth allowed, and brought back by closure.
     pub refused_by_closure: u32,
+    /// The smallest box around what closure brought back. That of a mirrored edit spans both sides.
+    pub closure_box: VoxelBox,
 }
 
 impl EditReport {
@@ -99,6 +104,20 @@ impl EditReport {
     #[must_use]
     pub const fn changed_volume(&self) -> bool {
         self.removed + self.added + self.closed != 0
+    }
+
+    /// The counts of two edits together, and the box around both of theirs.
+    #[must_use]
+    pub const fn sum_with(self, other: Self) -> Self {
+        EditReport {
+            removed: self.removed + other.removed,
+            added: self.added + other.added,
+            closed: self.closed + other.closed,
+            refused_by_mask: self.refused_by_mask + other.refused_by_mask,
+            refused_by_depth: self.refused_by_depth + other.refused_by_depth,
+            refused_by_closure: self.refused_by_closure + other.refused_by_closure,
+            closure_box: self.closure_box.hull_with(other.closure_box),
+        }
     }
 }
 

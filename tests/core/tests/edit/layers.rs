@@ -8,21 +8,22 @@
 //! - `tighten_flipped_columns`: a fill looks no farther than its flips.
 //! - `tighten_line_returning_nonempty`: columns whose hull stays aren't replaced.
 
+use glam::{IVec3, Quat, Vec3};
 use paros_core::internals::{
     ColumnAddress, IslandSearch, RemovalJournal, RowAddress, StrokeJournal, UndoHistory,
     maps_digest,
 };
 use paros_core::limits::island_row_visits_per_tick;
 use paros_core::{
-    Axis, BitGrid, BitSet, Brush, Column, DirtyRects, Edit, EditOperation, EditScratch, Grid,
-    Journal, RangeMaps, SUBUNITS_PER_VOXEL, Size, Volume, apply_edit,
+    Axis, BitGrid, BitSet, Brush, Column, DirtyRects, Edit, EditOperation, EditReport, EditScratch,
+    Grid, Journal, Pose, Range, RangeMaps, SUBUNITS_PER_VOXEL, Size, Volume, VoxelBox, apply_edit,
 };
 use paros_models::dense::{DenseVolume, MaskedVolume, any_voxels, closed_volumes_with_inner_mask};
 use paros_models::edit::{assert_edit_invariants, exact_edit};
 use paros_models::layers::LayeredVolume;
 use proptest::prelude::*;
 
-use super::harness::{Stroke, any_strokes};
+use super::harness::{BrushSpec, Stroke, any_strokes};
 use super::voxels_by_rows;
 
 /// A volume under test beside its model.
@@ -71,7 +72,9 @@ where
         harness
     }
 
-    fn apply_stroke(&mut self, Stroke { shape, operation, mirrored }: &Stroke) {
+    /// The report; `None` where the brush is too large to smooth.
+    fn apply_stroke(&mut self, stroke: &Stroke) -> Option<EditReport> {
+        let Stroke { shape, operation, mirrored } = stroke;
         let brush = shape.to_brush();
         let edit = Edit { brush: &brush, operation: *operation, mirrored: *mirrored };
         self.before.copy_from(self.volume.maps());
@@ -85,7 +88,7 @@ where
         let columns = journal.columns;
         let Ok(report) = done else {
             assert!(columns.is_empty() && self.volume.maps() == &self.before);
-            return;
+            return None;
         };
         let model_before = self.model.clone();
         let (before, mask) = (model_before.voxels(), &self.dense_mask);
@@ -103,6 +106,7 @@ where
             self.redoable.clear();
             self.clear_islands();
         }
+        Some(report)
     }
 
     /// Runs a pass, and a second one that changes nothing.
@@ -243,7 +247,9 @@ where
     Grid<N>: Size,
 {
     let mut harness = LayerHarness::<N, K>::new(start);
-    strokes.iter().for_each(|stroke| harness.apply_stroke(stroke));
+    for stroke in strokes {
+        harness.apply_stroke(stroke);
+    }
     harness.undo_and_redo();
 }
 
@@ -263,9 +269,9 @@ fn drill_holes<const K: usize>() -> (u32, u32) {
         // A spiral of Fibonacci over the sphere.
         let (height, turn) = (1.0 - (i as f32 + 0.5) / 6.0, i as f32 * 2.399_963);
         let across = (1.0 - height * height).sqrt();
-        let out = glam::Vec3::new(across * turn.cos(), height, across * turn.sin());
-        let subunits = |p: glam::Vec3| (p * SUBUNITS_PER_VOXEL as f32).as_ivec3();
-        let middle = glam::Vec3::splat(64.0);
+        let out = Vec3::new(across * turn.cos(), height, across * turn.sin());
+        let subunits = |p: Vec3| (p * SUBUNITS_PER_VOXEL as f32).as_ivec3();
+        let middle = Vec3::splat(64.0);
         let brush = Brush::capsule(
             subunits(middle + out * 60.0),
             subunits(middle + out * (56.0 - 25.0)),
@@ -282,6 +288,39 @@ fn drill_holes<const K: usize>() -> (u32, u32) {
         left += bit.intersection(&DenseVolume::from_bits(volume.rows())).count();
     }
     (within, left)
+}
+
+/// A stone whose columns through the middle hold as many gaps as they can, three voxels long and one from the
+/// next, and a carve of two voxels a side in the middle: it comes back whole, and is told where it is.
+fn check_box_of_what_came_back<const K: usize>() {
+    let cavity = |along: i32| {
+        along < 14 && (0..K as i32 - 1).any(|i| (10 - 4 * i..13 - 4 * i).contains(&along))
+    };
+    let is_middle = |across: i32| (12..19).contains(&across);
+    let stone = DenseVolume::from_fn(32, |[x, y, z]| {
+        let hollow = |along, a, b| cavity(along) && is_middle(a) && is_middle(b);
+        !(hollow(x, y, z) || hollow(y, z, x) || hollow(z, x, y))
+    });
+    let start = MaskedVolume { volume: stone, mask: DenseVolume::empty(32) };
+    let pose = Pose { position: Vec3::new(15.0, 15.0, 16.0), rotation: Quat::IDENTITY };
+    let shape = BrushSpec::Box(IVec3::splat(SUBUNITS_PER_VOXEL), pose);
+    for (mirrored, x) in [(false, Range::new(14, 15)), (true, Range::new(14, 17))] {
+        let mut harness = LayerHarness::<32, K>::new(&start);
+        let operation = EditOperation::Carve { depth: 4 };
+        let report =
+            harness.apply_stroke(&Stroke { shape: shape.clone(), operation, mirrored }).unwrap();
+        let [y, z] = [Range::new(14, 15), Range::new(15, 16)];
+        assert_eq!(report.closure_box, VoxelBox::new([x, y, z]));
+        let back = if mirrored { 16 } else { 8 };
+        assert_eq!((report.removed, report.refused_by_closure), (0, back));
+    }
+}
+
+#[test]
+fn what_came_back_has_a_box() {
+    check_box_of_what_came_back::<2>();
+    check_box_of_what_came_back::<3>();
+    check_box_of_what_came_back::<4>();
 }
 
 /// A second interval keeps holes that the first one refuses.

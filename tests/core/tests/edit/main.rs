@@ -10,8 +10,8 @@ use glam::{IVec3, Quat, Vec3};
 use paros_core::internals::maps_digest;
 use paros_core::limits::{SHELL_DEPTH, SMOOTH_LINES};
 use paros_core::{
-    Axis, BitSet, Brush, BrushTooLarge, Edit, EditOperation, EditReport, Grid, Pose, RangeMaps,
-    SUBUNITS_PER_VOXEL, Size, apply_edit,
+    Axis, BitSet, Brush, BrushTooLarge, Edit, EditOperation, EditReport, Grid, Pose, Range,
+    RangeMaps, SUBUNITS_PER_VOXEL, Size, VoxelBox, apply_edit,
 };
 use paros_models::dense::{DenseVolume, MaskedVolume, closed_volumes_with_inner_mask};
 use paros_models::edit::{
@@ -198,7 +198,13 @@ fn assert_shifted_strokes_do_the_same<const N: usize>(
             apply_edit(&mut harness.volume, &harness.mask, &edit, &mut harness.scratch, &mut notes);
         let ExpectedEdit { after, report: expected } =
             expected_edit(&volume, mask, &voxels, *operation, false);
-        assert_eq!(report, Ok(expected));
+        let [x, y, z] = expected.closure_box.ranges();
+        let x = match x.is_empty() {
+            true => x,
+            false => Range::new(x.first() + shift as usize, x.last() + shift as usize),
+        };
+        let closure_box = VoxelBox::new([x, y, z]);
+        assert_eq!(report, Ok(EditReport { closure_box, ..expected }));
         let rows = harness.volume.rows();
         let is_occupied =
             |[x, y, z]: [i32; 3]| rows.contains([x + shift, y, z].map(|i| i as usize));

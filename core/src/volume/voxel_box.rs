@@ -1,0 +1,57 @@
+//! An axis-aligned box of voxels.
+
+use crate::volume::range::Range;
+use crate::volume::range_maps::RowAddress;
+use crate::volume::row::BitSet;
+
+/// A box of voxels: its ranges along x, y and z, which are all empty where it holds none.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct VoxelBox([Range; 3]);
+
+impl VoxelBox {
+    /// No voxel.
+    pub const EMPTY: Self = VoxelBox([Range::EMPTY; 3]);
+
+    /// The box of these ranges along x, y and z; empty where one of them is.
+    #[must_use]
+    pub const fn new(ranges: [Range; 3]) -> Self {
+        let [x, y, z] = ranges;
+        if x.is_empty() || y.is_empty() || z.is_empty() { Self::EMPTY } else { VoxelBox(ranges) }
+    }
+
+    /// The smallest box around the voxels of row (y, z).
+    pub(crate) fn around_row<R: BitSet>((y, z): RowAddress, voxels: R) -> Self {
+        match (voxels.first(), voxels.last()) {
+            (Some(first), Some(last)) => {
+                VoxelBox([Range::new(first, last), Range::new(y, y), Range::new(z, z)])
+            }
+            _ => Self::EMPTY,
+        }
+    }
+
+    /// The ranges along x, y and z.
+    #[must_use]
+    pub const fn ranges(self) -> [Range; 3] {
+        self.0
+    }
+
+    /// Whether no voxel is inside.
+    #[must_use]
+    pub const fn is_empty(self) -> bool {
+        self.0[0].is_empty()
+    }
+
+    /// The smallest box that contains both.
+    #[must_use]
+    #[inline]
+    pub const fn hull_with(self, other: Self) -> Self {
+        let ([x, y, z], [other_x, other_y, other_z]) = (self.0, other.0);
+        VoxelBox([x.hull_with(other_x), y.hull_with(other_y), z.hull_with(other_z)])
+    }
+}
+
+impl Default for VoxelBox {
+    fn default() -> Self {
+        Self::EMPTY
+    }
+}
