@@ -1,14 +1,15 @@
 //! The `.rmap` file format: a header, the three range maps of a volume as they lie in memory, and a
 //! CRC-32. Reading checks every byte.
 //!
-//! Little-endian throughout. `L` is the number of intervals a column holds.
+//! Little-endian throughout. `L` is the number of intervals a column holds, 1 to 4. Version 1 is written
+//! for 1 and version 2 for more; either is read.
 //!
 //! | offset | bytes | what |
 //! |---|---|---|
 //! | 0 | 4 | magic, `RMAP` |
-//! | 4 | 2 | version, 1 |
+//! | 4 | 2 | version: 1 where L is 1, otherwise 2 |
 //! | 6 | 2 | N, voxels along an edge: 16, 32, 64, 128 or 256 |
-//! | 8 | 1 | L, 1 |
+//! | 8 | 1 | L |
 //! | 9 | 1 | flags, none defined: 0 |
 //! | 10 | 2 | zero |
 //! | 12 | 2 L N² | columns along x: line y, place z |
@@ -16,22 +17,35 @@
 //! | 12 + 4 L N² | 2 L N² | columns along z: line y, place x |
 //! | 12 + 6 L N² | 4 | CRC-32 (IEEE 802.3) of all bytes before it |
 //!
-//! A column at (line, place) of its map is interval number `line * N + place`: two bytes, the
-//! complement of its first voxel, then its last voxel. Two zero bytes are an empty column. Every
-//! interval is tight: its two end voxels lie in their columns of all three maps.
+//! A column at (line, place) of its map is number `line * N + place`: L intervals, lowest first, with at
+//! least one voxel between two of them; empty ones last. An interval is two bytes, the complement of its
+//! first voxel, then its last voxel; two zero bytes are an empty one.
+//!
+//! The volume is the voxels that lie in their columns of all three maps. Every interval is *tight*: its two
+//! end voxels are in the volume. Where L is more than 1 every column is *saturated*: if its last interval is
+//! empty, all voxels of the others are in the volume. See [`Volume`](paros_core::Volume).
+//!
+//! A file of fewer intervals is read into maps of more exactly: its gaps are held, and the longest other
+//! empty runs become gaps where there is room. Two volumes of the same voxels are different files if they
+//! hold other gaps, and so have different checksums.
 
+mod columns;
 mod fault;
 
 use std::io::{self, Read};
 use std::path::Path;
 
-use paros_core::{Axis, Column, Grid, Range, RangeMaps, Size};
+use paros_core::limits::MAX_LAYERS;
+use paros_core::{Axis, Grid, RangeMaps, Size};
 
 use crate::durable;
+use columns::FileColumns;
 pub use fault::{RmapError, RmapFault, RmapFaultAt};
 
 const MAGIC: [u8; 4] = *b"RMAP";
-const VERSION: u16 = 1;
+/// The version of one interval a column, and that of more.
+const VERSION_OF_ONE: u16 = 1;
+const VERSION_OF_MORE: u16 = 2;
 const HEADER_BYTES: usize = 12;
 const CHECKSUM_BYTES: usize = 4;
 const SIZES: [u16; 5] = [16, 32, 64, 128, 256];
@@ -70,31 +84,62 @@ pub fn read_header(path: &Path) -> Result<RmapHeader, RmapError> {
     parse_header(&start).map_err(|found| format_error(path, found))
 }
 
-/// Reads a volume of N^3 voxels. `maps` is unchanged unless the whole file is valid.
+/// Reads a volume of N^3 voxels and at most K intervals a column. `maps` is unchanged unless the whole file
+/// is valid.
+///
+/// # Errors
+/// When the file cannot be read, is no `.rmap`, is damaged, or holds another size or more intervals.
+pub fn read<const N: usize, const K: usize>(
+    path: &Path,
+    maps: &mut RangeMaps<N, K>,
+) -> Result<(), RmapError>
+where
+    Grid<N>: Size,
+{
+    read_as(path, maps, Excess::Refuse).map(drop)
+}
+
+/// Reads a volume of N^3 voxels and any number of intervals a column; the closure in K of them, if those are
+/// fewer. Returns the number of voxels that closure added. `maps` is unchanged unless the whole file is
+/// valid.
 ///
 /// # Errors
 /// When the file cannot be read, is no `.rmap`, is damaged, or holds another size.
-pub fn read<const N: usize>(path: &Path, maps: &mut RangeMaps<N>) -> Result<(), RmapError>
+pub fn read_closed<const N: usize, const K: usize>(
+    path: &Path,
+    maps: &mut RangeMaps<N, K>,
+) -> Result<u64, RmapError>
+where
+    Grid<N>: Size,
+{
+    read_as(path, maps, Excess::Close)
+}
+
+fn read_as<const N: usize, const K: usize>(
+    path: &Path,
+    maps: &mut RangeMaps<N, K>,
+    excess: Excess,
+) -> Result<u64, RmapError>
 where
     Grid<N>: Size,
 {
     let header = read_header(path)?;
-    if header.grid_side != N {
-        let fault = RmapFault::OtherSize { found: header.grid_side, expected: N };
-        return Err(format_error(path, RmapFaultAt { offset: 6, fault }));
-    }
+    check_fit::<N, K>(&header, excess).map_err(|found| format_error(path, found))?;
     let mut bytes = Vec::with_capacity(header.file_length() + 1);
     durable::open_regular_file(path)
         .and_then(|file| file.take(header.file_length() as u64 + 1).read_to_end(&mut bytes))
         .map_err(|source| read_error(path, source))?;
-    decode(&bytes, maps).map_err(|found| format_error(path, found))
+    decode_as(&bytes, maps, excess).map_err(|found| format_error(path, found))
 }
 
 /// Writes a volume, whole or not at all.
 ///
 /// # Errors
 /// When the folder or the disk refuses.
-pub fn write<const N: usize>(path: &Path, maps: &RangeMaps<N>) -> Result<(), durable::WriteError>
+pub fn write<const N: usize, const K: usize>(
+    path: &Path,
+    maps: &RangeMaps<N, K>,
+) -> Result<(), durable::WriteError>
 where
     Grid<N>: Size,
 {
@@ -103,20 +148,22 @@ where
 
 /// Encodes a volume as the bytes of a file.
 #[must_use]
-pub fn encode<const N: usize>(maps: &RangeMaps<N>) -> Vec<u8>
+pub fn encode<const N: usize, const K: usize>(maps: &RangeMaps<N, K>) -> Vec<u8>
 where
     Grid<N>: Size,
 {
-    let header = RmapHeader { version: VERSION, grid_side: N, intervals_per_column: 1 };
+    const { assert!(0 < K && K <= MAX_LAYERS) };
+    let version = if K == 1 { VERSION_OF_ONE } else { VERSION_OF_MORE };
+    let header = RmapHeader { version, grid_side: N, intervals_per_column: K };
     let mut bytes = Vec::with_capacity(header.file_length());
     bytes.extend(MAGIC);
-    bytes.extend(VERSION.to_le_bytes());
+    bytes.extend(version.to_le_bytes());
     bytes.extend((N as u16).to_le_bytes());
-    bytes.extend([1, 0, 0, 0]);
+    bytes.extend([K as u8, 0, 0, 0]);
     for axis in Axis::ALL {
         for line in 0..N {
             for column in maps.line(axis, line) {
-                bytes.extend(column.0.iter().flat_map(|range| range.to_bytes()));
+                bytes.extend(column.to_bytes().as_flattened());
             }
         }
     }
@@ -124,39 +171,84 @@ where
     bytes
 }
 
-/// The CRC-32 at the end of this volume's file: a fingerprint of its voxels.
+/// The CRC-32 at the end of this volume's file: a fingerprint of its maps. With more than one interval a
+/// column they are more than the voxels: those of the same voxels may hold other gaps.
 #[must_use]
-pub fn volume_checksum<const N: usize>(maps: &RangeMaps<N>) -> u32
+pub fn volume_checksum<const N: usize, const K: usize>(maps: &RangeMaps<N, K>) -> u32
 where
     Grid<N>: Size,
 {
     stored_checksum(&encode(maps))
 }
 
-/// Decodes the bytes of a file. `maps` is unchanged unless all of them are valid.
+/// Decodes the bytes of a file of at most K intervals a column. `maps` is unchanged unless all of them are
+/// valid.
 ///
 /// # Errors
 /// The first fault found and where it lies.
-pub fn decode<const N: usize>(bytes: &[u8], maps: &mut RangeMaps<N>) -> Result<(), RmapFaultAt>
+pub fn decode<const N: usize, const K: usize>(
+    bytes: &[u8],
+    maps: &mut RangeMaps<N, K>,
+) -> Result<(), RmapFaultAt>
+where
+    Grid<N>: Size,
+{
+    decode_as(bytes, maps, Excess::Refuse).map(drop)
+}
+
+/// Decodes the bytes of a file as [`read_closed`] reads it.
+///
+/// # Errors
+/// The first fault found and where it lies.
+pub fn decode_closed<const N: usize, const K: usize>(
+    bytes: &[u8],
+    maps: &mut RangeMaps<N, K>,
+) -> Result<u64, RmapFaultAt>
+where
+    Grid<N>: Size,
+{
+    decode_as(bytes, maps, Excess::Close)
+}
+
+/// What becomes of a file with more intervals a column than the maps.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Excess {
+    Refuse,
+    Close,
+}
+
+fn decode_as<const N: usize, const K: usize>(
+    bytes: &[u8],
+    maps: &mut RangeMaps<N, K>,
+    excess: Excess,
+) -> Result<u64, RmapFaultAt>
 where
     Grid<N>: Size,
 {
     let header = parse_header(bytes)?;
-    if header.grid_side != N {
-        let fault = RmapFault::OtherSize { found: header.grid_side, expected: N };
+    check_fit::<N, K>(&header, excess)?;
+    let columns = checked_columns(bytes, &header)?;
+    match header.intervals_per_column {
+        1 => FileColumns::<N, 1>::decode_into(columns, maps),
+        2 => FileColumns::<N, 2>::decode_into(columns, maps),
+        3 => FileColumns::<N, 3>::decode_into(columns, maps),
+        _ => FileColumns::<N, MAX_LAYERS>::decode_into(columns, maps),
+    }
+}
+
+/// Checks that a volume goes into maps of N voxels a side and K intervals a column.
+fn check_fit<const N: usize, const K: usize>(
+    header: &RmapHeader,
+    excess: Excess,
+) -> Result<(), RmapFaultAt> {
+    let (side, intervals) = (header.grid_side, header.intervals_per_column);
+    if side != N {
+        let fault = RmapFault::OtherSize { found: side, expected: N };
         return Err(RmapFaultAt { offset: 6, fault });
     }
-    let columns = RmapColumns { bytes: checked_columns(bytes, &header)?, grid_side: N };
-    columns.check_ranges()?;
-    columns.check_tightness()?;
-    for axis in Axis::ALL {
-        for address in columns.column_addresses() {
-            maps.set_column(
-                axis,
-                address,
-                Column([columns.range_or_empty_if_invalid(axis, address)]),
-            );
-        }
+    if intervals > K && excess == Excess::Refuse {
+        let fault = RmapFault::OtherLayers { found: intervals, expected: K };
+        return Err(RmapFaultAt { offset: 8, fault });
     }
     Ok(())
 }
@@ -182,14 +274,15 @@ fn parse_header(bytes: &[u8]) -> Result<RmapHeader, RmapFaultAt> {
         return at(bytes.len(), RmapFault::Truncated { expected: HEADER_BYTES });
     };
     let (version, n) = (u16::from_le_bytes([v0, v1]), u16::from_le_bytes([n0, n1]));
-    if version != VERSION {
+    if ![VERSION_OF_ONE, VERSION_OF_MORE].contains(&version) {
         return at(4, RmapFault::Version(version));
     }
     if !SIZES.contains(&n) {
         return at(6, RmapFault::Size(n));
     }
-    if layers != 1 {
-        return at(8, RmapFault::Layers(layers));
+    let held = if version == VERSION_OF_ONE { 1..=1 } else { 2..=MAX_LAYERS };
+    if !held.contains(&layers.into()) {
+        return at(8, RmapFault::Layers { version, found: layers });
     }
     if let Some(i) = fill.iter().position(|&byte| byte != 0) {
         return at(9 + i, RmapFault::Flags(fill[i]));
@@ -218,77 +311,4 @@ fn checked_columns<'a>(bytes: &'a [u8], header: &RmapHeader) -> Result<&'a [u8],
 /// The last four bytes of a whole file.
 fn stored_checksum(bytes: &[u8]) -> u32 {
     bytes.last_chunk().map_or(0, |&last| u32::from_le_bytes(last))
-}
-
-/// The column bytes of a file with one interval per column, not yet known to be tight.
-struct RmapColumns<'a> {
-    bytes: &'a [u8],
-    grid_side: usize,
-}
-
-impl RmapColumns<'_> {
-    fn column_addresses(&self) -> impl Iterator<Item = (usize, usize)> + use<> {
-        let n = self.grid_side;
-        (0..n * n).map(move |i| (i / n, i % n))
-    }
-
-    /// The offset of a column's two bytes from the end of the header.
-    fn offset_after_header(&self, axis: Axis, (line, place): (usize, usize)) -> usize {
-        2 * ((axis as usize * self.grid_side + line) * self.grid_side + place)
-    }
-
-    fn column_bytes(&self, axis: Axis, address: (usize, usize)) -> [u8; 2] {
-        let at = self.offset_after_header(axis, address);
-        [self.bytes[at], self.bytes[at + 1]]
-    }
-
-    /// A column's range. Two bytes that are no range give the empty one.
-    fn range_or_empty_if_invalid(&self, axis: Axis, address: (usize, usize)) -> Range {
-        Range::from_bytes(self.column_bytes(axis, address), self.grid_side).unwrap_or(Range::EMPTY)
-    }
-
-    fn check_ranges(&self) -> Result<(), RmapFaultAt> {
-        for axis in Axis::ALL {
-            for address in self.column_addresses() {
-                let bytes = self.column_bytes(axis, address);
-                if Range::from_bytes(bytes, self.grid_side).is_none() {
-                    let fault = RmapFault::Range { axis, address, bytes };
-                    let offset = HEADER_BYTES + self.offset_after_header(axis, address);
-                    return Err(RmapFaultAt { offset, fault });
-                }
-            }
-        }
-        Ok(())
-    }
-
-    /// A range is the hull of its column's occupied voxels exactly when both its ends are occupied,
-    /// for no voxel outside it can be.
-    fn check_tightness(&self) -> Result<(), RmapFaultAt> {
-        for axis in Axis::ALL {
-            for address in self.column_addresses() {
-                let range = self.range_or_empty_if_invalid(axis, address);
-                if range.is_empty() {
-                    continue;
-                }
-                for (byte, end) in [range.first(), range.last()].into_iter().enumerate() {
-                    let voxel = axis.voxel_at(address, end);
-                    if let Some(missing) = self.first_axis_not_holding(voxel) {
-                        let fault = RmapFault::Loose { axis, voxel, missing };
-                        let offset = HEADER_BYTES + self.offset_after_header(axis, address) + byte;
-                        return Err(RmapFaultAt { offset, fault });
-                    }
-                }
-            }
-        }
-        Ok(())
-    }
-
-    /// The first axis along which the column through a voxel does not hold it.
-    fn first_axis_not_holding(&self, voxel: [usize; 3]) -> Option<Axis> {
-        let holds = |axis: Axis| {
-            self.range_or_empty_if_invalid(axis, axis.column_address(voxel))
-                .contains(voxel[axis as usize])
-        };
-        Axis::ALL.into_iter().find(|&axis| !holds(axis))
-    }
 }

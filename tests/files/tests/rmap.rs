@@ -108,10 +108,10 @@ fn each_kind_of_damage_is_named_with_its_place() {
         decode_refusal(&bytes)
     };
     assert_eq!(change(0, b'r'), (0, RmapFault::Magic(*b"rMAP")));
-    assert_eq!(change(4, 2), (4, RmapFault::Version(2)));
+    assert_eq!(change(4, 3), (4, RmapFault::Version(3)));
     assert_eq!(change(6, 17), (6, RmapFault::Size(17)));
     assert_eq!(change(6, 32), (6, RmapFault::OtherSize { found: 32, expected: 16 }));
-    assert_eq!(change(8, 2), (8, RmapFault::Layers(2)));
+    assert_eq!(change(8, 2), (8, RmapFault::Layers { version: 1, found: 2 }));
     assert_eq!(change(9, 1), (9, RmapFault::Flags(1)));
     assert_eq!(change(11, 9), (11, RmapFault::Flags(9)));
     let (at, fault) = change(HEADER + 1, 16);

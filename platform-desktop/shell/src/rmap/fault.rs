@@ -4,9 +4,10 @@ use std::fmt;
 use std::io;
 use std::path::PathBuf;
 
-use paros_core::Axis;
+use paros_core::limits::MAX_LAYERS;
+use paros_core::{Axis, Range};
 
-use super::{SIZES, VERSION};
+use super::{SIZES, VERSION_OF_MORE, VERSION_OF_ONE};
 
 /// Why a file was not read.
 #[derive(Debug)]
@@ -47,15 +48,27 @@ pub enum RmapFault {
     Version(u16),
     /// An N that no volume has.
     Size(u16),
-    /// A number of intervals a column that this program does not hold.
-    Layers(u8),
-    /// A flag or filler that version 1 does not define.
+    /// A number of intervals a column that no file of its version has.
+    Layers {
+        /// The version.
+        version: u16,
+        /// The number.
+        found: u8,
+    },
+    /// A flag or filler that is not defined.
     Flags(u8),
     /// A right size, but not the one asked for.
     OtherSize {
         /// N of the file.
         found: usize,
         /// N asked for.
+        expected: usize,
+    },
+    /// More intervals a column than were asked for.
+    OtherLayers {
+        /// Of the file.
+        found: usize,
+        /// Of the maps that were to be filled.
         expected: usize,
     },
     /// The file ends before its columns and checksum do.
@@ -81,6 +94,17 @@ pub enum RmapFault {
         /// The bytes.
         bytes: [u8; 2],
     },
+    /// A range that overlaps the one before it, touches it, lies below it, or follows an empty one.
+    Order {
+        /// The column's axis.
+        axis: Axis,
+        /// The column's line and place in its map.
+        address: (usize, usize),
+        /// The range before it.
+        below: Range,
+        /// The range.
+        found: Range,
+    },
     /// An end of a range that another map leaves empty.
     Loose {
         /// The range's axis.
@@ -89,6 +113,13 @@ pub enum RmapFault {
         voxel: [usize; 3],
         /// The axis whose column does not hold that voxel.
         missing: Axis,
+    },
+    /// A column with room for another gap has an empty voxel inside a range.
+    Unsaturated {
+        /// The column's axis.
+        axis: Axis,
+        /// The lowest such voxel.
+        voxel: [usize; 3],
     },
 }
 
@@ -122,11 +153,25 @@ impl fmt::Display for RmapFault {
                 "expected the magic \"RMAP\", found \"{}\": not a range map file",
                 found.escape_ascii()
             ),
-            RmapFault::Version(found) => write!(f, "expected version {VERSION}, found {found}"),
+            RmapFault::Version(found) => {
+                write!(f, "expected version {VERSION_OF_ONE} or {VERSION_OF_MORE}, found {found}")
+            }
             RmapFault::Size(found) => {
                 write!(f, "expected a size N out of {SIZES:?}, found {found}")
             }
-            RmapFault::Layers(found) => write!(f, "expected 1 interval a column, found {found}"),
+            RmapFault::Layers { version: VERSION_OF_ONE, found } => {
+                write!(f, "expected 1 interval a column, found {found}")
+            }
+            RmapFault::Layers { version, found } => write!(
+                f,
+                "expected 2 to {MAX_LAYERS} intervals a column in version {version}, found {found}"
+            ),
+            RmapFault::OtherLayers { found, expected: 1 } => {
+                write!(f, "expected columns of 1 interval, found columns of {found}")
+            }
+            RmapFault::OtherLayers { found, expected } => {
+                write!(f, "expected columns of at most {expected} intervals, found {found}")
+            }
             RmapFault::Flags(found) => write!(f, "expected a zero byte, found {found:#04x}"),
             RmapFault::OtherSize { found, expected } => {
                 write!(f, "expected a volume of size {expected}, found size {found}")
@@ -138,17 +183,43 @@ impl fmt::Display for RmapFault {
             RmapFault::Checksum { found, expected } => {
                 write!(f, "expected the checksum {expected:08x}, found {found:08x}: damaged")
             }
-            RmapFault::Range { axis, address: (line, place), bytes: [not_lo, hi] } => write!(
+            RmapFault::Range { axis, address, bytes: [not_lo, hi] } => write!(
                 f,
-                "expected a range inside the grid, found {}..={hi} \
-                 (column along {axis:?}, line {line}, place {place})",
-                !not_lo
+                "expected a range inside the grid, found {}..={hi} ({})",
+                !not_lo,
+                column_name(axis, address)
+            ),
+            RmapFault::Order { axis, address, below, found } => write!(
+                f,
+                "expected {}, found {}..={} ({})",
+                expected_after(below),
+                found.first(),
+                found.last(),
+                column_name(axis, address)
             ),
             RmapFault::Loose { axis, voxel, missing } => write!(
                 f,
                 "expected a tight range, but its end voxel {voxel:?} along {axis:?} is not in its \
-                 column along {missing:?}"
+                 column along {missing:?} ({})",
+                column_name(axis, axis.column_address(voxel))
+            ),
+            RmapFault::Unsaturated { axis, voxel } => write!(
+                f,
+                "expected voxel {voxel:?} to be occupied or in a gap, as there is room for one ({})",
+                column_name(axis, axis.column_address(voxel))
             ),
         }
+    }
+}
+
+fn column_name(axis: Axis, (line, place): (usize, usize)) -> String {
+    format!("column along {axis:?}, line {line}, place {place}")
+}
+
+/// What may follow a range of a column.
+fn expected_after(below: Range) -> String {
+    match below.is_empty() {
+        true => "no range behind an empty one".into(),
+        false => format!("a range behind {}..={} and a gap", below.first(), below.last()),
     }
 }
