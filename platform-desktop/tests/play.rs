@@ -4,7 +4,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
-use paros_core::{SessionMode, TickInput};
+use glam::{Quat, Vec3};
+use paros_core::{
+    BenchItem, HandInput, PointerCommand, Pose, SessionMode, TickInput, Tool, commands,
+};
 use paros_shell::require::require_or_skip;
 use paros_shell::tick_runner;
 
@@ -76,6 +79,79 @@ fn what_can_not_be_played_leaves_nothing() {
     let cut = &fs::read(folder.join("t.trace")).unwrap()[..1000];
     fs::write(folder.join("cut.trace"), cut).unwrap();
     refuses(&folder, &["cut.trace", "--frames", "f"], "cut.trace");
+}
+
+/// Writes `cut.trace`, in which a ball and its mirror cut aslant into the stone, where a column of one interval
+/// keeps no hole, and then straight down. Returns the sums of its edits' reports: removed, added, and refused by closure, mask, depth.
+fn record_cuts(folder: &Path) -> [u64; 5] {
+    let mut sums = [0; 5];
+    let bytes = tick_runner::with_fresh_world::<128, _>(|mut runner| {
+        runner.start_recording();
+        let start = SessionMode::FreeForm;
+        runner.run_tick(&TickInput { start, ..TickInput::default() });
+        let item = BenchItem::Tool(Tool::Rotary).number() as u8;
+        let pointer = PointerCommand::Take { hand: 1, item };
+        runner.run_tick(&TickInput { pointer, commands: commands::SYMMETRY, ..Default::default() });
+        let aslant = |depth| Vec3::new(100.0 - 0.6 * depth, 118.0 - depth, 90.0 - 0.7 * depth);
+        let down = |depth| Vec3::new(64.0, 132.0 - depth, 64.0);
+        for tick in 0..400 {
+            let depth = 0.3 * (tick % 200) as f32;
+            let position = if tick < 200 { aslant(depth) } else { down(depth) };
+            let bit = Pose { position, rotation: Quat::IDENTITY };
+            let mut input = TickInput::default();
+            input.hands[1] = HandInput { trigger: 255, ..runner.world().hand_with_bit_at(1, &bit) };
+            runner.run_tick(&input);
+            let report = runner.world().edit_report(1);
+            let counts = [
+                report.removed,
+                report.added + report.closed,
+                report.refused_by_closure,
+                report.refused_by_mask,
+                report.refused_by_depth,
+            ];
+            sums.iter_mut().zip(counts).for_each(|(sum, count)| *sum += u64::from(count));
+        }
+        runner.end_recording_to_bytes().unwrap()
+    });
+    fs::write(folder.join("cut.trace"), bytes).unwrap();
+    sums
+}
+
+#[test]
+fn the_edits_of_a_session_are_told() {
+    let folder = folder("stats");
+    let sums = record_cuts(&folder);
+    let [removed, added, by_closure, by_mask, by_depth] = sums;
+    assert!(removed > 1000 && added == 0, "{sums:?}");
+    assert!(by_depth > 0, "{sums:?}");
+    let said = |args: &[&str]| {
+        let output = play(&folder, args);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let plain = said(&["cut.trace"]);
+    let stats = said(&["cut.trace", "--stats"]);
+    let whole = removed + by_closure + by_mask + by_depth;
+    let lines: Vec<_> = stats.strip_prefix(&plain).expect("the same and more").lines().collect();
+    let names = ["removed", "added", "refused by closure", "refused by mask", "refused by depth"];
+    for ((line, name), sum) in lines.iter().zip(names).zip(sums) {
+        let fields = line.strip_prefix(name).unwrap_or_else(|| panic!("{name}: {line}"));
+        let mut fields = fields.split_whitespace();
+        assert_eq!(fields.next(), Some(&sum.to_string()[..]), "{line}");
+        let percent = format!("{:.1}", 100.0 * sum as f64 / whole as f64);
+        assert_eq!(fields.next(), (name != "added").then_some(&percent[..]), "{line}");
+    }
+    assert_eq!(lines.len(), 5);
+    let told: serde_json::Value =
+        serde_json::from_str(&said(&["cut.trace", "--stats", "--json"])).unwrap();
+    assert_eq!(told["added"], added);
+    for (name, sum) in names.into_iter().zip(sums).filter(|(name, _)| *name != "added") {
+        let share = &told[name.replace(' ', "_")];
+        assert_eq!(share["voxels"], sum, "{name}");
+        let percent = 100.0 * sum as f64 / whole as f64;
+        assert!((share["percent"].as_f64().unwrap() - percent).abs() < 1e-9, "{name}");
+    }
+    refuses(&folder, &["cut.trace", "--json"], "--stats");
 }
 
 /// Nobody listens: the exit code still tells.

@@ -9,9 +9,9 @@ use std::sync::{Mutex, PoisonError};
 use glam::{Quat, Vec3};
 use paros_core::{
     BitGrid, BitSet, Brush, Grid, Pose, RangeMaps, SUBUNITS_PER_VOXEL, StartVolumes, World,
-    WorldEvent,
 };
 use paros_headless::Error;
+use paros_shell::edit_totals::EditTotals;
 use paros_shell::figures::Figure;
 use paros_shell::statics::Resident;
 use paros_shell::tick_runner::{TickRunner, with_fresh_world};
@@ -75,14 +75,17 @@ pub(super) fn measure_cuts() -> Vec<ReportRow> {
             OursTheirs { ours: cut(two, &brushes), theirs: cut(one, &brushes) }
         });
         let cuts: Vec<_> = cuts.collect();
-        let sum = |of: fn(&OursTheirs<CutVolume>) -> &CutVolume| {
-            cuts.iter().map(of).fold(CutVolume::default(), CutVolume::plus)
+        let sum = |of: fn(&OursTheirs<TimedEdits>) -> &TimedEdits| {
+            cuts.iter().map(of).fold(TimedEdits::default(), TimedEdits::sum_with)
         };
         let (ours, theirs) = (sum(|cut| &cut.ours), sum(|cut| &cut.theirs));
-        let worst = cuts.iter().map(|cut| cut.ours.refused_percent()).fold(0.0, f64::max);
+        let worst = cuts.iter().map(|cut| cut.ours.totals.closure_percent()).fold(0.0, f64::max);
         let times = OursTheirs { ours: ours.ms, theirs: theirs.ms };
         ReportRow {
-            refusal: Some(Refusal { worst_two_percent: Some(worst), ..to_refusal(&theirs, &ours) }),
+            refusal: Some(Refusal {
+                worst_two_percent: Some(worst),
+                ..Refusal::new(&theirs.totals, &ours.totals)
+            }),
             ..ReportRow::new("layers", kind.name, SIDE, "one interval a column")
                 .with_times_ms(times)
         }
@@ -131,7 +134,7 @@ pub(super) fn measure_session(path: &Path) -> Result<Vec<ReportRow>, Error> {
     studio.studio.clear();
     let two = play(&mut TickRunner::new(&mut studio.studio, starts), &trace);
     Ok(vec![ReportRow {
-        refusal: Some(to_refusal(&one, &two)),
+        refusal: Some(Refusal::new(&one.totals, &two.totals)),
         ..ReportRow::new("layers", &name, SIDE, "its input with one interval a column")
             .with_times_ms(OursTheirs { ours: two.ms, theirs: one.ms })
     }])
@@ -147,61 +150,40 @@ fn load_figures(figures: &mut [RangeMaps<SIDE, 2>; Figure::ALL.len()]) {
     }
 }
 
-/// Voxels that were to go, and those of them that closure brought back; and the milliseconds it took.
+/// What edits did, and the milliseconds that it took.
 #[derive(Clone, Copy, Default)]
-struct CutVolume {
-    wanted: u64,
-    refused: u64,
+struct TimedEdits {
+    totals: EditTotals,
     ms: f64,
 }
 
-impl CutVolume {
-    fn refused_percent(&self) -> f64 {
-        100.0 * self.refused as f64 / self.wanted.max(1) as f64
-    }
-
-    fn plus(self, other: &Self) -> Self {
-        CutVolume {
-            wanted: self.wanted + other.wanted,
-            refused: self.refused + other.refused,
-            ms: self.ms + other.ms,
-        }
-    }
-}
-
-fn to_refusal(one: &CutVolume, two: &CutVolume) -> Refusal {
-    Refusal {
-        one_percent: one.refused_percent(),
-        one_voxels: one.wanted,
-        two_percent: two.refused_percent(),
-        two_voxels: two.wanted,
-        worst_two_percent: None,
+impl TimedEdits {
+    fn sum_with(self, other: &Self) -> Self {
+        TimedEdits { totals: self.totals.sum_with(&other.totals), ms: self.ms + other.ms }
     }
 }
 
 /// Plays the ticks of a trace, whatever state they lead to.
-fn play<const K: usize>(runner: &mut TickRunner<'_, SIDE, K>, trace: &Trace) -> CutVolume {
-    let mut sum = CutVolume::default();
+fn play<const K: usize>(runner: &mut TickRunner<'_, SIDE, K>, trace: &Trace) -> TimedEdits {
+    let mut sum = TimedEdits::default();
     for record in trace.records() {
         sum.ms += time_ms(|| runner.run_tick(&record.input));
-        for event in runner.world().events() {
-            if let WorldEvent::Edited { report, .. } = event {
-                sum.wanted += u64::from(report.removed + report.refused_by_closure);
-                sum.refused += u64::from(report.refused_by_closure);
-            }
-        }
+        sum.totals.add_tick(runner.world());
     }
     sum
 }
 
-/// Carves brushes into the start volume, one after the other.
-fn cut<const K: usize>(fixture: &mut Fixture<SIDE, K>, brushes: &[Brush]) -> CutVolume {
+/// Carves brushes into the start volume, one after the other. What is left of a brush's voxels when its
+/// edits change nothing any more is refused, once.
+fn cut<const K: usize>(fixture: &mut Fixture<SIDE, K>, brushes: &[Brush]) -> TimedEdits {
     reset_fixture(fixture);
-    let mut sum = CutVolume::default();
+    let mut sum = TimedEdits::default();
     for brush in brushes {
-        sum.wanted += count_occupied(fixture.volume.rows(), brush);
+        let before = count_occupied(fixture.volume.rows(), brush);
         sum.ms += time_ms(|| while try_edit(fixture, brush, CARVE) {});
-        sum.refused += count_occupied(fixture.volume.rows(), brush);
+        let left = count_occupied(fixture.volume.rows(), brush);
+        sum.totals.removed += before - left;
+        sum.totals.refused_by_closure += left;
     }
     sum
 }

@@ -1,5 +1,6 @@
 //! Rows: what was measured, as JSON or as a table.
 
+use paros_shell::edit_totals::EditTotals;
 use serde::Serialize;
 
 use super::clock::OursTheirs;
@@ -67,6 +68,17 @@ pub struct Refusal {
 }
 
 impl Refusal {
+    /// Of the edits with one interval and of those with two.
+    pub(super) fn new(one: &EditTotals, two: &EditTotals) -> Self {
+        Refusal {
+            one_percent: one.closure_percent(),
+            one_voxels: one.removed_or_closed(),
+            two_percent: two.closure_percent(),
+            two_voxels: two.removed_or_closed(),
+            worst_two_percent: None,
+        }
+    }
+
     fn to_text(self) -> String {
         let worst = self.worst_two_percent.map(|worst| format!(" (at worst {worst:.2} %)"));
         let Refusal { one_percent, one_voxels, two_percent, two_voxels, .. } = self;

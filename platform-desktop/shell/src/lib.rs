@@ -5,6 +5,7 @@
 mod claim;
 pub mod demo;
 pub mod durable;
+pub mod edit_totals;
 pub mod figures;
 pub mod file_writer;
 pub mod headset;

@@ -10,6 +10,7 @@ use paros_headless::Error;
 use paros_shaders::{Camera, Image, RenderOptions, contact_sheet, render_image};
 use paros_shell::demo::{self, Chapter};
 use paros_shell::durable::WriteTarget;
+use paros_shell::edit_totals::EditTotals;
 use paros_shell::figures::Figure;
 use paros_shell::statics::Resident;
 use paros_shell::stl_export::{DEFAULT_HEIGHT_MM, FinishedStl, StlExporter};
@@ -66,40 +67,31 @@ struct DemoResult {
     trace: Vec<u8>,
     stl: FinishedStl,
     pictures: Vec<Image>,
-    tally: EventCounts,
+    edits: EditTotals,
+    islands: IslandCounts,
     chapters: Vec<(Chapter, u64, u64)>,
     digest: u64,
     spent: Duration,
 }
 
-/// Event counts over all ticks.
+/// What islands and undo took, over all ticks.
 #[derive(Default)]
-struct EventCounts {
-    edits: u64,
-    removed: u64,
-    added: u64,
-    refused_by_mask: u64,
-    island_voxels: u64,
-    largest_island: u32,
+struct IslandCounts {
+    voxels: u64,
+    largest: u32,
     undone: u32,
 }
 
-impl EventCounts {
+impl IslandCounts {
     fn count_events<const N: usize>(&mut self, world: &World<N>)
     where
         Grid<N>: Size,
     {
         for event in world.events() {
             match event {
-                WorldEvent::Edited { report, .. } => {
-                    self.edits += 1;
-                    self.removed += u64::from(report.removed);
-                    self.added += u64::from(report.added + report.closed);
-                    self.refused_by_mask += u64::from(report.refused_by_mask);
-                }
                 WorldEvent::Islands(report) => {
-                    self.island_voxels += u64::from(report.removed);
-                    self.largest_island = self.largest_island.max(report.removed);
+                    self.voxels += u64::from(report.removed);
+                    self.largest = self.largest.max(report.removed);
                 }
                 WorldEvent::Undone => self.undone += 1,
                 _ => {}
@@ -110,7 +102,6 @@ impl EventCounts {
 
 impl DemoResult {
     fn format_report(&self, remaining_voxels: u64) -> String {
-        let t = &self.tally;
         let ticks = self.chapters.last().map_or(0, |chapter| chapter.1);
         let mut lines = String::new();
         let _ = writeln!(
@@ -126,13 +117,16 @@ impl DemoResult {
         }
         let _ = writeln!(
             lines,
-            "{} bites removed {} voxels and added {}; the mask held {} back",
-            t.edits, t.removed, t.added, t.refused_by_mask
+            "{} edits; voxels, and percent of what they removed or were refused:",
+            self.edits.edits
         );
+        for line in self.edits.to_string().lines() {
+            let _ = writeln!(lines, "  {line}");
+        }
         let _ = writeln!(
             lines,
             "islands: {} voxels fell, at most {} at once; {} stroke undone",
-            t.island_voxels, t.largest_island, t.undone
+            self.islands.voxels, self.islands.largest, self.islands.undone
         );
         let _ = writeln!(lines, "{remaining_voxels} voxels remain; digest {:016x}", self.digest);
         let _ = writeln!(
@@ -158,14 +152,16 @@ fn play_session() -> Result<DemoResult, Error> {
         (StlExporter::new(&mut stl_buffers, DEFAULT_HEIGHT_MM)?, None);
 
     let bar = progress::show_progress("sculpting", Some(Chapter::ALL.len() as u64));
-    let (mut tally, mut pictures, mut chapters) = (EventCounts::default(), Vec::new(), Vec::new());
+    let (mut edits, mut islands) = (EditTotals::default(), IslandCounts::default());
+    let (mut pictures, mut chapters) = (Vec::new(), Vec::new());
     let mut drawing = Duration::ZERO;
     let begun = Instant::now();
     demo::play_demo(
         &mut runner,
         HIDDEN_FIGURE,
         &mut |world| {
-            tally.count_events(world);
+            edits.add_tick(world);
+            islands.count_events(world);
             stl = stl_exporter.begin_or_advance_after_tick(world).or(stl.take());
             ControlFlow::Continue(())
         },
@@ -185,5 +181,5 @@ fn play_session() -> Result<DemoResult, Error> {
     let stl = stl_exporter.run_export_to_end().or(stl);
     let stl = stl.ok_or_else(|| Error::Failure("the demo was not finished".into()))?;
     let digest = runner.world().digest();
-    Ok(DemoResult { trace, stl, pictures, tally, chapters, digest, spent })
+    Ok(DemoResult { trace, stl, pictures, edits, islands, chapters, digest, spent })
 }

@@ -7,11 +7,13 @@ use paros_core::{Grid, SessionState, Size, World};
 use paros_headless::Error;
 use paros_shaders::Camera;
 use paros_shell::durable::{self, WriteTarget};
+use paros_shell::edit_totals::EditTotals;
 use paros_shell::statics::Resident;
 use paros_shell::stl_export::{DEFAULT_HEIGHT_MM, FinishedStl, StlExporter};
 use paros_shell::tick_runner::{ReplayedTick, TickRunner};
 use paros_shell::trace::Trace;
 use paros_shell::with_size;
+use serde::Serialize;
 
 use super::drawing::{DrawingOptions, PictureRenderer};
 use super::{progress, volume};
@@ -33,6 +35,14 @@ pub(super) struct Args {
     /// Export the sculpture of the last tick.
     #[arg(long, value_name = "F")]
     stl: Option<PathBuf>,
+    /// Tell what the session's edits did to how many voxels: removed, added, refused by closure (brought
+    /// back, because a column holds no more gaps), by the mask, and by depth (in the brush, but deeper than
+    /// one edit reaches; every edit counts them anew). Percents are of all removed and refused together.
+    #[arg(long)]
+    stats: bool,
+    /// Tell it as a JSON object instead of lines.
+    #[arg(long, requires = "stats")]
+    json: bool,
     #[command(flatten)]
     drawing: DrawingOptions,
 }
@@ -93,6 +103,13 @@ where
         world.digest()
     );
     outputs.write_files(&played)?;
+    if args.json {
+        let stats = EditStats::new(&played.edits);
+        return serde_json::to_string_pretty(&stats).map(|s| s + "\n").map_err(Error::failure);
+    }
+    if args.stats {
+        let _ = write!(report, "{}", played.edits);
+    }
     if let (Some(path), Some(stl)) = (&args.stl, &played.stl) {
         let _ = writeln!(report, "{}: {} triangles", path.display(), stl.triangle_count);
     }
@@ -136,6 +153,38 @@ struct ReplayResult {
     digests: String,
     stl: Option<FinishedStl>,
     frames: usize,
+    edits: EditTotals,
+}
+
+/// What edits did, as JSON has it. Percents are of all removed and refused together.
+#[derive(Debug, Serialize)]
+struct EditStats {
+    edits: u64,
+    removed: VoxelShare,
+    added: u64,
+    refused_by_closure: VoxelShare,
+    refused_by_mask: VoxelShare,
+    refused_by_depth: VoxelShare,
+}
+
+#[derive(Debug, Serialize)]
+struct VoxelShare {
+    voxels: u64,
+    percent: f64,
+}
+
+impl EditStats {
+    fn new(totals: &EditTotals) -> Self {
+        let share = |voxels| VoxelShare { voxels, percent: totals.percent_of_whole(voxels) };
+        EditStats {
+            edits: totals.edits,
+            removed: share(totals.removed),
+            added: totals.added,
+            refused_by_closure: share(totals.refused_by_closure),
+            refused_by_mask: share(totals.refused_by_mask),
+            refused_by_depth: share(totals.refused_by_depth),
+        }
+    }
 }
 
 fn replay_for_outputs<const N: usize>(
@@ -147,7 +196,8 @@ where
     Grid<N>: Size + Resident<N>,
 {
     let bar = progress::show_progress("playing", Some(trace.records().len() as u64));
-    let mut played = ReplayResult { digests: String::new(), stl: None, frames: 0 };
+    let mut played =
+        ReplayResult { digests: String::new(), stl: None, frames: 0, edits: EditTotals::default() };
     let mut drawn = Ok(());
     let mut frames = match args.frames.as_deref() {
         Some(folder) => Some((folder, args.drawing.make_renderer::<N>(FRAME_SIZE, 1)?)),
@@ -158,6 +208,7 @@ where
     runner
         .replay_on_same_start(trace, |ReplayedTick { index: tick, world }| {
             let _ = writeln!(played.digests, "{:016x}", world.digest());
+            played.edits.add_tick(world);
             if args.stl.is_some()
                 && let Some(stl) = stl_exporter.begin_or_advance_after_tick(world)
             {
