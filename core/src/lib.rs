@@ -105,6 +105,7 @@ pub mod limits;
 mod session;
 mod volume;
 
+pub use codec::bad_save::BadSave;
 pub use codec::bytes::{BadBytes, ByteReader};
 pub use codec::trace;
 pub use convert::bake::{BakeReport, Baker, MeshPlacement, OutsideBox, UpAxis};

@@ -6,7 +6,7 @@
 pub const LAYERS: usize = 1;
 
 /// Intervals of a column at most, as a file may say them: more than four are neither built nor tested.
-pub const MAX_LAYERS: usize = 4;
+pub const MAX_INTERVALS: usize = 4;
 
 /// Convex pieces of a brush's swept volume. A swept box takes one piece for each voxel of arc that its
 /// corner describes, and one more: 68 for half a turn of the largest bit (radius 21.3 voxels, at 256),

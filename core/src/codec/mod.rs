@@ -4,6 +4,7 @@
 //! Takes values, or untrusted bytes; gives bytes, or the values, or the offset and reason of an error.
 //! Doesn't know files: the caller owns every buffer.
 
+pub(crate) mod bad_save;
 pub(crate) mod bytes;
 pub(crate) mod digest;
 pub(crate) mod save;

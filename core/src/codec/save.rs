@@ -2,14 +2,16 @@
 
 use core::array;
 
+use crate::codec::bad_save::{BadSave, INTERVALS_OF_A_COLUMN};
 use crate::codec::bytes::{BadBytes, ByteReader, ByteWriter};
 use crate::codec::digest::{DIGEST_PARTS, checksum, combine_digests};
+use crate::limits::MAX_INTERVALS;
 use crate::session::state::WorldState;
 use crate::session::world::World;
 use crate::volume::bit_grid::BitGrid;
 use crate::volume::column_digest::maps_digest;
 use crate::volume::range::Range;
-use crate::volume::range_maps::{Axis, Column, RangeMaps};
+use crate::volume::range_maps::{Axis, Column, ColumnAddress, RangeMaps};
 use crate::volume::row::BitSet;
 use crate::volume::size::{Grid, Size};
 
@@ -20,6 +22,11 @@ const MAGIC: [u8; 4] = *b"PWLD";
 /// byte and K in the low one.
 const fn save_version(intervals: usize) -> u16 {
     if intervals == 1 { 2 } else { 3 << 8 | intervals as u16 }
+}
+
+/// The number of intervals a column that a version stands for.
+fn intervals_of(version: u16) -> Option<usize> {
+    (1..=MAX_INTERVALS).find(|intervals| save_version(*intervals) == version)
 }
 
 impl<const N: usize, const K: usize> World<N, K>
@@ -53,9 +60,9 @@ where
     /// is dirty.
     ///
     /// # Errors
-    /// [`BadBytes`] for bytes that [`World::save`] didn't write for this N. A wrong checksum leaves the
+    /// [`BadSave`] for bytes that [`World::save`] didn't write for this N and K. A wrong checksum leaves the
     /// world unchanged; invalid bytes with a valid checksum leave the empty world.
-    pub fn load(&mut self, bytes: &[u8]) -> Result<(), BadBytes> {
+    pub fn load(&mut self, bytes: &[u8]) -> Result<(), BadSave> {
         let mut from = ByteReader::new(bytes);
         check_header::<K>(&mut from, N, bytes)?;
         let done = self.load_body(&mut from);
@@ -76,28 +83,31 @@ where
         self.mark_all_changed();
     }
 
-    fn load_body(&mut self, from: &mut ByteReader<'_>) -> Result<(), BadBytes> {
+    fn load_body(&mut self, from: &mut ByteReader<'_>) -> Result<(), BadSave> {
         self.state = WorldState::read(from)?;
         // The mask is a buffer for the volume's maps until its bit rows are built.
+        let start = from.offset();
         read_maps(from, &mut self.mask)?;
         self.volume.set_maps(&self.mask);
-        if !self.volume.are_ranges_tight() {
-            return Err(from.error_here("tight ranges"));
-        }
-        if !self.volume.is_saturated() {
-            return Err(from.error_here("columns without empty voxels where a gap has room"));
-        }
+        let volume = &self.volume;
+        refuse_column::<N, K>(volume.first_loose_column(), start, "tight ranges")?;
+        let expected = "a column without empty voxels where a gap has room";
+        refuse_column::<N, K>(volume.first_unsaturated_column(), start, expected)?;
+        let start = from.offset();
         read_maps(from, &mut self.mask)?;
         let masked = !self.mask.is_empty();
         if masked != self.state.masked || maps_digest(&self.mask) != self.state.mask_digest {
-            return Err(from.error_here("the mask that the state names"));
+            return Err(from.error_here("the mask that the state names").into());
         }
-        if !are_maps_tight(&self.mask) || !is_volume_within(&self.mask, self.volume.rows()) {
-            return Err(from.error_here("tight ranges of voxels that are in the volume"));
-        }
+        let mask = &self.mask;
+        let expected = "tight ranges of the mask";
+        refuse_column::<N, K>(first_loose_column(mask), start, expected)?;
+        let expected = "a mask within the volume";
+        refuse_column::<N, K>(first_column_beyond(mask, volume.rows()), start, expected)?;
         self.undo.load(from)?;
         self.islands.load(from)?;
-        from.expect_end()
+        from.expect_end()?;
+        Ok(())
     }
 
     /// The digest of all state that later ticks depend on, combined from incrementally updated digests
@@ -137,50 +147,56 @@ fn check_header<const K: usize>(
     from: &mut ByteReader<'_>,
     grid_side: usize,
     bytes: &[u8],
-) -> Result<(), BadBytes> {
+) -> Result<(), BadSave> {
     let bad = from.error_here("the magic PWLD");
     if from.bytes(4)? != MAGIC {
-        return Err(bad);
+        return Err(bad.into());
     }
-    let expected = if K == 1 { "version 2" } else { "version 3, of as many intervals a column" };
-    let bad = from.error_here(expected);
-    if from.u16()? != save_version(K) {
-        return Err(bad);
+    let bad = from.error_here("save version 2, or 3 of 2 to 4 intervals a column");
+    let saved = intervals_of(from.u16()?).ok_or(bad)?;
+    if saved != K {
+        return Err(BadSave::Intervals { saved, here: K });
     }
     let bad = from.error_here("this world's size");
     if usize::from(from.u16()?) != grid_side {
-        return Err(bad);
+        return Err(bad.into());
     }
     let bad = from.error_here("the checksum of what follows");
     if from.u64()? != checksum(&bytes[HEADER..]) {
-        return Err(bad);
+        return Err(bad.into());
     }
     Ok(())
 }
 
-fn are_maps_tight<const N: usize, const K: usize>(maps: &RangeMaps<N, K>) -> bool {
-    Axis::ALL.into_iter().all(|axis| {
-        (0..N).all(|line| {
-            maps.line(axis, line).iter().enumerate().all(|(place, column)| {
-                column.0.iter().filter(|range| !range.is_empty()).all(|range| {
-                    let end = |i| maps.contains(axis.voxel_at((line, place), i));
-                    end(range.first()) && end(range.last())
-                })
-            })
-        })
-    })
+/// The error for a column of maps whose bytes begin at `start`, if there is one.
+fn refuse_column<const N: usize, const K: usize>(
+    column: Option<(Axis, ColumnAddress)>,
+    start: usize,
+    expected: &'static str,
+) -> Result<(), BadSave> {
+    let Some((axis, address)) = column else { return Ok(()) };
+    let (line, place) = address;
+    let offset = start + 2 * K * ((axis as usize * N + line) * N + place);
+    Err(BadSave::Column { bad: BadBytes { offset, expected }, axis, address })
 }
 
-/// Whether every voxel of `inner` is in `outer`.
-fn is_volume_within<const N: usize, const K: usize>(
-    inner: &RangeMaps<N, K>,
-    outer: &BitGrid<N>,
-) -> bool
+fn first_loose_column<const N: usize, const K: usize>(
+    maps: &RangeMaps<N, K>,
+) -> Option<(Axis, ColumnAddress)> {
+    maps.find_column(|axis, at, column| !column.is_tight(|i| maps.contains(axis.voxel_at(at, i))))
+}
+
+/// The first column along x with a voxel that isn't in the volume.
+fn first_column_beyond<const N: usize, const K: usize>(
+    maps: &RangeMaps<N, K>,
+    volume: &BitGrid<N>,
+) -> Option<(Axis, ColumnAddress)>
 where
     Grid<N>: Size,
 {
-    let left = |y, z| inner.occupied_among((y, z), Grid::<N>::FULL & !outer.row(y, z));
-    (0..N).all(|y| (0..N).all(|z| left(y, z).is_empty()))
+    let beyond =
+        |at @ (y, z)| !maps.occupied_among(at, Grid::<N>::FULL & !volume.row(y, z)).is_empty();
+    maps.find_column(|axis, at, _| axis == Axis::X && beyond(at))
 }
 
 fn write_maps<const N: usize, const K: usize>(to: &mut ByteWriter<'_>, maps: &RangeMaps<N, K>) {
@@ -196,16 +212,19 @@ fn write_maps<const N: usize, const K: usize>(to: &mut ByteWriter<'_>, maps: &Ra
 fn read_maps<const N: usize, const K: usize>(
     from: &mut ByteReader<'_>,
     maps: &mut RangeMaps<N, K>,
-) -> Result<(), BadBytes> {
+) -> Result<(), BadSave> {
     for axis in Axis::ALL {
         for line in 0..N {
             for place in 0..N {
-                let bad = from.error_here("a range within the grid");
+                let bad = from.error_here(INTERVALS_OF_A_COLUMN);
                 let mut bytes = [[0; 2]; K];
                 for range in &mut bytes {
                     *range = [from.u8()?, from.u8()?];
                 }
-                maps.set_column(axis, (line, place), Column::from_bytes(bytes, N).ok_or(bad)?);
+                let address = (line, place);
+                let column = Column::from_bytes(bytes, N);
+                let column = column.ok_or(BadSave::Column { bad, axis, address })?;
+                maps.set_column(axis, address, column);
             }
         }
     }

@@ -8,7 +8,7 @@
 
 use crate::codec::bytes::{BadBytes, ByteReader, ByteWriter};
 use crate::codec::digest::{DIGEST_PARTS, combine_digests, mix_bits};
-use crate::limits::MAX_LAYERS;
+use crate::limits::MAX_INTERVALS;
 use crate::session::input::TickInput;
 use crate::session::start_volumes::StartVolumes;
 use crate::volume::column_digest::maps_digest;
@@ -40,7 +40,7 @@ pub const EXPECTED_CORE_VERSION: &str = "core version 7";
 pub struct TraceHeader {
     /// Voxels a side.
     pub side: u16,
-    /// Intervals of a column, 1 to [`MAX_LAYERS`].
+    /// Intervals of a column, 1 to [`MAX_INTERVALS`].
     pub intervals: u16,
     /// Number of records, by which a truncated trace is recognised.
     pub ticks: u32,
@@ -99,7 +99,7 @@ impl TraceHeader {
         }
         let bad = from.error_here("0 to 4 intervals a column");
         let intervals = from.u16()?.max(1);
-        if usize::from(intervals) > MAX_LAYERS {
+        if usize::from(intervals) > MAX_INTERVALS {
             return Err(bad);
         }
         Ok(TraceHeader {

@@ -4,7 +4,6 @@ use crate::codec::digest::DIGEST_KEYS;
 use crate::volume::bit_grid::BitGrid;
 use crate::volume::column_digest::{column_digest, column_number, line_key, maps_digest};
 use crate::volume::journal::Journal;
-use crate::volume::range::Range;
 use crate::volume::range_maps::{Axis, Column, ColumnAddress, RangeMaps};
 use crate::volume::row::BitSet;
 use crate::volume::size::{Grid, Size};
@@ -162,15 +161,13 @@ where
     /// check for range maps of unknown origin.
     #[must_use]
     pub fn are_ranges_tight(&self) -> bool {
-        Axis::ALL.into_iter().all(|axis| {
-            (0..N).all(|line| {
-                self.maps.line(axis, line).iter().enumerate().all(|(place, column)| {
-                    column.0.iter().filter(|range| !range.is_empty()).all(|range| {
-                        let end = |i| self.rows.contains(axis.voxel_at((line, place), i));
-                        end(range.first()) && end(range.last())
-                    })
-                })
-            })
+        self.first_loose_column().is_none()
+    }
+
+    /// The first column with a range that isn't tight.
+    pub(crate) fn first_loose_column(&self) -> Option<(Axis, ColumnAddress)> {
+        self.maps.find_column(|axis, at, column| {
+            !column.is_tight(|i| self.rows.contains(axis.voxel_at(at, i)))
         })
     }
 
@@ -178,18 +175,17 @@ where
     /// intervals. Always true after an edit, and for columns of one interval.
     #[must_use]
     pub fn is_saturated(&self) -> bool {
-        let solid = |axis: Axis, at, range: Range| {
-            (range.first()..range.last() + 1).all(|i| self.rows.contains(axis.voxel_at(at, i)))
-        };
-        K == 1
-            || Axis::ALL.into_iter().all(|axis| {
-                (0..N).all(|line| {
-                    self.maps.line(axis, line).iter().enumerate().all(|(place, column)| {
-                        !column.0[K - 1].is_empty()
-                            || column.0.iter().all(|range| solid(axis, (line, place), *range))
-                    })
-                })
-            })
+        self.first_unsaturated_column().is_none()
+    }
+
+    /// The first column that isn't saturated.
+    pub(crate) fn first_unsaturated_column(&self) -> Option<(Axis, ColumnAddress)> {
+        if K == 1 {
+            return None;
+        }
+        self.maps.find_column(|axis, at, column| {
+            !column.is_saturated(|i| self.rows.contains(axis.voxel_at(at, i)))
+        })
     }
 
     /// Number of occupied voxels.

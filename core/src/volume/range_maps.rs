@@ -121,6 +121,20 @@ impl<const K: usize> Column<K> {
     }
 }
 
+impl<const K: usize> Column<K> {
+    /// Whether every interval is tight: both its end voxels are occupied.
+    pub(crate) fn is_tight(&self, is_occupied: impl Fn(usize) -> bool) -> bool {
+        let tight = |range: &Range| is_occupied(range.first()) && is_occupied(range.last());
+        self.0.iter().filter(|range| !range.is_empty()).all(tight)
+    }
+
+    /// Whether the column has no room for another gap, or no other empty voxel inside its hull.
+    pub(crate) fn is_saturated(&self, is_occupied: impl Fn(usize) -> bool) -> bool {
+        let solid = |range: &Range| (range.first()..range.last() + 1).all(&is_occupied);
+        K == 1 || !self.0[K - 1].is_empty() || self.0.iter().all(solid)
+    }
+}
+
 /// Places of columns that reach beyond an interval; see [`RangeMaps::columns_beyond`].
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct ColumnsBeyond<R> {
@@ -196,6 +210,20 @@ impl<const N: usize, const K: usize> RangeMaps<N, K> {
     #[inline]
     pub(crate) fn line_mut(&mut self, axis: Axis, line: usize) -> &mut [Column<K>; N] {
         &mut self.columns[axis as usize][line]
+    }
+
+    /// The first column for which `is_sought` holds, in the order of the maps, their lines and places.
+    pub(crate) fn find_column(
+        &self,
+        mut is_sought: impl FnMut(Axis, ColumnAddress, &Column<K>) -> bool,
+    ) -> Option<(Axis, ColumnAddress)> {
+        Axis::ALL.into_iter().find_map(|axis| {
+            (0..N).find_map(|line| {
+                let mut columns = self.line(axis, line).iter().enumerate();
+                let place = columns.find(|(place, c)| is_sought(axis, (line, *place), c))?.0;
+                Some((axis, (line, place)))
+            })
+        })
     }
 
     /// Whether a voxel is occupied: all three of its columns contain it.

@@ -35,7 +35,7 @@ mod fault;
 use std::io::{self, Read};
 use std::path::Path;
 
-use paros_core::limits::MAX_LAYERS;
+use paros_core::limits::MAX_INTERVALS;
 use paros_core::{Axis, Grid, RangeMaps, Size};
 
 use crate::durable;
@@ -152,7 +152,7 @@ pub fn encode<const N: usize, const K: usize>(maps: &RangeMaps<N, K>) -> Vec<u8>
 where
     Grid<N>: Size,
 {
-    const { assert!(0 < K && K <= MAX_LAYERS) };
+    const { assert!(0 < K && K <= MAX_INTERVALS) };
     let version = if K == 1 { VERSION_OF_ONE } else { VERSION_OF_MORE };
     let header = RmapHeader { version, grid_side: N, intervals_per_column: K };
     let mut bytes = Vec::with_capacity(header.file_length());
@@ -232,7 +232,7 @@ where
         1 => FileColumns::<N, 1>::decode_into(columns, maps),
         2 => FileColumns::<N, 2>::decode_into(columns, maps),
         3 => FileColumns::<N, 3>::decode_into(columns, maps),
-        _ => FileColumns::<N, MAX_LAYERS>::decode_into(columns, maps),
+        _ => FileColumns::<N, MAX_INTERVALS>::decode_into(columns, maps),
     }
 }
 
@@ -247,7 +247,7 @@ fn check_fit<const N: usize, const K: usize>(
         return Err(RmapFaultAt { offset: 6, fault });
     }
     if intervals > K && excess == Excess::Refuse {
-        let fault = RmapFault::OtherLayers { found: intervals, expected: K };
+        let fault = RmapFault::OtherIntervals { found: intervals, expected: K };
         return Err(RmapFaultAt { offset: 8, fault });
     }
     Ok(())
@@ -280,7 +280,7 @@ fn parse_header(bytes: &[u8]) -> Result<RmapHeader, RmapFaultAt> {
     if !SIZES.contains(&n) {
         return at(6, RmapFault::Size(n));
     }
-    let held = if version == VERSION_OF_ONE { 1..=1 } else { 2..=MAX_LAYERS };
+    let held = if version == VERSION_OF_ONE { 1..=1 } else { 2..=MAX_INTERVALS };
     if !held.contains(&layers.into()) {
         return at(8, RmapFault::Layers { version, found: layers });
     }

@@ -5,7 +5,9 @@ use std::sync::{Mutex, PoisonError};
 
 use paros_core::internals::checksum;
 use paros_core::limits::max_save_bytes;
-use paros_core::{Grid, SessionMode, SessionState, Size, TickInput, World, commands};
+use paros_core::{
+    BadBytes, BadSave, Grid, SessionMode, SessionState, Size, TickInput, World, commands,
+};
 use paros_models::random_visitor::{RandomSource, RandomVisitor};
 use paros_models::world_harness::{WorldHarness, maps_are_equal};
 use proptest::prelude::*;
@@ -16,11 +18,11 @@ static HARNESSES: Mutex<[WorldHarness<64>; 2]> = Mutex::new([const { WorldHarnes
 const SUM: usize = 8;
 const BODY: usize = 16;
 
-fn save_to_vec(world: &World<64>) -> Vec<u8> {
+fn save_to_vec<const K: usize>(world: &World<64, K>) -> Vec<u8> {
     let mut bytes = vec![0; world.save(&mut [])];
     let len = world.save(&mut bytes);
     assert_eq!(len, bytes.len());
-    assert!(len <= max_save_bytes(64, 1), "{len} bytes");
+    assert!(len <= max_save_bytes(64, K), "{len} bytes");
     bytes
 }
 
@@ -30,7 +32,7 @@ fn is_in_sheets([x, _, z]: [usize; 3]) -> bool {
 }
 
 /// Starts a session: 0 from the lump, 1 with a hidden figure, else from a comb whose island pass takes long.
-fn start_session_of_kind(harness: &mut WorldHarness<64>, kind: u64) {
+fn start_session_of_kind<const K: usize>(harness: &mut WorldHarness<64, K>, kind: u64) {
     match kind {
         0 => harness.start_session(SessionMode::FreeForm),
         1 => harness.start_session(SessionMode::Constrained { figure: 0 }),
@@ -120,7 +122,7 @@ fn a_buffer_too_small_is_told_by_the_length() {
 }
 
 /// Runs a random visitor's session and saves it.
-fn save_after_visit(harness: &mut WorldHarness<64>, seed: u64) -> Vec<u8> {
+fn save_after_visit<const K: usize>(harness: &mut WorldHarness<64, K>, seed: u64) -> Vec<u8> {
     start_session_of_kind(harness, seed % 3);
     let mut visitor = RandomVisitor::new(seed);
     (0..120).for_each(|_| harness.step(&visitor.next_input()));
@@ -153,7 +155,7 @@ fn bytes_that_were_hurt_leave_the_world_as_it_was() {
     static OTHER: Mutex<World<32>> = Mutex::new(World::new());
     let mut other = OTHER.lock().unwrap_or_else(PoisonError::into_inner);
     let bad = other.load(&bytes).expect_err("another size");
-    assert_eq!((bad.offset, bad.expected), (6, "this world's size"));
+    assert_eq!(bad, BadSave::Value(BadBytes { offset: 6, expected: "this world's size" }));
     harness.world.load(&bytes).expect("the whole bytes");
     harness.check_invariants();
 }
@@ -172,6 +174,20 @@ enum Forgery {
     Swap(prop::sample::Index, prop::sample::Index),
 }
 
+impl Forgery {
+    /// Changes one of the first `range` bytes of the body.
+    fn apply_to(&self, bytes: &mut Vec<u8>, range: usize) {
+        let range = range.min(bytes.len() - BODY).max(1);
+        let at = |index: &prop::sample::Index| BODY + index.index(range);
+        match self {
+            Forgery::Flip(i, bit) => bytes[at(i)] ^= 1 << bit,
+            Forgery::Set(i, value) => bytes[at(i)] = *value,
+            Forgery::Swap(i, j) => bytes.swap(at(i), at(j)),
+            Forgery::Cut(i) => bytes.truncate((at(i) + 1).max(BODY + 1)),
+        }
+    }
+}
+
 fn any_forgeries() -> impl Strategy<Value = Forgery> {
     let at = any::<prop::sample::Index>;
     prop_oneof![
@@ -180,6 +196,58 @@ fn any_forgeries() -> impl Strategy<Value = Forgery> {
         1 => at().prop_map(Forgery::Cut),
         2 => (at(), at()).prop_map(|(a, b)| Forgery::Swap(a, b)),
     ]
+}
+
+/// A harness, and saved sessions of each kind.
+struct Lives<const K: usize> {
+    harness: WorldHarness<64, K>,
+    saves: [Vec<u8>; 3],
+}
+
+impl<const K: usize> Lives<K> {
+    const fn new() -> Self {
+        Lives { harness: WorldHarness::new(), saves: [const { Vec::new() }; 3] }
+    }
+}
+
+fn load_forged<const K: usize>(
+    lives: &Mutex<Lives<K>>,
+    kind: u64,
+    early: bool,
+    forgeries: &[Forgery],
+    seed: u64,
+) -> Result<(), TestCaseError> {
+    let Lives { harness, saves } = &mut *lives.lock().unwrap_or_else(PoisonError::into_inner);
+    let save = &mut saves[kind as usize];
+    if save.is_empty() {
+        *save = save_after_visit(harness, 12 + kind);
+    }
+    let mut bytes = save.clone();
+    // The state comes first, and is where most of what can be wrong is.
+    let range = if early { 600 } else { bytes.len() - BODY };
+    forgeries.iter().for_each(|forgery| forgery.apply_to(&mut bytes, range));
+    write_checksum(&mut bytes);
+    harness.world.clear();
+    let empty = harness.world.digest();
+    match harness.world.load(&bytes) {
+        Err(bad) => {
+            prop_assert!(bad.offset() <= bytes.len());
+            prop_assert_eq!(harness.world.digest(), empty);
+            prop_assert_eq!(harness.world.session_state(), SessionState::Waiting);
+        }
+        Ok(()) => {
+            prop_assert_eq!(harness.world.digest(), harness.world.recompute_digest());
+            let volume = harness.world.volume();
+            prop_assert!(volume.are_ranges_tight() && volume.is_saturated());
+        }
+    }
+    let mut visitor = RandomVisitor::new(seed);
+    for tick in 0..12 {
+        let mut input = visitor.next_input();
+        input.commands |= [commands::UNDO, commands::REDO, 0][tick % 3];
+        harness.step(&input);
+    }
+    Ok(())
 }
 
 proptest! {
@@ -193,42 +261,10 @@ proptest! {
         forgeries in proptest::collection::vec(any_forgeries(), 1..6),
         seed in any::<u64>(),
     ) {
-        static LIVED: Mutex<[Vec<u8>; 3]> = Mutex::new([const { Vec::new() }; 3]);
-        let mut harnesses = HARNESSES.lock().unwrap_or_else(PoisonError::into_inner);
-        let harness = &mut harnesses[0];
-        let mut lived = LIVED.lock().unwrap_or_else(PoisonError::into_inner);
-        if lived[kind as usize].is_empty() {
-            lived[kind as usize] = save_after_visit(harness, 12 + kind);
-        }
-        let mut bytes = lived[kind as usize].clone();
-        // The state comes first, and is where most of what can be wrong is.
-        let range = if early { 600 } else { bytes.len() - BODY };
-        for forgery in forgeries {
-            let at = |index: prop::sample::Index| BODY + index.index(range.min(bytes.len() - BODY).max(1));
-            match forgery {
-                Forgery::Flip(i, bit) => { let i = at(i); bytes[i] ^= 1 << bit }
-                Forgery::Set(i, value) => { let i = at(i); bytes[i] = value }
-                Forgery::Swap(i, j) => { let (i, j) = (at(i), at(j)); bytes.swap(i, j) }
-                Forgery::Cut(i) => { let len = at(i) + 1; bytes.truncate(len.max(BODY + 1)) }
-            }
-        }
-        write_checksum(&mut bytes);
-        harness.world.clear();
-        let empty = harness.world.digest();
-        match harness.world.load(&bytes) {
-            Err(bad) => {
-                prop_assert!(bad.offset <= bytes.len());
-                prop_assert_eq!(harness.world.digest(), empty);
-                prop_assert_eq!(harness.world.session_state(), SessionState::Waiting);
-            }
-            Ok(()) => prop_assert_eq!(harness.world.digest(), harness.world.recompute_digest()),
-        }
-        let mut visitor = RandomVisitor::new(seed);
-        for tick in 0..12 {
-            let mut input = visitor.next_input();
-            input.commands |= [commands::UNDO, commands::REDO, 0][tick % 3];
-            harness.step(&input);
-        }
+        static LIVED: Mutex<Lives<1>> = Mutex::new(Lives::new());
+        static LIVED_IN_TWO: Mutex<Lives<2>> = Mutex::new(Lives::new());
+        load_forged(&LIVED, kind, early, &forgeries, seed)?;
+        load_forged(&LIVED_IN_TWO, kind, early, &forgeries, seed)?;
     }
 
     /// Whatever is saved is part of the digest: what loads from other bytes has another.

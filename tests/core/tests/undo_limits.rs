@@ -118,7 +118,7 @@ fn bad_bytes() {
                     while harness.try_redo_checked().unwrap() {}
                 }
                 Err(error) => {
-                    assert!(error.offset <= bytes.len());
+                    assert!(error.offset() <= bytes.len());
                     assert_eq!(harness.undo.undo_counts(), UndoCounts { undoable: 0, redoable: 0 });
                     refused += 1;
                 }

@@ -4,7 +4,7 @@ use std::mem::size_of;
 use std::sync::{Mutex, PoisonError};
 
 use paros_core::limits::max_save_bytes;
-use paros_core::{Grid, SessionMode, Size, World};
+use paros_core::{BadBytes, BadSave, Grid, SessionMode, Size, World};
 use paros_models::random_visitor::RandomVisitor;
 use paros_models::world_harness::WorldHarness;
 
@@ -77,7 +77,7 @@ fn sessions_of_four_intervals() {
     check_sessions(&HARNESSES);
 }
 
-/// A save names its number of intervals, and isn't read as another.
+/// A save names its number of intervals, and isn't read with another.
 #[test]
 fn a_save_of_other_intervals_is_refused() {
     static ONE: World<16, 1> = World::new();
@@ -86,9 +86,20 @@ fn a_save_of_other_intervals_is_refused() {
     let len = ONE.save(&mut bytes);
     let mut two = TWO.lock().unwrap_or_else(PoisonError::into_inner);
     let error = two.load(&bytes[..len]).unwrap_err();
-    assert_eq!((error.expected, error.offset), ("version 3, of as many intervals a column", 4));
+    assert_eq!((error, error.offset()), (BadSave::Intervals { saved: 1, here: 2 }, 4));
+    assert_eq!(error.to_string(), "intervals a column: 1 as saved, 2 here");
     let len = two.save(&mut bytes);
     assert_eq!(two.load(&bytes[..len]), Ok(()));
+    static FOUR: Mutex<World<16, 4>> = Mutex::new(World::new());
+    let mut four = FOUR.lock().unwrap_or_else(PoisonError::into_inner);
+    let error = BadSave::Intervals { saved: 2, here: 4 };
+    assert_eq!(four.load(&bytes[..len]), Err(error));
+    for version in [1, 3, 3 << 8, 3 << 8 | 1, 3 << 8 | 5, 4 << 8 | 2] {
+        bytes[4..6].copy_from_slice(&u16::to_le_bytes(version));
+        let expected = "save version 2, or 3 of 2 to 4 intervals a column";
+        let bad = BadBytes { offset: 4, expected };
+        assert_eq!(two.load(&bytes[..len]), Err(BadSave::Value(bad)), "{version:#x}");
+    }
 }
 
 #[test]

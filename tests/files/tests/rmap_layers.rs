@@ -6,7 +6,7 @@
 
 use std::sync::{Mutex, PoisonError};
 
-use paros_core::limits::MAX_LAYERS;
+use paros_core::limits::MAX_INTERVALS;
 use paros_core::{Axis, BitGrid, Column, Range, RangeMaps, Volume};
 use paros_models::dense::{DenseVolume, any_voxels};
 use paros_models::layers::LayeredVolume;
@@ -122,7 +122,7 @@ fn check_widened<const F: usize, const K: usize>(history: &[DenseVolume]) {
 fn check_narrowed<const F: usize, const K: usize>(history: &[DenseVolume]) {
     let file = maps_of_history::<F>(history);
     let bytes = rmap::encode(&file);
-    let fault = RmapFault::OtherLayers { found: F, expected: K };
+    let fault = RmapFault::OtherIntervals { found: F, expected: K };
     assert_eq!(refusal::<K>(&bytes), RmapFaultAt { offset: 8, fault });
     let mut maps = marked_maps::<K>();
     let added = rmap::decode_closed(&bytes, &mut maps).expect("a file");
@@ -201,7 +201,7 @@ proptest! {
         check_round_trip::<1>(&history);
         check_round_trip::<2>(&history);
         check_round_trip::<3>(&history);
-        check_round_trip::<MAX_LAYERS>(&history);
+        check_round_trip::<MAX_INTERVALS>(&history);
     }
 
     #[test]
@@ -292,14 +292,14 @@ fn versions_hold_their_numbers_of_intervals() {
     let one = says("expected 1 interval a column, found 2");
     assert_eq!(change(1, 2), (8, layers(1, 2), one));
     let many = |found| format!("expected 2 to 4 intervals a column in version 2, found {found}");
-    for found in [0, 1, MAX_LAYERS as u8 + 1, 255] {
+    for found in [0, 1, MAX_INTERVALS as u8 + 1, 255] {
         assert_eq!(change(2, found), (8, layers(2, found), many(found)));
     }
     assert_eq!(change(3, 2), (4, RmapFault::Version(3), says("expected version 1 or 2, found 3")));
-    let fault = RmapFault::OtherLayers { found: 4, expected: 2 };
+    let fault = RmapFault::OtherIntervals { found: 4, expected: 2 };
     let message = says("expected columns of at most 2 intervals, found 4");
     assert_eq!(change(2, 4), (8, fault, message));
-    let fault = RmapFault::OtherLayers { found: 2, expected: 1 };
+    let fault = RmapFault::OtherIntervals { found: 2, expected: 1 };
     assert_eq!(fault.to_string(), "expected columns of 1 interval, found columns of 2");
 }
 

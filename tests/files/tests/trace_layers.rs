@@ -3,7 +3,7 @@
 use std::sync::{Mutex, PoisonError};
 
 use paros_core::internals::ByteWriter;
-use paros_core::limits::MAX_LAYERS;
+use paros_core::limits::MAX_INTERVALS;
 use paros_core::trace::{HEADER_BYTES, TraceHeader};
 use paros_core::{BadBytes, ByteReader, RangeMaps, StartVolumes, TickInput, World};
 use paros_shell::tick_runner::TickRunner;
@@ -30,10 +30,10 @@ fn headers_say_the_intervals_of_a_column() {
         assert_eq!(read_intervals(stored), Ok(intervals));
     }
     assert_eq!(read_intervals(1), Ok(1));
-    for stored in [MAX_LAYERS as u16 + 1, 256, u16::MAX] {
+    for stored in [MAX_INTERVALS as u16 + 1, 256, u16::MAX] {
         let bad = read_intervals(stored).expect_err("too many intervals");
         assert_eq!(bad.offset, 10);
-        assert_eq!(bad.expected, format!("0 to {MAX_LAYERS} intervals a column"));
+        assert_eq!(bad.expected, format!("0 to {MAX_INTERVALS} intervals a column"));
     }
 }
 

@@ -5,6 +5,7 @@ use super::packed::{
     word_from_cells,
 };
 use super::{PackedEntry, UndoHistory, UnpackedEntry};
+use crate::codec::bad_save::{BadSave, INTERVALS_OF_A_COLUMN};
 use crate::codec::bytes::{BadBytes, ByteReader, ByteWriter};
 use crate::codec::digest::mix_bits;
 use crate::limits::UNDO_ENTRIES;
@@ -69,17 +70,17 @@ where
     /// Reads what [`UndoHistory::save`] wrote.
     ///
     /// # Errors
-    /// [`BadBytes`] where the bytes end early or say what no undo ring holds; there are no entries
+    /// [`BadSave`] where the bytes end early or say what no undo ring holds; there are no entries
     /// then.
-    pub fn load(&mut self, bytes: &mut ByteReader<'_>) -> Result<(), BadBytes> {
+    pub fn load(&mut self, bytes: &mut ByteReader<'_>) -> Result<(), BadSave> {
         self.clear();
         self.load_entries(bytes).inspect_err(|_| self.clear())
     }
 
-    fn load_entries(&mut self, bytes: &mut ByteReader<'_>) -> Result<(), BadBytes> {
+    fn load_entries(&mut self, bytes: &mut ByteReader<'_>) -> Result<(), BadSave> {
         let count = usize::from(bytes.u16()?);
         if count > UNDO_ENTRIES {
-            return Err(bytes.error_here("fewer undo entries"));
+            return Err(bytes.error_here("fewer undo entries").into());
         }
         let applied = bytes.u16()?;
         let flags = bytes.u8()?;
@@ -88,7 +89,7 @@ where
             || usize::from(applied) > count + usize::from(has_head)
             || (count > 0 && !has_head)
         {
-            return Err(bytes.error_here("flags of an undo ring"));
+            return Err(bytes.error_here("flags of an undo ring").into());
         }
         let mut used = 0;
         for _ in 0..count {
@@ -128,7 +129,7 @@ where
 /// Reads a packed entry and validates it.
 fn read_entry<'a, const N: usize, const K: usize>(
     bytes: &mut ByteReader<'a>,
-) -> Result<&'a [EntryCell], BadBytes>
+) -> Result<&'a [EntryCell], BadSave>
 where
     Grid<N>: Size,
 {
@@ -138,12 +139,22 @@ where
     if cells.len() < flag_cell_count::<N>()
         || cells.len() < EntryColumns::<N>::bitmap_cell_count(cells)
     {
-        return Err(bad);
+        return Err(bad.into());
     }
     let (columns, values) = EntryColumns::<N>::split_columns_and_values(cells);
     let grid: u64 = Grid::<N>::FULL.word(0);
     let fits = columns.words.iter().map(word_from_cells).all(|word| word != 0 && word & !grid == 0);
     let count: u32 = columns.words.iter().map(|word| word_from_cells(word).count_ones()).sum();
-    let valid = values.as_chunks::<K>().0.iter().all(|c| Column::from_bytes(*c, N).is_some());
-    if fits && valid && count as usize * K == values.len() { Ok(cells) } else { Err(bad) }
+    if !fits || count as usize * K != values.len() {
+        return Err(bad.into());
+    }
+    let mut offset = bytes.offset() - size_of_val(values);
+    for ((axis, address), cells) in columns.zip(values.as_chunks::<K>().0) {
+        if Column::from_bytes(*cells, N).is_none() {
+            let bad = BadBytes { offset, expected: INTERVALS_OF_A_COLUMN };
+            return Err(BadSave::Column { bad, axis, address });
+        }
+        offset += size_of_val(cells);
+    }
+    Ok(cells)
 }

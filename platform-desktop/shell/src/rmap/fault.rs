@@ -4,7 +4,7 @@ use std::fmt;
 use std::io;
 use std::path::PathBuf;
 
-use paros_core::limits::MAX_LAYERS;
+use paros_core::limits::MAX_INTERVALS;
 use paros_core::{Axis, Range};
 
 use super::{SIZES, VERSION_OF_MORE, VERSION_OF_ONE};
@@ -65,7 +65,7 @@ pub enum RmapFault {
         expected: usize,
     },
     /// More intervals a column than were asked for.
-    OtherLayers {
+    OtherIntervals {
         /// Of the file.
         found: usize,
         /// Of the maps that were to be filled.
@@ -164,12 +164,12 @@ impl fmt::Display for RmapFault {
             }
             RmapFault::Layers { version, found } => write!(
                 f,
-                "expected 2 to {MAX_LAYERS} intervals a column in version {version}, found {found}"
+                "expected 2 to {MAX_INTERVALS} intervals a column in version {version}, found {found}"
             ),
-            RmapFault::OtherLayers { found, expected: 1 } => {
+            RmapFault::OtherIntervals { found, expected: 1 } => {
                 write!(f, "expected columns of 1 interval, found columns of {found}")
             }
-            RmapFault::OtherLayers { found, expected } => {
+            RmapFault::OtherIntervals { found, expected } => {
                 write!(f, "expected columns of at most {expected} intervals, found {found}")
             }
             RmapFault::Flags(found) => write!(f, "expected a zero byte, found {found:#04x}"),

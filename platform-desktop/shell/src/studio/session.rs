@@ -51,7 +51,7 @@ where
             Err(error) => error.to_string(),
             Ok(bytes) => match self.world.load(&bytes) {
                 Ok(()) => return notices,
-                Err(bad) => format!("expected {} at byte {}", bad.expected, bad.offset),
+                Err(bad) => bad.to_string(),
             },
         };
         let aside = paths.unused_path_for_unreadable_save(N);
