@@ -264,8 +264,8 @@ unsafe extern "system" fn apply_haptic_feedback(
         let (hand, nanos) = ((*action).subaction_path.into_raw(), pulse.duration.as_nanos());
         let frame = STATE.lock().map_or(FrameStep::None, |state| state.frame);
         log_line(&format!(
-            "pulse hand {hand} amplitude {} nanos {nanos} {frame:?}",
-            pulse.amplitude
+            "pulse hand {hand} amplitude {} nanos {nanos} frequency {} {frame:?}",
+            pulse.amplitude, pulse.frequency
         ));
     }
     call_next!(c"xrApplyHapticFeedback": ApplyHapticFeedback, session, action, feedback)

@@ -5,6 +5,7 @@ use std::time::Instant;
 use openxr as xr;
 use paros_core::{Grid, HandInput, RawPose, Size, TickInput};
 use paros_shell::headset::hand_sample::HandSample;
+use paros_shell::headset::haptics::TickHaptics;
 use paros_shell::statics::Resident;
 use paros_shell::tick_runner::TickClock;
 
@@ -50,7 +51,7 @@ where
             self.studio.run_tick_wrapped(&input, |step| platform.run_world_step(step));
             let world = self.studio.world();
             resources.show.note_tick(world);
-            self.haptics.add_tick_levels([world.hand_state(0).haptic, world.hand_state(1).haptic]);
+            self.haptics.add_tick(TickHaptics::of_last_tick(world));
         }
         for (hand, pulse) in self.haptics.take_pulses().into_iter().enumerate() {
             if let Some(pulse) = pulse.filter(|_| has_focus) {

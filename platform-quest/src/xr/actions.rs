@@ -217,7 +217,7 @@ impl ControllerActions {
     ) -> Result<(), Error> {
         let event = xr::HapticVibration::new()
             .amplitude(pulse.amplitude)
-            .frequency(xr::FREQUENCY_UNSPECIFIED)
+            .frequency(pulse.frequency_hz)
             .duration(xr::Duration::from_nanos(pulse.nanos));
         self.haptic.apply_feedback(session, self.hands[hand].path, &event).could_not("vibrate")
     }

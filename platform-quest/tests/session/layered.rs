@@ -97,7 +97,8 @@ pub(crate) fn assert_no_violations(log: &str) {
     assert!(violations.is_empty(), "{violations:#?}");
 }
 
-/// Asserts one pulse a frame, all of one hand, with an amplitude in (0, 1] and as long as one to four ticks.
+/// Asserts one pulse a frame, all of one hand, with an amplitude in (0, 1] and as long as one to four ticks; a
+/// refusal, which alone asks for a frequency, is as long as nine.
 fn assert_pulses_of_one_hand(log: &str) {
     let pulses: Vec<Vec<&str>> = log
         .lines()
@@ -106,11 +107,14 @@ fn assert_pulses_of_one_hand(log: &str) {
         .collect();
     assert!(pulses.len() > 5, "{} pulses", pulses.len());
     for pulse in &pulses {
-        let &[_, _, hand, _, amplitude, _, nanos, frame] = &pulse[..] else { panic!("{pulse:?}") };
+        let &[_, _, hand, _, amplitude, _, nanos, _, frequency, frame] = &pulse[..] else {
+            panic!("{pulse:?}")
+        };
         assert_eq!((hand, frame), (pulses[0][2], "Begun"));
         let amplitude: f32 = amplitude.parse().expect("a number");
         let ticks = nanos.parse::<f64>().expect("a number") * 72e-9;
         assert!(amplitude > 0.0 && amplitude <= 1.0, "{pulse:?}");
-        assert!((0.99..4.01).contains(&ticks), "{ticks} ticks");
+        let expected = if frequency == "0" { 0.99..4.01 } else { 8.99..9.01 };
+        assert!(expected.contains(&ticks), "{ticks} ticks at {frequency} Hz");
     }
 }

@@ -14,6 +14,7 @@ use paros_models::scripted_hand::{
     step_with_bit_at, take_item, volume_of,
 };
 use paros_models::world_harness::WorldHarness;
+use paros_shell::headset::haptics::TickHaptics;
 
 static HARNESS: Mutex<WorldHarness<64>> = Mutex::new(WorldHarness::new());
 
@@ -321,6 +322,8 @@ fn each_hand_is_told_what_closure_brought_back() {
             assert!(report.closure_box.is_empty() || is_at_bit, "{z:?}");
             assert!(x.is_empty() || x.contains(32) && y.contains(16));
         }
+        let felt = TickHaptics::of_last_tick(&harness.world).map(|hand| hand.is_refused);
+        assert_eq!(felt, reports.map(|report| report.refused_by_closure > 0));
         refused_together += u32::from(reports.iter().all(|report| report.refused_by_closure > 0));
         let sum = reports[0].sum_with(reports[1]);
         let [.., z] = sum.closure_box.ranges();

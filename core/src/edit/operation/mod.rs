@@ -106,6 +106,12 @@ impl EditReport {
         self.removed + self.added + self.closed != 0
     }
 
+    /// Whether closure brought back more than is gone: the volume can't take the shape that was cut.
+    #[must_use]
+    pub const fn is_mostly_refused_by_closure(&self) -> bool {
+        self.refused_by_closure > self.removed
+    }
+
     /// The counts of two edits together, and the box around both of theirs.
     #[must_use]
     pub const fn sum_with(self, other: Self) -> Self {
