@@ -134,7 +134,7 @@ fn bad_volumes_are_refused() {
     let files: [(&str, Vec<u8>, &str); 9] = [
         ("empty.rmap", vec![], "byte 0"),
         ("magic.rmap", changed(0, b'X'), "magic"),
-        ("version.rmap", changed(4, 9), "version 1, found 9"),
+        ("version.rmap", changed(4, 9), "version 1 or 2, found 9"),
         ("size.rmap", changed(6, 127), "found 127"),
         ("small.rmap", [small, sum.to_vec()].concat(), "128 or 256, found 64"),
         ("sum.rmap", changed(5000, 0x55), "checksum"),
