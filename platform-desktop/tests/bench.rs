@@ -6,11 +6,12 @@ use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
 use paros_bench::{Benchmark, Plan};
-use paros_core::{Grid, TickInput};
+use paros_core::limits::INTERVALS;
+use paros_core::{Grid, RangeMaps, TickInput};
 use paros_shell::figures::Figure;
 use paros_shell::require::require_or_skip;
 use paros_shell::rmap;
-use paros_shell::statics::Resident;
+use paros_shell::statics::{Resident, ResidentBitGrid};
 use paros_shell::tick_runner;
 use serde_json::Value;
 
@@ -91,7 +92,8 @@ fn two_intervals_keep_cuts_that_one_refuses() {
 #[test]
 fn the_worst_frame_of_each_change_is_told() {
     let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join("bench-field-toy.rmap");
-    let (maps, plane) = (&mut *Grid::<128>::lock_range_maps(), &mut *Grid::<128>::lock_bit_grid());
+    let maps: &mut RangeMaps<128, INTERVALS> = &mut Grid::<128>::lock_range_maps();
+    let plane = &mut *Grid::<128>::lock_bit_grid();
     Figure::Toy.rasterize_into(maps, plane);
     rmap::write(&file, maps).unwrap();
     let valgrind = Command::new("valgrind").arg("--version").output();
@@ -139,7 +141,7 @@ fn the_help_names_every_figure() {
 fn a_counted_replay_tells_its_progress() {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("bench-progress");
     fs::create_dir_all(&folder).unwrap();
-    let trace = tick_runner::with_fresh_world::<128, _>(|mut runner| {
+    let trace = tick_runner::with_fresh_world::<128, INTERVALS, _>(|mut runner| {
         runner.start_recording();
         (0..1200).for_each(|_| runner.run_tick(&TickInput::default()));
         runner.end_recording_to_bytes().unwrap()
@@ -147,8 +149,8 @@ fn a_counted_replay_tells_its_progress() {
     fs::write(folder.join("session.trace"), &trace).unwrap();
     fs::write(folder.join("ticks"), "7\n").unwrap();
     for figure in Figure::ALL {
-        let (maps, plane) =
-            (&mut *Grid::<128>::lock_range_maps(), &mut *Grid::<128>::lock_bit_grid());
+        let maps: &mut RangeMaps<128, INTERVALS> = &mut Grid::<128>::lock_range_maps();
+        let plane = &mut *Grid::<128>::lock_bit_grid();
         figure.rasterize_into(maps, plane);
         rmap::write(&folder.join(figure.name()).with_extension("rmap"), maps).unwrap();
     }
@@ -166,7 +168,7 @@ fn progress_is_told_within_a_piece() {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("bench-pieces");
     fs::create_dir_all(&folder).unwrap();
     let path = folder.join("short.trace");
-    let trace = tick_runner::with_fresh_world::<128, _>(|mut runner| {
+    let trace = tick_runner::with_fresh_world::<128, INTERVALS, _>(|mut runner| {
         runner.start_recording();
         runner.run_tick(&TickInput::default());
         runner.end_recording_to_bytes().unwrap()
@@ -195,7 +197,7 @@ fn progress_is_told_within_a_piece() {
 fn a_trace_that_differs_is_refused_at_its_tick() {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("bench-step");
     fs::create_dir_all(&folder).unwrap();
-    let mut trace = tick_runner::with_fresh_world::<128, _>(|mut runner| {
+    let mut trace = tick_runner::with_fresh_world::<128, INTERVALS, _>(|mut runner| {
         runner.start_recording();
         (0..30).for_each(|_| runner.run_tick(&TickInput::default()));
         runner.end_recording_to_bytes().unwrap()

@@ -7,6 +7,7 @@ use std::fs;
 use std::process::{Command, Stdio};
 use std::sync::Mutex;
 
+use paros_core::limits::INTERVALS;
 use paros_core::{BitGrid, RangeMaps};
 use paros_shell::figures::Figure;
 use paros_shell::rmap;
@@ -17,7 +18,7 @@ const OCTAHEDRON: &str = "v 1 0 0\nv -1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\nv 0 0 -
 
 /// The bytes of the toy at 128.
 fn toy() -> Vec<u8> {
-    static BUFFERS: Mutex<(RangeMaps<128>, BitGrid<128>)> =
+    static BUFFERS: Mutex<(RangeMaps<128, INTERVALS>, BitGrid<128>)> =
         Mutex::new((RangeMaps::new(), BitGrid::new()));
     let mut buffers = BUFFERS.lock().unwrap();
     let (maps, plane) = &mut *buffers;

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
 use glam::{Quat, Vec3};
+use paros_core::limits::INTERVALS;
 use paros_core::{
     BenchItem, HandInput, PointerCommand, Pose, SessionMode, TickInput, Tool, commands,
 };
@@ -18,7 +19,7 @@ fn folder(name: &str) -> PathBuf {
     let _ = fs::remove_dir_all(&folder);
     fs::create_dir_all(&folder).unwrap();
     let recorded = |first: TickInput, more: usize| {
-        tick_runner::with_fresh_world::<128, _>(|mut runner| {
+        tick_runner::with_fresh_world::<128, INTERVALS, _>(|mut runner| {
             runner.start_recording();
             runner.run_tick(&first);
             (0..more).for_each(|_| runner.run_tick(&TickInput::default()));
@@ -85,7 +86,7 @@ fn what_can_not_be_played_leaves_nothing() {
 /// keeps no hole, and then straight down. Returns the sums of its edits' reports: removed, added, and refused by closure, mask, depth.
 fn record_cuts(folder: &Path) -> [u64; 5] {
     let mut sums = [0; 5];
-    let bytes = tick_runner::with_fresh_world::<128, _>(|mut runner| {
+    let bytes = tick_runner::with_fresh_world::<128, INTERVALS, _>(|mut runner| {
         runner.start_recording();
         let start = SessionMode::FreeForm;
         runner.run_tick(&TickInput { start, ..TickInput::default() });

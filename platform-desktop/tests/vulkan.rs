@@ -4,13 +4,14 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
-use paros_core::{Grid, SessionMode, TickInput};
+use paros_core::limits::INTERVALS;
+use paros_core::{Grid, RangeMaps, SessionMode, TickInput};
 
 use paros_shaders::{Camera, TwinScene, TwinSettings, shade_ray};
 use paros_shell::figures::Figure;
 use paros_shell::require::require_or_skip;
 use paros_shell::rmap;
-use paros_shell::statics::Resident;
+use paros_shell::statics::{Resident, ResidentBitGrid};
 use paros_shell::tick_runner::TickRunner;
 use serde_json::Value;
 
@@ -71,7 +72,8 @@ fn rows(output: &Output) -> Vec<Value> {
 fn a_vulkan_picture_has_the_twins_silhouette() {
     let Some(_) = device() else { return };
     let folder = folder("silhouette");
-    let (maps, plane) = (&mut *Grid::<128>::lock_range_maps(), &mut *Grid::<128>::lock_bit_grid());
+    let maps: &mut RangeMaps<128, INTERVALS> = &mut Grid::<128>::lock_range_maps();
+    let plane = &mut *Grid::<128>::lock_bit_grid();
     Figure::Toy.rasterize_into(maps, plane);
     rmap::write(&folder.join("toy.rmap"), maps).unwrap();
     let (width, height, azimuth, elevation) = (240, 180, 0.5_f32, 0.3_f32);
@@ -122,7 +124,7 @@ fn a_trace_is_drawn() {
 
 /// Two ticks of a session.
 fn trace(path: &Path) {
-    let mut starts = Grid::<128>::lock_start_volumes();
+    let mut starts = <Grid<128> as Resident<128, INTERVALS>>::lock_start_volumes();
     starts.generate_figures(&mut Grid::<128>::lock_bit_grid(), |_| {});
     let (hidden, mut world) = (starts.hidden_figures(), Grid::<128>::lock_world());
     let mut stage = TickRunner::new(&mut world, starts.start_volumes(&hidden));
@@ -221,7 +223,8 @@ fn bench_paper_sets_ratios_beside_the_published_ones() {
 #[test]
 fn without_vulkan_a_line_says_so() {
     let folder = folder("without");
-    let (maps, plane) = (&mut *Grid::<128>::lock_range_maps(), &mut *Grid::<128>::lock_bit_grid());
+    let maps: &mut RangeMaps<128, INTERVALS> = &mut Grid::<128>::lock_range_maps();
+    let plane = &mut *Grid::<128>::lock_bit_grid();
     Figure::Toy.rasterize_into(maps, plane);
     rmap::write(&folder.join("toy.rmap"), maps).unwrap();
     let without = |args: &[&str]| {

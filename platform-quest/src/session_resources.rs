@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use paros_core::limits::INTERVALS;
 use paros_core::{Grid, Size, World};
 use paros_shaders::gpu::{self, Gpu, TargetFormat, WorldRenderer};
 use paros_shell::durable;
@@ -20,7 +21,7 @@ where
     Grid<N>: Size,
 {
     pub(crate) eyes: EyeTargets,
-    pub(crate) show: WorldRenderer<N>,
+    pub(crate) show: WorldRenderer<N, INTERVALS>,
     pub(crate) session: HeadsetSession,
     pub(crate) gpu: Arc<Gpu>,
     pub(crate) runtime: Runtime,
@@ -40,7 +41,7 @@ where
     pub(crate) fn create(
         platform: &mut dyn Platform,
         options: &ShellOptions,
-        world: &World<N>,
+        world: &World<N, INTERVALS>,
         paths: &StudioPaths,
         vulkan_out: &mut Option<Arc<gpu::Instance>>,
     ) -> Result<Self, Error> {

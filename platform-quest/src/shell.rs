@@ -10,6 +10,7 @@ use std::sync::Arc;
 use std::thread;
 use std::time::{Duration, Instant};
 
+use paros_core::limits::INTERVALS;
 use paros_core::{Grid, SessionState, Size};
 use paros_shaders::{gpu, render_portrait_png};
 use paros_shell::headset::device_health::{DeviceHealth, ThermalState};
@@ -17,7 +18,7 @@ use paros_shell::headset::frame_pacer::FramePacer;
 use paros_shell::headset::haptics::FrameHaptics;
 use paros_shell::headset::recentering::PendingRecentering;
 use paros_shell::headset::visit::VisitPolicy;
-use paros_shell::statics::Resident;
+use paros_shell::statics::{Resident, ResidentBitGrid};
 use paros_shell::stl_export::{DEFAULT_HEIGHT_MM, StlExporter};
 use paros_shell::studio::{Notice, Studio};
 use paros_shell::studio_paths::StudioPaths;
@@ -105,7 +106,7 @@ pub fn run_shell<const N: usize>(
     options: &ShellOptions,
 ) -> Result<Option<PathBuf>, Error>
 where
-    Grid<N>: Size + Resident<N>,
+    Grid<N>: Size + Resident<N, INTERVALS>,
 {
     let mut volumes = Grid::<N>::lock_start_volumes();
     volumes.generate_figures(&mut Grid::<N>::lock_bit_grid(), |_| {});
@@ -147,7 +148,7 @@ where
 
 impl<'a, const N: usize> HeadsetShell<'a, N>
 where
-    Grid<N>: Size + Resident<N>,
+    Grid<N>: Size + Resident<N, INTERVALS>,
 {
     fn new(studio: Studio<'a, N>, options: &'a ShellOptions) -> Self {
         HeadsetShell {

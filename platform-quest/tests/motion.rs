@@ -3,10 +3,11 @@
 
 use glam::{Quat, Vec3};
 use paros_core::internals::{RoomPose, STOOL_TOP};
+use paros_core::limits::INTERVALS;
 use paros_core::{Grid, HandInput, PointerCommand, RawPose, SessionMode, TickInput, World};
 use paros_shaders::scene::{LatestInput, MeshId, SceneAssembler};
 use paros_shell::headset::frame_pacer::FramePacer;
-use paros_shell::statics::Resident;
+use paros_shell::statics::{Resident, ResidentBitGrid};
 use paros_shell::tick_runner::TickRunner;
 
 /// Display times of three seconds of frames: `rate_hz` a second, each off by at most `jitter_ns`.
@@ -30,7 +31,7 @@ struct DrawnPositions {
 
 /// Draws frames while the stool turns. `hand_at` gives the hand's pose at a time in seconds.
 fn draw_positions(
-    world: &mut World<128>,
+    world: &mut World<128, INTERVALS>,
     rate_hz: i64,
     jitter_ns: i64,
     hand_at: impl Fn(f32) -> RoomPose,

@@ -4,6 +4,7 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
+use paros_core::limits::INTERVALS;
 use paros_core::trace::{HEADER_BYTES, RECORD_BYTES};
 use paros_core::{SessionMode, TickInput};
 use paros_shell::tick_runner;
@@ -20,7 +21,7 @@ fn a_replay_that_differs_stops_at_the_tick_and_names_the_part() {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("replay");
     let _ = fs::remove_dir_all(&folder);
     fs::create_dir_all(&folder).expect("a folder");
-    let mut bytes = tick_runner::with_fresh_world::<128, _>(|mut stage| {
+    let mut bytes = tick_runner::with_fresh_world::<128, INTERVALS, _>(|mut stage| {
         stage.start_recording();
         stage.run_tick(&TickInput { start: SessionMode::FreeForm, ..TickInput::default() });
         (1..40).for_each(|_| stage.run_tick(&TickInput::default()));

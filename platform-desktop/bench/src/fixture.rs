@@ -45,7 +45,7 @@ where
 }
 
 /// The static fixture of a grid size.
-pub(super) trait HasFixture<const N: usize>: Resident<N>
+pub(super) trait HasFixture<const N: usize>: Resident<N, 1>
 where
     Grid<N>: Size,
 {

@@ -7,13 +7,9 @@ use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
 use glam::{Quat, Vec3};
-use paros_core::{
-    BitGrid, BitSet, Brush, Grid, Pose, RangeMaps, SUBUNITS_PER_VOXEL, StartVolumes, World,
-};
+use paros_core::{BitGrid, BitSet, Brush, Grid, Pose, SUBUNITS_PER_VOXEL};
 use paros_headless::Error;
 use paros_shell::edit_totals::EditTotals;
-use paros_shell::figures::Figure;
-use paros_shell::statics::Resident;
 use paros_shell::tick_runner::{TickRunner, with_fresh_world};
 use paros_shell::trace::Trace;
 
@@ -36,17 +32,6 @@ const SEEDS: usize = 8;
 const CUTS: usize = 12;
 
 static TWO_INTERVALS: Mutex<Fixture<SIDE, 2>> = Mutex::new(Fixture::new());
-
-/// The world of two intervals and its start volumes, for replays.
-struct LayeredStudio {
-    studio: World<SIDE, 2>,
-    figures: [RangeMaps<SIDE, 2>; Figure::ALL.len()],
-}
-
-static LAYERED_STUDIO: Mutex<LayeredStudio> = Mutex::new(LayeredStudio {
-    studio: World::new(),
-    figures: [const { RangeMaps::new() }; Figure::ALL.len()],
-});
 
 /// A kind of cut. In every ball, its brushes are carved one after the other, each until nothing goes.
 struct CutKind {
@@ -120,34 +105,13 @@ pub(super) fn measure_session(path: &Path) -> Result<Vec<ReportRow>, Error> {
         let expected = format!("{}: expected a session at {SIDE}", path.display());
         return Err(Error::Input(expected));
     }
-    let one = with_fresh_world::<SIDE, _>(|mut runner| play(&mut runner, &trace));
-    let studio = &mut *LAYERED_STUDIO.lock().unwrap_or_else(PoisonError::into_inner);
-    load_figures(&mut studio.figures);
-    let figure = |figure: Figure| &studio.figures[figure as usize];
-    let hidden = Figure::HIDDEN.map(figure);
-    let starts = StartVolumes {
-        lump: figure(Figure::Lump),
-        figures: &hidden,
-        creative: figure(Figure::Toy),
-        own: None,
-    };
-    studio.studio.clear();
-    let two = play(&mut TickRunner::new(&mut studio.studio, starts), &trace);
+    let one = with_fresh_world::<SIDE, 1, _>(|mut runner| play(&mut runner, &trace));
+    let two = with_fresh_world::<SIDE, 2, _>(|mut runner| play(&mut runner, &trace));
     Ok(vec![ReportRow {
         refusal: Some(Refusal::new(&one.totals, &two.totals)),
         ..ReportRow::new("layers", &name, SIDE, "its input with one interval a column")
             .with_times_ms(OursTheirs { ours: two.ms, theirs: one.ms })
     }])
-}
-
-fn load_figures(figures: &mut [RangeMaps<SIDE, 2>; Figure::ALL.len()]) {
-    let mut store = Grid::<SIDE>::lock_start_volumes();
-    let bit_grid = &mut *Grid::<SIDE>::lock_bit_grid();
-    store.generate_figures(bit_grid, |_| {});
-    for (figure, maps) in Figure::ALL.into_iter().zip(figures) {
-        bit_grid.set_from_maps(store.figure(figure));
-        bit_grid.write_closure(maps);
-    }
 }
 
 /// What edits did, and the milliseconds that it took.

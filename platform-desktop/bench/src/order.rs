@@ -32,7 +32,7 @@ pub(super) fn measure_rows<const N: usize>(
     timer: &mut FrameTimer,
 ) -> Result<Vec<ReportRow>, Error>
 where
-    Grid<N>: Size + Resident<N>,
+    Grid<N>: Size + Resident<N, 1>,
 {
     let middle = STOOL_TOP + Vec3::Y * (0.5 * BOX_SIDE);
     let scene = assemble_scene::<N>(middle);
@@ -86,7 +86,7 @@ where
 /// The scene with a hand in front of the sculpture, whose middle is given in the room.
 fn assemble_scene<const N: usize>(sculpture_middle_m: Vec3) -> SceneAssembler
 where
-    Grid<N>: Size + Resident<N>,
+    Grid<N>: Size + Resident<N, 1>,
 {
     let grip = (sculpture_middle_m + Vec3::new(0.05, 0.05, 0.36), Quat::from_rotation_x(0.3));
     let fresh = LatestInput {

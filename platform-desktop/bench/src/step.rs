@@ -13,6 +13,7 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use paros_core::internals::{IslandSearch, UndoHistory};
+use paros_core::limits::INTERVALS;
 use paros_core::trace::TickRecord;
 use paros_core::{Baker, BitGrid, Exporter, Grid, RangeMaps, Size, TickInput, Volume, World};
 use paros_headless::Error;
@@ -23,8 +24,8 @@ use paros_shell::rmap;
 use paros_shell::sizes::GRID_SIDES;
 use paros_shell::statics::Resident;
 use paros_shell::tick_runner::{TickRunner, with_fresh_world};
-use paros_shell::trace::Trace;
-use paros_shell::with_size;
+use paros_shell::trace::{ReplayDivergence, Trace};
+use paros_shell::{with_intervals, with_size};
 
 use super::OnProgress;
 use super::callgrind::{ScratchFolder, count_instructions_per_call};
@@ -47,22 +48,29 @@ const TIMED: f64 = 0.1;
 pub(super) fn type_size_rows() -> Vec<ReportRow> {
     GRID_SIDES
         .into_iter()
-        .flat_map(|size| with_size!(size, N => type_size_rows_at::<N>()))
+        .flat_map(|size| {
+            with_size!(size, N => [
+                type_size_rows_at::<N>(),
+                layered_size_rows_at::<N, 1>(),
+                layered_size_rows_at::<N, INTERVALS>(),
+            ])
+        })
+        .flatten()
         .collect()
 }
 
 /// Instructions of a tick of the demo.
 pub(super) fn measure_demo<const N: usize>(on_progress: OnProgress<'_>) -> Result<Measured, Error>
 where
-    Grid<N>: Size + Resident<N>,
+    Grid<N>: Size + Resident<N, INTERVALS>,
 {
-    let bytes = with_fresh_world::<N, _>(|mut runner| {
+    let bytes = with_fresh_world::<N, INTERVALS, _>(|mut runner| {
         runner.start_recording();
         demo::play_demo(&mut runner, 0, &mut |_| ControlFlow::Continue(()), |_, _| {});
         runner.end_recording_to_bytes().unwrap_or_default()
     });
     let trace = Trace::decode(&bytes).map_err(|fault| Error::failure(fault.bad.expected))?;
-    measure_session::<N>("demo", &trace, &bytes, on_progress)
+    measure_session::<N, INTERVALS>("demo", &trace, &bytes, on_progress)
 }
 
 /// Instructions of a tick of a recorded session.
@@ -73,7 +81,12 @@ pub(super) fn measure_recorded(
     let trace = Trace::read(path).map_err(Error::input)?;
     let bytes = durable::read_regular_file(path).map_err(Error::input)?;
     let name = path.file_stem().unwrap_or_default().to_string_lossy();
-    let measured = with_size!(trace.header().side, N => measure_session::<N>(&name, &trace, &bytes, on_progress));
+    let header = trace.header();
+    let measured = with_size!(header.side, N => with_intervals!(
+        header.intervals.into(),
+        K => measure_session::<N, K>(&name, &trace, &bytes, on_progress),
+        else Err(Error::input(ReplayDivergence::no_such_world(&header))),
+    ));
     measured.map_err(|error| match error {
         Error::Input(why) => Error::Input(format!("{}: {why}", path.display())),
         failure @ Error::Failure(_) => failure,
@@ -85,39 +98,52 @@ where
     Grid<N>: Size,
 {
     let sizes = [
-        ("World", size_of::<World<N>>()),
         ("Exporter", size_of::<Exporter<N>>()),
         ("Baker", size_of::<Baker<N>>()),
-        ("Volume", size_of::<Volume<N>>()),
-        ("Undo", size_of::<UndoHistory<N>>()),
-        ("Islands", size_of::<IslandSearch<N>>()),
-        ("Plane", size_of::<BitGrid<N>>()),
-        ("Maps", size_of::<RangeMaps<N>>()),
+        ("IslandSearch", size_of::<IslandSearch<N>>()),
+        ("BitGrid", size_of::<BitGrid<N>>()),
     ];
-    let row = |(name, bytes): (&str, usize)| ReportRow {
+    sizes.map(|(name, bytes)| type_size_row(N, &format!("{name}<{N}>"), bytes)).into()
+}
+
+/// The types whose size depends on the intervals of a column.
+fn layered_size_rows_at<const N: usize, const K: usize>() -> Vec<ReportRow>
+where
+    Grid<N>: Size,
+{
+    let sizes = [
+        ("World", size_of::<World<N, K>>()),
+        ("Volume", size_of::<Volume<N, K>>()),
+        ("UndoHistory", size_of::<UndoHistory<N, K>>()),
+        ("RangeMaps", size_of::<RangeMaps<N, K>>()),
+    ];
+    sizes.map(|(name, bytes)| type_size_row(N, &format!("{name}<{N}, {K}>"), bytes)).into()
+}
+
+fn type_size_row(grid_side: usize, name: &str, bytes: usize) -> ReportRow {
+    ReportRow {
         bytes: Some(bytes as u64),
-        ..ReportRow::new("step", "any", N, format!("size of {name}<{N}>"))
-    };
-    sizes.map(row).into()
+        ..ReportRow::new("step", "any", grid_side, format!("size of {name}"))
+    }
 }
 
 /// Plays a trace by the clock, then counts its slowest and its sampled ticks under Callgrind.
 /// `trace_bytes` is the encoded trace.
-fn measure_session<const N: usize>(
+fn measure_session<const N: usize, const K: usize>(
     name: &str,
     trace: &Trace,
     trace_bytes: &[u8],
     on_progress: OnProgress<'_>,
 ) -> Result<Measured, Error>
 where
-    Grid<N>: Size + Resident<N>,
+    Grid<N>: Size + Resident<N, K>,
 {
-    with_fresh_world::<N, _>(|mut runner| runner.replay_on_same_start(trace, |_| {}))
+    with_fresh_world::<N, K, _>(|mut runner| runner.replay_on_same_start(trace, |_| {}))
         .map_err(Error::input)?;
     let mut times = vec![f64::INFINITY; trace.records().len()];
     for run in 1..=RUNS {
         on_progress(TIMED * run as f64 / (RUNS + 1) as f64);
-        with_fresh_world::<N, _>(|mut runner| {
+        with_fresh_world::<N, K, _>(|mut runner| {
             replay_and_lower_best_ms(&mut runner, trace, &mut times);
         });
     }
@@ -160,8 +186,8 @@ where
 }
 
 /// Plays a trace, and lowers `best_ms` to each tick's milliseconds where they are less.
-fn replay_and_lower_best_ms<const N: usize>(
-    runner: &mut TickRunner<'_, N>,
+fn replay_and_lower_best_ms<const N: usize, const K: usize>(
+    runner: &mut TickRunner<'_, N, K>,
     trace: &Trace,
     best_ms: &mut [f64],
 ) where
@@ -202,22 +228,27 @@ pub(super) fn replay_ticks(session_folder: &Path) -> Result<(), Error> {
     let list = fs::read_to_string(session_folder.join(CHOSEN)).map_err(Error::input)?;
     let chosen: Result<Vec<usize>, _> = list.lines().map(str::parse).collect();
     let chosen = chosen.map_err(Error::input)?;
-    with_size!(trace.header().side, N => replay_ticks_at::<N>(session_folder, &trace, &chosen))
+    let header = trace.header();
+    with_size!(header.side, N => with_intervals!(
+        header.intervals.into(),
+        K => replay_ticks_at::<N, K>(session_folder, &trace, &chosen),
+        else Err(Error::input(ReplayDivergence::no_such_world(&header))),
+    ))
 }
 
-fn replay_ticks_at<const N: usize>(
+fn replay_ticks_at<const N: usize, const K: usize>(
     folder: &Path,
     trace: &Trace,
     chosen: &[usize],
 ) -> Result<(), Error>
 where
-    Grid<N>: Size + Resident<N>,
+    Grid<N>: Size + Resident<N, K>,
 {
     let load_into = |figure, maps: &mut _| rmap::read(&volume_path(folder, figure), maps).map(drop);
     Grid::<N>::lock_start_volumes().load_figures(load_into).map_err(Error::input)?;
     let mut chosen = chosen.iter().copied().peekable();
     let (ticks, mut out) = (trace.records().len(), io::stdout().lock());
-    let digest = with_fresh_world::<N, _>(|mut runner| {
+    let digest = with_fresh_world::<N, K, _>(|mut runner| {
         for (tick, record) in trace.records().enumerate() {
             if tick % ticks.div_ceil(PARTS) == 0 {
                 // The reader may have closed the pipe.
@@ -243,8 +274,10 @@ const COUNTED_TICK: &str = concat!(module_path!(), "::counted_tick");
 
 /// One tick, the function that Callgrind counts by this name.
 #[inline(never)]
-fn counted_tick<const N: usize>(runner: &mut TickRunner<'_, N>, input: &TickInput)
-where
+fn counted_tick<const N: usize, const K: usize>(
+    runner: &mut TickRunner<'_, N, K>,
+    input: &TickInput,
+) where
     Grid<N>: Size,
 {
     runner.run_tick(black_box(input));

@@ -81,7 +81,8 @@ impl Subject {
         }
     }
 
-    /// Writes the subject's tight maps, and their voxels to `bit_grid`.
+    /// Writes the subject's tight maps, and their voxels to `bit_grid`. A volume of more intervals a column
+    /// is closed to one, which is what the rivals are measured against.
     ///
     /// # Errors
     /// The file doesn't hold a volume, or an empty one.
@@ -91,7 +92,7 @@ impl Subject {
         bit_grid: &mut BitGrid<N>,
     ) -> Result<(), Error>
     where
-        Grid<N>: Size + Resident<N>,
+        Grid<N>: Size + Resident<N, 1>,
     {
         match &self.source {
             Source::Figure(figure) => figure.rasterize_into(maps, bit_grid),
@@ -102,7 +103,7 @@ impl Subject {
                     })?;
             }
             Source::Volume(path, _) => {
-                rmap::read(path, &mut *maps).map_err(Error::input)?;
+                rmap::read_closed(path, &mut *maps).map_err(Error::input)?;
                 bit_grid.set_from_maps(maps);
             }
         }
@@ -123,7 +124,7 @@ impl Subject {
         bit_grid: &mut BitGrid<N>,
     ) -> Result<(Cow<'_, Mesh>, UpAxis), Error>
     where
-        Grid<N>: Size + Resident<N>,
+        Grid<N>: Size + Resident<N, 1>,
     {
         if let Source::Mesh(mesh, up) = &self.source {
             return Ok((Cow::Borrowed(mesh), *up));

@@ -87,7 +87,10 @@ impl HeadlessRenderer {
     ///
     /// # Errors
     /// A lost device.
-    pub fn load_field<const N: usize>(&mut self, field: &DensityField<N>) -> Result<(), Error> {
+    pub fn load_field<const N: usize, const K: usize>(
+        &mut self,
+        field: &DensityField<N, K>,
+    ) -> Result<(), Error> {
         let mut loaded = Ok(());
         field.emit_all_regions(|region, bytes| {
             if loaded.is_ok() {

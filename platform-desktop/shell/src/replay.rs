@@ -7,7 +7,7 @@ use crate::durable::{self, WriteTarget};
 use crate::statics::Resident;
 use crate::tick_runner;
 use crate::trace::{ReplayDivergence, Trace, TraceError};
-use crate::with_size;
+use crate::{with_intervals, with_size};
 use paros_core::{Grid, Size};
 
 /// Why a replay wrote no digests. Its text names the file.
@@ -30,19 +30,24 @@ pub fn write_replay_digests(trace_path: &Path, digests_path: &Path) -> Result<()
     let target =
         WriteTarget::resolve_and_check_writable(digests_path).map_err(ReplayError::Write)?;
     let read = Trace::read(trace_path).map_err(ReplayError::Trace)?;
-    let played = with_size!(read.header().side, N => replay_digests::<N>(&read));
+    let header = read.header();
+    let played = with_size!(header.side, N => with_intervals!(
+        usize::from(header.intervals),
+        K => replay_digests::<N, K>(&read),
+        else Err(ReplayDivergence::no_such_world(&header)),
+    ));
     let played =
         played.map_err(|diverged| ReplayError::ReplayDivergence(trace_path.into(), diverged))?;
     target.write_file(played.as_bytes()).map_err(ReplayError::Write)
 }
 
 /// The digests of all ticks, as the file has them.
-fn replay_digests<const N: usize>(trace: &Trace) -> Result<String, ReplayDivergence>
+fn replay_digests<const N: usize, const K: usize>(trace: &Trace) -> Result<String, ReplayDivergence>
 where
-    Grid<N>: Size + Resident<N>,
+    Grid<N>: Size + Resident<N, K>,
 {
     let mut digests = String::with_capacity(17 * trace.records().len());
-    tick_runner::with_fresh_world::<N, _>(|mut runner| {
+    tick_runner::with_fresh_world::<N, K, _>(|mut runner| {
         runner.replay_on_same_start(trace, |tick| {
             // A String takes everything.
             let _ = writeln!(digests, "{:016x}", tick.world.digest());

@@ -1,5 +1,7 @@
-//! The sizes that a sculpture has in the shells. They are chosen at run time, from a file or a command
-//! line, and are const generics in the core: here one becomes the other.
+//! The sizes that a sculpture has in the shells, and the intervals of its columns. They are chosen at run
+//! time, from a file or a command line, and are const generics in the core: here one becomes the other.
+
+use paros_core::limits::INTERVALS;
 
 /// Voxels along an edge of a sculpture, the usual number first.
 pub const GRID_SIDES: [usize; 2] = [128, 256];
@@ -7,11 +9,26 @@ pub const GRID_SIDES: [usize; 2] = [128, 256];
 /// The sizes as command lines have them.
 pub const GRID_SIDE_NAMES: [&str; 2] = ["128", "256"];
 
+/// Intervals of a column that a sculpture may have here, the usual number first. One is what older traces
+/// and volumes have.
+pub const INTERVAL_COUNTS: [usize; 2] = [INTERVALS, 1];
+
+/// The interval counts as command lines have them.
+pub const INTERVAL_COUNT_NAMES: [&str; 2] = ["2", "1"];
+
 /// The grid's side of a name, or the usual one where it is none of [`GRID_SIDE_NAMES`].
 #[must_use]
 pub fn grid_side_or_default(name: &str) -> usize {
     let found = GRID_SIDE_NAMES.into_iter().zip(GRID_SIDES).find(|(named, _)| *named == name);
     found.map_or(GRID_SIDES[0], |(_, size)| size)
+}
+
+/// The intervals of a column of a name, or the usual number where it is none of
+/// [`INTERVAL_COUNT_NAMES`].
+#[must_use]
+pub fn interval_count_or_default(name: &str) -> usize {
+    let mut named = INTERVAL_COUNT_NAMES.into_iter().zip(INTERVAL_COUNTS);
+    named.find(|(known, _)| *known == name).map_or(INTERVALS, |(_, count)| count)
 }
 
 /// An expression that is generic in the size N, at a size that is known at run time only:
@@ -39,9 +56,39 @@ macro_rules! with_size {
     };
 }
 
+/// An expression that is generic in the intervals of a column K, at a number that is known at run time
+/// only: `with_intervals!(count, K => play::<128, K>(trace))`. What is not 1 is the usual number, or,
+/// after `else`, something else.
+#[macro_export]
+macro_rules! with_intervals {
+    ($count:expr, $K:ident => $at:expr $(,)?) => {
+        match $count {
+            1 => {
+                const $K: usize = 1;
+                $at
+            }
+            _ => {
+                const $K: usize = $crate::sizes::INTERVAL_COUNTS[0];
+                $at
+            }
+        }
+    };
+    ($count:expr, $K:ident => $at:expr, else $other:expr $(,)?) => {
+        match $count {
+            count if $crate::sizes::INTERVAL_COUNTS.contains(&count) => {
+                $crate::with_intervals!(count, $K => $at)
+            }
+            _ => $other,
+        }
+    };
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{GRID_SIDE_NAMES, GRID_SIDES, grid_side_or_default};
+    use super::{
+        GRID_SIDE_NAMES, GRID_SIDES, INTERVAL_COUNT_NAMES, INTERVAL_COUNTS, grid_side_or_default,
+        interval_count_or_default,
+    };
 
     const fn twice<const N: usize>() -> usize {
         2 * N
@@ -51,6 +98,11 @@ mod tests {
     fn names_are_the_sizes_in_digits() {
         assert_eq!(GRID_SIDE_NAMES.map(grid_side_or_default), GRID_SIDES);
         assert_eq!(GRID_SIDE_NAMES.map(String::from), GRID_SIDES.map(|size| size.to_string()));
+        assert_eq!(INTERVAL_COUNT_NAMES.map(interval_count_or_default), INTERVAL_COUNTS);
+        assert_eq!(
+            INTERVAL_COUNT_NAMES.map(String::from),
+            INTERVAL_COUNTS.map(|count| count.to_string())
+        );
     }
 
     #[test]
@@ -61,5 +113,7 @@ mod tests {
         );
         let strict = [64, 128, 256].map(|size| with_size!(size, N => twice::<N>(), else 0));
         assert_eq!((strict, with_size!(7, N => twice::<N>())), ([0, 256, 512], 256));
+        let counts = [0, 1, 2, 3].map(|count| with_intervals!(count, K => twice::<K>(), else 0));
+        assert_eq!((counts, INTERVAL_COUNTS), ([0, 2, 4, 0], [2, 1]));
     }
 }

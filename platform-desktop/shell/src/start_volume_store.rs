@@ -7,14 +7,14 @@ use crate::figures::Figure;
 
 /// Buffers for all start volumes of a size. All zero bytes at first: it lives in a static.
 #[derive(Debug)]
-pub struct StartVolumeStore<const N: usize> {
-    figures: [RangeMaps<N>; Figure::ALL.len()],
-    visitor_volume: RangeMaps<N>,
+pub struct StartVolumeStore<const N: usize, const K: usize> {
+    figures: [RangeMaps<N, K>; Figure::ALL.len()],
+    visitor_volume: RangeMaps<N, K>,
     has_figures: bool,
     offers_visitor_volume: bool,
 }
 
-impl<const N: usize> StartVolumeStore<N>
+impl<const N: usize, const K: usize> StartVolumeStore<N, K>
 where
     Grid<N>: Size,
 {
@@ -49,7 +49,7 @@ where
     /// The first error of `load_into`. The store then counts as empty.
     pub fn load_figures<E>(
         &mut self,
-        mut load_into: impl FnMut(Figure, &mut RangeMaps<N>) -> Result<(), E>,
+        mut load_into: impl FnMut(Figure, &mut RangeMaps<N, K>) -> Result<(), E>,
     ) -> Result<(), E> {
         self.has_figures = false;
         for figure in Figure::ALL {
@@ -60,7 +60,7 @@ where
     }
 
     /// The visitor's own volume, to be overwritten. From now on it is offered as a start volume.
-    pub fn offer_visitor_volume(&mut self) -> &mut RangeMaps<N> {
+    pub fn offer_visitor_volume(&mut self) -> &mut RangeMaps<N, K> {
         self.offers_visitor_volume = true;
         &mut self.visitor_volume
     }
@@ -72,13 +72,13 @@ where
 
     /// The figures hidden in the lump, indexed by their number in the constrained mode.
     #[must_use]
-    pub fn hidden_figures(&self) -> [&RangeMaps<N>; Figure::HIDDEN.len()] {
+    pub fn hidden_figures(&self) -> [&RangeMaps<N, K>; Figure::HIDDEN.len()] {
         Figure::HIDDEN.map(|figure| self.figure(figure))
     }
 
     /// One figure's maps; empty before [`StartVolumeStore::generate_figures`].
     #[must_use]
-    pub fn figure(&self, figure: Figure) -> &RangeMaps<N> {
+    pub fn figure(&self, figure: Figure) -> &RangeMaps<N, K> {
         &self.figures[figure as usize]
     }
 
@@ -87,8 +87,8 @@ where
     #[must_use]
     pub fn start_volumes<'a>(
         &'a self,
-        hidden_figures: &'a [&'a RangeMaps<N>],
-    ) -> StartVolumes<'a, N> {
+        hidden_figures: &'a [&'a RangeMaps<N, K>],
+    ) -> StartVolumes<'a, N, K> {
         StartVolumes {
             lump: self.figure(Figure::Lump),
             figures: hidden_figures,

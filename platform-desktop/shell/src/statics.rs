@@ -1,4 +1,4 @@
-//! Static buffers, one set for each grid size. The core's buffers are large, start as all zero bytes
+//! Static buffers, one set for each grid size and number of intervals. The core's buffers are large, start as all zero bytes
 //! and never move, so they live in statics, each behind a mutex.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -8,60 +8,58 @@ use paros_core::{Baker, BitGrid, Grid, RangeMaps, Size, World};
 use crate::start_volume_store::StartVolumeStore;
 use crate::stl_export::StlBuffers;
 
-/// The static buffers of a `Grid<N>`. Each method locks one until the guard is dropped; it still
-/// holds what its last user left in it.
-pub trait Resident<const N: usize>: Size
+/// The static bit grid of a `Grid<N>`. It still holds what its last user left in it.
+pub trait ResidentBitGrid<const N: usize>: Size
+where
+    Grid<N>: Size,
+{
+    /// Locks the bit grid until the guard is dropped.
+    fn lock_bit_grid() -> MutexGuard<'static, BitGrid<N>>;
+}
+
+/// The static buffers of a `Grid<N>` with K intervals a column. Each method locks one until the guard is
+/// dropped; it still holds what its last user left in it.
+pub trait Resident<const N: usize, const K: usize>: ResidentBitGrid<N>
 where
     Grid<N>: Size,
 {
     /// Locks the range maps.
-    fn lock_range_maps() -> MutexGuard<'static, RangeMaps<N>>;
-    /// Locks the bit grid.
-    fn lock_bit_grid() -> MutexGuard<'static, BitGrid<N>>;
+    fn lock_range_maps() -> MutexGuard<'static, RangeMaps<N, K>>;
     /// Locks the baker, which turns triangles into maps.
     fn lock_baker() -> MutexGuard<'static, Baker<N>>;
     /// Locks the print buffers, which turn voxels into triangles.
-    fn lock_stl_buffers() -> MutexGuard<'static, StlBuffers<N>>;
+    fn lock_stl_buffers() -> MutexGuard<'static, StlBuffers<N, K>>;
     /// Locks the world.
-    fn lock_world() -> MutexGuard<'static, World<N>>;
+    fn lock_world() -> MutexGuard<'static, World<N, K>>;
     /// Locks the start volumes.
-    fn lock_start_volumes() -> MutexGuard<'static, StartVolumeStore<N>>;
+    fn lock_start_volumes() -> MutexGuard<'static, StartVolumeStore<N, K>>;
+}
+
+/// A function that locks a static, which it holds.
+macro_rules! lock_static {
+    ($lock:ident, $NAME:ident: $Buffer:ty) => {
+        fn $lock() -> MutexGuard<'static, $Buffer> {
+            static $NAME: Mutex<$Buffer> = Mutex::new(<$Buffer>::new());
+            $NAME.lock().unwrap_or_else(PoisonError::into_inner)
+        }
+    };
 }
 
 macro_rules! resident {
-    ($($n:literal),*) => {$(
-        impl Resident<$n> for Grid<$n> {
-            fn lock_range_maps() -> MutexGuard<'static, RangeMaps<$n>> {
-                static RANGE_MAPS: Mutex<RangeMaps<$n>> = Mutex::new(RangeMaps::new());
-                RANGE_MAPS.lock().unwrap_or_else(PoisonError::into_inner)
-            }
-
-            fn lock_bit_grid() -> MutexGuard<'static, BitGrid<$n>> {
-                static BIT_GRID: Mutex<BitGrid<$n>> = Mutex::new(BitGrid::new());
-                BIT_GRID.lock().unwrap_or_else(PoisonError::into_inner)
-            }
-
-            fn lock_baker() -> MutexGuard<'static, Baker<$n>> {
-                static BAKER: Mutex<Baker<$n>> = Mutex::new(Baker::new());
-                BAKER.lock().unwrap_or_else(PoisonError::into_inner)
-            }
-
-            fn lock_stl_buffers() -> MutexGuard<'static, StlBuffers<$n>> {
-                static PRINT_BUFFERS: Mutex<StlBuffers<$n>> = Mutex::new(StlBuffers::new());
-                PRINT_BUFFERS.lock().unwrap_or_else(PoisonError::into_inner)
-            }
-
-            fn lock_world() -> MutexGuard<'static, World<$n>> {
-                static WORLD: Mutex<World<$n>> = Mutex::new(World::new());
-                WORLD.lock().unwrap_or_else(PoisonError::into_inner)
-            }
-
-            fn lock_start_volumes() -> MutexGuard<'static, StartVolumeStore<$n>> {
-                static START_VOLUMES: Mutex<StartVolumeStore<$n>> = Mutex::new(StartVolumeStore::new());
-                START_VOLUMES.lock().unwrap_or_else(PoisonError::into_inner)
-            }
+    ($($n:literal: $($k:literal),*;)*) => {$(
+        impl ResidentBitGrid<$n> for Grid<$n> {
+            lock_static!(lock_bit_grid, BIT_GRID: BitGrid<$n>);
         }
+
+        $(impl Resident<$n, $k> for Grid<$n> {
+            lock_static!(lock_range_maps, RANGE_MAPS: RangeMaps<$n, $k>);
+            lock_static!(lock_baker, BAKER: Baker<$n>);
+            lock_static!(lock_stl_buffers, PRINT_BUFFERS: StlBuffers<$n, $k>);
+            lock_static!(lock_world, WORLD: World<$n, $k>);
+            lock_static!(lock_start_volumes, START_VOLUMES: StartVolumeStore<$n, $k>);
+        })*
     )*};
 }
 
-resident!(128, 256);
+// One interval a column for the traces that were recorded so.
+resident!(128: 1, 2; 256: 1, 2;);

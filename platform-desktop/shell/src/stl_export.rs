@@ -19,14 +19,14 @@ pub const UNITS_PER_STEP: u32 = 2048;
 pub const MAX_BYTES_PER_STEP: usize = 1 << 20;
 
 /// The exporter and a copy of the voxels it exports. All zero bytes at first: it lives in a static.
-pub struct StlBuffers<const N: usize>
+pub struct StlBuffers<const N: usize, const K: usize>
 where
     Grid<N>: Size,
 {
     /// Turns voxels into the bytes of an STL file.
     pub exporter: Exporter<N>,
     bit_grid: BitGrid<N>,
-    mask: RangeMaps<N>,
+    mask: RangeMaps<N, K>,
 }
 
 /// A finished export.
@@ -40,17 +40,17 @@ pub struct FinishedStl {
 
 /// Makes STL files, one at a time. It works on a copy of the voxels, so that a new session may begin
 /// while the last one's sculpture is exported.
-pub struct StlExporter<'a, const N: usize>
+pub struct StlExporter<'a, const N: usize, const K: usize>
 where
     Grid<N>: Size,
 {
-    buffers: &'a mut StlBuffers<N>,
+    buffers: &'a mut StlBuffers<N, K>,
     model_height_mm: f32,
     /// The bytes so far of the export under way; `None` at rest.
     stl: Option<Vec<u8>>,
 }
 
-impl<const N: usize> StlBuffers<N>
+impl<const N: usize, const K: usize> StlBuffers<N, K>
 where
     Grid<N>: Size,
 {
@@ -62,7 +62,7 @@ where
     }
 }
 
-impl<'a, const N: usize> StlExporter<'a, N>
+impl<'a, const N: usize, const K: usize> StlExporter<'a, N, K>
 where
     Grid<N>: Size,
 {
@@ -71,7 +71,7 @@ where
     /// # Errors
     /// A height outside [`HEIGHT_RANGE_MM`].
     pub fn new(
-        buffers: &'a mut StlBuffers<N>,
+        buffers: &'a mut StlBuffers<N, K>,
         model_height_mm: f32,
     ) -> Result<Self, HeightOutOfRange> {
         match HEIGHT_RANGE_MM.contains(&model_height_mm) {
@@ -84,7 +84,7 @@ where
     /// every tick. Returns each file once, when it is finished. Where a session ends before the last
     /// one's is finished, that one is finished at once and returned.
     #[must_use = "a file is handed out once"]
-    pub fn begin_or_advance_after_tick(&mut self, world: &World<N>) -> Option<FinishedStl> {
+    pub fn begin_or_advance_after_tick(&mut self, world: &World<N, K>) -> Option<FinishedStl> {
         if !world.events().contains(&WorldEvent::Finished) {
             return self.advance_export_step();
         }
@@ -95,7 +95,7 @@ where
 
     /// Begins an export of these voxels and the mask that supports some of them (empty for none). An
     /// export under way is dropped.
-    pub fn begin_export(&mut self, bit_grid: &BitGrid<N>, mask: &RangeMaps<N>) {
+    pub fn begin_export(&mut self, bit_grid: &BitGrid<N>, mask: &RangeMaps<N, K>) {
         self.buffers.bit_grid.copy_from(bit_grid);
         self.buffers.mask.copy_from(mask);
         let started = self.buffers.exporter.start_export(self.model_height_mm);

@@ -23,13 +23,14 @@ use crate::tick_runner::TickRunner;
 use crate::{durable, rmap};
 use autosave::Autosave;
 use export::SculptureExport;
+use paros_core::limits::INTERVALS;
 use paros_core::{Grid, RangeMaps, SessionMode, Size, TickInput, World, WorldEvent};
 use pending_read::PendingRead;
 use recorder::Recorder;
 use session::LiveSession;
 
 /// Draws a finished sculpture and returns the bytes of a PNG file. It is called in a thread.
-pub type DrawPicture<const N: usize> = fn(&RangeMaps<N>) -> Result<Vec<u8>, String>;
+pub type DrawPicture<const N: usize> = fn(&RangeMaps<N, INTERVALS>) -> Result<Vec<u8>, String>;
 
 /// Reads a file into the static range maps of its size. It is called in a thread.
 pub type VolumeReader = fn(&Path) -> Result<(), String>;
@@ -68,15 +69,15 @@ where
 
 impl<'a, const N: usize> Studio<'a, N>
 where
-    Grid<N>: Size + Resident<N>,
+    Grid<N>: Size + Resident<N, INTERVALS>,
 {
     /// Opens a studio: claims a session file, removes stale temporary files, and resumes the saved
     /// session if there is one.
     #[must_use]
     pub fn new(
-        world: &'a mut World<N>,
-        volumes: &'a mut StartVolumeStore<N>,
-        stl_exporter: StlExporter<'a, N>,
+        world: &'a mut World<N, INTERVALS>,
+        volumes: &'a mut StartVolumeStore<N, INTERVALS>,
+        stl_exporter: StlExporter<'a, N, INTERVALS>,
         mut paths: StudioPaths,
         draw_picture: DrawPicture<N>,
     ) -> Self {
@@ -100,7 +101,7 @@ where
 
     /// The world as of the last tick.
     #[must_use]
-    pub const fn world(&self) -> &World<N> {
+    pub const fn world(&self) -> &World<N, INTERVALS> {
         self.session.world
     }
 

@@ -9,13 +9,13 @@ use paros_core::trace::{
 };
 use paros_core::{Grid, Size, StartVolumes, TICK_RATE, TickInput, World};
 
-use crate::statics::Resident;
+use crate::statics::{Resident, ResidentBitGrid};
 use crate::trace::{ReplayDivergence, Trace};
 
 /// Runs the ticks of a world. It borrows the world and its start volumes, and records every tick
 /// while a recording is on.
 #[derive(Debug)]
-pub struct TickRunner<'a, const N: usize, const K: usize = 1>
+pub struct TickRunner<'a, const N: usize, const K: usize>
 where
     Grid<N>: Size,
 {
@@ -26,7 +26,7 @@ where
 
 /// A tick of a replay, after it was run.
 #[derive(Clone, Copy, Debug)]
-pub struct ReplayedTick<'a, const N: usize, const K: usize = 1>
+pub struct ReplayedTick<'a, const N: usize, const K: usize>
 where
     Grid<N>: Size,
 {
@@ -186,9 +186,11 @@ where
 
 /// Locks the process's resident world, clears it, generates its start volumes, and calls `run` with a
 /// runner of it.
-pub fn with_fresh_world<const N: usize, T>(run: impl FnOnce(TickRunner<'_, N>) -> T) -> T
+pub fn with_fresh_world<const N: usize, const K: usize, T>(
+    run: impl FnOnce(TickRunner<'_, N, K>) -> T,
+) -> T
 where
-    Grid<N>: Size + Resident<N>,
+    Grid<N>: Size + Resident<N, K>,
 {
     let mut start_volumes = Grid::<N>::lock_start_volumes();
     start_volumes.generate_figures(&mut Grid::<N>::lock_bit_grid(), |_| {});

@@ -4,6 +4,7 @@ use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use paros_core::limits::INTERVALS;
 use paros_core::trace::{HEADER_BYTES, RECORD_BYTES, TickRecord, TraceHeader};
 use paros_core::{BadBytes, ByteReader};
 
@@ -137,6 +138,14 @@ impl Trace {
     /// The records, one per tick.
     pub fn records(&self) -> impl ExactSizeIterator<Item = &TickRecord> {
         self.records.iter()
+    }
+}
+
+impl ReplayDivergence {
+    /// The divergence of a trace whose columns have another number of intervals than any world here.
+    #[must_use]
+    pub const fn no_such_world(header: &TraceHeader) -> Self {
+        ReplayDivergence::Intervals { recorded: header.intervals, here: INTERVALS as u16 }
     }
 }
 

@@ -3,11 +3,12 @@
 use std::fmt::Write;
 use std::path::PathBuf;
 
+use paros_core::limits::INTERVALS;
 use paros_core::{Grid, Size, UpAxis};
 use paros_headless::Error;
 use paros_shell::mesh::{self, Mesh, MeshFormat};
 use paros_shell::rmap;
-use paros_shell::statics::Resident;
+use paros_shell::statics::{Resident, ResidentBitGrid};
 use paros_shell::with_size;
 
 use super::{progress, volume};
@@ -40,7 +41,7 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
 
 fn bake_mesh<const N: usize>(args: &Args, mesh: &Mesh) -> Result<String, Error>
 where
-    Grid<N>: Size + Resident<N>,
+    Grid<N>: Size + Resident<N, INTERVALS>,
 {
     let (mut maps, mut bit_grid) = (Grid::<N>::lock_range_maps(), Grid::<N>::lock_bit_grid());
     let baking = progress::show_progress("baking", None);

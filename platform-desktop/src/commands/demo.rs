@@ -5,6 +5,7 @@ use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
+use paros_core::limits::INTERVALS;
 use paros_core::{Grid, Size, World, WorldEvent};
 use paros_headless::Error;
 use paros_shaders::{Camera, Image, RenderOptions, contact_sheet, render_image};
@@ -12,12 +13,12 @@ use paros_shell::demo::{self, Chapter};
 use paros_shell::durable::WriteTarget;
 use paros_shell::edit_totals::EditTotals;
 use paros_shell::figures::Figure;
-use paros_shell::statics::Resident;
+use paros_shell::statics::{Resident, ResidentBitGrid};
 use paros_shell::stl_export::{DEFAULT_HEIGHT_MM, FinishedStl, StlExporter};
 use paros_shell::tick_runner::TickRunner;
-use paros_shell::{durable, rmap};
+use paros_shell::{durable, rmap, with_intervals};
 
-use super::progress;
+use super::{progress, volume};
 
 /// Voxels along an edge.
 const N: usize = 128;
@@ -35,11 +36,14 @@ pub(super) struct Args {
     /// The folder for the files.
     #[arg(short, long, value_name = "DIR", default_value = "paros-demo")]
     output: PathBuf,
+    /// Intervals of a column; with 1, the stone refuses more of what the hands cut.
+    #[arg(long, value_name = "K", default_value = "2", value_parser = volume::interval_count_parser())]
+    layers: usize,
 }
 
 impl Default for Args {
     fn default() -> Self {
-        Args { output: "paros-demo".into() }
+        Args { output: "paros-demo".into(), layers: INTERVALS }
     }
 }
 
@@ -50,16 +54,26 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
     let tried =
         FILES.iter().map(|name| WriteTarget::resolve_and_check_writable(&folder.join(name)));
     let targets = tried.collect::<Result<Vec<_>, _>>()?;
-    let session = play_session()?;
-    let mut png = Vec::new();
-    contact_sheet(&session.pictures, 3).write_png(&mut png).map_err(Error::failure)?;
-    let world = Grid::<N>::lock_world();
-    let maps = rmap::encode(world.volume().maps());
-    let mut report = session.format_report(world.volume().count_voxels());
-    let bytes = [&session.trace, &maps, &session.stl.bytes, &png, report.as_bytes()];
-    durable::write_files(&targets.into_iter().zip(bytes).collect::<Vec<_>>())?;
+    let (files, mut report) = with_intervals!(args.layers, K => play_and_encode::<K>())?;
+    let targets_and_bytes = targets.into_iter().zip(files.iter().map(|bytes| &bytes[..]));
+    durable::write_files(&targets_and_bytes.collect::<Vec<_>>())?;
     let _ = writeln!(report, "{}: {}", folder.display(), FILES.join(", "));
     Ok(report)
+}
+
+/// The contents of [`FILES`] and the report, which is the last of them.
+fn play_and_encode<const K: usize>() -> Result<([Vec<u8>; FILES.len()], String), Error>
+where
+    Grid<N>: Resident<N, K>,
+{
+    let session = play_session::<K>()?;
+    let mut png = Vec::new();
+    contact_sheet(&session.pictures, 3).write_png(&mut png).map_err(Error::failure)?;
+    let world = <Grid<N> as Resident<N, K>>::lock_world();
+    let maps = rmap::encode(world.volume().maps());
+    let report = session.format_report(world.volume().count_voxels());
+    let DemoResult { trace, stl, .. } = session;
+    Ok(([trace, maps, stl.bytes, png, report.clone().into_bytes()], report))
 }
 
 /// The session's results, except the world itself.
@@ -83,7 +97,7 @@ struct IslandCounts {
 }
 
 impl IslandCounts {
-    fn count_events<const N: usize>(&mut self, world: &World<N>)
+    fn count_events<const N: usize, const K: usize>(&mut self, world: &World<N, K>)
     where
         Grid<N>: Size,
     {
@@ -138,7 +152,10 @@ impl DemoResult {
     }
 }
 
-fn play_session() -> Result<DemoResult, Error> {
+fn play_session<const K: usize>() -> Result<DemoResult, Error>
+where
+    Grid<N>: Resident<N, K>,
+{
     let making = progress::show_progress("quarrying", None);
     let mut starts = Grid::<N>::lock_start_volumes();
     starts.generate_figures(&mut Grid::<N>::lock_bit_grid(), |_| {});

@@ -35,11 +35,11 @@ enum PathChoice {
 }
 
 /// A renderer of pictures of one size.
-pub(super) enum PictureRenderer<const N: usize> {
+pub(super) enum PictureRenderer<const N: usize, const K: usize> {
     Cpu(RenderOptions),
     Vulkan {
         renderer: Box<HeadlessRenderer>,
-        field: Box<DensityField<N>>,
+        field: Box<DensityField<N, K>>,
         size: [u32; 2],
         path: RenderPath,
     },
@@ -48,11 +48,11 @@ pub(super) enum PictureRenderer<const N: usize> {
 impl DrawingOptions {
     /// Makes a renderer of pictures of `[width, height]` pixels. On the CPU, `rays_along_pixel_side`
     /// rays go along each side of a pixel.
-    pub(super) fn make_renderer<const N: usize>(
+    pub(super) fn make_renderer<const N: usize, const K: usize>(
         &self,
         [width, height]: [usize; 2],
         rays_along_pixel_side: usize,
-    ) -> Result<PictureRenderer<N>, Error> {
+    ) -> Result<PictureRenderer<N, K>, Error> {
         if self.renderer == RendererChoice::Cpu {
             let options = match self.path {
                 PathChoice::Paper => RenderOptions::paper_path(),
@@ -77,11 +77,11 @@ impl DrawingOptions {
     }
 }
 
-impl<const N: usize> PictureRenderer<N> {
+impl<const N: usize, const K: usize> PictureRenderer<N, K> {
     /// Draws a volume. `on_fraction_done` gets the fraction done, 0 to 1.
     pub(super) fn draw_volume(
         &mut self,
-        maps: &RangeMaps<N>,
+        maps: &RangeMaps<N, K>,
         camera: &Camera,
         on_fraction_done: &(dyn Fn(f32) + Sync),
     ) -> Result<Image, Error> {

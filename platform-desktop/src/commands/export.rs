@@ -2,10 +2,11 @@
 
 use std::path::PathBuf;
 
+use paros_core::limits::INTERVALS;
 use paros_core::{Grid, HEIGHT_RANGE_MM, Size};
 use paros_headless::Error;
 use paros_shell::durable::WriteTarget;
-use paros_shell::statics::Resident;
+use paros_shell::statics::{Resident, ResidentBitGrid};
 use paros_shell::stl_export::StlExporter;
 use paros_shell::with_size;
 
@@ -45,7 +46,7 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
 
 fn export_volume<const N: usize>(args: &Args) -> Result<String, Error>
 where
-    Grid<N>: Size + Resident<N>,
+    Grid<N>: Size + Resident<N, INTERVALS>,
 {
     let (mut maps, mut bit_grid) = (Grid::<N>::lock_range_maps(), Grid::<N>::lock_bit_grid());
     volume::read_nonempty_volume(&args.volume, &mut maps)?;

@@ -3,11 +3,12 @@
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
+use paros_core::limits::INTERVALS;
 use paros_core::{BitGrid, BitSet, Grid, Size};
 use paros_headless::Error;
 use paros_shell::mesh::{self, MeshFormat};
 use paros_shell::rmap;
-use paros_shell::statics::Resident;
+use paros_shell::statics::{Resident, ResidentBitGrid};
 use paros_shell::with_size;
 use serde::Serialize;
 
@@ -75,7 +76,7 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
 
 fn volume_info<const N: usize>(path: &Path) -> Result<VolumeInfo, Error>
 where
-    Grid<N>: Size + Resident<N>,
+    Grid<N>: Size + Resident<N, INTERVALS>,
 {
     let header = rmap::read_header(path).map_err(Error::input)?;
     let (mut maps, mut bit_grid) = (Grid::<N>::lock_range_maps(), Grid::<N>::lock_bit_grid());

@@ -8,11 +8,11 @@ use paros_headless::Error;
 use paros_shaders::Camera;
 use paros_shell::durable::{self, WriteTarget};
 use paros_shell::edit_totals::EditTotals;
-use paros_shell::statics::Resident;
+use paros_shell::statics::{Resident, ResidentBitGrid};
 use paros_shell::stl_export::{DEFAULT_HEIGHT_MM, FinishedStl, StlExporter};
 use paros_shell::tick_runner::{ReplayedTick, TickRunner};
-use paros_shell::trace::Trace;
-use paros_shell::with_size;
+use paros_shell::trace::{ReplayDivergence, Trace};
+use paros_shell::{with_intervals, with_size};
 use serde::Serialize;
 
 use super::drawing::{DrawingOptions, PictureRenderer};
@@ -69,12 +69,21 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
         return Err(Error::Input(why));
     }
     let trace = Trace::read(&args.trace).map_err(Error::input)?;
-    with_size!(trace.header().side, N => play_trace::<N>(args, &trace))
+    let header = trace.header();
+    let unplayable = || {
+        let why = ReplayDivergence::no_such_world(&header);
+        Err(Error::Input(format!("{}: {why}", args.trace.display())))
+    };
+    with_size!(header.side, N => with_intervals!(
+        usize::from(header.intervals),
+        K => play_trace::<N, K>(args, &trace),
+        else unplayable(),
+    ))
 }
 
-fn play_trace<const N: usize>(args: &Args, trace: &Trace) -> Result<String, Error>
+fn play_trace<const N: usize, const K: usize>(args: &Args, trace: &Trace) -> Result<String, Error>
 where
-    Grid<N>: Size + Resident<N>,
+    Grid<N>: Size + Resident<N, K>,
 {
     let outputs = OutputTargets::check_writable(args)?;
     let mut starts = Grid::<N>::lock_start_volumes();
@@ -187,20 +196,20 @@ impl EditStats {
     }
 }
 
-fn replay_for_outputs<const N: usize>(
+fn replay_for_outputs<const N: usize, const K: usize>(
     args: &Args,
     trace: &Trace,
-    runner: &mut TickRunner<'_, N>,
+    runner: &mut TickRunner<'_, N, K>,
 ) -> Result<ReplayResult, Error>
 where
-    Grid<N>: Size + Resident<N>,
+    Grid<N>: Size + Resident<N, K>,
 {
     let bar = progress::show_progress("playing", Some(trace.records().len() as u64));
     let mut played =
         ReplayResult { digests: String::new(), stl: None, frames: 0, edits: EditTotals::default() };
     let mut drawn = Ok(());
     let mut frames = match args.frames.as_deref() {
-        Some(folder) => Some((folder, args.drawing.make_renderer::<N>(FRAME_SIZE, 1)?)),
+        Some(folder) => Some((folder, args.drawing.make_renderer::<N, K>(FRAME_SIZE, 1)?)),
         None => None,
     };
     let mut stl_buffers = Grid::<N>::lock_stl_buffers();
@@ -236,10 +245,10 @@ where
 
 /// The STL file of the last tick's sculpture. A session that was finished has its export in progress or
 /// made already; else one is begun.
-fn stl_of_last_tick<const N: usize>(
-    stl_exporter: &mut StlExporter<'_, N>,
+fn stl_of_last_tick<const N: usize, const K: usize>(
+    stl_exporter: &mut StlExporter<'_, N, K>,
     finished_earlier: Option<FinishedStl>,
-    world: &World<N>,
+    world: &World<N, K>,
 ) -> Option<FinishedStl>
 where
     Grid<N>: Size,
@@ -252,11 +261,11 @@ where
 
 /// Draws a picture of a replay to `{number:06}.png`. The folder is made with the first picture, when
 /// the trace is known to match.
-fn write_picture<const N: usize>(
-    renderer: &mut PictureRenderer<N>,
+fn write_picture<const N: usize, const K: usize>(
+    renderer: &mut PictureRenderer<N, K>,
     folder: &Path,
     number: usize,
-    world: &World<N>,
+    world: &World<N, K>,
 ) -> Result<(), Error>
 where
     Grid<N>: Size,

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use paros_core::limits::INTERVALS;
 use paros_core::{Grid, Size};
 use paros_headless::Error;
 use paros_shaders::Camera;
@@ -73,7 +74,7 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
 
 fn render_volume<const N: usize>(args: &Args) -> Result<String, Error>
 where
-    Grid<N>: Size + Resident<N>,
+    Grid<N>: Size + Resident<N, INTERVALS>,
 {
     let mut maps = Grid::<N>::lock_range_maps();
     volume::read_nonempty_volume(&args.volume, &mut maps)?;
@@ -82,7 +83,7 @@ where
     let ViewDegrees { azimuth, elevation } = args.view;
     let camera = Camera::orbiting(azimuth.to_radians(), elevation.to_radians());
     let [width, height] = args.size;
-    let mut renderer = args.drawing.make_renderer::<N>(args.size, SAMPLES)?;
+    let mut renderer = args.drawing.make_renderer::<N, INTERVALS>(args.size, SAMPLES)?;
     let rendering = progress::show_progress("rendering", Some(height as u64));
     let image = renderer.draw_volume(&maps, &camera, &|done| {
         rendering.set_steps_done((done * height as f32) as u64);

@@ -7,7 +7,9 @@ use paros_core::{Grid, RangeMaps, Size, trace};
 use paros_headless::Error;
 use paros_shell::mesh::MeshFormat;
 use paros_shell::rmap::{self, RmapFault};
-use paros_shell::sizes::{GRID_SIDE_NAMES, grid_side_or_default};
+use paros_shell::sizes::{
+    GRID_SIDE_NAMES, INTERVAL_COUNT_NAMES, grid_side_or_default, interval_count_or_default,
+};
 use paros_shell::stl_export::FinishedStl;
 
 /// Reads the grid's side N from a volume file's header.
@@ -31,15 +33,20 @@ pub(super) fn grid_side_parser() -> impl TypedValueParser<Value = usize> {
     PossibleValuesParser::new(GRID_SIDE_NAMES).map(|name| grid_side_or_default(&name))
 }
 
+/// The command-line parser of the intervals of a column.
+pub(super) fn interval_count_parser() -> impl TypedValueParser<Value = usize> {
+    PossibleValuesParser::new(INTERVAL_COUNT_NAMES).map(|name| interval_count_or_default(&name))
+}
+
 /// Whether a file has a volume's header.
 pub(super) fn has_volume_header(path: &Path) -> bool {
     rmap::read_header(path).is_ok()
 }
 
 /// Reads a volume; an empty one is an error.
-pub(super) fn read_nonempty_volume<const N: usize>(
+pub(super) fn read_nonempty_volume<const N: usize, const K: usize>(
     path: &Path,
-    maps: &mut RangeMaps<N>,
+    maps: &mut RangeMaps<N, K>,
 ) -> Result<(), Error>
 where
     Grid<N>: Size,

@@ -7,6 +7,7 @@ mod steps;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use paros_core::limits::INTERVALS;
 use paros_core::{Grid, SessionState, Size, WorldEvent as Happened};
 use paros_headless::Error;
 use paros_shaders::gpu::{self, RenderPath};
@@ -75,7 +76,7 @@ where
 
 impl<'a, const N: usize> App<'a, N>
 where
-    Grid<N>: Size + Resident<N>,
+    Grid<N>: Size + Resident<N, INTERVALS>,
 {
     /// The application before its window is open.
     pub(super) fn new(
@@ -322,7 +323,7 @@ where
 
 impl<const N: usize> ApplicationHandler for App<'_, N>
 where
-    Grid<N>: Size + Resident<N>,
+    Grid<N>: Size + Resident<N, INTERVALS>,
 {
     fn resumed(&mut self, events: &ActiveEventLoop) {
         if self.window.is_none() {

@@ -11,6 +11,7 @@ use std::collections::VecDeque;
 
 use glam::{Quat, Vec3};
 use paros_core::internals::RoomPose;
+use paros_core::limits::INTERVALS;
 use paros_core::{
     BenchItem, Grid, HandInput, PointerCommand, RawPose, SessionMode, Size, TICK_RATE, TickInput,
     Tool, ToolBit, World, commands,
@@ -164,7 +165,7 @@ where
     }
 
     /// Handles an input event.
-    pub(super) fn handle_event(&mut self, event: InputEvent, world: &World<N>) {
+    pub(super) fn handle_event(&mut self, event: InputEvent, world: &World<N, INTERVALS>) {
         match event {
             InputEvent::Moved(to) => self.move_cursor(to),
             InputEvent::Gone => self.cursor = None,
@@ -210,7 +211,7 @@ where
     }
 
     /// Builds the input of the next tick from the events since the last one.
-    pub(super) fn next_input(&mut self, world: &World<N>) -> TickInput {
+    pub(super) fn next_input(&mut self, world: &World<N, INTERVALS>) -> TickInput {
         let mut input =
             TickInput { start: core::mem::take(&mut self.start), ..TickInput::default() };
         let (position, rotation) = self.orbit.pose();
@@ -230,7 +231,7 @@ where
 
     /// The right hand's grip in the room, with its bit on the surface under the cursor. A stuck tool is
     /// put down and taken again.
-    fn next_grip_pose(&mut self, world: &World<N>) -> Option<RoomPose> {
+    fn next_grip_pose(&mut self, world: &World<N, INTERVALS>) -> Option<RoomPose> {
         let (tool, bit) = world.held_tool(RIGHT)?;
         let cursor = self.cursor?;
         let at = if self.running { self.next_trail_pixel(cursor, bit) } else { cursor };
@@ -306,7 +307,7 @@ where
     }
 
     /// Takes the item on the workbench under the cursor, or starts a stroke.
-    fn press_left(&mut self, world: &World<N>) {
+    fn press_left(&mut self, world: &World<N, INTERVALS>) {
         let Some(cursor) = self.cursor else { return };
         let room_ray = self.orbit.room_ray_through_pixel(cursor, self.size);
         match bit_guide::pick_item(&room_ray, world) {
@@ -320,14 +321,14 @@ where
         }
     }
 
-    fn change_depth_by(&mut self, delta_mm: f32, world: &World<N>) {
+    fn change_depth_by(&mut self, delta_mm: f32, world: &World<N, INTERVALS>) {
         if let Some((tool, _)) = world.held_tool(RIGHT) {
             let depth = &mut self.depths_mm[tool as usize];
             *depth = (*depth + delta_mm).clamp(*DEPTHS_MM.start(), *DEPTHS_MM.end());
         }
     }
 
-    fn handle_key(&mut self, key: HandAction, down: bool, world: &World<N>) {
+    fn handle_key(&mut self, key: HandAction, down: bool, world: &World<N, INTERVALS>) {
         if let HandAction::Turn { left } = key {
             self.turning[usize::from(!left)] = down;
         }
@@ -357,7 +358,11 @@ where
     }
 
     /// Mounts one of the held tool's bits, by its index among them.
-    fn mount_bit(&mut self, world: &World<N>, choose_index: impl Fn(MountedBit) -> usize) {
+    fn mount_bit(
+        &mut self,
+        world: &World<N, INTERVALS>,
+        choose_index: impl Fn(MountedBit) -> usize,
+    ) {
         let Some((tool, mounted)) = world.held_tool(RIGHT) else { return };
         let bits: Vec<ToolBit> = tool_bits_of(tool).collect();
         let mounted = bits.iter().position(|bit| *bit == mounted).unwrap_or(0);

@@ -21,10 +21,11 @@ mod view;
 
 use std::path::PathBuf;
 
+use paros_core::limits::INTERVALS;
 use paros_core::{Grid, Size};
 use paros_headless::Error;
 use paros_shaders::render_portrait_png;
-use paros_shell::statics::Resident;
+use paros_shell::statics::{Resident, ResidentBitGrid};
 use paros_shell::stl_export::{DEFAULT_HEIGHT_MM, StlExporter};
 use paros_shell::studio::Studio;
 use paros_shell::studio_paths::StudioPaths;
@@ -66,7 +67,7 @@ pub enum WindowError {
 /// See [`WindowError`]. The session has been saved in any case.
 pub fn run_window<const N: usize>(options: &WindowOptions) -> Result<String, WindowError>
 where
-    Grid<N>: Size + Resident<N>,
+    Grid<N>: Size + Resident<N, INTERVALS>,
 {
     if let Some(file) = &options.file {
         // Read before the window opens: a bad file is an error even without a display.

@@ -2,10 +2,11 @@
 
 use std::path::Path;
 
+use paros_core::limits::INTERVALS;
 use paros_core::{Grid, Size, UpAxis};
 use paros_shell::mesh::{self, EXTENSIONS, MeshFormat};
 use paros_shell::rmap;
-use paros_shell::statics::Resident;
+use paros_shell::statics::{Resident, ResidentBitGrid};
 
 /// Whether a file's extension is that of a mesh or a volume.
 #[must_use]
@@ -23,7 +24,7 @@ fn has_volume_extension(path: &Path) -> bool {
 /// A text: the file, and why it can't be carved.
 pub(super) fn read_into_resident_maps<const N: usize>(path: &Path) -> Result<(), String>
 where
-    Grid<N>: Size + Resident<N>,
+    Grid<N>: Size + Resident<N, INTERVALS>,
 {
     let mut maps = Grid::<N>::lock_range_maps();
     if has_volume_extension(path) {

@@ -17,7 +17,10 @@ pub(super) struct CursorHit {
 /// Voxel traversal (Amanatides and Woo, 1987): the first occupied voxel along a ray. Its origin is in
 /// voxels, its direction a unit vector.
 #[must_use]
-pub(super) fn cast_ray<const N: usize>(maps: &RangeMaps<N>, grid_ray: &Ray) -> Option<CursorHit> {
+pub(super) fn cast_ray<const N: usize, const K: usize>(
+    maps: &RangeMaps<N, K>,
+    grid_ray: &Ray,
+) -> Option<CursorHit> {
     let RaySpan { near: enter, far: leave } = clip_to_cube(grid_ray, N as f32)?;
     let start = grid_ray.origin + grid_ray.direction * enter;
     let (from, way) = (start.to_array(), grid_ray.direction.to_array());
@@ -49,8 +52,8 @@ pub(super) fn cast_ray<const N: usize>(maps: &RangeMaps<N>, grid_ray: &Ray) -> O
 /// Surface normal by occupancy: the unit vector away from the occupied voxels within a ball around a
 /// point. `None` where they cancel out or there are none.
 #[must_use]
-pub(super) fn estimate_normal<const N: usize>(
-    maps: &RangeMaps<N>,
+pub(super) fn estimate_normal<const N: usize, const K: usize>(
+    maps: &RangeMaps<N, K>,
     point_voxels: Vec3,
     radius_voxels: i32,
 ) -> Option<Vec3> {

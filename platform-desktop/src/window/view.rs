@@ -1,5 +1,6 @@
 //! The window's renderer: frames of the world, with the panels over them.
 
+use paros_core::limits::INTERVALS;
 use paros_core::{Grid, Size, TICK_RATE, World};
 use paros_shaders::gpu::{Error, Eye, FrameTimes, Options, RenderPath, Viewpoint, WorldRenderer};
 use paros_shaders::scene::LatestInput;
@@ -20,7 +21,7 @@ where
     Grid<N>: Size,
 {
     // Dropped before the swapchain.
-    show: WorldRenderer<N>,
+    show: WorldRenderer<N, INTERVALS>,
     screen: WindowSwapchain,
 }
 
@@ -45,7 +46,7 @@ where
     /// No Vulkan, no device that fits, or a call that failed.
     pub(super) fn new(
         window: &Window,
-        world: &World<N>,
+        world: &World<N, INTERVALS>,
         paths: &StudioPaths,
         options: &Options,
     ) -> Result<Self, Error> {
@@ -64,7 +65,7 @@ where
     }
 
     /// Notes what a tick changed, for the next frame.
-    pub(super) fn note_tick(&mut self, world: &World<N>) {
+    pub(super) fn note_tick(&mut self, world: &World<N, INTERVALS>) {
         self.show.note_tick(world);
     }
 
@@ -100,7 +101,7 @@ where
         &mut self,
         window: &Window,
         window_size: [u32; 2],
-        world: &World<N>,
+        world: &World<N, INTERVALS>,
         params: &FrameParams,
         egui_buffers: &mut EguiBuffers,
     ) -> Result<bool, Error> {

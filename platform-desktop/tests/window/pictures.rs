@@ -5,6 +5,7 @@ use std::ops::ControlFlow;
 use std::path::Path;
 
 use paros_core::World;
+use paros_core::limits::INTERVALS;
 use paros_core::limits::max_save_bytes;
 use paros_shaders::Image;
 use paros_shell::demo::play_demo;
@@ -55,9 +56,9 @@ fn free(visit: &mut ScriptedWindow) {
 fn save_hidden(folder: &Path) {
     let sessions = folder.join("data/paros");
     fs::create_dir_all(&sessions).expect("a folder");
-    with_fresh_world::<128, _>(|mut stage| {
+    with_fresh_world::<128, INTERVALS, _>(|mut stage| {
         let owl = 0;
-        let mut until = |world: &World<128>| {
+        let mut until = |world: &World<128, INTERVALS>| {
             if world.tick() < HALF_WAY {
                 return ControlFlow::Continue(());
             }

@@ -4,11 +4,12 @@ use std::fs::{self, File};
 use std::io::{Cursor, Read, Write};
 use std::path::Path;
 
+use paros_core::limits::INTERVALS;
 use paros_core::{Grid, Size};
 use paros_shell::figures::Figure;
 use paros_shell::headset::package::start_volume_asset;
 use paros_shell::rmap;
-use paros_shell::statics::Resident;
+use paros_shell::statics::{Resident, ResidentBitGrid};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipArchive, ZipWriter};
 
@@ -110,7 +111,7 @@ fn add_entry(
 /// The start volumes of a size, with the names that the shell asks for.
 fn encode_start_volumes<const N: usize>() -> Vec<(String, Vec<u8>)>
 where
-    Grid<N>: Size + Resident<N>,
+    Grid<N>: Size + Resident<N, INTERVALS>,
 {
     eprintln!("start volumes of {N}");
     let mut volumes = Grid::<N>::lock_start_volumes();

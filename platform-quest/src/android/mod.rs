@@ -11,6 +11,7 @@ use std::time::Duration;
 
 use android_activity::{AndroidApp, InputStatus, MainEvent, PollEvent, WindowManagerFlags};
 use openxr as xr;
+use paros_core::limits::INTERVALS;
 use paros_core::{Grid, Size};
 use paros_shell::headset::package::{self, OPENXR_LOADER};
 use paros_shell::statics::Resident;
@@ -55,7 +56,7 @@ fn run_with_size<const N: usize>(
     options: &ShellOptions,
 ) -> Result<(), Error>
 where
-    Grid<N>: Size + Resident<N>,
+    Grid<N>: Size + Resident<N, INTERVALS>,
 {
     load_start_volumes::<N>(&platform.app);
     run_shell::<N>(&mut platform, options).map(drop)
@@ -64,7 +65,7 @@ where
 /// Loads the start volumes from the package's assets. Those that are missing are computed.
 fn load_start_volumes<const N: usize>(app: &AndroidApp)
 where
-    Grid<N>: Size + Resident<N>,
+    Grid<N>: Size + Resident<N, INTERVALS>,
 {
     let assets = app.asset_manager();
     let open = |name: &str| {

@@ -3,6 +3,7 @@
 use std::io::{self, Write};
 
 use openxr as xr;
+use paros_core::limits::INTERVALS;
 use paros_core::{Grid, Size, UndoCounts};
 use paros_shell::headset::device_health::ThermalState;
 use paros_shell::headset::visit::VisitorChange;
@@ -17,7 +18,7 @@ use crate::xr::VIEW_CONFIGURATION;
 
 impl<const N: usize> HeadsetShell<'_, N>
 where
-    Grid<N>: Size + Resident<N>,
+    Grid<N>: Size + Resident<N, INTERVALS>,
 {
     /// Polls the event queue (`xrPollEvent`) until it is empty, and handles each event.
     ///

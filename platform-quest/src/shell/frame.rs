@@ -4,6 +4,7 @@ use std::path::Path;
 
 use openxr as xr;
 use paros_core::internals::RoomPose;
+use paros_core::limits::INTERVALS;
 use paros_core::{Grid, Size, TICK_RATE};
 use paros_shaders::Image;
 use paros_shaders::gpu::{FrameSemaphores, Viewpoint};
@@ -19,7 +20,7 @@ use crate::xr::{FrameCapture, HeadsetSession};
 
 impl<const N: usize> HeadsetShell<'_, N>
 where
-    Grid<N>: Size + Resident<N>,
+    Grid<N>: Size + Resident<N, INTERVALS>,
 {
     /// Waits for the next frame, runs the ticks up to its display time, and draws it if the runtime
     /// wants it rendered.

@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use openxr as xr;
+use paros_core::limits::INTERVALS;
 use paros_core::{Grid, HandInput, RawPose, Size, TickInput};
 use paros_shell::headset::hand_sample::HandSample;
 use paros_shell::headset::haptics::TickHaptics;
@@ -17,7 +18,7 @@ use crate::xr::HeadsetSession;
 
 impl<const N: usize> HeadsetShell<'_, N>
 where
-    Grid<N>: Size + Resident<N>,
+    Grid<N>: Size + Resident<N, INTERVALS>,
 {
     /// Runs the ticks up to a frame's display time, and applies their haptics.
     pub(super) fn run_ticks(

@@ -4,6 +4,7 @@ use std::fs;
 use std::path::PathBuf;
 use std::time::Duration;
 
+use paros_core::limits::INTERVALS;
 use paros_core::{RangeMaps, Tool, Volume};
 use paros_shell::require::require_or_skip;
 use paros_shell::rmap;
@@ -50,7 +51,8 @@ fn another_visitor_finds_a_new_stone_and_the_last_ones_sculpture_is_kept() {
     wait_for("the print", || {
         ["stl", "png"].iter().all(|end| finished_sculptures(&monado, end).len() == 1)
     });
-    let (mut maps, mut volume) = (Box::new(RangeMaps::<128>::new()), Box::new(Volume::new()));
+    let (mut maps, mut volume) =
+        (Box::new(RangeMaps::<128, INTERVALS>::new()), Box::new(Volume::new()));
     rmap::read(&finished_sculptures(&monado, "rmap")[0], &mut maps).expect("a volume");
     volume.set_maps(&maps);
     assert_eq!(volume.count_voxels(), voxels, "what was sculpted, and all of it");

@@ -19,6 +19,7 @@ use std::process::{Command, Output, Stdio};
 use glam::{Quat, Vec3, Vec4Swizzles};
 use monado::{MonadoService, MonadoTree, RemoteHand, RemoteHands, ShellEnd, ShellProcess};
 use paros_core::internals::{STOOL_TOP, UNITS_PER_METRE};
+use paros_core::limits::INTERVALS;
 use paros_core::{BenchItem, Grid, Tool};
 use paros_shaders::gpu::{Eye, Fov};
 use paros_shell::require::require_or_skip;
@@ -245,7 +246,7 @@ fn a_killed_shell_goes_on_where_it_was() {
     let programs = monado.folder.join("files/cache/pipelines.bin");
     assert!(fs::metadata(programs).expect("the driver's programs").len() > 0);
     let saved = fs::read(monado.folder.join("files/sessions/session-128.save")).expect("a save");
-    let mut world = Grid::<128>::lock_world();
+    let mut world = <Grid<128> as Resident<128, INTERVALS>>::lock_world();
     world.load(&saved).expect("a whole save");
     let digest = format!("digest {:016x}", world.digest());
     let mut shell = monado.start_shell(&[]);

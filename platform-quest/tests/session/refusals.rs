@@ -4,6 +4,7 @@
 use std::fs;
 use std::path::Path;
 
+use paros_core::limits::INTERVALS;
 use paros_core::{Grid, Tool};
 use paros_shell::require::require_or_skip;
 use paros_shell::statics::Resident;
@@ -105,7 +106,7 @@ struct SavedSession {
 
 fn load_saved_session(monado: &MonadoService) -> SavedSession {
     let saved = fs::read(monado.folder.join("files/sessions/session-128.save")).expect("a save");
-    let mut world = Grid::<128>::lock_world();
+    let mut world = <Grid<128> as Resident<128, INTERVALS>>::lock_world();
     world.load(&saved).expect("a whole save");
     SavedSession {
         tick: world.tick(),

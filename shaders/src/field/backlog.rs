@@ -1,6 +1,6 @@
 //! Work queues of the update: boxes of stale texels, and lines of map columns to compare or upload.
 
-use paros_core::limits::LAYERS;
+use paros_core::limits::INTERVALS;
 use paros_core::{Axis, Range};
 
 use super::extent::TexelBox;
@@ -168,7 +168,7 @@ impl StaleLines {
             while end < lines.len() && is_stale(&lines[end]) {
                 let wider = places.hull_with(lines[end]);
                 let width = wider.last() + 1 - wider.first();
-                if width * (end + 1 - first) * 2 * LAYERS > max_bytes {
+                if width * (end + 1 - first) * 2 * INTERVALS > max_bytes {
                     break;
                 }
                 (end, places) = (end + 1, wider);

@@ -2,10 +2,11 @@
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::{env, fs};
 
-use paros_core::{Grid, SessionMode, Size, TickInput};
+use paros_core::limits::INTERVALS;
+use paros_core::{Grid, SessionMode, Size, TickInput, World};
 use paros_models::random_visitor::RandomVisitor;
 use paros_shell::replay::write_replay_digests;
 use paros_shell::require::require_or_skip;
@@ -38,9 +39,9 @@ fn check_parts() -> Result<(), String> {
 /// A restless visitor's session.
 fn record_random_session<const N: usize>(ticks: u32) -> Vec<u8>
 where
-    Grid<N>: Size + Resident<N>,
+    Grid<N>: Size + Resident<N, INTERVALS>,
 {
-    tick_runner::with_fresh_world::<N, _>(|mut stage| {
+    tick_runner::with_fresh_world::<N, INTERVALS, _>(|mut stage| {
         stage.start_recording();
         stage.run_tick(&TickInput {
             start: SessionMode::Constrained { figure: 1 },
@@ -52,6 +53,11 @@ where
     })
 }
 
+/// The world that replays here are played in.
+fn replayed_world() -> MutexGuard<'static, World<128, INTERVALS>> {
+    Grid::<128>::lock_world()
+}
+
 /// A trace, and where its digests go.
 struct ReplayFiles {
     trace: PathBuf,
@@ -61,7 +67,7 @@ struct ReplayFiles {
 /// Writes a trace of a restless visitor.
 fn write_random_trace<const N: usize>(name: &str, ticks: u32) -> ReplayFiles
 where
-    Grid<N>: Size + Resident<N>,
+    Grid<N>: Size + Resident<N, INTERVALS>,
 {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
     let [trace, digests] = ["trace", "digests"].map(|end| folder.join(format!("{name}.{end}")));
@@ -77,7 +83,7 @@ fn a_replay_writes_a_digest_for_each_tick_or_nothing() {
     write_replay_digests(&trace, &digests).expect("it was just recorded");
     let written = fs::read_to_string(&digests).expect("it was written");
     assert_eq!(written.lines().count(), 200);
-    let last = format!("{:016x}", Grid::<128>::lock_world().digest());
+    let last = format!("{:016x}", replayed_world().digest());
     assert_eq!(written.lines().last(), Some(&*last));
 
     fs::remove_file(&digests).expect("it was written");
@@ -86,7 +92,7 @@ fn a_replay_writes_a_digest_for_each_tick_or_nothing() {
     *bytes.last_mut().expect("a trace") ^= 1;
     fs::write(&trace, bytes).expect("room on the disk");
     let why = write_replay_digests(&trace, &digests).expect_err("it is another trace").to_string();
-    let part = Grid::<128>::lock_world().part_digests().last().expect("some parts").0;
+    let part = replayed_world().part_digests().last().expect("some parts").0;
     assert!(why.contains(&format!("tick 199: another state of {part} (")), "{why}");
     assert!(!digests.exists());
     if require_or_skip(check_parts()).expect("the package is made before the tests").is_some() {

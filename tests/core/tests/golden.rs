@@ -1,6 +1,7 @@
 //! Golden test: the digests of recorded sessions, compared from one version of the program to the next.
 //!
-//! `tests/goldens/session.txt` holds digests of a session, and what they hang on. It is written by
+//! `tests/goldens/session.txt` holds digests of a session with one interval a column, and what they hang
+//! on; `session-of-two.txt` those of the same input with two. They are written by
 //! `PAROS_GOLDEN=write cargo test -p paros-tests-core --test golden`, which refuses where only a raised
 //! `CORE_VERSION` would be right.
 
@@ -118,9 +119,9 @@ impl GoldenTally {
     }
 }
 
-fn play_sessions() -> (GoldenSession, GoldenTally) {
-    static HARNESS: Mutex<WorldHarness<128>> = Mutex::new(WorldHarness::new());
-    let mut harness = HARNESS.lock().unwrap_or_else(PoisonError::into_inner);
+fn play_sessions<const K: usize>(
+    harness: &mut WorldHarness<128, K>,
+) -> (GoldenSession, GoldenTally) {
     harness.reset();
     let WorldAndStarts { lump, figure, creative, .. } = harness.world_and_start_volumes();
     let figures = [figure];
@@ -152,8 +153,16 @@ fn play_sessions() -> (GoldenSession, GoldenTally) {
 
 #[test]
 fn ticks_compute_what_they_did_at_this_core_version() {
-    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../goldens/session.txt");
-    let (now, tally) = play_sessions();
+    static ONE: Mutex<WorldHarness<128, 1>> = Mutex::new(WorldHarness::new());
+    static TWO: Mutex<WorldHarness<128, 2>> = Mutex::new(WorldHarness::new());
+    let one = play_sessions(&mut ONE.lock().unwrap_or_else(PoisonError::into_inner));
+    check_or_write_golden("session.txt", one);
+    let two = play_sessions(&mut TWO.lock().unwrap_or_else(PoisonError::into_inner));
+    check_or_write_golden("session-of-two.txt", two);
+}
+
+fn check_or_write_golden(name: &str, (now, tally): (GoldenSession, GoldenTally)) {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../goldens").join(name);
     let GoldenTally { actions, mirrored, fallen, undone, redone } = tally;
     let others = [mirrored, fallen, undone, redone];
     assert!(actions.iter().chain(&others).all(|&count| count > 0), "{tally:?}");

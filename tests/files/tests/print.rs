@@ -31,7 +31,7 @@ fn export_at_once(
 
 struct Shop {
     studio: WorldHarness<64>,
-    press: StlBuffers<64>,
+    press: StlBuffers<64, 1>,
     exporter: Exporter<64>,
 }
 

@@ -4,6 +4,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
+use paros_core::limits::INTERVALS;
+use paros_core::trace::CORE_VERSION;
 use paros_core::{Grid, SessionMode, Size, TICK_RATE, TickInput};
 use paros_models::random_visitor::RandomVisitor;
 use paros_shell::replay::write_replay_digests;
@@ -17,11 +19,11 @@ static TURN: Mutex<()> = Mutex::new(());
 const TICKS: u32 = 600 * TICK_RATE;
 
 /// A restless visitor's session.
-fn record_trace<const N: usize>(ticks: u32) -> Vec<u8>
+fn record_trace<const N: usize, const K: usize>(ticks: u32) -> Vec<u8>
 where
-    Grid<N>: Size + Resident<N>,
+    Grid<N>: Size + Resident<N, K>,
 {
-    tick_runner::with_fresh_world::<N, _>(|mut runner| {
+    tick_runner::with_fresh_world::<N, K, _>(|mut runner| {
         runner.start_recording();
         runner.run_tick(&TickInput {
             start: SessionMode::Constrained { figure: 1 },
@@ -34,13 +36,13 @@ where
 }
 
 /// A trace of a restless visitor, and where its digests go.
-fn recorded_files<const N: usize>(name: &str, ticks: u32) -> [PathBuf; 2]
+fn recorded_files<const N: usize, const K: usize>(name: &str, ticks: u32) -> [PathBuf; 2]
 where
-    Grid<N>: Size + Resident<N>,
+    Grid<N>: Size + Resident<N, K>,
 {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
     let [trace, digests] = ["trace", "digests"].map(|end| folder.join(format!("{name}.{end}")));
-    fs::write(&trace, record_trace::<N>(ticks)).expect("room on the disk");
+    fs::write(&trace, record_trace::<N, K>(ticks)).expect("room on the disk");
     let _ = fs::remove_file(&digests);
     [trace, digests]
 }
@@ -48,22 +50,33 @@ where
 /// `.ci/run` plays what this leaves in the other builds and shells, and on Android's library.
 #[test]
 fn ten_restless_minutes_lead_to_the_same_digests() {
-    leads_to_the_same_digests::<128>("restless", TICKS);
+    leads_to_the_same_digests::<128, INTERVALS>("restless", TICKS);
 }
 
 /// Its ticks are counted there.
 #[test]
 fn a_restless_minute_at_256_leads_to_the_same_digests() {
-    leads_to_the_same_digests::<256>("restless-256", TICKS / 10);
+    leads_to_the_same_digests::<256, INTERVALS>("restless-256", TICKS / 10);
 }
 
-fn leads_to_the_same_digests<const N: usize>(name: &str, ticks: u32)
+/// Digests from before a column could hold two intervals. What raises `CORE_VERSION` changes them.
+#[test]
+fn restless_minutes_of_one_interval_keep_their_digests() {
+    let last = leads_to_the_same_digests::<128, 1>("restless-of-one", TICKS / 10);
+    assert_eq!((last.as_str(), CORE_VERSION), ("96ab08086c72f387", 7));
+    let last = leads_to_the_same_digests::<256, 1>("restless-of-one-256", TICKS / 10);
+    assert_eq!((last.as_str(), CORE_VERSION), ("8be17d20437952e4", 7));
+}
+
+/// Returns the last tick's digest.
+fn leads_to_the_same_digests<const N: usize, const K: usize>(name: &str, ticks: u32) -> String
 where
-    Grid<N>: Size + Resident<N>,
+    Grid<N>: Size + Resident<N, K>,
 {
     let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
-    let [trace, digests] = recorded_files::<N>(name, ticks);
+    let [trace, digests] = recorded_files::<N, K>(name, ticks);
     write_replay_digests(&trace, &digests).expect("it was just recorded");
     let digests = fs::read_to_string(&digests).expect("it was written");
     assert_eq!(digests.lines().count(), ticks as usize);
+    digests.lines().last().expect("a tick").into()
 }

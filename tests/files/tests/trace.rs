@@ -23,7 +23,7 @@ const TICKS: usize = 80;
 fn on_stage<T>(
     studio: &mut WorldHarness<128>,
     change: impl FnOnce(&mut World<128>),
-    act: impl FnOnce(&mut TickRunner<'_, 128>) -> T,
+    act: impl FnOnce(&mut TickRunner<'_, 128, 1>) -> T,
 ) -> T {
     studio.reset();
     let WorldAndStarts { world, lump, figure, creative } = studio.world_and_start_volumes();

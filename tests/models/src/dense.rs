@@ -34,13 +34,13 @@ impl DenseVolume {
     }
 
     /// The intersection of the three maps, tested voxel by voxel.
-    pub fn from_maps<const N: usize>(maps: &RangeMaps<N>) -> Self {
+    pub fn from_maps<const N: usize, const K: usize>(maps: &RangeMaps<N, K>) -> Self {
         DenseVolume::from_fn(N, |voxel| {
             let voxel = voxel.map(|i| i as usize);
             Axis::ALL.iter().all(|&axis| {
-                let range = maps.column(axis, axis.column_address(voxel)).0[0];
+                let ranges = maps.column(axis, axis.column_address(voxel)).0;
                 let i = voxel[axis as usize];
-                range.first() <= i && i <= range.last()
+                ranges.iter().any(|range| range.first() <= i && i <= range.last())
             })
         })
     }

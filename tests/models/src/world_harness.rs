@@ -21,7 +21,6 @@ where
     figure: RangeMaps<N, K>,
     creative: RangeMaps<N, K>,
     made: bool,
-    one_interval: RangeMaps<N>,
     plane: BitGrid<N>,
 }
 
@@ -56,7 +55,6 @@ where
             figure: RangeMaps::new(),
             creative: RangeMaps::new(),
             made: false,
-            one_interval: RangeMaps::new(),
             plane: BitGrid::new(),
         }
     }
@@ -67,9 +65,7 @@ where
             let figures = [Figure::Lump, Figure::Owl, Figure::Toy];
             let starts = [&mut self.lump, &mut self.figure, &mut self.creative];
             for (figure, maps) in figures.into_iter().zip(starts) {
-                figure.rasterize_into(&mut self.one_interval, &mut self.plane);
-                self.plane.set_from_maps(&self.one_interval);
-                self.plane.write_closure(maps);
+                figure.rasterize_into(maps, &mut self.plane);
             }
             self.made = true;
         }

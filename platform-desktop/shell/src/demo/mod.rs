@@ -71,17 +71,17 @@ const RIGHT: usize = 1;
 
 /// Plays the session. Calls `watcher` after every tick and `after_chapter` at the end of every
 /// chapter. `hidden_figure` is the index of the figure among those that hide in the lump.
-pub fn play_demo<const N: usize>(
-    runner: &mut TickRunner<'_, N>,
+pub fn play_demo<const N: usize, const K: usize>(
+    runner: &mut TickRunner<'_, N, K>,
     hidden_figure: u8,
-    watcher: &mut TickWatcher<'_, N>,
-    mut after_chapter: impl FnMut(Chapter, &paros_core::World<N>),
+    watcher: &mut TickWatcher<'_, N, K>,
+    mut after_chapter: impl FnMut(Chapter, &paros_core::World<N, K>),
 ) where
     Grid<N>: Size,
 {
     let mut hands = ScriptedHands::new(runner, watcher);
     let mut done =
-        |chapter, hands: &ScriptedHands<'_, '_, N>| after_chapter(chapter, hands.world());
+        |chapter, hands: &ScriptedHands<'_, '_, N, K>| after_chapter(chapter, hands.world());
     hands.start_session(SessionMode::Constrained { figure: hidden_figure });
     done(Chapter::Stone, &hands);
 
@@ -134,7 +134,7 @@ pub fn play_demo<const N: usize>(
 
 /// Saws the upper right edge of the block off: down beside the figure, then in from the side. What
 /// is cut loose falls. The cuts run along an axis, as range maps can hold no others.
-fn saw_off_edge<const N: usize>(hands: &mut ScriptedHands<'_, '_, N>)
+fn saw_off_edge<const N: usize, const K: usize>(hands: &mut ScriptedHands<'_, '_, N, K>)
 where
     Grid<N>: Size,
 {
@@ -189,8 +189,8 @@ impl PlungeRaster {
 }
 
 /// Plunges the bit into one side of the block, row by row. Symmetry does the other half.
-fn plunge_side<const N: usize>(
-    hands: &mut ScriptedHands<'_, '_, N>,
+fn plunge_side<const N: usize, const K: usize>(
+    hands: &mut ScriptedHands<'_, '_, N, K>,
     degrees_from_z_to_x: f32,
     raster: PlungeRaster,
 ) where
@@ -215,8 +215,10 @@ fn plunge_side<const N: usize>(
 }
 
 /// Plunges the bit into the top. Symmetry does the other half.
-fn plunge_top<const N: usize>(hands: &mut ScriptedHands<'_, '_, N>, raster: PlungeRaster)
-where
+fn plunge_top<const N: usize, const K: usize>(
+    hands: &mut ScriptedHands<'_, '_, N, K>,
+    raster: PlungeRaster,
+) where
     Grid<N>: Size,
 {
     let unit = N as f32 / 128.0;
@@ -232,8 +234,8 @@ where
 
 /// Plunges the bit along `direction` and back out. Does nothing where less than `min_depth_voxels`
 /// of stone lie before the mask or `max_travel_voxels`.
-fn plunge_bit<const N: usize>(
-    hands: &mut ScriptedHands<'_, '_, N>,
+fn plunge_bit<const N: usize, const K: usize>(
+    hands: &mut ScriptedHands<'_, '_, N, K>,
     start_voxels: Vec3,
     direction: Vec3,
     max_travel_voxels: f32,
@@ -262,7 +264,7 @@ fn plunge_bit<const N: usize>(
 }
 
 /// Draws a spiral of paste on top.
-fn place_paste_spiral<const N: usize>(hands: &mut ScriptedHands<'_, '_, N>)
+fn place_paste_spiral<const N: usize, const K: usize>(hands: &mut ScriptedHands<'_, '_, N, K>)
 where
     Grid<N>: Size,
 {
@@ -289,8 +291,8 @@ where
 
 /// Moves the running tool down one side in vertical strips, pressed onto the figure. Symmetry does the
 /// other half.
-fn draw_strips<const N: usize>(
-    hands: &mut ScriptedHands<'_, '_, N>,
+fn draw_strips<const N: usize, const K: usize>(
+    hands: &mut ScriptedHands<'_, '_, N, K>,
     degrees_from_z_to_x: f32,
     spacing_units: f32,
 ) where
@@ -333,7 +335,7 @@ fn is_in_mirrored_half(start: Vec3, outward: Vec3, unit_voxels: f32) -> bool {
 }
 
 /// Places beads of paste round the neck, 20 degrees of the stool apart.
-fn place_ring_of_beads<const N: usize>(hands: &mut ScriptedHands<'_, '_, N>)
+fn place_ring_of_beads<const N: usize, const K: usize>(hands: &mut ScriptedHands<'_, '_, N, K>)
 where
     Grid<N>: Size,
 {

@@ -20,7 +20,8 @@ const PUSH: f32 = 3.0;
 const REST: [Vec3; 2] = [Vec3::new(-0.25, 1.0, -0.1), Vec3::new(0.25, 1.0, -0.1)];
 
 /// Called after every tick; may end the session early.
-pub type TickWatcher<'a, const N: usize> = dyn FnMut(&World<N>) -> ControlFlow<()> + 'a;
+pub type TickWatcher<'a, const N: usize, const K: usize> =
+    dyn FnMut(&World<N, K>) -> ControlFlow<()> + 'a;
 
 /// Distances in voxels from a ray's origin to what it meets first, if it meets any.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -32,29 +33,32 @@ pub struct StoneAndMaskDistances {
 }
 
 /// Two hands that give the inputs of a [`TickRunner`].
-pub struct ScriptedHands<'a, 's, const N: usize>
+pub struct ScriptedHands<'a, 's, const N: usize, const K: usize>
 where
     Grid<N>: Size,
 {
-    runner: &'a mut TickRunner<'s, N>,
-    watcher: &'a mut TickWatcher<'a, N>,
+    runner: &'a mut TickRunner<'s, N, K>,
+    watcher: &'a mut TickWatcher<'a, N, K>,
     input: TickInput,
     grips: [RoomPose; 2],
     ended: bool,
 }
 
-impl<'a, 's, const N: usize> ScriptedHands<'a, 's, N>
+impl<'a, 's, const N: usize, const K: usize> ScriptedHands<'a, 's, N, K>
 where
     Grid<N>: Size,
 {
     /// Hands at rest before the chest.
-    pub fn new(runner: &'a mut TickRunner<'s, N>, watcher: &'a mut TickWatcher<'a, N>) -> Self {
+    pub fn new(
+        runner: &'a mut TickRunner<'s, N, K>,
+        watcher: &'a mut TickWatcher<'a, N, K>,
+    ) -> Self {
         let grips = REST.map(|position| (position, Quat::IDENTITY));
         ScriptedHands { runner, watcher, input: TickInput::default(), grips, ended: false }
     }
 
     /// The world as of the last tick.
-    pub fn world(&self) -> &World<N> {
+    pub fn world(&self) -> &World<N, K> {
         self.runner.world()
     }
 
@@ -213,7 +217,7 @@ where
         origin_voxels: Vec3,
         grid_direction: Vec3,
     ) -> StoneAndMaskDistances {
-        let first = |maps: &RangeMaps<N>| {
+        let first = |maps: &RangeMaps<N, K>| {
             (0..2 * N).map(|i| i as f32).find(|&distance| {
                 let voxel = (origin_voxels + grid_direction * distance).floor();
                 let inside =

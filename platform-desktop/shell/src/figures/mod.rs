@@ -63,8 +63,11 @@ impl Figure {
 
     /// Rasterizes the figure: a voxel belongs to it if its centre does. `maps` become the tight hulls of
     /// its voxels, `bit_grid` their closure.
-    pub fn rasterize_into<const N: usize>(self, maps: &mut RangeMaps<N>, bit_grid: &mut BitGrid<N>)
-    where
+    pub fn rasterize_into<const N: usize, const K: usize>(
+        self,
+        maps: &mut RangeMaps<N, K>,
+        bit_grid: &mut BitGrid<N>,
+    ) where
         Grid<N>: Size,
     {
         match self {
@@ -75,7 +78,7 @@ impl Figure {
             Figure::Dolphin => raster::rasterize(bit_grid, &dolphin::signed_distance),
             Figure::Toy => raster::rasterize(bit_grid, &toy::signed_distance),
         }
-        bit_grid.write_hulls(maps);
+        bit_grid.write_closure(maps);
         bit_grid.set_from_maps(maps);
     }
 

@@ -28,14 +28,14 @@ pub fn start_volume_asset<const N: usize>(figure: Figure) -> String {
 ///
 /// # Errors
 /// An asset is missing or damaged. Then the volumes are still to be made.
-pub fn load_start_volumes<const N: usize>(
-    volumes: &mut StartVolumeStore<N>,
+pub fn load_start_volumes<const N: usize, const K: usize>(
+    volumes: &mut StartVolumeStore<N, K>,
     open_asset: impl Fn(&str) -> Option<Vec<u8>>,
 ) -> Result<(), AssetError>
 where
     Grid<N>: Size,
 {
-    volumes.load_figures(|figure, maps: &mut RangeMaps<N>| {
+    volumes.load_figures(|figure, maps: &mut RangeMaps<N, K>| {
         let name = start_volume_asset::<N>(figure);
         let Some(bytes) = open_asset(&name) else { return Err(AssetError::Missing(name)) };
         rmap::decode(&bytes, maps).map_err(|found| AssetError::Damaged(name, found))
@@ -63,13 +63,14 @@ mod tests {
     use crate::rmap;
     use crate::start_volume_store::StartVolumeStore;
     use paros_core::BitGrid;
+    use paros_core::limits::INTERVALS;
 
     use super::{AssetError, load_start_volumes};
 
     #[test]
     fn packaged_volumes_are_the_ones_that_would_be_made() {
         let [mut made, mut taken, mut broken] =
-            [const { StartVolumeStore::<64>::new() }; 3].map(Box::new);
+            [const { StartVolumeStore::<64, INTERVALS>::new() }; 3].map(Box::new);
         made.generate_figures(&mut BitGrid::new(), |_| {});
         let made = &made;
         let bytes_of = |name: &str| {

@@ -31,11 +31,11 @@ impl Mesh {
     /// Bakes the mesh, fitted to the grid as [`MeshPlacement::fit_bounds`] says, into tight maps and their
     /// voxels. `None`, and nothing changed, when the mesh has no extent; one that was read has.
     #[must_use]
-    pub fn bake_into_maps<const N: usize>(
+    pub fn bake_into_maps<const N: usize, const K: usize>(
         &self,
         up: UpAxis,
         baker: &mut Baker<N>,
-        maps: &mut RangeMaps<N>,
+        maps: &mut RangeMaps<N, K>,
         bit_grid: &mut BitGrid<N>,
     ) -> Option<BakeReport>
     where

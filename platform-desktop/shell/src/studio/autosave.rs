@@ -3,7 +3,7 @@
 
 use std::mem;
 
-use paros_core::limits::{LAYERS, max_save_bytes};
+use paros_core::limits::{INTERVALS, max_save_bytes};
 use paros_core::{Grid, SessionState, Size, TICK_RATE, World, WorldEvent};
 
 use super::session::LiveSession;
@@ -54,7 +54,7 @@ impl Autosave {
         let buffer = WriteJob {
             kind: FileKind::Session,
             destination: Destination::Replace(vec![paths.session_file(N)]),
-            contents: vec![vec![0; max_save_bytes(N, LAYERS)]],
+            contents: vec![vec![0; max_save_bytes(N, INTERVALS)]],
         };
         Autosave {
             state: SaveState::Saved,
@@ -94,7 +94,7 @@ impl Autosave {
     /// Updates the state after a tick. A save becomes due when something has changed and either the
     /// session is finished or the last save is old enough: one second where a stroke has just ended,
     /// else three.
-    pub(super) fn observe_tick<const N: usize>(&mut self, world: &World<N>)
+    pub(super) fn observe_tick<const N: usize>(&mut self, world: &World<N, INTERVALS>)
     where
         Grid<N>: Size,
     {

@@ -3,6 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
+use paros_core::limits::INTERVALS;
 use paros_core::{Grid, Size, World};
 
 use super::DrawPicture;
@@ -15,7 +16,7 @@ pub(super) struct SculptureExport<'a, const N: usize>
 where
     Grid<N>: Size,
 {
-    stl_exporter: StlExporter<'a, N>,
+    stl_exporter: StlExporter<'a, N, INTERVALS>,
     draw_picture: DrawPicture<N>,
     files: Option<SculptureFiles>,
     /// The path of the last STL file.
@@ -29,7 +30,10 @@ where
     Grid<N>: Size,
 {
     /// Nothing to export yet.
-    pub(super) fn new(stl_exporter: StlExporter<'a, N>, draw_picture: DrawPicture<N>) -> Self {
+    pub(super) fn new(
+        stl_exporter: StlExporter<'a, N, INTERVALS>,
+        draw_picture: DrawPicture<N>,
+    ) -> Self {
         let failed_jobs = Vec::new();
         SculptureExport {
             stl_exporter,
@@ -71,7 +75,7 @@ where
     }
 
     /// Advances the STL export after a tick; begins one where the tick finished the session.
-    pub(super) fn advance_stl_after_tick(&mut self, world: &World<N>) {
+    pub(super) fn advance_stl_after_tick(&mut self, world: &World<N, INTERVALS>) {
         let stl = self.stl_exporter.begin_or_advance_after_tick(world);
         if let Some(files) = &mut self.files {
             files.keep_stl(stl);
@@ -79,7 +83,7 @@ where
     }
 
     /// Starts the export of a world whose session has just ended.
-    pub(super) fn start_making_files(&mut self, world: &World<N>) {
+    pub(super) fn start_making_files(&mut self, world: &World<N, INTERVALS>) {
         self.files = Some(SculptureFiles::start(world, self.draw_picture));
     }
 

@@ -3,6 +3,7 @@
 
 use std::path::PathBuf;
 
+use paros_core::limits::INTERVALS;
 use paros_core::{Grid, Size};
 
 use super::autosave::FailureNotice;
@@ -13,7 +14,7 @@ use crate::statics::Resident;
 
 impl<const N: usize> Studio<'_, N>
 where
-    Grid<N>: Size + Resident<N>,
+    Grid<N>: Size + Resident<N, INTERVALS>,
 {
     /// Submits a save of the session, now or as soon as the last save is written.
     pub(super) fn save_session(&mut self) {

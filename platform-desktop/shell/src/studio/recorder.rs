@@ -3,6 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
+use paros_core::limits::INTERVALS;
 use paros_core::{Grid, Size, TICK_RATE, TickInput};
 
 use crate::tick_runner::{TickRunner, TraceRecording};
@@ -73,7 +74,7 @@ impl Recorder {
     /// session.
     pub(super) fn run_tick<const N: usize>(
         &mut self,
-        mut runner: TickRunner<'_, N>,
+        mut runner: TickRunner<'_, N, INTERVALS>,
         starts_session: bool,
         input: &TickInput,
         wrap_step: impl FnOnce(&mut dyn FnMut()),

@@ -4,6 +4,7 @@
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::thread;
 
+use paros_core::limits::INTERVALS;
 use paros_core::{Grid, RangeMaps, Size, World};
 
 use super::DrawPicture;
@@ -29,12 +30,15 @@ enum PictureState {
 
 impl SculptureFiles {
     /// Starts the picture's thread and encodes the volume of a world whose session has just ended.
-    pub(super) fn start<const N: usize>(world: &World<N>, draw_picture: DrawPicture<N>) -> Self
+    pub(super) fn start<const N: usize>(
+        world: &World<N, INTERVALS>,
+        draw_picture: DrawPicture<N>,
+    ) -> Self
     where
         Grid<N>: Size,
     {
         let maps = world.volume().maps();
-        let mut copy = Box::new(RangeMaps::<N>::new());
+        let mut copy = Box::new(RangeMaps::<N, INTERVALS>::new());
         copy.copy_from(maps);
         let (tell, drawing) = channel();
         thread::spawn(move || {
@@ -53,7 +57,7 @@ impl SculptureFiles {
     /// Waits for the picture and makes what is left of the STL file.
     pub(super) fn make_files_to_end<const N: usize>(
         &mut self,
-        stl_exporter: &mut StlExporter<'_, N>,
+        stl_exporter: &mut StlExporter<'_, N, INTERVALS>,
     ) where
         Grid<N>: Size,
     {

@@ -3,7 +3,7 @@
 
 use std::io::ErrorKind;
 
-use paros_core::limits::{LAYERS, max_save_bytes};
+use paros_core::limits::{INTERVALS, max_save_bytes};
 use paros_core::{Grid, SessionState, Size, UndoCounts, World};
 
 use super::Notice;
@@ -17,8 +17,8 @@ pub(super) struct LiveSession<'a, const N: usize>
 where
     Grid<N>: Size,
 {
-    pub(super) world: &'a mut World<N>,
-    pub(super) volumes: &'a mut StartVolumeStore<N>,
+    pub(super) world: &'a mut World<N, INTERVALS>,
+    pub(super) volumes: &'a mut StartVolumeStore<N, INTERVALS>,
     _claim: SessionClaim,
 }
 
@@ -28,8 +28,8 @@ where
 {
     /// Claims the lowest free session file for a world, and sets `paths.window` to its number.
     pub(super) fn claim_file(
-        world: &'a mut World<N>,
-        volumes: &'a mut StartVolumeStore<N>,
+        world: &'a mut World<N, INTERVALS>,
+        volumes: &'a mut StartVolumeStore<N, INTERVALS>,
         paths: &mut StudioPaths,
     ) -> Self {
         let claim = SessionClaim::claim_lowest_free_number(&paths.sessions, N);
@@ -66,7 +66,7 @@ where
     /// Encodes the world into `bytes`, which are overwritten. Allocates nothing if their capacity is
     /// enough for any save.
     pub(super) fn encode_into(&self, bytes: &mut Vec<u8>) {
-        bytes.resize(max_save_bytes(N, LAYERS), 0);
+        bytes.resize(max_save_bytes(N, INTERVALS), 0);
         let len = self.world.save(bytes);
         debug_assert!(len <= bytes.len(), "a world of {len} bytes");
         bytes.truncate(len);

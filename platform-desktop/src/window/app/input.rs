@@ -1,5 +1,6 @@
 //! The window's events of mouse, keys and dropped files.
 
+use paros_core::limits::INTERVALS;
 use paros_core::{Grid, SessionState, Size};
 use paros_shaders::gpu::{PaperVariant, RenderPath};
 use paros_shell::statics::Resident;
@@ -15,7 +16,7 @@ const NOTCH_PIXELS: f64 = 40.0;
 
 impl<const N: usize> App<'_, N>
 where
-    Grid<N>: Size + Resident<N>,
+    Grid<N>: Size + Resident<N, INTERVALS>,
 {
     /// Handles an event of an input device, or of the window itself.
     pub(super) fn handle_event(&mut self, event: WindowEvent) {

@@ -2,6 +2,7 @@
 
 use core::fmt::Display as Reason;
 
+use paros_core::limits::INTERVALS;
 use paros_core::{Grid, Size};
 use paros_headless::Error;
 use paros_shaders::gpu;
@@ -22,7 +23,7 @@ const DISPLAY_GONE: &str = "the display is gone";
 
 impl<const N: usize> App<'_, N>
 where
-    Grid<N>: Size + Resident<N>,
+    Grid<N>: Size + Resident<N, INTERVALS>,
 {
     /// Recovers from a lost device or surface: saves the session, then makes both anew.
     ///

@@ -2,6 +2,7 @@
 
 use std::io::{self, Write};
 
+use paros_core::limits::INTERVALS;
 use paros_core::{Grid, Size, UndoCounts};
 use paros_faults::{self as faults, CallGroup, FailureCause, PlannedFault};
 use paros_headless::Error;
@@ -17,7 +18,7 @@ use crate::window::{WindowError, opening};
 
 impl<const N: usize> App<'_, N>
 where
-    Grid<N>: Size + Resident<N>,
+    Grid<N>: Size + Resident<N, INTERVALS>,
 {
     /// Runs the script's steps that come before the next tick.
     pub(super) fn run_script_steps(&mut self, events: &ActiveEventLoop) -> Result<(), WindowError> {

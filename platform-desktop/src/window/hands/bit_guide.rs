@@ -2,6 +2,7 @@
 
 use glam::{Quat, Vec3};
 use paros_core::internals::{BENCH_ITEMS, BitAction, BitShape, RoomPose};
+use paros_core::limits::INTERVALS;
 use paros_core::{BenchItem, Grid, RangeMaps, Size, ToolBit, World};
 use paros_shaders::Ray;
 
@@ -45,7 +46,7 @@ pub(super) struct BitTarget {
 #[derive(Debug)]
 pub(super) struct BitGuide<const N: usize> {
     /// The volume as it was when the stroke began.
-    before: Box<RangeMaps<N>>,
+    before: Box<RangeMaps<N, INTERVALS>>,
     /// The bit's rotation in the grid, smoothed.
     rotation: Option<Quat>,
     /// Distance from the eye to the last hit, in voxels, and the same in metres.
@@ -56,7 +57,10 @@ pub(super) struct BitGuide<const N: usize> {
 }
 
 /// Picks the item on the workbench nearest to a ray in the room, unless the sculpture occludes it.
-pub(super) fn pick_item<const N: usize>(room_ray: &Ray, world: &World<N>) -> Option<BenchItem>
+pub(super) fn pick_item<const N: usize>(
+    room_ray: &Ray,
+    world: &World<N, INTERVALS>,
+) -> Option<BenchItem>
 where
     Grid<N>: Size,
 {
@@ -95,7 +99,7 @@ where
     }
 
     /// Copies the volume whose surface the stroke follows.
-    pub(super) fn begin_stroke(&mut self, maps: &RangeMaps<N>) {
+    pub(super) fn begin_stroke(&mut self, maps: &RangeMaps<N, INTERVALS>) {
         self.before.copy_from(maps);
     }
 
@@ -114,7 +118,11 @@ where
     }
 
     /// The pose of the bit's centre in the room: position in metres, and rotation.
-    pub(super) fn next_bit_pose(&mut self, aim: &BitTarget, world: &World<N>) -> RoomPose {
+    pub(super) fn next_bit_pose(
+        &mut self,
+        aim: &BitTarget,
+        world: &World<N, INTERVALS>,
+    ) -> RoomPose {
         let frame = world.stool_frame();
         let grid_ray = ray_from_room_to_grid(&aim.room_ray, world);
         let Ray { origin: eye, direction: way } = grid_ray;
@@ -161,7 +169,7 @@ where
         target: Vec3,
         point_before_eye: Vec3,
         is_running: bool,
-        world: &World<N>,
+        world: &World<N, INTERVALS>,
     ) -> Vec3 {
         let hand = world.hand_state(RIGHT);
         let at = hand.frozen_pose.position;
@@ -210,7 +218,7 @@ fn bit_orientation(bit: ToolBit, outward_normal: Vec3, eye_up: Vec3) -> BitOrien
 }
 
 /// Transforms a ray from the room to the grid: origin in voxels, unit direction.
-fn ray_from_room_to_grid<const N: usize>(room_ray: &Ray, world: &World<N>) -> Ray
+fn ray_from_room_to_grid<const N: usize>(room_ray: &Ray, world: &World<N, INTERVALS>) -> Ray
 where
     Grid<N>: Size,
 {

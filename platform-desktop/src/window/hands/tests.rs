@@ -3,13 +3,14 @@
 use std::sync::MutexGuard;
 
 use glam::Vec3;
+use paros_core::limits::INTERVALS;
 use paros_core::{
     Axis, BenchItem, Grid, PointerCommand, RangeMaps, SessionMode, SessionState, TickInput, Tool,
     ToolBit, World, commands,
 };
 use paros_shaders::Ray;
 use paros_shell::start_volume_store::StartVolumeStore;
-use paros_shell::statics::Resident;
+use paros_shell::statics::{Resident, ResidentBitGrid};
 use paros_shell::tick_runner::TickRunner;
 
 use super::{HandAction, HandButton, InputEvent, MouseHands, RIGHT};
@@ -19,8 +20,8 @@ const SIZE: [u32; 2] = [1000, 700];
 /// Hands over a world of 128, one test at a time.
 struct HandsFixture {
     hands: MouseHands<128>,
-    volumes: MutexGuard<'static, StartVolumeStore<128>>,
-    world: MutexGuard<'static, World<128>>,
+    volumes: MutexGuard<'static, StartVolumeStore<128, INTERVALS>>,
+    world: MutexGuard<'static, World<128, INTERVALS>>,
 }
 
 impl HandsFixture {
@@ -75,7 +76,7 @@ impl HandsFixture {
 }
 
 /// Occupied voxels of `a` that are not in `b`.
-fn voxels_missing(a: &RangeMaps<128>, b: &RangeMaps<128>) -> Vec<Vec3> {
+fn voxels_missing(a: &RangeMaps<128, INTERVALS>, b: &RangeMaps<128, INTERVALS>) -> Vec<Vec3> {
     let mut voxels = Vec::new();
     for y in 0..128 {
         for z in 0..128 {
@@ -117,7 +118,7 @@ fn a_press_carves_under_the_cursor_and_undo_brings_it_back() {
     assert_ne!(fixture.digest(), untouched);
 }
 
-fn copy_maps(fixture: &HandsFixture) -> RangeMaps<128> {
+fn copy_maps(fixture: &HandsFixture) -> RangeMaps<128, INTERVALS> {
     let mut maps = RangeMaps::new();
     maps.copy_from(fixture.world.volume().maps());
     maps

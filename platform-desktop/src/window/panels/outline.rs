@@ -3,6 +3,7 @@
 use egui::{Color32, Context, LayerId, Pos2, Stroke};
 use glam::Vec3;
 use paros_core::internals::BitShape;
+use paros_core::limits::INTERVALS;
 use paros_core::{Grid, Size, World};
 
 use super::style;
@@ -23,7 +24,7 @@ impl BitOutline {
     /// behind the eye.
     #[must_use]
     pub(in crate::window) fn project_bit<const N: usize>(
-        world: &World<N>,
+        world: &World<N, INTERVALS>,
         orbit: &OrbitCamera,
         picture_size: [u32; 2],
     ) -> Option<Self>
