@@ -3,9 +3,9 @@
 /// The textures that hold a sculpture on the GPU, for N voxels a side.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Texture {
-    /// The range maps: N x N texels of two bytes (as `Range` stores them), a layer for each axis;
-    /// x is the column's place, y its line.
-    Maps,
+    /// The range maps of so many intervals a column: N x N texels of two bytes for each interval (as
+    /// `Range` stores them), a layer for each axis; x is the column's place, y its line.
+    Maps(u8),
     /// The density, one byte a texel, at a level of detail: 0 is the finest.
     Density(u8),
     /// The cells' distances, one byte each.
@@ -32,7 +32,7 @@ impl Region {
     #[must_use]
     pub const fn byte_count(&self) -> usize {
         let texel = match self.texture {
-            Texture::Maps => 2,
+            Texture::Maps(intervals) => 2 * intervals as usize,
             Texture::Density(_) | Texture::Cells | Texture::Noise | Texture::Marble => 1,
         };
         self.size[0] as usize * self.size[1] as usize * self.size[2] as usize * texel

@@ -1,6 +1,5 @@
 //! Work queues of the update: boxes of stale texels, and lines of map columns to compare or upload.
 
-use paros_core::limits::INTERVALS;
 use paros_core::{Axis, Range};
 
 use super::extent::TexelBox;
@@ -157,9 +156,9 @@ impl StaleLines {
         self.stale.iter().flatten().all(|places| places.is_empty())
     }
 
-    /// The next run of stale lines of a map, with the hull of their places. It takes at most
-    /// `max_bytes` bytes, unless it is a single line.
-    pub(super) fn next_run(&self, max_bytes: usize) -> Option<LineRun> {
+    /// The next run of stale lines of a map, with the hull of their places: at most `max_columns`,
+    /// unless it is a single line.
+    pub(super) fn next_run(&self, max_columns: usize) -> Option<LineRun> {
         let is_stale = |places: &Range| !places.is_empty();
         for axis in Axis::ALL {
             let lines = &self.stale[axis as usize];
@@ -168,7 +167,7 @@ impl StaleLines {
             while end < lines.len() && is_stale(&lines[end]) {
                 let wider = places.hull_with(lines[end]);
                 let width = wider.last() + 1 - wider.first();
-                if width * (end + 1 - first) * 2 * INTERVALS > max_bytes {
+                if width * (end + 1 - first) > max_columns {
                     break;
                 }
                 (end, places) = (end + 1, wider);

@@ -2,7 +2,7 @@
 //! volume changed, so much a frame. Takes range maps and the rectangles that changed, hands out
 //! regions of bytes to upload; knows nothing of where they go, of cameras, or of Vulkan.
 //!
-//! # Textures, for N voxels a side
+//! # Textures, for N voxels a side and K intervals a column
 //! - [`Texture::Maps`]: the range maps noted by [`DensityField::note_changes`], as far as they were
 //!   compared.
 //! - [`Texture::Density`] 0: a cube of N + 8 texels, one for each voxel and [`PAD`] around the grid

@@ -13,8 +13,8 @@ use super::sizes::{LEVELS, PAD, cell_side_texels};
 use super::texels::TexelCube;
 use crate::upload::{Region, Texture};
 
-/// The textures of a volume of N voxels a side, N a multiple of 8 and at most 256, and the work
-/// left to bring them up to date.
+/// The textures of a volume of N voxels a side and K intervals a column, N a multiple of 8 and at
+/// most 256, and the work left to bring them up to date.
 #[derive(Debug)]
 pub struct DensityField<const N: usize, const K: usize = 1> {
     /// The maps as noted last, and those that the textures follow.
@@ -100,9 +100,9 @@ impl<const N: usize, const K: usize> DensityField<N, K> {
         for axis in paros_core::Axis::ALL {
             let min = [0, 0, axis as u32];
             let lines = (0..N).flat_map(|line| self.maps.line(axis, line));
-            let bytes: Vec<u8> = lines.flat_map(|column| column.0[0].to_bytes()).collect();
+            let bytes: Vec<u8> = lines.flat_map(|column| column.to_bytes()).flatten().collect();
             let size = [N as u32, N as u32, 1];
-            sink(Region { texture: Texture::Maps, min, size }, &bytes);
+            sink(Region { texture: Texture::Maps(K as u8), min, size }, &bytes);
         }
         for (level, texels) in self.density.iter().enumerate() {
             let texture = Texture::Density(level as u8);

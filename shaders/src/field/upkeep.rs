@@ -61,7 +61,7 @@ impl<const N: usize, const K: usize> DensityField<N, K> {
     /// yet, at least one line of tiles.
     fn compare_noted_columns(&mut self, meter: &mut BudgetMeter) {
         let tiles = COMPARE_TILE * N;
-        while let Some(LineRun { axis, lines, places }) = self.uncompared.next_run(2 * tiles) {
+        while let Some(LineRun { axis, lines, places }) = self.uncompared.next_run(tiles) {
             let most = SCAN_WORK * N
                 + (CHANGED_COLUMN_WORK + COLUMN_WORK) * tiles
                 + 2 * TILE_WORK * N / COMPARE_TILE;
@@ -147,8 +147,9 @@ impl<const N: usize, const K: usize> DensityField<N, K> {
         let mut meter = BudgetMeter::new(budget);
         meter.spend(Cost::of_work(std::mem::take(&mut self.unbilled_work)));
         self.compare_noted_columns(&mut meter);
-        while let Some(run) = self.stale_lines.next_run(meter.remaining().bytes) {
-            let region = map_region(&run);
+        let column_bytes = size_of::<Column<K>>();
+        while let Some(run) = self.stale_lines.next_run(meter.remaining().bytes / column_bytes) {
+            let region = map_region::<K>(&run);
             let cost =
                 Cost { work: SCAN_WORK * N + region.byte_count(), bytes: region.byte_count() };
             if !meter.allows_unit_of_work(cost) {
@@ -258,10 +259,12 @@ impl<const N: usize, const K: usize> DensityField<N, K> {
         let [first, line, _] = region.min.map(|i| i as usize);
         let [places, lines, _] = region.size.map(|i| i as usize);
         self.staging.resize(region.byte_count(), 0);
-        for (line, row) in (line..line + lines).zip(self.staging.chunks_exact_mut(2 * places)) {
+        let texel = size_of::<Column<K>>();
+        let rows = self.staging.chunks_exact_mut(texel * places);
+        for (line, row) in (line..line + lines).zip(rows) {
             let columns = &self.maps.line(axis, line)[first..first + places];
-            for (bytes, column) in row.as_chunks_mut::<2>().0.iter_mut().zip(columns) {
-                *bytes = column.0[0].to_bytes();
+            for (bytes, column) in row.chunks_exact_mut(texel).zip(columns) {
+                bytes.copy_from_slice(column.to_bytes().as_flattened());
             }
         }
         sink(region, &self.staging);
@@ -269,7 +272,7 @@ impl<const N: usize, const K: usize> DensityField<N, K> {
 
     /// An upper bound of the bytes of any region that passes through the staging buffer.
     pub(super) const fn staging_capacity() -> usize {
-        let (most, map) = (MAX_BOX, N * N * 2);
+        let (most, map) = (MAX_BOX, N * N * size_of::<Column<K>>());
         let chunk = most[0] * most[1] * most[2];
         let cells = (Self::SIDE / cell_side_texels(N)).pow(3);
         let most = if chunk > map { chunk } else { map };
@@ -293,25 +296,38 @@ fn emit_box(
 }
 
 /// The region of a map's texture that holds a run of lines.
-fn map_region(run: &LineRun) -> Region {
+fn map_region<const K: usize>(run: &LineRun) -> Region {
     let LineRun { axis, lines, places } = run;
     let min = [places.first() as u32, lines.start as u32, *axis as u32];
     let size = [(places.last() + 1 - places.first()) as u32, lines.len() as u32, 1];
-    Region { texture: Texture::Maps, min, size }
+    Region { texture: Texture::Maps(K as u8), min, size }
 }
 
 /// The hull of the symmetric difference of two columns' voxels. The columns differ.
 fn difference_hull<const K: usize>(old: Column<K>, new: Column<K>) -> Range {
-    let (old, new) = (old.hull(), new.hull());
-    if old.is_empty() || new.is_empty() {
-        return old.hull_with(new);
-    }
-    let both = old.hull_with(new);
-    let first =
-        if old.first() == new.first() { old.last().min(new.last()) + 1 } else { both.first() };
-    let last =
-        if old.last() == new.last() { old.first().max(new.first()) - 1 } else { both.last() };
+    let ranges = |column: Column<K>| column.0.into_iter().filter(|range| !range.is_empty());
+    let first = match first_unequal(ranges(old), ranges(new)) {
+        [Some(a), Some(b)] if a.first() == b.first() => a.last().min(b.last()) + 1,
+        [a, b] => a.into_iter().chain(b).fold(255, |first, range| first.min(range.first())),
+    };
+    let last = match first_unequal(ranges(old).rev(), ranges(new).rev()) {
+        [Some(a), Some(b)] if a.last() == b.last() => a.first().max(b.first()) - 1,
+        [a, b] => a.into_iter().chain(b).fold(0, |last, range| last.max(range.last())),
+    };
     Range::new(first, last)
+}
+
+/// The first ranges in which two columns differ; none of a column that ends before.
+fn first_unequal(
+    mut old: impl Iterator<Item = Range>,
+    mut new: impl Iterator<Item = Range>,
+) -> [Option<Range>; 2] {
+    loop {
+        let pair = [old.next(), new.next()];
+        if pair[0] != pair[1] || pair[0].is_none() {
+            return pair;
+        }
+    }
 }
 
 /// Bounds of the cells whose distances a frame's boxes may change.

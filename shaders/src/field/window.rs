@@ -136,7 +136,8 @@ impl VoxelWindow {
             self.rows[z.offset_of_grid()..].iter_mut().zip(&line[z.voxels_in_grid(N)])
         {
             if rows[window_y] != 0 {
-                rows[window_y] &= range_bits(column.hull(), x);
+                rows[window_y] &=
+                    column.0.iter().fold(0, |bits, range| bits | range_bits(*range, x));
             }
         }
     }
@@ -144,14 +145,14 @@ impl VoxelWindow {
 
 /// Where columns side by side along x begin and end, a bit for each column.
 struct ColumnEnds {
-    /// By row of the window, the columns that begin or end before it.
+    /// By row of the window, the columns of which an interval begins or ends before it.
     toggles: [u64; WINDOW_ROWS + 1],
     /// The columns that hold all rows; they are in no toggles.
     full: u64,
 }
 
 /// Finds the ends of columns side by side along x, from a span's first voxel in the grid on;
-/// `window_rows` tells the rows that a column's range holds.
+/// `window_rows` tells the rows that a range holds.
 #[inline(always)]
 fn find_column_ends<const K: usize>(
     columns: &[Column<K>],
@@ -168,8 +169,7 @@ fn find_column_ends<const K: usize>(
             ColumnCoverage::Full => full |= (u64::MAX >> (64 - columns.len())) << bit,
             ColumnCoverage::Mixed => {
                 for (bit, column) in (bit..).zip(columns) {
-                    let range = column.hull();
-                    if !range.is_empty() {
+                    for range in column.0.into_iter().filter(|range| !range.is_empty()) {
                         let rows = window_rows(range);
                         toggles[rows.start] ^= 1 << bit;
                         toggles[rows.end] ^= 1 << bit;
@@ -193,7 +193,7 @@ enum ColumnCoverage {
 /// them.
 struct ColumnClassifier {
     span: VoxelSpan,
-    /// Ends at least these: the column holds all of the run.
+    /// Ends at least these: the column holds all of the run, unless it has a gap.
     full: [u8; 16],
     /// Ends at most these: the column holds nothing of the run, as it lies behind it, or before.
     behind: [u8; 16],
@@ -223,9 +223,10 @@ impl ColumnClassifier {
     #[inline]
     fn classify_eight<const K: usize>(&self, columns: &[Column<K>]) -> ColumnCoverage {
         let Some(columns) = columns.first_chunk::<8>() else { return ColumnCoverage::Mixed };
-        let mut ends = [0; 16];
+        let (mut ends, mut has_gap) = ([0; 16], false);
         for (i, column) in columns.iter().enumerate() {
-            [ends[2 * i], ends[2 * i + 1]] = column.0[0].to_bytes();
+            [ends[2 * i], ends[2 * i + 1]] = column.hull().to_bytes();
+            has_gap |= column.0[1..].iter().any(|range| !range.is_empty());
         }
         // Without branches, so that the compiler vectorises it.
         let (mut full, mut behind, mut before) = (true, true, true);
@@ -234,7 +235,7 @@ impl ColumnClassifier {
             behind &= end <= self.behind[i];
             before &= end <= self.before[i];
         }
-        match (behind | before, full) {
+        match (behind | before, full & !has_gap) {
             (true, _) => ColumnCoverage::Empty,
             (_, true) => ColumnCoverage::Full,
             _ => ColumnCoverage::Mixed,

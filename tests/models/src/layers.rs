@@ -1,7 +1,7 @@
 //! Model of a volume of K intervals a column: three lists of intervals beside one boolean a voxel, and the
 //! closure rule by its naive definition.
 
-use paros_core::Axis;
+use paros_core::{Axis, Column, Range, RangeMaps};
 
 use crate::dense::DenseVolume;
 
@@ -36,6 +36,23 @@ impl LayeredVolume {
     /// The intervals of the column at (line, place).
     pub fn column(&self, axis: Axis, (line, place): (usize, usize)) -> &Intervals {
         &self.columns[axis as usize][line * self.voxels.side() + place]
+    }
+
+    /// Writes its columns to maps of as many intervals.
+    ///
+    /// # Panics
+    /// The maps are of another size or number of intervals.
+    pub fn write_maps<const N: usize, const K: usize>(&self, maps: &mut RangeMaps<N, K>) {
+        assert_eq!((N, K), (self.voxels.side(), self.layers), "voxels a side, intervals a column");
+        for axis in Axis::ALL {
+            for at in (0..N * N).map(|at| (at / N, at % N)) {
+                let mut column = Column::EMPTY;
+                for (range, &(lo, hi)) in column.0.iter_mut().zip(self.column(axis, at)) {
+                    *range = Range::new(lo, hi);
+                }
+                maps.set_column(axis, at, column);
+            }
+        }
     }
 
     /// Becomes what follows when an edit's exact result is `exact`: the columns in which it differs from the

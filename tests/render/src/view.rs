@@ -10,6 +10,7 @@ use paros_shaders::{Image, Ray, fast};
 use rayon::prelude::*;
 
 use paros_models::dense::DenseVolume;
+use paros_models::layers::LayeredVolume;
 use paros_models::voxel_traversal::{self, VoxelEntry};
 
 /// A pinhole camera outside of the grid, lengths in voxels.
@@ -89,9 +90,9 @@ pub struct TracedPicture {
 
 impl TracedPicture {
     /// Traces both pictures of a volume and its textures.
-    pub fn new<const N: usize>(
+    pub fn new<const N: usize, const K: usize>(
         dense: &DenseVolume,
-        field: &DensityField<N>,
+        field: &DensityField<N, K>,
         view: PinholeView,
     ) -> Self {
         let pixels = (0..view.side * view.side).into_par_iter();
@@ -136,7 +137,7 @@ impl TracedPicture {
     }
 }
 
-/// The maps and the density field of a volume that is its own closure.
+/// The maps and the density field of a volume that is its own closure in columns of one interval.
 ///
 /// # Panics
 /// It is not.
@@ -146,6 +147,22 @@ pub fn build_maps_and_field<const N: usize>(
     let mut maps = Box::new(RangeMaps::new());
     dense.write_maps(&mut maps);
     assert!(DenseVolume::from_maps(&maps) == *dense, "not a closed shape");
+    let mut field = Box::new(DensityField::new());
+    field.rebuild_from(&maps);
+    (maps, field)
+}
+
+/// The same of a volume that is its own closure in columns of K intervals, some of which have gaps.
+///
+/// # Panics
+/// It is not, or none has.
+pub fn build_layered_maps_and_field<const N: usize, const K: usize>(
+    dense: &DenseVolume,
+) -> (Box<RangeMaps<N, K>>, Box<DensityField<N, K>>) {
+    let mut maps = Box::new(RangeMaps::new());
+    LayeredVolume::new(dense, K).write_maps(&mut maps);
+    assert!(DenseVolume::from_maps(&maps) == *dense, "not a closed shape");
+    assert!(dense.closure() != *dense, "one interval a column would do");
     let mut field = Box::new(DensityField::new());
     field.rebuild_from(&maps);
     (maps, field)

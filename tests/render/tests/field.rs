@@ -3,15 +3,18 @@
 use paros_core::RangeMaps;
 use paros_models::dense::{DenseVolume, any_voxels};
 use paros_models::field::{FieldModel, grid_index, grid_points};
+use paros_models::layers::LayeredVolume;
 use paros_shaders::field::{DensityField, LEVELS, cell_side_texels};
 use proptest::prelude::*;
 
-fn check_rebuild<const N: usize>(dense: &DenseVolume) {
-    let mut maps = Box::new(RangeMaps::<N>::new());
-    dense.write_maps(&mut maps);
-    let mut field = DensityField::<N>::new();
+/// Of the closure of a set of voxels in columns of K intervals.
+fn check_rebuild<const N: usize, const K: usize>(voxels: &DenseVolume) {
+    let volume = LayeredVolume::new(voxels, K);
+    let mut maps = Box::new(RangeMaps::<N, K>::new());
+    volume.write_maps(&mut maps);
+    let mut field = DensityField::<N, K>::new();
     field.rebuild_from(&maps);
-    let model = FieldModel::from_voxels(dense);
+    let model = FieldModel::from_voxels(volume.voxels());
     for level in 0..LEVELS {
         let side = model.texels_per_side(level);
         assert_eq!(field.level_side(level), side as usize);
@@ -32,12 +35,24 @@ fn check_rebuild<const N: usize>(dense: &DenseVolume) {
     }
 }
 
+/// With K of 1, 2 or 4.
+fn check_rebuild_with<const N: usize>(voxels: &DenseVolume, intervals: usize) {
+    match intervals {
+        1 => check_rebuild::<N, 1>(voxels),
+        2 => check_rebuild::<N, 2>(voxels),
+        _ => check_rebuild::<N, 4>(voxels),
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(300))]
 
     #[test]
-    fn a_rebuild_follows_the_definition_on_16(dense in any_voxels(16)) {
-        check_rebuild::<16>(&dense.closure());
+    fn a_rebuild_follows_the_definition_on_16(
+        dense in any_voxels(16),
+        intervals in prop_oneof![Just(1usize), Just(2), Just(4)],
+    ) {
+        check_rebuild_with::<16>(&dense, intervals);
     }
 }
 
@@ -46,7 +61,7 @@ proptest! {
 
     /// More than one box along each axis.
     #[test]
-    fn a_rebuild_follows_the_definition_on_64(dense in any_voxels(64)) {
-        check_rebuild::<64>(&dense.closure());
+    fn a_rebuild_follows_the_definition_on_64(dense in any_voxels(64), intervals in 1..3usize) {
+        check_rebuild_with::<64>(&dense, intervals);
     }
 }

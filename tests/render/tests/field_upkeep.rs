@@ -24,11 +24,11 @@ struct TextureCopy {
 struct TextureCopies(Vec<TextureCopy>);
 
 impl TextureCopies {
-    fn of<const N: usize>(field: &DensityField<N>) -> Self {
+    fn of<const N: usize, const K: usize>(field: &DensityField<N, K>) -> Self {
         let cube =
             |side: usize| TextureCopy { side: [side; 2], texel: 1, bytes: vec![99; side.pow(3)] };
-        let mut copies =
-            vec![TextureCopy { side: [N; 2], texel: 2, bytes: vec![99; 3 * N * N * 2] }];
+        let maps = TextureCopy { side: [N; 2], texel: 2 * K, bytes: vec![99; 3 * N * N * 2 * K] };
+        let mut copies = vec![maps];
         copies.extend((0..LEVELS).map(|level| cube(field.level_side(level))));
         copies.push(cube(field.cells_per_side()));
         let mut copies = TextureCopies(copies);
@@ -40,7 +40,7 @@ impl TextureCopies {
         assert!(region.size.iter().all(|&side| side > 0), "{region:?}");
         assert_eq!(bytes.len(), region.byte_count(), "{region:?}");
         let copy = &mut self.0[match region.texture {
-            Texture::Maps => 0,
+            Texture::Maps(_) => 0,
             Texture::Density(level) => 1 + usize::from(level),
             Texture::Cells => 1 + LEVELS,
             Texture::Noise | Texture::Marble => panic!("{region:?} is no function of the maps"),
@@ -96,18 +96,18 @@ impl TextureCopies {
 }
 
 /// A volume that random edits, undos and loads change.
-struct EditedField<const N: usize>
+struct EditedField<const N: usize, const K: usize>
 where
     Grid<N>: Size,
 {
-    volume: Volume<N>,
-    mask: RangeMaps<N>,
+    volume: Volume<N, K>,
+    mask: RangeMaps<N, K>,
     scratch: EditScratch<N>,
-    earlier: RangeMaps<N>,
+    earlier: RangeMaps<N, K>,
     edits: u32,
 }
 
-impl<const N: usize> EditedField<N>
+impl<const N: usize, const K: usize> EditedField<N, K>
 where
     Grid<N>: Size,
 {
@@ -170,6 +170,13 @@ where
         self.earlier.copy_from(&before);
     }
 
+    fn count_gaps(&self) -> usize {
+        let lines =
+            Axis::ALL.map(|axis| (0..N).flat_map(move |line| self.volume.maps().line(axis, line)));
+        let more = lines.into_iter().flatten().flat_map(|column| &column.0[1..]);
+        more.filter(|range| !range.is_empty()).count()
+    }
+
     fn load_volume(&mut self, dice: &mut RandomSource, dirty: &mut DirtyRects) {
         let kind = dice.below(4);
         let n = N as i32;
@@ -186,7 +193,8 @@ where
                     let full = match kind {
                         0 => at.iter().all(|&c| c > 1 && c < n - 2),
                         1 => at[0] % 8 < 2 || at[1] == 0 || (at[2] % 9 == 4 && at[1] < n / 2),
-                        _ => balls.iter().any(in_ball),
+                        2 => balls.iter().any(in_ball),
+                        _ => at[1] < n * 3 / 4 && !balls.iter().any(in_ball),
                     };
                     if full {
                         use paros_core::BitSet;
@@ -199,16 +207,19 @@ where
     }
 }
 
-fn follow_edits<const N: usize>(studio: &mut EditedField<N>, seed: u64, ticks: u32)
-where
+fn follow_edits<const N: usize, const K: usize>(
+    studio: &mut EditedField<N, K>,
+    seed: u64,
+    ticks: u32,
+) where
     Grid<N>: Size,
 {
     let mut dice = RandomSource::new(seed);
     let mut dirty = DirtyRects::new();
-    let mut field = DensityField::<N>::new();
-    let mut fresh = DensityField::<N>::new();
+    let mut field = DensityField::<N, K>::new();
+    let mut fresh = DensityField::<N, K>::new();
     let mut copies = TextureCopies::of(&field);
-    let (mut settled, mut frames) = (0, 0);
+    let (mut settled, mut frames, mut gaps) = (0, 0, 0);
     studio.load_volume(&mut dice, &mut dirty);
     field.note_changes(studio.volume.maps(), &dirty);
     for tick in 0..ticks {
@@ -236,43 +247,75 @@ where
         assert!(field.noted_maps() == studio.volume.maps());
         if !field.has_pending() {
             settled += 1;
+            gaps += studio.count_gaps();
             fresh.rebuild_from(studio.volume.maps());
             let fresh = TextureCopies::of(&fresh).0;
             assert!(fresh == copies.0, "tick {tick}: not what a rebuild gives");
         }
     }
-    println!("{frames} frames, {settled} times settled, {} edits", studio.edits);
+    println!("{frames} frames, {settled} times settled, {gaps} gaps, {} edits", studio.edits);
     assert!(settled > ticks / 20 && frames > settled);
+    assert!(K == 1 || gaps > settled as usize * N, "{gaps} gaps");
 }
 
 #[test]
 fn upkeep_is_a_rebuild_on_16() {
-    static STUDIO: Mutex<EditedField<16>> = Mutex::new(EditedField::new());
+    static STUDIO: Mutex<EditedField<16, 1>> = Mutex::new(EditedField::new());
     let mut studio = STUDIO.lock().unwrap_or_else(PoisonError::into_inner);
     (0..6).for_each(|seed| follow_edits(&mut studio, seed, 600));
 }
 
 #[test]
 fn upkeep_is_a_rebuild_on_64() {
-    static STUDIO: Mutex<EditedField<64>> = Mutex::new(EditedField::new());
+    static STUDIO: Mutex<EditedField<64, 1>> = Mutex::new(EditedField::new());
     let mut studio = STUDIO.lock().unwrap_or_else(PoisonError::into_inner);
     (0..2).for_each(|seed| follow_edits(&mut studio, 40 + seed, 400));
 }
 
 #[test]
 fn upkeep_is_a_rebuild_on_128() {
-    static STUDIO: Mutex<EditedField<128>> = Mutex::new(EditedField::new());
+    static STUDIO: Mutex<EditedField<128, 1>> = Mutex::new(EditedField::new());
     let mut studio = STUDIO.lock().unwrap_or_else(PoisonError::into_inner);
     follow_edits(&mut studio, 70, 60);
+}
+
+#[test]
+fn upkeep_is_a_rebuild_with_two_intervals_on_16() {
+    static STUDIO: Mutex<EditedField<16, 2>> = Mutex::new(EditedField::new());
+    let mut studio = STUDIO.lock().unwrap_or_else(PoisonError::into_inner);
+    (10..16).for_each(|seed| follow_edits(&mut studio, seed, 600));
+}
+
+#[test]
+fn upkeep_is_a_rebuild_with_four_intervals_on_16() {
+    static STUDIO: Mutex<EditedField<16, 4>> = Mutex::new(EditedField::new());
+    let mut studio = STUDIO.lock().unwrap_or_else(PoisonError::into_inner);
+    (20..24).for_each(|seed| follow_edits(&mut studio, seed, 600));
+}
+
+#[test]
+fn upkeep_is_a_rebuild_with_two_intervals_on_128() {
+    static STUDIO: Mutex<EditedField<128, 2>> = Mutex::new(EditedField::new());
+    let mut studio = STUDIO.lock().unwrap_or_else(PoisonError::into_inner);
+    follow_edits(&mut studio, 71, 60);
 }
 
 /// What a frame costs and hands out is within its budget, and a load comes to its end.
 #[test]
 fn frames_keep_to_their_budget() {
-    static STUDIO: Mutex<EditedField<128>> = Mutex::new(EditedField::new());
-    let mut studio = STUDIO.lock().unwrap_or_else(PoisonError::into_inner);
+    static STUDIO: Mutex<EditedField<128, 1>> = Mutex::new(EditedField::new());
+    check_frame_budgets(&mut STUDIO.lock().unwrap_or_else(PoisonError::into_inner));
+}
+
+#[test]
+fn frames_keep_to_their_budget_with_two_intervals() {
+    static STUDIO: Mutex<EditedField<128, 2>> = Mutex::new(EditedField::new());
+    check_frame_budgets(&mut STUDIO.lock().unwrap_or_else(PoisonError::into_inner));
+}
+
+fn check_frame_budgets<const K: usize>(studio: &mut EditedField<128, K>) {
     let (mut dice, mut dirty) = (RandomSource::new(5), DirtyRects::new());
-    let mut field = DensityField::<128>::new();
+    let mut field = DensityField::<128, K>::new();
     let budget = Budget::per_frame(128);
     for tick in 0..400 {
         dirty.clear();
@@ -300,10 +343,10 @@ fn frames_keep_to_their_budget() {
 /// Cells of four texels.
 #[test]
 fn cells_at_256() {
-    static STUDIO: Mutex<EditedField<256>> = Mutex::new(EditedField::new());
+    static STUDIO: Mutex<EditedField<256, 1>> = Mutex::new(EditedField::new());
     let mut studio = STUDIO.lock().unwrap_or_else(PoisonError::into_inner);
     let (mut dice, mut dirty) = (RandomSource::new(6), DirtyRects::new());
-    let (mut field, mut fresh) = (DensityField::<256>::new(), DensityField::<256>::new());
+    let (mut field, mut fresh) = (DensityField::<256, 1>::new(), DensityField::<256, 1>::new());
     let mut copies = TextureCopies::of(&field);
     for _ in 0..3 {
         dirty.clear();

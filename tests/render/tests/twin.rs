@@ -2,7 +2,8 @@
 
 use glam::Vec3;
 use paros_core::RangeMaps;
-use paros_models::dense::{DenseVolume, closed_volumes};
+use paros_models::dense::{DenseVolume, any_voxels, closed_volumes};
+use paros_models::layers::LayeredVolume;
 use paros_models::twin::{
     self as model, BALL_CENTRE, BALL_RADIUS, sample_directions, voxel_centre, with_maps_of_16,
     with_maps_of_ball,
@@ -42,6 +43,47 @@ fn any_ray(n: f32) -> impl Strategy<Value = Ray> {
         })
 }
 
+fn check_march<const K: usize>(
+    dense: &DenseVolume,
+    maps: &RangeMaps<16, K>,
+    rays: &[Ray],
+) -> Result<(), TestCaseError> {
+    for ray in rays {
+        let quick = march_maps(maps, ray);
+        prop_assert_eq!(quick, march_all_maps(maps, ray));
+        let found = model::possible_hits_at_layer_middles(
+            dense,
+            ray.origin.to_array().map(f64::from),
+            ray.direction.to_array().map(f64::from),
+        );
+        let Some(sample) = quick else {
+            prop_assert!(found.sure.is_none(), "{:?} misses {:?}", ray, found);
+            continue;
+        };
+        let voxel = sample.voxel.map(|c| c as i32);
+        prop_assert!(dense.contains(voxel));
+        let same = |t: &f64| (t - f64::from(sample.distance)).abs() < 1e-3;
+        let possible = found.sure.iter().chain(&found.doubtful).any(same);
+        prop_assert!(possible, "{:?} {:?}", sample, found);
+        let away = (ray.at(sample.distance) - voxel_centre(voxel)).abs();
+        prop_assert!(away.max_element() < 0.501, "{away} from the voxel's centre");
+        let beside = [[-1, 0, 0], [1, 0, 0], [0, -1, 0], [0, 1, 0], [0, 0, -1], [0, 0, 1]];
+        let occupied = beside.map(|by| dense.contains([0, 1, 2].map(|i| voxel[i] + by[i])));
+        prop_assert_eq!(Neighbours::around_voxel(maps, sample.voxel), Neighbours(occupied));
+    }
+    Ok(())
+}
+
+fn check_layered_march<const K: usize>(
+    voxels: &DenseVolume,
+    rays: &[Ray],
+) -> Result<(), TestCaseError> {
+    let volume = LayeredVolume::new(voxels, K);
+    let mut maps = Box::new(RangeMaps::new());
+    volume.write_maps::<16, K>(&mut maps);
+    check_march(volume.voxels(), &maps, rays)
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(1500))]
 
@@ -50,27 +92,17 @@ proptest! {
         dense in closed_volumes(16),
         rays in proptest::collection::vec(any_ray(16.0), 24),
     ) {
-        with_maps_of_16(&dense, |maps| {
-            for ray in &rays {
-                let quick = march_maps(maps, ray);
-                prop_assert_eq!(quick, march_all_maps(maps, ray));
-                let found = model::possible_hits_at_layer_middles(
-                    &dense,
-                    ray.origin.to_array().map(f64::from),
-                    ray.direction.to_array().map(f64::from),
-                );
-                let Some(sample) = quick else {
-                    prop_assert!(found.sure.is_none(), "{:?} misses {:?}", ray, found);
-                    continue;
-                };
-                prop_assert!(dense.contains(sample.voxel.map(|c| c as i32)));
-                let same = |t: &f64| (t - f64::from(sample.distance)).abs() < 1e-3;
-                prop_assert!(found.sure.iter().chain(&found.doubtful).any(same), "{:?} {:?}", sample, found);
-                let away = (ray.at(sample.distance) - voxel_centre(sample.voxel.map(|c| c as i32))).abs();
-                prop_assert!(away.max_element() < 0.501, "{away} from the voxel's centre");
-            }
-            Ok(())
-        })?;
+        with_maps_of_16(&dense, |maps| check_march(&dense, maps, &rays))?;
+    }
+
+    /// In columns of two intervals and of four, mostly with gaps.
+    #[test]
+    fn march_finds_what_any_interval_holds(
+        voxels in any_voxels(16),
+        rays in proptest::collection::vec(any_ray(16.0), 24),
+    ) {
+        check_layered_march::<2>(&voxels, &rays)?;
+        check_layered_march::<4>(&voxels, &rays)?;
     }
 
     #[test]

@@ -147,7 +147,7 @@ impl SculptureTextures {
     /// The image and mip level of a region.
     const fn image_and_mip_level(&self, region: &Region) -> (&GpuImage, u32) {
         match region.texture {
-            Texture::Maps => (&self.maps, 0),
+            Texture::Maps(_) => (&self.maps, 0),
             Texture::Density(level) => (&self.density, level as u32),
             Texture::Cells => (&self.cells, 0),
             Texture::Noise => (&self.noise, 0),
@@ -163,7 +163,7 @@ impl SculptureTextures {
     ) -> (vk::Image, vk::BufferImageCopy) {
         let (image, level) = self.image_and_mip_level(region);
         let ([x, y, z], [width, height, depth]) = (region.min, region.size);
-        let is_maps = region.texture == Texture::Maps;
+        let is_maps = matches!(region.texture, Texture::Maps(_));
         let (layer, layers, border) =
             if is_maps { (z, depth, MAP_BORDER_COLUMNS) } else { (0, 1, 0) };
         let (z, depth) = if is_maps { (0, 1) } else { (z, depth) };

@@ -138,7 +138,7 @@ const fn image_index(texture: Texture) -> Option<u32> {
     match texture {
         Texture::Density(level) => Some(level as u32),
         Texture::Cells => Some(LEVELS as u32),
-        Texture::Maps | Texture::Noise | Texture::Marble => None,
+        Texture::Maps(_) | Texture::Noise | Texture::Marble => None,
     }
 }
 
