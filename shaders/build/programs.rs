@@ -113,13 +113,15 @@ fn program_list() -> Vec<ShaderVariant> {
         let single = program(name, "fast", Fragment, &overrides);
         all.push(if half { single.with_def("HALF") } else { single });
     }
-    for (name, overrides) in [
-        ("paper", &[][..]),
-        ("paper_full_march", &[("FULL_MARCH", 1.0)]),
-        ("paper_no_sdf", &[("SDF", 0.0)]),
-        ("paper_no_shading", &[("SHADING", 0.0)]),
+    for (part, overrides) in [
+        ("", &[][..]),
+        ("_full_march", &[("FULL_MARCH", 1.0)]),
+        ("_no_sdf", &[("SDF", 0.0)]),
+        ("_no_shading", &[("SHADING", 0.0)]),
     ] {
-        all.push(program(name, "paper", Fragment, overrides));
+        all.push(program(&format!("paper{part}"), "paper", Fragment, overrides));
+        let two = program(&format!("paper_two{part}"), "paper", Fragment, overrides);
+        all.push(two.with_def("TWO_INTERVALS"));
     }
     all
 }

@@ -15,6 +15,10 @@ pub const ISLAND_MOTES: usize = 256;
 /// bench's things.
 pub const INSTANCES: usize = PARTICLES + 5 + 2 + paros_core::internals::BENCH_ITEMS + 2;
 
+/// Intervals of a column that a texel of the map textures holds: two bytes each, and formats that every
+/// device samples have one, two or four bytes.
+pub const MAP_INTERVALS: usize = 2;
+
 /// Samples along each axis of the grid by which the place of a removed island is told. One bit
 /// each: 4 KiB.
 pub const LATTICE: usize = 32;

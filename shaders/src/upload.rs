@@ -1,4 +1,34 @@
-//! What of a sculpture's textures changed and has to be uploaded.
+//! What a sculpture's textures hold, and what of them changed and has to be uploaded.
+
+use crate::limits::MAP_INTERVALS;
+
+/// The shape of the volumes that textures are made for.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub struct VolumeFormat {
+    grid_side: usize,
+    intervals: usize,
+}
+
+impl VolumeFormat {
+    /// Volumes of N voxels a side and K intervals a column, K 1 or 2.
+    #[must_use]
+    pub const fn of<const N: usize, const K: usize>() -> Self {
+        const { assert!(K >= 1 && K <= MAP_INTERVALS, "intervals that a texel holds") };
+        VolumeFormat { grid_side: N, intervals: K }
+    }
+
+    /// Voxels along a side.
+    #[must_use]
+    pub const fn grid_side(self) -> usize {
+        self.grid_side
+    }
+
+    /// Intervals of a column.
+    #[must_use]
+    pub const fn intervals(self) -> usize {
+        self.intervals
+    }
+}
 
 /// The textures that hold a sculpture on the GPU, for N voxels a side.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -36,6 +66,12 @@ impl Region {
             Texture::Density(_) | Texture::Cells | Texture::Noise | Texture::Marble => 1,
         };
         self.size[0] as usize * self.size[1] as usize * self.size[2] as usize * texel
+    }
+
+    /// Whether its texels are those of a volume's textures: maps have as many intervals.
+    #[must_use]
+    pub fn fits_volume(&self, volume: VolumeFormat) -> bool {
+        !matches!(self.texture, Texture::Maps(k) if usize::from(k) != volume.intervals)
     }
 
     /// Whether a texel lies in both.

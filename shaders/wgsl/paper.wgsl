@@ -16,7 +16,8 @@ override SDF: bool = true;
 override SHADING: bool = true;
 
 // A layer for each axis, with a border of empty columns. The texel of a column, at (place, line),
-// holds 255 less the range's first voxel, and its last one.
+// holds 255 less the first voxel of its range, and the last one, 0 and 0 of an empty range. With
+// TWO_INTERVALS it is one word of four bytes, lowest first: these two, and those of a second range.
 @group(0) @binding(1) var maps: texture_2d_array<u32>;
 @group(0) @binding(4) var noise: texture_3d<f32>;
 @group(0) @binding(9) var repeat: sampler;
@@ -105,18 +106,20 @@ fn march_maps(eye: vec3<f32>, direction: vec3<f32>, span: vec2<f32>) -> VoxelHit
     if FULL_MARCH {
         return march_all_maps(eye, direction, t, layer_step, (end - w) * step);
     }
-    let begin = w;
-    while w != end {
+    let end_key = key_of_voxel(end);
+    let key_step = key_of_voxel(step) - key_of_voxel(0);
+    var key = key_of_voxel(w);
+    while key != end_key {
         let column = place >> FRACTION_BITS;
-        let range = textureLoad(maps, column, axis, 0).xy;
-        if u32(w) <= range.y && u32(w) + range.x >= 255u {
-            let voxel = voxel_of_layer(column, w, axis);
+        if column_holds(textureLoad(maps, column, axis, 0), key) {
+            let layer = voxel_of_key(key);
+            let voxel = voxel_of_layer(column, layer, axis);
             if other_maps_hold(voxel, axis) {
-                return VoxelHit(voxel, t + layer_step * f32(abs(w - begin)));
+                return VoxelHit(voxel, t + layer_step * f32(abs(layer - w)));
             }
         }
         place += place_step;
-        w += step;
+        key += key_step;
     }
     return VoxelHit(vec3<i32>(0), -1.0);
 }
@@ -142,9 +145,45 @@ fn voxel_of_layer(column: vec2<i32>, w: i32, axis: i32) -> vec3<i32> {
 }
 
 fn map_holds(column: vec2<i32>, axis: i32, i: i32) -> bool {
-    let range = textureLoad(maps, column + BORDER, axis, 0).xy;
-    return u32(i) <= range.y && u32(i) + range.x >= 255u;
+    return column_holds(textureLoad(maps, column + BORDER, axis, 0), key_of_voxel(i));
 }
+
+#ifdef TWO_INTERVALS
+
+// A voxel of a column as both ranges are compared with it at once: its number plus 1 in either half.
+fn key_of_voxel(i: i32) -> u32 {
+    let number = u32(i + 1);
+    return number | (number << 16u);
+}
+
+fn voxel_of_key(key: u32) -> i32 {
+    return i32(key & 0xffffu) - 1;
+}
+
+// Whether a voxel is in one of a column's ranges. In the halves, `first` comes to 256 or more where a
+// range begins at the voxel or before, `last` where it ends there or behind; neither comes to 512.
+fn column_holds(texel: vec4<u32>, key: u32) -> bool {
+    let first = (texel.x & 0xff00ffu) + key;
+    let last = (texel.x >> 8u & 0xff00ffu) + (0x1010101u - key);
+    return (first & last & 0x1000100u) != 0u;
+}
+
+#else
+
+fn key_of_voxel(i: i32) -> u32 {
+    return u32(i);
+}
+
+fn voxel_of_key(key: u32) -> i32 {
+    return i32(key);
+}
+
+// Whether a voxel is in the column's range.
+fn column_holds(texel: vec4<u32>, key: u32) -> bool {
+    return key <= texel.y && key + texel.x >= 255u;
+}
+
+#endif
 
 // Nested, since drivers evaluate a chain of `&&` without branches, with all three fetches.
 fn all_maps_hold(v: vec3<i32>) -> bool {
@@ -168,13 +207,18 @@ fn axis_map_holds(v: vec3<i32>, axis: i32) -> bool {
 }
 
 fn is_voxel_occupied(v: vec3<i32>) -> bool {
-    let a = textureLoad(maps, v.zy + BORDER, 0, 0).xy;
-    let b = textureLoad(maps, v.xz + BORDER, 1, 0).xy;
-    let c = textureLoad(maps, v.xy + BORDER, 2, 0).xy;
+    let a = textureLoad(maps, v.zy + BORDER, 0, 0);
+    let b = textureLoad(maps, v.xz + BORDER, 1, 0);
+    let c = textureLoad(maps, v.xy + BORDER, 2, 0);
+#ifdef TWO_INTERVALS
+    return column_holds(a, key_of_voxel(v.x)) & column_holds(b, key_of_voxel(v.y))
+        & column_holds(c, key_of_voxel(v.z));
+#else
     let u = vec3<u32>(v);
     let high = vec3<u32>(a.y, b.y, c.y);
     let low = vec3<u32>(a.x, b.x, c.x);
     return all(u <= high) && all(u + low >= vec3<u32>(255u));
+#endif
 }
 
 fn is_point_occupied(point: vec3<f32>) -> bool {
@@ -217,6 +261,20 @@ struct Neighbours {
 }
 
 fn find_neighbours(v: vec3<i32>) -> Neighbours {
+#ifdef TWO_INTERVALS
+    // One side after the other: both at once take twice the registers.
+    var low: vec3<f32>;
+    var high: vec3<f32>;
+    for (var side = -1; side <= 1; side += 2) {
+        low = high;
+        high = vec3<f32>(
+            f32(is_voxel_occupied(v + vec3<i32>(side, 0, 0))),
+            f32(is_voxel_occupied(v + vec3<i32>(0, side, 0))),
+            f32(is_voxel_occupied(v + vec3<i32>(0, 0, side))),
+        );
+    }
+    return Neighbours(low, high);
+#else
     let e = vec2<i32>(1, 0);
     return Neighbours(
         vec3<f32>(
@@ -230,6 +288,7 @@ fn find_neighbours(v: vec3<i32>) -> Neighbours {
             f32(is_voxel_occupied(v + e.yyx)),
         ),
     );
+#endif
 }
 
 fn blob_distance(p: vec3<f32>, around: Neighbours) -> f32 {

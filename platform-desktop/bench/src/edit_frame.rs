@@ -5,6 +5,7 @@ use paros_headless::Error;
 use paros_headless::Uploads;
 use paros_shaders::field::{Budget, DensityField};
 use paros_shaders::gpu::RenderPath;
+use paros_shaders::upload::VolumeFormat;
 
 use super::clock::OursTheirs;
 use super::edit::{CARVE, RADIUS, edit_sphere_at, surface_voxels};
@@ -75,7 +76,8 @@ fn upload_rest_and_count_bytes<const N: usize>(
         later += upload_bytes(&uploads);
         for (region, bytes) in uploads {
             for format in FrameFormat::ALL {
-                timer.renderer_for(N, format)?.upload_region(region, &bytes)?;
+                let renderer = timer.renderer_for(VolumeFormat::of::<N, 1>(), format)?;
+                renderer.upload_region(region, &bytes)?;
             }
         }
     }

@@ -5,7 +5,7 @@ use std::f32::consts::TAU;
 use std::sync::Arc;
 
 use glam::{Quat, Vec3};
-use paros_core::{Axis, Grid, RangeMaps, Size};
+use paros_core::{Axis, BitGrid, Grid, RangeMaps, Size};
 use paros_headless::Error;
 use paros_headless::{HeadlessRenderer, PictureFormat, SculptureView, Uploads};
 use paros_shaders::field::DensityField;
@@ -13,6 +13,8 @@ use paros_shaders::gpu::{
     Eye, Fov, FrameRequest, FrameTimes, Gpu, PaperVariant, RenderPath, RenderStyle,
     SculpturePlacement,
 };
+use paros_shaders::upload::VolumeFormat;
+use paros_shell::with_size;
 
 use super::fixture::{Fixture, HasFixture};
 use super::subject::Subject;
@@ -66,11 +68,11 @@ impl FrameFormat {
     }
 }
 
-/// Camera placement for a volume of one size.
+/// Camera placement for a volume of one format.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) struct Framing {
-    /// Of the volume's grid.
-    pub(super) grid_side: usize,
+    /// What is looked at.
+    pub(super) volume: VolumeFormat,
     /// Distance from the point looked at, in sides of the cube.
     distance: f32,
     /// Height of the point looked at, in sides of the cube.
@@ -79,6 +81,14 @@ pub(super) struct Framing {
     half_angle: f32,
     /// Fraction of the image that the volume fills, 0 to 1.
     pub(super) filled: f32,
+}
+
+impl Framing {
+    /// The same camera before the same voxels in columns of two intervals.
+    pub(super) fn of_two_intervals(&self) -> Self {
+        let volume = with_size!(self.volume.grid_side(), N => VolumeFormat::of::<N, 2>());
+        Framing { volume, ..*self }
+    }
 }
 
 /// A camera placement and a render path: what is timed.
@@ -98,11 +108,11 @@ impl RenderSetup {
     }
 }
 
-/// A Vulkan device with an offscreen renderer for each grid size and frame format.
+/// A Vulkan device with an offscreen renderer for each volume and frame format.
 pub(super) struct FrameTimer {
     gpu: Arc<Gpu>,
     canvas: [u32; 2],
-    renderers: BTreeMap<(usize, FrameFormat), HeadlessRenderer>,
+    renderers: BTreeMap<(VolumeFormat, FrameFormat), HeadlessRenderer>,
     /// Small renderers in which filled pixels are counted, by grid size.
     small_renderers: BTreeMap<usize, HeadlessRenderer>,
     cache: Vec<u8>,
@@ -146,21 +156,48 @@ impl FrameTimer {
         subject.load_into(&mut fixture.start, &mut fixture.bit_grid)?;
         let mut field = Box::new(DensityField::<N>::new());
         field.rebuild_from(&fixture.start);
+        let volume = VolumeFormat::of::<N, 1>();
         let full = self.canvas;
         let shrunk = full[0].max(full[1]).div_ceil(LONGEST_COUNTED);
         let small = full.map(|side| (side / shrunk).max(1));
         let small_renderer = PictureFormat { size: small, eyes: 1, samples: 1 };
-        self.ensure_renderers(N, formats, full)?;
         if !self.small_renderers.contains_key(&N) {
             self.small_renderers
-                .insert(N, HeadlessRenderer::new(&self.gpu, N, small_renderer, &self.cache)?);
+                .insert(N, HeadlessRenderer::new(&self.gpu, volume, small_renderer, &self.cache)?);
         }
-        for format in formats {
-            self.renderer_for(N, *format)?.load_field(&field)?;
-        }
+        self.load_field(&field, formats)?;
         let renderer = self.small_renderers.get_mut(&N).ok_or_else(|| no_renderer(N))?;
         renderer.load_field(&field)?;
-        fit_framing(renderer, small, N, middle_height_sides(&fixture.start))
+        fit_framing(renderer, small, volume, middle_height_sides(&fixture.start))
+    }
+
+    /// Loads the same voxels in columns of two intervals into renderers of their own.
+    pub(super) fn load_two_intervals<const N: usize>(
+        &mut self,
+        formats: &[FrameFormat],
+        bit_grid: &BitGrid<N>,
+    ) -> Result<(), Error>
+    where
+        Grid<N>: Size,
+    {
+        let mut maps = Box::new(RangeMaps::<N, 2>::new());
+        bit_grid.write_closure(&mut maps);
+        let mut field = Box::new(DensityField::new());
+        field.rebuild_from(&maps);
+        self.load_field(&field, formats)
+    }
+
+    fn load_field<const N: usize, const K: usize>(
+        &mut self,
+        field: &DensityField<N, K>,
+        formats: &[FrameFormat],
+    ) -> Result<(), Error> {
+        let volume = VolumeFormat::of::<N, K>();
+        self.ensure_renderers(volume, formats, self.canvas)?;
+        for format in formats {
+            self.renderer_for(volume, *format)?.load_field(field)?;
+        }
+        Ok(())
     }
 
     /// Milliseconds of each setup's pass: the mean over the ring of each view's best of `runs`.
@@ -208,34 +245,35 @@ impl FrameTimer {
             backdrop: paros_headless::BACKDROP,
             scene: None,
         };
-        self.renderer_for(framing.grid_side, format)?.draw_frame(&request, uploads)
+        self.renderer_for(framing.volume, format)?.draw_frame(&request, uploads)
     }
 
-    /// The renderer of a grid size and frame format.
+    /// The renderer of a volume and frame format.
     ///
     /// # Errors
-    /// No subject of that size was loaded.
+    /// No subject of that format was loaded.
     pub(super) fn renderer_for(
         &mut self,
-        grid_side: usize,
+        volume: VolumeFormat,
         format: FrameFormat,
     ) -> Result<&mut HeadlessRenderer, Error> {
-        self.renderers.get_mut(&(grid_side, format)).ok_or_else(|| no_renderer(grid_side))
+        let missing = || no_renderer(volume.grid_side());
+        self.renderers.get_mut(&(volume, format)).ok_or_else(missing)
     }
 
     fn ensure_renderers(
         &mut self,
-        grid_side: usize,
+        volume: VolumeFormat,
         formats: &[FrameFormat],
         image_size: [u32; 2],
     ) -> Result<(), Error> {
         for &format in formats {
-            if !self.renderers.contains_key(&(grid_side, format)) {
+            if !self.renderers.contains_key(&(volume, format)) {
                 let canvas =
                     PictureFormat { size: image_size, eyes: format.eyes, samples: format.samples };
-                let renderer = HeadlessRenderer::new(&self.gpu, grid_side, canvas, &self.cache)?;
+                let renderer = HeadlessRenderer::new(&self.gpu, volume, canvas, &self.cache)?;
                 self.cache = renderer.pipeline_cache()?;
-                self.renderers.insert((grid_side, format), renderer);
+                self.renderers.insert((volume, format), renderer);
             }
         }
         Ok(())
@@ -280,11 +318,11 @@ fn middle_height_sides<const N: usize>(maps: &RangeMaps<N>) -> f32 {
 fn fit_framing(
     small_renderer: &mut HeadlessRenderer,
     image_size: [u32; 2],
-    grid_side: usize,
+    volume: VolumeFormat,
     middle_height_sides: f32,
 ) -> Result<Framing, Error> {
     let nearest = Framing {
-        grid_side,
+        volume,
         distance: NEAREST,
         height: middle_height_sides,
         half_angle: HALF_ANGLE,

@@ -10,6 +10,7 @@ use paros_shaders::gpu::{
     Eye, Fov, FrameRequest, RenderPath, RenderStyle, SculptureOrder, SculpturePlacement,
 };
 use paros_shaders::scene::{LatestInput, SKY, SceneAssembler};
+use paros_shaders::upload::VolumeFormat;
 use paros_shell::statics::Resident;
 
 use super::clock::OursTheirs;
@@ -45,7 +46,7 @@ where
     let mut rows = vec![];
     for format in [FrameFormat::ALL[0], FrameFormat::HEADSET] {
         let eyes = [eye; 2];
-        let renderer = timer.renderer_for(N, format)?;
+        let renderer = timer.renderer_for(VolumeFormat::of::<N, 1>(), format)?;
         let mut best = [[u64::MAX; VIEWS]; ORDERS.len()];
         for run in 0..=runs {
             for view in 0..VIEWS {

@@ -2,7 +2,9 @@
 //!
 //! Milliseconds of a frame's sculpture: the fast path's is what finds where rays start and what
 //! draws, the paper's what draws. A ring of eight views, the sculpture filling a quarter of the image
-//! on average; the mean over the views of each one's best run; all shots of a volume take turns.
+//! on average; the mean over the views of each one's best run; all shots of a volume take turns. The same
+//! voxels in columns of two intervals are drawn beside: the programs and textures for two, and no other
+//! picture.
 //! Then whole frames: those with a stroke's uploads, and the scene in other draw orders.
 
 use paros_core::{Grid, Size};
@@ -27,8 +29,12 @@ const PATHS: [RenderPath; 3] = [
     RenderPath::Paper(PaperVariant::FullMarch),
 ];
 
-/// Milliseconds of the three paths.
-type Costs = [f64; 3];
+/// Milliseconds of the three paths, of a column's one interval and of two.
+#[derive(Clone, Copy)]
+struct Costs {
+    one: [f64; PATHS.len()],
+    two: [f64; PATHS.len()],
+}
 
 pub(super) fn measure_rows(
     subject: &Subject,
@@ -43,17 +49,18 @@ pub(super) fn measure_rows(
     for format in FrameFormat::ALL {
         let setups: Vec<RenderSetup> = framings
             .iter()
-            .flat_map(|&framing| PATHS.map(|path| RenderSetup { framing, path }))
+            .flat_map(|framing| [*framing, framing.of_two_intervals()])
+            .flat_map(|framing| PATHS.map(|path| RenderSetup { framing, path }))
             .collect();
         let times = timer.mean_of_best_ms_per_setup(&setups, format, runs)?;
-        let costs: Vec<Costs> =
-            times.chunks_exact(PATHS.len()).map(|costs| [costs[0], costs[1], costs[2]]).collect();
+        let costs = times.as_chunks::<{ PATHS.len() }>().0.as_chunks::<2>().0;
+        let costs: Vec<Costs> = costs.iter().map(|&[one, two]| Costs { one, two }).collect();
         rows.extend(format_rows(subject, &framings, &costs, format));
     }
     for framing in framings {
-        let edits = with_size!(framing.grid_side, N => edit_frame::measure_rows::<N>(subject, framing, runs, timer));
+        let edits = with_size!(framing.volume.grid_side(), N => edit_frame::measure_rows::<N>(subject, framing, runs, timer));
         rows.extend(edits?);
-        if framing.grid_side == 128 {
+        if framing.volume.grid_side() == 128 {
             rows.extend(order::measure_rows::<128>(subject, runs, timer)?);
         }
     }
@@ -97,7 +104,10 @@ fn load_and_fit_framing<const N: usize>(
 where
     Grid<N>: Size + HasFixture<N>,
 {
-    timer.load_and_fit_framing(subject, &FrameFormat::ALL, &mut *Grid::<N>::lock_fixture())
+    let fixture = &mut *Grid::<N>::lock_fixture();
+    let framing = timer.load_and_fit_framing(subject, &FrameFormat::ALL, fixture)?;
+    timer.load_two_intervals(&FrameFormat::ALL, &fixture.bit_grid)?;
+    Ok(framing)
 }
 
 fn format_rows(
@@ -111,19 +121,25 @@ fn format_rows(
         ..ReportRow::new(
             BENCH,
             subject.name(),
-            framing.grid_side,
+            framing.volume.grid_side(),
             format!("{against}; {}", format.name()),
         )
         .with_times_ms(OursTheirs { ours, theirs })
     };
     let mut rows = vec![];
-    for (framing, &[fast, paper, full]) in framings.iter().zip(costs) {
+    for (framing, &Costs { one: [fast, paper, full], two }) in framings.iter().zip(costs) {
         rows.push(row(framing, "the paper's path", fast, paper));
         rows.push(row(framing, "the paper's path with a full march, ours without", paper, full));
+        let [fast_two, paper_two, full_two] = two;
+        let against = "the paper's path of two intervals with a full march, ours without";
+        rows.push(row(framing, against, paper_two, full_two));
+        rows.push(row(framing, "the paper's path with one interval, ours two", paper_two, paper));
+        rows.push(row(framing, "our fast path with one interval, ours two", fast_two, fast));
     }
-    if let (&[small, large], &[[_, paper_small, _], [fast_large, paper_large, _]]) =
+    if let (&[small, large], &[Costs { one: of_small, .. }, Costs { one: of_large, .. }]) =
         (framings, costs)
     {
+        let ([_, paper_small, _], [fast_large, paper_large, _]) = (of_small, of_large);
         rows.push(row(&large, "the paper's path at 128", fast_large, paper_small));
         let against = "the paper's path at 256, ours the same at 128";
         rows.push(row(&small, against, paper_small, paper_large));

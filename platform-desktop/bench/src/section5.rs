@@ -132,7 +132,8 @@ fn measure_drawn(
     for &size in subject.grid_sides() {
         framings.push(with_size!(size, N => load_and_fit_framing::<N>(subject, timer))?);
     }
-    let framed = |grid_side: usize| framings.iter().find(|framing| framing.grid_side == grid_side);
+    let framed =
+        |grid_side: usize| framings.iter().find(|framing| framing.volume.grid_side() == grid_side);
     let setups: Vec<RenderSetup> = available_experiments(subject)
         .filter_map(|SizedExperiment { experiment: DrawnExperiment { path, .. }, grid_side }| {
             Some(RenderSetup { framing: *framed(grid_side)?, path })

@@ -9,7 +9,7 @@ use paros_shaders::gpu::{
     Eye, Fov, FrameRequest, FrameSemaphores, FrameTimes, Gpu, OffscreenTarget, Options, Renderer,
     SculptureOrder, SculpturePlacement,
 };
-use paros_shaders::upload::Region;
+use paros_shaders::upload::{Region, VolumeFormat};
 use paros_shaders::{Camera, Image};
 
 use crate::Error;
@@ -50,14 +50,14 @@ pub struct HeadlessRenderer {
 }
 
 impl HeadlessRenderer {
-    /// A renderer for sculptures of `grid_side` voxels a side. `pipeline_cache` is another renderer's
+    /// A renderer for volumes of that format. `pipeline_cache` is another renderer's
     /// [`HeadlessRenderer::pipeline_cache`], or empty.
     ///
     /// # Errors
     /// A picture larger than the device draws, or a call that failed: out of memory, most likely.
     pub fn new(
         gpu: &Arc<Gpu>,
-        grid_side: usize,
+        volume: VolumeFormat,
         picture_format: PictureFormat,
         pipeline_cache: &[u8],
     ) -> Result<Self, Error> {
@@ -70,7 +70,7 @@ impl HeadlessRenderer {
         }
         let target_format =
             OffscreenTarget::readback_format(picture_format.samples, picture_format.eyes, false);
-        let renderer = Renderer::new(gpu, target_format, grid_side, pipeline_cache)?;
+        let renderer = Renderer::new(gpu, target_format, volume, pipeline_cache)?;
         let screen = OffscreenTarget::new(gpu, &renderer, picture_format.size)?;
         Ok(HeadlessRenderer { screen, renderer })
     }
@@ -83,7 +83,7 @@ impl HeadlessRenderer {
         Ok(self.renderer.pipeline_cache_data()?)
     }
 
-    /// Loads a whole sculpture, of the size that the renderer was made for.
+    /// Loads a whole sculpture, of the format that the renderer was made for.
     ///
     /// # Errors
     /// A lost device.

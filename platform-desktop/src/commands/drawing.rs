@@ -5,6 +5,7 @@ use paros_core::RangeMaps;
 use paros_headless::{BACKDROP, Error, HeadlessRenderer, PictureFormat, SculptureView};
 use paros_shaders::field::DensityField;
 use paros_shaders::gpu::{FrameRequest, PaperVariant, RenderPath, RenderStyle};
+use paros_shaders::upload::VolumeFormat;
 use paros_shaders::{Camera, Image, RenderOptions, render_image};
 
 /// Samples of a pixel on a Vulkan device.
@@ -67,8 +68,8 @@ impl DrawingOptions {
         }
         let size = [width, height].map(|side| side as u32);
         let canvas = PictureFormat { size, eyes: 1, samples: SAMPLES };
-        let renderer =
-            Box::new(HeadlessRenderer::new(&paros_headless::open_gpu(None)?, N, canvas, &[])?);
+        let (gpu, volume) = (paros_headless::open_gpu(None)?, VolumeFormat::of::<N, K>());
+        let renderer = Box::new(HeadlessRenderer::new(&gpu, volume, canvas, &[])?);
         let path = match self.path {
             PathChoice::Paper => RenderPath::Paper(PaperVariant::Whole),
             PathChoice::Fast => RenderPath::Fast,

@@ -40,8 +40,11 @@ pub fn squeeze_and_release(
 }
 
 /// Runs a tick in which the pointer puts an item into a hand.
-pub fn take_item<const N: usize>(harness: &mut WorldHarness<N>, hand: usize, item: BenchItem)
-where
+pub fn take_item<const N: usize, const K: usize>(
+    harness: &mut WorldHarness<N, K>,
+    hand: usize,
+    item: BenchItem,
+) where
     Grid<N>: Size,
 {
     let pointer = PointerCommand::Take { hand: hand as u8, item: item.number() as u8 };
@@ -49,8 +52,8 @@ where
 }
 
 /// Runs a tick with the held bit at a position of the grid, the trigger pulled or not.
-pub fn step_with_bit_at<const N: usize>(
-    harness: &mut WorldHarness<N>,
+pub fn step_with_bit_at<const N: usize, const K: usize>(
+    harness: &mut WorldHarness<N, K>,
     hand: usize,
     grid_position: Vec3,
     trigger_down: bool,

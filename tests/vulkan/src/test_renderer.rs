@@ -7,6 +7,7 @@ use paros_shaders::gpu::{
     Eye, Fov, FrameRequest, FrameSemaphores, Gpu, OffscreenTarget, Options, RenderStyle, Renderer,
     SculpturePlacement, SharedGpu,
 };
+use paros_shaders::upload::VolumeFormat;
 use paros_shell::require::require_or_skip;
 
 /// A device with validation, or None if the machine has none.
@@ -41,25 +42,25 @@ pub struct TestRenderer {
 }
 
 impl TestRenderer {
-    /// For volumes of `grid_side` voxels a side, and pictures of an extent in pixels. Depth is kept
+    /// For volumes of a format, and pictures of an extent in pixels. Depth is kept
     /// with one sample.
     ///
     /// # Panics
     /// A call that fails, here and below.
     pub fn new(
         gpu: &SharedGpu,
-        grid_side: usize,
+        volume: VolumeFormat,
         [samples, views]: [u32; 2],
         extent: [u32; 2],
     ) -> Self {
         let format = OffscreenTarget::readback_format(samples, views, samples == 1);
-        let renderer = Renderer::new(gpu, format, grid_side, &[]).expect("a renderer");
+        let renderer = Renderer::new(gpu, format, volume, &[]).expect("a renderer");
         let screen = OffscreenTarget::new(gpu, &renderer, extent).expect("an image");
         TestRenderer { screen, renderer, gpu: gpu.clone() }
     }
 
     /// Uploads all textures of a sculpture at once.
-    pub fn upload_field<const N: usize>(&mut self, field: &DensityField<N>) {
+    pub fn upload_field<const N: usize, const K: usize>(&mut self, field: &DensityField<N, K>) {
         field.emit_all_regions(|region, bytes| {
             self.renderer.upload_now(region, bytes).expect("an upload");
         });
@@ -78,7 +79,10 @@ impl TestRenderer {
     }
 
     /// Draws a frame, with as many pending uploads as its budget allows.
-    pub fn draw_with_pending_uploads<const N: usize>(&mut self, field: &mut DensityField<N>) {
+    pub fn draw_with_pending_uploads<const N: usize, const K: usize>(
+        &mut self,
+        field: &mut DensityField<N, K>,
+    ) {
         self.renderer.wait_and_begin_frame().expect("a frame");
         let (budget, mut bytes) = (Budget::per_frame(N), 0);
         field.update_textures(budget, &mut |region, texels| {
@@ -101,10 +105,10 @@ impl TestRenderer {
     }
 
     /// Asserts that the device's textures equal a rebuild from a world's volume.
-    pub fn assert_textures_match<const N: usize>(
+    pub fn assert_textures_match<const N: usize, const K: usize>(
         &self,
-        world: &World<N>,
-        scratch: &mut DensityField<N>,
+        world: &World<N, K>,
+        scratch: &mut DensityField<N, K>,
         context: &str,
     ) where
         Grid<N>: Size,

@@ -14,6 +14,7 @@ use paros_shaders::field::DensityField;
 use paros_shaders::gpu::{
     Error, FrameSemaphores, Gpu, Instance, OffscreenTarget, Options, Renderer, SharedGpu,
 };
+use paros_shaders::upload::VolumeFormat;
 use paros_shell::require::require_or_skip;
 use paros_tests_vulkan::test_renderer::{AHEAD, metre_wide_sculpture_at_origin};
 
@@ -62,7 +63,12 @@ fn start_and_draw(
     field: &DensityField<N>,
     frames: u32,
 ) -> Result<Vec<[u8; 4]>, Error> {
-    let mut renderer = Renderer::new(gpu, OffscreenTarget::readback_format(4, 1, false), N, &[])?;
+    let mut renderer = Renderer::new(
+        gpu,
+        OffscreenTarget::readback_format(4, 1, false),
+        VolumeFormat::of::<N, 1>(),
+        &[],
+    )?;
     let screen = OffscreenTarget::new(gpu, &renderer, SIZE)?;
     let mut loaded = Ok(());
     field.emit_all_regions(|region, bytes| {
@@ -165,8 +171,13 @@ fn a_lost_device_is_told_and_the_next_draws_the_same() {
 fn a_frame_that_failed_is_not_waited_for() {
     let Some((_alone, instance)) = locked_instance() else { return };
     let gpu = create_device(&instance).expect("a device");
-    let mut renderer = Renderer::new(&gpu, OffscreenTarget::readback_format(1, 1, false), N, &[])
-        .expect("a renderer");
+    let mut renderer = Renderer::new(
+        &gpu,
+        OffscreenTarget::readback_format(1, 1, false),
+        VolumeFormat::of::<N, 1>(),
+        &[],
+    )
+    .expect("a renderer");
     let screen = OffscreenTarget::new(&gpu, &renderer, SIZE).expect("an image");
     for i in 0..6 {
         let fault = PlannedFault {
@@ -212,7 +223,7 @@ fn without_density_maps_pictures_are_shaded_alike() {
     );
     let format = OffscreenTarget::readback_format(4, 1, false);
     let asked = paros_shaders::gpu::TargetFormat { density_map: true, ..format };
-    let renderer = Renderer::new(&gpu, asked, N, &[]).expect("a renderer");
+    let renderer = Renderer::new(&gpu, asked, VolumeFormat::of::<N, 1>(), &[]).expect("a renderer");
     assert_eq!(*renderer.format(), format);
     drop(renderer);
     assert!(start_and_draw(&gpu, &field, 1).expect("a picture") == whole);

@@ -14,6 +14,7 @@ use paros_shaders::gpu::{
     SculptureOrder,
 };
 use paros_shaders::scene::{LatestInput, SKY, SceneAssembler};
+use paros_shaders::upload::VolumeFormat;
 use paros_shell::require::require_or_skip;
 use paros_tests_vulkan::test_renderer::TestRenderer;
 
@@ -52,7 +53,8 @@ fn the_order_shades_less_than_the_others() {
     };
     for path in [RenderPath::Fast, RenderPath::Paper(PaperVariant::Whole)] {
         for views in [1, 2] {
-            let mut test_renderer = TestRenderer::new(&gpu, N, [1, views], [320, 240]);
+            let mut test_renderer =
+                TestRenderer::new(&gpu, VolumeFormat::of::<N, 1>(), [1, views], [320, 240]);
             test_renderer.upload_field(&field);
             let picture = FrameRequest {
                 eyes: &[eye; 2][..views as usize],

@@ -14,6 +14,7 @@ use paros_shaders::gpu::{
     Eye, Fov, FrameRequest, PaperVariant, RenderPath, RenderStyle, SculpturePlacement, SharedGpu,
 };
 use paros_shaders::scene::{LatestInput, MeshId, SKY, SUN_DIRECTION, SceneAssembler};
+use paros_shaders::upload::VolumeFormat;
 use paros_shell::figures::Figure;
 use paros_tests_vulkan::test_renderer::{Layers, TestRenderer, test_device};
 
@@ -43,7 +44,10 @@ impl SceneRig {
     }
 
     fn on(gpu: &SharedGpu, kind: [u32; 2]) -> Self {
-        let mut show = SceneRig { test_renderer: TestRenderer::new(gpu, N, kind, SIZE), turn: 0.0 };
+        let mut show = SceneRig {
+            test_renderer: TestRenderer::new(gpu, VolumeFormat::of::<N, 1>(), kind, SIZE),
+            turn: 0.0,
+        };
         show.show_owl();
         show
     }

@@ -9,6 +9,7 @@ use paros_shaders::gpu::{
     Eye, Fov, FrameRequest, FrameSemaphores, Gpu, OffscreenTarget, Options, RenderPath,
     RenderStyle, Renderer, SculpturePlacement,
 };
+use paros_shaders::upload::VolumeFormat;
 use paros_shell::require::require_or_skip;
 use paros_tests_render::view::build_maps_and_field;
 
@@ -22,8 +23,13 @@ fn measure_coverage(gpu: &paros_shaders::gpu::SharedGpu, eye: &Eye) -> Vec<f32> 
     let shape = SolidShape::Sphere { radius: 24.0 };
     let solid = Solid { shape, centre: Vec3::splat(32.0), rotation: Quat::IDENTITY };
     let (_, field) = build_maps_and_field::<64>(&solid.to_voxels(64));
-    let mut renderer = Renderer::new(gpu, OffscreenTarget::readback_format(4, 1, false), 64, &[])
-        .expect("a renderer");
+    let mut renderer = Renderer::new(
+        gpu,
+        OffscreenTarget::readback_format(4, 1, false),
+        VolumeFormat::of::<64, 1>(),
+        &[],
+    )
+    .expect("a renderer");
     let screen = OffscreenTarget::new(gpu, &renderer, EXTENT).expect("images");
     field.emit_all_regions(|region, bytes| renderer.upload_now(region, bytes).expect("a device"));
     let [black, white] = [0.0, 1.0].map(|backdrop| {

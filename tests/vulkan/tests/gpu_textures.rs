@@ -13,23 +13,24 @@ use std::sync::{Mutex, PoisonError};
 
 use glam::Vec3;
 use paros_core::internals::BitAction;
-use paros_core::{BenchItem, Grid, SessionMode, Size, Tool, ToolBit, World, WorldEvent};
+use paros_core::{Axis, BenchItem, Grid, SessionMode, Size, Tool, ToolBit, World, WorldEvent};
 use paros_models::random_visitor::RandomVisitor;
 use paros_models::scripted_hand::{RIGHT, step_with_bit_at, take_item};
 use paros_models::world_harness::WorldHarness;
 use paros_shaders::field::DensityField;
 use paros_shaders::gpu::Options;
+use paros_shaders::upload::VolumeFormat;
 use paros_tests_vulkan::test_renderer::{TestRenderer, test_device_with};
 
 /// A sculpture's textures, and the device that is to hold them.
-struct TextureCheck<const N: usize> {
+struct TextureCheck<const N: usize, const K: usize> {
     test_renderer: TestRenderer,
-    field: Box<DensityField<N>>,
-    rebuilt: Box<DensityField<N>>,
+    field: Box<DensityField<N, K>>,
+    rebuilt: Box<DensityField<N, K>>,
     frames: u32,
 }
 
-impl<const N: usize> TextureCheck<N>
+impl<const N: usize, const K: usize> TextureCheck<N, K>
 where
     Grid<N>: Size,
 {
@@ -40,7 +41,8 @@ where
             "{} has no program write textures",
             device.name
         );
-        let mut test_renderer = TestRenderer::new(&device, N, [1, 1], [32, 32]);
+        let mut test_renderer =
+            TestRenderer::new(&device, VolumeFormat::of::<N, K>(), [1, 1], [32, 32]);
         let field = Box::new(DensityField::new());
         test_renderer.upload_field(&field);
         Some(TextureCheck {
@@ -52,7 +54,7 @@ where
     }
 
     /// A tick's changes, and a frame.
-    fn note_and_draw(&mut self, world: &World<N>) {
+    fn note_and_draw(&mut self, world: &World<N, K>) {
         self.field.note_changes(world.volume().maps(), world.dirty_rects());
         self.draw_frame();
     }
@@ -63,7 +65,7 @@ where
     }
 
     /// Draws until nothing is left to upload; then the device holds what it should.
-    fn check_all(&mut self, world: &World<N>, when: &str) {
+    fn check_all(&mut self, world: &World<N, K>, when: &str) {
         while self.field.has_pending() {
             self.draw_frame();
         }
@@ -72,9 +74,9 @@ where
 }
 
 /// A session of random edits, with all that a visitor does besides; a load from time to time.
-fn run_random_edits<const N: usize>(
-    studio: &mut WorldHarness<N>,
-    held: &mut TextureCheck<N>,
+fn run_random_edits<const N: usize, const K: usize>(
+    studio: &mut WorldHarness<N, K>,
+    held: &mut TextureCheck<N, K>,
     edits: u32,
 ) where
     Grid<N>: Size,
@@ -134,8 +136,10 @@ fn run_random_edits<const N: usize>(
 }
 
 /// The upper half on a thin stalk that is sawn through.
-fn saw_through_stalk<const N: usize>(studio: &mut WorldHarness<N>, held: &mut TextureCheck<N>)
-where
+fn saw_through_stalk<const N: usize, const K: usize>(
+    studio: &mut WorldHarness<N, K>,
+    held: &mut TextureCheck<N, K>,
+) where
     Grid<N>: Size,
 {
     let (half, stalk) = (N / 2, N / 32);
@@ -168,13 +172,18 @@ const fn removed_by(event: &WorldEvent) -> u32 {
     }
 }
 
-fn check_device<const N: usize>(studio: &Mutex<WorldHarness<N>>, copies: bool, edits: u32)
-where
+fn check_device<const N: usize, const K: usize>(
+    studio: &Mutex<WorldHarness<N, K>>,
+    copies: bool,
+    edits: u32,
+) where
     Grid<N>: Size,
 {
     let Some(mut held) = TextureCheck::new(copies) else { return };
     let mut studio = studio.lock().unwrap_or_else(PoisonError::into_inner);
     run_random_edits(&mut studio, &mut held, edits);
+    let gaps = count_gaps(&studio.world);
+    assert!(K == 1 || gaps > 100, "{gaps} gaps");
     saw_through_stalk(&mut studio, &mut held);
 }
 
@@ -188,6 +197,21 @@ fn the_device_holds_the_sculpture_at_128() {
 fn the_device_holds_the_sculpture_by_copies_at_128() {
     static STUDIO: Mutex<WorldHarness<128>> = Mutex::new(WorldHarness::new());
     check_device(&STUDIO, true, 1000);
+}
+
+#[test]
+fn the_device_holds_two_intervals_at_128() {
+    static STUDIO: Mutex<WorldHarness<128, 2>> = Mutex::new(WorldHarness::new());
+    check_device(&STUDIO, false, 500);
+}
+
+fn count_gaps<const N: usize, const K: usize>(world: &World<N, K>) -> usize
+where
+    Grid<N>: Size,
+{
+    let line = |axis, line| world.volume().maps().line(axis, line).iter();
+    let columns = Axis::ALL.into_iter().flat_map(|axis| (0..N).flat_map(move |i| line(axis, i)));
+    columns.flat_map(|column| &column.0[1..]).filter(|range| !range.is_empty()).count()
 }
 
 #[test]

@@ -3,7 +3,9 @@
 //! Percentages are of the pixels inside the box's outline, at one sample.
 
 use glam::{Quat, Vec3};
+use paros_core::RangeMaps;
 use paros_models::dense::DenseVolume;
+use paros_models::layers::LayeredVolume;
 use paros_models::voxel_traversal;
 use paros_shaders::field::DensityField;
 use paros_shaders::gpu::{
@@ -11,9 +13,10 @@ use paros_shaders::gpu::{
     RenderPath, RenderStyle, Renderer, SculpturePlacement, SharedGpu,
 };
 use paros_shaders::march::clip_to_cube;
+use paros_shaders::upload::VolumeFormat;
 use paros_shaders::{Image, Ray, TwinScene, TwinSettings, shade_ray};
 use paros_shell::require::require_or_skip;
-use paros_tests_render::view::build_maps_and_field;
+use paros_tests_render::view::{build_layered_maps_and_field, build_maps_and_field};
 
 const EXTENT: [u32; 2] = [200, 168];
 const N: usize = 64;
@@ -42,19 +45,19 @@ struct TwinRig {
 impl TwinRig {
     /// None where there is no device. The fast path computes in halves unless `single`; None where
     /// the device has no use for them.
-    fn new(single: bool) -> Option<Self> {
+    fn new(single: bool, volume: VolumeFormat) -> Option<Self> {
         let options = Options { validation: true, single_precision: single, ..Options::default() };
         let gpu = require_or_skip(Gpu::headless(&options)).expect("Vulkan")?;
         let precision =
             (single || gpu.features.half_precision).then_some(()).ok_or("no half precision");
         require_or_skip(precision).expect("half precision")?;
         let format = OffscreenTarget::readback_format(1, 1, true);
-        let renderer = Renderer::new(&gpu, format, N, &[]).expect("a renderer");
+        let renderer = Renderer::new(&gpu, format, volume, &[]).expect("a renderer");
         let screen = OffscreenTarget::new(&gpu, &renderer, EXTENT).expect("images");
         Some(TwinRig { gpu, renderer, screen })
     }
 
-    fn load(&mut self, field: &DensityField<N>) {
+    fn load<const K: usize>(&mut self, field: &DensityField<N, K>) {
         field.emit_all_regions(|region, bytes| {
             self.renderer.upload_now(region, bytes).expect("a device");
         });
@@ -103,49 +106,85 @@ fn from_inside_the_box_the_gpu_draws_what_its_twin_draws() {
     }
 }
 
-fn check_agreement(single: bool, paths: &[RenderPath], eye: impl Fn(usize) -> Eye) {
-    let Some(mut rig) = TwinRig::new(single) else { return };
-    for (name, volume) in test_volumes() {
-        let (maps, field) = build_maps_and_field::<N>(&volume);
-        rig.load(&field);
-        for (view, turn) in TURNS.into_iter().enumerate() {
-            for &path in paths {
-                let eye = eye(view);
-                let (pixels, depths) = rig.draw(eye, turn, path);
-                let scene = TwinScene {
-                    field: (path == RenderPath::Fast).then_some(&*field),
-                    ..TwinScene::new(&maps, turn, TwinSettings::default())
-                };
-                let name = format!("{name}-{view}-{path:?}-single-{single}");
-                check_picture(&name, &scene, &eye, &pixels, &depths);
-            }
-        }
+/// Both intervals of a column are drawn: what only a second one can hold.
+#[test]
+fn the_gpu_draws_two_intervals_as_its_twin_does() {
+    let Some(mut rig) = TwinRig::new(true, VolumeFormat::of::<N, 2>()) else { return };
+    for (name, volume) in hollow_volumes() {
+        let (maps, field) = build_layered_maps_and_field::<N, 2>(&volume);
+        let paths = [RenderPath::Fast, RenderPath::Paper(PaperVariant::Whole)];
+        check_volume(&mut rig, name, (&maps, &field), &paths, &eye);
     }
     rig.check_validation();
+}
+
+fn check_agreement(single: bool, paths: &[RenderPath], eye: impl Fn(usize) -> Eye) {
+    let Some(mut rig) = TwinRig::new(single, VolumeFormat::of::<N, 1>()) else { return };
+    for (name, volume) in test_volumes() {
+        let (maps, field) = build_maps_and_field::<N>(&volume);
+        let name = format!("{name}-single-{single}");
+        check_volume(&mut rig, &name, (&maps, &field), paths, &eye);
+    }
+    rig.check_validation();
+}
+
+fn check_volume<const K: usize>(
+    rig: &mut TwinRig,
+    name: &str,
+    (maps, field): (&RangeMaps<N, K>, &DensityField<N, K>),
+    paths: &[RenderPath],
+    eye: &impl Fn(usize) -> Eye,
+) {
+    rig.load(field);
+    for (view, turn) in TURNS.into_iter().enumerate() {
+        for &path in paths {
+            let eye = eye(view);
+            let (pixels, depths) = rig.draw(eye, turn, path);
+            let scene = TwinScene {
+                field: (path == RenderPath::Fast).then_some(field),
+                ..TwinScene::new(maps, turn, TwinSettings::default())
+            };
+            check_picture(&format!("{name}-{view}-{path:?}"), &scene, &eye, &pixels, &depths);
+        }
+    }
 }
 
 /// The full march asks more of the maps and finds the same voxels.
 #[test]
 fn a_full_march_draws_what_the_quick_one_draws() {
-    let Some(mut rig) = TwinRig::new(true) else { return };
+    let Some(mut rig) = TwinRig::new(true, VolumeFormat::of::<N, 1>()) else { return };
     for (name, volume) in test_volumes() {
         rig.load(&build_maps_and_field::<N>(&volume).1);
-        for (view, turn) in TURNS.into_iter().enumerate() {
-            let [quick, full] = [PaperVariant::Whole, PaperVariant::FullMarch]
-                .map(|parts| rig.draw(eye(view), turn, RenderPath::Paper(parts)));
-            let differ = quick.1.iter().zip(&full.1).filter(|(a, b)| a != b).count();
-            let hits = quick.1.iter().filter(|depth| **depth > 0.0).count();
-            assert!(hits > 1000 && differ == 0, "{name}, view {view}: {differ} of {hits}");
-        }
+        check_full_march(&mut rig, name);
     }
     rig.check_validation();
+}
+
+#[test]
+fn a_full_march_draws_two_intervals_as_the_quick_one_does() {
+    let Some(mut rig) = TwinRig::new(true, VolumeFormat::of::<N, 2>()) else { return };
+    for (name, volume) in hollow_volumes() {
+        rig.load(&build_layered_maps_and_field::<N, 2>(&volume).1);
+        check_full_march(&mut rig, name);
+    }
+    rig.check_validation();
+}
+
+fn check_full_march(rig: &mut TwinRig, name: &str) {
+    for (view, turn) in TURNS.into_iter().enumerate() {
+        let [quick, full] = [PaperVariant::Whole, PaperVariant::FullMarch]
+            .map(|parts| rig.draw(eye(view), turn, RenderPath::Paper(parts)));
+        let differ = quick.1.iter().zip(&full.1).filter(|(a, b)| a != b).count();
+        let hits = quick.1.iter().filter(|depth| **depth > 0.0).count();
+        assert!(hits > 1000 && differ == 0, "{name}, view {view}: {differ} of {hits}");
+    }
 }
 
 /// Its rays start where beams of them may, unlike its twin's, and so step over other parts of what
 /// is thinner than a step.
 #[test]
 fn the_gpu_keeps_what_is_thin() {
-    let Some(mut rig) = TwinRig::new(true) else { return };
+    let Some(mut rig) = TwinRig::new(true, VolumeFormat::of::<N, 1>()) else { return };
     let plates = |[x, y, z]: [i32; 3]| y == 9 || x == 50 || z == 31 && y < 30;
     let rods = |[x, y, z]: [i32; 3]| x % 6 == 2 && z == 40 || y % 6 == 3 && z == 20;
     for (name, volume, least) in [
@@ -172,9 +211,9 @@ fn the_gpu_keeps_what_is_thin() {
     rig.check_validation();
 }
 
-fn check_picture(
+fn check_picture<const K: usize>(
     name: &str,
-    scene: &TwinScene<'_, N>,
+    scene: &TwinScene<'_, N, K>,
     eye: &Eye,
     pixels: &[[u8; 4]],
     depths: &[f32],
@@ -273,4 +312,33 @@ fn test_volumes() -> Vec<(&'static str, DenseVolume)> {
     });
     let steps = DenseVolume::from_fn(N, |[x, y, z]| y < 8 + 6 * (x / 9) && (z + y) % 64 > 9);
     vec![("ball", ball), ("pair", pair.closure()), ("steps", steps.closure())]
+}
+
+/// Volumes that columns of one interval can't hold.
+fn hollow_volumes() -> Vec<(&'static str, DenseVolume)> {
+    let middle = |[x, y, z]: [i32; 3]| [x - 32, y - 30, z - 32];
+    let square = |at: [i32; 3]| middle(at).map(|c| c * c);
+    // A post in a room with a window in each wall and a hole in the roof.
+    let lantern = DenseVolume::from_fn(N, |at| {
+        let [x, y, z] = square(at);
+        let wall = x.max(z) < 26 * 26 && at[1] < 58;
+        let room = x.max(z) < 21 * 21 && (6..52).contains(&at[1]);
+        let holes = x + y < 13 * 13 || y + z < 13 * 13 || x + z < 9 * 9;
+        wall && !room && !holes || x + z < 6 * 6 && at[1] < 40 || at[1] < 4
+    });
+    // Holes through a block, crosswise.
+    let drilled = DenseVolume::from_fn(N, |at| {
+        let [x, y, z] = square(at);
+        let [dx, dy, dz] = middle(at);
+        x.max(y).max(z) < 26 * 26
+            && x + y > 81
+            && (dx - dz - 12).pow(2) + 2 * (dy - 12).pow(2) > 90
+            && (dy + dz).pow(2) + 2 * (dx + 14).pow(2) > 60
+    });
+    vec![("lantern", close(&lantern)), ("drilled", close(&drilled))]
+}
+
+/// The closure in columns of two intervals.
+fn close(voxels: &DenseVolume) -> DenseVolume {
+    LayeredVolume::new(voxels, 2).voxels().clone()
 }

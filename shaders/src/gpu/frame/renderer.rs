@@ -27,7 +27,7 @@ use crate::gpu::pipelines::paths::RenderPath;
 use crate::gpu::pipelines::scatter::TexelWriter;
 use crate::scene::meshes;
 use crate::twin::{marble, noise};
-use crate::upload::{Region, Texture};
+use crate::upload::{Region, Texture, VolumeFormat};
 
 /// Frames in flight.
 const RING: usize = 2;
@@ -41,7 +41,7 @@ pub struct FrameSemaphores {
     pub signal: Option<vk::Semaphore>,
 }
 
-/// Draws sculptures of N voxels a side, for one target format.
+/// Draws sculptures of one volume format, for one target format.
 ///
 /// A failed call may lose staged uploads: drop the renderer then and create another one, on another
 /// device if this one [is lost].
@@ -50,7 +50,7 @@ pub struct FrameSemaphores {
 pub struct Renderer {
     pub(crate) gpu: Arc<Gpu>,
     format: TargetFormat,
-    grid_side: usize,
+    volume: VolumeFormat,
     /// The overlay of the current frame.
     pub overlay: Overlay,
     pub(crate) march_starts: RenderPass,
@@ -80,13 +80,13 @@ impl core::fmt::Debug for Renderer {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.debug_struct("Renderer")
             .field("format", &self.format)
-            .field("grid_side", &self.grid_side)
+            .field("volume", &self.volume)
             .finish()
     }
 }
 
 impl Renderer {
-    /// Creates a renderer for volumes of `grid_side` voxels a side. `cache_data` is the result of
+    /// Creates a renderer for volumes of that format. `cache_data` is the result of
     /// [`Renderer::pipeline_cache_data`] at an earlier start, or empty. Without density maps if the device
     /// has none: see [`Gpu::missing_features`].
     ///
@@ -95,7 +95,7 @@ impl Renderer {
     pub fn new(
         gpu: &Arc<Gpu>,
         format: TargetFormat,
-        grid_side: usize,
+        volume: VolumeFormat,
         cache_data: &[u8],
     ) -> Result<Self, Error> {
         let density_map = format.density_map && gpu.features.density_map;
@@ -108,8 +108,8 @@ impl Renderer {
             shadow: shadow.pass.raw,
             frame: frame.raw,
         };
-        let pipelines = Pipelines::new(gpu, &format, &passes, cache_data)?;
-        let textures = SculptureTextures::new(gpu, grid_side as u32, marble::TEXTURE_SIDE as u32)?;
+        let pipelines = Pipelines::new(gpu, &format, volume, &passes, cache_data)?;
+        let textures = SculptureTextures::new(gpu, volume, marble::TEXTURE_SIDE as u32)?;
         let info = vk::CommandPoolCreateInfo::default()
             .queue_family_index(gpu.queue_family)
             .flags(vk::CommandPoolCreateFlags::RESET_COMMAND_BUFFER);
@@ -129,7 +129,7 @@ impl Renderer {
         let mut renderer = Renderer {
             gpu: gpu.clone(),
             format,
-            grid_side,
+            volume,
             overlay,
             march_starts,
             shadow,
@@ -250,6 +250,7 @@ impl Renderer {
     #[must_use]
     pub fn try_stage_upload(&mut self, region: Region, bytes: &[u8]) -> bool {
         debug_assert_eq!(region.byte_count(), bytes.len(), "a region's bytes");
+        debug_assert!(region.fits_volume(self.volume), "{region:?} of {:?}", self.volume);
         self.ring[self.slot_index].staging.try_push(region, bytes)
     }
 
@@ -286,7 +287,7 @@ impl Renderer {
         image_index: usize,
         semaphores: FrameSemaphores,
     ) -> Result<(), Error> {
-        let bytes = uniforms::frame_uniforms(request, self.grid_side, target.extent);
+        let bytes = uniforms::frame_uniforms(request, self.volume.grid_side(), target.extent);
         let slot = &mut self.ring[self.slot_index];
         slot.uniform.write(0, bytemuck::bytes_of(&bytes));
         if let Some(scene) = request.scene {

@@ -15,8 +15,9 @@ use crate::gpu::passes::target::RenderTarget;
 use crate::gpu::pipelines::paths::RenderPath;
 use crate::scene::{LatestInput, SKY, SceneAssembler};
 use crate::twin::render::tone_map;
+use crate::upload::VolumeFormat;
 
-/// A renderer with the textures and the scene of a world.
+/// A renderer with the textures and the scene of a world, of one interval a column or two.
 #[derive(Debug)]
 pub struct WorldRenderer<const N: usize, const K: usize = 1>
 where
@@ -56,7 +57,7 @@ where
         world: &World<N, K>,
         cache: &[u8],
     ) -> Result<Self, Error> {
-        let renderer = Renderer::new(gpu, format, N, cache)?;
+        let renderer = Renderer::new(gpu, format, VolumeFormat::of::<N, K>(), cache)?;
         let mut scene = Box::new(SceneAssembler::new());
         scene.follow_tick(world);
         let mut show =

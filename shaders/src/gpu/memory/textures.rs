@@ -11,7 +11,7 @@ use crate::field::{LEVELS, PAD, cell_side_texels};
 use crate::gpu::device::context::Gpu;
 use crate::gpu::device::error::{Error, ErrorContext};
 use crate::gpu::device::owned::OwnedHandle;
-use crate::upload::{Region, Texture};
+use crate::upload::{Region, Texture, VolumeFormat};
 
 /// Number of textures.
 pub(crate) const TEXTURE_COUNT: usize = 5;
@@ -34,7 +34,12 @@ pub(crate) struct SculptureTextures {
 }
 
 impl SculptureTextures {
-    pub(crate) fn new(gpu: &Arc<Gpu>, grid_side: u32, marble_side: u32) -> Result<Self, Error> {
+    pub(crate) fn new(
+        gpu: &Arc<Gpu>,
+        volume: VolumeFormat,
+        marble_side: u32,
+    ) -> Result<Self, Error> {
+        let grid_side = volume.grid_side() as u32;
         let usage = vk::ImageUsageFlags::SAMPLED
             | vk::ImageUsageFlags::TRANSFER_DST
             | vk::ImageUsageFlags::TRANSFER_SRC;
@@ -49,7 +54,7 @@ impl SculptureTextures {
         };
         let byte = vk::Format::R8_UNORM;
         let flat =
-            ImageSpec::new_2d(vk::Format::R8G8_UINT, [grid_side + 2 * MAP_BORDER_COLUMNS; 2], 3);
+            ImageSpec::new_2d(maps_format(volume), [grid_side + 2 * MAP_BORDER_COLUMNS; 2], 3);
         let sampler = |filter, mode| create_sampler(gpu, filter, mode);
         let (edge, repeat) =
             (vk::SamplerAddressMode::CLAMP_TO_EDGE, vk::SamplerAddressMode::REPEAT);
@@ -59,7 +64,7 @@ impl SculptureTextures {
             density: solid(byte, grid_side + 2 * PAD as u32, LEVELS as u32, written)?,
             cells: solid(
                 byte,
-                (grid_side + 2 * PAD as u32) / cell_side_texels(grid_side as usize) as u32,
+                (grid_side + 2 * PAD as u32) / cell_side_texels(volume.grid_side()) as u32,
                 1,
                 written,
             )?,
@@ -243,6 +248,15 @@ impl SculptureTextures {
                 &barriers[..count],
             );
         }
+    }
+}
+
+/// The format of a column's texel: two bytes for each interval. The four of two intervals are one
+/// component: a fetch returns a register, not four.
+const fn maps_format(volume: VolumeFormat) -> vk::Format {
+    match volume.intervals() {
+        1 => vk::Format::R8G8_UINT,
+        _ => vk::Format::R32_UINT,
     }
 }
 

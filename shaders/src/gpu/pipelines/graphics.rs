@@ -12,6 +12,7 @@ use crate::constants;
 use crate::gpu::device::context::Gpu;
 use crate::gpu::device::error::{Error, ErrorContext};
 use crate::gpu::device::format::TargetFormat;
+use crate::upload::VolumeFormat;
 
 /// Descriptor types by binding; the WGSL modules declare each binding.
 pub(crate) const BINDING_TYPES: [vk::DescriptorType; constants::BINDING_COUNT as usize] = [
@@ -61,6 +62,7 @@ impl Pipelines {
     pub(crate) fn new(
         gpu: &Arc<Gpu>,
         format: &TargetFormat,
+        volume: VolumeFormat,
         passes: &PassHandles,
         cache_data: &[u8],
     ) -> Result<Self, Error> {
@@ -83,7 +85,7 @@ impl Pipelines {
         };
         all.create_layouts()?;
         all.create_march_start_pipelines(passes.march_starts)?;
-        all.create_sculpture_pipelines(format, passes.frame)?;
+        all.create_sculpture_pipelines(format, volume, passes.frame)?;
         all.create_scene_pipelines(format, passes.frame)?;
         all.create_shadow_pipelines(passes.shadow)?;
         Ok(all)
@@ -109,6 +111,7 @@ impl Pipelines {
     fn create_sculpture_pipelines(
         &mut self,
         format: &TargetFormat,
+        volume: VolumeFormat,
         pass: vk::RenderPass,
     ) -> Result<(), Error> {
         let coverage = format.samples > 1;
@@ -122,13 +125,7 @@ impl Pipelines {
             ..PipelineSpec::for_pass(pass)
         };
         self.fast = self.create_pipeline(&fast)?;
-        let paper = [
-            programs::PAPER,
-            programs::PAPER_FULL_MARCH,
-            programs::PAPER_NO_SDF,
-            programs::PAPER_NO_SHADING,
-        ];
-        for (i, fragment) in paper.into_iter().enumerate() {
+        for (i, fragment) in paper_programs(volume).into_iter().enumerate() {
             self.paper[i] = self.create_pipeline(&PipelineSpec {
                 vertex: programs::BOX_VERTEX,
                 fragment: Some(fragment),
@@ -251,6 +248,24 @@ impl Drop for Pipelines {
             device.destroy_descriptor_set_layout(self.set_layout, None);
             device.destroy_pipeline_cache(self.cache, None);
         }
+    }
+}
+
+/// The programs of the paper's path: whole, full march, no blobs, no shading.
+const fn paper_programs(volume: VolumeFormat) -> [ShaderProgram; 4] {
+    match volume.intervals() {
+        1 => [
+            programs::PAPER,
+            programs::PAPER_FULL_MARCH,
+            programs::PAPER_NO_SDF,
+            programs::PAPER_NO_SHADING,
+        ],
+        _ => [
+            programs::PAPER_TWO,
+            programs::PAPER_TWO_FULL_MARCH,
+            programs::PAPER_TWO_NO_SDF,
+            programs::PAPER_TWO_NO_SHADING,
+        ],
     }
 }
 
