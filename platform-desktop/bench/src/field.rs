@@ -2,7 +2,8 @@
 //! instructions and in bytes for the device.
 //!
 //! A frame takes in a tick's changes, computes as much as its budget allows and copies that to
-//! staging memory. Each kind of change is played to its end; the worst frame is reported.
+//! staging memory. Each kind of change is played to its end; the worst frame is reported. The same
+//! changes are played in columns of two intervals.
 
 use std::hint::black_box;
 use std::path::Path;
@@ -53,18 +54,21 @@ where
     let folder = ScratchFolder::new()?;
     let volume = folder.0.join("volume.rmap");
     rmap::write(&volume, &fixture.start).map_err(Error::failure)?;
-    let frames = play_changes(fixture)?;
+    let frames = play_changes_of_both(fixture)?;
     let mut counted = count_instructions_per_call(COUNTED, &volume, &folder, &|_| {});
     if let Ok(counts) = &counted
         && counts.len() != frames.len()
     {
         counted = Err(format!("{} of {} frames were counted", counts.len(), frames.len()));
     }
-    let row = |change: FieldChange| {
-        let of_change = || frames.iter().enumerate().filter(|(_, frame)| frame.change == change);
+    let row = |(intervals, change): (usize, FieldChange)| {
+        let is_of = |frame: &PlayedFrame| (frame.intervals, frame.change) == (intervals, change);
+        let of_change = || frames.iter().enumerate().filter(|(_, frame)| is_of(frame));
         let bytes = of_change().map(|(_, frame)| frame.bytes as u64).max();
         let instructions = |counts: &Vec<u64>| of_change().map(|(i, _)| counts[i]).max();
-        let against = format!("worst of {} frames: {}", of_change().count(), change.name());
+        let intervals = if intervals == 1 { "" } else { ", two intervals" };
+        let count = of_change().count();
+        let against = format!("worst of {count} frames: {}{intervals}", change.name());
         ReportRow {
             instructions: counted.as_ref().ok().and_then(instructions),
             bytes,
@@ -72,7 +76,8 @@ where
         }
     };
     let why = counted.as_ref().err().map(|why| format!("instructions of a frame: {why}"));
-    Ok(Measured { rows: FieldChange::ALL.map(row).into(), skipped: why })
+    let rows = [1, 2].into_iter().flat_map(|k| FieldChange::ALL.map(|change| (k, change)));
+    Ok(Measured { rows: rows.map(row).collect(), skipped: why })
 }
 
 /// Plays the cases on a volume's file: the part of the child that is counted.
@@ -90,26 +95,44 @@ where
 {
     let fixture = &mut *Grid::<N>::lock_fixture();
     subject.load_into(&mut fixture.start, &mut fixture.bit_grid)?;
-    play_changes(fixture).map(|_| ())
+    play_changes_of_both(fixture).map(|_| ())
+}
+
+/// Plays the changes in columns of one interval, then of two. The fixture holds the voxels.
+fn play_changes_of_both<const N: usize>(fixture: &mut Fixture<N>) -> Result<Vec<PlayedFrame>, Error>
+where
+    Grid<N>: Size + HasFixture<N>,
+{
+    let two = &mut *Grid::<N>::lock_fixture_of_two();
+    fixture.bit_grid.write_closure(&mut two.start);
+    two.bit_grid.set_from_maps(&two.start);
+    let mut frames = play_changes(fixture)?;
+    frames.extend(play_changes(two)?);
+    Ok(frames)
 }
 
 /// A played frame: its change, and the bytes for the device.
 struct PlayedFrame {
+    intervals: usize,
     change: FieldChange,
     bytes: usize,
 }
 
 /// The textures as they follow a volume.
-struct FieldFollower<const N: usize> {
-    field: Box<DensityField<N>>,
+struct FieldFollower<const N: usize, const K: usize> {
+    field: Box<DensityField<N, K>>,
     staging: Vec<u8>,
     frames: Vec<PlayedFrame>,
 }
 
-impl<const N: usize> FieldFollower<N> {
-    fn play_frame(&mut self, change: FieldChange, changed: Option<(&RangeMaps<N>, &DirtyRects)>) {
+impl<const N: usize, const K: usize> FieldFollower<N, K> {
+    fn play_frame(
+        &mut self,
+        change: FieldChange,
+        changed: Option<(&RangeMaps<N, K>, &DirtyRects)>,
+    ) {
         let bytes = stage_frame_and_count_bytes(&mut self.field, changed, &mut self.staging);
-        self.frames.push(PlayedFrame { change, bytes });
+        self.frames.push(PlayedFrame { intervals: K, change, bytes });
     }
 
     /// Plays frames until no work is pending.
@@ -120,7 +143,9 @@ impl<const N: usize> FieldFollower<N> {
     }
 }
 
-fn play_changes<const N: usize>(fixture: &mut Fixture<N>) -> Result<Vec<PlayedFrame>, Error>
+fn play_changes<const N: usize, const K: usize>(
+    fixture: &mut Fixture<N, K>,
+) -> Result<Vec<PlayedFrame>, Error>
 where
     Grid<N>: Size,
 {
@@ -166,9 +191,9 @@ const COUNTED: &str = concat!(module_path!(), "::stage_frame_and_count_bytes");
 
 /// One frame's upkeep, the function that Callgrind counts by this name; the bytes staged.
 #[inline(never)]
-fn stage_frame_and_count_bytes<const N: usize>(
-    field: &mut DensityField<N>,
-    changed: Option<(&RangeMaps<N>, &DirtyRects)>,
+fn stage_frame_and_count_bytes<const N: usize, const K: usize>(
+    field: &mut DensityField<N, K>,
+    changed: Option<(&RangeMaps<N, K>, &DirtyRects)>,
     staging: &mut [u8],
 ) -> usize {
     if let Some((maps, dirty)) = changed {

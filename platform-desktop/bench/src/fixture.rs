@@ -44,13 +44,16 @@ where
     }
 }
 
-/// The static fixture of a grid size.
+/// The static fixtures of a grid size.
 pub(super) trait HasFixture<const N: usize>: Resident<N, 1>
 where
     Grid<N>: Size,
 {
     /// Locks the fixture until the guard is dropped.
     fn lock_fixture() -> MutexGuard<'static, Fixture<N>>;
+
+    /// Locks the one of two intervals a column until the guard is dropped.
+    fn lock_fixture_of_two() -> MutexGuard<'static, Fixture<N, 2>>;
 }
 
 macro_rules! fixtures {
@@ -58,6 +61,11 @@ macro_rules! fixtures {
         impl HasFixture<$n> for Grid<$n> {
             fn lock_fixture() -> MutexGuard<'static, Fixture<$n>> {
                 static FIXTURE: Mutex<Fixture<$n>> = Mutex::new(Fixture::new());
+                FIXTURE.lock().unwrap_or_else(PoisonError::into_inner)
+            }
+
+            fn lock_fixture_of_two() -> MutexGuard<'static, Fixture<$n, 2>> {
+                static FIXTURE: Mutex<Fixture<$n, 2>> = Mutex::new(Fixture::new());
                 FIXTURE.lock().unwrap_or_else(PoisonError::into_inner)
             }
         }

@@ -51,8 +51,8 @@ pub(super) struct Fraction {
 
 /// Clears layers at a fraction of the occupied height: all above is an island. Closure restores
 /// nothing there, as a cleared layer has no columns along x and z.
-pub(super) fn cut_gap<const N: usize>(
-    maps: &mut RangeMaps<N>,
+pub(super) fn cut_gap<const N: usize, const K: usize>(
+    maps: &mut RangeMaps<N, K>,
     bit_grid: &mut BitGrid<N>,
     height: Fraction,
 ) where
@@ -63,7 +63,7 @@ pub(super) fn cut_gap<const N: usize>(
     for y in cut..(cut + GAP).min(N) {
         bit_grid.layer_mut(y).fill(<Grid<N> as Size>::Row::EMPTY);
     }
-    bit_grid.write_hulls(maps);
+    bit_grid.write_closure(maps);
     bit_grid.set_from_maps(maps);
 }
 
@@ -187,8 +187,8 @@ where
 }
 
 /// Advances the pass under way by at most so many row visits; its report once it is done.
-pub(super) fn advance_pass<const N: usize>(
-    fixture: &mut Fixture<N>,
+pub(super) fn advance_pass<const N: usize, const K: usize>(
+    fixture: &mut Fixture<N, K>,
     max_row_visits: u32,
 ) -> Option<IslandReport>
 where
