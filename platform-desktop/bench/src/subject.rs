@@ -48,16 +48,8 @@ impl Subject {
         }
         let name = name_or_path.file_stem().map_or(text, |stem| stem.to_string_lossy()).into();
         if name_or_path.extension().is_some_and(|kind| kind.eq_ignore_ascii_case("rmap")) {
-            let size = match rmap::read_header(name_or_path).map_err(Error::input)?.grid_side {
-                size if GRID_SIDES.contains(&size) => size,
-                n => {
-                    let what = name_or_path.display();
-                    return Err(Error::Input(format!(
-                        "{what}: expected a volume of size 128 or 256, found {n}"
-                    )));
-                }
-            };
-            let source = Source::Volume(name_or_path.into(), size);
+            let header = rmap::read_sculpture_header(name_or_path).map_err(Error::input)?;
+            let source = Source::Volume(name_or_path.into(), header.grid_side);
             return Ok(Subject { name, source });
         }
         let kind = MeshFormat::from_extension(name_or_path)

@@ -39,6 +39,7 @@ use paros_core::limits::MAX_INTERVALS;
 use paros_core::{Axis, Grid, RangeMaps, Size};
 
 use crate::durable;
+use crate::sizes::GRID_SIDES;
 use columns::FileColumns;
 pub use fault::{RmapError, RmapFault, RmapFaultAt};
 
@@ -47,6 +48,8 @@ const MAGIC: [u8; 4] = *b"RMAP";
 const VERSION_OF_ONE: u16 = 1;
 const VERSION_OF_MORE: u16 = 2;
 const HEADER_BYTES: usize = 12;
+const SIZE_OFFSET: usize = 6;
+const INTERVALS_OFFSET: usize = 8;
 const CHECKSUM_BYTES: usize = 4;
 const SIZES: [u16; 5] = [16, 32, 64, 128, 256];
 
@@ -82,6 +85,19 @@ pub fn read_header(path: &Path) -> Result<RmapHeader, RmapError> {
         .read_to_end(&mut start)
         .map_err(|source| read_error(path, source))?;
     parse_header(&start).map_err(|found| format_error(path, found))
+}
+
+/// Reads and checks the header alone, which must be that of a sculpture: of one of [`GRID_SIDES`].
+///
+/// # Errors
+/// As [`read_header`], and for another size.
+pub fn read_sculpture_header(path: &Path) -> Result<RmapHeader, RmapError> {
+    let header = read_header(path)?;
+    if !GRID_SIDES.contains(&header.grid_side) {
+        let fault = RmapFault::UnusableSize(header.grid_side);
+        return Err(format_error(path, RmapFaultAt { offset: SIZE_OFFSET, fault }));
+    }
+    Ok(header)
 }
 
 /// Reads a volume of N^3 voxels and at most K intervals a column. `maps` is unchanged unless the whole file
@@ -244,11 +260,11 @@ fn check_fit<const N: usize, const K: usize>(
     let (side, intervals) = (header.grid_side, header.intervals_per_column);
     if side != N {
         let fault = RmapFault::OtherSize { found: side, expected: N };
-        return Err(RmapFaultAt { offset: 6, fault });
+        return Err(RmapFaultAt { offset: SIZE_OFFSET, fault });
     }
     if intervals > K && excess == Excess::Refuse {
         let fault = RmapFault::OtherIntervals { found: intervals, expected: K };
-        return Err(RmapFaultAt { offset: 8, fault });
+        return Err(RmapFaultAt { offset: INTERVALS_OFFSET, fault });
     }
     Ok(())
 }
@@ -278,11 +294,11 @@ fn parse_header(bytes: &[u8]) -> Result<RmapHeader, RmapFaultAt> {
         return at(4, RmapFault::Version(version));
     }
     if !SIZES.contains(&n) {
-        return at(6, RmapFault::Size(n));
+        return at(SIZE_OFFSET, RmapFault::Size(n));
     }
     let held = if version == VERSION_OF_ONE { 1..=1 } else { 2..=MAX_INTERVALS };
     if !held.contains(&layers.into()) {
-        return at(8, RmapFault::Layers { version, found: layers });
+        return at(INTERVALS_OFFSET, RmapFault::Layers { version, found: layers });
     }
     if let Some(i) = fill.iter().position(|&byte| byte != 0) {
         return at(9 + i, RmapFault::Flags(fill[i]));

@@ -3,13 +3,12 @@
 use std::fmt::Write;
 use std::path::PathBuf;
 
-use paros_core::limits::INTERVALS;
 use paros_core::{Grid, Size, UpAxis};
 use paros_headless::Error;
 use paros_shell::mesh::{self, Mesh, MeshFormat};
 use paros_shell::rmap;
 use paros_shell::statics::{Resident, ResidentBitGrid};
-use paros_shell::with_size;
+use paros_shell::{with_intervals, with_size};
 
 use super::{progress, volume};
 
@@ -24,6 +23,9 @@ pub(super) struct Args {
     /// Voxels along an edge.
     #[arg(long, default_value = "128", value_parser = volume::grid_side_parser())]
     size: usize,
+    /// Intervals of a column. One can't hold what is hollow along an axis.
+    #[arg(long, value_name = "K", default_value = "2", value_parser = volume::interval_count_parser())]
+    layers: usize,
 }
 
 pub(super) fn run(args: &Args) -> Result<String, Error> {
@@ -36,12 +38,12 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
     let reading = progress::show_progress("reading", None);
     let mesh = mesh::read(&args.mesh).map_err(Error::input)?;
     drop(reading);
-    with_size!(args.size, N => bake_mesh::<N>(args, &mesh))
+    with_size!(args.size, N => with_intervals!(args.layers, K => bake_mesh::<N, K>(args, &mesh)))
 }
 
-fn bake_mesh<const N: usize>(args: &Args, mesh: &Mesh) -> Result<String, Error>
+fn bake_mesh<const N: usize, const K: usize>(args: &Args, mesh: &Mesh) -> Result<String, Error>
 where
-    Grid<N>: Size + Resident<N, INTERVALS>,
+    Grid<N>: Size + Resident<N, K>,
 {
     let (mut maps, mut bit_grid) = (Grid::<N>::lock_range_maps(), Grid::<N>::lock_bit_grid());
     let baking = progress::show_progress("baking", None);

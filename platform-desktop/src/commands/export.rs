@@ -2,13 +2,12 @@
 
 use std::path::PathBuf;
 
-use paros_core::limits::INTERVALS;
 use paros_core::{Grid, HEIGHT_RANGE_MM, Size};
 use paros_headless::Error;
 use paros_shell::durable::WriteTarget;
 use paros_shell::statics::{Resident, ResidentBitGrid};
 use paros_shell::stl_export::StlExporter;
-use paros_shell::with_size;
+use paros_shell::{with_intervals, with_size};
 
 use super::{progress, volume};
 
@@ -24,6 +23,8 @@ pub(super) struct Args {
     /// Height of the print in millimetres.
     #[arg(long, default_value = "120", value_parser = parse_height_mm, allow_hyphen_values = true)]
     height_mm: f32,
+    #[command(flatten)]
+    layers: volume::LayersOption,
 }
 
 fn parse_height_mm(text: &str) -> Result<f32, String> {
@@ -40,16 +41,18 @@ fn parse_height_mm(text: &str) -> Result<f32, String> {
 pub(super) fn run(args: &Args) -> Result<String, Error> {
     volume::check_output_is_not_input(&args.volume, &args.output)?;
     volume::check_extension(&args.output, "stl")?;
-    let size = volume::read_grid_side(&args.volume)?;
-    with_size!(size, N => export_volume::<N>(args), else Err(volume::unusable_grid_side(&args.volume, size)))
+    let size = volume::read_header(&args.volume)?.grid_side;
+    let layers = args.layers.interval_count();
+    with_size!(size, N => with_intervals!(layers, K => export_volume::<N, K>(args)))
 }
 
-fn export_volume<const N: usize>(args: &Args) -> Result<String, Error>
+fn export_volume<const N: usize, const K: usize>(args: &Args) -> Result<String, Error>
 where
-    Grid<N>: Size + Resident<N, INTERVALS>,
+    Grid<N>: Size + Resident<N, K>,
 {
-    let (mut maps, mut bit_grid) = (Grid::<N>::lock_range_maps(), Grid::<N>::lock_bit_grid());
-    volume::read_nonempty_volume(&args.volume, &mut maps)?;
+    let mut maps = <Grid<N> as Resident<N, K>>::lock_range_maps();
+    let mut bit_grid = Grid::<N>::lock_bit_grid();
+    let filled = args.layers.read_nonempty_volume(&args.volume, &mut maps)?;
     bit_grid.set_from_maps(&maps);
     // A volume from a file has no mask.
     maps.clear();
@@ -62,7 +65,7 @@ where
     drop(exporting);
     target.write_file(&stl.bytes)?;
     Ok(format!(
-        "{}: {} triangles, {} bytes, {} mm high\n",
+        "{filled}{}: {} triangles, {} bytes, {} mm high\n",
         args.output.display(),
         stl.triangle_count,
         stl.bytes.len(),

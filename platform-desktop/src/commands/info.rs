@@ -3,13 +3,12 @@
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-use paros_core::limits::INTERVALS;
 use paros_core::{BitGrid, BitSet, Grid, Size};
 use paros_headless::Error;
 use paros_shell::mesh::{self, MeshFormat};
-use paros_shell::rmap;
+use paros_shell::rmap::{self, RmapHeader};
 use paros_shell::statics::{Resident, ResidentBitGrid};
-use paros_shell::with_size;
+use paros_shell::{with_intervals, with_size};
 use serde::Serialize;
 
 use super::volume;
@@ -60,9 +59,11 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
     let info = if MeshFormat::from_extension(&args.file).is_some() {
         Info::Mesh(mesh_info(&args.file)?)
     } else {
-        let size = volume::read_grid_side(&args.file)?;
-        let unusable = || Err(volume::unusable_grid_side(&args.file, size));
-        Info::Volume(with_size!(size, N => volume_info::<N>(&args.file), else unusable())?)
+        let header = volume::read_header(&args.file)?;
+        Info::Volume(with_size!(header.grid_side, N => with_intervals!(
+            header.intervals_per_column,
+            K => volume_info::<N, K>(&args.file, &header),
+        ))?)
     };
     if args.json {
         let json = serde_json::to_string_pretty(&info).map_err(Error::failure)?;
@@ -74,12 +75,15 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
     })
 }
 
-fn volume_info<const N: usize>(path: &Path) -> Result<VolumeInfo, Error>
+fn volume_info<const N: usize, const K: usize>(
+    path: &Path,
+    header: &RmapHeader,
+) -> Result<VolumeInfo, Error>
 where
-    Grid<N>: Size + Resident<N, INTERVALS>,
+    Grid<N>: Size + Resident<N, K>,
 {
-    let header = rmap::read_header(path).map_err(Error::input)?;
-    let (mut maps, mut bit_grid) = (Grid::<N>::lock_range_maps(), Grid::<N>::lock_bit_grid());
+    let mut maps = <Grid<N> as Resident<N, K>>::lock_range_maps();
+    let mut bit_grid = Grid::<N>::lock_bit_grid();
     rmap::read(path, &mut *maps).map_err(Error::input)?;
     bit_grid.set_from_maps(&maps);
     Ok(VolumeInfo {
@@ -131,9 +135,10 @@ fn volume_lines(path: &Path, info: &VolumeInfo) -> String {
         let _ = writeln!(lines, "bounds    x {x}, y {y}, z {z}");
     }
     let _ = writeln!(lines, "checksum  {}", info.checksum);
+    let intervals = if info.layers == 1 { "interval" } else { "intervals" };
     let _ = writeln!(
         lines,
-        "file      version {}, {} interval a column, {} bytes",
+        "file      version {}, {} {intervals} a column, {} bytes",
         info.version, info.layers, info.bytes
     );
     lines

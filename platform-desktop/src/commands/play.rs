@@ -88,7 +88,7 @@ where
     let outputs = OutputTargets::check_writable(args)?;
     let mut starts = Grid::<N>::lock_start_volumes();
     if let Some(path) = &args.volume {
-        match volume::read_grid_side(path)? {
+        match volume::read_header(path)?.grid_side {
             n if n == N => volume::read_nonempty_volume(path, starts.offer_visitor_volume())?,
             n => {
                 let path = path.display();

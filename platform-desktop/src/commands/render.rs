@@ -2,13 +2,12 @@
 
 use std::path::PathBuf;
 
-use paros_core::limits::INTERVALS;
 use paros_core::{Grid, Size};
 use paros_headless::Error;
 use paros_shaders::Camera;
 use paros_shell::durable::WriteTarget;
 use paros_shell::statics::Resident;
-use paros_shell::with_size;
+use paros_shell::{with_intervals, with_size};
 
 use super::drawing::DrawingOptions;
 use super::{progress, volume};
@@ -32,6 +31,8 @@ pub(super) struct Args {
     #[arg(long, value_name = "AZ,EL", default_value = "25,15", value_parser = parse_view_degrees,
           allow_hyphen_values = true)]
     view: ViewDegrees,
+    #[command(flatten)]
+    layers: volume::LayersOption,
     #[command(flatten)]
     drawing: DrawingOptions,
 }
@@ -68,22 +69,23 @@ fn parse_view_degrees(text: &str) -> Result<ViewDegrees, String> {
 pub(super) fn run(args: &Args) -> Result<String, Error> {
     volume::check_output_is_not_input(&args.volume, &args.output)?;
     volume::check_extension(&args.output, "png")?;
-    let size = volume::read_grid_side(&args.volume)?;
-    with_size!(size, N => render_volume::<N>(args), else Err(volume::unusable_grid_side(&args.volume, size)))
+    let size = volume::read_header(&args.volume)?.grid_side;
+    let layers = args.layers.interval_count();
+    with_size!(size, N => with_intervals!(layers, K => render_volume::<N, K>(args)))
 }
 
-fn render_volume<const N: usize>(args: &Args) -> Result<String, Error>
+fn render_volume<const N: usize, const K: usize>(args: &Args) -> Result<String, Error>
 where
-    Grid<N>: Size + Resident<N, INTERVALS>,
+    Grid<N>: Size + Resident<N, K>,
 {
-    let mut maps = Grid::<N>::lock_range_maps();
-    volume::read_nonempty_volume(&args.volume, &mut maps)?;
+    let mut maps = <Grid<N> as Resident<N, K>>::lock_range_maps();
+    let filled = args.layers.read_nonempty_volume(&args.volume, &mut maps)?;
     // Tried before the work: a place where no file can be is told at once.
     let target = WriteTarget::resolve_and_check_writable(&args.output)?;
     let ViewDegrees { azimuth, elevation } = args.view;
     let camera = Camera::orbiting(azimuth.to_radians(), elevation.to_radians());
     let [width, height] = args.size;
-    let mut renderer = args.drawing.make_renderer::<N, INTERVALS>(args.size, SAMPLES)?;
+    let mut renderer = args.drawing.make_renderer::<N, K>(args.size, SAMPLES)?;
     let rendering = progress::show_progress("rendering", Some(height as u64));
     let image = renderer.draw_volume(&maps, &camera, &|done| {
         rendering.set_steps_done((done * height as f32) as u64);
@@ -92,5 +94,5 @@ where
     let mut png = Vec::new();
     image.write_png(&mut png).map_err(Error::failure)?;
     target.write_file(&png)?;
-    Ok(format!("{}: {width}x{height} pixels\n", args.output.display()))
+    Ok(format!("{filled}{}: {width}x{height} pixels\n", args.output.display()))
 }

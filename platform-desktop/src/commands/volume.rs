@@ -3,18 +3,19 @@
 use std::path::Path;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
+use paros_core::limits::INTERVALS;
 use paros_core::{Grid, RangeMaps, Size, trace};
 use paros_headless::Error;
 use paros_shell::mesh::MeshFormat;
-use paros_shell::rmap::{self, RmapFault};
+use paros_shell::rmap::{self, RmapFault, RmapHeader};
 use paros_shell::sizes::{
     GRID_SIDE_NAMES, INTERVAL_COUNT_NAMES, grid_side_or_default, interval_count_or_default,
 };
 use paros_shell::stl_export::FinishedStl;
 
-/// Reads the grid's side N from a volume file's header.
-pub(super) fn read_grid_side(path: &Path) -> Result<usize, Error> {
-    rmap::read_header(path).map(|header| header.grid_side).map_err(|error| match error {
+/// Reads a volume file's header.
+pub(super) fn read_header(path: &Path) -> Result<RmapHeader, Error> {
+    rmap::read_sculpture_header(path).map_err(|error| match error {
         rmap::RmapError::Bad { fault: RmapFault::Magic(trace::MAGIC), .. } => {
             Error::Input(format!("{}: is a trace, not a volume; use `paros play`", path.display()))
         }
@@ -43,6 +44,41 @@ pub(super) fn has_volume_header(path: &Path) -> bool {
     rmap::read_header(path).is_ok()
 }
 
+/// The intervals of a column in which a command opens a volume.
+#[derive(Debug, clap::Args)]
+pub(super) struct LayersOption {
+    /// Intervals of a column to open the volume with; what more of them hold open is filled, and told.
+    #[arg(long, value_name = "K", value_parser = interval_count_parser())]
+    layers: Option<usize>,
+}
+
+impl LayersOption {
+    /// The number of intervals, K.
+    pub(super) fn interval_count(&self) -> usize {
+        self.layers.unwrap_or(INTERVALS)
+    }
+
+    /// Reads a volume; an empty one is an error. One of more than K intervals a column is an error too, if
+    /// K wasn't asked for; else returns a line that tells how many voxels were filled.
+    pub(super) fn read_nonempty_volume<const N: usize, const K: usize>(
+        &self,
+        path: &Path,
+        maps: &mut RangeMaps<N, K>,
+    ) -> Result<String, Error>
+    where
+        Grid<N>: Size,
+    {
+        if self.layers.is_none() || read_header(path)?.intervals_per_column <= K {
+            return read_nonempty_volume(path, maps).map(|()| String::new());
+        }
+        let filled = rmap::read_closed(path, maps).map_err(Error::input)?;
+        refuse_empty(path, maps)?;
+        let intervals = if K == 1 { "interval" } else { "intervals" };
+        let path = path.display();
+        Ok(format!("{path}: {filled} voxels filled to leave {K} {intervals} a column\n"))
+    }
+}
+
 /// Reads a volume; an empty one is an error.
 pub(super) fn read_nonempty_volume<const N: usize, const K: usize>(
     path: &Path,
@@ -52,18 +88,17 @@ where
     Grid<N>: Size,
 {
     rmap::read(path, maps).map_err(Error::input)?;
+    refuse_empty(path, maps)
+}
+
+fn refuse_empty<const N: usize, const K: usize>(
+    path: &Path,
+    maps: &RangeMaps<N, K>,
+) -> Result<(), Error> {
     if maps.is_empty() {
         return Err(Error::Input(format!("{}: the volume is empty", path.display())));
     }
     Ok(())
-}
-
-/// The error for a size that is none of a sculpture's.
-pub(super) fn unusable_grid_side(path: &Path, grid_side: usize) -> Error {
-    Error::Input(format!(
-        "{}: expected a volume of size 128 or 256, found {grid_side}",
-        path.display()
-    ))
 }
 
 /// The STL file, or the error that the file `source` leaves nothing to print.

@@ -7,6 +7,8 @@ use std::path::PathBuf;
 use paros_core::limits::MAX_INTERVALS;
 use paros_core::{Axis, Range};
 
+use crate::sizes::GRID_SIDE_NAMES;
+
 use super::{SIZES, VERSION_OF_MORE, VERSION_OF_ONE};
 
 /// Why a file was not read.
@@ -64,6 +66,8 @@ pub enum RmapFault {
         /// N asked for.
         expected: usize,
     },
+    /// A size that no sculpture of the shells has.
+    UnusableSize(usize),
     /// More intervals a column than were asked for.
     OtherIntervals {
         /// Of the file.
@@ -166,6 +170,10 @@ impl fmt::Display for RmapFault {
                 f,
                 "expected 2 to {MAX_INTERVALS} intervals a column in version {version}, found {found}"
             ),
+            RmapFault::UnusableSize(found) => {
+                let sizes = GRID_SIDE_NAMES.join(" or ");
+                write!(f, "expected a volume of size {sizes}, found {found}")
+            }
             RmapFault::OtherIntervals { found, expected: 1 } => {
                 write!(f, "expected columns of 1 interval, found columns of {found}")
             }

@@ -1,0 +1,149 @@
+//! Volumes of several intervals a column on the command line: what is written, told, refused and closed.
+//!
+//! Planted faults (tried by hand): a volume is closed though nobody asked for it; `info` reads a volume of one
+//! interval as one of two.
+
+mod support;
+
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use paros_core::internals::ByteWriter;
+use paros_core::trace::{HEADER_BYTES, TraceHeader};
+use paros_core::{BitGrid, BitSet, RangeMaps};
+use paros_shell::rmap;
+use serde_json::Value;
+use support::TestFolder;
+
+const TETRAHEDRON: &str =
+    "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+
+/// Voxels of the cavity.
+const CAVITY: u64 = 20 * 20 * 20;
+
+/// A block with a cavity of 20 voxels a side within, which columns of two intervals hold.
+fn lock_hollow_block() -> MutexGuard<'static, BitGrid<128>> {
+    static BITS: Mutex<BitGrid<128>> = Mutex::new(BitGrid::new());
+    let mut bits = BITS.lock().unwrap_or_else(PoisonError::into_inner);
+    bits.clear();
+    for y in 0..90 {
+        for z in 30..90 {
+            for x in 30..90 {
+                let hollow = [x, y, z].iter().all(|i| (40..60).contains(i));
+                bits.row_mut(y, z).insert_if(!hollow, x);
+            }
+        }
+    }
+    bits
+}
+
+/// The bytes of the hollow block's file.
+fn encode_hollow_block<const K: usize>() -> Vec<u8> {
+    let mut maps = Box::new(RangeMaps::<128, K>::new());
+    lock_hollow_block().write_closure(&mut maps);
+    rmap::encode(&maps)
+}
+
+fn json_info(folder: &TestFolder, name: &str) -> Value {
+    serde_json::from_str(&folder.succeeds(&["info", name, "--json"])).unwrap()
+}
+
+#[test]
+fn info_tells_the_intervals_of_a_column() {
+    let folder = TestFolder::new("layers-info");
+    let bytes = [encode_hollow_block::<1>(), encode_hollow_block::<2>()];
+    for (layers, (name, bytes)) in ["one.rmap", "two.rmap"].into_iter().zip(&bytes).enumerate() {
+        folder.write(name, bytes);
+        let info = json_info(&folder, name);
+        assert_eq!(
+            (&info["version"], &info["layers"]),
+            (&(layers + 1).into(), &(layers + 1).into())
+        );
+        assert_eq!(info["bytes"], bytes.len());
+        let sum = u32::from_le_bytes(*bytes.last_chunk().unwrap());
+        assert_eq!(info["checksum"], format!("{sum:08x}"), "that of the file");
+    }
+    let count = |name| json_info(&folder, name)["voxels"].as_u64().unwrap();
+    assert_eq!(count("one.rmap") - count("two.rmap"), CAVITY);
+    let lines = folder.succeeds(&["info", "one.rmap"]);
+    assert!(lines.contains("file      version 1, 1 interval a column, "), "{lines}");
+    let lines = folder.succeeds(&["info", "two.rmap"]);
+    assert!(lines.contains("file      version 2, 2 intervals a column, "), "{lines}");
+}
+
+#[test]
+fn meshes_are_baked_with_either_number_of_intervals() {
+    let folder = TestFolder::new("layers-bake");
+    folder.write("m.obj", TETRAHEDRON);
+    let mut voxels = Vec::new();
+    for (args, layers) in [(&[][..], 2), (&["--layers", "2"], 2), (&["--layers", "1"], 1)] {
+        folder.succeeds(&[&["bake", "m.obj", "-o", "v.rmap"], args].concat());
+        let info = json_info(&folder, "v.rmap");
+        assert_eq!(
+            (&info["version"], &info["layers"]),
+            (&layers.into(), &layers.into()),
+            "{args:?}"
+        );
+        voxels.push(info["voxels"].as_u64());
+    }
+    assert!(voxels.iter().all(|count| *count == voxels[0]), "{voxels:?}");
+    for other in ["0", "3", "two"] {
+        folder.refuses(&["bake", "m.obj", "-o", "w.rmap", "--layers", other], other);
+    }
+    assert_eq!(folder.names(), ["m.obj", "v.rmap"]);
+}
+
+#[test]
+fn a_volume_is_closed_to_fewer_intervals_if_that_is_asked_for() {
+    let folder = TestFolder::new("layers-open");
+    folder.write("one.rmap", encode_hollow_block::<1>());
+    folder.write("two.rmap", encode_hollow_block::<2>());
+    let told = format!("two.rmap: {CAVITY} voxels filled to leave 1 interval a column\n");
+    let export = |volume, args: &[&str]| {
+        folder.succeeds(&[&["export", volume, "-o", "m.stl"], args].concat())
+    };
+    let said = export("two.rmap", &["--layers", "1"]);
+    assert!(said.starts_with(&format!("{told}m.stl: ")), "{said}");
+    let closed = folder.read("m.stl");
+    for (volume, args) in [("one.rmap", &[][..]), ("one.rmap", &["--layers", "1"])] {
+        let said = export(volume, args);
+        assert!(said.starts_with("m.stl: "), "{said}");
+        assert!(folder.read("m.stl") == closed, "{volume} {args:?}");
+    }
+    for args in [&[][..], &["--layers", "2"]] {
+        let said = export("two.rmap", args);
+        assert!(said.starts_with("m.stl: "), "{said}");
+        assert!(folder.read("m.stl").len() > closed.len(), "the cavity is printed");
+    }
+    let render = ["render", "two.rmap", "-o", "p.png", "--size", "8x8"];
+    let said = folder.succeeds(&[&render[..], &["--layers", "1"]].concat());
+    assert!(said.starts_with(&format!("{told}p.png: ")), "{said}");
+    assert!(folder.succeeds(&render).starts_with("p.png: "));
+}
+
+#[test]
+fn more_intervals_than_are_opened_are_refused() {
+    let folder = TestFolder::new("layers-refused");
+    folder.write("three.rmap", encode_hollow_block::<3>());
+    let word = "three.rmap: at byte 8: expected columns of at most 2 intervals, found 3";
+    for args in [
+        &["info", "three.rmap"][..],
+        &["export", "three.rmap", "-o", "m.stl"],
+        &["render", "three.rmap", "-o", "p.png"],
+    ] {
+        folder.refuses(args, word);
+    }
+    let said = folder.succeeds(&["export", "three.rmap", "-o", "m.stl", "--layers", "2"]);
+    assert!(
+        said.starts_with("three.rmap: 0 voxels filled to leave 2 intervals a column\n"),
+        "{said}"
+    );
+
+    // A trace of one interval a column starts from volumes of one.
+    let mut trace = [0; HEADER_BYTES];
+    TraceHeader { side: 128, intervals: 1, ticks: 0, starts_digest: 0, first_digest: 0 }
+        .write(&mut ByteWriter::new(&mut trace));
+    folder.write("t.trace", trace);
+    folder.write("two.rmap", encode_hollow_block::<2>());
+    let word = "two.rmap: at byte 8: expected columns of 1 interval, found columns of 2";
+    folder.refuses(&["play", "t.trace", "--volume", "two.rmap"], word);
+}
