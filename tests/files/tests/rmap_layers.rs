@@ -7,9 +7,13 @@
 use std::sync::{Mutex, PoisonError};
 
 use paros_core::limits::MAX_INTERVALS;
-use paros_core::{Axis, BitGrid, Column, Range, RangeMaps, Volume};
+use paros_core::{
+    Axis, BitGrid, Brush, Column, Edit, EditOperation, EditScratch, Grid, Range, RangeMaps,
+    SUBUNITS_PER_VOXEL, Size, Volume, apply_edit,
+};
 use paros_models::dense::{DenseVolume, any_voxels};
 use paros_models::layers::LayeredVolume;
+use paros_models::random_visitor::RandomSource;
 use paros_shell::rmap::{self, RmapFault, RmapFaultAt};
 use proptest::prelude::*;
 
@@ -229,6 +233,60 @@ proptest! {
         check_forged::<2>(&history, &changes);
         check_forged::<3>(&history, &changes);
     }
+}
+
+/// A block of N voxels a side after edits by balls at random places.
+fn edited_block<const N: usize, const K: usize>(seed: u64) -> Box<Volume<N, K>>
+where
+    Grid<N>: Size,
+{
+    let mut volume = Box::new(Volume::<N, K>::new());
+    let (no_mask, mut scratch) = (Box::new(RangeMaps::new()), Box::new(EditScratch::new()));
+    volume.set_voxels(|rows| (0..N).for_each(|y| rows.layer_mut(y).fill(Grid::<N>::FULL)));
+    let mut dice = RandomSource::new(seed);
+    for i in 0..300 {
+        let place = [0; 3].map(|_| dice.below(N as u64) as i32 * SUBUNITS_PER_VOXEL);
+        let radius = (2 + dice.below(N as u64 / 6) as i32) * SUBUNITS_PER_VOXEL;
+        let brush = Brush::sphere(place.into(), radius);
+        let operation = match i % 4 {
+            0 => EditOperation::Fill { depth: 4 },
+            _ => EditOperation::Carve { depth: 4 },
+        };
+        let edit = Edit { brush: &brush, operation, mirrored: false };
+        apply_edit(&mut volume, &no_mask, &edit, &mut scratch, &mut ()).expect("a small brush");
+    }
+    volume
+}
+
+/// Sizes whose rows are a word or more; the core's own closure is the model.
+fn check_edited_block<const N: usize>(seed: u64)
+where
+    Grid<N>: Size,
+{
+    let volume = edited_block::<N, 2>(seed);
+    let bytes = rmap::encode(volume.maps());
+    let mut read = Box::new(RangeMaps::<N, 2>::new());
+    assert_eq!(rmap::decode(&bytes, &mut read), Ok(()));
+    assert!(*read == *volume.maps());
+    let (mut one, mut closed) =
+        (Box::new(RangeMaps::<N, 1>::new()), Box::new(RangeMaps::<N, 1>::new()));
+    let added = rmap::decode_closed(&bytes, &mut closed).expect("a file");
+    volume.rows().write_closure(&mut one);
+    assert!(one == closed && added > 0);
+    let mut voxels = Box::new(BitGrid::<N>::new());
+    voxels.set_from_maps(&one);
+    assert_eq!(added, voxels.count_voxels() - volume.count_voxels());
+    assert_eq!(rmap::decode(&rmap::encode(&one), &mut read), Ok(()));
+    let mut widened = Box::new(RangeMaps::<N, 2>::new());
+    voxels.write_closure(&mut widened);
+    assert!(read == widened);
+}
+
+#[test]
+fn edited_blocks_of_all_widths_come_back() {
+    (0..3).for_each(check_edited_block::<32>);
+    (0..3).for_each(check_edited_block::<64>);
+    (0..2).for_each(check_edited_block::<128>);
 }
 
 /// The column along x of the volume of [`encode_two_voxels`].
