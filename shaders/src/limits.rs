@@ -11,9 +11,13 @@ pub const EDIT_PARTICLES: u32 = 10;
 /// tools throw is not swept away.
 pub const ISLAND_MOTES: usize = 256;
 
+/// Boxes that mark what closure brought back: of each hand's last edit one, or two where it was mirrored.
+pub const REFUSAL_MARKS: usize = 4;
+
 /// Instances drawn: the particles; room, garden, bench, stool and its top; two hands and the
-/// bench's things.
-pub const INSTANCES: usize = PARTICLES + 5 + 2 + paros_core::internals::BENCH_ITEMS + 2;
+/// bench's things; the twelve edges of each mark.
+pub const INSTANCES: usize =
+    PARTICLES + 5 + 2 + paros_core::internals::BENCH_ITEMS + 2 + 12 * REFUSAL_MARKS;
 
 /// Intervals of a column that a texel of the map textures holds: two bytes each, and formats that every
 /// device samples have one, two or four bytes.

@@ -14,6 +14,7 @@ use super::island::IslandLattice;
 use super::meshes::{HandShape, MeshId};
 use super::particles::{ParticleKind, Particles, random_in_cube};
 use super::placing::{bit_pose, display_pose_unless_held, stool_turn_radians};
+use super::refusal::RefusalMarks;
 use crate::limits::EDIT_PARTICLES;
 
 /// Input of a frame that is newer than the last tick.
@@ -50,6 +51,7 @@ pub struct SceneAssembler {
     items: [[Option<RoomPose>; BENCH_ITEMS]; 2],
     lattice: Box<IslandLattice>,
     particles: Particles,
+    refusals: RefusalMarks,
     sculpture: SculpturePlacement,
     list: DrawList,
 }
@@ -74,6 +76,7 @@ impl SceneAssembler {
             items: [[None; BENCH_ITEMS]; 2],
             lattice: Box::new(IslandLattice::new()),
             particles: Particles::new(),
+            refusals: RefusalMarks::new(),
             sculpture: SculpturePlacement { turn_radians: 0.0, side: BOX_SIDE, foot: STOOL_TOP },
             list: DrawList::new(),
         }
@@ -105,6 +108,7 @@ impl SceneAssembler {
         }
         self.lattice.follow_tick(world);
         self.spawn_particles(world);
+        (0..2).for_each(|hand| self.refusals.follow_tick(world, hand));
     }
 
     /// Builds and returns the draw list of a frame.
@@ -120,6 +124,7 @@ impl SceneAssembler {
         let seconds = self.time.map_or(0.0, |time| latest.time_seconds - time);
         self.time = Some(latest.time_seconds);
         self.particles.advance_time(seconds as f32);
+        self.refusals.advance_time(seconds as f32);
         let fraction = latest.tick_fraction.clamp(0.0, 1.0);
         let between = (self.turns[1] - self.turns[0] + PI).rem_euclid(TAU) - PI;
         self.sculpture.turn_radians = self.turns[0] + between * fraction;
@@ -140,6 +145,7 @@ impl SceneAssembler {
             self.add_hand(world, latest, hand);
         }
         self.particles.add_instances(&mut self.list);
+        self.refusals.add_instances(&mut self.list, &self.sculpture);
         self.list.batch_by_mesh();
         &self.list
     }
@@ -226,7 +232,10 @@ impl SceneAssembler {
         for (number, event) in (0u64..).zip(world.events()) {
             let seed = world.tick().wrapping_mul(16).wrapping_add(number).wrapping_mul(1024);
             match event {
-                WorldEvent::Started(_) => self.particles.clear(),
+                WorldEvent::Started(_) => {
+                    self.particles.clear();
+                    self.refusals.clear();
+                }
                 WorldEvent::Edited { hand, bit, report }
                     if bit.spec().action != BitAction::Fill =>
                 {

@@ -14,6 +14,7 @@ mod island;
 pub mod meshes;
 pub mod particles;
 pub mod placing;
+pub mod refusal;
 
 pub use assembly::{LatestInput, SceneAssembler, SculpturePlacement};
 pub use draw::{Batch, DrawList, DrawListCapacity, MeshInstance};

@@ -50,7 +50,7 @@ pub const MOTE_SECONDS: f32 = 1.2;
 pub const MAX_LIFE_SECONDS: f32 = 2.4;
 
 /// Longest time step, in seconds; longer ones are cut.
-const MAX_STEP_SECONDS: f32 = 0.1;
+pub(super) const MAX_STEP_SECONDS: f32 = 0.1;
 
 impl Default for Particles {
     fn default() -> Self {

@@ -348,6 +348,34 @@ fn chips_are_drawn_and_fade() {
     assert!(seen.iter().all(|count| (8..20_000).contains(count)), "{seen:?} pixels show chips");
 }
 
+/// The burr is refused within a tunnel of the studio's stone; the mark is seen over the owl that is drawn.
+#[test]
+fn what_closure_brought_back_is_drawn_and_fades() {
+    let Some(mut show) = SceneRig::with_owl(4) else { return };
+    let mut studio = studio();
+    studio
+        .start_from_voxels(|[_, y, z]| y < 50 && !((20..32).contains(&y) && (44..56).contains(&z)));
+    take_item(&mut studio, RIGHT, BenchItem::Tool(Tool::Rotary));
+    let mut scene = SceneAssembler::new();
+    for i in 0..20 {
+        step_with_bit_at(&mut studio, RIGHT, Vec3::new(50.0, 26.0, 50.0 + 0.3 * i as f32), true);
+        scene.follow_tick(&studio.world);
+    }
+    assert!(studio.world.edit_report(RIGHT).refused_by_closure > 0);
+    let view =
+        ViewSpec { eye: Vec3::new(0.6, 1.3, -0.1), at: STOOL_TOP + Vec3::Y * 0.2, angle: 0.7 };
+    let mut frame = |time_seconds: f64| {
+        let fresh = LatestInput { time_seconds, tick_fraction: 1.0, ..LatestInput::default() };
+        scene.assemble_frame(&studio.world, &fresh);
+        show.draw(&scene, true, RenderPath::Fast, &view).remove(0)
+    };
+    let pictures = [0.0, 0.1, 0.2].map(&mut frame);
+    write_png_file("scene-refused", &pictures[0]);
+    let last = (3..12).map(|i| frame(0.1 * f64::from(i))).last().expect("a picture");
+    let seen = pictures.map(|picture| count_differing(&picture, &last));
+    assert!(seen[2] > 100 && seen[0] < 20_000, "{seen:?} pixels show the mark");
+}
+
 #[test]
 fn without_a_scene_nothing_but_the_sculpture_is_drawn() {
     let Some(mut show) = SceneRig::with_owl(1) else { return };

@@ -1,0 +1,90 @@
+//! What closure brought back is marked on the sculpture, where it is, and for a short while.
+
+use std::sync::{Mutex, PoisonError};
+
+use glam::{Quat, Vec3};
+use paros_core::{BenchItem, PointerCommand, TickInput, Tool, commands};
+use paros_models::scripted_hand::{RIGHT, step_with_bit_at, take_item};
+use paros_models::world_harness::WorldHarness;
+use paros_shaders::scene::refusal::{REFUSAL_MARGIN, REFUSAL_SECONDS};
+use paros_shaders::scene::{LatestInput, MeshId, MeshInstance, SceneAssembler};
+
+static STUDIO: Mutex<WorldHarness<64>> = Mutex::new(WorldHarness::new());
+
+fn fresh_at(time: f64) -> LatestInput {
+    LatestInput { tick_fraction: 1.0, time_seconds: time, ..LatestInput::default() }
+}
+
+/// The edges of marks in the last frame: their ends, in voxels.
+fn mark_edges(studio: &WorldHarness<64>, scene: &SceneAssembler) -> Vec<[Vec3; 2]> {
+    let frame = studio.world.stool_frame();
+    let is_red = |tint: &[f32; 4]| tint[0] > 3.0 * tint[1];
+    let specks = scene.draw_list().instances_of(MeshId::Speck).iter();
+    let ends = |edge: &MeshInstance| {
+        let along = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| 0.5 * axis);
+        let ends = along.map(|end| [-end, end].map(|end| edge.transform_point(end)));
+        let longest =
+            ends.into_iter().max_by(|a, b| (a[0].distance(a[1])).total_cmp(&b[0].distance(b[1])));
+        longest.unwrap().map(|end| frame.to_grid(end, Quat::IDENTITY).position)
+    };
+    specks.filter(|speck| is_red(&speck.tint)).map(ends).collect()
+}
+
+/// A burr cuts sideways from within a tunnel, where a column of one interval keeps nothing empty, without and
+/// with its mirror, on a turned stool.
+#[test]
+fn what_closure_brought_back_is_marked_where_it_is() {
+    let mut studio = STUDIO.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut scene = SceneAssembler::new();
+    studio
+        .start_from_voxels(|[_, y, z]| y < 40 && !((10..22).contains(&y) && (8..20).contains(&z)));
+    take_item(&mut studio, RIGHT, BenchItem::Tool(Tool::Rotary));
+    let pointer = PointerCommand::Turn { by: 5000 };
+    studio.step(&TickInput { pointer, ..TickInput::default() });
+    let mut time = 0.0;
+    for edges in [12, 24] {
+        let mut seen = 0;
+        for tick in 0..40 {
+            let at = Vec3::new(16.0, 16.0, 14.0 + 0.25 * tick as f32);
+            step_with_bit_at(&mut studio, RIGHT, at, true);
+            time += 1.0 / 72.0;
+            scene.assemble_frame(&studio.world, &fresh_at(time));
+            let report = studio.world.edit_report(RIGHT);
+            if report.refused_by_closure == 0 {
+                continue;
+            }
+            let marks = mark_edges(&studio, &scene);
+            assert_eq!(marks.len(), edges);
+            let ends = || marks.iter().flatten();
+            let lo = ends().copied().reduce(Vec3::min).unwrap();
+            let hi = ends().copied().reduce(Vec3::max).unwrap();
+            let ranges = report.closure_box.ranges();
+            let margin = REFUSAL_MARGIN / studio.world.stool_frame().voxel_metres();
+            let first = Vec3::from_array(ranges.map(|range| range.first() as f32 - margin));
+            let last = Vec3::from_array(ranges.map(|range| range.last() as f32 + 1.0 + margin));
+            let off = (first - lo).abs().max((last - hi).abs()).max_element();
+            assert!(off < 0.01, "{lo} to {hi}: {ranges:?}");
+            assert!(ends().all(|end| !(26.0..38.0).contains(&end.x)), "nothing between the two");
+            seen += 1;
+        }
+        assert!(seen > 10, "{seen} ticks");
+        for _ in 0..(REFUSAL_SECONDS * 72.0) as u32 + 2 {
+            time += 1.0 / 72.0;
+            scene.assemble_frame(&studio.world, &fresh_at(time));
+        }
+        assert_eq!(mark_edges(&studio, &scene), [] as [[Vec3; 2]; 0], "they fade");
+        step_with_bit_at(&mut studio, RIGHT, Vec3::new(16.0, 16.0, 14.0), false);
+        studio.step(&TickInput { commands: commands::SYMMETRY, ..TickInput::default() });
+    }
+    // What goes is no refusal.
+    let mut removed = 0;
+    studio.step(&TickInput { pointer: PointerCommand::Return { hand: 1 }, ..TickInput::default() });
+    take_item(&mut studio, RIGHT, BenchItem::Tool(Tool::Rotary));
+    for tick in 0..60 {
+        step_with_bit_at(&mut studio, RIGHT, Vec3::new(32.0, 44.0 - 0.1 * tick as f32, 50.0), true);
+        scene.assemble_frame(&studio.world, &fresh_at(time));
+        removed += studio.world.edit_report(RIGHT).removed;
+        assert_eq!(mark_edges(&studio, &scene).len(), 0);
+    }
+    assert!(removed > 30, "{removed}");
+}
