@@ -2,7 +2,7 @@
 
 use core::mem;
 
-use crate::volume::closure::ClosingLine;
+use crate::volume::closing_line::ClosingLine;
 use crate::volume::range::Range;
 use crate::volume::range_maps::{Axis, Column, RangeMaps};
 use crate::volume::row::{BitRow, BitSet};
@@ -139,7 +139,7 @@ where
         row_at: impl Fn(usize) -> <Grid<N> as Size>::Row,
     ) {
         ClosingLine { before, after, changed: Range::new(0, N - 1), removed_only: false }
-            .insert_gaps::<_, <Grid<N> as Size>::Row>(Grid::<N>::FULL, row_at);
+            .close_gaps::<N, _>(Grid::<N>::FULL, BitSet::EMPTY, row_at);
     }
 
     /// Writes the tight hulls of these voxels: columns of one interval. The grid itself is unchanged.

@@ -1,5 +1,5 @@
-//! The closure rule for one column, and for a line of columns after an edit. The rule, and what follows
-//! from it, stands at [`Volume`](crate::Volume).
+//! The closure rule for one column. The rule, and what follows from it, stands at
+//! [`Volume`](crate::Volume).
 
 use crate::volume::range::Range;
 use crate::volume::range_maps::Column;
@@ -12,23 +12,27 @@ impl<const K: usize> Column<K> {
     #[inline]
     pub fn closed_over<R: BitSet>(voxels: R, before: &Self) -> Self {
         let hull = Range::hull_of(voxels);
-        let mut column = Self::EMPTY;
-        column.0[0] = hull;
-        if K == 1 {
-            return column;
+        if K == 1 || voxels.without_lowest_run().is_empty() {
+            return Self::from_range(hull);
         }
-        let empty = hull.to_row::<R>() & !voxels;
-        if empty.is_empty() { column } else { column.with_gaps_among(empty, before.gaps()) }
+        Self::from_runs(&voxels, hull)
+            .unwrap_or_else(|| Self::with_chosen_gaps(voxels, hull, before))
     }
 
-    /// The same where voxels were only removed.
-    #[inline]
-    pub(crate) fn closed_over_removal<R: BitSet>(voxels: R, before: &Self) -> Self {
-        let widened = match before.has_gaps() {
-            true => before.widened(Range::hull_of(voxels), |i| voxels.contains(i)),
-            false => None,
-        };
-        widened.unwrap_or_else(|| Self::closed_over(voxels, before))
+    /// The column of `hull` whose intervals are the runs of `voxels`; `None` if those are more than K.
+    #[inline(never)] // runs are rarely more than one
+    fn from_runs<R: BitSet>(voxels: &R, hull: Range) -> Option<Self> {
+        let (mut column, mut rest) = (Self::from_range(hull), *voxels);
+        let mut beyond = rest.without_lowest_run();
+        let mut interval = 0;
+        while let Some(first) = beyond.first() {
+            let last = (rest ^ beyond).last()?;
+            let above = column.0.get_mut(interval + 1)?;
+            *above = hull.with_first(first);
+            column.0[interval] = column.0[interval].with_last(last);
+            (rest, beyond, interval) = (beyond, beyond.without_lowest_run(), interval + 1);
+        }
+        Some(column)
     }
 
     /// The voxels between the first interval and the last that no interval holds, as a row.
@@ -45,192 +49,110 @@ impl<const K: usize> Column<K> {
         K > 1 && !self.0[1].is_empty()
     }
 
-    /// A column of one interval with gaps chosen among the runs of `empty`, which lie inside it.
-    fn with_gaps_among<R: BitSet>(self, empty: R, old_gaps: R) -> Self {
-        let held = empty.flood_from(old_gaps);
-        let mut chosen = LongestRuns::<K> { runs: [Range::EMPTY; K], count: 0 };
+    /// Whether there is no room for another gap.
+    #[inline]
+    pub(crate) fn is_full(&self) -> bool {
+        !self.0[K - 1].is_empty()
+    }
+
+    /// The index of the last interval that isn't empty.
+    #[inline]
+    fn last_index(&self) -> usize {
+        self.0.iter().rposition(|interval| !interval.is_empty()).unwrap_or(0)
+    }
+
+    /// Moves the first end of the hull, and no other.
+    #[inline]
+    pub(crate) fn set_first(&mut self, first: usize) {
+        self.0[0] = self.0[0].with_first(first);
+    }
+
+    /// Moves the last end of the hull, and no other.
+    #[inline]
+    pub(crate) fn set_last(&mut self, last: usize) {
+        let interval = &mut self.0[self.last_index()];
+        *interval = interval.with_last(last);
+    }
+
+    /// Whether both voxels beside each gap are occupied.
+    #[inline]
+    pub(crate) fn do_gap_ends_stand(&self, is_occupied: impl Fn(usize) -> bool) -> bool {
+        (1..K).fold(true, |all, i| {
+            all & is_occupied(self.0[i - 1].last()) & is_occupied(self.0[i].first())
+        })
+    }
+
+    /// Whether no voxel of a gap is occupied at the positions `among`.
+    #[inline]
+    pub(crate) fn are_gaps_empty(&self, among: Range, is_occupied: impl Fn(usize) -> bool) -> bool {
+        (1..K).all(|i| {
+            let (below, above) = (self.0[i - 1].last(), self.0[i].first());
+            !(among.first().max(below + 1)..(among.last() + 1).min(above)).any(&is_occupied)
+        })
+    }
+
+    /// The column of `hull` with gaps chosen among the runs of empty voxels.
+    fn with_chosen_gaps<R: BitSet>(voxels: R, hull: Range, before: &Self) -> Self {
+        let gaps = before.gaps::<R>();
+        let stand = before.is_full() && before.do_gap_ends_stand(|i| voxels.contains(i));
+        if stand && (gaps & voxels).is_empty() {
+            let mut column = *before;
+            column.set_first(hull.first());
+            column.set_last(hull.last());
+            return column;
+        }
+        let empty = hull.to_row::<R>() & !voxels;
+        let held = empty.flood_from(gaps);
+        let mut chosen = LongestRuns::NONE;
         chosen.take_longest(held);
         chosen.take_longest(empty & !held);
-        chosen.runs[..chosen.count].sort_unstable_by_key(|run| run.first());
-        let mut column = Self::EMPTY;
-        let mut rest = self.0[0];
-        for (i, gap) in chosen.runs[..chosen.count].iter().enumerate() {
-            column.0[i] = rest.with_last(gap.first() - 1);
-            column.0[i + 1] = rest.with_first(gap.last() + 1);
-            rest = column.0[i + 1];
-        }
-        column
+        chosen.into_column(hull)
     }
 }
 
-/// A line of columns after an edit, whose hulls are new and whose gaps are missing.
-pub(crate) struct ClosingLine<'a, const K: usize> {
-    /// The line as it was.
-    pub(crate) before: &'a [Column<K>],
-    /// The line to complete: each changed column is its new hull, as one interval.
-    pub(crate) after: &'a mut [Column<K>],
-    /// The positions at which voxels changed: outside them, a column that had no gaps is solid as far as its
-    /// new hull goes.
-    pub(crate) changed: Range,
-    /// Whether voxels were only removed.
-    pub(crate) removed_only: bool,
-}
-
-impl<const K: usize> ClosingLine<'_, K> {
-    /// Completes the columns `among` by the closure rule. `row(i)` holds voxel `i` of each column, exact;
-    /// `R` is a row along the line and `C` one along a column.
-    #[inline]
-    pub(crate) fn insert_gaps<R: BitSet, C: BitSet>(mut self, among: R, row: impl Fn(usize) -> R) {
-        if K == 1 {
-            return;
-        }
-        let mut solid_before = among;
-        for place in among.iter_ones() {
-            let before = self.before[place];
-            if !before.has_gaps() {
-                continue;
-            }
-            solid_before.toggle(place);
-            let hull = self.after[place].0[0];
-            let is_occupied = |i: usize| row(i).contains(place);
-            let widened = if self.removed_only { before.widened(hull, is_occupied) } else { None };
-            self.after[place] = widened.unwrap_or_else(|| {
-                Column::closed_over(gather_column::<R, C>(hull, place, &row), &before)
-            });
-        }
-        if !solid_before.is_empty() {
-            self.split_at_holes(solid_before, row);
-        }
-    }
-
-    /// Gives columns that had no gaps the longest runs of empty voxels inside their hull: a scan for the
-    /// ends of runs, all columns at once.
-    #[inline]
-    fn split_at_holes<R: BitSet>(&mut self, among: R, row: impl Fn(usize) -> R) {
-        let (first, last) = (self.changed.first(), self.changed.last());
-        let (mut inside, mut above) = (R::EMPTY, R::EMPTY);
-        for place in among.iter_ones() {
-            let hull = self.after[place].0[0];
-            inside.insert_if(!hull.is_empty() && hull.first() < first, place);
-            above.insert_if(hull.last() > last, place);
-        }
-        let mut starts = [0; 256];
-        let mut in_run = R::EMPTY;
-        for i in first..last + 1 {
-            let occupied = row(i) & among;
-            for place in (in_run & occupied).iter_ones() {
-                self.after[place].offer_gap(Range::new(starts[place].into(), i - 1));
-            }
-            for place in (inside & !occupied & !in_run).iter_ones() {
-                starts[place] = i as u8;
-            }
-            inside |= occupied;
-            in_run = inside & !occupied;
-        }
-        for place in (in_run & above).iter_ones() {
-            self.after[place].offer_gap(Range::new(starts[place].into(), last));
-        }
-    }
-}
-
-impl<const K: usize> Column<K> {
-    /// This column after voxels were removed, when its hull is `hull`: with its gaps, wider where voxels at
-    /// their ends are gone. `None` where a gap went or met another, or there is room for one more: then the
-    /// whole column counts.
-    #[inline]
-    fn widened(mut self, hull: Range, is_occupied: impl Fn(usize) -> bool) -> Option<Self> {
-        let has_room = self.0[K - 1].is_empty();
-        if has_room || self.0[0].last() < hull.first() || hull.last() < self.0[K - 1].first() {
-            return None;
-        }
-        self.0[0] = self.0[0].with_first(hull.first());
-        self.0[K - 1] = self.0[K - 1].with_last(hull.last());
-        for interval in 0..K {
-            let (mut first, mut last) = (self.0[interval].first(), self.0[interval].last());
-            while first <= last && !is_occupied(first) {
-                first += 1;
-            }
-            if first > last {
-                return None;
-            }
-            while !is_occupied(last) {
-                last -= 1;
-            }
-            self.0[interval] = Range::new(first, last);
-        }
-        Some(self)
-    }
-
-    /// Takes a run as a gap if it has room, or in place of a shorter one. Runs must come lowest first.
-    #[inline]
-    fn offer_gap(&mut self, run: Range) {
-        let mut last = self.0.iter().rposition(|interval| !interval.is_empty()).unwrap_or(0);
-        if last == K - 1 {
-            let gap = |i: usize| self.0[i].first() - self.0[i - 1].last() - 1;
-            // Of equally short ones the highest.
-            let shortest = (1..K).rev().min_by_key(|&i| gap(i)).unwrap_or(1);
-            if gap(shortest) > run.last() - run.first() {
-                return;
-            }
-            self.0[shortest - 1] = self.0[shortest - 1].with_last(self.0[shortest].last());
-            self.0.copy_within(shortest + 1.., shortest);
-            last -= 1;
-        }
-        self.0[last + 1] = self.0[last].with_first(run.last() + 1);
-        self.0[last] = self.0[last].with_last(run.first() - 1);
-    }
-}
-
-/// The voxels `rows` of the column at `place` of a line, as a row along the column.
-#[inline]
-fn gather_column<R: BitSet, C: BitSet>(rows: Range, place: usize, row: impl Fn(usize) -> R) -> C {
-    let mut voxels = C::EMPTY;
-    for i in rows.first()..rows.last() + 1 {
-        voxels.insert_if(row(i).contains(place), i);
-    }
-    voxels
-}
-
-/// Up to K - 1 runs, those of one call of [`LongestRuns::take_longest`] before those of the next.
-struct LongestRuns<const K: usize> {
+/// The runs that become a column's gaps: up to K - 1, those of one call of [`LongestRuns::take_longest`] before those of the next.
+pub(crate) struct LongestRuns<const K: usize> {
     runs: [Range; K],
     count: usize,
 }
 
 impl<const K: usize> LongestRuns<K> {
+    /// No runs.
+    pub(crate) const NONE: Self = LongestRuns { runs: [Range::EMPTY; K], count: 0 };
+
+    /// Whether there is no room for another.
+    pub(crate) fn is_full(&self) -> bool {
+        self.count == K - 1
+    }
+
     /// Appends the longest runs of a row for which there is room, of equally long ones the lowest.
-    fn take_longest<R: BitSet>(&mut self, row: R) {
-        let taken = self.count;
-        for_each_maximal_run(row, |run| {
+    pub(crate) fn take_longest<R: BitSet>(&mut self, row: R) {
+        let (taken, mut rest) = (self.count, row);
+        while taken < K - 1 && !rest.is_empty() {
+            let beyond = rest.without_lowest_run();
+            let run = Range::hull_of(rest ^ beyond);
+            rest = beyond;
             let longer = |other: &Range| other.last() - other.first() >= run.last() - run.first();
             let place =
-                self.runs[taken..self.count].iter().take_while(|other| longer(other)).count();
-            let place = taken + place;
+                taken + self.runs[taken..self.count].iter().take_while(|r| longer(r)).count();
             if place < K - 1 {
                 self.count = (self.count + 1).min(K - 1);
                 self.runs[place..self.count].rotate_right(1);
                 self.runs[place] = run;
             }
-        });
+        }
     }
-}
 
-/// Calls `visit` for each maximal run of set bits, lowest first.
-fn for_each_maximal_run<R: BitSet>(row: R, mut visit: impl FnMut(Range)) {
-    let mut joined = Range::EMPTY;
-    // Runs come split at the borders of words.
-    for run in row.iter_runs() {
-        if !joined.is_empty() && joined.last() + 1 == run.first() {
-            joined = joined.with_last(run.last());
-            continue;
+    /// The column of a hull with these gaps.
+    pub(crate) fn into_column(mut self, hull: Range) -> Column<K> {
+        let gaps = &mut self.runs[..self.count];
+        gaps.sort_unstable_by_key(|gap| gap.first());
+        let mut column = Column::from_range(hull);
+        for (i, gap) in gaps.iter().enumerate() {
+            column.0[i] = column.0[i].with_last(gap.first() - 1);
+            column.0[i + 1] = hull.with_first(gap.last() + 1);
         }
-        if !joined.is_empty() {
-            visit(joined);
-        }
-        joined = run;
-    }
-    if !joined.is_empty() {
-        visit(joined);
+        column
     }
 }
 

@@ -98,6 +98,9 @@ pub trait BitSet:
     /// Flood fill along the row: the maximal runs of `self` that contain at least one bit of `seeds`.
     #[must_use]
     fn flood_from(self, seeds: Self) -> Self;
+    /// The row without its lowest maximal run.
+    #[must_use]
+    fn without_lowest_run(self) -> Self;
     /// The set bits, lowest first.
     fn iter_ones(self) -> SetBits<Self> {
         SetBits { row: self, word: 0, bits: self.word(0) }
@@ -297,6 +300,18 @@ impl<const W: usize> BitSet for BitRow<W> {
             }
         }
         found
+    }
+
+    /// The lowest bit, added, carries out of the top of its run.
+    #[inline]
+    fn without_lowest_run(self) -> Self {
+        let mut lowest = Self::EMPTY;
+        let mut below = 0;
+        for (bit, word) in lowest.0.iter_mut().zip(self.0) {
+            *bit = if below == 0 { word & word.wrapping_neg() } else { 0 };
+            below |= word;
+        }
+        add_with_carry(self, lowest) & self
     }
 }
 

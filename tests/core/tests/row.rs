@@ -78,6 +78,7 @@ where
     toggled.toggle(lo);
     assert_eq!(row_to_bits(ra ^ toggled, N), (0..N).map(|i| i == lo).collect::<Vec<_>>());
     assert_eq!(row_to_bits(ra.flood_from(rb), N), runs_with_seeds(a, b));
+    assert_eq!(row_to_bits(ra.without_lowest_run(), N), bits_beyond_lowest_run(a));
     let range = Range::hull_of(ra);
     assert_eq!(
         (range.is_empty(), range.to_row::<RowType<N>>()),
@@ -86,6 +87,13 @@ where
             _ => (true, RowType::<N>::EMPTY),
         }
     );
+}
+
+/// The bits of `a` beyond its lowest run, found bit by bit.
+fn bits_beyond_lowest_run(a: &[bool]) -> Vec<bool> {
+    let first = a.iter().position(|&bit| bit).unwrap_or(a.len());
+    let end = a[first..].iter().position(|&bit| !bit).map_or(a.len(), |length| first + length);
+    a.iter().enumerate().map(|(i, &bit)| bit && i >= end).collect()
 }
 
 /// The runs of `a` that contain a seed, found bit by bit.

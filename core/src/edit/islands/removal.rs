@@ -3,7 +3,7 @@
 
 use super::bytes::hash_row;
 use super::{IslandReport, IslandSearch};
-use crate::volume::closure::ClosingLine;
+use crate::volume::closing_line::{ClosingLine, find_gapped};
 use crate::volume::editable::Volume;
 use crate::volume::journal::Journal;
 use crate::volume::range::Range;
@@ -110,7 +110,7 @@ where
                 changed.insert(z);
             } else {
                 let before = volume.maps().column(Axis::X, (y, z));
-                new[z] = Column::closed_over_removal(left, &before);
+                new[z] = Column::closed_over(left, &before);
                 changed.insert_if(new[z] != before, z);
             }
         }
@@ -141,28 +141,23 @@ where
         let ColumnsBeyond { below_first: below, above_last: above } =
             volume.maps().columns_beyond(axis, line, columns, first, last);
         let before = volume.maps().line(axis, line);
-        let mut new = before.map(|column| Column::from_range(column.hull()));
+        let mut new = *before;
         let within = columns & !below & !above;
         let EndScan { empty, mut changed } =
-            move_range_ends(within, first..=last, reached, &mut new, Range::with_first);
+            move_range_ends(within, first..=last, reached, &mut new, Column::set_first);
         let rest = columns & !empty;
         let on = first..=N - 1;
         changed |= empty
-            | move_range_ends(above & !below, on, reached, &mut new, Range::with_first).changed;
+            | move_range_ends(above & !below, on, reached, &mut new, Column::set_first).changed;
         let back = (0..=last).rev();
         changed |=
-            move_range_ends(rest & !above, back, reached, &mut new, Range::with_last).changed;
+            move_range_ends(rest & !above, back, reached, &mut new, Column::set_last).changed;
         for run in empty.iter_runs() {
             new[run.first()..=run.last()].fill(Column::EMPTY);
         }
-        if K > 1 {
-            let rows = Range::new(first, last);
-            ClosingLine { before, after: &mut new, changed: rows, removed_only: true }
-                .insert_gaps::<_, <Grid<N> as Size>::Row>(rest, reached);
-            for place in columns.iter_ones() {
-                changed.insert_if(new[place] != before[place], place);
-            }
-        }
+        let (rows, gapped) = (Range::new(first, last), find_gapped(before, rest));
+        changed |= ClosingLine { before, after: &mut new, changed: rows, removed_only: true }
+            .close_gaps::<N, _>(rest, gapped, reached);
         volume.replace_columns(axis, line, changed, &new, journal);
         rest
     }
@@ -241,14 +236,14 @@ struct EndScan<R> {
 }
 
 /// Scans rows in the given order of positions along the columns and moves one end of each column's range
-/// to the first row that is set there. `with_end` gives a range this end.
+/// to the first row that is set there. `set_end` moves that end.
 #[inline]
 fn move_range_ends<R: BitSet, const N: usize, const K: usize>(
     mut columns: R,
     positions: impl Iterator<Item = usize>,
     row_at: impl Fn(usize) -> R,
     line: &mut [Column<K>; N],
-    with_end: impl Fn(Range, usize) -> Range,
+    set_end: impl Fn(&mut Column<K>, usize),
 ) -> EndScan<R> {
     let mut changed = R::EMPTY;
     for position in positions {
@@ -258,9 +253,9 @@ fn move_range_ends<R: BitSet, const N: usize, const K: usize>(
         let found = columns & row_at(position);
         if !found.is_empty() {
             for place in found.iter_ones() {
-                let range = with_end(line[place].0[0], position);
-                changed.insert_if(line[place].0[0] != range, place);
-                line[place].0[0] = range;
+                let before = line[place];
+                set_end(&mut line[place], position);
+                changed.insert_if(line[place] != before, place);
             }
             columns &= !found;
         }

@@ -161,10 +161,7 @@ where
                 continue;
             }
             let row = self.flip_row((y, z), flips);
-            let column = match self.edit.operation {
-                EditOperation::Carve { .. } => Column::closed_over_removal(row, &columns[z]),
-                _ => Column::closed_over(row, &columns[z]),
-            };
+            let column = Column::closed_over(row, &columns[z]);
             moved.insert_if(column != columns[z], z);
             columns[z] = column;
             self.scratch.along_y[z].note_flips(flips, y);
@@ -181,8 +178,19 @@ where
     fn flip_row(&mut self, (y, z): RowAddress, flips: BitRow<W>) -> <Grid<N> as Size>::Row {
         let row = self.volume.rows_mut().row_mut(y, z);
         let here = row.word_span(self.first_word);
-        row.set_word_span(self.first_word, here ^ flips);
-        let flipped = *row;
+        let flipped = if K == 1 {
+            row.set_word_span(self.first_word, here ^ flips);
+            *row
+        } else {
+            // In registers: to read several words waits for the store of one of them.
+            let mut flipped = *row;
+            for i in 0..<Grid<N> as Size>::Row::WORDS {
+                let flips = flips.0.get(i.wrapping_sub(self.first_word)).copied().unwrap_or(0);
+                flipped.set_word(i, flipped.word(i) ^ flips);
+            }
+            *row = flipped;
+            flipped
+        };
         let (removed, added) = (flips & here, flips & !here);
         if !removed.is_empty() {
             self.report.removed += removed.count_ones();

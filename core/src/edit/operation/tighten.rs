@@ -2,7 +2,7 @@
 
 use super::pass::EditPass;
 use super::{EditOperation, LineFlips};
-use crate::volume::closure::ClosingLine;
+use crate::volume::closing_line::ClosingLine;
 use crate::volume::journal::Journal;
 use crate::volume::range::Range;
 use crate::volume::range_maps::{Axis, Column};
@@ -64,11 +64,11 @@ where
         let before = &before[64 * self.first_word..];
         let columns = &mut columns[64 * self.first_word..];
         let carve = matches!(self.edit.operation, EditOperation::Carve { .. });
-        let (mut seek_lo, mut seek_hi) = (BitRow::EMPTY, BitRow::EMPTY);
+        let (mut seek_lo, mut seek_hi, mut gapped) = (BitRow::EMPTY, BitRow::EMPTY, BitRow::EMPTY);
         let (mut least, mut greatest) = (between.first(), between.last());
         for x in flipped_columns.iter_ones() {
             let old = before[x].hull();
-            columns[x] = Column::from_range(old);
+            gapped.insert_if(before[x].has_gaps(), x);
             (least, greatest) = (least.min(old.first()), greatest.max(old.last()));
             // An end is unchanged if its voxel is still occupied (carve) or lies beyond the flips.
             let stands = |end, beyond| if carve { row_at(end).contains(x) } else { beyond };
@@ -76,24 +76,15 @@ where
             seek_hi.insert_if(!stands(old.last(), between.last() < old.last()), x);
         }
         visit_first_occupied(seek_hi, (least..between.last() + 1).rev(), &row_at, |found| {
-            let hull = &mut columns[found.x].0[0];
-            *hull = hull.with_last(found.position);
+            columns[found.x].set_last(found.position);
         });
         let empty =
             visit_first_occupied(seek_lo, between.first()..greatest + 1, &row_at, |found| {
-                let hull = &mut columns[found.x].0[0];
-                *hull = hull.with_first(found.position);
+                columns[found.x].set_first(found.position);
             });
         empty.iter_ones().for_each(|x| columns[x] = Column::EMPTY);
-        let mut moved = seek_lo | seek_hi;
-        if K > 1 {
-            let changed = if carve { between } else { Range::new(least, greatest) };
-            ClosingLine { before, after: columns, changed, removed_only: carve }
-                .insert_gaps::<_, <Grid<N> as Size>::Row>(flipped_columns, &row_at);
-            for x in flipped_columns.iter_ones() {
-                moved.insert_if(columns[x] != before[x], x);
-            }
-        }
+        let line = ClosingLine { before, after: columns, changed: between, removed_only: carve };
+        let moved = seek_lo | seek_hi | line.close_gaps::<N, _>(flipped_columns, gapped, &row_at);
         BitSet::from_word_span(self.first_word, moved)
     }
 

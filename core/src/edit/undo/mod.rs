@@ -163,8 +163,9 @@ where
         let mut sum = 0u64;
         for run in new.iter_runs() {
             let run = run.first()..=run.last();
-            others[run.clone()].copy_from_slice(&old_columns[run.clone()]);
-            for (old, key) in old_columns[run.clone()].iter().zip(&DIGEST_KEYS[run]) {
+            let (others, old_columns) = (&mut others[run.clone()], &old_columns[run.clone()]);
+            for ((other, old), key) in others.iter_mut().zip(old_columns).zip(&DIGEST_KEYS[run]) {
+                *other = *old;
                 sum = sum.wrapping_add(key.wrapping_mul(nonzero_column_number(*old)));
             }
         }

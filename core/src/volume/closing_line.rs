@@ -1,0 +1,276 @@
+//! The closure rule for a line of columns after an edit: only columns that the edit touched are looked at,
+//! all of them at once as far as bit operations go.
+
+use crate::volume::closure::LongestRuns;
+use crate::volume::range::Range;
+use crate::volume::range_maps::Column;
+use crate::volume::row::BitSet;
+use crate::volume::size::{Grid, Size};
+
+/// A line of columns after an edit, whose hulls are known and whose gaps aren't.
+pub(crate) struct ClosingLine<'a, const K: usize> {
+    /// The line as it was.
+    pub(crate) before: &'a [Column<K>],
+    /// The line to complete: each changed column as it was, but for the ends of its hull.
+    pub(crate) after: &'a mut [Column<K>],
+    /// The positions at which voxels changed.
+    pub(crate) changed: Range,
+    /// Whether voxels were only removed.
+    pub(crate) removed_only: bool,
+}
+
+/// The columns `among` of a line that have gaps.
+#[inline]
+pub(crate) fn find_gapped<R: BitSet, const K: usize>(line: &[Column<K>], among: R) -> R {
+    let mut gapped = R::EMPTY;
+    if K > 1 {
+        for place in among.iter_ones() {
+            gapped.insert_if(line[place].has_gaps(), place);
+        }
+    }
+    gapped
+}
+
+impl<const K: usize> ClosingLine<'_, K> {
+    /// Completes the columns `among`, in which voxels changed, by the closure rule. `gapped` are those of
+    /// them that had gaps. `row(i)` holds voxel `i` of each column, exact. Returns the columns whose gaps
+    /// changed, and others perhaps where voxels were added.
+    #[inline]
+    pub(crate) fn close_gaps<const N: usize, R: BitSet>(
+        mut self,
+        among: R,
+        gapped: R,
+        row: impl Fn(usize) -> R,
+    ) -> R
+    where
+        Grid<N>: Size,
+    {
+        if K == 1 {
+            return R::EMPTY;
+        }
+        let TouchedGaps { widened, filled, mut lost } = if self.removed_only {
+            self.widen_gaps(gapped, &row)
+        } else {
+            self.find_touched_gaps(gapped, &row)
+        };
+        for place in filled.iter_ones() {
+            let voxels: <Grid<N> as Size>::Row = gather_column(self.changed, place, &row);
+            let mut chosen = LongestRuns::<K>::NONE;
+            chosen.take_longest(self.before[place].gaps::<<Grid<N> as Size>::Row>() & !voxels);
+            if chosen.is_full() {
+                self.after[place] = chosen.into_column(self.after[place].hull());
+            } else {
+                lost.insert(place);
+            }
+        }
+        let solid = among & !gapped;
+        let scanned = self.positions_of_holes(solid);
+        let split = if solid.is_empty() { solid } else { find_split::<N, R>(solid, scanned, &row) };
+        for place in split.iter_ones() {
+            match self.split_once(place, scanned, &row) {
+                Some(column) => self.after[place] = column,
+                None => lost.insert(place),
+            }
+        }
+        for place in lost.iter_ones() {
+            let hull = self.after[place].hull();
+            let voxels: <Grid<N> as Size>::Row = gather_column(hull, place, &row);
+            self.after[place] = Column::closed_over(voxels, &self.before[place]);
+        }
+        widened | filled | split | lost
+    }
+
+    /// Widens the gaps of columns after a removal, where voxels at their ends are gone.
+    #[inline]
+    fn widen_gaps<R: BitSet>(&mut self, gapped: R, row: impl Fn(usize) -> R) -> TouchedGaps<R> {
+        let (mut widened, mut lost) = (R::EMPTY, R::EMPTY);
+        if K > 2 {
+            for place in gapped.iter_ones() {
+                lost.insert_if(!self.before[place].is_full(), place);
+            }
+        }
+        let full = gapped & !lost;
+        for i in 1..K {
+            let (mut below, mut above) = (R::EMPTY, R::EMPTY);
+            for place in full.iter_ones() {
+                let before = &self.before[place].0;
+                below.insert_if(!row(before[i - 1].last()).contains(place), place);
+                above.insert_if(!row(before[i].first()).contains(place), place);
+            }
+            for place in below.iter_ones() {
+                let interval = &mut self.after[place].0[i - 1];
+                match find_last_voxel(*interval, place, &row) {
+                    Some(last) => *interval = interval.with_last(last),
+                    None => lost.insert(place),
+                }
+            }
+            for place in above.iter_ones() {
+                let interval = &mut self.after[place].0[i];
+                match find_first_voxel(*interval, place, &row) {
+                    Some(first) => *interval = interval.with_first(first),
+                    None => lost.insert(place),
+                }
+            }
+            widened |= below | above;
+        }
+        TouchedGaps { widened, filled: R::EMPTY, lost }
+    }
+
+    /// Tells what became of gaps where voxels were added. Those that were filled aren't changed yet.
+    #[inline]
+    fn find_touched_gaps<R: BitSet>(&self, gapped: R, row: impl Fn(usize) -> R) -> TouchedGaps<R> {
+        let (mut filled, mut lost) = (R::EMPTY, R::EMPTY);
+        for place in gapped.iter_ones() {
+            let is_occupied = |i: usize| row(i).contains(place);
+            let before = self.before[place];
+            let stand = before.is_full() && before.do_gap_ends_stand(is_occupied);
+            lost.insert_if(!stand, place);
+            filled.insert_if(stand && !before.are_gaps_empty(self.changed, is_occupied), place);
+        }
+        TouchedGaps { widened: R::EMPTY, filled, lost }
+    }
+
+    /// The column at `place`, which had no gaps, with the one hole that it has now at the positions
+    /// `scanned`. `None` where there are more.
+    #[inline]
+    fn split_once<R: BitSet>(
+        &self,
+        place: usize,
+        scanned: Range,
+        row: impl Fn(usize) -> R,
+    ) -> Option<Column<K>> {
+        let mut column = self.after[place];
+        let hull = column.0[0];
+        let first = scanned.first().max(hull.first());
+        let hole = find_only_hole((first, scanned.last().min(hull.last())), place, row)?;
+        column.0[0] = hull.with_last(hole.first() - 1);
+        column.0[1] = hull.with_first(hole.last() + 1);
+        Some(column)
+    }
+
+    /// The positions outside which columns that had no gaps have no empty voxel inside their hull.
+    #[inline]
+    fn positions_of_holes<R: BitSet>(&self, columns: R) -> Range {
+        if self.removed_only {
+            return self.changed;
+        }
+        let (mut first, mut last) = (self.changed.first(), self.changed.last());
+        for before in columns.iter_ones().map(|place| self.before[place].0[0]) {
+            if !before.is_empty() {
+                (first, last) = (first.min(before.last()), last.max(before.first()));
+            }
+        }
+        Range::new(first, last)
+    }
+}
+
+/// Those of the columns `solid`, which had no gaps, that have holes at the positions `scanned`.
+#[inline]
+fn find_split<const N: usize, R: BitSet>(solid: R, scanned: Range, row: impl Fn(usize) -> R) -> R
+where
+    Grid<N>: Size,
+{
+    let (first, last) = (scanned.first(), scanned.last());
+    let below = if first > 0 { row(first - 1) & solid } else { R::EMPTY };
+    let above = if last + 1 < N { row(last + 1) & solid } else { R::EMPTY };
+    // Whether voxels were met, then empty ones, then others.
+    let (mut met, mut left, mut split) = (below, R::EMPTY, R::EMPTY);
+    for i in first..last + 1 {
+        let occupied = row(i) & solid;
+        split |= left & occupied;
+        met |= occupied;
+        left |= met & !occupied;
+    }
+    split | left & above
+}
+
+/// What became of the gaps of columns, but for those that are as they were.
+struct TouchedGaps<R> {
+    /// Columns whose gaps are wider now.
+    widened: R,
+    /// Columns in whose gaps voxels were added.
+    filled: R,
+    /// Columns that are to be searched as a whole, as a gap went or met another, or there is room for one
+    /// more.
+    lost: R,
+}
+
+/// The voxels `rows` of the column at `place` of a line, as a row along the column.
+#[inline]
+fn gather_column<R: BitSet, C: BitSet>(rows: Range, place: usize, row: impl Fn(usize) -> R) -> C {
+    let mut voxels = C::EMPTY;
+    for word in rows.first() / 64..rows.last() / 64 + 1 {
+        let first = rows.first().max(64 * word);
+        let last = rows.last().min(64 * word + 63);
+        voxels.set_word(word, gather_bits((first, last), place, &row) << (first % 64));
+    }
+    voxels
+}
+
+/// Up to 64 voxels of the column at `place` of a line, bit 0 the first.
+#[inline]
+fn gather_bits<R: BitSet>(
+    (first, last): (usize, usize),
+    place: usize,
+    row: impl Fn(usize) -> R,
+) -> u64 {
+    // From the top down: each step needs the one before, so that rows aren't made vectors.
+    (first..last + 1).rev().fold(0, |bits, i| bits << 1 | u64::from(row(i).contains(place)))
+}
+
+/// Positions that a search reads at once, to branch less.
+const SEARCH_STEP: usize = 8;
+
+/// The last voxel of the column at `place` in an interval.
+#[inline]
+fn find_last_voxel<R: BitSet>(
+    interval: Range,
+    place: usize,
+    row: impl Fn(usize) -> R,
+) -> Option<usize> {
+    let (first, mut end) = (interval.first(), interval.last() + 1);
+    while first < end {
+        let from = first.max(end.saturating_sub(SEARCH_STEP));
+        let bits = gather_bits((from, end - 1), place, &row);
+        if bits != 0 {
+            return Some(from + 63 - bits.leading_zeros() as usize);
+        }
+        end = from;
+    }
+    None
+}
+
+/// The first voxel, likewise.
+#[inline]
+fn find_first_voxel<R: BitSet>(
+    interval: Range,
+    place: usize,
+    row: impl Fn(usize) -> R,
+) -> Option<usize> {
+    let (mut first, end) = (interval.first(), interval.last() + 1);
+    while first < end {
+        let to = end.min(first + SEARCH_STEP);
+        let bits = gather_bits((first, to - 1), place, &row);
+        if bits != 0 {
+            return Some(first + bits.trailing_zeros() as usize);
+        }
+        first = to;
+    }
+    None
+}
+
+/// The empty voxels of the column at `place` from position `first` to `last`, if they are one run and the
+/// positions are 64 or fewer.
+#[inline]
+fn find_only_hole<R: BitSet>(
+    (first, last): (usize, usize),
+    place: usize,
+    row: impl Fn(usize) -> R,
+) -> Option<Range> {
+    let above_last = 63usize.checked_sub(last.checked_sub(first)?)?;
+    let bits = !gather_bits((first, last), place, row) & u64::MAX >> above_last;
+    let beyond = bits & bits.wrapping_add(bits & bits.wrapping_neg());
+    let highest = 63usize.checked_sub(bits.leading_zeros() as usize)?;
+    let run = || Range::new(first + bits.trailing_zeros() as usize, first + highest);
+    (beyond == 0).then(run)
+}
