@@ -108,7 +108,9 @@ mod volume;
 pub use codec::bad_save::BadSave;
 pub use codec::bytes::{BadBytes, ByteReader};
 pub use codec::trace;
-pub use convert::bake::{BakeReport, Baker, MeshPlacement, OutsideBox, UpAxis};
+pub use convert::bake::{
+    BakeReport, Baker, ColumnWindings, MeshPlacement, NoWindings, OutsideBox, UpAxis, Windings,
+};
 pub use convert::export::{
     ExportPhase, ExportProgress, Exporter, HEIGHT_RANGE_MM, HeightOutOfRange,
 };

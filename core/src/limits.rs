@@ -52,6 +52,11 @@ pub const fn max_save_bytes(grid_side: usize, intervals: usize) -> usize {
 /// (14), the head (28), two hands of 117, eleven bench items of 31, and the mask's digest (8).
 pub const STATE_BYTES: usize = 625;
 
+/// Crossings of a column's ray with a mesh with which a bake gives the column gaps: 16 solids one behind the
+/// other, and a cache line a column. Between more, gaps are 4 voxels long in the mean at 128, and a column
+/// keeps one or two.
+pub const BAKED_CROSSINGS: usize = 32;
+
 /// Events of a tick. A start, two hands that each grab, edit and release, undo, redo, mirror, finish
 /// and islands make twelve.
 pub const MAX_EVENTS: usize = 16;

@@ -2,7 +2,7 @@
 
 use core::mem;
 
-use crate::volume::closing_line::ClosingLine;
+use crate::volume::closing_line::{HoleScan, gather_column};
 use crate::volume::range::Range;
 use crate::volume::range_maps::{Axis, Column, RangeMaps};
 use crate::volume::row::{BitRow, BitSet};
@@ -117,29 +117,41 @@ where
     /// hulls without the longest K - 1 empty runs inside each. The grid itself is unchanged;
     /// [`BitGrid::set_from_maps`] of the maps is the closure.
     pub fn write_closure<const K: usize>(&self, maps: &mut RangeMaps<N, K>) {
-        self.write_hulls(maps);
-        if K == 1 {
-            return;
+        if K > 1 {
+            maps.clear();
         }
-        let no_gaps = [Column::EMPTY; N];
+        self.write_closure_holding_gaps(maps);
+    }
+
+    /// The same of columns that had those of `maps`, which hold all these voxels.
+    pub(crate) fn write_closure_holding_gaps<const K: usize>(&self, maps: &mut RangeMaps<N, K>) {
         for y in 0..N {
             for (row, column) in self.rows[y].iter().zip(maps.line_mut(Axis::X, y)) {
-                *column = Column::closed_over(*row, &Column::EMPTY);
+                *column = Column::closed_over(*row, column);
             }
-            Self::insert_gaps(maps.line_mut(Axis::Z, y), &no_gaps, |z| self.rows[y][z]);
+            Self::close_line(maps, Axis::Z, y, |z| self.rows[y][z]);
         }
         for z in 0..N {
-            Self::insert_gaps(maps.line_mut(Axis::Y, z), &no_gaps, |y| self.rows[y][z]);
+            Self::close_line(maps, Axis::Y, z, |y| self.rows[y][z]);
         }
     }
 
-    fn insert_gaps<const K: usize>(
-        after: &mut [Column<K>; N],
-        before: &[Column<K>; N],
+    /// The same for a line of N columns along `axis`. `row_at(i)` holds voxel `i` of each of these columns.
+    pub(crate) fn close_line<const K: usize>(
+        maps: &mut RangeMaps<N, K>,
+        axis: Axis,
+        line: usize,
         row_at: impl Fn(usize) -> <Grid<N> as Size>::Row,
     ) {
-        ClosingLine { before, after, changed: Range::new(0, N - 1), removed_only: false }
-            .close_gaps::<N, _>(Grid::<N>::FULL, BitSet::EMPTY, row_at);
+        let before = &maps.line(axis, line).clone();
+        let with_holes = Self::write_hull_line(maps, axis, line, &row_at);
+        if K > 1 {
+            for place in with_holes.iter_ones() {
+                let column = &mut maps.line_mut(axis, line)[place];
+                let voxels: <Grid<N> as Size>::Row = gather_column(column.hull(), place, &row_at);
+                *column = Column::closed_over(voxels, &before[place]);
+            }
+        }
     }
 
     /// Writes the tight hulls of these voxels: columns of one interval. The grid itself is unchanged.
@@ -159,22 +171,23 @@ where
         }
     }
 
-    /// Writes the hulls of a line of N columns along `axis`. `row_at(i)` holds voxel `i` of each of
-    /// these columns.
+    /// Writes the hulls of a line of N columns along `axis`, and returns the columns that have an empty voxel
+    /// inside. `row_at(i)` holds voxel `i` of each of these columns.
     fn write_hull_line<const K: usize>(
         maps: &mut RangeMaps<N, K>,
         axis: Axis,
         line: usize,
         row_at: impl Fn(usize) -> <Grid<N> as Size>::Row,
-    ) {
+    ) -> <Grid<N> as Size>::Row {
         let mut first = [0u8; N];
-        let mut seen = <Grid<N> as Size>::Row::EMPTY;
+        let mut holes = HoleScan::<<Grid<N> as Size>::Row>::NONE;
         for i in 0..N {
-            for x in (row_at(i) & !seen).iter_ones() {
+            for x in (row_at(i) & !holes.entered).iter_ones() {
                 first[x] = i as u8;
             }
-            seen |= row_at(i);
+            holes.pass(row_at(i));
         }
+        let mut seen = holes.entered;
         for x in (Grid::<N>::FULL & !seen).iter_ones() {
             maps.set_column(axis, (line, x), Column::EMPTY);
         }
@@ -188,6 +201,7 @@ where
             }
             seen &= !row_at(i);
         }
+        holes.found
     }
 }
 

@@ -19,6 +19,28 @@ pub(crate) struct ClosingLine<'a, const K: usize> {
     pub(crate) removed_only: bool,
 }
 
+/// A search along the columns of a line for those with an empty voxel between occupied ones.
+pub(crate) struct HoleScan<R> {
+    /// The columns that have one, so far.
+    pub(crate) found: R,
+    /// The columns that have an occupied voxel.
+    pub(crate) entered: R,
+    /// The voxels before.
+    row: R,
+}
+
+impl<R: BitSet> HoleScan<R> {
+    pub(crate) const NONE: Self = HoleScan { found: R::EMPTY, entered: R::EMPTY, row: R::EMPTY };
+
+    /// Passes on to the next voxel of each column.
+    #[inline(always)]
+    pub(crate) fn pass(&mut self, row: R) {
+        self.found |= row & self.entered & !self.row;
+        self.entered |= row;
+        self.row = row;
+    }
+}
+
 /// The columns `among` of a line that have gaps.
 #[inline]
 pub(crate) fn find_gapped<R: BitSet, const K: usize>(line: &[Column<K>], among: R) -> R {
@@ -197,7 +219,11 @@ struct TouchedGaps<R> {
 
 /// The voxels `rows` of the column at `place` of a line, as a row along the column.
 #[inline]
-fn gather_column<R: BitSet, C: BitSet>(rows: Range, place: usize, row: impl Fn(usize) -> R) -> C {
+pub(crate) fn gather_column<R: BitSet, C: BitSet>(
+    rows: Range,
+    place: usize,
+    row: impl Fn(usize) -> R,
+) -> C {
     let mut voxels = C::EMPTY;
     for word in rows.first() / 64..rows.last() / 64 + 1 {
         let first = rows.first().max(64 * word);

@@ -3,7 +3,9 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use paros_core::{Baker, BitGrid, Grid, RangeMaps, Size, World};
+use paros_core::{
+    Baker, BitGrid, ColumnWindings, Grid, NoWindings, RangeMaps, Size, Windings, World,
+};
 
 use crate::start_volume_store::StartVolumeStore;
 use crate::stl_export::StlBuffers;
@@ -23,10 +25,13 @@ pub trait Resident<const N: usize, const K: usize>: ResidentBitGrid<N>
 where
     Grid<N>: Size,
 {
+    /// What the baker knows of winding numbers, which columns of several intervals need.
+    type Windings: Windings<N>;
+
     /// Locks the range maps.
     fn lock_range_maps() -> MutexGuard<'static, RangeMaps<N, K>>;
     /// Locks the baker, which turns triangles into maps.
-    fn lock_baker() -> MutexGuard<'static, Baker<N>>;
+    fn lock_baker() -> MutexGuard<'static, Baker<N, Self::Windings>>;
     /// Locks the print buffers, which turn voxels into triangles.
     fn lock_stl_buffers() -> MutexGuard<'static, StlBuffers<N, K>>;
     /// Locks the world.
@@ -46,14 +51,16 @@ macro_rules! lock_static {
 }
 
 macro_rules! resident {
-    ($($n:literal: $($k:literal),*;)*) => {$(
+    ($($n:literal: $($k:literal $Windings:ty),*;)*) => {$(
         impl ResidentBitGrid<$n> for Grid<$n> {
             lock_static!(lock_bit_grid, BIT_GRID: BitGrid<$n>);
         }
 
         $(impl Resident<$n, $k> for Grid<$n> {
+            type Windings = $Windings;
+
             lock_static!(lock_range_maps, RANGE_MAPS: RangeMaps<$n, $k>);
-            lock_static!(lock_baker, BAKER: Baker<$n>);
+            lock_static!(lock_baker, BAKER: Baker<$n, $Windings>);
             lock_static!(lock_stl_buffers, PRINT_BUFFERS: StlBuffers<$n, $k>);
             lock_static!(lock_world, WORLD: World<$n, $k>);
             lock_static!(lock_start_volumes, START_VOLUMES: StartVolumeStore<$n, $k>);
@@ -62,4 +69,7 @@ macro_rules! resident {
 }
 
 // One interval a column for the traces that were recorded so.
-resident!(128: 1, 2; 256: 1, 2;);
+resident!(
+    128: 1 NoWindings, 2 ColumnWindings<128>;
+    256: 1 NoWindings, 2 ColumnWindings<256>;
+);

@@ -3,7 +3,7 @@
 use std::sync::Mutex;
 
 use paros_core::{
-    BakeReport, Baker, BitGrid, BitSet, Grid, MeshPlacement, RangeMaps, Size, UpAxis,
+    BakeReport, Baker, BitGrid, BitSet, Grid, MeshPlacement, RangeMaps, Size, UpAxis, Windings,
 };
 use paros_models::bake::Triangle;
 use paros_models::bake_harness::{N, check_bake};
@@ -15,10 +15,10 @@ use crate::shapes::with_holes_closed;
 ///
 /// # Panics
 /// It is no solid.
-pub fn bake<const M: usize>(
+pub fn bake<const M: usize, const K: usize, W: Windings<M>>(
     mesh: &Mesh,
-    baker: &Mutex<Baker<M>>,
-    maps: &Mutex<RangeMaps<M>>,
+    baker: &Mutex<Baker<M, W>>,
+    maps: &Mutex<RangeMaps<M, K>>,
     bits: &Mutex<BitGrid<M>>,
 ) -> BakeReport
 where

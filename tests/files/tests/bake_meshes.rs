@@ -4,7 +4,7 @@ use std::sync::Mutex;
 
 use glam::IVec3;
 use paros_core::{Baker, BitGrid, MeshPlacement, RangeMaps, UpAxis};
-use paros_models::bake::{self as model, Triangle};
+use paros_models::bake::{TouchedVoxels, Triangle};
 use paros_models::bake_harness::{N, check_bake_moved_into_two_word_rows};
 use paros_shell::mesh::MeshBounds;
 use paros_tests_files::baked::{
@@ -20,9 +20,11 @@ fn a_finely_divided_shape_in_rows_of_two_words() {
     let place =
         |i: u32| (placement.snap_point(vase.positions[i as usize]) + IVec3::Y * 5).to_array();
     let triangles: Vec<Triangle> = vase.triangles.iter().map(|t| t.map(place)).collect();
-    let baked = model::bake_triangles(N, &triangles);
-    assert_eq!(baked.opened, 0);
-    check_bake_moved_into_two_word_rows(&triangles, &baked).unwrap();
+    let touched = TouchedVoxels::new(N, &triangles);
+    let [one, two] = [1, 2].map(|layers| touched.bake(layers));
+    assert_eq!(one.opened, 0);
+    check_bake_moved_into_two_word_rows::<1>(&triangles, &one).unwrap();
+    check_bake_moved_into_two_word_rows::<2>(&triangles, &two).unwrap();
 }
 
 #[test]

@@ -1,7 +1,12 @@
 //! Model of mesh voxelisation: every triangle is clipped to every voxel's box, and every column sorts its
 //! crossings with the mesh. The naive definition, in exact fractions.
 
-use paros_core::{Axis, Column, Range, RangeMaps};
+use std::cmp::Reverse;
+
+use paros_core::Axis;
+use paros_core::limits::BAKED_CROSSINGS;
+
+use crate::layers::{Intervals, closed_intervals};
 
 /// Three corners in units of 1/256 voxel; coordinates up to 16 * 256, so that no product overflows.
 pub type Triangle = [[i32; 3]; 3];
@@ -11,6 +16,8 @@ pub type Triangle = [[i32; 3]; 3];
 pub struct BakedVoxels {
     /// The voxels of a grid of n^3, x fastest, then y, then z.
     pub occupied: Vec<bool>,
+    /// By axis, then by line and place, the columns' intervals.
+    pub columns: [Vec<Intervals>; 3],
     /// Whether the mesh's signed volume was negative, so that its orientation was reversed.
     pub flipped: bool,
     /// The number of triangles without area.
@@ -19,55 +26,136 @@ pub struct BakedVoxels {
     pub opened: u32,
 }
 
-/// Voxelises triangles in a grid of `side`^3 voxels.
-#[must_use]
-pub fn bake_triangles(side: usize, triangles: &[Triangle]) -> BakedVoxels {
-    let mut touched = vec![false; side * side * side];
-    for triangle in triangles {
-        for [x, y, z] in touched_voxels(side, triangle) {
-            touched[x + side * (y + side * z)] = true;
-        }
-    }
-    let flipped = six_times_signed_volume(side, triangles) < 0;
-    let mut occupied = vec![true; side * side * side];
-    let mut opened = 0;
-    for axis in Axis::ALL {
-        for column in column_voxels(side, axis) {
-            let hull: Vec<bool> =
-                column.iter().map(|&[x, y, z]| touched[x + side * (y + side * z)]).collect();
-            let mut lo = hull.iter().position(|&bit| bit).unwrap_or(side);
-            let mut end = hull.iter().rposition(|&bit| bit).map_or(0, |hi| hi + 1);
-            let groups = signs_of_crossings(triangles, axis, column[0]);
-            let outwards = if flipped { -1 } else { 1 };
-            let below = groups.first().is_some_and(|&facing| facing * outwards > 0);
-            let above = groups.last().is_some_and(|&facing| facing * outwards < 0);
-            if below {
-                lo = 0;
-            }
-            if above {
-                end = side;
-            }
-            opened += u32::from(below || above);
-            for (i, &[x, y, z]) in column.iter().enumerate() {
-                occupied[x + side * (y + side * z)] &= lo <= i && i < end;
-            }
-        }
-    }
-    let degenerate = triangles.iter().filter(|t| triangle_normal(t) == [0; 3]).count() as u64;
-    BakedVoxels { occupied, flipped, degenerate, opened }
+/// Triangles, and the voxels of a grid of `side`^3 that they touch.
+#[derive(Debug)]
+pub struct TouchedVoxels<'a> {
+    side: usize,
+    triangles: &'a [Triangle],
+    touched: Vec<bool>,
 }
 
-/// Writes the hull of every column of a set of voxels to the maps.
-pub fn write_column_hulls<const N: usize>(occupied: &[bool], maps: &mut RangeMaps<N>) {
-    for axis in Axis::ALL {
-        for column in column_voxels(N, axis) {
-            let inside = |&[x, y, z]: &[usize; 3]| occupied[x + N * (y + N * z)];
-            let lo = column.iter().position(inside);
-            let hi = column.iter().rposition(inside);
-            let range = lo.zip(hi).map_or(Range::EMPTY, |(lo, hi)| Range::new(lo, hi));
-            maps.set_column(axis, axis.column_address(column[0]), Column([range]));
+impl<'a> TouchedVoxels<'a> {
+    /// Clips every triangle to every voxel.
+    #[must_use]
+    pub fn new(side: usize, triangles: &'a [Triangle]) -> Self {
+        let mut touched = vec![false; side * side * side];
+        for triangle in triangles {
+            for [x, y, z] in touched_voxels(side, triangle) {
+                touched[x + side * (y + side * z)] = true;
+            }
         }
+        TouchedVoxels { side, triangles, touched }
     }
+
+    /// Bakes into columns of at most `layers` intervals.
+    ///
+    /// # Panics
+    /// A winding number changes along untouched voxels, or the volume isn't what its columns hold.
+    #[must_use]
+    pub fn bake(&self, layers: usize) -> BakedVoxels {
+        let side = self.side;
+        let flipped = six_times_signed_volume(side, self.triangles) < 0;
+        let mut opened = 0;
+        let mut columns = Axis::ALL.map(|axis| {
+            let columns = column_voxels(side, axis);
+            let intervals = columns.iter().map(|column| {
+                let touched = self.bits_of(column, &self.touched);
+                let crossings = crossings_of_ray(self.triangles, axis, column[0]);
+                let (low, high) = open_ends(&crossings, flipped);
+                let mut intervals = intervals_without_gaps(&touched, &crossings, layers);
+                if low {
+                    intervals.first_mut().unwrap().0 = 0;
+                }
+                if high {
+                    intervals.last_mut().unwrap().1 = side - 1;
+                }
+                opened += u32::from(low || high);
+                intervals
+            });
+            intervals.collect::<Vec<_>>()
+        });
+        let occupied = self.intersection(&columns);
+        for axis in Axis::ALL {
+            for (voxels, held) in column_voxels(side, axis).iter().zip(&mut columns[axis as usize])
+            {
+                *held = closed_intervals(&self.bits_of(voxels, &occupied), held, layers);
+            }
+        }
+        assert!(self.intersection(&columns) == occupied, "closure changes the volume");
+        let degenerate =
+            self.triangles.iter().filter(|t| triangle_normal(t) == [0; 3]).count() as u64;
+        BakedVoxels { occupied, columns, flipped, degenerate, opened }
+    }
+
+    fn bits_of(&self, column: &[[usize; 3]], voxels: &[bool]) -> Vec<bool> {
+        column.iter().map(|&[x, y, z]| voxels[x + self.side * (y + self.side * z)]).collect()
+    }
+
+    /// The voxels that all three of their columns hold.
+    fn intersection(&self, columns: &[Vec<Intervals>; 3]) -> Vec<bool> {
+        let side = self.side;
+        let mut all = vec![true; side * side * side];
+        for axis in Axis::ALL {
+            for (voxels, column) in column_voxels(side, axis).iter().zip(&columns[axis as usize]) {
+                for (i, &[x, y, z]) in voxels.iter().enumerate() {
+                    let held = column.iter().any(|&(lo, hi)| lo <= i && i <= hi);
+                    all[x + side * (y + side * z)] &= held;
+                }
+            }
+        }
+        all
+    }
+}
+
+/// The hull of a column's touched voxels without its gaps: the longest `layers - 1` of the untouched runs inside
+/// it around which the mesh doesn't wind, of equally long ones the lowest; none if the crossings don't add up
+/// to 0 or are too many.
+fn intervals_without_gaps(touched: &[bool], crossings: &[RayCrossing], layers: usize) -> Intervals {
+    let Some(first) = touched.iter().position(|&bit| bit) else {
+        return Vec::new();
+    };
+    let last = touched.iter().rposition(|&bit| bit).unwrap();
+    let mut gaps: Vec<(usize, usize)> = Vec::new();
+    let mut i = first;
+    while i < last {
+        let end = (i..=last).find(|&j| touched[j] != touched[i]).unwrap_or(last + 1);
+        if !touched[i] {
+            let winding = winding_number(crossings, i);
+            assert!((i..end).all(|j| winding_number(crossings, j) == winding));
+            if winding == 0 {
+                gaps.push((i, end - 1));
+            }
+        }
+        i = end;
+    }
+    let sum: i32 = crossings.iter().map(|crossing| crossing.facing).sum();
+    if sum != 0 || crossings.len() > BAKED_CROSSINGS {
+        gaps.clear();
+    }
+    gaps.sort_by_key(|&(lo, hi)| (Reverse(hi - lo), lo));
+    gaps.truncate(layers - 1);
+    gaps.sort_unstable();
+    let starts = std::iter::once(first).chain(gaps.iter().map(|&(_, hi)| hi + 1));
+    let ends = gaps.iter().map(|&(lo, _)| lo - 1).chain(std::iter::once(last));
+    starts.zip(ends).collect()
+}
+
+/// The surfaces that a column's ray enters below the centre of voxel `i`, less those that it leaves.
+fn winding_number(crossings: &[RayCrossing], i: usize) -> i32 {
+    let centre = Fraction(256 * i as i128 + 128, 1);
+    let below = crossings.iter().filter(|crossing| crossing.height[0] < centre);
+    -below.map(|crossing| crossing.facing).sum::<i32>()
+}
+
+/// Whether the mesh is open at the low end of a column, and at the high end: the first surfaces crossed, at one
+/// height, are left, or the last entered.
+fn open_ends(crossings: &[RayCrossing], flipped: bool) -> (bool, bool) {
+    let outwards = if flipped { -1 } else { 1 };
+    let mut groups = crossings
+        .chunk_by(|a, b| a.height == b.height)
+        .map(|group| outwards * group.iter().map(|crossing| crossing.facing).sum::<i32>());
+    let first = groups.next().unwrap_or(0);
+    (first > 0, groups.next_back().unwrap_or(first) < 0)
 }
 
 /// The voxels of every column along an axis, in order.
@@ -128,13 +216,25 @@ fn clip_to_half_space(
     kept
 }
 
-/// The facings of the crossings of a column's centre line, in order along the axis: positive where the line
-/// leaves the mesh, and the sum where several triangles are crossed at one height.
-fn signs_of_crossings(triangles: &[Triangle], axis: Axis, column_voxel: [usize; 3]) -> Vec<i32> {
+/// A crossing of a column's centre line with a triangle.
+#[derive(Clone, Copy, Debug)]
+struct RayCrossing {
+    /// The height along the axis at the centre (c, d) moved to (c + e, d + e^2), by powers of e.
+    height: [Fraction; 3],
+    /// 1 where the line leaves the mesh, -1 where it enters it.
+    facing: i32,
+}
+
+/// The crossings of a column's centre line, in order along the axis.
+fn crossings_of_ray(
+    triangles: &[Triangle],
+    axis: Axis,
+    column_voxel: [usize; 3],
+) -> Vec<RayCrossing> {
     let w = axis as usize;
     let [u, v] = [(w + 1) % 3, (w + 2) % 3];
     let centre = [u, v].map(|k| 256 * column_voxel[k] as i128 + 128);
-    let mut found: Vec<([Fraction; 3], i32)> = Vec::new();
+    let mut found = Vec::new();
     for triangle in triangles {
         let n = triangle_normal(triangle);
         if n[w] != 0 && projection_contains(triangle, [u, v], centre) {
@@ -142,18 +242,11 @@ fn signs_of_crossings(triangles: &[Triangle], axis: Axis, column_voxel: [usize; 
             // n . (r - p) = 0 for r = (centre + (e, e^2), height), by powers of e.
             let at_centre = n[w] * p[w] - n[u] * (centre[0] - p[u]) - n[v] * (centre[1] - p[v]);
             let height = [at_centre, -n[u], -n[v]].map(|part| Fraction(part, n[w]));
-            found.push((height, n[w].signum() as i32));
+            found.push(RayCrossing { height, facing: n[w].signum() as i32 });
         }
     }
-    found.sort_by_key(|(height, _)| *height);
-    let mut sums: Vec<([Fraction; 3], i32)> = Vec::new();
-    for (height, facing) in found {
-        match sums.last_mut() {
-            Some((last, sum)) if *last == height => *sum += facing,
-            _ => sums.push((height, facing)),
-        }
-    }
-    sums.into_iter().map(|(_, sum)| sum).collect()
+    found.sort_by_key(|crossing| crossing.height);
+    found
 }
 
 /// Whether a triangle's projection to (u, v) contains the column's centre moved by (e, e^2), with e = 2^-20

@@ -102,7 +102,7 @@ impl LayeredVolume {
 
 /// The closure rule for one column: the hull of `bits` without the first `layers - 1` of its empty runs,
 /// sorted by (touches a gap of `before`: first; length, longest first; lowest coordinate).
-fn closed_intervals(bits: &[bool], before: &Intervals, layers: usize) -> Intervals {
+pub(crate) fn closed_intervals(bits: &[bool], before: &Intervals, layers: usize) -> Intervals {
     let Some(first) = bits.iter().position(|&bit| bit) else {
         return Vec::new();
     };

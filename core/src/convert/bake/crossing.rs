@@ -9,6 +9,7 @@
 
 use super::BAKE_UNITS_PER_VOXEL;
 use super::triangle::{GridTriangle, ProjectedEdge, other_axes};
+use super::winding::Windings;
 use crate::volume::range_maps::Axis;
 use core::cmp::Ordering;
 
@@ -102,6 +103,7 @@ pub(super) fn add_triangle_crossings<const N: usize>(
     triangle: &GridTriangle,
     axis: Axis,
     columns: &mut [[ColumnCrossings; N]; N],
+    windings: &mut impl Windings<N>,
 ) {
     let w = axis as usize;
     let [u, v] = other_axes(w);
@@ -130,6 +132,9 @@ pub(super) fn add_triangle_crossings<const N: usize>(
                     scale: n_w,
                     entered: -(facing as i32),
                 });
+                windings.add_crossing(axis, (line, place), -(facing as i8), || {
+                    triangle.voxel_at_height(w, height, n_w)
+                });
             }
         }
     }
@@ -147,6 +152,21 @@ impl ProjectedEdge {
             value => value,
         };
         (value ^ projected_area_sign) >= 0
+    }
+}
+
+impl GridTriangle {
+    /// The voxel along an axis at the height `height / scale`, which is one that the triangle has; on a face
+    /// the upper of two in the grid.
+    #[inline(always)]
+    fn voxel_at_height(&self, axis: usize, height: i64, scale: i64) -> usize {
+        let (first, last) = (self.first[axis], self.last[axis]);
+        match last - first {
+            0 => first,
+            // The face between the two is where the origin is.
+            1 => first + usize::from(height >= scale * self.origin[axis]),
+            _ => ((height / (scale * i64::from(BAKE_UNITS_PER_VOXEL))) as usize).min(last),
+        }
     }
 }
 

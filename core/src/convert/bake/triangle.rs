@@ -23,8 +23,8 @@ pub(super) struct GridTriangle {
     /// By axis, the voxels whose displaced centres lie in the bounds: `start..end`.
     pub(super) centres: [[i32; 2]; 3],
     /// By axis, the first and last voxel whose closed box meets the bounds.
-    first: [usize; 3],
-    last: [usize; 3],
+    pub(super) first: [usize; 3],
+    pub(super) last: [usize; 3],
     /// Edge i goes from corner i to the next.
     edges: [[i64; 3]; 3],
     /// By the axis of projection and by edge: see [`GridTriangle::projected_edges`].

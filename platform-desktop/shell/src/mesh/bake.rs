@@ -1,7 +1,9 @@
 //! Voxelization of a mesh through the core's baker, and the mesh's bounding box and winding check.
 
 use super::Mesh;
-use paros_core::{BakeReport, Baker, BitGrid, Grid, MeshPlacement, RangeMaps, Size, UpAxis};
+use paros_core::{
+    BakeReport, Baker, BitGrid, Grid, MeshPlacement, RangeMaps, Size, UpAxis, Windings,
+};
 use std::collections::HashMap;
 
 /// An axis-aligned bounding box, in mesh units.
@@ -31,10 +33,10 @@ impl Mesh {
     /// Bakes the mesh, fitted to the grid as [`MeshPlacement::fit_bounds`] says, into tight maps and their
     /// voxels. `None`, and nothing changed, when the mesh has no extent; one that was read has.
     #[must_use]
-    pub fn bake_into_maps<const N: usize, const K: usize>(
+    pub fn bake_into_maps<const N: usize, const K: usize, W: Windings<N>>(
         &self,
         up: UpAxis,
-        baker: &mut Baker<N>,
+        baker: &mut Baker<N, W>,
         maps: &mut RangeMaps<N, K>,
         bit_grid: &mut BitGrid<N>,
     ) -> Option<BakeReport>
