@@ -3,7 +3,7 @@
 //! Percentages are of the pixels inside the box's outline, at one sample.
 
 use glam::{Quat, Vec3};
-use paros_core::RangeMaps;
+use paros_core::{BitGrid, BitSet, Grid, RangeMaps, Size};
 use paros_models::dense::DenseVolume;
 use paros_models::layers::LayeredVolume;
 use paros_models::voxel_traversal;
@@ -35,6 +35,9 @@ struct Agreement {
     same_color: u32,
 }
 
+/// Pixels, and their depths.
+type Picture = (Vec<[u8; 4]>, Vec<f32>);
+
 /// A renderer and what it draws into.
 struct TwinRig {
     gpu: SharedGpu,
@@ -57,14 +60,13 @@ impl TwinRig {
         Some(TwinRig { gpu, renderer, screen })
     }
 
-    fn load<const K: usize>(&mut self, field: &DensityField<N, K>) {
+    fn load<const N: usize, const K: usize>(&mut self, field: &DensityField<N, K>) {
         field.emit_all_regions(|region, bytes| {
             self.renderer.upload_now(region, bytes).expect("a device");
         });
     }
 
-    /// The pixels and their depths.
-    fn draw(&mut self, eye: Eye, turn: f32, path: RenderPath) -> (Vec<[u8; 4]>, Vec<f32>) {
+    fn draw(&mut self, eye: Eye, turn: f32, path: RenderPath) -> Picture {
         let picture = FrameRequest {
             eyes: &[eye],
             placement: SculpturePlacement { foot: Vec3::ZERO, side: 1.0, turn_radians: turn },
@@ -116,6 +118,43 @@ fn the_gpu_draws_two_intervals_as_its_twin_does() {
         check_volume(&mut rig, name, (&maps, &field), &paths, &eye);
     }
     rig.check_validation();
+}
+
+/// The same voxels in columns of one interval and of two, up to the last voxel that a byte can tell.
+#[test]
+fn two_intervals_draw_what_one_draws_at_256() {
+    let mut bits = Box::new(BitGrid::<256>::new());
+    let edge = |c: usize| !(20..236).contains(&c);
+    for (y, z) in (0..256 * 256).map(|i| (i / 256, i % 256)) {
+        let whole = edge(y) && edge(z);
+        let ends = (0..256).filter(|&x| whole || edge(x) && (edge(y) || edge(z)));
+        ends.for_each(|x| bits.row_mut(y, z).insert(x));
+    }
+    let Some(one) = draw_bits::<256, 1>(&bits) else { return };
+    let two = draw_bits::<256, 2>(&bits).expect("the same device");
+    for (view, (one, two)) in one.iter().zip(&two).enumerate() {
+        let hits = one.1.iter().filter(|depth| **depth > 0.0).count();
+        let differ = one.1.iter().zip(&two.1).filter(|(a, b)| a != b).count();
+        assert!(hits > 1000 && differ == 0, "view {view}: {differ} of {hits}");
+        assert!(one.0 == two.0, "view {view}: other colours");
+    }
+}
+
+/// The paper's pictures of the closure of a set of voxels in columns of K intervals, and their depths.
+fn draw_bits<const N: usize, const K: usize>(bits: &BitGrid<N>) -> Option<Vec<Picture>>
+where
+    Grid<N>: Size,
+{
+    let mut rig = TwinRig::new(true, VolumeFormat::of::<N, K>())?;
+    let (mut maps, mut field) = (Box::new(RangeMaps::<N, K>::new()), DensityField::new());
+    bits.write_closure(&mut maps);
+    field.rebuild_from(&maps);
+    rig.load(&field);
+    let path = RenderPath::Paper(PaperVariant::Whole);
+    let views = TURNS.into_iter().enumerate();
+    let pictures = views.map(|(view, turn)| rig.draw(eye(view), turn, path)).collect();
+    rig.check_validation();
+    Some(pictures)
 }
 
 fn check_agreement(single: bool, paths: &[RenderPath], eye: impl Fn(usize) -> Eye) {
