@@ -84,16 +84,24 @@ pub const fn max_bit_steps_per_tick(grid_side: usize) -> u32 {
     if grid_side > 128 { 160 } else { 80 }
 }
 
-/// [`max_bit_steps_per_tick`] in a tick with an undo or redo, which rebuilds the volume's bit rows.
+/// [`max_bit_steps_per_tick`] in a tick with an undo or redo, which rebuilds the volume's bit rows: a
+/// quarter; none with more than one interval a column, where that takes a quarter longer: the bits stand.
 #[must_use]
-pub const fn max_bit_steps_in_undo_tick(grid_side: usize) -> u32 {
-    max_bit_steps_per_tick(grid_side) / 4
+pub const fn max_bit_steps_in_undo_tick(grid_side: usize, intervals: usize) -> u32 {
+    if intervals > 1 { 0 } else { max_bit_steps_per_tick(grid_side) / 4 }
 }
 
 /// The work of both hands in a tick, in steps plus brush pieces, above which the island search waits
 /// for the next tick: 20 mm in contact at 128, or 1.4 m/s, and half as much at 256. Hands at work are
 /// slower.
 pub const HAND_STEPS_BESIDE_ISLANDS: u32 = 24;
+
+/// The same in a tick in which a pass would begin by laying out the mask. With more than one interval a
+/// column that takes a third longer.
+#[must_use]
+pub const fn hand_steps_beside_mask_layout(intervals: usize) -> u32 {
+    if intervals > 1 { 8 } else { HAND_STEPS_BESIDE_ISLANDS }
+}
 
 /// The cost of a step, in steps, while the bit is deeper than its penetration limit, as an undo may
 /// leave it. Such a step measures the depth of every voxel inside the bit, eight times as many at 256.

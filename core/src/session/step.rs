@@ -14,6 +14,7 @@ use crate::session::state::{SessionState, WorldState};
 use crate::session::tools::{BitAction, ToolBit};
 use crate::session::workbench::BenchItem;
 use crate::session::world::World;
+use crate::volume::column_digest::copy_and_digest_maps;
 use crate::volume::dirty::DirtyRects;
 use crate::volume::editable::Volume;
 use crate::volume::journal::Journal;
@@ -64,14 +65,15 @@ where
             return;
         };
         self.volume.set_maps(volume);
-        self.mask.clear();
         let (tick, head) = (self.state.tick, self.state.head);
         self.state =
             WorldState { tick, head, mode, session: SessionState::Sculpting, ..WorldState::new() };
         if let SessionMode::Constrained { figure } = mode {
-            self.mask.copy_from(starts.figures[usize::from(figure)]);
+            let hidden = starts.figures[usize::from(figure)];
+            self.state.mask_digest = copy_and_digest_maps(hidden, &mut self.mask);
             self.state.masked = !self.mask.is_empty();
-            self.state.mask_digest = crate::volume::column_digest::maps_digest(&self.mask);
+        } else {
+            self.mask.clear();
         }
         self.state.bench.reset_items();
         self.undo.clear();

@@ -13,7 +13,8 @@ use crate::edit::operation::{EditReport, EditScratch};
 use crate::edit::pose::Pose;
 use crate::edit::undo::{UndoCounts, UndoHistory};
 use crate::limits::{
-    HAND_STEPS_BESIDE_ISLANDS, MAX_EVENTS, max_bit_steps_in_undo_tick, max_bit_steps_per_tick,
+    HAND_STEPS_BESIDE_ISLANDS, MAX_EVENTS, hand_steps_beside_mask_layout,
+    max_bit_steps_in_undo_tick, max_bit_steps_per_tick,
 };
 use crate::session::events::WorldEvent;
 use crate::session::hand::HandState;
@@ -103,12 +104,16 @@ where
             // Rebuilding the rows after undo or redo takes most of a tick, and so do long paths of
             // bits: the island search then waits for the next tick.
             let max_steps =
-                if rewound { max_bit_steps_in_undo_tick(N) } else { max_bit_steps_per_tick(N) };
+                if rewound { max_bit_steps_in_undo_tick(N, K) } else { max_bit_steps_per_tick(N) };
             let mut cost = 0;
             for (hand, presses) in presses.into_iter().enumerate() {
                 cost += self.step_tool(hand, presses, max_steps).total_steps();
             }
-            if !rewound && cost <= HAND_STEPS_BESIDE_ISLANDS {
+            let most = match self.state.masked && self.islands.is_about_to_begin() {
+                true => hand_steps_beside_mask_layout(K),
+                false => HAND_STEPS_BESIDE_ISLANDS,
+            };
+            if !rewound && cost <= most {
                 self.advance_island_search();
             }
         }

@@ -108,7 +108,11 @@ where
         }
         for (y, layer) in self.rows.iter_mut().enumerate() {
             for (row, column) in layer.iter_mut().zip(maps.line(Axis::X, y)) {
-                *row &= column.to_row();
+                let mut voxels = BitSet::EMPTY;
+                for range in column.0.iter().take_while(|range| !range.is_empty()) {
+                    voxels |= BitSet::from_range(*range);
+                }
+                *row &= voxels;
             }
         }
     }
@@ -244,17 +248,23 @@ fn visit_cross_sections<const N: usize, const K: usize>(
 ) where
     Grid<N>: Size,
 {
-    for (word, columns) in line.chunks(64).enumerate() {
+    for word in 0..<Grid<N> as Size>::Row::WORDS {
+        let columns = &line[64 * word..(64 * word + 64).min(N)];
         if columns.iter().all(|column| *column == Column::EMPTY) {
             continue;
         }
         for (i, column) in columns.iter().enumerate() {
-            for range in column.0 {
+            let mut toggle_ends = |range: Range| {
                 let end = range.last() + 1;
                 // An empty range begins at 255, behind its end: toggled twice there, it is none.
                 for position in [range.first().min(end), end] {
-                    toggles[position].toggle(64 * word + i);
+                    let toggled = toggles[position].word(word) ^ 1 << i;
+                    toggles[position].set_word(word, toggled);
                 }
+            };
+            toggle_ends(column.0[0]);
+            if column.has_gaps() {
+                column.0[1..].iter().for_each(|range| toggle_ends(*range));
             }
         }
     }

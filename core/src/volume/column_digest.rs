@@ -41,15 +41,33 @@ pub(crate) fn column_number<const K: usize>(column: Column<K>) -> u64 {
 /// a number, times the keys of their place and line.
 #[must_use]
 pub fn maps_digest<const N: usize, const K: usize>(maps: &RangeMaps<N, K>) -> u64 {
-    let mut sum = 0u64;
-    for axis in Axis::ALL {
-        for line in 0..N {
-            let keyed = maps.line(axis, line).iter().zip(&DIGEST_KEYS);
-            let of_line = keyed.fold(0u64, |sum, (column, key)| {
-                sum.wrapping_add(key.wrapping_mul(column_number(*column)))
-            });
-            sum = sum.wrapping_add(of_line.wrapping_mul(line_key(axis, line)));
-        }
-    }
-    sum
+    sum_of_lines::<N>(|axis, line| {
+        let keyed = maps.line(axis, line).iter().zip(&DIGEST_KEYS);
+        keyed.fold(0, |sum, (column, key)| {
+            sum.wrapping_add(key.wrapping_mul(column_number(*column)))
+        })
+    })
+}
+
+/// Copies range maps and returns their [`maps_digest`]. `from` is read once.
+pub(crate) fn copy_and_digest_maps<const N: usize, const K: usize>(
+    from: &RangeMaps<N, K>,
+    to: &mut RangeMaps<N, K>,
+) -> u64 {
+    sum_of_lines::<N>(|axis, line| {
+        let copied = to.line_mut(axis, line).iter_mut().zip(from.line(axis, line));
+        copied.zip(&DIGEST_KEYS).fold(0, |sum, ((to, from), key)| {
+            *to = *from;
+            sum.wrapping_add(key.wrapping_mul(column_number(*from)))
+        })
+    })
+}
+
+/// The sum over all lines of `digest_of_line` times the line's key.
+#[inline]
+fn sum_of_lines<const N: usize>(mut digest_of_line: impl FnMut(Axis, usize) -> u64) -> u64 {
+    let lines = Axis::ALL.into_iter().flat_map(|axis| (0..N).map(move |line| (axis, line)));
+    lines.fold(0, |sum, (axis, line)| {
+        sum.wrapping_add(digest_of_line(axis, line).wrapping_mul(line_key(axis, line)))
+    })
 }

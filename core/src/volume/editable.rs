@@ -2,7 +2,9 @@
 
 use crate::codec::digest::DIGEST_KEYS;
 use crate::volume::bit_grid::BitGrid;
-use crate::volume::column_digest::{column_digest, column_number, line_key, maps_digest};
+use crate::volume::column_digest::{
+    column_digest, column_number, copy_and_digest_maps, line_key, maps_digest,
+};
 use crate::volume::journal::Journal;
 use crate::volume::range_maps::{Axis, Column, ColumnAddress, RangeMaps};
 use crate::volume::row::BitSet;
@@ -64,8 +66,8 @@ where
 
     /// Becomes the volume of these range maps, which must be tight and saturated.
     pub fn set_maps(&mut self, maps: &RangeMaps<N, K>) {
-        self.maps.copy_from(maps);
-        self.rebuild_from_maps();
+        self.digest = copy_and_digest_maps(maps, &mut self.maps);
+        self.rebuild_rows();
     }
 
     /// Becomes the closure of the voxels that `fill_empty` sets in an empty grid.
@@ -73,13 +75,8 @@ where
         self.rows.clear();
         fill_empty(&mut self.rows);
         self.rows.write_closure(&mut self.maps);
-        self.rebuild_from_maps();
-    }
-
-    /// Rebuilds bit rows and digest after the range maps were replaced.
-    fn rebuild_from_maps(&mut self) {
-        self.rows.set_from_maps(&self.maps);
         self.digest = maps_digest(&self.maps);
+        self.rebuild_rows();
     }
 
     /// Rebuilds the bit rows after [`Volume::replace_column_leaving_bit_rows`].

@@ -34,6 +34,10 @@ pub trait BitSet:
     /// Bits `first..=last`, cut at the row's end; none when `first > last`.
     #[must_use]
     fn span(first: usize, last: usize) -> Self;
+    /// The voxels of a range, cut at the row's end, without a branch: quicker than [`Range::to_row`] for
+    /// ranges of all kinds in turn.
+    #[must_use]
+    fn from_range(range: Range) -> Self;
     /// Words `first_word..first_word + W` as a row of their own.
     #[must_use]
     fn word_span<const W: usize>(&self, first_word: usize) -> BitRow<W>;
@@ -199,6 +203,13 @@ impl<const W: usize> BitSet for BitRow<W> {
             return Self::from_word_span(0, BitRow([u64::MAX << first & u64::MAX >> (63 - last)]));
         }
         BitRow(Self::BITS_BELOW[(last + 1).min(256)]) & !BitRow(Self::BITS_BELOW[first.min(256)])
+    }
+
+    #[inline]
+    fn from_range(range: Range) -> Self {
+        let end = range.last() + 1;
+        // An empty range begins at 255, behind its end.
+        BitRow(Self::BITS_BELOW[end]) ^ BitRow(Self::BITS_BELOW[range.first().min(end)])
     }
 
     #[inline]

@@ -115,6 +115,9 @@ where
         wanted: &Pose,
         max_steps: u32,
     ) -> FreezeResult {
+        if max_steps == 0 {
+            return FreezeResult { pose: *from, blocked: false, steps: 0 };
+        }
         let mut steps_left = max_steps;
         let SlideResult { pose, blocked } = self.move_and_slide(bit, from, wanted, &mut steps_left);
         FreezeResult { pose, blocked, steps: max_steps - steps_left }

@@ -150,6 +150,11 @@ where
         self.pending || matches!(self.phase, SearchPhase::Sweep)
     }
 
+    /// Whether the next [`IslandSearch::advance_pass`] begins a pass.
+    pub(crate) fn is_about_to_begin(&self) -> bool {
+        self.pending && self.phase == SearchPhase::Idle
+    }
+
     /// Begins a pass if one is called for, which takes [`mask_layout_row_visits`] where there is a mask, and
     /// carries it on by what is left of `max_row_visits`. When
     /// it ends, all islands go at once and its report comes back. The removal is left to the next

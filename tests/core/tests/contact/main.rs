@@ -90,7 +90,7 @@ fn assert_freeze_follows_walk(
     raw: &Pose,
 ) -> Result<FreezeResult, TestCaseError> {
     let mut frozen = FreezeResult { pose: *from, blocked: false, steps: 0 };
-    for most in [max_bit_steps_in_undo_tick(16), max_bit_steps_per_tick(16)] {
+    for most in [max_bit_steps_in_undo_tick(16, 1), max_bit_steps_per_tick(16)] {
         frozen = stone.obstacle().freeze_bit(bit, from, raw, most);
         prop_assert_eq!(frozen, block.freeze_by_walk(bit, from, raw, most));
         let (before, after) =
