@@ -84,8 +84,13 @@ impl BudgetMeter {
     }
 }
 
-/// Work for each voxel that is loaded, for each voxel in a uniform neighbourhood that is blurred,
-/// and for each group of sixteen texels in a mixed one.
+/// Work on columns of so many intervals, by that on columns of one: half of it again for each more.
+pub(super) const fn work_on_intervals(work_on_one: usize, intervals: usize) -> usize {
+    work_on_one * (intervals + 1) / 2
+}
+
+/// Work for each voxel that is loaded (two more for each interval beyond the first), for each voxel in a
+/// uniform neighbourhood that is blurred, and for each group of sixteen texels in a mixed one.
 pub(super) const VOXEL_WORK: usize = 6;
 pub(super) const UNIFORM_WORK: usize = 3;
 pub(super) const GROUP_WORK: usize = 220;

@@ -7,7 +7,7 @@ use super::backlog::LineRun;
 use super::budget::{
     Budget, BudgetMeter, CELL_ROW_WORK, CHANGED_COLUMN_WORK, CHANGED_WORK, COLUMN_WORK,
     COMPARED_WORK, CROSSED_WORK, Cost, GROUP_WORK, LINE_WORK, SCAN_WORK, STALE_BOX_WORK,
-    TEXEL_WORK, TILE_WORK, UNIFORM_WORK, VOXEL_WORK, WHOLE_MAP_COLUMN_WORK,
+    TEXEL_WORK, TILE_WORK, UNIFORM_WORK, VOXEL_WORK, WHOLE_MAP_COLUMN_WORK, work_on_intervals,
 };
 use super::extent::TexelBox;
 use super::mips;
@@ -63,7 +63,7 @@ impl<const N: usize, const K: usize> DensityField<N, K> {
         let tiles = COMPARE_TILE * N;
         while let Some(LineRun { axis, lines, places }) = self.uncompared.next_run(tiles) {
             let most = SCAN_WORK * N
-                + (CHANGED_COLUMN_WORK + COLUMN_WORK) * tiles
+                + work_on_intervals(CHANGED_COLUMN_WORK + COLUMN_WORK, K) * tiles
                 + 2 * TILE_WORK * N / COMPARE_TILE;
             if !meter.allows_unit_of_work(Cost::of_work(most)) {
                 return;
@@ -82,7 +82,7 @@ impl<const N: usize, const K: usize> DensityField<N, K> {
             let columns = lines.len() * (places.last() + 1 - places.first());
             let changes = std::mem::take(&mut self.unbilled_work);
             meter.finish_unit_of_work(Cost::of_work(
-                SCAN_WORK * N + COLUMN_WORK * columns + changes,
+                SCAN_WORK * N + work_on_intervals(COLUMN_WORK, K) * columns + changes,
             ));
         }
     }
@@ -110,13 +110,13 @@ impl<const N: usize, const K: usize> DensityField<N, K> {
                 let hull = old.iter().zip(new).map(|(old, new)| old.hull().hull_with(new.hull()));
                 voxels = hull.fold(voxels, Range::hull_with);
                 differing = Range::new(0, new.len() - 1);
-                self.unbilled_work += new.len() * WHOLE_MAP_COLUMN_WORK;
+                self.unbilled_work += work_on_intervals(WHOLE_MAP_COLUMN_WORK, K) * new.len();
             }
             for (place, (old, new)) in old.iter().zip(new).enumerate().filter(|_| !whole) {
                 if old != new {
                     differing = differing.hull_with(Range::new(place, place));
                     voxels = voxels.hull_with(difference_hull(*old, *new));
-                    self.unbilled_work += CHANGED_COLUMN_WORK;
+                    self.unbilled_work += work_on_intervals(CHANGED_COLUMN_WORK, K);
                 }
             }
             let differing = Range::new(differing.first() + first, differing.last() + first);
@@ -182,7 +182,7 @@ impl<const N: usize, const K: usize> DensityField<N, K> {
         while let Some(extent) = self.backlog.take_merged_box() {
             let cells = affected.including_texels(&extent).max_cost();
             let bytes = max_upload_bytes(&extent) + cells.bytes;
-            let look = VOXEL_WORK * count_window_voxels(&extent);
+            let look = (VOXEL_WORK + 2 * (K - 1)) * count_window_voxels(&extent);
             let mut goes = meter.allows_unit_of_work(Cost { work: 2 * look + cells.work, bytes });
             if goes {
                 // The voxels tell how many groups have to be blurred.
