@@ -5,14 +5,14 @@ use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
+use clap::ValueEnum;
 use paros_core::limits::INTERVALS;
 use paros_core::{Grid, Size, World, WorldEvent};
 use paros_headless::Error;
 use paros_shaders::{Camera, Image, RenderOptions, contact_sheet, render_image};
-use paros_shell::demo::{self, Chapter};
+use paros_shell::demo::{self, Chapter, Script};
 use paros_shell::durable::WriteTarget;
 use paros_shell::edit_totals::EditTotals;
-use paros_shell::figures::Figure;
 use paros_shell::statics::{Resident, ResidentBitGrid};
 use paros_shell::stl_export::{DEFAULT_HEIGHT_MM, FinishedStl, StlExporter};
 use paros_shell::tick_runner::TickRunner;
@@ -23,9 +23,6 @@ use super::{progress, volume};
 /// Voxels along an edge.
 const N: usize = 128;
 
-/// Which of the hidden figures comes to light.
-const HIDDEN_FIGURE: u8 = 0;
-
 /// The files that it writes.
 const FILES: [&str; 5] =
     ["session.trace", "sculpture.rmap", "sculpture.stl", "contact-sheet.png", "report.txt"];
@@ -33,6 +30,9 @@ const FILES: [&str; 5] =
 /// Play a scripted sculptor's session and leave its trace, sculpture, print and pictures.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
+    /// Whose session it is: an owl that is hidden in the stone, or a lantern.
+    #[arg(value_enum, default_value = "owl")]
+    script: ScriptChoice,
     /// The folder for the files.
     #[arg(short, long, value_name = "DIR", default_value = "paros-demo")]
     output: PathBuf,
@@ -43,8 +43,14 @@ pub(super) struct Args {
 
 impl Default for Args {
     fn default() -> Self {
-        Args { output: "paros-demo".into(), layers: INTERVALS }
+        Args { script: ScriptChoice::Owl, output: "paros-demo".into(), layers: INTERVALS }
     }
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum ScriptChoice {
+    Owl,
+    Lantern,
 }
 
 pub(super) fn run(args: &Args) -> Result<String, Error> {
@@ -54,7 +60,11 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
     let tried =
         FILES.iter().map(|name| WriteTarget::resolve_and_check_writable(&folder.join(name)));
     let targets = tried.collect::<Result<Vec<_>, _>>()?;
-    let (files, mut report) = with_intervals!(args.layers, K => play_and_encode::<K>())?;
+    let script = match args.script {
+        ScriptChoice::Owl => Script::Owl,
+        ScriptChoice::Lantern => Script::Lantern,
+    };
+    let (files, mut report) = with_intervals!(args.layers, K => play_and_encode::<K>(script))?;
     let targets_and_bytes = targets.into_iter().zip(files.iter().map(|bytes| &bytes[..]));
     durable::write_files(&targets_and_bytes.collect::<Vec<_>>())?;
     let _ = writeln!(report, "{}: {}", folder.display(), FILES.join(", "));
@@ -62,11 +72,13 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
 }
 
 /// The contents of [`FILES`] and the report, which is the last of them.
-fn play_and_encode<const K: usize>() -> Result<([Vec<u8>; FILES.len()], String), Error>
+fn play_and_encode<const K: usize>(
+    script: Script,
+) -> Result<([Vec<u8>; FILES.len()], String), Error>
 where
     Grid<N>: Resident<N, K>,
 {
-    let session = play_session::<K>()?;
+    let session = play_session::<K>(script)?;
     let mut png = Vec::new();
     contact_sheet(&session.pictures, 3).write_png(&mut png).map_err(Error::failure)?;
     let world = <Grid<N> as Resident<N, K>>::lock_world();
@@ -78,6 +90,7 @@ where
 
 /// The session's results, except the world itself.
 struct DemoResult {
+    script: Script,
     trace: Vec<u8>,
     stl: FinishedStl,
     pictures: Vec<Image>,
@@ -121,7 +134,7 @@ impl DemoResult {
         let _ = writeln!(
             lines,
             "the {} from the stone: {ticks} ticks ({} s of sculpting), stepped in {:.2} s",
-            Figure::HIDDEN[usize::from(HIDDEN_FIGURE)].name(),
+            self.script.name(),
             ticks / u64::from(paros_core::TICK_RATE),
             self.spent.as_secs_f32(),
         );
@@ -152,7 +165,7 @@ impl DemoResult {
     }
 }
 
-fn play_session<const K: usize>() -> Result<DemoResult, Error>
+fn play_session<const K: usize>(script: Script) -> Result<DemoResult, Error>
 where
     Grid<N>: Resident<N, K>,
 {
@@ -168,14 +181,14 @@ where
     let (mut stl_exporter, mut stl) =
         (StlExporter::new(&mut stl_buffers, DEFAULT_HEIGHT_MM)?, None);
 
-    let bar = progress::show_progress("sculpting", Some(Chapter::ALL.len() as u64));
+    let bar = progress::show_progress("sculpting", Some(script.chapters().len() as u64));
     let (mut edits, mut islands) = (EditTotals::default(), IslandCounts::default());
     let (mut pictures, mut chapters) = (Vec::new(), Vec::new());
     let mut drawing = Duration::ZERO;
     let begun = Instant::now();
     demo::play_demo(
+        script,
         &mut runner,
-        HIDDEN_FIGURE,
         &mut |world| {
             edits.add_tick(world);
             islands.count_events(world);
@@ -198,5 +211,5 @@ where
     let stl = stl_exporter.run_export_to_end().or(stl);
     let stl = stl.ok_or_else(|| Error::Failure("the demo was not finished".into()))?;
     let digest = runner.world().digest();
-    Ok(DemoResult { trace, stl, pictures, edits, islands, chapters, digest, spent })
+    Ok(DemoResult { script, trace, stl, pictures, edits, islands, chapters, digest, spent })
 }

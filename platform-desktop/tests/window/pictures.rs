@@ -8,7 +8,7 @@ use paros_core::World;
 use paros_core::limits::INTERVALS;
 use paros_core::limits::max_save_bytes;
 use paros_shaders::Image;
-use paros_shell::demo::play_demo;
+use paros_shell::demo::{Script, play_demo};
 use paros_shell::require::{MissingDependency, require_or_skip};
 use paros_shell::tick_runner::with_fresh_world;
 
@@ -57,17 +57,16 @@ fn save_hidden(folder: &Path) {
     let sessions = folder.join("data/paros");
     fs::create_dir_all(&sessions).expect("a folder");
     with_fresh_world::<128, INTERVALS, _>(|mut stage| {
-        let owl = 0;
         let mut until = |world: &World<128, INTERVALS>| {
             if world.tick() < HALF_WAY {
                 return ControlFlow::Continue(());
             }
-            let mut bytes = vec![0; max_save_bytes(128, 1)];
+            let mut bytes = vec![0; max_save_bytes(128, INTERVALS)];
             let len = world.save(&mut bytes);
             fs::write(sessions.join("session-128.save"), &bytes[..len]).expect("it is written");
             ControlFlow::Break(())
         };
-        play_demo(&mut stage, owl, &mut until, |_, _| {});
+        play_demo(Script::Owl, &mut stage, &mut until, |_, _| {});
     });
 }
 

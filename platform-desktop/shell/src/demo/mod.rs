@@ -1,8 +1,9 @@
-//! The demo: a scripted session from the lump to the figure hidden in it.
+//! The demos: scripted sessions, from the lump to the figure hidden in it, and to a lantern.
 //!
 //! The script reads the world, its volume and contacts, and answers with tick inputs. It has no other
 //! state and no clock, so its digests are the same on every machine.
 
+mod lantern;
 pub mod scripted_hands;
 
 use crate::tick_runner::TickRunner;
@@ -12,7 +13,17 @@ use paros_core::{Axis, BenchItem, Grid, SessionMode, Size, Tool, ToolBit, comman
 pub use scripted_hands::TickWatcher;
 use scripted_hands::{ScriptedHands, StoneAndMaskDistances};
 
-/// A stage of the session, for pictures and the report.
+/// A scripted session.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Script {
+    /// The owl comes out of the lump that hides it, roughed, worked finer and decorated.
+    Owl,
+    /// A lantern is cut through the lump: six twisted slots round a post. One interval a column can't
+    /// hold it.
+    Lantern,
+}
+
+/// A stage of a session, for pictures and the report.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Chapter {
     /// The lump as it came.
@@ -33,11 +44,34 @@ pub enum Chapter {
     Undone,
     /// Beads of paste lie round the neck; finished.
     Finished,
+    /// Half of the lantern's slots are cut.
+    HalfSlotted,
+    /// All of them are, and the lantern is finished.
+    Slotted,
+}
+
+impl Script {
+    /// Its chapters, in order.
+    #[must_use]
+    pub const fn chapters(self) -> &'static [Chapter] {
+        match self {
+            Script::Owl => &Chapter::OWL,
+            Script::Lantern => &Chapter::LANTERN,
+        }
+    }
+
+    /// What comes out of the stone, for the report.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Script::Owl => "owl",
+            Script::Lantern => "lantern",
+        }
+    }
 }
 
 impl Chapter {
-    /// All of them, in order.
-    pub const ALL: [Chapter; 9] = [
+    const OWL: [Chapter; 9] = [
         Chapter::Stone,
         Chapter::Edge,
         Chapter::Front,
@@ -48,6 +82,8 @@ impl Chapter {
         Chapter::Undone,
         Chapter::Finished,
     ];
+
+    const LANTERN: [Chapter; 3] = [Chapter::Stone, Chapter::HalfSlotted, Chapter::Slotted];
 
     /// What has just been done, for the report.
     #[must_use]
@@ -62,78 +98,94 @@ impl Chapter {
             Chapter::Mishap => "paste on the head",
             Chapter::Undone => "undone",
             Chapter::Finished => "a string of beads round the neck",
+            Chapter::HalfSlotted => "three slots cut to the post",
+            Chapter::Slotted => "six slots cut",
         }
     }
 }
 
+/// The owl's index among the hidden figures.
+const OWL: u8 = 0;
+
 /// The right hand does the work; the left turns the stool.
 const RIGHT: usize = 1;
 
-/// Plays the session. Calls `watcher` after every tick and `after_chapter` at the end of every
-/// chapter. `hidden_figure` is the index of the figure among those that hide in the lump.
+/// Plays a session. Calls `watcher` after every tick and `after_chapter` at the end of every chapter.
 pub fn play_demo<const N: usize, const K: usize>(
+    script: Script,
     runner: &mut TickRunner<'_, N, K>,
-    hidden_figure: u8,
     watcher: &mut TickWatcher<'_, N, K>,
     mut after_chapter: impl FnMut(Chapter, &paros_core::World<N, K>),
 ) where
     Grid<N>: Size,
 {
     let mut hands = ScriptedHands::new(runner, watcher);
-    let mut done =
-        |chapter, hands: &ScriptedHands<'_, '_, N, K>| after_chapter(chapter, hands.world());
-    hands.start_session(SessionMode::Constrained { figure: hidden_figure });
-    done(Chapter::Stone, &hands);
+    let done = |chapter, hands: &ScriptedHands<'_, '_, N, K>| after_chapter(chapter, hands.world());
+    match script {
+        Script::Owl => carve_owl(&mut hands, done),
+        Script::Lantern => lantern::carve_lantern(&mut hands, done),
+    }
+}
+
+/// Carves the hidden owl out of the lump.
+fn carve_owl<const N: usize, const K: usize>(
+    hands: &mut ScriptedHands<'_, '_, N, K>,
+    mut done: impl FnMut(Chapter, &ScriptedHands<'_, '_, N, K>),
+) where
+    Grid<N>: Size,
+{
+    hands.start_session(SessionMode::Constrained { figure: OWL });
+    done(Chapter::Stone, hands);
 
     hands.fetch_item(RIGHT, BenchItem::Tool(Tool::Rotary));
-    saw_off_edge(&mut hands);
-    done(Chapter::Edge, &hands);
+    saw_off_edge(hands);
+    done(Chapter::Edge, hands);
 
     hands.fetch_item(RIGHT, BenchItem::Bit(ToolBit::LargeBall));
     hands.set_mirror(true);
     let rough = PlungeRaster { spacing: 9.0, min_depth: 4.0, ..PlungeRaster::WHOLE };
-    plunge_side(&mut hands, 0.0, rough);
-    done(Chapter::Front, &hands);
-    plunge_side(&mut hands, 90.0, rough);
-    plunge_side(&mut hands, 180.0, rough);
-    plunge_top(&mut hands, rough);
-    done(Chapter::Rough, &hands);
+    plunge_side(hands, 0.0, rough);
+    done(Chapter::Front, hands);
+    plunge_side(hands, 90.0, rough);
+    plunge_side(hands, 180.0, rough);
+    plunge_top(hands, rough);
+    done(Chapter::Rough, hands);
 
     hands.fetch_item(RIGHT, BenchItem::Bit(ToolBit::MediumBall));
     let fine = PlungeRaster { spacing: 5.0, min_depth: 2.5, ..PlungeRaster::WHOLE };
     // The left side by itself too: the stone was not the same there, and the mirror left crumbs.
     for degrees in [0.0, 45.0, 90.0, 135.0, 180.0, 270.0] {
-        plunge_side(&mut hands, degrees, fine);
+        plunge_side(hands, degrees, fine);
     }
-    plunge_top(&mut hands, fine);
+    plunge_top(hands, fine);
     hands.fetch_item(RIGHT, BenchItem::Bit(ToolBit::SmallBall));
     for degrees in [0.0, 90.0, 180.0] {
-        draw_strips(&mut hands, degrees, 2.5);
+        draw_strips(hands, degrees, 2.5);
     }
-    draw_strips(&mut hands, 0.0, 1.7);
-    plunge_top(&mut hands, PlungeRaster { spacing: 3.0, min_depth: 1.0, ..PlungeRaster::WHOLE });
-    done(Chapter::Fine, &hands);
+    draw_strips(hands, 0.0, 1.7);
+    plunge_top(hands, PlungeRaster { spacing: 3.0, min_depth: 1.0, ..PlungeRaster::WHOLE });
+    done(Chapter::Fine, hands);
 
     hands.fetch_item(RIGHT, BenchItem::Tool(Tool::Rasp));
     for degrees in [0.0, 90.0, 180.0] {
-        draw_strips(&mut hands, degrees, 8.0);
+        draw_strips(hands, degrees, 8.0);
     }
     hands.set_mirror(false);
-    done(Chapter::Smooth, &hands);
+    done(Chapter::Smooth, hands);
 
     hands.fetch_item(RIGHT, BenchItem::Tool(Tool::FillGun));
-    place_paste_spiral(&mut hands);
-    done(Chapter::Mishap, &hands);
+    place_paste_spiral(hands);
+    done(Chapter::Mishap, hands);
     hands.send_commands(commands::UNDO);
-    done(Chapter::Undone, &hands);
-    place_ring_of_beads(&mut hands);
+    done(Chapter::Undone, hands);
+    place_ring_of_beads(hands);
     hands.wait_ticks(36);
     hands.send_commands(commands::FINISH);
-    done(Chapter::Finished, &hands);
+    done(Chapter::Finished, hands);
 }
 
 /// Saws the upper right edge of the block off: down beside the figure, then in from the side. What
-/// is cut loose falls. The cuts run along an axis, as range maps can hold no others.
+/// is cut loose falls.
 fn saw_off_edge<const N: usize, const K: usize>(hands: &mut ScriptedHands<'_, '_, N, K>)
 where
     Grid<N>: Size,

@@ -1,0 +1,71 @@
+//! The lantern: the lump with six slots that wind up its sides, cut through to a post that is left in
+//! the middle.
+//!
+//! Most of the hollow is seen along no axis: the stone between the slots stands before it, the roof over
+//! it. One interval a column would fill that again.
+
+use glam::Vec3;
+use paros_core::{BenchItem, Grid, SessionMode, Size, Tool, ToolBit, commands};
+
+use super::scripted_hands::ScriptedHands;
+use super::{Chapter, RIGHT, direction_at_azimuth, evenly_spaced, plunge_bit};
+
+/// Slots round the lantern.
+const SLOTS: usize = 6;
+
+/// A slot is three cuts wide; how far they are apart.
+const ASIDE: f32 = 8.0;
+
+/// Degrees by which a slot winds round the lantern from its lower end to the upper one.
+const TWIST_DEGREES: f32 = 40.0;
+
+/// The lowest and the highest cut of a slot, in voxels of a block of 128.
+const SLOT_HEIGHTS: [f32; 2] = [24.0, 92.0];
+
+/// How far from the axis a cut ends, and how far it begins, clear of the block.
+const POST: f32 = 16.0;
+const FAR: f32 = 98.0;
+
+/// Carves the lantern out of the free-form lump.
+pub(super) fn carve_lantern<const N: usize, const K: usize>(
+    hands: &mut ScriptedHands<'_, '_, N, K>,
+    mut done: impl FnMut(Chapter, &ScriptedHands<'_, '_, N, K>),
+) where
+    Grid<N>: Size,
+{
+    hands.start_session(SessionMode::FreeForm);
+    done(Chapter::Stone, hands);
+    hands.fetch_item(RIGHT, BenchItem::Tool(Tool::Rotary));
+    hands.fetch_item(RIGHT, BenchItem::Bit(ToolBit::LargeBall));
+    for slot in 0..SLOTS {
+        cut_slot(hands, 360.0 / SLOTS as f32 * slot as f32);
+        if 2 * (slot + 1) == SLOTS {
+            done(Chapter::HalfSlotted, hands);
+        }
+    }
+    hands.return_hand_to_rest(RIGHT);
+    hands.wait_ticks(36);
+    hands.send_commands(commands::FINISH);
+    done(Chapter::Slotted, hands);
+}
+
+/// Cuts a slot, from the top down, by one plunge towards the axis after the other.
+fn cut_slot<const N: usize, const K: usize>(
+    hands: &mut ScriptedHands<'_, '_, N, K>,
+    degrees_from_z_to_x: f32,
+) where
+    Grid<N>: Size,
+{
+    let unit = N as f32 / 128.0;
+    let [low, high] = SLOT_HEIGHTS;
+    hands.turn_azimuth_to_visitor(degrees_from_z_to_x);
+    for below in evenly_spaced(0.0, high - low, 5.0) {
+        let twist = TWIST_DEGREES * (0.5 - below / (high - low));
+        let out = direction_at_azimuth(degrees_from_z_to_x + twist);
+        for aside in [-ASIDE, 0.0, ASIDE] {
+            let middle = Vec3::new(64.0, high - below, 64.0) + Vec3::Y.cross(out) * aside;
+            plunge_bit(hands, (middle + out * FAR) * unit, -out, (FAR - POST) * unit, 1.0);
+        }
+    }
+    hands.return_hand_to_rest(RIGHT);
+}
