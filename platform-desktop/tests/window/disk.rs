@@ -185,7 +185,7 @@ fn a_session_that_cannot_be_read_is_kept() -> Result<(), MissingDependency> {
     let mut flipped = good.clone();
     flipped[good.len() / 2] ^= 4;
     let cases = [
-        (newer, "version 2 at byte 4"),
+        (newer, "2 to 4 intervals a column at byte 4"),
         (flipped, "checksum"),
         (good[..good.len() / 2].to_vec(), "checksum"),
         (Vec::new(), "at byte 0"),
