@@ -3,7 +3,7 @@
 
 /// Intervals of a column in the shells, K. One is the paper's volume and holds every shape that is seen
 /// whole along the three axes (section 3.2); carving refuses what it can't hold, half of a restless
-/// visitor's cuts. With two, a quarter of a percent is left of that.
+/// visitor's cuts. With two, it refuses a quarter of a percent of them.
 pub const INTERVALS: usize = 2;
 
 /// Intervals of a column at most, as a file may say them: more than four are neither built nor tested.

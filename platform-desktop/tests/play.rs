@@ -83,7 +83,8 @@ fn what_can_not_be_played_leaves_nothing() {
 }
 
 /// Writes `cut.trace`, in which a ball and its mirror cut aslant into the stone, where a column of one interval
-/// keeps no hole, and then straight down. Returns the sums of its edits' reports: removed, added, and refused by closure, mask, depth.
+/// keeps no hole, and then straight down. Returns the sums of its edits' reports: removed, added, and
+/// refused by closure, mask, depth.
 fn record_cuts(folder: &Path) -> [u64; 5] {
     let mut sums = [0; 5];
     let bytes = tick_runner::with_fresh_world::<128, INTERVALS, _>(|mut runner| {

@@ -161,7 +161,8 @@ fn voxel_of_key(key: u32) -> i32 {
 }
 
 // Whether a voxel is in one of a column's ranges. In the halves, `first` comes to 256 or more where a
-// range begins at the voxel or before, `last` where it ends there or behind; neither comes to 512.
+// range begins at the voxel or before, `last` where it ends there or behind; only at voxel 256,
+// outside the grid, may `first` come to 512, which lacks that bit.
 fn column_holds(texel: vec4<u32>, key: u32) -> bool {
     let first = (texel.x & 0xff00ffu) + key;
     let last = (texel.x >> 8u & 0xff00ffu) + (0x1010101u - key);

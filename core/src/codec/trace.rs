@@ -23,7 +23,7 @@ pub const RECORD_BYTES: usize = TickInput::BYTES + 8 * DIGEST_PARTS.len();
 /// Changes with every change of the trace format.
 pub const TRACE_VERSION: u16 = 2;
 
-/// Changes with every change of what a tick computes.
+/// Changes with every change of what a tick computes, with one interval a column or more.
 pub const CORE_VERSION: u16 = 7;
 
 /// The first bytes of a trace.

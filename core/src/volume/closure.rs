@@ -110,7 +110,8 @@ impl<const K: usize> Column<K> {
     }
 }
 
-/// The runs that become a column's gaps: up to K - 1, those of one call of [`LongestRuns::take_longest`] before those of the next.
+/// The runs that become a column's gaps: up to K - 1, those of one call of
+/// [`LongestRuns::take_longest`] before those of the next.
 pub(crate) struct LongestRuns<const K: usize> {
     runs: [Range; K],
     count: usize,

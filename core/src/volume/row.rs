@@ -34,8 +34,7 @@ pub trait BitSet:
     /// Bits `first..=last`, cut at the row's end; none when `first > last`.
     #[must_use]
     fn span(first: usize, last: usize) -> Self;
-    /// The voxels of a range, cut at the row's end, without a branch: quicker than [`Range::to_row`] for
-    /// ranges of all kinds in turn.
+    /// The voxels of a range, cut at the row's end, without a branch.
     #[must_use]
     fn from_range(range: Range) -> Self;
     /// Words `first_word..first_word + W` as a row of their own.
@@ -120,10 +119,7 @@ impl Range {
     #[must_use]
     #[inline]
     pub fn hull_of<R: BitSet>(row: R) -> Self {
-        match (row.first(), row.last()) {
-            (Some(lo), Some(hi)) => Self::new(lo, hi),
-            _ => Self::EMPTY,
-        }
+        row.first().zip(row.last()).map_or(Self::EMPTY, |(lo, hi)| Self::new(lo, hi))
     }
 
     /// The voxels inside as a row.
@@ -207,8 +203,7 @@ impl<const W: usize> BitSet for BitRow<W> {
 
     #[inline]
     fn from_range(range: Range) -> Self {
-        let end = range.last() + 1;
-        // An empty range begins at 255, behind its end.
+        let end = range.last() + 1; // an empty range begins at 255, behind it
         BitRow(Self::BITS_BELOW[end]) ^ BitRow(Self::BITS_BELOW[range.first().min(end)])
     }
 

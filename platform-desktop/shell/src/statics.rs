@@ -1,5 +1,5 @@
-//! Static buffers, one set for each grid size and number of intervals. The core's buffers are large, start as all zero bytes
-//! and never move, so they live in statics, each behind a mutex.
+//! Static buffers, one set for each grid size and number of intervals. The core's buffers are large,
+//! start as all zero bytes and never move, so they live in statics, each behind a mutex.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 

@@ -134,6 +134,10 @@ where
     if own.last() + 1 >= mirror.first() && mirror.last() + 1 >= own.first() {
         return [voxels, VoxelBox::EMPTY];
     }
+    if own.is_empty() && mirror.is_empty() {
+        // The bit has moved on since.
+        return [voxels, VoxelBox::EMPTY];
+    }
     [own, mirror].map(|x| VoxelBox::new([x, y, z]))
 }
 

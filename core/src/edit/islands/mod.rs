@@ -156,9 +156,8 @@ where
     }
 
     /// Begins a pass if one is called for, which takes [`mask_layout_row_visits`] where there is a mask, and
-    /// carries it on by what is left of `max_row_visits`. When
-    /// it ends, all islands go at once and its report comes back. The removal is left to the next
-    /// call if the visits left to this one are fewer than [`island_removal_row_visits`].
+    /// carries it on by what is left of `max_row_visits`. When it ends, all islands go at once and its report
+    /// comes back; the next call removes them if fewer are left than [`island_removal_row_visits`].
     ///
     /// `mask` is part of the volume and the same throughout a pass.
     pub fn advance_pass<const K: usize>(

@@ -61,8 +61,8 @@ impl Figure {
         Self::ALL.into_iter().find(|figure| figure.name() == name)
     }
 
-    /// Rasterizes the figure: a voxel belongs to it if its centre does. `maps` become the tight hulls of
-    /// its voxels, `bit_grid` their closure.
+    /// Rasterizes the figure: a voxel belongs to it if its centre does. `maps` become the closure of
+    /// its voxels, `bit_grid` the same.
     pub fn rasterize_into<const N: usize, const K: usize>(
         self,
         maps: &mut RangeMaps<N, K>,

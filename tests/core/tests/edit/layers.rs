@@ -2,9 +2,8 @@
 //! the model of the closure rule: every voxel, every column, every count.
 //!
 //! Planted faults, one line each, that every sequence of two and more intervals catches (tried by hand):
-//! - `with_gaps_among`: gaps that were held come no more before the others.
-//! - `find_columns_with_holes`: columns that reach beyond the changed rows, below or above, forgotten.
-//! - `insert_gaps`: columns that had gaps are looked at only if they have holes.
+//! - `with_chosen_gaps`: gaps that were held come no more before the others.
+//! - `widen_gaps`: where the first voxel above a gap is removed, the gap stays as it was.
 //! - `tighten_flipped_columns`: a fill looks no farther than its flips.
 //! - `tighten_line_returning_nonempty`: columns whose hull stays aren't replaced.
 
