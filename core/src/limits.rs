@@ -85,10 +85,11 @@ pub const fn max_bit_steps_per_tick(grid_side: usize) -> u32 {
 }
 
 /// [`max_bit_steps_per_tick`] in a tick with an undo or redo, which rebuilds the volume's bit rows: a
-/// quarter; none with more than one interval a column, where that takes a quarter longer: the bits stand.
+/// quarter; none at 256 with more than one interval a column, where that takes a quarter longer: the bits
+/// stand.
 #[must_use]
 pub const fn max_bit_steps_in_undo_tick(grid_side: usize, intervals: usize) -> u32 {
-    if intervals > 1 { 0 } else { max_bit_steps_per_tick(grid_side) / 4 }
+    if grid_side > 128 && intervals > 1 { 0 } else { max_bit_steps_per_tick(grid_side) / 4 }
 }
 
 /// The work of both hands in a tick, in steps plus brush pieces, above which the island search waits
@@ -96,11 +97,11 @@ pub const fn max_bit_steps_in_undo_tick(grid_side: usize, intervals: usize) -> u
 /// slower.
 pub const HAND_STEPS_BESIDE_ISLANDS: u32 = 24;
 
-/// The same in a tick in which a pass would begin by laying out the mask. With more than one interval a
-/// column that takes a third longer.
+/// The same in a tick in which a pass would begin by laying out the mask. At 256 with more than one
+/// interval a column that takes a third longer.
 #[must_use]
-pub const fn hand_steps_beside_mask_layout(intervals: usize) -> u32 {
-    if intervals > 1 { 8 } else { HAND_STEPS_BESIDE_ISLANDS }
+pub const fn hand_steps_beside_mask_layout(grid_side: usize, intervals: usize) -> u32 {
+    if grid_side > 128 && intervals > 1 { 8 } else { HAND_STEPS_BESIDE_ISLANDS }
 }
 
 /// The cost of a step, in steps, while the bit is deeper than its penetration limit, as an undo may

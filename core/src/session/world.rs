@@ -110,7 +110,7 @@ where
                 cost += self.step_tool(hand, presses, max_steps).total_steps();
             }
             let most = match self.state.masked && self.islands.is_about_to_begin() {
-                true => hand_steps_beside_mask_layout(K),
+                true => hand_steps_beside_mask_layout(N, K),
                 false => HAND_STEPS_BESIDE_ISLANDS,
             };
             if !rewound && cost <= most {
