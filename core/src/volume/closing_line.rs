@@ -195,15 +195,11 @@ where
     let (first, last) = (scanned.first(), scanned.last());
     let below = if first > 0 { row(first - 1) & solid } else { R::EMPTY };
     let above = if last + 1 < N { row(last + 1) & solid } else { R::EMPTY };
-    // Whether voxels were met, then empty ones, then others.
-    let (mut met, mut left, mut split) = (below, R::EMPTY, R::EMPTY);
-    for i in first..last + 1 {
-        let occupied = row(i) & solid;
-        split |= left & occupied;
-        met |= occupied;
-        left |= met & !occupied;
-    }
-    split | left & above
+    let mut holes = HoleScan::NONE;
+    holes.pass(below);
+    (first..last + 1).for_each(|i| holes.pass(row(i) & solid));
+    holes.pass(above);
+    holes.found
 }
 
 /// What became of the gaps of columns, but for those that are as they were.

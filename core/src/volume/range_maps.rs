@@ -166,24 +166,20 @@ impl<const N: usize, const K: usize> RangeMaps<N, K> {
 
     /// Makes the volume empty, in place.
     pub fn clear(&mut self) {
-        self.fill_columns(Column::EMPTY);
+        self.columns.as_flattened_mut().as_flattened_mut().fill(Column::EMPTY);
     }
 
     /// Becomes the solid block, in place: every voxel is occupied.
     pub fn fill_block(&mut self) {
-        self.fill_columns(Column::from_range(Range::new(0, N - 1)));
-    }
-
-    /// Line by line, as copies below: over more bytes the C library's loops store a byte a step where the
-    /// processor has no faster string instructions.
-    fn fill_columns(&mut self, column: Column<K>) {
-        self.columns.as_flattened_mut().iter_mut().for_each(|line| line.fill(column));
+        let column = Column::from_range(Range::new(0, N - 1));
+        self.columns.as_flattened_mut().as_flattened_mut().fill(column);
     }
 
     /// Becomes a copy of `other`, in place.
     pub fn copy_from(&mut self, other: &Self) {
-        let lines = self.columns.as_flattened_mut().iter_mut();
-        lines.zip(other.columns.as_flattened()).for_each(|(mine, its)| mine.copy_from_slice(its));
+        for (mine, its) in self.columns.iter_mut().zip(&other.columns) {
+            mine.copy_from_slice(its);
+        }
     }
 
     /// One column.
