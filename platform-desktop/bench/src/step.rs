@@ -17,7 +17,7 @@ use paros_core::limits::INTERVALS;
 use paros_core::trace::TickRecord;
 use paros_core::{Baker, BitGrid, Exporter, Grid, RangeMaps, Size, TickInput, Volume, World};
 use paros_headless::Error;
-use paros_shell::demo::{self, Script};
+use paros_shell::demo::{self, DemoScript};
 use paros_shell::durable;
 use paros_shell::figures::Figure;
 use paros_shell::rmap;
@@ -67,7 +67,7 @@ where
     let bytes = with_fresh_world::<N, INTERVALS, _>(|mut runner| {
         runner.start_recording();
         let mut watcher = |_: &World<N, INTERVALS>| ControlFlow::Continue(());
-        demo::play_demo(Script::Owl, &mut runner, &mut watcher, |_, _| {});
+        demo::play_demo(DemoScript::Owl, &mut runner, &mut watcher, |_, _| {});
         runner.end_recording_to_bytes().unwrap_or_default()
     });
     let trace = Trace::decode(&bytes).map_err(|fault| Error::failure(fault.bad.expected))?;

@@ -10,7 +10,7 @@ use paros_core::limits::INTERVALS;
 use paros_core::{Grid, Size, World, WorldEvent};
 use paros_headless::Error;
 use paros_shaders::{Camera, Image, RenderOptions, contact_sheet, render_image};
-use paros_shell::demo::{self, Chapter, Script};
+use paros_shell::demo::{self, Chapter, DemoScript};
 use paros_shell::durable::WriteTarget;
 use paros_shell::edit_totals::EditTotals;
 use paros_shell::statics::{Resident, ResidentBitGrid};
@@ -61,8 +61,8 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
         FILES.iter().map(|name| WriteTarget::resolve_and_check_writable(&folder.join(name)));
     let targets = tried.collect::<Result<Vec<_>, _>>()?;
     let script = match args.script {
-        ScriptChoice::Owl => Script::Owl,
-        ScriptChoice::Lantern => Script::Lantern,
+        ScriptChoice::Owl => DemoScript::Owl,
+        ScriptChoice::Lantern => DemoScript::Lantern,
     };
     let (files, mut report) = with_intervals!(args.layers, K => play_and_encode::<K>(script))?;
     let targets_and_bytes = targets.into_iter().zip(files.iter().map(|bytes| &bytes[..]));
@@ -73,7 +73,7 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
 
 /// The contents of [`FILES`] and the report, which is the last of them.
 fn play_and_encode<const K: usize>(
-    script: Script,
+    script: DemoScript,
 ) -> Result<([Vec<u8>; FILES.len()], String), Error>
 where
     Grid<N>: Resident<N, K>,
@@ -90,7 +90,7 @@ where
 
 /// The session's results, except the world itself.
 struct DemoResult {
-    script: Script,
+    script: DemoScript,
     trace: Vec<u8>,
     stl: FinishedStl,
     pictures: Vec<Image>,
@@ -165,7 +165,7 @@ impl DemoResult {
     }
 }
 
-fn play_session<const K: usize>(script: Script) -> Result<DemoResult, Error>
+fn play_session<const K: usize>(script: DemoScript) -> Result<DemoResult, Error>
 where
     Grid<N>: Resident<N, K>,
 {

@@ -8,7 +8,7 @@ use paros_core::World;
 use paros_core::limits::INTERVALS;
 use paros_core::limits::max_save_bytes;
 use paros_shaders::Image;
-use paros_shell::demo::{Script, play_demo};
+use paros_shell::demo::{DemoScript, play_demo};
 use paros_shell::require::{MissingDependency, require_or_skip};
 use paros_shell::tick_runner::with_fresh_world;
 
@@ -66,7 +66,7 @@ fn save_hidden(folder: &Path) {
             fs::write(sessions.join("session-128.save"), &bytes[..len]).expect("it is written");
             ControlFlow::Break(())
         };
-        play_demo(Script::Owl, &mut stage, &mut until, |_, _| {});
+        play_demo(DemoScript::Owl, &mut stage, &mut until, |_, _| {});
     });
 }
 

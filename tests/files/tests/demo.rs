@@ -6,7 +6,7 @@ use paros_core::Grid;
 use paros_core::limits::INTERVALS;
 use paros_core::trace::CORE_VERSION;
 use paros_models::dense::DenseVolume;
-use paros_shell::demo::{Chapter, Script, play_demo};
+use paros_shell::demo::{Chapter, DemoScript, play_demo};
 use paros_shell::statics::Resident;
 use paros_shell::tick_runner::with_fresh_world;
 
@@ -29,9 +29,14 @@ where
 {
     let mut chapters = vec![];
     let digest = with_fresh_world::<128, K, _>(|mut stage| {
-        play_demo(Script::Owl, &mut stage, &mut |_| ControlFlow::Continue(()), |chapter, world| {
-            chapters.push((chapter, DenseVolume::from_maps(world.volume().maps())));
-        });
+        play_demo(
+            DemoScript::Owl,
+            &mut stage,
+            &mut |_| ControlFlow::Continue(()),
+            |chapter, world| {
+                chapters.push((chapter, DenseVolume::from_maps(world.volume().maps())));
+            },
+        );
         stage.world().digest()
     });
     let after =

@@ -11,7 +11,7 @@ use crate::tick_runner::TickRunner;
 use glam::Vec3;
 use paros_core::{Axis, BenchItem, Grid, SessionMode, Size, Tool, ToolBit, commands};
 
-pub use script::{Chapter, Script};
+pub use script::{Chapter, DemoScript};
 pub use scripted_hands::TickWatcher;
 use scripted_hands::{ScriptedHands, StoneAndMaskDistances};
 
@@ -23,7 +23,7 @@ const RIGHT: usize = 1;
 
 /// Plays a session. Calls `watcher` after every tick and `after_chapter` at the end of every chapter.
 pub fn play_demo<const N: usize, const K: usize>(
-    script: Script,
+    script: DemoScript,
     runner: &mut TickRunner<'_, N, K>,
     watcher: &mut TickWatcher<'_, N, K>,
     mut after_chapter: impl FnMut(Chapter, &paros_core::World<N, K>),
@@ -33,8 +33,8 @@ pub fn play_demo<const N: usize, const K: usize>(
     let mut hands = ScriptedHands::new(runner, watcher);
     let done = |chapter, hands: &ScriptedHands<'_, '_, N, K>| after_chapter(chapter, hands.world());
     match script {
-        Script::Owl => carve_owl(&mut hands, done),
-        Script::Lantern => lantern::carve_lantern(&mut hands, done),
+        DemoScript::Owl => carve_owl(&mut hands, done),
+        DemoScript::Lantern => lantern::carve_lantern(&mut hands, done),
     }
 }
 

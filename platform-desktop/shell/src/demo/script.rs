@@ -2,7 +2,7 @@
 
 /// A scripted session.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Script {
+pub enum DemoScript {
     /// The owl comes out of the lump that hides it, roughed, worked finer and decorated.
     Owl,
     /// A lantern is cut through the lump: six twisted slots round a post. One interval a column can't
@@ -37,13 +37,13 @@ pub enum Chapter {
     Slotted,
 }
 
-impl Script {
+impl DemoScript {
     /// Its chapters, in order.
     #[must_use]
     pub const fn chapters(self) -> &'static [Chapter] {
         match self {
-            Script::Owl => &Chapter::OWL,
-            Script::Lantern => &Chapter::LANTERN,
+            DemoScript::Owl => &Chapter::OWL,
+            DemoScript::Lantern => &Chapter::LANTERN,
         }
     }
 
@@ -51,8 +51,8 @@ impl Script {
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
-            Script::Owl => "owl",
-            Script::Lantern => "lantern",
+            DemoScript::Owl => "owl",
+            DemoScript::Lantern => "lantern",
         }
     }
 }
