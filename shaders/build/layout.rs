@@ -2,10 +2,13 @@
 
 use std::fmt::Write as _;
 
+use crate::shared::constants_module;
+
 /// Rust source of compile-time assertions that the named structures have the size and the field
 /// offsets of the structures of the same names in a WGSL module.
 pub(crate) fn layout_assertions(wgsl_path: &str, wgsl: &str, structures: &[&str]) -> String {
-    let source = wgsl.replace("#define_import_path", "//");
+    // All constants are declared in front, so its imports can go.
+    let source = (constants_module() + wgsl).replace("#define", "//").replace("#import", "//");
     let module = naga::front::wgsl::parse_str(&source)
         .unwrap_or_else(|error| panic!("{wgsl_path}: {}", error.emit_to_string(&source)));
     let mut text = String::from("const _: () = {\n");

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use glam::Vec3;
 use paros_core::internals::{BOX_SIDE, STOOL_TOP};
-use paros_core::{Tool, ToolBit};
+use paros_core::session::{Tool, ToolBit};
 
 use crate::mesh::hands::HandShape;
 use crate::mesh::{MeshBuilder, bits, extent, furniture, hands, light, room, tools, translation};

@@ -126,8 +126,46 @@ pub const MARBLE_VEIN_COLOR: [f32; 3] = [0.40, 0.41, 0.44];
 pub const TILE_PIXELS: u32 = 64;
 /// Pixels along a side of the beams that refine a tile's start.
 pub const BEAM_PIXELS: u32 = 8;
-/// Bindings of the drawing programs' only descriptor set.
+/// Bindings of the drawing programs' only descriptor set: the uniform buffer of the frame.
+pub const BINDING_FRAME: u32 = 0;
+/// Range maps.
+pub const BINDING_MAPS: u32 = 1;
+/// Density.
+pub const BINDING_DENSITY: u32 = 2;
+/// Distances of cells.
+pub const BINDING_CELLS: u32 = 3;
+/// Noise of the marble.
+pub const BINDING_NOISE: u32 = 4;
+/// Linear sampler, clamped.
+pub const BINDING_CLAMPED: u32 = 5;
+/// Nearest sampler, clamped.
+pub const BINDING_NEAREST: u32 = 6;
+/// March starts of tiles.
+pub const BINDING_TILE_STARTS: u32 = 7;
+/// Greyness of the marble.
+pub const BINDING_MARBLE: u32 = 8;
+/// Linear sampler, repeating.
+pub const BINDING_REPEAT: u32 = 9;
+/// March starts of beams.
+pub const BINDING_BEAM_STARTS: u32 = 10;
+/// The sun's map.
+pub const BINDING_SUN_MAP: u32 = 11;
+/// Sampler that compares depths.
+pub const BINDING_DEPTH_COMPARE: u32 = 12;
+/// How many they are.
 pub const BINDING_COUNT: u32 = 13;
+/// Bindings of the overlay: its atlas.
+pub const BINDING_ATLAS: u32 = 0;
+/// The sampler of the atlas.
+pub const BINDING_ATLAS_SAMPLER: u32 = 1;
+/// Bindings of the scatter program: what is to be copied where.
+pub const BINDING_PATCHES: u32 = 0;
+/// The texels to copy.
+pub const BINDING_STAGED: u32 = 1;
+/// The first of the density's levels, which follow each other.
+pub const BINDING_LEVELS: u32 = 2;
+/// The cells to write, after the levels.
+pub const BINDING_CELL_IMAGE: u32 = BINDING_LEVELS + DENSITY_LEVELS;
 /// Mip levels of the density.
 pub const DENSITY_LEVELS: u32 = 4;
 /// Width of the empty border around each range map's texture, in columns.

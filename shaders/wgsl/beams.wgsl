@@ -1,10 +1,11 @@
 // The second level of cone marching: beams of 8 x 8 pixels, from where their tile's beam stopped.
 #import paros::beam
+#import paros::constants::{BINDING_CELLS, BINDING_CLAMPED, BINDING_DENSITY, BINDING_NEAREST}
 
-@group(0) @binding(2) var density: texture_3d<f32>;
-@group(0) @binding(3) var cells: texture_3d<f32>;
-@group(0) @binding(5) var clamped: sampler;
-@group(0) @binding(6) var nearest: sampler;
+@group(0) @binding(BINDING_DENSITY) var density: texture_3d<f32>;
+@group(0) @binding(BINDING_CELLS) var cells: texture_3d<f32>;
+@group(0) @binding(BINDING_CLAMPED) var clamped: sampler;
+@group(0) @binding(BINDING_NEAREST) var nearest: sampler;
 
 @fragment
 fn fragment(

@@ -1,10 +1,10 @@
 // The shadow map's depth: meshes, and the sculpture by ray marching its box.
 #import paros::layout::frame
-#import paros::constants::DENSITY_LEVELS
+#import paros::constants::{BINDING_CLAMPED, BINDING_DENSITY, DENSITY_LEVELS}
 #import paros::box
 
-@group(0) @binding(2) var density: texture_3d<f32>;
-@group(0) @binding(5) var clamped: sampler;
+@group(0) @binding(BINDING_DENSITY) var density: texture_3d<f32>;
+@group(0) @binding(BINDING_CLAMPED) var clamped: sampler;
 
 #ifdef SCULPTURE
 

@@ -4,9 +4,10 @@
 // Coordinates `p` and `o` are those of the density texture, 0 to 1; depths `t` are in voxels.
 #import paros::layout::frame
 #import paros::constants::{
-    BEAM_PIXELS, DENSITY_LEVELS, FAST_AO_HEIGHT, FAST_AO_MAX_DENSITY, FAST_AO_SCALE,
-    FAST_EDGE_CUBIC, FAST_REFERENCE_SIDE, FAST_SHADOW_OPACITY, FAST_SHADOW_SPACING,
-    FAST_SKIP_INTERVAL, FAST_STEP_FAR, FAST_STEP_NEAR, FAST_TRANSLUCENCY,
+    BEAM_PIXELS, BINDING_BEAM_STARTS, BINDING_CELLS, BINDING_CLAMPED, BINDING_DENSITY,
+    BINDING_MARBLE, BINDING_NEAREST, DENSITY_LEVELS, FAST_AO_HEIGHT, FAST_AO_MAX_DENSITY,
+    FAST_AO_SCALE, FAST_EDGE_CUBIC, FAST_REFERENCE_SIDE, FAST_SHADOW_OPACITY,
+    FAST_SHADOW_SPACING, FAST_SKIP_INTERVAL, FAST_STEP_FAR, FAST_STEP_NEAR, FAST_TRANSLUCENCY,
     FAST_TRANSLUCENCY_DEPTH, MARBLE_BASE_COLOR, MARBLE_VEIN_COLOR, TONE_WHITE_POINT,
 }
 #import paros::box
@@ -24,12 +25,12 @@ alias real3 = vec3<f32>;
 // Alpha to coverage: with several samples a pixel, a fragment's coverage is its alpha.
 override COVERAGE: bool = false;
 
-@group(0) @binding(2) var density: texture_3d<f32>;
-@group(0) @binding(3) var cells: texture_3d<f32>;
-@group(0) @binding(8) var marble_grey: texture_3d<f32>;
-@group(0) @binding(5) var clamped: sampler;
-@group(0) @binding(6) var nearest: sampler;
-@group(0) @binding(10) var beams: texture_2d_array<f32>;
+@group(0) @binding(BINDING_DENSITY) var density: texture_3d<f32>;
+@group(0) @binding(BINDING_CELLS) var cells: texture_3d<f32>;
+@group(0) @binding(BINDING_MARBLE) var marble_grey: texture_3d<f32>;
+@group(0) @binding(BINDING_CLAMPED) var clamped: sampler;
+@group(0) @binding(BINDING_NEAREST) var nearest: sampler;
+@group(0) @binding(BINDING_BEAM_STARTS) var beams: texture_2d_array<f32>;
 
 struct FragmentOutput {
     @location(0) color: vec4<f32>,

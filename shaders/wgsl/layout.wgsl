@@ -1,6 +1,7 @@
 // The uniform buffer of every drawing program. `src/gpu/pipelines/layout.rs` mirrors the
 // structures; the build checks the sizes and every field's offset against each other.
 #define_import_path paros::layout
+#import paros::constants::BINDING_FRAME
 
 // An eye. The ray of pixel (x, y) is `eye + t * (ray_base + x * ray_x + y * ray_y)`, in voxels of
 // the grid; its parameter t is the depth in front of the eye, also in voxels.
@@ -54,4 +55,4 @@ struct FrameUniforms {
     shadow_texel: f32,
 }
 
-@group(0) @binding(0) var<uniform> frame: FrameUniforms;
+@group(0) @binding(BINDING_FRAME) var<uniform> frame: FrameUniforms;

@@ -1,8 +1,10 @@
 // Panels and text over the frame: a triangle list textured from an atlas.
-#import paros::constants::{SRGB_LINEAR_SLOPE, SRGB_OFFSET, SRGB_EXPONENT}
+#import paros::constants::{
+    BINDING_ATLAS, BINDING_ATLAS_SAMPLER, SRGB_EXPONENT, SRGB_LINEAR_SLOPE, SRGB_OFFSET,
+}
 
-@group(0) @binding(0) var atlas: texture_2d_array<f32>;
-@group(0) @binding(1) var clamped: sampler;
+@group(0) @binding(BINDING_ATLAS) var atlas: texture_2d_array<f32>;
+@group(0) @binding(BINDING_ATLAS_SAMPLER) var clamped: sampler;
 
 struct VertexOutput {
     @builtin(position) position: vec4<f32>,

@@ -2,9 +2,10 @@
 // shadow ray. The twin is `src/twin/fragment.rs`.
 #import paros::layout::frame
 #import paros::constants::{
-    BLOB_HIT_DISTANCE, BLOB_MAX_STEPS, BLOB_RADIUS, BLOB_SHARPNESS, BLOB_START_BACK,
-    GOLDEN_ANGLE_COS_SIN, MAP_BORDER_COLUMNS, MARCH_FRACTION_BITS, SHADOW_DAMPING,
-    SHADOW_DISC_STRIDE, SHADOW_RADIUS_FAR, SHADOW_RADIUS_NEAR, SHADOW_SAMPLES,
+    BINDING_MAPS, BINDING_NOISE, BINDING_REPEAT, BLOB_HIT_DISTANCE, BLOB_MAX_STEPS, BLOB_RADIUS,
+    BLOB_SHARPNESS, BLOB_START_BACK, GOLDEN_ANGLE_COS_SIN, MAP_BORDER_COLUMNS,
+    MARCH_FRACTION_BITS, SHADOW_DAMPING, SHADOW_DISC_STRIDE, SHADOW_RADIUS_FAR,
+    SHADOW_RADIUS_NEAR, SHADOW_SAMPLES,
 }
 #import paros::light
 #import paros::marble
@@ -18,9 +19,9 @@ override SHADING: bool = true;
 // A layer for each axis, with a border of empty columns. The texel of a column, at (place, line),
 // holds 255 less the first voxel of its range, and the last one, 0 and 0 of an empty range. With
 // TWO_INTERVALS it is one word of four bytes, lowest first: these two, and those of a second range.
-@group(0) @binding(1) var maps: texture_2d_array<u32>;
-@group(0) @binding(4) var noise: texture_3d<f32>;
-@group(0) @binding(9) var repeat: sampler;
+@group(0) @binding(BINDING_MAPS) var maps: texture_2d_array<u32>;
+@group(0) @binding(BINDING_NOISE) var noise: texture_3d<f32>;
+@group(0) @binding(BINDING_REPEAT) var repeat: sampler;
 
 // Fixed point coordinates: one voxel.
 const ONE_VOXEL: f32 = f32(1u << MARCH_FRACTION_BITS);

@@ -1,5 +1,6 @@
 // Texture upload by one compute dispatch: boxes of staged bytes into the 3D textures. On some
 // drivers a copy takes two microseconds for each slice of each box.
+#import paros::constants::{BINDING_CELL_IMAGE, BINDING_LEVELS, BINDING_PATCHES, BINDING_STAGED}
 
 // Mirrored in `src/gpu/pipelines/scatter.rs`; the build checks the offsets.
 struct Patch {
@@ -10,14 +11,14 @@ struct Patch {
     size: array<u32, 3>,
 }
 
-@group(0) @binding(0) var<storage, read> patches: array<Patch>;
+@group(0) @binding(BINDING_PATCHES) var<storage, read> patches: array<Patch>;
 // Four bytes each, the first one lowest.
-@group(0) @binding(1) var<storage, read> staged: array<u32>;
-@group(0) @binding(2) var level_0: texture_storage_3d<r8unorm, write>;
-@group(0) @binding(3) var level_1: texture_storage_3d<r8unorm, write>;
-@group(0) @binding(4) var level_2: texture_storage_3d<r8unorm, write>;
-@group(0) @binding(5) var level_3: texture_storage_3d<r8unorm, write>;
-@group(0) @binding(6) var cells: texture_storage_3d<r8unorm, write>;
+@group(0) @binding(BINDING_STAGED) var<storage, read> staged: array<u32>;
+@group(0) @binding(BINDING_LEVELS) var level_0: texture_storage_3d<r8unorm, write>;
+@group(0) @binding(BINDING_LEVELS + 1u) var level_1: texture_storage_3d<r8unorm, write>;
+@group(0) @binding(BINDING_LEVELS + 2u) var level_2: texture_storage_3d<r8unorm, write>;
+@group(0) @binding(BINDING_LEVELS + 3u) var level_3: texture_storage_3d<r8unorm, write>;
+@group(0) @binding(BINDING_CELL_IMAGE) var cells: texture_storage_3d<r8unorm, write>;
 
 const THREADS: u32 = 64;
 

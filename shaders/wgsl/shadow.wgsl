@@ -2,9 +2,10 @@
 #define_import_path paros::shadow
 #import paros::layout::frame
 #import paros::box
+#import paros::constants::{BINDING_DEPTH_COMPARE, BINDING_SUN_MAP}
 
-@group(0) @binding(11) var sun_map: texture_depth_2d_array;
-@group(0) @binding(12) var depth_compare: sampler_comparison;
+@group(0) @binding(BINDING_SUN_MAP) var sun_map: texture_depth_2d_array;
+@group(0) @binding(BINDING_DEPTH_COMPARE) var depth_compare: sampler_comparison;
 
 // Depth bias, in metres, of the point where a ray leaves the sculpture's box: texels of the
 // sculpture's own shadow reach over the box's border.

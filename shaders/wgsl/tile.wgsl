@@ -1,7 +1,7 @@
 // Screen tiles whose beam didn't miss, as quads at the depth where their rays start: instances that
 // the depth test culls against what has been drawn.
 #import paros::layout::frame
-#import paros::constants::{BEAM_PIXELS, TILE_PIXELS}
+#import paros::constants::{BEAM_PIXELS, BINDING_TILE_STARTS, TILE_PIXELS}
 
 // Pixels of the picture along a side of the target's texels.
 #ifdef BEAMS
@@ -10,7 +10,7 @@ const PIXELS_PER_TEXEL: f32 = f32(BEAM_PIXELS);
 const PIXELS_PER_TEXEL: f32 = 1.0;
 #endif
 
-@group(0) @binding(7) var starts: texture_2d_array<f32>;
+@group(0) @binding(BINDING_TILE_STARTS) var starts: texture_2d_array<f32>;
 
 struct VertexOutput {
     @builtin(position) position: vec4<f32>,

@@ -1,12 +1,14 @@
 // The first level of cone marching: a beam for each screen tile of 64 x 64 pixels.
 #import paros::layout::frame
-#import paros::constants::TILE_PIXELS
+#import paros::constants::{
+    BINDING_CELLS, BINDING_CLAMPED, BINDING_DENSITY, BINDING_NEAREST, TILE_PIXELS,
+}
 #import paros::beam
 
-@group(0) @binding(2) var density: texture_3d<f32>;
-@group(0) @binding(3) var cells: texture_3d<f32>;
-@group(0) @binding(5) var clamped: sampler;
-@group(0) @binding(6) var nearest: sampler;
+@group(0) @binding(BINDING_DENSITY) var density: texture_3d<f32>;
+@group(0) @binding(BINDING_CELLS) var cells: texture_3d<f32>;
+@group(0) @binding(BINDING_CLAMPED) var clamped: sampler;
+@group(0) @binding(BINDING_NEAREST) var nearest: sampler;
 
 struct VertexOutput {
     @builtin(position) position: vec4<f32>,

@@ -2,7 +2,7 @@
 
 use glam::{Quat, Vec3};
 use paros_core::internals::BitShape;
-use paros_core::{Tool, ToolBit};
+use paros_core::session::{Tool, ToolBit};
 
 use super::paint::{BRASS, GRAPHITE, PASTE, STEEL};
 use super::shapes::{ball, bevelled_box, lathe_about_y};

@@ -4,7 +4,7 @@ use core::f32::consts::TAU;
 
 use glam::{Affine3A, Quat, Vec3};
 use paros_core::internals::{BENCH_TOP, BOX_SIDE, STOOL_TOP};
-use paros_core::{BenchItem, Tool, ToolBit};
+use paros_core::session::{BenchItem, Tool, ToolBit};
 
 use super::bits::rack_mesh;
 use super::paint::{

@@ -3,7 +3,7 @@
 use core::f32::consts::FRAC_PI_2;
 
 use glam::{Affine3A, Quat, Vec3};
-use paros_core::Tool;
+use paros_core::session::Tool;
 
 use super::bits::bit_to_nose_metres;
 use super::paint::{BEECH, BRASS, GRAPHITE, IRON, RUST, STEEL, TEAL, WALNUT};

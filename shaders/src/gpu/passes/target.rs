@@ -7,7 +7,11 @@ use ash::vk;
 
 use super::render_pass::{MARCH_START_FORMAT, RenderPass, create_framebuffer};
 use super::shadow_map::ShadowMap;
-use crate::constants::{BEAM_PIXELS, TILE_PIXELS};
+use crate::constants::{
+    BEAM_PIXELS, BINDING_BEAM_STARTS, BINDING_CELLS, BINDING_CLAMPED, BINDING_DENSITY,
+    BINDING_DEPTH_COMPARE, BINDING_FRAME, BINDING_MAPS, BINDING_MARBLE, BINDING_NEAREST,
+    BINDING_NOISE, BINDING_REPEAT, BINDING_SUN_MAP, BINDING_TILE_STARTS, TILE_PIXELS,
+};
 use crate::gpu::device::context::Gpu;
 use crate::gpu::device::error::{Error, ErrorContext};
 use crate::gpu::device::format::TargetFormat;
@@ -191,20 +195,20 @@ impl RenderTarget {
         };
         let sampler = |sampler| [vk::DescriptorImageInfo::default().sampler(sampler)];
         let images = [
-            (1, image(textures.maps.view)),
-            (2, image(textures.density.view)),
-            (3, image(textures.cells.view)),
-            (4, image(textures.noise.view)),
-            (7, image(self.march_starts[0].image.view)),
-            (8, image(textures.marble.view)),
-            (10, image(self.march_starts[1].image.view)),
-            (11, image(shadow.image.view)),
+            (BINDING_MAPS, image(textures.maps.view)),
+            (BINDING_DENSITY, image(textures.density.view)),
+            (BINDING_CELLS, image(textures.cells.view)),
+            (BINDING_NOISE, image(textures.noise.view)),
+            (BINDING_TILE_STARTS, image(self.march_starts[0].image.view)),
+            (BINDING_MARBLE, image(textures.marble.view)),
+            (BINDING_BEAM_STARTS, image(self.march_starts[1].image.view)),
+            (BINDING_SUN_MAP, image(shadow.image.view)),
         ];
         let samplers = [
-            (5, sampler(textures.linear_clamp.raw)),
-            (6, sampler(textures.nearest_clamp.raw)),
-            (9, sampler(textures.linear_repeat.raw)),
-            (12, sampler(shadow.sampler.raw)),
+            (BINDING_CLAMPED, sampler(textures.linear_clamp.raw)),
+            (BINDING_NEAREST, sampler(textures.nearest_clamp.raw)),
+            (BINDING_REPEAT, sampler(textures.linear_repeat.raw)),
+            (BINDING_DEPTH_COMPARE, sampler(shadow.sampler.raw)),
         ];
         let write = |binding, kind| {
             vk::WriteDescriptorSet::default()
@@ -212,7 +216,8 @@ impl RenderTarget {
                 .dst_binding(binding)
                 .descriptor_type(kind)
         };
-        let mut writes = vec![write(0, vk::DescriptorType::UNIFORM_BUFFER).buffer_info(&buffer)];
+        let mut writes =
+            vec![write(BINDING_FRAME, vk::DescriptorType::UNIFORM_BUFFER).buffer_info(&buffer)];
         for (binding, info) in &images {
             writes.push(write(*binding, vk::DescriptorType::SAMPLED_IMAGE).image_info(info));
         }

@@ -8,28 +8,27 @@ use super::paths::{PaperVariant, RenderPath};
 use super::programs::{self, ShaderProgram};
 use super::spec::{Blend, PipelineSpec};
 use super::vertex_input::VertexInput;
-use crate::constants;
+use crate::constants::{
+    BINDING_CLAMPED, BINDING_COUNT, BINDING_DEPTH_COMPARE, BINDING_FRAME, BINDING_NEAREST,
+    BINDING_REPEAT,
+};
 use crate::gpu::device::context::Gpu;
 use crate::gpu::device::error::{Error, ErrorContext};
 use crate::gpu::device::format::TargetFormat;
 use crate::upload::VolumeFormat;
 
-/// Descriptor types by binding; the WGSL modules declare each binding.
-pub(crate) const BINDING_TYPES: [vk::DescriptorType; constants::BINDING_COUNT as usize] = [
-    vk::DescriptorType::UNIFORM_BUFFER,
-    vk::DescriptorType::SAMPLED_IMAGE,
-    vk::DescriptorType::SAMPLED_IMAGE,
-    vk::DescriptorType::SAMPLED_IMAGE,
-    vk::DescriptorType::SAMPLED_IMAGE,
-    vk::DescriptorType::SAMPLER,
-    vk::DescriptorType::SAMPLER,
-    vk::DescriptorType::SAMPLED_IMAGE,
-    vk::DescriptorType::SAMPLED_IMAGE,
-    vk::DescriptorType::SAMPLER,
-    vk::DescriptorType::SAMPLED_IMAGE,
-    vk::DescriptorType::SAMPLED_IMAGE,
-    vk::DescriptorType::SAMPLER,
-];
+/// Descriptor types by binding, as the WGSL modules declare them.
+pub(crate) const BINDING_TYPES: [vk::DescriptorType; BINDING_COUNT as usize] = {
+    let mut types = [vk::DescriptorType::SAMPLED_IMAGE; BINDING_COUNT as usize];
+    types[BINDING_FRAME as usize] = vk::DescriptorType::UNIFORM_BUFFER;
+    let samplers = [BINDING_CLAMPED, BINDING_NEAREST, BINDING_REPEAT, BINDING_DEPTH_COMPARE];
+    let mut i = 0;
+    while i < samplers.len() {
+        types[samplers[i] as usize] = vk::DescriptorType::SAMPLER;
+        i += 1;
+    }
+    types
+};
 
 /// The graphics pipelines of a renderer.
 pub(crate) struct Pipelines {

@@ -8,6 +8,7 @@ use super::panel::ClippedRun;
 use super::programs;
 use super::spec::{Blend, PipelineSpec};
 use super::vertex_input::VertexInput;
+use crate::constants::{BINDING_ATLAS, BINDING_ATLAS_SAMPLER};
 use crate::gpu::device::context::Gpu;
 use crate::gpu::device::error::{Error, ErrorContext};
 use crate::gpu::device::format::TargetFormat;
@@ -85,8 +86,8 @@ impl OverlayPipeline {
                 .stage_flags(vk::ShaderStageFlags::FRAGMENT)
         };
         let bindings = [
-            binding(0, vk::DescriptorType::SAMPLED_IMAGE),
-            binding(1, vk::DescriptorType::SAMPLER),
+            binding(BINDING_ATLAS, vk::DescriptorType::SAMPLED_IMAGE),
+            binding(BINDING_ATLAS_SAMPLER, vk::DescriptorType::SAMPLER),
         ];
         let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
         // SAFETY: the info is complete.
@@ -125,8 +126,8 @@ impl OverlayPipeline {
                 .descriptor_type(kind)
         };
         let writes = [
-            write(0, vk::DescriptorType::SAMPLED_IMAGE).image_info(&image),
-            write(1, vk::DescriptorType::SAMPLER).image_info(&sampler),
+            write(BINDING_ATLAS, vk::DescriptorType::SAMPLED_IMAGE).image_info(&image),
+            write(BINDING_ATLAS_SAMPLER, vk::DescriptorType::SAMPLER).image_info(&sampler),
         ];
         // SAFETY: the set is new, and all that it names outlives it.
         unsafe { device.update_descriptor_sets(&writes, &[]) };

@@ -11,6 +11,7 @@ use bytemuck::{Pod, Zeroable};
 
 use super::programs;
 use super::spec::ShaderModule;
+use crate::constants::BINDING_LEVELS;
 use crate::field::LEVELS;
 use crate::gpu::device::context::Gpu;
 use crate::gpu::device::error::{Error, ErrorContext};
@@ -21,10 +22,10 @@ use crate::gpu::memory::staging::{MAX_REGIONS, Staging};
 use crate::gpu::memory::textures::SculptureTextures;
 use crate::upload::{Region, Texture};
 
-/// Storage images: the density's levels, and the cells.
+/// Storage images: the density's levels, and the cells behind them (`BINDING_CELL_IMAGE`).
 const IMAGE_COUNT: usize = LEVELS + 1;
 /// Storage buffers, the first bindings of the set: patches and staged bytes. The images follow.
-const BUFFER_COUNT: usize = 2;
+const BUFFER_COUNT: usize = BINDING_LEVELS as usize;
 /// Workgroups for each patch.
 const GROUPS_PER_PATCH: u32 = 16;
 
