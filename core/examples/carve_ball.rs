@@ -5,11 +5,10 @@
 use std::error::Error;
 use std::sync::Mutex;
 
+use paros_core::convert::ExportPhase;
+use paros_core::edit::{EditOperation, EditScratch, SUBUNITS_PER_VOXEL};
 use paros_core::glam::IVec3;
-use paros_core::{
-    Brush, Edit, EditOperation, EditScratch, ExportPhase, Exporter, RangeMaps, SUBUNITS_PER_VOXEL,
-    Volume, apply_edit,
-};
+use paros_core::{Brush, Edit, Exporter, RangeMaps, Volume, apply_edit};
 
 /// Voxels along a side of the block.
 const SIDE: usize = 128;

@@ -1,5 +1,5 @@
 //! Everything else that shells, tools and tests use by name: reports, errors, layouts and parts of the
-//! machinery. Any of it may change at any time; the stable interface is the crate's root.
+//! machinery. Any of it may change at any time; the stable interface is the crate's root and the modules named there.
 
 pub use crate::codec::bytes::ByteWriter;
 pub use crate::codec::digest::{DIGEST_PARTS, checksum, combine_digests, mix_bits};

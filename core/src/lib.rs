@@ -42,9 +42,9 @@
 //!
 //! ```
 //! use std::sync::Mutex;
-//! use paros_core::glam::{Quat, Vec3};
-//! use paros_core::{Axis, BenchItem, ExportPhase, Exporter, HandInput, PointerCommand, Pose};
-//! use paros_core::{RangeMaps, SessionMode, StartVolumes, TickInput, Tool, World};
+//! use paros_core::session::{BenchItem, PointerCommand, SessionMode, Tool};
+//! use paros_core::{Exporter, HandInput, RangeMaps, StartVolumes, TickInput, World};
+//! use paros_core::{convert::ExportPhase, edit::Pose, glam::{Quat, Vec3}, volume::Axis};
 //!
 //! // All zero bytes at first: they live in statics and never move.
 //! static WORLD: Mutex<World<64>> = Mutex::new(World::new());
@@ -79,6 +79,13 @@
 //! `core/examples/` holds two more: `carve_ball` edits a [`Volume`] by brushes, without hands and tools,
 //! and `bare-metal` replays a session on a Cortex-M4 without an operating system.
 //!
+//! # Where things are
+//! The root has the dozen types that a program starts from. What their signatures name stands in five
+//! modules: [`volume`] (grid, axes, columns, rectangles), [`edit`] (operations, poses, reports),
+//! [`convert`] (meshes in, prints out), [`session`] (input, tools, hands) and [`codec`] (saves and traces).
+//! Each is told in three lines: what it takes and gives, and what it doesn't know. [`limits`] has every
+//! capacity, and [`internals`] what tools and tests use besides.
+//!
 //! # What it does not do
 //! It does no I/O, allocates nothing, reads no clock, draws no picture and never panics on input.
 //! Files, time and devices are the shells' (`paros-shell`); pictures are `paros-shaders`'. A volume of one
@@ -97,50 +104,23 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
-mod codec;
-mod convert;
-mod edit;
+pub mod codec;
+pub mod convert;
+pub mod edit;
 pub mod internals;
 pub mod limits;
-mod session;
-mod volume;
+pub mod session;
+pub mod volume;
 
-pub use codec::bad_save::BadSave;
-pub use codec::bytes::{BadBytes, ByteReader};
-pub use codec::trace;
-pub use convert::bake::{
-    BakeReport, Baker, ColumnWindings, MeshPlacement, NoWindings, OutsideBox, UpAxis, Windings,
-};
-pub use convert::export::{
-    ExportPhase, ExportProgress, Exporter, HEIGHT_RANGE_MM, HeightOutOfRange,
-};
+pub use convert::bake::Baker;
+pub use convert::export::Exporter;
 pub use edit::brush::Brush;
-pub use edit::contact::Contact;
-pub use edit::islands::IslandReport;
-pub use edit::operation::{
-    BrushTooLarge, Edit, EditOperation, EditReport, EditScratch, apply_edit,
-};
-pub use edit::pose::{Pose, SUBUNITS_PER_VOXEL};
-pub use edit::undo::UndoCounts;
+pub use edit::operation::{Edit, apply_edit};
 /// Vectors and quaternions in the signatures.
 pub use glam;
 pub use session::events::WorldEvent;
-pub use session::hand::HandState;
-pub use session::input::{
-    HandInput, PointerCommand, RawPose, SessionMode, TICK_RATE, TickInput, buttons, commands,
-};
+pub use session::input::{HandInput, TickInput};
 pub use session::start_volumes::StartVolumes;
-pub use session::state::SessionState;
-pub use session::stool_frame::StoolFrame;
-pub use session::tools::{Tool, ToolBit};
-pub use session::workbench::BenchItem;
 pub use session::world::World;
-pub use volume::bit_grid::BitGrid;
-pub use volume::dirty::{ColumnRect, DirtyRects};
 pub use volume::editable::Volume;
-pub use volume::journal::Journal;
-pub use volume::range::Range;
-pub use volume::range_maps::{Axis, Column, RangeMaps};
-pub use volume::row::BitSet;
-pub use volume::size::{Grid, Size};
-pub use volume::voxel_box::VoxelBox;
+pub use volume::range_maps::RangeMaps;

@@ -7,7 +7,8 @@ use std::process::{Command, Output, Stdio};
 
 use paros_bench::{Benchmark, Plan};
 use paros_core::limits::INTERVALS;
-use paros_core::{Grid, RangeMaps, TickInput};
+use paros_core::volume::Grid;
+use paros_core::{RangeMaps, TickInput};
 use paros_shell::figures::Figure;
 use paros_shell::require::require_or_skip;
 use paros_shell::rmap;

@@ -7,8 +7,9 @@ use std::fs;
 use std::process::{Command, Stdio};
 use std::sync::Mutex;
 
+use paros_core::RangeMaps;
 use paros_core::limits::INTERVALS;
-use paros_core::{BitGrid, RangeMaps};
+use paros_core::volume::BitGrid;
 use paros_shell::figures::Figure;
 use paros_shell::rmap;
 use support::TestFolder;

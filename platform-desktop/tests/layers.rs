@@ -7,9 +7,10 @@ mod support;
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+use paros_core::RangeMaps;
+use paros_core::codec::trace::{HEADER_BYTES, TraceHeader};
 use paros_core::internals::ByteWriter;
-use paros_core::trace::{HEADER_BYTES, TraceHeader};
-use paros_core::{BitGrid, BitSet, RangeMaps};
+use paros_core::volume::{BitGrid, BitSet};
 use paros_shell::rmap;
 use serde_json::Value;
 use support::TestFolder;

@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
 use glam::{Quat, Vec3};
+use paros_core::edit::Pose;
 use paros_core::limits::INTERVALS;
-use paros_core::{
-    BenchItem, HandInput, PointerCommand, Pose, SessionMode, TickInput, Tool, commands,
-};
+use paros_core::session::{BenchItem, PointerCommand, SessionMode, Tool, commands};
+use paros_core::{HandInput, TickInput};
 use paros_shell::require::require_or_skip;
 use paros_shell::tick_runner;
 

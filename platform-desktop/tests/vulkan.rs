@@ -5,7 +5,9 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
 use paros_core::limits::INTERVALS;
-use paros_core::{Grid, RangeMaps, SessionMode, TickInput};
+use paros_core::session::SessionMode;
+use paros_core::volume::Grid;
+use paros_core::{RangeMaps, TickInput};
 
 use paros_shaders::{Camera, TwinScene, TwinSettings, shade_ray};
 use paros_shell::figures::Figure;

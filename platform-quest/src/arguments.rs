@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::Parser;
-use paros_core::{SessionMode, TICK_RATE};
+use paros_core::session::{SessionMode, TICK_RATE};
 use paros_shell::headset::visit::DEFAULT_HANDOVER;
 use paros_shell::modes::parse_mode;
 use paros_shell::sizes::{GRID_SIDE_NAMES, grid_side_or_default};

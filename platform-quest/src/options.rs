@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use paros_core::{SessionMode, TICK_RATE};
+use paros_core::session::{SessionMode, TICK_RATE};
 use paros_shaders::gpu::RenderPath;
 use paros_shell::headset::visit::DEFAULT_HANDOVER;
 

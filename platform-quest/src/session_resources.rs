@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
+use paros_core::World;
 use paros_core::limits::INTERVALS;
-use paros_core::{Grid, Size, World};
+use paros_core::volume::{Grid, Size};
 use paros_shaders::gpu::{self, Gpu, TargetFormat, WorldRenderer};
 use paros_shell::durable;
 use paros_shell::file_writer::{FileKind, FileWriter};

@@ -207,7 +207,7 @@ mod tests {
     use std::path::{Path, PathBuf};
     use std::time::Duration;
 
-    use paros_core::SessionMode;
+    use paros_core::session::SessionMode;
 
     use super::{FILE_NAME, HeadsetSettings, LoadedSettings, MAX_BYTES, read_settings};
     use crate::foveation::FoveationLevel;

@@ -11,7 +11,8 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use paros_core::limits::INTERVALS;
-use paros_core::{Grid, SessionState, Size};
+use paros_core::session::SessionState;
+use paros_core::volume::{Grid, Size};
 use paros_shaders::{gpu, render_portrait_png};
 use paros_shell::headset::device_health::{DeviceHealth, ThermalState};
 use paros_shell::headset::frame_pacer::FramePacer;

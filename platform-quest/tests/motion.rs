@@ -4,7 +4,9 @@
 use glam::{Quat, Vec3};
 use paros_core::internals::{RoomPose, STOOL_TOP};
 use paros_core::limits::INTERVALS;
-use paros_core::{Grid, HandInput, PointerCommand, RawPose, SessionMode, TickInput, World};
+use paros_core::session::{PointerCommand, RawPose, SessionMode};
+use paros_core::volume::Grid;
+use paros_core::{HandInput, TickInput, World};
 use paros_shaders::scene::{LatestInput, MeshId, SceneAssembler};
 use paros_shell::headset::frame_pacer::FramePacer;
 use paros_shell::statics::{Resident, ResidentBitGrid};
@@ -62,7 +64,7 @@ fn draw_positions(
         let fresh =
             LatestInput { grips, show_hands: true, tick_fraction: due.fraction, time_seconds: 0.0 };
         let list = scene.assemble_frame(stage.world(), &fresh);
-        let tool = list.instances_of(MeshId::of_tool(paros_core::Tool::Rotary));
+        let tool = list.instances_of(MeshId::of_tool(paros_core::session::Tool::Rotary));
         let rim_mark = list.instances_of(MeshId::StoolTop)[0].transform_point(Vec3::X * 0.3);
         let tool_tip = tool[0].transform_point(Vec3::ZERO);
         seen.push(DrawnPositions { seconds: seconds(display_time), tool_tip, rim_mark });

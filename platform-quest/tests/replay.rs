@@ -4,9 +4,10 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
+use paros_core::TickInput;
+use paros_core::codec::trace::{HEADER_BYTES, RECORD_BYTES};
 use paros_core::limits::INTERVALS;
-use paros_core::trace::{HEADER_BYTES, RECORD_BYTES};
-use paros_core::{SessionMode, TickInput};
+use paros_core::session::SessionMode;
 use paros_shell::tick_runner;
 
 fn run_replay(folder: &Path, trace: &str) -> Output {

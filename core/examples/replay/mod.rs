@@ -1,7 +1,9 @@
 //! The replay of a recorded session, for a host and for bare metal alike.
 
-use paros_core::trace::{TickRecord, TraceHeader, digest_start_volumes};
-use paros_core::{ByteReader, Grid, RangeMaps, Size, StartVolumes, World};
+use paros_core::codec::ByteReader;
+use paros_core::codec::trace::{TickRecord, TraceHeader, digest_start_volumes};
+use paros_core::volume::{Grid, Size};
+use paros_core::{RangeMaps, StartVolumes, World};
 
 /// Replays a trace whose sessions start from the solid block. `world` and `start_block` are all zero
 /// bytes at first, so that both can live in statics. Returns the digest of the last tick.

@@ -10,3 +10,6 @@ pub(crate) mod digest;
 pub(crate) mod save;
 pub mod trace;
 pub(crate) mod vectors;
+
+pub use bad_save::BadSave;
+pub use bytes::{BadBytes, ByteReader};

@@ -7,3 +7,8 @@
 
 pub(crate) mod bake;
 pub(crate) mod export;
+
+pub use bake::{
+    BakeReport, ColumnWindings, MeshPlacement, NoWindings, OutsideBox, UpAxis, Windings,
+};
+pub use export::{ExportPhase, ExportProgress, HEIGHT_RANGE_MM, HeightOutOfRange};

@@ -11,3 +11,9 @@ pub(crate) mod islands;
 pub(crate) mod operation;
 pub(crate) mod pose;
 pub(crate) mod undo;
+
+pub use contact::Contact;
+pub use islands::IslandReport;
+pub use operation::{BrushTooLarge, EditOperation, EditReport, EditScratch};
+pub use pose::{Pose, SUBUNITS_PER_VOXEL};
+pub use undo::UndoCounts;

@@ -71,7 +71,7 @@ pub enum PointerCommand {
     Take {
         /// 0 left, 1 right.
         hand: u8,
-        /// [`BenchItem::number`](crate::BenchItem::number): tools first, then bits.
+        /// [`BenchItem::number`](crate::session::BenchItem::number): tools first, then bits.
         item: u8,
     },
     /// Puts what a hand holds back on the bench.

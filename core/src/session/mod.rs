@@ -14,3 +14,10 @@ pub(crate) mod stool_frame;
 pub(crate) mod tools;
 pub(crate) mod workbench;
 pub(crate) mod world;
+
+pub use hand::HandState;
+pub use input::{PointerCommand, RawPose, SessionMode, TICK_RATE, buttons, commands};
+pub use state::SessionState;
+pub use stool_frame::StoolFrame;
+pub use tools::{Tool, ToolBit};
+pub use workbench::BenchItem;

@@ -8,7 +8,7 @@ use crate::volume::range_maps::RangeMaps;
 /// maps as `own` and start a session of [`SessionMode::Own`].
 ///
 /// [`Volume`]: crate::Volume
-/// [`SessionMode::Own`]: crate::SessionMode::Own
+/// [`SessionMode::Own`]: crate::session::SessionMode::Own
 #[derive(Debug)]
 pub struct StartVolumes<'a, const N: usize, const K: usize = 1> {
     /// The rough stone of the free-form and constrained modes.

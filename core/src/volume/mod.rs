@@ -17,3 +17,12 @@ pub(crate) mod range_maps;
 pub(crate) mod row;
 pub(crate) mod size;
 pub(crate) mod voxel_box;
+
+pub use bit_grid::BitGrid;
+pub use dirty::{ColumnRect, DirtyRects};
+pub use journal::Journal;
+pub use range::Range;
+pub use range_maps::{Axis, Column};
+pub use row::BitSet;
+pub use size::{Grid, Size};
+pub use voxel_box::VoxelBox;

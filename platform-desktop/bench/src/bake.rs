@@ -1,6 +1,7 @@
 //! `bench bake`: from triangles in memory to tight maps, against trimesh.
 
-use paros_core::{Grid, MeshPlacement, Size, UpAxis};
+use paros_core::convert::{MeshPlacement, UpAxis};
+use paros_core::volume::{Grid, Size};
 use paros_headless::Error;
 use paros_shell::mesh::{Mesh, MeshBounds};
 use paros_shell::statics::Resident;

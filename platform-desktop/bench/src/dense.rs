@@ -3,7 +3,8 @@
 
 use std::ops::RangeInclusive;
 
-use paros_core::{Axis, Range, RangeMaps};
+use paros_core::RangeMaps;
+use paros_core::volume::{Axis, Range};
 
 /// N^3 voxels as bytes, 1 where occupied, in the order y, z, x; and the range maps made of them.
 pub struct DenseGrid {

@@ -3,10 +3,10 @@
 use std::cell::RefCell;
 
 use glam::IVec3;
+use paros_core::edit::{EditOperation, SUBUNITS_PER_VOXEL};
 use paros_core::internals::StrokeJournal;
-use paros_core::{
-    Axis, BitGrid, BitSet, Brush, Edit, EditOperation, Grid, SUBUNITS_PER_VOXEL, Size, apply_edit,
-};
+use paros_core::volume::{Axis, BitGrid, BitSet, Grid, Size};
+use paros_core::{Brush, Edit, apply_edit};
 use paros_headless::Error;
 
 use super::clock::{OursTheirs, min_in_turns_ms, time_ms};

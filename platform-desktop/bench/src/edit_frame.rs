@@ -1,6 +1,6 @@
 //! Frames with the texture uploads of a carving stroke, beside the same frames without them.
 
-use paros_core::{Grid, Size};
+use paros_core::volume::{Grid, Size};
 use paros_headless::Error;
 use paros_headless::Uploads;
 use paros_shaders::field::{Budget, DensityField};

@@ -8,8 +8,9 @@
 use std::hint::black_box;
 use std::path::Path;
 
+use paros_core::RangeMaps;
 use paros_core::limits::island_row_visits_per_tick;
-use paros_core::{DirtyRects, Grid, RangeMaps, Size};
+use paros_core::volume::{DirtyRects, Grid, Size};
 use paros_headless::Error;
 use paros_shaders::field::{Budget, DensityField};
 use paros_shell::{rmap, with_size};

@@ -2,8 +2,10 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+use paros_core::edit::EditScratch;
 use paros_core::internals::{IslandSearch, UndoHistory};
-use paros_core::{BitGrid, DirtyRects, EditScratch, Grid, RangeMaps, Size, Volume};
+use paros_core::volume::{BitGrid, DirtyRects, Grid, Size};
+use paros_core::{RangeMaps, Volume};
 use paros_shell::statics::Resident;
 
 /// The parts of a world that edits and islands change, each by itself.

@@ -5,7 +5,8 @@ use std::f32::consts::TAU;
 use std::sync::Arc;
 
 use glam::{Quat, Vec3};
-use paros_core::{Axis, BitGrid, Grid, RangeMaps, Size};
+use paros_core::RangeMaps;
+use paros_core::volume::{Axis, BitGrid, Grid, Size};
 use paros_headless::Error;
 use paros_headless::{HeadlessRenderer, PictureFormat, SculptureView, Uploads};
 use paros_shaders::field::DensityField;

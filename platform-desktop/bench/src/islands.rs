@@ -1,8 +1,10 @@
 //! `bench islands`: a whole pass over the bit rows against the paper's queue of voxels.
 
+use paros_core::RangeMaps;
+use paros_core::edit::IslandReport;
 use paros_core::internals::RemovalJournal;
 use paros_core::limits::island_row_visits_per_tick;
-use paros_core::{BitGrid, BitSet, Grid, IslandReport, RangeMaps, Size};
+use paros_core::volume::{BitGrid, BitSet, Grid, Size};
 use paros_headless::Error;
 
 use super::clock::{OursTheirs, min_in_turns_ms, min_of_each_tick_ms, time_ms};

@@ -7,7 +7,9 @@ use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
 use glam::{Quat, Vec3};
-use paros_core::{BitGrid, BitSet, Brush, Grid, Pose, SUBUNITS_PER_VOXEL};
+use paros_core::Brush;
+use paros_core::edit::{Pose, SUBUNITS_PER_VOXEL};
+use paros_core::volume::{BitGrid, BitSet, Grid};
 use paros_headless::Error;
 use paros_shell::edit_totals::EditTotals;
 use paros_shell::tick_runner::{TickRunner, with_fresh_world};

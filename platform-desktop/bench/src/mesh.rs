@@ -1,6 +1,8 @@
 //! `bench mesh`: from bit rows to smoothed STL bytes, against VTK.
 
-use paros_core::{BitGrid, ExportPhase, Exporter, Grid, RangeMaps, Size};
+use paros_core::convert::ExportPhase;
+use paros_core::volume::{BitGrid, Grid, Size};
+use paros_core::{Exporter, RangeMaps};
 use paros_headless::Error;
 use paros_shell::statics::Resident;
 use paros_shell::stl_export::DEFAULT_HEIGHT_MM;

@@ -4,7 +4,7 @@ use std::f32::consts::TAU;
 
 use glam::{Quat, Vec3};
 use paros_core::internals::{BOX_SIDE, STOOL_TOP};
-use paros_core::{Grid, Size};
+use paros_core::volume::{Grid, Size};
 use paros_headless::Error;
 use paros_shaders::gpu::{
     Eye, Fov, FrameRequest, RenderPath, RenderStyle, SculptureOrder, SculpturePlacement,

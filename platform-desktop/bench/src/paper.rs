@@ -6,7 +6,8 @@
 //! decided for speed: one byte a voxel in a padded grid without border tests, a queue that holds
 //! each voxel once, and no look at the maps when nothing was missed.
 
-use paros_core::{Axis, Column, Range, RangeMaps};
+use paros_core::RangeMaps;
+use paros_core::volume::{Axis, Column, Range};
 
 /// Voxels that the paper visits in a frame.
 pub const PAPER_VISITS: usize = 100_000;

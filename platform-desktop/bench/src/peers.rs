@@ -6,7 +6,7 @@ use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
-use paros_core::{BitGrid, Grid, Size};
+use paros_core::volume::{BitGrid, Grid, Size};
 use paros_shell::mesh::Mesh;
 
 use super::clock::OursTheirs;

@@ -7,7 +7,7 @@
 //! picture.
 //! Then whole frames: those with a stroke's uploads, and the scene in other draw orders.
 
-use paros_core::{Grid, Size};
+use paros_core::volume::{Grid, Size};
 use paros_headless::Error;
 use paros_shaders::gpu::{PaperVariant, RenderPath};
 use paros_shell::with_size;

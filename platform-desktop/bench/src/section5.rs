@@ -7,7 +7,8 @@
 
 use std::cell::RefCell;
 
-use paros_core::{Grid, Size, TICK_RATE};
+use paros_core::session::TICK_RATE;
+use paros_core::volume::{Grid, Size};
 use paros_headless::Error;
 use paros_shaders::gpu::{PaperVariant, RenderPath};
 use paros_shell::with_size;

@@ -12,10 +12,11 @@ use std::mem::size_of;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
+use paros_core::codec::trace::TickRecord;
 use paros_core::internals::{IslandSearch, UndoHistory};
 use paros_core::limits::INTERVALS;
-use paros_core::trace::TickRecord;
-use paros_core::{Baker, BitGrid, Exporter, Grid, RangeMaps, Size, TickInput, Volume, World};
+use paros_core::volume::{BitGrid, Grid, Size};
+use paros_core::{Baker, Exporter, RangeMaps, TickInput, Volume, World};
 use paros_headless::Error;
 use paros_shell::demo::{self, DemoScript};
 use paros_shell::durable;

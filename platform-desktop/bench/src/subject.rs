@@ -3,7 +3,9 @@
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
-use paros_core::{BitGrid, ExportPhase, Exporter, Grid, RangeMaps, Size, UpAxis};
+use paros_core::convert::{ExportPhase, UpAxis};
+use paros_core::volume::{BitGrid, Grid, Size};
+use paros_core::{Exporter, RangeMaps};
 use paros_headless::Error;
 use paros_shell::figures::Figure;
 use paros_shell::mesh::{self, EXTENSIONS, Mesh, MeshFormat};

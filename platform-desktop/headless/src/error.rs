@@ -5,7 +5,7 @@ use std::fmt;
 use std::io::ErrorKind;
 use std::process::ExitCode;
 
-use paros_core::HeightOutOfRange;
+use paros_core::convert::HeightOutOfRange;
 use paros_shaders::gpu;
 use paros_shell::durable;
 

@@ -2,7 +2,9 @@
 
 use std::fmt;
 
-use paros_core::{EditReport, Grid, Size, World, WorldEvent};
+use paros_core::edit::EditReport;
+use paros_core::volume::{Grid, Size};
+use paros_core::{World, WorldEvent};
 
 /// Sums of [`EditReport`]s, in voxels: what several edits did to one voxel counts several times. All that
 /// an edit removed or was refused is the whole that percents are of; additions are no part of it.
@@ -107,7 +109,7 @@ fn percent_of(part: u64, whole: u64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use paros_core::EditReport;
+    use paros_core::edit::EditReport;
 
     use super::EditTotals;
 

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use paros_core::SessionMode;
+use paros_core::session::SessionMode;
 
 use crate::figures::Figure;
 

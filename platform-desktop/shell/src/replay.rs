@@ -8,7 +8,7 @@ use crate::statics::Resident;
 use crate::tick_runner;
 use crate::trace::{ReplayDivergence, Trace, TraceError};
 use crate::{with_intervals, with_size};
-use paros_core::{Grid, Size};
+use paros_core::volume::{Grid, Size};
 
 /// Why a replay wrote no digests. Its text names the file.
 #[derive(Debug)]

@@ -35,8 +35,9 @@ mod fault;
 use std::io::{self, Read};
 use std::path::Path;
 
+use paros_core::RangeMaps;
 use paros_core::limits::MAX_INTERVALS;
-use paros_core::{Axis, Grid, RangeMaps, Size};
+use paros_core::volume::{Axis, Grid, Size};
 
 use crate::durable;
 use crate::sizes::GRID_SIDES;

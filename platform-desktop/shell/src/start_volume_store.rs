@@ -1,7 +1,8 @@
 //! The volumes that sessions start from: the figures, generated or loaded once, and one volume of the
 //! visitor's own. It knows no files.
 
-use paros_core::{BitGrid, Grid, RangeMaps, Size, StartVolumes};
+use paros_core::volume::{BitGrid, Grid, Size};
+use paros_core::{RangeMaps, StartVolumes};
 
 use crate::figures::Figure;
 

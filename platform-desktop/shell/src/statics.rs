@@ -3,9 +3,9 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use paros_core::{
-    Baker, BitGrid, ColumnWindings, Grid, NoWindings, RangeMaps, Size, Windings, World,
-};
+use paros_core::convert::{ColumnWindings, NoWindings, Windings};
+use paros_core::volume::{BitGrid, Grid, Size};
+use paros_core::{Baker, RangeMaps, World};
 
 use crate::start_volume_store::StartVolumeStore;
 use crate::stl_export::StlBuffers;

@@ -1,10 +1,9 @@
 //! Incremental STL export: after each tick a bounded piece of work turns a finished sculpture into
 //! the bytes of an STL file. It knows no files.
 
-use paros_core::{
-    BitGrid, ExportPhase, Exporter, Grid, HEIGHT_RANGE_MM, HeightOutOfRange, RangeMaps, Size,
-    World, WorldEvent,
-};
+use paros_core::convert::{ExportPhase, HEIGHT_RANGE_MM, HeightOutOfRange};
+use paros_core::volume::{BitGrid, Grid, Size};
+use paros_core::{Exporter, RangeMaps, World, WorldEvent};
 
 /// The default height of an export, in millimetres.
 pub const DEFAULT_HEIGHT_MM: f32 = 120.0;

@@ -3,11 +3,13 @@
 
 use std::time::Duration;
 
-use paros_core::internals::ByteWriter;
-use paros_core::trace::{
+use paros_core::codec::trace::{
     HEADER_BYTES, RECORD_BYTES, TickRecord, TraceHeader, digest_start_volumes,
 };
-use paros_core::{Grid, Size, StartVolumes, TICK_RATE, TickInput, World};
+use paros_core::internals::ByteWriter;
+use paros_core::session::TICK_RATE;
+use paros_core::volume::{Grid, Size};
+use paros_core::{StartVolumes, TickInput, World};
 
 use crate::statics::{Resident, ResidentBitGrid};
 use crate::trace::{ReplayDivergence, Trace};

@@ -4,9 +4,9 @@ use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use paros_core::codec::trace::{HEADER_BYTES, RECORD_BYTES, TickRecord, TraceHeader};
+use paros_core::codec::{BadBytes, ByteReader};
 use paros_core::limits::INTERVALS;
-use paros_core::trace::{HEADER_BYTES, RECORD_BYTES, TickRecord, TraceHeader};
-use paros_core::{BadBytes, ByteReader};
 
 use crate::durable;
 

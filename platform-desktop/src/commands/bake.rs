@@ -3,7 +3,8 @@
 use std::fmt::Write;
 use std::path::PathBuf;
 
-use paros_core::{Grid, Size, UpAxis};
+use paros_core::convert::UpAxis;
+use paros_core::volume::{Grid, Size};
 use paros_headless::Error;
 use paros_shell::mesh::{self, Mesh, MeshFormat};
 use paros_shell::rmap;

@@ -7,7 +7,8 @@ use std::time::{Duration, Instant};
 
 use clap::ValueEnum;
 use paros_core::limits::INTERVALS;
-use paros_core::{Grid, Size, World, WorldEvent};
+use paros_core::volume::{Grid, Size};
+use paros_core::{World, WorldEvent};
 use paros_headless::Error;
 use paros_shaders::{Camera, Image, RenderOptions, contact_sheet, render_image};
 use paros_shell::demo::{self, Chapter, DemoScript};
@@ -135,7 +136,7 @@ impl DemoResult {
             lines,
             "the {} from the stone: {ticks} ticks ({} s of sculpting), stepped in {:.2} s",
             self.script.name(),
-            ticks / u64::from(paros_core::TICK_RATE),
+            ticks / u64::from(paros_core::session::TICK_RATE),
             self.spent.as_secs_f32(),
         );
         for (chapter, tick, voxels) in &self.chapters {

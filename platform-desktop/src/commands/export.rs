@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-use paros_core::{Grid, HEIGHT_RANGE_MM, Size};
+use paros_core::convert::HEIGHT_RANGE_MM;
+use paros_core::volume::{Grid, Size};
 use paros_headless::Error;
 use paros_shell::durable::WriteTarget;
 use paros_shell::statics::{Resident, ResidentBitGrid};

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-use paros_core::{BitGrid, BitSet, Grid, Size};
+use paros_core::volume::{BitGrid, BitSet, Grid, Size};
 use paros_headless::Error;
 use paros_shell::mesh::{self, MeshFormat};
 use paros_shell::rmap::{self, RmapHeader};

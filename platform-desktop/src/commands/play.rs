@@ -3,7 +3,9 @@
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-use paros_core::{Grid, SessionState, Size, World};
+use paros_core::World;
+use paros_core::session::SessionState;
+use paros_core::volume::{Grid, Size};
 use paros_headless::Error;
 use paros_shaders::Camera;
 use paros_shell::durable::{self, WriteTarget};

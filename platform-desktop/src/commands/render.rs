@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use paros_core::{Grid, Size};
+use paros_core::volume::{Grid, Size};
 use paros_headless::Error;
 use paros_shaders::Camera;
 use paros_shell::durable::WriteTarget;

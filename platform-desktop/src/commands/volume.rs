@@ -3,8 +3,10 @@
 use std::path::Path;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
+use paros_core::RangeMaps;
+use paros_core::codec::trace;
 use paros_core::limits::INTERVALS;
-use paros_core::{Grid, RangeMaps, Size, trace};
+use paros_core::volume::{Grid, Size};
 use paros_headless::Error;
 use paros_shell::mesh::MeshFormat;
 use paros_shell::rmap::{self, RmapFault, RmapHeader};

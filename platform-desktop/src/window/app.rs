@@ -7,8 +7,10 @@ mod steps;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use paros_core::WorldEvent as Happened;
 use paros_core::limits::INTERVALS;
-use paros_core::{Grid, SessionState, Size, WorldEvent as Happened};
+use paros_core::session::SessionState;
+use paros_core::volume::{Grid, Size};
 use paros_headless::Error;
 use paros_shaders::gpu::{self, RenderPath};
 use paros_shell::statics::Resident;
@@ -292,7 +294,7 @@ where
             PanelAction::Command(command) => self.hands.queue_commands(command),
             PanelAction::Finish => {
                 if self.studio.world().session_state() == SessionState::Sculpting {
-                    self.hands.queue_commands(paros_core::commands::FINISH);
+                    self.hands.queue_commands(paros_core::session::commands::FINISH);
                 }
             }
         }

@@ -12,10 +12,11 @@ use std::collections::VecDeque;
 use glam::{Quat, Vec3};
 use paros_core::internals::RoomPose;
 use paros_core::limits::INTERVALS;
-use paros_core::{
-    BenchItem, Grid, HandInput, PointerCommand, RawPose, SessionMode, Size, TICK_RATE, TickInput,
-    Tool, ToolBit, World, commands,
+use paros_core::session::{
+    BenchItem, PointerCommand, RawPose, SessionMode, TICK_RATE, Tool, ToolBit, commands,
 };
+use paros_core::volume::{Grid, Size};
+use paros_core::{HandInput, TickInput, World};
 
 use super::camera::OrbitCamera;
 use bit_guide::BitGuide;

@@ -22,7 +22,7 @@ mod view;
 use std::path::PathBuf;
 
 use paros_core::limits::INTERVALS;
-use paros_core::{Grid, Size};
+use paros_core::volume::{Grid, Size};
 use paros_headless::Error;
 use paros_shaders::render_portrait_png;
 use paros_shell::statics::{Resident, ResidentBitGrid};

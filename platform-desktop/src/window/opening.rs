@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
+use paros_core::convert::UpAxis;
 use paros_core::limits::INTERVALS;
-use paros_core::{Grid, Size, UpAxis};
+use paros_core::volume::{Grid, Size};
 use paros_shell::mesh::{self, EXTENSIONS, MeshFormat};
 use paros_shell::rmap;
 use paros_shell::statics::{Resident, ResidentBitGrid};

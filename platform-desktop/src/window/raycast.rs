@@ -80,7 +80,8 @@ pub(super) fn estimate_normal<const N: usize, const K: usize>(
 mod tests {
     use super::{Ray, cast_ray, estimate_normal};
     use glam::Vec3;
-    use paros_core::{BitGrid, BitSet, RangeMaps};
+    use paros_core::RangeMaps;
+    use paros_core::volume::{BitGrid, BitSet};
 
     /// A ball of radius 5 about the middle of a grid of 16, and another voxel in a corner.
     fn ball_and_corner() -> Box<RangeMaps<16>> {

@@ -1,7 +1,9 @@
 //! The window's renderer: frames of the world, with the panels over them.
 
+use paros_core::World;
 use paros_core::limits::INTERVALS;
-use paros_core::{Grid, Size, TICK_RATE, World};
+use paros_core::session::TICK_RATE;
+use paros_core::volume::{Grid, Size};
 use paros_shaders::gpu::{Error, Eye, FrameTimes, Options, RenderPath, Viewpoint, WorldRenderer};
 use paros_shaders::scene::LatestInput;
 use paros_shell::durable;

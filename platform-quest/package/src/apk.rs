@@ -5,7 +5,7 @@ use std::io::{Cursor, Read, Write};
 use std::path::Path;
 
 use paros_core::limits::INTERVALS;
-use paros_core::{Grid, Size};
+use paros_core::volume::{Grid, Size};
 use paros_shell::figures::Figure;
 use paros_shell::headset::package::start_volume_asset;
 use paros_shell::rmap;

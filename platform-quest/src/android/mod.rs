@@ -12,7 +12,7 @@ use std::time::Duration;
 use android_activity::{AndroidApp, InputStatus, MainEvent, PollEvent, WindowManagerFlags};
 use openxr as xr;
 use paros_core::limits::INTERVALS;
-use paros_core::{Grid, Size};
+use paros_core::volume::{Grid, Size};
 use paros_shell::headset::package::{self, OPENXR_LOADER};
 use paros_shell::statics::Resident;
 use paros_shell::with_size;

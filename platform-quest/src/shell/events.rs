@@ -3,8 +3,9 @@
 use std::io::{self, Write};
 
 use openxr as xr;
+use paros_core::edit::UndoCounts;
 use paros_core::limits::INTERVALS;
-use paros_core::{Grid, Size, UndoCounts};
+use paros_core::volume::{Grid, Size};
 use paros_shell::headset::device_health::ThermalState;
 use paros_shell::headset::visit::VisitorChange;
 use paros_shell::statics::Resident;

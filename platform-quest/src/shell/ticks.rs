@@ -4,7 +4,9 @@ use std::time::Instant;
 
 use openxr as xr;
 use paros_core::limits::INTERVALS;
-use paros_core::{Grid, HandInput, RawPose, Size, TickInput};
+use paros_core::session::RawPose;
+use paros_core::volume::{Grid, Size};
+use paros_core::{HandInput, TickInput};
 use paros_shell::headset::hand_sample::HandSample;
 use paros_shell::headset::haptics::TickHaptics;
 use paros_shell::statics::Resident;

@@ -1,7 +1,7 @@
 //! Controllers by OpenXR's actions: poses, buttons and haptics, bound for each interaction profile.
 
 use openxr as xr;
-use paros_core::buttons;
+use paros_core::session::buttons;
 use paros_shell::headset::hand_sample::HandSample;
 use paros_shell::headset::haptics::HapticPulse;
 

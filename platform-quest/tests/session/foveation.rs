@@ -4,8 +4,8 @@
 
 use std::fs;
 
-use paros_core::Tool;
 use paros_core::internals::STOOL_TOP;
+use paros_core::session::Tool;
 use paros_shell::require::require_or_skip;
 
 use super::layered::{assert_no_violations, find_example, inject_event, read_log};

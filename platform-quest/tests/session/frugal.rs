@@ -5,8 +5,8 @@ use std::fs;
 use std::thread;
 use std::time::{Duration, SystemTime};
 
-use paros_core::Tool;
 use paros_core::internals::STOOL_TOP;
+use paros_core::session::Tool;
 use paros_shell::require::require_or_skip;
 
 use super::layered::find_example;

@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use paros_core::limits::INTERVALS;
-use paros_core::{RangeMaps, Tool, Volume};
+use paros_core::session::Tool;
+use paros_core::{RangeMaps, Volume};
 use paros_shell::require::require_or_skip;
 use paros_shell::rmap;
 

@@ -4,7 +4,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use paros_core::Tool;
+use paros_core::session::Tool;
 use paros_shell::require::require_or_skip;
 
 use super::monado::{MonadoService, MonadoTree, ShellEnd, ShellProcess, wait_for};

@@ -5,7 +5,8 @@ use std::fs;
 use std::path::Path;
 
 use paros_core::limits::INTERVALS;
-use paros_core::{Grid, Tool};
+use paros_core::session::Tool;
+use paros_core::volume::Grid;
 use paros_shell::require::require_or_skip;
 use paros_shell::statics::Resident;
 

@@ -1,6 +1,6 @@
 //! Work queues of the update: boxes of stale texels, and lines of map columns to compare or upload.
 
-use paros_core::{Axis, Range};
+use paros_core::volume::{Axis, Range};
 
 use super::extent::TexelBox;
 use super::rows::MAX_BOX;

@@ -97,7 +97,7 @@ impl<const N: usize, const K: usize> DensityField<N, K> {
 
     /// Passes every texture whole to `sink`, for textures on the GPU that were just created.
     pub fn emit_all_regions(&self, mut sink: impl FnMut(Region, &[u8])) {
-        for axis in paros_core::Axis::ALL {
+        for axis in paros_core::volume::Axis::ALL {
             let min = [0, 0, axis as u32];
             let lines = (0..N).flat_map(|line| self.maps.line(axis, line));
             let bytes: Vec<u8> = lines.flat_map(|column| column.to_bytes()).flatten().collect();

@@ -1,7 +1,8 @@
 //! Incremental update of the textures under a frame budget: a tick notes the columns that changed,
 //! a frame compares them, uploads map regions and recomputes stale boxes of texels.
 
-use paros_core::{Axis, Column, ColumnRect, DirtyRects, Range, RangeMaps};
+use paros_core::RangeMaps;
+use paros_core::volume::{Axis, Column, ColumnRect, DirtyRects, Range};
 
 use super::backlog::LineRun;
 use super::budget::{

@@ -1,6 +1,7 @@
 //! The voxels around a box of texels, as bit rows of one word each.
 
-use paros_core::{Axis, Column, Range, RangeMaps};
+use paros_core::RangeMaps;
+use paros_core::volume::{Axis, Column, Range};
 
 use super::extent::TexelBox;
 use super::rows::MAX_BOX;

@@ -4,10 +4,13 @@
 use core::f32::consts::{PI, TAU};
 
 use glam::{Affine3A, Quat, Vec3};
+use paros_core::edit::Pose;
 use paros_core::internals::{
     BENCH_ITEMS, BOX_SIDE, BitAction, BitShape, RoomPose, STOOL_TOP, ToolPlace,
 };
-use paros_core::{BenchItem, Grid, Pose, Size, Tool, ToolBit, World, WorldEvent};
+use paros_core::session::{BenchItem, Tool, ToolBit};
+use paros_core::volume::{Grid, Size};
+use paros_core::{World, WorldEvent};
 
 use super::draw::DrawList;
 use super::island::IslandLattice;

@@ -1,7 +1,8 @@
 //! Where removed islands were: a subsampled copy of the volume, updated in its dirty rectangles.
 
 use glam::Vec3;
-use paros_core::{Axis, BitSet, Grid, Size, World};
+use paros_core::World;
+use paros_core::volume::{Axis, BitSet, Grid, Size};
 
 use crate::limits::{ISLAND_MOTES, LATTICE};
 

@@ -1,7 +1,7 @@
 //! The meshes generated at build time, in one vertex table and one index table.
 
 use bytemuck::{Pod, Zeroable};
-use paros_core::{Tool, ToolBit};
+use paros_core::session::{Tool, ToolBit};
 
 /// A mesh vertex: 20 bytes.
 #[derive(Clone, Copy, PartialEq, Debug, Pod, Zeroable)]

@@ -3,8 +3,9 @@
 use core::f32::consts::FRAC_PI_2;
 
 use glam::{Quat, Vec3};
+use paros_core::edit::Pose;
 use paros_core::internals::{BENCH_TOP, BitShape, RoomPose, ToolPlace, Workbench};
-use paros_core::{BenchItem, Pose, StoolFrame, Tool};
+use paros_core::session::{BenchItem, StoolFrame, Tool};
 
 /// Height of a resting tool's axis over the bench, in metres.
 const REST: f32 = 0.046;

@@ -1,8 +1,9 @@
 //! Marks of what closure brought back: the edges of the box around it, on the turning sculpture, fading.
 
 use glam::{Affine3A, IVec3, Quat, Vec3};
+use paros_core::World;
 use paros_core::internals::{BOX_SIDE, BitShape};
-use paros_core::{Grid, Range, Size, VoxelBox, World};
+use paros_core::volume::{Grid, Range, Size, VoxelBox};
 
 use super::assembly::SculpturePlacement;
 use super::draw::DrawList;

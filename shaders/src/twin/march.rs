@@ -3,7 +3,8 @@
 //! Source: section 4.1 of the paper.
 
 use glam::Vec3;
-use paros_core::{Axis, RangeMaps};
+use paros_core::RangeMaps;
+use paros_core::volume::Axis;
 
 use crate::constants::MARCH_FRACTION_BITS;
 

@@ -6,7 +6,9 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::{env, fs};
 
 use paros_core::limits::INTERVALS;
-use paros_core::{Grid, SessionMode, Size, TickInput, World};
+use paros_core::session::SessionMode;
+use paros_core::volume::{Grid, Size};
+use paros_core::{TickInput, World};
 use paros_models::random_visitor::RandomVisitor;
 use paros_shell::replay::write_replay_digests;
 use paros_shell::require::require_or_skip;

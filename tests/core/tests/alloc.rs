@@ -3,7 +3,10 @@
 use std::sync::{Mutex, PoisonError};
 
 use glam::IVec3;
-use paros_core::{Baker, BitGrid, ExportPhase, Exporter, RangeMaps, SessionMode, TickInput};
+use paros_core::convert::ExportPhase;
+use paros_core::session::SessionMode;
+use paros_core::volume::BitGrid;
+use paros_core::{Baker, Exporter, RangeMaps, TickInput};
 use paros_models::allocations::{CountingAllocator, allocation_count, without_allocating};
 use paros_models::random_visitor::RandomVisitor;
 use paros_models::world_harness::WorldHarness;

@@ -8,8 +8,9 @@
 //! - `mod.rs`, `write_maps`: the first voxel always the hull's -> `holed_shapes`, `assert_open_base_bakes_alike`.
 
 use glam::IVec3;
+use paros_core::Baker;
+use paros_core::convert::OutsideBox;
 use paros_core::internals::BAKE_UNITS_PER_VOXEL;
-use paros_core::{Baker, OutsideBox};
 use paros_models::bake::{TouchedVoxels, Triangle};
 use paros_models::bake_harness::{
     BakeHarness, N, SIDE_UNITS, check_bake, check_bake_moved_into_two_word_rows,

@@ -1,8 +1,10 @@
 //! Brush rasterisation by rows against the model's point tests.
 
 use glam::{IVec3, Quat, Vec3};
+use paros_core::Brush;
+use paros_core::edit::{Pose, SUBUNITS_PER_VOXEL};
 use paros_core::internals::{BrushPiece, BrushPieces, isqrt};
-use paros_core::{BitSet, Brush, Grid, Pose, SUBUNITS_PER_VOXEL, Size};
+use paros_core::volume::{BitSet, Grid, Size};
 use paros_models::brush::{
     box_voxels, capsule_voxels, longest_corner_chord_voxels, swept_box_voxels,
 };

@@ -3,10 +3,10 @@
 use std::sync::{Mutex, PoisonError};
 
 use glam::{Quat, Vec3};
+use paros_core::codec::ByteReader;
 use paros_core::internals::ByteWriter;
-use paros_core::{
-    ByteReader, HandInput, RawPose, SessionMode, SessionState, TickInput, WorldEvent,
-};
+use paros_core::session::{RawPose, SessionMode, SessionState};
+use paros_core::{HandInput, TickInput, WorldEvent};
 use paros_models::random_visitor::{RandomSource, RandomVisitor, arbitrary_input};
 use paros_models::world_harness::{WorldHarness, maps_are_equal};
 

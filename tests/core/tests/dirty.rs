@@ -3,11 +3,10 @@
 use std::sync::{Mutex, PoisonError};
 
 use glam::IVec3;
+use paros_core::edit::{EditOperation, EditScratch, SUBUNITS_PER_VOXEL};
 use paros_core::limits::MAX_DIRTY_RECTS;
-use paros_core::{
-    Axis, Brush, ColumnRect, DirtyRects, Edit, EditOperation, EditScratch, RangeMaps,
-    SUBUNITS_PER_VOXEL, Volume, apply_edit,
-};
+use paros_core::volume::{Axis, ColumnRect, DirtyRects};
+use paros_core::{Brush, Edit, RangeMaps, Volume, apply_edit};
 use paros_models::dense::closed_volumes;
 use proptest::prelude::*;
 

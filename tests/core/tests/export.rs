@@ -13,9 +13,9 @@
 use std::collections::{HashMap, HashSet};
 use std::sync::Mutex;
 
-use paros_core::{
-    BitGrid, ExportPhase, ExportProgress, Exporter, Grid, HeightOutOfRange, RangeMaps, Size,
-};
+use paros_core::convert::{ExportPhase, ExportProgress, HeightOutOfRange};
+use paros_core::volume::{BitGrid, Grid, Size};
+use paros_core::{Exporter, RangeMaps};
 use paros_models::dense::{self, DenseVolume};
 use paros_models::export::{SurfaceModel, exported_voxels};
 use proptest::prelude::*;

@@ -9,11 +9,10 @@ use std::fmt::Write;
 use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 
+use paros_core::codec::trace::{CORE_VERSION, digest_start_volumes};
 use paros_core::internals::{BitAction, ByteWriter};
-use paros_core::trace::{CORE_VERSION, digest_start_volumes};
-use paros_core::{
-    BenchItem, PointerCommand, SessionMode, StartVolumes, TickInput, Tool, WorldEvent,
-};
+use paros_core::session::{BenchItem, PointerCommand, SessionMode, Tool};
+use paros_core::{StartVolumes, TickInput, WorldEvent};
 use paros_models::random_visitor::RandomVisitor;
 use paros_models::world_harness::{WorldAndStarts, WorldHarness};
 

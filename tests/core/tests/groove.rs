@@ -5,10 +5,9 @@ use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 
 use glam::{Quat, Vec3};
-use paros_core::{
-    BenchItem, HandInput, PointerCommand, Pose, RangeMaps, SessionMode, StartVolumes, TickInput,
-    Tool, World, commands,
-};
+use paros_core::edit::Pose;
+use paros_core::session::{BenchItem, PointerCommand, SessionMode, Tool, commands};
+use paros_core::{HandInput, RangeMaps, StartVolumes, TickInput, World};
 use paros_shell::tick_runner::TickRunner;
 
 /// Ticks of the stroke.

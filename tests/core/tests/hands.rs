@@ -3,11 +3,12 @@
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use glam::{Quat, Vec3};
+use paros_core::edit::{EditReport, Pose};
 use paros_core::internals::{BENCH_TOP, BOX_SIDE, STOOL_TOP, ToolPlace};
-use paros_core::{
-    BenchItem, EditReport, HandInput, PointerCommand, Pose, RawPose, SessionMode, TICK_RATE,
-    TickInput, Tool, ToolBit, WorldEvent,
+use paros_core::session::{
+    BenchItem, PointerCommand, RawPose, SessionMode, TICK_RATE, Tool, ToolBit,
 };
+use paros_core::{HandInput, TickInput, WorldEvent};
 use paros_models::dense::DenseVolume;
 use paros_models::scripted_hand::{
     LEFT, RIGHT, hand_input_at, input_with_hand, squeeze_and_release, start_from_floor,

@@ -16,8 +16,11 @@
 
 use std::sync::Mutex;
 
+use paros_core::Volume;
+use paros_core::codec::ByteReader;
+use paros_core::edit::IslandReport;
 use paros_core::limits::island_row_visits_per_tick;
-use paros_core::{BitSet, ByteReader, Grid, IslandReport, Size, Volume};
+use paros_core::volume::{BitSet, Grid, Size};
 use paros_models::dense::{
     DenseVolume, MaskedVolume, closed_volumes, closed_volumes_with_inner_mask,
 };

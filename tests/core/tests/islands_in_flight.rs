@@ -3,7 +3,9 @@
 
 use std::sync::Mutex;
 
-use paros_core::{BitSet, ByteReader, IslandReport};
+use paros_core::codec::ByteReader;
+use paros_core::edit::IslandReport;
+use paros_core::volume::BitSet;
 use paros_models::dense::{DenseVolume, MaskedVolume};
 use paros_models::island_harness::{
     AddedVoxels, IslandHarness, RandomEdit, barely_joined_volumes, random_edits,

@@ -3,7 +3,8 @@
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use paros_core::internals::maps_digest;
-use paros_core::{Axis, BitGrid, BitSet, Column, Grid, Range, RangeMaps, Size, Volume};
+use paros_core::volume::{Axis, BitGrid, BitSet, Column, Grid, Range, Size};
+use paros_core::{RangeMaps, Volume};
 use paros_models::dense::{DenseVolume, any_voxels};
 use proptest::prelude::*;
 

@@ -3,11 +3,12 @@
 use std::collections::VecDeque;
 use std::sync::{Mutex, PoisonError};
 
+use paros_core::codec::{BadBytes, BadSave};
 use paros_core::internals::checksum;
 use paros_core::limits::max_save_bytes;
-use paros_core::{
-    BadBytes, BadSave, Grid, SessionMode, SessionState, Size, TickInput, World, commands,
-};
+use paros_core::session::{SessionMode, SessionState, commands};
+use paros_core::volume::{Grid, Size};
+use paros_core::{TickInput, World};
 use paros_models::random_visitor::{RandomSource, RandomVisitor};
 use paros_models::world_harness::{WorldHarness, maps_are_equal};
 use proptest::prelude::*;

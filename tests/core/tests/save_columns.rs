@@ -6,11 +6,12 @@
 
 use std::sync::{Mutex, PoisonError};
 
+use paros_core::codec::{BadBytes, BadSave};
 use paros_core::internals::{checksum, maps_digest};
 use paros_core::limits::{STATE_BYTES, max_save_bytes};
-use paros_core::{
-    Axis, BadBytes, BadSave, Column, Range, RangeMaps, SessionMode, TickInput, World, commands,
-};
+use paros_core::session::{SessionMode, commands};
+use paros_core::volume::{Axis, Column, Range};
+use paros_core::{RangeMaps, TickInput, World};
 use paros_models::random_visitor::RandomVisitor;
 use paros_models::world_harness::WorldHarness;
 

@@ -3,9 +3,10 @@
 use std::f32::consts::PI;
 
 use glam::{Quat, Vec3};
+use paros_core::edit::{Contact, Pose, SUBUNITS_PER_VOXEL};
 use paros_core::internals::{BOX_SIDE, BitAction, GridBit, GridShape, haptic_amplitude};
 use paros_core::limits::{SHELL_DEPTH, SMOOTH_LINES, SWEEP_PIECES};
-use paros_core::{Contact, Pose, SUBUNITS_PER_VOXEL, Tool, ToolBit};
+use paros_core::session::{Tool, ToolBit};
 use proptest::prelude::*;
 
 /// Both grid sizes, with their voxels' side in micrometres.

@@ -2,7 +2,8 @@
 
 use std::sync::Mutex;
 
-use paros_core::{Grid, Size, UndoCounts};
+use paros_core::edit::UndoCounts;
+use paros_core::volume::{Grid, Size};
 use paros_models::undo_harness::{IslandClearing, SphereEdit, UndoHarness, apply_stroke};
 use proptest::prelude::*;
 

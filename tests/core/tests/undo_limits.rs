@@ -3,8 +3,11 @@
 use std::sync::Mutex;
 
 use glam::IVec3;
+use paros_core::Brush;
+use paros_core::codec::ByteReader;
+use paros_core::edit::{EditOperation, SUBUNITS_PER_VOXEL, UndoCounts};
 use paros_core::limits::UNDO_ENTRIES;
-use paros_core::{Brush, ByteReader, EditOperation, Grid, SUBUNITS_PER_VOXEL, Size, UndoCounts};
+use paros_core::volume::{Grid, Size};
 use paros_models::save_to_bytes;
 use paros_models::undo_harness::{IslandClearing, SphereEdit, UndoHarness, apply_stroke};
 

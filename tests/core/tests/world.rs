@@ -3,12 +3,14 @@
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use glam::{Quat, Vec3};
+use paros_core::edit::{Pose, SUBUNITS_PER_VOXEL, UndoCounts};
 use paros_core::internals::{BitAction, Obstacle, STOOL_TOP, ToolPlace, maps_digest};
 use paros_core::limits::HAND_STEPS_BESIDE_ISLANDS;
-use paros_core::{
-    Axis, BenchItem, HandInput, PointerCommand, Pose, SUBUNITS_PER_VOXEL, SessionMode,
-    SessionState, TickInput, Tool, ToolBit, UndoCounts, WorldEvent, buttons, commands,
+use paros_core::session::{
+    BenchItem, PointerCommand, SessionMode, SessionState, Tool, ToolBit, buttons, commands,
 };
+use paros_core::volume::Axis;
+use paros_core::{HandInput, TickInput, WorldEvent};
 use paros_models::random_visitor::{RandomSource, RandomVisitor};
 use paros_models::scripted_hand::{
     LEFT, RIGHT, hand_input_at, input_with_hand, run_stroke, start_from_floor, step_with_bit_at,

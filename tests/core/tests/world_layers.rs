@@ -4,11 +4,12 @@ use std::mem::size_of;
 use std::sync::{Mutex, PoisonError};
 
 use glam::{Quat, Vec3};
+use paros_core::codec::{BadBytes, BadSave};
+use paros_core::edit::Pose;
 use paros_core::limits::max_save_bytes;
-use paros_core::{
-    BadBytes, BadSave, BenchItem, Grid, Pose, SessionMode, Size, TickInput, Tool, World,
-    WorldEvent, commands,
-};
+use paros_core::session::{BenchItem, SessionMode, Tool, commands};
+use paros_core::volume::{Grid, Size};
+use paros_core::{TickInput, World, WorldEvent};
 use paros_models::random_visitor::RandomVisitor;
 use paros_models::scripted_hand::{RIGHT, input_with_hand, step_with_bit_at, take_item};
 use paros_models::world_harness::WorldHarness;
@@ -55,7 +56,7 @@ fn count_gaps<const N: usize, const K: usize>(world: &World<N, K>) -> usize
 where
     Grid<N>: Size,
 {
-    let axes = paros_core::Axis::ALL.into_iter();
+    let axes = paros_core::volume::Axis::ALL.into_iter();
     let lines =
         axes.flat_map(|axis| (0..N).map(move |line| world.volume().maps().line(axis, line)));
     lines.flatten().filter(|column| column.has_gaps()).count()

@@ -3,7 +3,8 @@
 use std::mem::size_of;
 use std::sync::{Mutex, PoisonError};
 
-use paros_core::{RangeMaps, SessionState, World};
+use paros_core::session::SessionState;
+use paros_core::{RangeMaps, World};
 use paros_models::random_visitor::RandomVisitor;
 use paros_models::world_harness::WorldHarness;
 

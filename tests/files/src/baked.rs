@@ -2,9 +2,9 @@
 
 use std::sync::Mutex;
 
-use paros_core::{
-    BakeReport, Baker, BitGrid, BitSet, Grid, MeshPlacement, RangeMaps, Size, UpAxis, Windings,
-};
+use paros_core::convert::{BakeReport, MeshPlacement, UpAxis, Windings};
+use paros_core::volume::{BitGrid, BitSet, Grid, Size};
+use paros_core::{Baker, RangeMaps};
 use paros_models::bake::Triangle;
 use paros_models::bake_harness::{N, check_bake};
 use paros_shell::mesh::{Mesh, MeshBounds};

@@ -3,7 +3,9 @@
 use std::sync::Mutex;
 
 use glam::IVec3;
-use paros_core::{Baker, BitGrid, MeshPlacement, RangeMaps, UpAxis};
+use paros_core::convert::{MeshPlacement, UpAxis};
+use paros_core::volume::BitGrid;
+use paros_core::{Baker, RangeMaps};
 use paros_models::bake::{TouchedVoxels, Triangle};
 use paros_models::bake_harness::{N, check_bake_moved_into_two_word_rows};
 use paros_shell::mesh::MeshBounds;

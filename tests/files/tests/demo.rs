@@ -2,9 +2,9 @@
 
 use std::ops::ControlFlow;
 
-use paros_core::Grid;
+use paros_core::codec::trace::CORE_VERSION;
 use paros_core::limits::INTERVALS;
-use paros_core::trace::CORE_VERSION;
+use paros_core::volume::Grid;
 use paros_models::dense::DenseVolume;
 use paros_shell::demo::{Chapter, DemoScript, play_demo};
 use paros_shell::statics::Resident;

@@ -2,7 +2,8 @@
 
 use std::sync::Mutex;
 
-use paros_core::{Axis, BitGrid, BitSet, Grid, RangeMaps, Size};
+use paros_core::RangeMaps;
+use paros_core::volume::{Axis, BitGrid, BitSet, Grid, Size};
 use paros_shell::figures::Figure;
 use paros_shell::rmap;
 

@@ -1,7 +1,9 @@
 //! Meshes in their place: fitted, turned, and with their winding looked at.
 
+use paros_core::convert::{MeshPlacement, UpAxis};
 use paros_core::internals::BAKE_UNITS_PER_VOXEL;
-use paros_core::{Baker, BitGrid, MeshPlacement, RangeMaps, UpAxis};
+use paros_core::volume::BitGrid;
+use paros_core::{Baker, RangeMaps};
 use paros_shell::mesh::Mesh;
 use paros_tests_files::shapes::vase;
 use std::sync::Mutex;

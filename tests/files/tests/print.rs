@@ -6,9 +6,10 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use paros_core::{
-    BitGrid, ExportPhase, Exporter, RangeMaps, SessionMode, TickInput, World, WorldEvent, commands,
-};
+use paros_core::convert::ExportPhase;
+use paros_core::session::{SessionMode, commands};
+use paros_core::volume::BitGrid;
+use paros_core::{Exporter, RangeMaps, TickInput, World, WorldEvent};
 use paros_models::random_visitor::RandomVisitor;
 use paros_models::world_harness::WorldHarness;
 use paros_shell::stl_export::{

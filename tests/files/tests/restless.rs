@@ -4,9 +4,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
+use paros_core::TickInput;
+use paros_core::codec::trace::CORE_VERSION;
 use paros_core::limits::INTERVALS;
-use paros_core::trace::CORE_VERSION;
-use paros_core::{Grid, SessionMode, Size, TICK_RATE, TickInput};
+use paros_core::session::{SessionMode, TICK_RATE};
+use paros_core::volume::{Grid, Size};
 use paros_models::random_visitor::RandomVisitor;
 use paros_shell::replay::write_replay_digests;
 use paros_shell::statics::Resident;

@@ -5,7 +5,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use paros_core::{Axis, BitGrid, BitSet, Column, Range, RangeMaps};
+use paros_core::RangeMaps;
+use paros_core::volume::{Axis, BitGrid, BitSet, Column, Range};
 use paros_shell::durable::{self, WriteTarget};
 use paros_shell::figures::Figure;
 use paros_shell::rmap::{self, RmapError, RmapFault, RmapFaultAt};

@@ -6,11 +6,10 @@
 
 use std::sync::{Mutex, PoisonError};
 
+use paros_core::edit::{EditOperation, EditScratch, SUBUNITS_PER_VOXEL};
 use paros_core::limits::MAX_INTERVALS;
-use paros_core::{
-    Axis, BitGrid, Brush, Column, Edit, EditOperation, EditScratch, Grid, Range, RangeMaps,
-    SUBUNITS_PER_VOXEL, Size, Volume, apply_edit,
-};
+use paros_core::volume::{Axis, BitGrid, Column, Grid, Range, Size};
+use paros_core::{Brush, Edit, RangeMaps, Volume, apply_edit};
 use paros_models::dense::{DenseVolume, any_voxels};
 use paros_models::layers::LayeredVolume;
 use paros_models::random_visitor::RandomSource;

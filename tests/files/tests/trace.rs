@@ -2,15 +2,14 @@
 
 use std::sync::{Mutex, PoisonError};
 
-use paros_core::internals::{ByteWriter, DIGEST_PARTS};
-use paros_core::trace::{
+use paros_core::codec::ByteReader;
+use paros_core::codec::trace::{
     CORE_VERSION, EXPECTED_CORE_VERSION, EXPECTED_TRACE_VERSION, HEADER_BYTES, RECORD_BYTES,
     TRACE_VERSION, TickRecord, TraceHeader, digest_start_volumes,
 };
-use paros_core::{
-    ByteReader, HandInput, PointerCommand, RangeMaps, RawPose, SessionMode, StartVolumes,
-    TickInput, World,
-};
+use paros_core::internals::{ByteWriter, DIGEST_PARTS};
+use paros_core::session::{PointerCommand, RawPose, SessionMode};
+use paros_core::{HandInput, RangeMaps, StartVolumes, TickInput, World};
 use paros_models::random_visitor::{RandomSource, RandomVisitor, arbitrary_input};
 use paros_models::world_harness::{WorldAndStarts, WorldHarness};
 use paros_shell::tick_runner::TickRunner;

@@ -2,10 +2,11 @@
 
 use std::sync::{Mutex, PoisonError};
 
+use paros_core::codec::trace::{HEADER_BYTES, TraceHeader};
+use paros_core::codec::{BadBytes, ByteReader};
 use paros_core::internals::ByteWriter;
 use paros_core::limits::MAX_INTERVALS;
-use paros_core::trace::{HEADER_BYTES, TraceHeader};
-use paros_core::{BadBytes, ByteReader, RangeMaps, StartVolumes, TickInput, World};
+use paros_core::{RangeMaps, StartVolumes, TickInput, World};
 use paros_shell::tick_runner::TickRunner;
 use paros_shell::trace::{ReplayDivergence, Trace};
 

@@ -3,8 +3,8 @@
 
 use std::cmp::Reverse;
 
-use paros_core::Axis;
 use paros_core::limits::BAKED_CROSSINGS;
+use paros_core::volume::Axis;
 
 use crate::layers::{Intervals, closed_intervals};
 

@@ -3,8 +3,10 @@
 use std::sync::{Mutex, MutexGuard};
 
 use glam::IVec3;
+use paros_core::convert::{ColumnWindings, NoWindings, Windings};
 use paros_core::internals::BAKE_UNITS_PER_VOXEL;
-use paros_core::{Axis, Baker, BitGrid, ColumnWindings, NoWindings, RangeMaps, Volume, Windings};
+use paros_core::volume::{Axis, BitGrid};
+use paros_core::{Baker, RangeMaps, Volume};
 use proptest::prelude::*;
 
 use crate::bake::{BakedVoxels, TouchedVoxels, Triangle};

@@ -2,8 +2,8 @@
 //! their naive definitions, in 128-bit integers.
 
 use glam::{IVec3, Quat, Vec3};
+use paros_core::edit::{Pose, SUBUNITS_PER_VOXEL};
 use paros_core::internals::FIXED_ONE;
-use paros_core::{Pose, SUBUNITS_PER_VOXEL};
 
 use crate::dense::DenseVolume;
 

@@ -2,11 +2,12 @@
 //! quarter-voxel steps along the path with a slide along the tangent. The naive definition: it skips nothing.
 
 use glam::{I64Vec3, IVec3, Vec3};
+use paros_core::edit::{Contact, Pose, SUBUNITS_PER_VOXEL};
 use paros_core::internals::{
     FIXED_ONE, FreezeResult, GridBit, GridShape, LONG_STRETCH, SHORT_STRETCH, exit_probe_steps,
 };
 use paros_core::limits::deep_step_cost_in_steps;
-use paros_core::{Contact, Pose, Range, SUBUNITS_PER_VOXEL};
+use paros_core::volume::Range;
 
 use crate::dense::{DenseVolume, face_neighbours};
 

@@ -3,8 +3,9 @@
 
 use std::collections::VecDeque;
 
+use paros_core::RangeMaps;
 use paros_core::internals::ColumnAddress;
-use paros_core::{Axis, BitGrid, BitSet, Column, Grid, Range, RangeMaps, Size, VoxelBox};
+use paros_core::volume::{Axis, BitGrid, BitSet, Column, Grid, Range, Size, VoxelBox};
 use proptest::prelude::*;
 
 /// The offsets of the six face neighbours.

@@ -1,7 +1,8 @@
 //! Model of an edit: a boolean operation on the voxels within the brush, then closure, by its naive
 //! definition.
 
-use paros_core::{Axis, EditOperation, EditReport};
+use paros_core::edit::{EditOperation, EditReport};
+use paros_core::volume::Axis;
 
 use crate::dense::DenseVolume;
 

@@ -2,11 +2,10 @@
 //! journal.
 
 use glam::IVec3;
+use paros_core::edit::{EditOperation, EditScratch, IslandReport, SUBUNITS_PER_VOXEL};
 use paros_core::internals::{ColumnAddress, IslandSearch, RowAddress, maps_digest};
-use paros_core::{
-    Axis, BitSet, Brush, Column, Edit, EditOperation, EditScratch, Grid, IslandReport, Journal,
-    RangeMaps, SUBUNITS_PER_VOXEL, Size, Volume, apply_edit,
-};
+use paros_core::volume::{Axis, BitSet, Column, Grid, Journal, Size};
+use paros_core::{Brush, Edit, RangeMaps, Volume, apply_edit};
 use proptest::prelude::*;
 
 use crate::dense::{DenseVolume, MaskedVolume, closed_volumes_with_inner_mask};

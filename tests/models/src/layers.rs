@@ -1,7 +1,8 @@
 //! Model of a volume of K intervals a column: three lists of intervals beside one boolean a voxel, and the
 //! closure rule by its naive definition.
 
-use paros_core::{Axis, Column, Range, RangeMaps};
+use paros_core::RangeMaps;
+use paros_core::volume::{Axis, Column, Range};
 
 use crate::dense::DenseVolume;
 

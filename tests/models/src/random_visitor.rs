@@ -2,9 +2,8 @@
 
 use glam::{Quat, Vec3};
 use paros_core::internals::{BENCH_ITEMS, BOX_SIDE, STOOL_TOP, UNITS_PER_METRE};
-use paros_core::{
-    BenchItem, HandInput, PointerCommand, RawPose, SessionMode, TickInput, buttons, commands,
-};
+use paros_core::session::{BenchItem, PointerCommand, RawPose, SessionMode, buttons, commands};
+use paros_core::{HandInput, TickInput};
 
 /// A pseudo-random number generator: xorshift64* (Vigna 2016).
 #[derive(Clone, Debug)]

@@ -1,9 +1,10 @@
 //! Scripted input: single actions of a hand, for tests of one scenario.
 
 use glam::{Quat, Vec3};
-use paros_core::{
-    BenchItem, Grid, HandInput, PointerCommand, Pose, RawPose, Size, TickInput, WorldEvent,
-};
+use paros_core::edit::Pose;
+use paros_core::session::{BenchItem, PointerCommand, RawPose};
+use paros_core::volume::{Grid, Size};
+use paros_core::{HandInput, TickInput, WorldEvent};
 
 use crate::dense::DenseVolume;
 use crate::world_harness::WorldHarness;

@@ -2,12 +2,11 @@
 //! the dirty rectangles.
 
 use glam::IVec3;
+use paros_core::codec::ByteReader;
+use paros_core::edit::{BrushTooLarge, EditOperation, EditReport, EditScratch, SUBUNITS_PER_VOXEL};
 use paros_core::internals::{IslandSearch, UndoHistory, maps_digest};
-use paros_core::{
-    Axis, BitGrid, Brush, BrushTooLarge, ByteReader, Column, DirtyRects, Edit, EditOperation,
-    EditReport, EditScratch, Grid, Journal, RangeMaps, SUBUNITS_PER_VOXEL, Size, Volume,
-    apply_edit,
-};
+use paros_core::volume::{Axis, BitGrid, Column, DirtyRects, Grid, Journal, Size};
+use paros_core::{Brush, Edit, RangeMaps, Volume, apply_edit};
 use proptest::prelude::*;
 
 use crate::save_to_bytes;

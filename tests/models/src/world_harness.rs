@@ -1,8 +1,8 @@
 //! Test harness of the world: a world with start volumes, and the invariants that hold after every tick.
 
-use paros_core::{
-    Axis, BitGrid, BitSet, Grid, RangeMaps, SessionMode, Size, StartVolumes, TickInput, World,
-};
+use paros_core::session::SessionMode;
+use paros_core::volume::{Axis, BitGrid, BitSet, Grid, Size};
+use paros_core::{RangeMaps, StartVolumes, TickInput, World};
 use paros_shell::figures::Figure;
 
 /// A world and its start volumes. It is made for a static: all its bytes are zero at first.

@@ -2,7 +2,8 @@
 
 use std::sync::Mutex;
 
-use paros_core::{Baker, BitGrid, RangeMaps};
+use paros_core::volume::BitGrid;
+use paros_core::{Baker, RangeMaps};
 use paros_models::dense::DenseVolume;
 use paros_tests_files::baked::bake;
 use paros_tests_real_meshes::real_mesh;

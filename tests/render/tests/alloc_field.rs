@@ -2,7 +2,8 @@
 
 use std::sync::{Mutex, PoisonError};
 
-use paros_core::{DirtyRects, SessionMode};
+use paros_core::session::SessionMode;
+use paros_core::volume::DirtyRects;
 use paros_models::allocations::{CountingAllocator, without_allocating};
 use paros_models::random_visitor::RandomVisitor;
 use paros_models::world_harness::WorldHarness;
@@ -30,7 +31,7 @@ fn no_frame_of_the_field_allocates() {
         });
         dirty.clear();
         studio.step(&visitor.next_input());
-        for axis in paros_core::Axis::ALL {
+        for axis in paros_core::volume::Axis::ALL {
             for rect in studio.world.dirty_rects().rects(axis) {
                 for line in rect.first.0..=rect.last.0 {
                     dirty.mark_column(axis, (line.into(), rect.first.1.into()));

@@ -12,7 +12,8 @@
 use std::sync::Mutex;
 
 use glam::Vec3;
-use paros_core::{BitGrid, RangeMaps};
+use paros_core::RangeMaps;
+use paros_core::volume::BitGrid;
 use paros_models::dense::{DenseVolume, closed_volumes as small};
 use paros_models::voxel_traversal;
 use paros_shell::figures::Figure;

@@ -4,10 +4,9 @@
 use std::sync::{Mutex, PoisonError};
 
 use glam::IVec3;
-use paros_core::{
-    Axis, Brush, DirtyRects, Edit, EditOperation, EditScratch, Grid, RangeMaps, SUBUNITS_PER_VOXEL,
-    Size, Volume, apply_edit,
-};
+use paros_core::edit::{EditOperation, EditScratch, SUBUNITS_PER_VOXEL};
+use paros_core::volume::{Axis, DirtyRects, Grid, Size};
+use paros_core::{Brush, Edit, RangeMaps, Volume, apply_edit};
 use paros_models::random_visitor::RandomSource;
 use paros_shaders::field::{Budget, DensityField, HALF_DENSITY, LEVELS, MAX_CELL_DISTANCE};
 use paros_shaders::upload::{Region, Texture};
@@ -197,7 +196,7 @@ where
                         _ => at[1] < n * 3 / 4 && !balls.iter().any(in_ball),
                     };
                     if full {
-                        use paros_core::BitSet;
+                        use paros_core::volume::BitSet;
                         plane.row_mut(y, z).insert(x);
                     }
                 }

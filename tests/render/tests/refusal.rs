@@ -3,7 +3,8 @@
 use std::sync::{Mutex, PoisonError};
 
 use glam::{Quat, Vec3};
-use paros_core::{BenchItem, PointerCommand, TickInput, Tool, commands};
+use paros_core::TickInput;
+use paros_core::session::{BenchItem, PointerCommand, Tool, commands};
 use paros_models::scripted_hand::{RIGHT, step_with_bit_at, take_item};
 use paros_models::world_harness::WorldHarness;
 use paros_shaders::scene::refusal::{REFUSAL_MARGIN, REFUSAL_SECONDS};

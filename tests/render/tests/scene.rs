@@ -5,7 +5,8 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use glam::{Quat, Vec3};
 use paros_core::internals::{BitShape, STOOL_TOP, ToolPlace};
-use paros_core::{BenchItem, HandInput, SessionMode, TickInput, Tool, ToolBit, WorldEvent};
+use paros_core::session::{BenchItem, SessionMode, Tool, ToolBit};
+use paros_core::{HandInput, TickInput, WorldEvent};
 use paros_models::scripted_hand::{
     RIGHT, hand_input_at, input_with_hand, squeeze_and_release, step_with_bit_at, take_item,
 };

@@ -1,7 +1,8 @@
 //! A renderer with an offscreen target, under the validation layer.
 
 use glam::{Quat, Vec3};
-use paros_core::{Grid, Size, World};
+use paros_core::World;
+use paros_core::volume::{Grid, Size};
 use paros_shaders::field::{Budget, DensityField};
 use paros_shaders::gpu::{
     Eye, Fov, FrameRequest, FrameSemaphores, Gpu, OffscreenTarget, Options, RenderStyle, Renderer,

@@ -5,7 +5,7 @@ use std::sync::{Mutex, PoisonError};
 
 use glam::{Quat, Vec3};
 use paros_core::internals::{BOX_SIDE, STOOL_TOP};
-use paros_core::{BenchItem, SessionMode, Tool};
+use paros_core::session::{BenchItem, SessionMode, Tool};
 use paros_models::scripted_hand::{RIGHT, take_item};
 use paros_models::world_harness::WorldHarness;
 use paros_shaders::field::DensityField;

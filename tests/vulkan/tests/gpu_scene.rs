@@ -5,8 +5,10 @@ use std::path::PathBuf;
 use std::sync::{LazyLock, Mutex, MutexGuard, PoisonError};
 
 use glam::{Quat, Vec3};
+use paros_core::RangeMaps;
 use paros_core::internals::{BOX_SIDE, STOOL_TOP};
-use paros_core::{BenchItem, BitGrid, RangeMaps, SessionMode, Tool};
+use paros_core::session::{BenchItem, SessionMode, Tool};
+use paros_core::volume::BitGrid;
 use paros_models::scripted_hand::{RIGHT, step_with_bit_at, take_item};
 use paros_models::world_harness::WorldHarness;
 use paros_shaders::field::DensityField;

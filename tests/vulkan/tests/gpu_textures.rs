@@ -13,7 +13,9 @@ use std::sync::{Mutex, PoisonError};
 
 use glam::Vec3;
 use paros_core::internals::BitAction;
-use paros_core::{Axis, BenchItem, Grid, SessionMode, Size, Tool, ToolBit, World, WorldEvent};
+use paros_core::session::{BenchItem, SessionMode, Tool, ToolBit};
+use paros_core::volume::{Axis, Grid, Size};
+use paros_core::{World, WorldEvent};
 use paros_models::random_visitor::RandomVisitor;
 use paros_models::scripted_hand::{RIGHT, step_with_bit_at, take_item};
 use paros_models::world_harness::WorldHarness;

@@ -3,7 +3,8 @@
 //! Percentages are of the pixels inside the box's outline, at one sample.
 
 use glam::{Quat, Vec3};
-use paros_core::{BitGrid, BitSet, Grid, RangeMaps, Size};
+use paros_core::RangeMaps;
+use paros_core::volume::{BitGrid, BitSet, Grid, Size};
 use paros_models::dense::DenseVolume;
 use paros_models::layers::LayeredVolume;
 use paros_models::voxel_traversal;

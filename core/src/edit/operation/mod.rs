@@ -211,13 +211,13 @@ where
 ///
 /// `mask` holds the voxels that no edit removes, the hidden figure of the constrained mode; it is a part
 /// of the volume, and `RangeMaps::new()` where there is none. `journal` is told of every change: `&mut ()`
-/// for nobody, a [`DirtyRects`](crate::DirtyRects) for the rectangles that a renderer uploads.
+/// for nobody, a [`DirtyRects`](crate::volume::DirtyRects) for the rectangles that a renderer uploads.
 ///
 /// ```
 /// # use std::sync::Mutex;
 /// use paros_core::glam::IVec3;
-/// use paros_core::{Brush, Edit, EditOperation, EditScratch, RangeMaps, Volume, apply_edit};
-/// use paros_core::SUBUNITS_PER_VOXEL as VOXEL;
+/// use paros_core::edit::{EditOperation, EditScratch, SUBUNITS_PER_VOXEL as VOXEL};
+/// use paros_core::{Brush, Edit, RangeMaps, Volume, apply_edit};
 ///
 /// static VOLUME: Mutex<Volume<64>> = Mutex::new(Volume::new());
 /// static SCRATCH: Mutex<EditScratch<64>> = Mutex::new(EditScratch::new());

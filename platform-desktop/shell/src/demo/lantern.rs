@@ -5,7 +5,8 @@
 //! it. One interval a column would fill that again.
 
 use glam::Vec3;
-use paros_core::{BenchItem, Grid, SessionMode, Size, Tool, ToolBit, commands};
+use paros_core::session::{BenchItem, SessionMode, Tool, ToolBit, commands};
+use paros_core::volume::{Grid, Size};
 
 use super::scripted_hands::ScriptedHands;
 use super::{Chapter, RIGHT, direction_at_azimuth, evenly_spaced, plunge_bit};

@@ -9,7 +9,8 @@ pub mod scripted_hands;
 
 use crate::tick_runner::TickRunner;
 use glam::Vec3;
-use paros_core::{Axis, BenchItem, Grid, SessionMode, Size, Tool, ToolBit, commands};
+use paros_core::session::{BenchItem, SessionMode, Tool, ToolBit, commands};
+use paros_core::volume::{Axis, Grid, Size};
 
 pub use script::{Chapter, DemoScript};
 pub use scripted_hands::TickWatcher;

@@ -4,11 +4,11 @@ use std::ops::ControlFlow;
 
 use crate::tick_runner::TickRunner;
 use glam::{Quat, Vec3};
+use paros_core::edit::Pose;
 use paros_core::internals::RoomPose;
-use paros_core::{
-    BenchItem, Grid, Pose, RangeMaps, RawPose, SessionMode, Size, TICK_RATE, TickInput, Tool,
-    World, commands,
-};
+use paros_core::session::{BenchItem, RawPose, SessionMode, TICK_RATE, Tool, commands};
+use paros_core::volume::{Grid, Size};
+use paros_core::{RangeMaps, TickInput, World};
 
 /// Metres that a hand moves in a tick: 1.6 m/s.
 const HAND_SPEED: f32 = 1.6 / TICK_RATE as f32;

@@ -14,7 +14,8 @@ mod raster;
 mod toy;
 
 use glam::Vec3;
-use paros_core::{BitGrid, Grid, RangeMaps, Size};
+use paros_core::RangeMaps;
+use paros_core::volume::{BitGrid, Grid, Size};
 
 /// A start volume.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

@@ -2,7 +2,7 @@
 //! from the surface than its corners is filled or left empty as a whole.
 
 use glam::Vec3;
-use paros_core::{BitGrid, BitSet, Grid, Size};
+use paros_core::volume::{BitGrid, BitSet, Grid, Size};
 
 /// Lipschitz bound of the fields: the most that one may change over a unit. More than 1 allows for
 /// reliefs.

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use paros_core::TICK_RATE;
+use paros_core::session::TICK_RATE;
 
 use crate::tick_runner::{ClockTicks, TickClock};
 
@@ -58,7 +58,7 @@ impl DueTicks {
 
 #[cfg(test)]
 mod tests {
-    use paros_core::TICK_RATE;
+    use paros_core::session::TICK_RATE;
 
     use super::FramePacer;
     use crate::tick_runner::TickClock;

@@ -1,8 +1,9 @@
 //! Hand samples: a tracked controller or a bare hand in SI units, quantised into the core's input.
 
 use glam::Vec3;
+use paros_core::HandInput;
 use paros_core::internals::RoomPose;
-use paros_core::{HandInput, RawPose};
+use paros_core::session::RawPose;
 
 /// The state of a controller or a bare hand at one time.
 #[derive(Clone, Copy, PartialEq, Default, Debug)]
@@ -17,7 +18,7 @@ pub struct HandSample {
     pub squeeze: f32,
     /// The thumbstick to the right and forward, -1 to 1.
     pub stick: [f32; 2],
-    /// The pressed buttons, by [`paros_core::buttons`].
+    /// The pressed buttons, by [`paros_core::session::buttons`].
     pub buttons: u8,
 }
 

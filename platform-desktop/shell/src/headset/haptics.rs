@@ -1,7 +1,9 @@
 //! Haptics: the vibrations of ticks, merged into one pulse a frame for each hand, and a dull pulse of its
 //! own for what closure refuses.
 
-use paros_core::{Grid, Size, TICK_RATE, World};
+use paros_core::World;
+use paros_core::session::TICK_RATE;
+use paros_core::volume::{Grid, Size};
 
 /// A vibration, as `XrHapticVibration` describes it.
 #[derive(Clone, Copy, PartialEq, Debug)]

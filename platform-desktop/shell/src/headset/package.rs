@@ -4,7 +4,8 @@
 use crate::figures::Figure;
 use crate::rmap::{self, RmapFaultAt};
 use crate::start_volume_store::StartVolumeStore;
-use paros_core::{Grid, RangeMaps, Size};
+use paros_core::RangeMaps;
+use paros_core::volume::{Grid, Size};
 
 /// The file name of Khronos' OpenXR loader in the package, beside the shell's own library.
 pub const OPENXR_LOADER: &str = "libopenxr_loader.so";
@@ -62,8 +63,8 @@ mod tests {
     use crate::figures::Figure;
     use crate::rmap;
     use crate::start_volume_store::StartVolumeStore;
-    use paros_core::BitGrid;
     use paros_core::limits::INTERVALS;
+    use paros_core::volume::BitGrid;
 
     use super::{AssetError, load_start_volumes};
 

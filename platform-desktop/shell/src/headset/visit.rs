@@ -3,7 +3,8 @@
 
 use std::time::Duration;
 
-use paros_core::{SessionMode, SessionState, TICK_RATE, TickInput, commands};
+use paros_core::TickInput;
+use paros_core::session::{SessionMode, SessionState, TICK_RATE, commands};
 
 /// The default of how long the headset must be off for whoever puts it on next to be another visitor.
 pub const DEFAULT_HANDOVER: Duration = Duration::from_secs(45);
@@ -92,7 +93,8 @@ impl VisitPolicy {
 mod tests {
     use std::time::Duration;
 
-    use paros_core::{SessionMode, SessionState, TickInput, commands};
+    use paros_core::TickInput;
+    use paros_core::session::{SessionMode, SessionState, commands};
 
     use super::{DEFAULT_HANDOVER, FINISH_HOLD_TICKS, VisitPolicy, VisitorChange};
 

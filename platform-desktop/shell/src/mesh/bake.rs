@@ -1,9 +1,9 @@
 //! Voxelization of a mesh through the core's baker, and the mesh's bounding box and winding check.
 
 use super::Mesh;
-use paros_core::{
-    BakeReport, Baker, BitGrid, Grid, MeshPlacement, RangeMaps, Size, UpAxis, Windings,
-};
+use paros_core::convert::{BakeReport, MeshPlacement, UpAxis, Windings};
+use paros_core::volume::{BitGrid, Grid, Size};
+use paros_core::{Baker, RangeMaps};
 use std::collections::HashMap;
 
 /// An axis-aligned bounding box, in mesh units.

@@ -9,7 +9,7 @@ mod stl;
 pub use bake::MeshBounds;
 
 use crate::durable;
-use paros_core::UpAxis;
+use paros_core::convert::UpAxis;
 use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};

@@ -2,7 +2,8 @@
 
 use std::array;
 
-use paros_core::{Axis, BitSet, Column, Grid, Range, RangeMaps, Size};
+use paros_core::RangeMaps;
+use paros_core::volume::{Axis, BitSet, Column, Grid, Range, Size};
 
 use super::{HEADER_BYTES, RmapFault, RmapFaultAt};
 

@@ -5,7 +5,7 @@ use std::io;
 use std::path::PathBuf;
 
 use paros_core::limits::MAX_INTERVALS;
-use paros_core::{Axis, Range};
+use paros_core::volume::{Axis, Range};
 
 use crate::sizes::GRID_SIDE_NAMES;
 

@@ -4,7 +4,9 @@
 use std::mem;
 
 use paros_core::limits::{INTERVALS, max_save_bytes};
-use paros_core::{Grid, SessionState, Size, TICK_RATE, World, WorldEvent};
+use paros_core::session::{SessionState, TICK_RATE};
+use paros_core::volume::{Grid, Size};
+use paros_core::{World, WorldEvent};
 
 use super::session::LiveSession;
 use crate::durable;

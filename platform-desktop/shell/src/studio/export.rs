@@ -3,8 +3,9 @@
 
 use std::path::{Path, PathBuf};
 
+use paros_core::World;
 use paros_core::limits::INTERVALS;
-use paros_core::{Grid, Size, World};
+use paros_core::volume::{Grid, Size};
 
 use super::DrawPicture;
 use super::sculpture_files::{FilesByExtension, SculptureFiles};

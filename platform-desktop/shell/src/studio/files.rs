@@ -4,7 +4,7 @@
 use std::path::PathBuf;
 
 use paros_core::limits::INTERVALS;
-use paros_core::{Grid, Size};
+use paros_core::volume::{Grid, Size};
 
 use super::autosave::FailureNotice;
 use super::{Notice, Studio};

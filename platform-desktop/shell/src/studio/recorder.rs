@@ -3,8 +3,10 @@
 
 use std::path::{Path, PathBuf};
 
+use paros_core::TickInput;
 use paros_core::limits::INTERVALS;
-use paros_core::{Grid, Size, TICK_RATE, TickInput};
+use paros_core::session::TICK_RATE;
+use paros_core::volume::{Grid, Size};
 
 use crate::tick_runner::{TickRunner, TraceRecording};
 

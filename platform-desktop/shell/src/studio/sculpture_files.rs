@@ -5,7 +5,8 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::thread;
 
 use paros_core::limits::INTERVALS;
-use paros_core::{Grid, RangeMaps, Size, World};
+use paros_core::volume::{Grid, Size};
+use paros_core::{RangeMaps, World};
 
 use super::DrawPicture;
 use crate::rmap;

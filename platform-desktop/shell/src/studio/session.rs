@@ -3,8 +3,11 @@
 
 use std::io::ErrorKind;
 
+use paros_core::World;
+use paros_core::edit::UndoCounts;
 use paros_core::limits::{INTERVALS, max_save_bytes};
-use paros_core::{Grid, SessionState, Size, UndoCounts, World};
+use paros_core::session::SessionState;
+use paros_core::volume::{Grid, Size};
 
 use super::Notice;
 use crate::claim::SessionClaim;

@@ -3,9 +3,9 @@
 use std::fs;
 
 use glam::{Quat, Vec3};
-use paros_core::{
-    BenchItem, Grid, HandInput, PointerCommand, RawPose, SessionMode, TICK_RATE, TickInput, Tool,
-};
+use paros_core::session::{BenchItem, PointerCommand, RawPose, SessionMode, TICK_RATE, Tool};
+use paros_core::volume::Grid;
+use paros_core::{HandInput, TickInput};
 
 use super::Studio;
 use crate::statics::Resident;

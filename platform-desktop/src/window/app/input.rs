@@ -1,7 +1,8 @@
 //! The window's events of mouse, keys and dropped files.
 
 use paros_core::limits::INTERVALS;
-use paros_core::{Grid, SessionState, Size};
+use paros_core::session::SessionState;
+use paros_core::volume::{Grid, Size};
 use paros_shaders::gpu::{PaperVariant, RenderPath};
 use paros_shell::statics::Resident;
 use winit::event::{ElementState, MouseButton, MouseScrollDelta, WindowEvent};

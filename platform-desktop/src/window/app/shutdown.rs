@@ -3,7 +3,7 @@
 use core::fmt::Display as Reason;
 
 use paros_core::limits::INTERVALS;
-use paros_core::{Grid, Size};
+use paros_core::volume::{Grid, Size};
 use paros_headless::Error;
 use paros_shaders::gpu;
 use paros_shell::statics::Resident;

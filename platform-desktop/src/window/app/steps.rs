@@ -2,8 +2,9 @@
 
 use std::io::{self, Write};
 
+use paros_core::edit::UndoCounts;
 use paros_core::limits::INTERVALS;
-use paros_core::{Grid, Size, UndoCounts};
+use paros_core::volume::{Grid, Size};
 use paros_faults::{self as faults, CallGroup, FailureCause, PlannedFault};
 use paros_headless::Error;
 use paros_shell::modes::parse_mode;

@@ -3,7 +3,9 @@
 use glam::{Quat, Vec3};
 use paros_core::internals::{BENCH_ITEMS, BitAction, BitShape, RoomPose};
 use paros_core::limits::INTERVALS;
-use paros_core::{BenchItem, Grid, RangeMaps, Size, ToolBit, World};
+use paros_core::session::{BenchItem, ToolBit};
+use paros_core::volume::{Grid, Size};
+use paros_core::{RangeMaps, World};
 use paros_shaders::Ray;
 
 use crate::window::raycast;
@@ -159,7 +161,7 @@ where
             aim.running,
             world,
         );
-        frame.to_room(&paros_core::Pose { position: target, rotation: turned })
+        frame.to_room(&paros_core::edit::Pose { position: target, rotation: turned })
     }
 
     /// The next point on the way to `target`, in voxels: the target itself, or `point_before_eye` while

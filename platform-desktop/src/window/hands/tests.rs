@@ -4,10 +4,11 @@ use std::sync::MutexGuard;
 
 use glam::Vec3;
 use paros_core::limits::INTERVALS;
-use paros_core::{
-    Axis, BenchItem, Grid, PointerCommand, RangeMaps, SessionMode, SessionState, TickInput, Tool,
-    ToolBit, World, commands,
+use paros_core::session::{
+    BenchItem, PointerCommand, SessionMode, SessionState, Tool, ToolBit, commands,
 };
+use paros_core::volume::{Axis, Grid};
+use paros_core::{RangeMaps, TickInput, World};
 use paros_shaders::Ray;
 use paros_shell::start_volume_store::StartVolumeStore;
 use paros_shell::statics::{Resident, ResidentBitGrid};
@@ -107,7 +108,7 @@ fn a_press_carves_under_the_cursor_and_undo_brings_it_back() {
         fixture.hands.orbit.room_ray_through_pixel([480.0, 330.0], SIZE);
     let frame = fixture.world.stool_frame();
     for voxel in removed {
-        let pose = paros_core::Pose { position: voxel, ..paros_core::Pose::ZERO };
+        let pose = paros_core::edit::Pose { position: voxel, ..paros_core::edit::Pose::ZERO };
         let (point, _) = frame.to_room(&pose);
         let aside = (point - origin).cross(direction).length();
         assert!(aside < 0.02, "{aside} m beside the cursor");

@@ -1,7 +1,7 @@
 //! Graph of the latest frame times.
 
 use egui::{Align2, Area, Color32, Context, Id, Pos2, Rect, RichText, Sense, Vec2};
-use paros_core::TICK_RATE;
+use paros_core::session::TICK_RATE;
 
 use super::{StudioStatus, style};
 

@@ -12,7 +12,8 @@ mod style;
 use std::path::{Path, PathBuf};
 
 use egui::{Align2, Area, Context, Id, RawInput, RichText, Vec2};
-use paros_core::{BenchItem, SessionMode, SessionState, Tool, ToolBit, UndoCounts};
+use paros_core::edit::UndoCounts;
+use paros_core::session::{BenchItem, SessionMode, SessionState, Tool, ToolBit};
 use paros_shaders::gpu::FrameTimes;
 use paros_shell::studio::Notice;
 
@@ -35,7 +36,7 @@ pub(super) enum PanelAction {
     Open(PathBuf),
     /// Take an item off the workbench.
     Take(BenchItem),
-    /// Commands of the core, as bits of `paros_core::commands`.
+    /// Commands of the core, as bits of `paros_core::session::commands`.
     Command(u8),
     /// Finish the session.
     Finish,

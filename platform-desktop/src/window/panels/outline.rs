@@ -2,9 +2,10 @@
 
 use egui::{Color32, Context, LayerId, Pos2, Stroke};
 use glam::Vec3;
+use paros_core::World;
 use paros_core::internals::BitShape;
 use paros_core::limits::INTERVALS;
-use paros_core::{Grid, Size, World};
+use paros_core::volume::{Grid, Size};
 
 use super::style;
 use crate::window::camera::OrbitCamera;

@@ -1,7 +1,7 @@
 //! Start panel: choice of a session or a file.
 
 use egui::{Align2, Area, Button, Context, Id, RichText, Ui, Vec2};
-use paros_core::{SessionMode, SessionState};
+use paros_core::session::{SessionMode, SessionState};
 use paros_shell::figures::Figure;
 
 use super::{StudioStatus, style};

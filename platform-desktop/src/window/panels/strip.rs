@@ -1,7 +1,8 @@
 //! Tool bar: tools, bits, depth, commands; status line; end of a session.
 
 use egui::{Align2, Area, Button, Context, Id, Label, RichText, Ui, Vec2};
-use paros_core::{BenchItem, SessionMode, SessionState, Tool, ToolBit, UndoCounts, commands};
+use paros_core::edit::UndoCounts;
+use paros_core::session::{BenchItem, SessionMode, SessionState, Tool, ToolBit, commands};
 use paros_shell::figures::Figure;
 
 use super::{PanelAction, StudioStatus, style};

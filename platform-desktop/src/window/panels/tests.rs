@@ -1,7 +1,8 @@
 //! The panels without a window, by clicks on a grid of points.
 
 use egui::{Event, Modifiers, PointerButton, Pos2, Rect, Vec2};
-use paros_core::{BenchItem, SessionMode, SessionState, Tool, ToolBit, UndoCounts, commands};
+use paros_core::edit::UndoCounts;
+use paros_core::session::{BenchItem, SessionMode, SessionState, Tool, ToolBit, commands};
 use paros_shaders::gpu::FrameTimes;
 use paros_shell::studio::Notice;
 

@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use glam::Vec3;
-use paros_core::{Grid, Size, World, WorldEvent};
+use paros_core::volume::{Grid, Size};
+use paros_core::{World, WorldEvent};
 
 use super::renderer::{FrameSemaphores, Renderer};
 use super::request::{Eye, FrameRequest, RenderStyle};

@@ -1,9 +1,10 @@
 //! Exit search and slide: how a bit leaves the stone that an undo or a fill has put around it.
 
 use glam::{Quat, Vec3};
+use paros_core::edit::{Pose, SUBUNITS_PER_VOXEL};
 use paros_core::internals::FreezeResult;
 use paros_core::limits::{deep_step_cost_in_steps, max_bit_steps_per_tick};
-use paros_core::{Pose, SUBUNITS_PER_VOXEL, ToolBit};
+use paros_core::session::ToolBit;
 use paros_models::dense::DenseVolume;
 
 use crate::stone::{STONE_64, lock_stone, table_bit, voxel_micrometres};

@@ -8,9 +8,11 @@ mod stone;
 use std::sync::Mutex;
 
 use glam::{IVec3, Quat, Vec3};
+use paros_core::edit::{Pose, SUBUNITS_PER_VOXEL};
 use paros_core::internals::{FreezeResult, GridBit, GridShape, exit_probe_steps};
 use paros_core::limits::{EXIT_PROBES, max_bit_steps_in_undo_tick, max_bit_steps_per_tick};
-use paros_core::{Grid, Pose, SUBUNITS_PER_VOXEL, Size, ToolBit};
+use paros_core::session::ToolBit;
+use paros_core::volume::{Grid, Size};
 use paros_models::contact::{ContactModel, path_poses};
 use paros_models::dense::{DenseVolume, MaskedVolume, closed_volumes_with_inner_mask};
 use proptest::prelude::*;

@@ -1,7 +1,7 @@
 //! Tunnelling tests: no bit passes a wall one voxel thick, of any tilt.
 
 use glam::{IVec3, Vec3};
-use paros_core::Pose;
+use paros_core::edit::Pose;
 use paros_models::dense::DenseVolume;
 use proptest::prelude::*;
 

@@ -3,9 +3,12 @@
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use glam::Quat;
+use paros_core::RangeMaps;
+use paros_core::edit::{Contact, Pose};
 use paros_core::internals::{BOX_SIDE, FreezeResult, GridBit, Obstacle};
 use paros_core::limits::max_bit_steps_per_tick;
-use paros_core::{BitGrid, Contact, Grid, Pose, RangeMaps, Size, ToolBit};
+use paros_core::session::ToolBit;
+use paros_core::volume::{BitGrid, Grid, Size};
 use paros_models::dense::DenseVolume;
 use proptest::prelude::*;
 

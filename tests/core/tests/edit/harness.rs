@@ -1,11 +1,10 @@
 //! Volumes, strokes and a journal for the tests of edits.
 
 use glam::{IVec3, Quat};
+use paros_core::edit::{EditOperation, EditScratch, Pose, SUBUNITS_PER_VOXEL};
 use paros_core::limits::SHELL_DEPTH;
-use paros_core::{
-    Axis, BitGrid, BitSet, Brush, Column, EditOperation, EditScratch, Grid, Journal, Pose,
-    RangeMaps, SUBUNITS_PER_VOXEL, Size, Volume,
-};
+use paros_core::volume::{Axis, BitGrid, BitSet, Column, Grid, Journal, Size};
+use paros_core::{Brush, RangeMaps, Volume};
 use paros_models::dense::DenseVolume;
 use proptest::prelude::*;
 

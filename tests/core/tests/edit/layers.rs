@@ -8,15 +8,16 @@
 //! - `tighten_line_returning_nonempty`: columns whose hull stays aren't replaced.
 
 use glam::{IVec3, Quat, Vec3};
+use paros_core::edit::{EditOperation, EditReport, EditScratch, Pose, SUBUNITS_PER_VOXEL};
 use paros_core::internals::{
     ColumnAddress, IslandSearch, RemovalJournal, RowAddress, StrokeJournal, UndoHistory,
     maps_digest,
 };
 use paros_core::limits::island_row_visits_per_tick;
-use paros_core::{
-    Axis, BitGrid, BitSet, Brush, Column, DirtyRects, Edit, EditOperation, EditReport, EditScratch,
-    Grid, Journal, Pose, Range, RangeMaps, SUBUNITS_PER_VOXEL, Size, Volume, VoxelBox, apply_edit,
+use paros_core::volume::{
+    Axis, BitGrid, BitSet, Column, DirtyRects, Grid, Journal, Range, Size, VoxelBox,
 };
+use paros_core::{Brush, Edit, RangeMaps, Volume, apply_edit};
 use paros_models::dense::{DenseVolume, MaskedVolume, any_voxels, closed_volumes_with_inner_mask};
 use paros_models::edit::{assert_edit_invariants, exact_edit};
 use paros_models::layers::LayeredVolume;

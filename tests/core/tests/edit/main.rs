@@ -7,12 +7,11 @@ use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 
 use glam::{IVec3, Quat, Vec3};
+use paros_core::edit::{BrushTooLarge, EditOperation, EditReport, Pose, SUBUNITS_PER_VOXEL};
 use paros_core::internals::maps_digest;
 use paros_core::limits::{SHELL_DEPTH, SMOOTH_LINES};
-use paros_core::{
-    Axis, BitSet, Brush, BrushTooLarge, Edit, EditOperation, EditReport, Grid, Pose, Range,
-    RangeMaps, SUBUNITS_PER_VOXEL, Size, VoxelBox, apply_edit,
-};
+use paros_core::volume::{Axis, BitSet, Grid, Range, Size, VoxelBox};
+use paros_core::{Brush, Edit, RangeMaps, apply_edit};
 use paros_models::dense::{DenseVolume, MaskedVolume, closed_volumes_with_inner_mask};
 use paros_models::edit::{
     ExpectedEdit, assert_edit_invariants, assert_mirror_is_kept, expected_edit,
