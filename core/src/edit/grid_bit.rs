@@ -29,7 +29,7 @@ const ROUNDING: i32 = SUBUNITS_PER_VOXEL / 16;
 impl GridBit {
     /// The shell depth of an edit: the bite in voxels, rounded up.
     #[must_use]
-    pub fn shell_depth_voxels(&self) -> usize {
+    pub fn bite_depth_voxels(&self) -> usize {
         (self.bite + SUBUNITS_PER_VOXEL - 1).div_euclid(SUBUNITS_PER_VOXEL).max(0) as usize
     }
 

@@ -174,7 +174,7 @@ where
         let tip = tip.unwrap_or(state.grip.0);
         if let Some(item) = self.state.bench.nearest_in_reach(hand, state.grip.0, tip) {
             self.take_item(hand, item);
-        } else if let Some(tool) = self.state.bench.drop_tool_or_return_home(hand, state.grip) {
+        } else if let Some(tool) = self.state.bench.let_tool_fall_or_return_home(hand, state.grip) {
             self.state.hands[hand].invalidate_bit_pose();
             self.push_event(WorldEvent::Released { hand: hand as u8, tool });
         }
@@ -257,7 +257,7 @@ where
         to: &Pose,
     ) -> u32 {
         let grid_bit = bit.to_grid_bit(self.stool_frame().voxel_metres() * 1e6);
-        let depth = grid_bit.shell_depth_voxels();
+        let depth = grid_bit.bite_depth_voxels();
         let operation = match bit.spec().action {
             BitAction::Carve => EditOperation::Carve { depth },
             BitAction::Fill => EditOperation::Fill { depth },

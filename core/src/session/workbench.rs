@@ -184,7 +184,11 @@ impl Workbench {
 
     /// Releases the held tool at the grip's pose in the room: near its home position it returns there,
     /// elsewhere it falls. Returns the tool.
-    pub(crate) fn drop_tool_or_return_home(&mut self, hand: usize, grip: RoomPose) -> Option<Tool> {
+    pub(crate) fn let_tool_fall_or_return_home(
+        &mut self,
+        hand: usize,
+        grip: RoomPose,
+    ) -> Option<Tool> {
         let (position, rotation) = grip;
         let tool = self.held_tool(hand)?;
         let item = BenchItem::Tool(tool);

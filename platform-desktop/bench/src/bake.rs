@@ -71,6 +71,6 @@ fn time_bake_with_peer(
 /// The side of a voxel, in mesh units, when the mesh fills a grid of N.
 fn voxel_pitch<const N: usize>(mesh: &Mesh, up: UpAxis) -> f64 {
     mesh.bounding_box()
-        .and_then(|MeshBounds { min, max }| MeshPlacement::fit_bounds(min, max, up, N))
+        .and_then(|MeshBounds { min, max }| MeshPlacement::stand_bounds_on_floor(min, max, up, N))
         .map_or(1.0, |placement| 1.0 / placement.voxels_per_unit())
 }

@@ -100,7 +100,7 @@ pub(super) fn measure_carve(subject: &Subject, runs: usize) -> Result<Vec<Report
 
 /// What closure refuses of a recorded session's edits, when its input is played with one interval and with
 /// two. With two the hands meet another volume, so that the sessions drift apart.
-pub(super) fn measure_session(path: &Path) -> Result<Vec<ReportRow>, Error> {
+pub(super) fn measure_refusals_of_session(path: &Path) -> Result<Vec<ReportRow>, Error> {
     let trace = Trace::read(path).map_err(Error::input)?;
     let name = path.file_stem().unwrap_or_default().to_string_lossy();
     if usize::from(trace.header().side) != SIDE {

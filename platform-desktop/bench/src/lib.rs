@@ -275,7 +275,7 @@ impl Plan {
                 Ok(whole(layers::measure_cuts()))
             }
             PlanPiece::LayerCarve(on) => layers::measure_carve(on, runs).map(whole),
-            PlanPiece::LayerSession(path) => layers::measure_session(path).map(whole),
+            PlanPiece::LayerSession(path) => layers::measure_refusals_of_session(path).map(whole),
             PlanPiece::Render(on) | PlanPiece::On(Benchmark::Render, on, _) => match timer {
                 Ok(timer) => render::measure_rows(on, self.frame_runs, timer).map(whole),
                 Err(why) => Ok(Measured { rows: vec![], skipped: Some(format!("frames: {why}")) }),

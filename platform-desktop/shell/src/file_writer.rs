@@ -169,7 +169,7 @@ fn run_job(job: WriteJob) -> WriteOutcome {
 }
 
 fn replace_files(paths: &[PathBuf], contents: &[Vec<u8>]) -> Result<Vec<PathBuf>, WriteError> {
-    durable::write_files(&resolve_targets(paths, contents)?)?;
+    durable::write_files(&prepare_targets(paths, contents)?)?;
     Ok(paths.to_vec())
 }
 
@@ -210,7 +210,7 @@ fn write_under_lowest_free_number(
         if paths.iter().any(|path| path.symlink_metadata().is_ok()) {
             continue;
         }
-        match durable::create_new_files(&resolve_targets(&paths, contents)?) {
+        match durable::create_new_files(&prepare_targets(&paths, contents)?) {
             // Another process took the number in the meantime.
             Err(error) if error.source.kind() == ErrorKind::AlreadyExists => {}
             result => return result.map(|()| paths),
@@ -219,7 +219,7 @@ fn write_under_lowest_free_number(
 }
 
 /// Creates the paths' folders and pairs each resolved path with its bytes.
-fn resolve_targets<'a>(
+fn prepare_targets<'a>(
     paths: &[PathBuf],
     contents: &'a [Vec<u8>],
 ) -> Result<Vec<(WriteTarget, &'a [u8])>, WriteError> {

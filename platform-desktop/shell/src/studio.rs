@@ -316,7 +316,7 @@ where
             self.submit_finished_sculpture();
             self.export.start_making_files(self.session.world);
         }
-        self.autosave.observe_tick(self.session.world);
+        self.autosave.mark_due_after_tick(self.session.world);
         if self.autosave.is_due() {
             self.save_session();
         }

@@ -213,7 +213,7 @@ where
     /// Draws a frame: lays the panels out, then draws the scene with them.
     fn draw_frame(&mut self) -> Result<(), gpu::Error> {
         let size = self.hands.size;
-        self.lay_out_panels(size);
+        self.lay_out_panels_and_act(size);
         let (Some(view), Some(window)) = (&mut self.view, &self.window) else { return Ok(()) };
         let params = FrameParams {
             eye: self.hands.orbit.eye(size),
@@ -239,7 +239,7 @@ where
         Ok(())
     }
 
-    fn lay_out_panels(&mut self, size: [u32; 2]) {
+    fn lay_out_panels_and_act(&mut self, size: [u32; 2]) {
         self.panels.input.time = Some(self.begun.elapsed().as_secs_f64());
         let [width, height] = size.map(|pixels| pixels as f32 / self.scale);
         let rect = egui::Rect::from_min_size(egui::Pos2::ZERO, egui::Vec2::new(width, height));

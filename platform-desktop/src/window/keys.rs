@@ -44,7 +44,10 @@ pub(super) const HELP: [(&str, &str); 14] = [
 
 /// The command of a key event; digits and brackets by position, the rest by meaning.
 #[must_use]
-pub(super) fn key_command(event: &KeyEvent, modifiers: ModifiersState) -> Option<KeyCommand> {
+pub(super) fn command_of_pressed_key(
+    event: &KeyEvent,
+    modifiers: ModifiersState,
+) -> Option<KeyCommand> {
     let physical = match event.physical_key {
         PhysicalKey::Code(code) => code_name(code),
         PhysicalKey::Unidentified(_) => None,

@@ -105,7 +105,7 @@ impl ControllerActions {
             let mut list = BindingList { instance, bindings: Vec::new() };
             list.bind_poses(poses)?;
             match profile {
-                SIMPLE => self.bind_simple(&mut list)?,
+                SIMPLE => self.bind_buttons_of_simple(&mut list)?,
                 _ => self.bind_touch(&mut list)?,
             }
             let path = instance.string_to_path(profile).could_not("name a profile")?;
@@ -135,7 +135,7 @@ impl ControllerActions {
     }
 
     /// The simple controller has two buttons: one runs the tool, the other takes it. Enough to sculpt.
-    fn bind_simple<'a>(&'a self, list: &mut BindingList<'a>) -> Result<(), Error> {
+    fn bind_buttons_of_simple<'a>(&'a self, list: &mut BindingList<'a>) -> Result<(), Error> {
         for hand in HANDS {
             list.bind(&self.trigger, hand, "input/select/click")?;
             list.bind(&self.squeeze, hand, "input/menu/click")?;

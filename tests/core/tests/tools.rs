@@ -43,8 +43,8 @@ fn no_bit_can_jump_a_wall() {
 fn the_shell_is_as_deep_as_the_bite() {
     for (bit, n, grid) in all_grid_bits() {
         let bite = bit.spec().bite_um as f32 / (BOX_SIDE / n as f32 * 1e6);
-        assert_eq!(grid.shell_depth_voxels(), bite.ceil() as usize, "{bit:?} at {n}");
-        assert!((1..=SHELL_DEPTH).contains(&grid.shell_depth_voxels()), "{bit:?} at {n}");
+        assert_eq!(grid.bite_depth_voxels(), bite.ceil() as usize, "{bit:?} at {n}");
+        assert!((1..=SHELL_DEPTH).contains(&grid.bite_depth_voxels()), "{bit:?} at {n}");
     }
 }
 

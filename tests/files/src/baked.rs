@@ -59,7 +59,7 @@ pub fn assert_open_base_bakes_alike(open: &Mesh) {
 /// It doesn't.
 pub fn assert_bakes_as_model_also_inside_out(mesh: &Mesh) {
     let MeshBounds { min, max } = mesh.bounding_box().unwrap();
-    let placement = MeshPlacement::fit_bounds(min, max, UpAxis::Y, N).unwrap();
+    let placement = MeshPlacement::stand_bounds_on_floor(min, max, UpAxis::Y, N).unwrap();
     let place = |i: u32| placement.snap_point(mesh.positions[i as usize]).to_array();
     let triangles: Vec<Triangle> = mesh.triangles.iter().map(|t| t.map(place)).collect();
     check_bake(&triangles).unwrap();

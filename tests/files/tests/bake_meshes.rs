@@ -18,7 +18,7 @@ use paros_tests_files::shapes::{vase, with_holes_closed};
 fn a_finely_divided_shape_in_rows_of_two_words() {
     let vase = with_holes_closed(&vase());
     let MeshBounds { min, max } = vase.bounding_box().unwrap();
-    let placement = MeshPlacement::fit_bounds(min, max, UpAxis::Y, N).unwrap();
+    let placement = MeshPlacement::stand_bounds_on_floor(min, max, UpAxis::Y, N).unwrap();
     let place =
         |i: u32| (placement.snap_point(vase.positions[i as usize]) + IVec3::Y * 5).to_array();
     let triangles: Vec<Triangle> = vase.triangles.iter().map(|t| t.map(place)).collect();

@@ -34,7 +34,8 @@ fn a_fitted_mesh_stands_on_the_ground_with_a_voxel_free_around_it() {
 
 #[test]
 fn z_up_is_a_turn_and_not_a_mirror() {
-    let placement = MeshPlacement::fit_bounds([0.0; 3], [1.0, 2.0, 4.0], UpAxis::Z, 64).unwrap();
+    let placement =
+        MeshPlacement::stand_bounds_on_floor([0.0; 3], [1.0, 2.0, 4.0], UpAxis::Z, 64).unwrap();
     let [o, x, y, z] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 4.0]]
         .map(|p| placement.snap_point(p));
     assert!((x - o).x > 0 && (z - o).y > 0 && (y - o).z < 0);
@@ -49,7 +50,7 @@ fn bounds_that_can_not_be_fitted_are_refused() {
         ([0.0; 3], [f32::INFINITY, 1.0, 1.0]),
         ([2.0; 3], [1.0; 3]),
     ] {
-        assert_eq!(MeshPlacement::fit_bounds(min, max, UpAxis::Y, 64), None);
+        assert_eq!(MeshPlacement::stand_bounds_on_floor(min, max, UpAxis::Y, 64), None);
     }
 }
 

@@ -133,7 +133,7 @@ pub(super) fn add_triangle_crossings<const N: usize>(
                     entered: -(facing as i32),
                 });
                 windings.add_crossing(axis, (line, place), -(facing as i8), || {
-                    triangle.voxel_at_height(w, height, n_w)
+                    triangle.voxel_containing_height(w, height, n_w)
                 });
             }
         }
@@ -159,7 +159,7 @@ impl GridTriangle {
     /// The voxel along an axis at the height `height / scale`, which is one that the triangle has; on a face
     /// the upper of two in the grid.
     #[inline(always)]
-    fn voxel_at_height(&self, axis: usize, height: i64, scale: i64) -> usize {
+    fn voxel_containing_height(&self, axis: usize, height: i64, scale: i64) -> usize {
         let (first, last) = (self.first[axis], self.last[axis]);
         match last - first {
             0 => first,

@@ -109,7 +109,7 @@ where
     /// # Errors
     /// [`OutsideBox`] when a corner is outside `0..=256 N`; nothing is changed then.
     pub fn add_triangle(&mut self, corners_bake_units: [IVec3; 3]) -> Result<(), OutsideBox> {
-        let triangle = GridTriangle::new::<N>(corners_bake_units).ok_or(OutsideBox)?;
+        let triangle = GridTriangle::new_within_grid::<N>(corners_bake_units).ok_or(OutsideBox)?;
         triangle.mark_touched_voxels(&mut self.touched);
         let [x, y, z] = &mut self.ends;
         crossing::add_triangle_crossings(&triangle, Axis::X, x, &mut self.windings);

@@ -32,7 +32,12 @@ impl MeshPlacement {
     /// side. `None` when a bound is not finite, a lower one is above its upper one, or the bounds hold
     /// a single point.
     #[must_use]
-    pub fn fit_bounds(min: [f32; 3], max: [f32; 3], up: UpAxis, grid_side: usize) -> Option<Self> {
+    pub fn stand_bounds_on_floor(
+        min: [f32; 3],
+        max: [f32; 3],
+        up: UpAxis,
+        grid_side: usize,
+    ) -> Option<Self> {
         let finite = min.iter().chain(&max).all(|c| c.is_finite());
         if !finite || (0..3).any(|k| min[k] > max[k]) || min == max {
             return None;

@@ -45,7 +45,7 @@ pub(super) struct ProjectedEdge {
 impl GridTriangle {
     /// `None` when a corner is outside the box of the grid.
     #[inline(always)]
-    pub(super) fn new<const N: usize>(points: [IVec3; 3]) -> Option<Self> {
+    pub(super) fn new_within_grid<const N: usize>(points: [IVec3; 3]) -> Option<Self> {
         let [a, b, c] = points;
         let (low, high) = (a.min(b).min(c), a.max(b).max(c));
         if low.min_element() < 0 || high.max_element() > N as i32 * BAKE_UNITS_PER_VOXEL {

@@ -44,13 +44,13 @@ pub(super) struct CornerFace {
 }
 
 /// The solid corner of a vertex, and the face of that corner's voxel whose centre it is.
-pub(super) const fn split_vertex(vertex: CellVertex) -> CornerFace {
+pub(super) const fn corner_and_face_of(vertex: CellVertex) -> CornerFace {
     let (corner, axis) = (vertex as usize / 3, vertex as usize % 3);
     // A corner at the low end of the axis has its edge to the high side.
     CornerFace { corner, face: 2 * axis + (corner >> axis & 1) }
 }
 
-/// The inverse of [`split_vertex`].
+/// The inverse of [`corner_and_face_of`].
 const fn join_vertex(CornerFace { corner, face }: CornerFace) -> CellVertex {
     (3 * corner + face / 2) as CellVertex
 }
@@ -85,7 +85,7 @@ const fn triangulate_case(solid_mask: usize) -> CellCase {
 }
 
 const fn is_vertex(solid_mask: usize, vertex: CellVertex) -> bool {
-    let CornerFace { corner, face } = split_vertex(vertex);
+    let CornerFace { corner, face } = corner_and_face_of(vertex);
     solid_mask >> corner & 1 == 1 && solid_mask >> (corner ^ 1 << (face / 2)) & 1 == 0
 }
 
@@ -106,7 +106,7 @@ const fn trace_contour(solid_mask: usize, start: CellVertex) -> CellContour {
 /// The next vertex of the contour. Of the two cell faces at a vertex, the contour leaves through the
 /// one in direction d for which d, the other face's direction and the outward normal are right-handed.
 const fn next_vertex(solid_mask: usize, at: CellVertex) -> CellVertex {
-    let CornerFace { corner, face: normal } = split_vertex(at);
+    let CornerFace { corner, face: normal } = corner_and_face_of(at);
     let mut k = 0;
     loop {
         let along = TANGENTS[normal][k];

@@ -24,10 +24,10 @@ pub(super) fn visit_surface_cells<R: BitSet>(
     // 64 voxels bound 63 cells. Corners are in the order of the case's bits: y first, then z.
     for chunk in 0..=R::WORDS {
         let corners = [
-            chunk_with_overlap(&rows[0][0], chunk),
-            chunk_with_overlap(&rows[1][0], chunk),
-            chunk_with_overlap(&rows[0][1], chunk),
-            chunk_with_overlap(&rows[1][1], chunk),
+            chunk_from_voxel_before(&rows[0][0], chunk),
+            chunk_from_voxel_before(&rows[1][0], chunk),
+            chunk_from_voxel_before(&rows[0][1], chunk),
+            chunk_from_voxel_before(&rows[1][1], chunk),
         ];
         let any = corners[0] | corners[1] | corners[2] | corners[3];
         let all = corners[0] & corners[1] & corners[2] & corners[3];
@@ -49,7 +49,7 @@ const CHUNK: usize = 63;
 
 /// The voxels around the cells of a chunk: bit 0 is voxel `CHUNK * chunk - 1`.
 #[inline(always)]
-fn chunk_with_overlap<R: BitSet>(row: &R, chunk: usize) -> u64 {
+fn chunk_from_voxel_before<R: BitSet>(row: &R, chunk: usize) -> u64 {
     let low = if chunk > 0 { row.word(chunk - 1) >> (CHUNK - chunk) } else { 0 };
     let high = if chunk < R::WORDS { row.word(chunk) << (chunk + 1) } else { 0 };
     low | high

@@ -368,7 +368,7 @@ where
         let mut i = 0;
         while i < 2 * cases::CELL_VERTICES {
             let (odd, vertex) = (i / cases::CELL_VERTICES, i % cases::CELL_VERTICES);
-            let cases::CornerFace { corner, face } = cases::split_vertex(vertex as u8);
+            let cases::CornerFace { corner, face } = cases::corner_and_face_of(vertex as u8);
             let (i_x, j, k) = (corner & 1, corner >> 1 & 1, corner >> 2);
             let row = 2 * j + (odd + k + 1) % 2;
             places[odd][vertex] = ((row * N + i_x) * 6 + face).wrapping_sub(6);

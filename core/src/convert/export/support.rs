@@ -119,7 +119,7 @@ where
         voxels: &BitGrid<N>,
         seed_mask: &RangeMaps<N, K>,
     ) -> SupportPhase {
-        let (y, z) = self.take_next_row();
+        let (y, z) = self.advance_to_next_row();
         let row = voxels.row(y, z);
         let seeds = if y == 0 { row } else { seed_mask.occupied_among((y, z), row) };
         self.reach_runs_with_seeds(voxels, (y, z), seeds);
@@ -182,7 +182,7 @@ where
         if self.next == (N * N) as u32 {
             return self.flood_largest_component(voxels);
         }
-        let (y, z) = self.take_next_row();
+        let (y, z) = self.advance_to_next_row();
         let Some(x) = (voxels.row(y, z) & !self.found.row(y, z)).first() else {
             return SupportPhase::Component;
         };
@@ -203,7 +203,7 @@ where
         SupportPhase::Largest
     }
 
-    fn take_next_row(&mut self) -> RowAddress {
+    fn advance_to_next_row(&mut self) -> RowAddress {
         let row_index = self.next as usize;
         self.next += 1;
         (row_index / N, row_index % N)

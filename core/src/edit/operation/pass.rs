@@ -33,7 +33,7 @@ where
 {
     pub(super) fn run(mut self) -> EditReport {
         self.scratch.reset_lines(self.bounds);
-        self.flip_voxels();
+        self.compute_and_flip_voxels();
         self.tighten_along_y();
         if self.edit.operation.removes_voxels() {
             self.close_after_removal();
@@ -45,7 +45,7 @@ where
     }
 
     /// Computes and flips layer by layer. A layer is flipped once no later layer needs its old voxels.
-    fn flip_voxels(&mut self) {
+    fn compute_and_flip_voxels(&mut self) {
         let lag = self.edit.operation.neighbourhood_radius();
         let mut pending = [Range::EMPTY; SHELL_DEPTH + 1];
         let (first, last) = (self.bounds.lo[1], self.bounds.hi[1]);
@@ -160,7 +160,7 @@ where
             if flips.is_empty() {
                 continue;
             }
-            let row = self.flip_row((y, z), flips);
+            let row = self.flip_row_bits((y, z), flips);
             let column = Column::closed_over(row, &columns[z]);
             moved.insert_if(column != columns[z], z);
             columns[z] = column;
@@ -175,7 +175,7 @@ where
 
     /// Flips voxels of row (y, z). Returns the new row.
     #[inline]
-    fn flip_row(&mut self, (y, z): RowAddress, flips: BitRow<W>) -> <Grid<N> as Size>::Row {
+    fn flip_row_bits(&mut self, (y, z): RowAddress, flips: BitRow<W>) -> <Grid<N> as Size>::Row {
         let row = self.volume.rows_mut().row_mut(y, z);
         let here = row.word_span(self.first_word);
         let flipped = if K == 1 {

@@ -30,7 +30,7 @@ impl Mesh {
         Some(MeshBounds { min: low, max: high })
     }
 
-    /// Bakes the mesh, fitted to the grid as [`MeshPlacement::fit_bounds`] says, into tight maps and their
+    /// Bakes the mesh, fitted to the grid as [`MeshPlacement::stand_bounds_on_floor`] says, into tight maps and their
     /// voxels. `None`, and nothing changed, when the mesh has no extent; one that was read has.
     #[must_use]
     pub fn bake_into_maps<const N: usize, const K: usize, W: Windings<N>>(
@@ -44,7 +44,7 @@ impl Mesh {
         Grid<N>: Size,
     {
         let MeshBounds { min, max } = self.bounding_box()?;
-        let placement = MeshPlacement::fit_bounds(min, max, up, N)?;
+        let placement = MeshPlacement::stand_bounds_on_floor(min, max, up, N)?;
         let snapped: Vec<_> = self.positions.iter().map(|&p| placement.snap_point(p)).collect();
         baker.clear();
         for t in &self.triangles {

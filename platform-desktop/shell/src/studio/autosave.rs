@@ -96,7 +96,7 @@ impl Autosave {
     /// Updates the state after a tick. A save becomes due when something has changed and either the
     /// session is finished or the last save is old enough: one second where a stroke has just ended,
     /// else three.
-    pub(super) fn observe_tick<const N: usize>(&mut self, world: &World<N, INTERVALS>)
+    pub(super) fn mark_due_after_tick<const N: usize>(&mut self, world: &World<N, INTERVALS>)
     where
         Grid<N>: Size,
     {

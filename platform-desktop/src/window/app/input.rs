@@ -51,7 +51,7 @@ where
             WindowEvent::MouseWheel { delta, .. } => self.handle_wheel(delta),
             WindowEvent::KeyboardInput { event, .. } => {
                 let down = event.state == ElementState::Pressed;
-                if let Some(command) = keys::key_command(&event, self.modifiers)
+                if let Some(command) = keys::command_of_pressed_key(&event, self.modifiers)
                     && !(event.repeat && down)
                 {
                     self.handle_key(command, down);

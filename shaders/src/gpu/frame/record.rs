@@ -71,7 +71,7 @@ impl Renderer {
                 device.cmd_bind_pipeline(commands, GRAPHICS, meshes);
             }
             for batch in scene.batches().iter().filter(|batch| batch.mesh.casts_shadow()) {
-                self.record_batch(commands, batch);
+                self.draw_bound_batch(commands, batch);
             }
         });
     }
@@ -205,7 +205,7 @@ impl Renderer {
         unsafe { self.gpu.device.cmd_bind_pipeline(commands, GRAPHICS, pipeline) };
         // The room is the first of the list and behind all else.
         for batch in scene.batches().iter().rev().filter(|batch| batch.mesh.draw_group() == group) {
-            self.record_batch(commands, batch);
+            self.draw_bound_batch(commands, batch);
         }
     }
 
@@ -220,7 +220,7 @@ impl Renderer {
         }
     }
 
-    fn record_batch(&self, commands: vk::CommandBuffer, batch: &Batch) {
+    fn draw_bound_batch(&self, commands: vk::CommandBuffer, batch: &Batch) {
         let mesh = batch.mesh.range();
         // SAFETY: the mesh lies within the tables that are bound, the instances within the slot's.
         unsafe {
