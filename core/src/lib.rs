@@ -89,7 +89,7 @@
 //! # What it does not do
 //! It does no I/O, allocates nothing, reads no clock, draws no picture and never panics on input.
 //! Files, time and devices are the shells' (`paros-shell`); pictures are `paros-shaders`'. A volume of one
-//! interval a column refuses a cavity that no axis sees, and the [`EditReport`] says where.
+//! interval a column refuses a cavity that no axis sees, and the [`EditReport`](edit::EditReport) says where.
 //!
 //! # Principles
 //! 1. Data in, data out: a tick is a function of state, input and start volumes.

@@ -1,5 +1,5 @@
-//! Serialization and digests. The lower half encodes single values ([`bytes`], [`vectors`],
-//! [`digest`]); the upper half a whole world ([`save`]) and a recorded session ([`trace`]).
+//! Serialization and digests. The lower half encodes single values; the upper half a whole world
+//! ([`World::save`](crate::World::save)) and a recorded session ([`trace`]).
 //!
 //! Takes values, or untrusted bytes; gives bytes, or the values, or the offset and reason of an error.
 //! Doesn't know files: the caller owns every buffer.

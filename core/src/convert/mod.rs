@@ -1,5 +1,5 @@
-//! Conversion between volumes and meshes: voxelization ([`bake`]) and surface extraction for printing
-//! ([`export`]).
+//! Conversion between volumes and meshes: voxelization ([`Baker`](crate::Baker)) and surface extraction
+//! for printing ([`Exporter`](crate::Exporter)).
 //!
 //! Takes triangles, or a volume with its mask and a buffer; gives a volume, or the bytes of an STL file,
 //! a bounded piece of work at a time.
