@@ -102,7 +102,7 @@ where
     Grid<N>: Size,
 {
     /// With a buffer of this many bytes, [`Exporter::advance_export`] always makes progress: the
-    /// triangles of one row of cells, at worst. 32 KB at 128.
+    /// triangles of one row of cells, at worst. 32 KB at 128, twice that at 256.
     pub const MIN_BUFFER: usize = (N + 1) * cases::MAX_CELL_TRIANGLES * stl::TRIANGLE_BYTES;
 
     /// Idle. For a `static`, as [`World::new`](crate::World::new).
@@ -126,7 +126,7 @@ where
     }
 
     /// Starts a file, discarding an unfinished one. The smoothed model will be `height_mm` high, from
-    /// its lowest vertex to its highest.
+    /// its lowest vertex to its highest; its scale is the same along all axes.
     ///
     /// # Errors
     /// A height outside [`HEIGHT_RANGE_MM`]; the exporter is unchanged.
@@ -148,7 +148,8 @@ where
     ///
     /// `mask` is the volume's mask (empty for none); neither may change from start to
     /// end. Returns early when `out` has no room for the next piece. It never does so without progress
-    /// when `out` has [`Exporter::MIN_BUFFER`] bytes or room for the whole file. The bytes of the file
+    /// when `out` has [`Exporter::MIN_BUFFER`] bytes or room for the whole file; a smaller one may stop it for
+    /// good, which shows as no bytes written and no change of phase. The bytes of the file
     /// don't depend on budgets and buffers.
     pub fn advance_export<const K: usize>(
         &mut self,

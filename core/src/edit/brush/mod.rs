@@ -49,7 +49,8 @@ pub struct BrushBounds {
     pub hi: [usize; 3],
 }
 
-/// The set of points that an edit is about: a union of convex pieces, stored in compact form.
+/// The set of points that an edit is about: a union of convex pieces, stored in compact form. A voxel
+/// belongs to it if its centre does, the boundary included.
 ///
 /// Lengths and centres are in fixed point, [`SUBUNITS_PER_VOXEL`] to a voxel: `30 * SUBUNITS_PER_VOXEL` is 30
 /// voxels, and the top face of the grid lies at y = `N * SUBUNITS_PER_VOXEL`. A [`Pose`] is in voxels.

@@ -95,7 +95,7 @@ pub struct EditReport {
     pub refused_by_depth: u32,
     /// Removed, as the depth allowed, and brought back by closure.
     pub refused_by_closure: u32,
-    /// The smallest box around what closure brought back. That of a mirrored edit spans both sides.
+    /// The smallest box around what closure brought back, empty where that is nothing. That of a mirrored edit spans both sides.
     pub closure_box: VoxelBox,
 }
 
@@ -214,7 +214,7 @@ where
 /// for nobody, a [`DirtyRects`](crate::volume::DirtyRects) for the rectangles that a renderer uploads.
 ///
 /// ```
-/// # use std::sync::Mutex;
+/// use std::sync::Mutex;
 /// use paros_core::glam::IVec3;
 /// use paros_core::edit::{EditOperation, EditScratch, SUBUNITS_PER_VOXEL as VOXEL};
 /// use paros_core::{Brush, Edit, RangeMaps, Volume, apply_edit};
@@ -229,9 +229,13 @@ where
 /// // A hollow of 12 voxels radius in the middle of the top.
 /// let brush = Brush::sphere(IVec3::new(32, 64, 32) * VOXEL, 12 * VOXEL);
 /// let edit = Edit { brush: &brush, operation: EditOperation::Carve { depth: 4 }, mirrored: false };
+/// // An edit goes four voxels deep at most: repeat it until nothing changes.
 /// while apply_edit(&mut volume, &no_mask, &edit, &mut scratch, &mut ()).unwrap().changed_volume() {}
 /// assert!(!volume.maps().contains([32, 53, 32]) && volume.maps().contains([32, 51, 32]));
 /// ```
+///
+/// To print it: [`Exporter::advance_export`](crate::Exporter::advance_export) with `volume.rows()` and
+/// `&no_mask`, as on the first page.
 ///
 /// # Errors
 /// [`BrushTooLarge`] for a smoothing brush of more rows than there is room to remember.
