@@ -91,7 +91,7 @@ fn bad_meshes_are_refused() {
     let ply = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n\
                property float z\nelement face 1\nproperty list uchar int vertex_indices\n\
                end_header\n0 0 0\n1 0 0\n";
-    let files: [(&str, Vec<u8>); 13] = [
+    let files: [(&str, Vec<u8>); 14] = [
         ("empty.obj", vec![]),
         ("empty.stl", vec![]),
         ("empty.ply", vec![]),
@@ -104,6 +104,7 @@ fn bad_meshes_are_refused() {
         ("infinite.obj", triangle("inf").into()),
         ("huge.obj", triangle("1e38").into()),
         ("outside.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n".to_vec()),
+        ("back.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/-2 2/1 3/1\n".to_vec()),
         ("unknown.kind", OCTAHEDRON.into()),
     ];
     for (name, bytes) in files {

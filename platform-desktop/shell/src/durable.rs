@@ -47,8 +47,22 @@ pub fn open_regular_file(path: &Path) -> io::Result<File> {
 /// # Errors
 /// The system's error, or that it is no regular file.
 pub fn read_regular_file(path: &Path) -> io::Result<Vec<u8>> {
+    read_regular_file_up_to(path, u64::MAX)
+}
+
+/// Reads a whole regular file of at most `most` bytes.
+///
+/// # Errors
+/// The system's error, or that it is no regular file, or a longer one.
+pub fn read_regular_file_up_to(path: &Path, most: u64) -> io::Result<Vec<u8>> {
+    let file = open_regular_file(path)?;
+    let length = file.metadata()?.len();
+    if length > most {
+        return Err(io::Error::other(format!("it has {length} bytes; expected at most {most}")));
+    }
     let mut bytes = Vec::new();
-    open_regular_file(path)?.read_to_end(&mut bytes)?;
+    // It may grow while it is read.
+    file.take(most).read_to_end(&mut bytes)?;
     Ok(bytes)
 }
 

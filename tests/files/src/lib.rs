@@ -2,4 +2,5 @@
 //! They take and give meshes.
 //! They know no file outside the project: `tests/real-meshes` has the tests that need one.
 pub mod baked;
+pub mod mesh_samples;
 pub mod shapes;

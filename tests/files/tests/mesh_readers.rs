@@ -5,10 +5,8 @@
 //! - `ply.rs`: the test of `element.count` dropped -> `a_count_beyond_the_file_is_refused`.
 //! - `stl.rs`: told apart by `solid` alone -> `a_binary_stl_may_start_with_solid`.
 
-mod mesh_samples;
-
-use mesh_samples::*;
 use paros_shell::mesh::{self, Mesh, MeshBounds, MeshFault, MeshFormat};
+use paros_tests_files::mesh_samples::*;
 use proptest::prelude::*;
 use std::path::Path;
 

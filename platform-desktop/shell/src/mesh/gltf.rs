@@ -3,11 +3,12 @@
 //! The crate parses and validates the JSON; buffers are read here, so that no image library comes
 //! along and no offset is trusted.
 
-use super::Mesh;
+use super::{MAX_FILE_BYTES, Mesh, ParseStop, malformed};
 use crate::durable;
 use gltf::accessor::{DataType, Dimensions};
 use gltf::mesh::Mode;
 use gltf::{Accessor, Document, Gltf, Node, Primitive};
+use std::borrow::Cow;
 use std::path::Path;
 
 /// Column-major, as in the format.
@@ -16,7 +17,7 @@ type NodeMatrix = [[f64; 4]; 4];
 const IDENTITY: NodeMatrix =
     [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
 
-pub(super) fn parse(bytes: &[u8], folder: &Path) -> Result<Mesh, String> {
+pub(super) fn parse(bytes: &[u8], folder: &Path) -> Result<Mesh, ParseStop> {
     check_length(bytes)?;
     let Gltf { document, blob } =
         Gltf::from_slice_without_validation(bytes).map_err(|error| error.to_string())?;
@@ -81,28 +82,34 @@ fn check_accessor_indices(json: &gltf::json::Root) -> Result<(), String> {
     Ok(())
 }
 
-fn read_buffers(
+fn read_buffers<'a>(
     document: &Document,
-    blob: Option<&[u8]>,
+    blob: Option<&'a [u8]>,
     folder: &Path,
-) -> Result<Vec<Vec<u8>>, String> {
+) -> Result<Vec<Cow<'a, [u8]>>, String> {
     let mut buffers = Vec::new();
+    // A file may be named by many buffers.
+    let mut left = MAX_FILE_BYTES;
     for buffer in document.buffers() {
         let bytes = match buffer.source() {
             gltf::buffer::Source::Bin => {
-                blob.ok_or("it has no binary chunk; expected one")?.to_vec()
+                Cow::Borrowed(blob.ok_or("it has no binary chunk; expected one")?)
             }
             gltf::buffer::Source::Uri(uri) => match uri.strip_prefix("data:") {
                 Some(data) => {
                     let (kind, text) = data.split_once(',').unwrap_or((data, ""));
                     let plain = kind.ends_with(";base64").then(|| decode_base64(text)).flatten();
-                    plain
-                        .ok_or_else(|| format!("buffer {}: expected base64 data", buffer.index()))?
+                    Cow::Owned(plain.ok_or_else(|| {
+                        format!("buffer {}: expected base64 data", buffer.index())
+                    })?)
                 }
                 None => {
                     let file = folder.join(decode_percent(uri));
-                    durable::read_regular_file(&file)
-                        .map_err(|e| format!("buffer {}: {e}", file.display()))?
+                    let bytes = durable::read_regular_file_up_to(&file, left).map_err(|e| {
+                        format!("buffer {}: {}: {e}", buffer.index(), file.display())
+                    })?;
+                    left -= bytes.len() as u64;
+                    Cow::Owned(bytes)
                 }
             },
         };
@@ -125,18 +132,21 @@ struct PlacedNode<'a> {
     world_from_parent: NodeMatrix,
 }
 
-struct SceneTriangles {
-    buffers: Vec<Vec<u8>>,
+struct SceneTriangles<'a> {
+    buffers: Vec<Cow<'a, [u8]>>,
     mesh: Mesh,
     /// Nodes visited; a scene is a forest.
     seen: Vec<bool>,
 }
 
-impl SceneTriangles {
-    fn add_subtrees(&mut self, mut pending: Vec<PlacedNode<'_>>) -> Result<(), String> {
+impl SceneTriangles<'_> {
+    fn add_subtrees(&mut self, mut pending: Vec<PlacedNode<'_>>) -> Result<(), ParseStop> {
         while let Some(PlacedNode { node, world_from_parent }) = pending.pop() {
             if std::mem::replace(&mut self.seen[node.index()], true) {
-                return Err(format!("node {} is reached twice; expected trees", node.index()));
+                return malformed(format!(
+                    "node {} is reached twice; expected trees",
+                    node.index()
+                ));
             }
             let parent_from_node = node.transform().matrix().map(|column| column.map(f64::from));
             let matrix = matrix_product(&world_from_parent, &parent_from_node);
@@ -155,7 +165,7 @@ impl SceneTriangles {
         &mut self,
         primitive: &Primitive<'_>,
         world_from_node: &NodeMatrix,
-    ) -> Result<(), String> {
+    ) -> Result<(), ParseStop> {
         let mode = primitive.mode();
         if !matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
             return Ok(());
@@ -164,32 +174,35 @@ impl SceneTriangles {
             .get(&gltf::Semantic::Positions)
             .ok_or_else(|| format!("primitive {} has no positions", primitive.index()))?;
         let points =
-            accessor_elements(&self.buffers, &positions, Dimensions::Vec3, &[DataType::F32])?;
-        let corners: Vec<u64> = match primitive.indices() {
-            Some(indices) => {
-                let kinds = [DataType::U8, DataType::U16, DataType::U32];
-                let indices =
-                    accessor_elements(&self.buffers, &indices, Dimensions::Scalar, &kinds)?;
-                indices.into_iter().map(little_endian).collect()
-            }
-            None => (0..points.len() as u64).collect(),
-        };
-        let base = self.mesh.positions.len() as u64;
+            AccessorElements::find(&self.buffers, &positions, Dimensions::Vec3, &[DataType::F32])?;
+        let kinds = [DataType::U8, DataType::U16, DataType::U32];
+        let find =
+            |indices| AccessorElements::find(&self.buffers, &indices, Dimensions::Scalar, &kinds);
+        let indices = primitive.indices().map(find).transpose()?;
+        let triangles =
+            count_triangles(mode, indices.as_ref().map_or(points.count, |indices| indices.count));
+        // Primitives and nodes may share an accessor, so the file's length is no bound.
+        self.mesh.check_room_for_vertices(points.count)?;
+        self.mesh.check_room_for_triangles(triangles)?;
+        let base = self.mesh.positions.len() as u32;
         let mirrored = determinant(world_from_node) < 0.0;
-        for [a, b, c] in split_into_triangles(mode, &corners) {
+        for triangle in 0..triangles {
+            let [a, b, c] = corners_of_triangle(mode, triangle).map(|corner| match &indices {
+                Some(indices) => little_endian(indices.bytes_of(corner)),
+                None => corner as u64,
+            });
             let triangle = if mirrored { [a, c, b] } else { [a, b, c] };
-            if let Some(i) = triangle.iter().find(|&&i| i >= points.len() as u64) {
-                return Err(format!(
+            if let Some(i) = triangle.iter().find(|&&i| i >= points.count as u64) {
+                return malformed(format!(
                     "a primitive has the index {i}; expected less than {}",
-                    points.len()
+                    points.count
                 ));
             }
-            let fits = triangle.iter().all(|i| base + i <= u32::MAX.into());
-            fits.then_some(()).ok_or("too many vertices")?;
-            self.mesh.triangles.push(triangle.map(|i| (base + i) as u32));
+            self.mesh.triangles.push(triangle.map(|i| base + i as u32));
         }
         let coordinate = |bytes: &[u8]| f64::from(f32::from_bits(little_endian(bytes) as u32));
-        self.mesh.positions.extend(points.iter().map(|bytes| {
+        self.mesh.positions.extend((0..points.count).map(|i| {
+            let bytes = points.bytes_of(i);
             transform_point(
                 world_from_node,
                 [&bytes[..4], &bytes[4..8], &bytes[8..]].map(coordinate),
@@ -199,34 +212,51 @@ impl SceneTriangles {
     }
 }
 
-/// The bytes of each element of an accessor, checked against its buffer's bounds.
-fn accessor_elements<'a>(
-    buffers: &'a [Vec<u8>],
-    accessor: &Accessor<'_>,
-    dimensions: Dimensions,
-    kinds: &[DataType],
-) -> Result<Vec<&'a [u8]>, String> {
-    let at = |what: &str| format!("accessor {}: {what}", accessor.index());
-    if accessor.dimensions() != dimensions || !kinds.contains(&accessor.data_type()) {
-        return Err(at(&format!("expected {dimensions:?} of one of {kinds:?}")));
+/// The elements of an accessor, all of which lie inside its view.
+struct AccessorElements<'a> {
+    /// The view from the first element on.
+    bytes: &'a [u8],
+    /// Bytes from one element to the next.
+    stride: usize,
+    /// Bytes of an element.
+    size: usize,
+    count: usize,
+}
+
+impl<'a> AccessorElements<'a> {
+    /// Finds the elements of an accessor, which must have these dimensions and one of these types.
+    fn find(
+        buffers: &'a [Cow<'_, [u8]>],
+        accessor: &Accessor<'_>,
+        dimensions: Dimensions,
+        kinds: &[DataType],
+    ) -> Result<Self, String> {
+        let at = |what: &str| format!("accessor {}: {what}", accessor.index());
+        if accessor.dimensions() != dimensions || !kinds.contains(&accessor.data_type()) {
+            return Err(at(&format!("expected {dimensions:?} of one of {kinds:?}")));
+        }
+        if accessor.sparse().is_some() {
+            return Err(at("sparse data; expected plain data"));
+        }
+        let view = accessor.view().ok_or_else(|| at("expected a buffer view"))?;
+        let buffer = buffers.get(view.buffer().index());
+        let end = view.offset().checked_add(view.length());
+        let bytes = end.and_then(|end| buffer?.get(view.offset()..end));
+        let bytes = bytes.ok_or_else(|| at("its view ends outside its buffer"))?;
+        let (size, count) = (accessor.size(), accessor.count());
+        let stride = view.stride().unwrap_or(size).max(1);
+        let bytes = bytes.get(accessor.offset()..).unwrap_or(&[]);
+        let fitting = bytes.len().checked_sub(size).map_or(0, |last| last / stride + 1);
+        if count > fitting {
+            return Err(at(&format!("its view holds {fitting} elements; expected {count}")));
+        }
+        Ok(AccessorElements { bytes, stride, size, count })
     }
-    if accessor.sparse().is_some() {
-        return Err(at("sparse data; expected plain data"));
+
+    /// The bytes of element `i`, which must be less than the count.
+    fn bytes_of(&self, i: usize) -> &'a [u8] {
+        &self.bytes[i * self.stride..][..self.size]
     }
-    let view = accessor.view().ok_or_else(|| at("expected a buffer view"))?;
-    let buffer = buffers.get(view.buffer().index());
-    let end = view.offset().checked_add(view.length());
-    let bytes = end.and_then(|end| buffer?.get(view.offset()..end));
-    let bytes = bytes.ok_or_else(|| at("its view ends outside its buffer"))?;
-    let size = accessor.size();
-    let stride = view.stride().unwrap_or(size).max(1);
-    let element = |i: usize| {
-        let start = i.checked_mul(stride)?.checked_add(accessor.offset())?;
-        bytes.get(start..start.checked_add(size)?)
-    };
-    let all = (0..accessor.count())
-        .map(|i| element(i).ok_or_else(|| at(&format!("element {i} ends outside its view"))));
-    all.collect()
 }
 
 /// Decodes up to eight bytes as a little-endian number.
@@ -234,18 +264,18 @@ fn little_endian(bytes: &[u8]) -> u64 {
     bytes.iter().rev().fold(0, |value, &byte| value << 8 | u64::from(byte))
 }
 
-fn split_into_triangles(mode: Mode, corners: &[u64]) -> Vec<[u64; 3]> {
+fn count_triangles(mode: Mode, corners: usize) -> usize {
+    if mode == Mode::Triangles { corners / 3 } else { corners.saturating_sub(2) }
+}
+
+/// The corners of a triangle of a list, a strip or a fan, by their number.
+fn corners_of_triangle(mode: Mode, triangle: usize) -> [usize; 3] {
+    let i = triangle;
     match mode {
-        Mode::TriangleStrip => {
-            let turned = |(i, t): (usize, &[u64])| {
-                if i % 2 == 0 { [t[0], t[1], t[2]] } else { [t[1], t[0], t[2]] }
-            };
-            corners.windows(3).enumerate().map(turned).collect()
-        }
-        Mode::TriangleFan => {
-            corners.windows(2).skip(1).map(|pair| [corners[0], pair[0], pair[1]]).collect()
-        }
-        _ => corners.as_chunks().0.to_vec(),
+        Mode::TriangleStrip if i.is_multiple_of(2) => [i, i + 1, i + 2],
+        Mode::TriangleStrip => [i + 1, i, i + 2],
+        Mode::TriangleFan => [0, i + 1, i + 2],
+        _ => [3 * i, 3 * i + 1, 3 * i + 2],
     }
 }
 

@@ -17,6 +17,17 @@ use std::path::{Path, PathBuf};
 /// The largest coordinate, in mesh units, that a file may hold.
 pub const COORDINATE_BOUND: f32 = 1e9;
 
+/// The most triangles that a file may become: 42 for each column of the three maps at 256. Baking so many
+/// takes 600 MiB.
+pub const MAX_TRIANGLES: usize = 1 << 23;
+
+/// The most vertices that a file may become: half as many as triangles, as in a closed surface. STL, in
+/// which each triangle has its own, is bounded by its triangles alone.
+pub const MAX_VERTICES: usize = MAX_TRIANGLES / 2;
+
+/// The most bytes that a file may have, and a glTF's buffers together: 256 a triangle, which text takes.
+pub const MAX_FILE_BYTES: u64 = 256 * MAX_TRIANGLES as u64;
+
 /// The extensions that [`read`] knows, for messages.
 pub const EXTENSIONS: &str = ".obj, .stl, .ply, .gltf or .glb";
 
@@ -67,6 +78,15 @@ pub enum MeshFault {
         /// Where, what was found and what was expected.
         what: String,
     },
+    /// There are more than [`MAX_TRIANGLES`] or [`MAX_VERTICES`].
+    TooLarge {
+        /// What there are too many of.
+        what: &'static str,
+        /// How many there are, or would be with the part that was read last.
+        count: usize,
+        /// How many there may be.
+        most: usize,
+    },
     /// No triangle.
     Empty,
     /// No triangle has area.
@@ -96,7 +116,8 @@ pub enum MeshFault {
 pub fn read(path: &Path) -> Result<Mesh, MeshError> {
     let read = || {
         let kind = MeshFormat::from_extension(path).ok_or(MeshFault::UnknownKind)?;
-        let bytes = durable::read_regular_file(path).map_err(MeshFault::Unreadable)?;
+        let bytes = durable::read_regular_file_up_to(path, MAX_FILE_BYTES)
+            .map_err(MeshFault::Unreadable)?;
         Mesh::from_bytes(kind, &bytes, path.parent().unwrap_or(Path::new("")))
     };
     read().map_err(|fault| MeshError { path: path.to_owned(), fault })
@@ -134,17 +155,32 @@ impl Mesh {
             MeshFormat::Ply => ply::parse(bytes),
             MeshFormat::Gltf => gltf::parse(bytes, folder),
         };
-        let mut mesh = mesh.map_err(|what| MeshFault::Malformed { kind, what })?;
+        let mut mesh = mesh.map_err(|stop| match stop {
+            ParseStop::Malformed(what) => MeshFault::Malformed { kind, what },
+            ParseStop::TooLarge { what, count, most } => MeshFault::TooLarge { what, count, most },
+        })?;
         mesh.check_coordinates_and_triangles()?;
         mesh.drop_unused_vertices();
         Ok(mesh)
     }
 
     /// Appends a polygon as a triangle fan.
-    fn push_polygon(&mut self, corners: &[u32]) {
+    fn push_polygon(&mut self, corners: &[u32]) -> Result<(), ParseStop> {
+        self.check_room_for_triangles(corners.len().saturating_sub(2))?;
         for pair in corners.windows(2).skip(1) {
             self.triangles.push([corners[0], pair[0], pair[1]]);
         }
+        Ok(())
+    }
+
+    /// Refuses `more` triangles if they would be too many. To be asked before any memory is.
+    fn check_room_for_triangles(&self, more: usize) -> Result<(), ParseStop> {
+        check_count("triangles", self.triangles.len().saturating_add(more), MAX_TRIANGLES)
+    }
+
+    /// The same for vertices.
+    fn check_room_for_vertices(&self, more: usize) -> Result<(), ParseStop> {
+        check_count("vertices", self.positions.len().saturating_add(more), MAX_VERTICES)
     }
 
     fn check_coordinates_and_triangles(&self) -> Result<(), MeshFault> {
@@ -200,6 +236,28 @@ impl Mesh {
     }
 }
 
+/// Why a parser stopped.
+enum ParseStop {
+    /// As [`MeshFault::Malformed`].
+    Malformed(String),
+    /// As [`MeshFault::TooLarge`].
+    TooLarge { what: &'static str, count: usize, most: usize },
+}
+
+impl From<String> for ParseStop {
+    fn from(what: String) -> Self {
+        ParseStop::Malformed(what)
+    }
+}
+
+fn malformed<T>(what: String) -> Result<T, ParseStop> {
+    Err(ParseStop::Malformed(what))
+}
+
+fn check_count(what: &'static str, count: usize, most: usize) -> Result<(), ParseStop> {
+    if count <= most { Ok(()) } else { Err(ParseStop::TooLarge { what, count, most }) }
+}
+
 impl fmt::Display for MeshFormat {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
@@ -219,6 +277,9 @@ impl fmt::Display for MeshFault {
                 write!(f, "unknown kind of mesh; expected a name in {EXTENSIONS}")
             }
             MeshFault::Malformed { kind, what } => write!(f, "not a whole {kind} file: {what}"),
+            MeshFault::TooLarge { what, count, most } => {
+                write!(f, "becomes {count} {what} or more; expected at most {most}")
+            }
             MeshFault::Empty => f.write_str("holds no triangle; expected at least one"),
             MeshFault::NoArea => {
                 f.write_str("holds only degenerate triangles; expected at least one with area")

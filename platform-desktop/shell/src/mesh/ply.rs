@@ -1,18 +1,18 @@
 //! PLY through `ply-rs-bw`: the elements `vertex` and `face`, the others read over.
 
-use super::Mesh;
+use super::{Mesh, ParseStop, malformed};
 use ply_rs_bw::parser::Parser;
-use ply_rs_bw::ply::{Property, PropertyAccess};
+use ply_rs_bw::ply::{ElementDef, Header, Property, PropertyAccess};
 use std::io::BufRead;
 
-pub(super) fn parse(bytes: &[u8]) -> Result<Mesh, String> {
+pub(super) fn parse(bytes: &[u8]) -> Result<Mesh, ParseStop> {
     let mut rest = bytes;
     let header =
         Parser::<SkippedElement>::new().read_header(&mut rest).map_err(|e| e.to_string())?;
     let mut mesh = Mesh::default();
     for name in ["vertex", "face"] {
         if !header.elements.contains_key(name) {
-            return Err(format!(
+            return malformed(format!(
                 "its header has no element `{name}`; expected `vertex` and `face`"
             ));
         }
@@ -20,54 +20,60 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Mesh, String> {
     for element in header.elements.values() {
         // Also an element without properties takes a line; in binary it would take nothing, forever.
         if element.count > rest.len() {
-            return Err(format!(
+            return malformed(format!(
                 "{} bytes follow the header's {} elements `{}`; expected at least one for each",
                 rest.len(),
                 element.count,
                 element.name
             ));
         }
-        let context = |e: std::io::Error| format!("in the elements `{}`: {e}", element.name);
         match element.name.as_str() {
             "vertex" => {
-                let of = Parser::<VertexElement>::new();
-                let read =
-                    of.read_payload_for_element(&mut rest, element, &header).map_err(context)?;
-                for (i, vertex) in read.iter().enumerate() {
-                    let [Some(x), Some(y), Some(z)] = vertex.0 else {
-                        return Err(format!(
-                            "vertex {i} lacks a coordinate; expected numbers x, y and z"
-                        ));
-                    };
-                    mesh.positions.push([x, y, z]);
-                }
+                mesh.check_room_for_vertices(element.count)?;
+                push_vertices(&mut mesh, &read_elements(&mut rest, element, &header)?)?;
             }
             "face" => {
-                let of = Parser::<FaceElement>::new();
-                let read =
-                    of.read_payload_for_element(&mut rest, element, &header).map_err(context)?;
-                for (i, face) in read.iter().enumerate() {
-                    let Some(corners) = &face.0 else {
-                        return Err(format!(
-                            "face {i} lacks its corners; expected a list `vertex_indices` of to_indices \
-                             numbers from 0"
-                        ));
-                    };
-                    mesh.push_polygon(corners);
-                }
+                mesh.check_room_for_triangles(element.count)?;
+                push_faces(&mut mesh, &read_elements(&mut rest, element, &header)?)?;
             }
-            _ => skip_elements(&mut rest, element, &header).map_err(context)?,
+            _ => drop(read_elements::<SkippedElement>(&mut rest, element, &header)?),
         }
     }
     Ok(mesh)
 }
 
-fn skip_elements(
+fn read_elements<E: PropertyAccess>(
     rest: &mut impl BufRead,
-    element: &ply_rs_bw::ply::ElementDef,
-    header: &ply_rs_bw::ply::Header,
-) -> std::io::Result<()> {
-    Parser::<SkippedElement>::new().read_payload_for_element(rest, element, header).map(drop)
+    element: &ElementDef,
+    header: &Header,
+) -> Result<Vec<E>, String> {
+    Parser::<E>::new()
+        .read_payload_for_element(rest, element, header)
+        .map_err(|e| format!("in the elements `{}`: {e}", element.name))
+}
+
+fn push_vertices(mesh: &mut Mesh, vertices: &[VertexElement]) -> Result<(), ParseStop> {
+    for (i, vertex) in vertices.iter().enumerate() {
+        let [Some(x), Some(y), Some(z)] = vertex.0 else {
+            return malformed(format!(
+                "vertex {i} lacks a coordinate; expected numbers x, y and z"
+            ));
+        };
+        mesh.positions.push([x, y, z]);
+    }
+    Ok(())
+}
+
+fn push_faces(mesh: &mut Mesh, faces: &[FaceElement]) -> Result<(), ParseStop> {
+    for (i, face) in faces.iter().enumerate() {
+        let Some(corners) = &face.0 else {
+            return malformed(format!(
+                "face {i} lacks its corners; expected a list `vertex_indices` of numbers from 0"
+            ));
+        };
+        mesh.push_polygon(corners)?;
+    }
+    Ok(())
 }
 
 struct SkippedElement;

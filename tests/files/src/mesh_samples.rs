@@ -3,7 +3,8 @@
 use paros_shell::mesh::{Mesh, MeshFormat};
 use std::fmt::Write;
 
-pub(crate) const CORNERS: [[f32; 3]; 8] = [
+/// The corners of the box.
+pub const CORNERS: [[f32; 3]; 8] = [
     [0.0, 0.0, 0.0],
     [1.5, 0.0, 0.0],
     [0.0, 2.5, 0.0],
@@ -14,23 +15,27 @@ pub(crate) const CORNERS: [[f32; 3]; 8] = [
     [1.5, 2.5, -3.25],
 ];
 
-pub(crate) const SIDES: [[u32; 4]; 6] =
+/// Its sides, as corners counter-clockwise seen from outside.
+pub const SIDES: [[u32; 4]; 6] =
     [[0, 1, 3, 2], [5, 4, 6, 7], [4, 0, 2, 6], [1, 5, 7, 3], [2, 3, 7, 6], [4, 5, 1, 0]];
 
 /// Each side as the fan a reader makes of it.
-pub(crate) fn sample_triangles() -> Vec<[u32; 3]> {
+pub fn sample_triangles() -> Vec<[u32; 3]> {
     SIDES.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect()
 }
 
-pub(crate) fn triangle_points(mesh: &Mesh) -> Vec<[[f32; 3]; 3]> {
+/// The corners of a mesh's triangles.
+pub fn triangle_points(mesh: &Mesh) -> Vec<[[f32; 3]; 3]> {
     mesh.triangles.iter().map(|t| t.map(|i| mesh.positions[i as usize])).collect()
 }
 
-pub(crate) fn expected_points() -> Vec<[[f32; 3]; 3]> {
+/// The corners of the box's triangles, as every file has them.
+pub fn expected_points() -> Vec<[[f32; 3]; 3]> {
     sample_triangles().iter().map(|t| t.map(|i| CORNERS[i as usize])).collect()
 }
 
-pub(crate) fn obj_file() -> Vec<u8> {
+/// As OBJ, with indices counted from the start and from the end.
+pub fn obj_file() -> Vec<u8> {
     let mut text = String::from("# caf\u{e9}\nmtllib none.mtl\no box\n");
     CORNERS.iter().for_each(|[x, y, z]| writeln!(text, "v {x} {y} {z}").unwrap());
     text.push_str("vt 0 0\nusemtl stone\n");
@@ -46,7 +51,8 @@ pub(crate) fn obj_file() -> Vec<u8> {
     text.into_bytes()
 }
 
-pub(crate) fn stl_text() -> Vec<u8> {
+/// As STL in text, in two solids.
+pub fn stl_text() -> Vec<u8> {
     let mut text = String::new();
     for (name, part) in [("a part", &expected_points()[..5]), ("", &expected_points()[5..])] {
         writeln!(text, "solid {name}").unwrap();
@@ -60,7 +66,8 @@ pub(crate) fn stl_text() -> Vec<u8> {
     text.into_bytes()
 }
 
-pub(crate) fn stl_binary() -> Vec<u8> {
+/// As binary STL.
+pub fn stl_binary() -> Vec<u8> {
     let mut bytes = vec![b' '; 80];
     bytes.extend(12u32.to_le_bytes());
     for corners in expected_points() {
@@ -71,7 +78,8 @@ pub(crate) fn stl_binary() -> Vec<u8> {
     bytes
 }
 
-pub(crate) fn ply_file(format: &str) -> Vec<u8> {
+/// As PLY of a format: `ascii`, `binary_little_endian` or `binary_big_endian`.
+pub fn ply_file(format: &str) -> Vec<u8> {
     let header = format!(
         "ply\nformat {format} 1.0\ncomment a box\nelement vertex 8\nproperty float x\n\
          property uchar red\nproperty double y\nproperty float z\nelement seam 1\n\
@@ -107,13 +115,14 @@ pub(crate) fn ply_file(format: &str) -> Vec<u8> {
 }
 
 /// Positions, then indices of two bytes.
-pub(crate) fn gltf_buffer() -> Vec<u8> {
+pub fn gltf_buffer() -> Vec<u8> {
     let positions = CORNERS.iter().flatten().flat_map(|c| c.to_le_bytes());
     let indices = sample_triangles().into_iter().flatten().flat_map(|i| (i as u16).to_le_bytes());
     positions.chain(indices).collect()
 }
 
-pub(crate) fn gltf_json(uri: &str, nodes: &str) -> String {
+/// The JSON of a glTF: `uri` of its buffer with a comma behind it, and its nodes.
+pub fn gltf_json(uri: &str, nodes: &str) -> String {
     format!(
         r#"{{"asset":{{"version":"2.0"}},"scene":0,"scenes":[{{"nodes":[0]}}],"nodes":[{nodes}],
         "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}},"indices":1}}]}}],
@@ -126,7 +135,8 @@ pub(crate) fn gltf_json(uri: &str, nodes: &str) -> String {
     )
 }
 
-pub(crate) fn gltf_file() -> Vec<u8> {
+/// As glTF, its buffer in the text.
+pub fn gltf_file() -> Vec<u8> {
     let mut text = String::new();
     for chunk in gltf_buffer().chunks(3) {
         let bits = chunk.iter().fold(0, |bits, &byte| bits << 8 | u32::from(byte));
@@ -139,10 +149,15 @@ pub(crate) fn gltf_file() -> Vec<u8> {
     gltf_json(&uri, r#"{"mesh":0}"#).into_bytes()
 }
 
-pub(crate) fn glb_file() -> Vec<u8> {
-    let mut json = gltf_json("", r#"{"mesh":0}"#).into_bytes();
+/// As binary glTF.
+pub fn glb_file() -> Vec<u8> {
+    let json = gltf_json("", r#"{"mesh":0}"#).into_bytes();
+    glb_of(json, &gltf_buffer())
+}
+
+/// Binary glTF of a JSON and its buffer.
+pub fn glb_of(mut json: Vec<u8>, buffer: &[u8]) -> Vec<u8> {
     json.resize(json.len().next_multiple_of(4), b' ');
-    let buffer = gltf_buffer();
     let mut bytes = b"glTF".to_vec();
     let length = 12 + 8 + json.len() + 8 + buffer.len();
     bytes.extend([2, length as u32, json.len() as u32].iter().flat_map(|n| n.to_le_bytes()));
@@ -154,7 +169,8 @@ pub(crate) fn glb_file() -> Vec<u8> {
     bytes
 }
 
-pub(crate) fn all_samples() -> Vec<(&'static str, MeshFormat, Vec<u8>)> {
+/// A file of every kind: its name, its format and its bytes.
+pub fn all_samples() -> Vec<(&'static str, MeshFormat, Vec<u8>)> {
     vec![
         ("obj", MeshFormat::Obj, obj_file()),
         ("stl text", MeshFormat::Stl, stl_text()),
