@@ -32,6 +32,17 @@ pub enum BadSave {
         /// Its line and place in its map.
         address: ColumnAddress,
     },
+    /// An undo entry leads to a volume with an invalid column, once it is undone or redone.
+    Entry {
+        /// Its number, from 0, the oldest.
+        entry: usize,
+        /// Where it begins, and what is expected of the volume.
+        bad: BadBytes,
+        /// The column's axis.
+        axis: Axis,
+        /// The column's line and place in its map.
+        address: ColumnAddress,
+    },
 }
 
 impl BadSave {
@@ -39,7 +50,9 @@ impl BadSave {
     #[must_use]
     pub const fn offset(&self) -> usize {
         match self {
-            BadSave::Value(bad) | BadSave::Column { bad, .. } => bad.offset,
+            BadSave::Value(bad) | BadSave::Column { bad, .. } | BadSave::Entry { bad, .. } => {
+                bad.offset
+            }
             BadSave::Intervals { .. } => VERSION_OFFSET,
         }
     }
@@ -63,6 +76,12 @@ impl fmt::Display for BadSave {
             BadSave::Column { bad: BadBytes { offset, expected }, axis, address } => {
                 let (line, place) = address;
                 write!(f, "expected {expected} at byte {offset}")?;
+                write!(f, " (column along {axis:?}, line {line}, place {place})")
+            }
+            BadSave::Entry { entry, bad: BadBytes { offset, expected }, axis, address } => {
+                let (line, place) = address;
+                write!(f, "expected {expected} of the volume that undo entry {entry} leads to")?;
+                write!(f, ", at byte {offset}")?;
                 write!(f, " (column along {axis:?}, line {line}, place {place})")
             }
         }

@@ -5,6 +5,7 @@ use core::array;
 use crate::codec::bad_save::{BadSave, INTERVALS_OF_A_COLUMN};
 use crate::codec::bytes::{BadBytes, ByteReader, ByteWriter};
 use crate::codec::digest::{DIGEST_PARTS, checksum, combine_digests};
+use crate::edit::undo::UnsoundEntry;
 use crate::limits::MAX_INTERVALS;
 use crate::session::state::WorldState;
 use crate::session::world::World;
@@ -59,6 +60,12 @@ where
     /// Restores a saved state; digests continue as if uninterrupted. Until the next tick, every column
     /// is dirty.
     ///
+    /// The bytes may be anybody's. Every invariant is checked that later ticks rest on: maps of volume and
+    /// mask, the volumes that undo and redo lead to, what a running island search has reached and queued,
+    /// poses within reach, one tool a hand and one bit a tool. What remains changes what is done, never what
+    /// holds: a hand's buttons, phase and haptics are any number; a search may have reached too much,
+    /// which the next one finds; and the sum of kept voxels decides whether a report says them again.
+    ///
     /// # Errors
     /// [`BadSave`] for bytes that [`World::save`] didn't write for this N and K. A wrong checksum leaves the
     /// world unchanged; invalid bytes with a valid checksum leave the empty world.
@@ -104,10 +111,25 @@ where
         refuse_column::<N, K>(first_loose_column(mask), start, expected)?;
         let expected = "a mask within the volume";
         refuse_column::<N, K>(first_column_beyond(mask, volume.rows()), start, expected)?;
-        self.undo.load(from)?;
+        self.load_history(from)?;
+        let offset = from.offset();
         self.islands.load(from)?;
+        if let Some(expected) = self.islands.find_fault(self.volume.rows(), &self.mask) {
+            return Err(BadBytes { offset, expected }.into());
+        }
         from.expect_end()?;
         Ok(())
+    }
+
+    /// Reads the undo history and checks every volume that it leads to.
+    fn load_history(&mut self, from: &mut ByteReader<'_>) -> Result<(), BadSave> {
+        let start = from.offset();
+        self.undo.load(from)?;
+        let checked = self.undo.check_entries(&mut self.volume, &self.mask);
+        checked.map_err(|UnsoundEntry { entry, expected, axis, address }| {
+            let offset = start + self.undo.saved_offset_of(entry);
+            BadSave::Entry { entry, bad: BadBytes { offset, expected }, axis, address }
+        })
     }
 
     /// The digest of all state that later ticks depend on, combined from incrementally updated digests

@@ -150,6 +150,10 @@ impl HandState {
             return Err(bad);
         }
         let flag = |i: u8| flags >> i & 1 != 0;
+        let has_frozen_pose = flag(4);
+        if has_frozen_pose && frozen.1.length_squared() == 0.0 {
+            return Err(bad);
+        }
         Ok(HandState {
             grip,
             aim,
@@ -159,7 +163,7 @@ impl HandState {
             trigger: flag(1),
             squeeze: flag(2),
             can_sweep: flag(3),
-            has_frozen_pose: flag(4),
+            has_frozen_pose,
             buttons: from.u8()?,
             trigger_ticks: from.u16()?,
             haptic: from.u8()?,
@@ -189,7 +193,7 @@ pub fn haptic_amplitude(
 }
 
 /// Reads a pose in metres or voxels, with coordinates up to [`FAR`].
-fn read_pose(from: &mut ByteReader<'_>) -> Result<RoomPose, BadBytes> {
+pub(crate) fn read_pose(from: &mut ByteReader<'_>) -> Result<RoomPose, BadBytes> {
     let bad = from.error_here("a pose within reach, with a unit rotation or none");
     let (position, rotation) = (read_vec3(from)?, read_quat(from)?);
     let near = position.abs().max_element() <= FAR;

@@ -5,9 +5,9 @@ use glam::{Quat, Vec3};
 
 use crate::codec::bytes::{BadBytes, ByteReader, ByteWriter};
 use crate::codec::digest::checksum;
-use crate::codec::vectors::{QUAT_BYTES, VEC3_BYTES, read_quat, read_vec3, write_quat, write_vec3};
+use crate::codec::vectors::{QUAT_BYTES, VEC3_BYTES, write_quat, write_vec3};
 use crate::limits::STATE_BYTES;
-use crate::session::hand::{HandState, RoomPose};
+use crate::session::hand::{HandState, RoomPose, read_pose};
 use crate::session::input::SessionMode;
 use crate::session::workbench::Workbench;
 
@@ -111,7 +111,7 @@ impl WorldState {
             masked: flags & 1 != 0,
             symmetry: flags & 2 != 0,
             stool: from.u16()?,
-            head: (read_vec3(from)?, read_quat(from)?),
+            head: read_pose(from)?,
             hands: [HandState::read(from)?, HandState::read(from)?],
             bench: Workbench::read(from)?,
             mask_digest: from.u64()?,

@@ -3,8 +3,8 @@
 use glam::{Quat, Vec3};
 
 use crate::codec::bytes::{BadBytes, ByteReader, ByteWriter};
-use crate::codec::vectors::{QUAT_BYTES, VEC3_BYTES, read_quat, read_vec3, write_quat, write_vec3};
-use crate::session::hand::RoomPose;
+use crate::codec::vectors::{QUAT_BYTES, VEC3_BYTES, write_quat, write_vec3};
+use crate::session::hand::{RoomPose, read_pose};
 use crate::session::input::TICK_RATE;
 use crate::session::tools::{Tool, ToolBit};
 
@@ -258,10 +258,25 @@ impl Workbench {
                 4 => ToolPlace::Lying(ticks),
                 _ => return Err(bad),
             };
-            thing.position = read_vec3(from)?;
-            thing.rotation = read_quat(from)?;
+            (thing.position, thing.rotation) = read_pose(from)?;
         }
-        Ok(bench)
+        let bad = from.error_here("a bench with one tool a hand and one bit a tool");
+        if bench.is_possible() { Ok(bench) } else { Err(bad) }
+    }
+
+    /// Whether each item is where its kind can be, no hand holds two tools, and no tool two bits.
+    fn is_possible(&self) -> bool {
+        let place =
+            |number: usize| BenchItem::from_number(number).map(|item| (item, self.place_of(item)));
+        let mut places = (0..BENCH_ITEMS).filter_map(place);
+        places.all(|(item, here)| match (item, here) {
+            (BenchItem::Tool(tool), ToolPlace::Hand(hand)) => {
+                self.held_tool(hand.into()) == Some(tool)
+            }
+            (BenchItem::Tool(_), here) => here != ToolPlace::Mounted,
+            (BenchItem::Bit(bit), ToolPlace::Mounted) => self.mounted_bit(bit.spec().tool) == bit,
+            (BenchItem::Bit(_), here) => here == ToolPlace::Home,
+        })
     }
 
     fn is_mounted(&self, bit: ToolBit) -> bool {

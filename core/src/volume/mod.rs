@@ -5,6 +5,7 @@
 //! Doesn't know brushes, tools, sessions, files or time.
 
 pub(crate) mod bit_grid;
+mod box_check;
 pub(crate) mod closing_line;
 pub(crate) mod closure;
 pub(crate) mod column_digest;

@@ -41,6 +41,15 @@ impl VoxelBox {
         self.0[0].is_empty()
     }
 
+    /// Number of voxels inside.
+    pub(crate) const fn count_voxels(self) -> usize {
+        if self.is_empty() {
+            return 0;
+        }
+        let [x, y, z] = self.0;
+        (x.last() - x.first() + 1) * (y.last() - y.first() + 1) * (z.last() - z.first() + 1)
+    }
+
     /// The smallest box that contains both.
     #[must_use]
     #[inline]

@@ -16,6 +16,7 @@ pub mod island_harness;
 pub mod islands;
 pub mod layers;
 pub mod random_visitor;
+pub mod save_layout;
 pub mod scripted_hand;
 pub mod solid;
 pub mod twin;

@@ -1,9 +1,10 @@
 //! Serialisation and digest of an island search.
 
-use super::{IslandSearch, SearchPhase};
+use super::{IslandSearch, SearchPhase, neighbour_rows};
 use crate::codec::bytes::{BadBytes, ByteReader, ByteWriter};
 use crate::codec::digest::{DIGEST_KEYS, mix_bits};
-use crate::volume::range_maps::RowAddress;
+use crate::volume::bit_grid::BitGrid;
+use crate::volume::range_maps::{RangeMaps, RowAddress};
 use crate::volume::row::BitSet;
 use crate::volume::size::{Grid, Size};
 
@@ -90,6 +91,33 @@ where
         self.kept_sum = kept_sum;
         self.pending = flags & 2 != 0;
         Ok(())
+    }
+
+    /// What a loaded search lacks of what every search has, so that no pass takes what is supported: ground
+    /// and mask are reached, and where a row isn't queued, no unreached voxel of it adjoins a reached one.
+    /// That more is reached than should be does no harm: the next pass finds it.
+    pub(crate) fn find_fault<const K: usize>(
+        &self,
+        voxels: &BitGrid<N>,
+        mask: &RangeMaps<N, K>,
+    ) -> Option<&'static str> {
+        if self.phase == SearchPhase::Idle {
+            return None;
+        }
+        let mut rows = (0..N).flat_map(|y| (0..N).map(move |z| (y, z)));
+        rows.find_map(|(y, z)| {
+            let reached = self.reached.row(y, z);
+            let left = voxels.row(y, z) & !reached;
+            if (y == 0 && !left.is_empty()) || !mask.occupied_among((y, z), left).is_empty() {
+                return Some("an island search that has reached ground and mask");
+            }
+            let mut beside = reached.shifted_up() | reached.shifted_down();
+            for (y, z) in neighbour_rows::<N>((y, z)) {
+                beside |= self.reached.row(y, z);
+            }
+            let is_missed = !self.queued[y].contains(z) && !(left & beside).is_empty();
+            is_missed.then_some("an island search that has queued the rows beside what it reached")
+        })
     }
 
     fn load_pass(&mut self, bytes: &mut ByteReader<'_>) -> Result<(), BadBytes> {

@@ -13,6 +13,9 @@ use crate::volume::range_maps::{Axis, Column};
 use crate::volume::row::BitSet;
 use crate::volume::size::{Grid, Size};
 
+/// Bytes of a saved history before its first entry: two numbers and flags.
+const HEADER_BYTES: usize = 5;
+
 impl<const N: usize, const K: usize> UndoHistory<N, K>
 where
     Grid<N>: Size,
@@ -67,7 +70,16 @@ where
         }
     }
 
-    /// Reads what [`UndoHistory::save`] wrote.
+    /// The offset of an entry from the start of what [`UndoHistory::save`] writes.
+    pub(crate) fn saved_offset_of(&self, entry: usize) -> usize {
+        let before = self.packed.iter().take(entry).map(|packed| packed.cells as usize);
+        before.fold(HEADER_BYTES, |offset, cells| {
+            offset + size_of::<u32>() + cells * size_of::<EntryCell>()
+        })
+    }
+
+    /// Reads what [`UndoHistory::save`] wrote. What the entries do to the volume is not looked at:
+    /// [`UndoHistory::check_entries`] does.
     ///
     /// # Errors
     /// [`BadSave`] where the bytes end early or say what no undo ring holds; there are no entries

@@ -10,7 +10,10 @@
 //! column in that order.
 
 mod bytes;
+mod check;
 mod packed;
+
+pub(crate) use check::UnsoundEntry;
 
 use heapless::Vec;
 
@@ -263,12 +266,30 @@ where
 
     /// Swaps the values of entry `index` with the volume's columns.
     fn swap_entry(&mut self, index: usize, volume: &mut Volume<N, K>, dirty: &mut DirtyRects) {
-        let mut sum = 0u64;
-        let mut exchange = |axis, at, theirs: Column<K>| {
-            let ours = volume.replace_column_leaving_bit_rows(axis, at, theirs);
+        self.swap_columns(index, volume, |axis, at, ours, theirs| {
             if ours != theirs {
                 dirty.mark_column(axis, at);
             }
+        });
+        dirty.end_edit();
+        volume.rebuild_rows();
+        // Later changes don't belong to the entry that was undone or redone.
+        self.fresh = true;
+    }
+
+    /// Swaps the values of entry `index` with the volume's columns, whose bit rows are stale then. Calls
+    /// `visit` with each column's address, its value and that of the entry.
+    #[inline]
+    fn swap_columns(
+        &mut self,
+        index: usize,
+        volume: &mut Volume<N, K>,
+        mut visit: impl FnMut(Axis, ColumnAddress, Column<K>, Column<K>),
+    ) {
+        let mut sum = 0u64;
+        let mut exchange = |axis, at, theirs: Column<K>| {
+            let ours = volume.replace_column_leaving_bit_rows(axis, at, theirs);
+            visit(axis, at, ours, theirs);
             sum = sum.wrapping_add(digest_term(axis, at, ours));
             ours
         };
@@ -285,10 +306,6 @@ where
             self.head.visit_columns(|axis, at, other| *other = exchange(axis, at, *other));
             self.head.sum = sum;
         }
-        dirty.end_edit();
-        volume.rebuild_rows();
-        // Later changes don't belong to the entry that was undone or redone.
-        self.fresh = true;
     }
 }
 

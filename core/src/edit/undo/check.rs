@@ -1,0 +1,94 @@
+//! The check of a history of unknown origin: every volume that undo and redo lead to is one that edits leave.
+
+use super::UndoHistory;
+use crate::volume::editable::Volume;
+use crate::volume::range::Range;
+use crate::volume::range_maps::{Axis, Column, ColumnAddress, RangeMaps};
+use crate::volume::size::{Grid, Size};
+use crate::volume::voxel_box::VoxelBox;
+
+/// An entry that leads to a volume that no edit leaves.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) struct UnsoundEntry {
+    /// Its number, from the oldest.
+    pub(crate) entry: usize,
+    /// What is expected of the volume.
+    pub(crate) expected: &'static str,
+    /// The column that isn't as expected.
+    pub(crate) axis: Axis,
+    pub(crate) address: ColumnAddress,
+}
+
+impl<const N: usize, const K: usize> UndoHistory<N, K>
+where
+    Grid<N>: Size,
+{
+    /// Undoes all applied entries and redoes all undone ones, each from the present volume, and looks at
+    /// what they lead to: tight and saturated maps that hold the mask. Volume and history are as before
+    /// then, unless an entry is unsound.
+    ///
+    /// An entry costs in proportion to the box around the voxels that it changes: nothing outside it can
+    /// have become wrong.
+    pub(crate) fn check_entries(
+        &mut self,
+        volume: &mut Volume<N, K>,
+        mask: &RangeMaps<N, K>,
+    ) -> Result<(), UnsoundEntry> {
+        let (applied, all) = (usize::from(self.applied), self.len());
+        for entry in (0..applied).rev() {
+            self.check_entry(entry, volume, mask)?;
+        }
+        (0..applied).for_each(|entry| self.swap_columns(entry, volume, |_, _, _, _| {}));
+        volume.rebuild_rows();
+        for entry in applied..all {
+            self.check_entry(entry, volume, mask)?;
+        }
+        (applied..all).rev().for_each(|entry| self.swap_columns(entry, volume, |_, _, _, _| {}));
+        volume.rebuild_rows();
+        Ok(())
+    }
+
+    /// Swaps an entry with the volume and checks the volume.
+    fn check_entry(
+        &mut self,
+        entry: usize,
+        volume: &mut Volume<N, K>,
+        mask: &RangeMaps<N, K>,
+    ) -> Result<(), UnsoundEntry> {
+        let mut changed = VoxelBox::EMPTY;
+        self.swap_columns(entry, volume, |axis, at, ours, theirs| {
+            changed = changed.hull_with(box_of_change::<N, K>(axis, at, &ours, &theirs));
+        });
+        volume.rebuild_rows_in(changed);
+        let unsound = |(axis, address), expected| UnsoundEntry { entry, expected, axis, address };
+        if let Some(column) = volume.first_loose_column_in(changed) {
+            return Err(unsound(column, "tight ranges"));
+        }
+        if let Some(column) = volume.first_unsaturated_column_in(changed) {
+            return Err(unsound(column, "a column without empty voxels where a gap has room"));
+        }
+        match volume.first_row_without_its_part_of(mask, changed) {
+            Some(row) => Err(unsound((Axis::X, row), "all of the mask")),
+            None => Ok(()),
+        }
+    }
+}
+
+/// The box around the voxels that one of two values of a column holds and the other doesn't.
+fn box_of_change<const N: usize, const K: usize>(
+    axis: Axis,
+    address: ColumnAddress,
+    one: &Column<K>,
+    other: &Column<K>,
+) -> VoxelBox
+where
+    Grid<N>: Size,
+{
+    let change = Range::hull_of(one.to_row::<<Grid<N> as Size>::Row>() ^ other.to_row());
+    if change.is_empty() {
+        return VoxelBox::EMPTY;
+    }
+    let mut ranges = axis.voxel_at(address, 0).map(|place| Range::new(place, place));
+    ranges[axis as usize] = change;
+    VoxelBox::new(ranges)
+}
