@@ -235,3 +235,31 @@ fn aborted() {
     assert_eq!(harness.advance_checked(5).unwrap(), None);
     assert!(!harness.islands.is_busy());
 }
+
+/// A loose voxel beside a pillar, and another pillar whose rows are visited last. What is filled in between
+/// while the pass is anywhere joins the loose one, whose row has perhaps been visited.
+#[test]
+fn what_joins_a_visited_row_is_reached() {
+    static HARNESS: Mutex<IslandHarness<16>> = Mutex::new(IslandHarness::new());
+    let mut harness = HARNESS.lock().unwrap();
+    let volume = DenseVolume::from_fn(16, |[x, y, z]| {
+        y == 0 || [x, z] == [12, 2] || [x, z] == [7, 8] && y <= 8 || [x, y, z] == [5, 8, 8]
+    });
+    let mut joined = volume.clone();
+    joined.set([6, 8, 8], true);
+    let mut budgets_in_flight = 0;
+    for budget in 1.. {
+        harness.set_volume(&volume, &DenseVolume::empty(16));
+        harness.islands.request_pass();
+        if harness.advance_checked(budget).unwrap().is_some() {
+            break;
+        }
+        budgets_in_flight += 1;
+        harness.apply_edit(&RandomEdit { at: [6, 8, 8], radius: 0, kind: 1 });
+        while harness.islands.is_busy() {
+            harness.advance_checked(1000).unwrap();
+        }
+        assert!(harness.to_dense() == joined, "begun with {budget} visits");
+    }
+    assert!(budgets_in_flight > 16, "the row of the loose voxel was visited in flight");
+}

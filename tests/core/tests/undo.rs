@@ -2,7 +2,9 @@
 
 use std::sync::Mutex;
 
-use paros_core::edit::UndoCounts;
+use glam::IVec3;
+use paros_core::Brush;
+use paros_core::edit::{EditOperation, SUBUNITS_PER_VOXEL, UndoCounts};
 use paros_core::volume::{Grid, Size};
 use paros_models::undo_harness::{IslandClearing, SphereEdit, UndoHarness, apply_stroke};
 use proptest::prelude::*;
@@ -121,4 +123,28 @@ fn idle_stroke() {
     assert_eq!(harness.undo.undo_counts(), UndoCounts { undoable: 0, redoable: 1 });
     apply_stroke(&mut harness, &mut history, &[dent], IslandClearing::Never);
     assert_eq!(harness.undo.undo_counts(), UndoCounts { undoable: 1, redoable: 0 });
+}
+
+/// What a hand edits after an undo or a redo, in the same pull of the trigger, is an entry of its own.
+#[test]
+fn undo_and_redo_end_the_stroke() {
+    static HARNESS: Mutex<UndoHarness<16>> = Mutex::new(UndoHarness::new());
+    let mut harness = HARNESS.lock().unwrap();
+    let carve = |harness: &mut UndoHarness<16>, x: i32| {
+        let centre = IVec3::new(x, 12, 8) * SUBUNITS_PER_VOXEL;
+        let brush = Brush::sphere(centre, 2 * SUBUNITS_PER_VOXEL);
+        let report = harness.apply_edit(&brush, EditOperation::Carve { depth: 4 });
+        assert!(report.unwrap().removed > 0);
+    };
+    let _ = harness.reset_to_block();
+    harness.undo.begin_stroke();
+    carve(&mut harness, 3);
+    let first = harness.volume.maps().clone();
+    assert!(harness.try_undo_checked().unwrap());
+    assert!(harness.try_redo_checked().unwrap());
+    harness.check_volume_equals(&first).unwrap();
+    carve(&mut harness, 12);
+    assert_eq!(harness.undo.undo_counts(), UndoCounts { undoable: 2, redoable: 0 });
+    assert!(harness.try_undo_checked().unwrap());
+    harness.check_volume_equals(&first).unwrap();
 }

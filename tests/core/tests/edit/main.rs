@@ -267,6 +267,27 @@ proptest! {
     }
 }
 
+/// Balls that end at the last voxel of a word, or begin at the first: inside a block nothing is near enough to the
+/// surface to be carved.
+#[test]
+fn an_edit_looks_past_the_words_of_its_brush() {
+    static HARNESS: Mutex<EditHarness<128>> = Mutex::new(EditHarness::new());
+    let EditHarness { volume, mask, scratch, .. } = &mut *HARNESS.lock().unwrap();
+    volume.set_voxels(|plane| (0..128).for_each(|y| plane.layer_mut(y).fill(Grid::<128>::FULL)));
+    for (x, ends) in [(60, [57, 63]), (67, [64, 70])] {
+        let centre = IVec3::new(x, 64, 64) * SUBUNITS_PER_VOXEL + SUBUNITS_PER_VOXEL / 2;
+        let brush = Brush::sphere(centre, 3 * SUBUNITS_PER_VOXEL);
+        let bounds = brush.bounds(128).expect("it lies in the grid");
+        assert_eq!([bounds.lo[0], bounds.hi[0]], ends);
+        let operation = EditOperation::Carve { depth: 2 };
+        let edit = Edit { brush: &brush, operation, mirrored: false };
+        let report = apply_edit(volume, mask, &edit, scratch, &mut ()).unwrap();
+        let refused_by_depth = report.refused_by_depth;
+        assert_eq!(report, EditReport { refused_by_depth, ..EditReport::default() });
+        assert!(refused_by_depth > 100);
+    }
+}
+
 /// One stroke across the whole of the largest grid, of which only the border is not word-aligned.
 #[test]
 fn a_stroke_across_256_follows_the_definition() {
