@@ -1,11 +1,4 @@
 //! Bake, bit for bit against the dense model. `tests/files` bakes meshes, `tests/real-meshes` real ones.
-//!
-//! Planted faults, and what catches each (tried by hand):
-//! - `triangle.rs`, `set_components_on_axis`: `low - 1` made `low`, so that a face belongs to one voxel only ->
-//!   `soups`, `segments_and_points`, `closed_shapes`.
-//! - `crossing.rs`, `compare_along_ray`: the last `then_with` dropped -> `folds_under_a_centre`.
-//! - `crossing.rs`, `contains_displaced`: a tie always inside -> `soups`, `closed_shapes`.
-//! - `mod.rs`, `write_maps`: the first voxel always the hull's -> `holed_shapes`, `assert_open_base_bakes_alike`.
 
 use glam::IVec3;
 use paros_core::Baker;

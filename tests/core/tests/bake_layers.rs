@@ -1,12 +1,5 @@
 //! Bake into columns with gaps, bit for bit against the dense model: shapes that one interval a column can't
 //! hold. `bake.rs` bakes random triangles and shapes with one to three intervals.
-//!
-//! Planted faults, and what catches each (tried by hand):
-//! - `winding.rs`, `visit_wound_stretches`: winding counted by parity -> `what_overlaps_stays_solid`.
-//! - `winding.rs`, `visit_wound_stretches`: always balanced -> `walls_behind_a_hole_stay`.
-//! - `winding.rs`, `visit_wound_stretches`: crossings not sorted -> `any_order`, `crowds`.
-//! - `crossing.rs`, `voxel_containing_height`: always the first voxel -> `tori_in_any_pose_keep_their_holes`.
-//! - `mod.rs`, `write_maps`: the longest runs of the volume as gaps -> `a_baked_gap_is_held_before_a_longer_run`.
 
 use glam::{IVec3, Mat3, Vec3};
 use paros_core::limits::BAKED_CROSSINGS;

@@ -1,14 +1,5 @@
 //! Export against the model's surface, and the invariants of a printable mesh: closed, oriented, no triangle
 //! without area.
-//!
-//! Planted faults, and what catches each (tried by hand):
-//! - `support.rs`, `seed_next_row_from_ground_and_mask`: the mask's rows left out ->
-//!   `anything_at_16`, `every_pair_of_cells`.
-//! - `cases.rs`, `is_valid_side`: any diagonal allowed -> `every_pair_of_cells`, `anything_at_16`.
-//! - `smooth.rs`: a window of three layers -> `anything_at_16`, `large_grids`.
-//! - `support.rs`, `find_next_part`: on to the next row after each part ->
-//!   `largest_of_the_parts_of_one_row`.
-//! - `cells.rs`, `visit_surface_cells`: the last chunk left out -> `anything_at_64`, `large_grids`.
 
 use std::collections::{HashMap, HashSet};
 use std::sync::Mutex;

@@ -1,8 +1,4 @@
 //! Saves with a column that no world has, forged with a right checksum: refused with that column.
-//!
-//! Planted faults (tried by hand): a loose or an unsaturated column of the volume, a loose column of the mask or
-//! one that reaches beyond the volume, or two ranges of an undo entry that touch, is loaded; the column after
-//! the bad one is named.
 
 use std::sync::{Mutex, PoisonError};
 

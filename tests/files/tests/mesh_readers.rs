@@ -1,9 +1,4 @@
 //! Mesh files of every kind: read alike, and refused with a reason when they are not whole.
-//!
-//! Planted faults, and what catches each (tried by hand):
-//! - `gltf.rs`: `mirrored` always false -> `gltf_nodes_place_and_mirror`.
-//! - `ply.rs`: the test of `element.count` dropped -> `a_count_beyond_the_file_is_refused`.
-//! - `stl.rs`: told apart by `solid` alone -> `a_binary_stl_may_start_with_solid`.
 
 use paros_shell::mesh::{self, Mesh, MeshBounds, MeshFault, MeshFormat};
 use paros_tests_files::mesh_samples::*;

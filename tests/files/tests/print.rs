@@ -1,8 +1,4 @@
 //! Prints made beside the ticks: the same ticks, the same bytes, never more work than agreed.
-//!
-//! Planted faults, and what catches each (tried by hand):
-//! - a second finish drops the print under way, or is not heard -> `no_finished_sculpture_is_lost`.
-//! - twice the budget in a step, or the mask left out -> `each_step_stays_in_its_budget`.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 

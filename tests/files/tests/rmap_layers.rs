@@ -1,8 +1,5 @@
 //! The `.rmap` file of several intervals a column: read back as written, refused with the column that is
 //! wrong, and read into maps of more or of fewer intervals.
-//!
-//! Planted faults (tried by hand): two ranges that touch are read; a column isn't asked for saturation; a gap
-//! of the file gives way to a longer run; the second of a column's two intervals is named as its first.
 
 use std::sync::{Mutex, PoisonError};
 

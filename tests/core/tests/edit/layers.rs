@@ -1,11 +1,5 @@
 //! Sequences of edits, island passes, undo and redo in volumes of K intervals a column, K = 1 to 4, against
 //! the model of the closure rule: every voxel, every column, every count.
-//!
-//! Planted faults, one line each, that every sequence of two and more intervals catches (tried by hand):
-//! - `with_chosen_gaps`: gaps that were held come no more before the others.
-//! - `widen_gaps`: where the first voxel above a gap is removed, the gap stays as it was.
-//! - `tighten_flipped_columns`: a fill looks no farther than its flips.
-//! - `tighten_line_returning_nonempty`: columns whose hull stays aren't replaced.
 
 use glam::{IVec3, Quat, Vec3};
 use paros_core::edit::{EditOperation, EditReport, EditScratch, Pose, SUBUNITS_PER_VOXEL};
