@@ -94,12 +94,34 @@ impl<const K: usize> ClosingLine<'_, K> {
                 None => lost.insert(place),
             }
         }
-        for place in lost.iter_ones() {
+        let holed = self.join_lost_without_holes(lost, &row);
+        for place in holed.iter_ones() {
             let hull = self.after[place].hull();
             let voxels: <Grid<N> as Size>::Row = gather_column(hull, place, &row);
             self.after[place] = Column::closed_over(voxels, &self.before[place]);
         }
         widened | filled | split | lost
+    }
+
+    /// Completes those of the columns `lost` that are one interval now, as most are from which an island fell:
+    /// one scan finds them, where there are several. Returns the others.
+    #[inline]
+    fn join_lost_without_holes<R: BitSet>(&mut self, lost: R, row: impl Fn(usize) -> R) -> R {
+        if lost.count_ones() < LEAST_SCANNED {
+            return lost;
+        }
+        let hulls = lost.iter_ones().map(|place| self.after[place].hull());
+        let span = hulls.fold(Range::EMPTY, Range::hull_with);
+        let mut holes = HoleScan::NONE;
+        (span.first()..span.last() + 1).for_each(|i| holes.pass(row(i) & lost));
+        for place in (lost & !holes.found).iter_ones() {
+            // An end of a hull whose outer interval is gone isn't tight yet.
+            let hull = self.after[place].hull();
+            let ends = find_first_voxel(hull, place, &row).zip(find_last_voxel(hull, place, &row));
+            self.after[place] =
+                ends.map_or(Column::EMPTY, |(lo, hi)| Column::from_range(Range::new(lo, hi)));
+        }
+        holes.found
     }
 
     /// Widens the gaps of columns after a removal, where voxels at their ends are gone.
@@ -242,6 +264,9 @@ fn gather_bits<R: BitSet>(
 
 /// Positions that a search reads at once, to branch less.
 const SEARCH_STEP: usize = 8;
+
+/// Columns that it takes to make a scan of the line cheaper than a look at each.
+const LEAST_SCANNED: u32 = 4;
 
 /// The last voxel of the column at `place` in an interval.
 #[inline]

@@ -287,9 +287,9 @@ where
         for (i, columns) in self.line(axis, line).chunks(64).enumerate() {
             let mut word = 0;
             for (k, four) in columns.as_chunks::<4>().0.iter().enumerate() {
-                // No sum carries out of its 16-bit lane.
-                let columns = pack_four_columns(four);
-                let any = ((columns & !TOP_OF_EACH_16) + !TOP_OF_EACH_16) | columns;
+                // A column whose first interval is empty has no other. No sum carries out of its 16-bit lane.
+                let first = pack_four_ranges(four.each_ref().map(|column| column.0[0]));
+                let any = ((first & !TOP_OF_EACH_16) + !TOP_OF_EACH_16) | first;
                 word |= gather_top_bits(any) << (4 * k);
             }
             row.set_word(i, word);
@@ -319,7 +319,7 @@ where
                 if places.word(i) >> (4 * k) & 15 == 0 {
                     continue;
                 }
-                let bytes = pack_four_columns(four);
+                let bytes = pack_four_ranges(four.each_ref().map(Column::hull));
                 lo |= gather_top_bits((bytes & (0xff * ONE_IN_EACH_16)) + from) << (4 * k);
                 hi |= gather_top_bits((bytes >> 8 & (0xff * ONE_IN_EACH_16)) + to) << (4 * k);
             }
@@ -334,12 +334,11 @@ where
 const ONE_IN_EACH_16: u64 = 0x0001_0001_0001_0001;
 const TOP_OF_EACH_16: u64 = 0x8000 * ONE_IN_EACH_16;
 
-/// Four columns in 16-bit lanes: the complement of the first voxel in the low byte of each, the last
+/// Four ranges in 16-bit lanes: the complement of the first voxel in the low byte of each, the last
 /// voxel in the high byte.
 #[inline]
-fn pack_four_columns<const K: usize>(columns: &[Column<K>; 4]) -> u64 {
-    let [a, b, c, d] =
-        columns.map(|column| u64::from(u16::from_le_bytes(column.hull().to_bytes())));
+fn pack_four_ranges(ranges: [Range; 4]) -> u64 {
+    let [a, b, c, d] = ranges.map(|range| u64::from(u16::from_le_bytes(range.to_bytes())));
     a | b << 16 | c << 32 | d << 48
 }
 
