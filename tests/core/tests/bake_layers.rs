@@ -168,6 +168,16 @@ fn what_overlaps_stays_solid() {
     assert_eq!(one.columns[0][6 * N + 6], [(1, 14)]);
 }
 
+/// Each face twice, in both windings: the ray winds around nothing between the walls.
+#[test]
+fn a_double_sided_box_is_a_shell() {
+    let faces = box_of_voxels([1; 3], [14; 3]);
+    let [one, two, _, many] = baked(&[faces.clone(), inside_out(faces)].concat());
+    assert_eq!(count(&one), 14 * 14 * 14);
+    assert_eq!(count(&two), 14 * 14 * 14 - 12 * 12 * 12);
+    assert!(two.occupied == many.occupied);
+}
+
 #[test]
 fn the_longest_gaps_stay_and_of_equal_ones_the_lowest() {
     // Gaps of 1, 3 and 3 voxels.

@@ -1,13 +1,14 @@
-//! When a session is saved, and when that has to wait.
+//! When a session is saved, when that has to wait, and which save is not read.
 
 use std::fs;
 
 use glam::{Quat, Vec3};
+use paros_core::limits::max_save_bytes;
 use paros_core::session::{BenchItem, PointerCommand, RawPose, SessionMode, TICK_RATE, Tool};
 use paros_core::volume::Grid;
 use paros_core::{HandInput, TickInput};
 
-use super::Studio;
+use super::{Notice, Studio};
 use crate::statics::Resident;
 use crate::stl_export::{DEFAULT_HEIGHT_MM, StlExporter};
 use crate::studio_paths::StudioPaths;
@@ -85,5 +86,33 @@ fn a_stroke_that_ends_is_saved() {
         assert_eq!(studio.autosave.is_writing(), saved, "{item:?}");
         drop(studio);
     }
+    fs::remove_dir_all(&folder).expect("the folder can be removed");
+}
+
+/// A save of columns of one interval, as they were before sculptures had two.
+#[test]
+fn a_saved_session_of_one_interval_is_put_aside() {
+    let folder = std::env::temp_dir().join(format!("paros-of-one-{}", std::process::id()));
+    let places = StudioPaths::inside_folder(&folder);
+    let mut save = vec![0; max_save_bytes(128, 1)];
+    let len = <Grid<128> as Resident<128, 1>>::lock_world().save(&mut save);
+    save.truncate(len);
+    fs::create_dir_all(folder.join("sessions")).expect("a folder");
+    fs::write(places.session_file(128), &save).expect("a file");
+    let (mut world, mut volumes) = (Grid::<128>::lock_world(), Grid::<128>::lock_start_volumes());
+    let mut stl_buffers = Grid::<128>::lock_stl_buffers();
+    let stl_exporter = StlExporter::new(&mut stl_buffers, DEFAULT_HEIGHT_MM).expect("a height");
+    let mut studio =
+        Studio::new(&mut world, &mut volumes, stl_exporter, places, |_| Err("no picture".into()));
+    let notices: Vec<_> = studio.take_notices().collect();
+    let aside = folder.join("sessions/session-128.unreadable-1");
+    let expected = format!(
+        "the saved session can't be read: intervals a column: 1 as saved, 2 here; it is kept as {}",
+        aside.display()
+    );
+    assert_eq!(notices, [Notice::Bad(expected)]);
+    assert!(fs::read(&aside).expect("it is kept") == save);
+    assert!(!studio.paths().session_file(128).exists());
+    drop(studio);
     fs::remove_dir_all(&folder).expect("the folder can be removed");
 }
