@@ -4,10 +4,11 @@ use std::cell::RefCell;
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
+use std::sync::OnceLock;
 
 use paros_bench::{Benchmark, Plan};
 use paros_core::limits::INTERVALS;
-use paros_core::volume::Grid;
+use paros_core::volume::{BitGrid, BitSet, Grid};
 use paros_core::{RangeMaps, TickInput};
 use paros_shell::figures::Figure;
 use paros_shell::require::require_or_skip;
@@ -69,11 +70,119 @@ fn a_missing_rival_leaves_its_half_empty_and_says_so() {
     assert!(required.stdout.is_empty());
 }
 
+/// One run of `bench layers` for all tests.
+fn layer_rows() -> &'static [Value] {
+    static ROWS: OnceLock<Vec<Value>> = OnceLock::new();
+    ROWS.get_or_init(|| rows(&["layers", "toy", "--runs", "1", "--json"]))
+}
+
+/// Each beside one interval's, at both sizes.
+#[test]
+fn what_two_intervals_cost_is_told() {
+    for side in [128, 256] {
+        let row = |what: &str| {
+            let row = layer_rows().iter().find(|row| row["size"] == side && row["against"] == what);
+            row.unwrap_or_else(|| panic!("no {what} at {side}"))
+        };
+        for what in [
+            "a carve of radius 6 with one interval a column",
+            "a fill of radius 6 with one interval a column",
+            "an island pass with one interval a column, nothing to remove",
+            "an island pass with one interval a column, an island to remove",
+            "the paper's voxel queue at once, nothing to remove",
+            "the paper's voxel queue at once, an island to remove",
+            "an export with one interval a column",
+            "a bake with one interval a column",
+        ] {
+            assert_eq!(row(what)["volume"], "toy");
+            assert!(row(what)["ratio"].as_f64().unwrap() > 0.0, "{}", row(what));
+        }
+        let bytes = |what: &str| row(what)["bytes"].as_u64().unwrap();
+        for (one, two) in [
+            (format!("size of World<{side}, 1>"), format!("size of World<{side}, 2>")),
+            of_both("size of a volume's file"),
+            of_both("size of a save at most"),
+        ] {
+            assert!((bytes(&one) + 1..=2 * bytes(&one)).contains(&bytes(&two)), "{two}");
+        }
+        let expected = 12 + 6 * 2 * side * side + 4;
+        assert_eq!(bytes("size of a volume's file, two intervals a column"), expected);
+    }
+}
+
+/// The names of two rows: one interval's, then that of two.
+fn of_both(what: &str) -> (String, String) {
+    (format!("{what}, one interval a column"), format!("{what}, two intervals a column"))
+}
+
+#[test]
+fn a_bake_of_two_intervals_has_a_row() {
+    let rows = rows(&["bake", "toy", "--runs", "1", "--json", "--python", "no-such-python"]);
+    for side in [128, 256] {
+        let found: Vec<_> = rows.iter().filter(|row| row["size"] == side).collect();
+        let names =
+            ["", ", ours of two intervals"].map(|two| format!("trimesh voxelized().fill(){two}"));
+        assert_eq!(
+            found.iter().map(|row| &row["against"]).collect::<Vec<_>>(),
+            [&names[0], &names[1]]
+        );
+        assert!(found.iter().all(|row| row["ours_ms"].as_f64().unwrap() > 0.0), "{found:?}");
+    }
+}
+
+/// Beside its edits, what its world takes in a save.
+#[test]
+fn a_session_is_played_with_one_interval_and_with_two() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("bench-layers");
+    fs::create_dir_all(&folder).unwrap();
+    let path = folder.join("short.trace");
+    let trace = tick_runner::with_fresh_world::<128, INTERVALS, _>(|mut runner| {
+        runner.start_recording();
+        (0..30).for_each(|_| runner.run_tick(&TickInput::default()));
+        runner.end_recording_to_bytes().unwrap()
+    });
+    fs::write(&path, trace).unwrap();
+    let plan = Plan { traces: vec![path], ..plan_without_subjects(Benchmark::Layers) };
+    let rows = plan.run(|_| {}).unwrap().rows;
+    let of_session: Vec<_> = rows.iter().filter(|row| row.volume == "short").collect();
+    assert!(of_session[0].refusal.is_some() && of_session[0].ratio.is_some());
+    let (one, two) = of_both("size of a save at its end");
+    let [one, two] = [one, two].map(|what| {
+        of_session.iter().find(|row| row.against == what).and_then(|row| row.bytes).unwrap()
+    });
+    assert!(0 < one && one < two && two < 2 * one, "{one} {two}");
+}
+
+/// A volume of two intervals is measured on as one interval holds it: that is said, and how far it is off.
+#[test]
+fn what_is_filled_of_a_volume_is_told() {
+    let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join("bench-hollow.rmap");
+    let mut bits = Box::new(BitGrid::<128>::new());
+    for (y, z) in (0..60).flat_map(|y| (30..90).map(move |z| (y, z))) {
+        for x in 30..90 {
+            let hollow = [x, y, z].iter().all(|i| (40..50).contains(i));
+            bits.row_mut(y, z).insert_if(!hollow, x);
+        }
+    }
+    let mut maps = Box::new(RangeMaps::<128, INTERVALS>::new());
+    bits.write_closure(&mut maps);
+    rmap::write(&file, &maps).unwrap();
+    let output = bench(&["islands", file.to_str().unwrap(), "--runs", "1"]);
+    let said = String::from_utf8(output.stderr).unwrap();
+    let expected = format!("{}: 1000 voxels filled to leave 1 interval a column", file.display());
+    assert!(output.status.success() && said.lines().any(|line| line == expected), "{said}");
+    let mut closed = Box::new(RangeMaps::<128, 1>::new());
+    bits.write_closure(&mut closed);
+    rmap::write(&file, &closed).unwrap();
+    let said = String::from_utf8(bench(&["islands", file.to_str().unwrap(), "--runs", "1"]).stderr)
+        .unwrap();
+    assert!(!said.contains("filled"), "{said}");
+}
+
 /// The aims of two intervals: holes 0.5 %, undercuts 5 % and 10 % at worst, slots 1 %.
 #[test]
 fn two_intervals_keep_cuts_that_one_refuses() {
-    let rows = rows(&["layers", "--runs", "1", "--json"]);
-    let cuts: Vec<_> = rows.iter().filter(|row| row.get("refusal").is_some()).collect();
+    let cuts: Vec<_> = layer_rows().iter().filter(|row| row.get("refusal").is_some()).collect();
     assert_eq!(cuts.len(), 5);
     for (row, aim, worst_aim) in [
         (cuts[0], 0.5, 0.5),
@@ -176,22 +285,26 @@ fn progress_is_told_within_a_piece() {
         runner.end_recording_to_bytes().unwrap()
     });
     fs::write(&path, trace).unwrap();
-    let plan = Plan {
-        benches: vec![Benchmark::Step],
-        subjects: vec![],
-        traces: vec![path],
-        runs: 1,
-        frame_runs: 1,
-        canvas: [1, 1],
-        device: None,
-        python: "python3".into(),
-    };
+    let plan = Plan { traces: vec![path], ..plan_without_subjects(Benchmark::Step) };
     assert_eq!(plan.piece_count(), 2);
     let heard = RefCell::new(vec![]);
     plan.run(|done| heard.borrow_mut().push(done)).unwrap();
     let heard = heard.into_inner();
     assert!(heard.is_sorted() && heard[..2] == [0.0, 1.0], "{heard:?}");
     assert!(heard[2..].len() > 3 && heard[2..].iter().all(|&done| 1.0 < done && done < 2.0));
+}
+
+fn plan_without_subjects(bench: Benchmark) -> Plan {
+    Plan {
+        benches: vec![bench],
+        subjects: vec![],
+        traces: vec![],
+        runs: 1,
+        frame_runs: 1,
+        canvas: [1, 1],
+        device: None,
+        python: "python3".into(),
+    }
 }
 
 /// What a trace must be, before anything is counted.

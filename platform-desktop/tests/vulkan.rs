@@ -180,6 +180,23 @@ fn bench_render_has_a_row_for_each_comparison() {
 }
 
 #[test]
+fn bench_layers_has_rows_of_the_papers_path() {
+    let Some(device) = device() else { return };
+    let folder = folder("layers");
+    let size = ["--size", "64x64", "--runs", "1", "--json", "--device", &device];
+    let rows = rows(&succeeds(&folder, &[&["bench", "layers", "toy"], &size[..]].concat()));
+    for kind in ["mono, 1 sample", "stereo, 4 samples"] {
+        let against = format!("the paper's path with one interval a column; {kind}");
+        let found: Vec<_> = rows.iter().filter(|row| row["against"] == against).collect();
+        assert_eq!(found.iter().map(|row| &row["size"]).collect::<Vec<_>>(), [128, 256]);
+        for row in found {
+            assert!(row["ratio"].as_f64().unwrap() > 0.0, "{row}");
+            assert_eq!(row["device"], device.as_str());
+        }
+    }
+}
+
+#[test]
 fn bench_paper_sets_ratios_beside_the_published_ones() {
     let Some(device) = device() else { return };
     let folder = folder("paper");

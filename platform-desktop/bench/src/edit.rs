@@ -25,7 +25,7 @@ const DEPTH: usize = 2;
 const EDITS: usize = 64;
 
 pub(super) const CARVE: EditOperation = EditOperation::Carve { depth: DEPTH };
-const FILL: EditOperation = EditOperation::Fill { depth: DEPTH };
+pub(super) const FILL: EditOperation = EditOperation::Fill { depth: DEPTH };
 
 pub(super) fn measure_rows<const N: usize>(
     subject: &Subject,

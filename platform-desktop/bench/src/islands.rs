@@ -26,12 +26,8 @@ where
     let fixture = &mut *Grid::<N>::lock_fixture();
     let mut paper = VoxelFill::<N>::new();
     let mut rows = vec![];
-    for (has_island, what) in [(false, "nothing to remove"), (true, "an island to remove")] {
-        subject.load_into(&mut fixture.start, &mut fixture.bit_grid)?;
-        if has_island {
-            let three_quarters = Fraction { numerator: 3, denominator: 4 };
-            cut_gap(&mut fixture.start, &mut fixture.bit_grid, three_quarters);
-        }
+    for PassCase { has_island, name: what } in PASS_CASES {
+        load_pass_case(subject, fixture, has_island)?;
         check_agreement(fixture, &mut paper, has_island, subject.name())?;
         let row = |against: String| ReportRow::new("islands", subject.name(), N, against);
         let times = min_whole_pass_ms(fixture, &mut paper, runs)?;
@@ -42,6 +38,35 @@ where
         );
     }
     Ok(rows)
+}
+
+/// What a pass finds.
+#[derive(Clone, Copy)]
+pub(super) struct PassCase {
+    pub(super) has_island: bool,
+    pub(super) name: &'static str,
+}
+
+pub(super) const PASS_CASES: [PassCase; 2] = [
+    PassCase { has_island: false, name: "nothing to remove" },
+    PassCase { has_island: true, name: "an island to remove" },
+];
+
+/// Loads a subject as the start volume, its upper quarter cut off if it is to have an island.
+pub(super) fn load_pass_case<const N: usize>(
+    subject: &Subject,
+    fixture: &mut Fixture<N>,
+    has_island: bool,
+) -> Result<(), Error>
+where
+    Grid<N>: Size + HasFixture<N>,
+{
+    subject.load_into(&mut fixture.start, &mut fixture.bit_grid)?;
+    if has_island {
+        let three_quarters = Fraction { numerator: 3, denominator: 4 };
+        cut_gap(&mut fixture.start, &mut fixture.bit_grid, three_quarters);
+    }
+    Ok(())
 }
 
 /// A fraction of a height.
@@ -104,17 +129,30 @@ where
     let fixture = std::cell::RefCell::new(fixture);
     min_in_turns_ms(
         runs,
-        || {
-            let fixture = &mut **fixture.borrow_mut();
-            prepare_pass(fixture);
-            Ok(time_ms(|| advance_pass(fixture, u32::MAX)))
-        },
-        || {
-            let fixture = &mut **fixture.borrow_mut();
-            fixture.other.copy_from(&fixture.start);
-            Ok(time_ms(|| paper.remove_islands(&mut fixture.other)))
-        },
+        || Ok(whole_pass_ms(*fixture.borrow_mut())),
+        || Ok(whole_paper_pass_ms(*fixture.borrow_mut(), paper)),
     )
+}
+
+/// Milliseconds of our whole pass over the start volume.
+pub(super) fn whole_pass_ms<const N: usize, const K: usize>(fixture: &mut Fixture<N, K>) -> f64
+where
+    Grid<N>: Size,
+{
+    prepare_pass(fixture);
+    time_ms(|| advance_pass(fixture, u32::MAX))
+}
+
+/// Milliseconds of the paper's whole pass over the same.
+pub(super) fn whole_paper_pass_ms<const N: usize>(
+    fixture: &mut Fixture<N>,
+    paper: &mut VoxelFill<N>,
+) -> f64
+where
+    Grid<N>: Size,
+{
+    fixture.other.copy_from(&fixture.start);
+    time_ms(|| paper.remove_islands(&mut fixture.other))
 }
 
 /// The slowest tick of each side, in milliseconds.
@@ -180,7 +218,7 @@ pub(super) fn paper_ticks_ms<const N: usize>(
 }
 
 /// Restores the start volume, with an island pass pending.
-fn prepare_pass<const N: usize>(fixture: &mut Fixture<N>)
+fn prepare_pass<const N: usize, const K: usize>(fixture: &mut Fixture<N, K>)
 where
     Grid<N>: Size,
 {

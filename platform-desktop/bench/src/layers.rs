@@ -1,25 +1,24 @@
-//! `bench layers`: what closure refuses of the cuts of a column's one interval and of two, and what an
-//! edit costs with each. At 128 voxels a side.
+//! `bench layers`: what closure refuses of the cuts of a column's one interval and of two. At 128 voxels a
+//! side. What two intervals cost stands in `layer_costs.rs`.
 
-use std::cell::RefCell;
 use std::f32::consts::{SQRT_2, TAU};
 use std::path::Path;
-use std::sync::{Mutex, PoisonError};
 
 use glam::{Quat, Vec3};
 use paros_core::Brush;
 use paros_core::edit::{Pose, SUBUNITS_PER_VOXEL};
+use paros_core::limits::max_save_bytes;
 use paros_core::volume::{BitGrid, BitSet, Grid};
 use paros_headless::Error;
 use paros_shell::edit_totals::EditTotals;
 use paros_shell::tick_runner::{TickRunner, with_fresh_world};
 use paros_shell::trace::Trace;
 
-use super::clock::{OursTheirs, min_in_turns_ms, time_ms};
-use super::edit::{CARVE, mean_edit_in_one_stroke_ms, surface_voxels, try_edit};
+use super::clock::{OursTheirs, time_ms};
+use super::edit::{CARVE, try_edit};
 use super::fixture::{Fixture, HasFixture, reset_fixture};
+use super::layer_costs::{name_intervals, size_row};
 use super::row::{Refusal, ReportRow};
-use super::subject::Subject;
 
 /// Voxels a side.
 const SIDE: usize = 128;
@@ -32,8 +31,6 @@ const SEEDS: usize = 8;
 
 /// Cuts in a ball.
 const CUTS: usize = 12;
-
-static TWO_INTERVALS: Mutex<Fixture<SIDE, 2>> = Mutex::new(Fixture::new());
 
 /// A kind of cut. In every ball, its brushes are carved one after the other, each until nothing goes.
 struct CutKind {
@@ -52,7 +49,7 @@ const CUT_KINDS: [CutKind; 5] = [
 /// What closure refuses of the cuts, a row a kind.
 pub(super) fn measure_cuts() -> Vec<ReportRow> {
     let one = &mut *Grid::<SIDE>::lock_fixture();
-    let two = &mut *TWO_INTERVALS.lock().unwrap_or_else(PoisonError::into_inner);
+    let two = &mut *Grid::<SIDE>::lock_fixture_of_two();
     draw_ball(&mut one.bit_grid);
     one.bit_grid.write_closure(&mut one.start);
     one.bit_grid.write_closure(&mut two.start);
@@ -80,24 +77,6 @@ pub(super) fn measure_cuts() -> Vec<ReportRow> {
     CUT_KINDS.iter().map(row).collect()
 }
 
-/// The carve of `bench edit` with two intervals a column against one.
-pub(super) fn measure_carve(subject: &Subject, runs: usize) -> Result<Vec<ReportRow>, Error> {
-    let one = &mut *Grid::<SIDE>::lock_fixture();
-    let two = &mut *TWO_INTERVALS.lock().unwrap_or_else(PoisonError::into_inner);
-    subject.load_into(&mut one.start, &mut one.bit_grid)?;
-    one.bit_grid.set_from_maps(&one.start);
-    one.bit_grid.write_closure(&mut two.start);
-    let voxels = surface_voxels(&one.bit_grid);
-    let (one, two) = (RefCell::new(one), RefCell::new(two));
-    let times = min_in_turns_ms(
-        runs,
-        || Ok::<_, Error>(mean_edit_in_one_stroke_ms(*two.borrow_mut(), &voxels, CARVE)),
-        || Ok(mean_edit_in_one_stroke_ms(*one.borrow_mut(), &voxels, CARVE)),
-    )?;
-    let against = "a carve of radius 6 with one interval a column";
-    Ok(vec![ReportRow::new("layers", subject.name(), SIDE, against).with_times_ms(times)])
-}
-
 /// What closure refuses of a recorded session's edits, when its input is played with one interval and with
 /// two. With two the hands meet another volume, so that the sessions drift apart.
 pub(super) fn measure_refusals_of_session(path: &Path) -> Result<Vec<ReportRow>, Error> {
@@ -109,11 +88,23 @@ pub(super) fn measure_refusals_of_session(path: &Path) -> Result<Vec<ReportRow>,
     }
     let one = with_fresh_world::<SIDE, 1, _>(|mut runner| play(&mut runner, &trace));
     let two = with_fresh_world::<SIDE, 2, _>(|mut runner| play(&mut runner, &trace));
-    Ok(vec![ReportRow {
-        refusal: Some(Refusal::new(&one.totals, &two.totals)),
+    let played = ReportRow {
+        refusal: Some(Refusal::new(&one.edits.totals, &two.edits.totals)),
         ..ReportRow::new("layers", &name, SIDE, "its input with one interval a column")
-            .with_times_ms(OursTheirs { ours: two.ms, theirs: one.ms })
-    }])
+            .with_times_ms(OursTheirs { ours: two.edits.ms, theirs: one.edits.ms })
+    };
+    let save = |intervals, bytes| {
+        let what = format!("size of a save at its end, {}", name_intervals(intervals));
+        size_row(&name, SIDE, what, bytes)
+    };
+    Ok(vec![played, save(1, one.save_bytes), save(2, two.save_bytes)])
+}
+
+/// What came of playing a session.
+struct PlayedSession {
+    edits: TimedEdits,
+    /// Length of a save of the world at its end.
+    save_bytes: usize,
 }
 
 /// What edits did, and the milliseconds that it took.
@@ -130,13 +121,14 @@ impl TimedEdits {
 }
 
 /// Plays the ticks of a trace, whatever state they lead to.
-fn play<const K: usize>(runner: &mut TickRunner<'_, SIDE, K>, trace: &Trace) -> TimedEdits {
-    let mut sum = TimedEdits::default();
+fn play<const K: usize>(runner: &mut TickRunner<'_, SIDE, K>, trace: &Trace) -> PlayedSession {
+    let mut edits = TimedEdits::default();
     for record in trace.records() {
-        sum.ms += time_ms(|| runner.run_tick(&record.input));
-        sum.totals.add_tick(runner.world());
+        edits.ms += time_ms(|| runner.run_tick(&record.input));
+        edits.totals.add_tick(runner.world());
     }
-    sum
+    let save_bytes = runner.world().save(&mut vec![0; max_save_bytes(SIDE, K)]);
+    PlayedSession { edits, save_bytes }
 }
 
 /// Carves brushes into the start volume, one after the other. What is left of a brush's voxels when its

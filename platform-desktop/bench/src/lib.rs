@@ -15,6 +15,7 @@ mod field;
 mod fixture;
 mod frames;
 mod islands;
+mod layer_costs;
 mod layers;
 mod mesh;
 mod order;
@@ -46,7 +47,7 @@ pub enum Benchmark {
     Islands,
     /// Carving and filling.
     Edit,
-    /// One interval a column against two: what closure refuses, and the cost of an edit.
+    /// One interval a column against two: what closure refuses, and what else it costs.
     Layers,
     /// Export to STL.
     Mesh,
@@ -128,6 +129,8 @@ pub struct Report {
     pub rows: Vec<ReportRow>,
     /// Why some figures are missing, each reason once.
     pub skipped: Vec<String>,
+    /// What was done to the subjects before they were measured on.
+    pub notes: Vec<String>,
 }
 
 /// A unit of work of a plan: a benchmark on one input.
@@ -136,7 +139,9 @@ enum PlanPiece<'a> {
     On(Benchmark, &'a Subject, usize),
     Scaling(&'a Subject),
     LayerCuts,
-    LayerCarve(&'a Subject),
+    LayerSizes,
+    LayerCosts(&'a Subject, usize),
+    LayerFrames(&'a Subject),
     LayerSession(&'a Path),
     Render(&'a Subject),
     Paper(&'a Subject),
@@ -170,7 +175,9 @@ impl Plan {
     /// A subject that holds nothing, two sides that come to different results, or no device to
     /// draw where nothing else is to be measured.
     pub fn run(&self, on_pieces_done: impl Fn(f64)) -> Result<Report, Error> {
-        let mut report = Report::default();
+        let notes = self.subjects.iter().map(Subject::describe_closing);
+        let notes = notes.filter_map(Result::transpose).collect::<Result<_, _>>()?;
+        let mut report = Report { notes, ..Report::default() };
         let mut resources =
             BenchResources { peers: self.start_peers(), timer: self.open_frame_timer()? };
         for (i, piece) in self.split_pieces().into_iter().enumerate() {
@@ -185,12 +192,12 @@ impl Plan {
         Ok(report)
     }
 
-    fn includes_any(&self, some: [Benchmark; 2]) -> bool {
+    fn includes_any(&self, some: &[Benchmark]) -> bool {
         self.benches.iter().any(|bench| some.contains(bench))
     }
 
     fn start_peers(&self) -> Result<PythonPeers, MissingPeer> {
-        match self.includes_any([Benchmark::Mesh, Benchmark::Bake]) {
+        match self.includes_any(&[Benchmark::Mesh, Benchmark::Bake]) {
             true => PythonPeers::start_python(&self.python),
             false => Err(MissingPeer::not_started()),
         }
@@ -198,7 +205,7 @@ impl Plan {
 
     /// The device that draws frames, or why there is none.
     fn open_frame_timer(&self) -> Result<Result<FrameTimer, NoFrameTimer>, Error> {
-        if !self.includes_any([Benchmark::Render, Benchmark::Paper]) {
+        if !self.includes_any(&[Benchmark::Layers, Benchmark::Render, Benchmark::Paper]) {
             return Ok(Err(NoFrameTimer(String::new())));
         }
         let timer = FrameTimer::open_device(self.device.as_deref(), self.canvas);
@@ -239,10 +246,13 @@ impl Plan {
     }
 
     fn layer_pieces(&self) -> impl Iterator<Item = PlanPiece<'_>> {
-        let at_128 = |subject: &&Subject| subject.grid_sides().contains(&128);
-        let carves = self.subjects.iter().filter(at_128).map(PlanPiece::LayerCarve);
+        let costs = self.subjects.iter().flat_map(|subject| {
+            subject.grid_sides().iter().map(move |&side| PlanPiece::LayerCosts(subject, side))
+        });
+        let frames = self.subjects.iter().map(PlanPiece::LayerFrames);
         let sessions = self.traces.iter().map(|path| PlanPiece::LayerSession(path));
-        [PlanPiece::LayerCuts].into_iter().chain(carves).chain(sessions)
+        let cuts = [PlanPiece::LayerCuts, PlanPiece::LayerSizes];
+        cuts.into_iter().chain(costs).chain(frames).chain(sessions)
     }
 
     fn run_piece(
@@ -274,12 +284,17 @@ impl Plan {
             PlanPiece::LayerCuts | PlanPiece::On(Benchmark::Layers, ..) => {
                 Ok(whole(layers::measure_cuts()))
             }
-            PlanPiece::LayerCarve(on) => layers::measure_carve(on, runs).map(whole),
+            PlanPiece::LayerSizes => Ok(whole(layer_costs::size_rows())),
+            PlanPiece::LayerCosts(on, size) => {
+                with_size!(size, N => layer_costs::measure_rows::<N>(on, runs)).map(whole)
+            }
+            PlanPiece::LayerFrames(on) => measure_if_drawn(timer, |timer| {
+                layer_costs::measure_frames(on, self.frame_runs, timer)
+            }),
             PlanPiece::LayerSession(path) => layers::measure_refusals_of_session(path).map(whole),
-            PlanPiece::Render(on) | PlanPiece::On(Benchmark::Render, on, _) => match timer {
-                Ok(timer) => render::measure_rows(on, self.frame_runs, timer).map(whole),
-                Err(why) => Ok(Measured { rows: vec![], skipped: Some(format!("frames: {why}")) }),
-            },
+            PlanPiece::Render(on) | PlanPiece::On(Benchmark::Render, on, _) => {
+                measure_if_drawn(timer, |timer| render::measure_rows(on, self.frame_runs, timer))
+            }
             PlanPiece::Paper(on) | PlanPiece::On(Benchmark::Paper, on, _) => {
                 section5::measure_rows(on, self.frame_runs, timer)
             }
@@ -289,6 +304,17 @@ impl Plan {
             PlanPiece::Demo(size) => with_size!(size, N => step::measure_demo::<N>(on_progress)),
             PlanPiece::Recorded(path) => step::measure_recorded(path, on_progress),
         }
+    }
+}
+
+/// Rows that need frames, or why there are none.
+fn measure_if_drawn(
+    timer: Result<&mut FrameTimer, &str>,
+    measure: impl FnOnce(&mut FrameTimer) -> Result<Vec<ReportRow>, Error>,
+) -> Result<Measured, Error> {
+    match timer {
+        Ok(timer) => Ok(Measured { rows: measure(timer)?, skipped: None }),
+        Err(why) => Ok(Measured { rows: vec![], skipped: Some(format!("frames: {why}")) }),
     }
 }
 

@@ -76,9 +76,9 @@ where
 }
 
 /// Milliseconds from start to the last byte in the buffer, which the file just fills.
-fn export_ms<const N: usize>(
+pub(super) fn export_ms<const N: usize, const K: usize>(
     bit_grid: &BitGrid<N>,
-    mask: &RangeMaps<N>,
+    mask: &RangeMaps<N, K>,
     exporter: &mut Exporter<N>,
     buffer: &mut [u8],
 ) -> f64

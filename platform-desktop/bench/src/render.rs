@@ -7,7 +7,7 @@
 //! picture.
 //! Then whole frames: those with a stroke's uploads, and the scene in other draw orders.
 
-use paros_core::volume::{Grid, Size};
+use paros_core::volume::Grid;
 use paros_headless::Error;
 use paros_shaders::gpu::{PaperVariant, RenderPath};
 use paros_shell::with_size;
@@ -41,10 +41,7 @@ pub(super) fn measure_rows(
     runs: usize,
     timer: &mut FrameTimer,
 ) -> Result<Vec<ReportRow>, Error> {
-    let mut framings = vec![];
-    for &size in subject.grid_sides() {
-        framings.push(with_size!(size, N => load_and_fit_framing::<N>(subject, timer))?);
-    }
+    let framings = load_and_fit_framings(subject, &FrameFormat::ALL, timer)?;
     let mut rows = vec![];
     for format in FrameFormat::ALL {
         let setups: Vec<RenderSetup> = framings
@@ -97,17 +94,21 @@ pub(super) fn geometric_means(rows: &[ReportRow]) -> Vec<ReportRow> {
     means.into_iter().filter(|(.., count)| *count > 1).map(row).collect()
 }
 
-fn load_and_fit_framing<const N: usize>(
+/// Loads a subject at its sizes, in columns of one interval and of two, and finds a framing for each size.
+pub(super) fn load_and_fit_framings(
     subject: &Subject,
+    formats: &[FrameFormat],
     timer: &mut FrameTimer,
-) -> Result<Framing, Error>
-where
-    Grid<N>: Size + HasFixture<N>,
-{
-    let fixture = &mut *Grid::<N>::lock_fixture();
-    let framing = timer.load_and_fit_framing(subject, &FrameFormat::ALL, fixture)?;
-    timer.load_two_intervals(&FrameFormat::ALL, &fixture.bit_grid)?;
-    Ok(framing)
+) -> Result<Vec<Framing>, Error> {
+    let load = |size: &usize| {
+        with_size!(*size, N => {
+            let fixture = &mut *Grid::<N>::lock_fixture();
+            let framing = timer.load_and_fit_framing(subject, formats, fixture)?;
+            timer.load_two_intervals(formats, &fixture.bit_grid)?;
+            Ok(framing)
+        })
+    };
+    subject.grid_sides().iter().map(load).collect()
 }
 
 fn format_rows(

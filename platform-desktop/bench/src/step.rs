@@ -13,6 +13,7 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use paros_core::codec::trace::TickRecord;
+use paros_core::convert::ColumnWindings;
 use paros_core::internals::{IslandSearch, UndoHistory};
 use paros_core::limits::INTERVALS;
 use paros_core::volume::{BitGrid, Grid, Size};
@@ -100,12 +101,13 @@ where
     Grid<N>: Size,
 {
     let sizes = [
-        ("Exporter", size_of::<Exporter<N>>()),
-        ("Baker", size_of::<Baker<N>>()),
-        ("IslandSearch", size_of::<IslandSearch<N>>()),
-        ("BitGrid", size_of::<BitGrid<N>>()),
+        (format!("Exporter<{N}>"), size_of::<Exporter<N>>()),
+        (format!("Baker<{N}>"), size_of::<Baker<N>>()),
+        (format!("Baker<{N}, ColumnWindings<{N}>>"), size_of::<Baker<N, ColumnWindings<N>>>()),
+        (format!("IslandSearch<{N}>"), size_of::<IslandSearch<N>>()),
+        (format!("BitGrid<{N}>"), size_of::<BitGrid<N>>()),
     ];
-    sizes.map(|(name, bytes)| type_size_row(N, &format!("{name}<{N}>"), bytes)).into()
+    sizes.map(|(name, bytes)| type_size_row(N, &name, bytes)).into()
 }
 
 /// The types whose size depends on the intervals of a column.
@@ -318,4 +320,25 @@ fn tick_rows<const N: usize>(
         row(instructions, format!("worst of {of}: tick {index}"))
     }));
     rows
+}
+
+#[cfg(test)]
+mod tests {
+    use super::type_size_rows;
+
+    #[test]
+    fn the_baker_of_several_intervals_has_a_row() {
+        let rows = type_size_rows();
+        for side in [128, 256] {
+            let bytes_of = |name: String| {
+                let row = rows.iter().find(|row| row.against == format!("size of {name}"));
+                row.and_then(|row| row.bytes).unwrap_or_else(|| panic!("no {name}"))
+            };
+            let [one, more] = [
+                bytes_of(format!("Baker<{side}>")),
+                bytes_of(format!("Baker<{side}, ColumnWindings<{side}>>")),
+            ];
+            assert!(one < more && more < 2 * one, "{one} {more}");
+        }
+    }
 }

@@ -9,10 +9,11 @@ use paros_core::{Exporter, RangeMaps};
 use paros_headless::Error;
 use paros_shell::figures::Figure;
 use paros_shell::mesh::{self, EXTENSIONS, Mesh, MeshFormat};
-use paros_shell::rmap;
+use paros_shell::rmap::{self, RmapHeader};
 use paros_shell::sizes::GRID_SIDES;
 use paros_shell::statics::Resident;
 use paros_shell::stl_export::DEFAULT_HEIGHT_MM;
+use paros_shell::with_size;
 
 /// A benchmark input.
 #[derive(Debug)]
@@ -25,8 +26,7 @@ pub struct Subject {
 enum Source {
     Figure(Figure),
     Mesh(Mesh, UpAxis),
-    /// A volume file of that size.
-    Volume(PathBuf, usize),
+    Volume(PathBuf, RmapHeader),
 }
 
 impl Subject {
@@ -51,7 +51,7 @@ impl Subject {
         let name = name_or_path.file_stem().map_or(text, |stem| stem.to_string_lossy()).into();
         if name_or_path.extension().is_some_and(|kind| kind.eq_ignore_ascii_case("rmap")) {
             let header = rmap::read_sculpture_header(name_or_path).map_err(Error::input)?;
-            let source = Source::Volume(name_or_path.into(), header.grid_side);
+            let source = Source::Volume(name_or_path.into(), header);
             return Ok(Subject { name, source });
         }
         let kind = MeshFormat::from_extension(name_or_path)
@@ -70,13 +70,30 @@ impl Subject {
     #[must_use]
     pub fn grid_sides(&self) -> &[usize] {
         match &self.source {
-            Source::Volume(_, size) => std::slice::from_ref(size),
+            Source::Volume(_, header) => std::slice::from_ref(&header.grid_side),
             _ => &GRID_SIDES,
         }
     }
 
+    /// A line that tells how many voxels are filled to leave one interval a column, of a volume that has
+    /// more: the rivals have one, and two are measured beside it on the same voxels.
+    ///
+    /// # Errors
+    /// The file doesn't hold a volume.
+    pub(super) fn describe_closing(&self) -> Result<Option<String>, Error> {
+        let Source::Volume(path, header) = &self.source else { return Ok(None) };
+        if header.intervals_per_column == 1 {
+            return Ok(None);
+        }
+        let filled = with_size!(header.grid_side, N => {
+            rmap::read_closed(path, &mut *<Grid<N> as Resident<N, 1>>::lock_range_maps())
+        });
+        let (path, filled) = (path.display(), filled.map_err(Error::input)?);
+        Ok(Some(format!("{path}: {filled} voxels filled to leave 1 interval a column")))
+    }
+
     /// Writes the subject's tight maps, and their voxels to `bit_grid`. A volume of more intervals a column
-    /// is closed to one, which is what the rivals are measured against.
+    /// is closed to one.
     ///
     /// # Errors
     /// The file doesn't hold a volume, or an empty one.
@@ -140,9 +157,9 @@ fn unknown_subject(what: &Path) -> Error {
 }
 
 /// Exports bit rows to STL bytes in memory, at the default height.
-pub(super) fn export_stl<const N: usize>(
+pub(super) fn export_stl<const N: usize, const K: usize>(
     bit_grid: &BitGrid<N>,
-    mask: &RangeMaps<N>,
+    mask: &RangeMaps<N, K>,
     exporter: &mut Exporter<N>,
 ) -> Vec<u8>
 where

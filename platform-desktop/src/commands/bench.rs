@@ -1,6 +1,7 @@
 //! `paros bench`: how fast, how small, beside what.
 
-use std::path::PathBuf;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use paros_bench::{Benchmark, Plan, Subject, format_table};
@@ -17,7 +18,7 @@ pub(super) struct Args {
     #[arg(default_value = "all", value_parser = choice_parser())]
     what: BenchChoice,
     /// What to measure on: meshes, volumes (.rmap) or figures (lump, owl, cat, amphora, dolphin, toy);
-    /// for `step`, traces of sessions, each of which takes minutes, and for `layers`, which is quick.
+    /// for `step`, traces of sessions, each of which takes minutes; for `layers`, traces (.trace) too.
     #[arg(value_name = "V")]
     named: Vec<PathBuf>,
     /// The same, one each time.
@@ -63,14 +64,22 @@ fn choice_parser() -> impl TypedValueParser<Value = BenchChoice> {
         .map(|name| Benchmark::from_name(&name).map_or(BenchChoice::All, BenchChoice::One))
 }
 
+fn has_trace_extension(path: &Path) -> bool {
+    path.extension().is_some_and(|kind| kind.eq_ignore_ascii_case("trace"))
+}
+
 pub(super) fn run(args: &Args) -> Result<String, Error> {
     if let Some(what) = &args.replay {
         return paros_bench::replay_for_callgrind(what).map(|()| String::new());
     }
     let mut named: Vec<_> = args.named.iter().chain(&args.volumes).collect();
     let mut traces = vec![];
-    if let BenchChoice::One(Benchmark::Step | Benchmark::Layers) = args.what {
-        traces = named.drain(..).cloned().collect();
+    match args.what {
+        BenchChoice::One(Benchmark::Step) => traces = std::mem::take(&mut named),
+        BenchChoice::One(Benchmark::Layers) => {
+            (traces, named) = named.into_iter().partition(|name| has_trace_extension(name));
+        }
+        _ => {}
     }
     let subjects = named.into_iter().map(|v| Subject::from_name_or_path(v));
     let mut subjects = subjects.collect::<Result<Vec<_>, _>>()?;
@@ -84,7 +93,7 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
     let plan = Plan {
         benches,
         subjects,
-        traces,
+        traces: traces.into_iter().cloned().collect(),
         runs: args.runs.unwrap_or(RUNS).into(),
         frame_runs: args.runs.unwrap_or(FRAME_RUNS).into(),
         canvas: args.size.map(|side| side as u32),
@@ -96,6 +105,10 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
     let bar = progress::show_progress(what, Some(BAR * plan.piece_count() as u64));
     let report = plan.run(|done| bar.set_steps_done((BAR as f64 * done) as u64))?;
     drop(bar);
+    for note in &report.notes {
+        // Nobody may be listening there.
+        let _ = writeln!(io::stderr(), "{note}");
+    }
     let missing = report.skipped.iter().map(|why| require_or_skip::<(), _>(Err(why)));
     // All are told before the first of them counts.
     for missing in missing.collect::<Vec<_>>() {
