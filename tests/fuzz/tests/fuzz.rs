@@ -1,0 +1,70 @@
+//! Each target, on as many inputs as take a second or two; `.ci/nightly` gives them a minute each.
+//!
+//! That a fault is found is tried by `a_fault_is_found_shrunk_and_kept`, whose target has one.
+
+use std::fs;
+use std::panic;
+use std::path::Path;
+
+use paros_tests_fuzz::engine::{FuzzSummary, FuzzTarget, fuzz};
+use paros_tests_fuzz::targets;
+
+fn folder() -> &'static Path {
+    Path::new(env!("CARGO_TARGET_TMPDIR"))
+}
+
+fn fuzz_target(name: &str) {
+    let target = targets::ALL.iter().find(|target| target.name == name).expect("a target");
+    let FuzzSummary { runs, outcomes, kept } = fuzz(target, folder());
+    // What all inputs lead to alike isn't looked at.
+    assert!(runs == 1 || outcomes > 1 && kept > 1, "{outcomes} outcomes, {kept} inputs kept");
+}
+
+macro_rules! targets {
+    ($($name:ident)*) => {
+        $(#[test]
+        fn $name() {
+            fuzz_target(stringify!($name));
+        })*
+
+        #[test]
+        fn every_target_is_a_test() {
+            let tests = [$(stringify!($name)),*];
+            assert_eq!(targets::ALL.map(|target| target.name), tests);
+        }
+    };
+}
+
+targets! { obj stl ply gltf rmap trace input save step }
+
+/// A target that fails on numbers above 200 behind a word.
+const FAULTY: FuzzTarget = FuzzTarget {
+    name: "faulty",
+    seeds: || vec![b"a fine input".to_vec()],
+    words: &[b"depth"],
+    longest: 64,
+    runs: 100_000,
+    run: |bytes| {
+        let found = bytes.windows(6).find(|window| window.starts_with(b"depth"));
+        assert!(found.is_none_or(|window| window[5] <= 200), "deeper than 200");
+        if found.is_some() { "deep".into() } else { "fine".into() }
+    },
+};
+
+#[test]
+fn a_fault_is_found_shrunk_and_kept() {
+    if std::env::vars().any(|(name, _)| name.starts_with("PAROS_FUZZ_")) {
+        return;
+    }
+    let own = folder().join("engine");
+    let _ = fs::remove_dir_all(&own);
+    let fault = panic::catch_unwind(|| fuzz(&FAULTY, &own)).expect_err("the fault isn't found");
+    let said = fault.downcast_ref::<String>().expect("a message");
+    assert!(said.starts_with("faulty fails on 6 bytes"), "{said}");
+    let files = fs::read_dir(own.join("fuzz/faulty")).expect("its folder").flatten();
+    let files: Vec<_> = files.map(|file| file.path()).collect();
+    assert_eq!(files.len(), 1);
+    let input = fs::read(&files[0]).expect("the input");
+    assert!(input.starts_with(b"depth") && input[5] > 200, "{input:?}");
+    assert!(said.ends_with(&format!("PAROS_FUZZ_INPUT={}", files[0].display())), "{said}");
+}
