@@ -2,7 +2,7 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use paros_core::internals::maps_digest;
+use paros_core::internals::{BitRow, maps_digest};
 use paros_core::volume::{Axis, BitGrid, BitSet, Column, Grid, Range, Size};
 use paros_core::{RangeMaps, Volume};
 use paros_models::dense::{DenseVolume, any_voxels};
@@ -198,6 +198,23 @@ rows! {
     rows_of_64: 64;
     rows_of_128: 128;
     rows_of_256: 256;
+}
+
+#[test]
+fn a_bit_that_is_set_again_stays_set() {
+    for i in [0, 5, 63, 64, 127] {
+        let mut row = BitRow::<2>::EMPTY;
+        row.insert_if(false, i);
+        assert_eq!(row, BitRow::EMPTY);
+        for set in [true, true, false] {
+            row.insert_if(set, i);
+            assert_eq!(row, BitRow::span(i, i));
+        }
+        row.insert(i);
+        assert_eq!(row, BitRow::span(i, i));
+        row.toggle(i);
+        assert_eq!(row, BitRow::EMPTY);
+    }
 }
 
 #[test]
