@@ -19,5 +19,6 @@ pub use crate::session::stool_frame::{BOX_SIDE, STOOL_TOP};
 pub use crate::session::tools::{BitAction, BitShape, ToolBitSpec};
 pub use crate::session::workbench::{BENCH_ITEMS, BENCH_TOP, ToolPlace, Workbench};
 pub use crate::volume::column_digest::maps_digest;
+pub use crate::volume::line_scan::HoleScan;
 pub use crate::volume::range_maps::{ColumnAddress, ColumnsBeyond, RowAddress};
 pub use crate::volume::row::{BitRow, BitRuns, SetBits};

@@ -2,7 +2,7 @@
 
 use core::mem;
 
-use crate::volume::closing_line::{HoleScan, gather_column};
+use crate::volume::line_scan;
 use crate::volume::range::Range;
 use crate::volume::range_maps::{Axis, Column, RangeMaps};
 use crate::volume::row::{BitRow, BitSet};
@@ -141,20 +141,16 @@ where
     }
 
     /// The same for a line of N columns along `axis`. `row_at(i)` holds voxel `i` of each of these columns.
-    pub(crate) fn close_line<const K: usize>(
+    fn close_line<const K: usize>(
         maps: &mut RangeMaps<N, K>,
         axis: Axis,
         line: usize,
         row_at: impl Fn(usize) -> <Grid<N> as Size>::Row,
     ) {
-        let before = &maps.line(axis, line).clone();
-        let with_holes = Self::write_hull_line(maps, axis, line, &row_at);
-        if K > 1 {
-            for place in with_holes.iter_ones() {
-                let column = &mut maps.line_mut(axis, line)[place];
-                let voxels: <Grid<N> as Size>::Row = gather_column(column.hull(), place, &row_at);
-                *column = Column::closed_over(voxels, &before[place]);
-            }
+        if K == 1 {
+            Self::write_hull_line(maps, axis, line, row_at);
+        } else {
+            line_scan::close_line(maps.line_mut(axis, line), (0..N).map(row_at));
         }
     }
 
@@ -175,23 +171,23 @@ where
         }
     }
 
-    /// Writes the hulls of a line of N columns along `axis`, and returns the columns that have an empty voxel
-    /// inside. `row_at(i)` holds voxel `i` of each of these columns.
+    /// Writes the hulls of a line of N columns along `axis`. `row_at(i)` holds voxel `i` of each of these
+    /// columns.
     fn write_hull_line<const K: usize>(
         maps: &mut RangeMaps<N, K>,
         axis: Axis,
         line: usize,
         row_at: impl Fn(usize) -> <Grid<N> as Size>::Row,
-    ) -> <Grid<N> as Size>::Row {
+    ) {
         let mut first = [0u8; N];
-        let mut holes = HoleScan::<<Grid<N> as Size>::Row>::NONE;
+        let mut seen = <Grid<N> as Size>::Row::EMPTY;
         for i in 0..N {
-            for x in (row_at(i) & !holes.entered).iter_ones() {
+            let row = row_at(i);
+            for x in (row & !seen).iter_ones() {
                 first[x] = i as u8;
             }
-            holes.pass(row_at(i));
+            seen |= row;
         }
-        let mut seen = holes.entered;
         for x in (Grid::<N>::FULL & !seen).iter_ones() {
             maps.set_column(axis, (line, x), Column::EMPTY);
         }
@@ -205,7 +201,6 @@ where
             }
             seen &= !row_at(i);
         }
-        holes.found
     }
 }
 

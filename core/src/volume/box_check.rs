@@ -1,7 +1,7 @@
 //! Upkeep and checks of a volume inside a box, for changes that don't come from an edit.
 
-use crate::volume::closing_line::HoleScan;
 use crate::volume::editable::Volume;
+use crate::volume::line_scan::HoleScan;
 use crate::volume::range::Range;
 use crate::volume::range_maps::{Axis, Column, ColumnAddress, RangeMaps, RowAddress};
 use crate::volume::row::BitSet;

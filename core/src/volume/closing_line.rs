@@ -1,7 +1,8 @@
 //! The closure rule for a line of columns after an edit: only columns that the edit touched are looked at,
 //! all of them at once as far as bit operations go.
 
-use crate::volume::closure::LongestRuns;
+use crate::volume::closure::ChosenGaps;
+use crate::volume::line_scan::HoleScan;
 use crate::volume::range::Range;
 use crate::volume::range_maps::Column;
 use crate::volume::row::BitSet;
@@ -17,28 +18,6 @@ pub(crate) struct ClosingLine<'a, const K: usize> {
     pub(crate) changed: Range,
     /// Whether voxels were only removed.
     pub(crate) removed_only: bool,
-}
-
-/// A search along the columns of a line for those with an empty voxel between occupied ones.
-pub(crate) struct HoleScan<R> {
-    /// The columns that have one, so far.
-    pub(crate) found: R,
-    /// The columns that have an occupied voxel.
-    pub(crate) entered: R,
-    /// The voxels before.
-    row: R,
-}
-
-impl<R: BitSet> HoleScan<R> {
-    pub(crate) const NONE: Self = HoleScan { found: R::EMPTY, entered: R::EMPTY, row: R::EMPTY };
-
-    /// Passes on to the next voxel of each column.
-    #[inline(always)]
-    pub(crate) fn pass(&mut self, row: R) {
-        self.found |= row & self.entered & !self.row;
-        self.entered |= row;
-        self.row = row;
-    }
 }
 
 /// The columns `among` of a line that have gaps.
@@ -77,8 +56,9 @@ impl<const K: usize> ClosingLine<'_, K> {
         };
         for place in filled.iter_ones() {
             let voxels: <Grid<N> as Size>::Row = gather_column(self.changed, place, &row);
-            let mut chosen = LongestRuns::<K>::NONE;
-            chosen.take_longest(self.before[place].gaps::<<Grid<N> as Size>::Row>() & !voxels);
+            let mut chosen = ChosenGaps::<K>::NONE;
+            let gaps = self.before[place].gaps::<<Grid<N> as Size>::Row>();
+            chosen.insert_runs(gaps & !voxels, true);
             if chosen.is_full() {
                 self.after[place] = chosen.into_column(self.after[place].hull());
             } else {
@@ -237,11 +217,7 @@ struct TouchedGaps<R> {
 
 /// The voxels `rows` of the column at `place` of a line, as a row along the column.
 #[inline]
-pub(crate) fn gather_column<R: BitSet, C: BitSet>(
-    rows: Range,
-    place: usize,
-    row: impl Fn(usize) -> R,
-) -> C {
+fn gather_column<R: BitSet, C: BitSet>(rows: Range, place: usize, row: impl Fn(usize) -> R) -> C {
     let mut voxels = C::EMPTY;
     for word in rows.first() / 64..rows.last() / 64 + 1 {
         let first = rows.first().max(64 * word);

@@ -1,6 +1,8 @@
 //! The closure rule for one column. The rule, and what follows from it, stands at
 //! [`Volume`](crate::Volume).
 
+use core::cmp::Reverse;
+
 use crate::volume::range::Range;
 use crate::volume::range_maps::Column;
 use crate::volume::row::BitSet;
@@ -47,6 +49,15 @@ impl<const K: usize> Column<K> {
     #[inline]
     pub fn has_gaps(&self) -> bool {
         K > 1 && !self.0[1].is_empty()
+    }
+
+    /// Whether a run of empty voxels holds one of a gap.
+    #[inline]
+    pub(crate) fn has_gap_in(&self, run: Range) -> bool {
+        (1..K).any(|i| {
+            let (below, above) = (self.0[i - 1], self.0[i]);
+            !above.is_empty() & (below.last() < run.last()) & (run.first() < above.first())
+        })
     }
 
     /// Whether there is no room for another gap.
@@ -103,55 +114,87 @@ impl<const K: usize> Column<K> {
         }
         let empty = hull.to_row::<R>() & !voxels;
         let held = empty.flood_from(gaps);
-        let mut chosen = LongestRuns::NONE;
-        chosen.take_longest(held);
-        chosen.take_longest(empty & !held);
+        let mut chosen = ChosenGaps::NONE;
+        chosen.insert_runs(held, true);
+        if !chosen.is_full() {
+            chosen.insert_runs(empty & !held, false);
+        }
         chosen.into_column(hull)
     }
 }
 
-/// The runs that become a column's gaps: up to K - 1, those of one call of
-/// [`LongestRuns::take_longest`] before those of the next.
-pub(crate) struct LongestRuns<const K: usize> {
-    runs: [Range; K],
-    count: usize,
+/// The runs that become a column's gaps: the first K - 1 in the rule's order, of all that were inserted.
+#[derive(Clone, Copy)]
+pub(crate) struct ChosenGaps<const K: usize> {
+    /// In that order. The last is never one.
+    ranks: [GapRank; K],
 }
 
-impl<const K: usize> LongestRuns<K> {
+/// A run as a number, the greater the earlier it is in the closure rule's order: from the highest byte on,
+/// whether it holds a voxel of a gap that the column had before, its length, and the complement of its
+/// first voxel. 0 is none.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct GapRank(u32);
+
+impl GapRank {
+    const NONE: Self = GapRank(0);
+
+    #[inline]
+    fn new(run: Range, is_held: bool) -> Self {
+        let [not_first, last] = run.to_bytes();
+        let length = u32::from(last) + u32::from(not_first) + 1 - 255;
+        GapRank(u32::from(is_held) << 16 | length << 8 | u32::from(not_first))
+    }
+
+    #[inline]
+    fn run(self) -> Range {
+        let [not_first, length, ..] = self.0.to_le_bytes();
+        let first = usize::from(!not_first);
+        Range::new(first, first + usize::from(length) - 1)
+    }
+}
+
+impl<const K: usize> ChosenGaps<K> {
     /// No runs.
-    pub(crate) const NONE: Self = LongestRuns { runs: [Range::EMPTY; K], count: 0 };
+    pub(crate) const NONE: Self = ChosenGaps { ranks: [GapRank::NONE; K] };
 
     /// Whether there is no room for another.
     pub(crate) fn is_full(&self) -> bool {
-        self.count == K - 1
+        self.ranks[..K - 1].iter().all(|rank| *rank != GapRank::NONE)
     }
 
-    /// Appends the longest runs of a row for which there is room, of equally long ones the lowest.
-    pub(crate) fn take_longest<R: BitSet>(&mut self, row: R) {
-        let (taken, mut rest) = (self.count, row);
-        while taken < K - 1 && !rest.is_empty() {
+    /// Inserts a run, and drops the last where there are K then.
+    #[inline]
+    pub(crate) fn insert(&mut self, run: Range, is_held: bool) {
+        let mut rank = GapRank::new(run, is_held);
+        for kept in &mut self.ranks[..K - 1] {
+            (*kept, rank) = (rank.max(*kept), rank.min(*kept));
+        }
+    }
+
+    /// Inserts the runs of a row.
+    pub(crate) fn insert_runs<R: BitSet>(&mut self, row: R, are_held: bool) {
+        let mut rest = row;
+        while !rest.is_empty() {
             let beyond = rest.without_lowest_run();
-            let run = Range::hull_of(rest ^ beyond);
+            self.insert(Range::hull_of(rest ^ beyond), are_held);
             rest = beyond;
-            let longer = |other: &Range| other.last() - other.first() >= run.last() - run.first();
-            let place =
-                taken + self.runs[taken..self.count].iter().take_while(|r| longer(r)).count();
-            if place < K - 1 {
-                self.count = (self.count + 1).min(K - 1);
-                self.runs[place..self.count].rotate_right(1);
-                self.runs[place] = run;
-            }
         }
     }
 
     /// The column of a hull with these gaps.
+    #[inline]
     pub(crate) fn into_column(mut self, hull: Range) -> Column<K> {
-        let gaps = &mut self.runs[..self.count];
-        gaps.sort_unstable_by_key(|gap| gap.first());
         let mut column = Column::from_range(hull);
+        let gaps = &mut self.ranks[..K - 1];
+        // The lowest first, and what is none last.
+        gaps.sort_unstable_by_key(|gap| Reverse(gap.0 & 0xff));
         for (i, gap) in gaps.iter().enumerate() {
-            column.0[i] = column.0[i].with_last(gap.first() - 1);
-            column.0[i + 1] = hull.with_first(gap.last() + 1);
+            if *gap != GapRank::NONE {
+                let gap = gap.run();
+                column.0[i] = column.0[i].with_last(gap.first() - 1);
+                column.0[i + 1] = hull.with_first(gap.last() + 1);
+            }
         }
         column
     }

@@ -12,6 +12,7 @@ pub(crate) mod column_digest;
 pub(crate) mod dirty;
 pub(crate) mod editable;
 pub(crate) mod journal;
+pub(crate) mod line_scan;
 pub(crate) mod neighbourhood;
 pub(crate) mod range;
 pub(crate) mod range_maps;

@@ -12,6 +12,7 @@
 
 use crate::limits::BAKED_CROSSINGS;
 use crate::volume::bit_grid::BitGrid;
+use crate::volume::line_scan;
 use crate::volume::range::Range;
 use crate::volume::range_maps::{Axis, Column, ColumnAddress, RangeMaps};
 use crate::volume::row::BitSet;
@@ -217,28 +218,28 @@ impl<const N: usize> ColumnWindings<N> {
     ) where
         Grid<N>: Size,
     {
+        let columns = maps.line_mut(axis, line);
         if self.counts[axis as usize][line] == [0; N] {
-            return BitGrid::close_line(maps, axis, line, touched_at);
+            return line_scan::close_line(columns, (0..N).map(touched_at));
         }
         // Each stretch toggles its column's bit at both ends, as in BitGrid::set_from_maps.
-        let mut solid = [<Grid<N> as Size>::Row::EMPTY; N];
+        let mut toggles = [<Grid<N> as Size>::Row::EMPTY; N];
         let mut unbalanced = <Grid<N> as Size>::Row::EMPTY;
         for place in 0..N {
             let is_balanced = self.visit_wound_stretches(axis, (line, place), |first, last| {
-                solid[first].toggle(place);
-                solid[last].toggle(place);
+                toggles[first].toggle(place);
+                toggles[last].toggle(place);
             });
             unbalanced.insert_if(!is_balanced, place);
         }
         let mut wound = <Grid<N> as Size>::Row::EMPTY;
-        for (i, solid) in solid.iter_mut().enumerate() {
-            wound ^= *solid;
-            *solid = wound | touched_at(i);
-        }
-        BitGrid::close_line(maps, axis, line, |i| solid[i]);
+        let solid = toggles.iter().enumerate().map(|(i, toggled)| {
+            wound ^= *toggled;
+            wound | touched_at(i)
+        });
+        line_scan::close_line(columns, solid);
         for place in unbalanced.iter_ones() {
-            let column = &mut maps.line_mut(axis, line)[place];
-            *column = Column::from_range(column.hull());
+            columns[place] = Column::from_range(columns[place].hull());
         }
     }
 }

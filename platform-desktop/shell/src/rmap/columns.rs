@@ -3,6 +3,7 @@
 use std::array;
 
 use paros_core::RangeMaps;
+use paros_core::internals::HoleScan;
 use paros_core::volume::{Axis, BitSet, Column, Grid, Range, Size};
 
 use super::{HEADER_BYTES, RmapFault, RmapFaultAt};
@@ -213,23 +214,14 @@ where
         for axis in [Axis::Y, Axis::Z] {
             for line in 0..N {
                 let row = |i| self.rows[Self::row_index(axis, line, i)];
-                for place in Self::columns_with_holes(row).iter_ones() {
+                let mut holes = HoleScan::NONE;
+                (0..N).for_each(|i| holes.pass(row(i)));
+                for place in holes.found.iter_ones() {
                     let mut occupied = <Grid<N> as Size>::Row::EMPTY;
                     (0..N).for_each(|i| occupied.insert_if(row(i).contains(place), i));
                     visit(axis, (line, place), occupied);
                 }
             }
         }
-    }
-
-    /// Of a line of columns, those with an empty voxel between two occupied ones.
-    fn columns_with_holes(row: impl Fn(usize) -> <Grid<N> as Size>::Row) -> <Grid<N> as Size>::Row {
-        let [mut begun, mut left, mut holes] = [<Grid<N> as Size>::Row::EMPTY; 3];
-        for row in (0..N).map(row) {
-            holes |= left & row;
-            begun |= row;
-            left |= begun & !row;
-        }
-        holes
     }
 }
