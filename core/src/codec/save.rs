@@ -37,8 +37,15 @@ where
     /// Writes the whole state, a header with a checksum and then everything that later ticks depend on,
     /// and returns its length in bytes. If that exceeds the length of `bytes`, their contents are
     /// unspecified.
+    ///
+    /// A world of more than [`MAX_INTERVALS`] intervals a column has no version, and doesn't compile:
+    /// ```compile_fail
+    /// static WORLD: paros_core::World<16, 5> = paros_core::World::new();
+    /// let _ = WORLD.save(&mut []);
+    /// ```
     #[must_use]
     pub fn save(&self, bytes: &mut [u8]) -> usize {
+        const { assert!(K <= MAX_INTERVALS, "more than MAX_INTERVALS intervals aren't saved") };
         let mut to = ByteWriter::new(bytes);
         to.bytes(&MAGIC);
         to.u16(save_version(K));
@@ -108,7 +115,10 @@ where
         }
         let mask = &self.mask;
         let expected = "tight ranges of the mask";
-        refuse_column::<N, K>(first_loose_column(mask), start, expected)?;
+        let occupied = |voxel| mask.contains(voxel);
+        refuse_column::<N, K>(mask.first_loose_column(occupied), start, expected)?;
+        let expected = "a column of the mask without empty voxels where a gap has room";
+        refuse_column::<N, K>(mask.first_unsaturated_column(occupied), start, expected)?;
         let expected = "a mask within the volume";
         refuse_column::<N, K>(first_column_beyond(mask, volume.rows()), start, expected)?;
         self.load_history(from)?;
@@ -200,12 +210,6 @@ fn refuse_column<const N: usize, const K: usize>(
     let (line, place) = address;
     let offset = start + 2 * K * ((axis as usize * N + line) * N + place);
     Err(BadSave::Column { bad: BadBytes { offset, expected }, axis, address })
-}
-
-fn first_loose_column<const N: usize, const K: usize>(
-    maps: &RangeMaps<N, K>,
-) -> Option<(Axis, ColumnAddress)> {
-    maps.find_column(|axis, at, column| !column.is_tight(|i| maps.contains(axis.voxel_at(at, i))))
 }
 
 /// The first column along x with a voxel that isn't in the volume.

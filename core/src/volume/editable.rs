@@ -163,9 +163,7 @@ where
 
     /// The first column with a range that isn't tight.
     pub(crate) fn first_loose_column(&self) -> Option<(Axis, ColumnAddress)> {
-        self.maps.find_column(|axis, at, column| {
-            !column.is_tight(|i| self.rows.contains(axis.voxel_at(at, i)))
-        })
+        self.maps.first_loose_column(|voxel| self.rows.contains(voxel))
     }
 
     /// Whether every column is saturated: with room for another gap it has no empty voxel inside its
@@ -177,12 +175,7 @@ where
 
     /// The first column that isn't saturated.
     pub(crate) fn first_unsaturated_column(&self) -> Option<(Axis, ColumnAddress)> {
-        if K == 1 {
-            return None;
-        }
-        self.maps.find_column(|axis, at, column| {
-            !column.is_saturated(|i| self.rows.contains(axis.voxel_at(at, i)))
-        })
+        self.maps.first_unsaturated_column(|voxel| self.rows.contains(voxel))
     }
 
     /// Number of occupied voxels.

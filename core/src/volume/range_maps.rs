@@ -230,6 +230,27 @@ impl<const N: usize, const K: usize> RangeMaps<N, K> {
         })
     }
 
+    /// The first column with a range that isn't tight.
+    pub(crate) fn first_loose_column(
+        &self,
+        is_occupied: impl Fn([usize; 3]) -> bool,
+    ) -> Option<(Axis, ColumnAddress)> {
+        self.find_column(|axis, at, column| !column.is_tight(|i| is_occupied(axis.voxel_at(at, i))))
+    }
+
+    /// The first column that isn't saturated.
+    pub(crate) fn first_unsaturated_column(
+        &self,
+        is_occupied: impl Fn([usize; 3]) -> bool,
+    ) -> Option<(Axis, ColumnAddress)> {
+        if K == 1 {
+            return None;
+        }
+        self.find_column(|axis, at, column| {
+            !column.is_saturated(|i| is_occupied(axis.voxel_at(at, i)))
+        })
+    }
+
     /// Whether a voxel is occupied: all three of its columns contain it.
     #[must_use]
     #[inline]

@@ -148,24 +148,30 @@ fn check_mask<const K: usize>(harness: &mut WorldHarness<N, K>) {
     let refused = load_forged(&mut harness.world, &mut forged);
     assert_eq!(refused, Err(bad_column(Axis::Z, address, at, "tight ranges of the mask")));
 
-    // A voxel of its own, where the lump has none.
+    // Voxels of its own, where the lump has none: one, and two in one interval along x, which has room for
+    // the gap between them where there may be two.
     assert_eq!(harness.world.load(&bytes), Ok(()));
-    let voxel = [0, N - 1, 0];
-    assert!(!harness.world.volume().rows().contains(voxel));
-    let column = |axis: Axis| (axis, axis.column_address(voxel));
-    assert!(Axis::ALL.into_iter().map(column).all(|(a, at)| mask.column(a, at) == Column::EMPTY));
-    let columns = Axis::ALL.map(|axis| {
-        let (axis, address) = column(axis);
-        let i = voxel[axis as usize];
-        (axis, address, Column::from_range(Range::new(i, i)))
-    });
-    let mut forged = bytes.clone();
-    forge_mask(&mut forged, &mask, &columns);
-    let address = Axis::X.column_address(voxel);
-    let at = column_offset::<K>(mask_offset::<K>(), Axis::X, address);
-    let refused = load_forged(&mut harness.world, &mut forged);
-    assert_eq!(refused, Err(bad_column(Axis::X, address, at, "a mask within the volume")));
-    assert_eq!(harness.world.load(&bytes), Ok(()));
+    let beyond = "a mask within the volume";
+    let unsaturated = "a column of the mask without empty voxels where a gap has room";
+    for (last_x, expected) in [(0, beyond), (4, if K == 1 { beyond } else { unsaturated })] {
+        let voxel = |x: usize| [x, N - 1, 0];
+        assert!((0..=last_x).all(|x| !harness.world.volume().rows().contains(voxel(x))));
+        let address = Axis::X.column_address(voxel(0));
+        let mut columns = vec![(Axis::X, address, Column::from_range(Range::new(0, last_x)))];
+        for x in [0, last_x] {
+            columns.extend([Axis::Y, Axis::Z].map(|axis| {
+                let i = voxel(x)[axis as usize];
+                (axis, axis.column_address(voxel(x)), Column::from_range(Range::new(i, i)))
+            }));
+        }
+        assert!(columns.iter().all(|(axis, at, _)| mask.column(*axis, *at) == Column::EMPTY));
+        let mut forged = bytes.clone();
+        forge_mask(&mut forged, &mask, &columns);
+        let at = column_offset::<K>(mask_offset::<K>(), Axis::X, address);
+        let refused = load_forged(&mut harness.world, &mut forged);
+        assert_eq!(refused, Err(bad_column(Axis::X, address, at, expected)));
+        assert_eq!(harness.world.load(&bytes), Ok(()));
+    }
 }
 
 #[test]
