@@ -33,16 +33,18 @@ struct Mark {
 }
 
 /// The marks of both hands. All that a mirrored edit brought back has one box, which spans both sides; it is
-/// marked where the bit and its mirror are.
+/// marked along the bit's path in the tick, and along its mirror.
 #[derive(Debug)]
 pub(super) struct RefusalMarks {
     /// Of each hand, at its bit and at the bit's mirror.
     marks: [[Option<Mark>; REFUSAL_MARKS / 2]; 2],
+    /// Of each hand, where along x its bit was after the last tick, in voxels: its next path begins there.
+    path_starts: [Option<f32>; 2],
 }
 
 impl RefusalMarks {
     pub(super) const fn new() -> Self {
-        RefusalMarks { marks: [[None; REFUSAL_MARKS / 2]; 2] }
+        RefusalMarks { marks: [[None; REFUSAL_MARKS / 2]; 2], path_starts: [None; 2] }
     }
 
     pub(super) fn clear(&mut self) {
@@ -50,7 +52,7 @@ impl RefusalMarks {
     }
 
     /// Marks what closure brought back of a hand's edits of the last tick, in place of the hand's last mark.
-    /// Nothing is marked where more was removed.
+    /// Nothing is marked where more was removed. Call it after every tick.
     pub(super) fn follow_tick<const N: usize, const K: usize>(
         &mut self,
         world: &World<N, K>,
@@ -58,12 +60,16 @@ impl RefusalMarks {
     ) where
         Grid<N>: Size,
     {
+        let bit = world.hand_state(hand);
+        let path_end = bit.frozen_pose.position.x;
+        let path_start = self.path_starts[hand].unwrap_or(path_end);
+        self.path_starts[hand] = bit.can_sweep.then_some(path_end);
         let report = world.edit_report(hand);
         if !report.is_mostly_refused_by_closure() {
             return;
         }
         let boxes = match world.is_mirrored() {
-            true => split_by_mirror(world, hand, report.closure_box),
+            true => split_by_mirror(world, hand, [path_start, path_end], report.closure_box),
             false => [report.closure_box, VoxelBox::EMPTY],
         };
         self.marks[hand] = boxes.map(|voxels| {
@@ -109,10 +115,12 @@ impl RefusalMarks {
     }
 }
 
-/// The parts of a mirrored edit's box at the bit and at its mirror; one where they meet.
+/// The parts of a mirrored edit's box along the bit's path and along its mirror; one where they meet.
+/// `path_ends` are those along x, in voxels.
 fn split_by_mirror<const N: usize, const K: usize>(
     world: &World<N, K>,
     hand: usize,
+    path_ends: [f32; 2],
     voxels: VoxelBox,
 ) -> [VoxelBox; 2]
 where
@@ -123,20 +131,21 @@ where
         BitShape::Ball { radius_um } => radius_um as f32,
         BitShape::Box { half_extents_um } => IVec3::from_array(half_extents_um).as_vec3().length(),
     });
-    // What the bit was swept over since the last tick, and what rounding takes.
-    let reach = bit * 1e-6 / BOX_SIDE * N as f32 + 4.0;
-    let centre = world.hand_state(hand).frozen_pose.position.x;
-    let clip = |middle: f32| {
-        let first = (middle - reach).max(x.first() as f32) as usize;
-        let last = (middle + reach).clamp(0.0, x.last() as f32) as usize;
+    // And what rounding takes.
+    let reach = bit * 1e-6 / BOX_SIDE * N as f32 + 1.0;
+    let [a, b] = path_ends;
+    let clip = |low: f32, high: f32| {
+        let first = (low - reach).max(x.first() as f32) as usize;
+        let last = (high + reach).clamp(0.0, x.last() as f32) as usize;
         Range::new(first.min(N - 1), last)
     };
-    let [own, mirror] = [clip(centre), clip(N as f32 - centre)];
+    let (low, high) = (a.min(b), a.max(b));
+    let [own, mirror] = [clip(low, high), clip(N as f32 - high, N as f32 - low)];
     if own.last() + 1 >= mirror.first() && mirror.last() + 1 >= own.first() {
         return [voxels, VoxelBox::EMPTY];
     }
     if own.is_empty() && mirror.is_empty() {
-        // The bit has moved on since.
+        // A tick was left out.
         return [voxels, VoxelBox::EMPTY];
     }
     [own, mirror].map(|x| VoxelBox::new([x, y, z]))

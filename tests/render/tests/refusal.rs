@@ -31,15 +31,36 @@ fn mark_edges(studio: &WorldHarness<64>, scene: &SceneAssembler) -> Vec<[Vec3; 2
     specks.filter(|speck| is_red(&speck.tint)).map(ends).collect()
 }
 
-/// A burr cuts sideways from within a tunnel, where a column of one interval keeps nothing empty, without and
-/// with its mirror, on a turned stool.
+/// Asserts that the marks of the last tick are so many edges around what closure brought back, none of them
+/// between a bit and its mirror.
+fn assert_box_is_marked(studio: &WorldHarness<64>, scene: &SceneAssembler, edges: usize) {
+    let marks = mark_edges(studio, scene);
+    assert_eq!(marks.len(), edges);
+    let ends = || marks.iter().flatten();
+    let lo = ends().copied().reduce(Vec3::min).unwrap();
+    let hi = ends().copied().reduce(Vec3::max).unwrap();
+    let ranges = studio.world.edit_report(RIGHT).closure_box.ranges();
+    let margin = REFUSAL_MARGIN / studio.world.stool_frame().voxel_metres();
+    let first = Vec3::from_array(ranges.map(|range| range.first() as f32 - margin));
+    let last = Vec3::from_array(ranges.map(|range| range.last() as f32 + 1.0 + margin));
+    let off = (first - lo).abs().max((last - hi).abs()).max_element();
+    assert!(off < 0.01, "{lo} to {hi}: {ranges:?}");
+    assert!(ends().all(|end| !(26.0..38.0).contains(&end.x)), "nothing between the two");
+}
+
+/// Starts from a block with a tunnel along x, in which a column of one interval keeps nothing more empty.
+fn start_in_tunnel(studio: &mut WorldHarness<64>) {
+    studio
+        .start_from_voxels(|[_, y, z]| y < 40 && !((10..22).contains(&y) && (8..20).contains(&z)));
+    take_item(studio, RIGHT, BenchItem::Tool(Tool::Rotary));
+}
+
+/// A burr cuts sideways from within a tunnel, without and with its mirror, on a turned stool.
 #[test]
 fn what_closure_brought_back_is_marked_where_it_is() {
     let mut studio = STUDIO.lock().unwrap_or_else(PoisonError::into_inner);
     let mut scene = SceneAssembler::new();
-    studio
-        .start_from_voxels(|[_, y, z]| y < 40 && !((10..22).contains(&y) && (8..20).contains(&z)));
-    take_item(&mut studio, RIGHT, BenchItem::Tool(Tool::Rotary));
+    start_in_tunnel(&mut studio);
     let pointer = PointerCommand::Turn { by: 5000 };
     studio.step(&TickInput { pointer, ..TickInput::default() });
     let mut time = 0.0;
@@ -54,18 +75,7 @@ fn what_closure_brought_back_is_marked_where_it_is() {
             if report.refused_by_closure == 0 {
                 continue;
             }
-            let marks = mark_edges(&studio, &scene);
-            assert_eq!(marks.len(), edges);
-            let ends = || marks.iter().flatten();
-            let lo = ends().copied().reduce(Vec3::min).unwrap();
-            let hi = ends().copied().reduce(Vec3::max).unwrap();
-            let ranges = report.closure_box.ranges();
-            let margin = REFUSAL_MARGIN / studio.world.stool_frame().voxel_metres();
-            let first = Vec3::from_array(ranges.map(|range| range.first() as f32 - margin));
-            let last = Vec3::from_array(ranges.map(|range| range.last() as f32 + 1.0 + margin));
-            let off = (first - lo).abs().max((last - hi).abs()).max_element();
-            assert!(off < 0.01, "{lo} to {hi}: {ranges:?}");
-            assert!(ends().all(|end| !(26.0..38.0).contains(&end.x)), "nothing between the two");
+            assert_box_is_marked(&studio, &scene, edges);
             seen += 1;
         }
         assert!(seen > 10, "{seen} ticks");
@@ -88,4 +98,19 @@ fn what_closure_brought_back_is_marked_where_it_is() {
         assert_eq!(mark_edges(&studio, &scene).len(), 0);
     }
     assert!(removed > 30, "{removed}");
+}
+
+#[test]
+fn a_fast_mirrored_stroke_is_marked_along_its_way() {
+    let mut studio = STUDIO.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut scene = SceneAssembler::new();
+    start_in_tunnel(&mut studio);
+    studio.step(&TickInput { commands: commands::SYMMETRY, ..TickInput::default() });
+    for (tick, x) in [4.0, 4.0, 4.0, 4.0, 18.0].into_iter().enumerate() {
+        step_with_bit_at(&mut studio, RIGHT, Vec3::new(x, 16.0, 19.0), true);
+        scene.assemble_frame(&studio.world, &fresh_at(tick as f64 / 72.0));
+    }
+    let [x, ..] = studio.world.edit_report(RIGHT).closure_box.ranges();
+    assert!(x.first() < 6 && x.last() > 57, "the burr went all the way: {x:?}");
+    assert_box_is_marked(&studio, &scene, 24);
 }
