@@ -1,17 +1,18 @@
 //! Volumes of several intervals a column on the command line: what is written, told, refused and closed.
 //!
 //! Planted faults (tried by hand): a volume is closed though nobody asked for it; `info` reads a volume of one
-//! interval as one of two.
+//! interval as one of two; `play` opens a volume with as many intervals as it is told, whatever the trace has.
 
 mod support;
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use paros_core::RangeMaps;
-use paros_core::codec::trace::{HEADER_BYTES, TraceHeader};
-use paros_core::internals::ByteWriter;
-use paros_core::volume::{BitGrid, BitSet};
+use paros_core::session::SessionMode;
+use paros_core::volume::{BitGrid, BitSet, Grid};
+use paros_core::{RangeMaps, TickInput};
 use paros_shell::rmap;
+use paros_shell::statics::{Resident, ResidentBitGrid};
+use paros_shell::tick_runner::TickRunner;
 use serde_json::Value;
 use support::TestFolder;
 
@@ -138,13 +139,43 @@ fn more_intervals_than_are_opened_are_refused() {
         said.starts_with("three.rmap: 0 voxels filled to leave 2 intervals a column\n"),
         "{said}"
     );
+}
 
-    // A trace of one interval a column starts from volumes of one.
-    let mut trace = [0; HEADER_BYTES];
-    TraceHeader { side: 128, intervals: 1, ticks: 0, starts_digest: 0, first_digest: 0 }
-        .write(&mut ByteWriter::new(&mut trace));
-    folder.write("t.trace", trace);
-    folder.write("two.rmap", encode_hollow_block::<2>());
+/// A trace of one interval a column, in which a session starts from this volume, closed.
+fn record_start_from_closed(volume: &[u8]) -> Vec<u8> {
+    let mut starts = <Grid<128> as Resident<128, 1>>::lock_start_volumes();
+    starts.generate_figures(&mut Grid::<128>::lock_bit_grid(), |_| {});
+    rmap::decode_closed(volume, starts.offer_visitor_volume()).unwrap();
+    let (hidden, mut world) = (starts.hidden_figures(), Grid::<128>::lock_world());
+    let mut runner = TickRunner::new(&mut world, starts.start_volumes(&hidden));
+    runner.start_recording();
+    runner.run_tick(&TickInput { start: SessionMode::Own, ..TickInput::default() });
+    runner.end_recording_to_bytes().unwrap()
+}
+
+#[test]
+fn a_trace_of_one_interval_starts_from_volumes_of_one() {
+    let folder = TestFolder::new("layers-play");
+    let two = encode_hollow_block::<2>();
+    folder.write("t.trace", record_start_from_closed(&two));
+    folder.write("two.rmap", two);
+    folder.write("one.rmap", encode_hollow_block::<1>());
     let word = "two.rmap: at byte 8: expected columns of 1 interval, found columns of 2";
     folder.refuses(&["play", "t.trace", "--volume", "two.rmap"], word);
+    let word = "t.trace: is of 1 interval a column, not of 2";
+    folder.refuses(&["play", "t.trace", "--volume", "two.rmap", "--layers", "2"], word);
+    folder.refuses(&["play", "t.trace", "--layers", "1"], "--volume");
+
+    let told = format!("two.rmap: {CAVITY} voxels filled to leave 1 interval a column\n");
+    let played = |volume, args: &[&str]| {
+        folder.succeeds(&[&["play", "t.trace", "--volume", volume], args].concat())
+    };
+    let of_one = played("one.rmap", &[]);
+    assert!(of_one.starts_with("t.trace: 1 ticks, all as recorded; "), "{of_one}");
+    assert_eq!(played("one.rmap", &["--layers", "1"]), of_one);
+    assert_eq!(played("two.rmap", &["--layers", "1"]), format!("{told}{of_one}"));
+    let json = ["play", "t.trace", "--volume", "two.rmap", "--layers", "1", "--stats", "--json"];
+    let output = folder.paros(&json);
+    assert!(serde_json::from_slice::<Value>(&output.stdout).is_ok(), "{output:?}");
+    assert_eq!(String::from_utf8_lossy(&output.stderr), told);
 }

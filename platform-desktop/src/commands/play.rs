@@ -1,11 +1,12 @@
 //! `paros play`: a recorded session is stepped again, and must lead to the same digests.
 
-use std::fmt::Write;
+use std::fmt::Write as _;
+use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
-use paros_core::World;
 use paros_core::session::SessionState;
 use paros_core::volume::{Grid, Size};
+use paros_core::{RangeMaps, World};
 use paros_headless::Error;
 use paros_shaders::Camera;
 use paros_shell::durable::{self, WriteTarget};
@@ -46,6 +47,8 @@ pub(super) struct Args {
     #[arg(long, requires = "stats")]
     json: bool,
     #[command(flatten)]
+    layers: volume::LayersOption,
+    #[command(flatten)]
     drawing: DrawingOptions,
 }
 
@@ -72,6 +75,7 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
     }
     let trace = Trace::read(&args.trace).map_err(Error::input)?;
     let header = trace.header();
+    args.layers.check_intervals_of(&args.trace, header.intervals.into())?;
     let unplayable = || {
         let why = ReplayDivergence::no_such_world(&header);
         Err(Error::Input(format!("{}: {why}", args.trace.display())))
@@ -89,15 +93,10 @@ where
 {
     let outputs = OutputTargets::check_writable(args)?;
     let mut starts = Grid::<N>::lock_start_volumes();
-    if let Some(path) = &args.volume {
-        match volume::read_header(path)?.grid_side {
-            n if n == N => volume::read_nonempty_volume(path, starts.offer_visitor_volume())?,
-            n => {
-                let path = path.display();
-                return Err(Error::Input(format!("{path}: has size {n}, the trace {N}")));
-            }
-        }
-    }
+    let filled = match &args.volume {
+        Some(path) => read_visitor_volume(args, path, starts.offer_visitor_volume())?,
+        None => String::new(),
+    };
     let making = progress::show_progress("quarrying", None);
     starts.generate_figures(&mut Grid::<N>::lock_bit_grid(), |_| {});
     drop(making);
@@ -107,7 +106,7 @@ where
 
     let world = runner.world();
     let mut report = format!(
-        "{}: {} ticks, all as recorded; {} voxels, digest {:016x}\n",
+        "{filled}{}: {} ticks, all as recorded; {} voxels, digest {:016x}\n",
         args.trace.display(),
         trace.records().len(),
         world.volume().count_voxels(),
@@ -115,6 +114,8 @@ where
     );
     outputs.write_files(&played)?;
     if args.json {
+        // Standard error may be closed.
+        let _ = write!(io::stderr(), "{filled}");
         let stats = EditStats::new(&played.edits);
         return serde_json::to_string_pretty(&stats).map(|s| s + "\n").map_err(Error::failure);
     }
@@ -128,6 +129,24 @@ where
         let _ = writeln!(report, "{}: {} pictures", folder.display(), played.frames);
     }
     Ok(report)
+}
+
+/// Reads the volume that sessions start from as the visitor's own, with as many intervals a column as the trace
+/// has; returns a line that tells what was filled for that.
+fn read_visitor_volume<const N: usize, const K: usize>(
+    args: &Args,
+    path: &Path,
+    maps: &mut RangeMaps<N, K>,
+) -> Result<String, Error>
+where
+    Grid<N>: Size,
+{
+    let side = volume::read_header(path)?.grid_side;
+    if side != N {
+        let path = path.display();
+        return Err(Error::Input(format!("{path}: has size {side}, the trace {N}")));
+    }
+    args.layers.read_nonempty_volume(path, maps)
 }
 
 /// The files that are written at the end.

@@ -50,7 +50,7 @@ pub(super) fn has_volume_header(path: &Path) -> bool {
 #[derive(Debug, clap::Args)]
 pub(super) struct LayersOption {
     /// Intervals of a column to open the volume with; what more of them hold open is filled, and told.
-    #[arg(long, value_name = "K", value_parser = interval_count_parser())]
+    #[arg(long, value_name = "K", value_parser = interval_count_parser(), requires = "volume")]
     layers: Option<usize>,
 }
 
@@ -58,6 +58,18 @@ impl LayersOption {
     /// The number of intervals, K.
     pub(super) fn interval_count(&self) -> usize {
         self.layers.unwrap_or(INTERVALS)
+    }
+
+    /// Refuses a number that was asked for where a file says another.
+    pub(super) fn check_intervals_of(&self, path: &Path, intervals: usize) -> Result<(), Error> {
+        match self.layers {
+            Some(asked) if asked != intervals => Err(Error::Input(format!(
+                "{}: is of {}, not of {asked}",
+                path.display(),
+                name_interval_count(intervals)
+            ))),
+            _ => Ok(()),
+        }
     }
 
     /// Reads a volume; an empty one is an error. One of more than K intervals a column is an error too, if
@@ -75,10 +87,13 @@ impl LayersOption {
         }
         let filled = rmap::read_closed(path, maps).map_err(Error::input)?;
         refuse_empty(path, maps)?;
-        let intervals = if K == 1 { "interval" } else { "intervals" };
-        let path = path.display();
-        Ok(format!("{path}: {filled} voxels filled to leave {K} {intervals} a column\n"))
+        let (path, left) = (path.display(), name_interval_count(K));
+        Ok(format!("{path}: {filled} voxels filled to leave {left}\n"))
     }
+}
+
+fn name_interval_count(intervals: usize) -> String {
+    format!("{intervals} {} a column", if intervals == 1 { "interval" } else { "intervals" })
 }
 
 /// Reads a volume; an empty one is an error.
