@@ -50,3 +50,48 @@ where
         false => Ok(()),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use paros_core::RangeMaps;
+    use paros_core::volume::{Axis, BitSet};
+
+    use super::*;
+
+    /// The file of a block with a slot from above, in columns of K intervals.
+    fn encode_slotted_block<const K: usize>() -> Vec<u8> {
+        let (mut bits, mut maps) =
+            (Grid::<128>::lock_bit_grid(), Box::new(RangeMaps::<128, K>::new()));
+        bits.clear();
+        for y in 0..80 {
+            for z in 20..100 {
+                let slotted = y < 40 || !(50..60).contains(&z);
+                (20..100).for_each(|x| bits.row_mut(y, z).insert_if(slotted, x));
+            }
+        }
+        bits.write_closure(&mut maps);
+        rmap::encode(&maps)
+    }
+
+    #[test]
+    fn volumes_of_one_interval_a_column_open_as_they_are_and_of_three_not() {
+        let folder = std::env::temp_dir().join(format!("paros-opening-{}", std::process::id()));
+        fs::create_dir_all(&folder).unwrap();
+        let path = folder.join("v.rmap");
+        let open = |bytes| {
+            fs::write(&path, bytes).unwrap();
+            read_into_resident_maps::<128>(&path)
+        };
+        let opened = || <Grid<128> as Resident<128, INTERVALS>>::lock_range_maps();
+        let of_two = encode_slotted_block::<2>();
+        assert_eq!(open(encode_slotted_block::<1>()), Ok(()));
+        assert!(opened().column(Axis::Z, (60, 30)).has_gaps());
+        assert!(rmap::encode(&*opened()) == of_two, "as if it had been written with two");
+        let refused = open(encode_slotted_block::<3>()).unwrap_err();
+        assert!(refused.contains("at most 2 intervals, found 3"), "{refused}");
+        assert!(rmap::encode(&*opened()) == of_two, "it leaves the maps alone");
+        fs::remove_dir_all(&folder).unwrap();
+    }
+}
