@@ -23,6 +23,12 @@ fn lock_harness() -> MutexGuard<'static, WorldHarness<64>> {
     HARNESS.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
+paros_models::test_with_one_and_two_intervals!(
+    the_stool_turns_and_takes_contact_and_edits_along,
+    a_tool_at_rest_carves_the_turning_stone,
+    a_grab_a_tool_change_and_a_gap_never_sweep,
+);
+
 #[test]
 fn each_hand_takes_exchanges_and_returns_tools() {
     let mut harness = lock_harness();
@@ -126,17 +132,17 @@ fn what_is_dropped_falls_lies_and_is_back_within_ten_seconds() {
     }
 }
 
-#[test]
-fn the_stool_turns_and_takes_contact_and_edits_along() {
-    let mut harness = lock_harness();
+fn the_stool_turns_and_takes_contact_and_edits_along<const K: usize>(
+    harness: &mut WorldHarness<64, K>,
+) {
     for turn in [0i16, 16_384, -16_384, 5000, i16::MIN] {
-        start_from_floor(&mut harness, 30);
+        start_from_floor(harness, 30);
         harness.step(&TickInput {
             pointer: PointerCommand::Turn { by: turn },
             ..TickInput::default()
         });
-        take_item(&mut harness, RIGHT, BenchItem::Tool(Tool::Rotary));
-        let before = volume_of(&harness);
+        take_item(harness, RIGHT, BenchItem::Tool(Tool::Rotary));
+        let before = volume_of(harness);
         // A place in the room, the same for every turn.
         let tip = STOOL_TOP + Vec3::new(0.1, 31.0 / 64.0 * BOX_SIDE, -0.05);
         let grip = tip + Vec3::Z * Tool::Rotary.length_um() as f32 * 1e-6;
@@ -154,7 +160,7 @@ fn the_stool_turns_and_takes_contact_and_edits_along() {
             + Vec3::new(32.0, 31.0, 32.0);
         let raw = harness.world.hand_state(RIGHT).raw_pose.position;
         assert!(raw.distance(expected) < 0.05, "{turn}: {raw}, not {expected}");
-        let gone = before.difference(&volume_of(&harness));
+        let gone = before.difference(&volume_of(harness));
         assert!(gone.count() > 5, "{turn}: {} voxels", gone.count());
         for voxel in gone.occupied() {
             let centre = Vec3::from_array(voxel.map(|i| i as f32 + 0.5));
@@ -190,11 +196,9 @@ fn a_stick_turns_the_stool_a_quarter_turn_a_second() {
 }
 
 /// A stone held against a turning stool is turned as on a lathe: the tool stands, the edit sweeps.
-#[test]
-fn a_tool_at_rest_carves_the_turning_stone() {
-    let mut harness = lock_harness();
-    start_from_floor(&mut harness, 30);
-    take_item(&mut harness, RIGHT, BenchItem::Tool(Tool::Rotary));
+fn a_tool_at_rest_carves_the_turning_stone<const K: usize>(harness: &mut WorldHarness<64, K>) {
+    start_from_floor(harness, 30);
+    take_item(harness, RIGHT, BenchItem::Tool(Tool::Rotary));
     let tip = STOOL_TOP + Vec3::new(0.15, 31.0 / 64.0 * BOX_SIDE, 0.0);
     let grip = tip + Vec3::Z * Tool::Rotary.length_um() as f32 * 1e-6;
     let full = harness.world.volume().count_voxels();
@@ -203,7 +207,7 @@ fn a_tool_at_rest_carves_the_turning_stone() {
         harness.step(&input_with_hand(RIGHT, hand));
         harness.check_invariants();
     }
-    let ring = volume_of(&harness);
+    let ring = volume_of(harness);
     let radius = 0.15 / BOX_SIDE * 64.0;
     for i in 0..64 {
         let angle = i as f32 / 64.0 * std::f32::consts::TAU;
@@ -214,8 +218,8 @@ fn a_tool_at_rest_carves_the_turning_stone() {
 }
 
 /// Asserts that a tick removed voxels within the bit's current pose only, none of its path.
-fn assert_no_sweep(
-    harness: &WorldHarness<64>,
+fn assert_no_sweep<const K: usize>(
+    harness: &WorldHarness<64, K>,
     hand: usize,
     bit: ToolBit,
     before: &DenseVolume,
@@ -232,32 +236,30 @@ fn assert_no_sweep(
     }
 }
 
-#[test]
-fn a_grab_a_tool_change_and_a_gap_never_sweep() {
-    let mut harness = lock_harness();
+fn a_grab_a_tool_change_and_a_gap_never_sweep<const K: usize>(harness: &mut WorldHarness<64, K>) {
     let (a, b) = (Vec3::new(12.0, 30.2, 20.0), Vec3::new(52.0, 30.2, 44.0));
-    let start = |harness: &mut WorldHarness<64>| {
+    let start = |harness: &mut WorldHarness<64, K>| {
         start_from_floor(harness, 30);
         take_item(harness, RIGHT, BenchItem::Tool(Tool::Rotary));
         (0..3).for_each(|_| step_with_bit_at(harness, RIGHT, a, true));
     };
     // The other way round: a plain stroke does sweep.
-    start(&mut harness);
+    start(harness);
     let just_touching = |place: Vec3| Vec3::new(place.x, 31.4, place.z);
-    step_with_bit_at(&mut harness, RIGHT, just_touching(a), true);
-    (0..4).for_each(|_| step_with_bit_at(&mut harness, RIGHT, just_touching(b), true));
+    step_with_bit_at(harness, RIGHT, just_touching(a), true);
+    (0..4).for_each(|_| step_with_bit_at(harness, RIGHT, just_touching(b), true));
     let middle = [32, 29, 32];
-    assert!(!volume_of(&harness).contains(middle), "a fast stroke leaves no dots");
+    assert!(!volume_of(harness).contains(middle), "a fast stroke leaves no dots");
     // Tracking is lost for a tick; trigger held all the while.
-    start(&mut harness);
-    step_with_bit_at(&mut harness, RIGHT, just_touching(a), true);
+    start(harness);
+    step_with_bit_at(harness, RIGHT, just_touching(a), true);
     harness.step(&input_with_hand(
         RIGHT,
         HandInput { trigger: 255, tracked: false, ..HandInput::default() },
     ));
-    let before = volume_of(&harness);
-    step_with_bit_at(&mut harness, RIGHT, just_touching(b), true);
-    assert_no_sweep(&harness, RIGHT, ToolBit::MediumBall, &before, "gap");
+    let before = volume_of(harness);
+    step_with_bit_at(harness, RIGHT, just_touching(b), true);
+    assert_no_sweep(harness, RIGHT, ToolBit::MediumBall, &before, "gap");
     // Another bit, another tool, put back and taken again: in the tick of the jump.
     let jumps: [(&str, BenchItem, ToolBit); 3] = [
         ("bit", BenchItem::Bit(ToolBit::LargeBall), ToolBit::LargeBall),
@@ -265,14 +267,14 @@ fn a_grab_a_tool_change_and_a_gap_never_sweep() {
         ("grab", BenchItem::Tool(Tool::Rotary), ToolBit::MediumBall),
     ];
     for (what, item, bit) in jumps {
-        start(&mut harness);
+        start(harness);
         if what == "grab" {
             harness.step(&TickInput {
                 pointer: PointerCommand::Return { hand: 1 },
                 ..TickInput::default()
             });
         }
-        let before = volume_of(&harness);
+        let before = volume_of(harness);
         let pose = Pose { position: b, rotation: Quat::IDENTITY };
         let mut input = input_with_hand(
             RIGHT,
@@ -290,7 +292,7 @@ fn a_grab_a_tool_change_and_a_gap_never_sweep() {
         input.pointer = PointerCommand::Take { hand: 1, item: item.number() as u8 };
         harness.step(&input);
         assert_eq!(harness.world.held_tool(RIGHT).map(|held| held.1), Some(bit));
-        assert_no_sweep(&harness, RIGHT, bit, &before, what);
+        assert_no_sweep(harness, RIGHT, bit, &before, what);
     }
 }
 

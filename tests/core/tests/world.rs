@@ -1,6 +1,6 @@
 //! Scenarios of a session: starts, strokes, symmetry, islands, the end.
 
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, PoisonError};
 
 use glam::{Quat, Vec3};
 use paros_core::edit::{Pose, SUBUNITS_PER_VOXEL, UndoCounts};
@@ -18,15 +18,20 @@ use paros_models::scripted_hand::{
 };
 use paros_models::world_harness::{WorldAndStarts, WorldHarness, maps_are_equal};
 
-static HARNESS: Mutex<WorldHarness<64>> = Mutex::new(WorldHarness::new());
+paros_models::test_with_one_and_two_intervals!(
+    modes_start_from_their_volumes,
+    a_start_that_is_not_there_changes_nothing,
+    a_stroke_is_one_entry_with_the_islands_it_cut_off,
+    islands_wait_for_a_hand_on_a_long_way,
+    islands_wait_for_an_undo,
+    another_bit_begins_another_stroke,
+    buttons_act_once_a_press,
+    symmetry_is_the_exact_mirror,
+    the_end_takes_no_more_edits,
+    the_hidden_figure_outlasts_any_carving,
+);
 
-fn lock_harness() -> MutexGuard<'static, WorldHarness<64>> {
-    HARNESS.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-#[test]
-fn modes_start_from_their_volumes() {
-    let mut harness = lock_harness();
+fn modes_start_from_their_volumes<const K: usize>(harness: &mut WorldHarness<64, K>) {
     for (mode, masked) in [
         (SessionMode::FreeForm, false),
         (SessionMode::Constrained { figure: 0 }, true),
@@ -61,13 +66,11 @@ fn modes_start_from_their_volumes() {
         }
         harness.check_invariants();
     }
-    start_from_floor(&mut harness, 9);
+    start_from_floor(harness, 9);
     assert!(maps_are_equal(harness.world.volume().maps(), &harness.own));
 }
 
-#[test]
-fn a_start_that_is_not_there_changes_nothing() {
-    let mut harness = lock_harness();
+fn a_start_that_is_not_there_changes_nothing<const K: usize>(harness: &mut WorldHarness<64, K>) {
     for mode in [
         SessionMode::Constrained { figure: 1 },
         SessionMode::Constrained { figure: 255 },
@@ -88,16 +91,16 @@ fn a_start_that_is_not_there_changes_nothing() {
     }
     // Before any session, there is nothing to take.
     harness.reset();
-    take_item(&mut harness, LEFT, BenchItem::Tool(Tool::Rotary));
+    take_item(harness, LEFT, BenchItem::Tool(Tool::Rotary));
     assert_eq!(
         (harness.world.session_state(), harness.world.held_tool(LEFT)),
         (SessionState::Waiting, None)
     );
 }
 
-#[test]
-fn a_stroke_is_one_entry_with_the_islands_it_cut_off() {
-    let mut harness = lock_harness();
+fn a_stroke_is_one_entry_with_the_islands_it_cut_off<const K: usize>(
+    harness: &mut WorldHarness<64, K>,
+) {
     // A mushroom: its cap is an island once the stem is cut.
     harness.start_from_voxels(|[x, y, z]| {
         y < 10
@@ -105,14 +108,14 @@ fn a_stroke_is_one_entry_with_the_islands_it_cut_off() {
             || (20..24).contains(&y) && (24..40).contains(&x) && (24..40).contains(&z)
     });
     let start = maps_digest(harness.world.volume().maps());
-    take_item(&mut harness, RIGHT, BenchItem::Tool(Tool::Rotary));
-    run_stroke(&mut harness, RIGHT, Vec3::new(10.0, 11.0, 50.0), Vec3::new(50.0, 11.0, 50.0), 20);
+    take_item(harness, RIGHT, BenchItem::Tool(Tool::Rotary));
+    run_stroke(harness, RIGHT, Vec3::new(10.0, 11.0, 50.0), Vec3::new(50.0, 11.0, 50.0), 20);
     let first = maps_digest(harness.world.volume().maps());
     assert_eq!(harness.world.undo_counts(), UndoCounts { undoable: 1, redoable: 0 });
     let mut removed = 0;
-    step_with_bit_at(&mut harness, RIGHT, Vec3::new(32.0, 15.0, 50.0), false);
+    step_with_bit_at(harness, RIGHT, Vec3::new(32.0, 15.0, 50.0), false);
     for i in 0..60 {
-        step_with_bit_at(&mut harness, RIGHT, Vec3::new(32.0, 15.0, 50.0 - 0.6 * i as f32), true);
+        step_with_bit_at(harness, RIGHT, Vec3::new(32.0, 15.0, 50.0 - 0.6 * i as f32), true);
         for event in harness.world.events() {
             if let WorldEvent::Islands(report) = event {
                 removed += report.removed;
@@ -147,8 +150,8 @@ fn is_floor_or_hovering_block([x, y, z]: [usize; 3]) -> bool {
 
 /// Runs a tick in which the left hand's nozzle walks `steps` steps along the floor and the right hand's bit
 /// cuts `depth` deep. Returns whether an island was removed in that tick.
-fn island_falls_during(
-    harness: &mut WorldHarness<64>,
+fn island_falls_during<const K: usize>(
+    harness: &mut WorldHarness<64, K>,
     steps: u32,
     depth: f32,
     commands: u8,
@@ -166,124 +169,106 @@ fn island_falls_during(
     harness.world.events().iter().any(|event| matches!(event, WorldEvent::Islands(_)))
 }
 
-fn start_with_hovering_block(harness: &mut WorldHarness<64>) {
+fn start_with_hovering_block<const K: usize>(harness: &mut WorldHarness<64, K>) {
     harness.start_from_voxels(is_floor_or_hovering_block);
     take_item(harness, LEFT, BenchItem::Tool(Tool::FillGun));
     take_item(harness, RIGHT, BenchItem::Tool(Tool::Rotary));
     assert!(!island_falls_during(harness, 0, -5.0, 0), "nothing is edited yet");
 }
 
-#[test]
-fn islands_wait_for_a_hand_on_a_long_way() {
-    let mut harness = lock_harness();
+fn islands_wait_for_a_hand_on_a_long_way<const K: usize>(harness: &mut WorldHarness<64, K>) {
     for (steps, waits) in
         [(HAND_STEPS_BESIDE_ISLANDS / 4, false), (HAND_STEPS_BESIDE_ISLANDS + 8, true)]
     {
-        start_with_hovering_block(&mut harness);
-        assert_eq!(island_falls_during(&mut harness, steps, 1.0, 0), !waits, "{steps} steps");
+        start_with_hovering_block(harness);
+        assert_eq!(island_falls_during(harness, steps, 1.0, 0), !waits, "{steps} steps");
         assert_eq!(
-            island_falls_during(&mut harness, steps, 1.0, 0),
+            island_falls_during(harness, steps, 1.0, 0),
             waits,
             "at rest after {steps} steps"
         );
     }
 }
 
-#[test]
-fn islands_wait_for_an_undo() {
-    let mut harness = lock_harness();
-    start_with_hovering_block(&mut harness);
-    assert!(island_falls_during(&mut harness, 0, 1.0, 0));
-    assert!(!island_falls_during(&mut harness, 0, 2.0, commands::UNDO), "it is back");
-    assert!(island_falls_during(&mut harness, 0, 2.0, 0));
+fn islands_wait_for_an_undo<const K: usize>(harness: &mut WorldHarness<64, K>) {
+    start_with_hovering_block(harness);
+    assert!(island_falls_during(harness, 0, 1.0, 0));
+    assert!(!island_falls_during(harness, 0, 2.0, commands::UNDO), "it is back");
+    assert!(island_falls_during(harness, 0, 2.0, 0));
 }
 
 /// A tool that is taken while the trigger is pulled begins a stroke of its own.
-#[test]
-fn another_bit_begins_another_stroke() {
-    let mut harness = lock_harness();
-    start_from_floor(&mut harness, 30);
-    take_item(&mut harness, RIGHT, BenchItem::Tool(Tool::Rotary));
-    (0..4).for_each(|_| step_with_bit_at(&mut harness, RIGHT, Vec3::new(20.0, 31.0, 20.0), true));
+fn another_bit_begins_another_stroke<const K: usize>(harness: &mut WorldHarness<64, K>) {
+    start_from_floor(harness, 30);
+    take_item(harness, RIGHT, BenchItem::Tool(Tool::Rotary));
+    (0..4).for_each(|_| step_with_bit_at(harness, RIGHT, Vec3::new(20.0, 31.0, 20.0), true));
     let first = maps_digest(harness.world.volume().maps());
     let place = Pose { position: Vec3::new(44.0, 31.0, 44.0), rotation: Quat::IDENTITY };
     let hand = HandInput { trigger: 255, ..harness.world.hand_with_bit_at(RIGHT, &place) };
     let pointer =
         PointerCommand::Take { hand: 1, item: BenchItem::Bit(ToolBit::LargeBall).number() as u8 };
     harness.step(&TickInput { pointer, ..input_with_hand(RIGHT, hand) });
-    (0..4).for_each(|_| step_with_bit_at(&mut harness, RIGHT, Vec3::new(44.0, 31.0, 44.0), true));
+    (0..4).for_each(|_| step_with_bit_at(harness, RIGHT, Vec3::new(44.0, 31.0, 44.0), true));
     assert_eq!(harness.world.undo_counts(), UndoCounts { undoable: 2, redoable: 0 });
     harness.step(&TickInput { commands: commands::UNDO, ..TickInput::default() });
     assert_eq!(maps_digest(harness.world.volume().maps()), first);
 }
 
-#[test]
-fn buttons_act_once_a_press() {
-    let mut harness = lock_harness();
-    start_from_floor(&mut harness, 30);
-    take_item(&mut harness, RIGHT, BenchItem::Tool(Tool::Rotary));
+fn buttons_act_once_a_press<const K: usize>(harness: &mut WorldHarness<64, K>) {
+    start_from_floor(harness, 30);
+    take_item(harness, RIGHT, BenchItem::Tool(Tool::Rotary));
     for x in [12.0, 32.0, 52.0] {
-        run_stroke(&mut harness, RIGHT, Vec3::new(x, 31.0, 12.0), Vec3::new(x, 31.0, 50.0), 12);
+        run_stroke(harness, RIGHT, Vec3::new(x, 31.0, 12.0), Vec3::new(x, 31.0, 50.0), 12);
     }
     assert_eq!(harness.world.undo_counts(), UndoCounts { undoable: 3, redoable: 0 });
-    let press = |harness: &mut WorldHarness<64>, buttons| {
+    let press = |harness: &mut WorldHarness<64, K>, buttons| {
         (0..5).for_each(|_| {
             harness.step(&input_with_hand(LEFT, HandInput { buttons, ..hand_input_at(STOOL_TOP) }));
         });
         harness.step(&input_with_hand(LEFT, hand_input_at(STOOL_TOP)));
     };
-    press(&mut harness, buttons::LOWER);
+    press(harness, buttons::LOWER);
     assert_eq!(harness.world.undo_counts(), UndoCounts { undoable: 2, redoable: 1 });
     // Both at once are neither.
-    press(&mut harness, buttons::LOWER | buttons::UPPER);
+    press(harness, buttons::LOWER | buttons::UPPER);
     assert_eq!(
         (harness.world.undo_counts(), harness.world.events()),
         (UndoCounts { undoable: 2, redoable: 1 }, &[][..])
     );
-    press(&mut harness, buttons::UPPER);
+    press(harness, buttons::UPPER);
     assert_eq!(harness.world.undo_counts(), UndoCounts { undoable: 3, redoable: 0 });
-    press(&mut harness, buttons::UPPER);
-    press(&mut harness, buttons::LOWER | buttons::UPPER);
+    press(harness, buttons::UPPER);
+    press(harness, buttons::LOWER | buttons::UPPER);
     assert_eq!(
         harness.world.undo_counts(),
         UndoCounts { undoable: 3, redoable: 0 },
         "as where nothing is to be done again"
     );
-    press(&mut harness, buttons::STICK);
+    press(harness, buttons::STICK);
     assert!(harness.world.is_mirrored());
     harness.step(&TickInput { commands: commands::SYMMETRY, ..TickInput::default() });
     assert!(!harness.world.is_mirrored());
 }
 
-#[test]
-fn symmetry_is_the_exact_mirror() {
-    let mut harness = lock_harness();
+fn symmetry_is_the_exact_mirror<const K: usize>(harness: &mut WorldHarness<64, K>) {
     for tool in Tool::ALL {
-        start_from_floor(&mut harness, 30);
+        start_from_floor(harness, 30);
         harness.step(&TickInput { commands: commands::SYMMETRY, ..TickInput::default() });
         assert_eq!(harness.world.events(), [WorldEvent::Symmetry(true)]);
-        take_item(&mut harness, LEFT, BenchItem::Tool(tool));
-        let before = volume_of(&harness);
-        run_stroke(
-            &mut harness,
-            LEFT,
-            Vec3::new(50.3, 31.2, 20.9),
-            Vec3::new(28.1, 28.7, 40.2),
-            25,
-        );
-        let after = volume_of(&harness);
+        take_item(harness, LEFT, BenchItem::Tool(tool));
+        let before = volume_of(harness);
+        run_stroke(harness, LEFT, Vec3::new(50.3, 31.2, 20.9), Vec3::new(28.1, 28.7, 40.2), 25);
+        let after = volume_of(harness);
         assert!(after == after.mirrored_in_x(), "{tool:?}");
         let changes = before != after;
         assert!(tool == Tool::Rasp || changes, "{tool:?} did nothing");
     }
 }
 
-#[test]
-fn the_end_takes_no_more_edits() {
-    let mut harness = lock_harness();
-    start_from_floor(&mut harness, 30);
-    take_item(&mut harness, RIGHT, BenchItem::Tool(Tool::Rotary));
-    run_stroke(&mut harness, RIGHT, Vec3::new(10.0, 31.0, 20.0), Vec3::new(50.0, 31.0, 20.0), 12);
+fn the_end_takes_no_more_edits<const K: usize>(harness: &mut WorldHarness<64, K>) {
+    start_from_floor(harness, 30);
+    take_item(harness, RIGHT, BenchItem::Tool(Tool::Rotary));
+    run_stroke(harness, RIGHT, Vec3::new(10.0, 31.0, 20.0), Vec3::new(50.0, 31.0, 20.0), 12);
     harness.step(&TickInput { commands: commands::FINISH, ..TickInput::default() });
     assert_eq!(harness.world.events(), [WorldEvent::Finished]);
     assert_eq!(harness.world.session_state(), SessionState::Finished);
@@ -295,8 +280,8 @@ fn the_end_takes_no_more_edits() {
     }
     assert_eq!(maps_digest(harness.world.volume().maps()), done);
     // In the very tick of the end, nothing is carved either.
-    start_from_floor(&mut harness, 30);
-    take_item(&mut harness, RIGHT, BenchItem::Tool(Tool::Rotary));
+    start_from_floor(harness, 30);
+    take_item(harness, RIGHT, BenchItem::Tool(Tool::Rotary));
     let pose = Pose { position: Vec3::new(30.0, 31.0, 30.0), rotation: Quat::IDENTITY };
     let hand = HandInput { trigger: 255, ..harness.world.hand_with_bit_at(RIGHT, &pose) };
     harness.step(&TickInput { commands: commands::FINISH, ..input_with_hand(RIGHT, hand) });
@@ -307,21 +292,19 @@ fn the_end_takes_no_more_edits() {
 
 /// Under random carving, a bit's penetration never exceeds its bite, the hidden figure stays whole, and each
 /// tick removes voxels of the bit's swept volume only.
-#[test]
-fn the_hidden_figure_outlasts_any_carving() {
-    let mut harness = lock_harness();
+fn the_hidden_figure_outlasts_any_carving<const K: usize>(harness: &mut WorldHarness<64, K>) {
     let (mut on_mask, mut carved) = (0, 0);
     for seed in 0..6 {
         harness.start_session(SessionMode::Constrained { figure: 0 });
         let mut dice = RandomSource::new(seed);
         let bit = ToolBit::from_number(dice.below(7) as u8).expect("a carving bit");
-        take_item(&mut harness, RIGHT, BenchItem::Tool(bit.spec().tool));
-        take_item(&mut harness, RIGHT, BenchItem::Bit(bit));
+        take_item(harness, RIGHT, BenchItem::Tool(bit.spec().tool));
+        take_item(harness, RIGHT, BenchItem::Bit(bit));
         assert_eq!(bit.spec().action, BitAction::Carve);
         let mut visitor = RandomVisitor::new(seed + 70);
         visitor.restless = false;
         // From outside: the bit has a place that isn't too deep.
-        step_with_bit_at(&mut harness, RIGHT, Vec3::new(32.0, 90.0, 32.0), false);
+        step_with_bit_at(harness, RIGHT, Vec3::new(32.0, 90.0, 32.0), false);
         let mask = maps_digest(harness.world.mask());
         let grid = bit.to_grid_bit(harness.world.stool_frame().voxel_metres() * 1e6);
         for _ in 0..900 {
@@ -367,7 +350,8 @@ fn is_voxel_between_rods([x, y, z]: [usize; 3]) -> bool {
 
 #[test]
 fn what_closure_kept_is_told_once_and_forgotten_at_a_start() {
-    let mut harness = lock_harness();
+    static HARNESS: Mutex<WorldHarness<64>> = Mutex::new(WorldHarness::new());
+    let mut harness = HARNESS.lock().unwrap_or_else(PoisonError::into_inner);
     harness.start_session(SessionMode::FreeForm);
     let fresh = harness.world.part_digests();
     harness.start_from_voxels(is_voxel_between_rods);

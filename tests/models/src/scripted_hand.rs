@@ -28,11 +28,14 @@ pub fn input_with_hand(hand: usize, input: HandInput) -> TickInput {
 }
 
 /// Runs two ticks: a squeeze at a position of the room, and its release. Returns the squeeze's events.
-pub fn squeeze_and_release(
-    harness: &mut WorldHarness<64>,
+pub fn squeeze_and_release<const N: usize, const K: usize>(
+    harness: &mut WorldHarness<N, K>,
     hand: usize,
     room_position: Vec3,
-) -> Vec<WorldEvent> {
+) -> Vec<WorldEvent>
+where
+    Grid<N>: Size,
+{
     harness
         .step(&input_with_hand(hand, HandInput { squeeze: 255, ..hand_input_at(room_position) }));
     let events = harness.world.events().to_vec();
@@ -71,13 +74,15 @@ pub fn step_with_bit_at<const N: usize, const K: usize>(
 
 /// Runs a stroke of `ticks` ticks between two positions of the grid, the trigger pulled; then lifts the bit by
 /// 40 voxels.
-pub fn run_stroke(
-    harness: &mut WorldHarness<64>,
+pub fn run_stroke<const N: usize, const K: usize>(
+    harness: &mut WorldHarness<N, K>,
     hand: usize,
     grid_start: Vec3,
     grid_end: Vec3,
     ticks: u32,
-) {
+) where
+    Grid<N>: Size,
+{
     step_with_bit_at(harness, hand, grid_start, false);
     for i in 1..=ticks {
         step_with_bit_at(harness, hand, grid_start.lerp(grid_end, i as f32 / ticks as f32), true);
@@ -87,11 +92,19 @@ pub fn run_stroke(
 }
 
 /// Starts a session from a floor of stone, so many voxels thick.
-pub fn start_from_floor(harness: &mut WorldHarness<64>, thickness: usize) {
+pub fn start_from_floor<const N: usize, const K: usize>(
+    harness: &mut WorldHarness<N, K>,
+    thickness: usize,
+) where
+    Grid<N>: Size,
+{
     harness.start_from_voxels(|[_, y, _]| y < thickness);
 }
 
 /// The world's volume, as the model's set of voxels.
-pub fn volume_of(harness: &WorldHarness<64>) -> DenseVolume {
+pub fn volume_of<const N: usize, const K: usize>(harness: &WorldHarness<N, K>) -> DenseVolume
+where
+    Grid<N>: Size,
+{
     DenseVolume::from_bits(harness.world.volume().rows())
 }

@@ -143,6 +143,39 @@ where
 }
 
 /// Whether two sets of maps hold the same ranges.
-pub fn maps_are_equal<const N: usize>(a: &RangeMaps<N>, b: &RangeMaps<N>) -> bool {
+pub fn maps_are_equal<const N: usize, const K: usize>(
+    a: &RangeMaps<N, K>,
+    b: &RangeMaps<N, K>,
+) -> bool {
     Axis::ALL.into_iter().all(|axis| (0..N).all(|line| a.line(axis, line) == b.line(axis, line)))
+}
+
+/// Makes tests of scenarios, functions of a [`WorldHarness`] at 64: each runs with one interval a column and
+/// with two, in modules `one` and `two`.
+#[macro_export]
+macro_rules! test_with_one_and_two_intervals {
+    ($($scenario:ident),+ $(,)?) => {
+        mod one {
+            $crate::test_with_intervals!(1: $($scenario),+);
+        }
+        mod two {
+            $crate::test_with_intervals!(2: $($scenario),+);
+        }
+    };
+}
+
+/// The same with K intervals a column, on a harness that these tests share.
+#[macro_export]
+macro_rules! test_with_intervals {
+    ($intervals:literal: $($scenario:ident),+) => {
+        type Harness = $crate::world_harness::WorldHarness<64, $intervals>;
+        static HARNESS: std::sync::Mutex<Harness> = std::sync::Mutex::new(Harness::new());
+        $(
+            #[test]
+            fn $scenario() {
+                let held = HARNESS.lock();
+                super::$scenario(&mut held.unwrap_or_else(std::sync::PoisonError::into_inner));
+            }
+        )+
+    };
 }
