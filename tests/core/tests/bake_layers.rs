@@ -214,9 +214,17 @@ fn a_baked_gap_is_held_before_a_longer_run() {
     let mut tube = box_of_voxels([1, 2, 2], [8, 12, 12]);
     // Without the faces across y: columns along x see walls around a solid, and along y nothing.
     tube.drain(4..8);
-    let [_, two] = baked(&[tube, box_of_voxels([11, 2, 2], [13, 12, 12])].concat());
-    assert!((2..8).all(|x| !holds(&two, [x, 6, 6])));
-    assert_eq!(two.columns[0][6 * N + 6], [(1, 8), (11, 13)]);
+    let shape = [tube, box_of_voxels([11, 2, 2], [13, 12, 12])].concat();
+    for axis in 0..3 {
+        let turn = |mut at: [i32; 3]| {
+            at.rotate_right(axis);
+            at
+        };
+        let turned: Vec<Triangle> = shape.iter().map(|triangle| triangle.map(turn)).collect();
+        let [_, two] = baked(&turned);
+        assert!((2..8).all(|x| !holds(&two, turn([x, 6, 6]).map(|i| i as usize))), "{axis}");
+        assert_eq!(two.columns[axis][6 * N + 6], [(1, 8), (11, 13)], "{axis}");
+    }
 }
 
 #[test]
