@@ -6,7 +6,7 @@ pub use crate::codec::digest::{DIGEST_PARTS, checksum, combine_digests, mix_bits
 pub use crate::convert::bake::BAKE_UNITS_PER_VOXEL;
 pub use crate::edit::brush::{BrushBounds, BrushPiece, BrushPieces, BrushRow, isqrt};
 pub use crate::edit::contact::{
-    FreezeResult, LONG_STRETCH, Obstacle, SHORT_STRETCH, exit_probe_steps,
+    BURIED_WITHIN, FreezeResult, LONG_STRETCH, Obstacle, SHORT_STRETCH, WayBudget, exit_probe_steps,
 };
 pub use crate::edit::grid_bit::{GridBit, GridShape};
 pub use crate::edit::islands::IslandSearch;
@@ -14,7 +14,7 @@ pub use crate::edit::pose::FIXED_ONE;
 pub use crate::edit::undo::UndoHistory;
 pub use crate::session::hand::{RoomPose, haptic_amplitude};
 pub use crate::session::input::UNITS_PER_METRE;
-pub use crate::session::step::{RemovalJournal, StrokeJournal};
+pub use crate::session::journals::{RemovalJournal, StrokeJournal};
 pub use crate::session::stool_frame::{BOX_SIDE, STOOL_TOP};
 pub use crate::session::tools::{BitAction, BitShape, ToolBitSpec};
 pub use crate::session::workbench::{BENCH_ITEMS, BENCH_TOP, ToolPlace, Workbench};

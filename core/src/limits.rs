@@ -61,6 +61,59 @@ pub const BAKED_CROSSINGS: usize = 32;
 /// and islands make twelve.
 pub const MAX_EVENTS: usize = 16;
 
+/// The work of a tick that the world hands out: to undo or redo, to the hands and to the island search, in
+/// row visits of the island search. Some 150 instructions each at 128, half as many again at 256, keep a
+/// tick within 4 and 10 million.
+#[must_use]
+pub const fn tick_work(grid_side: usize) -> u32 {
+    island_row_visits_per_tick(grid_side) + if grid_side > 128 { 20_000 } else { 6_000 }
+}
+
+/// The work of an undo or redo, which swaps columns and rebuilds the volume's bit rows: 1.1 and 5.6 million
+/// instructions for a stroke's columns, and a quarter more with several intervals a column.
+#[must_use]
+pub const fn rewind_work(grid_side: usize, intervals: usize) -> u32 {
+    let work = if grid_side > 128 { 25_000 } else { 8_000 };
+    if intervals > 1 { work + work / 4 } else { work }
+}
+
+/// The part of a tick's work that is always the island search's: a pass that needs one tick's visits ends
+/// within five ticks, whatever hands do.
+#[must_use]
+pub const fn island_reserve(grid_side: usize) -> u32 {
+    island_row_visits_per_tick(grid_side) / 4
+}
+
+/// Side of a bit's bounding cube in voxels, however it is turned, by the radius of its bounding ball.
+#[must_use]
+pub const fn bit_side_voxels(circumscribed_radius_subunits: i32) -> u32 {
+    (2 * circumscribed_radius_subunits as u32).div_ceil(256) + 1
+}
+
+/// The work of a step of a bit, which tests the rows of its bounding cube.
+#[must_use]
+pub const fn bit_step_work(side_voxels: u32) -> u32 {
+    1 + side_voxels * side_voxels / 8
+}
+
+/// The work of an edit in place.
+#[must_use]
+pub const fn bite_work(side_voxels: u32) -> u32 {
+    2 * side_voxels * side_voxels
+}
+
+/// What a quarter voxel of way adds to the work of a ball's edit: rows at its front.
+#[must_use]
+pub const fn sweep_work_of_ball(side_voxels: u32) -> u32 {
+    side_voxels
+}
+
+/// The same for a box, which takes another piece for each voxel of arc.
+#[must_use]
+pub const fn sweep_work_of_box(side_voxels: u32) -> u32 {
+    side_voxels + side_voxels * side_voxels / 8
+}
+
 /// The island search's budget for a tick, in row visits: 10,240 at 128, where the test meshes need
 /// some 8,000 and the cost of a removal, and 16,384 at 256. A visit takes 100 to 170 instructions in a
 /// solid at 128, and 300 in a comb of sheets; half as many again at 256.
@@ -69,39 +122,12 @@ pub const fn island_row_visits_per_tick(grid_side: usize) -> u32 {
     (if grid_side > 128 { grid_side * grid_side / 4 } else { grid_side * grid_side * 5 / 8 }) as u32
 }
 
-/// The cost of expanding the mask into bit rows when an island search begins, in row visits: the whole
-/// budget of a tick.
-#[must_use]
-pub const fn mask_layout_row_visits(grid_side: usize) -> u32 {
-    island_row_visits_per_tick(grid_side)
-}
-
 /// Upper bound of a bit's steps in a tick, each of a quarter voxel, forward or sliding: 7 cm in contact
 /// with the stone, or 5 m/s, which is faster than hands at work. A stretch of free steps counts as one
 /// step, so a bit in the air covers a metre. After a jump the bit catches up within some ticks.
 #[must_use]
 pub const fn max_bit_steps_per_tick(grid_side: usize) -> u32 {
     if grid_side > 128 { 160 } else { 80 }
-}
-
-/// [`max_bit_steps_per_tick`] in a tick with an undo or redo, which rebuilds the volume's bit rows: a
-/// quarter; none at 256 with more than one interval a column, where that takes a quarter longer: the bits
-/// stand.
-#[must_use]
-pub const fn max_bit_steps_in_undo_tick(grid_side: usize, intervals: usize) -> u32 {
-    if grid_side > 128 && intervals > 1 { 0 } else { max_bit_steps_per_tick(grid_side) / 4 }
-}
-
-/// The work of both hands in a tick, in steps plus brush pieces, above which the island search waits
-/// for the next tick: 20 mm in contact at 128, or 1.4 m/s, and half as much at 256. Hands at work are
-/// slower.
-pub const HAND_STEPS_BESIDE_ISLANDS: u32 = 24;
-
-/// The same in a tick in which a pass would begin by laying out the mask. At 256 with more than one
-/// interval a column that takes a third longer.
-#[must_use]
-pub const fn hand_steps_beside_mask_layout(grid_side: usize, intervals: usize) -> u32 {
-    if grid_side > 128 && intervals > 1 { 8 } else { HAND_STEPS_BESIDE_ISLANDS }
 }
 
 /// The cost of a step, in steps, while the bit is deeper than its penetration limit, as an undo may

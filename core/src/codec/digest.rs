@@ -1,7 +1,8 @@
 //! 64-bit hashes, not cryptographic: the bit mixer, a hash of bytes, and the parts of a world's digest.
 //!
 //! A digest is either a hash of bytes in order ([`checksum`]), or a sum of values times
-//! [`DIGEST_KEYS`], which can be updated incrementally as single values change.
+//! [`DIGEST_KEYS`], which can be updated incrementally as single values change. Every factor of such a sum
+//! is odd, whatever it was rotated or multiplied by, so that no bit of a value vanishes.
 
 /// Names of the state's parts, each of which has its own digest.
 pub const DIGEST_PARTS: [&str; 4] = ["hands, bench and session", "volume", "undo", "islands"];

@@ -7,10 +7,13 @@
 pub(crate) mod events;
 pub(crate) mod hand;
 pub(crate) mod input;
+pub(crate) mod journals;
+pub(crate) mod ledger;
 pub(crate) mod start_volumes;
 pub(crate) mod state;
 pub(crate) mod step;
 pub(crate) mod stool_frame;
+pub(crate) mod tool_step;
 pub(crate) mod tools;
 pub(crate) mod workbench;
 pub(crate) mod world;

@@ -1,24 +1,17 @@
 //! The parts of a tick, in the order in which [`World::step`] calls them.
 
-use crate::edit::contact::{FreezeResult, Obstacle};
-use crate::edit::islands::IslandSearch;
-use crate::edit::operation::{Edit, EditOperation, EditReport, apply_edit};
-use crate::edit::pose::Pose;
 use crate::edit::undo::UndoHistory;
-use crate::limits::island_row_visits_per_tick;
 use crate::session::events::WorldEvent;
-use crate::session::hand::{HandPresses, haptic_amplitude};
+use crate::session::hand::HandPresses;
 use crate::session::input::{PointerCommand, SessionMode, TICK_RATE, TickInput, buttons, commands};
+use crate::session::journals::RemovalJournal;
 use crate::session::start_volumes::StartVolumes;
 use crate::session::state::{SessionState, WorldState};
-use crate::session::tools::{BitAction, ToolBit};
 use crate::session::workbench::BenchItem;
 use crate::session::world::World;
 use crate::volume::column_digest::copy_and_digest_maps;
 use crate::volume::dirty::DirtyRects;
 use crate::volume::editable::Volume;
-use crate::volume::journal::Journal;
-use crate::volume::range_maps::{Axis, Column, RowAddress};
 use crate::volume::size::{Grid, Size};
 
 /// What the commands of a tick did.
@@ -26,22 +19,6 @@ use crate::volume::size::{Grid, Size};
 pub(crate) struct CommandEffects {
     /// Whether undo or redo changed the volume.
     pub(crate) volume_rewound: bool,
-}
-
-/// The work done for one hand in a tick.
-#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
-pub(crate) struct StepCost {
-    /// Steps that the bit moved, as counted by the path traversal.
-    pub(crate) bit_steps: u32,
-    /// Convex pieces of the brush that was applied.
-    pub(crate) brush_pieces: u32,
-}
-
-impl StepCost {
-    /// The cost in steps; a brush piece counts as one step.
-    pub(crate) const fn total_steps(self) -> u32 {
-        self.bit_steps + self.brush_pieces
-    }
 }
 
 impl<const N: usize, const K: usize> World<N, K>
@@ -126,7 +103,7 @@ where
         CommandEffects { volume_rewound: rewound }
     }
 
-    /// Undoes or redoes one stroke, which ends a running island pass without a new one. Returns whether
+    /// Undoes or redoes one stroke, which ends a running island pass and requests another. Returns whether
     /// there was such a stroke.
     fn try_undo_or_redo(
         &mut self,
@@ -135,7 +112,7 @@ where
     ) -> bool {
         let rewound = undo_or_redo(&mut self.undo, &mut self.volume, &mut self.dirty);
         if rewound {
-            self.islands.cancel_passes();
+            self.islands.restart_pass();
             self.push_event(event);
         }
         rewound
@@ -191,113 +168,17 @@ where
         }
     }
 
-    /// Moves the bit of a held tool with its hand, as far as the volume lets it, and applies the edit if
-    /// the tool is running. `max_bit_steps` limits the path traversal. Nothing happens without a tool,
-    /// without tracking, or outside a sculpting session.
-    pub(crate) fn step_tool(
-        &mut self,
-        hand: usize,
-        presses: HandPresses,
-        max_bit_steps: u32,
-    ) -> StepCost {
-        let Some((tool, bit)) = self.held_tool(hand) else {
-            return StepCost::default();
-        };
-        let mut state = self.state.hands[hand];
-        if !state.tracked || self.state.session != SessionState::Sculpting {
-            return StepCost::default();
+    /// Spends `row_visits` on the island search and reports a pass that removed or kept voxels.
+    ///
+    /// No pass begins while something can be redone, as a removal would drop it: it does once nothing is
+    /// left to redo, or after the next edit.
+    pub(crate) fn advance_island_search(&mut self, row_visits: u32) {
+        if self.islands.is_idle() && self.undo.undo_counts().redoable > 0 {
+            return;
         }
-
-        // The wanted pose, and the allowed pose that contact gives for it.
-        let frame = self.stool_frame();
-        let grid_bit = bit.to_grid_bit(frame.voxel_metres() * 1e6);
-        let (position, rotation) = state.bit_centre_pose(metres_from_um(tool.length_um()));
-        let raw = frame.to_grid(position, rotation);
-        let last = if state.has_frozen_pose { state.frozen_pose } else { raw };
-        let mask = self.state.masked.then_some(&self.mask);
-        let obstacle = Obstacle { rows: self.volume.rows(), mask };
-        let FreezeResult { pose: frozen, steps: bit_steps, .. } =
-            obstacle.freeze_bit(&grid_bit, &last, &raw, max_bit_steps);
-        let contact = obstacle.contact_at(&grid_bit, &frozen);
-
-        // Haptics follow the speed of the hand, not that of the bit.
-        let moved_voxels = match state.has_frozen_pose {
-            true => (raw.position - state.raw_pose.position).length(),
-            false => 0.0,
-        };
-        let speed_um = (moved_voxels * frame.voxel_metres() * 1e6).min(1e6) as u32;
-        let (running, ticks) = (state.trigger, state.trigger_ticks);
-        state.haptic = haptic_amplitude(bit.spec(), &contact, running, ticks, speed_um);
-
-        let sweep_start = if state.can_sweep { last } else { frozen };
-        let is_new_bit = !state.has_frozen_pose;
-        (state.raw_pose, state.frozen_pose) = (raw, frozen);
-        (state.can_sweep, state.has_frozen_pose) = (true, true);
-        self.state.hands[hand] = state;
-        self.contacts[hand] = contact;
-        self.has_contact[hand] = true;
-
-        if presses.pulled || running && is_new_bit {
-            self.undo.begin_stroke();
-        }
-        let mut brush_pieces = 0;
-        if running && ticks.is_multiple_of(u16::from(bit.spec().bite_period)) {
-            brush_pieces = self.edit_along_path_counting_pieces(hand, bit, &sweep_start, &frozen);
-        }
-        StepCost { bit_steps, brush_pieces }
-    }
-
-    /// Applies a bit's edit along its path between two poses in the grid. Returns the number of convex
-    /// pieces in the brush.
-    fn edit_along_path_counting_pieces(
-        &mut self,
-        hand: usize,
-        bit: ToolBit,
-        from: &Pose,
-        to: &Pose,
-    ) -> u32 {
-        let grid_bit = bit.to_grid_bit(self.stool_frame().voxel_metres() * 1e6);
-        let depth = grid_bit.bite_depth_voxels();
-        let operation = match bit.spec().action {
-            BitAction::Carve => EditOperation::Carve { depth },
-            BitAction::Fill => EditOperation::Fill { depth },
-            BitAction::Smooth => EditOperation::Smooth,
-        };
-        let mirrored = self.state.symmetry;
-        let mut journal = StrokeJournal {
-            undo: &mut self.undo,
-            dirty: &mut self.dirty,
-            islands: &mut self.islands,
-        };
-        let mut apply_brush = |brush| {
-            let edit = Edit { brush: &brush, operation, mirrored };
-            apply_edit(&mut self.volume, &self.mask, &edit, &mut self.scratch, &mut journal)
-        };
-        // A smoothing brush too large for the scratch memory is replaced by the bit at its last pose.
-        let brush = grid_bit.swept_brush(from, to);
-        let pieces = brush.pieces().len() as u32;
-        let report = apply_brush(brush)
-            .or_else(|_| apply_brush(grid_bit.piece_at(to).into()))
-            .unwrap_or_default();
-        self.dirty.end_edit();
-        if report.changed_volume() {
-            self.islands.request_pass();
-        }
-        if report != EditReport::default() {
-            self.push_event(WorldEvent::Edited { hand: hand as u8, bit, report });
-        }
-        pieces
-    }
-
-    /// Spends one tick's budget on the island search and reports a pass that removed or kept voxels.
-    pub(crate) fn advance_island_search(&mut self) {
         let mut journal = RemovalJournal { undo: &mut self.undo, dirty: &mut self.dirty };
-        let report = self.islands.advance_pass(
-            &mut self.volume,
-            &self.mask,
-            island_row_visits_per_tick(N),
-            &mut journal,
-        );
+        let report =
+            self.islands.advance_pass(&mut self.volume, &self.mask, row_visits, &mut journal);
         self.dirty.end_edit();
         if let Some(report) = report
             && (report.removed != 0 || report.kept != 0 || report.unsupported)
@@ -308,76 +189,11 @@ where
 
     /// Reports an event. It is dropped when the list is full: events only inform, the state is complete
     /// without them.
-    fn push_event(&mut self, event: WorldEvent) {
+    pub(super) fn push_event(&mut self, event: WorldEvent) {
         let _ = self.events.push(event);
     }
 }
 
-/// Journal of an island removal: notes its columns for undo and for the renderer.
-#[derive(Debug)]
-pub struct RemovalJournal<'a, const N: usize, const K: usize = 1>
-where
-    Grid<N>: Size,
-{
-    /// The history; the removal joins its newest entry.
-    pub undo: &'a mut UndoHistory<N, K>,
-    /// The rectangles that cover the changed columns.
-    pub dirty: &'a mut DirtyRects,
-}
-
-/// Journal of a stroke's edit: notes its columns for undo and for the renderer, and the added voxels
-/// for a running island pass.
-#[derive(Debug)]
-pub struct StrokeJournal<'a, const N: usize, const K: usize = 1>
-where
-    Grid<N>: Size,
-{
-    /// The history that records the stroke.
-    pub undo: &'a mut UndoHistory<N, K>,
-    /// The rectangles that cover the changed columns.
-    pub dirty: &'a mut DirtyRects,
-    /// The search that counts added voxels as supported.
-    pub islands: &'a mut IslandSearch<N>,
-}
-
-impl<const N: usize, const K: usize> Journal<N, K> for RemovalJournal<'_, N, K>
-where
-    Grid<N>: Size,
-{
-    fn record_columns(
-        &mut self,
-        axis: Axis,
-        line: usize,
-        places: <Grid<N> as Size>::Row,
-        old_columns: &[Column<K>; N],
-    ) {
-        self.undo.record_into_newest_entry(axis, line, places, old_columns);
-        self.dirty.mark_columns(axis, line, places);
-    }
-
-    fn record_added(&mut self, _: RowAddress, _: <Grid<N> as Size>::Row) {}
-}
-
-impl<const N: usize, const K: usize> Journal<N, K> for StrokeJournal<'_, N, K>
-where
-    Grid<N>: Size,
-{
-    fn record_columns(
-        &mut self,
-        axis: Axis,
-        line: usize,
-        places: <Grid<N> as Size>::Row,
-        old_columns: &[Column<K>; N],
-    ) {
-        self.undo.record_columns(axis, line, places, old_columns);
-        self.dirty.mark_columns(axis, line, places);
-    }
-
-    fn record_added(&mut self, row: RowAddress, voxels: <Grid<N> as Size>::Row) {
-        self.islands.mark_added_as_reached(row, voxels);
-    }
-}
-
-fn metres_from_um(micrometres: i32) -> f32 {
+pub(super) fn metres_from_um(micrometres: i32) -> f32 {
     micrometres as f32 * 1e-6
 }

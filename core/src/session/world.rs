@@ -12,13 +12,11 @@ use crate::edit::islands::IslandSearch;
 use crate::edit::operation::{EditReport, EditScratch};
 use crate::edit::pose::Pose;
 use crate::edit::undo::{UndoCounts, UndoHistory};
-use crate::limits::{
-    HAND_STEPS_BESIDE_ISLANDS, MAX_EVENTS, hand_steps_beside_mask_layout,
-    max_bit_steps_in_undo_tick, max_bit_steps_per_tick,
-};
+use crate::limits::MAX_EVENTS;
 use crate::session::events::WorldEvent;
-use crate::session::hand::HandState;
+use crate::session::hand::{HandPresses, HandState};
 use crate::session::input::{HandInput, RawPose, SessionMode, TickInput};
+use crate::session::ledger::TickLedger;
 use crate::session::start_volumes::StartVolumes;
 use crate::session::state::{SessionState, WorldState};
 use crate::session::stool_frame::StoolFrame;
@@ -93,6 +91,7 @@ where
         if let Some((position, rotation)) = input.head.to_metres() {
             self.state.head = (position, rotation);
         }
+        let was_stroke_open = self.is_stroke_open();
         let presses = [0, 1].map(|hand| self.state.hands[hand].apply_input(&input.hands[hand]));
         if self.state.session == SessionState::Sculpting {
             self.turn_stool(input);
@@ -101,24 +100,26 @@ where
             for (hand, presses) in presses.into_iter().enumerate() {
                 self.grab_or_release(hand, presses);
             }
-            // Rebuilding the rows after undo or redo takes most of a tick, and so do long paths of
-            // bits: the island search then waits for the next tick.
-            let max_steps =
-                if rewound { max_bit_steps_in_undo_tick(N, K) } else { max_bit_steps_per_tick(N) };
-            let mut cost = 0;
-            for (hand, presses) in presses.into_iter().enumerate() {
-                cost += self.step_tool(hand, presses, max_steps).total_steps();
+            if self.is_stroke_open() && !was_stroke_open {
+                self.undo.begin_stroke();
             }
-            let most = match self.state.masked && self.islands.is_about_to_begin() {
-                true => hand_steps_beside_mask_layout(N, K),
-                false => HAND_STEPS_BESIDE_ISLANDS,
-            };
-            if !rewound && cost <= most {
-                self.advance_island_search();
-            }
+            self.share_out_work(presses, rewound);
         }
         self.state.bench.step_dropped_items();
         self.state.tick = self.state.tick.wrapping_add(1);
+    }
+
+    /// What the hands' tools and the island search do, within a tick's work. Hands begin in turn, so that
+    /// neither always finds less than the other.
+    fn share_out_work(&mut self, presses: [HandPresses; 2], has_rewound: bool) {
+        let is_removal_due = self.islands.is_removal_due();
+        let mut ledger = TickLedger::open(N, K, has_rewound, is_removal_due);
+        let first = (self.state.tick & 1) as usize;
+        for (hand, hands_left) in [(first, 2), (1 - first, 1)] {
+            let spent = self.step_tool(hand, presses[hand], ledger.hand_share(hands_left));
+            ledger.charge(spent);
+        }
+        self.advance_island_search(ledger.island_row_visits());
     }
 
     /// Ticks since the world began.
@@ -221,9 +222,10 @@ where
         HandInput { aim: grip, grip, tracked: true, ..HandInput::default() }
     }
 
-    /// Whether a stroke is under way: a hand of a sculpting session runs the tool that it holds. What
-    /// this edits belongs to one undo entry, which is complete in the first tick that ends with `false`,
-    /// but for islands that fall later.
+    /// Whether a stroke is under way: a hand of a sculpting session runs the tool that it holds. What both
+    /// hands edit from the first tick that ends with `true` belongs to one undo entry, whichever triggers
+    /// are pulled and released and whatever bits are exchanged meanwhile. The entry is complete in the
+    /// first tick that ends with `false`, but for islands that fall later, and in one of an undo or redo.
     #[must_use]
     pub fn is_stroke_open(&self) -> bool {
         let runs = |hand: usize| {

@@ -91,10 +91,11 @@ fn lengthened<const K: usize>(mut column: Column<K>) -> Option<Column<K>> {
 fn check_loosened<const K: usize>(harness: &Harness<K>) {
     let harness = &mut harness.lock().unwrap_or_else(PoisonError::into_inner);
     for undone in [0, 2, 4] {
-        sculpt(harness, SessionMode::FreeForm, 3);
+        sculpt(harness, SessionMode::FreeForm, 5);
         (0..undone).for_each(|_| harness.step(&command(commands::UNDO)));
         let counts = count_refused(harness, TIGHT, lengthened);
-        assert!(counts.len() >= 4 && !counts.contains(&0), "{undone} undone: {counts:?}");
+        let named = counts.iter().filter(|count| **count > 0).count();
+        assert!(counts.len() >= 4 && named >= 2, "{undone} undone: {counts:?}");
     }
 }
 
@@ -232,10 +233,14 @@ fn a_search_that_missed_ground_or_mask_or_a_row_is_refused() {
 
     let (bytes, search) = save_in_search(harness, SessionMode::Constrained { figure: 0 });
     let mut tried = 0;
-    for &((y, z), at) in search.reached.iter().filter(|((y, _), _)| *y > 0) {
+    // A row that is queued may be visited for the first time yet, and the mask's part of it with it.
+    let is_queued = |y: usize, z: usize| bytes[search.queues[y] + z / 8] >> (z % 8) & 1 != 0;
+    for &((y, z), at) in search.reached.iter().filter(|((y, z), _)| *y > 0 && !is_queued(*y, *z)) {
         let all = harness.world.volume().rows().row(y, z);
         let masked = harness.world.mask().occupied_among((y, z), all).first();
         let mut forged = bytes.clone();
+        // A row that is queued has its mask looked at when it is visited.
+        clear_bits(&mut forged, search.queues[y], 1 << z);
         if masked.is_some_and(|x| clear_bits(&mut forged, at, 1 << x)) {
             tried += 1;
             let refused = load_forged(&mut harness.world, &mut forged);

@@ -3,9 +3,8 @@
 use std::sync::{Mutex, PoisonError};
 
 use glam::{Quat, Vec3};
-use paros_core::edit::{Pose, SUBUNITS_PER_VOXEL, UndoCounts};
-use paros_core::internals::{BitAction, Obstacle, STOOL_TOP, ToolPlace, maps_digest};
-use paros_core::limits::HAND_STEPS_BESIDE_ISLANDS;
+use paros_core::edit::{Pose, UndoCounts};
+use paros_core::internals::{BitAction, Obstacle, STOOL_TOP, ToolPlace, WayBudget, maps_digest};
 use paros_core::session::{
     BenchItem, PointerCommand, SessionMode, SessionState, Tool, ToolBit, buttons, commands,
 };
@@ -22,9 +21,7 @@ paros_models::test_with_one_and_two_intervals!(
     modes_start_from_their_volumes,
     a_start_that_is_not_there_changes_nothing,
     a_stroke_is_one_entry_with_the_islands_it_cut_off,
-    islands_wait_for_a_hand_on_a_long_way,
-    islands_wait_for_an_undo,
-    another_bit_begins_another_stroke,
+    another_bit_goes_on_with_the_stroke,
     buttons_act_once_a_press,
     symmetry_is_the_exact_mirror,
     the_end_takes_no_more_edits,
@@ -143,75 +140,21 @@ fn a_stroke_is_one_entry_with_the_islands_it_cut_off<const K: usize>(
     assert_eq!(harness.world.events(), []);
 }
 
-/// A volume at 64^3 with an island: a floor, and a block high above it.
-fn is_floor_or_hovering_block([x, y, z]: [usize; 3]) -> bool {
-    y < 10 || (30..36).contains(&y) && (28..36).contains(&x) && (50..58).contains(&z)
-}
-
-/// Runs a tick in which the left hand's nozzle walks `steps` steps along the floor and the right hand's bit
-/// cuts `depth` deep. Returns whether an island was removed in that tick.
-fn island_falls_during<const K: usize>(
-    harness: &mut WorldHarness<64, K>,
-    steps: u32,
-    depth: f32,
-    commands: u8,
-) -> bool {
-    let nozzle = ToolBit::Nozzle.to_grid_bit(harness.world.stool_frame().voxel_metres() * 1e6);
-    let rest = 9.53
-        + (nozzle.inscribed_radius_subunits() - nozzle.bite) as f32 / SUBUNITS_PER_VOXEL as f32;
-    let aim = |hand: usize, x: f32, y: f32| {
-        let pose = Pose { position: Vec3::new(x, y, 40.5), rotation: Quat::IDENTITY };
-        harness.world.hand_with_bit_at(hand, &pose)
-    };
-    let right = HandInput { trigger: 255, ..aim(RIGHT, 50.0, 12.0 - depth) };
-    let hands = [aim(LEFT, 10.0 + steps as f32 / 4.0, rest), right];
-    harness.step(&TickInput { hands, commands, ..TickInput::default() });
-    harness.world.events().iter().any(|event| matches!(event, WorldEvent::Islands(_)))
-}
-
-fn start_with_hovering_block<const K: usize>(harness: &mut WorldHarness<64, K>) {
-    harness.start_from_voxels(is_floor_or_hovering_block);
-    take_item(harness, LEFT, BenchItem::Tool(Tool::FillGun));
-    take_item(harness, RIGHT, BenchItem::Tool(Tool::Rotary));
-    assert!(!island_falls_during(harness, 0, -5.0, 0), "nothing is edited yet");
-}
-
-fn islands_wait_for_a_hand_on_a_long_way<const K: usize>(harness: &mut WorldHarness<64, K>) {
-    for (steps, waits) in
-        [(HAND_STEPS_BESIDE_ISLANDS / 4, false), (HAND_STEPS_BESIDE_ISLANDS + 8, true)]
-    {
-        start_with_hovering_block(harness);
-        assert_eq!(island_falls_during(harness, steps, 1.0, 0), !waits, "{steps} steps");
-        assert_eq!(
-            island_falls_during(harness, steps, 1.0, 0),
-            waits,
-            "at rest after {steps} steps"
-        );
-    }
-}
-
-fn islands_wait_for_an_undo<const K: usize>(harness: &mut WorldHarness<64, K>) {
-    start_with_hovering_block(harness);
-    assert!(island_falls_during(harness, 0, 1.0, 0));
-    assert!(!island_falls_during(harness, 0, 2.0, commands::UNDO), "it is back");
-    assert!(island_falls_during(harness, 0, 2.0, 0));
-}
-
-/// A tool that is taken while the trigger is pulled begins a stroke of its own.
-fn another_bit_begins_another_stroke<const K: usize>(harness: &mut WorldHarness<64, K>) {
+/// A bit that is exchanged while the trigger is pulled goes on with the stroke.
+fn another_bit_goes_on_with_the_stroke<const K: usize>(harness: &mut WorldHarness<64, K>) {
     start_from_floor(harness, 30);
     take_item(harness, RIGHT, BenchItem::Tool(Tool::Rotary));
+    let start = maps_digest(harness.world.volume().maps());
     (0..4).for_each(|_| step_with_bit_at(harness, RIGHT, Vec3::new(20.0, 31.0, 20.0), true));
-    let first = maps_digest(harness.world.volume().maps());
     let place = Pose { position: Vec3::new(44.0, 31.0, 44.0), rotation: Quat::IDENTITY };
     let hand = HandInput { trigger: 255, ..harness.world.hand_with_bit_at(RIGHT, &place) };
     let pointer =
         PointerCommand::Take { hand: 1, item: BenchItem::Bit(ToolBit::LargeBall).number() as u8 };
     harness.step(&TickInput { pointer, ..input_with_hand(RIGHT, hand) });
     (0..4).for_each(|_| step_with_bit_at(harness, RIGHT, Vec3::new(44.0, 31.0, 44.0), true));
-    assert_eq!(harness.world.undo_counts(), UndoCounts { undoable: 2, redoable: 0 });
+    assert_eq!(harness.world.undo_counts(), UndoCounts { undoable: 1, redoable: 0 });
     harness.step(&TickInput { commands: commands::UNDO, ..TickInput::default() });
-    assert_eq!(maps_digest(harness.world.volume().maps()), first);
+    assert_eq!(maps_digest(harness.world.volume().maps()), start);
 }
 
 fn buttons_act_once_a_press<const K: usize>(harness: &mut WorldHarness<64, K>) {
@@ -322,8 +265,10 @@ fn the_hidden_figure_outlasts_any_carving<const K: usize>(harness: &mut WorldHar
                 assert!(contact.depth <= grid.bite, "{contact:?}");
                 let mask = Some(harness.world.mask());
                 let frozen = harness.world.hand_state(RIGHT).frozen_pose;
-                let obstacle = Obstacle { rows: harness.world.volume().rows(), mask };
-                assert_eq!(obstacle.freeze_bit(&grid, &frozen, &frozen, 1).pose, frozen);
+                let rows = harness.world.volume().rows();
+                let obstacle = Obstacle { rows, mask, is_mask_alone: false };
+                let one = WayBudget::of_steps(1);
+                assert_eq!(obstacle.freeze_bit(&grid, &frozen, &frozen, one).pose, frozen);
                 on_mask += u32::from(contact.on_mask);
                 let touches = contact.overlap > 0 || contact.on_mask;
                 assert!(touches || harness.world.hand_state(RIGHT).haptic == 0);

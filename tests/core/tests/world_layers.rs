@@ -3,15 +3,12 @@
 use std::mem::size_of;
 use std::sync::{Mutex, PoisonError};
 
-use glam::{Quat, Vec3};
+use paros_core::World;
 use paros_core::codec::{BadBytes, BadSave};
-use paros_core::edit::Pose;
 use paros_core::limits::max_save_bytes;
-use paros_core::session::{BenchItem, SessionMode, Tool, commands};
+use paros_core::session::SessionMode;
 use paros_core::volume::{Grid, Size};
-use paros_core::{TickInput, World, WorldEvent};
 use paros_models::random_visitor::RandomVisitor;
-use paros_models::scripted_hand::{RIGHT, input_with_hand, step_with_bit_at, take_item};
 use paros_models::world_harness::WorldHarness;
 
 /// Random visitors in every mode; each session is saved once, and goes on alike in another world.
@@ -81,35 +78,6 @@ fn sessions_of_four_intervals() {
     static HARNESSES: Mutex<[WorldHarness<64, 4>; 2]> =
         Mutex::new([const { WorldHarness::new() }; 2]);
     check_sessions(&HARNESSES);
-}
-
-/// An undo rebuilds all bit rows. At 256, with two intervals, that leaves no instructions for the hands.
-#[test]
-fn with_two_intervals_the_bits_stand_in_a_tick_with_an_undo() {
-    static ONE: Mutex<WorldHarness<256, 1>> = Mutex::new(WorldHarness::new());
-    static TWO: Mutex<WorldHarness<256, 2>> = Mutex::new(WorldHarness::new());
-    assert!(moves_in_a_tick_with_an_undo(&ONE));
-    assert!(!moves_in_a_tick_with_an_undo(&TWO));
-}
-
-/// Whether the bit follows its hand in that tick. In the next ones it catches up.
-fn moves_in_a_tick_with_an_undo<const K: usize>(harness: &Mutex<WorldHarness<256, K>>) -> bool {
-    let harness = &mut *harness.lock().unwrap_or_else(PoisonError::into_inner);
-    harness.start_from_voxels(|[_, y, _]| y < 30);
-    take_item(harness, RIGHT, BenchItem::Tool(Tool::Rotary));
-    let here = Vec3::new(20.0, 31.0, 20.0);
-    (0..4).for_each(|_| step_with_bit_at(harness, RIGHT, here, true));
-    step_with_bit_at(harness, RIGHT, here, false);
-    let bit = |harness: &WorldHarness<256, K>| harness.world.hand_state(RIGHT).frozen_pose.position;
-    let (before, there) = (bit(harness), Vec3::new(22.0, 36.0, 20.0));
-    let pose = Pose { position: there, rotation: Quat::IDENTITY };
-    let input = input_with_hand(RIGHT, harness.world.hand_with_bit_at(RIGHT, &pose));
-    harness.step(&TickInput { commands: commands::UNDO, ..input });
-    assert_eq!(harness.world.events(), [WorldEvent::Undone]);
-    let moved = bit(harness) != before;
-    (0..4).for_each(|_| harness.step(&input));
-    assert!((bit(harness) - there).length() < 0.1, "{}", bit(harness));
-    moved
 }
 
 /// A save names its number of intervals, and isn't read with another.

@@ -4,7 +4,8 @@
 use glam::{I64Vec3, IVec3, Vec3};
 use paros_core::edit::{Contact, Pose, SUBUNITS_PER_VOXEL};
 use paros_core::internals::{
-    FIXED_ONE, FreezeResult, GridBit, GridShape, LONG_STRETCH, SHORT_STRETCH, exit_probe_steps,
+    BURIED_WITHIN, FIXED_ONE, FreezeResult, GridBit, GridShape, LONG_STRETCH, SHORT_STRETCH,
+    WayBudget, exit_probe_steps,
 };
 use paros_core::limits::deep_step_cost_in_steps;
 use paros_core::volume::Range;
@@ -45,13 +46,8 @@ pub struct PathWalk {
     pub last_allowed: Pose,
     /// The next pose of the path, if it is forbidden.
     pub first_forbidden: Option<Pose>,
-}
-
-/// The end of a walk with its slide.
-struct SlidingWalk {
-    pose: Pose,
-    /// Whether the walk was stopped, so that the bit slid.
-    blocked: bool,
+    /// Whether the budget ended before the path.
+    pub ran_out: bool,
 }
 
 impl ContactModel {
@@ -66,6 +62,11 @@ impl ContactModel {
             masked: mask.occupied().collect(),
             volume,
         }
+    }
+
+    /// Whether a voxel is stone.
+    pub fn is_occupied(&self, voxel: [i32; 3]) -> bool {
+        self.volume.contains(voxel)
     }
 
     /// The contact of a bit at a pose: overlapping voxels, penetration depth and normal.
@@ -84,7 +85,7 @@ impl ContactModel {
         }
         let normal = normal.as_vec3().normalize_or_zero();
         let on_mask =
-            self.masked.iter().any(|&voxel| is_less_than_a_voxel_outside(bit, pose, voxel));
+            self.masked.iter().any(|&voxel| is_less_than_half_a_voxel_outside(bit, pose, voxel));
         Contact { overlap, depth, normal, on_mask }
     }
 
@@ -101,38 +102,80 @@ impl ContactModel {
     }
 
     /// Freezes a bit on its way from one pose to the tracked pose: walks step by step while the penetration is
-    /// within the limit, then slides once along the tangent.
+    /// within the limit, then slides once along the tangent. A buried bit stands, or is where it is tracked.
     pub fn freeze_by_walk(
         &self,
         bit: &GridBit,
         from: &Pose,
         tracked: &Pose,
-        max_steps: u32,
+        budget: WayBudget,
     ) -> FreezeResult {
-        let mut steps_left = max_steps as usize;
-        let walk = self.walk_and_slide(bit, from, tracked, &mut steps_left);
-        FreezeResult {
-            pose: walk.pose,
-            blocked: walk.blocked,
-            steps: max_steps - steps_left as u32,
+        let stands =
+            FreezeResult { pose: *from, blocked: false, ran_out: true, jumped: false, steps: 0 };
+        if budget.steps == 0 || budget.quarter_voxels == 0 {
+            return stands;
         }
+        if self.buries(bit, from) {
+            return self.jump_if_allowed(bit, from, tracked, budget);
+        }
+        let mut left = budget;
+        let walk = self.walk_while_allowed(bit, from, tracked, &mut left);
+        let mut frozen =
+            FreezeResult { pose: walk.last_allowed, ran_out: walk.ran_out, steps: 0, ..stands };
+        if let Some(stop) = walk.first_forbidden {
+            let slide = self.slide(bit, &frozen.pose, &stop, tracked, &mut left);
+            frozen.blocked = true;
+            if !self.may_cross_stone(bit, from, &slide.last_allowed) {
+                (frozen.pose, frozen.ran_out) = (slide.last_allowed, slide.ran_out);
+            }
+        }
+        FreezeResult { steps: budget.steps - left.steps, ..frozen }
     }
 
-    /// Walks, and slides where it is stopped.
-    fn walk_and_slide(
+    /// The freeze of a bit without a way: where it is tracked if its bite allows that, else where it was.
+    pub fn jump_if_allowed(
         &self,
         bit: &GridBit,
         from: &Pose,
         tracked: &Pose,
-        steps_left: &mut usize,
-    ) -> SlidingWalk {
-        let PathWalk { last_allowed: reached, first_forbidden } =
-            self.walk_while_allowed(bit, from, tracked, steps_left);
-        let Some(stop) = first_forbidden else {
-            return SlidingWalk { pose: reached, blocked: false };
-        };
+        budget: WayBudget,
+    ) -> FreezeResult {
+        let steps = deep_step_cost_in_steps(self.volume.side()).min(budget.steps);
+        let usual = PenetrationDepths { volume: bit.bite, mask: 0 };
+        match self.penetration_at(bit, tracked).are_at_most(usual) {
+            true => {
+                FreezeResult { pose: *tracked, blocked: false, ran_out: false, jumped: true, steps }
+            }
+            false => {
+                FreezeResult { pose: *from, blocked: true, ran_out: false, jumped: false, steps }
+            }
+        }
+    }
+
+    /// Whether the bit is too deep and its centre may be in stone.
+    pub fn buries(&self, bit: &GridBit, pose: &Pose) -> bool {
+        let unburied = bit.inscribed_radius_subunits() - BURIED_WITHIN;
+        self.penetration_at(bit, pose).volume > unburied.max(bit.bite)
+    }
+
+    /// Whether the straight way of the bit's centre isn't surely through the open.
+    fn may_cross_stone(&self, bit: &GridBit, from: &Pose, to: &Pose) -> bool {
+        let unburied = bit.inscribed_radius_subunits() - BURIED_WITHIN;
+        let centre = PenetrationDepths { volume: unburied, mask: i32::MAX };
+        unburied >= bit.bite && !self.is_sweep_free(bit, from, to, centre)
+    }
+
+    /// Slides a bit that was stopped.
+    fn slide(
+        &self,
+        bit: &GridBit,
+        reached: &Pose,
+        stop: &Pose,
+        tracked: &Pose,
+        left: &mut WayBudget,
+    ) -> PathWalk {
         let offset_left = tracked.position - reached.position;
-        let normal = match self.contact_at(bit, &stop).normal {
+        let normal = match self.contact_at(bit, stop).normal {
             Vec3::ZERO => -offset_left.normalize_or_zero(),
             normal => normal,
         };
@@ -145,24 +188,24 @@ impl ContactModel {
         } else {
             Pose { position: tracked.position, rotation: reached.rotation }
         };
-        let mut pose = self.walk_while_allowed(bit, &reached, &target, steps_left).last_allowed;
+        let slide = self.walk_while_allowed(bit, reached, &target, left);
         let wanted = (target.position - reached.position) * STEPS_PER_VOXEL;
-        if pose.position == reached.position && wanted.length_squared() > 1.0 {
-            let sits = self.penetration_at(bit, &reached);
-            let mut away = I64Vec3::ZERO;
-            for voxel in &self.voxels {
-                let inner = centre_depth_subunits(bit, &stop, *voxel).unwrap_or(i32::MIN);
-                let held = self.masked.contains(voxel);
-                if inner > bit.bite.max(sits.volume) || (held && inner > sits.mask) {
-                    away -= centre_offset_subunits(&stop, *voxel);
-                }
-            }
-            let away = away.as_vec3().normalize_or_zero();
-            let tangent = offset_left - away * offset_left.dot(away).min(0.0);
-            let target = Pose { position: reached.position + tangent, ..reached };
-            pose = self.walk_while_allowed(bit, &reached, &target, steps_left).last_allowed;
+        if slide.last_allowed.position != reached.position || wanted.length_squared() <= 1.0 {
+            return slide;
         }
-        SlidingWalk { pose, blocked: true }
+        let sits = self.penetration_at(bit, reached);
+        let mut away = I64Vec3::ZERO;
+        for voxel in &self.voxels {
+            let inner = centre_depth_subunits(bit, stop, *voxel).unwrap_or(i32::MIN);
+            let held = self.masked.contains(voxel);
+            if inner > bit.bite.max(sits.volume) || (held && inner > sits.mask) {
+                away -= centre_offset_subunits(stop, *voxel);
+            }
+        }
+        let away = away.as_vec3().normalize_or_zero();
+        let tangent = offset_left - away * offset_left.dot(away).min(0.0);
+        let target = Pose { position: reached.position + tangent, ..*reached };
+        self.walk_while_allowed(bit, reached, &target, left)
     }
 
     /// Walks a path while the penetration is within the limit. A bit that is too deep leaves where the path
@@ -172,24 +215,30 @@ impl ContactModel {
         bit: &GridBit,
         from: &Pose,
         to: &Pose,
-        steps_left: &mut usize,
+        left: &mut WayBudget,
     ) -> PathWalk {
         let poses: Vec<Pose> = path_poses(bit, from, to).collect();
         let mut reached = *from;
         let mut sits = self.penetration_at(bit, from);
         let (mut steps_done, mut singly_to, mut stretch) = (0, 0, SHORT_STRETCH as usize);
-        while steps_done < poses.len() && *steps_left > 0 {
+        let spend = |left: &mut WayBudget, steps: u32, way: usize| {
+            left.steps = left.steps.saturating_sub(steps);
+            left.quarter_voxels = left.quarter_voxels.saturating_sub(way as u32);
+        };
+        while steps_done < poses.len() && left.steps > 0 && left.quarter_voxels > 0 {
             let usual = PenetrationDepths { volume: bit.bite, mask: 0 };
             let limits = PenetrationDepths { volume: bit.bite.max(sits.volume), mask: sits.mask };
+            let last = poses.len().min(steps_done.saturating_add(left.quarter_voxels as usize));
             if steps_done >= singly_to {
-                let end = (steps_done + stretch).min(poses.len());
+                let end = (steps_done + stretch).min(last);
                 if limits == usual && self.is_sweep_free(bit, &reached, &poses[end - 1], usual) {
                     assert!(
                         poses[steps_done..end]
                             .iter()
                             .all(|pose| self.penetration_at(bit, pose).are_at_most(usual))
                     );
-                    (steps_done, *steps_left, reached) = (end, *steps_left - 1, poses[end - 1]);
+                    spend(left, 1, end - steps_done);
+                    (steps_done, reached) = (end, poses[end - 1]);
                     (sits, stretch) = (self.penetration_at(bit, &reached), LONG_STRETCH as usize);
                     continue;
                 }
@@ -199,11 +248,8 @@ impl ContactModel {
                 }
                 singly_to = end;
             }
-            *steps_left = steps_left.saturating_sub(if limits == usual {
-                1
-            } else {
-                deep_step_cost_in_steps(self.volume.side()) as usize
-            });
+            let deep = deep_step_cost_in_steps(self.volume.side());
+            spend(left, if limits == usual { 1 } else { deep }, 1);
             let next = poses[steps_done];
             steps_done += 1;
             let depths = self.penetration_at(bit, &next);
@@ -211,21 +257,25 @@ impl ContactModel {
                 (reached, sits) = (next, depths);
                 continue;
             }
+            let stopped =
+                PathWalk { last_allowed: reached, first_forbidden: Some(next), ran_out: false };
             if limits == usual {
-                return PathWalk { last_allowed: reached, first_forbidden: Some(next) };
+                return stopped;
             }
-            match self.find_exit_step(bit, limits, &reached, &poses, steps_done) {
-                Some(step) => (steps_done, reached) = (step, poses[step - 1]),
-                None => return PathWalk { last_allowed: reached, first_forbidden: Some(next) },
-            }
+            let Some(step) = self.find_exit_step(bit, limits, &reached, &poses[..last], steps_done)
+            else {
+                return stopped;
+            };
+            spend(left, 0, step - steps_done);
+            (steps_done, reached) = (step, poses[step - 1]);
             sits = self.penetration_at(bit, &reached);
         }
-        PathWalk { last_allowed: reached, first_forbidden: None }
+        let ran_out = steps_done < poses.len();
+        PathWalk { last_allowed: reached, first_forbidden: None, ran_out }
     }
 
     /// The step of the first exit probe after `after_step` at which the bit is out of the stone; step 1 leads to
-    /// the first pose of `path`. If the bit's centre is in the open, only probes that the centre reaches through
-    /// the open count.
+    /// the first pose of `path`. Only probes that the bit's centre reaches through the open count.
     fn find_exit_step(
         &self,
         bit: &GridBit,
@@ -234,19 +284,16 @@ impl ContactModel {
         path: &[Pose],
         after_step: usize,
     ) -> Option<usize> {
-        let half_diagonal = (SUBUNITS_PER_VOXEL as f32 * 0.866).ceil() as i32;
-        let open =
-            PenetrationDepths { volume: bit.inscribed_radius_subunits() - half_diagonal, ..limits };
+        let unburied = bit.inscribed_radius_subunits() - BURIED_WITHIN;
+        let open = PenetrationDepths { volume: unburied, ..limits };
+        let usual = PenetrationDepths { volume: bit.bite, mask: 0 };
         let mut last = *last_allowed;
         for step in exit_probe_steps(after_step as u32, path.len() as u32) {
             let pose = path[step as usize - 1];
-            if limits.volume <= open.volume && !self.is_sweep_free(bit, &last, &pose, open) {
+            if !self.is_sweep_free(bit, &last, &pose, open) {
                 return None;
             }
-            if self
-                .penetration_at(bit, &pose)
-                .are_at_most(PenetrationDepths { volume: bit.bite, mask: 0 })
-            {
+            if self.penetration_at(bit, &pose).are_at_most(usual) {
                 return Some(step as usize);
             }
             last = pose;
@@ -326,16 +373,16 @@ fn centre_depth_subunits(bit: &GridBit, pose: &Pose, voxel: [i32; 3]) -> Option<
     Some(inner as i32)
 }
 
-/// Whether a voxel's centre lies in the bit or less than a voxel outside its radius or faces.
-fn is_less_than_a_voxel_outside(bit: &GridBit, pose: &Pose, voxel: [i32; 3]) -> bool {
+/// Whether a voxel's centre lies in the bit or less than half a voxel outside its radius or faces.
+fn is_less_than_half_a_voxel_outside(bit: &GridBit, pose: &Pose, voxel: [i32; 3]) -> bool {
     let p = centre_offset_subunits(pose, voxel);
     match bit.shape {
         GridShape::Ball(radius) => {
-            p.length_squared() < i64::from(radius + SUBUNITS_PER_VOXEL).pow(2)
+            p.length_squared() < i64::from(radius + SUBUNITS_PER_VOXEL / 2).pow(2)
         }
         GridShape::Box(half) => {
             distances_along_bit_axes(pose, p).iter().enumerate().all(|(i, &across)| {
-                across < i64::from(half[i] + SUBUNITS_PER_VOXEL) * i64::from(FIXED_ONE)
+                across < i64::from(half[i] + SUBUNITS_PER_VOXEL / 2) * i64::from(FIXED_ONE)
             })
         }
     }

@@ -3,6 +3,10 @@
 //! Source: section 3.1 of the paper. Depth is the largest inner distance of an occupied voxel centre in
 //! the bit's analytic shape. A bit may penetrate the volume by its bite, and the mask not at all. All
 //! comparisons are made in integers; poses between two ticks are interpolated in floats.
+//!
+//! No way leads a bit's centre through stone. A bit that was *buried*, its centre in stone, as an undo or
+//! another hand's filling may leave it, has no way out: it stands until the pose that its hand asks for is
+//! free, and then is there.
 
 mod path;
 mod rows;
@@ -12,12 +16,13 @@ use glam::{IVec3, Vec3};
 use crate::edit::brush::voxel_centre_subunits;
 use crate::edit::grid_bit::GridBit;
 use crate::edit::pose::Pose;
+use crate::limits::deep_step_cost_in_steps;
 use crate::volume::bit_grid::BitGrid;
 use crate::volume::range_maps::RangeMaps;
 use crate::volume::row::BitSet;
 use crate::volume::size::{Grid, Size};
-pub use path::{LONG_STRETCH, SHORT_STRETCH, exit_probe_steps};
-use path::{PathAdvance, PenetratingVoxel, STEPS_PER_VOXEL};
+pub use path::{BURIED_WITHIN, LONG_STRETCH, SHORT_STRETCH, exit_probe_steps};
+use path::{PathAdvance, PenetratingVoxel, PenetrationLimit, STEPS_PER_VOXEL};
 
 /// The contact of a bit with the volume at a pose.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -29,7 +34,7 @@ pub struct Contact {
     /// Sum over the overlapped surface voxels of the directions to their empty six-neighbours,
     /// normalised; zero when there are none or they cancel out.
     pub normal: Vec3,
-    /// Whether a mask voxel lies in the bit or within a voxel of it.
+    /// Whether a mask voxel lies in the bit or within half a voxel of it.
     pub on_mask: bool,
 }
 
@@ -43,11 +48,36 @@ impl Contact {
 pub struct FreezeResult {
     /// The pose reached, the frozen pose.
     pub pose: Pose,
-    /// Whether the volume stopped the bit. If not, the pose is the wanted one, or where the step budget
-    /// ran out.
+    /// Whether the volume stopped the bit. If not, the pose is the wanted one, or where the budget ran out.
     pub blocked: bool,
+    /// Whether the budget ran out before the way ended, sliding or not.
+    pub ran_out: bool,
+    /// Whether the bit was buried and is at the wanted pose without a way: nothing may be swept.
+    pub jumped: bool,
     /// Steps spent of the budget.
     pub steps: u32,
+}
+
+/// How far a bit may go.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct WayBudget {
+    /// Steps, of which a free stretch costs one; see [`crate::limits::max_bit_steps_per_tick`].
+    pub steps: u32,
+    /// Length of the way in quarter voxels, free or not.
+    pub quarter_voxels: u32,
+}
+
+impl WayBudget {
+    /// So many steps, of any length.
+    #[must_use]
+    pub const fn of_steps(steps: u32) -> Self {
+        WayBudget { steps, quarter_voxels: u32::MAX }
+    }
+
+    /// Whether nothing is left.
+    const fn is_spent(self) -> bool {
+        self.steps == 0 || self.quarter_voxels == 0
+    }
 }
 
 /// Where [`Obstacle::move_and_slide`] took a bit.
@@ -55,6 +85,8 @@ struct SlideResult {
     pose: Pose,
     /// Whether the volume stopped the bit.
     blocked: bool,
+    /// Whether the budget ran out.
+    ran_out: bool,
 }
 
 /// The voxels that a bit can collide with.
@@ -67,6 +99,8 @@ where
     pub rows: &'a BitGrid<N>,
     /// The part of it that can't be removed; `None` where there is no mask.
     pub mask: Option<&'a RangeMaps<N, K>>,
+    /// Whether the mask is all that bits collide with, as it is for a nozzle that runs.
+    pub is_mask_alone: bool,
 }
 
 impl<const N: usize, const K: usize> Obstacle<'_, N, K>
@@ -104,40 +138,93 @@ where
     /// it once along the tangent plane of the surface that stopped it. If that slide doesn't move it
     /// (the side of a bump whose top is flat), it slides perpendicular to the direction from the
     /// blocking voxels to its centre. A bit that is too deep already may only move without going
-    /// deeper, or leave the volume at an exit farther along the path.
-    ///
-    /// `max_steps` limits the path traversal; see [`crate::limits::max_bit_steps_per_tick`].
+    /// deeper, or leave the volume at an exit farther along the path; a buried one stands, or jumps.
     #[must_use]
     pub fn freeze_bit(
         &self,
         bit: &GridBit,
         from: &Pose,
         wanted: &Pose,
-        max_steps: u32,
+        budget: WayBudget,
     ) -> FreezeResult {
-        if max_steps == 0 {
-            return FreezeResult { pose: *from, blocked: false, steps: 0 };
+        if budget.is_spent() {
+            let stands = FreezeResult {
+                pose: *from,
+                blocked: false,
+                ran_out: true,
+                jumped: false,
+                steps: 0,
+            };
+            return stands;
         }
-        let mut steps_left = max_steps;
-        let SlideResult { pose, blocked } = self.move_and_slide(bit, from, wanted, &mut steps_left);
-        FreezeResult { pose, blocked, steps: max_steps - steps_left }
+        let limit = self.penetration_limit(bit, from);
+        if limit.may_bury_centre(bit) {
+            return self.jump_if_allowed(bit, from, wanted, budget);
+        }
+        let mut left = budget;
+        let SlideResult { pose, blocked, ran_out } =
+            self.move_and_slide(bit, (from, limit), wanted, &mut left);
+        let steps = budget.steps - left.steps;
+        FreezeResult { pose, blocked, ran_out, jumped: false, steps }
     }
 
-    /// Up to three paths: toward the wanted pose, and two slides. They share the step budget.
-    fn move_and_slide(
+    /// Whether the bit is too deep and a voxel's centre so near its own that this may lie in that voxel.
+    #[must_use]
+    pub fn buries(&self, bit: &GridBit, pose: &Pose) -> bool {
+        self.penetration_limit(bit, pose).may_bury_centre(bit)
+    }
+
+    /// The freeze of a bit without a way: at the wanted pose if its bite allows that, else where it was.
+    #[must_use]
+    pub fn jump_if_allowed(
         &self,
         bit: &GridBit,
         from: &Pose,
         wanted: &Pose,
-        steps_left: &mut u32,
+        budget: WayBudget,
+    ) -> FreezeResult {
+        let bite = PenetrationLimit::of_bite(bit);
+        let jumped = !budget.is_spent() && self.is_allowed(bit, wanted, bite);
+        let pose = if jumped { *wanted } else { *from };
+        let steps = deep_step_cost_in_steps(N).min(budget.steps);
+        FreezeResult { pose, blocked: !jumped, ran_out: false, jumped, steps }
+    }
+
+    /// Moves, and slides where the bit is stopped.
+    fn move_and_slide(
+        &self,
+        bit: &GridBit,
+        (from, limit): (&Pose, PenetrationLimit),
+        wanted: &Pose,
+        left: &mut WayBudget,
     ) -> SlideResult {
-        let PathAdvance { last_allowed: reached, first_forbidden } =
-            self.advance_along(bit, from, wanted, steps_left);
-        let Some(forbidden) = first_forbidden else {
-            return SlideResult { pose: reached, blocked: false };
+        let walk = self.advance_along(bit, (from, limit), wanted, left);
+        let PathAdvance { last_allowed: reached, ran_out, .. } = walk;
+        let Some(forbidden) = walk.first_forbidden else {
+            return SlideResult { pose: reached, blocked: false, ran_out };
         };
+        let slide = self.slide_along(bit, &reached, &forbidden, wanted, left);
+        // What is swept is the straight way from where the bit was, which a way round a corner isn't.
+        match self.may_cross_stone(bit, from, &slide.last_allowed) {
+            true => SlideResult { pose: reached, blocked: true, ran_out: false },
+            false => {
+                SlideResult { pose: slide.last_allowed, blocked: true, ran_out: slide.ran_out }
+            }
+        }
+    }
+
+    /// Up to two paths of a bit that was stopped: along the tangent plane, and else past the blocking
+    /// voxels. They share the budget.
+    fn slide_along(
+        &self,
+        bit: &GridBit,
+        reached: &Pose,
+        forbidden: &Pose,
+        wanted: &Pose,
+        left: &mut WayBudget,
+    ) -> PathAdvance {
         let remaining = wanted.position - reached.position;
-        let mut normal = self.contact_at(bit, &forbidden).normal;
+        let mut normal = self.contact_at(bit, forbidden).normal;
         if normal == Vec3::ZERO {
             normal = -remaining.normalize_or_zero();
         }
@@ -145,18 +232,19 @@ where
         let target = match inward < 0.0 {
             true => Pose { position: reached.position + remaining - normal * inward, ..*wanted },
             // The remaining path leads outward, so only the rotation was stopped: keep the old one.
-            false => Pose { position: wanted.position, ..reached },
+            false => Pose { position: wanted.position, ..*reached },
         };
-        let mut pose = self.advance_along(bit, &reached, &target, steps_left).last_allowed;
+        let limit = self.penetration_limit(bit, reached);
+        let slide = self.advance_along(bit, (reached, limit), &target, left);
         let slide_steps = (target.position - reached.position) * STEPS_PER_VOXEL;
-        if pose.position == reached.position && slide_steps.length_squared() > 1.0 {
-            let away = self.unit_direction_from_blockers(bit, &reached, &forbidden);
-            let inward = remaining.dot(away);
-            let tangent = if inward < 0.0 { remaining - away * inward } else { remaining };
-            let target = Pose { position: reached.position + tangent, ..reached };
-            pose = self.advance_along(bit, &reached, &target, steps_left).last_allowed;
+        if slide.last_allowed.position != reached.position || slide_steps.length_squared() <= 1.0 {
+            return slide;
         }
-        SlideResult { pose, blocked: true }
+        let away = self.unit_direction_from_blockers(bit, reached, forbidden);
+        let inward = remaining.dot(away);
+        let tangent = if inward < 0.0 { remaining - away * inward } else { remaining };
+        let target = Pose { position: reached.position + tangent, ..*reached };
+        self.advance_along(bit, (reached, limit), &target, left)
     }
 
     /// The mean unit direction to the bit's centre from the voxels that forbid the pose `forbidden`, when

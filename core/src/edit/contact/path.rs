@@ -8,8 +8,8 @@ use core::mem;
 
 use glam::I64Vec3;
 
-use super::Obstacle;
 use super::rows::TestedVoxels;
+use super::{Obstacle, WayBudget};
 use crate::edit::brush::voxel_centre_subunits;
 use crate::edit::grid_bit::GridBit;
 use crate::edit::pose::{Pose, SUBUNITS_PER_VOXEL};
@@ -21,30 +21,26 @@ impl<const N: usize, const K: usize> Obstacle<'_, N, K>
 where
     Grid<N>: Size,
 {
-    /// Moves the bit along the interpolated path. A bit that starts too deep may leave the volume at an
-    /// exit farther along the path.
-    ///
-    /// `steps_left` is the remaining budget in steps; a free stretch costs one.
+    /// Moves the bit along the interpolated path from a pose with its penetration limit there. A bit that
+    /// starts too deep may leave the volume at an exit farther along the path.
     pub(super) fn advance_along(
         &self,
         bit: &GridBit,
-        from: &Pose,
+        (from, mut limit): (&Pose, PenetrationLimit),
         to: &Pose,
-        steps_left: &mut u32,
+        left: &mut WayBudget,
     ) -> PathAdvance {
-        let arc = from.angle_radians_to(to) * bit.circumscribed_radius_subunits() as f32
-            / SUBUNITS_PER_VOXEL as f32;
-        let length = (to.position - from.position).length() + arc;
-        let steps = (libm::ceilf(length * STEPS_PER_VOXEL) as u32).max(1);
+        let steps = bit.path_steps(from, to);
         let pose_at = |step: u32| from.interpolate(to, step as f32 / steps as f32);
-        let (mut reached, mut limit) = (*from, self.penetration_limit(bit, from));
+        let mut reached = *from;
         let (mut step, mut stretch) = (0, SHORT_STRETCH);
-        while step < steps && *steps_left > 0 {
-            let end = (step + stretch).min(steps);
+        while step < steps && !left.is_spent() {
+            let last = steps.min(step.saturating_add(left.quarter_voxels));
+            let end = (step + stretch).min(last);
             if limit.is_of_bite(bit)
                 && self.is_path_surely_free(bit, &reached, &pose_at(end), limit)
             {
-                *steps_left -= 1;
+                left.spend(1, end - step);
                 (step, reached, stretch) = (end, pose_at(end), LONG_STRETCH);
                 continue;
             }
@@ -52,10 +48,9 @@ where
                 stretch = SHORT_STRETCH;
                 continue;
             }
-            while step < end && *steps_left > 0 {
+            while step < end && !left.is_spent() {
                 step += 1;
-                let cost = if limit.is_of_bite(bit) { 1 } else { deep_step_cost_in_steps(N) };
-                *steps_left = steps_left.saturating_sub(cost);
+                left.spend(if limit.is_of_bite(bit) { 1 } else { deep_step_cost_in_steps(N) }, 1);
                 let next = pose_at(step);
                 if self.is_allowed(bit, &next, limit) {
                     limit =
@@ -63,14 +58,16 @@ where
                     reached = next;
                     continue;
                 }
-                let probes = exit_probe_steps(step, steps);
+                let probes = exit_probe_steps(step, last);
                 let Some(exit) = self.find_exit_step(bit, limit, &reached, probes, pose_at) else {
-                    return PathAdvance { last_allowed: reached, first_forbidden: Some(next) };
+                    let first_forbidden = Some(next);
+                    return PathAdvance { last_allowed: reached, first_forbidden, ran_out: false };
                 };
+                left.spend(0, exit - step);
                 (step, reached, limit) = (exit, pose_at(exit), PenetrationLimit::of_bite(bit));
             }
         }
-        PathAdvance { last_allowed: reached, first_forbidden: None }
+        PathAdvance { last_allowed: reached, first_forbidden: None, ran_out: step < steps }
     }
 
     /// The depth allowed at the next step: the bite, or the present depth where that is greater.
@@ -111,36 +108,39 @@ where
         });
     }
 
-    /// Exit search for a bit that is too deep and whose next step would take it deeper: the first of
-    /// the `probe_steps` of the path at which the bit sits no deeper than its bite. `None` where
-    /// there is none, or where the bit isn't too deep.
+    /// Exit search for a bit that is too deep by its sides alone, and whose next step would take it deeper:
+    /// the first of the `probe_steps` of the path at which the bit sits no deeper than its bite. `None`
+    /// where there is none, or where the bit isn't too deep.
     ///
-    /// A bit whose centre lies outside the material is stopped by its sides alone. Its centre must
-    /// reach the exit through empty space, so the search ends at the first probe that it can't reach.
+    /// The bit's centre must reach the exit through empty space, so the search ends at the first probe
+    /// that it can't reach.
     fn find_exit_step(
         &self,
         bit: &GridBit,
         limit: PenetrationLimit,
         last_allowed: &Pose,
-        mut probe_steps: impl Iterator<Item = u32>,
+        probe_steps: impl Iterator<Item = u32>,
         pose_at_step: impl Fn(u32) -> Pose,
     ) -> Option<u32> {
         let bite = PenetrationLimit::of_bite(bit);
-        let is_exit = |probe: &u32| self.is_allowed(bit, &pose_at_step(*probe), bite);
         if limit.is_of_bite(bit) {
             return None;
         }
-        if limit.may_bury_centre(bit) {
-            return probe_steps.find(is_exit);
-        }
-        let centre_only =
-            PenetrationLimit { volume: bit.inscribed_radius_subunits() - HALF_DIAGONAL, ..limit };
+        let centre_only = PenetrationLimit { volume: deepest_unburied(bit), ..limit };
         let mut last = *last_allowed;
         let is_reachable = |probe: &u32| {
             let from = mem::replace(&mut last, pose_at_step(*probe));
             self.is_path_surely_free(bit, &from, &last, centre_only)
         };
+        let is_exit = |probe: &u32| self.is_allowed(bit, &pose_at_step(*probe), bite);
         probe_steps.take_while(is_reachable).find(is_exit)
+    }
+
+    /// Whether the straight way between two poses may lead the bit's centre through stone. `false` for a
+    /// bit whose bite lets its centre into stone anyway; no tool has one.
+    pub(super) fn may_cross_stone(&self, bit: &GridBit, from: &Pose, to: &Pose) -> bool {
+        let centre_only = PenetrationLimit { volume: deepest_unburied(bit), mask: i32::MAX };
+        centre_only.volume >= bit.bite && !self.is_path_surely_free(bit, from, to, centre_only)
     }
 
     /// Whether no voxel stops a bit of this limit between two poses of its path. Conservative: the
@@ -159,7 +159,7 @@ where
     }
 
     /// Whether the bit, at this pose, sits no deeper than the limit.
-    fn is_allowed(&self, bit: &GridBit, pose: &Pose, limit: PenetrationLimit) -> bool {
+    pub(super) fn is_allowed(&self, bit: &GridBit, pose: &Pose, limit: PenetrationLimit) -> bool {
         self.is_within_limit(limit, |test| {
             bit.piece_deeper_than(test.deeper_than_subunits, pose)
                 .is_some_and(|piece| self.piece_overlaps(&piece, test.voxels))
@@ -177,11 +177,15 @@ where
             deeper_than_subunits: limit.volume,
             voxels: TestedVoxels::AllOccupied,
         };
-        let of_mask = |mask| PenetrationTest {
-            deeper_than_subunits: limit.mask,
+        let of_mask = |deeper_than_subunits, mask| PenetrationTest {
+            deeper_than_subunits,
             voxels: TestedVoxels::OfMask(mask),
         };
-        !overlaps(of_volume) && self.mask.is_none_or(|mask| !overlaps(of_mask(mask)))
+        let free_of_mask = |depth| self.mask.is_none_or(|mask| !overlaps(of_mask(depth, mask)));
+        match self.is_mask_alone {
+            true => free_of_mask(limit.mask.min(limit.volume)),
+            false => !overlaps(of_volume) && free_of_mask(limit.mask),
+        }
     }
 }
 
@@ -197,9 +201,10 @@ pub fn exit_probe_steps(after_step: u32, last_step: u32) -> impl Iterator<Item =
 pub(super) struct PathAdvance {
     /// The last pose of the path that the volume allows.
     pub(super) last_allowed: Pose,
-    /// The pose of the step after it; `None` where the end of the path or of the step budget came
-    /// first.
+    /// The pose of the step after it; `None` where the end of the path or of the budget came first.
     pub(super) first_forbidden: Option<Pose>,
+    /// Whether the end of the budget came first.
+    pub(super) ran_out: bool,
 }
 
 /// An occupied voxel whose centre is in a bit.
@@ -217,6 +222,25 @@ pub(super) struct PenetratingVoxel {
 struct PenetrationTest<'a, const N: usize, const K: usize> {
     deeper_than_subunits: i32,
     voxels: TestedVoxels<'a, N, K>,
+}
+
+impl GridBit {
+    /// Steps of a path between two poses: quarter voxels, of translation and of the arc that the bit's
+    /// farthest point describes, together. At least 1.
+    #[must_use]
+    pub fn path_steps(&self, from: &Pose, to: &Pose) -> u32 {
+        let arc = from.angle_radians_to(to) * self.circumscribed_radius_subunits() as f32
+            / SUBUNITS_PER_VOXEL as f32;
+        let length = (to.position - from.position).length() + arc;
+        (libm::ceilf(length * STEPS_PER_VOXEL) as u32).max(1)
+    }
+}
+
+impl WayBudget {
+    fn spend(&mut self, steps: u32, quarter_voxels: u32) {
+        self.steps = self.steps.saturating_sub(steps);
+        self.quarter_voxels = self.quarter_voxels.saturating_sub(quarter_voxels);
+    }
 }
 
 /// Steps in a voxel's length of path.
@@ -239,7 +263,7 @@ pub(super) struct PenetrationLimit {
 
 impl PenetrationLimit {
     /// The limit of a bit that isn't too deep: its bite, and nothing in the mask.
-    const fn of_bite(bit: &GridBit) -> PenetrationLimit {
+    pub(super) const fn of_bite(bit: &GridBit) -> PenetrationLimit {
         PenetrationLimit { volume: bit.bite, mask: 0 }
     }
 
@@ -256,12 +280,19 @@ impl PenetrationLimit {
         if self.is_of_bite(bit) { self } else { measure() }
     }
 
-    /// Whether the bit's centre may lie in an occupied voxel: some voxel's centre is within half a
-    /// diagonal of it.
-    fn may_bury_centre(self, bit: &GridBit) -> bool {
-        !self.is_of_bite(bit) && self.volume > bit.inscribed_radius_subunits() - HALF_DIAGONAL
+    /// Whether the bit's centre may lie in an occupied voxel.
+    pub(super) fn may_bury_centre(self, bit: &GridBit) -> bool {
+        self.volume > deepest_unburied(bit).max(bit.bite)
     }
 }
 
-/// Half a voxel's diagonal in fixed point, rounded up.
-const HALF_DIAGONAL: i32 = 222;
+/// The greatest depth of a voxel in the bit that leaves the bit's centre in the open, at a step and halfway to
+/// the next.
+fn deepest_unburied(bit: &GridBit) -> i32 {
+    bit.inscribed_radius_subunits() - BURIED_WITHIN
+}
+
+/// Distance of a voxel's centre from the bit's, in fixed point, within which this may lie in the voxel, or
+/// does half a step on: half a voxel's diagonal and half a step at right angles to it (224), with room for
+/// rounding.
+pub const BURIED_WITHIN: i32 = 226;

@@ -33,10 +33,11 @@ impl<const N: usize, const K: usize> Obstacle<'_, N, K>
 where
     Grid<N>: Size,
 {
-    /// Whether a mask voxel lies in the bit or within a voxel of it.
+    /// Whether a mask voxel lies in the bit or within half a voxel of it: where the mask stops a bit,
+    /// whatever its last step.
     pub(super) fn is_near_mask(&self, bit: &GridBit, pose: &Pose) -> bool {
         let (Some(mask), Some(piece)) =
-            (self.mask, bit.piece_deeper_than(-SUBUNITS_PER_VOXEL, pose))
+            (self.mask, bit.piece_deeper_than(-SUBUNITS_PER_VOXEL / 2, pose))
         else {
             return false;
         };
@@ -127,11 +128,24 @@ where
                 }
                 if let Some(x_range) = layer.x_range(z, N) {
                     let inside = near & BitSet::span(x_range.first(), x_range.last());
+                    let inside = self.holding_among((y, z), inside);
                     if !inside.is_empty() {
                         visit((y, z), inside);
                     }
                 }
             }
+        }
+    }
+
+    /// Those voxels of row (y, z) that the bit can collide with.
+    fn holding_among(
+        &self,
+        (y, z): RowAddress,
+        among: <Grid<N> as Size>::Row,
+    ) -> <Grid<N> as Size>::Row {
+        match self.is_mask_alone {
+            false => among & self.rows.row(y, z),
+            true => self.mask.map_or(BitSet::EMPTY, |mask| mask.occupied_among((y, z), among)),
         }
     }
 
@@ -141,16 +155,16 @@ where
         (y, z): RowAddress,
         voxels: <Grid<N> as Size>::Row,
     ) -> IVec3 {
-        let empty = |row: Option<<Grid<N> as Size>::Row>| match row {
-            Some(row) => (voxels & !row).count_ones() as i32,
-            None => voxels.count_ones() as i32,
+        let empty = |row: <Grid<N> as Size>::Row| (voxels & !row).count_ones() as i32;
+        let beside = |y: usize, z: usize| match y < N && z < N {
+            true => empty(self.holding_among((y, z), voxels)),
+            false => voxels.count_ones() as i32,
         };
-        let row = |y: usize, z: usize| (y < N && z < N).then(|| self.rows.row(y, z));
-        let here = self.rows.row(y, z);
+        let here = self.holding_among((y, z), voxels.shifted_up() | voxels.shifted_down());
         IVec3::new(
-            empty(Some(here.shifted_down())) - empty(Some(here.shifted_up())),
-            empty(row(y + 1, z)) - empty(row(y.wrapping_sub(1), z)),
-            empty(row(y, z + 1)) - empty(row(y, z.wrapping_sub(1))),
+            empty(here.shifted_down()) - empty(here.shifted_up()),
+            beside(y + 1, z) - beside(y.wrapping_sub(1), z),
+            beside(y, z + 1) - beside(y, z.wrapping_sub(1)),
         )
     }
 }

@@ -94,7 +94,8 @@ where
     }
 
     /// What a loaded search lacks of what every search has, so that no pass takes what is supported: ground
-    /// and mask are reached, and where a row isn't queued, no unreached voxel of it adjoins a reached one.
+    /// is reached, and where a row isn't queued, its voxels of the mask are, and no unreached one adjoins a
+    /// reached one.
     /// That more is reached than should be does no harm: the next pass finds it.
     pub(crate) fn find_fault<const K: usize>(
         &self,
@@ -108,14 +109,16 @@ where
         rows.find_map(|(y, z)| {
             let reached = self.reached.row(y, z);
             let left = voxels.row(y, z) & !reached;
-            if (y == 0 && !left.is_empty()) || !mask.occupied_among((y, z), left).is_empty() {
+            let is_queued = self.queued[y].contains(z);
+            let is_mask_missed = !is_queued && !mask.occupied_among((y, z), left).is_empty();
+            if (y == 0 && !left.is_empty()) || is_mask_missed {
                 return Some("an island search that has reached ground and mask");
             }
             let mut beside = reached.shifted_up() | reached.shifted_down();
             for (y, z) in neighbour_rows::<N>((y, z)) {
                 beside |= self.reached.row(y, z);
             }
-            let is_missed = !self.queued[y].contains(z) && !(left & beside).is_empty();
+            let is_missed = !is_queued && !(left & beside).is_empty();
             is_missed.then_some("an island search that has queued the rows beside what it reached")
         })
     }
@@ -126,10 +129,11 @@ where
             return Err(bytes.error_here("a layer of the grid"));
         }
         self.reached.clear();
-        // Open rows aren't saved: treating all as open only costs time.
-        self.open.fill(Grid::<N>::FULL);
         for y in 0..N {
             self.queued[y] = read_row::<N>(bytes)?;
+            // Open rows aren't saved. A queued row is perhaps to be visited for the first time; to treat
+            // any other as open only costs time.
+            self.open[y] = Grid::<N>::FULL & !self.queued[y];
             if !self.queued[y].is_empty() {
                 self.layers.insert(y);
             }
@@ -146,7 +150,7 @@ where
 }
 
 /// Linear hash of row (y, z): the sum of its words, each times its own key. The hashes of disjoint sets
-/// of voxels add up to that of their union.
+/// of voxels add up to that of their union. All factors are odd: an even one would shift high bits out.
 #[inline]
 pub(super) fn hash_row<R: BitSet>((y, z): RowAddress, voxels: R) -> u64 {
     layer_hash_from_sum(y, hash_row_in_layer(z, voxels))
@@ -156,7 +160,7 @@ pub(super) fn hash_row<R: BitSet>((y, z): RowAddress, voxels: R) -> u64 {
 pub(super) fn hash_row_in_layer<R: BitSet>(z: usize, voxels: R) -> u64 {
     let mut sum = 0u64;
     for i in 0..R::WORDS {
-        let key = DIGEST_KEYS[z].rotate_left(13 * i as u32);
+        let key = DIGEST_KEYS[z].rotate_left(13 * i as u32) | 1;
         sum = sum.wrapping_add(voxels.word(i).wrapping_mul(key));
     }
     sum
@@ -165,7 +169,7 @@ pub(super) fn hash_row_in_layer<R: BitSet>(z: usize, voxels: R) -> u64 {
 /// Scales the sum of [`hash_row_in_layer`] over rows of layer `y` to the layer's part of the hash.
 #[inline]
 pub(super) fn layer_hash_from_sum(y: usize, sum_of_rows: u64) -> u64 {
-    sum_of_rows.wrapping_mul(mix_bits(DIGEST_KEYS[y]))
+    sum_of_rows.wrapping_mul(mix_bits(DIGEST_KEYS[y]) | 1)
 }
 
 fn write_row<R: BitSet>(out: &mut ByteWriter<'_>, row: R) {

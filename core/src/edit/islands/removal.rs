@@ -212,7 +212,7 @@ where
                 sum = sum.wrapping_add(hash_row((y, z), closed));
             }
         }
-        // Even keys shift high bits out: no set but the empty one has the empty one's hash.
+        // High bits of several words may cancel: no set but the empty one has the empty one's hash.
         if kept != 0 && sum == 0 {
             sum = 1;
         }

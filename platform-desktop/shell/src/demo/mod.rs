@@ -10,7 +10,7 @@ pub mod scripted_hands;
 use crate::tick_runner::TickRunner;
 use glam::Vec3;
 use paros_core::session::{BenchItem, SessionMode, Tool, ToolBit, commands};
-use paros_core::volume::{Axis, Grid, Size};
+use paros_core::volume::{Axis, Column, Grid, Size};
 
 pub use script::{Chapter, DemoScript};
 pub use scripted_hands::TickWatcher;
@@ -76,6 +76,7 @@ fn carve_owl<const N: usize, const K: usize>(
     }
     draw_strips(hands, 0.0, 1.7);
     plunge_top(hands, PlungeRaster { spacing: 3.0, min_depth: 1.0, ..PlungeRaster::WHOLE });
+    pick_crumbs(hands);
     done(Chapter::Fine, hands);
 
     hands.fetch_item(RIGHT, BenchItem::Tool(Tool::Rasp));
@@ -191,6 +192,25 @@ fn plunge_top<const N: usize, const K: usize>(
         for x in evenly_spaced(64.0, 120.0, raster.spacing) {
             let start = Vec3::new(x, 140.0, z) * unit;
             plunge_bit(hands, start, Vec3::NEG_Y, 138.0 * unit, raster.min_depth * unit);
+        }
+    }
+    hands.return_hand_to_rest(RIGHT);
+}
+
+/// Plunges the bit into what stands on the ground by itself, between the plunges, away from the figure.
+fn pick_crumbs<const N: usize, const K: usize>(hands: &mut ScriptedHands<'_, '_, N, K>)
+where
+    Grid<N>: Size,
+{
+    let (unit, reach) = (N as f32 / 128.0, N / 20);
+    for (z, x) in (0..N * N).map(|i| (i / N, i % N)) {
+        let near = |i: usize| i.saturating_sub(reach)..(i + reach).min(N);
+        let is_figure = |z: usize| {
+            hands.world().mask().line(Axis::Y, z)[near(x)].iter().any(|c| *c != Column::EMPTY)
+        };
+        if hands.world().volume().maps().contains([x, 0, z]) && !near(z).any(is_figure) {
+            let start = Vec3::new(x as f32 + 0.5, 140.0 * unit, z as f32 + 0.5);
+            plunge_bit(hands, start, Vec3::NEG_Y, 140.0 * unit, 0.0);
         }
     }
     hands.return_hand_to_rest(RIGHT);

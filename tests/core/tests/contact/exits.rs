@@ -2,52 +2,69 @@
 
 use glam::{Quat, Vec3};
 use paros_core::edit::{Pose, SUBUNITS_PER_VOXEL};
-use paros_core::internals::FreezeResult;
-use paros_core::limits::{deep_step_cost_in_steps, max_bit_steps_per_tick};
 use paros_core::session::ToolBit;
 use paros_models::dense::DenseVolume;
 
 use crate::stone::{STONE_64, lock_stone, table_bit, voxel_micrometres};
 
-/// A bit deep in the stone moves outwards, and never deeper.
+/// A bit whose centre is in the stone has no way: it stands until its hand is where the bit may be, and then
+/// is there.
 #[test]
-fn a_buried_bit_can_only_come_out() {
+fn a_buried_bit_stands_until_its_hand_is_free() {
     let mut stone = lock_stone(&STONE_64);
     stone.set(&DenseVolume::from_fn(64, |[_, y, _]| y < 40), &DenseVolume::empty(64));
     for number in 0..9u8 {
         let bit = table_bit(number, 128);
         let at = |y: f32| Pose { position: Vec3::new(32.0, y, 32.0), rotation: Quat::IDENTITY };
-        let sits = stone.contact(&bit, &at(39.0)).depth;
-        assert!(sits > bit.bite, "bit {number} is buried");
-        let down = stone.freeze(&bit, &at(39.0), &at(20.0));
-        assert!(stone.contact(&bit, &down.pose).depth <= sits, "bit {number}: {down:?}");
-        let mut up = FreezeResult { pose: at(39.0), blocked: false, steps: 0 };
-        for _ in 0..21 * 4 * deep_step_cost_in_steps(64) / max_bit_steps_per_tick(64) + 1 {
-            up = stone.freeze(&bit, &up.pose, &at(60.0));
+        for (from, to) in [(39.0, 20.0), (39.0, 39.5), (20.0, 39.0), (20.0, -4.0)] {
+            let held = stone.freeze(&bit, &at(from), &at(to));
+            let is_free = stone.contact(&bit, &at(to)).depth <= bit.bite;
+            let expected = if is_free { to } else { from };
+            assert_eq!((held.pose, held.jumped), (at(expected), is_free), "bit {number}");
+            assert_eq!((held.blocked, held.ran_out), (!is_free, false), "bit {number}");
         }
-        assert_eq!((up.pose, up.blocked), (at(60.0), false), "bit {number}");
-        // Half way out counts: what was gained is not given back.
-        let half = stone.freeze(&bit, &at(39.0), &at(41.0)).pose;
-        let again = stone.freeze(&bit, &half, &at(39.0)).pose;
-        assert!(
-            stone.contact(&bit, &again).depth <= stone.contact(&bit, &half).depth.max(bit.bite)
-        );
+        // However far; to the other side of the stone, too.
+        for to in [60.0, 500.0, -30.0] {
+            let up = stone.freeze(&bit, &at(20.0), &at(to));
+            assert_eq!((up.pose, up.blocked, up.jumped), (at(to), false, true), "bit {number}");
+        }
     }
 }
 
-/// From any depth, as the hand's target is far outside.
+/// Between the buried bit and its hand lies a hollow in which it would be free. The way there is through stone.
 #[test]
-fn a_bit_comes_out_of_the_middle_of_a_block() {
+fn no_way_leads_through_stone() {
     let mut stone = lock_stone(&STONE_64);
-    stone.set(&DenseVolume::from_fn(64, |[_, y, _]| y < 60), &DenseVolume::empty(64));
+    stone.set(
+        &DenseVolume::from_fn(64, |[_, y, _]| y < 20 || (40..60).contains(&y)),
+        &DenseVolume::empty(64),
+    );
     for number in 0..9u8 {
         let bit = table_bit(number, 128);
         let at = |y: f32| Pose { position: Vec3::new(32.0, y, 32.0), rotation: Quat::IDENTITY };
-        let mut pose = at(20.0);
-        for _ in 0..20 {
-            pose = stone.freeze(&bit, &pose, &at(120.0)).pose;
-        }
-        assert_eq!(pose, at(120.0), "bit {number}");
+        assert!(stone.contact(&bit, &at(30.0)).depth <= bit.bite, "bit {number} fits the hollow");
+        let held = stone.freeze(&bit, &at(10.0), &at(50.0));
+        assert_eq!((held.pose, held.blocked), (at(10.0), true), "bit {number}");
+    }
+}
+
+/// A bit slides along the floor below a beam. Its way is clear, but its chord, which is what an edit sweeps and
+/// where the next tick goes on, leads through the beam: the bit doesn't slide.
+#[test]
+fn no_slide_cuts_a_corner_of_stone() {
+    let mut stone = lock_stone(&STONE_64);
+    let bit = ToolBit::SmallBall.to_grid_bit(voxel_micrometres(128));
+    let at = |x: f32, y: f32| Pose { position: Vec3::new(x, y, 32.0), rotation: Quat::IDENTITY };
+    for (with_beam, least) in [(false, 45.0), (true, 0.0)] {
+        let beam = |x: i32, y: i32| with_beam && (36..40).contains(&x) && (25..29).contains(&y);
+        stone.set(
+            &DenseVolume::from_fn(64, |[x, y, _]| y < 20 || beam(x, y)),
+            &DenseVolume::empty(64),
+        );
+        let slid = stone.freeze(&bit, &at(30.0, 30.0), &at(46.0, -30.0));
+        let Vec3 { x, y, .. } = slid.pose.position;
+        assert!(slid.blocked && !slid.ran_out && y < 23.0, "{slid:?}");
+        assert_eq!((x > least, x < 34.0), (true, with_beam), "{slid:?}");
     }
 }
 
@@ -73,10 +90,11 @@ fn a_bit_comes_out_of_a_slot() {
             assert_eq!(pose, at(80.0), "bit {number}, turned by {turn}, {width} voxels");
             // Not through the wall.
             let aside = Pose { position: Vec3::new(62.0, 20.1, 32.3), rotation };
-            let held = stone.freeze(&bit, &at(20.1), &aside).pose;
-            let is_buried =
-                stone.contact(&bit, &at(20.1)).depth > bit.inscribed_radius_subunits() - 222;
-            assert!(is_buried || held.position.x < x + width as f32, "bit {number}: {held:?}");
+            let held = stone.freeze(&bit, &at(20.1), &aside);
+            assert!(
+                held.jumped || held.pose.position.x < x + width as f32,
+                "bit {number}: {held:?}"
+            );
         }
     }
 }

@@ -9,8 +9,10 @@ use std::sync::Mutex;
 
 use glam::{IVec3, Quat, Vec3};
 use paros_core::edit::{Pose, SUBUNITS_PER_VOXEL};
-use paros_core::internals::{FreezeResult, GridBit, GridShape, exit_probe_steps};
-use paros_core::limits::{EXIT_PROBES, max_bit_steps_in_undo_tick, max_bit_steps_per_tick};
+use paros_core::internals::{
+    BURIED_WITHIN, FreezeResult, GridBit, GridShape, WayBudget, exit_probe_steps,
+};
+use paros_core::limits::{EXIT_PROBES, max_bit_steps_per_tick};
 use paros_core::session::ToolBit;
 use paros_core::volume::{Grid, Size};
 use paros_models::contact::{ContactModel, path_poses};
@@ -19,7 +21,7 @@ use proptest::prelude::*;
 
 use crate::stone::{
     ContactHarness, STONE_16, STONE_128, STONE_256, any_rotations, lock_stone, table_bit,
-    voxel_micrometres,
+    tick_budget, voxel_micrometres,
 };
 
 /// A strategy for bits: those of the table at both grid sizes, and balls and boxes of any proportion.
@@ -91,19 +93,52 @@ fn assert_freeze_follows_walk(
     from: &Pose,
     raw: &Pose,
 ) -> Result<FreezeResult, TestCaseError> {
-    let mut frozen = FreezeResult { pose: *from, blocked: false, steps: 0 };
-    for most in [max_bit_steps_in_undo_tick(16, 1), max_bit_steps_per_tick(16)] {
-        frozen = stone.obstacle().freeze_bit(bit, from, raw, most);
-        prop_assert_eq!(frozen, block.freeze_by_walk(bit, from, raw, most));
+    let mut frozen = stone.obstacle().freeze_bit(bit, from, raw, WayBudget::of_steps(0));
+    prop_assert_eq!(frozen, block.freeze_by_walk(bit, from, raw, WayBudget::of_steps(0)));
+    prop_assert!(frozen.pose == *from && frozen.ran_out && frozen.steps == 0);
+    let few = WayBudget { steps: 20, quarter_voxels: 23 };
+    for budget in [few, tick_budget(16)] {
+        frozen = stone.obstacle().freeze_bit(bit, from, raw, budget);
+        prop_assert_eq!(frozen, block.freeze_by_walk(bit, from, raw, budget));
+        let way = bit.path_steps(from, &frozen.pose);
+        prop_assert!(frozen.jumped || way <= budget.quarter_voxels.saturating_add(1), "{way}");
+        check_way_through_the_open(block, bit, from, &frozen)?;
         let (before, after) =
             (block.penetration_at(bit, from), block.penetration_at(bit, &frozen.pose));
         prop_assert!(after.volume <= bit.bite.max(before.volume), "{before:?} -> {after:?}");
         prop_assert!(after.mask <= before.mask, "{before:?} -> {after:?}");
-        if !frozen.blocked && frozen.steps < most {
+        prop_assert!(!frozen.ran_out || frozen.steps == budget.steps || budget == few);
+        if !frozen.blocked && !frozen.ran_out {
             prop_assert_eq!(frozen.pose, *raw);
         }
     }
     Ok(frozen)
+}
+
+/// Asserts that the bit's centre meets no voxel of the stone on its straight way, unless the bit jumped or
+/// its bite lets its centre into stone anyway; and that it jumps from stone alone.
+fn check_way_through_the_open(
+    block: &ContactModel,
+    bit: &GridBit,
+    from: &Pose,
+    frozen: &FreezeResult,
+) -> Result<(), TestCaseError> {
+    let buried = block.buries(bit, from);
+    prop_assert!(!frozen.jumped || buried);
+    if frozen.jumped
+        || frozen.pose == *from
+        || bit.inscribed_radius_subunits() - BURIED_WITHIN < bit.bite
+    {
+        return Ok(());
+    }
+    prop_assert!(!buried, "a way out of stone");
+    let parts = ((frozen.pose.position - from.position).length() * 64.0).ceil().clamp(1.0, 1e5);
+    for i in 0..=parts as u32 {
+        let at = from.position.lerp(frozen.pose.position, i as f32 / parts);
+        let voxel = at.floor().as_ivec3().to_array();
+        prop_assert!(!block.is_occupied(voxel), "the centre is in {voxel:?} on its way");
+    }
+    Ok(())
 }
 
 /// The greatest distance, in voxels, that a point of the bit moves between two poses.

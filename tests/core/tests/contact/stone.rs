@@ -5,7 +5,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use glam::Quat;
 use paros_core::RangeMaps;
 use paros_core::edit::{Contact, Pose};
-use paros_core::internals::{BOX_SIDE, FreezeResult, GridBit, Obstacle};
+use paros_core::internals::{BOX_SIDE, FreezeResult, GridBit, Obstacle, WayBudget};
 use paros_core::limits::max_bit_steps_per_tick;
 use paros_core::session::ToolBit;
 use paros_core::volume::{BitGrid, Grid, Size};
@@ -38,7 +38,7 @@ where
     }
 
     pub(crate) fn obstacle(&self) -> Obstacle<'_, N> {
-        Obstacle { rows: &self.rows, mask: self.masked.then_some(&self.mask) }
+        Obstacle { rows: &self.rows, mask: self.masked.then_some(&self.mask), is_mask_alone: false }
     }
 
     pub(crate) fn contact(&self, bit: &GridBit, pose: &Pose) -> Contact {
@@ -46,7 +46,7 @@ where
     }
 
     pub(crate) fn freeze(&self, bit: &GridBit, from: &Pose, raw: &Pose) -> FreezeResult {
-        self.obstacle().freeze_bit(bit, from, raw, max_bit_steps_per_tick(N))
+        self.obstacle().freeze_bit(bit, from, raw, tick_budget(N))
     }
 }
 
@@ -57,6 +57,11 @@ pub(crate) static STONE_256: Mutex<ContactHarness<256>> = Mutex::new(ContactHarn
 
 pub(crate) fn lock_stone<T>(stone: &'static Mutex<T>) -> MutexGuard<'static, T> {
     stone.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// What a bit that doesn't run may go in a tick.
+pub(crate) fn tick_budget(n: usize) -> WayBudget {
+    WayBudget::of_steps(max_bit_steps_per_tick(n))
 }
 
 /// The side of a voxel in micrometres, in a grid of `n`^3.

@@ -1,0 +1,107 @@
+//! The ledger of a tick: what undo or redo, the hands and the island search may spend together.
+//!
+//! Work is counted in units of a row visit of the island search, some 150 instructions at 128 and half as
+//! many again at 256. What is left of a tick's work after an undo goes to the hands in turn, and what they
+//! leave to the islands, which always keep a share of their own. So no tick is long, and every pass ends
+//! whatever hands do.
+
+use crate::edit::contact::WayBudget;
+use crate::edit::grid_bit::{GridBit, GridShape};
+use crate::limits::{
+    bit_side_voxels, bit_step_work, bite_work, island_removal_row_visits, island_reserve,
+    island_row_visits_per_tick, max_bit_steps_per_tick, rewind_work, sweep_work_of_ball,
+    sweep_work_of_box, tick_work,
+};
+
+/// What is left of a tick's work.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) struct TickLedger {
+    left: u32,
+    /// The islands' share, which nothing else may spend.
+    reserve: u32,
+    most_row_visits: u32,
+}
+
+impl TickLedger {
+    /// The ledger of a tick in which undo or redo changed the volume, or not, and in which the island
+    /// search is to remove what it found, or not.
+    pub(crate) fn open(
+        grid_side: usize,
+        intervals: usize,
+        has_rewound: bool,
+        is_removal_due: bool,
+    ) -> Self {
+        let rewind = if has_rewound { rewind_work(grid_side, intervals) } else { 0 };
+        let removal = if is_removal_due { island_removal_row_visits(grid_side) } else { 0 };
+        TickLedger {
+            left: tick_work(grid_side).saturating_sub(rewind),
+            reserve: island_reserve(grid_side).max(removal),
+            most_row_visits: island_row_visits_per_tick(grid_side),
+        }
+    }
+
+    /// The work that a hand may do, of `hands_left` that haven't had their turn.
+    pub(crate) const fn hand_share(&self, hands_left: u32) -> u32 {
+        self.left.saturating_sub(self.reserve) / hands_left
+    }
+
+    /// Enters work that was done.
+    pub(crate) const fn charge(&mut self, work: u32) {
+        self.left = self.left.saturating_sub(work);
+    }
+
+    /// What is left for the islands, in row visits.
+    pub(crate) fn island_row_visits(&self) -> u32 {
+        self.left.max(self.reserve).min(self.most_row_visits)
+    }
+}
+
+/// What a bit's movements and edits cost.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) struct BitWork {
+    /// A step of its way.
+    step: u32,
+    /// An edit in place.
+    bite: u32,
+    /// What a quarter voxel of way adds to an edit that is swept along it.
+    sweep: u32,
+    most_steps: u32,
+}
+
+impl BitWork {
+    /// The work of a bit in a grid of so many voxels a side.
+    pub(crate) fn of(bit: &GridBit, grid_side: usize) -> Self {
+        let side = bit_side_voxels(bit.circumscribed_radius_subunits());
+        let sweep = match bit.shape {
+            GridShape::Ball(_) => sweep_work_of_ball(side),
+            GridShape::Box(_) => sweep_work_of_box(side),
+        };
+        let most_steps = max_bit_steps_per_tick(grid_side);
+        BitWork { step: bit_step_work(side), bite: bite_work(side), sweep, most_steps }
+    }
+
+    /// How far the bit may go for a share of a tick's work. A bit that runs leaves room for its edit.
+    pub(crate) fn way_budget(&self, share: u32, is_running: bool) -> WayBudget {
+        if !is_running {
+            return WayBudget::of_steps((share / self.step).min(self.most_steps));
+        }
+        let share = share.saturating_sub(self.bite);
+        let steps = (share / (self.step + self.sweep)).min(self.most_steps);
+        WayBudget { steps, quarter_voxels: (share - steps * self.step) / self.sweep }
+    }
+
+    /// Whether an edit in place fits a share of a tick's work.
+    pub(crate) const fn fits_bite(&self, share: u32) -> bool {
+        share >= self.bite
+    }
+
+    /// The work of so many steps.
+    pub(crate) const fn of_steps(&self, steps: u32) -> u32 {
+        steps * self.step
+    }
+
+    /// The work of an edit that is swept along so many quarter voxels.
+    pub(crate) const fn of_edit(&self, quarter_voxels: u32) -> u32 {
+        self.bite + quarter_voxels * self.sweep
+    }
+}

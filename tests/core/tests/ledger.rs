@@ -1,0 +1,288 @@
+//! The ledger of a tick, through the world: islands fall in time whatever hands do, and when they may fall after
+//! an undo.
+
+use std::sync::{Mutex, PoisonError};
+
+use glam::{Quat, Vec3};
+use paros_core::edit::{Pose, UndoCounts};
+use paros_core::session::{
+    BenchItem, PointerCommand, RawPose, SessionMode, Tool, ToolBit, commands,
+};
+use paros_core::volume::{BitGrid, BitSet, Grid, Size};
+use paros_core::{HandInput, RangeMaps, StartVolumes, TickInput, World};
+use paros_models::scripted_hand::{LEFT, RIGHT, step_with_bit_at, take_item};
+use paros_models::world_harness::WorldHarness;
+use paros_shell::tick_runner::TickRunner;
+
+/// A world with its start volumes.
+struct Scene<const N: usize>
+where
+    Grid<N>: Size,
+{
+    world: World<N, 2>,
+    lump: RangeMaps<N, 2>,
+    figure: RangeMaps<N, 2>,
+    grid: BitGrid<N>,
+}
+
+impl<const N: usize> Scene<N>
+where
+    Grid<N>: Size,
+{
+    const fn new() -> Self {
+        Scene {
+            world: World::new(),
+            lump: RangeMaps::new(),
+            figure: RangeMaps::new(),
+            grid: BitGrid::new(),
+        }
+    }
+
+    fn write(
+        grid: &mut BitGrid<N>,
+        maps: &mut RangeMaps<N, 2>,
+        is_in: impl Fn([usize; 3]) -> bool,
+    ) {
+        grid.clear();
+        for y in 0..N {
+            for z in 0..N {
+                (0..N).filter(|x| is_in([*x, y, z])).for_each(|x| grid.row_mut(y, z).insert(x));
+            }
+        }
+        grid.write_closure(maps);
+    }
+
+    /// A floor whose rows take a tick's visits, and a block on a thin stem. The figure is the floor's middle.
+    fn make(&mut self) {
+        let floor = if N > 128 { N / 4 } else { N / 2 };
+        let within = |x: usize, middle: usize, reach: usize| x.abs_diff(middle) < reach;
+        let is_block = |[x, y, z]: [usize; 3]| {
+            within(x, N / 2, N / 20) && within(z, N / 2, N / 20) && within(y, floor + N / 5, N / 20)
+        };
+        let is_stem = |[x, y, z]: [usize; 3]| x == N / 2 && z == N / 2 && y < floor + N / 5;
+        let lump = |at: [usize; 3]| at[1] < floor || is_block(at) || is_stem(at);
+        Self::write(&mut self.grid, &mut self.lump, lump);
+        let figure =
+            |[x, y, z]: [usize; 3]| y < floor - N / 16 && within(x, N / 2, N / 4) && z > N / 4;
+        Self::write(&mut self.grid, &mut self.figure, figure);
+    }
+}
+
+/// What a hand does besides.
+#[derive(Clone, Copy, PartialEq, Debug)]
+enum Work {
+    /// Its bit crosses the stone from one side to the other and back, a way a tick.
+    Storm,
+    /// Its bit turns half round, a turn a tick.
+    Turns,
+    /// Its bit is deep in a trench that a fill has narrowed, as far as it goes.
+    Deep,
+}
+
+/// Where a hand at work has its bit.
+fn pose_at_work(work: Work, hand: usize, side: f32, floor: f32, tick: u32) -> Pose {
+    let odd = tick % 2 == 1;
+    let across = if odd { 0.9 } else { 0.1 };
+    let z = side * if hand == 0 { 0.15 } else { 0.85 };
+    let turned = Quat::from_rotation_x(3.0) * Quat::from_rotation_y(0.7);
+    let (position, rotation) = match work {
+        Work::Storm => (Vec3::new(side * across, floor, z), Quat::from_rotation_x(0.3)),
+        Work::Turns if odd => (Vec3::new(side * 0.3, floor, z), turned),
+        Work::Turns => (Vec3::new(side * 0.3, floor, z), Quat::IDENTITY),
+        Work::Deep => (Vec3::new(side * 0.3 + 0.2 * tick as f32, floor - 0.03 * side, z), turned),
+    };
+    Pose { position, rotation }
+}
+
+/// Cuts the block's stem in tick `cut_at` of hands at work, and returns for how many ticks it then hangs.
+fn count_ticks_until_fall<const N: usize>(
+    scene: &'static Mutex<Scene<N>>,
+    is_masked: bool,
+    works: [(ToolBit, Work); 2],
+    cut_at: u32,
+) -> u32
+where
+    Grid<N>: Size,
+{
+    let mut scene = scene.lock().unwrap_or_else(PoisonError::into_inner);
+    scene.make();
+    let Scene { world, lump, figure, .. } = &mut *scene;
+    world.clear();
+    let figures = [&*figure];
+    let starts = StartVolumes { lump, figures: &figures, creative: lump, own: None };
+    let mut runner = TickRunner::new(world, starts);
+    let figure = SessionMode::Constrained { figure: 0 };
+    let start = if is_masked { figure } else { SessionMode::FreeForm };
+    runner.run_tick(&TickInput { start, ..TickInput::default() });
+    let run_pointer = |runner: &mut TickRunner<'_, N, 2>, pointer| {
+        runner.run_tick(&TickInput { pointer, ..TickInput::default() });
+    };
+    let take = |hand: usize, item: BenchItem| PointerCommand::Take {
+        hand: hand as u8,
+        item: item.number() as u8,
+    };
+    for (hand, (bit, _)) in works.into_iter().enumerate() {
+        run_pointer(&mut runner, take(hand, BenchItem::Tool(bit.spec().tool)));
+        run_pointer(&mut runner, take(hand, BenchItem::Bit(bit)));
+    }
+    // The right hand takes its tool again in the tick of the cut: its bit is at the stem then.
+    run_pointer(&mut runner, PointerCommand::Return { hand: RIGHT as u8 });
+    let floor = if N > 128 { N / 4 } else { N / 2 };
+    let (side, top) = (N as f32, floor as f32);
+    let block = [N / 2, floor + N / 5, N / 2];
+    let at_stem = Vec3::new(side / 2.0 + 0.5, top + side * 0.08, side / 2.0 + 0.5);
+    for tick in 0..cut_at + 60 {
+        let mut input = TickInput::default();
+        for (hand, (bit, work)) in works.into_iter().enumerate() {
+            let mut pose = pose_at_work(work, hand, side, top, tick);
+            if hand == RIGHT && tick == cut_at {
+                pose = Pose { position: at_stem, rotation: Quat::IDENTITY };
+                let length = bit.spec().tool.length_um() as f32 * 1e-6;
+                let (tip, rotation) = runner.world().stool_frame().to_room(&pose);
+                let grip = RawPose::quantise(tip - rotation * Vec3::NEG_Z * length, rotation);
+                let at = HandInput { aim: grip, grip, tracked: true, ..HandInput::default() };
+                input.hands[hand] = HandInput { trigger: 255, ..at };
+                input.pointer = take(RIGHT, BenchItem::Tool(bit.spec().tool));
+                continue;
+            }
+            let at = runner.world().hand_with_bit_at(hand, &pose);
+            input.hands[hand] = HandInput { trigger: 255, ..at };
+        }
+        runner.run_tick(&input);
+        let rows = runner.world().volume().rows();
+        if tick == cut_at {
+            assert!(!rows.contains([N / 2, at_stem.y as usize, N / 2]), "the stem is cut");
+        }
+        if !rows.contains(block) {
+            assert!(tick >= cut_at, "it fell before it was cut loose");
+            return tick - cut_at;
+        }
+    }
+    panic!("it hangs for ever: {works:?}");
+}
+
+/// Twelve ticks from the edit; twice as many with a mask.
+fn check_falls<const N: usize>(scene: &'static Mutex<Scene<N>>)
+where
+    Grid<N>: Size,
+{
+    let mut worst = [0; 2];
+    for works in [
+        [(ToolBit::Nozzle, Work::Storm), (ToolBit::LargeBall, Work::Storm)],
+        [(ToolBit::File, Work::Turns), (ToolBit::Grinder, Work::Turns)],
+        [(ToolBit::Nozzle, Work::Deep), (ToolBit::LargeBall, Work::Deep)],
+        [(ToolBit::File, Work::Storm), (ToolBit::Grinder, Work::Deep)],
+    ] {
+        for (is_masked, most) in [(false, 12), (true, 24)] {
+            for cut_at in [0, 3] {
+                let ticks = count_ticks_until_fall(scene, is_masked, works, cut_at);
+                worst[usize::from(is_masked)] = worst[usize::from(is_masked)].max(ticks);
+                assert!(ticks <= most, "{works:?}, masked {is_masked}: {ticks} ticks");
+            }
+        }
+    }
+    println!("at {N}: {} ticks, {} with a mask", worst[0], worst[1]);
+}
+
+#[test]
+fn islands_fall_in_time_at_128() {
+    static SCENE: Mutex<Scene<128>> = Mutex::new(Scene::new());
+    check_falls(&SCENE);
+}
+
+#[test]
+fn islands_fall_in_time_at_256() {
+    static SCENE: Mutex<Scene<256>> = Mutex::new(Scene::new());
+    check_falls(&SCENE);
+}
+
+static HARNESS: Mutex<WorldHarness<64>> = Mutex::new(WorldHarness::new());
+
+/// A floor between two combs of sheets, over which a pass takes some ticks, and on it a block on a stem.
+fn is_stone([x, y, z]: [usize; 3]) -> bool {
+    let near = |reach: usize| x.abs_diff(33) < reach && z.abs_diff(32) < reach;
+    match x {
+        22..44 => y < 10 || y < 38 && near(2) || (38..42).contains(&y) && near(5),
+        0..22 => y % 2 == 0 || z == if y % 4 == 1 { 0 } else { 63 },
+        _ => y % 2 == 0 || z == if y % 4 == 1 { 63 } else { 0 },
+    }
+}
+
+fn has_block(harness: &WorldHarness<64>) -> bool {
+    harness.world.volume().rows().contains([33, 40, 32])
+}
+
+/// A tick in which the left hand's tool cuts the floor, or none.
+fn cut_floor(harness: &mut WorldHarness<64>, cuts: bool) {
+    step_with_bit_at(harness, LEFT, Vec3::new(33.0, 10.3, 10.5), cuts);
+}
+
+/// Cuts the stem through with the right hand's tool. The block hangs then, as the pass that runs began before.
+fn start_and_cut_stem(harness: &mut WorldHarness<64>) {
+    harness.start_from_voxels(is_stone);
+    take_item(harness, LEFT, BenchItem::Tool(Tool::Impact));
+    take_item(harness, RIGHT, BenchItem::Tool(Tool::Rotary));
+    cut_floor(harness, false);
+    for i in 0..200 {
+        step_with_bit_at(harness, RIGHT, Vec3::new(25.0 + 0.25 * i as f32, 24.5, 32.5), true);
+        let is_there = |[x, z]: [usize; 2]| harness.world.volume().rows().contains([x, 24, z]);
+        if !(31..36).any(|x| (30..36).any(|z| is_there([x, z]))) {
+            break;
+        }
+        assert!(i < 199, "the stem isn't cut");
+    }
+    assert!(has_block(harness), "it hangs");
+    assert_eq!(harness.world.undo_counts(), UndoCounts { undoable: 1, redoable: 0 });
+}
+
+fn run_command(harness: &mut WorldHarness<64>, command: u8) {
+    harness.step(&TickInput { commands: command, ..TickInput::default() });
+}
+
+fn wait(harness: &mut WorldHarness<64>, ticks: u32) {
+    (0..ticks).for_each(|_| harness.step(&TickInput::default()));
+}
+
+/// A redo brings back the cut, and with it the pass that it called for.
+#[test]
+fn what_a_redo_cuts_loose_falls() {
+    let mut harness = HARNESS.lock().unwrap_or_else(PoisonError::into_inner);
+    start_and_cut_stem(&mut harness);
+    run_command(&mut harness, commands::UNDO);
+    wait(&mut harness, 20);
+    assert_eq!(harness.world.undo_counts(), UndoCounts { undoable: 0, redoable: 1 });
+    run_command(&mut harness, commands::REDO);
+    assert!(has_block(&harness));
+    wait(&mut harness, 12);
+    assert!(!has_block(&harness), "it hangs for ever");
+    // What fell belongs to the stroke.
+    assert_eq!(harness.world.undo_counts(), UndoCounts { undoable: 1, redoable: 0 });
+    run_command(&mut harness, commands::UNDO);
+    assert!(has_block(&harness));
+}
+
+/// An undo leaves the block hanging that the stroke before cut loose. To remove it would drop what can be redone,
+/// so it hangs until that is redone, or until the next edit drops it anyway.
+#[test]
+fn what_hangs_after_an_undo_waits_while_something_can_be_redone() {
+    let mut harness = HARNESS.lock().unwrap_or_else(PoisonError::into_inner);
+    for is_redone in [true, false] {
+        start_and_cut_stem(&mut harness);
+        run_command(&mut harness, commands::UNDO);
+        run_command(&mut harness, commands::REDO);
+        cut_floor(&mut harness, true);
+        assert_eq!(harness.world.undo_counts(), UndoCounts { undoable: 2, redoable: 0 });
+        run_command(&mut harness, commands::UNDO);
+        assert!(has_block(&harness), "it hangs still");
+        wait(&mut harness, 30);
+        assert!(has_block(&harness), "it fell, and dropped what could be redone");
+        assert_eq!(harness.world.undo_counts(), UndoCounts { undoable: 1, redoable: 1 });
+        match is_redone {
+            true => run_command(&mut harness, commands::REDO),
+            false => cut_floor(&mut harness, true),
+        }
+        wait(&mut harness, 12);
+        assert!(!has_block(&harness), "it hangs for ever");
+        assert_eq!(harness.world.undo_counts(), UndoCounts { undoable: 2, redoable: 0 });
+    }
+}
