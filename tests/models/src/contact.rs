@@ -1,15 +1,19 @@
 //! Model of collision detection and response: contact by a test of every voxel, and the freeze as a walk in
 //! quarter-voxel steps along the path with a slide along the tangent. The naive definition: it skips nothing.
 
+use std::sync::Arc;
+
 use glam::{I64Vec3, IVec3, Vec3};
 use paros_core::edit::{Contact, Pose, SUBUNITS_PER_VOXEL};
 use paros_core::internals::{
-    BURIED_WITHIN, FIXED_ONE, FreezeResult, GridBit, GridShape, LONG_STRETCH, SHORT_STRETCH,
-    WayBudget, exit_probe_steps,
+    BURIED_WITHIN, FreezeResult, GridBit, LONG_STRETCH, SHORT_STRETCH, WayBudget, exit_probe_steps,
 };
 use paros_core::limits::deep_step_cost_in_steps;
-use paros_core::volume::Range;
 
+use crate::bit_voxels::{
+    centre_depth_subunits, centre_offset_subunits, holds_any, is_less_than_half_a_voxel_outside,
+    voxels_around,
+};
 use crate::dense::{DenseVolume, face_neighbours};
 
 /// Walk steps a voxel of path length.
@@ -18,9 +22,8 @@ pub const STEPS_PER_VOXEL: f32 = 4.0;
 /// The obstacle: a volume and its mask, the part that can't be removed.
 #[derive(Debug)]
 pub struct ContactModel {
-    volume: DenseVolume,
-    voxels: Vec<[i32; 3]>,
-    masked: Vec<[i32; 3]>,
+    volume: Arc<DenseVolume>,
+    mask: Arc<DenseVolume>,
 }
 
 /// A bit's penetration depths in fixed point; 0 outside.
@@ -57,11 +60,12 @@ impl ContactModel {
     /// The mask is not part of the volume.
     pub fn new(volume: DenseVolume, mask: &DenseVolume) -> Self {
         assert!(mask.is_within(&volume), "the mask is part of the volume");
-        ContactModel {
-            voxels: volume.occupied().collect(),
-            masked: mask.occupied().collect(),
-            volume,
-        }
+        ContactModel { mask: Arc::new(mask.clone()), volume: Arc::new(volume) }
+    }
+
+    /// The obstacle of a volume and its mask, which is known to be part of it.
+    pub fn of_shared(volume: &Arc<DenseVolume>, mask: &Arc<DenseVolume>) -> Self {
+        ContactModel { volume: Arc::clone(volume), mask: Arc::clone(mask) }
     }
 
     /// Whether a voxel is stone.
@@ -73,7 +77,7 @@ impl ContactModel {
     pub fn contact_at(&self, bit: &GridBit, pose: &Pose) -> Contact {
         let mut normal = IVec3::ZERO;
         let (mut overlap, mut depth) = (0, 0);
-        for &voxel in &self.voxels {
+        for voxel in voxels_around(&self.volume, bit, pose) {
             let Some(inner) = centre_depth_subunits(bit, pose, voxel) else { continue };
             overlap += 1;
             depth = depth.max(inner);
@@ -84,8 +88,8 @@ impl ContactModel {
             }
         }
         let normal = normal.as_vec3().normalize_or_zero();
-        let on_mask =
-            self.masked.iter().any(|&voxel| is_less_than_half_a_voxel_outside(bit, pose, voxel));
+        let on_mask = voxels_around(&self.mask, bit, pose)
+            .any(|voxel| is_less_than_half_a_voxel_outside(bit, pose, voxel));
         Contact { overlap, depth, normal, on_mask }
     }
 
@@ -94,11 +98,11 @@ impl ContactModel {
         if self.is_outside_grid(bit, pose) {
             return PenetrationDepths { volume: 0, mask: 0 };
         }
-        let deepest = |voxels: &[[i32; 3]]| {
-            let inner = |&voxel: &[i32; 3]| centre_depth_subunits(bit, pose, voxel);
-            voxels.iter().filter_map(inner).max().unwrap_or(0)
+        let deepest = |voxels: &DenseVolume| {
+            let inner = |voxel: [i32; 3]| centre_depth_subunits(bit, pose, voxel);
+            voxels_around(voxels, bit, pose).filter_map(inner).max().unwrap_or(0)
         };
-        PenetrationDepths { volume: deepest(&self.voxels), mask: deepest(&self.masked) }
+        PenetrationDepths { volume: deepest(&self.volume), mask: deepest(&self.mask) }
     }
 
     /// Freezes a bit on its way from one pose to the tracked pose: walks step by step while the penetration is
@@ -142,14 +146,10 @@ impl ContactModel {
     ) -> FreezeResult {
         let steps = deep_step_cost_in_steps(self.volume.side()).min(budget.steps);
         let usual = PenetrationDepths { volume: bit.bite, mask: 0 };
-        match self.penetration_at(bit, tracked).are_at_most(usual) {
-            true => {
-                FreezeResult { pose: *tracked, blocked: false, ran_out: false, jumped: true, steps }
-            }
-            false => {
-                FreezeResult { pose: *from, blocked: true, ran_out: false, jumped: false, steps }
-            }
-        }
+        let is_spent = budget.steps == 0 || budget.quarter_voxels == 0;
+        let jumped = !is_spent && self.penetration_at(bit, tracked).are_at_most(usual);
+        let pose = if jumped { *tracked } else { *from };
+        FreezeResult { pose, blocked: !jumped, ran_out: false, jumped, steps }
     }
 
     /// Whether the bit is too deep and its centre may be in stone.
@@ -195,11 +195,11 @@ impl ContactModel {
         }
         let sits = self.penetration_at(bit, reached);
         let mut away = I64Vec3::ZERO;
-        for voxel in &self.voxels {
-            let inner = centre_depth_subunits(bit, stop, *voxel).unwrap_or(i32::MIN);
-            let held = self.masked.contains(voxel);
+        for voxel in voxels_around(&self.volume, bit, stop) {
+            let inner = centre_depth_subunits(bit, stop, voxel).unwrap_or(i32::MIN);
+            let held = self.mask.contains(voxel);
             if inner > bit.bite.max(sits.volume) || (held && inner > sits.mask) {
-                away -= centre_offset_subunits(stop, *voxel);
+                away -= centre_offset_subunits(stop, voxel);
             }
         }
         let away = away.as_vec3().normalize_or_zero();
@@ -309,18 +309,11 @@ impl ContactModel {
         to: &Pose,
         allowed: PenetrationDepths,
     ) -> bool {
-        let n = self.volume.side();
-        let clear = |level, voxels: &[[i32; 3]]| {
-            bit.swept_brush_deeper_than(level, from, to).is_none_or(|brush| {
-                let pieces: Vec<_> = brush.pieces().collect();
-                !voxels.iter().any(|voxel| {
-                    let [x, y, z] = voxel.map(|i| i as usize);
-                    let holds = |range: Range| range.contains(x);
-                    pieces.iter().any(|piece| piece.x_range(y, z, n).is_some_and(holds))
-                })
-            })
+        let clear = |level, voxels: &DenseVolume| {
+            let brush = bit.swept_brush_deeper_than(level, from, to);
+            brush.is_none_or(|brush| !brush.pieces().any(|piece| holds_any(&piece, voxels)))
         };
-        clear(allowed.volume, &self.voxels) && clear(allowed.mask, &self.masked)
+        clear(allowed.volume, &self.volume) && clear(allowed.mask, &self.mask)
     }
 
     /// Whether the whole bit lies outside the grid.
@@ -341,60 +334,4 @@ pub fn path_poses(bit: &GridBit, from: &Pose, to: &Pose) -> impl Iterator<Item =
     let length = (to.position - from.position).length() + turn;
     let steps = (length * STEPS_PER_VOXEL).ceil().max(1.0) as u32;
     (1..=steps).map(move |i| from.interpolate(&to, i as f32 / steps as f32))
-}
-
-/// The depth of a voxel's centre inside the bit, rounded up to whole fixed-point units; `None` outside.
-fn centre_depth_subunits(bit: &GridBit, pose: &Pose, voxel: [i32; 3]) -> Option<i32> {
-    let p = centre_offset_subunits(pose, voxel);
-    let inner = match bit.shape {
-        GridShape::Ball(radius) => {
-            // The least k for which radius - k is no more than the distance.
-            let squared = p.length_squared();
-            let mut k = i64::from(radius) - squared.isqrt() - 1;
-            while (i64::from(radius) - k).max(0).pow(2) > squared {
-                k += 1;
-            }
-            if squared > i64::from(radius).pow(2) {
-                return None;
-            }
-            k
-        }
-        GridShape::Box(half) => {
-            let unit = i64::from(FIXED_ONE);
-            let across = distances_along_bit_axes(pose, p);
-            let left = [0, 1, 2].map(|i| i64::from(half[i]) * unit - across[i]);
-            let least = *left.iter().min().expect("three axes");
-            if least < 0 {
-                return None;
-            }
-            (least + unit - 1) / unit
-        }
-    };
-    Some(inner as i32)
-}
-
-/// Whether a voxel's centre lies in the bit or less than half a voxel outside its radius or faces.
-fn is_less_than_half_a_voxel_outside(bit: &GridBit, pose: &Pose, voxel: [i32; 3]) -> bool {
-    let p = centre_offset_subunits(pose, voxel);
-    match bit.shape {
-        GridShape::Ball(radius) => {
-            p.length_squared() < i64::from(radius + SUBUNITS_PER_VOXEL / 2).pow(2)
-        }
-        GridShape::Box(half) => {
-            distances_along_bit_axes(pose, p).iter().enumerate().all(|(i, &across)| {
-                across < i64::from(half[i] + SUBUNITS_PER_VOXEL / 2) * i64::from(FIXED_ONE)
-            })
-        }
-    }
-}
-
-/// A voxel's centre relative to the bit's, along the grid's axes.
-fn centre_offset_subunits(bit_pose: &Pose, voxel: [i32; 3]) -> I64Vec3 {
-    let centre = voxel.map(|i| i64::from(i * SUBUNITS_PER_VOXEL + SUBUNITS_PER_VOXEL / 2));
-    I64Vec3::from_array(centre) - bit_pose.position_subunits().as_i64vec3()
-}
-
-/// The distances of a point from the bit's centre along the bit's axes, in subunits times [`FIXED_ONE`].
-fn distances_along_bit_axes(bit_pose: &Pose, offset_subunits: I64Vec3) -> [i64; 3] {
-    bit_pose.unit_axes_q14().map(|axis| offset_subunits.dot(axis.as_i64vec3()).abs())
 }

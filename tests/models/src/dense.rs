@@ -89,14 +89,22 @@ impl DenseVolume {
 
     /// Every occupied voxel.
     pub fn occupied(&self) -> impl Iterator<Item = [i32; 3]> {
-        self.all_voxels()
-            .zip(&self.voxels)
-            .filter_map(|(voxel, &occupied)| occupied.then_some(voxel))
+        let n = self.n;
+        let rows = (0..n * n).map(move |at| (at, &self.voxels[at * n..][..n]));
+        rows.filter(|(_, row)| row.contains(&true)).flat_map(move |(at, row)| {
+            let occupied = row.iter().enumerate().filter(|(_, occupied)| **occupied);
+            occupied.map(move |(x, _)| [x, at / n, at % n].map(|i| i as i32))
+        })
     }
 
     /// Whether a voxel lies in the grid and is occupied.
     pub fn contains(&self, voxel: [i32; 3]) -> bool {
         self.index(voxel).is_some_and(|i| self.voxels[i])
+    }
+
+    /// The voxels of row (y, z), by x.
+    pub fn row(&self, y: usize, z: usize) -> &[bool] {
+        &self.voxels[(y * self.n + z) * self.n..][..self.n]
     }
 
     /// Occupies or empties a voxel of the grid.
@@ -120,12 +128,18 @@ impl DenseVolume {
 
     /// Whether no voxel is occupied.
     pub fn is_empty(&self) -> bool {
-        self.count() == 0
+        !self.voxels.contains(&true)
     }
 
     /// The voxels of either set.
     pub fn union(&self, other: &DenseVolume) -> DenseVolume {
         self.zip(other, |a, b| a | b)
+    }
+
+    /// Adds the voxels of another set.
+    pub fn extend(&mut self, other: &DenseVolume) {
+        assert_eq!(self.n, other.n, "grids of one size");
+        self.voxels.iter_mut().zip(&other.voxels).for_each(|(here, there)| *here |= there);
     }
 
     /// The voxels of both sets.

@@ -6,6 +6,7 @@
 pub mod allocations;
 pub mod bake;
 pub mod bake_harness;
+pub mod bit_voxels;
 pub mod brush;
 pub mod contact;
 pub mod dense;

@@ -1,0 +1,100 @@
+//! The voxels in a bit or a brush: what the model of contact tests, voxel by voxel.
+
+use glam::I64Vec3;
+use paros_core::edit::{Pose, SUBUNITS_PER_VOXEL};
+use paros_core::internals::{BrushBounds, BrushPiece, FIXED_ONE, GridBit, GridShape};
+
+use crate::dense::DenseVolume;
+
+/// The occupied voxels that may be within half a voxel of a bit: no part of it is farther from its centre than
+/// its outer radius.
+pub(crate) fn voxels_around<'a>(
+    voxels: &'a DenseVolume,
+    bit: &GridBit,
+    pose: &Pose,
+) -> impl Iterator<Item = [i32; 3]> + use<'a> {
+    let n = voxels.side();
+    let reach = bit.circumscribed_radius_subunits() as f32 / SUBUNITS_PER_VOXEL as f32 + 2.0;
+    let [x, y, z] = pose.position.to_array().map(|centre| {
+        let [lo, hi] = [centre - reach, centre + reach].map(|end| end.clamp(0.0, n as f32));
+        lo.floor() as usize..hi.ceil() as usize
+    });
+    let rows = y.flat_map(move |y| z.clone().map(move |z| (y, z)));
+    let rows = rows.map(move |at| (at, &voxels.row(at.0, at.1)[x.clone()], x.start));
+    rows.filter(|(_, row, _)| row.contains(&true)).flat_map(|((y, z), row, first)| {
+        let occupied = row.iter().enumerate().filter(|(_, occupied)| **occupied);
+        occupied.map(move |(i, _)| [first + i, y, z].map(|i| i as i32))
+    })
+}
+
+/// Whether a piece of a brush holds one of the voxels.
+pub(crate) fn holds_any(piece: &BrushPiece, voxels: &DenseVolume) -> bool {
+    let n = voxels.side();
+    let Some(BrushBounds { lo, hi }) = piece.bounds(n) else { return false };
+    (lo[1]..=hi[1]).any(|y| {
+        (lo[2]..=hi[2]).any(|z| {
+            let row = piece.x_range(y, z, n);
+            row.is_some_and(|x| voxels.row(y, z)[x.first()..=x.last()].contains(&true))
+        })
+    })
+}
+
+/// The depth of a voxel's centre inside the bit, rounded up to whole fixed-point units; `None` outside.
+pub(crate) fn centre_depth_subunits(bit: &GridBit, pose: &Pose, voxel: [i32; 3]) -> Option<i32> {
+    let p = centre_offset_subunits(pose, voxel);
+    let inner = match bit.shape {
+        GridShape::Ball(radius) => {
+            // The least k for which radius - k is no more than the distance.
+            let squared = p.length_squared();
+            let mut k = i64::from(radius) - squared.isqrt() - 1;
+            while (i64::from(radius) - k).max(0).pow(2) > squared {
+                k += 1;
+            }
+            if squared > i64::from(radius).pow(2) {
+                return None;
+            }
+            k
+        }
+        GridShape::Box(half) => {
+            let unit = i64::from(FIXED_ONE);
+            let across = distances_along_bit_axes(pose, p);
+            let left = [0, 1, 2].map(|i| i64::from(half[i]) * unit - across[i]);
+            let least = *left.iter().min().expect("three axes");
+            if least < 0 {
+                return None;
+            }
+            (least + unit - 1) / unit
+        }
+    };
+    Some(inner as i32)
+}
+
+/// Whether a voxel's centre lies in the bit or less than half a voxel outside its radius or faces.
+pub(crate) fn is_less_than_half_a_voxel_outside(
+    bit: &GridBit,
+    pose: &Pose,
+    voxel: [i32; 3],
+) -> bool {
+    let p = centre_offset_subunits(pose, voxel);
+    match bit.shape {
+        GridShape::Ball(radius) => {
+            p.length_squared() < i64::from(radius + SUBUNITS_PER_VOXEL / 2).pow(2)
+        }
+        GridShape::Box(half) => {
+            distances_along_bit_axes(pose, p).iter().enumerate().all(|(i, &across)| {
+                across < i64::from(half[i] + SUBUNITS_PER_VOXEL / 2) * i64::from(FIXED_ONE)
+            })
+        }
+    }
+}
+
+/// A voxel's centre relative to the bit's, along the grid's axes.
+pub(crate) fn centre_offset_subunits(bit_pose: &Pose, voxel: [i32; 3]) -> I64Vec3 {
+    let centre = voxel.map(|i| i64::from(i * SUBUNITS_PER_VOXEL + SUBUNITS_PER_VOXEL / 2));
+    I64Vec3::from_array(centre) - bit_pose.position_subunits().as_i64vec3()
+}
+
+/// The distances of a point from the bit's centre along the bit's axes, in subunits times [`FIXED_ONE`].
+pub(crate) fn distances_along_bit_axes(bit_pose: &Pose, offset_subunits: I64Vec3) -> [i64; 3] {
+    bit_pose.unit_axes_q14().map(|axis| offset_subunits.dot(axis.as_i64vec3()).abs())
+}
