@@ -5,6 +5,8 @@ use paros_core::volume::{Axis, BitGrid, BitSet, Grid, Size};
 use paros_core::{RangeMaps, StartVolumes, TickInput, World};
 use paros_shell::figures::Figure;
 
+use crate::dense::DenseVolume;
+
 /// A world and its start volumes. It is made for a static: all its bytes are zero at first.
 #[derive(Debug)]
 pub struct WorldHarness<const N: usize, const K: usize = 1>
@@ -97,9 +99,33 @@ where
         self
     }
 
+    /// Clears the world. Its sessions start from the closure of `volume`, and the one hidden figure is that of
+    /// `mask`, which is part of it.
+    pub fn reset_to_voxels(&mut self, volume: &DenseVolume, mask: &DenseVolume) -> &mut Self {
+        for (voxels, maps) in [(volume, &mut self.lump), (mask, &mut self.figure)] {
+            self.plane.clear();
+            voxels.insert_into_empty_bits(&mut self.plane);
+            self.plane.write_closure(maps);
+        }
+        self.creative.copy_from(&self.lump);
+        self.own.copy_from(&self.lump);
+        (self.made, self.has_own) = (false, true);
+        self.world.clear();
+        self
+    }
+
     /// Runs one tick.
-    #[expect(clippy::disallowed_methods, reason = "the one place of the tests")]
     pub fn step(&mut self, input: &TickInput) {
+        self.step_then(input, |_, _| ());
+    }
+
+    /// Runs one tick, then shows the world and the start volumes to `show`.
+    #[expect(clippy::disallowed_methods, reason = "the one place of the tests")]
+    pub fn step_then<T>(
+        &mut self,
+        input: &TickInput,
+        show: impl FnOnce(&World<N, K>, &StartVolumes<'_, N, K>) -> T,
+    ) -> T {
         let figures = [&self.figure];
         let starts = StartVolumes {
             lump: &self.lump,
@@ -108,6 +134,7 @@ where
             own: self.has_own.then_some(&self.own),
         };
         self.world.step(input, &starts);
+        show(&self.world, &starts)
     }
 
     /// The world, and the start volumes of lump, figure and toy.

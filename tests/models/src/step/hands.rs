@@ -1,0 +1,295 @@
+//! Model of a hand: its input, and what it does in a tick with the tool that it holds.
+
+use paros_core::edit::{Contact, EditOperation, EditReport, Pose, SUBUNITS_PER_VOXEL};
+use paros_core::internals::{BURIED_WITHIN, BitAction, FreezeResult, GridBit, RoomPose, WayBudget};
+use paros_core::limits::SMOOTH_LINES;
+use paros_core::session::{HandState, RawPose, SessionState, Tool, ToolBit, buttons};
+use paros_core::{Brush, HandInput, WorldEvent};
+
+use crate::contact::ContactModel;
+use crate::dense::DenseVolume;
+use crate::step::ledger::{HandWork, Ledger};
+use crate::step::volume::Voxel;
+use crate::step::{NOWHERE, StepModel, ensure};
+
+/// What a hand newly pressed in a tick.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub struct HandPresses {
+    /// The trigger.
+    pub pulled: bool,
+    /// The grip.
+    pub squeezed: bool,
+    /// Buttons.
+    pub buttons: u8,
+}
+
+/// A hand that was never tracked.
+pub(super) fn untracked_hand() -> HandState {
+    let nowhere = Pose { position: NOWHERE.0, rotation: NOWHERE.1 };
+    HandState {
+        grip: NOWHERE,
+        aim: NOWHERE,
+        tracked: false,
+        trigger: false,
+        squeeze: false,
+        buttons: 0,
+        trigger_ticks: 0,
+        frozen_pose: nowhere,
+        raw_pose: nowhere,
+        can_sweep: false,
+        has_frozen_pose: false,
+        haptic: 0,
+    }
+}
+
+/// The distance from grip to bit, in metres.
+pub(super) fn length_metres(tool: Tool) -> f32 {
+    tool.length_um() as f32 * 1e-6
+}
+
+/// After a change of tool or bit: it was nowhere yet.
+pub(super) fn forget_bit(hand: &mut HandState) {
+    (hand.can_sweep, hand.has_frozen_pose, hand.trigger_ticks) = (false, false, 0);
+}
+
+/// Applies a tick's input: the poses that are valid, and what is pressed while the hand is tracked.
+pub(super) fn apply_input(hand: &mut HandState, input: &HandInput) -> HandPresses {
+    hand.haptic = 0;
+    let had_a_grip = hand.grip.1.length_squared() > 0.0;
+    let valid = |pose: &RawPose| if input.tracked { pose.to_metres() } else { None };
+    let update = |last: &mut RoomPose, pose: Option<RoomPose>| *last = pose.unwrap_or(*last);
+    let grip = valid(&input.grip);
+    update(&mut hand.grip, grip);
+    update(&mut hand.aim, valid(&input.aim));
+    hand.tracked = input.tracked && (grip.is_some() || had_a_grip);
+    if !hand.tracked {
+        (hand.trigger, hand.squeeze, hand.buttons, hand.trigger_ticks) = (false, false, 0, 0);
+        hand.can_sweep = false;
+        return HandPresses::default();
+    }
+    let last = *hand;
+    hand.trigger = input.trigger >= if last.trigger { 96 } else { 128 };
+    hand.squeeze = input.squeeze >= if last.squeeze { 96 } else { 128 };
+    hand.buttons = input.buttons & (buttons::LOWER | buttons::UPPER | buttons::STICK);
+    hand.trigger_ticks =
+        if hand.trigger && last.trigger { last.trigger_ticks.wrapping_add(1) } else { 0 };
+    HandPresses {
+        pulled: hand.trigger && !last.trigger,
+        squeezed: hand.squeeze && !last.squeeze,
+        buttons: hand.buttons & !last.buttons,
+    }
+}
+
+/// The way of a bit in a tick.
+struct BitWay {
+    /// What held the bit.
+    obstacle: ContactModel,
+    freeze: FreezeResult,
+    /// Where an edit is swept from: `None` where it is made at the end of the way alone.
+    swept_from: Option<Pose>,
+    /// Whether it may edit: it was swept the tick before, or has caught up with its hand.
+    may_edit: bool,
+}
+
+impl<const K: usize> StepModel<K> {
+    /// Moves a hand's bit as far as volume and mask let it, and edits where its tool runs.
+    ///
+    /// # Errors
+    /// The way leads where none may.
+    pub(super) fn step_tool(
+        &mut self,
+        hand: usize,
+        presses: HandPresses,
+        ledger: &mut Ledger,
+    ) -> Result<(), String> {
+        let mut state = self.hands[hand];
+        let is_idle = !state.tracked || self.session != SessionState::Sculpting;
+        let Some((tool, bit)) = self.bench.held(hand).filter(|_| !is_idle) else {
+            ledger.skip_hand();
+            return Ok(());
+        };
+        let voxel_metres = self.stool_frame().voxel_metres();
+        let grid_bit = bit.to_grid_bit(voxel_metres * 1e6);
+        let wanted = self.wanted_pose(hand, tool);
+        let share = ledger.share_of_next_hand(&grid_bit, state.trigger);
+        let way = self.find_way(&state, presses, (bit, &grid_bit), &wanted, share.way);
+        let frozen = way.freeze.pose;
+        if !way.freeze.jumped && state.has_frozen_pose {
+            let (from, volume) = (&state.frozen_pose, self.volume.voxels());
+            check_depths(&way.obstacle, &grid_bit, from, &frozen)?;
+            let lays_paste = state.trigger && bit.spec().action == BitAction::Fill;
+            let is_open = lays_paste || is_way_open(volume, &grid_bit, from, &frozen);
+            ensure!(is_open, "hand {hand} goes through stone from {from:?} to {frozen:?}");
+        }
+        let contact = self.stone().contact_at(&grid_bit, &frozen);
+        let voxels_moved = match state.has_frozen_pose {
+            true => (wanted.position - state.raw_pose.position).length(),
+            false => 0.0,
+        };
+        let speed_um = (voxels_moved * voxel_metres * 1e6).min(1e6) as u32;
+        state.haptic = pulse(bit, &contact, &state, speed_um);
+        (state.raw_pose, state.frozen_pose) = (wanted, frozen);
+        (state.can_sweep, state.has_frozen_pose) = (way.may_edit, true);
+        self.hands[hand] = state;
+        self.contacts[hand] = Some(contact);
+        let is_beat = state.trigger_ticks.is_multiple_of(bit.spec().bite_period.into());
+        let mut done = HandWork { steps: way.freeze.steps, edited: None };
+        if state.trigger && is_beat && way.may_edit && share.may_edit {
+            let start = way.swept_from.unwrap_or(frozen);
+            let swept = grid_bit.swept_brush(&start, &frozen);
+            self.edit(hand, bit, &swept, &grid_bit.piece_at(&frozen).into());
+            done.edited = Some((start, frozen));
+        }
+        ledger.charge(&grid_bit, &done);
+        Ok(())
+    }
+
+    /// The way of a hand's bit. The volume doesn't hold a nozzle that lays paste; one that begins to in stone is
+    /// where its hand is if the mask allows that.
+    fn find_way(
+        &self,
+        state: &HandState,
+        presses: HandPresses,
+        (bit, grid_bit): (ToolBit, &GridBit),
+        wanted: &Pose,
+        budget: WayBudget,
+    ) -> BitWay {
+        let from = if state.has_frozen_pose { state.frozen_pose } else { *wanted };
+        let lays_paste = state.trigger && bit.spec().action == BitAction::Fill;
+        if !lays_paste {
+            return BitWay::walked(self.stone(), state, grid_bit, (&from, wanted), budget);
+        }
+        let mask = ContactModel::of_shared(self.mask.voxels(), self.mask.voxels());
+        let begins = presses.pulled || !state.can_sweep;
+        if begins && self.stone().buries(grid_bit, &from) {
+            let freeze = mask.jump_if_allowed(grid_bit, &from, wanted, budget);
+            return BitWay { obstacle: mask, may_edit: freeze.jumped, freeze, swept_from: None };
+        }
+        BitWay::walked(mask, state, grid_bit, (&from, wanted), budget)
+    }
+
+    /// What holds bits.
+    fn stone(&self) -> ContactModel {
+        ContactModel::of_shared(self.volume.voxels(), self.mask.voxels())
+    }
+
+    /// Applies a bit's edit with its brush, or with `smaller` where that is too large for smoothing.
+    fn edit(&mut self, hand: usize, bit: ToolBit, brush: &Brush, smaller: &Brush) {
+        let depth = whole_voxels(bit.to_grid_bit(self.stool_frame().voxel_metres() * 1e6).bite);
+        let operation = match bit.spec().action {
+            BitAction::Carve => EditOperation::Carve { depth },
+            BitAction::Fill => EditOperation::Fill { depth },
+            BitAction::Smooth => EditOperation::Smooth,
+        };
+        let fits = |brush: &&Brush| {
+            operation != EditOperation::Smooth
+                || brush.bounds(self.side()).is_none_or(|bounds| {
+                    let rows = [1, 2].map(|axis| bounds.hi[axis] - bounds.lo[axis] + 1);
+                    rows[0] * rows[1] <= SMOOTH_LINES * self.side()
+                })
+        };
+        let Some(brush) = [brush, smaller].into_iter().find(fits) else { return };
+        let voxels = voxels_of_brush(brush, self.side(), self.is_mirrored);
+        let before = self.volume.columns().clone();
+        let (report, change) = self.volume.apply_edit(self.mask.voxels(), &voxels, operation);
+        self.history.note_edit(&before, &change.columns);
+        self.islands.note_added(&change.added);
+        if report.changed_volume() {
+            self.islands.request_pass(self.tick);
+        }
+        if report != EditReport::default() {
+            self.events.push(WorldEvent::Edited { hand: hand as u8, bit, report });
+        }
+    }
+}
+
+impl BitWay {
+    /// A bit that isn't swept yet edits nothing before its way ends otherwise than by the budget. One that jumped
+    /// isn't swept there.
+    fn walked(
+        obstacle: ContactModel,
+        state: &HandState,
+        bit: &GridBit,
+        (from, wanted): (&Pose, &Pose),
+        budget: WayBudget,
+    ) -> Self {
+        let freeze = obstacle.freeze_by_walk(bit, from, wanted, budget);
+        BitWay {
+            obstacle,
+            freeze,
+            swept_from: (state.can_sweep && !freeze.jumped).then_some(*from),
+            may_edit: state.can_sweep || !freeze.ran_out,
+        }
+    }
+}
+
+/// Checks that a bit is no deeper than its bite and than it was.
+fn check_depths(
+    obstacle: &ContactModel,
+    bit: &GridBit,
+    from: &Pose,
+    to: &Pose,
+) -> Result<(), String> {
+    let [before, after] = [from, to].map(|pose| obstacle.penetration_at(bit, pose));
+    ensure!(after.mask <= before.mask, "deeper in the mask: {before:?}, {after:?}");
+    let most = before.volume.max(bit.bite);
+    ensure!(after.volume <= most, "deeper in the volume: {before:?}, {after:?}");
+    Ok(())
+}
+
+/// Whether the straight way of a bit's centre leads through the open, by points of it a 64th of a voxel apart. A
+/// bit so small that its bite lets its centre into a voxel may be anywhere.
+fn is_way_open(volume: &DenseVolume, bit: &GridBit, from: &Pose, to: &Pose) -> bool {
+    if from == to || bit.inscribed_radius_subunits() - BURIED_WITHIN < bit.bite {
+        return true;
+    }
+    let points = (from.position.distance(to.position) * 64.0).ceil().max(1.0) as u32;
+    (0..=points).all(|i| {
+        let point = from.position.lerp(to.position, i as f32 / points as f32);
+        !volume.contains(point.floor().as_ivec3().to_array())
+    })
+}
+
+/// The voxels whose centres are in a brush, or in its mirror image too; none twice.
+fn voxels_of_brush(brush: &Brush, side: usize, is_mirrored: bool) -> Vec<Voxel> {
+    let mut voxels = Vec::new();
+    for piece in brush.pieces() {
+        let Some(bounds) = piece.bounds(side) else { continue };
+        for y in bounds.lo[1]..=bounds.hi[1] {
+            for z in bounds.lo[2]..=bounds.hi[2] {
+                if let Some(row) = piece.x_range(y, z, side) {
+                    voxels.extend((row.first()..=row.last()).map(|x| [x, y, z].map(|i| i as i32)));
+                }
+            }
+        }
+    }
+    if is_mirrored {
+        let mirrored: Vec<_> =
+            voxels.iter().map(|&[x, y, z]| [side as i32 - 1 - x, y, z]).collect();
+        voxels.extend(mirrored);
+    }
+    voxels.sort_unstable();
+    voxels.dedup();
+    voxels
+}
+
+/// The strength of a hand's pulse, 0 to 255: none without contact, strongest on the mask, else by speed; in the
+/// tool's rhythm while it runs, a quarter at rest.
+fn pulse(bit: ToolBit, contact: &Contact, hand: &HandState, speed_um_per_tick: u32) -> u8 {
+    let strength = match (contact.on_mask, contact.overlap) {
+        (true, _) => 255,
+        (false, 0) => return 0,
+        (false, _) => 80 + (speed_um_per_tick / 250).min(120),
+    };
+    let rhythm = bit.spec().haptic_train;
+    let beat = match hand.trigger {
+        true => u32::from(rhythm[usize::from(hand.trigger_ticks) % rhythm.len()]),
+        false => 64,
+    };
+    (strength * beat / 255) as u8
+}
+
+/// A length in subunits as voxels, rounded up.
+fn whole_voxels(subunits: i32) -> usize {
+    (subunits as usize).div_ceil(SUBUNITS_PER_VOXEL as usize)
+}

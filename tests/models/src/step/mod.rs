@@ -1,0 +1,342 @@
+//! Dense model of `World::step`: the whole tick by its rules, slow and without tricks. It takes the inputs and
+//! the start volumes that the world takes, and says what its state, its events and its volume must be then.
+//!
+//! It has its own bench, hands, strokes, ledger of work, undo history and islands. What it borrows from the core
+//! holds no decision about voxels: poses, the shapes of bits and brushes, the table of tools, the capacities. Of
+//! the island search it reads, in the world's save, what a pass had reached a tick ago: [`islands`] says what
+//! that may be.
+
+pub mod bench;
+pub mod comparison;
+pub mod hands;
+pub mod history;
+pub mod islands;
+pub mod ledger;
+pub mod plan;
+pub mod save;
+pub mod session;
+pub mod starts;
+pub mod trace;
+pub mod volume;
+
+use glam::{Quat, Vec3};
+use paros_core::edit::{Contact, IslandReport, Pose};
+use paros_core::internals::{RoomPose, maps_digest};
+use paros_core::session::{
+    BenchItem, HandState, PointerCommand, SessionMode, SessionState, StoolFrame, TICK_RATE, Tool,
+    buttons, commands,
+};
+use paros_core::{StartVolumes, TickInput, WorldEvent};
+
+use bench::BenchModel;
+use hands::HandPresses;
+use history::HistoryModel;
+use islands::{IslandModel, IslandTick, PassEnd};
+use ledger::Ledger;
+use save::SeenPass;
+use volume::StepVolume;
+
+/// Returns an error from a function of strings where a condition fails.
+macro_rules! ensure {
+    ($condition:expr, $($message:tt)+) => {
+        if !$condition {
+            return Err(format!($($message)+));
+        }
+    };
+}
+pub(crate) use ensure;
+
+/// The state of a world, by the model.
+#[derive(Clone, Debug)]
+pub struct StepModel<const K: usize> {
+    /// Ticks so far.
+    pub tick: u64,
+    /// The phase of the session.
+    pub session: SessionState,
+    /// How it started.
+    pub mode: SessionMode,
+    /// Whether edits are mirrored.
+    pub is_mirrored: bool,
+    /// The stool's turn in 65,536ths.
+    pub stool: u16,
+    /// The head's pose in the room.
+    pub head: RoomPose,
+    /// Both hands. Data: what they do is the model's.
+    pub hands: [HandState; 2],
+    /// Where tools and bits are.
+    pub bench: BenchModel,
+    /// The sculpture.
+    pub volume: StepVolume<K>,
+    /// The hidden figure.
+    pub mask: StepVolume<K>,
+    /// Its digest.
+    pub mask_digest: u64,
+    /// The strokes.
+    pub history: HistoryModel<K>,
+    /// The island passes.
+    pub islands: IslandModel,
+    /// The events of the last tick.
+    pub events: Vec<WorldEvent>,
+    /// The contacts of both hands' bits in the last tick.
+    pub contacts: [Option<Contact>; 2],
+}
+
+/// A pose that nothing has yet: all zeros.
+const NOWHERE: RoomPose = (Vec3::ZERO, Quat::from_xyzw(0.0, 0.0, 0.0, 0.0));
+
+impl<const K: usize> StepModel<K> {
+    /// The world before any session.
+    pub fn new(side: usize) -> Self {
+        StepModel {
+            tick: 0,
+            session: SessionState::Waiting,
+            mode: SessionMode::None,
+            is_mirrored: false,
+            stool: 0,
+            head: NOWHERE,
+            hands: [hands::untracked_hand(); 2],
+            bench: BenchModel::before_sessions(),
+            volume: StepVolume::empty(side),
+            mask: StepVolume::empty(side),
+            mask_digest: 0,
+            history: HistoryModel::new(side),
+            islands: IslandModel::new(side),
+            events: Vec::new(),
+            contacts: [None; 2],
+        }
+    }
+
+    /// The grid's side in voxels.
+    pub fn side(&self) -> usize {
+        self.volume.voxels().side()
+    }
+
+    /// The transform between room and grid.
+    pub fn stool_frame(&self) -> StoolFrame {
+        StoolFrame::new(self.stool, self.side())
+    }
+
+    /// Runs a tick. `seen` is what the world's save says of its islands after the same tick, `told` its events.
+    ///
+    /// # Errors
+    /// The world's island search isn't where it may be.
+    pub fn step<const N: usize>(
+        &mut self,
+        input: &TickInput,
+        starts: &StartVolumes<'_, N, K>,
+        seen: &SeenPass,
+        told: &[WorldEvent],
+    ) -> Result<(), String> {
+        self.events.clear();
+        self.contacts = [None; 2];
+        if input.start != SessionMode::None {
+            self.start_session(input.start, starts);
+        }
+        let ran_a_tool = self.is_a_tool_running();
+        if let Some(head) = input.head.to_metres() {
+            self.head = head;
+        }
+        let presses =
+            [0, 1].map(|i: usize| hands::apply_input(&mut self.hands[i], &input.hands[i]));
+        if self.session == SessionState::Sculpting {
+            self.turn_stool(input);
+            let rewound = self.apply_commands(input, &presses);
+            self.apply_pointer(input.pointer);
+            for (hand, presses) in presses.iter().enumerate() {
+                self.grab_or_release(hand, *presses);
+            }
+            self.step_tools(&presses, ran_a_tool, rewound)?;
+            let is_told = told.iter().any(|event| matches!(event, WorldEvent::Islands(_)));
+            self.advance_islands(seen, is_told)?;
+        }
+        self.bench.step_dropped();
+        self.tick += 1;
+        Ok(())
+    }
+
+    /// Starts a session from its volume: everything but the clock and the head is new.
+    fn start_session<const N: usize>(
+        &mut self,
+        mode: SessionMode,
+        starts: &StartVolumes<'_, N, K>,
+    ) {
+        let figure = |number: u8| starts.figures.get(usize::from(number)).copied();
+        let (volume, mask) = match mode {
+            SessionMode::None => (None, None),
+            SessionMode::FreeForm => (Some(starts.lump), None),
+            SessionMode::Constrained { figure: number } => {
+                (figure(number).map(|_| starts.lump), figure(number))
+            }
+            SessionMode::Creative => (Some(starts.creative), None),
+            SessionMode::Own => (starts.own, None),
+        };
+        let Some(volume) = volume else {
+            self.events.push(WorldEvent::NoSuchStart);
+            return;
+        };
+        *self = StepModel {
+            tick: self.tick,
+            head: self.head,
+            session: SessionState::Sculpting,
+            mode,
+            bench: BenchModel::at_start(),
+            volume: StepVolume::from_maps(volume),
+            events: vec![WorldEvent::Started(mode)],
+            ..StepModel::new(N)
+        };
+        if let Some(figure) = mask {
+            self.mask = StepVolume::from_maps(figure);
+            self.mask_digest = maps_digest(figure);
+        }
+    }
+
+    /// Turns the stool by tracked hands' sticks, a quarter turn a second at most each, and by the pointer.
+    fn turn_stool(&mut self, input: &TickInput) {
+        let mut turn = 0;
+        for (hand, state) in input.hands.iter().zip(&self.hands) {
+            let push = i32::from(hand.stick[0]);
+            if state.tracked && push.abs() > 30 {
+                turn += push * 16_384 / (127 * TICK_RATE as i32);
+            }
+        }
+        if let PointerCommand::Turn { by } = input.pointer {
+            turn += i32::from(by);
+        }
+        self.stool = (i32::from(self.stool) + turn).rem_euclid(65_536) as u16;
+    }
+
+    /// Runs undo, redo, mirror and finish. Returns whether the volume changed.
+    fn apply_commands(&mut self, input: &TickInput, presses: &[HandPresses; 2]) -> bool {
+        let asked = |command: u8, button: u8| {
+            input.commands & command != 0
+                || presses.iter().any(|presses| presses.buttons & button != 0)
+        };
+        let undo = asked(commands::UNDO, buttons::LOWER);
+        let redo = asked(commands::REDO, buttons::UPPER);
+        let rewound = undo != redo
+            && match undo {
+                true => self.history.undo(&mut self.volume),
+                false => self.history.redo(&mut self.volume),
+            };
+        if rewound {
+            self.islands.cancel_passes();
+            self.islands.request_pass(self.tick);
+            self.events.push(if undo { WorldEvent::Undone } else { WorldEvent::Redone });
+        }
+        if asked(commands::SYMMETRY, buttons::STICK) {
+            self.is_mirrored = !self.is_mirrored;
+            self.events.push(WorldEvent::Symmetry(self.is_mirrored));
+        }
+        if input.commands & commands::FINISH != 0 {
+            self.session = SessionState::Finished;
+            self.islands.cancel_passes();
+            self.events.push(WorldEvent::Finished);
+        }
+        rewound
+    }
+
+    fn apply_pointer(&mut self, pointer: PointerCommand) {
+        match pointer {
+            PointerCommand::Take { hand, item } => {
+                if let Some(item) = BenchItem::from_number(item.into()) {
+                    self.take(usize::from(hand % 2), item);
+                }
+            }
+            PointerCommand::Return { hand } => {
+                let hand = hand % 2;
+                if let Some(tool) = self.bench.return_home(hand.into()) {
+                    hands::forget_bit(&mut self.hands[usize::from(hand)]);
+                    self.events.push(WorldEvent::Returned { hand, tool });
+                }
+            }
+            PointerCommand::None | PointerCommand::Turn { .. } => {}
+        }
+    }
+
+    /// A squeeze takes what is in reach, or drops what is held.
+    fn grab_or_release(&mut self, hand: usize, presses: HandPresses) {
+        if !presses.squeezed {
+            return;
+        }
+        let grip = self.hands[hand].grip;
+        let tip = match self.bench.held(hand) {
+            Some((tool, _)) => self.hands[hand].bit_centre_pose(hands::length_metres(tool)).0,
+            None => grip.0,
+        };
+        if let Some(item) = self.bench.item_in_reach(hand, grip.0, tip) {
+            self.take(hand, item);
+        } else if let Some(tool) = self.bench.drop_tool(hand, grip) {
+            hands::forget_bit(&mut self.hands[hand]);
+            self.events.push(WorldEvent::Released { hand: hand as u8, tool });
+        }
+    }
+
+    fn take(&mut self, hand: usize, item: BenchItem) {
+        let tool_of = |bench: &BenchModel| bench.held(1 - hand).map(|(tool, _)| tool);
+        let other = tool_of(&self.bench);
+        if self.bench.take(hand, item) {
+            hands::forget_bit(&mut self.hands[hand]);
+            if tool_of(&self.bench) != other {
+                hands::forget_bit(&mut self.hands[1 - hand]);
+            }
+            self.events.push(WorldEvent::Took { hand: hand as u8, item });
+        }
+    }
+
+    /// Whether a hand runs the tool that it holds.
+    fn is_a_tool_running(&self) -> bool {
+        let runs = |hand: usize| self.hands[hand].trigger && self.bench.held(hand).is_some();
+        self.session == SessionState::Sculpting && (runs(0) || runs(1))
+    }
+
+    /// Both hands' tools in turn, hand 0 first in even ticks. A stroke reaches from the first tick in which one
+    /// runs until a tick in which none does.
+    fn step_tools(
+        &mut self,
+        presses: &[HandPresses; 2],
+        ran_a_tool: bool,
+        rewound: bool,
+    ) -> Result<(), String> {
+        if self.is_a_tool_running() && !ran_a_tool {
+            self.history.begin_stroke();
+        }
+        let mut ledger = Ledger::of_tick(self, rewound);
+        let first = (self.tick % 2) as usize;
+        [first, 1 - first]
+            .into_iter()
+            .try_for_each(|hand| self.step_tool(hand, presses[hand], &mut ledger))
+    }
+
+    /// The islands' part of a tick.
+    fn advance_islands(&mut self, seen: &SeenPass, is_told: bool) -> Result<(), String> {
+        let end = self.islands.advance(IslandTick {
+            tick: self.tick,
+            volume: self.volume.voxels(),
+            mask: self.mask.voxels(),
+            is_held: self.history.counts().redoable > 0,
+            is_told,
+            seen,
+        })?;
+        let report = match end {
+            None => return Ok(()),
+            Some(PassEnd::Unsupported) => IslandReport { unsupported: true, ..Default::default() },
+            Some(PassEnd::Removes(islands)) => {
+                let before = self.volume.columns().clone();
+                let change = self.volume.remove_voxels(&islands);
+                self.history.note_removal(&before, &change.columns);
+                let kept = change.back.into_iter().collect();
+                self.islands.report_removal(change.removed.len(), kept)
+            }
+        };
+        if report != IslandReport::default() {
+            self.events.push(WorldEvent::Islands(report));
+        }
+        Ok(())
+    }
+
+    /// The pose in the grid that a hand asks for with a tool.
+    fn wanted_pose(&self, hand: usize, tool: Tool) -> Pose {
+        let (position, rotation) = self.hands[hand].bit_centre_pose(hands::length_metres(tool));
+        self.stool_frame().to_grid(position, rotation)
+    }
+}

@@ -1,0 +1,210 @@
+//! A world's save, written from the model's state and read as far as only the core knows it.
+
+use std::sync::Arc;
+
+use paros_core::codec::{BadBytes, ByteReader};
+use paros_core::limits::STATE_BYTES;
+use paros_core::session::{HandState, SessionMode};
+
+use crate::dense::DenseVolume;
+use crate::step::StepModel;
+use crate::step::bench::write_pose;
+use crate::step::ensure;
+use crate::step::volume::Columns;
+
+/// Bytes before a save's state: magic, version, side and checksum.
+pub const HEADER_BYTES: usize = 16;
+
+/// What a save says of an island pass.
+#[derive(Clone, PartialEq, Debug)]
+pub struct SeenPass {
+    /// Whether a pass runs.
+    pub is_running: bool,
+    /// Whether one is requested.
+    pub is_requested: bool,
+    /// Whether ground and mask are reached from end to end.
+    pub is_seeded: bool,
+    /// The voxels that it reached.
+    pub reached: Arc<DenseVolume>,
+    /// The rows that it is to visit, by y and z.
+    queued: Vec<bool>,
+}
+
+impl SeenPass {
+    /// No pass.
+    pub fn none(side: usize) -> Self {
+        SeenPass {
+            is_running: false,
+            is_requested: false,
+            is_seeded: false,
+            reached: Arc::new(DenseVolume::empty(side)),
+            queued: vec![false; side * side],
+        }
+    }
+
+    /// Whether row (y, z) is to be visited.
+    pub fn is_queued(&self, y: i32, z: i32) -> bool {
+        self.queued[y as usize * self.reached.side() + z as usize]
+    }
+
+    /// Whether nothing is to be visited any more.
+    pub fn is_done_searching(&self) -> bool {
+        self.is_seeded && !self.queued.contains(&true)
+    }
+
+    /// Reads the islands' part of a save.
+    ///
+    /// # Errors
+    /// The bytes aren't what a search writes.
+    fn read(bytes: &[u8], side: usize) -> Result<Self, String> {
+        let mut from = ByteReader::new(bytes);
+        Self::read_from(&mut from, side)
+            .and_then(|seen| from.expect_end().map(|()| seen))
+            .map_err(|bad| format!("islands of a save: {bad:?}"))
+    }
+
+    fn read_from(from: &mut ByteReader<'_>, side: usize) -> Result<Self, BadBytes> {
+        let flags = from.u8()?;
+        let _kept_sum = from.u64()?;
+        let mut seen = SeenPass::none(side);
+        (seen.is_running, seen.is_requested) = (flags & 1 != 0, flags & 2 != 0);
+        seen.is_seeded = seen.is_running;
+        if !seen.is_running {
+            return Ok(seen);
+        }
+        let _cursor = from.u8()?;
+        let mut reached = DenseVolume::empty(side);
+        for y in 0..side {
+            let queued = read_bits(from, side)?;
+            seen.queued[y * side..][..side].copy_from_slice(&queued);
+            for (z, _) in read_bits(from, side)?.iter().enumerate().filter(|(_, held)| **held) {
+                for (x, _) in read_bits(from, side)?.iter().enumerate().filter(|(_, bit)| **bit) {
+                    reached.set([x, y, z].map(|i| i as i32), true);
+                }
+            }
+        }
+        seen.reached = Arc::new(reached);
+        Ok(seen)
+    }
+}
+
+impl<const K: usize> StepModel<K> {
+    /// The save's bytes from the state to the undo history.
+    pub fn to_save_bytes(&self) -> Vec<u8> {
+        let mut to = self.state_bytes();
+        write_columns(&mut to, self.volume.columns());
+        write_columns(&mut to, self.mask.columns());
+        self.history.write(&mut to);
+        to
+    }
+
+    /// The bytes of all small state, which are the first part of its digest.
+    pub fn state_bytes(&self) -> Vec<u8> {
+        let mut to = Vec::new();
+        to.extend(self.tick.to_le_bytes());
+        to.push(self.session as u8);
+        to.extend(match self.mode {
+            SessionMode::None => [0, 0],
+            SessionMode::FreeForm => [1, 0],
+            SessionMode::Constrained { figure } => [2, figure],
+            SessionMode::Creative => [3, 0],
+            SessionMode::Own => [4, 0],
+        });
+        to.push(u8::from(!self.mask.voxels().is_empty()) | u8::from(self.is_mirrored) << 1);
+        to.extend(self.stool.to_le_bytes());
+        write_pose(&mut to, self.head);
+        self.hands.iter().for_each(|hand| write_hand(&mut to, hand));
+        self.bench.write(&mut to);
+        to.extend(self.mask_digest.to_le_bytes());
+        to
+    }
+}
+
+/// A world's save in two parts.
+#[derive(Debug)]
+pub struct SplitSave<'a> {
+    /// From the state to the undo history.
+    pub known: &'a [u8],
+    /// What it says of the islands.
+    pub seen: SeenPass,
+}
+
+impl<'a> SplitSave<'a> {
+    /// Splits the save of a world of `side`^3 voxels and `intervals` intervals a column.
+    ///
+    /// # Errors
+    /// The bytes end early, or don't end with what an island search writes.
+    pub fn of(save: &'a [u8], side: usize, intervals: usize) -> Result<Self, String> {
+        let mut from = ByteReader::new(save);
+        skip_to_islands(&mut from, side, intervals)
+            .map_err(|bad| format!("undo history of a save: {bad:?}"))?;
+        let (known, islands) = save.split_at(from.offset());
+        Ok(SplitSave { known: &known[HEADER_BYTES..], seen: SeenPass::read(islands, side)? })
+    }
+
+    /// Compares what is known with the model's state.
+    ///
+    /// # Errors
+    /// Where they differ.
+    pub fn compare<const K: usize>(&self, model: &StepModel<K>) -> Result<(), String> {
+        let expected = model.to_save_bytes();
+        let differs = self.known.iter().zip(&expected).position(|(is, should)| is != should);
+        let maps = 3 * model.side() * model.side() * 2 * K;
+        let ends = [
+            ("state", STATE_BYTES),
+            ("volume", STATE_BYTES + maps),
+            ("mask", STATE_BYTES + 2 * maps),
+        ];
+        if let Some(at) = differs {
+            let part = ends.iter().find(|(_, end)| at < *end).map_or("undo", |(part, _)| part);
+            return Err(format!("the save differs at byte {at}, in {part}"));
+        }
+        let lengths = (self.known.len(), expected.len());
+        ensure!(lengths.0 == lengths.1, "the save's length but for islands: {lengths:?}");
+        Ok(())
+    }
+}
+
+/// Reads over state, volume, mask and undo history.
+fn skip_to_islands(
+    from: &mut ByteReader<'_>,
+    side: usize,
+    intervals: usize,
+) -> Result<(), BadBytes> {
+    from.bytes(HEADER_BYTES + STATE_BYTES + 2 * 3 * side * side * 2 * intervals)?;
+    let (packed, _applied, flags) = (from.u16()?, from.u16()?, from.u8()?);
+    for _ in 0..packed + u16::from(flags & 1) {
+        let cells = from.u32()? as usize;
+        from.bytes(2 * cells)?;
+    }
+    Ok(())
+}
+
+fn write_columns<const K: usize>(to: &mut Vec<u8>, columns: &Columns<K>) {
+    for column in columns.iter().flatten() {
+        column.0.iter().for_each(|range| to.extend(range.to_bytes()));
+    }
+}
+
+/// Writes grip, aim, frozen and wanted pose, flags, buttons, the trigger's ticks and the pulse.
+fn write_hand(to: &mut Vec<u8>, hand: &HandState) {
+    write_pose(to, hand.grip);
+    write_pose(to, hand.aim);
+    write_pose(to, (hand.frozen_pose.position, hand.frozen_pose.rotation));
+    write_pose(to, (hand.raw_pose.position, hand.raw_pose.rotation));
+    let flags = [hand.tracked, hand.trigger, hand.squeeze, hand.can_sweep, hand.has_frozen_pose];
+    to.push(flags.iter().enumerate().map(|(i, &flag)| u8::from(flag) << i).sum());
+    to.push(hand.buttons);
+    to.extend(hand.trigger_ticks.to_le_bytes());
+    to.push(hand.haptic);
+}
+
+/// A row of bits in words of 64.
+fn read_bits(from: &mut ByteReader<'_>, side: usize) -> Result<Vec<bool>, BadBytes> {
+    let mut bits = Vec::with_capacity(side);
+    for _ in 0..side.div_ceil(64) {
+        let word = from.u64()?;
+        bits.extend((0..side.min(64)).map(|i| word >> i & 1 != 0));
+    }
+    Ok(bits)
+}
