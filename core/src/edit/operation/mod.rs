@@ -95,7 +95,8 @@ pub struct EditReport {
     pub refused_by_depth: u32,
     /// Removed, as the depth allowed, and brought back by closure.
     pub refused_by_closure: u32,
-    /// The smallest box around what closure brought back, empty where that is nothing. That of a mirrored edit spans both sides.
+    /// The smallest box around what closure brought back, empty where that is nothing. That of a
+    /// mirrored edit spans both sides.
     pub closure_box: VoxelBox,
 }
 

@@ -79,7 +79,7 @@ where
     }
 
     /// Reads what [`UndoHistory::save`] wrote. What the entries do to the volume is not looked at:
-    /// [`UndoHistory::check_entries`] does.
+    /// `UndoHistory::check_entries` does.
     ///
     /// # Errors
     /// [`BadSave`] where the bytes end early or say what no undo ring holds; there are no entries
