@@ -85,8 +85,8 @@ impl FieldModel {
     fn blurred_density(&self, voxel: [i32; 3]) -> u8 {
         let weight = |by: i32| [6, 4, 1][by.unsigned_abs() as usize];
         let slice = |z: i32| {
-            let full = cube_around(voxel, 2)
-                .filter(|&at| at[2] == z && self.is_occupied_with_ground_repeated(at));
+            let square = (0..25).map(|i| [voxel[0] + i % 5 - 2, voxel[1] + i / 5 - 2, z]);
+            let full = square.filter(|&at| self.is_occupied_with_ground_repeated(at));
             let sum: u32 = full.map(|at| weight(at[0] - voxel[0]) * weight(at[1] - voxel[1])).sum();
             sum.min(255)
         };
@@ -154,12 +154,16 @@ impl FieldModel {
                 |at: [i32; 3]| [0, 1, 2].map(|i| (corner[i] - 1 + at[i]).clamp(0, texels - 1));
             grid_points(size + 2).any(|at| self.density[0][grid_index(texel(at), texels)] >= HALF)
         };
-        let solid: Vec<[i32; 3]> = grid_points(side).filter(|&cell| solid(cell)).collect();
+        let solid: Vec<bool> = grid_points(side).map(solid).collect();
+        let is_solid = |&cell: &[i32; 3]| {
+            cell.iter().all(|c| (0..side).contains(c)) && solid[grid_index(cell, side)]
+        };
         let apart = |a: [i32; 3], b: [i32; 3]| (0..3).map(|i| (a[i] - b[i]).abs()).max().unwrap();
-        grid_points(side)
-            .map(|cell| solid.iter().map(|&at| apart(at, cell)).min().unwrap_or(FAR).min(FAR))
-            .map(|distance| (distance - 1).max(0) as u8)
-            .collect()
+        let distance = |cell: [i32; 3]| {
+            let near = cube_around(cell, FAR - 1).filter(is_solid);
+            near.map(|at| apart(at, cell)).min().unwrap_or(FAR)
+        };
+        grid_points(side).map(distance).map(|distance| (distance - 1).max(0) as u8).collect()
     }
 }
 
