@@ -66,7 +66,7 @@ pub const MAX_EVENTS: usize = 16;
 /// tick within 4 and 10 million.
 #[must_use]
 pub const fn tick_work(grid_side: usize) -> u32 {
-    island_row_visits_per_tick(grid_side) + if grid_side > 128 { 20_000 } else { 6_000 }
+    max_island_row_visits_per_tick(grid_side) + if grid_side > 128 { 20_000 } else { 6_000 }
 }
 
 /// The work of an undo or redo, which swaps columns and rebuilds the volume's bit rows: 1.1 and 5.6 million
@@ -81,7 +81,7 @@ pub const fn rewind_work(grid_side: usize, intervals: usize) -> u32 {
 /// within five ticks, whatever hands do.
 #[must_use]
 pub const fn island_reserve(grid_side: usize) -> u32 {
-    island_row_visits_per_tick(grid_side) / 4
+    max_island_row_visits_per_tick(grid_side) / 4
 }
 
 /// Side of a bit's bounding cube in voxels, however it is turned, by the radius of its bounding ball.
@@ -104,13 +104,13 @@ pub const fn bite_work(side_voxels: u32) -> u32 {
 
 /// What a quarter voxel of way adds to the work of a ball's edit: rows at its front.
 #[must_use]
-pub const fn sweep_work_of_ball(side_voxels: u32) -> u32 {
+pub const fn ball_sweep_work_per_quarter_voxel(side_voxels: u32) -> u32 {
     side_voxels
 }
 
 /// The same for a box, which takes another piece for each voxel of arc.
 #[must_use]
-pub const fn sweep_work_of_box(side_voxels: u32) -> u32 {
+pub const fn box_sweep_work_per_quarter_voxel(side_voxels: u32) -> u32 {
     side_voxels + side_voxels * side_voxels / 8
 }
 
@@ -118,7 +118,7 @@ pub const fn sweep_work_of_box(side_voxels: u32) -> u32 {
 /// some 8,000 and the cost of a removal, and 16,384 at 256. A visit takes 100 to 170 instructions in a
 /// solid at 128, and 300 in a comb of sheets; half as many again at 256.
 #[must_use]
-pub const fn island_row_visits_per_tick(grid_side: usize) -> u32 {
+pub const fn max_island_row_visits_per_tick(grid_side: usize) -> u32 {
     (if grid_side > 128 { grid_side * grid_side / 4 } else { grid_side * grid_side * 5 / 8 }) as u32
 }
 

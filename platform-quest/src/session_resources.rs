@@ -62,7 +62,7 @@ where
             session.request_refresh_rate_and_describe(&runtime, options.refresh_rate)
         ));
         session.request_performance_levels(&runtime);
-        if let Some(floor) = session.describe_floor_fallback() {
+        if let Some(floor) = session.describe_missing_local_floor() {
             platform.log(format_args!("{} {floor}", runtime.name));
         }
         let with_depth = options.submit_depth && runtime.extensions.khr_composition_layer_depth;
@@ -89,7 +89,11 @@ where
         if let Ok(bytes) = self.show.renderer.pipeline_cache_data()
             && bytes != self.pipeline_cache
         {
-            writer.submit_file(FileKind::PipelineCache, paths.pipeline_cache_file(), bytes.clone());
+            writer.submit_file_or_wait(
+                FileKind::PipelineCache,
+                paths.pipeline_cache_file(),
+                bytes.clone(),
+            );
             self.pipeline_cache = bytes;
         }
     }

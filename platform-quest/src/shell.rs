@@ -110,7 +110,7 @@ where
     Grid<N>: Size + Resident<N, INTERVALS>,
 {
     let mut volumes = Grid::<N>::lock_start_volumes();
-    volumes.generate_figures(&mut Grid::<N>::lock_bit_grid(), |_| {});
+    volumes.generate_figures_once(&mut Grid::<N>::lock_bit_grid(), |_| {});
     let (mut world, mut stl_buffers) = (Grid::<N>::lock_world(), Grid::<N>::lock_stl_buffers());
     let stl_exporter = StlExporter::new(&mut stl_buffers, DEFAULT_HEIGHT_MM);
     let stl_exporter = stl_exporter.map_err(|height| Error::Input(format!("{height:?}")))?;
@@ -119,7 +119,7 @@ where
     let mut studio =
         Studio::new(&mut world, &mut volumes, stl_exporter, places, render_portrait_png);
     match &options.record {
-        Some(_) => studio.set_closing_trace_path(options.record.clone()),
+        Some(_) => studio.set_trace_path_at_exit(options.record.clone()),
         None => studio.disable_recording(),
     }
     if studio.world().session_state() != SessionState::Waiting {
@@ -144,7 +144,7 @@ where
     if !messages.is_empty() {
         return Err(Error::Unavailable(format!("validation: {messages}")));
     }
-    Ok(shell.studio.last_stl_path().map(Path::to_path_buf))
+    Ok(shell.studio.session_stl_path().map(Path::to_path_buf))
 }
 
 impl<'a, const N: usize> HeadsetShell<'a, N>
@@ -261,7 +261,7 @@ where
                 self.run_test_command(resources, platform).is_break() || status.quit_requested;
             if quit && exit_requested_at.is_none() {
                 exit_requested_at = Some(Instant::now());
-                self.save_studio();
+                self.save_studio_and_wait();
                 if resources.session.raw.request_exit().is_err() {
                     // The session is not running: it has not begun, or has ended.
                     return Ok(SessionEnd::Exited);

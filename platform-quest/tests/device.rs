@@ -207,7 +207,7 @@ fn check_networks() {
 fn check_queries() {
     let ask = || {
         device_at_level(29)
-            .query_content("content://a/b", &["one", "two", "three"])
+            .query_first_content_rows("content://a/b", &["one", "two", "three"])
             .expect("an answer")
     };
     let nothing: [ContentRow; 0] = [];
@@ -236,7 +236,7 @@ fn check_queries() {
     // A refusal in the middle still ends the answer.
     set_answer("Cursor.getString[7]", "E:closed");
     take_calls();
-    assert!(device_at_level(29).query_content("content://a/b", &["one"]).is_err());
+    assert!(device_at_level(29).query_first_content_rows("content://a/b", &["one"]).is_err());
     assert!(take_calls().ends_with("Cursor.close[]"));
 }
 
@@ -257,8 +257,8 @@ fn check_brokers() {
     set_answer("Cursor.getString[5]", "S:maker_initialize\nS:maker_negotiate");
     set_answer("Cursor.moveToNext", "Z:true\nZ:false\nZ:true\nZ:true\nZ:false");
     let device = device_at_level(29);
-    let named =
-        query_brokers(|table, columns| device.query_content(table, columns)).expect("it is named");
+    let named = query_brokers(|table, columns| device.query_first_content_rows(table, columns))
+        .expect("it is named");
     let expected = RuntimeLibrary {
         path: "/vendor/maker.so".into(),
         negotiate_symbol: "maker_negotiate".into(),
@@ -267,7 +267,7 @@ fn check_brokers() {
     // The package may not be asked.
     set_answer("ContentResolver.query", "O:android.database.Cursor\nE:not yours");
     set_answer("Cursor.moveToNext", "Z:true\nZ:false");
-    let why = query_brokers(|table, columns| device.query_content(table, columns))
+    let why = query_brokers(|table, columns| device.query_first_content_rows(table, columns))
         .expect_err("it was thrown");
     assert!(why.to_string().contains("not yours"), "{why}");
 }

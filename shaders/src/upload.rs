@@ -70,7 +70,7 @@ impl Region {
 
     /// Whether its texels are those of a volume's textures: maps have as many intervals.
     #[must_use]
-    pub fn fits_volume(&self, volume: VolumeFormat) -> bool {
+    pub fn has_intervals_of(&self, volume: VolumeFormat) -> bool {
         !matches!(self.texture, Texture::Maps(k) if usize::from(k) != volume.intervals)
     }
 

@@ -108,7 +108,7 @@ fn march_density(o: vec3<f32>, d: vec3<f32>, start: f32, end: f32, voxel: f32) -
             if COVERAGE {
                 peak = max(peak, full);
             }
-            reach = step_length_voxels(full);
+            reach = overshooting_step_voxels(full);
             t += f32(reach) * voxel;
         }
         // The same test as in the loop. A different number keeps the compiler from holding the
@@ -124,7 +124,7 @@ fn march_density(o: vec3<f32>, d: vec3<f32>, start: f32, end: f32, voxel: f32) -
             t += free * frame.cell_reach * voxel;
         }
     }
-    // The sample before the last: `step_length_voxels` inverted.
+    // The sample before the last: `overshooting_step_voxels` inverted.
     let before = max(
         (real(FAST_STEP_FAR.x) - reach) * real(1.0 / FAST_STEP_FAR.y),
         (real(FAST_STEP_NEAR.x) - reach) * real(1.0 / FAST_STEP_NEAR.y),
@@ -158,7 +158,7 @@ fn edge_distance(excess: real) -> real {
 
 // The march's step at a density, in voxels. It ends a little behind a plane of that density, yet a
 // wall one voxel thick can't be stepped over.
-fn step_length_voxels(density_here: real) -> real {
+fn overshooting_step_voxels(density_here: real) -> real {
     return max(
         real(FAST_STEP_FAR.x) - density_here * real(FAST_STEP_FAR.y),
         real(FAST_STEP_NEAR.x) - density_here * real(FAST_STEP_NEAR.y),

@@ -38,7 +38,7 @@ fn pixel_dither(pixel: vec2<f32>) -> f32 {
 
 // The unit circle's point at an angle of about `turns`, 0 to 1, by its rational parametrisation for
 // each quadrant. Unlike sine and cosine it's the same on every GPU.
-fn circle_point(turns: f32) -> vec2<f32> {
+fn rational_circle_point(turns: f32) -> vec2<f32> {
     let quarter = floor(turns * 4.0);
     let t = turns * 4.0 - quarter;
     let v = vec2<f32>(1.0 - t * t, 2.0 * t) / (1.0 + t * t);

@@ -62,7 +62,7 @@ fn fragment(
     let centre = vec3<f32>(hit.voxel) + 0.5;
     var at: SurfacePoint;
     if SDF {
-        at = trace_blobs(eye - centre, direction, hit);
+        at = trace_blobs_or_closest_approach(eye - centre, direction, hit);
     } else {
         at = entry_face_point(eye - centre, direction);
     }
@@ -234,7 +234,7 @@ fn is_point_occupied(point: vec3<f32>) -> bool {
 // Sphere tracing (Hart 1995) of the smooth union of the hit voxel's blob and its occupied
 // neighbours', from half a voxel before the sample (section 4.2). If the ray misses, its closest
 // point is taken.
-fn trace_blobs(eye: vec3<f32>, direction: vec3<f32>, hit: VoxelHit) -> SurfacePoint {
+fn trace_blobs_or_closest_approach(eye: vec3<f32>, direction: vec3<f32>, hit: VoxelHit) -> SurfacePoint {
     let around = find_neighbours(hit.voxel);
     let speed = length(direction);
     let unit = direction / speed;
@@ -349,7 +349,7 @@ fn sun_visibility(point: vec3<f32>, dither: f32) -> f32 {
     }
     let length = way.y;
     let axes = light::tangent_basis(towards);
-    var turn = light::circle_point(dither);
+    var turn = light::rational_circle_point(dither);
     var visible = 1.0;
     var ring = 0.0;
     for (var i = 0.0; i < SAMPLES; i += 1.0) {

@@ -26,7 +26,7 @@ pub(crate) fn read_vec3(from: &mut ByteReader<'_>) -> Result<Vec3, BadBytes> {
 }
 
 /// Reads what [`write_quat`] wrote.
-pub(crate) fn read_quat(from: &mut ByteReader<'_>) -> Result<Quat, BadBytes> {
+pub(crate) fn read_finite_quat(from: &mut ByteReader<'_>) -> Result<Quat, BadBytes> {
     Ok(Quat::from_xyzw(
         read_finite(from)?,
         read_finite(from)?,

@@ -58,7 +58,7 @@ impl GridBit {
         match self.shape {
             GridShape::Ball(radius) => {
                 let left = i64::from(radius - depth_subunits);
-                let a = pose.position_subunits();
+                let a = pose.clamped_position_subunits();
                 let capsule = Capsule { a, b: a, radius_squared: left * left - 1 };
                 (left > 0).then_some(BrushPiece::Capsule(capsule))
             }
@@ -67,7 +67,7 @@ impl GridBit {
                 if left.min_element() <= 0 {
                     return None;
                 }
-                let mut piece = SweptBox::new(left, pose, pose.position_subunits());
+                let mut piece = SweptBox::new(left, pose, pose.clamped_position_subunits());
                 for (_, extent) in &mut piece.planes[..3] {
                     *extent -= 1;
                 }
@@ -80,7 +80,7 @@ impl GridBit {
     #[must_use]
     pub fn piece_at(&self, pose: &Pose) -> BrushPiece {
         match self.shape {
-            GridShape::Ball(radius) => BrushPiece::sphere(pose.position_subunits(), radius),
+            GridShape::Ball(radius) => BrushPiece::sphere(pose.clamped_position_subunits(), radius),
             GridShape::Box(half) => BrushPiece::oriented_box(half, pose),
         }
     }
@@ -89,9 +89,11 @@ impl GridBit {
     #[must_use]
     pub fn swept_brush(&self, from: &Pose, to: &Pose) -> Brush {
         match self.shape {
-            GridShape::Ball(radius) => {
-                Brush::capsule(from.position_subunits(), to.position_subunits(), radius)
-            }
+            GridShape::Ball(radius) => Brush::capsule(
+                from.clamped_position_subunits(),
+                to.clamped_position_subunits(),
+                radius,
+            ),
             GridShape::Box(half) => Brush::swept_box(half, from, to),
         }
     }
@@ -120,7 +122,7 @@ impl GridBit {
     /// Swept offset shape: covers all points deeper inside the bit than a depth at any step between two
     /// poses. Conservative, up to about a voxel larger. `None` if no point is that deep.
     #[must_use]
-    pub fn swept_brush_deeper_than(
+    pub fn swept_cover_deeper_than(
         &self,
         depth_subunits: i32,
         from: &Pose,

@@ -42,7 +42,7 @@ impl Pose {
 
     /// The position in fixed point, clamped to 8,192 voxels along each axis.
     #[must_use]
-    pub fn position_subunits(&self) -> IVec3 {
+    pub fn clamped_position_subunits(&self) -> IVec3 {
         subunits_from_voxels(self.position)
     }
 

@@ -3,7 +3,9 @@
 use glam::{Quat, Vec3};
 
 use crate::codec::bytes::{BadBytes, ByteReader, ByteWriter};
-use crate::codec::vectors::{QUAT_BYTES, VEC3_BYTES, read_quat, read_vec3, write_quat, write_vec3};
+use crate::codec::vectors::{
+    QUAT_BYTES, VEC3_BYTES, read_finite_quat, read_vec3, write_quat, write_vec3,
+};
 use crate::edit::contact::Contact;
 use crate::edit::pose::Pose;
 use crate::session::input::{HandInput, RawPose, buttons};
@@ -79,13 +81,13 @@ impl HandState {
     pub(crate) fn apply_input(&mut self, input: &HandInput) -> HandPresses {
         self.haptic = 0;
         let keep = |last: &mut RoomPose, pose: &RawPose| {
-            pose.to_metres().inspect(|good| *last = *good).is_some()
+            pose.to_clamped_metres().inspect(|good| *last = *good).is_some()
         };
         let good = input.tracked && keep(&mut self.grip, &input.grip);
         if input.tracked {
             keep(&mut self.aim, &input.aim);
         }
-        self.tracked = good || (input.tracked && self.has_pose());
+        self.tracked = good || (input.tracked && self.was_ever_tracked());
         let live = u8::from(self.tracked);
         let trigger = is_pressed_with_hysteresis(input.trigger * live, self.trigger);
         let squeeze = is_pressed_with_hysteresis(input.squeeze * live, self.squeeze);
@@ -116,7 +118,7 @@ impl HandState {
         (self.can_sweep, self.has_frozen_pose, self.trigger_ticks) = (false, false, 0);
     }
 
-    fn has_pose(&self) -> bool {
+    fn was_ever_tracked(&self) -> bool {
         self.grip.1.length_squared() > 0.0
     }
 
@@ -195,7 +197,7 @@ pub fn haptic_amplitude(
 /// Reads a pose in metres or voxels, with coordinates up to [`FAR`].
 pub(crate) fn read_pose(from: &mut ByteReader<'_>) -> Result<RoomPose, BadBytes> {
     let bad = from.error_here("a pose within reach, with a unit rotation or none");
-    let (position, rotation) = (read_vec3(from)?, read_quat(from)?);
+    let (position, rotation) = (read_vec3(from)?, read_finite_quat(from)?);
     let near = position.abs().max_element() <= FAR;
     let length = rotation.length_squared();
     if near && (length == 0.0 || (0.99..1.01).contains(&length)) {

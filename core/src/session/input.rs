@@ -143,7 +143,7 @@ impl RawPose {
     /// Position in metres, clamped to 16 m along each axis, and unit rotation. `None` where the
     /// rotation is near zero.
     #[must_use]
-    pub fn to_metres(&self) -> Option<RoomPose> {
+    pub fn to_clamped_metres(&self) -> Option<RoomPose> {
         let far = 16 * UNITS_PER_METRE;
         let position = self.position.map(|v| v.clamp(-far, far) as f32 / UNITS_PER_METRE as f32);
         let q = Quat::from_array(self.rotation.map(f32::from));

@@ -8,9 +8,9 @@
 use crate::edit::contact::WayBudget;
 use crate::edit::grid_bit::{GridBit, GridShape};
 use crate::limits::{
-    bit_side_voxels, bit_step_work, bite_work, island_removal_row_visits, island_reserve,
-    island_row_visits_per_tick, max_bit_steps_per_tick, rewind_work, sweep_work_of_ball,
-    sweep_work_of_box, tick_work,
+    ball_sweep_work_per_quarter_voxel, bit_side_voxels, bit_step_work, bite_work,
+    box_sweep_work_per_quarter_voxel, island_removal_row_visits, island_reserve,
+    max_bit_steps_per_tick, max_island_row_visits_per_tick, rewind_work, tick_work,
 };
 
 /// What is left of a tick's work.
@@ -36,7 +36,7 @@ impl TickLedger {
         TickLedger {
             left: tick_work(grid_side).saturating_sub(rewind),
             reserve: island_reserve(grid_side).max(removal),
-            most_row_visits: island_row_visits_per_tick(grid_side),
+            most_row_visits: max_island_row_visits_per_tick(grid_side),
         }
     }
 
@@ -73,8 +73,8 @@ impl BitWork {
     pub(crate) fn of(bit: &GridBit, grid_side: usize) -> Self {
         let side = bit_side_voxels(bit.circumscribed_radius_subunits());
         let sweep = match bit.shape {
-            GridShape::Ball(_) => sweep_work_of_ball(side),
-            GridShape::Box(_) => sweep_work_of_box(side),
+            GridShape::Ball(_) => ball_sweep_work_per_quarter_voxel(side),
+            GridShape::Box(_) => box_sweep_work_per_quarter_voxel(side),
         };
         let most_steps = max_bit_steps_per_tick(grid_side);
         BitWork { step: bit_step_work(side), bite: bite_work(side), sweep, most_steps }

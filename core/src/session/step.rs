@@ -138,7 +138,7 @@ where
     }
 
     /// On the edge of a squeeze: takes the nearest item in reach, else releases the held tool.
-    pub(crate) fn grab_or_release(&mut self, hand: usize, presses: HandPresses) {
+    pub(crate) fn grab_or_release_on_squeeze(&mut self, hand: usize, presses: HandPresses) {
         if !presses.squeezed {
             return;
         }

@@ -101,7 +101,7 @@ where
         let begins = is_laying && (presses.pulled || !can_sweep);
         let freeze = if begins && obstacle.buries(grid_bit, &last) {
             can_sweep = false;
-            let jump = holding.jump_if_allowed(grid_bit, &last, raw, budget);
+            let jump = holding.jump_if_bite_allows(grid_bit, &last, raw, budget);
             FreezeResult { ran_out: !jump.jumped, ..jump }
         } else {
             holding.freeze_bit(grid_bit, &last, raw, budget)

@@ -88,7 +88,7 @@ where
         if input.start != SessionMode::None {
             self.start_session(input.start, starts);
         }
-        if let Some((position, rotation)) = input.head.to_metres() {
+        if let Some((position, rotation)) = input.head.to_clamped_metres() {
             self.state.head = (position, rotation);
         }
         let was_stroke_open = self.is_stroke_open();
@@ -98,7 +98,7 @@ where
             let rewound = self.apply_commands(input, presses).volume_rewound;
             self.apply_pointer_command(input.pointer);
             for (hand, presses) in presses.into_iter().enumerate() {
-                self.grab_or_release(hand, presses);
+                self.grab_or_release_on_squeeze(hand, presses);
             }
             if self.is_stroke_open() && !was_stroke_open {
                 self.undo.begin_stroke();

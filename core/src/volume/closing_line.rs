@@ -166,7 +166,7 @@ impl<const K: usize> ClosingLine<'_, K> {
         let mut column = self.after[place];
         let hull = column.0[0];
         let first = scanned.first().max(hull.first());
-        let hole = find_only_hole((first, scanned.last().min(hull.last())), place, row)?;
+        let hole = find_only_hole_within_64((first, scanned.last().min(hull.last())), place, row)?;
         column.0[0] = hull.with_last(hole.first() - 1);
         column.0[1] = hull.with_first(hole.last() + 1);
         Some(column)
@@ -285,7 +285,7 @@ fn find_first_voxel<R: BitSet>(
 /// The empty voxels of the column at `place` from position `first` to `last`, if they are one run and the
 /// positions are 64 or fewer.
 #[inline]
-fn find_only_hole<R: BitSet>(
+fn find_only_hole_within_64<R: BitSet>(
     (first, last): (usize, usize),
     place: usize,
     row: impl Fn(usize) -> R,

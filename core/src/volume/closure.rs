@@ -53,7 +53,7 @@ impl<const K: usize> Column<K> {
 
     /// Whether a run of empty voxels holds one of a gap.
     #[inline]
-    pub(crate) fn has_gap_in(&self, run: Range) -> bool {
+    pub(crate) fn has_gap_overlapping(&self, run: Range) -> bool {
         (1..K).any(|i| {
             let (below, above) = (self.0[i - 1], self.0[i]);
             !above.is_empty() & (below.last() < run.last()) & (run.first() < above.first())
@@ -74,13 +74,13 @@ impl<const K: usize> Column<K> {
 
     /// Moves the first end of the hull, and no other.
     #[inline]
-    pub(crate) fn set_first(&mut self, first: usize) {
+    pub(crate) fn set_hull_first(&mut self, first: usize) {
         self.0[0] = self.0[0].with_first(first);
     }
 
     /// Moves the last end of the hull, and no other.
     #[inline]
-    pub(crate) fn set_last(&mut self, last: usize) {
+    pub(crate) fn set_hull_last(&mut self, last: usize) {
         let interval = &mut self.0[self.last_index()];
         *interval = interval.with_last(last);
     }
@@ -108,8 +108,8 @@ impl<const K: usize> Column<K> {
         let stand = before.is_full() && before.do_gap_ends_stand(|i| voxels.contains(i));
         if stand && (gaps & voxels).is_empty() {
             let mut column = *before;
-            column.set_first(hull.first());
-            column.set_last(hull.last());
+            column.set_hull_first(hull.first());
+            column.set_hull_last(hull.last());
             return column;
         }
         let empty = hull.to_row::<R>() & !voxels;

@@ -124,7 +124,7 @@ where
         let old = self.maps.line_mut(axis, line);
         journal.record_columns(axis, line, places, old);
         let mut sum = 0u64;
-        for run in places.iter_runs() {
+        for run in places.iter_runs_within_words() {
             let run = run.first()..=run.last();
             let (old, new) = (&mut old[run.clone()], &new[run.clone()]);
             for ((old, new), key) in old.iter_mut().zip(new).zip(&DIGEST_KEYS[run]) {

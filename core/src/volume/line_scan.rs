@@ -78,7 +78,7 @@ impl<const K: usize> ScannedColumn<K> {
             self.hull = Range::new(first, first);
         } else if K > 1 {
             let gap = Range::new(self.hull.last() + 1, first - 1);
-            self.gaps.insert(gap, before.has_gap_in(gap));
+            self.gaps.insert(gap, before.has_gap_overlapping(gap));
         }
     }
 

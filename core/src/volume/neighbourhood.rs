@@ -66,7 +66,7 @@ where
 /// Dilation: of the voxels `among` of row (y, z), those with an occupied voxel, or the ground below
 /// y = 0, within `depth` six-neighbour steps. Computed as [`eroded_row`] is.
 #[must_use]
-pub(crate) fn dilated_row<const N: usize, const W: usize>(
+pub(crate) fn dilated_row_with_ground<const N: usize, const W: usize>(
     rows: RowStrip<'_, N, W>,
     (y, z): RowAddress,
     depth: usize,
@@ -98,7 +98,7 @@ where
 /// their 3 x 3 x 3 neighbourhood occupied. Below y = 0 everything is occupied, elsewhere outside the
 /// grid empty. Counts with bit-sliced counters, a row at a time.
 #[must_use]
-pub(crate) fn majority_row<const N: usize, const W: usize>(
+pub(crate) fn majority_row_with_ground<const N: usize, const W: usize>(
     rows: RowStrip<'_, N, W>,
     (y, z): RowAddress,
     among: BitRow<W>,

@@ -109,7 +109,7 @@ pub trait BitSet:
         SetBits { row: self, word: 0, bits: self.word(0) }
     }
     /// The runs of set bits, lowest first, split at word boundaries.
-    fn iter_runs(self) -> BitRuns<Self> {
+    fn iter_runs_within_words(self) -> BitRuns<Self> {
         BitRuns { row: self, word: 0, bits: self.word(0) }
     }
 }

@@ -11,7 +11,7 @@ use paros_headless::Error;
 
 use super::clock::{OursTheirs, min_in_turns_ms, time_ms};
 use super::dense::DenseGrid;
-use super::fixture::{Fixture, HasFixture, reset_fixture};
+use super::fixture::{Fixture, HasFixture, restore_start_volume};
 use super::row::ReportRow;
 use super::subject::Subject;
 
@@ -36,7 +36,7 @@ where
 {
     let fixture = &mut *Grid::<N>::lock_fixture();
     subject.load_into(&mut fixture.start, &mut fixture.bit_grid)?;
-    let voxels = surface_voxels(&fixture.bit_grid);
+    let voxels = sample_surface_voxels(&fixture.bit_grid);
     check_agreement(fixture, &voxels, subject.name())?;
     let fixture = RefCell::new(fixture);
     let (mut fill, mut strokes) = (f64::INFINITY, f64::INFINITY);
@@ -70,7 +70,8 @@ pub(super) fn measure_scaling(subject: &Subject, runs: usize) -> Result<Vec<Repo
     let (small, large) = (&mut *Grid::<128>::lock_fixture(), &mut *Grid::<256>::lock_fixture());
     subject.load_into(&mut small.start, &mut small.bit_grid)?;
     subject.load_into(&mut large.start, &mut large.bit_grid)?;
-    let (in_small, in_large) = (surface_voxels(&small.bit_grid), surface_voxels(&large.bit_grid));
+    let (in_small, in_large) =
+        (sample_surface_voxels(&small.bit_grid), sample_surface_voxels(&large.bit_grid));
     let times = min_in_turns_ms(
         runs,
         || Ok::<_, Error>(mean_edit_in_one_stroke_ms(large, &in_large, CARVE)),
@@ -83,7 +84,7 @@ pub(super) fn measure_scaling(subject: &Subject, runs: usize) -> Result<Vec<Repo
 }
 
 /// Voxels of the surface above the ground layer, evenly spaced in the order of y, z, x.
-pub(super) fn surface_voxels<const N: usize>(bit_grid: &BitGrid<N>) -> Vec<[usize; 3]>
+pub(super) fn sample_surface_voxels<const N: usize>(bit_grid: &BitGrid<N>) -> Vec<[usize; 3]>
 where
     Grid<N>: Size,
 {
@@ -113,11 +114,11 @@ pub(super) fn mean_edit_in_one_stroke_ms<const N: usize, const K: usize>(
 where
     Grid<N>: Size,
 {
-    reset_fixture(fixture);
+    restore_start_volume(fixture);
     let whole = time_ms(|| {
         fixture.undo.begin_stroke();
         for voxel in voxels {
-            edit_sphere_at(fixture, *voxel, operation);
+            try_edit_sphere_at(fixture, *voxel, operation);
         }
     });
     whole / voxels.len() as f64
@@ -133,14 +134,14 @@ fn mean_edit_with_a_stroke_each_ms<const N: usize>(
 where
     Grid<N>: Size,
 {
-    reset_fixture(fixture);
+    restore_start_volume(fixture);
     let mut whole = 0.0;
     for _ in 0..3 {
         fixture.volume.set_maps(&fixture.start);
         whole = time_ms(|| {
             for voxel in voxels {
                 fixture.undo.begin_stroke();
-                edit_sphere_at(fixture, *voxel, operation);
+                try_edit_sphere_at(fixture, *voxel, operation);
             }
         });
     }
@@ -149,7 +150,7 @@ where
 
 /// An edit as the world applies it: with undo, dirty rectangles, island search and digest kept up to
 /// date.
-pub(super) fn edit_sphere_at<const N: usize, const K: usize>(
+pub(super) fn try_edit_sphere_at<const N: usize, const K: usize>(
     fixture: &mut Fixture<N, K>,
     voxel: [usize; 3],
     operation: EditOperation,
@@ -197,8 +198,8 @@ where
     Grid<N>: Size,
 {
     for &voxel in voxels.iter().step_by(EDITS / 2) {
-        reset_fixture(fixture);
-        edit_sphere_at(fixture, voxel, CARVE);
+        restore_start_volume(fixture);
+        try_edit_sphere_at(fixture, voxel, CARVE);
         let mut grid = DenseGrid::new(&fixture.start);
         grid.carve_sphere(voxel_centre(voxel), RADIUS as f32, DEPTH);
         let columns = Axis::ALL.into_iter().flat_map(|axis| (0..N * N).map(move |i| (axis, i)));

@@ -8,8 +8,8 @@ use paros_shaders::gpu::RenderPath;
 use paros_shaders::upload::VolumeFormat;
 
 use super::clock::OursTheirs;
-use super::edit::{CARVE, RADIUS, edit_sphere_at, surface_voxels};
-use super::fixture::{HasFixture, reset_fixture};
+use super::edit::{CARVE, RADIUS, sample_surface_voxels, try_edit_sphere_at};
+use super::fixture::{HasFixture, restore_start_volume};
 use super::frames::{FrameFormat, FrameTimer, Framing, RenderSetup, VIEWS, mean_ms};
 use super::row::ReportRow;
 use super::subject::Subject;
@@ -26,16 +26,16 @@ where
     Grid<N>: Size + HasFixture<N>,
 {
     let fixture = &mut *Grid::<N>::lock_fixture();
-    let voxels = surface_voxels(&fixture.bit_grid);
+    let voxels = sample_surface_voxels(&fixture.bit_grid);
     let mut field = Box::new(DensityField::<N>::new());
     field.rebuild_from(&fixture.start);
-    reset_fixture(fixture);
+    restore_start_volume(fixture);
     let setup = RenderSetup { framing, path: RenderPath::Fast };
     let mut best = [[[u64::MAX; VIEWS]; 2]; FrameFormat::ALL.len()];
     let (mut in_frame, mut in_all) = (0, 0);
     for view in 0..VIEWS {
-        edit_sphere_at(fixture, voxels[view * voxels.len() / VIEWS], CARVE);
-        field.note_changes(fixture.volume.maps(), &fixture.dirty);
+        try_edit_sphere_at(fixture, voxels[view * voxels.len() / VIEWS], CARVE);
+        field.note_dirty_columns(fixture.volume.maps(), &fixture.dirty);
         let uploads = collect_uploads(&mut field, Budget::per_frame(N));
         for (format, best) in FrameFormat::ALL.into_iter().zip(&mut best) {
             for _ in 0..runs {

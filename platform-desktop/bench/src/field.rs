@@ -9,15 +9,15 @@ use std::hint::black_box;
 use std::path::Path;
 
 use paros_core::RangeMaps;
-use paros_core::limits::island_row_visits_per_tick;
+use paros_core::limits::max_island_row_visits_per_tick;
 use paros_core::volume::{DirtyRects, Grid, Size};
 use paros_headless::Error;
 use paros_shaders::field::{Budget, DensityField};
 use paros_shell::{rmap, with_size};
 
 use super::callgrind::{ScratchFolder, count_instructions_per_call};
-use super::edit::{CARVE, RADIUS, edit_sphere_at, surface_voxels};
-use super::fixture::{Fixture, HasFixture, reset_fixture};
+use super::edit::{CARVE, RADIUS, sample_surface_voxels, try_edit_sphere_at};
+use super::fixture::{Fixture, HasFixture, restore_start_volume};
 use super::islands::{Fraction, advance_pass, cut_gap};
 use super::row::{Measured, ReportRow};
 use super::subject::Subject;
@@ -153,13 +153,13 @@ where
     let staging = vec![0; Budget::per_frame(N).bytes];
     let mut follower =
         FieldFollower { field: Box::new(DensityField::new()), staging, frames: vec![] };
-    reset_fixture(fixture);
+    restore_start_volume(fixture);
     fixture.dirty.mark_all(N);
     follower.play_frame(FieldChange::Load, Some((fixture.volume.maps(), &fixture.dirty)));
     follower.play_until_settled(FieldChange::Load);
     fixture.undo.begin_stroke();
-    for place in surface_voxels(&fixture.bit_grid) {
-        edit_sphere_at(fixture, place, CARVE);
+    for place in sample_surface_voxels(&fixture.bit_grid) {
+        try_edit_sphere_at(fixture, place, CARVE);
         follower.play_frame(FieldChange::Stroke, Some((fixture.volume.maps(), &fixture.dirty)));
     }
     follower.play_until_settled(FieldChange::Stroke);
@@ -171,14 +171,14 @@ where
     follower.play_until_settled(FieldChange::Undo);
     let half = Fraction { numerator: 1, denominator: 2 };
     cut_gap(&mut fixture.start, &mut fixture.bit_grid, half);
-    reset_fixture(fixture);
+    restore_start_volume(fixture);
     follower.field.rebuild_from(&fixture.start);
     fixture.islands.request_pass();
     let mut removed = 0;
     while fixture.islands.is_busy() {
         fixture.dirty.clear();
-        removed +=
-            advance_pass(fixture, island_row_visits_per_tick(N)).map_or(0, |report| report.removed);
+        removed += advance_pass(fixture, max_island_row_visits_per_tick(N))
+            .map_or(0, |report| report.removed);
         follower.play_frame(FieldChange::Fall, Some((fixture.volume.maps(), &fixture.dirty)));
     }
     follower.play_until_settled(FieldChange::Fall);
@@ -198,7 +198,7 @@ fn stage_frame_and_count_bytes<const N: usize, const K: usize>(
     staging: &mut [u8],
 ) -> usize {
     if let Some((maps, dirty)) = changed {
-        field.note_changes(maps, black_box(dirty));
+        field.note_dirty_columns(maps, black_box(dirty));
     }
     let mut used = 0;
     field.update_textures(Budget::per_frame(N), &mut |_, bytes| {

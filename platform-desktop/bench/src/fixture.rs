@@ -75,7 +75,7 @@ macro_rules! fixtures {
 }
 
 /// Restores the start volume, with an empty undo history and no island pass pending.
-pub(super) fn reset_fixture<const N: usize, const K: usize>(fixture: &mut Fixture<N, K>)
+pub(super) fn restore_start_volume<const N: usize, const K: usize>(fixture: &mut Fixture<N, K>)
 where
     Grid<N>: Size,
 {

@@ -101,7 +101,7 @@ pub(super) struct RenderSetup {
 
 impl RenderSetup {
     /// Nanoseconds of its sculpture's pass, with all that the path needs before.
-    const fn cost_ns(&self, times: &FrameTimes) -> u64 {
+    const fn sculpture_pass_ns(&self, times: &FrameTimes) -> u64 {
         match self.path {
             RenderPath::Fast => times.tiles_ns + times.sculpture_ns,
             RenderPath::Paper(_) => times.sculpture_ns,
@@ -218,7 +218,7 @@ impl FrameTimer {
             for view in 0..VIEWS {
                 for (setup, best) in setups.iter().zip(&mut best) {
                     let times = self.draw_view(setup, format, view, &vec![])?;
-                    best[view] = best[view].min(setup.cost_ns(&times));
+                    best[view] = best[view].min(setup.sculpture_pass_ns(&times));
                 }
             }
         }

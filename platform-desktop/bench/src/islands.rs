@@ -3,12 +3,12 @@
 use paros_core::RangeMaps;
 use paros_core::edit::IslandReport;
 use paros_core::internals::RemovalJournal;
-use paros_core::limits::island_row_visits_per_tick;
+use paros_core::limits::max_island_row_visits_per_tick;
 use paros_core::volume::{BitGrid, BitSet, Grid, Size};
 use paros_headless::Error;
 
 use super::clock::{OursTheirs, min_in_turns_ms, min_of_each_tick_ms, time_ms};
-use super::fixture::{Fixture, HasFixture, reset_fixture};
+use super::fixture::{Fixture, HasFixture, restore_start_volume};
 use super::paper::{FillState, PAPER_VISITS, VoxelFill};
 use super::row::ReportRow;
 use super::subject::Subject;
@@ -167,7 +167,7 @@ where
     let fixture = std::cell::RefCell::new(fixture);
     let ticks = min_of_each_tick_ms(
         runs,
-        || our_ticks_ms(&mut fixture.borrow_mut(), island_row_visits_per_tick(N)),
+        || our_ticks_ms(&mut fixture.borrow_mut(), max_island_row_visits_per_tick(N)),
         || {
             let fixture = &mut **fixture.borrow_mut();
             fixture.other.copy_from(&fixture.start);
@@ -210,7 +210,7 @@ pub(super) fn paper_ticks_ms<const N: usize>(
             }
             done = paper.visit_voxels(voxel_visits_per_tick) == FillState::Done;
             if done {
-                paper.remove_unvisited(maps);
+                paper.shrink_ranges_to_visited(maps);
             }
         }));
     }
@@ -222,7 +222,7 @@ fn prepare_pass<const N: usize, const K: usize>(fixture: &mut Fixture<N, K>)
 where
     Grid<N>: Size,
 {
-    reset_fixture(fixture);
+    restore_start_volume(fixture);
     fixture.islands.request_pass();
 }
 

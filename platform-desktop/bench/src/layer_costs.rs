@@ -13,7 +13,7 @@ use paros_shell::with_size;
 
 use super::bake::bake_ms;
 use super::clock::{OursTheirs, min_in_turns_ms};
-use super::edit::{CARVE, FILL, mean_edit_in_one_stroke_ms, surface_voxels};
+use super::edit::{CARVE, FILL, mean_edit_in_one_stroke_ms, sample_surface_voxels};
 use super::fixture::{Fixture, HasFixture};
 use super::frames::{FrameFormat, FrameTimer, RenderSetup};
 use super::islands::{PASS_CASES, PassCase, load_pass_case, whole_paper_pass_ms, whole_pass_ms};
@@ -114,7 +114,7 @@ where
 {
     subject.load_into(&mut one.start, &mut one.bit_grid)?;
     one.bit_grid.write_closure(&mut two.start);
-    let voxels = surface_voxels(&one.bit_grid);
+    let voxels = sample_surface_voxels(&one.bit_grid);
     let mut rows = vec![];
     for (operation, name) in [(CARVE, "a carve"), (FILL, "a fill")] {
         let times_ms = min_in_turns_ms(
@@ -153,7 +153,7 @@ where
                 Ok(whole_pass_ms(one))
             },
         )?;
-        check_passes_agree(one, two, subject.name())?;
+        check_two_keeps_no_more(one, two, subject.name())?;
         let row =
             |against: &str| ReportRow::new(BENCH, subject.name(), N, format!("{against}, {what}"));
         rows.push(row("an island pass with one interval a column").with_times_ms(times_ms));
@@ -165,7 +165,7 @@ where
 
 /// Checks what passes with one interval and with two left of the same voxels. Closure in two intervals
 /// keeps no more than in one.
-fn check_passes_agree<const N: usize>(
+fn check_two_keeps_no_more<const N: usize>(
     one: &Fixture<N>,
     two: &Fixture<N, 2>,
     name: &str,

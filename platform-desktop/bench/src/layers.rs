@@ -16,7 +16,7 @@ use paros_shell::trace::Trace;
 
 use super::clock::{OursTheirs, time_ms};
 use super::edit::{CARVE, try_edit};
-use super::fixture::{Fixture, HasFixture, reset_fixture};
+use super::fixture::{Fixture, HasFixture, restore_start_volume};
 use super::layer_costs::{name_intervals, size_row};
 use super::row::{Refusal, ReportRow};
 
@@ -50,13 +50,16 @@ const CUT_KINDS: [CutKind; 5] = [
 pub(super) fn measure_cuts() -> Vec<ReportRow> {
     let one = &mut *Grid::<SIDE>::lock_fixture();
     let two = &mut *Grid::<SIDE>::lock_fixture_of_two();
-    draw_ball(&mut one.bit_grid);
+    set_to_ball(&mut one.bit_grid);
     one.bit_grid.write_closure(&mut one.start);
     one.bit_grid.write_closure(&mut two.start);
     let row = |kind: &CutKind| {
         let cuts = (0..SEEDS).map(|seed| {
             let brushes = (kind.brushes)(seed);
-            OursTheirs { ours: cut(two, &brushes), theirs: cut(one, &brushes) }
+            OursTheirs {
+                ours: carve_each_until_unchanged(two, &brushes),
+                theirs: carve_each_until_unchanged(one, &brushes),
+            }
         });
         let cuts: Vec<_> = cuts.collect();
         let sum = |of: fn(&OursTheirs<TimedEdits>) -> &TimedEdits| {
@@ -133,8 +136,11 @@ fn play<const K: usize>(runner: &mut TickRunner<'_, SIDE, K>, trace: &Trace) -> 
 
 /// Carves brushes into the start volume, one after the other. What is left of a brush's voxels when its
 /// edits change nothing any more is refused, once.
-fn cut<const K: usize>(fixture: &mut Fixture<SIDE, K>, brushes: &[Brush]) -> TimedEdits {
-    reset_fixture(fixture);
+fn carve_each_until_unchanged<const K: usize>(
+    fixture: &mut Fixture<SIDE, K>,
+    brushes: &[Brush],
+) -> TimedEdits {
+    restore_start_volume(fixture);
     let mut sum = TimedEdits::default();
     for brush in brushes {
         let before = count_occupied(fixture.volume.rows(), brush);
@@ -154,7 +160,7 @@ fn count_occupied(volume: &BitGrid<SIDE>, brush: &Brush) -> u64 {
         .sum()
 }
 
-fn draw_ball(bit_grid: &mut BitGrid<SIDE>) {
+fn set_to_ball(bit_grid: &mut BitGrid<SIDE>) {
     bit_grid.clear();
     let middle = SIDE as f32 / 2.0;
     let ball = sphere_brush(Vec3::splat(middle), BALL_RADIUS);
@@ -166,8 +172,9 @@ fn draw_ball(bit_grid: &mut BitGrid<SIDE>) {
 }
 
 fn drills(seed: usize) -> Vec<Brush> {
-    let drill = |out| capsule_brush(out * (BALL_RADIUS + 4.0), out * (BALL_RADIUS - 25.0), 4.0);
-    directions(seed).map(drill).collect()
+    let drill =
+        |out| capsule_about_middle(out * (BALL_RADIUS + 4.0), out * (BALL_RADIUS - 25.0), 4.0);
+    spread_directions(seed).map(drill).collect()
 }
 
 /// Down by nine voxels, then as far again along a slope of 45 degrees.
@@ -176,11 +183,11 @@ fn undercuts(seed: usize) -> Vec<Brush> {
         let bend = out * (BALL_RADIUS - 9.0);
         let slope = (out.any_orthonormal_vector() - out) / SQRT_2;
         [
-            capsule_brush(out * (BALL_RADIUS + 4.0), bend, 3.0),
-            capsule_brush(bend, bend + slope * 9.0 * SQRT_2, 3.0),
+            capsule_about_middle(out * (BALL_RADIUS + 4.0), bend, 3.0),
+            capsule_about_middle(bend, bend + slope * 9.0 * SQRT_2, 3.0),
         ]
     };
-    directions(seed).flat_map(undercut).collect()
+    spread_directions(seed).flat_map(undercut).collect()
 }
 
 /// A slot in the plane across an axis of the grid, turned by an angle about another axis.
@@ -195,7 +202,7 @@ fn slot(seed: usize, degrees: f32) -> Vec<Brush> {
 }
 
 /// Directions spread over the sphere by a spiral of the golden angle, turned another way for each seed.
-fn directions(seed: usize) -> impl Iterator<Item = Vec3> {
+fn spread_directions(seed: usize) -> impl Iterator<Item = Vec3> {
     let golden_angle = TAU * (1.0 - 2.0 / (1.0 + 5.0f32.sqrt()));
     let axis = Vec3::new(1.0, 2.0 + seed as f32, 3.0).normalize();
     let turn = Quat::from_axis_angle(axis, 1.0 + seed as f32);
@@ -208,7 +215,7 @@ fn directions(seed: usize) -> impl Iterator<Item = Vec3> {
 }
 
 /// Both ends are from the ball's middle, in voxels.
-fn capsule_brush(from: Vec3, to: Vec3, radius: f32) -> Brush {
+fn capsule_about_middle(from: Vec3, to: Vec3, radius: f32) -> Brush {
     let subunits = |place: Vec3| to_subunits(place + Vec3::splat(SIDE as f32 / 2.0));
     Brush::capsule(subunits(from), subunits(to), (radius * SUBUNITS_PER_VOXEL as f32) as i32)
 }

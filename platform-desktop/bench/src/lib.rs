@@ -175,7 +175,7 @@ impl Plan {
     /// A subject that holds nothing, two sides that come to different results, or no device to
     /// draw where nothing else is to be measured.
     pub fn run(&self, on_pieces_done: impl Fn(f64)) -> Result<Report, Error> {
-        let notes = self.subjects.iter().map(Subject::describe_closing);
+        let notes = self.subjects.iter().map(Subject::describe_closing_to_one);
         let notes = notes.filter_map(Result::transpose).collect::<Result<_, _>>()?;
         let mut report = Report { notes, ..Report::default() };
         let mut resources =

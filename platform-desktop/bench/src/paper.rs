@@ -55,7 +55,7 @@ impl<const N: usize> VoxelFill<N> {
     pub fn remove_islands(&mut self, maps: &mut RangeMaps<N>) -> usize {
         self.begin_pass(maps);
         while self.visit_voxels(usize::MAX) != FillState::Done {}
-        self.remove_unvisited(maps)
+        self.shrink_ranges_to_visited(maps)
     }
 
     /// Expands the maps to voxels and queues those of the ground layer.
@@ -104,7 +104,7 @@ impl<const N: usize> VoxelFill<N> {
     }
 
     /// Shrinks the ranges to the visited voxels. Returns the number of voxels not visited.
-    pub fn remove_unvisited(&mut self, maps: &mut RangeMaps<N>) -> usize {
+    pub fn shrink_ranges_to_visited(&mut self, maps: &mut RangeMaps<N>) -> usize {
         let missed = self.occupied - self.queue.len();
         if missed == 0 {
             return 0;

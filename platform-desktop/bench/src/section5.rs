@@ -196,7 +196,7 @@ where
         )
     };
     let whole = ticks(u32::MAX, usize::MAX);
-    let parts = ticks(paros_core::limits::island_row_visits_per_tick(N), PAPER_VISITS);
+    let parts = ticks(paros_core::limits::max_island_row_visits_per_tick(N), PAPER_VISITS);
     let mut rows = vec![];
     for (way, whole, parts) in [
         ("the paper's queue", &whole.theirs, &parts.theirs),

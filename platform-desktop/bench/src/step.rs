@@ -88,7 +88,7 @@ pub(super) fn measure_recorded(
     let measured = with_size!(header.side, N => with_intervals!(
         header.intervals.into(),
         K => measure_session::<N, K>(&name, &trace, &bytes, on_progress),
-        else Err(Error::input(ReplayDivergence::no_such_world(&header))),
+        else Err(Error::input(ReplayDivergence::no_world_of_intervals(&header))),
     ));
     measured.map_err(|error| match error {
         Error::Input(why) => Error::Input(format!("{}: {why}", path.display())),
@@ -236,7 +236,7 @@ pub(super) fn replay_ticks(session_folder: &Path) -> Result<(), Error> {
     with_size!(header.side, N => with_intervals!(
         header.intervals.into(),
         K => replay_ticks_at::<N, K>(session_folder, &trace, &chosen),
-        else Err(Error::input(ReplayDivergence::no_such_world(&header))),
+        else Err(Error::input(ReplayDivergence::no_world_of_intervals(&header))),
     ))
 }
 

@@ -32,7 +32,7 @@ enum Source {
 impl Subject {
     /// The default inputs: the project's own figures.
     #[must_use]
-    pub fn built_in_figures() -> Vec<Self> {
+    pub fn default_figures() -> Vec<Self> {
         let figures = [Figure::Owl, Figure::Cat]
             .map(|figure| Subject { name: figure.name().into(), source: Source::Figure(figure) });
         figures.into()
@@ -80,7 +80,7 @@ impl Subject {
     ///
     /// # Errors
     /// The file doesn't hold a volume.
-    pub(super) fn describe_closing(&self) -> Result<Option<String>, Error> {
+    pub(super) fn describe_closing_to_one(&self) -> Result<Option<String>, Error> {
         let Source::Volume(path, header) = &self.source else { return Ok(None) };
         if header.intervals_per_column == 1 {
             return Ok(None);

@@ -94,7 +94,7 @@ impl HeadlessRenderer {
         let mut loaded = Ok(());
         field.emit_all_regions(|region, bytes| {
             if loaded.is_ok() {
-                loaded = self.renderer.upload_now(region, bytes);
+                loaded = self.renderer.submit_upload_between_frames(region, bytes);
             }
         });
         Ok(loaded?)
@@ -105,7 +105,7 @@ impl HeadlessRenderer {
     /// # Errors
     /// A lost device.
     pub fn upload_region(&mut self, region: Region, bytes: &[u8]) -> Result<(), Error> {
-        Ok(self.renderer.upload_now(region, bytes)?)
+        Ok(self.renderer.submit_upload_between_frames(region, bytes)?)
     }
 
     /// Sets the draw order of all later pictures.

@@ -65,7 +65,7 @@ pub struct WriteOutcome {
     pub fallback_cause: Option<WriteError>,
 }
 
-/// Capacity of the job queue; [`FileWriter::submit`] blocks while it is full. At most one session's
+/// Capacity of the job queue; [`FileWriter::submit_or_wait`] blocks while it is full. At most one session's
 /// save is queued at a time, and visitors cause the other jobs, so it is not full in practice. It is
 /// allocated once: submitting a job allocates nothing.
 const QUEUE_CAPACITY: usize = 16;
@@ -99,13 +99,13 @@ impl FileWriter {
     }
 
     /// Submits one file that replaces what is at `path`. Its folder is created.
-    pub fn submit_file(&mut self, kind: FileKind, path: PathBuf, bytes: Vec<u8>) {
+    pub fn submit_file_or_wait(&mut self, kind: FileKind, path: PathBuf, bytes: Vec<u8>) {
         let destination = Destination::Replace(vec![path]);
-        self.submit(WriteJob { kind, destination, contents: vec![bytes] });
+        self.submit_or_wait(WriteJob { kind, destination, contents: vec![bytes] });
     }
 
     /// Submits files. Their folders are created. Blocks while the queue is full.
-    pub fn submit(&mut self, job: WriteJob) {
+    pub fn submit_or_wait(&mut self, job: WriteJob) {
         if let Some(queue) = &self.queue {
             self.pending += usize::from(queue.send(job).is_ok());
         }

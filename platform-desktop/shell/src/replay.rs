@@ -34,7 +34,7 @@ pub fn write_replay_digests(trace_path: &Path, digests_path: &Path) -> Result<()
     let played = with_size!(header.side, N => with_intervals!(
         usize::from(header.intervals),
         K => replay_digests::<N, K>(&read),
-        else Err(ReplayDivergence::no_such_world(&header)),
+        else Err(ReplayDivergence::no_world_of_intervals(&header)),
     ));
     let played =
         played.map_err(|diverged| ReplayError::ReplayDivergence(trace_path.into(), diverged))?;

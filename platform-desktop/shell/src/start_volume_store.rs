@@ -33,7 +33,11 @@ where
 
     /// Generates the figures unless they are there already. `on_fraction_done` is
     /// called with the fraction done, 0 to 1.
-    pub fn generate_figures(&mut self, scratch: &mut BitGrid<N>, on_fraction_done: impl Fn(f32)) {
+    pub fn generate_figures_once(
+        &mut self,
+        scratch: &mut BitGrid<N>,
+        on_fraction_done: impl Fn(f32),
+    ) {
         if self.has_figures {
             return;
         }
@@ -77,7 +81,7 @@ where
         Figure::HIDDEN.map(|figure| self.figure(figure))
     }
 
-    /// One figure's maps; empty before [`StartVolumeStore::generate_figures`].
+    /// One figure's maps; empty before [`StartVolumeStore::generate_figures_once`].
     #[must_use]
     pub fn figure(&self, figure: Figure) -> &RangeMaps<N, K> {
         &self.figures[figure as usize]

@@ -83,7 +83,7 @@ where
     /// every tick. Returns each file once, when it is finished. Where a session ends before the last
     /// one's is finished, that one is finished at once and returned.
     #[must_use = "a file is handed out once"]
-    pub fn begin_or_advance_after_tick(&mut self, world: &World<N, K>) -> Option<FinishedStl> {
+    pub fn begin_if_finished_or_advance(&mut self, world: &World<N, K>) -> Option<FinishedStl> {
         if !world.events().contains(&WorldEvent::Finished) {
             return self.advance_export_step();
         }

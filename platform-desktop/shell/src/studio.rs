@@ -114,8 +114,8 @@ where
 
     /// Sets the file to which [`Studio::save_all_and_wait`] writes the trace of the last session;
     /// `None` for none.
-    pub fn set_closing_trace_path(&mut self, path: Option<PathBuf>) {
-        self.recorder.set_closing_trace_path(path);
+    pub fn set_trace_path_at_exit(&mut self, path: Option<PathBuf>) {
+        self.recorder.set_trace_path_at_exit(path);
     }
 
     /// The studio's folders and file names.
@@ -131,8 +131,8 @@ where
 
     /// The path of the last finished sculpture's STL file, once it is written.
     #[must_use]
-    pub fn last_stl_path(&self) -> Option<&Path> {
-        self.export.last_stl_path()
+    pub fn session_stl_path(&self) -> Option<&Path> {
+        self.export.session_stl_path()
     }
 
     /// The error of the last save, while saving fails.
@@ -144,7 +144,7 @@ where
     /// Whether files of a sculpture could not be written and wait for
     /// [`Studio::retry_failed_writes`].
     #[must_use]
-    pub const fn has_failed_writes(&self) -> bool {
+    pub const fn has_writes_to_retry(&self) -> bool {
         self.export.has_failed_jobs()
     }
 
@@ -233,7 +233,7 @@ where
 
     /// Submits once more the files that could not be written.
     pub fn retry_failed_writes(&mut self) {
-        self.export.take_failed_jobs().for_each(|job| self.file_writer.submit(job));
+        self.export.take_failed_jobs().for_each(|job| self.file_writer.submit_or_wait(job));
     }
 
     /// Copies the current sculpture to the visitor's own start volume. Returns the session that starts
@@ -245,7 +245,7 @@ where
     }
 
     /// Submits the trace of the session so far, and its start volume if that was the visitor's own.
-    pub fn submit_session_trace(&mut self) {
+    pub fn submit_trace_and_own_volume(&mut self) {
         let Some(trace) = self.recorder.trace_bytes() else {
             let why = "only a session that began here can be recorded";
             self.push_notice(Notice::Bad(why.into()));
@@ -284,7 +284,7 @@ where
         self.save_session();
         if let Some(path) = self.recorder.trace_path().map(PathBuf::from) {
             match self.recorder.trace_bytes() {
-                Some(trace) => self.file_writer.submit_file(FileKind::Trace, path, trace),
+                Some(trace) => self.file_writer.submit_file_or_wait(FileKind::Trace, path, trace),
                 None => {
                     let text = "not written: no session began here";
                     self.push_notice(Notice::Bad(format!("{}: {text}", path.display())));
@@ -296,15 +296,15 @@ where
 
     fn save_and_leave_session(&mut self) {
         if let Some(save) = self.session.take_unfinished_save_and_clear() {
-            self.file_writer.submit_file(
+            self.file_writer.submit_file_or_wait(
                 FileKind::PreviousSession,
                 self.paths.left_unfinished_session_file(N),
                 save,
             );
         }
         self.recorder.discard_recording();
-        self.export.set_last_stl_path(None);
-        self.autosave.begin_session();
+        self.export.set_session_stl_path(None);
+        self.autosave.restart_save_interval();
     }
 
     fn after_tick(&mut self) {

@@ -144,7 +144,7 @@ impl Trace {
 impl ReplayDivergence {
     /// The divergence of a trace whose columns have another number of intervals than any world here.
     #[must_use]
-    pub const fn no_such_world(header: &TraceHeader) -> Self {
+    pub const fn no_world_of_intervals(header: &TraceHeader) -> Self {
         ReplayDivergence::Intervals { recorded: header.intervals, here: INTERVALS as u16 }
     }
 }

@@ -31,7 +31,7 @@ pub(super) struct Args {
 
 pub(super) fn run(args: &Args) -> Result<String, Error> {
     volume::check_output_is_not_input(&args.mesh, &args.output)?;
-    volume::check_extension(&args.output, "rmap")?;
+    volume::refuse_other_extension(&args.output, "rmap")?;
     if MeshFormat::from_extension(&args.mesh).is_none() && volume::has_volume_header(&args.mesh) {
         let what = args.mesh.display();
         return Err(Error::Input(format!("{what}: is a volume already; expected a mesh")));

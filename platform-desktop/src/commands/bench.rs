@@ -9,7 +9,7 @@ use paros_headless::Error;
 use paros_shell::require::require_or_skip;
 
 use super::progress;
-use super::render::parse_image_size;
+use super::render::parse_width_x_height;
 
 /// Measure speed and size against the usual ways, in turns, best of many runs, on one thread.
 #[derive(Debug, clap::Args)]
@@ -31,7 +31,8 @@ pub(super) struct Args {
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..))]
     runs: Option<u16>,
     /// Width and height in pixels of a frame.
-    #[arg(long, value_name = "WxH", default_value = "1440x1584", value_parser = parse_image_size, allow_hyphen_values = true)]
+    #[arg(long, value_name = "WxH", default_value = "1440x1584",
+        value_parser = parse_width_x_height, allow_hyphen_values = true)]
     size: [usize; 2],
     /// A part of the name of the Vulkan device that draws; else the best one, which for `all` and
     /// `paper` must be a GPU.
@@ -84,7 +85,7 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
     let subjects = named.into_iter().map(|v| Subject::from_name_or_path(v));
     let mut subjects = subjects.collect::<Result<Vec<_>, _>>()?;
     if subjects.is_empty() {
-        subjects = Subject::built_in_figures();
+        subjects = Subject::default_figures();
     }
     let benches = match args.what {
         BenchChoice::All => Benchmark::ALL.to_vec(),

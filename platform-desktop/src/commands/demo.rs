@@ -140,8 +140,11 @@ impl DemoResult {
             self.spent.as_secs_f32(),
         );
         for (chapter, tick, voxels) in &self.chapters {
-            let _ =
-                writeln!(lines, "  tick {tick:>6}  {voxels:>8} voxels  {}", chapter.announcement());
+            let _ = writeln!(
+                lines,
+                "  tick {tick:>6}  {voxels:>8} voxels  {}",
+                chapter.completion_announcement()
+            );
         }
         let _ = writeln!(
             lines,
@@ -172,7 +175,7 @@ where
 {
     let making = progress::show_progress("quarrying", None);
     let mut starts = Grid::<N>::lock_start_volumes();
-    starts.generate_figures(&mut Grid::<N>::lock_bit_grid(), |_| {});
+    starts.generate_figures_once(&mut Grid::<N>::lock_bit_grid(), |_| {});
     drop(making);
     let hidden = starts.hidden_figures();
     let mut world = Grid::<N>::lock_world();
@@ -193,7 +196,7 @@ where
         &mut |world| {
             edits.add_tick(world);
             islands.count_events(world);
-            stl = stl_exporter.begin_or_advance_after_tick(world).or(stl.take());
+            stl = stl_exporter.begin_if_finished_or_advance(world).or(stl.take());
             ControlFlow::Continue(())
         },
         |chapter, world| {

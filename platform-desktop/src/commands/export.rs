@@ -41,7 +41,7 @@ fn parse_height_mm(text: &str) -> Result<f32, String> {
 
 pub(super) fn run(args: &Args) -> Result<String, Error> {
     volume::check_output_is_not_input(&args.volume, &args.output)?;
-    volume::check_extension(&args.output, "stl")?;
+    volume::refuse_other_extension(&args.output, "stl")?;
     let size = volume::read_header(&args.volume)?.grid_side;
     let layers = args.layers.interval_count();
     with_size!(size, N => with_intervals!(layers, K => export_volume::<N, K>(args)))

@@ -66,7 +66,7 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
         }
     }
     if let Some(stl) = &args.stl {
-        volume::check_extension(stl, "stl")?;
+        volume::refuse_other_extension(stl, "stl")?;
     }
     if volume::has_volume_header(&args.trace) {
         let what = args.trace.display();
@@ -77,7 +77,7 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
     let header = trace.header();
     args.layers.check_intervals_of(&args.trace, header.intervals.into())?;
     let unplayable = || {
-        let why = ReplayDivergence::no_such_world(&header);
+        let why = ReplayDivergence::no_world_of_intervals(&header);
         Err(Error::Input(format!("{}: {why}", args.trace.display())))
     };
     with_size!(header.side, N => with_intervals!(
@@ -98,7 +98,7 @@ where
         None => String::new(),
     };
     let making = progress::show_progress("quarrying", None);
-    starts.generate_figures(&mut Grid::<N>::lock_bit_grid(), |_| {});
+    starts.generate_figures_once(&mut Grid::<N>::lock_bit_grid(), |_| {});
     drop(making);
     let (hidden, mut world) = (starts.hidden_figures(), Grid::<N>::lock_world());
     let mut runner = TickRunner::new(&mut world, starts.start_volumes(&hidden));
@@ -240,7 +240,7 @@ where
             let _ = writeln!(played.digests, "{:016x}", world.digest());
             played.edits.add_tick(world);
             if args.stl.is_some()
-                && let Some(stl) = stl_exporter.begin_or_advance_after_tick(world)
+                && let Some(stl) = stl_exporter.begin_if_finished_or_advance(world)
             {
                 played.stl = Some(stl);
             }

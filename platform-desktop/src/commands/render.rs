@@ -25,7 +25,8 @@ pub(super) struct Args {
     #[arg(short, long, value_name = "P.png")]
     output: PathBuf,
     /// Width and height in pixels.
-    #[arg(long, value_name = "WxH", default_value = "640x480", value_parser = parse_image_size, allow_hyphen_values = true)]
+    #[arg(long, value_name = "WxH", default_value = "640x480",
+        value_parser = parse_width_x_height, allow_hyphen_values = true)]
     size: [usize; 2],
     /// Azimuth (0 looks at the front, 90 at the right) and elevation of the view, in degrees.
     #[arg(long, value_name = "AZ,EL", default_value = "25,15", value_parser = parse_view_degrees,
@@ -41,7 +42,7 @@ pub(super) struct Args {
 const SAMPLES: usize = 2;
 
 /// Parses `WxH`, in pixels.
-pub(super) fn parse_image_size(text: &str) -> Result<[usize; 2], String> {
+pub(super) fn parse_width_x_height(text: &str) -> Result<[usize; 2], String> {
     let side = |text: &str| text.parse().ok().filter(|side| (1..=LONGEST).contains(side));
     text.split_once('x')
         .and_then(|(width, height)| Some([side(width)?, side(height)?]))
@@ -68,7 +69,7 @@ fn parse_view_degrees(text: &str) -> Result<ViewDegrees, String> {
 
 pub(super) fn run(args: &Args) -> Result<String, Error> {
     volume::check_output_is_not_input(&args.volume, &args.output)?;
-    volume::check_extension(&args.output, "png")?;
+    volume::refuse_other_extension(&args.output, "png")?;
     let size = volume::read_header(&args.volume)?.grid_side;
     let layers = args.layers.interval_count();
     with_size!(size, N => with_intervals!(layers, K => render_volume::<N, K>(args)))

@@ -128,7 +128,7 @@ pub(super) fn require_nonempty_stl(
 }
 
 /// Refuses a name whose extension is not `expected`. A name without an extension is accepted.
-pub(super) fn check_extension(output: &Path, expected: &str) -> Result<(), Error> {
+pub(super) fn refuse_other_extension(output: &Path, expected: &str) -> Result<(), Error> {
     match output.extension() {
         Some(ending) if !ending.eq_ignore_ascii_case(expected) => {
             let output = output.display();

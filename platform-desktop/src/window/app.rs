@@ -25,7 +25,7 @@ use winit::window::{Window, WindowId};
 
 use super::display::{DisplayConnection, supports_file_drops};
 use super::hands::{MouseHands, RIGHT};
-use super::os_error::describe_error;
+use super::os_error::strip_source_location;
 use super::paint::EguiBuffers;
 use super::panels::{BitOutline, PanelAction, Panels, StudioStatus};
 use super::script::Script;
@@ -135,7 +135,7 @@ where
             let complaints = self.messages.join("\n");
             return Err(WindowError::Failed(Error::Failure(format!("validation: {complaints}"))));
         }
-        let printed = self.studio.last_stl_path();
+        let printed = self.studio.session_stl_path();
         Ok(printed.map_or(String::new(), |path| format!("{}\n", path.display())))
     }
 
@@ -145,7 +145,7 @@ where
             |error: &dyn core::fmt::Display| WindowError::Unavailable(error.to_string());
         let attributes = Window::default_attributes().with_title("Paros").with_inner_size(SIZE);
         let window = events.create_window(attributes);
-        let window = window.map_err(|error| unavailable(&describe_error(&error)))?;
+        let window = window.map_err(|error| unavailable(&strip_source_location(&error)))?;
         self.scale = window.scale_factor() as f32;
         self.hands.size = window.inner_size().into();
         self.display = DisplayConnection::watch_window(&window);
@@ -257,12 +257,12 @@ where
             session: world.session_state(),
             mode: world.mode(),
             held,
-            depth: held.map_or(0.0, |(tool, _)| self.hands.tool_depth_mm(tool)),
+            depth: held.map_or(0.0, |(tool, _)| self.hands.chosen_tool_depth_mm(tool)),
             symmetry: world.is_mirrored(),
             undo: world.undo_counts(),
             printing: self.studio.is_exporting(),
-            printed: self.studio.last_stl_path(),
-            unwritten: self.studio.has_failed_writes(),
+            printed: self.studio.session_stl_path(),
+            unwritten: self.studio.has_writes_to_retry(),
             fault: self.studio.save_error(),
             opening: self.studio.path_being_read(),
             drops: self.window.as_deref().is_some_and(supports_file_drops),

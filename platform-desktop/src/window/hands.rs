@@ -207,7 +207,7 @@ where
 
     /// How deep a tool goes, in millimetres.
     #[must_use]
-    pub(super) fn tool_depth_mm(&self, tool: Tool) -> f32 {
+    pub(super) fn chosen_tool_depth_mm(&self, tool: Tool) -> f32 {
         self.depths_mm[tool as usize]
     }
 
@@ -235,12 +235,12 @@ where
     fn next_grip_pose(&mut self, world: &World<N, INTERVALS>) -> Option<RoomPose> {
         let (tool, bit) = world.held_tool(RIGHT)?;
         let cursor = self.cursor?;
-        let at = if self.running { self.next_trail_pixel(cursor, bit) } else { cursor };
+        let at = if self.running { self.advance_along_trail(cursor, bit) } else { cursor };
         let room_ray = self.orbit.room_ray_through_pixel(at, self.size);
         let depth_m = self.depths_mm[tool as usize] * 1e-3;
         let up = self.orbit.pose().1 * Vec3::Y;
         let aim = bit_guide::BitTarget { room_ray, up, bit, depth_m, running: self.running };
-        let (tip, rotation) = self.bit_guide.next_bit_pose(&aim, world);
+        let (tip, rotation) = self.bit_guide.next_bit_centre_pose(&aim, world);
         if self.bit_guide.take_is_stuck() {
             // Returning and taking the tool frees its bit.
             self.pointers.push_back(PointerCommand::Return { hand: RIGHT as u8 });
@@ -251,7 +251,7 @@ where
 
     /// Advances a running tool along the cursor's trail; returns its pixel. It goes no faster than the bit
     /// can carve, so that a stroke is one groove at any speed of the mouse.
-    fn next_trail_pixel(&mut self, cursor_pixel: [f32; 2], bit: ToolBit) -> [f32; 2] {
+    fn advance_along_trail(&mut self, cursor_pixel: [f32; 2], bit: ToolBit) -> [f32; 2] {
         let eye = self.orbit.pose().0;
         let far = eye + (self.orbit.pose().1 * Vec3::NEG_Z) * self.bit_guide.last_hit_distance_m();
         let projected = self.orbit.project_point(far, self.size);
@@ -311,7 +311,7 @@ where
     fn press_left(&mut self, world: &World<N, INTERVALS>) {
         let Some(cursor) = self.cursor else { return };
         let room_ray = self.orbit.room_ray_through_pixel(cursor, self.size);
-        match bit_guide::pick_item(&room_ray, world) {
+        match bit_guide::pick_unoccluded_item(&room_ray, world) {
             Some(item) => self.take_item(item),
             None => {
                 self.running = true;

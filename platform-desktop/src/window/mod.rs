@@ -33,7 +33,7 @@ use winit::error::EventLoopError;
 use winit::event_loop::EventLoop;
 
 use app::App;
-use os_error::describe_error;
+use os_error::strip_source_location;
 use script::Script;
 
 /// How a window is opened.
@@ -78,17 +78,17 @@ where
     let script =
         options.script.as_deref().map(Script::open).transpose().map_err(WindowError::Failed)?;
     let events = EventLoop::new().map_err(|error| {
-        WindowError::Unavailable(format!("no window: {}", describe_error(&error)))
+        WindowError::Unavailable(format!("no window: {}", strip_source_location(&error)))
     })?;
     let mut volumes = Grid::<N>::lock_start_volumes();
-    volumes.generate_figures(&mut Grid::<N>::lock_bit_grid(), |_| {});
+    volumes.generate_figures_once(&mut Grid::<N>::lock_bit_grid(), |_| {});
     let (mut world, mut stl_buffers) = (Grid::<N>::lock_world(), Grid::<N>::lock_stl_buffers());
     let stl_exporter = StlExporter::new(&mut stl_buffers, DEFAULT_HEIGHT_MM);
     let stl_exporter = stl_exporter.map_err(|error| WindowError::Failed(error.into()))?;
     let paths = StudioPaths::for_user(options.folder.as_deref());
     let mut studio =
         Studio::new(&mut world, &mut volumes, stl_exporter, paths, render_portrait_png);
-    studio.set_closing_trace_path(options.record.clone());
+    studio.set_trace_path_at_exit(options.record.clone());
     let mut app = App::new(studio, script, options);
     let run = events.run_app(&mut app);
     if let Err(EventLoopError::ExitFailure(_)) = run {
@@ -96,7 +96,7 @@ where
     }
     let closed = app.close_and_report();
     if let Err(EventLoopError::Os(error)) = run {
-        return Err(WindowError::Failed(Error::failure(describe_error(&error))));
+        return Err(WindowError::Failed(Error::failure(strip_source_location(&error))));
     }
     if let Err(WindowError::Unavailable(_)) = closed {
         // The demo may follow, on an empty world.

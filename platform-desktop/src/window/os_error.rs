@@ -8,7 +8,7 @@ const PLACE: &str = "os error at ";
 
 /// The text of `winit`'s error, without the source location.
 #[must_use]
-pub(super) fn describe_error(error: &dyn Display) -> String {
+pub(super) fn strip_source_location(error: &dyn Display) -> String {
     let text = error.to_string();
     let stripped = text.split_once(PLACE).and_then(|(before, after)| {
         let (_, what) = after.match_indices(": ").find_map(|(at, _)| {
@@ -23,7 +23,7 @@ pub(super) fn describe_error(error: &dyn Display) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::describe_error;
+    use super::strip_source_location;
 
     #[test]
     fn the_place_in_the_source_is_left_out() {
@@ -34,7 +34,7 @@ mod tests {
             ("os error at nowhere", "os error at nowhere"),
             ("EventLoop can't be recreated", "EventLoop can't be recreated"),
         ] {
-            assert_eq!(describe_error(&said), told);
+            assert_eq!(strip_source_location(&said), told);
         }
     }
 }

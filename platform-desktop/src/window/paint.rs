@@ -83,7 +83,7 @@ impl EguiBuffers {
     }
 
     /// Uploads the triangles and the next changed rows of the atlas into a frame that has begun.
-    pub(super) fn upload_to(&mut self, overlay: &mut Overlay, extent: [u32; 2]) {
+    pub(super) fn upload_into_begun_frame(&mut self, overlay: &mut Overlay, extent: [u32; 2]) {
         let rows = self.changed.start..self.changed.end.min(self.changed.start + ROWS);
         let texels = &self.texels[rows.start * SIDE..rows.end * SIDE];
         let size = [ATLAS_SIDE, rows.len() as u32];

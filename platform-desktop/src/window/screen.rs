@@ -277,7 +277,7 @@ impl WindowSwapchain {
         let (mut views, mut render_finished) = (Vec::new(), Vec::new());
         let made = self
             .create_views_and_semaphores(raw, &mut views, &mut render_finished)
-            .and_then(|()| renderer.create_target(extent, &views, &[]));
+            .and_then(|()| renderer.create_target_without_density_maps(extent, &views, &[]));
         match made {
             Ok(render_target) => {
                 Ok(Swapchain { raw, render_target, views, render_finished, stale: false })

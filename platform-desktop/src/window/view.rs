@@ -62,7 +62,11 @@ where
     /// Submits the pipeline cache to be written, for a faster next start.
     pub(super) fn submit_pipeline_cache(&self, paths: &StudioPaths, file_writer: &mut FileWriter) {
         if let Ok(bytes) = self.show.renderer.pipeline_cache_data() {
-            file_writer.submit_file(FileKind::PipelineCache, paths.pipeline_cache_file(), bytes);
+            file_writer.submit_file_or_wait(
+                FileKind::PipelineCache,
+                paths.pipeline_cache_file(),
+                bytes,
+            );
         }
     }
 
@@ -85,7 +89,7 @@ where
     /// GPU times of the latest finished frame, in nanoseconds.
     #[must_use]
     pub(super) const fn gpu_times(&self) -> FrameTimes {
-        self.show.renderer.frame_times()
+        self.show.renderer.gpu_frame_times()
     }
 
     /// The validation layer's messages.
@@ -116,7 +120,7 @@ where
             return Ok(false);
         };
         let Some(render_target) = self.screen.render_target() else { return Ok(false) };
-        egui_buffers.upload_to(&mut renderer.overlay, render_target.extent);
+        egui_buffers.upload_into_begun_frame(&mut renderer.overlay, render_target.extent);
         let time = (world.tick() as f64 + f64::from(params.between)) / f64::from(TICK_RATE);
         // Hands are not drawn: the mouse has none.
         let fresh = LatestInput {

@@ -115,7 +115,7 @@ where
 {
     eprintln!("start volumes of {N}");
     let mut volumes = Grid::<N>::lock_start_volumes();
-    volumes.generate_figures(&mut Grid::<N>::lock_bit_grid(), |_| {});
+    volumes.generate_figures_once(&mut Grid::<N>::lock_bit_grid(), |_| {});
     let named = |figure| (start_volume_asset::<N>(figure), rmap::encode(volumes.figure(figure)));
     Figure::ALL.into_iter().map(named).collect()
 }

@@ -95,7 +95,7 @@ impl Platform for AndroidPlatform {
     fn load_openxr(&mut self) -> Result<xr::Entry, Error> {
         let broker = || {
             runtime::query_brokers(|table, columns| {
-                self.monitor.device().query_content(table, columns)
+                self.monitor.device().query_first_content_rows(table, columns)
             })
         };
         // SAFETY: the loader comes with the package; the broker is part of the system, or was

@@ -55,7 +55,7 @@ impl<'env, 'local> JavaCaller<'env, 'local> {
         // Every Android that this runs on has it.
         let mut caller = JavaCaller::new(env, SDK_INT.since);
         caller
-            .call_static_if_available(SDK_INT, &[])?
+            .call_or_read_static_if_available(SDK_INT, &[])?
             .map_or(Ok(0), |value| read_int(SDK_INT, value))
     }
 
@@ -78,7 +78,7 @@ impl<'env, 'local> JavaCaller<'env, 'local> {
     }
 
     /// Calls a method of a class, or reads a field. None if the device is older than it.
-    pub(super) fn call_static_if_available(
+    pub(super) fn call_or_read_static_if_available(
         &mut self,
         member: JavaMember,
         arguments: &[JValue<'_>],

@@ -116,7 +116,7 @@ impl AndroidDevice {
         self.call_java(|caller, _| {
             let mut words = Vec::new();
             for member in [MANUFACTURER, MODEL] {
-                if let Some(value) = caller.call_static_if_available(member, &[])? {
+                if let Some(value) = caller.call_or_read_static_if_available(member, &[])? {
                     words.extend(caller.read_string(member, value)?);
                 }
             }
@@ -231,7 +231,7 @@ impl AndroidDevice {
     ///
     /// # Errors
     /// A call into Java that failed: a refused permission, say.
-    pub fn query_content(
+    pub fn query_first_content_rows(
         &self,
         address: &str,
         columns: &[&str],
@@ -243,7 +243,8 @@ impl AndroidDevice {
                 return Ok(Vec::new());
             };
             let text = caller.new_string(address)?;
-            let address = caller.call_static_if_available(PARSE_URI, &[JValue::Object(&text)])?;
+            let address =
+                caller.call_or_read_static_if_available(PARSE_URI, &[JValue::Object(&text)])?;
             let Some(address) = address.and_then(|address| address.into_object().ok()) else {
                 return Ok(Vec::new());
             };
@@ -254,7 +255,7 @@ impl AndroidDevice {
             else {
                 return Ok(Vec::new());
             };
-            let rows = read_rows(caller, &cursor, columns);
+            let rows = read_first_rows(caller, &cursor, columns);
             caller.call_method_if_available(CLOSE, &cursor, &[])?;
             rows
         })
@@ -293,7 +294,7 @@ fn system_service<'local>(
 }
 
 /// Reads the rows of a query's result, from its cursor.
-fn read_rows(
+fn read_first_rows(
     caller: &mut JavaCaller<'_, '_>,
     cursor: &JObject<'_>,
     columns: &[&str],

@@ -82,10 +82,10 @@ where
                 resources.session.set_thread_types(&resources.runtime);
                 self.pacer.pause();
             }
-            Some(SessionDuty::Save) => self.save_studio(),
+            Some(SessionDuty::Save) => self.save_studio_and_wait(),
             Some(SessionDuty::SaveAndEnd) => {
                 self.submit_changed_pipeline_cache_between_frames(resources);
-                self.save_studio();
+                self.save_studio_and_wait();
                 resources.session.raw.end().could_not("end the session")?;
             }
             None => {}
@@ -105,7 +105,7 @@ where
     }
 
     /// Saves the core's session, as the headset may stay off from now on.
-    pub(super) fn save_studio(&mut self) {
+    pub(super) fn save_studio_and_wait(&mut self) {
         self.studio.retry_failed_writes();
         self.studio.save_session_and_wait();
     }

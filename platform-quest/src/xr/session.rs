@@ -54,7 +54,7 @@ impl HeadsetSession {
         // SAFETY: the device was made by way of this runtime, and outlives the session.
         let made = unsafe { runtime.instance.create_session::<xr::Vulkan>(runtime.system, &info) };
         let (raw, waiter, stream) = made.could_not("make a session")?;
-        let (room, room_type) = create_floor_space(&raw)?;
+        let (room, room_type) = create_local_floor_or_fallback(&raw)?;
         let space = |kind| raw.create_reference_space(kind, xr::Posef::IDENTITY);
         let head = space(xr::ReferenceSpaceType::VIEW).could_not("make a space")?;
         let actions = ControllerActions::create(&runtime.instance, &raw, &runtime.extensions)?;
@@ -110,7 +110,7 @@ impl HeadsetSession {
     }
 
     /// The line for the log where the runtime has no LOCAL_FLOOR space.
-    pub(crate) fn describe_floor_fallback(&self) -> Option<String> {
+    pub(crate) fn describe_missing_local_floor(&self) -> Option<String> {
         match self.room_type {
             xr::ReferenceSpaceType::LOCAL_FLOOR => None,
             xr::ReferenceSpaceType::STAGE => {
@@ -207,7 +207,7 @@ fn nearest_rate(rates_hz: &[f32], wanted_hz: f32) -> Option<f32> {
 }
 
 /// Creates the room's space: LOCAL_FLOOR, else STAGE, else LOCAL lowered by the height of the eyes.
-fn create_floor_space(
+fn create_local_floor_or_fallback(
     session: &xr::Session<xr::Vulkan>,
 ) -> Result<(xr::Space, xr::ReferenceSpaceType), Error> {
     let kinds = session.enumerate_reference_spaces().could_not("list spaces")?;

@@ -72,7 +72,7 @@ impl NearbyVoxels {
     }
 
     #[inline]
-    fn classify_group(self, group_index: usize) -> Uniformity {
+    fn classify_sixteen(self, group_index: usize) -> Uniformity {
         let part = |bits: u64| bits >> (LANES * group_index) & 0xffff;
         match (part(self.full), part(self.empty)) {
             (0, _) => Uniformity::Empty,
@@ -82,11 +82,11 @@ impl NearbyVoxels {
     }
 
     /// The number of mixed groups in the row, of so many.
-    fn count_mixed_groups(self, group_count: usize) -> usize {
+    fn count_mixed_sixteens(self, group_count: usize) -> usize {
         if self.full == 0 || self.empty == 0 {
             return 0;
         }
-        (0..group_count).filter(|&group| self.classify_group(group) == Uniformity::Mixed).count()
+        (0..group_count).filter(|&group| self.classify_sixteen(group) == Uniformity::Mixed).count()
     }
 }
 
@@ -129,7 +129,7 @@ impl BoxBlur {
                 self.nearby[z][y] =
                     NearbyVoxels::around_rows([row(0), row(1), row(2), row(3), row(4)], row_bits);
                 if z >= 2 * TAPS {
-                    mixed += self.nearby_voxels(y, z - 2 * TAPS).count_mixed_groups(groups);
+                    mixed += self.nearby_voxels(y, z - 2 * TAPS).count_mixed_sixteens(groups);
                 }
             }
         }
@@ -137,7 +137,7 @@ impl BoxBlur {
     }
 
     /// The number of groups of sixteen texels, in the box that was loaded, that have to be blurred.
-    pub(super) const fn mixed_group_count(&self) -> usize {
+    pub(super) const fn mixed_sixteen_count(&self) -> usize {
         self.mixed_groups
     }
 
@@ -198,7 +198,7 @@ impl BoxBlur {
             let [a, b, c, d, e] = [y, y + 1, y + 2, y + 3, y + 4];
             let rows = &self.along_x;
             for (g, sums) in self.along_y[slot][y][..groups].iter_mut().enumerate() {
-                *sums = match marks.classify_group(g) {
+                *sums = match marks.classify_sixteen(g) {
                     Uniformity::Empty => [0; LANES],
                     Uniformity::Full => [FULL; LANES],
                     Uniformity::Mixed => {
@@ -222,7 +222,7 @@ impl BoxBlur {
         let row = |z: usize| &self.along_y[z % 5][y];
         let [a, b, c, d, e] = [row(z), row(z + 1), row(z + 2), row(z + 3), row(z + 4)];
         for (g, texels) in out.iter_mut().enumerate() {
-            *texels = match marks.classify_group(g) {
+            *texels = match marks.classify_sixteen(g) {
                 Uniformity::Empty => [0; LANES],
                 Uniformity::Full => [255; LANES],
                 Uniformity::Mixed => blur_to_texels([a[g], b[g], c[g], d[g], e[g]]),

@@ -54,7 +54,7 @@ impl CellDistances {
 
     /// The distance of each cell to the nearest one with surface, less one: 0 to
     /// [`MAX_CELL_DISTANCE`] - 1.
-    pub(super) const fn free_distances(&self) -> &TexelCube {
+    pub(super) const fn free_cells_around_each(&self) -> &TexelCube {
         &self.free
     }
 

@@ -3,7 +3,7 @@
 //! regions of bytes to upload; knows nothing of where they go, of cameras, or of Vulkan.
 //!
 //! # Textures, for N voxels a side and K intervals a column
-//! - [`Texture::Maps`]: the range maps noted by [`DensityField::note_changes`], as far as they were
+//! - [`Texture::Maps`]: the range maps noted by [`DensityField::note_dirty_columns`], as far as they were
 //!   compared.
 //! - [`Texture::Density`] 0: a cube of N + 8 texels, one for each voxel and [`PAD`] around the grid
 //!   on every side. A byte, 255 where all is full: the mean of 5 x 5 x 5 voxels with the weights

@@ -108,7 +108,7 @@ impl<const N: usize, const K: usize> DensityField<N, K> {
             let texture = Texture::Density(level as u8);
             sink(TexelBox::cube(texels.side()).to_region(texture), texels.bytes());
         }
-        let cells = self.cells.free_distances();
+        let cells = self.cells.free_cells_around_each();
         sink(TexelBox::cube(cells.side()).to_region(Texture::Cells), cells.bytes());
     }
 
@@ -158,22 +158,22 @@ impl<const N: usize, const K: usize> DensityField<N, K> {
         let size = cell_side_texels(N) as f32;
         let place = (point_in_voxels + Vec3::splat(PAD as f32)) / size;
         let cell = place.to_array().map(|c| (c as usize).min(most));
-        f32::from(self.free_distance_cells(cell)) * size
+        f32::from(self.free_cells_around(cell)) * size
     }
 
     /// Cells along a side.
     #[must_use]
     #[inline]
     pub fn cells_per_side(&self) -> usize {
-        self.cells.free_distances().side()
+        self.cells.free_cells_around_each().side()
     }
 
     /// The number of cells around one, in each direction, that are free of the surface, 0 to
     /// [`MAX_CELL_DISTANCE`](super::MAX_CELL_DISTANCE) - 1. Texel t lies in cell t / [`cell_side_texels`].
     #[must_use]
     #[inline]
-    pub fn free_distance_cells(&self, cell: [usize; 3]) -> u8 {
-        self.cells.free_distances().texel(cell)
+    pub fn free_cells_around(&self, cell: [usize; 3]) -> u8 {
+        self.cells.free_cells_around_each().texel(cell)
     }
 }
 

@@ -34,7 +34,7 @@ const COMPARE_TILE: usize = 8;
 impl<const N: usize, const K: usize> DensityField<N, K> {
     /// Notes what a tick changed: copies the `dirty` columns of `maps`, which are all that may
     /// differ from what was noted before. The textures follow in [`DensityField::update_textures`].
-    pub fn note_changes(&mut self, maps: &RangeMaps<N, K>, dirty: &DirtyRects) {
+    pub fn note_dirty_columns(&mut self, maps: &RangeMaps<N, K>, dirty: &DirtyRects) {
         let is_whole_map = |rect: &ColumnRect| {
             rect.first == (0, 0) && [rect.last.0, rect.last.1].map(usize::from) == [N - 1; 2]
         };
@@ -190,7 +190,7 @@ impl<const N: usize, const K: usize> DensityField<N, K> {
                 self.blur.load_voxels(&self.maps, extent);
                 meter.spend(Cost::of_work(look));
                 let blur = UNIFORM_WORK * count_window_voxels(&extent)
-                    + GROUP_WORK * self.blur.mixed_group_count();
+                    + GROUP_WORK * self.blur.mixed_sixteen_count();
                 let texels = TEXEL_WORK * extent.volume();
                 goes = meter.allows_unit_of_work(Cost { work: blur + texels + cells.work, bytes });
                 meter.spend(Cost::of_work(if goes { blur } else { 0 }));
@@ -199,7 +199,7 @@ impl<const N: usize, const K: usize> DensityField<N, K> {
                 self.backlog.mark_texels(&extent);
                 break;
             }
-            let update = self.recompute_box(extent, sink);
+            let update = self.recompute_loaded_box(extent, sink);
             if !update.half_crossed.is_empty() {
                 affected = affected.including_texels(&update.half_crossed);
             }
@@ -216,7 +216,7 @@ impl<const N: usize, const K: usize> DensityField<N, K> {
 
     /// Recomputes the box of finest texels whose voxels are loaded, and what depends on those that
     /// change: mip levels and cells.
-    fn recompute_box(
+    fn recompute_loaded_box(
         &mut self,
         extent: TexelBox,
         sink: &mut impl FnMut(Region, &[u8]),

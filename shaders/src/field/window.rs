@@ -43,7 +43,7 @@ impl VoxelSpan {
     }
 
     /// The offset from the run's start of the first of them.
-    const fn offset_of_grid(self) -> usize {
+    const fn offset_of_first_voxel_in_grid(self) -> usize {
         self.start.unsigned_abs() * (self.start < 0) as usize
     }
 }
@@ -75,7 +75,13 @@ impl VoxelWindow {
         }
         let (of_y, of_z) = (ColumnClassifier::new(y, N), ColumnClassifier::new(z, N));
         for (i, grid_z) in z.voxels_in_grid(N).enumerate() {
-            self.fill_slice_from_y_map(maps, x, &of_y, z.offset_of_grid() + i, grid_z);
+            self.fill_slice_from_y_map(
+                maps,
+                x,
+                &of_y,
+                z.offset_of_first_voxel_in_grid() + i,
+                grid_z,
+            );
         }
         // Rows beside the grid stay empty.
         for window_y in 0..y.len {
@@ -133,8 +139,9 @@ impl VoxelWindow {
             rows[window_y] &= inside;
         }
         let line = maps.line(Axis::X, grid_y);
-        for (rows, column) in
-            self.rows[z.offset_of_grid()..].iter_mut().zip(&line[z.voxels_in_grid(N)])
+        for (rows, column) in self.rows[z.offset_of_first_voxel_in_grid()..]
+            .iter_mut()
+            .zip(&line[z.voxels_in_grid(N)])
         {
             if rows[window_y] != 0 {
                 rows[window_y] &=
@@ -164,7 +171,7 @@ fn find_column_ends<const K: usize>(
     let mut toggles = [0u64; WINDOW_ROWS + 1];
     let mut full = 0;
     for (i, columns) in columns.chunks(8).enumerate() {
-        let bit = x.offset_of_grid() + 8 * i;
+        let bit = x.offset_of_first_voxel_in_grid() + 8 * i;
         match classifier.classify_eight(columns) {
             ColumnCoverage::Empty => {}
             ColumnCoverage::Full => full |= (u64::MAX >> (64 - columns.len())) << bit,

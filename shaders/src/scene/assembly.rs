@@ -16,7 +16,7 @@ use super::draw::DrawList;
 use super::island::IslandLattice;
 use super::meshes::{HandShape, MeshId};
 use super::particles::{ParticleKind, Particles, random_in_cube};
-use super::placing::{bit_pose, display_pose_unless_held, stool_turn_radians};
+use super::placing::{bit_pose, display_pose_unless_held_or_mounted, stool_turn_0_to_tau};
 use super::refusal::RefusalMarks;
 use crate::limits::EDIT_PARTICLES;
 
@@ -96,13 +96,13 @@ impl SceneAssembler {
         }
         let skipped = self.tick.is_none_or(|tick| tick.wrapping_add(1) != world.tick());
         self.tick = Some(world.tick());
-        let turn = stool_turn_radians(&world.stool_frame());
+        let turn = stool_turn_0_to_tau(&world.stool_frame());
         self.turns = [if skipped { turn } else { self.turns[1] }, turn];
         self.items[0] = self.items[1];
         for i in 0..BENCH_ITEMS {
             let Some(item) = BenchItem::from_number(i) else { continue };
             let place = world.workbench().place_of(item);
-            self.items[1][i] = display_pose_unless_held(world.workbench(), item);
+            self.items[1][i] = display_pose_unless_held_or_mounted(world.workbench(), item);
             let drops = matches!(place, ToolPlace::Falling(ticks) if ticks > 0)
                 || matches!(place, ToolPlace::Lying(_));
             if skipped || !drops {
@@ -143,9 +143,9 @@ impl SceneAssembler {
             Affine3A::from_rotation_translation(turn, STOOL_TOP),
             PLAIN,
         );
-        self.add_items(world, fraction);
+        self.add_unheld_items(world, fraction);
         for hand in 0..2 {
-            self.add_hand(world, latest, hand);
+            self.add_hand_and_held_tool(world, latest, hand);
         }
         self.particles.add_instances(&mut self.list);
         self.refusals.add_instances(&mut self.list, &self.sculpture);
@@ -172,8 +172,11 @@ impl SceneAssembler {
     }
 
     /// Adds the items that rest, fall or lie, each tool with its bit.
-    fn add_items<const N: usize, const K: usize>(&mut self, world: &World<N, K>, tick_fraction: f32)
-    where
+    fn add_unheld_items<const N: usize, const K: usize>(
+        &mut self,
+        world: &World<N, K>,
+        tick_fraction: f32,
+    ) where
         Grid<N>: Size,
     {
         for i in 0..BENCH_ITEMS {
@@ -195,7 +198,7 @@ impl SceneAssembler {
 
     /// Adds a hand and what it holds at its latest grip, displaced by the tool's push-out from the
     /// volume.
-    fn add_hand<const N: usize, const K: usize>(
+    fn add_hand_and_held_tool<const N: usize, const K: usize>(
         &mut self,
         world: &World<N, K>,
         latest: &LatestInput,
@@ -298,7 +301,7 @@ impl SceneAssembler {
         let frame = world.stool_frame();
         let mut seed = seed;
         let particles = &mut self.particles;
-        self.lattice.for_each_removed_sample(N, |voxel| {
+        self.lattice.for_some_removed_samples(N, |voxel| {
             seed += 1;
             let aside = random_in_cube(seed, 10);
             let pose = Pose { position: voxel + aside * 1.5, rotation: Quat::IDENTITY };

@@ -28,8 +28,8 @@ impl IslandLattice {
         let step = N.div_ceil(LATTICE);
         let volume = world.volume().rows();
         for rect in world.dirty_rects().rects(Axis::X) {
-            for y in sample_indices_between(rect.first.0, rect.last.0, step) {
-                for z in sample_indices_between(rect.first.1, rect.last.1, step) {
+            for y in centred_sample_indices_between(rect.first.0, rect.last.0, step) {
+                for z in centred_sample_indices_between(rect.first.1, rect.last.1, step) {
                     let row = volume.row(y * step + step / 2, z * step + step / 2);
                     let mut now = 0u32;
                     for x in 0..N / step {
@@ -44,7 +44,7 @@ impl IslandLattice {
 
     /// Calls `visit_grid_point` with the positions, in voxels, of samples that the last tick removed,
     /// at most [`ISLAND_MOTES`] of them; `grid_side` is in voxels.
-    pub(super) fn for_each_removed_sample(
+    pub(super) fn for_some_removed_samples(
         &self,
         grid_side: usize,
         mut visit_grid_point: impl FnMut(Vec3),
@@ -68,7 +68,7 @@ impl IslandLattice {
 }
 
 /// Indices of the samples, one for every `sample_step` voxels, from the first voxel to the last.
-fn sample_indices_between(
+fn centred_sample_indices_between(
     first_voxel: u8,
     last_voxel: u8,
     sample_step: usize,

@@ -32,7 +32,7 @@ pub fn bit_pose(grip: RoomPose, tool: Tool) -> RoomPose {
 /// Display pose of an item that is neither held nor mounted; None otherwise. At home, tools lie across
 /// the bench and bits stand in their rack; the core's own poses, which hands reach for, differ.
 #[must_use]
-pub fn display_pose_unless_held(bench: &Workbench, item: BenchItem) -> Option<RoomPose> {
+pub fn display_pose_unless_held_or_mounted(bench: &Workbench, item: BenchItem) -> Option<RoomPose> {
     let (position, rotation) = bench.pose_of(item)?;
     Some(match (bench.place_of(item), item) {
         (ToolPlace::Home, BenchItem::Tool(_)) => {
@@ -54,7 +54,7 @@ pub fn display_pose_unless_held(bench: &Workbench, item: BenchItem) -> Option<Ro
 
 /// The stool's angle, in radians from 0 to tau, counter-clockwise from above.
 #[must_use]
-pub fn stool_turn_radians(frame: &StoolFrame) -> f32 {
+pub fn stool_turn_0_to_tau(frame: &StoolFrame) -> f32 {
     let (_, turn) = frame.to_room(&Pose::ZERO);
     (2.0 * turn.y.atan2(turn.w)).rem_euclid(core::f32::consts::TAU)
 }

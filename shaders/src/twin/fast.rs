@@ -66,7 +66,7 @@ pub fn shade_surface<const N: usize, const K: usize>(
     let above =
         field.sample_density(2, surface.position + surface.normal * (FAST_AO_HEIGHT * scale));
     let open = FAST_AO_SCALE - FAST_AO_SCALE * above.min(FAST_AO_MAX_DENSITY);
-    let grey = marble::sample_grey(surface.position / N as f32);
+    let grey = marble::sample_grey_clamped(surface.position / N as f32);
     let stone = Vec3::from_array(MARBLE_BASE_COLOR).lerp(Vec3::from_array(MARBLE_VEIN_COLOR), grey);
     stone * (direct + ambient_over_pi * open)
 }
@@ -86,7 +86,7 @@ fn march_density<const N: usize, const K: usize>(
     ray: &Ray,
     RaySpan { near, far }: RaySpan,
 ) -> Option<DensityHit> {
-    let (mut t, mut step_voxels) = (near, step_length_voxels(0.0));
+    let (mut t, mut step_voxels) = (near, overshooting_step_voxels(0.0));
     // From an origin so far that a step is less than the distance's precision, `t` doesn't grow.
     let mut steps_left = 8 * N;
     while t < far && steps_left > 0 {
@@ -97,7 +97,7 @@ fn march_density<const N: usize, const K: usize>(
             if density >= 0.5 {
                 return (t < far).then_some(DensityHit { t, density, step_voxels });
             }
-            step_voxels = step_length_voxels(density);
+            step_voxels = overshooting_step_voxels(density);
             t += step_voxels;
             left -= step_voxels;
             steps_left -= 1;
@@ -118,12 +118,12 @@ fn march_density<const N: usize, const K: usize>(
 
 /// The march's step at a density, in voxels. It ends a little behind a plane of that density, yet a
 /// wall one voxel thick can't be stepped over.
-fn step_length_voxels(density: f32) -> f32 {
+fn overshooting_step_voxels(density: f32) -> f32 {
     let ([a, b], [c, d]) = (FAST_STEP_FAR, FAST_STEP_NEAR);
     (a - b * density).max(c - d * density)
 }
 
-/// The density at which a step is so long: [`step_length_voxels`] inverted.
+/// The density at which a step is so long: [`overshooting_step_voxels`] inverted.
 fn density_of_step_length(step_voxels: f32) -> f32 {
     let ([a, b], [c, d]) = (FAST_STEP_FAR, FAST_STEP_NEAR);
     ((a - step_voxels) / b).max((c - step_voxels) / d)

@@ -128,7 +128,7 @@ pub fn shade_ray<const N: usize, const K: usize>(
                 false => march_maps(scene.maps, &inside)?,
             };
             let at = if scene.settings.sdf {
-                surface::trace_blobs(scene.maps, &inside, &hit)
+                surface::trace_blobs_or_closest_approach(scene.maps, &inside, &hit)
             } else {
                 surface::entry_face_point(&inside, &hit)
             };

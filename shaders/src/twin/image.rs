@@ -42,7 +42,7 @@ impl Image {
     }
 
     /// Copies `other` in with its top left pixel at (x, y), clipped to this image.
-    fn paste_at(&mut self, other: &Image, x: usize, y: usize) {
+    fn paste_clipped_at(&mut self, other: &Image, x: usize, y: usize) {
         let width = other.width.min(self.width.saturating_sub(x));
         for row in 0..other.height.min(self.height.saturating_sub(y)) {
             let from = 3 * row * other.width;
@@ -67,7 +67,7 @@ pub fn contact_sheet(images: &[Image], columns: usize) -> Image {
     let rows = images.len().div_ceil(columns);
     let mut sheet = Image::filled(columns * width + GAP, rows * height + GAP, BACK);
     for (i, image) in images.iter().enumerate() {
-        sheet.paste_at(image, GAP + i % columns * width, GAP + i / columns * height);
+        sheet.paste_clipped_at(image, GAP + i % columns * width, GAP + i / columns * height);
     }
     sheet
 }

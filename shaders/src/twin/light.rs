@@ -41,7 +41,7 @@ pub fn cone_visibility(
 pub fn cone_sample_points(axis: &Ray, length: f32, dither: f32) -> impl Iterator<Item = Vec3> {
     let (u, v) = tangent_basis(axis.direction);
     let axis = *axis;
-    let [mut cos, mut sin] = circle_point(dither);
+    let [mut cos, mut sin] = rational_circle_point(dither);
     (0..SHADOW_SAMPLES).map(move |i| {
         let part = (i as f32 + 0.5) / SHADOW_SAMPLES as f32;
         let cone = SHADOW_RADIUS_NEAR + (SHADOW_RADIUS_FAR - SHADOW_RADIUS_NEAR) * part;
@@ -59,7 +59,7 @@ pub fn cone_sample_points(axis: &Ray, length: f32, dither: f32) -> impl Iterator
 /// The unit circle's point at an angle of about `turns`, 0 to 1, by its rational parametrisation
 /// for each quadrant. Unlike sine and cosine it is the same on every GPU.
 #[must_use]
-pub fn circle_point(turns: f32) -> [f32; 2] {
+pub fn rational_circle_point(turns: f32) -> [f32; 2] {
     let quarter = (turns * 4.0).floor();
     let t = turns * 4.0 - quarter;
     let [x, y] = [(1.0 - t * t) / (1.0 + t * t), 2.0 * t / (1.0 + t * t)];

@@ -58,7 +58,7 @@ pub fn grey_texture_3d() -> &'static [u8] {
 
 /// Trilinear sample of [`grey_texture_3d`] at a point of the unit cube, 0 to 1, clamped to the edge.
 #[must_use]
-pub fn sample_grey(cube_point: Vec3) -> f32 {
+pub fn sample_grey_clamped(cube_point: Vec3) -> f32 {
     let texels = grey_texture_3d();
     let place =
         (cube_point * TEXTURE_SIDE as f32 - Vec3::splat(0.5)).clamp(Vec3::ZERO, Vec3::splat(LAST));

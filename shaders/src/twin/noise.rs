@@ -48,7 +48,7 @@ pub fn gradient_noise(lattice_point: Vec3) -> f32 {
     let CellPoint { low, part } = split_at_cell(lattice_point);
     let corner = |dx: i32, dy: i32, dz: i32| {
         let away = part - Vec3::new(dx as f32, dy as f32, dz as f32);
-        lattice_gradient([low[0] + dx, low[1] + dy, low[2] + dz]).dot(away)
+        edge_midpoint_gradient([low[0] + dx, low[1] + dy, low[2] + dz]).dot(away)
     };
     let fade = |t: f32| t * t * t * (t * (t * 6.0 - 15.0) + 10.0);
     mix_trilinear(corner, Vec3::new(fade(part.x), fade(part.y), fade(part.z)))
@@ -76,7 +76,7 @@ fn mix_trilinear(value_at_corner: impl Fn(i32, i32, i32) -> f32, part: Vec3) -> 
 }
 
 /// The gradient at a lattice point: one of the twelve directions from a cube's centre to its edges.
-fn lattice_gradient(lattice_point: [i32; 3]) -> Vec3 {
+fn edge_midpoint_gradient(lattice_point: [i32; 3]) -> Vec3 {
     let [x, y, z] = lattice_point.map(|c| c.rem_euclid(NOISE_CELLS as i32) as u32);
     let hash = hash_u32(x | y << 8 | z << 16) % 12;
     let sign = |bit: u32| if hash >> bit & 1 == 0 { 1.0 } else { -1.0 };

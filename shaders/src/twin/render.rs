@@ -67,7 +67,7 @@ pub fn render_image<const N: usize, const K: usize>(
     let row_bytes = 3 * options.width.max(1);
     image.pixels.par_chunks_mut(row_bytes).enumerate().for_each(|(y, row)| {
         for (x, pixel) in row.chunks_exact_mut(3).enumerate() {
-            pixel.copy_from_slice(&encode_srgb(pixel_color(&scene, camera, options, [x, y])));
+            pixel.copy_from_slice(&encode_srgb(tone_mapped_pixel(&scene, camera, options, [x, y])));
         }
         let done = done.fetch_add(1, Ordering::Relaxed) + 1;
         progress(done as f32 / options.height as f32);
@@ -90,7 +90,7 @@ pub fn render_portrait_png<const N: usize, const K: usize>(
 }
 
 /// Supersampling: the mean tone-mapped colour of a pixel's rays.
-fn pixel_color<const N: usize, const K: usize>(
+fn tone_mapped_pixel<const N: usize, const K: usize>(
     scene: &TwinScene<'_, N, K>,
     camera: &Camera,
     options: &RenderOptions,

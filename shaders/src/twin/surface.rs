@@ -24,7 +24,7 @@ pub struct SurfacePoint {
 /// Sphere tracing of the blobs around a hit voxel, from half a voxel before the sample. If the ray
 /// misses them, its closest approach is taken. The normal is equation 1.
 #[must_use]
-pub fn trace_blobs<const N: usize, const K: usize>(
+pub fn trace_blobs_or_closest_approach<const N: usize, const K: usize>(
     maps: &RangeMaps<N, K>,
     grid_ray: &Ray,
     hit: &VoxelHit,

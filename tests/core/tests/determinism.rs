@@ -178,7 +178,7 @@ fn unusable_poses_keep_the_last_good_one() {
                     broken.rotation = bad[dice.below(4) as usize];
                     broken.position = [0; 3].map(|_: i32| dice.next_bits() as i32);
                 }
-                if broken.to_metres().is_none() {
+                if broken.to_clamped_metres().is_none() {
                     *repaired = *last;
                 } else if good.hands[i].tracked {
                     *last = *broken;
@@ -205,17 +205,18 @@ fn poses_that_are_no_poses_become_the_unusable_one() {
         Quat::from_xyzw(f32::MAX, f32::MAX, 0.0, 1.0),
     ];
     for rotation in rotations {
-        assert_eq!(RawPose::quantise(Vec3::ONE, rotation).to_metres(), None, "{rotation}");
+        assert_eq!(RawPose::quantise(Vec3::ONE, rotation).to_clamped_metres(), None, "{rotation}");
     }
     for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
-        assert_eq!(RawPose::quantise(Vec3::new(0.0, bad, 0.0), ok).to_metres(), None);
+        assert_eq!(RawPose::quantise(Vec3::new(0.0, bad, 0.0), ok).to_clamped_metres(), None);
     }
-    let (far, _) =
-        RawPose::quantise(Vec3::splat(f32::MAX), ok).to_metres().expect("a pose, held in reach");
+    let (far, _) = RawPose::quantise(Vec3::splat(f32::MAX), ok)
+        .to_clamped_metres()
+        .expect("a pose, held in reach");
     assert_eq!(far, Vec3::splat(16.0));
     let turned = Quat::from_xyzw(0.1, -0.2, 0.3, 0.4);
     let (position, rotation) =
-        RawPose::quantise(Vec3::new(0.1, 1.2, -0.3), turned).to_metres().expect("a pose");
+        RawPose::quantise(Vec3::new(0.1, 1.2, -0.3), turned).to_clamped_metres().expect("a pose");
     assert!(position.distance(Vec3::new(0.1, 1.2, -0.3)) < 2e-5);
     assert!(rotation.dot(turned.normalize()) > 0.999_999);
 }

@@ -19,7 +19,7 @@ use std::sync::Mutex;
 use paros_core::Volume;
 use paros_core::codec::ByteReader;
 use paros_core::edit::IslandReport;
-use paros_core::limits::island_row_visits_per_tick;
+use paros_core::limits::max_island_row_visits_per_tick;
 use paros_core::volume::{BitSet, Grid, Size};
 use paros_models::dense::{
     DenseVolume, MaskedVolume, closed_volumes, closed_volumes_with_inner_mask,
@@ -96,7 +96,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(3))]
     #[test]
     fn at_rest_128(case in closed_volumes_with_inner_mask(128)) {
-        check_at_rest(&AT_REST_128, &case, island_row_visits_per_tick(128))?;
+        check_at_rest(&AT_REST_128, &case, max_island_row_visits_per_tick(128))?;
     }
 }
 
@@ -172,7 +172,7 @@ fn comb_of_sheets() {
     let mut ticks = 1;
     let report = loop {
         let harness = &mut *harness;
-        let budget = island_row_visits_per_tick(N);
+        let budget = max_island_row_visits_per_tick(N);
         if let Some(report) =
             harness.islands.advance_pass(&mut harness.volume, &harness.mask, budget, &mut ())
         {
@@ -182,7 +182,7 @@ fn comb_of_sheets() {
     };
     assert_eq!(report, IslandReport::default());
     assert_eq!(harness.volume.count_voxels(), voxels);
-    let visits = ticks * island_row_visits_per_tick(N);
+    let visits = ticks * max_island_row_visits_per_tick(N);
     assert!((900_000..1_300_000).contains(&visits), "{visits} row visits");
 }
 
@@ -235,7 +235,7 @@ fn across_words() {
             (20..N - 20).for_each(|z| plane.row_mut(5, z).insert(10));
         });
         let voxels = harness.volume.count_voxels();
-        let report = harness.run_pass(island_row_visits_per_tick(N)).unwrap().report;
+        let report = harness.run_pass(max_island_row_visits_per_tick(N)).unwrap().report;
         assert_eq!((report.removed, harness.volume.count_voxels()), (0, voxels));
     }
 }
@@ -268,7 +268,7 @@ proptest! {
 #[test]
 fn the_mask_takes_no_tick() {
     let mut harness = AT_REST_16.lock().unwrap_or_else(|e| e.into_inner());
-    let budget = island_row_visits_per_tick(16);
+    let budget = max_island_row_visits_per_tick(16);
     for height in [1, 4] {
         let floor = DenseVolume::from_fn(16, |[_, y, _]| y < height);
         for mask in [DenseVolume::empty(16), floor.clone()] {

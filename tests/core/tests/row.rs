@@ -73,7 +73,7 @@ where
     assert_eq!(ra.count_ones() as usize, ones.len());
     assert_eq!(ra.is_empty(), ones.is_empty());
     assert_eq!((ra.first(), ra.last()), (ones.first().copied(), ones.last().copied()));
-    let runs: Vec<_> = ra.iter_runs().map(|run| (run.first(), run.last())).collect();
+    let runs: Vec<_> = ra.iter_runs_within_words().map(|run| (run.first(), run.last())).collect();
     assert_eq!(runs, runs_in_words(a));
     let mut toggled = ra;
     toggled.toggle(lo);

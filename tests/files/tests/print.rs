@@ -89,7 +89,7 @@ fn run_with_printer(shop: &mut Shop, inputs: &[TickInput]) -> (Vec<u64>, Vec<Fin
     let mut stl_exporter = StlExporter::new(&mut shop.press, DEFAULT_HEIGHT_MM).unwrap();
     let (mut busy, mut most) = (0, 0);
     let (digests, prints) = run_inputs(&mut shop.studio, inputs, |world| {
-        let print = stl_exporter.begin_or_advance_after_tick(world);
+        let print = stl_exporter.begin_if_finished_or_advance(world);
         busy = if stl_exporter.is_busy() { busy + 1 } else { 0 };
         most = most.max(busy);
         print
@@ -193,12 +193,12 @@ fn nothing_is_printed_of_nothing() {
     let mut stl_exporter = StlExporter::new(&mut shop.press, DEFAULT_HEIGHT_MM).unwrap();
     shop.studio.start_from_voxels(|_| false);
     assert_eq!(
-        (stl_exporter.begin_or_advance_after_tick(&shop.studio.world), stl_exporter.is_busy()),
+        (stl_exporter.begin_if_finished_or_advance(&shop.studio.world), stl_exporter.is_busy()),
         (None, false)
     );
     shop.studio.step(&TickInput { commands: commands::FINISH, ..TickInput::default() });
     assert_eq!(
-        (stl_exporter.begin_or_advance_after_tick(&shop.studio.world), stl_exporter.is_busy()),
+        (stl_exporter.begin_if_finished_or_advance(&shop.studio.world), stl_exporter.is_busy()),
         (None, true)
     );
     assert_eq!(stl_exporter.run_export_to_end().map(|print| print.triangle_count), Some(0));

@@ -61,7 +61,7 @@ impl<'a> TouchedVoxels<'a> {
             let intervals = columns.iter().map(|column| {
                 let touched = self.bits_of(column, &self.touched);
                 let crossings = crossings_of_ray(self.triangles, axis, column[0]);
-                let (low, high) = open_ends(&crossings, flipped);
+                let (low, high) = ends_at_holes(&crossings, flipped);
                 let mut intervals = intervals_without_gaps(&touched, &crossings, layers);
                 if low {
                     intervals.first_mut().unwrap().0 = 0;
@@ -149,7 +149,7 @@ fn winding_number(crossings: &[RayCrossing], i: usize) -> i32 {
 
 /// Whether the mesh is open at the low end of a column, and at the high end: the first surfaces crossed, at one
 /// height, are left, or the last entered.
-fn open_ends(crossings: &[RayCrossing], flipped: bool) -> (bool, bool) {
+fn ends_at_holes(crossings: &[RayCrossing], flipped: bool) -> (bool, bool) {
     let outwards = if flipped { -1 } else { 1 };
     let mut groups = crossings
         .chunk_by(|a, b| a.height == b.height)

@@ -91,7 +91,7 @@ pub(crate) fn is_less_than_half_a_voxel_outside(
 /// A voxel's centre relative to the bit's, along the grid's axes.
 pub(crate) fn centre_offset_subunits(bit_pose: &Pose, voxel: [i32; 3]) -> I64Vec3 {
     let centre = voxel.map(|i| i64::from(i * SUBUNITS_PER_VOXEL + SUBUNITS_PER_VOXEL / 2));
-    I64Vec3::from_array(centre) - bit_pose.position_subunits().as_i64vec3()
+    I64Vec3::from_array(centre) - bit_pose.clamped_position_subunits().as_i64vec3()
 }
 
 /// The distances of a point from the bit's centre along the bit's axes, in subunits times [`FIXED_ONE`].

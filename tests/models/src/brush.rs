@@ -34,7 +34,7 @@ pub fn box_voxels(side: usize, half_extents_subunits: IVec3, pose: &Pose) -> Den
             voxel_centre_subunits(voxel),
             half_extents_subunits,
             pose,
-            pose.position_subunits(),
+            pose.clamped_position_subunits(),
         )
     })
 }
@@ -100,7 +100,7 @@ fn cross(a: [i128; 3], b: [i128; 3]) -> [i128; 3] {
 /// 2 half along all three axes of the box, where `w` is the path in the box's frame. A moving box is half a
 /// unit wider, so that rounding the path loses nothing.
 fn is_in_swept_box(p: [i128; 3], half: IVec3, pose: &Pose, start: IVec3) -> bool {
-    let end = pose.position_subunits();
+    let end = pose.clamped_position_subunits();
     let path = subtract(widen(end), widen(start));
     let middle = [0, 1, 2].map(|i| widen(start)[i] + widen(end)[i]);
     let d = subtract(p.map(|i| 2 * i), middle);

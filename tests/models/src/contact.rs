@@ -120,7 +120,7 @@ impl ContactModel {
             return stands;
         }
         if self.buries(bit, from) {
-            return self.jump_if_allowed(bit, from, tracked, budget);
+            return self.jump_if_bite_allows(bit, from, tracked, budget);
         }
         let mut left = budget;
         let walk = self.walk_while_allowed(bit, from, tracked, &mut left);
@@ -137,7 +137,7 @@ impl ContactModel {
     }
 
     /// The freeze of a bit without a way: where it is tracked if its bite allows that, else where it was.
-    pub fn jump_if_allowed(
+    pub fn jump_if_bite_allows(
         &self,
         bit: &GridBit,
         from: &Pose,
@@ -310,7 +310,7 @@ impl ContactModel {
         allowed: PenetrationDepths,
     ) -> bool {
         let clear = |level, voxels: &DenseVolume| {
-            let brush = bit.swept_brush_deeper_than(level, from, to);
+            let brush = bit.swept_cover_deeper_than(level, from, to);
             brush.is_none_or(|brush| !brush.pieces().any(|piece| holds_any(&piece, voxels)))
         };
         clear(allowed.volume, &self.volume) && clear(allowed.mask, &self.mask)

@@ -26,7 +26,7 @@ fn no_frame_of_the_field_allocates() {
     for _ in 0..300 {
         let budget = Budget::per_frame(128);
         without_allocating("a frame of the field", || {
-            field.note_changes(studio.world.volume().maps(), &dirty);
+            field.note_dirty_columns(studio.world.volume().maps(), &dirty);
             field.update_textures(budget, &mut |_, region| bytes += region.len());
         });
         dirty.clear();

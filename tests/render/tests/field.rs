@@ -30,7 +30,7 @@ fn check_rebuild<const N: usize, const K: usize>(voxels: &DenseVolume) {
     let side = model.texels_per_side(0) / cell_side_texels(N) as i32;
     assert_eq!(field.cells_per_side(), side as usize);
     for at in grid_points(side) {
-        let free = field.free_distance_cells(at.map(|c| c as usize));
+        let free = field.free_cells_around(at.map(|c| c as usize));
         assert_eq!(free, model.cells[grid_index(at, side)], "cell {at:?}");
     }
 }

@@ -220,10 +220,10 @@ fn follow_edits<const N: usize, const K: usize>(
     let mut copies = TextureCopies::of(&field);
     let (mut settled, mut frames, mut gaps) = (0, 0, 0);
     studio.load_volume(&mut dice, &mut dirty);
-    field.note_changes(studio.volume.maps(), &dirty);
+    field.note_dirty_columns(studio.volume.maps(), &dirty);
     for tick in 0..ticks {
         studio.apply_random_tick(&mut dice, &mut dirty);
-        field.note_changes(studio.volume.maps(), &dirty);
+        field.note_dirty_columns(studio.volume.maps(), &dirty);
         if dice.one_in(4) {
             continue;
         }
@@ -324,7 +324,7 @@ fn check_frame_budgets<const K: usize>(studio: &mut EditedField<128, K>) {
             _ if dice.one_in(2) => studio.apply_random_edit(&mut dice, &mut dirty),
             _ => {}
         }
-        field.note_changes(studio.volume.maps(), &dirty);
+        field.note_dirty_columns(studio.volume.maps(), &dirty);
         let mut bytes = 0;
         let spent = field.update_textures(budget, &mut |_, region| bytes += region.len());
         assert!(bytes <= budget.bytes, "tick {tick}: {bytes} bytes");
@@ -350,7 +350,7 @@ fn cells_at_256() {
     for _ in 0..3 {
         dirty.clear();
         studio.load_volume(&mut dice, &mut dirty);
-        field.note_changes(studio.volume.maps(), &dirty);
+        field.note_dirty_columns(studio.volume.maps(), &dirty);
         field.update_textures(Budget::per_frame(256), &mut |region, bytes| {
             copies.write(region, bytes);
         });
@@ -358,7 +358,7 @@ fn cells_at_256() {
     }
     dirty.clear();
     (0..5).for_each(|_| studio.apply_random_edit(&mut dice, &mut dirty));
-    field.note_changes(studio.volume.maps(), &dirty);
+    field.note_dirty_columns(studio.volume.maps(), &dirty);
     while field.has_pending() {
         field.update_textures(Budget::UNLIMITED, &mut |region, bytes| copies.write(region, bytes));
     }

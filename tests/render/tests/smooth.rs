@@ -11,7 +11,7 @@ use glam::{EulerRot, Quat, Vec3};
 use paros_models::solid::{Solid, SolidShape};
 use paros_shaders::light::tangent_basis;
 use paros_shaders::march::march_maps;
-use paros_shaders::surface::{SurfacePoint, trace_blobs};
+use paros_shaders::surface::{SurfacePoint, trace_blobs_or_closest_approach};
 use paros_shaders::{Ray, fast};
 use paros_tests_render::view::build_maps_and_field;
 use rayon::prelude::*;
@@ -71,7 +71,7 @@ fn measure_errors(solid: &Solid) -> SmoothErrors {
             sum.off += off;
             sum.farthest = sum.farthest.max(off);
             sum.fast += degrees(&at);
-            sum.paper += degrees(&trace_blobs(&maps, &ray, &sample));
+            sum.paper += degrees(&trace_blobs_or_closest_approach(&maps, &ray, &sample));
         }
         sum
     };

@@ -110,7 +110,7 @@ proptest! {
         with_maps_of_16(&dense, |maps| {
             for ray in &rays {
                 let Some(sample) = march_maps(maps, ray) else { continue };
-                let at = surface::trace_blobs(maps, ray, &sample);
+                let at = surface::trace_blobs_or_closest_approach(maps, ray, &sample);
                 prop_assert!((at.normal.length() - 1.0).abs() < 1e-4);
                 prop_assert!((ray.at(at.distance) - at.position).length() < 1e-3);
                 let place = at.position.to_array().map(f64::from);
@@ -203,7 +203,8 @@ fn hits_are_within_a_voxel_of_a_ball_from_every_side() {
             let off = |at: surface::SurfacePoint| {
                 ((at.position - BALL_CENTRE).length() - BALL_RADIUS).abs()
             };
-            blob_off = blob_off.max(off(surface::trace_blobs(maps, ray, &sample)));
+            blob_off =
+                blob_off.max(off(surface::trace_blobs_or_closest_approach(maps, ray, &sample)));
             face_off = face_off.max(off(surface::entry_face_point(ray, &sample)));
             rays += 1;
         });
@@ -224,7 +225,7 @@ fn normals_of_a_ball_point_outwards() {
             let sample = march_maps(maps, ray).expect("the ray meets the ball");
             let error =
                 |at: surface::SurfacePoint| degrees_between(at.normal, at.position - BALL_CENTRE);
-            blob.push(error(surface::trace_blobs(maps, ray, &sample)));
+            blob.push(error(surface::trace_blobs_or_closest_approach(maps, ray, &sample)));
             face.push(error(surface::entry_face_point(ray, &sample)));
         });
         let mean = |errors: &[f32]| errors.iter().sum::<f32>() / errors.len() as f32;
@@ -238,7 +239,7 @@ fn normals_of_a_ball_point_outwards() {
                 let beside = BALL_CENTRE + (u * angle.cos() + v * angle.sin()) * off;
                 let ray = Ray { origin: beside - direction * 100.0, direction };
                 let sample = march_maps(maps, &ray).expect("the ray meets the ball");
-                let at = surface::trace_blobs(maps, &ray, &sample);
+                let at = surface::trace_blobs_or_closest_approach(maps, &ray, &sample);
                 normal += at.normal;
                 outwards += (at.position - BALL_CENTRE).normalize();
             }

@@ -63,7 +63,7 @@ impl TestRenderer {
     /// Uploads all textures of a sculpture at once.
     pub fn upload_field<const N: usize, const K: usize>(&mut self, field: &DensityField<N, K>) {
         field.emit_all_regions(|region, bytes| {
-            self.renderer.upload_now(region, bytes).expect("an upload");
+            self.renderer.submit_upload_between_frames(region, bytes).expect("an upload");
         });
     }
 

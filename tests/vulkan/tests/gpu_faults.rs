@@ -73,7 +73,7 @@ fn start_and_draw(
     let mut loaded = Ok(());
     field.emit_all_regions(|region, bytes| {
         if loaded.is_ok() {
-            loaded = renderer.upload_now(region, bytes);
+            loaded = renderer.submit_upload_between_frames(region, bytes);
         }
     });
     loaded?;

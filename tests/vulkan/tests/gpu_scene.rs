@@ -199,7 +199,7 @@ fn the_room_is_drawn_from_the_visitors_eyes() {
             for (i, layer) in layers.iter().enumerate() {
                 write_png_file(&format!("scene-{name}-{samples}-{views}-{i}"), layer);
             }
-            let times = show.test_renderer.renderer.frame_times();
+            let times = show.test_renderer.renderer.gpu_frame_times();
             if gpu.features.timestamp_period_fs > 0 {
                 assert!(times.shadow_ns > 0 && times.scene_ns > 0, "{times:?}");
             }

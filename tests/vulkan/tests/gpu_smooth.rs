@@ -31,7 +31,9 @@ fn measure_coverage(gpu: &paros_shaders::gpu::SharedGpu, eye: &Eye) -> Vec<f32> 
     )
     .expect("a renderer");
     let screen = OffscreenTarget::new(gpu, &renderer, EXTENT).expect("images");
-    field.emit_all_regions(|region, bytes| renderer.upload_now(region, bytes).expect("a device"));
+    field.emit_all_regions(|region, bytes| {
+        renderer.submit_upload_between_frames(region, bytes).expect("a device");
+    });
     let [black, white] = [0.0, 1.0].map(|backdrop| {
         let picture = FrameRequest {
             eyes: &[*eye],

@@ -57,7 +57,7 @@ where
 
     /// A tick's changes, and a frame.
     fn note_and_draw(&mut self, world: &World<N, K>) {
-        self.field.note_changes(world.volume().maps(), world.dirty_rects());
+        self.field.note_dirty_columns(world.volume().maps(), world.dirty_rects());
         self.draw_frame();
     }
 

@@ -63,7 +63,7 @@ impl TwinRig {
 
     fn load<const N: usize, const K: usize>(&mut self, field: &DensityField<N, K>) {
         field.emit_all_regions(|region, bytes| {
-            self.renderer.upload_now(region, bytes).expect("a device");
+            self.renderer.submit_upload_between_frames(region, bytes).expect("a device");
         });
     }
 

@@ -46,7 +46,7 @@ impl ColumnCrossings {
 
     /// The ends at which the mesh has a hole.
     #[inline]
-    pub(super) fn open_ends(&self, is_mesh_inside_out: bool) -> OpenEnds {
+    pub(super) fn ends_at_holes(&self, is_mesh_inside_out: bool) -> OpenEnds {
         if is_mesh_inside_out {
             OpenEnds { low: self.first.entered > 0, high: self.last.entered < 0 }
         } else {
@@ -60,8 +60,8 @@ impl ColumnCrossings {
             *self = ColumnCrossings { first: crossing, last: crossing };
             return;
         }
-        self.first.keep_outermost(crossing, Ordering::Less);
-        self.last.keep_outermost(crossing, Ordering::Greater);
+        self.first.merge_outermost(crossing, Ordering::Less);
+        self.last.merge_outermost(crossing, Ordering::Greater);
     }
 }
 
@@ -83,7 +83,7 @@ impl RayCrossing {
     /// Is replaced by `other` where that lies farther out, or merged with it where they are equal.
     /// `outward` is the order along the ray of a crossing farther out.
     #[inline]
-    fn keep_outermost(&mut self, other: RayCrossing, outward: Ordering) {
+    fn merge_outermost(&mut self, other: RayCrossing, outward: Ordering) {
         let order = other.compare_along_ray(self);
         if order == outward.reverse() {
             return;

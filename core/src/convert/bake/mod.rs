@@ -156,7 +156,7 @@ where
         for axis in Axis::ALL {
             for (line, ends) in self.ends[axis as usize].iter().enumerate() {
                 for (place, ends) in ends.iter().enumerate() {
-                    let OpenEnds { low, high } = ends.open_ends(flipped);
+                    let OpenEnds { low, high } = ends.ends_at_holes(flipped);
                     if low || high {
                         let column = &mut maps.line_mut(axis, line)[place];
                         if low {

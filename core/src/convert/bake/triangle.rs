@@ -166,7 +166,7 @@ impl GridTriangle {
         if double == [true; 3] {
             let [x, y, z] = [0, 1, 2].map(|k| self.normal[k] * self.corners[0][k]);
             let [a, b, c] = self.normal.map(sign_index);
-            missed |= octants_towards(
+            missed |= octants_in_signed_direction(
                 &DIRECTION_OCTANTS,
                 26 - (9 * a + 3 * b + c),
                 sign_index(x + y + z),
@@ -194,7 +194,7 @@ impl GridTriangle {
             // With the origin on the inner side, the edge separates nothing.
             let offset = if offset == area { 1 } else { offset };
             let slope = 3 * (2 - sign_index(self.edges[i][v])) + sign_index(self.edges[i][u]);
-            missed |= octants_towards(&QUADRANT_OCTANTS[axis], slope, offset);
+            missed |= octants_in_signed_direction(&QUADRANT_OCTANTS[axis], slope, offset);
         }
         missed
     }
@@ -368,7 +368,7 @@ fn sign_index(value: i64) -> SignIndex {
 /// The table's octants for a direction where `sign` is positive, for the opposite direction where it is
 /// negative, and none where it is zero.
 #[inline(always)]
-fn octants_towards<const M: usize>(
+fn octants_in_signed_direction<const M: usize>(
     octants_by_direction: &[OctantMask; M],
     direction_index: usize,
     sign: SignIndex,

@@ -229,12 +229,17 @@ where
         let solid = self.support.supported_voxels();
         match self.walk.current_step() {
             WalkStep::Voxels((y, z)) => {
-                self.smooth.encode_turns_of_row(solid, (y, z), self.voxels_near_bounds((y, z), 1));
+                self.smooth.encode_turns_of_row(
+                    solid,
+                    (y, z),
+                    self.voxels_near_faces_of_bounds((y, z), 1),
+                );
             }
             WalkStep::Cells((y, z)) => {
                 self.triangles += cells::count_triangles(&self.corner_rows((y, z)));
                 if y < N && z < N {
-                    let (rim, bounds) = (self.voxels_near_bounds((y, z), 0), &mut self.vertices);
+                    let (rim, bounds) =
+                        (self.voxels_near_faces_of_bounds((y, z), 0), &mut self.vertices);
                     self.smooth.visit_vertices(solid, (y, z), rim, &[0, 1, 2, 3, 4, 5], |vertex| {
                         bounds.include_point(vertex.position);
                     });
@@ -248,7 +253,7 @@ where
     }
 
     /// The voxels of row (y, z) within a margin, 0 or 1, of a face of the bounds of all voxels.
-    fn voxels_near_bounds(
+    fn voxels_near_faces_of_bounds(
         &self,
         (y, z): RowAddress,
         margin_voxels: usize,

@@ -270,7 +270,11 @@ static NEIGHBOUR_SUMS: [u32; 8 << 8] = {
         while k < 4 {
             sum = add_steps(
                 sum,
-                neighbour_step(normal, TANGENTS[normal][k], decode_turn(code >> (2 * k) & 3)),
+                neighbour_step_half_voxels(
+                    normal,
+                    TANGENTS[normal][k],
+                    decode_turn(code >> (2 * k) & 3),
+                ),
             );
             k += 1;
         }
@@ -298,7 +302,11 @@ static FACE_CENTRE: [u32; 6] = {
 };
 
 /// The step to a neighbouring vertex, in half voxels.
-const fn neighbour_step(normal: VoxelFace, along: VoxelFace, turn: SurfaceTurn) -> [i32; 3] {
+const fn neighbour_step_half_voxels(
+    normal: VoxelFace,
+    along: VoxelFace,
+    turn: SurfaceTurn,
+) -> [i32; 3] {
     let onward = match turn {
         SurfaceTurn::Convex => FACE_STEPS[normal ^ 1],
         SurfaceTurn::Straight => FACE_STEPS[along],

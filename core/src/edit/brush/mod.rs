@@ -107,7 +107,7 @@ impl Brush {
     pub fn swept_box(half_extents_subunits: IVec3, from: &Pose, to: &Pose) -> Self {
         let half = half_extents_subunits;
         if from.unit_axes_q14() == to.unit_axes_q14() {
-            let piece = SweptBox::new(half, to, from.position_subunits());
+            let piece = SweptBox::new(half, to, from.clamped_position_subunits());
             return BrushPiece::Box(piece).into();
         }
         let corner = half.as_vec3().length() / SUBUNITS_PER_VOXEL as f32;
@@ -129,7 +129,7 @@ impl Brush {
                 let start = at((2 * i).max(1) - 1);
                 let start = if i == 0 { from } else { &start };
                 let end = Pose { position: at(2 * i + 1).position, ..at(2 * i) };
-                BrushPiece::Box(SweptBox::new(*half, &end, start.position_subunits()))
+                BrushPiece::Box(SweptBox::new(*half, &end, start.clamped_position_subunits()))
             }
         })
     }
@@ -214,7 +214,11 @@ impl BrushPiece {
     /// A box about a pose.
     #[must_use]
     pub fn oriented_box(half_extents_subunits: IVec3, pose: &Pose) -> Self {
-        BrushPiece::Box(SweptBox::new(half_extents_subunits, pose, pose.position_subunits()))
+        BrushPiece::Box(SweptBox::new(
+            half_extents_subunits,
+            pose,
+            pose.clamped_position_subunits(),
+        ))
     }
 
     fn capsule(a_subunits: IVec3, b_subunits: IVec3, radius_subunits: i32) -> Self {

@@ -40,7 +40,7 @@ impl SweptBox {
         let axes = end
             .unit_axes_q14()
             .map(|axis| axis.to_array().map(|c| i64::from(c).clamp(-unit, unit)));
-        let (start, end) = (clamp_to_far(start_subunits), end.position_subunits());
+        let (start, end) = (clamp_to_far(start_subunits), end.clamped_position_subunits());
         let travel = (end - start).to_array().map(i64::from);
         let doubled = half_extents_subunits
             .to_array()

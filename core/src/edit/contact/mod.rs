@@ -110,12 +110,13 @@ where
     /// The contact of the bit at a pose in the grid.
     #[must_use]
     pub fn contact_at(&self, bit: &GridBit, pose: &Pose) -> Contact {
-        let (position, axes) = (pose.position_subunits().as_i64vec3(), pose.unit_axes_q14());
+        let (position, axes) =
+            (pose.clamped_position_subunits().as_i64vec3(), pose.unit_axes_q14());
         let mut contact = Contact {
             overlap: 0,
             depth: 0,
             normal: Vec3::ZERO,
-            on_mask: self.is_near_mask(bit, pose),
+            on_mask: self.is_within_half_voxel_of_mask(bit, pose),
         };
         let mut normal = IVec3::ZERO;
         self.visit_occupied_rows(&bit.piece_at(pose), |(y, z), inside| {
@@ -159,7 +160,7 @@ where
         }
         let limit = self.penetration_limit(bit, from);
         if limit.may_bury_centre(bit) {
-            return self.jump_if_allowed(bit, from, wanted, budget);
+            return self.jump_if_bite_allows(bit, from, wanted, budget);
         }
         let mut left = budget;
         let SlideResult { pose, blocked, ran_out } =
@@ -176,7 +177,7 @@ where
 
     /// The freeze of a bit without a way: at the wanted pose if its bite allows that, else where it was.
     #[must_use]
-    pub fn jump_if_allowed(
+    pub fn jump_if_bite_allows(
         &self,
         bit: &GridBit,
         from: &Pose,

@@ -92,7 +92,8 @@ where
         pose: &Pose,
         mut visit: impl FnMut(PenetratingVoxel),
     ) {
-        let (position, axes) = (pose.position_subunits().as_i64vec3(), pose.unit_axes_q14());
+        let (position, axes) =
+            (pose.clamped_position_subunits().as_i64vec3(), pose.unit_axes_q14());
         self.visit_occupied_rows(&bit.piece_at(pose), |(y, z), inside| {
             let held = self.mask.map(|mask| mask.occupied_among((y, z), inside));
             for x in inside.iter_ones() {
@@ -153,7 +154,7 @@ where
         limit: PenetrationLimit,
     ) -> bool {
         self.is_within_limit(limit, |test| {
-            let swept = bit.swept_brush_deeper_than(test.deeper_than_subunits, from, to);
+            let swept = bit.swept_cover_deeper_than(test.deeper_than_subunits, from, to);
             swept.is_some_and(|brush| self.brush_overlaps(&brush, test.voxels))
         })
     }

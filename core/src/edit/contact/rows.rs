@@ -35,7 +35,7 @@ where
 {
     /// Whether a mask voxel lies in the bit or within half a voxel of it: where the mask stops a bit,
     /// whatever its last step.
-    pub(super) fn is_near_mask(&self, bit: &GridBit, pose: &Pose) -> bool {
+    pub(super) fn is_within_half_voxel_of_mask(&self, bit: &GridBit, pose: &Pose) -> bool {
         let (Some(mask), Some(piece)) =
             (self.mask, bit.piece_deeper_than(-SUBUNITS_PER_VOXEL / 2, pose))
         else {

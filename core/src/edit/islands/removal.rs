@@ -144,15 +144,16 @@ where
         let mut new = *before;
         let within = columns & !below & !above;
         let EndScan { empty, mut changed } =
-            move_range_ends(within, first..=last, reached, &mut new, Column::set_first);
+            move_range_ends(within, first..=last, reached, &mut new, Column::set_hull_first);
         let rest = columns & !empty;
         let on = first..=N - 1;
         changed |= empty
-            | move_range_ends(above & !below, on, reached, &mut new, Column::set_first).changed;
+            | move_range_ends(above & !below, on, reached, &mut new, Column::set_hull_first)
+                .changed;
         let back = (0..=last).rev();
         changed |=
-            move_range_ends(rest & !above, back, reached, &mut new, Column::set_last).changed;
-        for run in empty.iter_runs() {
+            move_range_ends(rest & !above, back, reached, &mut new, Column::set_hull_last).changed;
+        for run in empty.iter_runs_within_words() {
             new[run.first()..=run.last()].fill(Column::EMPTY);
         }
         let (rows, gapped) = (Range::new(first, last), find_gapped(before, rest));

@@ -75,7 +75,7 @@ where
         }
         let back = missing & self.row_before_edit((y, z));
         let closed = missing & !back;
-        self.report.note_back((y, z), back);
+        self.report.move_from_removed_to_refused((y, z), back);
         self.report.closed += closed.count_ones();
         if !closed.is_empty() {
             self.journal.record_added((y, z), closed);
@@ -105,7 +105,7 @@ where
 impl EditReport {
     /// Counts removed voxels of a row that closure brought back.
     #[inline]
-    fn note_back<R: BitSet>(&mut self, row: RowAddress, back: R) {
+    fn move_from_removed_to_refused<R: BitSet>(&mut self, row: RowAddress, back: R) {
         self.removed -= back.count_ones();
         self.refused_by_closure += back.count_ones();
         self.closure_box = self.closure_box.hull_with(VoxelBox::around_row(row, back));

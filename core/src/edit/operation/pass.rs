@@ -5,7 +5,7 @@ use crate::edit::brush::{BrushBounds, BrushRow};
 use crate::limits::SHELL_DEPTH;
 use crate::volume::editable::Volume;
 use crate::volume::journal::Journal;
-use crate::volume::neighbourhood::{dilated_row, eroded_row, majority_row};
+use crate::volume::neighbourhood::{dilated_row_with_ground, eroded_row, majority_row_with_ground};
 use crate::volume::range::Range;
 use crate::volume::range_maps::{Axis, Column, RangeMaps, RowAddress};
 use crate::volume::row::{BitRow, BitSet};
@@ -121,7 +121,7 @@ where
         for z in iter_voxels(z_range) {
             let flips = &mut self.scratch.pending[y % (SHELL_DEPTH + 1)][z];
             let wanted = flips.word_span(0) & !volume.row(y, z);
-            let near = dilated_row(volume, (y, z), depth, wanted);
+            let near = dilated_row_with_ground(volume, (y, z), depth, wanted);
             if near != wanted {
                 self.report.refused_by_depth += (wanted & !near).count_ones();
             }
@@ -138,7 +138,7 @@ where
             self.scratch.rows_before.as_flattened_mut()[index].set_word_span(0, here);
             let flips = &mut self.scratch.pending[y % (SHELL_DEPTH + 1)][z];
             let brush = flips.word_span(0);
-            let most = majority_row(volume, (y, z), brush);
+            let most = majority_row_with_ground(volume, (y, z), brush);
             let removed = self.report.exclude_masked(
                 self.mask,
                 (y, z),

@@ -76,11 +76,11 @@ where
             seek_hi.insert_if(!stands(old.last(), between.last() < old.last()), x);
         }
         visit_first_occupied(seek_hi, (least..between.last() + 1).rev(), &row_at, |found| {
-            columns[found.x].set_last(found.position);
+            columns[found.x].set_hull_last(found.position);
         });
         let empty =
             visit_first_occupied(seek_lo, between.first()..greatest + 1, &row_at, |found| {
-                columns[found.x].set_first(found.position);
+                columns[found.x].set_hull_first(found.position);
             });
         empty.iter_ones().for_each(|x| columns[x] = Column::EMPTY);
         let line = ClosingLine { before, after: columns, changed: between, removed_only: carve };

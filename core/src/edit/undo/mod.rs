@@ -159,12 +159,12 @@ where
         if places.is_empty() {
             return;
         }
-        self.ensure_head_is_newest();
+        self.open_entry_unless_head_is_newest();
         let new = places & !self.head.changed[axis as usize][line];
         self.head.insert_columns(axis, line, new);
         let others = &mut self.head.others[axis as usize][line];
         let mut sum = 0u64;
-        for run in new.iter_runs() {
+        for run in new.iter_runs_within_words() {
             let run = run.first()..=run.last();
             let (others, old_columns) = (&mut others[run.clone()], &old_columns[run.clone()]);
             for ((other, old), key) in others.iter_mut().zip(old_columns).zip(&DIGEST_KEYS[run]) {
@@ -208,7 +208,7 @@ where
     }
 
     /// Makes the head the newest applied entry, by opening one if it isn't.
-    fn ensure_head_is_newest(&mut self) {
+    fn open_entry_unless_head_is_newest(&mut self) {
         if usize::from(self.applied) != self.len() || !self.has_head {
             self.open_entry();
         }

@@ -44,7 +44,7 @@ pub(super) fn carve_lantern<const N: usize, const K: usize>(
             done(Chapter::HalfSlotted, hands);
         }
     }
-    hands.return_hand_to_rest(RIGHT);
+    hands.move_hand_to_rest(RIGHT);
     hands.wait_ticks(36);
     hands.send_commands(commands::FINISH);
     done(Chapter::Slotted, hands);
@@ -68,5 +68,5 @@ fn cut_slot<const N: usize, const K: usize>(
             plunge_bit(hands, (middle + out * FAR) * unit, -out, (FAR - POST) * unit, 1.0);
         }
     }
-    hands.return_hand_to_rest(RIGHT);
+    hands.move_hand_to_rest(RIGHT);
 }

@@ -72,16 +72,16 @@ fn carve_owl<const N: usize, const K: usize>(
     plunge_top(hands, fine);
     hands.fetch_item(RIGHT, BenchItem::Bit(ToolBit::SmallBall));
     for degrees in [0.0, 90.0, 180.0] {
-        draw_strips(hands, degrees, 2.5);
+        work_side_in_strips(hands, degrees, 2.5);
     }
-    draw_strips(hands, 0.0, 1.7);
+    work_side_in_strips(hands, 0.0, 1.7);
     plunge_top(hands, PlungeRaster { spacing: 3.0, min_depth: 1.0, ..PlungeRaster::WHOLE });
     pick_crumbs(hands);
     done(Chapter::Fine, hands);
 
     hands.fetch_item(RIGHT, BenchItem::Tool(Tool::Rasp));
     for degrees in [0.0, 90.0, 180.0] {
-        draw_strips(hands, degrees, 8.0);
+        work_side_in_strips(hands, degrees, 8.0);
     }
     hands.set_mirror(false);
     done(Chapter::Smooth, hands);
@@ -128,7 +128,7 @@ where
         hands.move_bit_to(RIGHT, from, Vec3::NEG_Z);
         hands.release_trigger(RIGHT);
     }
-    hands.return_hand_to_rest(RIGHT);
+    hands.move_hand_to_rest(RIGHT);
 }
 
 /// The grid of points at which the bit is plunged into a side, in voxels of a block of 128.
@@ -147,7 +147,7 @@ impl PlungeRaster {
     const WHOLE: PlungeRaster = PlungeRaster { spacing: 1.0, min_depth: 1.0, low: 3.0, wide: 63.0 };
 
     /// The heights of the rows, from the top down.
-    fn row_heights(self) -> impl Iterator<Item = f32> {
+    fn row_heights_from_top(self) -> impl Iterator<Item = f32> {
         let count = ((127.0 - self.low) / self.spacing) as usize;
         (0..=count).rev().map(move |i| self.low + self.spacing * i as f32)
     }
@@ -168,7 +168,7 @@ fn plunge_side<const N: usize, const K: usize>(
     // Clear of the box by the largest bit.
     let far = if degrees_from_z_to_x % 90.0 == 0.0 { 74.0 } else { 98.0 };
     hands.turn_azimuth_to_visitor(degrees_from_z_to_x);
-    for height in raster.row_heights() {
+    for height in raster.row_heights_from_top() {
         for aside in evenly_spaced(-raster.wide, raster.wide, raster.spacing) {
             let start = foot + (Vec3::Y * height + side * aside + out * far) * unit;
             if !is_in_mirrored_half(start, out, unit) {
@@ -176,7 +176,7 @@ fn plunge_side<const N: usize, const K: usize>(
             }
         }
     }
-    hands.return_hand_to_rest(RIGHT);
+    hands.move_hand_to_rest(RIGHT);
 }
 
 /// Plunges the bit into the top. Symmetry does the other half.
@@ -194,7 +194,7 @@ fn plunge_top<const N: usize, const K: usize>(
             plunge_bit(hands, start, Vec3::NEG_Y, 138.0 * unit, raster.min_depth * unit);
         }
     }
-    hands.return_hand_to_rest(RIGHT);
+    hands.move_hand_to_rest(RIGHT);
 }
 
 /// Plunges the bit into what stands on the ground by itself, between the plunges, away from the figure.
@@ -213,7 +213,7 @@ where
             plunge_bit(hands, start, Vec3::NEG_Y, 140.0 * unit, 0.0);
         }
     }
-    hands.return_hand_to_rest(RIGHT);
+    hands.move_hand_to_rest(RIGHT);
 }
 
 /// Plunges the bit along `direction` and back out. Does nothing where less than `min_depth_voxels`
@@ -275,7 +275,7 @@ where
 
 /// Moves the running tool down one side in vertical strips, pressed onto the figure. Symmetry does the
 /// other half.
-fn draw_strips<const N: usize, const K: usize>(
+fn work_side_in_strips<const N: usize, const K: usize>(
     hands: &mut ScriptedHands<'_, '_, N, K>,
     degrees_from_z_to_x: f32,
     spacing_units: f32,
@@ -298,7 +298,7 @@ fn draw_strips<const N: usize, const K: usize>(
             Some((y * unit, mask.unwrap_or(stone?) + 2.0 * unit))
         };
         let strip: Vec<(f32, f32)> = PlungeRaster { spacing: 2.0, ..PlungeRaster::WHOLE }
-            .row_heights()
+            .row_heights_from_top()
             .filter_map(press)
             .collect();
         let Some(&(top, depth)) = strip.first() else { continue };
@@ -309,7 +309,7 @@ fn draw_strips<const N: usize, const K: usize>(
         hands.move_bit_to(RIGHT, start, -out);
         hands.release_trigger(RIGHT);
     }
-    hands.return_hand_to_rest(RIGHT);
+    hands.move_hand_to_rest(RIGHT);
 }
 
 /// Whether a point before the front or the back lies in the half that symmetry works. The left and
@@ -338,7 +338,7 @@ where
         hands.release_trigger(RIGHT);
         hands.move_bit_to(RIGHT, start, -out);
     }
-    hands.return_hand_to_rest(RIGHT);
+    hands.move_hand_to_rest(RIGHT);
 }
 
 /// The horizontal unit vector at an angle in degrees from +z towards +x.

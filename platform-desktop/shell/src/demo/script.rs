@@ -74,7 +74,7 @@ impl Chapter {
 
     /// What has just been done, for the report.
     #[must_use]
-    pub const fn announcement(self) -> &'static str {
+    pub const fn completion_announcement(self) -> &'static str {
         match self {
             Chapter::Stone => "the stone",
             Chapter::Edge => "an edge sawn off",

@@ -107,11 +107,11 @@ where
         self.run_tick();
         self.input.hands[hand].squeeze = 0;
         self.run_tick();
-        self.return_hand_to_rest(hand);
+        self.move_hand_to_rest(hand);
     }
 
     /// Moves a hand to its rest pose before the chest.
-    pub fn return_hand_to_rest(&mut self, hand: usize) {
+    pub fn move_hand_to_rest(&mut self, hand: usize) {
         self.move_hand_to(hand, REST[hand], Quat::IDENTITY);
     }
 

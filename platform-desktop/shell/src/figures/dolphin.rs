@@ -7,18 +7,18 @@ use super::sdf::{
 };
 
 pub(super) fn signed_distance(p: Vec3) -> f32 {
-    let folded = v(p.x, p.y, p.z.abs());
+    let folded_z = v(p.x, p.y, p.z.abs());
     let animal = smooth_union(
-        smooth_union(body_distance(folded), fins_distance(folded), 4.0),
-        fluke_distance(folded),
+        smooth_union(body_distance(folded_z), fins_distance(folded_z), 4.0),
+        fluke_distance(folded_z),
         3.0,
     );
-    smooth_union(add_face(animal, folded), wave_distance(p), 3.0)
+    smooth_union(add_face(animal, folded_z), wave_distance(p), 3.0)
 }
 
-fn body_distance(folded: Vec3) -> f32 {
+fn body_distance(folded_z: Vec3) -> f32 {
     let trunk = cone_chain(
-        folded,
+        folded_z,
         &[
             (v(-38.0, 48.0, 0.0), 4.5),
             (v(-31.0, 62.0, 0.0), 7.5),
@@ -28,38 +28,38 @@ fn body_distance(folded: Vec3) -> f32 {
             (v(27.0, 76.0, 0.0), 13.5),
         ],
     );
-    let beak = round_cone(folded, (v(34.0, 66.0, 0.0), 6.0), (v(44.0, 55.0, 0.0), 3.4));
+    let beak = round_cone(folded_z, (v(34.0, 66.0, 0.0), 6.0), (v(44.0, 55.0, 0.0), 3.4));
     smooth_union(trunk, beak, 4.0)
 }
 
-fn fins_distance(folded: Vec3) -> f32 {
+fn fins_distance(folded_z: Vec3) -> f32 {
     let back = cone_chain(
-        folded,
+        folded_z,
         &[(v(-1.0, 97.0, 0.0), 6.0), (v(-11.0, 109.0, 0.0), 3.4), (v(-19.0, 112.0, 0.0), 2.0)],
     );
     let side = cone_chain(
-        folded,
+        folded_z,
         &[(v(17.0, 74.0, 11.0), 5.0), (v(9.0, 63.0, 22.0), 3.6), (v(1.0, 58.0, 27.0), 2.2)],
     );
     min(back, side)
 }
 
-fn fluke_distance(folded: Vec3) -> f32 {
+fn fluke_distance(folded_z: Vec3) -> f32 {
     cone_chain(
-        folded,
+        folded_z,
         &[(v(-38.0, 48.0, 0.0), 4.5), (v(-41.0, 38.0, 10.0), 3.8), (v(-38.0, 33.0, 21.0), 2.4)],
     )
 }
 
-fn add_face(distance: f32, folded: Vec3) -> f32 {
-    if folded.x < 15.0 || distance.abs() > 6.0 {
+fn add_face(distance: f32, folded_z: Vec3) -> f32 {
+    if folded_z.x < 15.0 || distance.abs() > 6.0 {
         return distance;
     }
-    let eye = sphere(folded, v(28.5, 74.0, 12.4), 3.0);
+    let eye = sphere(folded_z, v(28.5, 74.0, 12.4), 3.0);
     // The mouth: a furrow along the beak that turns up at its end, and so smiles.
-    let mouth = (folded.x - 33.0) * 0.74 + (folded.y - 63.0) * 0.67;
-    let gap = if mouth > -6.0 && folded.y < 70.0 {
-        ((folded.x - 33.0) * 0.67 + (folded.y - 65.0) * 0.74).abs()
+    let mouth = (folded_z.x - 33.0) * 0.74 + (folded_z.y - 63.0) * 0.67;
+    let gap = if mouth > -6.0 && folded_z.y < 70.0 {
+        ((folded_z.x - 33.0) * 0.67 + (folded_z.y - 65.0) * 0.74).abs()
     } else {
         9.0
     };

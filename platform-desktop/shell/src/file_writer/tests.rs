@@ -34,13 +34,13 @@ fn files_are_written_in_order_and_all_or_none() {
     let (a, b) = (folder.join("deep/a"), folder.join("b"));
     let mut file_writer = FileWriter::spawn();
     for bytes in [b"old".to_vec(), b"new".to_vec()] {
-        file_writer.submit_file(FileKind::Session, a.clone(), bytes);
+        file_writer.submit_file_or_wait(FileKind::Session, a.clone(), bytes);
     }
     // A folder can't be replaced by a file.
     let place = Destination::Replace(vec![b.clone(), folder.join("deep")]);
     let job =
         WriteJob { kind: FileKind::Trace, destination: place, contents: vec![vec![1], vec![2]] };
-    file_writer.submit(job.clone());
+    file_writer.submit_or_wait(job.clone());
     let mut heard = all(&mut file_writer);
     assert!(heard[0].result.is_ok() && heard[1].result.is_ok());
     let last = heard.pop().expect("three");
@@ -58,7 +58,7 @@ fn no_name_is_given_twice() {
     let mut file_writers: Vec<_> = (0..4).map(|_| FileWriter::spawn()).collect();
     for round in 0..8 {
         for (number, file_writer) in file_writers.iter_mut().enumerate() {
-            file_writer.submit(sculpture(&[&folder], round * 4 + number as u8));
+            file_writer.submit_or_wait(sculpture(&[&folder], round * 4 + number as u8));
         }
     }
     let mut bytes = Vec::new();
@@ -83,8 +83,8 @@ fn a_folder_that_takes_nothing_has_another_in_its_place() {
     let (file, there) = (folder.join("file"), folder.join("there"));
     fs::write(&file, b"no folder").expect("a file");
     let mut file_writer = FileWriter::spawn();
-    file_writer.submit(sculpture(&[&file, &there], 7));
-    file_writer.submit(sculpture(&[&file], 7));
+    file_writer.submit_or_wait(sculpture(&[&file, &there], 7));
+    file_writer.submit_or_wait(sculpture(&[&file], 7));
     let heard = all(&mut file_writer);
     assert_eq!(heard[0].result.as_ref().expect("written")[0], there.join("sculpture-001.stl"));
     assert!(heard[0].fallback_cause.as_ref().expect("why").to_string().contains("file"));

@@ -119,7 +119,7 @@ mod tests {
         assert_eq!((input.trigger, input.squeeze, input.stick), (128, 255, [-127, 32]));
         assert!(input.tracked && input.buttons == 3);
         // The aim is not known: a pose that the core passes over.
-        assert!(input.aim.to_metres().is_none());
+        assert!(input.aim.to_clamped_metres().is_none());
     }
 
     #[test]
@@ -129,7 +129,7 @@ mod tests {
         assert_eq!(sample.to_hand_input(), HandInput::default());
         let lost = Some((Vec3::splat(f32::NAN), Quat::IDENTITY));
         let input = HandSample { grip: lost, ..Default::default() }.to_hand_input();
-        assert!(input.grip.to_metres().is_none());
+        assert!(input.grip.to_clamped_metres().is_none());
     }
 
     #[test]

@@ -72,7 +72,7 @@ mod tests {
     fn packaged_volumes_are_the_ones_that_would_be_made() {
         let [mut made, mut taken, mut broken] =
             [const { StartVolumeStore::<64, INTERVALS>::new() }; 3].map(Box::new);
-        made.generate_figures(&mut BitGrid::new(), |_| {});
+        made.generate_figures_once(&mut BitGrid::new(), |_| {});
         let made = &made;
         let bytes_of = |name: &str| {
             let named = |figure: &Figure| name == format!("starts/64/{}.rmap", figure.name());
@@ -89,7 +89,7 @@ mod tests {
             assert_eq!(rmap::encode(taken.figure(figure)), rmap::encode(made.figure(figure)));
         }
         // They need not be made any more.
-        taken.generate_figures(&mut BitGrid::new(), |_| panic!("made again"));
+        taken.generate_figures_once(&mut BitGrid::new(), |_| panic!("made again"));
 
         let without = |name: &str| bytes_of(name).filter(|_| !name.contains("cat"));
         let why = load_start_volumes(&mut broken, without).expect_err("one is missing");
@@ -98,7 +98,7 @@ mod tests {
         let why = load_start_volumes(&mut broken, cut).expect_err("all are short");
         assert!(matches!(why, AssetError::Damaged(..)), "{why}");
         let again = Cell::new(0);
-        broken.generate_figures(&mut BitGrid::new(), |_| again.set(again.get() + 1));
+        broken.generate_figures_once(&mut BitGrid::new(), |_| again.set(again.get() + 1));
         assert_eq!(again.get(), Figure::ALL.len());
     }
 }

@@ -18,12 +18,12 @@ const IDENTITY: NodeMatrix =
     [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
 
 pub(super) fn parse(bytes: &[u8], folder: &Path) -> Result<Mesh, ParseStop> {
-    check_length(bytes)?;
+    check_glb_length_fits(bytes)?;
     let Gltf { document, blob } =
         Gltf::from_slice_without_validation(bytes).map_err(|error| error.to_string())?;
     let json = document.into_json();
     check_version(&json.asset)?;
-    check_accessor_indices(&json)?;
+    check_attribute_accessors(&json)?;
     let gltf = Document::from_json(json).map_err(|error| error.to_string())?;
     let buffers = read_buffers(&gltf, blob.as_deref(), folder)?;
     let mut scene =
@@ -44,7 +44,7 @@ pub(super) fn parse(bytes: &[u8], folder: &Path) -> Result<Mesh, ParseStop> {
 }
 
 /// The binary form states its length, which must be there before anything is cut by it.
-fn check_length(bytes: &[u8]) -> Result<(), String> {
+fn check_glb_length_fits(bytes: &[u8]) -> Result<(), String> {
     if !bytes.starts_with(b"glTF") {
         return Ok(());
     }
@@ -71,7 +71,7 @@ fn check_version(asset: &gltf::json::Asset) -> Result<(), String> {
 }
 
 /// The crate's validation looks into the accessors of positions before it has checked their index.
-fn check_accessor_indices(json: &gltf::json::Root) -> Result<(), String> {
+fn check_attribute_accessors(json: &gltf::json::Root) -> Result<(), String> {
     let primitives = json.meshes.iter().flat_map(|mesh| &mesh.primitives);
     for index in primitives.flat_map(|primitive| primitive.attributes.values()) {
         if index.value() >= json.accessors.len() {

@@ -11,7 +11,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Mesh, ParseStop> {
     let text = String::from_utf8_lossy(bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes));
     let given = Given::count_in(&text);
     check_count("vertices", given.0[0], MAX_VERTICES)?;
-    check_faces(&text, &given)?;
+    check_faces_and_lines(&text, &given)?;
     let mut lines = LineCounter { rest: text.as_bytes(), read: 0 };
     let options = tobj::LoadOptions {
         triangulate: true,
@@ -58,7 +58,7 @@ impl Given {
 }
 
 /// Checks what `tobj` would panic at or has no bound for: the corners of faces and lines.
-fn check_faces(text: &str, all: &Given) -> Result<(), ParseStop> {
+fn check_faces_and_lines(text: &str, all: &Given) -> Result<(), ParseStop> {
     let (mut above, mut triangles) = (Given::default(), 0);
     for (i, line) in text.lines().enumerate() {
         above.count_line(line);

@@ -32,11 +32,11 @@ where
             file.check_saturation(voxels)?;
         }
         for (axis, address) in column_addresses::<N>() {
-            maps.set_column(axis, address, file.fitted_column(axis, address));
+            maps.set_column(axis, address, file.column_or_hull(axis, address));
         }
         if let Some(voxels) = voxels.filter(|_| F != K) {
             voxels.visit_columns_with_holes(|axis, address, occupied| {
-                let held = if F < K { file.fitted_column(axis, address) } else { Column::EMPTY };
+                let held = if F < K { file.column_or_hull(axis, address) } else { Column::EMPTY };
                 maps.set_column(axis, address, Column::closed_over(occupied, &held));
             });
             if F > K {
@@ -87,7 +87,7 @@ where
     }
 
     /// A column in K intervals: its hull where there are fewer.
-    fn fitted_column<const K: usize>(&self, axis: Axis, address: (usize, usize)) -> Column<K> {
+    fn column_or_hull<const K: usize>(&self, axis: Axis, address: (usize, usize)) -> Column<K> {
         let column = self.column(axis, address);
         if F > K {
             return Column::from_range(column.hull());

@@ -89,7 +89,7 @@ impl Autosave {
     }
 
     /// Restarts the interval for a new session, whose ticks count from 0.
-    pub(super) fn begin_session(&mut self) {
+    pub(super) fn restart_save_interval(&mut self) {
         self.saved_at_tick = 0;
     }
 
@@ -116,7 +116,7 @@ impl Autosave {
 
     /// Encodes and submits the session. While the last save is still being written there is no buffer,
     /// and the save stays due.
-    pub(super) fn submit_save<const N: usize>(
+    pub(super) fn submit_save_or_stay_due<const N: usize>(
         &mut self,
         session: &LiveSession<'_, N>,
         file_writer: &mut FileWriter,
@@ -131,7 +131,7 @@ impl Autosave {
             return;
         };
         job.contents.iter_mut().for_each(|bytes| session.encode_into(bytes));
-        file_writer.submit(job);
+        file_writer.submit_or_wait(job);
         (self.state, self.saved_at_tick) = (SaveState::Saved, session.world.tick());
     }
 

@@ -21,7 +21,7 @@ where
     draw_picture: DrawPicture<N>,
     files: Option<SculptureFiles>,
     /// The path of the last STL file.
-    last_stl_path: Option<PathBuf>,
+    session_stl_path: Option<PathBuf>,
     /// Jobs that failed in every folder, of finished sculptures and previous sessions.
     failed_jobs: Vec<WriteJob>,
 }
@@ -40,19 +40,19 @@ where
             stl_exporter,
             draw_picture,
             files: None,
-            last_stl_path: None,
+            session_stl_path: None,
             failed_jobs,
         }
     }
 
     /// The path of the last STL file.
-    pub(super) fn last_stl_path(&self) -> Option<&Path> {
-        self.last_stl_path.as_deref()
+    pub(super) fn session_stl_path(&self) -> Option<&Path> {
+        self.session_stl_path.as_deref()
     }
 
     /// Sets the path of the session's STL file; `None` before there is one.
-    pub(super) fn set_last_stl_path(&mut self, path: Option<PathBuf>) {
-        self.last_stl_path = path;
+    pub(super) fn set_session_stl_path(&mut self, path: Option<PathBuf>) {
+        self.session_stl_path = path;
     }
 
     /// Whether failed jobs are kept.
@@ -77,7 +77,7 @@ where
 
     /// Advances the STL export after a tick; begins one where the tick finished the session.
     pub(super) fn advance_stl_after_tick(&mut self, world: &World<N, INTERVALS>) {
-        let stl = self.stl_exporter.begin_or_advance_after_tick(world);
+        let stl = self.stl_exporter.begin_if_finished_or_advance(world);
         if let Some(files) = &mut self.files {
             files.keep_stl(stl);
         }

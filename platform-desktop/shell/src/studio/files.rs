@@ -18,7 +18,7 @@ where
 {
     /// Submits a save of the session, now or as soon as the last save is written.
     pub(super) fn save_session(&mut self) {
-        self.autosave.submit_save(&self.session, &mut self.file_writer);
+        self.autosave.submit_save_or_stay_due(&self.session, &mut self.file_writer);
     }
 
     /// Waits for all pending writes, and for a save that is due after them.
@@ -57,7 +57,7 @@ where
         bytes: Vec<Vec<u8>>,
     ) {
         let folders = vec![self.paths.sculptures.clone(), self.paths.sessions.clone()];
-        self.file_writer.submit(WriteJob {
+        self.file_writer.submit_or_wait(WriteJob {
             kind,
             destination: Destination::NextFree { folders, stem, extensions },
             contents: bytes,
@@ -98,7 +98,7 @@ where
 
     fn report_written(&mut self, kind: FileKind, paths: Vec<PathBuf>) {
         match kind {
-            FileKind::Sculpture => self.export.set_last_stl_path(paths.into_iter().next()),
+            FileKind::Sculpture => self.export.set_session_stl_path(paths.into_iter().next()),
             FileKind::Trace => {
                 let path = paths.first().map_or(String::new(), |path| path.display().to_string());
                 self.push_notice(Notice::Good(format!("recorded: {path}")));

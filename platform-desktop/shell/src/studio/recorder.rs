@@ -45,7 +45,7 @@ impl Recorder {
 
     /// Sets the file for the last session's trace, and records whole sessions; with `None`, their first
     /// two hours.
-    pub(super) fn set_closing_trace_path(&mut self, trace_path: Option<PathBuf>) {
+    pub(super) fn set_trace_path_at_exit(&mut self, trace_path: Option<PathBuf>) {
         self.extent = trace_path.map_or(RecordingExtent::Limited, RecordingExtent::Whole);
     }
 

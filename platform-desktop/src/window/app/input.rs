@@ -84,7 +84,7 @@ where
             }
             _ if !down => {}
             KeyCommand::Hands(_) => {}
-            KeyCommand::Finish => self.panels.request_finish(session),
+            KeyCommand::Finish => self.panels.ask_or_confirm_finish(session),
             KeyCommand::Help => self.panels.toggle_help(),
             KeyCommand::Graph => self.panels.toggle_graph(),
             KeyCommand::Path => {
@@ -93,7 +93,7 @@ where
                     RenderPath::Paper(_) => RenderPath::Fast,
                 };
             }
-            KeyCommand::Record => self.studio.submit_session_trace(),
+            KeyCommand::Record => self.studio.submit_trace_and_own_volume(),
             KeyCommand::Back => self.panels.close_topmost_or_toggle_start(session),
         }
     }

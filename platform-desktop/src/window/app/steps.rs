@@ -111,7 +111,7 @@ where
         let held = world.held_tool(RIGHT).map_or("nothing", |(_, bit)| bit.spec().name);
         let UndoCounts { undoable: undo, redoable: redo } = world.undo_counts();
         let printed =
-            self.studio.last_stl_path().map_or(String::new(), |path| path.display().to_string());
+            self.studio.session_stl_path().map_or(String::new(), |path| path.display().to_string());
         let [width, height] = self.hands.size;
         let mut out = io::stdout().lock();
         // Standard output may be closed.

@@ -59,7 +59,7 @@ pub(super) struct BitGuide<const N: usize> {
 }
 
 /// Picks the item on the workbench nearest to a ray in the room, unless the sculpture occludes it.
-pub(super) fn pick_item<const N: usize>(
+pub(super) fn pick_unoccluded_item<const N: usize>(
     room_ray: &Ray,
     world: &World<N, INTERVALS>,
 ) -> Option<BenchItem>
@@ -120,7 +120,7 @@ where
     }
 
     /// The pose of the bit's centre in the room: position in metres, and rotation.
-    pub(super) fn next_bit_pose(
+    pub(super) fn next_bit_centre_pose(
         &mut self,
         aim: &BitTarget,
         world: &World<N, INTERVALS>,

@@ -28,7 +28,7 @@ struct HandsFixture {
 impl HandsFixture {
     fn new(mode: SessionMode) -> Self {
         let mut volumes = Grid::<128>::lock_start_volumes();
-        volumes.generate_figures(&mut Grid::<128>::lock_bit_grid(), |_| {});
+        volumes.generate_figures_once(&mut Grid::<128>::lock_bit_grid(), |_| {});
         let mut world = Grid::<128>::lock_world();
         world.clear();
         let mut hands = MouseHands::new();
@@ -57,7 +57,7 @@ impl HandsFixture {
         self.hands.handle_event(event, &self.world);
     }
 
-    fn tap_key(&mut self, key: HandAction) {
+    fn tap_key_and_tick(&mut self, key: HandAction) {
         self.handle(InputEvent::Key(key, true));
         self.handle(InputEvent::Key(key, false));
         self.ticks(2);
@@ -113,9 +113,9 @@ fn a_press_carves_under_the_cursor_and_undo_brings_it_back() {
         let aside = (point - origin).cross(direction).length();
         assert!(aside < 0.02, "{aside} m beside the cursor");
     }
-    fixture.tap_key(HandAction::Undo);
+    fixture.tap_key_and_tick(HandAction::Undo);
     assert_eq!(fixture.digest(), untouched);
-    fixture.tap_key(HandAction::Redo);
+    fixture.tap_key_and_tick(HandAction::Redo);
     assert_ne!(fixture.digest(), untouched);
 }
 
@@ -194,21 +194,21 @@ fn a_tool_at_rest_touches_nothing_and_never_stays_behind() {
 fn keys_choose_tools_and_bits() {
     let mut fixture = HandsFixture::new(SessionMode::FreeForm);
     assert_eq!(fixture.held(), (Tool::Rotary, ToolBit::MediumBall));
-    fixture.tap_key(HandAction::NextBit);
+    fixture.tap_key_and_tick(HandAction::NextBit);
     assert_eq!(fixture.held().1, ToolBit::LargeBall);
-    fixture.tap_key(HandAction::PreviousBit);
-    fixture.tap_key(HandAction::PreviousBit);
-    fixture.tap_key(HandAction::PreviousBit);
+    fixture.tap_key_and_tick(HandAction::PreviousBit);
+    fixture.tap_key_and_tick(HandAction::PreviousBit);
+    fixture.tap_key_and_tick(HandAction::PreviousBit);
     assert_eq!(fixture.held().1, ToolBit::Grinder, "they go round");
-    fixture.tap_key(HandAction::Bit(3));
+    fixture.tap_key_and_tick(HandAction::Bit(3));
     assert_eq!(fixture.held().1, ToolBit::Cylinder);
-    fixture.tap_key(HandAction::Bit(8));
+    fixture.tap_key_and_tick(HandAction::Bit(8));
     assert_eq!(fixture.held().1, ToolBit::Cylinder, "there is no ninth");
     for (number, tool) in Tool::ALL.into_iter().enumerate().rev() {
-        fixture.tap_key(HandAction::Tool(number as u8));
+        fixture.tap_key_and_tick(HandAction::Tool(number as u8));
         assert_eq!(fixture.held().0, tool);
     }
-    fixture.tap_key(HandAction::Mirror);
+    fixture.tap_key_and_tick(HandAction::Mirror);
     assert!(fixture.world.is_mirrored());
 }
 

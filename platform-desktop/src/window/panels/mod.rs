@@ -167,7 +167,7 @@ impl Panels {
 
     /// Requests the end of a sculpting session. The first request asks for confirmation; the second is
     /// [`PanelAction::Finish`].
-    pub(super) fn request_finish(&mut self, session: SessionState) {
+    pub(super) fn ask_or_confirm_finish(&mut self, session: SessionState) {
         if session == SessionState::Sculpting && self.is_sculpture_uncovered() {
             if self.finishing {
                 self.actions.push(PanelAction::Finish);

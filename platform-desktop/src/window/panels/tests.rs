@@ -109,14 +109,14 @@ fn tools_bits_and_commands_can_be_clicked() {
 #[test]
 fn the_end_is_asked_for_twice_and_can_be_taken_back() {
     let mut panels = in_studio();
-    panels.request_finish(SessionState::Sculpting);
+    panels.ask_or_confirm_finish(SessionState::Sculpting);
     assert_eq!(frame(&mut panels, &sculpting_status(), Vec::new()), []);
     panels.close_topmost_or_toggle_start(SessionState::Sculpting);
-    panels.request_finish(SessionState::Sculpting);
+    panels.ask_or_confirm_finish(SessionState::Sculpting);
     assert_eq!(frame(&mut panels, &sculpting_status(), Vec::new()), []);
-    panels.request_finish(SessionState::Sculpting);
+    panels.ask_or_confirm_finish(SessionState::Sculpting);
     assert_eq!(frame(&mut panels, &sculpting_status(), Vec::new()), [PanelAction::Finish]);
-    panels.request_finish(SessionState::Finished);
+    panels.ask_or_confirm_finish(SessionState::Finished);
     assert_eq!(frame(&mut panels, &sculpting_status(), Vec::new()), []);
 }
 

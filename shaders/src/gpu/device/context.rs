@@ -8,7 +8,9 @@ use ash::{ext, vk};
 use super::error::{Error, ErrorContext};
 use super::features::{DeviceFeatures, NegotiatedFeatures};
 use super::options::Options;
-use super::selection::{API_VERSION, device_name, find_queue_family, rank_device_type_best_first};
+use super::selection::{
+    API_VERSION, device_name, find_graphics_queue_family, rank_device_type_best_first,
+};
 
 /// A Vulkan instance, and the messages of the validation layer.
 pub struct Instance {
@@ -215,7 +217,7 @@ impl Gpu {
                 refused.push(format!("{name} is not the one asked for"));
                 continue;
             }
-            match find_queue_family(&instance.raw, physical, &properties, &presents) {
+            match find_graphics_queue_family(&instance.raw, physical, &properties, &presents) {
                 Ok(family) => {
                     let rank = rank_device_type_best_first(properties.device_type);
                     fitting.push((rank, DeviceChoice { physical, family, name }));
@@ -250,7 +252,7 @@ impl Gpu {
         // SAFETY: the physical device is one of this instance's.
         let properties = unsafe { instance.raw.get_physical_device_properties(physical) };
         let name = device_name(&properties);
-        let family = find_queue_family(&instance.raw, physical, &properties, &|_, _| true)
+        let family = find_graphics_queue_family(&instance.raw, physical, &properties, &|_, _| true)
             .map_err(|lacks| Error::NoDevice(vec![format!("{name} {lacks}")]))?;
         Self::create_device(instance, options, DeviceChoice { physical, family, name }, make)
     }

@@ -52,7 +52,7 @@ impl TargetFormat {
     }
 
     /// View mask: one bit for each view.
-    pub(crate) const fn view_mask(&self) -> u32 {
+    pub(crate) const fn multiview_mask(&self) -> u32 {
         (1 << self.views) - 1
     }
 }

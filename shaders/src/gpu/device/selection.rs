@@ -20,7 +20,7 @@ pub(crate) const fn rank_device_type_best_first(kind: vk::PhysicalDeviceType) ->
 type Lack = String;
 
 /// Index of a queue family that supports graphics and presentation, or what the device lacks.
-pub(crate) fn find_queue_family(
+pub(crate) fn find_graphics_queue_family(
     instance: &ash::Instance,
     physical: vk::PhysicalDevice,
     properties: &vk::PhysicalDeviceProperties,

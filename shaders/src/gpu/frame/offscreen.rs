@@ -71,7 +71,8 @@ impl OffscreenTarget {
             false => None,
         };
         let depths: Vec<_> = depth.iter().map(|depth| depth.view).collect();
-        let target = readback_renderer.create_target(extent, &[color.view], &depths)?;
+        let target =
+            readback_renderer.create_target_without_density_maps(extent, &[color.view], &depths)?;
         Ok(OffscreenTarget { target, gpu: gpu.clone(), color, depth })
     }
 

@@ -27,7 +27,7 @@ struct PassFramebuffer {
 }
 
 impl Renderer {
-    fn bind_set(&self, commands: vk::CommandBuffer, set: vk::DescriptorSet) {
+    fn bind_graphics_set(&self, commands: vk::CommandBuffer, set: vk::DescriptorSet) {
         // SAFETY: the set has the layout's bindings, and what it names is alive.
         unsafe {
             self.gpu.device.cmd_bind_descriptor_sets(
@@ -61,7 +61,7 @@ impl Renderer {
         };
         self.record_pass(commands, drawn, &clear, |device| {
             let Some(scene) = scene else { return };
-            self.bind_set(commands, set);
+            self.bind_graphics_set(commands, set);
             let [meshes, sculpture] = self.pipelines.shadow_casters;
             self.bind_meshes(commands);
             // SAFETY: the pass is the pipelines'; the box's vertices are made from their numbers.
@@ -91,7 +91,7 @@ impl Renderer {
             };
             let clear = [vk::ClearValue { color: none }];
             self.record_pass(commands, drawn, &clear, |device| {
-                self.bind_set(commands, target.sets[self.slot_index]);
+                self.bind_graphics_set(commands, target.sets[self.slot_index]);
                 // SAFETY: the pass is the pipeline's, and vertices are made from their numbers.
                 unsafe {
                     device.cmd_bind_pipeline(commands, GRAPHICS, pipeline);
@@ -122,7 +122,7 @@ impl Renderer {
             extent: target.extent,
         };
         self.record_pass(commands, drawn, &clears, |_| {
-            self.bind_set(commands, target.sets[self.slot_index]);
+            self.bind_graphics_set(commands, target.sets[self.slot_index]);
             if request.scene.is_some() {
                 self.bind_meshes(commands);
             }
@@ -144,7 +144,7 @@ impl Renderer {
                 });
             }
             if let Some(scene) = request.scene {
-                self.record_group(commands, scene, DrawGroup::Particles);
+                self.record_group_of_bound_meshes(commands, scene, DrawGroup::Particles);
             }
             self.overlay.record_draws(commands, target.extent);
         });
@@ -167,10 +167,10 @@ impl Renderer {
                 timers.write_timestamp(commands, Timestamp::SculptureEnds);
             }
             (PassPart::Handheld, Some(scene)) => {
-                self.record_group(commands, scene, DrawGroup::Handheld);
+                self.record_group_of_bound_meshes(commands, scene, DrawGroup::Handheld);
             }
             (PassPart::Surroundings, Some(scene)) => {
-                self.record_group(commands, scene, DrawGroup::Surroundings);
+                self.record_group_of_bound_meshes(commands, scene, DrawGroup::Surroundings);
             }
             (PassPart::Handheld | PassPart::Surroundings, None) => {}
         }
@@ -196,7 +196,12 @@ impl Renderer {
         }
     }
 
-    fn record_group(&self, commands: vk::CommandBuffer, scene: &DrawList, group: DrawGroup) {
+    fn record_group_of_bound_meshes(
+        &self,
+        commands: vk::CommandBuffer,
+        scene: &DrawList,
+        group: DrawGroup,
+    ) {
         let pipeline = match group {
             DrawGroup::Particles => self.pipelines.particles,
             DrawGroup::Handheld | DrawGroup::Surroundings => self.pipelines.meshes,

@@ -65,7 +65,7 @@ pub struct Renderer {
     /// Pool of the ring's command buffers.
     _pool: OwnedHandle<vk::CommandPool>,
     pub(crate) slot_index: usize,
-    frame_times: FrameTimes,
+    gpu_frame_times: FrameTimes,
     fragment_counts: FragmentCounts,
     pub(crate) order: SculptureOrder,
 }
@@ -141,16 +141,18 @@ impl Renderer {
             ring,
             _pool: pool,
             slot_index: 0,
-            frame_times: FrameTimes::default(),
+            gpu_frame_times: FrameTimes::default(),
             fragment_counts: FragmentCounts::default(),
             order: SculptureOrder::default(),
         };
         let cube = |texture, side: usize| Region { texture, min: [0; 3], size: [side as u32; 3] };
         let bytes: Vec<u8> =
             noise::noise_texture().iter().map(|noise| noise.cast_unsigned()).collect();
-        renderer.upload_now(cube(Texture::Noise, NOISE_TEXELS), &bytes)?;
-        renderer
-            .upload_now(cube(Texture::Marble, marble::TEXTURE_SIDE), marble::grey_texture_3d())?;
+        renderer.submit_upload_between_frames(cube(Texture::Noise, NOISE_TEXELS), &bytes)?;
+        renderer.submit_upload_between_frames(
+            cube(Texture::Marble, marble::TEXTURE_SIDE),
+            marble::grey_texture_3d(),
+        )?;
         Ok(renderer)
     }
 
@@ -162,8 +164,8 @@ impl Renderer {
 
     /// GPU times of the latest frame known to be done.
     #[must_use]
-    pub const fn frame_times(&self) -> FrameTimes {
-        self.frame_times
+    pub const fn gpu_frame_times(&self) -> FrameTimes {
+        self.gpu_frame_times
     }
 
     /// Fragment counts of that frame.
@@ -189,7 +191,7 @@ impl Renderer {
     ///
     /// # Errors
     /// A call that failed.
-    pub fn create_target(
+    pub fn create_target_without_density_maps(
         &self,
         extent: [u32; 2],
         colors: &[vk::ImageView],
@@ -237,7 +239,8 @@ impl Renderer {
             slot.is_submitted = false;
         }
         if slot.has_picture {
-            (self.frame_times, self.fragment_counts) = (slot.timers.read(), slot.counters.read());
+            (self.gpu_frame_times, self.fragment_counts) =
+                (slot.timers.read(), slot.counters.read());
         }
         slot.has_picture = false;
         slot.staging.clear();
@@ -250,7 +253,7 @@ impl Renderer {
     #[must_use]
     pub fn try_stage_upload(&mut self, region: Region, bytes: &[u8]) -> bool {
         debug_assert_eq!(region.byte_count(), bytes.len(), "a region's bytes");
-        debug_assert!(region.fits_volume(self.volume), "{region:?} of {:?}", self.volume);
+        debug_assert!(region.has_intervals_of(self.volume), "{region:?} of {:?}", self.volume);
         self.ring[self.slot_index].staging.try_push(region, bytes)
     }
 
@@ -258,7 +261,11 @@ impl Renderer {
     ///
     /// # Errors
     /// A lost device.
-    pub fn upload_now(&mut self, region: Region, bytes: &[u8]) -> Result<(), Error> {
+    pub fn submit_upload_between_frames(
+        &mut self,
+        region: Region,
+        bytes: &[u8],
+    ) -> Result<(), Error> {
         let layer = bytes.len() / region.size[2] as usize;
         let layers = (FRAME_UPLOAD_BYTES / layer).max(1);
         for (i, part) in bytes.chunks(layers * layer).enumerate() {
@@ -314,9 +321,10 @@ impl Renderer {
         self.gpu.wait_idle()?;
         let slot = &self.ring[(self.slot_index + RING - 1) % RING];
         if slot.has_picture {
-            (self.frame_times, self.fragment_counts) = (slot.timers.read(), slot.counters.read());
+            (self.gpu_frame_times, self.fragment_counts) =
+                (slot.timers.read(), slot.counters.read());
         }
-        Ok(self.frame_times)
+        Ok(self.gpu_frame_times)
     }
 
     /// Records the uploads and what `record` adds, submits, and advances the ring.

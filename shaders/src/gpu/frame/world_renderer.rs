@@ -69,7 +69,7 @@ where
 
     /// Notes what a tick changed; call it after each tick.
     pub fn note_tick(&mut self, world: &World<N, K>) {
-        self.field.note_changes(world.volume().maps(), world.dirty_rects());
+        self.field.note_dirty_columns(world.volume().maps(), world.dirty_rects());
         self.anew |= world.events().iter().any(|event| matches!(event, WorldEvent::Started(_)));
         self.scene.follow_tick(world);
     }
@@ -120,7 +120,7 @@ where
         let mut loaded = Ok(());
         self.field.emit_all_regions(|region, bytes| {
             if loaded.is_ok() {
-                loaded = self.renderer.upload_now(region, bytes);
+                loaded = self.renderer.submit_upload_between_frames(region, bytes);
             }
         });
         loaded

@@ -38,7 +38,9 @@ impl RenderPass {
         let subpass = vk::SubpassDescription::default()
             .pipeline_bind_point(vk::PipelineBindPoint::GRAPHICS)
             .color_attachments(&colors);
-        with_pass_info(&attachments, subpass, format.view_mask(), None, |info| Self::new(gpu, info))
+        with_pass_info(&attachments, subpass, format.multiview_mask(), None, |info| {
+            Self::new(gpu, info)
+        })
     }
 
     /// The shadow map's pass: depth alone, to be sampled later.
@@ -146,7 +148,7 @@ fn with_frame_pass_info<T>(
     if multisampled {
         subpass = subpass.resolve_attachments(&resolves);
     }
-    with_pass_info(&attachments, subpass, format.view_mask(), density, make)
+    with_pass_info(&attachments, subpass, format.multiview_mask(), density, make)
 }
 
 /// Calls `make` with the create info of a pass of one subpass. `mask` is the multiview mask, 0 without

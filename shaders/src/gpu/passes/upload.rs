@@ -32,7 +32,7 @@ pub(crate) fn record_uploads(
         // Those that the program has bound, whether a box lies in them or not.
         let bound = textures.with_storage_usage();
         textures.record_transition(commands, bound, read, vk::ImageLayout::GENERAL);
-        writer.record_writes(commands, slot_index, staging);
+        writer.record_non_overlapping_writes(commands, slot_index, staging);
         textures.record_transition(commands, bound, vk::ImageLayout::GENERAL, read);
     }
 }

@@ -98,7 +98,7 @@ impl TexelWriter {
         })
     }
 
-    /// Whether [`TexelWriter::record_writes`] writes a region.
+    /// Whether [`TexelWriter::record_non_overlapping_writes`] writes a region.
     pub(crate) const fn can_write(region: &Region) -> bool {
         image_index(region.texture).is_some()
     }
@@ -107,7 +107,7 @@ impl TexelWriter {
     /// may overlap, and their images must be in the layout `GENERAL`.
     ///
     /// [can write]: TexelWriter::can_write
-    pub(crate) fn record_writes(
+    pub(crate) fn record_non_overlapping_writes(
         &mut self,
         commands: vk::CommandBuffer,
         slot_index: usize,

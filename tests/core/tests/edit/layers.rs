@@ -7,7 +7,7 @@ use paros_core::internals::{
     ColumnAddress, IslandSearch, RemovalJournal, RowAddress, StrokeJournal, UndoHistory,
     maps_digest,
 };
-use paros_core::limits::island_row_visits_per_tick;
+use paros_core::limits::max_island_row_visits_per_tick;
 use paros_core::volume::{
     Axis, BitGrid, BitSet, Column, DirtyRects, Grid, Journal, Range, Size, VoxelBox,
 };
@@ -128,7 +128,7 @@ where
             self.before.copy_from(self.volume.maps());
             let mut journal =
                 JournalNotes::of(RemovalJournal { undo: &mut self.undo, dirty: &mut self.dirty });
-            let visits = island_row_visits_per_tick(N);
+            let visits = max_island_row_visits_per_tick(N);
             let (volume, mask) = (&mut self.volume, &self.mask);
             let report = self.islands.advance_pass(volume, mask, visits, &mut journal);
             assert!(!journal.has_additions, "an island pass adds nothing");

@@ -56,7 +56,7 @@ pub(super) fn forget_bit(hand: &mut HandState) {
 pub(super) fn apply_input(hand: &mut HandState, input: &HandInput) -> HandPresses {
     hand.haptic = 0;
     let had_a_grip = hand.grip.1.length_squared() > 0.0;
-    let valid = |pose: &RawPose| if input.tracked { pose.to_metres() } else { None };
+    let valid = |pose: &RawPose| if input.tracked { pose.to_clamped_metres() } else { None };
     let update = |last: &mut RoomPose, pose: Option<RoomPose>| *last = pose.unwrap_or(*last);
     let grip = valid(&input.grip);
     update(&mut hand.grip, grip);
@@ -162,7 +162,7 @@ impl<const K: usize> StepModel<K> {
         let mask = ContactModel::of_shared(self.mask.voxels(), self.mask.voxels());
         let begins = presses.pulled || !state.can_sweep;
         if begins && self.stone().buries(grid_bit, &from) {
-            let freeze = mask.jump_if_allowed(grid_bit, &from, wanted, budget);
+            let freeze = mask.jump_if_bite_allows(grid_bit, &from, wanted, budget);
             return BitWay { obstacle: mask, may_edit: freeze.jumped, freeze, swept_from: None };
         }
         BitWay::walked(mask, state, grid_bit, (&from, wanted), budget)

@@ -4,8 +4,9 @@
 use paros_core::edit::Pose;
 use paros_core::internals::{GridBit, GridShape, WayBudget};
 use paros_core::limits::{
-    bit_side_voxels, bit_step_work, bite_work, island_removal_row_visits, island_reserve,
-    max_bit_steps_per_tick, rewind_work, sweep_work_of_ball, sweep_work_of_box, tick_work,
+    ball_sweep_work_per_quarter_voxel, bit_side_voxels, bit_step_work, bite_work,
+    box_sweep_work_per_quarter_voxel, island_removal_row_visits, island_reserve,
+    max_bit_steps_per_tick, rewind_work, tick_work,
 };
 
 use crate::contact::path_poses;
@@ -101,8 +102,8 @@ impl BitWork {
             step: bit_step_work(side),
             bite: bite_work(side),
             sweep: match bit.shape {
-                GridShape::Ball(_) => sweep_work_of_ball(side),
-                GridShape::Box(_) => sweep_work_of_box(side),
+                GridShape::Ball(_) => ball_sweep_work_per_quarter_voxel(side),
+                GridShape::Box(_) => box_sweep_work_per_quarter_voxel(side),
             },
         }
     }

@@ -133,7 +133,7 @@ impl<const K: usize> StepModel<K> {
             self.start_session(input.start, starts);
         }
         let ran_a_tool = self.is_a_tool_running();
-        if let Some(head) = input.head.to_metres() {
+        if let Some(head) = input.head.to_clamped_metres() {
             self.head = head;
         }
         let presses =
@@ -143,7 +143,7 @@ impl<const K: usize> StepModel<K> {
             let rewound = self.apply_commands(input, &presses);
             self.apply_pointer(input.pointer);
             for (hand, presses) in presses.iter().enumerate() {
-                self.grab_or_release(hand, *presses);
+                self.grab_or_release_on_squeeze(hand, *presses);
             }
             self.step_tools(&presses, ran_a_tool, rewound)?;
             let is_told = told.iter().any(|event| matches!(event, WorldEvent::Islands(_)));
@@ -254,7 +254,7 @@ impl<const K: usize> StepModel<K> {
     }
 
     /// A squeeze takes what is in reach, or drops what is held.
-    fn grab_or_release(&mut self, hand: usize, presses: HandPresses) {
+    fn grab_or_release_on_squeeze(&mut self, hand: usize, presses: HandPresses) {
         if !presses.squeezed {
             return;
         }

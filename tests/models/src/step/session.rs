@@ -3,7 +3,7 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use paros_core::internals::IslandSearch;
-use paros_core::limits::island_row_visits_per_tick;
+use paros_core::limits::max_island_row_visits_per_tick;
 use paros_core::volume::{Grid, Size};
 use paros_core::{TickInput, Volume, World, WorldEvent};
 
@@ -213,7 +213,7 @@ where
         spare.set_maps(world.volume().maps());
         search.reset();
         search.request_pass();
-        let visits = island_row_visits_per_tick(N);
+        let visits = max_island_row_visits_per_tick(N);
         let ticks =
             (1..).find(|_| search.advance_pass(spare, world.mask(), visits, &mut ()).is_some());
         let longest = longest * ticks.unwrap_or(1);
