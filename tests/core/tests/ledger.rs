@@ -4,7 +4,8 @@
 use std::sync::{Mutex, PoisonError};
 
 use glam::{Quat, Vec3};
-use paros_core::edit::{Pose, UndoCounts};
+use paros_core::edit::{Pose, SUBUNITS_PER_VOXEL, UndoCounts};
+use paros_core::internals::GridShape;
 use paros_core::session::{
     BenchItem, PointerCommand, RawPose, SessionMode, Tool, ToolBit, commands,
 };
@@ -285,4 +286,66 @@ fn what_hangs_after_an_undo_waits_while_something_can_be_redone() {
         assert!(!has_block(&harness), "it hangs for ever");
         assert_eq!(harness.world.undo_counts(), UndoCounts { undoable: 2, redoable: 0 });
     }
+}
+
+static HARNESS_128: Mutex<WorldHarness<128>> = Mutex::new(WorldHarness::new());
+
+/// The bits whose ways cost most, of two tools.
+const CRAWLERS: [ToolBit; 2] = [ToolBit::Grinder, ToolBit::File];
+
+/// A floor 60 voxels thick, and above it a block that no edit has touched yet. Each hand has its bit on the floor.
+fn start_crawl(harness: &mut WorldHarness<128>) {
+    harness.start_from_voxels(|[x, y, z]| y < 60 || [x, y, z].map(|i| i / 8) == [8, 12, 8]);
+    for (hand, bit) in CRAWLERS.into_iter().enumerate() {
+        take_item(harness, hand, BenchItem::Tool(bit.spec().tool));
+        take_item(harness, hand, BenchItem::Bit(bit));
+    }
+    step_to(harness, 15.0, 0);
+}
+
+/// Runs a tick in which both hands lead their bits toward `x`, as deep in the floor as their bites allow: they go
+/// there a step at a time. Returns where they are.
+fn step_to(harness: &mut WorldHarness<128>, x: f32, trigger: u8) -> [f32; 2] {
+    let voxel_um = harness.world.stool_frame().voxel_metres() * 1e6;
+    let hands = [LEFT, RIGHT].map(|hand| {
+        let bit = CRAWLERS[hand].to_grid_bit(voxel_um);
+        let GridShape::Box(half) = bit.shape else { unreachable!("two boxes") };
+        let depth = (half.y - bit.bite) as f32 / SUBUNITS_PER_VOXEL as f32;
+        let position = Vec3::new(x, 59.52 + depth, 35.5 + 60.0 * hand as f32);
+        let pose = Pose { position, rotation: Quat::IDENTITY };
+        HandInput { trigger, ..harness.world.hand_with_bit_at(hand, &pose) }
+    });
+    harness.step(&TickInput { hands, ..TickInput::default() });
+    [LEFT, RIGHT].map(|hand| harness.world.hand_state(hand).frozen_pose.position.x)
+}
+
+/// A bit whose way and edit could cost all of a tick leaves the other hand's its half: both go on in every tick,
+/// whichever begins.
+#[test]
+fn each_hand_has_its_half_of_a_tick() {
+    let harness = &mut *HARNESS_128.lock().unwrap_or_else(PoisonError::into_inner);
+    start_crawl(harness);
+    let mut before = [15.0; 2];
+    for tick in 0..4 {
+        let now = step_to(harness, 200.0, 255);
+        for hand in [LEFT, RIGHT] {
+            let way = now[hand] - before[hand];
+            assert!((1.0..30.0).contains(&way), "tick {tick}: {:?} went {way}", CRAWLERS[hand]);
+        }
+        before = now;
+    }
+}
+
+/// The islands' share is theirs while both hands spend all that they may.
+#[test]
+fn islands_have_their_share_of_each_tick() {
+    let harness = &mut *HARNESS_128.lock().unwrap_or_else(PoisonError::into_inner);
+    start_crawl(harness);
+    let mut ticks = 0;
+    while harness.world.volume().rows().contains([66, 98, 66]) {
+        step_to(harness, 200.0, 255);
+        ticks += 1;
+        assert!(ticks < 40, "it hangs for ever");
+    }
+    assert!((2..5).contains(&ticks), "{ticks} ticks");
 }

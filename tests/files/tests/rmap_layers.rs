@@ -285,6 +285,20 @@ fn edited_blocks_of_all_widths_come_back() {
     (0..2).for_each(check_edited_block::<128>);
 }
 
+/// A bar of which a voxel was cut first, and then two longer runs that its column along x had no room for. Read
+/// into three intervals, that column has room for one of them, beside the gap that it had.
+#[test]
+fn a_short_gap_of_a_file_is_held_in_more_intervals() {
+    let of_bar =
+        |is_in: fn(i32) -> bool| DenseVolume::from_fn(N, |[x, y, z]| (y, z) == (5, 5) && is_in(x));
+    let cuts =
+        [of_bar(|x| x == 3), of_bar(|_| false), of_bar(|x| [5, 6, 7, 9, 10, 11].contains(&x))];
+    let history = [vec![of_bar(|_| true)], cuts.to_vec()].concat();
+    let held = maps_of_history::<2>(&history).column(Axis::X, (5, 5)).0;
+    assert_eq!(held, [Range::new(0, 2), Range::new(4, 15)]);
+    check_widened::<2, 3>(&history);
+}
+
 /// The column along x of the volume of [`encode_two_voxels`].
 const ALONG_X: (Axis, Address) = (Axis::X, (5, 5));
 
