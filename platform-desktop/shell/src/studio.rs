@@ -141,7 +141,7 @@ where
         self.autosave.save_error()
     }
 
-    /// Whether files of a sculpture could not be written and wait for
+    /// Whether files of a sculpture, or of a session that was left, could not be written and wait for
     /// [`Studio::retry_failed_writes`].
     #[must_use]
     pub const fn has_writes_to_retry(&self) -> bool {
@@ -233,7 +233,9 @@ where
 
     /// Submits once more the files that could not be written.
     pub fn retry_failed_writes(&mut self) {
-        self.export.take_failed_jobs().for_each(|job| self.file_writer.submit_or_wait(job));
+        for job in self.export.take_failed_jobs() {
+            self.submit_job(job);
+        }
     }
 
     /// Copies the current sculpture to the visitor's own start volume. Returns the session that starts

@@ -1,6 +1,7 @@
 //! Export of a finished sculpture: an STL file, its volume and a picture. It takes the world after each
 //! tick and gives files as bytes. It knows neither where they go nor how they are written.
 
+use std::mem;
 use std::path::{Path, PathBuf};
 
 use paros_core::World;
@@ -20,6 +21,8 @@ where
     stl_exporter: StlExporter<'a, N, INTERVALS>,
     draw_picture: DrawPicture<N>,
     files: Option<SculptureFiles>,
+    /// Sculptures whose files the writer hasn't answered for.
+    being_written: usize,
     /// The path of the last STL file.
     session_stl_path: Option<PathBuf>,
     /// Jobs that failed in every folder, of finished sculptures and previous sessions.
@@ -40,6 +43,7 @@ where
             stl_exporter,
             draw_picture,
             files: None,
+            being_written: 0,
             session_stl_path: None,
             failed_jobs,
         }
@@ -66,13 +70,23 @@ where
     }
 
     /// Removes and returns the failed jobs.
-    pub(super) fn take_failed_jobs(&mut self) -> impl Iterator<Item = WriteJob> {
-        self.failed_jobs.drain(..)
+    pub(super) fn take_failed_jobs(&mut self) -> Vec<WriteJob> {
+        mem::take(&mut self.failed_jobs)
     }
 
-    /// Whether files are being made.
+    /// Notes that a sculpture's files were submitted to the writer.
+    pub(super) const fn note_submitted(&mut self) {
+        self.being_written += 1;
+    }
+
+    /// Notes that the writer answered for a sculpture's files.
+    pub(super) const fn note_answered(&mut self) {
+        self.being_written -= 1;
+    }
+
+    /// Whether files are being made or written.
     pub(super) const fn is_busy(&self) -> bool {
-        self.files.is_some()
+        self.files.is_some() || self.being_written > 0
     }
 
     /// Advances the STL export after a tick; begins one where the tick finished the session.

@@ -57,11 +57,19 @@ where
         bytes: Vec<Vec<u8>>,
     ) {
         let folders = vec![self.paths.sculptures.clone(), self.paths.sessions.clone()];
-        self.file_writer.submit_or_wait(WriteJob {
+        self.submit_job(WriteJob {
             kind,
             destination: Destination::NextFree { folders, stem, extensions },
             contents: bytes,
         });
+    }
+
+    /// Submits files, and notes those of a sculpture until the writer answers for them.
+    pub(super) fn submit_job(&mut self, job: WriteJob) {
+        if job.kind == FileKind::Sculpture {
+            self.export.note_submitted();
+        }
+        self.file_writer.submit_or_wait(job);
     }
 
     /// Handles a write's outcome: messages for the visitor, the save's buffer taken back, failed
@@ -77,6 +85,9 @@ where
             self.push_notice(Notice::Bad(refused.to_string()));
         }
         let kind = outcome.job.kind;
+        if kind == FileKind::Sculpture {
+            self.export.note_answered();
+        }
         let written = outcome.result.map(|paths| self.report_written(kind, paths));
         let error = written.as_ref().err();
         if kind == FileKind::Session {

@@ -4,7 +4,9 @@ use std::fs;
 
 use glam::{Quat, Vec3};
 use paros_core::limits::max_save_bytes;
-use paros_core::session::{BenchItem, PointerCommand, RawPose, SessionMode, TICK_RATE, Tool};
+use paros_core::session::{
+    BenchItem, PointerCommand, RawPose, SessionMode, TICK_RATE, Tool, commands,
+};
 use paros_core::volume::Grid;
 use paros_core::{HandInput, TickInput};
 
@@ -86,6 +88,32 @@ fn a_stroke_that_ends_is_saved() {
         assert_eq!(studio.autosave.is_writing(), saved, "{item:?}");
         drop(studio);
     }
+    fs::remove_dir_all(&folder).expect("the folder can be removed");
+}
+
+/// Who looks at the finished panel never reads that there is no print while it is on its way to the disk.
+#[test]
+fn a_sculpture_is_exported_until_it_is_written() {
+    let folder = std::env::temp_dir().join(format!("paros-export-{}", std::process::id()));
+    let (mut world, mut volumes) = (Grid::<128>::lock_world(), Grid::<128>::lock_start_volumes());
+    let mut stl_buffers = Grid::<128>::lock_stl_buffers();
+    let stl_exporter = StlExporter::new(&mut stl_buffers, DEFAULT_HEIGHT_MM).expect("a height");
+    let places = StudioPaths::inside_folder(&folder);
+    volumes.offer_visitor_volume().fill_block();
+    let mut studio =
+        Studio::new(&mut world, &mut volumes, stl_exporter, places, |_| Ok(b"a picture".into()));
+    studio.run_tick(&TickInput { start: SessionMode::Own, ..TickInput::default() });
+    studio.run_tick(&TickInput { commands: commands::FINISH, ..TickInput::default() });
+    assert!(studio.is_exporting());
+    while studio.is_exporting() {
+        assert_eq!(studio.session_stl_path(), None, "it is written, then said to be");
+        studio.run_tick(&TickInput::default());
+        studio.poll_background_work();
+    }
+    let stl = studio.session_stl_path().expect("a print").to_path_buf();
+    assert!(stl.exists() && stl.with_extension("rmap").exists());
+    drop(studio);
+    volumes.withdraw_visitor_volume();
     fs::remove_dir_all(&folder).expect("the folder can be removed");
 }
 
