@@ -2,6 +2,7 @@
 //! screen.
 
 use std::fs;
+use std::mem;
 use std::path::Path;
 use std::process::{Child, Stdio};
 use std::thread;
@@ -29,6 +30,19 @@ fn wait_until(what: &str, mut is_so: impl FnMut() -> bool) {
 /// The middle of the picture, where the stone is.
 fn changed_pixels(before: &Image, after: &Image) -> usize {
     count_differing(before, after, [420, 780], [200, 640])
+}
+
+/// Waits until the stroke is drawn to its end, however slow the device: no picture differs from the one a
+/// second before.
+fn wait_until_still(look: impl Fn() -> Image) -> Image {
+    let mut last = look();
+    wait_until("a picture that stays", || {
+        thread::sleep(Duration::from_secs(1));
+        let next = look();
+        let before = mem::replace(&mut last, next);
+        changed_pixels(&before, &last) < 100
+    });
+    last
 }
 
 fn drag_mouse(display: &XvfbDisplay, from: [i32; 2], to: [i32; 2]) {
@@ -69,14 +83,14 @@ fn a_newcomer_goes_from_launch_to_a_print_without_a_terminal() -> Result<(), Mis
     let stone = look("2-stone");
     drag_mouse(&display, [500, 360], [650, 400]);
     wait_until("the groove", || changed_pixels(&stone, &look("3-carved")) > 800);
-    thread::sleep(Duration::from_secs(2));
-    let carved = look("3-carved");
+    let carved = wait_until_still(|| look("3-carved"));
     display.xdotool("key z");
     wait_until("the stone made whole", || changed_pixels(&stone, &look("4-undone")) < 100);
     display.xdotool("key y");
     wait_until("the groove again", || changed_pixels(&stone, &look("5-redone")) > 800);
     drag_mouse(&display, [490, 470], [650, 520]);
     wait_until("another groove", || changed_pixels(&carved, &look("6-carved-on")) > 800);
+    wait_until_still(|| look("6-carved-on"));
     display.xdotool("key Return");
     let sculpted = look("6-carved-on");
     wait_until("the question", || {
