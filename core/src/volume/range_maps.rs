@@ -2,6 +2,7 @@
 //!
 //! Source: section 3.2 of the paper, after Karabassi, Papaioannou and Theoharis (1999).
 
+use crate::volume::column_digest::column_number;
 use crate::volume::range::Range;
 use crate::volume::row::BitSet;
 use crate::volume::size::{Grid, Size};
@@ -304,18 +305,8 @@ where
     #[must_use]
     #[inline]
     pub fn occupied_columns(&self, axis: Axis, line: usize) -> <Grid<N> as Size>::Row {
-        let mut row = <Grid<N> as Size>::Row::EMPTY;
-        for (i, columns) in self.line(axis, line).chunks(64).enumerate() {
-            let mut word = 0;
-            for (k, four) in columns.as_chunks::<4>().0.iter().enumerate() {
-                // A column whose first interval is empty has no other. No sum carries out of its 16-bit lane.
-                let first = pack_four_ranges(four.each_ref().map(|column| column.0[0]));
-                let any = ((first & !TOP_OF_EACH_16) + !TOP_OF_EACH_16) | first;
-                word |= gather_top_bits(any) << (4 * k);
-            }
-            row.set_word(i, word);
-        }
-        row
+        // A column without voxels is the number 0.
+        find_columns(self.line(axis, line), Grid::<N>::FULL, |column| column != 0)
     }
 
     /// Of the columns of a line at `places`, those that begin below `first`, and those that end above
@@ -330,43 +321,49 @@ where
         first: usize,
         last: usize,
     ) -> ColumnsBeyond<<Grid<N> as Size>::Row> {
-        // Added to a byte in a 16-bit lane, sets the lane's top bit where the byte is at least `least`.
-        let at_least = |least: usize| ONE_IN_EACH_16 * (0x8000 - least as u64);
-        let (from, to) = (at_least(256 - first), at_least(last + 1));
-        let (mut below, mut above) = (places, places);
-        for (i, line) in self.line(axis, line).chunks(64).enumerate() {
-            let (mut lo, mut hi) = (0, 0);
-            for (k, four) in line.as_chunks::<4>().0.iter().enumerate() {
-                if places.word(i) >> (4 * k) & 15 == 0 {
-                    continue;
-                }
-                let bytes = pack_four_ranges(four.each_ref().map(Column::hull));
-                lo |= gather_top_bits((bytes & (0xff * ONE_IN_EACH_16)) + from) << (4 * k);
-                hi |= gather_top_bits((bytes >> 8 & (0xff * ONE_IN_EACH_16)) + to) << (4 * k);
-            }
-            below.set_word(i, places.word(i) & lo);
-            above.set_word(i, places.word(i) & hi);
+        let line = self.line(axis, line);
+        // The lowest interval is the first, and an empty one neither begins below nor ends above.
+        let begins_below = |column: u64| (column & 0xff) as u32 > 255 - first as u32;
+        let ends_above = |column: u64| {
+            (0..K)
+                .fold(false, |any, i| any | ((column >> (16 * i + 8) & 0xff) as u32 > last as u32))
+        };
+        ColumnsBeyond {
+            below_first: find_columns(line, places, begins_below),
+            above_last: find_columns(line, places, ends_above),
         }
-        ColumnsBeyond { below_first: below, above_last: above }
     }
 }
 
-/// The lowest bit of each 16-bit lane, and the highest.
-const ONE_IN_EACH_16: u64 = 0x0001_0001_0001_0001;
-const TOP_OF_EACH_16: u64 = 0x8000 * ONE_IN_EACH_16;
-
-/// Four ranges in 16-bit lanes: the complement of the first voxel in the low byte of each, the last
-/// voxel in the high byte.
+/// The places among `places` of a line's columns for which `is_sought` holds, given [`column_number`].
+///
+/// The compiler looks at many columns at once, as each is one number and there is no branch.
 #[inline]
-fn pack_four_ranges(ranges: [Range; 4]) -> u64 {
-    let [a, b, c, d] = ranges.map(|range| u64::from(u16::from_le_bytes(range.to_bytes())));
-    a | b << 16 | c << 32 | d << 48
+pub(crate) fn find_columns<R: BitSet, const K: usize>(
+    line: &[Column<K>],
+    places: R,
+    is_sought: impl Fn(u64) -> bool,
+) -> R {
+    let mut found = R::EMPTY;
+    for (i, columns) in line.chunks(64).enumerate() {
+        if places.word(i) == 0 {
+            continue;
+        }
+        let mut flags = [0u8; 64];
+        for (flag, column) in flags.iter_mut().zip(columns) {
+            *flag = u8::from(is_sought(column_number(*column)));
+        }
+        let eights = flags.as_chunks::<8>().0.iter().enumerate();
+        let word = eights.fold(0, |word, (k, eight)| word | gather_low_bits(*eight) << (8 * k));
+        found.set_word(i, places.word(i) & word);
+    }
+    found
 }
 
-/// Gathers the top bits of the four lanes into the low four bits (a multiplication in place of `pext`).
+/// Gathers the low bits of eight bytes, which have no others, into one (a multiplication in place of `pext`).
 #[inline]
-fn gather_top_bits(lanes: u64) -> u64 {
-    // Bit i x 16 times 2 to the 48 - i x 15 is bit 48 + i; no other product comes that high
+fn gather_low_bits(bytes: [u8; 8]) -> u64 {
+    // Bit i x 8 times 2 to the 56 - i x 7 is bit 56 + i; no other product comes that high
     // without falling off the end.
-    ((lanes & TOP_OF_EACH_16) >> 15).wrapping_mul(1 << 48 | 1 << 33 | 1 << 18 | 1 << 3) >> 48 & 15
+    u64::from_le_bytes(bytes).wrapping_mul(0x0102_0408_1020_4080) >> 56
 }

@@ -123,19 +123,36 @@ fn runs_in_words(a: &[bool]) -> Vec<(usize, usize)> {
     runs
 }
 
-/// Maps with one line of columns; those set in `columns` have the ranges of `ends`, the others are empty.
-fn line_from_columns<const N: usize>(columns: &[bool], ends: &[(usize, usize)]) -> RangeMaps<N> {
+/// The numbers in `ends` of every column, of whose intervals they are the ends.
+const ENDS: usize = 8;
+
+/// Maps with one line of columns; those set in `columns` have intervals with the ends `ends`, the others are empty.
+fn line_from_columns<const N: usize, const K: usize>(
+    columns: &[bool],
+    ends: &[[usize; ENDS]],
+) -> RangeMaps<N, K> {
     let mut maps = RangeMaps::new();
     for place in (0..N).filter(|&place| columns[place]) {
-        let (a, b) = ends[place];
-        let column = Column([Range::new(a.min(b), a.max(b))]);
-        maps.set_column(Axis::Z, (1, place), column);
+        maps.set_column(Axis::Z, (1, place), column_from_ends(ends[place]));
     }
     maps
 }
 
-fn assert_line_is_column_by_column<const N: usize>(
-    maps: &RangeMaps<N>,
+/// A column of as many intervals as these ends, sorted, make without touching.
+fn column_from_ends<const K: usize>(mut ends: [usize; ENDS]) -> Column<K> {
+    ends.sort_unstable();
+    let mut column = Column::EMPTY;
+    for (i, [first, last]) in ends.as_chunks().0[..K].iter().enumerate() {
+        if i > 0 && column.0[i - 1].last() + 1 >= *first {
+            break;
+        }
+        column.0[i] = Range::new(*first, *last);
+    }
+    column
+}
+
+fn assert_line_is_column_by_column<const N: usize, const K: usize>(
+    maps: &RangeMaps<N, K>,
     columns: &[bool],
     (first, last): (usize, usize),
 ) where
@@ -155,29 +172,32 @@ fn assert_line_is_column_by_column<const N: usize>(
     among(beyond.above_last, &|range| range.last() > last);
 }
 
-proptest! {
-    #![proptest_config(ProptestConfig::with_cases(1000))]
-    #[test]
-    fn lines_of_16_are_column_by_column(
-        held in any_bits(16),
-        columns in any_bits(16),
-        ends in proptest::collection::vec((0..16usize, 0..16usize), 16),
-        first in 0..16usize,
-        last in 0..16usize,
-    ) {
-        assert_line_is_column_by_column::<16>(&line_from_columns(&held, &ends), &columns, (first, last));
-    }
+macro_rules! lines {
+    ($($name:ident: $n:literal, of $($k:literal)+;)*) => {
+        proptest! {
+            #![proptest_config(ProptestConfig::with_cases(1000))]
+            $(#[test]
+            fn $name(
+                held in any_bits($n),
+                columns in any_bits($n),
+                ends in proptest::collection::vec(proptest::array::uniform8(0..$n as usize), $n),
+                first in 0..$n as usize,
+                last in 0..$n as usize,
+            ) {
+                $(assert_line_is_column_by_column::<$n, $k>(
+                    &line_from_columns(&held, &ends),
+                    &columns,
+                    (first, last),
+                );)+
+            })*
+        }
+    };
+}
 
-    #[test]
-    fn lines_of_256_are_column_by_column(
-        held in any_bits(256),
-        columns in any_bits(256),
-        ends in proptest::collection::vec((0..256usize, 0..256usize), 256),
-        first in 0..256usize,
-        last in 0..256usize,
-    ) {
-        assert_line_is_column_by_column::<256>(&line_from_columns(&held, &ends), &columns, (first, last));
-    }
+lines! {
+    lines_of_16_are_column_by_column: 16, of 1 2 4;
+    lines_of_128_are_column_by_column: 128, of 2;
+    lines_of_256_are_column_by_column: 256, of 1;
 }
 
 macro_rules! rows {
