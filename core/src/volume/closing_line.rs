@@ -2,9 +2,9 @@
 //! all of them at once as far as bit operations go.
 
 use crate::volume::closure::ChosenGaps;
-use crate::volume::line_scan::HoleScan;
+use crate::volume::line_scan::{HoleScan, close_columns};
 use crate::volume::range::Range;
-use crate::volume::range_maps::Column;
+use crate::volume::range_maps::{Column, find_columns};
 use crate::volume::row::BitSet;
 use crate::volume::size::{Grid, Size};
 
@@ -12,7 +12,8 @@ use crate::volume::size::{Grid, Size};
 pub(crate) struct ClosingLine<'a, const K: usize> {
     /// The line as it was.
     pub(crate) before: &'a [Column<K>],
-    /// The line to complete: each changed column as it was, but for the ends of its hull.
+    /// The line to complete: each changed column as it was, but for the ends of its hull and without the
+    /// intervals beyond them.
     pub(crate) after: &'a mut [Column<K>],
     /// The positions at which voxels changed.
     pub(crate) changed: Range,
@@ -23,13 +24,8 @@ pub(crate) struct ClosingLine<'a, const K: usize> {
 /// The columns `among` of a line that have gaps.
 #[inline]
 pub(crate) fn find_gapped<R: BitSet, const K: usize>(line: &[Column<K>], among: R) -> R {
-    let mut gapped = R::EMPTY;
-    if K > 1 {
-        for place in among.iter_ones() {
-            gapped.insert_if(line[place].has_gaps(), place);
-        }
-    }
-    gapped
+    // All but the first interval.
+    if K == 1 { R::EMPTY } else { find_columns(line, among, |column| column >> 16 != 0) }
 }
 
 impl<const K: usize> ClosingLine<'_, K> {
@@ -74,44 +70,46 @@ impl<const K: usize> ClosingLine<'_, K> {
                 None => lost.insert(place),
             }
         }
-        let holed = self.join_lost_without_holes(lost, &row);
-        for place in holed.iter_ones() {
-            let hull = self.after[place].hull();
-            let voxels: <Grid<N> as Size>::Row = gather_column(hull, place, &row);
-            self.after[place] = Column::closed_over(voxels, &self.before[place]);
-        }
+        self.close_lost::<N, _>(lost, &row);
         widened | filled | split | lost
     }
 
-    /// Completes those of the columns `lost` that are one interval now, as most are from which an island fell:
-    /// one scan finds them, where there are several. Returns the others.
+    /// Completes columns that are to be searched as a whole: where there are several, all of them at once. Most
+    /// from which an island fell are one interval now.
     #[inline]
-    fn join_lost_without_holes<R: BitSet>(&mut self, lost: R, row: impl Fn(usize) -> R) -> R {
+    fn close_lost<const N: usize, R: BitSet>(&mut self, lost: R, row: impl Fn(usize) -> R)
+    where
+        Grid<N>: Size,
+    {
         if lost.count_ones() < LEAST_SCANNED {
-            return lost;
+            for place in lost.iter_ones() {
+                let hull = self.after[place].hull();
+                let voxels: <Grid<N> as Size>::Row = gather_column(hull, place, &row);
+                self.after[place] = Column::closed_over(voxels, &self.before[place]);
+            }
+            return;
         }
-        let hulls = lost.iter_ones().map(|place| self.after[place].hull());
-        let span = hulls.fold(Range::EMPTY, Range::hull_with);
+        let mut span = Range::EMPTY;
+        for place in lost.iter_ones() {
+            let hull = self.after[place].hull();
+            span = span.hull_with(hull);
+            self.after[place] = Column::from_range(hull);
+        }
         let mut holes = HoleScan::NONE;
         (span.first()..span.last() + 1).for_each(|i| holes.pass(row(i) & lost));
-        for place in (lost & !holes.found).iter_ones() {
-            // An end of a hull whose outer interval is gone isn't tight yet.
-            let hull = self.after[place].hull();
-            let ends = find_first_voxel(hull, place, &row).zip(find_last_voxel(hull, place, &row));
-            self.after[place] =
-                ends.map_or(Column::EMPTY, |(lo, hi)| Column::from_range(Range::new(lo, hi)));
+        if !holes.found.is_empty() {
+            close_columns::<N, K, _>(self.before, self.after, holes.found, span, row);
         }
-        holes.found
     }
 
     /// Widens the gaps of columns after a removal, where voxels at their ends are gone.
     #[inline]
     fn widen_gaps<R: BitSet>(&mut self, gapped: R, row: impl Fn(usize) -> R) -> TouchedGaps<R> {
         let (mut widened, mut lost) = (R::EMPTY, R::EMPTY);
-        if K > 2 {
-            for place in gapped.iter_ones() {
-                lost.insert_if(!self.before[place].is_full(), place);
-            }
+        for place in gapped.iter_ones() {
+            // Where there is an interval less, its gap is gone from the hull.
+            let is_full = self.before[place].is_full() & self.after[place].is_full();
+            lost.insert_if(!is_full, place);
         }
         let full = gapped & !lost;
         for i in 1..K {

@@ -72,17 +72,25 @@ impl<const K: usize> Column<K> {
         self.0.iter().rposition(|interval| !interval.is_empty()).unwrap_or(0)
     }
 
-    /// Moves the first end of the hull, and no other.
+    /// Moves the first end of the hull. Intervals that lie below it are dropped, but for the last of all.
     #[inline]
     pub(crate) fn set_hull_first(&mut self, first: usize) {
+        while self.has_gaps() && self.0[0].last() < first {
+            self.0.copy_within(1.., 0);
+            self.0[K - 1] = Range::EMPTY;
+        }
         self.0[0] = self.0[0].with_first(first);
     }
 
-    /// Moves the last end of the hull, and no other.
+    /// Moves the last end of the hull. Intervals that lie above it are dropped, but for the first.
     #[inline]
     pub(crate) fn set_hull_last(&mut self, last: usize) {
-        let interval = &mut self.0[self.last_index()];
-        *interval = interval.with_last(last);
+        let mut index = self.last_index();
+        while index > 0 && last < self.0[index].first() {
+            self.0[index] = Range::EMPTY;
+            index -= 1;
+        }
+        self.0[index] = self.0[index].with_last(last);
     }
 
     /// Whether both voxels beside each gap are occupied.
@@ -248,6 +256,25 @@ mod tests {
         let before = Column([Range::new(0, 2), Range::new(5, 5), Range::new(7, 12)]);
         let after = Column::closed_over(row("###.....####.#"), &before);
         assert_eq!(drawn(after), [(0, 2), (8, 11), (13, 13)]);
+    }
+
+    #[test]
+    fn an_end_that_moves_past_a_gap_drops_the_interval_beyond() {
+        let before = Column([Range::new(2, 3), Range::new(5, 9), Range::new(12, 20)]);
+        let mut column = before;
+        column.set_hull_last(12);
+        assert_eq!(drawn(column), [(2, 3), (5, 9), (12, 12)]);
+        column.set_hull_last(9);
+        assert_eq!(drawn(column), [(2, 3), (5, 9), NONE]);
+        column.set_hull_first(4);
+        assert_eq!(drawn(column), [(4, 9), NONE, NONE]);
+        column = before;
+        column.set_hull_first(13);
+        assert_eq!(drawn(column), [(13, 20), NONE, NONE]);
+        // One interval stays, wherever its ends go.
+        column.set_hull_last(8);
+        column.set_hull_first(7);
+        assert_eq!(drawn(column), [(7, 8), NONE, NONE]);
     }
 
     #[test]

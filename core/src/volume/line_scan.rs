@@ -38,26 +38,59 @@ pub(crate) fn close_line<const N: usize, const K: usize>(
 ) where
     Grid<N>: Size,
 {
-    let mut scanned = [ScannedColumn::<K>::NONE; N];
-    let mut below = <Grid<N> as Size>::Row::EMPTY;
-    for (i, row) in rows.enumerate() {
+    let scanned = scan_columns::<N, K, _>(line, 0, rows);
+    for (column, scanned) in line.iter_mut().zip(scanned) {
+        *column = scanned.gaps.into_column(scanned.hull);
+    }
+}
+
+/// Sets the columns `among` of the line `after` to those of their exact voxels, by the closure rule: `row(i)` has
+/// voxel `i` of each column, and all are at the positions `span`. `before` is the line as it was.
+pub(crate) fn close_columns<const N: usize, const K: usize, R: BitSet>(
+    before: &[Column<K>],
+    after: &mut [Column<K>],
+    among: R,
+    span: Range,
+    row: impl Fn(usize) -> R,
+) where
+    Grid<N>: Size,
+{
+    let rows = (span.first()..span.last() + 1).map(|i| row(i) & among);
+    let scanned = scan_columns::<N, K, R>(before, span.first(), rows);
+    for place in among.iter_ones() {
+        after[place] = scanned[place].gaps.into_column(scanned[place].hull);
+    }
+}
+
+/// Scans columns that were `before` along `rows`, the first of which is at the position `first`.
+#[inline]
+fn scan_columns<const N: usize, const K: usize, R: BitSet>(
+    before: &[Column<K>],
+    first: usize,
+    rows: impl Iterator<Item = R>,
+) -> [ScannedColumn<K>; N]
+where
+    Grid<N>: Size,
+{
+    let mut scanned = [ScannedColumn::NONE; N];
+    let (mut below, mut end) = (R::EMPTY, first);
+    for (i, row) in (first..).zip(rows) {
+        end = i + 1;
         let changed = row ^ below;
         if changed.is_empty() {
             continue;
         }
         for place in changed.iter_ones() {
             if row.contains(place) {
-                scanned[place].begin_run(i, &line[place]);
+                scanned[place].begin_run(i, &before[place]);
             } else {
                 scanned[place].end_run(i - 1);
             }
         }
         below = row;
     }
-    below.iter_ones().for_each(|place| scanned[place].end_run(N - 1));
-    for (column, scanned) in line.iter_mut().zip(scanned) {
-        *column = scanned.gaps.into_column(scanned.hull);
-    }
+    below.iter_ones().for_each(|place| scanned[place].end_run(end - 1));
+    scanned
 }
 
 /// What a scan met of a column so far.
