@@ -123,13 +123,10 @@ fn runs_in_words(a: &[bool]) -> Vec<(usize, usize)> {
     runs
 }
 
-/// The numbers in `ends` of every column, of whose intervals they are the ends.
-const ENDS: usize = 8;
-
 /// Maps with one line of columns; those set in `columns` have intervals with the ends `ends`, the others are empty.
 fn line_from_columns<const N: usize, const K: usize>(
     columns: &[bool],
-    ends: &[[usize; ENDS]],
+    ends: &[[usize; 8]],
 ) -> RangeMaps<N, K> {
     let mut maps = RangeMaps::new();
     for place in (0..N).filter(|&place| columns[place]) {
@@ -139,7 +136,7 @@ fn line_from_columns<const N: usize, const K: usize>(
 }
 
 /// A column of as many intervals as these ends, sorted, make without touching.
-fn column_from_ends<const K: usize>(mut ends: [usize; ENDS]) -> Column<K> {
+fn column_from_ends<const K: usize>(mut ends: [usize; 8]) -> Column<K> {
     ends.sort_unstable();
     let mut column = Column::EMPTY;
     for (i, [first, last]) in ends.as_chunks().0[..K].iter().enumerate() {
@@ -184,11 +181,8 @@ macro_rules! lines {
                 first in 0..$n as usize,
                 last in 0..$n as usize,
             ) {
-                $(assert_line_is_column_by_column::<$n, $k>(
-                    &line_from_columns(&held, &ends),
-                    &columns,
-                    (first, last),
-                );)+
+                $(let maps = line_from_columns::<$n, $k>(&held, &ends);
+                assert_line_is_column_by_column(&maps, &columns, (first, last));)+
             })*
         }
     };
