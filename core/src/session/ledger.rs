@@ -9,8 +9,8 @@ use crate::edit::contact::WayBudget;
 use crate::edit::grid_bit::{GridBit, GridShape};
 use crate::limits::{
     ball_sweep_work_per_quarter_voxel, bit_side_voxels, bit_step_work, bite_work,
-    box_sweep_work_per_quarter_voxel, island_removal_row_visits, island_reserve,
-    max_bit_steps_per_tick, max_island_row_visits_per_tick, rewind_work, tick_work,
+    box_sweep_work_per_quarter_voxel, dear_rewind_columns, island_removal_row_visits,
+    island_reserve, max_bit_steps_per_tick, max_island_row_visits_per_tick, rewind_work, tick_work,
 };
 
 /// What is left of a tick's work.
@@ -23,20 +23,29 @@ pub(crate) struct TickLedger {
 }
 
 impl TickLedger {
-    /// The ledger of a tick in which undo or redo changed the volume, or not, and in which the island
+    /// The ledger of a tick in which undo or redo swapped so many columns, or none, and in which the island
     /// search is to remove what it found, or not.
+    ///
+    /// An undo or redo has begun the search anew: where it takes the whole tick, no pass loses anything.
     pub(crate) fn open(
         grid_side: usize,
         intervals: usize,
-        has_rewound: bool,
+        rewound_columns: u32,
         is_removal_due: bool,
     ) -> Self {
-        let rewind = if has_rewound { rewind_work(grid_side, intervals) } else { 0 };
+        let most_row_visits = max_island_row_visits_per_tick(grid_side);
+        let rewind = match rewound_columns {
+            0 => 0,
+            columns if columns > dear_rewind_columns(grid_side) => {
+                return TickLedger { left: 0, reserve: 0, most_row_visits };
+            }
+            _ => rewind_work(grid_side, intervals),
+        };
         let removal = if is_removal_due { island_removal_row_visits(grid_side) } else { 0 };
         TickLedger {
             left: tick_work(grid_side).saturating_sub(rewind),
             reserve: island_reserve(grid_side).max(removal),
-            most_row_visits: max_island_row_visits_per_tick(grid_side),
+            most_row_visits,
         }
     }
 
@@ -103,5 +112,23 @@ impl BitWork {
     /// The work of an edit that is swept along so many quarter voxels.
     pub(crate) const fn of_edit(&self, quarter_voxels: u32) -> u32 {
         self.bite + quarter_voxels * self.sweep
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::TickLedger;
+    use crate::limits::{dear_rewind_columns, island_reserve};
+
+    #[test]
+    fn a_dear_undo_takes_the_whole_tick() {
+        for (side, intervals) in [(128, 1), (128, 2), (256, 1), (256, 2)] {
+            let dear = dear_rewind_columns(side);
+            let ledger = TickLedger::open(side, intervals, dear + 1, false);
+            assert_eq!((ledger.hand_share(2), ledger.island_row_visits()), (0, 0));
+            let ledger = TickLedger::open(side, intervals, dear, false);
+            assert!(ledger.hand_share(2) > 0);
+            assert!(ledger.island_row_visits() > island_reserve(side));
+        }
     }
 }

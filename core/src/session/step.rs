@@ -17,8 +17,8 @@ use crate::volume::size::{Grid, Size};
 /// What the commands of a tick did.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct CommandEffects {
-    /// Whether undo or redo changed the volume.
-    pub(crate) volume_rewound: bool,
+    /// The columns that undo or redo swapped.
+    pub(crate) rewound_columns: u32,
 }
 
 impl<const N: usize, const K: usize> World<N, K>
@@ -89,7 +89,7 @@ where
         let rewound = match (undo, redo) {
             (true, false) => self.try_undo_or_redo(WorldEvent::Undone, UndoHistory::try_undo),
             (false, true) => self.try_undo_or_redo(WorldEvent::Redone, UndoHistory::try_redo),
-            _ => false,
+            _ => 0,
         };
         if asked(commands::SYMMETRY, buttons::STICK) {
             self.state.symmetry = !self.state.symmetry;
@@ -100,22 +100,23 @@ where
             self.islands.cancel_passes();
             self.push_event(WorldEvent::Finished);
         }
-        CommandEffects { volume_rewound: rewound }
+        CommandEffects { rewound_columns: rewound }
     }
 
-    /// Undoes or redoes one stroke, which ends a running island pass and requests another. Returns whether
-    /// there was such a stroke.
+    /// Undoes or redoes one stroke, which ends a running island pass and requests another. Returns the
+    /// number of its columns; 0 if there is no such stroke.
     fn try_undo_or_redo(
         &mut self,
         event: WorldEvent,
         undo_or_redo: fn(&mut UndoHistory<N, K>, &mut Volume<N, K>, &mut DirtyRects) -> bool,
-    ) -> bool {
-        let rewound = undo_or_redo(&mut self.undo, &mut self.volume, &mut self.dirty);
-        if rewound {
-            self.islands.restart_pass();
-            self.push_event(event);
+    ) -> u32 {
+        let before = self.undo.undo_counts().undoable;
+        if !undo_or_redo(&mut self.undo, &mut self.volume, &mut self.dirty) {
+            return 0;
         }
-        rewound
+        self.islands.restart_pass();
+        self.push_event(event);
+        self.undo.count_columns_of(before.min(self.undo.undo_counts().undoable))
     }
 
     /// Takes or returns an item for a pointer. [`World::turn_stool`] handles its turns.

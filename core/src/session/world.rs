@@ -95,7 +95,7 @@ where
         let presses = [0, 1].map(|hand| self.state.hands[hand].apply_input(&input.hands[hand]));
         if self.state.session == SessionState::Sculpting {
             self.turn_stool(input);
-            let rewound = self.apply_commands(input, presses).volume_rewound;
+            let rewound = self.apply_commands(input, presses).rewound_columns;
             self.apply_pointer_command(input.pointer);
             for (hand, presses) in presses.into_iter().enumerate() {
                 self.grab_or_release_on_squeeze(hand, presses);
@@ -111,9 +111,9 @@ where
 
     /// What the hands' tools and the island search do, within a tick's work. Hands begin in turn, so that
     /// neither always finds less than the other.
-    fn share_out_work(&mut self, presses: [HandPresses; 2], has_rewound: bool) {
+    fn share_out_work(&mut self, presses: [HandPresses; 2], rewound_columns: u32) {
         let is_removal_due = self.islands.is_removal_due();
-        let mut ledger = TickLedger::open(N, K, has_rewound, is_removal_due);
+        let mut ledger = TickLedger::open(N, K, rewound_columns, is_removal_due);
         let first = (self.state.tick & 1) as usize;
         for (hand, hands_left) in [(first, 2), (1 - first, 1)] {
             let spent = self.step_tool(hand, presses[hand], ledger.hand_share(hands_left));

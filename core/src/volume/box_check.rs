@@ -12,8 +12,8 @@ impl<const N: usize, const K: usize> Volume<N, K>
 where
     Grid<N>: Size,
 {
-    /// Rebuilds the bit rows after [`Volume::replace_column_leaving_bit_rows`], where only columns' voxels
-    /// inside the box changed.
+    /// Rebuilds the bit rows after [`Volume::maps_and_digest_leaving_bit_rows`], where only voxels of
+    /// columns inside the box changed.
     pub(crate) fn rebuild_rows_in(&mut self, changed: VoxelBox) {
         // Voxel by voxel for few, all columns at once for many.
         let [x, y, z] = changed.ranges();

@@ -3,20 +3,9 @@
 use crate::codec::digest::{DIGEST_KEYS, mix_bits};
 use crate::volume::range_maps::{Axis, Column, ColumnAddress, RangeMaps};
 
-/// The digest of a column at its address: its bytes as a number, times the keys of place and line. 0
-/// for an empty column, so all zero bytes digest to 0. Linear, so the line's key is multiplied once for
-/// all changes in a line.
-#[must_use]
-#[inline]
-pub(crate) fn column_digest<const K: usize>(
-    axis: Axis,
-    (line, place): ColumnAddress,
-    column: Column<K>,
-) -> u64 {
-    column_key(axis, (line, place)).wrapping_mul(column_number(column))
-}
-
-/// The key of a column's address, by which [`column_digest`] multiplies the column's number.
+/// The key of a column's address, by which a digest multiplies the column's number: 0 for an empty one, so
+/// all zero bytes digest to 0. The product of the keys of place and line: linear, so the line's is multiplied
+/// once for all changes in a line.
 #[inline]
 pub(crate) fn column_key(axis: Axis, (line, place): ColumnAddress) -> u64 {
     DIGEST_KEYS[place].wrapping_mul(line_key(axis, line))

@@ -2,9 +2,7 @@
 
 use crate::codec::digest::DIGEST_KEYS;
 use crate::volume::bit_grid::BitGrid;
-use crate::volume::column_digest::{
-    column_digest, column_number, copy_and_digest_maps, line_key, maps_digest,
-};
+use crate::volume::column_digest::{column_number, copy_and_digest_maps, line_key, maps_digest};
 use crate::volume::journal::Journal;
 use crate::volume::range_maps::{Axis, Column, ColumnAddress, RangeMaps};
 use crate::volume::row::BitSet;
@@ -79,7 +77,7 @@ where
         self.rebuild_rows();
     }
 
-    /// Rebuilds the bit rows after [`Volume::replace_column_leaving_bit_rows`].
+    /// Rebuilds the bit rows after [`Volume::maps_and_digest_leaving_bit_rows`].
     pub(crate) fn rebuild_rows(&mut self) {
         self.rows.set_from_maps(&self.maps);
     }
@@ -136,22 +134,11 @@ where
         self.digest = self.digest.wrapping_add(sum.wrapping_mul(line_key(axis, line)));
     }
 
-    /// Replaces one column without journalling it, and returns the old one. The bit rows are stale
-    /// until [`Volume::rebuild_rows`].
+    /// The maps, to swap columns without journalling them, and the digest, which is to change with them. The
+    /// bit rows are stale until [`Volume::rebuild_rows`].
     #[inline]
-    pub(crate) fn replace_column_leaving_bit_rows(
-        &mut self,
-        axis: Axis,
-        at: ColumnAddress,
-        column: Column<K>,
-    ) -> Column<K> {
-        let old = self.maps.column(axis, at);
-        self.digest = self
-            .digest
-            .wrapping_sub(column_digest(axis, at, old))
-            .wrapping_add(column_digest(axis, at, column));
-        self.maps.set_column(axis, at, column);
-        old
+    pub(crate) fn maps_and_digest_leaving_bit_rows(&mut self) -> (&mut RangeMaps<N, K>, &mut u64) {
+        (&mut self.maps, &mut self.digest)
     }
 
     /// Whether every range is tight: both its end voxels are occupied. Always true after an edit; a

@@ -95,6 +95,13 @@ impl Range {
         [self.not_first, self.last]
     }
 
+    /// The inverse of [`Range::to_bytes`], for bytes that it made or [`Range::from_bytes`] took.
+    #[must_use]
+    #[inline]
+    pub(crate) const fn from_checked_bytes([not_first, last]: [u8; 2]) -> Self {
+        Range { not_first, last }
+    }
+
     /// The inverse of [`Range::to_bytes`]. `None` for bytes that no range in a grid of `grid_side` voxels
     /// a side has: an end outside the grid, or an empty range that isn't two zero bytes.
     #[must_use]

@@ -4,7 +4,8 @@ use super::packed::{
     EntryCell, EntryColumns, column_from_cells, digest_sum, digest_term, flag_cell_count,
     word_from_cells,
 };
-use super::{PackedEntry, UndoHistory, UnpackedEntry};
+use super::unpacked::UnpackedEntry;
+use super::{PackedEntry, UndoHistory};
 use crate::codec::bad_save::{BadSave, INTERVALS_OF_A_COLUMN};
 use crate::codec::bytes::{BadBytes, ByteReader, ByteWriter};
 use crate::codec::digest::mix_bits;
@@ -66,7 +67,7 @@ where
         }
         if self.has_head {
             out.u32(self.head.packed_cell_count() as u32);
-            self.head.write_packed(|cell| out.bytes(&cell));
+            self.head.write_packed(|cells| out.bytes(cells.as_flattened()));
         }
     }
 
@@ -133,7 +134,7 @@ where
         let (columns, values) = EntryColumns::<N>::split_columns_and_values(entry);
         for ((axis, (line, place)), cells) in columns.zip(values.as_chunks().0) {
             self.insert_columns(axis, line, BitSet::span(place, place));
-            self.others[axis as usize][line][place] = column_from_cells::<N, K>(*cells);
+            self.others[axis as usize][line][place] = column_from_cells(*cells);
         }
     }
 }

@@ -56,8 +56,11 @@ where
         mask: &RangeMaps<N, K>,
     ) -> Result<(), UnsoundEntry> {
         let mut changed = VoxelBox::EMPTY;
-        self.swap_columns(entry, volume, |axis, at, ours, theirs| {
-            changed = changed.hull_with(box_of_change::<N, K>(axis, at, &ours, &theirs));
+        self.swap_columns(entry, volume, |axis, (line, first), ours, theirs| {
+            for (place, (ours, theirs)) in (first..).zip(ours.iter().zip(theirs)) {
+                let of_column = box_of_change::<N, K>(axis, (line, place), ours, theirs);
+                changed = changed.hull_with(of_column);
+            }
         });
         volume.rebuild_rows_in(changed);
         let unsound = |(axis, address), expected| UnsoundEntry { entry, expected, axis, address };

@@ -12,6 +12,7 @@
 mod bytes;
 mod check;
 mod packed;
+mod unpacked;
 
 pub(crate) use check::UnsoundEntry;
 
@@ -26,8 +27,9 @@ use crate::volume::range_maps::{Axis, Column, ColumnAddress};
 use crate::volume::row::BitSet;
 use crate::volume::size::{Grid, Size};
 use packed::{
-    EntryCell, EntryColumns, column_from_cells, digest_term, flag_cell_count, nonzero_column_number,
+    EntryCell, EntryColumns, EntryRun, column_from_cells, digest_of_run, nonzero_column_number,
 };
+use unpacked::UnpackedEntry;
 
 /// The strokes that can be undone and redone in a volume of N^3 voxels.
 #[derive(Debug)]
@@ -46,21 +48,6 @@ where
     fresh: bool,
 }
 
-/// The newest entry. Empty where `changed` is.
-#[derive(Debug)]
-struct UnpackedEntry<const N: usize, const K: usize = 1>
-where
-    Grid<N>: Size,
-{
-    /// Bit `place` of `changed[axis][line]`: a column of the entry.
-    changed: [[<Grid<N> as Size>::Row; N]; 3],
-    /// Bit `line` of `lines[axis]`: a line that holds such a column.
-    lines: [<Grid<N> as Size>::Row; 3],
-    /// The other values of the entry's columns; meaningless elsewhere.
-    others: [[[Column<K>; N]; N]; 3],
-    sum: u64,
-}
-
 /// The numbers of strokes that can be undone and redone.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct UndoCounts {
@@ -68,24 +55,6 @@ pub struct UndoCounts {
     pub undoable: usize,
     /// Strokes that were undone.
     pub redoable: usize,
-}
-
-/// The columns of an entry that lie in one line.
-struct EntryLine<'a, const N: usize, const K: usize = 1>
-where
-    Grid<N>: Size,
-{
-    /// The line's index in the three maps together.
-    line_of_maps: usize,
-    columns: <Grid<N> as Size>::Row,
-    /// Their other values; meaningless elsewhere.
-    others: &'a [Column<K>; N],
-}
-
-/// A word of an entry's bitmap of columns.
-struct BitmapWord {
-    index: usize,
-    bits: u64,
 }
 
 /// One packed entry.
@@ -105,12 +74,7 @@ where
     #[allow(clippy::new_without_default)] // a Default would hand the entries about by value
     pub const fn new() -> Self {
         UndoHistory {
-            head: UnpackedEntry {
-                changed: [[<Grid<N> as Size>::Row::EMPTY; N]; 3],
-                lines: [<Grid<N> as Size>::Row::EMPTY; 3],
-                others: [[[Column::EMPTY; N]; N]; 3],
-                sum: 0,
-            },
+            head: UnpackedEntry::new(),
             cells: [[[[[0; 2]; K]; N]; N]; UNDO_PLANES],
             packed: Vec::new(),
             applied: 0,
@@ -203,6 +167,15 @@ where
         true
     }
 
+    /// The number of columns of an entry, from the oldest.
+    pub(crate) fn count_columns_of(&self, index: usize) -> u32 {
+        let Some(entry) = self.packed.get(index) else { return self.head.count_columns() };
+        let start: usize = self.packed[..index].iter().map(|entry| entry.cells as usize).sum();
+        let cells = &self.cells.as_flattened().as_flattened().as_flattened()[start..];
+        let values = entry.cells as usize - EntryColumns::<N>::bitmap_cell_count(cells);
+        (values / K) as u32
+    }
+
     fn len(&self) -> usize {
         self.packed.len() + usize::from(self.has_head)
     }
@@ -232,9 +205,9 @@ where
         self.make_room_for_cells(need);
         let mut end = self.count_packed_cells();
         let cells = self.cells.as_flattened_mut().as_flattened_mut().as_flattened_mut();
-        self.head.write_packed(|cell| {
-            cells[end] = cell;
-            end += 1;
+        self.head.write_packed(|some| {
+            cells[end..end + some.len()].copy_from_slice(some);
+            end += some.len();
         });
         let entry = PackedEntry { cells: need as u32, sum: self.head.sum };
         self.packed.push(entry).expect("room was made");
@@ -266,10 +239,10 @@ where
 
     /// Swaps the values of entry `index` with the volume's columns.
     fn swap_entry(&mut self, index: usize, volume: &mut Volume<N, K>, dirty: &mut DirtyRects) {
-        self.swap_columns(index, volume, |axis, at, ours, theirs| {
-            if ours != theirs {
-                dirty.mark_column(axis, at);
-            }
+        self.swap_columns(index, volume, |axis, (line, first), ours, theirs| {
+            let differs = |i: &usize| ours[*i] != theirs[*i];
+            let ends = [(0..ours.len()).find(differs), (0..ours.len()).rfind(differs)];
+            ends.into_iter().flatten().for_each(|i| dirty.mark_column(axis, (line, first + i)));
         });
         dirty.end_edit();
         volume.rebuild_rows();
@@ -278,118 +251,73 @@ where
     }
 
     /// Swaps the values of entry `index` with the volume's columns, whose bit rows are stale then. Calls
-    /// `visit` with each column's address, its value and that of the entry.
+    /// `visit` before with each run of columns: the first one's address, their values and those of the
+    /// entry.
     #[inline]
     fn swap_columns(
         &mut self,
         index: usize,
         volume: &mut Volume<N, K>,
-        mut visit: impl FnMut(Axis, ColumnAddress, Column<K>, Column<K>),
+        mut visit: impl FnMut(Axis, ColumnAddress, &[Column<K>], &[Column<K>]),
     ) {
+        let (maps, digest) = volume.maps_and_digest_leaving_bit_rows();
         let mut sum = 0u64;
-        let mut exchange = |axis, at, theirs: Column<K>| {
-            let ours = volume.replace_column_leaving_bit_rows(axis, at, theirs);
-            visit(axis, at, ours, theirs);
-            sum = sum.wrapping_add(digest_term(axis, at, ours));
-            ours
+        let mut swap = |axis, at @ (line, first), others: &mut [Column<K>]| {
+            let ours = &mut maps.line_mut(axis, line)[first..first + others.len()];
+            visit(axis, at, ours, others);
+            ours.swap_with_slice(others);
+            sum = sum.wrapping_add(digest_of_run(axis, at, others));
         };
         if index < self.packed.len() {
             let start = self.packed[..index].iter().map(|entry| entry.cells as usize).sum();
             let cells = self.cells.as_flattened_mut().as_flattened_mut().as_flattened_mut();
-            let (columns, values) =
+            let (mut columns, values) =
                 EntryColumns::<N>::split_columns_and_values_mut(&mut cells[start..]);
-            for ((axis, at), cells) in columns.zip(values.as_chunks_mut().0) {
-                *cells = exchange(axis, at, column_from_cells::<N, K>(*cells)).to_bytes();
+            let (mut values, mut buffer) = (values.as_chunks_mut::<K>().0, [Column::EMPTY; 64]);
+            while let Some(EntryRun { axis, first, columns }) = columns.next_run() {
+                let (cells, rest) = values.split_at_mut(columns);
+                values = rest;
+                let others = &mut buffer[..columns];
+                others
+                    .iter_mut()
+                    .zip(&*cells)
+                    .for_each(|(to, from)| *to = column_from_cells(*from));
+                swap(axis, first, others);
+                cells.iter_mut().zip(others).for_each(|(to, from)| *to = from.to_bytes());
             }
-            self.packed[index].sum = sum;
         } else {
-            self.head.visit_columns(|axis, at, other| *other = exchange(axis, at, *other));
-            self.head.sum = sum;
+            self.head.visit_runs(swap);
         }
+        let held = match self.packed.get_mut(index) {
+            Some(packed) => &mut packed.sum,
+            None => &mut self.head.sum,
+        };
+        // A term is the key of a column's address times its number and a constant: what the entry loses, the
+        // volume gains.
+        *digest = digest.wrapping_add(held.wrapping_sub(sum));
+        *held = sum;
     }
 }
 
-impl<const N: usize, const K: usize> UnpackedEntry<N, K>
-where
-    Grid<N>: Size,
-{
-    fn clear(&mut self) {
-        for (changed, lines) in self.changed.iter_mut().zip(&mut self.lines) {
-            lines.iter_ones().for_each(|line| changed[line] = BitSet::EMPTY);
-            *lines = BitSet::EMPTY;
-        }
-        self.sum = 0;
-    }
+#[cfg(test)]
+mod tests {
+    use super::UndoHistory;
+    use crate::volume::range_maps::{Axis, Column};
+    use crate::volume::row::BitSet;
 
-    /// Adds columns of a line to the entry.
-    #[inline]
-    fn insert_columns(&mut self, axis: Axis, line: usize, places: <Grid<N> as Size>::Row) {
-        self.changed[axis as usize][line] |= places;
-        self.lines[axis as usize].insert(line);
-    }
-
-    fn visit_columns(&mut self, mut visit: impl FnMut(Axis, ColumnAddress, &mut Column<K>)) {
-        for axis in Axis::ALL {
-            for line in self.lines[axis as usize].iter_ones() {
-                for place in self.changed[axis as usize][line].iter_ones() {
-                    visit(axis, (line, place), &mut self.others[axis as usize][line][place]);
-                }
+    #[test]
+    fn the_columns_of_each_entry_are_counted() {
+        let mut undo = UndoHistory::<16, 2>::new();
+        let columns = [Column::EMPTY; 16];
+        for (lines, places) in [(1, 7), (16, 15), (3, 2)] {
+            undo.begin_stroke();
+            for (axis, line) in
+                Axis::ALL.into_iter().flat_map(|axis| (0..lines).map(move |i| (axis, i)))
+            {
+                undo.record_columns(axis, line, BitSet::span(16 - places, 15), &columns);
             }
         }
-    }
-
-    /// Visits each line of the entry.
-    #[inline]
-    fn visit_lines(&self, mut visit: impl FnMut(EntryLine<'_, N, K>)) {
-        for axis in 0..3 {
-            for line in self.lines[axis].iter_ones() {
-                visit(EntryLine {
-                    line_of_maps: axis * N + line,
-                    columns: self.changed[axis][line],
-                    others: &self.others[axis][line],
-                });
-            }
-        }
-    }
-
-    /// Visits each non-zero word of the bitmap.
-    #[inline]
-    fn visit_bitmap_words(&self, mut visit: impl FnMut(BitmapWord)) {
-        let words = <Grid<N> as Size>::Row::WORDS;
-        self.visit_lines(|EntryLine { line_of_maps, columns, .. }| {
-            for i in 0..words {
-                if columns.word(i) != 0 {
-                    visit(BitmapWord { index: line_of_maps * words + i, bits: columns.word(i) });
-                }
-            }
-        });
-    }
-
-    /// Cells that [`UnpackedEntry::write_packed`] emits.
-    fn packed_cell_count(&self) -> usize {
-        let mut cells = flag_cell_count::<N>();
-        self.visit_bitmap_words(|word| cells += 4 + K * word.bits.count_ones() as usize);
-        cells
-    }
-
-    fn write_packed(&self, mut emit: impl FnMut(EntryCell)) {
-        let (mut flags, mut cell) = (0u16, 0);
-        self.visit_bitmap_words(|BitmapWord { index: i, .. }| {
-            while cell < i / 16 {
-                emit(flags.to_le_bytes());
-                (flags, cell) = (0, cell + 1);
-            }
-            flags |= 1 << (i % 16);
-        });
-        for _ in cell..flag_cell_count::<N>() {
-            emit(flags.to_le_bytes());
-            flags = 0;
-        }
-        self.visit_bitmap_words(|word| {
-            word.bits.to_le_bytes().as_chunks().0.iter().for_each(|cell| emit(*cell));
-        });
-        self.visit_lines(|EntryLine { columns, others, .. }| {
-            columns.iter_ones().flat_map(|place| others[place].to_bytes()).for_each(&mut emit);
-        });
+        let counts = [0, 1, 2].map(|entry| undo.count_columns_of(entry));
+        assert_eq!(counts, [3 * 7, 3 * 16 * 15, 3 * 3 * 2]);
     }
 }

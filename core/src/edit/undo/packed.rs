@@ -1,6 +1,8 @@
 //! Packed undo entries: a bitmap of columns without its zero words, then their values, K cells each.
 
-use crate::volume::column_digest::{column_key, column_number};
+use crate::codec::digest::DIGEST_KEYS;
+use crate::volume::column_digest::{column_key, column_number, line_key};
+use crate::volume::range::Range;
 use crate::volume::range_maps::{Axis, Column, ColumnAddress};
 use crate::volume::row::BitSet;
 use crate::volume::size::{Grid, Size};
@@ -16,6 +18,13 @@ pub(super) struct EntryColumns<'a, const N: usize> {
     next: usize,
     /// The unread bits of the word before it.
     bits: u64,
+}
+
+/// Columns that lie side by side in a line, 64 at most.
+pub(super) struct EntryRun {
+    pub(super) axis: Axis,
+    pub(super) first: ColumnAddress,
+    pub(super) columns: usize,
 }
 
 impl<'a, const N: usize> EntryColumns<'a, N>
@@ -47,6 +56,41 @@ where
         let (flags, words) = bitmap.split_at(flag_cell_count::<N>());
         EntryColumns { flags, words: words.as_chunks().0, next: 0, bits: 0 }
     }
+
+    /// The next columns that lie side by side in a word of the bitmap.
+    #[inline]
+    pub(super) fn next_run(&mut self) -> Option<EntryRun> {
+        self.read_word_if_needed()?;
+        let bit = self.bits.trailing_zeros() as usize;
+        let columns = (self.bits >> bit).trailing_ones() as usize;
+        // Carries through the run; the bits above it stay.
+        self.bits &= self.bits.wrapping_add(1 << bit);
+        let (axis, first) = self.column_of_bit(bit);
+        Some(EntryRun { axis, first, columns })
+    }
+
+    /// Goes on to the next word that isn't zero once all bits of the last are read. `None` at the end.
+    #[inline]
+    fn read_word_if_needed(&mut self) -> Option<()> {
+        while self.bits == 0 {
+            let flags = u16::from_le_bytes(*self.flags.get(self.next / 16)?);
+            if flags >> (self.next % 16) & 1 != 0 {
+                let (word, rest) = self.words.split_first()?;
+                self.words = rest;
+                self.bits = word_from_cells(word);
+            }
+            self.next += 1;
+        }
+        Some(())
+    }
+
+    /// The column that a bit of the word read last stands for.
+    #[inline]
+    const fn column_of_bit(&self, bit: usize) -> (Axis, ColumnAddress) {
+        let words = <Grid<N> as Size>::Row::WORDS;
+        let (row, word) = ((self.next - 1) / words, (self.next - 1) % words);
+        (Axis::ALL[row / N], (row % N, word * 64 + bit))
+    }
 }
 
 impl<const N: usize> Iterator for EntryColumns<'_, N>
@@ -57,20 +101,10 @@ where
 
     #[inline]
     fn next(&mut self) -> Option<Self::Item> {
-        while self.bits == 0 {
-            let flags = u16::from_le_bytes(*self.flags.get(self.next / 16)?);
-            if flags >> (self.next % 16) & 1 != 0 {
-                let (word, rest) = self.words.split_first()?;
-                self.words = rest;
-                self.bits = word_from_cells(word);
-            }
-            self.next += 1;
-        }
+        self.read_word_if_needed()?;
         let bit = self.bits.trailing_zeros() as usize;
         self.bits &= self.bits - 1;
-        let words = <Grid<N> as Size>::Row::WORDS;
-        let (row, word) = ((self.next - 1) / words, (self.next - 1) % words);
-        Some((Axis::ALL[row / N], (row % N, word * 64 + bit)))
+        Some(self.column_of_bit(bit))
     }
 }
 
@@ -90,11 +124,11 @@ where
     let (columns, values) = EntryColumns::<N>::split_columns_and_values(cells);
     let terms = columns
         .zip(values.as_chunks().0)
-        .map(|((axis, at), cells)| digest_term(axis, at, column_from_cells::<N, K>(*cells)));
+        .map(|((axis, at), cells)| digest_term(axis, at, column_from_cells::<K>(*cells)));
     terms.fold(0, u64::wrapping_add)
 }
 
-/// What a column adds to the digest of an entry: unlike [`crate::volume::column_digest::column_digest`] not
+/// What a column adds to the digest of an entry: unlike in a digest of maps not
 /// nothing when it is empty, as it counts that the entry holds it.
 #[inline]
 pub(super) fn digest_term<const K: usize>(axis: Axis, at: ColumnAddress, column: Column<K>) -> u64 {
@@ -108,12 +142,24 @@ pub(super) fn nonzero_column_number<const K: usize>(column: Column<K>) -> u64 {
     if K == 1 { column_number(column) | 1 << 16 } else { column_number(column) + 1 }
 }
 
+/// The sum of [`digest_term`] over columns of a line, from `first` on.
+#[inline]
+pub(super) fn digest_of_run<const K: usize>(
+    axis: Axis,
+    (line, first): ColumnAddress,
+    columns: &[Column<K>],
+) -> u64 {
+    let terms = columns.iter().zip(&DIGEST_KEYS[first..]);
+    let sum = terms.fold(0u64, |sum, (column, key)| {
+        sum.wrapping_add(key.wrapping_mul(nonzero_column_number(*column)))
+    });
+    sum.wrapping_mul(line_key(axis, line))
+}
+
 /// The column of these cells, which are [`Column::to_bytes`] or were checked.
 #[inline]
-pub(super) fn column_from_cells<const N: usize, const K: usize>(
-    cells: [EntryCell; K],
-) -> Column<K> {
-    Column::from_bytes(cells, N).unwrap_or(Column::EMPTY)
+pub(super) fn column_from_cells<const K: usize>(cells: [EntryCell; K]) -> Column<K> {
+    Column(cells.map(Range::from_checked_bytes))
 }
 
 #[inline]
