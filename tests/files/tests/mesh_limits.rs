@@ -67,6 +67,16 @@ fn an_obj_has_at_most_so_many() {
     assert_eq!((mesh.positions.len(), mesh.triangles.len()), (6, 6));
 }
 
+/// Ninety-nine vertices of which each group has its own: a file of 12 MB becomes more than may be.
+#[test]
+fn an_obj_has_at_most_so_many_whatever_its_groups_share() {
+    let vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\n".repeat(33);
+    let corners: String = (1..=99).map(|i| format!(" {i}")).collect();
+    let enough = MAX_VERTICES / 99 + 1;
+    let text = vertices + &format!("g a\nf{corners}\ng b\nf{corners}\n").repeat(enough / 2 + 1);
+    assert_too_large(MeshFormat::Obj, text.as_bytes(), ("vertices", enough * 99));
+}
+
 #[test]
 fn an_stl_has_at_most_so_many() {
     let count = MAX_TRIANGLES + 1;
