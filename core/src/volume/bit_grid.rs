@@ -97,20 +97,23 @@ where
     pub fn set_from_maps<const K: usize>(&mut self, maps: &RangeMaps<N, K>) {
         let mut toggles = [<Grid<N> as Size>::Row::EMPTY; 257];
         for (y, layer) in self.rows.iter_mut().enumerate() {
-            let along_x = maps.line(Axis::X, y);
             visit_cross_sections::<N, K>(maps.line(Axis::Z, y), &mut toggles, |section| {
-                let mut voxels = BitSet::EMPTY;
-                // Without a branch: an empty interval has no voxels.
-                for range in &along_x[section.position].0 {
-                    voxels |= BitSet::from_range(*range);
-                }
-                layer[section.position] = section.places & voxels;
+                layer[section.position] = section.places;
             });
         }
         for z in 0..N {
             visit_cross_sections::<N, K>(maps.line(Axis::Y, z), &mut toggles, |section| {
                 self.rows[section.position][z] &= section.places;
             });
+        }
+        for (y, layer) in self.rows.iter_mut().enumerate() {
+            for (row, column) in layer.iter_mut().zip(maps.line(Axis::X, y)) {
+                let mut voxels = BitSet::EMPTY;
+                for range in column.0.iter().take_while(|range| !range.is_empty()) {
+                    voxels |= BitSet::from_range(*range);
+                }
+                *row &= voxels;
+            }
         }
     }
 
@@ -246,13 +249,17 @@ fn visit_cross_sections<const N: usize, const K: usize>(
             continue;
         }
         for (i, column) in columns.iter().enumerate() {
-            for range in column.0 {
+            let mut toggle_ends = |range: Range| {
                 let end = range.last() + 1;
                 // An empty range begins at 255, behind its end: toggled twice there, it is none.
                 for position in [range.first().min(end), end] {
                     let toggled = toggles[position].word(word) ^ 1 << i;
                     toggles[position].set_word(word, toggled);
                 }
+            };
+            toggle_ends(column.0[0]);
+            if column.has_gaps() {
+                column.0[1..].iter().for_each(|range| toggle_ends(*range));
             }
         }
     }
