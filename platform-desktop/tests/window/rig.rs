@@ -147,9 +147,9 @@ impl ScriptedWindow {
         self.ask_state("voxels").parse().expect("a number")
     }
 
-    /// The screen after 40 frames, saved as `name.png`.
+    /// The screen after 16 frames, when all changes are drawn, saved as `name.png`.
     pub(crate) fn screenshot(&mut self, display: &XvfbDisplay, name: &str) -> Image {
-        self.do_step("frames 40");
+        self.do_step("frames 16");
         display.save_screenshot(name)
     }
 

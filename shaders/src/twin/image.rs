@@ -43,7 +43,8 @@ impl Image {
 
     /// Copies `other` in with its top left pixel at (x, y), clipped to this image.
     fn paste_clipped_at(&mut self, other: &Image, x: usize, y: usize) {
-        let width = other.width.min(self.width.saturating_sub(x));
+        let x = x.min(self.width);
+        let width = other.width.min(self.width - x);
         for row in 0..other.height.min(self.height.saturating_sub(y)) {
             let from = 3 * row * other.width;
             let to = 3 * ((y + row) * self.width + x);

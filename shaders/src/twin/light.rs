@@ -56,8 +56,8 @@ pub fn cone_sample_points(axis: &Ray, length: f32, dither: f32) -> impl Iterator
     })
 }
 
-/// The unit circle's point at an angle of about `turns`, 0 to 1, by its rational parametrisation
-/// for each quadrant. Unlike sine and cosine it is the same on every GPU.
+/// The unit circle's point at an angle of about `turns`, at least 0 and less than 1, by its rational
+/// parametrisation for each quadrant. Unlike sine and cosine it is the same on every GPU.
 #[must_use]
 pub fn rational_circle_point(turns: f32) -> [f32; 2] {
     let quarter = (turns * 4.0).floor();
