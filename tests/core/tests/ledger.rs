@@ -95,6 +95,24 @@ fn pose_at_work(work: Work, hand: usize, side: f32, floor: f32, tick: u32) -> Po
     Pose { position, rotation }
 }
 
+fn take(hand: usize, item: BenchItem) -> PointerCommand {
+    PointerCommand::Take { hand: hand as u8, item: item.number() as u8 }
+}
+
+/// Has both hands take their tools with their bits, and the right one return its tool: it takes it again in the
+/// tick of the cut, when its bit is at the stem.
+fn take_tools<const N: usize>(runner: &mut TickRunner<'_, N, 2>, works: [(ToolBit, Work); 2])
+where
+    Grid<N>: Size,
+{
+    let mut run_pointer = |pointer| runner.run_tick(&TickInput { pointer, ..TickInput::default() });
+    for (hand, (bit, _)) in works.into_iter().enumerate() {
+        run_pointer(take(hand, BenchItem::Tool(bit.spec().tool)));
+        run_pointer(take(hand, BenchItem::Bit(bit)));
+    }
+    run_pointer(PointerCommand::Return { hand: RIGHT as u8 });
+}
+
 /// Cuts the block's stem in tick `cut_at` of hands at work, and returns for how many ticks it then hangs.
 fn count_ticks_until_fall<const N: usize>(
     scene: &'static Mutex<Scene<N>>,
@@ -115,19 +133,7 @@ where
     let figure = SessionMode::Constrained { figure: 0 };
     let start = if is_masked { figure } else { SessionMode::FreeForm };
     runner.run_tick(&TickInput { start, ..TickInput::default() });
-    let run_pointer = |runner: &mut TickRunner<'_, N, 2>, pointer| {
-        runner.run_tick(&TickInput { pointer, ..TickInput::default() });
-    };
-    let take = |hand: usize, item: BenchItem| PointerCommand::Take {
-        hand: hand as u8,
-        item: item.number() as u8,
-    };
-    for (hand, (bit, _)) in works.into_iter().enumerate() {
-        run_pointer(&mut runner, take(hand, BenchItem::Tool(bit.spec().tool)));
-        run_pointer(&mut runner, take(hand, BenchItem::Bit(bit)));
-    }
-    // The right hand takes its tool again in the tick of the cut: its bit is at the stem then.
-    run_pointer(&mut runner, PointerCommand::Return { hand: RIGHT as u8 });
+    take_tools(&mut runner, works);
     let floor = if N > 128 { N / 4 } else { N / 2 };
     let (side, top) = (N as f32, floor as f32);
     let block = [N / 2, floor + N / 5, N / 2];
