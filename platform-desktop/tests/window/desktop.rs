@@ -117,7 +117,8 @@ fn minimised_it_draws_nothing_and_goes_on_after() -> Result<(), MissingDependenc
     visit.do_all(&["start owl", "wait 4", "size 900 600", "frames 4"]);
     let whole = visit.voxel_count();
     visit.do_all(&STROKE);
-    visit.do_step("move 3 97");
+    // Until the chips, which live for up to 2.4 seconds, are gone.
+    visit.do_all(&["move 3 97", "wait 240"]);
     let voxels = visit.voxel_count();
     assert!(voxels < whole);
     let shown = visit.screenshot(&display, "1-shown");
