@@ -42,6 +42,35 @@ fn z_up_is_a_turn_and_not_a_mirror() {
     assert_eq!((o.y, z.y), (0, 63 * BAKE_UNITS_PER_VOXEL - 1));
 }
 
+/// Up is z, so the mesh's y becomes the grid's -z, and its ends change places.
+#[test]
+fn a_mesh_longest_along_the_axis_that_turns_over_fits_too() {
+    let placement =
+        MeshPlacement::stand_bounds_on_floor([0.0; 3], [1.0, 4.0, 2.0], UpAxis::Z, 64).unwrap();
+    let [front, back] = [[0.0; 3], [0.0, 4.0, 0.0]].map(|p| placement.snap_point(p).z);
+    let margin = BAKE_UNITS_PER_VOXEL + 1;
+    assert_eq!((back, front), (margin, 64 * BAKE_UNITS_PER_VOXEL - margin));
+}
+
+#[test]
+fn a_mesh_away_from_the_origin_stands_in_the_middle() {
+    let (min, max) = ([10.0, 20.0, 30.0], [12.0, 21.0, 31.0]);
+    let placement = MeshPlacement::stand_bounds_on_floor(min, max, UpAxis::Y, 64).unwrap();
+    let (unit, side) = (BAKE_UNITS_PER_VOXEL, 64 * BAKE_UNITS_PER_VOXEL);
+    let [low, high, beyond] = [min, max, [100.0; 3]].map(|p| placement.snap_point(p));
+    assert_eq!((low.x, high.x, low.y), (unit + 1, side - unit - 1, 0));
+    assert!((low.z + high.z - side).abs() <= 1, "{low} {high}");
+    assert_eq!((beyond.x, beyond.y, beyond.z), (side, side, side));
+    let voxels = f64::from(high.x - low.x) / f64::from(unit);
+    assert!((placement.voxels_per_unit() * 2.0 - voxels).abs() < 1e-9);
+}
+
+#[test]
+fn a_flat_mesh_is_fitted() {
+    let flat = MeshPlacement::stand_bounds_on_floor([0.0; 3], [1.0, 0.0, 1.0], UpAxis::Y, 64);
+    assert!(flat.is_some());
+}
+
 #[test]
 fn bounds_that_can_not_be_fitted_are_refused() {
     for (min, max) in [
