@@ -41,6 +41,19 @@ fn start_session_of_kind<const K: usize>(harness: &mut WorldHarness<64, K>, kind
     };
 }
 
+/// The sums of what the bound says it holds: two volumes' maps, undo entries, the newest entry, islands, 1 KiB.
+#[test]
+fn the_longest_save_is_the_sum_of_its_parts() {
+    let parts = [
+        (128, 1, 2 * 98_304 + 131_584 + 104_544 + 266_240 + 1024),
+        (128, 2, 2 * 196_608 + 262_656 + 202_848 + 266_240 + 1024),
+        (256, 1, 2 * 393_216 + 524_800 + 418_176 + 2_113_536 + 1024),
+    ];
+    for (grid_side, intervals, sum) in parts {
+        assert_eq!(max_save_bytes(grid_side, intervals), sum);
+    }
+}
+
 /// On every tick, loads the save of `BACK` ticks ago into another world and replays up to the present.
 #[test]
 fn a_world_loaded_goes_on_as_if_uninterrupted() {
