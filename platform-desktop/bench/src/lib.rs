@@ -11,6 +11,7 @@ mod clock;
 pub mod dense;
 mod edit;
 mod edit_frame;
+mod feel;
 mod field;
 mod fixture;
 mod frames;
@@ -53,6 +54,8 @@ pub enum Benchmark {
     Mesh,
     /// From triangles to a volume.
     Bake,
+    /// How much of a slow groove a quick hand cuts, and how much goes in a second.
+    Feel,
     /// Sizes in memory, and instructions of a tick of recorded sessions.
     Step,
     /// What a frame spends on keeping the fast path's textures up to date.
@@ -65,12 +68,13 @@ pub enum Benchmark {
 
 impl Benchmark {
     /// All of them, in the order in which `all` runs them.
-    pub const ALL: [Benchmark; 9] = [
+    pub const ALL: [Benchmark; 10] = [
         Benchmark::Islands,
         Benchmark::Edit,
         Benchmark::Layers,
         Benchmark::Mesh,
         Benchmark::Bake,
+        Benchmark::Feel,
         Benchmark::Step,
         Benchmark::Field,
         Benchmark::Render,
@@ -86,6 +90,7 @@ impl Benchmark {
             Benchmark::Layers => "layers",
             Benchmark::Mesh => "mesh",
             Benchmark::Bake => "bake",
+            Benchmark::Feel => "feel",
             Benchmark::Step => "step",
             Benchmark::Field => "field",
             Benchmark::Render => "render",
@@ -105,7 +110,7 @@ impl Benchmark {
 pub struct Plan {
     /// The benches, in order.
     pub benches: Vec<Benchmark>,
-    /// What they run on, all but [`Benchmark::Step`].
+    /// What they run on, all but [`Benchmark::Feel`] and [`Benchmark::Step`].
     pub subjects: Vec<Subject>,
     /// Sessions that [`Benchmark::Step`] and [`Benchmark::Layers`] play; the demo at both sizes for the
     /// former where there are none.
@@ -145,6 +150,7 @@ enum PlanPiece<'a> {
     LayerSession(&'a Path),
     Render(&'a Subject),
     Paper(&'a Subject),
+    Feel(usize),
     Sizes,
     Demo(usize),
     Recorded(&'a Path),
@@ -227,6 +233,7 @@ impl Plan {
         let mut pieces = vec![];
         for &bench in &self.benches {
             match bench {
+                Benchmark::Feel => pieces.extend(GRID_SIDES.map(PlanPiece::Feel)),
                 Benchmark::Step => pieces.extend(self.step_pieces()),
                 Benchmark::Layers => pieces.extend(self.layer_pieces()),
                 Benchmark::Render => pieces.extend(self.subjects.iter().map(PlanPiece::Render)),
@@ -297,6 +304,9 @@ impl Plan {
             }
             PlanPiece::Paper(on) | PlanPiece::On(Benchmark::Paper, on, _) => {
                 section5::measure_rows(on, self.frame_runs, timer)
+            }
+            PlanPiece::Feel(size) | PlanPiece::On(Benchmark::Feel, _, size) => {
+                Ok(whole(with_size!(size, N => feel::measure_rows::<N>())))
             }
             PlanPiece::Sizes | PlanPiece::On(Benchmark::Step, ..) => {
                 Ok(whole(step::type_size_rows()))

@@ -46,6 +46,9 @@ pub struct ReportRow {
     /// What closure refuses, in `bench layers`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub refusal: Option<Refusal>,
+    /// Voxels that a tool removes in a second, where that is the figure.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub voxels_per_second: Option<f64>,
     /// Why the row has no figures.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub skipped: Option<String>,
@@ -120,6 +123,7 @@ impl ReportRow {
             share: None,
             published: None,
             refusal: None,
+            voxels_per_second: None,
             skipped: None,
         }
     }
@@ -186,7 +190,10 @@ fn row_cells(row: &ReportRow) -> [String; COLUMNS] {
         (Some(count), Some(bytes)) => format!("{count} instructions, {bytes} bytes"),
         (Some(count), _) => format!("{count} instructions"),
         (_, Some(bytes)) => format!("{bytes} bytes"),
-        _ => ms(row.ours_ms),
+        _ => match row.voxels_per_second {
+            Some(speed) => format!("{speed:.0} voxels/s"),
+            None => ms(row.ours_ms),
+        },
     };
     let ratio = match row.added_percent {
         Some(percent) => format!("{percent:+.1} %"),
