@@ -14,6 +14,20 @@ pub const MAX_INTERVALS: usize = 4;
 /// 96 for a radius of 30 voxels.
 pub const SWEEP_PIECES: usize = 96;
 
+/// Poses of a hand's way that its running bit may have yet to follow: the most of [`max_trail_ticks`].
+pub const MAX_TRAIL_POSES: usize = 12;
+
+/// How many ticks a running bit may be behind its hand before the oldest way is dropped: a twelfth of a second,
+/// which a hand hardly notices, or two thirds as long again as between the slowest blows.
+#[must_use]
+pub const fn max_trail_ticks(bite_period: u8) -> usize {
+    if bite_period > 1 { MAX_TRAIL_POSES } else { 6 }
+}
+
+/// Edits of a bit in a tick. At 1 m/s the small ball at 128, whose bite is the shortest of the rotary bits', needs
+/// six a tick; the tick's work allows large bits fewer.
+pub const MAX_BITES_PER_TICK: u32 = 8;
+
 /// The greatest depth that an edit may reach below the surface in a tick, in six-neighbour steps. A
 /// carve delays its writes by so many layers of rows, to read the volume as it was at the start.
 pub const SHELL_DEPTH: usize = 4;
@@ -36,7 +50,7 @@ pub const UNDO_ENTRIES: usize = 128;
 
 /// Upper bound of a saved world's length in bytes: the range maps of volume and mask, an undo history
 /// whose packed entries are full and whose newest entry changed every column, an island search that
-/// reached every row, and 1 KiB for everything of fixed length. 684 KiB at 128 with one interval a
+/// reached every row, and 2 KiB for everything of fixed length. 685 KiB at 128 with one interval a
 /// column, 3.7 MiB at 256; a third of it is usual.
 #[must_use]
 pub const fn max_save_bytes(grid_side: usize, intervals: usize) -> usize {
@@ -45,12 +59,12 @@ pub const fn max_save_bytes(grid_side: usize, intervals: usize) -> usize {
     let entries = UNDO_PLANES * grid_side * grid_side * 2 * intervals + UNDO_ENTRIES * 4;
     let newest = maps + 3 * grid_side * row + 3 * grid_side * row / 64;
     let islands = grid_side * (grid_side + 2) * row;
-    2 * maps + entries + newest + islands + 1024
+    2 * maps + entries + newest + islands + 2048
 }
 
 /// Bytes of the world's small state, which is all but volume, mask, undo and islands: tick and session
-/// (14), the head (28), two hands of 117, eleven bench items of 31, and the mask's digest (8).
-pub const STATE_BYTES: usize = 625;
+/// (14), the head (28), two hands of 454, eleven bench items of 31, and the mask's digest (8).
+pub const STATE_BYTES: usize = 1299;
 
 /// Crossings of a column's ray with a mesh with which a bake gives the column gaps: 16 solids one behind the
 /// other, and a cache line a column. Between more, gaps are 4 voxels long in the mean at 128, and a column
@@ -66,7 +80,7 @@ pub const MAX_EVENTS: usize = 16;
 /// tick within 4 and 10 million.
 #[must_use]
 pub const fn tick_work(grid_side: usize) -> u32 {
-    max_island_row_visits_per_tick(grid_side) + if grid_side > 128 { 20_000 } else { 6_000 }
+    max_island_row_visits_per_tick(grid_side) + if grid_side > 128 { 16_000 } else { 6_000 }
 }
 
 /// The columns of an undo entry above which its undo or redo takes a tick's whole work, and the islands'
@@ -106,10 +120,11 @@ pub const fn bit_step_work(side_voxels: u32) -> u32 {
     1 + side_voxels * side_voxels / 8
 }
 
-/// The work of an edit in place.
+/// The work of an edit in place, of the columns that it touches, and of the look for where its bit goes on: what
+/// hands that cut as fast as they may were measured to take.
 #[must_use]
 pub const fn bite_work(side_voxels: u32) -> u32 {
-    2 * side_voxels * side_voxels
+    6 * side_voxels * side_voxels
 }
 
 /// What a quarter voxel of way adds to the work of a ball's edit: rows at its front.
@@ -132,9 +147,9 @@ pub const fn max_island_row_visits_per_tick(grid_side: usize) -> u32 {
     (if grid_side > 128 { grid_side * grid_side / 4 } else { grid_side * grid_side * 5 / 8 }) as u32
 }
 
-/// Upper bound of a bit's steps in a tick, each of a quarter voxel, forward or sliding: 7 cm in contact
-/// with the stone, or 5 m/s, which is faster than hands at work. A stretch of free steps counts as one
-/// step, so a bit in the air covers a metre. After a jump the bit catches up within some ticks.
+/// Upper bound of a bit's steps in a tick, each of a quarter voxel, forward or sliding: 5.6 cm in contact
+/// with the stone, or 4 m/s, which is faster than hands at work. A stretch of several steps that is tried at
+/// once counts as one step, free or not, so a bit in the air covers a metre. After a jump the bit catches up within some ticks.
 #[must_use]
 pub const fn max_bit_steps_per_tick(grid_side: usize) -> u32 {
     if grid_side > 128 { 160 } else { 80 }
@@ -149,7 +164,7 @@ pub const fn deep_step_cost_in_steps(grid_side: usize) -> u32 {
 
 /// Exit probes: places on the rest of its path at which a bit beyond its penetration limit is tested,
 /// each time it is stopped, for a way out. Every step of a path of up to 8 voxels; farther apart on a
-/// longer one.
+/// longer one. Each costs a step, and with fewer steps left they are as few.
 pub const EXIT_PROBES: u32 = 32;
 
 /// The cost of removing the islands found, in row visits. With less budget left, the next tick removes

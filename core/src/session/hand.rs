@@ -8,8 +8,10 @@ use crate::codec::vectors::{
 };
 use crate::edit::contact::Contact;
 use crate::edit::pose::Pose;
+use crate::limits::max_trail_ticks;
 use crate::session::input::{HandInput, RawPose, buttons};
-use crate::session::tools::ToolBitSpec;
+use crate::session::tools::{BitAction, ToolBitSpec};
+use crate::session::trail::HandTrail;
 
 /// A position in metres and a rotation, in the room.
 pub type RoomPose = (Vec3, Quat);
@@ -41,6 +43,8 @@ pub struct HandState {
     pub has_frozen_pose: bool,
     /// Strength of the pulse of this tick, 0 to 255.
     pub haptic: u8,
+    /// The way of the hand that its running bit has yet to follow, in the grid.
+    pub trail: HandTrail,
 }
 
 /// What a hand newly pressed in a tick: the rising edges of its controls.
@@ -73,6 +77,7 @@ impl HandState {
             can_sweep: false,
             has_frozen_pose: false,
             haptic: 0,
+            trail: HandTrail::EMPTY,
         }
     }
 
@@ -102,8 +107,34 @@ impl HandState {
         (self.trigger, self.squeeze, self.buttons) = (trigger, squeeze, down);
         if !self.tracked {
             self.can_sweep = false;
+            self.drop_trail();
         }
         presses
+    }
+
+    /// Whether a tool in this hand runs: its trigger is pulled, or it finishes the way of the last pull.
+    #[must_use]
+    pub const fn is_running(&self) -> bool {
+        self.trigger || !self.trail.is_empty()
+    }
+
+    /// Leaves the rest of the way uncut.
+    pub(crate) const fn drop_trail(&mut self) {
+        self.trail = HandTrail::EMPTY;
+    }
+
+    /// Notes the pose that the hand asks for as the end of the way that its bit is to cut. A new pull, or a
+    /// bit that catches up after a gap, begins a new way. Returns how many ticks of way were dropped.
+    ///
+    /// Paste is laid, and a file moved, straight to where the hand is: neither is slower than a hand.
+    pub(crate) fn note_way(&mut self, raw: Pose, is_new_pull: bool, bit: &ToolBitSpec) -> u32 {
+        if is_new_pull || !self.can_sweep {
+            self.drop_trail();
+        }
+        match self.trigger && bit.action == BitAction::Carve {
+            true => self.trail.push_and_drop_beyond(raw, max_trail_ticks(bit.bite_period)),
+            false => 0,
+        }
     }
 
     /// The pose of the bit's centre in the room, `tool_length_metres` in front of the grip.
@@ -116,14 +147,16 @@ impl HandState {
     /// Invalidates the frozen pose, after a change of tool or bit.
     pub(crate) fn invalidate_bit_pose(&mut self) {
         (self.can_sweep, self.has_frozen_pose, self.trigger_ticks) = (false, false, 0);
+        self.drop_trail();
     }
 
     fn was_ever_tracked(&self) -> bool {
         self.grip.1.length_squared() > 0.0
     }
 
-    /// Length of a written hand: four poses, flags, buttons, phase and haptics.
-    pub(crate) const BYTES: usize = 4 * (VEC3_BYTES + QUAT_BYTES) + 1 + 1 + 2 + 1;
+    /// Length of a written hand: four poses, flags, buttons, phase, haptics and trail.
+    pub(crate) const BYTES: usize =
+        4 * (VEC3_BYTES + QUAT_BYTES) + 1 + 1 + 2 + 1 + HandTrail::BYTES;
 
     pub(crate) fn write(&self, to: &mut ByteWriter<'_>) {
         for (position, rotation) in [
@@ -141,6 +174,7 @@ impl HandState {
         to.u8(self.buttons);
         to.u16(self.trigger_ticks);
         to.u8(self.haptic);
+        self.trail.write(to);
     }
 
     pub(crate) fn read(from: &mut ByteReader<'_>) -> Result<Self, BadBytes> {
@@ -169,6 +203,7 @@ impl HandState {
             buttons: from.u8()?,
             trigger_ticks: from.u16()?,
             haptic: from.u8()?,
+            trail: HandTrail::read(from)?,
         })
     }
 }

@@ -78,15 +78,21 @@ pub(crate) struct BitWork {
 }
 
 impl BitWork {
-    /// The work of a bit in a grid of so many voxels a side.
-    pub(crate) fn of(bit: &GridBit, grid_side: usize) -> Self {
+    /// The work of a bit in a grid of so many voxels a side. A mirrored edit is two.
+    pub(crate) fn of(bit: &GridBit, grid_side: usize, is_mirrored: bool) -> Self {
         let side = bit_side_voxels(bit.circumscribed_radius_subunits());
         let sweep = match bit.shape {
             GridShape::Ball(_) => ball_sweep_work_per_quarter_voxel(side),
             GridShape::Box(_) => box_sweep_work_per_quarter_voxel(side),
         };
         let most_steps = max_bit_steps_per_tick(grid_side);
-        BitWork { step: bit_step_work(side), bite: bite_work(side), sweep, most_steps }
+        let edits = 1 + u32::from(is_mirrored);
+        BitWork {
+            step: bit_step_work(side),
+            bite: edits * bite_work(side),
+            sweep: edits * sweep,
+            most_steps,
+        }
     }
 
     /// How far the bit may go for a share of a tick's work. A bit that runs leaves room for its edit.
@@ -117,8 +123,19 @@ impl BitWork {
 
 #[cfg(test)]
 mod tests {
-    use super::TickLedger;
+    use super::{BitWork, TickLedger};
     use crate::limits::{dear_rewind_columns, island_reserve};
+    use crate::session::tools::ToolBit;
+
+    #[test]
+    fn a_mirrored_edit_is_two() {
+        for bit in ToolBit::ALL.map(|bit| bit.to_grid_bit(1758.0)) {
+            let [one, two] = [false, true].map(|mirrored| BitWork::of(&bit, 256, mirrored));
+            assert_eq!(two.of_edit(7), 2 * one.of_edit(7));
+            assert_eq!(two.of_steps(7), one.of_steps(7));
+            assert!(!two.fits_bite(one.of_edit(0)));
+        }
+    }
 
     #[test]
     fn a_dear_undo_takes_the_whole_tick() {

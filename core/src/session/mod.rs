@@ -15,6 +15,7 @@ pub(crate) mod step;
 pub(crate) mod stool_frame;
 pub(crate) mod tool_step;
 pub(crate) mod tools;
+pub(crate) mod trail;
 pub(crate) mod workbench;
 pub(crate) mod world;
 
@@ -23,4 +24,5 @@ pub use input::{PointerCommand, RawPose, SessionMode, TICK_RATE, buttons, comman
 pub use state::SessionState;
 pub use stool_frame::StoolFrame;
 pub use tools::{Tool, ToolBit};
+pub use trail::HandTrail;
 pub use workbench::BenchItem;

@@ -2,7 +2,7 @@
 
 use crate::edit::undo::UndoHistory;
 use crate::session::events::WorldEvent;
-use crate::session::hand::HandPresses;
+use crate::session::hand::{HandPresses, HandState};
 use crate::session::input::{PointerCommand, SessionMode, TICK_RATE, TickInput, buttons, commands};
 use crate::session::journals::RemovalJournal;
 use crate::session::start_volumes::StartVolumes;
@@ -86,6 +86,9 @@ where
             |command: u8, button: u8| input.commands & command != 0 || pressed & button != 0;
         let undo = asked(commands::UNDO, buttons::LOWER);
         let redo = asked(commands::REDO, buttons::UPPER);
+        if undo || redo || input.commands & commands::FINISH != 0 {
+            self.state.hands.iter_mut().for_each(HandState::drop_trail);
+        }
         let rewound = match (undo, redo) {
             (true, false) => self.try_undo_or_redo(WorldEvent::Undone, UndoHistory::try_undo),
             (false, true) => self.try_undo_or_redo(WorldEvent::Redone, UndoHistory::try_redo),

@@ -4,6 +4,7 @@ use crate::edit::contact::{FreezeResult, Obstacle, WayBudget};
 use crate::edit::grid_bit::GridBit;
 use crate::edit::operation::{Edit, EditOperation, EditReport, apply_edit};
 use crate::edit::pose::Pose;
+use crate::limits::MAX_BITES_PER_TICK;
 use crate::session::events::WorldEvent;
 use crate::session::hand::{HandPresses, HandState, haptic_amplitude};
 use crate::session::journals::StrokeJournal;
@@ -14,7 +15,29 @@ use crate::session::tools::{BitAction, ToolBit};
 use crate::session::world::World;
 use crate::volume::size::{Grid, Size};
 
-/// The way of a bit in a tick.
+/// The bit that a hand uses in a tick.
+struct RunningBit<'a> {
+    bit: ToolBit,
+    grid_bit: &'a GridBit,
+    is_new_pull: bool,
+}
+
+/// What became of a way toward a pose of the trail.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum WayEnd {
+    /// The pose was reached.
+    Passed,
+    /// The bit gets no nearer to it.
+    Stuck,
+    /// Closure brought back most of the bite: another would be refused as well.
+    Refused,
+    /// The next bite may lead nearer.
+    GoesOn,
+    /// Nothing more can be done in this tick.
+    Waits,
+}
+
+/// The way of a bit toward a pose.
 struct BitWay {
     /// Where it led.
     freeze: FreezeResult,
@@ -23,56 +46,120 @@ struct BitWay {
     sweep_start: Option<Pose>,
 }
 
+impl BitWay {
+    /// What became of the way from `last` toward `target`, with the report of the edit along it, if one was
+    /// made.
+    fn end(&self, bit: &GridBit, last: &Pose, target: &Pose, report: Option<EditReport>) -> WayEnd {
+        if report.is_some_and(|report| report.is_mostly_refused_by_closure()) {
+            return WayEnd::Refused;
+        }
+        match (self.freeze.ran_out, self.freeze.blocked, report) {
+            (true, ..) | (_, true, None) => WayEnd::Waits,
+            (_, false, _) => WayEnd::Passed,
+            (_, true, Some(report)) => {
+                let is_nearer =
+                    bit.path_steps(&self.freeze.pose, target) < bit.path_steps(last, target);
+                if is_nearer || report.removed > 0 { WayEnd::GoesOn } else { WayEnd::Stuck }
+            }
+        }
+    }
+}
+
 impl<const N: usize, const K: usize> World<N, K>
 where
     Grid<N>: Size,
 {
-    /// Moves the bit of a held tool with its hand, as far as the volume lets it, and applies the edit if
+    /// Whether a hand has a tool to step: it holds one and is tracked, in a sculpting session.
+    pub(crate) fn is_tool_in_use(&self, hand: usize) -> bool {
+        let is_sculpting = self.state.session == SessionState::Sculpting;
+        is_sculpting && self.state.hands[hand].tracked && self.held_tool(hand).is_some()
+    }
+
+    /// Moves the bit of a held tool with its hand, as far as the volume lets it, and applies the edits if
     /// the tool is running, all within its `share` of the tick's work. Returns what it spent. Nothing
-    /// happens without a tool, without tracking, or outside a sculpting session.
+    /// happens without a tool in use.
     pub(crate) fn step_tool(&mut self, hand: usize, presses: HandPresses, share: u32) -> u32 {
-        let Some((tool, bit)) = self.held_tool(hand) else {
+        let Some((tool, bit)) = self.held_tool(hand).filter(|_| self.is_tool_in_use(hand)) else {
             return 0;
         };
         let mut state = self.state.hands[hand];
-        if !state.tracked || self.state.session != SessionState::Sculpting {
-            return 0;
-        }
         let frame = self.stool_frame();
         let grid_bit = bit.to_grid_bit(frame.voxel_metres() * 1e6);
         let (position, rotation) = state.bit_centre_pose(metres_from_um(tool.length_um()));
         let raw = frame.to_grid(position, rotation);
-        let work = BitWork::of(&grid_bit, N);
-        let budget = work.way_budget(share, state.trigger);
-        let BitWay { freeze, sweep_start } =
-            self.find_bit_way(&state, presses, (bit, &grid_bit), &raw, budget);
-        let contact = self.obstacle().contact_at(&grid_bit, &freeze.pose);
-
         // Haptics follow the speed of the hand, not that of the bit.
         let moved_voxels = match state.has_frozen_pose {
             true => (raw.position - state.raw_pose.position).length(),
             false => 0.0,
         };
         let speed_um = (moved_voxels * frame.voxel_metres() * 1e6).min(1e6) as u32;
-        let (running, ticks) = (state.trigger, state.trigger_ticks);
-        state.haptic = haptic_amplitude(bit.spec(), &contact, running, ticks, speed_um);
+        state.raw_pose = raw;
 
-        (state.raw_pose, state.frozen_pose) = (raw, freeze.pose);
-        (state.can_sweep, state.has_frozen_pose) = (sweep_start.is_some(), true);
+        let dropped_ticks = state.note_way(raw, presses.pulled, bit.spec());
+        let is_running = state.is_running();
+        let running = RunningBit { bit, grid_bit: &grid_bit, is_new_pull: presses.pulled };
+        let (spent, report) = self.follow_hand(&running, &mut state, share);
+        let contact = self.obstacle().contact_at(&grid_bit, &state.frozen_pose);
+        state.haptic =
+            haptic_amplitude(bit.spec(), &contact, is_running, state.trigger_ticks, speed_um);
         self.state.hands[hand] = state;
         self.contacts[hand] = contact;
         self.has_contact[hand] = true;
-
-        let mut spent = work.of_steps(freeze.steps);
-        if let Some(start) = sweep_start
-            && running
-            && work.fits_bite(share)
-            && ticks.is_multiple_of(u16::from(bit.spec().bite_period))
-        {
-            self.edit_along_path(hand, bit, &start, &freeze.pose);
-            spent += work.of_edit(grid_bit.path_steps(&start, &freeze.pose));
+        let report = EditReport { dropped_ticks, ..report };
+        if report != EditReport::default() {
+            self.push_event(WorldEvent::Edited { hand: hand as u8, bit, report });
         }
         spent
+    }
+
+    /// Takes the bit along its trail, from one bite to the next, within its `share` of the tick's work: walk,
+    /// bite, walk on. Without a trail it walks to its hand, and edits there if it runs. Returns the work spent
+    /// and what the edits did together.
+    fn follow_hand(
+        &mut self,
+        running: &RunningBit<'_>,
+        state: &mut HandState,
+        share: u32,
+    ) -> (u32, EditReport) {
+        let spec = running.bit.spec();
+        let work = BitWork::of(running.grid_bit, N, self.state.symmetry);
+        let is_running = state.is_running();
+        let is_beat = is_running && spec.is_blow_at(state.trigger_ticks);
+        let (mut left, mut total) = (share, EditReport::default());
+        let mut is_stuck = false;
+        for bite in 0..MAX_BITES_PER_TICK {
+            if bite > 0 && !work.fits_bite(left) {
+                break;
+            }
+            let target = state.trail.poses().first().copied().unwrap_or(state.raw_pose);
+            let last = if state.has_frozen_pose { state.frozen_pose } else { target };
+            let budget = work.way_budget(left, is_running);
+            let slides = is_stuck || state.trail.is_empty();
+            let way = self.find_bit_way(state, running, (&last, &target), slides, budget);
+            (state.frozen_pose, state.has_frozen_pose) = (way.freeze.pose, true);
+            state.can_sweep = way.sweep_start.is_some();
+            let start = way.sweep_start.filter(|_| is_beat && work.fits_bite(left));
+            left = left.saturating_sub(work.of_steps(way.freeze.steps));
+            let report = start.map(|start| {
+                let steps = running.grid_bit.path_steps(&start, &way.freeze.pose);
+                left = left.saturating_sub(work.of_edit(steps));
+                self.edit_along_path(running, &start, &way.freeze.pose)
+            });
+            total = total.sum_with(report.unwrap_or_default());
+            let end = way.end(running.grid_bit, &last, &target, report);
+            if end == WayEnd::Waits {
+                break;
+            }
+            // One slide a pose: more would press the bit into a dimple of the figure, where it stands.
+            if matches!(end, WayEnd::Passed | WayEnd::Refused) || slides {
+                state.trail.pop_oldest();
+            }
+            if end == WayEnd::Refused || state.trail.is_empty() {
+                break;
+            }
+            is_stuck = end == WayEnd::Stuck && !slides;
+        }
+        (share - left, total)
     }
 
     /// What bits collide with.
@@ -81,44 +168,46 @@ where
         Obstacle { rows: self.volume.rows(), mask, is_mask_alone: false }
     }
 
-    /// The way of a bit toward the pose `raw` that its hand asks for, both in the grid.
+    /// The way of a bit from its last pose toward a target, both in the grid.
     ///
     /// The volume doesn't hold a nozzle that runs, which would stick in its own paste; the mask does. One
     /// that was buried as it began to run jumps to its hand, so that no paste is laid on the way there.
     fn find_bit_way(
         &self,
         state: &HandState,
-        presses: HandPresses,
-        (bit, grid_bit): (ToolBit, &GridBit),
-        raw: &Pose,
+        running: &RunningBit<'_>,
+        (last, target): (&Pose, &Pose),
+        slides: bool,
         budget: WayBudget,
     ) -> BitWay {
-        let last = if state.has_frozen_pose { state.frozen_pose } else { *raw };
-        let is_laying = state.trigger && bit.spec().action == BitAction::Fill;
+        let grid_bit = running.grid_bit;
+        let is_laying = state.trigger && running.bit.spec().action == BitAction::Fill;
         let mut can_sweep = state.can_sweep;
         let obstacle = self.obstacle();
         let holding = Obstacle { is_mask_alone: is_laying, ..obstacle };
-        let begins = is_laying && (presses.pulled || !can_sweep);
-        let freeze = if begins && obstacle.buries(grid_bit, &last) {
+        let begins = is_laying && (running.is_new_pull || !can_sweep);
+        let freeze = if begins && obstacle.buries(grid_bit, last) {
             can_sweep = false;
-            let jump = holding.jump_if_bite_allows(grid_bit, &last, raw, budget);
+            let jump = holding.jump_if_bite_allows(grid_bit, last, target, budget);
             FreezeResult { ran_out: !jump.jumped, ..jump }
+        } else if slides {
+            holding.freeze_bit(grid_bit, last, target, budget)
         } else {
-            holding.freeze_bit(grid_bit, &last, raw, budget)
+            holding.freeze_bit_straight(grid_bit, last, target, budget)
         };
         let is_swept = can_sweep && !freeze.jumped;
         let sweep_start = match (is_swept, can_sweep || !freeze.ran_out) {
-            (true, _) => Some(last),
+            (true, _) => Some(*last),
             (false, has_caught_up) => has_caught_up.then_some(freeze.pose),
         };
         BitWay { freeze, sweep_start }
     }
 
     /// Applies a bit's edit along its path between two poses in the grid.
-    fn edit_along_path(&mut self, hand: usize, bit: ToolBit, from: &Pose, to: &Pose) {
-        let grid_bit = bit.to_grid_bit(self.stool_frame().voxel_metres() * 1e6);
+    fn edit_along_path(&mut self, running: &RunningBit<'_>, from: &Pose, to: &Pose) -> EditReport {
+        let grid_bit = running.grid_bit;
         let depth = grid_bit.bite_depth_voxels();
-        let operation = match bit.spec().action {
+        let operation = match running.bit.spec().action {
             BitAction::Carve => EditOperation::Carve { depth },
             BitAction::Fill => EditOperation::Fill { depth },
             BitAction::Smooth => EditOperation::Smooth,
@@ -141,8 +230,6 @@ where
         if report.changed_volume() {
             self.islands.request_pass();
         }
-        if report != EditReport::default() {
-            self.push_event(WorldEvent::Edited { hand: hand as u8, bit, report });
-        }
+        report
     }
 }

@@ -85,10 +85,20 @@ pub struct ToolBitSpec {
     pub shape: BitShape,
     /// Greatest penetration into the material, and so the advance in an edit, in micrometres.
     pub bite_um: i32,
-    /// Ticks from one edit to the next; 1 edits on every tick.
+    /// Ticks from one blow to the next; 1 edits on every tick.
     pub bite_period: u8,
     /// Haptic amplitudes of successive ticks, 0 to 255, repeated while the tool runs.
     pub haptic_train: &'static [u8],
+}
+
+impl ToolBitSpec {
+    /// Whether the bit edits so many ticks after its trigger was pulled: in the first half of each period, as
+    /// one tick hasn't the work for what a quick hand asks of a blow.
+    #[must_use]
+    pub const fn is_blow_at(&self, trigger_ticks: u16) -> bool {
+        let period = self.bite_period as u16;
+        trigger_ticks % period < period.div_ceil(2)
+    }
 }
 
 impl Tool {

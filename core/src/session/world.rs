@@ -115,7 +115,9 @@ where
         let is_removal_due = self.islands.is_removal_due();
         let mut ledger = TickLedger::open(N, K, rewound_columns, is_removal_due);
         let first = (self.state.tick & 1) as usize;
-        for (hand, hands_left) in [(first, 2), (1 - first, 1)] {
+        let second = 1 - first;
+        let hands_left = if self.is_tool_in_use(second) { 2 } else { 1 };
+        for (hand, hands_left) in [(first, hands_left), (second, 1)] {
             let spent = self.step_tool(hand, presses[hand], ledger.hand_share(hands_left));
             ledger.charge(spent);
         }
@@ -222,14 +224,15 @@ where
         HandInput { aim: grip, grip, tracked: true, ..HandInput::default() }
     }
 
-    /// Whether a stroke is under way: a hand of a sculpting session runs the tool that it holds. What both
+    /// Whether a stroke is under way: a hand of a sculpting session runs the tool that it holds, or its bit
+    /// finishes the way of the last pull. What both
     /// hands edit from the first tick that ends with `true` belongs to one undo entry, whichever triggers
     /// are pulled and released and whatever bits are exchanged meanwhile. The entry is complete in the
     /// first tick that ends with `false`, but for islands that fall later, and in one of an undo or redo.
     #[must_use]
     pub fn is_stroke_open(&self) -> bool {
         let runs = |hand: usize| {
-            self.hand_state(hand).trigger && self.state.bench.held_tool(hand).is_some()
+            self.hand_state(hand).is_running() && self.state.bench.held_tool(hand).is_some()
         };
         self.state.session == SessionState::Sculpting && (runs(0) || runs(1))
     }

@@ -32,7 +32,12 @@ where
 
     /// Removes every voxel, in place.
     pub fn clear(&mut self) {
-        self.rows.as_flattened_mut().fill(<Grid<N> as Size>::Row::EMPTY);
+        // Not `fill`: what empty rows have is left, and they are most.
+        for row in self.rows.as_flattened_mut() {
+            if !row.is_empty() {
+                *row = <Grid<N> as Size>::Row::EMPTY;
+            }
+        }
     }
 
     /// Becomes a copy of `other`, in place.

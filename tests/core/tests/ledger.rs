@@ -11,6 +11,7 @@ use paros_core::session::{
 };
 use paros_core::volume::{BitGrid, BitSet, Grid, Size};
 use paros_core::{HandInput, RangeMaps, StartVolumes, TickInput, World};
+use paros_models::hard_work::HardWork;
 use paros_models::scripted_hand::{LEFT, RIGHT, step_with_bit_at, take_item};
 use paros_models::world_harness::WorldHarness;
 use paros_shell::tick_runner::TickRunner;
@@ -69,39 +70,13 @@ where
     }
 }
 
-/// What a hand does besides.
-#[derive(Clone, Copy, PartialEq, Debug)]
-enum Work {
-    /// Its bit crosses the stone from one side to the other and back, a way a tick.
-    Storm,
-    /// Its bit turns half round, a turn a tick.
-    Turns,
-    /// Its bit is deep in a trench that a fill has narrowed, as far as it goes.
-    Deep,
-}
-
-/// Where a hand at work has its bit.
-fn pose_at_work(work: Work, hand: usize, side: f32, floor: f32, tick: u32) -> Pose {
-    let odd = tick % 2 == 1;
-    let across = if odd { 0.9 } else { 0.1 };
-    let z = side * if hand == 0 { 0.15 } else { 0.85 };
-    let turned = Quat::from_rotation_x(3.0) * Quat::from_rotation_y(0.7);
-    let (position, rotation) = match work {
-        Work::Storm => (Vec3::new(side * across, floor, z), Quat::from_rotation_x(0.3)),
-        Work::Turns if odd => (Vec3::new(side * 0.3, floor, z), turned),
-        Work::Turns => (Vec3::new(side * 0.3, floor, z), Quat::IDENTITY),
-        Work::Deep => (Vec3::new(side * 0.3 + 0.2 * tick as f32, floor - 0.03 * side, z), turned),
-    };
-    Pose { position, rotation }
-}
-
 fn take(hand: usize, item: BenchItem) -> PointerCommand {
     PointerCommand::Take { hand: hand as u8, item: item.number() as u8 }
 }
 
 /// Has both hands take their tools with their bits, and the right one return its tool: it takes it again in the
 /// tick of the cut, when its bit is at the stem.
-fn take_tools<const N: usize>(runner: &mut TickRunner<'_, N, 2>, works: [(ToolBit, Work); 2])
+fn take_tools<const N: usize>(runner: &mut TickRunner<'_, N, 2>, works: [(ToolBit, HardWork); 2])
 where
     Grid<N>: Size,
 {
@@ -117,7 +92,7 @@ where
 fn count_ticks_until_fall<const N: usize>(
     scene: &'static Mutex<Scene<N>>,
     is_masked: bool,
-    works: [(ToolBit, Work); 2],
+    works: [(ToolBit, HardWork); 2],
     cut_at: u32,
 ) -> u32
 where
@@ -141,7 +116,7 @@ where
     for tick in 0..cut_at + 60 {
         let mut input = TickInput::default();
         for (hand, (bit, work)) in works.into_iter().enumerate() {
-            let mut pose = pose_at_work(work, hand, side, top, tick);
+            let mut pose = work.pose_at(hand, side, top, tick);
             if hand == RIGHT && tick == cut_at {
                 pose = Pose { position: at_stem, rotation: Quat::IDENTITY };
                 let length = bit.spec().tool.length_um() as f32 * 1e-6;
@@ -175,10 +150,10 @@ where
 {
     let mut worst = [0; 2];
     for works in [
-        [(ToolBit::Nozzle, Work::Storm), (ToolBit::LargeBall, Work::Storm)],
-        [(ToolBit::File, Work::Turns), (ToolBit::Grinder, Work::Turns)],
-        [(ToolBit::Nozzle, Work::Deep), (ToolBit::LargeBall, Work::Deep)],
-        [(ToolBit::File, Work::Storm), (ToolBit::Grinder, Work::Deep)],
+        [(ToolBit::Nozzle, HardWork::Storm), (ToolBit::LargeBall, HardWork::Storm)],
+        [(ToolBit::File, HardWork::Turns), (ToolBit::Grinder, HardWork::Turns)],
+        [(ToolBit::Nozzle, HardWork::Deep), (ToolBit::LargeBall, HardWork::Deep)],
+        [(ToolBit::File, HardWork::Storm), (ToolBit::Grinder, HardWork::Deep)],
     ] {
         for (is_masked, most) in [(false, 12), (true, 24)] {
             for cut_at in [0, 3] {

@@ -114,6 +114,27 @@ impl ContactModel {
         tracked: &Pose,
         budget: WayBudget,
     ) -> FreezeResult {
+        self.freeze(bit, (from, tracked), budget, true)
+    }
+
+    /// The same without the slide.
+    pub fn freeze_by_walk_straight(
+        &self,
+        bit: &GridBit,
+        from: &Pose,
+        tracked: &Pose,
+        budget: WayBudget,
+    ) -> FreezeResult {
+        self.freeze(bit, (from, tracked), budget, false)
+    }
+
+    fn freeze(
+        &self,
+        bit: &GridBit,
+        (from, tracked): (&Pose, &Pose),
+        budget: WayBudget,
+        slides: bool,
+    ) -> FreezeResult {
         let stands =
             FreezeResult { pose: *from, blocked: false, ran_out: true, jumped: false, steps: 0 };
         if budget.steps == 0 || budget.quarter_voxels == 0 {
@@ -126,9 +147,9 @@ impl ContactModel {
         let walk = self.walk_while_allowed(bit, from, tracked, &mut left);
         let mut frozen =
             FreezeResult { pose: walk.last_allowed, ran_out: walk.ran_out, steps: 0, ..stands };
-        if let Some(stop) = walk.first_forbidden {
+        frozen.blocked = walk.first_forbidden.is_some();
+        if let Some(stop) = walk.first_forbidden.filter(|_| slides) {
             let slide = self.slide(bit, &frozen.pose, &stop, tracked, &mut left);
-            frozen.blocked = true;
             if !self.may_cross_stone(bit, from, &slide.last_allowed) {
                 (frozen.pose, frozen.ran_out) = (slide.last_allowed, slide.ran_out);
             }
@@ -209,7 +230,8 @@ impl ContactModel {
     }
 
     /// Walks a path while the penetration is within the limit. A bit that is too deep leaves where the path
-    /// does. Stretches of free path cost fewer of the steps that are left, but are walked alike.
+    /// does. Each stretch of a path that is tried at once costs a step, and nothing more where it
+    /// is free.
     pub fn walk_while_allowed(
         &self,
         bit: &GridBit,
@@ -231,13 +253,14 @@ impl ContactModel {
             let last = poses.len().min(steps_done.saturating_add(left.quarter_voxels as usize));
             if steps_done >= singly_to {
                 let end = (steps_done + stretch).min(last);
+                spend(left, u32::from(limits == usual), 0);
                 if limits == usual && self.is_sweep_free(bit, &reached, &poses[end - 1], usual) {
                     assert!(
                         poses[steps_done..end]
                             .iter()
                             .all(|pose| self.penetration_at(bit, pose).are_at_most(usual))
                     );
-                    spend(left, 1, end - steps_done);
+                    spend(left, 0, end - steps_done);
                     (steps_done, reached) = (end, poses[end - 1]);
                     (sits, stretch) = (self.penetration_at(bit, &reached), LONG_STRETCH as usize);
                     continue;
@@ -247,6 +270,7 @@ impl ContactModel {
                     continue;
                 }
                 singly_to = end;
+                continue;
             }
             let deep = deep_step_cost_in_steps(self.volume.side());
             spend(left, if limits == usual { 1 } else { deep }, 1);
@@ -262,8 +286,11 @@ impl ContactModel {
             if limits == usual {
                 return stopped;
             }
-            let Some(step) = self.find_exit_step(bit, limits, &reached, &poses[..last], steps_done)
-            else {
+            let probes = exit_probe_steps(steps_done as u32, last as u32, left.steps);
+            let probes: Vec<usize> = probes.map(|step| step as usize).collect();
+            let (tried, exit) = self.find_exit_step(bit, limits, &reached, &poses, &probes);
+            spend(left, tried, 0);
+            let Some(step) = exit else {
                 return stopped;
             };
             spend(left, 0, step - steps_done);
@@ -274,7 +301,7 @@ impl ContactModel {
         PathWalk { last_allowed: reached, first_forbidden: None, ran_out }
     }
 
-    /// The step of the first exit probe after `after_step` at which the bit is out of the stone; step 1 leads to
+    /// How many of the exit probes are tried, and the first at which the bit is out of the stone; probe 1 is
     /// the first pose of `path`. Only probes that the bit's centre reaches through the open count.
     fn find_exit_step(
         &self,
@@ -282,23 +309,23 @@ impl ContactModel {
         limits: PenetrationDepths,
         last_allowed: &Pose,
         path: &[Pose],
-        after_step: usize,
-    ) -> Option<usize> {
+        probes: &[usize],
+    ) -> (u32, Option<usize>) {
         let unburied = bit.inscribed_radius_subunits() - BURIED_WITHIN;
         let open = PenetrationDepths { volume: unburied, ..limits };
         let usual = PenetrationDepths { volume: bit.bite, mask: 0 };
         let mut last = *last_allowed;
-        for step in exit_probe_steps(after_step as u32, path.len() as u32) {
-            let pose = path[step as usize - 1];
+        for (tried, step) in (1..).zip(probes) {
+            let pose = path[step - 1];
             if !self.is_sweep_free(bit, &last, &pose, open) {
-                return None;
+                return (tried, None);
             }
             if self.penetration_at(bit, &pose).are_at_most(usual) {
-                return Some(step as usize);
+                return (tried, Some(*step));
             }
             last = pose;
         }
-        None
+        (probes.len() as u32, None)
     }
 
     /// Whether the swept volume of the bit, shrunk to the allowed depths, contains no voxel. Conservative.

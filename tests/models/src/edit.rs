@@ -51,6 +51,7 @@ impl ExactEdit {
             refused_by_depth: self.refused_by_depth,
             refused_by_closure: back.count(),
             closure_box: back.bounding_box(),
+            dropped_ticks: 0,
         }
     }
 }

@@ -8,12 +8,12 @@
 //! another hand's filling may leave it, has no way out: it stands until the pose that its hand asks for is
 //! free, and then is there.
 
+mod depth;
 mod path;
 mod rows;
 
-use glam::{IVec3, Vec3};
+use glam::{I64Vec3, IVec3, Vec3};
 
-use crate::edit::brush::voxel_centre_subunits;
 use crate::edit::grid_bit::GridBit;
 use crate::edit::pose::Pose;
 use crate::limits::deep_step_cost_in_steps;
@@ -21,8 +21,9 @@ use crate::volume::bit_grid::BitGrid;
 use crate::volume::range_maps::RangeMaps;
 use crate::volume::row::BitSet;
 use crate::volume::size::{Grid, Size};
+use depth::DepthRuler;
 pub use path::{BURIED_WITHIN, LONG_STRETCH, SHORT_STRETCH, exit_probe_steps};
-use path::{PathAdvance, PenetratingVoxel, PenetrationLimit, STEPS_PER_VOXEL};
+use path::{PathAdvance, PenetrationLimit, STEPS_PER_VOXEL};
 
 /// The contact of a bit with the volume at a pose.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -61,7 +62,7 @@ pub struct FreezeResult {
 /// How far a bit may go.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct WayBudget {
-    /// Steps, of which a free stretch costs one; see [`crate::limits::max_bit_steps_per_tick`].
+    /// Steps, of which a stretch that is tried at once costs one; see [`crate::limits::max_bit_steps_per_tick`].
     pub steps: u32,
     /// Length of the way in quarter voxels, free or not.
     pub quarter_voxels: u32,
@@ -110,29 +111,24 @@ where
     /// The contact of the bit at a pose in the grid.
     #[must_use]
     pub fn contact_at(&self, bit: &GridBit, pose: &Pose) -> Contact {
-        let (position, axes) =
-            (pose.clamped_position_subunits().as_i64vec3(), pose.unit_axes_q14());
-        let mut contact = Contact {
-            overlap: 0,
-            depth: 0,
-            normal: Vec3::ZERO,
-            on_mask: self.is_within_half_voxel_of_mask(bit, pose),
-        };
-        let mut normal = IVec3::ZERO;
-        self.visit_occupied_rows(&bit.piece_at(pose), |(y, z), inside| {
-            contact.overlap += inside.count_ones();
-            normal += self.sum_directions_to_empty((y, z), inside);
-            for x in inside.iter_ones() {
-                let p = glam::I64Vec3::new(
-                    voxel_centre_subunits(x),
-                    voxel_centre_subunits(y),
-                    voxel_centre_subunits(z),
-                ) - position;
-                contact.depth = contact.depth.max(bit.depth_subunits_at(&axes, p));
-            }
+        let ruler = DepthRuler::new(bit, pose);
+        let (mut overlap, mut depth, mut normal) = (0, 0, IVec3::ZERO);
+        self.visit_occupied_rows(&bit.piece_at(pose), |row, inside| {
+            overlap += inside.count_ones();
+            depth = depth.max(ruler.deepest_of_row(row, inside));
+            normal += self.sum_directions_to_empty(row, inside);
         });
-        contact.normal = normal.as_vec3().normalize_or_zero();
-        contact
+        let normal = normal.as_vec3().normalize_or_zero();
+        Contact { overlap, depth, normal, on_mask: self.is_within_half_voxel_of_mask(bit, pose) }
+    }
+
+    /// [`Contact::normal`] alone.
+    fn normal_at(&self, bit: &GridBit, pose: &Pose) -> Vec3 {
+        let mut normal = IVec3::ZERO;
+        self.visit_occupied_rows(&bit.piece_at(pose), |row, inside| {
+            normal += self.sum_directions_to_empty(row, inside);
+        });
+        normal.as_vec3().normalize_or_zero()
     }
 
     /// Move and slide: moves the bit along the path as far as its penetration limit allows, then slides
@@ -147,6 +143,32 @@ where
         from: &Pose,
         wanted: &Pose,
         budget: WayBudget,
+    ) -> FreezeResult {
+        self.move_bit(bit, (from, wanted), budget, |reached, forbidden, left| {
+            Some(self.slide_along(bit, reached, forbidden, wanted, left))
+        })
+    }
+
+    /// The same without sliding: the bit stands where the volume stops it, before the stone that its next bite
+    /// takes.
+    #[must_use]
+    pub fn freeze_bit_straight(
+        &self,
+        bit: &GridBit,
+        from: &Pose,
+        wanted: &Pose,
+        budget: WayBudget,
+    ) -> FreezeResult {
+        self.move_bit(bit, (from, wanted), budget, |_, _, _| None)
+    }
+
+    /// Moves the bit. `slide` gets the last allowed pose, the forbidden one after it and the budget left.
+    fn move_bit(
+        &self,
+        bit: &GridBit,
+        (from, wanted): (&Pose, &Pose),
+        budget: WayBudget,
+        slide: impl FnOnce(&Pose, &Pose, &mut WayBudget) -> Option<PathAdvance>,
     ) -> FreezeResult {
         if budget.is_spent() {
             let stands = FreezeResult {
@@ -164,7 +186,7 @@ where
         }
         let mut left = budget;
         let SlideResult { pose, blocked, ran_out } =
-            self.move_and_slide(bit, (from, limit), wanted, &mut left);
+            self.move_and_slide(bit, (from, limit), wanted, &mut left, slide);
         let steps = budget.steps - left.steps;
         FreezeResult { pose, blocked, ran_out, jumped: false, steps }
     }
@@ -198,13 +220,16 @@ where
         (from, limit): (&Pose, PenetrationLimit),
         wanted: &Pose,
         left: &mut WayBudget,
+        slide: impl FnOnce(&Pose, &Pose, &mut WayBudget) -> Option<PathAdvance>,
     ) -> SlideResult {
         let walk = self.advance_along(bit, (from, limit), wanted, left);
         let PathAdvance { last_allowed: reached, ran_out, .. } = walk;
         let Some(forbidden) = walk.first_forbidden else {
             return SlideResult { pose: reached, blocked: false, ran_out };
         };
-        let slide = self.slide_along(bit, &reached, &forbidden, wanted, left);
+        let Some(slide) = slide(&reached, &forbidden, left) else {
+            return SlideResult { pose: reached, blocked: true, ran_out: false };
+        };
         // What is swept is the straight way from where the bit was, which a way round a corner isn't.
         match self.may_cross_stone(bit, from, &slide.last_allowed) {
             true => SlideResult { pose: reached, blocked: true, ran_out: false },
@@ -225,7 +250,7 @@ where
         left: &mut WayBudget,
     ) -> PathAdvance {
         let remaining = wanted.position - reached.position;
-        let mut normal = self.contact_at(bit, forbidden).normal;
+        let mut normal = self.normal_at(bit, forbidden);
         if normal == Vec3::ZERO {
             normal = -remaining.normalize_or_zero();
         }
@@ -257,13 +282,22 @@ where
         forbidden: &Pose,
     ) -> Vec3 {
         let limit = self.penetration_limit(bit, last_allowed);
-        let mut away = glam::I64Vec3::ZERO;
-        self.visit_penetrating_voxels(bit, forbidden, |voxel| {
-            let PenetratingVoxel { offset_from_bit, depth_subunits: depth, is_masked } = voxel;
-            if depth > limit.volume || (is_masked && depth > limit.mask) {
-                away -= offset_from_bit;
-            }
-        });
+        let ruler = DepthRuler::new(bit, forbidden);
+        let mut away = I64Vec3::ZERO;
+        if let Some(piece) = bit.piece_deeper_than(limit.volume, forbidden) {
+            self.visit_occupied_rows(&piece, |row, inside| {
+                away -= inside.iter_ones().map(|x| ruler.offset_of((x, row))).sum::<I64Vec3>();
+            });
+        }
+        if let (Some(mask), Some(piece)) = (self.mask, bit.piece_deeper_than(limit.mask, forbidden))
+        {
+            self.visit_occupied_rows(&piece, |row, inside| {
+                let held = mask.occupied_among(row, inside);
+                let offsets = held.iter_ones().map(|x| ruler.offset_of((x, row)));
+                let is_new = |p: &I64Vec3| ruler.depth_at(*p) <= limit.volume;
+                away -= offsets.filter(is_new).sum::<I64Vec3>();
+            });
+        }
         away.as_vec3().normalize_or_zero()
     }
 }

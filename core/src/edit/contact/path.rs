@@ -6,15 +6,12 @@
 
 use core::mem;
 
-use glam::I64Vec3;
-
+use super::depth::DepthRuler;
 use super::rows::TestedVoxels;
 use super::{Obstacle, WayBudget};
-use crate::edit::brush::voxel_centre_subunits;
 use crate::edit::grid_bit::GridBit;
 use crate::edit::pose::{Pose, SUBUNITS_PER_VOXEL};
 use crate::limits::{EXIT_PROBES, deep_step_cost_in_steps};
-use crate::volume::row::BitSet;
 use crate::volume::size::{Grid, Size};
 
 impl<const N: usize, const K: usize> Obstacle<'_, N, K>
@@ -37,12 +34,13 @@ where
         while step < steps && !left.is_spent() {
             let last = steps.min(step.saturating_add(left.quarter_voxels));
             let end = (step + stretch).min(last);
-            if limit.is_of_bite(bit)
-                && self.is_path_surely_free(bit, &reached, &pose_at(end), limit)
-            {
-                left.spend(1, end - step);
-                (step, reached, stretch) = (end, pose_at(end), LONG_STRETCH);
-                continue;
+            if limit.is_of_bite(bit) {
+                left.spend(1, 0);
+                if self.is_path_surely_free(bit, &reached, &pose_at(end), limit) {
+                    left.spend(0, end - step);
+                    (step, reached, stretch) = (end, pose_at(end), LONG_STRETCH);
+                    continue;
+                }
             }
             if stretch == LONG_STRETCH {
                 stretch = SHORT_STRETCH;
@@ -58,7 +56,7 @@ where
                     reached = next;
                     continue;
                 }
-                let probes = exit_probe_steps(step, last);
+                let probes = exit_probe_steps(step, last, left.steps).inspect(|_| left.spend(1, 0));
                 let Some(exit) = self.find_exit_step(bit, limit, &reached, probes, pose_at) else {
                     let first_forbidden = Some(next);
                     return PathAdvance { last_allowed: reached, first_forbidden, ran_out: false };
@@ -76,37 +74,15 @@ where
         if self.is_allowed(bit, pose, limit) {
             return limit;
         }
-        self.visit_penetrating_voxels(bit, pose, |voxel| {
-            limit.volume = limit.volume.max(voxel.depth_subunits);
-            if voxel.is_masked {
-                limit.mask = limit.mask.max(voxel.depth_subunits);
+        let ruler = DepthRuler::new(bit, pose);
+        self.visit_occupied_rows(&bit.piece_at(pose), |row, inside| {
+            limit.volume = limit.volume.max(ruler.deepest_of_row(row, inside));
+            if let Some(mask) = self.mask {
+                let held = mask.occupied_among(row, inside);
+                limit.mask = limit.mask.max(ruler.deepest_of_row(row, held));
             }
         });
         limit
-    }
-
-    /// Calls `visit` for every occupied voxel whose centre is in the bit.
-    pub(super) fn visit_penetrating_voxels(
-        &self,
-        bit: &GridBit,
-        pose: &Pose,
-        mut visit: impl FnMut(PenetratingVoxel),
-    ) {
-        let (position, axes) =
-            (pose.clamped_position_subunits().as_i64vec3(), pose.unit_axes_q14());
-        self.visit_occupied_rows(&bit.piece_at(pose), |(y, z), inside| {
-            let held = self.mask.map(|mask| mask.occupied_among((y, z), inside));
-            for x in inside.iter_ones() {
-                let p = I64Vec3::new(
-                    voxel_centre_subunits(x),
-                    voxel_centre_subunits(y),
-                    voxel_centre_subunits(z),
-                ) - position;
-                let is_masked = held.is_some_and(|held| held.contains(x));
-                let depth_subunits = bit.depth_subunits_at(&axes, p);
-                visit(PenetratingVoxel { offset_from_bit: p, depth_subunits, is_masked });
-            }
-        });
     }
 
     /// Exit search for a bit that is too deep by its sides alone, and whose next step would take it deeper:
@@ -190,11 +166,15 @@ where
     }
 }
 
-/// The steps at which the exit search tests the rest of a path: at most [`EXIT_PROBES`], spread evenly
-/// over `after_step + 1..=last_step`, the last among them. `after_step` is at most `last_step`.
-pub fn exit_probe_steps(after_step: u32, last_step: u32) -> impl Iterator<Item = u32> {
+/// The steps at which the exit search tests the rest of a path: at most [`EXIT_PROBES`] and `max_probes`,
+/// spread evenly over `after_step + 1..=last_step`, the last among them. `after_step` is at most `last_step`.
+pub fn exit_probe_steps(
+    after_step: u32,
+    last_step: u32,
+    max_probes: u32,
+) -> impl Iterator<Item = u32> + use<> {
     let left = last_step - after_step;
-    let probes = left.min(EXIT_PROBES);
+    let probes = left.min(EXIT_PROBES).min(max_probes);
     (1..probes + 1).map(move |i| after_step + left * i / probes)
 }
 
@@ -206,17 +186,6 @@ pub(super) struct PathAdvance {
     pub(super) first_forbidden: Option<Pose>,
     /// Whether the end of the budget came first.
     pub(super) ran_out: bool,
-}
-
-/// An occupied voxel whose centre is in a bit.
-#[derive(Clone, Copy)]
-pub(super) struct PenetratingVoxel {
-    /// From the bit's centre to the voxel's, along the grid's axes, in subunits.
-    pub(super) offset_from_bit: I64Vec3,
-    /// How deep the voxel's centre lies in the bit.
-    pub(super) depth_subunits: i32,
-    /// Whether the mask protects it.
-    pub(super) is_masked: bool,
 }
 
 /// One test of a bit against its limit: does its part deeper than this hold one of these voxels?

@@ -98,6 +98,8 @@ pub struct EditReport {
     /// The smallest box around what closure brought back, empty where that is nothing. That of a
     /// mirrored edit spans both sides.
     pub closure_box: VoxelBox,
+    /// Ticks of the hand's way that were left uncut, since the bit fell too far behind it.
+    pub dropped_ticks: u32,
 }
 
 impl EditReport {
@@ -124,6 +126,7 @@ impl EditReport {
             refused_by_depth: self.refused_by_depth + other.refused_by_depth,
             refused_by_closure: self.refused_by_closure + other.refused_by_closure,
             closure_box: self.closure_box.hull_with(other.closure_box),
+            dropped_ticks: self.dropped_ticks + other.dropped_ticks,
         }
     }
 }

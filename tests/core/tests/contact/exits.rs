@@ -55,13 +55,13 @@ fn no_slide_cuts_a_corner_of_stone() {
     let mut stone = lock_stone(&STONE_64);
     let bit = ToolBit::SmallBall.to_grid_bit(voxel_micrometres(128));
     let at = |x: f32, y: f32| Pose { position: Vec3::new(x, y, 32.0), rotation: Quat::IDENTITY };
-    for (with_beam, least) in [(false, 45.0), (true, 0.0)] {
+    for (with_beam, least) in [(false, 43.0), (true, 0.0)] {
         let beam = |x: i32, y: i32| with_beam && (36..40).contains(&x) && (25..29).contains(&y);
         stone.set(
             &DenseVolume::from_fn(64, |[x, y, _]| y < 20 || beam(x, y)),
             &DenseVolume::empty(64),
         );
-        let slid = stone.freeze(&bit, &at(30.0, 30.0), &at(46.0, -30.0));
+        let slid = stone.freeze(&bit, &at(30.0, 30.0), &at(44.0, -22.5));
         let Vec3 { x, y, .. } = slid.pose.position;
         assert!(slid.blocked && !slid.ran_out && y < 23.0, "{slid:?}");
         assert_eq!((x > least, x < 34.0), (true, with_beam), "{slid:?}");

@@ -221,8 +221,8 @@ proptest! {
     }
 }
 
-/// Asserts how far a tick walks: along a floor every step counts; in free air the first four count as one, then
-/// every sixteen.
+/// Asserts how far a tick walks: along a floor every four steps cost five, as the four are tried at once
+/// before; in free air the first four cost one, then every sixteen.
 fn assert_tick_reach<const N: usize>(stone: &'static Mutex<ContactHarness<N>>)
 where
     Grid<N>: Size,
@@ -239,7 +239,7 @@ where
         frozen.pose.position.x - 20.0
     };
     let far = max_bit_steps_per_tick(N) as f32 / 4.0;
-    assert!((walked(rest, 120.0) - far).abs() < 0.1);
+    assert!((walked(rest, 120.0) - 0.8 * far).abs() < 0.1);
     assert!((walked(60.0, 1e4) - (16.0 * far - 3.0)).abs() < 0.1);
 }
 
@@ -257,10 +257,11 @@ fn a_tick_goes_so_far_at_256() {
 fn looks_are_spread_over_the_rest_of_the_way() {
     for steps in 1..200 {
         for i in 0..steps + 1 {
-            let probes: Vec<u32> = exit_probe_steps(i, steps).collect();
+            let most = [1, 5, 31, u32::MAX][i as usize % 4];
+            let probes: Vec<u32> = exit_probe_steps(i, steps, most).collect();
             let ways: Vec<u32> =
                 [i].iter().chain(&probes).zip(&probes).map(|(a, b)| b - a).collect();
-            assert_eq!(probes.len() as u32, EXIT_PROBES.min(steps - i));
+            assert_eq!(probes.len() as u32, EXIT_PROBES.min(steps - i).min(most));
             assert_eq!(ways.iter().sum::<u32>(), steps - i);
             let widest = ways.iter().max().copied().unwrap_or(1);
             assert!(ways.iter().all(|way| (1..=widest).contains(way) && widest - way <= 1));

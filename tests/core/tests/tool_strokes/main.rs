@@ -10,17 +10,14 @@
 //!
 //! | bit | at 128 | at 256 | where |
 //! |---|---|---|---|
-//! | burrs, nozzle | 0 | 0 | |
-//! | cylinder | 0.6 | 0.3 | in a bowl, pressed 10 mm |
-//! | grinder | 0.5 | 3.2 | in a bowl, pressed 10 mm |
-//! | point chisel | 82 | 139 | at 0.245 m/s; 0 at 0.03 m/s |
-//! | flat chisel | 121 | 138 | at 0.216 m/s; 2.2 at 0.03 m/s |
+//! | rotary bits, nozzle | 0 | 0 | |
+//! | point chisel | 14 | 14 | at 0.245 m/s: the way of a blow's period |
+//! | flat chisel | 18 | 18 | at 0.216 m/s |
 //! | file, even floor | 0 | 0 | lifted to its bite, however it is pressed |
 //! | file, elsewhere | 56 | 71 | in a bowl it stands from 1 mm on |
 //!
-//! So these don't follow. A chisel bites in every sixth or eighth tick, which allows it 0.041 and 0.027 m/s: a hand
-//! that is faster and presses 10 mm leaves it standing. Pressed 4 mm it follows, but cuts a dotted line, as a bite
-//! sweeps the way of one tick only. A file can't climb the steps of round stone, nor turn to it.
+//! A chisel stands between two blows, of which there is one in every sixth or eighth tick, and cuts its hand's whole
+//! way at the next. A file doesn't follow: it can't climb the steps of round stone, nor turn to it.
 
 mod figures;
 mod scene;
@@ -29,6 +26,7 @@ mod stone;
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
+use paros_core::internals::BitShape;
 use paros_core::session::ToolBit;
 use paros_core::volume::{Grid, Size};
 
@@ -73,9 +71,7 @@ where
     for (s, f) in &drawn {
         println!("{N} {s}: {f}");
     }
-    if !broken.is_empty() {
-        println!("{broken:#?}");
-    }
+    assert!(broken.is_empty(), "{broken:#?}");
     drawn
 }
 
@@ -93,12 +89,17 @@ fn keeps_rules(stroke: &Stroke, figures: &StrokeFigures) -> bool {
         ToolBit::Cylinder => follows(1.0) && cuts_all(asked / 100),
         ToolBit::Grinder => follows(4.0) && cuts_all(asked / 100),
         ToolBit::Nozzle => follows(0.1) && left <= asked / 10 && (bare, parts) == (0, 1),
-        ToolBit::PointChisel | ToolBit::FlatChisel => speed_mm > SLOW || behind <= 3.0,
+        ToolBit::PointChisel | ToolBit::FlatChisel => {
+            behind <= if speed_mm > SLOW { 20.0 } else { 3.0 }
+        }
         // What is even already stays so.
         ToolBit::File if stone == Stone::Flat && !is_rough => follows(0.1) && parts == 0,
         ToolBit::File => true,
     };
-    stray == 0 && is_true_to_its_tool
+    // A bit that slid goes on from there straight to its hand's way.
+    let can_slide = matches!(bit.spec().shape, BitShape::Box { .. });
+    let most_stray = if can_slide { asked / 100 } else { 0 };
+    stray <= most_stray && is_true_to_its_tool
 }
 
 /// What the golden files hold.

@@ -107,11 +107,15 @@ where
         let mut places = Vec::new();
         // The hand rests at the end of its way until the tool has bitten once more.
         for tick in 1..last + u32::from(bit.spec().bite_period) {
+            let last_raw = self.harness.world.hand_state(RIGHT).raw_pose;
             let before = self.step(&pose_at(tick), true);
             let hand = self.harness.world.hand_state(RIGHT);
             let (frozen, raw) = (hand.frozen_pose, hand.raw_pose);
-            let brush = grid_bit.swept_brush(&before, &frozen);
-            brush.pieces().for_each(|piece| insert_piece(&mut self.swept, &piece));
+            // A bit that follows its hand goes the hand's own way, or slides beside it.
+            for (from, to) in [(before, frozen), (last_raw, raw)] {
+                let brush = grid_bit.swept_brush(&from, &to);
+                brush.pieces().for_each(|piece| insert_piece(&mut self.swept, &piece));
+            }
             if (first..last).contains(&tick) {
                 insert_piece(&mut self.asked, &grid_bit.piece_at(&raw));
                 places.push(grid_bit.piece_at(&raw));

@@ -2,7 +2,7 @@
 
 use paros_core::internals::{DIGEST_PARTS, checksum, combine_digests, maps_digest};
 use paros_core::limits::max_save_bytes;
-use paros_core::session::{BenchItem, Tool, ToolBit};
+use paros_core::session::{BenchItem, HandState, HandTrail, Tool, ToolBit};
 use paros_core::volume::{Axis, BitSet, Column, DirtyRects, Grid, Size};
 use paros_core::{RangeMaps, StartVolumes, TickInput, World};
 
@@ -84,12 +84,11 @@ where
             model.events
         );
         for hand in [0, 1] {
-            ensure!(
-                world.hand_state(hand) == &model.hands[hand],
-                "hand {hand} is {:?}, should be {:?}",
-                world.hand_state(hand),
-                model.hands[hand]
-            );
+            let (is, should) = (world.hand_state(hand), &model.hands[hand]);
+            let without_trail = HandState { trail: HandTrail::EMPTY, ..*is };
+            ensure!(&without_trail == should, "hand {hand} is {is:?}, should be {should:?}");
+            let (is, should) = (is.trail.poses(), &model.trails[hand]);
+            ensure!(should == &is, "the trail of hand {hand} is {is:?}, should be {should:?}");
             ensure!(
                 world.hand_contact(hand) == model.contacts[hand],
                 "contact {hand} is {:?}, should be {:?}",

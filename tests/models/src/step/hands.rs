@@ -2,14 +2,14 @@
 
 use paros_core::edit::{Contact, EditOperation, EditReport, Pose, SUBUNITS_PER_VOXEL};
 use paros_core::internals::{BURIED_WITHIN, BitAction, FreezeResult, GridBit, RoomPose, WayBudget};
-use paros_core::limits::SMOOTH_LINES;
-use paros_core::session::{HandState, RawPose, SessionState, Tool, ToolBit, buttons};
+use paros_core::limits::{MAX_BITES_PER_TICK, SMOOTH_LINES, max_trail_ticks};
+use paros_core::session::{HandState, HandTrail, RawPose, SessionState, Tool, ToolBit, buttons};
 use paros_core::{Brush, HandInput, WorldEvent};
 
-use crate::contact::ContactModel;
+use crate::contact::{ContactModel, path_poses};
 use crate::dense::DenseVolume;
 use crate::step::ledger::{HandWork, Ledger};
-use crate::step::volume::Voxel;
+use crate::step::volume::voxels_of_brush;
 use crate::step::{NOWHERE, StepModel, ensure};
 
 /// What a hand newly pressed in a tick.
@@ -39,17 +39,13 @@ pub(super) fn untracked_hand() -> HandState {
         can_sweep: false,
         has_frozen_pose: false,
         haptic: 0,
+        trail: HandTrail::EMPTY,
     }
 }
 
 /// The distance from grip to bit, in metres.
 pub(super) fn length_metres(tool: Tool) -> f32 {
     tool.length_um() as f32 * 1e-6
-}
-
-/// After a change of tool or bit: it was nowhere yet.
-pub(super) fn forget_bit(hand: &mut HandState) {
-    (hand.can_sweep, hand.has_frozen_pose, hand.trigger_ticks) = (false, false, 0);
 }
 
 /// Applies a tick's input: the poses that are valid, and what is pressed while the hand is tracked.
@@ -80,7 +76,17 @@ pub(super) fn apply_input(hand: &mut HandState, input: &HandInput) -> HandPresse
     }
 }
 
-/// The way of a bit in a tick.
+/// The ends of a way, and the bit that is to go it.
+struct WayToFind<'a> {
+    bit: ToolBit,
+    grid_bit: &'a GridBit,
+    from: &'a Pose,
+    wanted: &'a Pose,
+    /// Whether the bit slides where it is stopped.
+    slides: bool,
+}
+
+/// The way of a bit toward a pose.
 struct BitWay {
     /// What held the bit.
     obstacle: ContactModel,
@@ -92,6 +98,24 @@ struct BitWay {
 }
 
 impl<const K: usize> StepModel<K> {
+    /// After a change of tool or bit: it was nowhere yet.
+    pub(super) fn forget_bit(&mut self, hand: usize) {
+        let state = &mut self.hands[hand];
+        (state.can_sweep, state.has_frozen_pose, state.trigger_ticks) = (false, false, 0);
+        self.trails[hand].clear();
+    }
+
+    /// Whether a hand's tool runs: its trigger is pulled, or there is way left of the last pull.
+    pub(super) fn runs_tool(&self, hand: usize) -> bool {
+        self.hands[hand].trigger || !self.trails[hand].is_empty()
+    }
+
+    /// The tool and bit that a hand uses.
+    pub(super) fn tool_in_use(&self, hand: usize) -> Option<(Tool, ToolBit)> {
+        let is_idle = !self.hands[hand].tracked || self.session != SessionState::Sculpting;
+        self.bench.held(hand).filter(|_| !is_idle)
+    }
+
     /// Moves a hand's bit as far as volume and mask let it, and edits where its tool runs.
     ///
     /// # Errors
@@ -102,45 +126,125 @@ impl<const K: usize> StepModel<K> {
         presses: HandPresses,
         ledger: &mut Ledger,
     ) -> Result<(), String> {
-        let mut state = self.hands[hand];
-        let is_idle = !state.tracked || self.session != SessionState::Sculpting;
-        let Some((tool, bit)) = self.bench.held(hand).filter(|_| !is_idle) else {
-            ledger.skip_hand();
-            return Ok(());
-        };
+        let Some((tool, bit)) = self.tool_in_use(hand) else { return Ok(()) };
         let voxel_metres = self.stool_frame().voxel_metres();
         let grid_bit = bit.to_grid_bit(voxel_metres * 1e6);
         let wanted = self.wanted_pose(hand, tool);
-        let share = ledger.share_of_next_hand(&grid_bit, state.trigger);
-        let way = self.find_way(&state, presses, (bit, &grid_bit), &wanted, share.way);
-        let frozen = way.freeze.pose;
-        if !way.freeze.jumped && state.has_frozen_pose {
-            let (from, volume) = (&state.frozen_pose, self.volume.voxels());
-            check_depths(&way.obstacle, &grid_bit, from, &frozen)?;
-            let lays_paste = state.trigger && bit.spec().action == BitAction::Fill;
-            let is_open = lays_paste || is_way_open(volume, &grid_bit, from, &frozen);
-            ensure!(is_open, "hand {hand} goes through stone from {from:?} to {frozen:?}");
-        }
-        let contact = self.stone().contact_at(&grid_bit, &frozen);
+        let state = &mut self.hands[hand];
         let voxels_moved = match state.has_frozen_pose {
             true => (wanted.position - state.raw_pose.position).length(),
             false => 0.0,
         };
         let speed_um = (voxels_moved * voxel_metres * 1e6).min(1e6) as u32;
-        state.haptic = pulse(bit, &contact, &state, speed_um);
-        (state.raw_pose, state.frozen_pose) = (wanted, frozen);
-        (state.can_sweep, state.has_frozen_pose) = (way.may_edit, true);
-        self.hands[hand] = state;
+        state.raw_pose = wanted;
+        let dropped_ticks = self.note_way(hand, bit, presses.pulled);
+        let runs = self.runs_tool(hand);
+        let share = ledger.work_of_next_hand(&grid_bit);
+        let (after, report) = self.follow_way(hand, presses, (bit, &grid_bit), share)?;
+        ledger.charge(&share, &after);
+        let contact = self.stone().contact_at(&grid_bit, &self.hands[hand].frozen_pose);
+        self.hands[hand].haptic = pulse(bit, &contact, &self.hands[hand], runs, speed_um);
         self.contacts[hand] = Some(contact);
-        let is_beat = state.trigger_ticks.is_multiple_of(bit.spec().bite_period.into());
-        let mut done = HandWork { steps: way.freeze.steps, edited: None };
-        if state.trigger && is_beat && way.may_edit && share.may_edit {
-            let start = way.swept_from.unwrap_or(frozen);
-            let swept = grid_bit.swept_brush(&start, &frozen);
-            self.edit(hand, bit, &swept, &grid_bit.piece_at(&frozen).into());
-            done.edited = Some((start, frozen));
+        let report = EditReport { dropped_ticks, ..report };
+        if report != EditReport::default() {
+            self.events.push(WorldEvent::Edited { hand: hand as u8, bit, report });
         }
-        ledger.charge(&grid_bit, &done);
+        Ok(())
+    }
+
+    /// Puts the pose that a hand wants at the end of the way that its bit is to cut. Returns how many poses that
+    /// are too old are left out.
+    fn note_way(&mut self, hand: usize, bit: ToolBit, is_new_pull: bool) -> u32 {
+        let (state, trail) = (&self.hands[hand], &mut self.trails[hand]);
+        if is_new_pull || !state.can_sweep {
+            trail.clear();
+        }
+        if !state.trigger || bit.spec().action != BitAction::Carve {
+            return 0;
+        }
+        trail.push_back(state.raw_pose);
+        let too_many = trail.len().saturating_sub(max_trail_ticks(bit.spec().bite_period));
+        trail.drain(..too_many);
+        too_many as u32
+    }
+
+    /// Walks to the oldest pose of the way and bites; and again, until there is no way left, or no work, or the
+    /// tool has no blow. The walk is straight; a pose to which neither it nor what was bitten leads nearer is left
+    /// behind after a slide toward it.
+    fn follow_way(
+        &mut self,
+        hand: usize,
+        presses: HandPresses,
+        (bit, grid_bit): (ToolBit, &GridBit),
+        mut work: HandWork,
+    ) -> Result<(HandWork, EditReport), String> {
+        let runs = self.runs_tool(hand);
+        let period = u16::from(bit.spec().bite_period);
+        let is_beat = 2 * (self.hands[hand].trigger_ticks % period) < period;
+        let (mut total, mut is_stuck) = (EditReport::default(), false);
+        for bites in 0..MAX_BITES_PER_TICK {
+            let share = work.share(runs);
+            if bites > 0 && !share.may_edit {
+                break;
+            }
+            let state = self.hands[hand];
+            let wanted = self.trails[hand].front().copied().unwrap_or(state.raw_pose);
+            let from = if state.has_frozen_pose { state.frozen_pose } else { wanted };
+            let slides = is_stuck || self.trails[hand].is_empty();
+            let way_of = WayToFind { bit, grid_bit, from: &from, wanted: &wanted, slides };
+            let way = self.find_way(&state, presses, &way_of, share.way);
+            self.check_way(hand, &way, (bit, grid_bit))?;
+            let frozen = way.freeze.pose;
+            let state = &mut self.hands[hand];
+            (state.frozen_pose, state.has_frozen_pose) = (frozen, true);
+            state.can_sweep = way.may_edit;
+            work.charge_steps(way.freeze.steps);
+            let edits = runs && is_beat && way.may_edit && share.may_edit;
+            let mut report = EditReport::default();
+            if edits {
+                let start = way.swept_from.unwrap_or(frozen);
+                work.charge_edit(grid_bit, &start, &frozen);
+                let swept = grid_bit.swept_brush(&start, &frozen);
+                report = self.edit(bit, &swept, &grid_bit.piece_at(&frozen).into());
+                total = total.sum_with(report);
+            }
+            let steps_to_go = |pose: &Pose| path_poses(grid_bit, pose, &wanted).count();
+            let helped = report.removed > report.refused_by_closure
+                || steps_to_go(&frozen) < steps_to_go(&from);
+            if report.refused_by_closure > report.removed {
+                self.trails[hand].pop_front();
+                break;
+            }
+            if way.freeze.ran_out || (way.freeze.blocked && !edits) {
+                break;
+            }
+            if !way.freeze.blocked || is_stuck {
+                self.trails[hand].pop_front();
+            }
+            is_stuck = way.freeze.blocked && !helped && !is_stuck;
+            if self.trails[hand].is_empty() {
+                break;
+            }
+        }
+        Ok((work, total))
+    }
+
+    /// Checks that a way leads the bit neither deeper than it may be nor through stone.
+    fn check_way(
+        &self,
+        hand: usize,
+        way: &BitWay,
+        (bit, grid_bit): (ToolBit, &GridBit),
+    ) -> Result<(), String> {
+        let state = &self.hands[hand];
+        if way.freeze.jumped || !state.has_frozen_pose {
+            return Ok(());
+        }
+        let (from, to) = (&state.frozen_pose, &way.freeze.pose);
+        check_depths(&way.obstacle, grid_bit, from, to)?;
+        let lays_paste = state.trigger && bit.spec().action == BitAction::Fill;
+        let is_open = lays_paste || is_way_open(self.volume.voxels(), grid_bit, from, to);
+        ensure!(is_open, "hand {hand} goes through stone from {from:?} to {to:?}");
         Ok(())
     }
 
@@ -150,22 +254,21 @@ impl<const K: usize> StepModel<K> {
         &self,
         state: &HandState,
         presses: HandPresses,
-        (bit, grid_bit): (ToolBit, &GridBit),
-        wanted: &Pose,
+        way: &WayToFind<'_>,
         budget: WayBudget,
     ) -> BitWay {
-        let from = if state.has_frozen_pose { state.frozen_pose } else { *wanted };
+        let WayToFind { bit, grid_bit, from, wanted, .. } = *way;
         let lays_paste = state.trigger && bit.spec().action == BitAction::Fill;
         if !lays_paste {
-            return BitWay::walked(self.stone(), state, grid_bit, (&from, wanted), budget);
+            return BitWay::walked(self.stone(), state, way, budget);
         }
         let mask = ContactModel::of_shared(self.mask.voxels(), self.mask.voxels());
         let begins = presses.pulled || !state.can_sweep;
-        if begins && self.stone().buries(grid_bit, &from) {
-            let freeze = mask.jump_if_bite_allows(grid_bit, &from, wanted, budget);
+        if begins && self.stone().buries(grid_bit, from) {
+            let freeze = mask.jump_if_bite_allows(grid_bit, from, wanted, budget);
             return BitWay { obstacle: mask, may_edit: freeze.jumped, freeze, swept_from: None };
         }
-        BitWay::walked(mask, state, grid_bit, (&from, wanted), budget)
+        BitWay::walked(mask, state, way, budget)
     }
 
     /// What holds bits.
@@ -174,7 +277,7 @@ impl<const K: usize> StepModel<K> {
     }
 
     /// Applies a bit's edit with its brush, or with `smaller` where that is too large for smoothing.
-    fn edit(&mut self, hand: usize, bit: ToolBit, brush: &Brush, smaller: &Brush) {
+    fn edit(&mut self, bit: ToolBit, brush: &Brush, smaller: &Brush) -> EditReport {
         let depth = whole_voxels(bit.to_grid_bit(self.stool_frame().voxel_metres() * 1e6).bite);
         let operation = match bit.spec().action {
             BitAction::Carve => EditOperation::Carve { depth },
@@ -188,7 +291,9 @@ impl<const K: usize> StepModel<K> {
                     rows[0] * rows[1] <= SMOOTH_LINES * self.side()
                 })
         };
-        let Some(brush) = [brush, smaller].into_iter().find(fits) else { return };
+        let Some(brush) = [brush, smaller].into_iter().find(fits) else {
+            return EditReport::default();
+        };
         let voxels = voxels_of_brush(brush, self.side(), self.is_mirrored);
         let before = self.volume.columns().clone();
         let (report, change) = self.volume.apply_edit(self.mask.voxels(), &voxels, operation);
@@ -197,9 +302,7 @@ impl<const K: usize> StepModel<K> {
         if report.changed_volume() {
             self.islands.request_pass(self.tick);
         }
-        if report != EditReport::default() {
-            self.events.push(WorldEvent::Edited { hand: hand as u8, bit, report });
-        }
+        report
     }
 }
 
@@ -209,11 +312,14 @@ impl BitWay {
     fn walked(
         obstacle: ContactModel,
         state: &HandState,
-        bit: &GridBit,
-        (from, wanted): (&Pose, &Pose),
+        way: &WayToFind<'_>,
         budget: WayBudget,
     ) -> Self {
-        let freeze = obstacle.freeze_by_walk(bit, from, wanted, budget);
+        let WayToFind { grid_bit, from, wanted, .. } = *way;
+        let freeze = match way.slides {
+            true => obstacle.freeze_by_walk(grid_bit, from, wanted, budget),
+            false => obstacle.freeze_by_walk_straight(grid_bit, from, wanted, budget),
+        };
         BitWay {
             obstacle,
             freeze,
@@ -250,39 +356,22 @@ fn is_way_open(volume: &DenseVolume, bit: &GridBit, from: &Pose, to: &Pose) -> b
     })
 }
 
-/// The voxels whose centres are in a brush, or in its mirror image too; none twice.
-fn voxels_of_brush(brush: &Brush, side: usize, is_mirrored: bool) -> Vec<Voxel> {
-    let mut voxels = Vec::new();
-    for piece in brush.pieces() {
-        let Some(bounds) = piece.bounds(side) else { continue };
-        for y in bounds.lo[1]..=bounds.hi[1] {
-            for z in bounds.lo[2]..=bounds.hi[2] {
-                if let Some(row) = piece.x_range(y, z, side) {
-                    voxels.extend((row.first()..=row.last()).map(|x| [x, y, z].map(|i| i as i32)));
-                }
-            }
-        }
-    }
-    if is_mirrored {
-        let mirrored: Vec<_> =
-            voxels.iter().map(|&[x, y, z]| [side as i32 - 1 - x, y, z]).collect();
-        voxels.extend(mirrored);
-    }
-    voxels.sort_unstable();
-    voxels.dedup();
-    voxels
-}
-
 /// The strength of a hand's pulse, 0 to 255: none without contact, strongest on the mask, else by speed; in the
 /// tool's rhythm while it runs, a quarter at rest.
-fn pulse(bit: ToolBit, contact: &Contact, hand: &HandState, speed_um_per_tick: u32) -> u8 {
+fn pulse(
+    bit: ToolBit,
+    contact: &Contact,
+    hand: &HandState,
+    runs: bool,
+    speed_um_per_tick: u32,
+) -> u8 {
     let strength = match (contact.on_mask, contact.overlap) {
         (true, _) => 255,
         (false, 0) => return 0,
         (false, _) => 80 + (speed_um_per_tick / 250).min(120),
     };
     let rhythm = bit.spec().haptic_train;
-    let beat = match hand.trigger {
+    let beat = match runs {
         true => u32::from(rhythm[usize::from(hand.trigger_ticks) % rhythm.len()]),
         false => 64,
     };

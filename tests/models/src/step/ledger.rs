@@ -16,8 +16,10 @@ use crate::step::StepModel;
 #[derive(Clone, Copy, Debug)]
 pub struct Ledger {
     side: usize,
+    is_mirrored: bool,
     /// Beyond what is the islands' anyway.
     left: u32,
+    /// How many hands with a tool haven't had their turn.
     hands_left: u32,
 }
 
@@ -30,18 +32,18 @@ pub struct HandShare {
     pub may_edit: bool,
 }
 
-/// What a hand did.
+/// What a hand does in a tick, of which each part is charged.
 #[derive(Clone, Copy, Debug)]
 pub struct HandWork {
-    /// Steps of its way.
-    pub steps: u32,
-    /// The ends of the way along which it edited.
-    pub edited: Option<(Pose, Pose)>,
+    work: BitWork,
+    most_steps: u32,
+    left: u32,
 }
 
 impl Ledger {
-    /// The ledger of a tick in which undo or redo changed the volume, or not.
-    pub fn of_tick<const K: usize>(model: &StepModel<K>, rewound: bool) -> Self {
+    /// The ledger of a tick in which undo or redo changed the volume, or not, and in which so many hands have a
+    /// tool.
+    pub fn of_tick<const K: usize>(model: &StepModel<K>, rewound: bool, hands: usize) -> Self {
         let side = model.side();
         let rewind = if rewound { rewind_work(side, K) } else { 0 };
         let islands = match model.islands.is_removal_due() {
@@ -49,43 +51,53 @@ impl Ledger {
             false => island_reserve(side),
         };
         let left = tick_work(side).saturating_sub(rewind).saturating_sub(islands);
-        Ledger { side, left, hands_left: 2 }
+        Ledger { side, is_mirrored: model.is_mirrored, left, hands_left: hands as u32 }
     }
 
-    /// What the next hand may do: the first of two has half of what is left. A bit that runs leaves room for an
-    /// edit in place, and in each of its steps for what the edit is longer by it.
-    pub fn share_of_next_hand(&mut self, bit: &GridBit, runs: bool) -> HandShare {
-        let share = self.left / self.hands_left;
+    /// The work of the next hand: the first of two has half of what is left.
+    pub fn work_of_next_hand(&mut self, bit: &GridBit) -> HandWork {
+        let left = self.left / self.hands_left;
         self.hands_left -= 1;
-        let most = max_bit_steps_per_tick(self.side);
-        let work = BitWork::of(bit);
+        let most_steps = max_bit_steps_per_tick(self.side);
+        HandWork { work: BitWork::of(bit, self.is_mirrored), most_steps, left }
+    }
+
+    /// Charges a hand's work: what it left of its share `before` goes to whoever is next.
+    pub fn charge(&mut self, before: &HandWork, after: &HandWork) {
+        self.left -= before.left - after.left;
+    }
+}
+
+impl HandWork {
+    /// What the hand may still do. A bit that runs leaves room for an edit in place, and in each of its steps for
+    /// what the edit is longer by it.
+    pub fn share(&self, runs: bool) -> HandShare {
+        let HandWork { work, most_steps, left } = *self;
         let way = if runs {
-            let beside_bite = share.saturating_sub(work.bite);
-            let steps = (beside_bite / (work.step + work.sweep)).min(most);
+            let beside_bite = left.saturating_sub(work.bite);
+            let steps = (beside_bite / (work.step + work.sweep)).min(most_steps);
             let quarter_voxels = (beside_bite - steps * work.step) / work.sweep;
             WayBudget { steps, quarter_voxels }
         } else {
-            WayBudget { steps: (share / work.step).min(most), quarter_voxels: u32::MAX }
+            WayBudget { steps: (left / work.step).min(most_steps), quarter_voxels: u32::MAX }
         };
-        HandShare { way, may_edit: share >= work.bite }
+        HandShare { way, may_edit: left >= work.bite }
     }
 
-    /// A hand without a tool has had its turn.
-    pub fn skip_hand(&mut self) {
-        self.hands_left -= 1;
+    /// Charges steps of a way.
+    pub fn charge_steps(&mut self, steps: u32) {
+        self.left = self.left.saturating_sub(steps * self.work.step);
     }
 
-    /// Charges what a hand did.
-    pub fn charge(&mut self, bit: &GridBit, done: &HandWork) {
-        let work = BitWork::of(bit);
-        let edit = done.edited.map_or(0, |(from, to)| {
-            work.bite + work.sweep * path_poses(bit, &from, &to).count() as u32
-        });
-        self.left = self.left.saturating_sub(done.steps * work.step + edit);
+    /// Charges an edit along a way.
+    pub fn charge_edit(&mut self, bit: &GridBit, from: &Pose, to: &Pose) {
+        let longer = self.work.sweep * path_poses(bit, from, to).count() as u32;
+        self.left = self.left.saturating_sub(self.work.bite + longer);
     }
 }
 
 /// What a bit's movements and edits cost.
+#[derive(Clone, Copy, Debug)]
 struct BitWork {
     /// A step.
     step: u32,
@@ -96,15 +108,14 @@ struct BitWork {
 }
 
 impl BitWork {
-    fn of(bit: &GridBit) -> Self {
+    /// A mirrored edit costs two.
+    fn of(bit: &GridBit, is_mirrored: bool) -> Self {
         let side = bit_side_voxels(bit.circumscribed_radius_subunits());
-        BitWork {
-            step: bit_step_work(side),
-            bite: bite_work(side),
-            sweep: match bit.shape {
-                GridShape::Ball(_) => ball_sweep_work_per_quarter_voxel(side),
-                GridShape::Box(_) => box_sweep_work_per_quarter_voxel(side),
-            },
-        }
+        let edits = if is_mirrored { 2 } else { 1 };
+        let sweep = match bit.shape {
+            GridShape::Ball(_) => ball_sweep_work_per_quarter_voxel(side),
+            GridShape::Box(_) => box_sweep_work_per_quarter_voxel(side),
+        };
+        BitWork { step: bit_step_work(side), bite: edits * bite_work(side), sweep: edits * sweep }
     }
 }

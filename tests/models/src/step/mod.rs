@@ -19,6 +19,8 @@ pub mod starts;
 pub mod trace;
 pub mod volume;
 
+use std::collections::VecDeque;
+
 use glam::{Quat, Vec3};
 use paros_core::edit::{Contact, IslandReport, Pose};
 use paros_core::internals::{RoomPose, maps_digest};
@@ -63,6 +65,8 @@ pub struct StepModel<const K: usize> {
     pub head: RoomPose,
     /// Both hands. Data: what they do is the model's.
     pub hands: [HandState; 2],
+    /// The poses of both hands, one a tick, that their running bits have yet to follow.
+    pub trails: [VecDeque<Pose>; 2],
     /// Where tools and bits are.
     pub bench: BenchModel,
     /// The sculpture.
@@ -95,6 +99,7 @@ impl<const K: usize> StepModel<K> {
             stool: 0,
             head: NOWHERE,
             hands: [hands::untracked_hand(); 2],
+            trails: [VecDeque::new(), VecDeque::new()],
             bench: BenchModel::before_sessions(),
             volume: StepVolume::empty(side),
             mask: StepVolume::empty(side),
@@ -138,6 +143,11 @@ impl<const K: usize> StepModel<K> {
         }
         let presses =
             [0, 1].map(|i: usize| hands::apply_input(&mut self.hands[i], &input.hands[i]));
+        for (trail, hand) in self.trails.iter_mut().zip(&self.hands) {
+            if !hand.tracked {
+                trail.clear();
+            }
+        }
         if self.session == SessionState::Sculpting {
             self.turn_stool(input);
             let rewound = self.apply_commands(input, &presses);
@@ -213,6 +223,9 @@ impl<const K: usize> StepModel<K> {
         };
         let undo = asked(commands::UNDO, buttons::LOWER);
         let redo = asked(commands::REDO, buttons::UPPER);
+        if undo || redo || input.commands & commands::FINISH != 0 {
+            self.trails.iter_mut().for_each(VecDeque::clear);
+        }
         let rewound = undo != redo
             && match undo {
                 true => self.history.undo(&mut self.volume),
@@ -245,7 +258,7 @@ impl<const K: usize> StepModel<K> {
             PointerCommand::Return { hand } => {
                 let hand = hand % 2;
                 if let Some(tool) = self.bench.return_home(hand.into()) {
-                    hands::forget_bit(&mut self.hands[usize::from(hand)]);
+                    self.forget_bit(hand.into());
                     self.events.push(WorldEvent::Returned { hand, tool });
                 }
             }
@@ -266,7 +279,7 @@ impl<const K: usize> StepModel<K> {
         if let Some(item) = self.bench.item_in_reach(hand, grip.0, tip) {
             self.take(hand, item);
         } else if let Some(tool) = self.bench.drop_tool(hand, grip) {
-            hands::forget_bit(&mut self.hands[hand]);
+            self.forget_bit(hand);
             self.events.push(WorldEvent::Released { hand: hand as u8, tool });
         }
     }
@@ -275,17 +288,17 @@ impl<const K: usize> StepModel<K> {
         let tool_of = |bench: &BenchModel| bench.held(1 - hand).map(|(tool, _)| tool);
         let other = tool_of(&self.bench);
         if self.bench.take(hand, item) {
-            hands::forget_bit(&mut self.hands[hand]);
+            self.forget_bit(hand);
             if tool_of(&self.bench) != other {
-                hands::forget_bit(&mut self.hands[1 - hand]);
+                self.forget_bit(1 - hand);
             }
             self.events.push(WorldEvent::Took { hand: hand as u8, item });
         }
     }
 
-    /// Whether a hand runs the tool that it holds.
+    /// Whether a hand runs the tool that it holds, or its bit follows what is left of the last pull.
     fn is_a_tool_running(&self) -> bool {
-        let runs = |hand: usize| self.hands[hand].trigger && self.bench.held(hand).is_some();
+        let runs = |hand: usize| self.runs_tool(hand) && self.bench.held(hand).is_some();
         self.session == SessionState::Sculpting && (runs(0) || runs(1))
     }
 
@@ -300,7 +313,8 @@ impl<const K: usize> StepModel<K> {
         if self.is_a_tool_running() && !ran_a_tool {
             self.history.begin_stroke();
         }
-        let mut ledger = Ledger::of_tick(self, rewound);
+        let hands = [0, 1].into_iter().filter(|hand| self.tool_in_use(*hand).is_some()).count();
+        let mut ledger = Ledger::of_tick(self, rewound, hands);
         let first = (self.tick % 2) as usize;
         [first, 1 - first]
             .into_iter()

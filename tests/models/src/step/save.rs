@@ -1,9 +1,11 @@
 //! A world's save, written from the model's state and read as far as only the core knows it.
 
+use std::collections::VecDeque;
 use std::sync::Arc;
 
 use paros_core::codec::{BadBytes, ByteReader};
-use paros_core::limits::STATE_BYTES;
+use paros_core::edit::Pose;
+use paros_core::limits::{MAX_TRAIL_POSES, STATE_BYTES};
 use paros_core::session::{HandState, SessionMode};
 
 use crate::dense::DenseVolume;
@@ -113,7 +115,10 @@ impl<const K: usize> StepModel<K> {
         to.push(u8::from(!self.mask.voxels().is_empty()) | u8::from(self.is_mirrored) << 1);
         to.extend(self.stool.to_le_bytes());
         write_pose(&mut to, self.head);
-        self.hands.iter().for_each(|hand| write_hand(&mut to, hand));
+        for (hand, trail) in self.hands.iter().zip(&self.trails) {
+            write_hand(&mut to, hand);
+            write_trail(&mut to, trail);
+        }
         self.bench.write(&mut to);
         to.extend(self.mask_digest.to_le_bytes());
         to
@@ -197,6 +202,14 @@ fn write_hand(to: &mut Vec<u8>, hand: &HandState) {
     to.push(hand.buttons);
     to.extend(hand.trigger_ticks.to_le_bytes());
     to.push(hand.haptic);
+}
+
+/// Writes the number of poses, the poses, and zeros for those that there might be.
+fn write_trail(to: &mut Vec<u8>, trail: &VecDeque<Pose>) {
+    to.push(trail.len() as u8);
+    let end = to.len() + MAX_TRAIL_POSES * 28;
+    trail.iter().for_each(|pose| write_pose(to, (pose.position, pose.rotation)));
+    to.resize(end, 0);
 }
 
 /// A row of bits in words of 64.

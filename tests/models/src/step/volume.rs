@@ -4,11 +4,11 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use paros_core::RangeMaps;
 use paros_core::edit::{EditOperation, EditReport};
 use paros_core::internals::ColumnAddress;
 use paros_core::limits::SHELL_DEPTH;
 use paros_core::volume::{Axis, Column, Range, VoxelBox};
+use paros_core::{Brush, RangeMaps};
 
 use crate::dense::DenseVolume;
 use crate::layers::closed_intervals;
@@ -300,4 +300,27 @@ fn box_around(voxels: &[Voxel]) -> VoxelBox {
         let along = || voxels.iter().map(|voxel| voxel[i] as usize);
         along().min().zip(along().max()).map_or(Range::EMPTY, |(lo, hi)| Range::new(lo, hi))
     }))
+}
+
+/// The voxels whose centres are in a brush, or in its mirror image too; none twice.
+pub(super) fn voxels_of_brush(brush: &Brush, side: usize, is_mirrored: bool) -> Vec<Voxel> {
+    let mut voxels = Vec::new();
+    for piece in brush.pieces() {
+        let Some(bounds) = piece.bounds(side) else { continue };
+        for y in bounds.lo[1]..=bounds.hi[1] {
+            for z in bounds.lo[2]..=bounds.hi[2] {
+                if let Some(row) = piece.x_range(y, z, side) {
+                    voxels.extend((row.first()..=row.last()).map(|x| [x, y, z].map(|i| i as i32)));
+                }
+            }
+        }
+    }
+    if is_mirrored {
+        let mirrored: Vec<_> =
+            voxels.iter().map(|&[x, y, z]| [side as i32 - 1 - x, y, z]).collect();
+        voxels.extend(mirrored);
+    }
+    voxels.sort_unstable();
+    voxels.dedup();
+    voxels
 }

@@ -1,0 +1,163 @@
+//! Hands whose work costs a tick most.
+
+use std::array;
+
+use glam::{EulerRot, Quat, Vec3};
+use paros_core::edit::Pose;
+use paros_core::session::{BenchItem, PointerCommand, SessionMode, ToolBit, commands};
+use paros_core::volume::{Grid, Size};
+use paros_core::{HandInput, TickInput, World};
+
+use crate::random_visitor::RandomSource;
+
+/// What a hand does.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum HardWork {
+    /// Its bit crosses the stone from one side to the other and back, a way a tick.
+    Storm,
+    /// Its bit turns half round, a turn a tick.
+    Turns,
+    /// Its bit is deep in a trench that a fill has narrowed, as far as it goes.
+    Deep,
+}
+
+impl HardWork {
+    /// Where a hand has its bit in a tick, in a grid of so many voxels a side with stone up to `floor`.
+    #[must_use]
+    pub fn pose_at(self, hand: usize, side: f32, floor: f32, tick: u32) -> Pose {
+        let odd = tick % 2 == 1;
+        let across = if odd { 0.9 } else { 0.1 };
+        let z = side * if hand == 0 { 0.15 } else { 0.85 };
+        let turned = Quat::from_rotation_x(3.0) * Quat::from_rotation_y(0.7);
+        let (position, rotation) = match self {
+            HardWork::Storm => (Vec3::new(side * across, floor, z), Quat::from_rotation_x(0.3)),
+            HardWork::Turns if odd => (Vec3::new(side * 0.3, floor, z), turned),
+            HardWork::Turns => (Vec3::new(side * 0.3, floor, z), Quat::IDENTITY),
+            HardWork::Deep => {
+                (Vec3::new(side * 0.3 + 0.2 * tick as f32, floor - 0.03 * side, z), turned)
+            }
+        };
+        Pose { position, rotation }
+    }
+}
+
+/// What a hand of a [`HardVisitor`] does.
+#[derive(Clone, Copy, Debug)]
+enum Habit {
+    Works(HardWork),
+    /// Its bit wanders and turns a little.
+    Wanders,
+    /// Its bit is anywhere, anyhow.
+    Jumps,
+}
+
+/// A visitor of both hands that do what costs most, undo and redo in the midst of it, and exchange habits.
+#[derive(Debug)]
+pub struct HardVisitor {
+    dice: RandomSource,
+    habits: [Habit; 2],
+    poses: [Pose; 2],
+}
+
+impl HardVisitor {
+    /// A visitor whose inputs follow from the seed and the world.
+    #[must_use]
+    pub fn new(seed: u64) -> Self {
+        let mut dice = RandomSource::new(seed);
+        let habits = array::from_fn(|_| Habit::any(&mut dice));
+        let pose = Pose { position: Vec3::splat(0.5), rotation: Quat::IDENTITY };
+        HardVisitor { dice, habits, poses: [pose; 2] }
+    }
+
+    /// The inputs of a visit's first ticks: it starts a session and takes two tools.
+    pub fn begin_visit(&mut self, start: SessionMode) -> Vec<TickInput> {
+        let mut inputs = vec![TickInput { start, ..TickInput::default() }];
+        for (hand, bit) in self.choose_bits().into_iter().enumerate() {
+            for item in [BenchItem::Tool(bit.spec().tool), BenchItem::Bit(bit)] {
+                let pointer = PointerCommand::Take { hand: hand as u8, item: item.number() as u8 };
+                inputs.push(TickInput { pointer, ..TickInput::default() });
+            }
+        }
+        if self.dice.one_in(3) {
+            let commands = commands::SYMMETRY;
+            inputs.push(TickInput { commands, ..TickInput::default() });
+        }
+        inputs
+    }
+
+    /// The input of a tick of work, of which so many went before.
+    pub fn next_input<const N: usize, const K: usize>(
+        &mut self,
+        world: &World<N, K>,
+        tick: u32,
+    ) -> TickInput
+    where
+        Grid<N>: Size,
+    {
+        let hands = [0, 1].map(|hand| self.hand_input(hand, world, tick));
+        let commands = match self.dice.below(9) {
+            0 => commands::UNDO,
+            1 => commands::REDO,
+            _ => 0,
+        };
+        TickInput { hands, commands, ..TickInput::default() }
+    }
+
+    /// Two bits of different tools.
+    fn choose_bits(&mut self) -> [ToolBit; 2] {
+        loop {
+            let bits = [0; 2].map(|_| ToolBit::ALL[self.dice.below(9) as usize]);
+            if bits[0].spec().tool != bits[1].spec().tool {
+                return bits;
+            }
+        }
+    }
+
+    fn hand_input<const N: usize, const K: usize>(
+        &mut self,
+        hand: usize,
+        world: &World<N, K>,
+        tick: u32,
+    ) -> HandInput
+    where
+        Grid<N>: Size,
+    {
+        let dice = &mut self.dice;
+        if dice.one_in(12) {
+            self.habits[hand] = Habit::any(dice);
+        }
+        // In sides of the grid.
+        let Pose { position, rotation } = self.poses[hand];
+        let pose = match self.habits[hand] {
+            Habit::Works(work) => work.pose_at(hand, 1.0, 0.6, tick),
+            Habit::Wanders => Pose {
+                position: position + dice.uniform_in_cube() * 0.025,
+                rotation: rotation * Quat::from_rotation_x(dice.uniform_signed() * 0.5),
+            },
+            Habit::Jumps => {
+                let [x, y, z] = (dice.uniform_in_cube() * 3.0).to_array();
+                Pose {
+                    position: Vec3::new(0.5, 0.35, 0.5)
+                        + dice.uniform_in_cube() * Vec3::new(0.45, 0.35, 0.45),
+                    rotation: Quat::from_euler(EulerRot::XYZ, x, y, z),
+                }
+            }
+        };
+        self.poses[hand] = pose;
+        let in_voxels = Pose { position: pose.position * N as f32, ..pose };
+        let trigger = if dice.one_in(4) { 0 } else { 255 };
+        HandInput { trigger, ..world.hand_with_bit_at(hand, &in_voxels) }
+    }
+}
+
+impl Habit {
+    fn any(dice: &mut RandomSource) -> Self {
+        match dice.below(5) {
+            0 => Habit::Works(HardWork::Storm),
+            1 => Habit::Works(HardWork::Turns),
+            2 => Habit::Works(HardWork::Deep),
+            3 => Habit::Wanders,
+            _ => Habit::Jumps,
+        }
+    }
+}
