@@ -198,6 +198,33 @@ fn two_intervals_keep_cuts_that_one_refuses() {
     }
 }
 
+/// The aims at the speed of hands: a groove at 0.6 m/s 95 % of the slow one, at 1 m/s 85 %, chisels at 0.3 m/s 60 %;
+/// a circle 95 %, and no more than 3 % beside it.
+#[test]
+fn bits_keep_up_with_hands() {
+    let rows = rows(&["feel", "--json"]);
+    let mut checked = 0;
+    for row in &rows {
+        let [bit, against] = ["volume", "against"].map(|key| row[key].as_str().unwrap());
+        let is_chisel = bit.contains("chisel");
+        let least = match against {
+            "the slow groove; 0.3 m/s" if is_chisel => 0.6,
+            "the slow groove; 0.3 m/s" | "the slow groove; 0.6 m/s" if !is_chisel => 0.95,
+            "the slow groove; 1.0 m/s" if !is_chisel => 0.85,
+            "the slow circle; in 0.8 s" => 0.95,
+            _ => continue,
+        };
+        assert!(row["ratio"].as_f64().unwrap() >= least, "{row}");
+        checked += 1;
+    }
+    assert_eq!(checked, 2 * (5 * 3 + 2 + 3));
+    let beside = rows.iter().filter(|row| row["against"].as_str().unwrap().contains("outside"));
+    assert!(beside.clone().count() == 6);
+    beside.for_each(|row| assert!(row["ratio"].as_f64().unwrap() <= 0.03, "{row}"));
+    let raster = rows.iter().filter(|row| row.get("voxels_per_second").is_some());
+    raster.for_each(|row| assert!(row["voxels_per_second"].as_f64().unwrap() > 10_000.0, "{row}"));
+}
+
 /// Instructions of a debug build say nothing: that they are there is enough.
 #[test]
 fn the_worst_frame_of_each_change_is_told() {
