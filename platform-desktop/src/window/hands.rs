@@ -6,11 +6,12 @@
 //! a stroke is a groove of one depth, and the next stroke goes deeper.
 
 mod bit_guide;
+mod events;
 
 use std::collections::VecDeque;
 
 use glam::{Quat, Vec3};
-use paros_core::internals::RoomPose;
+use paros_core::internals::{BitAction, RoomPose};
 use paros_core::limits::INTERVALS;
 use paros_core::session::{
     BenchItem, PointerCommand, RawPose, SessionMode, TICK_RATE, Tool, ToolBit, commands,
@@ -20,6 +21,7 @@ use paros_core::{HandInput, TickInput, World};
 
 use super::camera::OrbitCamera;
 use bit_guide::BitGuide;
+pub(super) use events::{HandAction, HandButton, InputEvent};
 
 /// The hand that the mouse moves.
 pub(super) const RIGHT: usize = 1;
@@ -36,71 +38,15 @@ const NOTCH_MM: f32 = 1.0;
 /// Depths that the wheel can set, in millimetres; negative is above the surface.
 const DEPTHS_MM: core::ops::RangeInclusive<f32> = -20.0..=40.0;
 
-/// Least speed of a running tool behind the cursor, in micrometres a tick.
+/// Speed at which a tool that carves follows the cursor, in micrometres a tick: 1 m/s, at which the core's bits keep
+/// up with hands.
+const CARVING_SPEED_UM: f32 = 1e6 / TICK_RATE as f32;
+
+/// Least speed of another running tool behind the cursor, in micrometres a tick.
 const LEAST_SPEED_UM: f32 = 1_500.0;
 
 /// Points of the cursor's trail that are kept.
 const TRAIL: usize = 1024;
-
-/// Buttons of the mouse.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum HandButton {
-    /// Runs the tool.
-    Left,
-    /// Turns the stool.
-    Middle,
-    /// Orbits.
-    Right,
-}
-
-/// Actions of the hands that keys are bound to.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum HandAction {
-    /// Takes a tool, by number.
-    Tool(u8),
-    /// Mounts the held tool's bit of a number, from 0.
-    Bit(u8),
-    /// Mounts the bit before the mounted one.
-    PreviousBit,
-    /// Mounts the bit after it.
-    NextBit,
-    /// Takes a stroke back.
-    Undo,
-    /// Brings it back again.
-    Redo,
-    /// Switches the mirror.
-    Mirror,
-    /// Turns the stool while it is down: to the left, or to the right.
-    Turn {
-        /// Clockwise as seen from above.
-        left: bool,
-    },
-    /// Goes nearer.
-    Nearer,
-    /// Goes farther.
-    Farther,
-}
-
-/// An event of mouse or keyboard over the picture.
-#[derive(Clone, Copy, PartialEq, Debug)]
-pub(super) enum InputEvent {
-    /// The cursor is at a pixel, counted from the upper left.
-    Moved([f32; 2]),
-    /// The cursor is nowhere in the picture.
-    Gone,
-    /// A button went down over the picture.
-    Pressed(HandButton),
-    /// A button went up.
-    Released(HandButton),
-    /// The wheel turned by notches; away from the visitor is positive.
-    Wheel(f32),
-    /// The wheel turned with Ctrl down.
-    Zoom(f32),
-    /// A key went down, or up.
-    Key(HandAction, bool),
-    /// Nothing is down any more: the window lost its keyboard.
-    LetGo,
-}
 
 /// The mounted bit among those of its tool.
 #[derive(Clone, Copy)]
@@ -122,8 +68,12 @@ where
     /// Pixels of the picture.
     pub(super) size: [u32; 2],
     cursor: Option<[f32; 2]>,
-    /// The left button is down, over the sculpture or beside it.
+    /// The left button is down, over the sculpture or beside it, or the tool still follows the cursor's trail.
     running: bool,
+    /// The button is up, and the tool runs on to the end of the trail.
+    is_released: bool,
+    /// A new stroke began before the last one's end: the trigger goes up for a tick between them.
+    lifts_trigger: bool,
     orbiting: bool,
     dragging_stool: bool,
     turning: [bool; 2],
@@ -152,6 +102,8 @@ where
             size: [1, 1],
             cursor: None,
             running: false,
+            is_released: false,
+            lifts_trigger: false,
             orbiting: false,
             dragging_stool: false,
             turning: [false; 2],
@@ -173,7 +125,7 @@ where
             InputEvent::Pressed(HandButton::Left) => self.press_left(world),
             InputEvent::Pressed(HandButton::Middle) => self.dragging_stool = true,
             InputEvent::Pressed(HandButton::Right) => self.orbiting = true,
-            InputEvent::Released(HandButton::Left) => self.running = false,
+            InputEvent::Released(HandButton::Left) => self.release_left(),
             InputEvent::Released(HandButton::Middle) => self.dragging_stool = false,
             InputEvent::Released(HandButton::Right) => self.orbiting = false,
             InputEvent::Wheel(notches) => self.change_depth_by(-notches * NOTCH_MM, world),
@@ -181,6 +133,7 @@ where
             InputEvent::Key(key, down) => self.handle_key(key, down, world),
             InputEvent::LetGo => {
                 (self.running, self.orbiting, self.dragging_stool) = (false, false, false);
+                self.is_released = false;
                 self.turning = [false; 2];
             }
         }
@@ -191,6 +144,7 @@ where
         self.start = mode;
         self.pointers.clear();
         (self.command_bits, self.turn, self.running) = (0, 0.0, false);
+        self.is_released = false;
         self.take_item(BenchItem::Tool(Tool::Rotary));
     }
 
@@ -224,7 +178,11 @@ where
         input.commands = core::mem::take(&mut self.command_bits);
         if let Some((grip, rotation)) = self.next_grip_pose(world) {
             input.hands[RIGHT] = tracked_hand(grip, rotation);
-            input.hands[RIGHT].trigger = if self.running { 255 } else { 0 };
+            let lifts_trigger = core::mem::take(&mut self.lifts_trigger);
+            input.hands[RIGHT].trigger = if self.running && !lifts_trigger { 255 } else { 0 };
+        }
+        if self.is_released && (self.trail.len() < 2 || self.cursor.is_none()) {
+            (self.running, self.is_released) = (false, false);
         }
         input.pointer = self.take_bench_or_stool_command();
         input
@@ -250,17 +208,21 @@ where
     }
 
     /// Advances a running tool along the cursor's trail; returns its pixel. It goes no faster than the bit
-    /// can carve, so that a stroke is one groove at any speed of the mouse.
+    /// can follow, so that a stroke is one groove at any speed of the mouse.
     fn advance_along_trail(&mut self, cursor_pixel: [f32; 2], bit: ToolBit) -> [f32; 2] {
         let eye = self.orbit.pose().0;
         let far = eye + (self.orbit.pose().1 * Vec3::NEG_Z) * self.bit_guide.last_hit_distance_m();
         let projected = self.orbit.project_point(far, self.size);
         let pixels_per_metre = projected.map_or(1.0, |point| point.pixels_per_metre);
         let data = bit.spec();
-        let bite = (data.bite_um as f32 / f32::from(data.bite_period)).max(LEAST_SPEED_UM) * 1e-6;
-        let mut left = bite * pixels_per_metre;
+        let speed_um = match data.action {
+            BitAction::Carve => CARVING_SPEED_UM,
+            BitAction::Fill | BitAction::Smooth => (data.bite_um as f32).max(LEAST_SPEED_UM),
+        };
+        let mut left = speed_um * 1e-6 * pixels_per_metre;
         while let Some(&from) = self.trail.front() {
-            let to = self.trail.get(1).copied().unwrap_or(cursor_pixel);
+            let end = if self.is_released { from } else { cursor_pixel };
+            let to = self.trail.get(1).copied().unwrap_or(end);
             let way = [to[0] - from[0], to[1] - from[1]];
             let length = way[0].hypot(way[1]);
             if length > left {
@@ -302,7 +264,7 @@ where
             }
         }
         self.cursor = Some(to);
-        if self.running && self.trail.len() < TRAIL {
+        if self.running && !self.is_released && self.trail.len() < TRAIL {
             self.trail.push_back(to);
         }
     }
@@ -314,11 +276,22 @@ where
         match bit_guide::pick_unoccluded_item(&room_ray, world) {
             Some(item) => self.take_item(item),
             None => {
-                self.running = true;
+                self.lifts_trigger = self.is_released;
+                (self.running, self.is_released) = (true, false);
                 self.trail.clear();
                 self.trail.push_back(cursor);
                 self.bit_guide.begin_stroke(world.volume().maps());
             }
+        }
+    }
+
+    /// Ends a stroke where the cursor is now, which the tool may have yet to reach.
+    fn release_left(&mut self) {
+        self.is_released = self.running;
+        if self.running
+            && let Some(cursor) = self.cursor
+        {
+            self.trail.push_back(cursor);
         }
     }
 

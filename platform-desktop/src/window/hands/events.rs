@@ -1,0 +1,61 @@
+//! Events of mouse and keyboard, as the hands understand them.
+
+/// Buttons of the mouse.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(in crate::window) enum HandButton {
+    /// Runs the tool.
+    Left,
+    /// Turns the stool.
+    Middle,
+    /// Orbits.
+    Right,
+}
+
+/// Actions of the hands that keys are bound to.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(in crate::window) enum HandAction {
+    /// Takes a tool, by number.
+    Tool(u8),
+    /// Mounts the held tool's bit of a number, from 0.
+    Bit(u8),
+    /// Mounts the bit before the mounted one.
+    PreviousBit,
+    /// Mounts the bit after it.
+    NextBit,
+    /// Takes a stroke back.
+    Undo,
+    /// Brings it back again.
+    Redo,
+    /// Switches the mirror.
+    Mirror,
+    /// Turns the stool while it is down: to the left, or to the right.
+    Turn {
+        /// Clockwise as seen from above.
+        left: bool,
+    },
+    /// Goes nearer.
+    Nearer,
+    /// Goes farther.
+    Farther,
+}
+
+/// An event of mouse or keyboard over the picture.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(in crate::window) enum InputEvent {
+    /// The cursor is at a pixel, counted from the upper left.
+    Moved([f32; 2]),
+    /// The cursor is nowhere in the picture.
+    Gone,
+    /// A button went down over the picture.
+    Pressed(HandButton),
+    /// A button went up.
+    Released(HandButton),
+    /// The wheel turned by notches; away from the visitor is positive.
+    Wheel(f32),
+    /// The wheel turned with Ctrl down.
+    Zoom(f32),
+    /// A key went down, or up.
+    Key(HandAction, bool),
+    /// Nothing is down any more: the window lost its keyboard.
+    LetGo,
+}
