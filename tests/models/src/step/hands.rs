@@ -209,8 +209,7 @@ impl<const K: usize> StepModel<K> {
                 total = total.sum_with(report);
             }
             let steps_to_go = |pose: &Pose| path_poses(grid_bit, pose, &wanted).count();
-            let helped = report.removed > report.refused_by_closure
-                || steps_to_go(&frozen) < steps_to_go(&from);
+            let helped = report.removed > 0 || steps_to_go(&frozen) < steps_to_go(&from);
             if report.refused_by_closure > report.removed {
                 self.trails[hand].pop_front();
                 break;
