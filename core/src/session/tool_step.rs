@@ -27,10 +27,8 @@ struct RunningBit<'a> {
 enum WayEnd {
     /// The pose was reached.
     Passed,
-    /// The bit gets no nearer to it.
+    /// The bit gets no nearer to it, or closure brought back most of the bite.
     Stuck,
-    /// Closure brought back most of the bite: another would be refused as well.
-    Refused,
     /// The next bite may lead nearer.
     GoesOn,
     /// Nothing more can be done in this tick.
@@ -50,12 +48,10 @@ impl BitWay {
     /// What became of the way from `last` toward `target`, with the report of the edit along it, if one was
     /// made.
     fn end(&self, bit: &GridBit, last: &Pose, target: &Pose, report: Option<EditReport>) -> WayEnd {
-        if report.is_some_and(|report| report.is_mostly_refused_by_closure()) {
-            return WayEnd::Refused;
-        }
         match (self.freeze.ran_out, self.freeze.blocked, report) {
             (true, ..) | (_, true, None) => WayEnd::Waits,
             (_, false, _) => WayEnd::Passed,
+            (_, true, Some(report)) if report.is_mostly_refused_by_closure() => WayEnd::Stuck,
             (_, true, Some(report)) => {
                 let is_nearer =
                     bit.path_steps(&self.freeze.pose, target) < bit.path_steps(last, target);
@@ -151,10 +147,13 @@ where
                 break;
             }
             // One slide a pose: more would press the bit into a dimple of the figure, where it stands.
-            if matches!(end, WayEnd::Passed | WayEnd::Refused) || slides {
+            let is_left_behind = end == WayEnd::Passed || slides;
+            if is_left_behind {
                 state.trail.pop_oldest();
             }
-            if end == WayEnd::Refused || state.trail.is_empty() {
+            // What closure refused there it would mostly refuse at the next pose of this tick.
+            let is_refused = report.is_some_and(|report| report.is_mostly_refused_by_closure());
+            if state.trail.is_empty() || is_left_behind && is_refused {
                 break;
             }
             is_stuck = end == WayEnd::Stuck && !slides;

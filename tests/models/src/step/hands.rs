@@ -209,18 +209,20 @@ impl<const K: usize> StepModel<K> {
                 total = total.sum_with(report);
             }
             let steps_to_go = |pose: &Pose| path_poses(grid_bit, pose, &wanted).count();
-            let helped = report.removed > 0 || steps_to_go(&frozen) < steps_to_go(&from);
-            if report.refused_by_closure > report.removed {
-                self.trails[hand].pop_front();
-                break;
-            }
+            let is_refused = report.refused_by_closure > report.removed;
+            let is_nearer = steps_to_go(&frozen) < steps_to_go(&from);
+            let helped = !is_refused && (report.removed > 0 || is_nearer);
             if way.freeze.ran_out || (way.freeze.blocked && !edits) {
                 break;
             }
-            if !way.freeze.blocked || is_stuck {
+            let leaves = !way.freeze.blocked || slides;
+            if leaves {
                 self.trails[hand].pop_front();
             }
-            is_stuck = way.freeze.blocked && !helped && !is_stuck;
+            is_stuck = way.freeze.blocked && !helped && !slides;
+            if leaves && is_refused {
+                break;
+            }
             if self.trails[hand].is_empty() {
                 break;
             }
