@@ -21,7 +21,7 @@ use std::io::{self, Read};
 use std::path::Path;
 
 use clap::error::ErrorKind;
-use clap::{CommandFactory, Parser};
+use clap::{CommandFactory, FromArgMatches};
 use paros_shell::durable::{self, WriteTarget};
 
 use crate::arguments::HeadsetArgs;
@@ -154,11 +154,16 @@ fn parse_settings(base_folder: &Path, words: &[Word<'_>]) -> Result<HeadsetSetti
     Ok(HeadsetSettings { size: args.grid_size(), options })
 }
 
+/// The command line whose words these are. It never tells its help or version, which are no reason why a file
+/// is wrong: `-hd` is an unknown flag.
+fn file_command() -> clap::Command {
+    HeadsetArgs::command().disable_help_flag(true).disable_version_flag(true)
+}
+
 /// Parses the words as a command line.
 fn parse_arguments(words: &[Word<'_>]) -> Result<HeadsetArgs, clap::Error> {
-    HeadsetArgs::try_parse_from(
-        ["paros-quest"].into_iter().chain(words.iter().map(|word| word.text)),
-    )
+    let words = ["paros-quest"].into_iter().chain(words.iter().map(|word| word.text));
+    HeadsetArgs::from_arg_matches(&file_command().try_get_matches_from(words)?)
 }
 
 /// The line at fault: the first after which no further line makes the command line valid again, as one
@@ -192,7 +197,7 @@ fn summarize_error(error: &clap::Error) -> String {
 
 /// The flags that the file may hold.
 fn allowed_flags() -> Vec<String> {
-    let command = HeadsetArgs::command();
+    let command = file_command();
     let all = command.get_arguments().filter_map(|flag| Some(format!("--{}", flag.get_long()?)));
     all.filter(|flag| REFUSED_FLAGS.iter().all(|(refused, _)| refused != flag)).collect()
 }
@@ -293,6 +298,8 @@ mod tests {
             ),
             ("--script", 1, "--script can't be set here: a headset has no standard input"),
             ("\n--help", 2, "--help can't be set here"),
+            ("--depth\n-hd", 2, "unexpected argument '-h' found, expected one of --size"),
+            ("-Va", 1, "unexpected argument '-V' found"),
             ("--depth\n--record none/own.trace", 2, "none/own.trace: cannot "),
         ] {
             fs::write(&path, text).expect("room on the disk");
