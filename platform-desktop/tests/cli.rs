@@ -11,6 +11,7 @@ use paros_core::RangeMaps;
 use paros_core::limits::INTERVALS;
 use paros_core::volume::BitGrid;
 use paros_shell::figures::Figure;
+use paros_shell::mesh::MAX_VERTICES;
 use paros_shell::rmap;
 use support::TestFolder;
 
@@ -113,6 +114,16 @@ fn bad_meshes_are_refused() {
     }
     folder.refuses(&["bake", "nothing.obj", "-o", "v.rmap"], "nothing.obj");
     folder.refuses(&["info", "nan.obj"], "nan.obj");
+}
+
+/// What a file may become is bounded: it is told by how much it is too large.
+#[test]
+fn a_mesh_of_too_many_vertices_is_refused() {
+    let folder = TestFolder::new("vertices");
+    folder.write("many.obj", "v\n".repeat(MAX_VERTICES + 1));
+    let (found, most) = (MAX_VERTICES + 1, MAX_VERTICES);
+    let word = format!("many.obj: becomes {found} vertices or more; expected at most {most}");
+    folder.refuses(&["bake", "many.obj", "-o", "v.rmap"], &word);
 }
 
 #[test]
