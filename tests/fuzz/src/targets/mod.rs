@@ -2,13 +2,14 @@
 
 mod files;
 mod meshes;
+mod options;
 mod saves;
 mod steps;
 
 use crate::engine::FuzzTarget;
 
 /// All targets.
-pub const ALL: [FuzzTarget; 9] = [
+pub const ALL: [FuzzTarget; 10] = [
     meshes::OBJ,
     meshes::STL,
     meshes::PLY,
@@ -16,6 +17,7 @@ pub const ALL: [FuzzTarget; 9] = [
     files::RMAP,
     files::TRACE,
     files::INPUT,
+    options::OPTIONS,
     saves::SAVE,
     steps::STEP,
 ];
