@@ -275,6 +275,51 @@ mod tests {
         column.set_hull_last(8);
         column.set_hull_first(7);
         assert_eq!(drawn(column), [(7, 8), NONE, NONE]);
+        column.set_hull_first(30);
+        column.set_hull_last(31);
+        assert_eq!(drawn(column), [(30, 31), NONE, NONE]);
+        // One of a single voxel is none that lies beyond.
+        column = before;
+        column.set_hull_first(3);
+        column.set_hull_last(5);
+        assert_eq!(drawn(column), [(3, 3), (5, 5), NONE]);
+    }
+
+    /// All columns of eight voxels with up to three intervals, all stretches of them and all sets of voxels: what
+    /// is asked of gaps position by position is what their rows say.
+    #[test]
+    fn gaps_are_asked_position_by_position_as_row_by_row() {
+        let set = |bits: u64| {
+            let mut row = BitRow::<4>::EMPTY;
+            row.set_word(0, bits);
+            row
+        };
+        let stretches = || (0..8).flat_map(|first| (first..8).map(move |last| (first, last)));
+        for voxels in (0..256).map(set) {
+            let Some(column) = Column::<3>::from_runs(&voxels, Range::hull_of(voxels)) else {
+                continue;
+            };
+            let gaps: BitRow<4> = column.gaps();
+            assert_eq!(column.has_gaps(), !gaps.is_empty());
+            for (first, last) in stretches() {
+                let (run, among) = (Range::new(first, last), BitRow::<4>::span(first, last));
+                let is_one = !(gaps & among).is_empty();
+                assert_eq!(column.has_gap_overlapping(run), is_one, "{column:?}, {run:?}");
+            }
+            // The others are asked of a column that has all its gaps.
+            for now in (0..256).map(set).filter(|_| column.is_full()) {
+                let is_occupied = |i: usize| now.contains(i);
+                let beside = (gaps.shifted_up() | gaps.shifted_down()) & voxels;
+                let do_stand = (beside & !now).is_empty();
+                assert_eq!(column.do_gap_ends_stand(is_occupied), do_stand, "{column:?}, {now:?}");
+                for (first, last) in stretches() {
+                    let are_empty = (gaps & now & BitRow::span(first, last)).is_empty();
+                    let among = Range::new(first, last);
+                    let found = column.are_gaps_empty(among, is_occupied);
+                    assert_eq!(found, are_empty, "{column:?}, {now:?}, {among:?}");
+                }
+            }
+        }
     }
 
     #[test]
