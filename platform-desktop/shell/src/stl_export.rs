@@ -2,7 +2,7 @@
 //! the bytes of an STL file. It knows no files.
 
 use paros_core::convert::{ExportPhase, HEIGHT_RANGE_MM, HeightOutOfRange};
-use paros_core::volume::{BitGrid, Grid, Size};
+use paros_core::volume::{BitGrid, BitSet, Grid, Size};
 use paros_core::{Exporter, RangeMaps, World, WorldEvent};
 
 /// The default height of an export, in millimetres.
@@ -16,6 +16,23 @@ pub const UNITS_PER_STEP: u32 = 2048;
 /// Bytes that one [`StlExporter::advance_export_step`] makes at the most, above what its units usually
 /// make.
 pub const MAX_BYTES_PER_STEP: usize = 1 << 20;
+
+/// Millimetres of a print `model_height_mm` high for one of the room: a print is as high as that from its
+/// sculpture's lowest voxel to its highest. `None` without a voxel.
+#[must_use]
+pub fn print_scale<const N: usize, const K: usize>(
+    world: &World<N, K>,
+    model_height_mm: f32,
+) -> Option<f32>
+where
+    Grid<N>: Size,
+{
+    let rows = world.volume().rows();
+    let is_occupied = |y: &usize| rows.layer(*y).iter().any(|row| row.first().is_some());
+    let (lowest, highest) = ((0..N).find(is_occupied)?, (0..N).rev().find(is_occupied)?);
+    let room_mm = (highest + 1 - lowest) as f32 * world.stool_frame().voxel_metres() * 1e3;
+    Some(model_height_mm / room_mm)
+}
 
 /// The exporter and a copy of the voxels it exports. All zero bytes at first: it lives in a static.
 pub struct StlBuffers<const N: usize, const K: usize>
@@ -141,5 +158,43 @@ where
     #[must_use]
     pub fn bytes_made(&self) -> usize {
         self.stl.as_ref().map_or(0, Vec::len)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use paros_core::TickInput;
+    use paros_core::limits::INTERVALS;
+    use paros_core::session::SessionMode;
+
+    use super::*;
+    use crate::statics::Resident;
+    use crate::tick_runner::with_fresh_world;
+
+    /// The toy isn't as high as the box; its width tells the scale.
+    #[test]
+    fn the_scale_is_that_of_the_print() {
+        with_fresh_world::<128, INTERVALS, _>(|mut runner| {
+            runner.run_tick(&TickInput { start: SessionMode::Creative, ..TickInput::default() });
+            let world = runner.world();
+            let rows = world.volume().rows();
+            let all_rows = (0..128).flat_map(|y| (0..128).map(move |z| rows.row(y, z)));
+            let ends = all_rows.filter_map(|row| Some((row.first()?, row.last()?)));
+            let (first, last) = ends.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).expect("a toy");
+            let room_mm = (last + 1 - first) as f32 * world.stool_frame().voxel_metres() * 1e3;
+            let mut stl_buffers = <Grid<128> as Resident<128, INTERVALS>>::lock_stl_buffers();
+            let mut exporter = StlExporter::new(&mut stl_buffers, DEFAULT_HEIGHT_MM).unwrap();
+            exporter.begin_export(rows, world.mask());
+            let stl = exporter.run_export_to_end().expect("a print").bytes;
+            let corner = |at: &[u8]| f32::from_le_bytes([at[0], at[1], at[2], at[3]]);
+            let across = stl[84..]
+                .chunks_exact(50)
+                .flat_map(|triangle| [12, 24, 36].map(|at| corner(&triangle[at..])));
+            let (low, high) =
+                across.fold((f32::MAX, f32::MIN), |(low, high), x| (low.min(x), high.max(x)));
+            let scale = print_scale(world, DEFAULT_HEIGHT_MM).expect("voxels");
+            let error = (high - low) / (room_mm * scale) - 1.0;
+            assert!(error.abs() < 0.04, "{scale}: {} mm for {room_mm}", high - low);
+        });
     }
 }

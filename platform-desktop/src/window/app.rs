@@ -14,6 +14,7 @@ use paros_core::volume::{Grid, Size};
 use paros_headless::Error;
 use paros_shaders::gpu::{self, RenderPath};
 use paros_shell::statics::Resident;
+use paros_shell::stl_export::{DEFAULT_HEIGHT_MM, print_scale};
 use paros_shell::studio::{Notice, Studio};
 use paros_shell::tick_runner::TickClock;
 use winit::application::ApplicationHandler;
@@ -257,7 +258,8 @@ where
             session: world.session_state(),
             mode: world.mode(),
             held,
-            depth: held.map_or(0.0, |(tool, _)| self.hands.chosen_tool_depth_mm(tool)),
+            depth_mm: held.map_or(0.0, |(tool, _)| self.hands.chosen_tool_depth_mm(tool)),
+            print_scale: print_scale(world, DEFAULT_HEIGHT_MM),
             symmetry: world.is_mirrored(),
             undo: world.undo_counts(),
             printing: self.studio.is_exporting(),

@@ -36,7 +36,7 @@ const KEY_TURN: i32 = 65_536 / 4 / TICK_RATE as i32;
 const NOTCH_MM: f32 = 1.0;
 
 /// Depths that the wheel can set, in millimetres; negative is above the surface.
-const DEPTHS_MM: core::ops::RangeInclusive<f32> = -20.0..=40.0;
+pub(super) const DEPTHS_MM: core::ops::RangeInclusive<f32> = -20.0..=40.0;
 
 /// Speed at which a tool that carves follows the cursor, in micrometres a tick: 1 m/s, at which the core's bits keep
 /// up with hands.
@@ -128,7 +128,7 @@ where
             InputEvent::Released(HandButton::Left) => self.release_left(),
             InputEvent::Released(HandButton::Middle) => self.dragging_stool = false,
             InputEvent::Released(HandButton::Right) => self.orbiting = false,
-            InputEvent::Wheel(notches) => self.change_depth_by(-notches * NOTCH_MM, world),
+            InputEvent::Wheel(notches) => self.change_depth_by(notches * NOTCH_MM, world),
             InputEvent::Zoom(notches) => self.orbit.zoom_in(notches),
             InputEvent::Key(key, down) => self.handle_key(key, down, world),
             InputEvent::LetGo => {

@@ -27,7 +27,7 @@ pub(super) enum KeyCommand {
 /// The help's table: keys, and what they do.
 pub(super) const HELP: [(&str, &str); 14] = [
     ("left button", "run the tool on the surface under the cursor"),
-    ("wheel", "how deep it goes"),
+    ("wheel", "up: deeper, down: shallower"),
     ("right drag", "look from another side"),
     ("Ctrl + wheel, W, S", "nearer, farther"),
     ("middle drag, A, D", "turn the stool"),

@@ -41,7 +41,7 @@ fn line(from: WindowPercent, to: WindowPercent, count: u16) -> impl Iterator<Ite
 
 /// A spiral, cut into the lump.
 fn free(visit: &mut ScriptedWindow) {
-    visit.do_all(&["start free", "wait 4", "wheel -9"]);
+    visit.do_all(&["start free", "wait 4", "wheel 9"]);
     let spiral = (0..110u8).map(|i| {
         let part = f32::from(i) / 110.0;
         let (sin, cos) = (part * 2.3 * std::f32::consts::TAU).sin_cos();

@@ -17,7 +17,7 @@ fn a_visitor_carves_undoes_and_finishes() -> Result<(), MissingDependency> {
     let Some(display) = require_or_skip(XvfbDisplay::new(&folder))? else { return Ok(()) };
     let mut visit = ScriptedWindow::new(&display);
     let start = visit.screenshot(&display, "1-start");
-    visit.do_all(&["start free", "wait 4", "wheel -6", "move 3 97"]);
+    visit.do_all(&["start free", "wait 4", "wheel 6", "move 3 97"]);
     let whole = visit.voxel_count();
     let stone = visit.screenshot(&display, "2-stone");
     assert!(count_differing(&start, &stone, [0, WIDTH], [0, HEIGHT]) > 20_000, "the stone is seen");

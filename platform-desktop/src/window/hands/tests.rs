@@ -195,7 +195,7 @@ fn a_new_press_while_the_tool_follows_is_a_new_stroke() {
 }
 
 #[test]
-fn the_wheel_chooses_the_depth_of_a_stroke() {
+fn the_wheel_up_makes_a_stroke_deeper() {
     let removed = |notches: f32| {
         let mut fixture = HandsFixture::new(SessionMode::FreeForm);
         fixture.handle(InputEvent::Moved([480.0, 330.0]));
@@ -206,7 +206,7 @@ fn the_wheel_chooses_the_depth_of_a_stroke() {
         fixture.ticks(60);
         before - fixture.voxel_count()
     };
-    let (off, usual, deep) = (removed(12.0), removed(0.0), removed(-8.0));
+    let (off, usual, deep) = (removed(-12.0), removed(0.0), removed(8.0));
     assert_eq!(off, 0, "held off the surface it carves nothing");
     assert!(usual > 50 && deep > usual * 3 / 2, "{usual} and {deep}");
 }

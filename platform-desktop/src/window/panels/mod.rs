@@ -53,8 +53,10 @@ pub(super) struct StudioStatus<'a> {
     pub(super) mode: SessionMode,
     /// The tool in hand.
     pub(super) held: Option<(Tool, ToolBit)>,
-    /// The tool's depth in millimetres.
-    pub(super) depth: f32,
+    /// The tool's depth in millimetres of the room; negative is above the surface.
+    pub(super) depth_mm: f32,
+    /// Millimetres of the print for one of the room; `None` without a voxel to print.
+    pub(super) print_scale: Option<f32>,
     /// Whether edits are mirrored.
     pub(super) symmetry: bool,
     /// Strokes to undo and to redo.

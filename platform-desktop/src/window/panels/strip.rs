@@ -6,7 +6,7 @@ use paros_core::session::{BenchItem, SessionMode, SessionState, Tool, ToolBit, c
 use paros_shell::figures::Figure;
 
 use super::{PanelAction, StudioStatus, style};
-use crate::window::hands::tool_bits_of;
+use crate::window::hands::{DEPTHS_MM, tool_bits_of};
 
 /// The answer to the confirmation.
 pub(super) enum Confirmation {
@@ -127,12 +127,26 @@ fn show_bits(
             actions.push(PanelAction::Take(BenchItem::Bit(bit)));
         }
     }
-    let depth = match status.depth {
-        deep if deep >= 0.0 => format!("{deep:.0} mm deep"),
-        off => format!("{:.0} mm off", -off),
-    };
     ui.add_space(6.0);
-    ui.label(style::quiet_text(format!("{depth}  (wheel)")).size(13.0));
+    let depth = depth_text(status.depth_mm, status.print_scale);
+    ui.label(style::quiet_text(format!("{depth}  (wheel up: deeper)")).size(13.0));
+}
+
+/// A tool's depth in words: in the room, in the print, and whether the wheel goes no further.
+fn depth_text(depth_mm: f32, print_scale: Option<f32>) -> String {
+    let print = |mm: f32| {
+        print_scale.map_or(String::new(), |scale| format!(", {:.1} mm in the print", mm * scale))
+    };
+    let mut text = match depth_mm {
+        deep if deep >= 0.0 => format!("{deep:.0} mm deep{}", print(deep)),
+        above => format!("hovers {:.0} mm above", -above),
+    };
+    if depth_mm >= *DEPTHS_MM.end() {
+        text += ", the most";
+    } else if depth_mm <= *DEPTHS_MM.start() {
+        text += ", the least";
+    }
+    text
 }
 
 /// Shows the confirmation of the session's end.
@@ -205,5 +219,20 @@ const fn tool_name(tool: Tool) -> &'static str {
         Tool::Impact => "Chisel",
         Tool::FillGun => "Paste",
         Tool::Rasp => "Rasp",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::depth_text;
+
+    #[test]
+    fn a_depth_is_told_in_the_room_and_in_the_print_and_at_its_ends() {
+        let text = |mm| depth_text(mm, Some(0.25));
+        assert_eq!(text(9.0), "9 mm deep, 2.2 mm in the print");
+        assert_eq!(text(40.0), "40 mm deep, 10.0 mm in the print, the most");
+        assert_eq!(text(-5.0), "hovers 5 mm above");
+        assert_eq!(text(-20.0), "hovers 20 mm above, the least");
+        assert_eq!(depth_text(9.0, None), "9 mm deep", "there is nothing to print");
     }
 }
