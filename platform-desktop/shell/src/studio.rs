@@ -7,6 +7,7 @@
 mod autosave;
 mod export;
 mod files;
+mod one_before;
 mod pending_read;
 mod recorder;
 mod sculpture_files;
@@ -66,6 +67,10 @@ where
     export: SculptureExport<'a, N>,
     paths: StudioPaths,
     pending_read: Option<PendingRead>,
+    /// A volume that was read lies in the resident maps, and no session has started from it.
+    has_read_volume: bool,
+    /// The save of the sculpture that was left for this one.
+    one_before: Option<Vec<u8>>,
     notices: Vec<Notice>,
 }
 
@@ -89,6 +94,7 @@ where
         }
         let autosave = Autosave::new::<N>(&paths);
         let notices = session.resume_saved(&paths);
+        let one_before = one_before::read_save_before::<N>(&paths);
         Studio {
             file_writer: FileWriter::spawn(),
             session,
@@ -97,6 +103,8 @@ where
             export: SculptureExport::new(stl_exporter, draw_picture),
             paths,
             pending_read: None,
+            has_read_volume: false,
+            one_before,
             notices,
         }
     }
@@ -193,35 +201,42 @@ where
         self.after_tick();
     }
 
-    /// Collects finished writes and reads, without blocking. Returns the session to start where a file
-    /// has been read.
-    pub fn poll_background_work(&mut self) -> Option<SessionToStart> {
+    /// Collects finished writes and reads, without blocking. Returns whether a file has been read just
+    /// now, for [`Studio::offer_read_volume`].
+    pub fn poll_background_work(&mut self) -> bool {
         while let Some(outcome) = self.file_writer.poll_outcome() {
             // Errors are added to the messages.
             let _ = self.handle_write_outcome(outcome);
         }
         self.submit_finished_sculpture();
-        let done = self.pending_read.as_ref()?.poll_result()?;
+        let Some(done) = self.pending_read.as_ref().and_then(PendingRead::poll_result) else {
+            return false;
+        };
         self.pending_read = None;
-        match done {
-            Ok(()) => {
-                self.session
-                    .volumes
-                    .offer_visitor_volume()
-                    .copy_from(&Grid::<N>::lock_range_maps());
-                Some(SessionToStart { mode: SessionMode::Own })
-            }
-            Err(why) => {
-                self.push_notice(Notice::Bad(why));
-                None
-            }
+        self.has_read_volume = done.is_ok();
+        if let Err(why) = done {
+            self.push_notice(Notice::Bad(why));
         }
+        self.has_read_volume
+    }
+
+    /// Copies the volume that was read last to the visitor's own start volume. Returns the session that
+    /// starts from it; `None` where another file is being read since, or it was offered already.
+    pub fn offer_read_volume(&mut self) -> Option<SessionToStart> {
+        core::mem::take(&mut self.has_read_volume).then(|| {
+            let own = self.session.volumes.offer_visitor_volume();
+            own.copy_from(&Grid::<N>::lock_range_maps());
+            SessionToStart { mode: SessionMode::Own }
+        })
     }
 
     /// Starts to read a file, for a new session. One at a time; others are refused with a message.
     pub fn open_file(&mut self, path: &Path, reader: VolumeReader) {
         match &self.pending_read {
-            None => self.pending_read = Some(PendingRead::spawn(path, reader)),
+            None => {
+                self.has_read_volume = false;
+                self.pending_read = Some(PendingRead::spawn(path, reader));
+            }
             Some(pending) => {
                 let (path, first) = (path.display(), pending.path.display());
                 self.push_notice(Notice::Bad(format!(
@@ -297,12 +312,9 @@ where
     }
 
     fn save_and_leave_session(&mut self) {
-        if let Some(save) = self.session.take_unfinished_save_and_clear() {
-            self.file_writer.submit_file_or_wait(
-                FileKind::PreviousSession,
-                self.paths.left_unfinished_session_file(N),
-                save,
-            );
+        let leaves_a_sculpture = self.has_unfinished_sculpture();
+        if let Some(save) = self.session.take_save_and_clear(leaves_a_sculpture) {
+            self.keep_as_the_one_before(save);
         }
         self.recorder.discard_recording();
         self.export.set_session_stl_path(None);

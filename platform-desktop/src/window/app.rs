@@ -1,5 +1,6 @@
 //! The window's events, frame by frame.
 
+mod actions;
 mod input;
 mod shutdown;
 mod steps;
@@ -9,7 +10,6 @@ use std::time::{Duration, Instant};
 
 use paros_core::WorldEvent as Happened;
 use paros_core::limits::INTERVALS;
-use paros_core::session::SessionState;
 use paros_core::volume::{Grid, Size};
 use paros_headless::Error;
 use paros_shaders::gpu::{self, RenderPath};
@@ -31,7 +31,7 @@ use super::paint::EguiBuffers;
 use super::panels::{BitOutline, PanelAction, Panels, StudioStatus};
 use super::script::Script;
 use super::view::{FrameParams, WindowRenderer};
-use super::{WindowError, WindowOptions, opening};
+use super::{WindowError, WindowOptions};
 
 /// The window's size at first, in points.
 const SIZE: LogicalSize<f64> = LogicalSize::new(1180.0, 800.0);
@@ -184,8 +184,9 @@ where
             self.run_script_steps(events)?;
             self.run_tick();
         }
-        if let Some(session) = self.studio.poll_background_work() {
-            self.hands.start_session(session.mode);
+        if self.studio.poll_background_work() {
+            // Asked only now, as what can't be opened is no start.
+            self.panels.ask_to_start(PanelAction::StartRead);
         }
         let notices: Vec<Notice> = self.studio.take_notices().collect();
         for notice in notices {
@@ -262,6 +263,8 @@ where
             print_scale: print_scale(world, DEFAULT_HEIGHT_MM),
             symmetry: world.is_mirrored(),
             undo: world.undo_counts(),
+            unfinished: self.studio.has_unfinished_sculpture(),
+            one_before: self.studio.has_one_before(),
             printing: self.studio.is_exporting(),
             printed: self.studio.session_stl_path(),
             unwritten: self.studio.has_writes_to_retry(),
@@ -279,27 +282,6 @@ where
         let triangles = self.panels.context.tessellate(output.shapes, scale);
         self.egui_buffers.set_triangles_of_frame(&triangles, scale);
         actions.into_iter().for_each(|action| self.perform_action(action));
-    }
-
-    fn perform_action(&mut self, action: PanelAction) {
-        match action {
-            PanelAction::Start(mode) => self.hands.start_session(mode),
-            PanelAction::CarveOn => {
-                let session = self.studio.copy_sculpture_to_visitor_volume();
-                self.hands.start_session(session.mode);
-            }
-            PanelAction::Open(path) => {
-                self.studio.open_file(&path, opening::read_into_resident_maps::<N>);
-            }
-            PanelAction::Take(item) => self.hands.take_item(item),
-            PanelAction::WriteAgain => self.studio.retry_failed_writes(),
-            PanelAction::Command(command) => self.hands.queue_commands(command),
-            PanelAction::Finish => {
-                if self.studio.world().session_state() == SessionState::Sculpting {
-                    self.hands.queue_commands(paros_core::session::commands::FINISH);
-                }
-            }
-        }
     }
 
     /// Ends the event loop. The first reason is kept.

@@ -38,6 +38,9 @@ const NOTCH_MM: f32 = 1.0;
 /// Depths that the wheel can set, in millimetres; negative is above the surface.
 pub(super) const DEPTHS_MM: core::ops::RangeInclusive<f32> = -20.0..=40.0;
 
+/// Depth of each tool at first.
+const DEFAULT_DEPTHS_MM: [f32; 4] = [9.0, 9.0, 8.0, 2.0];
+
 /// Speed at which a tool that carves follows the cursor, in micrometres a tick: 1 m/s, at which the core's bits keep
 /// up with hands.
 const CARVING_SPEED_UM: f32 = 1e6 / TICK_RATE as f32;
@@ -111,7 +114,7 @@ where
             command_bits: 0,
             start: SessionMode::None,
             pointers: VecDeque::new(),
-            depths_mm: [9.0, 9.0, 8.0, 2.0],
+            depths_mm: DEFAULT_DEPTHS_MM,
             bit_guide: BitGuide::new(),
             trail: VecDeque::new(),
         }
@@ -141,11 +144,22 @@ where
 
     /// Starts a session at the next tick, with the first tool in hand.
     pub(super) fn start_session(&mut self, mode: SessionMode) {
+        self.drop_input();
         self.start = mode;
+        self.take_item(BenchItem::Tool(Tool::Rotary));
+    }
+
+    /// Looks from where a visitor looks at first, with tools as deep as they are then.
+    pub(super) fn reset_eye_and_depths(&mut self) {
+        (self.orbit, self.depths_mm) = (OrbitCamera::default(), DEFAULT_DEPTHS_MM);
+    }
+
+    /// Forgets what no tick has taken yet, and a stroke under way.
+    pub(super) fn drop_input(&mut self) {
+        self.start = SessionMode::None;
         self.pointers.clear();
         (self.command_bits, self.turn, self.running) = (0, 0.0, false);
         self.is_released = false;
-        self.take_item(BenchItem::Tool(Tool::Rotary));
     }
 
     /// Gives commands, as bits of [`commands`], at the next tick.

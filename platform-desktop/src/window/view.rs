@@ -75,6 +75,11 @@ where
         self.show.note_tick(world);
     }
 
+    /// Notes that a save was loaded into the world.
+    pub(super) fn note_load(&mut self, world: &World<N, INTERVALS>) {
+        self.show.note_load(world);
+    }
+
     /// Notes that the window has another size.
     pub(super) fn mark_resized(&mut self) {
         self.screen.mark_stale();

@@ -85,6 +85,8 @@ fn dropped_files_become_the_stone_or_are_refused() -> Result<(), MissingDependen
     visit.screenshot(&display, "1-refused");
     fs::write(folder.join("a shape.obj"), TETRAHEDRON).expect("a file");
     drop(&mut visit, &["a shape.obj"]);
+    assert_eq!(visit.voxel_count(), voxels, "it is asked first");
+    visit.do_all(&["key enter", "frames 2", "wait 8"]);
     let shape = visit.voxel_count();
     assert_eq!(visit.ask_state("mode"), "Own");
     assert!(shape != voxels && shape > 1000, "{shape}");

@@ -42,7 +42,7 @@ fn sizes_files_and_losses_are_survived() -> Result<(), MissingDependency> {
     // A mesh becomes the start of a session.
     fs::write(folder.join("mesh.obj"), TETRAHEDRON).expect("a file");
     visit.do_step(&format!("open {}", folder.join("mesh.obj").display()));
-    visit.do_all(&["settle", "wait 8"]);
+    visit.do_all(&["settle", "key enter", "frames 2", "wait 8"]);
     assert_eq!(visit.ask_state("mode"), "Own");
     visit.screenshot(&display, "6-mesh");
     let (code, complaints) = visit.close();

@@ -11,6 +11,7 @@ mod losses;
 mod newcomer;
 mod pictures;
 mod rig;
+mod starts;
 mod visit;
 mod wayland;
 mod xdnd;

@@ -4,9 +4,7 @@
 use std::io::ErrorKind;
 
 use paros_core::World;
-use paros_core::edit::UndoCounts;
 use paros_core::limits::{INTERVALS, max_save_bytes};
-use paros_core::session::SessionState;
 use paros_core::volume::{Grid, Size};
 
 use super::Notice;
@@ -75,11 +73,9 @@ where
         bytes.truncate(len);
     }
 
-    /// Clears the world for another session. Returns the save of the one before, if it was unfinished
-    /// and something was sculpted in it.
-    pub(super) fn take_unfinished_save_and_clear(&mut self) -> Option<Vec<u8>> {
-        let sculpted = self.world.session_state() == SessionState::Sculpting;
-        let save = (sculpted && self.world.undo_counts() != UndoCounts::default()).then(|| {
+    /// Clears the world for another session. Returns the save of the one before, if it is to be kept.
+    pub(super) fn take_save_and_clear(&mut self, is_kept: bool) -> Option<Vec<u8>> {
+        let save = is_kept.then(|| {
             let mut bytes = Vec::new();
             self.encode_into(&mut bytes);
             bytes

@@ -144,3 +144,30 @@ fn a_saved_session_of_one_interval_is_put_aside() {
     drop(studio);
     fs::remove_dir_all(&folder).expect("the folder can be removed");
 }
+
+/// A sculpture before that can't be read costs neither itself nor the one that stands.
+#[test]
+fn a_bad_save_of_the_sculpture_before_leaves_this_one_alone() {
+    let folder = std::env::temp_dir().join(format!("paros-before-{}", std::process::id()));
+    let places = StudioPaths::inside_folder(&folder);
+    let before = places.left_unfinished_session_file(128);
+    fs::create_dir_all(&places.sessions).expect("a folder");
+    fs::write(&before, "no save").expect("a file");
+    let (mut world, mut volumes) = (Grid::<128>::lock_world(), Grid::<128>::lock_start_volumes());
+    let mut stl_buffers = Grid::<128>::lock_stl_buffers();
+    let stl_exporter = StlExporter::new(&mut stl_buffers, DEFAULT_HEIGHT_MM).expect("a height");
+    volumes.offer_visitor_volume().fill_block();
+    let mut studio =
+        Studio::new(&mut world, &mut volumes, stl_exporter, places, |_| Err("no picture".into()));
+    studio.run_tick(&TickInput { start: SessionMode::Own, ..TickInput::default() });
+    let digest = studio.world().digest();
+    assert!(studio.has_one_before());
+    studio.bring_back_the_one_before();
+    assert!(!studio.has_one_before() && studio.world().digest() == digest);
+    let notices: Vec<_> = studio.take_notices().collect();
+    assert!(matches!(&notices[..], [Notice::Bad(why)] if why.contains("can't be read")));
+    assert_eq!(fs::read(&before).expect("it is kept"), b"no save");
+    drop(studio);
+    volumes.withdraw_visitor_volume();
+    fs::remove_dir_all(&folder).expect("the folder can be removed");
+}

@@ -84,7 +84,7 @@ where
             }
             _ if !down => {}
             KeyCommand::Hands(_) => {}
-            KeyCommand::Finish => self.panels.ask_or_confirm_finish(session),
+            KeyCommand::Finish => self.panels.confirm_start_or_ask_to_finish(session),
             KeyCommand::Help => self.panels.toggle_help(),
             KeyCommand::Graph => self.panels.toggle_graph(),
             KeyCommand::Path => {

@@ -56,7 +56,7 @@ where
                 let mode = parse_mode(&name).map_err(|_| {
                     WindowError::Failed(Error::Input(format!("no way to start: {name}")))
                 })?;
-                self.hands.start_session(mode);
+                self.start_anew(mode);
             }
             ScriptStep::Open(path) => {
                 self.studio.open_file(&path, opening::read_into_resident_maps::<N>);

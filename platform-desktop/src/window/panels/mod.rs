@@ -32,6 +32,10 @@ pub(super) enum PanelAction {
     Start(SessionMode),
     /// Start a session from the sculpture as it is.
     CarveOn,
+    /// Go back to the sculpture before this one.
+    OneBefore,
+    /// Start from the file that has been read.
+    StartRead,
     /// Open a file to start from.
     Open(PathBuf),
     /// Take an item off the workbench.
@@ -61,6 +65,10 @@ pub(super) struct StudioStatus<'a> {
     pub(super) symmetry: bool,
     /// Strokes to undo and to redo.
     pub(super) undo: UndoCounts,
+    /// Whether another start would leave an unfinished sculpture.
+    pub(super) unfinished: bool,
+    /// Whether there is a sculpture before this one to be had back.
+    pub(super) one_before: bool,
     /// Whether a print is being made.
     pub(super) printing: bool,
     /// Path of the last print.
@@ -96,6 +104,8 @@ pub(super) struct Panels {
     times: FrameTimeGraph,
     /// Finishing was requested once and is to be confirmed.
     finishing: bool,
+    /// The start that was chosen; to be confirmed while an unfinished sculpture stands.
+    asked_start: Option<PanelAction>,
     browser: Option<Browser>,
     notices: Vec<(Notice, f64)>,
     actions: Vec<PanelAction>,
@@ -120,6 +130,7 @@ impl Panels {
             graph: false,
             times: FrameTimeGraph::new(),
             finishing: false,
+            asked_start: None,
             browser: None,
             notices: Vec::new(),
             actions: Vec::new(),
@@ -132,10 +143,10 @@ impl Panels {
         self.context.is_pointer_over_area() || self.context.is_using_pointer()
     }
 
-    /// Whether neither the start panel nor the file browser covers the studio.
+    /// Whether neither the start panel, the file browser nor a question covers the studio.
     #[must_use]
     pub(super) const fn is_sculpture_uncovered(&self) -> bool {
-        !self.start && self.browser.is_none()
+        !self.start && self.browser.is_none() && self.asked_start.is_none()
     }
 
     /// Shows a notice for [`NOTICE_SECONDS`].
@@ -155,6 +166,12 @@ impl Panels {
     /// Closes the panels that cover the studio, when a session has started.
     pub(super) fn close_covering_panels(&mut self) {
         (self.start, self.finishing, self.browser) = (false, false, None);
+        self.asked_start = None;
+    }
+
+    /// Asks for a start. It is confirmed first where it would leave an unfinished sculpture.
+    pub(super) fn ask_to_start(&mut self, action: PanelAction) {
+        self.asked_start = Some(action);
     }
 
     /// Shows the help, or hides it.
@@ -167,10 +184,12 @@ impl Panels {
         self.graph = !self.graph;
     }
 
-    /// Requests the end of a sculpting session. The first request asks for confirmation; the second is
-    /// [`PanelAction::Finish`].
-    pub(super) fn ask_or_confirm_finish(&mut self, session: SessionState) {
-        if session == SessionState::Sculpting && self.is_sculpture_uncovered() {
+    /// Confirms the start that is asked for. Else requests the end of a sculpting session: the first
+    /// request asks for confirmation; the second is [`PanelAction::Finish`].
+    pub(super) fn confirm_start_or_ask_to_finish(&mut self, session: SessionState) {
+        if let Some(action) = self.asked_start.take() {
+            self.actions.push(action);
+        } else if session == SessionState::Sculpting && self.is_sculpture_uncovered() {
             if self.finishing {
                 self.actions.push(PanelAction::Finish);
             }
@@ -178,9 +197,12 @@ impl Panels {
         }
     }
 
-    /// Closes the topmost panel: browser, confirmation or help. Without one it toggles the start panel.
+    /// Closes the topmost panel: question, browser, confirmation or help. Without one it toggles the start panel.
     pub(super) fn close_topmost_or_toggle_start(&mut self, session: SessionState) {
-        if self.browser.take().is_some() || core::mem::take(&mut self.finishing) {
+        if self.asked_start.take().is_some()
+            || self.browser.take().is_some()
+            || core::mem::take(&mut self.finishing)
+        {
             return;
         }
         if self.help {
@@ -210,6 +232,7 @@ impl Panels {
             outline.draw(context);
         }
         match &mut self.browser {
+            _ if self.asked_start.is_some() && status.unfinished => self.show_question(context),
             Some(browser) => match browser.show(context) {
                 browser::BrowserAnswer::None => {}
                 browser::BrowserAnswer::Closed => self.browser = None,
@@ -220,6 +243,9 @@ impl Panels {
             },
             None if self.start => self.show_start(context, status),
             None => self.show_over_sculpture(context, status),
+        }
+        if !status.unfinished {
+            self.actions.extend(self.asked_start.take());
         }
         if self.help {
             help::show(context);
@@ -235,7 +261,18 @@ impl Panels {
             start::StartChoice::None => {}
             start::StartChoice::Continue => self.start = false,
             start::StartChoice::Browse => self.browser = Some(Browser::new()),
-            start::StartChoice::Start(mode) => self.actions.push(PanelAction::Start(mode)),
+            start::StartChoice::OneBefore => self.actions.push(PanelAction::OneBefore),
+            start::StartChoice::Start(mode) => {
+                self.ask_to_start(PanelAction::Start(mode));
+            }
+        }
+    }
+
+    fn show_question(&mut self, context: &Context) {
+        match start::show_question(context) {
+            strip::Confirmation::None => {}
+            strip::Confirmation::No => self.asked_start = None,
+            strip::Confirmation::Yes => self.actions.extend(self.asked_start.take()),
         }
     }
 

@@ -4,6 +4,7 @@ use egui::{Align2, Area, Button, Context, Id, RichText, Ui, Vec2};
 use paros_core::session::{SessionMode, SessionState};
 use paros_shell::figures::Figure;
 
+use super::strip::Confirmation;
 use super::{StudioStatus, style};
 
 /// The visitor's choice.
@@ -11,6 +12,7 @@ pub(super) enum StartChoice {
     None,
     Continue,
     Browse,
+    OneBefore,
     Start(SessionMode),
 }
 
@@ -42,6 +44,11 @@ fn show_choices(ui: &mut Ui, status: &StudioStatus<'_>) -> StartChoice {
             answer = StartChoice::Continue;
         }
         ui.add_space(6.0);
+    }
+    if status.one_before
+        && add_wide_button(ui, "The one before", "the sculpture that you left for another")
+    {
+        answer = StartChoice::OneBefore;
     }
     if add_wide_button(ui, "Free form", "a lump of marble, and all the tools") {
         answer = StartChoice::Start(SessionMode::FreeForm);
@@ -78,6 +85,30 @@ fn show_choices(ui: &mut Ui, status: &StudioStatus<'_>) -> StartChoice {
         }
     }
     ui.label(style::quiet_text("F1 shows all keys").small());
+    answer
+}
+
+/// Shows the question before a start that leaves a sculpture.
+pub(super) fn show_question(context: &Context) -> Confirmation {
+    let mut answer = Confirmation::None;
+    let area = Area::new(Id::new("question")).anchor(Align2::CENTER_CENTER, Vec2::ZERO);
+    area.show(context, |ui| {
+        style::card_frame().inner_margin(24).show(ui, |ui| {
+            ui.set_width(WIDTH);
+            ui.label(RichText::new("Leave this sculpture unfinished?").size(19.0));
+            let kept = "It is kept: the start panel has it as \"The one before\", until you leave another.";
+            ui.label(style::quiet_text(kept));
+            ui.add_space(4.0);
+            ui.horizontal(|ui| {
+                if ui.add(style::choice_button("Start anew  (Enter)", true)).clicked() {
+                    answer = Confirmation::Yes;
+                }
+                if ui.add(Button::new("Stay with it  (Esc)")).clicked() {
+                    answer = Confirmation::No;
+                }
+            });
+        });
+    });
     answer
 }
 

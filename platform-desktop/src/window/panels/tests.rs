@@ -19,6 +19,8 @@ fn sculpting_status() -> StudioStatus<'static> {
         print_scale: Some(0.25),
         symmetry: false,
         undo: UndoCounts { undoable: 3, redoable: 1 },
+        unfinished: true,
+        one_before: false,
         printing: false,
         printed: None,
         unwritten: false,
@@ -84,7 +86,7 @@ fn in_studio() -> Panels {
 fn every_mode_can_be_started() {
     let asked = clicked_everywhere(
         Panels::new,
-        &StudioStatus { session: SessionState::Waiting, ..sculpting_status() },
+        &StudioStatus { session: SessionState::Waiting, unfinished: false, ..sculpting_status() },
     );
     let figures = (0..4).map(|figure| SessionMode::Constrained { figure });
     for mode in [SessionMode::FreeForm, SessionMode::Creative].into_iter().chain(figures) {
@@ -110,15 +112,68 @@ fn tools_bits_and_commands_can_be_clicked() {
 #[test]
 fn the_end_is_asked_for_twice_and_can_be_taken_back() {
     let mut panels = in_studio();
-    panels.ask_or_confirm_finish(SessionState::Sculpting);
+    panels.confirm_start_or_ask_to_finish(SessionState::Sculpting);
     assert_eq!(frame(&mut panels, &sculpting_status(), Vec::new()), []);
     panels.close_topmost_or_toggle_start(SessionState::Sculpting);
-    panels.ask_or_confirm_finish(SessionState::Sculpting);
+    panels.confirm_start_or_ask_to_finish(SessionState::Sculpting);
     assert_eq!(frame(&mut panels, &sculpting_status(), Vec::new()), []);
-    panels.ask_or_confirm_finish(SessionState::Sculpting);
+    panels.confirm_start_or_ask_to_finish(SessionState::Sculpting);
     assert_eq!(frame(&mut panels, &sculpting_status(), Vec::new()), [PanelAction::Finish]);
-    panels.ask_or_confirm_finish(SessionState::Finished);
+    panels.confirm_start_or_ask_to_finish(SessionState::Finished);
     assert_eq!(frame(&mut panels, &sculpting_status(), Vec::new()), []);
+}
+
+/// The first start that a click on the panel chooses, and what was asked for by then.
+fn choose_a_start(panels: &mut Panels, status: &StudioStatus<'_>) -> Vec<PanelAction> {
+    frame(panels, status, Vec::new());
+    let asked = click(panels, status, Pos2::new(500.0, 300.0));
+    assert!(panels.asked_start.is_some() || !asked.is_empty(), "a click on a start");
+    asked
+}
+
+#[test]
+fn a_start_that_leaves_a_sculpture_is_asked_for_twice_and_can_be_taken_back() {
+    let status = StudioStatus { session: SessionState::Sculpting, ..sculpting_status() };
+    let mut panels = Panels::new();
+    assert_eq!(choose_a_start(&mut panels, &status), []);
+    panels.close_topmost_or_toggle_start(SessionState::Sculpting);
+    assert!(panels.start, "the start panel is back");
+    panels.confirm_start_or_ask_to_finish(SessionState::Sculpting);
+    assert_eq!(frame(&mut panels, &status, Vec::new()), [], "the question was taken back");
+    choose_a_start(&mut panels, &status);
+    panels.confirm_start_or_ask_to_finish(SessionState::Sculpting);
+    assert!(matches!(frame(&mut panels, &status, Vec::new())[..], [PanelAction::Start(_)]));
+    // Nothing stands that could be lost.
+    let untouched = StudioStatus { unfinished: false, ..status };
+    assert!(matches!(choose_a_start(&mut Panels::new(), &untouched)[..], [PanelAction::Start(_)]));
+}
+
+#[test]
+fn the_question_can_be_answered_by_clicks() {
+    let asked = || {
+        let mut panels = in_studio();
+        panels.ask_to_start(PanelAction::StartRead);
+        panels
+    };
+    let said = clicked_everywhere(asked, &sculpting_status());
+    assert_eq!(said, [PanelAction::StartRead]);
+    let mut taken_back = 0;
+    for x in (20..1000).step_by(40) {
+        let mut panels = asked();
+        frame(&mut panels, &sculpting_status(), Vec::new());
+        let said = click(&mut panels, &sculpting_status(), Pos2::new(x as f32, 395.0));
+        taken_back += u32::from(said.is_empty() && panels.is_sculpture_uncovered());
+    }
+    assert!(taken_back > 0, "nothing stays with the sculpture");
+}
+
+#[test]
+fn the_one_before_is_offered_where_there_is_one() {
+    let offers = |one_before| {
+        let status = StudioStatus { one_before, ..sculpting_status() };
+        clicked_everywhere(Panels::new, &status).contains(&PanelAction::OneBefore)
+    };
+    assert_eq!([true, false].map(offers), [true, false]);
 }
 
 #[test]

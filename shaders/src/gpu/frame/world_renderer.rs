@@ -74,6 +74,13 @@ where
         self.scene.follow_tick(world);
     }
 
+    /// Notes that a save was loaded into the world: nothing of the last one is seen any more.
+    pub fn note_load(&mut self, world: &World<N, K>) {
+        self.anew = true;
+        *self.scene = SceneAssembler::new();
+        self.scene.follow_tick(world);
+    }
+
     /// Begins a frame: waits for the fence of the frame before the last. Uploads the whole volume first
     /// where a session has begun since.
     ///
