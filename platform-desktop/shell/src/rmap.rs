@@ -44,7 +44,8 @@ use crate::sizes::GRID_SIDES;
 use columns::FileColumns;
 pub use fault::{RmapError, RmapFault, RmapFaultAt};
 
-const MAGIC: [u8; 4] = *b"RMAP";
+/// The first bytes of a file.
+pub const MAGIC: [u8; 4] = *b"RMAP";
 /// The version of one interval a column, and that of more.
 const VERSION_OF_ONE: u16 = 1;
 const VERSION_OF_MORE: u16 = 2;

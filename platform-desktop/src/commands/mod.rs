@@ -12,16 +12,21 @@ mod render;
 mod volume;
 mod window;
 
+use std::path::PathBuf;
+
 use clap::{Parser, Subcommand};
 use paros_headless::Error;
 
 /// Sculpts in a block of voxels: bakes meshes, shows and exports sculptures.
 #[derive(Debug, Parser)]
-#[command(name = "paros", version)]
+#[command(name = "paros", version, args_conflicts_with_subcommands = true)]
 pub struct Cli {
     /// Without a command: the window, or the demo where there can be none.
     #[command(subcommand)]
     command: Option<CliCommand>,
+    /// A mesh or a volume to open in the window, as by `window FILE`.
+    #[arg(value_name = "FILE")]
+    file: Option<PathBuf>,
 }
 
 #[derive(Debug, Subcommand)]
@@ -43,7 +48,10 @@ impl Cli {
     /// What failed, and whether input or program is at fault. No file is written then.
     pub fn run(&self) -> Result<String, Error> {
         match &self.command {
-            None => window::run_window_or_demo(),
+            None => match &self.file {
+                None => window::run_window_or_demo(),
+                Some(file) => window::run(&window::Args::for_file(file)?),
+            },
             Some(CliCommand::Demo(args)) => demo::run(args),
             Some(CliCommand::Bake(args)) => bake::run(args),
             Some(CliCommand::Bench(args)) => bench::run(args),

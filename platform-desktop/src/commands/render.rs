@@ -6,7 +6,8 @@ use paros_core::volume::{Grid, Size};
 use paros_headless::Error;
 use paros_shaders::Camera;
 use paros_shell::durable::WriteTarget;
-use paros_shell::statics::Resident;
+use paros_shell::figures::Figure;
+use paros_shell::statics::{Resident, ResidentBitGrid};
 use paros_shell::{with_intervals, with_size};
 
 use super::drawing::DrawingOptions;
@@ -15,10 +16,10 @@ use super::{progress, volume};
 /// The longest side of a picture in pixels.
 const LONGEST: usize = 8192;
 
-/// Render a picture of a volume.
+/// Render a picture of a volume, or of a figure.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// The volume.
+    /// The volume, or a figure (lump, owl, cat, amphora, dolphin, toy) at 128.
     #[arg(value_name = "V.rmap")]
     volume: PathBuf,
     /// The picture to write.
@@ -37,6 +38,16 @@ pub(super) struct Args {
     #[command(flatten)]
     drawing: DrawingOptions,
 }
+
+impl Args {
+    /// The figure that is drawn, as `bench` names it; a file of that name is `./owl`.
+    fn figure(&self) -> Option<Figure> {
+        Figure::from_name(self.volume.to_str()?)
+    }
+}
+
+/// Voxels along an edge of a figure.
+const FIGURE_SIDE: usize = 128;
 
 /// Rays along a side of each pixel.
 const SAMPLES: usize = 2;
@@ -70,7 +81,10 @@ fn parse_view_degrees(text: &str) -> Result<ViewDegrees, String> {
 pub(super) fn run(args: &Args) -> Result<String, Error> {
     volume::check_output_is_not_input(&args.volume, &args.output)?;
     volume::refuse_other_extension(&args.output, "png")?;
-    let size = volume::read_header(&args.volume)?.grid_side;
+    let size = match args.figure() {
+        Some(_) => FIGURE_SIDE,
+        None => volume::read_header(&args.volume)?.grid_side,
+    };
     let layers = args.layers.interval_count();
     with_size!(size, N => with_intervals!(layers, K => render_volume::<N, K>(args)))
 }
@@ -80,7 +94,11 @@ where
     Grid<N>: Size + Resident<N, K>,
 {
     let mut maps = <Grid<N> as Resident<N, K>>::lock_range_maps();
-    let filled = args.layers.read_nonempty_volume(&args.volume, &mut maps)?;
+    let mut filled = String::new();
+    match args.figure() {
+        Some(figure) => figure.rasterize_into(&mut maps, &mut Grid::<N>::lock_bit_grid()),
+        None => filled = args.layers.read_nonempty_volume(&args.volume, &mut maps)?,
+    }
     // Tried before the work: a place where no file can be is told at once.
     let target = WriteTarget::resolve_and_check_writable(&args.output)?;
     let ViewDegrees { azimuth, elevation } = args.view;

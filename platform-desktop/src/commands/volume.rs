@@ -1,5 +1,7 @@
 //! Checks of volume files that the commands share.
 
+use std::fs::File;
+use std::io::Read;
 use std::path::Path;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
@@ -8,12 +10,15 @@ use paros_core::codec::trace;
 use paros_core::limits::INTERVALS;
 use paros_core::volume::{Grid, Size};
 use paros_headless::Error;
-use paros_shell::mesh::MeshFormat;
+use paros_shell::mesh::{EXTENSIONS, MeshFormat};
 use paros_shell::rmap::{self, RmapFault, RmapHeader};
 use paros_shell::sizes::{
     GRID_SIDE_NAMES, INTERVAL_COUNT_NAMES, grid_side_or_default, interval_count_or_default,
 };
 use paros_shell::stl_export::FinishedStl;
+
+/// Bytes by which the kind of a file is guessed.
+const FIRST_BYTES: u64 = 512;
 
 /// Reads a volume file's header.
 pub(super) fn read_header(path: &Path) -> Result<RmapHeader, Error> {
@@ -27,8 +32,57 @@ pub(super) fn read_header(path: &Path) -> Result<RmapHeader, Error> {
             let path = path.display();
             Error::Input(format!("{path}: is a mesh, not a volume; `paros bake` makes one of it"))
         }
+        rmap::RmapError::Bad { .. } if !has_known_kind(path) => Error::Input(unknown_kind(path)),
         error => Error::input(error),
     })
+}
+
+/// Whether a file's name or its first bytes are those of a volume.
+fn has_known_kind(path: &Path) -> bool {
+    path.extension().is_some_and(|kind| kind.eq_ignore_ascii_case("rmap"))
+        || read_first_bytes(path).starts_with(&rmap::MAGIC)
+}
+
+/// Says which kinds of file there are, and what one of no known kind seems to be.
+fn unknown_kind(path: &Path) -> String {
+    let seems = guess_kind(&read_first_bytes(path));
+    format!(
+        "{}: neither a volume (.rmap) nor a mesh ({EXTENSIONS}) nor a trace; it seems to be {seems}",
+        path.display()
+    )
+}
+
+/// A file's first bytes, as far as they can be read.
+fn read_first_bytes(path: &Path) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let file = File::open(path).map(|file| file.take(FIRST_BYTES));
+    // What was read before an error is enough to guess by.
+    let _ = file.and_then(|mut file| file.read_to_end(&mut bytes));
+    bytes
+}
+
+/// What a file seems to be by its first bytes.
+fn guess_kind(bytes: &[u8]) -> &'static str {
+    let known: [(&[u8], &str); 9] = [
+        (b"\x89PNG", "a PNG picture"),
+        (b"\xff\xd8\xff", "a JPEG picture"),
+        (b"%PDF", "a PDF document"),
+        (b"PK\x03\x04", "a ZIP archive"),
+        (b"\x1f\x8b", "packed by gzip"),
+        (b"\x7fELF", "a program"),
+        (b"glTF", "a glTF mesh, of another name"),
+        (b"ply\n", "a PLY mesh, of another name"),
+        (b"solid ", "an STL mesh, of another name"),
+    ];
+    let text_ends_in_a_character = |error: std::str::Utf8Error| error.error_len().is_none();
+    let is_text = std::str::from_utf8(bytes).map_or_else(text_ends_in_a_character, |_| true)
+        && !bytes.contains(&0);
+    match known.iter().find(|(magic, _)| bytes.starts_with(magic)) {
+        Some((_, kind)) => kind,
+        None if bytes.is_empty() => "empty",
+        None if is_text => "text",
+        None => "other binary data",
+    }
 }
 
 /// The command-line parser of a grid side.
@@ -145,5 +199,20 @@ pub(super) fn check_output_is_not_input(input: &Path, output: &Path) -> Result<(
             Err(Error::Input(format!("{}: is both input and output", output.display())))
         }
         _ => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::guess_kind;
+
+    #[test]
+    fn a_kind_is_guessed_by_the_first_bytes() {
+        assert_eq!(guess_kind(b""), "empty");
+        assert_eq!(guess_kind(b"# Paros\n"), "text");
+        assert_eq!(guess_kind("cut within an \u{e9}".as_bytes().split_last().unwrap().1), "text");
+        assert_eq!(guess_kind(b"\x89PNG\r\n"), "a PNG picture");
+        assert_eq!(guess_kind(b"ply\nformat"), "a PLY mesh, of another name");
+        assert_eq!(guess_kind(b"\xff\x00\x12"), "other binary data");
     }
 }

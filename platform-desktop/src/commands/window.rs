@@ -1,11 +1,11 @@
 //! `paros window`: a studio to sculpt in.
 
 use std::io::{self, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use paros_headless::Error;
 use paros_shell::durable::WriteTarget;
-use paros_shell::with_size;
+use paros_shell::{rmap, with_size};
 
 use super::{demo, volume};
 use crate::window::{self, WindowError, WindowOptions};
@@ -31,6 +31,23 @@ pub(super) struct Args {
     /// Have Vulkan's validation look on.
     #[arg(long, hide = true)]
     validation: bool,
+}
+
+impl Args {
+    /// To begin with a file, at a volume's own size, all else as by default.
+    ///
+    /// # Errors
+    /// What is no file and has no extension: likelier a command misspelt.
+    pub(super) fn for_file(file: &Path) -> Result<Self, Error> {
+        if file.extension().is_none() && !file.exists() {
+            let word = file.display();
+            return Err(Error::Input(format!(
+                "{word}: neither a command nor a file; `paros --help` has the commands"
+            )));
+        }
+        let size = rmap::read_header(file).map_or(0, |header| header.grid_side);
+        Ok(Args { file: Some(file.into()), size, ..Args::default() })
+    }
 }
 
 pub(super) fn run(args: &Args) -> Result<String, Error> {

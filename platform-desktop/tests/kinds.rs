@@ -1,0 +1,68 @@
+//! What the commands take a name or a file for: a figure, a file to open, or one of no known kind.
+
+mod support;
+
+use paros_core::RangeMaps;
+use paros_core::limits::INTERVALS;
+use paros_core::volume::Grid;
+use paros_shell::figures::Figure;
+use paros_shell::rmap;
+use paros_shell::statics::ResidentBitGrid;
+use support::TestFolder;
+
+const TETRAHEDRON: &str =
+    "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+
+/// The bytes of the toy at 128.
+fn encode_toy() -> Vec<u8> {
+    let mut maps = Box::new(RangeMaps::<128, INTERVALS>::new());
+    Figure::Toy.rasterize_into(&mut maps, &mut Grid::<128>::lock_bit_grid());
+    rmap::encode(&maps)
+}
+
+#[test]
+fn a_file_of_no_known_kind_is_told_which_there_are() {
+    let folder = TestFolder::new("unknown");
+    folder.write("README.md", "# Paros\n");
+    folder.write("p.png", b"\x89PNG\r\n\x1a\n");
+    folder.write("nothing", "");
+    for (name, seems) in [("README.md", "text"), ("p.png", "a PNG picture"), ("nothing", "empty")] {
+        let word = format!(
+            "{name}: neither a volume (.rmap) nor a mesh (.obj, .stl, .ply, .gltf or .glb) nor a \
+             trace; it seems to be {seems}"
+        );
+        for args in [&["info", name][..], &["render", name, "-o", "x.png"]] {
+            folder.refuses(args, &word);
+        }
+    }
+}
+
+#[test]
+fn a_figure_is_drawn_by_its_name() {
+    let folder = TestFolder::new("figure");
+    folder.write("toy.rmap", encode_toy());
+    folder.succeeds(&["render", "toy", "-o", "a.png", "--size", "48x48"]);
+    folder.succeeds(&["render", "toy.rmap", "-o", "b.png", "--size", "48x48"]);
+    assert!(folder.read("a.png") == folder.read("b.png"));
+    folder.refuses(&["render", "./toy", "-o", "c.png"], "./toy: cannot read: No such file");
+}
+
+/// As `window FILE` does; here there is no display.
+#[test]
+fn a_file_alone_is_opened_in_the_window() {
+    let folder = TestFolder::new("alone");
+    folder.write("v.rmap", encode_toy());
+    folder.write("letter.obj", "no mesh\n");
+    folder.write("solid.obj", TETRAHEDRON);
+    folder.succeeds(&["bake", "solid.obj", "-o", "large.rmap", "--size", "256"]);
+    for name in ["v.rmap", "large.rmap"] {
+        let output = folder.paros(&[name]);
+        let errors = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{errors}");
+        assert!(errors.contains("no window can be opened: no display"), "{errors}");
+    }
+    folder.refuses(&["letter.obj"], "letter.obj: holds no triangle");
+    folder.refuses(&["none.stl"], "none.stl: cannot read: No such file");
+    folder.refuses(&["v.rmap", "info"], "info");
+    folder.refuses(&["rendr"], "rendr: neither a command nor a file");
+}
