@@ -24,8 +24,8 @@ pub(super) enum KeyCommand {
     Back,
 }
 
-/// The help's table: keys, and what they do.
-pub(super) const HELP: [(&str, &str); 14] = [
+/// The help's table for visitors: keys, and what they do.
+pub(super) const HELP: [(&str, &str); 12] = [
     ("left button", "run the tool on the surface under the cursor"),
     ("wheel", "up: deeper, down: shallower"),
     ("right drag", "look from another side"),
@@ -36,10 +36,15 @@ pub(super) const HELP: [(&str, &str); 14] = [
     ("Z, Y", "undo, redo"),
     ("M", "mirror"),
     ("Enter, Space", "finish: print and picture"),
-    ("R", "write a trace of the session"),
+    ("Esc", "another start, the one before, a file"),
+    ("F1, H", "this help"),
+];
+
+/// The same for developers.
+pub(super) const DEVELOPER_HELP: [(&str, &str); 3] = [
+    ("R", "write a trace of the session, for paros play"),
     ("F2", "frame times"),
     ("F3", "the paper's path, or the fast one"),
-    ("Esc", "the start panel: another mode, open a file"),
 ];
 
 /// The command of a key event; digits and brackets by position, the rest by meaning.

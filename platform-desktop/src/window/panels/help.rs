@@ -1,9 +1,12 @@
-//! Help panel: mouse and keys.
+//! Help panel: mouse and keys, visitors' first.
 
-use egui::{Align2, Area, Context, Grid, Id, Order, RichText, Vec2};
+use egui::{Align2, Area, Context, Grid, Id, Order, RichText, Ui, Vec2};
 
 use super::style;
-use crate::window::keys::HELP;
+use crate::window::keys::{DEVELOPER_HELP, HELP};
+
+/// Width of both tables' column of keys, in points.
+const KEYS_WIDTH: f32 = 140.0;
 
 pub(super) fn show(context: &Context) {
     let area = Area::new(Id::new("help"))
@@ -12,14 +15,22 @@ pub(super) fn show(context: &Context) {
     area.show(context, |ui| {
         style::card_frame().inner_margin(20).show(ui, |ui| {
             ui.label(RichText::new("Mouse and keys").size(19.0));
-            ui.add_space(6.0);
-            Grid::new("keys").num_columns(2).spacing(Vec2::new(18.0, 7.0)).show(ui, |ui| {
-                for (keys, what) in HELP {
-                    ui.label(RichText::new(keys).color(style::ACCENT).size(14.0));
-                    ui.label(RichText::new(what).size(14.0));
-                    ui.end_row();
-                }
-            });
+            ui.add_space(4.0);
+            show_keys(ui, "keys", &HELP);
+            ui.add_space(4.0);
+            ui.label(style::quiet_text("For developers"));
+            show_keys(ui, "developers' keys", &DEVELOPER_HELP);
         });
+    });
+}
+
+fn show_keys(ui: &mut Ui, id: &str, table: &[(&str, &str)]) {
+    let grid = Grid::new(id).num_columns(2).spacing(Vec2::new(18.0, 8.0)).min_row_height(20.0);
+    grid.min_col_width(KEYS_WIDTH).show(ui, |ui| {
+        for (keys, what) in table {
+            ui.label(RichText::new(*keys).color(style::ACCENT).size(14.0));
+            ui.label(RichText::new(*what).size(14.0));
+            ui.end_row();
+        }
     });
 }

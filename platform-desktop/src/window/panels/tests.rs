@@ -215,6 +215,54 @@ fn panels_fit_the_overlay() {
     assert!(vertices * 2 < MAX_VERTICES && indices * 2 < MAX_INDICES && runs * 2 < MAX_RUNS);
 }
 
+/// The shapes of a frame of panels, in the order in which they are drawn.
+fn shapes_of(panels: &mut Panels, status: &StudioStatus<'_>) -> Vec<egui::Shape> {
+    let mut lay_out = |time: f64| {
+        panels.input.time = Some(time);
+        panels.input.screen_rect = Some(Rect::from_min_size(Pos2::ZERO, SIZE));
+        panels.lay_out(status).0.shapes
+    };
+    // A panel is measured before it is seen, and fades in.
+    lay_out(0.0);
+    lay_out(1.0);
+    let mut shapes = Vec::new();
+    for clipped in lay_out(2.0) {
+        flatten(clipped.shape, &mut shapes);
+    }
+    shapes
+}
+
+fn flatten(shape: egui::Shape, into: &mut Vec<egui::Shape>) {
+    match shape {
+        egui::Shape::Vec(shapes) => shapes.into_iter().for_each(|shape| flatten(shape, into)),
+        shape => into.push(shape),
+    }
+}
+
+#[test]
+fn the_help_has_visitors_keys_first_and_developers_under_them() {
+    let mut panels = in_studio();
+    panels.toggle_help();
+    let help: Vec<_> = shapes_of(&mut panels, &sculpting_status())
+        .into_iter()
+        .filter_map(|shape| match shape {
+            egui::Shape::Text(text) => Some((text.pos.y, text.galley.text().to_owned())),
+            _ => None,
+        })
+        .collect();
+    let height = |words: &str| {
+        let found = help.iter().find(|(_, text)| text == words);
+        found.unwrap_or_else(|| panic!("{words} is not in {help:?}")).0
+    };
+    let divide = height("For developers");
+    for keys in ["left button", "wheel", "Z, Y", "Enter, Space", "Esc"] {
+        assert!(height(keys) < divide, "{keys} is a visitor's");
+    }
+    for keys in ["R", "F2", "F3"] {
+        assert!(height(keys) > divide, "{keys} is a developer's");
+    }
+}
+
 #[test]
 fn files_are_to_be_dropped_only_where_they_can_be() {
     let says_so = |drops| {
