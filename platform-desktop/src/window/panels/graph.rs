@@ -32,7 +32,7 @@ impl FrameTimeGraph {
     }
 
     pub(super) fn show(&self, context: &Context, status: &StudioStatus<'_>) {
-        let area = Area::new(Id::new("graph")).anchor(Align2::LEFT_TOP, Vec2::new(16.0, 44.0));
+        let area = Area::new(Id::new("graph")).anchor(Align2::LEFT_CENTER, Vec2::new(12.0, 0.0));
         area.interactable(false).show(context, |ui| {
             style::card_frame().inner_margin(10).show(ui, |ui| {
                 let ms = |nanoseconds: u64| nanoseconds as f32 * 1e-6;

@@ -50,18 +50,20 @@ pub(super) fn show_status(context: &Context, status: &StudioStatus<'_>) {
     if !status.fast {
         text += "  ·  the paper's path";
     }
-    let left = Area::new(Id::new("status")).anchor(Align2::LEFT_TOP, Vec2::new(18.0, 14.0));
-    left.interactable(false)
-        .show(context, |ui| ui.add(Label::new(style::quiet_text(text)).extend()));
-    if let Some(fault) = status.fault {
-        let below = Area::new(Id::new("fault")).anchor(Align2::LEFT_TOP, Vec2::new(18.0, 36.0));
-        let text = RichText::new(format!("Not saved: {fault}")).color(style::WARNING);
-        below.interactable(false).show(context, |ui| ui.label(text));
-    }
-    let right = Area::new(Id::new("hint")).anchor(Align2::RIGHT_TOP, Vec2::new(-18.0, 14.0));
-    right
-        .interactable(false)
-        .show(context, |ui| ui.label(style::quiet_text("F1 help  ·  Esc start")));
+    let left = Area::new(Id::new("status")).anchor(Align2::LEFT_TOP, Vec2::new(12.0, 10.0));
+    left.interactable(false).show(context, |ui| {
+        let line = |ui: &mut Ui, text: RichText| {
+            style::line_frame().show(ui, |ui| ui.add(Label::new(text).extend()));
+        };
+        line(ui, style::quiet_text(text));
+        if let Some(fault) = status.fault {
+            line(ui, RichText::new(format!("Not saved: {fault}")).color(style::WARNING));
+        }
+    });
+    let right = Area::new(Id::new("hint")).anchor(Align2::RIGHT_TOP, Vec2::new(-12.0, 10.0));
+    right.interactable(false).show(context, |ui| {
+        style::line_frame().show(ui, |ui| ui.label(style::quiet_text("F1 help  ·  Esc start")));
+    });
 }
 
 /// Shows the tool bar.

@@ -239,6 +239,49 @@ fn flatten(shape: egui::Shape, into: &mut Vec<egui::Shape>) {
     }
 }
 
+/// All text of a frame, and what of it has no panel under it.
+fn text_and_bare_text(panels: &mut Panels, status: &StudioStatus<'_>) -> [Vec<String>; 2] {
+    let (mut grounds, mut all, mut bare) = (Vec::new(), Vec::new(), Vec::new());
+    for shape in shapes_of(panels, status) {
+        match shape {
+            egui::Shape::Rect(rect) if rect.fill == super::style::PANEL => grounds.push(rect.rect),
+            egui::Shape::Text(text) => {
+                let place = text.galley.rect.translate(text.pos.to_vec2()).shrink(0.5);
+                let words = text.galley.text().to_owned();
+                if !grounds.iter().any(|ground: &Rect| ground.contains_rect(place)) {
+                    bare.push(words.clone());
+                }
+                all.push(words);
+            }
+            _ => {}
+        }
+    }
+    [all, bare]
+}
+
+#[test]
+fn all_text_has_a_panel_under_it() {
+    let mut panels = in_studio();
+    panels.toggle_help();
+    panels.show_notice(Notice::Bad("something".into()));
+    let status = StudioStatus { fault: Some("a full disk"), ..sculpting_status() };
+    let [all, bare] = text_and_bare_text(&mut panels, &status);
+    assert_eq!(bare, [""; 0]);
+    for words in ["Free form", "F1 help", "Not saved", "something", "undo"]
+    {
+        assert!(all.iter().any(|text| text.contains(words)), "{words} is not in {all:?}");
+    }
+    let finished = StudioStatus { session: SessionState::Finished, ..sculpting_status() };
+    let mut asking = in_studio();
+    asking.ask_to_start(PanelAction::StartRead);
+    for (mut panels, status) in
+        [(Panels::new(), &status), (in_studio(), &finished), (asking, &status)]
+    {
+        let [all, bare] = text_and_bare_text(&mut panels, status);
+        assert!(bare.is_empty() && all.len() > 2, "{bare:?} of {all:?}");
+    }
+}
+
 #[test]
 fn the_help_has_visitors_keys_first_and_developers_under_them() {
     let mut panels = in_studio();
