@@ -30,6 +30,7 @@ use super::os_error::strip_source_location;
 use super::paint::EguiBuffers;
 use super::panels::{BitOutline, PanelAction, Panels, StudioStatus};
 use super::script::Script;
+use super::slowness::SlownessWatch;
 use super::view::{FrameParams, WindowRenderer};
 use super::{WindowError, WindowOptions};
 
@@ -60,6 +61,7 @@ where
     modifiers: ModifiersState,
     scale: f32,
     pace: TickClock,
+    slowness: SlownessWatch,
     begun: Instant,
     last: Instant,
     /// When the last frame was done.
@@ -110,6 +112,7 @@ where
             modifiers: ModifiersState::empty(),
             scale: 1.0,
             pace: TickClock::default(),
+            slowness: SlownessWatch::default(),
             begun: Instant::now(),
             last: Instant::now(),
             drawn: Instant::now(),
@@ -177,9 +180,14 @@ where
         let now = Instant::now();
         let elapsed = now - core::mem::replace(&mut self.last, now);
         self.panels.add_frame_time(elapsed.as_secs_f32());
-        let due = self.pace.take_due_ticks(elapsed).due;
-        // A script runs as fast as it can.
-        let ticks = if self.script.is_some() { TickClock::MAX_TICKS_PER_FRAME } else { due };
+        let due = self.pace.take_due_ticks(elapsed);
+        // A script runs as fast as it can, and drops none.
+        let ticks = if self.script.is_some() {
+            TickClock::MAX_TICKS_PER_FRAME
+        } else {
+            self.slowness.note_frame(elapsed, due);
+            due.due
+        };
         for _ in 0..ticks {
             self.run_script_steps(events)?;
             self.run_tick();
@@ -268,6 +276,8 @@ where
             printing: self.studio.is_exporting(),
             printed: self.studio.session_stl_path(),
             unwritten: self.studio.has_writes_to_retry(),
+            slow: self.slowness.verdict(),
+            grid_side: N,
             fault: self.studio.save_error(),
             opening: self.studio.path_being_read(),
             drops: self.window.as_deref().is_some_and(supports_file_drops),

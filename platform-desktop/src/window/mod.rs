@@ -17,6 +17,7 @@ mod panels;
 mod raycast;
 mod screen;
 mod script;
+mod slowness;
 mod view;
 
 use std::path::PathBuf;

@@ -17,6 +17,7 @@ use paros_core::session::{BenchItem, SessionMode, SessionState, Tool, ToolBit};
 use paros_shaders::gpu::FrameTimes;
 use paros_shell::studio::Notice;
 
+use super::slowness::Slowness;
 use browser::Browser;
 use graph::FrameTimeGraph;
 pub(super) use outline::BitOutline;
@@ -75,6 +76,10 @@ pub(super) struct StudioStatus<'a> {
     pub(super) printed: Option<&'a Path>,
     /// Whether a print could not be written.
     pub(super) unwritten: bool,
+    /// Whether frames take so long that ticks are dropped.
+    pub(super) slow: Option<Slowness>,
+    /// Voxels along an edge.
+    pub(super) grid_side: usize,
     /// Why the session is not on the disk.
     pub(super) fault: Option<&'a str>,
     /// The file being read.

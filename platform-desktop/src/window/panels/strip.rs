@@ -29,7 +29,7 @@ pub(super) enum FinishedChoice {
     Action(PanelAction),
 }
 
-/// Shows the status line at the top, and why the session is not saved.
+/// Shows the status line at the top, whether the machine is too slow, and why the session is not saved.
 pub(super) fn show_status(context: &Context, status: &StudioStatus<'_>) {
     let mut text = match status.mode {
         SessionMode::None => return,
@@ -56,6 +56,10 @@ pub(super) fn show_status(context: &Context, status: &StudioStatus<'_>) {
             style::line_frame().show(ui, |ui| ui.add(Label::new(text).extend()));
         };
         line(ui, style::quiet_text(text));
+        if let Some(slowness) = status.slow {
+            let text = slowness.describe_with_help(status.fast, status.grid_side);
+            line(ui, RichText::new(text).color(style::WARNING));
+        }
         if let Some(fault) = status.fault {
             line(ui, RichText::new(format!("Not saved: {fault}")).color(style::WARNING));
         }

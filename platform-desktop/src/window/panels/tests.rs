@@ -1,12 +1,16 @@
 //! The panels without a window, by clicks on a grid of points.
 
+use std::time::Duration;
+
 use egui::{Event, Modifiers, PointerButton, Pos2, Rect, Vec2};
 use paros_core::edit::UndoCounts;
 use paros_core::session::{BenchItem, SessionMode, SessionState, Tool, ToolBit, commands};
 use paros_shaders::gpu::FrameTimes;
 use paros_shell::studio::Notice;
+use paros_shell::tick_runner::ClockTicks;
 
 use super::{PanelAction, Panels, StudioStatus};
+use crate::window::slowness::SlownessWatch;
 
 const SIZE: Vec2 = Vec2::new(1000.0, 700.0);
 
@@ -24,6 +28,8 @@ fn sculpting_status() -> StudioStatus<'static> {
         printing: false,
         printed: None,
         unwritten: false,
+        slow: None,
+        grid_side: 128,
         fault: None,
         opening: None,
         drops: true,
@@ -264,10 +270,16 @@ fn all_text_has_a_panel_under_it() {
     let mut panels = in_studio();
     panels.toggle_help();
     panels.show_notice(Notice::Bad("something".into()));
-    let status = StudioStatus { fault: Some("a full disk"), ..sculpting_status() };
+    let mut watch = SlownessWatch::default();
+    for _ in 0..5 {
+        watch.note_frame(Duration::from_secs(1), ClockTicks { due: 4, dropped: 68 });
+    }
+    let status =
+        StudioStatus { fault: Some("a full disk"), slow: watch.verdict(), ..sculpting_status() };
     let [all, bare] = text_and_bare_text(&mut panels, &status);
     assert_eq!(bare, [""; 0]);
-    for words in ["Free form", "F1 help", "Not saved", "something", "undo"]
+    for words in
+        ["Free form", "F1 help", "too slow: 1 picture a second", "Not saved", "something", "undo"]
     {
         assert!(all.iter().any(|text| text.contains(words)), "{words} is not in {all:?}");
     }
