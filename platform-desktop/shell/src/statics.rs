@@ -21,6 +21,9 @@ where
 
 /// The static buffers of a `Grid<N>` with K intervals a column. Each method locks one until the guard is
 /// dropped; it still holds what its last user left in it.
+///
+/// Who locks several begins with the start volumes, goes on with the world and ends with the STL buffers: in
+/// another order two threads may wait for each other for ever.
 pub trait Resident<const N: usize, const K: usize>: ResidentBitGrid<N>
 where
     Grid<N>: Size,

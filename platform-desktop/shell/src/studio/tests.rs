@@ -18,7 +18,7 @@ use crate::studio_paths::StudioPaths;
 #[test]
 fn a_save_waits_for_the_one_before_it() {
     let folder = std::env::temp_dir().join(format!("paros-studio-{}", std::process::id()));
-    let (mut world, mut volumes) = (Grid::<128>::lock_world(), Grid::<128>::lock_start_volumes());
+    let (mut volumes, mut world) = (Grid::<128>::lock_start_volumes(), Grid::<128>::lock_world());
     let mut stl_buffers = Grid::<128>::lock_stl_buffers();
     let stl_exporter = StlExporter::new(&mut stl_buffers, DEFAULT_HEIGHT_MM).expect("a height");
     let places = StudioPaths::inside_folder(&folder);
@@ -57,8 +57,8 @@ fn a_save_waits_for_the_one_before_it() {
 fn a_stroke_that_ends_is_saved() {
     let folder = std::env::temp_dir().join(format!("paros-strokes-{}", std::process::id()));
     for (item, saved) in [(Some(BenchItem::Tool(Tool::Rotary)), true), (None, false)] {
-        let (mut world, mut volumes) =
-            (Grid::<128>::lock_world(), Grid::<128>::lock_start_volumes());
+        let (mut volumes, mut world) =
+            (Grid::<128>::lock_start_volumes(), Grid::<128>::lock_world());
         let mut stl_buffers = Grid::<128>::lock_stl_buffers();
         let stl_exporter = StlExporter::new(&mut stl_buffers, DEFAULT_HEIGHT_MM).expect("a height");
         let _ = fs::remove_dir_all(&folder);
@@ -95,7 +95,7 @@ fn a_stroke_that_ends_is_saved() {
 #[test]
 fn a_sculpture_is_exported_until_it_is_written() {
     let folder = std::env::temp_dir().join(format!("paros-export-{}", std::process::id()));
-    let (mut world, mut volumes) = (Grid::<128>::lock_world(), Grid::<128>::lock_start_volumes());
+    let (mut volumes, mut world) = (Grid::<128>::lock_start_volumes(), Grid::<128>::lock_world());
     let mut stl_buffers = Grid::<128>::lock_stl_buffers();
     let stl_exporter = StlExporter::new(&mut stl_buffers, DEFAULT_HEIGHT_MM).expect("a height");
     let places = StudioPaths::inside_folder(&folder);
@@ -127,7 +127,7 @@ fn a_saved_session_of_one_interval_is_put_aside() {
     save.truncate(len);
     fs::create_dir_all(folder.join("sessions")).expect("a folder");
     fs::write(places.session_file(128), &save).expect("a file");
-    let (mut world, mut volumes) = (Grid::<128>::lock_world(), Grid::<128>::lock_start_volumes());
+    let (mut volumes, mut world) = (Grid::<128>::lock_start_volumes(), Grid::<128>::lock_world());
     let mut stl_buffers = Grid::<128>::lock_stl_buffers();
     let stl_exporter = StlExporter::new(&mut stl_buffers, DEFAULT_HEIGHT_MM).expect("a height");
     let mut studio =
@@ -153,7 +153,7 @@ fn a_bad_save_of_the_sculpture_before_leaves_this_one_alone() {
     let before = places.left_unfinished_session_file(128);
     fs::create_dir_all(&places.sessions).expect("a folder");
     fs::write(&before, "no save").expect("a file");
-    let (mut world, mut volumes) = (Grid::<128>::lock_world(), Grid::<128>::lock_start_volumes());
+    let (mut volumes, mut world) = (Grid::<128>::lock_start_volumes(), Grid::<128>::lock_world());
     let mut stl_buffers = Grid::<128>::lock_stl_buffers();
     let stl_exporter = StlExporter::new(&mut stl_buffers, DEFAULT_HEIGHT_MM).expect("a height");
     volumes.offer_visitor_volume().fill_block();
