@@ -8,7 +8,8 @@ use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
 
 use glam::{Quat, Vec3};
 use paros_core::edit::{Pose, SUBUNITS_PER_VOXEL};
-use paros_core::internals::{BOX_SIDE, GridBit, GridShape};
+use paros_core::internals::{BOX_SIDE, BitAction, GridBit, GridShape};
+use paros_core::limits::INTERVALS;
 use paros_core::session::{BenchItem, PointerCommand, SessionMode, TICK_RATE, ToolBit};
 use paros_core::volume::{BitSet, Grid, Size};
 use paros_core::{HandInput, RangeMaps, StartVolumes, TickInput, World};
@@ -16,8 +17,6 @@ use paros_shell::statics::{Resident, ResidentBitGrid};
 use paros_shell::tick_runner::TickRunner;
 
 use super::row::ReportRow;
-
-const INTERVALS: usize = 2;
 
 /// Speeds of a hand at work, in m/s.
 const SPEEDS: [f32; 3] = [0.3, 0.6, 1.0];
@@ -36,17 +35,6 @@ const SETTLING_TICKS: usize = 48;
 const CIRCLE_RADIUS: f32 = 0.08;
 const CIRCLE_SECONDS: f32 = 0.8;
 
-/// The bits that carve.
-const CARVING_BITS: [ToolBit; 7] = [
-    ToolBit::SmallBall,
-    ToolBit::MediumBall,
-    ToolBit::LargeBall,
-    ToolBit::Cylinder,
-    ToolBit::Grinder,
-    ToolBit::PointChisel,
-    ToolBit::FlatChisel,
-];
-
 /// The rows of a grid size.
 pub(super) fn measure_rows<const N: usize>() -> Vec<ReportRow>
 where
@@ -63,7 +51,8 @@ where
     let mut world = Grid::<N>::lock_world();
     let mut sculptor = Sculptor { world: &mut world, stone: &stone };
     let mut rows = Vec::new();
-    for bit in CARVING_BITS {
+    let carves = |bit: &ToolBit| bit.spec().action == BitAction::Carve;
+    for bit in ToolBit::ALL.into_iter().filter(carves) {
         rows.extend(sculptor.measure_grooves(bit));
     }
     for bit in [ToolBit::SmallBall, ToolBit::MediumBall, ToolBit::LargeBall] {
