@@ -73,6 +73,8 @@ pub(crate) fn constants_module() -> String {
         BINDING_DENSITY,
         BINDING_DEPTH_COMPARE,
         BINDING_FRAME,
+        BINDING_GRADIENT,
+        BINDING_GRADIENT_IMAGE,
         BINDING_LEVELS,
         BINDING_MAPS,
         BINDING_MARBLE,

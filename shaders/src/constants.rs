@@ -152,8 +152,10 @@ pub const BINDING_BEAM_STARTS: u32 = 10;
 pub const BINDING_SUN_MAP: u32 = 11;
 /// Sampler that compares depths.
 pub const BINDING_DEPTH_COMPARE: u32 = 12;
+/// Directions out of the stone.
+pub const BINDING_GRADIENT: u32 = 13;
 /// How many they are.
-pub const BINDING_COUNT: u32 = 13;
+pub const BINDING_COUNT: u32 = 14;
 /// Bindings of the overlay: its atlas.
 pub const BINDING_ATLAS: u32 = 0;
 /// The sampler of the atlas.
@@ -166,6 +168,8 @@ pub const BINDING_STAGED: u32 = 1;
 pub const BINDING_LEVELS: u32 = 2;
 /// The cells to write, after the levels.
 pub const BINDING_CELL_IMAGE: u32 = BINDING_LEVELS + DENSITY_LEVELS;
+/// The directions to write, after the cells.
+pub const BINDING_GRADIENT_IMAGE: u32 = BINDING_CELL_IMAGE + 1;
 /// Mip levels of the density.
 pub const DENSITY_LEVELS: u32 = 4;
 /// Width of the empty border around each range map's texture, in columns.

@@ -38,6 +38,8 @@ pub enum Texture {
     Maps(u8),
     /// The density, one byte a texel, at a level of detail: 0 is the finest.
     Density(u8),
+    /// The directions out of the stone at level 1, three signed bytes and a zero each.
+    Gradient,
     /// The cells' distances, one byte each.
     Cells,
     /// The paper's noise, one signed byte each.
@@ -63,6 +65,7 @@ impl Region {
     pub const fn byte_count(&self) -> usize {
         let texel = match self.texture {
             Texture::Maps(intervals) => 2 * intervals as usize,
+            Texture::Gradient => 4,
             Texture::Density(_) | Texture::Cells | Texture::Noise | Texture::Marble => 1,
         };
         self.size[0] as usize * self.size[1] as usize * self.size[2] as usize * texel

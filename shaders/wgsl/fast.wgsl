@@ -5,7 +5,7 @@
 #import paros::layout::frame
 #import paros::constants::{
     BEAM_PIXELS, BINDING_BEAM_STARTS, BINDING_CELLS, BINDING_CLAMPED, BINDING_DENSITY,
-    BINDING_MARBLE, BINDING_NEAREST, DENSITY_LEVELS, FAST_AO_HEIGHT, FAST_AO_MAX_DENSITY,
+    BINDING_GRADIENT, BINDING_MARBLE, BINDING_NEAREST, DENSITY_LEVELS, FAST_AO_HEIGHT, FAST_AO_MAX_DENSITY,
     FAST_AO_SCALE, FAST_EDGE_CUBIC, FAST_REFERENCE_SIDE, FAST_SHADOW_OPACITY,
     FAST_SHADOW_SPACING, FAST_SKIP_INTERVAL, FAST_STEP_FAR, FAST_STEP_NEAR, FAST_TRANSLUCENCY,
     FAST_TRANSLUCENCY_DEPTH, MARBLE_BASE_COLOR, MARBLE_VEIN_COLOR, TONE_WHITE_POINT,
@@ -26,6 +26,7 @@ alias real3 = vec3<f32>;
 override COVERAGE: bool = false;
 
 @group(0) @binding(BINDING_DENSITY) var density: texture_3d<f32>;
+@group(0) @binding(BINDING_GRADIENT) var gradient: texture_3d<f32>;
 @group(0) @binding(BINDING_CELLS) var cells: texture_3d<f32>;
 @group(0) @binding(BINDING_MARBLE) var marble_grey: texture_3d<f32>;
 @group(0) @binding(BINDING_CLAMPED) var clamped: sampler;
@@ -76,8 +77,8 @@ fn fragment(
         }
     }
     let p = o + direction * t;
-    let descent = negative_density_gradient(p);
-    let normal = descent * inverseSqrt(max(dot(descent, descent), real(1e-4)));
+    let outward = real3(textureSampleLevel(gradient, clamped, p, 0.0).xyz);
+    let normal = outward * inverseSqrt(max(dot(outward, outward), real(1e-4)));
     let depth = frame.depth_scale / t + frame.depth_offset;
     return FragmentOutput(vec4<f32>(vec3<f32>(shade_point(p, normal)), f32(coverage)), depth);
 }
@@ -200,17 +201,6 @@ fn shade_point(p: vec3<f32>, normal: real3) -> real3 {
     // `light::tone_map` in this precision.
     return radiance * (radiance * real(1.0 / (TONE_WHITE_POINT * TONE_WHITE_POINT)) + real(1.0))
         / (radiance + real(1.0));
-}
-
-// The negative gradient of the density at mip level 1, times 4 voxels, from four samples at the
-// corners of a tetrahedron.
-fn negative_density_gradient(p: vec3<f32>) -> real3 {
-    let voxel = 1.0 / frame.density_side;
-    let a = real(sample_density(p + vec3<f32>(1.0, 1.0, 1.0) * voxel, 1.0));
-    let b = real(sample_density(p + vec3<f32>(1.0, -1.0, -1.0) * voxel, 1.0));
-    let c = real(sample_density(p + vec3<f32>(-1.0, 1.0, -1.0) * voxel, 1.0));
-    let d = real(sample_density(p + vec3<f32>(-1.0, -1.0, 1.0) * voxel, 1.0));
-    return real3(c + d - a - b, b + d - a - c, b + c - a - d);
 }
 
 // Soft shadow by cone tracing: three samples towards the sun, each farther and of a coarser mip

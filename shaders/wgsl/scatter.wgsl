@@ -1,6 +1,7 @@
 // Texture upload by one compute dispatch: boxes of staged bytes into the 3D textures. On some
 // drivers a copy takes two microseconds for each slice of each box.
-#import paros::constants::{BINDING_CELL_IMAGE, BINDING_LEVELS, BINDING_PATCHES, BINDING_STAGED}
+#import paros::constants::{BINDING_CELL_IMAGE, BINDING_GRADIENT_IMAGE, BINDING_LEVELS}
+#import paros::constants::{BINDING_PATCHES, BINDING_STAGED}
 
 // Mirrored in `src/gpu/pipelines/scatter.rs`; the build checks the offsets.
 struct Patch {
@@ -19,6 +20,7 @@ struct Patch {
 @group(0) @binding(BINDING_LEVELS + 2u) var level_2: texture_storage_3d<r8unorm, write>;
 @group(0) @binding(BINDING_LEVELS + 3u) var level_3: texture_storage_3d<r8unorm, write>;
 @group(0) @binding(BINDING_CELL_IMAGE) var cells: texture_storage_3d<r8unorm, write>;
+@group(0) @binding(BINDING_GRADIENT_IMAGE) var gradient: texture_storage_3d<rgba8snorm, write>;
 
 const THREADS: u32 = 64;
 
@@ -41,7 +43,11 @@ fn compute(
             case 1u: { textureStore(level_1, texel_position, texel); }
             case 2u: { textureStore(level_2, texel_position, texel); }
             case 3u: { textureStore(level_3, texel_position, texel); }
-            default: { textureStore(cells, texel_position, texel); }
+            case 4u: { textureStore(cells, texel_position, texel); }
+            // Four bytes a texel.
+            default: {
+                textureStore(gradient, texel_position, unpack4x8snorm(staged[upload.at / 4u + i]));
+            }
         }
     }
 }

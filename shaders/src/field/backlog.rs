@@ -11,7 +11,7 @@ pub(super) const CHUNK: [usize; 3] = [32, 16, 16];
 
 /// Most texels of boxes that are computed together: a chunk's, which take about a frame's work
 /// where all is surface.
-const MAX_MERGED_TEXELS: usize = CHUNK[0] * CHUNK[1] * CHUNK[2];
+pub(super) const MAX_MERGED_TEXELS: usize = CHUNK[0] * CHUNK[1] * CHUNK[2];
 
 /// The finest texels to recompute: a dirty box in each chunk.
 #[derive(Debug)]

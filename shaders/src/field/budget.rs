@@ -100,6 +100,11 @@ pub(super) const COMPARED_WORK: usize = 5;
 pub(super) const CHANGED_WORK: usize = 6;
 pub(super) const CROSSED_WORK: usize = 6;
 pub(super) const TEXEL_WORK: usize = COMPARED_WORK + CHANGED_WORK + CROSSED_WORK;
+/// Work for each row of a box of gradients and of its window, for each group of eight texels in the window, and
+/// for each in the box itself.
+pub(super) const GRADIENT_ROW_WORK: usize = 260;
+pub(super) const GRADIENT_WINDOW_WORK: usize = 210;
+pub(super) const GRADIENT_GROUP_WORK: usize = 440;
 /// Work for each row of cells, all distances included.
 pub(super) const CELL_ROW_WORK: usize = 660;
 /// Work for each line that is noted; for each line of a map in a search for stale ones; for each

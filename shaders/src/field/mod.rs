@@ -12,6 +12,12 @@
 //!   the ground layer goes on, the rest outside is empty. Creases that would close are reopened (see
 //!   `crease`), and what is too thin to reach a half by itself is raised (see `thin`).
 //! - [`Texture::Density`] 1 to 3: each texel the mean of 2 x 2 x 2 of the finer one, half up.
+//! - [`Texture::Gradient`]: for each texel of level 1 the direction out of the stone, the negative gradient of
+//!   that level: three signed bytes, 127 where it falls by 254 in two texels, and a zero. Two central differences
+//!   are taken: a wide one, -1 -2 0 2 1 along its axis and 1 4 6 4 1 along the others, and a narrow one, -1 0 1
+//!   and 1 14 1. Where they differ by 5 degrees or less it is the wide one w, from 10 degrees on
+//!   w + 1.5 (n - w), between a mix, linear in the squared cosine. Sums along x and y drop three bits, of the
+//!   narrow one a bit, derivatives rounded half up. It may lag behind the density by some frames.
 //! - [`Texture::Cells`]: a byte for each cell of 2 x 2 x 2 texels at N up to 128 and 4 x 4 x 4
 //!   above, so that cells are as large in the room (see [`cell_side_texels`]). The surface of half density may
 //!   pass through a cell where a texel in it or next to it is at least [`HALF_DENSITY`]. The byte is how
@@ -26,6 +32,7 @@
 //!
 //! [`Texture::Maps`]: crate::upload::Texture::Maps
 //! [`Texture::Density`]: crate::upload::Texture::Density
+//! [`Texture::Gradient`]: crate::upload::Texture::Gradient
 //! [`Texture::Cells`]: crate::upload::Texture::Cells
 
 mod backlog;
@@ -34,6 +41,8 @@ mod budget;
 mod cells;
 mod crease;
 mod extent;
+mod gradient;
+mod gradient_upkeep;
 mod mips;
 mod rows;
 mod sizes;

@@ -8,6 +8,7 @@ use super::backlog::{BoxBacklog, CHUNK, StaleLines};
 use super::blur::BoxBlur;
 use super::cells::CellDistances;
 use super::extent::TexelBox;
+use super::gradient::Gradients;
 use super::mips;
 use super::sizes::{LEVELS, PAD, cell_side_texels};
 use super::texels::TexelCube;
@@ -23,6 +24,7 @@ pub struct DensityField<const N: usize, const K: usize = 1> {
     /// Columns in which the two may differ.
     pub(super) uncompared: StaleLines,
     pub(super) density: [TexelCube; LEVELS],
+    pub(super) gradients: Gradients,
     pub(super) cells: CellDistances,
     pub(super) backlog: BoxBacklog,
     pub(super) stale_lines: StaleLines,
@@ -50,6 +52,7 @@ impl<const N: usize, const K: usize> DensityField<N, K> {
             maps: Box::new(RangeMaps::new()),
             uncompared: StaleLines::new(N),
             density: [0, 1, 2, 3].map(|level| TexelCube::new(Self::SIDE >> level, 0)),
+            gradients: Gradients::new(Self::SIDE / 2),
             cells: CellDistances::new(Self::SIDE, cell_side_texels(N)),
             backlog: BoxBacklog::new(Self::SIDE),
             stale_lines: StaleLines::new(N),
@@ -87,6 +90,7 @@ impl<const N: usize, const K: usize> DensityField<N, K> {
             let side = Self::SIDE >> level;
             mips::downsample_box(&finer[level - 1], &mut coarser[0], TexelBox::cube(side));
         }
+        self.gradients.rebuild_from(&self.density[1]);
         self.cells.rescan_surface(&self.density[0], TexelBox::cube(Self::SIDE));
         self.cells.update_distances();
         self.cells.drain_changed_boxes(|_, _| {});
@@ -108,6 +112,8 @@ impl<const N: usize, const K: usize> DensityField<N, K> {
             let texture = Texture::Density(level as u8);
             sink(TexelBox::cube(texels.side()).to_region(texture), texels.bytes());
         }
+        let whole = TexelBox::cube(self.gradients.side());
+        sink(whole.to_region(Texture::Gradient), self.gradients.bytes());
         let cells = self.cells.free_cells_around_each();
         sink(TexelBox::cube(cells.side()).to_region(Texture::Cells), cells.bytes());
     }
@@ -149,6 +155,20 @@ impl<const N: usize, const K: usize> DensityField<N, K> {
             .sample_trilinear((point_in_voxels + Vec3::splat(PAD as f32)) * scale)
     }
 
+    /// The direction out of the stone at a texel of level 1, 127 where the density falls by 254 in two texels.
+    #[must_use]
+    pub fn outward_texel(&self, texel: [usize; 3]) -> [i8; 3] {
+        self.gradients.texel(texel)
+    }
+
+    /// Trilinear sample, clamped to the edge, of the direction out of the stone at a point in voxels: longer
+    /// the nearer to the surface, at most 1 along each axis.
+    #[must_use]
+    #[inline]
+    pub fn sample_outward(&self, point_in_voxels: Vec3) -> Vec3 {
+        self.gradients.sample_trilinear((point_in_voxels + Vec3::splat(PAD as f32)) * 0.5)
+    }
+
     /// The Chebyshev distance, in voxels, within which no surface lies around a point in voxels:
     /// that of its cell, clamped to the edge.
     #[must_use]
@@ -178,7 +198,10 @@ impl<const N: usize, const K: usize> DensityField<N, K> {
 }
 
 /// Boxes that each can be computed at once and together cover a slab of the finest texels.
-fn slab_extents(density_side: usize, slab_index: usize) -> impl Iterator<Item = TexelBox> {
+pub(super) fn slab_extents(
+    density_side: usize,
+    slab_index: usize,
+) -> impl Iterator<Item = TexelBox> {
     let [along_x, along_y, along_z] = CHUNK;
     let starts = (0..density_side).step_by(along_y).flat_map(move |y| {
         (0..density_side).step_by(along_x).map(move |x| [x, y, slab_index * along_z])

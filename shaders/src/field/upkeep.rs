@@ -11,6 +11,7 @@ use super::budget::{
     TEXEL_WORK, TILE_WORK, UNIFORM_WORK, VOXEL_WORK, WHOLE_MAP_COLUMN_WORK, work_on_intervals,
 };
 use super::extent::TexelBox;
+use super::gradient::{GRADIENT_LEVEL, MAX_GRADIENT_BYTES};
 use super::mips;
 use super::rows::MAX_BOX;
 use super::sizes::{LEVELS, MAX_CELL_DISTANCE, REACH, cell_side_texels};
@@ -160,10 +161,15 @@ impl<const N: usize, const K: usize> DensityField<N, K> {
             self.emit_map_region(run.axis, region, sink);
             meter.finish_unit_of_work(cost);
         }
+        if self.gradients.waits_long() {
+            self.recompute_gradients(&mut meter, sink);
+        }
         // Only once all columns are compared, lest boxes be computed twice.
         if self.uncompared.is_empty() {
             self.recompute_stale_boxes(&mut meter, sink);
+            self.recompute_gradients(&mut meter, sink);
         }
+        self.gradients.count_frame();
         self.cells.update_distances();
         let (cells, stage) = (&mut self.cells, &mut self.staging);
         cells.drain_changed_boxes(|distances, changed| {
@@ -211,7 +217,8 @@ impl<const N: usize, const K: usize> DensityField<N, K> {
     /// Whether textures are stale or regions wait to be uploaded.
     #[must_use]
     pub fn has_pending(&self) -> bool {
-        !self.uncompared.is_empty() || !self.backlog.is_empty() || !self.stale_lines.is_empty()
+        let boxes = !self.backlog.is_empty() || !self.gradients.stale.is_empty();
+        boxes || !self.uncompared.is_empty() || !self.stale_lines.is_empty()
     }
 
     /// Recomputes the box of finest texels whose voxels are loaded, and what depends on those that
@@ -243,6 +250,9 @@ impl<const N: usize, const K: usize> DensityField<N, K> {
             }
             if changed.is_empty() {
                 break;
+            }
+            if level == GRADIENT_LEVEL {
+                self.gradients.mark_stale_around(&changed);
             }
             let texture = Texture::Density(level as u8);
             emit_box(&self.density[level], changed, texture, &mut self.staging, sink);
@@ -277,7 +287,8 @@ impl<const N: usize, const K: usize> DensityField<N, K> {
         let chunk = most[0] * most[1] * most[2];
         let cells = (Self::SIDE / cell_side_texels(N)).pow(3);
         let most = if chunk > map { chunk } else { map };
-        if cells > most { cells } else { most }
+        let most = if cells > most { cells } else { most };
+        if MAX_GRADIENT_BYTES > most { MAX_GRADIENT_BYTES } else { most }
     }
 }
 

@@ -144,22 +144,8 @@ fn refine_hit<const N: usize, const K: usize>(
     );
     let distance = hit.t - hit.step_voxels * inside / (inside + outside);
     let position = ray.at(distance);
-    let normal = negative_density_gradient(field, position).try_normalize().unwrap_or(Vec3::Y);
+    let normal = field.sample_outward(position).try_normalize().unwrap_or(Vec3::Y);
     SurfacePoint { position, normal, distance }
-}
-
-/// The negative gradient of the density at mip level 1, times 4 voxels, from four samples at the
-/// corners of a tetrahedron.
-fn negative_density_gradient<const N: usize, const K: usize>(
-    field: &DensityField<N, K>,
-    grid_point: Vec3,
-) -> Vec3 {
-    let mut sum = Vec3::ZERO;
-    for (y, z) in [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)] {
-        let corner = Vec3::new(y * z, y, z);
-        sum -= corner * field.sample_density(1, grid_point + corner);
-    }
-    sum
 }
 
 /// Soft shadow by cone tracing: three samples towards the sun, each farther and of a coarser mip

@@ -15,6 +15,8 @@ pub struct FieldModel {
     occupied: Vec<bool>,
     /// The density, finest first.
     pub density: [Vec<u8>; 4],
+    /// The direction out of the stone at each texel of level 1, 127 for a fall of 254 in two texels.
+    pub outward: Vec<[i8; 3]>,
     /// The number of free cells around each cell in every direction, 0 to 6.
     pub cells: Vec<u8>,
 }
@@ -34,12 +36,14 @@ impl FieldModel {
             .map(|[x, y, z]| dense.contains([x, y.max(0), z]))
             .collect();
         let none = [const { Vec::new() }; 4];
-        let mut model = FieldModel { n, occupied, density: none, cells: Vec::new() };
+        let mut model =
+            FieldModel { n, occupied, density: none, outward: Vec::new(), cells: Vec::new() };
         model.density[0] = model.finest_density();
         for level in 1..4 {
             model.density[level] =
                 halve_resolution(&model.density[level - 1], model.texels_per_side(level - 1));
         }
+        model.outward = model.outward_directions();
         model.cells = model.count_free_cells();
         model
     }
@@ -143,6 +147,30 @@ impl FieldModel {
         1 + way(-1) as i32 + way(1) as i32
     }
 
+    /// Two central differences of level 1: the wide one where both agree, beyond the narrow one at features.
+    fn outward_directions(&self) -> Vec<[i8; 3]> {
+        let side = self.texels_per_side(1);
+        let outward = |at: [i32; 3]| {
+            let texel = |by: [i32; 3]| {
+                let at = [0, 1, 2].map(|i| (at[i] + by[i]).clamp(0, side - 1));
+                i64::from(self.density[1][grid_index(at, side)])
+            };
+            if cube_around([0; 3], 2).all(|by| texel(by) == texel([0; 3])) {
+                return [0; 3];
+            }
+            let w = central_difference(&texel, [-1, -2, 0, 2, 1], [1, 4, 6, 4, 1], 3);
+            let n = central_difference(&texel, [0, -1, 0, 1, 0], [0, 1, 14, 1, 0], 1);
+            let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+            let along = dot(w, n).max(0.0);
+            let cos_2 = along * along / (dot(w, w) * dot(n, n)).max(1e-9);
+            let part = (0.992_404f32 - cos_2) * (1.0 / (0.992_404 - 0.969_846));
+            let part = 1.5 * part.clamp(0.0, 1.0);
+            let outward = [0, 1, 2].map(|i| -(w[i] + (n[i] - w[i]) * part));
+            outward.map(|c| c.clamp(-127.0, 127.0).round_ties_even() as i8)
+        };
+        grid_points(side).map(outward).collect()
+    }
+
     /// The Chebyshev distance of every cell to the nearest cell with density, less one.
     fn count_free_cells(&self) -> Vec<u8> {
         let texels = self.texels_per_side(0);
@@ -165,6 +193,27 @@ impl FieldModel {
         };
         grid_points(side).map(distance).map(|distance| (distance - 1).max(0) as u8).collect()
     }
+}
+
+/// A separable central difference of the texels around one, in 256ths: `slope` along its axis and `mean` along
+/// the others. Sums along x and y lose so many bits, half up where they have the derivative.
+fn central_difference(
+    texel: &impl Fn([i32; 3]) -> i64,
+    slope: [i64; 5],
+    mean: [i64; 5],
+    bits: u32,
+) -> [f32; 3] {
+    [0, 1, 2].map(|axis| {
+        let sum = |along: usize, value: &dyn Fn(i32) -> i64| -> i64 {
+            let kernel = if along == axis { slope } else { mean };
+            kernel.iter().zip(-2..).map(|(weight, by)| weight * value(by)).sum()
+        };
+        let plane = |z: i32| {
+            let all = sum(1, &|y| sum(0, &|x| texel([x, y, z])));
+            (all + if axis < 2 { 1 << (bits - 1) } else { 0 }) >> bits
+        };
+        sum(2, &plane) as f32 / 256.0
+    })
 }
 
 /// The next level: the mean of 2^3 texels each. `texels_per_side` is the input's.

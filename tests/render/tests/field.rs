@@ -27,6 +27,11 @@ fn check_rebuild<const N: usize, const K: usize>(voxels: &DenseVolume) {
             );
         }
     }
+    let side = model.texels_per_side(1);
+    for at in grid_points(side) {
+        let texel = field.outward_texel(at.map(|c| c as usize));
+        assert_eq!(texel, model.outward[grid_index(at, side)], "outwards at {at:?}");
+    }
     let side = model.texels_per_side(0) / cell_side_texels(N) as i32;
     assert_eq!(field.cells_per_side(), side as usize);
     for at in grid_points(side) {

@@ -233,7 +233,7 @@ fn a_sphere_is_smooth() {
             }
         }
     }
-    // What a shader needs: four samples.
+    // What the stored gradients are better than.
     assert!(mean_angle(gradient_of_four, 0, 0.5) < 2.7);
     assert!(mean_angle(gradient_of_four, 1, 1.0) < 2.5);
     assert!(mean_angle(gradient_of_six, 0, 0.75) < 2.8);

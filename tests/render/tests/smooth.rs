@@ -2,13 +2,16 @@
 //! voxelised by the voxels' centres.
 //!
 //! Planted faults, and what catches each (tried by hand):
-//! - `fast.rs`, `negative_density_gradient`: samples of level 0, or 2, for 1 -> `normals`.
+//! - `gradient.rs`: the narrow gradient alone -> `normals_have_no_terraces`; the wide one alone ->
+//!   `grooves_keep_their_contrast`.
 //! - `fast.rs`, `refine_hit`: the first sample inside is the surface -> `a_spheres_surface`.
 //! - `fast.rs`: the surface where the density is 0.35 -> `a_spheres_surface`, `a_spheres_outline`.
 //! - `blur.rs`: no blur along x -> `normals`.
 
 use glam::{EulerRot, Quat, Vec3};
+use paros_models::dense::DenseVolume;
 use paros_models::solid::{Solid, SolidShape};
+use paros_shaders::field::DensityField;
 use paros_shaders::light::tangent_basis;
 use paros_shaders::march::march_maps;
 use paros_shaders::surface::{SurfacePoint, trace_blobs_or_closest_approach};
@@ -114,6 +117,99 @@ fn normals_err_a_quarter_as_much_as_the_papers() {
             assert!(errors.fast <= 0.25 * errors.paper, "{errors:?}");
         }
     }
+}
+
+/// The mean of these and their 95th percentile, in degrees.
+fn mean_and_p95(mut degrees: Vec<f32>) -> [f32; 2] {
+    assert!(degrees.len() > 3000);
+    degrees.sort_by(f32::total_cmp);
+    [degrees.iter().sum::<f32>() / degrees.len() as f32, degrees[degrees.len() * 95 / 100]]
+}
+
+/// How far normals are off, where rays from `start` away from a middle, along ways from it, meet a surface around it;
+/// outwards if that starts within.
+fn normal_errors(
+    field: &DensityField<N>,
+    middle: Vec3,
+    [start, outwards]: [f32; 2],
+    ways: impl Iterator<Item = Vec3>,
+) -> [f32; 2] {
+    let error = |way: Vec3| {
+        let ray = Ray { origin: middle + way * start, direction: way * outwards };
+        let at = fast::find_surface(field, &ray).expect("a surface");
+        at.normal.dot(way * -outwards).clamp(-1.0, 1.0).acos().to_degrees()
+    };
+    mean_and_p95(ways.map(error).collect())
+}
+
+#[test]
+fn normals_have_no_terraces() {
+    for radius in [12.0, 20.0, 28.0, 40.0, 56.0] {
+        let (_, field) = build_maps_and_field::<N>(&sphere_solid(radius).to_voxels(N));
+        let ways = sphere_directions(4000).into_iter();
+        let [mean, most] = normal_errors(&field, MIDDLE, [radius + 5.0, -1.0], ways);
+        println!(
+            "a sphere of {radius}: {mean:.2} degrees in the mean, {most:.2} at the 95th percentile"
+        );
+        assert!(mean <= 0.9 && most <= 2.2, "{radius}: {mean}, {most}");
+    }
+    // A bowl in a block, looked at from its middle; its rim is left out.
+    let (radius, middle) = (70.0f32, Vec3::new(63.7, 130.2, 64.45));
+    let bowl = DenseVolume::from_fn(N, |at| {
+        let voxel = Vec3::from_array(at.map(|c| c as f32 + 0.5));
+        at[1] < 120 && voxel.distance(middle) > radius
+    });
+    let (_, field) = build_maps_and_field::<N>(&bowl);
+    let ways = sphere_directions(16000).into_iter().filter(|way| way.y < -0.6);
+    let [mean, most] = normal_errors(&field, middle, [radius - 5.0, 1.0], ways);
+    println!("a bowl of {radius}: {mean:.2} degrees in the mean, {most:.2} at the 95th percentile");
+    assert!(mean <= 0.9 && most <= 2.2, "{mean}, {most}");
+}
+
+/// What light from aside makes of grooves two voxels wide, against the four samples of level 1 that a narrow
+/// normal takes.
+#[test]
+fn grooves_keep_their_contrast() {
+    let light = Vec3::new(-0.68, 0.6, 0.42).normalize();
+    let mut ratios = Vec::new();
+    for (depth, first, turn) in
+        [(2.0, 3.0, 0.0f32), (2.0, 4.0, 0.0), (3.0, 3.0, 0.0), (2.0, 3.0, 0.5), (3.0, 3.0, 0.785)]
+    {
+        let (sin, cos) = turn.sin_cos();
+        let cut = DenseVolume::from_fn(N, |at| {
+            let [x, y, z] = at.map(|c| c as f32 + 0.5);
+            let across = (cos * x + sin * z - first).rem_euclid(12.0);
+            y < if across < 2.0 { 64.0 - depth } else { 64.0 }
+        });
+        let (_, field) = build_maps_and_field::<N>(&cut);
+        let (mut lit, mut narrow) = (Vec::new(), Vec::new());
+        for i in 0..4000 {
+            let [x, z] = [i % 80, i / 80].map(|i| 40.0 + 0.61 * i as f32);
+            let ray = Ray { origin: Vec3::new(x, 80.0, z), direction: Vec3::NEG_Y };
+            let at = fast::find_surface(&field, &ray).expect("the plane");
+            lit.push(at.normal.dot(light));
+            narrow.push(gradient_of_four(&field, at.position).dot(light));
+        }
+        let [lit, narrow] = [lit, narrow].map(|mut all| {
+            all.sort_by(f32::total_cmp);
+            all[all.len() * 98 / 100] - all[all.len() * 2 / 100]
+        });
+        ratios.push(lit / narrow);
+        println!("{depth} deep from {first}, turned by {turn}: {lit:.3} for {narrow:.3}");
+    }
+    println!("{ratios:.2?}");
+    assert!(ratios.iter().all(|ratio| (0.8..1.3).contains(ratio)), "{ratios:?}");
+}
+
+/// The normal by four samples of level 1, at the corners of a tetrahedron.
+fn gradient_of_four(field: &DensityField<N>, at: Vec3) -> Vec3 {
+    let corners = [[1.0, -1.0, -1.0], [-1.0, -1.0, 1.0], [-1.0, 1.0, -1.0], [1.0, 1.0, 1.0]];
+    let sum: Vec3 = corners
+        .map(Vec3::from_array)
+        .map(|corner| -corner * field.sample_density(1, at + corner))
+        .into_iter()
+        .sum();
+    sum.normalize()
 }
 
 /// From every side, near and far: where a ray that swings outwards last meets the fast surface.

@@ -14,7 +14,7 @@ use crate::gpu::device::owned::OwnedHandle;
 use crate::upload::{Region, Texture, VolumeFormat};
 
 /// Number of textures.
-pub(crate) const TEXTURE_COUNT: usize = 5;
+pub(crate) const TEXTURE_COUNT: usize = 6;
 /// A part of the textures: a flag for each, in the order of [`SculptureTextures::images`].
 pub(crate) type TextureSet = [bool; TEXTURE_COUNT];
 const STORAGE: vk::ImageUsageFlags = vk::ImageUsageFlags::STORAGE;
@@ -24,6 +24,7 @@ pub(crate) struct SculptureTextures {
     gpu: Arc<Gpu>,
     pub(crate) maps: GpuImage,
     pub(crate) density: GpuImage,
+    pub(crate) gradient: GpuImage,
     pub(crate) cells: GpuImage,
     pub(crate) noise: GpuImage,
     pub(crate) marble: GpuImage,
@@ -62,6 +63,7 @@ impl SculptureTextures {
             gpu: gpu.clone(),
             maps: GpuImage::new(gpu, flat.with_usage(usage))?,
             density: solid(byte, grid_side + 2 * PAD as u32, LEVELS as u32, written)?,
+            gradient: solid(vk::Format::R8G8B8A8_SNORM, grid_side / 2 + PAD as u32, 1, written)?,
             cells: solid(
                 byte,
                 (grid_side + 2 * PAD as u32) / cell_side_texels(volume.grid_side()) as u32,
@@ -154,6 +156,7 @@ impl SculptureTextures {
         match region.texture {
             Texture::Maps(_) => (&self.maps, 0),
             Texture::Density(level) => (&self.density, level as u32),
+            Texture::Gradient => (&self.gradient, 0),
             Texture::Cells => (&self.cells, 0),
             Texture::Noise => (&self.noise, 0),
             Texture::Marble => (&self.marble, 0),
@@ -192,7 +195,7 @@ impl SculptureTextures {
     }
 
     fn images(&self) -> [&GpuImage; TEXTURE_COUNT] {
-        [&self.maps, &self.density, &self.cells, &self.noise, &self.marble]
+        [&self.maps, &self.density, &self.gradient, &self.cells, &self.noise, &self.marble]
     }
 
     fn record_clear(&self, commands: vk::CommandBuffer) {

@@ -9,8 +9,9 @@ use super::render_pass::{MARCH_START_FORMAT, RenderPass, create_framebuffer};
 use super::shadow_map::ShadowMap;
 use crate::constants::{
     BEAM_PIXELS, BINDING_BEAM_STARTS, BINDING_CELLS, BINDING_CLAMPED, BINDING_DENSITY,
-    BINDING_DEPTH_COMPARE, BINDING_FRAME, BINDING_MAPS, BINDING_MARBLE, BINDING_NEAREST,
-    BINDING_NOISE, BINDING_REPEAT, BINDING_SUN_MAP, BINDING_TILE_STARTS, TILE_PIXELS,
+    BINDING_DEPTH_COMPARE, BINDING_FRAME, BINDING_GRADIENT, BINDING_MAPS, BINDING_MARBLE,
+    BINDING_NEAREST, BINDING_NOISE, BINDING_REPEAT, BINDING_SUN_MAP, BINDING_TILE_STARTS,
+    TILE_PIXELS,
 };
 use crate::gpu::device::context::Gpu;
 use crate::gpu::device::error::{Error, ErrorContext};
@@ -198,6 +199,7 @@ impl RenderTarget {
             (BINDING_MAPS, image(textures.maps.view)),
             (BINDING_DENSITY, image(textures.density.view)),
             (BINDING_CELLS, image(textures.cells.view)),
+            (BINDING_GRADIENT, image(textures.gradient.view)),
             (BINDING_NOISE, image(textures.noise.view)),
             (BINDING_TILE_STARTS, image(self.march_starts[0].image.view)),
             (BINDING_MARBLE, image(textures.marble.view)),

@@ -22,8 +22,8 @@ use crate::gpu::memory::staging::{MAX_REGIONS, Staging};
 use crate::gpu::memory::textures::SculptureTextures;
 use crate::upload::{Region, Texture};
 
-/// Storage images: the density's levels, and the cells behind them (`BINDING_CELL_IMAGE`).
-const IMAGE_COUNT: usize = LEVELS + 1;
+/// Storage images: the density's levels, and behind them the cells (`BINDING_CELL_IMAGE`) and the gradient.
+const IMAGE_COUNT: usize = LEVELS + 2;
 /// Storage buffers, the first bindings of the set: patches and staged bytes. The images follow.
 const BUFFER_COUNT: usize = BINDING_LEVELS as usize;
 /// Workgroups for each patch.
@@ -73,6 +73,7 @@ impl TexelWriter {
             .map(|i| level(&textures.density, i))
             .collect::<Result<Vec<_>, _>>()?;
         views.push(level(&textures.cells, 0)?);
+        views.push(level(&textures.gradient, 0)?);
         let pool = create_pool(gpu, staging_ring.len() as u32)?;
         let slot = |staging: &Staging| {
             let size = MAX_REGIONS * size_of::<Patch>();
@@ -139,6 +140,7 @@ const fn image_index(texture: Texture) -> Option<u32> {
     match texture {
         Texture::Density(level) => Some(level as u32),
         Texture::Cells => Some(LEVELS as u32),
+        Texture::Gradient => Some(LEVELS as u32 + 1),
         Texture::Maps(_) | Texture::Noise | Texture::Marble => None,
     }
 }
