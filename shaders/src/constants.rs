@@ -64,8 +64,9 @@ pub const FAST_AO_SCALE: f32 = 1.15;
 /// Upper bound of that sample's density, so that some ambient light is left.
 pub const FAST_AO_MAX_DENSITY: f32 = 0.9;
 
-/// White point of Reinhard's tone curve: the radiance that a display shows as 1.
-pub const TONE_WHITE_POINT: f32 = 2.0;
+/// White point of Reinhard's tone curve: the radiance that a display shows as 1. White stone that faces the sun
+/// reaches about 2.3 and keeps its shading.
+pub const TONE_WHITE_POINT: f32 = 3.0;
 /// sRGB transfer function (IEC 61966-2-1): slope of the linear part.
 pub const SRGB_LINEAR_SLOPE: f32 = 12.92;
 /// Offset of its power part.

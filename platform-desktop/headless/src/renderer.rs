@@ -16,7 +16,7 @@ use crate::Error;
 
 /// The light that falls on the middle of the twin's backdrop, as a display shows it. The studio
 /// itself is not drawn.
-pub const BACKDROP: [f32; 3] = [0.1515, 0.1499, 0.1474];
+pub const BACKDROP: [f32; 3] = [0.1480, 0.1465, 0.1442];
 
 /// Regions of a sculpture's texture and their bytes, to be uploaded with the next picture.
 pub type Uploads = Vec<(Region, Vec<u8>)>;

@@ -131,7 +131,7 @@ fn a_picture_shows_a_ball_in_a_studio() {
         assert!((0.10..0.35).contains(&part), "{part}");
         let lit = render_in_threads(2, maps, &small_options(TwinSettings::default()));
         let grey = |x, y| lit.pixel(x, y).map(u32::from).iter().sum::<u32>();
-        assert!(grey(44, 24) > 3 * 190, "white marble in the sun: {}", grey(44, 24));
+        assert!(grey(44, 24) > 3 * 180, "white marble in the sun: {}", grey(44, 24));
         assert!(grey(42, 24) > grey(54, 48) + 40, "the side away from the sun is darker");
     });
 }

@@ -11,6 +11,7 @@ use paros_core::session::{BenchItem, SessionMode, Tool};
 use paros_core::volume::BitGrid;
 use paros_models::scripted_hand::{RIGHT, step_with_bit_at, take_item};
 use paros_models::world_harness::WorldHarness;
+use paros_shaders::constants::TONE_WHITE_POINT;
 use paros_shaders::field::DensityField;
 use paros_shaders::gpu::{
     Eye, Fov, FrameRequest, PaperVariant, RenderPath, RenderStyle, SculpturePlacement, SharedGpu,
@@ -73,7 +74,8 @@ impl SceneRig {
         let views = self.test_renderer.renderer.format().views;
         let eyes: Vec<Eye> = (0..views).map(|i| view.eye(i, views)).collect();
         let pose = scene.sculpture_placement();
-        let shown = SKY.map(|c| c * (1.0 + 0.25 * c) / (1.0 + c));
+        let white = TONE_WHITE_POINT * TONE_WHITE_POINT;
+        let shown = SKY.map(|c| c * (1.0 + c / white) / (1.0 + c));
         self.test_renderer.draw_picture(&FrameRequest {
             eyes: &eyes,
             placement: SculpturePlacement {
