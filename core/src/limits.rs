@@ -32,9 +32,53 @@ pub const MAX_BITES_PER_TICK: u32 = 8;
 /// carve delays its writes by so many layers of rows, to read the volume as it was at the start.
 pub const SHELL_DEPTH: usize = 4;
 
-/// Rows that a smoothing edit may touch, in multiples of N: 1,024 rows at 128 (32 x 32), 2,048 at 256
-/// (45 x 45). No rasp reaches so many in a tick.
-pub const SMOOTH_LINES: usize = 8;
+/// Voxels that smoothing looks at on each side of one, at most: a cube of 15.
+pub const MAX_SMOOTHING_RADIUS: usize = 7;
+
+/// How far smoothing looks: 12.3 mm to each side of a voxel's middle, which is 7 voxels at 256 and 3 at 128. What
+/// is narrower than that is evened out at once, a bump of twice the width in half a second.
+#[must_use]
+pub const fn smoothing_radius(grid_side: usize) -> usize {
+    let radius = grid_side * MAX_SMOOTHING_RADIUS / 256;
+    if radius == 0 {
+        1
+    } else if radius < MAX_SMOOTHING_RADIUS {
+        radius
+    } else {
+        MAX_SMOOTHING_RADIUS
+    }
+}
+
+/// How far smoothing looks where the file works lightly: half as far, so that it rounds edges off half as much.
+#[must_use]
+pub const fn light_smoothing_radius(grid_side: usize) -> usize {
+    let radius = smoothing_radius(grid_side) / 2;
+    if radius == 0 { 1 } else { radius }
+}
+
+/// How far inside a file's brush the dither of its smoothing begins, in voxels.
+pub const DITHER_RIM_VOXELS: i32 = 1;
+
+/// Ticks from one edit of a file to the next. The hands take turns: two edits in one tick would be more than its work.
+pub const SMOOTHING_PERIOD: u64 = 2;
+
+/// The same of a file that works lightly: in half a second an edge loses no more than a fillet of 15 mm would.
+pub const LIGHT_SMOOTHING_PERIOD: u64 = 12;
+
+/// A file works lightly until its trigger was pulled this far, of 255: about four fifths of its way. Whoever doesn't
+/// think of it pulls it wholly.
+pub const FULL_TRIGGER: u8 = 200;
+
+/// Edits without dither that a file still makes once its trigger is released, so that it leaves no grain; one where it
+/// works lightly.
+#[must_use]
+pub const fn finishing_edits(is_light: bool) -> usize {
+    if is_light { 1 } else { 2 }
+}
+
+/// Rows that a smoothing edit may touch, in multiples of N: 3,072 rows at 128 (55 x 55), 6,144 at 256
+/// (78 x 78). A file however it is turned touches 50 x 50 at 256, and in a tick as many more as a hand of 1 m/s goes.
+pub const SMOOTH_LINES: usize = 24;
 
 /// Dirty rectangles of a range map in a tick. Two hands with mirrored edits and an island make five;
 /// beyond eight, rectangles are merged.
@@ -137,6 +181,28 @@ pub const fn ball_sweep_work_per_quarter_voxel(side_voxels: u32) -> u32 {
 #[must_use]
 pub const fn box_sweep_work_per_quarter_voxel(side_voxels: u32) -> u32 {
     side_voxels + side_voxels * side_voxels / 8
+}
+
+/// The work of a smoothing edit in place: sums for each row of its brush's bounding cube and of what the filter
+/// reaches beyond it, mostly in one word of a row. Some 900 instructions for each row of the cube at 128 and 1,200 at
+/// 256, where a unit of work is half as much again.
+#[must_use]
+pub const fn smoothing_work(grid_side: usize, side_voxels: u32) -> u32 {
+    side_voxels * side_voxels * if grid_side > 128 { 5 } else { 6 }
+}
+
+/// What a quarter voxel of way adds to a smoothing edit's work: rows at the front, and a quarter of a piece of the
+/// brush.
+#[must_use]
+pub const fn smoothing_sweep_work_per_quarter_voxel(side_voxels: u32) -> u32 {
+    side_voxels + side_voxels * side_voxels / 16
+}
+
+/// The work of finding the contact of a bit that may be in the stone as a whole, as a file that runs, by the side of
+/// its bounding cube: each of its voxels counts.
+#[must_use]
+pub const fn buried_contact_work(side_voxels: u32) -> u32 {
+    4 * side_voxels * side_voxels
 }
 
 /// The island search's budget for a tick, in row visits: 10,240 at 128, where the test meshes need

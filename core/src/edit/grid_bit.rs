@@ -51,6 +51,17 @@ impl GridBit {
         }
     }
 
+    /// The bit without a rim, if anything is left of it.
+    #[must_use]
+    pub(crate) fn shrunk_by(&self, rim_subunits: i32) -> Option<GridBit> {
+        let shape = match self.shape {
+            GridShape::Ball(radius) => GridShape::Ball(radius - rim_subunits),
+            GridShape::Box(half) => GridShape::Box(half - IVec3::splat(rim_subunits)),
+        };
+        let shrunk = GridBit { shape, ..*self };
+        (shrunk.inscribed_radius_subunits() > 0).then_some(shrunk)
+    }
+
     /// Offset shape: the points deeper inside the bit than a depth. A negative depth enlarges the bit
     /// by its faces or radius. `None` if no point is that deep.
     #[must_use]

@@ -8,7 +8,7 @@ use crate::codec::vectors::{
 };
 use crate::edit::contact::Contact;
 use crate::edit::pose::Pose;
-use crate::limits::max_trail_ticks;
+use crate::limits::{FULL_TRIGGER, MAX_TRAIL_POSES, finishing_edits, max_trail_ticks};
 use crate::session::input::{HandInput, RawPose, buttons};
 use crate::session::tools::{BitAction, ToolBitSpec};
 use crate::session::trail::HandTrail;
@@ -27,6 +27,8 @@ pub struct HandState {
     pub tracked: bool,
     /// Whether the trigger is pulled.
     pub trigger: bool,
+    /// Whether the trigger is, or in its last pull was, never pulled as far as [`FULL_TRIGGER`].
+    pub is_light: bool,
     /// Whether the hand is squeezed.
     pub squeeze: bool,
     /// The buttons as of the last tick.
@@ -69,6 +71,7 @@ impl HandState {
             aim: nowhere,
             tracked: false,
             trigger: false,
+            is_light: false,
             squeeze: false,
             buttons: 0,
             trigger_ticks: 0,
@@ -102,6 +105,9 @@ impl HandState {
             squeezed: squeeze && !self.squeeze,
             buttons: down & !self.buttons,
         };
+        if trigger {
+            self.is_light = (presses.pulled || self.is_light) && input.trigger < FULL_TRIGGER;
+        }
         self.trigger_ticks =
             if trigger && self.trigger { self.trigger_ticks.wrapping_add(1) } else { 0 };
         (self.trigger, self.squeeze, self.buttons) = (trigger, squeeze, down);
@@ -137,6 +143,15 @@ impl HandState {
         }
     }
 
+    /// Notes where a file edited last, from where its next edit is swept, and how many edits it is to make there
+    /// once it is released.
+    pub(crate) fn note_smoothed_pose(&mut self) {
+        self.drop_trail();
+        for _ in 0..finishing_edits(self.is_light) {
+            self.trail.push_and_drop_beyond(self.frozen_pose, MAX_TRAIL_POSES);
+        }
+    }
+
     /// The pose of the bit's centre in the room, `tool_length_metres` in front of the grip.
     #[must_use]
     pub fn bit_centre_pose(&self, tool_length_metres: f32) -> RoomPose {
@@ -168,8 +183,14 @@ impl HandState {
             write_vec3(to, position);
             write_quat(to, rotation);
         }
-        let flags =
-            [self.tracked, self.trigger, self.squeeze, self.can_sweep, self.has_frozen_pose];
+        let flags = [
+            self.tracked,
+            self.trigger,
+            self.squeeze,
+            self.can_sweep,
+            self.has_frozen_pose,
+            self.is_light,
+        ];
         to.u8(flags.iter().rev().fold(0, |bits, flag| (bits << 1) | u8::from(*flag)));
         to.u8(self.buttons);
         to.u16(self.trigger_ticks);
@@ -182,7 +203,7 @@ impl HandState {
         let (frozen, raw) = (read_pose(from)?, read_pose(from)?);
         let bad = from.error_here("flags of a hand");
         let flags = from.u8()?;
-        if flags > 31 {
+        if flags > 63 {
             return Err(bad);
         }
         let flag = |i: u8| flags >> i & 1 != 0;
@@ -200,6 +221,7 @@ impl HandState {
             squeeze: flag(2),
             can_sweep: flag(3),
             has_frozen_pose,
+            is_light: flag(5),
             buttons: from.u8()?,
             trigger_ticks: from.u16()?,
             haptic: from.u8()?,

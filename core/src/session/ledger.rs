@@ -9,8 +9,10 @@ use crate::edit::contact::WayBudget;
 use crate::edit::grid_bit::{GridBit, GridShape};
 use crate::limits::{
     ball_sweep_work_per_quarter_voxel, bit_side_voxels, bit_step_work, bite_work,
-    box_sweep_work_per_quarter_voxel, dear_rewind_columns, island_removal_row_visits,
-    island_reserve, max_bit_steps_per_tick, max_island_row_visits_per_tick, rewind_work, tick_work,
+    box_sweep_work_per_quarter_voxel, buried_contact_work, dear_rewind_columns,
+    island_removal_row_visits, island_reserve, max_bit_steps_per_tick,
+    max_island_row_visits_per_tick, rewind_work, smoothing_sweep_work_per_quarter_voxel,
+    smoothing_work, tick_work,
 };
 
 /// What is left of a tick's work.
@@ -74,6 +76,8 @@ pub(crate) struct BitWork {
     bite: u32,
     /// What a quarter voxel of way adds to an edit that is swept along it.
     sweep: u32,
+    /// Finding its contact, where that is more than other bits' is.
+    contact: u32,
     most_steps: u32,
 }
 
@@ -91,7 +95,25 @@ impl BitWork {
             step: bit_step_work(side),
             bite: edits * bite_work(side),
             sweep: edits * sweep,
+            contact: 0,
             most_steps,
+        }
+    }
+
+    /// The work of a file, whose edits have a larger brush.
+    pub(crate) fn of_file(
+        bit: &GridBit,
+        brush: &GridBit,
+        grid_side: usize,
+        is_mirrored: bool,
+    ) -> Self {
+        let side = bit_side_voxels(brush.circumscribed_radius_subunits());
+        let edits = 1 + u32::from(is_mirrored);
+        BitWork {
+            bite: edits * smoothing_work(grid_side, side),
+            sweep: edits * smoothing_sweep_work_per_quarter_voxel(side),
+            contact: buried_contact_work(bit_side_voxels(bit.circumscribed_radius_subunits())),
+            ..BitWork::of(bit, grid_side, is_mirrored)
         }
     }
 
@@ -105,6 +127,13 @@ impl BitWork {
         WayBudget { steps, quarter_voxels: (share - steps * self.step) / self.sweep }
     }
 
+    /// How far a bit may go that edits where it arrives: no longer than it is in steps of the shortest, as a long
+    /// step costs more than it is charged, which beside an edit is more than a tick's work.
+    pub(crate) fn way_budget_beside_edit(&self, share: u32) -> WayBudget {
+        let steps = (share.saturating_sub(self.bite) / self.step).min(self.most_steps);
+        WayBudget { steps, quarter_voxels: steps }
+    }
+
     /// Whether an edit in place fits a share of a tick's work.
     pub(crate) const fn fits_bite(&self, share: u32) -> bool {
         share >= self.bite
@@ -113,6 +142,11 @@ impl BitWork {
     /// The work of so many steps.
     pub(crate) const fn of_steps(&self, steps: u32) -> u32 {
         steps * self.step
+    }
+
+    /// The work of finding the bit's contact.
+    pub(crate) const fn of_contact(&self) -> u32 {
+        self.contact
     }
 
     /// The work of an edit that is swept along so many quarter voxels.

@@ -1,10 +1,13 @@
 //! A hand's tool in a tick: its bit follows the hand as far as the volume lets it, and edits.
 
-use crate::edit::contact::{FreezeResult, Obstacle, WayBudget};
+use crate::edit::contact::{Contact, FreezeResult, Obstacle, WayBudget};
 use crate::edit::grid_bit::GridBit;
-use crate::edit::operation::{Edit, EditOperation, EditReport, apply_edit};
-use crate::edit::pose::Pose;
-use crate::limits::MAX_BITES_PER_TICK;
+use crate::edit::operation::{Dither, Edit, EditOperation, EditReport, apply_edit};
+use crate::edit::pose::{Pose, SUBUNITS_PER_VOXEL};
+use crate::limits::{
+    DITHER_RIM_VOXELS, LIGHT_SMOOTHING_PERIOD, MAX_BITES_PER_TICK, SMOOTHING_PERIOD,
+    light_smoothing_radius, smoothing_radius,
+};
 use crate::session::events::WorldEvent;
 use crate::session::hand::{HandPresses, HandState, haptic_amplitude};
 use crate::session::journals::StrokeJournal;
@@ -19,8 +22,18 @@ use crate::volume::size::{Grid, Size};
 struct RunningBit<'a> {
     bit: ToolBit,
     grid_bit: &'a GridBit,
+    /// What it edits: the bit, and its reach.
+    brush: &'a GridBit,
     is_new_pull: bool,
+    /// Whether a file works lightly.
+    is_light: bool,
+    /// Of this tick.
+    dither: Option<DitherSeed>,
 }
+
+/// A seed of smoothing's dither, while a file runs and isn't finishing.
+#[derive(Clone, Copy)]
+struct DitherSeed(u64);
 
 /// What became of a way toward a pose of the trail.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -61,6 +74,16 @@ impl BitWay {
     }
 }
 
+impl RunningBit<'_> {
+    /// Where an edit that ends at a pose is dithered: inside the brush as it stands there, so that the next edit,
+    /// which is swept from there, goes over all of it again. Its own rim is the last to leave.
+    fn dither_at(&self, pose: &Pose) -> Option<Dither> {
+        let DitherSeed(seed) = self.dither?;
+        let inside = self.brush.shrunk_by(DITHER_RIM_VOXELS * SUBUNITS_PER_VOXEL)?;
+        Some(Dither { piece: inside.piece_at(pose), seed })
+    }
+}
+
 impl<const N: usize, const K: usize> World<N, K>
 where
     Grid<N>: Size,
@@ -80,7 +103,8 @@ where
         };
         let mut state = self.state.hands[hand];
         let frame = self.stool_frame();
-        let grid_bit = bit.to_grid_bit(frame.voxel_metres() * 1e6);
+        let voxel_um = frame.voxel_metres() * 1e6;
+        let (grid_bit, brush) = (bit.to_grid_bit(voxel_um), bit.to_grid_brush(voxel_um));
         let (position, rotation) = state.bit_centre_pose(metres_from_um(tool.length_um()));
         let raw = frame.to_grid(position, rotation);
         // Haptics follow the speed of the hand, not that of the bit.
@@ -88,16 +112,32 @@ where
             true => (raw.position - state.raw_pose.position).length(),
             false => 0.0,
         };
-        let speed_um = (moved_voxels * frame.voxel_metres() * 1e6).min(1e6) as u32;
+        let speed_um = (moved_voxels * voxel_um).min(1e6) as u32;
         state.raw_pose = raw;
 
         let dropped_ticks = state.note_way(raw, presses.pulled, bit.spec());
         let is_running = state.is_running();
-        let running = RunningBit { bit, grid_bit: &grid_bit, is_new_pull: presses.pulled };
-        let (spent, report) = self.follow_hand(&running, &mut state, share);
+        let seed = DitherSeed(self.state.tick.wrapping_mul(2).wrapping_add(hand as u64));
+        let running = RunningBit {
+            bit,
+            grid_bit: &grid_bit,
+            brush: &brush,
+            is_new_pull: presses.pulled,
+            is_light: state.is_light,
+            dither: state.trigger.then_some(seed),
+        };
+        let (spent, report) = match bit.spec().action {
+            BitAction::Smooth => {
+                let has_turn = self.has_files_turn(hand, state.is_light);
+                self.follow_with_file(&running, &mut state, has_turn, share)
+            }
+            BitAction::Carve | BitAction::Fill => self.follow_hand(&running, &mut state, share),
+        };
         let contact = self.obstacle().contact_at(&grid_bit, &state.frozen_pose);
+        // A bit that keeps up with its hand has cut its way free when the tick ends, and touches nothing any more.
+        let felt = Contact { overlap: contact.overlap + report.removed + report.added, ..contact };
         state.haptic =
-            haptic_amplitude(bit.spec(), &contact, is_running, state.trigger_ticks, speed_um);
+            haptic_amplitude(bit.spec(), &felt, is_running, state.trigger_ticks, speed_um);
         self.state.hands[hand] = state;
         self.contacts[hand] = contact;
         self.has_contact[hand] = true;
@@ -161,6 +201,52 @@ where
         (share - left, total)
     }
 
+    /// Whether a file may smooth in this tick: in every other one, when its hand is the second and has what the first
+    /// leaves of the tick's work, or more rarely where it works lightly.
+    const fn has_files_turn(&self, hand: usize, is_light: bool) -> bool {
+        let period = if is_light { LIGHT_SMOOTHING_PERIOD } else { SMOOTHING_PERIOD };
+        self.state.tick % period == 1 - hand as u64
+    }
+
+    /// Moves a file to its hand, and smooths if it is its turn. A file that was released finishes where it was, within
+    /// its `share` of the tick's work. Returns the work spent and what the edit did.
+    fn follow_with_file(
+        &mut self,
+        running: &RunningBit<'_>,
+        state: &mut HandState,
+        has_turn: bool,
+        share: u32,
+    ) -> (u32, EditReport) {
+        let work = BitWork::of_file(running.grid_bit, running.brush, N, self.state.symmetry);
+        let rest = state.trail.poses().first().filter(|_| !state.trigger);
+        let target = rest.copied().unwrap_or(state.raw_pose);
+        let last = if state.has_frozen_pose { state.frozen_pose } else { target };
+        let edits = state.is_running() && has_turn;
+        let budget = match edits {
+            true => work.way_budget_beside_edit(share),
+            false => work.way_budget(share, false),
+        };
+        let way = self.find_bit_way(state, running, (&last, &target), true, budget);
+        (state.frozen_pose, state.has_frozen_pose) = (way.freeze.pose, true);
+        state.can_sweep = way.sweep_start.is_some();
+        let mut left = share.saturating_sub(work.of_steps(way.freeze.steps) + work.of_contact());
+        if !edits || !work.fits_bite(share) || way.sweep_start.is_none() {
+            return (share - left, EditReport::default());
+        }
+        // From where it edited last, unless that is more than the tick's work.
+        let end = way.freeze.pose;
+        let edit_work_from = |start: &Pose| work.of_edit(running.brush.path_steps(start, &end));
+        let start = state.trail.poses().first().copied();
+        let start = start.filter(|start| edit_work_from(start) <= left).unwrap_or(end);
+        if state.trigger {
+            state.note_smoothed_pose();
+        } else {
+            state.trail.pop_oldest();
+        }
+        left = left.saturating_sub(edit_work_from(&start));
+        (share - left, self.edit_along_path(running, &start, &end))
+    }
+
     /// What bits collide with.
     fn obstacle(&self) -> Obstacle<'_, N, K> {
         let mask = self.state.masked.then_some(&self.mask);
@@ -169,8 +255,9 @@ where
 
     /// The way of a bit from its last pose toward a target, both in the grid.
     ///
-    /// The volume doesn't hold a nozzle that runs, which would stick in its own paste; the mask does. One
-    /// that was buried as it began to run jumps to its hand, so that no paste is laid on the way there.
+    /// The volume doesn't hold a nozzle or a file that runs, which would stick in its own paste, or between two
+    /// ridges that it is to even out; the mask does. One that was buried as it began to run jumps to its hand,
+    /// so that no paste is laid on the way there.
     fn find_bit_way(
         &self,
         state: &HandState,
@@ -180,11 +267,11 @@ where
         budget: WayBudget,
     ) -> BitWay {
         let grid_bit = running.grid_bit;
-        let is_laying = state.trigger && running.bit.spec().action == BitAction::Fill;
+        let goes_through_stone = state.trigger && running.bit.spec().action != BitAction::Carve;
         let mut can_sweep = state.can_sweep;
         let obstacle = self.obstacle();
-        let holding = Obstacle { is_mask_alone: is_laying, ..obstacle };
-        let begins = is_laying && (running.is_new_pull || !can_sweep);
+        let holding = Obstacle { is_mask_alone: goes_through_stone, ..obstacle };
+        let begins = goes_through_stone && (running.is_new_pull || !can_sweep);
         let freeze = if begins && obstacle.buries(grid_bit, last) {
             can_sweep = false;
             let jump = holding.jump_if_bite_allows(grid_bit, last, target, budget);
@@ -204,12 +291,16 @@ where
 
     /// Applies a bit's edit along its path between two poses in the grid.
     fn edit_along_path(&mut self, running: &RunningBit<'_>, from: &Pose, to: &Pose) -> EditReport {
-        let grid_bit = running.grid_bit;
-        let depth = grid_bit.bite_depth_voxels();
+        let brush = running.brush;
+        let depth = running.grid_bit.bite_depth_voxels();
         let operation = match running.bit.spec().action {
             BitAction::Carve => EditOperation::Carve { depth },
             BitAction::Fill => EditOperation::Fill { depth },
-            BitAction::Smooth => EditOperation::Smooth,
+            BitAction::Smooth => {
+                let radius_of =
+                    if running.is_light { light_smoothing_radius } else { smoothing_radius };
+                EditOperation::Smooth { radius: radius_of(N), dither: running.dither_at(to) }
+            }
         };
         let mirrored = self.state.symmetry;
         let mut journal = StrokeJournal {
@@ -222,8 +313,8 @@ where
             apply_edit(&mut self.volume, &self.mask, &edit, &mut self.scratch, &mut journal)
         };
         // A smoothing brush too large for the scratch memory is replaced by the bit at its last pose.
-        let report = apply_brush(grid_bit.swept_brush(from, to))
-            .or_else(|_| apply_brush(grid_bit.piece_at(to).into()))
+        let report = apply_brush(brush.swept_brush(from, to))
+            .or_else(|_| apply_brush(brush.piece_at(to).into()))
             .unwrap_or_default();
         self.dirty.end_edit();
         if report.changed_volume() {

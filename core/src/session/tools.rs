@@ -3,6 +3,8 @@
 //! Source: section 1.1 of the paper (rotary and impact tools with exchangeable bits, a fill gun);
 //! the rasp is an addition. Lengths are integers in micrometres.
 
+use core::array;
+
 use glam::IVec3;
 
 use crate::edit::grid_bit::{GridBit, GridShape};
@@ -85,6 +87,8 @@ pub struct ToolBitSpec {
     pub shape: BitShape,
     /// Greatest penetration into the material, and so the advance in an edit, in micrometres.
     pub bite_um: i32,
+    /// How far its edit reaches beyond its shape on every side, in micrometres.
+    pub reach_um: [i32; 3],
     /// Ticks from one blow to the next; 1 edits on every tick.
     pub bite_period: u8,
     /// Haptic amplitudes of successive ticks, 0 to 255, repeated while the tool runs.
@@ -157,13 +161,25 @@ impl ToolBit {
     /// The bit in fixed-point grid units, for voxels of side `voxel_um` in micrometres.
     #[must_use]
     pub fn to_grid_bit(self, voxel_um: f32) -> GridBit {
+        self.to_grid_bit_grown_by([0; 3], voxel_um)
+    }
+
+    /// What the bit edits, which is its shape and its reach, as [`ToolBit::to_grid_bit`].
+    #[must_use]
+    pub fn to_grid_brush(self, voxel_um: f32) -> GridBit {
+        self.to_grid_bit_grown_by(self.spec().reach_um, voxel_um)
+    }
+
+    fn to_grid_bit_grown_by(self, reach_um: [i32; 3], voxel_um: f32) -> GridBit {
         let fixed =
             |length: i32| libm::roundf(length as f32 * SUBUNITS_PER_VOXEL as f32 / voxel_um) as i32;
         let data = self.spec();
         let shape = match data.shape {
-            BitShape::Ball { radius_um } => GridShape::Ball(fixed(radius_um)),
+            BitShape::Ball { radius_um } => GridShape::Ball(fixed(radius_um + reach_um[0])),
             BitShape::Box { half_extents_um } => {
-                GridShape::Box(IVec3::from_array(half_extents_um.map(fixed)))
+                GridShape::Box(IVec3::from_array(array::from_fn(|i| {
+                    fixed(half_extents_um[i] + reach_um[i])
+                })))
             }
         };
         GridBit { shape, bite: fixed(data.bite_um) }
@@ -183,6 +199,7 @@ const fn ball_spec(
         action: BitAction::Carve,
         shape,
         bite_um,
+        reach_um: [0; 3],
         bite_period: 1,
         haptic_train,
     }
@@ -201,6 +218,7 @@ const fn box_spec(
         action: BitAction::Carve,
         shape,
         bite_um,
+        reach_um: [0; 3],
         bite_period: 1,
         haptic_train: &[200, 160],
     }
@@ -232,6 +250,7 @@ static BITS: [ToolBitSpec; 9] = [
     },
     ToolBitSpec {
         action: BitAction::Smooth,
+        reach_um: [8_000, 14_000, 8_000],
         haptic_train: &[90, 30, 90, 60],
         ..box_spec("rasp file", Tool::Rasp, [10_000, 7_000, 24_000], 1_200)
     },

@@ -6,6 +6,7 @@
 
 pub(crate) mod bit_grid;
 mod box_check;
+pub(crate) mod box_sum;
 pub(crate) mod closing_line;
 pub(crate) mod closure;
 pub(crate) mod column_digest;

@@ -1,5 +1,4 @@
-//! Binary morphology on bit rows: erosion and dilation by six-neighbour steps, and the 3 x 3 x 3
-//! majority filter.
+//! Binary morphology on bit rows: erosion and dilation by six-neighbour steps.
 //!
 //! Each function gives the result for the voxels `among` of a row of a [`RowStrip`]. These must be as
 //! far as the neighbourhood reaches from an end of the strip that isn't an end of the grid, since the
@@ -92,44 +91,4 @@ where
         }
     }
     row & among
-}
-
-/// Majority filter: of the voxels `among` of row (y, z), those with at least 14 of the 27 voxels of
-/// their 3 x 3 x 3 neighbourhood occupied. Below y = 0 everything is occupied, elsewhere outside the
-/// grid empty. Counts with bit-sliced counters, a row at a time.
-#[must_use]
-pub(crate) fn majority_row_with_ground<const N: usize, const W: usize>(
-    rows: RowStrip<'_, N, W>,
-    (y, z): RowAddress,
-    among: BitRow<W>,
-) -> BitRow<W>
-where
-    Grid<N>: Size,
-{
-    let mut count = [BitRow::EMPTY; 5];
-    for i in 0..3 {
-        for j in 0..3 {
-            let (y, z) = ((y + i).wrapping_sub(1), (z + j).wrapping_sub(1));
-            if y == usize::MAX {
-                add_to_counters(&mut count, !BitRow::EMPTY, 0);
-                add_to_counters(&mut count, !BitRow::EMPTY, 1);
-            } else if y < N && z < N {
-                let row = rows.row(y, z);
-                let (up, down) = (row.shifted_up(), row.shifted_down());
-                let odd = row ^ up ^ down;
-                add_to_counters(&mut count, odd, 0);
-                add_to_counters(&mut count, row & up | row & down | up & down, 1);
-            }
-        }
-    }
-    (count[4] | count[3] & count[2] & count[1]) & among
-}
-
-/// Adds a row to bit-sliced counters, with weight `2^place`.
-fn add_to_counters<R: BitSet>(count: &mut [R; 5], mut row: R, place: usize) {
-    for plane in &mut count[place..] {
-        let carry = *plane & row;
-        *plane ^= row;
-        row = carry;
-    }
 }

@@ -1,5 +1,6 @@
 //! A bit row: one line of voxels along x as machine words. Bit i is voxel x = i.
 
+use core::array;
 use core::fmt::Debug;
 use core::ops::{BitAnd, BitAndAssign, BitOr, BitOrAssign, BitXor, BitXorAssign, Not};
 
@@ -336,6 +337,56 @@ impl<const W: usize> BitRow<W> {
         }
         below
     };
+
+    /// `P` words of the row from any bit on, with zeros beyond its end.
+    #[inline]
+    pub(crate) fn bits_from<const P: usize>(self, first: usize) -> BitRow<P> {
+        let (word, places) = (first / 64, first as u32 % 64);
+        let word_at = |i: usize| u128::from(self.0.get(word + i).copied().unwrap_or(0));
+        BitRow(array::from_fn(|i| ((word_at(i + 1) << 64 | word_at(i)) >> places) as u64))
+    }
+
+    /// The row of which [`BitRow::bits_from`] gives these from that bit on, which is empty elsewhere.
+    #[inline]
+    pub(crate) fn from_bits_at<const P: usize>(bits: BitRow<P>, first: usize) -> Self {
+        let (word, places) = (first / 64, first as u32 % 64);
+        let mut row = Self::EMPTY;
+        for (i, bits) in bits.0.into_iter().enumerate() {
+            let wide = u128::from(bits) << places;
+            for (j, part) in [wide as u64, (wide >> 64) as u64].into_iter().enumerate() {
+                if let Some(word) = row.0.get_mut(word + i + j) {
+                    *word |= part;
+                }
+            }
+        }
+        row
+    }
+
+    /// Every bit moved up by fewer than 64 places.
+    #[inline]
+    pub(crate) fn shifted_up_by(self, places: u32) -> Self {
+        let mut words = [0; W];
+        let mut carry = 0;
+        for (word, w) in words.iter_mut().zip(self.0) {
+            let wide = u128::from(w) << places;
+            *word = wide as u64 | carry;
+            carry = (wide >> 64) as u64;
+        }
+        BitRow(words)
+    }
+
+    /// Every bit moved down by fewer than 64 places.
+    #[inline]
+    pub(crate) fn shifted_down_by(self, places: u32) -> Self {
+        let mut words = [0; W];
+        let mut carry = 0;
+        for i in (0..W).rev() {
+            let wide = (u128::from(self.0[i]) << 64) >> places;
+            words[i] = (wide >> 64) as u64 | carry;
+            carry = wide as u64;
+        }
+        BitRow(words)
+    }
 
     /// The run of set bits that ends just below bit `end`.
     #[inline]

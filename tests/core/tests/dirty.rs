@@ -68,7 +68,7 @@ proptest! {
             before.copy_from(volume.maps());
             let edits = tick.len();
             for (at, radius, kind, mirrored) in tick {
-                let operation = [EditOperation::Carve { depth: 2 }, EditOperation::Fill { depth: 2 }, EditOperation::Smooth][kind];
+                let operation = [EditOperation::Carve { depth: 2 }, EditOperation::Fill { depth: 2 }, EditOperation::Smooth { radius: 3, dither: None }][kind];
                 let brush = Brush::sphere(IVec3::from_array(at), radius);
                 let edit = Edit { brush: &brush, operation, mirrored };
                 // A ball across a grid of 16 can be too large to smooth: then nothing changes.

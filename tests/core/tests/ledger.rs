@@ -272,7 +272,7 @@ fn what_hangs_after_an_undo_waits_while_something_can_be_redone() {
 static HARNESS_128: Mutex<WorldHarness<128>> = Mutex::new(WorldHarness::new());
 
 /// The bits whose ways cost most, of two tools.
-const CRAWLERS: [ToolBit; 2] = [ToolBit::Grinder, ToolBit::File];
+const CRAWLERS: [ToolBit; 2] = [ToolBit::Grinder, ToolBit::FlatChisel];
 
 /// A floor 60 voxels thick, and above it a block that no edit has touched yet. Each hand has its bit on the floor.
 fn start_crawl(harness: &mut WorldHarness<128>) {

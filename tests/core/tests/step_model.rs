@@ -211,7 +211,7 @@ fn check_edits<const K: usize>(
     };
     for &(at, radius, kind, mirrored) in edits {
         let operation = match kind {
-            0 => EditOperation::Smooth,
+            0 => EditOperation::Smooth { radius: 1, dither: None },
             1 | 2 => EditOperation::Fill { depth: kind.into() },
             depth => EditOperation::Carve { depth: depth.into() },
         };
@@ -226,7 +226,7 @@ fn check_edits<const K: usize>(
         layered.become_closure_of(&exact.exact);
         let both = if mirrored { ball.union(&ball.mirrored_in_x()) } else { ball };
         let voxels: Vec<_> = both.occupied().collect();
-        let (report, _) = volume.apply_edit(&mask, &voxels, operation);
+        let (report, _) = volume.apply_edit(&mask, &voxels, operation, mirrored);
         prop_assert_eq!(report, exact.expected_report(&before, layered.voxels()));
         layered.write_maps(&mut maps);
         prop_assert!(volume == StepVolume::from_maps(&maps));

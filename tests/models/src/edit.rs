@@ -5,6 +5,7 @@ use paros_core::edit::{EditOperation, EditReport};
 use paros_core::volume::Axis;
 
 use crate::dense::DenseVolume;
+use crate::smoothing::Smoothing;
 
 /// What an edit must lead to.
 #[derive(Clone, Debug)]
@@ -77,10 +78,14 @@ pub fn exact_edit(
             let reached = wanted.intersection(&volume.within_steps_of_occupied(depth));
             (none, reached.clone(), wanted.difference(&reached))
         }
-        EditOperation::Smooth => {
-            let most = filter_by_majority_of_27(volume);
-            let removed = brush.intersection(volume).difference(&most);
-            (removed, brush.intersection(&most).difference(volume), none)
+        EditOperation::Smooth { .. } => {
+            let smoothing = Smoothing::of(operation, mirrored).expect("it smooths");
+            let mut after = none;
+            for voxel in brush.occupied() {
+                after.set(voxel, smoothing.is_occupied_after(volume, voxel));
+            }
+            let removed = brush.intersection(volume).difference(&after);
+            (removed, after.difference(volume), DenseVolume::empty(volume.side()))
         }
     };
     ExactEdit {
@@ -111,7 +116,7 @@ pub fn assert_edit_invariants(
     match operation {
         EditOperation::Carve { .. } => assert!(added.is_empty(), "a carve added"),
         EditOperation::Fill { .. } => assert!(before.is_within(after), "a fill removed"),
-        EditOperation::Smooth => {}
+        EditOperation::Smooth { .. } => {}
     }
     let held = Axis::ALL.map(|axis| {
         move |brush: &DenseVolume, voxel: [i32; 3]| {
@@ -132,18 +137,4 @@ pub fn assert_mirror_is_kept(before: &DenseVolume, mask: &DenseVolume, after: &D
     if before == &before.mirrored_in_x() && mask == &mask.mirrored_in_x() {
         assert_eq!(after, &after.mirrored_in_x(), "the mirror is broken");
     }
-}
-
-/// Majority filter: the voxels with at least 14 occupied ones among the 27 of their neighbourhood. Below
-/// y = 0 everything counts as occupied.
-fn filter_by_majority_of_27(volume: &DenseVolume) -> DenseVolume {
-    DenseVolume::from_fn(volume.side(), |[x, y, z]| {
-        let mut occupied = 0;
-        for k in 0..27 {
-            let place = [x + k % 3 - 1, y + k / 3 % 3 - 1, z + k / 9 - 1];
-            let inside = (0..3).all(|i| (0..volume.side() as i32).contains(&place[i]));
-            occupied += i32::from(place[1] < 0 || inside && volume.contains(place));
-        }
-        occupied >= 14
-    })
 }

@@ -121,7 +121,7 @@ where
         let operation = match edit.kind {
             0 => EditOperation::Carve { depth: 4 },
             1 => EditOperation::Fill { depth: 2 },
-            _ => EditOperation::Smooth,
+            _ => EditOperation::Smooth { radius: 1, dither: None },
         };
         let edit = Edit { brush: &brush, operation, mirrored: false };
         let mut log = AdditionJournal { islands: &mut self.islands, added: Vec::new() };

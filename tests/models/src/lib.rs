@@ -20,6 +20,7 @@ pub mod layers;
 pub mod random_visitor;
 pub mod save_layout;
 pub mod scripted_hand;
+pub mod smoothing;
 pub mod solid;
 pub mod step;
 pub mod twin;

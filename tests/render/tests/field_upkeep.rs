@@ -151,7 +151,7 @@ where
             EditOperation::Carve { depth: 4 },
             EditOperation::Carve { depth: 2 },
             EditOperation::Fill { depth: 3 },
-            EditOperation::Smooth,
+            EditOperation::Smooth { radius: 3, dither: None },
         ][dice.below(4) as usize];
         let edit = Edit { brush: &brush, operation, mirrored: dice.one_in(4) };
         let log = &mut *dirty;

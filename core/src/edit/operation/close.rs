@@ -93,7 +93,7 @@ where
         };
         match self.edit.operation {
             EditOperation::Carve { .. } => Grid::<N>::FULL,
-            EditOperation::Smooth if flipped() => {
+            EditOperation::Smooth { .. } if flipped() => {
                 let start = self.scratch.rows_before.as_flattened()[self.saved_row_index((y, z))];
                 BitSet::from_word_span(self.first_word, start.word_span::<W>(0))
             }

@@ -6,12 +6,14 @@
 
 mod close;
 mod pass;
+mod smooth;
 mod tighten;
 
 use pass::EditPass;
 
-use crate::edit::brush::{Brush, BrushBounds, BrushPieces};
+use crate::edit::brush::{Brush, BrushBounds, BrushPiece, BrushPieces};
 use crate::limits::{SHELL_DEPTH, SMOOTH_LINES};
+use crate::volume::box_sum::{BoxFilter, LINE_PLANES, Planes};
 use crate::volume::editable::Volume;
 use crate::volume::journal::Journal;
 use crate::volume::range::Range;
@@ -22,6 +24,7 @@ use crate::volume::voxel_box::VoxelBox;
 
 /// What an edit does to the voxels of its brush.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[expect(clippy::large_enum_variant, reason = "there is no heap to box the largest on")]
 pub enum EditOperation {
     /// Removes those at most `depth` six-neighbour steps from an empty voxel, as the volume stood
     /// when the edit began; outside the grid counts as empty. A greater depth counts as
@@ -39,9 +42,29 @@ pub enum EditOperation {
         /// Layers that may be laid on.
         depth: usize,
     },
-    /// Each becomes what most of its 3 x 3 x 3 neighbourhood is. Below y = 0 counts as occupied,
-    /// elsewhere outside as empty.
-    Smooth,
+    /// Blur and threshold, which moves the surface by its mean curvature (Merriman, Bence and Osher 1992): each
+    /// becomes occupied where more than half of the cube of (2 `radius` + 1)^3 voxels about it is. Below y = 0
+    /// counts as occupied, elsewhere outside as empty.
+    ///
+    /// On voxels that alone stands still where the surface should move by less than half a voxel, which is nearly
+    /// everywhere. A dither moves it by fractions in the mean.
+    Smooth {
+        /// How far it looks: 1, 3 or [`MAX_SMOOTHING_RADIUS`](crate::limits::MAX_SMOOTHING_RADIUS), 7; between
+        /// them, as far as the lower.
+        radius: usize,
+        /// Where the threshold is dithered, if anywhere.
+        dither: Option<Dither>,
+    },
+}
+
+/// A dither of the threshold of smoothing. In a cube of side s, a voxel that more than `s^3 / 2 - s^2 / 2 + u`
+/// of its cube's voxels let be occupied is, u uniform from 0 to s^2 - 1: a flat face along the axes stays.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Dither {
+    /// The voxels with a dithered threshold. Those outside leave no grain behind.
+    pub piece: BrushPiece,
+    /// Decides u of every voxel; another for each edit.
+    pub seed: u64,
 }
 
 impl EditOperation {
@@ -54,7 +77,15 @@ impl EditOperation {
                 SHELL_DEPTH
             }
             EditOperation::Carve { depth } | EditOperation::Fill { depth } => depth,
-            EditOperation::Smooth => 1,
+            EditOperation::Smooth { radius, .. } => BoxFilter::new(radius).radius(),
+        }
+    }
+
+    /// How many layers of flips are held back while others are computed. Smoothing keeps the rows as they were.
+    const fn flip_lag(self) -> usize {
+        match self {
+            EditOperation::Smooth { .. } => 0,
+            _ => self.neighbourhood_radius(),
         }
     }
 
@@ -153,6 +184,8 @@ where
     along_z: [LineFlips<<Grid<N> as Size>::Row>; N],
     /// Columns along x that grew, by y.
     grown_x: [<Grid<N> as Size>::Row; N],
+    /// What smoothing counts along y about the voxels of a layer, by z.
+    counts_along_y: [Planes<<Grid<N> as Size>::Row, LINE_PLANES>; N],
 }
 
 /// The columns of a line of N that an edit touched; bit x is a column.
@@ -200,6 +233,7 @@ where
             along_y: [LineFlips::UNTOUCHED; N],
             along_z: [LineFlips::UNTOUCHED; N],
             grown_x: line,
+            counts_along_y: [[<Grid<N> as Size>::Row::EMPTY; LINE_PLANES]; N],
         }
     }
 
@@ -257,7 +291,7 @@ where
         return Ok(EditReport::default());
     };
     let rows = (bounds.hi[1] - bounds.lo[1] + 1) * (bounds.hi[2] - bounds.lo[2] + 1);
-    if edit.operation == EditOperation::Smooth && rows > SMOOTH_LINES * N {
+    if matches!(edit.operation, EditOperation::Smooth { .. }) && rows > SMOOTH_LINES * N {
         return Err(BrushTooLarge);
     }
     let WordWindow { first_word, word_count } = find_word_window::<N>(edit, bounds);

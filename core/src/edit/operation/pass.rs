@@ -5,7 +5,7 @@ use crate::edit::brush::{BrushBounds, BrushRow};
 use crate::limits::SHELL_DEPTH;
 use crate::volume::editable::Volume;
 use crate::volume::journal::Journal;
-use crate::volume::neighbourhood::{dilated_row_with_ground, eroded_row, majority_row_with_ground};
+use crate::volume::neighbourhood::{dilated_row_with_ground, eroded_row};
 use crate::volume::range::Range;
 use crate::volume::range_maps::{Axis, Column, RangeMaps, RowAddress};
 use crate::volume::row::{BitRow, BitSet};
@@ -46,7 +46,7 @@ where
 
     /// Computes and flips layer by layer. A layer is flipped once no later layer needs its old voxels.
     fn compute_and_flip_voxels(&mut self) {
-        let lag = self.edit.operation.neighbourhood_radius();
+        let lag = self.edit.operation.flip_lag();
         let mut pending = [Range::EMPTY; SHELL_DEPTH + 1];
         let (first, last) = (self.bounds.lo[1], self.bounds.hi[1]);
         for y in first..=last + lag {
@@ -66,7 +66,7 @@ where
         match self.edit.operation {
             EditOperation::Carve { .. } => self.carve_layer(y, z_range),
             EditOperation::Fill { .. } => self.fill_layer(y, z_range),
-            EditOperation::Smooth => self.smooth_layer(y, z_range),
+            EditOperation::Smooth { .. } => self.smooth_layer(y, z_range),
         }
         z_range
     }
@@ -75,16 +75,11 @@ where
     #[inline(never)] // as the functions that follow: together they would spill registers
     fn rasterise_brush_layer(&mut self, y: usize) -> ZRange {
         let layer = &mut self.scratch.pending[y % (SHELL_DEPTH + 1)];
-        let (first_word, mirrored) = (self.first_word, self.edit.mirrored);
+        let words = BrushWords { first_word: self.first_word, mirrored: self.edit.mirrored };
         let (mut least, mut greatest) = (N, 0);
         layer[self.bounds.lo[2]..=self.bounds.hi[2]].fill(BitSet::EMPTY);
         self.scratch.pieces.visit_layer_rows(y, N, |BrushRow { z, x_range }| {
-            let mut brush: BitRow<W> =
-                layer[z].word_span(0) | word_window_of_span(first_word, x_range);
-            if mirrored {
-                let mirror = Range::new(N - 1 - x_range.last(), N - 1 - x_range.first());
-                brush |= word_window_of_span(first_word, mirror);
-            }
+            let brush: BitRow<W> = layer[z].word_span(0) | words.of_range(x_range, N);
             layer[z].set_word_span(0, brush);
             (least, greatest) = (least.min(z), greatest.max(z));
         });
@@ -126,26 +121,6 @@ where
                 self.report.refused_by_depth += (wanted & !near).count_ones();
             }
             flips.set_word_span(0, near);
-        }
-    }
-
-    #[inline(never)]
-    fn smooth_layer(&mut self, y: usize, z_range: ZRange) {
-        let volume = self.volume.rows().row_strip::<W>(self.first_word);
-        for z in iter_voxels(z_range) {
-            let index = self.saved_row_index((y, z));
-            let here = volume.row(y, z);
-            self.scratch.rows_before.as_flattened_mut()[index].set_word_span(0, here);
-            let flips = &mut self.scratch.pending[y % (SHELL_DEPTH + 1)][z];
-            let brush = flips.word_span(0);
-            let most = majority_row_with_ground(volume, (y, z), brush);
-            let removed = self.report.exclude_masked(
-                self.mask,
-                (y, z),
-                self.first_word,
-                brush & here & !most,
-            );
-            flips.set_word_span(0, removed | most & !here);
         }
     }
 
@@ -212,7 +187,7 @@ where
 impl EditReport {
     /// The voxels of `removed` that the mask doesn't protect; the others are counted as refused. Bit 0
     /// is the first of word `first_word`.
-    fn exclude_masked<const N: usize, const K: usize, const W: usize>(
+    pub(super) fn exclude_masked<const N: usize, const K: usize, const W: usize>(
         &mut self,
         mask: &RangeMaps<N, K>,
         row: RowAddress,
@@ -225,6 +200,27 @@ impl EditReport {
         let held = mask.occupied_among(row, BitSet::from_word_span(first_word, removed));
         self.refused_by_mask += held.count_ones();
         removed & !held.word_span(first_word)
+    }
+}
+
+/// Which words of a row an edit reads, and whether its brush's mirror belongs to the brush.
+#[derive(Clone, Copy)]
+pub(super) struct BrushWords {
+    pub(super) first_word: usize,
+    pub(super) mirrored: bool,
+}
+
+impl BrushWords {
+    /// The voxels of a brush's range in a row of a grid of so many.
+    #[inline]
+    pub(super) fn of_range<const W: usize>(self, x_range: Range, grid_side: usize) -> BitRow<W> {
+        let mut brush = word_window_of_span(self.first_word, x_range);
+        if self.mirrored {
+            let last = grid_side - 1;
+            let mirror = Range::new(last - x_range.last(), last - x_range.first());
+            brush |= word_window_of_span(self.first_word, mirror);
+        }
+        brush
     }
 }
 

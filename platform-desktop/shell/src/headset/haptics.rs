@@ -1,11 +1,9 @@
 //! Haptics: the vibrations of ticks, merged into one pulse a frame for each hand, and a dull pulse of its
 //! own for what closure refuses.
 
-use paros_core::edit::Contact;
-use paros_core::internals::haptic_amplitude;
+use paros_core::World;
 use paros_core::session::TICK_RATE;
 use paros_core::volume::{Grid, Size};
-use paros_core::{World, WorldEvent};
 
 /// A vibration, as `XrHapticVibration` describes it.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -45,28 +43,10 @@ impl TickHaptics {
         Grid<N>: Size,
     {
         [0, 1].map(|hand| TickHaptics {
-            level: world.hand_state(hand).haptic.max(cutting_level(world, hand)),
+            level: world.hand_state(hand).haptic,
             is_refused: world.edit_report(hand).is_mostly_refused_by_closure(),
         })
     }
-}
-
-/// What a hand feels of the edits of the last tick, 0 to 255: a bit that keeps up with its hand has cut its way
-/// free when the tick ends, and touches nothing any more.
-fn cutting_level<const N: usize, const K: usize>(world: &World<N, K>, hand: usize) -> u8
-where
-    Grid<N>: Size,
-{
-    let ticks = world.hand_state(hand).trigger_ticks;
-    let level_of_event = |event: &WorldEvent| match event {
-        WorldEvent::Edited { hand: by, bit, report } if usize::from(*by) == hand => {
-            let overlap = report.removed + report.added;
-            let contact = Contact { overlap, ..Contact::NONE };
-            haptic_amplitude(bit.spec(), &contact, true, ticks, 0)
-        }
-        _ => 0,
-    };
-    world.events().iter().map(level_of_event).max().unwrap_or(0)
 }
 
 /// The haptics of the ticks since the last frame. A new pulse replaces the one before it, so a frame

@@ -1,8 +1,9 @@
 //! Volumes, strokes and a journal for the tests of edits.
 
 use glam::{IVec3, Quat};
-use paros_core::edit::{EditOperation, EditScratch, Pose, SUBUNITS_PER_VOXEL};
-use paros_core::limits::SHELL_DEPTH;
+use paros_core::edit::{Dither, EditOperation, EditScratch, Pose, SUBUNITS_PER_VOXEL};
+use paros_core::internals::BrushPiece;
+use paros_core::limits::{MAX_SMOOTHING_RADIUS, SHELL_DEPTH};
 use paros_core::volume::{Axis, BitGrid, BitSet, Column, Grid, Journal, Size};
 use paros_core::{Brush, RangeMaps, Volume};
 use paros_models::dense::DenseVolume;
@@ -131,9 +132,20 @@ pub(super) fn any_strokes(n: i32, longest: usize) -> impl Strategy<Value = Vec<S
     let operation = prop_oneof![
         3 => depth().prop_map(|depth| EditOperation::Carve { depth }),
         3 => depth().prop_map(|depth| EditOperation::Fill { depth }),
-        2 => Just(EditOperation::Smooth),
+        2 => any_smoothing(n),
     ];
     let stroke = (shape, operation, any::<bool>())
         .prop_map(|(shape, operation, mirrored)| Stroke { shape, operation, mirrored });
     proptest::collection::vec(stroke, 1..=longest)
+}
+
+/// Smoothing of any reach, dithered in a ball or not.
+fn any_smoothing(n: i32) -> impl Strategy<Value = EditOperation> {
+    let at = [0..n, 0..n, 0..n].prop_map(|at| IVec3::from_array(at) * SUBUNITS_PER_VOXEL);
+    let ball = (at, 0..n * SUBUNITS_PER_VOXEL / 2, any::<u64>())
+        .prop_map(|(at, radius, seed)| Dither { piece: BrushPiece::sphere(at, radius), seed });
+    let dither = prop_oneof![1 => Just(None), 3 => ball.prop_map(Some)];
+    // A greater one is dear to the model.
+    let radius = prop_oneof![5 => Just(1), 4 => Just(3), 1 => Just(MAX_SMOOTHING_RADIUS)];
+    (radius, dither).prop_map(|(radius, dither)| EditOperation::Smooth { radius, dither })
 }

@@ -55,7 +55,7 @@ where
         apply_edit(&mut harness.volume, &harness.mask, &edit, &mut harness.scratch, &mut notes);
     let Ok(report) = done else {
         assert_eq!(done, Err(BrushTooLarge));
-        assert_eq!(operation, EditOperation::Smooth);
+        assert!(matches!(operation, EditOperation::Smooth { .. }));
         let bounds = brush.bounds(N).expect("a brush too large for the grid touches it");
         let sides = [1, 2].map(|i| bounds.hi[i] - bounds.lo[i] + 1);
         assert!(sides[0] * sides[1] > SMOOTH_LINES * N);
@@ -240,7 +240,8 @@ fn any_inner_strokes() -> impl Strategy<Value = Vec<Stroke>> {
     let operation = prop_oneof![
         depth().prop_map(|depth| EditOperation::Carve { depth }),
         depth().prop_map(|depth| EditOperation::Fill { depth }),
-        Just(EditOperation::Smooth),
+        prop::sample::select(&[1usize, 3, 7][..])
+            .prop_map(|radius| EditOperation::Smooth { radius, dither: None }),
     ];
     let stroke = (shape, operation).prop_map(|(shape, operation)| Stroke {
         shape,

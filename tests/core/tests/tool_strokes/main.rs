@@ -10,14 +10,12 @@
 //!
 //! | bit | at 128 | at 256 | where |
 //! |---|---|---|---|
-//! | rotary bits, nozzle | 0 | 0 | |
+//! | rotary bits, nozzle, file | 0 | 0 | |
 //! | point chisel | 14 | 14 | at 0.245 m/s: the way of a blow's period |
 //! | flat chisel | 18 | 18 | at 0.216 m/s |
-//! | file, even floor | 0 | 0 | lifted to its bite, however it is pressed |
-//! | file, elsewhere | 56 | 71 | in a bowl it stands from 1 mm on |
 //!
 //! A chisel stands between two blows, of which there is one in every sixth or eighth tick, and cuts its hand's whole
-//! way at the next. A file doesn't follow: it can't climb the steps of round stone, nor turn to it.
+//! way at the next. A file goes through the stone that it smooths.
 
 mod figures;
 mod scene;
@@ -94,12 +92,14 @@ fn keeps_rules(stroke: &Stroke, figures: &StrokeFigures) -> bool {
         }
         // What is even already stays so.
         ToolBit::File if stone == Stone::Flat && !is_rough => follows(0.1) && parts == 0,
-        ToolBit::File => true,
+        // Round stone has steps, which are as odd as what is rough.
+        ToolBit::File => follows(0.1) && (stone != Stone::Flat || left <= asked / 4),
     };
     // A bit that slid goes on from there straight to its hand's way.
     let can_slide = matches!(bit.spec().shape, BitShape::Box { .. });
     let most_stray = if can_slide { asked / 100 } else { 0 };
-    stray <= most_stray && is_true_to_its_tool
+    // A file smooths beyond itself.
+    (stray <= most_stray || bit == ToolBit::File) && is_true_to_its_tool
 }
 
 /// What the golden files hold.

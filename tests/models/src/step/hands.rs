@@ -1,15 +1,15 @@
 //! Model of a hand: its input, and what it does in a tick with the tool that it holds.
 
-use paros_core::edit::{Contact, EditOperation, EditReport, Pose, SUBUNITS_PER_VOXEL};
+use paros_core::edit::{Contact, EditOperation, EditReport, Pose};
 use paros_core::internals::{BURIED_WITHIN, BitAction, FreezeResult, GridBit, RoomPose, WayBudget};
-use paros_core::limits::{MAX_BITES_PER_TICK, SMOOTH_LINES, max_trail_ticks};
+use paros_core::limits::{FULL_TRIGGER, MAX_BITES_PER_TICK, SMOOTH_LINES, max_trail_ticks};
 use paros_core::session::{HandState, HandTrail, RawPose, SessionState, Tool, ToolBit, buttons};
 use paros_core::{Brush, HandInput, WorldEvent};
 
 use crate::contact::{ContactModel, path_poses};
 use crate::dense::DenseVolume;
 use crate::step::ledger::{HandWork, Ledger};
-use crate::step::volume::voxels_of_brush;
+use crate::step::volume::{voxels_of_brush, whole_voxels};
 use crate::step::{NOWHERE, StepModel, ensure};
 
 /// What a hand newly pressed in a tick.
@@ -31,6 +31,7 @@ pub(super) fn untracked_hand() -> HandState {
         aim: NOWHERE,
         tracked: false,
         trigger: false,
+        is_light: false,
         squeeze: false,
         buttons: 0,
         trigger_ticks: 0,
@@ -67,6 +68,12 @@ pub(super) fn apply_input(hand: &mut HandState, input: &HandInput) -> HandPresse
     hand.trigger = input.trigger >= if last.trigger { 96 } else { 128 };
     hand.squeeze = input.squeeze >= if last.squeeze { 96 } else { 128 };
     hand.buttons = input.buttons & (buttons::LOWER | buttons::UPPER | buttons::STICK);
+    let begins = hand.trigger && !last.trigger;
+    hand.is_light = match (hand.trigger, begins) {
+        (false, _) => last.is_light,
+        (true, true) => input.trigger < FULL_TRIGGER,
+        (true, false) => last.is_light && input.trigger < FULL_TRIGGER,
+    };
     hand.trigger_ticks =
         if hand.trigger && last.trigger { last.trigger_ticks.wrapping_add(1) } else { 0 };
     HandPresses {
@@ -77,24 +84,24 @@ pub(super) fn apply_input(hand: &mut HandState, input: &HandInput) -> HandPresse
 }
 
 /// The ends of a way, and the bit that is to go it.
-struct WayToFind<'a> {
-    bit: ToolBit,
-    grid_bit: &'a GridBit,
-    from: &'a Pose,
-    wanted: &'a Pose,
+pub(super) struct WayToFind<'a> {
+    pub bit: ToolBit,
+    pub grid_bit: &'a GridBit,
+    pub from: &'a Pose,
+    pub wanted: &'a Pose,
     /// Whether the bit slides where it is stopped.
-    slides: bool,
+    pub slides: bool,
 }
 
 /// The way of a bit toward a pose.
-struct BitWay {
+pub(super) struct BitWay {
     /// What held the bit.
     obstacle: ContactModel,
-    freeze: FreezeResult,
+    pub freeze: FreezeResult,
     /// Where an edit is swept from: `None` where it is made at the end of the way alone.
     swept_from: Option<Pose>,
     /// Whether it may edit: it was swept the tick before, or has caught up with its hand.
-    may_edit: bool,
+    pub may_edit: bool,
 }
 
 impl<const K: usize> StepModel<K> {
@@ -139,11 +146,17 @@ impl<const K: usize> StepModel<K> {
         state.raw_pose = wanted;
         let dropped_ticks = self.note_way(hand, bit, presses.pulled);
         let runs = self.runs_tool(hand);
-        let share = ledger.work_of_next_hand(&grid_bit);
-        let (after, report) = self.follow_way(hand, presses, (bit, &grid_bit), share)?;
+        let file = (bit.spec().action == BitAction::Smooth).then(|| self.brush_of(bit));
+        let share = ledger.work_of_next_hand(&grid_bit, file.as_ref());
+        let (after, report) = match bit.spec().action {
+            BitAction::Smooth => self.rub(hand, presses, (bit, &grid_bit), share)?,
+            _ => self.follow_way(hand, presses, (bit, &grid_bit), share)?,
+        };
         ledger.charge(&share, &after);
         let contact = self.stone().contact_at(&grid_bit, &self.hands[hand].frozen_pose);
-        self.hands[hand].haptic = pulse(bit, &contact, &self.hands[hand], runs, speed_um);
+        // What was cut free or laid on is felt as what is touched.
+        let felt = Contact { overlap: contact.overlap + report.removed + report.added, ..contact };
+        self.hands[hand].haptic = pulse(bit, &felt, &self.hands[hand], runs, speed_um);
         self.contacts[hand] = Some(contact);
         let report = EditReport { dropped_ticks, ..report };
         if report != EditReport::default() {
@@ -180,6 +193,12 @@ impl<const K: usize> StepModel<K> {
     ) -> Result<(HandWork, EditReport), String> {
         let runs = self.runs_tool(hand);
         let period = u16::from(bit.spec().bite_period);
+        let depth = whole_voxels(grid_bit.bite);
+        let operation = match bit.spec().action {
+            BitAction::Carve => EditOperation::Carve { depth },
+            BitAction::Fill => EditOperation::Fill { depth },
+            BitAction::Smooth => return Err("a file follows no way".into()),
+        };
         let is_beat = 2 * (self.hands[hand].trigger_ticks % period) < period;
         let (mut total, mut is_stuck) = (EditReport::default(), false);
         for bites in 0..MAX_BITES_PER_TICK {
@@ -205,7 +224,7 @@ impl<const K: usize> StepModel<K> {
                 let start = way.swept_from.unwrap_or(frozen);
                 work.charge_edit(grid_bit, &start, &frozen);
                 let swept = grid_bit.swept_brush(&start, &frozen);
-                report = self.edit(bit, &swept, &grid_bit.piece_at(&frozen).into());
+                report = self.edit(operation, &swept, &grid_bit.piece_at(&frozen).into());
                 total = total.sum_with(report);
             }
             let steps_to_go = |pose: &Pose| path_poses(grid_bit, pose, &wanted).count();
@@ -231,7 +250,7 @@ impl<const K: usize> StepModel<K> {
     }
 
     /// Checks that a way leads the bit neither deeper than it may be nor through stone.
-    fn check_way(
+    pub(super) fn check_way(
         &self,
         hand: usize,
         way: &BitWay,
@@ -243,15 +262,15 @@ impl<const K: usize> StepModel<K> {
         }
         let (from, to) = (&state.frozen_pose, &way.freeze.pose);
         check_depths(&way.obstacle, grid_bit, from, to)?;
-        let lays_paste = state.trigger && bit.spec().action == BitAction::Fill;
-        let is_open = lays_paste || is_way_open(self.volume.voxels(), grid_bit, from, to);
+        let goes_through_stone = state.trigger && bit.spec().action != BitAction::Carve;
+        let is_open = goes_through_stone || is_way_open(self.volume.voxels(), grid_bit, from, to);
         ensure!(is_open, "hand {hand} goes through stone from {from:?} to {to:?}");
         Ok(())
     }
 
-    /// The way of a hand's bit. The volume doesn't hold a nozzle that lays paste; one that begins to in stone is
-    /// where its hand is if the mask allows that.
-    fn find_way(
+    /// The way of a hand's bit. The volume doesn't hold a nozzle that lays paste, or a file that smooths; one that
+    /// begins to in stone is where its hand is if the mask allows that.
+    pub(super) fn find_way(
         &self,
         state: &HandState,
         presses: HandPresses,
@@ -259,8 +278,8 @@ impl<const K: usize> StepModel<K> {
         budget: WayBudget,
     ) -> BitWay {
         let WayToFind { bit, grid_bit, from, wanted, .. } = *way;
-        let lays_paste = state.trigger && bit.spec().action == BitAction::Fill;
-        if !lays_paste {
+        let goes_through_stone = state.trigger && bit.spec().action != BitAction::Carve;
+        if !goes_through_stone {
             return BitWay::walked(self.stone(), state, way, budget);
         }
         let mask = ContactModel::of_shared(self.mask.voxels(), self.mask.voxels());
@@ -278,15 +297,14 @@ impl<const K: usize> StepModel<K> {
     }
 
     /// Applies a bit's edit with its brush, or with `smaller` where that is too large for smoothing.
-    fn edit(&mut self, bit: ToolBit, brush: &Brush, smaller: &Brush) -> EditReport {
-        let depth = whole_voxels(bit.to_grid_bit(self.stool_frame().voxel_metres() * 1e6).bite);
-        let operation = match bit.spec().action {
-            BitAction::Carve => EditOperation::Carve { depth },
-            BitAction::Fill => EditOperation::Fill { depth },
-            BitAction::Smooth => EditOperation::Smooth,
-        };
+    pub(super) fn edit(
+        &mut self,
+        operation: EditOperation,
+        brush: &Brush,
+        smaller: &Brush,
+    ) -> EditReport {
         let fits = |brush: &&Brush| {
-            operation != EditOperation::Smooth
+            !matches!(operation, EditOperation::Smooth { .. })
                 || brush.bounds(self.side()).is_none_or(|bounds| {
                     let rows = [1, 2].map(|axis| bounds.hi[axis] - bounds.lo[axis] + 1);
                     rows[0] * rows[1] <= SMOOTH_LINES * self.side()
@@ -297,7 +315,8 @@ impl<const K: usize> StepModel<K> {
         };
         let voxels = voxels_of_brush(brush, self.side(), self.is_mirrored);
         let before = self.volume.columns().clone();
-        let (report, change) = self.volume.apply_edit(self.mask.voxels(), &voxels, operation);
+        let (report, change) =
+            self.volume.apply_edit(self.mask.voxels(), &voxels, operation, self.is_mirrored);
         self.history.note_edit(&before, &change.columns);
         self.islands.note_added(&change.added);
         if report.changed_volume() {
@@ -377,9 +396,4 @@ fn pulse(
         false => 64,
     };
     (strength * beat / 255) as u8
-}
-
-/// A length in subunits as voxels, rounded up.
-fn whole_voxels(subunits: i32) -> usize {
-    (subunits as usize).div_ceil(SUBUNITS_PER_VOXEL as usize)
 }

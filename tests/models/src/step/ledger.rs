@@ -5,8 +5,9 @@ use paros_core::edit::Pose;
 use paros_core::internals::{GridBit, GridShape, WayBudget};
 use paros_core::limits::{
     ball_sweep_work_per_quarter_voxel, bit_side_voxels, bit_step_work, bite_work,
-    box_sweep_work_per_quarter_voxel, island_removal_row_visits, island_reserve,
-    max_bit_steps_per_tick, rewind_work, tick_work,
+    box_sweep_work_per_quarter_voxel, buried_contact_work, island_removal_row_visits,
+    island_reserve, max_bit_steps_per_tick, rewind_work, smoothing_sweep_work_per_quarter_voxel,
+    smoothing_work, tick_work,
 };
 
 use crate::contact::path_poses;
@@ -55,11 +56,15 @@ impl Ledger {
     }
 
     /// The work of the next hand: the first of two has half of what is left.
-    pub fn work_of_next_hand(&mut self, bit: &GridBit) -> HandWork {
+    pub fn work_of_next_hand(&mut self, bit: &GridBit, file_brush: Option<&GridBit>) -> HandWork {
         let left = self.left / self.hands_left;
         self.hands_left -= 1;
         let most_steps = max_bit_steps_per_tick(self.side);
-        HandWork { work: BitWork::of(bit, self.is_mirrored), most_steps, left }
+        let mut work = BitWork::of(bit, self.is_mirrored);
+        if let Some(brush) = file_brush {
+            work.become_that_of_file(brush, self.side, self.is_mirrored);
+        }
+        HandWork { work, most_steps, left }
     }
 
     /// Charges a hand's work: what it left of its share `before` goes to whoever is next.
@@ -84,9 +89,30 @@ impl HandWork {
         HandShare { way, may_edit: left >= work.bite }
     }
 
+    /// What a file may do: it leaves room for an edit where it makes one, but not for its sweep.
+    pub fn share_of_file(&self, edits: bool) -> HandShare {
+        let beside = if edits { self.left.saturating_sub(self.work.bite) } else { self.left };
+        let steps = (beside / self.work.step).min(self.most_steps);
+        let way = WayBudget { steps, quarter_voxels: if edits { steps } else { u32::MAX } };
+        HandShare { way, may_edit: self.left >= self.work.bite }
+    }
+
     /// Charges steps of a way.
     pub fn charge_steps(&mut self, steps: u32) {
         self.left = self.left.saturating_sub(steps * self.work.step);
+    }
+
+    /// Charges the contact of a file.
+    pub fn charge_contact_of_file(&mut self, bit: &GridBit) {
+        let side = bit_side_voxels(bit.circumscribed_radius_subunits());
+        self.left = self.left.saturating_sub(buried_contact_work(side));
+    }
+
+    /// Whether an edit along a way is within what is left.
+    pub fn allows_edit(&self, bit: &GridBit, from: &Pose, to: &Pose) -> bool {
+        let mut after = HandWork { left: u32::MAX, ..*self };
+        after.charge_edit(bit, from, to);
+        u32::MAX - after.left <= self.left
     }
 
     /// Charges an edit along a way.
@@ -117,5 +143,13 @@ impl BitWork {
             GridShape::Box(_) => box_sweep_work_per_quarter_voxel(side),
         };
         BitWork { step: bit_step_work(side), bite: edits * bite_work(side), sweep: edits * sweep }
+    }
+
+    /// Smoothing has another cost, and a brush that is larger than the bit.
+    fn become_that_of_file(&mut self, brush: &GridBit, grid_side: usize, is_mirrored: bool) {
+        let side = bit_side_voxels(brush.circumscribed_radius_subunits());
+        let edits = if is_mirrored { 2 } else { 1 };
+        self.bite = edits * smoothing_work(grid_side, side);
+        self.sweep = edits * smoothing_sweep_work_per_quarter_voxel(side);
     }
 }

@@ -8,6 +8,7 @@
 
 pub mod bench;
 pub mod comparison;
+mod file;
 pub mod hands;
 pub mod history;
 pub mod islands;

@@ -5,6 +5,7 @@ use std::ops::RangeInclusive;
 use glam::{Quat, Vec3};
 use paros_core::edit::Pose;
 use paros_core::internals::BENCH_ITEMS;
+use paros_core::limits::FULL_TRIGGER;
 use paros_core::session::{
     BenchItem, PointerCommand, RawPose, SessionMode, SessionState, buttons, commands,
 };
@@ -339,7 +340,8 @@ impl InputWriter {
         };
         self.poses[hand] = pose;
         let mut input = world.hand_with_bit_at(hand, &pose);
-        input.trigger = if pulls { 255 } else { 0 };
+        let pulled = if phase.ticks.is_multiple_of(3) { FULL_TRIGGER - 1 } else { 255 };
+        input.trigger = if pulls { pulled } else { 0 };
         match phase.hands[hand] {
             HandPlan::Lost => input.tracked = false,
             HandPlan::Invalid => input.grip.rotation = [0, 1, 0, -1],

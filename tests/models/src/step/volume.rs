@@ -4,7 +4,7 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use paros_core::edit::{EditOperation, EditReport};
+use paros_core::edit::{EditOperation, EditReport, SUBUNITS_PER_VOXEL};
 use paros_core::internals::ColumnAddress;
 use paros_core::limits::SHELL_DEPTH;
 use paros_core::volume::{Axis, Column, Range, VoxelBox};
@@ -12,6 +12,7 @@ use paros_core::{Brush, RangeMaps};
 
 use crate::dense::DenseVolume;
 use crate::layers::closed_intervals;
+use crate::smoothing::Smoothing;
 
 /// A voxel.
 pub type Voxel = [i32; 3];
@@ -99,18 +100,20 @@ impl<const K: usize> StepVolume<K> {
         changed
     }
 
-    /// Applies an edit to the voxels of `brush`, which holds none twice: the boolean operation, then closure.
+    /// Applies an edit to the voxels of `brush`, which holds none twice, with those of its mirror image where that
+    /// belongs to it: the boolean operation, then closure.
     pub fn apply_edit(
         &mut self,
         mask: &DenseVolume,
         brush: &[Voxel],
         operation: EditOperation,
+        is_mirrored: bool,
     ) -> (EditReport, VolumeChange<K>) {
         let mut report = EditReport::default();
         let mut flips = Vec::new();
         let mut filled = BTreeSet::new();
         for &voxel in brush {
-            match self.verdict_on(voxel, operation) {
+            match self.verdict_on(voxel, operation, is_mirrored) {
                 Verdict::Stays => {}
                 Verdict::TooDeep => report.refused_by_depth += 1,
                 Verdict::Flips if mask.contains(voxel) => report.refused_by_mask += 1,
@@ -157,7 +160,7 @@ impl<const K: usize> StepVolume<K> {
     }
 
     /// What an operation does to a voxel of its brush.
-    fn verdict_on(&self, voxel: Voxel, operation: EditOperation) -> Verdict {
+    fn verdict_on(&self, voxel: Voxel, operation: EditOperation, is_mirrored: bool) -> Verdict {
         let occupied = |at: Voxel| self.voxels.contains(at);
         match operation {
             EditOperation::Carve { .. } if !occupied(voxel) => Verdict::Stays,
@@ -169,11 +172,10 @@ impl<const K: usize> StepVolume<K> {
             EditOperation::Fill { depth } => {
                 Verdict::of_depth(is_any_within_steps(voxel, depth, |at| at[1] < 0 || occupied(at)))
             }
-            EditOperation::Smooth => {
-                let around = (0..27).map(|k| [k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1]);
-                let near = around.map(|[i, j, k]| [voxel[0] + i, voxel[1] + j, voxel[2] + k]);
-                let most = near.filter(|&at| at[1] < 0 || occupied(at)).count() >= 14;
-                if most == occupied(voxel) { Verdict::Stays } else { Verdict::Flips }
+            EditOperation::Smooth { .. } => {
+                let smoothing = Smoothing::of(operation, is_mirrored).expect("it smooths");
+                let after = smoothing.is_occupied_after(&self.voxels, voxel);
+                if after == occupied(voxel) { Verdict::Stays } else { Verdict::Flips }
             }
         }
     }
@@ -323,4 +325,9 @@ pub(super) fn voxels_of_brush(brush: &Brush, side: usize, is_mirrored: bool) -> 
     voxels.sort_unstable();
     voxels.dedup();
     voxels
+}
+
+/// A length in subunits as voxels, rounded up.
+pub(super) fn whole_voxels(subunits: i32) -> usize {
+    (subunits as usize).div_ceil(SUBUNITS_PER_VOXEL as usize)
 }

@@ -1,0 +1,85 @@
+//! Model of a file: how it smooths.
+
+use paros_core::edit::{Dither, EditOperation, EditReport, Pose, SUBUNITS_PER_VOXEL};
+use paros_core::internals::{GridBit, GridShape};
+use paros_core::limits::{
+    DITHER_RIM_VOXELS, LIGHT_SMOOTHING_PERIOD, SMOOTHING_PERIOD, finishing_edits,
+    light_smoothing_radius, smoothing_radius,
+};
+use paros_core::session::ToolBit;
+
+use crate::step::StepModel;
+use crate::step::hands::{HandPresses, WayToFind};
+use crate::step::ledger::HandWork;
+
+impl<const K: usize> StepModel<K> {
+    /// Moves a file to its hand, or to where it was released, and smooths in every other tick, hands in turn.
+    pub(super) fn rub(
+        &mut self,
+        hand: usize,
+        presses: HandPresses,
+        (bit, grid_bit): (ToolBit, &GridBit),
+        mut work: HandWork,
+    ) -> Result<(HandWork, EditReport), String> {
+        let edits = self.runs_tool(hand) && self.has_files_turn(hand, self.hands[hand].is_light);
+        let share = work.share_of_file(edits);
+        let state = self.hands[hand];
+        let wanted = match self.trails[hand].front() {
+            Some(pose) if !state.trigger => *pose,
+            _ => state.raw_pose,
+        };
+        let from = if state.has_frozen_pose { state.frozen_pose } else { wanted };
+        let way_of = WayToFind { bit, grid_bit, from: &from, wanted: &wanted, slides: true };
+        let way = self.find_way(&state, presses, &way_of, share.way);
+        self.check_way(hand, &way, (bit, grid_bit))?;
+        let frozen = way.freeze.pose;
+        let state = &mut self.hands[hand];
+        (state.frozen_pose, state.has_frozen_pose) = (frozen, true);
+        state.can_sweep = way.may_edit;
+        work.charge_steps(way.freeze.steps);
+        work.charge_contact_of_file(grid_bit);
+        if !(edits && way.may_edit && share.may_edit) {
+            return Ok((work, EditReport::default()));
+        }
+        let (is_finishing, is_light) = (!state.trigger, state.is_light);
+        // From where it edited last.
+        let brush = self.brush_of(bit);
+        let affordable = |start: &Pose| work.allows_edit(&brush, start, &frozen);
+        let start = self.trails[hand].front().copied().filter(affordable).unwrap_or(frozen);
+        let trail = &mut self.trails[hand];
+        if is_finishing {
+            trail.pop_front();
+        } else {
+            *trail = vec![frozen; finishing_edits(is_light)].into();
+        }
+        work.charge_edit(&brush, &start, &frozen);
+        let inside =
+            shrunk_box(&brush, DITHER_RIM_VOXELS * SUBUNITS_PER_VOXEL).filter(|_| !is_finishing);
+        let seed = self.tick.wrapping_mul(2).wrapping_add(hand as u64);
+        let dither = inside.map(|inside| Dither { piece: inside.piece_at(&frozen), seed });
+        let radius = if is_light { light_smoothing_radius } else { smoothing_radius }(self.side());
+        let operation = EditOperation::Smooth { radius, dither };
+        let swept = brush.swept_brush(&start, &frozen);
+        Ok((work, self.edit(operation, &swept, &brush.piece_at(&frozen).into())))
+    }
+
+    /// Whether a file's edits fall on this tick: for the first hand on each odd one, for the second on each even one,
+    /// and where it works lightly on a quarter of them.
+    const fn has_files_turn(&self, hand: usize, is_light: bool) -> bool {
+        let ticks = if is_light { LIGHT_SMOOTHING_PERIOD } else { SMOOTHING_PERIOD };
+        (self.tick + hand as u64) % ticks == 1
+    }
+
+    /// What a bit edits.
+    pub(super) fn brush_of(&self, bit: ToolBit) -> GridBit {
+        bit.to_grid_brush(self.stool_frame().voxel_metres() * 1e6)
+    }
+}
+
+/// A box without a rim, if anything is left of it.
+fn shrunk_box(bit: &GridBit, rim_subunits: i32) -> Option<GridBit> {
+    let GridShape::Box(half) = bit.shape else { return None };
+    let left = half.to_array().map(|half| half - rim_subunits);
+    let shape = GridShape::Box(left.into());
+    left.iter().all(|&half| half > 0).then_some(GridBit { shape, ..*bit })
+}
