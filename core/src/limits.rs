@@ -76,9 +76,10 @@ pub const fn finishing_edits(is_light: bool) -> usize {
     if is_light { 1 } else { 2 }
 }
 
-/// Rows that a smoothing edit may touch, in multiples of N: 3,072 rows at 128 (55 x 55), 6,144 at 256
-/// (78 x 78). A file however it is turned touches 50 x 50 at 256, and in a tick as many more as a hand of 1 m/s goes.
-pub const SMOOTH_LINES: usize = 24;
+/// Rows that a smoothing edit may touch, in multiples of N: 1,280 rows at 128 (35 x 35), 2,560 at 256 (50 x 50). No
+/// more does a file touch in place, however it is turned; swept, one that is turned most is smoothed in place. With
+/// more, `World<128, 1>` would not fit in 1 MiB.
+pub const SMOOTH_LINES: usize = 10;
 
 /// Dirty rectangles of a range map in a tick. Two hands with mirrored edits and an island make five;
 /// beyond eight, rectangles are merged.
