@@ -41,11 +41,14 @@ pub(super) const DEPTHS_MM: core::ops::RangeInclusive<f32> = -20.0..=40.0;
 /// Depth of each tool at first.
 const DEFAULT_DEPTHS_MM: [f32; 4] = [9.0, 9.0, 8.0, 2.0];
 
-/// Speed at which a tool that carves follows the cursor, in micrometres a tick: 1 m/s, at which the core's bits keep
+/// Speed at which a tool that carves or smooths follows the cursor, in micrometres a tick: 1 m/s, at which the core's bits keep
 /// up with hands.
-const CARVING_SPEED_UM: f32 = 1e6 / TICK_RATE as f32;
+const CUTTING_SPEED_UM: f32 = 1e6 / TICK_RATE as f32;
 
-/// Least speed of another running tool behind the cursor, in micrometres a tick.
+/// How far the trigger is pulled with Shift, of 255.
+const LIGHT_TRIGGER: u8 = 150;
+
+/// Least speed of the running fill gun behind the cursor, in micrometres a tick.
 const LEAST_SPEED_UM: f32 = 1_500.0;
 
 /// Points of the cursor's trail that are kept.
@@ -77,6 +80,8 @@ where
     is_released: bool,
     /// A new stroke began before the last one's end: the trigger goes up for a tick between them.
     lifts_trigger: bool,
+    /// The trigger is pulled half way, by which a rasp works lightly.
+    pulls_lightly: bool,
     orbiting: bool,
     dragging_stool: bool,
     turning: [bool; 2],
@@ -107,6 +112,7 @@ where
             running: false,
             is_released: false,
             lifts_trigger: false,
+            pulls_lightly: false,
             orbiting: false,
             dragging_stool: false,
             turning: [false; 2],
@@ -134,7 +140,9 @@ where
             InputEvent::Wheel(notches) => self.change_depth_by(notches * NOTCH_MM, world),
             InputEvent::Zoom(notches) => self.orbit.zoom_in(notches),
             InputEvent::Key(key, down) => self.handle_key(key, down, world),
+            InputEvent::Lightly(down) => self.pulls_lightly = down,
             InputEvent::LetGo => {
+                self.pulls_lightly = false;
                 (self.running, self.orbiting, self.dragging_stool) = (false, false, false);
                 self.is_released = false;
                 self.turning = [false; 2];
@@ -193,7 +201,8 @@ where
         if let Some((grip, rotation)) = self.next_grip_pose(world) {
             input.hands[RIGHT] = tracked_hand(grip, rotation);
             let lifts_trigger = core::mem::take(&mut self.lifts_trigger);
-            input.hands[RIGHT].trigger = if self.running && !lifts_trigger { 255 } else { 0 };
+            let pulled = if self.pulls_lightly { LIGHT_TRIGGER } else { 255 };
+            input.hands[RIGHT].trigger = if self.running && !lifts_trigger { pulled } else { 0 };
         }
         if self.is_released && (self.trail.len() < 2 || self.cursor.is_none()) {
             (self.running, self.is_released) = (false, false);
@@ -230,8 +239,8 @@ where
         let pixels_per_metre = projected.map_or(1.0, |point| point.pixels_per_metre);
         let data = bit.spec();
         let speed_um = match data.action {
-            BitAction::Carve => CARVING_SPEED_UM,
-            BitAction::Fill | BitAction::Smooth => (data.bite_um as f32).max(LEAST_SPEED_UM),
+            BitAction::Carve | BitAction::Smooth => CUTTING_SPEED_UM,
+            BitAction::Fill => (data.bite_um as f32).max(LEAST_SPEED_UM),
         };
         let mut left = speed_um * 1e-6 * pixels_per_metre;
         while let Some(&from) = self.trail.front() {

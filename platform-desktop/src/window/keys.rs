@@ -25,8 +25,9 @@ pub(super) enum KeyCommand {
 }
 
 /// The help's table for visitors: keys, and what they do.
-pub(super) const HELP: [(&str, &str); 12] = [
+pub(super) const HELP: [(&str, &str); 13] = [
     ("left button", "run the tool on the surface under the cursor"),
+    ("Shift + left button", "rasp lightly: edges stay"),
     ("wheel", "up: deeper, down: shallower"),
     ("right drag", "look from another side"),
     ("Ctrl + wheel, W, S", "nearer, farther"),

@@ -37,7 +37,10 @@ where
                 self.studio.open_file(&path, opening::read_into_resident_maps::<N>);
             }
             WindowEvent::Focused(false) => self.send_to_hands(InputEvent::LetGo),
-            WindowEvent::ModifiersChanged(modifiers) => self.modifiers = modifiers.state(),
+            WindowEvent::ModifiersChanged(modifiers) => {
+                self.modifiers = modifiers.state();
+                self.send_to_hands(InputEvent::Lightly(self.modifiers.shift_key()));
+            }
             WindowEvent::CursorMoved { position, .. } => {
                 self.move_cursor([position.x as f32, position.y as f32]);
             }

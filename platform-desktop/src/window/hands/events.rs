@@ -56,6 +56,8 @@ pub(in crate::window) enum InputEvent {
     Zoom(f32),
     /// A key went down, or up.
     Key(HandAction, bool),
+    /// Shift went down, or up: what the left button runs works lightly.
+    Lightly(bool),
     /// Nothing is down any more: the window lost its keyboard.
     LetGo,
 }

@@ -3,7 +3,7 @@
 use std::sync::MutexGuard;
 
 use glam::Vec3;
-use paros_core::limits::INTERVALS;
+use paros_core::limits::{FULL_TRIGGER, INTERVALS};
 use paros_core::session::{
     BenchItem, PointerCommand, SessionMode, SessionState, Tool, ToolBit, commands,
 };
@@ -14,7 +14,7 @@ use paros_shell::start_volume_store::StartVolumeStore;
 use paros_shell::statics::{Resident, ResidentBitGrid};
 use paros_shell::tick_runner::TickRunner;
 
-use super::{HandAction, HandButton, InputEvent, MouseHands, RIGHT};
+use super::{HandAction, HandButton, InputEvent, LIGHT_TRIGGER, MouseHands, RIGHT};
 
 const SIZE: [u32; 2] = [1000, 700];
 
@@ -318,4 +318,17 @@ fn a_start_comes_alone_and_commands_act_once() {
     // Where there is no cursor the hand rests and the tool does nothing.
     fixture.handle(InputEvent::Pressed(HandButton::Left));
     assert_eq!(fixture.tick().hands[RIGHT].trigger, 0);
+}
+
+/// With Shift the trigger is pulled, but not wholly, until the stroke's end.
+#[test]
+fn shift_pulls_the_trigger_lightly() {
+    let mut fixture = HandsFixture::new(SessionMode::FreeForm);
+    fixture.handle(InputEvent::Moved([400.0, 300.0]));
+    for (is_light, pulled) in [(false, 255), (true, LIGHT_TRIGGER), (false, 255)] {
+        fixture.handle(InputEvent::Lightly(is_light));
+        fixture.handle(InputEvent::Pressed(HandButton::Left));
+        assert_eq!(fixture.tick().hands[RIGHT].trigger, pulled);
+    }
+    assert!((128..FULL_TRIGGER).contains(&LIGHT_TRIGGER));
 }
