@@ -28,6 +28,28 @@ fn toy() -> Vec<u8> {
     rmap::encode(maps)
 }
 
+/// A wedge along z lies down if its y is up, and stands if its z is.
+#[test]
+fn a_mesh_stands_on_the_axis_that_is_asked_for() {
+    let folder = TestFolder::new("up");
+    let vertices = "v 0 0 0\nv 2 0 0\nv 0 1 0\nv 0 0 9\n";
+    folder.write("wedge.obj", format!("{vertices}f 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n"));
+    let mut height_of = |up: &[&str]| {
+        folder.succeeds(&[&["bake", "wedge.obj", "-o", "v.rmap"], up].concat());
+        folder.succeeds(&["export", "v.rmap", "-o", "m.stl"]);
+        let said = folder.succeeds(&["info", "m.stl", "--json"]);
+        let info: serde_json::Value = serde_json::from_str(&said).unwrap();
+        let [low, high] =
+            [0, 1].map(|end| [0, 1, 2].map(|axis| info["bounds"][end][axis].as_f64().unwrap()));
+        let [x, y, z] = [0, 1, 2].map(|axis| high[axis] - low[axis]);
+        z / x.max(y)
+    };
+    let heights = [&[][..], &["--up", "y"], &["--up", "z"]].map(&mut height_of);
+    assert!(heights[0] < 0.2 && heights[0] == heights[1], "{heights:?}");
+    assert!(heights[2] > 4.0, "{heights:?}");
+    folder.refuses(&["bake", "wedge.obj", "-o", "v.rmap", "--up", "x"], "x");
+}
+
 #[test]
 fn a_mesh_becomes_a_volume_a_picture_and_a_print() {
     let folder = TestFolder::new("good");

@@ -3,6 +3,7 @@
 use std::fmt::Write;
 use std::path::PathBuf;
 
+use clap::ValueEnum;
 use paros_core::convert::UpAxis;
 use paros_core::volume::{Grid, Size};
 use paros_headless::Error;
@@ -27,6 +28,15 @@ pub(super) struct Args {
     /// Intervals of a column. One can't hold what is hollow along an axis.
     #[arg(long, value_name = "K", default_value = "2", value_parser = volume::interval_count_parser())]
     layers: usize,
+    /// The axis of the mesh that points up: if not said, z of an STL, y of the others.
+    #[arg(long, value_name = "AXIS", value_enum)]
+    up: Option<MeshAxis>,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum MeshAxis {
+    Y,
+    Z,
 }
 
 pub(super) fn run(args: &Args) -> Result<String, Error> {
@@ -48,8 +58,14 @@ where
 {
     let (mut maps, mut bit_grid) = (Grid::<N>::lock_range_maps(), Grid::<N>::lock_bit_grid());
     let baking = progress::show_progress("baking", None);
-    // The mesh has been read, so its name has a kind.
-    let up = MeshFormat::from_extension(&args.mesh).map_or(UpAxis::Y, MeshFormat::default_up_axis);
+    let up = match args.up {
+        Some(MeshAxis::Y) => UpAxis::Y,
+        Some(MeshAxis::Z) => UpAxis::Z,
+        // The mesh has been read, so its name has a kind.
+        None => {
+            MeshFormat::from_extension(&args.mesh).map_or(UpAxis::Y, MeshFormat::default_up_axis)
+        }
+    };
     let report = mesh
         .bake_into_maps(up, &mut *Grid::<N>::lock_baker(), &mut *maps, &mut *bit_grid)
         .ok_or_else(|| Error::Input(format!("{}: the mesh has no extent", args.mesh.display())))?;
