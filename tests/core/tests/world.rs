@@ -233,10 +233,10 @@ fn the_end_takes_no_more_edits<const K: usize>(harness: &mut WorldHarness<64, K>
     assert_eq!(harness.world.session_state(), SessionState::Sculpting);
 }
 
-/// Under random carving, a bit's penetration never exceeds its bite, the hidden figure stays whole, and each
-/// tick removes voxels of the bit's swept volume only.
+/// Under random carving, a bit's penetration never exceeds its bite, the hidden figure stays whole, what is cut is felt,
+/// and each tick removes voxels of the bit's swept volume only.
 fn the_hidden_figure_outlasts_any_carving<const K: usize>(harness: &mut WorldHarness<64, K>) {
-    let (mut on_mask, mut carved) = (0, 0);
+    let (mut on_mask, mut carved, mut felt_alone) = (0, 0, 0);
     for seed in 0..6 {
         harness.start_session(SessionMode::Constrained { figure: 0 });
         let mut dice = RandomSource::new(seed);
@@ -271,12 +271,21 @@ fn the_hidden_figure_outlasts_any_carving<const K: usize>(harness: &mut WorldHar
                 assert_eq!(obstacle.freeze_bit(&grid, &frozen, &frozen, one).pose, frozen);
                 on_mask += u32::from(contact.on_mask);
                 let touches = contact.overlap > 0 || contact.on_mask;
-                assert!(touches || harness.world.hand_state(RIGHT).haptic == 0);
+                let (cuts, haptic) = (
+                    harness.world.edit_report(RIGHT).removed > 0,
+                    harness.world.hand_state(RIGHT).haptic,
+                );
+                assert!(touches || cuts || haptic == 0);
+                felt_alone += u32::from(cuts && !touches && haptic > 0);
             }
         }
         assert_eq!(maps_digest(harness.world.mask()), mask);
     }
     assert!(on_mask > 50 && carved > 1000, "{on_mask} ticks on the figure, {carved} voxels carved");
+    assert!(
+        felt_alone > 0,
+        "a bit that has cut its way free when a tick ends is felt by what it cut"
+    );
 }
 
 /// A volume with an unsupported voxel between the ends of six rods, which closure adds again.
