@@ -10,8 +10,8 @@ pub const INTERVALS: usize = 2;
 pub const MAX_INTERVALS: usize = 4;
 
 /// Convex pieces of a brush's swept volume. A swept box takes one piece for each voxel of arc that its
-/// corner describes, and one more: 68 for half a turn of the largest bit (radius 21.3 voxels, at 256),
-/// 96 for a radius of 30 voxels.
+/// corner describes, and one more: 68 for half a turn of the largest box (radius 21.3 voxels, at 256),
+/// 96 for a radius of 30 voxels. A disc of 40, which is two voxels thick, leaves no gaps with 96.
 pub const SWEEP_PIECES: usize = 96;
 
 /// Poses of a hand's way that its running bit may have yet to follow: the most of [`max_trail_ticks`].
@@ -108,16 +108,16 @@ pub const fn max_save_bytes(grid_side: usize, intervals: usize) -> usize {
 }
 
 /// Bytes of the world's small state, which is all but volume, mask, undo and islands: tick and session
-/// (14), the head (28), two hands of 454, eleven bench items of 31, and the mask's digest (8).
-pub const STATE_BYTES: usize = 1299;
+/// (14), the head (28), two hands of 454, thirteen bench items of 31, and the mask's digest (8).
+pub const STATE_BYTES: usize = 1361;
 
 /// Crossings of a column's ray with a mesh with which a bake gives the column gaps: 16 solids one behind the
 /// other, and a cache line a column. Between more, gaps are 4 voxels long in the mean at 128, and a column
 /// keeps one or two.
 pub const BAKED_CROSSINGS: usize = 32;
 
-/// Events of a tick. A start, two hands that each grab, edit and release, undo, redo, mirror, finish
-/// and islands make twelve.
+/// Events of a tick. A start, two hands that each grab, edit and release, undo, redo, mirror, finish,
+/// islands, a tenth of the figure and its find make fourteen.
 pub const MAX_EVENTS: usize = 16;
 
 /// The work of a tick that the world hands out: to undo or redo, to the hands and to the island search, in
@@ -126,6 +126,13 @@ pub const MAX_EVENTS: usize = 16;
 #[must_use]
 pub const fn tick_work(grid_side: usize) -> u32 {
     max_island_row_visits_per_tick(grid_side) + if grid_side > 128 { 16_000 } else { 6_000 }
+}
+
+/// The work of counting the ends of a hidden figure's columns along one axis: 270,000 instructions at 128, 1.1 million
+/// at 256.
+#[must_use]
+pub const fn bared_count_work(grid_side: usize) -> u32 {
+    (grid_side * grid_side / 8) as u32
 }
 
 /// The columns of an undo entry above which its undo or redo takes a tick's whole work, and the islands'
@@ -184,6 +191,39 @@ pub const fn box_sweep_work_per_quarter_voxel(side_voxels: u32) -> u32 {
     side_voxels + side_voxels * side_voxels / 8
 }
 
+/// The work of a step of a disc, or of one piece of a stretch that is tried at once: a glance at the rows of its
+/// bounding cube, of which one costs a fifth of a unit of work at 128, and a seventh at 256.
+#[must_use]
+pub const fn disc_step_work(grid_side: usize, side_voxels: u32) -> u32 {
+    1 + side_voxels * side_voxels / if grid_side > 128 { 7 } else { 5 }
+}
+
+/// The work of a disc's edit in place, which is two pieces where it turns, and of the look for where it goes on: most
+/// where it stands across x, and lies in every row of its bounding cube. At 256, where a unit of work is half as much
+/// again, a hand cuts whose other hand has a tool too.
+#[must_use]
+pub const fn disc_bite_work(grid_side: usize, side_voxels: u32) -> u32 {
+    side_voxels * side_voxels * if grid_side > 128 { 3 } else { 5 } / 2
+}
+
+/// The work of finding the contact of a bit that touches stone, and of the direction in which it slides.
+#[must_use]
+pub const fn contact_work(side_voxels: u32) -> u32 {
+    side_voxels * side_voxels
+}
+
+/// The same of a disc, which may lie in every row of its bounding cube.
+#[must_use]
+pub const fn disc_contact_work(side_voxels: u32) -> u32 {
+    2 * side_voxels * side_voxels
+}
+
+/// What a step of way adds to the work of a disc's edit: rows at its front, and a quarter of a piece where it turns.
+#[must_use]
+pub const fn disc_sweep_work_per_step(side_voxels: u32) -> u32 {
+    side_voxels + side_voxels * side_voxels / 16
+}
+
 /// The work of a smoothing edit in place: sums for each row of its brush's bounding cube and of what the filter
 /// reaches beyond it, mostly in one word of a row. Some 900 instructions for each row of the cube at 128 and 1,200 at
 /// 256, where a unit of work is half as much again.
@@ -223,10 +263,10 @@ pub const fn max_bit_steps_per_tick(grid_side: usize) -> u32 {
 }
 
 /// The cost of a step, in steps, while the bit is deeper than its penetration limit, as an undo may
-/// leave it. Such a step measures the depth of every voxel inside the bit, eight times as many at 256.
+/// leave it. Such a step measures the depth of every voxel inside the bit, in rows of several words at 256.
 #[must_use]
 pub const fn deep_step_cost_in_steps(grid_side: usize) -> u32 {
-    if grid_side > 128 { 8 } else { 4 }
+    if grid_side > 128 { 12 } else { 8 }
 }
 
 /// Exit probes: places on the rest of its path at which a bit beyond its penetration limit is tested,

@@ -199,7 +199,7 @@ fn two_intervals_keep_cuts_that_one_refuses() {
 }
 
 /// The aims at the speed of hands: a groove at 0.6 m/s 95 % of the slow one, at 1 m/s 85 %, chisels at 0.3 m/s 60 %;
-/// a circle 95 %, and no more than 3 % beside it.
+/// a circle 95 %, and no more than 3 % beside it; 20,000 voxels a second of roughing out.
 #[test]
 fn bits_keep_up_with_hands() {
     let rows = rows(&["feel", "--json"]);
@@ -217,12 +217,16 @@ fn bits_keep_up_with_hands() {
         assert!(row["ratio"].as_f64().unwrap() >= least, "{row}");
         checked += 1;
     }
-    assert_eq!(checked, 2 * (5 * 3 + 2 + 3));
+    assert_eq!(checked, 2 * (7 * 3 + 2 + 4));
     let beside = rows.iter().filter(|row| row["against"].as_str().unwrap().contains("outside"));
-    assert!(beside.clone().count() == 6);
+    assert!(beside.clone().count() == 8);
     beside.for_each(|row| assert!(row["ratio"].as_f64().unwrap() <= 0.03, "{row}"));
     let raster = rows.iter().filter(|row| row.get("voxels_per_second").is_some());
-    raster.for_each(|row| assert!(row["voxels_per_second"].as_f64().unwrap() > 10_000.0, "{row}"));
+    // Voxels at 256 are an eighth of those at 128.
+    raster.for_each(|row| {
+        let least = if row["size"] == 256 { 160_000.0 } else { 20_000.0 };
+        assert!(row["voxels_per_second"].as_f64().unwrap() > least, "{row}");
+    });
 }
 
 /// Instructions of a debug build say nothing: that they are there is enough.

@@ -1,9 +1,10 @@
 //! A bit's shape on a grid in fixed point, its offset shapes by depth, and its swept volumes.
 
-use glam::{I64Vec3, IVec3};
+use glam::{I64Vec3, IVec3, Vec3};
 
-use crate::edit::brush::{Brush, BrushPiece, Capsule, SweptBox, isqrt};
+use crate::edit::brush::{Brush, BrushPiece, Capsule, DiscShape, SweptBox, SweptDisc, isqrt};
 use crate::edit::pose::{FIXED_ONE, Pose, SUBUNITS_PER_VOXEL};
+use crate::limits::SWEEP_PIECES;
 
 /// A bit's shape and bite on a given grid, in fixed point ([`SUBUNITS_PER_VOXEL`]).
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -21,24 +22,54 @@ pub enum GridShape {
     Ball(i32),
     /// A box of half extents.
     Box(IVec3),
+    /// A disc, whose normal is the bit's x axis.
+    Disc {
+        /// Its radius.
+        radius: i32,
+        /// Half its thickness.
+        half_thickness: i32,
+    },
 }
 
 /// Upper bound, in fixed point, of how far rounding moves a step's pose off the path.
 const ROUNDING: i32 = SUBUNITS_PER_VOXEL / 16;
 
 impl GridBit {
+    /// The length of a way in voxels, as its steps are counted: along its own plane a disc takes steps four times as
+    /// long as other bits do, and as across it. A part of the way is never longer than that part of it.
+    #[must_use]
+    pub(crate) fn stepped_length_voxels(&self, from: &Pose, to: &Pose) -> f32 {
+        let length = (to.position - from.position).length();
+        match self.shape {
+            GridShape::Ball(_) | GridShape::Box(_) => length,
+            GridShape::Disc { .. } => {
+                let across = (to.position - from.position).dot(from.rotation * Vec3::X).abs();
+                let turned = across + length * (0.25 + from.angle_radians_to(to));
+                if turned < length { turned } else { length }
+            }
+        }
+    }
+
+    /// What it costs to test at once whether nothing is in the way between two poses, in steps: one for each piece of
+    /// the way, which has most of the rows of all.
+    #[must_use]
+    pub fn stretch_cost_in_steps(&self, from: &Pose, to: &Pose) -> u32 {
+        self.swept_brush(from, to).pieces().len() as u32
+    }
+
     /// The shell depth of an edit: the bite in voxels, rounded up.
     #[must_use]
     pub fn bite_depth_voxels(&self) -> usize {
         (self.bite + SUBUNITS_PER_VOXEL - 1).div_euclid(SUBUNITS_PER_VOXEL).max(0) as usize
     }
 
-    /// Radius of the largest ball inside the shape.
+    /// Radius of the largest ball inside the shape; 0 for a disc, in which depth is no distance.
     #[must_use]
     pub fn inscribed_radius_subunits(&self) -> i32 {
         match self.shape {
             GridShape::Ball(radius) => radius,
             GridShape::Box(half) => half.min_element(),
+            GridShape::Disc { .. } => 0,
         }
     }
 
@@ -48,6 +79,8 @@ impl GridBit {
         match self.shape {
             GridShape::Ball(radius) => radius,
             GridShape::Box(half) => libm::ceilf(half.as_vec3().length()) as i32,
+            // Its brush is the part of a ball between two planes.
+            GridShape::Disc { radius, .. } => radius,
         }
     }
 
@@ -57,13 +90,17 @@ impl GridBit {
         let shape = match self.shape {
             GridShape::Ball(radius) => GridShape::Ball(radius - rim_subunits),
             GridShape::Box(half) => GridShape::Box(half - IVec3::splat(rim_subunits)),
+            GridShape::Disc { radius, half_thickness } => GridShape::Disc {
+                radius: radius - rim_subunits,
+                half_thickness: half_thickness - rim_subunits,
+            },
         };
         let shrunk = GridBit { shape, ..*self };
         (shrunk.inscribed_radius_subunits() > 0).then_some(shrunk)
     }
 
     /// Offset shape: the points deeper inside the bit than a depth. A negative depth enlarges the bit
-    /// by its faces or radius. `None` if no point is that deep.
+    /// by its faces or radius. `None` if no point is that deep. For a disc see [`GridBit::disc_deeper_than`].
     #[must_use]
     pub(crate) fn piece_deeper_than(&self, depth_subunits: i32, pose: &Pose) -> Option<BrushPiece> {
         match self.shape {
@@ -84,7 +121,33 @@ impl GridBit {
                 }
                 Some(BrushPiece::Box(piece))
             }
+            GridShape::Disc { .. } => {
+                let disc = self.disc_deeper_than(depth_subunits)?;
+                let strictly_inside =
+                    DiscShape { radius_squared: disc.radius_squared - 1, extent: disc.extent - 1 };
+                let at = pose.clamped_position_subunits();
+                Some(BrushPiece::Disc(SweptDisc::new(strictly_inside, pose, at)))
+            }
         }
+    }
+
+    /// Offset shape of a disc, boundary included. It is thin, so depth is measured in its plane: across the plane
+    /// it grows from either face so fast that five eighths of the thickness are left at the depth of the bite. So a
+    /// blade is held by a wall that it is pushed against sideways, and a hand can turn it in its slot. Of a blade of
+    /// two voxels that is more than one, which no layer of voxels slips past.
+    ///
+    /// `None` if no point is that deep, and for other shapes.
+    fn disc_deeper_than(&self, depth_subunits: i32) -> Option<DiscShape> {
+        let GridShape::Disc { radius, half_thickness } = self.shape else { return None };
+        let (depth, bite) = (i64::from(depth_subunits), i64::from(self.bite.max(1)));
+        if depth <= 0 {
+            return Some(DiscShape::new(radius - depth_subunits, half_thickness - depth_subunits));
+        }
+        let left = i64::from(radius) - depth;
+        let whole = 2 * i64::from(half_thickness) * i64::from(FIXED_ONE) * (8 * bite - 3 * depth);
+        let disc =
+            DiscShape { radius_squared: left * left, extent: -(-whole).div_euclid(8 * bite) };
+        (left > 0 && disc.extent > 0).then_some(disc)
     }
 
     /// The bit itself at a pose, boundary included.
@@ -93,6 +156,11 @@ impl GridBit {
         match self.shape {
             GridShape::Ball(radius) => BrushPiece::sphere(pose.clamped_position_subunits(), radius),
             GridShape::Box(half) => BrushPiece::oriented_box(half, pose),
+            GridShape::Disc { radius, half_thickness } => BrushPiece::Disc(SweptDisc::new(
+                DiscShape::new(radius, half_thickness),
+                pose,
+                pose.clamped_position_subunits(),
+            )),
         }
     }
 
@@ -106,7 +174,16 @@ impl GridBit {
                 radius,
             ),
             GridShape::Box(half) => Brush::swept_box(half, from, to),
+            GridShape::Disc { radius, half_thickness } => {
+                Brush::swept_disc(DiscShape::new(radius, half_thickness), from, to)
+            }
         }
+    }
+
+    /// Depth of a disc's middle. `None` for other shapes.
+    pub(super) fn disc_middle_depth_subunits(&self) -> Option<i32> {
+        let GridShape::Disc { radius, .. } = self.shape else { return None };
+        Some(radius.min((8 * self.bite.max(1) + 2) / 3))
     }
 
     /// Depth of a point inside the bit, rounded up; negative outside. The axes are those of
@@ -126,6 +203,13 @@ impl GridBit {
                     -(-left).div_euclid(unit)
                 };
                 inside(0).min(inside(1)).min(inside(2)) as i32
+            }
+            GridShape::Disc { radius, half_thickness } => {
+                let in_plane = radius - isqrt(offset_from_bit.dot(offset_from_bit)) as i32;
+                let whole = i64::from(half_thickness.max(1)) * i64::from(FIXED_ONE);
+                let left = whole - offset_from_bit.dot(unit_axes_q14[0].as_i64vec3()).abs();
+                let across = -(-left * 8 * i64::from(self.bite.max(1))).div_euclid(3 * whole);
+                in_plane.min(across as i32)
             }
         }
     }
@@ -152,6 +236,19 @@ impl GridBit {
                 let wider = ROUNDING + libm::ceilf(turn / pieces / 2.0) as i32;
                 (left.min_element() > 0).then_some(GridShape::Box(left + wider))
             }
+            GridShape::Disc { .. } => self.disc_deeper_than(depth_subunits).map(|disc| {
+                let radius = isqrt(disc.radius_squared) as i32 + 1;
+                let half_thickness = disc.extent.div_euclid(2 * i64::from(FIXED_ONE)) as i32 + 1;
+                // A piece has one rotation, that of its middle, which takes its rim off the plane.
+                let turn = radius as f32 * from.angle_radians_to(to);
+                let pieces = libm::ceilf(turn / SUBUNITS_PER_VOXEL as f32)
+                    .clamp(1.0, (SWEEP_PIECES - 1) as f32);
+                let turn = libm::ceilf(turn / pieces / 2.0) as i32;
+                GridShape::Disc {
+                    radius: radius + ROUNDING,
+                    half_thickness: half_thickness + ROUNDING + turn,
+                }
+            }),
         };
         Some(GridBit { shape: shape?, ..*self }.swept_brush(from, to))
     }

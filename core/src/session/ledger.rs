@@ -5,11 +5,12 @@
 //! leave to the islands, which always keep a share of their own. So no tick is long, and every pass ends
 //! whatever hands do.
 
-use crate::edit::contact::WayBudget;
+use crate::edit::contact::{Contact, WayBudget};
 use crate::edit::grid_bit::{GridBit, GridShape};
 use crate::limits::{
     ball_sweep_work_per_quarter_voxel, bit_side_voxels, bit_step_work, bite_work,
-    box_sweep_work_per_quarter_voxel, buried_contact_work, dear_rewind_columns,
+    box_sweep_work_per_quarter_voxel, buried_contact_work, contact_work, dear_rewind_columns,
+    disc_bite_work, disc_contact_work, disc_step_work, disc_sweep_work_per_step,
     island_removal_row_visits, island_reserve, max_bit_steps_per_tick,
     max_island_row_visits_per_tick, rewind_work, smoothing_sweep_work_per_quarter_voxel,
     smoothing_work, tick_work,
@@ -85,22 +86,22 @@ impl BitWork {
     /// The work of a bit in a grid of so many voxels a side. A mirrored edit is two.
     pub(crate) fn of(bit: &GridBit, grid_side: usize, is_mirrored: bool) -> Self {
         let side = bit_side_voxels(bit.circumscribed_radius_subunits());
-        let sweep = match bit.shape {
-            GridShape::Ball(_) => ball_sweep_work_per_quarter_voxel(side),
-            GridShape::Box(_) => box_sweep_work_per_quarter_voxel(side),
+        let (step, bite) = (bit_step_work(side), bite_work(side));
+        let (step, bite, sweep) = match bit.shape {
+            GridShape::Ball(_) => (step, bite, ball_sweep_work_per_quarter_voxel(side)),
+            GridShape::Box(_) => (step, bite, box_sweep_work_per_quarter_voxel(side)),
+            GridShape::Disc { .. } => (
+                disc_step_work(grid_side, side),
+                disc_bite_work(grid_side, side),
+                disc_sweep_work_per_step(side),
+            ),
         };
         let most_steps = max_bit_steps_per_tick(grid_side);
         let edits = 1 + u32::from(is_mirrored);
-        BitWork {
-            step: bit_step_work(side),
-            bite: edits * bite_work(side),
-            sweep: edits * sweep,
-            contact: 0,
-            most_steps,
-        }
+        BitWork { step, bite: edits * bite, sweep: edits * sweep, contact: 0, most_steps }
     }
 
-    /// The work of a file, whose edits have a larger brush.
+    /// The work of a file, whose edits have a larger brush, and whose steps lead through the stone to the mask.
     pub(crate) fn of_file(
         bit: &GridBit,
         brush: &GridBit,
@@ -109,11 +110,13 @@ impl BitWork {
     ) -> Self {
         let side = bit_side_voxels(brush.circumscribed_radius_subunits());
         let edits = 1 + u32::from(is_mirrored);
+        let of_bit = BitWork::of(bit, grid_side, is_mirrored);
         BitWork {
+            step: of_bit.step * 3 / 2,
             bite: edits * smoothing_work(grid_side, side),
             sweep: edits * smoothing_sweep_work_per_quarter_voxel(side),
             contact: buried_contact_work(bit_side_voxels(bit.circumscribed_radius_subunits())),
-            ..BitWork::of(bit, grid_side, is_mirrored)
+            ..of_bit
         }
     }
 
@@ -155,9 +158,22 @@ impl BitWork {
     }
 }
 
+/// What finding a bit's contact cost, most where it is deeper than its bite. A file's is known before.
+pub(crate) fn work_of_contact(bit: &GridBit, contact: &Contact) -> u32 {
+    let side = bit_side_voxels(bit.circumscribed_radius_subunits());
+    match bit.shape {
+        _ if contact.overlap == 0 => 0,
+        GridShape::Disc { .. } => disc_contact_work(side),
+        GridShape::Ball(_) | GridShape::Box(_) if contact.depth <= bit.bite => contact_work(side),
+        GridShape::Ball(_) | GridShape::Box(_) => buried_contact_work(side),
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{BitWork, TickLedger};
+    use super::{BitWork, TickLedger, work_of_contact};
+    use crate::edit::contact::Contact;
+    use crate::edit::grid_bit::GridShape;
     use crate::limits::{dear_rewind_columns, island_reserve};
     use crate::session::tools::ToolBit;
 
@@ -168,6 +184,22 @@ mod tests {
             assert_eq!(two.of_edit(7), 2 * one.of_edit(7));
             assert_eq!(two.of_steps(7), one.of_steps(7));
             assert!(!two.fits_bite(one.of_edit(0)));
+        }
+    }
+
+    /// Without stone it is free; a bit in stone beyond its bite pays for each of its voxels.
+    #[test]
+    fn a_contact_costs_what_it_finds() {
+        for bit in ToolBit::ALL.map(|bit| bit.to_grid_bit(1758.0)) {
+            let work = |overlap, depth| {
+                work_of_contact(&bit, &Contact { overlap, depth, ..Contact::NONE })
+            };
+            let [free, touching, buried] = [work(0, 0), work(1, bit.bite), work(1, bit.bite + 1)];
+            assert!(free == 0 && touching > 0, "{bit:?}");
+            match bit.shape {
+                GridShape::Disc { .. } => assert_eq!(buried, touching),
+                GridShape::Ball(_) | GridShape::Box(_) => assert_eq!(buried, 4 * touching),
+            }
         }
     }
 

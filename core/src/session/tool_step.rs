@@ -8,10 +8,11 @@ use crate::limits::{
     DITHER_RIM_VOXELS, LIGHT_SMOOTHING_PERIOD, MAX_BITES_PER_TICK, SMOOTHING_PERIOD,
     light_smoothing_radius, smoothing_radius,
 };
+use crate::session::bared::BaringJournal;
 use crate::session::events::WorldEvent;
 use crate::session::hand::{HandPresses, HandState, haptic_amplitude};
 use crate::session::journals::StrokeJournal;
-use crate::session::ledger::BitWork;
+use crate::session::ledger::{BitWork, work_of_contact};
 use crate::session::state::SessionState;
 use crate::session::step::metres_from_um;
 use crate::session::tools::{BitAction, ToolBit};
@@ -138,6 +139,10 @@ where
         let felt = Contact { overlap: contact.overlap + report.removed + report.added, ..contact };
         state.haptic =
             haptic_amplitude(bit.spec(), &felt, is_running, state.trigger_ticks, speed_um);
+        let spent = match bit.spec().action {
+            BitAction::Smooth => spent,
+            BitAction::Carve | BitAction::Fill => spent + work_of_contact(&grid_bit, &contact),
+        };
         self.state.hands[hand] = state;
         self.contacts[hand] = contact;
         self.has_contact[hand] = true;
@@ -303,11 +308,14 @@ where
             }
         };
         let mirrored = self.state.symmetry;
-        let mut journal = StrokeJournal {
+        let journal = StrokeJournal {
             undo: &mut self.undo,
             dirty: &mut self.dirty,
             islands: &mut self.islands,
         };
+        let (figure, ends) = (&self.mask, &mut self.bared);
+        let counted_axes = self.state.counted_axes;
+        let mut journal = BaringJournal { journal, figure, counted_axes, ends };
         let mut apply_brush = |brush| {
             let edit = Edit { brush: &brush, operation, mirrored };
             apply_edit(&mut self.volume, &self.mask, &edit, &mut self.scratch, &mut journal)

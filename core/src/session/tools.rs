@@ -42,10 +42,14 @@ pub enum ToolBit {
     PointChisel = 5,
     /// Impact: a wide chisel.
     FlatChisel = 6,
+    /// Rotary: a ball of 40 mm radius, for roughing out.
+    RoughingBall = 7,
+    /// Rotary: a disc of 70 mm radius, two voxels thick.
+    DiscSaw = 8,
     /// The fill gun's fixed nozzle.
-    Nozzle = 7,
+    Nozzle = 9,
     /// The rasp's fixed file.
-    File = 8,
+    File = 10,
 }
 
 /// The edit that a bit makes.
@@ -71,6 +75,12 @@ pub enum BitShape {
     Box {
         /// Half extents in micrometres.
         half_extents_um: [i32; 3],
+    },
+    /// A disc that works along its own plane, whose normal is x. It is two voxels thick, so that what it cuts off
+    /// is loose however it is held.
+    Disc {
+        /// In micrometres.
+        radius_um: i32,
     },
 }
 
@@ -134,7 +144,7 @@ impl Tool {
 
 impl ToolBit {
     /// All bits, by number.
-    pub const ALL: [ToolBit; 9] = [
+    pub const ALL: [ToolBit; 11] = [
         ToolBit::SmallBall,
         ToolBit::MediumBall,
         ToolBit::LargeBall,
@@ -142,6 +152,8 @@ impl ToolBit {
         ToolBit::Grinder,
         ToolBit::PointChisel,
         ToolBit::FlatChisel,
+        ToolBit::RoughingBall,
+        ToolBit::DiscSaw,
         ToolBit::Nozzle,
         ToolBit::File,
     ];
@@ -181,6 +193,10 @@ impl ToolBit {
                     fixed(half_extents_um[i] + reach_um[i])
                 })))
             }
+            BitShape::Disc { radius_um } => GridShape::Disc {
+                radius: fixed(radius_um + reach_um[1]),
+                half_thickness: SUBUNITS_PER_VOXEL + fixed(reach_um[0]),
+            },
         };
         GridBit { shape, bite: fixed(data.bite_um) }
     }
@@ -224,7 +240,7 @@ const fn box_spec(
     }
 }
 
-static BITS: [ToolBitSpec; 9] = [
+static BITS: [ToolBitSpec; 11] = [
     ball_spec("small ball burr", 9_000, 2_500, &[180, 120]),
     ball_spec("medium ball burr", 15_000, 3_000, &[200, 140]),
     ball_spec("large ball burr", 24_000, 3_400, &[220, 220, 150]),
@@ -242,6 +258,11 @@ static BITS: [ToolBitSpec; 9] = [
         bite_period: 8,
         haptic_train: &[255, 140, 60, 20, 0, 0, 0, 0],
         ..box_spec("flat chisel", Tool::Impact, [18_000, 7_000, 14_000], 3_000)
+    },
+    ball_spec("roughing ball burr", 40_000, 7_000, &[255, 220, 240, 180]),
+    ToolBitSpec {
+        shape: BitShape::Disc { radius_um: 70_000 },
+        ..ball_spec("disc saw", 70_000, 7_000, &[160, 200, 180, 220])
     },
     ToolBitSpec {
         tool: Tool::FillGun,

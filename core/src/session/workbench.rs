@@ -9,7 +9,7 @@ use crate::session::input::TICK_RATE;
 use crate::session::tools::{Tool, ToolBit};
 
 /// Number of items: the tools, then the exchangeable bits.
-pub const BENCH_ITEMS: usize = 11;
+pub const BENCH_ITEMS: usize = 13;
 
 /// Greatest distance at which a hand can take an item, in metres.
 pub(crate) const GRAB_DISTANCE: f32 = 0.12;
@@ -72,11 +72,13 @@ impl BenchItem {
         }
     }
 
-    /// Its home position in the room, in metres: tools in the front row, bits behind.
+    /// Its home position in the room, in metres: tools in the front row, bits behind, the large ones last.
     #[must_use]
     pub fn home_position(self) -> Vec3 {
         match self {
             BenchItem::Tool(tool) => Vec3::new(0.45, BENCH_TOP, -0.65 + 0.18 * (tool as u8) as f32),
+            BenchItem::Bit(ToolBit::RoughingBall) => Vec3::new(0.84, BENCH_TOP, -0.35),
+            BenchItem::Bit(ToolBit::DiscSaw) => Vec3::new(0.84, BENCH_TOP, -0.15),
             BenchItem::Bit(bit) => Vec3::new(0.7, BENCH_TOP, -0.65 + 0.1 * (bit as u8) as f32),
         }
     }

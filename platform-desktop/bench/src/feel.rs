@@ -55,7 +55,8 @@ where
     for bit in ToolBit::ALL.into_iter().filter(carves) {
         rows.extend(sculptor.measure_grooves(bit));
     }
-    for bit in [ToolBit::SmallBall, ToolBit::MediumBall, ToolBit::LargeBall] {
+    for bit in [ToolBit::SmallBall, ToolBit::MediumBall, ToolBit::LargeBall, ToolBit::RoughingBall]
+    {
         rows.extend(sculptor.measure_circle(bit));
     }
     rows.push(sculptor.measure_roughing());
@@ -143,8 +144,8 @@ where
 
     /// Lines side by side, a ball apart, with the ball pressed half its size.
     fn measure_roughing(&mut self) -> ReportRow {
-        const LINES: usize = 6;
-        let (bit, radius, speed) = (ToolBit::LargeBall, 0.024, 0.6);
+        const LINES: usize = 4;
+        let (bit, radius, speed) = (ToolBit::RoughingBall, 0.040, 0.6);
         let (line, step) = (0.7 * BOX_SIDE, 2.0 * radius);
         let length = line * LINES as f32 + step * (LINES - 1) as f32;
         let raster = |metres: f32| {
@@ -250,6 +251,7 @@ fn reach_of(bit: &GridBit, grip: Quat) -> f32 {
     let subunits = match bit.shape {
         GridShape::Ball(radius) => radius as f32,
         GridShape::Box(half) => (grip.inverse() * Vec3::Y).abs().dot(half.as_vec3()),
+        GridShape::Disc { radius, .. } => radius as f32,
     };
     subunits / SUBUNITS_PER_VOXEL as f32
 }

@@ -42,6 +42,12 @@ pub(crate) fn bit_mesh(bit: ToolBit) -> MeshBuilder {
             mesh.append(&bevelled_box(half, 0.0008, colour), glam::Affine3A::IDENTITY);
             half.z
         }
+        BitShape::Disc { radius_um } => {
+            let blade = blade_about_y(metres_from_micrometres(radius_um), colour);
+            mesh.append(&blade, glam::Affine3A::from_quat(Quat::from_rotation_z(0.5 * PI)));
+            // The shank holds it at its middle.
+            -0.01
+        }
     };
     mesh.append(
         &shank_mesh_along_y(data.tool, back),
@@ -75,6 +81,23 @@ fn shank_mesh_along_y(tool: Tool, head_end_metres: f32) -> MeshBuilder {
     };
     lathe_about_y(&rings, 12)
 }
+
+/// A saw's blade about y: it is drawn as thick as two voxels at 256.
+fn blade_about_y(radius: f32, colour: Vec3) -> MeshBuilder {
+    let rings = [
+        (0.0, -BLADE_HALF_THICKNESS, GRAPHITE),
+        (0.3 * radius, -BLADE_HALF_THICKNESS, GRAPHITE),
+        (0.92 * radius, -BLADE_HALF_THICKNESS, colour),
+        (radius, -BLADE_HALF_THICKNESS, colour * 0.6),
+        (radius, BLADE_HALF_THICKNESS, colour * 0.6),
+        (0.92 * radius, BLADE_HALF_THICKNESS, colour),
+        (0.3 * radius, BLADE_HALF_THICKNESS, GRAPHITE),
+        (0.0, BLADE_HALF_THICKNESS, GRAPHITE),
+    ];
+    lathe_about_y(&rings, 48)
+}
+
+const BLADE_HALF_THICKNESS: f32 = 0.0018;
 
 /// Colours a ball with dark helical lines from pole to pole.
 fn darken_flutes(ball: &mut MeshBuilder) {

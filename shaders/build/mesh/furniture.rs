@@ -15,7 +15,7 @@ use super::shapes::{
 };
 use super::{MeshBuilder, translation};
 
-/// Bits that can be exchanged: the fixed ones are always on their tools.
+/// Bits in the rack. The large ones stand behind it.
 const BITS: usize = 7;
 
 /// The bench, in the room: what rests on it rests on `rest_height`'s rectangle of the core.

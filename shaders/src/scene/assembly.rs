@@ -276,6 +276,8 @@ impl SceneAssembler {
         let radius = match bit.spec().shape {
             BitShape::Ball { radius_um } => radius_um,
             BitShape::Box { half_extents_um: [x, y, _] } => x.min(y),
+            // The chips of a saw fly from its rim.
+            BitShape::Disc { radius_um } => radius_um,
         } as f32
             * 1e-6;
         // A chip stands for a few cubic millimetres: finer grids throw no more.

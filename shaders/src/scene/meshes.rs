@@ -76,6 +76,8 @@ impl MeshId {
             ToolBit::Grinder => MeshId::Grinder,
             ToolBit::PointChisel => MeshId::PointChisel,
             ToolBit::FlatChisel => MeshId::FlatChisel,
+            ToolBit::RoughingBall => MeshId::RoughingBall,
+            ToolBit::DiscSaw => MeshId::DiscSaw,
             ToolBit::Nozzle => MeshId::Nozzle,
             ToolBit::File => MeshId::File,
         }

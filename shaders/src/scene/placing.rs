@@ -13,6 +13,9 @@ const REST: f32 = 0.046;
 /// Height of a racked bit's centre over the bench, in metres.
 const RACK: f32 = 0.062;
 
+/// Height of a blade's rim over the bench, in metres.
+const CLEARANCE: f32 = 0.004;
+
 /// Ticks over which a fallen item comes to lie flat.
 const SETTLE: f32 = 10.0;
 
@@ -38,8 +41,15 @@ pub fn display_pose_unless_held_or_mounted(bench: &Workbench, item: BenchItem) -
         (ToolPlace::Home, BenchItem::Tool(_)) => {
             (position + Vec3::Y * REST, Quat::from_rotation_y(-FRAC_PI_2))
         }
-        (ToolPlace::Home, BenchItem::Bit(_)) => {
-            (position + Vec3::Y * RACK, Quat::from_rotation_x(FRAC_PI_2))
+        (ToolPlace::Home, BenchItem::Bit(bit)) => {
+            let upright = Quat::from_rotation_x(FRAC_PI_2);
+            match bit.spec().shape {
+                // A blade stands on its rim.
+                BitShape::Disc { radius_um } => {
+                    (position + Vec3::Y * (radius_um as f32 * 1e-6 + CLEARANCE), upright)
+                }
+                _ => (position + Vec3::Y * RACK, upright),
+            }
         }
         (ToolPlace::Lying(ticks), _) => {
             let settled = (f32::from(ticks) / SETTLE).min(1.0);
@@ -76,6 +86,7 @@ fn lying_axis_height_metres(bench: &Workbench, item: BenchItem) -> f32 {
     let half_thickness_um = match bit.spec().shape {
         BitShape::Ball { radius_um } => radius_um,
         BitShape::Box { half_extents_um } => half_extents_um[1],
+        BitShape::Disc { radius_um } => radius_um,
     };
     (half_thickness_um as f32 * 1e-6).max(0.023)
 }

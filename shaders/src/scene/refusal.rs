@@ -129,6 +129,7 @@ where
     let [x, y, z] = voxels.ranges();
     let bit = world.held_tool(hand).map_or(0.0, |(_, bit)| match bit.spec().shape {
         BitShape::Ball { radius_um } => radius_um as f32,
+        BitShape::Disc { radius_um } => radius_um as f32,
         BitShape::Box { half_extents_um } => IVec3::from_array(half_extents_um).as_vec3().length(),
     });
     // And what rounding takes.

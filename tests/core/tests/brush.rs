@@ -3,10 +3,10 @@
 use glam::{IVec3, Quat, Vec3};
 use paros_core::Brush;
 use paros_core::edit::{Pose, SUBUNITS_PER_VOXEL};
-use paros_core::internals::{BrushPiece, BrushPieces, isqrt};
+use paros_core::internals::{BrushPiece, BrushPieces, GridBit, GridShape, isqrt};
 use paros_core::volume::{BitSet, Grid, Size};
 use paros_models::brush::{
-    box_voxels, capsule_voxels, longest_corner_chord_voxels, swept_box_voxels,
+    box_voxels, capsule_voxels, longest_corner_chord_voxels, swept_box_voxels, swept_disc_voxels,
 };
 use paros_models::dense::DenseVolume;
 use proptest::prelude::*;
@@ -47,6 +47,24 @@ where
 
 fn symmetric_difference(a: &DenseVolume, b: &DenseVolume) -> DenseVolume {
     a.difference(b).union(&b.difference(a))
+}
+
+/// A strategy for radius and half thickness of a disc in fixed point, thinner than it is wide.
+fn any_disc(n: i32) -> impl Strategy<Value = [i32; 2]> {
+    (1..n * SUBUNITS_PER_VOXEL, 1..3 * SUBUNITS_PER_VOXEL)
+        .prop_map(|(radius, half)| [radius, half.min(radius)])
+}
+
+fn any_small_way() -> impl Strategy<Value = Vec3> {
+    [-5.0f32..5.0, -5.0f32..5.0, -5.0f32..5.0].prop_map(Vec3::from_array)
+}
+
+fn near_grid(pose: Pose) -> Pose {
+    Pose { position: pose.position.clamp(Vec3::splat(-20.0), Vec3::splat(36.0)), ..pose }
+}
+
+fn disc_bit([radius, half_thickness]: [i32; 2]) -> GridBit {
+    GridBit { shape: GridShape::Disc { radius, half_thickness }, bite: SUBUNITS_PER_VOXEL }
 }
 
 /// A strategy for coordinates in fixed point: near the grid, at voxel centres and borders, or far away.
@@ -171,6 +189,53 @@ proptest! {
                 prop_assert!(wrong.is_empty(), "at {}: {:?}", t, wrong);
             }
         }
+    }
+
+    #[test]
+    fn a_disc_moved_in_its_plane_is_its_points(disc in any_disc(16), way in any_small_way(), pose in any_pose(16)) {
+        let pose = near_grid(pose);
+        let normal = pose.rotation * Vec3::X;
+        let in_plane = way - normal * way.dot(normal);
+        let start = Pose { position: pose.position + in_plane, ..pose };
+        for start in [&start, &pose] {
+            let rows = voxels_by_rows::<16>(&disc_bit(disc).swept_brush(start, &pose));
+            let model = swept_disc_voxels(16, disc, &pose, start.clamped_position_subunits());
+            let wrong = symmetric_difference(&rows, &model);
+            prop_assert!(wrong.is_empty(), "{:?}", wrong);
+        }
+    }
+
+    /// It holds the ends, and, a little thinner, all between; and nothing that no disc between comes near.
+    #[test]
+    fn a_swept_disc_holds_its_ends_and_little_beside(
+        disc in any_disc(16), from in any_pose(16), way in any_small_way(), turn in prop_oneof![Just(0.0f32), -1.0f32..1.0],
+    ) {
+        let from = near_grid(from);
+        let to = Pose {
+            position: from.position + way,
+            rotation: from.rotation * Quat::from_rotation_z(turn),
+        };
+        let rows = voxels_by_rows::<16>(&disc_bit(disc).swept_brush(&from, &to));
+        for end in [&from, &to] {
+            let at_end = swept_disc_voxels(16, disc, end, end.clamped_position_subunits());
+            prop_assert!(at_end.is_within(&rows), "{:?}", at_end.difference(&rows));
+        }
+        let [radius, half] = disc;
+        let steps = 2 * (way.length() + radius as f32 / SUBUNITS_PER_VOXEL as f32) as u32 + 4;
+        let mut most = DenseVolume::empty(16);
+        for step in 0..=steps {
+            let here = from.interpolate(&to, step as f32 / steps as f32);
+            let at = here.clamped_position_subunits();
+            let thin = [radius - 8, half - SUBUNITS_PER_VOXEL * 3 / 4];
+            if thin.iter().min() > Some(&0) {
+                let held = swept_disc_voxels(16, thin, &here, at);
+                prop_assert!(held.is_within(&rows), "{}: {:?}", step, held.difference(&rows));
+            }
+            // A piece turns by half a voxel at its rim, and goes across by one.
+            let wide = [radius + SUBUNITS_PER_VOXEL / 2, half + SUBUNITS_PER_VOXEL * 7 / 4];
+            most = most.union(&swept_disc_voxels(16, wide, &here, at));
+        }
+        prop_assert!(rows.is_within(&most), "{:?}", rows.difference(&most));
     }
 
     #[test]
@@ -299,6 +364,16 @@ fn awkward_numbers_do_not_panic() {
             }
         }
     }
+}
+
+/// In one piece, the ball that holds a disc would reach from its first place into its last plane.
+#[test]
+fn a_disc_that_goes_askew_leaves_what_it_passes_by() {
+    let disc = disc_bit([4 * SUBUNITS_PER_VOXEL, SUBUNITS_PER_VOXEL / 2]);
+    let at = |x: f32, z: f32| Pose { position: Vec3::new(x, 8.5, z), rotation: Quat::IDENTITY };
+    let rows = voxels_by_rows::<16>(&disc.swept_brush(&at(4.5, 5.5), &at(8.5, 13.5)));
+    assert!(rows.contains([4, 8, 2]) && rows.contains([8, 8, 12]), "its ends");
+    assert!(!rows.contains([6, 8, 2]), "it is nowhere near");
 }
 
 #[test]

@@ -154,6 +154,9 @@ where
         [(ToolBit::File, HardWork::Turns), (ToolBit::Grinder, HardWork::Turns)],
         [(ToolBit::Nozzle, HardWork::Deep), (ToolBit::LargeBall, HardWork::Deep)],
         [(ToolBit::File, HardWork::Storm), (ToolBit::Grinder, HardWork::Deep)],
+        [(ToolBit::Nozzle, HardWork::Storm), (ToolBit::RoughingBall, HardWork::Rough)],
+        [(ToolBit::FlatChisel, HardWork::Rough), (ToolBit::DiscSaw, HardWork::Rough)],
+        [(ToolBit::File, HardWork::Storm), (ToolBit::DiscSaw, HardWork::Turns)],
     ] {
         for (is_masked, most) in [(false, 12), (true, 24)] {
             for cut_at in [0, 3] {

@@ -43,18 +43,7 @@ pub(crate) fn holds_any(piece: &BrushPiece, voxels: &DenseVolume) -> bool {
 pub(crate) fn centre_depth_subunits(bit: &GridBit, pose: &Pose, voxel: [i32; 3]) -> Option<i32> {
     let p = centre_offset_subunits(pose, voxel);
     let inner = match bit.shape {
-        GridShape::Ball(radius) => {
-            // The least k for which radius - k is no more than the distance.
-            let squared = p.length_squared();
-            let mut k = i64::from(radius) - squared.isqrt() - 1;
-            while (i64::from(radius) - k).max(0).pow(2) > squared {
-                k += 1;
-            }
-            if squared > i64::from(radius).pow(2) {
-                return None;
-            }
-            k
-        }
+        GridShape::Ball(radius) => depth_in_ball_subunits(radius, p)?,
         GridShape::Box(half) => {
             let unit = i64::from(FIXED_ONE);
             let across = distances_along_bit_axes(pose, p);
@@ -65,8 +54,29 @@ pub(crate) fn centre_depth_subunits(bit: &GridBit, pose: &Pose, voxel: [i32; 3])
             }
             (least + unit - 1) / unit
         }
+        GridShape::Disc { radius, half_thickness } => {
+            // Across its plane it is as deep as its bite where five eighths of its thickness are left.
+            let whole = i64::from(half_thickness) * i64::from(FIXED_ONE);
+            let left = whole - distances_along_bit_axes(pose, p)[0];
+            if left < 0 {
+                return None;
+            }
+            let (parts, of) = (left * 8 * i64::from(bit.bite.max(1)), 3 * whole);
+            depth_in_ball_subunits(radius, p)?.min((parts + of - 1) / of)
+        }
     };
     Some(inner as i32)
+}
+
+/// The depth of a point in a ball about the origin: the least k for which radius - k is no more than the distance.
+/// `None` outside.
+fn depth_in_ball_subunits(radius: i32, p: I64Vec3) -> Option<i64> {
+    let squared = p.length_squared();
+    let mut k = i64::from(radius) - squared.isqrt() - 1;
+    while (i64::from(radius) - k).max(0).pow(2) > squared {
+        k += 1;
+    }
+    (squared <= i64::from(radius).pow(2)).then_some(k)
 }
 
 /// Whether a voxel's centre lies in the bit or less than half a voxel outside its radius or faces.
@@ -84,6 +94,11 @@ pub(crate) fn is_less_than_half_a_voxel_outside(
             distances_along_bit_axes(pose, p).iter().enumerate().all(|(i, &across)| {
                 across < i64::from(half[i] + SUBUNITS_PER_VOXEL / 2) * i64::from(FIXED_ONE)
             })
+        }
+        GridShape::Disc { radius, half_thickness } => {
+            let wider = half_thickness + SUBUNITS_PER_VOXEL / 2;
+            p.length_squared() < i64::from(radius + SUBUNITS_PER_VOXEL / 2).pow(2)
+                && distances_along_bit_axes(pose, p)[0] < i64::from(wider) * i64::from(FIXED_ONE)
         }
     }
 }

@@ -57,6 +57,27 @@ pub fn swept_box_voxels(
     })
 }
 
+/// The voxels whose centres are within `radius_subunits` of the way of a disc from `start_subunits` to the pose's
+/// position, and at most `half_thickness_subunits` off the planes that it has on that way.
+pub fn swept_disc_voxels(
+    side: usize,
+    [radius_subunits, half_thickness_subunits]: [i32; 2],
+    end_pose: &Pose,
+    start_subunits: IVec3,
+) -> DenseVolume {
+    let (start, end) = (widen(start_subunits), widen(end_pose.clamped_position_subunits()));
+    let normal = widen(end_pose.unit_axes_q14()[0]);
+    let [low, high] = [start, end].map(|place| dot(normal, place));
+    let half = i128::from(half_thickness_subunits) * i128::from(FIXED_ONE);
+    DenseVolume::from_fn(side, |voxel| {
+        let centre = voxel_centre_subunits(voxel);
+        let height = dot(normal, centre);
+        is_near_segment(centre, start, end, radius_subunits.into())
+            && height >= low.min(high) - half
+            && height <= low.max(high) + half
+    })
+}
+
 /// The greatest distance, in voxels, between a corner's positions under two rotations of the box.
 pub fn longest_corner_chord_voxels(half_extents_subunits: IVec3, from: Quat, to: Quat) -> f32 {
     let half = half_extents_subunits.as_vec3() / SUBUNITS_PER_VOXEL as f32;

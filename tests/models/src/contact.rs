@@ -6,7 +6,8 @@ use std::sync::Arc;
 use glam::{I64Vec3, IVec3, Vec3};
 use paros_core::edit::{Contact, Pose, SUBUNITS_PER_VOXEL};
 use paros_core::internals::{
-    BURIED_WITHIN, FreezeResult, GridBit, LONG_STRETCH, SHORT_STRETCH, WayBudget, exit_probe_steps,
+    BURIED_WITHIN, FreezeResult, GridBit, GridShape, LONG_STRETCH, SHORT_STRETCH, WayBudget,
+    exit_probe_steps,
 };
 use paros_core::limits::deep_step_cost_in_steps;
 
@@ -73,24 +74,38 @@ impl ContactModel {
         self.volume.contains(voxel)
     }
 
-    /// The contact of a bit at a pose: overlapping voxels, penetration depth and normal.
+    /// The contact of a bit at a pose: overlapping voxels, penetration depth and normal. A disc that is too deep
+    /// overlaps one voxel, is as deep as its middle, and has no normal.
     pub fn contact_at(&self, bit: &GridBit, pose: &Pose) -> Contact {
+        let inner = |voxel| centre_depth_subunits(bit, pose, voxel);
+        let depths = voxels_around(&self.volume, bit, pose).filter_map(inner);
+        let (overlap, depth) = depths.fold((0, 0), |(n, most), depth| (n + 1, depth.max(most)));
+        let on_mask = voxels_around(&self.mask, bit, pose)
+            .any(|voxel| is_less_than_half_a_voxel_outside(bit, pose, voxel));
+        match bit.shape {
+            GridShape::Disc { radius, .. } if depth > bit.bite => {
+                let middle_across = f64::from(8 * bit.bite.max(1)) / 3.0;
+                let depth = radius.min(middle_across.ceil() as i32);
+                Contact { overlap: 1, depth, normal: Vec3::ZERO, on_mask }
+            }
+            _ => Contact { overlap, depth, normal: self.normal_at(bit, pose), on_mask },
+        }
+    }
+
+    /// The normal of the surface that a bit overlaps.
+    fn normal_at(&self, bit: &GridBit, pose: &Pose) -> Vec3 {
         let mut normal = IVec3::ZERO;
-        let (mut overlap, mut depth) = (0, 0);
         for voxel in voxels_around(&self.volume, bit, pose) {
-            let Some(inner) = centre_depth_subunits(bit, pose, voxel) else { continue };
-            overlap += 1;
-            depth = depth.max(inner);
+            if centre_depth_subunits(bit, pose, voxel).is_none() {
+                continue;
+            }
             for near in face_neighbours(voxel) {
                 if !self.volume.contains(near) {
                     normal += IVec3::from_array(near) - IVec3::from_array(voxel);
                 }
             }
         }
-        let normal = normal.as_vec3().normalize_or_zero();
-        let on_mask = voxels_around(&self.mask, bit, pose)
-            .any(|voxel| is_less_than_half_a_voxel_outside(bit, pose, voxel));
-        Contact { overlap, depth, normal, on_mask }
+        normal.as_vec3().normalize_or_zero()
     }
 
     /// The penetration depths of a bit at a pose.
@@ -176,7 +191,10 @@ impl ContactModel {
     /// Whether the bit is too deep and its centre may be in stone.
     pub fn buries(&self, bit: &GridBit, pose: &Pose) -> bool {
         let unburied = bit.inscribed_radius_subunits() - BURIED_WITHIN;
-        self.penetration_at(bit, pose).volume > unburied.max(bit.bite)
+        let sits = self.penetration_at(bit, pose);
+        // A disc that is too deep anywhere counts as buried.
+        let in_figure = matches!(bit.shape, GridShape::Disc { .. }) && sits.mask > 0;
+        in_figure || sits.volume > unburied.max(bit.bite)
     }
 
     /// Whether the straight way of the bit's centre isn't surely through the open.
@@ -196,7 +214,7 @@ impl ContactModel {
         left: &mut WayBudget,
     ) -> PathWalk {
         let offset_left = tracked.position - reached.position;
-        let normal = match self.contact_at(bit, stop).normal {
+        let normal = match self.normal_at(bit, stop) {
             Vec3::ZERO => -offset_left.normalize_or_zero(),
             normal => normal,
         };
@@ -253,7 +271,8 @@ impl ContactModel {
             let last = poses.len().min(steps_done.saturating_add(left.quarter_voxels as usize));
             if steps_done >= singly_to {
                 let end = (steps_done + stretch).min(last);
-                spend(left, u32::from(limits == usual), 0);
+                let cost = bit.swept_brush(&reached, &poses[end - 1]).pieces().count() as u32;
+                spend(left, if limits == usual { cost } else { 0 }, 0);
                 if limits == usual && self.is_sweep_free(bit, &reached, &poses[end - 1], usual) {
                     assert!(
                         poses[steps_done..end]
@@ -353,12 +372,19 @@ impl ContactModel {
 }
 
 /// The poses of a path, in steps of a quarter voxel of translation and rotation together: `from` is none of
-/// them, the last is `to`.
+/// them, the last is `to`. Along its own plane a disc moves four times as far in a step.
 pub fn path_poses(bit: &GridBit, from: &Pose, to: &Pose) -> impl Iterator<Item = Pose> + use<> {
     let (from, to) = (*from, *to);
     let turn = from.angle_radians_to(&to) * bit.circumscribed_radius_subunits() as f32
         / SUBUNITS_PER_VOXEL as f32;
-    let length = (to.position - from.position).length() + turn;
+    let way = to.position - from.position;
+    let length = match bit.shape {
+        GridShape::Ball(_) | GridShape::Box(_) => way.length(),
+        GridShape::Disc { .. } => {
+            let across = way.dot(from.rotation * Vec3::X).abs();
+            way.length().min(across + way.length() * (0.25 + from.angle_radians_to(&to)))
+        }
+    } + turn;
     let steps = (length * STEPS_PER_VOXEL).ceil().max(1.0) as u32;
     (1..=steps).map(move |i| from.interpolate(&to, i as f32 / steps as f32))
 }

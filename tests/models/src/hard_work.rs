@@ -19,6 +19,11 @@ pub enum HardWork {
     Turns,
     /// Its bit is deep in a trench that a fill has narrowed, as far as it goes.
     Deep,
+    /// Its bit goes to and fro through the stone at a metre a second, half in it.
+    Rough,
+    /// Its bit, whose blade stands across x, is pushed along x at a metre a second and turns a little: it makes as
+    /// many bites as fit, and its blade lies in most rows.
+    Sideways,
 }
 
 impl HardWork {
@@ -35,6 +40,20 @@ impl HardWork {
             HardWork::Turns => (Vec3::new(side * 0.3, floor, z), Quat::IDENTITY),
             HardWork::Deep => {
                 (Vec3::new(side * 0.3 + 0.2 * tick as f32, floor - 0.03 * side, z), turned)
+            }
+            HardWork::Rough => {
+                // 13.9 mm of the box's 450 mm a tick, with a blade upright across x.
+                let gone = (tick as f32 * 0.0309) % 1.4;
+                let z = side * (0.15 + (0.7 - gone).abs());
+                let x = side * (0.3 + 0.4 * hand as f32 + 0.002 * tick as f32);
+                (Vec3::new(x, floor, z), Quat::from_rotation_y(0.05))
+            }
+            HardWork::Sideways => {
+                let gone = (tick as f32 * 0.0309) % 1.4;
+                let x = side * (0.15 + (0.7 - gone).abs());
+                let turned = 0.3 * (tick as f32 * 0.04).sin();
+                let rotation = Quat::from_rotation_y(turned) * Quat::from_rotation_z(turned);
+                (Vec3::new(x, floor - 0.1 * side, z), rotation)
             }
         };
         Pose { position, rotation }
@@ -103,10 +122,13 @@ impl HardVisitor {
         TickInput { hands, commands, ..TickInput::default() }
     }
 
-    /// Two bits of different tools.
+    /// Two bits of different tools, of which a fifth are saws.
     fn choose_bits(&mut self) -> [ToolBit; 2] {
         loop {
-            let bits = [0; 2].map(|_| ToolBit::ALL[self.dice.below(9) as usize]);
+            let bits = [0; 2].map(|_| {
+                let any = self.dice.below(ToolBit::ALL.len() as u64 + 2) as usize;
+                ToolBit::ALL.get(any).copied().unwrap_or(ToolBit::DiscSaw)
+            });
             if bits[0].spec().tool != bits[1].spec().tool {
                 return bits;
             }
@@ -152,11 +174,13 @@ impl HardVisitor {
 
 impl Habit {
     fn any(dice: &mut RandomSource) -> Self {
-        match dice.below(5) {
+        match dice.below(7) {
             0 => Habit::Works(HardWork::Storm),
             1 => Habit::Works(HardWork::Turns),
             2 => Habit::Works(HardWork::Deep),
-            3 => Habit::Wanders,
+            3 => Habit::Works(HardWork::Rough),
+            4 => Habit::Works(HardWork::Sideways),
+            5 => Habit::Wanders,
             _ => Habit::Jumps,
         }
     }

@@ -17,6 +17,29 @@ pub struct Capsule {
     pub radius_squared: i64,
 }
 
+/// A slice of a ball: a circle.
+#[derive(Clone, Copy)]
+pub(super) struct BallLayer {
+    x: i64,
+    z: i64,
+    /// Negative where the slice is empty.
+    radius_squared: i64,
+}
+
+impl BallLayer {
+    /// Whether the first and the last voxel of a range of the row at a fixed-point z are inside.
+    #[inline]
+    pub(super) fn holds_ends(&self, x_range: Range, z_subunits: i64) -> bool {
+        let dz = z_subunits - self.z;
+        let left = self.radius_squared - dz * dz;
+        let is_inside = |x: usize| {
+            let dx = voxel_centre_subunits(x) - self.x;
+            dx * dx <= left
+        };
+        is_inside(x_range.first()) && is_inside(x_range.last())
+    }
+}
+
 impl Capsule {
     /// Whether a point is inside. Exact: distances are compared squared, and scaled by the squared
     /// length of the path where the nearest point lies within it.
@@ -35,6 +58,37 @@ impl Capsule {
         }
         let wide = i128::from;
         wide(d.dot(d) - self.radius_squared) * wide(length_squared) <= wide(along) * wide(along)
+    }
+
+    /// The ball at the end of the path, at a fixed-point y.
+    #[inline]
+    pub(super) fn ball_at_end(&self, y_subunits: i64) -> BallLayer {
+        let dy = y_subunits - i64::from(self.b.y);
+        let (x, z) = (i64::from(self.b.x), i64::from(self.b.z));
+        BallLayer { x, z, radius_squared: self.radius_squared - dy * dy }
+    }
+
+    /// [`Capsule::z_range`], also of a plain sphere.
+    #[inline]
+    pub(super) fn z_range_at(&self, y_subunits: i64, grid_side: usize) -> Option<Range> {
+        match self.a == self.b {
+            true => self.sphere_z_range(y_subunits, grid_side),
+            false => self.z_range(y_subunits, grid_side),
+        }
+    }
+
+    /// [`Capsule::x_range`], also of a plain sphere.
+    #[inline]
+    pub(super) fn x_range_at(
+        &self,
+        y_subunits: i64,
+        z_subunits: i64,
+        grid_side: usize,
+    ) -> Option<Range> {
+        match self.a == self.b {
+            true => self.sphere_x_range(y_subunits, z_subunits, grid_side),
+            false => self.x_range(y_subunits, z_subunits, grid_side),
+        }
     }
 
     /// [`Capsule::z_range`] of a plain sphere.

@@ -4,9 +4,11 @@
 //! (spherical and rectangular cutters), swept here along the tool's path.
 
 mod capsule;
+mod piece;
 mod swept_box;
+mod swept_disc;
 
-use glam::{I64Vec3, IVec3};
+use glam::IVec3;
 use heapless::Vec;
 
 use crate::edit::pose::{Pose, SUBUNITS_PER_VOXEL};
@@ -16,29 +18,11 @@ use crate::volume::row::BitSet;
 use crate::volume::size::{Grid, Size};
 
 pub(crate) use capsule::Capsule;
-use swept_box::BoxLayer;
+pub(crate) use piece::BrushLayer;
+pub use piece::BrushPiece;
 pub(crate) use swept_box::SweptBox;
-
-/// A convex part of a brush.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-#[expect(clippy::large_enum_variant, reason = "there is no heap to box the larger on")]
-pub enum BrushPiece {
-    /// A swept sphere.
-    Capsule(Capsule),
-    /// A swept oriented box.
-    Box(SweptBox),
-}
-
-/// The slice of a piece at one y.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct BrushLayer<'a>(LayerShape<'a>);
-
-#[derive(Clone, Copy, Debug)]
-enum LayerShape<'a> {
-    Sphere(&'a Capsule, i64),
-    Capsule(&'a Capsule, i64),
-    Box(BoxLayer<'a>),
-}
+use swept_disc::way_across_disc_subunits;
+pub(crate) use swept_disc::{DiscShape, SweptDisc};
 
 /// Axis-aligned bounding box of a brush in voxels, both ends included.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -64,7 +48,24 @@ pub struct Brush(BrushShape);
 #[expect(clippy::large_enum_variant, reason = "there is no heap to box the larger on")]
 enum BrushShape {
     One(BrushPiece),
-    Sweep { half: IVec3, from: Pose, to: Pose, turns: usize },
+    Sweep { shape: TurnedShape, from: Pose, to: Pose, sub_steps: usize },
+}
+
+/// The shape of a bit that has a rotation.
+#[derive(Clone, Copy, Debug)]
+enum TurnedShape {
+    Box(IVec3),
+    Disc(DiscShape),
+}
+
+impl TurnedShape {
+    /// The piece that is turned as the pose `end`, from a start to that pose's position.
+    fn piece(self, end: &Pose, start_subunits: IVec3) -> BrushPiece {
+        match self {
+            TurnedShape::Box(half) => BrushPiece::Box(SweptBox::new(half, end, start_subunits)),
+            TurnedShape::Disc(disc) => BrushPiece::Disc(SweptDisc::new(disc, end, start_subunits)),
+        }
+    }
 }
 
 /// An interval of voxels of a brush in one row of a layer.
@@ -105,31 +106,51 @@ impl Brush {
     /// [`SWEEP_PIECES`], enough for half a turn of the largest bit.
     #[must_use]
     pub fn swept_box(half_extents_subunits: IVec3, from: &Pose, to: &Pose) -> Self {
-        let half = half_extents_subunits;
+        let shape = TurnedShape::Box(half_extents_subunits);
         if from.unit_axes_q14() == to.unit_axes_q14() {
-            let piece = SweptBox::new(half, to, from.clamped_position_subunits());
-            return BrushPiece::Box(piece).into();
+            return shape.piece(to, from.clamped_position_subunits()).into();
         }
-        let corner = half.as_vec3().length() / SUBUNITS_PER_VOXEL as f32;
+        let corner = half_extents_subunits.as_vec3().length() / SUBUNITS_PER_VOXEL as f32;
         let turns = libm::ceilf(corner * from.angle_radians_to(to)) as usize;
-        let turns = turns.clamp(1, SWEEP_PIECES - 1);
-        Brush(BrushShape::Sweep { half, from: *from, to: *to, turns })
+        Self::sweep(shape, from, to, turns)
+    }
+
+    /// A disc swept from one pose to another, divided as a box is, and so that no piece moves across its plane
+    /// by more than a voxel.
+    #[must_use]
+    pub(crate) fn swept_disc(disc: DiscShape, from: &Pose, to: &Pose) -> Self {
+        let across = way_across_disc_subunits(from, to)
+            .cast_unsigned()
+            .div_ceil(SUBUNITS_PER_VOXEL as u32) as usize;
+        let shape = TurnedShape::Disc(disc);
+        if across <= 1 && from.unit_axes_q14()[0] == to.unit_axes_q14()[0] {
+            return shape.piece(to, from.clamped_position_subunits()).into();
+        }
+        let rim = isqrt(disc.radius_squared) as f32 / SUBUNITS_PER_VOXEL as f32;
+        let turns = libm::ceilf(rim * from.angle_radians_to(to)) as usize;
+        Self::sweep(shape, from, to, turns.max(across))
+    }
+
+    fn sweep(shape: TurnedShape, from: &Pose, to: &Pose, sub_steps: usize) -> Self {
+        let sub_steps = sub_steps.clamp(1, SWEEP_PIECES - 1);
+        Brush(BrushShape::Sweep { shape, from: *from, to: *to, sub_steps })
     }
 
     /// Its convex pieces, computed lazily; at most [`SWEEP_PIECES`].
     pub fn pieces(&self) -> impl ExactSizeIterator<Item = BrushPiece> + '_ {
         let last = match self.0 {
             BrushShape::One(_) => 0,
-            BrushShape::Sweep { turns, .. } => turns,
+            BrushShape::Sweep { sub_steps, .. } => sub_steps,
         };
         (0..last + 1).map(|i| match &self.0 {
             BrushShape::One(piece) => *piece,
-            BrushShape::Sweep { half, from, to, turns } => {
-                let at = |halves: usize| from.interpolate(to, halves as f32 / (2 * turns) as f32);
+            BrushShape::Sweep { shape, from, to, sub_steps } => {
+                let part = |halves: usize| halves as f32 / (2 * sub_steps) as f32;
+                let at = |halves: usize| from.interpolate(to, part(halves));
                 let start = at((2 * i).max(1) - 1);
                 let start = if i == 0 { from } else { &start };
                 let end = Pose { position: at(2 * i + 1).position, ..at(2 * i) };
-                BrushPiece::Box(SweptBox::new(*half, &end, start.clamped_position_subunits()))
+                shape.piece(&end, start.clamped_position_subunits())
             }
         })
     }
@@ -191,123 +212,7 @@ impl BrushPieces {
     #[inline]
     pub fn visit_layer_rows(&self, y: usize, grid_side: usize, mut visit: impl FnMut(BrushRow)) {
         for piece in &self.0 {
-            let layer = piece.layer(y);
-            let Some(z_range) = layer.z_range(grid_side) else {
-                continue;
-            };
-            for z in z_range.first()..z_range.last() + 1 {
-                if let Some(x_range) = layer.x_range(z, grid_side) {
-                    visit(BrushRow { z, x_range });
-                }
-            }
-        }
-    }
-}
-
-impl BrushPiece {
-    /// A sphere.
-    #[must_use]
-    pub fn sphere(centre_subunits: IVec3, radius_subunits: i32) -> Self {
-        Self::capsule(centre_subunits, centre_subunits, radius_subunits)
-    }
-
-    /// A box about a pose.
-    #[must_use]
-    pub fn oriented_box(half_extents_subunits: IVec3, pose: &Pose) -> Self {
-        BrushPiece::Box(SweptBox::new(
-            half_extents_subunits,
-            pose,
-            pose.clamped_position_subunits(),
-        ))
-    }
-
-    fn capsule(a_subunits: IVec3, b_subunits: IVec3, radius_subunits: i32) -> Self {
-        let radius = i64::from(radius_subunits.clamp(0, FAR));
-        BrushPiece::Capsule(Capsule {
-            a: clamp_to_far(a_subunits),
-            b: clamp_to_far(b_subunits),
-            radius_squared: radius * radius,
-        })
-    }
-
-    /// The voxels of a grid `grid_side` voxels wide that it may hold; `None` if it lies outside.
-    #[must_use]
-    pub fn bounds(&self, grid_side: usize) -> Option<BrushBounds> {
-        let (lo, hi) = match self {
-            BrushPiece::Capsule(c) => {
-                let r = I64Vec3::splat(isqrt(c.radius_squared));
-                (c.a.min(c.b).as_i64vec3() - r, c.a.max(c.b).as_i64vec3() + r)
-            }
-            BrushPiece::Box(b) => {
-                let middle = b.middle.div_euclid(IVec3::splat(2));
-                ((middle - b.reach).as_i64vec3(), (middle + b.reach + IVec3::ONE).as_i64vec3())
-            }
-        };
-        let mut bounds = BrushBounds { lo: [0; 3], hi: [0; 3] };
-        for i in 0..3 {
-            let inside = SubunitInterval { lo: lo[i], hi: hi[i] };
-            let voxels = voxels_with_centre_in(inside, grid_side)?;
-            (bounds.lo[i], bounds.hi[i]) = (voxels.first(), voxels.last());
-        }
-        Some(bounds)
-    }
-
-    /// Bounding ball of a swept sphere, whose rows are faster to compute; `None` for other pieces.
-    #[must_use]
-    pub(crate) fn bounding_ball_of_capsule(&self) -> Option<BrushPiece> {
-        match self {
-            BrushPiece::Capsule(c) if c.a != c.b => {
-                let path = (c.b - c.a).as_i64vec3();
-                // Both roots are rounded down, and so is the middle.
-                let radius = isqrt(c.radius_squared) + isqrt(path.dot(path)) / 2 + 4;
-                let middle = ((c.a.as_i64vec3() + c.b.as_i64vec3()) / 2).as_ivec3();
-                let radius_squared = radius * radius;
-                Some(BrushPiece::Capsule(Capsule { a: middle, b: middle, radius_squared }))
-            }
-            _ => None,
-        }
-    }
-
-    /// Its slice at layer `y`, which shares work between the rows of the layer.
-    #[must_use]
-    #[inline]
-    pub(crate) fn layer(&self, y: usize) -> BrushLayer<'_> {
-        BrushLayer(match self {
-            BrushPiece::Capsule(c) if c.a == c.b => LayerShape::Sphere(c, voxel_centre_subunits(y)),
-            BrushPiece::Capsule(c) => LayerShape::Capsule(c, voxel_centre_subunits(y)),
-            BrushPiece::Box(b) => LayerShape::Box(b.layer(voxel_centre_subunits(y))),
-        })
-    }
-
-    /// The interval of voxels of row (y, z) of a grid `grid_side` voxels wide whose centres are inside.
-    #[must_use]
-    #[inline]
-    pub fn x_range(&self, y: usize, z: usize, grid_side: usize) -> Option<Range> {
-        self.layer(y).x_range(z, grid_side)
-    }
-}
-
-impl BrushLayer<'_> {
-    /// The rows of a grid `grid_side` voxels wide that it may hold voxels of, by their z; fewer than
-    /// the piece's bounds tell where it is round or stands askew.
-    #[must_use]
-    #[inline]
-    pub(crate) fn z_range(&self, grid_side: usize) -> Option<Range> {
-        match &self.0 {
-            LayerShape::Sphere(c, y) => c.sphere_z_range(*y, grid_side),
-            LayerShape::Capsule(c, y) => c.z_range(*y, grid_side),
-            LayerShape::Box(layer) => layer.z_range(grid_side),
-        }
-    }
-
-    /// The interval of voxels of the row at `z` of a grid `grid_side` voxels wide whose centres are inside.
-    #[must_use]
-    #[inline]
-    pub(crate) fn x_range(&self, z: usize, grid_side: usize) -> Option<Range> {
-        match &self.0 {
-            LayerShape::Sphere(c, y) => c.sphere_x_range(*y, voxel_centre_subunits(z), grid_side),
-            LayerShape::Capsule(c, y) => c.x_range(*y, voxel_centre_subunits(z), grid_side),
-            LayerShape::Box(layer) => layer.x_range(voxel_centre_subunits(z), grid_side),
+            piece.layer(y).visit_rows(grid_side, |z, x_range| visit(BrushRow { z, x_range }));
         }
     }
 }

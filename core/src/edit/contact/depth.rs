@@ -46,7 +46,9 @@ impl<'a> DepthRuler<'a> {
                 let nearest = [up_to.last(), (voxels & !up_to).first()];
                 nearest.into_iter().flatten().map(depth).max().unwrap_or(0)
             }
-            GridShape::Box(_) => voxels.iter_ones().map(depth).max().unwrap_or(0),
+            GridShape::Box(_) | GridShape::Disc { .. } => {
+                voxels.iter_ones().map(depth).max().unwrap_or(0)
+            }
         }
     }
 }

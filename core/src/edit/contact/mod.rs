@@ -24,6 +24,7 @@ use crate::volume::size::{Grid, Size};
 use depth::DepthRuler;
 pub use path::{BURIED_WITHIN, LONG_STRETCH, SHORT_STRETCH, exit_probe_steps};
 use path::{PathAdvance, PenetrationLimit, STEPS_PER_VOXEL};
+use rows::TestedVoxels;
 
 /// The contact of a bit with the volume at a pose.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -108,11 +109,16 @@ impl<const N: usize, const K: usize> Obstacle<'_, N, K>
 where
     Grid<N>: Size,
 {
-    /// The contact of the bit at a pose in the grid.
+    /// The contact of the bit at a pose in the grid. A disc that is too deep overlaps, and is as deep as its middle;
+    /// to count and to find a normal would take more of a tick than all else.
     #[must_use]
     pub fn contact_at(&self, bit: &GridBit, pose: &Pose) -> Contact {
         let ruler = DepthRuler::new(bit, pose);
         let (mut overlap, mut depth, mut normal) = (0, 0, IVec3::ZERO);
+        if let Some(depth) = self.depth_of_too_deep_disc(bit, pose) {
+            let on_mask = self.is_within_half_voxel_of_mask(bit, pose);
+            return Contact { overlap: 1, depth, normal: Vec3::ZERO, on_mask };
+        }
         self.visit_occupied_rows(&bit.piece_at(pose), |row, inside| {
             overlap += inside.count_ones();
             depth = depth.max(ruler.deepest_of_row(row, inside));
@@ -120,6 +126,13 @@ where
         });
         let normal = normal.as_vec3().normalize_or_zero();
         Contact { overlap, depth, normal, on_mask: self.is_within_half_voxel_of_mask(bit, pose) }
+    }
+
+    /// The depth of a disc's middle, where a voxel lies deeper in it than its bite. `None` for other bits.
+    fn depth_of_too_deep_disc(&self, bit: &GridBit, pose: &Pose) -> Option<i32> {
+        let most = bit.disc_middle_depth_subunits()?;
+        let core = bit.piece_deeper_than(bit.bite, pose)?;
+        self.piece_overlaps(&core, TestedVoxels::AllOccupied).then_some(most)
     }
 
     /// [`Contact::normal`] alone.

@@ -9,7 +9,7 @@ use core::mem;
 use super::depth::DepthRuler;
 use super::rows::TestedVoxels;
 use super::{Obstacle, WayBudget};
-use crate::edit::grid_bit::GridBit;
+use crate::edit::grid_bit::{GridBit, GridShape};
 use crate::edit::pose::{Pose, SUBUNITS_PER_VOXEL};
 use crate::limits::{EXIT_PROBES, deep_step_cost_in_steps};
 use crate::volume::size::{Grid, Size};
@@ -35,7 +35,7 @@ where
             let last = steps.min(step.saturating_add(left.quarter_voxels));
             let end = (step + stretch).min(last);
             if limit.is_of_bite(bit) {
-                left.spend(1, 0);
+                left.spend(bit.stretch_cost_in_steps(&reached, &pose_at(end)), 0);
                 if self.is_path_surely_free(bit, &reached, &pose_at(end), limit) {
                     left.spend(0, end - step);
                     (step, reached, stretch) = (end, pose_at(end), LONG_STRETCH);
@@ -73,6 +73,10 @@ where
         let mut limit = PenetrationLimit::of_bite(bit);
         if self.is_allowed(bit, pose, limit) {
             return limit;
+        }
+        if let GridShape::Disc { .. } = bit.shape {
+            // It counts as buried, however deep it is.
+            return PenetrationLimit { volume: i32::MAX, mask: i32::MAX };
         }
         let ruler = DepthRuler::new(bit, pose);
         self.visit_occupied_rows(&bit.piece_at(pose), |row, inside| {
@@ -196,12 +200,12 @@ struct PenetrationTest<'a, const N: usize, const K: usize> {
 
 impl GridBit {
     /// Steps of a path between two poses: quarter voxels, of translation and of the arc that the bit's
-    /// farthest point describes, together. At least 1.
+    /// farthest point describes, together. A disc steps by whole voxels along its own plane. At least 1.
     #[must_use]
     pub fn path_steps(&self, from: &Pose, to: &Pose) -> u32 {
         let arc = from.angle_radians_to(to) * self.circumscribed_radius_subunits() as f32
             / SUBUNITS_PER_VOXEL as f32;
-        let length = (to.position - from.position).length() + arc;
+        let length = self.stepped_length_voxels(from, to) + arc;
         (libm::ceilf(length * STEPS_PER_VOXEL) as u32).max(1)
     }
 }

@@ -5,7 +5,7 @@ use core::iter;
 use glam::IVec3;
 
 use super::Obstacle;
-use crate::edit::brush::{Brush, BrushBounds, BrushLayer, BrushPiece};
+use crate::edit::brush::{Brush, BrushBounds, BrushLayer, BrushPiece, voxel_centre_subunits};
 use crate::edit::grid_bit::GridBit;
 use crate::edit::pose::{Pose, SUBUNITS_PER_VOXEL};
 use crate::volume::range_maps::{Axis, RangeMaps, RowAddress};
@@ -59,6 +59,13 @@ where
             return false;
         };
         let within: <Grid<N> as Size>::Row = BitSet::span(lo[0], hi[0]);
+        let of_disc = self.find_row_of_disc(piece, (lo, hi), |row, layer, candidates| {
+            let layers = PieceLayers { piece: layer, bounding_ball: None };
+            self.row_overlaps(layers, row, candidates, tested)
+        });
+        if let Some(overlaps) = of_disc {
+            return overlaps;
+        }
         let ball = piece.bounding_ball_of_capsule();
         let (first_word, words) = (lo[0] / 64, lo[0] / 64 + 1..hi[0] / 64 + 1);
         let is_near = |row: &<Grid<N> as Size>::Row, i: usize| row.word(i) & within.word(i) != 0;
@@ -78,6 +85,42 @@ where
         })
     }
 
+    /// Whether `is_found` holds for a row of a disc that has many short rows, most of which hold nothing between its
+    /// planes: it gets the others, with what they hold there, or now and then a voxel beside it. `None` for a disc
+    /// that has other rows, and for other pieces.
+    fn find_row_of_disc(
+        &self,
+        piece: &BrushPiece,
+        (lo, hi): ([usize; 3], [usize; 3]),
+        mut is_found: impl FnMut(RowAddress, &BrushLayer<'_>, <Grid<N> as Size>::Row) -> bool,
+    ) -> Option<bool> {
+        let BrushPiece::Disc(disc) = piece else {
+            return None;
+        };
+        disc.slab_rows(voxel_centre_subunits(lo[1]), 0)?;
+        let (first_x, last_x) = (lo[0] as i64, hi[0] as i64);
+        Some((lo[1]..hi[1] + 1).any(|y| {
+            let layer = piece.layer(y);
+            let Some(z_range) = layer.z_range(N) else {
+                return false;
+            };
+            let slab = disc.slab_rows(voxel_centre_subunits(y), z_range.first());
+            let Some(mut slab) = slab else {
+                return false;
+            };
+            let rows = &self.rows.layer(y)[z_range.first()..z_range.last() + 1];
+            iter::zip(z_range.first().., rows).any(|(z, row)| {
+                let (first, last) = slab.next_ends();
+                let (first, last) = (first.max(first_x), last.min(last_x));
+                if first > last || !has_any_of(row, first as usize, last as usize) {
+                    return false;
+                }
+                let candidates = *row & BitSet::span(first as usize, last as usize);
+                is_found((y, z), &layer, candidates)
+            })
+        }))
+    }
+
     /// Whether a piece holds one of the occupied voxels `candidates` of row (y, z) that is tested.
     fn row_overlaps(
         &self,
@@ -88,7 +131,13 @@ where
     ) -> bool {
         let near = match tested {
             TestedVoxels::AllOccupied => candidates,
-            TestedVoxels::OfMask(mask) => candidates & mask.column(Axis::X, (y, z)).to_row(),
+            TestedVoxels::OfMask(mask) => {
+                let held = mask.column(Axis::X, (y, z));
+                if held.0[0].is_empty() {
+                    return false;
+                }
+                candidates & held.to_row()
+            }
         };
         let within = |near: <Grid<N> as Size>::Row, layer: &BrushLayer<'_>| match near.is_empty() {
             true => near,
@@ -114,6 +163,23 @@ where
         let Some(BrushBounds { lo, hi }) = piece.bounds(N) else {
             return;
         };
+        let mut visit_near =
+            |(y, z): RowAddress, layer: &BrushLayer<'_>, near: <Grid<N> as Size>::Row| {
+                if let Some(x_range) = layer.x_range(z, N) {
+                    let inside = near & BitSet::span(x_range.first(), x_range.last());
+                    let inside = self.holding_among((y, z), inside);
+                    if !inside.is_empty() {
+                        visit((y, z), inside);
+                    }
+                }
+            };
+        let of_disc = self.find_row_of_disc(piece, (lo, hi), |row, layer, near| {
+            visit_near(row, layer, near);
+            false
+        });
+        if of_disc.is_some() {
+            return;
+        }
         let within: <Grid<N> as Size>::Row = BitSet::span(lo[0], hi[0]);
         for y in lo[1]..hi[1] + 1 {
             let layer = piece.layer(y);
@@ -123,15 +189,8 @@ where
             let rows = &self.rows.layer(y)[z_range.first()..z_range.last() + 1];
             for (z, row) in iter::zip(z_range.first().., rows) {
                 let near = *row & within;
-                if near.is_empty() {
-                    continue;
-                }
-                if let Some(x_range) = layer.x_range(z, N) {
-                    let inside = near & BitSet::span(x_range.first(), x_range.last());
-                    let inside = self.holding_among((y, z), inside);
-                    if !inside.is_empty() {
-                        visit((y, z), inside);
-                    }
+                if !near.is_empty() {
+                    visit_near((y, z), &layer, near);
                 }
             }
         }
@@ -155,7 +214,11 @@ where
         (y, z): RowAddress,
         voxels: <Grid<N> as Size>::Row,
     ) -> IVec3 {
-        let empty = |row: <Grid<N> as Size>::Row| (voxels & !row).count_ones() as i32;
+        // Within stone there are none, which is sooner seen than counted.
+        let empty = |row: <Grid<N> as Size>::Row| match voxels & !row {
+            none if none.is_empty() => 0,
+            some => some.count_ones() as i32,
+        };
         let beside = |y: usize, z: usize| match y < N && z < N {
             true => empty(self.holding_among((y, z), voxels)),
             false => voxels.count_ones() as i32,
@@ -167,4 +230,19 @@ where
             beside(y, z + 1) - beside(y, z.wrapping_sub(1)),
         )
     }
+}
+
+/// Whether a row has one of the bits `first..=last`.
+#[inline]
+fn has_any_of<R: BitSet>(row: &R, first: usize, last: usize) -> bool {
+    if first / 64 == last / 64 {
+        let bits = row.word(first / 64) >> (first % 64);
+        return bits & (u64::MAX >> (63 - (last - first))) != 0;
+    }
+    let words = first / 64..last / 64 + 1;
+    words.clone().any(|i| {
+        let from = if i == words.start { u64::MAX << (first % 64) } else { u64::MAX };
+        let to = if i + 1 == words.end { u64::MAX >> (63 - last % 64) } else { u64::MAX };
+        row.word(i) & from & to != 0
+    })
 }

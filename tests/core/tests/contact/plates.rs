@@ -2,6 +2,7 @@
 
 use glam::{IVec3, Vec3};
 use paros_core::edit::Pose;
+use paros_core::session::ToolBit;
 use paros_models::dense::DenseVolume;
 use proptest::prelude::*;
 
@@ -67,7 +68,7 @@ proptest! {
         let way = if way.dot(plate.normal) < 0.3 { plate.normal } else { way };
         let from = Pose { position: plate.middle - way * before, rotation: start };
         let to = Pose { position: plate.middle + way * after, rotation: end };
-        for (number, n) in (0..9u8).flat_map(|number| [(number, 128), (number, 256)]) {
+        for (number, n) in (0..ToolBit::ALL.len() as u8).flat_map(|number| [(number, 128), (number, 256)]) {
             let bit = table_bit(number, n);
             if stone.contact(&bit, &from).overlap != 0 {
                 continue;

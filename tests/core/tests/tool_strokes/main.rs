@@ -81,9 +81,11 @@ fn keeps_rules(stroke: &Stroke, figures: &StrokeFigures) -> bool {
     let cuts_all =
         |most_left: u32| left <= most_left && (pressed_mm < 4.0 || asked > 0 && bare == 0);
     let is_true_to_its_tool = match bit {
-        ToolBit::SmallBall | ToolBit::MediumBall | ToolBit::LargeBall => {
-            follows(0.1) && cuts_all(0)
-        }
+        ToolBit::SmallBall
+        | ToolBit::MediumBall
+        | ToolBit::LargeBall
+        | ToolBit::RoughingBall
+        | ToolBit::DiscSaw => follows(0.1) && cuts_all(0),
         ToolBit::Cylinder => follows(1.0) && cuts_all(asked / 100),
         ToolBit::Grinder => follows(4.0) && cuts_all(asked / 100),
         ToolBit::Nozzle => follows(0.1) && left <= asked / 10 && (bare, parts) == (0, 1),

@@ -83,6 +83,7 @@ pub(crate) fn reach_of(bit: &GridBit, grip: Quat) -> f32 {
     let subunits = match bit.shape {
         GridShape::Ball(radius) => radius as f32,
         GridShape::Box(half) => (grip.inverse() * Vec3::Y).abs().dot(half.as_vec3()),
+        GridShape::Disc { radius, .. } => radius as f32,
     };
     subunits / SUBUNITS_PER_VOXEL as f32
 }

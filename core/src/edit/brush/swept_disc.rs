@@ -1,0 +1,296 @@
+//! A disc swept along a line: a capsule between two parallel planes.
+
+use glam::IVec3;
+
+use super::{
+    BrushBounds, Capsule, FAR, SubunitInterval, clamp_to_far, isqrt, voxel_centre_subunits,
+    voxels_with_centre_in,
+};
+use crate::edit::pose::{FIXED_ONE, Pose, SUBUNITS_PER_VOXEL};
+use crate::volume::range::Range;
+
+/// A disc of constant normal, swept along a straight line: the points `p` of a capsule with
+/// `|normal . (2p - middle)| <= extent`.
+///
+/// Along its own plane that is the exact swept disc, but for a rim that is rounded by the ball: with a radius of 20
+/// voxels and a thickness of two, by a fortieth of a voxel. Across its plane it is larger than that, up to the
+/// whole way across at both ends, so a long way across is divided.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct SweptDisc {
+    /// The swept ball that holds the disc.
+    pub rim: Capsule,
+    /// The disc's normal, whose x isn't negative.
+    pub normal: [i64; 3],
+    /// Twice the middle of the path, in fixed point.
+    pub middle: IVec3,
+    /// Half of the slab's thickness, in doubled fixed point times [`FIXED_ONE`].
+    pub extent: i64,
+}
+
+/// The ends of the rows between a disc's planes, in voxels times 2^[`SlabRows::FRACTION_BITS`].
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SlabRows {
+    lo: i64,
+    hi: i64,
+    step: i64,
+}
+
+impl SlabRows {
+    const FRACTION_BITS: u32 = 20;
+    /// More than 256 steps lose by rounding down, which makes `lo` too small and `hi` too small.
+    const SLACK: i64 = 1 << 9;
+
+    /// The first and the last voxel of the next row, of which either may lie outside the grid.
+    #[inline]
+    pub(crate) fn next_ends(&mut self) -> (i64, i64) {
+        let (lo, hi) = (self.lo, self.hi);
+        (self.lo, self.hi) = (lo + self.step, hi + self.step);
+        let up = (1 << Self::FRACTION_BITS) - 1;
+        ((lo + up) >> Self::FRACTION_BITS, hi >> Self::FRACTION_BITS)
+    }
+}
+
+/// The shape of a disc about its centre, in fixed point. Its normal is the x axis of its pose.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) struct DiscShape {
+    /// Greatest squared distance from its centre.
+    pub(crate) radius_squared: i64,
+    /// Greatest distance from its plane, doubled and times [`FIXED_ONE`].
+    pub(crate) extent: i64,
+}
+
+impl DiscShape {
+    /// A disc of a radius and half a thickness, boundary included.
+    pub(crate) fn new(radius_subunits: i32, half_thickness_subunits: i32) -> Self {
+        let [radius, half] =
+            [radius_subunits, half_thickness_subunits].map(|v| i64::from(v.clamp(0, FAR)));
+        DiscShape { radius_squared: radius * radius, extent: 2 * half * i64::from(FIXED_ONE) }
+    }
+}
+
+/// The normal of a disc at a pose, in fixed point.
+pub(super) fn disc_normal(pose: &Pose) -> [i64; 3] {
+    let unit = i64::from(FIXED_ONE);
+    pose.unit_axes_q14()[0].to_array().map(|c| i64::from(c).clamp(-unit, unit))
+}
+
+/// Up to so many voxels of a row, a test of each is cheaper than the roots of the ball's ends.
+const MOST_TESTED_ONE_BY_ONE: usize = 4;
+
+/// The voxels of both ranges.
+fn common_range(a: Range, b: Range) -> Option<Range> {
+    let (first, last) = (a.first().max(b.first()), a.last().min(b.last()));
+    (first <= last).then(|| Range::new(first, last))
+}
+
+fn dot(a: [i64; 3], b: IVec3) -> i64 {
+    let b = b.to_array();
+    (0..3).map(|i| a[i] * i64::from(b[i])).sum()
+}
+
+/// How far a disc moves across its plane between two poses, at most, in fixed point.
+pub(super) fn way_across_disc_subunits(from: &Pose, to: &Pose) -> i32 {
+    let travel = to.clamped_position_subunits() - from.clamped_position_subunits();
+    let across = |pose| dot(disc_normal(pose), travel).abs();
+    (across(from).max(across(to)) / i64::from(FIXED_ONE)) as i32
+}
+
+impl SweptDisc {
+    /// A disc turned as the pose `end`, moved straight from a start to that pose's position.
+    pub(crate) fn new(disc: DiscShape, end: &Pose, start_subunits: IVec3) -> Self {
+        let normal = disc_normal(end);
+        let normal = if normal[0] < 0 { normal.map(|c| -c) } else { normal };
+        let (a, b) = (clamp_to_far(start_subunits), end.clamped_position_subunits());
+        let rim = Capsule { a, b, radius_squared: disc.radius_squared };
+        SweptDisc { rim, normal, middle: a + b, extent: disc.extent + dot(normal, b - a).abs() }
+    }
+
+    /// The voxels of a grid `grid_side` voxels wide that it may hold; `None` if it lies outside.
+    pub(super) fn bounds(&self, grid_side: usize) -> Option<BrushBounds> {
+        let unit = i64::from(FIXED_ONE);
+        let Capsule { a, b, radius_squared } = self.rim;
+        // Of a point from the place of the way that it is nearest to.
+        let across = (self.extent + dot(self.normal, b - a).abs()) / (2 * unit) + 1;
+        let mut bounds = BrushBounds { lo: [0; 3], hi: [0; 3] };
+        for i in 0..3 {
+            let n = self.normal[i];
+            // Of the disc's circle and its thickness; the axis is rounded by up to a part in 2^15.
+            let plane_part = (unit * unit - n * n).max(0) + 2 * unit;
+            let in_plane = i128::from(radius_squared) * i128::from(plane_part);
+            let in_plane = isqrt((in_plane / i128::from(unit * unit)) as i64);
+            let reach = (in_plane + across * n.abs() / unit + 2).min(isqrt(radius_squared) + 1);
+            let inside = SubunitInterval {
+                lo: i64::from(a[i].min(b[i])) - reach,
+                hi: i64::from(a[i].max(b[i])) + reach,
+            };
+            let voxels = voxels_with_centre_in(inside, grid_side)?;
+            (bounds.lo[i], bounds.hi[i]) = (voxels.first(), voxels.last());
+        }
+        Some(bounds)
+    }
+
+    /// The z of the rows at a fixed-point y that may hold voxels: those of its ball, as far as the planes leave
+    /// any where x is anything that the ball has at this y.
+    #[inline]
+    pub(super) fn z_range(&self, y_subunits: i64, grid_side: usize) -> Option<Range> {
+        let Capsule { a, b, radius_squared } = self.rim;
+        let of_ball = self.rim.z_range_at(y_subunits, grid_side)?;
+        let [nx, ny, nz] = self.normal;
+        if nz == 0 {
+            return Some(of_ball);
+        }
+        let travel = (b - a).abs();
+        let doubled_y = 2 * y_subunits - i64::from(self.middle.y);
+        let away = (doubled_y.abs() - i64::from(travel.y)).max(0) / 2;
+        let doubled_x = 2 * (isqrt(radius_squared - away * away) + 1) + i64::from(travel.x);
+        // |nx x + ny y + nz z| <= extent, all doubled and from the middle.
+        let slack = self.extent + nx * doubled_x;
+        let ends = [-slack - ny * doubled_y, slack - ny * doubled_y].map(|end| end * nz.signum());
+        let (lo, hi) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
+        let middle = i64::from(self.middle.z);
+        let inside = SubunitInterval {
+            lo: (middle + lo.div_euclid(nz.abs())).div_euclid(2),
+            hi: (middle + hi.div_euclid(nz.abs()) + 1).div_euclid(2) + 1,
+        };
+        let of_planes = voxels_with_centre_in(inside, grid_side)?;
+        common_range(of_ball, of_planes)
+    }
+
+    /// The voxels of a row, by the fixed-point y and z of its centres: an interval of the slab, cut by the ball.
+    #[inline]
+    pub(super) fn x_range(
+        &self,
+        y_subunits: i64,
+        z_subunits: i64,
+        grid_side: usize,
+    ) -> Option<Range> {
+        let of_planes =
+            self.x_range_of_planes(self.across_at(y_subunits, z_subunits), grid_side)?;
+        self.cut_by_ball(of_planes, (y_subunits, z_subunits), grid_side)
+    }
+
+    /// Visits the rows at a fixed-point y that hold voxels, by their z, with those.
+    #[inline]
+    pub(super) fn visit_rows(
+        &self,
+        y_subunits: i64,
+        grid_side: usize,
+        mut visit: impl FnMut(usize, Range),
+    ) {
+        let Some(z_range) = self.z_range(y_subunits, grid_side) else {
+            return;
+        };
+        let mut across = self.across_at(y_subunits, voxel_centre_subunits(z_range.first()));
+        let mut slab = self.slab_rows(y_subunits, z_range.first());
+        let of_end = self.rim.ball_at_end(y_subunits);
+        for z in z_range.first()..z_range.last() + 1 {
+            let of_planes = match &mut slab {
+                Some(slab) => self.x_range_near(slab.next_ends(), across, grid_side),
+                None => self.x_range_of_planes(across, grid_side),
+            };
+            across += self.normal[2] * 2 * i64::from(SUBUNITS_PER_VOXEL);
+            let Some(of_planes) = of_planes else {
+                continue;
+            };
+            let z_subunits = voxel_centre_subunits(z);
+            // A capsule is convex: a row is in it whose ends are. Those of most are in the ball at its end.
+            let x_range = match of_end.holds_ends(of_planes, z_subunits) {
+                true => Some(of_planes),
+                false => self.cut_by_ball(of_planes, (y_subunits, z_subunits), grid_side),
+            };
+            if let Some(x_range) = x_range {
+                visit(z, x_range);
+            }
+        }
+    }
+
+    /// Those of a row's voxels that are in the ball.
+    #[inline]
+    fn cut_by_ball(&self, of_planes: Range, (y, z): (i64, i64), grid_side: usize) -> Option<Range> {
+        let is_short = of_planes.last() - of_planes.first() < MOST_TESTED_ONE_BY_ONE;
+        if is_short && self.rim.a == self.rim.b {
+            return self.cut_by_still_ball(y, z, of_planes);
+        }
+        if is_short {
+            let mut voxels = of_planes.first()..of_planes.last() + 1;
+            let inside = |x: usize| self.rim.contains([voxel_centre_subunits(x), y, z]);
+            let first = voxels.find(|x| inside(*x))?;
+            let last = voxels.rfind(|x| inside(*x)).unwrap_or(first);
+            return Some(Range::new(first, last));
+        }
+        common_range(self.rim.x_range_at(y, z, grid_side)?, of_planes)
+    }
+
+    /// Those of a row's voxels that are in the ball, where it stands still.
+    #[inline]
+    fn cut_by_still_ball(&self, y: i64, z: i64, voxels: Range) -> Option<Range> {
+        let Capsule { a, radius_squared, .. } = self.rim;
+        let (dy, dz) = (y - i64::from(a.y), z - i64::from(a.z));
+        let left = radius_squared - dy * dy - dz * dz;
+        let is_inside = |x: usize| {
+            let dx = voxel_centre_subunits(x) - i64::from(a.x);
+            dx * dx <= left
+        };
+        let (mut first, mut last) = (voxels.first(), voxels.last());
+        while !is_inside(first) {
+            first += 1;
+            if first > last {
+                return None;
+            }
+        }
+        while !is_inside(last) {
+            last -= 1;
+        }
+        Some(Range::new(first, last))
+    }
+
+    /// The voxels between its planes, row by row at a fixed-point y from the row at `first_z` on, found by additions
+    /// (a digital differential analyser) instead of divisions: now and then a voxel too many at an end, none too few.
+    /// `None` for a disc that faces away from x, whose rows are long and few.
+    pub(crate) fn slab_rows(&self, y_subunits: i64, first_z: usize) -> Option<SlabRows> {
+        let [nx, _, nz] = self.normal;
+        if nx < i64::from(FIXED_ONE) / 8 {
+            return None;
+        }
+        let at = self.across_at(y_subunits, voxel_centre_subunits(first_z));
+        let slope = nx * 2 * i64::from(SUBUNITS_PER_VOXEL);
+        let end = |across: i64| ((across - at) << SlabRows::FRACTION_BITS).div_euclid(slope);
+        Some(SlabRows {
+            lo: end(-self.extent),
+            hi: end(self.extent) + SlabRows::SLACK,
+            step: (-nz << SlabRows::FRACTION_BITS).div_euclid(nx),
+        })
+    }
+
+    /// Where voxel 0 of a row lies across the disc: `normal . (2p - middle)`.
+    #[inline]
+    fn across_at(&self, y: i64, z: i64) -> i64 {
+        let ([nx, ny, nz], middle) = (self.normal, self.middle.as_i64vec3());
+        let x = voxel_centre_subunits(0);
+        nx * (2 * x - middle.x) + ny * (2 * y - middle.y) + nz * (2 * z - middle.z)
+    }
+
+    /// The voxels between the planes of a row whose voxel 0 lies at `across`.
+    #[inline]
+    fn x_range_of_planes(&self, across: i64, grid_side: usize) -> Option<Range> {
+        let slope = self.normal[0] * 2 * i64::from(SUBUNITS_PER_VOXEL);
+        // The voxels with |across + slope * x| <= extent; the slope isn't negative.
+        let (below, above) = (-self.extent - across, self.extent - across);
+        if slope == 0 {
+            return (below <= 0 && above >= 0).then(|| Range::new(0, grid_side - 1));
+        }
+        let lo = (below + slope - 1).div_euclid(slope).max(0);
+        let hi = above.div_euclid(slope).min(grid_side as i64 - 1);
+        (lo <= hi).then(|| Range::new(lo as usize, hi as usize))
+    }
+
+    /// The same, found by a search that may have a voxel too many at either end.
+    #[inline]
+    fn x_range_near(&self, (lo, hi): (i64, i64), across: i64, grid_side: usize) -> Option<Range> {
+        let slope = self.normal[0] * 2 * i64::from(SUBUNITS_PER_VOXEL);
+        let lo = lo + i64::from(across + slope * lo < -self.extent);
+        let hi = hi - i64::from(across + slope * hi > self.extent);
+        let (lo, hi) = (lo.max(0), hi.min(grid_side as i64 - 1));
+        (lo <= hi).then(|| Range::new(lo as usize, hi as usize))
+    }
+}
