@@ -7,6 +7,7 @@ use crate::codec::bytes::{BadBytes, ByteReader, ByteWriter};
 use crate::codec::digest::{DIGEST_PARTS, checksum, combine_digests};
 use crate::edit::undo::UnsoundEntry;
 use crate::limits::MAX_INTERVALS;
+use crate::session::bared::BaredEnds;
 use crate::session::state::WorldState;
 use crate::session::world::World;
 use crate::volume::bit_grid::BitGrid;
@@ -94,6 +95,7 @@ where
     /// Becomes the empty world, which waits for a session.
     pub fn clear(&mut self) {
         self.state = WorldState::new();
+        self.bared = BaredEnds::NONE;
         self.mask.clear();
         self.volume.set_voxels(BitGrid::clear);
         self.undo.clear();
@@ -125,6 +127,7 @@ where
         refuse_column::<N, K>(mask.first_unsaturated_column(occupied), start, expected)?;
         let expected = "a mask within the volume";
         refuse_column::<N, K>(first_column_beyond(mask, volume.rows()), start, expected)?;
+        self.recount_bared_ends();
         self.load_history(from)?;
         let offset = from.offset();
         self.islands.load(from)?;

@@ -51,6 +51,13 @@ pub enum WorldEvent {
     Redone,
     /// The mirror was switched.
     Symmetry(bool),
+    /// So many tenths of the hidden figure's ends are bared, more than ever before.
+    Bared {
+        /// 1 to 10.
+        tenths: u8,
+    },
+    /// The hidden figure is found: [`FOUND_PERCENT`](crate::session::FOUND_PERCENT) of its ends are bared.
+    Found,
     /// The session ended: the sculpture is to be exported.
     Finished,
 }

@@ -4,6 +4,7 @@
 //! haptics of hands, and the places of tools.
 //! Doesn't know devices, windows, clocks, files or pictures.
 
+pub(crate) mod bared;
 pub(crate) mod events;
 pub(crate) mod hand;
 pub(crate) mod input;
@@ -19,6 +20,7 @@ pub(crate) mod trail;
 pub(crate) mod workbench;
 pub(crate) mod world;
 
+pub use bared::{BaredEnds, FOUND_PERCENT};
 pub use hand::HandState;
 pub use input::{PointerCommand, RawPose, SessionMode, TICK_RATE, buttons, commands};
 pub use state::SessionState;

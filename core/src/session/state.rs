@@ -7,6 +7,7 @@ use crate::codec::bytes::{BadBytes, ByteReader, ByteWriter};
 use crate::codec::digest::checksum;
 use crate::codec::vectors::{QUAT_BYTES, VEC3_BYTES, write_quat, write_vec3};
 use crate::limits::STATE_BYTES;
+use crate::session::bared::ToldPart;
 use crate::session::hand::{HandState, RoomPose, read_pose};
 use crate::session::input::SessionMode;
 use crate::session::workbench::Workbench;
@@ -31,6 +32,10 @@ pub(crate) struct WorldState {
     pub(crate) mode: SessionMode,
     pub(crate) masked: bool,
     pub(crate) symmetry: bool,
+    /// The axes of the hidden figure whose ends are counted.
+    pub(crate) counted_axes: u8,
+    /// How much of the hidden figure was told to be bared.
+    pub(crate) told: ToldPart,
     /// The stool's rotation in 65,536ths of a turn.
     pub(crate) stool: u16,
     pub(crate) head: RoomPose,
@@ -48,6 +53,8 @@ impl WorldState {
             mode: SessionMode::None,
             masked: false,
             symmetry: false,
+            counted_axes: 0,
+            told: ToldPart::NONE,
             stool: 0,
             head: (Vec3::ZERO, quat),
             hands: [HandState::new(); 2],
@@ -80,7 +87,8 @@ impl WorldState {
         to.u64(self.tick);
         to.u8(self.session as u8);
         self.mode.write(to);
-        to.u8(u8::from(self.masked) | u8::from(self.symmetry) << 1);
+        let flags = u8::from(self.masked) | u8::from(self.symmetry) << 1;
+        to.u8(flags | self.counted_axes << 2 | self.told.number() << 4);
         to.u16(self.stool);
         write_vec3(to, self.head.0);
         write_quat(to, self.head.1);
@@ -99,9 +107,13 @@ impl WorldState {
             _ => return Err(bad),
         };
         let mode = SessionMode::read(from)?;
-        let bad = from.error_here("flags of a session");
+        let bad =
+            from.error_here("flags of a session, and what was told of a figure if it has one");
         let flags = from.u8()?;
-        if flags > 3 {
+        let counted_axes = flags >> 2 & 3;
+        let is_told = |told: &ToldPart| counted_axes == 3 || *told == ToldPart::NONE;
+        let told = ToldPart::from_number(flags >> 4).filter(is_told).ok_or(bad)?;
+        if counted_axes > 0 && flags & 1 == 0 {
             return Err(bad);
         }
         Ok(WorldState {
@@ -110,6 +122,8 @@ impl WorldState {
             mode,
             masked: flags & 1 != 0,
             symmetry: flags & 2 != 0,
+            counted_axes,
+            told,
             stool: from.u16()?,
             head: read_pose(from)?,
             hands: [HandState::read(from)?, HandState::read(from)?],

@@ -1,6 +1,7 @@
 //! The parts of a tick, in the order in which [`World::step`] calls them.
 
-use crate::edit::undo::UndoHistory;
+use crate::limits::bared_count_work;
+use crate::session::bared::{BaredEnds, BaringJournal, ToldPart};
 use crate::session::events::WorldEvent;
 use crate::session::hand::{HandPresses, HandState};
 use crate::session::input::{PointerCommand, SessionMode, TICK_RATE, TickInput, buttons, commands};
@@ -10,8 +11,7 @@ use crate::session::state::{SessionState, WorldState};
 use crate::session::workbench::BenchItem;
 use crate::session::world::World;
 use crate::volume::column_digest::copy_and_digest_maps;
-use crate::volume::dirty::DirtyRects;
-use crate::volume::editable::Volume;
+use crate::volume::range_maps::Axis;
 use crate::volume::size::{Grid, Size};
 
 /// What the commands of a tick did.
@@ -26,8 +26,12 @@ where
     Grid<N>: Size,
 {
     /// Starts a session in this mode and resets all but tick and head. Without a start volume for the
-    /// mode, only [`WorldEvent::NoSuchStart`] is reported.
-    pub(crate) fn start_session(&mut self, mode: SessionMode, starts: &StartVolumes<'_, N, K>) {
+    /// mode, only [`WorldEvent::NoSuchStart`] is reported. Whether it started.
+    pub(crate) fn start_session(
+        &mut self,
+        mode: SessionMode,
+        starts: &StartVolumes<'_, N, K>,
+    ) -> bool {
         let volume = match mode {
             SessionMode::None => None,
             SessionMode::FreeForm => Some(starts.lump),
@@ -39,7 +43,7 @@ where
         };
         let Some(volume) = volume else {
             self.push_event(WorldEvent::NoSuchStart);
-            return;
+            return false;
         };
         self.volume.set_maps(volume);
         let (tick, head) = (self.state.tick, self.state.head);
@@ -52,11 +56,13 @@ where
         } else {
             self.mask.clear();
         }
+        self.bared = BaredEnds::NONE;
         self.state.bench.reset_items();
         self.undo.clear();
         self.islands.reset();
         self.dirty.mark_all(N);
         self.push_event(WorldEvent::Started(mode));
+        true
     }
 
     /// Turns the stool: by the sticks, up to a quarter turn a second each, and by the pointer.
@@ -90,8 +96,8 @@ where
             self.state.hands.iter_mut().for_each(HandState::drop_trail);
         }
         let rewound = match (undo, redo) {
-            (true, false) => self.try_undo_or_redo(WorldEvent::Undone, UndoHistory::try_undo),
-            (false, true) => self.try_undo_or_redo(WorldEvent::Redone, UndoHistory::try_redo),
+            (true, false) => self.try_undo_or_redo(WorldEvent::Undone),
+            (false, true) => self.try_undo_or_redo(WorldEvent::Redone),
             _ => 0,
         };
         if asked(commands::SYMMETRY, buttons::STICK) {
@@ -108,13 +114,19 @@ where
 
     /// Undoes or redoes one stroke, which ends a running island pass and requests another. Returns the
     /// number of its columns; 0 if there is no such stroke.
-    fn try_undo_or_redo(
-        &mut self,
-        event: WorldEvent,
-        undo_or_redo: fn(&mut UndoHistory<N, K>, &mut Volume<N, K>, &mut DirtyRects) -> bool,
-    ) -> u32 {
+    fn try_undo_or_redo(&mut self, event: WorldEvent) -> u32 {
         let before = self.undo.undo_counts().undoable;
-        if !undo_or_redo(&mut self.undo, &mut self.volume, &mut self.dirty) {
+        let mut journal = BaringJournal {
+            journal: &mut self.dirty,
+            figure: &self.mask,
+            counted_axes: self.state.counted_axes,
+            ends: &mut self.bared,
+        };
+        let is_done = match event {
+            WorldEvent::Undone => self.undo.try_undo(&mut self.volume, &mut journal),
+            _ => self.undo.try_redo(&mut self.volume, &mut journal),
+        };
+        if !is_done {
             return 0;
         }
         self.islands.restart_pass();
@@ -180,7 +192,10 @@ where
         if self.islands.is_idle() && self.undo.undo_counts().redoable > 0 {
             return;
         }
-        let mut journal = RemovalJournal { undo: &mut self.undo, dirty: &mut self.dirty };
+        let journal = RemovalJournal { undo: &mut self.undo, dirty: &mut self.dirty };
+        let (figure, ends) = (&self.mask, &mut self.bared);
+        let counted_axes = self.state.counted_axes;
+        let mut journal = BaringJournal { journal, figure, counted_axes, ends };
         let report =
             self.islands.advance_pass(&mut self.volume, &self.mask, row_visits, &mut journal);
         self.dirty.end_edit();
@@ -188,6 +203,49 @@ where
             && (report.removed != 0 || report.kept != 0 || report.unsupported)
         {
             self.push_event(WorldEvent::Islands(report));
+        }
+    }
+
+    /// Counts the ends of the next axis of the hidden figure that isn't counted yet: all at once would take more than a
+    /// tick's work. Returns the work of it, and tells nothing of what is bared at the start.
+    pub(crate) fn count_next_axis(&mut self) -> u32 {
+        let next = Axis::ALL.get(usize::from(self.state.counted_axes));
+        let Some(axis) = next.filter(|_| self.state.masked) else {
+            return 0;
+        };
+        self.bared.add_axis(*axis, &self.mask, self.volume.maps());
+        self.state.counted_axes += 1;
+        if self.is_figure_counted() {
+            self.state.told = ToldPart::of(self.bared);
+        }
+        bared_count_work(N)
+    }
+
+    /// Counts anew what of the figure was counted.
+    pub(crate) fn recount_bared_ends(&mut self) {
+        self.bared = BaredEnds::NONE;
+        for axis in Axis::ALL.into_iter().take(usize::from(self.state.counted_axes)) {
+            self.bared.add_axis(axis, &self.mask, self.volume.maps());
+        }
+    }
+
+    /// Whether the ends of all axes are counted.
+    pub(crate) const fn is_figure_counted(&self) -> bool {
+        self.state.counted_axes as usize == Axis::ALL.len()
+    }
+
+    /// Reports a tenth of the figure that was never bared before, and that it is found, once each.
+    pub(crate) fn tell_bared_part(&mut self) {
+        let (told, now) = (self.state.told, ToldPart::of(self.bared));
+        if now <= told || !self.is_figure_counted() {
+            return;
+        }
+        self.state.told = now;
+        if now.tenths() > told.tenths() {
+            self.push_event(WorldEvent::Bared { tenths: now.tenths() });
+        }
+        if now.is_found() && !told.is_found() {
+            self.push_event(WorldEvent::Found);
         }
     }
 

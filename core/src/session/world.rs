@@ -13,6 +13,7 @@ use crate::edit::operation::{EditReport, EditScratch};
 use crate::edit::pose::Pose;
 use crate::edit::undo::{UndoCounts, UndoHistory};
 use crate::limits::MAX_EVENTS;
+use crate::session::bared::BaredEnds;
 use crate::session::events::WorldEvent;
 use crate::session::hand::{HandPresses, HandState};
 use crate::session::input::{HandInput, RawPose, SessionMode, TickInput};
@@ -49,6 +50,8 @@ where
     pub(crate) dirty: DirtyRects,
     /// Events of the last tick.
     pub(crate) events: Vec<WorldEvent, MAX_EVENTS>,
+    /// How much of the hidden figure is bared: follows from volume and mask.
+    pub(crate) bared: BaredEnds,
     /// Contacts of both hands in the last tick, valid where `has_contact`. Two fields, because `None` of
     /// an `Option<Contact>` isn't all zero bytes.
     pub(crate) contacts: [Contact; 2],
@@ -74,6 +77,7 @@ where
             scratch: EditScratch::new(),
             dirty: DirtyRects::new(),
             events: Vec::new(),
+            bared: BaredEnds::NONE,
             contacts: [Contact::NONE; 2],
             has_contact: [false; 2],
         }
@@ -85,9 +89,8 @@ where
         self.events.clear();
         self.dirty.clear();
         self.has_contact = [false; 2];
-        if input.start != SessionMode::None {
-            self.start_session(input.start, starts);
-        }
+        let has_started =
+            input.start != SessionMode::None && self.start_session(input.start, starts);
         if let Some((position, rotation)) = input.head.to_clamped_metres() {
             self.state.head = (position, rotation);
         }
@@ -103,17 +106,20 @@ where
             if self.is_stroke_open() && !was_stroke_open {
                 self.undo.begin_stroke();
             }
-            self.share_out_work(presses, rewound);
+            let counting = if has_started { 0 } else { self.count_next_axis() };
+            self.share_out_work(presses, rewound, counting);
+            self.tell_bared_part();
         }
         self.state.bench.step_dropped_items();
         self.state.tick = self.state.tick.wrapping_add(1);
     }
 
-    /// What the hands' tools and the island search do, within a tick's work. Hands begin in turn, so that
+    /// What the hands' tools and the island search do, within what is left of a tick's work. Hands begin in turn, so that
     /// neither always finds less than the other.
-    fn share_out_work(&mut self, presses: [HandPresses; 2], rewound_columns: u32) {
+    fn share_out_work(&mut self, presses: [HandPresses; 2], rewound_columns: u32, done: u32) {
         let is_removal_due = self.islands.is_removal_due();
         let mut ledger = TickLedger::open(N, K, rewound_columns, is_removal_due);
+        ledger.charge(done);
         let first = (self.state.tick & 1) as usize;
         let second = 1 - first;
         let hands_left = if self.is_tool_in_use(second) { 2 } else { 1 };
@@ -158,6 +164,13 @@ where
     #[must_use]
     pub const fn mask(&self) -> &RangeMaps<N, K> {
         &self.mask
+    }
+
+    /// How much of the hidden figure is bared. Its ends are counted in the three ticks after a session's first; until
+    /// then there are none.
+    #[must_use]
+    pub const fn bared_ends(&self) -> BaredEnds {
+        if self.is_figure_counted() { self.bared } else { BaredEnds::NONE }
     }
 
     /// What happened in the last tick.

@@ -3,7 +3,7 @@
 use heapless::Vec;
 
 use crate::limits::MAX_DIRTY_RECTS;
-use crate::volume::journal::Journal;
+use crate::volume::journal::{Journal, SwapJournal};
 use crate::volume::range_maps::{Axis, Column, ColumnAddress, RowAddress};
 use crate::volume::row::BitSet;
 use crate::volume::size::{Grid, Size};
@@ -145,6 +145,24 @@ where
     }
 
     fn record_added(&mut self, _: RowAddress, _: <Grid<N> as Size>::Row) {}
+}
+
+impl<const K: usize> SwapJournal<K> for DirtyRects {
+    fn record_swap(
+        &mut self,
+        axis: Axis,
+        (line, first): ColumnAddress,
+        old: &[Column<K>],
+        new: &[Column<K>],
+    ) {
+        let differs = |i: &usize| old[*i] != new[*i];
+        let ends = [(0..old.len()).find(differs), (0..old.len()).rfind(differs)];
+        ends.into_iter().flatten().for_each(|i| self.mark_column(axis, (line, first + i)));
+    }
+
+    fn end_swaps(&mut self) {
+        self.end_edit();
+    }
 }
 
 /// Adds a rectangle, and merges any two whose union is no larger than the sum of their areas. So the

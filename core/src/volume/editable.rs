@@ -121,6 +121,7 @@ where
         }
         let old = self.maps.line_mut(axis, line);
         journal.record_columns(axis, line, places, old);
+        journal.record_replacements(axis, line, places, (old, new));
         let mut sum = 0u64;
         for run in places.iter_runs_within_words() {
             let run = run.first()..=run.last();

@@ -1,6 +1,6 @@
 //! The observer interface of an edit: it sees each column before it changes.
 
-use crate::volume::range_maps::{Axis, Column, RowAddress};
+use crate::volume::range_maps::{Axis, Column, ColumnAddress, RowAddress};
 use crate::volume::size::{Grid, Size};
 
 /// An observer of each change that an edit makes, before it is made.
@@ -16,6 +16,16 @@ where
         places: <Grid<N> as Size>::Row,
         old_columns: &[Column<K>; N],
     );
+    /// The same columns, as they were and as they become.
+    #[inline]
+    fn record_replacements(
+        &mut self,
+        _axis: Axis,
+        _line: usize,
+        _places: <Grid<N> as Size>::Row,
+        _old_and_new: (&[Column<K>; N], &[Column<K>; N]),
+    ) {
+    }
     /// `voxels` of row (y, z) are about to be occupied that were empty when the edit began.
     fn record_added(&mut self, row: RowAddress, voxels: <Grid<N> as Size>::Row);
 }
@@ -28,4 +38,18 @@ where
     fn record_columns(&mut self, _: Axis, _: usize, _: <Grid<N> as Size>::Row, _: &[Column<K>; N]) {
     }
     fn record_added(&mut self, _: RowAddress, _: <Grid<N> as Size>::Row) {}
+}
+
+/// An observer of the columns that an undo or a redo swaps, before they are.
+pub trait SwapJournal<const K: usize = 1> {
+    /// A run of columns from `first` on is about to become `new`; some may not differ.
+    fn record_swap(
+        &mut self,
+        axis: Axis,
+        first: ColumnAddress,
+        old: &[Column<K>],
+        new: &[Column<K>],
+    );
+    /// All were recorded.
+    fn end_swaps(&mut self);
 }

@@ -23,7 +23,7 @@ pub(crate) mod voxel_box;
 
 pub use bit_grid::BitGrid;
 pub use dirty::{ColumnRect, DirtyRects};
-pub use journal::Journal;
+pub use journal::{Journal, SwapJournal};
 pub use range::Range;
 pub use range_maps::{Axis, Column};
 pub use row::BitSet;

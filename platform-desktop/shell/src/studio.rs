@@ -15,6 +15,7 @@ mod session;
 
 use std::path::{Path, PathBuf};
 
+use crate::figures::Figure;
 use crate::file_writer::{FileKind, FileWriter};
 use crate::start_volume_store::StartVolumeStore;
 use crate::statics::Resident;
@@ -321,6 +322,18 @@ where
         self.autosave.restart_save_interval();
     }
 
+    /// Tells that the hidden figure was found in the last tick, if it was.
+    fn notice_found_figure(&mut self) {
+        let world = &*self.session.world;
+        if let SessionMode::Constrained { figure } = world.mode()
+            && world.events().contains(&WorldEvent::Found)
+        {
+            let figure = Figure::HIDDEN.get(usize::from(figure));
+            let name = figure.map_or("figure", |figure| figure.name());
+            self.push_notice(Notice::Good(format!("You found the {name}")));
+        }
+    }
+
     fn after_tick(&mut self) {
         let world = &*self.session.world;
         self.export.advance_stl_after_tick(world);
@@ -330,6 +343,7 @@ where
             self.submit_finished_sculpture();
             self.export.start_making_files(self.session.world);
         }
+        self.notice_found_figure();
         self.autosave.mark_due_after_tick(self.session.world);
         if self.autosave.is_due() {
             self.save_session();

@@ -205,6 +205,12 @@ fn symmetry_is_the_exact_mirror<const K: usize>(harness: &mut WorldHarness<64, K
         assert!(after == after.mirrored_in_x(), "{tool:?}");
         let changes = before != after;
         assert!(tool == Tool::Rasp || changes, "{tool:?} did nothing");
+        // Both halves are one stroke.
+        let command = |commands| TickInput { commands, ..TickInput::default() };
+        harness.step(&command(commands::UNDO));
+        assert!(volume_of(harness) == before, "{tool:?} leaves a half");
+        harness.step(&command(commands::REDO));
+        assert!(volume_of(harness) == after, "{tool:?} brings back a half");
     }
 }
 

@@ -17,6 +17,8 @@ pub struct FieldModel {
     pub density: [Vec<u8>; 4],
     /// The direction out of the stone at each texel of level 1, 127 for a fall of 254 in two texels.
     pub outward: Vec<[i8; 3]>,
+    /// How convex the surface is at every texel of level 1, 127 at most either way.
+    pub convexity: Vec<i8>,
     /// The number of free cells around each cell in every direction, 0 to 6.
     pub cells: Vec<u8>,
 }
@@ -36,14 +38,21 @@ impl FieldModel {
             .map(|[x, y, z]| dense.contains([x, y.max(0), z]))
             .collect();
         let none = [const { Vec::new() }; 4];
-        let mut model =
-            FieldModel { n, occupied, density: none, outward: Vec::new(), cells: Vec::new() };
+        let mut model = FieldModel {
+            n,
+            occupied,
+            density: none,
+            outward: Vec::new(),
+            convexity: Vec::new(),
+            cells: Vec::new(),
+        };
         model.density[0] = model.finest_density();
         for level in 1..4 {
             model.density[level] =
                 halve_resolution(&model.density[level - 1], model.texels_per_side(level - 1));
         }
         model.outward = model.outward_directions();
+        model.convexity = model.convexities();
         model.cells = model.count_free_cells();
         model
     }
@@ -169,6 +178,29 @@ impl FieldModel {
             outward.map(|c| c.clamp(-127.0, 127.0).round_ties_even() as i8)
         };
         grid_points(side).map(outward).collect()
+    }
+
+    /// The difference of a narrow and a wide mean of level 1, without what a smooth surface comes to.
+    fn convexities(&self) -> Vec<i8> {
+        let side = self.texels_per_side(1);
+        let convexity = |at: [i32; 3]| {
+            let mean = |weights: [i64; 5], bits: u32| {
+                let sum = |value: &dyn Fn(i32) -> i64| -> i64 {
+                    weights.iter().zip(-2..).map(|(weight, by)| weight * value(by)).sum()
+                };
+                let texel = |by: [i32; 3]| {
+                    let at = [0, 1, 2].map(|i| (at[i] + by[i]).clamp(0, side - 1));
+                    i64::from(self.density[1][grid_index(at, side)])
+                };
+                let plane = |z: i32| sum(&|y| sum(&|x| texel([x, y, z]))) >> bits >> (4 - bits);
+                (sum(&plane) >> 1) as f32
+            };
+            let differ = mean([0, 1, 14, 1, 0], 1) - mean([1, 4, 6, 4, 1], 3);
+            let differ = differ * (1.0 / (0.16f32 * 255.0 * 128.0));
+            let clear = differ - differ.clamp(-0.12, 0.12);
+            (clear.clamp(-1.0, 1.0) * 127.0).round_ties_even() as i8
+        };
+        grid_points(side).map(convexity).collect()
     }
 
     /// The Chebyshev distance of every cell to the nearest cell with density, less one.

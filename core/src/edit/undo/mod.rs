@@ -21,8 +21,8 @@ use heapless::Vec;
 use crate::codec::digest::DIGEST_KEYS;
 use crate::limits::{UNDO_ENTRIES, UNDO_PLANES};
 use crate::volume::column_digest::line_key;
-use crate::volume::dirty::DirtyRects;
 use crate::volume::editable::Volume;
+use crate::volume::journal::SwapJournal;
 use crate::volume::range_maps::{Axis, Column, ColumnAddress};
 use crate::volume::row::BitSet;
 use crate::volume::size::{Grid, Size};
@@ -148,21 +148,29 @@ where
 
     /// Undoes the newest applied entry and marks its columns in `dirty` as one edit. Returns `false`
     /// when there is none.
-    pub fn try_undo(&mut self, volume: &mut Volume<N, K>, dirty: &mut DirtyRects) -> bool {
+    pub fn try_undo(
+        &mut self,
+        volume: &mut Volume<N, K>,
+        journal: &mut impl SwapJournal<K>,
+    ) -> bool {
         if self.applied == 0 {
             return false;
         }
         self.applied -= 1;
-        self.swap_entry(self.applied.into(), volume, dirty);
+        self.swap_entry(self.applied.into(), volume, journal);
         true
     }
 
     /// Redoes the oldest undone entry, likewise. Returns `false` when there is none.
-    pub fn try_redo(&mut self, volume: &mut Volume<N, K>, dirty: &mut DirtyRects) -> bool {
+    pub fn try_redo(
+        &mut self,
+        volume: &mut Volume<N, K>,
+        journal: &mut impl SwapJournal<K>,
+    ) -> bool {
         if usize::from(self.applied) == self.len() {
             return false;
         }
-        self.swap_entry(self.applied.into(), volume, dirty);
+        self.swap_entry(self.applied.into(), volume, journal);
         self.applied += 1;
         true
     }
@@ -238,13 +246,16 @@ where
     }
 
     /// Swaps the values of entry `index` with the volume's columns.
-    fn swap_entry(&mut self, index: usize, volume: &mut Volume<N, K>, dirty: &mut DirtyRects) {
-        self.swap_columns(index, volume, |axis, (line, first), ours, theirs| {
-            let differs = |i: &usize| ours[*i] != theirs[*i];
-            let ends = [(0..ours.len()).find(differs), (0..ours.len()).rfind(differs)];
-            ends.into_iter().flatten().for_each(|i| dirty.mark_column(axis, (line, first + i)));
+    fn swap_entry(
+        &mut self,
+        index: usize,
+        volume: &mut Volume<N, K>,
+        journal: &mut impl SwapJournal<K>,
+    ) {
+        self.swap_columns(index, volume, |axis, first, ours, theirs| {
+            journal.record_swap(axis, first, ours, theirs);
         });
-        dirty.end_edit();
+        journal.end_swaps();
         volume.rebuild_rows();
         // Later changes don't belong to the entry that was undone or redone.
         self.fresh = true;

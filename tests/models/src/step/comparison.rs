@@ -112,6 +112,8 @@ where
         let should = (model.session, model.mode, model.is_mirrored, model.tick);
         ensure!(is == should, "the session is {is:?}, should be {should:?}");
         ensure!(world.stool_frame() == model.stool_frame(), "the stool is turned otherwise");
+        let (is, should) = (world.bared_ends(), model.bared_ends());
+        ensure!(is == should, "{is:?}, should be {should:?}");
         let (is, should) = (world.undo_counts(), model.history.counts());
         ensure!(is == should, "{is:?}, should be {should:?}");
         Ok(())

@@ -154,6 +154,9 @@ impl<const K: usize> StepModel<K> {
         };
         ledger.charge(&share, &after);
         let contact = self.stone().contact_at(&grid_bit, &self.hands[hand].frozen_pose);
+        if file.is_none() {
+            ledger.charge_contact(&grid_bit, &contact);
+        }
         // What was cut free or laid on is felt as what is touched.
         let felt = Contact { overlap: contact.overlap + report.removed + report.added, ..contact };
         self.hands[hand].haptic = pulse(bit, &felt, &self.hands[hand], runs, speed_um);

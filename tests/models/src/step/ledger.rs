@@ -1,11 +1,12 @@
 //! The ledger of a tick's work: what undo and redo, hands and islands may spend together, in row visits of the
 //! island search.
 
-use paros_core::edit::Pose;
+use paros_core::edit::{Contact, Pose};
 use paros_core::internals::{GridBit, GridShape, WayBudget};
 use paros_core::limits::{
-    ball_sweep_work_per_quarter_voxel, bit_side_voxels, bit_step_work, bite_work,
-    box_sweep_work_per_quarter_voxel, buried_contact_work, island_removal_row_visits,
+    ball_sweep_work_per_quarter_voxel, bared_count_work, bit_side_voxels, bit_step_work, bite_work,
+    box_sweep_work_per_quarter_voxel, buried_contact_work, contact_work, disc_bite_work,
+    disc_contact_work, disc_step_work, disc_sweep_work_per_step, island_removal_row_visits,
     island_reserve, max_bit_steps_per_tick, rewind_work, smoothing_sweep_work_per_quarter_voxel,
     smoothing_work, tick_work,
 };
@@ -42,16 +43,22 @@ pub struct HandWork {
 }
 
 impl Ledger {
-    /// The ledger of a tick in which undo or redo changed the volume, or not, and in which so many hands have a
-    /// tool.
-    pub fn of_tick<const K: usize>(model: &StepModel<K>, rewound: bool, hands: usize) -> Self {
+    /// The ledger of a tick in which undo or redo changed the volume, or not, in which an axis of the figure was
+    /// counted, or not, and in which so many hands have a tool.
+    pub fn of_tick<const K: usize>(
+        model: &StepModel<K>,
+        (rewound, counts): (bool, bool),
+        hands: usize,
+    ) -> Self {
         let side = model.side();
         let rewind = if rewound { rewind_work(side, K) } else { 0 };
         let islands = match model.islands.is_removal_due() {
             true => island_reserve(side).max(island_removal_row_visits(side)),
             false => island_reserve(side),
         };
-        let left = tick_work(side).saturating_sub(rewind).saturating_sub(islands);
+        let counting = if counts { bared_count_work(side) } else { 0 };
+        let done = rewind + islands + counting;
+        let left = tick_work(side).saturating_sub(done);
         Ledger { side, is_mirrored: model.is_mirrored, left, hands_left: hands as u32 }
     }
 
@@ -60,7 +67,7 @@ impl Ledger {
         let left = self.left / self.hands_left;
         self.hands_left -= 1;
         let most_steps = max_bit_steps_per_tick(self.side);
-        let mut work = BitWork::of(bit, self.is_mirrored);
+        let mut work = BitWork::of(bit, self.side, self.is_mirrored);
         if let Some(brush) = file_brush {
             work.become_that_of_file(brush, self.side, self.is_mirrored);
         }
@@ -70,6 +77,20 @@ impl Ledger {
     /// Charges a hand's work: what it left of its share `before` goes to whoever is next.
     pub fn charge(&mut self, before: &HandWork, after: &HandWork) {
         self.left -= before.left - after.left;
+    }
+
+    /// Charges the contact of a bit that isn't a file's: a disc's is dear, and that of a bit beyond its bite.
+    pub fn charge_contact(&mut self, bit: &GridBit, contact: &Contact) {
+        let side = bit_side_voxels(bit.circumscribed_radius_subunits());
+        let is_disc = matches!(bit.shape, GridShape::Disc { .. });
+        let is_buried = contact.depth > bit.bite;
+        let work = match (contact.overlap > 0, is_disc, is_buried) {
+            (false, ..) => 0,
+            (true, true, _) => disc_contact_work(side),
+            (true, false, true) => buried_contact_work(side),
+            (true, false, false) => contact_work(side),
+        };
+        self.left = self.left.saturating_sub(work);
     }
 }
 
@@ -135,20 +156,30 @@ struct BitWork {
 
 impl BitWork {
     /// A mirrored edit costs two.
-    fn of(bit: &GridBit, is_mirrored: bool) -> Self {
+    fn of(bit: &GridBit, grid_side: usize, is_mirrored: bool) -> Self {
         let side = bit_side_voxels(bit.circumscribed_radius_subunits());
         let edits = if is_mirrored { 2 } else { 1 };
-        let sweep = match bit.shape {
-            GridShape::Ball(_) => ball_sweep_work_per_quarter_voxel(side),
-            GridShape::Box(_) => box_sweep_work_per_quarter_voxel(side),
+        let (step, bite, sweep) = match bit.shape {
+            GridShape::Ball(_) => {
+                (bit_step_work(side), bite_work(side), ball_sweep_work_per_quarter_voxel(side))
+            }
+            GridShape::Box(_) => {
+                (bit_step_work(side), bite_work(side), box_sweep_work_per_quarter_voxel(side))
+            }
+            GridShape::Disc { .. } => (
+                disc_step_work(grid_side, side),
+                disc_bite_work(grid_side, side),
+                disc_sweep_work_per_step(side),
+            ),
         };
-        BitWork { step: bit_step_work(side), bite: edits * bite_work(side), sweep: edits * sweep }
+        BitWork { step, bite: edits * bite, sweep: edits * sweep }
     }
 
     /// Smoothing has another cost, and a brush that is larger than the bit.
     fn become_that_of_file(&mut self, brush: &GridBit, grid_side: usize, is_mirrored: bool) {
         let side = bit_side_voxels(brush.circumscribed_radius_subunits());
         let edits = if is_mirrored { 2 } else { 1 };
+        self.step = self.step * 3 / 2;
         self.bite = edits * smoothing_work(grid_side, side);
         self.sweep = edits * smoothing_sweep_work_per_quarter_voxel(side);
     }

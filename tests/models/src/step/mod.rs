@@ -6,6 +6,7 @@
 //! the island search it reads, in the world's save, what a pass had reached a tick ago: [`islands`] says what
 //! that may be.
 
+mod bared;
 pub mod bench;
 pub mod comparison;
 mod file;
@@ -76,6 +77,10 @@ pub struct StepModel<const K: usize> {
     pub mask: StepVolume<K>,
     /// Its digest.
     pub mask_digest: u64,
+    /// The axes of which its ends are counted, one in each tick after the first.
+    pub counted_axes: u8,
+    /// How much of it was told to be bared, as it is saved: tenths, 10 once it is found, 11 where all is bared.
+    pub told: u8,
     /// The strokes.
     pub history: HistoryModel<K>,
     /// The island passes.
@@ -105,6 +110,8 @@ impl<const K: usize> StepModel<K> {
             volume: StepVolume::empty(side),
             mask: StepVolume::empty(side),
             mask_digest: 0,
+            counted_axes: 0,
+            told: 0,
             history: HistoryModel::new(side),
             islands: IslandModel::new(side),
             events: Vec::new(),
@@ -156,9 +163,13 @@ impl<const K: usize> StepModel<K> {
             for (hand, presses) in presses.iter().enumerate() {
                 self.grab_or_release_on_squeeze(hand, *presses);
             }
-            self.step_tools(&presses, ran_a_tool, rewound)?;
+            let has_started =
+                self.events.iter().any(|event| matches!(event, WorldEvent::Started(_)));
+            let counts = !has_started && self.count_next_axis();
+            self.step_tools(&presses, ran_a_tool, (rewound, counts))?;
             let is_told = told.iter().any(|event| matches!(event, WorldEvent::Islands(_)));
             self.advance_islands(seen, is_told)?;
+            self.tell_bared_part();
         }
         self.bench.step_dropped();
         self.tick += 1;
@@ -309,13 +320,13 @@ impl<const K: usize> StepModel<K> {
         &mut self,
         presses: &[HandPresses; 2],
         ran_a_tool: bool,
-        rewound: bool,
+        work_done: (bool, bool),
     ) -> Result<(), String> {
         if self.is_a_tool_running() && !ran_a_tool {
             self.history.begin_stroke();
         }
         let hands = [0, 1].into_iter().filter(|hand| self.tool_in_use(*hand).is_some()).count();
-        let mut ledger = Ledger::of_tick(self, rewound, hands);
+        let mut ledger = Ledger::of_tick(self, work_done, hands);
         let first = (self.tick % 2) as usize;
         [first, 1 - first]
             .into_iter()

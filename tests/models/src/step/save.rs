@@ -112,7 +112,10 @@ impl<const K: usize> StepModel<K> {
             SessionMode::Creative => [3, 0],
             SessionMode::Own => [4, 0],
         });
-        to.push(u8::from(!self.mask.voxels().is_empty()) | u8::from(self.is_mirrored) << 1);
+        let is_masked = u8::from(!self.mask.voxels().is_empty());
+        to.push(
+            is_masked | u8::from(self.is_mirrored) << 1 | self.counted_axes << 2 | self.told << 4,
+        );
         to.extend(self.stool.to_le_bytes());
         write_pose(&mut to, self.head);
         for (hand, trail) in self.hands.iter().zip(&self.trails) {
