@@ -91,7 +91,7 @@ fn a_vulkan_picture_has_the_twins_silhouette() {
     for path in ["paper", "fast"] {
         let size = format!("{width}x{height}");
         let args = ["render", "toy.rmap", "-o", "p.png", "--size", &size, "--view", &view];
-        let more = ["--renderer", "vulkan", "--path", path];
+        let more = ["--renderer", "vulkan", "--path", path, "--plain"];
         succeeds(&folder, &[&args[..], &more].concat());
         let (w, h, pixels) = picture(&folder.join("p.png"));
         assert_eq!((w, h), (width, height));
@@ -134,6 +134,29 @@ fn trace(path: &Path) {
     stage.run_tick(&TickInput { start: SessionMode::FreeForm, ..TickInput::default() });
     stage.run_tick(&TickInput::default());
     fs::write(path, stage.end_recording_to_bytes().unwrap()).unwrap();
+}
+
+/// The room around the sculpture, and the sculpture in its light.
+#[test]
+fn a_vulkan_picture_shows_the_room() {
+    let Some(_) = device() else { return };
+    let folder = folder("room");
+    let draw = |more: &[&str]| {
+        let args = ["render", "owl", "-o", "p.png", "--size", "160x120", "--renderer", "vulkan"];
+        succeeds(&folder, &[&args[..], more].concat());
+        picture(&folder.join("p.png")).2
+    };
+    let (plain, room) = (draw(&["--plain"]), draw(&[]));
+    let alike = |a: [u8; 3], b: [u8; 3]| (0..3).all(|c| a[c].abs_diff(b[c]) <= 2);
+    let backdrop = |pixels: &[[u8; 3]]| pixels.iter().filter(|&&p| alike(p, plain[0])).count();
+    assert!(backdrop(&plain) > plain.len() / 2, "{}", backdrop(&plain));
+    assert!(backdrop(&room) < room.len() / 10, "{}", backdrop(&room));
+    // The owl's chest is stone in both, in other light; its top is where it was.
+    let chest = 58 * 160 + 80;
+    assert!(plain[chest].iter().chain(&room[chest]).all(|&c| c > 90), "{:?}", room[chest]);
+    assert_ne!(plain[chest], room[chest]);
+    // A turntable goes round in the room.
+    draw(&["--turn", "3"]);
 }
 
 #[test]

@@ -50,11 +50,29 @@ pub const FAST_SHADOW_SPACING: [f32; 2] = [2.8, 2.5];
 /// Part of the sunlight that a sample of density 1 absorbs.
 pub const FAST_SHADOW_OPACITY: f32 = 0.9;
 /// Translucency: part of the sunlight, by colour, that passes thin stone to the side away from
-/// the sun.
-pub const FAST_TRANSLUCENCY: [f32; 3] = [0.14, 0.08, 0.05];
-/// Distance towards the sun of the density sample that measures the stone's thickness, in voxels
-/// of the reference grid.
-pub const FAST_TRANSLUCENCY_DEPTH: f32 = 3.0;
+/// the sun. What passes is warm.
+pub const FAST_TRANSLUCENCY: [f32; 3] = [0.34, 0.20, 0.12];
+/// Distance towards the sun of the density sample, of mip level 2, that measures the stone's thickness, in
+/// voxels of the reference grid.
+pub const FAST_TRANSLUCENCY_DEPTH: f32 = 5.0;
+/// Change of the reflectance, by colour, at the sharpest edge: worn edges are lighter, and cavities, where it is
+/// negative, darker and warmer.
+pub const FAST_WEAR: [f32; 3] = [0.52, 0.57, 0.65];
+/// Most of that at edges.
+pub const FAST_WEAR_AT_EDGES: f32 = 0.25;
+/// Sharpness of the sun's highlight on smooth stone, and on rough: the binary logarithm of its falloff with the
+/// cosine from its middle.
+pub const FAST_GLOSS_SHARPNESS: [f32; 2] = [56.0, 9.0];
+/// The highlight's radiance for each unit of sharpness, as a part of the sunlight: what a broad one covers, a sharp
+/// one gathers.
+pub const FAST_GLOSS: f32 = 0.0065;
+/// Roughness for a convexity of 1, either way; it ends at 1.
+pub const FAST_ROUGHNESS: f32 = 3.0;
+/// Sparkle of the crystals: periods of the noise along the cube's side, and how far it shifts with the eye, in
+/// periods.
+pub const FAST_CRYSTAL_NOISE: [f32; 2] = [7.0, 0.5];
+/// The least noise that sparkles, and the radiance for each unit above, as a part of the sunlight.
+pub const FAST_SPARKLE: [f32; 2] = [0.2, 0.5];
 /// Ambient occlusion: height above the surface of its density sample, in voxels of the reference
 /// grid.
 pub const FAST_AO_HEIGHT: f32 = 5.0;
@@ -63,6 +81,14 @@ pub const FAST_AO_HEIGHT: f32 = 5.0;
 pub const FAST_AO_SCALE: f32 = 1.15;
 /// Upper bound of that sample's density, so that some ambient light is left.
 pub const FAST_AO_MAX_DENSITY: f32 = 0.9;
+
+/// Contact shadow of the stone on the stool and on what comes near: height of its density sample of mip level 3, in
+/// voxels.
+pub const CONTACT_HEIGHT: f32 = 5.0;
+/// Part of the light that it takes where that sample is full.
+pub const CONTACT_OPACITY: f32 = 0.8;
+/// It fades out around the cube within 1 / this of the cube's side.
+pub const CONTACT_FADE: f32 = 12.0;
 
 /// White point of Reinhard's tone curve: the radiance that a display shows as 1. White stone that faces the sun
 /// reaches about 2.3 and keeps its shading.
@@ -122,6 +148,10 @@ pub const MARBLE_VEIN_NORMAL: [f32; 3] = [0.62, 0.55, -0.56];
 pub const MARBLE_BASE_COLOR: [f32; 3] = [0.86, 0.845, 0.82];
 /// Reflectance in a vein's middle.
 pub const MARBLE_VEIN_COLOR: [f32; 3] = [0.40, 0.41, 0.44];
+/// The fast path's stone: reflectance between the veins, a cool white.
+pub const CARRARA_BASE_COLOR: [f32; 3] = [0.85, 0.85, 0.845];
+/// Reflectance in a vein's middle.
+pub const CARRARA_VEIN_COLOR: [f32; 3] = [0.29, 0.315, 0.35];
 
 /// Pixels along a side of the screen tiles whose rays share a first empty-space test.
 pub const TILE_PIXELS: u32 = 64;

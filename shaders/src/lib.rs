@@ -21,4 +21,4 @@ pub use twin::fragment::{self, ShadedHit, TwinScene, TwinSettings, shade_ray};
 pub use twin::image::{self, Image, contact_sheet};
 pub use twin::march::{self, Ray};
 pub use twin::render::{self, RenderOptions, render_image, render_portrait_png};
-pub use twin::{fast, harmonics, light, marble, noise, studio, surface};
+pub use twin::{carrara, fast, harmonics, light, marble, noise, studio, surface};

@@ -5,10 +5,12 @@
 #import paros::layout::frame
 #import paros::constants::{
     BEAM_PIXELS, BINDING_BEAM_STARTS, BINDING_CELLS, BINDING_CLAMPED, BINDING_DENSITY,
-    BINDING_GRADIENT, BINDING_MARBLE, BINDING_NEAREST, DENSITY_LEVELS, FAST_AO_HEIGHT, FAST_AO_MAX_DENSITY,
-    FAST_AO_SCALE, FAST_EDGE_CUBIC, FAST_REFERENCE_SIDE, FAST_SHADOW_OPACITY,
-    FAST_SHADOW_SPACING, FAST_SKIP_INTERVAL, FAST_STEP_FAR, FAST_STEP_NEAR, FAST_TRANSLUCENCY,
-    FAST_TRANSLUCENCY_DEPTH, MARBLE_BASE_COLOR, MARBLE_VEIN_COLOR, TONE_WHITE_POINT,
+    BINDING_GRADIENT, BINDING_MARBLE, BINDING_NEAREST, BINDING_NOISE, BINDING_REPEAT,
+    CARRARA_BASE_COLOR, CARRARA_VEIN_COLOR, DENSITY_LEVELS, FAST_AO_HEIGHT, FAST_AO_MAX_DENSITY,
+    FAST_AO_SCALE, FAST_CRYSTAL_NOISE, FAST_EDGE_CUBIC, FAST_GLOSS, FAST_GLOSS_SHARPNESS, FAST_REFERENCE_SIDE,
+    FAST_ROUGHNESS, FAST_SHADOW_OPACITY, FAST_SHADOW_SPACING, FAST_SKIP_INTERVAL, FAST_SPARKLE,
+    FAST_STEP_FAR, FAST_STEP_NEAR, FAST_TRANSLUCENCY, FAST_TRANSLUCENCY_DEPTH, FAST_WEAR,
+    FAST_WEAR_AT_EDGES, TONE_WHITE_POINT,
 }
 #import paros::box
 #import paros::shadow
@@ -17,20 +19,27 @@
 #ifdef HALF
 alias real = f16;
 alias real3 = vec3<f16>;
+alias real4 = vec4<f16>;
 #else
 alias real = f32;
 alias real3 = vec3<f32>;
+alias real4 = vec4<f32>;
 #endif
 
 // Alpha to coverage: with several samples a pixel, a fragment's coverage is its alpha.
 override COVERAGE: bool = false;
 
+// Greatest rise of density in half a pixel: walls of two voxels are not denser than 5/8.
+const MOST_RISE: f32 = 0.12;
+
 @group(0) @binding(BINDING_DENSITY) var density: texture_3d<f32>;
 @group(0) @binding(BINDING_GRADIENT) var gradient: texture_3d<f32>;
 @group(0) @binding(BINDING_CELLS) var cells: texture_3d<f32>;
 @group(0) @binding(BINDING_MARBLE) var marble_grey: texture_3d<f32>;
+@group(0) @binding(BINDING_NOISE) var noise: texture_3d<f32>;
 @group(0) @binding(BINDING_CLAMPED) var clamped: sampler;
 @group(0) @binding(BINDING_NEAREST) var nearest: sampler;
+@group(0) @binding(BINDING_REPEAT) var repeat: sampler;
 @group(0) @binding(BINDING_BEAM_STARTS) var beams: texture_2d_array<f32>;
 
 struct FragmentOutput {
@@ -57,30 +66,37 @@ fn fragment(
     let hit = march_density(o, direction, start, end, voxel);
     var t = hit.t - f32(hit.back) * voxel;
     var coverage = real(1.0);
-    if hit.density < real(0.5) || hit.t >= end {
-        if !COVERAGE || hit.near_miss == 0.0 {
-            discard;
-        } else {
-            // The ray passes the outline within a pixel: find its densest point, backwards in small
-            // steps, and derive the coverage from the density there.
-            var densest = real(0.0);
-            var at = min(hit.near_miss, end);
-            for (var left = real(12.0); left > real(0.0); left -= real(1.0)) {
-                let here = real(sample_density(o + direction * at, 0.0));
-                if here > densest {
-                    densest = here;
+    let missed = hit.density < real(0.5) || hit.t >= end;
+    if missed && (!COVERAGE || hit.near_miss == 0.0) {
+        discard;
+    }
+    if COVERAGE {
+        // A pixel that the outline passes through is covered in part: by half where the ray only just
+        // reaches the surface. Find the ray's densest point in small steps: on from a hit, to half a
+        // pixel behind the surface, or back from a near miss.
+        var at = select(hit.t, min(hit.near_miss, end), missed);
+        let margin = half_pixel_rise(at);
+        let step = select(0.8, -0.8, missed) * voxel;
+        var densest = select(hit.density, real(0.0), missed);
+        for (var left = real(12.0); left > real(0.0); left -= real(1.0)) {
+            if densest >= real(0.5) + margin { break; }
+            at += step;
+            let here = real(sample_density(o + direction * at, 0.0));
+            if here > densest {
+                densest = here;
+                if missed {
                     t = at;
                 }
-                at -= 0.8 * voxel;
             }
-            coverage -= real(saturate((0.5 - f32(densest)) / pixel_margin(t)));
         }
+        coverage = saturate((densest - real(0.5)) / (real(2.0) * margin) + real(0.5));
     }
     let p = o + direction * t;
-    let outward = real3(textureSampleLevel(gradient, clamped, p, 0.0).xyz);
-    let normal = outward * inverseSqrt(max(dot(outward, outward), real(1e-4)));
+    let stored = real4(textureSampleLevel(gradient, clamped, p, 0.0));
+    let normal = stored.xyz * inverseSqrt(max(dot(stored.xyz, stored.xyz), real(1e-4)));
     let depth = frame.depth_scale / t + frame.depth_offset;
-    return FragmentOutput(vec4<f32>(vec3<f32>(shade_point(p, normal)), f32(coverage)), depth);
+    let color = shade_point(p, normal, stored.w);
+    return FragmentOutput(vec4<f32>(vec3<f32>(color), f32(coverage)), depth);
 }
 
 // The end of a march: the first sample of density a half or more, or the ray's end.
@@ -89,7 +105,7 @@ struct DensityHit {
     density: real,
     // Distance back along the ray to the level set of a half, in voxels.
     back: real,
-    // A depth shortly after the ray last passed the surface within a pixel; 0 if it never did.
+    // A depth shortly after the ray last passed the surface within half a pixel; 0 if it never did.
     near_miss: f32,
 }
 
@@ -115,7 +131,7 @@ fn march_density(o: vec3<f32>, d: vec3<f32>, start: f32, end: f32, voxel: f32) -
         // The same test as in the loop. A different number keeps the compiler from holding the
         // loop's result in a register.
         if full > real(0.4998) { break; }
-        if COVERAGE && f32(peak) > max(0.5 - pixel_margin(t), 0.4) {
+        if COVERAGE && peak > real(0.5) - half_pixel_rise(t) {
             near_miss = t;
         }
         // Empty-space skipping.
@@ -146,10 +162,9 @@ fn interval_spent(reach: real) -> real {
 #endif
 }
 
-// How far below a half the density is one pixel outside the surface at a depth: it rises by about
-// 0.3 a voxel.
-fn pixel_margin(t: f32) -> f32 {
-    return 0.3 * frame.pixel_width * t;
+// How much the density rises towards the surface in half a pixel, at a depth: about 0.3 a voxel.
+fn half_pixel_rise(t: f32) -> real {
+    return real(min(0.15 * frame.pixel_width * t, MOST_RISE));
 }
 
 // Distance to a plane, up to a factor, from its blurred density less a half.
@@ -179,28 +194,46 @@ fn sample_density(p: vec3<f32>, mip_level: f32) -> f32 {
     return textureSampleLevel(density, clamped, p, mip_level).x;
 }
 
-// Lambertian marble under the sun and the ambient light, tone mapped.
-fn shade_point(p: vec3<f32>, normal: real3) -> real3 {
+// Marble under the sun and the ambient light, tone mapped.
+fn shade_point(p: vec3<f32>, normal: real3, convexity: real) -> real3 {
     let n = frame.grid_side;
     let voxel = n / (FAST_REFERENCE_SIDE * frame.density_side);
     let facing = dot(normal, real3(frame.sun_in_grid));
     var direct = real3(frame.sun_color);
+    var gloss = real(0.0);
     if facing > real(0.0) {
-        direct *= facing * sun_visibility(p, voxel);
+        let seen = sun_visibility(p, voxel);
+        direct *= facing * seen;
+        gloss = seen * highlight(p, normal, convexity);
     } else {
         // Translucency where the stone is thin towards the sun.
         let through = p + (frame.sun_in_grid * FAST_TRANSLUCENCY_DEPTH - vec3<f32>(normal)) * voxel;
-        let thin = real(1.0) - real(sample_density(through, 1.0));
+        let thin = real(1.0) - real(sample_density(through, 2.0));
         direct *= real3(FAST_TRANSLUCENCY) * (thin * -facing);
     }
     let around = ambient_over_pi(normal) * ambient_openness(p, normal, voxel);
     let grid = (p - 0.5) * (frame.density_side / n) + 0.5;
     let grey = real(textureSampleLevel(marble_grey, clamped, grid, 0.0).x);
-    let stone = mix(real3(MARBLE_BASE_COLOR), real3(MARBLE_VEIN_COLOR), grey);
-    let radiance = stone * (direct + around);
+    let stone = mix(real3(CARRARA_BASE_COLOR), real3(CARRARA_VEIN_COLOR), grey);
+    let worn = real3(1.0) + real3(FAST_WEAR) * min(convexity, real(FAST_WEAR_AT_EDGES));
+    let radiance = stone * worn * (direct + around) + real3(frame.sun_color) * gloss;
     // `light::tone_map` in this precision.
     return radiance * (radiance * real(1.0 / (TONE_WHITE_POINT * TONE_WHITE_POINT)) + real(1.0))
         / (radiance + real(1.0));
+}
+
+// The sun's highlight at a point, as a part of the sunlight: a spherical Gaussian around the
+// direction between sun and eye, broad where the stone is rough, with the sparkle of its crystals.
+fn highlight(p: vec3<f32>, normal: real3, convexity: real) -> real {
+    let roughness = saturate(abs(convexity) * real(FAST_ROUGHNESS));
+    let sharpness = mix(real(FAST_GLOSS_SHARPNESS.x), real(FAST_GLOSS_SHARPNESS.y), roughness);
+    let toward = dot(normal, real3(frame.halfway_in_grid));
+    let lobe = exp2((toward - real(1.0)) * sharpness) * (sharpness * real(FAST_GLOSS));
+    let grain = p * (FAST_CRYSTAL_NOISE.x * frame.density_side / frame.grid_side)
+        + frame.halfway_in_grid * FAST_CRYSTAL_NOISE.y;
+    let crystal = real(textureSampleLevel(noise, repeat, grain, 0.0).x);
+    let square = toward * max(toward, real(0.0));
+    return lobe + max(crystal - real(FAST_SPARKLE.x), real(0.0)) * (real(FAST_SPARKLE.y) * square * square);
 }
 
 // Soft shadow by cone tracing: three samples towards the sun, each farther and of a coarser mip

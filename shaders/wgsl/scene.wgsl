@@ -2,6 +2,12 @@
 #import paros::layout::frame
 #import paros::light
 #import paros::shadow
+#import paros::constants::{
+    BINDING_CLAMPED, BINDING_DENSITY, CONTACT_FADE, CONTACT_HEIGHT, CONTACT_OPACITY,
+}
+
+@group(0) @binding(BINDING_DENSITY) var density: texture_3d<f32>;
+@group(0) @binding(BINDING_CLAMPED) var clamped: sampler;
 
 // Normal offset against shadow acne, in metres: a texel and a half of the map.
 const NORMAL_OFFSET: f32 = 0.012;
@@ -26,6 +32,8 @@ struct VertexOutput {
     @location(2) sun_position: vec3<f32>,
     // Ambient occlusion, and the tint's w: emission or opacity.
     @location(3) ambient_and_glow: vec2<f32>,
+    // A place above the surface, in the density texture.
+    @location(4) above: vec3<f32>,
 }
 
 @vertex
@@ -40,6 +48,7 @@ fn vertex(v: VertexInput, @builtin(view_index) view: u32) -> VertexOutput {
         v.color.xyz * v.tint.xyz,
         (frame.shadow_from_room * vec4<f32>(room + normal * NORMAL_OFFSET, 1.0)).xyz,
         vec2<f32>(v.color.w, v.tint.w),
+        density_place(room + normal * (frame.voxel_size * CONTACT_HEIGHT)),
     );
 }
 
@@ -49,7 +58,9 @@ fn fragment(
     @location(1) color: vec3<f32>,
     @location(2) sun_position: vec3<f32>,
     @location(3) ambient_and_glow: vec2<f32>,
+    @location(4) above: vec3<f32>,
 ) -> @location(0) vec4<f32> {
+    let contact = contact_openness(above);
     let n = normalize(normal);
     let facing = dot(n, frame.sun_in_room);
     let in_grid = (vec4<f32>(n, 0.0) * frame.room_from_grid).xyz / frame.voxel_size;
@@ -60,8 +71,24 @@ fn fragment(
 #ifdef PARTICLES
     let opacity = ambient_and_glow.y;
 #else
+    irradiance *= contact;
     irradiance += ambient_and_glow.y;
     let opacity = 1.0;
 #endif
     return vec4<f32>(light::tone_map(color * irradiance), opacity);
+}
+
+// The place in the density texture of a point of the room.
+fn density_place(room: vec3<f32>) -> vec3<f32> {
+    let from_foot = room - frame.room_from_grid[3].xyz;
+    let grid = (vec4<f32>(from_foot, 0.0) * frame.room_from_grid).xyz / (frame.voxel_size * frame.voxel_size);
+    return (grid + 0.5 * (frame.density_side - frame.grid_side)) / frame.density_side;
+}
+
+// Contact shadow: the part of the light left beside the stone, by its density above a surface; 1 away
+// from the stone's cube.
+fn contact_openness(above: vec3<f32>) -> f32 {
+    let aside = abs(above - 0.5);
+    let near = saturate(0.5 * CONTACT_FADE + 1.0 - CONTACT_FADE * max(aside.x, max(aside.y, aside.z)));
+    return 1.0 - CONTACT_OPACITY * near * textureSampleLevel(density, clamped, above, 3.0).x;
 }

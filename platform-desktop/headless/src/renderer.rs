@@ -153,6 +153,19 @@ pub struct SculptureView {
     pub placement: SculpturePlacement,
 }
 
+impl SculptureView {
+    /// The same view of a sculpture where it stands in the room, with its size there.
+    #[must_use]
+    pub fn moved_onto(&self, stand: &SculpturePlacement) -> Self {
+        let position = stand.foot + self.eye.position * (stand.side / self.placement.side);
+        let turn_radians = self.placement.turn_radians;
+        SculptureView {
+            eye: Eye { position, ..self.eye },
+            placement: SculpturePlacement { turn_radians, ..*stand },
+        }
+    }
+}
+
 /// The view that shows what a camera of the twin does: a side of the cube is a metre, and the stool
 /// turns before the eye.
 #[must_use]

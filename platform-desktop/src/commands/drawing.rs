@@ -2,11 +2,14 @@
 
 use clap::ValueEnum;
 use paros_core::RangeMaps;
+use paros_core::volume::{Grid, Size};
 use paros_headless::{BACKDROP, Error, HeadlessRenderer, PictureFormat, SculptureView};
 use paros_shaders::field::DensityField;
 use paros_shaders::gpu::{FrameRequest, PaperVariant, RenderPath, RenderStyle};
+use paros_shaders::scene::{LatestInput, SKY, SceneAssembler};
 use paros_shaders::upload::VolumeFormat;
 use paros_shaders::{Camera, Image, RenderOptions, render_image};
+use paros_shell::statics::Resident;
 
 /// Samples of a pixel on a Vulkan device.
 const SAMPLES: u32 = 4;
@@ -14,8 +17,7 @@ const SAMPLES: u32 = 4;
 /// How pictures are to be drawn.
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub(super) struct DrawingOptions {
-    /// What draws: this machine's processors, or the best Vulkan device, which leaves the studio
-    /// around the sculpture out.
+    /// What draws: this machine's processors, or the best Vulkan device.
     #[arg(long, value_enum, default_value = "cpu")]
     renderer: RendererChoice,
     /// How the sculpture is drawn: as in the paper, or smooth.
@@ -43,7 +45,26 @@ pub(super) enum PictureRenderer<const N: usize, const K: usize> {
         field: Box<DensityField<N, K>>,
         size: [u32; 2],
         path: RenderPath,
+        surroundings: Surroundings,
     },
+}
+
+/// What a Vulkan device draws around the sculpture.
+pub(super) enum Surroundings {
+    /// A grey backdrop.
+    Backdrop,
+    /// The studio's room, in its light.
+    Room(Box<SceneAssembler>),
+}
+
+/// The room with all tools in their places.
+pub(super) fn assemble_room<const N: usize, const K: usize>() -> Box<SceneAssembler>
+where
+    Grid<N>: Size + Resident<N, K>,
+{
+    let mut room = Box::new(SceneAssembler::new());
+    room.assemble_frame(&Grid::<N>::lock_world(), &LatestInput::default());
+    room
 }
 
 impl DrawingOptions {
@@ -53,6 +74,7 @@ impl DrawingOptions {
         &self,
         [width, height]: [usize; 2],
         rays_along_pixel_side: usize,
+        surroundings: Surroundings,
     ) -> Result<PictureRenderer<N, K>, Error> {
         if self.renderer == RendererChoice::Cpu {
             let options = match self.path {
@@ -74,7 +96,8 @@ impl DrawingOptions {
             PathChoice::Paper => RenderPath::Paper(PaperVariant::Whole),
             PathChoice::Fast => RenderPath::Fast,
         };
-        Ok(PictureRenderer::Vulkan { renderer, field: Box::new(DensityField::new()), size, path })
+        let field = Box::new(DensityField::new());
+        Ok(PictureRenderer::Vulkan { renderer, field, size, path, surroundings })
     }
 }
 
@@ -90,19 +113,22 @@ impl<const N: usize, const K: usize> PictureRenderer<N, K> {
             PictureRenderer::Cpu(options) => {
                 Ok(render_image(maps, camera, options, on_fraction_done))
             }
-            PictureRenderer::Vulkan { renderer, field, size, path } => {
+            PictureRenderer::Vulkan { renderer, field, size, path, surroundings } => {
                 field.rebuild_from(maps);
                 renderer.load_field(field)?;
-                let SculptureView { eye, placement } =
-                    paros_headless::view_of_camera(camera, *size);
-                let look = RenderStyle { path: *path, ..RenderStyle::default() };
-                let request = FrameRequest {
-                    eyes: &[eye],
-                    placement,
-                    style: look,
-                    backdrop: BACKDROP,
-                    scene: None,
+                let view = paros_headless::view_of_camera(camera, *size);
+                let (SculptureView { eye, placement }, style, backdrop, scene) = match surroundings
+                {
+                    Surroundings::Backdrop => {
+                        let style = RenderStyle { path: *path, ..RenderStyle::default() };
+                        (view, style, BACKDROP, None)
+                    }
+                    Surroundings::Room(room) => {
+                        let view = view.moved_onto(&room.sculpture_placement());
+                        (view, RenderStyle::in_studio(*path), SKY, Some(room.draw_list()))
+                    }
                 };
+                let request = FrameRequest { eyes: &[eye], placement, style, backdrop, scene };
                 renderer.draw_frame(&request, &vec![])?;
                 renderer.read_image(0)
             }

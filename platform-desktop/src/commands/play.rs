@@ -18,7 +18,7 @@ use paros_shell::trace::{ReplayDivergence, Trace};
 use paros_shell::{with_intervals, with_size};
 use serde::Serialize;
 
-use super::drawing::{DrawingOptions, PictureRenderer};
+use super::drawing::{DrawingOptions, PictureRenderer, Surroundings};
 use super::{progress, volume};
 
 /// Play a trace; stop at the first tick that differs from the recording.
@@ -230,7 +230,10 @@ where
         ReplayResult { digests: String::new(), stl: None, frames: 0, edits: EditTotals::default() };
     let mut drawn = Ok(());
     let mut frames = match args.frames.as_deref() {
-        Some(folder) => Some((folder, args.drawing.make_renderer::<N, K>(FRAME_SIZE, 1)?)),
+        Some(folder) => Some((
+            folder,
+            args.drawing.make_renderer::<N, K>(FRAME_SIZE, 1, Surroundings::Backdrop)?,
+        )),
         None => None,
     };
     let mut stl_buffers = Grid::<N>::lock_stl_buffers();

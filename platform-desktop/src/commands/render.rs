@@ -1,20 +1,28 @@
-//! `paros render`: a picture of a volume.
+//! `paros render`: a picture of a volume, or a turntable of it.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
+use paros_core::RangeMaps;
 use paros_core::volume::{Grid, Size};
 use paros_headless::Error;
 use paros_shaders::Camera;
+use paros_shaders::image::{Animation, PngWriter};
 use paros_shell::durable::WriteTarget;
 use paros_shell::figures::Figure;
 use paros_shell::statics::{Resident, ResidentBitGrid};
 use paros_shell::{with_intervals, with_size};
 
-use super::drawing::DrawingOptions;
+use super::drawing::{DrawingOptions, PictureRenderer, Surroundings, assemble_room};
 use super::{progress, volume};
 
 /// The longest side of a picture in pixels.
 const LONGEST: usize = 8192;
+/// The most frames of a turntable: one for each degree.
+const MOST_FRAMES: i64 = 360;
+/// The most pixels of all frames together: the file is made in memory.
+const MOST_PIXELS: usize = 1 << 29;
+/// How long a turntable takes to go round.
+const ROUND_SECONDS: u16 = 6;
 
 /// Render a picture of a volume, or of a figure.
 #[derive(Debug, clap::Args)]
@@ -33,10 +41,32 @@ pub(super) struct Args {
     #[arg(long, value_name = "AZ,EL", default_value = "25,15", value_parser = parse_view_degrees,
           allow_hyphen_values = true)]
     view: ViewDegrees,
+    /// Write a turntable of so many frames, an animated PNG that goes round once in six seconds and on for ever.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..=MOST_FRAMES),
+          allow_hyphen_values = true)]
+    turn: Option<u16>,
+    /// Leave out the lit room around the sculpture, which only a Vulkan device draws.
+    #[arg(long)]
+    plain: bool,
+    /// Tell what was written as JSON.
+    #[arg(long)]
+    json: bool,
     #[command(flatten)]
     layers: volume::LayersOption,
     #[command(flatten)]
     drawing: DrawingOptions,
+}
+
+/// What was written, for `--json`.
+#[derive(serde::Serialize)]
+struct Written<'a> {
+    picture: &'a Path,
+    width: usize,
+    height: usize,
+    frames: u16,
+    /// Voxels that had no room in a column and were filled in, if any.
+    #[serde(skip_serializing_if = "str::is_empty")]
+    note: &'a str,
 }
 
 impl Args {
@@ -81,6 +111,11 @@ fn parse_view_degrees(text: &str) -> Result<ViewDegrees, String> {
 pub(super) fn run(args: &Args) -> Result<String, Error> {
     volume::check_output_is_not_input(&args.volume, &args.output)?;
     volume::refuse_other_extension(&args.output, "png")?;
+    let ([width, height], frames) = (args.size, args.turn.unwrap_or(1));
+    if width * height * usize::from(frames) > MOST_PIXELS {
+        let message = format!("--turn: {frames} frames of {width}x{height} are too many pixels");
+        return Err(Error::Input(message));
+    }
     let size = match args.figure() {
         Some(_) => FIGURE_SIDE,
         None => volume::read_header(&args.volume)?.grid_side,
@@ -101,17 +136,47 @@ where
     }
     // Tried before the work: a place where no file can be is told at once.
     let target = WriteTarget::resolve_and_check_writable(&args.output)?;
-    let ViewDegrees { azimuth, elevation } = args.view;
-    let camera = Camera::orbiting(azimuth.to_radians(), elevation.to_radians());
-    let [width, height] = args.size;
-    let mut renderer = args.drawing.make_renderer::<N, K>(args.size, SAMPLES)?;
-    let rendering = progress::show_progress("rendering", Some(height as u64));
-    let image = renderer.draw_volume(&maps, &camera, &|done| {
-        rendering.set_steps_done((done * height as f32) as u64);
-    })?;
-    drop(rendering);
-    let mut png = Vec::new();
-    image.write_png(&mut png).map_err(Error::failure)?;
+    let surroundings = match args.plain {
+        true => Surroundings::Backdrop,
+        false => Surroundings::Room(assemble_room::<N, K>()),
+    };
+    let mut renderer = args.drawing.make_renderer::<N, K>(args.size, SAMPLES, surroundings)?;
+    let png = draw_png(args, &mut renderer, &maps)?;
     target.write_file(&png)?;
-    Ok(format!("{filled}{}: {width}x{height} pixels\n", args.output.display()))
+    let ([width, height], frames) = (args.size, args.turn.unwrap_or(1));
+    if args.json {
+        let written =
+            Written { picture: &args.output, width, height, frames, note: filled.trim_end() };
+        return serde_json::to_string_pretty(&written).map(|s| s + "\n").map_err(Error::failure);
+    }
+    let picture = args.output.display();
+    Ok(match args.turn {
+        None => format!("{filled}{picture}: {width}x{height} pixels\n"),
+        Some(_) => format!("{filled}{picture}: {frames} frames of {width}x{height} pixels\n"),
+    })
+}
+
+/// The bytes of the picture, or of the turntable that starts with it.
+fn draw_png<const N: usize, const K: usize>(
+    args: &Args,
+    renderer: &mut PictureRenderer<N, K>,
+    maps: &RangeMaps<N, K>,
+) -> Result<Vec<u8>, Error> {
+    let ([width, height], frames) = (args.size, args.turn.unwrap_or(1));
+    let ViewDegrees { azimuth, elevation } = args.view;
+    let rendering = progress::show_progress("rendering", Some(height as u64 * u64::from(frames)));
+    let mut png = Vec::new();
+    let animation = args.turn.map(|frames| Animation { frames, seconds: ROUND_SECONDS });
+    let mut writer =
+        PngWriter::new(&mut png, [width, height], animation).map_err(Error::failure)?;
+    for frame in 0..frames {
+        let turned = azimuth + 360.0 * f32::from(frame) / f32::from(frames);
+        let camera = Camera::orbiting(turned.to_radians(), elevation.to_radians());
+        let image = renderer.draw_volume(maps, &camera, &|done| {
+            rendering.set_steps_done(((f32::from(frame) + done) * height as f32) as u64);
+        })?;
+        writer.write_image(&image).map_err(Error::failure)?;
+    }
+    writer.finish().map_err(Error::failure)?;
+    Ok(png)
 }

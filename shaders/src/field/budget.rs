@@ -104,7 +104,7 @@ pub(super) const TEXEL_WORK: usize = COMPARED_WORK + CHANGED_WORK + CROSSED_WORK
 /// for each in the box itself.
 pub(super) const GRADIENT_ROW_WORK: usize = 260;
 pub(super) const GRADIENT_WINDOW_WORK: usize = 210;
-pub(super) const GRADIENT_GROUP_WORK: usize = 440;
+pub(super) const GRADIENT_GROUP_WORK: usize = 520;
 /// Work for each row of cells, all distances included.
 pub(super) const CELL_ROW_WORK: usize = 660;
 /// Work for each line that is noted; for each line of a map in a search for stale ones; for each

@@ -3,12 +3,13 @@
 //! keeps grooves.
 //!
 //! Both are separable (Farid and Simoncelli 2004): a kernel along each axis, a derivative along the
-//! gradient's own. Integers of 16 bits throughout, eight texels at a time.
+//! gradient's own. Integers of 16 bits throughout, eight texels at a time. Beside it, how convex the surface is.
 
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 use rayon::prelude::*;
 
 use super::backlog::{BoxBacklog, CHUNK, MAX_MERGED_TEXELS};
+use super::convexity::{at_least, at_most, convexity_bytes};
 use super::extent::TexelBox;
 use super::rows::MAX_BOX;
 use super::texels::TexelCube;
@@ -20,7 +21,8 @@ pub(super) const GRADIENT_REACH: usize = 2;
 pub(super) const GRADIENT_LEVEL: usize = 1;
 /// Bytes of the largest box that is handed out at once.
 pub(super) const MAX_GRADIENT_BYTES: usize = size_of::<GradientTexel>() * MAX_MERGED_TEXELS;
-/// A texel: x, y, z as signed bytes, 127 for a density that falls by 254 in two texels; the fourth is 0.
+/// A texel: x, y, z as signed bytes, 127 for a density that falls by 254 in two texels; the fourth is
+/// how convex the surface is, see [`convexity_bytes`].
 pub(super) type GradientTexel = [u8; 4];
 
 /// Frames that stale gradients wait behind the density, of which a box may take a frame.
@@ -102,9 +104,8 @@ impl Gradients {
         self.texels.as_flattened()
     }
 
-    pub(super) fn texel(&self, [x, y, z]: [usize; 3]) -> [i8; 3] {
-        let [x, y, z, _] = self.texels[(z * self.side + y) * self.side + x].map(|c| c as i8);
-        [x, y, z]
+    pub(super) fn texel(&self, [x, y, z]: [usize; 3]) -> [i8; 4] {
+        self.texels[(z * self.side + y) * self.side + x].map(|c| c as i8)
     }
 
     /// The bytes of a row's texels in a box.
@@ -155,13 +156,13 @@ impl Gradients {
         });
     }
 
-    /// Trilinear sample at a point in texels, clamped to the edge, -1 to 1 along each axis.
-    pub(super) fn sample_trilinear(&self, point_in_texels: Vec3) -> Vec3 {
+    /// Trilinear sample at a point in texels, clamped to the edge, -1 to 1 along each axis; w is the convexity.
+    pub(super) fn sample_trilinear(&self, point_in_texels: Vec3) -> Vec4 {
         let most = (self.side - 1) as f32;
         let point = (point_in_texels - Vec3::splat(0.5)).clamp(Vec3::ZERO, Vec3::splat(most));
         let [x, y, z] = point.to_array().map(|c| (c as usize).min(self.side - 2));
         let part = point - Vec3::new(x as f32, y as f32, z as f32);
-        let at = |x, y, z| Vec3::from_array(self.texel([x, y, z]).map(f32::from));
+        let at = |x, y, z| Vec4::from_array(self.texel([x, y, z]).map(f32::from));
         let along_x = |y: usize, z: usize| at(x, y, z).lerp(at(x + 1, y, z), part.x);
         let along_y = |z: usize| along_x(y, z).lerp(along_x(y + 1, z), part.y);
         along_y(z).lerp(along_y(z + 1), part.z) / 127.0
@@ -203,7 +204,9 @@ fn compute_box(
         } else {
             let rows = core::array::from_fn(|i| &buffers.along_y[from_z + i][from_y]);
             let out = texels.as_chunks_mut::<LANES>().0[..groups].iter_mut();
-            out.enumerate().for_each(|(g, out)| *out = blend_gradients(filter_group_z(rows, g)));
+            out.enumerate().for_each(|(g, out)| {
+                *out = blend_gradients(filter_group_z(rows, g), filter_means_z(rows, g));
+            });
         }
         put(y, z, &texels[..width]);
     }
@@ -345,9 +348,23 @@ fn filter_group_z([a, b, c, d, e]: [&Row<6>; 5], group: usize) -> [[Lanes; 3]; 2
     ]
 }
 
-/// The wide gradient where both agree, else beyond the narrow one, as far as they differ; negative, as bytes.
+/// A group's wide and narrow means, 128 times.
 #[inline]
-fn blend_gradients([wide, narrow]: [[Lanes; 3]; 2]) -> [GradientTexel; LANES] {
+fn filter_means_z([a, b, c, d, e]: [&Row<6>; 5], g: usize) -> [Lanes; 2] {
+    let five = |kernel: usize, bits: u32| {
+        [a, b, c, d, e].map(|row| drop_bits_of_means(row[kernel][g], bits))
+    };
+    [
+        drop_bits_of_means(wide_mean(five(0, 1).each_ref()), 1),
+        drop_bits_of_means(narrow_mean(five(3, 3).each_ref()), 1),
+    ]
+}
+
+/// The wide gradient where both agree, else beyond the narrow one, as far as they differ; negative, as bytes.
+/// The fourth is the convexity.
+#[inline]
+fn blend_gradients([wide, narrow]: [[Lanes; 3]; 2], means: [Lanes; 2]) -> [GradientTexel; LANES] {
+    let convexity = convexity_bytes(means);
     let scaled = |lanes: Lanes| lanes.map(|c| f32::from(c) * (1.0 / UNIT));
     let (w, n) = (wide.map(scaled), narrow.map(scaled));
     let mut part = [0.0; LANES];
@@ -368,19 +385,7 @@ fn blend_gradients([wide, narrow]: [[Lanes; 3]; 2]) -> [GradientTexel; LANES] {
             let rounded = at_most(at_least(outward, -127.0), 127.0) + 12_582_912.0;
             rounded.to_bits() & 0xff
         };
-        *texel = byte(0) | byte(1) << 8 | byte(2) << 16;
+        *texel = byte(0) | byte(1) << 8 | byte(2) << 16 | convexity[i] << 24;
     }
     texels.map(u32::to_le_bytes)
-}
-
-/// The greater of two numbers: one instruction, as neither is NaN.
-#[inline]
-fn at_least(a: f32, least: f32) -> f32 {
-    if a > least { a } else { least }
-}
-
-/// The lesser of two.
-#[inline]
-fn at_most(a: f32, most: f32) -> f32 {
-    if a < most { a } else { most }
 }

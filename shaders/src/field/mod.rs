@@ -39,6 +39,7 @@ mod backlog;
 mod blur;
 mod budget;
 mod cells;
+mod convexity;
 mod crease;
 mod extent;
 mod gradient;

@@ -1,6 +1,6 @@
 //! The textures of a volume: full rebuild, full upload, and sampling.
 
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 use paros_core::RangeMaps;
 use rayon::prelude::*;
 
@@ -158,7 +158,14 @@ impl<const N: usize, const K: usize> DensityField<N, K> {
     /// The direction out of the stone at a texel of level 1, 127 where the density falls by 254 in two texels.
     #[must_use]
     pub fn outward_texel(&self, texel: [usize; 3]) -> [i8; 3] {
-        self.gradients.texel(texel)
+        let [x, y, z, _] = self.gradients.texel(texel);
+        [x, y, z]
+    }
+
+    /// How convex the surface is around a texel of level 1, as of [`DensityField::sample_convexity`] 127 times.
+    #[must_use]
+    pub fn convexity_texel(&self, texel: [usize; 3]) -> i8 {
+        self.gradients.texel(texel)[3]
     }
 
     /// Trilinear sample, clamped to the edge, of the direction out of the stone at a point in voxels: longer
@@ -166,6 +173,17 @@ impl<const N: usize, const K: usize> DensityField<N, K> {
     #[must_use]
     #[inline]
     pub fn sample_outward(&self, point_in_voxels: Vec3) -> Vec3 {
+        self.sample_gradient(point_in_voxels).truncate()
+    }
+
+    /// How convex the surface is at a point in voxels: 1 at the sharpest edges, -1 in the deepest cavities.
+    #[must_use]
+    #[inline]
+    pub fn sample_convexity(&self, point_in_voxels: Vec3) -> f32 {
+        self.sample_gradient(point_in_voxels).w
+    }
+
+    fn sample_gradient(&self, point_in_voxels: Vec3) -> Vec4 {
         self.gradients.sample_trilinear((point_in_voxels + Vec3::splat(PAD as f32)) * 0.5)
     }
 

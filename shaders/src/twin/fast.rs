@@ -6,13 +6,16 @@
 
 use glam::Vec3;
 
-use super::marble;
+use super::carrara;
 use super::march::{Ray, RaySpan, clip_to_cube};
+use super::noise;
 use super::surface::SurfacePoint;
 use crate::constants::{
-    FAST_AO_HEIGHT, FAST_AO_MAX_DENSITY, FAST_AO_SCALE, FAST_EDGE_CUBIC, FAST_REFERENCE_SIDE,
-    FAST_SHADOW_OPACITY, FAST_SHADOW_SPACING, FAST_SKIP_INTERVAL, FAST_STEP_FAR, FAST_STEP_NEAR,
-    FAST_TRANSLUCENCY, FAST_TRANSLUCENCY_DEPTH, MARBLE_BASE_COLOR, MARBLE_VEIN_COLOR,
+    CARRARA_BASE_COLOR, CARRARA_VEIN_COLOR, FAST_AO_HEIGHT, FAST_AO_MAX_DENSITY, FAST_AO_SCALE,
+    FAST_CRYSTAL_NOISE, FAST_EDGE_CUBIC, FAST_GLOSS, FAST_GLOSS_SHARPNESS, FAST_REFERENCE_SIDE,
+    FAST_ROUGHNESS, FAST_SHADOW_OPACITY, FAST_SHADOW_SPACING, FAST_SKIP_INTERVAL, FAST_SPARKLE,
+    FAST_STEP_FAR, FAST_STEP_NEAR, FAST_TRANSLUCENCY, FAST_TRANSLUCENCY_DEPTH, FAST_WEAR,
+    FAST_WEAR_AT_EDGES, NOISE_CELLS,
 };
 use crate::field::{DensityField, LEVELS, PAD};
 
@@ -40,10 +43,20 @@ pub struct SunLight {
     pub direction: Vec3,
     /// Its irradiance at normal incidence, over pi.
     pub color: Vec3,
+    /// See [`halfway_to_eye`].
+    pub halfway: Vec3,
 }
 
-/// The linear radiance of a surface point, before tone mapping: Lambertian marble under a sun and an
-/// ambient irradiance over pi.
+/// The unit vector between those towards the sun and towards an eye from the grid's middle: the same all over the
+/// sculpture, so that both eyes of a visitor share its highlights.
+#[must_use]
+pub fn halfway_to_eye(to_sun: Vec3, eye_in_voxels: Vec3, grid_side: usize) -> Vec3 {
+    let back = eye_in_voxels - Vec3::splat(0.5 * grid_side as f32);
+    (to_sun + back.normalize_or_zero()).normalize_or(to_sun)
+}
+
+/// The linear radiance of a surface point, before tone mapping: marble under a sun and an ambient irradiance
+/// over pi.
 #[must_use]
 pub fn shade_surface<const N: usize, const K: usize>(
     field: &DensityField<N, K>,
@@ -51,24 +64,44 @@ pub fn shade_surface<const N: usize, const K: usize>(
     sun: &SunLight,
     ambient_over_pi: Vec3,
 ) -> Vec3 {
-    let SunLight { direction: to_sun, color: sun_color } = *sun;
+    let SunLight { direction: to_sun, color: sun_color, halfway } = *sun;
     let scale = N as f32 / FAST_REFERENCE_SIDE;
     let facing = surface.normal.dot(to_sun);
-    let direct = if facing > 0.0 {
-        sun_color * (facing * sun_visibility(field, surface.position, to_sun, scale))
+    let convexity = field.sample_convexity(surface.position);
+    let (mut direct, mut gloss) = (sun_color, 0.0);
+    if facing > 0.0 {
+        let seen = sun_visibility(field, surface.position, to_sun, scale);
+        direct *= facing * seen;
+        gloss = seen * highlight(surface, halfway, convexity, N);
     } else {
         let through =
             surface.position + (to_sun * FAST_TRANSLUCENCY_DEPTH - surface.normal) * scale;
-        sun_color
-            * Vec3::from_array(FAST_TRANSLUCENCY)
-            * ((1.0 - field.sample_density(1, through)) * -facing)
-    };
+        direct *= Vec3::from_array(FAST_TRANSLUCENCY)
+            * ((1.0 - field.sample_density(2, through)) * -facing);
+    }
     let above =
         field.sample_density(2, surface.position + surface.normal * (FAST_AO_HEIGHT * scale));
     let open = FAST_AO_SCALE - FAST_AO_SCALE * above.min(FAST_AO_MAX_DENSITY);
-    let grey = marble::sample_grey_clamped(surface.position / N as f32);
-    let stone = Vec3::from_array(MARBLE_BASE_COLOR).lerp(Vec3::from_array(MARBLE_VEIN_COLOR), grey);
-    stone * (direct + ambient_over_pi * open)
+    let grey = carrara::sample_grey_clamped(surface.position / N as f32);
+    let stone =
+        Vec3::from_array(CARRARA_BASE_COLOR).lerp(Vec3::from_array(CARRARA_VEIN_COLOR), grey);
+    let worn = Vec3::ONE + Vec3::from_array(FAST_WEAR) * convexity.min(FAST_WEAR_AT_EDGES);
+    stone * worn * (direct + ambient_over_pi * open) + sun_color * gloss
+}
+
+/// The sun's highlight at a point, as a part of the sunlight: a spherical Gaussian (Wang et al. 2009), broad where the
+/// stone is rough, with the sparkle of its crystals.
+fn highlight(surface: &SurfacePoint, halfway: Vec3, convexity: f32, grid_side: usize) -> f32 {
+    let [smooth, rough] = FAST_GLOSS_SHARPNESS;
+    let roughness = (convexity.abs() * FAST_ROUGHNESS).min(1.0);
+    let sharpness = smooth + (rough - smooth) * roughness;
+    let toward = surface.normal.dot(halfway);
+    let lobe = ((toward - 1.0) * sharpness).exp2() * sharpness * FAST_GLOSS;
+    let ([periods, shift], [least, gain]) = (FAST_CRYSTAL_NOISE, FAST_SPARKLE);
+    let padded = surface.position + Vec3::splat(PAD as f32);
+    let grain = padded * (periods / grid_side as f32) + halfway * shift;
+    let crystal = noise::sample_noise(noise::noise_texture(), grain * NOISE_CELLS as f32);
+    lobe + (crystal - least).max(0.0) * gain * toward.max(0.0).powi(4)
 }
 
 /// The end of a march: the first sample of density a half or more.

@@ -140,8 +140,11 @@ pub fn shade_ray<const N: usize, const K: usize>(
         _ if !scene.settings.shading => normal * 0.5 + Vec3::splat(0.5),
         Some(field) => {
             let direction = scene.direction_to_grid(Vec3::from_array(SUN_DIRECTION));
-            let sun = fast::SunLight { direction, color: Vec3::from_array(SUN_COLOR) };
-            fast::shade_surface(field, &at, &sun, light::ambient_over_pi(normal))
+            let color = Vec3::from_array(SUN_COLOR);
+            let halfway = fast::halfway_to_eye(direction, inside.origin, N);
+            let sun = fast::SunLight { direction, color, halfway };
+            let ambient = light::ambient_over_pi(normal);
+            fast::shade_surface(field, &at, &sun, ambient)
         }
         None => shade_marble(scene, at.position, at.normal, dither),
     };

@@ -32,13 +32,9 @@ impl Image {
     /// # Errors
     /// What the writer reports, or a picture without pixels or too large for the format.
     pub fn write_png(&self, writer: impl Write) -> std::io::Result<()> {
-        let side = |n: usize| u32::try_from(n).map_err(std::io::Error::other);
-        let mut encoder = png::Encoder::new(writer, side(self.width)?, side(self.height)?);
-        encoder.set_color(png::ColorType::Rgb);
-        encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-        let mut png = encoder.write_header()?;
-        png.write_image_data(&self.pixels)?;
-        Ok(png.finish()?)
+        let mut png = PngWriter::new(writer, [self.width, self.height], None)?;
+        png.write_image(self)?;
+        png.finish()
     }
 
     /// Copies `other` in with its top left pixel at (x, y), clipped to this image.
@@ -50,6 +46,56 @@ impl Image {
             let to = 3 * ((y + row) * self.width + x);
             self.pixels[to..to + 3 * width].copy_from_slice(&other.pixels[from..from + 3 * width]);
         }
+    }
+}
+
+/// The frames of an animated PNG, which plays for ever.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Animation {
+    /// How many there are.
+    pub frames: u16,
+    /// How long all of them together are shown.
+    pub seconds: u16,
+}
+
+/// Writes a PNG file, picture by picture if it is animated (APNG, PNG's third edition).
+pub struct PngWriter<W: Write>(png::Writer<W>);
+
+impl<W: Write> PngWriter<W> {
+    /// A file of pictures of `[width, height]` pixels: of one, or of an animation's.
+    ///
+    /// # Errors
+    /// What the writer reports, or a picture without pixels or too large for the format.
+    pub fn new(
+        writer: W,
+        [width, height]: [usize; 2],
+        animation: Option<Animation>,
+    ) -> std::io::Result<Self> {
+        let side = |n: usize| u32::try_from(n).map_err(std::io::Error::other);
+        let mut encoder = png::Encoder::new(writer, side(width)?, side(height)?);
+        encoder.set_color(png::ColorType::Rgb);
+        encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+        if let Some(Animation { frames, seconds }) = animation {
+            encoder.set_animated(frames.into(), 0)?;
+            encoder.set_frame_delay(seconds, frames)?;
+        }
+        Ok(PngWriter(encoder.write_header()?))
+    }
+
+    /// Writes the next picture.
+    ///
+    /// # Errors
+    /// What the writer reports, a picture of another size, or one too many.
+    pub fn write_image(&mut self, image: &Image) -> std::io::Result<()> {
+        Ok(self.0.write_image_data(&image.pixels)?)
+    }
+
+    /// Ends the file.
+    ///
+    /// # Errors
+    /// What the writer reports, or a picture too few.
+    pub fn finish(self) -> std::io::Result<()> {
+        Ok(self.0.finish()?)
     }
 }
 

@@ -4,6 +4,7 @@
 //! knows nothing of Vulkan, nor of the scene's meshes.
 
 pub mod camera;
+pub mod carrara;
 pub mod fast;
 pub mod fragment;
 pub mod harmonics;

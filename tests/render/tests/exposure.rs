@@ -23,7 +23,9 @@ fn stone_pixels(field: &DensityField<N>, side: usize) -> Vec<[u8; 3]> {
     let (sin, cos) = (std::f32::consts::FRAC_PI_4 * side as f32).sin_cos();
     let middle = Vec3::new(64.0, 60.0, 64.0);
     let view = PinholeView::new(middle, [cos, 0.45, sin], [300.0, 170.0], SIDE);
-    let sun = SunLight { direction: style.sun_direction, color: style.sun_color };
+    let direction = style.sun_direction;
+    let halfway = fast::halfway_to_eye(direction, view.eye, N);
+    let sun = SunLight { direction, color: style.sun_color, halfway };
     let shade = |pixel: usize| {
         let at = fast::find_surface(field, &view.ray_through(pixel))?;
         let ambient = irradiance_over_pi(&style.ambient, at.normal);

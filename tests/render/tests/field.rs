@@ -31,6 +31,8 @@ fn check_rebuild<const N: usize, const K: usize>(voxels: &DenseVolume) {
     for at in grid_points(side) {
         let texel = field.outward_texel(at.map(|c| c as usize));
         assert_eq!(texel, model.outward[grid_index(at, side)], "outwards at {at:?}");
+        let texel = field.convexity_texel(at.map(|c| c as usize));
+        assert_eq!(texel, model.convexity[grid_index(at, side)], "convexity at {at:?}");
     }
     let side = model.texels_per_side(0) / cell_side_texels(N) as i32;
     assert_eq!(field.cells_per_side(), side as usize);

@@ -319,7 +319,8 @@ fn shade_sunlit(dense: &DenseVolume, normal: Vec3, sun: Vec3, points: &[Vec3]) -
     let field = build_field(&maps);
     let lit = |position: &Vec3| {
         let at = SurfacePoint { position: *position, normal, distance: 0.0 };
-        fast::shade_surface(&field, &at, &SunLight { direction: sun, color: Vec3::ONE }, Vec3::ZERO)
+        let sun = SunLight { direction: sun, color: Vec3::ONE, halfway: sun };
+        fast::shade_surface(&field, &at, &sun, Vec3::ZERO)
     };
     points.iter().map(lit).collect()
 }

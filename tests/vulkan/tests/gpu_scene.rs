@@ -20,6 +20,7 @@ use paros_shaders::scene::{LatestInput, MeshId, SKY, SUN_DIRECTION, SceneAssembl
 use paros_shaders::upload::VolumeFormat;
 use paros_shell::figures::Figure;
 use paros_tests_vulkan::test_renderer::{Layers, TestRenderer, test_device};
+use paros_tests_vulkan::{count_differing, rgb_sum};
 
 const N: usize = 128;
 const PATHS: [(&str, RenderPath); 2] =
@@ -178,16 +179,6 @@ fn write_png_file(name: &str, pixels: &[[u8; 4]]) {
     image.write_png(file).expect("a picture");
 }
 
-fn rgb_sum(pixel: [u8; 4]) -> i32 {
-    pixel[..3].iter().map(|c| i32::from(*c)).sum()
-}
-
-/// How many pixels differ by more than a shade.
-fn count_differing(a: &[[u8; 4]], b: &[[u8; 4]]) -> usize {
-    let far = |(a, b): &(&[u8; 4], &[u8; 4])| (0..3).any(|i| a[i].abs_diff(b[i]) > 8);
-    a.iter().zip(b).filter(far).count()
-}
-
 const ASIDE: (Vec3, Quat) = (Vec3::new(0.32, 1.15, -0.25), Quat::IDENTITY);
 
 #[test]
@@ -231,6 +222,14 @@ fn check_shadow(show: &mut SceneRig, name: &str, path: RenderPath) {
     show.show_owl();
     let mut dark = 0;
     let sun = Vec3::from_array(SUN_DIRECTION);
+    // Towards it the figure's foot, which ends 12 cm from the middle, darkens the stool beside it.
+    let aside = Vec3::new(sun.x, 0.0, sun.z).normalize();
+    let contact = [0.13, 0.14, 0.15, 0.18, 0.2].map(|metres| {
+        let pixel = VISITOR.pixel_index(STOOL_TOP + aside * metres);
+        rgb_sum(with[pixel]) as f32 / rgb_sum(without[pixel]) as f32
+    });
+    let darkens = contact[0] < 0.9 && contact.is_sorted() && contact[3] > 0.99;
+    assert!(darkens, "{name}: {contact:.2?}");
     let ground = |height: f32| STOOL_TOP - Vec3::new(sun.x, 0.0, sun.z) * (height / sun.y);
     for i in 0..10 {
         // Where the shadow of the figure's axis falls on the stool's top, beside the figure.

@@ -1,16 +1,20 @@
 //! How smooth the outline of the fast path is where the device takes four samples of a pixel.
 //!
 //! Planted faults, and what catches each (tried by hand):
-//! - `pipelines.rs`: alpha is no coverage; `fast.wgsl`: a margin of 0.01 -> `an_outline_has`.
+//! - `pipelines.rs`: alpha is no coverage; `fast.wgsl`: a margin of 0.01; whole coverage of all rays that
+//!   hit -> `an_outline_has`.
 
 use glam::{Quat, Vec3};
 use paros_models::solid::{Solid, SolidShape};
+use paros_shaders::field::DensityField;
 use paros_shaders::gpu::{
     Eye, Fov, FrameRequest, FrameSemaphores, Gpu, OffscreenTarget, Options, RenderPath,
     RenderStyle, Renderer, SculpturePlacement,
 };
 use paros_shaders::upload::VolumeFormat;
+use paros_shaders::{Ray, fast};
 use paros_shell::require::require_or_skip;
+use paros_tests_render::outline::check_profile;
 use paros_tests_render::view::build_maps_and_field;
 
 const EXTENT: [u32; 2] = [240, 240];
@@ -19,10 +23,11 @@ const FIELD: f32 = 0.35;
 
 /// What part of each pixel a sphere covers at 4 samples, of radius 24 in 64 voxels, a voxel about
 /// two and a half pixels wide: told by what shines through of two backdrops.
-fn measure_coverage(gpu: &paros_shaders::gpu::SharedGpu, eye: &Eye) -> Vec<f32> {
-    let shape = SolidShape::Sphere { radius: 24.0 };
-    let solid = Solid { shape, centre: Vec3::splat(32.0), rotation: Quat::IDENTITY };
-    let (_, field) = build_maps_and_field::<64>(&solid.to_voxels(64));
+fn measure_coverage(
+    gpu: &paros_shaders::gpu::SharedGpu,
+    eye: &Eye,
+    field: &DensityField<64>,
+) -> Vec<f32> {
     let mut renderer = Renderer::new(
         gpu,
         OffscreenTarget::readback_format(4, 1, false),
@@ -37,7 +42,7 @@ fn measure_coverage(gpu: &paros_shaders::gpu::SharedGpu, eye: &Eye) -> Vec<f32> 
     let [black, white] = [0.0, 1.0].map(|backdrop| {
         let picture = FrameRequest {
             eyes: &[*eye],
-            placement: SculpturePlacement { foot: Vec3::ZERO, side: 1.0, turn_radians: 0.3 },
+            placement: SculpturePlacement { foot: Vec3::ZERO, side: 1.0, turn_radians: 0.0 },
             style: RenderStyle { path: RenderPath::Fast, ..RenderStyle::default() },
             backdrop: [backdrop; 3],
             scene: None,
@@ -65,6 +70,9 @@ fn an_outline_has_three_levels_of_coverage() {
 fn check_outline(single: bool) {
     let options = Options { validation: true, single_precision: single, ..Options::default() };
     let Some(gpu) = require_or_skip(Gpu::headless(&options)).expect("Vulkan") else { return };
+    let shape = SolidShape::Sphere { radius: 24.0 };
+    let solid = Solid { shape, centre: Vec3::splat(32.0), rotation: Quat::IDENTITY };
+    let (_, field) = build_maps_and_field::<64>(&solid.to_voxels(64));
     for (position, down) in [(Vec3::new(0.1, 0.5, 2.0), 0.0f32), (Vec3::new(0.0, 1.7, 1.6), 0.64)] {
         let fov = Fov { left: -FIELD, right: FIELD, up: FIELD, down: -FIELD };
         let eye = Eye { position, rotation: Quat::from_rotation_x(-down), fov };
@@ -72,10 +80,17 @@ fn check_outline(single: bool) {
         // Pixels by eighths of the outline and quarters of coverage; what covers more than a pixel
         // whose middle the sphere covers, in pixels along the outline.
         let (mut levels, mut more) = ([[0; 5]; 8], 0.0);
-        for (i, covered) in measure_coverage(&gpu, &eye).into_iter().enumerate() {
+        let covered = measure_coverage(&gpu, &eye, &field);
+        let origin = (position + Vec3::new(0.5, 0.0, 0.5)) * 64.0;
+        let hits = |at| {
+            let direction = eye.rotation * ray_ahead(at);
+            fast::find_surface(&field, &Ray { origin, direction }).is_some()
+        };
+        check_profile(&covered, EXTENT, |at| outline_offset(middle, at).0, hits);
+        for (i, covered) in covered.into_iter().enumerate() {
             let level = 4.0 * covered;
             assert!((level - level.round()).abs() < 0.06, "{covered} of a pixel");
-            let (beside, angle) = outline_offset(middle, i as u32);
+            let (beside, angle) = outline_offset(middle, pixel_middle(i));
             more += covered - if beside < 0.0 { 1.0 } else { 0.0 };
             if beside.abs() > 1.5 {
                 assert_eq!(level.round(), if beside < 0.0 { 4.0 } else { 0.0 }, "{beside} pixels");
@@ -88,7 +103,8 @@ fn check_outline(single: bool) {
         for levels in levels {
             assert!(levels.iter().all(|&pixels| pixels > 0), "{levels:?}");
         }
-        assert!((more / round).abs() < 0.4, "the outline is {} pixels off", more / round);
+        // Devices round up to whole samples as they like: by up to an eighth of a pixel.
+        assert!((more / round).abs() < 0.2, "the outline is {} pixels off", more / round);
     }
     let messages = gpu.instance.validation_messages();
     assert!(messages.is_empty(), "validation: {}", messages.join("\n"));
@@ -99,13 +115,20 @@ fn pixel_width() -> f32 {
     2.0 * FIELD.tan() / EXTENT[0] as f32
 }
 
-/// How far outside of the sphere's outline a pixel's middle lies, in pixels, and at which part of
-/// the way around it; of a sphere whose middle the eye sees there.
-fn outline_offset(middle: Vec3, i: u32) -> (f32, f32) {
-    let [x, y] = [i % EXTENT[0], i / EXTENT[0]].map(|c| c as f32 + 0.5);
+/// The unit direction through a place of the picture, as the eye sees it.
+fn ray_ahead([x, y]: [f32; 2]) -> Vec3 {
     let [width, height] = EXTENT.map(|pixels| pixels as f32 / 2.0);
-    let ray =
-        Vec3::new((x - width) * pixel_width(), (height - y) * pixel_width(), -1.0).normalize();
+    Vec3::new((x - width) * pixel_width(), (height - y) * pixel_width(), -1.0).normalize()
+}
+
+fn pixel_middle(i: usize) -> [f32; 2] {
+    [i % EXTENT[0] as usize, i / EXTENT[0] as usize].map(|c| c as f32 + 0.5)
+}
+
+/// How far outside of the sphere's outline a place in the picture lies, in pixels, and at which part
+/// of the way around it; of a sphere whose middle the eye sees there.
+fn outline_offset(middle: Vec3, at: [f32; 2]) -> (f32, f32) {
+    let ray = ray_ahead(at);
     let away = ray * middle.dot(ray) - middle;
     let angle = away.y.atan2(away.x) / std::f32::consts::TAU + 0.5;
     ((away.length() - 24.0 / 64.0) / middle.length() / pixel_width(), angle)

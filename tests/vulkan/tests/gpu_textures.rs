@@ -83,7 +83,7 @@ fn run_random_edits<const N: usize, const K: usize>(
 ) where
     Grid<N>: Size,
 {
-    let mut visitor = RandomVisitor::new(25 + N as u64);
+    let mut visitor = RandomVisitor::new(27 + N as u64);
     let (mut done, mut undone, mut redone, mut loads) = (0, 0, 0, 0);
     let (mut actions, mut bits) = (Vec::<BitAction>::new(), Vec::<ToolBit>::new());
     let mut saved = Vec::new();

@@ -26,7 +26,7 @@ use crate::gpu::pipelines::graphics::{PassHandles, Pipelines};
 use crate::gpu::pipelines::paths::RenderPath;
 use crate::gpu::pipelines::scatter::TexelWriter;
 use crate::scene::meshes;
-use crate::twin::{marble, noise};
+use crate::twin::{carrara, noise};
 use crate::upload::{Region, Texture, VolumeFormat};
 
 /// Frames in flight.
@@ -109,7 +109,7 @@ impl Renderer {
             frame: frame.raw,
         };
         let pipelines = Pipelines::new(gpu, &format, volume, &passes, cache_data)?;
-        let textures = SculptureTextures::new(gpu, volume, marble::TEXTURE_SIDE as u32)?;
+        let textures = SculptureTextures::new(gpu, volume, carrara::TEXTURE_SIDE as u32)?;
         let info = vk::CommandPoolCreateInfo::default()
             .queue_family_index(gpu.queue_family)
             .flags(vk::CommandPoolCreateFlags::RESET_COMMAND_BUFFER);
@@ -150,8 +150,8 @@ impl Renderer {
             noise::noise_texture().iter().map(|noise| noise.cast_unsigned()).collect();
         renderer.submit_upload_between_frames(cube(Texture::Noise, NOISE_TEXELS), &bytes)?;
         renderer.submit_upload_between_frames(
-            cube(Texture::Marble, marble::TEXTURE_SIDE),
-            marble::grey_texture_3d(),
+            cube(Texture::Marble, carrara::TEXTURE_SIDE),
+            carrara::grey_texture_3d(),
         )?;
         Ok(renderer)
     }

@@ -7,6 +7,7 @@ use crate::constants::TILE_PIXELS;
 use crate::field::{PAD, cell_side_texels};
 use crate::gpu::passes::shadow_map;
 use crate::gpu::pipelines::layout;
+use crate::twin::fast;
 use crate::twin::harmonics::{BASIS_FACTORS, COSINE_FACTORS};
 
 /// The uniforms of a request, for `grid_side` voxels a side and a picture of so many pixels.
@@ -37,6 +38,10 @@ pub(crate) fn frame_uniforms(
             ray_y: turned(Vec3::Y * ((d - u) / height as f32)).into(),
         };
     }
+    let eye = request
+        .eyes
+        .first()
+        .map_or(Vec3::ZERO, |eye| grid_from_room.transform_point3(eye.position));
     let pixel_width = Vec3::from_array(views[0].ray_x.xyz).length();
     let tiles = [width, height].map(|pixels| pixels.div_ceil(TILE_PIXELS));
     layout::FrameUniforms {
@@ -64,6 +69,7 @@ pub(crate) fn frame_uniforms(
         shadow_depth_per_metre: shadow_map::shadow_depth_per_metre(),
         shadow_texel: 1.0 / shadow_map::MAP_SIDE as f32,
         padding: 0.0,
+        halfway_in_grid: fast::halfway_to_eye(sun_in_grid, eye, grid_side).into(),
     }
 }
 
