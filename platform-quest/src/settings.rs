@@ -18,7 +18,7 @@
 
 use std::fmt::Write;
 use std::io::{self, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use clap::error::ErrorKind;
 use clap::{CommandFactory, FromArgMatches};
@@ -131,6 +131,10 @@ fn split_words(text: &str) -> Vec<Word<'_>> {
 
 fn parse_settings(base_folder: &Path, words: &[Word<'_>]) -> Result<HeadsetSettings, LineError> {
     for word in words {
+        if let Some(control) = word.text.chars().find(|c| c.is_control()) {
+            let why = format!("control character {}, expected text", control.escape_unicode());
+            return Err(LineError { line: word.line, why });
+        }
         let flag = word.text.split_once('=').map_or(word.text, |(flag, _)| flag);
         if let Some((_, why)) = REFUSED_FLAGS.iter().find(|(refused, _)| *refused == flag) {
             let why = format!("{flag} can't be set here: {why}");
@@ -145,13 +149,26 @@ fn parse_settings(base_folder: &Path, words: &[Word<'_>]) -> Result<HeadsetSetti
     options.folder = Some(base_folder.into());
     if let Some(record) = &mut options.record {
         *record = base_folder.join(&*record);
-        // Now, not after the sculpting.
-        WriteTarget::resolve_and_check_writable(record).map_err(|error| {
+        check_record(base_folder, record).map_err(|why| {
             let flag = words.iter().find(|word| word.text.starts_with("--record"));
-            LineError { line: flag.map_or(0, |word| word.line), why: error.to_string() }
+            LineError { line: flag.map_or(0, |word| word.line), why }
         })?;
     }
     Ok(HeadsetSettings { size: args.grid_size(), options })
+}
+
+/// Whether a trace can be written to a path: now, not after the sculpting. The file of options isn't overwritten.
+fn check_record(base_folder: &Path, record: &Path) -> Result<(), String> {
+    WriteTarget::resolve_and_check_writable(record).map_err(|error| error.to_string())?;
+    let is_options_file = |path: io::Result<PathBuf>| {
+        path.is_ok_and(|path| {
+            base_folder.join(FILE_NAME).canonicalize().is_ok_and(|own| own == path)
+        })
+    };
+    match is_options_file(record.canonicalize()) {
+        true => Err(format!("{}: it is this file, expected another", record.display())),
+        false => Ok(()),
+    }
 }
 
 /// The command line whose words these are. It never tells its help or version, which are no reason why a file
@@ -301,6 +318,9 @@ mod tests {
             ("--depth\n-hd", 2, "unexpected argument '-h' found, expected one of --size"),
             ("-Va", 1, "unexpected argument '-V' found"),
             ("--depth\n--record none/own.trace", 2, "none/own.trace: cannot "),
+            ("--depth\n--record paros.options", 2, "it is this file, expected another"),
+            ("--record=./paros.options", 1, "it is this file, expected another"),
+            ("--depth\n\x1b[2Jplease", 2, "control character \\u{1b}, expected text"),
         ] {
             fs::write(&path, text).expect("room on the disk");
             let LoadedSettings { settings: found, log_line: told } = read_settings(&folder);
