@@ -12,6 +12,7 @@ use paros_core::WorldEvent as Happened;
 use paros_core::limits::INTERVALS;
 use paros_core::volume::{Grid, Size};
 use paros_headless::Error;
+use paros_shaders::Image;
 use paros_shaders::gpu::{self, RenderPath};
 use paros_shell::statics::Resident;
 use paros_shell::stl_export::{DEFAULT_HEIGHT_MM, print_scale};
@@ -28,7 +29,7 @@ use super::display::{DisplayConnection, supports_file_drops};
 use super::hands::{MouseHands, RIGHT};
 use super::os_error::strip_source_location;
 use super::paint::EguiBuffers;
-use super::panels::{BitOutline, PanelAction, Panels, StudioStatus};
+use super::panels::{BitOutline, ItemGlow, MirrorGuide, PanelAction, Panels, StudioStatus};
 use super::script::Script;
 use super::slowness::SlownessWatch;
 use super::view::{FrameParams, WindowRenderer};
@@ -87,6 +88,7 @@ where
     pub(super) fn new(
         mut studio: Studio<'a, N>,
         script: Option<Script>,
+        start_pictures: &Image,
         options: &WindowOptions,
     ) -> Self {
         if let Some(file) = &options.file {
@@ -99,13 +101,15 @@ where
             device_hook: script.is_some().then_some(paros_faults::wrap_device as _),
             ..gpu::Options::default()
         };
+        let mut panels = Panels::new();
+        panels.set_start_pictures(start_pictures);
         App {
             view: None,
             window: None,
             display: None,
             studio,
             hands: MouseHands::new(),
-            panels: Panels::new(),
+            panels,
             egui_buffers: EguiBuffers::new(),
             script,
             path: RenderPath::Fast,
@@ -251,14 +255,14 @@ where
 
     fn lay_out_panels_and_act(&mut self, size: [u32; 2]) {
         self.panels.input.time = Some(self.begun.elapsed().as_secs_f64());
-        let [width, height] = size.map(|pixels| pixels as f32 / self.scale);
-        let rect = egui::Rect::from_min_size(egui::Pos2::ZERO, egui::Vec2::new(width, height));
-        self.panels.input.screen_rect = Some(rect);
-        let root = self.panels.input.viewports.entry(egui::ViewportId::ROOT).or_default();
-        root.native_pixels_per_point = Some(self.scale);
+        self.panels.set_window(size, self.scale);
         let world = self.studio.world();
         let held = world.held_tool(RIGHT);
         let outline = BitOutline::project_bit(world, &self.hands.orbit, size);
+        let mirror = MirrorGuide::project_mirror(world, &self.hands.orbit, size);
+        let pointed = self.hands.pointed_item(world).filter(|_| !self.panels.wants_pointer());
+        let glow =
+            pointed.and_then(|item| ItemGlow::project_item(world, &self.hands.orbit, size, item));
         let (device, times) = match &self.view {
             Some(view) => (view.device_name(), view.gpu_times()),
             None => ("", gpu::FrameTimes::default()),
@@ -269,6 +273,7 @@ where
             held,
             depth_mm: held.map_or(0.0, |(tool, _)| self.hands.chosen_tool_depth_mm(tool)),
             print_scale: print_scale(world, DEFAULT_HEIGHT_MM),
+            bared_percent: world.bared_ends().percent(),
             symmetry: world.is_mirrored(),
             undo: world.undo_counts(),
             unfinished: self.studio.has_unfinished_sculpture(),
@@ -285,6 +290,8 @@ where
             device,
             times,
             outline: outline.as_ref(),
+            mirror: mirror.as_ref(),
+            glow: glow.as_ref(),
         };
         let (output, actions) = self.panels.lay_out(&status);
         self.egui_buffers.apply_atlas_changes(&output.textures_delta);

@@ -5,6 +5,7 @@
 //! is down the bit is lowered by the wheel's depth below the surface *at the start of the stroke*. So
 //! a stroke is a groove of one depth, and the next stroke goes deeper.
 
+pub(super) mod bench_pick;
 mod bit_guide;
 mod events;
 
@@ -295,9 +296,8 @@ where
     /// Takes the item on the workbench under the cursor, or starts a stroke.
     fn press_left(&mut self, world: &World<N, INTERVALS>) {
         let Some(cursor) = self.cursor else { return };
-        let room_ray = self.orbit.room_ray_through_pixel(cursor, self.size);
-        match bit_guide::pick_unoccluded_item(&room_ray, world) {
-            Some(item) => self.take_item(item),
+        match self.pointed_item(world) {
+            Some(item) => self.take_item_with_its_tool(item, world),
             None => {
                 self.lifts_trigger = self.is_released;
                 (self.running, self.is_released) = (true, false);

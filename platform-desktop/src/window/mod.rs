@@ -18,6 +18,7 @@ mod raycast;
 mod screen;
 mod script;
 mod slowness;
+mod start_pictures;
 mod view;
 
 use std::path::PathBuf;
@@ -83,6 +84,7 @@ where
     })?;
     let mut volumes = Grid::<N>::lock_start_volumes();
     volumes.generate_figures_once(&mut Grid::<N>::lock_bit_grid(), |_| {});
+    let pictures = start_pictures::render_start_pictures(&volumes);
     let (mut world, mut stl_buffers) = (Grid::<N>::lock_world(), Grid::<N>::lock_stl_buffers());
     let stl_exporter = StlExporter::new(&mut stl_buffers, DEFAULT_HEIGHT_MM);
     let stl_exporter = stl_exporter.map_err(|error| WindowError::Failed(error.into()))?;
@@ -90,7 +92,7 @@ where
     let mut studio =
         Studio::new(&mut world, &mut volumes, stl_exporter, paths, render_portrait_png);
     studio.set_trace_path_at_exit(options.record.clone());
-    let mut app = App::new(studio, script, options);
+    let mut app = App::new(studio, script, &pictures, options);
     let run = events.run_app(&mut app);
     if let Err(EventLoopError::ExitFailure(_)) = run {
         app.on_display_lost();

@@ -1,7 +1,7 @@
 //! `egui`'s output as the overlay's vertex buffers and texture atlas.
 
 use egui::epaint::{ClippedPrimitive, ImageData, ImageDelta, Primitive};
-use egui::{TextureId, TexturesDelta};
+use egui::{ColorImage, TextureId, TexturesDelta};
 use paros_shaders::gpu::overlay::{ATLAS_SIDE, ClippedRun, MAX_FRAME_TEXELS, Overlay, PanelVertex};
 
 /// Atlas rows that a frame can upload.
@@ -19,6 +19,8 @@ pub(super) struct EguiBuffers {
     texels: Vec<[u8; 4]>,
     /// Size of `egui`'s atlas in texels; it fills the upper left of ours.
     size: [usize; 2],
+    /// The one other texture and its size in texels; it fills the lower left, where the atlas never grows to.
+    picture: Option<(TextureId, [usize; 2])>,
     /// Atlas rows that changed and are not uploaded yet.
     changed: core::ops::Range<usize>,
 }
@@ -42,15 +44,18 @@ impl EguiBuffers {
             runs: Vec::new(),
             texels: vec![[0; 4]; SIDE * SIDE],
             size: [1, 1],
+            picture: None,
             changed: 0..0,
         }
     }
 
-    /// Applies changes of the font atlas. Other textures are ignored.
+    /// Applies changes of the font atlas, and takes in the one other texture; further ones are ignored.
     pub(super) fn apply_atlas_changes(&mut self, delta: &TexturesDelta) {
         for (id, delta) in &delta.set {
             if *id == TextureId::default() {
                 self.patch_atlas(delta);
+            } else if self.picture.is_none_or(|(known, _)| known == *id) {
+                self.set_picture(*id, delta);
             }
         }
     }
@@ -69,10 +74,13 @@ impl EguiBuffers {
             let first = self.indices.len() as u32;
             let base = self.vertices.len() as u32;
             self.indices.extend(mesh.indices.iter().map(|index| base + index));
-            let [width, height] = self.size.map(|side| side as f32);
+            let picture = self.picture.filter(|(id, _)| *id == mesh.texture_id);
+            let ([width, height], top) =
+                picture.map_or((self.size, 0), |(_, size)| (size, SIDE - size[1]));
+            let [width, height, top] = [width, height, top].map(|texels| texels as f32);
             self.vertices.extend(mesh.vertices.iter().map(|vertex| PanelVertex {
                 position: [vertex.pos.x * pixels_per_point, vertex.pos.y * pixels_per_point],
-                texel: [vertex.uv.x * width, vertex.uv.y * height],
+                texel: [vertex.uv.x * width, top + vertex.uv.y * height],
                 color: vertex.color.to_array(),
             }));
             let pixel = |points: f32| (points * pixels_per_point).round().max(0.0) as u32;
@@ -96,7 +104,7 @@ impl EguiBuffers {
 
     /// Marks the whole atlas as changed, for a new device.
     pub(super) fn mark_atlas_changed(&mut self) {
-        self.changed = 0..self.size[1];
+        self.changed = 0..SIDE;
     }
 
     /// The lengths of the frame's buffers.
@@ -114,7 +122,28 @@ impl EguiBuffers {
             self.size = [width, height];
         }
         // `egui` knows the atlas's size; this guards the index only.
-        let (width, height) = (width.min(SIDE - left.min(SIDE)), height.min(SIDE - top.min(SIDE)));
+        let bottom = SIDE - self.picture.map_or(0, |(_, size)| size[1]);
+        let (width, height) =
+            (width.min(SIDE - left.min(SIDE)), height.min(bottom - top.min(bottom)));
+        self.write_texels(image, [left, top], [width, height]);
+    }
+
+    /// Places a texture at the bottom of the atlas.
+    fn set_picture(&mut self, id: TextureId, delta: &ImageDelta) {
+        let ImageData::Color(image) = &delta.image;
+        if delta.pos.is_none() && image.size[0] <= SIDE && image.size[1] <= ROWS {
+            self.picture = Some((id, image.size));
+            self.write_texels(image, [0, SIDE - image.size[1]], image.size);
+        }
+    }
+
+    /// Writes the upper left of an image at a place, and notes its rows as changed.
+    fn write_texels(
+        &mut self,
+        image: &ColorImage,
+        [left, top]: [usize; 2],
+        [width, height]: [usize; 2],
+    ) {
         for y in 0..height {
             for x in 0..width {
                 let pixel = image.pixels[y * image.size[0] + x];

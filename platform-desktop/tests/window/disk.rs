@@ -74,9 +74,12 @@ fn on_a_full_disk_the_window_stays_until_all_is_saved() -> Result<(), MissingDep
     visit.do_step("frames 4");
     display.save_screenshot("2-not-written");
     display.xdotool("search --onlyvisible --name Paros windowfocus --sync key alt+F4");
-    visit.do_step("frames 8");
-    let note = visit.ask_state("note");
-    assert!(note.contains("Close the window again"), "{note}");
+    // The key takes its way through the window manager.
+    let mut notes = (0..20).map(|_| {
+        visit.do_step("frames 8");
+        visit.ask_state("note")
+    });
+    assert!(notes.any(|note| note.contains("Close the window again")), "the close isn't held up");
     display.save_screenshot("3-not-closed");
     disk.free();
     let left = visit.voxel_count();

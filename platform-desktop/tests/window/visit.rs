@@ -179,3 +179,46 @@ fn best_practices_have_nothing_new_to_say() -> Result<(), MissingDependency> {
     assert!(others.is_empty(), "{others:#?}");
     Ok(())
 }
+
+/// The tool bar, the start and the help, at once within the smallest window that they are laid out for.
+#[test]
+fn the_smallest_window_shows_whole_panels() -> Result<(), MissingDependency> {
+    let folder = empty_folder("smallest");
+    let Some(display) = require_or_skip(XvfbDisplay::with_size(&folder, [640, 420]))? else {
+        return Ok(());
+    };
+    let mut visit = ScriptedWindow::new(&display);
+    visit.do_all(&["size 640 420", "frames 3"]);
+    visit.screenshot(&display, "1-start");
+    visit.do_all(&["start free", "wait 4", "move 3 50"]);
+    let bar = visit.screenshot(&display, "2-tools");
+    // Its ground is dark, the room on both sides of it is not.
+    let is_panel = |x: usize| bar.pixel(x, 365).iter().all(|channel| *channel < 40);
+    assert!((40..600).any(is_panel), "the tool bar is seen");
+    assert!(!is_panel(2) && !is_panel(637), "the tool bar ends within the window");
+    visit.do_step("key f1");
+    visit.screenshot(&display, "3-help");
+    assert_eq!(visit.close(), (Some(0), String::new()));
+    Ok(())
+}
+
+#[test]
+fn the_mirror_shows_its_plane_while_it_works() -> Result<(), MissingDependency> {
+    let folder = empty_folder("mirror");
+    let Some(display) = require_or_skip(XvfbDisplay::new(&folder))? else { return Ok(()) };
+    let mut visit = ScriptedWindow::new(&display);
+    // Beside the stone, where no bit shows.
+    visit.do_all(&["start free", "wait 4", "size 1000 700", "move 3 60", "wait 90", "settle"]);
+    let plain = visit.screenshot(&display, "1-plain");
+    visit.do_all(&["key m", "wait 4"]);
+    let mirrored = visit.screenshot(&display, "2-mirrored");
+    visit.do_all(&["key m", "wait 4"]);
+    let again = visit.screenshot(&display, "3-again");
+    // The panels are below, what the status line says is above.
+    let differing = |image| count_differing(&plain, image, [300, 700], [100, 500]);
+    let lines = differing(&mirrored);
+    assert!((300..6000).contains(&lines), "{lines} pixels are of the plane");
+    assert!(differing(&again) < 20, "{} pixels are others", differing(&again));
+    assert_eq!(visit.close(), (Some(0), String::new()));
+    Ok(())
+}

@@ -67,7 +67,7 @@ where
     /// Passes the cursor's position on, in pixels from the upper left.
     pub(super) fn move_cursor(&mut self, to: [f32; 2]) {
         self.send_to_hands(InputEvent::Moved(to));
-        let at = egui::Pos2::new(to[0] / self.scale, to[1] / self.scale);
+        let at = self.panels.place_of_pixel(to);
         self.panels.input.events.push(egui::Event::PointerMoved(at));
     }
 

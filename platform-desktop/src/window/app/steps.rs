@@ -117,12 +117,13 @@ where
         // Standard output may be closed.
         let _ = writeln!(
             out,
-            "session {:?}; mode {:?}; voxels {}; holds {held}; undo {undo}; redo {redo}; \
+            "session {:?}; mode {:?}; voxels {}; bared {}; holds {held}; undo {undo}; redo {redo}; \
              frames {}; size {width}x{height}; scale {}; printed {printed}; \
              fault {}; note {}",
             world.session_state(),
             world.mode(),
             world.volume().count_voxels(),
+            world.bared_ends().percent(),
             self.frames,
             self.scale,
             self.studio.save_error().unwrap_or_default(),

@@ -1,9 +1,9 @@
 //! Target pose of the bit: on the surface under the cursor, with a way there through the air.
 
 use glam::{Quat, Vec3};
-use paros_core::internals::{BENCH_ITEMS, BitAction, BitShape, RoomPose};
+use paros_core::internals::{BitAction, BitShape, RoomPose};
 use paros_core::limits::INTERVALS;
-use paros_core::session::{BenchItem, ToolBit};
+use paros_core::session::ToolBit;
 use paros_core::volume::{Grid, Size};
 use paros_core::{RangeMaps, World};
 use paros_shaders::Ray;
@@ -14,9 +14,6 @@ use super::RIGHT;
 
 /// Clearance of a bit at rest above the surface, in metres.
 const CLEARANCE_M: f32 = 0.004;
-
-/// Picking radius of the workbench's items around a ray, in metres.
-const PICK_RADIUS_M: f32 = 0.045;
 
 /// Distance before the eye, in metres, of the waypoint from one side of the sculpture to another.
 const WAYPOINT_M: f32 = 0.06;
@@ -30,6 +27,9 @@ const STUCK_TICKS: u32 = 30;
 
 /// Fraction of the rotation to its target that a bit makes in a tick.
 const TURN_FRACTION: f32 = 0.3;
+
+/// Length of way that gives a blade its direction, in voxels of a grid of 128.
+const HEADING_VOXELS: f32 = 3.0;
 
 /// The target of the bit in a tick.
 #[derive(Clone, Copy, Debug)]
@@ -56,32 +56,7 @@ pub(super) struct BitGuide<const N: usize> {
     hit_distance_m: f32,
     lifted: bool,
     behind: u32,
-}
-
-/// Picks the item on the workbench nearest to a ray in the room, unless the sculpture occludes it.
-pub(super) fn pick_unoccluded_item<const N: usize>(
-    room_ray: &Ray,
-    world: &World<N, INTERVALS>,
-) -> Option<BenchItem>
-where
-    Grid<N>: Size,
-{
-    let Ray { origin, direction } = *room_ray;
-    let pointed = |item: &BenchItem| {
-        let (position, _) = world.workbench().pose_of(*item)?;
-        let along = (position - origin).dot(direction);
-        let aside = (position - origin - direction * along).length();
-        (along > 0.0 && aside < PICK_RADIUS_M).then_some((along, aside))
-    };
-    let items = (0..BENCH_ITEMS).filter_map(BenchItem::from_number);
-    let nearest = items
-        .filter_map(|item| Some((pointed(&item)?, item)))
-        .min_by(|((_, a), _), ((_, b), _)| a.total_cmp(b));
-    let ((along, _), item) = nearest?;
-    let grid_ray = ray_from_room_to_grid(room_ray, world);
-    let before = raycast::cast_ray(world.volume().maps(), &grid_ray)
-        .is_some_and(|hit| hit.distance_voxels * world.stool_frame().voxel_metres() < along);
-    (!before).then_some(item)
+    heading: Heading,
 }
 
 impl<const N: usize> BitGuide<N>
@@ -97,6 +72,7 @@ where
             hit_distance_m: 1.0,
             lifted: false,
             behind: 0,
+            heading: Heading::default(),
         }
     }
 
@@ -139,6 +115,11 @@ where
                 // At a silhouette the normal points away from the eye: it is bent back towards it.
                 let normal = (normal - way * (0.35 + normal.dot(way).max(0.0))).normalize();
                 let up = frame.to_grid(Vec3::ZERO, Quat::IDENTITY).rotation * aim.up;
+                let up = match aim.bit.spec().shape {
+                    // A blade is turned along its way.
+                    BitShape::Disc { .. } => self.heading.follow(point, N).unwrap_or(up),
+                    _ => up,
+                };
                 let BitOrientation { rotation, centre_height_m } =
                     bit_orientation(aim.bit, normal, up);
                 let depth_m = if aim.running { aim.depth_m } else { -CLEARANCE_M };
@@ -192,6 +173,24 @@ where
     }
 }
 
+/// The direction in which a point moves.
+#[derive(Clone, Copy, Default, Debug)]
+struct Heading {
+    from: Option<Vec3>,
+    direction: Option<Vec3>,
+}
+
+impl Heading {
+    /// The direction of the point's last way of some voxels, once it has one.
+    fn follow(&mut self, point: Vec3, grid_side: usize) -> Option<Vec3> {
+        let way = point - *self.from.get_or_insert(point);
+        if way.length() * 128.0 / grid_side as f32 > HEADING_VOXELS {
+            (self.from, self.direction) = (Some(point), way.try_normalize());
+        }
+        self.direction
+    }
+}
+
 /// How a bit lies on a surface.
 struct BitOrientation {
     rotation: Quat,
@@ -212,7 +211,9 @@ fn bit_orientation(bit: ToolBit, outward_normal: Vec3, eye_up: Vec3) -> BitOrien
             (upward, normal, metres(half_extents_um[1]))
         }
         BitShape::Box { half_extents_um } => (-normal, upward, metres(half_extents_um[2])),
-        BitShape::Ball { radius_um } => (-normal, upward, metres(radius_um)),
+        BitShape::Ball { radius_um } | BitShape::Disc { radius_um } => {
+            (-normal, upward, metres(radius_um))
+        }
     };
     let z = -forward;
     let rotation = Quat::from_mat3(&glam::Mat3::from_cols(y.cross(z), y, z));
@@ -220,10 +221,35 @@ fn bit_orientation(bit: ToolBit, outward_normal: Vec3, eye_up: Vec3) -> BitOrien
 }
 
 /// Transforms a ray from the room to the grid: origin in voxels, unit direction.
-fn ray_from_room_to_grid<const N: usize>(room_ray: &Ray, world: &World<N, INTERVALS>) -> Ray
+pub(super) fn ray_from_room_to_grid<const N: usize>(
+    room_ray: &Ray,
+    world: &World<N, INTERVALS>,
+) -> Ray
 where
     Grid<N>: Size,
 {
     let pose = world.stool_frame().to_grid(room_ray.origin, Quat::IDENTITY);
     Ray { origin: pose.position, direction: pose.rotation * room_ray.direction }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::Heading;
+
+    #[test]
+    fn a_heading_is_that_of_the_last_way() {
+        let mut heading = Heading::default();
+        for (x, z, expected) in [
+            (10.0, 0.0, None),
+            (12.0, 0.0, None),
+            (14.0, 0.0, Some(Vec3::X)),
+            (14.0, 2.0, Some(Vec3::X)),
+            (14.0, 4.0, Some(Vec3::Z)),
+        ] {
+            assert_eq!(heading.follow(Vec3::new(x, 0.0, z), 128), expected, "at {x}, {z}");
+        }
+        assert_eq!(heading.follow(Vec3::new(14.0, 0.0, 9.0), 256), Some(Vec3::Z), "finer voxels");
+    }
 }

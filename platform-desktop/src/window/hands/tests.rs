@@ -10,6 +10,8 @@ use paros_core::session::{
 use paros_core::volume::{Axis, Grid};
 use paros_core::{RangeMaps, TickInput, World};
 use paros_shaders::Ray;
+use paros_shaders::scene::MeshId;
+use paros_shaders::scene::placing::display_pose_unless_held_or_mounted;
 use paros_shell::start_volume_store::StartVolumeStore;
 use paros_shell::statics::{Resident, ResidentBitGrid};
 use paros_shell::tick_runner::TickRunner;
@@ -245,7 +247,7 @@ fn keys_choose_tools_and_bits() {
     fixture.tap_key_and_tick(HandAction::PreviousBit);
     fixture.tap_key_and_tick(HandAction::PreviousBit);
     fixture.tap_key_and_tick(HandAction::PreviousBit);
-    assert_eq!(fixture.held().1, ToolBit::Grinder, "they go round");
+    assert_eq!(fixture.held().1, ToolBit::DiscSaw, "they go round");
     fixture.tap_key_and_tick(HandAction::Bit(3));
     assert_eq!(fixture.held().1, ToolBit::Cylinder);
     fixture.tap_key_and_tick(HandAction::Bit(8));
@@ -258,19 +260,75 @@ fn keys_choose_tools_and_bits() {
     assert!(fixture.world.is_mirrored());
 }
 
-#[test]
-fn a_click_on_the_bench_takes_what_lies_there() {
-    let mut fixture = HandsFixture::new(SessionMode::FreeForm);
-    let untouched = fixture.digest();
+/// The vertices of a tool or bit as the scene's own meshes and poses have them, without a bit that is mounted.
+fn drawn_tool_vertices(world: &World<128, INTERVALS>, item: BenchItem) -> Vec<Vec3> {
+    let pose = display_pose_unless_held_or_mounted(world.workbench(), item);
+    let (position, rotation) = pose.expect("it rests");
+    let mesh = match item {
+        BenchItem::Tool(tool) => MeshId::of_tool(tool),
+        BenchItem::Bit(bit) => MeshId::of_bit(bit),
+    };
+    let vertices = mesh.vertices().iter();
+    vertices.map(|vertex| position + rotation * Vec3::from_array(vertex.position)).collect()
+}
+
+/// Looks at the bench, with the cursor on the middle of an item's drawn body.
+fn point_at_item(fixture: &mut HandsFixture, item: BenchItem) {
     fixture.hands.orbit.azimuth = 0.6;
     fixture.hands.orbit.distance = 2.0;
-    let home = BenchItem::Tool(Tool::Impact).home_position();
-    let point = fixture.hands.orbit.project_point(home, SIZE).expect("it is before the eye");
+    let body = drawn_tool_vertices(&fixture.world, item);
+    let middle = body.iter().sum::<Vec3>() / body.len() as f32;
+    let point = fixture.hands.orbit.project_point(middle, SIZE).expect("it is before the eye");
     fixture.handle(InputEvent::Moved(point.pixel));
-    fixture.handle(InputEvent::Pressed(HandButton::Left));
-    fixture.ticks(30);
-    assert_eq!(fixture.held().0, Tool::Impact);
+}
+
+#[test]
+fn a_click_on_the_bench_takes_what_is_drawn_there() {
+    let mut fixture = HandsFixture::new(SessionMode::FreeForm);
+    let untouched = fixture.digest();
+    for tool in [Tool::Impact, Tool::FillGun, Tool::Rasp, Tool::Rotary] {
+        point_at_item(&mut fixture, BenchItem::Tool(tool));
+        assert_eq!(fixture.hands.pointed_item(&fixture.world), Some(BenchItem::Tool(tool)));
+        fixture.handle(InputEvent::Pressed(HandButton::Left));
+        assert!(!fixture.hands.running, "a click on the bench is no stroke");
+        fixture.handle(InputEvent::Released(HandButton::Left));
+        fixture.ticks(30);
+        assert_eq!(fixture.held().0, tool);
+    }
     assert_eq!(fixture.digest(), untouched);
+}
+
+#[test]
+fn both_ends_of_a_drawn_body_are_its_own_and_the_bench_beside_it_is_nobodys() {
+    let mut fixture = HandsFixture::new(SessionMode::FreeForm);
+    let item = BenchItem::Tool(Tool::Rasp);
+    point_at_item(&mut fixture, item);
+    let body = drawn_tool_vertices(&fixture.world, item);
+    let end = |sign: f32| {
+        let far = body.iter().copied().max_by(|a, b| (sign * a.x).total_cmp(&(sign * b.x)));
+        far.expect("it has vertices")
+    };
+    for point in [end(1.0), end(-1.0)] {
+        let seen = fixture.hands.orbit.project_point(point, SIZE).expect("it is before the eye");
+        fixture.handle(InputEvent::Moved(seen.pixel));
+        assert_eq!(fixture.hands.pointed_item(&fixture.world), Some(item), "{point}");
+    }
+    // Beyond the end that has no bit.
+    let beside = end(-1.0) - Vec3::new(0.05, 0.0, 0.0);
+    let seen = fixture.hands.orbit.project_point(beside, SIZE).expect("it is before the eye");
+    fixture.handle(InputEvent::Moved(seen.pixel));
+    assert_eq!(fixture.hands.pointed_item(&fixture.world), None);
+}
+
+#[test]
+fn a_click_on_another_tools_bit_takes_the_tool_with_it() {
+    let mut fixture = HandsFixture::new(SessionMode::FreeForm);
+    assert_eq!(fixture.held().0, Tool::Rotary);
+    point_at_item(&mut fixture, BenchItem::Bit(ToolBit::FlatChisel));
+    fixture.handle(InputEvent::Pressed(HandButton::Left));
+    fixture.handle(InputEvent::Released(HandButton::Left));
+    fixture.ticks(30);
+    assert_eq!(fixture.held(), (Tool::Impact, ToolBit::FlatChisel));
 }
 
 #[test]

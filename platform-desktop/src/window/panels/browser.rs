@@ -45,8 +45,9 @@ impl Browser {
         let area = Area::new(Id::new("browser")).anchor(Align2::CENTER_CENTER, Vec2::ZERO);
         let (mut answer, mut next) = (BrowserAnswer::None, None);
         area.show(context, |ui| {
-            style::card_frame().inner_margin(22).show(ui, |ui| {
-                ui.set_width(460.0);
+            let frame = style::card_frame().inner_margin(22);
+            let list_height = (style::largest_content_size(context, &frame).y - 130.0).min(360.0);
+            style::show_within_window(ui, frame, 460.0, |ui| {
                 ui.label(RichText::new("Open a mesh or a volume").size(19.0));
                 ui.label(style::quiet_text(self.folder.display().to_string()).size(13.0));
                 if let Some(fault) = &self.fault {
@@ -60,7 +61,7 @@ impl Browser {
                         answer = BrowserAnswer::Closed;
                     }
                 });
-                ScrollArea::vertical().max_height(360.0).show(ui, |ui| {
+                ScrollArea::vertical().max_height(list_height).show(ui, |ui| {
                     for FileEntry { name, path, is_folder } in &self.entries {
                         let text = if *is_folder { format!("{name}/") } else { name.clone() };
                         let color = if *is_folder { style::QUIET } else { style::TEXT };

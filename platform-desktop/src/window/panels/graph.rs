@@ -8,11 +8,11 @@ use super::{StudioStatus, style};
 /// Frames that are shown.
 const FRAMES: usize = 160;
 
-/// Seconds at the graph's top.
-const TOP_SECONDS: f32 = 0.05;
-
 /// Target frame time in seconds, a headset's.
 const TARGET_SECONDS: f32 = 1.0 / TICK_RATE as f32;
+
+/// Least time at the graph's top, in seconds: fast frames stay low bars.
+const LEAST_TOP_SECONDS: f32 = 2.0 * TARGET_SECONDS;
 
 /// A ring buffer of frame times.
 #[derive(Clone, Debug)]
@@ -38,7 +38,8 @@ impl FrameTimeGraph {
                 let ms = |nanoseconds: u64| nanoseconds as f32 * 1e-6;
                 let frame = self.seconds[(self.at + FRAMES - 1) % FRAMES] * 1e3;
                 let times = format!(
-                    "frame {frame:.1} ms   device {:.2} ms   sculpture {:.2} ms",
+                    "frame {frame:.1} ms, slowest {:.1}   device {:.2} ms   sculpture {:.2} ms",
+                    self.slowest_seconds() * 1e3,
                     ms(status.times.total_ns),
                     ms(status.times.tiles_ns + status.times.sculpture_ns),
                 );
@@ -51,8 +52,19 @@ impl FrameTimeGraph {
         });
     }
 
+    /// The longest of the shown frames.
+    fn slowest_seconds(&self) -> f32 {
+        self.seconds.into_iter().fold(0.0, f32::max)
+    }
+
+    /// The time at the graph's top: the slowest frame fills the graph, and none exceeds it.
+    fn top_seconds(&self) -> f32 {
+        self.slowest_seconds().max(LEAST_TOP_SECONDS)
+    }
+
     fn draw_bars(&self, painter: &egui::Painter, rect: Rect) {
-        let height = |seconds: f32| (seconds / TOP_SECONDS).min(1.0) * rect.height();
+        let top_seconds = self.top_seconds();
+        let height = |seconds: f32| seconds / top_seconds * rect.height();
         for i in 0..FRAMES {
             let seconds = self.seconds[(self.at + i) % FRAMES];
             let left = rect.left() + 2.0 * i as f32;
@@ -63,5 +75,46 @@ impl FrameTimeGraph {
         }
         let goal = rect.bottom() - height(TARGET_SECONDS);
         painter.hline(rect.x_range(), goal, (1.0, Color32::from_white_alpha(60)));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Heights of the bars in a graph 100 points high, the latest last.
+    fn bar_heights(graph: &FrameTimeGraph) -> Vec<f32> {
+        let context = Context::default();
+        let rect = Rect::from_min_size(Pos2::new(0.0, 20.0), Vec2::new(2.0 * FRAMES as f32, 100.0));
+        let output = context.run(egui::RawInput::default(), |context| {
+            graph.draw_bars(&context.layer_painter(egui::LayerId::background()), rect);
+        });
+        let bars = output.shapes.iter().filter_map(|clipped| match &clipped.shape {
+            egui::Shape::Rect(bar) => {
+                assert!(rect.expand(0.01).contains_rect(bar.rect), "{bar:?} leaves the graph");
+                Some(bar.rect.height())
+            }
+            _ => None,
+        });
+        bars.collect()
+    }
+
+    #[test]
+    fn the_slowest_frame_shown_fills_the_graph_and_frames_keep_their_proportions() {
+        let mut graph = FrameTimeGraph::new();
+        for seconds in [0.2, 0.4, 0.1] {
+            graph.push(seconds);
+        }
+        let shown = bar_heights(&graph);
+        let latest = &shown[FRAMES - 3..];
+        for (height, expected) in latest.iter().zip([50.0, 100.0, 25.0]) {
+            assert!((height - expected).abs() < 0.1, "{latest:?}");
+        }
+        // When it has left the graph, the scale follows what is left.
+        (0..FRAMES - 1).for_each(|_| graph.push(0.1));
+        assert!((bar_heights(&graph)[FRAMES - 2] - 100.0).abs() < 0.1);
+        // A machine at its rate shows bars at half height.
+        (0..FRAMES).for_each(|_| graph.push(TARGET_SECONDS));
+        assert!(bar_heights(&graph).iter().all(|height| (height - 50.0).abs() < 0.1));
     }
 }

@@ -8,12 +8,15 @@ use crate::window::keys::{DEVELOPER_HELP, HELP};
 /// Width of both tables' column of keys, in points.
 const KEYS_WIDTH: f32 = 140.0;
 
+/// Width of the panel's content, in points.
+const WIDTH: f32 = 460.0;
+
 pub(super) fn show(context: &Context) {
     let area = Area::new(Id::new("help"))
         .order(Order::Foreground)
-        .anchor(Align2::RIGHT_CENTER, Vec2::new(-24.0, -20.0));
+        .anchor(Align2::RIGHT_CENTER, Vec2::new(-style::MARGIN, 0.0));
     area.show(context, |ui| {
-        style::card_frame().inner_margin(20).show(ui, |ui| {
+        style::show_within_window(ui, style::card_frame().inner_margin(20), WIDTH, |ui| {
             ui.label(RichText::new("Mouse and keys").size(19.0));
             ui.add_space(4.0);
             show_keys(ui, "keys", &HELP);

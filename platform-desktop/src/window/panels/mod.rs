@@ -2,8 +2,10 @@
 //! returns the visitor's actions; it changes no other state.
 
 mod browser;
+mod glow;
 mod graph;
 mod help;
+mod hints;
 mod outline;
 mod start;
 mod strip;
@@ -11,17 +13,26 @@ mod style;
 
 use std::path::{Path, PathBuf};
 
-use egui::{Align2, Area, Context, Id, RawInput, RichText, Vec2};
+use egui::{
+    Align2, Area, ColorImage, Context, Id, Pos2, RawInput, Rect, RichText, TextureHandle,
+    TextureOptions, Vec2,
+};
 use paros_core::edit::UndoCounts;
 use paros_core::session::{BenchItem, SessionMode, SessionState, Tool, ToolBit};
+use paros_shaders::Image;
 use paros_shaders::gpu::FrameTimes;
 use paros_shell::studio::Notice;
 
 use super::slowness::Slowness;
 use browser::Browser;
+pub(super) use glow::ItemGlow;
 use graph::FrameTimeGraph;
-pub(super) use outline::BitOutline;
+use hints::Hints;
+pub(super) use outline::{BitOutline, MirrorGuide};
 use strip::{FinishButton, FinishedChoice};
+
+/// Least size of the window in points that the panels are laid out for.
+const LEAST_SIZE: Vec2 = Vec2::new(640.0, 420.0);
 
 /// Seconds that a notice is shown.
 const NOTICE_SECONDS: f64 = 6.0;
@@ -62,6 +73,8 @@ pub(super) struct StudioStatus<'a> {
     pub(super) depth_mm: f32,
     /// Millimetres of the print for one of the room; `None` without a voxel to print.
     pub(super) print_scale: Option<f32>,
+    /// How much of the hidden figure is bared, in percent; 0 without one.
+    pub(super) bared_percent: u32,
     /// Whether edits are mirrored.
     pub(super) symmetry: bool,
     /// Strokes to undo and to redo.
@@ -94,6 +107,10 @@ pub(super) struct StudioStatus<'a> {
     pub(super) times: FrameTimes,
     /// Outline of the bit.
     pub(super) outline: Option<&'a BitOutline>,
+    /// What shows of the mirror where it works.
+    pub(super) mirror: Option<&'a MirrorGuide>,
+    /// The item on the workbench that a click takes.
+    pub(super) glow: Option<&'a ItemGlow>,
 }
 
 /// State of the user interface.
@@ -102,10 +119,15 @@ pub(super) struct Panels {
     pub(super) context: Context,
     /// Input since the last frame.
     pub(super) input: RawInput,
+    /// Pixels of the window per point of the panels.
+    pixels_per_point: f32,
+    /// Pictures of the starts, side by side.
+    start_pictures: Option<TextureHandle>,
     /// The start is shown.
     start: bool,
     help: bool,
     graph: bool,
+    hints: Hints,
     times: FrameTimeGraph,
     /// Finishing was requested once and is to be confirmed.
     finishing: bool,
@@ -130,9 +152,12 @@ impl Panels {
         Panels {
             context,
             input,
+            pixels_per_point: 1.0,
+            start_pictures: None,
             start: true,
             help: false,
             graph: false,
+            hints: Hints::default(),
             times: FrameTimeGraph::new(),
             finishing: false,
             asked_start: None,
@@ -140,6 +165,31 @@ impl Panels {
             notices: Vec::new(),
             actions: Vec::new(),
         }
+    }
+
+    /// Sets the pictures of the starts, side by side as `start_pictures::pictured_figures` has them.
+    pub(super) fn set_start_pictures(&mut self, pictures: &Image) {
+        let image = ColorImage::from_rgb([pictures.width, pictures.height], &pictures.pixels);
+        let options = TextureOptions::LINEAR;
+        self.start_pictures = Some(self.context.load_texture("start pictures", image, options));
+    }
+
+    /// Sets the window's size in pixels, and its pixels per point. A window of fewer points than
+    /// [`LEAST_SIZE`] shows the panels smaller.
+    pub(super) fn set_window(&mut self, size_pixels: [u32; 2], scale: f32) {
+        let size = Vec2::from(size_pixels.map(|pixels| pixels.max(1) as f32));
+        let whole = size / LEAST_SIZE;
+        let scale = scale.min(whole.min_elem());
+        self.input.screen_rect = Some(Rect::from_min_size(Pos2::ZERO, size / scale));
+        let root = self.input.viewports.entry(egui::ViewportId::ROOT).or_default();
+        root.native_pixels_per_point = Some(scale);
+        self.pixels_per_point = scale;
+    }
+
+    /// The place in points of a pixel of the window.
+    #[must_use]
+    pub(super) fn place_of_pixel(&self, pixel: [f32; 2]) -> Pos2 {
+        Pos2::new(pixel[0], pixel[1]) / self.pixels_per_point
     }
 
     /// Whether the cursor is over a panel, or a panel is in use.
@@ -230,11 +280,15 @@ impl Panels {
     }
 
     fn show_all(&mut self, context: &Context, status: &StudioStatus<'_>) {
-        if let Some(outline) = status
-            .outline
-            .filter(|_| self.is_sculpture_uncovered() && status.session == SessionState::Sculpting)
-        {
-            outline.draw(context);
+        if self.is_sculpture_uncovered() && status.session == SessionState::Sculpting {
+            if let Some(mirror) = status.mirror {
+                mirror.draw(context);
+            }
+            match (status.glow, status.outline) {
+                (Some(glow), _) => glow.draw(context),
+                (None, Some(outline)) => outline.draw(context),
+                (None, None) => {}
+            }
         }
         match &mut self.browser {
             _ if self.asked_start.is_some() && status.unfinished => self.show_question(context),
@@ -262,7 +316,7 @@ impl Panels {
     }
 
     fn show_start(&mut self, context: &Context, status: &StudioStatus<'_>) {
-        match start::show(context, status) {
+        match start::show(context, status, self.start_pictures.as_ref()) {
             start::StartChoice::None => {}
             start::StartChoice::Continue => self.start = false,
             start::StartChoice::Browse => self.browser = Some(Browser::new()),
@@ -298,8 +352,10 @@ impl Panels {
                 }
             },
             _ => {
-                self.finishing =
-                    strip::show_tools(context, status, &mut self.actions) == FinishButton::Clicked;
+                self.hints.note_strokes(status.undo);
+                let hint = self.hints.text();
+                let finish = strip::show_tools(context, status, hint, &mut self.actions);
+                self.finishing = finish == FinishButton::Clicked;
             }
         }
     }
@@ -308,10 +364,11 @@ impl Panels {
         let now = context.input(|input| input.time);
         self.notices.retain(|(_, until)| *until > now);
         let top = Area::new(Id::new("notes")).anchor(Align2::CENTER_TOP, Vec2::new(0.0, 52.0));
-        top.interactable(false).show(context, |ui| {
+        let width = style::largest_content_size(context, &style::card_frame()).x.min(620.0);
+        let shown = top.interactable(false).show(context, |ui| {
             for (notice, _) in &self.notices {
                 style::card_frame().show(ui, |ui| {
-                    ui.set_max_width(620.0);
+                    ui.set_max_width(width);
                     match notice {
                         Notice::Good(text) => ui.label(text),
                         Notice::Bad(text) => ui.label(RichText::new(text).color(style::WARNING)),
@@ -319,8 +376,15 @@ impl Panels {
                 });
             }
         });
+        // The oldest give way where all are more than the window holds.
+        if shown.response.rect.bottom() > context.content_rect().bottom() && self.notices.len() > 1
+        {
+            self.notices.remove(0);
+        }
     }
 }
 
+#[cfg(test)]
+mod fit_tests;
 #[cfg(test)]
 mod tests;

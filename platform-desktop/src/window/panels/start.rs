@@ -1,11 +1,14 @@
 //! Start panel: choice of a session or a file.
 
-use egui::{Align2, Area, Button, Context, Id, RichText, Ui, Vec2};
+use egui::{
+    Align2, Area, Button, Color32, Context, Id, Pos2, Rect, RichText, TextureHandle, Ui, Vec2,
+};
 use paros_core::session::{SessionMode, SessionState};
 use paros_shell::figures::Figure;
 
 use super::strip::Confirmation;
 use super::{StudioStatus, style};
+use crate::window::start_pictures::pictured_figures;
 
 /// The visitor's choice.
 pub(super) enum StartChoice {
@@ -18,22 +21,32 @@ pub(super) enum StartChoice {
 
 const WIDTH: f32 = 400.0;
 
-pub(super) fn show(context: &Context, status: &StudioStatus<'_>) -> StartChoice {
+/// Size of a wide button's picture, in points; its pixels have these proportions.
+const CARD_SIZE: Vec2 = Vec2::new(75.0, 60.0);
+
+pub(super) fn show(
+    context: &Context,
+    status: &StudioStatus<'_>,
+    pictures: Option<&TextureHandle>,
+) -> StartChoice {
     let area = Area::new(Id::new("start")).anchor(Align2::CENTER_CENTER, Vec2::ZERO);
     let mut answer = StartChoice::None;
     area.show(context, |ui| {
-        style::card_frame().inner_margin(28).show(ui, |ui| {
-            ui.set_width(WIDTH);
+        style::show_within_window(ui, style::card_frame().inner_margin(28), WIDTH, |ui| {
             ui.label(RichText::new("Paros").size(34.0));
             ui.label(style::quiet_text("Carve a sculpture, and take a print of it home."));
             ui.add_space(10.0);
-            answer = show_choices(ui, status);
+            answer = show_choices(ui, status, pictures);
         });
     });
     answer
 }
 
-fn show_choices(ui: &mut Ui, status: &StudioStatus<'_>) -> StartChoice {
+fn show_choices(
+    ui: &mut Ui,
+    status: &StudioStatus<'_>,
+    pictures: Option<&TextureHandle>,
+) -> StartChoice {
     let mut answer = StartChoice::None;
     if status.session != SessionState::Waiting {
         let text = match status.session {
@@ -46,14 +59,16 @@ fn show_choices(ui: &mut Ui, status: &StudioStatus<'_>) -> StartChoice {
         ui.add_space(6.0);
     }
     if status.one_before
-        && add_wide_button(ui, "The one before", "the sculpture that you left for another")
+        && add_wide_button(ui, None, "The one before", "the sculpture that you left for another")
     {
         answer = StartChoice::OneBefore;
     }
-    if add_wide_button(ui, "Free form", "a lump of marble, and all the tools") {
+    let lump = pictures.map(|pictures| (pictures, Figure::Lump));
+    if add_wide_button(ui, lump, "Free form", "a lump of marble, and all the tools") {
         answer = StartChoice::Start(SessionMode::FreeForm);
     }
-    if add_wide_button(ui, "Creative", "a friendly figure to shape as you like") {
+    let toy = pictures.map(|pictures| (pictures, Figure::Toy));
+    if add_wide_button(ui, toy, "Creative", "a friendly figure to shape as you like") {
         answer = StartChoice::Start(SessionMode::Creative);
     }
     ui.add_space(4.0);
@@ -63,7 +78,8 @@ fn show_choices(ui: &mut Ui, status: &StudioStatus<'_>) -> StartChoice {
         let gaps = 8.0 * (Figure::HIDDEN.len() - 1) as f32;
         let width = (WIDTH - gaps) / Figure::HIDDEN.len() as f32;
         for (number, figure) in Figure::HIDDEN.into_iter().enumerate() {
-            if ui.add_sized([width, 36.0], Button::new(capitalized_name(figure))).clicked() {
+            let picture = pictures.map(|pictures| (pictures, figure));
+            if add_figure_button(ui, picture, &capitalized_name(figure), width) {
                 answer = StartChoice::Start(SessionMode::Constrained { figure: number as u8 });
             }
         }
@@ -79,7 +95,7 @@ fn show_choices(ui: &mut Ui, status: &StudioStatus<'_>) -> StartChoice {
                 true => "or drop a file on this window",
                 false => "a file to start from",
             };
-            if add_wide_button(ui, "Open a mesh or a volume ...", what) {
+            if add_wide_button(ui, None, "Open a mesh or a volume ...", what) {
                 answer = StartChoice::Browse;
             }
         }
@@ -93,8 +109,7 @@ pub(super) fn show_question(context: &Context) -> Confirmation {
     let mut answer = Confirmation::None;
     let area = Area::new(Id::new("question")).anchor(Align2::CENTER_CENTER, Vec2::ZERO);
     area.show(context, |ui| {
-        style::card_frame().inner_margin(24).show(ui, |ui| {
-            ui.set_width(WIDTH);
+        style::show_within_window(ui, style::card_frame().inner_margin(24), WIDTH, |ui| {
             ui.label(RichText::new("Leave this sculpture unfinished?").size(19.0));
             let kept = "It is kept: the start panel has it as \"The one before\", until you leave another.";
             ui.label(style::quiet_text(kept));
@@ -112,16 +127,48 @@ pub(super) fn show_question(context: &Context) -> Confirmation {
     answer
 }
 
-/// Adds a wide button of two lines. Returns whether it was clicked.
-fn add_wide_button(ui: &mut Ui, title: &str, what: &str) -> bool {
+/// The pictures of the starts, and whose is meant.
+type Picture<'a> = Option<(&'a TextureHandle, Figure)>;
+
+/// Adds a wide button of two lines, a picture before them. Returns whether it was clicked.
+fn add_wide_button(ui: &mut Ui, picture: Picture<'_>, title: &str, what: &str) -> bool {
+    let indent = if picture.is_some() { CARD_SIZE.x + 4.0 } else { 0.0 };
     let mut text = egui::text::LayoutJob::default();
     let font = |size| egui::FontId::proportional(size);
     let format = |size, color| egui::TextFormat::simple(font(size), color);
-    text.append(title, 0.0, format(16.0, style::TEXT));
+    text.append(title, indent, format(16.0, style::TEXT));
     text.append("\n", 0.0, format(4.0, style::TEXT));
-    text.append(what, 0.0, format(12.5, style::QUIET));
-    let button = Button::new(text).min_size(Vec2::new(WIDTH, 52.0));
-    ui.add(button).clicked()
+    text.append(what, indent, format(12.5, style::QUIET));
+    let height = if picture.is_some() { CARD_SIZE.y + 8.0 } else { 52.0 };
+    let button = ui.add(Button::new(text).min_size(Vec2::new(WIDTH, height)));
+    let place = Rect::from_min_size(button.rect.min + Vec2::splat(4.0), CARD_SIZE);
+    draw_picture(ui, picture, place);
+    button.clicked()
+}
+
+/// Adds a button of a figure's picture, and its name under it. Returns whether it was clicked.
+fn add_figure_button(ui: &mut Ui, picture: Picture<'_>, name: &str, width: f32) -> bool {
+    if picture.is_none() {
+        return ui.add_sized([width, 36.0], Button::new(name)).clicked();
+    }
+    let size = Vec2::new(width - 8.0, (width - 8.0) * CARD_SIZE.y / CARD_SIZE.x);
+    let button = ui.add_sized([width, size.y + 28.0], Button::new(""));
+    draw_picture(ui, picture, Rect::from_min_size(button.rect.min + Vec2::splat(4.0), size));
+    let under = button.rect.center_bottom() - Vec2::new(0.0, 4.0);
+    let font = egui::FontId::proportional(15.0);
+    ui.painter().text(under, Align2::CENTER_BOTTOM, name, font, style::TEXT);
+    button.clicked()
+}
+
+fn draw_picture(ui: &Ui, picture: Picture<'_>, place: Rect) {
+    let Some((pictures, figure)) = picture else { return };
+    let count = pictured_figures().count() as f32;
+    let number = pictured_figures().position(|pictured| pictured == figure).unwrap_or(0) as f32;
+    // Half a texel within, as the neighbour's pixels begin there.
+    let inset = Vec2::splat(0.5) / pictures.size_vec2();
+    let (min, max) = (Pos2::new(number / count, 0.0), Pos2::new((number + 1.0) / count, 1.0));
+    let part = Rect::from_min_max(min + inset, max - inset);
+    ui.painter().image(pictures.id(), place, part, Color32::WHITE);
 }
 
 fn capitalized_name(figure: Figure) -> String {

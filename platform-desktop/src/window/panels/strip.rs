@@ -2,7 +2,9 @@
 
 use egui::{Align2, Area, Button, Context, Id, Label, RichText, Ui, Vec2};
 use paros_core::edit::UndoCounts;
-use paros_core::session::{BenchItem, SessionMode, SessionState, Tool, ToolBit, commands};
+use paros_core::session::{
+    BenchItem, FOUND_PERCENT, SessionMode, SessionState, Tool, ToolBit, commands,
+};
 use paros_shell::figures::Figure;
 
 use super::{PanelAction, StudioStatus, style};
@@ -36,7 +38,8 @@ pub(super) fn show_status(context: &Context, status: &StudioStatus<'_>) {
         SessionMode::FreeForm => "Free form".into(),
         SessionMode::Constrained { figure } => {
             let figure = Figure::HIDDEN.get(usize::from(figure));
-            format!("The {} in the stone", figure.map_or("figure", |figure| figure.name()))
+            let name = figure.map_or("figure", |figure| figure.name());
+            describe_hidden_figure(name, status.bared_percent)
         }
         SessionMode::Creative => "Creative".into(),
         SessionMode::Own => String::from("Your own start"),
@@ -50,10 +53,21 @@ pub(super) fn show_status(context: &Context, status: &StudioStatus<'_>) {
     if !status.fast {
         text += "  ·  the paper's path";
     }
+    let right = Area::new(Id::new("hint")).anchor(Align2::RIGHT_TOP, Vec2::new(-12.0, 10.0));
+    let right = right.interactable(false).show(context, |ui| {
+        let hint = Label::new(style::quiet_text("F1 help  ·  Esc start")).extend();
+        style::line_frame().show(ui, |ui| ui.add(hint));
+    });
+    let frame = style::line_frame();
+    let beside_hint = right.response.rect.width() + style::MARGIN;
+    let width = style::largest_content_size(context, &frame).x - beside_hint;
     let left = Area::new(Id::new("status")).anchor(Align2::LEFT_TOP, Vec2::new(12.0, 10.0));
     left.interactable(false).show(context, |ui| {
         let line = |ui: &mut Ui, text: RichText| {
-            style::line_frame().show(ui, |ui| ui.add(Label::new(text).extend()));
+            frame.show(ui, |ui| {
+                ui.set_max_width(width);
+                ui.add(Label::new(text).wrap());
+            });
         };
         line(ui, style::quiet_text(text));
         if let Some(slowness) = status.slow {
@@ -64,23 +78,33 @@ pub(super) fn show_status(context: &Context, status: &StudioStatus<'_>) {
             line(ui, RichText::new(format!("Not saved: {fault}")).color(style::WARNING));
         }
     });
-    let right = Area::new(Id::new("hint")).anchor(Align2::RIGHT_TOP, Vec2::new(-12.0, 10.0));
-    right.interactable(false).show(context, |ui| {
-        style::line_frame().show(ui, |ui| ui.label(style::quiet_text("F1 help  ·  Esc start")));
-    });
 }
 
-/// Shows the tool bar.
+/// How much of a hidden figure is bared, and whether that is enough to have found it.
+fn describe_hidden_figure(name: &str, bared_percent: u32) -> String {
+    match bared_percent {
+        0 => format!("The {name} in the stone"),
+        FOUND_PERCENT.. => format!("The {name}, found: {bared_percent} %"),
+        _ => format!("The {name} in the stone: {bared_percent} %"),
+    }
+}
+
+/// Shows the tool bar, over it a hint.
 pub(super) fn show_tools(
     context: &Context,
     status: &StudioStatus<'_>,
+    hint: Option<&str>,
     actions: &mut Vec<PanelAction>,
 ) -> FinishButton {
     let mut finish = FinishButton::NotClicked;
     let bottom = Area::new(Id::new("tools")).anchor(Align2::CENTER_BOTTOM, Vec2::new(0.0, -16.0));
     bottom.show(context, |ui| {
-        style::card_frame().inner_margin(egui::Margin::symmetric(12, 10)).show(ui, |ui| {
-            ui.horizontal(|ui| {
+        let frame = style::card_frame().inner_margin(egui::Margin::symmetric(12, 10));
+        style::show_rows(ui, frame, |ui| {
+            if let Some(hint) = hint {
+                ui.label(RichText::new(hint).color(style::ACCENT).size(14.0));
+            }
+            ui.horizontal_wrapped(|ui| {
                 for (number, tool) in Tool::ALL.into_iter().enumerate() {
                     let held = status.held.is_some_and(|(held, _)| held == tool);
                     let text = format!("{}  {}", number + 1, tool_name(tool));
@@ -96,7 +120,7 @@ pub(super) fn show_tools(
                 }
             });
             if let Some((tool, bit)) = status.held {
-                ui.horizontal(|ui| show_bits(ui, status, (tool, bit), actions));
+                ui.horizontal_wrapped(|ui| show_bits(ui, status, (tool, bit), actions));
             }
         });
     });
@@ -160,8 +184,8 @@ pub(super) fn show_confirmation(context: &Context) -> Confirmation {
     let mut answer = Confirmation::None;
     let bottom = Area::new(Id::new("confirm")).anchor(Align2::CENTER_BOTTOM, Vec2::new(0.0, -16.0));
     bottom.show(context, |ui| {
-        style::card_frame().show(ui, |ui| {
-            ui.horizontal(|ui| {
+        style::show_rows(ui, style::card_frame(), |ui| {
+            ui.horizontal_wrapped(|ui| {
                 ui.label("Finish, and make a print of it?");
                 ui.add_space(8.0);
                 if ui.add(style::choice_button("Finish  (Enter)", true)).clicked() {
@@ -186,8 +210,7 @@ pub(super) fn show_finished(
     let bottom =
         Area::new(Id::new("finished")).anchor(Align2::CENTER_BOTTOM, Vec2::new(0.0, -16.0));
     bottom.show(context, |ui| {
-        style::card_frame().show(ui, |ui| {
-            ui.set_min_width(440.0);
+        style::show_within_window(ui, style::card_frame(), 520.0, |ui| {
             ui.label(RichText::new("Finished").size(19.0));
             match (status.printing, status.printed) {
                 (true, _) => ui.label(style::quiet_text("making the print and a picture ...")),
@@ -203,7 +226,7 @@ pub(super) fn show_finished(
                 }
                 (false, None) => ui.label(style::quiet_text("there is no print of it")),
             };
-            ui.horizontal(|ui| {
+            ui.horizontal_wrapped(|ui| {
                 if ui.add(style::choice_button("Something new", true)).clicked() {
                     choice = Some(FinishedChoice::SomethingNew);
                 }
@@ -219,7 +242,7 @@ pub(super) fn show_finished(
     choice
 }
 
-const fn tool_name(tool: Tool) -> &'static str {
+pub(super) const fn tool_name(tool: Tool) -> &'static str {
     match tool {
         Tool::Rotary => "Rotary",
         Tool::Impact => "Chisel",

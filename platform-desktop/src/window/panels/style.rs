@@ -3,8 +3,8 @@
 
 use egui::style::WidgetVisuals;
 use egui::{
-    Button, Color32, Context, CornerRadius, FontFamily, FontId, Frame, Margin, RichText, Shadow,
-    Stroke, TextStyle, Vec2, Visuals,
+    Button, Color32, Context, CornerRadius, FontFamily, FontId, Frame, Margin, RichText,
+    ScrollArea, Shadow, Stroke, TextStyle, TextWrapMode, Ui, Vec2, Visuals,
 };
 
 /// Colour of what is selected or emphasised.
@@ -21,6 +21,52 @@ pub(super) const PANEL: Color32 = Color32::from_rgba_premultiplied(24, 22, 21, 2
 /// Text on the accent colour.
 const ON_ACCENT: Color32 = Color32::from_rgb(32, 24, 14);
 const EDGE: Color32 = Color32::from_rgba_premultiplied(26, 24, 22, 26);
+
+/// Distance of panels from the window's edge, in points.
+pub(super) const MARGIN: f32 = 12.0;
+
+/// Width of the window in points below which buttons are set closer.
+const NARROW: f32 = 800.0;
+
+/// The largest size of a panel's content, in points: what `frame` leaves of the window within [`MARGIN`].
+pub(super) fn largest_content_size(context: &Context, frame: &Frame) -> Vec2 {
+    context.content_rect().shrink(MARGIN).size() - frame.total_margin().sum()
+}
+
+/// Limits a panel to the window: its content wraps and scrolls within [`largest_content_size`], whatever size
+/// the panel had in the frame before.
+pub(super) fn show_within_window<R>(
+    ui: &mut Ui,
+    frame: Frame,
+    width: f32,
+    add_contents: impl FnOnce(&mut Ui) -> R,
+) -> R {
+    let largest = largest_content_size(ui.ctx(), &frame);
+    let shown = frame.show(ui, |ui| {
+        ui.set_max_height(largest.y);
+        ui.set_width(width.min(largest.x));
+        let area = ScrollArea::vertical().max_height(largest.y).auto_shrink([false, true]);
+        area.show(ui, add_contents).inner
+    });
+    shown.inner
+}
+
+/// Lays out buttons and labels in rows that are no wider than the window.
+pub(super) fn show_rows<R>(ui: &mut Ui, frame: Frame, add_rows: impl FnOnce(&mut Ui) -> R) -> R {
+    let largest = largest_content_size(ui.ctx(), &frame);
+    let is_narrow = ui.ctx().content_rect().width() < NARROW;
+    let shown = frame.show(ui, |ui| {
+        ui.set_max_width(largest.x);
+        ui.style_mut().wrap_mode = Some(TextWrapMode::Extend);
+        if is_narrow {
+            ui.spacing_mut().item_spacing = Vec2::splat(5.0);
+            ui.spacing_mut().button_padding = Vec2::new(8.0, 4.0);
+            ui.spacing_mut().interact_size.y = 26.0;
+        }
+        add_rows(ui)
+    });
+    shown.inner
+}
 
 /// Sets the style of all panels.
 pub(super) fn set_style(context: &Context) {

@@ -14,13 +14,14 @@ use crate::window::slowness::SlownessWatch;
 
 const SIZE: Vec2 = Vec2::new(1000.0, 700.0);
 
-fn sculpting_status() -> StudioStatus<'static> {
+pub(super) fn sculpting_status() -> StudioStatus<'static> {
     StudioStatus {
         session: SessionState::Sculpting,
         mode: SessionMode::FreeForm,
         held: Some((Tool::Impact, ToolBit::PointChisel)),
         depth_mm: 5.0,
         print_scale: Some(0.25),
+        bared_percent: 0,
         symmetry: false,
         undo: UndoCounts { undoable: 3, redoable: 1 },
         unfinished: true,
@@ -37,6 +38,8 @@ fn sculpting_status() -> StudioStatus<'static> {
         device: "a device",
         times: FrameTimes::default(),
         outline: None,
+        mirror: None,
+        glow: None,
     }
 }
 
@@ -238,7 +241,7 @@ fn shapes_of(panels: &mut Panels, status: &StudioStatus<'_>) -> Vec<egui::Shape>
     shapes
 }
 
-fn flatten(shape: egui::Shape, into: &mut Vec<egui::Shape>) {
+pub(super) fn flatten(shape: egui::Shape, into: &mut Vec<egui::Shape>) {
     match shape {
         egui::Shape::Vec(shapes) => shapes.into_iter().for_each(|shape| flatten(shape, into)),
         shape => into.push(shape),
@@ -316,6 +319,61 @@ fn the_help_has_visitors_keys_first_and_developers_under_them() {
     for keys in ["R", "F2", "F3"] {
         assert!(height(keys) > divide, "{keys} is a developer's");
     }
+}
+
+#[test]
+fn each_start_shows_its_own_picture_and_is_chosen_by_it() {
+    use crate::window::start_pictures::{PICTURE_SIZE, pictured_figures};
+    let with_pictures = || {
+        let mut panels = Panels::new();
+        let [width, height] = PICTURE_SIZE;
+        let width = width * pictured_figures().count();
+        let pixels = vec![90; 3 * width * height];
+        panels.set_start_pictures(&paros_shaders::Image { width, height, pixels });
+        panels
+    };
+    let status =
+        StudioStatus { session: SessionState::Waiting, unfinished: false, ..sculpting_status() };
+    let shown: Vec<_> = shapes_of(&mut with_pictures(), &status)
+        .into_iter()
+        .filter_map(|shape| match shape {
+            egui::Shape::Mesh(mesh) => {
+                let parts: Vec<_> = mesh.vertices.iter().map(|vertex| vertex.uv).collect();
+                Some((mesh.calc_bounds(), Rect::from_points(&parts).center()))
+            }
+            _ => None,
+        })
+        .collect();
+    assert_eq!(shown.len(), pictured_figures().count());
+    let mut chosen = Vec::new();
+    for (place, part) in &shown {
+        let mut panels = with_pictures();
+        frame(&mut panels, &status, Vec::new());
+        let asked = click(&mut panels, &status, place.center());
+        let number = (part.x * shown.len() as f32) as usize;
+        chosen.push((pictured_figures().nth(number).expect("a figure").name(), asked));
+    }
+    let start = |mode| vec![PanelAction::Start(mode)];
+    let mut expected =
+        vec![("lump", start(SessionMode::FreeForm)), ("toy", start(SessionMode::Creative))];
+    for (figure, name) in (0..).zip(["owl", "cat", "amphora", "dolphin"]) {
+        expected.push((name, start(SessionMode::Constrained { figure })));
+    }
+    assert_eq!(chosen, expected);
+}
+
+#[test]
+fn the_tool_bar_hints_at_what_the_visitor_has_not_done_yet() {
+    let mut panels = in_studio();
+    let mut shows = |undoable, redoable, words: &str| {
+        let status = StudioStatus { undo: UndoCounts { undoable, redoable }, ..sculpting_status() };
+        let [all, bare] = text_and_bare_text(&mut panels, &status);
+        assert!(bare.is_empty(), "{bare:?}");
+        all.iter().any(|text| text.contains(words))
+    };
+    assert!(shows(0, 0, "Hold the left button"));
+    assert!(!shows(1, 0, "Hold the left button") && shows(1, 0, "Z takes it back"));
+    assert!(!shows(0, 1, "Z takes it back"));
 }
 
 #[test]
