@@ -36,15 +36,20 @@ fn the_order_shades_less_than_the_others() {
     let mut field = Box::new(DensityField::<N>::new());
     field.rebuild_from(studio.world.volume().maps());
     let middle = STOOL_TOP + Vec3::Y * (0.5 * BOX_SIDE);
-    let grip = (middle + Vec3::new(0.05, 0.05, 0.36), Quat::from_rotation_x(0.3));
-    let fresh = LatestInput {
-        grips: [None, Some(grip)],
-        show_hands: true,
-        tick_fraction: 1.0,
-        time_seconds: 0.0,
+    let mut assemble_with_tool_at = |place: Vec3| {
+        let grip = (middle + place, Quat::from_rotation_x(0.3));
+        let fresh = LatestInput {
+            grips: [None, Some(grip)],
+            show_hands: true,
+            tick_fraction: 1.0,
+            time_seconds: 0.0,
+        };
+        let mut scene = SceneAssembler::new();
+        scene.assemble_frame(&studio.world, &fresh);
+        scene
     };
-    let mut scene = SceneAssembler::new();
-    scene.assemble_frame(&studio.world, &fresh);
+    let [scene, tool_out_of_view] =
+        [Vec3::new(0.05, 0.05, 0.36), 3.0 * Vec3::Z].map(&mut assemble_with_tool_at);
     let placement = scene.sculpture_placement();
     let eye = Eye {
         position: middle + Vec3::new(0.0, 0.15, 0.75),
@@ -63,13 +68,22 @@ fn the_order_shades_less_than_the_others() {
                 backdrop: SKY,
                 scene: Some(scene.draw_list()),
             };
-            let mut draw = |order: SculptureOrder| {
+            let mut draw = |picture: &FrameRequest<'_>, order: SculptureOrder| {
                 test_renderer.renderer.set_sculpture_order(order);
-                (test_renderer.draw_picture(&picture), test_renderer.renderer.fragment_counts())
+                (test_renderer.draw_picture(picture), test_renderer.renderer.fragment_counts())
             };
+            let without_tool =
+                FrameRequest { scene: Some(tool_out_of_view.draw_list()), ..picture };
+            let tests_depth_first = draw(&without_tool, SculptureOrder::Last).1.surroundings
+                > draw(&picture, SculptureOrder::Last).1.surroundings;
+            let counts = tests_depth_first
+                .then_some(())
+                .ok_or("the device counts fragments before it tests their depth");
+            let counts = require_or_skip(counts).expect("a device that tests depth early");
+            let Some(()) = counts else { return };
             let [between, first, last] =
                 [SculptureOrder::Between, SculptureOrder::First, SculptureOrder::Last]
-                    .map(&mut draw);
+                    .map(|order| draw(&picture, order));
             for (name, (layers, fragments)) in
                 [("between", &between), ("first", &first), ("last", &last)]
             {
