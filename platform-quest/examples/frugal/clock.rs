@@ -28,6 +28,35 @@ pub(crate) fn measure_clock_nanos_per_thousand_calls() -> u64 {
     own_cpu_nanos_so_far() - begun
 }
 
+/// Words of [`ReferenceTable`]: 256 KiB, more than a core's first cache.
+const REFERENCE_WORDS: usize = 1 << 16;
+
+/// The table that [`measure_reference_nanos`] reads.
+pub(crate) type ReferenceTable = [u32; REFERENCE_WORDS];
+
+/// The nanoseconds of a fixed calculation: 10,000 reads at pseudo-random places of a table, each place
+/// following from the word before. A frame's time is told in multiples of it, since a slow core, or one
+/// whose caches are busy with the software device's threads, slows both.
+pub(crate) fn measure_reference_nanos(table: &ReferenceTable) -> u64 {
+    let begun = thread_cpu_nanos_so_far();
+    let mut state = 1u32;
+    for _ in 0..10_000 {
+        let word = table[state as usize % REFERENCE_WORDS];
+        state = (state ^ word).wrapping_mul(0x9E37_79B1).rotate_left(13);
+    }
+    std::hint::black_box(state);
+    thread_cpu_nanos_so_far() - begun
+}
+
+/// The filled table of the reference calculation.
+pub(crate) fn reference_table() -> Box<ReferenceTable> {
+    let mut table = Box::new([0; REFERENCE_WORDS]);
+    for (word, i) in table.iter_mut().zip(0u32..) {
+        *word = i.wrapping_mul(0x85EB_CA6B);
+    }
+    table
+}
+
 /// The shell's own CPU time so far, in nanoseconds. It includes about half of each reading of the clock.
 pub(crate) fn own_cpu_nanos_so_far() -> u64 {
     thread_cpu_nanos_so_far() - FOREIGN_NANOS.get()

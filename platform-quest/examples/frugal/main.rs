@@ -4,7 +4,8 @@
 //!
 //! A frame's own time is the thread's CPU time less that of steps of the world and of calls into OpenXR
 //! and Vulkan. Each of these is timed by reading the clock twice; the cost of that reading stays in the
-//! own time and is printed beside it.
+//! own time and is printed beside it, as is a fixed reference calculation run between the frames: own
+//! time in its multiples is comparable between machines.
 
 mod calls;
 mod clock;
@@ -70,6 +71,8 @@ struct FrameCost {
     thread_nanos: u64,
     /// Calls into OpenXR and Vulkan, and steps of the world.
     foreign_calls: u64,
+    /// The time of the reference calculation after the frame, which is no part of it.
+    reference_nanos: u64,
 }
 
 /// The host's platform, which also samples the cost of every frame.
@@ -78,6 +81,20 @@ struct ProfilingPlatform {
     wanted: usize,
     last: FrameCost,
     step_nanos: u64,
+    reference: Box<clock::ReferenceTable>,
+}
+
+impl ProfilingPlatform {
+    fn cost_so_far(&self) -> FrameCost {
+        FrameCost {
+            own_nanos: clock::own_cpu_nanos_so_far(),
+            thread_nanos: clock::thread_cpu_nanos_so_far(),
+            allocations: COUNT.with(Cell::get),
+            foreign_calls: clock::foreign_calls_so_far(),
+            step_nanos: self.step_nanos,
+            reference_nanos: 0,
+        }
+    }
 }
 
 impl Platform for ProfilingPlatform {
@@ -96,14 +113,7 @@ impl Platform for ProfilingPlatform {
     }
 
     fn poll_status(&mut self) -> PlatformStatus {
-        let now = FrameCost {
-            own_nanos: clock::own_cpu_nanos_so_far(),
-            thread_nanos: clock::thread_cpu_nanos_so_far(),
-            allocations: COUNT.with(Cell::get),
-            foreign_calls: clock::foreign_calls_so_far(),
-            step_nanos: self.step_nanos,
-        };
-        let last = core::mem::replace(&mut self.last, now);
+        let (now, last) = (self.cost_so_far(), self.last);
         if calls::take_frame_ended() && self.frames.len() < self.frames.capacity() {
             self.frames.push(FrameCost {
                 allocations: now.allocations - last.allocations,
@@ -111,8 +121,10 @@ impl Platform for ProfilingPlatform {
                 step_nanos: now.step_nanos - last.step_nanos,
                 thread_nanos: now.thread_nanos - last.thread_nanos,
                 foreign_calls: now.foreign_calls - last.foreign_calls,
+                reference_nanos: clock::measure_reference_nanos(&self.reference),
             });
         }
+        self.last = self.cost_so_far();
         let quit_requested = self.frames.len() == self.wanted;
         PlatformStatus { quit_requested, ..PlatformStatus::default() }
     }
@@ -136,8 +148,13 @@ fn main() {
         ShellOptions { folder: Some(folder), test_commands: true, ..ShellOptions::default() };
     let wanted = WARM_UP_FRAMES + frames;
     let frames = Vec::with_capacity(wanted);
-    let mut platform =
-        ProfilingPlatform { frames, wanted, last: FrameCost::default(), step_nanos: 0 };
+    let mut platform = ProfilingPlatform {
+        frames,
+        wanted,
+        last: FrameCost::default(),
+        step_nanos: 0,
+        reference: clock::reference_table(),
+    };
     run_shell::<128>(&mut platform, &options).expect("a session");
     let (first, rest) = platform.frames.split_at(WARM_UP_FRAMES);
     let taken: u64 = first.iter().map(|frame| frame.allocations).sum();
@@ -145,7 +162,7 @@ fn main() {
     let most = rest.iter().map(|frame| frame.allocations).max().unwrap_or_default();
     println!(
         "frames {}; first {taken}; allocating {taking}; most {most}; own {}; worst {}; \
-         steps {}; thread {}; calls {}; clock {}",
+         steps {}; thread {}; calls {}; clock {}; reference {}",
         rest.len(),
         median_of(rest, |frame| frame.own_nanos),
         rest.iter().map(|frame| frame.own_nanos).max().unwrap_or_default(),
@@ -155,6 +172,7 @@ fn main() {
         median_of(rest, |frame| frame.foreign_calls)
             * clock::measure_clock_nanos_per_thousand_calls()
             / 1000,
+        median_of(rest, |frame| frame.reference_nanos),
     );
 }
 

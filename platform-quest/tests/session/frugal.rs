@@ -20,8 +20,10 @@ const FRAMES: u64 = 1000;
 /// Measured frames in which the visitor sculpts.
 const BUSY: u64 = 600;
 
-/// The limit of the median of a frame's own CPU time, in nanoseconds.
-const MOST: u64 = 300_000;
+/// The limit of the median of a frame's own CPU time without the clock's, in times of the reference
+/// calculation, which the program runs between its frames (some 0.2 ms on the machines of CI). Measured:
+/// 1.3. A limit in nanoseconds failed where the clock alone took half of it.
+const MOST_REFERENCES: u64 = 2;
 
 /// Allocations are the shell's own, too: those of drivers are not counted.
 #[test]
@@ -44,7 +46,9 @@ fn a_frame_takes_little_time_and_no_memory() {
     assert!(said.number("first") > 0, "nothing counts");
     assert_eq!((said.number("allocating"), said.number("most")), (0, 0));
     assert!(said.number("calls") > 100 && said.number("steps") > 0, "what is taken off?");
-    assert!(said.number("own") < MOST, "{}", said.text());
+    let own = said.number("own").saturating_sub(said.number("clock"));
+    assert!(own > 0 && said.number("reference") > 0, "what is measured? {}", said.text());
+    assert!(own < MOST_REFERENCES * said.number("reference"), "{}", said.text());
 }
 
 /// Sculpts with a running tool, stroke by stroke, for [`BUSY`] frames. Returns how many saves were written.
