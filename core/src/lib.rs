@@ -120,7 +120,7 @@ pub use edit::operation::{Edit, apply_edit};
 pub use glam;
 pub use session::events::WorldEvent;
 pub use session::input::{HandInput, TickInput};
-pub use session::start_volumes::StartVolumes;
+pub use session::start_volumes::{HiddenFigure, StartVolumes};
 pub use session::world::World;
 pub use volume::editable::Volume;
 pub use volume::range_maps::RangeMaps;

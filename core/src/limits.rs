@@ -179,6 +179,12 @@ pub const fn bite_work(side_voxels: u32) -> u32 {
     6 * side_voxels * side_voxels
 }
 
+/// The work of spalling, whose edit reaches deeper than a bite.
+#[must_use]
+pub const fn spall_work(side_voxels: u32) -> u32 {
+    10 * side_voxels * side_voxels
+}
+
 /// What a quarter voxel of way adds to the work of a ball's edit: rows at its front.
 #[must_use]
 pub const fn ball_sweep_work_per_quarter_voxel(side_voxels: u32) -> u32 {

@@ -144,7 +144,7 @@ fn more_intervals_than_are_opened_are_refused() {
 /// A trace of one interval a column, in which a session starts from this volume, closed.
 fn record_start_from_closed(volume: &[u8]) -> Vec<u8> {
     let mut starts = <Grid<128> as Resident<128, 1>>::lock_start_volumes();
-    starts.generate_figures_once(&mut Grid::<128>::lock_bit_grid(), |_| {});
+    starts.generate_once(&mut Grid::<128>::lock_bit_grid(), |_| {});
     rmap::decode_closed(volume, starts.offer_visitor_volume()).unwrap();
     let (hidden, mut world) = (starts.hidden_figures(), Grid::<128>::lock_world());
     let mut runner = TickRunner::new(&mut world, starts.start_volumes(&hidden));

@@ -127,7 +127,7 @@ fn a_trace_is_drawn() {
 /// Two ticks of a session.
 fn trace(path: &Path) {
     let mut starts = <Grid<128> as Resident<128, INTERVALS>>::lock_start_volumes();
-    starts.generate_figures_once(&mut Grid::<128>::lock_bit_grid(), |_| {});
+    starts.generate_once(&mut Grid::<128>::lock_bit_grid(), |_| {});
     let (hidden, mut world) = (starts.hidden_figures(), Grid::<128>::lock_world());
     let mut stage = TickRunner::new(&mut world, starts.start_volumes(&hidden));
     stage.start_recording();

@@ -110,7 +110,7 @@ where
     Grid<N>: Size + Resident<N, INTERVALS>,
 {
     let mut volumes = Grid::<N>::lock_start_volumes();
-    volumes.generate_figures_once(&mut Grid::<N>::lock_bit_grid(), |_| {});
+    volumes.generate_once(&mut Grid::<N>::lock_bit_grid(), |_| {});
     let (mut world, mut stl_buffers) = (Grid::<N>::lock_world(), Grid::<N>::lock_stl_buffers());
     let stl_exporter = StlExporter::new(&mut stl_buffers, DEFAULT_HEIGHT_MM);
     let stl_exporter = stl_exporter.map_err(|height| Error::Input(format!("{height:?}")))?;

@@ -39,7 +39,7 @@ fn draw_positions(
     hand_at: impl Fn(f32) -> RoomPose,
 ) -> Vec<DrawnPositions> {
     let mut starts = Grid::<128>::lock_start_volumes();
-    starts.generate_figures_once(&mut Grid::<128>::lock_bit_grid(), |_| {});
+    starts.generate_once(&mut Grid::<128>::lock_bit_grid(), |_| {});
     let hidden = starts.hidden_figures();
     world.clear();
     let mut stage = TickRunner::new(world, starts.start_volumes(&hidden));

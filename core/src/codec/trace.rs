@@ -24,7 +24,7 @@ pub const RECORD_BYTES: usize = TickInput::BYTES + 8 * DIGEST_PARTS.len();
 pub const TRACE_VERSION: u16 = 2;
 
 /// Changes with every change of what a tick computes, with one interval a column or more.
-pub const CORE_VERSION: u16 = 9;
+pub const CORE_VERSION: u16 = 10;
 
 /// The first bytes of a trace.
 pub const MAGIC: [u8; 4] = *b"PTRC";
@@ -33,7 +33,7 @@ pub const MAGIC: [u8; 4] = *b"PTRC";
 pub const EXPECTED_TRACE_VERSION: &str = "trace version 2";
 
 /// What the error for another [`CORE_VERSION`] expects.
-pub const EXPECTED_CORE_VERSION: &str = "core version 9";
+pub const EXPECTED_CORE_VERSION: &str = "core version 10";
 
 /// The header of a trace: the world it was recorded on.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -145,7 +145,7 @@ pub fn digest_start_volumes<const N: usize, const K: usize>(
     starts: &StartVolumes<'_, N, K>,
 ) -> u64 {
     let all = [Some(starts.lump), Some(starts.creative), starts.own];
-    let figures = starts.figures.iter().map(|maps| Some(*maps));
+    let figures = starts.figures.iter().flat_map(|hidden| [hidden.figure, hidden.stone]).map(Some);
     all.into_iter().chain(figures).fold(N as u64, |sum, maps: Option<&RangeMaps<N, K>>| {
         mix_bits(sum.rotate_left(23) ^ maps.map_or(1, maps_digest))
     })

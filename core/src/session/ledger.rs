@@ -13,7 +13,7 @@ use crate::limits::{
     disc_bite_work, disc_contact_work, disc_step_work, disc_sweep_work_per_step,
     island_removal_row_visits, island_reserve, max_bit_steps_per_tick,
     max_island_row_visits_per_tick, rewind_work, smoothing_sweep_work_per_quarter_voxel,
-    smoothing_work, tick_work,
+    smoothing_work, spall_work, tick_work,
 };
 
 /// What is left of a tick's work.
@@ -118,6 +118,12 @@ impl BitWork {
             contact: buried_contact_work(bit_side_voxels(bit.circumscribed_radius_subunits())),
             ..of_bit
         }
+    }
+
+    /// What spalling costs, which goes nowhere.
+    pub(crate) fn of_spall(spall: &GridBit, grid_side: usize, is_mirrored: bool) -> u32 {
+        let side = bit_side_voxels(spall.circumscribed_radius_subunits());
+        (1 + u32::from(is_mirrored)) * spall_work(side)
     }
 
     /// How far the bit may go for a share of a tick's work. A bit that runs leaves room for its edit.

@@ -2,7 +2,16 @@
 
 use crate::volume::range_maps::RangeMaps;
 
-/// Start volumes by session mode. All maps must be tight, and each figure a subset of the lump.
+/// A hidden figure and the stone that it is carved from: the figure is a subset of it.
+#[derive(Clone, Copy, Debug)]
+pub struct HiddenFigure<'a, const N: usize, const K: usize = 1> {
+    /// The mask of the session.
+    pub figure: &'a RangeMaps<N, K>,
+    /// Its start volume.
+    pub stone: &'a RangeMaps<N, K>,
+}
+
+/// Start volumes by session mode. All maps must be tight.
 ///
 /// With one volume only, it is both `lump` and `creative`. To go on from an edited [`Volume`], lend its
 /// maps as `own` and start a session of [`SessionMode::Own`].
@@ -11,10 +20,10 @@ use crate::volume::range_maps::RangeMaps;
 /// [`SessionMode::Own`]: crate::session::SessionMode::Own
 #[derive(Debug)]
 pub struct StartVolumes<'a, const N: usize, const K: usize = 1> {
-    /// The rough stone of the free-form and constrained modes.
+    /// The rough stone of the free-form mode.
     pub lump: &'a RangeMaps<N, K>,
     /// The hidden figures of the constrained mode.
-    pub figures: &'a [&'a RangeMaps<N, K>],
+    pub figures: &'a [HiddenFigure<'a, N, K>],
     /// The shape of the creative mode.
     pub creative: &'a RangeMaps<N, K>,
     /// A volume loaded by the user.

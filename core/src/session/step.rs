@@ -36,7 +36,7 @@ where
             SessionMode::None => None,
             SessionMode::FreeForm => Some(starts.lump),
             SessionMode::Constrained { figure } => {
-                starts.figures.get(usize::from(figure)).map(|_| starts.lump)
+                starts.figures.get(usize::from(figure)).map(|hidden| hidden.stone)
             }
             SessionMode::Creative => Some(starts.creative),
             SessionMode::Own => starts.own,
@@ -50,7 +50,7 @@ where
         self.state =
             WorldState { tick, head, mode, session: SessionState::Sculpting, ..WorldState::new() };
         if let SessionMode::Constrained { figure } = mode {
-            let hidden = starts.figures[usize::from(figure)];
+            let hidden = starts.figures[usize::from(figure)].figure;
             self.state.mask_digest = copy_and_digest_maps(hidden, &mut self.mask);
             self.state.masked = !self.mask.is_empty();
         } else {

@@ -143,14 +143,16 @@ where
             BitAction::Smooth => spent,
             BitAction::Carve | BitAction::Fill => spent + work_of_contact(&grid_bit, &contact),
         };
+        let left = share.saturating_sub(spent);
+        let (spall_work, spalled) = self.spall_off_figure(&running, &state, &contact, left);
         self.state.hands[hand] = state;
         self.contacts[hand] = contact;
         self.has_contact[hand] = true;
-        let report = EditReport { dropped_ticks, ..report };
+        let report = EditReport { dropped_ticks, ..report.sum_with(spalled) };
         if report != EditReport::default() {
             self.push_event(WorldEvent::Edited { hand: hand as u8, bit, report });
         }
-        spent
+        spent + spall_work
     }
 
     /// Takes the bit along its trail, from one bite to the next, within its `share` of the tick's work: walk,
@@ -204,6 +206,29 @@ where
             is_stuck = end == WayEnd::Stuck && !slides;
         }
         (share - left, total)
+    }
+
+    /// Takes off the stone around a bit that touches the hidden figure, so that it shows: stone spalls where it is
+    /// worked down to what is harder. Only where `left` allows it. Returns the work spent and what the edit did.
+    fn spall_off_figure(
+        &mut self,
+        running: &RunningBit<'_>,
+        state: &HandState,
+        contact: &Contact,
+        left: u32,
+    ) -> (u32, EditReport) {
+        let works = state.is_running() && running.bit.spec().is_blow_at(state.trigger_ticks);
+        let spalls = contact.on_mask && works && state.can_sweep;
+        let voxel_um = self.stool_frame().voxel_metres() * 1e6;
+        let spall = running.bit.to_grid_spall(voxel_um).filter(|_| spalls);
+        let Some(spall) = spall else { return (0, EditReport::default()) };
+        let work = BitWork::of_spall(&spall, N, self.state.symmetry);
+        if work > left {
+            return (0, EditReport::default());
+        }
+        let spalling = RunningBit { grid_bit: &spall, brush: &spall, ..*running };
+        let pose = &state.frozen_pose;
+        (work, self.edit_along_path(&spalling, pose, pose))
     }
 
     /// Whether a file may smooth in this tick: in every other one, when its hand is the second and has what the first

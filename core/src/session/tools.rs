@@ -182,6 +182,20 @@ impl ToolBit {
         self.to_grid_bit_grown_by(self.spec().reach_um, voxel_um)
     }
 
+    /// What spalls off a hidden figure that the bit touches, as [`ToolBit::to_grid_bit`]: all within 15 mm of the bit,
+    /// however deep it lies. `None` for a bit that doesn't carve, and for a disc, which only parts stone.
+    #[must_use]
+    pub fn to_grid_spall(self, voxel_um: f32) -> Option<GridBit> {
+        const REACH_UM: i32 = 15_000;
+        let ToolBitSpec { action, shape, .. } = *self.spec();
+        if action != BitAction::Carve || matches!(shape, BitShape::Disc { .. }) {
+            return None;
+        }
+        let grown = self.to_grid_bit_grown_by([REACH_UM; 3], voxel_um);
+        let bite = libm::roundf(REACH_UM as f32 * SUBUNITS_PER_VOXEL as f32 / voxel_um) as i32;
+        Some(GridBit { bite, ..grown })
+    }
+
     fn to_grid_bit_grown_by(self, reach_um: [i32; 3], voxel_um: f32) -> GridBit {
         let fixed =
             |length: i32| libm::roundf(length as f32 * SUBUNITS_PER_VOXEL as f32 / voxel_um) as i32;

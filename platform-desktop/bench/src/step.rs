@@ -21,9 +21,9 @@ use paros_core::{Baker, Exporter, RangeMaps, TickInput, Volume, World};
 use paros_headless::Error;
 use paros_shell::demo::{self, DemoScript};
 use paros_shell::durable;
-use paros_shell::figures::Figure;
 use paros_shell::rmap;
 use paros_shell::sizes::GRID_SIDES;
+use paros_shell::start_volume_store::StartVolume;
 use paros_shell::statics::Resident;
 use paros_shell::tick_runner::{TickRunner, with_fresh_world};
 use paros_shell::trace::{ReplayDivergence, Trace};
@@ -158,8 +158,8 @@ where
     durable::write_file(&folder.0.join(TRACE), trace_bytes)?;
     let chosen = choose_ticks_to_count(&times);
     let starts = Grid::<N>::lock_start_volumes();
-    for figure in Figure::ALL {
-        rmap::write(&volume_path(&folder.0, figure), starts.figure(figure))
+    for volume in StartVolume::all() {
+        rmap::write(&volume_path(&folder.0, volume), starts.volume(volume))
             .map_err(Error::failure)?;
     }
     drop(starts);
@@ -219,8 +219,8 @@ const PARTS: usize = 500;
 const TRACE: &str = "session.trace";
 const CHOSEN: &str = "ticks";
 
-fn volume_path(folder: &Path, figure: Figure) -> PathBuf {
-    folder.join(figure.name()).with_extension("rmap")
+fn volume_path(folder: &Path, volume: StartVolume) -> PathBuf {
+    folder.join(volume.name()).with_extension("rmap")
 }
 
 /// Plays a trace again under Callgrind: the child's part.
@@ -248,8 +248,8 @@ fn replay_ticks_at<const N: usize, const K: usize>(
 where
     Grid<N>: Size + Resident<N, K>,
 {
-    let load_into = |figure, maps: &mut _| rmap::read(&volume_path(folder, figure), maps).map(drop);
-    Grid::<N>::lock_start_volumes().load_figures(load_into).map_err(Error::input)?;
+    let load_into = |volume, maps: &mut _| rmap::read(&volume_path(folder, volume), maps).map(drop);
+    Grid::<N>::lock_start_volumes().load(load_into).map_err(Error::input)?;
     let mut chosen = chosen.iter().copied().peekable();
     let (ticks, mut out) = (trace.records().len(), io::stdout().lock());
     let digest = with_fresh_world::<N, K, _>(|mut runner| {

@@ -4,17 +4,16 @@ use std::fmt;
 
 use paros_core::session::SessionMode;
 
-use crate::figures::Figure;
+use crate::figures::{Figure, HiddenStart};
 
 /// A name of no mode that sessions can be started in by name.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct UnknownMode;
 
 /// The modes that have names, each with its own: `free`, `creative`, and the figures that hide in the
-/// stone. A start of the visitor's own has none.
+/// stone, alone or with `-half` or `-whole` of it. A start of the visitor's own has none.
 pub fn named_modes() -> impl Iterator<Item = (&'static str, SessionMode)> {
-    let hidden = (0..).zip(Figure::HIDDEN);
-    let constrained = hidden.map(|(figure, of)| (of.name(), SessionMode::Constrained { figure }));
+    let constrained = HiddenStart::ALL.map(|hidden| (hidden.name(), hidden.mode()));
     [("free", SessionMode::FreeForm), ("creative", SessionMode::Creative)]
         .into_iter()
         .chain(constrained)
@@ -32,7 +31,7 @@ pub fn parse_mode(name: &str) -> Result<SessionMode, UnknownMode> {
 impl fmt::Display for UnknownMode {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let hidden = Figure::HIDDEN.map(Figure::name).join(", ");
-        write!(f, "expected free, creative or one of {hidden}")
+        write!(f, "expected free, creative or one of {hidden}, each also with -half or -whole")
     }
 }
 
@@ -47,9 +46,11 @@ mod tests {
         for (name, mode) in named_modes() {
             assert_eq!(parse_mode(name), Ok(mode), "{name}");
         }
-        assert_eq!(parse_mode("cat"), Ok(SessionMode::Constrained { figure: 1 }));
+        assert_eq!(parse_mode("cat-whole"), Ok(SessionMode::Constrained { figure: 1 }));
+        assert_eq!(parse_mode("cat"), Ok(SessionMode::Constrained { figure: 9 }));
         assert_eq!(parse_mode("Free"), Err(UnknownMode));
         let told = UnknownMode.to_string();
-        assert_eq!(told, "expected free, creative or one of owl, cat, amphora, dolphin");
+        let expected = "expected free, creative or one of owl, cat, amphora, dolphin, each also with -half or -whole";
+        assert_eq!(told, expected);
     }
 }

@@ -2,16 +2,73 @@
 //! visitor's own. It knows no files.
 
 use paros_core::volume::{BitGrid, Grid, Size};
-use paros_core::{RangeMaps, StartVolumes};
+use paros_core::{HiddenFigure, RangeMaps, StartVolumes};
 
-use crate::figures::Figure;
+use crate::figures::{Figure, HiddenStart, StoneThickness};
+
+/// A volume that sessions need at their start.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum StartVolume {
+    /// A figure, hidden or not; the lump.
+    Figure(Figure),
+    /// What there is of the lump around a hidden figure.
+    Stone(HiddenStart),
+}
+
+/// How many there are: the whole lump stands among the figures.
+const COUNT: usize = Figure::ALL.len() + HiddenStart::ALL.len() - Figure::HIDDEN.len();
+
+impl StartVolume {
+    /// All of them.
+    pub fn all() -> impl Iterator<Item = StartVolume> {
+        let stones = HiddenStart::ALL.into_iter().map(StartVolume::Stone);
+        let figures = Figure::ALL.into_iter().map(StartVolume::Figure);
+        figures.chain(stones.skip(Figure::HIDDEN.len()))
+    }
+
+    /// Its name in a package.
+    #[must_use]
+    pub fn name(self) -> String {
+        match self {
+            StartVolume::Figure(figure) => figure.name().into(),
+            StartVolume::Stone(start) => format!("{}-stone", start.name()),
+        }
+    }
+
+    /// Its place among all of them.
+    const fn place(self) -> usize {
+        match self {
+            StartVolume::Figure(figure) => figure as usize,
+            StartVolume::Stone(start) => match start.thickness {
+                StoneThickness::Whole => Figure::Lump as usize,
+                StoneThickness::Half | StoneThickness::Near => {
+                    Figure::ALL.len() - Figure::HIDDEN.len() + start.number() as usize
+                }
+            },
+        }
+    }
+
+    fn rasterize_into<const N: usize, const K: usize>(
+        self,
+        maps: &mut RangeMaps<N, K>,
+        bit_grid: &mut BitGrid<N>,
+    ) where
+        Grid<N>: Size,
+    {
+        match self {
+            StartVolume::Figure(figure) => figure.rasterize_into(maps, bit_grid),
+            StartVolume::Stone(start) => start.rasterize_stone_into(maps, bit_grid),
+        }
+    }
+}
 
 /// Buffers for all start volumes of a size. All zero bytes at first: it lives in a static.
 #[derive(Debug)]
 pub struct StartVolumeStore<const N: usize, const K: usize> {
-    figures: [RangeMaps<N, K>; Figure::ALL.len()],
+    /// In the order of [`StartVolume::all`].
+    volumes: [RangeMaps<N, K>; COUNT],
     visitor_volume: RangeMaps<N, K>,
-    has_figures: bool,
+    has_volumes: bool,
     offers_visitor_volume: bool,
 }
 
@@ -24,43 +81,39 @@ where
     #[allow(clippy::new_without_default)] // a Default would hand the volumes about by value
     pub const fn new() -> Self {
         StartVolumeStore {
-            figures: [const { RangeMaps::new() }; Figure::ALL.len()],
+            volumes: [const { RangeMaps::new() }; COUNT],
             visitor_volume: RangeMaps::new(),
-            has_figures: false,
+            has_volumes: false,
             offers_visitor_volume: false,
         }
     }
 
-    /// Generates the figures unless they are there already. `on_fraction_done` is
+    /// Generates the volumes unless they are there already. `on_fraction_done` is
     /// called with the fraction done, 0 to 1.
-    pub fn generate_figures_once(
-        &mut self,
-        scratch: &mut BitGrid<N>,
-        on_fraction_done: impl Fn(f32),
-    ) {
-        if self.has_figures {
+    pub fn generate_once(&mut self, scratch: &mut BitGrid<N>, on_fraction_done: impl Fn(f32)) {
+        if self.has_volumes {
             return;
         }
-        for (i, figure) in Figure::ALL.into_iter().enumerate() {
-            on_fraction_done(i as f32 / Figure::ALL.len() as f32);
-            figure.rasterize_into(&mut self.figures[i], scratch);
+        for (i, volume) in StartVolume::all().enumerate() {
+            on_fraction_done(i as f32 / COUNT as f32);
+            volume.rasterize_into(&mut self.volumes[i], scratch);
         }
-        self.has_figures = true;
+        self.has_volumes = true;
     }
 
-    /// Loads the figures instead of generating them: `load_into` writes each into its maps.
+    /// Loads the volumes instead of generating them: `load_into` writes each into its maps.
     ///
     /// # Errors
     /// The first error of `load_into`. The store then counts as empty.
-    pub fn load_figures<E>(
+    pub fn load<E>(
         &mut self,
-        mut load_into: impl FnMut(Figure, &mut RangeMaps<N, K>) -> Result<(), E>,
+        mut load_into: impl FnMut(StartVolume, &mut RangeMaps<N, K>) -> Result<(), E>,
     ) -> Result<(), E> {
-        self.has_figures = false;
-        for figure in Figure::ALL {
-            load_into(figure, &mut self.figures[figure as usize])?;
+        self.has_volumes = false;
+        for (volume, maps) in StartVolume::all().zip(&mut self.volumes) {
+            load_into(volume, maps)?;
         }
-        self.has_figures = true;
+        self.has_volumes = true;
         Ok(())
     }
 
@@ -75,16 +128,25 @@ where
         self.offers_visitor_volume = false;
     }
 
-    /// The figures hidden in the lump, indexed by their number in the constrained mode.
+    /// The hidden figures and their stones, indexed by their number in the constrained mode.
     #[must_use]
-    pub fn hidden_figures(&self) -> [&RangeMaps<N, K>; Figure::HIDDEN.len()] {
-        Figure::HIDDEN.map(|figure| self.figure(figure))
+    pub fn hidden_figures(&self) -> [HiddenFigure<'_, N, K>; HiddenStart::ALL.len()] {
+        HiddenStart::ALL.map(|start| HiddenFigure {
+            figure: self.figure(start.figure),
+            stone: self.volume(StartVolume::Stone(start)),
+        })
     }
 
-    /// One figure's maps; empty before [`StartVolumeStore::generate_figures_once`].
+    /// One volume's maps; empty before [`StartVolumeStore::generate_once`].
+    #[must_use]
+    pub fn volume(&self, volume: StartVolume) -> &RangeMaps<N, K> {
+        &self.volumes[volume.place()]
+    }
+
+    /// One figure's maps; empty before [`StartVolumeStore::generate_once`].
     #[must_use]
     pub fn figure(&self, figure: Figure) -> &RangeMaps<N, K> {
-        &self.figures[figure as usize]
+        self.volume(StartVolume::Figure(figure))
     }
 
     /// The start volumes for a tick; `hidden_figures` is the result of
@@ -92,7 +154,7 @@ where
     #[must_use]
     pub fn start_volumes<'a>(
         &'a self,
-        hidden_figures: &'a [&'a RangeMaps<N, K>],
+        hidden_figures: &'a [HiddenFigure<'a, N, K>],
     ) -> StartVolumes<'a, N, K> {
         StartVolumes {
             lump: self.figure(Figure::Lump),

@@ -15,7 +15,7 @@ mod session;
 
 use std::path::{Path, PathBuf};
 
-use crate::figures::Figure;
+use crate::figures::HiddenStart;
 use crate::file_writer::{FileKind, FileWriter};
 use crate::start_volume_store::StartVolumeStore;
 use crate::statics::Resident;
@@ -328,8 +328,8 @@ where
         if let SessionMode::Constrained { figure } = world.mode()
             && world.events().contains(&WorldEvent::Found)
         {
-            let figure = Figure::HIDDEN.get(usize::from(figure));
-            let name = figure.map_or("figure", |figure| figure.name());
+            let hidden = HiddenStart::from_number(figure);
+            let name = hidden.map_or("figure", |hidden| hidden.figure.name());
             self.push_notice(Notice::Good(format!("You found the {name}")));
         }
     }

@@ -195,7 +195,7 @@ where
     Grid<N>: Size + Resident<N, K>,
 {
     let mut start_volumes = Grid::<N>::lock_start_volumes();
-    start_volumes.generate_figures_once(&mut Grid::<N>::lock_bit_grid(), |_| {});
+    start_volumes.generate_once(&mut Grid::<N>::lock_bit_grid(), |_| {});
     let (hidden, mut world) = (start_volumes.hidden_figures(), Grid::<N>::lock_world());
     world.clear();
     run(TickRunner::new(&mut world, start_volumes.start_volumes(&hidden)))

@@ -175,7 +175,7 @@ where
 {
     let making = progress::show_progress("quarrying", None);
     let mut starts = Grid::<N>::lock_start_volumes();
-    starts.generate_figures_once(&mut Grid::<N>::lock_bit_grid(), |_| {});
+    starts.generate_once(&mut Grid::<N>::lock_bit_grid(), |_| {});
     drop(making);
     let hidden = starts.hidden_figures();
     let mut world = Grid::<N>::lock_world();

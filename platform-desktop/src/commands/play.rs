@@ -98,7 +98,7 @@ where
         None => String::new(),
     };
     let making = progress::show_progress("quarrying", None);
-    starts.generate_figures_once(&mut Grid::<N>::lock_bit_grid(), |_| {});
+    starts.generate_once(&mut Grid::<N>::lock_bit_grid(), |_| {});
     drop(making);
     let (hidden, mut world) = (starts.hidden_figures(), Grid::<N>::lock_world());
     let mut runner = TickRunner::new(&mut world, starts.start_volumes(&hidden));

@@ -83,7 +83,7 @@ where
         WindowError::Unavailable(format!("no window: {}", strip_source_location(&error)))
     })?;
     let mut volumes = Grid::<N>::lock_start_volumes();
-    volumes.generate_figures_once(&mut Grid::<N>::lock_bit_grid(), |_| {});
+    volumes.generate_once(&mut Grid::<N>::lock_bit_grid(), |_| {});
     let pictures = start_pictures::render_start_pictures(&volumes);
     let (mut world, mut stl_buffers) = (Grid::<N>::lock_world(), Grid::<N>::lock_stl_buffers());
     let stl_exporter = StlExporter::new(&mut stl_buffers, DEFAULT_HEIGHT_MM);

@@ -46,7 +46,7 @@ mod tests {
     #[test]
     fn each_start_has_a_picture_of_its_own_at_once() {
         let mut volumes = <Grid<128> as Resident<128, INTERVALS>>::lock_start_volumes();
-        volumes.generate_figures_once(&mut Grid::<128>::lock_bit_grid(), |_| {});
+        volumes.generate_once(&mut Grid::<128>::lock_bit_grid(), |_| {});
         let begun = Instant::now();
         let strip = render_start_pictures(&volumes);
         let taken = begun.elapsed();

@@ -79,7 +79,7 @@ fn dropped_files_become_the_stone_or_are_refused() -> Result<(), MissingDependen
         assert!(note.contains(name), "{note}");
         assert_eq!(
             (visit.voxel_count(), &*visit.ask_state("mode")),
-            (voxels, "Constrained { figure: 1 }")
+            (voxels, "Constrained { figure: 9 }")
         );
     }
     visit.screenshot(&display, "1-refused");

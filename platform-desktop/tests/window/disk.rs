@@ -160,12 +160,12 @@ fn two_windows_keep_two_sessions_and_all_their_prints() -> Result<(), MissingDep
     let mut visit = ScriptedWindow::new(&display);
     assert_eq!(
         (visit.voxel_count(), &*visit.ask_state("mode")),
-        (voxels[0], "Constrained { figure: 1 }")
+        (voxels[0], "Constrained { figure: 9 }")
     );
     let mut second = ScriptedWindow::new(&display);
     assert_eq!(
         (second.voxel_count(), &*second.ask_state("mode")),
-        (voxels[1], "Constrained { figure: 0 }")
+        (voxels[1], "Constrained { figure: 8 }")
     );
     for visit in [visit, second] {
         assert_eq!(visit.close(), (Some(0), String::new()));

@@ -103,7 +103,7 @@ fn a_vanished_display_loses_no_sculpture() -> Result<(), MissingDependency> {
     let resumed = visit.voxel_count();
     let least = voxels - (saved - voxels);
     assert!((least..=voxels).contains(&resumed), "{resumed}, {voxels}, {saved}");
-    assert_eq!(visit.ask_state("mode"), "Constrained { figure: 1 }");
+    assert_eq!(visit.ask_state("mode"), "Constrained { figure: 9 }");
     visit.screenshot(&display, "1-resumed");
     assert_eq!(visit.close(), (Some(0), String::new()));
     Ok(())

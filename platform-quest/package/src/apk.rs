@@ -6,9 +6,9 @@ use std::path::Path;
 
 use paros_core::limits::INTERVALS;
 use paros_core::volume::{Grid, Size};
-use paros_shell::figures::Figure;
 use paros_shell::headset::package::start_volume_asset;
 use paros_shell::rmap;
+use paros_shell::start_volume_store::StartVolume;
 use paros_shell::statics::{Resident, ResidentBitGrid};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipArchive, ZipWriter};
@@ -115,9 +115,9 @@ where
 {
     eprintln!("start volumes of {N}");
     let mut volumes = Grid::<N>::lock_start_volumes();
-    volumes.generate_figures_once(&mut Grid::<N>::lock_bit_grid(), |_| {});
-    let named = |figure| (start_volume_asset::<N>(figure), rmap::encode(volumes.figure(figure)));
-    Figure::ALL.into_iter().map(named).collect()
+    volumes.generate_once(&mut Grid::<N>::lock_bit_grid(), |_| {});
+    let named = |volume| (start_volume_asset::<N>(volume), rmap::encode(volumes.volume(volume)));
+    StartVolume::all().map(named).collect()
 }
 
 #[cfg(test)]

@@ -12,7 +12,7 @@ use std::sync::{Mutex, PoisonError};
 use paros_core::codec::trace::{CORE_VERSION, digest_start_volumes};
 use paros_core::internals::{BitAction, ByteWriter};
 use paros_core::session::{BenchItem, PointerCommand, SessionMode, Tool};
-use paros_core::{StartVolumes, TickInput, WorldEvent};
+use paros_core::{HiddenFigure, StartVolumes, TickInput, WorldEvent};
 use paros_models::random_visitor::RandomVisitor;
 use paros_models::world_harness::{WorldAndStarts, WorldHarness};
 
@@ -123,7 +123,7 @@ fn play_sessions<const K: usize>(
 ) -> (GoldenSession, GoldenTally) {
     harness.reset();
     let WorldAndStarts { lump, figure, creative, .. } = harness.world_and_start_volumes();
-    let figures = [figure];
+    let figures = [HiddenFigure { figure, stone: lump }];
     let starts =
         digest_start_volumes(&StartVolumes { lump, figures: &figures, creative, own: None });
     let (mut tally, mut bytes, mut digests) = (GoldenTally::default(), vec![], vec![]);

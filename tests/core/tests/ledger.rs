@@ -10,7 +10,7 @@ use paros_core::session::{
     BenchItem, PointerCommand, RawPose, SessionMode, Tool, ToolBit, commands,
 };
 use paros_core::volume::{BitGrid, BitSet, Grid, Size};
-use paros_core::{HandInput, RangeMaps, StartVolumes, TickInput, World};
+use paros_core::{HandInput, HiddenFigure, RangeMaps, StartVolumes, TickInput, World};
 use paros_models::hard_work::HardWork;
 use paros_models::scripted_hand::{LEFT, RIGHT, step_with_bit_at, take_item};
 use paros_models::world_harness::WorldHarness;
@@ -102,7 +102,7 @@ where
     scene.make();
     let Scene { world, lump, figure, .. } = &mut *scene;
     world.clear();
-    let figures = [&*figure];
+    let figures = [HiddenFigure { figure, stone: lump }];
     let starts = StartVolumes { lump, figures: &figures, creative: lump, own: None };
     let mut runner = TickRunner::new(world, starts);
     let figure = SessionMode::Constrained { figure: 0 };

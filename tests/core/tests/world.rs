@@ -32,6 +32,7 @@ fn modes_start_from_their_volumes<const K: usize>(harness: &mut WorldHarness<64,
     for (mode, masked) in [
         (SessionMode::FreeForm, false),
         (SessionMode::Constrained { figure: 0 }, true),
+        (SessionMode::Constrained { figure: 1 }, true),
         (SessionMode::Creative, false),
     ] {
         // Whatever went on before.
@@ -53,7 +54,11 @@ fn modes_start_from_their_volumes<const K: usize>(harness: &mut WorldHarness<64,
                 .all(|axis| harness.world.dirty_rects().rects(*axis)[0].area() == 64 * 64)
         );
         let WorldAndStarts { world, lump, figure, creative } = harness.world_and_start_volumes();
-        let from = if mode == SessionMode::Creative { creative } else { lump };
+        let from = match mode {
+            SessionMode::Creative => creative,
+            SessionMode::Constrained { figure: 1 } => figure,
+            _ => lump,
+        };
         assert!(maps_are_equal(world.volume().maps(), from), "{mode:?}");
         assert_eq!(maps_are_equal(world.mask(), figure), masked, "{mode:?}");
         assert_eq!(world.mask().is_empty(), !masked);
@@ -69,7 +74,7 @@ fn modes_start_from_their_volumes<const K: usize>(harness: &mut WorldHarness<64,
 
 fn a_start_that_is_not_there_changes_nothing<const K: usize>(harness: &mut WorldHarness<64, K>) {
     for mode in [
-        SessionMode::Constrained { figure: 1 },
+        SessionMode::Constrained { figure: 2 },
         SessionMode::Constrained { figure: 255 },
         SessionMode::Own,
     ] {

@@ -9,7 +9,7 @@ use paros_core::codec::trace::{
 };
 use paros_core::internals::{ByteWriter, DIGEST_PARTS};
 use paros_core::session::{PointerCommand, RawPose, SessionMode};
-use paros_core::{HandInput, RangeMaps, StartVolumes, TickInput, World};
+use paros_core::{HandInput, HiddenFigure, RangeMaps, StartVolumes, TickInput, World};
 use paros_models::random_visitor::{RandomSource, RandomVisitor, arbitrary_input};
 use paros_models::world_harness::{WorldAndStarts, WorldHarness};
 use paros_shell::tick_runner::TickRunner;
@@ -27,7 +27,7 @@ fn on_stage<T>(
     studio.reset();
     let WorldAndStarts { world, lump, figure, creative } = studio.world_and_start_volumes();
     change(world);
-    let figures = [figure];
+    let figures = [HiddenFigure { figure, stone: lump }];
     act(&mut TickRunner::new(world, StartVolumes { lump, figures: &figures, creative, own: None }))
 }
 
@@ -135,13 +135,14 @@ fn traces_of_other_volumes_states_and_sizes_part_before_the_first_tick() {
     studio.reset();
     let WorldAndStarts { world, lump, figure, creative } = studio.world_and_start_volumes();
     // The figure and the toy have changed places.
-    let starts = StartVolumes { lump, figures: &[creative], creative: figure, own: None };
+    let figures = [HiddenFigure { figure: creative, stone: lump }];
+    let starts = StartVolumes { lump, figures: &figures, creative: figure, own: None };
     let played = TickRunner::new(world, starts)
         .replay_on_same_start(&trace, |_| panic!("a tick was played"));
     assert!(matches!(played, Err(ReplayDivergence::Starts { .. })), "{played:?}");
     assert!(played.expect_err("other volumes").to_string().starts_with("before tick 0:"));
     assert_eq!(world.tick(), 0);
-    let figures = [figure];
+    let figures = [HiddenFigure { figure, stone: lump }];
     let starts = || StartVolumes { lump, figures: &figures, creative, own: None };
     TickRunner::new(world, starts()).run_tick(&TickInput::default());
     let played = TickRunner::new(world, starts())
@@ -161,7 +162,8 @@ fn each_start_volume_counts_in_their_digest() {
     let mut studio = STUDIO.lock().unwrap_or_else(PoisonError::into_inner);
     studio.reset();
     let WorldAndStarts { lump, figure, creative, .. } = studio.world_and_start_volumes();
-    let two = [figure, creative];
+    let two = [figure, creative].map(|figure| HiddenFigure { figure, stone: lump });
+    let of_other_stone = [HiddenFigure { figure, stone: figure }];
     let of = |lump, figures, creative, own| {
         digest_start_volumes(&StartVolumes { lump, figures, creative, own })
     };
@@ -171,6 +173,7 @@ fn each_start_volume_counts_in_their_digest() {
         of(lump, &[], creative, None),
         of(lump, &two, creative, None),
         of(lump, &two[1..], creative, None),
+        of(lump, &of_other_stone, creative, None),
         of(lump, &two[..1], figure, None),
         of(lump, &two[..1], creative, Some(figure)),
     ];

@@ -2,8 +2,8 @@
 
 use paros_core::session::SessionMode;
 use paros_core::volume::{Axis, BitGrid, BitSet, Grid, Size};
-use paros_core::{RangeMaps, StartVolumes, TickInput, World};
-use paros_shell::figures::Figure;
+use paros_core::{HiddenFigure, RangeMaps, StartVolumes, TickInput, World};
+use paros_shell::figures::{Figure, HiddenStart};
 
 use crate::dense::DenseVolume;
 
@@ -107,6 +107,18 @@ where
             voxels.insert_into_empty_bits(&mut self.plane);
             self.plane.write_closure(maps);
         }
+        self.reset_to_lump()
+    }
+
+    /// Clears the world. Its sessions start as `start`, whose figure is number 0.
+    pub fn reset_to_hidden(&mut self, start: HiddenStart) -> &mut Self {
+        start.figure.rasterize_into(&mut self.figure, &mut self.plane);
+        start.rasterize_stone_into(&mut self.lump, &mut self.plane);
+        self.reset_to_lump()
+    }
+
+    /// Clears the world; all but the hidden figure is the lump, whatever that is.
+    fn reset_to_lump(&mut self) -> &mut Self {
         self.creative.copy_from(&self.lump);
         self.own.copy_from(&self.lump);
         (self.made, self.has_own) = (false, true);
@@ -126,7 +138,9 @@ where
         input: &TickInput,
         show: impl FnOnce(&World<N, K>, &StartVolumes<'_, N, K>) -> T,
     ) -> T {
-        let figures = [&self.figure];
+        // The second stands free from the start.
+        let figures =
+            [&self.lump, &self.figure].map(|stone| HiddenFigure { figure: &self.figure, stone });
         let starts = StartVolumes {
             lump: &self.lump,
             figures: &figures,

@@ -72,16 +72,17 @@ fn carve_owl<const N: usize, const K: usize>(
     plunge_top(hands, fine);
     hands.fetch_item(RIGHT, BenchItem::Bit(ToolBit::SmallBall));
     for degrees in [0.0, 90.0, 180.0] {
-        work_side_in_strips(hands, degrees, 2.5);
+        work_side_in_strips(hands, degrees, 2.5, 52.0);
     }
-    work_side_in_strips(hands, 0.0, 1.7);
+    work_side_in_strips(hands, 0.0, 1.7, 52.0);
     plunge_top(hands, PlungeRaster { spacing: 3.0, min_depth: 1.0, ..PlungeRaster::WHOLE });
     pick_crumbs(hands);
     done(Chapter::Fine, hands);
 
     hands.fetch_item(RIGHT, BenchItem::Tool(Tool::Rasp));
     for degrees in [0.0, 90.0, 180.0] {
-        work_side_in_strips(hands, degrees, 8.0);
+        // Not the rim of the foot, where it would leave crumbs.
+        work_side_in_strips(hands, degrees, 8.0, 40.0);
     }
     hands.set_mirror(false);
     done(Chapter::Smooth, hands);
@@ -202,7 +203,7 @@ fn pick_crumbs<const N: usize, const K: usize>(hands: &mut ScriptedHands<'_, '_,
 where
     Grid<N>: Size,
 {
-    let (unit, reach) = (N as f32 / 128.0, N / 20);
+    let (unit, reach) = (N as f32 / 128.0, N / 32);
     for (z, x) in (0..N * N).map(|i| (i / N, i % N)) {
         let near = |i: usize| i.saturating_sub(reach)..(i + reach).min(N);
         let is_figure = |z: usize| {
@@ -279,6 +280,7 @@ fn work_side_in_strips<const N: usize, const K: usize>(
     hands: &mut ScriptedHands<'_, '_, N, K>,
     degrees_from_z_to_x: f32,
     spacing_units: f32,
+    half_width_units: f32,
 ) where
     Grid<N>: Size,
 {
@@ -287,7 +289,7 @@ fn work_side_in_strips<const N: usize, const K: usize>(
     let side = Vec3::Y.cross(out);
     let axis = Vec3::new(64.0, 0.0, 64.0) * unit;
     hands.turn_azimuth_to_visitor(degrees_from_z_to_x);
-    for aside in evenly_spaced(-40.0, 40.0, spacing_units) {
+    for aside in evenly_spaced(-half_width_units, half_width_units, spacing_units) {
         let start = axis + (side * aside + out * 98.0) * unit;
         if is_in_mirrored_half(start, out, unit) {
             continue;

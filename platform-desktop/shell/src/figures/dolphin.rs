@@ -1,19 +1,22 @@
 //! A dolphin that leaps over the crest of a wave.
+//!
+//! Its hollows are wide, as the owl's.
 
 use glam::Vec3;
 
 use super::sdf::{
-    carve_groove, cone_chain, min, round_cone, rounded_disc_around_y, smooth_union, sphere, v,
+    carve_flute, clamp_to_unit, cone_chain, min, round_cone, rounded_disc_around_y, smooth_union,
+    sphere, v,
 };
 
 pub(super) fn signed_distance(p: Vec3) -> f32 {
     let folded_z = v(p.x, p.y, p.z.abs());
     let animal = smooth_union(
-        smooth_union(body_distance(folded_z), fins_distance(folded_z), 4.0),
+        smooth_union(body_distance(folded_z), fins_distance(folded_z), 8.0),
         fluke_distance(folded_z),
-        3.0,
+        5.0,
     );
-    smooth_union(add_face(animal, folded_z), wave_distance(p), 3.0)
+    smooth_union(add_face(animal, folded_z), wave_distance(p), 9.0)
 }
 
 fn body_distance(folded_z: Vec3) -> f32 {
@@ -55,19 +58,16 @@ fn add_face(distance: f32, folded_z: Vec3) -> f32 {
     if folded_z.x < 15.0 || distance.abs() > 6.0 {
         return distance;
     }
-    let eye = sphere(folded_z, v(28.5, 74.0, 12.4), 3.0);
+    let eye = sphere(folded_z, v(28.5, 74.0, 12.4), 3.6);
     // The mouth: a furrow along the beak that turns up at its end, and so smiles.
     let mouth = (folded_z.x - 33.0) * 0.74 + (folded_z.y - 63.0) * 0.67;
-    let gap = if mouth > -6.0 && folded_z.y < 70.0 {
-        ((folded_z.x - 33.0) * 0.67 + (folded_z.y - 65.0) * 0.74).abs()
-    } else {
-        9.0
-    };
-    min(carve_groove(distance, gap, 1.6), eye)
+    let gap = (folded_z.x - 33.0) * 0.67 + (folded_z.y - 65.0) * 0.74;
+    let within = clamp_to_unit(min(mouth + 6.0, 70.0 - folded_z.y) * 0.3);
+    smooth_union(carve_flute(distance, gap, 1.2 * within), eye, 1.5)
 }
 
 fn wave_distance(p: Vec3) -> f32 {
-    let sea = rounded_disc_around_y(p, -4.0..9.0, 42.0, 3.0);
+    let sea = rounded_disc_around_y(p, -4.0..9.0, 46.0, 4.0);
     let swell = cone_chain(
         p,
         &[
@@ -86,7 +86,7 @@ fn wave_distance(p: Vec3) -> f32 {
             (v(27.0, 42.0, 0.0), 3.6),
         ],
     );
-    smooth_union(carve_streams(smooth_union(sea, swell, 12.0), p), curl, 6.0)
+    smooth_union(carve_streams(smooth_union(sea, swell, 12.0), p), curl, 9.0)
 }
 
 /// Water runs up the wave in furrows that follow its back; another runs around the rim.
@@ -95,7 +95,7 @@ fn carve_streams(distance: f32, p: Vec3) -> f32 {
         return distance;
     }
     let away = v(p.x - 46.0, p.y - 26.0, 0.0).length() * 0.9;
-    let stream = away - 8.0 * (away / 8.0 + 0.5).floor();
-    let distance = if p.y > 12.0 { carve_groove(distance, stream, 1.4) } else { distance };
-    carve_groove(distance, p.y - 4.0, 1.0)
+    let stream = away - 9.5 * (away / 9.5 + 0.5).floor();
+    let distance = carve_flute(distance, stream, 1.8 * clamp_to_unit((p.y - 12.0) * 0.1));
+    carve_flute(distance, p.y - 2.5, 1.3)
 }

@@ -70,8 +70,7 @@ pub(super) fn signed_distance(p: Vec3) -> f32 {
     if flat.abs() > RELIEF {
         return if flat > 0.0 { flat - RELIEF } else { flat + RELIEF };
     }
-    let worn = 1.9 * signed_value_noise(p * (1.0 / 21.0), 1)
-        + 0.7 * signed_value_noise(p * (1.0 / 9.0), 2);
+    let worn = wear(p);
     // The chisel skips where the stone was split cleanly.
     let strength = clamp_to_unit(0.8 + 1.5 * signed_value_noise(p * (1.0 / 23.0), 3));
     let chiselled = |facet: &Facet| {
@@ -85,6 +84,11 @@ pub(super) fn signed_distance(p: Vec3) -> f32 {
     };
     let rough = FACETS.iter().map(chiselled).fold(f32::MIN, max);
     (rough + worn + 1.2) * 0.75
+}
+
+/// How far a worn surface lies from an even one: within 2.6 units.
+pub(super) fn wear(p: Vec3) -> f32 {
+    1.9 * signed_value_noise(p * (1.0 / 21.0), 1) + 0.7 * signed_value_noise(p * (1.0 / 9.0), 2)
 }
 
 /// A wave of period 1 within -1..=1, its crests sharp as between two strokes.

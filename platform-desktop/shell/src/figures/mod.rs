@@ -6,16 +6,18 @@
 mod amphora;
 mod cat;
 mod dolphin;
-mod sdf;
-
+mod hidden;
 mod lump;
 mod owl;
 mod raster;
+mod sdf;
 mod toy;
 
 use glam::Vec3;
 use paros_core::RangeMaps;
 use paros_core::volume::{BitGrid, Grid, Size};
+
+pub use hidden::{HiddenStart, StoneThickness};
 
 /// A start volume.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

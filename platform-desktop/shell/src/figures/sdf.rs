@@ -138,6 +138,19 @@ pub(super) fn carve_groove(solid_distance: f32, line_distance: f32, groove_radiu
     smooth_subtract(solid_distance, groove, groove_radius)
 }
 
+/// Carves a furrow of circular section into the surface where `solid_distance` is zero, along the line where
+/// `line_distance` is, to `depth` (zero or less: none). It is wide enough for a ball of 15 mm to bare its floor.
+#[inline]
+pub(super) fn carve_flute(solid_distance: f32, line_distance: f32, depth: f32) -> f32 {
+    // A little more than the ball's 128 * 15 / 450.
+    const RADIUS: f32 = 4.8;
+    if depth <= 0.0 {
+        return solid_distance;
+    }
+    let flute = Vec2::new(solid_distance - (RADIUS - depth), line_distance).length() - RADIUS;
+    smooth_subtract(solid_distance, flute, min(0.6, depth))
+}
+
 /// Distance from the nearest of 16 half planes that stand around the y axis like spokes, a 16th of a
 /// turn apart. The point is folded by symmetry to within a 32nd of a turn of the first.
 #[inline]

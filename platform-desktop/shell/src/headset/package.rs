@@ -1,9 +1,8 @@
 //! The contents of the app's package (APK) that both its maker and the headset's shell name: start
 //! volumes as assets, so that a headset need not make them, and Khronos' OpenXR loader.
 
-use crate::figures::Figure;
 use crate::rmap::{self, RmapFaultAt};
-use crate::start_volume_store::StartVolumeStore;
+use crate::start_volume_store::{StartVolume, StartVolumeStore};
 use paros_core::RangeMaps;
 use paros_core::volume::{Grid, Size};
 
@@ -19,10 +18,10 @@ pub enum AssetError {
     Damaged(String, RmapFaultAt),
 }
 
-/// The name of the asset that holds a figure's volume of a size: an `.rmap`.
+/// The name of the asset that holds a start volume of a size: an `.rmap`.
 #[must_use]
-pub fn start_volume_asset<const N: usize>(figure: Figure) -> String {
-    format!("starts/{N}/{}.rmap", figure.name())
+pub fn start_volume_asset<const N: usize>(volume: StartVolume) -> String {
+    format!("starts/{N}/{}.rmap", volume.name())
 }
 
 /// Loads the start volumes from a package, where `open_asset` gives the bytes of an asset by its name.
@@ -36,8 +35,8 @@ pub fn load_start_volumes<const N: usize, const K: usize>(
 where
     Grid<N>: Size,
 {
-    volumes.load_figures(|figure, maps: &mut RangeMaps<N, K>| {
-        let name = start_volume_asset::<N>(figure);
+    volumes.load(|volume, maps: &mut RangeMaps<N, K>| {
+        let name = start_volume_asset::<N>(volume);
         let Some(bytes) = open_asset(&name) else { return Err(AssetError::Missing(name)) };
         rmap::decode(&bytes, maps).map_err(|found| AssetError::Damaged(name, found))
     })
@@ -60,23 +59,22 @@ impl std::error::Error for AssetError {}
 mod tests {
     use std::cell::Cell;
 
-    use crate::figures::Figure;
     use crate::rmap;
-    use crate::start_volume_store::StartVolumeStore;
+    use crate::start_volume_store::{StartVolume, StartVolumeStore};
     use paros_core::limits::INTERVALS;
     use paros_core::volume::BitGrid;
 
-    use super::{AssetError, load_start_volumes};
+    use super::{AssetError, load_start_volumes, start_volume_asset};
 
     #[test]
     fn packaged_volumes_are_the_ones_that_would_be_made() {
         let [mut made, mut taken, mut broken] =
             [const { StartVolumeStore::<64, INTERVALS>::new() }; 3].map(Box::new);
-        made.generate_figures_once(&mut BitGrid::new(), |_| {});
+        made.generate_once(&mut BitGrid::new(), |_| {});
         let made = &made;
         let bytes_of = |name: &str| {
-            let named = |figure: &Figure| name == format!("starts/64/{}.rmap", figure.name());
-            Some(rmap::encode(made.figure(Figure::ALL.into_iter().find(named)?)))
+            let named = |volume: &StartVolume| name == start_volume_asset::<64>(*volume);
+            Some(rmap::encode(made.volume(StartVolume::all().find(named)?)))
         };
         let asked = Cell::new(0);
         let open = |name: &str| {
@@ -84,21 +82,21 @@ mod tests {
             bytes_of(name)
         };
         load_start_volumes(&mut taken, open).expect("all are there");
-        assert_eq!(asked.get(), Figure::ALL.len());
-        for figure in Figure::ALL {
-            assert_eq!(rmap::encode(taken.figure(figure)), rmap::encode(made.figure(figure)));
+        assert_eq!(asked.get(), StartVolume::all().count());
+        for volume in StartVolume::all() {
+            assert_eq!(rmap::encode(taken.volume(volume)), rmap::encode(made.volume(volume)));
         }
         // They need not be made any more.
-        taken.generate_figures_once(&mut BitGrid::new(), |_| panic!("made again"));
+        taken.generate_once(&mut BitGrid::new(), |_| panic!("made again"));
 
-        let without = |name: &str| bytes_of(name).filter(|_| !name.contains("cat"));
+        let without = |name: &str| bytes_of(name).filter(|_| !name.contains("cat.rmap"));
         let why = load_start_volumes(&mut broken, without).expect_err("one is missing");
         assert!(matches!(&why, AssetError::Missing(name) if name == "starts/64/cat.rmap"));
         let cut = |name: &str| bytes_of(name).map(|bytes| bytes[..bytes.len() - 1].to_vec());
         let why = load_start_volumes(&mut broken, cut).expect_err("all are short");
         assert!(matches!(why, AssetError::Damaged(..)), "{why}");
         let again = Cell::new(0);
-        broken.generate_figures_once(&mut BitGrid::new(), |_| again.set(again.get() + 1));
-        assert_eq!(again.get(), Figure::ALL.len());
+        broken.generate_once(&mut BitGrid::new(), |_| again.set(again.get() + 1));
+        assert_eq!(again.get(), StartVolume::all().count());
     }
 }

@@ -30,7 +30,7 @@ struct HandsFixture {
 impl HandsFixture {
     fn new(mode: SessionMode) -> Self {
         let mut volumes = Grid::<128>::lock_start_volumes();
-        volumes.generate_figures_once(&mut Grid::<128>::lock_bit_grid(), |_| {});
+        volumes.generate_once(&mut Grid::<128>::lock_bit_grid(), |_| {});
         let mut world = Grid::<128>::lock_world();
         world.clear();
         let mut hands = MouseHands::new();

@@ -21,6 +21,7 @@ use paros_core::edit::UndoCounts;
 use paros_core::session::{BenchItem, SessionMode, SessionState, Tool, ToolBit};
 use paros_shaders::Image;
 use paros_shaders::gpu::FrameTimes;
+use paros_shell::figures::StoneThickness;
 use paros_shell::studio::Notice;
 
 use super::slowness::Slowness;
@@ -125,6 +126,8 @@ pub(super) struct Panels {
     start_pictures: Option<TextureHandle>,
     /// The start is shown.
     start: bool,
+    /// How much stone hides the next figure.
+    thickness: StoneThickness,
     help: bool,
     graph: bool,
     hints: Hints,
@@ -155,6 +158,7 @@ impl Panels {
             pixels_per_point: 1.0,
             start_pictures: None,
             start: true,
+            thickness: StoneThickness::Near,
             help: false,
             graph: false,
             hints: Hints::default(),
@@ -316,7 +320,8 @@ impl Panels {
     }
 
     fn show_start(&mut self, context: &Context, status: &StudioStatus<'_>) {
-        match start::show(context, status, self.start_pictures.as_ref()) {
+        let pictures = self.start_pictures.as_ref();
+        match start::show(context, status, pictures, &mut self.thickness) {
             start::StartChoice::None => {}
             start::StartChoice::Continue => self.start = false,
             start::StartChoice::Browse => self.browser = Some(Browser::new()),
@@ -386,5 +391,7 @@ impl Panels {
 
 #[cfg(test)]
 mod fit_tests;
+#[cfg(test)]
+mod start_tests;
 #[cfg(test)]
 mod tests;

@@ -4,7 +4,7 @@ use egui::{
     Align2, Area, Button, Color32, Context, Id, Pos2, Rect, RichText, TextureHandle, Ui, Vec2,
 };
 use paros_core::session::{SessionMode, SessionState};
-use paros_shell::figures::Figure;
+use paros_shell::figures::{Figure, HiddenStart, StoneThickness};
 
 use super::strip::Confirmation;
 use super::{StudioStatus, style};
@@ -28,6 +28,7 @@ pub(super) fn show(
     context: &Context,
     status: &StudioStatus<'_>,
     pictures: Option<&TextureHandle>,
+    thickness: &mut StoneThickness,
 ) -> StartChoice {
     let area = Area::new(Id::new("start")).anchor(Align2::CENTER_CENTER, Vec2::ZERO);
     let mut answer = StartChoice::None;
@@ -36,7 +37,7 @@ pub(super) fn show(
             ui.label(RichText::new("Paros").size(34.0));
             ui.label(style::quiet_text("Carve a sculpture, and take a print of it home."));
             ui.add_space(10.0);
-            answer = show_choices(ui, status, pictures);
+            answer = show_choices(ui, status, pictures, thickness);
         });
     });
     answer
@@ -46,6 +47,7 @@ fn show_choices(
     ui: &mut Ui,
     status: &StudioStatus<'_>,
     pictures: Option<&TextureHandle>,
+    thickness: &mut StoneThickness,
 ) -> StartChoice {
     let mut answer = StartChoice::None;
     if status.session != SessionState::Waiting {
@@ -72,18 +74,9 @@ fn show_choices(
         answer = StartChoice::Start(SessionMode::Creative);
     }
     ui.add_space(4.0);
-    ui.label("Find what hides in the stone");
-    ui.label(style::quiet_text("it can't be harmed").small());
-    ui.horizontal(|ui| {
-        let gaps = 8.0 * (Figure::HIDDEN.len() - 1) as f32;
-        let width = (WIDTH - gaps) / Figure::HIDDEN.len() as f32;
-        for (number, figure) in Figure::HIDDEN.into_iter().enumerate() {
-            let picture = pictures.map(|pictures| (pictures, figure));
-            if add_figure_button(ui, picture, &capitalized_name(figure), width) {
-                answer = StartChoice::Start(SessionMode::Constrained { figure: number as u8 });
-            }
-        }
-    });
+    if let Some(hidden) = show_hidden_figures(ui, pictures, thickness) {
+        answer = StartChoice::Start(hidden.mode());
+    }
     ui.add_space(6.0);
     ui.separator();
     match status.opening {
@@ -101,6 +94,37 @@ fn show_choices(
         }
     }
     ui.label(style::quiet_text("F1 shows all keys").small());
+    answer
+}
+
+/// Shows the hidden figures and how much stone is to hide them. Returns what was clicked.
+fn show_hidden_figures(
+    ui: &mut Ui,
+    pictures: Option<&TextureHandle>,
+    thickness: &mut StoneThickness,
+) -> Option<HiddenStart> {
+    ui.label("Find what hides in the stone");
+    ui.horizontal(|ui| {
+        ui.label(style::quiet_text("it can't be harmed; over it lies").small());
+        for (value, text) in [
+            (StoneThickness::Near, "a thin coat"),
+            (StoneThickness::Half, "half the stone"),
+            (StoneThickness::Whole, "all of it"),
+        ] {
+            ui.selectable_value(thickness, value, RichText::new(text).small());
+        }
+    });
+    let mut answer = None;
+    ui.horizontal(|ui| {
+        let gaps = 8.0 * (Figure::HIDDEN.len() - 1) as f32;
+        let width = (WIDTH - gaps) / Figure::HIDDEN.len() as f32;
+        for figure in Figure::HIDDEN {
+            let picture = pictures.map(|pictures| (pictures, figure));
+            if add_figure_button(ui, picture, &capitalized_name(figure), width) {
+                answer = Some(HiddenStart { figure, thickness: *thickness });
+            }
+        }
+    });
     answer
 }
 

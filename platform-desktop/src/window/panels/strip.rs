@@ -5,7 +5,7 @@ use paros_core::edit::UndoCounts;
 use paros_core::session::{
     BenchItem, FOUND_PERCENT, SessionMode, SessionState, Tool, ToolBit, commands,
 };
-use paros_shell::figures::Figure;
+use paros_shell::figures::HiddenStart;
 
 use super::{PanelAction, StudioStatus, style};
 use crate::window::hands::{DEPTHS_MM, tool_bits_of};
@@ -37,8 +37,8 @@ pub(super) fn show_status(context: &Context, status: &StudioStatus<'_>) {
         SessionMode::None => return,
         SessionMode::FreeForm => "Free form".into(),
         SessionMode::Constrained { figure } => {
-            let figure = Figure::HIDDEN.get(usize::from(figure));
-            let name = figure.map_or("figure", |figure| figure.name());
+            let hidden = HiddenStart::from_number(figure);
+            let name = hidden.map_or("figure", |hidden| hidden.figure.name());
             describe_hidden_figure(name, status.bared_percent)
         }
         SessionMode::Creative => "Creative".into(),

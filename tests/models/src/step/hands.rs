@@ -8,7 +8,7 @@ use paros_core::{Brush, HandInput, WorldEvent};
 
 use crate::contact::{ContactModel, path_poses};
 use crate::dense::DenseVolume;
-use crate::step::ledger::{HandWork, Ledger};
+use crate::step::ledger::{HandWork, Ledger, work_of_contact};
 use crate::step::volume::{voxels_of_brush, whole_voxels};
 use crate::step::{NOWHERE, StepModel, ensure};
 
@@ -154,14 +154,17 @@ impl<const K: usize> StepModel<K> {
         };
         ledger.charge(&share, &after);
         let contact = self.stone().contact_at(&grid_bit, &self.hands[hand].frozen_pose);
-        if file.is_none() {
-            ledger.charge_contact(&grid_bit, &contact);
-        }
+        let contact_work = if file.is_none() { work_of_contact(&grid_bit, &contact) } else { 0 };
+        ledger.charge_work(contact_work);
         // What was cut free or laid on is felt as what is touched.
         let felt = Contact { overlap: contact.overlap + report.removed + report.added, ..contact };
         self.hands[hand].haptic = pulse(bit, &felt, &self.hands[hand], runs, speed_um);
         self.contacts[hand] = Some(contact);
-        let report = EditReport { dropped_ticks, ..report };
+        let spalled = match contact.on_mask {
+            true => self.spall(hand, bit, after.left_beside(contact_work), ledger),
+            false => EditReport::default(),
+        };
+        let report = EditReport { dropped_ticks, ..report.sum_with(spalled) };
         if report != EditReport::default() {
             self.events.push(WorldEvent::Edited { hand: hand as u8, bit, report });
         }
@@ -195,14 +198,13 @@ impl<const K: usize> StepModel<K> {
         mut work: HandWork,
     ) -> Result<(HandWork, EditReport), String> {
         let runs = self.runs_tool(hand);
-        let period = u16::from(bit.spec().bite_period);
         let depth = whole_voxels(grid_bit.bite);
         let operation = match bit.spec().action {
             BitAction::Carve => EditOperation::Carve { depth },
             BitAction::Fill => EditOperation::Fill { depth },
             BitAction::Smooth => return Err("a file follows no way".into()),
         };
-        let is_beat = 2 * (self.hands[hand].trigger_ticks % period) < period;
+        let is_beat = is_blow_at(bit, self.hands[hand].trigger_ticks);
         let (mut total, mut is_stuck) = (EditReport::default(), false);
         for bites in 0..MAX_BITES_PER_TICK {
             let share = work.share(runs);
@@ -350,6 +352,12 @@ impl BitWay {
             may_edit: state.can_sweep || !freeze.ran_out,
         }
     }
+}
+
+/// Whether a bit edits so many ticks after its trigger was pulled.
+pub(super) fn is_blow_at(bit: ToolBit, trigger_ticks: u16) -> bool {
+    let period = u16::from(bit.spec().bite_period);
+    2 * (trigger_ticks % period) < period
 }
 
 /// Checks that a bit is no deeper than its bite and than it was.

@@ -8,7 +8,7 @@ use paros_core::limits::{
     box_sweep_work_per_quarter_voxel, buried_contact_work, contact_work, disc_bite_work,
     disc_contact_work, disc_step_work, disc_sweep_work_per_step, island_removal_row_visits,
     island_reserve, max_bit_steps_per_tick, rewind_work, smoothing_sweep_work_per_quarter_voxel,
-    smoothing_work, tick_work,
+    smoothing_work, spall_work, tick_work,
 };
 
 use crate::contact::path_poses;
@@ -79,18 +79,28 @@ impl Ledger {
         self.left -= before.left - after.left;
     }
 
-    /// Charges the contact of a bit that isn't a file's: a disc's is dear, and that of a bit beyond its bite.
-    pub fn charge_contact(&mut self, bit: &GridBit, contact: &Contact) {
-        let side = bit_side_voxels(bit.circumscribed_radius_subunits());
-        let is_disc = matches!(bit.shape, GridShape::Disc { .. });
-        let is_buried = contact.depth > bit.bite;
-        let work = match (contact.overlap > 0, is_disc, is_buried) {
-            (false, ..) => 0,
-            (true, true, _) => disc_contact_work(side),
-            (true, false, true) => buried_contact_work(side),
-            (true, false, false) => contact_work(side),
-        };
+    /// Charges what isn't a hand's share.
+    pub fn charge_work(&mut self, work: u32) {
         self.left = self.left.saturating_sub(work);
+    }
+
+    /// What spalling costs.
+    pub fn work_of_spall(&self, spall: &GridBit) -> u32 {
+        let side = bit_side_voxels(spall.circumscribed_radius_subunits());
+        if self.is_mirrored { 2 * spall_work(side) } else { spall_work(side) }
+    }
+}
+
+/// The work of finding the contact of a bit that isn't a file's: a disc's is dear, and that of a bit beyond its bite.
+pub fn work_of_contact(bit: &GridBit, contact: &Contact) -> u32 {
+    let side = bit_side_voxels(bit.circumscribed_radius_subunits());
+    let is_disc = matches!(bit.shape, GridShape::Disc { .. });
+    let is_buried = contact.depth > bit.bite;
+    match (contact.overlap > 0, is_disc, is_buried) {
+        (false, ..) => 0,
+        (true, true, _) => disc_contact_work(side),
+        (true, false, true) => buried_contact_work(side),
+        (true, false, false) => contact_work(side),
     }
 }
 
@@ -116,6 +126,11 @@ impl HandWork {
         let steps = (beside / self.work.step).min(self.most_steps);
         let way = WayBudget { steps, quarter_voxels: if edits { steps } else { u32::MAX } };
         HandShare { way, may_edit: self.left >= self.work.bite }
+    }
+
+    /// What is left beside other work.
+    pub fn left_beside(&self, work: u32) -> u32 {
+        self.left.saturating_sub(work)
     }
 
     /// Charges steps of a way.

@@ -17,6 +17,7 @@ pub mod ledger;
 pub mod plan;
 pub mod save;
 pub mod session;
+mod spall;
 pub mod starts;
 pub mod trace;
 pub mod volume;
@@ -182,12 +183,12 @@ impl<const K: usize> StepModel<K> {
         mode: SessionMode,
         starts: &StartVolumes<'_, N, K>,
     ) {
-        let figure = |number: u8| starts.figures.get(usize::from(number)).copied();
         let (volume, mask) = match mode {
             SessionMode::None => (None, None),
             SessionMode::FreeForm => (Some(starts.lump), None),
             SessionMode::Constrained { figure: number } => {
-                (figure(number).map(|_| starts.lump), figure(number))
+                let hidden = starts.figures.get(usize::from(number));
+                (hidden.map(|hidden| hidden.stone), hidden.map(|hidden| hidden.figure))
             }
             SessionMode::Creative => (Some(starts.creative), None),
             SessionMode::Own => (starts.own, None),
