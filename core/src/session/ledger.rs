@@ -121,7 +121,7 @@ impl BitWork {
     }
 
     /// What spalling costs, which goes nowhere.
-    pub(crate) fn of_spall(spall: &GridBit, grid_side: usize, is_mirrored: bool) -> u32 {
+    pub(crate) fn of_spall(spall: &GridBit, is_mirrored: bool) -> u32 {
         let side = bit_side_voxels(spall.circumscribed_radius_subunits());
         (1 + u32::from(is_mirrored)) * spall_work(side)
     }

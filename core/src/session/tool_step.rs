@@ -222,7 +222,7 @@ where
         let voxel_um = self.stool_frame().voxel_metres() * 1e6;
         let spall = running.bit.to_grid_spall(voxel_um).filter(|_| spalls);
         let Some(spall) = spall else { return (0, EditReport::default()) };
-        let work = BitWork::of_spall(&spall, N, self.state.symmetry);
+        let work = BitWork::of_spall(&spall, self.state.symmetry);
         if work > left {
             return (0, EditReport::default());
         }
