@@ -13,6 +13,7 @@ use paros_core::{RangeMaps, TickInput};
 use paros_shell::figures::Figure;
 use paros_shell::require::require_or_skip;
 use paros_shell::rmap;
+use paros_shell::start_volume_store::StartVolume;
 use paros_shell::statics::{Resident, ResidentBitGrid};
 use paros_shell::tick_runner;
 use serde_json::Value;
@@ -290,12 +291,12 @@ fn a_counted_replay_tells_its_progress() {
     });
     fs::write(folder.join("session.trace"), &trace).unwrap();
     fs::write(folder.join("ticks"), "7\n").unwrap();
-    for figure in Figure::ALL {
-        let maps: &mut RangeMaps<128, INTERVALS> = &mut Grid::<128>::lock_range_maps();
-        let plane = &mut *Grid::<128>::lock_bit_grid();
-        figure.rasterize_into(maps, plane);
-        rmap::write(&folder.join(figure.name()).with_extension("rmap"), maps).unwrap();
+    let starts = Grid::<128>::lock_start_volumes();
+    for volume in StartVolume::all() {
+        let maps: &RangeMaps<128, INTERVALS> = starts.volume(volume);
+        rmap::write(&folder.join(volume.name()).with_extension("rmap"), maps).unwrap();
     }
+    drop(starts);
     let output = bench(&["--replay", folder.to_str().unwrap()]);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let said = String::from_utf8(output.stdout).unwrap();
