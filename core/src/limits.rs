@@ -275,6 +275,10 @@ pub const fn deep_step_cost_in_steps(grid_side: usize) -> u32 {
     if grid_side > 128 { 12 } else { 8 }
 }
 
+/// Slides of a bit that was stopped, after the one along the surface: a corner of three planes stops it, and one more
+/// leads out of it.
+pub const MAX_SLIDES: usize = 4;
+
 /// Exit probes: places on the rest of its path at which a bit beyond its penetration limit is tested,
 /// each time it is stopped, for a way out. Every step of a path of up to 8 voxels; farther apart on a
 /// longer one. Each costs a step, and with fewer steps left they are as few.

@@ -9,7 +9,7 @@ use paros_core::internals::{
     BURIED_WITHIN, FreezeResult, GridBit, GridShape, LONG_STRETCH, SHORT_STRETCH, WayBudget,
     exit_probe_steps,
 };
-use paros_core::limits::deep_step_cost_in_steps;
+use paros_core::limits::{MAX_SLIDES, deep_step_cost_in_steps};
 
 use crate::bit_voxels::{
     centre_depth_subunits, centre_offset_subunits, holds_any, is_less_than_half_a_voxel_outside,
@@ -214,7 +214,8 @@ impl ContactModel {
         left: &mut WayBudget,
     ) -> PathWalk {
         let offset_left = tracked.position - reached.position;
-        let normal = match self.normal_at(bit, stop) {
+        let surface = self.normal_at(bit, stop);
+        let normal = match surface {
             Vec3::ZERO => -offset_left.normalize_or_zero(),
             normal => normal,
         };
@@ -227,11 +228,33 @@ impl ContactModel {
         } else {
             Pose { position: tracked.position, rotation: reached.rotation }
         };
-        let slide = self.walk_while_allowed(bit, reached, &target, left);
-        let wanted = (target.position - reached.position) * STEPS_PER_VOXEL;
-        if slide.last_allowed.position != reached.position || wanted.length_squared() <= 1.0 {
-            return slide;
+        let mut slide = self.walk_while_allowed(bit, reached, &target, left);
+        let mut met = vec![self.away_from_stops(bit, reached, stop)];
+        while met.len() <= MAX_SLIDES && left.steps > 0 && left.quarter_voxels > 0 {
+            let (at, Some(stop)) = (slide.last_allowed, slide.first_forbidden) else { break };
+            met.push(self.away_from_stops(bit, &at, &stop));
+            let mut way = tracked.position - at.position;
+            let against_surface = std::iter::repeat_n(&surface, 4);
+            for normal in against_surface.chain(met.iter().cycle().take(4 * met.len())) {
+                let inward = way.dot(*normal);
+                if inward < 0.0 {
+                    way -= *normal * inward;
+                }
+            }
+            let steepness = (met.len() - 1) as f32 / 8.0;
+            way += met[met.len() - 1] * (way.length() * steepness);
+            if (way * STEPS_PER_VOXEL).length_squared() <= 1.0 {
+                break;
+            }
+            left.steps -= 1;
+            let target = Pose { position: at.position + way, ..at };
+            slide = self.walk_while_allowed(bit, &at, &target, left);
         }
+        slide
+    }
+
+    /// The mean direction to the bit's centre from the voxels that stop it.
+    fn away_from_stops(&self, bit: &GridBit, reached: &Pose, stop: &Pose) -> Vec3 {
         let sits = self.penetration_at(bit, reached);
         let mut away = I64Vec3::ZERO;
         for voxel in voxels_around(&self.volume, bit, stop) {
@@ -241,10 +264,7 @@ impl ContactModel {
                 away -= centre_offset_subunits(stop, voxel);
             }
         }
-        let away = away.as_vec3().normalize_or_zero();
-        let tangent = offset_left - away * offset_left.dot(away).min(0.0);
-        let target = Pose { position: reached.position + tangent, ..*reached };
-        self.walk_while_allowed(bit, reached, &target, left)
+        away.as_vec3().normalize_or_zero()
     }
 
     /// Walks a path while the penetration is within the limit. A bit that is too deep leaves where the path

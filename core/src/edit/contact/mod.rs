@@ -16,7 +16,7 @@ use glam::{I64Vec3, IVec3, Vec3};
 
 use crate::edit::grid_bit::GridBit;
 use crate::edit::pose::Pose;
-use crate::limits::deep_step_cost_in_steps;
+use crate::limits::{MAX_SLIDES, deep_step_cost_in_steps};
 use crate::volume::bit_grid::BitGrid;
 use crate::volume::range_maps::RangeMaps;
 use crate::volume::row::BitSet;
@@ -81,6 +81,10 @@ impl WayBudget {
         self.steps == 0 || self.quarter_voxels == 0
     }
 }
+
+/// How much steeper than the plane that stopped it a bit's next slide leads out of the stone, the first and each that
+/// follows: of several voxels that stopped it, the plane is the mean.
+const LIFT: f32 = 0.125;
 
 /// Where [`Obstacle::move_and_slide`] took a bit.
 struct SlideResult {
@@ -252,8 +256,10 @@ where
         }
     }
 
-    /// Up to two paths of a bit that was stopped: along the tangent plane, and else past the blocking
-    /// voxels. They share the budget.
+    /// Collide and slide: the bit goes on along the tangent plane of the surface that stopped it, and, where it is
+    /// stopped again, along all the planes so far, up to [`MAX_SLIDES`] times. One plane alone would lead it from one
+    /// stair of a voxel to the next and back, and leave it standing in the dimple between them. How deep its hand is
+    /// doesn't count: the bit would else not climb a stair that is steeper than the way to its hand.
     fn slide_along(
         &self,
         bit: &GridBit,
@@ -262,8 +268,39 @@ where
         wanted: &Pose,
         left: &mut WayBudget,
     ) -> PathAdvance {
+        let normal = self.normal_at(bit, forbidden);
+        let mut planes = [Vec3::ZERO; MAX_SLIDES + 1];
+        planes[0] = self.unit_direction_from_blockers(bit, reached, forbidden);
+        let mut slide = self.slide_along_surface(bit, reached, normal, wanted, left);
+        for count in 1..=MAX_SLIDES {
+            let Some(forbidden) = slide.first_forbidden.filter(|_| !left.is_spent()) else { break };
+            let at = slide.last_allowed;
+            planes[count] = self.unit_direction_from_blockers(bit, &at, &forbidden);
+            let remaining = wanted.position - at.position;
+            let tangent = clip_to_planes(remaining, &[normal]);
+            let along = clip_to_planes(tangent, &planes[..=count]);
+            let way = along + planes[count] * (along.length() * (LIFT * count as f32));
+            if (way * STEPS_PER_VOXEL).length_squared() <= 1.0 {
+                break;
+            }
+            left.spend(1, 0);
+            let target = Pose { position: at.position + way, ..at };
+            let limit = self.penetration_limit(bit, &at);
+            slide = self.advance_along(bit, (&at, limit), &target, left);
+        }
+        slide
+    }
+
+    /// Moves a bit that was stopped along the tangent plane of all that it overlaps, of this unit normal or none.
+    fn slide_along_surface(
+        &self,
+        bit: &GridBit,
+        reached: &Pose,
+        mut normal: Vec3,
+        wanted: &Pose,
+        left: &mut WayBudget,
+    ) -> PathAdvance {
         let remaining = wanted.position - reached.position;
-        let mut normal = self.normal_at(bit, forbidden);
         if normal == Vec3::ZERO {
             normal = -remaining.normalize_or_zero();
         }
@@ -274,15 +311,6 @@ where
             false => Pose { position: wanted.position, ..*reached },
         };
         let limit = self.penetration_limit(bit, reached);
-        let slide = self.advance_along(bit, (reached, limit), &target, left);
-        let slide_steps = (target.position - reached.position) * STEPS_PER_VOXEL;
-        if slide.last_allowed.position != reached.position || slide_steps.length_squared() <= 1.0 {
-            return slide;
-        }
-        let away = self.unit_direction_from_blockers(bit, reached, forbidden);
-        let inward = remaining.dot(away);
-        let tangent = if inward < 0.0 { remaining - away * inward } else { remaining };
-        let target = Pose { position: reached.position + tangent, ..*reached };
         self.advance_along(bit, (reached, limit), &target, left)
     }
 
@@ -313,4 +341,17 @@ where
         }
         away.as_vec3().normalize_or_zero()
     }
+}
+
+/// What planes of these unit normals leave of a way that may lead through none of them: its projection on the cone of
+/// directions that all of them allow, by rounds of projections on one after the other.
+fn clip_to_planes(mut way: Vec3, normals: &[Vec3]) -> Vec3 {
+    const ROUNDS: usize = 4;
+    for normal in normals.iter().cycle().take(ROUNDS * normals.len()) {
+        let inward = way.dot(*normal);
+        if inward < 0.0 {
+            way -= *normal * inward;
+        }
+    }
+    way
 }

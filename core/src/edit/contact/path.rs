@@ -211,7 +211,7 @@ impl GridBit {
 }
 
 impl WayBudget {
-    fn spend(&mut self, steps: u32, quarter_voxels: u32) {
+    pub(super) fn spend(&mut self, steps: u32, quarter_voxels: u32) {
         self.steps = self.steps.saturating_sub(steps);
         self.quarter_voxels = self.quarter_voxels.saturating_sub(quarter_voxels);
     }

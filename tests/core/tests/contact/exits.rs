@@ -116,3 +116,38 @@ fn a_blocked_bit_slides() {
     assert!(frozen.blocked && (position.x - 40.0).abs() < 0.3, "{position}");
     assert!((position.y - rest).abs() < 0.8, "{position}, {rest}");
 }
+
+/// A hand that presses its bit deep into the figure moves half around it: the bit goes along on the surface, over every
+/// stair of a voxel, and stays where the figure is nearest to the hand.
+#[test]
+fn a_bit_goes_around_a_figure_with_a_hand_that_presses_deep() {
+    let mut stone = lock_stone(&STONE_64);
+    let middle = Vec3::splat(32.0);
+    let radius = 18.0;
+    let figure = DenseVolume::from_fn(64, |at| {
+        (Vec3::from_array(at.map(|i| i as f32 + 0.5)) - middle).length() < radius
+    });
+    stone.set(&figure, &figure);
+    for bit in [ToolBit::SmallBall, ToolBit::MediumBall, ToolBit::LargeBall] {
+        let ball = bit.to_grid_bit(voxel_micrometres(128));
+        let touching = radius + ball.inscribed_radius_subunits() as f32 / SUBUNITS_PER_VOXEL as f32;
+        for tilt in [0.0_f32, 0.4, 1.1] {
+            let around = |degrees: f32| {
+                let (sine, cosine) = degrees.to_radians().sin_cos();
+                Quat::from_rotation_z(tilt) * Vec3::new(sine, 0.3, cosine).normalize()
+            };
+            let at = |degrees: f32, from_middle: f32| Pose {
+                position: middle + around(degrees) * from_middle,
+                rotation: Quat::IDENTITY,
+            };
+            let mut pose = at(0.0, touching + 1.0);
+            // 2 voxels a tick, as a hand at 0.5 m/s; 6 voxels deep.
+            for degrees in (0..180).step_by(5) {
+                pose = stone.freeze(&ball, &pose, &at(degrees as f32, touching - 6.0)).pose;
+                let behind = (pose.position - middle).normalize().dot(around(degrees as f32));
+                let degrees_behind = behind.clamp(-1.0, 1.0).acos().to_degrees();
+                assert!(degrees_behind < 20.0, "{bit:?}, {tilt}: {degrees_behind} at {degrees}");
+            }
+        }
+    }
+}
