@@ -182,18 +182,20 @@ impl ToolBit {
         self.to_grid_bit_grown_by(self.spec().reach_um, voxel_um)
     }
 
-    /// What spalls off a hidden figure that the bit touches, as [`ToolBit::to_grid_bit`]: all within 15 mm of the bit,
-    /// however deep it lies. `None` for a bit that doesn't carve, and for a disc, which only parts stone.
+    /// What spalls off a hidden figure that the bit touches, as [`ToolBit::to_grid_bit`]: all within 34 mm of the bit's
+    /// centre, however deep it lies. `None` for a bit that doesn't carve, for a disc, which only parts stone, and for
+    /// one that is as large itself.
     #[must_use]
     pub fn to_grid_spall(self, voxel_um: f32) -> Option<GridBit> {
-        const REACH_UM: i32 = 15_000;
+        /// At 256 a tick has the work for no larger ball beside a bite of the large ball.
+        const RADIUS_UM: i32 = 34_000;
         let ToolBitSpec { action, shape, .. } = *self.spec();
-        if action != BitAction::Carve || matches!(shape, BitShape::Disc { .. }) {
+        let is_large = matches!(shape, BitShape::Ball { radius_um } if radius_um >= RADIUS_UM);
+        if action != BitAction::Carve || is_large || matches!(shape, BitShape::Disc { .. }) {
             return None;
         }
-        let grown = self.to_grid_bit_grown_by([REACH_UM; 3], voxel_um);
-        let bite = libm::roundf(REACH_UM as f32 * SUBUNITS_PER_VOXEL as f32 / voxel_um) as i32;
-        Some(GridBit { bite, ..grown })
+        let radius = libm::roundf(RADIUS_UM as f32 * SUBUNITS_PER_VOXEL as f32 / voxel_um) as i32;
+        Some(GridBit { shape: GridShape::Ball(radius), bite: radius })
     }
 
     fn to_grid_bit_grown_by(self, reach_um: [i32; 3], voxel_um: f32) -> GridBit {

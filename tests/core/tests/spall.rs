@@ -60,14 +60,14 @@ fn stone_spalls_where_a_ball_touches_the_figure_and_nowhere_else() {
     let harness = &mut *HARNESS.lock().unwrap_or_else(PoisonError::into_inner);
     let figure = start(harness, Tool::Rotary, ToolBit::MediumBall);
     let whole = volume_of(harness);
-    let (ball, spall) = (15.0 * MILLIMETRE, 30.0 * MILLIMETRE);
+    let (ball, spall) = (15.0 * MILLIMETRE, 34.0 * MILLIMETRE);
     let mut ticks = [0, 0];
     press_down(harness, |harness, removed| {
         let bit = harness.world.hand_state(RIGHT).frozen_pose.position;
         let touches = harness.world.hand_contact(RIGHT).is_some_and(|contact| contact.on_mask);
         ticks[usize::from(touches)] += 1;
         // It follows its hand by half a voxel a tick.
-        let most = if touches { spall } else { ball + 0.6 };
+        let most = if touches { spall + 0.01 } else { ball + 0.6 };
         for &voxel in removed {
             assert!(voxel.distance(bit) < most, "{voxel} is too far from the bit at {bit}");
         }
