@@ -60,6 +60,14 @@ pub const FAST_TRANSLUCENCY_DEPTH: f32 = 5.0;
 pub const FAST_WEAR: [f32; 3] = [0.52, 0.57, 0.65];
 /// Most of that at edges.
 pub const FAST_WEAR_AT_EDGES: f32 = 0.25;
+/// Where the hidden figure is bared its stone is warm: the factor of its reflectance, by colour.
+pub const FIGURE_WARMTH: [f32; 3] = [1.0, 0.80, 0.52];
+/// And it shines: its own radiance.
+pub const FIGURE_GLOW: [f32; 3] = [0.15, 0.08, 0.025];
+/// It is bared where more than this share of the stone is the figure's: stone a voxel thick over it leaves less.
+pub const FIGURE_LEAST_SHARE: f32 = 0.2;
+/// All of it shows where the share is greater by 1 / this.
+pub const FIGURE_SHARE_RISE: f32 = 4.0;
 /// Sharpness of the sun's highlight on smooth stone, and on rough: the binary logarithm of its falloff with the
 /// cosine from its middle.
 pub const FAST_GLOSS_SHARPNESS: [f32; 2] = [56.0, 9.0];

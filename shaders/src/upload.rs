@@ -1,5 +1,6 @@
 //! What a sculpture's textures hold, and what of them changed and has to be uploaded.
 
+use crate::carrara;
 use crate::limits::MAP_INTERVALS;
 
 /// The shape of the volumes that textures are made for.
@@ -44,7 +45,7 @@ pub enum Texture {
     Cells,
     /// The paper's noise, one signed byte each.
     Noise,
-    /// How grey the marble is, one byte each.
+    /// How grey the marble is, and how much of it is the hidden figure's: a byte each.
     Marble,
 }
 
@@ -60,13 +61,20 @@ pub struct Region {
 }
 
 impl Region {
+    /// All of the marble's texture.
+    #[must_use]
+    pub const fn whole_marble() -> Self {
+        Region { texture: Texture::Marble, min: [0; 3], size: [carrara::TEXTURE_SIDE as u32; 3] }
+    }
+
     /// Bytes of the box, rows after rows without gaps.
     #[must_use]
     pub const fn byte_count(&self) -> usize {
         let texel = match self.texture {
             Texture::Maps(intervals) => 2 * intervals as usize,
             Texture::Gradient => 4,
-            Texture::Density(_) | Texture::Cells | Texture::Noise | Texture::Marble => 1,
+            Texture::Marble => 2,
+            Texture::Density(_) | Texture::Cells | Texture::Noise => 1,
         };
         self.size[0] as usize * self.size[1] as usize * self.size[2] as usize * texel
     }

@@ -10,7 +10,7 @@
     FAST_AO_SCALE, FAST_CRYSTAL_NOISE, FAST_EDGE_CUBIC, FAST_GLOSS, FAST_GLOSS_SHARPNESS, FAST_REFERENCE_SIDE,
     FAST_ROUGHNESS, FAST_SHADOW_OPACITY, FAST_SHADOW_SPACING, FAST_SKIP_INTERVAL, FAST_SPARKLE,
     FAST_STEP_FAR, FAST_STEP_NEAR, FAST_TRANSLUCENCY, FAST_TRANSLUCENCY_DEPTH, FAST_WEAR,
-    FAST_WEAR_AT_EDGES, TONE_WHITE_POINT,
+    FAST_WEAR_AT_EDGES, FIGURE_GLOW, FIGURE_LEAST_SHARE, FIGURE_SHARE_RISE, FIGURE_WARMTH, TONE_WHITE_POINT,
 }
 #import paros::box
 #import paros::shadow
@@ -18,10 +18,12 @@
 // Precision of colours, normals and densities: half where the device has it.
 #ifdef HALF
 alias real = f16;
+alias real2 = vec2<f16>;
 alias real3 = vec3<f16>;
 alias real4 = vec4<f16>;
 #else
 alias real = f32;
+alias real2 = vec2<f32>;
 alias real3 = vec3<f32>;
 alias real4 = vec4<f32>;
 #endif
@@ -35,7 +37,7 @@ const MOST_RISE: f32 = 0.12;
 @group(0) @binding(BINDING_DENSITY) var density: texture_3d<f32>;
 @group(0) @binding(BINDING_GRADIENT) var gradient: texture_3d<f32>;
 @group(0) @binding(BINDING_CELLS) var cells: texture_3d<f32>;
-@group(0) @binding(BINDING_MARBLE) var marble_grey: texture_3d<f32>;
+@group(0) @binding(BINDING_MARBLE) var marble_and_figure: texture_3d<f32>;
 @group(0) @binding(BINDING_NOISE) var noise: texture_3d<f32>;
 @group(0) @binding(BINDING_CLAMPED) var clamped: sampler;
 @group(0) @binding(BINDING_NEAREST) var nearest: sampler;
@@ -213,10 +215,14 @@ fn shade_point(p: vec3<f32>, normal: real3, convexity: real) -> real3 {
     }
     let around = ambient_over_pi(normal) * ambient_openness(p, normal, voxel);
     let grid = (p - 0.5) * (frame.density_side / n) + 0.5;
-    let grey = real(textureSampleLevel(marble_grey, clamped, grid, 0.0).x);
-    let stone = mix(real3(CARRARA_BASE_COLOR), real3(CARRARA_VEIN_COLOR), grey);
+    // How grey it is, and the hidden figure's share.
+    let marble = real2(textureSampleLevel(marble_and_figure, clamped, grid, 0.0).xy);
+    let bared = saturate((marble.y - real(FIGURE_LEAST_SHARE)) * real(FIGURE_SHARE_RISE));
+    let stone = mix(real3(CARRARA_BASE_COLOR), real3(CARRARA_VEIN_COLOR), marble.x)
+        * (real3(1.0) + real3(FIGURE_WARMTH - 1.0) * bared);
     let worn = real3(1.0) + real3(FAST_WEAR) * min(convexity, real(FAST_WEAR_AT_EDGES));
-    let radiance = stone * worn * (direct + around) + real3(frame.sun_color) * gloss;
+    let radiance = stone * worn * (direct + around) + real3(frame.sun_color) * gloss
+        + real3(FIGURE_GLOW) * bared;
     // `light::tone_map` in this precision.
     return radiance * (radiance * real(1.0 / (TONE_WHITE_POINT * TONE_WHITE_POINT)) + real(1.0))
         / (radiance + real(1.0));

@@ -26,6 +26,8 @@
 //!   many cells' sides can be stepped, with no more than a multiply-add. While changes are
 //!   pending it may tell less, never more.
 //!
+//! Beside these, [`FigureShares`] tells for each texel of the marble what the hidden figure's share is.
+//!
 //! A texel depends on the voxels at most [`REACH`] from it along each axis.
 //!
 //! Textures are stored, and handed out, with x fastest and z slowest, as a GPU has them.
@@ -42,6 +44,7 @@ mod cells;
 mod convexity;
 mod crease;
 mod extent;
+mod figure;
 mod gradient;
 mod gradient_upkeep;
 mod mips;
@@ -54,5 +57,6 @@ mod upkeep;
 mod window;
 
 pub use budget::{Budget, Cost};
+pub use figure::FigureShares;
 pub use sizes::{HALF_DENSITY, LEVELS, MAX_CELL_DISTANCE, PAD, REACH, cell_side_texels};
 pub use textures::DensityField;

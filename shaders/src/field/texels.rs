@@ -25,6 +25,10 @@ impl TexelCube {
         &self.bytes
     }
 
+    pub(super) fn bytes_mut(&mut self) -> &mut [u8] {
+        &mut self.bytes
+    }
+
     #[inline]
     pub(super) fn texel(&self, [x, y, z]: [usize; 3]) -> u8 {
         self.row(y, z)[x]

@@ -13,6 +13,7 @@ use paros_core::volume::{Grid, Size};
 use paros_core::{World, WorldEvent};
 
 use super::draw::DrawList;
+use super::found::FoundLight;
 use super::island::IslandLattice;
 use super::meshes::{HandShape, MeshId};
 use super::particles::{ParticleKind, Particles, random_in_cube};
@@ -55,6 +56,7 @@ pub struct SceneAssembler {
     lattice: Box<IslandLattice>,
     particles: Particles,
     refusals: RefusalMarks,
+    found: FoundLight,
     sculpture: SculpturePlacement,
     list: DrawList,
 }
@@ -80,6 +82,7 @@ impl SceneAssembler {
             lattice: Box::new(IslandLattice::new()),
             particles: Particles::new(),
             refusals: RefusalMarks::new(),
+            found: FoundLight::new(),
             sculpture: SculpturePlacement { turn_radians: 0.0, side: BOX_SIDE, foot: STOOL_TOP },
             list: DrawList::new(),
         }
@@ -94,6 +97,7 @@ impl SceneAssembler {
         if self.tick == Some(world.tick()) {
             return;
         }
+        self.found.follow_tick(world, self.tick.is_none());
         let skipped = self.tick.is_none_or(|tick| tick.wrapping_add(1) != world.tick());
         self.tick = Some(world.tick());
         let turn = stool_turn_0_to_tau(&world.stool_frame());
@@ -128,6 +132,7 @@ impl SceneAssembler {
         self.time = Some(latest.time_seconds);
         self.particles.advance_time(seconds as f32);
         self.refusals.advance_time(seconds as f32);
+        self.found.advance_time(seconds as f32);
         let fraction = latest.tick_fraction.clamp(0.0, 1.0);
         let between = (self.turns[1] - self.turns[0] + PI).rem_euclid(TAU) - PI;
         self.sculpture.turn_radians = self.turns[0] + between * fraction;
@@ -157,6 +162,13 @@ impl SceneAssembler {
     #[must_use]
     pub const fn sculpture_placement(&self) -> SculpturePlacement {
         self.sculpture
+    }
+
+    /// How far the light of the last assembled frame is that of a find, 0 to 1: see
+    /// [`RenderStyle::lighting_a_find`](crate::gpu::RenderStyle::lighting_a_find).
+    #[must_use]
+    pub fn found_part(&self) -> f32 {
+        self.found.smooth_part()
     }
 
     /// The draw list of the last assembled frame.

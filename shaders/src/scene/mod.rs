@@ -10,6 +10,7 @@
 
 pub mod assembly;
 pub mod draw;
+mod found;
 mod island;
 pub mod meshes;
 pub mod particles;

@@ -15,7 +15,8 @@ use crate::constants::{
     FAST_CRYSTAL_NOISE, FAST_EDGE_CUBIC, FAST_GLOSS, FAST_GLOSS_SHARPNESS, FAST_REFERENCE_SIDE,
     FAST_ROUGHNESS, FAST_SHADOW_OPACITY, FAST_SHADOW_SPACING, FAST_SKIP_INTERVAL, FAST_SPARKLE,
     FAST_STEP_FAR, FAST_STEP_NEAR, FAST_TRANSLUCENCY, FAST_TRANSLUCENCY_DEPTH, FAST_WEAR,
-    FAST_WEAR_AT_EDGES, NOISE_CELLS,
+    FAST_WEAR_AT_EDGES, FIGURE_GLOW, FIGURE_LEAST_SHARE, FIGURE_SHARE_RISE, FIGURE_WARMTH,
+    NOISE_CELLS,
 };
 use crate::field::{DensityField, LEVELS, PAD};
 
@@ -64,6 +65,19 @@ pub fn shade_surface<const N: usize, const K: usize>(
     sun: &SunLight,
     ambient_over_pi: Vec3,
 ) -> Vec3 {
+    shade_surface_with_figure(field, surface, sun, ambient_over_pi, 0.0)
+}
+
+/// The same where a share of the stone is the hidden figure's, as [`FigureShares`](crate::field::FigureShares) tells it:
+/// warm and shining where that is bared.
+#[must_use]
+pub fn shade_surface_with_figure<const N: usize, const K: usize>(
+    field: &DensityField<N, K>,
+    surface: &SurfacePoint,
+    sun: &SunLight,
+    ambient_over_pi: Vec3,
+    figure_share: f32,
+) -> Vec3 {
     let SunLight { direction: to_sun, color: sun_color, halfway } = *sun;
     let scale = N as f32 / FAST_REFERENCE_SIDE;
     let facing = surface.normal.dot(to_sun);
@@ -86,7 +100,10 @@ pub fn shade_surface<const N: usize, const K: usize>(
     let stone =
         Vec3::from_array(CARRARA_BASE_COLOR).lerp(Vec3::from_array(CARRARA_VEIN_COLOR), grey);
     let worn = Vec3::ONE + Vec3::from_array(FAST_WEAR) * convexity.min(FAST_WEAR_AT_EDGES);
-    stone * worn * (direct + ambient_over_pi * open) + sun_color * gloss
+    let bared = ((figure_share - FIGURE_LEAST_SHARE) * FIGURE_SHARE_RISE).clamp(0.0, 1.0);
+    let warm = Vec3::ONE + (Vec3::from_array(FIGURE_WARMTH) - Vec3::ONE) * bared;
+    let shining = Vec3::from_array(FIGURE_GLOW) * bared;
+    stone * warm * worn * (direct + ambient_over_pi * open) + sun_color * gloss + shining
 }
 
 /// The sun's highlight at a point, as a part of the sunlight: a spherical Gaussian (Wang et al. 2009), broad where the

@@ -8,7 +8,7 @@ use paros_core::RangeMaps;
 use super::march::{Ray, is_point_occupied, march_all_maps, march_maps};
 use super::{fast, light, marble, noise, surface};
 use crate::constants::{SUN_COLOR, SUN_DIRECTION};
-use crate::field::DensityField;
+use crate::field::{DensityField, FigureShares};
 
 /// Switches of the paper's path, for its experiments. The default is the path as the paper has it.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -40,6 +40,8 @@ pub struct TwinScene<'a, const N: usize, const K: usize = 1> {
     pub settings: TwinSettings,
     /// The fast path's textures, if that is the path.
     pub field: Option<&'a DensityField<N, K>>,
+    /// The hidden figure, if there is one; the fast path shows where it is bared.
+    pub figure: Option<&'a FigureShares>,
 }
 
 /// A shaded point of the sculpture.
@@ -67,6 +69,7 @@ impl<'a, const N: usize, const K: usize> TwinScene<'a, N, K> {
             turn_cos_sin: [turn_radians.cos(), turn_radians.sin()],
             settings,
             field: None,
+            figure: None,
         }
     }
 
@@ -144,7 +147,9 @@ pub fn shade_ray<const N: usize, const K: usize>(
             let halfway = fast::halfway_to_eye(direction, inside.origin, N);
             let sun = fast::SunLight { direction, color, halfway };
             let ambient = light::ambient_over_pi(normal);
-            fast::shade_surface(field, &at, &sun, ambient)
+            let share =
+                scene.figure.map_or(0.0, |figure| figure.sample_clamped(at.position / N as f32));
+            fast::shade_surface_with_figure(field, &at, &sun, ambient, share)
         }
         None => shade_marble(scene, at.position, at.normal, dither),
     };

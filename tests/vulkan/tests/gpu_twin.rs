@@ -8,7 +8,7 @@ use paros_core::volume::{BitGrid, BitSet, Grid, Size};
 use paros_models::dense::DenseVolume;
 use paros_models::layers::LayeredVolume;
 use paros_models::voxel_traversal;
-use paros_shaders::field::DensityField;
+use paros_shaders::field::{DensityField, FigureShares};
 use paros_shaders::gpu::{
     Eye, Fov, FrameRequest, FrameSemaphores, Gpu, OffscreenTarget, Options, PaperVariant,
     RenderPath, RenderStyle, Renderer, SculpturePlacement, SharedGpu,
@@ -116,7 +116,7 @@ fn the_gpu_draws_two_intervals_as_its_twin_does() {
     for (name, volume) in hollow_volumes() {
         let (maps, field) = build_layered_maps_and_field::<N, 2>(&volume);
         let paths = [RenderPath::Fast, RenderPath::Paper(PaperVariant::Whole)];
-        check_volume(&mut rig, name, (&maps, &field), &paths, &eye);
+        check_volume(&mut rig, name, (&maps, &field, None), &paths, &eye);
     }
     rig.check_validation();
 }
@@ -163,7 +163,7 @@ fn check_agreement(single: bool, paths: &[RenderPath], eye: impl Fn(usize) -> Ey
     for (name, volume) in test_volumes() {
         let (maps, field) = build_maps_and_field::<N>(&volume);
         let name = format!("{name}-single-{single}");
-        check_volume(&mut rig, &name, (&maps, &field), paths, &eye);
+        check_volume(&mut rig, &name, (&maps, &field, None), paths, &eye);
     }
     rig.check_validation();
 }
@@ -171,7 +171,7 @@ fn check_agreement(single: bool, paths: &[RenderPath], eye: impl Fn(usize) -> Ey
 fn check_volume<const K: usize>(
     rig: &mut TwinRig,
     name: &str,
-    (maps, field): (&RangeMaps<N, K>, &DensityField<N, K>),
+    (maps, field, figure): (&RangeMaps<N, K>, &DensityField<N, K>, Option<&FigureShares>),
     paths: &[RenderPath],
     eye: &impl Fn(usize) -> Eye,
 ) {
@@ -182,10 +182,26 @@ fn check_volume<const K: usize>(
             let (pixels, depths) = rig.draw(eye, turn, path);
             let scene = TwinScene {
                 field: (path == RenderPath::Fast).then_some(field),
+                figure,
                 ..TwinScene::new(maps, turn, TwinSettings::default())
             };
             check_picture(&format!("{name}-{view}-{path:?}"), &scene, &eye, &pixels, &depths);
         }
+    }
+}
+
+/// A figure that stone covers in part.
+#[test]
+fn a_bared_figure_shines_as_its_twin_does() {
+    for single in [true, false] {
+        let Some(mut rig) = TwinRig::new(single, VolumeFormat::of::<N, 1>()) else { return };
+        let (maps, field) = build_maps_and_field::<N>(&test_volumes()[1].1);
+        let mut figure = FigureShares::new();
+        figure.rebuild_from(&build_maps_and_field::<N>(&test_volumes()[0].1).0);
+        rig.renderer.submit_figure_between_frames(&figure).expect("a device");
+        let shown = (&*maps, &*field, Some(&figure));
+        check_volume(&mut rig, "figure", shown, &[RenderPath::Fast], &eye);
+        rig.check_validation();
     }
 }
 

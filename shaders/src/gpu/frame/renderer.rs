@@ -8,6 +8,7 @@ use super::request::{FrameRequest, SculptureOrder};
 use super::slot::FrameSlot;
 use super::uniforms;
 use crate::constants::NOISE_TEXELS;
+use crate::field::FigureShares;
 use crate::gpu::device::context::Gpu;
 use crate::gpu::device::error::{Error, ErrorContext};
 use crate::gpu::device::format::TargetFormat;
@@ -149,10 +150,7 @@ impl Renderer {
         let bytes: Vec<u8> =
             noise::noise_texture().iter().map(|noise| noise.cast_unsigned()).collect();
         renderer.submit_upload_between_frames(cube(Texture::Noise, NOISE_TEXELS), &bytes)?;
-        renderer.submit_upload_between_frames(
-            cube(Texture::Marble, carrara::TEXTURE_SIDE),
-            carrara::grey_texture_3d(),
-        )?;
+        renderer.submit_figure_between_frames(&FigureShares::new())?;
         Ok(renderer)
     }
 
@@ -278,6 +276,16 @@ impl Renderer {
             self.submit_frame(FrameSemaphores::default(), |_, _| ())?;
         }
         Ok(())
+    }
+
+    /// Uploads the marble with another hidden figure's shares.
+    ///
+    /// # Errors
+    /// A lost device.
+    pub fn submit_figure_between_frames(&mut self, figure: &FigureShares) -> Result<(), Error> {
+        let grey_and_share = carrara::grey_texture_3d().iter().zip(figure.bytes());
+        let bytes: Vec<u8> = grey_and_share.flat_map(|(&grey, &share)| [grey, share]).collect();
+        self.submit_upload_between_frames(Region::whole_marble(), &bytes)
     }
 
     /// Records and submits the current frame, with the uploads staged since [`wait_and_begin_frame`], into an

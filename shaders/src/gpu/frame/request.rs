@@ -94,6 +94,17 @@ impl RenderStyle {
         let ambient = ROOM_AMBIENT.map(|color| color.map(|part| part * ROOM));
         RenderStyle { path, sun_color, ambient, ..RenderStyle::default() }
     }
+
+    /// This light, turned by `part`, 0 to 1, to that of a find: a warmer, stronger sun in a dimmer room.
+    #[must_use]
+    pub fn lighting_a_find(self, part: f32) -> Self {
+        const SUN: Vec3 = Vec3::new(1.25, 1.06, 0.78);
+        const ROOM: Vec3 = Vec3::new(0.66, 0.56, 0.50);
+        let sun_color = self.sun_color * Vec3::ONE.lerp(SUN, part);
+        let room = Vec3::ONE.lerp(ROOM, part);
+        let ambient = self.ambient.map(|color| (Vec3::from_array(color) * room).to_array());
+        RenderStyle { sun_color, ambient, ..self }
+    }
 }
 
 /// What a frame shows.

@@ -8,7 +8,7 @@ use paros_core::{World, WorldEvent};
 
 use super::renderer::{FrameSemaphores, Renderer};
 use super::request::{Eye, FrameRequest, RenderStyle};
-use crate::field::{Budget, DensityField};
+use crate::field::{Budget, DensityField, FigureShares};
 use crate::gpu::device::context::Gpu;
 use crate::gpu::device::error::Error;
 use crate::gpu::device::format::TargetFormat;
@@ -27,6 +27,7 @@ where
     /// The renderer, with its overlay.
     pub renderer: Renderer,
     field: Box<DensityField<N, K>>,
+    figure: FigureShares,
     /// Whether the volume was replaced: all textures are rebuilt before the next frame.
     anew: bool,
     scene: Box<SceneAssembler>,
@@ -61,8 +62,8 @@ where
         let renderer = Renderer::new(gpu, format, VolumeFormat::of::<N, K>(), cache)?;
         let mut scene = Box::new(SceneAssembler::new());
         scene.follow_tick(world);
-        let mut show =
-            WorldRenderer { renderer, field: Box::new(DensityField::new()), anew: false, scene };
+        let (field, figure) = (Box::new(DensityField::new()), FigureShares::new());
+        let mut show = WorldRenderer { renderer, field, figure, anew: false, scene };
         show.upload_volume(world)?;
         Ok(show)
     }
@@ -114,14 +115,15 @@ where
         let request = FrameRequest {
             eyes: viewpoint.eyes,
             placement: self.scene.sculpture_placement(),
-            style: RenderStyle::in_studio(viewpoint.render_path),
+            style: RenderStyle::in_studio(viewpoint.render_path)
+                .lighting_a_find(self.scene.found_part()),
             backdrop: tone_map(Vec3::from_array(SKY)).to_array(),
             scene: Some(self.scene.draw_list()),
         };
         self.renderer.draw_frame(&request, target, image_index, semaphores)
     }
 
-    /// Rebuilds and uploads all textures of a world's volume.
+    /// Rebuilds and uploads all textures of a world's volume, and of its hidden figure.
     fn upload_volume(&mut self, world: &World<N, K>) -> Result<(), Error> {
         self.field.rebuild_from(world.volume().maps());
         let mut loaded = Ok(());
@@ -130,6 +132,12 @@ where
                 loaded = self.renderer.submit_upload_between_frames(region, bytes);
             }
         });
-        loaded
+        loaded?;
+        let had_none = self.figure.is_empty();
+        self.figure.rebuild_from(world.mask());
+        if had_none && self.figure.is_empty() {
+            return Ok(());
+        }
+        self.renderer.submit_figure_between_frames(&self.figure)
     }
 }

@@ -71,7 +71,7 @@ impl SculptureTextures {
                 written,
             )?,
             noise: solid(vk::Format::R8_SNORM, NOISE_TEXELS as u32, 1, usage)?,
-            marble: solid(byte, marble_side, 1, usage)?,
+            marble: solid(vk::Format::R8G8_UNORM, marble_side, 1, usage)?,
             linear_clamp: sampler(vk::Filter::LINEAR, edge)?,
             linear_repeat: sampler(vk::Filter::LINEAR, repeat)?,
             nearest_clamp: sampler(vk::Filter::NEAREST, edge)?,
