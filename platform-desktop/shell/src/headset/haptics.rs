@@ -1,9 +1,9 @@
-//! Haptics: the vibrations of ticks, merged into one pulse a frame for each hand, and a dull pulse of its
-//! own for what closure refuses.
+//! Haptics: the vibrations of ticks, merged into one pulse a frame for each hand, a dull pulse of its own for
+//! what closure refuses, and a bright one where another tenth of the hidden figure is bared.
 
-use paros_core::World;
 use paros_core::session::TICK_RATE;
 use paros_core::volume::{Grid, Size};
+use paros_core::{World, WorldEvent};
 
 /// A vibration, as `XrHapticVibration` describes it.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -26,6 +26,13 @@ const REFUSAL_INTERVAL_TICKS: u32 = TICK_RATE / 2;
 const REFUSAL: HapticPulse =
     HapticPulse { amplitude: 0.7, frequency_hz: 55.0, nanos: ticks_to_nanos(REFUSAL_TICKS) };
 
+/// Ticks that another bared tenth rings, a third of a second.
+const RING_TICKS: u32 = 24;
+
+/// Another tenth is bared: at what controllers resonate to, as a bell among the noise of cutting.
+const RING: HapticPulse =
+    HapticPulse { amplitude: 1.0, frequency_hz: 230.0, nanos: ticks_to_nanos(RING_TICKS) };
+
 /// What one hand is to feel of a tick.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct TickHaptics {
@@ -33,6 +40,9 @@ pub struct TickHaptics {
     pub level: u8,
     /// Whether closure brought back more than its edits removed.
     pub is_refused: bool,
+    /// Whether more of the hidden figure was told to be bared, by this hand's work or, where neither works, by what
+    /// fell.
+    pub rings: bool,
 }
 
 impl TickHaptics {
@@ -42,16 +52,21 @@ impl TickHaptics {
     where
         Grid<N>: Size,
     {
+        let tells_more =
+            |event: &WorldEvent| matches!(event, WorldEvent::Bared { .. } | WorldEvent::Found);
+        let told_more = world.events().iter().any(tells_more);
+        let works = [0, 1].map(|hand| world.edit_report(hand).removed > 0);
         [0, 1].map(|hand| TickHaptics {
             level: world.hand_state(hand).haptic,
             is_refused: world.edit_report(hand).is_mostly_refused_by_closure(),
+            rings: told_more && (works[hand] || works == [false; 2]),
         })
     }
 }
 
 /// The haptics of the ticks since the last frame. A new pulse replaces the one before it, so a frame
-/// gives each hand at most one: with the strongest level of its ticks, for the duration of all. A refusal
-/// goes before, and no other pulse of its hand cuts it short.
+/// gives each hand at most one: with the strongest level of its ticks, for the duration of all. A ring goes before, then
+/// a refusal, and no lesser pulse of its hand cuts either short.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct FrameHaptics {
     hands: [HandHaptics; 2],
@@ -61,20 +76,29 @@ pub struct FrameHaptics {
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 struct HandHaptics {
     level: u8,
-    /// A refusal is to be felt in this frame.
+    /// A ring is to be felt in this frame, or a refusal.
+    rings: bool,
     is_refused: bool,
-    /// Ticks until the last refusal is over.
+    /// Ticks until the last ring is over, and the last refusal.
+    ring_ticks_left: u32,
     refusal_ticks_left: u32,
     /// Ticks until another may be felt.
     pause_ticks_left: u32,
 }
 
 impl HandHaptics {
-    fn add_tick(&mut self, TickHaptics { level, is_refused }: TickHaptics) {
+    fn add_tick(&mut self, TickHaptics { level, is_refused, rings }: TickHaptics) {
         self.level = level.max(self.level);
-        self.refusal_ticks_left = self.refusal_ticks_left.saturating_sub(1);
-        self.pause_ticks_left = self.pause_ticks_left.saturating_sub(1);
-        if is_refused && self.pause_ticks_left == 0 {
+        for left in
+            [&mut self.ring_ticks_left, &mut self.refusal_ticks_left, &mut self.pause_ticks_left]
+        {
+            *left = left.saturating_sub(1);
+        }
+        if rings {
+            self.rings = true;
+            self.ring_ticks_left = RING_TICKS;
+        }
+        if is_refused && self.pause_ticks_left == 0 && self.ring_ticks_left == 0 {
             self.is_refused = true;
             (self.refusal_ticks_left, self.pause_ticks_left) =
                 (REFUSAL_TICKS, REFUSAL_INTERVAL_TICKS);
@@ -83,10 +107,15 @@ impl HandHaptics {
 
     fn take_pulse(&mut self, ticks: u32) -> Option<HapticPulse> {
         let level = core::mem::take(&mut self.level);
-        if core::mem::take(&mut self.is_refused) {
+        let is_refused = core::mem::take(&mut self.is_refused);
+        if core::mem::take(&mut self.rings) {
+            return Some(RING);
+        }
+        if is_refused && self.ring_ticks_left == 0 {
             return Some(REFUSAL);
         }
-        (level > 0 && self.refusal_ticks_left == 0).then_some(HapticPulse {
+        let is_free = self.ring_ticks_left == 0 && self.refusal_ticks_left == 0;
+        (level > 0 && is_free).then_some(HapticPulse {
             amplitude: f32::from(level) / 255.0,
             frequency_hz: 0.0,
             nanos: ticks_to_nanos(ticks),
@@ -118,15 +147,17 @@ const fn ticks_to_nanos(ticks: u32) -> i64 {
 #[cfg(test)]
 mod tests {
     use super::{
-        FrameHaptics, HapticPulse, REFUSAL, REFUSAL_INTERVAL_TICKS, REFUSAL_TICKS, TickHaptics,
+        FrameHaptics, HapticPulse, REFUSAL, REFUSAL_INTERVAL_TICKS, REFUSAL_TICKS, RING,
+        RING_TICKS, TickHaptics,
     };
 
     fn level(level: u8) -> TickHaptics {
-        TickHaptics { level, is_refused: false }
+        TickHaptics { level, ..NOTHING }
     }
 
-    const NOTHING: TickHaptics = TickHaptics { level: 0, is_refused: false };
-    const REFUSED: TickHaptics = TickHaptics { level: 200, is_refused: true };
+    const NOTHING: TickHaptics = TickHaptics { level: 0, is_refused: false, rings: false };
+    const REFUSED: TickHaptics = TickHaptics { level: 200, is_refused: true, rings: false };
+    const RINGS: TickHaptics = TickHaptics { level: 200, is_refused: true, rings: true };
 
     #[test]
     fn a_frame_gives_one_pulse_a_hand_the_strongest_of_its_ticks() {
@@ -172,6 +203,22 @@ mod tests {
             haptics.add_tick([level(255), level(255)]);
             let [left, right] = haptics.take_pulses();
             assert!(left.is_none() && right.is_some());
+        }
+        haptics.add_tick([level(255), NOTHING]);
+        assert!(matches!(haptics.take_pulses(), [Some(HapticPulse { amplitude: 1.0, .. }), None]));
+    }
+
+    #[test]
+    fn a_bared_tenth_rings_whole_over_all_else() {
+        let mut haptics = FrameHaptics::default();
+        haptics.add_tick([REFUSED, level(90)]);
+        haptics.add_tick([RINGS, level(90)]);
+        let [left, right] = haptics.take_pulses();
+        assert!(left == Some(RING) && right.is_some_and(|pulse| pulse != RING));
+        // A tick of it is over with that frame.
+        for _ in 1..RING_TICKS {
+            haptics.add_tick([REFUSED, NOTHING]);
+            assert_eq!(haptics.take_pulses(), [None, None]);
         }
         haptics.add_tick([level(255), NOTHING]);
         assert!(matches!(haptics.take_pulses(), [Some(HapticPulse { amplitude: 1.0, .. }), None]));
