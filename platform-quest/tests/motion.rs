@@ -61,8 +61,12 @@ fn draw_positions(
             scene.follow_tick(stage.world());
         }
         let grips = [None, Some(hand_at(seconds(display_time)))];
-        let fresh =
-            LatestInput { grips, show_hands: true, tick_fraction: due.fraction, time_seconds: 0.0 };
+        let fresh = LatestInput {
+            grips,
+            show_hands: true,
+            tick_fraction: due.fraction,
+            ..LatestInput::default()
+        };
         let list = scene.assemble_frame(stage.world(), &fresh);
         let tool = list.instances_of(MeshId::of_tool(paros_core::session::Tool::Rotary));
         let rim_mark = list.instances_of(MeshId::StoolTop)[0].transform_point(Vec3::X * 0.3);

@@ -14,10 +14,21 @@ pub const ISLAND_MOTES: usize = 256;
 /// Boxes that mark what closure brought back: of each hand's last edit one, or two where it was mirrored.
 pub const REFUSAL_MARKS: usize = 4;
 
+/// Dots around what a hand's next bite takes: at the largest bit a bit's breadth apart.
+pub const BITE_DOTS: u32 = 40;
+
+/// What guides the hands: of each its dots, its hidden bit and its reflected one; and the mirror's four edges.
+pub const GUIDES: usize = 2 * (BITE_DOTS as usize + 2) + 4;
+
 /// Instances drawn: the particles; room, garden, bench, stool and its top; two hands and the
-/// bench's things; the twelve edges of each mark.
-pub const INSTANCES: usize =
-    PARTICLES + 5 + 2 + paros_core::internals::BENCH_ITEMS + 2 + 12 * REFUSAL_MARKS;
+/// bench's things; the twelve edges of each mark; the guides.
+pub const INSTANCES: usize = PARTICLES
+    + 5
+    + 2
+    + paros_core::internals::BENCH_ITEMS
+    + 2
+    + 12 * REFUSAL_MARKS
+    + GUIDES;
 
 /// Intervals of a column that a texel of the map textures holds: two bytes each, and formats that every
 /// device samples have one, two or four bytes.

@@ -94,7 +94,7 @@ where
         grips: [None, Some(grip)],
         show_hands: true,
         tick_fraction: 1.0,
-        time_seconds: 0.0,
+        ..LatestInput::default()
     };
     let mut scene = SceneAssembler::new();
     scene.assemble_frame(&Grid::<N>::lock_world(), &fresh);

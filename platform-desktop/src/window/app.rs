@@ -233,6 +233,7 @@ where
             eye: self.hands.orbit.eye(size),
             between: self.pace.tick_fraction(),
             path: self.path,
+            next_bite: self.hands.next_bite(),
         };
         self.seen = view.try_draw_frame(
             window,

@@ -127,6 +127,11 @@ where
         }
     }
 
+    /// Where a pull of the trigger takes the bit, in metres of the room; `None` while it runs.
+    pub(super) fn next_bite(&self) -> Option<Vec3> {
+        self.bit_guide.next_bite().filter(|_| !self.running)
+    }
+
     /// Handles an input event.
     pub(super) fn handle_event(&mut self, event: InputEvent, world: &World<N, INTERVALS>) {
         match event {

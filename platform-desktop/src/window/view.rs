@@ -1,5 +1,6 @@
 //! The window's renderer: frames of the world, with the panels over them.
 
+use glam::Vec3;
 use paros_core::World;
 use paros_core::limits::INTERVALS;
 use paros_core::session::TICK_RATE;
@@ -36,6 +37,8 @@ pub(super) struct FrameParams {
     pub(super) between: f32,
     /// The render path.
     pub(super) path: RenderPath,
+    /// Where a pull of the trigger takes the right hand's bit, in metres from where it is.
+    pub(super) next_bite: Option<Vec3>,
 }
 
 impl<const N: usize> WindowRenderer<N>
@@ -133,6 +136,9 @@ where
             show_hands: false,
             tick_fraction: params.between,
             time_seconds: time,
+            next_bites: [None, params.next_bite],
+            // The panels draw it.
+            show_mirror: false,
         };
         let seen = Viewpoint { eyes: &[params.eye], latest: fresh, render_path: params.path };
         self.show.draw_frame(world, &seen, render_target, target.image, target.sync)?;

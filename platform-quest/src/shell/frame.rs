@@ -61,6 +61,8 @@ where
             show_hands: hands,
             tick_fraction: self.tick_fraction,
             time_seconds: time,
+            next_bites: [None; 2],
+            show_mirror: true,
         };
         // As late as can be: the later, the better the prediction.
         let [left, right] = session.locate_eyes(display_time)?;

@@ -14,6 +14,7 @@ use paros_core::{World, WorldEvent};
 
 use super::draw::DrawList;
 use super::found::FoundLight;
+use super::guides;
 use super::island::IslandLattice;
 use super::meshes::{HandShape, MeshId};
 use super::particles::{ParticleKind, Particles, random_in_cube};
@@ -32,6 +33,11 @@ pub struct LatestInput {
     pub tick_fraction: f32,
     /// Monotonic time in seconds, of any epoch.
     pub time_seconds: f64,
+    /// Where a pull of the trigger takes each hand's bit from where it is, in metres of the room; None for as far as the
+    /// hand pushes it.
+    pub next_bites: [Option<Vec3>; 2],
+    /// Whether the mirror's plane and the reflected tools are drawn while it works.
+    pub show_mirror: bool,
 }
 
 /// The sculpture's placement in the room.
@@ -153,6 +159,7 @@ impl SceneAssembler {
             self.add_hand_and_held_tool(world, latest, hand);
         }
         self.particles.add_instances(&mut self.list);
+        guides::add_guides(&mut self.list, world, latest, self.sculpture.turn_radians);
         self.refusals.add_instances(&mut self.list, &self.sculpture);
         self.list.batch_by_mesh();
         &self.list

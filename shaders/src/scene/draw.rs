@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use glam::{Affine3A, Vec3};
 
-use super::meshes::{MESHES, MeshId};
+use super::meshes::{DrawGroup, MESHES, MeshId};
 use crate::limits::INSTANCES;
 
 /// Per-instance vertex data of a mesh: 64 bytes.
@@ -21,6 +21,8 @@ pub struct MeshInstance {
 pub struct Batch {
     /// The mesh.
     pub mesh: MeshId,
+    /// With what it is drawn: the mesh's own group, or one that it was added to.
+    pub group: DrawGroup,
     /// Its first instance.
     pub first: u32,
     /// Number of instances, not 0.
@@ -39,7 +41,7 @@ pub struct DrawListCapacity {
 /// The instances of a frame. Allocates only when created.
 #[derive(Debug)]
 pub struct DrawList {
-    pending: Vec<(MeshId, MeshInstance)>,
+    pending: Vec<(MeshId, DrawGroup, MeshInstance)>,
     instances: Vec<MeshInstance>,
     batches: Vec<Batch>,
 }
@@ -51,7 +53,7 @@ impl DrawList {
         DrawList {
             pending: Vec::with_capacity(INSTANCES),
             instances: Vec::with_capacity(INSTANCES),
-            batches: Vec::with_capacity(MESHES),
+            batches: Vec::with_capacity(MESHES * DrawGroup::COUNT),
         }
     }
 
@@ -61,17 +63,26 @@ impl DrawList {
         &self.instances
     }
 
-    /// One batch for each mesh drawn.
+    /// One batch for each mesh drawn and each group that it is drawn in.
     #[must_use]
     pub fn batches(&self) -> &[Batch] {
         &self.batches
     }
 
-    /// The instances of one mesh.
+    /// The instances of one mesh in its own group.
     #[must_use]
     pub fn instances_of(&self, mesh: MeshId) -> &[MeshInstance] {
-        let batch = self.batches.iter().find(|batch| batch.mesh == mesh);
-        batch.map_or(&[], |b| &self.instances[b.first as usize..][..b.count as usize])
+        self.instances_in_group(mesh, mesh.draw_group())
+    }
+
+    /// The instances of one mesh in a group.
+    #[must_use]
+    pub fn instances_in_group(&self, mesh: MeshId, group: DrawGroup) -> &[MeshInstance] {
+        let is_it = |batch: &&Batch| batch.mesh == mesh && batch.group == group;
+        self.batches
+            .iter()
+            .find(is_it)
+            .map_or(&[], |b| &self.instances[b.first as usize..][..b.count as usize])
     }
 
     /// The capacity, which never grows.
@@ -87,37 +98,57 @@ impl DrawList {
 
     /// Adds an instance; beyond the capacity it is dropped.
     pub(crate) fn add(&mut self, mesh: MeshId, room_from_mesh: Affine3A, tint: [f32; 4]) {
+        self.add_to_group(mesh.draw_group(), mesh, room_from_mesh, tint);
+    }
+
+    /// Adds an instance to a group that isn't its mesh's own.
+    pub(crate) fn add_to_group(
+        &mut self,
+        group: DrawGroup,
+        mesh: MeshId,
+        room_from_mesh: Affine3A,
+        tint: [f32; 4],
+    ) {
         if self.pending.len() < INSTANCES {
-            self.pending
-                .push((mesh, MeshInstance { transform: matrix_rows(room_from_mesh), tint }));
+            let instance = MeshInstance { transform: matrix_rows(room_from_mesh), tint };
+            self.pending.push((mesh, group, instance));
         }
     }
 
-    /// Counting sort of the added instances by mesh; stable.
+    /// Counting sort of the added instances by group and mesh; stable.
     pub(crate) fn batch_by_mesh(&mut self) {
         self.instances.clear();
         self.batches.clear();
-        let mut counts = [0u32; MESHES];
-        let mut ids = [None; MESHES];
-        for (mesh, _) in &self.pending {
-            counts[*mesh as usize] += 1;
-            ids[*mesh as usize] = Some(*mesh);
+        let key = |mesh: MeshId, group: DrawGroup| group as usize * MESHES + mesh as usize;
+        let mut counts = [0u32; MESHES * DrawGroup::COUNT];
+        let mut ids = [None; MESHES * DrawGroup::COUNT];
+        for (mesh, group, _) in &self.pending {
+            counts[key(*mesh, *group)] += 1;
+            ids[key(*mesh, *group)] = Some((*mesh, *group));
         }
-        let mut next = [0u32; MESHES];
+        let mut next = [0u32; MESHES * DrawGroup::COUNT];
         let mut first = 0;
-        for (i, mesh) in ids.into_iter().enumerate() {
+        for (i, id) in ids.into_iter().enumerate() {
             next[i] = first;
-            if let Some(mesh) = mesh {
-                self.batches.push(Batch { mesh, first, count: counts[i] });
+            if let Some((mesh, group)) = id {
+                self.batches.push(Batch { mesh, group, first, count: counts[i] });
             }
             first += counts[i];
         }
         self.instances.resize(self.pending.len(), MeshInstance::zeroed());
-        for (mesh, instance) in &self.pending {
-            let at = &mut next[*mesh as usize];
+        for (mesh, group, instance) in &self.pending {
+            let at = &mut next[key(*mesh, *group)];
             self.instances[*at as usize] = *instance;
             *at += 1;
         }
+    }
+}
+
+impl Batch {
+    /// Whether it is drawn into the shadow map.
+    #[must_use]
+    pub fn casts_shadow(&self) -> bool {
+        self.mesh.casts_shadow() && self.group == self.mesh.draw_group()
     }
 }
 

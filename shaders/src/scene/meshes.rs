@@ -38,8 +38,10 @@ pub enum DrawGroup {
     Handheld,
     /// The room, bench and stool.
     Surroundings,
-    /// Chips and dust, blended by the tint's fourth component.
+    /// Chips and dust, blended by the tint's fourth component; guides likewise.
     Particles,
+    /// What is seen only where something is in front of it, blended likewise.
+    Hidden,
 }
 
 /// What a hand does.
@@ -52,6 +54,11 @@ pub enum HandShape {
 }
 
 include!(concat!(env!("OUT_DIR"), "/meshes.rs"));
+
+impl DrawGroup {
+    /// How many there are.
+    pub(crate) const COUNT: usize = 4;
+}
 
 impl MeshId {
     /// The mesh of a tool's body.

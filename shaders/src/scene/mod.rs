@@ -11,6 +11,7 @@
 pub mod assembly;
 pub mod draw;
 mod found;
+mod guides;
 mod island;
 pub mod meshes;
 pub mod particles;

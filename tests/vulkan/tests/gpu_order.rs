@@ -42,7 +42,7 @@ fn the_order_shades_less_than_the_others() {
             grips: [None, Some(grip)],
             show_hands: true,
             tick_fraction: 1.0,
-            time_seconds: 0.0,
+            ..LatestInput::default()
         };
         let mut scene = SceneAssembler::new();
         scene.assemble_frame(&studio.world, &fresh);

@@ -57,6 +57,7 @@ pub(super) struct BitGuide<const N: usize> {
     lifted: bool,
     behind: u32,
     heading: Heading,
+    next_bite: Option<Vec3>,
 }
 
 impl<const N: usize> BitGuide<N>
@@ -73,6 +74,7 @@ where
             lifted: false,
             behind: 0,
             heading: Heading::default(),
+            next_bite: None,
         }
     }
 
@@ -84,6 +86,11 @@ where
     /// Distance from the eye to the last hit, in metres.
     pub(super) const fn last_hit_distance_m(&self) -> f32 {
         self.hit_distance_m
+    }
+
+    /// Where a pull of the trigger takes the bit that lies over the surface, in metres of the room.
+    pub(super) const fn next_bite(&self) -> Option<Vec3> {
+        self.next_bite
     }
 
     /// Whether the bit has lagged for more than [`STUCK_TICKS`]. Clears the count if so.
@@ -122,10 +129,13 @@ where
                 };
                 let BitOrientation { rotation, centre_height_m } =
                     bit_orientation(aim.bit, normal, up);
+                let inward = frame.to_room(&paros_core::edit::Pose::ZERO).1 * -normal;
+                self.next_bite = Some(inward * (aim.depth_m + CLEARANCE_M));
                 let depth_m = if aim.running { aim.depth_m } else { -CLEARANCE_M };
                 (point + normal * ((centre_height_m - depth_m) / frame.voxel_metres()), rotation)
             }
             None => {
+                self.next_bite = None;
                 // Beside the sculpture the distance from the eye is kept.
                 let middle = Vec3::new(0.5, 0.4, 0.5) * N as f32;
                 let far = (middle - eye).dot(way);

@@ -70,7 +70,7 @@ impl Renderer {
                 device.cmd_draw(commands, BOX_STRIP_VERTICES, 1, 0, 0);
                 device.cmd_bind_pipeline(commands, GRAPHICS, meshes);
             }
-            for batch in scene.batches().iter().filter(|batch| batch.mesh.casts_shadow()) {
+            for batch in scene.batches().iter().filter(|batch| batch.casts_shadow()) {
                 self.draw_bound_batch(commands, batch);
             }
         });
@@ -144,6 +144,7 @@ impl Renderer {
                 });
             }
             if let Some(scene) = request.scene {
+                self.record_group_of_bound_meshes(commands, scene, DrawGroup::Hidden);
                 self.record_group_of_bound_meshes(commands, scene, DrawGroup::Particles);
             }
             self.overlay.record_draws(commands, target.extent);
@@ -204,12 +205,13 @@ impl Renderer {
     ) {
         let pipeline = match group {
             DrawGroup::Particles => self.pipelines.particles,
+            DrawGroup::Hidden => self.pipelines.hidden,
             DrawGroup::Handheld | DrawGroup::Surroundings => self.pipelines.meshes,
         };
         // SAFETY: the pass is the pipeline's.
         unsafe { self.gpu.device.cmd_bind_pipeline(commands, GRAPHICS, pipeline) };
         // The room is the first of the list and behind all else.
-        for batch in scene.batches().iter().rev().filter(|batch| batch.mesh.draw_group() == group) {
+        for batch in scene.batches().iter().rev().filter(|batch| batch.group == group) {
             self.draw_bound_batch(commands, batch);
         }
     }

@@ -40,9 +40,10 @@ pub(crate) struct Pipelines {
     pub(crate) march_starts: [vk::Pipeline; 2],
     fast: vk::Pipeline,
     paper: [vk::Pipeline; 4],
-    /// Scene meshes, and particles.
+    /// Scene meshes, particles, and what is seen where something hides it.
     pub(crate) meshes: vk::Pipeline,
     pub(crate) particles: vk::Pipeline,
+    pub(crate) hidden: vk::Pipeline,
     /// Shadow casters: scene meshes, and the sculpture.
     pub(crate) shadow_casters: [vk::Pipeline; 2],
 }
@@ -56,6 +57,9 @@ pub(crate) struct PassHandles {
 
 /// Depth test of the frame's pass: reversed, 1 on the near plane.
 const NEARER: vk::CompareOp = vk::CompareOp::GREATER_OR_EQUAL;
+
+/// Depth test of what something hides. What is drawn as it is hides nothing of itself.
+const FARTHER: vk::CompareOp = vk::CompareOp::LESS;
 
 impl Pipelines {
     pub(crate) fn new(
@@ -80,6 +84,7 @@ impl Pipelines {
             paper: [null; 4],
             meshes: null,
             particles: null,
+            hidden: null,
             shadow_casters: [null; 2],
         };
         all.create_layouts()?;
@@ -157,6 +162,8 @@ impl Pipelines {
         };
         self.meshes = self.create_pipeline(&meshes)?;
         self.particles = self.create_pipeline(&particles)?;
+        let hidden = PipelineSpec { depth: Some(FARTHER), ..particles };
+        self.hidden = self.create_pipeline(&hidden)?;
         Ok(())
     }
 
@@ -233,7 +240,7 @@ impl Drop for Pipelines {
         let device = &self.gpu.device;
         // SAFETY: the owner waits for the device before it drops what was submitted.
         unsafe {
-            let scene = [self.fast, self.meshes, self.particles];
+            let scene = [self.fast, self.meshes, self.particles, self.hidden];
             let all = self
                 .march_starts
                 .into_iter()
