@@ -65,6 +65,7 @@ fn all_meshes() -> Vec<(String, MeshLight, MeshBuilder)> {
         all.push((format!("{name}LeftHand"), MeshLight::Alone, hands::left_hand(shape)));
         all.push((format!("{name}RightHand"), MeshLight::Alone, hands::right_hand(shape)));
     }
+    all.push(("Shard".to_owned(), MeshLight::None, furniture::shard_mesh()));
     all.push(("Chip".to_owned(), MeshLight::None, furniture::chip_mesh()));
     all.push(("Speck".to_owned(), MeshLight::None, furniture::speck_mesh()));
     all

@@ -276,6 +276,29 @@ pub(crate) fn chip_mesh() -> MeshBuilder {
 }
 
 /// A speck of dust, about 1 across.
+/// A piece of rough stone, about a unit wide: what a falling piece is drawn of.
+pub(crate) fn shard_mesh() -> MeshBuilder {
+    let mut mesh = MeshBuilder::default();
+    let corner = |i: usize| {
+        let sign = |k: usize| if i >> k & 1 == 0 { -0.5 } else { 0.5 };
+        let part = |k: usize| 0.8 + 0.35 * hash_fraction((8 * k + i) as u32 + 300);
+        Vec3::new(sign(0) * part(0), sign(1) * part(1), sign(2) * part(2))
+    };
+    // Two triangles a face, each flat by itself.
+    for (axis, side) in [(0, 0), (0, 1), (1, 0), (1, 1), (2, 0), (2, 1)] {
+        let (u, w) = ((axis + 1) % 3, (axis + 2) % 3);
+        let at = |a: usize, b: usize| corner(side << axis | a << u | b << w);
+        let [a, b, c, d] = [at(0, 0), at(1, 0), at(1, 1), at(0, 1)];
+        let faces = if side == 1 { [[a, b, c], [a, c, d]] } else { [[a, c, b], [a, d, c]] };
+        for [a, b, c] in faces {
+            let normal = (b - a).cross(c - a).normalize();
+            let corners = [a, b, c].map(|p| mesh.add_corner(p, normal, Vec3::ONE));
+            mesh.triangles.push(corners);
+        }
+    }
+    mesh
+}
+
 pub(crate) fn speck_mesh() -> MeshBuilder {
     let v = Vec3::new;
     faceted_octahedron(&[

@@ -42,6 +42,54 @@ impl IslandLattice {
         }
     }
 
+    /// Whether the sample nearest to a point, in voxels of the grid, is occupied.
+    pub(super) fn holds(&self, grid_side: usize, point: Vec3) -> bool {
+        let step = grid_side.div_ceil(LATTICE) as f32;
+        let at = (point / step).floor();
+        let is_in = at.cmpge(Vec3::ZERO).all() && at.cmplt(Vec3::splat(LATTICE as f32)).all();
+        let [x, y, z] = at.to_array().map(|c| c as usize);
+        is_in && self.rows[y][z] >> x & 1 != 0
+    }
+
+    /// Calls `visit_grid_point` with the positions, in voxels, of samples that the last tick removed and that have a
+    /// neighbour which it didn't: those that are seen of what they made. At most `most` of them; returns how
+    /// wide each is that they hide what they made, in voxels.
+    pub(super) fn for_removed_outer_samples(
+        &self,
+        grid_side: usize,
+        most: usize,
+        mut visit_grid_point: impl FnMut(Vec3),
+    ) -> f32 {
+        let step = grid_side.div_ceil(LATTICE);
+        let row = |y: usize, z: usize| {
+            if y < LATTICE && z < LATTICE { self.removed[y][z] } else { 0 }
+        };
+        let outer = |y: usize, z: usize| {
+            let around = row(y.wrapping_sub(1), z)
+                & row(y + 1, z)
+                & row(y, z.wrapping_sub(1))
+                & row(y, z + 1);
+            let here = self.removed[y][z];
+            here & !(around & here << 1 & here >> 1)
+        };
+        let places = (0..LATTICE).flat_map(|y| (0..LATTICE).map(move |z| (y, z)));
+        let total: u32 = places.clone().map(|(y, z)| outer(y, z).count_ones()).sum();
+        let stride = (total as usize).div_ceil(most).max(1);
+        let mut count = 0;
+        for (y, z) in places {
+            let outer = outer(y, z);
+            for x in (0..LATTICE).filter(|x| outer >> x & 1 != 0) {
+                if count % stride == 0 {
+                    let at = [x, y, z].map(|i| (i * step + step / 2) as f32 + 0.5);
+                    visit_grid_point(Vec3::from_array(at));
+                }
+                count += 1;
+            }
+        }
+        // Fewer samples stand for as much surface.
+        step as f32 * (stride as f32).sqrt()
+    }
+
     /// Calls `visit_grid_point` with the positions, in voxels, of samples that the last tick removed,
     /// at most [`ISLAND_MOTES`] of them; `grid_side` is in voxels.
     pub(super) fn for_some_removed_samples(

@@ -10,6 +10,7 @@
 
 pub mod assembly;
 pub mod draw;
+mod falling;
 mod found;
 mod guides;
 mod island;
@@ -20,6 +21,7 @@ pub mod refusal;
 
 pub use assembly::{LatestInput, SceneAssembler, SculpturePlacement};
 pub use draw::{Batch, DrawList, DrawListCapacity, MeshInstance};
+pub use falling::MAX_FALL_SECONDS;
 pub use meshes::{DrawGroup, HandShape, MESHES, MeshId, MeshRange, MeshVertex};
 
 pub use crate::constants::{SUN_COLOR, SUN_DIRECTION};

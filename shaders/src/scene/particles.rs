@@ -168,7 +168,7 @@ impl Particle {
 
 /// Height of the ground under a point, in metres: stool, bench or floor, if `previous_height` was above
 /// it.
-fn ground_height_metres(point: Vec3, previous_height: f32) -> f32 {
+pub(super) fn ground_height_metres(point: Vec3, previous_height: f32) -> f32 {
     let aside = point - STOOL_TOP;
     let on_stool = aside.x * aside.x + aside.z * aside.z < 0.55 * BOX_SIDE * BOX_SIDE;
     let on_bench = (0.3..0.9).contains(&point.x) && (-0.8..0.2).contains(&point.z);

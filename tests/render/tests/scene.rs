@@ -11,10 +11,10 @@ use paros_models::scripted_hand::{
     RIGHT, hand_input_at, input_with_hand, squeeze_and_release, step_with_bit_at, take_item,
 };
 use paros_models::world_harness::WorldHarness;
-use paros_shaders::limits::{INSTANCES, PARTICLES};
-use paros_shaders::scene::particles::{MAX_LIFE_SECONDS, MOTE_SECONDS};
+use paros_shaders::limits::{INSTANCES, PARTICLES, PIECE_CELLS};
+use paros_shaders::scene::particles::MAX_LIFE_SECONDS;
 use paros_shaders::scene::{
-    HandShape, LatestInput, MESHES, MeshId, ROOM_AMBIENT, SceneAssembler, meshes,
+    HandShape, LatestInput, MAX_FALL_SECONDS, MESHES, MeshId, ROOM_AMBIENT, SceneAssembler, meshes,
 };
 
 static STUDIO: Mutex<WorldHarness<64>> = Mutex::new(WorldHarness::new());
@@ -26,7 +26,7 @@ fn lock_studio() -> MutexGuard<'static, WorldHarness<64>> {
 /// All meshes, by what holds of them.
 fn all_meshes() -> Vec<MeshId> {
     let mut all = vec![MeshId::Room, MeshId::Outside, MeshId::Workbench, MeshId::StoolBase];
-    all.extend([MeshId::StoolTop, MeshId::Chip, MeshId::Speck]);
+    all.extend([MeshId::StoolTop, MeshId::Shard, MeshId::Chip, MeshId::Speck]);
     all.extend(Tool::ALL.map(MeshId::of_tool));
     all.extend(ToolBit::ALL.map(MeshId::of_bit));
     all.extend([HandShape::Closed, HandShape::Open].map(MeshId::of_left_hand));
@@ -291,7 +291,7 @@ fn the_same_ticks_and_times_show_the_same() {
 }
 
 #[test]
-fn a_removed_island_leaves_a_trace_where_it_was() {
+fn a_removed_island_falls_as_a_piece_and_breaks() {
     let mut studio = lock_studio();
     // A stone on a thin stem, which is cut.
     studio.start_from_voxels(|[x, y, z]| {
@@ -304,31 +304,39 @@ fn a_removed_island_leaves_a_trace_where_it_was() {
     take_item(&mut studio, RIGHT, BenchItem::Tool(Tool::Rotary));
     let mut removed = false;
     stroke_until(&mut studio, |studio| {
-        removed = studio
-            .world
-            .events()
-            .iter()
-            .any(|e| matches!(e, WorldEvent::Islands(r) if r.removed > 0));
+        let falls = |e: &WorldEvent| matches!(e, WorldEvent::Islands(r) if r.removed > 0);
+        removed = studio.world.events().iter().any(falls);
         scene.assemble_frame(&studio.world, &fresh_at(0.0));
         removed
     });
     assert!(removed);
-    let motes = scene.draw_list().instances_of(MeshId::Chip);
-    assert!(motes.len() > 30, "{}", motes.len());
     let voxel = studio.world.stool_frame().voxel_metres();
-    let high = motes
-        .iter()
-        .filter(|m| (m.transform_point(Vec3::ZERO).y - STOOL_TOP.y) / voxel > 38.0)
-        .count();
-    assert!(high > 30, "{high} over where it was");
-    for i in 1..=(f64::from(MOTE_SECONDS) * 72.0) as u32 + 1 {
-        scene.assemble_frame(&studio.world, &fresh_at(f64::from(i) / 72.0));
+    // In voxels over the stool.
+    let heights = |scene: &SceneAssembler, mesh| -> Vec<f32> {
+        let shards = scene.draw_list().instances_of(mesh).iter();
+        shards.map(|m| (m.transform_point(Vec3::ZERO).y - STOOL_TOP.y) / voxel).collect()
+    };
+    let mean = |heights: &[f32]| heights.iter().sum::<f32>() / heights.len() as f32;
+    let at_first = heights(&scene, MeshId::Shard);
+    assert!((40..=PIECE_CELLS).contains(&at_first.len()), "{}", at_first.len());
+    assert!((mean(&at_first) - 48.0).abs() < 2.0, "{}", mean(&at_first));
+    scene.assemble_frame(&studio.world, &fresh_at(0.1));
+    let later = heights(&scene, MeshId::Shard);
+    assert_eq!(later.len(), at_first.len(), "it falls as one piece");
+    assert!(mean(&later) < mean(&at_first) - 4.0, "{} voxels high", mean(&later));
+    let mut time = 0.1;
+    while !heights(&scene, MeshId::Shard).is_empty() {
+        time += 1.0 / 72.0;
+        assert!(time < f64::from(MAX_FALL_SECONDS) + 0.1, "it hangs in the air");
+        scene.assemble_frame(&studio.world, &fresh_at(time));
     }
-    let left = scene.draw_list().instances_of(MeshId::Chip);
-    assert!(
-        left.iter().all(|m| (m.transform_point(Vec3::ZERO).y - STOOL_TOP.y) / voxel < 38.0),
-        "the trace fades"
-    );
+    let chips = heights(&scene, MeshId::Chip);
+    assert!(chips.len() >= at_first.len() / 2, "{} chips", chips.len());
+    assert!(mean(&chips) < 40.0, "they lie where it landed");
+    for i in 1..=(f64::from(MAX_LIFE_SECONDS) * 72.0) as u32 + 1 {
+        scene.assemble_frame(&studio.world, &fresh_at(time + f64::from(i) / 72.0));
+    }
+    assert_eq!(heights(&scene, MeshId::Chip), [], "and are gone");
 }
 
 /// Drives the burr through the stem until `each` has seen enough.

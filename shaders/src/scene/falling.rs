@@ -1,0 +1,178 @@
+//! Falling pieces: what an island's removal left of the stone, until it lands and breaks into chips.
+//!
+//! Cosmetic only, as the particles are. A piece is the coarse cells that it was of; it falls as one body, slides off
+//! the stone that it lies on, and is gone where it meets stool, bench or floor.
+
+use glam::{Affine3A, Quat, Vec3};
+use paros_core::edit::Pose;
+use paros_core::internals::STOOL_TOP;
+use paros_core::session::StoolFrame;
+
+use super::draw::DrawList;
+use super::island::IslandLattice;
+use super::meshes::MeshId;
+use super::particles::{
+    MAX_STEP_SECONDS, ParticleKind, Particles, ground_height_metres, random_in_cube,
+};
+use crate::constants::MARBLE_BASE_COLOR;
+use crate::limits::{FALLING_PIECES, PIECE_CELLS};
+
+/// Longest fall, in seconds: then it breaks where it is.
+pub const MAX_FALL_SECONDS: f32 = 2.0;
+
+/// Speed at which a piece slides off the stone, away from the stool's middle, in metres a second.
+const SLIDE_SPEED: f32 = 0.45;
+
+/// A piece of fewer cells is dust at once.
+const LEAST_CELLS: usize = 2;
+
+/// How much larger than a cell its shard is drawn, so that a piece has no holes.
+const OVERLAP: f32 = 1.35;
+
+#[derive(Clone, Debug)]
+struct Piece {
+    /// Of each cell, from the piece's middle, in metres. Keeps its capacity.
+    cells: Vec<Vec3>,
+    cell_size: f32,
+    position: Vec3,
+    rotation: Quat,
+    velocity: Vec3,
+    spin: Vec3,
+    seconds_left: f32,
+    seed: u64,
+}
+
+/// The pieces that fall.
+#[derive(Debug)]
+pub(super) struct FallingPieces {
+    pieces: Vec<Piece>,
+    next: usize,
+}
+
+impl FallingPieces {
+    /// None yet. All memory is allocated here.
+    pub(super) fn new() -> Self {
+        let piece = || Piece {
+            cells: Vec::with_capacity(PIECE_CELLS),
+            cell_size: 0.0,
+            position: Vec3::ZERO,
+            rotation: Quat::IDENTITY,
+            velocity: Vec3::ZERO,
+            spin: Vec3::ZERO,
+            seconds_left: 0.0,
+            seed: 0,
+        };
+        FallingPieces { pieces: (0..FALLING_PIECES).map(|_| piece()).collect(), next: 0 }
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.pieces.iter_mut().for_each(|piece| piece.seconds_left = 0.0);
+    }
+
+    /// Lets what the last tick removed fall, in the place of the oldest piece. Returns whether it was large enough.
+    pub(super) fn drop_removed(
+        &mut self,
+        lattice: &IslandLattice,
+        grid_side: usize,
+        frame: &StoolFrame,
+        seed: u64,
+    ) -> bool {
+        let piece = &mut self.pieces[self.next];
+        piece.cells.clear();
+        let cells = &mut piece.cells;
+        let cell_voxels = lattice.for_removed_outer_samples(grid_side, PIECE_CELLS, |voxel| {
+            cells.push(frame.to_room(&Pose { position: voxel, rotation: Quat::IDENTITY }).0);
+        });
+        piece.seconds_left = 0.0;
+        if piece.cells.len() < LEAST_CELLS {
+            return false;
+        }
+        let middle = piece.cells.iter().sum::<Vec3>() / piece.cells.len() as f32;
+        piece.cells.iter_mut().for_each(|cell| *cell -= middle);
+        piece.cell_size = cell_voxels * frame.voxel_metres();
+        (piece.position, piece.rotation) = (middle, Quat::IDENTITY);
+        piece.velocity = Vec3::ZERO;
+        piece.spin = random_in_cube(seed, 40) * 0.8;
+        piece.seconds_left = MAX_FALL_SECONDS;
+        piece.seed = seed;
+        self.next = (self.next + 1) % FALLING_PIECES;
+        true
+    }
+
+    /// Integrates all pieces over a time step in seconds; those that land break into `particles`.
+    pub(super) fn advance_time(
+        &mut self,
+        seconds: f32,
+        (lattice, grid_side): (&IslandLattice, usize),
+        frame: &StoolFrame,
+        particles: &mut Particles,
+    ) {
+        let seconds = seconds.clamp(0.0, MAX_STEP_SECONDS);
+        for piece in self.pieces.iter_mut().filter(|piece| piece.seconds_left > 0.0) {
+            let is_on_stone = piece.places().any(|at| {
+                let pose = frame.to_grid(at, Quat::IDENTITY);
+                lattice.holds(grid_side, pose.position)
+            });
+            if piece.advance_time(seconds, is_on_stone) {
+                piece.break_into(particles);
+            }
+        }
+    }
+
+    pub(super) fn add_instances(&self, list: &mut DrawList) {
+        for piece in self.pieces.iter().filter(|piece| piece.seconds_left > 0.0) {
+            for (i, at) in (0u64..).zip(piece.places()) {
+                let turned = random_in_cube(piece.seed.wrapping_add(i), 20);
+                let rotation =
+                    piece.rotation * Quat::from_xyzw(turned.x, turned.y, turned.z, 1.6).normalize();
+                let scale = Vec3::splat(OVERLAP * piece.cell_size);
+                let shard = Affine3A::from_scale_rotation_translation(scale, rotation, at);
+                let [r, g, b] = MARBLE_BASE_COLOR;
+                list.add(MeshId::Shard, shard, [r, g, b, 0.0]);
+            }
+        }
+    }
+}
+
+impl Piece {
+    /// Where its cells are, in the room.
+    fn places(&self) -> impl Iterator<Item = Vec3> {
+        self.cells.iter().map(|cell| self.position + self.rotation * *cell)
+    }
+
+    /// Moves it on; returns whether it lands.
+    fn advance_time(&mut self, seconds: f32, is_on_stone: bool) -> bool {
+        self.seconds_left -= seconds;
+        let before = self.position.y;
+        if is_on_stone {
+            let away = (self.position - STOOL_TOP) * Vec3::new(1.0, 0.0, 1.0);
+            let way = away.try_normalize().unwrap_or(Vec3::Z);
+            self.velocity = self.velocity.lerp(way * SLIDE_SPEED, (8.0 * seconds).min(1.0));
+            self.velocity.y = self.velocity.y.min(0.0);
+        } else {
+            self.velocity.y -= 9.81 * seconds;
+        }
+        self.position += self.velocity * seconds;
+        let turn = self.spin * (0.5 * seconds);
+        self.rotation = (Quat::from_xyzw(turn.x, turn.y, turn.z, 1.0) * self.rotation).normalize();
+        let fell = self.position.y - before;
+        let half = 0.5 * self.cell_size;
+        let lands = self.places().any(|at| {
+            let height = at.y - fell;
+            at.y - half < ground_height_metres(at, height)
+        });
+        lands && self.velocity.y < 0.0 || self.seconds_left <= 0.0
+    }
+
+    /// Turns it into chips and dust where its cells are.
+    fn break_into(&mut self, particles: &mut Particles) {
+        self.seconds_left = 0.0;
+        for (i, at) in (0u64..).zip(self.places()) {
+            let seed = self.seed.wrapping_add(512 + 2 * i);
+            let aside = random_in_cube(seed, 10);
+            let way = self.velocity * Vec3::new(0.5, 0.0, 0.5) + aside * 0.5 + Vec3::Y * 0.5;
+            particles.spawn(ParticleKind::Chip, at + aside * (0.5 * self.cell_size), way, seed);
+            particles.spawn(ParticleKind::Dust, at, way * 0.6, seed + 1);
+        }
+    }
+}
