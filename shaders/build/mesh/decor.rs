@@ -7,7 +7,8 @@ use super::paint::{
     BRASS, CAST, CLAY, FRAME, IRON, LEAF, OAK, PLASTER, STONE, WALNUT, hash_fraction, vary_colour,
 };
 use super::shapes::{
-    ball, bevelled_beam, bevelled_box, divided_box, lathe_about_y, upright_rounded_post,
+    ball, bevelled_beam, bevelled_box, divided_box, lathe_about_y, round_profile,
+    upright_rounded_post,
 };
 use super::{MeshBuilder, translation};
 
@@ -38,10 +39,10 @@ pub(super) fn add_shelves(mesh: &mut MeshBuilder) {
         }
     }
     let z = back + 0.135;
-    mesh.append(&ball(0.09, 24, CAST), translation(0.86, 1.45, z));
+    mesh.append(&ball(0.09, 32, CAST), translation(0.86, 1.45, z));
     let cone =
         [(0.0, 0.0), (0.088, 0.0), (0.092, 0.004), (0.092, 0.01), (0.004, 0.215), (0.0, 0.218)];
-    mesh.append(&lathe_about_y(&cone.map(|(r, y)| (r, y, CAST)), 24), translation(1.15, 1.36, z));
+    mesh.append(&lathe_about_y(&cone.map(|(r, y)| (r, y, CAST)), 32), translation(1.15, 1.36, z));
     let cube =
         Affine3A::from_rotation_translation(glam::Quat::from_rotation_y(0.6), v(1.44, 1.435, z));
     mesh.append(&bevelled_box(Vec3::splat(0.075), 0.006, CAST), cube);
@@ -55,8 +56,8 @@ pub(super) fn add_shelves(mesh: &mut MeshBuilder) {
         glam::Quat::IDENTITY,
         v(0.9, 2.03, z),
     );
-    mesh.append(&ball(1.0, 20, CAST), egg);
-    mesh.append(&upright_rounded_post(0.055, 0.22, 0.006, 24, CAST), translation(1.2, 1.9, z));
+    mesh.append(&ball(1.0, 28, CAST), egg);
+    mesh.append(&upright_rounded_post(0.055, 0.22, 0.006, 32, CAST), translation(1.2, 1.9, z));
     mesh.append(&plaster_bust(), translation(1.55, 1.9, z));
     for (i, wide) in [0.036f32, 0.03, 0.042, 0.026, 0.034].into_iter().enumerate() {
         let x = 1.93 + 0.075 * i as f32;
@@ -91,20 +92,21 @@ fn plaster_bust() -> MeshBuilder {
         (0.0, 0.21),
     ];
     let flat = Affine3A::from_scale(Vec3::new(1.0, 1.0, 0.72));
-    bust.append(&lathe_about_y(&rings.map(|(r, y)| (r, y, CAST)), 24), flat);
+    let rounded = round_profile(&rings.map(|(r, y)| (r, y, CAST)), 2);
+    bust.append(&lathe_about_y(&rounded, 32), flat);
     let turned = glam::Quat::from_rotation_y(-0.6) * glam::Quat::from_rotation_x(0.12);
     let skull = Affine3A::from_scale_rotation_translation(
         Vec3::new(0.058, 0.08, 0.07),
         turned,
         Vec3::new(0.0, 0.265, 0.004),
     );
-    bust.append(&ball(1.0, 20, CAST), skull);
+    bust.append(&ball(1.0, 28, CAST), skull);
     let nose = Affine3A::from_scale_rotation_translation(
         Vec3::new(0.011, 0.026, 0.016),
         turned,
         Vec3::new(-0.036, 0.26, 0.06),
     );
-    bust.append(&ball(1.0, 10, CAST), nose);
+    bust.append(&ball(1.0, 16, CAST), nose);
     bust
 }
 
@@ -126,16 +128,16 @@ fn vase_about_y(colour: Vec3) -> MeshBuilder {
         (0.026, 0.23),
         (0.0, 0.22),
     ];
-    lathe_about_y(&rings.map(|(r, y)| (r, y, colour)), 24)
+    lathe_about_y(&round_profile(&rings.map(|(r, y)| (r, y, colour)), 2), 32)
 }
 
 /// A torus about y, around the origin.
 fn torus_about_y(ring_radius: f32, tube_radius: f32) -> MeshBuilder {
     let ring = |i: u32| {
-        let angle = core::f32::consts::TAU * (i % 12) as f32 / 12.0;
+        let angle = core::f32::consts::TAU * (i % 18) as f32 / 18.0;
         (ring_radius + tube_radius * angle.cos(), tube_radius * angle.sin(), CAST)
     };
-    lathe_about_y(&(0..=12).map(ring).collect::<Vec<_>>(), 24)
+    lathe_about_y(&(0..=18).map(ring).collect::<Vec<_>>(), 32)
 }
 
 /// Blocks of stone in one corner; in the other a plinth with an amphora.
@@ -206,10 +208,10 @@ pub(super) fn add_lamp(mesh: &mut MeshBuilder) {
         (0.06, 0.105, CAST),
         (0.0, 0.118, CAST),
     ];
-    let mut dome = lathe_about_y(&rings.map(|(r, y, c)| (r, -y, c)), 24);
+    let mut dome = lathe_about_y(&round_profile(&rings.map(|(r, y, c)| (r, -y, c)), 2), 32);
     dome = dome.transformed(Affine3A::from_rotation_x(core::f32::consts::PI));
     mesh.append(&dome, at);
-    mesh.append(&ball(0.035, 14, CAST), at * translation(0.0, 0.06, 0.0));
+    mesh.append(&ball(0.035, 20, CAST), at * translation(0.0, 0.06, 0.0));
     mesh.append(
         &upright_rounded_post(0.02, 0.07, 0.004, 16, BRASS),
         at * translation(0.0, 0.125, 0.0),
@@ -235,7 +237,7 @@ pub(super) fn add_pot_plant(mesh: &mut MeshBuilder, foot: Vec3, scale: f32) {
         (0.066, 0.125),
         (0.0, 0.12),
     ];
-    mesh.append(&lathe_about_y(&rings.map(|(r, y)| (r, y, CLAY)), 24), at);
+    mesh.append(&lathe_about_y(&rings.map(|(r, y)| (r, y, CLAY)), 30), at);
     for i in 0..18u32 {
         let angle = 2.4 * i as f32;
         let out = 0.03 + 0.075 * hash_fraction(i);
@@ -243,7 +245,7 @@ pub(super) fn add_pot_plant(mesh: &mut MeshBuilder, foot: Vec3, scale: f32) {
             Vec3::new(out * angle.cos(), 0.17 + 0.16 * hash_fraction(i + 40), out * angle.sin());
         let turn = glam::Quat::from_rotation_y(-angle)
             * glam::Quat::from_rotation_z(-0.5 - 0.9 * hash_fraction(i + 90));
-        let leaf = ball(1.0, 6, vary_colour(LEAF, 0.4, i));
+        let leaf = ball(1.0, 8, vary_colour(LEAF, 0.4, i));
         let shape =
             Affine3A::from_scale_rotation_translation(Vec3::new(0.022, 0.05, 0.009), turn, tip);
         mesh.append(&leaf, at * shape);

@@ -101,7 +101,7 @@ fn add_board_items(mesh: &mut MeshBuilder) {
         (0.0, 0.018),
     ];
     mesh.append(
-        &lathe_about_y(&bucket.map(|(r, y)| (r, y, IRON * 2.2)), 24),
+        &lathe_about_y(&bucket.map(|(r, y)| (r, y, IRON * 2.2)), 36),
         translation(0.62, 0.224, -0.02),
     );
 }
@@ -122,7 +122,7 @@ fn add_brush_jar(mesh: &mut MeshBuilder) {
     ];
     let jar_at = v(0.8, BENCH_TOP, 0.1);
     mesh.append(
-        &lathe_about_y(&jar.map(|(r, y)| (r, y, CLAY)), 20),
+        &lathe_about_y(&jar.map(|(r, y)| (r, y, CLAY)), 32),
         Affine3A::from_translation(jar_at),
     );
     for i in 0..5u32 {
@@ -139,7 +139,7 @@ fn add_brush_jar(mesh: &mut MeshBuilder) {
             Quat::from_rotation_y(angle),
             tip,
         );
-        mesh.append(&super::shapes::ball(1.0, 6, [IRON, BRASS, CAST][i as usize % 3]), top);
+        mesh.append(&super::shapes::ball(1.0, 10, [IRON, BRASS, CAST][i as usize % 3]), top);
     }
 }
 
@@ -194,7 +194,7 @@ pub(crate) fn stool_base() -> MeshBuilder {
         (0.165, STOOL_TOP.y - TOP - 0.006, BRASS),
         (0.0, STOOL_TOP.y - TOP - 0.006, BRASS),
     ];
-    mesh.append(&lathe_about_y(&rings, 30), translation(STOOL_TOP.x, 0.0, STOOL_TOP.z));
+    mesh.append(&lathe_about_y(&rings, 36), translation(STOOL_TOP.x, 0.0, STOOL_TOP.z));
     mesh
 }
 

@@ -13,13 +13,13 @@ use crate::constants::{SUN_COLOR, SUN_DIRECTION};
 use crate::harmonics::{irradiance_over_pi, sh_basis};
 
 /// Rays cast from a corner of a standing thing.
-const CORNER_RAYS: usize = 48;
+const CORNER_RAYS: usize = 64;
 /// Rays cast from a corner of a carried thing, for its self-occlusion.
 const OWN_RAYS: usize = 32;
 /// Corners in one cell of this side, in metres, share an openness.
 const CLOSE: f32 = 0.02;
 /// Passes that smooth the openness.
-const SMOOTHINGS: usize = 3;
+const SMOOTHINGS: usize = 6;
 /// Rays cast from each sample of a group.
 const GROUP_RAYS: usize = 16;
 /// Samples of a group at most.
@@ -233,27 +233,49 @@ fn set_openness(mesh: &mut MeshBuilder, openness_of: impl Fn(&Corner) -> f32 + S
         .collect();
     let open = in_parallel(&firsts, openness_of);
     mesh.corners.iter_mut().zip(shared).for_each(|(corner, i)| corner.openness = open[i]);
+    let welded = weld_corners(mesh);
     for _ in 0..SMOOTHINGS {
-        smooth_openness(mesh);
+        smooth_openness(mesh, &welded);
     }
 }
 
+/// A number for each corner: the same for those in one place that face alike, of which the strips of a smooth surface
+/// have one each.
+fn weld_corners(mesh: &MeshBuilder) -> Vec<usize> {
+    let mut numbers = HashMap::new();
+    let rounded = |v: Vec3, scale: f32| (v * scale).round().to_array().map(|f| f as i32);
+    let key = |corner: &Corner| (rounded(corner.position, 2e4), rounded(corner.normal, 32.0));
+    let keys = mesh.corners.iter().map(key);
+    keys.map(|key| {
+        let next = numbers.len();
+        *numbers.entry(key).or_insert(next)
+    })
+    .collect()
+}
+
 /// Laplacian smoothing: moves each corner's openness half-way to the mean of its neighbours, which
-/// removes the noise of few rays.
-fn smooth_openness(mesh: &mut MeshBuilder) {
+/// removes the noise of few rays. Corners of one number are one.
+fn smooth_openness(mesh: &mut MeshBuilder, welded: &[usize]) {
     let mut sums = vec![(0.0, 0.0); mesh.corners.len()];
+    let mut own = vec![(0.0, 0.0); mesh.corners.len()];
     for triangle in &mesh.triangles {
         for (i, j) in [(0, 1), (1, 2), (2, 0), (1, 0), (2, 1), (0, 2)] {
             let [a, b] = [triangle[i], triangle[j]].map(|k| &mesh.corners[k as usize]);
             if a.normal.dot(b.normal) > 0.8 {
-                let (sum, count) = &mut sums[triangle[i] as usize];
+                let (sum, count) = &mut sums[welded[triangle[i] as usize]];
                 (*sum, *count) = (*sum + b.openness, *count + 1.0);
             }
         }
     }
-    for (corner, (sum, count)) in mesh.corners.iter_mut().zip(sums) {
-        if count > 0.0 {
-            corner.openness = 0.5 * (corner.openness + sum / count);
+    for (corner, number) in mesh.corners.iter().zip(welded) {
+        let (sum, count) = &mut own[*number];
+        (*sum, *count) = (*sum + corner.openness, *count + 1.0);
+    }
+    for (corner, number) in mesh.corners.iter_mut().zip(welded) {
+        let ((around, neighbours), (here, corners)) = (sums[*number], own[*number]);
+        corner.openness = here / corners;
+        if neighbours > 0.0 {
+            corner.openness = 0.5 * (corner.openness + around / neighbours);
         }
     }
 }

@@ -163,7 +163,7 @@ fn add_window(mesh: &mut MeshBuilder) {
         (0.0, 0.009),
     ];
     mesh.append(
-        &lathe_about_y(&cup.map(|(r, y)| (r, y, CAST)), 24),
+        &lathe_about_y(&cup.map(|(r, y)| (r, y, CAST)), 36),
         translation(LOW.x + 0.04, low + 0.03, 0.2),
     );
 }
@@ -244,7 +244,7 @@ fn add_door(mesh: &mut MeshBuilder) {
             FRAME * 0.9,
         );
     }
-    mesh.append(&ball(0.026, 12, BRASS), translation(0.74, 1.05, z - 0.075));
+    mesh.append(&ball(0.026, 20, BRASS), translation(0.74, 1.05, z - 0.075));
     mesh.append(
         &bevelled_beam(
             v(0.74, 1.05, z - 0.02),
@@ -281,7 +281,7 @@ pub(crate) fn outside_mesh() -> MeshBuilder {
         );
         let near = vary_colour(LEAF * 1.3, 0.25, i + 120);
         let colour = near.lerp(Vec3::new(0.50, 0.58, 0.50), 0.2 + 0.4 * far);
-        let mut crown = ball(1.0, 10, colour);
+        let mut crown = ball(1.0, 12, colour);
         for corner in &mut crown.corners {
             corner.colour *= 0.8 + 0.25 * corner.position.y;
         }

@@ -117,15 +117,47 @@ fn add_bevels(mesh: &mut MeshBuilder, sides: &[Vec<u32>], parts: [usize; 3]) {
 /// A profile point of a surface of revolution: radius, height, and the colour of the segment below.
 pub(crate) type Ring = (f32, f32, Vec3);
 
-/// A surface of revolution about y, its profile from the lower end to the upper one. Normals are
-/// smooth where the cosine of the profile's bend is over `SMOOTH`.
-pub(crate) fn lathe_about_y(profile: &[Ring], segments: usize) -> MeshBuilder {
-    const SMOOTH: f32 = 0.75;
-    let mut mesh = MeshBuilder::default();
-    let slope = |i: usize| {
-        let ((r0, y0, _), (r1, y1, _)) = (profile[i], profile[i + 1]);
-        Vec3::new(y1 - y0, r0 - r1, 0.0).normalize()
+/// Cosine of a profile's bend over which it is round there.
+const SMOOTH: f32 = 0.75;
+
+/// Normal of a profile's segment.
+fn profile_normal(profile: &[Ring], segment: usize) -> Vec3 {
+    let ((r0, y0, _), (r1, y1, _)) = (profile[segment], profile[segment + 1]);
+    Vec3::new(y1 - y0, r0 - r1, 0.0).normalize()
+}
+
+/// A profile with so many parts of each of its longer segments, rounded where it isn't bent sharply (Catmull and Rom
+/// 1974).
+pub(crate) fn round_profile(profile: &[Ring], parts: usize) -> Vec<Ring> {
+    const SHORT: f32 = 0.012;
+    let last = profile.len() - 2;
+    let point = |i: usize| Vec3::new(profile[i].0, profile[i].1, 0.0);
+    let is_round = |inner: usize| {
+        profile_normal(profile, inner - 1).dot(profile_normal(profile, inner)) > SMOOTH
     };
+    let mut rounded = vec![profile[0]];
+    for i in 0..=last {
+        let (from, to) = (point(i), point(i + 1));
+        let before = if i > 0 && is_round(i) { point(i - 1) } else { from * 2.0 - to };
+        let after = if i < last && is_round(i + 1) { point(i + 2) } else { to * 2.0 - from };
+        let tangents = [(to - before) * 0.5, (after - from) * 0.5];
+        let parts = if from.distance(to) < SHORT { 1 } else { parts };
+        for part in 1..parts {
+            let t = part as f32 / parts as f32;
+            let (s, u) = (t * t * (3.0 - 2.0 * t), 1.0 - t);
+            let at = from + (to - from) * s + tangents[0] * (t * u * u) - tangents[1] * (t * t * u);
+            rounded.push((at.x.max(1e-4), at.y, profile[i + 1].2));
+        }
+        rounded.push(profile[i + 1]);
+    }
+    rounded
+}
+
+/// A surface of revolution about y, its profile from the lower end to the upper one. Normals are
+/// smooth where the profile is round.
+pub(crate) fn lathe_about_y(profile: &[Ring], segments: usize) -> MeshBuilder {
+    let mut mesh = MeshBuilder::default();
+    let slope = |i: usize| profile_normal(profile, i);
     let last = profile.len() - 2;
     for i in 0..=last {
         let own = slope(i);
