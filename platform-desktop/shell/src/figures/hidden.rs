@@ -105,7 +105,7 @@ impl HiddenStart {
             return Figure::Lump.rasterize_into(maps, bit_grid);
         };
         raster::rasterize(bit_grid, &|p| {
-            let around = (self.figure.signed_distance(p) - reach + lump::wear(p)) * 0.75;
+            let around = (self.figure.signed_distance(p) - reach + 0.85 * lump::fracture(p)) * 0.75;
             max(lump::signed_distance(p), around)
         });
         bit_grid.write_closure(maps);

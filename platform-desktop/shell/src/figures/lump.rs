@@ -1,10 +1,11 @@
-//! The lump: a convex polyhedron with wear (value noise) and furrows of a point chisel.
+//! The lump, as it comes from a quarry: a convex polyhedron of split faces, some of them tooled in furrows by a point
+//! chisel, with the halves of the holes along which it was split off, and with chipped corners.
 
 use std::sync::LazyLock;
 
 use glam::Vec3;
 
-use super::sdf::{clamp_to_unit, max, signed_value_noise, v};
+use super::sdf::{clamp_to_unit, faceted_noise, max, min, signed_value_noise, v};
 
 /// A flat cut: what lies beyond `height` along `normal` is gone.
 struct Facet {
@@ -49,46 +50,121 @@ const CUTS: [([f32; 3], f32); 29] = [
     ([-0.45, 0.35, 1.0], 64.0),
 ];
 
+/// Holes in a face for the wedges that split the block.
+struct Holes {
+    /// The upper end of each one's axis, which lies in the face, and its length.
+    tops: &'static [([f32; 3], f32)],
+    /// The way down the face.
+    down: [f32; 3],
+}
+
+const HOLES: [Holes; 2] = [
+    Holes {
+        tops: &[
+            ([-36.0, 112.0, 58.1], 52.0),
+            ([-22.0, 112.0, 60.9], 47.0),
+            ([-8.0, 112.0, 63.7], 54.0),
+            ([6.0, 112.0, 66.5], 45.0),
+            ([20.0, 112.0, 69.3], 50.0),
+        ],
+        down: [0.019, -0.995, -0.097],
+    },
+    Holes {
+        tops: &[
+            ([58.1, 110.0, -30.0], 42.0),
+            ([56.1, 110.0, -15.0], 48.0),
+            ([54.2, 110.0, 0.0], 43.0),
+            ([52.4, 110.0, 14.0], 47.0),
+        ],
+        down: [0.097, -0.995, 0.013],
+    },
+];
+const HOLE_RADIUS: f32 = 2.7;
+
+/// Chips off corners and edges: balls that bit into the block.
+const CHIPS: [([f32; 3], f32); 11] = [
+    ([62.0, 118.0, 54.0], 22.0),
+    ([-66.0, 112.0, -50.0], 21.0),
+    ([64.0, 122.0, -58.0], 24.0),
+    ([-54.0, 124.0, 62.0], 25.0),
+    ([66.0, 66.0, 62.0], 19.0),
+    ([-68.0, 52.0, 60.0], 20.0),
+    ([-62.0, 40.0, -66.0], 18.0),
+    ([66.0, 24.0, -60.0], 17.0),
+    ([70.0, 8.0, 52.0], 18.0),
+    ([-6.0, 130.0, -66.0], 21.0),
+    ([-70.0, 6.0, -10.0], 16.0),
+];
+
 static FACETS: LazyLock<[Facet; CUTS.len()]> = LazyLock::new(|| {
     std::array::from_fn(|i| {
         let (normal, height) = CUTS[i];
         let normal = Vec3::from(normal).normalize();
         // Any direction that is not the normal's, differing from facet to facet.
         let aside = v(0.3 + 0.1 * (i % 7) as f32, 0.5, 0.9 - 0.2 * (i % 5) as f32);
-        let across = normal.cross(aside).normalize() * (0.09 + 0.012 * (i % 3) as f32);
-        Facet { normal, height, across, bite: [1.1, 0.7, 1.0, 0.3][i % 4] }
+        let across = normal.cross(aside).normalize() * (0.135 + 0.012 * (i % 3) as f32);
+        // Two of three faces were split and left so.
+        Facet { normal, height, across, bite: [0.0, 0.0, 0.85][i % 3] }
     })
 });
 
-/// The most by which chisel and wear move the surface.
+/// The most by which chisel and fracture move the surface.
 const RELIEF: f32 = 5.0;
 
 pub(super) fn signed_distance(p: Vec3) -> f32 {
     let middle = p - v(0.0, 64.0, 0.0);
     let beyond = |facet: &Facet| middle.dot(facet.normal) - facet.height;
-    let flat = FACETS.iter().map(beyond).fold(f32::MIN, max);
+    let taken = max(chips(p), holes(p));
+    let flat = max(FACETS.iter().map(beyond).fold(f32::MIN, max), taken);
     if flat.abs() > RELIEF {
         return if flat > 0.0 { flat - RELIEF } else { flat + RELIEF };
     }
-    let worn = wear(p);
-    // The chisel skips where the stone was split cleanly.
-    let strength = clamp_to_unit(0.8 + 1.5 * signed_value_noise(p * (1.0 / 23.0), 3));
-    let chiselled = |facet: &Facet| {
+    let broken = fracture(p);
+    // The chisel worked in patches.
+    let strength = clamp_to_unit(0.6 + 2.0 * signed_value_noise(p * (1.0 / 23.0), 3));
+    let tooled = |facet: &Facet| {
         let beyond = beyond(facet);
         // Furrows are shallower than this, so farther facets stay behind.
-        if beyond < flat - 3.0 {
-            return beyond;
+        if facet.bite == 0.0 || beyond < flat - 3.0 {
+            return beyond + broken;
         }
-        let furrow = middle.dot(facet.across) + 0.35 * worn;
-        beyond + facet.bite * strength * chisel_wave(furrow)
+        let furrow = middle.dot(facet.across) + 0.12 * broken;
+        // Where it worked, little of the fracture is left.
+        beyond + broken * (1.0 - 0.7 * strength) + facet.bite * strength * chisel_wave(furrow)
     };
-    let rough = FACETS.iter().map(chiselled).fold(f32::MIN, max);
-    (rough + worn + 1.2) * 0.75
+    let rough = FACETS.iter().map(tooled).fold(f32::MIN, max);
+    (max(rough, taken + 0.4 * broken) + 1.0) * 0.7
 }
 
-/// How far a worn surface lies from an even one: within 2.6 units.
-pub(super) fn wear(p: Vec3) -> f32 {
-    1.9 * signed_value_noise(p * (1.0 / 21.0), 1) + 0.7 * signed_value_noise(p * (1.0 / 9.0), 2)
+/// How far a fractured surface lies from an even one: within 2.5 units, in flat facets that meet in creases.
+pub(super) fn fracture(p: Vec3) -> f32 {
+    // Any rotation, so that no crease lies along an axis.
+    let turned =
+        v(p.dot(v(0.64, 0.48, 0.6)), p.dot(v(-0.6, 0.8, 0.0)), p.dot(v(-0.48, -0.36, 0.8)));
+    let bent = turned + Vec3::splat(2.5 * signed_value_noise(p * (1.0 / 37.0), 5));
+    1.5 * faceted_noise(bent * (1.0 / 27.0), 11)
+        + 0.7 * faceted_noise(bent * (1.0 / 11.0), 12)
+        + 0.25 * faceted_noise(bent * (1.0 / 4.7), 13)
+}
+
+/// Signed distance to what chips leave.
+fn chips(p: Vec3) -> f32 {
+    let left = |&(centre, radius): &([f32; 3], f32)| radius - (p - Vec3::from(centre)).length();
+    CHIPS.iter().map(left).fold(f32::MIN, max)
+}
+
+/// Signed distance to what the holes leave; their lower ends are round.
+fn holes(p: Vec3) -> f32 {
+    let mut left = f32::MIN;
+    for face in HOLES {
+        let down = Vec3::from(face.down);
+        for &(top, length) in face.tops {
+            let from = p - Vec3::from(top);
+            let along = max(-30.0, min(from.dot(down), length));
+            left = max(left, HOLE_RADIUS - (from - down * along).length());
+        }
+    }
+    left
 }
 
 /// A wave of period 1 within -1..=1, its crests sharp as between two strokes.
