@@ -27,7 +27,7 @@ const SLIDE_SPEED: f32 = 0.45;
 const LEAST_CELLS: usize = 2;
 
 /// How much larger than a cell its shard is drawn, so that a piece has no holes.
-const OVERLAP: f32 = 1.35;
+const OVERLAP: f32 = 1.25;
 
 #[derive(Clone, Debug)]
 struct Piece {
@@ -124,7 +124,7 @@ impl FallingPieces {
             for (i, at) in (0u64..).zip(piece.places()) {
                 let turned = random_in_cube(piece.seed.wrapping_add(i), 20);
                 let rotation =
-                    piece.rotation * Quat::from_xyzw(turned.x, turned.y, turned.z, 1.6).normalize();
+                    piece.rotation * Quat::from_xyzw(turned.x, turned.y, turned.z, 4.0).normalize();
                 let scale = Vec3::splat(OVERLAP * piece.cell_size);
                 let shard = Affine3A::from_scale_rotation_translation(scale, rotation, at);
                 let [r, g, b] = MARBLE_BASE_COLOR;
