@@ -141,11 +141,12 @@ fn trace(path: &Path) {
 fn a_vulkan_picture_shows_the_room() {
     let Some(_) = device() else { return };
     let folder = folder("room");
-    let draw = |more: &[&str]| {
-        let args = ["render", "owl", "-o", "p.png", "--size", "160x120", "--renderer", "vulkan"];
+    let draw_by = |renderer: &str, more: &[&str]| {
+        let args = ["render", "owl", "-o", "p.png", "--size", "160x120", "--renderer", renderer];
         succeeds(&folder, &[&args[..], more].concat());
         picture(&folder.join("p.png")).2
     };
+    let draw = |more: &[&str]| draw_by("vulkan", more);
     let (plain, room) = (draw(&["--plain"]), draw(&[]));
     let alike = |a: [u8; 3], b: [u8; 3]| (0..3).all(|c| a[c].abs_diff(b[c]) <= 2);
     let backdrop = |pixels: &[[u8; 3]]| pixels.iter().filter(|&&p| alike(p, plain[0])).count();
@@ -155,6 +156,11 @@ fn a_vulkan_picture_shows_the_room() {
     let chest = 58 * 160 + 80;
     assert!(plain[chest].iter().chain(&room[chest]).all(|&c| c > 90), "{:?}", room[chest]);
     assert_ne!(plain[chest], room[chest]);
+    // The CPU draws the same room.
+    let cpu = draw_by("cpu", &[]);
+    let far = |(a, b): (&[u8; 3], &[u8; 3])| (0..3).any(|c| a[c].abs_diff(b[c]) > 12);
+    let differ = cpu.iter().zip(&room).map(far).filter(|far| *far).count();
+    assert!(differ < room.len() / 20, "{differ} of {} pixels differ", room.len());
     // A turntable goes round in the room.
     draw(&["--turn", "3"]);
 }

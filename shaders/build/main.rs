@@ -1,5 +1,7 @@
 //! Makes what the renderer needs at build time: shader programs and the studio's meshes.
 
+#[path = "../src/twin/bvh.rs"]
+mod bvh;
 #[allow(dead_code, unreachable_pub)] // the programs and the twin use the rest
 #[path = "../src/constants.rs"]
 mod constants;
@@ -17,6 +19,7 @@ fn main() {
     let out = std::path::PathBuf::from(std::env::var_os("OUT_DIR").expect("cargo sets OUT_DIR"));
     println!("cargo::rerun-if-changed=build");
     println!("cargo::rerun-if-changed=src/constants.rs");
+    println!("cargo::rerun-if-changed=src/twin/bvh.rs");
     println!("cargo::rerun-if-changed=src/twin/harmonics.rs");
     programs::write_programs(&out);
     meshes::write_meshes(&out);

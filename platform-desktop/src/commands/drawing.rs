@@ -8,7 +8,9 @@ use paros_shaders::field::DensityField;
 use paros_shaders::gpu::{FrameRequest, PaperVariant, RenderPath, RenderStyle};
 use paros_shaders::scene::{LatestInput, SKY, SceneAssembler};
 use paros_shaders::upload::VolumeFormat;
-use paros_shaders::{Camera, Image, RenderOptions, render_image};
+use paros_shaders::{
+    Camera, Image, LitRoom, RenderOptions, lit_studio, render_image, render_image_in_room,
+};
 use paros_shell::statics::Resident;
 
 /// Samples of a pixel on a Vulkan device.
@@ -39,7 +41,7 @@ enum PathChoice {
 
 /// A renderer of pictures of one size.
 pub(super) enum PictureRenderer<const N: usize, const K: usize> {
-    Cpu(RenderOptions),
+    Cpu(RenderOptions, Option<Box<LitRoom>>),
     Vulkan {
         renderer: Box<HeadlessRenderer>,
         field: Box<DensityField<N, K>>,
@@ -49,9 +51,9 @@ pub(super) enum PictureRenderer<const N: usize, const K: usize> {
     },
 }
 
-/// What a Vulkan device draws around the sculpture.
+/// What is drawn around the sculpture.
 pub(super) enum Surroundings {
-    /// A grey backdrop.
+    /// A grey backdrop; on the CPU a bare stool.
     Backdrop,
     /// The studio's room, in its light.
     Room(Box<SceneAssembler>),
@@ -81,12 +83,13 @@ impl DrawingOptions {
                 PathChoice::Paper => RenderOptions::paper_path(),
                 PathChoice::Fast => RenderOptions::default(),
             };
-            return Ok(PictureRenderer::Cpu(RenderOptions {
-                width,
-                height,
-                samples: rays_along_pixel_side,
-                ..options
-            }));
+            let options =
+                RenderOptions { width, height, samples: rays_along_pixel_side, ..options };
+            let room = match surroundings {
+                Surroundings::Backdrop => None,
+                Surroundings::Room(_) => Some(Box::new(lit_studio())),
+            };
+            return Ok(PictureRenderer::Cpu(options, room));
         }
         let size = [width, height].map(|side| side as u32);
         let canvas = PictureFormat { size, eyes: 1, samples: SAMPLES };
@@ -110,8 +113,11 @@ impl<const N: usize, const K: usize> PictureRenderer<N, K> {
         on_fraction_done: &(dyn Fn(f32) + Sync),
     ) -> Result<Image, Error> {
         match self {
-            PictureRenderer::Cpu(options) => {
+            PictureRenderer::Cpu(options, None) => {
                 Ok(render_image(maps, camera, options, on_fraction_done))
+            }
+            PictureRenderer::Cpu(options, Some(room)) => {
+                Ok(render_image_in_room(maps, camera, options, room, on_fraction_done))
             }
             PictureRenderer::Vulkan { renderer, field, size, path, surroundings } => {
                 field.rebuild_from(maps);

@@ -45,7 +45,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..=MOST_FRAMES),
           allow_hyphen_values = true)]
     turn: Option<u16>,
-    /// Leave out the lit room around the sculpture, which only a Vulkan device draws.
+    /// Leave out the lit room around the sculpture.
     #[arg(long)]
     plain: bool,
     /// Tell what was written as JSON.

@@ -7,8 +7,8 @@ use std::collections::HashMap;
 
 use glam::{Quat, Vec3};
 
-use super::bvh::{Bvh, BvhTriangle, HitFace};
 use super::{Corner, MeshBuilder};
+use crate::bvh::{Bvh, BvhTriangle, HitFace};
 use crate::constants::{SUN_COLOR, SUN_DIRECTION};
 use crate::harmonics::{irradiance_over_pi, sh_basis};
 

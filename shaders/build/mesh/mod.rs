@@ -1,7 +1,6 @@
 //! The studio's things as triangles: shapes, the things made of them, and the light that falls there.
 
 pub(crate) mod bits;
-pub(crate) mod bvh;
 mod decor;
 pub(crate) mod extent;
 pub(crate) mod furniture;

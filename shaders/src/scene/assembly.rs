@@ -69,8 +69,8 @@ pub struct SceneAssembler {
     list: DrawList,
 }
 
-const PLAIN: [f32; 4] = [1.0, 1.0, 1.0, 0.0];
-const SHINING: [f32; 4] = [1.0; 4];
+pub(super) const PLAIN: [f32; 4] = [1.0, 1.0, 1.0, 0.0];
+pub(super) const SHINING: [f32; 4] = [1.0; 4];
 
 impl Default for SceneAssembler {
     fn default() -> Self {
@@ -343,6 +343,6 @@ impl SceneAssembler {
 }
 
 /// The transform from an item's own space, at a pose, to the room.
-fn room_from_pose((position, rotation): RoomPose) -> Affine3A {
+pub(super) fn room_from_pose((position, rotation): RoomPose) -> Affine3A {
     Affine3A::from_rotation_translation(rotation, position)
 }

@@ -18,11 +18,13 @@ pub mod meshes;
 pub mod particles;
 pub mod placing;
 pub mod refusal;
+mod resting;
 
 pub use assembly::{LatestInput, SceneAssembler, SculpturePlacement};
 pub use draw::{Batch, DrawList, DrawListCapacity, MeshInstance};
 pub use falling::MAX_FALL_SECONDS;
 pub use meshes::{DrawGroup, HandShape, MESHES, MeshId, MeshRange, MeshVertex};
+pub use resting::{resting_placement, resting_studio};
 
 pub use crate::constants::{SUN_COLOR, SUN_DIRECTION};
 

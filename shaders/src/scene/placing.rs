@@ -38,19 +38,7 @@ pub fn bit_pose(grip: RoomPose, tool: Tool) -> RoomPose {
 pub fn display_pose_unless_held_or_mounted(bench: &Workbench, item: BenchItem) -> Option<RoomPose> {
     let (position, rotation) = bench.pose_of(item)?;
     Some(match (bench.place_of(item), item) {
-        (ToolPlace::Home, BenchItem::Tool(_)) => {
-            (position + Vec3::Y * REST, Quat::from_rotation_y(-FRAC_PI_2))
-        }
-        (ToolPlace::Home, BenchItem::Bit(bit)) => {
-            let upright = Quat::from_rotation_x(FRAC_PI_2);
-            match bit.spec().shape {
-                // A blade stands on its rim.
-                BitShape::Disc { radius_um } => {
-                    (position + Vec3::Y * (radius_um as f32 * 1e-6 + CLEARANCE), upright)
-                }
-                _ => (position + Vec3::Y * RACK, upright),
-            }
-        }
+        (ToolPlace::Home, _) => display_pose_at_home(item),
         (ToolPlace::Lying(ticks), _) => {
             let settled = (f32::from(ticks) / SETTLE).min(1.0);
             let lift = lying_axis_height_metres(bench, item)
@@ -60,6 +48,23 @@ pub fn display_pose_unless_held_or_mounted(bench: &Workbench, item: BenchItem) -
         }
         _ => (position, rotation),
     })
+}
+
+/// Display pose of an item in its place on the bench.
+#[must_use]
+pub fn display_pose_at_home(item: BenchItem) -> RoomPose {
+    let position = item.home_position();
+    match item {
+        BenchItem::Tool(_) => (position + Vec3::Y * REST, Quat::from_rotation_y(-FRAC_PI_2)),
+        BenchItem::Bit(bit) => {
+            let height = match bit.spec().shape {
+                // A blade stands on its rim.
+                BitShape::Disc { radius_um } => radius_um as f32 * 1e-6 + CLEARANCE,
+                _ => RACK,
+            };
+            (position + Vec3::Y * height, Quat::from_rotation_x(FRAC_PI_2))
+        }
+    }
 }
 
 /// The stool's angle, in radians from 0 to tau, counter-clockwise from above.

@@ -6,8 +6,9 @@ use glam::Vec3;
 use paros_core::RangeMaps;
 
 use super::march::{Ray, is_point_occupied, march_all_maps, march_maps};
+use super::room::{LitRoom, TwinLight};
 use super::{fast, light, marble, noise, surface};
-use crate::constants::{SUN_COLOR, SUN_DIRECTION};
+use crate::constants::{AMBIENT_HARMONICS, SUN_COLOR, SUN_DIRECTION};
 use crate::field::{DensityField, FigureShares};
 
 /// Switches of the paper's path, for its experiments. The default is the path as the paper has it.
@@ -28,7 +29,7 @@ impl Default for TwinSettings {
 }
 
 /// What a fragment reads.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub struct TwinScene<'a, const N: usize, const K: usize = 1> {
     /// The sculpture.
     pub maps: &'a RangeMaps<N, K>,
@@ -42,6 +43,10 @@ pub struct TwinScene<'a, const N: usize, const K: usize = 1> {
     pub field: Option<&'a DensityField<N, K>>,
     /// The hidden figure, if there is one; the fast path shows where it is bared.
     pub figure: Option<&'a FigureShares>,
+    /// The light.
+    pub light: TwinLight,
+    /// The room that stands in the sun's way, if there is one.
+    pub room: Option<&'a LitRoom>,
 }
 
 /// A shaded point of the sculpture.
@@ -70,6 +75,12 @@ impl<'a, const N: usize, const K: usize> TwinScene<'a, N, K> {
             settings,
             field: None,
             figure: None,
+            light: TwinLight {
+                sun_direction: Vec3::from_array(SUN_DIRECTION),
+                sun_color: Vec3::from_array(SUN_COLOR),
+                ambient: AMBIENT_HARMONICS,
+            },
+            room: None,
         }
     }
 
@@ -99,6 +110,14 @@ impl<'a, const N: usize, const K: usize> TwinScene<'a, N, K> {
     #[must_use]
     pub fn point_to_studio(&self, grid_point: Vec3) -> Vec3 {
         self.direction_to_studio(grid_point / N as f32 - Vec3::new(0.5, 0.0, 0.5))
+    }
+
+    /// The sun's irradiance over pi at a surface point of the sculpture, of this normal in the studio: none where the
+    /// room hides the sun. Its own shadow is left out.
+    fn sun_color_at(&self, grid_point: Vec3, studio_normal: Vec3) -> Vec3 {
+        let faces_sun = studio_normal.dot(self.light.sun_direction) > 0.0;
+        let hides = |room: &LitRoom| !room.lets_sun_to(self.point_to_studio(grid_point));
+        if faces_sun && self.room.is_some_and(hides) { Vec3::ZERO } else { self.light.sun_color }
     }
 
     /// A studio ray in the grid, in voxels.
@@ -142,11 +161,11 @@ pub fn shade_ray<const N: usize, const K: usize>(
     let color = match scene.field {
         _ if !scene.settings.shading => normal * 0.5 + Vec3::splat(0.5),
         Some(field) => {
-            let direction = scene.direction_to_grid(Vec3::from_array(SUN_DIRECTION));
-            let color = Vec3::from_array(SUN_COLOR);
+            let direction = scene.direction_to_grid(scene.light.sun_direction);
+            let color = scene.sun_color_at(at.position, normal);
             let halfway = fast::halfway_to_eye(direction, inside.origin, N);
             let sun = fast::SunLight { direction, color, halfway };
-            let ambient = light::ambient_over_pi(normal);
+            let ambient = scene.light.ambient_over_pi(normal);
             let share =
                 scene.figure.map_or(0.0, |figure| figure.sample_clamped(at.position / N as f32));
             fast::shade_surface_with_figure(field, &at, &sun, ambient, share)
@@ -170,7 +189,7 @@ fn shade_marble<const N: usize, const K: usize>(
     dither: f32,
 ) -> Vec3 {
     let (point, normal) = (grid_point, grid_normal);
-    let to_sun = scene.direction_to_grid(Vec3::from_array(SUN_DIRECTION));
+    let to_sun = scene.direction_to_grid(scene.light.sun_direction);
     let facing = normal.dot(to_sun).max(0.0);
     let held = |at: Vec3| is_point_occupied(scene.maps, at);
     let direct = if facing > 0.0 {
@@ -178,7 +197,8 @@ fn shade_marble<const N: usize, const K: usize>(
     } else {
         0.0
     };
-    let ambient = light::ambient_over_pi(scene.direction_to_studio(normal));
+    let studio_normal = scene.direction_to_studio(normal);
+    let ambient = scene.light.ambient_over_pi(studio_normal);
     marble::reflectance(scene.noise, point / N as f32)
-        * (Vec3::from_array(SUN_COLOR) * direct + ambient)
+        * (scene.sun_color_at(point, studio_normal) * direct + ambient)
 }

@@ -1,8 +1,9 @@
 //! CPU renderer: section 4 of the paper and the fast path in plain Rust on `f32`, a function call
 //! for each fragment; the reference for the GPU's pictures. Takes range maps or a
-//! [`DensityField`](crate::field::DensityField) and a camera, gives an [`Image`](image::Image);
-//! knows nothing of Vulkan, nor of the scene's meshes.
+//! [`DensityField`](crate::field::DensityField), a camera and the scene's meshes, if they are to be seen, gives an
+//! [`Image`](image::Image); knows nothing of Vulkan.
 
+mod bvh;
 pub mod camera;
 pub mod carrara;
 pub mod fast;
@@ -14,5 +15,6 @@ pub mod marble;
 pub mod march;
 pub mod noise;
 pub mod render;
+pub mod room;
 pub mod studio;
 pub mod surface;

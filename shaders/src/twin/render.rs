@@ -9,9 +9,13 @@ use rayon::prelude::*;
 use super::camera::Camera;
 use super::fragment::{TwinScene, TwinSettings, shade_ray};
 use super::image::Image;
+use super::march::Ray;
+use super::room::{LitRoom, TwinLight};
 use super::{noise, studio};
 use crate::constants::{SRGB_EXPONENT, SRGB_LINEAR_SLOPE, SRGB_OFFSET, TONE_WHITE_POINT};
 use crate::field::DensityField;
+use crate::gpu::{RenderPath, RenderStyle};
+use crate::scene::{SKY, resting_placement, resting_studio};
 
 /// Size, sampling and path of a picture.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -52,16 +56,46 @@ pub fn render_image<const N: usize, const K: usize>(
     options: &RenderOptions,
     progress: &(dyn Fn(f32) + Sync),
 ) -> Image {
+    render_scene(maps, camera, options, None, progress)
+}
+
+/// Renders a sculpture in the lit room, as [`render_image`] does in its studio.
+#[must_use]
+pub fn render_image_in_room<const N: usize, const K: usize>(
+    maps: &RangeMaps<N, K>,
+    camera: &Camera,
+    options: &RenderOptions,
+    room: &LitRoom,
+    progress: &(dyn Fn(f32) + Sync),
+) -> Image {
+    render_scene(maps, camera, options, Some(room), progress)
+}
+
+/// The studio at rest, in its light.
+#[must_use]
+pub fn lit_studio() -> LitRoom {
+    let RenderStyle { sun_direction, sun_color, ambient, .. } =
+        RenderStyle::in_studio(RenderPath::Fast);
+    let light = TwinLight { sun_direction, sun_color, ambient };
+    LitRoom::new(&resting_studio(), resting_placement(), light)
+}
+
+fn render_scene<const N: usize, const K: usize>(
+    maps: &RangeMaps<N, K>,
+    camera: &Camera,
+    options: &RenderOptions,
+    room: Option<&LitRoom>,
+    progress: &(dyn Fn(f32) + Sync),
+) -> Image {
     // The camera stands still, so that the stool turns against the azimuth.
     let field = options.fast.then(|| {
         let mut field = DensityField::new();
         field.rebuild_from(maps);
         field
     });
-    let scene = TwinScene {
-        field: field.as_ref(),
-        ..TwinScene::new(maps, -camera.azimuth, options.settings)
-    };
+    let plain = TwinScene::new(maps, -camera.azimuth, options.settings);
+    let light = room.map_or(plain.light, |room| room.light);
+    let scene = TwinScene { field: field.as_ref(), light, room, ..plain };
     let mut image = Image::filled(options.width, options.height, [0; 3]);
     let done = AtomicUsize::new(0);
     let row_bytes = 3 * options.width.max(1);
@@ -75,7 +109,7 @@ pub fn render_image<const N: usize, const K: usize>(
     image
 }
 
-/// The bytes of a PNG file with a sculpture's picture, 720 pixels a side.
+/// The bytes of a PNG file with a sculpture's picture in the lit room, 720 pixels a side.
 ///
 /// # Errors
 /// What keeps a picture from being encoded.
@@ -83,7 +117,8 @@ pub fn render_portrait_png<const N: usize, const K: usize>(
     maps: &RangeMaps<N, K>,
 ) -> Result<Vec<u8>, String> {
     let options = RenderOptions { width: 720, height: 720, ..RenderOptions::default() };
-    let image = render_image(maps, &Camera::orbiting(0.4, 0.25), &options, &|_| {});
+    let camera = Camera::orbiting(0.4, 0.25);
+    let image = render_image_in_room(maps, &camera, &options, &lit_studio(), &|_| {});
     let mut png = Vec::new();
     image.write_png(&mut png).map_err(|error| error.to_string())?;
     Ok(png)
@@ -106,13 +141,27 @@ fn tone_mapped_pixel<const N: usize, const K: usize>(
         let py = y as f32 + ((i / samples) as f32 + 0.5) / side;
         let ray = camera.ray_through((2.0 * px - width) / height, 1.0 - 2.0 * py / height);
         let dither = (turn + i as f32 / (side * side)).fract();
-        let color = match shade_ray(scene, &ray, dither) {
-            Some(hit) => hit.color,
-            None => studio::shade_background(scene, &ray, dither),
-        };
-        sum += tone_map(color);
+        sum += tone_map(trace_ray(scene, &ray, dither));
     }
     sum / (side * side)
+}
+
+/// The radiance along a ray: that of the sculpture, or of what surrounds it.
+fn trace_ray<const N: usize, const K: usize>(
+    scene: &TwinScene<'_, N, K>,
+    ray: &Ray,
+    dither: f32,
+) -> Vec3 {
+    let stone = shade_ray(scene, ray, dither);
+    let Some(room) = scene.room else {
+        return stone.map_or_else(|| studio::shade_background(scene, ray, dither), |hit| hit.color);
+    };
+    match (stone, room.cast_ray(ray)) {
+        (Some(stone), Some(wall)) if wall.depth < stone.depth => room.shade(scene, &wall),
+        (Some(stone), _) => stone.color,
+        (None, Some(wall)) => room.shade(scene, &wall),
+        (None, None) => Vec3::from_array(SKY),
+    }
 }
 
 /// Radiance to sRGB bytes, through the tone curve.

@@ -1,0 +1,68 @@
+//! The lit room of the CPU's pictures.
+
+use glam::Vec3;
+use paros_core::RangeMaps;
+use paros_models::twin::with_maps_of_ball;
+use paros_shaders::constants::SUN_DIRECTION;
+use paros_shaders::{Camera, LitRoom, Ray, RenderOptions, TwinScene, TwinSettings};
+use paros_shaders::{lit_studio, render_image, render_image_in_room};
+
+/// A ray from a side of the cube over the stool straight down.
+fn down(x: f32, z: f32) -> Ray {
+    Ray { origin: Vec3::new(x, 1.0, z), direction: Vec3::NEG_Y }
+}
+
+#[test]
+fn rays_meet_the_stool_and_the_floor() {
+    let room = lit_studio();
+    let depth = |x: f32, z: f32| room.cast_ray(&down(x, z)).expect("a floor").depth;
+    let floor = 1.0 + room.stand.foot.y / room.stand.side;
+    for (found, expected) in [(depth(0.57, 0.03), 1.0), (depth(-1.2, 0.8), floor)] {
+        assert!((found - expected).abs() < 0.02, "{found}, not {expected}");
+    }
+}
+
+/// The sum of the radiance of the stool under a place.
+fn stool_light(room: &LitRoom, maps: &RangeMaps<64>, at: Vec3) -> f32 {
+    let plain = TwinScene::new(maps, 0.0, TwinSettings::default());
+    let scene = TwinScene { light: room.light, room: Some(room), ..plain };
+    let hit = room.cast_ray(&down(at.x, at.z)).expect("the stool");
+    room.shade(&scene, &hit).element_sum()
+}
+
+#[test]
+fn the_sun_comes_through_the_window_and_the_sculpture_hides_it() {
+    let (room, mut dark_room) = (lit_studio(), lit_studio());
+    dark_room.light.sun_color = Vec3::ZERO;
+    let sun = Vec3::from_array(SUN_DIRECTION);
+    // Where the shadow of a place over the stool's middle falls; towards the sun, where none falls.
+    let shadow = |height: f32| -Vec3::new(sun.x, 0.0, sun.z) * (height / sun.y);
+    let empty = RangeMaps::<64>::new();
+    with_maps_of_ball(|ball| {
+        for (height, hides) in [(0.5, true), (-0.5, false)] {
+            let at = shadow(height);
+            let light = |room, maps| stool_light(room, maps, at);
+            let [lit, with_ball] = [&empty, ball].map(|maps| light(&room, maps));
+            let dark = light(&dark_room, &empty);
+            assert!(lit > 1.5 * dark, "the sun shines on the stool: {lit}, {dark} without it");
+            let expected = if hides { dark } else { lit };
+            assert!((with_ball - expected).abs() < 0.02 * lit, "{with_ball} at {height}");
+        }
+    });
+}
+
+/// Around the sculpture something else is drawn, and the sculpture in other light where it was.
+#[test]
+fn the_same_sculpture_is_drawn_in_the_room() {
+    let options = RenderOptions { width: 48, height: 36, samples: 1, ..RenderOptions::default() };
+    let camera = Camera::orbiting(0.4, 0.25);
+    let [alone, in_room] = with_maps_of_ball(|maps| {
+        [
+            render_image(maps, &camera, &options, &|_| {}),
+            render_image_in_room(maps, &camera, &options, &lit_studio(), &|_| {}),
+        ]
+    });
+    assert!((0..48).all(|x| alone.pixel(x, 0) != in_room.pixel(x, 0)), "another background");
+    let middle = in_room.pixel(24, 16);
+    assert!(middle != alone.pixel(24, 16) && middle.iter().all(|part| *part > 90), "{middle:?}");
+}
