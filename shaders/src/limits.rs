@@ -14,11 +14,11 @@ pub const ISLAND_MOTES: usize = 256;
 /// Boxes that mark what closure brought back: of each hand's last edit one, or two where it was mirrored.
 pub const REFUSAL_MARKS: usize = 4;
 
-/// Pieces that fall at a time; an older one makes room. A saw frees one at a time, and they fall for a second.
-pub const FALLING_PIECES: usize = 3;
+/// Stones that fall at a time; an older one makes room. A saw frees one at a time, and they fall for a second.
+pub const FALLING_STONES: usize = 3;
 
-/// Cells of a piece that are drawn, at the most: the outer ones of a block of 80 mm, whose cells are 14 mm wide.
-pub const PIECE_CELLS: usize = 200;
+/// Cells of a falling stone that are drawn, at the most: the outer ones of a block of 80 mm, whose cells are 14 mm wide.
+pub const FALLING_STONE_CELLS: usize = 200;
 
 /// Dots around what a hand's next bite takes: at the largest bit a bit's breadth apart.
 pub const BITE_DOTS: u32 = 40;
@@ -27,14 +27,14 @@ pub const BITE_DOTS: u32 = 40;
 pub const GUIDES: usize = 2 * (BITE_DOTS as usize + 2) + 4;
 
 /// Instances drawn: the particles; room, garden, bench, stool and its top; two hands and the
-/// bench's things; the twelve edges of each mark; falling pieces and guides.
+/// bench's things; the twelve edges of each mark; falling stones and guides.
 pub const INSTANCES: usize = PARTICLES
     + 5
     + 2
     + paros_core::internals::BENCH_ITEMS
     + 2
     + 12 * REFUSAL_MARKS
-    + FALLING_PIECES * PIECE_CELLS
+    + FALLING_STONES * FALLING_STONE_CELLS
     + GUIDES;
 
 /// Intervals of a column that a texel of the map textures holds: two bytes each, and formats that every

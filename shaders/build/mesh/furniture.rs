@@ -275,8 +275,7 @@ pub(crate) fn chip_mesh() -> MeshBuilder {
     ])
 }
 
-/// A speck of dust, about 1 across.
-/// A piece of rough stone, about a unit wide: what a falling piece is drawn of.
+/// A shard of rough stone, about a unit wide: what a falling stone is drawn of.
 pub(crate) fn shard_mesh() -> MeshBuilder {
     let mut mesh = MeshBuilder::default();
     let corner = |i: usize| {
@@ -299,6 +298,7 @@ pub(crate) fn shard_mesh() -> MeshBuilder {
     mesh
 }
 
+/// A speck of dust, about 1 across.
 pub(crate) fn speck_mesh() -> MeshBuilder {
     let v = Vec3::new;
     faceted_octahedron(&[

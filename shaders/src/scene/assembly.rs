@@ -13,7 +13,7 @@ use paros_core::volume::{Grid, Size};
 use paros_core::{World, WorldEvent};
 
 use super::draw::DrawList;
-use super::falling::FallingPieces;
+use super::falling::FallingStones;
 use super::found::FoundLight;
 use super::guides;
 use super::island::IslandLattice;
@@ -62,7 +62,7 @@ pub struct SceneAssembler {
     items: [[Option<RoomPose>; BENCH_ITEMS]; 2],
     lattice: Box<IslandLattice>,
     particles: Particles,
-    pieces: FallingPieces,
+    stones: FallingStones,
     refusals: RefusalMarks,
     found: FoundLight,
     sculpture: SculpturePlacement,
@@ -89,7 +89,7 @@ impl SceneAssembler {
             items: [[None; BENCH_ITEMS]; 2],
             lattice: Box::new(IslandLattice::new()),
             particles: Particles::new(),
-            pieces: FallingPieces::new(),
+            stones: FallingStones::new(),
             refusals: RefusalMarks::new(),
             found: FoundLight::new(),
             sculpture: SculpturePlacement { turn_radians: 0.0, side: BOX_SIDE, foot: STOOL_TOP },
@@ -140,7 +140,7 @@ impl SceneAssembler {
         let seconds = self.time.map_or(0.0, |time| latest.time_seconds - time);
         self.time = Some(latest.time_seconds);
         let (frame, lattice) = (world.stool_frame(), &self.lattice);
-        self.pieces.advance_time(seconds as f32, (lattice, N), &frame, &mut self.particles);
+        self.stones.advance_time(seconds as f32, (lattice, N), &frame, &mut self.particles);
         self.particles.advance_time(seconds as f32);
         self.refusals.advance_time(seconds as f32);
         self.found.advance_time(seconds as f32);
@@ -164,7 +164,7 @@ impl SceneAssembler {
             self.add_hand_and_held_tool(world, latest, hand);
         }
         self.particles.add_instances(&mut self.list);
-        self.pieces.add_instances(&mut self.list);
+        self.stones.add_instances(&mut self.list);
         guides::add_guides(&mut self.list, world, latest, self.sculpture.turn_radians);
         self.refusals.add_instances(&mut self.list, &self.sculpture);
         self.list.batch_by_mesh();
@@ -265,7 +265,7 @@ impl SceneAssembler {
             match event {
                 WorldEvent::Started(_) => {
                     self.particles.clear();
-                    self.pieces.clear();
+                    self.stones.clear();
                     self.refusals.clear();
                 }
                 WorldEvent::Edited { hand, bit, report }
@@ -321,13 +321,13 @@ impl SceneAssembler {
         }
     }
 
-    /// Lets an island that was removed fall as a piece, or spawns motes where it was if it is too small for one.
+    /// Lets an island that was removed fall as a stone, or spawns motes where it was if it is too small for one.
     fn drop_island<const N: usize, const K: usize>(&mut self, world: &World<N, K>, seed: u64)
     where
         Grid<N>: Size,
     {
         let frame = world.stool_frame();
-        if self.pieces.drop_removed(&self.lattice, N, &frame, seed) {
+        if self.stones.drop_removed(&self.lattice, N, &frame, seed) {
             return;
         }
         let mut seed = seed;

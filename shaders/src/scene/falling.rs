@@ -1,6 +1,6 @@
-//! Falling pieces: what an island's removal left of the stone, until it lands and breaks into chips.
+//! Falling stones: what an islands' pass removed, until it lands and breaks into chips.
 //!
-//! Cosmetic only, as the particles are. A piece is the coarse cells that it was of; it falls as one body, slides off
+//! Cosmetic only, as the particles are. Each is the coarse cells that it was of; it falls as one body, slides off
 //! the stone that it lies on, and is gone where it meets stool, bench or floor.
 
 use glam::{Affine3A, Quat, Vec3};
@@ -15,23 +15,23 @@ use super::particles::{
     MAX_STEP_SECONDS, ParticleKind, Particles, ground_height_metres, random_in_cube,
 };
 use crate::constants::MARBLE_BASE_COLOR;
-use crate::limits::{FALLING_PIECES, PIECE_CELLS};
+use crate::limits::{FALLING_STONE_CELLS, FALLING_STONES};
 
 /// Longest fall, in seconds: then it breaks where it is.
 pub const MAX_FALL_SECONDS: f32 = 2.0;
 
-/// Speed at which a piece slides off the stone, away from the stool's middle, in metres a second.
+/// Speed at which it slides off what it lies on, away from the stool's middle, in metres a second.
 const SLIDE_SPEED: f32 = 0.45;
 
-/// A piece of fewer cells is dust at once.
+/// Of fewer cells it is dust at once.
 const LEAST_CELLS: usize = 2;
 
-/// How much larger than a cell its shard is drawn, so that a piece has no holes.
+/// How much larger than a cell its shard is drawn, so that it has no holes.
 const OVERLAP: f32 = 1.25;
 
 #[derive(Clone, Debug)]
-struct Piece {
-    /// Of each cell, from the piece's middle, in metres. Keeps its capacity.
+struct FallingStone {
+    /// Of each cell, from the stone's middle, in metres. Keeps its capacity.
     cells: Vec<Vec3>,
     cell_size: f32,
     position: Vec3,
@@ -42,18 +42,18 @@ struct Piece {
     seed: u64,
 }
 
-/// The pieces that fall.
+/// The stones that fall.
 #[derive(Debug)]
-pub(super) struct FallingPieces {
-    pieces: Vec<Piece>,
+pub(super) struct FallingStones {
+    stones: Vec<FallingStone>,
     next: usize,
 }
 
-impl FallingPieces {
+impl FallingStones {
     /// None yet. All memory is allocated here.
     pub(super) fn new() -> Self {
-        let piece = || Piece {
-            cells: Vec::with_capacity(PIECE_CELLS),
+        let stone = || FallingStone {
+            cells: Vec::with_capacity(FALLING_STONE_CELLS),
             cell_size: 0.0,
             position: Vec3::ZERO,
             rotation: Quat::IDENTITY,
@@ -62,14 +62,14 @@ impl FallingPieces {
             seconds_left: 0.0,
             seed: 0,
         };
-        FallingPieces { pieces: (0..FALLING_PIECES).map(|_| piece()).collect(), next: 0 }
+        FallingStones { stones: (0..FALLING_STONES).map(|_| stone()).collect(), next: 0 }
     }
 
     pub(super) fn clear(&mut self) {
-        self.pieces.iter_mut().for_each(|piece| piece.seconds_left = 0.0);
+        self.stones.iter_mut().for_each(|stone| stone.seconds_left = 0.0);
     }
 
-    /// Lets what the last tick removed fall, in the place of the oldest piece. Returns whether it was large enough.
+    /// Lets what the last tick removed fall, in the place of the oldest stone. Returns whether it was large enough.
     pub(super) fn drop_removed(
         &mut self,
         lattice: &IslandLattice,
@@ -77,29 +77,30 @@ impl FallingPieces {
         frame: &StoolFrame,
         seed: u64,
     ) -> bool {
-        let piece = &mut self.pieces[self.next];
-        piece.cells.clear();
-        let cells = &mut piece.cells;
-        let cell_voxels = lattice.for_removed_outer_samples(grid_side, PIECE_CELLS, |voxel| {
-            cells.push(frame.to_room(&Pose { position: voxel, rotation: Quat::IDENTITY }).0);
-        });
-        piece.seconds_left = 0.0;
-        if piece.cells.len() < LEAST_CELLS {
+        let stone = &mut self.stones[self.next];
+        stone.cells.clear();
+        let cells = &mut stone.cells;
+        let cell_voxels =
+            lattice.for_removed_outer_samples(grid_side, FALLING_STONE_CELLS, |voxel| {
+                cells.push(frame.to_room(&Pose { position: voxel, rotation: Quat::IDENTITY }).0);
+            });
+        stone.seconds_left = 0.0;
+        if stone.cells.len() < LEAST_CELLS {
             return false;
         }
-        let middle = piece.cells.iter().sum::<Vec3>() / piece.cells.len() as f32;
-        piece.cells.iter_mut().for_each(|cell| *cell -= middle);
-        piece.cell_size = cell_voxels * frame.voxel_metres();
-        (piece.position, piece.rotation) = (middle, Quat::IDENTITY);
-        piece.velocity = Vec3::ZERO;
-        piece.spin = random_in_cube(seed, 40) * 0.8;
-        piece.seconds_left = MAX_FALL_SECONDS;
-        piece.seed = seed;
-        self.next = (self.next + 1) % FALLING_PIECES;
+        let middle = stone.cells.iter().sum::<Vec3>() / stone.cells.len() as f32;
+        stone.cells.iter_mut().for_each(|cell| *cell -= middle);
+        stone.cell_size = cell_voxels * frame.voxel_metres();
+        (stone.position, stone.rotation) = (middle, Quat::IDENTITY);
+        stone.velocity = Vec3::ZERO;
+        stone.spin = random_in_cube(seed, 40) * 0.8;
+        stone.seconds_left = MAX_FALL_SECONDS;
+        stone.seed = seed;
+        self.next = (self.next + 1) % FALLING_STONES;
         true
     }
 
-    /// Integrates all pieces over a time step in seconds; those that land break into `particles`.
+    /// Integrates all stones over a time step in seconds; those that land break into `particles`.
     pub(super) fn advance_time(
         &mut self,
         seconds: f32,
@@ -108,24 +109,24 @@ impl FallingPieces {
         particles: &mut Particles,
     ) {
         let seconds = seconds.clamp(0.0, MAX_STEP_SECONDS);
-        for piece in self.pieces.iter_mut().filter(|piece| piece.seconds_left > 0.0) {
-            let is_on_stone = piece.places().any(|at| {
+        for stone in self.stones.iter_mut().filter(|stone| stone.seconds_left > 0.0) {
+            let is_on_stone = stone.places().any(|at| {
                 let pose = frame.to_grid(at, Quat::IDENTITY);
                 lattice.holds(grid_side, pose.position)
             });
-            if piece.advance_time(seconds, is_on_stone) {
-                piece.break_into(particles);
+            if stone.advance_time(seconds, is_on_stone) {
+                stone.break_into(particles);
             }
         }
     }
 
     pub(super) fn add_instances(&self, list: &mut DrawList) {
-        for piece in self.pieces.iter().filter(|piece| piece.seconds_left > 0.0) {
-            for (i, at) in (0u64..).zip(piece.places()) {
-                let turned = random_in_cube(piece.seed.wrapping_add(i), 20);
+        for stone in self.stones.iter().filter(|stone| stone.seconds_left > 0.0) {
+            for (i, at) in (0u64..).zip(stone.places()) {
+                let turned = random_in_cube(stone.seed.wrapping_add(i), 20);
                 let rotation =
-                    piece.rotation * Quat::from_xyzw(turned.x, turned.y, turned.z, 4.0).normalize();
-                let scale = Vec3::splat(OVERLAP * piece.cell_size);
+                    stone.rotation * Quat::from_xyzw(turned.x, turned.y, turned.z, 4.0).normalize();
+                let scale = Vec3::splat(OVERLAP * stone.cell_size);
                 let shard = Affine3A::from_scale_rotation_translation(scale, rotation, at);
                 let [r, g, b] = MARBLE_BASE_COLOR;
                 list.add(MeshId::Shard, shard, [r, g, b, 0.0]);
@@ -134,7 +135,7 @@ impl FallingPieces {
     }
 }
 
-impl Piece {
+impl FallingStone {
     /// Where its cells are, in the room.
     fn places(&self) -> impl Iterator<Item = Vec3> {
         self.cells.iter().map(|cell| self.position + self.rotation * *cell)
