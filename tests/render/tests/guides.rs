@@ -82,7 +82,9 @@ fn a_rim_of_dots_shows_what_the_next_bite_takes() {
             assert!(aside > 0.5 * rim(depth) - 0.5, "{dot} of {}", rim(depth));
         }
     }
-    step_with_bit_at(&mut studio, RIGHT, Vec3::new(30.0, TOP, 32.0), true);
+    // Its hand is far ahead of it.
+    step_with_bit_at(&mut studio, RIGHT, Vec3::new(30.0, TOP - 20.0, 32.0), true);
+    assert!(studio.world.hand_state(RIGHT).frozen_pose.position.y > TOP - 18.0);
     assert_eq!(dots(&studio, &LatestInput::default()), [], "it is done, not shown, while it runs");
     step_with_bit_at(&mut studio, RIGHT, Vec3::new(30.0, TOP + 20.0, 32.0), false);
     assert_eq!(dots(&studio, &LatestInput::default()), [], "nothing is taken from the air");
