@@ -105,7 +105,9 @@ impl HiddenStart {
             return Figure::Lump.rasterize_into(maps, bit_grid);
         };
         raster::rasterize(bit_grid, &|p| {
-            let around = (self.figure.signed_distance(p) - reach + 0.85 * lump::fracture(p)) * 0.75;
+            // Smoother than the lump, as a newcomer strokes it off in layers.
+            let rough = 0.5 * lump::fracture(p) + 0.5;
+            let around = (self.figure.signed_distance(p) - reach + rough) * 0.75;
             max(lump::signed_distance(p), around)
         });
         bit_grid.write_closure(maps);
