@@ -12,6 +12,7 @@ pub use crate::edit::grid_bit::{GridBit, GridShape};
 pub use crate::edit::islands::IslandSearch;
 pub use crate::edit::pose::FIXED_ONE;
 pub use crate::edit::undo::UndoHistory;
+pub use crate::session::bit_size::SizeRange;
 pub use crate::session::hand::{RoomPose, haptic_amplitude};
 pub use crate::session::input::UNITS_PER_METRE;
 pub use crate::session::journals::{RemovalJournal, StrokeJournal};

@@ -10,8 +10,8 @@ pub const INTERVALS: usize = 2;
 pub const MAX_INTERVALS: usize = 4;
 
 /// Convex pieces of a brush's swept volume. A swept box takes one piece for each voxel of arc that its
-/// corner describes, and one more: 68 for half a turn of the largest box (radius 21.3 voxels, at 256),
-/// 96 for a radius of 30 voxels. A disc of 40, which is two voxels thick, leaves no gaps with 96.
+/// corner describes, and one more: 68 for half a turn of the largest box (radius 21.3 voxels, at 256; no box
+/// grows beyond it), 96 for a radius of 30 voxels. A disc of 40, which is two voxels thick, leaves no gaps with 96.
 pub const SWEEP_PIECES: usize = 96;
 
 /// Poses of a hand's way that its running bit may have yet to follow: the most of [`max_trail_ticks`].
@@ -108,8 +108,9 @@ pub const fn max_save_bytes(grid_side: usize, intervals: usize) -> usize {
 }
 
 /// Bytes of the world's small state, which is all but volume, mask, undo and islands: tick and session
-/// (14), the head (28), two hands of 454, thirteen bench items of 31, and the mask's digest (8).
-pub const STATE_BYTES: usize = 1361;
+/// (14), the head (28), two hands of 455, thirteen bench items of 31, eleven sizes of bits, and the mask's
+/// digest (8).
+pub const STATE_BYTES: usize = 1374;
 
 /// Crossings of a column's ray with a mesh with which a bake gives the column gaps: 16 solids one behind the
 /// other, and a cache line a column. Between more, gaps are 4 voxels long in the mean at 128, and a column

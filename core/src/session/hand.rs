@@ -45,6 +45,8 @@ pub struct HandState {
     pub has_frozen_pose: bool,
     /// Strength of the pulse of this tick, 0 to 255.
     pub haptic: u8,
+    /// Ticks of the stick's push along y since it last resized the bit, negative where it is pulled back; 0 at rest.
+    pub resize_push: i8,
     /// The way of the hand that its running bit has yet to follow, in the grid.
     pub trail: HandTrail,
 }
@@ -58,6 +60,9 @@ pub(crate) struct HandPresses {
     pub squeezed: bool,
     /// The buttons that were pressed, of [`buttons`].
     pub buttons: u8,
+    /// By how many steps the stick makes the held bit larger, or smaller where negative; again and again while it is
+    /// pushed.
+    pub resized_by: i8,
 }
 
 impl HandState {
@@ -80,6 +85,7 @@ impl HandState {
             can_sweep: false,
             has_frozen_pose: false,
             haptic: 0,
+            resize_push: 0,
             trail: HandTrail::EMPTY,
         }
     }
@@ -100,10 +106,14 @@ impl HandState {
         let trigger = is_pressed_with_hysteresis(input.trigger * live, self.trigger);
         let squeeze = is_pressed_with_hysteresis(input.squeeze * live, self.squeeze);
         let down = (input.buttons * live) & (buttons::LOWER | buttons::UPPER | buttons::STICK);
+        let direction =
+            if self.tracked { resize_direction(input.stick, self.resize_push.signum()) } else { 0 };
+        self.resize_push = next_resize_push(self.resize_push, direction);
         let presses = HandPresses {
             pulled: trigger && !self.trigger,
             squeezed: squeeze && !self.squeeze,
             buttons: down & !self.buttons,
+            resized_by: if self.resize_push == direction { direction } else { 0 },
         };
         if trigger {
             self.is_light = (presses.pulled || self.is_light) && input.trigger < FULL_TRIGGER;
@@ -169,9 +179,9 @@ impl HandState {
         self.grip.1.length_squared() > 0.0
     }
 
-    /// Length of a written hand: four poses, flags, buttons, phase, haptics and trail.
+    /// Length of a written hand: four poses, flags, buttons, phase, haptics, the stick's push and trail.
     pub(crate) const BYTES: usize =
-        4 * (VEC3_BYTES + QUAT_BYTES) + 1 + 1 + 2 + 1 + HandTrail::BYTES;
+        4 * (VEC3_BYTES + QUAT_BYTES) + 1 + 1 + 2 + 1 + 1 + HandTrail::BYTES;
 
     pub(crate) fn write(&self, to: &mut ByteWriter<'_>) {
         for (position, rotation) in [
@@ -195,6 +205,7 @@ impl HandState {
         to.u8(self.buttons);
         to.u16(self.trigger_ticks);
         to.u8(self.haptic);
+        to.u8(self.resize_push as u8);
         self.trail.write(to);
     }
 
@@ -211,6 +222,12 @@ impl HandState {
         if has_frozen_pose && frozen.1.length_squared() == 0.0 {
             return Err(bad);
         }
+        let (buttons, trigger_ticks, haptic) = (from.u8()?, from.u16()?, from.u8()?);
+        let bad = from.error_here("ticks of a stick's push, 18 at most");
+        let resize_push = from.u8()? as i8;
+        if resize_push.unsigned_abs() > RESIZE_PERIOD.unsigned_abs() {
+            return Err(bad);
+        }
         Ok(HandState {
             grip,
             aim,
@@ -222,9 +239,10 @@ impl HandState {
             can_sweep: flag(3),
             has_frozen_pose,
             is_light: flag(5),
-            buttons: from.u8()?,
-            trigger_ticks: from.u16()?,
-            haptic: from.u8()?,
+            buttons,
+            trigger_ticks,
+            haptic,
+            resize_push,
             trail: HandTrail::read(from)?,
         })
     }
@@ -270,4 +288,22 @@ const FAR: f32 = 32_768.0;
 /// Whether an analogue button is pressed, with hysteresis: on from 128, off below 96 of 255.
 const fn is_pressed_with_hysteresis(value: u8, was_pressed: bool) -> bool {
     value >= if was_pressed { 96 } else { 128 }
+}
+
+/// Ticks from one step of a bit's size to the next while the stick is pushed: a bit goes from half to double in two
+/// seconds.
+const RESIZE_PERIOD: i8 = 18;
+
+/// Where the stick's push makes a bit larger (1) or smaller (-1): from three quarters of its way along y, as long as
+/// that is more than its way along x, which turns the stool; until it falls below half.
+const fn resize_direction([x, y]: [i8; 2], last_direction: i8) -> i8 {
+    let goes_on = y.signum() == last_direction && y.unsigned_abs() >= 64;
+    let begins = y.unsigned_abs() >= 96 && y.unsigned_abs() > x.unsigned_abs();
+    if goes_on || begins { y.signum() } else { 0 }
+}
+
+/// The ticks of a push in this direction after `push` ticks, from 1 to [`RESIZE_PERIOD`] and again.
+const fn next_resize_push(push: i8, direction: i8) -> i8 {
+    let goes_on = push.signum() == direction && push.unsigned_abs() < RESIZE_PERIOD as u8;
+    if goes_on { push + direction } else { direction }
 }

@@ -31,7 +31,7 @@ pub struct HandInput {
     pub trigger: u8,
     /// 0 to 255.
     pub squeeze: u8,
-    /// x (right) and y (forward), -127 to 127.
+    /// x (right) turns the stool, y (forward) makes the held bit larger; -127 to 127.
     pub stick: [i8; 2],
     /// Pressed buttons, of [`buttons`]; the highest bit is ignored.
     pub buttons: u8,
@@ -83,6 +83,13 @@ pub enum PointerCommand {
     Turn {
         /// In 65,536ths of a turn, counter-clockwise as seen from above.
         by: i16,
+    },
+    /// Makes the bit that a hand holds larger or smaller, as far as it goes.
+    Resize {
+        /// 0 left, 1 right.
+        hand: u8,
+        /// In steps of its [`BitSize`](crate::session::BitSize).
+        by: i8,
     },
 }
 
@@ -204,16 +211,18 @@ impl PointerCommand {
                 to.u8(3);
                 to.i16(by);
             }
+            PointerCommand::Resize { hand, by } => to.bytes(&[4, hand, by as u8]),
         }
     }
 
     fn read(from: &mut ByteReader<'_>) -> Result<Self, BadBytes> {
-        let bad = from.error_here("a pointer command, 0 to 3, and zeros for what it doesn't take");
+        let bad = from.error_here("a pointer command, 0 to 4, and zeros for what it doesn't take");
         match [from.u8()?, from.u8()?, from.u8()?] {
             [0, 0, 0] => Ok(PointerCommand::None),
             [1, hand, item] => Ok(PointerCommand::Take { hand, item }),
             [2, hand, 0] => Ok(PointerCommand::Return { hand }),
             [3, lo, hi] => Ok(PointerCommand::Turn { by: i16::from_le_bytes([lo, hi]) }),
+            [4, hand, by] => Ok(PointerCommand::Resize { hand, by: by as i8 }),
             _ => Err(bad),
         }
     }

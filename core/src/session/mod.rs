@@ -5,6 +5,7 @@
 //! Doesn't know devices, windows, clocks, files or pictures.
 
 pub(crate) mod bared;
+pub(crate) mod bit_size;
 pub(crate) mod events;
 pub(crate) mod hand;
 pub(crate) mod input;
@@ -21,6 +22,7 @@ pub(crate) mod workbench;
 pub(crate) mod world;
 
 pub use bared::{BaredEnds, FOUND_PERCENT};
+pub use bit_size::BitSize;
 pub use hand::HandState;
 pub use input::{PointerCommand, RawPose, SessionMode, TICK_RATE, buttons, commands};
 pub use state::SessionState;

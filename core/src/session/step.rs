@@ -134,7 +134,8 @@ where
         self.undo.count_columns_of(before.min(self.undo.undo_counts().undoable))
     }
 
-    /// Takes or returns an item for a pointer. [`World::turn_stool`] handles its turns.
+    /// Takes or returns an item for a pointer. [`World::turn_stool`] handles its turns,
+    /// [`World::resize_bits`] sizes.
     pub(crate) fn apply_pointer_command(&mut self, pointer: PointerCommand) {
         match pointer {
             PointerCommand::Take { hand, item } => {
@@ -149,7 +150,22 @@ where
                     self.push_event(WorldEvent::Returned { hand: hand as u8, tool });
                 }
             }
-            PointerCommand::None | PointerCommand::Turn { .. } => {}
+            PointerCommand::None | PointerCommand::Turn { .. } | PointerCommand::Resize { .. } => {}
+        }
+    }
+
+    /// Makes the bits in hands larger or smaller: by the sticks, and by the pointer. A bit stays where it is: one that
+    /// grew into the stone cuts itself free, or is taken out.
+    pub(crate) fn resize_bits(&mut self, pointer: PointerCommand, presses: [HandPresses; 2]) {
+        for (hand, presses) in presses.into_iter().enumerate() {
+            let by_pointer = match pointer {
+                PointerCommand::Resize { hand: of, by } if usize::from(of & 1) == hand => by,
+                _ => 0,
+            };
+            let steps = i32::from(presses.resized_by) + i32::from(by_pointer);
+            if let Some((_, bit)) = self.held_tool(hand) {
+                self.state.bench.resize_bit(bit, steps);
+            }
         }
     }
 

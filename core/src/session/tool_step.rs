@@ -15,13 +15,15 @@ use crate::session::journals::StrokeJournal;
 use crate::session::ledger::{BitWork, work_of_contact};
 use crate::session::state::SessionState;
 use crate::session::step::metres_from_um;
-use crate::session::tools::{BitAction, ToolBit};
+use crate::session::tools::{BitAction, ToolBit, ToolBitSpec};
 use crate::session::world::World;
 use crate::volume::size::{Grid, Size};
 
 /// The bit that a hand uses in a tick.
 struct RunningBit<'a> {
     bit: ToolBit,
+    /// Its lengths at the size that it has.
+    spec: &'a ToolBitSpec,
     grid_bit: &'a GridBit,
     /// What it edits: the bit, and its reach.
     brush: &'a GridBit,
@@ -105,7 +107,8 @@ where
         let mut state = self.state.hands[hand];
         let frame = self.stool_frame();
         let voxel_um = frame.voxel_metres() * 1e6;
-        let (grid_bit, brush) = (bit.to_grid_bit(voxel_um), bit.to_grid_brush(voxel_um));
+        let spec = bit.spec_at(self.state.bench.size_of(bit));
+        let (grid_bit, brush) = (spec.to_grid_bit(voxel_um), spec.to_grid_brush(voxel_um));
         let (position, rotation) = state.bit_centre_pose(metres_from_um(tool.length_um()));
         let raw = frame.to_grid(position, rotation);
         // Haptics follow the speed of the hand, not that of the bit.
@@ -121,6 +124,7 @@ where
         let seed = DitherSeed(self.state.tick.wrapping_mul(2).wrapping_add(hand as u64));
         let running = RunningBit {
             bit,
+            spec: &spec,
             grid_bit: &grid_bit,
             brush: &brush,
             is_new_pull: presses.pulled,
@@ -220,7 +224,7 @@ where
         let works = state.is_running() && running.bit.spec().is_blow_at(state.trigger_ticks);
         let spalls = contact.on_mask && works && state.can_sweep;
         let voxel_um = self.stool_frame().voxel_metres() * 1e6;
-        let spall = running.bit.to_grid_spall(voxel_um).filter(|_| spalls);
+        let spall = running.spec.to_grid_spall(voxel_um).filter(|_| spalls);
         let Some(spall) = spall else { return (0, EditReport::default()) };
         let work = BitWork::of_spall(&spall, self.state.symmetry);
         if work > left {

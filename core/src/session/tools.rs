@@ -9,6 +9,7 @@ use glam::IVec3;
 
 use crate::edit::grid_bit::{GridBit, GridShape};
 use crate::edit::pose::SUBUNITS_PER_VOXEL;
+use crate::session::bit_size::SizeRange;
 
 /// A tool body, held in a hand.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -99,6 +100,8 @@ pub struct ToolBitSpec {
     pub bite_um: i32,
     /// How far its edit reaches beyond its shape on every side, in micrometres.
     pub reach_um: [i32; 3],
+    /// The sizes that it comes in.
+    pub sizes: SizeRange,
     /// Ticks from one blow to the next; 1 edits on every tick.
     pub bite_period: u8,
     /// Haptic amplitudes of successive ticks, 0 to 255, repeated while the tool runs.
@@ -112,6 +115,52 @@ impl ToolBitSpec {
     pub const fn is_blow_at(&self, trigger_ticks: u16) -> bool {
         let period = self.bite_period as u16;
         trigger_ticks % period < period.div_ceil(2)
+    }
+
+    /// The bit in fixed-point grid units, for voxels of side `voxel_um` in micrometres.
+    #[must_use]
+    pub fn to_grid_bit(&self, voxel_um: f32) -> GridBit {
+        self.to_grid_bit_grown_by([0; 3], voxel_um)
+    }
+
+    /// What the bit edits, which is its shape and its reach, as [`ToolBitSpec::to_grid_bit`].
+    #[must_use]
+    pub fn to_grid_brush(&self, voxel_um: f32) -> GridBit {
+        self.to_grid_bit_grown_by(self.reach_um, voxel_um)
+    }
+
+    /// What spalls off a hidden figure that the bit touches, as [`ToolBitSpec::to_grid_bit`]: all within 34 mm of the
+    /// bit's centre, however deep it lies. `None` for a bit that doesn't carve, for a disc, which only parts stone, and
+    /// for one that is as large itself.
+    #[must_use]
+    pub fn to_grid_spall(&self, voxel_um: f32) -> Option<GridBit> {
+        /// At 256 a tick has the work for no larger ball beside bites of the large ball.
+        const RADIUS_UM: i32 = 34_000;
+        let ToolBitSpec { action, shape, .. } = *self;
+        let is_large = matches!(shape, BitShape::Ball { radius_um } if radius_um >= RADIUS_UM);
+        if action != BitAction::Carve || is_large || matches!(shape, BitShape::Disc { .. }) {
+            return None;
+        }
+        let radius = libm::roundf(RADIUS_UM as f32 * SUBUNITS_PER_VOXEL as f32 / voxel_um) as i32;
+        Some(GridBit { shape: GridShape::Ball(radius), bite: radius })
+    }
+
+    fn to_grid_bit_grown_by(&self, reach_um: [i32; 3], voxel_um: f32) -> GridBit {
+        let fixed =
+            |length: i32| libm::roundf(length as f32 * SUBUNITS_PER_VOXEL as f32 / voxel_um) as i32;
+        let shape = match self.shape {
+            BitShape::Ball { radius_um } => GridShape::Ball(fixed(radius_um + reach_um[0])),
+            BitShape::Box { half_extents_um } => {
+                GridShape::Box(IVec3::from_array(array::from_fn(|i| {
+                    fixed(half_extents_um[i] + reach_um[i])
+                })))
+            }
+            BitShape::Disc { radius_um } => GridShape::Disc {
+                radius: fixed(radius_um + reach_um[1]),
+                half_thickness: SUBUNITS_PER_VOXEL + fixed(reach_um[0]),
+            },
+        };
+        GridBit { shape, bite: fixed(self.bite_um) }
     }
 }
 
@@ -170,51 +219,10 @@ impl ToolBit {
         &BITS[self as usize]
     }
 
-    /// The bit in fixed-point grid units, for voxels of side `voxel_um` in micrometres.
+    /// The bit as it is in the table, as [`ToolBitSpec::to_grid_bit`].
     #[must_use]
     pub fn to_grid_bit(self, voxel_um: f32) -> GridBit {
-        self.to_grid_bit_grown_by([0; 3], voxel_um)
-    }
-
-    /// What the bit edits, which is its shape and its reach, as [`ToolBit::to_grid_bit`].
-    #[must_use]
-    pub fn to_grid_brush(self, voxel_um: f32) -> GridBit {
-        self.to_grid_bit_grown_by(self.spec().reach_um, voxel_um)
-    }
-
-    /// What spalls off a hidden figure that the bit touches, as [`ToolBit::to_grid_bit`]: all within 34 mm of the bit's
-    /// centre, however deep it lies. `None` for a bit that doesn't carve, for a disc, which only parts stone, and for
-    /// one that is as large itself.
-    #[must_use]
-    pub fn to_grid_spall(self, voxel_um: f32) -> Option<GridBit> {
-        /// At 256 a tick has the work for no larger ball beside a bite of the large ball.
-        const RADIUS_UM: i32 = 34_000;
-        let ToolBitSpec { action, shape, .. } = *self.spec();
-        let is_large = matches!(shape, BitShape::Ball { radius_um } if radius_um >= RADIUS_UM);
-        if action != BitAction::Carve || is_large || matches!(shape, BitShape::Disc { .. }) {
-            return None;
-        }
-        let radius = libm::roundf(RADIUS_UM as f32 * SUBUNITS_PER_VOXEL as f32 / voxel_um) as i32;
-        Some(GridBit { shape: GridShape::Ball(radius), bite: radius })
-    }
-
-    fn to_grid_bit_grown_by(self, reach_um: [i32; 3], voxel_um: f32) -> GridBit {
-        let fixed =
-            |length: i32| libm::roundf(length as f32 * SUBUNITS_PER_VOXEL as f32 / voxel_um) as i32;
-        let data = self.spec();
-        let shape = match data.shape {
-            BitShape::Ball { radius_um } => GridShape::Ball(fixed(radius_um + reach_um[0])),
-            BitShape::Box { half_extents_um } => {
-                GridShape::Box(IVec3::from_array(array::from_fn(|i| {
-                    fixed(half_extents_um[i] + reach_um[i])
-                })))
-            }
-            BitShape::Disc { radius_um } => GridShape::Disc {
-                radius: fixed(radius_um + reach_um[1]),
-                half_thickness: SUBUNITS_PER_VOXEL + fixed(reach_um[0]),
-            },
-        };
-        GridBit { shape, bite: fixed(data.bite_um) }
+        self.spec().to_grid_bit(voxel_um)
     }
 }
 
@@ -232,6 +240,7 @@ const fn ball_spec(
         shape,
         bite_um,
         reach_um: [0; 3],
+        sizes: SizeRange::ALL,
         bite_period: 1,
         haptic_train,
     }
@@ -251,6 +260,7 @@ const fn box_spec(
         shape,
         bite_um,
         reach_um: [0; 3],
+        sizes: SizeRange::of(-3, 1),
         bite_period: 1,
         haptic_train: &[200, 160],
     }
@@ -258,10 +268,20 @@ const fn box_spec(
 
 static BITS: [ToolBitSpec; 11] = [
     ball_spec("small ball burr", 9_000, 2_500, &[180, 120]),
-    ball_spec("medium ball burr", 15_000, 3_000, &[200, 140]),
-    ball_spec("large ball burr", 24_000, 3_400, &[220, 220, 150]),
-    box_spec("cylinder cutter", Tool::Rotary, [9_000, 9_000, 22_000], 2_500),
     ToolBitSpec {
+        sizes: SizeRange::of(-4, 3),
+        ..ball_spec("medium ball burr", 15_000, 3_000, &[200, 140])
+    },
+    ToolBitSpec {
+        sizes: SizeRange::of(-4, 1),
+        ..ball_spec("large ball burr", 24_000, 3_400, &[220, 220, 150])
+    },
+    ToolBitSpec {
+        sizes: SizeRange::of(-4, 0),
+        ..box_spec("cylinder cutter", Tool::Rotary, [9_000, 9_000, 22_000], 2_500)
+    },
+    ToolBitSpec {
+        sizes: SizeRange::of(-3, 0),
         haptic_train: &[150, 170, 190, 170],
         ..box_spec("flat grinder", Tool::Rotary, [26_000, 26_000, 7_000], 1_500)
     },
@@ -275,8 +295,12 @@ static BITS: [ToolBitSpec; 11] = [
         haptic_train: &[255, 140, 60, 20, 0, 0, 0, 0],
         ..box_spec("flat chisel", Tool::Impact, [18_000, 7_000, 14_000], 3_000)
     },
-    ball_spec("roughing ball burr", 40_000, 7_000, &[255, 220, 240, 180]),
     ToolBitSpec {
+        sizes: SizeRange::of(-4, 0),
+        ..ball_spec("roughing ball burr", 40_000, 7_000, &[255, 220, 240, 180])
+    },
+    ToolBitSpec {
+        sizes: SizeRange::NATURAL_ALONE,
         shape: BitShape::Disc { radius_um: 70_000 },
         ..ball_spec("disc saw", 70_000, 7_000, &[160, 200, 180, 220])
     },
@@ -288,6 +312,7 @@ static BITS: [ToolBitSpec; 11] = [
     ToolBitSpec {
         action: BitAction::Smooth,
         reach_um: [8_000, 14_000, 8_000],
+        sizes: SizeRange::of(-3, 0),
         haptic_train: &[90, 30, 90, 60],
         ..box_spec("rasp file", Tool::Rasp, [10_000, 7_000, 24_000], 1_200)
     },

@@ -4,6 +4,7 @@ use glam::{Quat, Vec3};
 
 use crate::codec::bytes::{BadBytes, ByteReader, ByteWriter};
 use crate::codec::vectors::{QUAT_BYTES, VEC3_BYTES, write_quat, write_vec3};
+use crate::session::bit_size::BitSize;
 use crate::session::hand::{RoomPose, read_pose};
 use crate::session::input::TICK_RATE;
 use crate::session::tools::{Tool, ToolBit};
@@ -46,10 +47,11 @@ struct PlacedItem {
     rotation: Quat,
 }
 
-/// The places of all items.
+/// The places of all items, and the sizes of all bits.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Workbench {
     items: [PlacedItem; BENCH_ITEMS],
+    sizes: [BitSize; ToolBit::ALL.len()],
 }
 
 impl BenchItem {
@@ -92,10 +94,11 @@ impl Workbench {
         Workbench {
             items: [PlacedItem { place: ToolPlace::Home, position: Vec3::ZERO, rotation };
                 BENCH_ITEMS],
+            sizes: [BitSize::NATURAL; ToolBit::ALL.len()],
         }
     }
 
-    /// Puts every item home and mounts each tool's default bit.
+    /// Puts every item home, as large as the table has it, and mounts each tool's default bit.
     pub(crate) fn reset_items(&mut self) {
         *self = Self::new();
         for tool in Tool::ALL {
@@ -121,6 +124,17 @@ impl Workbench {
     pub fn held_tool(&self, hand: usize) -> Option<Tool> {
         let place = ToolPlace::Hand(hand as u8);
         Tool::ALL.into_iter().find(|tool| self.place_of(BenchItem::Tool(*tool)) == place)
+    }
+
+    /// The size of a bit, wherever it is.
+    #[must_use]
+    pub const fn size_of(&self, bit: ToolBit) -> BitSize {
+        self.sizes[bit as usize]
+    }
+
+    /// Makes a bit larger by so many steps, or smaller, as far as it goes.
+    pub(crate) fn resize_bit(&mut self, bit: ToolBit, steps: i32) {
+        self.sizes[bit as usize] = self.size_of(bit).resized_by(bit, steps);
     }
 
     /// An item's pose in the room, in metres; `None` for one in a hand or on a tool.
@@ -228,8 +242,9 @@ impl Workbench {
         }
     }
 
-    /// Length of a written bench: for each item its place, a count of ticks, and its pose.
-    pub(crate) const BYTES: usize = BENCH_ITEMS * (1 + 2 + VEC3_BYTES + QUAT_BYTES);
+    /// Length of a written bench: for each item its place, a count of ticks, and its pose; for each bit its size.
+    pub(crate) const BYTES: usize =
+        BENCH_ITEMS * (1 + 2 + VEC3_BYTES + QUAT_BYTES) + ToolBit::ALL.len();
 
     pub(crate) fn write(&self, to: &mut ByteWriter<'_>) {
         for thing in &self.items {
@@ -245,6 +260,7 @@ impl Workbench {
             write_vec3(to, thing.position);
             write_quat(to, thing.rotation);
         }
+        self.sizes.iter().for_each(|size| to.u8(size.steps() as u8));
     }
 
     pub(crate) fn read(from: &mut ByteReader<'_>) -> Result<Self, BadBytes> {
@@ -261,6 +277,10 @@ impl Workbench {
                 _ => return Err(bad),
             };
             (thing.position, thing.rotation) = read_pose(from)?;
+        }
+        for (bit, size) in ToolBit::ALL.into_iter().zip(&mut bench.sizes) {
+            let bad = from.error_here("a size that the bit comes in");
+            *size = BitSize::of_bit(bit, from.u8()? as i8).ok_or(bad)?;
         }
         let bad = from.error_here("a bench with one tool a hand and one bit a tool");
         if bench.is_possible() { Ok(bench) } else { Err(bad) }

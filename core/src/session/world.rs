@@ -1,7 +1,7 @@
 //! The world: the complete state of a session, and the fixed time step that advances it.
 //!
 //! [`World::step`] runs, in order: session start, input of head and hands, stool and commands, grabbing
-//! of tools, contact and edit of each hand, island search, fall of dropped tools. Only it and
+//! of tools and sizes of bits, contact and edit of each hand, island search, fall of dropped tools. Only it and
 //! [`World::load`] change the state.
 
 use glam::Vec3;
@@ -21,7 +21,7 @@ use crate::session::ledger::TickLedger;
 use crate::session::start_volumes::StartVolumes;
 use crate::session::state::{SessionState, WorldState};
 use crate::session::stool_frame::StoolFrame;
-use crate::session::tools::{Tool, ToolBit};
+use crate::session::tools::{Tool, ToolBit, ToolBitSpec};
 use crate::session::workbench::Workbench;
 use crate::volume::dirty::DirtyRects;
 use crate::volume::editable::Volume;
@@ -103,6 +103,7 @@ where
             for (hand, presses) in presses.into_iter().enumerate() {
                 self.grab_or_release_on_squeeze(hand, presses);
             }
+            self.resize_bits(input.pointer, presses);
             if self.is_stroke_open() && !was_stroke_open {
                 self.undo.begin_stroke();
             }
@@ -224,6 +225,13 @@ where
     pub fn held_tool(&self, hand: usize) -> Option<(Tool, ToolBit)> {
         let tool = self.state.bench.held_tool(hand)?;
         Some((tool, self.state.bench.mounted_bit(tool)))
+    }
+
+    /// The bit that a hand holds, of the size that it has.
+    #[must_use]
+    pub fn held_bit_spec(&self, hand: usize) -> Option<ToolBitSpec> {
+        let (_, bit) = self.held_tool(hand)?;
+        Some(bit.spec_at(self.state.bench.size_of(bit)))
     }
 
     /// The input of a tracked hand that holds its bit at `bit_pose`, in the grid, while nothing is in its

@@ -4,9 +4,11 @@ use std::f32::consts::PI;
 
 use glam::{Quat, Vec3};
 use paros_core::edit::{Contact, Pose, SUBUNITS_PER_VOXEL};
-use paros_core::internals::{BOX_SIDE, BitAction, GridBit, GridShape, haptic_amplitude};
+use paros_core::internals::{
+    BOX_SIDE, BitAction, GridBit, GridShape, ToolBitSpec, haptic_amplitude,
+};
 use paros_core::limits::{SHELL_DEPTH, SMOOTH_LINES, SWEEP_PIECES};
-use paros_core::session::{Tool, ToolBit};
+use paros_core::session::{BitSize, Tool, ToolBit};
 use proptest::prelude::*;
 
 /// Both grid sizes, with their voxels' side in micrometres.
@@ -14,9 +16,17 @@ fn grid_sizes() -> [(usize, f32); 2] {
     [128, 256].map(|n| (n, BOX_SIDE / n as f32 * 1e6))
 }
 
+/// Each bit of each size that it comes in.
+fn all_sizes() -> impl Iterator<Item = (ToolBit, ToolBitSpec)> {
+    ToolBit::ALL.into_iter().flat_map(|bit| {
+        let sizes = (i8::MIN..=i8::MAX).filter_map(move |steps| BitSize::of_bit(bit, steps));
+        sizes.map(move |size| (bit, bit.spec_at(size)))
+    })
+}
+
 fn all_grid_bits() -> impl Iterator<Item = (ToolBit, usize, GridBit)> {
-    let at = |bit: ToolBit| grid_sizes().map(|(n, voxel)| (bit, n, bit.to_grid_bit(voxel)));
-    ToolBit::ALL.into_iter().flat_map(at)
+    all_sizes()
+        .flat_map(|(bit, spec)| grid_sizes().map(|(n, voxel)| (bit, n, spec.to_grid_bit(voxel))))
 }
 
 fn half_extents(bit: &GridBit) -> Vec3 {
@@ -51,8 +61,10 @@ fn no_bit_can_jump_a_wall() {
 
 #[test]
 fn the_shell_is_as_deep_as_the_bite() {
-    for (bit, n, grid) in all_grid_bits() {
-        let bite = bit.spec().bite_um as f32 / (BOX_SIDE / n as f32 * 1e6);
+    for ((bit, spec), (n, voxel)) in
+        all_sizes().flat_map(|sized| grid_sizes().map(|grid| (sized, grid)))
+    {
+        let (grid, bite) = (spec.to_grid_bit(voxel), spec.bite_um as f32 / voxel);
         assert_eq!(grid.bite_depth_voxels(), bite.ceil() as usize, "{bit:?} at {n}");
         assert!((1..=SHELL_DEPTH).contains(&grid.bite_depth_voxels()), "{bit:?} at {n}");
     }
@@ -86,7 +98,7 @@ proptest! {
         turn in [-1.0f32..1.0, -1.0f32..1.0, -1.0f32..1.0, -1.0f32..1.0],
     ) {
         for (n, voxel) in grid_sizes() {
-            let brush = ToolBit::File.to_grid_brush(voxel);
+            let brush = ToolBit::File.spec().to_grid_brush(voxel);
             let rotation = Quat::from_array(turn).normalize();
             let rotation = if rotation.is_finite() { rotation } else { Quat::IDENTITY };
             let pose = Pose { position: Vec3::splat(n as f32 / 2.0), rotation };

@@ -88,7 +88,8 @@ impl HardVisitor {
         HardVisitor { dice, habits, poses: [pose; 2] }
     }
 
-    /// The inputs of a visit's first ticks: it starts a session and takes two tools.
+    /// The inputs of a visit's first ticks: it starts a session and takes two tools,
+    /// with bits as small or as large as they come, or as they are.
     pub fn begin_visit(&mut self, start: SessionMode) -> Vec<TickInput> {
         let mut inputs = vec![TickInput { start, ..TickInput::default() }];
         for (hand, bit) in self.choose_bits().into_iter().enumerate() {
@@ -96,6 +97,11 @@ impl HardVisitor {
                 let pointer = PointerCommand::Take { hand: hand as u8, item: item.number() as u8 };
                 inputs.push(TickInput { pointer, ..TickInput::default() });
             }
+        }
+        for hand in [0, 1] {
+            let by = [-8, 0, 8][self.dice.below(3) as usize];
+            let pointer = PointerCommand::Resize { hand, by };
+            inputs.push(TickInput { pointer, ..TickInput::default() });
         }
         if self.dice.one_in(3) {
             let commands = commands::SYMMETRY;

@@ -151,6 +151,8 @@ impl RandomVisitor {
             2 => PointerCommand::Return { hand },
             3 => PointerCommand::Turn { by: self.dice.next_bits() as i16 },
             4..12 => PointerCommand::Turn { by: self.dice.below(400) as i16 - 200 },
+            12 => PointerCommand::Resize { hand, by: 1 },
+            13 => PointerCommand::Resize { hand, by: -1 },
             _ => PointerCommand::None,
         }
     }
@@ -201,6 +203,7 @@ pub fn arbitrary_input(dice: &mut RandomSource) -> TickInput {
         1 | 2 => PointerCommand::Take { hand: byte, item: dice.below(4) as u8 },
         3 => PointerCommand::Return { hand: byte },
         4 => PointerCommand::Turn { by: dice.next_bits() as i16 },
+        5 => PointerCommand::Resize { hand: byte, by: dice.next_bits() as i8 },
         _ => PointerCommand::None,
     };
     let start = match dice.below(400) {

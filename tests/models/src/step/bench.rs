@@ -1,8 +1,8 @@
-//! Model of the workbench: where eleven items are, and how hands take, drop and return them.
+//! Model of the workbench: where all items are, how hands take, drop and return them, and how large bits are.
 
 use glam::{Quat, Vec3};
 use paros_core::internals::{BENCH_ITEMS, BENCH_TOP, RoomPose, ToolPlace};
-use paros_core::session::{BenchItem, TICK_RATE, Tool, ToolBit};
+use paros_core::session::{BenchItem, BitSize, TICK_RATE, Tool, ToolBit};
 
 /// Greatest distance at which a hand takes something, in metres.
 const GRAB_DISTANCE: f32 = 0.12;
@@ -18,13 +18,18 @@ struct Item {
 #[derive(Clone, PartialEq, Debug)]
 pub struct BenchModel {
     items: [Item; BENCH_ITEMS],
+    /// Steps that each bit is larger than in the table.
+    sizes: [i8; ToolBit::ALL.len()],
 }
 
 impl BenchModel {
     /// Before any session: everything at home, no bit mounted.
     pub fn before_sessions() -> Self {
         let nowhere = (Vec3::ZERO, Quat::from_xyzw(0.0, 0.0, 0.0, 0.0));
-        BenchModel { items: [Item { place: ToolPlace::Home, pose: nowhere }; BENCH_ITEMS] }
+        BenchModel {
+            items: [Item { place: ToolPlace::Home, pose: nowhere }; BENCH_ITEMS],
+            sizes: [0; ToolBit::ALL.len()],
+        }
     }
 
     /// At the start of a session: each tool carries its own bit.
@@ -162,6 +167,23 @@ impl BenchModel {
             to.push(kind);
             to.extend(u16::to_le_bytes(ticks));
             write_pose(to, *pose);
+        }
+        to.extend(self.sizes.map(|steps| steps as u8));
+    }
+
+    /// The steps that a bit is larger than in the table.
+    pub const fn size_of(&self, bit: ToolBit) -> i8 {
+        self.sizes[bit as usize]
+    }
+
+    /// Makes a bit larger or smaller, a step at a time until it comes in no other size.
+    pub fn resize(&mut self, bit: ToolBit, steps: i32) {
+        let size = &mut self.sizes[bit as usize];
+        for _ in 0..steps.abs() {
+            let next = *size + steps.signum() as i8;
+            if BitSize::of_bit(bit, next).is_some() {
+                *size = next;
+            }
         }
     }
 

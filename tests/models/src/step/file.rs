@@ -72,7 +72,7 @@ impl<const K: usize> StepModel<K> {
 
     /// What a bit edits.
     pub(super) fn brush_of(&self, bit: ToolBit) -> GridBit {
-        bit.to_grid_brush(self.stool_frame().voxel_metres() * 1e6)
+        self.spec_of(bit).to_grid_brush(self.stool_frame().voxel_metres() * 1e6)
     }
 }
 

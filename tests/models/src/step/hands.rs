@@ -10,7 +10,7 @@ use crate::contact::{ContactModel, path_poses};
 use crate::dense::DenseVolume;
 use crate::step::ledger::{HandWork, Ledger, work_of_contact};
 use crate::step::volume::{voxels_of_brush, whole_voxels};
-use crate::step::{NOWHERE, StepModel, ensure};
+use crate::step::{NOWHERE, StepModel, ensure, resize};
 
 /// What a hand newly pressed in a tick.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
@@ -21,6 +21,8 @@ pub struct HandPresses {
     pub squeezed: bool,
     /// Buttons.
     pub buttons: u8,
+    /// Steps by which the stick makes a bit larger.
+    pub larger_by: i32,
 }
 
 /// A hand that was never tracked.
@@ -40,6 +42,7 @@ pub(super) fn untracked_hand() -> HandState {
         can_sweep: false,
         has_frozen_pose: false,
         haptic: 0,
+        resize_push: 0,
         trail: HandTrail::EMPTY,
     }
 }
@@ -61,7 +64,7 @@ pub(super) fn apply_input(hand: &mut HandState, input: &HandInput) -> HandPresse
     hand.tracked = input.tracked && (grip.is_some() || had_a_grip);
     if !hand.tracked {
         (hand.trigger, hand.squeeze, hand.buttons, hand.trigger_ticks) = (false, false, 0, 0);
-        hand.can_sweep = false;
+        (hand.can_sweep, hand.resize_push) = (false, 0);
         return HandPresses::default();
     }
     let last = *hand;
@@ -80,6 +83,7 @@ pub(super) fn apply_input(hand: &mut HandState, input: &HandInput) -> HandPresse
         pulled: hand.trigger && !last.trigger,
         squeezed: hand.squeeze && !last.squeeze,
         buttons: hand.buttons & !last.buttons,
+        larger_by: resize::push_stick(hand, input.stick),
     }
 }
 
@@ -135,7 +139,7 @@ impl<const K: usize> StepModel<K> {
     ) -> Result<(), String> {
         let Some((tool, bit)) = self.tool_in_use(hand) else { return Ok(()) };
         let voxel_metres = self.stool_frame().voxel_metres();
-        let grid_bit = bit.to_grid_bit(voxel_metres * 1e6);
+        let grid_bit = self.spec_of(bit).to_grid_bit(voxel_metres * 1e6);
         let wanted = self.wanted_pose(hand, tool);
         let state = &mut self.hands[hand];
         let voxels_moved = match state.has_frozen_pose {

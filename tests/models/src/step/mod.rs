@@ -15,6 +15,7 @@ pub mod history;
 pub mod islands;
 pub mod ledger;
 pub mod plan;
+mod resize;
 pub mod save;
 pub mod session;
 mod spall;
@@ -164,6 +165,9 @@ impl<const K: usize> StepModel<K> {
             for (hand, presses) in presses.iter().enumerate() {
                 self.grab_or_release_on_squeeze(hand, *presses);
             }
+            for (hand, presses) in presses.iter().enumerate() {
+                self.resize_held_bit(hand, presses.larger_by, input.pointer);
+            }
             let has_started =
                 self.events.iter().any(|event| matches!(event, WorldEvent::Started(_)));
             let counts = !has_started && self.count_next_axis();
@@ -275,7 +279,7 @@ impl<const K: usize> StepModel<K> {
                     self.events.push(WorldEvent::Returned { hand, tool });
                 }
             }
-            PointerCommand::None | PointerCommand::Turn { .. } => {}
+            PointerCommand::None | PointerCommand::Turn { .. } | PointerCommand::Resize { .. } => {}
         }
     }
 

@@ -101,8 +101,8 @@ pub enum PhaseEvent {
     Buttons(usize, u8),
     /// In the first tick a hand squeezes where an item is at home.
     Squeeze(usize, u8),
-    /// A hand's stick turns the stool all the while.
-    Stick(usize, i8),
+    /// A hand's stick turns the stool and resizes the bit all the while.
+    Stick(usize, [i8; 2]),
     /// A session starts.
     Start(SessionMode),
     /// The world is saved before, and loaded into another that goes on.
@@ -189,7 +189,10 @@ fn any_events() -> impl Strategy<Value = PhaseEvent> {
         2 => (hand(), prop_oneof![Just(buttons::LOWER), Just(buttons::UPPER), Just(buttons::STICK)])
             .prop_map(|(hand, pressed)| PhaseEvent::Buttons(hand, pressed)),
         2 => (hand(), item()).prop_map(|(hand, item)| PhaseEvent::Squeeze(hand, item)),
-        1 => (hand(), any::<i8>()).prop_map(|(hand, push)| PhaseEvent::Stick(hand, push)),
+        2 => (hand(), any::<[i8; 2]>()).prop_map(|(hand, push)| PhaseEvent::Stick(hand, push)),
+        3 => (hand(), any_resizes()).prop_map(|(hand, by)| {
+            PhaseEvent::Pointer(PointerCommand::Resize { hand: hand as u8, by })
+        }),
         3 => Just(PhaseEvent::Reload),
         1 => any::<u64>().prop_map(PhaseEvent::Wild),
         1 => prop_oneof![
@@ -199,6 +202,11 @@ fn any_events() -> impl Strategy<Value = PhaseEvent> {
             Just(PhaseEvent::Start(SessionMode::Constrained { figure: 9 })),
         ],
     ]
+}
+
+/// Steps of a bit's size: one, all, or any number.
+fn any_resizes() -> impl Strategy<Value = i8> {
+    prop_oneof![2 => Just(1i8), 2 => Just(-1), 2 => Just(8), 2 => Just(-8), 1 => any::<i8>()]
 }
 
 /// The pointer's commands that put an item into a hand, with the tool that it belongs to.
@@ -360,7 +368,7 @@ impl PhaseEvent {
                     (pattern >> (2 * (i % 16))) as u8 & (commands::UNDO | commands::REDO);
             }
             PhaseEvent::Buttons(hand, pressed) => input.hands[hand].buttons = pressed,
-            PhaseEvent::Stick(hand, push) => input.hands[hand].stick = [push, 0],
+            PhaseEvent::Stick(hand, push) => input.hands[hand].stick = push,
             _ if i > 0 => {}
             PhaseEvent::Pointer(pointer) => input.pointer = pointer,
             PhaseEvent::Commands(all) => input.commands = all,

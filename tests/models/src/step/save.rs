@@ -206,6 +206,7 @@ fn write_hand(to: &mut Vec<u8>, hand: &HandState) {
     to.push(hand.buttons);
     to.extend(hand.trigger_ticks.to_le_bytes());
     to.push(hand.haptic);
+    to.push(hand.resize_push as u8);
 }
 
 /// Writes the number of poses, the poses, and zeros for those that there might be.

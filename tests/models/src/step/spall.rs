@@ -19,7 +19,8 @@ impl<const K: usize> StepModel<K> {
         ledger: &mut Ledger,
     ) -> EditReport {
         let state = self.hands[hand];
-        let Some(spall) = bit.to_grid_spall(self.stool_frame().voxel_metres() * 1e6) else {
+        let voxel_um = self.stool_frame().voxel_metres() * 1e6;
+        let Some(spall) = self.spec_of(bit).to_grid_spall(voxel_um) else {
             return EditReport::default();
         };
         let work = ledger.work_of_spall(&spall);
