@@ -17,6 +17,10 @@ pub const SWEEP_PIECES: usize = 96;
 /// Poses of a hand's way that its running bit may have yet to follow: the most of [`max_trail_ticks`].
 pub const MAX_TRAIL_POSES: usize = 12;
 
+/// The longest string on which a steadied hand draws its bit, in millimetres: a longer one would round off corners
+/// as large as a figure's head.
+pub const MAX_STRING_MM: u8 = 40;
+
 /// How many ticks a running bit may be behind its hand before the oldest way is dropped: a twelfth of a second,
 /// which a hand hardly notices, or two thirds as long again as between the slowest blows.
 #[must_use]
@@ -108,9 +112,9 @@ pub const fn max_save_bytes(grid_side: usize, intervals: usize) -> usize {
 }
 
 /// Bytes of the world's small state, which is all but volume, mask, undo and islands: tick and session
-/// (14), the head (28), two hands of 455, thirteen bench items of 31, eleven sizes of bits, and the mask's
+/// (15), the head (28), two hands of 455, thirteen bench items of 31, eleven sizes of bits, and the mask's
 /// digest (8).
-pub const STATE_BYTES: usize = 1374;
+pub const STATE_BYTES: usize = 1375;
 
 /// Crossings of a column's ray with a mesh with which a bake gives the column gaps: 16 solids one behind the
 /// other, and a cache line a column. Between more, gaps are 4 voxels long in the mean at 128, and a column

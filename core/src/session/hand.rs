@@ -37,7 +37,7 @@ pub struct HandState {
     pub trigger_ticks: u16,
     /// The pose that contact allowed the bit, in the grid.
     pub frozen_pose: Pose,
-    /// The pose that the hand asks for, without contact, in the grid.
+    /// The pose that the hand asks for, without contact, in the grid: its own, or where a string draws the bit.
     pub raw_pose: Pose,
     /// Whether `frozen_pose` is of the last tick and this bit, so that a brush may be swept from it.
     pub can_sweep: bool,
@@ -150,6 +150,25 @@ impl HandState {
         match self.trigger && bit.action == BitAction::Carve {
             true => self.trail.push_and_drop_beyond(raw, max_trail_ticks(bit.bite_period)),
             false => 0,
+        }
+    }
+
+    /// The pose that a hand at `wanted` asks for. While its tool runs, the bit is drawn behind it on a string, the
+    /// painters' *pulled string*: it stays where it is while the string is slack, and a hand that trembles less than
+    /// the string is long doesn't move it. A pull of the trigger takes the string up anew.
+    pub(crate) fn drawn_pose(&self, wanted: Pose, is_new_pull: bool, string_voxels: f32) -> Pose {
+        let is_drawn = self.trigger && !is_new_pull && self.has_frozen_pose;
+        let behind = self.raw_pose.position - wanted.position;
+        let distance = behind.length();
+        match is_drawn && string_voxels > 0.0 && distance > 0.0 {
+            true if distance <= string_voxels => {
+                Pose { position: self.raw_pose.position, ..wanted }
+            }
+            true => {
+                let position = wanted.position + behind * (string_voxels / distance);
+                Pose { position, ..wanted }
+            }
+            false => wanted,
         }
     }
 

@@ -91,6 +91,12 @@ pub enum PointerCommand {
         /// In steps of its [`BitSize`](crate::session::BitSize).
         by: i8,
     },
+    /// Steadies both hands: while a tool runs, its bit is drawn behind the hand on a string.
+    Steady {
+        /// The string's length, in millimetres of the room, at most [`MAX_STRING_MM`](crate::limits::MAX_STRING_MM); 0
+        /// for hands that aren't steadied.
+        string_mm: u8,
+    },
 }
 
 /// Session mode: which volume a session starts from (sections 1.1, 3.3 and 3.5 of the paper).
@@ -212,17 +218,19 @@ impl PointerCommand {
                 to.i16(by);
             }
             PointerCommand::Resize { hand, by } => to.bytes(&[4, hand, by as u8]),
+            PointerCommand::Steady { string_mm } => to.bytes(&[5, string_mm, 0]),
         }
     }
 
     fn read(from: &mut ByteReader<'_>) -> Result<Self, BadBytes> {
-        let bad = from.error_here("a pointer command, 0 to 4, and zeros for what it doesn't take");
+        let bad = from.error_here("a pointer command, 0 to 5, and zeros for what it doesn't take");
         match [from.u8()?, from.u8()?, from.u8()?] {
             [0, 0, 0] => Ok(PointerCommand::None),
             [1, hand, item] => Ok(PointerCommand::Take { hand, item }),
             [2, hand, 0] => Ok(PointerCommand::Return { hand }),
             [3, lo, hi] => Ok(PointerCommand::Turn { by: i16::from_le_bytes([lo, hi]) }),
             [4, hand, by] => Ok(PointerCommand::Resize { hand, by: by as i8 }),
+            [5, string_mm, 0] => Ok(PointerCommand::Steady { string_mm }),
             _ => Err(bad),
         }
     }

@@ -6,7 +6,7 @@ use glam::{Quat, Vec3};
 use crate::codec::bytes::{BadBytes, ByteReader, ByteWriter};
 use crate::codec::digest::checksum;
 use crate::codec::vectors::{QUAT_BYTES, VEC3_BYTES, write_quat, write_vec3};
-use crate::limits::STATE_BYTES;
+use crate::limits::{MAX_STRING_MM, STATE_BYTES};
 use crate::session::bared::ToldPart;
 use crate::session::hand::{HandState, RoomPose, read_pose};
 use crate::session::input::SessionMode;
@@ -24,6 +24,18 @@ pub enum SessionState {
     Finished = 2,
 }
 
+impl SessionState {
+    /// The phase of a number.
+    pub(crate) const fn from_number(number: u8) -> Option<Self> {
+        match number {
+            0 => Some(SessionState::Waiting),
+            1 => Some(SessionState::Sculpting),
+            2 => Some(SessionState::Finished),
+            _ => None,
+        }
+    }
+}
+
 /// The state of a world but for volumes, undo history and island search.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(crate) struct WorldState {
@@ -36,6 +48,8 @@ pub(crate) struct WorldState {
     pub(crate) counted_axes: u8,
     /// How much of the hidden figure was told to be bared.
     pub(crate) told: ToldPart,
+    /// The length of the string on which running bits are drawn behind their hands; 0 without one.
+    pub(crate) string_mm: u8,
     /// The stool's rotation in 65,536ths of a turn.
     pub(crate) stool: u16,
     pub(crate) head: RoomPose,
@@ -55,6 +69,7 @@ impl WorldState {
             symmetry: false,
             counted_axes: 0,
             told: ToldPart::NONE,
+            string_mm: 0,
             stool: 0,
             head: (Vec3::ZERO, quat),
             hands: [HandState::new(); 2],
@@ -67,6 +82,7 @@ impl WorldState {
     const BYTES: usize = size_of::<u64>()
         + size_of::<u8>()
         + SessionMode::BYTES
+        + size_of::<u8>()
         + size_of::<u8>()
         + size_of::<u16>()
         + (VEC3_BYTES + QUAT_BYTES)
@@ -89,6 +105,7 @@ impl WorldState {
         self.mode.write(to);
         let flags = u8::from(self.masked) | u8::from(self.symmetry) << 1;
         to.u8(flags | self.counted_axes << 2 | self.told.number() << 4);
+        to.u8(self.string_mm);
         to.u16(self.stool);
         write_vec3(to, self.head.0);
         write_quat(to, self.head.1);
@@ -100,12 +117,7 @@ impl WorldState {
     pub(crate) fn read(from: &mut ByteReader<'_>) -> Result<Self, BadBytes> {
         let tick = from.u64()?;
         let bad = from.error_here("a session, 0 to 2");
-        let session = match from.u8()? {
-            0 => SessionState::Waiting,
-            1 => SessionState::Sculpting,
-            2 => SessionState::Finished,
-            _ => return Err(bad),
-        };
+        let session = SessionState::from_number(from.u8()?).ok_or(bad)?;
         let mode = SessionMode::read(from)?;
         let bad =
             from.error_here("flags of a session, and what was told of a figure if it has one");
@@ -116,6 +128,11 @@ impl WorldState {
         if counted_axes > 0 && flags & 1 == 0 {
             return Err(bad);
         }
+        let bad = from.error_here("a string's millimetres, 40 at most");
+        let string_mm = from.u8()?;
+        if string_mm > MAX_STRING_MM {
+            return Err(bad);
+        }
         Ok(WorldState {
             tick,
             session,
@@ -124,6 +141,7 @@ impl WorldState {
             symmetry: flags & 2 != 0,
             counted_axes,
             told,
+            string_mm,
             stool: from.u16()?,
             head: read_pose(from)?,
             hands: [HandState::read(from)?, HandState::read(from)?],

@@ -1,6 +1,6 @@
 //! The parts of a tick, in the order in which [`World::step`] calls them.
 
-use crate::limits::bared_count_work;
+use crate::limits::{MAX_STRING_MM, bared_count_work};
 use crate::session::bared::{BaredEnds, BaringJournal, ToldPart};
 use crate::session::events::WorldEvent;
 use crate::session::hand::{HandPresses, HandState};
@@ -134,7 +134,7 @@ where
         self.undo.count_columns_of(before.min(self.undo.undo_counts().undoable))
     }
 
-    /// Takes or returns an item for a pointer. [`World::turn_stool`] handles its turns,
+    /// Takes or returns an item for a pointer, or steadies hands. [`World::turn_stool`] handles its turns,
     /// [`World::resize_bits`] sizes.
     pub(crate) fn apply_pointer_command(&mut self, pointer: PointerCommand) {
         match pointer {
@@ -149,6 +149,9 @@ where
                     self.state.hands[hand].invalidate_bit_pose();
                     self.push_event(WorldEvent::Returned { hand: hand as u8, tool });
                 }
+            }
+            PointerCommand::Steady { string_mm } => {
+                self.state.string_mm = string_mm.min(MAX_STRING_MM);
             }
             PointerCommand::None | PointerCommand::Turn { .. } | PointerCommand::Resize { .. } => {}
         }

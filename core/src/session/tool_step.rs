@@ -110,7 +110,9 @@ where
         let spec = bit.spec_at(self.state.bench.size_of(bit));
         let (grid_bit, brush) = (spec.to_grid_bit(voxel_um), spec.to_grid_brush(voxel_um));
         let (position, rotation) = state.bit_centre_pose(metres_from_um(tool.length_um()));
-        let raw = frame.to_grid(position, rotation);
+        let wanted = frame.to_grid(position, rotation);
+        let string_voxels = f32::from(self.state.string_mm) * 1e-3 / frame.voxel_metres();
+        let raw = state.drawn_pose(wanted, presses.pulled, string_voxels);
         // Haptics follow the speed of the hand, not that of the bit.
         let moved_voxels = match state.has_frozen_pose {
             true => (raw.position - state.raw_pose.position).length(),

@@ -20,6 +20,7 @@ use crate::session::input::{HandInput, RawPose, SessionMode, TickInput};
 use crate::session::ledger::TickLedger;
 use crate::session::start_volumes::StartVolumes;
 use crate::session::state::{SessionState, WorldState};
+use crate::session::step::metres_from_um;
 use crate::session::stool_frame::StoolFrame;
 use crate::session::tools::{Tool, ToolBit, ToolBitSpec};
 use crate::session::workbench::Workbench;
@@ -264,14 +265,23 @@ where
         self.has_contact[hand & 1].then_some(self.contacts[hand & 1])
     }
 
-    /// The offset of the held bit from the pose that its hand asks for, as the volume holds it back; in
+    /// The length of the string on which running bits are drawn behind their hands, in millimetres; 0 without one.
+    #[must_use]
+    pub const fn string_mm(&self) -> u8 {
+        self.state.string_mm
+    }
+
+    /// The offset of the held bit from where its hand has it, as the volume holds it back and a string draws it; in
     /// metres, in the room.
     #[must_use]
     pub fn push_out_metres(&self, hand: usize) -> Vec3 {
         let (state, frame) = (self.hand_state(hand), self.stool_frame());
-        match state.has_frozen_pose {
-            true => frame.to_room(&state.frozen_pose).0 - frame.to_room(&state.raw_pose).0,
-            false => Vec3::ZERO,
+        match self.held_tool(hand).filter(|_| state.has_frozen_pose) {
+            Some((tool, _)) => {
+                let in_hand = state.bit_centre_pose(metres_from_um(tool.length_um())).0;
+                frame.to_room(&state.frozen_pose).0 - in_hand
+            }
+            None => Vec3::ZERO,
         }
     }
 

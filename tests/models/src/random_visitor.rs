@@ -153,6 +153,7 @@ impl RandomVisitor {
             4..12 => PointerCommand::Turn { by: self.dice.below(400) as i16 - 200 },
             12 => PointerCommand::Resize { hand, by: 1 },
             13 => PointerCommand::Resize { hand, by: -1 },
+            14 => PointerCommand::Steady { string_mm: 15 * hand },
             _ => PointerCommand::None,
         }
     }
@@ -204,6 +205,7 @@ pub fn arbitrary_input(dice: &mut RandomSource) -> TickInput {
         3 => PointerCommand::Return { hand: byte },
         4 => PointerCommand::Turn { by: dice.next_bits() as i16 },
         5 => PointerCommand::Resize { hand: byte, by: dice.next_bits() as i8 },
+        6 => PointerCommand::Steady { string_mm: byte },
         _ => PointerCommand::None,
     };
     let start = match dice.below(400) {

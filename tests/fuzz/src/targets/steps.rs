@@ -134,6 +134,7 @@ impl FuzzedSession<'_> {
                 let (hand, item) = (self.next_or_zero(), self.next_or_zero());
                 input.pointer = match what & 7 {
                     7 => PointerCommand::Return { hand },
+                    5 => PointerCommand::Steady { string_mm: hand },
                     6 => PointerCommand::Resize { hand, by: item as i8 },
                     _ => PointerCommand::Take { hand, item: item % 12 },
                 };

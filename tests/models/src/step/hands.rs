@@ -140,7 +140,8 @@ impl<const K: usize> StepModel<K> {
         let Some((tool, bit)) = self.tool_in_use(hand) else { return Ok(()) };
         let voxel_metres = self.stool_frame().voxel_metres();
         let grid_bit = self.spec_of(bit).to_grid_bit(voxel_metres * 1e6);
-        let wanted = self.wanted_pose(hand, tool);
+        let in_hand = self.wanted_pose(hand, tool);
+        let wanted = self.pull_string(hand, in_hand, presses.pulled);
         let state = &mut self.hands[hand];
         let voxels_moved = match state.has_frozen_pose {
             true => (wanted.position - state.raw_pose.position).length(),

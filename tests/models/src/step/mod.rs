@@ -20,6 +20,7 @@ pub mod save;
 pub mod session;
 mod spall;
 pub mod starts;
+mod string;
 pub mod trace;
 pub mod volume;
 
@@ -28,6 +29,7 @@ use std::collections::VecDeque;
 use glam::{Quat, Vec3};
 use paros_core::edit::{Contact, IslandReport, Pose};
 use paros_core::internals::{RoomPose, maps_digest};
+use paros_core::limits::MAX_STRING_MM;
 use paros_core::session::{
     BenchItem, HandState, PointerCommand, SessionMode, SessionState, StoolFrame, TICK_RATE, Tool,
     buttons, commands,
@@ -63,6 +65,8 @@ pub struct StepModel<const K: usize> {
     pub mode: SessionMode,
     /// Whether edits are mirrored.
     pub is_mirrored: bool,
+    /// The millimetres of the string on which bits that run hang behind their hands.
+    pub string_mm: u8,
     /// The stool's turn in 65,536ths.
     pub stool: u16,
     /// The head's pose in the room.
@@ -104,6 +108,7 @@ impl<const K: usize> StepModel<K> {
             session: SessionState::Waiting,
             mode: SessionMode::None,
             is_mirrored: false,
+            string_mm: 0,
             stool: 0,
             head: NOWHERE,
             hands: [hands::untracked_hand(); 2],
@@ -279,6 +284,7 @@ impl<const K: usize> StepModel<K> {
                     self.events.push(WorldEvent::Returned { hand, tool });
                 }
             }
+            PointerCommand::Steady { string_mm } => self.string_mm = string_mm.min(MAX_STRING_MM),
             PointerCommand::None | PointerCommand::Turn { .. } | PointerCommand::Resize { .. } => {}
         }
     }

@@ -182,6 +182,9 @@ fn any_events() -> impl Strategy<Value = PhaseEvent> {
         }),
         1 => hand().prop_map(|hand| PhaseEvent::Pointer(PointerCommand::Return { hand: hand as u8 })),
         2 => any::<i16>().prop_map(|by| PhaseEvent::Pointer(PointerCommand::Turn { by })),
+        2 => prop_oneof![Just(0u8), 1..30u8, any::<u8>()].prop_map(|string_mm| {
+            PhaseEvent::Pointer(PointerCommand::Steady { string_mm })
+        }),
         5 => prop_oneof![Just(commands::UNDO), Just(commands::REDO), Just(commands::SYMMETRY)]
             .prop_map(PhaseEvent::Commands),
         1 => (0..8u8).prop_map(PhaseEvent::Commands),

@@ -116,6 +116,7 @@ impl<const K: usize> StepModel<K> {
         to.push(
             is_masked | u8::from(self.is_mirrored) << 1 | self.counted_axes << 2 | self.told << 4,
         );
+        to.push(self.string_mm);
         to.extend(self.stool.to_le_bytes());
         write_pose(&mut to, self.head);
         for (hand, trail) in self.hands.iter().zip(&self.trails) {
