@@ -218,7 +218,8 @@ fn bits_keep_up_with_hands() {
         assert!(row["ratio"].as_f64().unwrap() >= least, "{row}");
         checked += 1;
     }
-    assert_eq!(checked, 2 * (7 * 3 + 2 + 4));
+    // Of rotary bits three sizes of three, two of three, and one saw; of two chisels three sizes; four circles.
+    assert_eq!(checked, 2 * (16 * 3 + 6 + 4));
     let beside = rows.iter().filter(|row| row["against"].as_str().unwrap().contains("outside"));
     assert!(beside.clone().count() == 8);
     beside.for_each(|row| assert!(row["ratio"].as_f64().unwrap() <= 0.03, "{row}"));

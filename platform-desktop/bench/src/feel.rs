@@ -8,9 +8,9 @@ use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
 
 use glam::{Quat, Vec3};
 use paros_core::edit::{Pose, SUBUNITS_PER_VOXEL};
-use paros_core::internals::{BOX_SIDE, BitAction, GridBit, GridShape};
+use paros_core::internals::{BOX_SIDE, BitAction, GridBit, GridShape, SizeRange};
 use paros_core::limits::INTERVALS;
-use paros_core::session::{BenchItem, PointerCommand, SessionMode, TICK_RATE, ToolBit};
+use paros_core::session::{BenchItem, BitSize, PointerCommand, SessionMode, TICK_RATE, ToolBit};
 use paros_core::volume::{BitSet, Grid, Size};
 use paros_core::{HandInput, RangeMaps, StartVolumes, TickInput, World};
 use paros_shell::statics::{Resident, ResidentBitGrid};
@@ -49,12 +49,15 @@ where
     bits.write_closure(&mut stone);
     drop(bits);
     let mut world = Grid::<N>::lock_world();
-    let mut sculptor = Sculptor { world: &mut world, stone: &stone };
+    let mut sculptor = Sculptor { world: &mut world, stone: &stone, size: BitSize::NATURAL };
     let mut rows = Vec::new();
     let carves = |bit: &ToolBit| bit.spec().action == BitAction::Carve;
     for bit in ToolBit::ALL.into_iter().filter(carves) {
-        rows.extend(sculptor.measure_grooves(bit));
+        for size in sizes_measured(bit) {
+            rows.extend(sculptor.measure_grooves(bit, size));
+        }
     }
+    sculptor.size = BitSize::NATURAL;
     for bit in [ToolBit::SmallBall, ToolBit::MediumBall, ToolBit::LargeBall, ToolBit::RoughingBall]
     {
         rows.extend(sculptor.measure_circle(bit));
@@ -73,6 +76,8 @@ where
 {
     world: &'a mut World<N, INTERVALS>,
     stone: &'a RangeMaps<N, INTERVALS>,
+    /// Of the bits that it takes.
+    size: BitSize,
 }
 
 /// What a hand removed on its way.
@@ -104,7 +109,12 @@ where
     Grid<N>: Size,
 {
     /// Straight over half of the face.
-    fn measure_grooves(&mut self, bit: ToolBit) -> Vec<ReportRow> {
+    fn measure_grooves(&mut self, bit: ToolBit, size: BitSize) -> Vec<ReportRow> {
+        self.size = size;
+        let name = match size {
+            BitSize::NATURAL => String::from(bit.spec().name),
+            size => format!("{} at {} %", bit.spec().name, size.percent()),
+        };
         let length = 0.5 * BOX_SIDE;
         let straight = |metres: f32| Vec3::new(0.0, 0.0, 0.5 * length - metres);
         let slow = self.cut_way(bit, PRESSED, length, SLOW_SPEED, straight).count();
@@ -113,7 +123,7 @@ where
             let against = format!("the slow groove; {speed:.1} m/s");
             ReportRow {
                 ratio: Some(f64::from(cut) / f64::from(slow)),
-                ..ReportRow::new("feel", bit.spec().name, N, against)
+                ..ReportRow::new("feel", &name, N, against)
             }
         };
         SPEEDS.map(row).into()
@@ -175,7 +185,7 @@ where
     ) -> Cut<N> {
         self.start_with_bit(bit);
         let voxels_per_metre = N as f32 / BOX_SIDE;
-        let grid_bit = bit.to_grid_bit(1e6 / voxels_per_metre);
+        let grid_bit = bit.spec_at(self.size).to_grid_bit(1e6 / voxels_per_metre);
         let rotation = grip_of(bit);
         let reach = reach_of(&grid_bit, rotation);
         let pose = |metres: f32, pressed: f32| {
@@ -210,6 +220,8 @@ where
             let pointer = PointerCommand::Take { hand: RIGHT as u8, item: item.number() as u8 };
             self.run_tick(&TickInput { pointer, ..TickInput::default() });
         }
+        let pointer = PointerCommand::Resize { hand: RIGHT as u8, by: self.size.steps() };
+        self.run_tick(&TickInput { pointer, ..TickInput::default() });
     }
 
     fn step(&mut self, bit_pose: &Pose, is_trigger_down: bool) {
@@ -234,6 +246,14 @@ where
 
 /// The hand that works; the other is not tracked.
 const RIGHT: usize = 1;
+
+/// As in the table, and the smallest and the largest that the bit comes in.
+fn sizes_measured(bit: ToolBit) -> Vec<BitSize> {
+    let SizeRange { smallest, largest } = bit.spec().sizes;
+    let mut steps = vec![smallest, 0, largest];
+    steps.dedup();
+    steps.into_iter().filter_map(|steps| BitSize::of_bit(bit, steps)).collect()
+}
 
 /// How a hand turns a bit to a face whose normal is y, on its way along -z: a cylinder lies across its way, a
 /// grinder on its disc, a chisel is pushed ahead.

@@ -6,7 +6,7 @@ use core::f32::consts::{PI, TAU};
 use glam::{Affine3A, Quat, Vec3};
 use paros_core::edit::Pose;
 use paros_core::internals::{
-    BENCH_ITEMS, BOX_SIDE, BitAction, BitShape, RoomPose, STOOL_TOP, ToolPlace,
+    BENCH_ITEMS, BOX_SIDE, BitAction, BitShape, RoomPose, STOOL_TOP, ToolPlace, Workbench,
 };
 use paros_core::session::{BenchItem, Tool, ToolBit};
 use paros_core::volume::{Grid, Size};
@@ -212,10 +212,11 @@ impl SceneAssembler {
             let pose = (last.0.lerp(now.0, tick_fraction), last.1.slerp(now.1, tick_fraction));
             match item {
                 BenchItem::Tool(tool) => {
-                    self.add_tool(tool, world.workbench().mounted_bit(tool), pose);
+                    let bit = world.workbench().mounted_bit(tool);
+                    self.add_tool(world.workbench(), (tool, bit), pose);
                 }
                 BenchItem::Bit(bit) => {
-                    self.list.add(MeshId::of_bit(bit), room_from_pose(pose), PLAIN);
+                    self.add_bit(world.workbench(), bit, pose);
                 }
             }
         }
@@ -238,7 +239,7 @@ impl SceneAssembler {
         let grip = match held {
             Some((tool, bit)) => {
                 let pushed = (grip.0 + world.push_out_metres(hand), grip.1);
-                self.add_tool(tool, bit, pushed);
+                self.add_tool(world.workbench(), (tool, bit), pushed);
                 pushed
             }
             None => grip,
@@ -250,9 +251,16 @@ impl SceneAssembler {
         }
     }
 
-    fn add_tool(&mut self, tool: Tool, bit: ToolBit, grip: RoomPose) {
+    fn add_tool(&mut self, bench: &Workbench, (tool, bit): (Tool, ToolBit), grip: RoomPose) {
         self.list.add(MeshId::of_tool(tool), room_from_pose(grip), PLAIN);
-        self.list.add(MeshId::of_bit(bit), room_from_pose(bit_pose(grip, tool)), PLAIN);
+        self.add_bit(bench, bit, bit_pose(grip, tool));
+    }
+
+    /// Adds a bit of the size that it has.
+    fn add_bit(&mut self, bench: &Workbench, bit: ToolBit, (position, rotation): RoomPose) {
+        let scale = Vec3::splat(bench.size_of(bit).scale());
+        let placed = Affine3A::from_scale_rotation_translation(scale, rotation, position);
+        self.list.add(MeshId::of_bit(bit), placed, PLAIN);
     }
 
     /// Spawns the particles of the tick's events.
@@ -299,7 +307,7 @@ impl SceneAssembler {
         let (centre, _) = frame.to_room(&world.hand_state(hand).frozen_pose);
         let turn = frame.to_room(&Pose::ZERO).1;
         let normal = world.hand_contact(hand).map_or(Vec3::Y, |contact| turn * contact.normal);
-        let radius = match bit.spec().shape {
+        let radius = match bit.spec_at(world.workbench().size_of(bit)).shape {
             BitShape::Ball { radius_um } => radius_um,
             BitShape::Box { half_extents_um: [x, y, _] } => x.min(y),
             // The chips of a saw fly from its rim.

@@ -88,7 +88,7 @@ fn lying_axis_height_metres(bench: &Workbench, item: BenchItem) -> f32 {
         BenchItem::Tool(tool) => bench.mounted_bit(tool),
         BenchItem::Bit(bit) => bit,
     };
-    let half_thickness_um = match bit.spec().shape {
+    let half_thickness_um = match bit.spec_at(bench.size_of(bit)).shape {
         BitShape::Ball { radius_um } => radius_um,
         BitShape::Box { half_extents_um } => half_extents_um[1],
         BitShape::Disc { radius_um } => radius_um,

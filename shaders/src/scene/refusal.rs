@@ -127,7 +127,7 @@ where
     Grid<N>: Size,
 {
     let [x, y, z] = voxels.ranges();
-    let bit = world.held_tool(hand).map_or(0.0, |(_, bit)| match bit.spec().shape {
+    let bit = world.held_bit_spec(hand).map_or(0.0, |spec| match spec.shape {
         BitShape::Ball { radius_um } => radius_um as f32,
         BitShape::Disc { radius_um } => radius_um as f32,
         BitShape::Box { half_extents_um } => IVec3::from_array(half_extents_um).as_vec3().length(),
