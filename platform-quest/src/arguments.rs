@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::Parser;
+use paros_core::limits::MAX_STRING_MM;
 use paros_core::session::{SessionMode, TICK_RATE};
 use paros_shell::headset::visit::DEFAULT_HANDOVER;
 use paros_shell::modes::parse_mode;
@@ -33,6 +34,9 @@ pub struct HeadsetArgs {
     /// Write the trace of the session to a file; it starts anew.
     #[arg(long, value_name = "FILE", conflicts_with = "replay")]
     pub record: Option<PathBuf>,
+    /// Steady the hands: a running bit is drawn behind its hand on a string of so many millimetres, 40 at most.
+    #[arg(long, value_name = "MM", default_value_t = 0, value_parser = parse_string)]
+    pub steady: u8,
     /// Play a trace again, as fast as it goes and without a headset; stop at the first tick that
     /// differs from the recording.
     #[arg(long, value_name = "TRACE", requires = "digests")]
@@ -74,6 +78,7 @@ impl HeadsetArgs {
             mode: self.mode,
             handover_after: Duration::from_secs(self.handover),
             record: self.record.clone(),
+            string_mm: self.steady,
             refresh_rate: self.rate,
             submit_depth: self.depth,
             foveation: self.foveation,
@@ -92,6 +97,11 @@ fn parse_foveation(name: &str) -> Result<FoveationLevel, String> {
 fn parse_refresh_rate(word: &str) -> Result<f32, String> {
     let rate = word.parse().ok().filter(|rate: &f32| rate.is_finite() && *rate > 0.0);
     rate.ok_or_else(|| "expected a number of hertz above 0, such as 72 or 90".into())
+}
+
+fn parse_string(word: &str) -> Result<u8, String> {
+    let string = word.parse().ok().filter(|mm| *mm <= MAX_STRING_MM);
+    string.ok_or_else(|| format!("expected 0 to {MAX_STRING_MM} whole millimetres"))
 }
 
 fn parse_seconds(word: &str) -> Result<u64, String> {
@@ -123,6 +133,8 @@ mod tests {
             ("--rate 0", "expected a number of hertz"),
             ("--rate inf", "expected a number of hertz"),
             ("--handover soon", "expected whole seconds, such as 45"),
+            ("--steady 41", "expected 0 to 40 whole millimetres"),
+            ("--steady soft", "expected 0 to 40 whole millimetres"),
             ("--mode cubes", "expected free, creative or one of"),
             ("--foveation some", "expected off, low, medium or high"),
         ] {

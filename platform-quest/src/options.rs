@@ -20,6 +20,8 @@ pub struct ShellOptions {
     pub handover_after: Duration,
     /// Where the session's trace is written; the session starts anew then.
     pub record: Option<PathBuf>,
+    /// The string on which hands draw their bits, in millimetres; 0 for hands that aren't steadied.
+    pub string_mm: u8,
     /// The display refresh rate that is requested, in hertz.
     pub refresh_rate: f32,
     /// Whether depth is submitted to the compositor too; pixels have one sample then.
@@ -41,6 +43,7 @@ impl Default for ShellOptions {
             mode: SessionMode::FreeForm,
             handover_after: DEFAULT_HANDOVER,
             record: None,
+            string_mm: 0,
             refresh_rate: TICK_RATE as f32,
             submit_depth: false,
             foveation: None,

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use openxr as xr;
 use paros_core::limits::INTERVALS;
-use paros_core::session::RawPose;
+use paros_core::session::{PointerCommand, RawPose, SessionMode};
 use paros_core::volume::{Grid, Size};
 use paros_core::{HandInput, TickInput};
 use paros_shell::headset::hand_sample::HandSample;
@@ -50,6 +50,11 @@ where
             );
             if core::mem::take(&mut self.start_anew) {
                 input.start = self.options.mode;
+            }
+            // Each start takes the string away.
+            let string_mm = self.options.string_mm;
+            if input.start == SessionMode::None && self.studio.world().string_mm() != string_mm {
+                input.pointer = PointerCommand::Steady { string_mm };
             }
             self.studio.run_tick_wrapped(&input, |step| platform.run_world_step(step));
             let world = self.studio.world();
