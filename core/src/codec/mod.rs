@@ -13,3 +13,4 @@ pub(crate) mod vectors;
 
 pub use bad_save::BadSave;
 pub use bytes::{BadBytes, ByteReader};
+pub use save::session_of_save;

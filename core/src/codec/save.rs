@@ -8,7 +8,7 @@ use crate::codec::digest::{DIGEST_PARTS, checksum, combine_digests};
 use crate::edit::undo::UnsoundEntry;
 use crate::limits::MAX_INTERVALS;
 use crate::session::bared::BaredEnds;
-use crate::session::state::WorldState;
+use crate::session::state::{SessionState, WorldState};
 use crate::session::world::World;
 use crate::volume::bit_grid::BitGrid;
 use crate::volume::column_digest::maps_digest;
@@ -24,6 +24,18 @@ const MAGIC: [u8; 4] = *b"PWLD";
 /// byte and K in the low one.
 const fn save_version(intervals: usize) -> u16 {
     if intervals == 1 { 2 } else { 3 << 8 | intervals as u16 }
+}
+
+/// The phase of the session that a save holds, by its first bytes; `None` for what is no save of this version. Whether
+/// the rest is good, [`World::load`] tells.
+#[must_use]
+pub fn session_of_save(bytes: &[u8]) -> Option<SessionState> {
+    let mut from = ByteReader::new(bytes);
+    let magic = from.bytes(4).ok()?;
+    let version = from.u16().ok()?;
+    let (_side, _checksum, _tick) = (from.u16().ok()?, from.u64().ok()?, from.u64().ok()?);
+    let is_save = magic == MAGIC && intervals_of(version).is_some();
+    SessionState::from_number(from.u8().ok()?).filter(|_| is_save)
 }
 
 /// The number of intervals a column that a version stands for.

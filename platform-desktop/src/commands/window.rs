@@ -5,10 +5,11 @@ use std::path::{Path, PathBuf};
 
 use paros_headless::Error;
 use paros_shell::durable::WriteTarget;
+use paros_shell::sizes::GRID_SIDES;
 use paros_shell::{rmap, with_size};
 
 use super::{demo, volume};
-use crate::window::{self, WindowError, WindowOptions};
+use crate::window::{self, SizeChoice, WindowError, WindowOptions};
 
 /// Sculpt in a window, with mouse and keyboard.
 #[derive(Debug, Default, clap::Args)]
@@ -19,9 +20,14 @@ pub(super) struct Args {
     /// The folder for finished sculptures, instead of `Paros` at home.
     #[arg(long, value_name = "DIR")]
     folder: Option<PathBuf>,
-    /// Voxels along an edge: 128, or 256 for a fast machine.
-    #[arg(long, default_value = "128", value_parser = volume::grid_side_parser())]
-    size: usize,
+    /// Voxels along an edge, 128 or 256. Without it, those of the sculpture under way; else 256 where the machine draws
+    /// it at its rate.
+    #[arg(long, value_parser = volume::grid_side_parser())]
+    size: Option<usize>,
+    /// For visitors, one after the other: on the full screen, without files and developers' keys. Once nobody has touched
+    /// it for 90 seconds, the sculpture is finished and kept, and the start shown again.
+    #[arg(long)]
+    kiosk: bool,
     /// Write the trace of the last session to a file, when the window is closed.
     #[arg(long, value_name = "TRACE")]
     record: Option<PathBuf>,
@@ -45,7 +51,7 @@ impl Args {
                 "{word}: neither a command nor a file; `paros --help` has the commands"
             )));
         }
-        let size = rmap::read_header(file).map_or(0, |header| header.grid_side);
+        let size = rmap::read_header(file).ok().map(|header| header.grid_side);
         Ok(Args { file: Some(file.into()), size, ..Args::default() })
     }
 }
@@ -76,12 +82,18 @@ fn open_window(args: &Args) -> Result<String, WindowError> {
         WriteTarget::resolve_and_check_writable(record)
             .map_err(|error| WindowError::Failed(error.into()))?;
     }
+    // What is done by a script shall not depend on the machine.
+    let is_chosen = args.size.is_none() && args.script.is_none();
+    let size_choice = is_chosen.then(|| SizeChoice::choose(args.folder.as_deref()));
+    let size = args.size.or(size_choice.map(|choice| choice.grid_side));
     let options = WindowOptions {
+        size_choice,
         file: args.file.clone(),
         folder: args.folder.clone(),
         record: args.record.clone(),
         script: args.script.clone(),
+        kiosk: args.kiosk,
         validation: args.validation,
     };
-    with_size!(args.size, N => window::run_window::<N>(&options))
+    with_size!(size.unwrap_or(GRID_SIDES[0]), N => window::run_window::<N>(&options))
 }

@@ -2,14 +2,17 @@
 
 mod actions;
 mod input;
+mod kiosk;
 mod shutdown;
 mod steps;
+mod touch;
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use paros_core::WorldEvent as Happened;
 use paros_core::limits::INTERVALS;
+use paros_core::session::BitSize;
 use paros_core::volume::{Grid, Size};
 use paros_headless::Error;
 use paros_shaders::Image;
@@ -34,6 +37,8 @@ use super::script::Script;
 use super::slowness::SlownessWatch;
 use super::view::{FrameParams, WindowRenderer};
 use super::{WindowError, WindowOptions};
+use kiosk::KioskWatch;
+use touch::Fingers;
 
 /// The window's size at first, in points.
 const SIZE: LogicalSize<f64> = LogicalSize::new(1180.0, 800.0);
@@ -60,6 +65,8 @@ where
     script: Option<Script>,
     path: RenderPath,
     modifiers: ModifiersState,
+    fingers: Fingers,
+    kiosk: KioskWatch,
     scale: f32,
     pace: TickClock,
     slowness: SlownessWatch,
@@ -91,6 +98,9 @@ where
         start_pictures: &Image,
         options: &WindowOptions,
     ) -> Self {
+        if let Some(choice) = options.size_choice {
+            studio.push_notice(Notice::Good(choice.to_string()));
+        }
         if let Some(file) = &options.file {
             // It lies in the resident maps: `open` has read it.
             studio.open_file(file, |_| Ok(()));
@@ -114,6 +124,8 @@ where
             script,
             path: RenderPath::Fast,
             modifiers: ModifiersState::empty(),
+            fingers: Fingers::default(),
+            kiosk: KioskWatch::new(options.kiosk),
             scale: 1.0,
             pace: TickClock::default(),
             slowness: SlownessWatch::default(),
@@ -152,6 +164,7 @@ where
         let unavailable =
             |error: &dyn core::fmt::Display| WindowError::Unavailable(error.to_string());
         let attributes = Window::default_attributes().with_title("Paros").with_inner_size(SIZE);
+        let attributes = attributes.with_fullscreen(self.kiosk.full_screen());
         let window = events.create_window(attributes);
         let window = window.map_err(|error| unavailable(&strip_source_location(&error)))?;
         self.scale = window.scale_factor() as f32;
@@ -184,6 +197,7 @@ where
         let now = Instant::now();
         let elapsed = now - core::mem::replace(&mut self.last, now);
         self.panels.add_frame_time(elapsed.as_secs_f32());
+        self.hand_over_if_gone(elapsed);
         let due = self.pace.take_due_ticks(elapsed);
         // A script runs as fast as it can, and drops none.
         let ticks = if self.script.is_some() {
@@ -272,7 +286,9 @@ where
             session: world.session_state(),
             mode: world.mode(),
             held,
-            depth_mm: held.map_or(0.0, |(tool, _)| self.hands.chosen_tool_depth_mm(tool)),
+            size: held.map_or(BitSize::NATURAL, |(_, bit)| world.workbench().size_of(bit)),
+            is_steadied: world.string_mm() > 0,
+            depth_mm: self.hands.depth_mm(world),
             print_scale: print_scale(world, DEFAULT_HEIGHT_MM),
             bared_percent: world.bared_ends().percent(),
             symmetry: world.is_mirrored(),
@@ -286,6 +302,7 @@ where
             grid_side: N,
             fault: self.studio.save_error(),
             opening: self.studio.path_being_read(),
+            kiosk: self.kiosk.is_on,
             drops: self.window.as_deref().is_some_and(supports_file_drops),
             fast: self.path == RenderPath::Fast,
             device,
@@ -300,6 +317,7 @@ where
         let triangles = self.panels.context.tessellate(output.shapes, scale);
         self.egui_buffers.set_triangles_of_frame(&triangles, scale);
         actions.into_iter().for_each(|action| self.perform_action(action));
+        self.click_by_touch();
     }
 
     /// Ends the event loop. The first reason is kept.

@@ -7,12 +7,13 @@
 
 pub(super) mod bench_pick;
 mod bit_guide;
+mod depths;
 mod events;
 
 use std::collections::VecDeque;
 
 use glam::{Quat, Vec3};
-use paros_core::internals::{BitAction, RoomPose};
+use paros_core::internals::{BitAction, RoomPose, ToolBitSpec};
 use paros_core::limits::INTERVALS;
 use paros_core::session::{
     BenchItem, PointerCommand, RawPose, SessionMode, TICK_RATE, Tool, ToolBit, commands,
@@ -22,6 +23,8 @@ use paros_core::{HandInput, TickInput, World};
 
 use super::camera::OrbitCamera;
 use bit_guide::BitGuide;
+use depths::BitDepths;
+pub(super) use depths::DEPTHS_MM;
 pub(super) use events::{HandAction, HandButton, InputEvent};
 
 /// The hand that the mouse moves.
@@ -36,18 +39,16 @@ const KEY_TURN: i32 = 65_536 / 4 / TICK_RATE as i32;
 /// Depth of a wheel notch, in millimetres.
 const NOTCH_MM: f32 = 1.0;
 
-/// Depths that the wheel can set, in millimetres; negative is above the surface.
-pub(super) const DEPTHS_MM: core::ops::RangeInclusive<f32> = -20.0..=40.0;
-
-/// Depth of each tool at first.
-const DEFAULT_DEPTHS_MM: [f32; 4] = [9.0, 9.0, 8.0, 2.0];
-
 /// Speed at which a tool that carves or smooths follows the cursor, in micrometres a tick: 1 m/s, at which the core's bits keep
 /// up with hands.
 const CUTTING_SPEED_UM: f32 = 1e6 / TICK_RATE as f32;
 
 /// How far the trigger is pulled with Shift, of 255.
 const LIGHT_TRIGGER: u8 = 150;
+
+/// The length of a steadied hand's string, in millimetres: what an excited hand trembles at an ordinary speed is a fifth
+/// with it.
+const STRING_MM: u8 = 20;
 
 /// Least speed of the running fill gun behind the cursor, in micrometres a tick.
 const LEAST_SPEED_UM: f32 = 1_500.0;
@@ -91,8 +92,7 @@ where
     command_bits: u8,
     start: SessionMode,
     pointers: VecDeque<PointerCommand>,
-    /// Depth of each tool, in millimetres.
-    depths_mm: [f32; 4],
+    depths: BitDepths,
     bit_guide: BitGuide<N>,
     /// Cursor positions that the running tool has still to pass, in pixels.
     trail: VecDeque<[f32; 2]>,
@@ -121,7 +121,7 @@ where
             command_bits: 0,
             start: SessionMode::None,
             pointers: VecDeque::new(),
-            depths_mm: DEFAULT_DEPTHS_MM,
+            depths: BitDepths::UNCHOSEN,
             bit_guide: BitGuide::new(),
             trail: VecDeque::new(),
         }
@@ -165,7 +165,7 @@ where
 
     /// Looks from where a visitor looks at first, with tools as deep as they are then.
     pub(super) fn reset_eye_and_depths(&mut self) {
-        (self.orbit, self.depths_mm) = (OrbitCamera::default(), DEFAULT_DEPTHS_MM);
+        (self.orbit, self.depths) = (OrbitCamera::default(), BitDepths::UNCHOSEN);
     }
 
     /// Forgets what no tick has taken yet, and a stroke under way.
@@ -187,10 +187,16 @@ where
         self.pointers.push_back(PointerCommand::Take { hand: RIGHT as u8, item });
     }
 
-    /// How deep a tool goes, in millimetres.
+    /// Makes the held bit larger by so many steps, in one of the next ticks.
+    pub(super) fn resize_bit(&mut self, by: i8) {
+        self.pointers.push_back(PointerCommand::Resize { hand: RIGHT as u8, by });
+    }
+
+    /// How deep the held bit goes, in millimetres; 0 without one.
     #[must_use]
-    pub(super) fn chosen_tool_depth_mm(&self, tool: Tool) -> f32 {
-        self.depths_mm[tool as usize]
+    pub(super) fn depth_mm(&self, world: &World<N, INTERVALS>) -> f32 {
+        let held = world.held_tool(RIGHT).zip(world.held_bit_spec(RIGHT));
+        held.map_or(0.0, |((_, bit), spec)| self.depths.depth_mm(bit, &spec))
     }
 
     /// Builds the input of the next tick from the events since the last one.
@@ -213,18 +219,18 @@ where
         if self.is_released && (self.trail.len() < 2 || self.cursor.is_none()) {
             (self.running, self.is_released) = (false, false);
         }
-        input.pointer = self.take_bench_or_stool_command();
+        input.pointer = self.take_pointer_command();
         input
     }
 
     /// The right hand's grip in the room, with its bit on the surface under the cursor. A stuck tool is
     /// put down and taken again.
     fn next_grip_pose(&mut self, world: &World<N, INTERVALS>) -> Option<RoomPose> {
-        let (tool, bit) = world.held_tool(RIGHT)?;
+        let (tool, bit) = (world.held_tool(RIGHT)?.0, world.held_bit_spec(RIGHT)?);
         let cursor = self.cursor?;
-        let at = if self.running { self.advance_along_trail(cursor, bit) } else { cursor };
+        let at = if self.running { self.advance_along_trail(cursor, &bit) } else { cursor };
         let room_ray = self.orbit.room_ray_through_pixel(at, self.size);
-        let depth_m = self.depths_mm[tool as usize] * 1e-3;
+        let depth_m = self.depth_mm(world) * 1e-3;
         let up = self.orbit.pose().1 * Vec3::Y;
         let aim = bit_guide::BitTarget { room_ray, up, bit, depth_m, running: self.running };
         let (tip, rotation) = self.bit_guide.next_bit_centre_pose(&aim, world);
@@ -238,15 +244,14 @@ where
 
     /// Advances a running tool along the cursor's trail; returns its pixel. It goes no faster than the bit
     /// can follow, so that a stroke is one groove at any speed of the mouse.
-    fn advance_along_trail(&mut self, cursor_pixel: [f32; 2], bit: ToolBit) -> [f32; 2] {
+    fn advance_along_trail(&mut self, cursor_pixel: [f32; 2], bit: &ToolBitSpec) -> [f32; 2] {
         let eye = self.orbit.pose().0;
         let far = eye + (self.orbit.pose().1 * Vec3::NEG_Z) * self.bit_guide.last_hit_distance_m();
         let projected = self.orbit.project_point(far, self.size);
         let pixels_per_metre = projected.map_or(1.0, |point| point.pixels_per_metre);
-        let data = bit.spec();
-        let speed_um = match data.action {
+        let speed_um = match bit.action {
             BitAction::Carve | BitAction::Smooth => CUTTING_SPEED_UM,
-            BitAction::Fill => (data.bite_um as f32).max(LEAST_SPEED_UM),
+            BitAction::Fill => (bit.bite_um as f32).max(LEAST_SPEED_UM),
         };
         let mut left = speed_um * 1e-6 * pixels_per_metre;
         while let Some(&from) = self.trail.front() {
@@ -271,7 +276,7 @@ where
     }
 
     /// The tick's pointer command, of which there is one a tick; turns of the stool wait for the queue.
-    fn take_bench_or_stool_command(&mut self) -> PointerCommand {
+    fn take_pointer_command(&mut self) -> PointerCommand {
         if let Some(pointer) = self.pointers.pop_front() {
             return pointer;
         }
@@ -324,9 +329,9 @@ where
     }
 
     fn change_depth_by(&mut self, delta_mm: f32, world: &World<N, INTERVALS>) {
-        if let Some((tool, _)) = world.held_tool(RIGHT) {
-            let depth = &mut self.depths_mm[tool as usize];
-            *depth = (*depth + delta_mm).clamp(*DEPTHS_MM.start(), *DEPTHS_MM.end());
+        let held = world.held_tool(RIGHT).zip(world.held_bit_spec(RIGHT));
+        if let Some(((_, bit), spec)) = held {
+            self.depths.change_by(bit, &spec, delta_mm);
         }
     }
 
@@ -350,9 +355,15 @@ where
                 self.mount_bit(world, |bits| (bits.mounted + bits.count - 1) % bits.count);
             }
             HandAction::NextBit => self.mount_bit(world, |bits| (bits.mounted + 1) % bits.count),
+            HandAction::Smaller => self.resize_bit(-1),
+            HandAction::Larger => self.resize_bit(1),
             HandAction::Undo => self.queue_commands(commands::UNDO),
             HandAction::Redo => self.queue_commands(commands::REDO),
             HandAction::Mirror => self.queue_commands(commands::SYMMETRY),
+            HandAction::Steady => {
+                let string_mm = if world.string_mm() > 0 { 0 } else { STRING_MM };
+                self.pointers.push_back(PointerCommand::Steady { string_mm });
+            }
             HandAction::Nearer => self.orbit.zoom_in(1.0),
             HandAction::Farther => self.orbit.zoom_in(-1.0),
             HandAction::Turn { .. } => {}

@@ -25,7 +25,7 @@ pub(super) enum KeyCommand {
 }
 
 /// The help's table for visitors: keys, and what they do.
-pub(super) const HELP: [(&str, &str); 13] = [
+pub(super) const HELP: [(&str, &str); 15] = [
     ("left button", "run the tool on the surface under the cursor"),
     ("Shift + left button", "rasp lightly: edges stay"),
     ("wheel", "up: deeper, down: shallower"),
@@ -33,9 +33,11 @@ pub(super) const HELP: [(&str, &str); 13] = [
     ("Ctrl + wheel, W, S", "nearer, farther"),
     ("middle drag, A, D", "turn the stool"),
     ("1 to 4", "tools, or click them on the bench"),
-    ("Shift + 1 to 5, [ ]", "bits of the tool"),
+    ("Shift + 1 to 7, comma, period", "bits of the tool"),
+    ("[ ]", "a smaller bit, a larger one"),
     ("Z, Y", "undo, redo"),
     ("M", "mirror"),
+    ("T", "steady hand: the bit is drawn behind it"),
     ("Enter, Space", "finish: print and picture"),
     ("Esc", "another start, the one before, a file"),
     ("F1, H", "this help"),
@@ -48,7 +50,7 @@ pub(super) const DEVELOPER_HELP: [(&str, &str); 3] = [
     ("F3", "the paper's path, or the fast one"),
 ];
 
-/// The command of a key event; digits and brackets by position, the rest by meaning.
+/// The command of a key event; digits, brackets, comma and period by position, the rest by meaning.
 #[must_use]
 pub(super) fn command_of_pressed_key(
     event: &KeyEvent,
@@ -75,7 +77,7 @@ pub(super) fn command_of_pressed_key(
     }
 }
 
-/// The command of a key by name: a letter, a digit, a bracket, "enter", "space", "escape" or "f1" to
+/// The command of a key by name: a letter, a digit, a bracket, a comma, a period, "enter", "space", "escape" or "f1" to
 /// "f3".
 #[must_use]
 pub(super) fn command_named(name: &str, shift: bool) -> Option<KeyCommand> {
@@ -83,12 +85,15 @@ pub(super) fn command_named(name: &str, shift: bool) -> Option<KeyCommand> {
     let hands = match (name, digit) {
         (_, Some(digit)) if shift => HandAction::Bit(digit - 1),
         (_, Some(digit @ 1..=4)) => HandAction::Tool(digit - 1),
-        ("[", _) => HandAction::PreviousBit,
-        ("]", _) => HandAction::NextBit,
+        ("[", _) => HandAction::Smaller,
+        ("]", _) => HandAction::Larger,
+        (",", _) => HandAction::PreviousBit,
+        (".", _) => HandAction::NextBit,
         ("z", _) if shift => HandAction::Redo,
         ("z", _) => HandAction::Undo,
         ("y", _) => HandAction::Redo,
         ("m", _) => HandAction::Mirror,
+        ("t", _) => HandAction::Steady,
         ("a", _) => HandAction::Turn { left: true },
         ("d", _) => HandAction::Turn { left: false },
         ("w", _) => HandAction::Nearer,
@@ -112,8 +117,12 @@ const fn code_name(code: KeyCode) -> Option<&'static str> {
         KeyCode::Digit3 => "3",
         KeyCode::Digit4 => "4",
         KeyCode::Digit5 => "5",
+        KeyCode::Digit6 => "6",
+        KeyCode::Digit7 => "7",
         KeyCode::BracketLeft => "[",
         KeyCode::BracketRight => "]",
+        KeyCode::Comma => ",",
+        KeyCode::Period => ".",
         KeyCode::NumpadEnter => "enter",
         _ => return None,
     })
@@ -131,6 +140,8 @@ mod tests {
         assert_eq!(command_named("z", false), Some(KeyCommand::Hands(HandAction::Undo)));
         assert_eq!(command_named("z", true), Some(KeyCommand::Hands(HandAction::Redo)));
         assert_eq!(command_named("enter", false), Some(KeyCommand::Finish));
+        assert_eq!(command_named("]", false), Some(KeyCommand::Hands(HandAction::Larger)));
+        assert_eq!(command_named(",", false), Some(KeyCommand::Hands(HandAction::PreviousBit)));
         assert_eq!(command_named("q", false), None);
     }
 }

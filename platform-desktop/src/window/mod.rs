@@ -17,6 +17,7 @@ mod panels;
 mod raycast;
 mod screen;
 mod script;
+mod size_choice;
 mod slowness;
 mod start_pictures;
 mod view;
@@ -37,18 +38,23 @@ use winit::event_loop::EventLoop;
 use app::App;
 use os_error::strip_source_location;
 use script::Script;
+pub use size_choice::SizeChoice;
 
 /// How a window is opened.
 #[derive(Clone, Default, Debug)]
 pub struct WindowOptions {
     /// A mesh or a volume to begin with.
     pub file: Option<PathBuf>,
+    /// How the studio's size was chosen, where nobody said it.
+    pub size_choice: Option<SizeChoice>,
     /// Where sculptures go, instead of the user's own folder.
     pub folder: Option<PathBuf>,
     /// Where the trace of the last session goes.
     pub record: Option<PathBuf>,
     /// A script of input, in place of mouse and keys.
     pub script: Option<PathBuf>,
+    /// Whether visitors use it one after the other: a full screen, no files and no developer's tools.
+    pub kiosk: bool,
     /// Whether Vulkan's validation layer is enabled; its messages are errors.
     pub validation: bool,
 }

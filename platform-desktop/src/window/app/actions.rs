@@ -31,6 +31,7 @@ where
                 self.studio.open_file(&path, opening::read_into_resident_maps::<N>);
             }
             PanelAction::Take(item) => self.hands.take_item(item),
+            PanelAction::Resize(by) => self.hands.resize_bit(by),
             PanelAction::WriteAgain => self.studio.retry_failed_writes(),
             PanelAction::Command(command) => self.hands.queue_commands(command),
             PanelAction::Finish => {

@@ -21,7 +21,9 @@ where
 {
     /// Handles an event of an input device, or of the window itself.
     pub(super) fn handle_event(&mut self, event: WindowEvent) {
+        self.kiosk.note_event(&event);
         match event {
+            WindowEvent::Touch(touch) => self.handle_touch(&touch),
             WindowEvent::Resized(size) => {
                 self.hands.size = size.into();
                 self.seen = true;
@@ -33,7 +35,7 @@ where
                 self.scale = scale_factor as f32;
             }
             WindowEvent::Occluded(false) => self.seen = true,
-            WindowEvent::DroppedFile(path) => {
+            WindowEvent::DroppedFile(path) if !self.kiosk.is_on => {
                 self.studio.open_file(&path, opening::read_into_resident_maps::<N>);
             }
             WindowEvent::Focused(false) => self.send_to_hands(InputEvent::LetGo),
@@ -80,6 +82,9 @@ where
     pub(super) fn handle_key(&mut self, command: KeyCommand, down: bool) {
         let session = self.studio.world().session_state();
         let sculpting = session == SessionState::Sculpting && self.panels.is_sculpture_uncovered();
+        if !self.kiosk.allows(command) {
+            return;
+        }
         match command {
             // A release always counts, even over a panel.
             KeyCommand::Hands(key) if sculpting || !down => {
@@ -101,7 +106,7 @@ where
         }
     }
 
-    fn handle_button(&mut self, button: MouseButton, down: bool) {
+    pub(super) fn handle_button(&mut self, button: MouseButton, down: bool) {
         let (hand, panel) = match button {
             MouseButton::Left => (HandButton::Left, egui::PointerButton::Primary),
             MouseButton::Middle => (HandButton::Middle, egui::PointerButton::Middle),

@@ -1,9 +1,8 @@
 //! Target pose of the bit: on the surface under the cursor, with a way there through the air.
 
 use glam::{Quat, Vec3};
-use paros_core::internals::{BitAction, BitShape, RoomPose};
+use paros_core::internals::{BitAction, BitShape, RoomPose, ToolBitSpec};
 use paros_core::limits::INTERVALS;
-use paros_core::session::ToolBit;
 use paros_core::volume::{Grid, Size};
 use paros_core::{RangeMaps, World};
 use paros_shaders::Ray;
@@ -38,7 +37,8 @@ pub(super) struct BitTarget {
     pub(super) room_ray: Ray,
     /// The eye's up vector in the room.
     pub(super) up: Vec3,
-    pub(super) bit: ToolBit,
+    /// The bit, of the size that it has.
+    pub(super) bit: ToolBitSpec,
     /// Depth below the surface while it runs, in metres.
     pub(super) depth_m: f32,
     pub(super) running: bool,
@@ -122,13 +122,13 @@ where
                 // At a silhouette the normal points away from the eye: it is bent back towards it.
                 let normal = (normal - way * (0.35 + normal.dot(way).max(0.0))).normalize();
                 let up = frame.to_grid(Vec3::ZERO, Quat::IDENTITY).rotation * aim.up;
-                let up = match aim.bit.spec().shape {
+                let up = match aim.bit.shape {
                     // A blade is turned along its way.
                     BitShape::Disc { .. } => self.heading.follow(point, N).unwrap_or(up),
                     _ => up,
                 };
                 let BitOrientation { rotation, centre_height_m } =
-                    bit_orientation(aim.bit, normal, up);
+                    bit_orientation(&aim.bit, normal, up);
                 let inward = frame.to_room(&paros_core::edit::Pose::ZERO).1 * -normal;
                 self.next_bite = Some(inward * (aim.depth_m + CLEARANCE_M));
                 let depth_m = if aim.running { aim.depth_m } else { -CLEARANCE_M };
@@ -209,15 +209,15 @@ struct BitOrientation {
 }
 
 /// How a bit lies on a surface with an outward unit normal, turned towards the eye's up vector.
-fn bit_orientation(bit: ToolBit, outward_normal: Vec3, eye_up: Vec3) -> BitOrientation {
+fn bit_orientation(bit: &ToolBitSpec, outward_normal: Vec3, eye_up: Vec3) -> BitOrientation {
     let normal = outward_normal;
     let metres = |micrometres: i32| micrometres as f32 * 1e-6;
     let along = |axis: Vec3| (axis - normal * axis.dot(normal)).try_normalize();
     let aside = normal.any_orthonormal_vector();
     let upward = along(eye_up).unwrap_or(aside);
-    let (forward, y, centre_height_m) = match bit.spec().shape {
+    let (forward, y, centre_height_m) = match bit.shape {
         // A rasp lies flat, on its thin side.
-        BitShape::Box { half_extents_um } if bit.spec().action == BitAction::Smooth => {
+        BitShape::Box { half_extents_um } if bit.action == BitAction::Smooth => {
             (upward, normal, metres(half_extents_um[1]))
         }
         BitShape::Box { half_extents_um } => (-normal, upward, metres(half_extents_um[2])),

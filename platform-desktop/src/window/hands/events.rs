@@ -22,12 +22,18 @@ pub(in crate::window) enum HandAction {
     PreviousBit,
     /// Mounts the bit after it.
     NextBit,
+    /// Makes the mounted bit a step smaller.
+    Smaller,
+    /// Makes it a step larger.
+    Larger,
     /// Takes a stroke back.
     Undo,
     /// Brings it back again.
     Redo,
     /// Switches the mirror.
     Mirror,
+    /// Steadies the hand, or lets it be.
+    Steady,
     /// Turns the stool while it is down: to the left, or to the right.
     Turn {
         /// Clockwise as seen from above.

@@ -208,7 +208,7 @@ fn the_wheel_up_makes_a_stroke_deeper() {
         fixture.ticks(60);
         before - fixture.voxel_count()
     };
-    let (off, usual, deep) = (removed(-12.0), removed(0.0), removed(8.0));
+    let (off, usual, deep) = (removed(-18.0), removed(0.0), removed(8.0));
     assert_eq!(off, 0, "held off the surface it carves nothing");
     assert!(usual > 50 && deep > usual * 3 / 2, "{usual} and {deep}");
 }
@@ -252,12 +252,24 @@ fn keys_choose_tools_and_bits() {
     assert_eq!(fixture.held().1, ToolBit::Cylinder);
     fixture.tap_key_and_tick(HandAction::Bit(8));
     assert_eq!(fixture.held().1, ToolBit::Cylinder, "there is no ninth");
+    let size =
+        |fixture: &HandsFixture| fixture.world.workbench().size_of(ToolBit::Cylinder).steps();
+    fixture.tap_key_and_tick(HandAction::Smaller);
+    fixture.tap_key_and_tick(HandAction::Smaller);
+    assert_eq!(size(&fixture), -2);
+    assert_eq!(fixture.hands.depth_mm(&fixture.world), 6.0, "as a smaller bit goes less deep");
+    fixture.tap_key_and_tick(HandAction::Larger);
+    assert_eq!(size(&fixture), -1);
     for (number, tool) in Tool::ALL.into_iter().enumerate().rev() {
         fixture.tap_key_and_tick(HandAction::Tool(number as u8));
         assert_eq!(fixture.held().0, tool);
     }
     fixture.tap_key_and_tick(HandAction::Mirror);
     assert!(fixture.world.is_mirrored());
+    for string_mm in [20, 0] {
+        fixture.tap_key_and_tick(HandAction::Steady);
+        assert_eq!(fixture.world.string_mm(), string_mm);
+    }
 }
 
 /// The vertices of a tool or bit as the scene's own meshes and poses have them, without a bit that is mounted.

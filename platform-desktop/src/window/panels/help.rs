@@ -11,7 +11,8 @@ const KEYS_WIDTH: f32 = 140.0;
 /// Width of the panel's content, in points.
 const WIDTH: f32 = 460.0;
 
-pub(super) fn show(context: &Context) {
+/// Shows visitors' keys, and developers' if they are to be shown.
+pub(super) fn show(context: &Context, shows_developers_keys: bool) {
     let area = Area::new(Id::new("help"))
         .order(Order::Foreground)
         .anchor(Align2::RIGHT_CENTER, Vec2::new(-style::MARGIN, 0.0));
@@ -20,9 +21,11 @@ pub(super) fn show(context: &Context) {
             ui.label(RichText::new("Mouse and keys").size(19.0));
             ui.add_space(4.0);
             show_keys(ui, "keys", &HELP);
-            ui.add_space(4.0);
-            ui.label(style::quiet_text("For developers"));
-            show_keys(ui, "developers' keys", &DEVELOPER_HELP);
+            if shows_developers_keys {
+                ui.add_space(4.0);
+                ui.label(style::quiet_text("For developers"));
+                show_keys(ui, "developers' keys", &DEVELOPER_HELP);
+            }
         });
     });
 }

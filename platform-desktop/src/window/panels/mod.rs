@@ -1,6 +1,7 @@
 //! User interface in `egui`: start panel, tools, help, frame times. It takes the studio's status and
 //! returns the visitor's actions; it changes no other state.
 
+mod action;
 mod browser;
 mod glow;
 mod graph;
@@ -11,20 +12,20 @@ mod start;
 mod strip;
 mod style;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use egui::{
     Align2, Area, ColorImage, Context, Id, Pos2, RawInput, Rect, RichText, TextureHandle,
     TextureOptions, Vec2,
 };
 use paros_core::edit::UndoCounts;
-use paros_core::session::{BenchItem, SessionMode, SessionState, Tool, ToolBit};
-use paros_shaders::Image;
-use paros_shaders::gpu::FrameTimes;
+use paros_core::session::{BitSize, SessionMode, SessionState, Tool, ToolBit};
+use paros_shaders::{Image, gpu::FrameTimes};
 use paros_shell::figures::StoneThickness;
 use paros_shell::studio::Notice;
 
 use super::slowness::Slowness;
+pub(super) use action::PanelAction;
 use browser::Browser;
 pub(super) use glow::ItemGlow;
 use graph::FrameTimeGraph;
@@ -38,29 +39,6 @@ const LEAST_SIZE: Vec2 = Vec2::new(640.0, 420.0);
 /// Seconds that a notice is shown.
 const NOTICE_SECONDS: f64 = 6.0;
 
-/// An action that the visitor chose in a panel.
-#[derive(Clone, PartialEq, Debug)]
-pub(super) enum PanelAction {
-    /// Start a session.
-    Start(SessionMode),
-    /// Start a session from the sculpture as it is.
-    CarveOn,
-    /// Go back to the sculpture before this one.
-    OneBefore,
-    /// Start from the file that has been read.
-    StartRead,
-    /// Open a file to start from.
-    Open(PathBuf),
-    /// Take an item off the workbench.
-    Take(BenchItem),
-    /// Commands of the core, as bits of `paros_core::session::commands`.
-    Command(u8),
-    /// Finish the session.
-    Finish,
-    /// Retry to write the files that could not be written.
-    WriteAgain,
-}
-
 /// The studio's status that the panels show.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct StudioStatus<'a> {
@@ -70,6 +48,10 @@ pub(super) struct StudioStatus<'a> {
     pub(super) mode: SessionMode,
     /// The tool in hand.
     pub(super) held: Option<(Tool, ToolBit)>,
+    /// The held bit's size.
+    pub(super) size: BitSize,
+    /// Whether the hand is steadied.
+    pub(super) is_steadied: bool,
     /// The tool's depth in millimetres of the room; negative is above the surface.
     pub(super) depth_mm: f32,
     /// Millimetres of the print for one of the room; `None` without a voxel to print.
@@ -98,6 +80,8 @@ pub(super) struct StudioStatus<'a> {
     pub(super) fault: Option<&'a str>,
     /// The file being read.
     pub(super) opening: Option<&'a Path>,
+    /// Whether the window is one of a kiosk.
+    pub(super) kiosk: bool,
     /// Whether files can be dropped on the window.
     pub(super) drops: bool,
     /// Whether the fast path draws.
@@ -217,6 +201,12 @@ impl Panels {
         }
     }
 
+    /// Shows the start for another visitor, and nothing else.
+    pub(super) fn show_start_alone(&mut self) {
+        self.close_covering_panels();
+        (self.start, self.help, self.graph, self.asked_start) = (true, false, false, None);
+    }
+
     /// Adds a frame's duration to the graph.
     pub(super) fn add_frame_time(&mut self, seconds: f32) {
         self.times.push(seconds);
@@ -311,7 +301,7 @@ impl Panels {
             self.actions.extend(self.asked_start.take());
         }
         if self.help {
-            help::show(context);
+            help::show(context, !status.kiosk);
         }
         if self.graph {
             self.times.show(context, status);

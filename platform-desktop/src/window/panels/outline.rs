@@ -169,9 +169,9 @@ fn bit_in_hand<const N: usize>(world: &World<N, INTERVALS>) -> Option<(BitShape,
 where
     Grid<N>: Size,
 {
-    let (_, bit) = world.held_tool(RIGHT)?;
+    let spec = world.held_bit_spec(RIGHT)?;
     let hand = world.hand_state(RIGHT);
-    hand.has_frozen_pose.then_some((bit.spec().shape, hand.frozen_pose))
+    hand.has_frozen_pose.then_some((spec.shape, hand.frozen_pose))
 }
 
 fn draw_lines(context: &Context, lines: &[[[f32; 2]; 2]], stroke: Stroke) {

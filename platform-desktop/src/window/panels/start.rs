@@ -83,6 +83,7 @@ fn show_choices(
         Some(path) => {
             ui.label(style::quiet_text(format!("Reading {} ...", path.display())));
         }
+        None if status.kiosk => {}
         None => {
             let what = match status.drops {
                 true => "or drop a file on this window",

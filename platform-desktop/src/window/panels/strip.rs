@@ -2,6 +2,7 @@
 
 use egui::{Align2, Area, Button, Context, Id, Label, RichText, Ui, Vec2};
 use paros_core::edit::UndoCounts;
+use paros_core::internals::{BitShape, SizeRange, ToolBitSpec};
 use paros_core::session::{
     BenchItem, FOUND_PERCENT, SessionMode, SessionState, Tool, ToolBit, commands,
 };
@@ -46,6 +47,9 @@ pub(super) fn show_status(context: &Context, status: &StudioStatus<'_>) {
     };
     if status.symmetry {
         text += "  ·  mirrored";
+    }
+    if status.is_steadied {
+        text += "  ·  steady hand";
     }
     if let Some(path) = status.opening {
         text += &format!("  ·  reading {}", path.display());
@@ -157,9 +161,45 @@ fn show_bits(
             actions.push(PanelAction::Take(BenchItem::Bit(bit)));
         }
     }
-    ui.add_space(6.0);
+    show_size(ui, status, mounted, actions);
     let depth = depth_text(status.depth_mm, status.print_scale);
-    ui.label(style::quiet_text(format!("{depth}  (wheel up: deeper)")).size(13.0));
+    let text = RichText::new(format!("{depth}  (wheel up: deeper)")).size(13.0);
+    // A bit that hovers cuts nothing, and it shall be seen why.
+    let color = if status.depth_mm < 0.0 { style::WARNING } else { style::QUIET };
+    ui.label(text.color(color));
+}
+
+/// Shows how wide the mounted bit is, between buttons that make it smaller and larger; without them where it comes in
+/// one size.
+fn show_size(ui: &mut Ui, status: &StudioStatus<'_>, bit: ToolBit, actions: &mut Vec<PanelAction>) {
+    let spec = bit.spec_at(status.size);
+    let SizeRange { smallest, largest } = spec.sizes;
+    let steps = status.size.steps();
+    ui.add_space(6.0);
+    if smallest < largest {
+        let mut button = |ui: &mut Ui, text: &str, possible: bool, by: i8| {
+            if ui.add_enabled(possible, Button::new(text)).clicked() {
+                actions.push(PanelAction::Resize(by));
+            }
+        };
+        button(ui, "[ smaller", steps > smallest, -1);
+        button(ui, "larger ]", steps < largest, 1);
+    }
+    ui.label(style::quiet_text(width_text(&spec)).size(13.0));
+    ui.add_space(6.0);
+}
+
+/// How wide a bit is, in words.
+fn width_text(spec: &ToolBitSpec) -> String {
+    let mm = |half_um: i32| f64::from(2 * half_um) * 1e-3;
+    match spec.shape {
+        BitShape::Ball { radius_um } | BitShape::Disc { radius_um } => {
+            format!("{:.0} mm wide", mm(radius_um))
+        }
+        BitShape::Box { half_extents_um: [x, y, z] } => {
+            format!("{:.0} x {:.0} x {:.0} mm", mm(x), mm(y), mm(z))
+        }
+    }
 }
 
 /// A tool's depth in words: in the room, in the print, and whether the wheel goes no further.
@@ -169,7 +209,7 @@ fn depth_text(depth_mm: f32, print_scale: Option<f32>) -> String {
     };
     let mut text = match depth_mm {
         deep if deep >= 0.0 => format!("{deep:.0} mm deep{}", print(deep)),
-        above => format!("hovers {:.0} mm above", -above),
+        above => format!("hover: {:.0} mm above the stone", -above),
     };
     if depth_mm >= *DEPTHS_MM.end() {
         text += ", the most";
@@ -260,8 +300,8 @@ mod tests {
         let text = |mm| depth_text(mm, Some(0.25));
         assert_eq!(text(9.0), "9 mm deep, 2.2 mm in the print");
         assert_eq!(text(40.0), "40 mm deep, 10.0 mm in the print, the most");
-        assert_eq!(text(-5.0), "hovers 5 mm above");
-        assert_eq!(text(-20.0), "hovers 20 mm above, the least");
+        assert_eq!(text(-5.0), "hover: 5 mm above the stone");
+        assert_eq!(text(-20.0), "hover: 20 mm above the stone, the least");
         assert_eq!(depth_text(9.0, None), "9 mm deep", "there is nothing to print");
     }
 }

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use egui::{Event, Modifiers, PointerButton, Pos2, Rect, Vec2};
 use paros_core::edit::UndoCounts;
-use paros_core::session::{BenchItem, SessionMode, SessionState, Tool, ToolBit, commands};
+use paros_core::session::{BenchItem, BitSize, SessionMode, SessionState, Tool, ToolBit, commands};
 use paros_shaders::gpu::FrameTimes;
 use paros_shell::studio::Notice;
 use paros_shell::tick_runner::ClockTicks;
@@ -19,6 +19,9 @@ pub(super) fn sculpting_status() -> StudioStatus<'static> {
         session: SessionState::Sculpting,
         mode: SessionMode::FreeForm,
         held: Some((Tool::Impact, ToolBit::PointChisel)),
+        size: BitSize::NATURAL,
+        is_steadied: true,
+        kiosk: false,
         depth_mm: 5.0,
         print_scale: Some(0.25),
         bared_percent: 0,
@@ -113,6 +116,7 @@ fn tools_bits_and_commands_can_be_clicked() {
     let mut expected: Vec<_> =
         Tool::ALL.map(|tool| PanelAction::Take(BenchItem::Tool(tool))).into();
     expected.push(PanelAction::Take(BenchItem::Bit(ToolBit::FlatChisel)));
+    expected.extend([-1, 1].map(PanelAction::Resize));
     for command in [commands::UNDO, commands::REDO, commands::SYMMETRY] {
         expected.push(PanelAction::Command(command));
     }
