@@ -33,7 +33,7 @@ pub(super) const HELP: [(&str, &str); 15] = [
     ("Ctrl + wheel, W, S", "nearer, farther"),
     ("middle drag, A, D", "turn the stool"),
     ("1 to 4", "tools, or click them on the bench"),
-    ("Shift + 1 to 7, comma, period", "bits of the tool"),
+    (", .", "bits of the tool, or Shift + 1 to 7"),
     ("[ ]", "a smaller bit, a larger one"),
     ("Z, Y", "undo, redo"),
     ("M", "mirror"),

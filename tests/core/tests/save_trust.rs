@@ -8,8 +8,8 @@
 use std::sync::{Mutex, PoisonError};
 
 use paros_core::codec::{BadBytes, BadSave};
-use paros_core::internals::ByteWriter;
-use paros_core::session::{SessionMode, commands};
+use paros_core::internals::{BENCH_ITEMS, ByteWriter};
+use paros_core::session::{SessionMode, ToolBit, commands};
 use paros_core::volume::{Axis, BitSet, Column, Range};
 use paros_core::{TickInput, World};
 use paros_models::random_visitor::RandomVisitor;
@@ -262,8 +262,9 @@ fn a_state_that_no_world_has_is_refused() {
     let harness = &mut TWO.lock().unwrap_or_else(PoisonError::into_inner);
     harness.start_session(SessionMode::FreeForm);
     let bytes = save_to_vec(&harness.world);
-    const HAND: usize = BODY + 14 + 28;
-    const ITEM: usize = HAND + 2 * 454;
+    const HAND: usize = BODY + 15 + 28;
+    const ITEM: usize = HAND + 2 * 455;
+    const SIZES: usize = ITEM + 31 * BENCH_ITEMS;
     let possible = "a bench with one tool a hand and one bit a tool";
     let (hand, reach) = ("flags of a hand", "a pose within reach, with a unit rotation or none");
     let held = |item: usize| (ITEM + 31 * item, vec![1, 0, 0]);
@@ -277,7 +278,10 @@ fn a_state_that_no_world_has_is_refused() {
         (vec![mounted(4), mounted(5)], possible),
         (vec![(ITEM + 31 * 4, vec![3, 0, 0])], possible),
         (vec![(HAND + 112, vec![16])], hand),
-        (vec![far(BODY + 14)], reach),
+        (vec![(BODY + 12, vec![41])], "a string's millimetres, 40 at most"),
+        (vec![(HAND + 117, vec![19])], "ticks of a stick's push, 18 at most"),
+        (vec![(SIZES + ToolBit::DiscSaw as usize, vec![1])], "a size that the bit comes in"),
+        (vec![far(BODY + 15)], reach),
         (vec![far(ITEM + 3)], reach),
         (vec![far(ITEM + 31 * 2 + 3 + 12)], reach),
         (vec![far(HAND)], reach),
