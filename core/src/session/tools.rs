@@ -120,13 +120,13 @@ impl ToolBitSpec {
     /// The bit in fixed-point grid units, for voxels of side `voxel_um` in micrometres.
     #[must_use]
     pub fn to_grid_bit(&self, voxel_um: f32) -> GridBit {
-        self.to_grid_bit_grown_by([0; 3], voxel_um)
+        self.grid_bit_grown_by([0; 3], voxel_um)
     }
 
     /// What the bit edits, which is its shape and its reach, as [`ToolBitSpec::to_grid_bit`].
     #[must_use]
     pub fn to_grid_brush(&self, voxel_um: f32) -> GridBit {
-        self.to_grid_bit_grown_by(self.reach_um, voxel_um)
+        self.grid_bit_grown_by(self.reach_um, voxel_um)
     }
 
     /// What spalls off a hidden figure that the bit touches, as [`ToolBitSpec::to_grid_bit`]: all within 34 mm of the
@@ -145,7 +145,7 @@ impl ToolBitSpec {
         Some(GridBit { shape: GridShape::Ball(radius), bite: radius })
     }
 
-    fn to_grid_bit_grown_by(&self, reach_um: [i32; 3], voxel_um: f32) -> GridBit {
+    fn grid_bit_grown_by(&self, reach_um: [i32; 3], voxel_um: f32) -> GridBit {
         let fixed =
             |length: i32| libm::roundf(length as f32 * SUBUNITS_PER_VOXEL as f32 / voxel_um) as i32;
         let shape = match self.shape {
