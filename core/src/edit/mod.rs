@@ -14,6 +14,6 @@ pub(crate) mod undo;
 
 pub use contact::Contact;
 pub use islands::IslandReport;
-pub use operation::{BrushTooLarge, Dither, EditOperation, EditReport, EditScratch};
+pub use operation::{ANY_DEPTH, BrushTooLarge, Dither, EditOperation, EditReport, EditScratch};
 pub use pose::{Pose, SUBUNITS_PER_VOXEL};
 pub use undo::UndoCounts;

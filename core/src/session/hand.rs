@@ -142,12 +142,12 @@ impl HandState {
     /// Notes the pose that the hand asks for as the end of the way that its bit is to cut. A new pull, or a
     /// bit that catches up after a gap, begins a new way. Returns how many ticks of way were dropped.
     ///
-    /// Paste is laid, and a file moved, straight to where the hand is: neither is slower than a hand.
+    /// A file is moved straight to where the hand is.
     pub(crate) fn note_way(&mut self, raw: Pose, is_new_pull: bool, bit: &ToolBitSpec) -> u32 {
         if is_new_pull || !self.can_sweep {
             self.drop_trail();
         }
-        match self.trigger && bit.action == BitAction::Carve {
+        match self.trigger && bit.action != BitAction::Smooth {
             true => self.trail.push_and_drop_beyond(raw, max_trail_ticks(bit.bite_period)),
             false => 0,
         }

@@ -2,7 +2,10 @@
 
 use crate::edit::contact::{Contact, FreezeResult, Obstacle, WayBudget};
 use crate::edit::grid_bit::GridBit;
-use crate::edit::operation::{Dither, Edit, EditOperation, EditReport, apply_edit};
+use crate::edit::operation::{
+    ANY_DEPTH, Dither, Edit, EditOperation, EditReport, apply_edit, brush_mirror_touches_volume,
+    brush_touches_volume,
+};
 use crate::edit::pose::{Pose, SUBUNITS_PER_VOXEL};
 use crate::limits::{
     DITHER_RIM_VOXELS, LIGHT_SMOOTHING_PERIOD, MAX_BITES_PER_TICK, SMOOTHING_PERIOD,
@@ -303,7 +306,11 @@ where
         budget: WayBudget,
     ) -> BitWay {
         let grid_bit = running.grid_bit;
-        let goes_through_stone = state.trigger && running.bit.spec().action != BitAction::Carve;
+        let goes_through_stone = match running.bit.spec().action {
+            BitAction::Carve => false,
+            BitAction::Fill => state.is_running(),
+            BitAction::Smooth => state.trigger,
+        };
         let mut can_sweep = state.can_sweep;
         let obstacle = self.obstacle();
         let holding = Obstacle { is_mask_alone: goes_through_stone, ..obstacle };
@@ -331,14 +338,21 @@ where
         let depth = running.grid_bit.bite_depth_voxels();
         let operation = match running.bit.spec().action {
             BitAction::Carve => EditOperation::Carve { depth },
-            BitAction::Fill => EditOperation::Fill { depth },
+            BitAction::Fill => EditOperation::Fill { depth: ANY_DEPTH },
             BitAction::Smooth => {
                 let radius_of =
                     if running.is_light { light_smoothing_radius } else { smoothing_radius };
                 EditOperation::Smooth { radius: radius_of(N), dither: running.dither_at(to) }
             }
         };
-        let mirrored = self.state.symmetry;
+        let (swept, rows) = (brush.swept_brush(from, to), self.volume.rows());
+        // Paste that touches nothing would fall.
+        let is_paste = running.bit.spec().action == BitAction::Fill;
+        if is_paste && !brush_touches_volume(&swept, rows) {
+            return EditReport::default();
+        }
+        let mirrored =
+            self.state.symmetry && (!is_paste || brush_mirror_touches_volume(&swept, rows));
         let journal = StrokeJournal {
             undo: &mut self.undo,
             dirty: &mut self.dirty,
@@ -352,7 +366,7 @@ where
             apply_edit(&mut self.volume, &self.mask, &edit, &mut self.scratch, &mut journal)
         };
         // A smoothing brush too large for the scratch memory is replaced by the bit at its last pose.
-        let report = apply_brush(brush.swept_brush(from, to))
+        let report = apply_brush(swept)
             .or_else(|_| apply_brush(brush.piece_at(to).into()))
             .unwrap_or_default();
         self.dirty.end_edit();

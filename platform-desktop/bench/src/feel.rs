@@ -2,7 +2,7 @@
 //!
 //! A hand comes down on a flat face with its trigger pulled, presses its bit 10 mm into it, and moves on at a
 //! constant speed. At the end of its way it releases the trigger at once. What its bit removes on the way is
-//! counted in parts of what it removes on the same way at 0.03 m/s.
+//! counted in parts of what it removes on the same way at 0.03 m/s; and what a nozzle lays of what it lays then.
 
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
 
@@ -51,10 +51,14 @@ where
     let mut world = Grid::<N>::lock_world();
     let mut sculptor = Sculptor { world: &mut world, stone: &stone, size: BitSize::NATURAL };
     let mut rows = Vec::new();
-    let carves = |bit: &ToolBit| bit.spec().action == BitAction::Carve;
-    for bit in ToolBit::ALL.into_iter().filter(carves) {
+    for bit in ToolBit::ALL {
+        let line = match bit.spec().action {
+            BitAction::Carve => "groove",
+            BitAction::Fill => "bead",
+            BitAction::Smooth => continue,
+        };
         for size in sizes_measured(bit) {
-            rows.extend(sculptor.measure_grooves(bit, size));
+            rows.extend(sculptor.measure_lines(bit, size, line));
         }
     }
     sculptor.size = BitSize::NATURAL;
@@ -80,7 +84,7 @@ where
     size: BitSize,
 }
 
-/// What a hand removed on its way.
+/// What a hand removed or laid on its way.
 struct Cut<const N: usize>
 where
     Grid<N>: Size,
@@ -109,7 +113,7 @@ where
     Grid<N>: Size,
 {
     /// Straight over half of the face.
-    fn measure_grooves(&mut self, bit: ToolBit, size: BitSize) -> Vec<ReportRow> {
+    fn measure_lines(&mut self, bit: ToolBit, size: BitSize, line: &str) -> Vec<ReportRow> {
         self.size = size;
         let name = match size {
             BitSize::NATURAL => String::from(bit.spec().name),
@@ -120,7 +124,7 @@ where
         let slow = self.cut_way(bit, PRESSED, length, SLOW_SPEED, straight).count();
         let row = |speed: f32| {
             let cut = self.cut_way(bit, PRESSED, length, speed, straight).count();
-            let against = format!("the slow groove; {speed:.1} m/s");
+            let against = format!("the slow {line}; {speed:.1} m/s");
             ReportRow {
                 ratio: Some(f64::from(cut) / f64::from(slow)),
                 ..ReportRow::new("feel", &name, N, against)
@@ -172,7 +176,7 @@ where
         }
     }
 
-    /// What the bit removes of the start volume while the hand moves `length` metres at `speed` m/s, after it
+    /// What the bit removes of the start volume, or lays on it, while the hand moves `length` metres at `speed` m/s, after it
     /// was pressed so many metres into the face at the way's begin. `place` is the hand's place about the
     /// face's middle, by the metres that it has moved.
     fn cut_way(
@@ -209,7 +213,7 @@ where
             self.step(&pose(length, pressed), false);
         }
         let after = self.occupied();
-        let voxels = before.iter().zip(&after).map(|(before, after)| *before & !*after).collect();
+        let voxels = before.iter().zip(&after).map(|(before, after)| *before ^ *after).collect();
         Cut { voxels, seconds: ticks / TICK_RATE as f32 }
     }
 

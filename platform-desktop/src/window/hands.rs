@@ -13,7 +13,7 @@ mod events;
 use std::collections::VecDeque;
 
 use glam::{Quat, Vec3};
-use paros_core::internals::{BitAction, RoomPose, ToolBitSpec};
+use paros_core::internals::RoomPose;
 use paros_core::limits::INTERVALS;
 use paros_core::session::{
     BenchItem, PointerCommand, RawPose, SessionMode, TICK_RATE, Tool, ToolBit, commands,
@@ -39,9 +39,9 @@ const KEY_TURN: i32 = 65_536 / 4 / TICK_RATE as i32;
 /// Depth of a wheel notch, in millimetres.
 const NOTCH_MM: f32 = 1.0;
 
-/// Speed at which a tool that carves or smooths follows the cursor, in micrometres a tick: 1 m/s, at which the core's bits keep
+/// Speed at which a running tool follows the cursor, in micrometres a tick: 1 m/s, at which the core's bits keep
 /// up with hands.
-const CUTTING_SPEED_UM: f32 = 1e6 / TICK_RATE as f32;
+const TRAIL_SPEED_UM: f32 = 1e6 / TICK_RATE as f32;
 
 /// How far the trigger is pulled with Shift, of 255.
 const LIGHT_TRIGGER: u8 = 150;
@@ -49,9 +49,6 @@ const LIGHT_TRIGGER: u8 = 150;
 /// The length of a steadied hand's string, in millimetres: what an excited hand trembles at an ordinary speed is a fifth
 /// with it.
 const STRING_MM: u8 = 20;
-
-/// Least speed of the running fill gun behind the cursor, in micrometres a tick.
-const LEAST_SPEED_UM: f32 = 1_500.0;
 
 /// Points of the cursor's trail that are kept.
 const TRAIL: usize = 1024;
@@ -228,7 +225,7 @@ where
     fn next_grip_pose(&mut self, world: &World<N, INTERVALS>) -> Option<RoomPose> {
         let (tool, bit) = (world.held_tool(RIGHT)?.0, world.held_bit_spec(RIGHT)?);
         let cursor = self.cursor?;
-        let at = if self.running { self.advance_along_trail(cursor, &bit) } else { cursor };
+        let at = if self.running { self.advance_along_trail(cursor) } else { cursor };
         let room_ray = self.orbit.room_ray_through_pixel(at, self.size);
         let depth_m = self.depth_mm(world) * 1e-3;
         let up = self.orbit.pose().1 * Vec3::Y;
@@ -244,16 +241,12 @@ where
 
     /// Advances a running tool along the cursor's trail; returns its pixel. It goes no faster than the bit
     /// can follow, so that a stroke is one groove at any speed of the mouse.
-    fn advance_along_trail(&mut self, cursor_pixel: [f32; 2], bit: &ToolBitSpec) -> [f32; 2] {
+    fn advance_along_trail(&mut self, cursor_pixel: [f32; 2]) -> [f32; 2] {
         let eye = self.orbit.pose().0;
         let far = eye + (self.orbit.pose().1 * Vec3::NEG_Z) * self.bit_guide.last_hit_distance_m();
         let projected = self.orbit.project_point(far, self.size);
         let pixels_per_metre = projected.map_or(1.0, |point| point.pixels_per_metre);
-        let speed_um = match bit.action {
-            BitAction::Carve | BitAction::Smooth => CUTTING_SPEED_UM,
-            BitAction::Fill => (bit.bite_um as f32).max(LEAST_SPEED_UM),
-        };
-        let mut left = speed_um * 1e-6 * pixels_per_metre;
+        let mut left = TRAIL_SPEED_UM * 1e-6 * pixels_per_metre;
         while let Some(&from) = self.trail.front() {
             let end = if self.is_released { from } else { cursor_pixel };
             let to = self.trail.get(1).copied().unwrap_or(end);

@@ -6,7 +6,7 @@ use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 
-use paros_core::edit::{EditOperation, SUBUNITS_PER_VOXEL};
+use paros_core::edit::{ANY_DEPTH, EditOperation, SUBUNITS_PER_VOXEL};
 use paros_core::volume::{Grid, Size};
 use paros_core::{Brush, RangeMaps};
 use paros_models::dense::{DenseVolume, MaskedVolume, any_voxels, closed_volumes_with_inner_mask};
@@ -184,7 +184,7 @@ proptest! {
     #[test]
     fn the_models_edits_are_those_of_the_definition(
         start in any_voxels(16),
-        edits in proptest::collection::vec(([0..16i32, 0..16i32, 0..16i32], 0..8i32, 0..5u8, any::<bool>()), 1..4),
+        edits in proptest::collection::vec(([0..16i32, 0..16i32, 0..16i32], 0..8i32, 0..7u8, any::<bool>()), 1..4),
         masked in any::<bool>(),
     ) {
         check_edits::<1>(&start, &edits, masked)?;
@@ -213,6 +213,8 @@ fn check_edits<const K: usize>(
         let operation = match kind {
             0 => EditOperation::Smooth { radius: 1, dither: None },
             1 | 2 => EditOperation::Fill { depth: kind.into() },
+            5 => EditOperation::Carve { depth: ANY_DEPTH },
+            6 => EditOperation::Fill { depth: ANY_DEPTH },
             depth => EditOperation::Carve { depth: depth.into() },
         };
         let centre = at.map(|i| i * SUBUNITS_PER_VOXEL + SUBUNITS_PER_VOXEL / 2);

@@ -1,7 +1,7 @@
 //! Model of an edit: a boolean operation on the voxels within the brush, then closure, by its naive
 //! definition.
 
-use paros_core::edit::{EditOperation, EditReport};
+use paros_core::edit::{ANY_DEPTH, EditOperation, EditReport};
 use paros_core::volume::Axis;
 
 use crate::dense::DenseVolume;
@@ -68,6 +68,10 @@ pub fn exact_edit(
     let brush = if mirrored { brush.union(&brush.mirrored_in_x()) } else { brush.clone() };
     let none = DenseVolume::empty(volume.side());
     let (removed, filled, too_deep) = match operation {
+        EditOperation::Carve { depth: ANY_DEPTH } => {
+            (brush.intersection(volume), none.clone(), none)
+        }
+        EditOperation::Fill { depth: ANY_DEPTH } => (none.clone(), brush.difference(volume), none),
         EditOperation::Carve { depth } => {
             let wanted = brush.intersection(volume);
             let reached = wanted.intersection(&volume.within_steps_of_empty(depth));

@@ -8,8 +8,10 @@ mod close;
 mod pass;
 mod smooth;
 mod tighten;
+mod touch;
 
 use pass::EditPass;
+pub(crate) use touch::{brush_mirror_touches_volume, brush_touches_volume};
 
 use crate::edit::brush::{Brush, BrushBounds, BrushPiece, BrushPieces};
 use crate::limits::{SHELL_DEPTH, SMOOTH_LINES};
@@ -22,13 +24,16 @@ use crate::volume::row::{BitRow, BitSet};
 use crate::volume::size::{Grid, Size};
 use crate::volume::voxel_box::VoxelBox;
 
+/// A depth that holds nothing back: the edit takes or occupies its whole brush.
+pub const ANY_DEPTH: usize = usize::MAX;
+
 /// What an edit does to the voxels of its brush.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 #[expect(clippy::large_enum_variant, reason = "there is no heap to box the largest on")]
 pub enum EditOperation {
     /// Removes those at most `depth` six-neighbour steps from an empty voxel, as the volume stood
     /// when the edit began; outside the grid counts as empty. A greater depth counts as
-    /// [`SHELL_DEPTH`], four.
+    /// [`SHELL_DEPTH`], four, but for [`ANY_DEPTH`].
     ///
     /// To take out a whole brush, apply the edit again until it changes nothing: a ball of radius 30
     /// takes eight edits.
@@ -37,7 +42,7 @@ pub enum EditOperation {
         depth: usize,
     },
     /// Occupies those at most `depth` steps from the volume or from the ground under y = 0. A greater
-    /// depth counts as [`SHELL_DEPTH`].
+    /// depth counts as [`SHELL_DEPTH`], but for [`ANY_DEPTH`].
     Fill {
         /// Layers that may be laid on.
         depth: usize,
@@ -71,6 +76,7 @@ impl EditOperation {
     /// How many voxels beyond the brush the operation reads.
     const fn neighbourhood_radius(self) -> usize {
         match self {
+            _ if self.reaches_any_depth() => 0,
             EditOperation::Carve { depth } | EditOperation::Fill { depth }
                 if depth > SHELL_DEPTH =>
             {
@@ -87,6 +93,14 @@ impl EditOperation {
             EditOperation::Smooth { .. } => 0,
             _ => self.neighbourhood_radius(),
         }
+    }
+
+    /// Whether no voxel of the brush lies too deep.
+    const fn reaches_any_depth(self) -> bool {
+        matches!(
+            self,
+            EditOperation::Carve { depth: ANY_DEPTH } | EditOperation::Fill { depth: ANY_DEPTH }
+        )
     }
 
     const fn removes_voxels(self) -> bool {

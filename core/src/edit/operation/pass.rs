@@ -90,6 +90,7 @@ where
     fn carve_layer(&mut self, y: usize, z_range: ZRange) {
         let volume = self.volume.rows().row_strip::<W>(self.first_word);
         let (mask, depth) = (self.mask, self.edit.operation.neighbourhood_radius());
+        let reaches_all = self.edit.operation.reaches_any_depth();
         let mut too_deep = 0;
         for z in iter_voxels(z_range) {
             let flips = &mut self.scratch.pending[y % (SHELL_DEPTH + 1)][z];
@@ -98,7 +99,10 @@ where
                 *flips = BitSet::EMPTY;
                 continue;
             }
-            let deep = eroded_row(volume, (y, z), depth, wanted);
+            let deep = match reaches_all {
+                true => BitRow::EMPTY,
+                false => eroded_row(volume, (y, z), depth, wanted),
+            };
             too_deep += deep.count_ones();
             let mut removed = wanted & !deep;
             if mask.column(Axis::X, (y, z)) != Column::EMPTY {
@@ -113,10 +117,14 @@ where
     fn fill_layer(&mut self, y: usize, z_range: ZRange) {
         let volume = self.volume.rows().row_strip::<W>(self.first_word);
         let depth = self.edit.operation.neighbourhood_radius();
+        let reaches_all = self.edit.operation.reaches_any_depth();
         for z in iter_voxels(z_range) {
             let flips = &mut self.scratch.pending[y % (SHELL_DEPTH + 1)][z];
             let wanted = flips.word_span(0) & !volume.row(y, z);
-            let near = dilated_row_with_ground(volume, (y, z), depth, wanted);
+            let near = match reaches_all {
+                true => wanted,
+                false => dilated_row_with_ground(volume, (y, z), depth, wanted),
+            };
             if near != wanted {
                 self.report.refused_by_depth += (wanted & !near).count_ones();
             }

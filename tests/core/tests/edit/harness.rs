@@ -1,7 +1,7 @@
 //! Volumes, strokes and a journal for the tests of edits.
 
 use glam::{IVec3, Quat};
-use paros_core::edit::{Dither, EditOperation, EditScratch, Pose, SUBUNITS_PER_VOXEL};
+use paros_core::edit::{ANY_DEPTH, Dither, EditOperation, EditScratch, Pose, SUBUNITS_PER_VOXEL};
 use paros_core::internals::BrushPiece;
 use paros_core::limits::{MAX_SMOOTHING_RADIUS, SHELL_DEPTH};
 use paros_core::volume::{Axis, BitGrid, BitSet, Column, Grid, Journal, Size};
@@ -128,7 +128,8 @@ pub(super) fn any_strokes(n: i32, longest: usize) -> impl Strategy<Value = Vec<S
         2 => (half(), pose()).prop_map(|(half, pose)| BrushSpec::Box(half, pose)),
         2 => (half(), pose(), pose()).prop_map(|(half, a, b)| BrushSpec::Sweep(half, a, b)),
     ];
-    let depth = || prop_oneof![4 => 1..=SHELL_DEPTH, 1 => Just(0), 1 => Just(2)];
+    let depth =
+        || prop_oneof![4 => 1..=SHELL_DEPTH, 1 => Just(0), 1 => Just(2), 1 => Just(ANY_DEPTH)];
     let operation = prop_oneof![
         3 => depth().prop_map(|depth| EditOperation::Carve { depth }),
         3 => depth().prop_map(|depth| EditOperation::Fill { depth }),

@@ -7,7 +7,9 @@ use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 
 use glam::{IVec3, Quat, Vec3};
-use paros_core::edit::{BrushTooLarge, EditOperation, EditReport, Pose, SUBUNITS_PER_VOXEL};
+use paros_core::edit::{
+    ANY_DEPTH, BrushTooLarge, EditOperation, EditReport, Pose, SUBUNITS_PER_VOXEL,
+};
 use paros_core::internals::maps_digest;
 use paros_core::limits::{SHELL_DEPTH, SMOOTH_LINES};
 use paros_core::volume::{Axis, BitSet, Grid, Range, Size, VoxelBox};
@@ -240,6 +242,8 @@ fn any_inner_strokes() -> impl Strategy<Value = Vec<Stroke>> {
     let operation = prop_oneof![
         depth().prop_map(|depth| EditOperation::Carve { depth }),
         depth().prop_map(|depth| EditOperation::Fill { depth }),
+        Just(EditOperation::Carve { depth: ANY_DEPTH }),
+        Just(EditOperation::Fill { depth: ANY_DEPTH }),
         prop::sample::select(&[1usize, 3, 7][..])
             .prop_map(|radius| EditOperation::Smooth { radius, dither: None }),
     ];

@@ -29,9 +29,11 @@ impl<const K: usize> StepModel<K> {
             _ => state.raw_pose,
         };
         let from = if state.has_frozen_pose { state.frozen_pose } else { wanted };
-        let way_of = WayToFind { bit, grid_bit, from: &from, wanted: &wanted, slides: true };
+        let goes_through_stone = state.trigger;
+        let way_of =
+            WayToFind { grid_bit, from: &from, wanted: &wanted, slides: true, goes_through_stone };
         let way = self.find_way(&state, presses, &way_of, share.way);
-        self.check_way(hand, &way, (bit, grid_bit))?;
+        self.check_way(hand, &way, grid_bit, goes_through_stone)?;
         let frozen = way.freeze.pose;
         let state = &mut self.hands[hand];
         (state.frozen_pose, state.has_frozen_pose) = (frozen, true);

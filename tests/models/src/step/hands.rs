@@ -1,6 +1,6 @@
 //! Model of a hand: its input, and what it does in a tick with the tool that it holds.
 
-use paros_core::edit::{Contact, EditOperation, EditReport, Pose};
+use paros_core::edit::{ANY_DEPTH, Contact, EditOperation, EditReport, Pose};
 use paros_core::internals::{BURIED_WITHIN, BitAction, FreezeResult, GridBit, RoomPose, WayBudget};
 use paros_core::limits::{FULL_TRIGGER, MAX_BITES_PER_TICK, SMOOTH_LINES, max_trail_ticks};
 use paros_core::session::{HandState, HandTrail, RawPose, SessionState, Tool, ToolBit, buttons};
@@ -89,12 +89,13 @@ pub(super) fn apply_input(hand: &mut HandState, input: &HandInput) -> HandPresse
 
 /// The ends of a way, and the bit that is to go it.
 pub(super) struct WayToFind<'a> {
-    pub bit: ToolBit,
     pub grid_bit: &'a GridBit,
     pub from: &'a Pose,
     pub wanted: &'a Pose,
     /// Whether the bit slides where it is stopped.
     pub slides: bool,
+    /// Whether the mask alone holds it.
+    pub goes_through_stone: bool,
 }
 
 /// The way of a bit toward a pose.
@@ -183,7 +184,7 @@ impl<const K: usize> StepModel<K> {
         if is_new_pull || !state.can_sweep {
             trail.clear();
         }
-        if !state.trigger || bit.spec().action != BitAction::Carve {
+        if !state.trigger || bit.spec().action == BitAction::Smooth {
             return 0;
         }
         trail.push_back(state.raw_pose);
@@ -206,7 +207,7 @@ impl<const K: usize> StepModel<K> {
         let depth = whole_voxels(grid_bit.bite);
         let operation = match bit.spec().action {
             BitAction::Carve => EditOperation::Carve { depth },
-            BitAction::Fill => EditOperation::Fill { depth },
+            BitAction::Fill => EditOperation::Fill { depth: ANY_DEPTH },
             BitAction::Smooth => return Err("a file follows no way".into()),
         };
         let is_beat = is_blow_at(bit, self.hands[hand].trigger_ticks);
@@ -220,9 +221,12 @@ impl<const K: usize> StepModel<K> {
             let wanted = self.trails[hand].front().copied().unwrap_or(state.raw_pose);
             let from = if state.has_frozen_pose { state.frozen_pose } else { wanted };
             let slides = is_stuck || self.trails[hand].is_empty();
-            let way_of = WayToFind { bit, grid_bit, from: &from, wanted: &wanted, slides };
+            // A nozzle lays the rest of its way too when it is released.
+            let goes_through_stone = bit.spec().action == BitAction::Fill && self.runs_tool(hand);
+            let way_of =
+                WayToFind { grid_bit, from: &from, wanted: &wanted, slides, goes_through_stone };
             let way = self.find_way(&state, presses, &way_of, share.way);
-            self.check_way(hand, &way, (bit, grid_bit))?;
+            self.check_way(hand, &way, grid_bit, goes_through_stone)?;
             let frozen = way.freeze.pose;
             let state = &mut self.hands[hand];
             (state.frozen_pose, state.has_frozen_pose) = (frozen, true);
@@ -234,7 +238,10 @@ impl<const K: usize> StepModel<K> {
                 let start = way.swept_from.unwrap_or(frozen);
                 work.charge_edit(grid_bit, &start, &frozen);
                 let swept = grid_bit.swept_brush(&start, &frozen);
-                report = self.edit(operation, &swept, &grid_bit.piece_at(&frozen).into());
+                report = match bit.spec().action {
+                    BitAction::Fill => self.lay_paste(&swept),
+                    _ => self.edit(operation, &swept, &grid_bit.piece_at(&frozen).into()),
+                };
                 total = total.sum_with(report);
             }
             let steps_to_go = |pose: &Pose| path_poses(grid_bit, pose, &wanted).count();
@@ -264,7 +271,8 @@ impl<const K: usize> StepModel<K> {
         &self,
         hand: usize,
         way: &BitWay,
-        (bit, grid_bit): (ToolBit, &GridBit),
+        grid_bit: &GridBit,
+        goes_through_stone: bool,
     ) -> Result<(), String> {
         let state = &self.hands[hand];
         if way.freeze.jumped || !state.has_frozen_pose {
@@ -272,7 +280,6 @@ impl<const K: usize> StepModel<K> {
         }
         let (from, to) = (&state.frozen_pose, &way.freeze.pose);
         check_depths(&way.obstacle, grid_bit, from, to)?;
-        let goes_through_stone = state.trigger && bit.spec().action != BitAction::Carve;
         let is_open = goes_through_stone || is_way_open(self.volume.voxels(), grid_bit, from, to);
         ensure!(is_open, "hand {hand} goes through stone from {from:?} to {to:?}");
         Ok(())
@@ -287,8 +294,7 @@ impl<const K: usize> StepModel<K> {
         way: &WayToFind<'_>,
         budget: WayBudget,
     ) -> BitWay {
-        let WayToFind { bit, grid_bit, from, wanted, .. } = *way;
-        let goes_through_stone = state.trigger && bit.spec().action != BitAction::Carve;
+        let WayToFind { grid_bit, from, wanted, goes_through_stone, .. } = *way;
         if !goes_through_stone {
             return BitWay::walked(self.stone(), state, way, budget);
         }
@@ -324,9 +330,19 @@ impl<const K: usize> StepModel<K> {
             return EditReport::default();
         };
         let voxels = voxels_of_brush(brush, self.side(), self.is_mirrored);
+        self.edit_voxels(operation, &voxels, self.is_mirrored)
+    }
+
+    /// Applies an edit of some voxels, which have their mirror image among them where it is mirrored.
+    pub(super) fn edit_voxels(
+        &mut self,
+        operation: EditOperation,
+        voxels: &[[i32; 3]],
+        is_mirrored: bool,
+    ) -> EditReport {
         let before = self.volume.columns().clone();
         let (report, change) =
-            self.volume.apply_edit(self.mask.voxels(), &voxels, operation, self.is_mirrored);
+            self.volume.apply_edit(self.mask.voxels(), voxels, operation, is_mirrored);
         self.history.note_edit(&before, &change.columns);
         self.islands.note_added(&change.added);
         if report.changed_volume() {

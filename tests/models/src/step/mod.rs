@@ -14,6 +14,7 @@ pub mod hands;
 pub mod history;
 pub mod islands;
 pub mod ledger;
+mod paste;
 pub mod plan;
 mod resize;
 pub mod save;

@@ -4,7 +4,7 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use paros_core::edit::{EditOperation, EditReport, SUBUNITS_PER_VOXEL};
+use paros_core::edit::{ANY_DEPTH, EditOperation, EditReport, SUBUNITS_PER_VOXEL};
 use paros_core::internals::ColumnAddress;
 use paros_core::limits::SHELL_DEPTH;
 use paros_core::volume::{Axis, Column, Range, VoxelBox};
@@ -164,11 +164,13 @@ impl<const K: usize> StepVolume<K> {
         let occupied = |at: Voxel| self.voxels.contains(at);
         match operation {
             EditOperation::Carve { .. } if !occupied(voxel) => Verdict::Stays,
+            EditOperation::Carve { depth: ANY_DEPTH } => Verdict::Flips,
             EditOperation::Carve { depth } => {
                 // Outside the grid counts as empty.
                 Verdict::of_depth(is_any_within_steps(voxel, depth, |at| !occupied(at)))
             }
             EditOperation::Fill { .. } if occupied(voxel) => Verdict::Stays,
+            EditOperation::Fill { depth: ANY_DEPTH } => Verdict::Flips,
             EditOperation::Fill { depth } => {
                 Verdict::of_depth(is_any_within_steps(voxel, depth, |at| at[1] < 0 || occupied(at)))
             }

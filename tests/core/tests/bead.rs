@@ -1,0 +1,173 @@
+//! Paste as a bead: a steady stroke of the fill gun lays one even line, as quickly as hands are.
+
+use std::sync::{Mutex, PoisonError};
+
+use glam::{Quat, Vec3};
+use paros_core::edit::Pose;
+use paros_core::session::{BenchItem, Tool, commands};
+use paros_core::volume::{Grid, Size};
+use paros_core::{HandInput, TickInput, WorldEvent};
+use paros_models::dense::DenseVolume;
+use paros_models::scripted_hand::{RIGHT, input_with_hand, take_item, volume_of};
+use paros_models::world_harness::WorldHarness;
+
+static SMALL: Mutex<WorldHarness<128, 2>> = Mutex::new(WorldHarness::new());
+static LARGE: Mutex<WorldHarness<256, 2>> = Mutex::new(WorldHarness::new());
+
+/// Side of the stone's box, the top of the stone in it, and the nozzle's radius, in millimetres.
+const BOX_MM: f32 = 450.0;
+const TOP_MM: f32 = 225.0;
+const NOZZLE_MM: f32 = 12.0;
+
+/// The thickness of the slices that are compared: four layers of voxels at 128.
+const SLICE_MM: f32 = BOX_MM / 32.0;
+
+/// Of a hand, in m/s.
+const SPEEDS: [f32; 4] = [0.1, 0.3, 0.6, 1.0];
+
+/// A straight way of the nozzle's middle, in millimetres.
+#[derive(Clone, Copy, Debug)]
+struct Way {
+    from: Vec3,
+    to: Vec3,
+}
+
+/// Over flat stone, half sunk in it and upon it, straight and askew; and off its edge into the air, where only the
+/// bead itself holds what comes next. The stone ends at x = 300.
+fn ways() -> [Way; 5] {
+    let at = Vec3::new;
+    let along_z = |x, above, z| at(x, TOP_MM + above, z);
+    [
+        Way { from: along_z(181.3, 0.7, 60.0), to: along_z(181.3, 0.7, 390.0) },
+        Way { from: along_z(181.3, 10.3, 60.0), to: along_z(181.3, 10.3, 390.0) },
+        Way { from: at(60.0, 229.0, 81.0), to: at(270.0, 231.0, 333.0) },
+        Way { from: at(240.0, 235.5, 200.2), to: at(430.0, 235.5, 200.2) },
+        Way { from: at(240.0, 228.0, 100.0), to: at(420.0, 321.0, 280.0) },
+    ]
+}
+
+/// A fill gun in the right hand.
+struct Gun<'a, const N: usize>
+where
+    Grid<N>: Size,
+{
+    harness: &'a mut WorldHarness<N, 2>,
+    /// Voxels of paste that were laid, whether they stay or fall.
+    added: u32,
+}
+
+impl<const N: usize> Gun<'_, N>
+where
+    Grid<N>: Size,
+{
+    fn step_at(&mut self, place_mm: Vec3, trigger: u8) {
+        let position = place_mm * (N as f32 / BOX_MM);
+        let pose = Pose { position, rotation: Quat::IDENTITY };
+        let hand = HandInput { trigger, ..self.harness.world.hand_with_bit_at(RIGHT, &pose) };
+        self.harness.step(&input_with_hand(RIGHT, hand));
+        for event in self.harness.world.events() {
+            if let WorldEvent::Edited { report, .. } = event {
+                self.added += report.added;
+            }
+        }
+    }
+
+    /// Lays a bead.
+    fn lay(&mut self, way: &Way, speed: f32) -> DenseVolume {
+        self.lay_after(way, speed, 0)
+    }
+
+    /// The same in a mirror.
+    fn lay_mirrored(&mut self, way: &Way, speed: f32) -> DenseVolume {
+        self.lay_after(way, speed, commands::SYMMETRY)
+    }
+
+    /// Lays a bead after some commands, releases the trigger where the way ends, and waits for what is left of it. Returns what was laid.
+    fn lay_after(&mut self, way: &Way, speed: f32, commands: u8) -> DenseVolume {
+        let voxel = BOX_MM / N as f32;
+        let is_stone = |at: f32, end: f32| (at + 0.5) * voxel < end;
+        self.harness
+            .start_from_voxels(|[x, y, _]| is_stone(x as f32, 300.0) && is_stone(y as f32, TOP_MM));
+        take_item(self.harness, RIGHT, BenchItem::Tool(Tool::FillGun));
+        self.harness.step(&TickInput { commands, ..TickInput::default() });
+        let before = volume_of(self.harness);
+        (0..3).for_each(|_| self.step_at(way.from + Vec3::Y * 60.0, 0));
+        (0..3).for_each(|_| self.step_at(way.from, 0));
+        let ticks = (way.from.distance(way.to) / speed * 72e-3).round();
+        for tick in 0..=ticks as u32 {
+            self.step_at(way.from.lerp(way.to, tick as f32 / ticks), 255);
+        }
+        (0..8).for_each(|_| self.step_at(way.to, 0));
+        // Islands have fallen.
+        (0..40).for_each(|_| self.harness.step(&TickInput::default()));
+        volume_of(self.harness).difference(&before)
+    }
+}
+
+/// Cubic millimetres a millimetre of the way, in slices across it, without its ends.
+fn cross_sections(laid: &DenseVolume, way: &Way) -> Vec<f32> {
+    let voxel = BOX_MM / laid.side() as f32;
+    let (length, ahead) = (way.from.distance(way.to), (way.to - way.from).normalize());
+    let first = NOZZLE_MM + 3.6;
+    let mut slices = vec![0.0; ((length - 2.0 * first) / SLICE_MM) as usize];
+    for place in laid.occupied() {
+        let middle = (Vec3::from_array(place.map(|i| i as f32)) + 0.5) * voxel;
+        let along = (middle - way.from).dot(ahead) - first;
+        if let Some(slice) = slices.get_mut((along / SLICE_MM).floor() as usize)
+            && along >= 0.0
+        {
+            *slice += voxel.powi(3) / SLICE_MM;
+        }
+    }
+    slices
+}
+
+/// Of each way, the cross-sections of all speeds together are even.
+fn check_beads<const N: usize>(harness: &Mutex<WorldHarness<N, 2>>)
+where
+    Grid<N>: Size,
+{
+    let mut harness = harness.lock().unwrap_or_else(PoisonError::into_inner);
+    for way in ways() {
+        let laid = SPEEDS.map(|speed| Gun { harness: &mut harness, added: 0 }.lay(&way, speed));
+        let sections = laid.each_ref().map(|laid| cross_sections(laid, &way)).concat();
+        let mean = sections.iter().sum::<f32>() / sections.len() as f32;
+        let [least, most] = [f32::min, f32::max].map(|of| sections.iter().copied().fold(mean, of));
+        println!("{N} {way:?}: {mean:.0} mm2, {:.3} to {:.3} of it", least / mean, most / mean);
+        assert!(mean > 100.0 && least > 0.85 * mean && most < 1.15 * mean, "{N} {way:?}");
+        for laid in &laid {
+            let first = laid.occupied().next().expect("a bead");
+            assert_eq!(laid.connected_to(vec![first]), *laid, "{N} {way:?} in parts");
+        }
+    }
+}
+
+#[test]
+fn a_bead_is_even_at_every_speed_at_128() {
+    check_beads(&SMALL);
+}
+
+#[test]
+fn a_bead_is_even_at_every_speed_at_256() {
+    check_beads(&LARGE);
+}
+
+/// A nozzle that runs in the air, a finger above the stone, lays nothing; and none beside a mirror image that does.
+#[test]
+fn paste_holds_to_what_it_touches() {
+    let mut harness = SMALL.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut gun = Gun { harness: &mut harness, added: 0 };
+    let at = |x: f32, y: f32| Way { from: Vec3::new(x, y, 100.0), to: Vec3::new(x, y, 300.0) };
+    gun.lay(&at(150.0, TOP_MM + NOZZLE_MM + 10.0), 0.3);
+    // A hand whose own side is in the air lays nothing, though its mirror image is on the stone.
+    gun.lay_mirrored(&at(BOX_MM - 100.0, TOP_MM + 5.0), 0.3);
+    assert_eq!(gun.added, 0, "in the air");
+    // The mirror image of x = 100 is beside the stone, that of x = 200 is on it.
+    for (x, is_image_held) in [(100.0, false), (200.0, true)] {
+        gun.added = 0;
+        let laid = gun.lay_mirrored(&at(x, TOP_MM + 5.0), 0.3);
+        let own = laid.occupied().filter(|at| at[0] < 64).count() as u32;
+        assert!(own > 1000, "{own} voxels at {x}");
+        assert_eq!(gun.added, if is_image_held { 2 * own } else { own }, "at {x}");
+    }
+}
