@@ -60,6 +60,23 @@ pub const fn light_smoothing_radius(grid_side: usize) -> usize {
     if radius == 0 { 1 } else { radius }
 }
 
+/// Voxels that flattening looks at on each side of one, at most.
+pub const MAX_FLATTENING_REACH: usize = 14;
+
+/// How far a float looks to either side for the walls of a pit: 24.6 mm, which is 14 voxels at 256 and 7 at 128. That
+/// is half its length: it fills what it bridges.
+#[must_use]
+pub const fn flattening_reach(grid_side: usize) -> usize {
+    let reach = grid_side * MAX_FLATTENING_REACH / 256;
+    if reach == 0 {
+        1
+    } else if reach < MAX_FLATTENING_REACH {
+        reach
+    } else {
+        MAX_FLATTENING_REACH
+    }
+}
+
 /// How far inside a file's brush the dither of its smoothing begins, in voxels.
 pub const DITHER_RIM_VOXELS: i32 = 1;
 
@@ -112,9 +129,9 @@ pub const fn max_save_bytes(grid_side: usize, intervals: usize) -> usize {
 }
 
 /// Bytes of the world's small state, which is all but volume, mask, undo and islands: tick and session
-/// (15), the head (28), two hands of 455, thirteen bench items of 31, eleven sizes of bits, and the mask's
+/// (15), the head (28), two hands of 469, sixteen bench items of 31, twelve sizes of bits, and the mask's
 /// digest (8).
-pub const STATE_BYTES: usize = 1375;
+pub const STATE_BYTES: usize = 1497;
 
 /// Crossings of a column's ray with a mesh with which a bake gives the column gaps: 16 solids one behind the
 /// other, and a cache line a column. Between more, gaps are 4 voxels long in the mean at 128, and a column

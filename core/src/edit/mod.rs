@@ -7,12 +7,14 @@
 pub(crate) mod brush;
 pub(crate) mod contact;
 pub(crate) mod grid_bit;
+pub(crate) mod half_space;
 pub(crate) mod islands;
 pub(crate) mod operation;
 pub(crate) mod pose;
 pub(crate) mod undo;
 
 pub use contact::Contact;
+pub use half_space::HalfSpace;
 pub use islands::IslandReport;
 pub use operation::{ANY_DEPTH, BrushTooLarge, Dither, EditOperation, EditReport, EditScratch};
 pub use pose::{Pose, SUBUNITS_PER_VOXEL};

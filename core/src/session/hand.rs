@@ -7,10 +7,11 @@ use crate::codec::vectors::{
     QUAT_BYTES, VEC3_BYTES, read_finite_quat, read_vec3, write_quat, write_vec3,
 };
 use crate::edit::contact::Contact;
+use crate::edit::half_space::HalfSpace;
 use crate::edit::pose::Pose;
 use crate::limits::{FULL_TRIGGER, MAX_TRAIL_POSES, finishing_edits, max_trail_ticks};
 use crate::session::input::{HandInput, RawPose, buttons};
-use crate::session::tools::{BitAction, ToolBitSpec};
+use crate::session::tools::ToolBitSpec;
 use crate::session::trail::HandTrail;
 
 /// A position in metres and a rotation, in the room.
@@ -49,6 +50,8 @@ pub struct HandState {
     pub resize_push: i8,
     /// The way of the hand that its running bit has yet to follow, in the grid.
     pub trail: HandTrail,
+    /// What is above the plane of a float as it stood at the last pull, in the grid.
+    pub above_float: HalfSpace,
 }
 
 /// What a hand newly pressed in a tick: the rising edges of its controls.
@@ -87,6 +90,7 @@ impl HandState {
             haptic: 0,
             resize_push: 0,
             trail: HandTrail::EMPTY,
+            above_float: HalfSpace::NOTHING,
         }
     }
 
@@ -147,7 +151,7 @@ impl HandState {
         if is_new_pull || !self.can_sweep {
             self.drop_trail();
         }
-        match self.trigger && bit.action != BitAction::Smooth {
+        match self.trigger && !bit.action.is_rubbing() {
             true => self.trail.push_and_drop_beyond(raw, max_trail_ticks(bit.bite_period)),
             false => 0,
         }
@@ -198,9 +202,15 @@ impl HandState {
         self.grip.1.length_squared() > 0.0
     }
 
-    /// Length of a written hand: four poses, flags, buttons, phase, haptics, the stick's push and trail.
-    pub(crate) const BYTES: usize =
-        4 * (VEC3_BYTES + QUAT_BYTES) + 1 + 1 + 2 + 1 + 1 + HandTrail::BYTES;
+    /// Length of a written hand: four poses, flags, buttons, phase, haptics, the stick's push, trail and plane.
+    pub(crate) const BYTES: usize = 4 * (VEC3_BYTES + QUAT_BYTES)
+        + 1
+        + 1
+        + 2
+        + 1
+        + 1
+        + HandTrail::BYTES
+        + HalfSpace::BYTES;
 
     pub(crate) fn write(&self, to: &mut ByteWriter<'_>) {
         for (position, rotation) in [
@@ -226,6 +236,7 @@ impl HandState {
         to.u8(self.haptic);
         to.u8(self.resize_push as u8);
         self.trail.write(to);
+        self.above_float.write(to);
     }
 
     pub(crate) fn read(from: &mut ByteReader<'_>) -> Result<Self, BadBytes> {
@@ -263,6 +274,7 @@ impl HandState {
             haptic,
             resize_push,
             trail: HandTrail::read(from)?,
+            above_float: HalfSpace::read(from)?,
         })
     }
 }

@@ -7,6 +7,7 @@
 pub(crate) mod bared;
 pub(crate) mod bit_size;
 pub(crate) mod events;
+pub(crate) mod float;
 pub(crate) mod hand;
 pub(crate) mod input;
 pub(crate) mod journals;

@@ -2,6 +2,7 @@
 
 use crate::edit::contact::{Contact, FreezeResult, Obstacle, WayBudget};
 use crate::edit::grid_bit::GridBit;
+use crate::edit::half_space::HalfSpace;
 use crate::edit::operation::{
     ANY_DEPTH, Dither, Edit, EditOperation, EditReport, apply_edit, brush_mirror_touches_volume,
     brush_touches_volume,
@@ -9,10 +10,11 @@ use crate::edit::operation::{
 use crate::edit::pose::{Pose, SUBUNITS_PER_VOXEL};
 use crate::limits::{
     DITHER_RIM_VOXELS, LIGHT_SMOOTHING_PERIOD, MAX_BITES_PER_TICK, SMOOTHING_PERIOD,
-    light_smoothing_radius, smoothing_radius,
+    flattening_reach, light_smoothing_radius, smoothing_radius,
 };
 use crate::session::bared::BaringJournal;
 use crate::session::events::WorldEvent;
+use crate::session::float::{half_space_above_float, half_space_in_lower_half};
 use crate::session::hand::{HandPresses, HandState, haptic_amplitude};
 use crate::session::journals::StrokeJournal;
 use crate::session::ledger::{BitWork, work_of_contact};
@@ -35,6 +37,8 @@ struct RunningBit<'a> {
     is_light: bool,
     /// Of this tick.
     dither: Option<DitherSeed>,
+    /// What a float takes off.
+    above_float: HalfSpace,
 }
 
 /// A seed of smoothing's dither, while a file runs and isn't finishing.
@@ -125,6 +129,11 @@ where
         state.raw_pose = raw;
 
         let dropped_ticks = state.note_way(raw, presses.pulled, bit.spec());
+        let laying_work = match presses.pulled && bit.spec().action == BitAction::Flatten {
+            true => self.lay_float(&grid_bit, &mut state),
+            false => 0,
+        };
+        let share = share.saturating_sub(laying_work);
         let is_running = state.is_running();
         let seed = DitherSeed(self.state.tick.wrapping_mul(2).wrapping_add(hand as u64));
         let running = RunningBit {
@@ -135,23 +144,21 @@ where
             is_new_pull: presses.pulled,
             is_light: state.is_light,
             dither: state.trigger.then_some(seed),
+            above_float: state.above_float,
         };
-        let (spent, report) = match bit.spec().action {
-            BitAction::Smooth => {
-                let has_turn = self.has_files_turn(hand, state.is_light);
-                self.follow_with_file(&running, &mut state, has_turn, share)
-            }
-            BitAction::Carve | BitAction::Fill => self.follow_hand(&running, &mut state, share),
+        let is_rubbing = bit.spec().action.is_rubbing();
+        let (spent, report) = if is_rubbing {
+            let has_turn = self.has_files_turn(hand, state.is_light);
+            self.follow_with_file(&running, &mut state, has_turn, share)
+        } else {
+            self.follow_hand(&running, &mut state, share)
         };
         let contact = self.obstacle().contact_at(&grid_bit, &state.frozen_pose);
         // A bit that keeps up with its hand has cut its way free when the tick ends, and touches nothing any more.
         let felt = Contact { overlap: contact.overlap + report.removed + report.added, ..contact };
         state.haptic =
             haptic_amplitude(bit.spec(), &felt, is_running, state.trigger_ticks, speed_um);
-        let spent = match bit.spec().action {
-            BitAction::Smooth => spent,
-            BitAction::Carve | BitAction::Fill => spent + work_of_contact(&grid_bit, &contact),
-        };
+        let spent = if is_rubbing { spent } else { spent + work_of_contact(&grid_bit, &contact) };
         let left = share.saturating_sub(spent);
         let (spall_work, spalled) = self.spall_off_figure(&running, &state, &contact, left);
         self.state.hands[hand] = state;
@@ -161,7 +168,7 @@ where
         if report != EditReport::default() {
             self.push_event(WorldEvent::Edited { hand: hand as u8, bit, report });
         }
-        spent + spall_work
+        laying_work + spent + spall_work
     }
 
     /// Takes the bit along its trail, from one bite to the next, within its `share` of the tick's work: walk,
@@ -215,6 +222,13 @@ where
             is_stuck = end == WayEnd::Stuck && !slides;
         }
         (share - left, total)
+    }
+
+    /// Notes what a float that is laid on the stone takes off. Returns the work of looking which face it lies on.
+    fn lay_float(&self, bit: &GridBit, state: &mut HandState) -> u32 {
+        let contact = self.obstacle().contact_at(bit, &state.raw_pose);
+        state.above_float = half_space_above_float(bit, &state.raw_pose, &contact);
+        work_of_contact(bit, &contact)
     }
 
     /// Takes off the stone around a bit that touches the hidden figure, so that it shows: stone spalls where it is
@@ -309,7 +323,7 @@ where
         let goes_through_stone = match running.bit.spec().action {
             BitAction::Carve => false,
             BitAction::Fill => state.is_running(),
-            BitAction::Smooth => state.trigger,
+            BitAction::Smooth | BitAction::Flatten => state.trigger,
         };
         let mut can_sweep = state.can_sweep;
         let obstacle = self.obstacle();
@@ -343,6 +357,14 @@ where
                 let radius_of =
                     if running.is_light { light_smoothing_radius } else { smoothing_radius };
                 EditOperation::Smooth { radius: radius_of(N), dither: running.dither_at(to) }
+            }
+            BitAction::Flatten => {
+                let above = running.above_float;
+                let above = match self.state.symmetry {
+                    true => half_space_in_lower_half(above, to, N),
+                    false => above,
+                };
+                EditOperation::Flatten { above, reach: flattening_reach(N) }
             }
         };
         let (swept, rows) = (brush.swept_brush(from, to), self.volume.rows());

@@ -49,8 +49,10 @@ pub enum ToolBit {
     DiscSaw = 8,
     /// The fill gun's fixed nozzle.
     Nozzle = 9,
-    /// The rasp's fixed file.
+    /// Rasp: a file that smooths.
     File = 10,
+    /// Rasp: a flat blade that works a plane.
+    Float = 11,
 }
 
 /// The edit that a bit makes.
@@ -62,6 +64,16 @@ pub enum BitAction {
     Fill,
     /// Removes bumps and fills pits.
     Smooth,
+    /// Removes what is above a plane and fills pits below it.
+    Flatten,
+}
+
+impl BitAction {
+    /// Whether the bit is rubbed over the stone, and goes through it.
+    #[must_use]
+    pub const fn is_rubbing(self) -> bool {
+        matches!(self, BitAction::Smooth | BitAction::Flatten)
+    }
 }
 
 /// The shape of a bit about its centre, in its own frame.
@@ -193,7 +205,7 @@ impl Tool {
 
 impl ToolBit {
     /// All bits, by number.
-    pub const ALL: [ToolBit; 11] = [
+    pub const ALL: [ToolBit; 12] = [
         ToolBit::SmallBall,
         ToolBit::MediumBall,
         ToolBit::LargeBall,
@@ -205,6 +217,7 @@ impl ToolBit {
         ToolBit::DiscSaw,
         ToolBit::Nozzle,
         ToolBit::File,
+        ToolBit::Float,
     ];
 
     /// The bit of a number.
@@ -266,7 +279,7 @@ const fn box_spec(
     }
 }
 
-static BITS: [ToolBitSpec; 11] = [
+static BITS: [ToolBitSpec; 12] = [
     ball_spec("small ball burr", 9_000, 2_500, &[180, 120]),
     ToolBitSpec {
         sizes: SizeRange::of(-4, 3),
@@ -315,5 +328,11 @@ static BITS: [ToolBitSpec; 11] = [
         sizes: SizeRange::of(-3, 0),
         haptic_train: &[90, 30, 90, 60],
         ..box_spec("rasp file", Tool::Rasp, [10_000, 7_000, 24_000], 1_200)
+    },
+    ToolBitSpec {
+        action: BitAction::Flatten,
+        reach_um: [2_000, 8_000, 2_000],
+        haptic_train: &[110, 50],
+        ..box_spec("float", Tool::Rasp, [16_000, 7_000, 26_000], 1_200)
     },
 ];

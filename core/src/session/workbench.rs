@@ -10,7 +10,7 @@ use crate::session::input::TICK_RATE;
 use crate::session::tools::{Tool, ToolBit};
 
 /// Number of items: the tools, then the exchangeable bits.
-pub const BENCH_ITEMS: usize = 13;
+pub const BENCH_ITEMS: usize = 16;
 
 /// Greatest distance at which a hand can take an item, in metres.
 pub(crate) const GRAB_DISTANCE: f32 = 0.12;
@@ -81,6 +81,8 @@ impl BenchItem {
             BenchItem::Tool(tool) => Vec3::new(0.45, BENCH_TOP, -0.65 + 0.18 * (tool as u8) as f32),
             BenchItem::Bit(ToolBit::RoughingBall) => Vec3::new(0.84, BENCH_TOP, -0.35),
             BenchItem::Bit(ToolBit::DiscSaw) => Vec3::new(0.84, BENCH_TOP, -0.15),
+            BenchItem::Bit(ToolBit::File) => Vec3::new(0.84, BENCH_TOP, -0.02),
+            BenchItem::Bit(ToolBit::Float) => Vec3::new(0.84, BENCH_TOP, 0.08),
             BenchItem::Bit(bit) => Vec3::new(0.7, BENCH_TOP, -0.65 + 0.1 * (bit as u8) as f32),
         }
     }
@@ -106,10 +108,10 @@ impl Workbench {
         }
     }
 
-    /// The place of an item. The fixed bits of the fill gun and the rasp are always mounted.
+    /// The place of an item.
     #[must_use]
     pub fn place_of(&self, item: BenchItem) -> ToolPlace {
-        self.items.get(item.number()).map_or(ToolPlace::Mounted, |thing| thing.place)
+        self.items[item.number()].place
     }
 
     /// The bit on a tool.
@@ -140,7 +142,7 @@ impl Workbench {
     /// An item's pose in the room, in metres; `None` for one in a hand or on a tool.
     #[must_use]
     pub fn pose_of(&self, item: BenchItem) -> Option<RoomPose> {
-        let thing = self.items.get(item.number())?;
+        let thing = &self.items[item.number()];
         match thing.place {
             ToolPlace::Home => Some((item.home_position(), Quat::IDENTITY)),
             ToolPlace::Falling(_) | ToolPlace::Lying(_) => Some((thing.position, thing.rotation)),

@@ -55,7 +55,7 @@ where
         let line = match bit.spec().action {
             BitAction::Carve => "groove",
             BitAction::Fill => "bead",
-            BitAction::Smooth => continue,
+            BitAction::Smooth | BitAction::Flatten => continue,
         };
         for size in sizes_measured(bit) {
             rows.extend(sculptor.measure_lines(bit, size, line));

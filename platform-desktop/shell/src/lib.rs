@@ -16,6 +16,7 @@ pub mod modes;
 pub mod replay;
 pub mod require;
 pub mod rmap;
+pub mod roughness;
 pub mod sizes;
 pub mod start_volume_store;
 pub mod statics;

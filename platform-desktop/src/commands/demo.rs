@@ -7,13 +7,14 @@ use std::time::{Duration, Instant};
 
 use clap::ValueEnum;
 use paros_core::limits::INTERVALS;
-use paros_core::volume::{Grid, Size};
+use paros_core::volume::{BitGrid, Grid, Size};
 use paros_core::{World, WorldEvent};
 use paros_headless::Error;
 use paros_shaders::{Camera, Image, RenderOptions, contact_sheet, render_image};
 use paros_shell::demo::{self, Chapter, DemoScript};
 use paros_shell::durable::WriteTarget;
 use paros_shell::edit_totals::EditTotals;
+use paros_shell::roughness::{Roughness, measure_roughness};
 use paros_shell::statics::{Resident, ResidentBitGrid};
 use paros_shell::stl_export::{DEFAULT_HEIGHT_MM, FinishedStl, StlExporter};
 use paros_shell::tick_runner::TickRunner;
@@ -95,11 +96,39 @@ struct DemoResult {
     trace: Vec<u8>,
     stl: FinishedStl,
     pictures: Vec<Image>,
-    edits: EditTotals,
-    islands: IslandCounts,
+    tally: SessionTally,
     chapters: Vec<(Chapter, u64, u64)>,
     digest: u64,
     spent: Duration,
+}
+
+/// What was done in all ticks.
+#[derive(Default)]
+struct SessionTally {
+    edits: EditTotals,
+    islands: IslandCounts,
+    rasp: RaspWork,
+}
+
+/// What the rasp did to what it worked.
+#[derive(Default)]
+struct RaspWork {
+    before: Option<Box<BitGrid<N>>>,
+    roughness: Option<Roughness>,
+}
+
+impl RaspWork {
+    /// Notes the stone as a chapter leaves it.
+    fn note_chapter(&mut self, chapter: Chapter, stone: &BitGrid<N>) {
+        match chapter {
+            Chapter::Fine => self.before = Some(Box::new(stone.clone())),
+            Chapter::Smooth => {
+                let before = self.before.take();
+                self.roughness = before.and_then(|before| measure_roughness(&before, stone));
+            }
+            _ => {}
+        }
+    }
 }
 
 /// What islands and undo took, over all ticks.
@@ -146,18 +175,25 @@ impl DemoResult {
                 chapter.completion_announcement()
             );
         }
+        if let Some(Roughness { before_mm, after_mm }) = self.tally.rasp.roughness {
+            let _ = writeln!(
+                lines,
+                "rasped: the height varies by {before_mm:.2} mm before and {after_mm:.2} mm after, \
+                 root mean square within 10 mm"
+            );
+        }
         let _ = writeln!(
             lines,
             "{} edits; voxels, and percent of what they removed or were refused:",
-            self.edits.edits
+            self.tally.edits.edits
         );
-        for line in self.edits.to_string().lines() {
+        for line in self.tally.edits.to_string().lines() {
             let _ = writeln!(lines, "  {line}");
         }
         let _ = writeln!(
             lines,
             "islands: {} voxels fell, at most {} at once; {} stroke undone",
-            self.islands.voxels, self.islands.largest, self.islands.undone
+            self.tally.islands.voxels, self.tally.islands.largest, self.tally.islands.undone
         );
         let _ = writeln!(lines, "{remaining_voxels} voxels remain; digest {:016x}", self.digest);
         let _ = writeln!(
@@ -186,7 +222,7 @@ where
         (StlExporter::new(&mut stl_buffers, DEFAULT_HEIGHT_MM)?, None);
 
     let bar = progress::show_progress("sculpting", Some(script.chapters().len() as u64));
-    let (mut edits, mut islands) = (EditTotals::default(), IslandCounts::default());
+    let SessionTally { mut edits, mut islands, mut rasp } = SessionTally::default();
     let (mut pictures, mut chapters) = (Vec::new(), Vec::new());
     let mut drawing = Duration::ZERO;
     let begun = Instant::now();
@@ -202,6 +238,7 @@ where
         |chapter, world| {
             let drawn = Instant::now();
             chapters.push((chapter, world.tick(), world.volume().count_voxels()));
+            rasp.note_chapter(chapter, world.volume().rows());
             let options = RenderOptions { width: 480, height: 480, ..RenderOptions::default() };
             let camera = Camera::orbiting(0.45, 0.3);
             pictures.push(render_image(world.volume().maps(), &camera, &options, &|_| {}));
@@ -215,5 +252,6 @@ where
     let stl = stl_exporter.run_export_to_end().or(stl);
     let stl = stl.ok_or_else(|| Error::Failure("the demo was not finished".into()))?;
     let digest = runner.world().digest();
-    Ok(DemoResult { script, trace, stl, pictures, edits, islands, chapters, digest, spent })
+    let tally = SessionTally { edits, islands, rasp };
+    Ok(DemoResult { script, trace, stl, pictures, tally, chapters, digest, spent })
 }

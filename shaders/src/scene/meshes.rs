@@ -87,6 +87,7 @@ impl MeshId {
             ToolBit::DiscSaw => MeshId::DiscSaw,
             ToolBit::Nozzle => MeshId::Nozzle,
             ToolBit::File => MeshId::File,
+            ToolBit::Float => MeshId::Float,
         }
     }
 

@@ -105,7 +105,7 @@ impl GoldenTally {
                     self.actions[match bit.spec().action {
                         BitAction::Carve => 0,
                         BitAction::Fill => 1,
-                        BitAction::Smooth => 2,
+                        BitAction::Smooth | BitAction::Flatten => 2,
                     }] += 1;
                     self.mirrored += u32::from(symmetry);
                 }

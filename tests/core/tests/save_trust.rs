@@ -263,10 +263,11 @@ fn a_state_that_no_world_has_is_refused() {
     harness.start_session(SessionMode::FreeForm);
     let bytes = save_to_vec(&harness.world);
     const HAND: usize = BODY + 15 + 28;
-    const ITEM: usize = HAND + 2 * 455;
+    const ITEM: usize = HAND + 2 * 469;
     const SIZES: usize = ITEM + 31 * BENCH_ITEMS;
     let possible = "a bench with one tool a hand and one bit a tool";
     let (hand, reach) = ("flags of a hand", "a pose within reach, with a unit rotation or none");
+    let plane = "a plane within reach";
     let held = |item: usize| (ITEM + 31 * item, vec![1, 0, 0]);
     let mounted = |item: usize| (ITEM + 31 * item, vec![2, 0, 0]);
     let far = |at: usize| (at, 1e9f32.to_le_bytes().to_vec());
@@ -280,6 +281,8 @@ fn a_state_that_no_world_has_is_refused() {
         (vec![(HAND + 112, vec![16])], hand),
         (vec![(BODY + 12, vec![41])], "a string's millimetres, 40 at most"),
         (vec![(HAND + 117, vec![19])], "ticks of a stick's push, 18 at most"),
+        (vec![(HAND + 455, 16_385i16.to_le_bytes().to_vec())], plane),
+        (vec![(HAND + 461, i64::MAX.to_le_bytes().to_vec())], plane),
         (vec![(SIZES + ToolBit::DiscSaw as usize, vec![1])], "a size that the bit comes in"),
         (vec![far(BODY + 15)], reach),
         (vec![far(ITEM + 3)], reach),

@@ -98,13 +98,16 @@ proptest! {
         turn in [-1.0f32..1.0, -1.0f32..1.0, -1.0f32..1.0, -1.0f32..1.0],
     ) {
         for (n, voxel) in grid_sizes() {
-            let brush = ToolBit::File.spec().to_grid_brush(voxel);
             let rotation = Quat::from_array(turn).normalize();
             let rotation = if rotation.is_finite() { rotation } else { Quat::IDENTITY };
             let pose = Pose { position: Vec3::splat(n as f32 / 2.0), rotation };
-            let bounds = brush.swept_brush(&pose, &pose).bounds(n).expect("in the grid");
-            let side = |i: usize| bounds.hi[i] - bounds.lo[i] + 1;
-            prop_assert!(side(1) * side(2) <= SMOOTH_LINES * n, "{} x {} at {n}", side(1), side(2));
+            for bit in [ToolBit::File, ToolBit::Float] {
+                let brush = bit.spec().to_grid_brush(voxel);
+                let bounds = brush.swept_brush(&pose, &pose).bounds(n).expect("in the grid");
+                let side = |i: usize| bounds.hi[i] - bounds.lo[i] + 1;
+                let (ys, zs) = (side(1), side(2));
+                prop_assert!(ys * zs <= SMOOTH_LINES * n, "{:?}: {} x {} at {}", bit, ys, zs, n);
+            }
         }
     }
 }
@@ -116,7 +119,7 @@ fn names_numbers_and_tools_agree() {
         assert_eq!(bit as usize, number);
         let data = bit.spec();
         assert_eq!(data.action == BitAction::Fill, data.tool == Tool::FillGun);
-        assert_eq!(data.action == BitAction::Smooth, data.tool == Tool::Rasp);
+        assert_eq!(data.action.is_rubbing(), data.tool == Tool::Rasp);
         assert_eq!(data.bite_period > 1, data.tool == Tool::Impact, "impact tools bite in pulses");
         assert_eq!(
             data.haptic_train.len() % usize::from(data.bite_period),
@@ -129,12 +132,12 @@ fn names_numbers_and_tools_agree() {
             "strongest as it bites"
         );
     }
-    assert_eq!(ToolBit::from_number(11), None);
+    assert_eq!(ToolBit::from_number(12), None);
     for tool in Tool::ALL {
         assert_eq!(tool.default_bit().spec().tool, tool);
     }
     let on = |tool| ToolBit::ALL.iter().filter(|bit| bit.spec().tool == tool).count();
-    assert_eq!(Tool::ALL.map(on), [7, 2, 1, 1]);
+    assert_eq!(Tool::ALL.map(on), [7, 2, 1, 2]);
 }
 
 fn contact_on(on_mask: bool) -> Contact {

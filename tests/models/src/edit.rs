@@ -5,6 +5,7 @@ use paros_core::edit::{ANY_DEPTH, EditOperation, EditReport};
 use paros_core::volume::Axis;
 
 use crate::dense::DenseVolume;
+use crate::flattening::Flattening;
 use crate::smoothing::Smoothing;
 
 /// What an edit must lead to.
@@ -82,11 +83,14 @@ pub fn exact_edit(
             let reached = wanted.intersection(&volume.within_steps_of_occupied(depth));
             (none, reached.clone(), wanted.difference(&reached))
         }
-        EditOperation::Smooth { .. } => {
-            let smoothing = Smoothing::of(operation, mirrored).expect("it smooths");
+        EditOperation::Smooth { .. } | EditOperation::Flatten { .. } => {
+            let smoothing = Smoothing::of(operation, mirrored);
+            let flattening = Flattening::of(operation, mirrored);
             let mut after = none;
             for voxel in brush.occupied() {
-                after.set(voxel, smoothing.is_occupied_after(volume, voxel));
+                let smooth = smoothing.is_some_and(|rule| rule.is_occupied_after(volume, voxel));
+                let flat = flattening.is_some_and(|rule| rule.is_occupied_after(volume, voxel));
+                after.set(voxel, smooth || flat);
             }
             let removed = brush.intersection(volume).difference(&after);
             (removed, after.difference(volume), DenseVolume::empty(volume.side()))
@@ -120,7 +124,7 @@ pub fn assert_edit_invariants(
     match operation {
         EditOperation::Carve { .. } => assert!(added.is_empty(), "a carve added"),
         EditOperation::Fill { .. } => assert!(before.is_within(after), "a fill removed"),
-        EditOperation::Smooth { .. } => {}
+        EditOperation::Smooth { .. } | EditOperation::Flatten { .. } => {}
     }
     let held = Axis::ALL.map(|axis| {
         move |brush: &DenseVolume, voxel: [i32; 3]| {

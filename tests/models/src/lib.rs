@@ -13,6 +13,7 @@ pub mod dense;
 pub mod edit;
 pub mod export;
 pub mod field;
+pub mod flattening;
 pub mod hard_work;
 pub mod island_harness;
 pub mod islands;

@@ -25,7 +25,7 @@ impl Smoothing {
             EditOperation::Smooth { radius, dither } => {
                 Some(Smoothing { radius: radius as i32, dither, is_mirrored })
             }
-            EditOperation::Carve { .. } | EditOperation::Fill { .. } => None,
+            _ => None,
         }
     }
 

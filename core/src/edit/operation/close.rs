@@ -84,8 +84,8 @@ where
     }
 
     /// Row (y, z) at the start of the edit, exact for voxels that closure can occupy: after a carve all
-    /// of them were there, after a fill none was. Smoothing removed some only in rows between the
-    /// layer's first flip and last, of which it saved the start.
+    /// of them were there, after a fill none was. Smoothing and flattening removed some only in rows between the
+    /// layer's first flip and last, of which they saved the start.
     fn row_before_edit(&self, (y, z): RowAddress) -> <Grid<N> as Size>::Row {
         let flipped = || {
             (self.bounds.lo[1]..=self.bounds.hi[1]).contains(&y)
@@ -93,7 +93,7 @@ where
         };
         match self.edit.operation {
             EditOperation::Carve { .. } => Grid::<N>::FULL,
-            EditOperation::Smooth { .. } if flipped() => {
+            EditOperation::Smooth { .. } | EditOperation::Flatten { .. } if flipped() => {
                 let start = self.scratch.rows_before.as_flattened()[self.saved_row_index((y, z))];
                 BitSet::from_word_span(self.first_word, start.word_span::<W>(0))
             }

@@ -5,6 +5,7 @@
 //! paper; the closure rule is stated in [`crate`].
 
 mod close;
+mod flatten;
 mod pass;
 mod smooth;
 mod tighten;
@@ -14,7 +15,8 @@ use pass::EditPass;
 pub(crate) use touch::{brush_mirror_touches_volume, brush_touches_volume};
 
 use crate::edit::brush::{Brush, BrushBounds, BrushPiece, BrushPieces};
-use crate::limits::{SHELL_DEPTH, SMOOTH_LINES};
+use crate::edit::half_space::HalfSpace;
+use crate::limits::{MAX_FLATTENING_REACH, SHELL_DEPTH, SMOOTH_LINES};
 use crate::volume::box_sum::{BoxFilter, LINE_PLANES, Planes};
 use crate::volume::editable::Volume;
 use crate::volume::journal::Journal;
@@ -60,6 +62,21 @@ pub enum EditOperation {
         /// Where the threshold is dithered, if anywhere.
         dither: Option<Dither>,
     },
+    /// Removes what is above a plane, and lays a layer on the floor of pits below it.
+    ///
+    /// A voxel that isn't above the plane becomes occupied if the next one beneath is, along the axis that the plane's
+    /// normal is nearest to, and if along one of the other two axes voxels on both sides are, neither more than
+    /// `reach` away. So neither what falls off beyond an edge is built on, nor a gap without a floor closed. Below
+    /// y = 0 counts as occupied, elsewhere outside as empty.
+    ///
+    /// Voxels in the upper half of a mirrored edit's x are decided as their mirror images.
+    Flatten {
+        /// What is above the plane.
+        above: HalfSpace,
+        /// Half as wide as pits may be; at most
+        /// [`MAX_FLATTENING_REACH`](crate::limits::MAX_FLATTENING_REACH).
+        reach: usize,
+    },
 }
 
 /// A dither of the threshold of smoothing. In a cube of side s, a voxel that more than `s^3 / 2 - s^2 / 2 + u`
@@ -84,15 +101,21 @@ impl EditOperation {
             }
             EditOperation::Carve { depth } | EditOperation::Fill { depth } => depth,
             EditOperation::Smooth { radius, .. } => BoxFilter::new(radius).radius(),
+            EditOperation::Flatten { reach, .. } if reach > MAX_FLATTENING_REACH => {
+                MAX_FLATTENING_REACH
+            }
+            EditOperation::Flatten { reach, .. } => reach,
         }
     }
 
-    /// How many layers of flips are held back while others are computed. Smoothing keeps the rows as they were.
+    /// How many layers of flips are held back while others are computed.
     const fn flip_lag(self) -> usize {
-        match self {
-            EditOperation::Smooth { .. } => 0,
-            _ => self.neighbourhood_radius(),
-        }
+        if self.keeps_rows() { 0 } else { self.neighbourhood_radius() }
+    }
+
+    /// Whether the edit remembers the rows of its brush as they were.
+    const fn keeps_rows(self) -> bool {
+        matches!(self, EditOperation::Smooth { .. } | EditOperation::Flatten { .. })
     }
 
     /// Whether no voxel of the brush lies too deep.
@@ -176,7 +199,7 @@ impl EditReport {
     }
 }
 
-/// A smoothing edit touches more rows than [`SMOOTH_LINES`] lines of N; nothing was changed.
+/// An edit that smooths or flattens touches more rows than [`SMOOTH_LINES`] lines of N; nothing was changed.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct BrushTooLarge;
 
@@ -190,7 +213,7 @@ where
     pieces: BrushPieces,
     /// Voxels to flip, of the last layers computed, by y modulo the length.
     pending: [[<Grid<N> as Size>::Row; N]; SHELL_DEPTH + 1],
-    /// The rows of a smoothing edit's brush as they were.
+    /// The rows of the brush as they were, of an edit that smooths or flattens.
     rows_before: [[<Grid<N> as Size>::Row; N]; SMOOTH_LINES],
     /// Columns along y, by z.
     along_y: [LineFlips<<Grid<N> as Size>::Row>; N],
@@ -290,7 +313,7 @@ where
 /// `&no_mask`, as on the first page.
 ///
 /// # Errors
-/// [`BrushTooLarge`] for a smoothing brush of more rows than there is room to remember.
+/// [`BrushTooLarge`] for a brush that smooths or flattens, of more rows than there is room to remember.
 pub fn apply_edit<const N: usize, const K: usize, J: Journal<N, K>>(
     volume: &mut Volume<N, K>,
     mask: &RangeMaps<N, K>,
@@ -305,7 +328,7 @@ where
         return Ok(EditReport::default());
     };
     let rows = (bounds.hi[1] - bounds.lo[1] + 1) * (bounds.hi[2] - bounds.lo[2] + 1);
-    if matches!(edit.operation, EditOperation::Smooth { .. }) && rows > SMOOTH_LINES * N {
+    if edit.operation.keeps_rows() && rows > SMOOTH_LINES * N {
         return Err(BrushTooLarge);
     }
     let WordWindow { first_word, word_count } = find_word_window::<N>(edit, bounds);

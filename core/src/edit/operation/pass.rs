@@ -67,6 +67,7 @@ where
             EditOperation::Carve { .. } => self.carve_layer(y, z_range),
             EditOperation::Fill { .. } => self.fill_layer(y, z_range),
             EditOperation::Smooth { .. } => self.smooth_layer(y, z_range),
+            EditOperation::Flatten { .. } => self.flatten_layer(y, z_range),
         }
         z_range
     }
@@ -185,7 +186,7 @@ where
         flipped
     }
 
-    /// The index of row (y, z) among those that a smoothing edit saves.
+    /// The index of row (y, z) among those that an edit saves which smooths or flattens.
     pub(super) fn saved_row_index(&self, (y, z): RowAddress) -> usize {
         let BrushBounds { lo, hi } = self.bounds;
         (y - lo[1]) * (hi[2] - lo[2] + 1) + z - lo[2]

@@ -199,8 +199,8 @@ where
         planes.iter_mut().zip(counts).for_each(|(plane, count)| plane.set_word_span(0, count));
     }
 
-    /// A row of a layer below the one that is smoothed, as it was when the edit began.
-    fn row_at_start(&self, (y, z): RowAddress) -> BitRow<W> {
+    /// A row of a layer below the one that is edited, as it was when the edit began.
+    pub(super) fn row_at_start(&self, (y, z): RowAddress) -> BitRow<W> {
         let bounds = self.bounds;
         if y >= bounds.lo[1] && (bounds.lo[2]..=bounds.hi[2]).contains(&z) {
             let index = self.saved_row_index((y, z));
@@ -210,7 +210,7 @@ where
     }
 
     /// Keeps the rows of layer `y` within the brush's bounds as they are.
-    fn keep_rows_of_layer(&mut self, y: usize) {
+    pub(super) fn keep_rows_of_layer(&mut self, y: usize) {
         for z in self.bounds.lo[2]..=self.bounds.hi[2] {
             let index = self.saved_row_index((y, z));
             let here: BitRow<W> = self.volume.rows().row(y, z).word_span(self.first_word);

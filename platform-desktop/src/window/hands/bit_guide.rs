@@ -1,7 +1,7 @@
 //! Target pose of the bit: on the surface under the cursor, with a way there through the air.
 
 use glam::{Quat, Vec3};
-use paros_core::internals::{BitAction, BitShape, RoomPose, ToolBitSpec};
+use paros_core::internals::{BitShape, RoomPose, ToolBitSpec};
 use paros_core::limits::INTERVALS;
 use paros_core::volume::{Grid, Size};
 use paros_core::{RangeMaps, World};
@@ -216,8 +216,8 @@ fn bit_orientation(bit: &ToolBitSpec, outward_normal: Vec3, eye_up: Vec3) -> Bit
     let aside = normal.any_orthonormal_vector();
     let upward = along(eye_up).unwrap_or(aside);
     let (forward, y, centre_height_m) = match bit.shape {
-        // A rasp lies flat, on its thin side.
-        BitShape::Box { half_extents_um } if bit.action == BitAction::Smooth => {
+        // A rasp's bits lie flat, on their thin side.
+        BitShape::Box { half_extents_um } if bit.action.is_rubbing() => {
             (upward, normal, metres(half_extents_um[1]))
         }
         BitShape::Box { half_extents_um } => (-normal, upward, metres(half_extents_um[2])),

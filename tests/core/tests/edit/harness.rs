@@ -1,9 +1,11 @@
 //! Volumes, strokes and a journal for the tests of edits.
 
 use glam::{IVec3, Quat};
-use paros_core::edit::{ANY_DEPTH, Dither, EditOperation, EditScratch, Pose, SUBUNITS_PER_VOXEL};
-use paros_core::internals::BrushPiece;
-use paros_core::limits::{MAX_SMOOTHING_RADIUS, SHELL_DEPTH};
+use paros_core::edit::{
+    ANY_DEPTH, Dither, EditOperation, EditScratch, HalfSpace, Pose, SUBUNITS_PER_VOXEL,
+};
+use paros_core::internals::{BrushPiece, FIXED_ONE};
+use paros_core::limits::{MAX_FLATTENING_REACH, MAX_SMOOTHING_RADIUS, SHELL_DEPTH};
 use paros_core::volume::{Axis, BitGrid, BitSet, Column, Grid, Journal, Size};
 use paros_core::{Brush, RangeMaps, Volume};
 use paros_models::dense::DenseVolume;
@@ -134,10 +136,23 @@ pub(super) fn any_strokes(n: i32, longest: usize) -> impl Strategy<Value = Vec<S
         3 => depth().prop_map(|depth| EditOperation::Carve { depth }),
         3 => depth().prop_map(|depth| EditOperation::Fill { depth }),
         2 => any_smoothing(n),
+        2 => any_flattening(n),
     ];
     let stroke = (shape, operation, any::<bool>())
         .prop_map(|(shape, operation, mirrored)| Stroke { shape, operation, mirrored });
     proptest::collection::vec(stroke, 1..=longest)
+}
+
+/// Flattening to a plane through the grid, inclined anyhow or along the axes.
+fn any_flattening(n: i32) -> impl Strategy<Value = EditOperation> {
+    let through = [0..n, 0..n, 0..n].prop_map(|at| IVec3::from_array(at) * SUBUNITS_PER_VOXEL);
+    let part = || prop_oneof![2 => -FIXED_ONE..=FIXED_ONE, 1 => Just(0), 1 => Just(FIXED_ONE), 1 => Just(-FIXED_ONE)];
+    let reach = prop_oneof![4 => 0..5usize, 1 => Just(MAX_FLATTENING_REACH)];
+    (through, [part(), part(), part()], reach).prop_map(|(through, normal, reach)| {
+        let normal = IVec3::from_array(normal);
+        let offset = normal.as_i64vec3().dot(through.as_i64vec3());
+        EditOperation::Flatten { above: HalfSpace { normal, offset }, reach }
+    })
 }
 
 /// Smoothing of any reach, dithered in a ball or not.

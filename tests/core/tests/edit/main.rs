@@ -57,7 +57,7 @@ where
         apply_edit(&mut harness.volume, &harness.mask, &edit, &mut harness.scratch, &mut notes);
     let Ok(report) = done else {
         assert_eq!(done, Err(BrushTooLarge));
-        assert!(matches!(operation, EditOperation::Smooth { .. }));
+        assert!(matches!(operation, EditOperation::Smooth { .. } | EditOperation::Flatten { .. }));
         let bounds = brush.bounds(N).expect("a brush too large for the grid touches it");
         let sides = [1, 2].map(|i| bounds.hi[i] - bounds.lo[i] + 1);
         assert!(sides[0] * sides[1] > SMOOTH_LINES * N);

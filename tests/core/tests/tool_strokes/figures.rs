@@ -91,7 +91,7 @@ where
             let to_change = |grid: &BitGrid<N>| match action {
                 BitAction::Carve => asked & grid.row(y, z),
                 BitAction::Fill => asked & !grid.row(y, z),
-                BitAction::Smooth => asked & odd_ones(grid, (y, z)),
+                BitAction::Smooth | BitAction::Flatten => asked & odd_ones(grid, (y, z)),
             };
             figures.asked += to_change(&self.before).count_ones();
             figures.left += to_change(now).count_ones();

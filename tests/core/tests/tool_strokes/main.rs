@@ -10,7 +10,7 @@
 //!
 //! | bit | at 128 | at 256 | where |
 //! |---|---|---|---|
-//! | rotary bits, nozzle, file | 0 | 0 | |
+//! | rotary bits, nozzle, file, float | 0 | 0 | |
 //! | point chisel | 14 | 14 | at 0.245 m/s: the way of a blow's period |
 //! | flat chisel | 18 | 18 | at 0.216 m/s |
 //!
@@ -95,13 +95,15 @@ fn keeps_rules(stroke: &Stroke, figures: &StrokeFigures) -> bool {
         // What is even already stays so.
         ToolBit::File if stone == Stone::Flat && !is_rough => follows(0.1) && parts == 0,
         // Round stone has steps, which are as odd as what is rough.
+        // It works the plane of its pull, which leaves round stone.
+        ToolBit::Float => follows(0.1),
         ToolBit::File => follows(0.1) && (stone != Stone::Flat || left <= asked / 4),
     };
     // A bit that slid goes on from there straight to its hand's way.
     let can_slide = matches!(bit.spec().shape, BitShape::Box { .. });
     let most_stray = if can_slide { asked / 100 } else { 0 };
     // A file smooths beyond itself.
-    (stray <= most_stray || bit == ToolBit::File) && is_true_to_its_tool
+    (stray <= most_stray || bit.spec().action.is_rubbing()) && is_true_to_its_tool
 }
 
 /// What the golden files hold.

@@ -35,7 +35,7 @@ impl BenchModel {
     /// At the start of a session: each tool carries its own bit.
     pub fn at_start() -> Self {
         let mut bench = Self::before_sessions();
-        for bit in [ToolBit::MediumBall, ToolBit::PointChisel] {
+        for bit in [ToolBit::MediumBall, ToolBit::PointChisel, ToolBit::Nozzle, ToolBit::File] {
             bench.put(BenchItem::Bit(bit), ToolPlace::Mounted);
         }
         bench
@@ -52,9 +52,9 @@ impl BenchModel {
         Some((tool, mounted.unwrap_or(tool.default_bit())))
     }
 
-    /// Where an item is. Nozzle and file, which have no place of their own, are on their tools.
+    /// Where an item is.
     pub fn place_of(&self, item: BenchItem) -> ToolPlace {
-        self.items.get(item.number()).map_or(ToolPlace::Mounted, |item| item.place)
+        self.items[item.number()].place
     }
 
     /// An item's pose in the room, unless it is in a hand or on a tool.

@@ -1,7 +1,7 @@
 //! Model of a file: how it smooths.
 
 use paros_core::edit::{Dither, EditOperation, EditReport, Pose, SUBUNITS_PER_VOXEL};
-use paros_core::internals::{GridBit, GridShape};
+use paros_core::internals::{BitAction, GridBit, GridShape};
 use paros_core::limits::{
     DITHER_RIM_VOXELS, LIGHT_SMOOTHING_PERIOD, SMOOTHING_PERIOD, finishing_edits,
     light_smoothing_radius, smoothing_radius,
@@ -60,7 +60,10 @@ impl<const K: usize> StepModel<K> {
         let seed = self.tick.wrapping_mul(2).wrapping_add(hand as u64);
         let dither = inside.map(|inside| Dither { piece: inside.piece_at(&frozen), seed });
         let radius = if is_light { light_smoothing_radius } else { smoothing_radius }(self.side());
-        let operation = EditOperation::Smooth { radius, dither };
+        let operation = match bit.spec().action {
+            BitAction::Flatten => self.flattening(hand, &frozen),
+            _ => EditOperation::Smooth { radius, dither },
+        };
         let swept = brush.swept_brush(&start, &frozen);
         Ok((work, self.edit(operation, &swept, &brush.piece_at(&frozen).into())))
     }

@@ -1,6 +1,6 @@
 //! Model of a hand: its input, and what it does in a tick with the tool that it holds.
 
-use paros_core::edit::{ANY_DEPTH, Contact, EditOperation, EditReport, Pose};
+use paros_core::edit::{ANY_DEPTH, Contact, EditOperation, EditReport, HalfSpace, Pose};
 use paros_core::internals::{BURIED_WITHIN, BitAction, FreezeResult, GridBit, RoomPose, WayBudget};
 use paros_core::limits::{FULL_TRIGGER, MAX_BITES_PER_TICK, SMOOTH_LINES, max_trail_ticks};
 use paros_core::session::{HandState, HandTrail, RawPose, SessionState, Tool, ToolBit, buttons};
@@ -44,6 +44,7 @@ pub(super) fn untracked_hand() -> HandState {
         haptic: 0,
         resize_push: 0,
         trail: HandTrail::EMPTY,
+        above_float: HalfSpace::NOTHING,
     }
 }
 
@@ -152,10 +153,18 @@ impl<const K: usize> StepModel<K> {
         state.raw_pose = wanted;
         let dropped_ticks = self.note_way(hand, bit, presses.pulled);
         let runs = self.runs_tool(hand);
-        let file = (bit.spec().action == BitAction::Smooth).then(|| self.brush_of(bit));
-        let share = ledger.work_of_next_hand(&grid_bit, file.as_ref());
+        let is_rubbed = matches!(bit.spec().action, BitAction::Smooth | BitAction::Flatten);
+        let file = is_rubbed.then(|| self.brush_of(bit));
+        let mut share = ledger.work_of_next_hand(&grid_bit, file.as_ref());
+        if bit.spec().action == BitAction::Flatten && presses.pulled {
+            let work = self.lay_float(hand, &grid_bit);
+            share.charge_other(work);
+            ledger.charge_work(work);
+        }
         let (after, report) = match bit.spec().action {
-            BitAction::Smooth => self.rub(hand, presses, (bit, &grid_bit), share)?,
+            BitAction::Smooth | BitAction::Flatten => {
+                self.rub(hand, presses, (bit, &grid_bit), share)?
+            }
             _ => self.follow_way(hand, presses, (bit, &grid_bit), share)?,
         };
         ledger.charge(&share, &after);
@@ -184,7 +193,7 @@ impl<const K: usize> StepModel<K> {
         if is_new_pull || !state.can_sweep {
             trail.clear();
         }
-        if !state.trigger || bit.spec().action == BitAction::Smooth {
+        if !state.trigger || matches!(bit.spec().action, BitAction::Smooth | BitAction::Flatten) {
             return 0;
         }
         trail.push_back(state.raw_pose);
@@ -208,7 +217,7 @@ impl<const K: usize> StepModel<K> {
         let operation = match bit.spec().action {
             BitAction::Carve => EditOperation::Carve { depth },
             BitAction::Fill => EditOperation::Fill { depth: ANY_DEPTH },
-            BitAction::Smooth => return Err("a file follows no way".into()),
+            BitAction::Smooth | BitAction::Flatten => return Err("a file follows no way".into()),
         };
         let is_beat = is_blow_at(bit, self.hands[hand].trigger_ticks);
         let (mut total, mut is_stuck) = (EditReport::default(), false);
@@ -308,7 +317,7 @@ impl<const K: usize> StepModel<K> {
     }
 
     /// What holds bits.
-    fn stone(&self) -> ContactModel {
+    pub(super) fn stone(&self) -> ContactModel {
         ContactModel::of_shared(self.volume.voxels(), self.mask.voxels())
     }
 
@@ -320,7 +329,7 @@ impl<const K: usize> StepModel<K> {
         smaller: &Brush,
     ) -> EditReport {
         let fits = |brush: &&Brush| {
-            !matches!(operation, EditOperation::Smooth { .. })
+            !matches!(operation, EditOperation::Smooth { .. } | EditOperation::Flatten { .. })
                 || brush.bounds(self.side()).is_none_or(|bounds| {
                     let rows = [1, 2].map(|axis| bounds.hi[axis] - bounds.lo[axis] + 1);
                     rows[0] * rows[1] <= SMOOTH_LINES * self.side()

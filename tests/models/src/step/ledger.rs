@@ -138,6 +138,11 @@ impl HandWork {
         self.left = self.left.saturating_sub(steps * self.work.step);
     }
 
+    /// Charges what is done before the hand's way.
+    pub fn charge_other(&mut self, work: u32) {
+        self.left = self.left.saturating_sub(work);
+    }
+
     /// Charges the contact of a file.
     pub fn charge_contact_of_file(&mut self, bit: &GridBit) {
         let side = bit_side_voxels(bit.circumscribed_radius_subunits());

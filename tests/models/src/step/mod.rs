@@ -10,6 +10,7 @@ mod bared;
 pub mod bench;
 pub mod comparison;
 mod file;
+mod float;
 pub mod hands;
 pub mod history;
 pub mod islands;

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 use paros_core::codec::{BadBytes, ByteReader};
-use paros_core::edit::Pose;
+use paros_core::edit::{HalfSpace, Pose};
 use paros_core::limits::{MAX_TRAIL_POSES, STATE_BYTES};
 use paros_core::session::{HandState, SessionMode};
 
@@ -122,6 +122,7 @@ impl<const K: usize> StepModel<K> {
         for (hand, trail) in self.hands.iter().zip(&self.trails) {
             write_hand(&mut to, hand);
             write_trail(&mut to, trail);
+            write_plane(&mut to, hand.above_float);
         }
         self.bench.write(&mut to);
         to.extend(self.mask_digest.to_le_bytes());
@@ -208,6 +209,12 @@ fn write_hand(to: &mut Vec<u8>, hand: &HandState) {
     to.extend(hand.trigger_ticks.to_le_bytes());
     to.push(hand.haptic);
     to.push(hand.resize_push as u8);
+}
+
+/// Writes a plane's normal in 16 bits a part, and its offset.
+fn write_plane(to: &mut Vec<u8>, above: HalfSpace) {
+    to.extend(above.normal.to_array().into_iter().flat_map(|part| (part as i16).to_le_bytes()));
+    to.extend(above.offset.to_le_bytes());
 }
 
 /// Writes the number of poses, the poses, and zeros for those that there might be.

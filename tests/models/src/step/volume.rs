@@ -11,6 +11,7 @@ use paros_core::volume::{Axis, Column, Range, VoxelBox};
 use paros_core::{Brush, RangeMaps};
 
 use crate::dense::DenseVolume;
+use crate::flattening::Flattening;
 use crate::layers::closed_intervals;
 use crate::smoothing::Smoothing;
 
@@ -177,6 +178,11 @@ impl<const K: usize> StepVolume<K> {
             EditOperation::Smooth { .. } => {
                 let smoothing = Smoothing::of(operation, is_mirrored).expect("it smooths");
                 let after = smoothing.is_occupied_after(&self.voxels, voxel);
+                if after == occupied(voxel) { Verdict::Stays } else { Verdict::Flips }
+            }
+            EditOperation::Flatten { .. } => {
+                let flattening = Flattening::of(operation, is_mirrored).expect("it flattens");
+                let after = flattening.is_occupied_after(&self.voxels, voxel);
                 if after == occupied(voxel) { Verdict::Stays } else { Verdict::Flips }
             }
         }

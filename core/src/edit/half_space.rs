@@ -1,0 +1,127 @@
+//! A half of space: what is above a plane.
+
+use glam::IVec3;
+
+use crate::codec::bytes::{BadBytes, ByteReader, ByteWriter};
+use crate::edit::brush::voxel_centre_subunits;
+use crate::edit::pose::{FIXED_ONE, Pose, SUBUNITS_PER_VOXEL};
+use crate::volume::row::BitSet;
+use crate::volume::size::{Grid, Size};
+
+/// The points `p`, in subunits, with `normal . p > offset`.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct HalfSpace {
+    /// Its outward normal, of which [`FIXED_ONE`] stands for 1.
+    pub normal: IVec3,
+    /// Where its plane lies along the normal.
+    pub offset: i64,
+}
+
+/// More than any plane through a point that a pose can have.
+const MOST_OFFSET: i64 = 1 << 40;
+
+impl HalfSpace {
+    /// Nothing; all zero bytes.
+    pub const NOTHING: HalfSpace = HalfSpace { normal: IVec3::ZERO, offset: 0 };
+
+    /// What is beyond the plane across an axis of a bit, so far from its centre: `direction` is along one of its
+    /// axes, of unit length.
+    #[must_use]
+    pub(crate) fn beyond_plane_of_bit(
+        pose: &Pose,
+        axis: usize,
+        is_backward: bool,
+        distance_subunits: i32,
+    ) -> Self {
+        let axis = pose.unit_axes_q14()[axis];
+        let normal = if is_backward { -axis } else { axis };
+        let centre = pose.clamped_position_subunits().as_i64vec3().dot(normal.as_i64vec3());
+        let distance = i64::from(distance_subunits) * i64::from(FIXED_ONE);
+        HalfSpace { normal, offset: centre + distance }
+    }
+
+    /// Its mirror image in a grid of so many voxels a side, whose x is exchanged.
+    #[must_use]
+    pub fn mirrored(self, grid_side: usize) -> Self {
+        let IVec3 { x, y, z } = self.normal;
+        let far = i64::from(x) * grid_side as i64 * i64::from(SUBUNITS_PER_VOXEL);
+        HalfSpace { normal: IVec3::new(-x, y, z), offset: self.offset - far }
+    }
+
+    /// The voxels of row (y, z) whose middles are in it.
+    #[must_use]
+    pub(crate) fn row<const N: usize>(&self, y: usize, z: usize) -> <Grid<N> as Size>::Row
+    where
+        Grid<N>: Size,
+    {
+        let [nx, ny, nz] = self.normal.to_array().map(i64::from);
+        let rest = self.offset - ny * voxel_centre_subunits(y) - nz * voxel_centre_subunits(z);
+        // Voxel i is in it where nx * (256 i + 128) > rest.
+        let (half, voxel) = (nx * i64::from(SUBUNITS_PER_VOXEL) / 2, nx.abs() * 256);
+        let last = N as i64 - 1;
+        let (first, last) = match nx.signum() {
+            0 if rest < 0 => (0, last),
+            0 => return <Grid<N> as Size>::Row::EMPTY,
+            1 => ((rest - half).div_euclid(voxel) + 1, last),
+            _ => (0, -(rest - half).div_euclid(voxel) - 1),
+        };
+        match first <= last && first < N as i64 && last >= 0 {
+            true => BitSet::span(first.max(0) as usize, last.min(N as i64 - 1) as usize),
+            false => <Grid<N> as Size>::Row::EMPTY,
+        }
+    }
+
+    /// The axis that its normal is nearest to, and whether it points along it, not against it. Of equals the first.
+    #[must_use]
+    pub(crate) fn dominant_axis(&self) -> (usize, bool) {
+        let parts = self.normal.to_array();
+        let axis =
+            (1..3).fold(0, |most, i| if parts[i].abs() > parts[most].abs() { i } else { most });
+        (axis, parts[axis] > 0)
+    }
+
+    /// Length of a written one.
+    pub(crate) const BYTES: usize = 3 * 2 + 8;
+
+    pub(crate) fn write(&self, to: &mut ByteWriter<'_>) {
+        self.normal.to_array().into_iter().for_each(|part| to.u16(part as i16 as u16));
+        to.u64(self.offset as u64);
+    }
+
+    pub(crate) fn read(from: &mut ByteReader<'_>) -> Result<Self, BadBytes> {
+        let bad = from.error_here("a plane within reach");
+        let mut part = || Ok(i32::from(from.u16()? as i16));
+        let normal = IVec3::new(part()?, part()?, part()?);
+        let offset = from.u64()? as i64;
+        let is_unit = normal.abs().max_element() <= FIXED_ONE;
+        let is_near = (-MOST_OFFSET..=MOST_OFFSET).contains(&offset);
+        if is_unit && is_near { Ok(HalfSpace { normal, offset }) } else { Err(bad) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::codec::digest::mix_bits;
+
+    /// A row is that of its definition, and so is that of its mirror image.
+    #[test]
+    fn a_row_is_what_is_beyond_the_plane() {
+        for case in 0..4000u64 {
+            let any =
+                |i: u64, most: i32| (mix_bits(case * 9 + i) % (2 * most as u64 + 1)) as i32 - most;
+            let normal = IVec3::new(any(0, 3) * 5000, any(1, FIXED_ONE), any(2, FIXED_ONE));
+            let through = IVec3::new(any(3, 9000), any(4, 9000), any(5, 9000)) + 8192;
+            let offset = normal.as_i64vec3().dot(through.as_i64vec3());
+            let half = HalfSpace { normal, offset };
+            let (y, z) = ((any(6, 31) + 32) as usize, (any(7, 31) + 32) as usize);
+            let [row, mirrored] = [half, half.mirrored(64)].map(|half| half.row::<64>(y, z));
+            for x in 0..64 {
+                let middle = IVec3::new(x, y as i32, z as i32) * 256 + 128;
+                let is_beyond = normal.as_i64vec3().dot(middle.as_i64vec3()) > offset;
+                assert_eq!(row.contains(x as usize), is_beyond, "{half:?}, x = {x}");
+                assert_eq!(mirrored.contains(63 - x as usize), is_beyond, "{half:?}, x = {x}");
+            }
+        }
+    }
+}
