@@ -4,7 +4,7 @@
 pub use crate::codec::bytes::ByteWriter;
 pub use crate::codec::digest::{DIGEST_PARTS, checksum, combine_digests, mix_bits};
 pub use crate::convert::bake::BAKE_UNITS_PER_VOXEL;
-pub use crate::edit::brush::{BrushBounds, BrushPiece, BrushPieces, BrushRow, isqrt};
+pub use crate::edit::brush::{BrushBounds, BrushPiece, BrushPieces, BrushRow, HalfBall, isqrt};
 pub use crate::edit::contact::{
     BURIED_WITHIN, FreezeResult, LONG_STRETCH, Obstacle, SHORT_STRETCH, WayBudget, exit_probe_steps,
 };

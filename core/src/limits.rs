@@ -129,17 +129,17 @@ pub const fn max_save_bytes(grid_side: usize, intervals: usize) -> usize {
 }
 
 /// Bytes of the world's small state, which is all but volume, mask, undo and islands: tick and session
-/// (15), the head (28), two hands of 469, sixteen bench items of 31, twelve sizes of bits, and the mask's
+/// (15), the head (28), two hands of 469, seventeen bench items of 31, thirteen sizes of bits, and the mask's
 /// digest (8).
-pub const STATE_BYTES: usize = 1497;
+pub const STATE_BYTES: usize = 1529;
 
 /// Crossings of a column's ray with a mesh with which a bake gives the column gaps: 16 solids one behind the
 /// other, and a cache line a column. Between more, gaps are 4 voxels long in the mean at 128, and a column
 /// keeps one or two.
 pub const BAKED_CROSSINGS: usize = 32;
 
-/// Events of a tick. A start, two hands that each grab, edit and release, undo, redo, mirror, finish,
-/// islands, a tenth of the figure and its find make fourteen.
+/// Events of a tick. A start, two hands that each grab, edit, split and release, undo, redo, mirror, finish,
+/// islands, a tenth of the figure and its find make sixteen.
 pub const MAX_EVENTS: usize = 16;
 
 /// The work of a tick that the world hands out: to undo or redo, to the hands and to the island search, in
@@ -198,6 +198,12 @@ pub const fn bit_step_work(side_voxels: u32) -> u32 {
 /// hands that cut as fast as they may were measured to take.
 #[must_use]
 pub const fn bite_work(side_voxels: u32) -> u32 {
+    6 * side_voxels * side_voxels
+}
+
+/// The work of splitting a flake off, half a ball.
+#[must_use]
+pub const fn flake_work(side_voxels: u32) -> u32 {
     6 * side_voxels * side_voxels
 }
 

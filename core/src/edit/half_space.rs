@@ -5,6 +5,7 @@ use glam::IVec3;
 use crate::codec::bytes::{BadBytes, ByteReader, ByteWriter};
 use crate::edit::brush::voxel_centre_subunits;
 use crate::edit::pose::{FIXED_ONE, Pose, SUBUNITS_PER_VOXEL};
+use crate::volume::range::Range;
 use crate::volume::row::BitSet;
 use crate::volume::size::{Grid, Size};
 
@@ -48,27 +49,34 @@ impl HalfSpace {
         HalfSpace { normal: IVec3::new(-x, y, z), offset: self.offset - far }
     }
 
+    /// The voxels of a row whose middles are in it, by the fixed-point y and z of those.
+    #[must_use]
+    #[inline]
+    pub(crate) fn x_range(&self, y: i64, z: i64, grid_side: usize) -> Option<Range> {
+        let [nx, ny, nz] = self.normal.to_array().map(i64::from);
+        let rest = self.offset - ny * y - nz * z;
+        // Voxel i is in it where nx * (256 i + 128) > rest.
+        let voxel = i64::from(SUBUNITS_PER_VOXEL);
+        let (half, whole) = (nx * voxel / 2, nx.abs() * voxel);
+        let end = grid_side as i64 - 1;
+        let (first, last) = match nx.signum() {
+            0 if rest < 0 => (0, end),
+            0 => return None,
+            1 => ((rest - half).div_euclid(whole) + 1, end),
+            _ => (0, -(rest - half).div_euclid(whole) - 1),
+        };
+        let (first, last) = (first.max(0), last.min(end));
+        (first <= last).then(|| Range::new(first as usize, last as usize))
+    }
+
     /// The voxels of row (y, z) whose middles are in it.
     #[must_use]
     pub(crate) fn row<const N: usize>(&self, y: usize, z: usize) -> <Grid<N> as Size>::Row
     where
         Grid<N>: Size,
     {
-        let [nx, ny, nz] = self.normal.to_array().map(i64::from);
-        let rest = self.offset - ny * voxel_centre_subunits(y) - nz * voxel_centre_subunits(z);
-        // Voxel i is in it where nx * (256 i + 128) > rest.
-        let (half, voxel) = (nx * i64::from(SUBUNITS_PER_VOXEL) / 2, nx.abs() * 256);
-        let last = N as i64 - 1;
-        let (first, last) = match nx.signum() {
-            0 if rest < 0 => (0, last),
-            0 => return <Grid<N> as Size>::Row::EMPTY,
-            1 => ((rest - half).div_euclid(voxel) + 1, last),
-            _ => (0, -(rest - half).div_euclid(voxel) - 1),
-        };
-        match first <= last && first < N as i64 && last >= 0 {
-            true => BitSet::span(first.max(0) as usize, last.min(N as i64 - 1) as usize),
-            false => <Grid<N> as Size>::Row::EMPTY,
-        }
+        let [y, z] = [y, z].map(voxel_centre_subunits);
+        self.x_range(y, z, N).map_or(BitSet::EMPTY, BitSet::from_range)
     }
 
     /// The axis that its normal is nearest to, and whether it points along it, not against it. Of equals the first.

@@ -6,6 +6,7 @@
 
 pub(crate) mod brush;
 pub(crate) mod contact;
+pub(crate) mod flake;
 pub(crate) mod grid_bit;
 pub(crate) mod half_space;
 pub(crate) mod islands;

@@ -5,6 +5,7 @@ use crate::edit::operation::EditReport;
 use crate::session::input::SessionMode;
 use crate::session::tools::{Tool, ToolBit};
 use crate::session::workbench::BenchItem;
+use crate::volume::voxel_box::VoxelBox;
 
 /// An event of a tick.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -42,6 +43,15 @@ pub enum WorldEvent {
         bit: ToolBit,
         /// The effect, in voxels.
         report: EditReport,
+    },
+    /// A blow split a flake off, which its [`WorldEvent::Edited`] counts too.
+    Split {
+        /// 0 left, 1 right.
+        hand: u8,
+        /// How many voxels went.
+        removed: u32,
+        /// Where they were; a mirrored edit's other half is the mirror image.
+        within: VoxelBox,
     },
     /// An island pass ended that removed or kept voxels, or had no support to start from.
     Islands(IslandReport),

@@ -10,7 +10,7 @@ use crate::edit::grid_bit::{GridBit, GridShape};
 use crate::limits::{
     ball_sweep_work_per_quarter_voxel, bit_side_voxels, bit_step_work, bite_work,
     box_sweep_work_per_quarter_voxel, buried_contact_work, contact_work, dear_rewind_columns,
-    disc_bite_work, disc_contact_work, disc_step_work, disc_sweep_work_per_step,
+    disc_bite_work, disc_contact_work, disc_step_work, disc_sweep_work_per_step, flake_work,
     island_removal_row_visits, island_reserve, max_bit_steps_per_tick,
     max_island_row_visits_per_tick, rewind_work, smoothing_sweep_work_per_quarter_voxel,
     smoothing_work, spall_work, tick_work,
@@ -118,6 +118,11 @@ impl BitWork {
             contact: buried_contact_work(bit_side_voxels(bit.circumscribed_radius_subunits())),
             ..of_bit
         }
+    }
+
+    /// What splitting a flake of so much reach off costs.
+    pub(crate) fn of_flake(reach_subunits: i32, is_mirrored: bool) -> u32 {
+        (1 + u32::from(is_mirrored)) * flake_work(bit_side_voxels(reach_subunits))
     }
 
     /// What spalling costs, which goes nowhere.

@@ -5,6 +5,7 @@
 //! Doesn't know devices, windows, clocks, files or pictures.
 
 pub(crate) mod bared;
+pub(crate) mod bit_edit;
 pub(crate) mod bit_size;
 pub(crate) mod events;
 pub(crate) mod float;
@@ -16,6 +17,7 @@ pub(crate) mod start_volumes;
 pub(crate) mod state;
 pub(crate) mod step;
 pub(crate) mod stool_frame;
+pub(crate) mod strike;
 pub(crate) mod tool_step;
 pub(crate) mod tools;
 pub(crate) mod trail;

@@ -3,20 +3,13 @@
 use crate::edit::contact::{Contact, FreezeResult, Obstacle, WayBudget};
 use crate::edit::grid_bit::GridBit;
 use crate::edit::half_space::HalfSpace;
-use crate::edit::operation::{
-    ANY_DEPTH, Dither, Edit, EditOperation, EditReport, apply_edit, brush_mirror_touches_volume,
-    brush_touches_volume,
-};
+use crate::edit::operation::{Dither, EditReport};
 use crate::edit::pose::{Pose, SUBUNITS_PER_VOXEL};
 use crate::limits::{
     DITHER_RIM_VOXELS, LIGHT_SMOOTHING_PERIOD, MAX_BITES_PER_TICK, SMOOTHING_PERIOD,
-    flattening_reach, light_smoothing_radius, smoothing_radius,
 };
-use crate::session::bared::BaringJournal;
 use crate::session::events::WorldEvent;
-use crate::session::float::{half_space_above_float, half_space_in_lower_half};
 use crate::session::hand::{HandPresses, HandState, haptic_amplitude};
-use crate::session::journals::StrokeJournal;
 use crate::session::ledger::{BitWork, work_of_contact};
 use crate::session::state::SessionState;
 use crate::session::step::metres_from_um;
@@ -25,25 +18,27 @@ use crate::session::world::World;
 use crate::volume::size::{Grid, Size};
 
 /// The bit that a hand uses in a tick.
-struct RunningBit<'a> {
-    bit: ToolBit,
+pub(super) struct RunningBit<'a> {
+    pub(super) bit: ToolBit,
     /// Its lengths at the size that it has.
-    spec: &'a ToolBitSpec,
-    grid_bit: &'a GridBit,
+    pub(super) spec: &'a ToolBitSpec,
+    pub(super) grid_bit: &'a GridBit,
     /// What it edits: the bit, and its reach.
-    brush: &'a GridBit,
+    pub(super) brush: &'a GridBit,
     is_new_pull: bool,
     /// Whether a file works lightly.
-    is_light: bool,
+    pub(super) is_light: bool,
     /// Of this tick.
     dither: Option<DitherSeed>,
+    /// Whether its blow has split a flake off: it doesn't chip.
+    has_split: bool,
     /// What a float takes off.
-    above_float: HalfSpace,
+    pub(super) above_float: HalfSpace,
 }
 
 /// A seed of smoothing's dither, while a file runs and isn't finishing.
 #[derive(Clone, Copy)]
-struct DitherSeed(u64);
+pub(super) struct DitherSeed(u64);
 
 /// What became of a way toward a pose of the trail.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -87,7 +82,7 @@ impl BitWay {
 impl RunningBit<'_> {
     /// Where an edit that ends at a pose is dithered: inside the brush as it stands there, so that the next edit,
     /// which is swept from there, goes over all of it again. Its own rim is the last to leave.
-    fn dither_at(&self, pose: &Pose) -> Option<Dither> {
+    pub(super) fn dither_at(&self, pose: &Pose) -> Option<Dither> {
         let DitherSeed(seed) = self.dither?;
         let inside = self.brush.shrunk_by(DITHER_RIM_VOXELS * SUBUNITS_PER_VOXEL)?;
         Some(Dither { piece: inside.piece_at(pose), seed })
@@ -129,11 +124,8 @@ where
         state.raw_pose = raw;
 
         let dropped_ticks = state.note_way(raw, presses.pulled, bit.spec());
-        let laying_work = match presses.pulled && bit.spec().action == BitAction::Flatten {
-            true => self.lay_float(&grid_bit, &mut state),
-            false => 0,
-        };
-        let share = share.saturating_sub(laying_work);
+        let prepared = self.lay_or_strike(hand, (bit, &grid_bit), &mut state, presses, share);
+        let share = share.saturating_sub(prepared.work);
         let is_running = state.is_running();
         let seed = DitherSeed(self.state.tick.wrapping_mul(2).wrapping_add(hand as u64));
         let running = RunningBit {
@@ -144,6 +136,7 @@ where
             is_new_pull: presses.pulled,
             is_light: state.is_light,
             dither: state.trigger.then_some(seed),
+            has_split: prepared.split.is_some(),
             above_float: state.above_float,
         };
         let is_rubbing = bit.spec().action.is_rubbing();
@@ -164,11 +157,12 @@ where
         self.state.hands[hand] = state;
         self.contacts[hand] = contact;
         self.has_contact[hand] = true;
-        let report = EditReport { dropped_ticks, ..report.sum_with(spalled) };
+        let report = report.sum_with(spalled).sum_with(prepared.split.unwrap_or_default());
+        let report = EditReport { dropped_ticks, ..report };
         if report != EditReport::default() {
             self.push_event(WorldEvent::Edited { hand: hand as u8, bit, report });
         }
-        laying_work + spent + spall_work
+        prepared.work + spent + spall_work
     }
 
     /// Takes the bit along its trail, from one bite to the next, within its `share` of the tick's work: walk,
@@ -183,7 +177,7 @@ where
         let spec = running.bit.spec();
         let work = BitWork::of(running.grid_bit, N, self.state.symmetry);
         let is_running = state.is_running();
-        let is_beat = is_running && spec.is_blow_at(state.trigger_ticks);
+        let is_beat = is_running && spec.is_blow_at(state.trigger_ticks) && !running.has_split;
         let (mut left, mut total) = (share, EditReport::default());
         let mut is_stuck = false;
         for bite in 0..MAX_BITES_PER_TICK {
@@ -222,13 +216,6 @@ where
             is_stuck = end == WayEnd::Stuck && !slides;
         }
         (share - left, total)
-    }
-
-    /// Notes what a float that is laid on the stone takes off. Returns the work of looking which face it lies on.
-    fn lay_float(&self, bit: &GridBit, state: &mut HandState) -> u32 {
-        let contact = self.obstacle().contact_at(bit, &state.raw_pose);
-        state.above_float = half_space_above_float(bit, &state.raw_pose, &contact);
-        work_of_contact(bit, &contact)
     }
 
     /// Takes off the stone around a bit that touches the hidden figure, so that it shows: stone spalls where it is
@@ -301,7 +288,7 @@ where
     }
 
     /// What bits collide with.
-    fn obstacle(&self) -> Obstacle<'_, N, K> {
+    pub(super) fn obstacle(&self) -> Obstacle<'_, N, K> {
         let mask = self.state.masked.then_some(&self.mask);
         Obstacle { rows: self.volume.rows(), mask, is_mask_alone: false }
     }
@@ -344,57 +331,5 @@ where
             (false, has_caught_up) => has_caught_up.then_some(freeze.pose),
         };
         BitWay { freeze, sweep_start }
-    }
-
-    /// Applies a bit's edit along its path between two poses in the grid.
-    fn edit_along_path(&mut self, running: &RunningBit<'_>, from: &Pose, to: &Pose) -> EditReport {
-        let brush = running.brush;
-        let depth = running.grid_bit.bite_depth_voxels();
-        let operation = match running.bit.spec().action {
-            BitAction::Carve => EditOperation::Carve { depth },
-            BitAction::Fill => EditOperation::Fill { depth: ANY_DEPTH },
-            BitAction::Smooth => {
-                let radius_of =
-                    if running.is_light { light_smoothing_radius } else { smoothing_radius };
-                EditOperation::Smooth { radius: radius_of(N), dither: running.dither_at(to) }
-            }
-            BitAction::Flatten => {
-                let above = running.above_float;
-                let above = match self.state.symmetry {
-                    true => half_space_in_lower_half(above, to, N),
-                    false => above,
-                };
-                EditOperation::Flatten { above, reach: flattening_reach(N) }
-            }
-        };
-        let (swept, rows) = (brush.swept_brush(from, to), self.volume.rows());
-        // Paste that touches nothing would fall.
-        let is_paste = running.bit.spec().action == BitAction::Fill;
-        if is_paste && !brush_touches_volume(&swept, rows) {
-            return EditReport::default();
-        }
-        let mirrored =
-            self.state.symmetry && (!is_paste || brush_mirror_touches_volume(&swept, rows));
-        let journal = StrokeJournal {
-            undo: &mut self.undo,
-            dirty: &mut self.dirty,
-            islands: &mut self.islands,
-        };
-        let (figure, ends) = (&self.mask, &mut self.bared);
-        let counted_axes = self.state.counted_axes;
-        let mut journal = BaringJournal { journal, figure, counted_axes, ends };
-        let mut apply_brush = |brush| {
-            let edit = Edit { brush: &brush, operation, mirrored };
-            apply_edit(&mut self.volume, &self.mask, &edit, &mut self.scratch, &mut journal)
-        };
-        // A smoothing brush too large for the scratch memory is replaced by the bit at its last pose.
-        let report = apply_brush(swept)
-            .or_else(|_| apply_brush(brush.piece_at(to).into()))
-            .unwrap_or_default();
-        self.dirty.end_edit();
-        if report.changed_volume() {
-            self.islands.request_pass();
-        }
-        report
     }
 }

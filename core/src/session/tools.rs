@@ -53,6 +53,8 @@ pub enum ToolBit {
     File = 10,
     /// Rasp: a flat blade that works a plane.
     Float = 11,
+    /// Impact: a blunt chisel that splits flakes off near an edge.
+    PitchingChisel = 12,
 }
 
 /// The edit that a bit makes.
@@ -114,6 +116,8 @@ pub struct ToolBitSpec {
     pub reach_um: [i32; 3],
     /// The sizes that it comes in.
     pub sizes: SizeRange,
+    /// How far a flake may reach that a blow of it splits off, in micrometres; 0 for a bit that splits none off.
+    pub flake_um: i32,
     /// Ticks from one blow to the next; 1 edits on every tick.
     pub bite_period: u8,
     /// Haptic amplitudes of successive ticks, 0 to 255, repeated while the tool runs.
@@ -122,11 +126,13 @@ pub struct ToolBitSpec {
 
 impl ToolBitSpec {
     /// Whether the bit edits so many ticks after its trigger was pulled: in the first half of each period, as
-    /// one tick hasn't the work for what a quick hand asks of a blow.
+    /// one tick hasn't the work for what a quick hand asks of a blow. One that splits flakes off edits in the first
+    /// tick alone: where it split one, it doesn't chip at what is left.
     #[must_use]
     pub const fn is_blow_at(&self, trigger_ticks: u16) -> bool {
         let period = self.bite_period as u16;
-        trigger_ticks % period < period.div_ceil(2)
+        let ticks = if self.flake_um > 0 { 1 } else { period.div_ceil(2) };
+        trigger_ticks % period < ticks
     }
 
     /// The bit in fixed-point grid units, for voxels of side `voxel_um` in micrometres.
@@ -205,7 +211,7 @@ impl Tool {
 
 impl ToolBit {
     /// All bits, by number.
-    pub const ALL: [ToolBit; 12] = [
+    pub const ALL: [ToolBit; 13] = [
         ToolBit::SmallBall,
         ToolBit::MediumBall,
         ToolBit::LargeBall,
@@ -218,6 +224,7 @@ impl ToolBit {
         ToolBit::Nozzle,
         ToolBit::File,
         ToolBit::Float,
+        ToolBit::PitchingChisel,
     ];
 
     /// The bit of a number.
@@ -237,6 +244,13 @@ impl ToolBit {
     pub fn to_grid_bit(self, voxel_um: f32) -> GridBit {
         self.spec().to_grid_bit(voxel_um)
     }
+
+    /// How far a flake reaches that the bit splits off, as [`ToolBit::to_grid_bit`].
+    #[must_use]
+    pub fn to_grid_flake_reach(self, voxel_um: f32) -> Option<i32> {
+        let reach = self.spec().flake_um as f32 * SUBUNITS_PER_VOXEL as f32 / voxel_um;
+        (self.spec().flake_um > 0).then(|| libm::roundf(reach) as i32)
+    }
 }
 
 const fn ball_spec(
@@ -254,6 +268,7 @@ const fn ball_spec(
         bite_um,
         reach_um: [0; 3],
         sizes: SizeRange::ALL,
+        flake_um: 0,
         bite_period: 1,
         haptic_train,
     }
@@ -274,12 +289,13 @@ const fn box_spec(
         bite_um,
         reach_um: [0; 3],
         sizes: SizeRange::of(-3, 1),
+        flake_um: 0,
         bite_period: 1,
         haptic_train: &[200, 160],
     }
 }
 
-static BITS: [ToolBitSpec; 12] = [
+static BITS: [ToolBitSpec; 13] = [
     ball_spec("small ball burr", 9_000, 2_500, &[180, 120]),
     ToolBitSpec {
         sizes: SizeRange::of(-4, 3),
@@ -332,7 +348,15 @@ static BITS: [ToolBitSpec; 12] = [
     ToolBitSpec {
         action: BitAction::Flatten,
         reach_um: [2_000, 8_000, 2_000],
+        sizes: SizeRange::of(-3, 0),
         haptic_train: &[110, 50],
         ..box_spec("float", Tool::Rasp, [16_000, 7_000, 26_000], 1_200)
+    },
+    ToolBitSpec {
+        flake_um: 40_000,
+        sizes: SizeRange::of(-3, 0),
+        bite_period: 8,
+        haptic_train: &[255, 180, 90, 40, 0, 0, 0, 0],
+        ..box_spec("pitching chisel", Tool::Impact, [22_000, 6_000, 14_000], 3_400)
     },
 ];

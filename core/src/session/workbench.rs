@@ -10,7 +10,7 @@ use crate::session::input::TICK_RATE;
 use crate::session::tools::{Tool, ToolBit};
 
 /// Number of items: the tools, then the exchangeable bits.
-pub const BENCH_ITEMS: usize = 16;
+pub const BENCH_ITEMS: usize = 17;
 
 /// Greatest distance at which a hand can take an item, in metres.
 pub(crate) const GRAB_DISTANCE: f32 = 0.12;
@@ -81,8 +81,9 @@ impl BenchItem {
             BenchItem::Tool(tool) => Vec3::new(0.45, BENCH_TOP, -0.65 + 0.18 * (tool as u8) as f32),
             BenchItem::Bit(ToolBit::RoughingBall) => Vec3::new(0.84, BENCH_TOP, -0.35),
             BenchItem::Bit(ToolBit::DiscSaw) => Vec3::new(0.84, BENCH_TOP, -0.15),
+            BenchItem::Bit(ToolBit::PitchingChisel) => Vec3::new(0.84, BENCH_TOP, -0.55),
             BenchItem::Bit(ToolBit::File) => Vec3::new(0.84, BENCH_TOP, -0.02),
-            BenchItem::Bit(ToolBit::Float) => Vec3::new(0.84, BENCH_TOP, 0.08),
+            BenchItem::Bit(ToolBit::Float) => Vec3::new(0.84, BENCH_TOP, -0.68),
             BenchItem::Bit(bit) => Vec3::new(0.7, BENCH_TOP, -0.65 + 0.1 * (bit as u8) as f32),
         }
     }

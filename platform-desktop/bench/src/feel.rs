@@ -53,6 +53,8 @@ where
     let mut rows = Vec::new();
     for bit in ToolBit::ALL {
         let line = match bit.spec().action {
+            // It has one blow in eight ticks, of one tick.
+            _ if bit == ToolBit::PitchingChisel => continue,
             BitAction::Carve => "groove",
             BitAction::Fill => "bead",
             BitAction::Smooth | BitAction::Flatten => continue,
@@ -265,7 +267,9 @@ fn grip_of(bit: ToolBit) -> Quat {
     match bit {
         ToolBit::Cylinder => Quat::from_rotation_y(FRAC_PI_2),
         ToolBit::Grinder => Quat::from_rotation_x(-FRAC_PI_2),
-        ToolBit::PointChisel | ToolBit::FlatChisel => Quat::from_rotation_x(-FRAC_PI_4),
+        ToolBit::PointChisel | ToolBit::FlatChisel | ToolBit::PitchingChisel => {
+            Quat::from_rotation_x(-FRAC_PI_4)
+        }
         _ => Quat::IDENTITY,
     }
 }

@@ -284,6 +284,8 @@ impl SceneAssembler {
                 WorldEvent::Islands(report) if report.removed > 0 => {
                     self.drop_island(world, seed);
                 }
+                // A flake falls as an island does.
+                WorldEvent::Split { .. } => self.spawn_island_motes(world, seed),
                 _ => {}
             }
         }

@@ -88,6 +88,7 @@ impl MeshId {
             ToolBit::Nozzle => MeshId::Nozzle,
             ToolBit::File => MeshId::File,
             ToolBit::Float => MeshId::Float,
+            ToolBit::PitchingChisel => MeshId::PitchingChisel,
         }
     }
 

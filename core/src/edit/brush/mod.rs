@@ -4,6 +4,7 @@
 //! (spherical and rectangular cutters), swept here along the tool's path.
 
 mod capsule;
+mod half_ball;
 mod piece;
 mod swept_box;
 mod swept_disc;
@@ -18,6 +19,7 @@ use crate::volume::row::BitSet;
 use crate::volume::size::{Grid, Size};
 
 pub(crate) use capsule::Capsule;
+pub use half_ball::HalfBall;
 pub(crate) use piece::BrushLayer;
 pub use piece::BrushPiece;
 pub(crate) use swept_box::SweptBox;

@@ -4,7 +4,7 @@ use glam::{I64Vec3, IVec3};
 
 use super::swept_box::BoxLayer;
 use super::{
-    BrushBounds, Capsule, FAR, SubunitInterval, SweptBox, SweptDisc, clamp_to_far, isqrt,
+    BrushBounds, Capsule, FAR, HalfBall, SubunitInterval, SweptBox, SweptDisc, clamp_to_far, isqrt,
     voxel_centre_subunits, voxels_with_centre_in,
 };
 use crate::edit::pose::Pose;
@@ -20,6 +20,8 @@ pub enum BrushPiece {
     Box(SweptBox),
     /// A swept disc.
     Disc(SweptDisc),
+    /// Half a ball.
+    HalfBall(HalfBall),
 }
 
 /// The slice of a piece at one y.
@@ -32,6 +34,7 @@ enum LayerShape<'a> {
     Capsule(&'a Capsule, i64),
     Box(BoxLayer<'a>),
     Disc(&'a SweptDisc, i64),
+    HalfBall(&'a HalfBall, i64),
 }
 
 impl BrushPiece {
@@ -64,7 +67,7 @@ impl BrushPiece {
     #[must_use]
     pub fn bounds(&self, grid_side: usize) -> Option<BrushBounds> {
         let (lo, hi) = match self {
-            BrushPiece::Capsule(c) => {
+            BrushPiece::Capsule(c) | BrushPiece::HalfBall(HalfBall { ball: c, .. }) => {
                 let r = I64Vec3::splat(isqrt(c.radius_squared));
                 (c.a.min(c.b).as_i64vec3() - r, c.a.max(c.b).as_i64vec3() + r)
             }
@@ -108,6 +111,7 @@ impl BrushPiece {
             BrushPiece::Capsule(c) => LayerShape::Capsule(c, voxel_centre_subunits(y)),
             BrushPiece::Box(b) => LayerShape::Box(b.layer(voxel_centre_subunits(y))),
             BrushPiece::Disc(d) => LayerShape::Disc(d, voxel_centre_subunits(y)),
+            BrushPiece::HalfBall(h) => LayerShape::HalfBall(h, voxel_centre_subunits(y)),
         })
     }
 
@@ -130,6 +134,7 @@ impl BrushLayer<'_> {
             LayerShape::Capsule(c, y) => c.z_range(*y, grid_side),
             LayerShape::Box(layer) => layer.z_range(grid_side),
             LayerShape::Disc(d, y) => d.z_range(*y, grid_side),
+            LayerShape::HalfBall(h, y) => h.ball.sphere_z_range(*y, grid_side),
         }
     }
 
@@ -142,6 +147,7 @@ impl BrushLayer<'_> {
             LayerShape::Capsule(c, y) => c.x_range(*y, voxel_centre_subunits(z), grid_side),
             LayerShape::Box(layer) => layer.x_range(voxel_centre_subunits(z), grid_side),
             LayerShape::Disc(d, y) => d.x_range(*y, voxel_centre_subunits(z), grid_side),
+            LayerShape::HalfBall(h, y) => h.x_range(*y, voxel_centre_subunits(z), grid_side),
         }
     }
 

@@ -1,7 +1,7 @@
 //! Target pose of the bit: on the surface under the cursor, with a way there through the air.
 
 use glam::{Quat, Vec3};
-use paros_core::internals::{BitShape, RoomPose, ToolBitSpec};
+use paros_core::internals::{BOX_SIDE, BitShape, RoomPose, ToolBitSpec};
 use paros_core::limits::INTERVALS;
 use paros_core::volume::{Grid, Size};
 use paros_core::{RangeMaps, World};
@@ -26,6 +26,9 @@ const STUCK_TICKS: u32 = 30;
 
 /// Fraction of the rotation to its target that a bit makes in a tick.
 const TURN_FRACTION: f32 = 0.3;
+
+/// How steeply a pitching chisel is set on a surface, in radians.
+const PITCH: f32 = 0.65;
 
 /// Length of way that gives a blade its direction, in voxels of a grid of 128.
 const HEADING_VOXELS: f32 = 3.0;
@@ -127,12 +130,18 @@ where
                     BitShape::Disc { .. } => self.heading.follow(point, N).unwrap_or(up),
                     _ => up,
                 };
-                let BitOrientation { rotation, centre_height_m } =
-                    bit_orientation(&aim.bit, normal, up);
+                let edge = match aim.bit.flake_um {
+                    0 => None,
+                    _ => direction_to_edge(maps, point, normal),
+                };
+                let BitOrientation { rotation, centre_m } = match edge {
+                    Some(edge) => pitching_orientation(&aim.bit, normal, edge),
+                    None => bit_orientation(&aim.bit, normal, up),
+                };
                 let inward = frame.to_room(&paros_core::edit::Pose::ZERO).1 * -normal;
                 self.next_bite = Some(inward * (aim.depth_m + CLEARANCE_M));
                 let depth_m = if aim.running { aim.depth_m } else { -CLEARANCE_M };
-                (point + normal * ((centre_height_m - depth_m) / frame.voxel_metres()), rotation)
+                (point + (centre_m - normal * depth_m) / frame.voxel_metres(), rotation)
             }
             None => {
                 self.next_bite = None;
@@ -204,8 +213,8 @@ impl Heading {
 /// How a bit lies on a surface.
 struct BitOrientation {
     rotation: Quat,
-    /// The distance of its centre from the face that carves.
-    centre_height_m: f32,
+    /// Its centre, from the place of the surface that it lies on.
+    centre_m: Vec3,
 }
 
 /// How a bit lies on a surface with an outward unit normal, turned towards the eye's up vector.
@@ -227,7 +236,52 @@ fn bit_orientation(bit: &ToolBitSpec, outward_normal: Vec3, eye_up: Vec3) -> Bit
     };
     let z = -forward;
     let rotation = Quat::from_mat3(&glam::Mat3::from_cols(y.cross(z), y, z));
-    BitOrientation { rotation, centre_height_m }
+    BitOrientation { rotation, centre_m: normal * centre_height_m }
+}
+
+/// How a pitching chisel is set on a surface so that its blow leads down towards an edge.
+fn pitching_orientation(bit: &ToolBitSpec, outward_normal: Vec3, to_edge: Vec3) -> BitOrientation {
+    let (sine, cosine) = PITCH.sin_cos();
+    let back = outward_normal * sine - to_edge * cosine;
+    let y = to_edge * sine + outward_normal * cosine;
+    let rotation = Quat::from_mat3(&glam::Mat3::from_cols(y.cross(back), y, back));
+    let BitShape::Box { half_extents_um } = bit.shape else {
+        return BitOrientation { rotation, centre_m: Vec3::ZERO };
+    };
+    BitOrientation { rotation, centre_m: back * (half_extents_um[2] as f32 * 1e-6) }
+}
+
+/// The direction along a surface in which the stone ends soonest, within what a flake reaches: looked for a little
+/// below the surface.
+fn direction_to_edge<const N: usize>(
+    maps: &RangeMaps<N, INTERVALS>,
+    point_voxels: Vec3,
+    outward_normal: Vec3,
+) -> Option<Vec3> {
+    const BELOW_M: f32 = 0.010;
+    const REACH_M: f32 = 0.036;
+    const DIRECTIONS: u16 = 24;
+    let per_metre = N as f32 / BOX_SIDE;
+    let from = point_voxels - outward_normal * BELOW_M * per_metre;
+    let is_stone = |at: Vec3| {
+        let voxel = at.floor().as_ivec3().to_array();
+        voxel[1] < 0
+            || voxel.iter().all(|v| (0..N as i32).contains(v))
+                && maps.contains(voxel.map(|v| v as usize))
+    };
+    let (a, b) = outward_normal.any_orthonormal_pair();
+    let steps_to_end = |way: Vec3| {
+        (1..=(2.0 * REACH_M * per_metre) as u16)
+            .find(|&i| !is_stone(from + way * (0.5 * f32::from(i))))
+    };
+    let ways = (0..DIRECTIONS).map(|i| {
+        let (sine, cosine) =
+            (f32::from(i) * std::f32::consts::TAU / f32::from(DIRECTIONS)).sin_cos();
+        a * cosine + b * sine
+    });
+    ways.filter_map(|way| steps_to_end(way).map(|steps| (steps, way)))
+        .min_by_key(|(steps, _)| *steps)
+        .map(|(_, way)| way)
 }
 
 /// Transforms a ray from the room to the grid: origin in voxels, unit direction.
@@ -246,7 +300,33 @@ where
 mod tests {
     use glam::Vec3;
 
-    use super::Heading;
+    use paros_core::RangeMaps;
+    use paros_core::limits::INTERVALS;
+    use paros_core::session::ToolBit;
+    use paros_core::volume::{BitGrid, BitSet};
+
+    use super::{Heading, direction_to_edge, pitching_orientation};
+
+    /// On the top of a block that ends at x = 100.
+    #[test]
+    fn a_pitching_chisel_is_set_towards_the_nearest_edge() {
+        let mut bits = Box::new(BitGrid::<128>::new());
+        for (y, z) in (0..64 * 128).map(|i| (i / 128, i % 128)) {
+            *bits.row_mut(y, z) = BitSet::span(0, 99);
+        }
+        let mut maps = Box::new(RangeMaps::<128, INTERVALS>::new());
+        bits.write_closure(&mut maps);
+        let at = |x: f32| direction_to_edge(&maps, Vec3::new(x, 64.0, 60.0), Vec3::Y);
+        assert_eq!(at(60.0), None, "far from all edges");
+        let edge = at(94.0).expect("an edge 6 voxels away");
+        assert!(edge.dot(Vec3::X) > 0.95, "{edge}");
+        let set = pitching_orientation(ToolBit::PitchingChisel, Vec3::Y, edge);
+        let blow = set.rotation * Vec3::NEG_Z;
+        assert!(blow.y < -0.5 && blow.dot(edge) > 0.7, "{blow}");
+        // Its tip is on the place.
+        let tip = set.centre_m + blow * 0.014;
+        assert!(tip.length() < 1e-6, "{tip}");
+    }
 
     #[test]
     fn a_heading_is_that_of_the_last_way() {

@@ -12,7 +12,7 @@
 //! |---|---|---|---|
 //! | rotary bits, nozzle, file, float | 0 | 0 | |
 //! | point chisel | 14 | 14 | at 0.245 m/s: the way of a blow's period |
-//! | flat chisel | 18 | 18 | at 0.216 m/s |
+//! | flat chisel, pitching chisel | 18 | 18 | at 0.216 m/s |
 //!
 //! A chisel stands between two blows, of which there is one in every sixth or eighth tick, and cuts its hand's whole
 //! way at the next. A file goes through the stone that it smooths.
@@ -89,7 +89,7 @@ fn keeps_rules(stroke: &Stroke, figures: &StrokeFigures) -> bool {
         ToolBit::Cylinder => follows(1.0) && cuts_all(asked / 100),
         ToolBit::Grinder => follows(4.0) && cuts_all(asked / 100),
         ToolBit::Nozzle => follows(0.1) && left <= asked / 10 && (bare, parts) == (0, 1),
-        ToolBit::PointChisel | ToolBit::FlatChisel => {
+        ToolBit::PointChisel | ToolBit::FlatChisel | ToolBit::PitchingChisel => {
             behind <= if speed_mm > SLOW { 20.0 } else { 3.0 }
         }
         // What is even already stays so.

@@ -73,7 +73,9 @@ pub(crate) fn grip_of(bit: ToolBit) -> Quat {
     match bit {
         ToolBit::Cylinder => Quat::from_rotation_y(FRAC_PI_2),
         ToolBit::Grinder => Quat::from_rotation_x(-FRAC_PI_2),
-        ToolBit::PointChisel | ToolBit::FlatChisel => Quat::from_rotation_x(-FRAC_PI_4),
+        ToolBit::PointChisel | ToolBit::FlatChisel | ToolBit::PitchingChisel => {
+            Quat::from_rotation_x(-FRAC_PI_4)
+        }
         _ => Quat::IDENTITY,
     }
 }

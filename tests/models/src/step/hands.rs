@@ -161,11 +161,15 @@ impl<const K: usize> StepModel<K> {
             share.charge_other(work);
             ledger.charge_work(work);
         }
+        let split = self.strike(hand, (bit, &grid_bit), &share);
+        let (split, work) = split.map_or((None, 0), |(report, work)| (Some(report), work));
+        share.charge_other(work);
+        ledger.charge_work(work);
         let (after, report) = match bit.spec().action {
             BitAction::Smooth | BitAction::Flatten => {
                 self.rub(hand, presses, (bit, &grid_bit), share)?
             }
-            _ => self.follow_way(hand, presses, (bit, &grid_bit), share)?,
+            _ => self.follow_way(hand, presses, (bit, &grid_bit), split.is_some(), share)?,
         };
         ledger.charge(&share, &after);
         let contact = self.stone().contact_at(&grid_bit, &self.hands[hand].frozen_pose);
@@ -179,7 +183,8 @@ impl<const K: usize> StepModel<K> {
             true => self.spall(hand, bit, after.left_beside(contact_work), ledger),
             false => EditReport::default(),
         };
-        let report = EditReport { dropped_ticks, ..report.sum_with(spalled) };
+        let report = report.sum_with(spalled).sum_with(split.unwrap_or_default());
+        let report = EditReport { dropped_ticks, ..report };
         if report != EditReport::default() {
             self.events.push(WorldEvent::Edited { hand: hand as u8, bit, report });
         }
@@ -210,6 +215,7 @@ impl<const K: usize> StepModel<K> {
         hand: usize,
         presses: HandPresses,
         (bit, grid_bit): (ToolBit, &GridBit),
+        has_split: bool,
         mut work: HandWork,
     ) -> Result<(HandWork, EditReport), String> {
         let runs = self.runs_tool(hand);
@@ -219,7 +225,7 @@ impl<const K: usize> StepModel<K> {
             BitAction::Fill => EditOperation::Fill { depth: ANY_DEPTH },
             BitAction::Smooth | BitAction::Flatten => return Err("a file follows no way".into()),
         };
-        let is_beat = is_blow_at(bit, self.hands[hand].trigger_ticks);
+        let is_beat = is_blow_at(bit, self.hands[hand].trigger_ticks) && !has_split;
         let (mut total, mut is_stuck) = (EditReport::default(), false);
         for bites in 0..MAX_BITES_PER_TICK {
             let share = work.share(runs);
@@ -387,7 +393,10 @@ impl BitWay {
 /// Whether a bit edits so many ticks after its trigger was pulled.
 pub(super) fn is_blow_at(bit: ToolBit, trigger_ticks: u16) -> bool {
     let period = u16::from(bit.spec().bite_period);
-    2 * (trigger_ticks % period) < period
+    match bit.spec().flake_um {
+        0 => 2 * (trigger_ticks % period) < period,
+        _ => trigger_ticks.is_multiple_of(period),
+    }
 }
 
 /// Checks that a bit is no deeper than its bite and than it was.

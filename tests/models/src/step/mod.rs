@@ -22,6 +22,7 @@ pub mod save;
 pub mod session;
 mod spall;
 pub mod starts;
+mod strike;
 mod string;
 pub mod trace;
 pub mod volume;

@@ -1,0 +1,38 @@
+//! Half a ball: the part of one that is above a plane.
+
+use super::{BrushPiece, Capsule};
+use crate::edit::half_space::HalfSpace;
+use crate::volume::range::Range;
+use glam::IVec3;
+
+/// The points of a ball that are above a plane.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct HalfBall {
+    /// A capsule of no length.
+    pub ball: Capsule,
+    /// What is above the plane.
+    pub above: HalfSpace,
+}
+
+impl HalfBall {
+    /// Half the ball about a point, on the side of that point to which a normal in fixed point leads.
+    #[must_use]
+    pub fn about(centre_subunits: IVec3, radius_subunits: i32, normal_q14: IVec3) -> BrushPiece {
+        let offset = normal_q14.as_i64vec3().dot(centre_subunits.as_i64vec3());
+        let above = HalfSpace { normal: normal_q14, offset };
+        match BrushPiece::sphere(centre_subunits, radius_subunits) {
+            BrushPiece::Capsule(ball) => BrushPiece::HalfBall(HalfBall { ball, above }),
+            other => other,
+        }
+    }
+
+    /// The voxels of a row, by the fixed-point y and z of its centres.
+    #[inline]
+    pub(super) fn x_range(&self, y: i64, z: i64, grid_side: usize) -> Option<Range> {
+        let of_ball = self.ball.sphere_x_range(y, z, grid_side)?;
+        let of_plane = self.above.x_range(y, z, grid_side)?;
+        let first = of_ball.first().max(of_plane.first());
+        let last = of_ball.last().min(of_plane.last());
+        (first <= last).then(|| Range::new(first, last))
+    }
+}
