@@ -201,7 +201,8 @@ pub const fn bite_work(side_voxels: u32) -> u32 {
     6 * side_voxels * side_voxels
 }
 
-/// The work of splitting a flake off, half a ball.
+/// The work of splitting a flake off, half a ball: a whole one was measured to take 0.7 million instructions at 128 and
+/// 3 million at 256, where a unit of work is half as much again.
 #[must_use]
 pub const fn flake_work(side_voxels: u32) -> u32 {
     6 * side_voxels * side_voxels

@@ -357,6 +357,6 @@ static BITS: [ToolBitSpec; 13] = [
         sizes: SizeRange::of(-3, 0),
         bite_period: 8,
         haptic_train: &[255, 180, 90, 40, 0, 0, 0, 0],
-        ..box_spec("pitching chisel", Tool::Impact, [22_000, 6_000, 14_000], 3_400)
+        ..box_spec("pitching chisel", Tool::Impact, [22_000, 7_000, 14_000], 3_000)
     },
 ];

@@ -12,7 +12,7 @@
 //! |---|---|---|---|
 //! | rotary bits, nozzle, file, float | 0 | 0 | |
 //! | point chisel | 14 | 14 | at 0.245 m/s: the way of a blow's period |
-//! | flat chisel, pitching chisel | 18 | 18 | at 0.216 m/s |
+//! | flat chisel | 18 | 18 | at 0.216 m/s |
 //!
 //! A chisel stands between two blows, of which there is one in every sixth or eighth tick, and cuts its hand's whole
 //! way at the next. A file goes through the stone that it smooths.
@@ -54,7 +54,8 @@ where
     let mut scene = scene.lock().unwrap_or_else(PoisonError::into_inner);
     let (mut drawn, mut broken) = (Vec::new(), Vec::new());
     for (stone, is_rough) in Stone::ALL.into_iter().flat_map(|s| [(s, false), (s, true)]) {
-        for bit in ToolBit::ALL.into_iter().filter(|bit| !is_rough || *bit == ToolBit::File) {
+        let drawn_bits = ToolBit::ALL.into_iter().filter(|bit| bit.spec().flake_um == 0);
+        for bit in drawn_bits.filter(|bit| !is_rough || *bit == ToolBit::File) {
             for [pressed_mm, speed_mm] in presses_and_speeds(stone, bit) {
                 let stroke = Stroke { bit, stone, is_rough, pressed_mm, speed_mm };
                 let figures = scene.draw(stroke);
@@ -89,7 +90,7 @@ fn keeps_rules(stroke: &Stroke, figures: &StrokeFigures) -> bool {
         ToolBit::Cylinder => follows(1.0) && cuts_all(asked / 100),
         ToolBit::Grinder => follows(4.0) && cuts_all(asked / 100),
         ToolBit::Nozzle => follows(0.1) && left <= asked / 10 && (bare, parts) == (0, 1),
-        ToolBit::PointChisel | ToolBit::FlatChisel | ToolBit::PitchingChisel => {
+        ToolBit::PointChisel | ToolBit::FlatChisel => {
             behind <= if speed_mm > SLOW { 20.0 } else { 3.0 }
         }
         // What is even already stays so.
@@ -97,6 +98,8 @@ fn keeps_rules(stroke: &Stroke, figures: &StrokeFigures) -> bool {
         // Round stone has steps, which are as odd as what is rough.
         // It works the plane of its pull, which leaves round stone.
         ToolBit::Float => follows(0.1),
+        // It is set and struck, not drawn.
+        ToolBit::PitchingChisel => true,
         ToolBit::File => follows(0.1) && (stone != Stone::Flat || left <= asked / 4),
     };
     // A bit that slid goes on from there straight to its hand's way.
