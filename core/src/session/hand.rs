@@ -203,14 +203,8 @@ impl HandState {
     }
 
     /// Length of a written hand: four poses, flags, buttons, phase, haptics, the stick's push, trail and plane.
-    pub(crate) const BYTES: usize = 4 * (VEC3_BYTES + QUAT_BYTES)
-        + 1
-        + 1
-        + 2
-        + 1
-        + 1
-        + HandTrail::BYTES
-        + HalfSpace::BYTES;
+    pub(crate) const BYTES: usize =
+        4 * (VEC3_BYTES + QUAT_BYTES) + 1 + 1 + 2 + 1 + 1 + HandTrail::BYTES + HalfSpace::BYTES;
 
     pub(crate) fn write(&self, to: &mut ByteWriter<'_>) {
         for (position, rotation) in [

@@ -98,7 +98,7 @@ mod tests {
     use super::*;
 
     fn stone(height: impl Fn(f32, f32) -> f32) -> Box<BitGrid<64>> {
-        let mut bits = Box::new(BitGrid::new());
+        let mut bits: Box<BitGrid<64>> = Box::new(BitGrid::new());
         for (y, z) in (0..64 * 64).map(|i| (i / 64, i % 64)) {
             let row = bits.row_mut(y, z);
             (0..64)

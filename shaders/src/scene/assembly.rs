@@ -285,7 +285,7 @@ impl SceneAssembler {
                     self.drop_island(world, seed);
                 }
                 // A flake falls as an island does.
-                WorldEvent::Split { .. } => self.spawn_island_motes(world, seed),
+                WorldEvent::Split { .. } => self.drop_island(world, seed),
                 _ => {}
             }
         }

@@ -320,7 +320,7 @@ mod tests {
         assert_eq!(at(60.0), None, "far from all edges");
         let edge = at(94.0).expect("an edge 6 voxels away");
         assert!(edge.dot(Vec3::X) > 0.95, "{edge}");
-        let set = pitching_orientation(ToolBit::PitchingChisel, Vec3::Y, edge);
+        let set = pitching_orientation(ToolBit::PitchingChisel.spec(), Vec3::Y, edge);
         let blow = set.rotation * Vec3::NEG_Z;
         assert!(blow.y < -0.5 && blow.dot(edge) > 0.7, "{blow}");
         // Its tip is on the place.

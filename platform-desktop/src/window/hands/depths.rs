@@ -39,7 +39,7 @@ fn default_depth_mm(spec: &ToolBitSpec) -> f32 {
     match spec.action {
         BitAction::Carve => half_mm.min(*DEPTHS_MM.end()).round(),
         BitAction::Fill => (half_mm * 2.0 / 3.0).round(),
-        BitAction::Smooth => 2.0,
+        BitAction::Smooth | BitAction::Flatten => 2.0,
     }
 }
 
@@ -57,7 +57,7 @@ mod tests {
         let small = ball.spec_at(BitSize::of_bit(ball, -4).expect("it comes in this size"));
         assert_eq!(depths.depth_mm(ball, &small), 8.0, "7.5 mm, rounded");
         let all = ToolBit::ALL.map(|bit| depth(&depths, bit));
-        assert_eq!(all, [9.0, 15.0, 24.0, 9.0, 7.0, 7.0, 7.0, 40.0, 35.0, 8.0, 2.0]);
+        assert_eq!(all, [9.0, 15.0, 24.0, 9.0, 7.0, 7.0, 7.0, 40.0, 35.0, 8.0, 2.0, 2.0, 7.0]);
         depths.change_by(ball, ball.spec(), 3.0);
         assert_eq!((depth(&depths, ball), depths.depth_mm(ball, &small)), (18.0, 18.0));
         assert_eq!(depth(&depths, ToolBit::LargeBall), 24.0);
