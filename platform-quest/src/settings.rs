@@ -300,7 +300,7 @@ mod tests {
             (
                 "--depth\nplease",
                 2,
-                "'please' found, expected one of --size, --mode, --handover, --record, \
+                "'please' found, expected one of --size, --mode, --handover, --record, --steady, \
                 --rate, --depth, --foveation; ",
             ),
             (

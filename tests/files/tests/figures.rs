@@ -30,7 +30,7 @@ fn all_voxels<const N: usize>() -> impl Iterator<Item = [usize; 3]> {
 /// File length and checksum of each figure at 128 and at 256.
 type Golden = (usize, u32);
 const GOLDENS: [(Figure, Golden, Golden); 6] = [
-    (Figure::Lump, (98_320, 0xf525_fca5), (393_232, 0x0804_b5d7)),
+    (Figure::Lump, (98_320, 0xbe3c_8396), (393_232, 0xea82_a7b9)),
     (Figure::Owl, (98_320, 0xb04f_c573), (393_232, 0xb3bf_2415)),
     (Figure::Cat, (98_320, 0x8820_45de), (393_232, 0x4903_d0ae)),
     (Figure::Amphora, (98_320, 0x32c7_f897), (393_232, 0xafbf_2ef4)),

@@ -335,7 +335,8 @@ where
         let Some(stone) = hands.cast_ray_to_stone_and_mask(start, -out).stone else { continue };
         let touch = start - out * (stone - 2.0 * unit);
         hands.move_bit_to(RIGHT, start, -out);
-        hands.move_bit_to(RIGHT, touch + out * (8.0 * unit), -out);
+        // Set on before it is pulled: paste is laid on all of the way.
+        hands.move_bit_to(RIGHT, touch, -out);
         hands.stroke_through(RIGHT, (0..6).map(|_| touch), -out, 0);
         hands.release_trigger(RIGHT);
         hands.move_bit_to(RIGHT, start, -out);
