@@ -308,6 +308,13 @@ pub const fn deep_step_cost_in_steps(grid_side: usize) -> u32 {
 /// leads out of it.
 pub const MAX_SLIDES: usize = 4;
 
+/// The cost of a slide beside its way, in steps: its bit is measured, and where it was stopped the voxels that did. Small
+/// bits slide most often, and at 256, where their steps are cheap beside it, it is worth more of them.
+#[must_use]
+pub const fn slide_cost_in_steps(grid_side: usize) -> u32 {
+    if grid_side > 128 { 24 } else { 10 }
+}
+
 /// Exit probes: places on the rest of its path at which a bit beyond its penetration limit is tested,
 /// each time it is stopped, for a way out. Every step of a path of up to 8 voxels; farther apart on a
 /// longer one. Each costs a step, and with fewer steps left they are as few.

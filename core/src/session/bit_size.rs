@@ -12,7 +12,7 @@ pub struct BitSize(i8);
 /// The sizes that a bit comes in.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct SizeRange {
-    /// In steps, not above 0. A smaller bit would leave less than [`WALL_UM`] beside a bite worth the name.
+    /// In steps, not above 0. A smaller bit would leave less than a voxel's wall beside a bite worth the name.
     pub smallest: i8,
     /// In steps, not below 0. A bite of a larger bit wouldn't fit a hand's share of a tick with both hands in use and
     /// the mirror on.

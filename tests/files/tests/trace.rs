@@ -249,7 +249,7 @@ fn headers_of_another_kind_or_version_are_turned_away() {
 fn a_record_that_is_no_input_is_named_by_its_tick() {
     let mut studio = STUDIO.lock().unwrap_or_else(PoisonError::into_inner);
     let bytes = record_trace(&mut studio);
-    for (at, value) in [(110, 4), (110, 255), (114, 5), (115, 1)] {
+    for (at, value) in [(110, 6), (110, 255), (114, 5), (115, 1)] {
         let mut wrong = bytes.clone();
         let record = record_of(&mut wrong, 7);
         record[110..116].fill(0);

@@ -9,7 +9,7 @@ use paros_core::internals::{
     BURIED_WITHIN, FreezeResult, GridBit, GridShape, LONG_STRETCH, SHORT_STRETCH, WayBudget,
     exit_probe_steps,
 };
-use paros_core::limits::{MAX_SLIDES, deep_step_cost_in_steps};
+use paros_core::limits::{MAX_SLIDES, deep_step_cost_in_steps, slide_cost_in_steps};
 
 use crate::bit_voxels::{
     centre_depth_subunits, centre_offset_subunits, holds_any, is_less_than_half_a_voxel_outside,
@@ -214,6 +214,7 @@ impl ContactModel {
         left: &mut WayBudget,
     ) -> PathWalk {
         let offset_left = tracked.position - reached.position;
+        left.steps = left.steps.saturating_sub(slide_cost_in_steps(self.volume.side()));
         let surface = self.normal_at(bit, stop);
         let normal = match surface {
             Vec3::ZERO => -offset_left.normalize_or_zero(),
@@ -246,7 +247,7 @@ impl ContactModel {
             if (way * STEPS_PER_VOXEL).length_squared() <= 1.0 {
                 break;
             }
-            left.steps -= 1;
+            left.steps = left.steps.saturating_sub(slide_cost_in_steps(self.volume.side()));
             let target = Pose { position: at.position + way, ..at };
             slide = self.walk_while_allowed(bit, &at, &target, left);
         }

@@ -16,7 +16,7 @@ use glam::{I64Vec3, IVec3, Vec3};
 
 use crate::edit::grid_bit::GridBit;
 use crate::edit::pose::Pose;
-use crate::limits::{MAX_SLIDES, deep_step_cost_in_steps};
+use crate::limits::{MAX_SLIDES, deep_step_cost_in_steps, slide_cost_in_steps};
 use crate::volume::bit_grid::BitGrid;
 use crate::volume::range_maps::RangeMaps;
 use crate::volume::row::BitSet;
@@ -268,6 +268,7 @@ where
         wanted: &Pose,
         left: &mut WayBudget,
     ) -> PathAdvance {
+        left.spend(slide_cost_in_steps(N), 0);
         let normal = self.normal_at(bit, forbidden);
         let mut planes = [Vec3::ZERO; MAX_SLIDES + 1];
         planes[0] = self.unit_direction_from_blockers(bit, reached, forbidden);
@@ -283,7 +284,7 @@ where
             if (way * STEPS_PER_VOXEL).length_squared() <= 1.0 {
                 break;
             }
-            left.spend(1, 0);
+            left.spend(slide_cost_in_steps(N), 0);
             let target = Pose { position: at.position + way, ..at };
             let limit = self.penetration_limit(bit, &at);
             slide = self.advance_along(bit, (&at, limit), &target, left);
