@@ -43,14 +43,7 @@ pub const MAX_SMOOTHING_RADIUS: usize = 7;
 /// is narrower than that is evened out at once, a bump of twice the width in half a second.
 #[must_use]
 pub const fn smoothing_radius(grid_side: usize) -> usize {
-    let radius = grid_side * MAX_SMOOTHING_RADIUS / 256;
-    if radius == 0 {
-        1
-    } else if radius < MAX_SMOOTHING_RADIUS {
-        radius
-    } else {
-        MAX_SMOOTHING_RADIUS
-    }
+    scale_from_256(grid_side, MAX_SMOOTHING_RADIUS)
 }
 
 /// How far smoothing looks where the file works lightly: half as far, so that it rounds edges off half as much.
@@ -67,13 +60,18 @@ pub const MAX_FLATTENING_REACH: usize = 14;
 /// is half its length: it fills what it bridges.
 #[must_use]
 pub const fn flattening_reach(grid_side: usize) -> usize {
-    let reach = grid_side * MAX_FLATTENING_REACH / 256;
-    if reach == 0 {
+    scale_from_256(grid_side, MAX_FLATTENING_REACH)
+}
+
+/// What is so many voxels at 256, in a coarser grid: one at least.
+const fn scale_from_256(grid_side: usize, at_256: usize) -> usize {
+    let scaled = grid_side * at_256 / 256;
+    if scaled == 0 {
         1
-    } else if reach < MAX_FLATTENING_REACH {
-        reach
+    } else if scaled < at_256 {
+        scaled
     } else {
-        MAX_FLATTENING_REACH
+        at_256
     }
 }
 
@@ -309,10 +307,15 @@ pub const fn deep_step_cost_in_steps(grid_side: usize) -> u32 {
 pub const MAX_SLIDES: usize = 4;
 
 /// The cost of a slide beside its way, in steps: its bit is measured, and where it was stopped the voxels that did. Small
-/// bits slide most often, and at 256, where their steps are cheap beside it, it is worth more of them.
+/// bits slide most often, and at 256, where their steps are cheap beside it, it is worth more of them. A disc's are dear
+/// there: it pays for its way alone, or would fall so far behind its hand that its cuts don't meet.
 #[must_use]
-pub const fn slide_cost_in_steps(grid_side: usize) -> u32 {
-    if grid_side > 128 { 24 } else { 10 }
+pub const fn slide_cost_in_steps(grid_side: usize, is_disc: bool) -> u32 {
+    match (grid_side > 128, is_disc) {
+        (false, _) => 10,
+        (true, false) => 24,
+        (true, true) => 0,
+    }
 }
 
 /// Exit probes: places on the rest of its path at which a bit beyond its penetration limit is tested,

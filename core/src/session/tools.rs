@@ -159,13 +159,12 @@ impl ToolBitSpec {
         if action != BitAction::Carve || is_large || matches!(shape, BitShape::Disc { .. }) {
             return None;
         }
-        let radius = libm::roundf(RADIUS_UM as f32 * SUBUNITS_PER_VOXEL as f32 / voxel_um) as i32;
+        let radius = subunits_from_um(RADIUS_UM, voxel_um);
         Some(GridBit { shape: GridShape::Ball(radius), bite: radius })
     }
 
     fn grid_bit_grown_by(&self, reach_um: [i32; 3], voxel_um: f32) -> GridBit {
-        let fixed =
-            |length: i32| libm::roundf(length as f32 * SUBUNITS_PER_VOXEL as f32 / voxel_um) as i32;
+        let fixed = |length_um: i32| subunits_from_um(length_um, voxel_um);
         let shape = match self.shape {
             BitShape::Ball { radius_um } => GridShape::Ball(fixed(radius_um + reach_um[0])),
             BitShape::Box { half_extents_um } => {
@@ -248,9 +247,14 @@ impl ToolBit {
     /// How far a flake reaches that the bit splits off, as [`ToolBit::to_grid_bit`].
     #[must_use]
     pub fn to_grid_flake_reach(self, voxel_um: f32) -> Option<i32> {
-        let reach = self.spec().flake_um as f32 * SUBUNITS_PER_VOXEL as f32 / voxel_um;
-        (self.spec().flake_um > 0).then(|| libm::roundf(reach) as i32)
+        let reach_um = self.spec().flake_um;
+        (reach_um > 0).then(|| subunits_from_um(reach_um, voxel_um))
     }
+}
+
+/// A length in fixed-point grid units, for voxels of side `voxel_um` in micrometres.
+fn subunits_from_um(length_um: i32, voxel_um: f32) -> i32 {
+    libm::roundf(length_um as f32 * SUBUNITS_PER_VOXEL as f32 / voxel_um) as i32
 }
 
 const fn ball_spec(

@@ -4,19 +4,18 @@ use std::f32::consts::{PI, TAU};
 use std::sync::{Mutex, PoisonError};
 
 use glam::{Quat, Vec3};
-use paros_core::HandInput;
 use paros_core::TickInput;
-use paros_core::edit::Pose;
 use paros_core::session::{BenchItem, Tool, ToolBit, commands};
 use paros_core::volume::{Grid, Size};
-use paros_models::scripted_hand::{RIGHT, input_with_hand, take_item, volume_of};
+use paros_models::scripted_hand::{
+    BOX_MM, RIGHT, input_with_bit_at, start_from_stone, take_item, volume_of,
+};
 use paros_models::world_harness::WorldHarness;
 
 static SMALL: Mutex<WorldHarness<128, 2>> = Mutex::new(WorldHarness::new());
 static LARGE: Mutex<WorldHarness<256, 2>> = Mutex::new(WorldHarness::new());
 
-/// Side of the stone's box, and half the float's thickness, in millimetres.
-const BOX_MM: f32 = 450.0;
+/// Half the float's thickness, in millimetres.
 const FACE_MM: f32 = 7.0;
 
 /// The plane that is worked, and the stone's top where it is flat: between two layers of voxels at 128.
@@ -33,19 +32,15 @@ where
 {
     /// Takes the float to a stone of all voxels whose middles `is_stone`.
     fn take(harness: &'a mut WorldHarness<N, 2>, is_stone: impl Fn(Vec3) -> bool) -> Self {
-        let voxel = BOX_MM / N as f32;
-        harness.start_from_voxels(|place| {
-            is_stone((Vec3::from_array(place.map(|i| i as f32)) + 0.5) * voxel)
-        });
+        start_from_stone(harness, is_stone);
         take_item(harness, RIGHT, BenchItem::Tool(Tool::Rasp));
         take_item(harness, RIGHT, BenchItem::Bit(ToolBit::Float));
         Float(harness)
     }
 
     fn step_at(&mut self, place: Vec3, rotation: Quat, trigger: u8) {
-        let pose = Pose { position: place * (N as f32 / BOX_MM), rotation };
-        let hand = HandInput { trigger, ..self.0.world.hand_with_bit_at(RIGHT, &pose) };
-        self.0.step(&input_with_hand(RIGHT, hand));
+        let input = input_with_bit_at(self.0, place, rotation, trigger);
+        self.0.step(&input);
     }
 
     /// Lays the float on the plane and pulls, then rubs once round the square of `half` about `middle`, row by row;

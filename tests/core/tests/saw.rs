@@ -4,19 +4,18 @@ use std::f32::consts::TAU;
 use std::sync::{Mutex, PoisonError};
 
 use glam::{IVec3, Mat3, Quat, Vec3};
-use paros_core::edit::Pose;
 use paros_core::session::{BenchItem, SessionMode, Tool, ToolBit};
 use paros_core::volume::{BitSet, Grid, Size};
-use paros_core::{HandInput, TickInput, WorldEvent};
+use paros_core::{TickInput, WorldEvent};
 use paros_models::dense::DenseVolume;
-use paros_models::scripted_hand::{RIGHT, input_with_hand, take_item, volume_of};
+use paros_models::scripted_hand::{
+    BOX_MM, RIGHT, input_with_bit_at, start_from_stone, take_item, volume_of,
+};
 use paros_models::world_harness::WorldHarness;
 
 static SMALL: Mutex<WorldHarness<128, 2>> = Mutex::new(WorldHarness::new());
 static LARGE: Mutex<WorldHarness<256, 2>> = Mutex::new(WorldHarness::new());
 
-/// Side of the stone's box in millimetres.
-const BOX_MM: f32 = 450.0;
 const TICKS_PER_SECOND: f32 = 72.0;
 const BLADE_MM: f32 = 70.0;
 
@@ -44,19 +43,15 @@ where
 {
     /// Takes the saw to a stone of all voxels whose middles `is_stone`.
     fn take(harness: &'a mut WorldHarness<N, 2>, is_stone: impl Fn(Vec3) -> bool) -> Self {
-        let voxel = BOX_MM / N as f32;
-        harness.start_from_voxels(|place| {
-            is_stone((Vec3::from_array(place.map(|i| i as f32)) + 0.5) * voxel)
-        });
+        start_from_stone(harness, is_stone);
         take_item(harness, RIGHT, BenchItem::Tool(Tool::Rotary));
         take_item(harness, RIGHT, BenchItem::Bit(ToolBit::DiscSaw));
         Saw { harness, fallen: 0 }
     }
 
     fn step_at(&mut self, place: Vec3, rotation: Quat, trigger: u8) {
-        let pose = Pose { position: place * (N as f32 / BOX_MM), rotation };
-        let hand = HandInput { trigger, ..self.harness.world.hand_with_bit_at(RIGHT, &pose) };
-        self.step(&input_with_hand(RIGHT, hand));
+        let input = input_with_bit_at(self.harness, place, rotation, trigger);
+        self.step(&input);
     }
 
     fn step(&mut self, input: &TickInput) {

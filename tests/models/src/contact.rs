@@ -214,7 +214,9 @@ impl ContactModel {
         left: &mut WayBudget,
     ) -> PathWalk {
         let offset_left = tracked.position - reached.position;
-        left.steps = left.steps.saturating_sub(slide_cost_in_steps(self.volume.side()));
+        let is_disc = matches!(bit.shape, GridShape::Disc { .. });
+        let cost = slide_cost_in_steps(self.volume.side(), is_disc);
+        left.steps = left.steps.saturating_sub(cost);
         let surface = self.normal_at(bit, stop);
         let normal = match surface {
             Vec3::ZERO => -offset_left.normalize_or_zero(),
@@ -247,7 +249,7 @@ impl ContactModel {
             if (way * STEPS_PER_VOXEL).length_squared() <= 1.0 {
                 break;
             }
-            left.steps = left.steps.saturating_sub(slide_cost_in_steps(self.volume.side()));
+            left.steps = left.steps.saturating_sub(cost);
             let target = Pose { position: at.position + way, ..at };
             slide = self.walk_while_allowed(bit, &at, &target, left);
         }

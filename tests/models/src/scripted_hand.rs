@@ -55,6 +55,37 @@ pub fn take_item<const N: usize, const K: usize>(
     harness.step(&TickInput { pointer, ..TickInput::default() });
 }
 
+/// Side of the stone's box in millimetres.
+pub const BOX_MM: f32 = 450.0;
+
+/// Starts a session from the voxels whose middles `is_stone`, in millimetres of the stone's box.
+pub fn start_from_stone<const N: usize, const K: usize>(
+    harness: &mut WorldHarness<N, K>,
+    is_stone: impl Fn(Vec3) -> bool,
+) where
+    Grid<N>: Size,
+{
+    let voxel = BOX_MM / N as f32;
+    harness.start_from_voxels(|place| {
+        is_stone((Vec3::from_array(place.map(|i| i as f32)) + 0.5) * voxel)
+    });
+}
+
+/// The input of a tick with the right hand's bit at a place in millimetres of the stone's box.
+pub fn input_with_bit_at<const N: usize, const K: usize>(
+    harness: &WorldHarness<N, K>,
+    place_mm: Vec3,
+    rotation: Quat,
+    trigger: u8,
+) -> TickInput
+where
+    Grid<N>: Size,
+{
+    let pose = Pose { position: place_mm * (N as f32 / BOX_MM), rotation };
+    let hand = HandInput { trigger, ..harness.world.hand_with_bit_at(RIGHT, &pose) };
+    input_with_hand(RIGHT, hand)
+}
+
 /// Runs a tick with the held bit at a position of the grid, the trigger pulled or not.
 pub fn step_with_bit_at<const N: usize, const K: usize>(
     harness: &mut WorldHarness<N, K>,

@@ -14,7 +14,7 @@ mod rows;
 
 use glam::{I64Vec3, IVec3, Vec3};
 
-use crate::edit::grid_bit::GridBit;
+use crate::edit::grid_bit::{GridBit, GridShape};
 use crate::edit::pose::Pose;
 use crate::limits::{MAX_SLIDES, deep_step_cost_in_steps, slide_cost_in_steps};
 use crate::volume::bit_grid::BitGrid;
@@ -268,15 +268,18 @@ where
         wanted: &Pose,
         left: &mut WayBudget,
     ) -> PathAdvance {
-        left.spend(slide_cost_in_steps(N), 0);
-        let normal = self.normal_at(bit, forbidden);
+        let cost = slide_cost_in_steps(N, matches!(bit.shape, GridShape::Disc { .. }));
+        left.spend(cost, 0);
+        let (normal, limit) =
+            (self.normal_at(bit, forbidden), self.penetration_limit(bit, reached));
         let mut planes = [Vec3::ZERO; MAX_SLIDES + 1];
-        planes[0] = self.unit_direction_from_blockers(bit, reached, forbidden);
-        let mut slide = self.slide_along_surface(bit, reached, normal, wanted, left);
+        planes[0] = self.unit_direction_from_blockers(bit, limit, forbidden);
+        let mut slide = self.slide_along_surface(bit, (reached, limit), normal, wanted, left);
         for count in 1..=MAX_SLIDES {
             let Some(forbidden) = slide.first_forbidden.filter(|_| !left.is_spent()) else { break };
             let at = slide.last_allowed;
-            planes[count] = self.unit_direction_from_blockers(bit, &at, &forbidden);
+            let limit = self.penetration_limit(bit, &at);
+            planes[count] = self.unit_direction_from_blockers(bit, limit, &forbidden);
             let remaining = wanted.position - at.position;
             let tangent = clip_to_planes(remaining, &[normal]);
             let along = clip_to_planes(tangent, &planes[..=count]);
@@ -284,9 +287,8 @@ where
             if (way * STEPS_PER_VOXEL).length_squared() <= 1.0 {
                 break;
             }
-            left.spend(slide_cost_in_steps(N), 0);
+            left.spend(cost, 0);
             let target = Pose { position: at.position + way, ..at };
-            let limit = self.penetration_limit(bit, &at);
             slide = self.advance_along(bit, (&at, limit), &target, left);
         }
         slide
@@ -296,7 +298,7 @@ where
     fn slide_along_surface(
         &self,
         bit: &GridBit,
-        reached: &Pose,
+        (reached, limit): (&Pose, PenetrationLimit),
         mut normal: Vec3,
         wanted: &Pose,
         left: &mut WayBudget,
@@ -311,19 +313,17 @@ where
             // The remaining path leads outward, so only the rotation was stopped: keep the old one.
             false => Pose { position: wanted.position, ..*reached },
         };
-        let limit = self.penetration_limit(bit, reached);
         self.advance_along(bit, (reached, limit), &target, left)
     }
 
-    /// The mean unit direction to the bit's centre from the voxels that forbid the pose `forbidden`, when
-    /// it comes from `last_allowed`; zero if they cancel out.
+    /// The mean unit direction to the bit's centre from the voxels that forbid the pose `forbidden` to a bit of this
+    /// limit; zero if they cancel out.
     fn unit_direction_from_blockers(
         &self,
         bit: &GridBit,
-        last_allowed: &Pose,
+        limit: PenetrationLimit,
         forbidden: &Pose,
     ) -> Vec3 {
-        let limit = self.penetration_limit(bit, last_allowed);
         let ruler = DepthRuler::new(bit, forbidden);
         let mut away = I64Vec3::ZERO;
         if let Some(piece) = bit.piece_deeper_than(limit.volume, forbidden) {
