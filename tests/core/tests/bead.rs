@@ -3,19 +3,17 @@
 use std::sync::{Mutex, PoisonError};
 
 use glam::{Quat, Vec3};
-use paros_core::edit::Pose;
 use paros_core::session::{BenchItem, Tool, commands};
 use paros_core::volume::{Grid, Size};
-use paros_core::{HandInput, TickInput, WorldEvent};
+use paros_core::{TickInput, WorldEvent};
 use paros_models::dense::DenseVolume;
-use paros_models::scripted_hand::{RIGHT, input_with_hand, take_item, volume_of};
+use paros_models::scripted_hand::{BOX_MM, RIGHT, input_with_bit_at, take_item, volume_of};
 use paros_models::world_harness::WorldHarness;
 
 static SMALL: Mutex<WorldHarness<128, 2>> = Mutex::new(WorldHarness::new());
 static LARGE: Mutex<WorldHarness<256, 2>> = Mutex::new(WorldHarness::new());
 
-/// Side of the stone's box, the top of the stone in it, and the nozzle's radius, in millimetres.
-const BOX_MM: f32 = 450.0;
+/// The top of the stone in its box, and the nozzle's radius, in millimetres.
 const TOP_MM: f32 = 225.0;
 const NOZZLE_MM: f32 = 12.0;
 
@@ -61,10 +59,8 @@ where
     Grid<N>: Size,
 {
     fn step_at(&mut self, place_mm: Vec3, trigger: u8) {
-        let position = place_mm * (N as f32 / BOX_MM);
-        let pose = Pose { position, rotation: Quat::IDENTITY };
-        let hand = HandInput { trigger, ..self.harness.world.hand_with_bit_at(RIGHT, &pose) };
-        self.harness.step(&input_with_hand(RIGHT, hand));
+        let input = input_with_bit_at(self.harness, place_mm, Quat::IDENTITY, trigger);
+        self.harness.step(&input);
         for event in self.harness.world.events() {
             if let WorldEvent::Edited { report, .. } = event {
                 self.added += report.added;

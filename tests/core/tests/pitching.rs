@@ -3,21 +3,19 @@
 use std::sync::{Mutex, PoisonError};
 
 use glam::{IVec3, Mat3, Quat, Vec3};
-use paros_core::HandInput;
 use paros_core::TickInput;
 use paros_core::WorldEvent;
-use paros_core::edit::{EditReport, Pose};
+use paros_core::edit::EditReport;
 use paros_core::session::{BenchItem, SessionMode, Tool, ToolBit, commands};
 use paros_core::volume::{Grid, Size};
 use paros_models::dense::DenseVolume;
-use paros_models::scripted_hand::{RIGHT, input_with_hand, take_item, volume_of};
+use paros_models::scripted_hand::{BOX_MM, RIGHT, input_with_bit_at, take_item, volume_of};
 use paros_models::world_harness::WorldHarness;
 
 static SMALL: Mutex<WorldHarness<128, 2>> = Mutex::new(WorldHarness::new());
 static LARGE: Mutex<WorldHarness<256, 2>> = Mutex::new(WorldHarness::new());
 
-/// Side of the stone's box, the stone's top and its edge along z, in millimetres.
-const BOX_MM: f32 = 450.0;
+/// The stone's top and its edge along z, in millimetres.
 const TOP_MM: f32 = 225.0;
 const EDGE_MM: f32 = 300.0;
 
@@ -56,9 +54,7 @@ where
 {
     let mut step = |above: f32, trigger: u8| {
         let place = tip + rotation * Vec3::Z * TIP_MM + Vec3::Y * above;
-        let pose = Pose { position: place * (N as f32 / BOX_MM), rotation };
-        let hand = HandInput { trigger, ..harness.world.hand_with_bit_at(RIGHT, &pose) };
-        harness.step(&input_with_hand(RIGHT, hand));
+        harness.step(&input_with_bit_at(harness, place, rotation, trigger));
     };
     (0..3).for_each(|_| step(90.0, 0));
     (0..8).for_each(|i| step(10.0 - 1.6 * i as f32, 0));
@@ -66,9 +62,7 @@ where
     let before = volume_of(harness);
     let mut step = |trigger: u8| {
         let place = tip + rotation * Vec3::Z * TIP_MM - Vec3::Y * 2.0;
-        let pose = Pose { position: place * (N as f32 / BOX_MM), rotation };
-        let hand = HandInput { trigger, ..harness.world.hand_with_bit_at(RIGHT, &pose) };
-        harness.step(&input_with_hand(RIGHT, hand));
+        harness.step(&input_with_bit_at(harness, place, rotation, trigger));
         harness.world.events().to_vec()
     };
     // The blow, and the rest of its period.

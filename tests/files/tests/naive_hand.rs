@@ -4,11 +4,10 @@
 use std::sync::{Mutex, PoisonError};
 
 use glam::{Mat3, Quat, Vec3};
-use paros_core::edit::Pose;
 use paros_core::session::{BenchItem, SessionMode, Tool, ToolBit};
 use paros_core::volume::{Axis, Grid};
-use paros_core::{HandInput, TickInput, WorldEvent};
-use paros_models::scripted_hand::{RIGHT, input_with_hand, take_item};
+use paros_core::{TickInput, WorldEvent};
+use paros_models::scripted_hand::{BOX_MM, RIGHT, input_with_bit_at, take_item};
 use paros_models::world_harness::WorldHarness;
 use paros_shell::figures::{Figure, HiddenStart, StoneThickness};
 use paros_shell::statics::Resident;
@@ -16,8 +15,6 @@ use paros_shell::statics::Resident;
 static HARNESS_128: Mutex<WorldHarness<128, 2>> = Mutex::new(WorldHarness::new());
 static HARNESS_256: Mutex<WorldHarness<256, 2>> = Mutex::new(WorldHarness::new());
 
-/// Side of the stone's box in millimetres.
-const BOX_MM: f32 = 450.0;
 const TICKS_PER_SECOND: u32 = 72;
 /// Of the hand while it works.
 const MM_PER_TICK: f32 = 500.0 / TICKS_PER_SECOND as f32;
@@ -80,9 +77,8 @@ where
     }
 
     fn step(&mut self, trigger: u8) {
-        let pose = Pose { position: self.place / Self::VOXEL_MM, rotation: self.rotation };
-        let hand = HandInput { trigger, ..self.harness.world.hand_with_bit_at(RIGHT, &pose) };
-        self.harness.step(&input_with_hand(RIGHT, hand));
+        let input = input_with_bit_at(self.harness, self.place, self.rotation, trigger);
+        self.harness.step(&input);
         self.is_found |= self.harness.world.events().contains(&WorldEvent::Found);
         self.ticks += 1;
     }

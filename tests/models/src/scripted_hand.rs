@@ -82,8 +82,20 @@ where
     Grid<N>: Size,
 {
     let pose = Pose { position: place_mm * (N as f32 / BOX_MM), rotation };
-    let hand = HandInput { trigger, ..harness.world.hand_with_bit_at(RIGHT, &pose) };
-    input_with_hand(RIGHT, hand)
+    input_with_bit(harness, RIGHT, &pose, trigger)
+}
+
+/// The input of a tick with a hand's bit at a pose of the grid.
+fn input_with_bit<const N: usize, const K: usize>(
+    harness: &WorldHarness<N, K>,
+    hand: usize,
+    pose: &Pose,
+    trigger: u8,
+) -> TickInput
+where
+    Grid<N>: Size,
+{
+    input_with_hand(hand, HandInput { trigger, ..harness.world.hand_with_bit_at(hand, pose) })
 }
 
 /// Runs a tick with the held bit at a position of the grid, the trigger pulled or not.
@@ -96,11 +108,8 @@ pub fn step_with_bit_at<const N: usize, const K: usize>(
     Grid<N>: Size,
 {
     let pose = Pose { position: grid_position, rotation: Quat::IDENTITY };
-    let input = HandInput {
-        trigger: if trigger_down { 255 } else { 0 },
-        ..harness.world.hand_with_bit_at(hand, &pose)
-    };
-    harness.step(&input_with_hand(hand, input));
+    let input = input_with_bit(harness, hand, &pose, if trigger_down { 255 } else { 0 });
+    harness.step(&input);
 }
 
 /// Runs a stroke of `ticks` ticks between two positions of the grid, the trigger pulled; then lifts the bit by
