@@ -22,9 +22,6 @@ use paros_shell::{durable, rmap, with_intervals};
 
 use super::{progress, volume};
 
-/// Voxels along an edge.
-const N: usize = 128;
-
 /// The files that it writes.
 const FILES: [&str; 5] =
     ["session.trace", "sculpture.rmap", "sculpture.stl", "contact-sheet.png", "report.txt"];
@@ -62,11 +59,11 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
     let tried =
         FILES.iter().map(|name| WriteTarget::resolve_and_check_writable(&folder.join(name)));
     let targets = tried.collect::<Result<Vec<_>, _>>()?;
-    let script = match args.script {
-        ScriptChoice::Owl => DemoScript::Owl,
-        ScriptChoice::Lantern => DemoScript::Lantern,
-    };
-    let (files, mut report) = with_intervals!(args.layers, K => play_and_encode::<K>(script))?;
+    let (files, mut report) = with_intervals!(args.layers, K => match args.script {
+        ScriptChoice::Owl => play_and_encode::<256, K>(DemoScript::Owl),
+        // Its slots are as wide as a bit, and show all they have in larger voxels.
+        ScriptChoice::Lantern => play_and_encode::<128, K>(DemoScript::Lantern),
+    })?;
     let targets_and_bytes = targets.into_iter().zip(files.iter().map(|bytes| &bytes[..]));
     durable::write_files(&targets_and_bytes.collect::<Vec<_>>())?;
     let _ = writeln!(report, "{}: {}", folder.display(), FILES.join(", "));
@@ -74,13 +71,13 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
 }
 
 /// The contents of [`FILES`] and the report, which is the last of them.
-fn play_and_encode<const K: usize>(
+fn play_and_encode<const N: usize, const K: usize>(
     script: DemoScript,
 ) -> Result<([Vec<u8>; FILES.len()], String), Error>
 where
     Grid<N>: Resident<N, K>,
 {
-    let session = play_session::<K>(script)?;
+    let session = play_session::<N, K>(script)?;
     let mut png = Vec::new();
     contact_sheet(&session.pictures, 3).write_png(&mut png).map_err(Error::failure)?;
     let world = <Grid<N> as Resident<N, K>>::lock_world();
@@ -96,33 +93,32 @@ struct DemoResult {
     trace: Vec<u8>,
     stl: FinishedStl,
     pictures: Vec<Image>,
-    tally: SessionTally,
+    edits: EditTotals,
+    islands: IslandCounts,
+    rasped: Option<Roughness>,
     chapters: Vec<(Chapter, u64, u64)>,
     digest: u64,
     spent: Duration,
 }
 
-/// What was done in all ticks.
-#[derive(Default)]
-struct SessionTally {
-    edits: EditTotals,
-    islands: IslandCounts,
-    rasp: RaspWork,
-}
-
 /// What the rasp did to what it worked.
-#[derive(Default)]
-struct RaspWork {
+struct RaspWork<const N: usize>
+where
+    Grid<N>: Size,
+{
     before: Option<Box<BitGrid<N>>>,
     roughness: Option<Roughness>,
 }
 
-impl RaspWork {
+impl<const N: usize> RaspWork<N>
+where
+    Grid<N>: Size,
+{
     /// Notes the stone as a chapter leaves it.
     fn note_chapter(&mut self, chapter: Chapter, stone: &BitGrid<N>) {
         match chapter {
-            Chapter::Fine => self.before = Some(Box::new(stone.clone())),
-            Chapter::Smooth => {
+            Chapter::Cord => self.before = Some(Box::new(stone.clone())),
+            Chapter::Finished => {
                 let before = self.before.take();
                 self.roughness = before.and_then(|before| measure_roughness(&before, stone));
             }
@@ -175,7 +171,7 @@ impl DemoResult {
                 chapter.completion_announcement()
             );
         }
-        if let Some(Roughness { before_mm, after_mm }) = self.tally.rasp.roughness {
+        if let Some(Roughness { before_mm, after_mm }) = self.rasped {
             let _ = writeln!(
                 lines,
                 "rasped: the height varies by {before_mm:.2} mm before and {after_mm:.2} mm after, \
@@ -185,15 +181,15 @@ impl DemoResult {
         let _ = writeln!(
             lines,
             "{} edits; voxels, and percent of what they removed or were refused:",
-            self.tally.edits.edits
+            self.edits.edits
         );
-        for line in self.tally.edits.to_string().lines() {
+        for line in self.edits.to_string().lines() {
             let _ = writeln!(lines, "  {line}");
         }
         let _ = writeln!(
             lines,
             "islands: {} voxels fell, at most {} at once; {} stroke undone",
-            self.tally.islands.voxels, self.tally.islands.largest, self.tally.islands.undone
+            self.islands.voxels, self.islands.largest, self.islands.undone
         );
         let _ = writeln!(lines, "{remaining_voxels} voxels remain; digest {:016x}", self.digest);
         let _ = writeln!(
@@ -205,7 +201,7 @@ impl DemoResult {
     }
 }
 
-fn play_session<const K: usize>(script: DemoScript) -> Result<DemoResult, Error>
+fn play_session<const N: usize, const K: usize>(script: DemoScript) -> Result<DemoResult, Error>
 where
     Grid<N>: Resident<N, K>,
 {
@@ -222,7 +218,8 @@ where
         (StlExporter::new(&mut stl_buffers, DEFAULT_HEIGHT_MM)?, None);
 
     let bar = progress::show_progress("sculpting", Some(script.chapters().len() as u64));
-    let SessionTally { mut edits, mut islands, mut rasp } = SessionTally::default();
+    let (mut edits, mut islands) = (EditTotals::default(), IslandCounts::default());
+    let mut rasp = RaspWork::<N> { before: None, roughness: None };
     let (mut pictures, mut chapters) = (Vec::new(), Vec::new());
     let mut drawing = Duration::ZERO;
     let begun = Instant::now();
@@ -252,6 +249,6 @@ where
     let stl = stl_exporter.run_export_to_end().or(stl);
     let stl = stl.ok_or_else(|| Error::Failure("the demo was not finished".into()))?;
     let digest = runner.world().digest();
-    let tally = SessionTally { edits, islands, rasp };
-    Ok(DemoResult { script, trace, stl, pictures, tally, chapters, digest, spent })
+    let rasped = rasp.roughness;
+    Ok(DemoResult { script, trace, stl, pictures, edits, islands, rasped, chapters, digest, spent })
 }

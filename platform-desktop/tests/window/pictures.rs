@@ -70,8 +70,8 @@ fn save_hidden(folder: &Path) {
     });
 }
 
-/// The tick at which the demo has worked the owl's front finer, and its back not yet.
-const HALF_WAY: u64 = 23_200;
+/// The tick at which the demo has bared the owl's front, and its back not yet.
+const HALF_WAY: u64 = 5000;
 
 /// A bow tie of paste, both halves at once by the mirror.
 fn creative(visit: &mut ScriptedWindow) {

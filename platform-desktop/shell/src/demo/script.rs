@@ -15,21 +15,21 @@ pub enum DemoScript {
 pub enum Chapter {
     /// The lump as it came.
     Stone,
-    /// An edge has been sawn off and fell.
-    Edge,
-    /// The front has been roughed out.
-    Front,
-    /// The large burr is done.
+    /// Its corners have been sawn off and fell.
+    Sawn,
+    /// The roughing ball is done.
     Rough,
-    /// The medium burr is done.
+    /// The large ball has bared most of the figure.
+    Bared,
+    /// The chisel and the smaller balls are done.
     Fine,
-    /// The rasp took the ridges.
-    Smooth,
     /// Paste went where it shouldn't.
     Mishap,
     /// That was undone.
     Undone,
-    /// Beads of paste lie round the neck; finished.
+    /// A cord of paste lies round the neck.
+    Cord,
+    /// It is rasped smooth; finished.
     Finished,
     /// Half of the lantern's slots are cut.
     HalfSlotted,
@@ -60,13 +60,13 @@ impl DemoScript {
 impl Chapter {
     const OWL: [Chapter; 9] = [
         Chapter::Stone,
-        Chapter::Edge,
-        Chapter::Front,
+        Chapter::Sawn,
         Chapter::Rough,
+        Chapter::Bared,
         Chapter::Fine,
-        Chapter::Smooth,
         Chapter::Mishap,
         Chapter::Undone,
+        Chapter::Cord,
         Chapter::Finished,
     ];
 
@@ -77,14 +77,14 @@ impl Chapter {
     pub const fn completion_announcement(self) -> &'static str {
         match self {
             Chapter::Stone => "the stone",
-            Chapter::Edge => "an edge sawn off",
-            Chapter::Front => "the front roughed out",
+            Chapter::Sawn => "corners sawn off",
             Chapter::Rough => "roughed out",
-            Chapter::Fine => "worked finer",
-            Chapter::Smooth => "rasped smooth",
+            Chapter::Bared => "taken down to the owl by the large ball",
+            Chapter::Fine => "chiselled and worked finer",
             Chapter::Mishap => "paste on the head",
             Chapter::Undone => "undone",
-            Chapter::Finished => "a string of beads round the neck",
+            Chapter::Cord => "a cord round the neck",
+            Chapter::Finished => "rasped smooth",
             Chapter::HalfSlotted => "three slots cut to the post",
             Chapter::Slotted => "six slots cut",
         }

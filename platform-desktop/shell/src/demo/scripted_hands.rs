@@ -6,11 +6,13 @@ use crate::tick_runner::TickRunner;
 use glam::{Quat, Vec3};
 use paros_core::edit::Pose;
 use paros_core::internals::RoomPose;
-use paros_core::session::{BenchItem, RawPose, SessionMode, TICK_RATE, Tool, commands};
+use paros_core::session::{
+    BenchItem, PointerCommand, RawPose, SessionMode, TICK_RATE, Tool, commands,
+};
 use paros_core::volume::{Grid, Size};
 use paros_core::{RangeMaps, TickInput, World};
 
-/// Metres that a hand moves in a tick: 1.6 m/s.
+/// Metres that a hand moves in a tick, clear of the stone: 1.6 m/s.
 const HAND_SPEED: f32 = 1.6 / TICK_RATE as f32;
 
 /// How far the hand is ahead of a bit that the stone holds back, in voxels.
@@ -81,6 +83,13 @@ where
         self.input.commands = 0;
     }
 
+    /// Makes the bit that a hand holds larger by so many steps, or smaller.
+    pub fn resize_bit(&mut self, hand: usize, by: i8) {
+        self.input.pointer = PointerCommand::Resize { hand: hand as u8, by };
+        self.run_tick();
+        self.input.pointer = PointerCommand::None;
+    }
+
     /// Turns symmetry on or off.
     pub fn set_mirror(&mut self, on: bool) {
         if self.world().is_mirrored() != on {
@@ -144,7 +153,12 @@ where
 
     /// Moves the bit to a point of the grid, pointing along `grid_direction`. The trigger stays as it is.
     pub fn move_bit_to(&mut self, hand: usize, point_voxels: Vec3, grid_direction: Vec3) {
-        let (position, rotation) = self.grip_for_bit(hand, point_voxels, grid_direction);
+        self.move_bit_to_pose(hand, &pose_pointing(point_voxels, grid_direction));
+    }
+
+    /// Moves the bit to a pose in the grid. The trigger stays as it is.
+    pub fn move_bit_to_pose(&mut self, hand: usize, pose: &Pose) {
+        let (position, rotation) = self.grip_for_bit(hand, pose);
         self.move_hand_to(hand, position, rotation);
     }
 
@@ -162,12 +176,8 @@ where
         while stuck < 5 && !self.ended {
             let reached = (self.world().hand_state(hand).frozen_pose.position - start_voxels)
                 .dot(grid_direction);
-            let (grip, rotation) = self.grip_for_bit(
-                hand,
-                start_voxels + grid_direction * (reached.max(0.0) + PUSH),
-                grid_direction,
-            );
-            self.grips[hand] = (grip, rotation);
+            let ahead = start_voxels + grid_direction * (reached.max(0.0) + PUSH);
+            self.grips[hand] = self.grip_for_bit(hand, &pose_pointing(ahead, grid_direction));
             self.run_tick();
             let reached = (self.world().hand_state(hand).frozen_pose.position - start_voxels)
                 .dot(grid_direction);
@@ -180,29 +190,50 @@ where
         }
     }
 
-    /// Presses the trigger and moves the bit through points of the grid, pointing along `grid_direction`. At
-    /// each it waits up to `max_wait_ticks` ticks, as long as the bit still sinks in. The trigger stays down.
+    /// Presses the trigger and moves the bit through poses in the grid, no faster than `voxels_per_tick`. The trigger
+    /// stays down.
     pub fn stroke_through(
         &mut self,
         hand: usize,
-        points_voxels: impl IntoIterator<Item = Vec3>,
-        grid_direction: Vec3,
-        max_wait_ticks: u32,
+        poses: impl IntoIterator<Item = Pose>,
+        voxels_per_tick: f32,
     ) {
         self.input.hands[hand].trigger = 255;
-        for point in points_voxels {
-            self.grips[hand] = self.grip_for_bit(hand, point, grid_direction);
-            self.run_tick();
-            for _ in 0..max_wait_ticks {
-                let before = self.world().hand_state(hand).frozen_pose.position;
-                self.run_tick();
-                if (self.world().hand_state(hand).frozen_pose.position - before).dot(grid_direction)
-                    < 0.15
-                {
-                    break;
-                }
-            }
+        let metres_per_tick = voxels_per_tick * self.world().stool_frame().voxel_metres();
+        for pose in poses {
+            let (position, rotation) = self.grip_for_bit(hand, &pose);
+            self.move_hand_at_speed(hand, position, rotation, metres_per_tick);
         }
+    }
+
+    /// Turns the stool once around by the left stick, while the other hand holds its running tool where
+    /// `pose_at_azimuth` says, of the grid's azimuth in degrees that faces the visitor. The trigger stays down.
+    pub fn turn_once_under_tool(
+        &mut self,
+        hand: usize,
+        trigger: u8,
+        mut pose_at_azimuth: impl FnMut(&Self, f32) -> Option<Pose>,
+    ) {
+        self.input.hands[0].stick[0] = 127;
+        let mut turned = 0.0;
+        while turned < 365.0 && !self.ended {
+            let before = self.azimuth_before_visitor();
+            if let Some(pose) = pose_at_azimuth(self, before) {
+                self.grips[hand] = self.grip_for_bit(hand, &pose);
+                self.input.hands[hand].trigger = trigger;
+            }
+            self.run_tick();
+            let way = self.azimuth_before_visitor() - before;
+            turned += ((way + 540.0).rem_euclid(360.0) - 180.0).abs();
+        }
+        self.input.hands[0].stick[0] = 0;
+    }
+
+    /// The azimuth of the grid, from +z to +x in degrees, that faces the visitor.
+    fn azimuth_before_visitor(&self) -> f32 {
+        let (_, turn) =
+            self.world().stool_frame().to_room(&Pose { rotation: Quat::IDENTITY, ..Pose::ZERO });
+        -2.0 * libm::atan2f(turn.y, turn.w) * (180.0 / core::f32::consts::PI)
     }
 
     /// Releases the trigger.
@@ -247,8 +278,18 @@ where
 
     /// Moves a hand's grip to a pose in the room, in metres, at [`HAND_SPEED`].
     fn move_hand_to(&mut self, hand: usize, position: Vec3, rotation: Quat) {
+        self.move_hand_at_speed(hand, position, rotation, HAND_SPEED);
+    }
+
+    fn move_hand_at_speed(
+        &mut self,
+        hand: usize,
+        position: Vec3,
+        rotation: Quat,
+        metres_per_tick: f32,
+    ) {
         let (start, turned) = self.grips[hand];
-        let steps = ((position - start).length() / HAND_SPEED).ceil().max(1.0);
+        let steps = ((position - start).length() / metres_per_tick).ceil().max(1.0);
         for i in 1..=steps as usize {
             let t = i as f32 / steps;
             self.grips[hand] = (start + (position - start) * t, turned.slerp(rotation, t));
@@ -257,17 +298,17 @@ where
         self.grips[hand] = (position, rotation);
     }
 
-    /// The grip pose in the room, in metres, at which the bit is at a point of the grid and points
-    /// along `grid_direction`.
-    fn grip_for_bit(&self, hand: usize, point_voxels: Vec3, grid_direction: Vec3) -> RoomPose {
-        let pose = Pose {
-            position: point_voxels,
-            rotation: Quat::from_rotation_arc(Vec3::NEG_Z, grid_direction),
-        };
-        let (tip, rotation) = self.world().stool_frame().to_room(&pose);
+    /// The grip pose in the room, in metres, at which the bit has a pose in the grid.
+    fn grip_for_bit(&self, hand: usize, pose: &Pose) -> RoomPose {
+        let (tip, rotation) = self.world().stool_frame().to_room(pose);
         let reach = self.world().held_tool(hand).map_or(0.0, |(tool, _)| tool_length_m(tool));
         (tip + rotation * Vec3::new(0.0, 0.0, reach), rotation)
     }
+}
+
+/// The pose at a point in the grid, pointing along a direction.
+pub fn pose_pointing(position: Vec3, grid_direction: Vec3) -> Pose {
+    Pose { position, rotation: Quat::from_rotation_arc(Vec3::NEG_Z, grid_direction) }
 }
 
 fn tool_length_m(tool: Tool) -> f32 {
