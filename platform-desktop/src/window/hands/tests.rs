@@ -16,7 +16,11 @@ use paros_shell::start_volume_store::StartVolumeStore;
 use paros_shell::statics::{Resident, ResidentBitGrid};
 use paros_shell::tick_runner::TickRunner;
 
+use super::bit_guide::ray_from_room_to_grid;
 use super::{HandAction, HandButton, InputEvent, LIGHT_TRIGGER, MouseHands, RIGHT};
+use crate::window::raycast::cast_ray;
+
+mod strokes;
 
 const SIZE: [u32; 2] = [1000, 700];
 
@@ -76,6 +80,16 @@ impl HandsFixture {
     fn digest(&self) -> u64 {
         self.world.volume().digest()
     }
+
+    /// How far the stone is from the eye behind each pixel, in voxels.
+    fn surface_depths(&self, pixels: impl Iterator<Item = [f32; 2]>) -> Vec<f32> {
+        let hits = pixels.map(|pixel| {
+            let room_ray = self.hands.orbit.room_ray_through_pixel(pixel, SIZE);
+            let grid_ray = ray_from_room_to_grid(&room_ray, &self.world);
+            cast_ray(self.world.volume().maps(), &grid_ray).expect("stone").distance_voxels
+        });
+        hits.collect()
+    }
 }
 
 /// Occupied voxels of `a` that are not in `b`.
@@ -125,75 +139,6 @@ fn copy_maps(fixture: &HandsFixture) -> RangeMaps<128, INTERVALS> {
     let mut maps = RangeMaps::new();
     maps.copy_from(fixture.world.volume().maps());
     maps
-}
-
-#[test]
-fn a_stroke_is_one_groove_however_fast_the_hand_is() {
-    let groove = |points: u32| {
-        let mut fixture = HandsFixture::new(SessionMode::FreeForm);
-        fixture.handle(InputEvent::Moved([440.0, 400.0]));
-        fixture.ticks(10);
-        let before = fixture.voxel_count();
-        fixture.handle(InputEvent::Pressed(HandButton::Left));
-        fixture.ticks(10);
-        for i in 1..=points {
-            fixture.handle(InputEvent::Moved([440.0 + 120.0 * i as f32 / points as f32, 400.0]));
-            fixture.tick();
-        }
-        fixture.ticks(150);
-        fixture.handle(InputEvent::Released(HandButton::Left));
-        fixture.ticks(2);
-        before - fixture.voxel_count()
-    };
-    let (slow, fast) = (groove(100), groove(1));
-    assert!(slow > 400, "{slow} voxels");
-    assert!(fast * 10 > slow * 9 && slow * 10 > fast * 9, "{slow} slowly, {fast} fast");
-}
-
-/// A natural swipe: 170 pixels in 0.38 s, the button up at its end. A slow one follows more of the stone's bumps.
-#[test]
-fn a_quick_swipe_cuts_to_where_the_button_went_up() {
-    let swipe = |ticks: u32| {
-        let mut fixture = HandsFixture::new(SessionMode::FreeForm);
-        fixture.handle(InputEvent::Moved([400.0, 400.0]));
-        fixture.ticks(10);
-        let before = fixture.voxel_count();
-        fixture.handle(InputEvent::Pressed(HandButton::Left));
-        for i in 1..=ticks {
-            let along = 170.0 * i as f32 / ticks as f32;
-            fixture.handle(InputEvent::Moved([400.0 + along, 400.0]));
-            fixture.tick();
-        }
-        fixture.handle(InputEvent::Released(HandButton::Left));
-        // The cursor goes on, and the stroke doesn't.
-        fixture.handle(InputEvent::Moved([300.0, 300.0]));
-        fixture.ticks(60);
-        before - fixture.voxel_count()
-    };
-    let slow = swipe(600);
-    for (ticks, name) in [(27, "in 0.38 s"), (4, "in a frame")] {
-        let quick = swipe(ticks);
-        assert!(quick * 100 >= slow * 85, "{name}: {quick} voxels, slowly {slow}");
-        assert!(quick * 100 <= slow * 110, "{name}: {quick} voxels, slowly {slow}");
-    }
-}
-
-/// Two pulls are two strokes, though the first is still being cut when the second begins.
-#[test]
-fn a_new_press_while_the_tool_follows_is_a_new_stroke() {
-    let mut fixture = HandsFixture::new(SessionMode::FreeForm);
-    fixture.handle(InputEvent::Moved([400.0, 400.0]));
-    fixture.ticks(10);
-    for [from, to] in [[400.0, 560.0], [420.0, 600.0]] {
-        fixture.handle(InputEvent::Moved([from, 400.0]));
-        fixture.handle(InputEvent::Pressed(HandButton::Left));
-        fixture.ticks(8);
-        fixture.handle(InputEvent::Moved([to, 400.0]));
-        fixture.tick();
-        fixture.handle(InputEvent::Released(HandButton::Left));
-    }
-    fixture.ticks(100);
-    assert_eq!(fixture.world.undo_counts().undoable, 2);
 }
 
 #[test]
