@@ -26,21 +26,24 @@ pub(crate) fn eroded_row<const N: usize, const W: usize>(
 where
     Grid<N>: Size,
 {
-    among
-        & match depth {
-            0 => rows.row(y, z),
-            1 => erode_by::<N, W, 1>(rows, (y, z)),
-            2 => erode_by::<N, W, 2>(rows, (y, z)),
-            3 => erode_by::<N, W, 3>(rows, (y, z)),
-            _ => erode_by::<N, W, SHELL_DEPTH>(rows, (y, z)),
-        }
+    match depth {
+        0 => among & rows.row(y, z),
+        1 => erode_by::<N, W, 1>(rows, (y, z), among),
+        2 => erode_by::<N, W, 2>(rows, (y, z), among),
+        3 => erode_by::<N, W, 3>(rows, (y, z), among),
+        _ => erode_by::<N, W, SHELL_DEPTH>(rows, (y, z), among),
+    }
 }
 
 /// Erosion of row (y, z) by a constant depth, so that the loops unroll.
+///
+/// Its own erosion along x comes first: beside a slot across x, where a blade works, it leaves nothing of what is
+/// asked for.
 #[inline(never)] // the compiler makes a mess of the loops that it would be inlined into
 fn erode_by<const N: usize, const W: usize, const DEPTH: usize>(
     rows: RowStrip<'_, N, W>,
     (y, z): RowAddress,
+    among: BitRow<W>,
 ) -> BitRow<W>
 where
     Grid<N>: Size,
@@ -48,9 +51,19 @@ where
     if y < DEPTH || z < DEPTH || y >= N - DEPTH || z >= N - DEPTH {
         return BitRow::EMPTY;
     }
-    let mut row = rows.row(y, z);
+    let mut own = rows.row(y, z);
+    for _ in 0..DEPTH {
+        own = own & own.shifted_up() & own.shifted_down();
+    }
+    let among = among & own;
+    if among.is_empty() {
+        return among;
+    }
+    let mut row = !BitRow::EMPTY;
     for away in 1..=DEPTH {
-        row = row & row.shifted_up() & row.shifted_down();
+        if away > 1 {
+            row = row & row.shifted_up() & row.shifted_down();
+        }
         for i in 0..away {
             let j = away - i;
             row &= rows.row(y - i, z - j);
@@ -59,7 +72,7 @@ where
             row &= rows.row(y + j, z - i);
         }
     }
-    row
+    row & among
 }
 
 /// Dilation: of the voxels `among` of row (y, z), those with an occupied voxel, or the ground below

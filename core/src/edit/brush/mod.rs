@@ -6,6 +6,7 @@
 mod capsule;
 mod half_ball;
 mod piece;
+mod slab_rows;
 mod swept_box;
 mod swept_disc;
 
@@ -22,6 +23,7 @@ pub(crate) use capsule::Capsule;
 pub use half_ball::HalfBall;
 pub(crate) use piece::BrushLayer;
 pub use piece::BrushPiece;
+use slab_rows::SlabRows;
 pub(crate) use swept_box::SweptBox;
 use swept_disc::way_across_disc_subunits;
 pub(crate) use swept_disc::{DiscShape, SweptDisc};
@@ -215,6 +217,20 @@ impl BrushPieces {
     pub fn visit_layer_rows(&self, y: usize, grid_side: usize, mut visit: impl FnMut(BrushRow)) {
         for piece in &self.0 {
             piece.layer(y).visit_rows(grid_side, |z, x_range| visit(BrushRow { z, x_range }));
+        }
+    }
+
+    /// The same but for intervals that no voxel of `layer` lies in, the rows of layer `y` of a grid: it leaves out
+    /// those that are sooner looked at than computed.
+    #[inline]
+    pub(crate) fn visit_layer_rows_held<R: BitSet>(
+        &self,
+        y: usize,
+        layer: &[R],
+        mut visit: impl FnMut(BrushRow),
+    ) {
+        for piece in &self.0 {
+            piece.layer(y).visit_rows_held(layer, |z, x_range| visit(BrushRow { z, x_range }));
         }
     }
 }

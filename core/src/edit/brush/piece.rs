@@ -9,6 +9,7 @@ use super::{
 };
 use crate::edit::pose::Pose;
 use crate::volume::range::Range;
+use crate::volume::row::BitSet;
 
 /// A convex part of a brush.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -164,6 +165,20 @@ impl BrushLayer<'_> {
             if let Some(x_range) = self.x_range(z, grid_side) {
                 visit(z, x_range);
             }
+        }
+    }
+
+    /// The same, but for rows of which `layer`, a grid's rows at this y, holds no voxel, where those are sooner looked
+    /// at than computed.
+    #[inline]
+    pub(crate) fn visit_rows_held<R: BitSet>(
+        &self,
+        layer: &[R],
+        mut visit: impl FnMut(usize, Range),
+    ) {
+        match &self.0 {
+            LayerShape::Disc(d, y) if d.has_slab_rows() => d.visit_rows_held(*y, layer, visit),
+            _ => self.visit_rows(layer.len(), &mut visit),
         }
     }
 }

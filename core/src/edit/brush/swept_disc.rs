@@ -2,12 +2,14 @@
 
 use glam::IVec3;
 
+use super::capsule::BallLayer;
 use super::{
-    BrushBounds, Capsule, FAR, SubunitInterval, clamp_to_far, isqrt, voxel_centre_subunits,
-    voxels_with_centre_in,
+    BrushBounds, Capsule, FAR, SlabRows, SubunitInterval, clamp_to_far, isqrt,
+    voxel_centre_subunits, voxels_with_centre_in,
 };
 use crate::edit::pose::{FIXED_ONE, Pose, SUBUNITS_PER_VOXEL};
 use crate::volume::range::Range;
+use crate::volume::row::BitSet;
 
 /// A disc of constant normal, swept along a straight line: the points `p` of a capsule with
 /// `|normal . (2p - middle)| <= extent`.
@@ -25,29 +27,6 @@ pub struct SweptDisc {
     pub middle: IVec3,
     /// Half of the slab's thickness, in doubled fixed point times [`FIXED_ONE`].
     pub extent: i64,
-}
-
-/// The ends of the rows between a disc's planes, in voxels times 2^[`SlabRows::FRACTION_BITS`].
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct SlabRows {
-    lo: i64,
-    hi: i64,
-    step: i64,
-}
-
-impl SlabRows {
-    const FRACTION_BITS: u32 = 20;
-    /// More than 256 steps lose by rounding down, which makes `lo` too small and `hi` too small.
-    const SLACK: i64 = 1 << 9;
-
-    /// The first and the last voxel of the next row, of which either may lie outside the grid.
-    #[inline]
-    pub(crate) fn next_ends(&mut self) -> (i64, i64) {
-        let (lo, hi) = (self.lo, self.hi);
-        (self.lo, self.hi) = (lo + self.step, hi + self.step);
-        let up = (1 << Self::FRACTION_BITS) - 1;
-        ((lo + up) >> Self::FRACTION_BITS, hi >> Self::FRACTION_BITS)
-    }
 }
 
 /// The shape of a disc about its centre, in fixed point. Its normal is the x axis of its pose.
@@ -192,15 +171,59 @@ impl SweptDisc {
             let Some(of_planes) = of_planes else {
                 continue;
             };
-            let z_subunits = voxel_centre_subunits(z);
-            // A capsule is convex: a row is in it whose ends are. Those of most are in the ball at its end.
-            let x_range = match of_end.holds_ends(of_planes, z_subunits) {
-                true => Some(of_planes),
-                false => self.cut_by_ball(of_planes, (y_subunits, z_subunits), grid_side),
-            };
+            if let Some(x_range) = self.within_ball(of_planes, (y_subunits, z), &of_end, grid_side)
+            {
+                visit(z, x_range);
+            }
+        }
+    }
+
+    /// The same but for rows of which `layer`, a grid's rows at this y, holds no voxel. There are none for a disc
+    /// without [`SweptDisc::slab_rows`].
+    #[inline]
+    pub(super) fn visit_rows_held<R: BitSet>(
+        &self,
+        y_subunits: i64,
+        layer: &[R],
+        mut visit: impl FnMut(usize, Range),
+    ) {
+        let grid_side = layer.len();
+        let Some(z_range) = self.z_range(y_subunits, grid_side) else {
+            return;
+        };
+        let Some(slab) = self.slab_rows(y_subunits, z_range.first()) else {
+            return;
+        };
+        let of_end = self.rim.ball_at_end(y_subunits);
+        let rows = &layer[z_range.first()..=z_range.last()];
+        slab.find_row_holding(rows, (0, grid_side - 1), |i, ends| {
+            let z = z_range.first() + i;
+            let across = self.across_at(y_subunits, voxel_centre_subunits(z));
+            let of_planes = self.x_range_near(ends, across, grid_side);
+            let x_range = of_planes.and_then(|of_planes| {
+                self.within_ball(of_planes, (y_subunits, z), &of_end, grid_side)
+            });
             if let Some(x_range) = x_range {
                 visit(z, x_range);
             }
+            false
+        });
+    }
+
+    /// Those of the voxels between the planes of the row at `z` that are in the ball, which is `of_end` at its end.
+    #[inline]
+    fn within_ball(
+        &self,
+        of_planes: Range,
+        (y_subunits, z): (i64, usize),
+        of_end: &BallLayer,
+        grid_side: usize,
+    ) -> Option<Range> {
+        let z_subunits = voxel_centre_subunits(z);
+        // A capsule is convex: a row is in it whose ends are. Those of most are in the ball at its end.
+        match of_end.holds_ends(of_planes, z_subunits) {
+            true => Some(of_planes),
+            false => self.cut_by_ball(of_planes, (y_subunits, z_subunits), grid_side),
         }
     }
 
@@ -248,10 +271,10 @@ impl SweptDisc {
     /// (a digital differential analyser) instead of divisions: now and then a voxel too many at an end, none too few.
     /// `None` for a disc that faces away from x, whose rows are long and few.
     pub(crate) fn slab_rows(&self, y_subunits: i64, first_z: usize) -> Option<SlabRows> {
-        let [nx, _, nz] = self.normal;
-        if nx < i64::from(FIXED_ONE) / 8 {
+        if !self.has_slab_rows() {
             return None;
         }
+        let [nx, _, nz] = self.normal;
         let at = self.across_at(y_subunits, voxel_centre_subunits(first_z));
         let slope = nx * 2 * i64::from(SUBUNITS_PER_VOXEL);
         let end = |across: i64| ((across - at) << SlabRows::FRACTION_BITS).div_euclid(slope);
@@ -260,6 +283,12 @@ impl SweptDisc {
             hi: end(self.extent) + SlabRows::SLACK,
             step: (-nz << SlabRows::FRACTION_BITS).div_euclid(nx),
         })
+    }
+
+    /// Whether it has [`SweptDisc::slab_rows`].
+    #[inline]
+    pub(crate) fn has_slab_rows(&self) -> bool {
+        self.normal[0] >= i64::from(FIXED_ONE) / 8
     }
 
     /// Where voxel 0 of a row lies across the disc: `normal . (2p - middle)`.

@@ -59,9 +59,15 @@ where
             return false;
         };
         let within: <Grid<N> as Size>::Row = BitSet::span(lo[0], hi[0]);
-        let of_disc = self.find_row_of_disc(piece, (lo, hi), |row, layer, candidates| {
+        let of_disc = self.find_row_of_disc(piece, (lo, hi), |(y, z), layer, (first, last)| {
+            if let TestedVoxels::OfMask(mask) = tested
+                && mask.column(Axis::X, (y, z)).0[0].is_empty()
+            {
+                return false;
+            }
             let layers = PieceLayers { piece: layer, bounding_ball: None };
-            self.row_overlaps(layers, row, candidates, tested)
+            let candidates = self.rows.row(y, z) & BitSet::span(first, last);
+            self.row_overlaps(layers, (y, z), candidates, tested)
         });
         if let Some(overlaps) = of_disc {
             return overlaps;
@@ -86,37 +92,34 @@ where
     }
 
     /// Whether `is_found` holds for a row of a disc that has many short rows, most of which hold nothing between its
-    /// planes: it gets the others, with what they hold there, or now and then a voxel beside it. `None` for a disc
-    /// that has other rows, and for other pieces.
+    /// planes: it gets the others, with the first and the last voxel there, or now and then one beside it. `None` for
+    /// a disc that has other rows, and for other pieces.
     fn find_row_of_disc(
         &self,
         piece: &BrushPiece,
         (lo, hi): ([usize; 3], [usize; 3]),
-        mut is_found: impl FnMut(RowAddress, &BrushLayer<'_>, <Grid<N> as Size>::Row) -> bool,
+        mut is_found: impl FnMut(RowAddress, &BrushLayer<'_>, (usize, usize)) -> bool,
     ) -> Option<bool> {
         let BrushPiece::Disc(disc) = piece else {
             return None;
         };
-        disc.slab_rows(voxel_centre_subunits(lo[1]), 0)?;
-        let (first_x, last_x) = (lo[0] as i64, hi[0] as i64);
+        if !disc.has_slab_rows() {
+            return None;
+        }
+        let within @ (first_x, last_x) = (lo[0], hi[0]);
         Some((lo[1]..hi[1] + 1).any(|y| {
             let layer = piece.layer(y);
             let Some(z_range) = layer.z_range(N) else {
                 return false;
             };
-            let slab = disc.slab_rows(voxel_centre_subunits(y), z_range.first());
-            let Some(mut slab) = slab else {
+            let Some(slab) = disc.slab_rows(voxel_centre_subunits(y), z_range.first()) else {
                 return false;
             };
             let rows = &self.rows.layer(y)[z_range.first()..z_range.last() + 1];
-            iter::zip(z_range.first().., rows).any(|(z, row)| {
-                let (first, last) = slab.next_ends();
-                let (first, last) = (first.max(first_x), last.min(last_x));
-                if first > last || !has_any_of(row, first as usize, last as usize) {
-                    return false;
-                }
-                let candidates = *row & BitSet::span(first as usize, last as usize);
-                is_found((y, z), &layer, candidates)
+            slab.find_row_holding(rows, within, |i, (first, last)| {
+                let first = usize::try_from(first).map_or(first_x, |first| first.max(first_x));
+                let voxels = (first, last_x.min(last as usize));
+                is_found((y, z_range.first() + i), &layer, voxels)
             })
         }))
     }
@@ -173,8 +176,8 @@ where
                     }
                 }
             };
-        let of_disc = self.find_row_of_disc(piece, (lo, hi), |row, layer, near| {
-            visit_near(row, layer, near);
+        let of_disc = self.find_row_of_disc(piece, (lo, hi), |(y, z), layer, (first, last)| {
+            visit_near((y, z), layer, self.rows.row(y, z) & BitSet::span(first, last));
             false
         });
         if of_disc.is_some() {
@@ -230,19 +233,4 @@ where
             beside(y, z + 1) - beside(y, z.wrapping_sub(1)),
         )
     }
-}
-
-/// Whether a row has one of the bits `first..=last`.
-#[inline]
-fn has_any_of<R: BitSet>(row: &R, first: usize, last: usize) -> bool {
-    if first / 64 == last / 64 {
-        let bits = row.word(first / 64) >> (first % 64);
-        return bits & (u64::MAX >> (63 - (last - first))) != 0;
-    }
-    let words = first / 64..last / 64 + 1;
-    words.clone().any(|i| {
-        let from = if i == words.start { u64::MAX << (first % 64) } else { u64::MAX };
-        let to = if i + 1 == words.end { u64::MAX >> (63 - last % 64) } else { u64::MAX };
-        row.word(i) & from & to != 0
-    })
 }

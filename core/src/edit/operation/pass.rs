@@ -72,18 +72,27 @@ where
         z_range
     }
 
-    /// Rasterises layer `y` of the brush into the flips' memory. Returns the z of its rows.
+    /// Rasterises layer `y` of the brush into the flips' memory, for a carve perhaps without what the volume doesn't
+    /// hold. Returns the z of its rows.
     #[inline(never)] // as the functions that follow: together they would spill registers
     fn rasterise_brush_layer(&mut self, y: usize) -> ZRange {
         let layer = &mut self.scratch.pending[y % (SHELL_DEPTH + 1)];
         let words = BrushWords { first_word: self.first_word, mirrored: self.edit.mirrored };
         let (mut least, mut greatest) = (N, 0);
         layer[self.bounds.lo[2]..=self.bounds.hi[2]].fill(BitSet::EMPTY);
-        self.scratch.pieces.visit_layer_rows(y, N, |BrushRow { z, x_range }| {
+        let visit = |BrushRow { z, x_range }| {
             let brush: BitRow<W> = layer[z].word_span(0) | words.of_range(x_range, N);
             layer[z].set_word_span(0, brush);
             (least, greatest) = (least.min(z), greatest.max(z));
-        });
+        };
+        // What a mirrored carve needs isn't in these rows alone.
+        match self.edit.operation {
+            EditOperation::Carve { .. } if !self.edit.mirrored => {
+                let rows = self.volume.rows().layer(y);
+                self.scratch.pieces.visit_layer_rows_held(y, rows, visit);
+            }
+            _ => self.scratch.pieces.visit_layer_rows(y, N, visit),
+        }
         if least > greatest { Range::EMPTY } else { Range::new(least, greatest) }
     }
 
