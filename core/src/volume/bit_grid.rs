@@ -95,24 +95,42 @@ where
     }
 
     /// Becomes the intersection of the three range maps.
+    pub fn set_from_maps<const K: usize>(&mut self, maps: &RangeMaps<N, K>) {
+        self.set_rows_from_maps(maps, [Range::new(0, N - 1); 2]);
+    }
+
+    /// Makes rows the intersection of the three range maps: those whose y and z lie in these ranges.
     ///
     /// A scan conversion by parity: each range of the Y and Z maps toggles its column's bit at its
     /// first voxel and just past its last; a prefix exclusive-or along the columns turns the toggles
     /// into occupancy, all columns of a line at a time.
-    pub fn set_from_maps<const K: usize>(&mut self, maps: &RangeMaps<N, K>) {
+    pub(crate) fn set_rows_from_maps<const K: usize>(
+        &mut self,
+        maps: &RangeMaps<N, K>,
+        [of_y, of_z]: [Range; 2],
+    ) {
+        if of_y.is_empty() || of_z.is_empty() {
+            return;
+        }
+        let (of_y, of_z) = (of_y.first()..of_y.last() + 1, of_z.first()..of_z.last() + 1);
         let mut toggles = [<Grid<N> as Size>::Row::EMPTY; 257];
-        for (y, layer) in self.rows.iter_mut().enumerate() {
-            visit_cross_sections::<N, K>(maps.line(Axis::Z, y), &mut toggles, |section| {
-                layer[section.position] = section.places;
+        for y in of_y.clone() {
+            let rows = self.rows[y][of_z.clone()].iter_mut();
+            let of_line = maps.line(Axis::Z, y);
+            visit_cross_sections(of_line, &mut toggles, of_z.start, rows, |row, places| {
+                *row = places
             });
         }
-        for z in 0..N {
-            visit_cross_sections::<N, K>(maps.line(Axis::Y, z), &mut toggles, |section| {
-                self.rows[section.position][z] &= section.places;
+        for z in of_z.clone() {
+            let rows = self.rows[of_y.clone()].iter_mut().map(|layer| &mut layer[z]);
+            let of_line = maps.line(Axis::Y, z);
+            visit_cross_sections(of_line, &mut toggles, of_y.start, rows, |row, places| {
+                *row &= places
             });
         }
-        for (y, layer) in self.rows.iter_mut().enumerate() {
-            for (row, column) in layer.iter_mut().zip(maps.line(Axis::X, y)) {
+        for y in of_y {
+            let rows = self.rows[y][of_z.clone()].iter_mut();
+            for (row, column) in rows.zip(&maps.line(Axis::X, y)[of_z.clone()]) {
                 let mut voxels = BitSet::EMPTY;
                 for range in column.0.iter().take_while(|range| !range.is_empty()) {
                     voxels |= BitSet::from_range(*range);
@@ -231,22 +249,18 @@ where
     }
 }
 
-/// The voxels of a line's columns at one position along them.
-struct CrossSection<R> {
-    position: usize,
-    /// The places of the columns that contain this position.
-    places: R,
-}
-
-/// Visits the cross sections of a line's columns at all positions, in ascending order. `toggles` is
-/// scratch, empty before and after.
+/// Visits rows, each with the cross section of a line's columns at its position: the first one's is `first`, and so on.
+/// `toggles` is scratch, empty before and after.
 #[inline]
-fn visit_cross_sections<const N: usize, const K: usize>(
+fn visit_cross_sections<'a, const N: usize, const K: usize>(
     line: &[Column<K>; N],
     toggles: &mut [<Grid<N> as Size>::Row; 257],
-    mut visit: impl FnMut(CrossSection<<Grid<N> as Size>::Row>),
+    first: usize,
+    rows: impl ExactSizeIterator<Item = &'a mut <Grid<N> as Size>::Row>,
+    mut visit: impl FnMut(&mut <Grid<N> as Size>::Row, <Grid<N> as Size>::Row),
 ) where
     Grid<N>: Size,
+    <Grid<N> as Size>::Row: 'a,
 {
     for word in 0..<Grid<N> as Size>::Row::WORDS {
         let columns = &line[64 * word..(64 * word + 64).min(N)];
@@ -269,9 +283,13 @@ fn visit_cross_sections<const N: usize, const K: usize>(
         }
     }
     let mut places = <Grid<N> as Size>::Row::EMPTY;
-    for (position, toggled) in toggles[..N].iter_mut().enumerate() {
+    for toggled in &mut toggles[..first] {
         places ^= mem::replace(toggled, BitSet::EMPTY);
-        visit(CrossSection { position, places });
     }
-    toggles[N] = BitSet::EMPTY;
+    let end = first + rows.len();
+    for (row, toggled) in rows.zip(&mut toggles[first..]) {
+        places ^= mem::replace(toggled, BitSet::EMPTY);
+        visit(row, places);
+    }
+    toggles[end..=N].fill(BitSet::EMPTY);
 }

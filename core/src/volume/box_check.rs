@@ -15,10 +15,10 @@ where
     /// Rebuilds the bit rows after [`Volume::maps_and_digest_leaving_bit_rows`], where only voxels of
     /// columns inside the box changed.
     pub(crate) fn rebuild_rows_in(&mut self, changed: VoxelBox) {
-        // Voxel by voxel for few, all columns at once for many.
+        // Voxel by voxel for few, all columns of a line at once for many.
         let [x, y, z] = changed.ranges();
-        if changed.count_voxels() > 4 * N * N {
-            return self.rebuild_rows();
+        if changed.count_voxels() > N * N {
+            return self.rebuild_rows_of([y, z]);
         }
         let among = x.to_row::<<Grid<N> as Size>::Row>();
         for at @ (y, z) in rows_of(y, z) {

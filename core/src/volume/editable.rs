@@ -4,6 +4,7 @@ use crate::codec::digest::DIGEST_KEYS;
 use crate::volume::bit_grid::BitGrid;
 use crate::volume::column_digest::{column_number, copy_and_digest_maps, line_key, maps_digest};
 use crate::volume::journal::Journal;
+use crate::volume::range::Range;
 use crate::volume::range_maps::{Axis, Column, ColumnAddress, RangeMaps};
 use crate::volume::row::BitSet;
 use crate::volume::size::{Grid, Size};
@@ -80,6 +81,11 @@ where
     /// Rebuilds the bit rows after [`Volume::maps_and_digest_leaving_bit_rows`].
     pub(crate) fn rebuild_rows(&mut self) {
         self.rows.set_from_maps(&self.maps);
+    }
+
+    /// The same of those rows whose y and z lie in these ranges, where no other row changed.
+    pub(crate) fn rebuild_rows_of(&mut self, y_and_z: [Range; 2]) {
+        self.rows.set_rows_from_maps(&self.maps, y_and_z);
     }
 
     /// The range maps.

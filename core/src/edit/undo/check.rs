@@ -56,11 +56,8 @@ where
         mask: &RangeMaps<N, K>,
     ) -> Result<(), UnsoundEntry> {
         let mut changed = VoxelBox::EMPTY;
-        self.swap_columns(entry, volume, |axis, (line, first), ours, theirs| {
-            for (place, (ours, theirs)) in (first..).zip(ours.iter().zip(theirs)) {
-                let of_column = box_of_change::<N, K>(axis, (line, place), ours, theirs);
-                changed = changed.hull_with(of_column);
-            }
+        self.swap_columns(entry, volume, |axis, first, ours, theirs| {
+            changed = changed.hull_with(box_of_changes::<N, K>(axis, first, ours, theirs));
         });
         volume.rebuild_rows_in(changed);
         let unsound = |(axis, address), expected| UnsoundEntry { entry, expected, axis, address };
@@ -75,6 +72,22 @@ where
             None => Ok(()),
         }
     }
+}
+
+/// The box around the voxels that one of two values of a run of columns holds and the other doesn't.
+pub(super) fn box_of_changes<const N: usize, const K: usize>(
+    axis: Axis,
+    (line, first): ColumnAddress,
+    ones: &[Column<K>],
+    others: &[Column<K>],
+) -> VoxelBox
+where
+    Grid<N>: Size,
+{
+    let columns = (first..).zip(ones.iter().zip(others));
+    columns.fold(VoxelBox::EMPTY, |changed, (place, (one, other))| {
+        changed.hull_with(box_of_change::<N, K>(axis, (line, place), one, other))
+    })
 }
 
 /// The box around the voxels that one of two values of a column holds and the other doesn't.

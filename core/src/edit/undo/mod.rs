@@ -26,6 +26,8 @@ use crate::volume::journal::SwapJournal;
 use crate::volume::range_maps::{Axis, Column, ColumnAddress};
 use crate::volume::row::BitSet;
 use crate::volume::size::{Grid, Size};
+use crate::volume::voxel_box::VoxelBox;
+use check::box_of_changes;
 use packed::{
     EntryCell, EntryColumns, EntryRun, column_from_cells, digest_of_run, nonzero_column_number,
 };
@@ -252,11 +254,20 @@ where
         volume: &mut Volume<N, K>,
         journal: &mut impl SwapJournal<K>,
     ) {
+        // To look at many columns takes longer than to rebuild all rows.
+        let are_few = self.count_columns_of(index) as usize <= N * N / 8;
+        let mut changed = VoxelBox::EMPTY;
         self.swap_columns(index, volume, |axis, first, ours, theirs| {
             journal.record_swap(axis, first, ours, theirs);
+            if are_few {
+                changed = changed.hull_with(box_of_changes::<N, K>(axis, first, ours, theirs));
+            }
         });
         journal.end_swaps();
-        volume.rebuild_rows();
+        match are_few {
+            true => volume.rebuild_rows_in(changed),
+            false => volume.rebuild_rows(),
+        }
         // Later changes don't belong to the entry that was undone or redone.
         self.fresh = true;
     }
