@@ -39,6 +39,19 @@ impl Budget {
         let more = if grid_side > 128 { 4 } else { 1 };
         Budget { work: more * 750_000, bytes: more * 256 * 1024 }
     }
+
+    /// The budget of a frame that shows so many ticks: each has as much, up to [`Budget::MAX_TICKS`]. Frames that are
+    /// that late have the time, and what hands do would show ever later otherwise.
+    #[must_use]
+    pub const fn of_frame_after(grid_side: usize, ticks: u32) -> Self {
+        let Budget { work, bytes } = Self::per_frame(grid_side);
+        let ticks = if ticks > Self::MAX_TICKS { Self::MAX_TICKS } else { ticks };
+        let times = if ticks == 0 { 1 } else { ticks as usize };
+        Budget { work: times * work, bytes: times * bytes }
+    }
+
+    /// Ticks of one frame that have a budget.
+    pub const MAX_TICKS: u32 = 4;
 }
 
 /// Accounts for what of a budget is spent.

@@ -30,6 +30,8 @@ where
     figure: FigureShares,
     /// Whether the volume was replaced: all textures are rebuilt before the next frame.
     anew: bool,
+    /// Ticks that no frame has shown yet.
+    ticks: u32,
     scene: Box<SceneAssembler>,
 }
 
@@ -63,13 +65,14 @@ where
         let mut scene = Box::new(SceneAssembler::new());
         scene.follow_tick(world);
         let (field, figure) = (Box::new(DensityField::new()), FigureShares::new());
-        let mut show = WorldRenderer { renderer, field, figure, anew: false, scene };
+        let mut show = WorldRenderer { renderer, field, figure, anew: false, ticks: 0, scene };
         show.upload_volume(world)?;
         Ok(show)
     }
 
     /// Notes what a tick changed; call it after each tick.
     pub fn note_tick(&mut self, world: &World<N, K>) {
+        self.ticks = self.ticks.saturating_add(1);
         self.field.note_dirty_columns(world.volume().maps(), world.dirty_rects());
         self.anew |= world.events().iter().any(|event| matches!(event, WorldEvent::Started(_)));
         self.scene.follow_tick(world);
@@ -107,7 +110,8 @@ where
         semaphores: FrameSemaphores,
     ) -> Result<(), Error> {
         let renderer = &mut self.renderer;
-        self.field.update_textures(Budget::per_frame(N), &mut |region, bytes| {
+        let budget = Budget::of_frame_after(N, core::mem::take(&mut self.ticks));
+        self.field.update_textures(budget, &mut |region, bytes| {
             let fits = renderer.try_stage_upload(region, bytes);
             debug_assert!(fits, "a frame's budget is within what it can upload");
         });

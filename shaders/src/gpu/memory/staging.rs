@@ -5,14 +5,16 @@ use std::sync::Arc;
 use ash::vk;
 
 use super::buffer::Buffer;
+use crate::field::Budget;
 use crate::gpu::device::context::Gpu;
 use crate::gpu::device::error::Error;
 use crate::upload::Region;
 
-/// Bytes that one frame can upload; larger uploads are spread over frames.
-pub(crate) const FRAME_UPLOAD_BYTES: usize = 1 << 20;
+/// Bytes that one frame can upload, those of a budget at 256 after [`Budget::MAX_TICKS`]; larger uploads are spread over
+/// frames.
+pub(crate) const FRAME_UPLOAD_BYTES: usize = Budget::of_frame_after(256, Budget::MAX_TICKS).bytes;
 /// Regions that one frame can upload.
-pub(crate) const MAX_REGIONS: usize = 1024;
+pub(crate) const MAX_REGIONS: usize = 1024 * Budget::MAX_TICKS as usize;
 /// Alignment of a region in the buffer, in bytes.
 const ALIGNMENT: usize = 4;
 /// Size of the buffer, with the padding between regions.
