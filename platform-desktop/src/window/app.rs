@@ -98,7 +98,7 @@ where
         start_pictures: &Image,
         options: &WindowOptions,
     ) -> Self {
-        if let Some(choice) = options.size_choice {
+        if let Some(choice) = options.size_choice.filter(|_| !options.kiosk) {
             studio.push_notice(Notice::Good(choice.to_string()));
         }
         if let Some(file) = &options.file {
@@ -298,7 +298,7 @@ where
             printing: self.studio.is_exporting(),
             printed: self.studio.session_stl_path(),
             unwritten: self.studio.has_writes_to_retry(),
-            slow: self.slowness.verdict(),
+            slow: self.slowness.verdict().filter(|_| !self.kiosk.is_on),
             grid_side: N,
             fault: self.studio.save_error(),
             opening: self.studio.path_being_read(),

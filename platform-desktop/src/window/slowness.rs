@@ -28,13 +28,19 @@ pub(super) struct SlownessWatch {
     due: u32,
     dropped: u32,
     verdict: Option<Slowness>,
+    /// Stretches in a row in which it didn't keep up.
+    slow_stretches: u32,
 }
+
+/// Stretches after which slowness isn't told any more: whoever can do something about it has read it.
+const TOLD_STRETCHES: u32 = 4;
 
 impl SlownessWatch {
     /// Notes a frame, with the ticks of the time since the last one.
     pub(super) fn note_frame(&mut self, elapsed: Duration, ticks: ClockTicks) {
         if elapsed > PAUSE {
-            *self = SlownessWatch { verdict: self.verdict, ..SlownessWatch::default() };
+            let SlownessWatch { verdict, slow_stretches, .. } = *self;
+            *self = SlownessWatch { verdict, slow_stretches, ..SlownessWatch::default() };
             return;
         }
         self.seen += elapsed;
@@ -49,13 +55,14 @@ impl SlownessWatch {
                     as u32,
                 speed_percent: 100 * self.due / all,
             });
-            *self = SlownessWatch { verdict, ..SlownessWatch::default() };
+            let slow_stretches = if verdict.is_some() { self.slow_stretches + 1 } else { 0 };
+            *self = SlownessWatch { verdict, slow_stretches, ..SlownessWatch::default() };
         }
     }
 
-    /// What the last whole stretch was like.
-    pub(super) const fn verdict(&self) -> Option<Slowness> {
-        self.verdict
+    /// What the last whole stretch was like, where that is still to be told.
+    pub(super) fn verdict(&self) -> Option<Slowness> {
+        self.verdict.filter(|_| self.slow_stretches <= TOLD_STRETCHES)
     }
 }
 
@@ -101,6 +108,8 @@ mod tests {
         assert_eq!(verdict_at(9, 40), Some(slow));
         assert_eq!([18, 30, 72].map(|rate| verdict_at(rate, 400)), [None; 3]);
         assert_eq!(verdict_at(9, 20), None, "not before a stretch is seen");
+        assert_eq!(verdict_at(9, 9 * 13), Some(slow), "for twelve seconds");
+        assert_eq!(verdict_at(9, 9 * 17), None, "it was read by then");
     }
 
     #[test]

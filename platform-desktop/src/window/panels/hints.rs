@@ -16,14 +16,17 @@ impl Hints {
         self.has_undone |= strokes.redoable > 0;
     }
 
-    /// The hint to show; none once there was a cut and an undo.
+    /// The hint to show; once there was a cut and an undo, of what is to be done with a figure that `hides` in the stone.
     #[must_use]
-    pub(super) const fn text(self) -> Option<&'static str> {
+    pub(super) const fn text(self, hides: bool) -> Option<&'static str> {
         match (self.has_cut, self.has_undone) {
             (false, _) => Some(
                 "Hold the left button and drag over the stone  ·  drag with the right one to look around",
             ),
             (true, false) => Some("Z takes it back  ·  drag with the right button to look around"),
+            (true, true) if hides => Some(
+                "Stroke the stone off all around  ·  where the bit touches the figure it comes off by itself  ·  smaller bits reach the hollows",
+            ),
             (true, true) => None,
         }
     }
@@ -38,7 +41,7 @@ mod tests {
         let mut hints = Hints::default();
         let mut after = |undoable, redoable| {
             hints.note_strokes(UndoCounts { undoable, redoable });
-            hints.text()
+            hints.text(false)
         };
         let drag = after(0, 0).expect("nothing is known yet");
         assert!(drag.contains("Hold the left button and drag") && drag.contains("right"));
@@ -47,5 +50,7 @@ mod tests {
         assert_eq!(after(2, 0), Some(undo));
         assert_eq!(after(1, 1), None);
         assert_eq!(after(0, 0), None, "nor with the next stone");
+        let aim = hints.text(true).expect("what hides is to be found");
+        assert!(aim.contains("all around") && aim.contains("smaller bits"));
     }
 }

@@ -19,7 +19,7 @@ use egui::{
     TextureOptions, Vec2,
 };
 use paros_core::edit::UndoCounts;
-use paros_core::session::{BitSize, SessionMode, SessionState, Tool, ToolBit};
+use paros_core::session::{BitSize, FOUND_PERCENT, SessionMode, SessionState, Tool, ToolBit};
 use paros_shaders::{Image, gpu::FrameTimes};
 use paros_shell::figures::StoneThickness;
 use paros_shell::studio::Notice;
@@ -348,7 +348,9 @@ impl Panels {
             },
             _ => {
                 self.hints.note_strokes(status.undo);
-                let hint = self.hints.text();
+                let hides = matches!(status.mode, SessionMode::Constrained { .. })
+                    && status.bared_percent < FOUND_PERCENT;
+                let hint = self.hints.text(hides);
                 let finish = strip::show_tools(context, status, hint, &mut self.actions);
                 self.finishing = finish == FinishButton::Clicked;
             }

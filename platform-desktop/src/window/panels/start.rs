@@ -50,7 +50,9 @@ fn show_choices(
     thickness: &mut StoneThickness,
 ) -> StartChoice {
     let mut answer = StartChoice::None;
-    if status.session != SessionState::Waiting {
+    // A kiosk's next visitor has nothing to do with what the last one finished.
+    let is_of_another = status.kiosk && status.session == SessionState::Finished;
+    if status.session != SessionState::Waiting && !is_of_another {
         let text = match status.session {
             SessionState::Finished => "Back to the finished sculpture",
             _ => "Go on with your sculpture",

@@ -84,11 +84,14 @@ pub(super) fn show_status(context: &Context, status: &StudioStatus<'_>) {
     });
 }
 
+/// From where on a hidden figure is told to be nearly out.
+const NEARLY_PERCENT: u32 = 80;
+
 /// How much of a hidden figure is bared, and whether that is enough to have found it.
 fn describe_hidden_figure(name: &str, bared_percent: u32) -> String {
     match bared_percent {
-        0 => format!("The {name} in the stone"),
         FOUND_PERCENT.. => format!("The {name}, found: {bared_percent} %"),
+        NEARLY_PERCENT.. => format!("The {name}, nearly out: {bared_percent} %"),
         _ => format!("The {name} in the stone: {bared_percent} %"),
     }
 }

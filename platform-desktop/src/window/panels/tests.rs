@@ -360,3 +360,16 @@ fn files_are_to_be_dropped_only_where_they_can_be() {
     };
     assert_eq!([true, false].map(says_so), [true, false]);
 }
+
+/// In a kiosk, what another visitor finished is nobody's to go back to.
+#[test]
+fn the_next_visitor_is_not_offered_what_the_last_one_finished() {
+    for kiosk in [false, true] {
+        let status = StudioStatus { kiosk, session: SessionState::Finished, ..sculpting_status() };
+        let mut panels = Panels::new();
+        frame(&mut panels, &status, Vec::new());
+        let [all, _] = text_and_bare_text(&mut panels, &status);
+        assert!(all.iter().any(|text| text.contains("Free form")), "{all:?}");
+        assert_eq!(all.iter().any(|text| text.contains("Back to")), !kiosk, "{all:?}");
+    }
+}
