@@ -118,14 +118,14 @@ where
             let rows = self.rows[y][of_z.clone()].iter_mut();
             let of_line = maps.line(Axis::Z, y);
             visit_cross_sections(of_line, &mut toggles, of_z.start, rows, |row, places| {
-                *row = places
+                *row = places;
             });
         }
         for z in of_z.clone() {
             let rows = self.rows[of_y.clone()].iter_mut().map(|layer| &mut layer[z]);
             let of_line = maps.line(Axis::Y, z);
             visit_cross_sections(of_line, &mut toggles, of_y.start, rows, |row, places| {
-                *row &= places
+                *row &= places;
             });
         }
         for y in of_y {
