@@ -25,7 +25,7 @@ impl Hints {
             ),
             (true, false) => Some("Z takes it back  ·  drag with the right button to look around"),
             (true, true) if hides => Some(
-                "Stroke the stone off all around  ·  where the bit touches the figure it comes off by itself  ·  smaller bits reach the hollows",
+                "Stroke the stone off all around the figure  ·  smaller bits reach its hollows",
             ),
             (true, true) => None,
         }
