@@ -31,6 +31,9 @@ impl Budget {
     /// No limit.
     pub const UNLIMITED: Budget = Budget { work: usize::MAX, bytes: usize::MAX };
 
+    /// Ticks of one frame that have a budget, as many as the shells' clock runs in one.
+    pub const MAX_TICKS: u32 = 4;
+
     /// The shells' budget for a volume of `grid_side` voxels a side: less than a million instructions
     /// and 256 KiB at 128, four times that at 256, where four times as much surface changes.
     /// Estimates of work may be a third too low, hence three quarters of a million.
@@ -49,9 +52,6 @@ impl Budget {
         let times = if ticks == 0 { 1 } else { ticks as usize };
         Budget { work: times * work, bytes: times * bytes }
     }
-
-    /// Ticks of one frame that have a budget.
-    pub const MAX_TICKS: u32 = 4;
 }
 
 /// Accounts for what of a budget is spent.
@@ -130,3 +130,19 @@ pub(super) const COLUMN_WORK: usize = 14;
 pub(super) const CHANGED_COLUMN_WORK: usize = 100;
 pub(super) const WHOLE_MAP_COLUMN_WORK: usize = 60;
 pub(super) const STALE_BOX_WORK: usize = 800;
+
+#[cfg(test)]
+mod tests {
+    use super::Budget;
+
+    #[test]
+    fn a_late_frame_has_the_budget_of_each_tick_that_it_shows_up_to_four() {
+        for side in [128, 256] {
+            let Budget { work, bytes } = Budget::per_frame(side);
+            for (ticks, times) in [(0, 1), (1, 1), (3, 3), (4, 4), (u32::MAX, 4)] {
+                let wanted = Budget { work: times * work, bytes: times * bytes };
+                assert_eq!(Budget::of_frame_after(side, ticks), wanted, "{ticks} ticks at {side}");
+            }
+        }
+    }
+}

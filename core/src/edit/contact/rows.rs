@@ -60,11 +60,6 @@ where
         };
         let within: <Grid<N> as Size>::Row = BitSet::span(lo[0], hi[0]);
         let of_disc = self.find_row_of_disc(piece, (lo, hi), |(y, z), layer, (first, last)| {
-            if let TestedVoxels::OfMask(mask) = tested
-                && mask.column(Axis::X, (y, z)).0[0].is_empty()
-            {
-                return false;
-            }
             let layers = PieceLayers { piece: layer, bounding_ball: None };
             let candidates = self.rows.row(y, z) & BitSet::span(first, last);
             self.row_overlaps(layers, (y, z), candidates, tested)

@@ -256,17 +256,17 @@ where
     ) {
         // To look at many columns takes longer than to rebuild all rows.
         let are_few = self.count_columns_of(index) as usize <= N * N / 8;
-        let mut changed = VoxelBox::EMPTY;
+        let mut changed = are_few.then_some(VoxelBox::EMPTY);
         self.swap_columns(index, volume, |axis, first, ours, theirs| {
             journal.record_swap(axis, first, ours, theirs);
-            if are_few {
-                changed = changed.hull_with(box_of_changes::<N, K>(axis, first, ours, theirs));
+            if let Some(changed) = &mut changed {
+                *changed = changed.hull_with(box_of_changes::<N, K>(axis, first, ours, theirs));
             }
         });
         journal.end_swaps();
-        match are_few {
-            true => volume.rebuild_rows_in(changed),
-            false => volume.rebuild_rows(),
+        match changed {
+            Some(changed) => volume.rebuild_rows_in(changed),
+            None => volume.rebuild_rows(),
         }
         // Later changes don't belong to the entry that was undone or redone.
         self.fresh = true;

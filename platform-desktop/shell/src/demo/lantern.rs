@@ -8,8 +8,8 @@ use glam::Vec3;
 use paros_core::session::{BenchItem, SessionMode, Tool, ToolBit, commands};
 use paros_core::volume::{Grid, Size};
 
-use super::scripted_hands::ScriptedHands;
-use super::{Chapter, RIGHT, direction_at_azimuth, evenly_spaced, plunge_bit};
+use super::scripted_hands::{ScriptedHands, StoneAndMaskDistances};
+use super::{Chapter, RIGHT, direction_at_azimuth, evenly_spaced};
 
 /// Slots round the lantern.
 const SLOTS: usize = 6;
@@ -69,4 +69,35 @@ fn cut_slot<const N: usize, const K: usize>(
         }
     }
     hands.move_hand_to_rest(RIGHT);
+}
+
+/// Plunges the bit along `direction` and back out. Does nothing where less than `min_depth_voxels`
+/// of stone lie before the mask or `max_travel_voxels`.
+fn plunge_bit<const N: usize, const K: usize>(
+    hands: &mut ScriptedHands<'_, '_, N, K>,
+    start_voxels: Vec3,
+    direction: Vec3,
+    max_travel_voxels: f32,
+    min_depth_voxels: f32,
+) where
+    Grid<N>: Size,
+{
+    let StoneAndMaskDistances { stone: Some(stone), mask } =
+        hands.cast_ray_to_stone_and_mask(start_voxels, direction)
+    else {
+        return;
+    };
+    // The bit is let into what is left by its own size; the mask stops it.
+    let end = mask.unwrap_or(max_travel_voxels).min(max_travel_voxels);
+    if end - stone < min_depth_voxels || hands.has_ended() {
+        return;
+    }
+    let clear = 0.075 * N as f32;
+    let outside = start_voxels + direction * (stone - clear).max(0.0);
+    hands.move_bit_to(RIGHT, start_voxels, direction);
+    hands.move_bit_to(RIGHT, outside, direction);
+    hands.drive_bit(RIGHT, outside, direction, end - stone + clear);
+    // The trigger stays down until the bit is out: switched off, it could stick in a bent hole.
+    hands.move_bit_to(RIGHT, start_voxels, direction);
+    hands.release_trigger(RIGHT);
 }

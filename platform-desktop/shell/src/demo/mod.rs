@@ -17,11 +17,14 @@ use glam::Vec3;
 use paros_core::volume::{Grid, Size};
 
 pub use script::{Chapter, DemoScript};
+use scripted_hands::ScriptedHands;
 pub use scripted_hands::TickWatcher;
-use scripted_hands::{ScriptedHands, StoneAndMaskDistances};
 
 /// The right hand does the work; the left turns the stool.
 const RIGHT: usize = 1;
+
+/// The azimuths of the block's sides in degrees, which face the visitor one after the other.
+const SIDES: [f32; 4] = [0.0, 90.0, 180.0, 270.0];
 
 /// Plays a session. Calls `watcher` after every tick and `after_chapter` at the end of every chapter.
 pub fn play_demo<const N: usize, const K: usize>(
@@ -38,37 +41,6 @@ pub fn play_demo<const N: usize, const K: usize>(
         DemoScript::Owl => owl::carve_owl(&mut hands, done),
         DemoScript::Lantern => lantern::carve_lantern(&mut hands, done),
     }
-}
-
-/// Plunges the bit along `direction` and back out. Does nothing where less than `min_depth_voxels`
-/// of stone lie before the mask or `max_travel_voxels`.
-fn plunge_bit<const N: usize, const K: usize>(
-    hands: &mut ScriptedHands<'_, '_, N, K>,
-    start_voxels: Vec3,
-    direction: Vec3,
-    max_travel_voxels: f32,
-    min_depth_voxels: f32,
-) where
-    Grid<N>: Size,
-{
-    let StoneAndMaskDistances { stone: Some(stone), mask } =
-        hands.cast_ray_to_stone_and_mask(start_voxels, direction)
-    else {
-        return;
-    };
-    // The bit is let into what is left by its own size; the mask stops it.
-    let end = mask.unwrap_or(max_travel_voxels).min(max_travel_voxels);
-    if end - stone < min_depth_voxels || hands.has_ended() {
-        return;
-    }
-    let clear = 0.075 * N as f32;
-    let outside = start_voxels + direction * (stone - clear).max(0.0);
-    hands.move_bit_to(RIGHT, start_voxels, direction);
-    hands.move_bit_to(RIGHT, outside, direction);
-    hands.drive_bit(RIGHT, outside, direction, end - stone + clear);
-    // The trigger stays down until the bit is out: switched off, it could stick in a bent hole.
-    hands.move_bit_to(RIGHT, start_voxels, direction);
-    hands.release_trigger(RIGHT);
 }
 
 /// The horizontal unit vector at an angle in degrees from +z towards +x.

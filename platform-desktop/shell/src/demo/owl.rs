@@ -11,15 +11,14 @@ use super::rows::{RowPass, stroke_all_sides};
 use super::saw::saw_off_corner;
 use super::scripted_hands::{ScriptedHands, pose_pointing};
 use super::surface_pass::{BitTip, STROKE_SPEED, SurfacePass, depth_at, work_face};
-use super::{Chapter, RIGHT};
+use super::{Chapter, RIGHT, SIDES};
 use crate::figures::{Figure, HiddenStart, StoneThickness};
 
 /// Half a block of stone over the owl.
 const STONE: HiddenStart = HiddenStart { figure: Figure::Owl, thickness: StoneThickness::Half };
 
-/// The sides that face the visitor one after the other.
+/// The azimuths of the block's corners.
 const CORNERS: [f32; 4] = [45.0, 135.0, 225.0, 315.0];
-const SIDES: [f32; 4] = [0.0, 90.0, 180.0, 270.0];
 
 /// How far from the block's axis its corners are sawn off, in 1/128 of its edge: clear of the owl.
 const CORNER_CUT: f32 = 52.0;
@@ -40,7 +39,6 @@ const CHISEL: SurfacePass = SurfacePass {
     off: -0.4,
     least: 0.8,
     half_width: 25.0,
-    offset: 0.0,
     speed: 1.1,
 };
 
@@ -51,7 +49,6 @@ const SMALL: SurfacePass = SurfacePass {
     off: -0.4,
     least: 0.6,
     half_width: 49.0,
-    offset: 0.0,
     speed: STROKE_SPEED,
 };
 

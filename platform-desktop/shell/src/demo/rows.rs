@@ -6,7 +6,7 @@ use paros_core::volume::{Axis, Grid, Size};
 
 use super::scripted_hands::{ScriptedHands, pose_pointing};
 use super::surface_pass::STROKE_SPEED;
-use super::{RIGHT, direction_at_azimuth, evenly_spaced};
+use super::{RIGHT, SIDES, direction_at_azimuth, evenly_spaced};
 
 /// How a side is stroked. Lengths are in 1/128 of the block's edge.
 #[derive(Clone, Copy, Debug)]
@@ -34,7 +34,7 @@ pub(super) fn stroke_all_sides<const N: usize, const K: usize>(
 ) where
     Grid<N>: Size,
 {
-    for degrees in [0.0, 90.0, 180.0, 270.0] {
+    for degrees in SIDES {
         hands.turn_azimuth_to_visitor(degrees);
         let axis = if degrees % 180.0 == 0.0 { Axis::Z } else { Axis::X };
         stroke_side(hands, Side { axis, inward: -direction_at_azimuth(degrees) }, pass);

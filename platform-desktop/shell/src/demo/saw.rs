@@ -13,10 +13,10 @@ const HALF_WIDTH: f32 = 40.0;
 
 /// Heights of the cuts: of the level one, and of the blade's middle in each upright one, from the top down.
 const FOOT: f32 = 5.0;
+const UPRIGHT: [f32; 2] = [48.0, 22.0];
+
 /// How far the blade goes in a tick in 1/128 of the block's edge: 0.36 m/s, with which it keeps up at 256.
 const SAW_SPEED: f32 = 1.42;
-
-const UPRIGHT: [f32; 2] = [48.0, 22.0];
 
 /// Saws off the corner at an azimuth, as far from the block's axis as says `from_axis`, in units of 1/128 of the
 /// block's edge.

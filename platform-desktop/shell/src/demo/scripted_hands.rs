@@ -6,9 +6,7 @@ use crate::tick_runner::TickRunner;
 use glam::{Quat, Vec3};
 use paros_core::edit::Pose;
 use paros_core::internals::RoomPose;
-use paros_core::session::{
-    BenchItem, PointerCommand, RawPose, SessionMode, TICK_RATE, Tool, commands,
-};
+use paros_core::session::{BenchItem, PointerCommand, RawPose, SessionMode, TICK_RATE, Tool};
 use paros_core::volume::{Grid, Size};
 use paros_core::{RangeMaps, TickInput, World};
 
@@ -76,7 +74,7 @@ where
         self.input.start = SessionMode::None;
     }
 
-    /// Sends some of the core's [`commands`], as bits, in one tick.
+    /// Sends some of the core's [`commands`](paros_core::session::commands), as bits, in one tick.
     pub fn send_commands(&mut self, command_bits: u8) {
         self.input.commands = command_bits;
         self.run_tick();
@@ -88,13 +86,6 @@ where
         self.input.pointer = PointerCommand::Resize { hand: hand as u8, by };
         self.run_tick();
         self.input.pointer = PointerCommand::None;
-    }
-
-    /// Turns symmetry on or off.
-    pub fn set_mirror(&mut self, on: bool) {
-        if self.world().is_mirrored() != on {
-            self.send_commands(commands::SYMMETRY);
-        }
     }
 
     /// Runs ticks with the hands where they are.
@@ -129,12 +120,7 @@ where
     pub fn turn_azimuth_to_visitor(&mut self, degrees_from_z_to_x: f32) {
         let target = (degrees_from_z_to_x * (-65_536.0 / 360.0)).round() as i32 as u16;
         loop {
-            let (_, turn) = self
-                .world()
-                .stool_frame()
-                .to_room(&Pose { rotation: Quat::IDENTITY, ..Pose::ZERO });
-            let now =
-                (2.0 * libm::atan2f(turn.y, turn.w) * (65_536.0 / core::f32::consts::TAU)).round();
+            let now = (self.stool_radians() * (65_536.0 / core::f32::consts::TAU)).round();
             let left = i32::from(target.wrapping_sub(now as i32 as u16) as i16);
             // A full push of the stick turns by 227 in a tick, a third of it still by 72.
             let push = match left.abs() {
@@ -231,9 +217,14 @@ where
 
     /// The azimuth of the grid, from +z to +x in degrees, that faces the visitor.
     fn azimuth_before_visitor(&self) -> f32 {
+        -self.stool_radians() * (180.0 / core::f32::consts::PI)
+    }
+
+    /// How far the stool is turned, in radians.
+    fn stool_radians(&self) -> f32 {
         let (_, turn) =
             self.world().stool_frame().to_room(&Pose { rotation: Quat::IDENTITY, ..Pose::ZERO });
-        -2.0 * libm::atan2f(turn.y, turn.w) * (180.0 / core::f32::consts::PI)
+        2.0 * libm::atan2f(turn.y, turn.w)
     }
 
     /// Releases the trigger.

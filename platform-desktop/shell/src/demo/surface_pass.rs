@@ -31,10 +31,8 @@ pub(super) struct SurfacePass {
     pub(super) off: f32,
     /// The least depth of stone in its way for which it is worth a stroke.
     pub(super) least: f32,
-    /// The strips go this far to either side of the face's middle, from `offset`.
+    /// The strips go this far to either side of the face's middle.
     pub(super) half_width: f32,
-    /// Where the middle strip lies.
-    pub(super) offset: f32,
     /// How far the bit goes in a tick.
     pub(super) speed: f32,
 }
@@ -86,7 +84,7 @@ pub(super) fn work_face<const N: usize, const K: usize>(
 {
     let strips = evenly_spaced(-pass.half_width, pass.half_width, pass.spacing);
     for (number, aside) in strips.enumerate() {
-        work_strip(hands, face, pass, pass.offset + aside, number % 2 == 1);
+        work_strip(hands, face, pass, aside, number % 2 == 1);
     }
     hands.move_hand_to_rest(RIGHT);
 }
