@@ -22,4 +22,5 @@ pub use crate::session::workbench::{BENCH_ITEMS, BENCH_TOP, ToolPlace, Workbench
 pub use crate::volume::column_digest::maps_digest;
 pub use crate::volume::line_scan::HoleScan;
 pub use crate::volume::range_maps::{ColumnAddress, ColumnsBeyond, RowAddress};
-pub use crate::volume::row::{BitRow, BitRuns, SetBits};
+pub use crate::volume::row::BitRow;
+pub use crate::volume::row_iter::{BitRuns, SetBits};

@@ -18,6 +18,7 @@ pub(crate) mod neighbourhood;
 pub(crate) mod range;
 pub(crate) mod range_maps;
 pub(crate) mod row;
+pub(crate) mod row_iter;
 pub(crate) mod size;
 pub(crate) mod voxel_box;
 

@@ -5,6 +5,7 @@ use core::fmt::Debug;
 use core::ops::{BitAnd, BitAndAssign, BitOr, BitOrAssign, BitXor, BitXorAssign, Not};
 
 use crate::volume::range::Range;
+use crate::volume::row_iter::{BitRuns, SetBits};
 
 /// A row of `64 * WORDS` bits, lowest first.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -107,11 +108,11 @@ pub trait BitSet:
     fn without_lowest_run(self) -> Self;
     /// The set bits, lowest first.
     fn iter_ones(self) -> SetBits<Self> {
-        SetBits { row: self, word: 0, bits: self.word(0) }
+        SetBits::new(self)
     }
     /// The runs of set bits, lowest first, split at word boundaries.
     fn iter_runs_within_words(self) -> BitRuns<Self> {
-        BitRuns { row: self, word: 0, bits: self.word(0) }
+        BitRuns::new(self)
     }
 }
 
@@ -128,62 +129,6 @@ impl Range {
     #[inline]
     pub fn to_row<R: BitSet>(self) -> R {
         if self.is_empty() { R::EMPTY } else { R::span(self.first(), self.last()) }
-    }
-}
-
-/// Iterator over the set bits of a row.
-#[derive(Debug, Clone)]
-pub struct SetBits<R> {
-    row: R,
-    word: usize,
-    /// What is left of that word.
-    bits: u64,
-}
-
-impl<R: BitSet> Iterator for SetBits<R> {
-    type Item = usize;
-
-    #[inline]
-    fn next(&mut self) -> Option<usize> {
-        while self.bits == 0 {
-            if self.word + 1 == R::WORDS {
-                return None;
-            }
-            self.word += 1;
-            self.bits = self.row.word(self.word);
-        }
-        let bit = self.bits.trailing_zeros() as usize;
-        self.bits &= self.bits - 1;
-        Some(self.word * 64 + bit)
-    }
-}
-
-/// Iterator over the runs of a row, as ranges that are not empty.
-#[derive(Debug, Clone)]
-pub struct BitRuns<R> {
-    row: R,
-    word: usize,
-    /// What is left of that word.
-    bits: u64,
-}
-
-impl<R: BitSet> Iterator for BitRuns<R> {
-    type Item = Range;
-
-    #[inline]
-    fn next(&mut self) -> Option<Range> {
-        while self.bits == 0 {
-            if self.word + 1 == R::WORDS {
-                return None;
-            }
-            self.word += 1;
-            self.bits = self.row.word(self.word);
-        }
-        let lo = self.bits.trailing_zeros();
-        let len = (!(self.bits >> lo)).trailing_zeros();
-        self.bits &= u64::MAX.checked_shl(lo + len).unwrap_or(0);
-        let base = self.word * 64;
-        Some(Range::new(base + lo as usize, base + (lo + len) as usize - 1))
     }
 }
 

@@ -15,8 +15,9 @@ use paros_core::internals::{
 use paros_core::limits::{EXIT_PROBES, max_bit_steps_per_tick};
 use paros_core::session::ToolBit;
 use paros_core::volume::{Grid, Size};
-use paros_models::contact::{ContactModel, path_poses};
+use paros_models::contact::ContactModel;
 use paros_models::dense::{DenseVolume, MaskedVolume, closed_volumes_with_inner_mask};
+use paros_models::path::path_poses;
 use proptest::prelude::*;
 
 use crate::stone::{

@@ -9,7 +9,8 @@ use paros_core::limits::{
 use paros_core::session::ToolBit;
 
 use crate::step::StepModel;
-use crate::step::hands::{HandPresses, WayToFind};
+use crate::step::hand_input::HandPresses;
+use crate::step::hands::WayToFind;
 use crate::step::ledger::HandWork;
 
 impl<const K: usize> StepModel<K> {

@@ -11,7 +11,7 @@ use paros_core::limits::{
     smoothing_work, spall_work, tick_work,
 };
 
-use crate::contact::path_poses;
+use crate::path::path_poses;
 use crate::step::StepModel;
 
 /// What is left of a tick's work for the hands.

@@ -11,6 +11,7 @@ pub mod bench;
 pub mod comparison;
 mod file;
 mod float;
+pub mod hand_input;
 pub mod hands;
 pub mod history;
 pub mod islands;
@@ -40,7 +41,7 @@ use paros_core::session::{
 use paros_core::{StartVolumes, TickInput, WorldEvent};
 
 use bench::BenchModel;
-use hands::HandPresses;
+use hand_input::HandPresses;
 use history::HistoryModel;
 use islands::{IslandModel, IslandTick, PassEnd};
 use ledger::Ledger;
@@ -114,7 +115,7 @@ impl<const K: usize> StepModel<K> {
             string_mm: 0,
             stool: 0,
             head: NOWHERE,
-            hands: [hands::untracked_hand(); 2],
+            hands: [hand_input::untracked_hand(); 2],
             trails: [VecDeque::new(), VecDeque::new()],
             bench: BenchModel::before_sessions(),
             volume: StepVolume::empty(side),
@@ -160,7 +161,7 @@ impl<const K: usize> StepModel<K> {
             self.head = head;
         }
         let presses =
-            [0, 1].map(|i: usize| hands::apply_input(&mut self.hands[i], &input.hands[i]));
+            [0, 1].map(|i: usize| hand_input::apply_input(&mut self.hands[i], &input.hands[i]));
         for (trail, hand) in self.trails.iter_mut().zip(&self.hands) {
             if !hand.tracked {
                 trail.clear();
