@@ -3,6 +3,7 @@
 mod actions;
 mod input;
 mod kiosk;
+mod layout;
 mod shutdown;
 mod steps;
 mod touch;
@@ -12,13 +13,11 @@ use std::time::{Duration, Instant};
 
 use paros_core::WorldEvent as Happened;
 use paros_core::limits::INTERVALS;
-use paros_core::session::BitSize;
 use paros_core::volume::{Grid, Size};
 use paros_headless::Error;
 use paros_shaders::Image;
 use paros_shaders::gpu::{self, RenderPath};
 use paros_shell::statics::Resident;
-use paros_shell::stl_export::{DEFAULT_HEIGHT_MM, print_scale};
 use paros_shell::studio::{Notice, Studio};
 use paros_shell::tick_runner::TickClock;
 use winit::application::ApplicationHandler;
@@ -28,11 +27,11 @@ use winit::event_loop::{ActiveEventLoop, ControlFlow};
 use winit::keyboard::ModifiersState;
 use winit::window::{Window, WindowId};
 
-use super::display::{DisplayConnection, supports_file_drops};
-use super::hands::{MouseHands, RIGHT};
+use super::display::DisplayConnection;
+use super::hands::MouseHands;
 use super::os_error::strip_source_location;
 use super::paint::EguiBuffers;
-use super::panels::{BitOutline, ItemGlow, MirrorGuide, PanelAction, Panels, StudioStatus};
+use super::panels::{PanelAction, Panels};
 use super::script::Script;
 use super::slowness::SlownessWatch;
 use super::view::{FrameParams, WindowRenderer};
@@ -266,58 +265,6 @@ where
             script.count_frame(settled);
         }
         Ok(())
-    }
-
-    fn lay_out_panels_and_act(&mut self, size: [u32; 2]) {
-        self.panels.input.time = Some(self.begun.elapsed().as_secs_f64());
-        self.panels.set_window(size, self.scale);
-        let world = self.studio.world();
-        let held = world.held_tool(RIGHT);
-        let outline = BitOutline::project_bit(world, &self.hands.orbit, size);
-        let mirror = MirrorGuide::project_mirror(world, &self.hands.orbit, size);
-        let pointed = self.hands.pointed_item(world).filter(|_| !self.panels.wants_pointer());
-        let glow =
-            pointed.and_then(|item| ItemGlow::project_item(world, &self.hands.orbit, size, item));
-        let (device, times) = match &self.view {
-            Some(view) => (view.device_name(), view.gpu_times()),
-            None => ("", gpu::FrameTimes::default()),
-        };
-        let status = StudioStatus {
-            session: world.session_state(),
-            mode: world.mode(),
-            held,
-            size: held.map_or(BitSize::NATURAL, |(_, bit)| world.workbench().size_of(bit)),
-            is_steadied: world.string_mm() > 0,
-            depth_mm: self.hands.depth_mm(world),
-            print_scale: print_scale(world, DEFAULT_HEIGHT_MM),
-            bared_percent: world.bared_ends().percent(),
-            symmetry: world.is_mirrored(),
-            undo: world.undo_counts(),
-            unfinished: self.studio.has_unfinished_sculpture(),
-            one_before: self.studio.has_one_before(),
-            printing: self.studio.is_exporting(),
-            printed: self.studio.session_stl_path(),
-            unwritten: self.studio.has_writes_to_retry(),
-            slow: self.slowness.verdict().filter(|_| !self.kiosk.is_on),
-            grid_side: N,
-            fault: self.studio.save_error(),
-            opening: self.studio.path_being_read(),
-            kiosk: self.kiosk.is_on,
-            drops: self.window.as_deref().is_some_and(supports_file_drops),
-            fast: self.path == RenderPath::Fast,
-            device,
-            times,
-            outline: outline.as_ref(),
-            mirror: mirror.as_ref(),
-            glow: glow.as_ref(),
-        };
-        let (output, actions) = self.panels.lay_out(&status);
-        self.egui_buffers.apply_atlas_changes(&output.textures_delta);
-        let scale = output.pixels_per_point;
-        let triangles = self.panels.context.tessellate(output.shapes, scale);
-        self.egui_buffers.set_triangles_of_frame(&triangles, scale);
-        actions.into_iter().for_each(|action| self.perform_action(action));
-        self.click_by_touch();
     }
 
     /// Ends the event loop. The first reason is kept.

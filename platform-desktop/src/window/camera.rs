@@ -14,14 +14,23 @@ pub(super) struct OrbitCamera {
     pub(super) elevation: f32,
     /// Metres from the middle.
     pub(super) distance: f32,
+    /// Part of the picture's height at its bottom that a tool bar covers: what is looked at lies above it.
+    covered: f32,
 }
 
-/// Half the vertical angle of view, in radians.
+/// Half the vertical angle of view above what is covered, in radians.
 const HALF_ANGLE: f32 = 0.36;
+
+/// Part of the picture's height at its bottom that shows nothing but the stool's leg, from where one looks at first: a
+/// tool bar may cover it.
+const UNNEEDED: f32 = 0.15;
+
+/// The largest part of a picture's height that is given up to a tool bar.
+const MAX_COVERED: f32 = 0.5;
 
 impl Default for OrbitCamera {
     fn default() -> Self {
-        OrbitCamera { azimuth: 0.28, elevation: 0.3, distance: 1.12 }
+        OrbitCamera { azimuth: 0.28, elevation: 0.3, distance: 1.12, covered: 0.0 }
     }
 }
 
@@ -48,6 +57,21 @@ impl OrbitCamera {
         self.distance = (self.distance * (-0.12 * notches).exp()).clamp(0.28, 2.6);
     }
 
+    /// Looks from where a visitor looks at first.
+    pub(super) fn reset_pose(&mut self) {
+        *self = OrbitCamera { covered: self.covered, ..OrbitCamera::default() };
+    }
+
+    /// Keeps what is looked at above a tool bar that covers this part of the picture's height.
+    pub(super) fn set_covered_part(&mut self, part: f32) {
+        self.covered = ((part - UNNEEDED) / (1.0 - UNNEEDED)).clamp(0.0, MAX_COVERED);
+    }
+
+    /// Tangent of the angle of view that a picture of `height` pixels has for each of them.
+    fn tangent_per_pixel(&self, height: f32) -> f32 {
+        2.0 * HALF_ANGLE.tan() / ((1.0 - self.covered) * height)
+    }
+
     /// The eye's position in the room, in metres, and its rotation; it looks along its -z.
     #[must_use]
     pub(super) fn pose(&self) -> RoomPose {
@@ -60,8 +84,11 @@ impl OrbitCamera {
     #[must_use]
     pub(super) fn eye(&self, picture_size: [u32; 2]) -> Eye {
         let (position, rotation) = self.pose();
-        let across = (HALF_ANGLE.tan() * aspect_ratio(picture_size)).atan();
-        let fov = Fov { left: -across, right: across, up: HALF_ANGLE, down: -HALF_ANGLE };
+        let [across, down] = picture_size.map(|pixels| pixels.max(1) as f32);
+        let per_pixel = self.tangent_per_pixel(down);
+        let right = (0.5 * across * per_pixel).atan();
+        let below = (HALF_ANGLE.tan() - down * per_pixel).atan();
+        let fov = Fov { left: -right, right, up: HALF_ANGLE, down: below };
         Eye { position, rotation, fov }
     }
 
@@ -71,9 +98,9 @@ impl OrbitCamera {
     pub(super) fn room_ray_through_pixel(&self, [x, y]: [f32; 2], picture_size: [u32; 2]) -> Ray {
         let (position, rotation) = self.pose();
         let [across, down] = picture_size.map(|pixels| pixels.max(1) as f32);
-        let up = HALF_ANGLE.tan();
-        let right = (2.0 * x / across - 1.0) * up * aspect_ratio(picture_size);
-        let direction = Vec3::new(right, (1.0 - 2.0 * y / down) * up, -1.0);
+        let per_pixel = self.tangent_per_pixel(down);
+        let up = HALF_ANGLE.tan() - y * per_pixel;
+        let direction = Vec3::new((x - 0.5 * across) * per_pixel, up, -1.0);
         Ray { origin: position, direction: (rotation * direction).normalize() }
     }
 
@@ -87,25 +114,26 @@ impl OrbitCamera {
         let (position, rotation) = self.pose();
         let seen = rotation.conjugate() * (room_point - position);
         let [across, down] = picture_size.map(|pixels| pixels as f32);
-        let pixels_per_metre = 0.5 * down / (HALF_ANGLE.tan() * -seen.z);
-        let pixel =
-            [0.5 * across + seen.x * pixels_per_metre, 0.5 * down - seen.y * pixels_per_metre];
+        let per_pixel = self.tangent_per_pixel(down);
+        let pixels_per_metre = 1.0 / (per_pixel * -seen.z);
+        let top = HALF_ANGLE.tan() / per_pixel;
+        let pixel = [0.5 * across + seen.x * pixels_per_metre, top - seen.y * pixels_per_metre];
         (seen.z < -0.04).then_some(ProjectedPoint { pixel, pixels_per_metre })
     }
 }
 
-fn aspect_ratio([across, down]: [u32; 2]) -> f32 {
-    across.max(1) as f32 / down.max(1) as f32
-}
-
 #[cfg(test)]
 mod tests {
+    use glam::Vec3;
+    use paros_core::internals::STOOL_TOP;
+
     use super::{OrbitCamera, Ray};
 
     #[test]
     fn a_ray_goes_through_the_pixel_that_shows_its_points() {
         let mut orbit = OrbitCamera { azimuth: 1.0, ..OrbitCamera::default() };
         orbit.rotate_by_drag([40.0, -10.0], 600);
+        orbit.set_covered_part(0.4);
         let picture_size = [800, 600];
         for pixel in [[400.0, 300.0], [13.0, 588.0], [799.0, 2.0]] {
             let Ray { origin, direction } = orbit.room_ray_through_pixel(pixel, picture_size);
@@ -115,5 +143,25 @@ mod tests {
         }
         let Ray { origin, direction } = orbit.room_ray_through_pixel([400.0, 300.0], picture_size);
         assert_eq!(orbit.project_point(origin - direction, picture_size), None);
+    }
+    #[test]
+    fn the_stool_is_seen_above_a_tool_bar_that_covers_much_of_a_small_window() {
+        let mut orbit = OrbitCamera::default();
+        let size = [640, 420];
+        let front_of_stool = STOOL_TOP + Vec3::Z * 0.2;
+        let row = |orbit: &OrbitCamera| {
+            orbit.project_point(front_of_stool, size).expect("before the eye").pixel[1]
+        };
+        orbit.set_covered_part(0.1);
+        assert_eq!(orbit, OrbitCamera::default(), "a bar over the stool's leg alone");
+        assert!(row(&orbit) > 0.6 * 420.0);
+        orbit.set_covered_part(0.4);
+        assert!(row(&orbit) < 0.6 * 420.0, "{}", row(&orbit));
+        // The picture's edges are where the eye's angles say.
+        let fov = orbit.eye(size).fov;
+        let Ray { direction, .. } = orbit.room_ray_through_pixel([640.0, 420.0], size);
+        let seen = orbit.pose().1.conjugate() * direction;
+        assert!((seen.y / -seen.z - fov.down.tan()).abs() < 1e-5);
+        assert!((seen.x / -seen.z - fov.right.tan()).abs() < 1e-5);
     }
 }

@@ -9,6 +9,7 @@ pub(super) mod bench_pick;
 mod bit_guide;
 mod depths;
 mod events;
+mod mounted_bit;
 
 use std::collections::VecDeque;
 
@@ -16,7 +17,7 @@ use glam::{Quat, Vec3};
 use paros_core::internals::RoomPose;
 use paros_core::limits::INTERVALS;
 use paros_core::session::{
-    BenchItem, PointerCommand, RawPose, SessionMode, TICK_RATE, Tool, ToolBit, commands,
+    BenchItem, PointerCommand, RawPose, SessionMode, SessionState, TICK_RATE, Tool, commands,
 };
 use paros_core::volume::{Grid, Size};
 use paros_core::{HandInput, TickInput, World};
@@ -26,6 +27,7 @@ use bit_guide::BitGuide;
 use depths::BitDepths;
 pub(super) use depths::DEPTHS_MM;
 pub(super) use events::{HandAction, HandButton, InputEvent};
+pub(super) use mounted_bit::tool_bits_of;
 
 /// The hand that the mouse moves.
 pub(super) const RIGHT: usize = 1;
@@ -53,15 +55,6 @@ const STRING_MM: u8 = 20;
 /// Points of the cursor's trail that are kept.
 const TRAIL: usize = 1024;
 
-/// The mounted bit among those of its tool.
-#[derive(Clone, Copy)]
-struct MountedBit {
-    /// Its index.
-    mounted: usize,
-    /// How many there are.
-    count: usize,
-}
-
 /// The hands' state: the eye, the cursor, and what the next tick's input is to carry.
 #[derive(Debug)]
 pub(super) struct MouseHands<const N: usize>
@@ -82,6 +75,8 @@ where
     /// The trigger is pulled half way, by which a rasp works lightly.
     pulls_lightly: bool,
     orbiting: bool,
+    /// The left button looks around, as it has nothing else to do on a finished sculpture.
+    orbiting_by_left: bool,
     dragging_stool: bool,
     turning: [bool; 2],
     /// Turn of the stool that no tick has taken yet, in 65,536ths of a turn.
@@ -112,6 +107,7 @@ where
             lifts_trigger: false,
             pulls_lightly: false,
             orbiting: false,
+            orbiting_by_left: false,
             dragging_stool: false,
             turning: [false; 2],
             turn: 0.0,
@@ -147,6 +143,7 @@ where
             InputEvent::LetGo => {
                 self.pulls_lightly = false;
                 (self.running, self.orbiting, self.dragging_stool) = (false, false, false);
+                self.orbiting_by_left = false;
                 self.is_released = false;
                 self.turning = [false; 2];
             }
@@ -162,7 +159,8 @@ where
 
     /// Looks from where a visitor looks at first, with tools as deep as they are then.
     pub(super) fn reset_eye_and_depths(&mut self) {
-        (self.orbit, self.depths) = (OrbitCamera::default(), BitDepths::UNCHOSEN);
+        self.orbit.reset_pose();
+        self.depths = BitDepths::UNCHOSEN;
     }
 
     /// Forgets what no tick has taken yet, and a stroke under way.
@@ -283,7 +281,7 @@ where
     fn move_cursor(&mut self, to: [f32; 2]) {
         if let Some(from) = self.cursor {
             let by = [to[0] - from[0], to[1] - from[1]];
-            if self.orbiting {
+            if self.orbiting || self.orbiting_by_left {
                 self.orbit.rotate_by_drag(by, self.size[1]);
             }
             if self.dragging_stool {
@@ -296,9 +294,13 @@ where
         }
     }
 
-    /// Takes the item on the workbench under the cursor, or starts a stroke.
+    /// Takes the item on the workbench under the cursor, or starts a stroke; looks around what is finished.
     fn press_left(&mut self, world: &World<N, INTERVALS>) {
         let Some(cursor) = self.cursor else { return };
+        if world.session_state() == SessionState::Finished {
+            self.orbiting_by_left = true;
+            return;
+        }
         match self.pointed_item(world) {
             Some(item) => self.take_item_with_its_tool(item, world),
             None => {
@@ -313,6 +315,7 @@ where
 
     /// Ends a stroke where the cursor is now, which the tool may have yet to reach.
     fn release_left(&mut self) {
+        self.orbiting_by_left = false;
         self.is_released = self.running;
         if self.running
             && let Some(cursor) = self.cursor
@@ -362,25 +365,6 @@ where
             HandAction::Turn { .. } => {}
         }
     }
-
-    /// Mounts one of the held tool's bits, by its index among them.
-    fn mount_bit(
-        &mut self,
-        world: &World<N, INTERVALS>,
-        choose_index: impl Fn(MountedBit) -> usize,
-    ) {
-        let Some((tool, mounted)) = world.held_tool(RIGHT) else { return };
-        let bits: Vec<ToolBit> = tool_bits_of(tool).collect();
-        let mounted = bits.iter().position(|bit| *bit == mounted).unwrap_or(0);
-        if let Some(bit) = bits.get(choose_index(MountedBit { mounted, count: bits.len() })) {
-            self.take_item(BenchItem::Bit(*bit));
-        }
-    }
-}
-
-/// The bits that a tool takes.
-pub(super) fn tool_bits_of(tool: Tool) -> impl Iterator<Item = ToolBit> {
-    ToolBit::ALL.into_iter().filter(move |bit| bit.spec().tool == tool)
 }
 
 fn tracked_hand(position: Vec3, rotation: Quat) -> HandInput {

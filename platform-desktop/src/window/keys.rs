@@ -39,7 +39,7 @@ pub(super) const HELP: [(&str, &str); 15] = [
     ("M", "mirror"),
     ("T", "steady hand: the bit is drawn behind it"),
     ("Enter, Space", "finish: print and picture"),
-    ("Esc", "another start, the one before, a file"),
+    ("Esc", "another start, or back from there"),
     ("F1, H", "this help"),
 ];
 

@@ -15,7 +15,10 @@ use crate::window::keys::KeyCommand;
 /// Time without input after which a visitor has gone.
 const GONE_AFTER: Duration = Duration::from_secs(90);
 
-/// Time after that in which the finished sculpture is shown.
+/// For how long before that a visitor is told.
+const TOLD_FOR: Duration = Duration::from_secs(20);
+
+/// Time after [`GONE_AFTER`] in which the finished sculpture is shown.
 const SHOWN_FOR: Duration = Duration::from_secs(20);
 
 /// For how long there was no input. Without a kiosk it isn't looked at.
@@ -64,6 +67,13 @@ impl KioskWatch {
     /// Whether a key's command is for visitors: no developer's tools in a kiosk.
     pub(super) const fn allows(&self, command: KeyCommand) -> bool {
         !self.is_on || !matches!(command, KeyCommand::Graph | KeyCommand::Path | KeyCommand::Record)
+    }
+
+    /// Seconds until a sculpture is finished for whoever left it, once the visitor is to be told.
+    pub(super) fn seconds_to_handover(&self, session: SessionState) -> Option<u32> {
+        let left = GONE_AFTER.checked_sub(self.idle)?;
+        let is_told = self.is_on && session == SessionState::Sculpting && left <= TOLD_FOR;
+        is_told.then_some(left.as_secs_f32().ceil() as u32)
     }
 
     /// Takes the time since the last frame in, and says what is due in a session of this phase, in which something
@@ -121,6 +131,26 @@ mod tests {
         assert_eq!(watch.advance(second, Waiting, false), Handover::ShowStart);
         let mut watch = KioskWatch::new(false);
         assert_eq!(watch.advance(900 * second, Sculpting, true), Handover::Nothing);
+    }
+
+    #[test]
+    fn a_visitor_is_told_for_twenty_seconds_that_the_sculpture_will_be_finished() {
+        let second = Duration::from_secs(1);
+        let mut watch = KioskWatch::new(true);
+        watch.advance(69 * second, Sculpting, true);
+        assert_eq!(watch.seconds_to_handover(Sculpting), None);
+        watch.advance(second, Sculpting, true);
+        assert_eq!(watch.seconds_to_handover(Sculpting), Some(20));
+        assert_eq!(watch.seconds_to_handover(Finished), None, "nothing is lost then");
+        watch.advance(Duration::from_millis(19_500), Sculpting, true);
+        assert_eq!(watch.seconds_to_handover(Sculpting), Some(1));
+        let mut window = KioskWatch::new(false);
+        window.advance(80 * second, Sculpting, true);
+        assert_eq!(
+            window.seconds_to_handover(Sculpting),
+            None,
+            "nobody waits for a window at home"
+        );
     }
 
     #[test]

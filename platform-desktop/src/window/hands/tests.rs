@@ -109,6 +109,24 @@ fn voxels_missing(a: &RangeMaps<128, INTERVALS>, b: &RangeMaps<128, INTERVALS>) 
 }
 
 #[test]
+fn a_drag_looks_around_what_is_finished_and_cuts_nothing() {
+    let mut fixture = HandsFixture::new(SessionMode::FreeForm);
+    fixture.hands.queue_commands(commands::FINISH);
+    fixture.ticks(200);
+    assert_eq!(fixture.world.session_state(), SessionState::Finished);
+    let (digest, from) = (fixture.digest(), fixture.hands.orbit);
+    fixture.handle(InputEvent::Moved([500.0, 350.0]));
+    fixture.handle(InputEvent::Pressed(HandButton::Left));
+    fixture.handle(InputEvent::Moved([600.0, 350.0]));
+    fixture.ticks(3);
+    let turned = fixture.hands.orbit;
+    assert!(turned.azimuth != from.azimuth && fixture.digest() == digest);
+    fixture.handle(InputEvent::Released(HandButton::Left));
+    fixture.handle(InputEvent::Moved([700.0, 350.0]));
+    assert_eq!(fixture.hands.orbit, turned, "the button is up");
+}
+
+#[test]
 fn a_press_carves_under_the_cursor_and_undo_brings_it_back() {
     let mut fixture = HandsFixture::new(SessionMode::FreeForm);
     fixture.handle(InputEvent::Moved([480.0, 330.0]));

@@ -109,6 +109,8 @@ fn panels_of_all_states() -> Vec<(&'static str, Panels, StudioStatus<'static>)> 
         ("finished", in_studio(), finished),
         ("unwritten", in_studio(), StudioStatus { printed: None, unwritten: true, ..finished }),
         ("troubled", in_studio(), troubled),
+        ("left", in_studio(), StudioStatus { seconds_to_handover: Some(20), ..status }),
+        ("beyond", in_studio(), StudioStatus { pastes_beyond_box: true, ..status }),
     ];
     let opened: [(_, fn(&mut Panels)); 5] = [
         ("help", |panels| panels.toggle_help()),
@@ -139,7 +141,8 @@ fn panels_lie_within_windows_of_every_size_and_nothing_is_cut_off() {
             assert!(shapes.len() > 2, "{name} is drawn");
             let cut = find_cut_off(screen, &shapes);
             assert!(cut.is_empty(), "{name} in {window:?}: {cut:#?}");
-            for layer in ["status", "hint", "tools", "start", "help", "notes", "graph"] {
+            for layer in ["status", "hint", "tools", "start", "help", "notes", "graph", "handover"]
+            {
                 let area = panels.context.memory(|memory| memory.area_rect(layer));
                 let inside = area.is_none_or(|area| screen.expand(0.6).contains_rect(area));
                 assert!(inside, "{layer} of {name} in {window:?}: {area:?} of {screen:?}");
@@ -186,6 +189,41 @@ fn what_a_small_window_has_no_room_for_can_be_scrolled_to() {
     }
     let (_, shapes) = lay_out(&mut panels, WINDOWS[0], &sculpting_status());
     assert!(last_row(&shapes));
+}
+
+#[test]
+fn a_low_window_shows_all_starts_without_scrolling() {
+    let waiting = StudioStatus { session: SessionState::Waiting, ..sculpting_status() };
+    let with_all = StudioStatus { one_before: true, ..sculpting_status() };
+    for (window, status) in [([640, 420], waiting), ([640, 520], with_all), ([1280, 720], with_all)]
+    {
+        let (screen, shapes) = lay_out(&mut with_pictures(), (window, 1.0), &status);
+        for name in ["Free form", "Creative", "Owl", "Dolphin", "F1 shows all keys"] {
+            let is_whole = shapes.iter().any(|clipped| match &clipped.shape {
+                Shape::Text(text) => {
+                    let place = text.visual_bounding_rect();
+                    let seen = clipped.clip_rect.intersect(screen);
+                    text.galley.text().starts_with(name) && seen.contains_rect(place)
+                }
+                _ => false,
+            });
+            assert!(is_whole, "{name} in {window:?}");
+        }
+    }
+}
+
+#[test]
+fn the_part_that_the_tool_bar_covers_stays_as_the_bar_changes_and_begins_anew_with_a_size() {
+    let mut panels = in_studio();
+    assert_eq!(panels.covered_part(), 0.0);
+    let status = sculpting_status();
+    lay_out(&mut panels, WINDOWS[0], &status);
+    let covered = panels.covered_part();
+    assert!((0.2..0.5).contains(&covered), "{covered} of the smallest window");
+    lay_out(&mut panels, WINDOWS[0], &StudioStatus { held: None, ..status });
+    assert_eq!(panels.covered_part(), covered, "the bar is lower, the picture stays");
+    lay_out(&mut panels, ([1920, 1080], 1.0), &status);
+    assert!(panels.covered_part() < 0.14, "{}", panels.covered_part());
 }
 
 #[test]

@@ -9,28 +9,26 @@ mod help;
 mod hints;
 mod outline;
 mod start;
+mod status;
 mod strip;
 mod style;
-
-use std::path::Path;
 
 use egui::{
     Align2, Area, ColorImage, Context, Id, Pos2, RawInput, Rect, RichText, TextureHandle,
     TextureOptions, Vec2,
 };
-use paros_core::edit::UndoCounts;
-use paros_core::session::{BitSize, FOUND_PERCENT, SessionMode, SessionState, Tool, ToolBit};
-use paros_shaders::{Image, gpu::FrameTimes};
+use paros_core::session::SessionState;
+use paros_shaders::Image;
 use paros_shell::figures::StoneThickness;
 use paros_shell::studio::Notice;
 
-use super::slowness::Slowness;
 pub(super) use action::PanelAction;
 use browser::Browser;
 pub(super) use glow::ItemGlow;
 use graph::FrameTimeGraph;
-use hints::Hints;
-pub(super) use outline::{BitOutline, MirrorGuide};
+use hints::{HintedWork, Hints};
+pub(super) use outline::{BitOutline, MirrorGuide, is_pasting_beyond_box};
+pub(super) use status::StudioStatus;
 use strip::{FinishButton, FinishedChoice};
 
 /// Least size of the window in points that the panels are laid out for.
@@ -38,65 +36,6 @@ const LEAST_SIZE: Vec2 = Vec2::new(640.0, 420.0);
 
 /// Seconds that a notice is shown.
 const NOTICE_SECONDS: f64 = 6.0;
-
-/// The studio's status that the panels show.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct StudioStatus<'a> {
-    /// State of the session.
-    pub(super) session: SessionState,
-    /// Mode of the session.
-    pub(super) mode: SessionMode,
-    /// The tool in hand.
-    pub(super) held: Option<(Tool, ToolBit)>,
-    /// The held bit's size.
-    pub(super) size: BitSize,
-    /// Whether the hand is steadied.
-    pub(super) is_steadied: bool,
-    /// The tool's depth in millimetres of the room; negative is above the surface.
-    pub(super) depth_mm: f32,
-    /// Millimetres of the print for one of the room; `None` without a voxel to print.
-    pub(super) print_scale: Option<f32>,
-    /// How much of the hidden figure is bared, in percent; 0 without one.
-    pub(super) bared_percent: u32,
-    /// Whether edits are mirrored.
-    pub(super) symmetry: bool,
-    /// Strokes to undo and to redo.
-    pub(super) undo: UndoCounts,
-    /// Whether another start would leave an unfinished sculpture.
-    pub(super) unfinished: bool,
-    /// Whether there is a sculpture before this one to be had back.
-    pub(super) one_before: bool,
-    /// Whether a print is being made.
-    pub(super) printing: bool,
-    /// Path of the last print.
-    pub(super) printed: Option<&'a Path>,
-    /// Whether a print could not be written.
-    pub(super) unwritten: bool,
-    /// Whether frames take so long that ticks are dropped.
-    pub(super) slow: Option<Slowness>,
-    /// Voxels along an edge.
-    pub(super) grid_side: usize,
-    /// Why the session is not on the disk.
-    pub(super) fault: Option<&'a str>,
-    /// The file being read.
-    pub(super) opening: Option<&'a Path>,
-    /// Whether the window is one of a kiosk.
-    pub(super) kiosk: bool,
-    /// Whether files can be dropped on the window.
-    pub(super) drops: bool,
-    /// Whether the fast path draws.
-    pub(super) fast: bool,
-    /// Name of the GPU.
-    pub(super) device: &'a str,
-    /// GPU times of the latest frame.
-    pub(super) times: FrameTimes,
-    /// Outline of the bit.
-    pub(super) outline: Option<&'a BitOutline>,
-    /// What shows of the mirror where it works.
-    pub(super) mirror: Option<&'a MirrorGuide>,
-    /// The item on the workbench that a click takes.
-    pub(super) glow: Option<&'a ItemGlow>,
-}
 
 /// State of the user interface.
 pub(super) struct Panels {
@@ -106,6 +45,9 @@ pub(super) struct Panels {
     pub(super) input: RawInput,
     /// Pixels of the window per point of the panels.
     pixels_per_point: f32,
+    /// The largest part of the window's height that the tool bar has covered at its size: the picture stays where it is
+    /// while the bar changes.
+    covered_part: f32,
     /// Pictures of the starts, side by side.
     start_pictures: Option<TextureHandle>,
     /// The start is shown.
@@ -140,6 +82,7 @@ impl Panels {
             context,
             input,
             pixels_per_point: 1.0,
+            covered_part: 0.0,
             start_pictures: None,
             start: true,
             thickness: StoneThickness::Near,
@@ -168,7 +111,11 @@ impl Panels {
         let size = Vec2::from(size_pixels.map(|pixels| pixels.max(1) as f32));
         let whole = size / LEAST_SIZE;
         let scale = scale.min(whole.min_elem());
-        self.input.screen_rect = Some(Rect::from_min_size(Pos2::ZERO, size / scale));
+        let rect = Rect::from_min_size(Pos2::ZERO, size / scale);
+        if self.context.content_rect() != rect {
+            self.covered_part = 0.0;
+        }
+        self.input.screen_rect = Some(rect);
         let root = self.input.viewports.entry(egui::ViewportId::ROOT).or_default();
         root.native_pixels_per_point = Some(scale);
         self.pixels_per_point = scale;
@@ -178,6 +125,12 @@ impl Panels {
     #[must_use]
     pub(super) fn place_of_pixel(&self, pixel: [f32; 2]) -> Pos2 {
         Pos2::new(pixel[0], pixel[1]) / self.pixels_per_point
+    }
+
+    /// The part of the window's height, from its bottom, that the tool bar covers.
+    #[must_use]
+    pub(super) const fn covered_part(&self) -> f32 {
+        self.covered_part
     }
 
     /// Whether the cursor is over a panel, or a panel is in use.
@@ -332,6 +285,9 @@ impl Panels {
 
     fn show_over_sculpture(&mut self, context: &Context, status: &StudioStatus<'_>) {
         strip::show_status(context, status);
+        if let Some(seconds) = status.seconds_to_handover {
+            strip::show_handover(context, seconds);
+        }
         match status.session {
             SessionState::Finished => match strip::show_finished(context, status) {
                 None => {}
@@ -348,11 +304,11 @@ impl Panels {
             },
             _ => {
                 self.hints.note_strokes(status.undo);
-                let hides = matches!(status.mode, SessionMode::Constrained { .. })
-                    && status.bared_percent < FOUND_PERCENT;
-                let hint = self.hints.text(hides);
-                let finish = strip::show_tools(context, status, hint, &mut self.actions);
-                self.finishing = finish == FinishButton::Clicked;
+                let hint = self.hints.text(HintedWork::of_status(status));
+                let bar = strip::show_tools(context, status, hint, &mut self.actions);
+                self.finishing = bar.finish == FinishButton::Clicked;
+                let covered = bar.height / context.content_rect().height();
+                self.covered_part = self.covered_part.max(covered);
             }
         }
     }

@@ -8,6 +8,7 @@ use paros_core::World;
 use paros_core::edit::Pose;
 use paros_core::internals::BitShape;
 use paros_core::limits::INTERVALS;
+use paros_core::session::Tool;
 use paros_core::volume::{Grid, Size};
 
 use super::style;
@@ -145,7 +146,13 @@ impl MirrorGuide {
         let corners = [(0.0, 0.0), (0.0, side), (side, side), (side, 0.0)]
             .map(|(y, z)| project(Vec3::new(side / 2.0, y, z)).map(|corner| corner.pixel));
         let edges = (0..4).filter_map(|i| Some([corners[i]?, corners[(i + 1) % 4]?]));
-        let reflection = bit_in_hand(world).and_then(|(shape, frozen)| {
+        // Far from the stone nothing is mirrored, and a ring in the air tells nothing.
+        let near = |pose: &Pose| {
+            let beyond = pose.position - pose.position.clamp(Vec3::ZERO, Vec3::splat(side));
+            beyond.length() < side / 4.0
+        };
+        let bit = bit_in_hand(world).filter(|(_, frozen)| near(frozen));
+        let reflection = bit.and_then(|(shape, frozen)| {
             Silhouette::project_shape(&shape, |point| {
                 let place = frozen.position + frozen.rotation * point / frame.voxel_metres();
                 project(Vec3 { x: side - place.x, ..place })
@@ -162,6 +169,20 @@ impl MirrorGuide {
             reflection.draw(context, stroke(0.9));
         }
     }
+}
+
+/// Whether the fill gun runs in the right hand with its nozzle beyond the volume, where nothing holds.
+#[must_use]
+pub(in crate::window) fn is_pasting_beyond_box<const N: usize>(world: &World<N, INTERVALS>) -> bool
+where
+    Grid<N>: Size,
+{
+    let hand = world.hand_state(RIGHT);
+    let nozzle = hand.frozen_pose.position;
+    matches!(world.held_tool(RIGHT), Some((Tool::FillGun, _)))
+        && hand.trigger
+        && hand.has_frozen_pose
+        && nozzle != nozzle.clamp(Vec3::ZERO, Vec3::splat(N as f32))
 }
 
 /// The shape of the right hand's bit, and its pose in the grid.

@@ -24,6 +24,9 @@ const WIDTH: f32 = 400.0;
 /// Size of a wide button's picture, in points; its pixels have these proportions.
 const CARD_SIZE: Vec2 = Vec2::new(75.0, 60.0);
 
+/// Height of the window in points below which the panel has two columns.
+const LOW: f32 = 760.0;
+
 pub(super) fn show(
     context: &Context,
     status: &StudioStatus<'_>,
@@ -31,25 +34,47 @@ pub(super) fn show(
     thickness: &mut StoneThickness,
 ) -> StartChoice {
     let area = Area::new(Id::new("start")).anchor(Align2::CENTER_CENTER, Vec2::ZERO);
+    let is_low = context.content_rect().height() < LOW;
+    let (margin, width) = if is_low { (16, 2.0 * WIDTH) } else { (28, WIDTH) };
     let mut answer = StartChoice::None;
     area.show(context, |ui| {
-        style::show_within_window(ui, style::card_frame().inner_margin(28), WIDTH, |ui| {
-            ui.label(RichText::new("Paros").size(34.0));
-            ui.label(style::quiet_text("Carve a sculpture, and take a print of it home."));
-            ui.add_space(10.0);
-            answer = show_choices(ui, status, pictures, thickness);
+        style::show_within_window(ui, style::card_frame().inner_margin(margin), width, |ui| {
+            if is_low {
+                ui.columns(2, |columns| {
+                    show_title(&mut columns[0]);
+                    show_whole_stones(&mut columns[0], status, pictures, &mut answer);
+                    show_hidden_and_files(
+                        &mut columns[1],
+                        status,
+                        pictures,
+                        thickness,
+                        &mut answer,
+                    );
+                });
+            } else {
+                show_title(ui);
+                ui.add_space(10.0);
+                show_whole_stones(ui, status, pictures, &mut answer);
+                ui.add_space(4.0);
+                show_hidden_and_files(ui, status, pictures, thickness, &mut answer);
+            }
         });
     });
     answer
 }
 
-fn show_choices(
+fn show_title(ui: &mut Ui) {
+    ui.label(RichText::new("Paros").size(34.0));
+    ui.label(style::quiet_text("Carve a sculpture, and take a print of it home."));
+}
+
+/// Shows the sculptures that there are, and the starts without a figure to be found.
+fn show_whole_stones(
     ui: &mut Ui,
     status: &StudioStatus<'_>,
     pictures: Option<&TextureHandle>,
-    thickness: &mut StoneThickness,
-) -> StartChoice {
-    let mut answer = StartChoice::None;
+    answer: &mut StartChoice,
+) {
     // A kiosk's next visitor has nothing to do with what the last one finished.
     let is_of_another = status.kiosk && status.session == SessionState::Finished;
     if status.session != SessionState::Waiting && !is_of_another {
@@ -57,27 +82,36 @@ fn show_choices(
             SessionState::Finished => "Back to the finished sculpture",
             _ => "Go on with your sculpture",
         };
-        if ui.add_sized([WIDTH, 44.0], style::choice_button(text, true)).clicked() {
-            answer = StartChoice::Continue;
+        let size = [ui.available_width(), 44.0];
+        if ui.add_sized(size, style::choice_button(text, true)).clicked() {
+            *answer = StartChoice::Continue;
         }
         ui.add_space(6.0);
     }
     if status.one_before
         && add_wide_button(ui, None, "The one before", "the sculpture that you left for another")
     {
-        answer = StartChoice::OneBefore;
+        *answer = StartChoice::OneBefore;
     }
     let lump = pictures.map(|pictures| (pictures, Figure::Lump));
     if add_wide_button(ui, lump, "Free form", "a lump of marble, and all the tools") {
-        answer = StartChoice::Start(SessionMode::FreeForm);
+        *answer = StartChoice::Start(SessionMode::FreeForm);
     }
     let toy = pictures.map(|pictures| (pictures, Figure::Toy));
     if add_wide_button(ui, toy, "Creative", "a friendly figure to shape as you like") {
-        answer = StartChoice::Start(SessionMode::Creative);
+        *answer = StartChoice::Start(SessionMode::Creative);
     }
-    ui.add_space(4.0);
+}
+
+fn show_hidden_and_files(
+    ui: &mut Ui,
+    status: &StudioStatus<'_>,
+    pictures: Option<&TextureHandle>,
+    thickness: &mut StoneThickness,
+    answer: &mut StartChoice,
+) {
     if let Some(hidden) = show_hidden_figures(ui, pictures, thickness) {
-        answer = StartChoice::Start(hidden.mode());
+        *answer = StartChoice::Start(hidden.mode());
     }
     ui.add_space(6.0);
     ui.separator();
@@ -92,12 +126,11 @@ fn show_choices(
                 false => "a file to start from",
             };
             if add_wide_button(ui, None, "Open a mesh or a volume ...", what) {
-                answer = StartChoice::Browse;
+                *answer = StartChoice::Browse;
             }
         }
     }
     ui.label(style::quiet_text("F1 shows all keys").small());
-    answer
 }
 
 /// Shows the hidden figures and how much stone is to hide them. Returns what was clicked.
@@ -107,7 +140,7 @@ fn show_hidden_figures(
     thickness: &mut StoneThickness,
 ) -> Option<HiddenStart> {
     ui.label("Find what hides in the stone");
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         ui.label(style::quiet_text("it can't be harmed; over it lies").small());
         for (value, text) in [
             (StoneThickness::Near, "a thin coat"),
@@ -119,8 +152,9 @@ fn show_hidden_figures(
     });
     let mut answer = None;
     ui.horizontal(|ui| {
-        let gaps = 8.0 * (Figure::HIDDEN.len() - 1) as f32;
-        let width = (WIDTH - gaps) / Figure::HIDDEN.len() as f32;
+        ui.spacing_mut().button_padding.x = 2.0;
+        let gaps = ui.spacing().item_spacing.x * (Figure::HIDDEN.len() - 1) as f32;
+        let width = (ui.available_width() - gaps) / Figure::HIDDEN.len() as f32;
         for figure in Figure::HIDDEN {
             let picture = pictures.map(|pictures| (pictures, figure));
             if add_figure_button(ui, picture, &capitalized_name(figure), width) {
@@ -142,7 +176,7 @@ pub(super) fn show_question(context: &Context) -> Confirmation {
             ui.label(style::quiet_text(kept));
             ui.add_space(4.0);
             ui.horizontal(|ui| {
-                if ui.add(style::choice_button("Start anew  (Enter)", true)).clicked() {
+                if ui.add(style::choice_button("Leave it  (Enter)", true)).clicked() {
                     answer = Confirmation::Yes;
                 }
                 if ui.add(Button::new("Stay with it  (Esc)")).clicked() {
@@ -167,7 +201,7 @@ fn add_wide_button(ui: &mut Ui, picture: Picture<'_>, title: &str, what: &str) -
     text.append("\n", 0.0, format(4.0, style::TEXT));
     text.append(what, indent, format(12.5, style::QUIET));
     let height = if picture.is_some() { CARD_SIZE.y + 8.0 } else { 52.0 };
-    let button = ui.add(Button::new(text).min_size(Vec2::new(WIDTH, height)));
+    let button = ui.add(Button::new(text).min_size(Vec2::new(ui.available_width(), height)));
     let place = Rect::from_min_size(button.rect.min + Vec2::splat(4.0), CARD_SIZE);
     draw_picture(ui, picture, place);
     button.clicked()
@@ -182,7 +216,7 @@ fn add_figure_button(ui: &mut Ui, picture: Picture<'_>, name: &str, width: f32) 
     let button = ui.add_sized([width, size.y + 28.0], Button::new(""));
     draw_picture(ui, picture, Rect::from_min_size(button.rect.min + Vec2::splat(4.0), size));
     let under = button.rect.center_bottom() - Vec2::new(0.0, 4.0);
-    let font = egui::FontId::proportional(15.0);
+    let font = egui::FontId::proportional(if width < 80.0 { 13.0 } else { 15.0 });
     ui.painter().text(under, Align2::CENTER_BOTTOM, name, font, style::TEXT);
     button.clicked()
 }

@@ -25,6 +25,13 @@ pub(super) enum FinishButton {
     Clicked,
 }
 
+/// What a frame's tool bar did.
+pub(super) struct ToolBar {
+    pub(super) finish: FinishButton,
+    /// From its upper edge to the window's lower one, in points.
+    pub(super) height: f32,
+}
+
 /// What was clicked at the end of a session.
 pub(super) enum FinishedChoice {
     /// The start panel is to be shown.
@@ -84,6 +91,19 @@ pub(super) fn show_status(context: &Context, status: &StudioStatus<'_>) {
     });
 }
 
+/// Tells a kiosk's visitor, who has done nothing for long, that the next one's turn comes.
+pub(super) fn show_handover(context: &Context, seconds: u32) {
+    let area = Area::new(Id::new("handover")).anchor(Align2::CENTER_CENTER, Vec2::ZERO);
+    area.interactable(false).show(context, |ui| {
+        style::card_frame().inner_margin(24).show(ui, |ui| {
+            ui.label(RichText::new("Are you still here?").size(24.0));
+            let text =
+                format!("Touch anything. In {seconds} s your sculpture is finished and kept.");
+            ui.label(RichText::new(text).size(16.0).color(style::ACCENT));
+        });
+    });
+}
+
 /// From where on a hidden figure is told to be nearly out.
 const NEARLY_PERCENT: u32 = 80;
 
@@ -102,10 +122,11 @@ pub(super) fn show_tools(
     status: &StudioStatus<'_>,
     hint: Option<&str>,
     actions: &mut Vec<PanelAction>,
-) -> FinishButton {
+) -> ToolBar {
     let mut finish = FinishButton::NotClicked;
+    let is_measured = context.memory(|memory| memory.area_rect("tools")).is_some();
     let bottom = Area::new(Id::new("tools")).anchor(Align2::CENTER_BOTTOM, Vec2::new(0.0, -16.0));
-    bottom.show(context, |ui| {
+    let shown = bottom.show(context, |ui| {
         let frame = style::card_frame().inner_margin(egui::Margin::symmetric(12, 10));
         style::show_rows(ui, frame, |ui| {
             if let Some(hint) = hint {
@@ -131,7 +152,9 @@ pub(super) fn show_tools(
             }
         });
     });
-    finish
+    // In its first frame it hasn't its size yet.
+    let height = if is_measured { shown.response.rect.height() + 16.0 } else { 0.0 };
+    ToolBar { finish, height }
 }
 
 fn show_edits(ui: &mut Ui, status: &StudioStatus<'_>, actions: &mut Vec<PanelAction>) {
@@ -269,6 +292,7 @@ pub(super) fn show_finished(
                 }
                 (false, None) => ui.label(style::quiet_text("there is no print of it")),
             };
+            ui.label(style::quiet_text("Drag over it to see it from all sides."));
             ui.horizontal_wrapped(|ui| {
                 if ui.add(style::choice_button("Something new", true)).clicked() {
                     choice = Some(FinishedChoice::SomethingNew);

@@ -22,9 +22,11 @@ pub(super) fn sculpting_status() -> StudioStatus<'static> {
         size: BitSize::NATURAL,
         is_steadied: true,
         kiosk: false,
+        seconds_to_handover: None,
         depth_mm: 5.0,
         print_scale: Some(0.25),
         bared_percent: 0,
+        pastes_beyond_box: false,
         symmetry: false,
         undo: UndoCounts { undoable: 3, redoable: 1 },
         unfinished: true,
@@ -77,7 +79,9 @@ fn clicked_everywhere(make: impl Fn() -> Panels, status: &StudioStatus<'_>) -> V
     for (x, y) in (0..50).flat_map(|y| (0..25).map(move |x| (x, y))) {
         let pos = Pos2::new(20.0 + 40.0 * x as f32, 7.0 + 14.0 * y as f32);
         let asked = click(&mut panels, status, pos);
-        let moved_on = panels.is_sculpture_uncovered() != make().is_sculpture_uncovered()
+        let fresh = make();
+        let moved_on = panels.is_sculpture_uncovered() != fresh.is_sculpture_uncovered()
+            || panels.asked_start != fresh.asked_start
             || panels.browser.is_some();
         if !asked.is_empty() || moved_on || panels.finishing {
             panels = make();
@@ -143,7 +147,7 @@ fn the_end_is_asked_for_twice_and_can_be_taken_back() {
 /// The first start that a click on the panel chooses, and what was asked for by then.
 fn choose_a_start(panels: &mut Panels, status: &StudioStatus<'_>) -> Vec<PanelAction> {
     frame(panels, status, Vec::new());
-    let asked = click(panels, status, Pos2::new(500.0, 300.0));
+    let asked = click(panels, status, Pos2::new(300.0, 400.0));
     assert!(panels.asked_start.is_some() || !asked.is_empty(), "a click on a start");
     asked
 }
