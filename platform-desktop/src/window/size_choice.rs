@@ -148,7 +148,7 @@ where
 #[cfg(test)]
 mod tests {
     use std::fs;
-    use std::time::Duration;
+    use std::time::{Duration, Instant};
 
     use paros_core::TickInput;
     use paros_core::limits::{INTERVALS, max_save_bytes};
@@ -158,7 +158,7 @@ mod tests {
     use paros_shell::studio_paths::StudioPaths;
     use paros_shell::tick_runner::TickRunner;
 
-    use super::{SizeChoice, find_session_under_way};
+    use super::{FINE, SizeChoice, find_session_under_way, measure_picture};
 
     /// The save of a session that is under way, or finished.
     fn save_session<const N: usize>(is_finished: bool) -> Vec<u8>
@@ -196,6 +196,19 @@ mod tests {
         fs::write(paths.session_file(128), b"PWLD").unwrap();
         assert_eq!(find_session_under_way(&paths), None);
         fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[test]
+    #[ignore = "needs a GPU"]
+    fn a_gpu_is_measured_for_half_a_second() {
+        let begun = Instant::now();
+        let taken = measure_picture::<FINE>().expect("Vulkan").expect("no software");
+        println!(
+            "{}; decided in {:.1} s",
+            SizeChoice::of_picture(taken),
+            begun.elapsed().as_secs_f32()
+        );
+        assert!(taken > Duration::from_micros(50), "{taken:?} for 1280x800 at 4 samples");
     }
 
     #[test]

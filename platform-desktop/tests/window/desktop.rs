@@ -202,7 +202,7 @@ fn carve_at_scale(
     visit.do_step("frames 4");
     assert_eq!(visit.ask_state("size"), format!("{}x{}", 1180 * scale, 800 * scale));
     // The first button of the start panel.
-    display.xdotool(&format!("mousemove {} {}", 440 * scale, 298 * scale));
+    display.xdotool(&format!("mousemove {} {}", 440 * scale, 250 * scale));
     visit.do_step("frames 3");
     display.xdotool("click 1");
     visit.do_step("frames 4");

@@ -71,7 +71,7 @@ fn a_newcomer_goes_from_launch_to_a_print_without_a_terminal() -> Result<(), Mis
     let mut program = launch_paros(&display);
     let look = |name: &str| display.save_screenshot(name);
     let launch = look("1-launch");
-    display.xdotool("mousemove 480 318");
+    display.xdotool("mousemove 480 270");
     thread::sleep(Duration::from_secs(1));
     display.xdotool("click 1");
     wait_until("the stone", || {

@@ -97,7 +97,7 @@ fn a_mouse_and_keys_do_what_the_help_says() -> Result<(), MissingDependency> {
     // The first button of the start panel.
     let window = "search --name Paros windowfocus --sync";
     x(window);
-    x("mousemove 440 298");
+    x("mousemove 440 250");
     visit.do_step("frames 3");
     x("click 1");
     visit.do_step("frames 4");

@@ -65,7 +65,8 @@ pub(super) fn show(
 
 fn show_title(ui: &mut Ui) {
     ui.label(RichText::new("Paros").size(34.0));
-    ui.label(style::quiet_text("Carve a sculpture, and take a print of it home."));
+    let text = style::quiet_text("Carve a sculpture, and take a print of it home.");
+    ui.label(if ui.available_width() < WIDTH { text.small() } else { text });
 }
 
 /// Shows the sculptures that there are, and the starts without a figure to be found.
@@ -94,11 +95,11 @@ fn show_whole_stones(
         *answer = StartChoice::OneBefore;
     }
     let lump = pictures.map(|pictures| (pictures, Figure::Lump));
-    if add_wide_button(ui, lump, "Free form", "a lump of marble, and all the tools") {
+    if add_wide_button(ui, lump, "Free form", "a lump of marble, all tools") {
         *answer = StartChoice::Start(SessionMode::FreeForm);
     }
     let toy = pictures.map(|pictures| (pictures, Figure::Toy));
-    if add_wide_button(ui, toy, "Creative", "a friendly figure to shape as you like") {
+    if add_wide_button(ui, toy, "Creative", "a figure to shape as you like") {
         *answer = StartChoice::Start(SessionMode::Creative);
     }
 }
@@ -140,8 +141,8 @@ fn show_hidden_figures(
     thickness: &mut StoneThickness,
 ) -> Option<HiddenStart> {
     ui.label("Find what hides in the stone");
-    ui.horizontal_wrapped(|ui| {
-        ui.label(style::quiet_text("it can't be harmed; over it lies").small());
+    ui.label(style::quiet_text("it can't be harmed; over it lies").small());
+    ui.horizontal(|ui| {
         for (value, text) in [
             (StoneThickness::Near, "a thin coat"),
             (StoneThickness::Half, "half the stone"),
