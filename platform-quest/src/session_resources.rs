@@ -61,7 +61,6 @@ where
             "{}",
             session.request_refresh_rate_and_describe(&runtime, options.refresh_rate)
         ));
-        session.request_performance_levels(&runtime);
         if let Some(floor) = session.describe_missing_local_floor() {
             platform.log(format_args!("{} {floor}", runtime.name));
         }

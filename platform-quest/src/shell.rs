@@ -304,8 +304,7 @@ where
         let wanted = FoveationLevel::choose(self.health, self.options.foveation);
         let world = self.studio.world();
         let in_stroke = (0..2).any(|hand| world.hand_state(hand).trigger);
-        let current = resources.eyes.foveation_level();
-        if in_stroke || current.is_none_or(|level| level == wanted) {
+        if in_stroke || !resources.eyes.needs_foveation(wanted) {
             return Ok(());
         }
         match resources.eyes.set_foveation(&resources.session.raw, wanted) {

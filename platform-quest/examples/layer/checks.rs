@@ -70,6 +70,7 @@ pub(crate) fn find_hook(name: &str) -> Option<pfn::VoidFunction> {
         "xrCreateAction": CreateAction = actions::create_action,
         "xrSuggestInteractionProfileBindings": SuggestInteractionProfileBindings = actions::suggest_bindings,
         "xrApplyHapticFeedback": ApplyHapticFeedback = apply_haptic_feedback,
+        "xrStopHapticFeedback": StopHapticFeedback = stop_haptic_feedback,
         "xrPerfSettingsSetPerformanceLevelEXT": PerfSettingsSetPerformanceLevelEXT = set_performance_level,
         "xrEnumerateDisplayRefreshRatesFB": EnumerateDisplayRefreshRatesFB = enumerate_refresh_rates,
         "xrRequestDisplayRefreshRateFB": RequestDisplayRefreshRateFB = request_refresh_rate,
@@ -112,6 +113,7 @@ unsafe extern "system" fn begin_session(
     info: *const sys::SessionBeginInfo,
 ) -> Status {
     update_and_check("xrBeginSession", |state| state.state == sys::SessionState::READY);
+    log_line("begin");
     call_next!(c"xrBeginSession": BeginSession, session, info)
 }
 
@@ -271,13 +273,25 @@ unsafe extern "system" fn apply_haptic_feedback(
     call_next!(c"xrApplyHapticFeedback": ApplyHapticFeedback, session, action, feedback)
 }
 
+unsafe extern "system" fn stop_haptic_feedback(
+    session: sys::Session,
+    action: *const sys::HapticActionInfo,
+) -> Status {
+    // SAFETY: the shell's structure is valid during the call.
+    log_line(&format!("stop hand {}", unsafe { (*action).subaction_path.into_raw() }));
+    call_next!(c"xrStopHapticFeedback": StopHapticFeedback, session, action)
+}
+
 unsafe extern "system" fn set_performance_level(
     _: sys::Session,
     domain: sys::PerfSettingsDomainEXT,
     level: sys::PerfSettingsLevelEXT,
 ) -> Status {
     log_line(&format!("level {domain:?} {level:?}"));
-    Status::SUCCESS
+    match layer_folder().join("refuse-levels").exists() {
+        true => Status::ERROR_VALIDATION_FAILURE,
+        false => Status::SUCCESS,
+    }
 }
 
 unsafe extern "system" fn enumerate_refresh_rates(

@@ -80,6 +80,9 @@ where
             Some(SessionDuty::Begin) => {
                 resources.session.raw.begin(VIEW_CONFIGURATION).could_not("begin the session")?;
                 resources.session.set_thread_types(&resources.runtime);
+                for refusal in resources.session.request_performance_levels(&resources.runtime) {
+                    platform.log(format_args!("{refusal}"));
+                }
                 self.pacer.pause();
             }
             Some(SessionDuty::Save) => self.save_studio_and_wait(),

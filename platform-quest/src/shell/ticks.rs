@@ -61,9 +61,10 @@ where
             resources.show.note_tick(world);
             self.haptics.add_tick(TickHaptics::of_last_tick(world));
         }
-        for (hand, pulse) in self.haptics.take_pulses().into_iter().enumerate() {
-            if let Some(pulse) = pulse.filter(|_| has_focus) {
-                session.actions.apply_haptic_pulse(&session.raw, hand, pulse)?;
+        for (hand, change) in self.haptics.take_changes().into_iter().enumerate() {
+            // Without focus the runtime has silenced them.
+            if has_focus {
+                session.actions.change_haptics(&session.raw, hand, change)?;
             }
         }
         Ok(())

@@ -3,7 +3,7 @@
 use openxr as xr;
 use paros_core::session::buttons;
 use paros_shell::headset::hand_sample::HandSample;
-use paros_shell::headset::haptics::HapticPulse;
+use paros_shell::headset::haptics::HapticChange;
 
 use super::convert_pose_if_tracked;
 use crate::error::{CallContext, Error};
@@ -205,21 +205,29 @@ impl ControllerActions {
         Ok(state.current_state)
     }
 
-    /// Applies a haptic pulse to a hand's controller.
+    /// Begins or stops a vibration of a hand's controller.
     ///
     /// # Errors
     /// A lost session.
-    pub(crate) fn apply_haptic_pulse(
+    pub(crate) fn change_haptics(
         &self,
         session: &xr::Session<xr::Vulkan>,
         hand: usize,
-        pulse: HapticPulse,
+        change: HapticChange,
     ) -> Result<(), Error> {
+        let path = self.hands[hand].path;
+        let pulse = match change {
+            HapticChange::None => return Ok(()),
+            HapticChange::Stop => {
+                return self.haptic.stop_feedback(session, path).could_not("end a vibration");
+            }
+            HapticChange::Begin(pulse) => pulse,
+        };
         let event = xr::HapticVibration::new()
             .amplitude(pulse.amplitude)
             .frequency(pulse.frequency_hz)
             .duration(xr::Duration::from_nanos(pulse.nanos));
-        self.haptic.apply_feedback(session, self.hands[hand].path, &event).could_not("vibrate")
+        self.haptic.apply_feedback(session, path, &event).could_not("vibrate")
     }
 }
 

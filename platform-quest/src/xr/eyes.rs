@@ -23,7 +23,7 @@ pub(crate) struct EyeTargets {
     format: vk::Format,
     layout: vk::ImageLayout,
     /// The level that was set last.
-    foveation: FoveationLevel,
+    foveation: Option<FoveationLevel>,
 }
 
 /// Swapchains without a renderer yet.
@@ -141,13 +141,14 @@ impl EyeTargets {
             )?,
         };
         let (gpu, format, layout) = (color.gpu.clone(), format.color, format.final_layout);
-        let foveation = FoveationLevel::Off;
+        let foveation = None;
         Ok(EyeTargets { gpu, surface, color, depth, extent, format, layout, foveation })
     }
 
-    /// The foveation level that was set last; none where the images have no density maps.
-    pub(crate) fn foveation_level(&self) -> Option<FoveationLevel> {
-        self.color.has_density_maps().then_some(self.foveation)
+    /// Whether a foveation level is to be set: the images have density maps, and the last one was another. Before the
+    /// first one the level is the runtime's own, which needn't be NONE.
+    pub(crate) fn needs_foveation(&self, level: FoveationLevel) -> bool {
+        self.color.has_density_maps() && self.foveation != Some(level)
     }
 
     /// Sets the foveation level of the frames to come. A level that failed is not set again.
@@ -159,7 +160,7 @@ impl EyeTargets {
         session: &xr::Session<xr::Vulkan>,
         level: FoveationLevel,
     ) -> Result<(), Error> {
-        self.foveation = level;
+        self.foveation = Some(level);
         self.color.set_foveation(session, level)
     }
 

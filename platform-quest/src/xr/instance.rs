@@ -36,6 +36,15 @@ pub(crate) struct Runtime {
 pub(crate) type SetThreadType =
     unsafe extern "system" fn(xr::sys::Session, xr::AndroidThreadTypeKHR, u32) -> xr::sys::Result;
 
+/// OPAQUE where it is offered, as the room hides all that lies behind it; else what the runtime likes best.
+fn choose_blend_mode(offered: &[xr::EnvironmentBlendMode]) -> xr::EnvironmentBlendMode {
+    let opaque = xr::EnvironmentBlendMode::OPAQUE;
+    match offered.first() {
+        Some(best) if !offered.contains(&opaque) => *best,
+        _ => opaque,
+    }
+}
+
 const THREAD_SETTINGS: &[u8] = b"XR_KHR_android_thread_settings\0";
 
 impl Runtime {
@@ -70,8 +79,7 @@ impl Runtime {
         })?;
         let extent = recommended_eye_extent(&instance, system, &name)?;
         let modes = instance.enumerate_environment_blend_modes(system, VIEW_CONFIGURATION);
-        let blend_mode = modes.could_not("list the blend modes")?.first().copied();
-        let blend_mode = blend_mode.unwrap_or(xr::EnvironmentBlendMode::OPAQUE);
+        let blend_mode = choose_blend_mode(&modes.could_not("list the blend modes")?);
         let set_thread_type = find_set_thread_type(&instance, &extensions);
         Ok(Runtime { instance, system, extensions, name, extent, blend_mode, set_thread_type })
     }

@@ -95,18 +95,25 @@ impl HeadsetSession {
         format!("the display has no {wanted_hz} Hz, only {} Hz: it {asked}", offered.join(", "))
     }
 
-    /// Requests the performance level SUSTAINED_HIGH for CPU and GPU, where the runtime has performance
-    /// settings. A refusal is no failure.
-    pub(crate) fn request_performance_levels(&self, runtime: &Runtime) {
-        if let Some(settings) = &runtime.instance.exts().ext_performance_settings {
-            let level = xr::PerfSettingsLevelEXT::SUSTAINED_HIGH;
-            for domain in [xr::PerfSettingsDomainEXT::CPU, xr::PerfSettingsDomainEXT::GPU] {
-                // SAFETY: the session is alive, and the extension is enabled.
-                let _ = unsafe {
-                    (settings.perf_settings_set_performance_level)(self.raw.as_raw(), domain, level)
-                };
-            }
-        }
+    /// Requests the performance level SUSTAINED_HIGH for CPU and GPU, where the runtime has performance settings: after
+    /// each beginning, as Meta's runtime forgets it with the session's end. Returns a line for the log for each refusal,
+    /// which is no failure.
+    pub(crate) fn request_performance_levels(&self, runtime: &Runtime) -> Vec<String> {
+        let Some(settings) = &runtime.instance.exts().ext_performance_settings else {
+            return Vec::new();
+        };
+        let level = xr::PerfSettingsLevelEXT::SUSTAINED_HIGH;
+        let domains =
+            [("CPU", xr::PerfSettingsDomainEXT::CPU), ("GPU", xr::PerfSettingsDomainEXT::GPU)];
+        let refused = domains.map(|(name, domain)| {
+            // SAFETY: the session is alive, and the extension is enabled.
+            let result = unsafe {
+                (settings.perf_settings_set_performance_level)(self.raw.as_raw(), domain, level)
+            };
+            let is_refused = result.into_raw() < 0;
+            is_refused.then(|| format!("no sustained high performance of the {name}: {result:?}"))
+        });
+        refused.into_iter().flatten().collect()
     }
 
     /// The line for the log where the runtime has no LOCAL_FLOOR space.

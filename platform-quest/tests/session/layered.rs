@@ -72,11 +72,17 @@ fn hands_feel_the_stone_and_losses_lose_nothing() {
     assert!(!read_log(&monado).contains("pulse"), "the air is not felt");
     carve_voxels(&mut hands, &mut shell, 1500);
     assert_pulses_of_one_hand(&read_log(&monado));
+    hands.place_hand(RIGHT, REST);
+    shell.wait_frames(3);
+    let log = read_log(&monado);
+    let last = log.lines().rfind(|line| line.starts_with("pulse") || line.starts_with("stop"));
+    assert!(last.is_some_and(|line| line.starts_with("stop")), "it stops in the air: {last:?}");
 
     let voxels = shell.query_status().number("voxels");
     inject_event(&monado, "heat");
     inject_event(&monado, "presence 0");
     inject_event(&monado, "presence 1");
+    fs::write(monado.folder.join("layer/refuse-levels"), "").expect("it is written");
     for (i, loss) in ["lose session", "lose instance", "fail"].into_iter().enumerate() {
         inject_event(&monado, loss);
         assert_session_resumes(&monado, &mut shell, i + 2, voxels);
@@ -86,9 +92,22 @@ fn hands_feel_the_stone_and_losses_lose_nothing() {
     assert!(errors.contains("the headset is hot"), "{errors}");
     assert_eq!(errors.matches("the sculpture is kept").count(), 3, "{errors}");
     let log = read_log(&monado);
+    assert_levels_after_each_begin(&log);
+    for domain in ["CPU", "GPU"] {
+        let refused = format!("no sustained high performance of the {domain}");
+        assert_eq!(errors.matches(&refused).count(), 3, "{errors}");
+    }
     assert_no_violations(&log);
     assert!(!log.contains("oveation"), "this device has no density maps");
     assert!(log.contains("depth\n"), "the compositor was to get depth");
+}
+
+/// Asserts that the performance of CPU and GPU was asked for after each beginning of a session, and not before.
+fn assert_levels_after_each_begin(log: &str) {
+    let is_about = |line: &&str| *line == "begin" || line.starts_with("level");
+    let asked: Vec<&str> = log.lines().filter(is_about).collect();
+    let each = ["begin", "level CPU SUSTAINED_HIGH", "level GPU SUSTAINED_HIGH"];
+    assert_eq!(asked, each.repeat(4), "{asked:?}");
 }
 
 /// Asserts that the layer found every call in its order and with its structures.
@@ -97,7 +116,7 @@ pub(crate) fn assert_no_violations(log: &str) {
     assert!(violations.is_empty(), "{violations:#?}");
 }
 
-/// Asserts one pulse a frame, all of one hand, with an amplitude in (0, 1] and as long as one to four ticks; a
+/// Asserts one pulse a frame, all of one hand, with an amplitude in (0, 1] and as long as three ticks; a
 /// refusal, which alone asks for a frequency, is as long as nine.
 fn assert_pulses_of_one_hand(log: &str) {
     let pulses: Vec<Vec<&str>> = log
@@ -114,7 +133,7 @@ fn assert_pulses_of_one_hand(log: &str) {
         let amplitude: f32 = amplitude.parse().expect("a number");
         let ticks = nanos.parse::<f64>().expect("a number") * 72e-9;
         assert!(amplitude > 0.0 && amplitude <= 1.0, "{pulse:?}");
-        let expected = if frequency == "0" { 0.99..4.01 } else { 8.99..9.01 };
+        let expected = if frequency == "0" { 2.99..3.01 } else { 8.99..9.01 };
         assert!(expected.contains(&ticks), "{ticks} ticks at {frequency} Hz");
     }
 }

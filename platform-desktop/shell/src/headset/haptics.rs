@@ -1,5 +1,6 @@
 //! Haptics: the vibrations of ticks, merged into one pulse a frame for each hand, a dull pulse of its own for
-//! what closure refuses, and a bright one where another tenth of the hidden figure is bared.
+//! what closure refuses, and a bright one where another tenth of the hidden figure is bared. A pulse of cutting
+//! outlasts its frame, so that a late one leaves no gap, and is stopped once nothing is felt.
 
 use paros_core::session::TICK_RATE;
 use paros_core::volume::{Grid, Size};
@@ -16,7 +17,21 @@ pub struct HapticPulse {
     pub nanos: i64,
 }
 
-/// Ticks that a refusal is felt for, an eighth of a second. A pulse of cutting is as long as its frame.
+/// What changes in a hand's vibration with a frame.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum HapticChange {
+    /// Nothing: silence, or a pulse that goes on.
+    None,
+    /// A pulse begins, in place of the one before it.
+    Begin(HapticPulse),
+    /// The pulse of cutting ends before its time.
+    Stop,
+}
+
+/// Ticks that a pulse of cutting lasts unless it is stopped or another takes its place.
+const CUT_TICKS: u32 = 3;
+
+/// Ticks that a refusal is felt for, an eighth of a second.
 const REFUSAL_TICKS: u32 = 9;
 
 /// Ticks from one refusal that is felt to the next, at least: two a second.
@@ -65,12 +80,11 @@ impl TickHaptics {
 }
 
 /// The haptics of the ticks since the last frame. A new pulse replaces the one before it, so a frame
-/// gives each hand at most one: with the strongest level of its ticks, for the duration of all. A ring goes before, then
-/// a refusal, and no lesser pulse of its hand cuts either short.
+/// gives each hand at most one, with the strongest level of its ticks. A ring goes before, then a refusal, and no lesser
+/// pulse of its hand cuts either short.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct FrameHaptics {
     hands: [HandHaptics; 2],
-    ticks: u32,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
@@ -79,7 +93,8 @@ struct HandHaptics {
     /// A ring is to be felt in this frame, or a refusal.
     rings: bool,
     is_refused: bool,
-    /// Ticks until the last ring is over, and the last refusal.
+    /// Ticks until the last pulse of cutting is over, the last ring, and the last refusal.
+    cut_ticks_left: u32,
     ring_ticks_left: u32,
     refusal_ticks_left: u32,
     /// Ticks until another may be felt.
@@ -89,9 +104,12 @@ struct HandHaptics {
 impl HandHaptics {
     fn add_tick(&mut self, TickHaptics { level, is_refused, rings }: TickHaptics) {
         self.level = level.max(self.level);
-        for left in
-            [&mut self.ring_ticks_left, &mut self.refusal_ticks_left, &mut self.pause_ticks_left]
-        {
+        for left in [
+            &mut self.cut_ticks_left,
+            &mut self.ring_ticks_left,
+            &mut self.refusal_ticks_left,
+            &mut self.pause_ticks_left,
+        ] {
             *left = left.saturating_sub(1);
         }
         if rings {
@@ -105,21 +123,31 @@ impl HandHaptics {
         }
     }
 
-    fn take_pulse(&mut self, ticks: u32) -> Option<HapticPulse> {
+    fn take_change(&mut self) -> HapticChange {
         let level = core::mem::take(&mut self.level);
         let is_refused = core::mem::take(&mut self.is_refused);
+        let cut_ticks_left = core::mem::take(&mut self.cut_ticks_left);
         if core::mem::take(&mut self.rings) {
-            return Some(RING);
+            return HapticChange::Begin(RING);
         }
         if is_refused && self.ring_ticks_left == 0 {
-            return Some(REFUSAL);
+            return HapticChange::Begin(REFUSAL);
         }
-        let is_free = self.ring_ticks_left == 0 && self.refusal_ticks_left == 0;
-        (level > 0 && is_free).then_some(HapticPulse {
-            amplitude: f32::from(level) / 255.0,
-            frequency_hz: 0.0,
-            nanos: ticks_to_nanos(ticks),
-        })
+        if self.ring_ticks_left > 0 || self.refusal_ticks_left > 0 {
+            return HapticChange::None;
+        }
+        match (level, cut_ticks_left) {
+            (0, 0) => HapticChange::None,
+            (0, _) => HapticChange::Stop,
+            (1.., _) => {
+                self.cut_ticks_left = CUT_TICKS;
+                HapticChange::Begin(HapticPulse {
+                    amplitude: f32::from(level) / 255.0,
+                    frequency_hz: 0.0,
+                    nanos: ticks_to_nanos(CUT_TICKS),
+                })
+            }
+        }
     }
 }
 
@@ -129,14 +157,12 @@ impl FrameHaptics {
         for (hand, tick) in self.hands.iter_mut().zip(left_and_right) {
             hand.add_tick(tick);
         }
-        self.ticks += 1;
     }
 
-    /// Takes the pulses for a frame, left and right; the next frame begins with none.
+    /// Takes what changes with a frame, left and right.
     #[must_use]
-    pub fn take_pulses(&mut self) -> [Option<HapticPulse>; 2] {
-        let ticks = core::mem::take(&mut self.ticks);
-        self.hands.each_mut().map(|hand| hand.take_pulse(ticks))
+    pub fn take_changes(&mut self) -> [HapticChange; 2] {
+        self.hands.each_mut().map(HandHaptics::take_change)
     }
 }
 
@@ -147,8 +173,8 @@ const fn ticks_to_nanos(ticks: u32) -> i64 {
 #[cfg(test)]
 mod tests {
     use super::{
-        FrameHaptics, HapticPulse, REFUSAL, REFUSAL_INTERVAL_TICKS, REFUSAL_TICKS, RING,
-        RING_TICKS, TickHaptics,
+        CUT_TICKS, FrameHaptics, HapticChange, HapticPulse, REFUSAL, REFUSAL_INTERVAL_TICKS,
+        REFUSAL_TICKS, RING, RING_TICKS, TickHaptics,
     };
 
     fn level(level: u8) -> TickHaptics {
@@ -159,16 +185,43 @@ mod tests {
     const REFUSED: TickHaptics = TickHaptics { level: 200, is_refused: true, rings: false };
     const RINGS: TickHaptics = TickHaptics { level: 200, is_refused: true, rings: true };
 
+    /// A pulse of cutting at a level.
+    fn cut(level: u8) -> HapticChange {
+        let amplitude = f32::from(level) / 255.0;
+        HapticChange::Begin(HapticPulse { amplitude, frequency_hz: 0.0, nanos: 41_666_666 })
+    }
+
+    const SILENT: HapticChange = HapticChange::None;
+
     #[test]
     fn a_frame_gives_one_pulse_a_hand_the_strongest_of_its_ticks() {
         let mut haptics = FrameHaptics::default();
-        assert_eq!(haptics.take_pulses(), [None, None]);
+        assert_eq!(haptics.take_changes(), [SILENT; 2]);
         haptics.add_tick([NOTHING, level(51)]);
         haptics.add_tick([NOTHING, level(204)]);
         haptics.add_tick([NOTHING, level(102)]);
-        let pulse = HapticPulse { amplitude: 0.8, frequency_hz: 0.0, nanos: 41_666_666 };
-        assert_eq!(haptics.take_pulses(), [None, Some(pulse)]);
-        assert_eq!(haptics.take_pulses(), [None, None], "each tick is felt once");
+        assert_eq!(haptics.take_changes(), [SILENT, cut(204)]);
+    }
+
+    /// The pulse would last three ticks.
+    #[test]
+    fn cutting_that_ends_is_stopped_at_once_and_only_once() {
+        let mut haptics = FrameHaptics::default();
+        for _ in 0..5 {
+            haptics.add_tick([level(80), NOTHING]);
+            assert_eq!(haptics.take_changes(), [cut(80), SILENT], "each frame renews it");
+        }
+        haptics.add_tick([NOTHING; 2]);
+        assert_eq!(haptics.take_changes(), [HapticChange::Stop, SILENT]);
+        haptics.add_tick([NOTHING; 2]);
+        assert_eq!(haptics.take_changes(), [SILENT; 2]);
+        // It is over by itself where the next frame is late.
+        haptics.add_tick([level(80), NOTHING]);
+        assert_eq!(haptics.take_changes(), [cut(80), SILENT]);
+        for _ in 0..CUT_TICKS {
+            haptics.add_tick([NOTHING; 2]);
+        }
+        assert_eq!(haptics.take_changes(), [SILENT; 2]);
     }
 
     /// One frame a tick; the left hand only cuts.
@@ -178,15 +231,15 @@ mod tests {
         let mut refusals = vec![];
         for tick in 0..4 * REFUSAL_INTERVAL_TICKS {
             haptics.add_tick([level(200), REFUSED]);
-            let [left, right] = haptics.take_pulses();
-            assert!(left.is_some_and(|pulse| pulse.frequency_hz == 0.0));
+            let [left, right] = haptics.take_changes();
+            assert_eq!(left, cut(200));
             match right {
-                Some(REFUSAL) => refusals.push(tick),
-                Some(pulse) => assert_eq!(Some(pulse), left),
-                None => {
+                HapticChange::Begin(REFUSAL) => refusals.push(tick),
+                HapticChange::None => {
                     let last = *refusals.last().expect("a refusal before");
                     assert!(tick - last < REFUSAL_TICKS, "silent {} ticks after it", tick - last);
                 }
+                other => assert_eq!(other, left),
             }
         }
         assert_eq!(refusals, [0, 1, 2, 3].map(|i| i * REFUSAL_INTERVAL_TICKS));
@@ -197,15 +250,14 @@ mod tests {
         let mut haptics = FrameHaptics::default();
         haptics.add_tick([REFUSED, NOTHING]);
         haptics.add_tick([level(255), NOTHING]);
-        assert_eq!(haptics.take_pulses(), [Some(REFUSAL), None]);
+        assert_eq!(haptics.take_changes(), [HapticChange::Begin(REFUSAL), SILENT]);
         // Two of its ticks are over with that frame.
-        for _ in 2..REFUSAL_TICKS {
-            haptics.add_tick([level(255), level(255)]);
-            let [left, right] = haptics.take_pulses();
-            assert!(left.is_none() && right.is_some());
+        for tick in 2..REFUSAL_TICKS {
+            haptics.add_tick([level(if tick == 4 { 0 } else { 255 }), level(255)]);
+            assert_eq!(haptics.take_changes(), [SILENT, cut(255)], "nothing stops it");
         }
         haptics.add_tick([level(255), NOTHING]);
-        assert!(matches!(haptics.take_pulses(), [Some(HapticPulse { amplitude: 1.0, .. }), None]));
+        assert_eq!(haptics.take_changes(), [cut(255), HapticChange::Stop]);
     }
 
     #[test]
@@ -213,14 +265,14 @@ mod tests {
         let mut haptics = FrameHaptics::default();
         haptics.add_tick([REFUSED, level(90)]);
         haptics.add_tick([RINGS, level(90)]);
-        let [left, right] = haptics.take_pulses();
-        assert!(left == Some(RING) && right.is_some_and(|pulse| pulse != RING));
+        assert_eq!(haptics.take_changes(), [HapticChange::Begin(RING), cut(90)]);
         // A tick of it is over with that frame.
-        for _ in 1..RING_TICKS {
+        for tick in 1..RING_TICKS {
             haptics.add_tick([REFUSED, NOTHING]);
-            assert_eq!(haptics.take_pulses(), [None, None]);
+            let right = if tick == 1 { HapticChange::Stop } else { SILENT };
+            assert_eq!(haptics.take_changes(), [SILENT, right]);
         }
         haptics.add_tick([level(255), NOTHING]);
-        assert!(matches!(haptics.take_pulses(), [Some(HapticPulse { amplitude: 1.0, .. }), None]));
+        assert_eq!(haptics.take_changes(), [cut(255), SILENT]);
     }
 }
