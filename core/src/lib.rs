@@ -82,7 +82,8 @@
 //! # Where things are
 //! The root has the dozen types that a program starts from. What their signatures name stands in five
 //! modules: [`volume`] (grid, axes, columns, rectangles), [`edit`] (operations, poses, reports),
-//! [`convert`] (meshes in, prints out), [`session`] (input, tools, hands) and [`codec`] (saves and traces).
+//! [`convert`] (meshes in, prints out), [`session`] (input, tools, hands) and [`codec`] (saves and traces). A sixth,
+//! [`badge`], stands alone: the pictures by which a visitor finds a sculpture again, and who may give them out.
 //! Each is told in three lines: what it takes and gives, and what it doesn't know. [`limits`] has every
 //! capacity, and [`internals`] what tools and tests use besides.
 //!
@@ -104,6 +105,7 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+pub mod badge;
 pub mod codec;
 pub mod convert;
 pub mod edit;

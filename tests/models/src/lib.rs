@@ -4,6 +4,7 @@
 //! Nothing here knows a picture, a file or a device.
 
 pub mod allocations;
+pub mod badge;
 pub mod bake;
 pub mod bake_harness;
 pub mod bit_voxels;

@@ -1,0 +1,136 @@
+//! A badge in words: "green: owl, kite, anchor, bell".
+//!
+//! The nouns are ones that a child knows and that are one word in each language; any two differ in two letters at
+//! least, accents aside, so that a badge can be told on the telephone.
+
+use core::fmt;
+
+use crate::badge::code::{Badge, BadgeColour, Pictogram};
+
+/// A language that badges are said in.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[repr(u8)]
+pub enum BadgeLanguage {
+    /// British.
+    English,
+    /// Modern, with accents.
+    Greek,
+}
+
+/// English and Greek, by [`BadgeColour`].
+const COLOURS: [[&str; 2]; 8] = [
+    ["red", "κόκκινο"],
+    ["orange", "πορτοκαλί"],
+    ["yellow", "κίτρινο"],
+    ["green", "πράσινο"],
+    ["blue", "μπλε"],
+    ["pink", "ροζ"],
+    ["white", "άσπρο"],
+    ["black", "μαύρο"],
+];
+
+/// English and Greek, by the pictogram's number, which is that of its shapes.
+const PICTOGRAMS: [[&str; 2]; Pictogram::COUNT] = [
+    ["owl", "κουκουβάγια"],
+    ["cat", "γάτα"],
+    ["fish", "ψάρι"],
+    ["snail", "σαλιγκάρι"],
+    ["butterfly", "πεταλούδα"],
+    ["duck", "πάπια"],
+    ["rabbit", "κουνέλι"],
+    ["snake", "φίδι"],
+    ["turtle", "χελώνα"],
+    ["spider", "αράχνη"],
+    ["whale", "φάλαινα"],
+    ["elephant", "ελέφαντας"],
+    ["crab", "κάβουρας"],
+    ["tree", "δέντρο"],
+    ["leaf", "φύλλο"],
+    ["flower", "λουλούδι"],
+    ["mushroom", "μανιτάρι"],
+    ["cactus", "κάκτος"],
+    ["sun", "ήλιος"],
+    ["moon", "φεγγάρι"],
+    ["star", "αστέρι"],
+    ["cloud", "σύννεφο"],
+    ["lightning", "αστραπή"],
+    ["mountain", "βουνό"],
+    ["drop", "σταγόνα"],
+    ["fire", "φωτιά"],
+    ["snowman", "χιονάνθρωπος"],
+    ["apple", "μήλο"],
+    ["banana", "μπανάνα"],
+    ["cherry", "κεράσι"],
+    ["carrot", "καρότο"],
+    ["cake", "τούρτα"],
+    ["pizza", "πίτσα"],
+    ["cup", "φλιτζάνι"],
+    ["bottle", "μπουκάλι"],
+    ["kite", "χαρταετός"],
+    ["anchor", "άγκυρα"],
+    ["bell", "καμπάνα"],
+    ["key", "κλειδί"],
+    ["umbrella", "ομπρέλα"],
+    ["crown", "κορώνα"],
+    ["glasses", "γυαλιά"],
+    ["book", "βιβλίο"],
+    ["scissors", "ψαλίδι"],
+    ["hammer", "σφυρί"],
+    ["ladder", "σκάλα"],
+    ["clock", "ρολόι"],
+    ["bone", "κόκαλο"],
+    ["balloon", "μπαλόνι"],
+    ["drum", "τύμπανο"],
+    ["guitar", "κιθάρα"],
+    ["heart", "καρδιά"],
+    ["flag", "σημαία"],
+    ["house", "σπίτι"],
+    ["castle", "κάστρο"],
+    ["bus", "λεωφορείο"],
+    ["ship", "πλοίο"],
+    ["rocket", "πύραυλος"],
+    ["bicycle", "ποδήλατο"],
+    ["aeroplane", "αεροπλάνο"],
+    ["fork", "πιρούνι"],
+    ["chair", "καρέκλα"],
+    ["hand", "χέρι"],
+    ["ghost", "φάντασμα"],
+];
+
+impl BadgeLanguage {
+    /// By number.
+    pub const ALL: [BadgeLanguage; 2] = [BadgeLanguage::English, BadgeLanguage::Greek];
+}
+
+impl Pictogram {
+    /// What it shows, in a word of lower case.
+    #[must_use]
+    pub const fn name(self, language: BadgeLanguage) -> &'static str {
+        PICTOGRAMS[self.number()][language as usize]
+    }
+}
+
+impl BadgeColour {
+    /// Its name, in a word of lower case.
+    #[must_use]
+    pub const fn name(self, language: BadgeLanguage) -> &'static str {
+        COLOURS[self as usize][language as usize]
+    }
+}
+
+/// Writes the colour, a colon and the four pictograms, as they are said.
+///
+/// # Errors
+/// That of `to`.
+pub fn write_words(
+    to: &mut impl fmt::Write,
+    badge: &Badge,
+    language: BadgeLanguage,
+) -> fmt::Result {
+    to.write_str(badge.colour.name(language))?;
+    for (k, pictogram) in badge.pictograms.iter().enumerate() {
+        to.write_str(if k == 0 { ": " } else { ", " })?;
+        to.write_str(pictogram.name(language))?;
+    }
+    Ok(())
+}
