@@ -5,6 +5,7 @@
 
 pub mod allocations;
 pub mod badge;
+pub mod badge_fleet;
 pub mod bake;
 pub mod bake_harness;
 pub mod bit_voxels;
