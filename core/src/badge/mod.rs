@@ -46,6 +46,7 @@ mod gf64;
 mod lease;
 mod ledger;
 mod ledger_save;
+mod shapes;
 mod words;
 
 pub use code::{
@@ -56,4 +57,5 @@ pub use exchange::{LeaseAnswer, LeaseReport, LeasedBlock, LeasedBlocks};
 pub use lease::{AnswerOutcome, BadgeLease};
 pub use ledger::{BadgeLedger, DAY_SECONDS, LedgerRefusal, LedgerTotals};
 pub use ledger_save::MAX_LEDGER_BYTES;
+pub use shapes::{BadgePart, BadgePoint, BadgeShape, POINT_STEPS, covers_point};
 pub use words::{BadgeLanguage, write_words};

@@ -6,6 +6,7 @@
 pub mod allocations;
 pub mod badge;
 pub mod badge_fleet;
+pub mod badge_pictures;
 pub mod bake;
 pub mod bake_harness;
 pub mod bit_voxels;
