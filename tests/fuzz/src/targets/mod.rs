@@ -1,6 +1,7 @@
 //! What is fuzzed, and what must hold of it.
 
 mod files;
+mod leases;
 mod meshes;
 mod options;
 mod saves;
@@ -9,7 +10,7 @@ mod steps;
 use crate::engine::FuzzTarget;
 
 /// All targets.
-pub const ALL: [FuzzTarget; 10] = [
+pub const ALL: [FuzzTarget; 11] = [
     meshes::OBJ,
     meshes::STL,
     meshes::PLY,
@@ -19,5 +20,6 @@ pub const ALL: [FuzzTarget; 10] = [
     files::INPUT,
     options::OPTIONS,
     saves::SAVE,
+    leases::LEASE,
     steps::STEP,
 ];
