@@ -11,7 +11,8 @@ use crate::error::Error;
 
 /// The operating system: Android, or anything else.
 pub trait Platform {
-    /// Loads the OpenXR loader or runtime. Called again after the runtime was lost.
+    /// Loads the OpenXR loader or runtime. Called again after a session was lost; what may be called once in
+    /// a process alone is then kept.
     ///
     /// # Errors
     /// [`Error::Unavailable`] where there is none.

@@ -16,7 +16,8 @@ use paros_quest::device::{
     self, AndroidDevice, Battery, ContentRow, DeviceMonitor, MAX_ROWS, ThermalStatus,
 };
 use paros_quest::runtime::{
-    FUNCTION_COLUMNS, NEGOTIATE_FUNCTION, RUNTIME_COLUMNS, RuntimeLibrary, query_brokers,
+    BROKERS, FUNCTION_COLUMNS, INITIALIZE_FUNCTION, NEGOTIATE_FUNCTION, RUNTIME_COLUMNS,
+    RuntimeLibrary, query_broker,
 };
 use paros_shell::headset::device_health::{DeviceHealth, ThermalState};
 use paros_shell::require::require_or_skip;
@@ -243,7 +244,9 @@ fn check_queries() {
 /// A broker whose runtime has names of its own: one row, then the functions'.
 fn check_brokers() {
     let runtimes = "content://org.khronos.openxr.runtime_broker/openxr/1/abi/arm64-v8a/runtimes";
-    set_answer(&format!("Uri.parse[{runtimes}/active/0]"), "O:android.net.Uri");
+    for table in ["active", "active/0"] {
+        set_answer(&format!("Uri.parse[{runtimes}/{table}]"), "O:android.net.Uri");
+    }
     set_answer(&format!("Uri.parse[{runtimes}/com.maker.runtime/functions]"), "O:android.net.Uri");
     for (column, name) in RUNTIME_COLUMNS.iter().chain(&FUNCTION_COLUMNS).enumerate() {
         set_answer(&format!("Cursor.getColumnIndex[{name}]"), &format!("I:{column}"));
@@ -253,23 +256,30 @@ fn check_brokers() {
     for (column, answer) in answers.into_iter().enumerate() {
         set_answer(&format!("Cursor.getString[{column}]"), answer);
     }
-    set_answer("Cursor.getString[4]", &format!("S:xrInitializeLoaderKHR\nS:{NEGOTIATE_FUNCTION}"));
+    set_answer("Cursor.getString[4]", &format!("S:{INITIALIZE_FUNCTION}\nS:{NEGOTIATE_FUNCTION}"));
     set_answer("Cursor.getString[5]", "S:maker_initialize\nS:maker_negotiate");
     set_answer("Cursor.moveToNext", "Z:true\nZ:false\nZ:true\nZ:true\nZ:false");
     let device = device_at_level(29);
-    let named = query_brokers(|table, columns| device.query_first_content_rows(table, columns))
-        .expect("it is named");
+    let name_first = || {
+        let mut query =
+            |table: &str, columns: &[&str]| device.query_first_content_rows(table, columns);
+        query_broker(BROKERS[0], &mut query).remove(0).library
+    };
     let expected = RuntimeLibrary {
         path: "/vendor/maker.so".into(),
-        negotiate_symbol: "maker_negotiate".into(),
+        initialize_symbol: "maker_initialize".into(),
+        negotiate_symbol: Some("maker_negotiate".into()),
     };
-    assert_eq!(named, expected);
+    assert_eq!(name_first(), Ok(expected));
     // The package may not be asked.
+    set_answer("ContentResolver.query", "E:not yours");
+    let why = name_first().expect_err("it was thrown");
+    assert!(why.contains("not yours"), "{why}");
+    // Its names alone may not be asked for.
     set_answer("ContentResolver.query", "O:android.database.Cursor\nE:not yours");
     set_answer("Cursor.moveToNext", "Z:true\nZ:false");
-    let why = query_brokers(|table, columns| device.query_first_content_rows(table, columns))
-        .expect_err("it was thrown");
-    assert!(why.to_string().contains("not yours"), "{why}");
+    let why = name_first().expect_err("it was thrown");
+    assert!(why.starts_with("/vendor/maker.so: ") && why.contains("not yours"), "{why}");
 }
 
 fn check_exceptions() {

@@ -6,7 +6,7 @@ use std::process::Command;
 use std::{env, fs};
 
 use openxr as xr;
-use paros_quest::runtime::{NEGOTIATE_FUNCTION, open_runtime, query_brokers};
+use paros_quest::runtime::{BROKERS, LinkedCalls, NEGOTIATE_FUNCTION, RuntimeSearch, query_broker};
 use paros_shell::require::require_or_skip;
 
 /// Set to the library in the process that runs on the tree's libraries.
@@ -83,17 +83,17 @@ fn negotiate_as_on_a_headset(library: &Path) {
     let text = |text: &str| Some(text.to_owned());
     let folder = library.parent().and_then(Path::to_str).expect("a folder");
     let name = library.file_name().and_then(OsStr::to_str).expect("a name");
-    let named = query_brokers(|table, _| {
+    let named = query_broker(BROKERS[0], &mut |table, _| {
         let renames = if env::var_os(RENAMED).is_some() { "1" } else { "0" };
         Ok(vec![match table.ends_with("/functions") {
             false => vec![text(folder), text(name), text("maker"), text(renames)],
             true => vec![text(NEGOTIATE_FUNCTION), text("maker_negotiate")],
         }])
     });
-    let named = named.expect("it is named");
-    assert_eq!(named.path, library);
     // SAFETY: it is a runtime.
-    let entry = unsafe { open_runtime(&named, &()) }.unwrap_or_else(|error| panic!("{error}"));
+    let mut calls = unsafe { LinkedCalls::new(None) };
+    let found = RuntimeSearch::new().find_once(&mut calls, named);
+    let entry = found.unwrap_or_else(|error| panic!("{error}")).entry;
     let extensions = entry.enumerate_extensions().expect("it has some");
     assert!(extensions.khr_vulkan_enable2 && extensions.ext_hand_tracking);
     let application = xr::ApplicationInfo {

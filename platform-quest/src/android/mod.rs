@@ -21,6 +21,7 @@ use crate::device::{self, AndroidDevice, DeviceMonitor};
 use crate::error::Error;
 use crate::options::ShellOptions;
 use crate::platform::{Platform, PlatformStatus};
+use crate::runtime::{AndroidContext, LinkedCalls, PARTITIONS};
 use crate::settings::LoadedSettings;
 use crate::shell::run_shell;
 use crate::{runtime, settings};
@@ -93,17 +94,20 @@ impl AndroidPlatform {
 
 impl Platform for AndroidPlatform {
     fn load_openxr(&mut self) -> Result<xr::Entry, Error> {
-        let broker = || {
-            runtime::query_brokers(|table, columns| {
-                self.monitor.device().query_first_content_rows(table, columns)
-            })
+        let (vm, activity) = (self.app.vm_as_ptr(), self.app.activity_as_ptr());
+        // SAFETY: the activity glue holds both until `android_main` returns. The loader comes with the
+        // package; brokers and manifest files are part of the system, or were installed in its place.
+        let mut calls = unsafe { LinkedCalls::new(Some(AndroidContext { vm, activity })) };
+        let query = |table: &str, columns: &[&str]| {
+            self.monitor.device().query_first_content_rows(table, columns)
         };
-        // SAFETY: the loader comes with the package; the broker is part of the system, or was
-        // installed in its place.
-        let found = unsafe {
-            runtime::find_runtime(Path::new(OPENXR_LOADER), &self.platform_info(), broker)
-        };
-        found.map_err(|error| Error::Unavailable(error.to_string()))
+        let candidates = runtime::list_candidates(Path::new(OPENXR_LOADER), query, &PARTITIONS);
+        let found = runtime::find_runtime_once(&mut calls, candidates);
+        let found = found.map_err(|error| Error::Unavailable(error.to_string()))?;
+        for tried in found.tried {
+            self.log(format_args!("{tried}"));
+        }
+        Ok(found.entry)
     }
 
     fn create_instance(

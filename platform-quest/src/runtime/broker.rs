@@ -1,8 +1,9 @@
 //! Runtime brokers: content providers that know the active OpenXR runtime's library.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use super::RuntimeError;
+use super::library::RuntimeLibrary;
+use super::search::Candidate;
 use crate::device;
 
 /// The brokers' authorities in the order of queries: the installable broker, then the system's.
@@ -17,151 +18,152 @@ pub const RUNTIME_COLUMNS: [&str; 4] =
 /// The columns of a function: its name in OpenXR, and its symbol in the library.
 pub const FUNCTION_COLUMNS: [&str; 2] = ["function_name", "symbol_name"];
 
-/// The function that every runtime's library has, by this symbol or another.
-pub const NEGOTIATE_FUNCTION: &str = "xrNegotiateLoaderRuntimeInterface";
+/// What a query of a content provider's table returns.
+pub type QueryResult = Result<Vec<device::ContentRow>, device::JavaError>;
 
-/// A runtime's library.
-#[derive(Clone, PartialEq, Eq, Debug)]
-pub struct RuntimeLibrary {
-    /// Its file.
-    pub path: PathBuf,
-    /// The symbol of [`NEGOTIATE_FUNCTION`].
-    pub negotiate_symbol: String,
-}
+/// A broker's tables of the active runtime, in the order of queries: all rows, and the one row that brokers
+/// had before.
+const ACTIVE_TABLES: [&str; 2] = ["active", "active/0"];
 
-impl RuntimeLibrary {
-    /// A library whose symbols are OpenXR's names.
-    #[must_use]
-    pub fn with_standard_names(path: PathBuf) -> Self {
-        RuntimeLibrary { path, negotiate_symbol: NEGOTIATE_FUNCTION.into() }
-    }
-}
-
-/// Queries the brokers for the library of the active runtime for OpenXR 1 on arm64. `query` reads columns
-/// of a content provider's table. (OpenXR loader specification, "Android Active Runtime Location".)
-///
-/// # Errors
-/// [`RuntimeError::NoBroker`] if none names one.
-pub fn query_brokers(
-    mut query: impl FnMut(&str, &[&str]) -> Result<Vec<device::ContentRow>, device::JavaError>,
-) -> Result<RuntimeLibrary, RuntimeError> {
-    let mut said = Vec::new();
-    for broker in BROKERS {
-        match query_broker(broker, &mut query) {
-            Ok(Some(library)) => return Ok(library),
-            Ok(None) => said.push((broker, None)),
-            Err(error) => said.push((broker, Some(error))),
-        }
-    }
-    Err(RuntimeError::NoBroker(said))
-}
-
-/// Queries one broker for the library, if it names one.
-fn query_broker(
+/// Queries a broker for the active runtime for OpenXR 1 on arm64. It may have several rows, of which a
+/// loader tries one after the other. `query` reads columns of a content provider's table. (OpenXR loader
+/// specification, "Android Active Runtime Location".)
+pub fn query_broker(
     broker: &str,
-    query: &mut impl FnMut(&str, &[&str]) -> Result<Vec<device::ContentRow>, device::JavaError>,
-) -> Result<Option<RuntimeLibrary>, device::JavaError> {
+    query: &mut impl FnMut(&str, &[&str]) -> QueryResult,
+) -> Vec<Candidate> {
     let runtimes = format!("content://{broker}/openxr/1/abi/arm64-v8a/runtimes");
-    let rows = query(&format!("{runtimes}/active/0"), &RUNTIME_COLUMNS)?;
-    let Some([Some(folder), Some(name), package, renames]) = rows.first().map(Vec::as_slice) else {
-        return Ok(None);
-    };
-    let mut library = RuntimeLibrary::with_standard_names(Path::new(folder).join(name));
-    if renames.as_deref() != Some("1") {
-        return Ok(Some(library));
-    }
-    let Some(package) = package else {
-        return Err(answer_error("has_functions without package_name"));
-    };
-    let rows = query(&format!("{runtimes}/{package}/functions"), &FUNCTION_COLUMNS)?;
-    if rows.is_empty() {
-        return Err(answer_error("has_functions, but no functions are told"));
-    }
-    for row in rows {
-        if let [Some(function), Some(symbol)] = &row[..]
-            && function == NEGOTIATE_FUNCTION
-        {
-            library.negotiate_symbol.clone_from(symbol);
+    let mut why = None;
+    for table in ACTIVE_TABLES {
+        match query(&format!("{runtimes}/{table}"), &RUNTIME_COLUMNS) {
+            Err(error) => why = why.or(Some(error.to_string())),
+            Ok(rows) if rows.is_empty() => {}
+            Ok(rows) => {
+                let candidate = |(number, row): (usize, &device::ContentRow)| Candidate {
+                    source: format!("{broker}, row {}", number + 1),
+                    library: read_runtime_row(row, &runtimes, query),
+                };
+                return rows.iter().enumerate().map(candidate).collect();
+            }
         }
     }
-    Ok(Some(library))
+    let library = Err(why.unwrap_or_else(|| "no answer".into()));
+    vec![Candidate { source: broker.into(), library }]
 }
 
-fn answer_error(why: &str) -> device::JavaError {
-    device::JavaError { member: None, why: why.into() }
+/// The library of a runtime's row, or what is missing there.
+fn read_runtime_row(
+    row: &device::ContentRow,
+    runtimes: &str,
+    query: &mut impl FnMut(&str, &[&str]) -> QueryResult,
+) -> Result<RuntimeLibrary, String> {
+    let [Some(folder), Some(name), package, renames] = &row[..] else {
+        let [folder, name, ..] = RUNTIME_COLUMNS;
+        return Err(format!("no {folder} or {name}"));
+    };
+    let mut library = RuntimeLibrary::runtime(Path::new(folder).join(name));
+    if renames.as_deref() != Some("1") {
+        return Ok(library);
+    }
+    let unnamed = |why: String| format!("{}: {why}", library.path.display());
+    let Some(package) = package else {
+        return Err(unnamed("has_functions without package_name".into()));
+    };
+    let functions = query(&format!("{runtimes}/{package}/functions"), &FUNCTION_COLUMNS);
+    let functions = functions.map_err(|error| unnamed(error.to_string()))?;
+    if functions.is_empty() {
+        return Err(unnamed("has_functions, but no functions are told".into()));
+    }
+    for function in functions {
+        if let [Some(function), Some(symbol)] = &function[..] {
+            library.rename_function(function, symbol);
+        }
+    }
+    Ok(library)
 }
 
 #[cfg(test)]
 mod tests {
     use std::path::Path;
 
-    use super::{FUNCTION_COLUMNS, NEGOTIATE_FUNCTION, RUNTIME_COLUMNS, query_brokers};
+    use super::{BROKERS, Candidate, FUNCTION_COLUMNS, RUNTIME_COLUMNS, query_broker};
     use crate::device::{self, ContentRow};
+    use crate::runtime::{INITIALIZE_FUNCTION, NEGOTIATE_FUNCTION, RuntimeLibrary};
 
-    const FIRST: &str =
-        "content://org.khronos.openxr.runtime_broker/openxr/1/abi/arm64-v8a/runtimes/active/0";
-    const SECOND: &str = "content://org.khronos.openxr.system_runtime_broker/openxr/1/abi/arm64-v8a/runtimes/active/0";
+    const ACTIVE: &str =
+        "content://org.khronos.openxr.runtime_broker/openxr/1/abi/arm64-v8a/runtimes/active";
 
     fn row<const C: usize>(texts: [&str; C]) -> ContentRow {
         texts.map(|text| Some(text.to_owned())).to_vec()
     }
 
-    fn library(name: &str) -> Vec<ContentRow> {
-        vec![row(["/system/lib64", name, "com.maker.runtime", "0"])]
+    #[test]
+    fn every_row_is_a_candidate() {
+        let named = query_broker(BROKERS[0], &mut |table, columns| {
+            assert_eq!((table, columns), (ACTIVE, &RUNTIME_COLUMNS[..]));
+            Ok(vec![
+                row(["/data/app/base.apk!/lib/arm64-v8a", "first.so", "com.first", "0"]),
+                vec![Some("/system/lib64".into()), None, None, None],
+                row(["/system/lib64", "third.so", "com.third", "0"]),
+            ])
+        });
+        let source = |number| format!("org.khronos.openxr.runtime_broker, row {number}");
+        let library = |path: &str| Ok(RuntimeLibrary::runtime(path.into()));
+        let first = library("/data/app/base.apk!/lib/arm64-v8a/first.so");
+        let expected = [
+            Candidate { source: source(1), library: first },
+            Candidate {
+                source: source(2),
+                library: Err("no native_lib_dir or so_filename".into()),
+            },
+            Candidate { source: source(3), library: library("/system/lib64/third.so") },
+        ];
+        assert_eq!(named, expected);
     }
 
     #[test]
-    fn the_headset_s_own_broker_is_asked_last() {
-        let mut asked = Vec::new();
-        let named = query_brokers(|table, columns| {
-            assert_eq!(columns, RUNTIME_COLUMNS);
-            asked.push(table.to_owned());
-            Ok(library(if table == FIRST { "first.so" } else { "second.so" }))
+    fn a_broker_with_one_row_alone_is_asked_for_that() {
+        let named = query_broker(BROKERS[0], &mut |table, _| {
+            let rows = vec![row(["/data", "only.so", "com.only", "0"])];
+            Ok(if table.strip_prefix(ACTIVE) == Some("/0") { rows } else { vec![] })
         });
-        let named = named.expect("the first knows");
-        assert_eq!(named.path, Path::new("/system/lib64/first.so"));
-        assert_eq!(named.negotiate_symbol, NEGOTIATE_FUNCTION);
-        assert_eq!(asked, [FIRST]);
-        let named = query_brokers(|table, _| {
-            Ok(if table == SECOND { library("second.so") } else { vec![] })
-        });
-        let named = named.expect("the second knows");
-        assert_eq!(named.path, Path::new("/system/lib64/second.so"));
+        let library = named.into_iter().next().expect("a row").library.expect("a library");
+        assert_eq!(library.path, Path::new("/data/only.so"));
     }
 
     #[test]
-    fn what_each_broker_said_is_told() {
-        let why = query_brokers(|table, _| match table {
-            FIRST => Err(device::JavaError { member: None, why: "refused".into() }),
-            _ => Ok(vec![vec![Some("/system/lib64".into()), None, None, None]]),
-        });
-        assert_eq!(
-            why.expect_err("no library is named").to_string(),
-            "no OpenXR runtime: no broker names one; org.khronos.openxr.runtime_broker: refused; \
-             org.khronos.openxr.system_runtime_broker: no answer"
-        );
+    fn why_a_broker_names_nothing_is_told() {
+        let refused = || Err(device::JavaError { member: None, why: "refused".into() });
+        for (is_refused, why) in [(true, "refused"), (false, "no answer")] {
+            let mut query = |_: &str, _: &[&str]| if is_refused { refused() } else { Ok(vec![]) };
+            let named = query_broker(BROKERS[1], &mut query);
+            let source = "org.khronos.openxr.system_runtime_broker".into();
+            assert_eq!(named, [Candidate { source, library: Err(why.into()) }]);
+        }
     }
 
     #[test]
     fn a_library_s_own_names_are_asked_for() {
         let own = |functions: Vec<ContentRow>| {
-            query_brokers(move |table, columns| {
-                if table == FIRST {
+            let named = query_broker(BROKERS[0], &mut |table, columns| {
+                if table == ACTIVE {
                     return Ok(vec![row(["/data", "own.so", "com.maker.runtime", "1"])]);
                 }
-                let expected = FIRST.replace("active/0", "com.maker.runtime/functions");
-                if table != expected {
-                    return Ok(vec![]);
-                }
-                assert_eq!(columns, FUNCTION_COLUMNS);
+                let expected = ACTIVE.replace("active", "com.maker.runtime/functions");
+                assert_eq!((table, columns), (&*expected, &FUNCTION_COLUMNS[..]));
                 Ok(functions.clone())
-            })
+            });
+            named.into_iter().next().expect("a row").library
         };
-        let other = row(["xrInitializeLoaderKHR", "maker_initialize"]);
-        let named = own(vec![other.clone(), row([NEGOTIATE_FUNCTION, "maker_negotiate"])]);
-        assert_eq!(named.expect("it is named").negotiate_symbol, "maker_negotiate");
-        assert_eq!(own(vec![other]).expect("it is named").negotiate_symbol, NEGOTIATE_FUNCTION);
-        let why = own(vec![]).expect_err("its names are not told").to_string();
-        assert!(why.contains("has_functions, but no functions are told"), "{why}");
+        let initialize = row([INITIALIZE_FUNCTION, "maker_initialize"]);
+        let negotiate = row([NEGOTIATE_FUNCTION, "maker_negotiate"]);
+        let library = own(vec![initialize.clone(), negotiate]).expect("it is named");
+        assert_eq!(library.path, Path::new("/data/own.so"));
+        assert_eq!(library.initialize_symbol, "maker_initialize");
+        assert_eq!(library.negotiate_symbol.as_deref(), Some("maker_negotiate"));
+        let library = own(vec![initialize]).expect("it is named");
+        assert_eq!(library.negotiate_symbol.as_deref(), Some(NEGOTIATE_FUNCTION));
+        let why = own(vec![]).expect_err("its names are not told");
+        assert_eq!(why, "/data/own.so: has_functions, but no functions are told");
     }
 }

@@ -1,165 +1,79 @@
-//! Finds Android's OpenXR runtime where the system has no loader: by Khronos' loader, if the package holds
-//! one; otherwise the active runtime's library, which a runtime broker names, is opened and negotiated with
-//! as a loader does (OpenXR loader specification, "Runtime Interaction").
+//! Finds Android's OpenXR runtime where the system has no loader, as Khronos' loader does it (OpenXR
+//! loader specification, "Runtime Interaction"): the libraries that brokers and manifest files name are
+//! tried in turn, and the first that can be opened, initialised and negotiated with is the runtime.
+//! A package that holds Khronos' own loader has that tried first.
 
 mod broker;
+mod library;
+mod manifest;
 mod negotiation;
+mod search;
 
-use std::fmt;
-use std::path::{Path, PathBuf};
+use std::path::Path;
+use std::sync::{Mutex, PoisonError};
 
-use libloading::Library;
 use openxr as xr;
 
-pub use broker::{
-    BROKERS, FUNCTION_COLUMNS, NEGOTIATE_FUNCTION, RUNTIME_COLUMNS, RuntimeLibrary, query_brokers,
+pub use broker::{BROKERS, FUNCTION_COLUMNS, QueryResult, RUNTIME_COLUMNS, query_broker};
+pub use library::{
+    AndroidContext, INITIALIZE_FUNCTION, LibraryError, LinkedCalls, NEGOTIATE_FUNCTION,
+    OpenedLibrary, RuntimeLibrary,
 };
+pub use manifest::{PARTITIONS, read_manifests};
 pub use negotiation::{NegotiationError, negotiate_interface};
+pub use search::{Candidate, FoundRuntime, NoRuntime, RuntimeCalls, RuntimeSearch, Tried};
 
-use crate::device;
+/// The process's search.
+static SEARCH: Mutex<RuntimeSearch<LinkedCalls>> = Mutex::new(RuntimeSearch::new());
 
-/// Why no runtime was found.
-#[derive(Debug)]
-pub enum RuntimeError {
-    /// No broker names one; each broker's error, if it gave one.
-    NoBroker(Vec<(&'static str, Option<device::JavaError>)>),
-    /// The library can't be opened.
-    Open(PathBuf, libloading::Error),
-    /// The library lacks the negotiation function, by this name.
-    NoNegotiation(PathBuf, String),
-    /// The negotiation failed.
-    Refused(PathBuf, NegotiationError),
-    /// The runtime lacks a function that every runtime has.
-    Call(PathBuf, xr::sys::Result),
-    /// The packaged loader can't be used.
-    Loader(PathBuf, String),
-}
-
-/// Loads the runtime: by `loader` if that file exists, else the library that `broker` names.
+/// Finds the runtime once in this process: see [`RuntimeSearch::find_once`].
 ///
 /// # Errors
-/// [`RuntimeError`], with the library and what was expected of it.
-///
-/// # Safety
-/// What the loader or the broker names is a library that may be run in this process, and gives
-/// functions as OpenXR has them.
-pub unsafe fn find_runtime<P: xr::PlatformInfo>(
-    loader: &Path,
-    platform: &P,
-    broker: impl FnOnce() -> Result<RuntimeLibrary, RuntimeError>,
-) -> Result<xr::Entry, RuntimeError> {
-    // SAFETY: the loader comes from the package.
-    match unsafe { xr::Entry::load_from(loader, platform) } {
-        Ok(entry) => Ok(entry),
-        Err(xr::EntryError::Load(_)) => {
-            // SAFETY: the caller says so of what the broker names.
-            unsafe { open_runtime(&broker()?, platform) }
-        }
-        Err(error) => Err(RuntimeError::Loader(loader.into(), error.to_string())),
-    }
+/// [`NoRuntime`], with all that was tried.
+pub fn find_runtime_once(
+    calls: &mut LinkedCalls,
+    candidates: impl IntoIterator<Item = Candidate>,
+) -> Result<FoundRuntime<xr::Entry>, NoRuntime> {
+    // A search that was broken off by a panic has found nothing yet.
+    SEARCH.lock().unwrap_or_else(PoisonError::into_inner).find_once(calls, candidates)
 }
 
-/// Opens a runtime's library and negotiates with it. The library is never closed: a runtime has threads of
-/// its own, and none is made to be unloaded.
-///
-/// # Errors
-/// [`RuntimeError`] with the library, but for those of the broker and the loader.
-///
-/// # Safety
-/// The library may be run in this process and gives functions as OpenXR has them.
-pub unsafe fn open_runtime<P: xr::PlatformInfo>(
-    library: &RuntimeLibrary,
-    platform: &P,
-) -> Result<xr::Entry, RuntimeError> {
-    let RuntimeLibrary { path, negotiate_symbol } = library;
-    // SAFETY: the caller says that its initialisers may run.
-    let opened = unsafe { Library::new(path) };
-    let opened = opened.map_err(|error| RuntimeError::Open(path.into(), error))?;
-    // SAFETY: the name stands for this type in every runtime, and another in this.
-    let symbol = unsafe { opened.get(negotiate_symbol.as_bytes()) };
-    let function =
-        *symbol.map_err(|_| RuntimeError::NoNegotiation(path.into(), negotiate_symbol.clone()))?;
-    // SAFETY: it was just found in a runtime.
-    let functions = unsafe { negotiate_interface(function) };
-    let functions = functions.map_err(|refusal| RuntimeError::Refused(path.into(), refusal))?;
-    std::mem::forget(opened);
-    // SAFETY: the runtime's own, as a loader takes it. Not every runtime has a wish to hear of the
-    // activity before an instance is made; a loader tells those alone that have.
-    let entry = unsafe {
-        xr::Entry::from_get_instance_proc_addr(functions, platform)
-            .or_else(|_| xr::Entry::from_get_instance_proc_addr(functions, &()))
-    };
-    entry.map_err(|error| RuntimeError::Call(path.into(), error))
+/// The candidates in the order in which they are tried: a loader in the package, what the brokers name,
+/// what the manifest files of Android's partitions name. None is asked before it is its turn.
+pub fn list_candidates(
+    packaged_loader: &Path,
+    mut query: impl FnMut(&str, &[&str]) -> QueryResult,
+    partitions: &[impl AsRef<Path>],
+) -> impl Iterator<Item = Candidate> {
+    let loader = RuntimeLibrary::loader(packaged_loader.into());
+    let loader = Candidate { source: "the package".into(), library: Ok(loader) };
+    let brokers = BROKERS.into_iter().flat_map(move |broker| query_broker(broker, &mut query));
+    let manifests = std::iter::once_with(|| read_manifests(partitions)).flatten();
+    std::iter::once(loader).chain(brokers).chain(manifests)
 }
-
-impl fmt::Display for RuntimeError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            RuntimeError::NoBroker(said) => {
-                f.write_str("no OpenXR runtime: no broker names one")?;
-                for (broker, error) in said {
-                    match error {
-                        Some(error) => write!(f, "; {broker}: {error}")?,
-                        None => write!(f, "; {broker}: no answer")?,
-                    }
-                }
-                Ok(())
-            }
-            RuntimeError::Open(library, error) => {
-                write!(f, "{}: can't be opened: {error}", library.display())
-            }
-            RuntimeError::NoNegotiation(library, name) => {
-                write!(f, "{}: no OpenXR runtime: it has no {name}", library.display())
-            }
-            RuntimeError::Refused(library, refusal) => {
-                write!(f, "{}: {refusal}", library.display())
-            }
-            RuntimeError::Call(library, result) => {
-                write!(f, "{}: lacks a function of OpenXR: {result}", library.display())
-            }
-            RuntimeError::Loader(loader, why) => write!(f, "{}: {why}", loader.display()),
-        }
-    }
-}
-
-impl std::error::Error for RuntimeError {}
 
 #[cfg(test)]
 mod tests {
-    use std::path::Path;
-
-    use paros_shell::require::{MissingDependency, require_or_skip};
-
-    use super::{RuntimeError, RuntimeLibrary, find_runtime, open_runtime};
+    use super::{BROKERS, list_candidates};
 
     #[test]
-    fn what_is_no_runtime_is_told() -> Result<(), MissingDependency> {
-        // SAFETY: nothing is opened.
-        let why = unsafe {
-            open_runtime(&RuntimeLibrary::with_standard_names("/no/such/runtime.so".into()), &())
+    fn each_source_is_asked_when_it_is_its_turn() {
+        let mut asked = Vec::new();
+        let query = |table: &str, _: &[&str]| {
+            asked.push(table.split('/').nth(2).expect("an authority").to_owned());
+            Ok(vec![])
         };
-        let why = why.err().expect("no library");
-        assert!(why.to_string().starts_with("/no/such/runtime.so: can't be opened: "), "{why}");
-        let libm =
-            RuntimeLibrary { path: "libm.so.6".into(), negotiate_symbol: "maker_negotiate".into() };
-        // SAFETY: the C library's mathematics are loaded already.
-        let part = unsafe { libloading::Library::new(&libm.path) };
-        if require_or_skip(part.map_err(|why| why.to_string()))?.is_some() {
-            // SAFETY: as before.
-            let why = unsafe { open_runtime(&libm, &()) }.err().expect("it is none");
-            assert_eq!(why.to_string(), "libm.so.6: no OpenXR runtime: it has no maker_negotiate");
-        }
-        Ok(())
-    }
-
-    #[test]
-    fn without_a_packaged_loader_the_broker_is_asked() {
-        let nobody = || Err(RuntimeError::NoBroker(vec![("a", None), ("b", None)]));
-        // SAFETY: nothing is opened.
-        let found = unsafe { find_runtime(Path::new("/no/such/loader.so"), &(), nobody) };
-        assert_eq!(
-            found.err().expect("there is none").to_string(),
-            "no OpenXR runtime: no broker names one; a: no answer; b: no answer"
-        );
+        let mut candidates =
+            list_candidates("libopenxr_loader.so".as_ref(), query, &["/no/such/partition"]);
+        let mut next = || candidates.next().map(|candidate| candidate.source);
+        assert_eq!(next().as_deref(), Some("the package"));
+        assert_eq!(next().as_deref(), Some(BROKERS[0]));
+        assert_eq!(next().as_deref(), Some(BROKERS[1]));
+        assert!(next().is_some_and(|source| source.ends_with(" of /no/such/partition")));
+        assert_eq!(next(), None);
+        drop(candidates);
+        // For each of its tables.
+        asked.dedup();
+        assert_eq!(asked, BROKERS);
     }
 }

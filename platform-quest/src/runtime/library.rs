@@ -1,0 +1,253 @@
+//! The calls into the libraries of runtimes and loaders.
+
+use std::ffi::{c_char, c_void};
+use std::fmt;
+use std::path::PathBuf;
+
+use libloading::Library;
+use openxr as xr;
+use openxr::sys::pfn::{
+    GetInstanceProcAddr, InitializeLoaderKHR, NegotiateLoaderRuntimeInterface, VoidFunction,
+};
+use openxr::sys::{Handle as _, Result as XrResult, StructureType};
+
+use super::negotiation::{NegotiationError, negotiate_interface};
+use super::search::RuntimeCalls;
+
+/// The function by which a runtime's library is negotiated with.
+pub const NEGOTIATE_FUNCTION: &str = "xrNegotiateLoaderRuntimeInterface";
+
+/// The function that tells a runtime of the Java VM and the activity (`XR_KHR_loader_init_android`).
+pub const INITIALIZE_FUNCTION: &str = "xrInitializeLoaderKHR";
+
+/// The function by which a loader gives all others.
+const PROC_ADDR_FUNCTION: &str = "xrGetInstanceProcAddr";
+
+/// A library that gives OpenXR's functions.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct RuntimeLibrary {
+    /// Its file; within a package, as Android's linker has it: `base.apk!/lib/arm64-v8a/libx.so`.
+    pub path: PathBuf,
+    /// The symbol of [`INITIALIZE_FUNCTION`].
+    pub initialize_symbol: String,
+    /// The symbol of [`NEGOTIATE_FUNCTION`]; none for a loader, which exports `xrGetInstanceProcAddr`.
+    pub negotiate_symbol: Option<String>,
+}
+
+impl RuntimeLibrary {
+    /// A runtime's library whose symbols are OpenXR's names.
+    #[must_use]
+    pub fn runtime(path: PathBuf) -> Self {
+        let negotiate_symbol = Some(NEGOTIATE_FUNCTION.into());
+        RuntimeLibrary { negotiate_symbol, ..Self::loader(path) }
+    }
+
+    /// A loader's library.
+    #[must_use]
+    pub fn loader(path: PathBuf) -> Self {
+        let initialize_symbol = INITIALIZE_FUNCTION.into();
+        RuntimeLibrary { path, initialize_symbol, negotiate_symbol: None }
+    }
+
+    /// Renames a function as its source says. Other functions than those of the search keep their names.
+    pub fn rename_function(&mut self, function: &str, symbol: &str) {
+        match function {
+            NEGOTIATE_FUNCTION => self.negotiate_symbol = Some(symbol.into()),
+            INITIALIZE_FUNCTION => self.initialize_symbol = symbol.into(),
+            _ => {}
+        }
+    }
+}
+
+/// Why a library is no use.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub enum LibraryError {
+    /// It can't be opened, for the linker's reason.
+    Open(String),
+    /// It lacks this function, and so is no runtime or loader.
+    NoFunction(String),
+    /// [`INITIALIZE_FUNCTION`] failed.
+    Initialization(XrResult),
+    /// The negotiation failed.
+    Refused(NegotiationError),
+    /// It lacks a function that every runtime has.
+    Call(XrResult),
+}
+
+/// What [`INITIALIZE_FUNCTION`] takes.
+#[derive(Clone, Copy, Debug)]
+pub struct AndroidContext {
+    /// The `JavaVM`.
+    pub vm: *mut c_void,
+    /// A reference to the activity.
+    pub activity: *mut c_void,
+}
+
+/// The calls into libraries, by the system's linker.
+#[derive(Clone, Copy, Debug)]
+pub struct LinkedCalls {
+    context: Option<AndroidContext>,
+}
+
+impl LinkedCalls {
+    /// Calls that initialise for a context; where there is none, as on Linux, no library is initialised.
+    ///
+    /// # Safety
+    /// The context is valid while this is used. Every library that is opened may be run in this process,
+    /// and has functions as OpenXR has them.
+    #[must_use]
+    pub const unsafe fn new(context: Option<AndroidContext>) -> Self {
+        LinkedCalls { context }
+    }
+
+    /// Initialises, if there is a context.
+    fn initialize(&self, function: InitializeLoaderKHR) -> Result<(), LibraryError> {
+        let Some(AndroidContext { vm, activity }) = self.context else { return Ok(()) };
+        let info = LoaderInitInfo {
+            ty: StructureType::LOADER_INIT_INFO_ANDROID_KHR,
+            next: std::ptr::null(),
+            application_vm: vm,
+            application_context: activity,
+        };
+        // SAFETY: the function is OpenXR's, and its argument begins as every such structure does.
+        match unsafe { function((&raw const info).cast()) } {
+            result if result.into_raw() >= 0 => Ok(()),
+            result => Err(LibraryError::Initialization(result)),
+        }
+    }
+}
+
+/// `XrLoaderInitInfoAndroidKHR`, which the crate has on Android alone.
+#[repr(C)]
+struct LoaderInitInfo {
+    ty: StructureType,
+    next: *const c_void,
+    application_vm: *mut c_void,
+    application_context: *mut c_void,
+}
+
+/// A library that was opened. It is never closed: a runtime has threads of its own, and none is made to
+/// be unloaded.
+#[derive(Clone, Copy, Debug)]
+pub struct OpenedLibrary {
+    initialize: Option<InitializeLoaderKHR>,
+    source: FunctionSource,
+}
+
+/// Where a library's functions come from.
+#[derive(Clone, Copy, Debug)]
+enum FunctionSource {
+    Negotiation(NegotiateLoaderRuntimeInterface),
+    Export(GetInstanceProcAddr),
+}
+
+impl FunctionSource {
+    fn address(self) -> usize {
+        match self {
+            FunctionSource::Negotiation(function) => function as usize,
+            FunctionSource::Export(function) => function as usize,
+        }
+    }
+}
+
+/// One library has one address.
+impl PartialEq for OpenedLibrary {
+    fn eq(&self, other: &Self) -> bool {
+        self.source.address() == other.source.address()
+    }
+}
+
+impl RuntimeCalls for LinkedCalls {
+    type Library = OpenedLibrary;
+    type Functions = GetInstanceProcAddr;
+    type Entry = xr::Entry;
+
+    fn open(&mut self, library: &RuntimeLibrary) -> Result<OpenedLibrary, LibraryError> {
+        // SAFETY: who made this says that its initialisers may run.
+        let opened = unsafe { Library::new(&library.path) };
+        let opened = opened.map_err(|error| LibraryError::Open(error.to_string()))?;
+        let symbol = library.negotiate_symbol.as_deref();
+        let lacks = |name: &str| LibraryError::NoFunction(name.into());
+        let source = match symbol {
+            // SAFETY: the name stands for this type in every runtime, and another in this.
+            Some(name) => unsafe { find_symbol(&opened, name) }
+                .map(FunctionSource::Negotiation)
+                .ok_or_else(|| lacks(name))?,
+            // SAFETY: the name stands for this type in every loader.
+            None => unsafe { find_symbol(&opened, PROC_ADDR_FUNCTION) }
+                .map(FunctionSource::Export)
+                .ok_or_else(|| lacks(PROC_ADDR_FUNCTION))?,
+        };
+        // SAFETY: the name stands for this type too.
+        let initialize = unsafe { find_symbol(&opened, &library.initialize_symbol) };
+        std::mem::forget(opened);
+        Ok(OpenedLibrary { initialize, source })
+    }
+
+    fn initialize_by_export(&mut self, library: &OpenedLibrary) -> Result<bool, LibraryError> {
+        let Some(function) = library.initialize else { return Ok(false) };
+        self.initialize(function).map(|()| true)
+    }
+
+    fn negotiate(&mut self, library: &OpenedLibrary) -> Result<GetInstanceProcAddr, LibraryError> {
+        match library.source {
+            FunctionSource::Export(function) => Ok(function),
+            FunctionSource::Negotiation(function) => {
+                // SAFETY: it was found in a runtime.
+                let functions = unsafe { negotiate_interface(function) };
+                functions.map_err(LibraryError::Refused)
+            }
+        }
+    }
+
+    fn initialize_by_functions(
+        &mut self,
+        functions: GetInstanceProcAddr,
+    ) -> Result<(), LibraryError> {
+        if self.context.is_none() {
+            return Ok(());
+        }
+        let (name, mut found): (*const c_char, Option<VoidFunction>) =
+            (c"xrInitializeLoaderKHR".as_ptr(), None);
+        // SAFETY: no instance is needed for this name, which is a C string; there is room for a function.
+        let result = unsafe { functions(xr::sys::Instance::NULL, name, &mut found) };
+        if result.into_raw() < 0 {
+            // Not every runtime has a wish to hear of the activity before an instance is made.
+            return Ok(());
+        }
+        let function = found.ok_or_else(|| LibraryError::NoFunction(INITIALIZE_FUNCTION.into()))?;
+        // SAFETY: this is the type that goes with the name.
+        let function =
+            unsafe { std::mem::transmute::<VoidFunction, InitializeLoaderKHR>(function) };
+        self.initialize(function)
+    }
+
+    fn make_entry(&mut self, functions: GetInstanceProcAddr) -> Result<xr::Entry, LibraryError> {
+        // SAFETY: they are the functions of a runtime or a loader, whose library stays open.
+        unsafe { xr::Entry::from_get_instance_proc_addr(functions, &()) }
+            .map_err(LibraryError::Call)
+    }
+}
+
+/// # Safety
+/// In this library the name stands for a function of type `F`.
+unsafe fn find_symbol<F: Copy>(library: &Library, name: &str) -> Option<F> {
+    // SAFETY: as the caller says.
+    unsafe { library.get::<F>(name.as_bytes()) }.ok().map(|symbol| *symbol)
+}
+
+impl fmt::Display for LibraryError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            LibraryError::Open(why) => write!(f, "can't be opened: {why}"),
+            LibraryError::NoFunction(name) => write!(f, "is no OpenXR runtime: it has no {name}"),
+            LibraryError::Initialization(result) => {
+                write!(f, "{INITIALIZE_FUNCTION} failed: {result:?}")
+            }
+            LibraryError::Refused(refusal) => refusal.fmt(f),
+            LibraryError::Call(result) => write!(f, "lacks a function of OpenXR: {result:?}"),
+        }
+    }
+}
+
+impl std::error::Error for LibraryError {}
