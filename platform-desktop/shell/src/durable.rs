@@ -1,5 +1,10 @@
 //! Atomic file replacement: a file is written under a temporary name beside its target, synced to
 //! disk and renamed over it, and its folder is synced after. A file is there whole or not at all.
+//!
+//! A storage that refuses the last of that, as some of Android's do, keeps its files all the same:
+//! [`take_storage_warnings`].
+
+mod warnings;
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Read, Write};
@@ -7,8 +12,9 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Duration;
 
-/// Why a file could not be written. The target is as it was before; but where its folder could not
-/// be synced, it may be the new file already, which then may not outlast a loss of power.
+pub use warnings::{StorageLimit, StorageWarning, take_storage_warnings};
+
+/// Why a file could not be written. The target is as it was before.
 #[derive(Debug)]
 pub struct WriteError {
     /// The file that was to be written.
@@ -182,8 +188,7 @@ impl WriteTarget {
     /// Writes the file.
     ///
     /// # Errors
-    /// When the folder or the disk refuses; then nothing has changed, unless it is the folder's sync
-    /// that failed ([`WriteError`]).
+    /// When the folder or the disk refuses; then nothing has changed.
     pub fn write_file(&self, bytes: &[u8]) -> Result<(), WriteError> {
         self.write_temporary(bytes)?.rename_over_target()
     }
@@ -229,11 +234,13 @@ impl TemporaryFile<'_> {
             fs::rename(temporary, file).map_err(|source| write_error(path, "rename", source))?;
         }
         self.path = None;
-        sync_folder(file).map_err(|source| write_error(path, "sync the folder of", source))
+        sync_folder_or_warn(file);
+        Ok(())
     }
 
     /// Gives the file its own name by a hard link, which unlike a rename replaces nothing. Where the
-    /// file system has no links (FAT) it checks that there is no such file and renames.
+    /// file system has no links (FAT, Android's shared storage) it checks that there is no such file and
+    /// renames.
     fn link_if_target_is_absent(mut self) -> Result<(), WriteError> {
         let WriteTarget { path, file } = self.target;
         let Some(temporary) = &self.path else { return Ok(()) };
@@ -242,18 +249,18 @@ impl TemporaryFile<'_> {
             // The temporary name goes with `self`.
             Ok(()) => {}
             Err(source) if source.kind() == io::ErrorKind::AlreadyExists => return taken(source),
-            Err(_) if file.exists() => return taken(io::ErrorKind::AlreadyExists.into()),
-            Err(_) => {
+            Err(_) if file.symlink_metadata().is_ok() => {
+                return taken(io::ErrorKind::AlreadyExists.into());
+            }
+            Err(refusal) => {
                 fs::rename(temporary, file)
                     .map_err(|source| write_error(path, "rename", source))?;
                 self.path = None;
+                warnings::note(StorageLimit::NoLinks, parent_folder(file), refusal);
             }
         }
-        sync_folder(file).map_err(|source| {
-            // Nothing had this name: nothing is to have it now.
-            let _ = fs::remove_file(file);
-            write_error(path, "sync the folder of", source)
-        })
+        sync_folder_or_warn(file);
+        Ok(())
     }
 }
 
@@ -298,14 +305,23 @@ fn parent_folder(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
+/// Syncs the folder of a file that has its name already. The file is whole whatever comes of it: it is
+/// neither removed nor written again.
+fn sync_folder_or_warn(file: &Path) {
+    let folder = parent_folder(file);
+    if let Err(refusal) = sync_folder(folder) {
+        warnings::note(StorageLimit::UnsyncedFolder, folder, refusal);
+    }
+}
+
 #[cfg(unix)]
-fn sync_folder(file: &Path) -> io::Result<()> {
-    File::open(parent_folder(file))?.sync_all()
+fn sync_folder(folder: &Path) -> io::Result<()> {
+    File::open(folder)?.sync_all()
 }
 
 /// On other systems a folder can't be opened and synced.
 #[cfg(not(unix))]
-fn sync_folder(_file: &Path) -> io::Result<()> {
+fn sync_folder(_folder: &Path) -> io::Result<()> {
     Ok(())
 }
 

@@ -8,7 +8,7 @@ use paros_core::volume::{Grid, Size};
 
 use super::autosave::FailureNotice;
 use super::{Notice, Studio};
-use crate::durable;
+use crate::durable::{self, StorageLimit};
 use crate::file_writer::{Destination, FileKind, WriteJob, WriteOutcome};
 use crate::statics::Resident;
 
@@ -81,6 +81,7 @@ where
         &mut self,
         outcome: WriteOutcome,
     ) -> Result<(), durable::WriteError> {
+        self.notice_storage_warnings();
         if let Some(refused) = outcome.fallback_cause {
             self.push_notice(Notice::Bad(refused.to_string()));
         }
@@ -105,6 +106,17 @@ where
             }
         }
         written
+    }
+
+    /// Tells what the storage refused though it took the files.
+    fn notice_storage_warnings(&mut self) {
+        for warning in durable::take_storage_warnings() {
+            let text = warning.to_string();
+            self.push_notice(match warning.limit {
+                StorageLimit::UnsyncedFolder => Notice::Bad(text),
+                StorageLimit::NoLinks => Notice::Good(text),
+            });
+        }
     }
 
     fn report_written(&mut self, kind: FileKind, paths: Vec<PathBuf>) {
