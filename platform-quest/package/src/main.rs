@@ -44,8 +44,8 @@ struct PackageArgs {
     /// Where the store's password is: env:NAME or file:PATH.
     #[arg(long, value_name = "WHERE", requires = "key")]
     key_password: Option<String>,
-    /// Khronos' OpenXR loader for arm64, to be put beside the library and used instead of asking the
-    /// headset's runtime broker.
+    /// Khronos' OpenXR loader for arm64, to be put beside the library and tried before what the headset's
+    /// brokers and manifest files name.
     #[arg(long, value_name = "FILE")]
     loader: Option<PathBuf>,
     /// Package this library instead of building it.
