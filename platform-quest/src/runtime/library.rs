@@ -1,6 +1,6 @@
 //! The calls into the libraries of runtimes and loaders.
 
-use std::ffi::{c_char, c_void};
+use std::ffi::c_void;
 use std::fmt;
 use std::path::PathBuf;
 
@@ -11,6 +11,7 @@ use openxr::sys::pfn::{
 };
 use openxr::sys::{Handle as _, Result as XrResult, StructureType};
 
+use super::functions::make_runtime_entry;
 use super::negotiation::{NegotiationError, negotiate_interface};
 use super::search::RuntimeCalls;
 
@@ -157,9 +158,18 @@ impl PartialEq for OpenedLibrary {
     }
 }
 
+/// The functions of a library.
+#[derive(Clone, Copy, Debug)]
+pub enum LibraryFunctions {
+    /// A runtime's, negotiated.
+    Runtime(GetInstanceProcAddr),
+    /// A loader's, exported.
+    Loader(GetInstanceProcAddr),
+}
+
 impl RuntimeCalls for LinkedCalls {
     type Library = OpenedLibrary;
-    type Functions = GetInstanceProcAddr;
+    type Functions = LibraryFunctions;
     type Entry = xr::Entry;
 
     fn open(&mut self, library: &RuntimeLibrary) -> Result<OpenedLibrary, LibraryError> {
@@ -189,28 +199,25 @@ impl RuntimeCalls for LinkedCalls {
         self.initialize(function).map(|()| true)
     }
 
-    fn negotiate(&mut self, library: &OpenedLibrary) -> Result<GetInstanceProcAddr, LibraryError> {
+    fn negotiate(&mut self, library: &OpenedLibrary) -> Result<LibraryFunctions, LibraryError> {
         match library.source {
-            FunctionSource::Export(function) => Ok(function),
+            FunctionSource::Export(function) => Ok(LibraryFunctions::Loader(function)),
             FunctionSource::Negotiation(function) => {
                 // SAFETY: it was found in a runtime.
                 let functions = unsafe { negotiate_interface(function) };
-                functions.map_err(LibraryError::Refused)
+                functions.map(LibraryFunctions::Runtime).map_err(LibraryError::Refused)
             }
         }
     }
 
-    fn initialize_by_functions(
-        &mut self,
-        functions: GetInstanceProcAddr,
-    ) -> Result<(), LibraryError> {
+    fn initialize_by_functions(&mut self, functions: LibraryFunctions) -> Result<(), LibraryError> {
         if self.context.is_none() {
             return Ok(());
         }
-        let (name, mut found): (*const c_char, Option<VoidFunction>) =
-            (c"xrInitializeLoaderKHR".as_ptr(), None);
+        let (LibraryFunctions::Runtime(find) | LibraryFunctions::Loader(find)) = functions;
+        let (name, mut found) = (c"xrInitializeLoaderKHR", None);
         // SAFETY: no instance is needed for this name, which is a C string; there is room for a function.
-        let result = unsafe { functions(xr::sys::Instance::NULL, name, &mut found) };
+        let result = unsafe { find(xr::sys::Instance::NULL, name.as_ptr(), &mut found) };
         if result.into_raw() < 0 {
             // Not every runtime has a wish to hear of the activity before an instance is made.
             return Ok(());
@@ -222,10 +229,16 @@ impl RuntimeCalls for LinkedCalls {
         self.initialize(function)
     }
 
-    fn make_entry(&mut self, functions: GetInstanceProcAddr) -> Result<xr::Entry, LibraryError> {
-        // SAFETY: they are the functions of a runtime or a loader, whose library stays open.
-        unsafe { xr::Entry::from_get_instance_proc_addr(functions, &()) }
-            .map_err(LibraryError::Call)
+    fn make_entry(&mut self, functions: LibraryFunctions) -> Result<xr::Entry, LibraryError> {
+        let entry = match functions {
+            // SAFETY: its library stays open.
+            LibraryFunctions::Runtime(find) => unsafe { make_runtime_entry(find) },
+            // SAFETY: its library stays open.
+            LibraryFunctions::Loader(find) => unsafe {
+                xr::Entry::from_get_instance_proc_addr(find, &())
+            },
+        };
+        entry.map_err(LibraryError::Call)
     }
 }
 

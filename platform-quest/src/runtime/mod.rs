@@ -4,6 +4,7 @@
 //! A package that holds Khronos' own loader has that tried first.
 
 mod broker;
+mod functions;
 mod library;
 mod manifest;
 mod negotiation;
@@ -16,8 +17,8 @@ use openxr as xr;
 
 pub use broker::{BROKERS, FUNCTION_COLUMNS, QueryResult, RUNTIME_COLUMNS, query_broker};
 pub use library::{
-    AndroidContext, INITIALIZE_FUNCTION, LibraryError, LinkedCalls, NEGOTIATE_FUNCTION,
-    OpenedLibrary, RuntimeLibrary,
+    AndroidContext, INITIALIZE_FUNCTION, LibraryError, LibraryFunctions, LinkedCalls,
+    NEGOTIATE_FUNCTION, OpenedLibrary, RuntimeLibrary,
 };
 pub use manifest::{PARTITIONS, read_manifests};
 pub use negotiation::{NegotiationError, negotiate_interface};

@@ -1,12 +1,13 @@
 /* An OpenXR runtime that has no headset. It counts its calls, and refuses what runtimes on headsets refuse: a
- * negotiation before the initialisation, and a second one of either. What it exports is chosen when it is compiled:
+ * negotiation before the initialisation, and a second one of either; and where one of those would break off, as it is
+ * asked for what no loader asks a runtime for, it counts that. What it exports is chosen when it is compiled:
  *
- *   EXPORTS   xrInitializeLoaderKHR is exported, and is not to be asked for by xrGetInstanceProcAddr
+ *   EXPORTS   xrInitializeLoaderKHR is exported, and by xrGetInstanceProcAddr not to be had
  *   RETURNS   what the initialisation returns, else XR_SUCCESS
  *   LOADER    a loader's library: xrGetInstanceProcAddr is exported, and there is no negotiation
  */
 #include <stdint.h>
-#include <stdlib.h>
+#include <stddef.h>
 #include <string.h>
 
 enum {
@@ -14,7 +15,6 @@ enum {
     VALIDATION_FAILURE = -1,
     INITIALIZATION_FAILED = -6,
     FUNCTION_UNSUPPORTED = -7,
-    SIZE_INSUFFICIENT = -11,
     INSTANCE_LOST = -13,
     LOADER_INIT_INFO_ANDROID = 1000089000,
 };
@@ -48,7 +48,7 @@ struct request {
 };
 
 /* Calls so far. */
-int initialized, negotiated, created;
+int initialized, negotiated, created, strayed;
 
 static int32_t initialize(const struct init_info *info)
 {
@@ -83,20 +83,19 @@ static
 #endif
 int32_t get_instance_proc_addr(uint64_t instance, const char *name, Function *function)
 {
-    (void)instance;
-    if (strcmp(name, "xrInitializeLoaderKHR") == 0) {
-#ifdef EXPORTS
-        abort();
-#endif
+    *function = NULL;
+#ifndef EXPORTS
+    if (strcmp(name, "xrInitializeLoaderKHR") == 0)
         *function = (Function)initialize;
-    } else if (strcmp(name, "xrEnumerateInstanceExtensionProperties") == 0) {
+#endif
+    if (strcmp(name, "xrEnumerateInstanceExtensionProperties") == 0)
         *function = (Function)enumerate_extensions;
-    } else if (strcmp(name, "xrCreateInstance") == 0) {
+    if (strcmp(name, "xrCreateInstance") == 0)
         *function = (Function)create_instance;
-    } else {
-        return FUNCTION_UNSUPPORTED;
-    }
-    return SUCCESS;
+    if (*function)
+        return SUCCESS;
+    strayed += instance == 0;
+    return FUNCTION_UNSUPPORTED;
 }
 
 #ifdef EXPORTS
