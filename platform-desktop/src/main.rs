@@ -7,9 +7,14 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use paros_desktop::commands::Cli;
+use paros_shell::durable::take_storage_warnings;
 
 fn main() -> ExitCode {
-    match Cli::parse().run().and_then(|report| write_to_stdout(&report)) {
+    let done = Cli::parse().run().and_then(|report| write_to_stdout(&report));
+    for warning in take_storage_warnings() {
+        let _ = writeln!(io::stderr(), "paros: {warning}");
+    }
+    match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             // Standard error may be closed; the exit code still reports the failure.

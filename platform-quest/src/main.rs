@@ -8,12 +8,16 @@ use paros_quest::arguments::HeadsetArgs;
 use paros_quest::error::Error;
 use paros_quest::platform::PlainPlatform;
 use paros_quest::shell::run_shell;
-use paros_shell::durable::WriteTarget;
+use paros_shell::durable::{WriteTarget, take_storage_warnings};
 use paros_shell::replay::{ReplayError, write_replay_digests};
 use paros_shell::with_size;
 
 fn main() -> ExitCode {
-    match run_command(&HeadsetArgs::parse()) {
+    let done = run_command(&HeadsetArgs::parse());
+    for warning in take_storage_warnings() {
+        let _ = writeln!(io::stderr(), "paros-quest: {warning}");
+    }
+    match done {
         Ok(report) => {
             // A reader that has seen enough and left is no error.
             let _ = io::stdout().lock().write_all(report.as_bytes());
