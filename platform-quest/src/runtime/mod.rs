@@ -20,7 +20,7 @@ pub use library::{
     AndroidContext, INITIALIZE_FUNCTION, LibraryError, LibraryFunctions, LinkedCalls,
     NEGOTIATE_FUNCTION, OpenedLibrary, RuntimeLibrary,
 };
-pub use manifest::{PARTITIONS, read_manifests};
+pub use manifest::{PARTITIONS, parse_manifest, read_manifests};
 pub use negotiation::{NegotiationError, negotiate_interface};
 pub use search::{Candidate, FoundRuntime, NoRuntime, RuntimeCalls, RuntimeSearch, Tried};
 

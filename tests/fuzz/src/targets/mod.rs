@@ -2,6 +2,7 @@
 
 mod files;
 mod leases;
+mod manifests;
 mod meshes;
 mod options;
 mod saves;
@@ -10,7 +11,7 @@ mod steps;
 use crate::engine::FuzzTarget;
 
 /// All targets.
-pub const ALL: [FuzzTarget; 11] = [
+pub const ALL: [FuzzTarget; 12] = [
     meshes::OBJ,
     meshes::STL,
     meshes::PLY,
@@ -19,6 +20,7 @@ pub const ALL: [FuzzTarget; 11] = [
     files::TRACE,
     files::INPUT,
     options::OPTIONS,
+    manifests::MANIFEST,
     saves::SAVE,
     leases::LEASE,
     steps::STEP,
