@@ -288,16 +288,9 @@ impl Turmoil {
     fn new(seed: u64) -> Self {
         let mut dice = RandomSource::new(seed);
         let leases = (0..4).map(|i| BadgeLease::new(i, dice.next_bits())).collect();
+        let (ledger, shown) = (new_ledger(), HashMap::new());
         let (reports, answers) = (Vec::new(), Vec::new());
-        Turmoil {
-            ledger: new_ledger(),
-            leases,
-            now: START,
-            shown: HashMap::new(),
-            reports,
-            answers,
-            dice,
-        }
+        Turmoil { ledger, leases, now: START, shown, reports, answers, dice }
     }
 
     fn act(&mut self) {
