@@ -50,7 +50,7 @@ fn another_start_is_asked_for_and_the_one_before_comes_back() -> Result<(), Miss
     // A start that leaves nothing isn't asked for.
     visit.window.do_all(&["key escape", "frames 2"]);
     visit.look("2-start-of-untouched");
-    visit.click(590, 300);
+    visit.click(590, 284);
     assert_eq!(&*visit.window.ask_state("session"), "Sculpting");
     visit.window.do_all(&["wheel 9", "key m", "wait 2"]);
     visit.window.do_all(&STROKE);
@@ -61,14 +61,14 @@ fn another_start_is_asked_for_and_the_one_before_comes_back() -> Result<(), Miss
     assert!(count_differing(&fresh, &carved, [0, SIZE[0]], [0, SIZE[1]]) > 50_000);
     // Taken back by a key, twice.
     visit.window.do_all(&["key escape", "frames 2"]);
-    visit.click(590, 300);
+    visit.click(590, 284);
     visit.look("4-asked");
     assert_eq!(visit.voxels(), left);
     visit.window.do_all(&["key escape", "frames 2", "key escape", "frames 2"]);
     assert_eq!(visit.voxels(), left);
     // Confirmed: all is as at the first start.
     visit.window.do_all(&["key escape", "frames 2"]);
-    visit.click(590, 300);
+    visit.click(590, 284);
     visit.window.do_all(&["key enter", "frames 4"]);
     assert_eq!(visit.voxels(), whole);
     let again = visit.look("5-anew");
@@ -80,7 +80,7 @@ fn another_start_is_asked_for_and_the_one_before_comes_back() -> Result<(), Miss
     // The one before is back, with its strokes to undo.
     visit.window.do_all(&["key escape", "frames 2"]);
     visit.look("6-offered");
-    visit.click(590, 264);
+    visit.click(590, 244);
     assert_eq!((visit.voxels(), &*visit.window.ask_state("undo")), (left, "1"));
     let back = visit.look("7-back");
     let groove = count_differing(&again, &back, [400, 780], [200, 560]);
