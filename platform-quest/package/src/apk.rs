@@ -6,7 +6,7 @@ use std::path::Path;
 
 use paros_core::limits::INTERVALS;
 use paros_core::volume::{Grid, Size};
-use paros_shell::headset::package::start_volume_asset;
+use paros_shell::headset::package::{OPENXR_LOADER, start_volume_asset};
 use paros_shell::rmap;
 use paros_shell::start_volume_store::StartVolume;
 use paros_shell::statics::{Resident, ResidentBitGrid};
@@ -16,7 +16,8 @@ use zip::{CompressionMethod, ZipArchive, ZipWriter};
 use crate::elf::PAGE;
 use crate::error::PackageError;
 
-/// What an installed package may take: a visitor's headset fetches it over a museum's network.
+/// What a package may take, but for a loader that it was given: a visitor's headset fetches it over a museum's
+/// network.
 pub(crate) const MAX_BYTES: u64 = 8 << 20;
 
 /// Where the libraries of arm64 lie.
@@ -79,9 +80,7 @@ pub(crate) fn inspect_package(package: &Path) -> Result<PackageInspection, Packa
     let (mut faults, mut listing) = (Vec::new(), String::new());
     let file = File::open(package).map_err(PackageError::failure)?;
     let whole = file.metadata().map_err(PackageError::failure)?.len();
-    if whole > MAX_BYTES {
-        faults.push(format!("the package takes {whole} bytes, more than {MAX_BYTES}"));
-    }
+    let (loader, mut loader_bytes) = (format!("{LIBRARIES}/{OPENXR_LOADER}"), 0);
     let mut package = ZipArchive::new(file).map_err(PackageError::failure)?;
     for i in 0..package.len() {
         let entry = package.by_index(i).map_err(PackageError::failure)?;
@@ -92,7 +91,15 @@ pub(crate) fn inspect_package(package: &Path) -> Result<PackageInspection, Packa
         {
             faults.push(format!("{name} lies at byte {at}, or packed; it can't be mapped"));
         }
+        if *name == loader {
+            loader_bytes = entry.compressed_size();
+        }
         listing += &format!("{:>9} {:>9}  {name}\n", entry.compressed_size(), entry.size());
+    }
+    let own = whole.saturating_sub(loader_bytes);
+    if own > MAX_BYTES {
+        faults
+            .push(format!("the package takes {own} bytes without a loader, more than {MAX_BYTES}"));
     }
     listing += &format!("{whole:>9}            in all");
     Ok(PackageInspection { faults, listing })
@@ -123,11 +130,12 @@ where
 #[cfg(test)]
 mod tests {
     use std::fs::File;
+    use std::io::Write;
 
     use zip::write::SimpleFileOptions;
     use zip::{CompressionMethod, ZipWriter};
 
-    use super::{PAGE, inspect_package};
+    use super::{MAX_BYTES, PAGE, inspect_package};
     use crate::test_support::scratch_folder;
 
     #[test]
@@ -150,5 +158,22 @@ mod tests {
             1
         );
         assert_eq!(faults(stored, "assets/libx.so"), [""; 0]);
+    }
+    #[test]
+    fn a_loader_does_not_count_among_what_a_package_may_take() {
+        let folder = scratch_folder("size");
+        let path = folder.at("try.apk");
+        let faults = |name: &str| {
+            let mut package = ZipWriter::new(File::create(&path).expect("room on the disk"));
+            let stored = SimpleFileOptions::default().compression_method(CompressionMethod::Stored);
+            let aligned = stored.with_android_alignment(PAGE as u16);
+            package.start_file(format!("lib/arm64-v8a/{name}"), aligned).expect("an entry");
+            package.write_all(&vec![0; MAX_BYTES as usize]).expect("room on the disk");
+            package.finish().expect("room on the disk");
+            inspect_package(&path).expect("a package").faults
+        };
+        assert_eq!(faults("libopenxr_loader.so"), [""; 0]);
+        let told = faults("libparos_quest.so").concat();
+        assert!(told.contains("bytes without a loader, more than 8388608"), "{told}");
     }
 }
