@@ -87,12 +87,16 @@ impl BadgeLease {
     #[must_use]
     pub fn take_number(&mut self, random_bits: u32) -> BadgeNumber {
         let provisional = BadgeNumber::provisional(random_bits);
-        let Some(first) = self.blocks.first() else { return provisional };
+        let Some(first) = self.blocks.first_mut() else { return provisional };
         if self.allowance == 0 || self.taken == u32::MAX {
             return provisional;
         }
         let number = first.first_number().unwrap_or(provisional);
-        self.blocks = skip_taken(&self.blocks, 1);
+        if let Some(tail) = first.without_first(1) {
+            *first = tail;
+        } else {
+            self.blocks.remove(0);
+        }
         self.allowance -= 1;
         self.taken += 1;
         number
