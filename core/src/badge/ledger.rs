@@ -54,6 +54,8 @@ pub(crate) struct BlockState {
 pub(crate) struct HeadsetLease {
     pub(crate) headset: u32,
     pub(crate) epoch: u64,
+    /// When its epoch began here.
+    pub(crate) begun_at: u64,
     /// The epochs before, the last one first; 0 where there was none.
     pub(crate) former: [u64; FORMER_EPOCHS],
     /// The newest report, and what it said.
@@ -73,6 +75,9 @@ pub enum LedgerRefusal {
     Stale,
     /// It says that more numbers were taken than were handed out.
     NeverLeased,
+    /// It is of an unknown epoch, and another began less than [`MAX_REPORT_SECONDS`] ago: it may be older than that
+    /// one, and late. A headset that was wiped twice so soon asks again.
+    TooSoon,
     /// There are [`MAX_HEADSETS`] others.
     TooManyHeadsets,
 }
@@ -120,7 +125,7 @@ impl BadgeLedger {
             Ok(row) => row,
             Err(_) if report.taken > 0 => return Ok(void_answer(report)),
             Err(row) => {
-                let new = HeadsetLease::new(report);
+                let new = HeadsetLease::new(report, now);
                 self.headsets.insert(row, new).map_err(|_| LedgerRefusal::TooManyHeadsets)?;
                 row
             }
@@ -130,6 +135,9 @@ impl BadgeLedger {
             // An epoch begins with nothing taken: what says otherwise was handed out by another ledger.
             if report.taken > 0 || lease.former.contains(&report.epoch) {
                 return Ok(void_answer(report));
+            }
+            if now.saturating_sub(lease.begun_at) <= u64::from(MAX_REPORT_SECONDS) {
+                return Err(LedgerRefusal::TooSoon);
             }
             self.begin_epoch(row, report);
         } else if report.report < lease.report
@@ -219,7 +227,9 @@ impl BadgeLedger {
     /// shown all that it holds.
     fn set_clock(&mut self, now: u64) {
         if now < self.now {
-            self.headsets.iter_mut().for_each(|lease| lease.reported_at = None);
+            for lease in &mut self.headsets {
+                (lease.reported_at, lease.begun_at) = (None, now);
+            }
         }
         self.now = now;
     }
@@ -237,7 +247,7 @@ impl BadgeLedger {
         let mut former = lease.former;
         former.rotate_right(1);
         former[0] = lease.epoch;
-        *lease = HeadsetLease { former, ..HeadsetLease::new(report) };
+        *lease = HeadsetLease { former, ..HeadsetLease::new(report, self.now) };
     }
 
     /// Spends the first `count` numbers that a headset holds, or all, for so many days after this one.
@@ -313,10 +323,11 @@ impl BlockState {
 
 impl HeadsetLease {
     /// Holding nothing.
-    const fn new(report: &LeaseReport) -> Self {
+    const fn new(report: &LeaseReport, now: u64) -> Self {
         HeadsetLease {
             headset: report.headset,
             epoch: report.epoch,
+            begun_at: now,
             former: [0; FORMER_EPOCHS],
             report: 0,
             taken: 0,
@@ -353,6 +364,7 @@ impl fmt::Display for LedgerRefusal {
         match self {
             LedgerRefusal::Stale => f.write_str("a newer report of this headset was taken"),
             LedgerRefusal::NeverLeased => f.write_str("more numbers were taken than were leased"),
+            LedgerRefusal::TooSoon => f.write_str("another lease of this headset has just begun"),
             LedgerRefusal::TooManyHeadsets => write!(f, "{MAX_HEADSETS} other headsets are known"),
         }
     }

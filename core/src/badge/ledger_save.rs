@@ -2,7 +2,7 @@
 //!
 //! Little-endian. `PBLG`; u16 version; u64 time; u16 days of retention; u16 the next turn; for every block u8 numbers
 //! spent, 128 more where it is held, and u32 the day from which it is free; u16 headsets; for each u32 number,
-//! u64 epoch, u64 former epochs, u32 report, u32 taken, u64 when it was reported and one more, or 0, u8 blocks, and a u16
+//! u64 epoch, u64 when it began, u64 former epochs, u32 report, u32 taken, u64 when it was reported and one more, or 0, u8 blocks, and a u16
 //! for each that there may be; u64 checksum.
 
 use heapless::Vec;
@@ -22,12 +22,12 @@ const LEDGER_VERSION: u16 = 1;
 /// In the byte of the numbers spent.
 const IS_HELD: u8 = 128;
 
-const HEADSET_BYTES: usize = 4 + 8 + 8 * FORMER_EPOCHS + 4 + 4 + 8 + 1 + 2 * MAX_LEASED_BLOCKS;
+const HEADSET_BYTES: usize = 4 + 16 + 8 * FORMER_EPOCHS + 4 + 4 + 8 + 1 + 2 * MAX_LEASED_BLOCKS;
 
 /// Before the blocks.
 const HEAD_BYTES: usize = 18;
 
-/// Bytes of a saved ledger at most: 156 KB.
+/// Bytes of a saved ledger at most: 158 KB.
 pub const MAX_LEDGER_BYTES: usize =
     HEAD_BYTES + 5 * LEASED_BLOCKS + 2 + MAX_HEADSETS * HEADSET_BYTES + 8;
 
@@ -120,6 +120,7 @@ fn read_block(bytes: &[u8]) -> BlockState {
 fn write_headset(lease: &HeadsetLease, to: &mut ByteWriter<'_>) {
     to.u32(lease.headset);
     to.u64(lease.epoch);
+    to.u64(lease.begun_at);
     lease.former.iter().for_each(|epoch| to.u64(*epoch));
     to.u32(lease.report);
     to.u32(lease.taken);
@@ -144,7 +145,7 @@ fn read_headsets(from: &mut ByteReader<'_>) -> Result<Vec<HeadsetLease, MAX_HEAD
 }
 
 fn read_headset(from: &mut ByteReader<'_>) -> Result<HeadsetLease, BadBytes> {
-    let (headset, epoch) = (from.u32()?, from.u64()?);
+    let (headset, epoch, begun_at) = (from.u32()?, from.u64()?, from.u64()?);
     let mut former = [0; FORMER_EPOCHS];
     for epoch in &mut former {
         *epoch = from.u64()?;
@@ -163,7 +164,7 @@ fn read_headset(from: &mut ByteReader<'_>) -> Result<HeadsetLease, BadBytes> {
     if count > MAX_LEASED_BLOCKS {
         return Err(bad);
     }
-    Ok(HeadsetLease { headset, epoch, former, report, taken, reported_at, blocks })
+    Ok(HeadsetLease { headset, epoch, begun_at, former, report, taken, reported_at, blocks })
 }
 
 /// Checks that no block has more numbers spent than it has, and that those are held of which a headset says so, by it

@@ -33,7 +33,7 @@
 //!   backup, and not copied to another headset.
 //! - A lease is on disk before the badge that it gave is shown, and before its report is sent.
 //! - A report is on its way for ten minutes at most ([`MAX_REPORT_SECONDS`](crate::limits::MAX_REPORT_SECONDS)); it is
-//!   dropped then, and another made.
+//!   dropped then, and another made. What is refused as too soon is reported again after ten minutes.
 //! - A headset's seconds, by a clock that nobody sets, are at most a hundredth too many; too few do no harm.
 //! - A headset that was retired longer ago than sculptures are kept is wiped before it is used again.
 //! - The booth's clock goes on while it is off, and isn't set forward by mistake. Set back, it costs numbers, no more.

@@ -23,6 +23,9 @@ fn number(number: u32) -> BadgeNumber {
     BadgeNumber::new(number).expect("a number")
 }
 
+/// When leases begin that a wipe ends at the start.
+const BEFORE: u64 = START - 3600;
+
 /// A report and its answer, of which nothing is lost.
 fn exchange(ledger: &mut BadgeLedger, lease: &mut BadgeLease, now: u64) {
     let answer = ledger.answer_report(&lease.make_report(), now).expect("an answer");
@@ -73,7 +76,7 @@ fn a_block_that_a_headset_holds_is_passed_over() {
     let mut ledger = new_ledger();
     let mut ask = |headset, epoch| {
         let report = BadgeLease::new(headset, epoch).make_report();
-        let answer = ledger.answer_report(&report, START).expect("an answer");
+        let answer = ledger.answer_report(&report, START + epoch * 601).expect("an answer");
         answer.blocks.iter().map(|leased| leased.block()).collect::<Vec<_>>()
     };
     let held = ask(1, 1);
@@ -95,7 +98,7 @@ fn after_a_wipe_only_what_may_have_been_shown_is_kept() {
     {
         let mut ledger = new_ledger();
         let mut lease = BadgeLease::new(1, 11);
-        exchange(&mut ledger, &mut lease, START);
+        exchange(&mut ledger, &mut lease, BEFORE);
         let taken: Vec<_> = (0..5).map(|_| take(&mut lease)).collect();
         exchange(&mut ledger, &mut lease, START);
         let held = ledger.totals().held;
@@ -113,7 +116,7 @@ fn after_a_wipe_only_what_may_have_been_shown_is_kept() {
 fn a_number_is_free_when_no_sculpture_with_it_is_kept() {
     let mut ledger = new_ledger();
     let mut lease = BadgeLease::new(1, 11);
-    exchange(&mut ledger, &mut lease, START);
+    exchange(&mut ledger, &mut lease, BEFORE);
     let first = take(&mut lease);
     exchange(&mut ledger, &mut lease, START);
     let mut wiped = BadgeLease::new(1, 12);
@@ -154,7 +157,7 @@ fn a_clock_that_was_set_back_costs_numbers_and_repeats_none() {
     exchange(&mut ledger, &mut lease, START);
     let mut other = BadgeLease::new(2, 11);
     exchange(&mut ledger, &mut other, START - 3600);
-    exchange(&mut ledger, &mut BadgeLease::new(1, 12), START - 3600);
+    exchange(&mut ledger, &mut BadgeLease::new(1, 12), START - 2000);
     assert_eq!(ledger.totals().kept, 192, "all that it held");
 }
 
@@ -185,7 +188,7 @@ fn reports_that_are_late_doubled_or_forged_change_nothing() {
     let mut ledger = new_ledger();
     let mut lease = BadgeLease::new(1, 11);
     let first = lease.make_report();
-    let answer = ledger.answer_report(&first, START).expect("an answer");
+    let answer = ledger.answer_report(&first, BEFORE).expect("an answer");
     assert_eq!(lease.take_answer(&answer), AnswerOutcome::Taken);
     _ = take(&mut lease);
     let second = lease.make_report();
@@ -207,6 +210,11 @@ fn reports_that_are_late_doubled_or_forged_change_nothing() {
     let saved = save(&ledger);
     assert!(ledger.answer_report(&first, START).is_ok_and(|answer| answer.is_void));
     assert!(save(&ledger) == saved);
+    // One of an epoch that never came here, of a headset that was wiped twice within minutes.
+    let unheard = BadgeLease::new(1, 13).make_report();
+    assert_eq!(ledger.answer_report(&unheard, START), Err(LedgerRefusal::TooSoon));
+    assert!(save(&ledger) == saved);
+    assert!(ledger.answer_report(&unheard, START + 601).is_ok_and(|answer| !answer.is_void));
 }
 
 #[test]
@@ -214,7 +222,7 @@ fn a_ledger_comes_back_from_its_bytes_and_a_damaged_one_does_not() {
     let mut ledger = new_ledger();
     for i in 0..40 {
         let mut lease = BadgeLease::new(i * 3, 11);
-        exchange(&mut ledger, &mut lease, START);
+        exchange(&mut ledger, &mut lease, BEFORE);
         (0..i % 8).for_each(|_| _ = take(&mut lease));
         exchange(&mut ledger, &mut lease, START);
         if i % 4 == 0 {

@@ -3,7 +3,9 @@
 //! Whoever drives a fleet says when visits end, what is wiped and what is lost on the way; the fleet fails where a
 //! leased badge is shown while a sculpture with it is kept.
 
-use paros_core::badge::{AnswerOutcome, BadgeLease, BadgeLedger, BadgeNumber, LEASED_NUMBERS};
+use paros_core::badge::{
+    AnswerOutcome, BadgeLease, BadgeLedger, BadgeNumber, LEASED_NUMBERS, LedgerRefusal,
+};
 
 use crate::random_visitor::RandomSource;
 
@@ -123,7 +125,12 @@ impl Fleet {
         if network == Network::LosesReports {
             return;
         }
-        let answer = self.ledger.answer_report(&report, now).expect("an answer");
+        let answer = match self.ledger.answer_report(&report, now) {
+            Ok(answer) => answer,
+            // It asks again with its next report.
+            Err(LedgerRefusal::TooSoon) => return,
+            Err(refusal) => panic!("{refusal}"),
+        };
         if network == Network::LosesAnswers {
             return;
         }
