@@ -46,7 +46,7 @@ fn free(visit: &mut ScriptedWindow) {
         let part = f32::from(i) / 110.0;
         let (sin, cos) = (part * 2.3 * std::f32::consts::TAU).sin_cos();
         let radius = 3.0 + 15.0 * part;
-        [46.0 + 0.8 * radius * cos, 50.0 + radius * sin]
+        [46.0 + 0.8 * radius * cos, 46.0 + radius * sin]
     });
     stroke(visit, spiral, 7);
     visit.do_step("wait 100");
@@ -76,8 +76,8 @@ const HALF_WAY: u64 = 5000;
 /// A bow tie of paste, both halves at once by the mirror.
 fn creative(visit: &mut ScriptedWindow) {
     visit.do_all(&["start creative", "wait 4", "key m", "wait 4", "key 3", "wait 4"]);
-    for rise in [-3.0, 0.0, 3.0] {
-        stroke(visit, line([48.0, 53.0], [54.0, 53.0 + rise], 8), 5);
+    for rise in [-2.4, 0.0, 2.4] {
+        stroke(visit, line([48.4, 42.5], [53.0, 42.5 + rise], 8), 5);
     }
     visit.do_all(&["key 1", "wait 40"]);
 }
