@@ -5,6 +5,7 @@
 //! sculpture's files. It knows no window and no headset.
 
 mod autosave;
+mod carve_on;
 mod export;
 mod files;
 mod one_before;
@@ -24,6 +25,7 @@ use crate::studio_paths::StudioPaths;
 use crate::tick_runner::TickRunner;
 use crate::{durable, rmap};
 use autosave::Autosave;
+pub use carve_on::CarvingOn;
 use export::SculptureExport;
 use paros_core::limits::INTERVALS;
 use paros_core::session::SessionMode;
@@ -72,6 +74,8 @@ where
     has_read_volume: bool,
     /// The save of the sculpture that was left for this one.
     one_before: Option<Vec<u8>>,
+    /// The save of the sculpture as it was before it was finished.
+    before_finish: Option<Vec<u8>>,
     notices: Vec<Notice>,
 }
 
@@ -106,6 +110,7 @@ where
             pending_read: None,
             has_read_volume: false,
             one_before,
+            before_finish: None,
             notices,
         }
     }
@@ -195,6 +200,7 @@ where
         if starts_session {
             self.save_and_leave_session();
         }
+        self.keep_before_finish(input);
         let LiveSession { world, volumes, .. } = &mut self.session;
         let hidden = volumes.hidden_figures();
         let runner = TickRunner::new(world, volumes.start_volumes(&hidden));
@@ -252,14 +258,6 @@ where
         for job in self.export.take_failed_jobs() {
             self.submit_job(job);
         }
-    }
-
-    /// Copies the current sculpture to the visitor's own start volume. Returns the session that starts
-    /// from it.
-    pub fn copy_sculpture_to_visitor_volume(&mut self) -> SessionToStart {
-        let LiveSession { world, volumes, .. } = &mut self.session;
-        volumes.offer_visitor_volume().copy_from(world.volume().maps());
-        SessionToStart { mode: SessionMode::Own }
     }
 
     /// Submits the trace of the session so far, and its start volume if that was the visitor's own.

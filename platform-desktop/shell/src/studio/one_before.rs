@@ -51,6 +51,7 @@ where
             self.push_notice(Notice::Bad(text));
             return true;
         }
+        self.before_finish = None;
         self.recorder.discard_recording();
         self.export.set_session_stl_path(None);
         self.autosave.restart_save_interval();

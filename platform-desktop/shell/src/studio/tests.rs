@@ -5,12 +5,12 @@ use std::fs;
 use glam::{Quat, Vec3};
 use paros_core::limits::max_save_bytes;
 use paros_core::session::{
-    BenchItem, PointerCommand, RawPose, SessionMode, TICK_RATE, Tool, commands,
+    BenchItem, PointerCommand, RawPose, SessionMode, SessionState, TICK_RATE, Tool, commands,
 };
 use paros_core::volume::Grid;
 use paros_core::{HandInput, TickInput};
 
-use super::{Notice, Studio};
+use super::{CarvingOn, Notice, SessionToStart, Studio};
 use crate::statics::Resident;
 use crate::stl_export::{DEFAULT_HEIGHT_MM, StlExporter};
 use crate::studio_paths::StudioPaths;
@@ -167,6 +167,37 @@ fn a_bad_save_of_the_sculpture_before_leaves_this_one_alone() {
     let notices: Vec<_> = studio.take_notices().collect();
     assert!(matches!(&notices[..], [Notice::Bad(why)] if why.contains("can't be read")));
     assert_eq!(fs::read(&before).expect("it is kept"), b"no save");
+    drop(studio);
+    volumes.withdraw_visitor_volume();
+    fs::remove_dir_all(&folder).expect("the folder can be removed");
+}
+
+/// A finished sculpture that is carved on is the one that it was, and not a new one of its stone.
+#[test]
+fn carving_on_takes_the_end_back_and_leaves_the_rest_as_it_was() {
+    let folder = std::env::temp_dir().join(format!("paros-carve-on-{}", std::process::id()));
+    let places = StudioPaths::inside_folder(&folder);
+    let (mut volumes, mut world) = (Grid::<128>::lock_start_volumes(), Grid::<128>::lock_world());
+    let mut stl_buffers = Grid::<128>::lock_stl_buffers();
+    let stl_exporter = StlExporter::new(&mut stl_buffers, DEFAULT_HEIGHT_MM).expect("a height");
+    volumes.offer_visitor_volume().fill_block();
+    let mut studio =
+        Studio::new(&mut world, &mut volumes, stl_exporter, places, |_| Err("no picture".into()));
+    studio.run_tick(&TickInput { start: SessionMode::Own, ..TickInput::default() });
+    studio.run_tick(&TickInput { commands: commands::SYMMETRY, ..TickInput::default() });
+    let (digest, tick) = (studio.world().digest(), studio.world().tick());
+    let finish = TickInput { commands: commands::FINISH, ..TickInput::default() };
+    studio.run_tick(&finish);
+    studio.run_tick(&finish);
+    assert_eq!(studio.world().session_state(), SessionState::Finished);
+    assert_eq!(studio.carve_on(), CarvingOn::GoesOn);
+    assert_eq!((studio.world().digest(), studio.world().tick()), (digest, tick));
+    assert!(studio.world().is_mirrored(), "as it was");
+    // It was finished by somebody else, or in an earlier run.
+    studio.run_tick(&finish);
+    studio.run_tick(&TickInput { start: SessionMode::Own, ..TickInput::default() });
+    let anew = CarvingOn::Starts(SessionToStart { mode: SessionMode::Own });
+    assert_eq!(studio.carve_on(), anew);
     drop(studio);
     volumes.withdraw_visitor_volume();
     fs::remove_dir_all(&folder).expect("the folder can be removed");

@@ -4,6 +4,7 @@ use paros_core::limits::INTERVALS;
 use paros_core::session::{SessionMode, SessionState, commands};
 use paros_core::volume::{Grid, Size};
 use paros_shell::statics::Resident;
+use paros_shell::studio::CarvingOn;
 
 use super::App;
 use crate::window::opening;
@@ -23,10 +24,10 @@ where
                 }
             }
             PanelAction::OneBefore => self.bring_back_the_one_before(),
-            PanelAction::CarveOn => {
-                let session = self.studio.copy_sculpture_to_visitor_volume();
-                self.hands.start_session(session.mode);
-            }
+            PanelAction::CarveOn => match self.studio.carve_on() {
+                CarvingOn::GoesOn => self.show_another_world(),
+                CarvingOn::Starts(session) => self.hands.start_session(session.mode),
+            },
             PanelAction::Open(path) => {
                 self.studio.open_file(&path, opening::read_into_resident_maps::<N>);
             }
@@ -50,11 +51,16 @@ where
 
     fn bring_back_the_one_before(&mut self) {
         if self.studio.bring_back_the_one_before() {
-            self.hands.drop_input();
-            if let Some(view) = &mut self.view {
-                view.note_load(self.studio.world());
-            }
-            self.panels.close_covering_panels();
+            self.show_another_world();
         }
+    }
+
+    /// Goes on in a world that was loaded.
+    fn show_another_world(&mut self) {
+        self.hands.drop_input();
+        if let Some(view) = &mut self.view {
+            view.note_load(self.studio.world());
+        }
+        self.panels.close_covering_panels();
     }
 }

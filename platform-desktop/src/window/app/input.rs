@@ -118,8 +118,9 @@ where
             let event = egui::Event::PointerButton { pos, button: panel, pressed: down, modifiers };
             self.panels.input.events.push(event);
         }
-        let sculpting = self.studio.world().session_state() == SessionState::Sculpting;
-        let runs = hand != HandButton::Left || (sculpting && self.panels.is_sculpture_uncovered());
+        let has_sculpture = self.studio.world().session_state() != SessionState::Waiting;
+        let runs =
+            hand != HandButton::Left || (has_sculpture && self.panels.is_sculpture_uncovered());
         if !down {
             self.send_to_hands(InputEvent::Released(hand));
         } else if runs && !self.panels.wants_pointer() {

@@ -10,13 +10,29 @@ use super::StudioStatus;
 pub(super) struct Hints {
     has_cut: bool,
     has_undone: bool,
+    /// When paste was last laid beyond the volume.
+    pasted_beyond_at: Option<f64>,
 }
+
+/// For how long that is told, in seconds: whoever lays paste looks at the stone.
+const BEYOND_SECONDS: f64 = 6.0;
 
 impl Hints {
     /// Notes what the strokes to undo and to redo tell: a stroke was made, or taken back.
     pub(super) const fn note_strokes(&mut self, strokes: UndoCounts) {
         self.has_cut |= strokes.undoable > 0 || strokes.redoable > 0;
         self.has_undone |= strokes.redoable > 0;
+    }
+
+    /// Notes what the studio's status tells at a time in seconds. Returns the work that hints are about.
+    pub(super) const fn note_work(&mut self, status: &StudioStatus<'_>, now: f64) -> HintedWork {
+        if status.pastes_beyond_box {
+            self.pasted_beyond_at = Some(now);
+        }
+        match self.pasted_beyond_at {
+            Some(at) if now - at < BEYOND_SECONDS => HintedWork::PasteBeyondBox,
+            _ => HintedWork::of_status(status),
+        }
     }
 
     /// The hint to show: what keeps the tool from its work first, then the first gestures, then what is to be done with a
@@ -30,9 +46,9 @@ impl Hints {
             (_, false, _) => Some(
                 "Hold the left button and drag over the stone  ·  drag with the right one to look around",
             ),
-            (HintedWork::FigureUnderLargeBall, true, _) => {
-                Some("So large a ball reaches no hollows: the key . or the bar has smaller ones")
-            }
+            (HintedWork::FigureUnderLargeBall, true, _) => Some(
+                "So large a ball reaches no hollows: take the medium one, by Shift + 2 or in the bar",
+            ),
             (_, true, false) => {
                 Some("Z takes it back  ·  drag with the right button to look around")
             }
@@ -45,7 +61,7 @@ impl Hints {
 }
 
 /// From how much of a hidden figure on a ball for roughing out has done its work, in percent.
-const ROUGHED_OUT_PERCENT: u32 = 25;
+const ROUGHED_OUT_PERCENT: u32 = 12;
 
 /// The work in hand, as far as hints are about it.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -67,7 +83,6 @@ impl HintedWork {
         let hides = matches!(status.mode, SessionMode::Constrained { .. })
             && status.bared_percent < FOUND_PERCENT;
         match status.held {
-            _ if status.pastes_beyond_box => HintedWork::PasteBeyondBox,
             Some((_, ToolBit::RoughingBall))
                 if hides && status.bared_percent >= ROUGHED_OUT_PERCENT =>
             {
@@ -84,6 +99,7 @@ mod tests {
     use paros_core::session::Tool;
 
     use super::*;
+    use crate::window::hands::tool_bits_of;
     use crate::window::panels::tests::sculpting_status;
 
     #[test]
@@ -116,11 +132,17 @@ mod tests {
         assert_eq!(work(&status), HintedWork::FigureUnderLargeBall);
         status.bared_percent = FOUND_PERCENT;
         assert_eq!(work(&status), HintedWork::Other, "it is found");
+        let mut hints = Hints { has_cut: true, ..Hints::default() };
+        assert_eq!(hints.note_work(&status, 1.0), HintedWork::Other);
         status.pastes_beyond_box = true;
-        assert_eq!(work(&status), HintedWork::PasteBeyondBox);
-        let hints = Hints { has_cut: true, has_undone: false };
+        assert_eq!(hints.note_work(&status, 2.0), HintedWork::PasteBeyondBox);
+        status.pastes_beyond_box = false;
+        assert_eq!(hints.note_work(&status, 7.0), HintedWork::PasteBeyondBox, "it can be read");
+        assert_eq!(hints.note_work(&status, 9.0), HintedWork::Other);
         assert!(hints.text(HintedWork::PasteBeyondBox).is_some_and(|text| text.contains("Paste")));
         let ball = hints.text(HintedWork::FigureUnderLargeBall);
-        assert!(ball.is_some_and(|text| text.contains("smaller")));
+        assert!(ball.is_some_and(|text| text.contains("Shift + 2")));
+        let second = tool_bits_of(Tool::Rotary).nth(1);
+        assert_eq!(second, Some(ToolBit::MediumBall), "which that key takes");
     }
 }

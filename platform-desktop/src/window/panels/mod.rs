@@ -26,7 +26,7 @@ pub(super) use action::PanelAction;
 use browser::Browser;
 pub(super) use glow::ItemGlow;
 use graph::FrameTimeGraph;
-use hints::{HintedWork, Hints};
+use hints::Hints;
 pub(super) use outline::{BitOutline, MirrorGuide, is_pasting_beyond_box};
 pub(super) use status::StudioStatus;
 use strip::{FinishButton, FinishedChoice};
@@ -74,6 +74,8 @@ impl Panels {
     pub(super) fn new() -> Self {
         let context = Context::default();
         style::set_style(&context);
+        // However slowly frames come, and so presses and releases: a click is one.
+        context.options_mut(|options| options.input_options.max_click_duration = f64::INFINITY);
         let input = RawInput {
             max_texture_side: Some(paros_shaders::gpu::overlay::ATLAS_SIDE as usize),
             ..RawInput::default()
@@ -304,7 +306,8 @@ impl Panels {
             },
             _ => {
                 self.hints.note_strokes(status.undo);
-                let hint = self.hints.text(HintedWork::of_status(status));
+                let now = context.input(|input| input.time);
+                let hint = self.hints.text(self.hints.note_work(status, now));
                 let bar = strip::show_tools(context, status, hint, &mut self.actions);
                 self.finishing = bar.finish == FinishButton::Clicked;
                 let covered = bar.height / context.content_rect().height();

@@ -1,6 +1,6 @@
 //! The start panel without a window: pictures, and how much stone hides a figure.
 
-use egui::{Pos2, Rect};
+use egui::{Event, Modifiers, PointerButton, Pos2, Rect};
 use paros_core::session::{SessionMode, SessionState};
 
 use super::tests::{click, frame, sculpting_status, shapes_of};
@@ -81,4 +81,29 @@ fn each_start_shows_its_own_picture_and_is_chosen_by_it() {
         expected.push((name, start(SessionMode::Constrained { figure })));
     }
     assert_eq!(chosen, expected);
+}
+
+/// Where frames take seconds, so does a click.
+#[test]
+fn a_click_may_take_as_long_as_frames_do() {
+    let status = StudioStatus { unfinished: false, ..sculpting_status() };
+    let mut panels = Panels::new();
+    let pos = Pos2::new(300.0, 400.0);
+    let button = |pressed| Event::PointerButton {
+        pos,
+        button: PointerButton::Primary,
+        pressed,
+        modifiers: Modifiers::NONE,
+    };
+    let mut asked = Vec::new();
+    for (seconds, event) in [
+        (1.0, None),
+        (3.0, Some(Event::PointerMoved(pos))),
+        (5.0, Some(button(true))),
+        (9.0, Some(button(false))),
+    ] {
+        panels.input.time = Some(seconds);
+        asked.extend(frame(&mut panels, &status, event.into_iter().collect()));
+    }
+    assert!(matches!(asked[..], [PanelAction::Start(_)]), "{asked:?}");
 }

@@ -189,7 +189,8 @@ fn show_bits(
     }
     show_size(ui, status, mounted, actions);
     let depth = depth_text(status.depth_mm, status.print_scale);
-    let text = RichText::new(format!("{depth}  (wheel up: deeper)")).size(13.0);
+    let wheel = if status.depth_mm < *DEPTHS_MM.end() { "up: deeper" } else { "down: less deep" };
+    let text = RichText::new(format!("{depth}  (wheel {wheel})")).size(13.0);
     // A bit that hovers cuts nothing, and it shall be seen why.
     let color = if status.depth_mm < 0.0 { style::WARNING } else { style::QUIET };
     ui.label(text.color(color));
