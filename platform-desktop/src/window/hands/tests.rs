@@ -20,6 +20,7 @@ use super::bit_guide::ray_from_room_to_grid;
 use super::{HandAction, HandButton, InputEvent, LIGHT_TRIGGER, MouseHands, RIGHT};
 use crate::window::raycast::cast_ray;
 
+mod newcomer;
 mod strokes;
 
 const SIZE: [u32; 2] = [1000, 700];
