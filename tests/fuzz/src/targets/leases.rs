@@ -25,9 +25,9 @@ const HEADSET: u32 = 7;
 const BODY: usize = BadgeLease::BYTES - 8;
 
 fn seeds() -> Vec<Vec<u8>> {
-    let mut ledger = Box::new(BadgeLedger::new(90));
     let mut seeds = Vec::new();
     for taken in [0, 3, 12] {
+        let mut ledger = Box::new(BadgeLedger::new(90));
         let mut lease = BadgeLease::new(HEADSET, taken + 1);
         let answer = ledger.answer_report(&lease.make_report(), DAY_SECONDS).expect("an answer");
         assert_eq!(lease.take_answer(&answer), AnswerOutcome::Taken);
@@ -117,7 +117,8 @@ fn ask(report: &LeaseReport) -> String {
     let first = known.take_number(0);
     let second = known.make_report();
     ledger.answer_report(&second, DAY_SECONDS).expect("an answer");
-    let said = match ledger.answer_report(report, DAY_SECONDS) {
+    // A day later, as another lease soon after the first would be refused unread.
+    let said = match ledger.answer_report(report, 2 * DAY_SECONDS) {
         Ok(answer) => {
             let mut bytes = [0; LeaseAnswer::BYTES];
             answer.write(&mut ByteWriter::new(&mut bytes));
