@@ -27,7 +27,9 @@ pub trait Platform {
         entry: &xr::Entry,
         application: &xr::ApplicationInfo<'_>,
         extensions: xr::ExtensionSet,
-    ) -> xr::Result<xr::Instance>;
+    ) -> xr::Result<xr::Instance> {
+        entry.create_instance(application, &extensions, &[], &())
+    }
 
     /// Polls the operating system; called in every frame, and often while no frames are made.
     fn poll_status(&mut self) -> PlatformStatus {
@@ -76,14 +78,5 @@ impl Platform for PlainPlatform {
                 "no OpenXR loader: {why}; install one (Debian: libopenxr-loader1)"
             ))
         })
-    }
-
-    fn create_instance(
-        &mut self,
-        entry: &xr::Entry,
-        application: &xr::ApplicationInfo<'_>,
-        extensions: xr::ExtensionSet,
-    ) -> xr::Result<xr::Instance> {
-        entry.create_instance(application, &extensions, &[], &())
     }
 }

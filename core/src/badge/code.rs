@@ -196,9 +196,12 @@ impl BadgeNumber {
         let symbol = |shift: u32| Gf64::new(((self.0 ^ SALT) >> shift) as u8);
         let symbols = [symbol(0), symbol(6), symbol(12), colour.symbol()];
         let [a, b, c] = SCRAMBLE.map(|row| dot(&row, &symbols));
-        let sum = dot(&WEIGHTS, &[a, b, c, Gf64::ZERO]).plus(colour.symbol());
-        let check = sum.over(Gf64::new(WEIGHTS[3]));
-        Badge { colour, pictograms: [a, b, c, check].map(|symbol| Pictogram(symbol.bits())) }
+        let with_check = |check: Gf64| {
+            let pictograms = [a, b, c, check].map(|symbol| Pictogram(symbol.bits()));
+            Badge { colour, pictograms }
+        };
+        let syndrome = with_check(Gf64::ZERO).syndrome();
+        with_check(syndrome.over(Gf64::new(WEIGHTS[3])))
     }
 }
 

@@ -5,7 +5,7 @@
 
 use heapless::Vec;
 
-use crate::badge::code::{BadgeNumber, LEASED_BLOCKS};
+use crate::badge::code::BadgeNumber;
 use crate::codec::bytes::{BadBytes, ByteReader, ByteWriter};
 use crate::limits::{BLOCK_NUMBERS, MAX_LEASED_BLOCKS};
 
@@ -62,11 +62,10 @@ impl LeasedBlock {
     /// The numbers of a block from place `first` on; `None` where there is no such block, or no number.
     #[must_use]
     pub fn new(block: u16, first: u8) -> Option<Self> {
-        let is_valid = usize::from(block) < LEASED_BLOCKS && usize::from(first) < BLOCK_NUMBERS;
-        is_valid.then_some(LeasedBlock { block, first })
+        BadgeNumber::of_block(block, first).map(|_| LeasedBlock { block, first })
     }
 
-    /// Which of [`LEASED_BLOCKS`] it is.
+    /// Which of [`LEASED_BLOCKS`](super::LEASED_BLOCKS) it is.
     #[must_use]
     pub const fn block(self) -> u16 {
         self.block
@@ -121,15 +120,12 @@ impl LeaseReport {
 
 impl LeaseAnswer {
     /// Length of a written answer in bytes.
-    pub const BYTES: usize = 22 + blocks_bytes();
+    pub const BYTES: usize = LeaseReport::BYTES + 1 + blocks_bytes();
 
-    /// Writes [`LeaseAnswer::BYTES`] bytes.
+    /// Writes [`LeaseAnswer::BYTES`] bytes: those of a report, and what is beside it.
     pub fn write(&self, to: &mut ByteWriter<'_>) {
-        to.u8(MESSAGE_VERSION);
-        to.u32(self.headset);
-        to.u64(self.epoch);
-        to.u32(self.report);
-        to.u32(self.taken);
+        let LeaseAnswer { headset, epoch, report, taken, .. } = *self;
+        LeaseReport { headset, epoch, report, taken }.write(to);
         to.u8(u8::from(self.is_void));
         write_blocks(to, &self.blocks);
     }
@@ -139,8 +135,7 @@ impl LeaseAnswer {
     /// # Errors
     /// [`BadBytes`] for another version, blocks that don't exist or are there twice, or at the end.
     pub fn read(from: &mut ByteReader<'_>) -> Result<Self, BadBytes> {
-        read_version(from)?;
-        let (headset, epoch, report, taken) = (from.u32()?, from.u64()?, from.u32()?, from.u32()?);
+        let LeaseReport { headset, epoch, report, taken } = LeaseReport::read(from)?;
         let bad = from.error_here("0, or 1 for a lease that is void");
         let is_void = match from.u8()? {
             0 => false,

@@ -315,6 +315,12 @@ where
         if let Some(save) = self.session.take_save_and_clear(leaves_a_sculpture) {
             self.keep_as_the_one_before(save);
         }
+        self.forget_session_before();
+    }
+
+    /// Forgets what belongs to the session that was in the world before: how it ended, its recording and its print.
+    fn forget_session_before(&mut self) {
+        self.before_finish = None;
         self.recorder.discard_recording();
         self.export.set_session_stl_path(None);
         self.autosave.restart_save_interval();

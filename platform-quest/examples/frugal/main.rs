@@ -103,15 +103,6 @@ impl Platform for ProfilingPlatform {
         entry.map_err(|result| Error::Call { action: "look at the loader", result })
     }
 
-    fn create_instance(
-        &mut self,
-        entry: &xr::Entry,
-        application: &xr::ApplicationInfo<'_>,
-        extensions: xr::ExtensionSet,
-    ) -> xr::Result<xr::Instance> {
-        PlainPlatform.create_instance(entry, application, extensions)
-    }
-
     fn poll_status(&mut self) -> PlatformStatus {
         let (now, last) = (self.cost_so_far(), self.last);
         if calls::take_frame_ended() && self.frames.len() < self.frames.capacity() {

@@ -207,15 +207,6 @@ impl Platform for LosingPlatform {
         let found = find_runtime_once(&mut linked_calls(), candidates(&[mock], &[]));
         found.map(|found| found.entry).map_err(|error| Error::Unavailable(error.to_string()))
     }
-
-    fn create_instance(
-        &mut self,
-        entry: &xr::Entry,
-        application: &xr::ApplicationInfo<'_>,
-        extensions: xr::ExtensionSet,
-    ) -> xr::Result<xr::Instance> {
-        entry.create_instance(application, &extensions, &[], &())
-    }
 }
 
 #[test]

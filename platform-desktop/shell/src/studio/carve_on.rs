@@ -25,10 +25,8 @@ where
     /// Goes on with a finished sculpture. What was made of it, its print and picture, stays.
     pub fn carve_on(&mut self) -> CarvingOn {
         let before = self.before_finish.take();
-        if before.is_some_and(|save| self.session.world.load(&save).is_ok()) {
-            self.recorder.discard_recording();
-            self.export.set_session_stl_path(None);
-            self.autosave.restart_save_interval();
+        if before.is_some_and(|save| self.session.load_or_keep(&save).is_ok()) {
+            self.forget_session_before();
             self.save_session();
             return CarvingOn::GoesOn;
         }
@@ -37,16 +35,12 @@ where
         CarvingOn::Starts(SessionToStart { mode: SessionMode::Own })
     }
 
-    /// Keeps the save of a sculpture that a tick's input finishes, and none of one that it leaves.
+    /// Keeps the save of a sculpture that a tick's input finishes.
     pub(super) fn keep_before_finish(&mut self, input: &TickInput) {
-        if input.start != SessionMode::None {
-            self.before_finish = None;
-        } else if input.commands & commands::FINISH != 0
+        if input.commands & commands::FINISH != 0
             && self.world().session_state() == SessionState::Sculpting
         {
-            let mut save = Vec::new();
-            self.session.encode_into(&mut save);
-            self.before_finish = Some(save);
+            self.before_finish = Some(self.session.encode());
         }
     }
 }

@@ -42,19 +42,15 @@ where
         // Its buffer is back then, and the save of what comes back is written before the other's is
         // replaced: at no time is either in no file.
         let _ = self.wait_for_writes();
-        let mut current = Vec::new();
-        self.session.encode_into(&mut current);
-        if let Err(bad) = self.session.world.load(&before) {
-            // A load that fails may leave an empty world.
-            let _ = self.session.world.load(&current);
-            let text = format!("the sculpture before can't be read: {bad}");
-            self.push_notice(Notice::Bad(text));
-            return true;
-        }
-        self.before_finish = None;
-        self.recorder.discard_recording();
-        self.export.set_session_stl_path(None);
-        self.autosave.restart_save_interval();
+        let current = match self.session.load_or_keep(&before) {
+            Ok(current) => current,
+            Err(bad) => {
+                let text = format!("the sculpture before can't be read: {bad}");
+                self.push_notice(Notice::Bad(text));
+                return true;
+            }
+        };
+        self.forget_session_before();
         self.save_session();
         if leaves_a_sculpture {
             self.keep_as_the_one_before(current);

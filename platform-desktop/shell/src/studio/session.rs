@@ -4,6 +4,7 @@
 use std::io::ErrorKind;
 
 use paros_core::World;
+use paros_core::codec::BadSave;
 use paros_core::limits::{INTERVALS, max_save_bytes};
 use paros_core::volume::{Grid, Size};
 
@@ -73,13 +74,29 @@ where
         bytes.truncate(len);
     }
 
+    /// Encodes the world.
+    pub(super) fn encode(&self) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        self.encode_into(&mut bytes);
+        bytes
+    }
+
+    /// Loads another save. Returns that of the world before, which stays where the other is bad.
+    pub(super) fn load_or_keep(&mut self, save: &[u8]) -> Result<Vec<u8>, BadSave> {
+        let current = self.encode();
+        match self.world.load(save) {
+            Ok(()) => Ok(current),
+            Err(bad) => {
+                // A load that fails may leave an empty world.
+                let _ = self.world.load(&current);
+                Err(bad)
+            }
+        }
+    }
+
     /// Clears the world for another session. Returns the save of the one before, if it is to be kept.
     pub(super) fn take_save_and_clear(&mut self, is_kept: bool) -> Option<Vec<u8>> {
-        let save = is_kept.then(|| {
-            let mut bytes = Vec::new();
-            self.encode_into(&mut bytes);
-            bytes
-        });
+        let save = is_kept.then(|| self.encode());
         self.world.clear();
         save
     }

@@ -145,6 +145,20 @@ fn a_saved_session_of_one_interval_is_put_aside() {
     fs::remove_dir_all(&folder).expect("the folder can be removed");
 }
 
+/// A test of a studio in which a session of a block has begun, and whose pictures can't be drawn.
+fn with_own_studio(paths: StudioPaths, test: impl FnOnce(&mut Studio<'_, 128>)) {
+    let (mut volumes, mut world) = (Grid::<128>::lock_start_volumes(), Grid::<128>::lock_world());
+    let mut stl_buffers = Grid::<128>::lock_stl_buffers();
+    let stl_exporter = StlExporter::new(&mut stl_buffers, DEFAULT_HEIGHT_MM).expect("a height");
+    volumes.offer_visitor_volume().fill_block();
+    let mut studio =
+        Studio::new(&mut world, &mut volumes, stl_exporter, paths, |_| Err("no picture".into()));
+    studio.run_tick(&TickInput { start: SessionMode::Own, ..TickInput::default() });
+    test(&mut studio);
+    drop(studio);
+    volumes.withdraw_visitor_volume();
+}
+
 /// A sculpture before that can't be read costs neither itself nor the one that stands.
 #[test]
 fn a_bad_save_of_the_sculpture_before_leaves_this_one_alone() {
@@ -153,22 +167,15 @@ fn a_bad_save_of_the_sculpture_before_leaves_this_one_alone() {
     let before = places.left_unfinished_session_file(128);
     fs::create_dir_all(&places.sessions).expect("a folder");
     fs::write(&before, "no save").expect("a file");
-    let (mut volumes, mut world) = (Grid::<128>::lock_start_volumes(), Grid::<128>::lock_world());
-    let mut stl_buffers = Grid::<128>::lock_stl_buffers();
-    let stl_exporter = StlExporter::new(&mut stl_buffers, DEFAULT_HEIGHT_MM).expect("a height");
-    volumes.offer_visitor_volume().fill_block();
-    let mut studio =
-        Studio::new(&mut world, &mut volumes, stl_exporter, places, |_| Err("no picture".into()));
-    studio.run_tick(&TickInput { start: SessionMode::Own, ..TickInput::default() });
-    let digest = studio.world().digest();
-    assert!(studio.has_one_before());
-    studio.bring_back_the_one_before();
-    assert!(!studio.has_one_before() && studio.world().digest() == digest);
-    let notices: Vec<_> = studio.take_notices().collect();
-    assert!(matches!(&notices[..], [Notice::Bad(why)] if why.contains("can't be read")));
-    assert_eq!(fs::read(&before).expect("it is kept"), b"no save");
-    drop(studio);
-    volumes.withdraw_visitor_volume();
+    with_own_studio(places, |studio| {
+        let digest = studio.world().digest();
+        assert!(studio.has_one_before());
+        studio.bring_back_the_one_before();
+        assert!(!studio.has_one_before() && studio.world().digest() == digest);
+        let notices: Vec<_> = studio.take_notices().collect();
+        assert!(matches!(&notices[..], [Notice::Bad(why)] if why.contains("can't be read")));
+        assert_eq!(fs::read(&before).expect("it is kept"), b"no save");
+    });
     fs::remove_dir_all(&folder).expect("the folder can be removed");
 }
 
@@ -177,28 +184,21 @@ fn a_bad_save_of_the_sculpture_before_leaves_this_one_alone() {
 fn carving_on_takes_the_end_back_and_leaves_the_rest_as_it_was() {
     let folder = std::env::temp_dir().join(format!("paros-carve-on-{}", std::process::id()));
     let places = StudioPaths::inside_folder(&folder);
-    let (mut volumes, mut world) = (Grid::<128>::lock_start_volumes(), Grid::<128>::lock_world());
-    let mut stl_buffers = Grid::<128>::lock_stl_buffers();
-    let stl_exporter = StlExporter::new(&mut stl_buffers, DEFAULT_HEIGHT_MM).expect("a height");
-    volumes.offer_visitor_volume().fill_block();
-    let mut studio =
-        Studio::new(&mut world, &mut volumes, stl_exporter, places, |_| Err("no picture".into()));
-    studio.run_tick(&TickInput { start: SessionMode::Own, ..TickInput::default() });
-    studio.run_tick(&TickInput { commands: commands::SYMMETRY, ..TickInput::default() });
-    let (digest, tick) = (studio.world().digest(), studio.world().tick());
-    let finish = TickInput { commands: commands::FINISH, ..TickInput::default() };
-    studio.run_tick(&finish);
-    studio.run_tick(&finish);
-    assert_eq!(studio.world().session_state(), SessionState::Finished);
-    assert_eq!(studio.carve_on(), CarvingOn::GoesOn);
-    assert_eq!((studio.world().digest(), studio.world().tick()), (digest, tick));
-    assert!(studio.world().is_mirrored(), "as it was");
-    // It was finished by somebody else, or in an earlier run.
-    studio.run_tick(&finish);
-    studio.run_tick(&TickInput { start: SessionMode::Own, ..TickInput::default() });
-    let anew = CarvingOn::Starts(SessionToStart { mode: SessionMode::Own });
-    assert_eq!(studio.carve_on(), anew);
-    drop(studio);
-    volumes.withdraw_visitor_volume();
+    with_own_studio(places, |studio| {
+        studio.run_tick(&TickInput { commands: commands::SYMMETRY, ..TickInput::default() });
+        let (digest, tick) = (studio.world().digest(), studio.world().tick());
+        let finish = TickInput { commands: commands::FINISH, ..TickInput::default() };
+        studio.run_tick(&finish);
+        studio.run_tick(&finish);
+        assert_eq!(studio.world().session_state(), SessionState::Finished);
+        assert_eq!(studio.carve_on(), CarvingOn::GoesOn);
+        assert_eq!((studio.world().digest(), studio.world().tick()), (digest, tick));
+        assert!(studio.world().is_mirrored(), "as it was");
+        // It was finished by somebody else, or in an earlier run.
+        studio.run_tick(&finish);
+        studio.run_tick(&TickInput { start: SessionMode::Own, ..TickInput::default() });
+        let anew = CarvingOn::Starts(SessionToStart { mode: SessionMode::Own });
+        assert_eq!(studio.carve_on(), anew);
+    });
     fs::remove_dir_all(&folder).expect("the folder can be removed");
 }

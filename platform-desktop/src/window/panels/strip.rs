@@ -11,6 +11,9 @@ use paros_shell::figures::HiddenStart;
 use super::{PanelAction, StudioStatus, style};
 use crate::window::hands::{DEPTHS_MM, tool_bits_of};
 
+/// From the window's lower edge to what stands there, in points.
+const BOTTOM_GAP: f32 = 16.0;
+
 /// The answer to the confirmation.
 pub(super) enum Confirmation {
     None,
@@ -125,7 +128,8 @@ pub(super) fn show_tools(
 ) -> ToolBar {
     let mut finish = FinishButton::NotClicked;
     let is_measured = context.memory(|memory| memory.area_rect("tools")).is_some();
-    let bottom = Area::new(Id::new("tools")).anchor(Align2::CENTER_BOTTOM, Vec2::new(0.0, -16.0));
+    let bottom =
+        Area::new(Id::new("tools")).anchor(Align2::CENTER_BOTTOM, Vec2::new(0.0, -BOTTOM_GAP));
     let shown = bottom.show(context, |ui| {
         let frame = style::card_frame().inner_margin(egui::Margin::symmetric(12, 10));
         style::show_rows(ui, frame, |ui| {
@@ -153,7 +157,7 @@ pub(super) fn show_tools(
         });
     });
     // In its first frame it hasn't its size yet.
-    let height = if is_measured { shown.response.rect.height() + 16.0 } else { 0.0 };
+    let height = if is_measured { shown.response.rect.height() + BOTTOM_GAP } else { 0.0 };
     ToolBar { finish, height }
 }
 
@@ -249,7 +253,8 @@ fn depth_text(depth_mm: f32, print_scale: Option<f32>) -> String {
 /// Shows the confirmation of the session's end.
 pub(super) fn show_confirmation(context: &Context) -> Confirmation {
     let mut answer = Confirmation::None;
-    let bottom = Area::new(Id::new("confirm")).anchor(Align2::CENTER_BOTTOM, Vec2::new(0.0, -16.0));
+    let bottom =
+        Area::new(Id::new("confirm")).anchor(Align2::CENTER_BOTTOM, Vec2::new(0.0, -BOTTOM_GAP));
     bottom.show(context, |ui| {
         style::show_rows(ui, style::card_frame(), |ui| {
             ui.horizontal_wrapped(|ui| {
@@ -275,7 +280,7 @@ pub(super) fn show_finished(
     debug_assert_eq!(status.session, SessionState::Finished);
     let mut choice = None;
     let bottom =
-        Area::new(Id::new("finished")).anchor(Align2::CENTER_BOTTOM, Vec2::new(0.0, -16.0));
+        Area::new(Id::new("finished")).anchor(Align2::CENTER_BOTTOM, Vec2::new(0.0, -BOTTOM_GAP));
     bottom.show(context, |ui| {
         style::show_within_window(ui, style::card_frame(), 520.0, |ui| {
             ui.label(RichText::new("Finished").size(19.0));

@@ -9,17 +9,17 @@ use crate::runtime::{LibraryError, RuntimeLibrary};
 
 /// What the libraries of these names do; each call is logged. `twin.so` is `deaf.so` by another name.
 #[derive(Default)]
-struct Script {
+struct ScriptedLibraries {
     calls: Vec<String>,
 }
 
-impl Script {
+impl ScriptedLibraries {
     fn log(&mut self, call: &str, library: &str) {
         self.calls.push(format!("{call} {library}"));
     }
 }
 
-impl RuntimeCalls for Script {
+impl RuntimeCalls for ScriptedLibraries {
     type Library = &'static str;
     type Functions = &'static str;
     type Entry = &'static str;
@@ -68,7 +68,7 @@ fn candidates(names: &'static [&str]) -> impl Iterator<Item = Candidate> {
 
 #[test]
 fn an_exported_initialisation_is_the_only_one() {
-    let mut script = Script::default();
+    let mut script = ScriptedLibraries::default();
     let found = RuntimeSearch::new().find_once(&mut script, candidates(&["exporter.so"]));
     assert_eq!(found.expect("a runtime").entry, "exporter.so");
     assert_eq!(script.calls, ["open exporter.so", "export exporter.so", "negotiate exporter.so"]);
@@ -80,7 +80,7 @@ fn an_exported_initialisation_is_the_only_one() {
 
 #[test]
 fn what_was_found_once_serves_every_session() {
-    let (mut script, mut search) = (Script::default(), RuntimeSearch::new());
+    let (mut script, mut search) = (ScriptedLibraries::default(), RuntimeSearch::new());
     let first = search.find_once(&mut script, candidates(&["gone.so", "plain.so", "exporter.so"]));
     let first = first.expect("a runtime");
     assert_eq!(first.entry, "plain.so");
@@ -96,7 +96,7 @@ fn what_was_found_once_serves_every_session() {
 
 #[test]
 fn a_library_that_failed_is_not_called_again() {
-    let (mut script, mut search) = (Script::default(), RuntimeSearch::new());
+    let (mut script, mut search) = (ScriptedLibraries::default(), RuntimeSearch::new());
     for _ in 0..2 {
         let why = search.find_once(&mut script, candidates(&["deaf.so", "twin.so"]));
         let why = why.expect_err("none succeeds").to_string();
@@ -113,7 +113,7 @@ fn a_library_that_failed_is_not_called_again() {
 #[test]
 fn a_source_that_names_nothing_is_told_too() {
     let nothing = Candidate { source: "a broker".into(), library: Err("no answer".into()) };
-    let why = RuntimeSearch::new().find_once(&mut Script::default(), [nothing]);
+    let why = RuntimeSearch::new().find_once(&mut ScriptedLibraries::default(), [nothing]);
     let why = why.expect_err("there is none").to_string();
     assert_eq!(why, "no OpenXR runtime; tried a broker: no answer");
 }
