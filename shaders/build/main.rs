@@ -5,6 +5,7 @@ mod bvh;
 #[allow(dead_code, unreachable_pub)] // the programs and the twin use the rest
 #[path = "../src/constants.rs"]
 mod constants;
+mod counting;
 #[allow(dead_code, unreachable_pub)] // the twin uses the rest
 #[path = "../src/twin/harmonics.rs"]
 mod harmonics;

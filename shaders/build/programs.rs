@@ -16,7 +16,7 @@ use naga_oil::compose::{
 
 use crate::constants::BINDING_COUNT;
 use crate::words::{self, LoopUnrolling};
-use crate::{layout, shared};
+use crate::{counting, layout, shared};
 
 /// Modules that others import, each after what it imports itself.
 const LIBRARY: [&str; 7] = ["constants", "layout", "box", "light", "marble", "beam", "shadow"];
@@ -30,12 +30,24 @@ struct ShaderVariant {
     stage: naga::ShaderStage,
     defs: Vec<&'static str>,
     overrides: Vec<(&'static str, f64)>,
+    /// Whether it counts its fetches in the place of drawing.
+    counts: bool,
 }
 
 impl ShaderVariant {
     fn with_def(mut self, def: &'static str) -> Self {
         self.defs.push(def);
         self
+    }
+
+    /// The program that counts what this one fetches.
+    fn counting(&self) -> Self {
+        ShaderVariant { name: format!("{}_counted", self.name), counts: true, ..self.clone() }
+    }
+
+    /// What the fast path costs without its march, and with two fetches of shading.
+    fn without_march(&self) -> Self {
+        ShaderVariant { name: format!("{}_floor", self.name), ..self.clone() }.with_def("FLOOR")
     }
 }
 
@@ -84,6 +96,7 @@ fn program_list() -> Vec<ShaderVariant> {
         stage,
         defs: Vec::new(),
         overrides: overrides.to_vec(),
+        counts: false,
     };
     use naga::ShaderStage::{Compute, Fragment, Vertex};
     let mut all = vec![
@@ -111,7 +124,8 @@ fn program_list() -> Vec<ShaderVariant> {
     ] {
         let overrides = [("COVERAGE", coverage)];
         let single = program(name, "fast", Fragment, &overrides);
-        all.push(if half { single.with_def("HALF") } else { single });
+        let fast = if half { single.with_def("HALF") } else { single };
+        all.extend([fast.counting(), fast.without_march(), fast]);
     }
     for (part, overrides) in [
         ("", &[][..]),
@@ -119,7 +133,11 @@ fn program_list() -> Vec<ShaderVariant> {
         ("_no_sdf", &[("SDF", 0.0)]),
         ("_no_shading", &[("SHADING", 0.0)]),
     ] {
-        all.push(program(&format!("paper{part}"), "paper", Fragment, overrides));
+        let one = program(&format!("paper{part}"), "paper", Fragment, overrides);
+        if part.is_empty() {
+            all.push(one.counting());
+        }
+        all.push(one);
         let two = program(&format!("paper_two{part}"), "paper", Fragment, overrides);
         all.push(two.with_def("TWO_INTERVALS"));
     }
@@ -156,7 +174,10 @@ fn compile_program(program: &ShaderVariant) -> Vec<u32> {
         shader_defs: defs,
         ..NagaModuleDescriptor::default()
     });
-    let module = module.unwrap_or_else(|error| panic!("{}", error.emit_to_string(&composer)));
+    let mut module = module.unwrap_or_else(|error| panic!("{}", error.emit_to_string(&composer)));
+    if program.counts {
+        counting::count_fetches_and_turns(&mut module);
+    }
     // The fast path of single precision is for desktops, whose drivers know better.
     let unrolling = match program.module == "fast" && !program.defs.contains(&"HALF") {
         true => LoopUnrolling::Allowed,

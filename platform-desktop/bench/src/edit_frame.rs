@@ -30,7 +30,7 @@ where
     let mut field = Box::new(DensityField::<N>::new());
     field.rebuild_from(&fixture.start);
     restore_start_volume(fixture);
-    let setup = RenderSetup { framing, path: RenderPath::Fast };
+    let setup = RenderSetup::picture(framing, RenderPath::Fast);
     let mut best = [[[u64::MAX; VIEWS]; 2]; FrameFormat::ALL.len()];
     let (mut in_frame, mut in_all) = (0, 0);
     for view in 0..VIEWS {

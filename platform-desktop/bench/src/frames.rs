@@ -8,10 +8,10 @@ use glam::{Quat, Vec3};
 use paros_core::RangeMaps;
 use paros_core::volume::{Axis, BitGrid, Grid, Size};
 use paros_headless::Error;
-use paros_headless::{HeadlessRenderer, PictureFormat, SculptureView, Uploads};
+use paros_headless::{FetchCounts, HeadlessRenderer, PictureFormat, SculptureView, Uploads};
 use paros_shaders::field::DensityField;
 use paros_shaders::gpu::{
-    Eye, Fov, FrameRequest, FrameTimes, Gpu, PaperVariant, RenderPath, RenderStyle,
+    Drawn, Eye, Fov, FrameRequest, FrameTimes, Gpu, PaperVariant, RenderPath, RenderStyle,
     SculpturePlacement,
 };
 use paros_shaders::upload::VolumeFormat;
@@ -31,8 +31,10 @@ const NARROWEST: f32 = TAU / 80.0;
 /// Distance between the eyes, in metres; a side of the cube is 1 m.
 const EYES_APART: f32 = 0.064;
 
-/// Target fraction of the image that a sculpture fills, averaged over the ring.
-const FILLED: f32 = 0.25;
+/// Target fraction of the image that a sculpture fills, averaged over the ring: as from where one looks at it.
+const QUARTER: f32 = 0.25;
+/// The same from where one works on it.
+pub(super) const FILLING: f32 = 0.85;
 /// Smallest eye distance in sides of the cube: just outside it. For a slender sculpture the angle of
 /// view is narrowed at this distance.
 const NEAREST: f32 = 0.8;
@@ -82,6 +84,8 @@ pub(super) struct Framing {
     half_angle: f32,
     /// Fraction of the image that the volume fills, 0 to 1.
     pub(super) filled: f32,
+    /// That aimed at.
+    aim: f32,
 }
 
 impl Framing {
@@ -97,14 +101,21 @@ impl Framing {
 pub(super) struct RenderSetup {
     pub(super) framing: Framing,
     pub(super) path: RenderPath,
+    pub(super) drawn: Drawn,
 }
 
 impl RenderSetup {
+    /// The picture of a path.
+    pub(super) const fn picture(framing: Framing, path: RenderPath) -> Self {
+        RenderSetup { framing, path, drawn: Drawn::Picture }
+    }
+
     /// Nanoseconds of its sculpture's pass, with all that the path needs before.
-    const fn sculpture_pass_ns(&self, times: &FrameTimes) -> u64 {
+    fn sculpture_pass_ns(&self, times: &FrameTimes) -> u64 {
+        let sculpture_ns = times.sculpture_ns.unwrap_or(times.pass_ns);
         match self.path {
-            RenderPath::Fast => times.tiles_ns + times.sculpture_ns,
-            RenderPath::Paper(_) => times.sculpture_ns,
+            RenderPath::Fast => times.tiles_ns + sculpture_ns,
+            RenderPath::Paper(_) => sculpture_ns,
         }
     }
 }
@@ -158,9 +169,7 @@ impl FrameTimer {
         let mut field = Box::new(DensityField::<N>::new());
         field.rebuild_from(&fixture.start);
         let volume = VolumeFormat::of::<N, 1>();
-        let full = self.canvas;
-        let shrunk = full[0].max(full[1]).div_ceil(LONGEST_COUNTED);
-        let small = full.map(|side| (side / shrunk).max(1));
+        let small = self.small_size();
         let small_renderer = PictureFormat { size: small, eyes: 1, samples: 1 };
         if !self.small_renderers.contains_key(&N) {
             self.small_renderers
@@ -169,7 +178,31 @@ impl FrameTimer {
         self.load_field(&field, formats)?;
         let renderer = self.small_renderers.get_mut(&N).ok_or_else(|| no_renderer(N))?;
         renderer.load_field(&field)?;
-        fit_framing(renderer, small, volume, middle_height_sides(&fixture.start))
+        let nearest = Framing {
+            volume,
+            distance: NEAREST,
+            height: middle_height_sides(&fixture.start),
+            half_angle: HALF_ANGLE,
+            filled: 0.0,
+            aim: QUARTER,
+        };
+        fit_framing(renderer, small, &nearest)
+    }
+
+    /// The framing of the same subject, the last one loaded, that fills another fraction of the image.
+    pub(super) fn refit_framing(&mut self, framing: &Framing, aim: f32) -> Result<Framing, Error> {
+        let grid_side = framing.volume.grid_side();
+        let small = self.small_size();
+        let renderer =
+            self.small_renderers.get_mut(&grid_side).ok_or_else(|| no_renderer(grid_side))?;
+        let nearest = Framing { distance: NEAREST, half_angle: HALF_ANGLE, aim, ..*framing };
+        fit_framing(renderer, small, &nearest)
+    }
+
+    /// Size of the pictures in which filled pixels are counted.
+    fn small_size(&self) -> [u32; 2] {
+        let shrunk = self.canvas[0].max(self.canvas[1]).div_ceil(LONGEST_COUNTED);
+        self.canvas.map(|side| (side / shrunk).max(1))
     }
 
     /// Loads the same voxels in columns of two intervals into renderers of their own.
@@ -233,20 +266,39 @@ impl FrameTimer {
         view: usize,
         uploads: &Uploads,
     ) -> Result<FrameTimes, Error> {
-        let (canvas, framing) = (self.canvas, setup.framing);
-        let SculptureView { eye, placement } = ring_view(&framing, view, canvas);
-        let both = [-0.5, 0.5]
-            .map(|side| Eye { position: eye.position + Vec3::X * (EYES_APART * side), ..eye });
-        let eyes = if format.eyes == 2 { &both[..] } else { &[eye] };
-        let look = RenderStyle { path: setup.path, ..RenderStyle::default() };
-        let request = FrameRequest {
-            eyes,
-            placement,
-            style: look,
-            backdrop: paros_headless::BACKDROP,
-            scene: None,
-        };
-        self.renderer_for(framing.volume, format)?.draw_frame(&request, uploads)
+        let (eyes, placement) = self.eyes_of_view(setup, format, view);
+        let request = request_frame(setup, &eyes, placement);
+        self.renderer_for(setup.framing.volume, format)?.draw_frame(&request, uploads)
+    }
+
+    /// What the fragments of all frames of the ring fetch.
+    pub(super) fn count_fetches(
+        &mut self,
+        setup: &RenderSetup,
+        format: FrameFormat,
+    ) -> Result<FetchCounts, Error> {
+        let mut sum = FetchCounts::default();
+        for view in 0..VIEWS {
+            let (eyes, placement) = self.eyes_of_view(setup, format, view);
+            let request = request_frame(setup, &eyes, placement);
+            let of_one = FrameFormat { samples: 1, ..format };
+            let renderer = self.renderer_for(setup.framing.volume, of_one)?;
+            sum = sum.and(renderer.count_fetches(&request, format.samples)?);
+        }
+        Ok(sum)
+    }
+
+    fn eyes_of_view(
+        &self,
+        setup: &RenderSetup,
+        format: FrameFormat,
+        view: usize,
+    ) -> (Vec<Eye>, SculpturePlacement) {
+        let SculptureView { eye, placement } = ring_view(&setup.framing, view, self.canvas);
+        let aside =
+            |side: f32| Eye { position: eye.position + Vec3::X * (EYES_APART * side), ..eye };
+        let eyes = if format.eyes == 2 { vec![aside(-0.5), aside(0.5)] } else { vec![eye] };
+        (eyes, placement)
     }
 
     /// The renderer of a volume and frame format.
@@ -290,6 +342,16 @@ pub(super) fn mean_ms(views_ns: &[u64; VIEWS]) -> f64 {
     views_ns.iter().map(|&ns| ns as f64).sum::<f64>() / VIEWS as f64 * 1e-6
 }
 
+fn request_frame<'a>(
+    setup: &RenderSetup,
+    eyes: &'a [Eye],
+    placement: SculpturePlacement,
+) -> FrameRequest<'a> {
+    let RenderSetup { path, drawn, .. } = *setup;
+    let style = RenderStyle { path, drawn, ..RenderStyle::default() };
+    FrameRequest { eyes, placement, style, backdrop: paros_headless::BACKDROP, scene: None }
+}
+
 /// A view of the ring. The eye is fixed; the stool turns.
 fn ring_view(framing: &Framing, view: usize, [width, height]: [u32; 2]) -> SculptureView {
     let (sin, cos) = ELEVATION.sin_cos();
@@ -314,26 +376,18 @@ fn middle_height_sides<const N: usize>(maps: &RangeMaps<N>) -> f32 {
     (lo + hi + 1) as f32 / (2 * N) as f32
 }
 
-/// Finds the distance, or the angle of view, at which the sculpture fills the target fraction. Pixels
+/// Finds the distance, or the angle of view, at which the sculpture fills the fraction aimed at. Pixels
 /// are counted by the paper's path, which draws the exact voxels.
 fn fit_framing(
     small_renderer: &mut HeadlessRenderer,
     image_size: [u32; 2],
-    volume: VolumeFormat,
-    middle_height_sides: f32,
+    nearest: &Framing,
 ) -> Result<Framing, Error> {
-    let nearest = Framing {
-        volume,
-        distance: NEAREST,
-        height: middle_height_sides,
-        half_angle: HALF_ANGLE,
-        filled: 0.0,
-    };
-    if filled_fraction(small_renderer, image_size, &nearest)? < FILLED {
-        let narrowed = |half_angle| Framing { half_angle, ..nearest };
+    if filled_fraction(small_renderer, image_size, nearest)? < nearest.aim {
+        let narrowed = |half_angle| Framing { half_angle, ..*nearest };
         bisect_framing(small_renderer, image_size, [NARROWEST, HALF_ANGLE], narrowed)
     } else {
-        let away = |distance| Framing { distance, ..nearest };
+        let away = |distance| Framing { distance, ..*nearest };
         bisect_framing(small_renderer, image_size, [NEAREST, FARTHEST], away)
     }
 }
@@ -350,7 +404,7 @@ fn bisect_framing(
         let middle = 0.5 * (filling_more + filling_less);
         best = make_framing(middle);
         best.filled = filled_fraction(small_renderer, image_size, &best)?;
-        *(if best.filled > FILLED { &mut filling_more } else { &mut filling_less }) = middle;
+        *(if best.filled > best.aim { &mut filling_more } else { &mut filling_less }) = middle;
     }
     Ok(best)
 }

@@ -55,7 +55,7 @@ pub(super) fn measure_frames(
     let setups: Vec<RenderSetup> = framings
         .iter()
         .flat_map(|framing| [framing.of_two_intervals(), *framing])
-        .map(|framing| RenderSetup { framing, path })
+        .map(|framing| RenderSetup::picture(framing, path))
         .collect();
     let mut rows = vec![];
     for format in FRAME_FORMATS {

@@ -13,6 +13,7 @@ mod edit;
 mod edit_frame;
 mod feel;
 mod field;
+mod filled;
 mod fixture;
 mod frames;
 mod islands;

@@ -5,7 +5,8 @@
 //! on average; the mean over the views of each one's best run; all shots of a volume take turns. The same
 //! voxels in columns of two intervals are drawn beside: the programs and textures for two, and no other
 //! picture.
-//! Then whole frames: those with a stroke's uploads, and the scene in other draw orders.
+//! Then the view that the sculpture fills, and whole frames: those with a stroke's uploads, and the scene in other draw
+//! orders.
 
 use paros_core::volume::Grid;
 use paros_headless::Error;
@@ -14,13 +15,14 @@ use paros_shell::with_size;
 
 use super::clock::OursTheirs;
 use super::edit_frame;
+use super::filled;
 use super::fixture::HasFixture;
 use super::frames::{FrameFormat, FrameTimer, Framing, RenderSetup};
 use super::order;
 use super::row::ReportRow;
 use super::subject::Subject;
 
-const BENCH: &str = "render";
+pub(super) const BENCH: &str = "render";
 
 /// What is drawn of a volume, ours first.
 const PATHS: [RenderPath; 3] = [
@@ -47,13 +49,14 @@ pub(super) fn measure_rows(
         let setups: Vec<RenderSetup> = framings
             .iter()
             .flat_map(|framing| [*framing, framing.of_two_intervals()])
-            .flat_map(|framing| PATHS.map(|path| RenderSetup { framing, path }))
+            .flat_map(|framing| PATHS.map(|path| RenderSetup::picture(framing, path)))
             .collect();
         let times = timer.mean_of_best_ms_per_setup(&setups, format, runs)?;
         let costs = times.as_chunks::<{ PATHS.len() }>().0.as_chunks::<2>().0;
         let costs: Vec<Costs> = costs.iter().map(|&[one, two]| Costs { one, two }).collect();
         rows.extend(format_rows(subject, &framings, &costs, format));
     }
+    rows.extend(filled::measure_rows(subject, &framings, runs, timer)?);
     for framing in framings {
         let edits = with_size!(framing.volume.grid_side(), N => edit_frame::measure_rows::<N>(subject, framing, runs, timer));
         rows.extend(edits?);

@@ -1,5 +1,6 @@
 //! Rows: what was measured, as JSON or as a table.
 
+use paros_headless::FetchCounts;
 use paros_shell::edit_totals::EditTotals;
 use serde::Serialize;
 
@@ -34,6 +35,9 @@ pub struct ReportRow {
     /// The part of the image that the sculpture fills, where it was drawn.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub filled: Option<f32>,
+    /// What a pixel fetches, where that is the figure.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fetches: Option<PixelFetches>,
     /// How much longer ours takes, in percent, where that is the figure.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub added_percent: Option<f64>,
@@ -52,6 +56,37 @@ pub struct ReportRow {
     /// Why the row has no figures.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub skipped: Option<String>,
+}
+
+/// What the pixels that show a sculpture fetch, in a ring of views.
+#[derive(Clone, Copy, PartialEq, Debug, Serialize)]
+pub struct PixelFetches {
+    /// Texels sampled and loaded, in the mean.
+    pub mean: f64,
+    /// Of the fragment that fetched most.
+    pub most: u32,
+    /// Turns of the march, in the mean.
+    pub mean_turns: f64,
+    /// Of the fragment that took most.
+    pub most_turns: u32,
+}
+
+impl From<FetchCounts> for PixelFetches {
+    fn from(counts: FetchCounts) -> Self {
+        PixelFetches {
+            mean: counts.mean_fetches(),
+            most: counts.most_fetches,
+            mean_turns: counts.mean_turns(),
+            most_turns: counts.most_turns,
+        }
+    }
+}
+
+impl PixelFetches {
+    fn to_text(self) -> String {
+        let PixelFetches { mean, most, mean_turns, most_turns } = self;
+        format!("{mean:.2} fetches (at most {most}), {mean_turns:.2} turns (at most {most_turns})")
+    }
 }
 
 /// What closure brings back, in percent of the voxels that were removed and brought back together.
@@ -119,6 +154,7 @@ impl ReportRow {
             bytes: None,
             device: None,
             filled: None,
+            fetches: None,
             added_percent: None,
             share: None,
             published: None,
@@ -199,11 +235,13 @@ fn row_cells(row: &ReportRow) -> [String; COLUMNS] {
         Some(percent) => format!("{percent:+.1} %"),
         None => number(row.ratio.or(row.share)),
     };
-    let against = match (&row.skipped, row.refusal) {
-        (Some(why), _) => format!("{}; skipped: {why}", row.against),
-        (None, Some(refusal)) => format!("{}; {}", row.against, refusal.to_text()),
-        (None, None) => row.against.clone(),
-    };
+    let told = row
+        .skipped
+        .as_ref()
+        .map(|why| format!("skipped: {why}"))
+        .or(row.refusal.map(Refusal::to_text))
+        .or(row.fetches.map(PixelFetches::to_text));
+    let against = told.map_or(row.against.clone(), |told| format!("{}; {told}", row.against));
     [
         row.bench.into(),
         row.volume.clone(),

@@ -137,7 +137,7 @@ fn measure_drawn(
         |grid_side: usize| framings.iter().find(|framing| framing.volume.grid_side() == grid_side);
     let setups: Vec<RenderSetup> = available_experiments(subject)
         .filter_map(|SizedExperiment { experiment: DrawnExperiment { path, .. }, grid_side }| {
-            Some(RenderSetup { framing: *framed(grid_side)?, path })
+            Some(RenderSetup::picture(*framed(grid_side)?, path))
         })
         .collect();
     let times = timer.mean_of_best_ms_per_setup(&setups, FrameFormat::HEADSET, runs)?;

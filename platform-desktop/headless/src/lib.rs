@@ -4,9 +4,11 @@
 #![forbid(unsafe_code)]
 
 mod error;
+mod fetches;
 mod renderer;
 
 pub use error::Error;
+pub use fetches::FetchCounts;
 pub use renderer::{
     BACKDROP, HeadlessRenderer, PictureFormat, SculptureView, Uploads, open_gpu, view_of_camera,
 };

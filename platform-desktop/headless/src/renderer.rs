@@ -70,7 +70,8 @@ impl HeadlessRenderer {
         }
         let target_format =
             OffscreenTarget::readback_format(picture_format.samples, picture_format.eyes, false);
-        let renderer = Renderer::new(gpu, target_format, volume, pipeline_cache)?;
+        let mut renderer = Renderer::new(gpu, target_format, volume, pipeline_cache)?;
+        renderer.set_timing_of_sculpture(true);
         let screen = OffscreenTarget::new(gpu, &renderer, picture_format.size)?;
         Ok(HeadlessRenderer { screen, renderer })
     }

@@ -26,5 +26,5 @@ pub use passes::fragments::FragmentCounts;
 pub use passes::overlay;
 pub use passes::target::RenderTarget;
 pub use passes::timers::FrameTimes;
-pub use pipelines::paths::{PaperVariant, RenderPath};
+pub use pipelines::paths::{Drawn, PaperVariant, PixelCounts, RenderPath};
 pub use pipelines::{layout, programs};

@@ -194,7 +194,8 @@ fn the_room_is_drawn_from_the_visitors_eyes() {
             }
             let times = show.test_renderer.renderer.gpu_frame_times();
             if gpu.features.timestamp_period_fs > 0 {
-                assert!(times.shadow_ns > 0 && times.scene_ns > 0, "{times:?}");
+                assert!(times.shadow_ns > 0 && times.pass_ns > 0, "{times:?}");
+                assert_eq!(times.sculpture_ns, None, "no timestamp within a pass");
             }
             if let [left, right] = &layers[..] {
                 assert!(

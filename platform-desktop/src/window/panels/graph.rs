@@ -38,10 +38,10 @@ impl FrameTimeGraph {
                 let ms = |nanoseconds: u64| nanoseconds as f32 * 1e-6;
                 let frame = self.seconds[(self.at + FRAMES - 1) % FRAMES] * 1e3;
                 let times = format!(
-                    "frame {frame:.1} ms, slowest {:.1}   device {:.2} ms   sculpture {:.2} ms",
+                    "frame {frame:.1} ms, slowest {:.1}   device {:.2} ms   picture {:.2} ms",
                     self.slowest_seconds() * 1e3,
                     ms(status.times.total_ns),
-                    ms(status.times.tiles_ns + status.times.sculpture_ns),
+                    ms(status.times.tiles_ns + status.times.pass_ns),
                 );
                 ui.label(RichText::new(times).size(12.0));
                 let size = Vec2::new(2.0 * FRAMES as f32, 70.0);

@@ -8,7 +8,7 @@
 use ash::vk;
 
 use super::renderer::Renderer;
-use super::request::{FrameRequest, SculptureOrder};
+use super::request::{FrameRequest, RenderStyle, SculptureOrder};
 use crate::gpu::passes::fragments::PassPart;
 use crate::gpu::passes::shadow_map;
 use crate::gpu::passes::target::RenderTarget;
@@ -81,11 +81,11 @@ impl Renderer {
         let [tiles, beams] = &target.march_starts;
         let draws = [(tiles, 3, 1), (beams, 4, tiles.extent[0] * tiles.extent[1])];
         let none = vk::ClearColorValue { float32: [-1.0; 4] };
-        for ((march_starts, vertices, instances), pipeline) in
-            draws.into_iter().zip(self.pipelines.march_starts)
+        for (((march_starts, vertices, instances), pipeline), pass) in
+            draws.into_iter().zip(self.pipelines.march_starts).zip(&self.march_starts)
         {
             let drawn = PassFramebuffer {
-                pass: self.march_starts.raw,
+                pass: pass.raw,
                 framebuffer: march_starts.framebuffer.raw,
                 extent: march_starts.extent,
             };
@@ -161,11 +161,16 @@ impl Renderer {
         let timers = &self.ring[self.slot_index].timers;
         match (part, request.scene) {
             (PassPart::Sculpture, _) => {
-                timers.write_timestamp(commands, Timestamp::SculptureBegins);
+                let write = |mark| {
+                    if self.times_sculpture {
+                        timers.write_timestamp(commands, mark);
+                    }
+                };
+                write(Timestamp::SculptureBegins);
                 if request.shows_sculpture() {
-                    self.record_sculpture(commands, request.style.path, target);
+                    self.record_sculpture(commands, &request.style, target);
                 }
-                timers.write_timestamp(commands, Timestamp::SculptureEnds);
+                write(Timestamp::SculptureEnds);
             }
             (PassPart::Handheld, Some(scene)) => {
                 self.record_group_of_bound_meshes(commands, scene, DrawGroup::Handheld);
@@ -180,19 +185,20 @@ impl Renderer {
     fn record_sculpture(
         &self,
         commands: vk::CommandBuffer,
-        path: RenderPath,
+        style: &RenderStyle,
         target: &RenderTarget,
     ) {
         let across = target.march_starts[0].extent;
         // A strip for the box's faces, or one for each tile.
-        let (vertices, instances) = match path {
+        let (vertices, instances) = match style.path {
             RenderPath::Paper(_) => (BOX_STRIP_VERTICES, 1),
             RenderPath::Fast => (4, across[0] * across[1]),
         };
         let device = &self.gpu.device;
         // SAFETY: the pass is the pipeline's, and the vertices are made from their numbers.
         unsafe {
-            device.cmd_bind_pipeline(commands, GRAPHICS, self.pipelines.sculpture_pipeline(path));
+            let pipeline = self.pipelines.sculpture_pipeline(style.path, style.drawn);
+            device.cmd_bind_pipeline(commands, GRAPHICS, pipeline);
             device.cmd_draw(commands, vertices, instances, 0, 0);
         }
     }

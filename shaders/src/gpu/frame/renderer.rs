@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use ash::vk;
 
+use super::mesh_buffers::MeshBuffers;
 use super::request::{FrameRequest, SculptureOrder};
 use super::slot::FrameSlot;
 use super::uniforms;
@@ -13,7 +14,6 @@ use crate::gpu::device::context::Gpu;
 use crate::gpu::device::error::{Error, ErrorContext};
 use crate::gpu::device::format::TargetFormat;
 use crate::gpu::device::owned::OwnedHandle;
-use crate::gpu::memory::buffer::Buffer;
 use crate::gpu::memory::staging::FRAME_UPLOAD_BYTES;
 use crate::gpu::memory::textures::SculptureTextures;
 use crate::gpu::passes::fragments::FragmentCounts;
@@ -26,7 +26,6 @@ use crate::gpu::passes::upload::record_uploads;
 use crate::gpu::pipelines::graphics::{PassHandles, Pipelines};
 use crate::gpu::pipelines::paths::RenderPath;
 use crate::gpu::pipelines::scatter::TexelWriter;
-use crate::scene::meshes;
 use crate::twin::{carrara, noise};
 use crate::upload::{Region, Texture, VolumeFormat};
 
@@ -54,14 +53,15 @@ pub struct Renderer {
     volume: VolumeFormat,
     /// The overlay of the current frame.
     pub overlay: Overlay,
-    pub(crate) march_starts: RenderPass,
+    /// Of tiles, and of beams.
+    pub(crate) march_starts: [RenderPass; 2],
     pub(crate) shadow: ShadowMap,
     pub(crate) frame: RenderPass,
     pub(crate) pipelines: Pipelines,
     pub(crate) textures: SculptureTextures,
     /// None without compute writes.
     writer: Option<TexelWriter>,
-    pub(crate) meshes: Meshes,
+    pub(crate) meshes: MeshBuffers,
     pub(crate) ring: Vec<FrameSlot>,
     /// Pool of the ring's command buffers.
     _pool: OwnedHandle<vk::CommandPool>,
@@ -69,12 +69,7 @@ pub struct Renderer {
     gpu_frame_times: FrameTimes,
     fragment_counts: FragmentCounts,
     pub(crate) order: SculptureOrder,
-}
-
-/// Vertex and index buffers of all scene meshes.
-pub(crate) struct Meshes {
-    pub(crate) vertices: Buffer,
-    pub(crate) indices: Buffer,
+    pub(crate) times_sculpture: bool,
 }
 
 impl core::fmt::Debug for Renderer {
@@ -105,7 +100,7 @@ impl Renderer {
         let frame = RenderPass::for_frame(gpu, &format)?;
         let shadow = ShadowMap::new(gpu)?;
         let passes = PassHandles {
-            march_starts: march_starts.raw,
+            march_starts: march_starts.each_ref().map(|pass| pass.raw),
             shadow: shadow.pass.raw,
             frame: frame.raw,
         };
@@ -138,13 +133,14 @@ impl Renderer {
             pipelines,
             textures,
             writer,
-            meshes: Meshes::new(gpu)?,
+            meshes: MeshBuffers::new(gpu)?,
             ring,
             _pool: pool,
             slot_index: 0,
             gpu_frame_times: FrameTimes::default(),
             fragment_counts: FragmentCounts::default(),
             order: SculptureOrder::default(),
+            times_sculpture: false,
         };
         let cube = |texture, side: usize| Region { texture, min: [0; 3], size: [side as u32; 3] };
         let bytes: Vec<u8> =
@@ -183,6 +179,11 @@ impl Renderer {
     /// A lost device.
     pub fn pipeline_cache_data(&self) -> Result<Vec<u8>, Error> {
         self.pipelines.cache_data()
+    }
+
+    /// Sets whether later frames have a timestamp before and after the sculpture, for benchmarks.
+    pub const fn set_timing_of_sculpture(&mut self, is_on: bool) {
+        self.times_sculpture = is_on;
     }
 
     /// Creates a render target for the shell's image views.
@@ -302,6 +303,7 @@ impl Renderer {
         image_index: usize,
         semaphores: FrameSemaphores,
     ) -> Result<(), Error> {
+        self.pipelines.ensure_sculpture_pipeline(request.style.path, request.style.drawn)?;
         let bytes = uniforms::frame_uniforms(request, self.volume.grid_side(), target.extent);
         let slot = &mut self.ring[self.slot_index];
         slot.uniform.write(0, bytemuck::bytes_of(&bytes));
@@ -375,18 +377,6 @@ impl Renderer {
         self.ring[self.slot_index].is_submitted = true;
         self.slot_index = (self.slot_index + 1) % RING;
         Ok(())
-    }
-}
-
-impl Meshes {
-    fn new(gpu: &Arc<Gpu>) -> Result<Self, Error> {
-        let constant = |bytes, usage| Buffer::new_device_local(gpu, bytes, usage);
-        let vertices = bytemuck::cast_slice(meshes::all_vertices());
-        let indices = bytemuck::cast_slice(meshes::all_indices());
-        Ok(Meshes {
-            vertices: constant(vertices, vk::BufferUsageFlags::VERTEX_BUFFER)?,
-            indices: constant(indices, vk::BufferUsageFlags::INDEX_BUFFER)?,
-        })
     }
 }
 

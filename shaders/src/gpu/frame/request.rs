@@ -3,7 +3,7 @@
 use glam::{Mat4, Quat, Vec3, Vec4};
 
 use crate::constants::{AMBIENT_HARMONICS, SUN_COLOR, SUN_DIRECTION};
-use crate::gpu::pipelines::paths::RenderPath;
+use crate::gpu::pipelines::paths::{Drawn, RenderPath};
 use crate::scene::SculpturePlacement;
 use crate::scene::{DrawList, ROOM_AMBIENT};
 
@@ -64,6 +64,8 @@ pub enum SculptureOrder {
 pub struct RenderStyle {
     /// The sculpture's render path.
     pub path: RenderPath,
+    /// What it draws.
+    pub drawn: Drawn,
     /// Unit vector towards the sun, in the room.
     pub sun_direction: Vec3,
     /// The sun's irradiance at normal incidence, over pi.
@@ -76,6 +78,7 @@ impl Default for RenderStyle {
     fn default() -> Self {
         RenderStyle {
             path: RenderPath::default(),
+            drawn: Drawn::Picture,
             sun_direction: Vec3::from_array(SUN_DIRECTION),
             sun_color: Vec3::from_array(SUN_COLOR),
             ambient: AMBIENT_HARMONICS,

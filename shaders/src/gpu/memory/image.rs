@@ -156,10 +156,10 @@ pub(crate) fn stage_and_access(
         vk::ImageLayout::TRANSFER_SRC_OPTIMAL => {
             (vk::PipelineStageFlags::TRANSFER, vk::AccessFlags::TRANSFER_READ)
         }
-        vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL => (
-            vk::PipelineStageFlags::VERTEX_SHADER | vk::PipelineStageFlags::FRAGMENT_SHADER,
-            vk::AccessFlags::SHADER_READ,
-        ),
+        // Vertices read none: a tiler's binning doesn't wait for uploads.
+        vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL => {
+            (vk::PipelineStageFlags::FRAGMENT_SHADER, vk::AccessFlags::SHADER_READ)
+        }
         vk::ImageLayout::GENERAL => {
             (vk::PipelineStageFlags::COMPUTE_SHADER, vk::AccessFlags::SHADER_WRITE)
         }

@@ -23,8 +23,28 @@ impl RenderPass {
         with_frame_pass_info(format, depth, |info| Self::new(gpu, info))
     }
 
-    /// The pass that writes the depths at which marches start, to be sampled later.
-    pub(crate) fn for_march_starts(gpu: &Arc<Gpu>, format: &TargetFormat) -> Result<Self, Error> {
+    /// The passes that write the depths at which marches start: of tiles, to be read by vertices of the next passes too,
+    /// and of beams, to be read by fragments alone, so that a tiler's binning doesn't wait for them.
+    pub(crate) fn for_march_starts(
+        gpu: &Arc<Gpu>,
+        format: &TargetFormat,
+    ) -> Result<[Self; 2], Error> {
+        let fragments = vk::PipelineStageFlags::FRAGMENT_SHADER;
+        Ok([
+            Self::for_march_starts_read_by(
+                gpu,
+                format,
+                fragments | vk::PipelineStageFlags::VERTEX_SHADER,
+            )?,
+            Self::for_march_starts_read_by(gpu, format, fragments)?,
+        ])
+    }
+
+    fn for_march_starts_read_by(
+        gpu: &Arc<Gpu>,
+        format: &TargetFormat,
+        readers: vk::PipelineStageFlags,
+    ) -> Result<Self, Error> {
         let attachments = [vk::AttachmentDescription::default()
             .format(MARCH_START_FORMAT)
             .samples(vk::SampleCountFlags::TYPE_1)
@@ -38,7 +58,7 @@ impl RenderPass {
         let subpass = vk::SubpassDescription::default()
             .pipeline_bind_point(vk::PipelineBindPoint::GRAPHICS)
             .color_attachments(&colors);
-        with_pass_info(&attachments, subpass, format.multiview_mask(), None, |info| {
+        with_pass_info(&attachments, subpass, format.multiview_mask(), (None, readers), |info| {
             Self::new(gpu, info)
         })
     }
@@ -60,7 +80,8 @@ impl RenderPass {
         let subpass = vk::SubpassDescription::default()
             .pipeline_bind_point(vk::PipelineBindPoint::GRAPHICS)
             .depth_stencil_attachment(&depth);
-        with_pass_info(&attachments, subpass, 0, None, |info| Self::new(gpu, info))
+        let readers = vk::PipelineStageFlags::FRAGMENT_SHADER;
+        with_pass_info(&attachments, subpass, 0, (None, readers), |info| Self::new(gpu, info))
     }
 
     fn new(gpu: &Arc<Gpu>, info: &vk::RenderPassCreateInfo<'_>) -> Result<Self, Error> {
@@ -148,30 +169,30 @@ fn with_frame_pass_info<T>(
     if multisampled {
         subpass = subpass.resolve_attachments(&resolves);
     }
-    with_pass_info(&attachments, subpass, format.multiview_mask(), density, make)
+    let readers = vk::PipelineStageFlags::TRANSFER;
+    with_pass_info(&attachments, subpass, format.multiview_mask(), (density, readers), make)
 }
 
-/// Calls `make` with the create info of a pass of one subpass. `mask` is the multiview mask, 0 without
-/// multiview.
+/// Calls `make` with the create info of a pass of one subpass. `view_mask` is the multiview mask, 0 without
+/// multiview. Of what the pass writes, the stages of `readers` wait for it, and the next such pass for them; no other
+/// does: on a GPU that draws in tiles a vertex stage that waits for no fragment lets the next pass be binned meanwhile.
 fn with_pass_info<T>(
     attachments: &[vk::AttachmentDescription],
     subpass: vk::SubpassDescription<'_>,
     view_mask: u32,
-    density_map: Option<vk::AttachmentReference>,
+    (density_map, readers): (Option<vk::AttachmentReference>, vk::PipelineStageFlags),
     make: impl FnOnce(&vk::RenderPassCreateInfo<'_>) -> T,
 ) -> T {
     let subpasses = [subpass];
     let drawn = vk::PipelineStageFlags::COLOR_ATTACHMENT_OUTPUT
         | vk::PipelineStageFlags::EARLY_FRAGMENT_TESTS
         | vk::PipelineStageFlags::LATE_FRAGMENT_TESTS;
-    let read = vk::PipelineStageFlags::VERTEX_SHADER | vk::PipelineStageFlags::FRAGMENT_SHADER;
     let written =
         vk::AccessFlags::COLOR_ATTACHMENT_WRITE | vk::AccessFlags::DEPTH_STENCIL_ATTACHMENT_WRITE;
-    // What the frame before drew or read comes first; what comes after may read.
     let dependencies = [
         vk::SubpassDependency::default()
             .src_subpass(vk::SUBPASS_EXTERNAL)
-            .src_stage_mask(drawn | read | vk::PipelineStageFlags::TRANSFER)
+            .src_stage_mask(drawn | readers)
             .dst_stage_mask(drawn)
             .src_access_mask(written)
             .dst_access_mask(
@@ -182,9 +203,12 @@ fn with_pass_info<T>(
         vk::SubpassDependency::default()
             .dst_subpass(vk::SUBPASS_EXTERNAL)
             .src_stage_mask(drawn)
-            .dst_stage_mask(read | vk::PipelineStageFlags::TRANSFER)
+            .dst_stage_mask(readers)
             .src_access_mask(written)
-            .dst_access_mask(vk::AccessFlags::SHADER_READ | vk::AccessFlags::TRANSFER_READ),
+            .dst_access_mask(match readers {
+                vk::PipelineStageFlags::TRANSFER => vk::AccessFlags::TRANSFER_READ,
+                _ => vk::AccessFlags::SHADER_READ,
+            }),
     ];
     let masks = [view_mask];
     // The sun's view is one, not one for each eye.
@@ -278,5 +302,28 @@ mod tests {
                 |one: &&vk::AttachmentDescription| one.load_op == vk::AttachmentLoadOp::LOAD;
             assert_eq!(all.iter().filter(loaded).count(), 1);
         }
+    }
+
+    /// The stages that wait for a frame's picture, and those that it waits for: reading it back, and what draws.
+    #[test]
+    fn no_vertex_waits_for_a_picture_and_none_for_a_vertex() {
+        let format = TargetFormat {
+            color: vk::Format::R8G8B8A8_SRGB,
+            samples: 4,
+            views: 2,
+            final_layout: vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL,
+            keep_depth: false,
+            density_map: false,
+        };
+        with_frame_pass_info(&format, vk::Format::D32_SFLOAT, |info| {
+            let count = info.dependency_count as usize;
+            // SAFETY: so many dependencies stand there.
+            let all = unsafe { core::slice::from_raw_parts(info.p_dependencies, count) };
+            let stages = all.iter().fold(vk::PipelineStageFlags::empty(), |stages, one| {
+                stages | one.src_stage_mask | one.dst_stage_mask
+            });
+            assert!(!stages.contains(vk::PipelineStageFlags::VERTEX_SHADER), "{stages:?}");
+            assert_eq!(all[1].dst_stage_mask, vk::PipelineStageFlags::TRANSFER);
+        });
     }
 }

@@ -58,7 +58,7 @@ pub(crate) struct TargetViews<'a> {
 pub(crate) struct TargetResources<'a> {
     pub(crate) gpu: &'a Arc<Gpu>,
     pub(crate) format: &'a TargetFormat,
-    pub(crate) march_starts: &'a RenderPass,
+    pub(crate) march_starts: &'a [RenderPass; 2],
     pub(crate) frame: &'a RenderPass,
     pub(crate) pipelines: &'a Pipelines,
     pub(crate) textures: &'a SculptureTextures,
@@ -84,15 +84,16 @@ impl RenderTarget {
         if format.density_map && images != maps {
             return Err(Error::NoDensityMap { images, maps });
         }
-        let march_starts = |width: u32| {
+        let [tiles, beams] = resources.march_starts;
+        let march_starts = |pass: &RenderPass, width: u32| {
             let across = extent.map(|pixels| pixels.div_ceil(width));
-            MarchStarts::new(gpu, resources.march_starts, across, format.views)
+            MarchStarts::new(gpu, pass, across, format.views)
         };
         let mut target = RenderTarget {
             gpu: gpu.clone(),
             extent,
             framebuffers: Vec::new(),
-            march_starts: [march_starts(TILE_PIXELS)?, march_starts(BEAM_PIXELS)?],
+            march_starts: [march_starts(tiles, TILE_PIXELS)?, march_starts(beams, BEAM_PIXELS)?],
             sets: Vec::new(),
             pool: vk::DescriptorPool::null(),
             transient: Vec::new(),

@@ -7,7 +7,7 @@ use ash::vk;
 use crate::gpu::device::context::Gpu;
 use crate::gpu::device::error::{Error, ErrorContext};
 
-/// GPU times of a frame's parts, in nanoseconds; zero on a device without timestamps.
+/// GPU times of a frame's passes, in nanoseconds; zero on a device without timestamps.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct FrameTimes {
     /// Texture uploads.
@@ -16,10 +16,13 @@ pub struct FrameTimes {
     pub shadow_ns: u64,
     /// The march starts of tiles and beams.
     pub tiles_ns: u64,
-    /// The sculpture within the frame's pass.
-    pub sculpture_ns: u64,
-    /// The rest of the frame's pass: the scene, clears and resolves.
-    pub scene_ns: u64,
+    /// The frame's pass: sculpture and scene, clears and resolves.
+    pub pass_ns: u64,
+    /// The sculpture within that pass, where the renderer [times] that. A GPU that draws in tiles would wait for idle at
+    /// each tile's timestamps.
+    ///
+    /// [times]: crate::gpu::Renderer::set_timing_of_sculpture
+    pub sculpture_ns: Option<u64>,
     /// The whole frame.
     pub total_ns: u64,
 }
@@ -72,43 +75,47 @@ impl TimestampQueries {
 
     /// Reads the times of a frame whose fence is signaled.
     pub(crate) fn read(&self) -> FrameTimes {
-        let mut ticks = [0u64; QUERY_COUNT as usize];
-        for mark in [
+        self.read_passes().unwrap_or_default()
+    }
+
+    /// `None` where a timestamp was not written.
+    fn read_passes(&self) -> Option<FrameTimes> {
+        let [begin, uploaded, shadowed, tiled, end] = [
             Timestamp::Begin,
             Timestamp::Uploaded,
             Timestamp::Shadowed,
             Timestamp::Tiled,
-            Timestamp::SculptureBegins,
-            Timestamp::SculptureEnds,
             Timestamp::End,
-        ] {
-            let place = mark as usize;
-            // SAFETY: the pool has this query, which the frame wrote; no wait is asked for.
-            let read = unsafe {
-                self.gpu.device.get_query_pool_results(
-                    self.pool,
-                    place as u32,
-                    &mut ticks[place..=place],
-                    vk::QueryResultFlags::TYPE_64,
-                )
-            };
-            if read.is_err() {
-                return FrameTimes::default();
-            }
-        }
-        let between = |from: Timestamp, to: Timestamp| {
-            let ticks = ticks[to as usize].saturating_sub(ticks[from as usize]);
-            ticks * self.gpu.features.timestamp_period_fs / 1_000_000
+        ]
+        .map(|mark| self.read_timestamp(mark));
+        let sculpture = [Timestamp::SculptureBegins, Timestamp::SculptureEnds]
+            .map(|mark| self.read_timestamp(mark));
+        let between = |from: Option<u64>, to: Option<u64>| {
+            let ticks = to?.saturating_sub(from?);
+            Some(ticks * self.gpu.features.timestamp_period_fs / 1_000_000)
         };
-        FrameTimes {
-            uploads_ns: between(Timestamp::Begin, Timestamp::Uploaded),
-            shadow_ns: between(Timestamp::Uploaded, Timestamp::Shadowed),
-            tiles_ns: between(Timestamp::Shadowed, Timestamp::Tiled),
-            sculpture_ns: between(Timestamp::SculptureBegins, Timestamp::SculptureEnds),
-            scene_ns: between(Timestamp::Tiled, Timestamp::SculptureBegins)
-                + between(Timestamp::SculptureEnds, Timestamp::End),
-            total_ns: between(Timestamp::Begin, Timestamp::End),
-        }
+        Some(FrameTimes {
+            uploads_ns: between(begin, uploaded)?,
+            shadow_ns: between(uploaded, shadowed)?,
+            tiles_ns: between(shadowed, tiled)?,
+            pass_ns: between(tiled, end)?,
+            sculpture_ns: between(sculpture[0], sculpture[1]),
+            total_ns: between(begin, end)?,
+        })
+    }
+
+    fn read_timestamp(&self, mark: Timestamp) -> Option<u64> {
+        let mut ticks = [0u64];
+        // SAFETY: the pool has this query; no wait is asked for.
+        let read = unsafe {
+            self.gpu.device.get_query_pool_results(
+                self.pool,
+                mark as u32,
+                &mut ticks,
+                vk::QueryResultFlags::TYPE_64,
+            )
+        };
+        read.ok().map(|()| ticks[0])
     }
 }
 

@@ -1,10 +1,11 @@
 //! The graphics pipelines, and the layout of the one descriptor set that they share.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use ash::vk;
 
-use super::paths::{PaperVariant, RenderPath};
+use super::paths::{Drawn, PaperVariant, RenderPath};
 use super::programs::{self, ShaderProgram};
 use super::spec::{Blend, PipelineSpec};
 use super::vertex_input::VertexInput;
@@ -38,8 +39,11 @@ pub(crate) struct Pipelines {
     pub(crate) layout: vk::PipelineLayout,
     /// March starts of tiles, and of beams.
     pub(crate) march_starts: [vk::Pipeline; 2],
-    fast: vk::Pipeline,
-    paper: [vk::Pipeline; 4],
+    /// The sculpture's, of the paths that have been drawn: a headset never compiles the paper's.
+    sculpture: BTreeMap<(RenderPath, Drawn), vk::Pipeline>,
+    format: TargetFormat,
+    volume: VolumeFormat,
+    frame_pass: vk::RenderPass,
     /// Scene meshes, particles, and what is seen where something hides it.
     pub(crate) meshes: vk::Pipeline,
     pub(crate) particles: vk::Pipeline,
@@ -50,7 +54,8 @@ pub(crate) struct Pipelines {
 
 /// The render passes that the pipelines are for.
 pub(crate) struct PassHandles {
-    pub(crate) march_starts: vk::RenderPass,
+    /// Of tiles, and of beams.
+    pub(crate) march_starts: [vk::RenderPass; 2],
     pub(crate) shadow: vk::RenderPass,
     pub(crate) frame: vk::RenderPass,
 }
@@ -80,8 +85,10 @@ impl Pipelines {
             set_layout: vk::DescriptorSetLayout::null(),
             layout: vk::PipelineLayout::null(),
             march_starts: [null; 2],
-            fast: null,
-            paper: [null; 4],
+            sculpture: BTreeMap::new(),
+            format: *format,
+            volume,
+            frame_pass: passes.frame,
             meshes: null,
             particles: null,
             hidden: null,
@@ -89,55 +96,65 @@ impl Pipelines {
         };
         all.create_layouts()?;
         all.create_march_start_pipelines(passes.march_starts)?;
-        all.create_sculpture_pipelines(format, volume, passes.frame)?;
+        all.ensure_sculpture_pipeline(RenderPath::Fast, Drawn::Picture)?;
         all.create_scene_pipelines(format, passes.frame)?;
         all.create_shadow_pipelines(passes.shadow)?;
         Ok(all)
     }
 
-    fn create_march_start_pipelines(&mut self, pass: vk::RenderPass) -> Result<(), Error> {
+    fn create_march_start_pipelines(
+        &mut self,
+        [tiles_pass, beams_pass]: [vk::RenderPass; 2],
+    ) -> Result<(), Error> {
         let tiles = PipelineSpec {
             vertex: programs::TILES_VERTEX,
             fragment: Some(programs::TILES),
-            ..PipelineSpec::for_pass(pass)
+            ..PipelineSpec::for_pass(tiles_pass)
         };
         let beams = PipelineSpec {
             vertex: programs::BEAMS_VERTEX,
             fragment: Some(programs::BEAMS),
             strip: true,
-            ..tiles
+            ..PipelineSpec::for_pass(beams_pass)
         };
         self.march_starts[0] = self.create_pipeline(&tiles)?;
         self.march_starts[1] = self.create_pipeline(&beams)?;
         Ok(())
     }
 
-    fn create_sculpture_pipelines(
+    /// Creates the sculpture's pipeline for a path, unless that has been drawn before.
+    pub(crate) fn ensure_sculpture_pipeline(
         &mut self,
-        format: &TargetFormat,
-        volume: VolumeFormat,
-        pass: vk::RenderPass,
+        path: RenderPath,
+        drawn: Drawn,
     ) -> Result<(), Error> {
-        let coverage = format.samples > 1;
+        if self.sculpture.contains_key(&(path, drawn)) {
+            return Ok(());
+        }
+        let half = self.gpu.features.half_precision;
+        let coverage = self.format.samples > 1;
         let fast = PipelineSpec {
             vertex: programs::TILE_VERTEX,
-            fragment: Some(fast_program(self.gpu.features.half_precision, coverage)),
-            samples: format.sample_count(),
+            samples: self.format.sample_count(),
             strip: true,
             depth: Some(NEARER),
             coverage,
-            ..PipelineSpec::for_pass(pass)
+            ..PipelineSpec::for_pass(self.frame_pass)
         };
-        self.fast = self.create_pipeline(&fast)?;
-        for (i, fragment) in paper_programs(volume).into_iter().enumerate() {
-            self.paper[i] = self.create_pipeline(&PipelineSpec {
+        let spec = match path {
+            RenderPath::Fast => {
+                PipelineSpec { fragment: Some(fast_program(half, coverage, drawn)), ..fast }
+            }
+            RenderPath::Paper(variant) => PipelineSpec {
                 vertex: programs::BOX_VERTEX,
-                fragment: Some(fragment),
+                fragment: Some(paper_program(self.volume, variant, drawn)),
                 cull: vk::CullModeFlags::BACK,
                 coverage: false,
                 ..fast
-            })?;
-        }
+            },
+        };
+        let pipeline = self.create_pipeline(&spec)?;
+        self.sculpture.insert((path, drawn), pipeline);
         Ok(())
     }
 
@@ -190,15 +207,10 @@ impl Pipelines {
         Ok(())
     }
 
-    /// The sculpture's pipeline for a render path.
-    pub(crate) const fn sculpture_pipeline(&self, path: RenderPath) -> vk::Pipeline {
-        match path {
-            RenderPath::Fast => self.fast,
-            RenderPath::Paper(PaperVariant::Whole) => self.paper[0],
-            RenderPath::Paper(PaperVariant::FullMarch) => self.paper[1],
-            RenderPath::Paper(PaperVariant::NoSdf) => self.paper[2],
-            RenderPath::Paper(PaperVariant::NoShading) => self.paper[3],
-        }
+    /// The sculpture's pipeline for a render path, which
+    /// [`ensure_sculpture_pipeline`](Pipelines::ensure_sculpture_pipeline) has created.
+    pub(crate) fn sculpture_pipeline(&self, path: RenderPath, drawn: Drawn) -> vk::Pipeline {
+        self.sculpture[&(path, drawn)]
     }
 
     /// Serialised pipeline cache, for the next start.
@@ -240,11 +252,11 @@ impl Drop for Pipelines {
         let device = &self.gpu.device;
         // SAFETY: the owner waits for the device before it drops what was submitted.
         unsafe {
-            let scene = [self.fast, self.meshes, self.particles, self.hidden];
+            let scene = [self.meshes, self.particles, self.hidden];
             let all = self
                 .march_starts
                 .into_iter()
-                .chain(self.paper)
+                .chain(self.sculpture.values().copied())
                 .chain(scene)
                 .chain(self.shadow_casters);
             for pipeline in all {
@@ -257,29 +269,41 @@ impl Drop for Pipelines {
     }
 }
 
-/// The programs of the paper's path: whole, full march, no blobs, no shading.
-const fn paper_programs(volume: VolumeFormat) -> [ShaderProgram; 4] {
-    match volume.intervals() {
-        1 => [
-            programs::PAPER,
-            programs::PAPER_FULL_MARCH,
-            programs::PAPER_NO_SDF,
-            programs::PAPER_NO_SHADING,
-        ],
-        _ => [
-            programs::PAPER_TWO,
-            programs::PAPER_TWO_FULL_MARCH,
-            programs::PAPER_TWO_NO_SDF,
-            programs::PAPER_TWO_NO_SHADING,
-        ],
+/// A program of the paper's path. Its counts are those of the whole path with one interval a column; it has no floor.
+const fn paper_program(volume: VolumeFormat, variant: PaperVariant, drawn: Drawn) -> ShaderProgram {
+    if matches!(drawn, Drawn::Counts | Drawn::CoverageCounts) {
+        return programs::PAPER_COUNTED;
+    }
+    match (volume.intervals(), variant) {
+        (1, PaperVariant::Whole) => programs::PAPER,
+        (1, PaperVariant::FullMarch) => programs::PAPER_FULL_MARCH,
+        (1, PaperVariant::NoSdf) => programs::PAPER_NO_SDF,
+        (1, PaperVariant::NoShading) => programs::PAPER_NO_SHADING,
+        (_, PaperVariant::Whole) => programs::PAPER_TWO,
+        (_, PaperVariant::FullMarch) => programs::PAPER_TWO_FULL_MARCH,
+        (_, PaperVariant::NoSdf) => programs::PAPER_TWO_NO_SDF,
+        (_, PaperVariant::NoShading) => programs::PAPER_TWO_NO_SHADING,
     }
 }
 
-const fn fast_program(half_precision: bool, alpha_to_coverage: bool) -> ShaderProgram {
-    match (half_precision, alpha_to_coverage) {
-        (true, true) => programs::FAST_HALF_COVERAGE,
-        (true, false) => programs::FAST_HALF,
-        (false, true) => programs::FAST_COVERAGE,
-        (false, false) => programs::FAST,
+const fn fast_program(half_precision: bool, samples_coverage: bool, drawn: Drawn) -> ShaderProgram {
+    let coverage = match drawn {
+        Drawn::CoverageCounts => true,
+        Drawn::Counts => false,
+        Drawn::Picture | Drawn::Floor => samples_coverage,
+    };
+    match (drawn, half_precision, coverage) {
+        (Drawn::Picture, true, true) => programs::FAST_HALF_COVERAGE,
+        (Drawn::Picture, true, false) => programs::FAST_HALF,
+        (Drawn::Picture, false, true) => programs::FAST_COVERAGE,
+        (Drawn::Picture, false, false) => programs::FAST,
+        (Drawn::Floor, true, true) => programs::FAST_HALF_COVERAGE_FLOOR,
+        (Drawn::Floor, true, false) => programs::FAST_HALF_FLOOR,
+        (Drawn::Floor, false, true) => programs::FAST_COVERAGE_FLOOR,
+        (Drawn::Floor, false, false) => programs::FAST_FLOOR,
+        (_, true, true) => programs::FAST_HALF_COVERAGE_COUNTED,
+        (_, true, false) => programs::FAST_HALF_COUNTED,
+        (_, false, true) => programs::FAST_COVERAGE_COUNTED,
+        (_, false, false) => programs::FAST_COUNTED,
     }
 }

@@ -1,7 +1,7 @@
 //! Render paths of the sculpture.
 
 /// How the sculpture is rendered.
-#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Debug)]
 pub enum RenderPath {
     /// Section 4 of the paper, or a variant of it.
     Paper(PaperVariant),
@@ -11,7 +11,7 @@ pub enum RenderPath {
 }
 
 /// The paper's path, or one of the experiments of its section 5.
-#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Debug)]
 pub enum PaperVariant {
     /// All of it.
     #[default]
@@ -22,4 +22,50 @@ pub enum PaperVariant {
     NoSdf,
     /// The normal as the colour.
     NoShading,
+}
+
+/// What a render path draws: its picture, or something in its place to measure it by.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Debug)]
+pub enum Drawn {
+    /// The picture.
+    #[default]
+    Picture,
+    /// Counts as colours, linear and over 255: red the texels sampled and loaded for a pixel, green the turns of its
+    /// march, blue 1 where it hit the sculpture. Fragments that the picture discards are drawn, without blue.
+    Counts,
+    /// The same of the program for several samples a pixel, in a format of one.
+    CoverageCounts,
+    /// The fast path without its march, and with two fetches of shading: what it can't go below. Of the paper's path,
+    /// its picture.
+    Floor,
+}
+
+/// What a pixel of [`Drawn::Counts`] tells.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct PixelCounts {
+    /// Texels sampled and loaded, 255 at most; each of a filtered sample counts once. Exact to 60, within 1 above.
+    pub fetches: u32,
+    /// Turns of the march, in the same bounds.
+    pub turns: u32,
+    /// Whether the pixel shows the sculpture.
+    pub hit: bool,
+}
+
+impl PixelCounts {
+    /// Of a pixel's red, green and blue in an sRGB image.
+    #[must_use]
+    pub fn from_srgb([fetches, turns, hit]: [u8; 3]) -> Self {
+        let [fetches, turns] = [fetches, turns].map(linear_of_srgb);
+        PixelCounts { fetches, turns, hit: hit == u8::MAX }
+    }
+}
+
+/// The linear value, of 255, that a byte of an sRGB image stands for (IEC 61966-2-1).
+fn linear_of_srgb(byte: u8) -> u32 {
+    let encoded = f32::from(byte) / 255.0;
+    let linear = match encoded {
+        dark if dark <= 0.04045 => dark / 12.92,
+        _ => ((encoded + 0.055) / 1.055).powf(2.4),
+    };
+    (linear * 255.0).round() as u32
 }

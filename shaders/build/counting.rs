@@ -1,0 +1,232 @@
+//! Programs that count: an instrumented copy of a program, whose colour tells how often a fragment has sampled or
+//! loaded a texel, and how many turns its march has taken.
+//!
+//! Instrumentation of the compiled module, as by a profiler: the source is the picture's own, so that both can't part.
+
+use naga::{
+    AddressSpace, BinaryOperator, Block, EntryPoint, Expression, Function, GlobalVariable, Handle,
+    Literal, MemoryDecorations, Module, Range, Scalar, ScalarKind, Span, Statement, Type,
+    TypeInner, VectorSize,
+};
+
+/// The counters of a module.
+#[derive(Clone, Copy)]
+struct Counters {
+    fetches: Handle<GlobalVariable>,
+    turns: Handle<GlobalVariable>,
+    float4: Handle<Type>,
+}
+
+/// Makes the fragment program return, in the place of its colour, the fetches and the turns of its march in red and
+/// green, each over 255, and in blue whether it hit. A fragment that was discarded returns too, at the far plane.
+///
+/// A turn is one of an innermost loop: of functions that march, and of the entry point.
+pub(crate) fn count_fetches_and_turns(module: &mut Module) {
+    let counters = Counters::declare(module);
+    for (_, function) in module.functions.iter_mut() {
+        let name = function.name.clone().unwrap_or_default();
+        counters.instrument(function, name.starts_with("march"));
+    }
+    for entry in &mut module.entry_points {
+        counters.instrument(&mut entry.function, true);
+        counters.return_counts(entry);
+    }
+}
+
+impl Counters {
+    fn declare(module: &mut Module) -> Self {
+        let unnamed = |inner| Type { name: None, inner };
+        let count = unnamed(TypeInner::Scalar(Scalar::U32));
+        let count = module.types.insert(count, Span::UNDEFINED);
+        let color = TypeInner::Vector { size: VectorSize::Quad, scalar: Scalar::F32 };
+        let float4 = module.types.insert(unnamed(color), Span::UNDEFINED);
+        let zero =
+            module.global_expressions.append(Expression::Literal(Literal::U32(0)), Span::UNDEFINED);
+        let mut counter = |name: &str| {
+            let variable = GlobalVariable {
+                name: Some(name.into()),
+                space: AddressSpace::Private,
+                binding: None,
+                ty: count,
+                init: Some(zero),
+                memory_decorations: MemoryDecorations::empty(),
+            };
+            module.global_variables.append(variable, Span::UNDEFINED)
+        };
+        Counters { fetches: counter("counted_fetches"), turns: counter("counted_turns"), float4 }
+    }
+
+    fn instrument(self, function: &mut Function, is_march: bool) {
+        let body = std::mem::take(&mut function.body);
+        function.body = self.instrument_block(function, body, is_march);
+    }
+
+    fn instrument_block(self, function: &mut Function, block: Block, is_march: bool) -> Block {
+        let mut out = Block::new();
+        for (statement, span) in block.span_into_iter() {
+            let count = match &statement {
+                Statement::Emit(range) => range.clone().filter(|&e| is_fetch(function, e)).count(),
+                _ => 0,
+            };
+            let inner =
+                |function: &mut Function, block| self.instrument_block(function, block, is_march);
+            let statement = match statement {
+                Statement::Block(block) => Statement::Block(inner(function, block)),
+                Statement::If { condition, accept, reject } => Statement::If {
+                    condition,
+                    accept: inner(function, accept),
+                    reject: inner(function, reject),
+                },
+                Statement::Switch { selector, mut cases } => {
+                    for case in &mut cases {
+                        case.body = inner(function, std::mem::take(&mut case.body));
+                    }
+                    Statement::Switch { selector, cases }
+                }
+                Statement::Loop { body, continuing, break_if } => {
+                    let turn = (is_march && !has_loop(&body)).then(|| length_of_condition(&body));
+                    let mut body = inner(function, body);
+                    if let Some(at) = turn {
+                        let mut counted = Block::new();
+                        add(function, &mut counted, self.turns, 1);
+                        body.splice(at..at, counted);
+                    }
+                    let continuing = inner(function, continuing);
+                    Statement::Loop { body, continuing, break_if }
+                }
+                other => other,
+            };
+            out.push(statement, span);
+            if count > 0 {
+                add(function, &mut out, self.fetches, count as u32);
+            }
+        }
+        out
+    }
+
+    /// Replaces the returned colour, the first member of the result, and each discard.
+    fn return_counts(self, entry: &mut EntryPoint) {
+        let function = &mut entry.function;
+        let result = function.result.as_ref().expect("a fragment program has a result").ty;
+        let body = std::mem::take(&mut function.body);
+        function.body = self.replace_returns(function, body, result);
+    }
+
+    fn replace_returns(self, function: &mut Function, block: Block, result: Handle<Type>) -> Block {
+        let mut out = Block::new();
+        for (statement, span) in block.span_into_iter() {
+            let inner =
+                |function: &mut Function, block| self.replace_returns(function, block, result);
+            let statement = match statement {
+                Statement::Block(block) => Statement::Block(inner(function, block)),
+                Statement::If { condition, accept, reject } => Statement::If {
+                    condition,
+                    accept: inner(function, accept),
+                    reject: inner(function, reject),
+                },
+                Statement::Loop { body, continuing, break_if } => {
+                    Statement::Loop { body: inner(function, body), continuing, break_if }
+                }
+                Statement::Return { value: Some(value) } => {
+                    let depth =
+                        emit(function, &mut out, Expression::AccessIndex { base: value, index: 1 });
+                    self.return_statement(function, &mut out, result, (1.0, depth))
+                }
+                Statement::Kill => {
+                    let depth = literal(function, Literal::F32(0.0));
+                    self.return_statement(function, &mut out, result, (0.0, depth))
+                }
+                other => other,
+            };
+            out.push(statement, span);
+        }
+        out
+    }
+
+    /// Composes the counts, whether the fragment hit, and its depth.
+    fn return_statement(
+        self,
+        function: &mut Function,
+        block: &mut Block,
+        result: Handle<Type>,
+        (hit, depth): (f32, Handle<Expression>),
+    ) -> Statement {
+        let of_255 = literal(function, Literal::F32(1.0 / 255.0));
+        let mut part = |counter| {
+            let count = load(function, block, counter);
+            let convert = Expression::As { expr: count, kind: ScalarKind::Float, convert: Some(4) };
+            let left = emit(function, block, convert);
+            let op = BinaryOperator::Multiply;
+            emit(function, block, Expression::Binary { op, left, right: of_255 })
+        };
+        let (fetches, turns) = (part(self.fetches), part(self.turns));
+        let hit = literal(function, Literal::F32(hit));
+        let one = literal(function, Literal::F32(1.0));
+        let components = vec![fetches, turns, hit, one];
+        let color = emit(function, block, Expression::Compose { ty: self.float4, components });
+        let both = Expression::Compose { ty: result, components: vec![color, depth] };
+        Statement::Return { value: Some(emit(function, block, both)) }
+    }
+}
+
+fn is_fetch(function: &Function, expression: Handle<Expression>) -> bool {
+    let expression = &function.expressions[expression];
+    matches!(expression, Expression::ImageSample { .. } | Expression::ImageLoad { .. })
+}
+
+/// Statements of a loop's body that ask whether it goes on, as `while` and `for` begin: what ends there is no turn.
+fn length_of_condition(body: &Block) -> usize {
+    let asks = |statement: &Statement| match statement {
+        Statement::If { accept, reject, .. } => {
+            [accept, reject].iter().any(|branch| matches!(branch[..], [Statement::Break]))
+        }
+        _ => false,
+    };
+    let before =
+        body.iter().take_while(|statement| matches!(statement, Statement::Emit(_))).count();
+    if body.get(before).is_some_and(asks) { before + 1 } else { 0 }
+}
+
+fn has_loop(block: &Block) -> bool {
+    block.iter().any(|statement| match statement {
+        Statement::Loop { .. } => true,
+        Statement::Block(block) => has_loop(block),
+        Statement::If { accept, reject, .. } => has_loop(accept) || has_loop(reject),
+        Statement::Switch { cases, .. } => cases.iter().any(|case| has_loop(&case.body)),
+        _ => false,
+    })
+}
+
+/// Adds a number to a counter.
+fn add(function: &mut Function, block: &mut Block, counter: Handle<GlobalVariable>, by: u32) {
+    let by = literal(function, Literal::U32(by));
+    let left = load(function, block, counter);
+    let sum = Expression::Binary { op: BinaryOperator::Add, left, right: by };
+    let value = emit(function, block, sum);
+    let pointer = append(function, Expression::GlobalVariable(counter));
+    block.push(Statement::Store { pointer, value }, Span::UNDEFINED);
+}
+
+fn load(
+    function: &mut Function,
+    block: &mut Block,
+    counter: Handle<GlobalVariable>,
+) -> Handle<Expression> {
+    let pointer = append(function, Expression::GlobalVariable(counter));
+    emit(function, block, Expression::Load { pointer })
+}
+
+fn literal(function: &mut Function, literal: Literal) -> Handle<Expression> {
+    append(function, Expression::Literal(literal))
+}
+
+/// Appends an expression that is evaluated at the end of a block.
+fn emit(function: &mut Function, block: &mut Block, expression: Expression) -> Handle<Expression> {
+    let handle = append(function, expression);
+    block.push(Statement::Emit(Range::new_from_bounds(handle, handle)), Span::UNDEFINED);
+    handle
+}
+
+fn append(function: &mut Function, expression: Expression) -> Handle<Expression> {
+    function.expressions.append(expression, Span::UNDEFINED)
+}
