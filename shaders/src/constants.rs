@@ -44,9 +44,9 @@ pub const FAST_SKIP_INTERVAL: f32 = 8.0;
 pub const FAST_EDGE_CUBIC: f32 = 2.0;
 /// Grid side, in voxels, for which the lengths below are given; they scale with the grid.
 pub const FAST_REFERENCE_SIDE: f32 = 128.0;
-/// Distance of the first of the sun's density samples, in voxels of the reference grid, and the
-/// factor from one sample's distance to the next. The n-th sample reads mip level n.
-pub const FAST_SHADOW_SPACING: [f32; 2] = [2.8, 2.5];
+/// Distances towards the sun of its two density samples, of mip levels 1 and 3, in voxels of the reference grid.
+/// Between them is the one that tells how much of the sky is seen, see [`FAST_AO_LEAN`].
+pub const FAST_SHADOW_DISTANCES: [f32; 2] = [2.8, 17.5];
 /// Part of the sunlight that a sample of density 1 absorbs.
 pub const FAST_SHADOW_OPACITY: f32 = 0.9;
 /// Translucency: part of the sunlight, by colour, that passes thin stone to the side away from
@@ -81,9 +81,12 @@ pub const FAST_ROUGHNESS: f32 = 3.0;
 pub const FAST_CRYSTAL_NOISE: [f32; 2] = [7.0, 0.5];
 /// The least noise that sparkles, and the radiance for each unit above, as a part of the sunlight.
 pub const FAST_SPARKLE: [f32; 2] = [0.2, 0.5];
-/// Ambient occlusion: height above the surface of its density sample, in voxels of the reference
-/// grid.
+/// Squared cosine to the highlight's middle at which crystals begin to sparkle: beyond, no noise is fetched.
+pub const FAST_SPARKLE_RIM: f32 = 0.4;
+/// Ambient occlusion: height above the surface of its density sample, of mip level 2, in voxels of the reference grid.
 pub const FAST_AO_HEIGHT: f32 = 5.0;
+/// How far it leans towards the sun where the surface faces that, in the same unit: there it is one of the sun's, too.
+pub const FAST_AO_LEAN: f32 = 3.0;
 /// Factor of the ambient light where that sample is empty. Above 1, since a flat surface's sample
 /// isn't empty.
 pub const FAST_AO_SCALE: f32 = 1.15;

@@ -4,16 +4,14 @@
 #import paros::layout::frame
 #import paros::box
 
-// Rise of the density towards the surface, a voxel; only at rods it's steeper.
-const STEEPEST_RISE: f32 = 0.6;
-const USUAL_RISE: f32 = 0.42;
+// Rise of the density towards the surface, a voxel; only at rods it's steeper, 0.6: there a ray may start inside.
+const RISE: f32 = 0.42;
 
 // The depth, in voxels, where a beam has to stop; negative if it misses everything. `spread` is the
 // distance of its outermost rays from the central one per unit of depth, in the Chebyshev norm;
 // `first_depth` is where it begins. `cells` give the empty distance in texels. With `by_density`
-// the density gives it near the surface: the beam stops where the steepest rise could have brought
-// one of its rays to the surface, and else steps by the usual rise. A ray that starts a little
-// inside the surface still meets it.
+// the density gives it near the surface: the beam stops where its rise could have brought one of its rays to the
+// surface. A ray that starts a little inside the surface still meets it.
 fn find_start(
     cells: texture_3d<f32>,
     nearest: sampler,
@@ -50,8 +48,8 @@ fn find_start(
             if full == 0.0 {
                 radius = max(radius, 1.9);
             } else {
-                radius = max(radius, (0.5 - full) / USUAL_RISE);
-                touching = 0.5 - full < STEEPEST_RISE * wide;
+                radius = max(radius, (0.5 - full) / RISE);
+                touching = 0.5 - full < RISE * wide;
             }
         }
         let step = (radius - wide) * speed;

@@ -6,9 +6,9 @@
 #import paros::constants::{
     BEAM_PIXELS, BINDING_BEAM_STARTS, BINDING_CELLS, BINDING_CLAMPED, BINDING_DENSITY,
     BINDING_GRADIENT, BINDING_MARBLE, BINDING_NEAREST, BINDING_NOISE, BINDING_REPEAT,
-    CARRARA_BASE_COLOR, CARRARA_VEIN_COLOR, DENSITY_LEVELS, FAST_AO_HEIGHT, FAST_AO_MAX_DENSITY,
+    CARRARA_BASE_COLOR, CARRARA_VEIN_COLOR, FAST_AO_HEIGHT, FAST_AO_LEAN, FAST_AO_MAX_DENSITY,
     FAST_AO_SCALE, FAST_CRYSTAL_NOISE, FAST_EDGE_CUBIC, FAST_GLOSS, FAST_GLOSS_SHARPNESS, FAST_REFERENCE_SIDE,
-    FAST_ROUGHNESS, FAST_SHADOW_OPACITY, FAST_SHADOW_SPACING, FAST_SKIP_INTERVAL, FAST_SPARKLE,
+    FAST_ROUGHNESS, FAST_SHADOW_OPACITY, FAST_SHADOW_DISTANCES, FAST_SKIP_INTERVAL, FAST_SPARKLE, FAST_SPARKLE_RIM,
     FAST_STEP_FAR, FAST_STEP_NEAR, FAST_TRANSLUCENCY, FAST_TRANSLUCENCY_DEPTH, FAST_WEAR,
     FAST_WEAR_AT_EDGES, FIGURE_GLOW, FIGURE_LEAST_SHARE, FIGURE_SHARE_RISE, FIGURE_WARMTH, TONE_WHITE_POINT,
 }
@@ -64,6 +64,16 @@ fn fragment(
     }
     // The depth in which the ray passes one voxel.
     let voxel = 1.0 / (length(direction) * frame.density_side);
+#ifdef FLOOR
+    // What is left without a march: two fetches of shading at the beam's end.
+    let at = o + direction * start;
+    let outward = real4(textureSampleLevel(gradient, clamped, at, 0.0));
+    let grey = real(textureSampleLevel(marble_and_figure, clamped, at, 0.0).x);
+    let lit = max(dot(outward.xyz, real3(frame.sun_in_grid)), real(0.1));
+    let lit_stone = mix(real3(CARRARA_BASE_COLOR), real3(CARRARA_VEIN_COLOR), grey) * lit;
+    let floor_depth = frame.depth_scale / start + frame.depth_offset;
+    return FragmentOutput(vec4<f32>(vec3<f32>(lit_stone), 1.0), floor_depth);
+#else
     let end = ray_end(o, direction);
     let hit = march_density(o, direction, start, end, voxel);
     var t = hit.t - f32(hit.back) * voxel;
@@ -99,6 +109,7 @@ fn fragment(
     let depth = frame.depth_scale / t + frame.depth_offset;
     let color = shade_point(p, normal, stored.w);
     return FragmentOutput(vec4<f32>(vec3<f32>(color), f32(coverage)), depth);
+#endif
 }
 
 // The end of a march: the first sample of density a half or more, or the ray's end.
@@ -201,10 +212,11 @@ fn shade_point(p: vec3<f32>, normal: real3, convexity: real) -> real3 {
     let n = frame.grid_side;
     let voxel = n / (FAST_REFERENCE_SIDE * frame.density_side);
     let facing = dot(normal, real3(frame.sun_in_grid));
+    let above = density_above(p, normal, facing, voxel);
     var direct = real3(frame.sun_color);
     var gloss = real(0.0);
     if facing > real(0.0) {
-        let seen = sun_visibility(p, voxel);
+        let seen = sun_visibility(p, above, voxel);
         direct *= facing * seen;
         gloss = seen * highlight(p, normal, convexity);
     } else {
@@ -213,7 +225,9 @@ fn shade_point(p: vec3<f32>, normal: real3, convexity: real) -> real3 {
         let thin = real(1.0) - real(sample_density(through, 2.0));
         direct *= real3(FAST_TRANSLUCENCY) * (thin * -facing);
     }
-    let around = ambient_over_pi(normal) * ambient_openness(p, normal, voxel);
+    // Ambient occlusion: the factor of the ambient light.
+    let open = real(FAST_AO_SCALE) - real(FAST_AO_SCALE) * min(above, real(FAST_AO_MAX_DENSITY));
+    let around = ambient_over_pi(normal) * open;
     let grid = (p - 0.5) * (frame.density_side / n) + 0.5;
     // How grey it is, and the hidden figure's share.
     let marble = real2(textureSampleLevel(marble_and_figure, clamped, grid, 0.0).xy);
@@ -235,31 +249,34 @@ fn highlight(p: vec3<f32>, normal: real3, convexity: real) -> real {
     let sharpness = mix(real(FAST_GLOSS_SHARPNESS.x), real(FAST_GLOSS_SHARPNESS.y), roughness);
     let toward = dot(normal, real3(frame.halfway_in_grid));
     let lobe = exp2((toward - real(1.0)) * sharpness) * (sharpness * real(FAST_GLOSS));
+    let near = toward * max(toward, real(0.0)) - real(FAST_SPARKLE_RIM);
+    if near <= real(0.0) {
+        return lobe;
+    }
     let grain = p * (FAST_CRYSTAL_NOISE.x * frame.density_side / frame.grid_side)
         + frame.halfway_in_grid * FAST_CRYSTAL_NOISE.y;
     let crystal = real(textureSampleLevel(noise, repeat, grain, 0.0).x);
-    let square = toward * max(toward, real(0.0));
-    return lobe + max(crystal - real(FAST_SPARKLE.x), real(0.0)) * (real(FAST_SPARKLE.y) * square * square);
+    let sparkle = real(FAST_SPARKLE.y / ((1.0 - FAST_SPARKLE_RIM) * (1.0 - FAST_SPARKLE_RIM)));
+    return lobe + max(crystal - real(FAST_SPARKLE.x), real(0.0)) * (sparkle * near * near);
+}
+
+// Density above the surface, the farther towards the sun the more it faces that: it hides the sky, and what is there
+// stands in the sun's way as well.
+fn density_above(p: vec3<f32>, normal: real3, facing: real, voxel: f32) -> real {
+    let lean = FAST_AO_LEAN * f32(max(facing, real(0.0)));
+    let offset = vec3<f32>(normal) * FAST_AO_HEIGHT + frame.sun_in_grid * lean;
+    return real(sample_density(p + offset * voxel, 2.0));
 }
 
 // Soft shadow by cone tracing: three samples towards the sun, each farther and of a coarser mip
-// level, times the shadow map's visibility outside the box.
-fn sun_visibility(p: vec3<f32>, voxel: f32) -> real {
-    var seen = real(1.0);
-    var far = FAST_SHADOW_SPACING.x * voxel;
-    for (var level = 1.0; level < f32(DENSITY_LEVELS); level += 1.0) {
-        seen -= seen * real(FAST_SHADOW_OPACITY)
-            * real(sample_density(p + frame.sun_in_grid * far, level));
-        far *= FAST_SHADOW_SPACING.y;
-    }
+// level, of which the middle one is that above the surface; times the shadow map's visibility outside the box.
+fn sun_visibility(p: vec3<f32>, above: real, voxel: f32) -> real {
+    let distances = FAST_SHADOW_DISTANCES * voxel;
+    let near = real(sample_density(p + frame.sun_in_grid * distances.x, 1.0));
+    let far = real(sample_density(p + frame.sun_in_grid * distances.y, 3.0));
+    let lets_through = real3(1.0) - real(FAST_SHADOW_OPACITY) * real3(near, above, far);
     let grid = (p - 0.5) * frame.density_side + 0.5 * frame.grid_side;
-    return seen * real(shadow::visibility_beyond_box(grid));
-}
-
-// Ambient occlusion from one density sample above the surface: the factor of the ambient light.
-fn ambient_openness(p: vec3<f32>, normal: real3, voxel: f32) -> real {
-    let full = real(sample_density(p + vec3<f32>(normal) * (FAST_AO_HEIGHT * voxel), 2.0));
-    return real(FAST_AO_SCALE) - real(FAST_AO_SCALE) * min(full, real(FAST_AO_MAX_DENSITY));
+    return lets_through.x * lets_through.y * lets_through.z * real(shadow::visibility_beyond_box(grid));
 }
 
 // `light::ambient_over_pi` in this precision.

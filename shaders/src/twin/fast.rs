@@ -11,14 +11,23 @@ use super::march::{Ray, RaySpan, clip_to_cube};
 use super::noise;
 use super::surface::SurfacePoint;
 use crate::constants::{
-    CARRARA_BASE_COLOR, CARRARA_VEIN_COLOR, FAST_AO_HEIGHT, FAST_AO_MAX_DENSITY, FAST_AO_SCALE,
-    FAST_CRYSTAL_NOISE, FAST_EDGE_CUBIC, FAST_GLOSS, FAST_GLOSS_SHARPNESS, FAST_REFERENCE_SIDE,
-    FAST_ROUGHNESS, FAST_SHADOW_OPACITY, FAST_SHADOW_SPACING, FAST_SKIP_INTERVAL, FAST_SPARKLE,
-    FAST_STEP_FAR, FAST_STEP_NEAR, FAST_TRANSLUCENCY, FAST_TRANSLUCENCY_DEPTH, FAST_WEAR,
-    FAST_WEAR_AT_EDGES, FIGURE_GLOW, FIGURE_LEAST_SHARE, FIGURE_SHARE_RISE, FIGURE_WARMTH,
-    NOISE_CELLS,
+    CARRARA_BASE_COLOR, CARRARA_VEIN_COLOR, FAST_AO_HEIGHT, FAST_AO_LEAN, FAST_AO_MAX_DENSITY,
+    FAST_AO_SCALE, FAST_CRYSTAL_NOISE, FAST_EDGE_CUBIC, FAST_GLOSS, FAST_GLOSS_SHARPNESS,
+    FAST_REFERENCE_SIDE, FAST_ROUGHNESS, FAST_SHADOW_DISTANCES, FAST_SHADOW_OPACITY,
+    FAST_SKIP_INTERVAL, FAST_SPARKLE, FAST_SPARKLE_RIM, FAST_STEP_FAR, FAST_STEP_NEAR,
+    FAST_TRANSLUCENCY, FAST_TRANSLUCENCY_DEPTH, FAST_WEAR, FAST_WEAR_AT_EDGES, FIGURE_GLOW,
+    FIGURE_LEAST_SHARE, FIGURE_SHARE_RISE, FIGURE_WARMTH, NOISE_CELLS,
 };
 use crate::field::{DensityField, LEVELS, PAD};
+
+/// Texels that a ray fetches: the twin of what [`Drawn::Counts`](crate::gpu::Drawn::Counts) tells.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub struct RayFetches {
+    /// For its march, one a turn.
+    pub march: u32,
+    /// For its surface and its light.
+    pub shading: u32,
+}
 
 /// Where a ray in voxels first meets the surface, the level set of a half. It may lie up to a voxel
 /// outside of the grid, but not under the ground.
@@ -27,13 +36,24 @@ pub fn find_surface<const N: usize, const K: usize>(
     field: &DensityField<N, K>,
     grid_ray: &Ray,
 ) -> Option<SurfacePoint> {
+    find_surface_counting(field, grid_ray, &mut RayFetches::default())
+}
+
+/// [`find_surface`], counting its fetches. The ray starts at the grid's box, where the GPU's starts at its beam's end.
+#[must_use]
+pub fn find_surface_counting<const N: usize, const K: usize>(
+    field: &DensityField<N, K>,
+    grid_ray: &Ray,
+    fetches: &mut RayFetches,
+) -> Option<SurfacePoint> {
     let side = N as f32 + 2.0;
     let around = Ray { origin: grid_ray.origin + Vec3::ONE, ..*grid_ray };
     let RaySpan { near, far } = clip_to_cube(&around, side)?;
     // The ground ends a ray.
     let ground =
         if grid_ray.direction.y < 0.0 { -grid_ray.origin.y / grid_ray.direction.y } else { far };
-    let hit = march_density(field, grid_ray, RaySpan { near, far: far.min(ground) })?;
+    let hit = march_density(field, grid_ray, RaySpan { near, far: far.min(ground) }, fetches)?;
+    fetches.shading += 1;
     Some(refine_hit(field, grid_ray, &hit))
 }
 
@@ -78,23 +98,42 @@ pub fn shade_surface_with_figure<const N: usize, const K: usize>(
     ambient_over_pi: Vec3,
     figure_share: f32,
 ) -> Vec3 {
+    let fetches = &mut RayFetches::default();
+    shade_surface_counting(field, surface, sun, ambient_over_pi, figure_share, fetches)
+}
+
+/// The same, counting its fetches. The shadow map's is left out: the twin asks the room's meshes.
+#[must_use]
+pub fn shade_surface_counting<const N: usize, const K: usize>(
+    field: &DensityField<N, K>,
+    surface: &SurfacePoint,
+    sun: &SunLight,
+    ambient_over_pi: Vec3,
+    figure_share: f32,
+    fetches: &mut RayFetches,
+) -> Vec3 {
+    // That above the surface, and the marble.
+    fetches.shading += 2;
     let SunLight { direction: to_sun, color: sun_color, halfway } = *sun;
     let scale = N as f32 / FAST_REFERENCE_SIDE;
     let facing = surface.normal.dot(to_sun);
     let convexity = field.sample_convexity(surface.position);
+    let lean = FAST_AO_LEAN * facing.max(0.0);
+    let offset = (surface.normal * FAST_AO_HEIGHT + to_sun * lean) * scale;
+    let above = field.sample_density(2, surface.position + offset);
     let (mut direct, mut gloss) = (sun_color, 0.0);
     if facing > 0.0 {
-        let seen = sun_visibility(field, surface.position, to_sun, scale);
+        fetches.shading += 2;
+        let seen = sun_visibility(field, surface.position, above, to_sun, scale);
         direct *= facing * seen;
-        gloss = seen * highlight(surface, halfway, convexity, N);
+        gloss = seen * highlight(surface, halfway, convexity, N, fetches);
     } else {
+        fetches.shading += 1;
         let through =
             surface.position + (to_sun * FAST_TRANSLUCENCY_DEPTH - surface.normal) * scale;
         direct *= Vec3::from_array(FAST_TRANSLUCENCY)
             * ((1.0 - field.sample_density(2, through)) * -facing);
     }
-    let above =
-        field.sample_density(2, surface.position + surface.normal * (FAST_AO_HEIGHT * scale));
     let open = FAST_AO_SCALE - FAST_AO_SCALE * above.min(FAST_AO_MAX_DENSITY);
     let grey = carrara::sample_grey_clamped(surface.position / N as f32);
     let stone =
@@ -108,7 +147,13 @@ pub fn shade_surface_with_figure<const N: usize, const K: usize>(
 
 /// The sun's highlight at a point, as a part of the sunlight: a spherical Gaussian (Wang et al. 2009), broad where the
 /// stone is rough, with the sparkle of its crystals.
-fn highlight(surface: &SurfacePoint, halfway: Vec3, convexity: f32, grid_side: usize) -> f32 {
+fn highlight(
+    surface: &SurfacePoint,
+    halfway: Vec3,
+    convexity: f32,
+    grid_side: usize,
+    fetches: &mut RayFetches,
+) -> f32 {
     let [smooth, rough] = FAST_GLOSS_SHARPNESS;
     let roughness = (convexity.abs() * FAST_ROUGHNESS).min(1.0);
     let sharpness = smooth + (rough - smooth) * roughness;
@@ -117,8 +162,13 @@ fn highlight(surface: &SurfacePoint, halfway: Vec3, convexity: f32, grid_side: u
     let ([periods, shift], [least, gain]) = (FAST_CRYSTAL_NOISE, FAST_SPARKLE);
     let padded = surface.position + Vec3::splat(PAD as f32);
     let grain = padded * (periods / grid_side as f32) + halfway * shift;
+    let near = (toward.max(0.0).powi(2) - FAST_SPARKLE_RIM).max(0.0) / (1.0 - FAST_SPARKLE_RIM);
+    if near == 0.0 {
+        return lobe;
+    }
+    fetches.shading += 1;
     let crystal = noise::sample_noise(noise::noise_texture(), grain * NOISE_CELLS as f32);
-    lobe + (crystal - least).max(0.0) * gain * toward.max(0.0).powi(4)
+    lobe + (crystal - least).max(0.0) * gain * near.powi(2)
 }
 
 /// The end of a march: the first sample of density a half or more.
@@ -135,6 +185,7 @@ fn march_density<const N: usize, const K: usize>(
     field: &DensityField<N, K>,
     ray: &Ray,
     RaySpan { near, far }: RaySpan,
+    fetches: &mut RayFetches,
 ) -> Option<DensityHit> {
     let (mut t, mut step_voxels) = (near, overshooting_step_voxels(0.0));
     // From an origin so far that a step is less than the distance's precision, `t` doesn't grow.
@@ -143,6 +194,7 @@ fn march_density<const N: usize, const K: usize>(
         // Steps by density.
         let mut left = FAST_SKIP_INTERVAL;
         while left > 0.0 && steps_left > 0 {
+            fetches.march += 1;
             let density = field.sample_density(0, ray.at(t));
             if density >= 0.5 {
                 return (t < far).then_some(DensityHit { t, density, step_voxels });
@@ -154,6 +206,7 @@ fn march_density<const N: usize, const K: usize>(
         }
         // Empty-space skipping.
         while t < far && steps_left > 0 {
+            fetches.march += 1;
             let free = field.free_distance_voxels(ray.at(t));
             if free == 0.0 {
                 break;
@@ -199,23 +252,20 @@ fn refine_hit<const N: usize, const K: usize>(
 }
 
 /// Soft shadow by cone tracing: three samples towards the sun, each farther and of a coarser mip
-/// level. Visibility, 0 to 1; `reference_voxel` is the side of one of the reference
-/// grid's voxels, in voxels.
+/// level, of which the middle one is that above the surface. Visibility, 0 to 1; `reference_voxel` is the side of one
+/// of the reference grid's voxels, in voxels.
 fn sun_visibility<const N: usize, const K: usize>(
     field: &DensityField<N, K>,
     grid_point: Vec3,
+    above: f32,
     to_sun: Vec3,
     reference_voxel: f32,
 ) -> f32 {
-    let [mut far, grows] = FAST_SHADOW_SPACING;
-    let mut seen = 1.0;
-    for level in 1..LEVELS {
-        seen -= seen
-            * FAST_SHADOW_OPACITY
-            * field.sample_density(level, grid_point + to_sun * (far * reference_voxel));
-        far *= grows;
-    }
-    seen
+    let [near, far] = FAST_SHADOW_DISTANCES.map(|distance| distance * reference_voxel);
+    let near = field.sample_density(1, grid_point + to_sun * near);
+    let far = field.sample_density(3, grid_point + to_sun * far);
+    [near, above, far].map(|density| 1.0 - FAST_SHADOW_OPACITY * density).iter().product()
 }
 
+const _: () = assert!(LEVELS > 3, "the sun's farthest sample is of level 3");
 const _: () = assert!(PAD >= 1, "a ray's first and last voxel lie outside of the grid");
