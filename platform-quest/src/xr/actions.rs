@@ -5,7 +5,7 @@ use paros_core::session::buttons;
 use paros_shell::headset::hand_sample::HandSample;
 use paros_shell::headset::haptics::HapticChange;
 
-use super::convert_pose_if_tracked;
+use super::convert_location;
 use crate::error::{CallContext, Error};
 
 /// The action set of the studio, and the action spaces of both hands.
@@ -268,5 +268,5 @@ fn locate_tracked(
     time: xr::Time,
 ) -> Result<Option<paros_core::internals::RoomPose>, Error> {
     let location = space.locate(room, time).could_not("find a hand")?;
-    Ok(convert_pose_if_tracked(location.location_flags, location.pose))
+    Ok(convert_location(location.location_flags, location.pose).if_tracked())
 }

@@ -1,9 +1,9 @@
-//! Hand tracking, for when the controllers are put down.
+//! Hand tracking: the joints of bare hands.
 
 use openxr as xr;
 use paros_shell::headset::hand_sample::{HandJoints, HandSample};
 
-use super::{Runtime, convert_pose};
+use super::{Runtime, convert_location};
 use crate::error::{CallContext, Error};
 
 /// The trackers of both hands.
@@ -30,7 +30,7 @@ impl HandTrackers {
         Some(HandTrackers { trackers: [left, right] })
     }
 
-    /// Samples a bare hand at a time; none while it isn't tracked.
+    /// Samples a bare hand at a time; none while its joints are not tracked.
     ///
     /// # Errors
     /// A lost session.
@@ -42,19 +42,18 @@ impl HandTrackers {
     ) -> Result<Option<HandSample>, Error> {
         let joints =
             room.locate_hand_joints(&self.trackers[hand], time).could_not("find the fingers")?;
-        let Some(joints) = joints else { return Ok(None) };
-        let valid =
-            xr::SpaceLocationFlags::POSITION_VALID | xr::SpaceLocationFlags::ORIENTATION_VALID;
-        let pose = |joint: xr::HandJoint| convert_pose(joints[joint.into_raw() as usize].pose);
-        let seen = |joint: &xr::HandJoint| {
-            joints[joint.into_raw() as usize].location_flags.contains(valid)
-        };
-        let all = || [PALM].iter().chain(&PINCH_TIPS).chain(&FIST_TIPS).all(seen);
-        Ok(all().then(|| {
+        Ok(joints.and_then(|joints| {
+            let report = |joint: xr::HandJoint| {
+                let xr::HandJointLocation { location_flags, pose, .. } =
+                    joints[joint.into_raw() as usize];
+                convert_location(location_flags, pose)
+            };
             HandSample::from_joints(&HandJoints {
-                palm: pose(PALM),
-                pinch_tips: PINCH_TIPS.map(|joint| pose(joint).0),
-                fist_tips: FIST_TIPS.map(|joint| pose(joint).0),
+                hand,
+                palm: report(PALM),
+                palm_radius_m: joints[PALM.into_raw() as usize].radius,
+                pinch_tips: PINCH_TIPS.map(report),
+                fist_tips: FIST_TIPS.map(report),
             })
         }))
     }

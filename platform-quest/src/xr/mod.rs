@@ -19,6 +19,7 @@ pub(crate) use session::HeadsetSession;
 use glam::{Quat, Vec3};
 use openxr as xr;
 use paros_core::internals::RoomPose;
+use paros_shell::headset::hand_sample::{ReportedPose, Tracking};
 
 /// The view configuration: two eyes.
 pub(crate) const VIEW_CONFIGURATION: xr::ViewConfigurationType =
@@ -30,13 +31,13 @@ pub(crate) fn convert_pose(pose: xr::Posef) -> RoomPose {
     (Vec3::new(p.x, p.y, p.z), Quat::from_xyzw(q.x, q.y, q.z, q.w))
 }
 
-/// A location's pose, if it is valid and its position tracked.
-pub(crate) fn convert_pose_if_tracked(
-    flags: xr::SpaceLocationFlags,
-    pose: xr::Posef,
-) -> Option<RoomPose> {
-    let wanted = xr::SpaceLocationFlags::POSITION_VALID
-        | xr::SpaceLocationFlags::ORIENTATION_VALID
-        | xr::SpaceLocationFlags::POSITION_TRACKED;
-    flags.contains(wanted).then(|| convert_pose(pose))
+/// A location's pose, and how well its flags say that it is known.
+pub(crate) fn convert_location(flags: xr::SpaceLocationFlags, pose: xr::Posef) -> ReportedPose {
+    let valid = xr::SpaceLocationFlags::POSITION_VALID | xr::SpaceLocationFlags::ORIENTATION_VALID;
+    let tracking = match flags.contains(valid) {
+        true if flags.contains(xr::SpaceLocationFlags::POSITION_TRACKED) => Tracking::Tracked,
+        true => Tracking::Inferred,
+        false => Tracking::Unknown,
+    };
+    ReportedPose { pose: convert_pose(pose), tracking }
 }

@@ -7,8 +7,8 @@ use paros_core::internals::RoomPose;
 use paros_shaders::gpu::{Eye, Fov, Gpu};
 
 use super::{
-    ControllerActions, HandTrackers, NO_PROFILE, Runtime, VIEW_CONFIGURATION, convert_pose,
-    convert_pose_if_tracked,
+    ControllerActions, HandTrackers, NO_PROFILE, Runtime, VIEW_CONFIGURATION, convert_location,
+    convert_pose,
 };
 use crate::error::{CallContext, Error};
 
@@ -150,7 +150,7 @@ impl HeadsetSession {
     /// A lost session.
     pub(crate) fn locate_head(&self, time: xr::Time) -> Result<Option<RoomPose>, Error> {
         let location = self.head.locate(&self.room, time).could_not("find the head")?;
-        Ok(convert_pose_if_tracked(location.location_flags, location.pose))
+        Ok(convert_location(location.location_flags, location.pose).if_tracked())
     }
 
     /// Locates the left and the right eye at a time. Allocates

@@ -1,6 +1,7 @@
-//! Hand samples: a tracked controller or a bare hand in SI units, quantised into the core's input.
+//! Hand samples: a tracked controller or a bare hand in SI units, quantised into the core's input; which poses
+//! of a runtime count, and what joints mean.
 
-use glam::Vec3;
+use glam::{Mat3, Quat, Vec3};
 use paros_core::HandInput;
 use paros_core::internals::RoomPose;
 use paros_core::session::RawPose;
@@ -22,15 +23,54 @@ pub struct HandSample {
     pub buttons: u8,
 }
 
-/// The hand joints that pinch and fist are read from, in metres.
+/// How well a runtime knows a pose, by the flags of `XrSpaceLocation`.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub enum Tracking {
+    /// The pose is not valid.
+    #[default]
+    Unknown,
+    /// The pose is valid and not tracked: guessed, or where it was seen last.
+    Inferred,
+    /// The pose is valid, and its position is tracked.
+    Tracked,
+}
+
+/// A pose in metres, and how well the runtime knows it.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct ReportedPose {
+    /// The pose, which may be anything where it is not known.
+    pub pose: RoomPose,
+    /// How well it is known.
+    pub tracking: Tracking,
+}
+
+impl ReportedPose {
+    /// The pose if it is tracked. One that is only valid counts for none: runtimes leave a lost hand or
+    /// controller where they saw it last, and a tool must not go on there.
+    #[must_use]
+    pub fn if_tracked(self) -> Option<RoomPose> {
+        (self.tracking == Tracking::Tracked).then_some(self.pose)
+    }
+
+    /// The position if it is tracked or inferred.
+    fn position_if_valid(self) -> Option<Vec3> {
+        (self.tracking != Tracking::Unknown).then_some(self.pose.0)
+    }
+}
+
+/// The reported joints of a hand that pinch and fist are read from (`XR_EXT_hand_tracking`).
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct HandJoints {
+    /// 0 is the left hand, 1 the right one.
+    pub hand: usize,
     /// The palm joint: it faces along -y, the fingers point along -z.
-    pub palm: RoomPose,
+    pub palm: ReportedPose,
+    /// From the palm joint to the skin, in metres.
+    pub palm_radius_m: f32,
     /// The tips of the thumb and the index finger.
-    pub pinch_tips: [Vec3; 2],
+    pub pinch_tips: [ReportedPose; 2],
     /// The tips of the middle, ring and little finger.
-    pub fist_tips: [Vec3; 3],
+    pub fist_tips: [ReportedPose; 3],
 }
 
 impl HandSample {
@@ -55,19 +95,38 @@ impl HandSample {
     }
 
     /// A bare hand: pinching thumb and index finger pulls the trigger, closing the other fingers
-    /// squeezes.
+    /// squeezes. None where the palm is not tracked or a tip not known; a tip may be inferred, as curled
+    /// fingers hide behind the hand.
     #[must_use]
-    pub fn from_joints(joints: &HandJoints) -> Self {
-        let [thumb, index] = joints.pinch_tips;
-        let mean: f32 = joints.fist_tips.iter().map(|tip| tip.distance(joints.palm.0)).sum::<f32>();
-        HandSample {
-            aim: Some(joints.palm),
-            grip: Some(joints.palm),
-            trigger: closed_fraction(thumb.distance(index), PINCH_OPEN_CLOSED_M),
-            squeeze: closed_fraction(mean / 3.0, FIST_OPEN_CLOSED_M),
-            ..HandSample::default()
+    pub fn from_joints(joints: &HandJoints) -> Option<Self> {
+        let palm = joints.palm.if_tracked()?;
+        let mut reaches = [0.0; 3];
+        for (reach, tip) in reaches.iter_mut().zip(joints.fist_tips) {
+            *reach = tip.position_if_valid()?.distance(palm.0);
         }
+        let [thumb, index] = joints.pinch_tips;
+        let (thumb, index) = (thumb.position_if_valid()?, index.position_if_valid()?);
+        let pinch = closed_fraction(thumb.distance(index), PINCH_OPEN_CLOSED_M);
+        // In a fist both tips meet, too, but at the palm.
+        let curled = closed_fraction(index.distance(palm.0), FIST_OPEN_CLOSED_M);
+        Some(HandSample {
+            aim: Some(palm),
+            grip: Some(grip_from_palm(palm, joints.palm_radius_m, joints.hand)),
+            trigger: pinch.min(1.0 - curled),
+            squeeze: closed_fraction(reaches.iter().sum::<f32>() / 3.0, FIST_OPEN_CLOSED_M),
+            ..HandSample::default()
+        })
     }
+}
+
+/// The grip pose of a bare hand, as OpenXR defines it ("Standard pose identifiers"): on the palm's skin, -z
+/// from the little finger to the thumb, x normal to the palm, away from a left one and into a right one. A tool
+/// that a hand holds so points as it does from a controller: sideways of the fingers, not along them.
+fn grip_from_palm((position, rotation): RoomPose, radius_m: f32, hand: usize) -> RoomPose {
+    let side = if hand == 0 { -1.0 } else { 1.0 };
+    let to_palm = Mat3::from_cols(Vec3::Y * side, Vec3::Z, Vec3::X * side);
+    let grip = (rotation * Quat::from_mat3(&to_palm)).normalize();
+    (position + rotation * Vec3::new(0.0, -radius_m, 0.0), grip)
 }
 
 /// Pinch thresholds: metres between the tips of thumb and index finger, open and closed.
@@ -97,7 +156,7 @@ mod tests {
     use paros_core::HandInput;
     use paros_core::internals::UNITS_PER_METRE;
 
-    use super::{HandJoints, HandSample};
+    use super::{HandJoints, HandSample, ReportedPose, Tracking};
 
     #[test]
     fn poses_and_buttons_are_quantised() {
@@ -132,23 +191,78 @@ mod tests {
         assert!(input.grip.to_clamped_metres().is_none());
     }
 
+    const TRACKED: Tracking = Tracking::Tracked;
+
+    /// A hand at (0, 1, 0) with its palm down, its tips so far apart and so far from the palm, in metres.
+    fn hand_with(gap: f32, reach: f32, index_reach: f32) -> HandJoints {
+        let at = |position| ReportedPose { pose: (position, Quat::IDENTITY), tracking: TRACKED };
+        let index = Vec3::Y + Vec3::NEG_Z * index_reach;
+        HandJoints {
+            hand: 1,
+            palm: at(Vec3::Y),
+            palm_radius_m: 0.015,
+            pinch_tips: [at(index + Vec3::X * gap), at(index)],
+            fist_tips: [at(Vec3::Y + Vec3::NEG_Z * reach); 3],
+        }
+    }
+
     #[test]
     fn a_pinch_is_the_trigger_and_a_fist_the_squeeze() {
-        let hand = |gap: f32, reach: f32| {
-            let palm = (Vec3::Y, Quat::IDENTITY);
-            let tip = Vec3::Y + Vec3::NEG_Z * reach;
-            let thumb = Vec3::new(0.04, 1.0, -0.06);
-            let pinch_tips = [thumb, thumb + Vec3::X * gap];
-            HandSample::from_joints(&HandJoints { palm, pinch_tips, fist_tips: [tip; 3] })
+        let hand = |gap, reach, index_reach| {
+            HandSample::from_joints(&hand_with(gap, reach, index_reach)).expect("it is tracked")
         };
-        let open = hand(0.08, 0.1);
+        let open = hand(0.08, 0.1, 0.09);
         assert_eq!((open.trigger, open.squeeze), (0.0, 0.0));
         assert!(open.to_hand_input().tracked);
-        let pinch = hand(0.01, 0.1);
+        let pinch = hand(0.01, 0.1, 0.09);
         assert_eq!((pinch.trigger, pinch.squeeze), (1.0, 0.0));
-        let fist = hand(0.08, 0.03);
+        // Thumb and index finger meet in it.
+        let fist = hand(0.01, 0.03, 0.03);
         assert_eq!((fist.trigger, fist.squeeze), (0.0, 1.0));
-        let half = hand(0.0325, 0.1).trigger;
+        // A tool in the fist, and a finger that reaches out of it to the thumb.
+        let both = hand(0.01, 0.03, 0.09);
+        assert_eq!((both.trigger, both.squeeze), (1.0, 1.0));
+        let half = hand(0.0325, 0.1, 0.09).trigger;
         assert!((half - 0.5).abs() < 0.01, "{half}");
+    }
+
+    #[test]
+    fn a_frozen_hand_is_none_and_a_hidden_fingertip_is_guessed() {
+        let whole = hand_with(0.08, 0.03, 0.09);
+        let sample = HandSample::from_joints(&whole);
+        assert!(sample.is_some());
+        for tracking in [Tracking::Inferred, Tracking::Unknown] {
+            let palm = ReportedPose { tracking, ..whole.palm };
+            assert_eq!(HandSample::from_joints(&HandJoints { palm, ..whole }), None);
+            assert_eq!(palm.if_tracked(), None);
+        }
+        let mut hidden = whole;
+        hidden.fist_tips[1].tracking = Tracking::Inferred;
+        hidden.pinch_tips[0].tracking = Tracking::Inferred;
+        assert_eq!(HandSample::from_joints(&hidden), sample);
+        hidden.fist_tips[1].tracking = Tracking::Unknown;
+        assert_eq!(HandSample::from_joints(&hidden), None);
+        hidden = whole;
+        hidden.pinch_tips[1].tracking = Tracking::Unknown;
+        assert_eq!(HandSample::from_joints(&hidden), None);
+    }
+
+    #[test]
+    fn a_bare_hands_grip_lies_across_its_fingers() {
+        // Palms down, fingers ahead: both thumbs point inwards, and tools with them.
+        for (hand, inwards) in [(0, Vec3::X), (1, Vec3::NEG_X)] {
+            let joints = HandJoints { hand, ..hand_with(0.08, 0.1, 0.09) };
+            let sample = HandSample::from_joints(&joints).expect("it is tracked");
+            let (position, rotation) = sample.grip.expect("it is tracked");
+            assert!(position.distance(Vec3::new(0.0, 0.985, 0.0)) < 1e-6, "on the skin");
+            let near = |axis: Vec3, wanted: Vec3| {
+                assert!((rotation * axis).distance(wanted) < 1e-5, "{hand}: {axis} to {wanted}");
+            };
+            near(Vec3::NEG_Z, inwards);
+            near(Vec3::Y, Vec3::Z);
+            // Away from the left palm, into the right one.
+            near(Vec3::X, if hand == 0 { Vec3::NEG_Y } else { Vec3::Y });
+            assert_eq!(sample.aim, Some(joints.palm.pose));
+        }
     }
 }
