@@ -216,7 +216,11 @@ where
         let (world, paths) = (self.studio.world(), self.studio.paths());
         let mut resources =
             SessionResources::create(platform, self.options, world, paths, vulkan_out)?;
-        if resources.session.actions.profiles == 0 {
+        let profiles = &resources.session.actions.profiles;
+        for refusal in &profiles.refusals {
+            platform.log(format_args!("{refusal}"));
+        }
+        if profiles.accepted == 0 {
             platform.log(format_args!("{NO_PROFILE}: bare hands sculpt"));
         }
         let (runtime, device) = (&resources.runtime.name, &resources.gpu.name);

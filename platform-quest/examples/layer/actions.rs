@@ -1,20 +1,29 @@
-//! Logs the shell's actions and the bindings that it suggests for each interaction profile. Monado does
-//! not know the Touch Plus: suggestions for it end here.
+//! Logs the shell's actions and the bindings that it suggests for each interaction profile. Suggestions for the
+//! Touch Plus, which Monado does not know, and for hands, which the layer has itself, end here. Profiles whose
+//! paths stand in a file `refuse-profiles` are refused.
 
-use std::collections::HashMap;
 use std::ffi::{CStr, c_char};
-use std::sync::{LazyLock, Mutex};
+use std::fs;
+use std::sync::Mutex;
 
 use openxr::sys;
 use sys::{Handle, Result as Status, pfn};
 
 use super::chain::call_next;
-use super::folder::log_line;
+use super::folder::{layer_folder, log_line};
 
+const HAND_INTERACTION: &str = "/interaction_profiles/ext/hand_interaction_ext";
 const TOUCH_PLUS: &str = "/interaction_profiles/meta/touch_controller_plus";
 
-/// Names of the actions that were made.
-static NAMES: LazyLock<Mutex<HashMap<u64, String>>> = LazyLock::new(Mutex::default);
+/// The actions that were made, with their names.
+static ACTIONS: Mutex<Vec<(u64, String)>> = Mutex::new(Vec::new());
+
+/// The name of an action.
+fn name_action(action: sys::Action) -> String {
+    let actions = ACTIONS.lock().expect("no holder panics");
+    let named = actions.iter().rfind(|(handle, _)| *handle == action.into_raw());
+    named.map_or("?", |(_, name)| name).to_owned()
+}
 
 /// Logs `action NAME TYPE`.
 pub(crate) unsafe extern "system" fn create_action(
@@ -30,7 +39,7 @@ pub(crate) unsafe extern "system" fn create_action(
         // SAFETY: as above.
         let name = unsafe { CStr::from_ptr(info.action_name.as_ptr()) }.to_string_lossy();
         log_line(&format!("action {name} {:?}", info.action_type));
-        NAMES.lock().expect("no holder panics").insert(handle, name.into_owned());
+        ACTIONS.lock().expect("no holder panics").push((handle, name.into_owned()));
     }
     made
 }
@@ -48,12 +57,15 @@ pub(crate) unsafe extern "system" fn suggest_bindings(
             core::slice::from_raw_parts(first, count as usize),
         )
     };
-    let names = NAMES.lock().expect("no holder panics");
     for binding in bindings {
-        let name = names.get(&binding.action.into_raw()).map_or("?", String::as_str);
+        let name = name_action(binding.action);
         log_line(&format!("bind {profile} {} {name}", path_text(instance, binding.binding)));
     }
-    if profile == TOUCH_PLUS {
+    let refused = fs::read_to_string(layer_folder().join("refuse-profiles")).unwrap_or_default();
+    if refused.split_whitespace().any(|refused| refused == profile) {
+        return Status::ERROR_PATH_UNSUPPORTED;
+    }
+    if profile == TOUCH_PLUS || profile == HAND_INTERACTION {
         return Status::SUCCESS;
     }
     call_next!(

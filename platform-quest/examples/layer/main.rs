@@ -33,7 +33,8 @@ use sys::{Result as Status, pfn};
 use folder::log_line;
 
 /// The extensions that the layer implements itself, as its manifest says.
-const OWN_EXTENSIONS: [&CStr; 8] = [
+const OWN_EXTENSIONS: [&CStr; 9] = [
+    c"XR_EXT_hand_interaction",
     c"XR_EXT_performance_settings",
     c"XR_EXT_user_presence",
     c"XR_FB_foveation",

@@ -1,30 +1,23 @@
-//! Controllers by OpenXR's actions: poses, buttons and haptics, bound for each interaction profile.
+//! Controllers by OpenXR's actions: poses, buttons and haptics. A runtime may have bare hands drive them, too.
 
 use openxr as xr;
+use paros_core::internals::RoomPose;
 use paros_core::session::buttons;
 use paros_shell::headset::hand_sample::HandSample;
 use paros_shell::headset::haptics::HapticChange;
 
 use super::convert_location;
+use super::profiles::SuggestedProfiles;
 use crate::error::{CallContext, Error};
 
 /// The action set of the studio, and the action spaces of both hands.
 pub(crate) struct ControllerActions {
     set: xr::ActionSet,
     hands: [HandSpaces; 2],
-    trigger: xr::Action<f32>,
-    squeeze: xr::Action<f32>,
-    stick: xr::Action<xr::Vector2f>,
-    buttons: [(xr::Action<bool>, u8); 3],
-    menu: xr::Action<bool>,
-    haptic: xr::Action<xr::Haptic>,
-    /// How many interaction profiles the runtime has accepted bindings for.
-    pub(crate) profiles: u32,
+    actions: ActionHandles,
+    /// The interaction profiles that bindings were suggested for.
+    pub(crate) profiles: SuggestedProfiles,
 }
-
-/// The line for the log where the runtime accepts no interaction profile.
-pub(crate) const NO_PROFILE: &str =
-    "the OpenXR runtime takes no profile of controllers, expected Touch, Touch Plus or simple ones";
 
 struct HandSpaces {
     path: xr::Path,
@@ -32,13 +25,21 @@ struct HandSpaces {
     grip: xr::Space,
 }
 
-/// The pose actions, which the action spaces are made from.
-struct PoseActions {
-    aim: xr::Action<xr::Posef>,
-    grip: xr::Action<xr::Posef>,
+/// All actions.
+pub(super) struct ActionHandles {
+    pub(super) aim: xr::Action<xr::Posef>,
+    pub(super) grip: xr::Action<xr::Posef>,
+    pub(super) trigger: xr::Action<f32>,
+    pub(super) squeeze: xr::Action<f32>,
+    pub(super) stick: xr::Action<xr::Vector2f>,
+    pub(super) undo: xr::Action<bool>,
+    pub(super) redo: xr::Action<bool>,
+    pub(super) mirror: xr::Action<bool>,
+    pub(super) menu: xr::Action<bool>,
+    pub(super) haptic: xr::Action<xr::Haptic>,
 }
 
-const HANDS: [&str; 2] = ["/user/hand/left", "/user/hand/right"];
+pub(super) const HANDS: [&str; 2] = ["/user/hand/left", "/user/hand/right"];
 
 impl ControllerActions {
     /// Creates the actions, suggests all bindings, and attaches the action set to a session.
@@ -54,94 +55,34 @@ impl ControllerActions {
         let set = instance.create_action_set("sculpting", "Sculpting", 0).could_not(purpose)?;
         let path = |hand: &str| instance.string_to_path(hand).could_not("name a hand");
         let paths = [path(HANDS[0])?, path(HANDS[1])?];
-        let poses = PoseActions {
-            aim: set.create_action("aim", "Where the hand points", &paths).could_not(purpose)?,
-            grip: set.create_action("grip", "Where the tool is held", &paths).could_not(purpose)?,
-        };
         let button =
             |name, words| set.create_action::<bool>(name, words, &paths).could_not(purpose);
+        let actions = ActionHandles {
+            aim: set.create_action("aim", "Where the hand points", &paths).could_not(purpose)?,
+            grip: set.create_action("grip", "Where the tool is held", &paths).could_not(purpose)?,
+            trigger: set.create_action("run", "Run the tool", &paths).could_not(purpose)?,
+            squeeze: set.create_action("take", "Take and let go", &paths).could_not(purpose)?,
+            stick: set.create_action("turn", "Turn the stool", &paths).could_not(purpose)?,
+            undo: button("undo", "Undo")?,
+            redo: button("redo", "Redo")?,
+            mirror: button("mirror", "Mirror")?,
+            menu: button("menu", "Finish, if held")?,
+            haptic: set.create_action("feel", "Feel the stone", &paths).could_not(purpose)?,
+        };
         let space = |action: &xr::Action<xr::Posef>, path| {
             action.create_space(session, path, xr::Posef::IDENTITY).could_not("make a hand's space")
         };
         let hand = |path| -> Result<HandSpaces, Error> {
-            Ok(HandSpaces { path, aim: space(&poses.aim, path)?, grip: space(&poses.grip, path)? })
+            Ok(HandSpaces {
+                path,
+                aim: space(&actions.aim, path)?,
+                grip: space(&actions.grip, path)?,
+            })
         };
-        let mut actions = ControllerActions {
-            hands: [hand(paths[0])?, hand(paths[1])?],
-            trigger: set.create_action("run", "Run the tool", &paths).could_not(purpose)?,
-            squeeze: set.create_action("take", "Take and let go", &paths).could_not(purpose)?,
-            stick: set.create_action("turn", "Turn the stool", &paths).could_not(purpose)?,
-            buttons: [
-                (button("undo", "Undo")?, buttons::LOWER),
-                (button("redo", "Redo")?, buttons::UPPER),
-                (button("mirror", "Mirror")?, buttons::STICK),
-            ],
-            menu: button("menu", "Finish, if held")?,
-            haptic: set.create_action("feel", "Feel the stone", &paths).could_not(purpose)?,
-            profiles: 0,
-            set,
-        };
-        actions.profiles =
-            actions.suggest_bindings_and_count_accepted(instance, &poses, extensions)?;
-        session.attach_action_sets(&[&actions.set]).could_not("attach the actions")?;
-        Ok(actions)
-    }
-
-    /// Suggests bindings for all interaction profiles; one that the runtime doesn't know is passed over.
-    /// Returns how many are accepted.
-    fn suggest_bindings_and_count_accepted(
-        &self,
-        instance: &xr::Instance,
-        poses: &PoseActions,
-        extensions: &xr::ExtensionSet,
-    ) -> Result<u32, Error> {
-        let mut known = 0;
-        for (profile, offered) in
-            [(TOUCH, true), (TOUCH_PLUS, extensions.meta_touch_controller_plus), (SIMPLE, true)]
-        {
-            if !offered {
-                continue;
-            }
-            let mut list = BindingList { instance, bindings: Vec::new() };
-            list.bind_poses(poses)?;
-            match profile {
-                SIMPLE => self.bind_buttons_of_simple(&mut list)?,
-                _ => self.bind_touch(&mut list)?,
-            }
-            let path = instance.string_to_path(profile).could_not("name a profile")?;
-            let suggest = instance.suggest_interaction_profile_bindings(path, &list.bindings);
-            known += u32::from(suggest.is_ok());
-        }
-        Ok(known)
-    }
-
-    fn bind_touch<'a>(&'a self, list: &mut BindingList<'a>) -> Result<(), Error> {
-        for hand in HANDS {
-            list.bind(&self.trigger, hand, "input/trigger/value")?;
-            list.bind(&self.squeeze, hand, "input/squeeze/value")?;
-            list.bind(&self.stick, hand, "input/thumbstick")?;
-            list.bind(&self.buttons[2].0, hand, "input/thumbstick/click")?;
-            list.bind(&self.haptic, hand, "output/haptic")?;
-        }
-        let [left, right] = HANDS;
-        for (hand, [lower, upper]) in [
-            (left, ["input/x/click", "input/y/click"]),
-            (right, ["input/a/click", "input/b/click"]),
-        ] {
-            list.bind(&self.buttons[0].0, hand, lower)?;
-            list.bind(&self.buttons[1].0, hand, upper)?;
-        }
-        list.bind(&self.menu, left, "input/menu/click")
-    }
-
-    /// The simple controller has two buttons: one runs the tool, the other takes it. Enough to sculpt.
-    fn bind_buttons_of_simple<'a>(&'a self, list: &mut BindingList<'a>) -> Result<(), Error> {
-        for hand in HANDS {
-            list.bind(&self.trigger, hand, "input/select/click")?;
-            list.bind(&self.squeeze, hand, "input/menu/click")?;
-            list.bind(&self.haptic, hand, "output/haptic")?;
-        }
-        Ok(())
+        let hands = [hand(paths[0])?, hand(paths[1])?];
+        let profiles = SuggestedProfiles::suggest(instance, &actions, extensions)?;
+        session.attach_action_sets(&[&set]).could_not("attach the actions")?;
+        Ok(ControllerActions { set, hands, actions, profiles })
     }
 
     /// Updates the state of all actions (`xrSyncActions`).
@@ -167,17 +108,22 @@ impl ControllerActions {
         let purpose = "ask a controller";
         let path = self.hands[hand].path;
         let value = |action: &xr::Action<f32>| action.state(session, path).could_not(purpose);
-        let stick = self.stick.state(session, path).could_not(purpose)?.current_state;
+        let actions = &self.actions;
+        let stick = actions.stick.state(session, path).could_not(purpose)?.current_state;
         let mut pressed = 0;
-        for (action, bit) in &self.buttons {
+        for (action, bit) in [
+            (&actions.undo, buttons::LOWER),
+            (&actions.redo, buttons::UPPER),
+            (&actions.mirror, buttons::STICK),
+        ] {
             let state = action.state(session, path).could_not(purpose)?;
-            pressed |= if state.current_state { *bit } else { 0 };
+            pressed |= if state.current_state { bit } else { 0 };
         }
         Ok(HandSample {
             aim: locate_tracked(&self.hands[hand].aim, room, time)?,
             grip: locate_tracked(&self.hands[hand].grip, room, time)?,
-            trigger: value(&self.trigger)?.current_state,
-            squeeze: value(&self.squeeze)?.current_state,
+            trigger: value(&actions.trigger)?.current_state,
+            squeeze: value(&actions.squeeze)?.current_state,
             stick: [stick.x, stick.y],
             buttons: pressed,
         })
@@ -192,7 +138,7 @@ impl ControllerActions {
         room: &xr::Space,
         hand: usize,
         time: xr::Time,
-    ) -> Result<Option<paros_core::internals::RoomPose>, Error> {
+    ) -> Result<Option<RoomPose>, Error> {
         locate_tracked(&self.hands[hand].grip, room, time)
     }
 
@@ -201,7 +147,8 @@ impl ControllerActions {
     /// # Errors
     /// A lost session.
     pub(crate) fn is_menu_down(&self, session: &xr::Session<xr::Vulkan>) -> Result<bool, Error> {
-        let state = self.menu.state(session, xr::Path::NULL).could_not("ask a controller")?;
+        let state =
+            self.actions.menu.state(session, xr::Path::NULL).could_not("ask a controller")?;
         Ok(state.current_state)
     }
 
@@ -219,7 +166,11 @@ impl ControllerActions {
         let pulse = match change {
             HapticChange::None => return Ok(()),
             HapticChange::Stop => {
-                return self.haptic.stop_feedback(session, path).could_not("end a vibration");
+                return self
+                    .actions
+                    .haptic
+                    .stop_feedback(session, path)
+                    .could_not("end a vibration");
             }
             HapticChange::Begin(pulse) => pulse,
         };
@@ -227,38 +178,7 @@ impl ControllerActions {
             .amplitude(pulse.amplitude)
             .frequency(pulse.frequency_hz)
             .duration(xr::Duration::from_nanos(pulse.nanos));
-        self.haptic.apply_feedback(session, path, &event).could_not("vibrate")
-    }
-}
-
-const TOUCH: &str = "/interaction_profiles/oculus/touch_controller";
-const TOUCH_PLUS: &str = "/interaction_profiles/meta/touch_controller_plus";
-const SIMPLE: &str = "/interaction_profiles/khr/simple_controller";
-
-/// The suggested bindings of an interaction profile.
-struct BindingList<'a> {
-    instance: &'a xr::Instance,
-    bindings: Vec<xr::Binding<'a>>,
-}
-
-impl<'a> BindingList<'a> {
-    fn bind<T: xr::ActionTy>(
-        &mut self,
-        action: &'a xr::Action<T>,
-        hand_path: &str,
-        component_path: &str,
-    ) -> Result<(), Error> {
-        let path = self.instance.string_to_path(&format!("{hand_path}/{component_path}"));
-        self.bindings.push(xr::Binding::new(action, path.could_not("name a button")?));
-        Ok(())
-    }
-
-    fn bind_poses(&mut self, poses: &'a PoseActions) -> Result<(), Error> {
-        for hand in HANDS {
-            self.bind(&poses.aim, hand, "input/aim/pose")?;
-            self.bind(&poses.grip, hand, "input/grip/pose")?;
-        }
-        Ok(())
+        self.actions.haptic.apply_feedback(session, path, &event).could_not("vibrate")
     }
 }
 
@@ -266,7 +186,7 @@ fn locate_tracked(
     space: &xr::Space,
     room: &xr::Space,
     time: xr::Time,
-) -> Result<Option<paros_core::internals::RoomPose>, Error> {
+) -> Result<Option<RoomPose>, Error> {
     let location = space.locate(room, time).could_not("find a hand")?;
     Ok(convert_location(location.location_flags, location.pose).if_tracked())
 }

@@ -171,11 +171,13 @@ fn wanted_extensions(options: &ShellOptions) -> xr::ExtensionSet {
     let mut wanted: xr::ExtensionSet = [THREAD_SETTINGS].into_iter().collect();
     wanted.khr_vulkan_enable2 = true;
     wanted.khr_composition_layer_depth = options.submit_depth;
+    wanted.ext_hand_interaction = true;
     wanted.ext_hand_tracking = true;
     wanted.ext_local_floor = true;
     wanted.ext_user_presence = true;
     wanted.ext_performance_settings = true;
     wanted.fb_display_refresh_rate = true;
+    wanted.fb_touch_controller_pro = true;
     wanted.meta_touch_controller_plus = true;
     if options.foveation != Some(FoveationLevel::Off) {
         wanted.fb_foveation = true;

@@ -7,13 +7,15 @@ mod actions;
 mod eyes;
 mod hand_tracking;
 mod instance;
+mod profiles;
 mod session;
 mod swapchain;
 
-pub(crate) use actions::{ControllerActions, NO_PROFILE};
+pub(crate) use actions::ControllerActions;
 pub(crate) use eyes::{EyeImages, EyeTargets, FrameCapture};
 pub(crate) use hand_tracking::HandTrackers;
 pub(crate) use instance::Runtime;
+pub(crate) use profiles::NO_PROFILE;
 pub(crate) use session::HeadsetSession;
 
 use glam::{Quat, Vec3};

@@ -59,7 +59,7 @@ impl HeadsetSession {
         let head = space(xr::ReferenceSpaceType::VIEW).could_not("make a space")?;
         let actions = ControllerActions::create(&runtime.instance, &raw, &runtime.extensions)?;
         let hand_trackers = HandTrackers::create(runtime, &raw);
-        if actions.profiles == 0 && hand_trackers.is_none() {
+        if actions.profiles.accepted == 0 && hand_trackers.is_none() {
             let why = format!("{NO_PROFILE}, and tracks no bare hands: choose another runtime");
             return Err(Error::Unavailable(why));
         }

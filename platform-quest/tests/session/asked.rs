@@ -3,10 +3,12 @@
 use std::collections::BTreeSet;
 use std::fs;
 
+use paros_core::session::Tool;
 use paros_shell::require::require_or_skip;
 
 use super::layered::{assert_no_violations, find_example, read_log};
 use super::monado::{MonadoService, MonadoTree, ShellEnd, ShellProcess};
+use super::{hands_at_rest, take_tool};
 
 /// An interaction profile's path, and its bindings: action, component path, and hands.
 type BoundProfile = (&'static str, &'static [(&'static str, &'static str, BoundHands)]);
@@ -19,7 +21,7 @@ enum BoundHands {
 }
 use BoundHands::{Both, Left, Right};
 
-/// Touch and Touch Plus have these alike.
+/// All kinds of Touch have these alike.
 const TOUCH: &[(&str, &str, BoundHands)] = &[
     ("aim", "input/aim/pose", Both),
     ("grip", "input/grip/pose", Both),
@@ -35,11 +37,27 @@ const TOUCH: &[(&str, &str, BoundHands)] = &[
     ("menu", "input/menu/click", Left),
 ];
 
-/// As OpenXR 1.1 names profiles and components: "Interaction Profile Paths", the extension
-/// `XR_META_touch_controller_plus`, and `xr.xml`. The right Touch's menu button is the system's.
-const PROFILES: [BoundProfile; 3] = [
+/// As OpenXR 1.1 names profiles and components: "Interaction Profile Paths", the extensions
+/// `XR_META_touch_controller_plus`, `XR_FB_touch_controller_pro` and `XR_EXT_hand_interaction`, and `xr.xml`. The
+/// right Touch's menu button is the system's; an Index has no other than the system's.
+const PROFILES: [BoundProfile; 6] = [
     ("/interaction_profiles/oculus/touch_controller", TOUCH),
     ("/interaction_profiles/meta/touch_controller_plus", TOUCH),
+    ("/interaction_profiles/facebook/touch_controller_pro", TOUCH),
+    (
+        "/interaction_profiles/valve/index_controller",
+        &[
+            ("aim", "input/aim/pose", Both),
+            ("grip", "input/grip/pose", Both),
+            ("run", "input/trigger/value", Both),
+            ("take", "input/squeeze/value", Both),
+            ("turn", "input/thumbstick", Both),
+            ("mirror", "input/thumbstick/click", Both),
+            ("feel", "output/haptic", Both),
+            ("undo", "input/a/click", Both),
+            ("redo", "input/b/click", Both),
+        ],
+    ),
     (
         "/interaction_profiles/khr/simple_controller",
         &[
@@ -48,6 +66,15 @@ const PROFILES: [BoundProfile; 3] = [
             ("run", "input/select/click", Both),
             ("take", "input/menu/click", Both),
             ("feel", "output/haptic", Both),
+        ],
+    ),
+    (
+        "/interaction_profiles/ext/hand_interaction_ext",
+        &[
+            ("aim", "input/aim/pose", Both),
+            ("grip", "input/grip/pose", Both),
+            ("run", "input/pinch_ext/value", Both),
+            ("take", "input/grasp_ext/value", Both),
         ],
     ),
 ];
@@ -80,7 +107,7 @@ fn controllers_are_bound_as_openxr_names_them() {
     let Some(layer) = require_or_skip(find_example("liblayer.so")).unwrap() else { return };
     let monado = MonadoService::start(&tree, "bound");
     let errors = seen(monado.start_layered_shell(&layer, &[]));
-    assert!(!errors.contains("no profile"), "{errors}");
+    assert!(!errors.contains("no profile") && !errors.contains("refuses"), "{errors}");
     let log = read_log(&monado);
     let mut expected = BTreeSet::new();
     for (profile, bindings) in PROFILES {
@@ -99,6 +126,32 @@ fn controllers_are_bound_as_openxr_names_them() {
     let actions = ACTIONS.into_iter().chain([("feel", "VIBRATION_OUTPUT")]);
     let actions = actions.map(|(name, kind)| format!("action {name} {kind}")).collect();
     assert_eq!(log_entries(&log, "action "), actions);
+    assert_no_violations(&log);
+}
+
+#[test]
+fn a_refused_profile_costs_no_other() {
+    let Some(tree) = require_or_skip(MonadoTree::find()).unwrap() else { return };
+    let Some(layer) = require_or_skip(find_example("liblayer.so")).unwrap() else { return };
+    let monado = MonadoService::start(&tree, "refused-profile");
+    let mut hands = hands_at_rest(&monado);
+    let refused = "/interaction_profiles/facebook/touch_controller_pro";
+    let mut shell = {
+        let command = monado.layered_command(&layer, &[]);
+        fs::write(monado.folder.join("layer/refuse-profiles"), refused).expect("a wish");
+        ShellProcess::start(command)
+    };
+    shell.wait_until("a session", |said| said.field("session") == "Sculpting");
+    take_tool(&mut hands, &mut shell, Tool::Rotary);
+    let ShellEnd { code, errors } = shell.quit();
+    assert_eq!(code, Some(0), "{errors}");
+    let line =
+        format!("paros-quest: the OpenXR runtime refuses {refused}: ERROR_PATH_UNSUPPORTED\n");
+    assert!(errors.contains(&line) && errors.matches("refuses").count() == 1, "{errors}");
+    let log = read_log(&monado);
+    for (profile, _) in PROFILES {
+        assert!(log.contains(&format!("bind {profile} ")), "{profile}: {log}");
+    }
     assert_no_violations(&log);
 }
 

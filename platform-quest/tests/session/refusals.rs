@@ -63,7 +63,7 @@ fn what_is_refused_is_said_and_loses_nothing() {
     let SavedSession { tick, digest, .. } = saved;
     let goes_on = format!("a session goes on from tick {tick}, digest {digest:016x}\n");
     assert!(errors.contains(&goes_on), "{goes_on} in: {errors}");
-    assert!(errors.contains("or simple ones: bare hands sculpt\n"), "{errors}");
+    assert!(errors.contains("or hands' interaction: bare hands sculpt\n"), "{errors}");
     let log = read_log(&monado);
     assert!(!log.contains("violation"), "{log}");
 }

@@ -156,6 +156,7 @@ impl MonadoService {
             r#"{{"file_format_version": "1.0.0", "api_layer": {{"name": "XR_APILAYER_PAROS_tests",
             "library_path": "{}", "api_version": "1.0", "implementation_version": "1",
             "description": "Paros' tests", "instance_extensions": [
+            {{"name": "XR_EXT_hand_interaction", "extension_version": "2"}},
             {{"name": "XR_EXT_performance_settings", "extension_version": "4"}},
             {{"name": "XR_EXT_user_presence", "extension_version": "1"}},
             {{"name": "XR_FB_foveation", "extension_version": "1"}},

@@ -1,0 +1,160 @@
+//! Interaction profiles: which controllers and hands the actions are bound to.
+
+use openxr as xr;
+
+use super::actions::{ActionHandles, HANDS};
+use crate::error::{CallContext, Error};
+
+/// The line for the log where the runtime accepts no interaction profile.
+pub(crate) const NO_PROFILE: &str = "the OpenXR runtime takes no profile of controllers, expected Touch, \
+     Touch Plus, Touch Pro, Index or simple ones, or hands' interaction";
+
+/// The interaction profiles that bindings were suggested for.
+pub(crate) struct SuggestedProfiles {
+    /// How many of them the runtime has accepted.
+    pub(crate) accepted: u32,
+    /// A line for the log for each one that it has refused.
+    pub(crate) refusals: Vec<String>,
+}
+
+/// The components that a profile has.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum ProfileLayout {
+    /// `oculus/touch_controller`, and what has all that it has.
+    Touch,
+    Index,
+    Simple,
+    HandInteraction,
+}
+
+/// A profile's path, the extension that brings it, and its components.
+type Profile = (&'static str, fn(&xr::ExtensionSet) -> bool, ProfileLayout);
+
+const PROFILES: [Profile; 6] = [
+    ("/interaction_profiles/oculus/touch_controller", |_| true, ProfileLayout::Touch),
+    (
+        "/interaction_profiles/meta/touch_controller_plus",
+        |enabled| enabled.meta_touch_controller_plus,
+        ProfileLayout::Touch,
+    ),
+    (
+        "/interaction_profiles/facebook/touch_controller_pro",
+        |enabled| enabled.fb_touch_controller_pro,
+        ProfileLayout::Touch,
+    ),
+    ("/interaction_profiles/valve/index_controller", |_| true, ProfileLayout::Index),
+    ("/interaction_profiles/khr/simple_controller", |_| true, ProfileLayout::Simple),
+    (
+        "/interaction_profiles/ext/hand_interaction_ext",
+        |enabled| enabled.ext_hand_interaction,
+        ProfileLayout::HandInteraction,
+    ),
+];
+
+impl SuggestedProfiles {
+    /// Suggests bindings for each profile that the enabled extensions have. One that the runtime refuses is
+    /// passed over.
+    ///
+    /// # Errors
+    /// A path that can't be made.
+    pub(super) fn suggest(
+        instance: &xr::Instance,
+        actions: &ActionHandles,
+        enabled: &xr::ExtensionSet,
+    ) -> Result<Self, Error> {
+        let path = |profile| instance.string_to_path(profile).could_not("name a profile");
+        let (mut accepted, mut refusals) = (0, Vec::new());
+        for (profile, is_enabled, layout) in PROFILES {
+            if !is_enabled(enabled) {
+                continue;
+            }
+            let mut list = BindingList { instance, bindings: Vec::new() };
+            list.bind_profile(actions, layout)?;
+            match instance.suggest_interaction_profile_bindings(path(profile)?, &list.bindings) {
+                Ok(()) => accepted += 1,
+                Err(why) => {
+                    refusals.push(format!("the OpenXR runtime refuses {profile}: {why:?}"));
+                }
+            }
+        }
+        Ok(SuggestedProfiles { accepted, refusals })
+    }
+}
+
+/// The suggested bindings of an interaction profile.
+struct BindingList<'a> {
+    instance: &'a xr::Instance,
+    bindings: Vec<xr::Binding<'a>>,
+}
+
+impl<'a> BindingList<'a> {
+    fn bind_profile(
+        &mut self,
+        actions: &'a ActionHandles,
+        layout: ProfileLayout,
+    ) -> Result<(), Error> {
+        // The simple controller has two buttons: one runs the tool, the other takes it. Enough to sculpt.
+        let [run, take] = match layout {
+            ProfileLayout::Touch | ProfileLayout::Index => {
+                ["input/trigger/value", "input/squeeze/value"]
+            }
+            ProfileLayout::Simple => ["input/select/click", "input/menu/click"],
+            ProfileLayout::HandInteraction => ["input/pinch_ext/value", "input/grasp_ext/value"],
+        };
+        for hand in HANDS {
+            self.bind(&actions.aim, hand, "input/aim/pose")?;
+            self.bind(&actions.grip, hand, "input/grip/pose")?;
+            self.bind(&actions.trigger, hand, run)?;
+            self.bind(&actions.squeeze, hand, take)?;
+            if layout != ProfileLayout::HandInteraction {
+                self.bind(&actions.haptic, hand, "output/haptic")?;
+            }
+        }
+        match layout {
+            ProfileLayout::Touch => {
+                self.bind_sticks(actions)?;
+                self.bind_buttons(actions, ["x", "y"], ["a", "b"])?;
+                // The right one's menu button is the system's; an Index has no other than the system's.
+                self.bind(&actions.menu, HANDS[0], "input/menu/click")
+            }
+            ProfileLayout::Index => {
+                self.bind_sticks(actions)?;
+                self.bind_buttons(actions, ["a", "b"], ["a", "b"])
+            }
+            ProfileLayout::Simple | ProfileLayout::HandInteraction => Ok(()),
+        }
+    }
+
+    fn bind_sticks(&mut self, actions: &'a ActionHandles) -> Result<(), Error> {
+        for hand in HANDS {
+            self.bind(&actions.stick, hand, "input/thumbstick")?;
+            self.bind(&actions.mirror, hand, "input/thumbstick/click")?;
+        }
+        Ok(())
+    }
+
+    /// Binds the lower and the upper button of the left and the right hand.
+    fn bind_buttons(
+        &mut self,
+        actions: &'a ActionHandles,
+        left: [&str; 2],
+        right: [&str; 2],
+    ) -> Result<(), Error> {
+        for (hand, [lower, upper]) in HANDS.into_iter().zip([left, right]) {
+            self.bind(&actions.undo, hand, &format!("input/{lower}/click"))?;
+            self.bind(&actions.redo, hand, &format!("input/{upper}/click"))?;
+        }
+        Ok(())
+    }
+
+    fn bind<T: xr::ActionTy>(
+        &mut self,
+        action: &'a xr::Action<T>,
+        hand_path: &str,
+        component_path: &str,
+    ) -> Result<(), Error> {
+        let path = self.instance.string_to_path(&format!("{hand_path}/{component_path}"));
+        self.bindings.push(xr::Binding::new(action, path.could_not("name a button")?));
+        Ok(())
+    }
+}
