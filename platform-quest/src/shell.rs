@@ -16,6 +16,7 @@ use paros_core::volume::{Grid, Size};
 use paros_shaders::{gpu, render_portrait_png};
 use paros_shell::headset::device_health::{DeviceHealth, ThermalState};
 use paros_shell::headset::frame_pacer::FramePacer;
+use paros_shell::headset::hand_reader::HandReader;
 use paros_shell::headset::haptics::FrameHaptics;
 use paros_shell::headset::recentering::PendingRecentering;
 use paros_shell::headset::visit::VisitPolicy;
@@ -62,6 +63,7 @@ where
     phase: SessionPhase,
     pacer: FramePacer,
     recentering: PendingRecentering,
+    hand_readers: [HandReader; 2],
     haptics: FrameHaptics,
     /// The thermal state that the runtime notified; the operating system may report a hotter one.
     runtime_thermal: ThermalState,
@@ -160,6 +162,7 @@ where
             phase: SessionPhase::default(),
             pacer: FramePacer::default(),
             recentering: PendingRecentering::default(),
+            hand_readers: [HandReader::default(); 2],
             haptics: FrameHaptics::default(),
             runtime_thermal: ThermalState::default(),
             health: DeviceHealth::default(),
@@ -226,6 +229,7 @@ where
         let (runtime, device) = (&resources.runtime.name, &resources.gpu.name);
         platform.log(format_args!("{runtime}, drawn by {device}"));
         self.phase = SessionPhase::default();
+        self.hand_readers = [HandReader::default(); 2];
         self.pacer.pause();
         // Whatever ends the session, the next start finds the compiled programs.
         self.submit_changed_pipeline_cache_between_frames(&mut resources);

@@ -168,6 +168,7 @@ functions! {
         b"xrGetActionStateBoolean": GetActionStateBoolean,
         b"xrGetActionStateFloat": GetActionStateFloat,
         b"xrGetActionStateVector2f": GetActionStateVector2f,
+        b"xrGetCurrentInteractionProfile": GetCurrentInteractionProfile,
         b"xrApplyHapticFeedback": ApplyHapticFeedback,;
     vulkan:
         wait_for_fences(_, _, _, _, _),

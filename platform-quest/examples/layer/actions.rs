@@ -1,5 +1,5 @@
 //! Logs the shell's actions and the bindings that it suggests for each interaction profile. Suggestions for the
-//! Touch Plus, which Monado does not know, and for hands, which the layer has itself, end here. Profiles whose
+//! Touch Plus, which Monado does not know, and for hands, which `hands` imitates, end here. Profiles whose
 //! paths stand in a file `refuse-profiles` are refused.
 
 use std::ffi::{CStr, c_char};
@@ -12,17 +12,32 @@ use sys::{Handle, Result as Status, pfn};
 use super::chain::call_next;
 use super::folder::{layer_folder, log_line};
 
-const HAND_INTERACTION: &str = "/interaction_profiles/ext/hand_interaction_ext";
+pub(crate) const HAND_INTERACTION: &str = "/interaction_profiles/ext/hand_interaction_ext";
 const TOUCH_PLUS: &str = "/interaction_profiles/meta/touch_controller_plus";
 
 /// The actions that were made, with their names.
 static ACTIONS: Mutex<Vec<(u64, String)>> = Mutex::new(Vec::new());
 
+/// The profiles that bindings were last accepted for.
+static ACCEPTED: Mutex<Vec<String>> = Mutex::new(Vec::new());
+
 /// The name of an action.
-fn name_action(action: sys::Action) -> String {
+pub(crate) fn name_action(action: sys::Action) -> String {
     let actions = ACTIONS.lock().expect("no holder panics");
     let named = actions.iter().rfind(|(handle, _)| *handle == action.into_raw());
     named.map_or("?", |(_, name)| name).to_owned()
+}
+
+/// The action of a name that was made last.
+pub(crate) fn find_action(name: &str) -> sys::Action {
+    let actions = ACTIONS.lock().expect("no holder panics");
+    let found = actions.iter().rfind(|(_, named)| named == name);
+    found.map_or(sys::Action::NULL, |(handle, _)| sys::Action::from_raw(*handle))
+}
+
+/// Whether bindings were accepted for a profile.
+pub(crate) fn is_accepted(profile: &str) -> bool {
+    ACCEPTED.lock().expect("no holder panics").iter().any(|accepted| accepted == profile)
 }
 
 /// Logs `action NAME TYPE`.
@@ -62,19 +77,25 @@ pub(crate) unsafe extern "system" fn suggest_bindings(
         log_line(&format!("bind {profile} {} {name}", path_text(instance, binding.binding)));
     }
     let refused = fs::read_to_string(layer_folder().join("refuse-profiles")).unwrap_or_default();
-    if refused.split_whitespace().any(|refused| refused == profile) {
-        return Status::ERROR_PATH_UNSUPPORTED;
+    let done = if refused.split_whitespace().any(|refused| refused == profile) {
+        Status::ERROR_PATH_UNSUPPORTED
+    } else if profile == TOUCH_PLUS || profile == HAND_INTERACTION {
+        Status::SUCCESS
+    } else {
+        call_next!(
+            c"xrSuggestInteractionProfileBindings": SuggestInteractionProfileBindings, instance, info
+        )
+    };
+    let mut accepted = ACCEPTED.lock().expect("no holder panics");
+    accepted.retain(|accepted| *accepted != profile);
+    if done == Status::SUCCESS {
+        accepted.push(profile);
     }
-    if profile == TOUCH_PLUS || profile == HAND_INTERACTION {
-        return Status::SUCCESS;
-    }
-    call_next!(
-        c"xrSuggestInteractionProfileBindings": SuggestInteractionProfileBindings, instance, info
-    )
+    done
 }
 
 /// A path's text.
-fn path_text(instance: sys::Instance, path: sys::Path) -> String {
+pub(crate) fn path_text(instance: sys::Instance, path: sys::Path) -> String {
     let mut text: [c_char; sys::MAX_PATH_LENGTH] = [0; _];
     let (capacity, mut count) = (text.len() as u32, 0);
     let (to, count) = (text.as_mut_ptr(), &raw mut count);

@@ -8,7 +8,7 @@ use sys::{Result as Status, pfn};
 
 use super::chain::call_next;
 use super::folder::{layer_folder, log_line};
-use super::{actions, events, formats, foveation, spaces, threads};
+use super::{actions, events, formats, foveation, hands, spaces, threads};
 
 /// Where a session and its frame stand.
 struct FrameLoopState {
@@ -68,6 +68,13 @@ pub(crate) fn find_hook(name: &str) -> Option<pfn::VoidFunction> {
         "xrEnumerateReferenceSpaces": EnumerateReferenceSpaces = spaces::enumerate_reference_spaces,
         "xrCreateReferenceSpace": CreateReferenceSpace = spaces::create_reference_space,
         "xrCreateAction": CreateAction = actions::create_action,
+        "xrCreateActionSpace": CreateActionSpace = hands::create_action_space,
+        "xrCreateHandTrackerEXT": CreateHandTrackerEXT = hands::create_hand_tracker,
+        "xrSyncActions": SyncActions = hands::sync_actions,
+        "xrGetCurrentInteractionProfile": GetCurrentInteractionProfile = hands::get_current_profile,
+        "xrGetActionStateFloat": GetActionStateFloat = hands::get_float,
+        "xrLocateSpace": LocateSpace = hands::locate_space,
+        "xrLocateHandJointsEXT": LocateHandJointsEXT = hands::locate_joints,
         "xrSuggestInteractionProfileBindings": SuggestInteractionProfileBindings = actions::suggest_bindings,
         "xrApplyHapticFeedback": ApplyHapticFeedback = apply_haptic_feedback,
         "xrStopHapticFeedback": StopHapticFeedback = stop_haptic_feedback,

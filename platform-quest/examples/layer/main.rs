@@ -10,7 +10,8 @@
 //! `inject` says, once: `presence 0`, `presence 1`, `heat`, `cool`, `lose session`, `lose instance`,
 //! or `fail`, which has the next frame's wait fail. Where a file `no-depth` stands, the runtime takes
 //! no pictures of depth; where `one-view` stands, its device has no multiview; `no-floor`, `no-stage`
-//! and `no-rates` take away spaces and rates. What a file `refuse` names is refused.
+//! and `no-rates` take away spaces and rates. What a file `refuse` names is refused. A file `hands` says
+//! whether the visitor's hands are bare.
 
 mod actions;
 mod chain;
@@ -20,6 +21,7 @@ mod events;
 mod folder;
 mod formats;
 mod foveation;
+mod hands;
 mod refusals;
 mod spaces;
 mod threads;

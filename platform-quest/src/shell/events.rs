@@ -119,6 +119,7 @@ where
         let held =
             [0, 1].map(|hand| world.held_tool(hand).map_or("nothing", |(_, bit)| bit.spec().name));
         let tracked = [0, 1].map(|hand| world.hand_state(hand).tracked);
+        let sources = self.hand_readers.map(|reader| reader.source());
         let phase = match self.phase {
             SessionPhase::Focused => "focused",
             SessionPhase::Visible => "seen",
@@ -130,7 +131,7 @@ where
         let _ = writeln!(
             out,
             "life {phase}; session {:?}; mode {:?}; voxels {}; holds {held:?}; tracked {tracked:?}; \
-             undo {undo}; redo {redo}; ticks {}; frames {}; dropped {}; digest {:016x}; \
+             sources {sources:?}; undo {undo}; redo {redo}; ticks {}; frames {}; dropped {}; digest {:016x}; \
              device {}; runtime {}; note {}",
             world.session_state(),
             world.mode(),

@@ -3,7 +3,6 @@
 use std::path::Path;
 
 use openxr as xr;
-use paros_core::internals::RoomPose;
 use paros_core::limits::INTERVALS;
 use paros_core::session::TICK_RATE;
 use paros_core::volume::{Grid, Size};
@@ -53,8 +52,13 @@ where
         let framebuffer = resources.eyes.acquire_framebuffer()?;
         let hands = self.phase.has_focus();
         let session = &resources.session;
-        let grips =
-            if hands { locate_left_and_right_grips(session, display_time)? } else { [None; 2] };
+        let mut grips = [None; 2];
+        if hands {
+            // Newer than any tick's.
+            for (hand, reader) in self.hand_readers.iter().enumerate() {
+                grips[hand] = session.locate_grip(hand, reader.source(), display_time)?;
+            }
+        }
         let time = (world.tick() as f64 + f64::from(self.tick_fraction)) / f64::from(TICK_RATE);
         let fresh = LatestInput {
             grips,
@@ -86,22 +90,6 @@ where
         let HeadsetSession { stream, room, .. } = &mut resources.session;
         resources.eyes.end_frame(stream, display_time, blend_mode, room, &[left.view, right.view])
     }
-}
-
-/// The grip poses at the display time, which are newer than any tick's.
-fn locate_left_and_right_grips(
-    session: &HeadsetSession,
-    display_time: xr::Time,
-) -> Result<[Option<RoomPose>; 2], Error> {
-    let mut grips = [None; 2];
-    for (hand, grip) in grips.iter_mut().enumerate() {
-        *grip = session.actions.locate_grip(&session.room, hand, display_time)?;
-        if let (None, Some(trackers)) = (&grip, &session.hand_trackers) {
-            let sample = trackers.sample_hand(&session.room, hand, display_time)?;
-            *grip = sample.and_then(|sample| sample.grip);
-        }
-    }
-    Ok(grips)
 }
 
 /// Writes both eyes' pictures to `PREFIX-left.png` and `PREFIX-right.png`.

@@ -3,11 +3,11 @@
 use std::time::Instant;
 
 use openxr as xr;
+use paros_core::TickInput;
 use paros_core::limits::INTERVALS;
 use paros_core::session::{PointerCommand, RawPose, SessionMode};
 use paros_core::volume::{Grid, Size};
-use paros_core::{HandInput, TickInput};
-use paros_shell::headset::hand_sample::HandSample;
+use paros_shell::headset::hand_reader::{HandProfile, HandReader};
 use paros_shell::headset::haptics::TickHaptics;
 use paros_shell::statics::Resident;
 use paros_shell::tick_runner::TickClock;
@@ -33,16 +33,17 @@ where
         self.tick_fraction = due.fraction;
         self.record_dropped_ticks(due.dropped, platform);
         let (session, has_focus) = (&resources.session, self.phase.has_focus());
-        let menu_down = if has_focus {
+        let (mut menu_down, mut profiles) = (false, [HandProfile::default(); 2]);
+        if has_focus {
             session.actions.sync_actions(&session.raw)?;
-            session.actions.is_menu_down(&session.raw)?
-        } else {
-            false
-        };
+            menu_down = session.actions.is_menu_down(&session.raw)?;
+            profiles = session.actions.current_profiles(&session.raw)?;
+        }
         for tick_time in due.tick_times_ns() {
             let jumped = self.recentering.take_change_due_at(tick_time);
-            let with_hands = has_focus && !jumped;
-            let mut input = read_tick_input(session, xr::Time::from_nanos(tick_time), with_hands)?;
+            let profiles = (has_focus && !jumped).then_some(profiles);
+            let tick_time = xr::Time::from_nanos(tick_time);
+            let mut input = read_tick_input(session, tick_time, profiles, &mut self.hand_readers)?;
             self.visit.add_session_start_or_finish(
                 self.studio.world().session_state(),
                 menu_down,
@@ -85,36 +86,25 @@ where
     }
 }
 
-/// Head and hands at a time, as the core takes them. Hands are left out without input focus.
+/// Head and hands at a time, as the core takes them. Without interaction profiles, as without input focus, hands
+/// are left out.
 fn read_tick_input(
     session: &HeadsetSession,
     tick_time: xr::Time,
-    include_hands: bool,
+    profiles: Option<[HandProfile; 2]>,
+    readers: &mut [HandReader; 2],
 ) -> Result<TickInput, Error> {
     let head = session.locate_head(tick_time)?;
     let head = head
         .map_or(RawPose::default(), |(position, rotation)| RawPose::quantise(position, rotation));
     let mut input = TickInput { head, ..TickInput::default() };
-    if include_hands {
-        for (hand, to) in input.hands.iter_mut().enumerate() {
-            *to = read_hand_input(session, hand, tick_time)?;
-        }
+    for (hand, reader) in readers.iter_mut().enumerate() {
+        let Some(profiles) = profiles else {
+            reader.skip_tick();
+            continue;
+        };
+        let report = session.report_hand(hand, profiles[hand], tick_time)?;
+        input.hands[hand] = reader.read_tick(&report).to_hand_input();
     }
     Ok(input)
-}
-
-/// A controller's input, or the tracked bare hand's where the controller is put down.
-fn read_hand_input(
-    session: &HeadsetSession,
-    hand: usize,
-    tick_time: xr::Time,
-) -> Result<HandInput, Error> {
-    let held = session.actions.sample_hand(&session.raw, &session.room, hand, tick_time)?;
-    let sample: HandSample = match &session.hand_trackers {
-        Some(trackers) if held.grip.is_none() => {
-            trackers.sample_hand(&session.room, hand, tick_time)?.unwrap_or(held)
-        }
-        _ => held,
-    };
-    Ok(sample.to_hand_input())
 }

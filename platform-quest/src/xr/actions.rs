@@ -3,6 +3,7 @@
 use openxr as xr;
 use paros_core::internals::RoomPose;
 use paros_core::session::buttons;
+use paros_shell::headset::hand_reader::HandProfile;
 use paros_shell::headset::hand_sample::HandSample;
 use paros_shell::headset::haptics::HapticChange;
 
@@ -91,6 +92,23 @@ impl ControllerActions {
     /// A lost session.
     pub(crate) fn sync_actions(&self, session: &xr::Session<xr::Vulkan>) -> Result<(), Error> {
         session.sync_actions(&[(&self.set).into()]).could_not("ask the controllers")
+    }
+
+    /// What both hands' current interaction profiles are about, which change with
+    /// [`ControllerActions::sync_actions`] alone.
+    ///
+    /// # Errors
+    /// A lost session.
+    pub(crate) fn current_profiles(
+        &self,
+        session: &xr::Session<xr::Vulkan>,
+    ) -> Result<[HandProfile; 2], Error> {
+        let mut profiles = [HandProfile::default(); 2];
+        for (profile, hand) in profiles.iter_mut().zip(&self.hands) {
+            let path = session.current_interaction_profile(hand.path);
+            *profile = self.profiles.classify(path.could_not("ask which controllers there are")?);
+        }
+        Ok(profiles)
     }
 
     /// Samples a hand's controller: its poses at a time, and its buttons as of the last

@@ -1,6 +1,7 @@
 //! Interaction profiles: which controllers and hands the actions are bound to.
 
 use openxr as xr;
+use paros_shell::headset::hand_reader::HandProfile;
 
 use super::actions::{ActionHandles, HANDS};
 use crate::error::{CallContext, Error};
@@ -15,6 +16,8 @@ pub(crate) struct SuggestedProfiles {
     pub(crate) accepted: u32,
     /// A line for the log for each one that it has refused.
     pub(crate) refusals: Vec<String>,
+    simple: xr::Path,
+    hand_interaction: xr::Path,
 }
 
 /// The components that a profile has.
@@ -30,6 +33,9 @@ enum ProfileLayout {
 /// A profile's path, the extension that brings it, and its components.
 type Profile = (&'static str, fn(&xr::ExtensionSet) -> bool, ProfileLayout);
 
+const SIMPLE: &str = "/interaction_profiles/khr/simple_controller";
+const HAND_INTERACTION: &str = "/interaction_profiles/ext/hand_interaction_ext";
+
 const PROFILES: [Profile; 6] = [
     ("/interaction_profiles/oculus/touch_controller", |_| true, ProfileLayout::Touch),
     (
@@ -43,12 +49,8 @@ const PROFILES: [Profile; 6] = [
         ProfileLayout::Touch,
     ),
     ("/interaction_profiles/valve/index_controller", |_| true, ProfileLayout::Index),
-    ("/interaction_profiles/khr/simple_controller", |_| true, ProfileLayout::Simple),
-    (
-        "/interaction_profiles/ext/hand_interaction_ext",
-        |enabled| enabled.ext_hand_interaction,
-        ProfileLayout::HandInteraction,
-    ),
+    (SIMPLE, |_| true, ProfileLayout::Simple),
+    (HAND_INTERACTION, |enabled| enabled.ext_hand_interaction, ProfileLayout::HandInteraction),
 ];
 
 impl SuggestedProfiles {
@@ -63,6 +65,7 @@ impl SuggestedProfiles {
         enabled: &xr::ExtensionSet,
     ) -> Result<Self, Error> {
         let path = |profile| instance.string_to_path(profile).could_not("name a profile");
+        let (simple, hand_interaction) = (path(SIMPLE)?, path(HAND_INTERACTION)?);
         let (mut accepted, mut refusals) = (0, Vec::new());
         for (profile, is_enabled, layout) in PROFILES {
             if !is_enabled(enabled) {
@@ -77,7 +80,16 @@ impl SuggestedProfiles {
                 }
             }
         }
-        Ok(SuggestedProfiles { accepted, refusals })
+        Ok(SuggestedProfiles { accepted, refusals, simple, hand_interaction })
+    }
+
+    /// What a hand's current profile is about.
+    pub(super) fn classify(&self, current: xr::Path) -> HandProfile {
+        match current {
+            path if path == self.simple => HandProfile::SimpleController,
+            path if path == self.hand_interaction => HandProfile::HandInteraction,
+            _ => HandProfile::Controller,
+        }
     }
 }
 

@@ -5,6 +5,8 @@ use glam::{Quat, Vec3};
 use openxr as xr;
 use paros_core::internals::RoomPose;
 use paros_shaders::gpu::{Eye, Fov, Gpu};
+use paros_shell::headset::hand_reader::{HandProfile, HandReport, HandSource};
+use paros_shell::headset::hand_sample::HandSample;
 
 use super::{
     ControllerActions, HandTrackers, NO_PROFILE, Runtime, VIEW_CONFIGURATION, convert_location,
@@ -142,6 +144,46 @@ impl HeadsetSession {
                 let _ = unsafe { set_type(self.raw.as_raw(), kind, thread) };
             }
         }
+    }
+
+    /// All that is known of a hand at a time, its actions as of the last sync.
+    ///
+    /// # Errors
+    /// A lost session.
+    pub(crate) fn report_hand(
+        &self,
+        hand: usize,
+        profile: HandProfile,
+        time: xr::Time,
+    ) -> Result<HandReport, Error> {
+        let actions = self.actions.sample_hand(&self.raw, &self.room, hand, time)?;
+        Ok(HandReport { profile, actions, joints: self.sample_joints(hand, time)? })
+    }
+
+    /// Locates a hand's grip at a time, as its source has it.
+    ///
+    /// # Errors
+    /// A lost session.
+    pub(crate) fn locate_grip(
+        &self,
+        hand: usize,
+        source: HandSource,
+        time: xr::Time,
+    ) -> Result<Option<RoomPose>, Error> {
+        match source {
+            HandSource::None => Ok(None),
+            HandSource::Controller | HandSource::HandInteraction => {
+                self.actions.locate_grip(&self.room, hand, time)
+            }
+            HandSource::Joints => {
+                Ok(self.sample_joints(hand, time)?.and_then(|sample| sample.grip))
+            }
+        }
+    }
+
+    fn sample_joints(&self, hand: usize, time: xr::Time) -> Result<Option<HandSample>, Error> {
+        let trackers = self.hand_trackers.as_ref();
+        trackers.map_or(Ok(None), |trackers| trackers.sample_hand(&self.room, hand, time))
     }
 
     /// Locates the head at a time.

@@ -5,6 +5,7 @@
 #![cfg(unix)]
 
 mod asked;
+mod bare_hands;
 mod foveation;
 mod frugal;
 mod handover;

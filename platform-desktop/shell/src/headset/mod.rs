@@ -5,6 +5,7 @@
 
 pub mod device_health;
 pub mod frame_pacer;
+pub mod hand_reader;
 pub mod hand_sample;
 pub mod haptics;
 pub mod package;
