@@ -1,5 +1,5 @@
-//! Policies of the headset that need no device: when ticks are due, what hands feel and do, who wears
-//! the headset, how hot it is, and what the app's package holds.
+//! Policies of the headset that need no device: when ticks are due, what hands are read from, feel and do, who
+//! wears the headset, how hot it is, and what the app's package holds.
 //! They take plain numbers and times, as a runtime or a device tells them, and give inputs and decisions.
 //! They know neither OpenXR nor Android.
 
