@@ -20,14 +20,15 @@ pub struct HeadsetArgs {
     /// Voxels along an edge: 128, or 256 for a fast machine.
     #[arg(long, default_value = "128", value_parser = GRID_SIDE_NAMES)]
     pub size: String,
-    /// One folder for sessions and sculptures, instead of the user's own.
+    /// One folder for sessions and sculptures, instead of the user's own. In it a session that is found after the
+    /// handover time, or another boot, is a former visitor's, and is finished.
     #[arg(long, value_name = "DIR")]
     pub folder: Option<PathBuf>,
     /// How sessions start: `free`, `creative`, or the name of a hidden figure.
     #[arg(long, default_value = "free", value_parser = parse_mode)]
     pub mode: SessionMode,
-    /// For how many seconds the headset must be off for who puts it on next to be another visitor:
-    /// the sculpture is finished and kept, and a new session starts.
+    /// For how many seconds the headset must be off, asleep or without motion for who uses it next to be another
+    /// visitor: the sculpture is finished and kept, and a new session starts.
     #[arg(long, value_name = "SECONDS", default_value_t = DEFAULT_HANDOVER.as_secs(),
         value_parser = parse_seconds)]
     pub handover: u64,

@@ -9,6 +9,7 @@
 #[cfg(target_os = "android")]
 mod android;
 pub mod arguments;
+mod boot_clock;
 pub mod device;
 pub mod error;
 pub mod foveation;

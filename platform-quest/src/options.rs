@@ -12,11 +12,12 @@ use crate::foveation::FoveationLevel;
 /// Options of a run.
 #[derive(Clone, PartialEq, Debug)]
 pub struct ShellOptions {
-    /// One folder for all files, instead of the user's own.
+    /// One folder for all files, instead of the user's own. With it the headset is one that visitors share: what they
+    /// left is finished where it can't be told that it is the same one's.
     pub folder: Option<PathBuf>,
     /// How sessions start.
     pub mode: SessionMode,
-    /// How long the headset must be off for whoever puts it on next to be another visitor.
+    /// How long the headset must be unused for whoever uses it next to be another visitor.
     pub handover_after: Duration,
     /// Where the session's trace is written; the session starts anew then.
     pub record: Option<PathBuf>,

@@ -1,12 +1,15 @@
 //! What the shell needs of the operating system beside the runtime: an OpenXR entry point, an instance,
-//! the device's health, a log.
+//! the device's health, its time, a log.
 
 use std::fmt;
 use std::io::{self, Write};
+use std::time::Duration;
 
 use openxr as xr;
 use paros_shell::headset::device_health::DeviceHealth;
+use paros_shell::headset::visit::BootId;
 
+use crate::boot_clock;
 use crate::error::Error;
 
 /// The operating system: Android, or anything else.
@@ -34,6 +37,16 @@ pub trait Platform {
     /// Polls the operating system; called in every frame, and often while no frames are made.
     fn poll_status(&mut self) -> PlatformStatus {
         PlatformStatus::default()
+    }
+
+    /// The time since the device booted, sleep included.
+    fn since_boot(&self) -> Duration {
+        boot_clock::read_since_boot()
+    }
+
+    /// Which boot that was; none where it can't be told.
+    fn boot_id(&self) -> Option<BootId> {
+        boot_clock::read_boot_id()
     }
 
     /// Runs a step of the world. A profiler reads its clock before and after.

@@ -3,6 +3,7 @@
 mod events;
 mod frame;
 mod ticks;
+mod visits;
 
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -11,7 +12,6 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use paros_core::limits::INTERVALS;
-use paros_core::session::SessionState;
 use paros_core::volume::{Grid, Size};
 use paros_shaders::{gpu, render_portrait_png};
 use paros_shell::headset::device_health::{DeviceHealth, ThermalState};
@@ -19,7 +19,7 @@ use paros_shell::headset::frame_pacer::FramePacer;
 use paros_shell::headset::hand_reader::HandReader;
 use paros_shell::headset::haptics::FrameHaptics;
 use paros_shell::headset::recentering::PendingRecentering;
-use paros_shell::headset::visit::VisitPolicy;
+use paros_shell::headset::visit::{BootId, VisitPolicy};
 use paros_shell::statics::{Resident, ResidentBitGrid};
 use paros_shell::stl_export::{DEFAULT_HEIGHT_MM, StlExporter};
 use paros_shell::studio::{Notice, Studio};
@@ -72,7 +72,7 @@ where
     tick_fraction: f32,
     /// A session of the core is to start anew with the next tick.
     start_anew: bool,
-    started_at: Instant,
+    boot: Option<BootId>,
     frames: u64,
     dropped: DroppedTicks,
     /// Where pictures of the next frame go, if a test wants them.
@@ -124,12 +124,10 @@ where
         Some(_) => studio.set_trace_path_at_exit(options.record.clone()),
         None => studio.disable_recording(),
     }
-    if studio.world().session_state() != SessionState::Waiting {
-        let (tick, digest) = (studio.world().tick(), studio.world().digest());
-        platform.log(format_args!("a session goes on from tick {tick}, digest {digest:016x}"));
-    }
-    let mut shell = HeadsetShell::new(studio, options);
+    let mut shell = HeadsetShell::new(studio, options, platform.boot_id());
+    shell.resume_session(platform);
     let done = shell.run_sessions(platform);
+    shell.keep_last_use_before_pause();
     let saved = shell.studio.save_all_and_wait();
     shell.log_notes(platform);
     if let (Err(_), Err(error)) = (&done, &saved) {
@@ -153,7 +151,7 @@ impl<'a, const N: usize> HeadsetShell<'a, N>
 where
     Grid<N>: Size + Resident<N, INTERVALS>,
 {
-    fn new(studio: Studio<'a, N>, options: &'a ShellOptions) -> Self {
+    fn new(studio: Studio<'a, N>, options: &'a ShellOptions, boot: Option<BootId>) -> Self {
         HeadsetShell {
             studio,
             options,
@@ -168,7 +166,7 @@ where
             health: DeviceHealth::default(),
             tick_fraction: 0.0,
             start_anew: options.record.is_some(),
-            started_at: Instant::now(),
+            boot,
             frames: 0,
             dropped: DroppedTicks::default(),
             capture_prefix: None,
@@ -190,7 +188,7 @@ where
                 }
                 Err(error) => return Err(error),
             };
-            self.studio.save_session_and_wait();
+            self.save_session_before_pause();
             has_run = true;
             losses = if begun.elapsed() > STEADY_AFTER { 1 } else { losses + 1 };
             let text = why.as_ref().map_or("the session is lost".into(), ToString::to_string);
@@ -231,6 +229,7 @@ where
         self.phase = SessionPhase::default();
         self.hand_readers = [HandReader::default(); 2];
         self.pacer.pause();
+        self.visit.forget_poses();
         // Whatever ends the session, the next start finds the compiled programs.
         self.submit_changed_pipeline_cache_between_frames(&mut resources);
         let end = self.run_frames(&mut resources, platform);
@@ -278,6 +277,7 @@ where
             if exit_requested_at.is_some_and(|since| since.elapsed() > EXIT_TIMEOUT) {
                 return Ok(SessionEnd::Exited);
             }
+            self.keep_due_last_use();
             self.studio.poll_background_work();
             self.log_notes(platform);
         }

@@ -18,6 +18,8 @@ pub enum FileKind {
     Session,
     /// The save of the session before it.
     PreviousSession,
+    /// When the headset was last used.
+    LastUse,
     /// A finished sculpture: print, volume and picture.
     Sculpture,
     /// A recorded trace.

@@ -8,6 +8,7 @@ mod autosave;
 mod carve_on;
 mod export;
 mod files;
+mod last_use;
 mod one_before;
 mod pending_read;
 mod recorder;
@@ -27,6 +28,7 @@ use crate::{durable, rmap};
 use autosave::Autosave;
 pub use carve_on::CarvingOn;
 use export::SculptureExport;
+use last_use::LastUseFile;
 use paros_core::limits::INTERVALS;
 use paros_core::session::SessionMode;
 use paros_core::volume::{Grid, Size};
@@ -66,6 +68,7 @@ where
     file_writer: FileWriter,
     session: LiveSession<'a, N>,
     autosave: Autosave,
+    last_use: LastUseFile,
     recorder: Recorder,
     export: SculptureExport<'a, N>,
     paths: StudioPaths,
@@ -98,12 +101,14 @@ where
             durable::remove_stale_temporaries(folder);
         }
         let autosave = Autosave::new::<N>(&paths);
+        let last_use = LastUseFile::new(paths.last_use_file(N));
         let notices = session.resume_saved(&paths);
         let one_before = one_before::read_save_before::<N>(&paths);
         Studio {
             file_writer: FileWriter::spawn(),
             session,
             autosave,
+            last_use,
             recorder: Recorder::new(),
             export: SculptureExport::new(stl_exporter, draw_picture),
             paths,
@@ -215,6 +220,7 @@ where
             // Errors are added to the messages.
             let _ = self.handle_write_outcome(outcome);
         }
+        self.submit_last_use();
         self.submit_finished_sculpture();
         let Some(done) = self.pending_read.as_ref().and_then(PendingRead::poll_result) else {
             return false;

@@ -58,6 +58,12 @@ impl StudioPaths {
         self.sessions.join(format!("session-{grid_side}{}.before.save", self.window_suffix()))
     }
 
+    /// When the headset was last used, beside the session's save.
+    #[must_use]
+    pub fn last_use_file(&self, grid_side: usize) -> PathBuf {
+        self.sessions.join(format!("session-{grid_side}{}.last-use", self.window_suffix()))
+    }
+
     /// An unused path beside the session's save, to move an unreadable save to.
     #[must_use]
     pub fn unused_path_for_unreadable_save(&self, grid_side: usize) -> PathBuf {

@@ -7,7 +7,6 @@ use paros_core::edit::UndoCounts;
 use paros_core::limits::INTERVALS;
 use paros_core::volume::{Grid, Size};
 use paros_shell::headset::device_health::ThermalState;
-use paros_shell::headset::visit::VisitorChange;
 use paros_shell::statics::Resident;
 
 use super::HeadsetShell;
@@ -94,23 +93,6 @@ where
             None => {}
         }
         Ok(())
-    }
-
-    /// Tells the visit policy that the headset was put on or off (`XR_EXT_user_presence`).
-    fn on_user_presence_changed(&mut self, is_present: bool, platform: &mut dyn Platform) {
-        let change = self.visit.observe_presence(is_present, self.started_at.elapsed());
-        if change == VisitorChange::NextVisitor {
-            platform.log(format_args!("another visitor"));
-        }
-        if !is_present {
-            self.studio.save_session_and_wait();
-        }
-    }
-
-    /// Saves the core's session, as the headset may stay off from now on.
-    pub(super) fn save_studio_and_wait(&mut self) {
-        self.studio.retry_failed_writes();
-        self.studio.save_session_and_wait();
     }
 
     /// Prints the status line of the test command `say`.

@@ -39,13 +39,19 @@ where
             menu_down = session.actions.is_menu_down(&session.raw)?;
             profiles = session.actions.current_profiles(&session.raw)?;
         }
+        let now = platform.since_boot();
         for tick_time in due.tick_times_ns() {
             let jumped = self.recentering.take_change_due_at(tick_time);
             let profiles = (has_focus && !jumped).then_some(profiles);
             let tick_time = xr::Time::from_nanos(tick_time);
             let mut input = read_tick_input(session, tick_time, profiles, &mut self.hand_readers)?;
+            if jumped {
+                self.visit.forget_poses();
+            }
+            self.observe_visitor(&input, menu_down, now, platform);
             self.visit.add_session_start_or_finish(
                 self.studio.world().session_state(),
+                self.studio.has_unfinished_sculpture(),
                 menu_down,
                 &mut input,
             );

@@ -12,6 +12,7 @@ mod handover;
 mod layered;
 mod monado;
 mod refusals;
+mod sleep;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -45,9 +46,14 @@ fn hands_at_rest(monado: &MonadoService) -> RemoteHands {
 
 /// The eyes of a visitor before the stone, looking down at it.
 fn visitor_eyes() -> [Eye; 2] {
-    let rotation = Quat::from_rotation_x(-0.35);
+    eyes_at(Vec3::new(0.0, 1.45, 0.35), Quat::from_rotation_x(-0.35))
+}
+
+/// The eyes of a head.
+fn eyes_at(head: Vec3, rotation: Quat) -> [Eye; 2] {
     let fov = Fov { left: -0.6, right: 0.6, up: 0.5, down: -0.5 };
-    [-0.032, 0.032].map(|x| Eye { position: Vec3::new(x, 1.45, 0.35), rotation, fov })
+    let eye = |x| Eye { position: head + rotation * Vec3::new(x, 0.0, 0.0), rotation, fov };
+    [-0.032, 0.032].map(eye)
 }
 
 /// Moves the right hand to a tool of the bench, squeezes, and waits until the tool is held.

@@ -1,34 +1,74 @@
-//! Visits: a session starts when there is none, is finished by the menu button, and is handed over to
-//! the next visitor after the headset was off for long.
+//! Visits: a session starts when there is none, is finished by the menu button, and is handed over to the next
+//! visitor after the headset was unused for long.
+//!
+//! A headset is used while it is worn or moved, by user presence, by its controls, and by the motion of head and
+//! hands. Whoever uses it after it was unused for the handover time is another visitor, whether it was off, asleep,
+//! or its program killed meanwhile; a sensor that is stuck changes nothing. Times are those since boot, sleep included:
+//! by a clock that stops while the device sleeps, a night would be a short break.
+
+mod last_use;
+#[cfg(test)]
+mod tests;
+mod use_watch;
 
 use std::time::Duration;
 
 use paros_core::TickInput;
 use paros_core::session::{SessionMode, SessionState, TICK_RATE, commands};
 
-/// The default of how long the headset must be off for whoever puts it on next to be another visitor.
+pub use last_use::{BootId, LastUse};
+use use_watch::UseWatch;
+
+/// The default of how long the headset must be unused for whoever uses it next to be another visitor.
 pub const DEFAULT_HANDOVER: Duration = Duration::from_secs(45);
 
 /// Ticks for which the menu button is held to finish: a second and a half.
 const FINISH_HOLD_TICKS: u32 = TICK_RATE * 3 / 2;
 
-/// Whether another visitor has put the headset on.
+/// The least idleness of a headset that wasn't taken off after which another visitor is held to have it, however short
+/// the handover time: a visitor may stand still and look.
+const LEAST_IDLENESS: Duration = Duration::from_secs(5);
+
+/// Idleness after which a headset that wasn't seen to be taken off was put down and taken up again.
+const PUT_DOWN: Duration = Duration::from_secs(10);
+
+/// How old the time of the last use on the disk may become while the headset is used.
+const STAMP_INTERVAL: Duration = Duration::from_secs(5);
+
+/// Who uses the headset.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum VisitorChange {
-    /// It is off, or the same visitor wears it.
+    /// Nobody, or the same visitor as before.
     None,
-    /// It was off for long: another visitor wears it.
+    /// It was put on again soon, by the same visitor as far as can be told.
+    PutOnAgain,
+    /// It was unused for long: another visitor has it.
     NextVisitor,
 }
 
-/// Decides when sessions start and finish: from user presence and the menu button.
+/// User presence, as the runtime has told it (`XR_EXT_user_presence`).
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Presence {
+    /// It was never told.
+    Unknown,
+    Worn,
+    OffSince(Duration),
+    /// Off, but used as long after it was told so as no headset is that the same visitor puts on again.
+    OffAndUsed,
+}
+
+/// Decides when sessions start and finish: from the headset's use and the menu button.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct VisitPolicy {
     /// How sessions start.
     start_mode: SessionMode,
-    /// How long the headset must be off for whoever puts it on next to be another visitor.
+    /// How long the headset must be unused for whoever uses it next to be another visitor.
     absence_before_handover: Duration,
-    away_since: Option<Duration>,
+    presence: Presence,
+    watch: UseWatch,
+    last_use: Option<Duration>,
+    /// The last use that was given out to be kept on the disk.
+    stamped: Option<Duration>,
     /// The session is to be finished and another started: another visitor has come.
     handing_over: bool,
     /// Ticks for which the menu button has been down.
@@ -36,45 +76,124 @@ pub struct VisitPolicy {
 }
 
 impl VisitPolicy {
-    /// A policy by which sessions start in a mode, and are handed over once the headset was off for
+    /// A policy by which sessions start in a mode, and are handed over once the headset was unused for
     /// `absence_before_handover`.
     #[must_use]
-    pub const fn new(start_mode: SessionMode, absence_before_handover: Duration) -> Self {
+    pub fn new(start_mode: SessionMode, absence_before_handover: Duration) -> Self {
         VisitPolicy {
             start_mode,
             absence_before_handover,
-            away_since: None,
+            presence: Presence::Unknown,
+            watch: UseWatch::default(),
+            last_use: None,
+            stamped: None,
             handing_over: false,
             menu_held_ticks: 0,
         }
     }
 
-    /// Takes in a change of user presence: the headset was put on or taken off. `now` is the time
-    /// since any fixed moment.
-    pub fn observe_presence(&mut self, is_worn: bool, now: Duration) -> VisitorChange {
-        if !is_worn {
-            self.away_since = self.away_since.or(Some(now));
+    /// Takes in that a session was found on the disk, and when the headset was last used, if that can be told. After
+    /// too long, in another boot, or where it can't be told, the session is a former visitor's. `now` is the time since
+    /// boot, as in all functions here.
+    pub fn resume_session(
+        &mut self,
+        last_use: Option<LastUse>,
+        boot: Option<BootId>,
+        now: Duration,
+    ) -> VisitorChange {
+        let is_recent = |used: &LastUse| {
+            let away = now.checked_sub(used.since_boot);
+            Some(used.boot) == boot && away.is_some_and(|away| away < self.absence_before_handover)
+        };
+        self.last_use = last_use.filter(is_recent).map(|used| used.since_boot);
+        if self.last_use.is_some() {
             return VisitorChange::None;
         }
-        let away = self.away_since.take().map(|since| now.saturating_sub(since));
-        let another = away.is_some_and(|away| away >= self.absence_before_handover);
-        self.handing_over |= another;
-        if another { VisitorChange::NextVisitor } else { VisitorChange::None }
+        self.handing_over = true;
+        VisitorChange::NextVisitor
+    }
+
+    /// Takes in a change of user presence: the headset was put on or taken off.
+    pub fn observe_presence(&mut self, is_worn: bool, now: Duration) -> VisitorChange {
+        if !is_worn {
+            if !matches!(self.presence, Presence::OffSince(_) | Presence::OffAndUsed) {
+                self.presence = Presence::OffSince(now);
+            }
+            // Taking it off is no use of it, but where none was seen it was worn until now at the latest.
+            self.last_use = self.last_use.or(Some(now));
+            return VisitorChange::None;
+        }
+        let before = core::mem::replace(&mut self.presence, Presence::Worn);
+        if matches!(before, Presence::Unknown | Presence::Worn) {
+            return self.note_use(self.idleness_before_handover(), now);
+        }
+        match self.note_use(self.absence_before_handover, now) {
+            VisitorChange::NextVisitor => VisitorChange::NextVisitor,
+            VisitorChange::None | VisitorChange::PutOnAgain => VisitorChange::PutOnAgain,
+        }
+    }
+
+    /// Takes in a tick's input before it is run. While the headset is off its motion is that of whoever carries it;
+    /// but a headset that is used though it is told to be off for so long is worn all the same.
+    pub fn observe_tick(
+        &mut self,
+        input: &TickInput,
+        is_menu_down: bool,
+        now: Duration,
+    ) -> VisitorChange {
+        let is_used = self.watch.observe(input, is_menu_down);
+        let limit = self.idleness_before_handover();
+        if let Presence::OffSince(since) = self.presence {
+            if !is_used || now.saturating_sub(since) < limit {
+                return VisitorChange::None;
+            }
+            self.presence = Presence::OffAndUsed;
+        }
+        if is_used { self.note_use(limit, now) } else { VisitorChange::None }
+    }
+
+    /// Takes in that poses are told in another space from now on: that is no motion.
+    pub fn forget_poses(&mut self) {
+        self.watch.forget_poses();
+    }
+
+    /// Whether the headset may be worn: it is not told to be off, or is used all the same.
+    #[must_use]
+    pub const fn is_maybe_worn(&self) -> bool {
+        !matches!(self.presence, Presence::OffSince(_))
+    }
+
+    /// The time of the last use, each time that the one on the disk has become old; none while a session is still to
+    /// be handed over, which would become that of the next visitor.
+    pub fn take_due_stamp(&mut self) -> Option<Duration> {
+        let last = self.last_use.filter(|_| !self.handing_over)?;
+        let is_due = self.stamped.is_none_or(|stamped| last >= stamped + STAMP_INTERVAL);
+        is_due.then(|| *self.stamped.insert(last))
+    }
+
+    /// As [`Self::take_due_stamp`], where the process may end or sleep next: whenever it is another one.
+    pub fn take_last_stamp(&mut self) -> Option<Duration> {
+        let last = self.last_use.filter(|_| !self.handing_over)?;
+        (self.stamped != Some(last)).then(|| *self.stamped.insert(last))
     }
 
     /// Adds to a tick's input: a start where there is no session; the finish where the menu button was
-    /// held long enough, or another visitor has come.
+    /// held long enough, or another visitor has come. A session in which nothing was sculpted yet leaves nothing to be
+    /// kept: the next visitor's starts in its place.
     pub fn add_session_start_or_finish(
         &mut self,
         world_session: SessionState,
+        is_sculpted: bool,
         is_menu_down: bool,
         input: &mut TickInput,
     ) {
         let pressed = is_menu_down && self.menu_held_ticks == 0;
         self.menu_held_ticks =
             if is_menu_down { self.menu_held_ticks.saturating_add(1) } else { 0 };
+        let is_left = self.handing_over && !is_sculpted;
         match world_session {
             SessionState::Waiting => input.start = self.start_mode,
+            SessionState::Sculpting if is_left => input.start = self.start_mode,
             SessionState::Sculpting
                 if self.handing_over || self.menu_held_ticks == FINISH_HOLD_TICKS =>
             {
@@ -82,77 +201,28 @@ impl VisitPolicy {
             }
             SessionState::Finished if self.handing_over || pressed => {
                 input.start = self.start_mode;
-                self.handing_over = false;
             }
             SessionState::Sculpting | SessionState::Finished => {}
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use std::time::Duration;
-
-    use paros_core::TickInput;
-    use paros_core::session::{SessionMode, SessionState, commands};
-
-    use super::{DEFAULT_HANDOVER, FINISH_HOLD_TICKS, VisitPolicy, VisitorChange};
-
-    fn apply(
-        policy: &mut VisitPolicy,
-        session: SessionState,
-        is_menu_down: bool,
-    ) -> (SessionMode, u8) {
-        let mut input = TickInput::default();
-        policy.add_session_start_or_finish(session, is_menu_down, &mut input);
-        (input.start, input.commands)
+        self.handing_over &= input.start == SessionMode::None;
     }
 
-    const NOTHING: (SessionMode, u8) = (SessionMode::None, 0);
-
-    #[test]
-    fn a_session_starts_where_there_is_none() {
-        let mut policy = VisitPolicy::new(SessionMode::Creative, DEFAULT_HANDOVER);
-        assert_eq!(apply(&mut policy, SessionState::Waiting, false), (SessionMode::Creative, 0));
-        assert_eq!(apply(&mut policy, SessionState::Sculpting, false), NOTHING);
-    }
-
-    #[test]
-    fn the_menu_button_held_finishes_once_and_pressed_again_starts_anew() {
-        let mut policy = VisitPolicy::new(SessionMode::FreeForm, DEFAULT_HANDOVER);
-        for _ in 1..FINISH_HOLD_TICKS {
-            assert_eq!(apply(&mut policy, SessionState::Sculpting, true), NOTHING);
-        }
-        assert_eq!(
-            apply(&mut policy, SessionState::Sculpting, true),
-            (SessionMode::None, commands::FINISH)
-        );
-        assert_eq!(apply(&mut policy, SessionState::Finished, true), NOTHING, "it is still held");
-        assert_eq!(apply(&mut policy, SessionState::Finished, false), NOTHING);
-        assert_eq!(apply(&mut policy, SessionState::Finished, true), (SessionMode::FreeForm, 0));
-        assert_eq!(apply(&mut policy, SessionState::Sculpting, true), NOTHING);
-        // A short press does nothing to a session under way.
-        assert_eq!(apply(&mut policy, SessionState::Sculpting, false), NOTHING);
-    }
-
-    #[test]
-    fn a_headset_off_for_long_is_handed_over_and_off_for_short_is_not() {
-        let mut policy = VisitPolicy::new(SessionMode::FreeForm, DEFAULT_HANDOVER);
-        let soon = DEFAULT_HANDOVER - Duration::from_millis(1);
-        policy.observe_presence(false, Duration::ZERO);
-        policy.observe_presence(false, soon);
-        assert_eq!(policy.observe_presence(true, soon), VisitorChange::None);
-        assert_eq!(apply(&mut policy, SessionState::Sculpting, false), NOTHING);
-        policy.observe_presence(false, soon);
-        assert_eq!(
-            policy.observe_presence(true, soon + DEFAULT_HANDOVER),
+    /// Notes that the headset is used, and by whom, where another visitor has it from a time of `limit` on.
+    fn note_use(&mut self, limit: Duration, now: Duration) -> VisitorChange {
+        let Some(last) = self.last_use.replace(now) else { return VisitorChange::None };
+        let away = now.saturating_sub(last);
+        if away >= limit {
+            self.handing_over = true;
             VisitorChange::NextVisitor
-        );
-        assert_eq!(
-            apply(&mut policy, SessionState::Sculpting, false),
-            (SessionMode::None, commands::FINISH)
-        );
-        assert_eq!(apply(&mut policy, SessionState::Finished, false), (SessionMode::FreeForm, 0));
-        assert_eq!(apply(&mut policy, SessionState::Sculpting, false), NOTHING);
+        } else if away >= PUT_DOWN {
+            VisitorChange::PutOnAgain
+        } else {
+            VisitorChange::None
+        }
+    }
+
+    /// For how long a headset that wasn't taken off is idle before whoever uses it is another visitor.
+    fn idleness_before_handover(&self) -> Duration {
+        self.absence_before_handover.max(LEAST_IDLENESS)
     }
 }

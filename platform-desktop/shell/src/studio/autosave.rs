@@ -48,6 +48,10 @@ pub(super) struct Autosave {
     stroke_open: bool,
     /// Why the last save was not written.
     save_error: Option<String>,
+    /// Whether the save that is being written is of the session in the world, and not of one that was left since.
+    writes_this_session: bool,
+    /// Whether the save on the disk, if there is one, is of the session in the world.
+    is_this_on_disk: bool,
 }
 
 impl Autosave {
@@ -64,7 +68,14 @@ impl Autosave {
             saved_at_tick: 0,
             stroke_open: false,
             save_error: None,
+            writes_this_session: false,
+            is_this_on_disk: true,
         }
+    }
+
+    /// Whether the save on the disk, if there is one, is of the session in the world.
+    pub(super) const fn is_this_session_on_disk(&self) -> bool {
+        self.is_this_on_disk
     }
 
     /// The error of the last save, while saving fails.
@@ -91,6 +102,7 @@ impl Autosave {
     /// Restarts the interval for a new session, whose ticks count from 0.
     pub(super) fn restart_save_interval(&mut self) {
         self.saved_at_tick = 0;
+        (self.writes_this_session, self.is_this_on_disk) = (false, false);
     }
 
     /// Updates the state after a tick. A save becomes due when something has changed and either the
@@ -133,6 +145,7 @@ impl Autosave {
         job.contents.iter_mut().for_each(|bytes| session.encode_into(bytes));
         file_writer.submit_or_wait(job);
         (self.state, self.saved_at_tick) = (SaveState::Saved, session.world.tick());
+        self.writes_this_session = true;
     }
 
     /// Takes back the buffer of a save, with its error if it failed; the save is then tried again.
@@ -144,8 +157,9 @@ impl Autosave {
         self.buffer = Some(job);
         let was_well = self.save_error.is_none();
         self.save_error = error.map(ToString::to_string);
-        if error.is_some() {
-            self.mark_changed();
+        match error {
+            Some(_) => self.mark_changed(),
+            None => self.is_this_on_disk |= self.writes_this_session,
         }
         match was_well && error.is_some() {
             true => FailureNotice::Due,

@@ -21,17 +21,19 @@ where
         self.autosave.submit_save_or_stay_due(&self.session, &mut self.file_writer);
     }
 
-    /// Waits for all pending writes, and for a save that is due after them.
+    /// Waits for all pending writes, and for what is due after them.
     ///
     /// # Errors
     /// The first write that failed.
     pub(super) fn wait_for_writes(&mut self) -> Result<(), durable::WriteError> {
         let mut done = Ok(());
+        self.submit_last_use();
         while let Some(outcome) = self.file_writer.wait_for_next_outcome() {
             done = done.and(self.handle_write_outcome(outcome));
             if self.autosave.is_due() {
                 self.save_session();
             }
+            self.submit_last_use();
         }
         done
     }
@@ -99,6 +101,12 @@ where
             }
             return written;
         }
+        if kind == FileKind::LastUse {
+            if let Some(text) = self.last_use.reclaim_buffer(outcome.job, error) {
+                self.push_notice(Notice::Bad(text));
+            }
+            return written;
+        }
         if let Some(error) = error {
             self.push_notice(Notice::Bad(error.to_string()));
             if matches!(kind, FileKind::Sculpture | FileKind::PreviousSession) {
@@ -126,7 +134,10 @@ where
                 let path = paths.first().map_or(String::new(), |path| path.display().to_string());
                 self.push_notice(Notice::Good(format!("recorded: {path}")));
             }
-            FileKind::Session | FileKind::PreviousSession | FileKind::PipelineCache => {}
+            FileKind::Session
+            | FileKind::PreviousSession
+            | FileKind::LastUse
+            | FileKind::PipelineCache => {}
         }
     }
 }

@@ -1,6 +1,7 @@
 //! When a session is saved, when that has to wait, and which save is not read.
 
 use std::fs;
+use std::time::Duration;
 
 use glam::{Quat, Vec3};
 use paros_core::limits::max_save_bytes;
@@ -11,6 +12,7 @@ use paros_core::volume::Grid;
 use paros_core::{HandInput, TickInput};
 
 use super::{CarvingOn, Notice, SessionToStart, Studio};
+use crate::headset::visit::{BootId, LastUse};
 use crate::statics::Resident;
 use crate::stl_export::{DEFAULT_HEIGHT_MM, StlExporter};
 use crate::studio_paths::StudioPaths;
@@ -199,6 +201,88 @@ fn carving_on_takes_the_end_back_and_leaves_the_rest_as_it_was() {
         studio.run_tick(&TickInput { start: SessionMode::Own, ..TickInput::default() });
         let anew = CarvingOn::Starts(SessionToStart { mode: SessionMode::Own });
         assert_eq!(studio.carve_on(), anew);
+    });
+    fs::remove_dir_all(&folder).expect("the folder can be removed");
+}
+
+fn used_at(seconds: u64) -> LastUse {
+    let boot = BootId::parse_uuid("6af84ad0-079a-4d3a-a5d5-bbed09b02c54").expect("a boot");
+    LastUse { boot, since_boot: Duration::from_secs(seconds) }
+}
+
+/// The time of a visitor's last use never stands beside the session of the one before: a kill between them would give
+/// it away.
+#[test]
+fn the_last_use_is_kept_once_its_session_is() {
+    let folder = std::env::temp_dir().join(format!("paros-last-use-{}", std::process::id()));
+    let _ = fs::remove_dir_all(&folder);
+    with_own_studio(StudioPaths::inside_folder(&folder), |studio| {
+        assert!(studio.read_last_use().is_err_and(|why| why.contains("session-128.last-use: ")));
+        studio.keep_last_use(used_at(1));
+        studio.poll_background_work();
+        studio.file_writer().wait_for_next_outcome();
+        assert!(studio.read_last_use().is_err(), "no session is on the disk");
+        studio.save_session_and_wait();
+        assert_eq!(studio.read_last_use(), Ok(used_at(1)));
+        studio.keep_last_use(used_at(2));
+        while studio.read_last_use() != Ok(used_at(2)) {
+            studio.poll_background_work();
+        }
+        // Another session starts while the save of this one is still being written.
+        studio.run_tick(&TickInput { commands: commands::FINISH, ..TickInput::default() });
+        assert!(studio.autosave.is_writing());
+        studio.run_tick(&TickInput { start: SessionMode::Own, ..TickInput::default() });
+        studio.keep_last_use(used_at(3));
+        while studio.autosave.is_writing() {
+            studio.poll_background_work();
+        }
+        studio.poll_background_work();
+        while studio.file_writer().is_busy() {
+            studio.poll_background_work();
+        }
+        assert_eq!(studio.read_last_use(), Ok(used_at(2)), "that on the disk is the one before");
+        studio.save_all_and_wait().expect("a disk");
+        assert_eq!(studio.read_last_use(), Ok(used_at(3)));
+    });
+    fs::remove_dir_all(&folder).expect("the folder can be removed");
+}
+
+/// What stands beside a session can't make it unreadable, and what is no time is told with its file and place.
+#[test]
+fn a_bad_last_use_is_told_and_costs_no_session() {
+    let folder = std::env::temp_dir().join(format!("paros-bad-use-{}", std::process::id()));
+    let _ = fs::remove_dir_all(&folder);
+    let places = StudioPaths::inside_folder(&folder);
+    with_own_studio(places.clone(), |studio| {
+        let path = places.last_use_file(128);
+        studio.save_session_and_wait();
+        let digest = studio.world().digest();
+        let good = used_at(1).encode();
+        for (bytes, why) in [
+            (&b""[..], "offset 0: expected more bytes"),
+            (b"SULP, and more", "offset 0: expected PLUS"),
+            (&good[..20], "offset 6: expected more bytes"),
+            (&[0; 1000], "it has 1000 bytes; expected at most 38"),
+        ] {
+            fs::write(&path, bytes).expect("a file");
+            let told = studio.read_last_use().expect_err("it is bad");
+            assert!(told.contains("session-128.last-use") && told.contains(why), "{told}");
+        }
+        let save = fs::read(places.session_file(128)).expect("a save");
+        studio.session.world.load(&save).expect("a save that the core reads");
+        assert_eq!(studio.world().digest(), digest);
+        // Where it can't be written, that is told once, and the session is saved all the same.
+        fs::remove_file(&path).expect("it is there");
+        fs::create_dir(&path).expect("a folder in its place");
+        for seconds in 2..5 {
+            studio.keep_last_use(used_at(seconds));
+            studio.save_session_and_wait();
+        }
+        let told = studio.take_notices().filter(
+            |notice| matches!(notice, Notice::Bad(why) if why.contains("the time of the last use")),
+        );
+        assert_eq!(told.count(), 1);
+        assert!(studio.save_error().is_none());
     });
     fs::remove_dir_all(&folder).expect("the folder can be removed");
 }

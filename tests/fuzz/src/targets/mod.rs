@@ -7,11 +7,12 @@ mod meshes;
 mod options;
 mod saves;
 mod steps;
+mod visits;
 
 use crate::engine::FuzzTarget;
 
 /// All targets.
-pub const ALL: [FuzzTarget; 12] = [
+pub const ALL: [FuzzTarget; 13] = [
     meshes::OBJ,
     meshes::STL,
     meshes::PLY,
@@ -23,5 +24,6 @@ pub const ALL: [FuzzTarget; 12] = [
     manifests::MANIFEST,
     saves::SAVE,
     leases::LEASE,
+    visits::LAST_USE,
     steps::STEP,
 ];

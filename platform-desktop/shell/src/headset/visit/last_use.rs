@@ -1,0 +1,127 @@
+//! When a headset was last used, as it is kept beside the save of a session: the time since boot, and which boot
+//! that was. A wall clock would not do, as a headset's may be set at any time.
+
+use std::time::Duration;
+
+use paros_core::codec::{BadBytes, ByteReader};
+use paros_core::internals::{ByteWriter, checksum};
+
+/// One boot of a device among all boots of all devices.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct BootId(u128);
+
+/// The time of the last use.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct LastUse {
+    /// The boot that it is counted from.
+    pub boot: BootId,
+    /// The time since that boot, sleep included; kept in whole milliseconds.
+    pub since_boot: Duration,
+}
+
+const MAGIC: &[u8; 4] = b"PLUS";
+const VERSION: u16 = 1;
+
+/// Bytes before the checksum.
+const BODY_BYTES: usize = 4 + 2 + 16 + 8;
+
+impl BootId {
+    /// The boot that a UUID stands for, as `/proc/sys/kernel/random/boot_id` has it: 32 hexadecimal digits with
+    /// hyphens among them. `None` for another text.
+    #[must_use]
+    pub fn parse_uuid(text: &str) -> Option<Self> {
+        let digits: String = text.trim_end().chars().filter(|letter| *letter != '-').collect();
+        let is_hex = digits.len() == 32 && digits.bytes().all(|digit| digit.is_ascii_hexdigit());
+        is_hex.then(|| u128::from_str_radix(&digits, 16).ok().map(BootId)).flatten()
+    }
+
+    /// The boot of a device that counts them: no UUID is so small.
+    #[must_use]
+    pub const fn from_count(boots: u32) -> Self {
+        BootId(boots as u128)
+    }
+}
+
+impl LastUse {
+    /// Length of an encoded one.
+    pub const BYTES: usize = BODY_BYTES + 8;
+
+    /// Encodes it, with a checksum at the end.
+    #[must_use]
+    pub fn encode(&self) -> [u8; Self::BYTES] {
+        let mut bytes = [0; Self::BYTES];
+        let (body, end) = bytes.split_at_mut(BODY_BYTES);
+        let mut to = ByteWriter::new(body);
+        to.bytes(MAGIC);
+        to.u16(VERSION);
+        to.bytes(&self.boot.0.to_le_bytes());
+        to.u64(u64::try_from(self.since_boot.as_millis()).unwrap_or(u64::MAX));
+        end.copy_from_slice(&checksum(body).to_le_bytes());
+        bytes
+    }
+
+    /// Decodes it.
+    ///
+    /// # Errors
+    /// The first place at which the bytes are not as [`Self::encode`] makes them.
+    pub fn decode(bytes: &[u8]) -> Result<Self, BadBytes> {
+        let mut from = ByteReader::new(bytes);
+        let bad = from.error_here("PLUS, the time of the last use");
+        if from.bytes(4)? != MAGIC {
+            return Err(bad);
+        }
+        let bad = from.error_here("version 1");
+        if from.u16()? != VERSION {
+            return Err(bad);
+        }
+        let boot = from.bytes(16)?.iter().rev().fold(0, |id, byte| id << 8 | u128::from(*byte));
+        let millis = from.u64()?;
+        let bad = from.error_here("the checksum of the bytes before it");
+        if from.u64()? != checksum(&bytes[..BODY_BYTES]) {
+            return Err(bad);
+        }
+        if bytes.len() != Self::BYTES {
+            return Err(from.error_here("the end"));
+        }
+        Ok(LastUse { boot: BootId(boot), since_boot: Duration::from_millis(millis) })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use super::{BootId, LastUse};
+
+    const UUID: &str = "6af84ad0-079a-4d3a-a5d5-bbed09b02c54\n";
+
+    #[test]
+    fn boots_are_told_apart_by_their_uuid() {
+        let boot = BootId::parse_uuid(UUID).expect("a boot");
+        assert_eq!(BootId::parse_uuid(UUID.trim()), Some(boot));
+        let other = BootId::parse_uuid("6af84ad0-079a-4d3a-a5d5-bbed09b02c55");
+        assert!(other.is_some() && other != Some(boot));
+        for text in ["", "\n", "6af84ad0-079a", "+af84ad0079a4d3aa5d5bbed09b02c54", &UUID.repeat(2)]
+        {
+            assert_eq!(BootId::parse_uuid(text), None, "{text:?}");
+        }
+    }
+
+    #[test]
+    fn what_is_written_is_read_and_each_changed_bit_is_seen() {
+        let boot = BootId::parse_uuid(UUID).expect("a boot");
+        let used = LastUse { boot, since_boot: Duration::from_millis(123_456_789) };
+        let bytes = used.encode();
+        assert_eq!(LastUse::decode(&bytes), Ok(used));
+        for bit in 0..8 * bytes.len() {
+            let mut changed = bytes;
+            changed[bit / 8] ^= 1 << (bit % 8);
+            let bad = LastUse::decode(&changed).expect_err("a changed bit");
+            assert!(bad.offset < bytes.len());
+        }
+        for len in 0..bytes.len() {
+            assert!(LastUse::decode(&bytes[..len]).is_err(), "{len} bytes");
+        }
+        assert!(LastUse::decode(&[&bytes[..], &[0]].concat()).is_err(), "a byte more");
+    }
+}

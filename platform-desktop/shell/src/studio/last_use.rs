@@ -1,0 +1,92 @@
+//! When the headset was last used, in a file beside the session's save: for shells whose visitors change. Others don't
+//! ask for it, and go on with whatever session they find.
+
+use std::path::PathBuf;
+
+use paros_core::limits::INTERVALS;
+use paros_core::volume::{Grid, Size};
+
+use super::Studio;
+use crate::durable::{self, WriteError};
+use crate::file_writer::{Destination, FileKind, FileWriter, WriteJob};
+use crate::headset::visit::LastUse;
+use crate::statics::Resident;
+
+/// The file, with one buffer that goes to the file writer and comes back.
+pub(super) struct LastUseFile {
+    /// `None` while it is being written.
+    job: Option<WriteJob>,
+    /// To be written as soon as may be.
+    pending: Option<LastUse>,
+    /// Whether the last one could not be written.
+    is_failing: bool,
+}
+
+impl LastUseFile {
+    /// Nothing to write yet.
+    pub(super) fn new(path: PathBuf) -> Self {
+        let job = WriteJob {
+            kind: FileKind::LastUse,
+            destination: Destination::Replace(vec![path]),
+            contents: vec![Vec::with_capacity(LastUse::BYTES)],
+        };
+        LastUseFile { job: Some(job), pending: None, is_failing: false }
+    }
+
+    /// Takes back the buffer. Returns what the visitor is to be told: of the first failure of a row. The next time
+    /// comes soon, so that none is written again.
+    pub(super) fn reclaim_buffer(
+        &mut self,
+        job: WriteJob,
+        error: Option<&WriteError>,
+    ) -> Option<String> {
+        self.job = Some(job);
+        let was_failing = core::mem::replace(&mut self.is_failing, error.is_some());
+        let error = error.filter(|_| !was_failing)?;
+        Some(format!("the time of the last use can't be kept: {error}"))
+    }
+
+    fn submit_if_free(&mut self, file_writer: &mut FileWriter) {
+        if let Some(last_use) = self.pending
+            && let Some(mut job) = self.job.take()
+        {
+            for bytes in &mut job.contents {
+                bytes.clear();
+                bytes.extend_from_slice(&last_use.encode());
+            }
+            file_writer.submit_or_wait(job);
+            self.pending = None;
+        }
+    }
+}
+
+impl<const N: usize> Studio<'_, N>
+where
+    Grid<N>: Size + Resident<N, INTERVALS>,
+{
+    /// Keeps the time at which the visitor of this session was last seen. It is written once the session is on the
+    /// disk: beside a former visitor's it would make that one this visitor's.
+    pub fn keep_last_use(&mut self, last_use: LastUse) {
+        self.last_use.pending = Some(last_use);
+    }
+
+    /// Reads the time that was kept beside the session on the disk.
+    ///
+    /// # Errors
+    /// That it can't be read, or is no such time: a line for the log that names the file.
+    pub fn read_last_use(&self) -> Result<LastUse, String> {
+        let path = self.paths.last_use_file(N);
+        let bytes = durable::read_regular_file_up_to(&path, LastUse::BYTES as u64);
+        let bytes = bytes.map_err(|error| format!("{}: cannot read: {error}", path.display()))?;
+        LastUse::decode(&bytes).map_err(|bad| {
+            format!("{}: offset {}: expected {}", path.display(), bad.offset, bad.expected)
+        })
+    }
+
+    /// Submits the time that is to be kept, if its session is on the disk and the last one is written.
+    pub(super) fn submit_last_use(&mut self) {
+        if self.autosave.is_this_session_on_disk() {
+            self.last_use.submit_if_free(&mut self.file_writer);
+        }
+    }
+}

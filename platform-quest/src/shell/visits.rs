@@ -1,0 +1,106 @@
+//! Who uses the headset: what the visit policy is told, and what it decides is carried out.
+
+use std::time::Duration;
+
+use paros_core::TickInput;
+use paros_core::limits::INTERVALS;
+use paros_core::session::SessionState;
+use paros_core::volume::{Grid, Size};
+use paros_shell::headset::visit::{LastUse, VisitorChange};
+use paros_shell::statics::Resident;
+
+use super::HeadsetShell;
+use crate::platform::Platform;
+
+impl<const N: usize> HeadsetShell<'_, N>
+where
+    Grid<N>: Size + Resident<N, INTERVALS>,
+{
+    /// Tells whose session was found on the disk, if any was: in a folder of the headset's own it is a former
+    /// visitor's, unless it was left a short while ago. In the user's own folders it is the user's.
+    pub(super) fn resume_session(&mut self, platform: &mut dyn Platform) {
+        let world = self.studio.world();
+        if world.session_state() == SessionState::Waiting {
+            return;
+        }
+        let (tick, digest) = (world.tick(), world.digest());
+        // A recording starts anew, and leaves what was found.
+        if self.options.folder.is_some() && !self.start_anew {
+            let last_use = self.studio.read_last_use().map_err(|why| {
+                platform.log(format_args!("{why}"));
+            });
+            let now = platform.since_boot();
+            let change = self.visit.resume_session(last_use.ok(), self.boot, now);
+            if change == VisitorChange::NextVisitor {
+                platform
+                    .log(format_args!("a session is found at tick {tick}, digest {digest:016x}"));
+                return self.on_visitor_change(change, platform);
+            }
+        }
+        platform.log(format_args!("a session goes on from tick {tick}, digest {digest:016x}"));
+    }
+
+    /// Tells the visit policy that the headset was put on or off (`XR_EXT_user_presence`).
+    pub(super) fn on_user_presence_changed(
+        &mut self,
+        is_present: bool,
+        platform: &mut dyn Platform,
+    ) {
+        let change = self.visit.observe_presence(is_present, platform.since_boot());
+        self.on_visitor_change(change, platform);
+        if !is_present {
+            self.save_session_before_pause();
+        }
+    }
+
+    /// Tells the visit policy what a tick's input shows.
+    pub(super) fn observe_visitor(
+        &mut self,
+        input: &TickInput,
+        is_menu_down: bool,
+        now: Duration,
+        platform: &mut dyn Platform,
+    ) {
+        let change = self.visit.observe_tick(input, is_menu_down, now);
+        self.on_visitor_change(change, platform);
+    }
+
+    fn on_visitor_change(&self, change: VisitorChange, platform: &mut dyn Platform) {
+        if change == VisitorChange::NextVisitor {
+            platform.log(format_args!("another visitor"));
+        }
+    }
+
+    /// Has the time of the last use kept on the disk, each time that the one there has become old.
+    pub(super) fn keep_due_last_use(&mut self) {
+        let due = self.visit.take_due_stamp();
+        self.keep_last_use(due);
+    }
+
+    /// Has the time of the last use kept on the disk, as the process may sleep or end next.
+    pub(super) fn keep_last_use_before_pause(&mut self) {
+        let last = self.visit.take_last_stamp();
+        self.keep_last_use(last);
+    }
+
+    fn keep_last_use(&mut self, since_boot: Option<Duration>) {
+        if let (Some(since_boot), Some(boot), Some(_)) =
+            (since_boot, self.boot, &self.options.folder)
+        {
+            self.studio.keep_last_use(LastUse { boot, since_boot });
+        }
+    }
+
+    /// Saves the core's session and when it was last used, and waits until both are written.
+    pub(super) fn save_session_before_pause(&mut self) {
+        self.keep_last_use_before_pause();
+        self.studio.save_session_and_wait();
+    }
+
+    /// As [`Self::save_session_before_pause`], and tries what could not be written once more: the headset may stay off
+    /// from now on.
+    pub(super) fn save_studio_and_wait(&mut self) {
+        self.studio.retry_failed_writes();
+        self.save_session_before_pause();
+    }
+}
