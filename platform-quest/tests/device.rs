@@ -112,6 +112,7 @@ fn check_all_calls() {
     check_batteries();
     check_thermal_readings();
     check_storage_folders();
+    check_boot_counts();
     check_networks();
     check_queries();
     check_brokers();
@@ -186,6 +187,22 @@ fn check_storage_folders() {
     set_answer("Context.getFilesDir", "N:");
     let why = device_at_level(29).find_storage_folder().expect_err("there is none").to_string();
     assert_eq!(why, "android/content/Context.getFilesDir: null");
+}
+
+fn check_boot_counts() {
+    set_answer("Context.getContentResolver", "N:");
+    let count = || device_at_level(29).read_boot_count().expect("an answer");
+    assert_eq!(count(), None);
+    set_answer("Context.getContentResolver", "O:android.content.ContentResolver");
+    let setting = "Settings$Global.getInt[ContentResolver, boot_count, -1]";
+    set_answer(setting, "I:41");
+    assert_eq!(count(), Some(41));
+    set_answer(setting, "I:-1");
+    assert_eq!(count(), None);
+    set_answer(setting, "E:not yours");
+    assert!(device_at_level(29).read_boot_count().is_err());
+    // Older than the call.
+    assert_eq!(self::device_at_level(16).read_boot_count().expect("an answer"), None);
 }
 
 fn check_networks() {

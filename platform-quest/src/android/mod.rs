@@ -14,6 +14,7 @@ use openxr as xr;
 use paros_core::limits::INTERVALS;
 use paros_core::volume::{Grid, Size};
 use paros_shell::headset::package::{self, OPENXR_LOADER};
+use paros_shell::headset::visit::BootId;
 use paros_shell::statics::Resident;
 use paros_shell::with_size;
 
@@ -24,7 +25,7 @@ use crate::platform::{Platform, PlatformStatus};
 use crate::runtime::{AndroidContext, LinkedCalls, PARTITIONS};
 use crate::settings::LoadedSettings;
 use crate::shell::run_shell;
-use crate::{runtime, settings};
+use crate::{boot_clock, runtime, settings};
 
 #[unsafe(no_mangle)]
 fn android_main(app: AndroidApp) {
@@ -118,6 +119,15 @@ impl Platform for AndroidPlatform {
     ) -> xr::Result<xr::Instance> {
         extensions.khr_android_create_instance = true;
         entry.create_instance(application, &extensions, &[], &self.platform_info())
+    }
+
+    fn boot_id(&self) -> Option<BootId> {
+        let count = self.monitor.device().read_boot_count().unwrap_or_else(|why| {
+            eprintln!("paros-quest: {why}");
+            None
+        });
+        // The kernel's own ID is no documented interface of Android's.
+        count.map(BootId::from_count).or_else(boot_clock::read_boot_id)
     }
 
     fn poll_status(&mut self) -> PlatformStatus {

@@ -1,4 +1,4 @@
-//! The device's state that only Android's Java classes report: battery, thermal state, model, storage
+//! The device's state that only Android's Java classes report: battery, thermal state, model, boots, storage
 //! folders, network, and content providers. Calls go through JNI, to the members of [`table`] only.
 //!
 //! The screen is kept on without Java: `ANativeActivity_setWindowFlags` may be called from any thread,
@@ -19,9 +19,9 @@ use call::{JavaCaller, read_bool, read_float, read_int};
 pub use monitor::DeviceMonitor;
 use table::{
     ABSOLUTE_PATH, ACTIVE_NETWORK, BATTERY_PROPERTY, CAPABILITIES, CLOSE, COLUMN_INDEX,
-    CONTENT_RESOLVER, EXTERNAL_FILES_DIR, FILES_DIR, HAS_CAPABILITY, IS_CHARGING, JavaMember,
-    MANUFACTURER, MODEL, MOVE_TO_NEXT, PARSE_URI, QUERY, STRING, SYSTEM_SERVICE, THERMAL_HEADROOM,
-    THERMAL_STATUS,
+    CONTENT_RESOLVER, EXTERNAL_FILES_DIR, FILES_DIR, GLOBAL_INT, HAS_CAPABILITY, IS_CHARGING,
+    JavaMember, MANUFACTURER, MODEL, MOVE_TO_NEXT, PARSE_URI, QUERY, STRING, SYSTEM_SERVICE,
+    THERMAL_HEADROOM, THERMAL_STATUS,
 };
 
 /// The battery's state.
@@ -76,6 +76,8 @@ const POWER_SERVICE: &str = "power";
 const CONNECTIVITY_SERVICE: &str = "connectivity";
 const BATTERY_PROPERTY_CAPACITY: i32 = 4;
 const NET_CAPABILITY_VALIDATED: i32 = 16;
+/// `Settings.Global.BOOT_COUNT`, since API level 24.
+const BOOT_COUNT: &str = "boot_count";
 
 /// How far ahead the thermal headroom is forecast, in seconds: beyond it the forecast is unreliable.
 const FORECAST_SECONDS: i32 = 10;
@@ -197,6 +199,25 @@ impl AndroidDevice {
             let path =
                 path.map(|path| caller.read_string(ABSOLUTE_PATH, path)).transpose()?.flatten();
             path.map(PathBuf::from).ok_or_else(|| nowhere(ABSOLUTE_PATH))
+        })
+    }
+
+    /// Reads how many times the device has booted since it was set up. None if it does not count.
+    ///
+    /// # Errors
+    /// A call into Java that failed.
+    pub fn read_boot_count(&self) -> Result<Option<u32>, JavaError> {
+        self.call_java(|caller, context| {
+            let Some(resolver) =
+                caller.call_object_method_if_available(CONTENT_RESOLVER, context, &[])?
+            else {
+                return Ok(None);
+            };
+            let name = caller.new_string(BOOT_COUNT)?;
+            let arguments = [JValue::Object(&resolver), JValue::Object(&name), JValue::Int(-1)];
+            let value = caller.call_or_read_static_if_available(GLOBAL_INT, &arguments)?;
+            let count = value.map(|value| read_int(GLOBAL_INT, value)).transpose()?;
+            Ok(count.and_then(|count| u32::try_from(count).ok()))
         })
     }
 

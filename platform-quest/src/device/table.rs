@@ -68,6 +68,9 @@ members! {
     /// The resolver, which sends queries to content providers.
     CONTENT_RESOLVER = Method "android/content/Context" "getContentResolver" "()Landroid/content/ContentResolver;"
         since 1 in "android/content/Context#getContentResolver()";
+    /// A setting of the whole device that is a number, or the default that is given where it has none.
+    GLOBAL_INT = StaticMethod "android/provider/Settings$Global" "getInt" "(Landroid/content/ContentResolver;Ljava/lang/String;I)I"
+        since 17 in "android/provider/Settings.Global#getInt(android.content.ContentResolver,%20java.lang.String,%20int)";
     /// A file's absolute path.
     ABSOLUTE_PATH = Method "java/io/File" "getAbsolutePath" "()Ljava/lang/String;"
         since 1 in "java/io/File#getAbsolutePath()";

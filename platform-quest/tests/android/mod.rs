@@ -77,7 +77,7 @@ fn stub_sources() -> BTreeMap<String, String> {
         }
     }
     let mut sources: BTreeMap<String, String> = BTreeMap::new();
-    // Build before Build$VERSION.
+    // Build before Build$VERSION; an outer class that isn't in the table is empty.
     for (class, members) in classes.iter().filter(|(class, _)| is_android(class)) {
         let (outer, inner) = class.split_once('$').map_or((*class, None), |(o, i)| (o, Some(i)));
         let body: String = members.iter().map(stub_member).collect();
@@ -89,7 +89,9 @@ fn stub_sources() -> BTreeMap<String, String> {
                 sources.insert(outer.to_owned(), source);
             }
             Some(inner) => {
-                let source = sources.get_mut(outer).expect("the outer class is in the table");
+                let package = package.replace('/', ".");
+                let empty = || format!("package {package};\npublic class {name} {{\n}}\n");
+                let source = sources.entry(outer.to_owned()).or_insert_with(empty);
                 let end = source.rfind('}').expect("it ends");
                 source.insert_str(end, &format!("public static class {inner} {{\n{body}}}\n"));
             }
