@@ -19,6 +19,7 @@ use paros_shell::headset::frame_pacer::FramePacer;
 use paros_shell::headset::hand_reader::HandReader;
 use paros_shell::headset::haptics::FrameHaptics;
 use paros_shell::headset::recentering::PendingRecentering;
+use paros_shell::headset::room_placement::RoomPlacement;
 use paros_shell::headset::visit::{BootId, VisitPolicy};
 use paros_shell::statics::{Resident, ResidentBitGrid};
 use paros_shell::stl_export::{DEFAULT_HEIGHT_MM, StlExporter};
@@ -64,6 +65,9 @@ where
     pacer: FramePacer,
     recentering: PendingRecentering,
     hand_readers: [HandReader; 2],
+    placement: RoomPlacement,
+    /// The room was moved after the last tick.
+    has_room_moved: bool,
     haptics: FrameHaptics,
     /// The thermal state that the runtime notified; the operating system may report a hotter one.
     runtime_thermal: ThermalState,
@@ -161,6 +165,8 @@ where
             pacer: FramePacer::default(),
             recentering: PendingRecentering::default(),
             hand_readers: [HandReader::default(); 2],
+            placement: RoomPlacement::default(),
+            has_room_moved: false,
             haptics: FrameHaptics::default(),
             runtime_thermal: ThermalState::default(),
             health: DeviceHealth::default(),
@@ -229,6 +235,7 @@ where
         self.phase = SessionPhase::default();
         self.hand_readers = [HandReader::default(); 2];
         self.pacer.pause();
+        self.placement.restart_in_new_space();
         self.visit.forget_poses();
         // Whatever ends the session, the next start finds the compiled programs.
         self.submit_changed_pipeline_cache_between_frames(&mut resources);

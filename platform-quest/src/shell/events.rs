@@ -107,6 +107,7 @@ where
             SessionPhase::Visible => "seen",
             _ => "unseen",
         };
+        let room = self.placement.room();
         let UndoCounts { undoable: undo, redoable: redo } = world.undo_counts();
         let mut out = io::stdout().lock();
         // Nobody may be listening there.
@@ -114,7 +115,7 @@ where
             out,
             "life {phase}; session {:?}; mode {:?}; voxels {}; holds {held:?}; tracked {tracked:?}; \
              sources {sources:?}; undo {undo}; redo {redo}; ticks {}; frames {}; dropped {}; digest {:016x}; \
-             device {}; runtime {}; note {}",
+             room {:.3} {:.4} {:.4}; device {}; runtime {}; note {}",
             world.session_state(),
             world.mode(),
             world.volume().count_voxels(),
@@ -122,6 +123,9 @@ where
             self.frames,
             self.dropped.count,
             world.digest(),
+            room.yaw,
+            room.origin.x,
+            room.origin.y,
             resources.gpu.name,
             resources.runtime.name,
             self.last_note,

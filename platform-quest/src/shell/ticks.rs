@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use openxr as xr;
 use paros_core::TickInput;
+use paros_core::internals::RoomPose;
 use paros_core::limits::INTERVALS;
 use paros_core::session::{PointerCommand, RawPose, SessionMode};
 use paros_core::volume::{Grid, Size};
@@ -39,16 +40,21 @@ where
             menu_down = session.actions.is_menu_down(&session.raw)?;
             profiles = session.actions.current_profiles(&session.raw)?;
         }
-        let now = platform.since_boot();
+        let (now, mut room, mut has_recentred) = (platform.since_boot(), None, false);
         for tick_time in due.tick_times_ns() {
-            let jumped = self.recentering.take_change_due_at(tick_time);
-            let profiles = (has_focus && !jumped).then_some(profiles);
+            // Until the room is moved after these ticks, hands would be where it lay in the old space.
+            has_recentred |= self.recentering.take_change_due_at(tick_time);
+            let has_jumped = core::mem::take(&mut self.has_room_moved) || has_recentred;
+            let profiles = (has_focus && !has_jumped).then_some(profiles);
             let tick_time = xr::Time::from_nanos(tick_time);
-            let mut input = read_tick_input(session, tick_time, profiles, &mut self.hand_readers)?;
-            if jumped {
+            let head = session.locate_head(tick_time)?;
+            let readers = &mut self.hand_readers;
+            let mut input = read_tick_input(session, head, tick_time, profiles, readers)?;
+            if has_jumped {
                 self.visit.forget_poses();
             }
             self.observe_visitor(&input, menu_down, now, platform);
+            room = self.observe_head(head).or(room);
             self.visit.add_session_start_or_finish(
                 self.studio.world().session_state(),
                 self.studio.has_unfinished_sculpture(),
@@ -74,7 +80,7 @@ where
                 session.actions.change_haptics(&session.raw, hand, change)?;
             }
         }
-        Ok(())
+        self.move_room(&mut resources.session, room, has_recentred, platform)
     }
 
     /// Counts dropped ticks, and logs them from time to time.
@@ -96,11 +102,11 @@ where
 /// are left out.
 fn read_tick_input(
     session: &HeadsetSession,
+    head: Option<RoomPose>,
     tick_time: xr::Time,
     profiles: Option<[HandProfile; 2]>,
     readers: &mut [HandReader; 2],
 ) -> Result<TickInput, Error> {
-    let head = session.locate_head(tick_time)?;
     let head = head
         .map_or(RawPose::default(), |(position, rotation)| RawPose::quantise(position, rotation));
     let mut input = TickInput { head, ..TickInput::default() };

@@ -1,16 +1,20 @@
-//! Who uses the headset: what the visit policy is told, and what it decides is carried out.
+//! Who uses the headset: what the visit policy and the room's placement are told, and what they decide is carried out.
 
 use std::time::Duration;
 
 use paros_core::TickInput;
+use paros_core::internals::RoomPose;
 use paros_core::limits::INTERVALS;
 use paros_core::session::SessionState;
 use paros_core::volume::{Grid, Size};
+use paros_shell::headset::room_placement::{PlacementNeed, RoomTransform};
 use paros_shell::headset::visit::{LastUse, VisitorChange};
 use paros_shell::statics::Resident;
 
 use super::HeadsetShell;
+use crate::error::Error;
 use crate::platform::Platform;
+use crate::xr::HeadsetSession;
 
 impl<const N: usize> HeadsetShell<'_, N>
 where
@@ -65,10 +69,45 @@ where
         self.on_visitor_change(change, platform);
     }
 
-    fn on_visitor_change(&self, change: VisitorChange, platform: &mut dyn Platform) {
-        if change == VisitorChange::NextVisitor {
-            platform.log(format_args!("another visitor"));
+    fn on_visitor_change(&mut self, change: VisitorChange, platform: &mut dyn Platform) {
+        let is_untouched = self.studio.world().session_state() == SessionState::Sculpting
+            && !self.studio.has_unfinished_sculpture();
+        match change {
+            VisitorChange::NextVisitor => platform.log(format_args!("another visitor")),
+            // Somebody held it before, who may have been the staff.
+            VisitorChange::PutOnAgain if is_untouched => {}
+            VisitorChange::PutOnAgain | VisitorChange::None => return,
         }
+        self.placement.request(PlacementNeed::Anyhow);
+    }
+
+    /// Tells the room's placement where the head is in the room. Returns where the room is to lie, if that changes.
+    pub(super) fn observe_head(&mut self, head: Option<RoomPose>) -> Option<RoomTransform> {
+        let worn_head = head.filter(|_| self.visit.is_maybe_worn());
+        self.placement.observe_head(worn_head)
+    }
+
+    /// Moves the room after a frame's ticks: to where it was decided, or back to where the runtime's new space has it.
+    pub(super) fn move_room(
+        &mut self,
+        session: &mut HeadsetSession,
+        decided: Option<RoomTransform>,
+        has_recentred: bool,
+        platform: &mut dyn Platform,
+    ) -> Result<(), Error> {
+        let decided = if has_recentred {
+            self.placement.restart_in_new_space().then(RoomTransform::default)
+        } else {
+            decided
+        };
+        let Some(room) = decided else { return Ok(()) };
+        session.move_room(room)?;
+        self.has_room_moved = true;
+        let (degrees, metres) = (room.yaw.to_degrees(), room.origin.length());
+        platform.log(format_args!(
+            "the room is turned by {degrees:.0} degrees, moved by {metres:.2} m"
+        ));
+        Ok(())
     }
 
     /// Has the time of the last use kept on the disk, each time that the one there has become old.

@@ -7,6 +7,7 @@ use paros_core::internals::RoomPose;
 use paros_shaders::gpu::{Eye, Fov, Gpu};
 use paros_shell::headset::hand_reader::{HandProfile, HandReport, HandSource};
 use paros_shell::headset::hand_sample::HandSample;
+use paros_shell::headset::room_placement::RoomTransform;
 
 use super::{
     ControllerActions, HandTrackers, NO_PROFILE, Runtime, VIEW_CONFIGURATION, convert_location,
@@ -19,8 +20,8 @@ pub(crate) struct HeadsetSession {
     pub(crate) raw: xr::Session<xr::Vulkan>,
     pub(crate) waiter: xr::FrameWaiter,
     pub(crate) stream: xr::FrameStream<xr::Vulkan>,
-    /// The room: a reference space with its origin on the floor, whose -z was ahead when it was created or
-    /// recentred.
+    /// The room: a reference space with its origin on the floor, whose -z is ahead of the visitor. All poses are located
+    /// in it, and layers submitted.
     pub(crate) room: xr::Space,
     pub(crate) room_type: xr::ReferenceSpaceType,
     head: xr::Space,
@@ -66,6 +67,15 @@ impl HeadsetSession {
             return Err(Error::Unavailable(why));
         }
         Ok(HeadsetSession { raw, waiter, stream, room, room_type, head, actions, hand_trackers })
+    }
+
+    /// Moves the room to where it lies in the runtime's space from now on.
+    ///
+    /// # Errors
+    /// A lost session.
+    pub(crate) fn move_room(&mut self, room: RoomTransform) -> Result<(), Error> {
+        self.room = create_room(&self.raw, self.room_type, room)?;
+        Ok(())
     }
 
     /// Requests the display refresh rate nearest to `wanted_hz`, where the runtime offers any. Returns a line
@@ -262,12 +272,23 @@ fn create_local_floor_or_fallback(
     let kinds = session.enumerate_reference_spaces().could_not("list spaces")?;
     let wanted = [xr::ReferenceSpaceType::LOCAL_FLOOR, xr::ReferenceSpaceType::STAGE];
     let found = wanted.into_iter().find(|kind| kinds.contains(kind));
-    let (kind, height) =
-        found.map_or((xr::ReferenceSpaceType::LOCAL, EYE_HEIGHT), |kind| (kind, 0.0));
-    let position = xr::Vector3f { x: 0.0, y: -height, z: 0.0 };
-    let pose = xr::Posef { position, ..xr::Posef::IDENTITY };
-    let space = session.create_reference_space(kind, pose).could_not("make a space")?;
-    Ok((space, kind))
+    let kind = found.unwrap_or(xr::ReferenceSpaceType::LOCAL);
+    Ok((create_room(session, kind, RoomTransform::default())?, kind))
+}
+
+/// Creates the room's space, on the floor of a reference space.
+fn create_room(
+    session: &xr::Session<xr::Vulkan>,
+    kind: xr::ReferenceSpaceType,
+    room: RoomTransform,
+) -> Result<xr::Space, Error> {
+    let height = if kind == xr::ReferenceSpaceType::LOCAL { EYE_HEIGHT } else { 0.0 };
+    let (Vec3 { x, z, .. }, Quat { x: i, y: j, z: k, w }) = (room.translation(), room.rotation());
+    let pose = xr::Posef {
+        position: xr::Vector3f { x, y: -height, z },
+        orientation: xr::Quaternionf { x: i, y: j, z: k, w },
+    };
+    session.create_reference_space(kind, pose).could_not("make a space")
 }
 
 /// The renderer's eye for a view. Where the pose is not known, it looks ahead from a head's height.

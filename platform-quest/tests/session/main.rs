@@ -11,6 +11,7 @@ mod frugal;
 mod handover;
 mod layered;
 mod monado;
+mod placement;
 mod refusals;
 mod sleep;
 

@@ -10,4 +10,5 @@ pub mod hand_sample;
 pub mod haptics;
 pub mod package;
 pub mod recentering;
+pub mod room_placement;
 pub mod visit;

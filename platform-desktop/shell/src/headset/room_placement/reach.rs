@@ -1,0 +1,110 @@
+//! What visitors reach from the place that the room gives them, standing or seated, without a step or a lean.
+
+use glam::{Vec2, Vec3};
+use paros_core::internals::{BENCH_ITEMS, BOX_SIDE, STOOL_TOP};
+use paros_core::session::{BenchItem, Tool, ToolBit};
+
+/// A body, in metres: Pheasant and Haslegrave, "Bodyspace", British adults of 19 to 65 years; seats are 0.42 high.
+struct Body {
+    name: &'static str,
+    /// Of the shoulder joint (acromion) above the floor.
+    shoulder_height: f32,
+    /// Between the joints (biacromial).
+    shoulder_breadth: f32,
+    /// From the joint to the middle of what the hand holds.
+    grip_length: f32,
+}
+
+const fn body(name: &'static str, height: f32, breadth: f32, grip_length: f32) -> Body {
+    Body { name, shoulder_height: height, shoulder_breadth: breadth, grip_length }
+}
+
+/// Women of the 5th percentile, whose eyes are 1.41 m high, and men of the 95th, 1.75; seated 1.10 and 1.27.
+const BODIES: [Body; 4] = [
+    body("small, standing", 1.215, 0.325, 0.555),
+    body("tall, standing", 1.535, 0.430, 0.715),
+    body("small, seated", 0.925, 0.325, 0.555),
+    body("tall, seated", 1.065, 0.430, 0.715),
+];
+
+/// At which a hand takes an item: the core's `GRAB_DISTANCE`.
+const GRAB_DISTANCE: f32 = 0.12;
+
+/// From the visitor's place, in which hands stay: a boundary of a metre around it.
+const BOUNDARY: f32 = 1.0;
+
+/// What lies beyond reach, and by how much, in whole centimetres rounded up: it has to be leaned for.
+const BEYOND_REACH: [(&str, BenchItem, u32); 13] = [
+    ("small, standing", BenchItem::Tool(Tool::Rotary), 5),
+    ("small, standing", BenchItem::Bit(ToolBit::SmallBall), 7),
+    ("small, standing", BenchItem::Bit(ToolBit::MediumBall), 1),
+    ("small, standing", BenchItem::Bit(ToolBit::RoughingBall), 3),
+    ("small, standing", BenchItem::Bit(ToolBit::Float), 19),
+    ("small, standing", BenchItem::Bit(ToolBit::PitchingChisel), 8),
+    ("tall, standing", BenchItem::Tool(Tool::Rotary), 6),
+    ("tall, standing", BenchItem::Bit(ToolBit::SmallBall), 4),
+    ("tall, standing", BenchItem::Bit(ToolBit::RoughingBall), 1),
+    ("tall, standing", BenchItem::Bit(ToolBit::Float), 15),
+    ("tall, standing", BenchItem::Bit(ToolBit::PitchingChisel), 5),
+    ("small, seated", BenchItem::Bit(ToolBit::Float), 13),
+    ("small, seated", BenchItem::Bit(ToolBit::PitchingChisel), 1),
+];
+
+impl Body {
+    /// How far beyond the reach of the nearer shoulder a place is, in metres; 0 within it. The visitor stands at the
+    /// room's origin, and turns the trunk.
+    fn distance_beyond_reach(&self, place: Vec3, reach: f32) -> f32 {
+        let across = Vec2::new(place.x, place.z).length() - self.shoulder_breadth / 2.0;
+        (across.max(0.0).hypot(place.y - self.shoulder_height) - reach).max(0.0)
+    }
+
+    /// The same of an item, at its place on the bench: a tool is taken by the hand, a bit by the tip of its tool too.
+    fn distance_beyond_item(&self, item: BenchItem) -> f32 {
+        self.distance_beyond_reach(item.home_position(), self.grip_length + taking_distance(item))
+    }
+}
+
+/// From the hand to what it takes, at most.
+fn taking_distance(item: BenchItem) -> f32 {
+    match item {
+        BenchItem::Tool(_) => GRAB_DISTANCE,
+        BenchItem::Bit(bit) => GRAB_DISTANCE + bit.spec().tool.length_um() as f32 * 1e-6,
+    }
+}
+
+fn items() -> impl Iterator<Item = BenchItem> {
+    (0..BENCH_ITEMS).filter_map(BenchItem::from_number)
+}
+
+#[test]
+fn tools_and_bits_are_taken_from_the_visitors_place() {
+    let mut beyond_reach = Vec::new();
+    for body in &BODIES {
+        for item in items() {
+            let centimetres = (body.distance_beyond_item(item) * 100.0).ceil() as u32;
+            if centimetres > 0 {
+                beyond_reach.push((body.name, item, centimetres));
+            }
+        }
+    }
+    assert_eq!(beyond_reach, BEYOND_REACH);
+}
+
+#[test]
+fn the_sculptures_middle_is_reached_by_the_bare_hand() {
+    let middle = STOOL_TOP + Vec3::Y * (BOX_SIDE / 2.0);
+    for body in &BODIES {
+        assert!(body.distance_beyond_reach(middle, body.grip_length) <= 0.0, "{}", body.name);
+    }
+}
+
+#[test]
+fn hands_stay_within_a_boundary_around_the_place() {
+    for item in items() {
+        let home = item.home_position();
+        let from_place = Vec2::new(home.x, home.z).length() - taking_distance(item);
+        assert!(from_place < BOUNDARY, "{item:?}: {from_place:.3} m from the place");
+    }
+    let beyond_stool = STOOL_TOP.z.abs() + BOX_SIDE / 2.0;
+    assert!(beyond_stool < BOUNDARY, "the sculpture's back: {beyond_stool:.3} m");
+}
