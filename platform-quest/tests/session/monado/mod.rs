@@ -196,6 +196,10 @@ impl MonadoService {
         let quest = Path::new(env!("CARGO_BIN_EXE_paros-quest"));
         let mut command = self.tree.command(quest, &self.folder);
         command.args(["--script", "--validation", "--folder", "files"]).args(args);
+        if !args.contains(&"--handover") {
+            // The driver's head and hands are still between a test's steps, for as long as the machine is slow.
+            command.args(["--handover", "600"]);
+        }
         let layers = self.folder.join("layers");
         fs::create_dir_all(&layers).expect("a folder");
         let explicit = "openxr/1/api_layers/explicit.d";
