@@ -10,7 +10,8 @@ use paros_shaders::upload::VolumeFormat;
 use super::clock::OursTheirs;
 use super::edit::{CARVE, RADIUS, sample_surface_voxels, try_edit_sphere_at};
 use super::fixture::{HasFixture, restore_start_volume};
-use super::frames::{FrameFormat, FrameTimer, Framing, RenderSetup, VIEWS, mean_ms};
+use super::frames::{FrameFormat, FrameTimer, RenderSetup, mean_ms};
+use super::framing::{Framing, VIEWS};
 use super::row::ReportRow;
 use super::subject::Subject;
 

@@ -5,7 +5,8 @@ use paros_headless::Error;
 use paros_shaders::gpu::{Drawn, PaperVariant, RenderPath};
 
 use super::clock::OursTheirs;
-use super::frames::{FILLING, FrameFormat, FrameTimer, Framing, RenderSetup};
+use super::frames::{FrameFormat, FrameTimer, RenderSetup};
+use super::framing::{FILLING, Framing};
 use super::render::BENCH;
 use super::row::ReportRow;
 use super::subject::Subject;

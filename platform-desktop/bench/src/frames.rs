@@ -1,52 +1,28 @@
 //! GPU frame times of a sculpture, by timestamp queries, over a ring of views.
 
 use std::collections::BTreeMap;
-use std::f32::consts::TAU;
 use std::sync::Arc;
 
-use glam::{Quat, Vec3};
+use glam::Vec3;
 use paros_core::RangeMaps;
-use paros_core::volume::{Axis, BitGrid, Grid, Size};
+use paros_core::volume::{BitGrid, Grid, Size};
 use paros_headless::Error;
 use paros_headless::{FetchCounts, HeadlessRenderer, PictureFormat, SculptureView, Uploads};
 use paros_shaders::field::DensityField;
 use paros_shaders::gpu::{
-    Drawn, Eye, Fov, FrameRequest, FrameTimes, Gpu, PaperVariant, RenderPath, RenderStyle,
-    SculpturePlacement,
+    Drawn, Eye, FrameRequest, FrameTimes, Gpu, RenderPath, RenderStyle, SculpturePlacement,
 };
 use paros_shaders::upload::VolumeFormat;
-use paros_shell::with_size;
 
 use super::fixture::{Fixture, HasFixture};
+use super::framing::{Framing, VIEWS, fit_framing, middle_height_sides, ring_view};
 use super::subject::Subject;
 
-/// Views of a ring.
-pub(super) const VIEWS: usize = 8;
-/// Elevation of the eye above the horizon, in radians.
-const ELEVATION: f32 = 0.3;
-/// Half the vertical angle of view, in radians; the horizontal one follows from the pixels.
-const HALF_ANGLE: f32 = TAU / 8.0;
-/// Half of the narrowest vertical angle, in radians.
-const NARROWEST: f32 = TAU / 80.0;
 /// Distance between the eyes, in metres; a side of the cube is 1 m.
 const EYES_APART: f32 = 0.064;
 
-/// Target fraction of the image that a sculpture fills, averaged over the ring: as from where one looks at it.
-const QUARTER: f32 = 0.25;
-/// The same from where one works on it.
-pub(super) const FILLING: f32 = 0.85;
-/// Smallest eye distance in sides of the cube: just outside it. For a slender sculpture the angle of
-/// view is narrowed at this distance.
-const NEAREST: f32 = 0.8;
-const FARTHEST: f32 = 8.0;
-/// Bisection steps.
-const HALVINGS: usize = 12;
 /// Longest side in pixels of the pictures in which filled pixels are counted.
 const LONGEST_COUNTED: u32 = 400;
-/// Backdrop colour that no shaded surface has.
-const NOTHING: [f32; 3] = [0.0, 1.0, 0.0];
-const NOTHING_SHOWN: [u8; 3] = [0, 255, 0];
-
 /// Eyes and samples of a frame.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(super) struct FrameFormat {
@@ -68,31 +44,6 @@ impl FrameFormat {
         let eyes = if self.eyes == 2 { "stereo" } else { "mono" };
         let plural = if self.samples == 1 { "" } else { "s" };
         format!("{eyes}, {} sample{plural}", self.samples)
-    }
-}
-
-/// Camera placement for a volume of one format.
-#[derive(Clone, Copy, PartialEq, Debug)]
-pub(super) struct Framing {
-    /// What is looked at.
-    pub(super) volume: VolumeFormat,
-    /// Distance from the point looked at, in sides of the cube.
-    distance: f32,
-    /// Height of the point looked at, in sides of the cube.
-    height: f32,
-    /// Half the vertical angle of view, in radians.
-    half_angle: f32,
-    /// Fraction of the image that the volume fills, 0 to 1.
-    pub(super) filled: f32,
-    /// That aimed at.
-    aim: f32,
-}
-
-impl Framing {
-    /// The same camera before the same voxels in columns of two intervals.
-    pub(super) fn of_two_intervals(&self) -> Self {
-        let volume = with_size!(self.volume.grid_side(), N => VolumeFormat::of::<N, 2>());
-        Framing { volume, ..*self }
     }
 }
 
@@ -178,14 +129,7 @@ impl FrameTimer {
         self.load_field(&field, formats)?;
         let renderer = self.small_renderers.get_mut(&N).ok_or_else(|| no_renderer(N))?;
         renderer.load_field(&field)?;
-        let nearest = Framing {
-            volume,
-            distance: NEAREST,
-            height: middle_height_sides(&fixture.start),
-            half_angle: HALF_ANGLE,
-            filled: 0.0,
-            aim: QUARTER,
-        };
+        let nearest = Framing::nearest(volume, middle_height_sides(&fixture.start));
         fit_framing(renderer, small, &nearest)
     }
 
@@ -195,8 +139,7 @@ impl FrameTimer {
         let small = self.small_size();
         let renderer =
             self.small_renderers.get_mut(&grid_side).ok_or_else(|| no_renderer(grid_side))?;
-        let nearest = Framing { distance: NEAREST, half_angle: HALF_ANGLE, aim, ..*framing };
-        fit_framing(renderer, small, &nearest)
+        fit_framing(renderer, small, &framing.aiming_at(aim))
     }
 
     /// Size of the pictures in which filled pixels are counted.
@@ -350,82 +293,4 @@ fn request_frame<'a>(
     let RenderSetup { path, drawn, .. } = *setup;
     let style = RenderStyle { path, drawn, ..RenderStyle::default() };
     FrameRequest { eyes, placement, style, backdrop: paros_headless::BACKDROP, scene: None }
-}
-
-/// A view of the ring. The eye is fixed; the stool turns.
-fn ring_view(framing: &Framing, view: usize, [width, height]: [u32; 2]) -> SculptureView {
-    let (sin, cos) = ELEVATION.sin_cos();
-    let up = framing.half_angle;
-    let right = (up.tan() * width as f32 / height as f32).atan();
-    let eye = Eye {
-        position: Vec3::new(0.0, sin, cos) * framing.distance + Vec3::Y * framing.height,
-        rotation: Quat::from_rotation_x(-ELEVATION),
-        fov: Fov { left: -right, right, up, down: -up },
-    };
-    let turn = view as f32 * (TAU / VIEWS as f32);
-    let placement = SculpturePlacement { foot: Vec3::ZERO, side: 1.0, turn_radians: turn };
-    SculptureView { eye, placement }
-}
-
-/// Mean of the lowest and highest occupied height, in sides of the cube.
-fn middle_height_sides<const N: usize>(maps: &RangeMaps<N>) -> f32 {
-    let heights = (0..N).flat_map(|line| maps.line(Axis::Y, line)).map(|column| column.hull());
-    let (lo, hi) = heights
-        .filter(|range| !range.is_empty())
-        .fold((N, 0), |(lo, hi), range| (range.first().min(lo), range.last().max(hi)));
-    (lo + hi + 1) as f32 / (2 * N) as f32
-}
-
-/// Finds the distance, or the angle of view, at which the sculpture fills the fraction aimed at. Pixels
-/// are counted by the paper's path, which draws the exact voxels.
-fn fit_framing(
-    small_renderer: &mut HeadlessRenderer,
-    image_size: [u32; 2],
-    nearest: &Framing,
-) -> Result<Framing, Error> {
-    if filled_fraction(small_renderer, image_size, nearest)? < nearest.aim {
-        let narrowed = |half_angle| Framing { half_angle, ..*nearest };
-        bisect_framing(small_renderer, image_size, [NARROWEST, HALF_ANGLE], narrowed)
-    } else {
-        let away = |distance| Framing { distance, ..*nearest };
-        bisect_framing(small_renderer, image_size, [NEAREST, FARTHEST], away)
-    }
-}
-
-/// Bisection between a value whose framing fills more than the target and one whose fills less.
-fn bisect_framing(
-    small_renderer: &mut HeadlessRenderer,
-    image_size: [u32; 2],
-    [mut filling_more, mut filling_less]: [f32; 2],
-    make_framing: impl Fn(f32) -> Framing,
-) -> Result<Framing, Error> {
-    let mut best = make_framing(filling_more);
-    for _ in 0..HALVINGS {
-        let middle = 0.5 * (filling_more + filling_less);
-        best = make_framing(middle);
-        best.filled = filled_fraction(small_renderer, image_size, &best)?;
-        *(if best.filled > best.aim { &mut filling_more } else { &mut filling_less }) = middle;
-    }
-    Ok(best)
-}
-
-/// The fraction of the image that is not backdrop, averaged over the ring.
-fn filled_fraction(
-    small_renderer: &mut HeadlessRenderer,
-    image_size: [u32; 2],
-    framing: &Framing,
-) -> Result<f32, Error> {
-    let look =
-        RenderStyle { path: RenderPath::Paper(PaperVariant::Whole), ..RenderStyle::default() };
-    let mut sum = 0;
-    for view in 0..VIEWS {
-        let SculptureView { eye, placement } = ring_view(framing, view, image_size);
-        small_renderer.draw_frame(
-            &FrameRequest { eyes: &[eye], placement, style: look, backdrop: NOTHING, scene: None },
-            &vec![],
-        )?;
-        let image = small_renderer.read_image(0)?;
-        sum += image.pixels.chunks_exact(3).filter(|pixel| **pixel != NOTHING_SHOWN).count();
-    }
-    Ok(sum as f32 / (image_size[0] as usize * image_size[1] as usize * VIEWS) as f32)
 }

@@ -16,6 +16,7 @@ mod field;
 mod filled;
 mod fixture;
 mod frames;
+mod framing;
 mod islands;
 mod layer_costs;
 mod layers;

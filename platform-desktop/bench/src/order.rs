@@ -14,7 +14,8 @@ use paros_shaders::upload::VolumeFormat;
 use paros_shell::statics::Resident;
 
 use super::clock::OursTheirs;
-use super::frames::{FrameFormat, FrameTimer, VIEWS, mean_ms};
+use super::frames::{FrameFormat, FrameTimer, mean_ms};
+use super::framing::VIEWS;
 use super::row::ReportRow;
 use super::subject::Subject;
 

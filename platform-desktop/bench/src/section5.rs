@@ -15,7 +15,8 @@ use paros_shell::with_size;
 
 use super::clock::min_of_each_tick_ms;
 use super::fixture::HasFixture;
-use super::frames::{FrameFormat, FrameTimer, Framing, RenderSetup};
+use super::frames::{FrameFormat, FrameTimer, RenderSetup};
+use super::framing::Framing;
 use super::islands::{our_ticks_ms, paper_ticks_ms};
 use super::paper::{PAPER_VISITS, VoxelFill};
 use super::row::{Measured, ReportRow};
