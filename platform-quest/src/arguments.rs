@@ -1,16 +1,13 @@
-//! The shell's flags, on the command line or in a file; see [`crate::settings`].
+//! The flags of `paros-quest` on Linux. Those that are settings are checked as settings are, and win over a file's.
 
-use std::path::PathBuf;
-use std::time::Duration;
+use std::path::{Path, PathBuf};
 
 use clap::Parser;
-use paros_core::limits::MAX_STRING_MM;
-use paros_core::session::{SessionMode, TICK_RATE};
-use paros_shell::headset::visit::DEFAULT_HANDOVER;
-use paros_shell::modes::parse_mode;
-use paros_shell::sizes::{GRID_SIDE_NAMES, grid_side_or_default};
+use paros_shell::settings::table::find_setting;
+use paros_shell::settings::value::RawValue;
+use paros_shell::settings::{LoadedSettings, SettingsLayer};
+use paros_shell::studio_paths::StudioPaths;
 
-use crate::foveation::FoveationLevel;
 use crate::options::ShellOptions;
 
 /// Sculpt in a headset, or play a recorded session again.
@@ -18,26 +15,28 @@ use crate::options::ShellOptions;
 #[command(name = "paros-quest", version)]
 pub struct HeadsetArgs {
     /// Voxels along an edge: 128, or 256 for a fast machine.
-    #[arg(long, default_value = "128", value_parser = GRID_SIDE_NAMES)]
-    pub size: String,
+    #[arg(long, value_parser = check_setting("size"))]
+    pub size: Option<String>,
     /// One folder for sessions and sculptures, instead of the user's own. In it a session that is found after the
     /// handover time, or another boot, is a former visitor's, and is finished.
     #[arg(long, value_name = "DIR")]
     pub folder: Option<PathBuf>,
+    /// A file of settings, instead of `paros.toml` in the folder. `paros settings template` writes one.
+    #[arg(long, value_name = "FILE", conflicts_with = "replay")]
+    pub settings: Option<PathBuf>,
     /// How sessions start: `free`, `creative`, or the name of a hidden figure.
-    #[arg(long, default_value = "free", value_parser = parse_mode)]
-    pub mode: SessionMode,
+    #[arg(long, value_parser = check_setting("mode"))]
+    pub mode: Option<String>,
     /// For how many seconds the headset must be off, asleep or without motion for who uses it next to be another
     /// visitor: the sculpture is finished and kept, and a new session starts.
-    #[arg(long, value_name = "SECONDS", default_value_t = DEFAULT_HANDOVER.as_secs(),
-        value_parser = parse_seconds)]
-    pub handover: u64,
+    #[arg(long, value_name = "SECONDS", value_parser = check_setting("handover_seconds"))]
+    pub handover: Option<String>,
     /// Write the trace of the session to a file; it starts anew.
     #[arg(long, value_name = "FILE", conflicts_with = "replay")]
     pub record: Option<PathBuf>,
     /// Steady the hands: a running bit is drawn behind its hand on a string of so many millimetres, 40 at most.
-    #[arg(long, value_name = "MM", default_value_t = 0, value_parser = parse_string)]
-    pub steady: u8,
+    #[arg(long, value_name = "MM", value_parser = check_setting("steady_mm"))]
+    pub steady: Option<String>,
     /// Play a trace again, as fast as it goes and without a headset; stop at the first tick that
     /// differs from the recording.
     #[arg(long, value_name = "TRACE", requires = "digests")]
@@ -46,16 +45,15 @@ pub struct HeadsetArgs {
     #[arg(long, value_name = "FILE", requires = "replay")]
     pub digests: Option<PathBuf>,
     /// The display's rate, in hertz, where there is a choice.
-    #[arg(long, value_name = "HERTZ", default_value_t = TICK_RATE as f32,
-        value_parser = parse_refresh_rate)]
-    pub rate: f32,
+    #[arg(long, value_name = "HERTZ", value_parser = check_setting("refresh_rate_hz"))]
+    pub rate: Option<String>,
     /// Give the compositor depth too; pixels have one sample then.
     #[arg(long)]
     pub depth: bool,
     /// How coarsely pictures are shaded away from their middle: off, low, medium or high. Heat and a
-    /// low battery raise it, unless it is off; without it there is none until they do.
-    #[arg(long, value_name = "LEVEL", value_parser = parse_foveation)]
-    pub foveation: Option<FoveationLevel>,
+    /// low battery raise it, unless it is off; without it, or by auto, there is none until they do.
+    #[arg(long, value_name = "LEVEL", value_parser = check_setting("foveation"))]
+    pub foveation: Option<String>,
     /// Take commands from standard input, for tests.
     #[arg(long, hide = true)]
     pub script: bool,
@@ -65,79 +63,138 @@ pub struct HeadsetArgs {
 }
 
 impl HeadsetArgs {
-    /// Voxels along an edge.
-    #[must_use]
-    pub fn grid_size(&self) -> usize {
-        grid_side_or_default(&self.size)
+    /// Reads the settings: those of the file, and of these flags.
+    ///
+    /// # Errors
+    /// The file that was asked for isn't there.
+    pub fn load_settings(&self) -> Result<LoadedSettings, String> {
+        let default = || match &self.folder {
+            Some(folder) => StudioPaths::inside_folder(folder).settings,
+            None => StudioPaths::for_user(None).settings,
+        };
+        let path = self.settings.clone().unwrap_or_else(default);
+        let file = SettingsLayer::read_file(&path, &[]);
+        if file.is_none() && self.settings.is_some() {
+            return Err(format!("{}: there is no such file", path.display()));
+        }
+        let layers: Vec<_> = file.into_iter().chain([self.to_layer()]).collect();
+        let mut loaded = LoadedSettings::merge(&layers);
+        // What stands on the command line is no news.
+        loaded.told.retain(|line| !line.starts_with(COMMAND_LINE));
+        loaded.resolve_record(path.parent().unwrap_or(Path::new("")));
+        if let Some(record) = &self.record {
+            loaded.settings.record = Some(record.clone());
+        }
+        Ok(loaded)
     }
 
-    /// The options of a run that is no replay.
+    /// The options of a run that is no replay, by settings and by flags that are none.
     #[must_use]
-    pub fn to_options(&self) -> ShellOptions {
+    pub fn to_options(&self, loaded: &LoadedSettings) -> ShellOptions {
         ShellOptions {
             folder: self.folder.clone(),
-            mode: self.mode,
-            handover_after: Duration::from_secs(self.handover),
-            record: self.record.clone(),
-            string_mm: self.steady,
-            refresh_rate: self.rate,
-            submit_depth: self.depth,
-            foveation: self.foveation,
             test_commands: self.script,
             validation: self.validation,
-            ..ShellOptions::default()
+            ..ShellOptions::from_settings(&loaded.settings)
         }
+    }
+
+    /// The flags as a layer of settings. A trace's path is one from here, and no setting.
+    fn to_layer(&self) -> SettingsLayer {
+        let depth = self.depth.then(|| "true".to_owned());
+        let flags = [
+            ("size", &self.size),
+            ("mode", &self.mode),
+            ("handover_seconds", &self.handover),
+            ("steady_mm", &self.steady),
+            ("refresh_rate_hz", &self.rate),
+            ("submit_depth", &depth),
+            ("foveation", &self.foveation),
+        ];
+        let given = flags.into_iter().filter_map(|(name, text)| Some((name, text.as_deref()?)));
+        SettingsLayer::from_texts(COMMAND_LINE, given, &[])
     }
 }
 
-fn parse_foveation(name: &str) -> Result<FoveationLevel, String> {
-    let found = FoveationLevel::NAMES.into_iter().find(|(named, _)| *named == name);
-    found.map(|(_, level)| level).ok_or_else(|| "expected off, low, medium or high".into())
-}
+/// The source of settings that flags are.
+const COMMAND_LINE: &str = "command line";
 
-fn parse_refresh_rate(word: &str) -> Result<f32, String> {
-    let rate = word.parse().ok().filter(|rate: &f32| rate.is_finite() && *rate > 0.0);
-    rate.ok_or_else(|| "expected a number of hertz above 0, such as 72 or 90".into())
-}
-
-fn parse_string(word: &str) -> Result<u8, String> {
-    let string = word.parse().ok().filter(|mm| *mm <= MAX_STRING_MM);
-    string.ok_or_else(|| format!("expected 0 to {MAX_STRING_MM} whole millimetres"))
-}
-
-fn parse_seconds(word: &str) -> Result<u64, String> {
-    word.parse()
-        .map_err(|_| format!("expected whole seconds, such as {}", DEFAULT_HANDOVER.as_secs()))
+/// The parser of a flag that is a setting: its text, if it fits.
+fn check_setting(name: &'static str) -> impl Fn(&str) -> Result<String, String> + Clone {
+    move |text| {
+        let kind = find_setting(name).ok_or("no setting")?.kind;
+        kind.check(&RawValue::Untyped(text.into()), &[]).map(|_| text.to_owned())
+    }
 }
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+    use std::time::Duration;
+
     use clap::Parser;
+    use paros_core::session::SessionMode;
+    use paros_shell::headset::foveation::FoveationLevel;
+    use paros_shell::settings::FILE_NAME;
 
     use super::HeadsetArgs;
     use crate::options::ShellOptions;
 
+    /// The options of these words, with a folder in which there may be a file of settings.
     fn parse(words: &str) -> Result<ShellOptions, String> {
-        let args = HeadsetArgs::try_parse_from(format!("paros-quest {words}").split_whitespace());
-        args.map(|args| args.to_options()).map_err(|error| error.to_string())
+        let words = format!("paros-quest {words}");
+        let args = HeadsetArgs::try_parse_from(words.split_whitespace());
+        let args = args.map_err(|error| error.to_string())?;
+        Ok(args.to_options(&args.load_settings()?))
     }
 
     #[test]
     fn no_words_are_the_defaults() {
-        assert_eq!(parse(""), Ok(ShellOptions::default()));
+        let folder = Some("/no/such/folder".into());
+        let expected = ShellOptions { folder, ..ShellOptions::default() };
+        assert_eq!(parse("--folder /no/such/folder"), Ok(expected));
+    }
+
+    #[test]
+    fn flags_win_over_the_file_of_the_folder_or_the_one_that_is_named() {
+        let folder = std::env::temp_dir().join(format!("paros-flags-{}", std::process::id()));
+        fs::create_dir_all(&folder).expect("a folder");
+        let text =
+            "mode = \"owl\"\nhandover_seconds = 120\nrecord = \"own.trace\"\nsteady_mm = 99\n";
+        fs::write(folder.join(FILE_NAME), text).expect("room on the disk");
+        fs::write(folder.join("other.toml"), "mode = \"creative\"").expect("room on the disk");
+        let at = folder.display();
+        let expected = ShellOptions {
+            folder: Some(folder.clone()),
+            mode: SessionMode::Constrained { figure: 8 },
+            handover_after: Duration::from_secs(60),
+            record: Some(folder.join("own.trace")),
+            submit_depth: true,
+            foveation: Some(FoveationLevel::Low),
+            ..ShellOptions::default()
+        };
+        let words = format!("--folder {at} --handover 60 --depth --foveation low");
+        assert_eq!(parse(&words), Ok(expected));
+        let other = parse(&format!("--settings {at}/other.toml --record here"));
+        let other = other.expect("a file");
+        assert_eq!((other.mode, other.record), (SessionMode::Creative, Some("here".into())));
+        let why = parse(&format!("--settings {at}/none.toml")).expect_err("no file");
+        assert_eq!(why, format!("{at}/none.toml: there is no such file"));
+        fs::remove_dir_all(&folder).expect("it is ours");
     }
 
     #[test]
     fn what_is_wrong_says_what_was_expected() {
         for (words, expected) in [
-            ("--rate abc", "expected a number of hertz above 0, such as 72 or 90"),
-            ("--rate 0", "expected a number of hertz"),
-            ("--rate inf", "expected a number of hertz"),
-            ("--handover soon", "expected whole seconds, such as 45"),
-            ("--steady 41", "expected 0 to 40 whole millimetres"),
-            ("--steady soft", "expected 0 to 40 whole millimetres"),
+            ("--rate abc", "for '--rate <HERTZ>': abc, expected a whole number from 60 to 144"),
+            ("--rate 0", "expected a whole number from 60"),
+            ("--rate inf", "expected a whole number from 60"),
+            ("--handover soon", "expected a whole number from 1 to 3600"),
+            ("--steady 41", "expected a whole number from 0 to 40"),
+            ("--steady soft", "expected a whole number from 0 to 40"),
             ("--mode cubes", "expected free, creative or one of"),
-            ("--foveation some", "expected off, low, medium or high"),
+            ("--foveation some", "expected one of \"auto\", \"off\""),
+            ("--size 64", "expected 128 or 256"),
         ] {
             let why = parse(words).expect_err(words);
             assert!(why.contains(expected), "{why}");

@@ -18,7 +18,6 @@ pub mod platform;
 pub mod runtime;
 pub mod session_phase;
 mod session_resources;
-pub mod settings;
 pub mod shell;
 mod test_commands;
 mod xr;

@@ -10,6 +10,7 @@ use paros_quest::platform::PlainPlatform;
 use paros_quest::shell::run_shell;
 use paros_shell::durable::{WriteTarget, take_storage_warnings};
 use paros_shell::replay::{ReplayError, write_replay_digests};
+use paros_shell::sizes::GRID_SIDES;
 use paros_shell::with_size;
 
 fn main() -> ExitCode {
@@ -43,13 +44,18 @@ fn run_command(args: &HeadsetArgs) -> Result<String, RunFailure> {
         write_replay_digests(trace, digests).map_err(|error| replay_failure(&error))?;
         return Ok(format!("{}: all as recorded\n", trace.display()));
     }
+    let loaded = args.load_settings().map_err(|why| input_failure(&why))?;
+    for line in loaded.log_lines() {
+        let _ = writeln!(io::stderr(), "paros-quest: {line}");
+    }
     if let Some(record) = &args.record {
         // Before the sculpting, not after it.
         WriteTarget::resolve_and_check_writable(record)
             .map_err(|error| replay_failure(&ReplayError::Write(error)))?;
     }
-    let options = args.to_options();
-    let done = with_size!(args.grid_size(), N => run_shell::<N>(&mut PlainPlatform, &options));
+    let options = args.to_options(&loaded);
+    let size = loaded.settings.size.unwrap_or(GRID_SIDES[0]);
+    let done = with_size!(size, N => run_shell::<N>(&mut PlainPlatform, &options));
     match done {
         Ok(printed) => Ok(printed.map_or(String::new(), |path| format!("{}\n", path.display()))),
         Err(error) => {
@@ -60,6 +66,10 @@ fn run_command(args: &HeadsetArgs) -> Result<String, RunFailure> {
             Err(RunFailure { message: error.message_with_remedy(), exit_code })
         }
     }
+}
+
+fn input_failure(why: &str) -> RunFailure {
+    RunFailure { message: why.into(), exit_code: ExitCode::from(2) }
 }
 
 fn replay_failure(error: &ReplayError) -> RunFailure {

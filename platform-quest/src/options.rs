@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use paros_core::session::{SessionMode, TICK_RATE};
+use paros_core::session::SessionMode;
 use paros_shaders::gpu::RenderPath;
-use paros_shell::headset::visit::DEFAULT_HANDOVER;
+use paros_shell::settings::Settings;
 
 use crate::foveation::FoveationLevel;
 
@@ -37,20 +37,28 @@ pub struct ShellOptions {
     pub validation: bool,
 }
 
-impl Default for ShellOptions {
-    fn default() -> Self {
+impl ShellOptions {
+    /// The options that settings ask for, all else as by default.
+    #[must_use]
+    pub fn from_settings(settings: &Settings) -> Self {
         ShellOptions {
             folder: None,
-            mode: SessionMode::FreeForm,
-            handover_after: DEFAULT_HANDOVER,
-            record: None,
-            string_mm: 0,
-            refresh_rate: TICK_RATE as f32,
-            submit_depth: false,
-            foveation: None,
+            mode: settings.mode,
+            handover_after: settings.handover_after,
+            record: settings.record.clone(),
+            string_mm: settings.steady_mm,
+            refresh_rate: settings.refresh_rate_hz as f32,
+            submit_depth: settings.submit_depth,
+            foveation: settings.foveation,
             path: RenderPath::Fast,
             test_commands: false,
             validation: false,
         }
+    }
+}
+
+impl Default for ShellOptions {
+    fn default() -> Self {
+        ShellOptions::from_settings(&Settings::default())
     }
 }

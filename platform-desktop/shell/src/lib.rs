@@ -17,6 +17,7 @@ pub mod replay;
 pub mod require;
 pub mod rmap;
 pub mod roughness;
+pub mod settings;
 pub mod sizes;
 pub mod start_volume_store;
 pub mod statics;

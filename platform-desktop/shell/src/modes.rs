@@ -4,7 +4,7 @@ use std::fmt;
 
 use paros_core::session::SessionMode;
 
-use crate::figures::{Figure, HiddenStart};
+use crate::figures::{Figure, HiddenStart, MAX_OWN_FIGURES, own_figure_mode};
 
 /// A name of no mode that sessions can be started in by name.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -26,6 +26,15 @@ pub fn named_modes() -> impl Iterator<Item = (&'static str, SessionMode)> {
 pub fn parse_mode(name: &str) -> Result<SessionMode, UnknownMode> {
     let found = named_modes().find(|(named, _)| *named == name);
     found.map(|(_, mode)| mode).ok_or(UnknownMode)
+}
+
+/// The mode of a name, of [`named_modes`] or of one of the operator's own hidden figures, in their order.
+///
+/// # Errors
+/// It has none.
+pub fn parse_mode_among(name: &str, own_figures: &[String]) -> Result<SessionMode, UnknownMode> {
+    let own = own_figures.iter().take(MAX_OWN_FIGURES).position(|figure| figure == name);
+    own.map_or_else(|| parse_mode(name), |number| Ok(own_figure_mode(number)))
 }
 
 impl fmt::Display for UnknownMode {

@@ -3,6 +3,8 @@
 use std::env;
 use std::path::{Path, PathBuf};
 
+use crate::settings;
+
 /// A studio's folders. Each is created when something is written there.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct StudioPaths {
@@ -12,6 +14,8 @@ pub struct StudioPaths {
     pub sessions: PathBuf,
     /// The pipeline cache.
     pub cache: PathBuf,
+    /// The file of settings.
+    pub settings: PathBuf,
     /// This window's number among those open at once, from 1.
     pub window: u32,
 }
@@ -31,6 +35,7 @@ impl StudioPaths {
             sculptures: sculptures.map_or_else(|| home.join("Paros"), Path::to_owned),
             sessions: data.join("paros"),
             cache: cache.join("paros"),
+            settings: data.join("paros").join(settings::FILE_NAME),
             window: 1,
         }
     }
@@ -42,6 +47,7 @@ impl StudioPaths {
             sculptures: folder.join("sculptures"),
             sessions: folder.join("sessions"),
             cache: folder.join("cache"),
+            settings: folder.join(settings::FILE_NAME),
             window: 1,
         }
     }

@@ -9,6 +9,7 @@ mod info;
 mod play;
 mod progress;
 mod render;
+mod settings;
 mod volume;
 mod window;
 
@@ -38,6 +39,8 @@ enum CliCommand {
     Play(play::Args),
     Export(export::Args),
     Render(render::Args),
+    #[command(subcommand)]
+    Settings(settings::Action),
     Window(window::Args),
 }
 
@@ -59,6 +62,7 @@ impl Cli {
             Some(CliCommand::Play(args)) => play::run(args),
             Some(CliCommand::Export(args)) => export::run(args),
             Some(CliCommand::Render(args)) => render::run(args),
+            Some(CliCommand::Settings(action)) => settings::run(action),
             Some(CliCommand::Window(args)) => window::run(args),
         }
     }

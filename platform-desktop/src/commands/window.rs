@@ -5,10 +5,11 @@ use std::path::{Path, PathBuf};
 
 use paros_headless::Error;
 use paros_shell::durable::WriteTarget;
+use paros_shell::settings::{LoadedSettings, Settings, SettingsLayer};
 use paros_shell::sizes::GRID_SIDES;
 use paros_shell::{rmap, with_size};
 
-use super::{demo, volume};
+use super::{demo, settings, volume};
 use crate::window::{self, SizeChoice, WindowError, WindowOptions};
 
 /// Sculpt in a window, with mouse and keyboard.
@@ -25,9 +26,13 @@ pub(super) struct Args {
     #[arg(long, value_parser = volume::grid_side_parser())]
     size: Option<usize>,
     /// For visitors, one after the other: on the full screen, without files and developers' keys. Once nobody has touched
-    /// it for 90 seconds, the sculpture is finished and kept, and the start shown again.
+    /// it for 90 seconds (`kiosk_seconds` of the settings), the sculpture is finished and kept, and the start shown again.
     #[arg(long)]
     kiosk: bool,
+    /// A file of settings, instead of `paros.toml` in the folder of saved sessions; `paros settings` tells more. What is
+    /// asked for here wins.
+    #[arg(long, value_name = "FILE")]
+    settings: Option<PathBuf>,
     /// Write the trace of the last session to a file, when the window is closed.
     #[arg(long, value_name = "TRACE")]
     record: Option<PathBuf>,
@@ -82,18 +87,39 @@ fn open_window(args: &Args) -> Result<String, WindowError> {
         WriteTarget::resolve_and_check_writable(record)
             .map_err(|error| WindowError::Failed(error.into()))?;
     }
+    let settings = load_settings(args)?;
+    let size = args.size.or(settings.size);
     // What is done by a script shall not depend on the machine.
-    let is_chosen = args.size.is_none() && args.script.is_none();
+    let is_chosen = size.is_none() && args.script.is_none();
     let size_choice = is_chosen.then(|| SizeChoice::choose(args.folder.as_deref()));
-    let size = args.size.or(size_choice.map(|choice| choice.grid_side));
+    let size = size.or(size_choice.map(|choice| choice.grid_side));
     let options = WindowOptions {
         size_choice,
         file: args.file.clone(),
         folder: args.folder.clone(),
-        record: args.record.clone(),
+        record: args.record.clone().or(settings.record),
         script: args.script.clone(),
-        kiosk: args.kiosk,
+        kiosk: (args.kiosk || settings.kiosk).then_some(settings.kiosk_handover_after),
         validation: args.validation,
     };
     with_size!(size.unwrap_or(GRID_SIDES[0]), N => window::run_window::<N>(&options))
+}
+
+/// Reads the settings, and says on standard error what they are and what is wrong with them. A script's are no user's.
+fn load_settings(args: &Args) -> Result<Settings, WindowError> {
+    let default = || args.script.is_none().then(settings::default_file);
+    let Some(path) = args.settings.clone().or_else(default) else {
+        return Ok(Settings::default());
+    };
+    let layer = SettingsLayer::read_file(&path, &[]);
+    if layer.is_none() && args.settings.is_some() {
+        return Err(WindowError::Failed(settings::missing_file(&path)));
+    }
+    let mut loaded = LoadedSettings::merge(&Vec::from_iter(layer));
+    loaded.resolve_record(path.parent().unwrap_or(Path::new("")));
+    for line in loaded.log_lines() {
+        // Standard error may be closed.
+        let _ = writeln!(io::stderr(), "paros: {line}");
+    }
+    Ok(loaded.settings)
 }

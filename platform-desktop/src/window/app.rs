@@ -97,7 +97,7 @@ where
         start_pictures: &Image,
         options: &WindowOptions,
     ) -> Self {
-        if let Some(choice) = options.size_choice.filter(|_| !options.kiosk) {
+        if let Some(choice) = options.size_choice.filter(|_| options.kiosk.is_none()) {
             studio.push_notice(Notice::Good(choice.to_string()));
         }
         if let Some(file) = &options.file {

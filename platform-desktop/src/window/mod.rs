@@ -23,6 +23,7 @@ mod start_pictures;
 mod view;
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use paros_core::limits::INTERVALS;
 use paros_core::volume::{Grid, Size};
@@ -53,8 +54,9 @@ pub struct WindowOptions {
     pub record: Option<PathBuf>,
     /// A script of input, in place of mouse and keys.
     pub script: Option<PathBuf>,
-    /// Whether visitors use it one after the other: a full screen, no files and no developer's tools.
-    pub kiosk: bool,
+    /// Where visitors use it one after the other, on a full screen, without files and developer's tools: how long it must be
+    /// left alone for its visitor to have gone.
+    pub kiosk: Option<Duration>,
     /// Whether Vulkan's validation layer is enabled; its messages are errors.
     pub validation: bool,
 }

@@ -15,6 +15,8 @@ use paros_core::limits::INTERVALS;
 use paros_core::volume::{Grid, Size};
 use paros_shell::headset::package::{self, OPENXR_LOADER};
 use paros_shell::headset::visit::BootId;
+use paros_shell::settings::{self, LoadedSettings, SettingsLayer};
+use paros_shell::sizes::GRID_SIDES;
 use paros_shell::statics::Resident;
 use paros_shell::with_size;
 
@@ -22,10 +24,10 @@ use crate::device::{self, AndroidDevice, DeviceMonitor};
 use crate::error::Error;
 use crate::options::ShellOptions;
 use crate::platform::{Platform, PlatformStatus};
+use crate::runtime;
 use crate::runtime::{AndroidContext, LinkedCalls, PARTITIONS};
-use crate::settings::LoadedSettings;
 use crate::shell::run_shell;
-use crate::{boot_clock, runtime, settings};
+use crate::boot_clock;
 
 #[unsafe(no_mangle)]
 fn android_main(app: AndroidApp) {
@@ -44,13 +46,25 @@ fn run_app(app: AndroidApp) -> Result<(), Error> {
     let folder = device.find_storage_folder().map_err(unavailable)?;
     let name = device.read_manufacturer_and_model().map_err(unavailable)?;
     eprintln!("paros-quest: {name}, API level {}, {}", device.api_level(), folder.display());
-    let LoadedSettings { settings, log_line } = settings::read_settings(&folder);
-    if let Some(line) = log_line {
+    let loaded = load_settings(&folder);
+    for line in loaded.log_lines() {
         eprintln!("paros-quest: {line}");
     }
+    let size = loaded.settings.size.unwrap_or(GRID_SIDES[0]);
+    let options =
+        ShellOptions { folder: Some(folder), ..ShellOptions::from_settings(&loaded.settings) };
     let platform =
         AndroidPlatform { app, monitor: DeviceMonitor::start_polling(device), destroyed: false };
-    with_size!(settings.size, N => run_with_size::<N>(platform, &settings.options))
+    with_size!(size, N => run_with_size::<N>(platform, &options))
+}
+
+/// Loads the settings of a shell whose files lie in a folder.
+fn load_settings(folder: &Path) -> LoadedSettings {
+    let file = SettingsLayer::read_file(&folder.join(settings::FILE_NAME), &[]);
+    let layers: Vec<_> = file.into_iter().collect();
+    let mut loaded = LoadedSettings::merge(&layers);
+    loaded.resolve_record(folder);
+    loaded
 }
 
 fn run_with_size<const N: usize>(

@@ -9,6 +9,7 @@ mod dolphin;
 mod hidden;
 mod lump;
 mod owl;
+mod own;
 mod raster;
 mod sdf;
 mod toy;
@@ -18,6 +19,7 @@ use paros_core::RangeMaps;
 use paros_core::volume::{BitGrid, Grid, Size};
 
 pub use hidden::{HiddenStart, StoneThickness};
+pub use own::{MAX_OWN_FIGURES, check_own_figure_names, own_figure_mode};
 
 /// A start volume.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

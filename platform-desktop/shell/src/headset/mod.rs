@@ -4,6 +4,7 @@
 //! They know neither OpenXR nor Android.
 
 pub mod device_health;
+pub mod foveation;
 pub mod frame_pacer;
 pub mod hand_reader;
 pub mod hand_sample;

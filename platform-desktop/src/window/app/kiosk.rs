@@ -12,13 +12,10 @@ use winit::window::Fullscreen;
 use super::App;
 use crate::window::keys::KeyCommand;
 
-/// Time without input after which a visitor has gone.
-const GONE_AFTER: Duration = Duration::from_secs(90);
-
 /// For how long before that a visitor is told.
 const TOLD_FOR: Duration = Duration::from_secs(20);
 
-/// Time after [`GONE_AFTER`] in which the finished sculpture is shown.
+/// Time after a visitor has gone in which the finished sculpture is shown.
 const SHOWN_FOR: Duration = Duration::from_secs(20);
 
 /// For how long there was no input. Without a kiosk it isn't looked at.
@@ -26,6 +23,8 @@ const SHOWN_FOR: Duration = Duration::from_secs(20);
 pub(super) struct KioskWatch {
     /// Whether the window is one of a kiosk.
     pub(super) is_on: bool,
+    /// Time without input after which a visitor has gone.
+    gone_after: Duration,
     idle: Duration,
 }
 
@@ -41,8 +40,10 @@ enum Handover {
 }
 
 impl KioskWatch {
-    pub(super) const fn new(is_on: bool) -> Self {
-        KioskWatch { is_on, idle: Duration::ZERO }
+    /// A watch; without a kiosk `gone_after` is none.
+    pub(super) fn new(gone_after: Option<Duration>) -> Self {
+        let is_on = gone_after.is_some();
+        KioskWatch { is_on, gone_after: gone_after.unwrap_or_default(), idle: Duration::ZERO }
     }
 
     /// The whole of the monitor that the window is on, in a kiosk.
@@ -71,7 +72,7 @@ impl KioskWatch {
 
     /// Seconds until a sculpture is finished for whoever left it, once the visitor is to be told.
     pub(super) fn seconds_to_handover(&self, session: SessionState) -> Option<u32> {
-        let left = GONE_AFTER.checked_sub(self.idle)?;
+        let left = self.gone_after.checked_sub(self.idle)?;
         let is_told = self.is_on && session == SessionState::Sculpting && left <= TOLD_FOR;
         is_told.then_some(left.as_secs_f32().ceil() as u32)
     }
@@ -80,12 +81,12 @@ impl KioskWatch {
     /// was sculpted or nothing.
     fn advance(&mut self, elapsed: Duration, session: SessionState, is_sculpted: bool) -> Handover {
         self.idle = self.idle.saturating_add(elapsed);
-        if !self.is_on || self.idle < GONE_AFTER {
+        if !self.is_on || self.idle < self.gone_after {
             return Handover::Nothing;
         }
         match session {
             SessionState::Sculpting if is_sculpted => Handover::Finish,
-            SessionState::Finished if self.idle < GONE_AFTER + SHOWN_FOR => Handover::Nothing,
+            SessionState::Finished if self.idle < self.gone_after + SHOWN_FOR => Handover::Nothing,
             _ => Handover::ShowStart,
         }
     }
@@ -116,27 +117,29 @@ mod tests {
     use super::{Handover, KioskWatch};
     use crate::window::keys::KeyCommand;
 
+    const KIOSK: Option<Duration> = Some(Duration::from_secs(90));
+
     #[test]
     fn what_a_visitor_left_is_finished_and_shown_before_the_next_start() {
         let second = Duration::from_secs(1);
-        let mut watch = KioskWatch::new(true);
+        let mut watch = KioskWatch::new(KIOSK);
         for _ in 0..89 {
             assert_eq!(watch.advance(second, Sculpting, true), Handover::Nothing);
         }
         assert_eq!(watch.advance(second, Sculpting, true), Handover::Finish);
         assert_eq!(watch.advance(19 * second, Finished, true), Handover::Nothing);
         assert_eq!(watch.advance(second, Finished, true), Handover::ShowStart);
-        let mut watch = KioskWatch::new(true);
+        let mut watch = KioskWatch::new(KIOSK);
         assert_eq!(watch.advance(90 * second, Sculpting, false), Handover::ShowStart);
         assert_eq!(watch.advance(second, Waiting, false), Handover::ShowStart);
-        let mut watch = KioskWatch::new(false);
+        let mut watch = KioskWatch::new(None);
         assert_eq!(watch.advance(900 * second, Sculpting, true), Handover::Nothing);
     }
 
     #[test]
     fn a_visitor_is_told_for_twenty_seconds_that_the_sculpture_will_be_finished() {
         let second = Duration::from_secs(1);
-        let mut watch = KioskWatch::new(true);
+        let mut watch = KioskWatch::new(KIOSK);
         watch.advance(69 * second, Sculpting, true);
         assert_eq!(watch.seconds_to_handover(Sculpting), None);
         watch.advance(second, Sculpting, true);
@@ -144,7 +147,7 @@ mod tests {
         assert_eq!(watch.seconds_to_handover(Finished), None, "nothing is lost then");
         watch.advance(Duration::from_millis(19_500), Sculpting, true);
         assert_eq!(watch.seconds_to_handover(Sculpting), Some(1));
-        let mut window = KioskWatch::new(false);
+        let mut window = KioskWatch::new(None);
         window.advance(80 * second, Sculpting, true);
         assert_eq!(
             window.seconds_to_handover(Sculpting),
@@ -154,9 +157,19 @@ mod tests {
     }
 
     #[test]
+    fn a_kiosk_waits_as_long_as_its_settings_say() {
+        let second = Duration::from_secs(1);
+        let mut watch = KioskWatch::new(Some(30 * second));
+        assert_eq!(watch.advance(29 * second, Sculpting, true), Handover::Nothing);
+        assert_eq!(watch.seconds_to_handover(Sculpting), Some(1));
+        assert_eq!(watch.advance(second, Sculpting, true), Handover::Finish);
+        assert_eq!(watch.advance(20 * second, Finished, true), Handover::ShowStart);
+    }
+
+    #[test]
     fn developers_keys_are_for_developers() {
         let keys = [KeyCommand::Record, KeyCommand::Graph, KeyCommand::Path, KeyCommand::Help];
-        assert_eq!(keys.map(|key| KioskWatch::new(true).allows(key)), [false, false, false, true]);
-        assert!(keys.into_iter().all(|key| KioskWatch::new(false).allows(key)));
+        assert_eq!(keys.map(|key| KioskWatch::new(KIOSK).allows(key)), [false, false, false, true]);
+        assert!(keys.into_iter().all(|key| KioskWatch::new(None).allows(key)));
     }
 }

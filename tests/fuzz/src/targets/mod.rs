@@ -4,8 +4,8 @@ mod files;
 mod leases;
 mod manifests;
 mod meshes;
-mod options;
 mod saves;
+mod settings;
 mod steps;
 mod visits;
 
@@ -20,7 +20,7 @@ pub const ALL: [FuzzTarget; 13] = [
     files::RMAP,
     files::TRACE,
     files::INPUT,
-    options::OPTIONS,
+    settings::SETTINGS_FILE,
     manifests::MANIFEST,
     saves::SAVE,
     leases::LEASE,

@@ -1,0 +1,119 @@
+//! Fixed foveated rendering: which level is set when. The caller sees to it that no level changes in the
+//! middle of a stroke.
+
+use std::fmt;
+
+use super::device_health::{DeviceHealth, ThermalState};
+
+/// How coarsely pictures are shaded towards their edges: `XrFoveationLevelFB`.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Debug)]
+pub enum FoveationLevel {
+    /// Full resolution everywhere (`NONE`).
+    #[default]
+    Off,
+    /// Hardly visible.
+    Low,
+    /// Visible to someone who looks for it.
+    Medium,
+    /// The coarsest.
+    High,
+}
+
+impl FoveationLevel {
+    /// All levels with their names.
+    pub const NAMES: [(&str, FoveationLevel); 4] = [
+        ("off", FoveationLevel::Off),
+        ("low", FoveationLevel::Low),
+        ("medium", FoveationLevel::Medium),
+        ("high", FoveationLevel::High),
+    ];
+
+    /// The level of a name of [`FoveationLevel::NAMES`].
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Self> {
+        let found = FoveationLevel::NAMES.into_iter().find(|(named, _)| *named == name);
+        found.map(|(_, level)| level)
+    }
+
+    /// The level for a device's health, and at least the level of a setting: `None` leaves it to the
+    /// health alone, `Off` disables foveation.
+    #[must_use]
+    pub fn choose(health: DeviceHealth, minimum_or_off: Option<FoveationLevel>) -> FoveationLevel {
+        let least = match health.thermal {
+            ThermalState::Hot => FoveationLevel::High,
+            ThermalState::Warm => FoveationLevel::Medium,
+            ThermalState::Normal if health.is_battery_low() => FoveationLevel::Medium,
+            ThermalState::Normal => FoveationLevel::Off,
+        };
+        match minimum_or_off {
+            Some(FoveationLevel::Off) => FoveationLevel::Off,
+            minimum => minimum.unwrap_or_default().max(least),
+        }
+    }
+
+    /// The line for the log where a setting asks for foveation and something is missing; none where it
+    /// was not asked for.
+    #[must_use]
+    pub fn describe_unmet_request(
+        requested: Option<FoveationLevel>,
+        missing: &str,
+    ) -> Option<String> {
+        let asked = requested.filter(|level| *level != FoveationLevel::Off)?;
+        Some(format!("no foveation, though {asked} is asked for: {missing}"))
+    }
+}
+
+impl fmt::Display for FoveationLevel {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (name, _) = FoveationLevel::NAMES[*self as usize];
+        f.write_str(name)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::FoveationLevel;
+    use crate::headset::device_health::{DeviceHealth, ThermalState};
+
+    const FINE: DeviceHealth =
+        DeviceHealth { thermal: ThermalState::Normal, battery_percent: Some(90) };
+
+    #[test]
+    fn levels_are_named() {
+        for (name, level) in FoveationLevel::NAMES {
+            assert_eq!(level.to_string(), name);
+        }
+    }
+
+    #[test]
+    fn heat_or_a_low_battery_raises_it_and_their_end_lowers_it() {
+        let hot = DeviceHealth { thermal: ThermalState::Hot, ..FINE };
+        let warm = DeviceHealth { thermal: ThermalState::Warm, ..FINE };
+        let low = DeviceHealth { battery_percent: Some(9), ..FINE };
+        for (health, level) in [
+            (FINE, FoveationLevel::Off),
+            (warm, FoveationLevel::Medium),
+            (low, FoveationLevel::Medium),
+            (hot, FoveationLevel::High),
+            (DeviceHealth { battery_percent: Some(9), ..hot }, FoveationLevel::High),
+            // One that is being charged has no charge to speak of.
+            (DeviceHealth { battery_percent: None, ..FINE }, FoveationLevel::Off),
+        ] {
+            assert_eq!(FoveationLevel::choose(health, None), level, "{health:?}");
+            let set = |level| FoveationLevel::choose(health, Some(level));
+            assert_eq!(set(FoveationLevel::Off), FoveationLevel::Off, "{health:?}");
+            assert_eq!(set(FoveationLevel::Low), level.max(FoveationLevel::Low), "{health:?}");
+            assert_eq!(set(FoveationLevel::High), FoveationLevel::High, "{health:?}");
+        }
+    }
+
+    #[test]
+    fn only_who_asks_is_told() {
+        let told =
+            |setting| FoveationLevel::describe_unmet_request(setting, "the runtime lacks it");
+        assert_eq!(told(None), None);
+        assert_eq!(told(Some(FoveationLevel::Off)), None);
+        let line = "no foveation, though medium is asked for: the runtime lacks it";
+        assert_eq!(told(Some(FoveationLevel::Medium)).as_deref(), Some(line));
+    }
+}

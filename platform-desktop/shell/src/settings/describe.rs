@@ -1,0 +1,235 @@
+//! What is made of the table for readers: a template of the file, the table in Markdown, and Android's list of
+//! restrictions, from which consoles that manage headsets make their forms.
+
+use std::fmt::Write;
+
+use super::table::{SETTINGS, Setting, SettingScope};
+use super::value::{SettingDefault, SettingKind};
+use crate::modes::named_modes;
+
+/// The width of the template's comments, in characters.
+const COMMENT_WIDTH: usize = 98;
+
+/// A file of settings that sets none: each stands there with what it does, its bounds and its default.
+#[must_use]
+pub fn write_template() -> String {
+    let mut text = String::from(
+        "# paros.toml: the settings of Paros, each with its default. To set one, take its # away.\n\
+         # `paros settings check paros.toml` tells what is wrong.\n",
+    );
+    for setting in &SETTINGS {
+        text.push('\n');
+        push_comment(&mut text, &format!("{} ({})", setting.summary, setting.scope.name()));
+        let expected = setting.kind.describe(&[]);
+        push_comment(&mut text, &format!("Expected: {expected}. Default: {}.", setting.default));
+        push_comment(&mut text, &format!("Why: {}.", setting.reason));
+        // A String takes everything.
+        let _ = writeln!(text, "#{} = {}", setting.name, setting.example());
+    }
+    text
+}
+
+/// The table in Markdown.
+#[must_use]
+pub fn write_documentation() -> String {
+    let mut text = String::from(
+        "# Settings\n\n\
+         Made of the table in `src/settings/table.rs`; a test holds this file against it.\n\n\
+         | setting | value | default | shell | what it does | why so |\n|---|---|---|---|---|---|\n",
+    );
+    for setting in &SETTINGS {
+        let Setting { name, summary, reason, .. } = setting;
+        let (expected, default) = (setting.kind.describe(&[]), setting.default);
+        let scope = setting.scope.name();
+        let default = match default {
+            SettingDefault::Unset(what) => what.into(),
+            _ => format!("`{default}`"),
+        };
+        let _ = writeln!(
+            text,
+            "| `{name}` | {expected} | {default} | {scope} | {summary} | {reason} |"
+        );
+    }
+    text
+}
+
+/// The resources of a package from which consoles learn the settings of a headset.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct RestrictionFiles {
+    /// `res/xml/app_restrictions.xml`.
+    pub restrictions: String,
+    /// `res/values/settings.xml`: the texts and lists that it refers to.
+    pub values: String,
+}
+
+/// The restrictions of a package with these figures of the operator's own.
+#[must_use]
+pub fn write_restrictions(own_figures: &[String]) -> RestrictionFiles {
+    const HEAD: &str = "<?xml version=\"1.0\" encoding=\"utf-8\"?>\n";
+    let mut restrictions = format!(
+        "{HEAD}<restrictions xmlns:android=\"http://schemas.android.com/apk/res/android\">\n"
+    );
+    let mut values = format!("{HEAD}<resources>\n");
+    for setting in SETTINGS.iter().filter(|setting| setting.scope != SettingScope::Window) {
+        let (name, kind) = (setting.name, setting.restriction_type());
+        let expected = setting.kind.describe(own_figures);
+        let title = name.replace('_', " ");
+        let description = format!("{} Expected: {expected}.", setting.summary);
+        let title = escape_resource(&(title[..1].to_uppercase() + &title[1..]));
+        let description = escape_resource(&description);
+        let _ = writeln!(values, "  <string name=\"{name}_title\">{title}</string>");
+        let _ = writeln!(values, "  <string name=\"{name}_description\">{description}</string>");
+        let _ = write!(
+            restrictions,
+            "  <restriction android:key=\"{name}\" android:restrictionType=\"{kind}\" \
+             android:title=\"@string/{name}_title\" android:description=\"@string/{name}_description\""
+        );
+        if let Some(entries) = setting.entries(own_figures) {
+            let _ = writeln!(values, "  <string-array name=\"{name}_entries\">");
+            for entry in entries {
+                let _ = writeln!(values, "    <item>{}</item>", escape_resource(&entry));
+            }
+            values += "  </string-array>\n";
+            let list = format!("@array/{name}_entries");
+            let _ =
+                write!(restrictions, " android:entries=\"{list}\" android:entryValues=\"{list}\"");
+        }
+        match setting.default {
+            SettingDefault::Unset(_) => {}
+            SettingDefault::Word(word) => {
+                let _ = write!(restrictions, " android:defaultValue=\"{word}\"");
+            }
+            default => {
+                let _ = write!(restrictions, " android:defaultValue=\"{default}\"");
+            }
+        }
+        restrictions += " />\n";
+    }
+    restrictions += "</restrictions>\n";
+    values += "</resources>\n";
+    RestrictionFiles { restrictions, values }
+}
+
+impl Setting {
+    /// A value for the template: the default, or one that fits.
+    fn example(&self) -> String {
+        match (self.default, self.kind) {
+            (SettingDefault::Unset(_), SettingKind::Numbers(numbers)) => numbers[0].to_string(),
+            (SettingDefault::Unset(_), _) => "\"session.trace\"".into(),
+            (default, _) => default.to_string(),
+        }
+    }
+
+    /// What Android calls its kind (`android.content.RestrictionEntry`).
+    fn restriction_type(&self) -> &'static str {
+        match self.kind {
+            SettingKind::Switch => "bool",
+            SettingKind::Whole { .. } => "integer",
+            SettingKind::Numbers(_) | SettingKind::Words(_) | SettingKind::Mode => "choice",
+            SettingKind::Path => "string",
+        }
+    }
+
+    /// What is to be chosen from.
+    fn entries(&self, own_figures: &[String]) -> Option<Vec<String>> {
+        match self.kind {
+            SettingKind::Numbers(numbers) => Some(numbers.iter().map(u32::to_string).collect()),
+            SettingKind::Words(words) => Some(words.iter().map(ToString::to_string).collect()),
+            SettingKind::Mode => {
+                let names = named_modes().map(|(name, _)| name.to_owned());
+                Some(names.chain(own_figures.iter().cloned()).collect())
+            }
+            SettingKind::Switch | SettingKind::Whole { .. } | SettingKind::Path => None,
+        }
+    }
+}
+
+impl SettingScope {
+    /// Its name for readers.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            SettingScope::Headset => "headset",
+            SettingScope::Window => "window",
+            SettingScope::Both => "headset and window",
+        }
+    }
+}
+
+/// Adds a text as lines of comment.
+fn push_comment(text: &mut String, comment: &str) {
+    let mut line = String::from("#");
+    for word in comment.split_whitespace() {
+        if line.chars().count() + 1 + word.chars().count() > COMMENT_WIDTH {
+            let _ = writeln!(text, "{line}");
+            line = String::from("#");
+        }
+        let _ = write!(line, " {word}");
+    }
+    let _ = writeln!(text, "{line}");
+}
+
+/// A text as an Android string resource has it: XML's signs as entities, quotes and backslashes after a backslash.
+fn escape_resource(text: &str) -> String {
+    let mut escaped = String::new();
+    for c in text.chars() {
+        match c {
+            '&' => escaped += "&amp;",
+            '<' => escaped += "&lt;",
+            '\'' | '"' | '\\' => {
+                escaped.push('\\');
+                escaped.push(c);
+            }
+            c => escaped.push(c),
+        }
+    }
+    escaped
+}
+
+#[cfg(test)]
+mod tests {
+    use std::{env, fs};
+
+    use super::{escape_resource, write_documentation, write_restrictions, write_template};
+    use crate::settings::table::SETTINGS;
+    use crate::settings::{LoadedSettings, SettingsLayer};
+
+    #[test]
+    fn the_template_sets_nothing_and_its_lines_set_the_defaults() {
+        let template = write_template();
+        let layer = SettingsLayer::parse_toml("t", &template, &[]);
+        assert!(layer.entries.is_empty() && layer.faults.is_empty(), "{layer:?}");
+        let is_example = |line: &&str| line.starts_with('#') && !line.starts_with("# ");
+        let examples: Vec<_> = template.lines().filter(is_example).map(|line| &line[1..]).collect();
+        let layer = SettingsLayer::parse_toml("t", &examples.join("\n"), &[]);
+        assert!(layer.faults.is_empty(), "{:?}", layer.faults);
+        assert_eq!(layer.entries.len(), SETTINGS.len());
+        let (set, unset) = (LoadedSettings::merge(&[layer]), LoadedSettings::merge(&[]));
+        for (setting, (set, unset)) in SETTINGS.iter().zip(set.origins.iter().zip(&unset.origins)) {
+            assert!(!unset.is_set || set.value == unset.value, "{}", setting.name);
+        }
+        assert!(template.lines().all(|line| line.chars().count() <= 98));
+    }
+
+    #[test]
+    fn the_documentation_is_that_of_the_table() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/SETTINGS.md");
+        if env::var_os("PAROS_GOLDEN").is_some_and(|golden| golden == "write") {
+            fs::write(path, write_documentation()).expect("room on the disk");
+        }
+        let written = fs::read_to_string(path).expect("it is part of the sources");
+        assert!(written == write_documentation(), "write it anew: PAROS_GOLDEN=write");
+    }
+
+    #[test]
+    fn restrictions_are_the_headsets_settings() {
+        let files = write_restrictions(&["lion".into()]);
+        for setting in &SETTINGS {
+            let key = format!("android:key=\"{}\"", setting.name);
+            let is_headsets = setting.scope.name().contains("headset");
+            assert_eq!(files.restrictions.matches(&key).count(), usize::from(is_headsets), "{key}");
+        }
+        assert!(files.values.contains("<item>lion</item>"));
+        assert_eq!(escape_resource("a<b & \"c\" 'd' \\"), "a&lt;b &amp; \\\"c\\\" \\'d\\' \\\\");
+    }
+}

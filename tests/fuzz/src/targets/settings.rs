@@ -1,0 +1,124 @@
+//! The file of settings, and texts of a console under their names: what is wrong is told in one line, with a place
+//! within the file; what is set, written again, is read as the same.
+
+use std::collections::HashSet;
+use std::fmt::Write;
+
+use paros_shell::settings::table::SETTINGS;
+use paros_shell::settings::{LoadedSettings, MAX_BYTES, Settings, SettingsLayer};
+
+use crate::engine::FuzzTarget;
+
+pub(super) const SETTINGS_FILE: FuzzTarget = FuzzTarget {
+    name: "settings",
+    seeds,
+    words: &[
+        b"size = 256\n",
+        b"mode = 'owl'\n",
+        b"mode = \"lion\"\n",
+        b"handover_seconds = 120\n",
+        b"record = 'a.trace'\n",
+        b"refresh_rate_hz = 90\n",
+        b"submit_depth = true\n",
+        b"foveation = \"medium\"\n",
+        b"steady_mm = 0x14\n",
+        b"kiosk",
+        b"[a]",
+        b"[[a]]",
+        b"{ a = 1 }",
+        b"\"\"\"",
+        b"'''",
+        b"\\u001b",
+        b"\\n",
+        b"1979-05-27",
+        b"1e-50",
+        b"inf",
+        b"99999999999999999999",
+        b"=",
+        b"#",
+        b".",
+        b"\r\n",
+        b"\xef\xbb\xbf",
+        b"\xc2\x85",
+    ],
+    longest: 4096,
+    runs: 3000,
+    run: |bytes| {
+        let layer = SettingsLayer::parse_bytes("file", bytes, &own_figures());
+        check_layer(bytes, &layer) + &check_texts(bytes)
+    },
+};
+
+fn seeds() -> Vec<Vec<u8>> {
+    let texts: [&[u8]; 7] = [
+        b"\xef\xbb\xbf# for the fair\r\nrefresh_rate_hz = 90\r\n\tsubmit_depth = true # half\r\nfoveation = 'medium'\r\n",
+        b"handover_seconds = 120\nmode = \"creative\"\nsize = 256\nrecord = \"own.trace\"\n",
+        b"mode = \"lion\"\nsteady_mm = 0x14\nkiosk = true\nkiosk_seconds = 6_0\n",
+        b"mode = \"cubes\"\nrate = 90\n[steady]\nmm = 1.5\n",
+        b"a.b.c = [1, {x = 2}]\nrecord = \"\"\"a\nb\"\"\"\n",
+        b"size = 128\nsize = 256\n",
+        b"kiosk = true\n\xff",
+    ];
+    texts.map(<[u8]>::to_vec).into()
+}
+
+fn own_figures() -> Vec<String> {
+    vec!["lion".into()]
+}
+
+/// Checks a layer of a file's bytes. Returns what was found, without the file's own words.
+fn check_layer(bytes: &[u8], layer: &SettingsLayer) -> String {
+    assert!(bytes.len() as u64 <= MAX_BYTES);
+    let names: HashSet<_> = layer.entries.iter().map(|entry| entry.setting.name).collect();
+    assert_eq!(names.len(), layer.entries.len(), "each is set once");
+    let mut found = String::new();
+    for fault in &layer.faults {
+        assert!(!fault.why.chars().any(char::is_control), "{:?}", fault.why);
+        assert!(!fault.costs_layer || (layer.entries.is_empty() && layer.faults.len() == 1));
+        if let Some(place) = fault.place {
+            let lines = bytes.split(|byte| *byte == b'\n').count();
+            assert!(
+                (1..=lines).contains(&place.line) && place.column >= 1,
+                "{place} of {lines} lines"
+            );
+        }
+        let setting = fault.setting.map_or("", |setting| setting.name);
+        let _ = write!(found, "{setting} {}", fault.why.rsplit(", expected").next().unwrap_or(""));
+    }
+    let loaded = LoadedSettings::merge(std::slice::from_ref(layer));
+    assert_eq!(loaded.faults.len(), layer.faults.len());
+    assert!(loaded.log_lines().all(|line| !line.chars().any(char::is_control)));
+    check_written_again(&loaded);
+    names.iter().for_each(|name| found += name);
+    found
+}
+
+/// What is set, written as TOML, is read as the same.
+fn check_written_again(loaded: &LoadedSettings) {
+    let mut text = String::new();
+    for (setting, origin) in
+        SETTINGS.iter().zip(&loaded.origins).filter(|(_, origin)| origin.is_set)
+    {
+        let _ = writeln!(text, "{} = {}", setting.name, origin.value);
+    }
+    let again = SettingsLayer::parse_toml("again", &text, &own_figures());
+    assert!(again.faults.is_empty(), "{text}: {:?}", again.faults);
+    assert_eq!(LoadedSettings::merge(&[again]).settings, loaded.settings, "{text}");
+}
+
+/// The bytes as a console's text of each setting: it fits, or is told, and changes nothing else.
+fn check_texts(bytes: &[u8]) -> String {
+    let Ok(text) = std::str::from_utf8(bytes) else { return String::new() };
+    let texts = SETTINGS.iter().map(|setting| (setting.name, text)).chain([(text, text)]);
+    let layer = SettingsLayer::from_texts("console", texts, &own_figures());
+    // The last of two of a name is what is set.
+    let set_or_told = layer.entries.len() + layer.faults.len();
+    assert!(set_or_told >= SETTINGS.len(), "{layer:?}");
+    let loaded = LoadedSettings::merge(std::slice::from_ref(&layer));
+    assert!(loaded.faults.iter().all(|fault| !fault.chars().any(char::is_control)));
+    if layer.entries.is_empty() {
+        assert_eq!(loaded.settings, Settings::default());
+    }
+    check_written_again(&loaded);
+    layer.entries.iter().map(|entry| entry.setting.name).collect()
+}
