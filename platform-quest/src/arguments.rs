@@ -81,7 +81,7 @@ impl HeadsetArgs {
         let mut loaded = LoadedSettings::merge(&layers);
         // What stands on the command line is no news.
         loaded.told.retain(|line| !line.starts_with(COMMAND_LINE));
-        loaded.resolve_record(path.parent().unwrap_or(Path::new("")));
+        loaded.resolve_record(path.parent().unwrap_or(Path::new("")), &[]);
         if let Some(record) = &self.record {
             loaded.settings.record = Some(record.clone());
         }

@@ -1,10 +1,12 @@
 //! The volumes that sessions start from: the figures, generated or loaded once, and one volume of the
 //! visitor's own. It knows no files.
 
+use std::ops::Deref;
+
 use paros_core::volume::{BitGrid, Grid, Size};
 use paros_core::{HiddenFigure, RangeMaps, StartVolumes};
 
-use crate::figures::{Figure, HiddenStart, StoneThickness};
+use crate::figures::{Figure, HiddenStart, MAX_FIGURE_NAME_BYTES, MAX_OWN_FIGURES, StoneThickness};
 
 /// A volume that sessions need at their start.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -62,11 +64,40 @@ impl StartVolume {
     }
 }
 
+/// A hidden figure of the operator's own.
+#[derive(Debug)]
+struct OwnFigure<const N: usize, const K: usize> {
+    figure: RangeMaps<N, K>,
+    stone: RangeMaps<N, K>,
+    /// Its name, after which there are zeros.
+    name: [u8; MAX_FIGURE_NAME_BYTES],
+}
+
+/// The most hidden figures: those that there are always, and the operator's own.
+const MAX_HIDDEN: usize = HiddenStart::ALL.len() + MAX_OWN_FIGURES;
+
+/// The hidden figures and their stones, indexed by their number in the constrained mode.
+#[derive(Clone, Copy, Debug)]
+pub struct HiddenFigures<'a, const N: usize, const K: usize> {
+    all: [HiddenFigure<'a, N, K>; MAX_HIDDEN],
+    count: usize,
+}
+
+impl<'a, const N: usize, const K: usize> Deref for HiddenFigures<'a, N, K> {
+    type Target = [HiddenFigure<'a, N, K>];
+
+    fn deref(&self) -> &Self::Target {
+        &self.all[..self.count]
+    }
+}
+
 /// Buffers for all start volumes of a size. All zero bytes at first: it lives in a static.
 #[derive(Debug)]
 pub struct StartVolumeStore<const N: usize, const K: usize> {
     /// In the order of [`StartVolume::all`].
     volumes: [RangeMaps<N, K>; COUNT],
+    own_figures: [OwnFigure<N, K>; MAX_OWN_FIGURES],
+    own_figure_count: usize,
     visitor_volume: RangeMaps<N, K>,
     has_volumes: bool,
     offers_visitor_volume: bool,
@@ -82,6 +113,14 @@ where
     pub const fn new() -> Self {
         StartVolumeStore {
             volumes: [const { RangeMaps::new() }; COUNT],
+            own_figures: [const {
+                OwnFigure {
+                    figure: RangeMaps::new(),
+                    stone: RangeMaps::new(),
+                    name: [0; MAX_FIGURE_NAME_BYTES],
+                }
+            }; MAX_OWN_FIGURES],
+            own_figure_count: 0,
             visitor_volume: RangeMaps::new(),
             has_volumes: false,
             offers_visitor_volume: false,
@@ -128,13 +167,54 @@ where
         self.offers_visitor_volume = false;
     }
 
-    /// The hidden figures and their stones, indexed by their number in the constrained mode.
+    /// Loads the operator's own hidden figures, whose names [`check_own_figure_names`] took: `load_into` writes each
+    /// and its stone into their maps.
+    ///
+    /// # Errors
+    /// The first error of `load_into`. There are none of them then.
+    ///
+    /// [`check_own_figure_names`]: crate::figures::check_own_figure_names
+    pub fn load_own_figures<E>(
+        &mut self,
+        names: &[String],
+        mut load_into: impl FnMut(&str, &mut RangeMaps<N, K>, &mut RangeMaps<N, K>) -> Result<(), E>,
+    ) -> Result<(), E> {
+        self.own_figure_count = 0;
+        for (name, own) in names.iter().zip(&mut self.own_figures) {
+            load_into(name, &mut own.figure, &mut own.stone)?;
+            own.name = [0; MAX_FIGURE_NAME_BYTES];
+            own.name.iter_mut().zip(name.bytes()).for_each(|(at, byte)| *at = byte);
+        }
+        self.own_figure_count = names.len().min(MAX_OWN_FIGURES);
+        Ok(())
+    }
+
+    /// The name of the hidden figure of a number in the constrained mode, without how thick its stone is.
     #[must_use]
-    pub fn hidden_figures(&self) -> [HiddenFigure<'_, N, K>; HiddenStart::ALL.len()] {
-        HiddenStart::ALL.map(|start| HiddenFigure {
-            figure: self.figure(start.figure),
-            stone: self.volume(StartVolume::Stone(start)),
-        })
+    pub fn hidden_figure_name(&self, number: u8) -> Option<&str> {
+        if let Some(start) = HiddenStart::from_number(number) {
+            return Some(start.figure.name());
+        }
+        let place = usize::from(number).checked_sub(HiddenStart::ALL.len())?;
+        let name = &self.own_figures[..self.own_figure_count].get(place)?.name;
+        let name = name.split(|byte| *byte == 0).next()?;
+        core::str::from_utf8(name).ok()
+    }
+
+    /// The hidden figures and their stones: those that there are always, then the operator's own.
+    #[must_use]
+    pub fn hidden_figures(&self) -> HiddenFigures<'_, N, K> {
+        let all = core::array::from_fn(|number| match HiddenStart::ALL.get(number) {
+            Some(start) => HiddenFigure {
+                figure: self.figure(start.figure),
+                stone: self.volume(StartVolume::Stone(*start)),
+            },
+            None => {
+                let own = &self.own_figures[number - HiddenStart::ALL.len()];
+                HiddenFigure { figure: &own.figure, stone: &own.stone }
+            }
+        });
+        HiddenFigures { all, count: HiddenStart::ALL.len() + self.own_figure_count }
     }
 
     /// One volume's maps; empty before [`StartVolumeStore::generate_once`].

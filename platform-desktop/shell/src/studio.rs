@@ -17,7 +17,6 @@ mod session;
 
 use std::path::{Path, PathBuf};
 
-use crate::figures::HiddenStart;
 use crate::file_writer::{FileKind, FileWriter};
 use crate::start_volume_store::StartVolumeStore;
 use crate::statics::Resident;
@@ -338,8 +337,7 @@ where
         if let SessionMode::Constrained { figure } = world.mode()
             && world.events().contains(&WorldEvent::Found)
         {
-            let hidden = HiddenStart::from_number(figure);
-            let name = hidden.map_or("figure", |hidden| hidden.figure.name());
+            let name = self.session.volumes.hidden_figure_name(figure).unwrap_or("figure");
             self.push_notice(Notice::Good(format!("You found the {name}")));
         }
     }

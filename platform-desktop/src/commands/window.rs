@@ -116,7 +116,7 @@ fn load_settings(args: &Args) -> Result<Settings, WindowError> {
         return Err(WindowError::Failed(settings::missing_file(&path)));
     }
     let mut loaded = LoadedSettings::merge(&Vec::from_iter(layer));
-    loaded.resolve_record(path.parent().unwrap_or(Path::new("")));
+    loaded.resolve_record(path.parent().unwrap_or(Path::new("")), &[]);
     for line in loaded.log_lines() {
         // Standard error may be closed.
         let _ = writeln!(io::stderr(), "paros: {line}");

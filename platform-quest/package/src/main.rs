@@ -2,6 +2,7 @@
 //! only where `ANDROID_NDK_HOME` names one.
 
 mod apk;
+mod content;
 mod elf;
 mod error;
 mod library;
@@ -22,6 +23,7 @@ use paros_shell::durable::{self, WriteTarget};
 use paros_shell::headset::package::OPENXR_LOADER;
 
 use crate::apk::PackageInspection;
+use crate::content::OperatorContent;
 use crate::error::PackageError;
 use crate::manifest::{MANIFEST, MIN_API_LEVEL};
 use crate::signing::SigningKey;
@@ -48,6 +50,13 @@ struct PackageArgs {
     /// brokers and manifest files name.
     #[arg(long, value_name = "FILE")]
     loader: Option<PathBuf>,
+    /// Settings for all headsets that get the package; a file there or its managed configuration wins.
+    /// `paros settings template` writes a file to begin with.
+    #[arg(long, value_name = "FILE")]
+    settings: Option<PathBuf>,
+    /// A hidden figure of your own, up to eight: a mesh whose file's name becomes the mode's (lion.obj: lion).
+    #[arg(long, value_name = "MESH")]
+    figure: Vec<PathBuf>,
     /// Package this library instead of building it.
     #[arg(long, value_name = "FILE")]
     library: Option<PathBuf>,
@@ -73,6 +82,7 @@ fn make_package(args: &PackageArgs) -> Result<String, PackageError> {
     let output = args.output.clone().unwrap_or_else(|| folder.join("paros.apk"));
     let target = WriteTarget::resolve_and_check_writable(&output).map_err(PackageError::input)?;
     let loader = args.loader.as_deref().map(read_loader).transpose()?;
+    let content = OperatorContent::read(args.settings.as_deref(), &args.figure)?;
     tools::check_tools(args.library.is_none())?;
     let key = match (&args.key, &args.key_password) {
         (Some(store), Some(password)) => {
@@ -88,7 +98,7 @@ fn make_package(args: &PackageArgs) -> Result<String, PackageError> {
     manifest::compile_manifest(MANIFEST, &scratch, &bare)?;
     let mut libraries = vec![(library::NAME, library)];
     libraries.extend(loader.map(|bytes| (OPENXR_LOADER, bytes)));
-    apk::write_package(&bare, &libraries, &unsigned)?;
+    apk::write_package(&bare, &libraries, &content.into_assets()?, &unsigned)?;
     key.sign(&unsigned, &signed)?;
     let report = check_and_describe_package(&signed)?;
     target.write_file(&read_file(&signed)?).map_err(PackageError::failure)?;

@@ -1,6 +1,7 @@
 //! The program that makes the package, run as its users run it. What it makes is looked at with the
 //! tools of others.
 
+use std::io::Read;
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -8,7 +9,16 @@ use std::{env, fs};
 
 use object::write::Object;
 use object::{Architecture, BinaryFormat, Endianness};
+use paros_core::TickInput;
+use paros_core::limits::INTERVALS;
+use paros_core::session::{SessionMode, SessionState};
+use paros_core::volume::{BitGrid, BitSet, Grid, Size};
+use paros_shell::figures::own_figure_mode;
+use paros_shell::headset::package;
 use paros_shell::require::require_or_skip;
+use paros_shell::settings::{LoadedSettings, SettingsLayer};
+use paros_shell::statics::{Resident, ResidentBitGrid};
+use paros_shell::tick_runner::TickRunner;
 
 const PASSWORD: (&str, &str) = ("PAROS_TEST_KEY", "a secret of tests");
 
@@ -79,7 +89,10 @@ fn the_same_input_makes_the_same_package() {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
     let key = create_release_key("same.keystore");
     let [one, other] = ["one.apk", "other.apk"].map(|name| folder.join(name));
-    let [library, key] = [&library, &key].map(|path| path.to_str().expect("UTF-8"));
+    let given = write_operator_files("same");
+    let [library, key, settings, lion, hand] =
+        [&library, &key, &given.settings, &given.lion, &given.hand]
+            .map(|path| path.to_str().expect("UTF-8"));
     for path in [&one, &other] {
         let output = path.to_str().expect("UTF-8");
         let made = run_packager(&[
@@ -89,6 +102,12 @@ fn the_same_input_makes_the_same_package() {
             key,
             "--key-password",
             "env:PAROS_TEST_KEY",
+            "--settings",
+            settings,
+            "--figure",
+            lion,
+            "--figure",
+            hand,
             "-o",
             output,
         ]);
@@ -104,8 +123,105 @@ fn the_same_input_makes_the_same_package() {
         let bytes = [&report, &*stderr_text(&made)].map(|text| text.contains(PASSWORD.1));
         assert_eq!(bytes, [false; 2]);
     }
-    let [one, other] = [one, other].map(|path| fs::read(path).expect("it was made"));
-    assert!(one == other, "two packages of one library differ");
+    let [first, second] = [&one, &other].map(|path| fs::read(path).expect("it was made"));
+    assert!(first == second, "two packages of one library differ");
+    check_operator_assets::<128>(&one);
+    check_operator_assets::<256>(&one);
+}
+
+/// What an operator gives a package.
+struct OperatorFiles {
+    settings: PathBuf,
+    lion: PathBuf,
+    hand: PathBuf,
+}
+
+/// A wedge that stands on y = 0 in OBJ, and on z = 0 in STL's text.
+const CORNERS: [[f32; 3]; 4] = [[0.0; 3], [2.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 3.0]];
+const FACES: [[usize; 3]; 4] = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+
+const SETTINGS_TEXT: &str = "# for the zoo\nmode = \"lion\"\nhandover_seconds = 120\n";
+
+fn write_operator_files(name: &str) -> OperatorFiles {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("operator-{name}"));
+    let _ = fs::remove_dir_all(&folder);
+    fs::create_dir_all(&folder).expect("a folder");
+    let [settings, lion, hand] =
+        ["zoo.toml", "lion.obj", "hand-2.stl"].map(|name| folder.join(name));
+    let corners = CORNERS.map(|[x, y, z]| format!("v {x} {y} {z}\n")).concat();
+    let faces = FACES.map(|[a, b, c]| format!("f {} {} {}\n", a + 1, b + 1, c + 1)).concat();
+    let facets = FACES.map(|face| {
+        let vertices = face.map(|i| {
+            let [x, y, z] = CORNERS[i];
+            format!("vertex {x} {y} {z}\n")
+        });
+        format!("facet normal 0 0 0\nouter loop\n{}endloop\nendfacet\n", vertices.concat())
+    });
+    fs::write(&settings, SETTINGS_TEXT).expect("room on the disk");
+    fs::write(&lion, corners + &faces).expect("room on the disk");
+    fs::write(&hand, format!("solid a\n{}endsolid a\n", facets.concat()))
+        .expect("room on the disk");
+    OperatorFiles { settings, lion, hand }
+}
+
+/// The package's figures and settings, as a headset finds them.
+fn check_operator_assets<const N: usize>(package: &Path)
+where
+    Grid<N>: Size + Resident<N, INTERVALS>,
+{
+    let open = |name: &str| {
+        let file = fs::File::open(package).expect("it was made");
+        let mut package = zip::ZipArchive::new(file).expect("a package");
+        let mut entry = package.by_name(&format!("assets/{name}")).ok()?;
+        let mut bytes = Vec::new();
+        entry.read_to_end(&mut bytes).expect("it is whole");
+        Some(bytes)
+    };
+    let names = package::read_own_figure_names(open).expect("a list");
+    assert_eq!(names, ["lion", "hand-2"]);
+    let text = open(package::SETTINGS_ASSET).expect("settings");
+    assert!(text == SETTINGS_TEXT.as_bytes());
+    let layer = SettingsLayer::parse_bytes("package", &text, &names);
+    let settings = LoadedSettings::merge(&[layer]).settings;
+    assert_eq!(settings.mode, own_figure_mode(0));
+
+    let mut volumes = Grid::<N>::lock_start_volumes();
+    package::load_start_volumes(&mut volumes, open).expect("the volumes that there are always");
+    package::load_own_figures(&names, &mut volumes, open).expect("the figures");
+    let SessionMode::Constrained { figure } = settings.mode else { panic!("a figure's mode") };
+    let hidden = volumes.hidden_figures();
+    assert_eq!(hidden.len(), usize::from(figure) + 2);
+    let heights = hidden[usize::from(figure)..].iter().map(|hidden| {
+        // One grid for both: two would be more than a thread's stack.
+        let mut bits = Grid::<N>::lock_bit_grid();
+        let top = |bits: &BitGrid<N>| {
+            (0..N).rfind(|y| bits.layer(*y).iter().any(|row| !row.is_empty())).expect("voxels")
+        };
+        bits.set_from_maps(hidden.figure);
+        assert!(!bits.layer(0).iter().all(BitSet::is_empty), "it stands on the ground");
+        let top_of_figure = top(&bits);
+        let figure: Vec<_> = (0..N * N).map(|i| bits.row(i / N, i % N)).collect();
+        bits.set_from_maps(hidden.stone);
+        let stone = (0..N * N).map(|i| bits.row(i / N, i % N));
+        assert!(
+            figure.iter().zip(stone).all(|(figure, stone)| *figure & stone == *figure),
+            "it lies in its stone"
+        );
+        // 20 mm over the top of it, and nothing at the box's sides.
+        assert!((5 * N / 128..=6 * N / 128).contains(&(top(&bits) - top_of_figure)));
+        assert!((0..N).all(|i| bits.row(i, 0).is_empty() && !bits.contains([0, i, N / 2])));
+        top_of_figure
+    });
+    let heights: Vec<_> = heights.collect();
+    // Up is y in an OBJ, z in an STL: a third as high as it is long, and the longest of it.
+    assert!(heights[1] > 2 * heights[0], "{heights:?}");
+    // A session of it begins.
+    let (mut world, hidden) = (Grid::<N>::lock_world(), volumes.hidden_figures());
+    world.clear();
+    let mut runner = TickRunner::new(&mut world, volumes.start_volumes(&hidden));
+    runner.run_tick(&TickInput { start: settings.mode, ..TickInput::default() });
+    assert_eq!((world.session_state(), world.mode()), (SessionState::Sculpting, settings.mode));
+    assert_eq!(volumes.hidden_figure_name(figure), Some("lion"));
 }
 
 #[test]
@@ -169,6 +285,33 @@ fn what_is_wrong_is_told_and_nothing_is_left() {
         fails(&["--loader", at_loader], 2, &format!("{at_loader}: {why}"));
     }
     fails(&["--no-such-option"], 2, "--no-such-option");
+    let given = write_operator_files("wrong");
+    let write = |name: &str, text: &str| {
+        let path = given.settings.with_file_name(name);
+        fs::write(&path, text).expect("room on the disk");
+        path.to_str().expect("UTF-8").to_owned()
+    };
+    let [settings, lion] = [&given.settings, &given.lion].map(|path| path.to_str().expect("UTF-8"));
+    // The lion's mode without the lion.
+    fails(
+        &["--settings", settings],
+        2,
+        "zoo.toml:2:8: mode = \"lion\", expected free, creative or one of",
+    );
+    fails(&["--settings", "/no/such.toml"], 2, "/no/such.toml: ");
+    let wrong = write("wrong.toml", "size = 64\nrate = 90\n");
+    fails(&["--settings", &wrong], 2, "wrong.toml:1:8: size = 64, expected 128 or 256\n");
+    fails(&["--settings", &wrong], 2, "wrong.toml:2:1: rate: there is no such setting");
+    let record = write("record.toml", "record = \"a.trace\"");
+    fails(&["--settings", &record, "--figure", lion], 2, "(lion) can't be played");
+    let no_mesh = write("bear.obj", "v 0 0 0\nf 1 2 3\n");
+    fails(&["--figure", lion, "--figure", &no_mesh], 2, "bear.obj: ");
+    fails(&["--figure", TEXT], 2, "--figure: Cargo: no name of a figure");
+    let owl = write("owl.obj", "");
+    fails(&["--figure", &owl], 2, "owl: there is one of this name already");
+    fails(&["--figure", lion, "--figure", lion], 2, "lion: there is one of this name already");
+    let nine: Vec<_> = (0..9).flat_map(|_| ["--figure", lion]).collect();
+    fails(&nine, 2, "9 figures, expected at most 8");
     let nowhere = run_packager(&["-o", "/no/such/folder/x.apk"]);
     assert_eq!(nowhere.status.code(), Some(2), "{}", stderr_text(&nowhere));
 

@@ -46,7 +46,8 @@ fn run_app(app: AndroidApp) -> Result<(), Error> {
     let folder = device.find_storage_folder().map_err(unavailable)?;
     let name = device.read_manufacturer_and_model().map_err(unavailable)?;
     eprintln!("paros-quest: {name}, API level {}, {}", device.api_level(), folder.display());
-    let loaded = load_settings(&folder);
+    let own_figures = read_own_figure_names(&app);
+    let loaded = load_settings(&app, &folder, &own_figures);
     for line in loaded.log_lines() {
         eprintln!("paros-quest: {line}");
     }
@@ -55,41 +56,59 @@ fn run_app(app: AndroidApp) -> Result<(), Error> {
         ShellOptions { folder: Some(folder), ..ShellOptions::from_settings(&loaded.settings) };
     let platform =
         AndroidPlatform { app, monitor: DeviceMonitor::start_polling(device), destroyed: false };
-    with_size!(size, N => run_with_size::<N>(platform, &options))
+    with_size!(size, N => run_with_size::<N>(platform, &options, &own_figures))
 }
 
-/// Loads the settings of a shell whose files lie in a folder.
-fn load_settings(folder: &Path) -> LoadedSettings {
-    let file = SettingsLayer::read_file(&folder.join(settings::FILE_NAME), &[]);
-    let layers: Vec<_> = file.into_iter().collect();
+/// Loads the settings: the package's, and those of a file in the folder of the sessions.
+fn load_settings(app: &AndroidApp, folder: &Path, own_figures: &[String]) -> LoadedSettings {
+    let baked = open_asset(app, package::SETTINGS_ASSET)
+        .map(|bytes| SettingsLayer::parse_bytes("the package", &bytes, own_figures));
+    let file = SettingsLayer::read_file(&folder.join(settings::FILE_NAME), own_figures);
+    let layers: Vec<_> = baked.into_iter().chain(file).collect();
     let mut loaded = LoadedSettings::merge(&layers);
-    loaded.resolve_record(folder);
+    loaded.resolve_record(folder, own_figures);
     loaded
+}
+
+/// The names of the operator's own figures in the package. A list that is none counts for nothing.
+fn read_own_figure_names(app: &AndroidApp) -> Vec<String> {
+    package::read_own_figure_names(|name| open_asset(app, name)).unwrap_or_else(|why| {
+        eprintln!("paros-quest: {why}; there are no figures of one's own");
+        Vec::new()
+    })
+}
+
+/// The bytes of an asset of the package.
+fn open_asset(app: &AndroidApp, name: &str) -> Option<Vec<u8>> {
+    let mut asset = app.asset_manager().open(&CString::new(name).ok()?)?;
+    Some(asset.buffer().ok()?.to_vec())
 }
 
 fn run_with_size<const N: usize>(
     mut platform: AndroidPlatform,
     options: &ShellOptions,
+    own_figures: &[String],
 ) -> Result<(), Error>
 where
     Grid<N>: Size + Resident<N, INTERVALS>,
 {
-    load_start_volumes::<N>(&platform.app);
+    load_start_volumes::<N>(&platform.app, own_figures);
     run_shell::<N>(&mut platform, options).map(drop)
 }
 
-/// Loads the start volumes from the package's assets. Those that are missing are computed.
-fn load_start_volumes<const N: usize>(app: &AndroidApp)
+/// Loads the start volumes and the operator's own figures from the package's assets. Start volumes that are missing
+/// are computed; without figures of their own, sessions of these don't start.
+fn load_start_volumes<const N: usize>(app: &AndroidApp, own_figures: &[String])
 where
     Grid<N>: Size + Resident<N, INTERVALS>,
 {
-    let assets = app.asset_manager();
-    let open = |name: &str| {
-        let mut asset = assets.open(&CString::new(name).ok()?)?;
-        Some(asset.buffer().ok()?.to_vec())
-    };
-    if let Err(why) = package::load_start_volumes(&mut Grid::<N>::lock_start_volumes(), open) {
+    let open = |name: &str| open_asset(app, name);
+    let mut volumes = Grid::<N>::lock_start_volumes();
+    if let Err(why) = package::load_start_volumes(&mut volumes, open) {
         eprintln!("paros-quest: {why}; the volumes are made");
+    }
+    if let Err(why) = package::load_own_figures(own_figures, &mut volumes, open) {
+        eprintln!("paros-quest: {why}; there are no figures of one's own");
     }
 }
 

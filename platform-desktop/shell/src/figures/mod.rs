@@ -19,7 +19,10 @@ use paros_core::RangeMaps;
 use paros_core::volume::{BitGrid, Grid, Size};
 
 pub use hidden::{HiddenStart, StoneThickness};
-pub use own::{MAX_OWN_FIGURES, check_own_figure_names, own_figure_mode};
+pub use own::{
+    MAX_FIGURE_NAME_BYTES, MAX_OWN_FIGURES, check_own_figure_names, coat_margin, own_figure_mode,
+    write_coat_into,
+};
 
 /// A start volume.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

@@ -1,6 +1,8 @@
 //! The operator's own hidden figures, which a headset's package brings beside those that there are always.
 
+use paros_core::RangeMaps;
 use paros_core::session::SessionMode;
+use paros_core::volume::{BitGrid, BitSet, Grid, Size};
 
 use super::HiddenStart;
 use crate::modes::parse_mode;
@@ -9,7 +11,11 @@ use crate::modes::parse_mode;
 pub const MAX_OWN_FIGURES: usize = 8;
 
 /// The most bytes of a figure's name.
-const MAX_NAME_BYTES: usize = 32;
+pub const MAX_FIGURE_NAME_BYTES: usize = 32;
+
+/// How thick the stone lies over such a figure: that of a newcomer's, in millimetres, and the box's edge in them.
+const COAT_MM: usize = 20;
+const BOX_MM: usize = 450;
 
 /// The mode that starts with the figure at a place among the operator's own.
 #[must_use]
@@ -30,9 +36,10 @@ pub fn check_own_figure_names(names: &[String]) -> Result<(), String> {
     for (place, name) in names.iter().enumerate() {
         let is_name_byte = |c: u8| c.is_ascii_lowercase() || c.is_ascii_digit() || c == b'-';
         let shown = name.escape_debug();
-        if name.is_empty() || name.len() > MAX_NAME_BYTES || !name.bytes().all(is_name_byte) {
+        if name.is_empty() || name.len() > MAX_FIGURE_NAME_BYTES || !name.bytes().all(is_name_byte)
+        {
             return Err(format!(
-                "{shown}: no name of a figure, expected 1 to {MAX_NAME_BYTES} small letters, digits and hyphens"
+                "{shown}: no name of a figure, expected 1 to {MAX_FIGURE_NAME_BYTES} small letters, digits and hyphens"
             ));
         }
         if parse_mode(name).is_ok() || name == "own" || names[..place].contains(name) {
@@ -42,9 +49,79 @@ pub fn check_own_figure_names(names: &[String]) -> Result<(), String> {
     Ok(())
 }
 
+/// Voxels to be left empty on every side of a figure for the coat of stone, and one more around it.
+#[must_use]
+pub const fn coat_margin(grid_side: usize) -> usize {
+    coat_reach_subunits(grid_side).div_ceil(256) + 1
+}
+
+/// Writes the stone around a figure: the closure of all voxels within the coat's thickness of one of the figure's, by
+/// their centres. The figure is a subset of it.
+pub fn write_coat_into<const N: usize, const K: usize>(
+    figure: &BitGrid<N>,
+    stone: &mut RangeMaps<N, K>,
+    scratch: &mut BitGrid<N>,
+) where
+    Grid<N>: Size,
+{
+    let reach = coat_reach_subunits(N);
+    let offsets = list_ball_rows(reach);
+    scratch.clear();
+    for y in 0..N {
+        for z in 0..N {
+            let row = figure.row(y, z);
+            let runs: Vec<_> = row.iter_runs_within_words().collect();
+            for BallRow { dy, dz, half_width } in offsets.iter().filter(|_| !runs.is_empty()) {
+                let at = (y.checked_add_signed(*dy), z.checked_add_signed(*dz));
+                let (Some(y), Some(z)) = at else { continue };
+                if y >= N || z >= N {
+                    continue;
+                }
+                for run in &runs {
+                    let first = run.first().saturating_sub(*half_width);
+                    let last = (run.last() + half_width).min(N - 1);
+                    *scratch.row_mut(y, z) |= BitSet::span(first, last);
+                }
+            }
+        }
+    }
+    scratch.write_closure(stone);
+}
+
+/// A row of a ball's voxels, by where it lies to the middle one.
+struct BallRow {
+    dy: isize,
+    dz: isize,
+    half_width: usize,
+}
+
+/// The rows of a ball whose radius is in 1/256 voxels.
+fn list_ball_rows(radius: usize) -> Vec<BallRow> {
+    let most = (radius / 256) as isize;
+    let rows = (-most..=most).flat_map(|dy| (-most..=most).map(move |dz| (dy, dz)));
+    let half_width = |(dy, dz): (isize, isize)| {
+        let beside = (dy * dy + dz * dz) as usize * 256 * 256;
+        let left = (radius * radius).checked_sub(beside)?;
+        Some(BallRow { dy, dz, half_width: left.isqrt() / 256 })
+    };
+    rows.filter_map(half_width).collect()
+}
+
+/// The coat's thickness in 1/256 voxels.
+const fn coat_reach_subunits(grid_side: usize) -> usize {
+    256 * grid_side * COAT_MM / BOX_MM
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{MAX_OWN_FIGURES, check_own_figure_names, own_figure_mode};
+    use paros_core::RangeMaps;
+    use paros_core::limits::INTERVALS;
+    use paros_core::volume::{BitGrid, BitSet};
+
+    use super::{
+        MAX_OWN_FIGURES, check_own_figure_names, coat_margin, coat_reach_subunits, own_figure_mode,
+        write_coat_into,
+    };
     use crate::figures::HiddenStart;
     use crate::modes::parse_mode_among;
 
@@ -58,6 +135,34 @@ mod tests {
             let mode = own_figure_mode(place);
             assert!(HiddenStart::ALL.into_iter().all(|start| start.mode() != mode));
         }
+    }
+
+    /// Held against every voxel's distance to each of the figure's, on the ground, at a side and in the middle.
+    #[test]
+    fn the_coat_is_what_is_near_the_figure() {
+        let figure = [[20, 0, 31], [21, 0, 31], [40, 22, 30], [1, 30, 63]];
+        let [mut bits, mut scratch] = [const { BitGrid::<64>::new() }; 2].map(Box::new);
+        for [x, y, z] in figure {
+            bits.row_mut(y, z).insert(x);
+        }
+        let mut stone = Box::new(RangeMaps::<64, INTERVALS>::new());
+        write_coat_into(&bits, &mut stone, &mut scratch);
+        let reach = coat_reach_subunits(64) as i64;
+        let is_near = |at: [usize; 3]| {
+            figure.into_iter().any(|voxel| {
+                let square = |axis: usize| (at[axis] as i64 - voxel[axis] as i64).pow(2);
+                (square(0) + square(1) + square(2)) * 256 * 256 <= reach * reach
+            })
+        };
+        let voxels = (0..64 * 64 * 64).map(|i| [i % 64, i / 64 % 64, i / 4096]);
+        for voxel in voxels {
+            assert_eq!(scratch.contains(voxel), is_near(voxel), "{voxel:?}");
+        }
+        // Closure adds, and takes nothing away.
+        bits.set_from_maps(&stone);
+        assert!(bits.count_voxels() >= scratch.count_voxels());
+        // 20 mm of 450 are 5.7 voxels of 128.
+        assert_eq!((coat_margin(128), coat_margin(256)), (7, 13));
     }
 
     #[test]

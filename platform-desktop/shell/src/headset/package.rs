@@ -1,13 +1,25 @@
 //! The contents of the app's package (APK) that both its maker and the headset's shell name: start
-//! volumes as assets, so that a headset need not make them, and Khronos' OpenXR loader.
+//! volumes as assets, so that a headset need not make them, the operator's own hidden figures, settings, and
+//! Khronos' OpenXR loader.
 
+use crate::figures::check_own_figure_names;
 use crate::rmap::{self, RmapFaultAt};
+use crate::settings;
 use crate::start_volume_store::{StartVolume, StartVolumeStore};
 use paros_core::RangeMaps;
 use paros_core::volume::{Grid, Size};
 
 /// The file name of Khronos' OpenXR loader in the package, beside the shell's own library.
 pub const OPENXR_LOADER: &str = "libopenxr_loader.so";
+
+/// The name of the asset that holds the package's settings, as a file of them.
+pub const SETTINGS_ASSET: &str = settings::FILE_NAME;
+
+/// The name of the asset that lists the operator's own figures, a name a line.
+pub const FIGURES_ASSET: &str = "figures.txt";
+
+/// The folder of the assets of the operator's own figures.
+pub const FIGURES_FOLDER: &str = "figures/";
 
 /// Why the start volumes of a package can't be used.
 #[derive(Debug)]
@@ -16,12 +28,52 @@ pub enum AssetError {
     Missing(String),
     /// The asset of this name is damaged at a byte.
     Damaged(String, RmapFaultAt),
+    /// The list of the operator's own figures is none, and why.
+    BadList(String),
 }
 
 /// The name of the asset that holds a start volume of a size: an `.rmap`.
 #[must_use]
 pub fn start_volume_asset<const N: usize>(volume: StartVolume) -> String {
     format!("starts/{N}/{}.rmap", volume.name())
+}
+
+/// The names of the assets that hold a figure of the operator's own and its stone, at a size: two `.rmap`.
+#[must_use]
+pub fn own_figure_assets<const N: usize>(name: &str) -> [String; 2] {
+    ["", "-stone"].map(|part| format!("{FIGURES_FOLDER}{N}/{name}{part}.rmap"))
+}
+
+/// The names of the operator's own figures in a package; none where it lists none.
+///
+/// # Errors
+/// The list is none of such names.
+pub fn read_own_figure_names(
+    open_asset: impl Fn(&str) -> Option<Vec<u8>>,
+) -> Result<Vec<String>, AssetError> {
+    let Some(bytes) = open_asset(FIGURES_ASSET) else { return Ok(Vec::new()) };
+    let names = String::from_utf8_lossy(&bytes).lines().map(str::to_owned).collect::<Vec<_>>();
+    check_own_figure_names(&names).map_err(AssetError::BadList)?;
+    Ok(names)
+}
+
+/// Loads the operator's own figures of these names from a package.
+///
+/// # Errors
+/// An asset is missing or damaged. There are none of them then.
+pub fn load_own_figures<const N: usize, const K: usize>(
+    names: &[String],
+    volumes: &mut StartVolumeStore<N, K>,
+    open_asset: impl Fn(&str) -> Option<Vec<u8>>,
+) -> Result<(), AssetError>
+where
+    Grid<N>: Size,
+{
+    volumes.load_own_figures(names, |name, figure, stone| {
+        let [figure_name, stone_name] = own_figure_assets::<N>(name);
+        load_asset(figure_name, figure, &open_asset)?;
+        load_asset(stone_name, stone, &open_asset)
+    })
 }
 
 /// Loads the start volumes from a package, where `open_asset` gives the bytes of an asset by its name.
@@ -35,11 +87,19 @@ pub fn load_start_volumes<const N: usize, const K: usize>(
 where
     Grid<N>: Size,
 {
-    volumes.load(|volume, maps: &mut RangeMaps<N, K>| {
-        let name = start_volume_asset::<N>(volume);
-        let Some(bytes) = open_asset(&name) else { return Err(AssetError::Missing(name)) };
-        rmap::decode(&bytes, maps).map_err(|found| AssetError::Damaged(name, found))
-    })
+    volumes.load(|volume, maps| load_asset(start_volume_asset::<N>(volume), maps, &open_asset))
+}
+
+fn load_asset<const N: usize, const K: usize>(
+    name: String,
+    maps: &mut RangeMaps<N, K>,
+    open_asset: &impl Fn(&str) -> Option<Vec<u8>>,
+) -> Result<(), AssetError>
+where
+    Grid<N>: Size,
+{
+    let Some(bytes) = open_asset(&name) else { return Err(AssetError::Missing(name)) };
+    rmap::decode(&bytes, maps).map_err(|found| AssetError::Damaged(name, found))
 }
 
 impl std::fmt::Display for AssetError {
@@ -49,6 +109,7 @@ impl std::fmt::Display for AssetError {
             AssetError::Damaged(name, RmapFaultAt { offset, fault }) => {
                 write!(f, "{name}: byte {offset}: {fault}")
             }
+            AssetError::BadList(why) => write!(f, "{FIGURES_ASSET}: {why}"),
         }
     }
 }
@@ -64,7 +125,47 @@ mod tests {
     use paros_core::limits::INTERVALS;
     use paros_core::volume::BitGrid;
 
-    use super::{AssetError, load_start_volumes, start_volume_asset};
+    use super::{
+        AssetError, FIGURES_ASSET, load_own_figures, load_start_volumes, read_own_figure_names,
+        start_volume_asset,
+    };
+    use crate::figures::Figure;
+
+    #[test]
+    fn own_figures_follow_the_others_and_one_that_is_damaged_leaves_none() {
+        let [mut taken, mut made] =
+            [const { StartVolumeStore::<64, INTERVALS>::new() }; 2].map(Box::new);
+        made.generate_once(&mut BitGrid::new(), |_| {});
+        let [cat, lump] =
+            [Figure::Cat, Figure::Lump].map(|figure| rmap::encode(made.figure(figure)));
+        let open = |name: &str| match name {
+            FIGURES_ASSET => Some(b"lion\nhand\n".to_vec()),
+            "figures/64/lion.rmap" | "figures/64/hand.rmap" => Some(cat.clone()),
+            "figures/64/lion-stone.rmap" | "figures/64/hand-stone.rmap" => Some(lump.clone()),
+            _ => None,
+        };
+        let names = read_own_figure_names(open).expect("a list");
+        assert_eq!(names, ["lion", "hand"]);
+        let built_in = taken.hidden_figures().len();
+        load_own_figures(&names, &mut taken, open).expect("all are there");
+        let hidden = taken.hidden_figures();
+        assert_eq!(hidden.len(), built_in + 2);
+        assert!(rmap::encode(hidden[built_in + 1].figure) == cat);
+        assert!(rmap::encode(hidden[built_in + 1].stone) == lump);
+        let name = |number: usize| taken.hidden_figure_name(number as u8);
+        assert_eq!(
+            [name(built_in + 1), name(built_in + 2), name(9)],
+            [Some("hand"), None, Some("cat")]
+        );
+
+        let cut = |name: &str| open(name).filter(|_| name != "figures/64/hand-stone.rmap");
+        let why = load_own_figures(&names, &mut taken, cut).expect_err("one is missing");
+        assert_eq!(why.to_string(), "figures/64/hand-stone.rmap: missing in the package");
+        assert_eq!(taken.hidden_figures().len(), built_in);
+        assert_eq!(read_own_figure_names(|_| None).expect("no list"), [""; 0]);
+        let bad = read_own_figure_names(|_| Some(b"owl".to_vec())).expect_err("a name of another");
+        assert!(bad.to_string().starts_with("figures.txt: owl: "), "{bad}");
+    }
 
     #[test]
     fn packaged_volumes_are_the_ones_that_would_be_made() {

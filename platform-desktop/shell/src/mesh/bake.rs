@@ -15,6 +15,24 @@ pub struct MeshBounds {
     pub max: [f32; 3],
 }
 
+impl MeshBounds {
+    /// Bounds that are larger by a factor: about the middle, and upwards from the same floor.
+    fn widened(self, up: UpAxis, factor: f32) -> Self {
+        let upwards = if up == UpAxis::Y { 1 } else { 2 };
+        let mut wide = self;
+        for axis in 0..3 {
+            let more = (self.max[axis] - self.min[axis]) * (factor - 1.0);
+            if axis == upwards {
+                wide.max[axis] += more;
+            } else {
+                wide.min[axis] -= 0.5 * more;
+                wide.max[axis] += 0.5 * more;
+            }
+        }
+        wide
+    }
+}
+
 impl Mesh {
     /// Axis-aligned bounding box of the vertices. `None` without any.
     #[must_use]
@@ -43,7 +61,39 @@ impl Mesh {
     where
         Grid<N>: Size,
     {
-        let MeshBounds { min, max } = self.bounding_box()?;
+        self.bake_within(self.bounding_box()?, up, baker, maps, bit_grid)
+    }
+
+    /// The same, smaller: at least `margin` voxels are left empty on every side but the ground's.
+    #[must_use]
+    pub fn bake_with_margin_into_maps<const N: usize, const K: usize, W: Windings<N>>(
+        &self,
+        margin: usize,
+        up: UpAxis,
+        baker: &mut Baker<N, W>,
+        maps: &mut RangeMaps<N, K>,
+        bit_grid: &mut BitGrid<N>,
+    ) -> Option<BakeReport>
+    where
+        Grid<N>: Size,
+    {
+        let room = N.checked_sub(2 * margin).filter(|room| *room > 0)?;
+        let bounds = self.bounding_box()?.widened(up, N as f32 / room as f32);
+        self.bake_within(bounds, up, baker, maps, bit_grid)
+    }
+
+    /// Bakes the mesh, placed as one of these bounds would be, which hold it.
+    fn bake_within<const N: usize, const K: usize, W: Windings<N>>(
+        &self,
+        MeshBounds { min, max }: MeshBounds,
+        up: UpAxis,
+        baker: &mut Baker<N, W>,
+        maps: &mut RangeMaps<N, K>,
+        bit_grid: &mut BitGrid<N>,
+    ) -> Option<BakeReport>
+    where
+        Grid<N>: Size,
+    {
         let placement = MeshPlacement::stand_bounds_on_floor(min, max, up, N)?;
         let snapped: Vec<_> = self.positions.iter().map(|&p| placement.snap_point(p)).collect();
         baker.clear();

@@ -106,7 +106,7 @@ fn a_trace_that_cannot_be_written_is_told_before_the_sculpting() {
     fs::write(folder.join("paros.toml"), "").unwrap();
     let resolve = |record: &str| {
         let mut loaded = LoadedSettings::merge(&[file(&format!("record = \"{record}\""))]);
-        loaded.resolve_record(&folder);
+        loaded.resolve_record(&folder, &[]);
         (loaded.settings.record, loaded.faults.concat())
     };
     assert_eq!(resolve("own.trace"), (Some(folder.join("own.trace")), String::new()));

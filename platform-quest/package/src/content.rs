@@ -1,0 +1,120 @@
+//! What an operator gives a package: settings for all its headsets, and hidden figures. All of it is checked before
+//! anything is built.
+
+use std::path::{Path, PathBuf};
+
+use paros_core::RangeMaps;
+use paros_core::convert::UpAxis;
+use paros_core::limits::INTERVALS;
+use paros_core::volume::{Grid, Size};
+use paros_shell::durable;
+use paros_shell::figures::{check_own_figure_names, coat_margin, write_coat_into};
+use paros_shell::headset::package::{FIGURES_ASSET, SETTINGS_ASSET, own_figure_assets};
+use paros_shell::mesh::{self, Mesh, MeshFormat};
+use paros_shell::rmap;
+use paros_shell::settings::{LoadedSettings, MAX_BYTES, SettingsLayer};
+use paros_shell::statics::{Resident, ResidentBitGrid};
+
+use crate::error::PackageError;
+
+/// What was given, read and checked.
+#[derive(Debug)]
+pub(crate) struct OperatorContent {
+    settings: Option<Vec<u8>>,
+    names: Vec<String>,
+    /// In the order of the names.
+    figures: Vec<OwnMesh>,
+}
+
+/// A figure's mesh.
+#[derive(Debug)]
+struct OwnMesh {
+    path: PathBuf,
+    mesh: Mesh,
+    up: UpAxis,
+}
+
+impl OperatorContent {
+    /// Reads and checks it.
+    ///
+    /// # Errors
+    /// All that is wrong with the settings, or what is with a figure, and what was expected.
+    pub(crate) fn read(settings: Option<&Path>, meshes: &[PathBuf]) -> Result<Self, PackageError> {
+        let names: Vec<_> = meshes.iter().map(|path| figure_name(path)).collect();
+        check_own_figure_names(&names)
+            .map_err(|why| PackageError::Input(format!("--figure: {why}")))?;
+        let settings = settings.map(|path| read_settings(path, &names)).transpose()?;
+        let figures = meshes.iter().map(|path| OwnMesh::read(path)).collect::<Result<_, _>>()?;
+        Ok(OperatorContent { settings, names, figures })
+    }
+
+    /// The assets that it becomes, with their names.
+    ///
+    /// # Errors
+    /// A figure of which nothing is left once it is baked.
+    pub(crate) fn into_assets(self) -> Result<Vec<(String, Vec<u8>)>, PackageError> {
+        let mut assets = Vec::new();
+        assets.extend(self.settings.map(|bytes| (SETTINGS_ASSET.to_owned(), bytes)));
+        if !self.names.is_empty() {
+            let list = self.names.join("\n") + "\n";
+            assets.push((FIGURES_ASSET.to_owned(), list.into_bytes()));
+        }
+        for (name, own) in self.names.iter().zip(&self.figures) {
+            eprintln!("figure {name}");
+            assets.extend(own.bake::<128>(name)?);
+            assets.extend(own.bake::<256>(name)?);
+        }
+        Ok(assets)
+    }
+}
+
+impl OwnMesh {
+    fn read(path: &Path) -> Result<Self, PackageError> {
+        let mesh = mesh::read(path).map_err(PackageError::input)?;
+        let up = MeshFormat::from_extension(path).map_or(UpAxis::Y, MeshFormat::default_up_axis);
+        Ok(OwnMesh { path: path.to_owned(), mesh, up })
+    }
+
+    /// The figure and its stone at a size.
+    fn bake<const N: usize>(&self, name: &str) -> Result<[(String, Vec<u8>); 2], PackageError>
+    where
+        Grid<N>: Size + Resident<N, INTERVALS>,
+    {
+        let mut figure: Box<RangeMaps<N, INTERVALS>> = Box::new(RangeMaps::new());
+        let (mut baker, mut bits) = (Grid::<N>::lock_baker(), Grid::<N>::lock_bit_grid());
+        let baked = self.mesh.bake_with_margin_into_maps(
+            coat_margin(N),
+            self.up,
+            &mut *baker,
+            &mut *figure,
+            &mut *bits,
+        );
+        if baked.is_none() || figure.is_empty() {
+            let path = self.path.display();
+            return Err(PackageError::Input(format!("{path}: the mesh has no extent")));
+        }
+        let mut stone = Grid::<N>::lock_range_maps();
+        let mut scratch = Box::new(paros_core::volume::BitGrid::<N>::new());
+        write_coat_into(&bits, &mut *stone, &mut scratch);
+        let [figure_name, stone_name] = own_figure_assets::<N>(name);
+        Ok([(figure_name, rmap::encode(&*figure)), (stone_name, rmap::encode(&*stone))])
+    }
+}
+
+/// The name of a figure, as modes have it: that of its file, without the extension.
+fn figure_name(path: &Path) -> String {
+    path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+/// The bytes of a file of settings with which nothing is wrong.
+fn read_settings(path: &Path, own_figures: &[String]) -> Result<Vec<u8>, PackageError> {
+    let shown = path.display().to_string();
+    let bytes = durable::read_regular_file_up_to(path, MAX_BYTES)
+        .map_err(|error| PackageError::Input(format!("{shown}: {error}")))?;
+    let layer = SettingsLayer::parse_bytes(&shown, &bytes, own_figures);
+    let mut faults: Vec<_> = layer.faults.iter().map(|fault| fault.describe(&shown)).collect();
+    let settings = LoadedSettings::merge(&[layer]).settings;
+    let contradiction = settings.find_contradiction(own_figures);
+    faults.extend(contradiction.map(|why| format!("{shown}: record: {why}")));
+    if faults.is_empty() { Ok(bytes) } else { Err(PackageError::Input(faults.join("\n"))) }
+}
