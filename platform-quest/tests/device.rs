@@ -3,17 +3,14 @@
 
 mod android;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
-use std::sync::LazyLock;
 use std::time::{Duration, Instant};
 use std::{env, fs};
 
-use jni::objects::{Global, JObject, JString};
-use jni::{Env, InitArgsBuilder, JNIVersion, JValue, JavaVM, jni_sig, jni_str};
 use paros_quest::device::table::ALL_MEMBERS;
 use paros_quest::device::{
-    self, AndroidDevice, Battery, ContentRow, DeviceMonitor, MAX_ROWS, ThermalStatus,
+    self, Battery, ContentRow, DeviceMonitor, MAX_ROWS, ManagedEntry, ThermalStatus,
 };
 use paros_quest::runtime::{
     BROKERS, FUNCTION_COLUMNS, INITIALIZE_FUNCTION, NEGOTIATE_FUNCTION, RUNTIME_COLUMNS,
@@ -21,25 +18,13 @@ use paros_quest::runtime::{
 };
 use paros_shell::headset::device_health::{DeviceHealth, ThermalState};
 use paros_shell::require::require_or_skip;
+use paros_shell::settings::{LoadedSettings, SettingsLayer};
 
+use android::vm::{device_at_level, set_answer, set_field, stubs_folder, take_calls};
 use android::{compile_stubs, describe_member, is_android, members_by_class, run_javap};
 
 /// The environment variable of the child process whose calls are checked.
 const INSIDE: &str = "PAROS_INSIDE_JAVA";
-
-/// The folder of the stubs; every process has its own.
-fn stubs_folder() -> PathBuf {
-    Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("android-{}", std::process::id()))
-}
-
-/// The Java VM: a process can start only one.
-static VM: LazyLock<JavaVM> = LazyLock::new(|| {
-    compile_stubs(&stubs_folder()).expect("the sources are right");
-    let classes = format!("-Djava.class.path={}", stubs_folder().join("classes").display());
-    let arguments = InitArgsBuilder::new().version(JNIVersion::V1_8);
-    let arguments = arguments.option("-Xcheck:jni").option(&classes).build().expect("arguments");
-    JavaVM::new(arguments).expect("a JDK's machine")
-});
 
 /// Whether there is a JDK.
 fn has_jdk() -> bool {
@@ -116,6 +101,7 @@ fn check_all_calls() {
     check_networks();
     check_queries();
     check_brokers();
+    check_managed_configurations();
     check_exceptions();
     check_monitor();
     let _ = fs::remove_dir_all(stubs_folder());
@@ -299,6 +285,39 @@ fn check_brokers() {
     assert!(why.starts_with("/vendor/maker.so: ") && why.contains("not yours"), "{why}");
 }
 
+fn check_managed_configurations() {
+    let read = || device_at_level(29).read_managed_configuration();
+    let entry = |key: &str, value: &str| ManagedEntry { key: key.into(), value: value.into() };
+    set_answer("Context.getSystemService[restrictions]", "N:");
+    assert_eq!(read().expect("an answer"), []);
+    set_answer("Context.getSystemService[restrictions]", "O:android.content.RestrictionsManager");
+    set_answer("RestrictionsManager.getApplicationRestrictions", "N:");
+    assert_eq!(read().expect("an answer"), []);
+    set_answer("RestrictionsManager.getApplicationRestrictions", "O:android.os.Bundle");
+    // Of a device that nobody manages the bundle is empty.
+    set_answer("BaseBundle.keySet", "O:java.util.HashSet");
+    assert_eq!(read().expect("an answer"), []);
+    set_answer("BaseBundle.keySet", "K:submit_depth,mode,handover_seconds,none");
+    set_answer("BaseBundle.get[mode]", "S:owl");
+    set_answer("BaseBundle.get[handover_seconds]", "I:120");
+    set_answer("BaseBundle.get[submit_depth]", "Z:true");
+    let entries = read().expect("an answer");
+    let expected =
+        [entry("handover_seconds", "120"), entry("mode", "owl"), entry("submit_depth", "true")];
+    assert_eq!(entries, expected);
+    let texts = entries.iter().map(|entry| (&*entry.key, &*entry.value));
+    let layer = SettingsLayer::from_texts("managed configuration", texts, &[]);
+    let settings = LoadedSettings::merge(&[layer]).settings;
+    assert_eq!((settings.handover_after.as_secs(), settings.submit_depth), (120, true));
+    // No reference is left behind by many entries: the machine would warn beyond its frame of 16.
+    let many: Vec<_> = (0..300).map(|i| format!("mode{i}")).collect();
+    set_answer("BaseBundle.keySet", &format!("K:{}", many.join(",")));
+    set_answer("BaseBundle.get", "S:owl");
+    assert_eq!(read().expect("an answer").len(), 256);
+    set_answer("BaseBundle.get", "E:not today");
+    assert!(read().is_err_and(|why| why.to_string().contains("not today")));
+}
+
 fn check_exceptions() {
     set_answer("Context.getSystemService[power]", "E:not today");
     let why = device_at_level(29).read_thermal().expect_err("it was thrown").to_string();
@@ -328,66 +347,4 @@ fn check_monitor() {
     let begun = Instant::now();
     drop(monitor);
     assert!(begun.elapsed() < Duration::from_secs(5));
-}
-
-/// A device of an API level, by a context of the stubs.
-fn device_at_level(level: i32) -> AndroidDevice {
-    set_field("android.os.Build$VERSION.SDK_INT", &format!("I:{level}"));
-    let context = with_java(|env| {
-        let context = env.new_object(jni_str!("android/content/Context"), jni_sig!("()V"), &[])?;
-        env.new_global_ref(context)
-    });
-    let context: Global<JObject<'static>> = context;
-    // SAFETY: both live, and the second is a context.
-    unsafe { AndroidDevice::from_raw(VM.get_raw().cast(), context.as_raw().cast()) }
-        .expect("a device")
-}
-
-/// Sets what a stub's method returns from now on.
-fn set_answer(member: &str, answer: &str) {
-    call_fake(
-        |env, arguments| {
-            let (name, how) =
-                (jni_str!("set"), jni_sig!("(Ljava/lang/String;Ljava/lang/String;)V"));
-            env.call_static_method(jni_str!("paros/Fake"), name, how, arguments)?.into_void()
-        },
-        [member, answer],
-    );
-}
-
-/// Sets a static field of a stub.
-fn set_field(field: &str, answer: &str) {
-    call_fake(
-        |env, arguments| {
-            let (name, how) =
-                (jni_str!("field"), jni_sig!("(Ljava/lang/String;Ljava/lang/String;)V"));
-            env.call_static_method(jni_str!("paros/Fake"), name, how, arguments)?.into_void()
-        },
-        [field, answer],
-    );
-}
-
-/// Takes the log of the stubs' calls since the last time, one a line.
-fn take_calls() -> String {
-    with_java(|env| {
-        let how = jni_sig!("()Ljava/lang/String;");
-        let calls = env.call_static_method(jni_str!("paros/Fake"), jni_str!("calls"), how, &[])?;
-        let calls = calls.into_object()?;
-        env.cast_local::<JString<'_>>(calls)?.try_to_string(env)
-    })
-}
-
-/// Calls a method of `paros.Fake` with two texts.
-fn call_fake(
-    what: impl FnOnce(&mut Env<'_>, &[JValue<'_>]) -> jni::errors::Result<()>,
-    texts: [&str; 2],
-) {
-    with_java(|env| {
-        let [a, b] = [env.new_string(texts[0])?, env.new_string(texts[1])?];
-        what(env, &[JValue::Object(&a), JValue::Object(&b)])
-    });
-}
-
-fn with_java<T>(what: impl FnOnce(&mut Env<'_>) -> jni::errors::Result<T>) -> T {
-    VM.attach_current_thread(what).expect("the stubs do it")
 }

@@ -20,7 +20,7 @@ use paros_shell::sizes::GRID_SIDES;
 use paros_shell::statics::Resident;
 use paros_shell::with_size;
 
-use crate::device::{self, AndroidDevice, DeviceMonitor};
+use crate::device::{self, AndroidDevice, DeviceMonitor, ManagedEntry};
 use crate::error::Error;
 use crate::options::ShellOptions;
 use crate::platform::{Platform, PlatformStatus};
@@ -47,7 +47,11 @@ fn run_app(app: AndroidApp) -> Result<(), Error> {
     let name = device.read_manufacturer_and_model().map_err(unavailable)?;
     eprintln!("paros-quest: {name}, API level {}, {}", device.api_level(), folder.display());
     let own_figures = read_own_figure_names(&app);
-    let loaded = load_settings(&app, &folder, &own_figures);
+    let managed = device.read_managed_configuration().unwrap_or_else(|why| {
+        eprintln!("paros-quest: {why}; the managed configuration is left out");
+        Vec::new()
+    });
+    let loaded = load_settings(&app, &folder, &managed, &own_figures);
     for line in loaded.log_lines() {
         eprintln!("paros-quest: {line}");
     }
@@ -59,12 +63,21 @@ fn run_app(app: AndroidApp) -> Result<(), Error> {
     with_size!(size, N => run_with_size::<N>(platform, &options, &own_figures))
 }
 
-/// Loads the settings: the package's, and those of a file in the folder of the sessions.
-fn load_settings(app: &AndroidApp, folder: &Path, own_figures: &[String]) -> LoadedSettings {
+/// Loads the settings: the package's, those of a file in the folder of the sessions, and the managed ones.
+fn load_settings(
+    app: &AndroidApp,
+    folder: &Path,
+    managed: &[ManagedEntry],
+    own_figures: &[String],
+) -> LoadedSettings {
     let baked = open_asset(app, package::SETTINGS_ASSET)
         .map(|bytes| SettingsLayer::parse_bytes("the package", &bytes, own_figures));
     let file = SettingsLayer::read_file(&folder.join(settings::FILE_NAME), own_figures);
-    let layers: Vec<_> = baked.into_iter().chain(file).collect();
+    let managed = (!managed.is_empty()).then(|| {
+        let texts = managed.iter().map(|entry| (&*entry.key, &*entry.value));
+        SettingsLayer::from_texts("managed configuration", texts, own_figures)
+    });
+    let layers: Vec<_> = baked.into_iter().chain(file).chain(managed).collect();
     let mut loaded = LoadedSettings::merge(&layers);
     loaded.resolve_record(folder, own_figures);
     loaded

@@ -149,6 +149,11 @@ impl<'env, 'local> JavaCaller<'env, 'local> {
         read.map(Some).map_err(|error| member_error(member, &error))
     }
 
+    /// Deletes a local reference: without this, each would be kept until the call into Java ends.
+    pub(super) fn delete_local_reference(&mut self, object: JObject<'local>) {
+        self.env.delete_local_ref(object);
+    }
+
     /// Clears a pending Java exception and puts its class and message into the error.
     fn catch_exception<T>(
         &mut self,

@@ -1,10 +1,11 @@
 //! The device's state that only Android's Java classes report: battery, thermal state, model, boots, storage
-//! folders, network, and content providers. Calls go through JNI, to the members of [`table`] only.
+//! folders, network, content providers, and managed configuration. Calls go through JNI, to the members of [`table`] only.
 //!
 //! The screen is kept on without Java: `ANativeActivity_setWindowFlags` may be called from any thread,
 //! the methods of `View` only from the activity's own.
 
 mod call;
+mod managed;
 mod monitor;
 pub mod table;
 
@@ -16,6 +17,7 @@ use jni::{Env, JValue, JavaVM};
 
 pub use call::JavaError;
 use call::{JavaCaller, read_bool, read_float, read_int};
+pub use managed::ManagedEntry;
 pub use monitor::DeviceMonitor;
 use table::{
     ABSOLUTE_PATH, ACTIVE_NETWORK, BATTERY_PROPERTY, CAPABILITIES, CLOSE, COLUMN_INDEX,

@@ -113,4 +113,25 @@ members! {
     /// Closes a cursor.
     CLOSE = Method "android/database/Cursor" "close" "()V"
         since 1 in "android/database/Cursor#close()";
+    /// The app's restrictions: its managed configuration, empty on a device that nobody manages.
+    RESTRICTIONS = Method "android/content/RestrictionsManager" "getApplicationRestrictions" "()Landroid/os/Bundle;"
+        since 21 in "android/content/RestrictionsManager#getApplicationRestrictions()";
+    /// A bundle's keys.
+    KEY_SET = Method "android/os/BaseBundle" "keySet" "()Ljava/util/Set;"
+        since 21 in "android/os/BaseBundle#keySet()";
+    /// A bundle's value of a key.
+    BUNDLE_VALUE = Method "android/os/BaseBundle" "get" "(Ljava/lang/String;)Ljava/lang/Object;"
+        since 21 in "android/os/BaseBundle#get(java.lang.String)";
+    /// An iterator over a set.
+    ITERATOR = Method "java/util/Set" "iterator" "()Ljava/util/Iterator;"
+        since 1 in "java/util/Set#iterator()";
+    /// Whether an iterator has a next element.
+    HAS_NEXT = Method "java/util/Iterator" "hasNext" "()Z"
+        since 1 in "java/util/Iterator#hasNext()";
+    /// An iterator's next element.
+    NEXT = Method "java/util/Iterator" "next" "()Ljava/lang/Object;"
+        since 1 in "java/util/Iterator#next()";
+    /// An object as a text: a number's digits, a boolean's name.
+    TO_STRING = Method "java/lang/Object" "toString" "()Ljava/lang/String;"
+        since 1 in "java/lang/Object#toString()";
 }

@@ -34,6 +34,8 @@ public final class Fake {
             case 'Z' -> Boolean.valueOf(value);
             case 'S' -> value;
             case 'O' -> Class.forName(value).getDeclaredConstructor().newInstance();
+            // The keys in these places, parted by commas.
+            case 'K' -> new java.util.TreeSet<>(Arrays.asList(value.split(",")));
             case 'P' -> new java.io.File(value);
             case 'E' -> new SecurityException(value);
             default -> NULL;

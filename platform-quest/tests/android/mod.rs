@@ -1,6 +1,8 @@
 //! Stubs of Android's Java classes: sources generated from the table, compiled by `javac` and inspected
 //! by `javap`.
 
+pub(crate) mod vm;
+
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 use std::path::Path;
@@ -8,6 +10,9 @@ use std::process::Command;
 use std::{fs, iter};
 
 use paros_quest::device::table::{ALL_MEMBERS, JavaMember, MemberKind};
+
+/// The superclasses of stubs whose members are asked of a subclass's objects.
+const SUPERCLASSES: [(&str, &str); 1] = [("android/os/Bundle", "android/os/BaseBundle")];
 
 /// The table's members, grouped by class.
 pub(crate) fn members_by_class() -> BTreeMap<&'static str, Vec<JavaMember>> {
@@ -85,7 +90,12 @@ fn stub_sources() -> BTreeMap<String, String> {
         match inner {
             None => {
                 let package = package.replace('/', ".");
-                let source = format!("package {package};\npublic class {name} {{\n{body}}}\n");
+                let superclass = SUPERCLASSES.iter().find(|(class, _)| *class == outer);
+                let extends = superclass
+                    .map(|(_, of)| format!("extends {}", of.replace('/', ".")))
+                    .unwrap_or_default();
+                let source =
+                    format!("package {package};\npublic class {name} {extends} {{\n{body}}}\n");
                 sources.insert(outer.to_owned(), source);
             }
             Some(inner) => {
