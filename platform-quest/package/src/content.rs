@@ -48,6 +48,11 @@ impl OperatorContent {
         Ok(OperatorContent { settings, names, figures })
     }
 
+    /// The names of the figures.
+    pub(crate) fn figure_names(&self) -> &[String] {
+        &self.names
+    }
+
     /// The assets that it becomes, with their names.
     ///
     /// # Errors

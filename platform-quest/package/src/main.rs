@@ -5,8 +5,10 @@ mod apk;
 mod content;
 mod elf;
 mod error;
+mod icon;
 mod library;
 mod manifest;
+mod resources;
 mod signing;
 mod stubs;
 mod symbols;
@@ -26,6 +28,7 @@ use crate::apk::PackageInspection;
 use crate::content::OperatorContent;
 use crate::error::PackageError;
 use crate::manifest::{MANIFEST, MIN_API_LEVEL};
+use crate::resources::Resources;
 use crate::signing::SigningKey;
 use crate::symbols::Symbols;
 use crate::tools::Scratch;
@@ -95,7 +98,8 @@ fn make_package(args: &PackageArgs) -> Result<String, PackageError> {
     let scratch = Scratch::within(&folder, "package")?;
     let [bare, unsigned, signed] =
         ["bare.apk", "unsigned.apk", "signed.apk"].map(|n| scratch.at(n));
-    manifest::compile_manifest(MANIFEST, &scratch, &bare)?;
+    let resources = Resources::of_package(content.figure_names())?;
+    manifest::compile_manifest(MANIFEST, &resources, &scratch, &bare)?;
     let mut libraries = vec![(library::NAME, library)];
     libraries.extend(loader.map(|bytes| (OPENXR_LOADER, bytes)));
     apk::write_package(&bare, &libraries, &content.into_assets()?, &unsigned)?;

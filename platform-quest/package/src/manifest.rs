@@ -5,6 +5,7 @@ use std::path::Path;
 use std::process::Command;
 
 use crate::error::PackageError;
+use crate::resources::Resources;
 use crate::tools::{self, FRAMEWORK, Scratch};
 
 /// The manifest as it was written.
@@ -16,6 +17,24 @@ pub(crate) const MIN_API_LEVEL: u32 = 29;
 /// The Android whose behaviour it is made for.
 const TARGET_API_LEVEL: u32 = 32;
 
+/// Stands in a demand for any reference to a resource.
+const ANY_REFERENCE: &str = "@";
+
+/// What a manifest must not hold: an element's path, and an attribute with a value.
+type Refusal = (&'static str, (&'static str, &'static str));
+
+/// What Meta's pages refuse, as of 2026-11: a build for a debugger, and an activity that is forgotten.
+const REFUSALS: [Refusal; 2] =
+    [("manifest/application", ("debuggable", "true")), (ACTIVITY, ("noHistory", "true"))];
+
+/// The permissions that are asked for: what another brings in is told, as Meta refuses many.
+const PERMISSIONS: [&str; 4] = [
+    "org.khronos.openxr.permission.OPENXR",
+    "org.khronos.openxr.permission.OPENXR_SYSTEM",
+    "com.oculus.permission.HAND_TRACKING",
+    "android.permission.ACCESS_NETWORK_STATE",
+];
+
 /// An element that the manifest must hold: its path, and the values of its attributes.
 type Demand = (&'static str, &'static [(&'static str, &'static str)]);
 
@@ -23,8 +42,9 @@ const ACTIVITY: &str = "manifest/application/activity";
 const CATEGORY: &str = "manifest/application/activity/intent-filter/category";
 const PERMISSION: &str = "manifest/uses-permission";
 
-/// What Meta's manifest rules and Khronos' loader ask for.
-const DEMANDS: [Demand; 17] = [
+/// What Meta and Khronos' loader ask for, and Android of an app that is managed. Held against Meta's pages "Android
+/// Manifest Settings" and "Application Manifests for Release Builds" (of 2026-03-05) as they were in 2026-11.
+const DEMANDS: [Demand; 19] = [
     ("manifest", &[("installLocation", "0")]),
     ("manifest/uses-sdk", &[("minSdkVersion", "29"), ("targetSdkVersion", "32")]),
     (
@@ -48,6 +68,12 @@ const DEMANDS: [Demand; 17] = [
     (
         "manifest/application",
         &[("extractNativeLibs", "false"), ("hasCode", "false"), ("allowBackup", "false")],
+    ),
+    // 3: pictures, of Android's categories the nearest.
+    ("manifest/application", &[("label", "Paros"), ("icon", ANY_REFERENCE), ("appCategory", "3")]),
+    (
+        "manifest/application/meta-data",
+        &[("name", "android.content.APP_RESTRICTIONS"), ("resource", ANY_REFERENCE)],
     ),
     (
         "manifest/application/meta-data",
@@ -73,15 +99,17 @@ const DEMANDS: [Demand; 17] = [
     (CATEGORY, &[("name", "android.intent.category.LAUNCHER")]),
 ];
 
-/// Makes a package of a manifest alone.
+/// Makes a package of a manifest and the resources that it refers to.
 ///
 /// # Errors
 /// `aapt2` refuses it.
 pub(crate) fn compile_manifest(
     manifest_xml: &str,
+    resources: &Resources,
     scratch: &Scratch,
     output: &Path,
 ) -> Result<(), PackageError> {
+    let compiled = resources.compile(scratch)?;
     let xml = scratch.at("AndroidManifest.xml");
     std::fs::write(&xml, manifest_xml).map_err(PackageError::failure)?;
     let (least, target) = (MIN_API_LEVEL.to_string(), TARGET_API_LEVEL.to_string());
@@ -91,6 +119,7 @@ pub(crate) fn compile_manifest(
     link.args(["--min-sdk-version", &least, "--target-sdk-version", &target]);
     link.args(["--version-name", env!("CARGO_PKG_VERSION")]);
     link.args(["--version-code", &version_code(env!("CARGO_PKG_VERSION"))]).arg("-o").arg(output);
+    link.arg(compiled);
     tools::run_tool("manifest", &mut link).map(drop)
 }
 
@@ -105,14 +134,35 @@ pub(crate) fn find_unmet_demands(package: &Path) -> Result<Vec<String>, PackageE
     let met = |(path, values): &&Demand| {
         let holds = |element: &Element| {
             let has = |(name, value): &(&str, &str)| {
-                element.attributes.iter().any(|(n, v)| n == name && v == value)
+                let fits = |found: &str| match *value {
+                    ANY_REFERENCE => found.starts_with(ANY_REFERENCE),
+                    value => found == value,
+                };
+                element.attributes.iter().any(|(n, v)| n == name && fits(v))
             };
             element.path == *path && values.iter().all(has)
         };
         elements.iter().any(holds)
     };
     let missed = DEMANDS.iter().filter(|demand| !met(demand));
-    Ok(missed.map(|(path, values)| format!("the manifest lacks {path} with {values:?}")).collect())
+    let missed = missed.map(|(path, values)| format!("the manifest lacks {path} with {values:?}"));
+    Ok(missed.chain(find_refused(&elements)).collect())
+}
+
+/// What of a manifest's elements is refused.
+fn find_refused(elements: &[Element]) -> Vec<String> {
+    let mut refused = Vec::new();
+    for Element { path, attributes } in elements {
+        for (name, value) in attributes {
+            if REFUSALS.iter().any(|(p, (n, v))| p == path && n == name && v == value) {
+                refused.push(format!("the manifest has {path} with {name} = {value}"));
+            }
+            if path == PERMISSION && name == "name" && !PERMISSIONS.contains(&&**value) {
+                refused.push(format!("the manifest asks for {value}"));
+            }
+        }
+    }
+    refused
 }
 
 /// A number that grows with the version: two digits for each part after the first.
@@ -159,6 +209,7 @@ mod tests {
     use super::{
         DEMANDS, MANIFEST, compile_manifest, find_unmet_demands, parse_elements, version_code,
     };
+    use crate::resources::Resources;
     use crate::test_support::scratch_folder;
     use crate::tools;
 
@@ -171,9 +222,10 @@ mod tests {
         {
             return;
         }
+        let resources = Resources::of_package(&[]).expect("an icon");
         let faults_of = |manifest: &str| {
             let package = folder.at("bare.apk");
-            compile_manifest(manifest, &folder, &package).expect("it is a manifest");
+            compile_manifest(manifest, &resources, &folder, &package).expect("it is a manifest");
             find_unmet_demands(&package).expect("it can be read")
         };
         assert_eq!(faults_of(MANIFEST), [""; 0]);
@@ -187,7 +239,8 @@ mod tests {
                 }
                 _ => continue,
             };
-            let Ok(()) = compile_manifest(&spoilt, &folder, &folder.at("bare.apk")) else {
+            let Ok(()) = compile_manifest(&spoilt, &resources, &folder, &folder.at("bare.apk"))
+            else {
                 continue;
             };
             let told = find_unmet_demands(&folder.at("bare.apk")).expect("it can be read");
@@ -197,6 +250,17 @@ mod tests {
         assert!(tried > 10, "{tried} demands were spoilt");
         let without = MANIFEST.replace("singleTask", "singleTop").replace("|uiMode", "");
         assert_eq!(faults_of(&without).len(), 1);
+        let told = |text: &str, with: &str| faults_of(&MANIFEST.replace(text, with)).concat();
+        let debuggable = told("android:hasCode", "android:debuggable=\"true\" android:hasCode");
+        assert_eq!(debuggable, "the manifest has manifest/application with debuggable = true");
+        let forgotten = told("android:launchMode", "android:noHistory=\"true\" android:launchMode");
+        assert!(forgotten.ends_with("activity with noHistory = true"), "{forgotten}");
+        let more = "<uses-permission android:name=\"android.permission.CAMERA\" />\n<queries>";
+        assert_eq!(told("<queries>", more), "the manifest asks for android.permission.CAMERA");
+        let without_icon = told("android:icon=\"@mipmap/icon\"", "");
+        assert!(without_icon.contains("(\"icon\", \"@\")"), "{without_icon}");
+        let unmanaged = told("android.content.APP_RESTRICTIONS", "a.b");
+        assert!(unmanaged.contains("APP_RESTRICTIONS"), "{unmanaged}");
     }
 
     #[test]

@@ -16,6 +16,7 @@ use paros_core::volume::{BitGrid, BitSet, Grid, Size};
 use paros_shell::figures::own_figure_mode;
 use paros_shell::headset::package;
 use paros_shell::require::require_or_skip;
+use paros_shell::settings::table::{SETTINGS, SettingScope};
 use paros_shell::settings::{LoadedSettings, SettingsLayer};
 use paros_shell::statics::{Resident, ResidentBitGrid};
 use paros_shell::tick_runner::TickRunner;
@@ -247,6 +248,11 @@ fn what_aapt_and_apksigner_say() {
     {
         assert!(badging.contains(line), "no {line} in\n{badging}");
     }
+    assert!(badging.contains("application: label='Paros' icon='res/mipmap"), "{badging}");
+    check_restrictions(&ask(
+        "aapt2",
+        &["dump", "xmltree", "--file", "res/xml/app_restrictions.xml"],
+    ));
     let listed = ask("aapt", &["list"]);
     // The lump, the toy, and four figures, each with its stones near and half as thick as the lump.
     let starts = listed.lines().filter(|line| line.starts_with("assets/starts/128/")).count();
@@ -256,6 +262,21 @@ fn what_aapt_and_apksigner_say() {
     assert!(verified.contains("v3 scheme (APK Signature Scheme v3): true"), "{verified}");
     ask("zipalign", &["-c", "-p", "4"]);
     assert!(fs::metadata(&path).expect("it was made").len() < 8 << 20);
+}
+
+/// The settings of a headset are what a console offers, with bounds that it can show, and nothing else.
+fn check_restrictions(dump: &str) {
+    let attribute = |name: &str| {
+        let values = dump.lines().filter(|line| line.contains(&format!(":{name}(")));
+        values.map(|line| line.split('"').nth(1).unwrap_or_default().to_owned()).collect::<Vec<_>>()
+    };
+    let headsets = SETTINGS.iter().filter(|setting| setting.scope != SettingScope::Window);
+    let names: Vec<_> = headsets.map(|setting| setting.name).collect();
+    assert_eq!(attribute("key"), names, "{dump}");
+    // Title and description of each, and the entries of size, mode and foveation.
+    let references = |name: &str| dump.matches(&format!(":{name}(")).count();
+    assert_eq!(["title", "description"].map(references), [names.len(); 2], "{dump}");
+    assert_eq!(["entries", "entryValues"].map(references), [3; 2], "{dump}");
 }
 
 #[test]
