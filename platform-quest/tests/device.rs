@@ -337,7 +337,11 @@ fn check_monitor() {
     set_answer("BatteryManager.getIntProperty[4]", "I:12");
     set_answer("BatteryManager.isCharging", "Z:false");
     let monitor = DeviceMonitor::start_polling(device_at_level(30));
-    let expected = DeviceHealth { thermal: ThermalState::Hot, battery_percent: Some(12) };
+    let expected = DeviceHealth {
+        thermal: ThermalState::Hot,
+        battery_percent: Some(12),
+        ..DeviceHealth::default()
+    };
     let begun = Instant::now();
     while monitor.latest() != expected {
         assert!(begun.elapsed() < Duration::from_secs(60), "{:?}", monitor.latest());

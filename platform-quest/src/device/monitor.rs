@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
-use paros_shell::headset::device_health::{DeviceHealth, ThermalState};
+use paros_shell::headset::device_health::{ChargeWatch, DeviceHealth, ThermalState};
 
 use super::{AndroidDevice, Battery, ThermalReading, ThermalStatus};
 
@@ -70,11 +70,13 @@ impl Drop for DeviceMonitor {
 impl MonitorState {
     /// Polls at [`POLL_INTERVAL`] until `stop` is set.
     fn poll_until_stopped(&self) {
+        let mut charge = ChargeWatch::default();
         while !self.stop.load(Ordering::Acquire) {
             match (self.device.read_thermal(), self.device.read_battery()) {
                 (Ok(thermal), Ok(battery)) => {
+                    let drains = charge.observe(battery.percent, battery.charging);
                     let mut latest = self.latest.lock().unwrap_or_else(PoisonError::into_inner);
-                    *latest = assess_health(thermal, battery);
+                    *latest = assess_health(thermal, battery, drains);
                 }
                 (Err(why), _) | (_, Err(why)) => eprintln!("paros-quest: {why}"),
             }
@@ -83,8 +85,12 @@ impl MonitorState {
     }
 }
 
-/// The shell's thermal state and battery charge, by Android's readings.
-fn assess_health(thermal: ThermalReading, battery: Battery) -> DeviceHealth {
+/// The shell's thermal state and battery charge, by Android's readings, of a battery that drains on its charger or not.
+fn assess_health(
+    thermal: ThermalReading,
+    battery: Battery,
+    drains_on_charger: bool,
+) -> DeviceHealth {
     let headroom = thermal.headroom.unwrap_or(0.0);
     let thermal = match thermal.status {
         status if status >= ThermalStatus::Severe || headroom >= HOT_HEADROOM => ThermalState::Hot,
@@ -93,7 +99,9 @@ fn assess_health(thermal: ThermalReading, battery: Battery) -> DeviceHealth {
         }
         _ => ThermalState::Normal,
     };
-    DeviceHealth { thermal, battery_percent: battery.percent.filter(|_| !battery.charging) }
+    let is_draining = !battery.charging || drains_on_charger;
+    let battery_percent = battery.percent.filter(|_| is_draining);
+    DeviceHealth { thermal, battery_percent, drains_on_charger }
 }
 
 #[cfg(test)]
@@ -106,17 +114,21 @@ mod tests {
     #[test]
     fn readings_become_health() {
         let battery = Battery { percent: Some(40), charging: false };
-        let thermal_of =
-            |status, headroom| assess_health(ThermalReading { status, headroom }, battery).thermal;
+        let thermal_of = |status, headroom| {
+            assess_health(ThermalReading { status, headroom }, battery, false).thermal
+        };
         assert_eq!(thermal_of(ThermalStatus::Light, None), ThermalState::Normal);
         assert_eq!(thermal_of(ThermalStatus::Moderate, Some(0.2)), ThermalState::Warm);
         assert_eq!(thermal_of(ThermalStatus::None, Some(0.9)), ThermalState::Warm);
         assert_eq!(thermal_of(ThermalStatus::None, Some(1.0)), ThermalState::Hot);
         assert_eq!(thermal_of(ThermalStatus::Shutdown, None), ThermalState::Hot);
         let cool = ThermalReading { status: ThermalStatus::None, headroom: None };
-        let expected = DeviceHealth { thermal: ThermalState::Normal, battery_percent: Some(40) };
-        assert_eq!(assess_health(cool, battery), expected);
+        let expected = DeviceHealth { battery_percent: Some(40), ..DeviceHealth::default() };
+        assert_eq!(assess_health(cool, battery, false), expected);
         let charging = Battery { charging: true, ..battery };
-        assert_eq!(assess_health(cool, charging).battery_percent, None);
+        assert_eq!(assess_health(cool, charging, false).battery_percent, None);
+        // On a charger that is too weak it is as without one.
+        let weak = DeviceHealth { drains_on_charger: true, ..expected };
+        assert_eq!(assess_health(cool, charging, true), weak);
     }
 }

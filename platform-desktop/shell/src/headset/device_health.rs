@@ -18,8 +18,59 @@ pub enum ThermalState {
 pub struct DeviceHealth {
     /// How hot the device is.
     pub thermal: ThermalState,
-    /// The battery's charge in percent, where it is known and the battery isn't being charged.
+    /// The battery's charge in percent, where it is known and the battery isn't being charged, or drains all the same.
     pub battery_percent: Option<u8>,
+    /// Whether the battery drains though it is being charged: its charger is too weak. See [`ChargeWatch`].
+    pub drains_on_charger: bool,
+}
+
+/// Sees that a battery drains although it is being charged. A device reports that as charging, and a headset is worn
+/// on the cable all day; so the charge itself is followed, from reading to reading.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub enum ChargeWatch {
+    /// It isn't being charged, or its charge is unknown.
+    #[default]
+    Unplugged,
+    /// It is being charged, from this charge on or up to it, in percent.
+    Charging {
+        /// The greatest charge since.
+        highest: u8,
+    },
+    /// It is being charged and drains.
+    Draining {
+        /// The least charge since.
+        lowest: u8,
+    },
+}
+
+/// The fall of the charge, in percent, by which a battery on its charger drains: one might be rounding, or the moment
+/// of plugging in.
+const DRAINED_PERCENT: u8 = 2;
+
+impl ChargeWatch {
+    /// Takes in a reading. Returns whether the battery drains though it is being charged: its charge has fallen by
+    /// 2 percent on the charger and hasn't risen since.
+    pub fn observe(&mut self, percent: Option<u8>, is_charging: bool) -> bool {
+        *self = match (*self, percent.filter(|_| is_charging)) {
+            (_, None) => ChargeWatch::Unplugged,
+            (ChargeWatch::Unplugged, Some(percent)) => ChargeWatch::Charging { highest: percent },
+            (ChargeWatch::Charging { highest }, Some(percent)) => {
+                if percent.saturating_add(DRAINED_PERCENT) <= highest {
+                    ChargeWatch::Draining { lowest: percent }
+                } else {
+                    ChargeWatch::Charging { highest: highest.max(percent) }
+                }
+            }
+            (ChargeWatch::Draining { lowest }, Some(percent)) => {
+                if percent > lowest {
+                    ChargeWatch::Charging { highest: percent }
+                } else {
+                    ChargeWatch::Draining { lowest: percent }
+                }
+            }
+        };
+        matches!(self, ChargeWatch::Draining { .. })
+    }
 }
 
 /// The charge in percent below which there is a warning.
@@ -32,10 +83,13 @@ impl DeviceHealth {
         if self.thermal == ThermalState::Hot && previous.thermal != ThermalState::Hot {
             return Some("the headset is hot");
         }
+        if self.drains_on_charger && !previous.drains_on_charger {
+            return Some("the battery drains on its charger, which is too weak");
+        }
         (self.is_battery_low() && !previous.is_battery_low()).then_some("the battery is low")
     }
 
-    /// Whether the battery is low, and not being charged.
+    /// Whether the battery is low, and not being charged or not enough.
     #[must_use]
     pub fn is_battery_low(self) -> bool {
         self.battery_percent.is_some_and(|percent| percent < LOW_BATTERY)
@@ -44,11 +98,11 @@ impl DeviceHealth {
 
 #[cfg(test)]
 mod tests {
-    use super::{DeviceHealth, ThermalState};
+    use super::{ChargeWatch, DeviceHealth, ThermalState};
 
     #[test]
     fn a_warning_is_given_once() {
-        let fine = DeviceHealth { thermal: ThermalState::Normal, battery_percent: Some(90) };
+        let fine = DeviceHealth { battery_percent: Some(90), ..DeviceHealth::default() };
         let low = DeviceHealth { battery_percent: Some(9), ..fine };
         assert!(low.new_warning(fine).is_some_and(|text| text.contains("battery")));
         assert_eq!(low.new_warning(low), None);
@@ -56,5 +110,58 @@ mod tests {
         assert!(hot.new_warning(low).is_some_and(|text| text.contains("hot")));
         assert_eq!(hot.new_warning(hot), None);
         assert_eq!(fine.new_warning(hot), None);
+    }
+
+    /// The readings after which a battery drains on its charger.
+    fn drains_after(readings: &[(u8, bool)]) -> Vec<bool> {
+        let mut watch = ChargeWatch::default();
+        readings
+            .iter()
+            .map(|(percent, charging)| watch.observe(Some(*percent), *charging))
+            .collect()
+    }
+
+    #[test]
+    fn a_battery_that_falls_on_its_charger_drains_until_it_rises() {
+        let falls = [
+            (50, true),
+            (49, true),
+            (48, true),
+            (48, true),
+            (47, true),
+            (48, true),
+            (47, true),
+            (46, true),
+        ];
+        let expected = [false, false, true, true, true, false, false, true];
+        assert_eq!(drains_after(&falls), expected);
+        // From the highest since it was plugged in.
+        assert_eq!(
+            drains_after(&[(50, true), (53, true), (52, true), (51, true)]),
+            [false, false, false, true]
+        );
+        // Without a charger it only empties.
+        assert_eq!(drains_after(&[(50, false), (40, false), (39, true), (38, true)]), [false; 4]);
+        // Another charger, another try.
+        assert_eq!(
+            drains_after(&[(50, true), (48, true), (48, false), (47, true)]),
+            [false, true, false, false]
+        );
+        assert_eq!(
+            drains_after(&[(1, true), (0, true), (100, true), (98, true)]),
+            [false, false, false, true]
+        );
+        let mut watch = ChargeWatch::Draining { lowest: 40 };
+        assert!(!watch.observe(None, true), "nothing is known");
+    }
+
+    #[test]
+    fn a_weak_charger_is_told_once_and_before_the_battery_is_low() {
+        let fine = DeviceHealth { battery_percent: Some(60), ..DeviceHealth::default() };
+        let drains = DeviceHealth { drains_on_charger: true, ..fine };
+        assert!(drains.new_warning(fine).is_some_and(|text| text.contains("charger")));
+        assert_eq!(drains.new_warning(drains), None);
+        let low = DeviceHealth { battery_percent: Some(9), ..drains };
+        assert!(low.new_warning(drains).is_some_and(|text| text.contains("low")));
     }
 }

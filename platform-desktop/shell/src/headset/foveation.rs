@@ -75,8 +75,11 @@ mod tests {
     use super::FoveationLevel;
     use crate::headset::device_health::{DeviceHealth, ThermalState};
 
-    const FINE: DeviceHealth =
-        DeviceHealth { thermal: ThermalState::Normal, battery_percent: Some(90) };
+    const FINE: DeviceHealth = DeviceHealth {
+        thermal: ThermalState::Normal,
+        battery_percent: Some(90),
+        drains_on_charger: false,
+    };
 
     #[test]
     fn levels_are_named() {
