@@ -313,26 +313,29 @@ fn what_is_wrong_is_told_and_nothing_is_left() {
         path.to_str().expect("UTF-8").to_owned()
     };
     let [settings, lion] = [&given.settings, &given.lion].map(|path| path.to_str().expect("UTF-8"));
+    // With a library that is none: nothing is built for what is taken wrongly.
+    let refused = |arguments: &[&str], why: &str| {
+        fails(&[arguments, &["--library", TEXT]].concat(), 2, why);
+    };
     // The lion's mode without the lion.
-    fails(
+    refused(
         &["--settings", settings],
-        2,
         "zoo.toml:2:8: mode = \"lion\", expected free, creative or one of",
     );
-    fails(&["--settings", "/no/such.toml"], 2, "/no/such.toml: ");
+    refused(&["--settings", "/no/such.toml"], "/no/such.toml: ");
     let wrong = write("wrong.toml", "size = 64\nrate = 90\n");
-    fails(&["--settings", &wrong], 2, "wrong.toml:1:8: size = 64, expected 128 or 256\n");
-    fails(&["--settings", &wrong], 2, "wrong.toml:2:1: rate: there is no such setting");
+    refused(&["--settings", &wrong], "wrong.toml:1:8: size = 64, expected 128 or 256\n");
+    refused(&["--settings", &wrong], "wrong.toml:2:1: rate: there is no such setting");
     let record = write("record.toml", "record = \"a.trace\"");
-    fails(&["--settings", &record, "--figure", lion], 2, "(lion) can't be played");
+    refused(&["--settings", &record, "--figure", lion], "(lion) can't be played");
     let no_mesh = write("bear.obj", "v 0 0 0\nf 1 2 3\n");
-    fails(&["--figure", lion, "--figure", &no_mesh], 2, "bear.obj: ");
-    fails(&["--figure", TEXT], 2, "--figure: Cargo: no name of a figure");
+    refused(&["--figure", lion, "--figure", &no_mesh], "bear.obj: ");
+    refused(&["--figure", TEXT], "--figure: Cargo: no name of a figure");
     let owl = write("owl.obj", "");
-    fails(&["--figure", &owl], 2, "owl: there is one of this name already");
-    fails(&["--figure", lion, "--figure", lion], 2, "lion: there is one of this name already");
+    refused(&["--figure", &owl], "owl: there is one of this name already");
+    refused(&["--figure", lion, "--figure", lion], "lion: there is one of this name already");
     let nine: Vec<_> = (0..9).flat_map(|_| ["--figure", lion]).collect();
-    fails(&nine, 2, "9 figures, expected at most 8");
+    refused(&nine, "9 figures, expected at most 8");
     let nowhere = run_packager(&["-o", "/no/such/folder/x.apk"]);
     assert_eq!(nowhere.status.code(), Some(2), "{}", stderr_text(&nowhere));
 
