@@ -20,6 +20,7 @@ use paros_shell::sizes::GRID_SIDES;
 use paros_shell::statics::Resident;
 use paros_shell::with_size;
 
+use crate::boot_clock;
 use crate::device::{self, AndroidDevice, DeviceMonitor, ManagedEntry};
 use crate::error::Error;
 use crate::options::ShellOptions;
@@ -27,7 +28,6 @@ use crate::platform::{Platform, PlatformStatus};
 use crate::runtime;
 use crate::runtime::{AndroidContext, LinkedCalls, PARTITIONS};
 use crate::shell::run_shell;
-use crate::boot_clock;
 
 #[unsafe(no_mangle)]
 fn android_main(app: AndroidApp) {
