@@ -39,7 +39,7 @@ pub struct Settings {
     pub size: Option<usize>,
     /// How a headset's sessions start.
     pub mode: SessionMode,
-    /// How long a headset must be off for whoever puts it on next to be another visitor.
+    /// How long a headset must be off, asleep or without motion for whoever uses it next to be another visitor.
     pub handover_after: Duration,
     /// The string on which hands draw their bits, in millimetres; 0 for hands that aren't steadied.
     pub steady_mm: u8,

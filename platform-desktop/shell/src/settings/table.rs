@@ -77,8 +77,8 @@ pub static SETTINGS: [Setting; 10] = [
         kind: SettingKind::Whole { least: 1, most: 3600 },
         default: SettingDefault::Whole(DEFAULT_HANDOVER.as_secs() as u32),
         scope: SettingScope::Headset,
-        summary: "For how long the headset must be off for who puts it on next to be another visitor: the \
-            sculpture is finished and kept, and a new session starts.",
+        summary: "For how long the headset must be off, asleep or without motion for who uses it next to be \
+            another visitor: the sculpture is finished and kept, and a new session starts.",
         reason: "who adjusts a strap is back sooner; beyond an hour nobody hands over",
         store: |settings, value| settings.handover_after = seconds(&value),
     },
