@@ -1,6 +1,6 @@
 //! Fixed foveated rendering by OpenXR. Which level is set when is decided in [`paros_shell::headset::foveation`].
 
-pub use paros_shell::headset::foveation::FoveationLevel;
+pub use paros_shell::headset::foveation::{Foveation, FoveationLevel};
 
 /// The OpenXR extensions that foveation needs, all of them.
 pub const FOVEATION_EXTENSIONS: [&str; 4] = [

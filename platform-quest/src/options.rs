@@ -27,7 +27,7 @@ pub struct ShellOptions {
     pub refresh_rate: f32,
     /// Whether depth is submitted to the compositor too; pixels have one sample then.
     pub submit_depth: bool,
-    /// The least foveation level; see [`FoveationLevel::choose`].
+    /// The least foveation level; see [`Foveation::choose`](crate::foveation::Foveation::choose).
     pub foveation: Option<FoveationLevel>,
     /// The render path of the sculpture.
     pub path: RenderPath,

@@ -27,7 +27,7 @@ use paros_shell::studio::{Notice, Studio};
 use paros_shell::studio_paths::StudioPaths;
 
 use crate::error::Error;
-use crate::foveation::FoveationLevel;
+use crate::foveation::Foveation;
 use crate::options::ShellOptions;
 use crate::platform::Platform;
 use crate::session_phase::SessionPhase;
@@ -316,7 +316,8 @@ where
         resources: &mut SessionResources<N>,
         platform: &mut dyn Platform,
     ) -> Result<(), Error> {
-        let wanted = FoveationLevel::choose(self.health, self.options.foveation);
+        let is_integrated = resources.gpu.is_integrated();
+        let wanted = Foveation::choose(self.health, self.options.foveation, is_integrated);
         let world = self.studio.world();
         let in_stroke = (0..2).any(|hand| world.hand_state(hand).trigger);
         if in_stroke || !resources.eyes.needs_foveation(wanted) {

@@ -151,7 +151,6 @@ pub(crate) unsafe extern "system" fn create_profile(
         level.ty == sys::FoveationLevelProfileCreateInfoFB::TYPE
             && level.next.is_null()
             && (0..=3).contains(&level.level.into_raw())
-            && level.dynamic == sys::FoveationDynamicFB::DISABLED
             && level.vertical_offset == 0.0
     });
     let mut state = lock_state();

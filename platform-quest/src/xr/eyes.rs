@@ -10,7 +10,7 @@ use paros_shaders::gpu::{self, Gpu, ImageLayer, RenderTarget, Renderer, TargetFo
 use super::Runtime;
 use super::swapchain::{EyeSwapchain, SwapchainSpec};
 use crate::error::{CallContext, Error};
-use crate::foveation::FoveationLevel;
+use crate::foveation::Foveation;
 
 /// Both eyes' images, and the surface that the renderer draws into.
 pub(crate) struct EyeTargets {
@@ -23,7 +23,7 @@ pub(crate) struct EyeTargets {
     format: vk::Format,
     layout: vk::ImageLayout,
     /// The level that was set last.
-    foveation: Option<FoveationLevel>,
+    foveation: Option<Foveation>,
 }
 
 /// Swapchains without a renderer yet.
@@ -145,23 +145,23 @@ impl EyeTargets {
         Ok(EyeTargets { gpu, surface, color, depth, extent, format, layout, foveation })
     }
 
-    /// Whether a foveation level is to be set: the images have density maps, and the last one was another. Before the
+    /// Whether foveation is to be set: the images have density maps, and the last one was another. Before the
     /// first one the level is the runtime's own, which needn't be NONE.
-    pub(crate) fn needs_foveation(&self, level: FoveationLevel) -> bool {
-        self.color.has_density_maps() && self.foveation != Some(level)
+    pub(crate) fn needs_foveation(&self, wanted: Foveation) -> bool {
+        self.color.has_density_maps() && self.foveation != Some(wanted)
     }
 
-    /// Sets the foveation level of the frames to come. A level that failed is not set again.
+    /// Sets the foveation of the frames to come. One that failed is not set again.
     ///
     /// # Errors
     /// A call that failed.
     pub(crate) fn set_foveation(
         &mut self,
         session: &xr::Session<xr::Vulkan>,
-        level: FoveationLevel,
+        wanted: Foveation,
     ) -> Result<(), Error> {
-        self.foveation = Some(level);
-        self.color.set_foveation(session, level)
+        self.foveation = Some(wanted);
+        self.color.set_foveation(session, wanted)
     }
 
     /// Acquires the next images, and waits for them. Returns the index of the surface's framebuffer to draw into.

@@ -9,7 +9,7 @@ use paros_shaders::gpu::{self, Gpu, TargetFormat};
 use xr::sys::Handle as _;
 
 use crate::error::{CallContext, Error};
-use crate::foveation::FoveationLevel;
+use crate::foveation::{Foveation, FoveationLevel};
 
 /// A swapchain with views of its images.
 pub(crate) struct EyeSwapchain {
@@ -76,7 +76,7 @@ impl EyeSwapchain {
         Ok(image as usize)
     }
 
-    /// Sets the foveation level: the runtime fills the density maps for it. The foveation profile is
+    /// Sets the foveation: the runtime fills the density maps for it. The foveation profile is
     /// destroyed at once, as `xrUpdateSwapchainFB` needs it no longer.
     ///
     /// # Errors
@@ -84,18 +84,21 @@ impl EyeSwapchain {
     pub(super) fn set_foveation(
         &self,
         session: &xr::Session<xr::Vulkan>,
-        level: FoveationLevel,
+        wanted: Foveation,
     ) -> Result<(), Error> {
         let Some(update) = &session.instance().exts().fb_swapchain_update_state else {
             return Ok(());
         };
-        let level = match level {
+        let level = match wanted.level {
             FoveationLevel::Off => xr::FoveationLevelFB::NONE,
             FoveationLevel::Low => xr::FoveationLevelFB::LOW,
             FoveationLevel::Medium => xr::FoveationLevelFB::MEDIUM,
             FoveationLevel::High => xr::FoveationLevelFB::HIGH,
         };
-        let dynamic = xr::FoveationDynamicFB::DISABLED;
+        let dynamic = match wanted.is_dynamic {
+            true => xr::FoveationDynamicFB::LEVEL_ENABLED,
+            false => xr::FoveationDynamicFB::DISABLED,
+        };
         let profile = xr::FoveationLevelProfile { level, vertical_offset: 0.0, dynamic };
         let profile = session.create_foveation_profile(Some(profile));
         let profile = profile.could_not("make a foveation profile")?;

@@ -35,22 +35,6 @@ impl FoveationLevel {
         found.map(|(_, level)| level)
     }
 
-    /// The level for a device's health, and at least the level of a setting: `None` leaves it to the
-    /// health alone, `Off` disables foveation.
-    #[must_use]
-    pub fn choose(health: DeviceHealth, minimum_or_off: Option<FoveationLevel>) -> FoveationLevel {
-        let least = match health.thermal {
-            ThermalState::Hot => FoveationLevel::High,
-            ThermalState::Warm => FoveationLevel::Medium,
-            ThermalState::Normal if health.is_battery_low() => FoveationLevel::Medium,
-            ThermalState::Normal => FoveationLevel::Off,
-        };
-        match minimum_or_off {
-            Some(FoveationLevel::Off) => FoveationLevel::Off,
-            minimum => minimum.unwrap_or_default().max(least),
-        }
-    }
-
     /// The line for the log where a setting asks for foveation and something is missing; none where it
     /// was not asked for.
     #[must_use]
@@ -63,6 +47,48 @@ impl FoveationLevel {
     }
 }
 
+/// What is asked of the runtime.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Foveation {
+    /// The level.
+    pub level: FoveationLevel,
+    /// Whether the runtime may take a lower one while frames are in time.
+    pub is_dynamic: bool,
+}
+
+impl Foveation {
+    /// The foveation for a device's health, and at least the level of a setting: `None` leaves it to the GPU and the
+    /// health, `Off` disables foveation. An integrated GPU, as headsets have, gets MEDIUM at least, dynamic, from the
+    /// first frame on, as Meta recommends: a sculpture that fills the view is near what its texture units do.
+    #[must_use]
+    pub fn choose(
+        health: DeviceHealth,
+        minimum_or_off: Option<FoveationLevel>,
+        is_gpu_integrated: bool,
+    ) -> Self {
+        let least = match health.thermal {
+            ThermalState::Hot => FoveationLevel::High,
+            ThermalState::Warm => FoveationLevel::Medium,
+            ThermalState::Normal if health.is_battery_low() => FoveationLevel::Medium,
+            ThermalState::Normal => FoveationLevel::Off,
+        };
+        let usual = if is_gpu_integrated { FoveationLevel::Medium } else { FoveationLevel::Off };
+        match minimum_or_off {
+            Some(FoveationLevel::Off) => {
+                Foveation { level: FoveationLevel::Off, is_dynamic: false }
+            }
+            Some(minimum) => Foveation { level: minimum.max(least), is_dynamic: false },
+            None => Foveation { level: usual.max(least), is_dynamic: is_gpu_integrated },
+        }
+    }
+}
+
+impl fmt::Display for Foveation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}{}", self.level, if self.is_dynamic { ", dynamic" } else { "" })
+    }
+}
+
 impl fmt::Display for FoveationLevel {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (name, _) = FoveationLevel::NAMES[*self as usize];
@@ -72,7 +98,7 @@ impl fmt::Display for FoveationLevel {
 
 #[cfg(test)]
 mod tests {
-    use super::FoveationLevel;
+    use super::{Foveation, FoveationLevel};
     use crate::headset::device_health::{DeviceHealth, ThermalState};
 
     const FINE: DeviceHealth = DeviceHealth {
@@ -102,8 +128,15 @@ mod tests {
             // One that is being charged has no charge to speak of.
             (DeviceHealth { battery_percent: None, ..FINE }, FoveationLevel::Off),
         ] {
-            assert_eq!(FoveationLevel::choose(health, None), level, "{health:?}");
-            let set = |level| FoveationLevel::choose(health, Some(level));
+            assert_eq!(Foveation::choose(health, None, false).level, level, "{health:?}");
+            let on_headset = Foveation::choose(health, None, true);
+            let usual = level.max(FoveationLevel::Medium);
+            assert_eq!(on_headset, Foveation { level: usual, is_dynamic: true }, "{health:?}");
+            let set = |level| {
+                let chosen = Foveation::choose(health, Some(level), true);
+                assert!(!chosen.is_dynamic, "a level that is set holds");
+                chosen.level
+            };
             assert_eq!(set(FoveationLevel::Off), FoveationLevel::Off, "{health:?}");
             assert_eq!(set(FoveationLevel::Low), level.max(FoveationLevel::Low), "{health:?}");
             assert_eq!(set(FoveationLevel::High), FoveationLevel::High, "{health:?}");

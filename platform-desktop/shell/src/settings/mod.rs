@@ -45,7 +45,7 @@ pub struct Settings {
     pub steady_mm: u8,
     /// The display refresh rate that a headset is asked for, in hertz.
     pub refresh_rate_hz: u32,
-    /// The least foveation level; see [`FoveationLevel::choose`].
+    /// The least foveation level; see [`Foveation::choose`](crate::headset::foveation::Foveation::choose).
     pub foveation: Option<FoveationLevel>,
     /// Whether depth is submitted to the compositor too.
     pub submit_depth: bool,

@@ -107,7 +107,7 @@ pub static SETTINGS: [Setting; 10] = [
         scope: SettingScope::Headset,
         summary: "How coarsely pictures are shaded away from their middle at least. Heat and a low battery raise \
             it, unless it is off.",
-        reason: "auto has none until heat or battery ask for it",
+        reason: "auto is medium on a headset's GPU, and lets the runtime lower that while frames are in time; elsewhere none",
         store: |settings, value| {
             settings.foveation = value.word().and_then(FoveationLevel::from_name);
         },

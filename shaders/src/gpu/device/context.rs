@@ -303,6 +303,12 @@ impl Gpu {
         self.properties().device_type == vk::PhysicalDeviceType::CPU
     }
 
+    /// Whether it shares the processor's memory, as a headset's does.
+    #[must_use]
+    pub fn is_integrated(&self) -> bool {
+        self.properties().device_type == vk::PhysicalDeviceType::INTEGRATED_GPU
+    }
+
     fn properties(&self) -> vk::PhysicalDeviceProperties {
         // SAFETY: the physical device is one of this instance's.
         unsafe { self.instance.raw.get_physical_device_properties(self.physical_device) }
