@@ -212,19 +212,26 @@ fn shade_point(p: vec3<f32>, normal: real3, convexity: real) -> real3 {
     let n = frame.grid_side;
     let voxel = n / (FAST_REFERENCE_SIDE * frame.density_side);
     let facing = dot(normal, real3(frame.sun_in_grid));
-    let above = density_above(p, normal, facing, voxel);
-    var direct = real3(frame.sun_color);
+    // The part of the sunlight that comes from its side, or through the stone.
+    var lit = real(0.0);
     var gloss = real(0.0);
     if facing > real(0.0) {
-        let seen = sun_visibility(p, above, voxel);
-        direct *= facing * seen;
-        gloss = seen * highlight(p, normal, convexity);
+        lit = sun_visibility(p, voxel);
+        gloss = highlight(p, normal, convexity);
     } else {
         // Translucency where the stone is thin towards the sun.
         let through = p + (frame.sun_in_grid * FAST_TRANSLUCENCY_DEPTH - vec3<f32>(normal)) * voxel;
-        let thin = real(1.0) - real(sample_density(through, 2.0));
-        direct *= real3(FAST_TRANSLUCENCY) * (thin * -facing);
+        lit = real(1.0) - real(sample_density(through, 2.0));
     }
+    // Density above the surface, the farther towards the sun the more it faces that: it hides the sky, and what is there
+    // stands in the sun's way as well. After the branch, where fewer registers are held.
+    let lean = FAST_AO_LEAN * f32(max(facing, real(0.0)));
+    let offset = vec3<f32>(normal) * FAST_AO_HEIGHT + frame.sun_in_grid * lean;
+    let above = real(sample_density(p + offset * voxel, 2.0));
+    let clear = lit - lit * real(FAST_SHADOW_OPACITY) * above;
+    gloss *= clear;
+    let shade = real3(FAST_TRANSLUCENCY) * (lit * -facing);
+    let direct = real3(frame.sun_color) * select(shade, real3(facing * clear), facing > real(0.0));
     // Ambient occlusion: the factor of the ambient light.
     let open = real(FAST_AO_SCALE) - real(FAST_AO_SCALE) * min(above, real(FAST_AO_MAX_DENSITY));
     let around = ambient_over_pi(normal) * open;
@@ -260,23 +267,16 @@ fn highlight(p: vec3<f32>, normal: real3, convexity: real) -> real {
     return lobe + max(crystal - real(FAST_SPARKLE.x), real(0.0)) * (sparkle * near * near);
 }
 
-// Density above the surface, the farther towards the sun the more it faces that: it hides the sky, and what is there
-// stands in the sun's way as well.
-fn density_above(p: vec3<f32>, normal: real3, facing: real, voxel: f32) -> real {
-    let lean = FAST_AO_LEAN * f32(max(facing, real(0.0)));
-    let offset = vec3<f32>(normal) * FAST_AO_HEIGHT + frame.sun_in_grid * lean;
-    return real(sample_density(p + offset * voxel, 2.0));
-}
-
-// Soft shadow by cone tracing: three samples towards the sun, each farther and of a coarser mip
-// level, of which the middle one is that above the surface; times the shadow map's visibility outside the box.
-fn sun_visibility(p: vec3<f32>, above: real, voxel: f32) -> real {
-    let distances = FAST_SHADOW_DISTANCES * voxel;
-    let near = real(sample_density(p + frame.sun_in_grid * distances.x, 1.0));
-    let far = real(sample_density(p + frame.sun_in_grid * distances.y, 3.0));
-    let lets_through = real3(1.0) - real(FAST_SHADOW_OPACITY) * real3(near, above, far);
+// Soft shadow by cone tracing: two of three samples towards the sun, each farther and of a coarser mip level; the
+// middle one is that above the surface. Times the shadow map's visibility outside the box.
+fn sun_visibility(p: vec3<f32>, voxel: f32) -> real {
+    var seen = real(1.0);
+    let near = real(sample_density(p + frame.sun_in_grid * (FAST_SHADOW_DISTANCES.x * voxel), 1.0));
+    seen -= seen * real(FAST_SHADOW_OPACITY) * near;
+    let far = real(sample_density(p + frame.sun_in_grid * (FAST_SHADOW_DISTANCES.y * voxel), 3.0));
+    seen -= seen * real(FAST_SHADOW_OPACITY) * far;
     let grid = (p - 0.5) * frame.density_side + 0.5 * frame.grid_side;
-    return lets_through.x * lets_through.y * lets_through.z * real(shadow::visibility_beyond_box(grid));
+    return seen * real(shadow::visibility_beyond_box(grid));
 }
 
 // `light::ambient_over_pi` in this precision.
