@@ -131,10 +131,15 @@ mod tests {
     };
     use crate::figures::Figure;
 
+    /// On the heap, one at a time: several are more than a test's stack.
+    #[inline(never)]
+    fn new_store() -> Box<StartVolumeStore<64, INTERVALS>> {
+        Box::new(const { StartVolumeStore::new() })
+    }
+
     #[test]
     fn own_figures_follow_the_others_and_one_that_is_damaged_leaves_none() {
-        let [mut taken, mut made] =
-            [const { StartVolumeStore::<64, INTERVALS>::new() }; 2].map(Box::new);
+        let [mut taken, mut made] = [(); 2].map(|()| new_store());
         made.generate_once(&mut BitGrid::new(), |_| {});
         let [cat, lump] =
             [Figure::Cat, Figure::Lump].map(|figure| rmap::encode(made.figure(figure)));
@@ -169,8 +174,7 @@ mod tests {
 
     #[test]
     fn packaged_volumes_are_the_ones_that_would_be_made() {
-        let [mut made, mut taken, mut broken] =
-            [const { StartVolumeStore::<64, INTERVALS>::new() }; 3].map(Box::new);
+        let [mut made, mut taken, mut broken] = [(); 3].map(|()| new_store());
         made.generate_once(&mut BitGrid::new(), |_| {});
         let made = &made;
         let bytes_of = |name: &str| {
