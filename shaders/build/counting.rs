@@ -68,33 +68,19 @@ impl Counters {
                 Statement::Emit(range) => range.clone().filter(|&e| is_fetch(function, e)).count(),
                 _ => 0,
             };
-            let inner =
-                |function: &mut Function, block| self.instrument_block(function, block, is_march);
+            let mut inner = |block| self.instrument_block(function, block, is_march);
             let statement = match statement {
-                Statement::Block(block) => Statement::Block(inner(function, block)),
-                Statement::If { condition, accept, reject } => Statement::If {
-                    condition,
-                    accept: inner(function, accept),
-                    reject: inner(function, reject),
-                },
-                Statement::Switch { selector, mut cases } => {
-                    for case in &mut cases {
-                        case.body = inner(function, std::mem::take(&mut case.body));
-                    }
-                    Statement::Switch { selector, cases }
-                }
                 Statement::Loop { body, continuing, break_if } => {
                     let turn = (is_march && !has_loop(&body)).then(|| length_of_condition(&body));
-                    let mut body = inner(function, body);
+                    let (mut body, mut counted) = (inner(body), Block::new());
                     if let Some(at) = turn {
-                        let mut counted = Block::new();
                         add(function, &mut counted, self.turns, 1);
                         body.splice(at..at, counted);
                     }
-                    let continuing = inner(function, continuing);
+                    let continuing = self.instrument_block(function, continuing, is_march);
                     Statement::Loop { body, continuing, break_if }
                 }
-                other => other,
+                other => map_blocks(other, inner),
             };
             out.push(statement, span);
             if count > 0 {
@@ -115,18 +101,7 @@ impl Counters {
     fn replace_returns(self, function: &mut Function, block: Block, result: Handle<Type>) -> Block {
         let mut out = Block::new();
         for (statement, span) in block.span_into_iter() {
-            let inner =
-                |function: &mut Function, block| self.replace_returns(function, block, result);
             let statement = match statement {
-                Statement::Block(block) => Statement::Block(inner(function, block)),
-                Statement::If { condition, accept, reject } => Statement::If {
-                    condition,
-                    accept: inner(function, accept),
-                    reject: inner(function, reject),
-                },
-                Statement::Loop { body, continuing, break_if } => {
-                    Statement::Loop { body: inner(function, body), continuing, break_if }
-                }
                 Statement::Return { value: Some(value) } => {
                     let depth =
                         emit(function, &mut out, Expression::AccessIndex { base: value, index: 1 });
@@ -136,7 +111,7 @@ impl Counters {
                     let depth = literal(function, Literal::F32(0.0));
                     self.return_statement(function, &mut out, result, (0.0, depth))
                 }
-                other => other,
+                other => map_blocks(other, |block| self.replace_returns(function, block, result)),
             };
             out.push(statement, span);
         }
@@ -166,6 +141,26 @@ impl Counters {
         let color = emit(function, block, Expression::Compose { ty: self.float4, components });
         let both = Expression::Compose { ty: result, components: vec![color, depth] };
         Statement::Return { value: Some(emit(function, block, both)) }
+    }
+}
+
+/// A statement with each block within it replaced.
+fn map_blocks(statement: Statement, mut map: impl FnMut(Block) -> Block) -> Statement {
+    match statement {
+        Statement::Block(block) => Statement::Block(map(block)),
+        Statement::If { condition, accept, reject } => {
+            Statement::If { condition, accept: map(accept), reject: map(reject) }
+        }
+        Statement::Switch { selector, mut cases } => {
+            for case in &mut cases {
+                case.body = map(std::mem::take(&mut case.body));
+            }
+            Statement::Switch { selector, cases }
+        }
+        Statement::Loop { body, continuing, break_if } => {
+            Statement::Loop { body: map(body), continuing: map(continuing), break_if }
+        }
+        other => other,
     }
 }
 
