@@ -80,7 +80,7 @@ impl<const K: usize> StepModel<K> {
             true => (wanted.position - state.raw_pose.position).length(),
             false => 0.0,
         };
-        let speed_um = (voxels_moved * voxel_metres * 1e6).min(1e6) as u32;
+        let speed_um = (voxels_moved * (voxel_metres * 1e6)).min(1e6) as u32;
         state.raw_pose = wanted;
         let dropped_ticks = self.note_way(hand, bit, presses.pulled);
         let runs = self.runs_tool(hand);
