@@ -54,6 +54,13 @@ pub struct HeadsetArgs {
     /// low battery raise it, unless it is off; without it, or by auto, there is none until they do.
     #[arg(long, value_name = "LEVEL", value_parser = check_setting("foveation"))]
     pub foveation: Option<String>,
+    /// How much of the sides of the recommended pictures is drawn at least while frames would be late otherwise, in
+    /// hundredths from 85 on.
+    #[arg(long, value_name = "PERCENT", value_parser = check_setting("least_resolution_percent"))]
+    pub least_resolution: Option<String>,
+    /// Samples of a pixel, 2 or 4.
+    #[arg(long, value_parser = check_setting("samples"))]
+    pub samples: Option<String>,
     /// Take commands from standard input, for tests.
     #[arg(long, hide = true)]
     pub script: bool,
@@ -108,6 +115,8 @@ impl HeadsetArgs {
             ("handover_seconds", &self.handover),
             ("steady_mm", &self.steady),
             ("refresh_rate_hz", &self.rate),
+            ("least_resolution_percent", &self.least_resolution),
+            ("samples", &self.samples),
             ("submit_depth", &depth),
             ("foveation", &self.foveation),
         ];

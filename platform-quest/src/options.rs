@@ -29,6 +29,10 @@ pub struct ShellOptions {
     pub submit_depth: bool,
     /// The least foveation level; see [`Foveation::choose`](crate::foveation::Foveation::choose).
     pub foveation: Option<FoveationLevel>,
+    /// The least part of a picture's sides that is drawn, in hundredths.
+    pub least_resolution_percent: u32,
+    /// Samples of a pixel, 2 or 4.
+    pub samples: u32,
     /// The render path of the sculpture.
     pub path: RenderPath,
     /// Whether commands are read from standard input, for tests.
@@ -50,6 +54,8 @@ impl ShellOptions {
             refresh_rate: settings.refresh_rate_hz as f32,
             submit_depth: settings.submit_depth,
             foveation: settings.foveation,
+            least_resolution_percent: settings.least_resolution_percent,
+            samples: settings.samples,
             path: RenderPath::Fast,
             test_commands: false,
             validation: false,

@@ -65,7 +65,8 @@ where
             platform.log(format_args!("{} {floor}", runtime.name));
         }
         let with_depth = options.submit_depth && runtime.extensions.khr_composition_layer_depth;
-        let mut format = EyeTargets::choose_format(&session.raw, &gpu, with_depth)?;
+        let mut format =
+            EyeTargets::choose_format(&session.raw, &gpu, with_depth, options.samples)?;
         let images =
             EyeImages::create(&runtime, &session.raw, &gpu, &format, options.test_commands)?;
         format.density_map = images.have_density_maps();

@@ -19,6 +19,7 @@ use paros_shell::headset::frame_pacer::FramePacer;
 use paros_shell::headset::hand_reader::HandReader;
 use paros_shell::headset::haptics::FrameHaptics;
 use paros_shell::headset::recentering::PendingRecentering;
+use paros_shell::headset::resolution::ResolutionPolicy;
 use paros_shell::headset::room_placement::RoomPlacement;
 use paros_shell::headset::visit::{BootId, VisitPolicy};
 use paros_shell::statics::{Resident, ResidentBitGrid};
@@ -69,6 +70,7 @@ where
     /// The room was moved after the last tick.
     has_room_moved: bool,
     haptics: FrameHaptics,
+    resolution: ResolutionPolicy,
     /// The thermal state that the runtime notified; the operating system may report a hotter one.
     runtime_thermal: ThermalState,
     health: DeviceHealth,
@@ -168,6 +170,7 @@ where
             placement: RoomPlacement::default(),
             has_room_moved: false,
             haptics: FrameHaptics::default(),
+            resolution: ResolutionPolicy::new(options.least_resolution_percent),
             runtime_thermal: ThermalState::default(),
             health: DeviceHealth::default(),
             tick_fraction: 0.0,

@@ -8,7 +8,7 @@ use sys::{Result as Status, pfn};
 
 use super::chain::call_next;
 use super::folder::{layer_folder, log_line};
-use super::{actions, events, formats, foveation, hands, spaces, threads};
+use super::{actions, events, formats, foveation, hands, resolution, spaces, threads};
 
 /// Where a session and its frame stand.
 struct FrameLoopState {
@@ -55,6 +55,8 @@ pub(crate) fn find_hook(name: &str) -> Option<pfn::VoidFunction> {
         "xrWaitFrame": WaitFrame = wait_frame,
         "xrBeginFrame": BeginFrame = begin_frame,
         "xrEndFrame": EndFrame = end_frame,
+        "xrGetRecommendedLayerResolutionMETA": GetRecommendedLayerResolutionMETA =
+            resolution::get_recommended_resolution,
         "xrCreateSwapchain": CreateSwapchain = create_swapchain,
         "xrAcquireSwapchainImage": AcquireSwapchainImage = acquire_image,
         "xrReleaseSwapchainImage": ReleaseSwapchainImage = release_image,
@@ -203,6 +205,7 @@ unsafe extern "system" fn end_frame(
             for eye in 0..2 {
                 let view = &*layer.views.add(eye);
                 let image = view.sub_image;
+                resolution::note_submitted(image.image_rect);
                 update_and_check("a view", |_| {
                     let extent = image.image_rect.extent;
                     view.ty == sys::CompositionLayerProjectionView::TYPE

@@ -23,6 +23,7 @@ mod formats;
 mod foveation;
 mod hands;
 mod refusals;
+mod resolution;
 mod spaces;
 mod threads;
 mod vulkan;
@@ -35,7 +36,7 @@ use sys::{Result as Status, pfn};
 use folder::log_line;
 
 /// The extensions that the layer implements itself, as its manifest says.
-const OWN_EXTENSIONS: [&CStr; 9] = [
+const OWN_EXTENSIONS: [&CStr; 10] = [
     c"XR_EXT_hand_interaction",
     c"XR_EXT_performance_settings",
     c"XR_EXT_user_presence",
@@ -44,6 +45,7 @@ const OWN_EXTENSIONS: [&CStr; 9] = [
     c"XR_FB_foveation_vulkan",
     c"XR_FB_swapchain_update_state",
     c"XR_KHR_android_thread_settings",
+    c"XR_META_recommended_layer_resolution",
     c"XR_META_touch_controller_plus",
 ];
 

@@ -83,6 +83,7 @@ where
                     platform.log(format_args!("{refusal}"));
                 }
                 self.pacer.pause();
+                self.resolution.pause();
             }
             Some(SessionDuty::Save) => self.save_studio_and_wait(),
             Some(SessionDuty::SaveAndEnd) => {
@@ -115,7 +116,7 @@ where
             out,
             "life {phase}; session {:?}; mode {:?}; voxels {}; holds {held:?}; tracked {tracked:?}; \
              sources {sources:?}; undo {undo}; redo {redo}; ticks {}; frames {}; dropped {}; digest {:016x}; \
-             room {:.3} {:.4} {:.4}; device {}; runtime {}; note {}",
+             room {:.3} {:.4} {:.4}; drawn {:?}; device {}; runtime {}; note {}",
             world.session_state(),
             world.mode(),
             world.volume().count_voxels(),
@@ -126,6 +127,7 @@ where
             room.yaw,
             room.origin.x,
             room.origin.y,
+            resources.eyes.surface.drawn_extent(),
             resources.gpu.name,
             resources.runtime.name,
             self.last_note,

@@ -1,6 +1,7 @@
 //! A frame: wait, begin, ticks, drawing for both eyes, end.
 
 use std::path::Path;
+use std::time::Duration;
 
 use openxr as xr;
 use paros_core::limits::INTERVALS;
@@ -16,7 +17,7 @@ use super::HeadsetShell;
 use crate::error::{CallContext, Error};
 use crate::platform::Platform;
 use crate::session_resources::SessionResources;
-use crate::xr::{FrameCapture, HeadsetSession};
+use crate::xr::FrameCapture;
 
 impl<const N: usize> HeadsetShell<'_, N>
 where
@@ -35,7 +36,10 @@ where
         self.run_ticks(resources, display_time, platform)?;
         self.frames += 1;
         if frame.should_render {
-            return self.draw_frame(resources, display_time);
+            let period = Duration::from_nanos(
+                frame.predicted_display_period.as_nanos().max(0).cast_unsigned(),
+            );
+            return self.draw_frame(resources, display_time, period, platform);
         }
         let blend_mode = resources.runtime.blend_mode;
         resources.session.stream.end(display_time, blend_mode, &[]).could_not("end an empty frame")
@@ -46,9 +50,17 @@ where
         &mut self,
         resources: &mut SessionResources<N>,
         display_time: xr::Time,
+        period: Duration,
+        platform: &mut dyn Platform,
     ) -> Result<(), Error> {
         let world = self.studio.world();
         resources.show.wait_and_begin_frame(world)?;
+        if self.resolution.observe_frame(resources.show.renderer.gpu_frame_times().total_ns, period)
+        {
+            let percent = self.resolution.percent();
+            platform.log(format_args!("pictures of {percent} % a side, by the GPU's times"));
+        }
+        resources.eyes.choose_drawn_extent(&self.resolution);
         let framebuffer = resources.eyes.acquire_framebuffer()?;
         let hands = self.phase.has_focus();
         let session = &resources.session;
@@ -87,8 +99,12 @@ where
         }
         resources.eyes.release_images()?;
         let blend_mode = resources.runtime.blend_mode;
-        let HeadsetSession { stream, room, .. } = &mut resources.session;
-        resources.eyes.end_frame(stream, display_time, blend_mode, room, &[left.view, right.view])
+        resources.eyes.end_frame(
+            &mut resources.session,
+            display_time,
+            blend_mode,
+            &[left.view, right.view],
+        )
     }
 }
 

@@ -6,9 +6,10 @@ use std::sync::Arc;
 use ash::vk;
 use openxr as xr;
 use paros_shaders::gpu::{self, Gpu, ImageLayer, RenderTarget, Renderer, TargetFormat, read_layer};
+use paros_shell::headset::resolution::ResolutionPolicy;
 
-use super::Runtime;
 use super::swapchain::{EyeSwapchain, SwapchainSpec};
+use super::{HeadsetSession, Runtime};
 use crate::error::{CallContext, Error};
 use crate::foveation::Foveation;
 
@@ -24,6 +25,8 @@ pub(crate) struct EyeTargets {
     layout: vk::ImageLayout,
     /// The level that was set last.
     foveation: Option<Foveation>,
+    /// The pixels that the runtime recommends for the next frame, where it does.
+    recommended: Option<[u32; 2]>,
 }
 
 /// Swapchains without a renderer yet.
@@ -96,6 +99,7 @@ impl EyeTargets {
         session: &xr::Session<xr::Vulkan>,
         gpu: &Gpu,
         with_depth: bool,
+        samples: u32,
     ) -> Result<TargetFormat, Error> {
         let formats = session.enumerate_swapchain_formats().could_not("list image formats")?;
         let has = |format: vk::Format| formats.contains(&format.as_raw().cast_unsigned());
@@ -109,7 +113,11 @@ impl EyeTargets {
         let keep_depth = with_depth && has(TargetFormat::choose_depth(gpu));
         Ok(TargetFormat {
             color,
-            samples: if keep_depth { 1 } else { 4 },
+            samples: match keep_depth {
+                true => 1,
+                false if TargetFormat::has_samples(gpu, samples) => samples,
+                false => 4,
+            },
             views: 2,
             final_layout: vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL,
             keep_depth,
@@ -141,8 +149,18 @@ impl EyeTargets {
             )?,
         };
         let (gpu, format, layout) = (color.gpu.clone(), format.color, format.final_layout);
-        let foveation = None;
-        Ok(EyeTargets { gpu, surface, color, depth, extent, format, layout, foveation })
+        let (foveation, recommended) = (None, None);
+        Ok(EyeTargets {
+            gpu,
+            surface,
+            color,
+            depth,
+            extent,
+            format,
+            layout,
+            foveation,
+            recommended,
+        })
     }
 
     /// Whether foveation is to be set: the images have density maps, and the last one was another. Before the
@@ -162,6 +180,11 @@ impl EyeTargets {
     ) -> Result<(), Error> {
         self.foveation = Some(wanted);
         self.color.set_foveation(session, wanted)
+    }
+
+    /// Has so much of the images drawn from the next frame on as a policy or the runtime says.
+    pub(crate) fn choose_drawn_extent(&mut self, policy: &ResolutionPolicy) {
+        self.surface.set_drawn_extent(policy.drawn_extent(self.extent, self.recommended));
     }
 
     /// Acquires the next images, and waits for them. Returns the index of the surface's framebuffer to draw into.
@@ -188,7 +211,7 @@ impl EyeTargets {
         }
     }
 
-    /// Reads back the image that was drawn last, before it is released.
+    /// Reads back what was drawn of the last image, before it is released.
     ///
     /// # Errors
     /// A lost device.
@@ -196,25 +219,28 @@ impl EyeTargets {
         let raw = self.color.images[framebuffer % self.color.images.len()];
         let (format, extent, layout) = (self.format, self.extent, self.layout);
         let blue_first = format == vk::Format::B8G8R8A8_SRGB;
+        let drawn = self.surface.drawn_extent();
+        let [row, width, height] = [extent[0], drawn[0], drawn[1]].map(|pixels| pixels as usize);
         let eye = |number| -> Result<Vec<u8>, gpu::Error> {
             let bytes =
                 read_layer(&self.gpu, &ImageLayer { raw, format, extent, layout, index: number })?;
             let rgb = |p: &[u8]| if blue_first { [p[2], p[1], p[0]] } else { [p[0], p[1], p[2]] };
-            Ok(bytes.chunks_exact(4).flat_map(rgb).collect())
+            let rows = bytes.chunks_exact(4 * row).take(height);
+            let pixels = rows.flat_map(|row| row[..4 * width].chunks_exact(4));
+            Ok(pixels.flat_map(rgb).collect())
         };
-        Ok(FrameCapture { extent, eyes: [eye(0)?, eye(1)?] })
+        Ok(FrameCapture { extent: drawn, eyes: [eye(0)?, eye(1)?] })
     }
 
-    /// Ends a frame with a projection layer of these views.
+    /// Ends a frame with a projection layer of these views, and asks how many pixels the next one should have.
     ///
     /// # Errors
     /// A lost session.
     pub(crate) fn end_frame(
-        &self,
-        stream: &mut xr::FrameStream<xr::Vulkan>,
+        &mut self,
+        session: &mut HeadsetSession,
         display_time: xr::Time,
         blend_mode: xr::EnvironmentBlendMode,
-        room: &xr::Space,
         views: &[xr::sys::View; 2],
     ) -> Result<(), Error> {
         let depths = self.depth.as_ref().map(|depth| [0, 1].map(|eye| self.depth_info(depth, eye)));
@@ -232,12 +258,16 @@ impl EyeTargets {
             // SAFETY: the swapchains and what `next` points to live until the frame's end.
             unsafe { xr::CompositionLayerProjectionView::from_raw(raw) }
         });
+        let HeadsetSession { stream, room, raw, .. } = session;
         let layer = xr::CompositionLayerProjection::new().space(room).views(&views);
-        stream.end(display_time, blend_mode, &[&layer]).could_not("end a frame")
+        stream.end(display_time, blend_mode, &[&layer]).could_not("end a frame")?;
+        let recommended = recommended_extent(raw, &layer, display_time);
+        self.recommended = recommended;
+        Ok(())
     }
 
     fn sub_image(&self, swapchain: &EyeSwapchain, eye: usize) -> xr::sys::SwapchainSubImage {
-        let [width, height] = self.extent.map(u32::cast_signed);
+        let [width, height] = self.surface.drawn_extent().map(u32::cast_signed);
         xr::sys::SwapchainSubImage {
             swapchain: swapchain.handle.as_raw(),
             image_rect: xr::Rect2Di {
@@ -265,4 +295,34 @@ impl EyeTargets {
             far_z: near,
         }
     }
+}
+
+/// The pixels that the runtime recommends for the next frame's layer (`XR_META_recommended_layer_resolution`); none
+/// where it has no such extension, or no recommendation at the time.
+fn recommended_extent(
+    session: &xr::Session<xr::Vulkan>,
+    layer: &xr::CompositionLayerProjection<'_, xr::Vulkan>,
+    display_time: xr::Time,
+) -> Option<[u32; 2]> {
+    let functions = session.instance().exts().meta_recommended_layer_resolution.as_ref()?;
+    let info = xr::sys::RecommendedLayerResolutionGetInfoMETA {
+        ty: xr::sys::RecommendedLayerResolutionGetInfoMETA::TYPE,
+        next: core::ptr::null(),
+        layer: core::ptr::from_ref(layer.as_raw()).cast(),
+        predicted_display_time: display_time,
+    };
+    let mut told = xr::sys::RecommendedLayerResolutionMETA {
+        ty: xr::sys::RecommendedLayerResolutionMETA::TYPE,
+        next: core::ptr::null_mut(),
+        recommended_image_dimensions: xr::Extent2Di::default(),
+        is_valid: xr::sys::FALSE,
+    };
+    // SAFETY: the session is alive, the layer and what it points to live until the call returns, and there is room
+    // for the answer.
+    let result =
+        unsafe { (functions.get_recommended_layer_resolution)(session.as_raw(), &info, &mut told) };
+    let is_told = result == xr::sys::Result::SUCCESS && told.is_valid == xr::sys::TRUE;
+    let xr::Extent2Di { width, height } = told.recommended_image_dimensions;
+    let pixels = [width, height].map(|pixels| u32::try_from(pixels).unwrap_or(0));
+    (is_told && pixels.iter().all(|pixels| *pixels > 0)).then_some(pixels)
 }

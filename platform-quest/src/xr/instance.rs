@@ -179,6 +179,7 @@ fn wanted_extensions(options: &ShellOptions) -> xr::ExtensionSet {
     wanted.fb_display_refresh_rate = true;
     wanted.fb_touch_controller_pro = true;
     wanted.meta_touch_controller_plus = true;
+    wanted.meta_recommended_layer_resolution = true;
     if options.foveation != Some(FoveationLevel::Off) {
         wanted.fb_foveation = true;
         wanted.fb_foveation_configuration = true;

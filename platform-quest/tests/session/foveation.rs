@@ -103,6 +103,6 @@ fn what_is_asked_for_and_missing_is_told_in_a_line() {
     // Left off, it is not even asked of a runtime that has it.
     let asked = read_log(&monado);
     assert_eq!(told(monado.start_layered_shell(&layer, &["--foveation", "off"])), "");
-    assert!(read_log(&monado)[asked.len()..].contains("own extensions 5\n"));
+    assert!(read_log(&monado)[asked.len()..].contains("own extensions 6\n"));
     assert_eq!(logged_levels(&monado), [""; 0]);
 }

@@ -13,6 +13,7 @@ mod layered;
 mod monado;
 mod placement;
 mod refusals;
+mod resolution;
 mod sleep;
 
 use std::fs;

@@ -1,4 +1,4 @@
-//! Policies of the headset that need no device: when ticks are due, what hands are read from, feel and do, who
+//! Policies of the headset that need no device: when ticks are due, what hands are read from, feel and do, how much is drawn, who
 //! wears the headset, how hot it is, and what the app's package holds.
 //! They take plain numbers and times, as a runtime or a device tells them, and give inputs and decisions.
 //! They know neither OpenXR nor Android.
@@ -11,5 +11,6 @@ pub mod hand_sample;
 pub mod haptics;
 pub mod package;
 pub mod recentering;
+pub mod resolution;
 pub mod room_placement;
 pub mod visit;

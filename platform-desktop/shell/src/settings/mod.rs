@@ -47,6 +47,10 @@ pub struct Settings {
     pub refresh_rate_hz: u32,
     /// The least foveation level; see [`Foveation::choose`](crate::headset::foveation::Foveation::choose).
     pub foveation: Option<FoveationLevel>,
+    /// The least part of a picture's sides that is drawn, in hundredths.
+    pub least_resolution_percent: u32,
+    /// Samples of a pixel, 2 or 4.
+    pub samples: u32,
     /// Whether depth is submitted to the compositor too.
     pub submit_depth: bool,
     /// Where the last session's trace goes.

@@ -10,6 +10,7 @@ use paros_core::session::TICK_RATE;
 use super::Settings;
 use super::value::{SettingDefault, SettingKind, SettingValue};
 use crate::headset::foveation::FoveationLevel;
+use crate::headset::resolution::LEAST_PERCENT;
 use crate::headset::visit::DEFAULT_HANDOVER;
 use crate::sizes::GRID_SIDES;
 
@@ -47,7 +48,7 @@ pub struct Setting {
 const FOVEATION_WORDS: [&str; 5] = ["auto", "off", "low", "medium", "high"];
 
 /// All settings.
-pub static SETTINGS: [Setting; 10] = [
+pub static SETTINGS: [Setting; 12] = [
     Setting {
         name: "size",
         kind: SettingKind::Numbers(&GRID_SIDES_U32),
@@ -111,6 +112,27 @@ pub static SETTINGS: [Setting; 10] = [
         store: |settings, value| {
             settings.foveation = value.word().and_then(FoveationLevel::from_name);
         },
+    },
+    Setting {
+        name: "least_resolution_percent",
+        kind: SettingKind::Whole { least: LEAST_PERCENT, most: 100 },
+        default: SettingDefault::Whole(LEAST_PERCENT),
+        scope: SettingScope::Headset,
+        summary: "How much of the sides of the recommended pictures is drawn at least while frames would be late \
+            otherwise.",
+        reason: "below 85 edges are seen to swim, says Meta; 100 draws all of them always",
+        store: |settings, value| {
+            settings.least_resolution_percent = value.number().unwrap_or(LEAST_PERCENT);
+        },
+    },
+    Setting {
+        name: "samples",
+        kind: SettingKind::Numbers(&[2, 4]),
+        default: SettingDefault::Whole(4),
+        scope: SettingScope::Headset,
+        summary: "Samples of a pixel along edges; four where a GPU hasn't two.",
+        reason: "four are the smoother ones, and cost a headset little as it draws in tiles",
+        store: |settings, value| settings.samples = value.number().unwrap_or(4),
     },
     Setting {
         name: "submit_depth",
@@ -189,6 +211,8 @@ pub(super) const fn unset_settings() -> Settings {
         steady_mm: 0,
         refresh_rate_hz: 0,
         foveation: None,
+        least_resolution_percent: 0,
+        samples: 0,
         submit_depth: false,
         record: None::<PathBuf>,
         kiosk: false,

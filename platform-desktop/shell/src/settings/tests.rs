@@ -21,6 +21,8 @@ fn the_defaults_are_those_that_hold_without_a_file() {
         steady_mm: 0,
         refresh_rate_hz: 72,
         foveation: None,
+        least_resolution_percent: 85,
+        samples: 4,
         submit_depth: false,
         record: None,
         kiosk: false,
@@ -35,7 +37,7 @@ fn the_defaults_are_those_that_hold_without_a_file() {
 #[test]
 fn every_setting_has_a_place_of_its_own() {
     let text = "size = 256\nmode = \"cat\"\nhandover_seconds = 120\nsteady_mm = 20\n\
-        refresh_rate_hz = 90\nfoveation = \"medium\"\nsubmit_depth = true\nrecord = \"a\"\n\
+        refresh_rate_hz = 90\nfoveation = \"medium\"\nleast_resolution_percent = 90\nsamples = 2\nsubmit_depth = true\nrecord = \"a\"\n\
         kiosk = true\nkiosk_seconds = 60\n";
     assert_eq!(text.lines().count(), SETTINGS.len());
     let expected = Settings {
@@ -45,6 +47,8 @@ fn every_setting_has_a_place_of_its_own() {
         steady_mm: 20,
         refresh_rate_hz: 90,
         foveation: Some(FoveationLevel::Medium),
+        least_resolution_percent: 90,
+        samples: 2,
         submit_depth: true,
         record: Some("a".into()),
         kiosk: true,

@@ -164,6 +164,7 @@ impl MonadoService {
             {{"name": "XR_FB_foveation_vulkan", "extension_version": "1"}},
             {{"name": "XR_FB_swapchain_update_state", "extension_version": "3"}},
             {{"name": "XR_KHR_android_thread_settings", "extension_version": "6"}},
+            {{"name": "XR_META_recommended_layer_resolution", "extension_version": "1"}},
             {{"name": "XR_META_touch_controller_plus", "extension_version": "1"}}]}}}}"#,
             layer.display()
         );
@@ -199,6 +200,10 @@ impl MonadoService {
         if !args.contains(&"--handover") {
             // The driver's head and hands are still between a test's steps, for as long as the machine is slow.
             command.args(["--handover", "600"]);
+        }
+        if !args.contains(&"--least-resolution") {
+            // Nor is any software device fast enough for pictures of the full size.
+            command.args(["--least-resolution", "100"]);
         }
         let layers = self.folder.join("layers");
         fs::create_dir_all(&layers).expect("a folder");

@@ -9,7 +9,7 @@ use super::context::Gpu;
 pub struct TargetFormat {
     /// Colour format; an sRGB one, as the programs output linear light.
     pub color: vk::Format,
-    /// Samples per pixel, 1 or 4; several are resolved within the pass, into the shell's image of one.
+    /// Samples per pixel, 1, 2 or 4, of those that [`TargetFormat::has_samples`]; several are resolved within the pass, into the shell's image of one.
     pub samples: u32,
     /// Multiview: layers of an image, one for each eye, 1 or 2.
     pub views: u32,
@@ -47,12 +47,31 @@ impl TargetFormat {
         formats.into_iter().find(has).unwrap_or(vk::Format::D16_UNORM)
     }
 
+    /// Whether a device draws so many samples a pixel: 1 and 4 each does, 2 most do.
+    #[must_use]
+    pub fn has_samples(gpu: &Gpu, samples: u32) -> bool {
+        // SAFETY: the physical device is one of this instance's.
+        let properties =
+            unsafe { gpu.instance.raw.get_physical_device_properties(gpu.physical_device) };
+        let limits = properties.limits;
+        let both = limits.framebuffer_color_sample_counts & limits.framebuffer_depth_sample_counts;
+        both.contains(sample_count(samples))
+    }
+
     pub(crate) const fn sample_count(&self) -> vk::SampleCountFlags {
-        if self.samples == 4 { vk::SampleCountFlags::TYPE_4 } else { vk::SampleCountFlags::TYPE_1 }
+        sample_count(self.samples)
     }
 
     /// View mask: one bit for each view.
     pub(crate) const fn multiview_mask(&self) -> u32 {
         (1 << self.views) - 1
+    }
+}
+
+const fn sample_count(samples: u32) -> vk::SampleCountFlags {
+    match samples {
+        4 => vk::SampleCountFlags::TYPE_4,
+        2 => vk::SampleCountFlags::TYPE_2,
+        _ => vk::SampleCountFlags::TYPE_1,
     }
 }

@@ -119,7 +119,7 @@ impl Renderer {
         let drawn = PassFramebuffer {
             pass: self.frame.raw,
             framebuffer: target.framebuffers[image_index].raw,
-            extent: target.extent,
+            extent: target.drawn_extent(),
         };
         self.record_pass(commands, drawn, &clears, |_| {
             self.bind_graphics_set(commands, target.sets[self.slot_index]);
@@ -147,7 +147,7 @@ impl Renderer {
                 self.record_group_of_bound_meshes(commands, scene, DrawGroup::Hidden);
                 self.record_group_of_bound_meshes(commands, scene, DrawGroup::Particles);
             }
-            self.overlay.record_draws(commands, target.extent);
+            self.overlay.record_draws(commands, target.drawn_extent());
         });
     }
 
@@ -248,7 +248,7 @@ impl Renderer {
         }
     }
 
-    /// Records a render pass over a whole framebuffer, its contents by `inside`. A multiview pass makes
+    /// Records a render pass over a framebuffer, or the part of it that is drawn, its contents by `inside`. A multiview pass makes
     /// bound state undefined, so each pass binds what it needs.
     fn record_pass(
         &self,

@@ -304,7 +304,8 @@ impl Renderer {
         semaphores: FrameSemaphores,
     ) -> Result<(), Error> {
         self.pipelines.ensure_sculpture_pipeline(request.style.path, request.style.drawn)?;
-        let bytes = uniforms::frame_uniforms(request, self.volume.grid_side(), target.extent);
+        let (side, pixels) = (self.volume.grid_side(), target.drawn_extent());
+        let bytes = uniforms::frame_uniforms(request, side, pixels);
         let slot = &mut self.ring[self.slot_index];
         slot.uniform.write(0, bytemuck::bytes_of(&bytes));
         if let Some(scene) = request.scene {

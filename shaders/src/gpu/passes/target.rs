@@ -27,6 +27,8 @@ pub struct RenderTarget {
     gpu: Arc<Gpu>,
     /// Pixels across and down.
     pub extent: [u32; 2],
+    /// The pixels that are drawn, from the upper left corner.
+    drawn: [u32; 2],
     pub(crate) framebuffers: Vec<OwnedHandle<vk::Framebuffer>>,
     /// March starts of the tiles, then of the beams within them.
     pub(crate) march_starts: [MarchStarts; 2],
@@ -40,7 +42,10 @@ pub struct RenderTarget {
 /// An image of the depths at which marches start, with its framebuffer.
 pub(crate) struct MarchStarts {
     pub(crate) framebuffer: OwnedHandle<vk::Framebuffer>,
+    /// Texels across and down that are drawn, of those that the image has.
     pub(crate) extent: [u32; 2],
+    /// Pixels across of a texel.
+    texel_pixels: u32,
     image: GpuImage,
 }
 
@@ -85,13 +90,13 @@ impl RenderTarget {
             return Err(Error::NoDensityMap { images, maps });
         }
         let [tiles, beams] = resources.march_starts;
-        let march_starts = |pass: &RenderPass, width: u32| {
-            let across = extent.map(|pixels| pixels.div_ceil(width));
-            MarchStarts::new(gpu, pass, across, format.views)
+        let march_starts = |pass: &RenderPass, texel_pixels: u32| {
+            MarchStarts::new(gpu, pass, extent, texel_pixels, format.views)
         };
         let mut target = RenderTarget {
             gpu: gpu.clone(),
             extent,
+            drawn: extent,
             framebuffers: Vec::new(),
             march_starts: [march_starts(tiles, TILE_PIXELS)?, march_starts(beams, BEAM_PIXELS)?],
             sets: Vec::new(),
@@ -110,6 +115,21 @@ impl RenderTarget {
         }
         target.allocate_sets(resources, uniforms)?;
         Ok(target)
+    }
+
+    /// Has only so many pixels across and down drawn from the next frame on, from the upper left corner of the images:
+    /// a picture of less resolution, the rest is left as it is. At most [`Self::extent`], at least one.
+    pub fn set_drawn_extent(&mut self, pixels: [u32; 2]) {
+        self.drawn = core::array::from_fn(|k| pixels[k].clamp(1, self.extent[k]));
+        for starts in &mut self.march_starts {
+            starts.set_drawn_pixels(self.drawn);
+        }
+    }
+
+    /// The pixels that are drawn, across and down.
+    #[must_use]
+    pub const fn drawn_extent(&self) -> [u32; 2] {
+        self.drawn
     }
 
     fn create_transient_images(
@@ -242,13 +262,25 @@ impl Drop for RenderTarget {
 }
 
 impl MarchStarts {
-    fn new(gpu: &Arc<Gpu>, pass: &RenderPass, extent: [u32; 2], views: u32) -> Result<Self, Error> {
+    /// March starts for pictures of `pixels`, a texel for each square of `texel_pixels`.
+    fn new(
+        gpu: &Arc<Gpu>,
+        pass: &RenderPass,
+        pixels: [u32; 2],
+        texel_pixels: u32,
+        views: u32,
+    ) -> Result<Self, Error> {
         let usage = vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::COLOR_ATTACHMENT;
+        let extent = pixels.map(|pixels| pixels.div_ceil(texel_pixels));
         let image = GpuImage::new(
             gpu,
             ImageSpec::new_2d(MARCH_START_FORMAT, extent, views).with_usage(usage),
         )?;
         let framebuffer = create_framebuffer(gpu, pass, extent, &[image.view])?;
-        Ok(MarchStarts { framebuffer, extent, image })
+        Ok(MarchStarts { framebuffer, extent, texel_pixels, image })
+    }
+
+    fn set_drawn_pixels(&mut self, pixels: [u32; 2]) {
+        self.extent = pixels.map(|pixels| pixels.div_ceil(self.texel_pixels));
     }
 }

@@ -1,0 +1,55 @@
+//! Dynamic resolution: as the runtime recommends, or by the GPU's times, which a software device makes long.
+
+use std::fs;
+
+use paros_shell::require::require_or_skip;
+
+use super::layered::{assert_no_violations, find_example, read_log};
+use super::monado::{MonadoService, MonadoTree, ShellEnd, wait_for};
+use super::{hands_at_rest, read_frame};
+
+/// The rectangles that were submitted, in their order.
+fn submitted(monado: &MonadoService) -> Vec<[u32; 2]> {
+    let log = read_log(monado);
+    let sizes = log.lines().filter_map(|line| line.strip_prefix("submitted ")?.split_once('x'));
+    sizes.map(|(w, h)| [w, h].map(|pixels| pixels.parse().expect("a number"))).collect()
+}
+
+#[test]
+fn pictures_shrink_under_load_and_follow_the_runtime() {
+    let Some(tree) = require_or_skip(MonadoTree::find()).unwrap() else { return };
+    let Some(layer) = require_or_skip(find_example("liblayer.so")).unwrap() else { return };
+    let monado = MonadoService::start(&tree, "resolution");
+    let _hands = hands_at_rest(&monado);
+    let mut shell = monado.start_layered_shell(&layer, &["--least-resolution", "85"]);
+    shell.wait_until("focus", |said| said.field("life") == "focused");
+    // Within three windows of nine frames, and two in flight after each: less than a second's frames.
+    let begun = shell.query_status().number("frames");
+    wait_for("three steps", || submitted(&monado).len() == 4);
+    let frames = shell.query_status().number("frames") - begun;
+    let sizes = submitted(&monado);
+    for (size, percent) in sizes.iter().zip([100, 95, 90, 85]) {
+        for (k, pixels) in size.iter().enumerate() {
+            let exact = f64::from(sizes[0][k] * percent) / 100.0;
+            assert!((f64::from(*pixels) - exact).abs() <= 1.0, "{sizes:?}");
+        }
+    }
+    assert!(frames < 72, "{frames} frames");
+
+    let [width, height] = sizes[0];
+    let recommended = [width * 9 / 10 + 1, height * 19 / 20];
+    let file = monado.folder.join("layer/recommended");
+    fs::write(&file, format!("{} {}", recommended[0], recommended[1])).expect("a wish");
+    wait_for("the runtime's wish", || submitted(&monado).last() == Some(&recommended));
+    fs::write(&file, "1 100000").expect("a wish");
+    wait_for("its bounds", || submitted(&monado).last() == Some(&[sizes[3][0], height]));
+    fs::remove_file(&file).expect("it is ours");
+    wait_for("the shell's own", || submitted(&monado).last() == Some(&sizes[3]));
+    let [seen, _] = shell.capture_eyes(&monado.folder, "small").map(|path| read_frame(&path));
+    assert_eq!([seen.width as u32, seen.height as u32], sizes[3], "what was drawn is read back");
+
+    let ShellEnd { code, errors } = shell.quit();
+    assert_eq!(code, Some(0), "{errors}");
+    assert!(errors.contains("pictures of 85 % a side"), "{errors}");
+    assert_no_violations(&read_log(&monado));
+}
