@@ -70,6 +70,7 @@ where
         let images =
             EyeImages::create(&runtime, &session.raw, &gpu, &format, options.test_commands)?;
         format.density_map = images.have_density_maps();
+        format.is_subsampled = images.are_subsampled();
         log_missing_features(platform, options, &runtime, &gpu, &format);
         // Without it only the start takes longer.
         let pipeline_cache =

@@ -130,6 +130,7 @@ impl WindowSwapchain {
             final_layout: vk::ImageLayout::PRESENT_SRC_KHR,
             keep_depth: false,
             density_map: false,
+            is_subsampled: false,
         }
     }
 

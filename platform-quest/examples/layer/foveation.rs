@@ -4,13 +4,13 @@
 use std::collections::HashMap;
 use std::sync::{LazyLock, Mutex, MutexGuard};
 
-use ash::vk::Handle as _;
+use ash::vk::{self, Handle as _};
 use openxr::sys;
 use sys::{Handle, Result as Status, pfn};
 
 use super::chain::call_next;
 use super::density_maps::{self, DensityMap};
-use super::folder::log_line;
+use super::folder::{layer_folder, log_line};
 
 /// What the shell has made.
 #[derive(Default)]
@@ -70,11 +70,20 @@ pub(crate) unsafe fn create_swapchain(
     let mapped = unsafe { foveation.as_ref() }.is_some_and(|foveation| {
         check_rule("a swapchain's chain", {
             foveation.ty == sys::SwapchainCreateInfoFoveationFB::TYPE
-                && foveation.next.is_null()
                 && foveation.flags == sys::SwapchainCreateFoveationFlagsFB::FRAGMENT_DENSITY_MAP
         });
         true
     });
+    // SAFETY: as above.
+    if let Some(wish) = unsafe { foveation.as_ref() }
+        && is_subsampling_asked(wish, &info)
+    {
+        if layer_folder().join("no-subsampling").exists() {
+            log_line("subsampled swapchain refused");
+            return Status::ERROR_FEATURE_UNSUPPORTED;
+        }
+        log_line("subsampled swapchain");
+    }
     let plain = sys::SwapchainCreateInfo { next: core::ptr::null_mut(), ..info };
     let made =
         call_next!(c"xrCreateSwapchain": CreateSwapchain, session, &raw const plain, swapchain);
@@ -88,6 +97,33 @@ pub(crate) unsafe fn create_swapchain(
         }
     }
     made
+}
+
+/// `XrVulkanSwapchainCreateInfoMETA` as the specification has it.
+#[repr(C)]
+struct MoreImageFlags {
+    ty: sys::StructureType,
+    next: *const core::ffi::c_void,
+    create_flags: u32,
+    usage_flags: u32,
+}
+
+/// Whether what follows the foveation structure asks for subsampled images (`XR_META_vulkan_swapchain_create_info`).
+fn is_subsampling_asked(
+    foveation: &sys::SwapchainCreateInfoFoveationFB,
+    info: &sys::SwapchainCreateInfo,
+) -> bool {
+    let extra = foveation.next.cast::<MoreImageFlags>();
+    // SAFETY: what it points to, if anything, says of which type it is.
+    let Some(extra) = (unsafe { extra.as_ref() }) else { return false };
+    check_rule("subsampled images", {
+        extra.ty == sys::VulkanSwapchainCreateInfoMETA::TYPE
+            && extra.next.is_null()
+            && extra.create_flags == vk::ImageCreateFlags::SUBSAMPLED_EXT.as_raw()
+            && extra.usage_flags == 0
+            && !info.usage_flags.contains(sys::SwapchainUsageFlags::TRANSFER_SRC)
+    });
+    true
 }
 
 pub(crate) unsafe extern "system" fn destroy_swapchain(swapchain: sys::Swapchain) -> Status {

@@ -10,7 +10,7 @@
 //! `inject` says, once: `presence 0`, `presence 1`, `heat`, `cool`, `lose session`, `lose instance`,
 //! or `fail`, which has the next frame's wait fail. Where a file `no-depth` stands, the runtime takes
 //! no pictures of depth; where `one-view` stands, its device has no multiview; `no-floor`, `no-stage`
-//! and `no-rates` take away spaces and rates. What a file `refuse` names is refused. A file `hands` says
+//! and `no-rates` take away spaces and rates, `no-subsampling` subsampled images. What a file `refuse` names is refused. A file `hands` says
 //! whether the visitor's hands are bare.
 
 mod actions;
@@ -36,7 +36,7 @@ use sys::{Result as Status, pfn};
 use folder::log_line;
 
 /// The extensions that the layer implements itself, as its manifest says.
-const OWN_EXTENSIONS: [&CStr; 10] = [
+const OWN_EXTENSIONS: [&CStr; 11] = [
     c"XR_EXT_hand_interaction",
     c"XR_EXT_performance_settings",
     c"XR_EXT_user_presence",
@@ -47,6 +47,7 @@ const OWN_EXTENSIONS: [&CStr; 10] = [
     c"XR_KHR_android_thread_settings",
     c"XR_META_recommended_layer_resolution",
     c"XR_META_touch_controller_plus",
+    c"XR_META_vulkan_swapchain_create_info",
 ];
 
 /// Negotiates with the loader, before the first call.

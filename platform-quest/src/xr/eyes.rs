@@ -66,8 +66,9 @@ impl EyeImages {
             aspect: vk::ImageAspectFlags::COLOR,
             usage: xr::SwapchainUsageFlags::COLOR_ATTACHMENT | sampled,
             with_density_maps: format.density_map,
+            prefers_subsampled: format.density_map && runtime.can_subsample(),
         };
-        if capturable {
+        if capturable && !color.prefers_subsampled {
             color.usage |= xr::SwapchainUsageFlags::TRANSFER_SRC;
         }
         let depth = SwapchainSpec {
@@ -75,6 +76,7 @@ impl EyeImages {
             aspect: vk::ImageAspectFlags::DEPTH,
             usage: xr::SwapchainUsageFlags::DEPTH_STENCIL_ATTACHMENT | sampled,
             with_density_maps: false,
+            prefers_subsampled: false,
             ..color
         };
         let color = EyeSwapchain::create(session, gpu, &color)?;
@@ -86,6 +88,11 @@ impl EyeImages {
     /// Whether the runtime gave the images density maps.
     pub(crate) const fn have_density_maps(&self) -> bool {
         self.color.has_density_maps()
+    }
+
+    /// Whether the images are subsampled by them.
+    pub(crate) const fn are_subsampled(&self) -> bool {
+        self.color.is_subsampled
     }
 }
 
@@ -122,6 +129,7 @@ impl EyeTargets {
             final_layout: vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL,
             keep_depth,
             density_map: gpu.features.density_map,
+            is_subsampled: false,
         })
     }
 
@@ -214,8 +222,11 @@ impl EyeTargets {
     /// Reads back what was drawn of the last image, before it is released.
     ///
     /// # Errors
-    /// A lost device.
-    pub(crate) fn capture_frame(&self, framebuffer: usize) -> Result<FrameCapture, gpu::Error> {
+    /// Subsampled images, which can't be read back, or a lost device.
+    pub(crate) fn capture_frame(&self, framebuffer: usize) -> Result<FrameCapture, Error> {
+        if self.color.is_subsampled {
+            return Err(Error::Input("subsampled pictures can't be read back".into()));
+        }
         let raw = self.color.images[framebuffer % self.color.images.len()];
         let (format, extent, layout) = (self.format, self.extent, self.layout);
         let blue_first = format == vk::Format::B8G8R8A8_SRGB;

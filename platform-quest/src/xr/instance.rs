@@ -84,6 +84,11 @@ impl Runtime {
         Ok(Runtime { instance, system, extensions, name, extent, blend_mode, set_thread_type })
     }
 
+    /// Whether swapchains may be asked for subsampled images.
+    pub(crate) fn can_subsample(&self) -> bool {
+        self.extensions.names().contains(&xr::sys::META_VULKAN_SWAPCHAIN_CREATE_INFO_EXTENSION_NAME)
+    }
+
     /// Which of some extensions are not enabled, by name.
     pub(crate) fn find_disabled_extensions<'a>(&self, names: &[&'a str]) -> Vec<&'a str> {
         let asked = self.extensions.names();
@@ -168,7 +173,11 @@ impl Runtime {
 /// All extensions that the shell enables where they are offered. Thread settings matter on Android alone,
 /// and only there does the crate name them.
 fn wanted_extensions(options: &ShellOptions) -> xr::ExtensionSet {
-    let mut wanted: xr::ExtensionSet = [THREAD_SETTINGS].into_iter().collect();
+    let mut names = vec![THREAD_SETTINGS];
+    if options.foveation != Some(FoveationLevel::Off) {
+        names.push(xr::sys::META_VULKAN_SWAPCHAIN_CREATE_INFO_EXTENSION_NAME);
+    }
+    let mut wanted: xr::ExtensionSet = names.into_iter().collect();
     wanted.khr_vulkan_enable2 = true;
     wanted.khr_composition_layer_depth = options.submit_depth;
     wanted.ext_hand_interaction = true;

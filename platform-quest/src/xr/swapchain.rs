@@ -19,6 +19,8 @@ pub(crate) struct EyeSwapchain {
     pub(super) views: Vec<vk::ImageView>,
     /// Views of the images' fragment density maps, if they have any.
     pub(super) density_views: Vec<vk::ImageView>,
+    /// Whether the images are subsampled.
+    pub(super) is_subsampled: bool,
 }
 
 /// What a swapchain is created by.
@@ -31,6 +33,9 @@ pub(super) struct SwapchainSpec {
     pub(super) usage: xr::SwapchainUsageFlags,
     /// Whether the images are to have fragment density maps.
     pub(super) with_density_maps: bool,
+    /// Whether they are to be subsampled by these maps, if the runtime's device has that: fewer texels are written
+    /// then, and read by the compositor. Such images can't be read back.
+    pub(super) prefers_subsampled: bool,
 }
 
 impl EyeSwapchain {
@@ -44,11 +49,13 @@ impl EyeSwapchain {
         gpu: &Arc<Gpu>,
         spec: &SwapchainSpec,
     ) -> Result<Self, Error> {
-        let handle = create_swapchain(session, spec)?;
+        let (handle, is_subsampled) = create_swapchain_subsampled_or_not(session, spec)?;
         let SwapchainImages { images, density_maps } =
             enumerate_images(&handle, spec.with_density_maps)?;
         let (views, density_views) = (Vec::new(), Vec::new());
-        let mut swapchain = EyeSwapchain { gpu: gpu.clone(), handle, images, views, density_views };
+        let gpu = gpu.clone();
+        let mut swapchain =
+            EyeSwapchain { gpu, handle, images, views, density_views, is_subsampled };
         for i in 0..swapchain.images.len() {
             let view = swapchain.create_view(swapchain.images[i], spec.format, spec.aspect)?;
             swapchain.views.push(view);
@@ -150,13 +157,46 @@ impl Drop for EyeSwapchain {
     }
 }
 
+/// `XrVulkanSwapchainCreateInfoMETA`, in which flags have 32 bits, as in Vulkan; the crate's have 64.
+#[repr(C)]
+struct MoreImageFlags {
+    ty: xr::sys::StructureType,
+    next: *const core::ffi::c_void,
+    create_flags: vk::ImageCreateFlags,
+    usage_flags: vk::ImageUsageFlags,
+}
+
+/// Creates a swapchain of subsampled images where that is preferred, and of others where it is refused. Returns which.
+fn create_swapchain_subsampled_or_not(
+    session: &xr::Session<xr::Vulkan>,
+    spec: &SwapchainSpec,
+) -> Result<(xr::Swapchain<xr::Vulkan>, bool), Error> {
+    if spec.prefers_subsampled {
+        match create_swapchain(session, spec) {
+            Err(Error::Call { result: xr::sys::Result::ERROR_FEATURE_UNSUPPORTED, .. }) => {}
+            made => return Ok((made?, true)),
+        }
+    }
+    let plain = SwapchainSpec { prefers_subsampled: false, ..*spec };
+    Ok((create_swapchain(session, &plain)?, false))
+}
+
 fn create_swapchain(
     session: &xr::Session<xr::Vulkan>,
     spec: &SwapchainSpec,
 ) -> Result<xr::Swapchain<xr::Vulkan>, Error> {
+    let mut subsampled = MoreImageFlags {
+        ty: xr::sys::VulkanSwapchainCreateInfoMETA::TYPE,
+        next: core::ptr::null(),
+        create_flags: vk::ImageCreateFlags::SUBSAMPLED_EXT,
+        usage_flags: vk::ImageUsageFlags::empty(),
+    };
     let mut foveation = xr::sys::SwapchainCreateInfoFoveationFB {
         ty: xr::sys::SwapchainCreateInfoFoveationFB::TYPE,
-        next: core::ptr::null_mut(),
+        next: match spec.prefers_subsampled {
+            true => (&raw mut subsampled).cast(),
+            false => core::ptr::null_mut(),
+        },
         flags: xr::SwapchainCreateFoveationFlagsFB::FRAGMENT_DENSITY_MAP,
     };
     let [width, height] = spec.extent;

@@ -29,6 +29,7 @@ fn heat_raises_foveation_between_strokes() {
     let asked = read_log(&monado);
     assert!(asked.contains("density maps 1\n"), "the device's extension is enabled: {asked}");
     assert!(asked.contains("mapped swapchain\n"), "{asked}");
+    assert!(asked.contains("subsampled swapchain\n"), "{asked}");
     assert_eq!(logged_levels(&monado), ["LOW"]);
 
     take_tool(&mut hands, &mut shell, Tool::Rotary);
@@ -105,4 +106,24 @@ fn what_is_asked_for_and_missing_is_told_in_a_line() {
     assert_eq!(told(monado.start_layered_shell(&layer, &["--foveation", "off"])), "");
     assert!(read_log(&monado)[asked.len()..].contains("own extensions 6\n"));
     assert_eq!(logged_levels(&monado), [""; 0]);
+}
+
+/// Their runtime may refuse subsampled images, or not know the extension: then they are as before.
+#[test]
+fn images_are_whole_where_the_runtime_refuses_subsampled_ones() {
+    let Some(tree) = require_or_skip(MonadoTree::find()).unwrap() else { return };
+    let Some(layer) = require_or_skip(find_example("liblayer.so")).unwrap() else { return };
+    let monado = MonadoService::start(&tree, "not-subsampled");
+    fs::create_dir_all(monado.folder.join("layer")).expect("a folder");
+    fs::write(monado.folder.join("layer/no-subsampling"), "").expect("a wish");
+    let mut shell = monado.start_mapped_shell(&layer, &["--foveation", "low"]);
+    shell.wait_until("focus", |said| said.field("life") == "focused");
+    shell.wait_frames(3);
+    let ShellEnd { code, errors } = shell.quit();
+    assert_eq!(code, Some(0), "{errors}");
+    let log = read_log(&monado);
+    assert!(log.contains("subsampled swapchain refused\nmapped swapchain\n"), "{log}");
+    assert!(!log.contains("subsampled swapchain\n"), "{log}");
+    assert_eq!(logged_levels(&monado), ["LOW"]);
+    assert_no_violations(&log);
 }

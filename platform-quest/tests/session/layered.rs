@@ -57,7 +57,7 @@ fn hands_feel_the_stone_and_losses_lose_nothing() {
     shell.wait_until("a session", |said| said.field("session") == "Sculpting");
     let asked = read_log(&monado);
     for line in [
-        "own extensions 10",
+        "own extensions 11",
         "rate 72",
         "level CPU SUSTAINED_HIGH",
         "level GPU SUSTAINED_HIGH",

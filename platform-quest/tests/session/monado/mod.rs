@@ -165,6 +165,7 @@ impl MonadoService {
             {{"name": "XR_FB_swapchain_update_state", "extension_version": "3"}},
             {{"name": "XR_KHR_android_thread_settings", "extension_version": "6"}},
             {{"name": "XR_META_recommended_layer_resolution", "extension_version": "1"}},
+            {{"name": "XR_META_vulkan_swapchain_create_info", "extension_version": "1"}},
             {{"name": "XR_META_touch_controller_plus", "extension_version": "1"}}]}}}}"#,
             layer.display()
         );

@@ -20,12 +20,15 @@ pub struct TargetFormat {
     /// Whether the shell has a fragment density map for each image, which tells how densely its
     /// parts are shaded: a view of format [`TargetFormat::DENSITY`], made with
     /// `VK_IMAGE_USAGE_FRAGMENT_DENSITY_MAP_BIT_EXT`, in the layout for that use, a layer for each
-    /// eye or one for both; the shell's images are not subsampled. A device that was not asked for
+    /// eye or one for both. A device that was not asked for
     /// [`Options::density_map`], or lacks it, draws without. No tiler has run this yet, and no
     /// software driver has the extension: what was checked is what the calls are given.
     ///
     /// [`Options::density_map`]: crate::gpu::Options::density_map
     pub density_map: bool,
+    /// Whether the shell's images are subsampled (`VK_IMAGE_CREATE_SUBSAMPLED_BIT_EXT`), which wants density maps: so
+    /// are the renderer's own then.
+    pub is_subsampled: bool,
 }
 
 impl TargetFormat {

@@ -41,6 +41,7 @@ impl OffscreenTarget {
             final_layout: vk::ImageLayout::TRANSFER_SRC_OPTIMAL,
             keep_depth,
             density_map: false,
+            is_subsampled: false,
         }
     }
 

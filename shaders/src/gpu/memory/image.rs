@@ -17,6 +17,9 @@ pub(crate) struct ImageSpec {
     pub(crate) levels: u32,
     pub(crate) samples: vk::SampleCountFlags,
     pub(crate) usage: vk::ImageUsageFlags,
+    /// Whether memory has fewer texels where a density map has a pass shade more coarsely: then only passes write it,
+    /// and only samplers made for it read it.
+    pub(crate) is_subsampled: bool,
 }
 
 impl ImageSpec {
@@ -29,6 +32,7 @@ impl ImageSpec {
             levels: 1,
             samples: vk::SampleCountFlags::TYPE_1,
             usage: vk::ImageUsageFlags::empty(),
+            is_subsampled: false,
         }
     }
 
@@ -54,7 +58,12 @@ impl GpuImage {
     pub(crate) fn new(gpu: &Arc<Gpu>, spec: ImageSpec) -> Result<Self, Error> {
         let solid = spec.is_3d();
         let [width, height, depth] = spec.extent;
+        let flags = match spec.is_subsampled {
+            true => vk::ImageCreateFlags::SUBSAMPLED_EXT,
+            false => vk::ImageCreateFlags::empty(),
+        };
         let info = vk::ImageCreateInfo::default()
+            .flags(flags)
             .image_type(if solid { vk::ImageType::TYPE_3D } else { vk::ImageType::TYPE_2D })
             .format(spec.format)
             .extent(vk::Extent3D { width, height, depth })

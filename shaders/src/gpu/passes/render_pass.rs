@@ -284,6 +284,7 @@ mod tests {
                 final_layout: vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL,
                 keep_depth: false,
                 density_map: false,
+                is_subsampled: false,
             };
             let (all, density) = requested_attachments(&format);
             assert_eq!((all.len(), density.is_none()), (count, true));
@@ -314,6 +315,7 @@ mod tests {
             final_layout: vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL,
             keep_depth: false,
             density_map: false,
+            is_subsampled: false,
         };
         with_frame_pass_info(&format, vk::Format::D32_SFLOAT, |info| {
             let count = info.dependency_count as usize;

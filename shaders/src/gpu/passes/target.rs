@@ -140,6 +140,7 @@ impl RenderTarget {
         let transient = vk::ImageUsageFlags::TRANSIENT_ATTACHMENT;
         let shape = |of, usage| ImageSpec {
             samples: format.sample_count(),
+            is_subsampled: format.is_subsampled,
             ..ImageSpec::new_2d(of, self.extent, format.views).with_usage(usage | transient)
         };
         let mut shapes = Vec::new();
