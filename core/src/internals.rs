@@ -18,7 +18,9 @@ pub use crate::session::input::UNITS_PER_METRE;
 pub use crate::session::journals::{RemovalJournal, StrokeJournal};
 pub use crate::session::stool_frame::{BOX_SIDE, STOOL_TOP};
 pub use crate::session::tools::{BitAction, BitShape, ToolBitSpec};
-pub use crate::session::workbench::{BENCH_ITEMS, BENCH_TOP, ToolPlace, Workbench};
+pub use crate::session::workbench::{
+    BENCH_ITEMS, BENCH_REACH, BENCH_TOP, ToolPlace, Workbench, is_over_bench,
+};
 pub use crate::volume::column_digest::maps_digest;
 pub use crate::volume::line_scan::HoleScan;
 pub use crate::volume::range_maps::{ColumnAddress, ColumnsBeyond, RowAddress};

@@ -74,18 +74,21 @@ impl BenchItem {
         }
     }
 
-    /// Its home position in the room, in metres: tools in the front row, bits behind, the large ones last.
+    /// Its home position in the room, in metres: tools in the front row, bits behind, the large ones last. All are
+    /// reached from the room's origin without a step, standing or seated, by small and by tall people.
     #[must_use]
     pub fn home_position(self) -> Vec3 {
-        match self {
-            BenchItem::Tool(tool) => Vec3::new(0.45, BENCH_TOP, -0.65 + 0.18 * (tool as u8) as f32),
-            BenchItem::Bit(ToolBit::RoughingBall) => Vec3::new(0.84, BENCH_TOP, -0.35),
-            BenchItem::Bit(ToolBit::DiscSaw) => Vec3::new(0.84, BENCH_TOP, -0.15),
-            BenchItem::Bit(ToolBit::PitchingChisel) => Vec3::new(0.84, BENCH_TOP, -0.55),
-            BenchItem::Bit(ToolBit::File) => Vec3::new(0.84, BENCH_TOP, -0.02),
-            BenchItem::Bit(ToolBit::Float) => Vec3::new(0.84, BENCH_TOP, -0.68),
-            BenchItem::Bit(bit) => Vec3::new(0.7, BENCH_TOP, -0.65 + 0.1 * (bit as u8) as f32),
-        }
+        let (x, z) = match self {
+            BenchItem::Tool(tool) => (0.45, -0.53 + 0.18 * (tool as u8) as f32),
+            BenchItem::Bit(ToolBit::PitchingChisel) => (0.82, -0.4),
+            BenchItem::Bit(ToolBit::Float) => (0.82, -0.27),
+            BenchItem::Bit(ToolBit::RoughingBall) => (0.82, -0.11),
+            BenchItem::Bit(ToolBit::DiscSaw) => (0.82, 0.07),
+            BenchItem::Bit(ToolBit::File) => (0.82, 0.19),
+            BenchItem::Bit(ToolBit::Nozzle) => (0.7, 0.2),
+            BenchItem::Bit(bit) => (0.7, -0.53 + 0.1 * (bit as u8) as f32),
+        };
+        Vec3::new(x, BENCH_TOP, z)
     }
 }
 
@@ -318,13 +321,20 @@ impl Workbench {
 /// Height of the bench's top, in metres.
 pub const BENCH_TOP: f32 = 0.86;
 
+/// Where the bench's top lies in the room, along x and along z, in metres: at the visitor's right.
+pub const BENCH_REACH: [[f32; 2]; 2] = [[0.3, 0.9], [-0.68, 0.32]];
+
+/// Whether a point lies over the bench, or under it.
+#[must_use]
+pub fn is_over_bench(point: Vec3) -> bool {
+    let [x, z] = BENCH_REACH;
+    (x[0]..x[1]).contains(&point.x) && (z[0]..z[1]).contains(&point.z)
+}
+
 /// Acceleration of gravity, in metres per tick squared.
 const GRAVITY: f32 = 9.81 / (TICK_RATE * TICK_RATE) as f32;
 
 /// The height at which an item dropped at this position comes to rest.
 fn rest_height_metres(position: Vec3) -> f32 {
-    let above = (0.3..0.9).contains(&position.x)
-        && (-0.8..0.2).contains(&position.z)
-        && position.y >= BENCH_TOP;
-    if above { BENCH_TOP } else { 0.03 }
+    if is_over_bench(position) && position.y >= BENCH_TOP { BENCH_TOP } else { 0.03 }
 }

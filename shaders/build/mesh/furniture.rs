@@ -3,7 +3,7 @@
 use core::f32::consts::TAU;
 
 use glam::{Affine3A, Quat, Vec3};
-use paros_core::internals::{BENCH_TOP, BOX_SIDE, STOOL_TOP};
+use paros_core::internals::{BENCH_REACH, BENCH_TOP, BOX_SIDE, STOOL_TOP};
 use paros_core::session::{BenchItem, Tool, ToolBit};
 
 use super::bits::rack_mesh;
@@ -22,7 +22,8 @@ const BITS: usize = 7;
 pub(crate) fn workbench() -> MeshBuilder {
     let mut mesh = MeshBuilder::default();
     let v = Vec3::new;
-    let (lo, hi) = (v(0.3, BENCH_TOP, -0.8), v(0.9, BENCH_TOP, 0.2));
+    let [[left, right], [far, near]] = BENCH_REACH;
+    let (lo, hi) = (v(left, BENCH_TOP, far), v(right, BENCH_TOP, near));
     let middle = 0.5 * (lo + hi);
     for board in 0..4u32 {
         let x = lo.x + 0.15 * (board as f32 + 0.5);
@@ -87,8 +88,8 @@ fn add_board_items(mesh: &mut MeshBuilder) {
         );
         mesh.append(&bevelled_box(half, 0.012, STONE), at);
     };
-    stone(mesh, v(0.11, 0.075, 0.09), 0.6, -0.58, 0.2);
-    stone(mesh, v(0.08, 0.05, 0.07), 0.52, -0.3, -0.4);
+    stone(mesh, v(0.11, 0.075, 0.09), 0.6, -0.46, 0.2);
+    stone(mesh, v(0.08, 0.05, 0.07), 0.52, -0.18, -0.4);
     let bucket = [
         (0.0, 0.0),
         (0.085, 0.0),
@@ -102,7 +103,7 @@ fn add_board_items(mesh: &mut MeshBuilder) {
     ];
     mesh.append(
         &lathe_about_y(&bucket.map(|(r, y)| (r, y, IRON * 2.2)), 36),
-        translation(0.62, 0.224, -0.02),
+        translation(0.62, 0.224, 0.1),
     );
 }
 
@@ -120,7 +121,7 @@ fn add_brush_jar(mesh: &mut MeshBuilder) {
         (0.03, 0.02),
         (0.0, 0.018),
     ];
-    let jar_at = v(0.8, BENCH_TOP, 0.1);
+    let jar_at = v(0.53, BENCH_TOP, 0.23);
     mesh.append(
         &lathe_about_y(&jar.map(|(r, y)| (r, y, CLAY)), 32),
         Affine3A::from_translation(jar_at),

@@ -3,7 +3,7 @@
 //! Cosmetic only, in no digest; deterministic given the events and time steps.
 
 use glam::{Affine3A, Quat, Vec3};
-use paros_core::internals::{BENCH_TOP, BOX_SIDE, STOOL_TOP};
+use paros_core::internals::{BENCH_TOP, BOX_SIDE, STOOL_TOP, is_over_bench};
 
 use super::draw::DrawList;
 use super::meshes::MeshId;
@@ -171,10 +171,9 @@ impl Particle {
 pub(super) fn ground_height_metres(point: Vec3, previous_height: f32) -> f32 {
     let aside = point - STOOL_TOP;
     let on_stool = aside.x * aside.x + aside.z * aside.z < 0.55 * BOX_SIDE * BOX_SIDE;
-    let on_bench = (0.3..0.9).contains(&point.x) && (-0.8..0.2).contains(&point.z);
     if on_stool && previous_height > STOOL_TOP.y - 0.02 {
         STOOL_TOP.y
-    } else if on_bench && previous_height > BENCH_TOP - 0.02 {
+    } else if is_over_bench(point) && previous_height > BENCH_TOP - 0.02 {
         BENCH_TOP
     } else {
         0.0

@@ -136,7 +136,7 @@ impl BenchModel {
             *place = match *place {
                 ToolPlace::Falling(ticks) => {
                     let on_bench = (0.3..0.9).contains(&at.x)
-                        && (-0.8..0.2).contains(&at.z)
+                        && (-0.68..0.32).contains(&at.z)
                         && at.y >= BENCH_TOP;
                     let rest = if on_bench { BENCH_TOP } else { 0.03 };
                     at.y -= 9.81 / (TICK_RATE * TICK_RATE) as f32 * (f32::from(ticks) + 0.5);
