@@ -128,8 +128,8 @@ pub const fn max_save_bytes(grid_side: usize, intervals: usize) -> usize {
 
 /// Bytes of the world's small state, which is all but volume, mask, undo and islands: tick and session
 /// (15), the head (28), two hands of 469, seventeen bench items of 31, thirteen sizes of bits, and the mask's
-/// digest (8).
-pub const STATE_BYTES: usize = 1529;
+/// digest (8), and the visit (58).
+pub const STATE_BYTES: usize = 1587;
 
 /// Crossings of a column's ray with a mesh with which a bake gives the column gaps: 16 solids one behind the
 /// other, and a cache line a column. Between more, gaps are 4 voxels long in the mean at 128, and a column
@@ -137,8 +137,9 @@ pub const STATE_BYTES: usize = 1529;
 pub const BAKED_CROSSINGS: usize = 32;
 
 /// Events of a tick. A start, two hands that each grab, edit, split and release, undo, redo, mirror, finish,
-/// islands, a tenth of the figure and its find make sixteen.
-pub const MAX_EVENTS: usize = 16;
+/// islands, a tenth of the figure and its find make sixteen; the visit's phase, its time left, two tools put back and
+/// its start five more.
+pub const MAX_EVENTS: usize = 21;
 
 /// The work of a tick that the world hands out: to undo or redo, to the hands and to the island search, in
 /// row visits of the island search. Some 150 instructions each at 128, half as many again at 256, keep a

@@ -20,10 +20,10 @@ use crate::volume::size::{Grid, Size};
 /// First bytes of a saved world.
 const MAGIC: [u8; 4] = *b"PWLD";
 
-/// Changes with every change of what is saved. For one interval a column 3; for K of them 4 in the high
+/// Changes with every change of what is saved. For one interval a column 5; for K of them 6 in the high
 /// byte and K in the low one.
 const fn save_version(intervals: usize) -> u16 {
-    if intervals == 1 { 3 } else { 4 << 8 | intervals as u16 }
+    if intervals == 1 { 5 } else { 6 << 8 | intervals as u16 }
 }
 
 /// The phase of the session that a save holds, by its first bytes; `None` for what is no save of this version. Whether
@@ -203,7 +203,7 @@ fn check_header<const K: usize>(
     if from.bytes(4)? != MAGIC {
         return Err(bad.into());
     }
-    let bad = from.error_here("save version 3, or 4 of 2 to 4 intervals a column");
+    let bad = from.error_here("save version 5, or 6 of 2 to 4 intervals a column");
     let saved = intervals_of(from.u16()?).ok_or(bad)?;
     if saved != K {
         return Err(BadSave::Intervals { saved, here: K });

@@ -21,7 +21,7 @@ pub const HEADER_BYTES: usize = 32;
 pub const RECORD_BYTES: usize = TickInput::BYTES + 8 * DIGEST_PARTS.len();
 
 /// Changes with every change of the trace format.
-pub const TRACE_VERSION: u16 = 2;
+pub const TRACE_VERSION: u16 = 3;
 
 /// Changes with every change of what a tick computes, with one interval a column or more.
 pub const CORE_VERSION: u16 = 12;
@@ -30,7 +30,7 @@ pub const CORE_VERSION: u16 = 12;
 pub const MAGIC: [u8; 4] = *b"PTRC";
 
 /// What the error for another [`TRACE_VERSION`] expects.
-pub const EXPECTED_TRACE_VERSION: &str = "trace version 2";
+pub const EXPECTED_TRACE_VERSION: &str = "trace version 3";
 
 /// What the error for another [`CORE_VERSION`] expects.
 pub const EXPECTED_CORE_VERSION: &str = "core version 12";

@@ -5,6 +5,7 @@ use crate::edit::operation::EditReport;
 use crate::session::input::SessionMode;
 use crate::session::tools::{Tool, ToolBit};
 use crate::session::workbench::BenchItem;
+use crate::visit::VisitPhase;
 use crate::volume::voxel_box::VoxelBox;
 
 /// An event of a tick.
@@ -70,4 +71,11 @@ pub enum WorldEvent {
     Found,
     /// The session ended: the sculpture is to be exported.
     Finished,
+    /// The visit is in another phase.
+    Visit(VisitPhase),
+    /// The visit's clock has so many seconds left, of [`WARNING_SECONDS`](crate::visit::WARNING_SECONDS).
+    TimeLeft {
+        /// Seconds.
+        seconds: u16,
+    },
 }

@@ -4,6 +4,7 @@ use glam::{Quat, Vec3};
 
 use crate::codec::bytes::{BadBytes, ByteReader, ByteWriter};
 use crate::session::hand::RoomPose;
+use crate::visit::VisitInput;
 
 /// Ticks in a second.
 pub const TICK_RATE: u32 = 72;
@@ -131,6 +132,8 @@ pub struct TickInput {
     pub commands: u8,
     /// Starts a new session, unless [`SessionMode::None`].
     pub start: SessionMode,
+    /// What the visit is told.
+    pub visit: VisitInput,
 }
 
 impl RawPose {
@@ -239,33 +242,45 @@ impl PointerCommand {
 impl SessionMode {
     pub(crate) const BYTES: usize = 2;
 
-    pub(crate) fn write(self, to: &mut ByteWriter<'_>) {
-        to.bytes(&match self {
+    pub(crate) const fn to_bytes(self) -> [u8; 2] {
+        match self {
             SessionMode::None => [0, 0],
             SessionMode::FreeForm => [1, 0],
             SessionMode::Constrained { figure } => [2, figure],
             SessionMode::Creative => [3, 0],
             SessionMode::Own => [4, 0],
-        });
+        }
+    }
+
+    pub(crate) const fn from_bytes(bytes: [u8; 2]) -> Option<Self> {
+        match bytes {
+            [0, 0] => Some(SessionMode::None),
+            [1, 0] => Some(SessionMode::FreeForm),
+            [2, figure] => Some(SessionMode::Constrained { figure }),
+            [3, 0] => Some(SessionMode::Creative),
+            [4, 0] => Some(SessionMode::Own),
+            _ => None,
+        }
+    }
+
+    pub(crate) fn write(self, to: &mut ByteWriter<'_>) {
+        to.bytes(&self.to_bytes());
     }
 
     pub(crate) fn read(from: &mut ByteReader<'_>) -> Result<Self, BadBytes> {
         let bad = from.error_here("a mode, 0 to 4, and a figure for 2 alone");
-        match [from.u8()?, from.u8()?] {
-            [0, 0] => Ok(SessionMode::None),
-            [1, 0] => Ok(SessionMode::FreeForm),
-            [2, figure] => Ok(SessionMode::Constrained { figure }),
-            [3, 0] => Ok(SessionMode::Creative),
-            [4, 0] => Ok(SessionMode::Own),
-            _ => Err(bad),
-        }
+        SessionMode::from_bytes([from.u8()?, from.u8()?]).ok_or(bad)
     }
 }
 
 impl TickInput {
     /// Length of an input in bytes.
-    pub const BYTES: usize =
-        RawPose::BYTES + 2 * HandInput::BYTES + PointerCommand::BYTES + 1 + SessionMode::BYTES;
+    pub const BYTES: usize = RawPose::BYTES
+        + 2 * HandInput::BYTES
+        + PointerCommand::BYTES
+        + 1
+        + SessionMode::BYTES
+        + VisitInput::BYTES;
 
     /// Writes [`TickInput::BYTES`] bytes.
     pub fn write(&self, to: &mut ByteWriter<'_>) {
@@ -274,6 +289,7 @@ impl TickInput {
         self.pointer.write(to);
         to.u8(self.commands);
         self.start.write(to);
+        self.visit.write(to);
     }
 
     /// Reads what [`TickInput::write`] wrote.
@@ -286,6 +302,7 @@ impl TickInput {
         let pointer = PointerCommand::read(from)?;
         let commands = from.u8()?;
         let start = SessionMode::read(from)?;
-        Ok(TickInput { head, hands, pointer, commands, start })
+        let visit = VisitInput::read(from)?;
+        Ok(TickInput { head, hands, pointer, commands, start, visit })
     }
 }

@@ -21,6 +21,7 @@ pub(crate) mod strike;
 pub(crate) mod tool_step;
 pub(crate) mod tools;
 pub(crate) mod trail;
+pub(crate) mod visit_step;
 pub(crate) mod workbench;
 pub(crate) mod world;
 

@@ -11,6 +11,7 @@ use crate::session::bared::ToldPart;
 use crate::session::hand::{HandState, RoomPose, read_pose};
 use crate::session::input::SessionMode;
 use crate::session::workbench::Workbench;
+use crate::visit::Visit;
 
 /// The phase of a session.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -56,6 +57,7 @@ pub(crate) struct WorldState {
     pub(crate) hands: [HandState; 2],
     pub(crate) bench: Workbench,
     pub(crate) mask_digest: u64,
+    pub(crate) visit: Visit,
 }
 
 impl WorldState {
@@ -75,6 +77,7 @@ impl WorldState {
             hands: [HandState::new(); 2],
             bench: Workbench::new(),
             mask_digest: 0,
+            visit: Visit::new(),
         }
     }
 
@@ -88,7 +91,8 @@ impl WorldState {
         + (VEC3_BYTES + QUAT_BYTES)
         + 2 * HandState::BYTES
         + Workbench::BYTES
-        + size_of::<u64>();
+        + size_of::<u64>()
+        + Visit::BYTES;
 
     pub(crate) fn digest(&self) -> u64 {
         const { assert!(WorldState::BYTES == STATE_BYTES, "STATE_BYTES is not what a state takes") };
@@ -112,6 +116,7 @@ impl WorldState {
         self.hands.iter().for_each(|hand| hand.write(to));
         self.bench.write(to);
         to.u64(self.mask_digest);
+        self.visit.write(to);
     }
 
     pub(crate) fn read(from: &mut ByteReader<'_>) -> Result<Self, BadBytes> {
@@ -147,6 +152,7 @@ impl WorldState {
             hands: [HandState::read(from)?, HandState::read(from)?],
             bench: Workbench::read(from)?,
             mask_digest: from.u64()?,
+            visit: Visit::read(from)?,
         })
     }
 }

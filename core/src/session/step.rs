@@ -46,9 +46,9 @@ where
             return false;
         };
         self.volume.set_maps(volume);
-        let (tick, head) = (self.state.tick, self.state.head);
-        self.state =
-            WorldState { tick, head, mode, session: SessionState::Sculpting, ..WorldState::new() };
+        let WorldState { tick, head, visit, .. } = self.state;
+        let session = SessionState::Sculpting;
+        self.state = WorldState { tick, head, visit, mode, session, ..WorldState::new() };
         if let SessionMode::Constrained { figure } = mode {
             let hidden = starts.figures[usize::from(figure)].figure;
             self.state.mask_digest = copy_and_digest_maps(hidden, &mut self.mask);
@@ -105,11 +105,16 @@ where
             self.push_event(WorldEvent::Symmetry(self.state.symmetry));
         }
         if input.commands & commands::FINISH != 0 {
-            self.state.session = SessionState::Finished;
-            self.islands.cancel_passes();
-            self.push_event(WorldEvent::Finished);
+            self.finish_session();
         }
         CommandEffects { rewound_columns: rewound }
+    }
+
+    /// Makes the sculpture final.
+    pub(crate) fn finish_session(&mut self) {
+        self.state.session = SessionState::Finished;
+        self.islands.cancel_passes();
+        self.push_event(WorldEvent::Finished);
     }
 
     /// Undoes or redoes one stroke, which ends a running island pass and requests another. Returns the
@@ -143,17 +148,19 @@ where
                     self.take_item(usize::from(hand & 1), item);
                 }
             }
-            PointerCommand::Return { hand } => {
-                let hand = usize::from(hand & 1);
-                if let Some(tool) = self.state.bench.return_tool_home(hand) {
-                    self.state.hands[hand].invalidate_bit_pose();
-                    self.push_event(WorldEvent::Returned { hand: hand as u8, tool });
-                }
-            }
+            PointerCommand::Return { hand } => self.return_tool(usize::from(hand & 1)),
             PointerCommand::Steady { string_mm } => {
                 self.state.string_mm = string_mm.min(MAX_STRING_MM);
             }
             PointerCommand::None | PointerCommand::Turn { .. } | PointerCommand::Resize { .. } => {}
+        }
+    }
+
+    /// Puts the tool that a hand holds back on the bench.
+    pub(crate) fn return_tool(&mut self, hand: usize) {
+        if let Some(tool) = self.state.bench.return_tool_home(hand) {
+            self.state.hands[hand].invalidate_bit_pose();
+            self.push_event(WorldEvent::Returned { hand: hand as u8, tool });
         }
     }
 
@@ -206,9 +213,10 @@ where
     /// Spends `row_visits` on the island search and reports a pass that removed or kept voxels.
     ///
     /// No pass begins while something can be redone, as a removal would drop it: it does once nothing is
-    /// left to redo, or after the next edit.
+    /// left to redo, or hands may no longer, or after the next edit.
     pub(crate) fn advance_island_search(&mut self, row_visits: u32) {
-        if self.islands.is_idle() && self.undo.undo_counts().redoable > 0 {
+        let may_redo = self.state.visit.phase().lets_hands_work();
+        if self.islands.is_idle() && may_redo && self.undo.undo_counts().redoable > 0 {
             return;
         }
         let journal = RemovalJournal { undo: &mut self.undo, dirty: &mut self.dirty };

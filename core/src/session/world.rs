@@ -1,7 +1,7 @@
 //! The world: the complete state of a session, and the fixed time step that advances it.
 //!
 //! [`World::step`] runs, in order: session start, input of head and hands, stool and commands, grabbing
-//! of tools and sizes of bits, contact and edit of each hand, island search, fall of dropped tools. Only it and
+//! of tools and sizes of bits, contact and edit of each hand, island search, fall of dropped tools, the visit. Only it and
 //! [`World::load`] change the state.
 
 use glam::Vec3;
@@ -24,6 +24,7 @@ use crate::session::step::metres_from_um;
 use crate::session::stool_frame::StoolFrame;
 use crate::session::tools::{Tool, ToolBit, ToolBitSpec};
 use crate::session::workbench::Workbench;
+use crate::visit::Visit;
 use crate::volume::dirty::DirtyRects;
 use crate::volume::editable::Volume;
 use crate::volume::range_maps::RangeMaps;
@@ -96,24 +97,44 @@ where
             self.state.head = (position, rotation);
         }
         let was_stroke_open = self.is_stroke_open();
+        let last_stool = self.state.stool;
         let presses = [0, 1].map(|hand| self.state.hands[hand].apply_input(&input.hands[hand]));
         if self.state.session == SessionState::Sculpting {
-            self.turn_stool(input);
-            let rewound = self.apply_commands(input, presses).rewound_columns;
-            self.apply_pointer_command(input.pointer);
-            for (hand, presses) in presses.into_iter().enumerate() {
-                self.grab_or_release_on_squeeze(hand, presses);
+            if self.state.visit.phase().lets_hands_work() {
+                let rewound = self.apply_inputs_of_sculpting(input, presses);
+                if self.is_stroke_open() && !was_stroke_open {
+                    self.undo.begin_stroke();
+                }
+                let counting = if has_started { 0 } else { self.count_next_axis() };
+                self.share_out_work(presses, rewound, counting);
+            } else {
+                self.settle_without_hands();
             }
-            self.resize_bits(input.pointer, presses);
-            if self.is_stroke_open() && !was_stroke_open {
-                self.undo.begin_stroke();
-            }
-            let counting = if has_started { 0 } else { self.count_next_axis() };
-            self.share_out_work(presses, rewound, counting);
             self.tell_bared_part();
         }
         self.state.bench.step_dropped_items();
+        self.advance_visit(&input.visit, last_stool, starts);
         self.state.tick = self.state.tick.wrapping_add(1);
+    }
+
+    /// Stool, commands, and what hands take, let go of and resize. Returns the columns that undo or redo swapped.
+    fn apply_inputs_of_sculpting(&mut self, input: &TickInput, presses: [HandPresses; 2]) -> u32 {
+        self.turn_stool(input);
+        let rewound = self.apply_commands(input, presses).rewound_columns;
+        self.apply_pointer_command(input.pointer);
+        for (hand, presses) in presses.into_iter().enumerate() {
+            self.grab_or_release_on_squeeze(hand, presses);
+        }
+        self.resize_bits(input.pointer, presses);
+        rewound
+    }
+
+    /// Lets what is unsupported fall, while the visit has hands off.
+    fn settle_without_hands(&mut self) {
+        self.state.hands.iter_mut().for_each(HandState::drop_trail);
+        let mut ledger = TickLedger::open(N, K, 0, self.islands.is_removal_due());
+        ledger.charge(self.count_next_axis());
+        self.advance_island_search(ledger.island_row_visits());
     }
 
     /// What the hands' tools and the island search do, within what is left of a tick's work. Hands begin in turn, so that
@@ -136,6 +157,12 @@ where
     #[must_use]
     pub const fn tick(&self) -> u64 {
         self.state.tick
+    }
+
+    /// The visit that the session belongs to, if visits are held.
+    #[must_use]
+    pub const fn visit(&self) -> &Visit {
+        &self.state.visit
     }
 
     /// The phase of the session.
@@ -173,6 +200,12 @@ where
     #[must_use]
     pub const fn bared_ends(&self) -> BaredEnds {
         if self.is_figure_counted() { self.bared } else { BaredEnds::NONE }
+    }
+
+    /// Whether no unsupported stone is looked for, and no edit calls for a search.
+    #[must_use]
+    pub const fn is_settled(&self) -> bool {
+        !self.islands.is_busy()
     }
 
     /// What happened in the last tick.

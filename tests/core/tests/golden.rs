@@ -18,10 +18,10 @@ use paros_models::world_harness::{WorldAndStarts, WorldHarness};
 
 /// The sessions: mode, the visitor's seed, and the tool that is put into a hand early on.
 const SESSIONS: [(SessionMode, u64, Tool); 4] = [
-    (SessionMode::FreeForm, 1, Tool::Rotary),
-    (SessionMode::Constrained { figure: 0 }, 2, Tool::Rasp),
-    (SessionMode::Creative, 3, Tool::FillGun),
-    (SessionMode::Creative, 4, Tool::Rotary),
+    (SessionMode::FreeForm, 61, Tool::Rotary),
+    (SessionMode::Constrained { figure: 0 }, 62, Tool::Rasp),
+    (SessionMode::Creative, 63, Tool::FillGun),
+    (SessionMode::Creative, 64, Tool::Rotary),
 ];
 const TICKS: usize = 800;
 

@@ -97,9 +97,9 @@ fn a_save_of_other_intervals_is_refused() {
     let mut four = FOUR.lock().unwrap_or_else(PoisonError::into_inner);
     let error = BadSave::Intervals { saved: 2, here: 4 };
     assert_eq!(four.load(&bytes[..len]), Err(error));
-    for version in [2, 4, 4 << 8, 4 << 8 | 1, 4 << 8 | 5, 3 << 8 | 2] {
+    for version in [2, 6, 6 << 8, 6 << 8 | 1, 6 << 8 | 5, 4 << 8 | 2] {
         bytes[4..6].copy_from_slice(&u16::to_le_bytes(version));
-        let expected = "save version 3, or 4 of 2 to 4 intervals a column";
+        let expected = "save version 5, or 6 of 2 to 4 intervals a column";
         let bad = BadBytes { offset: 4, expected };
         assert_eq!(two.load(&bytes[..len]), Err(BadSave::Value(bad)), "{version:#x}");
     }

@@ -31,6 +31,7 @@ pub mod step;
 pub mod twin;
 pub mod undo;
 pub mod undo_harness;
+pub mod visit;
 pub mod voxel_traversal;
 pub mod world_harness;
 

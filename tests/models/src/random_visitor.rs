@@ -3,6 +3,9 @@
 use glam::{Quat, Vec3};
 use paros_core::internals::{BENCH_ITEMS, BOX_SIDE, STOOL_TOP, UNITS_PER_METRE};
 use paros_core::session::{BenchItem, PointerCommand, RawPose, SessionMode, buttons, commands};
+use paros_core::visit::{
+    PanelAction, PlanSetting, Presence, StaffCommand, VisitCommand, VisitInput,
+};
 use paros_core::{HandInput, TickInput};
 
 /// A pseudo-random number generator: xorshift64* (Vigna 2016).
@@ -223,7 +226,37 @@ pub fn arbitrary_input(dice: &mut RandomSource) -> TickInput {
         pointer,
         commands: commands & !commands::FINISH | finish,
         start,
+        visit: arbitrary_visit(dice),
     }
+}
+
+/// Any presence and use, and now and then any command of a visit, times of few seconds among them.
+fn arbitrary_visit(dice: &mut RandomSource) -> VisitInput {
+    let presence = [Presence::Unknown, Presence::Worn, Presence::Off][dice.below(3) as usize];
+    let start = [SessionMode::FreeForm, SessionMode::Constrained { figure: dice.below(3) as u8 }];
+    let action = [
+        PanelAction::Confirm,
+        PanelAction::Language(dice.below(4) as u8),
+        PanelAction::Start(start[dice.below(2) as usize]),
+        PanelAction::Skip { all: dice.one_in(2) },
+        PanelAction::Finish,
+        PanelAction::PutBack,
+    ][dice.below(6) as usize];
+    let staff = [StaffCommand::Extend, StaffCommand::End, StaffCommand::Reset];
+    let setting = PlanSetting::ALL[dice.below(PlanSetting::ALL.len() as u64) as usize];
+    let command = match dice.below(40) {
+        0 => VisitCommand::Open,
+        1 if dice.one_in(4) => VisitCommand::Close,
+        2 => VisitCommand::Set { setting, value: dice.below(3) as u16 },
+        3 => VisitCommand::SetStart(start[dice.below(2) as usize]),
+        4..8 => VisitCommand::Press(action),
+        8 => VisitCommand::Staff(staff[dice.below(3) as usize]),
+        9 => VisitCommand::Away { seconds: dice.below(90) as u16 },
+        10 => VisitCommand::Exported,
+        11 => VisitCommand::Badge { number: dice.below(1 << 27) as u32 },
+        _ => VisitCommand::None,
+    };
+    VisitInput { presence, is_used: dice.one_in(2), command }
 }
 
 /// An arbitrary raw pose: extreme, anywhere, far from the stone or near it.

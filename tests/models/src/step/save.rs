@@ -14,6 +14,9 @@ use crate::step::bench::write_pose;
 use crate::step::ensure;
 use crate::step::volume::Columns;
 
+/// Bytes of a visit.
+const VISIT_BYTES: usize = 58;
+
 /// Bytes before a save's state: magic, version, side and checksum.
 pub const HEADER_BYTES: usize = 16;
 
@@ -126,6 +129,8 @@ impl<const K: usize> StepModel<K> {
         }
         self.bench.write(&mut to);
         to.extend(self.mask_digest.to_le_bytes());
+        // No visits: `crate::visit` is their model.
+        to.extend([0; VISIT_BYTES]);
         to
     }
 }

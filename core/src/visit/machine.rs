@@ -1,0 +1,390 @@
+//! The state machine of a visit.
+
+use crate::session::input::{SessionMode, TICK_RATE};
+use crate::visit::input::{PanelAction, Presence, StaffCommand, VisitCommand, VisitInput};
+use crate::visit::phase::{GuideStep, VisitPhase};
+use crate::visit::plan::{PlanSetting, VisitPlan};
+
+/// Ticks that the staff adds to a visit's clock.
+pub const EXTENSION_TICKS: u32 = 60 * TICK_RATE;
+
+/// Seconds left at which the visitor is told, the most first.
+pub const WARNING_SECONDS: [u16; 3] = [120, 30, 10];
+
+/// Ticks for which a visitor may stand still before that counts as having gone.
+const STILL_TICKS: u32 = 5 * TICK_RATE;
+
+/// Ticks without use after which whoever uses a headset that tells no presence is another visitor.
+const RELEASED_TICKS: u32 = 10 * TICK_RATE;
+
+/// Ticks after the least of hands off in which what floats must have fallen.
+const SETTLE_TICKS: u32 = 15 * TICK_RATE;
+
+/// A visit: where it stands, its clock, and what the visitor chose.
+///
+/// From each phase, what comes first of:
+///
+/// | phase | goes on to | when |
+/// |---|---|---|
+/// | attract | welcome | the headset is worn, after it was not |
+/// | welcome | choice | confirmed, or its time is over |
+/// | | attract | gone |
+/// | choice | guided | confirmed, or its time is over |
+/// | | attract | gone |
+/// | guided | sculpting | all steps are done or skipped, or its time is over |
+/// | guided, sculpting | hands off | ready, by the staff, the clock is at its end; gone with a cut; idle without a clock |
+/// | | attract | gone, or idle without a clock, before the first cut |
+/// | hands off | export | its time is over and nothing floats any more, if anything was sculpted |
+/// | | thanks | the same, if nothing was |
+/// | | sculpting | the staff gives a minute more |
+/// | export | badge | the sculpture is kept, or its time is over |
+/// | | thanks | the same, without badges |
+/// | | handover | the same, where the visitor has gone |
+/// | badge | thanks | confirmed after its least time, or its most is over |
+/// | | attract | gone |
+/// | thanks | handover | its time is over |
+/// | | attract | gone |
+/// | handover | welcome | the headset is worn, after it was not |
+/// | | attract | its time is over |
+///
+/// *Gone* is off the head, or still, for as long as the phase allows. The staff's reset is as if the visitor had gone.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Visit {
+    pub(super) phase: VisitPhase,
+    pub(super) guide: GuideStep,
+    /// Ticks in this phase.
+    pub(super) phase_ticks: u32,
+    /// Ticks since the headset came off; 0 while it is worn.
+    pub(super) off_ticks: u32,
+    /// Ticks since it was used.
+    pub(super) idle_ticks: u32,
+    /// Ticks left of the clock.
+    pub(super) clock_ticks: u32,
+    pub(super) is_clock_running: bool,
+    /// Anything was edited.
+    pub(super) is_sculpted: bool,
+    /// The visitor went before the end.
+    pub(super) is_left: bool,
+    /// Nobody had the headset since this phase began.
+    pub(super) was_released: bool,
+    /// How the session starts, as it stands.
+    pub(super) start: SessionMode,
+    pub(super) language: u8,
+    pub(super) working_hand: u8,
+    pub(super) is_seated: bool,
+    /// The badge's number plus one; 0 for none.
+    pub(super) badge: u32,
+    pub(super) plan: VisitPlan,
+}
+
+/// What a tick did, as far as a visit goes by it.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub(crate) struct VisitFacts {
+    /// A hand holds a tool.
+    pub(crate) holds_tool: bool,
+    /// A bit touches the stone.
+    pub(crate) touches: bool,
+    /// Stone was cut.
+    pub(crate) cuts: bool,
+    /// Anything was edited: cut, smoothed or laid on.
+    pub(crate) edits: bool,
+    /// The rasp smoothed.
+    pub(crate) smooths: bool,
+    /// A stroke was undone.
+    pub(crate) undoes: bool,
+    /// The stool was turned.
+    pub(crate) turns_stool: bool,
+    /// No unsupported stone is looked for, and none is known.
+    pub(crate) is_settled: bool,
+}
+
+/// What a visit has the world do after a tick.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub(crate) struct VisitDecision {
+    /// Starts a session, unless [`SessionMode::None`].
+    pub(crate) start: SessionMode,
+    /// Makes the sculpture final.
+    pub(crate) finishes: bool,
+    /// Puts all tools back on the bench.
+    pub(crate) puts_back: bool,
+    /// The phase is another one.
+    pub(crate) enters: Option<VisitPhase>,
+    /// So many seconds are left, of [`WARNING_SECONDS`].
+    pub(crate) warns: Option<u16>,
+}
+
+impl Visit {
+    /// No visit.
+    pub(crate) const fn new() -> Self {
+        Visit {
+            phase: VisitPhase::Closed,
+            guide: GuideStep::TakeTool,
+            phase_ticks: 0,
+            off_ticks: 0,
+            idle_ticks: 0,
+            clock_ticks: 0,
+            is_clock_running: false,
+            is_sculpted: false,
+            is_left: false,
+            was_released: false,
+            start: SessionMode::None,
+            language: 0,
+            working_hand: 0,
+            is_seated: false,
+            badge: 0,
+            plan: VisitPlan::none(),
+        }
+    }
+
+    /// Advances the visit by a tick.
+    pub(crate) fn step(&mut self, input: &VisitInput, facts: &VisitFacts) -> VisitDecision {
+        match input.command {
+            VisitCommand::Open => return self.open(),
+            VisitCommand::Close => {
+                let enters = (self.phase != VisitPhase::Closed).then_some(VisitPhase::Closed);
+                *self = Visit::new();
+                return VisitDecision { enters, ..VisitDecision::default() };
+            }
+            _ if self.phase == VisitPhase::Closed => return VisitDecision::default(),
+            VisitCommand::Set { setting, value } => self.plan.set_value(setting, value),
+            VisitCommand::SetStart(start) => self.plan.set_start(start),
+            VisitCommand::Badge { number } => self.badge = number + 1,
+            _ => {}
+        }
+        self.pass_time(input);
+        let mut decision = VisitDecision { warns: self.run_clock(), ..VisitDecision::default() };
+        self.note_facts(facts);
+        if let VisitCommand::Press(action) = input.command {
+            self.take_press(action, &mut decision);
+        }
+        if input.command == VisitCommand::Staff(StaffCommand::Extend) {
+            self.clock_ticks = self.clock_ticks.saturating_add(EXTENSION_TICKS);
+        }
+        let next = self.next_phase(input, facts);
+        if next != self.phase {
+            self.is_left |= self.is_gone(input) || self.is_idle_for_long();
+            self.enter(next, &mut decision);
+        }
+        decision
+    }
+
+    fn open(&mut self) -> VisitDecision {
+        *self = Visit { plan: VisitPlan::new(), ..Visit::new() };
+        let mut decision = VisitDecision::default();
+        self.enter(VisitPhase::Attract, &mut decision);
+        // Who wears it already is the first visitor.
+        self.was_released = true;
+        decision
+    }
+
+    /// Counts how long the phase lasts, and for how long nobody has worn or used the headset.
+    fn pass_time(&mut self, input: &VisitInput) {
+        let away = match input.command {
+            VisitCommand::Away { seconds } => u32::from(seconds) * TICK_RATE,
+            _ => 0,
+        };
+        let longer = |ticks: u32| ticks.saturating_add(1).saturating_add(away);
+        self.phase_ticks = self.phase_ticks.saturating_add(1);
+        self.idle_ticks = if input.is_used { away } else { longer(self.idle_ticks) };
+        self.off_ticks = match input.presence {
+            Presence::Off => longer(self.off_ticks),
+            Presence::Worn | Presence::Unknown => away,
+        };
+        self.was_released |= input.presence == Presence::Off || self.idle_ticks >= RELEASED_TICKS;
+    }
+
+    /// Runs the clock of a session that has one. Returns the seconds left where the visitor is to be told.
+    fn run_clock(&mut self) -> Option<u16> {
+        let runs = matches!(self.phase, VisitPhase::Guided | VisitPhase::Sculpting)
+            && self.is_clock_running
+            && self.has_clock();
+        if !runs || self.clock_ticks == 0 {
+            return None;
+        }
+        self.clock_ticks -= 1;
+        let is_due = |seconds: &u16| self.clock_ticks == u32::from(*seconds) * TICK_RATE;
+        WARNING_SECONDS.into_iter().find(is_due)
+    }
+
+    fn note_facts(&mut self, facts: &VisitFacts) {
+        if !matches!(self.phase, VisitPhase::Guided | VisitPhase::Sculpting) {
+            return;
+        }
+        self.is_sculpted |= facts.edits;
+        self.is_clock_running |= facts.edits;
+        if self.phase == VisitPhase::Guided && self.is_step_done(facts) {
+            self.guide = self.guide.next();
+        }
+    }
+
+    const fn is_step_done(&self, facts: &VisitFacts) -> bool {
+        match self.guide {
+            GuideStep::TakeTool => facts.holds_tool,
+            GuideStep::Touch => facts.touches || facts.cuts,
+            GuideStep::Cut => facts.cuts,
+            GuideStep::Smooth => facts.smooths,
+            GuideStep::Undo => facts.undoes,
+            GuideStep::TurnStool => facts.turns_stool,
+            GuideStep::Done => false,
+        }
+    }
+
+    fn take_press(&mut self, action: PanelAction, decision: &mut VisitDecision) {
+        match (self.phase, action) {
+            (VisitPhase::Welcome, PanelAction::Language(language)) => self.language = language,
+            (VisitPhase::Welcome, PanelAction::WorkingHand(hand)) => self.working_hand = hand & 1,
+            (VisitPhase::Welcome, PanelAction::Seated(is_seated)) => self.is_seated = is_seated,
+            (VisitPhase::Choice, PanelAction::Start(start)) if start != SessionMode::None => {
+                self.start = start;
+                decision.start = start;
+            }
+            (VisitPhase::Guided, PanelAction::Skip { all: false }) => {
+                self.guide = self.guide.next();
+            }
+            (VisitPhase::Guided, PanelAction::Skip { all: true }) => self.guide = GuideStep::Done,
+            (VisitPhase::Guided | VisitPhase::Sculpting, PanelAction::PutBack) => {
+                decision.puts_back = true;
+            }
+            _ => {}
+        }
+    }
+
+    /// The phase after this tick: the table above.
+    fn next_phase(&self, input: &VisitInput, facts: &VisitFacts) -> VisitPhase {
+        let is_confirmed = input.command == VisitCommand::Press(PanelAction::Confirm);
+        let is_over = |setting| self.phase_ticks >= self.plan.ticks(setting);
+        let is_gone = self.is_gone(input);
+        match self.phase {
+            VisitPhase::Closed => VisitPhase::Closed,
+            VisitPhase::Attract if self.is_next_visitor(input) => VisitPhase::Welcome,
+            VisitPhase::Attract => VisitPhase::Attract,
+            VisitPhase::Guided | VisitPhase::Sculpting => self.next_while_sculpting(input),
+            VisitPhase::HandsOff => self.next_after_hands_off(input, facts),
+            VisitPhase::Export => self.next_after_export(input),
+            VisitPhase::Handover if self.is_next_visitor(input) => VisitPhase::Welcome,
+            VisitPhase::Handover if is_over(PlanSetting::Handover) => VisitPhase::Attract,
+            VisitPhase::Handover => VisitPhase::Handover,
+            _ if is_gone => VisitPhase::Attract,
+            VisitPhase::Welcome if is_confirmed || is_over(PlanSetting::Welcome) => {
+                VisitPhase::Choice
+            }
+            VisitPhase::Choice if is_confirmed || is_over(PlanSetting::Choice) => {
+                VisitPhase::Guided
+            }
+            VisitPhase::Badge
+                if is_over(PlanSetting::BadgeMost)
+                    || is_confirmed && is_over(PlanSetting::BadgeLeast) =>
+            {
+                VisitPhase::Thanks
+            }
+            VisitPhase::Thanks if is_over(PlanSetting::Thanks) => VisitPhase::Handover,
+            phase => phase,
+        }
+    }
+
+    fn next_while_sculpting(&self, input: &VisitInput) -> VisitPhase {
+        let is_ended = match input.command {
+            VisitCommand::Press(PanelAction::Finish) | VisitCommand::Staff(StaffCommand::End) => {
+                true
+            }
+            _ => self.has_clock() && self.is_clock_running && self.clock_ticks == 0,
+        };
+        if is_ended {
+            VisitPhase::HandsOff
+        } else if self.is_gone(input) || self.is_idle_for_long() {
+            if self.is_sculpted { VisitPhase::HandsOff } else { VisitPhase::Attract }
+        } else if self.phase == VisitPhase::Guided {
+            let is_over = self.phase_ticks >= self.plan.ticks(PlanSetting::Guided);
+            let is_done = self.guide == GuideStep::Done || is_over;
+            if is_done { VisitPhase::Sculpting } else { VisitPhase::Guided }
+        } else {
+            VisitPhase::Sculpting
+        }
+    }
+
+    fn next_after_hands_off(&self, input: &VisitInput, facts: &VisitFacts) -> VisitPhase {
+        let least = self.plan.ticks(PlanSetting::HandsOff);
+        let is_over = self.phase_ticks >= least && facts.is_settled
+            || self.phase_ticks >= least.saturating_add(SETTLE_TICKS);
+        match (input.command, self.is_sculpted) {
+            (VisitCommand::Staff(StaffCommand::Extend), _) if !self.is_left => {
+                VisitPhase::Sculpting
+            }
+            (_, true) if is_over => VisitPhase::Export,
+            (_, false) if is_over => VisitPhase::Thanks,
+            _ => VisitPhase::HandsOff,
+        }
+    }
+
+    fn next_after_export(&self, input: &VisitInput) -> VisitPhase {
+        let is_kept = input.command == VisitCommand::Exported;
+        let is_over = self.phase_ticks >= self.plan.ticks(PlanSetting::Export);
+        if !is_kept && !is_over && !self.is_gone(input) {
+            VisitPhase::Export
+        } else if self.is_left || self.is_gone(input) {
+            VisitPhase::Handover
+        } else if self.plan.value(PlanSetting::Badges) == 0 {
+            VisitPhase::Thanks
+        } else {
+            VisitPhase::Badge
+        }
+    }
+
+    /// Whether the visitor has gone: the headset was off, or still, for as long as this phase allows.
+    fn is_gone(&self, input: &VisitInput) -> bool {
+        let allowed = match self.phase {
+            VisitPhase::Welcome | VisitPhase::Choice => PlanSetting::OffBeforeCut,
+            VisitPhase::Guided | VisitPhase::Sculpting if self.is_sculpted => {
+                PlanSetting::OffSculpting
+            }
+            VisitPhase::Guided | VisitPhase::Sculpting => PlanSetting::OffBeforeCut,
+            _ => PlanSetting::OffAfter,
+        };
+        let still = self.idle_ticks.saturating_sub(STILL_TICKS);
+        let is_reset = input.command == VisitCommand::Staff(StaffCommand::Reset);
+        is_reset || self.off_ticks.max(still) >= self.plan.ticks(allowed).max(1)
+    }
+
+    /// Whether nobody has used it for as long as sculpting without a clock allows.
+    fn is_idle_for_long(&self) -> bool {
+        let is_sculpting = matches!(self.phase, VisitPhase::Guided | VisitPhase::Sculpting);
+        let allowed = self.plan.ticks(PlanSetting::Idle).max(1);
+        is_sculpting && !self.has_clock() && self.idle_ticks >= allowed
+    }
+
+    const fn has_clock(&self) -> bool {
+        self.plan.value(PlanSetting::Length) > 0
+    }
+
+    /// Whether somebody wears the headset who didn't when this phase began.
+    const fn is_next_visitor(&self, input: &VisitInput) -> bool {
+        let is_here = match input.presence {
+            Presence::Worn => true,
+            Presence::Unknown => input.is_used,
+            Presence::Off => false,
+        };
+        is_here && self.was_released
+    }
+
+    fn enter(&mut self, phase: VisitPhase, decision: &mut VisitDecision) {
+        match phase {
+            VisitPhase::Attract => {
+                let Visit { off_ticks, idle_ticks, plan, .. } = *self;
+                *self = Visit { off_ticks, idle_ticks, plan, ..Visit::new() };
+                decision.start = SessionMode::FreeForm;
+            }
+            VisitPhase::Welcome => {
+                let plan = self.plan;
+                *self = Visit { plan, start: plan.start(), working_hand: 1, ..Visit::new() };
+                decision.start = self.start;
+            }
+            VisitPhase::Guided => self.clock_ticks = self.plan.ticks(PlanSetting::Length),
+            VisitPhase::Sculpting => (self.is_clock_running, self.is_left) = (true, false),
+            VisitPhase::Export => decision.finishes = true,
+            _ => {}
+        }
+        self.was_released = self.off_ticks > 0;
+        (self.phase, self.phase_ticks) = (phase, 0);
+        decision.enters = Some(phase);
+    }
+}

@@ -1,0 +1,436 @@
+//! Visits in the world: beside their naive model, and what must hold of them whatever visitors do.
+
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use glam::{Quat, Vec3};
+use paros_core::edit::Pose;
+use paros_core::limits::max_save_bytes;
+use paros_core::session::{
+    BenchItem, PointerCommand, SessionMode, SessionState, TICK_RATE, Tool, ToolBit,
+};
+use paros_core::visit::{
+    GuideStep, PanelAction, PlanSetting, Presence, StaffCommand, VisitCommand, VisitInput,
+    VisitPhase,
+};
+use paros_core::{HandInput, TickInput, WorldEvent};
+use paros_models::dense::DenseVolume;
+use paros_models::scripted_hand::RIGHT;
+use paros_models::visit::{Expected, SeenTick, VisitModel};
+use paros_models::world_harness::WorldHarness;
+use proptest::prelude::*;
+
+const N: usize = 32;
+
+static HARNESS: Mutex<WorldHarness<N>> = Mutex::new(WorldHarness::new());
+
+/// What a hand does for some ticks.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Deed {
+    Nothing,
+    Take(u8),
+    Cut,
+    Undo,
+    Turn,
+}
+
+/// Some ticks with the same presence, use and deed, and a command in the first.
+#[derive(Clone, Copy, Debug)]
+struct Stretch {
+    ticks: u32,
+    presence: Presence,
+    is_used: bool,
+    command: VisitCommand,
+    deed: Deed,
+}
+
+/// A visit that is told and watched, beside its model.
+struct Exhibition {
+    harness: MutexGuard<'static, WorldHarness<N>>,
+    model: VisitModel,
+    /// The phases that it was in, each once in a row.
+    phases: Vec<VisitPhase>,
+    finished: u32,
+}
+
+impl Exhibition {
+    /// Opened, with a clock of so many seconds.
+    fn open(length: u16) -> Self {
+        let mut harness = HARNESS.lock().unwrap_or_else(PoisonError::into_inner);
+        harness.reset();
+        let mut exhibition =
+            Exhibition { harness, model: VisitModel::closed(), phases: vec![], finished: 0 };
+        exhibition.tell(Presence::Off, VisitCommand::Open);
+        let (setting, value) = (PlanSetting::Length, length);
+        exhibition.tell(Presence::Off, VisitCommand::Set { setting, value });
+        exhibition
+    }
+
+    fn phase(&self) -> VisitPhase {
+        self.harness.world.visit().phase()
+    }
+
+    fn tell(&mut self, presence: Presence, command: VisitCommand) {
+        self.run(&Stretch { ticks: 1, presence, is_used: true, command, deed: Deed::Nothing });
+    }
+
+    fn press(&mut self, action: PanelAction) {
+        self.tell(Presence::Worn, VisitCommand::Press(action));
+    }
+
+    /// So many seconds in which a worn headset is used, and a hand does something.
+    fn do_for(&mut self, seconds: f32, deed: Deed) {
+        let ticks = (seconds * TICK_RATE as f32) as u32;
+        let (presence, command) = (Presence::Worn, VisitCommand::None);
+        self.run(&Stretch { ticks, presence, is_used: true, command, deed });
+    }
+
+    /// So many seconds in which nobody wears it.
+    fn leave_for(&mut self, seconds: u32) {
+        let (presence, command) = (Presence::Off, VisitCommand::None);
+        let ticks = seconds * TICK_RATE;
+        self.run(&Stretch { ticks, presence, is_used: false, command, deed: Deed::Nothing });
+    }
+
+    /// To sculpting, with something cut.
+    fn cut_something(&mut self) {
+        self.tell(Presence::Worn, VisitCommand::None);
+        self.press(PanelAction::Confirm);
+        self.press(PanelAction::Confirm);
+        self.press(PanelAction::Skip { all: true });
+        assert_eq!(self.phase(), VisitPhase::Sculpting);
+        self.do_for(0.05, Deed::Take(BenchItem::Tool(Tool::Rotary).number() as u8));
+        self.do_for(0.5, Deed::Cut);
+        assert!(self.harness.world.visit().is_sculpted());
+    }
+
+    fn run(&mut self, stretch: &Stretch) {
+        for tick in 0..stretch.ticks {
+            let command = if tick == 0 { stretch.command } else { VisitCommand::None };
+            let Stretch { presence, is_used, deed, .. } = *stretch;
+            let visit = VisitInput { presence, is_used, command };
+            let input = TickInput { visit, ..self.input_of(deed, tick) };
+            let stool = self.harness.world.stool_frame();
+            self.harness.step(&input);
+            let turns = self.harness.world.stool_frame() != stool;
+            self.compare(&visit, turns);
+        }
+    }
+
+    fn input_of(&self, deed: Deed, tick: u32) -> TickInput {
+        let world = &self.harness.world;
+        let mut input = TickInput::default();
+        match deed {
+            Deed::Nothing => {}
+            Deed::Take(item) => input.pointer = PointerCommand::Take { hand: RIGHT as u8, item },
+            Deed::Cut => {
+                // Down from above the stone, again and again.
+                let height = N as f32 * (1.1 - 0.02 * (tick % 36) as f32);
+                let place = Vec3::new(N as f32 / 2.0, height, N as f32 / 2.0);
+                let pose = Pose { position: place, rotation: Quat::IDENTITY };
+                let hand = world.hand_with_bit_at(RIGHT, &pose);
+                input.hands[RIGHT] = HandInput { trigger: 255, ..hand };
+            }
+            Deed::Undo => input.commands = paros_core::session::commands::UNDO,
+            Deed::Turn => input.pointer = PointerCommand::Turn { by: 300 },
+        }
+        input
+    }
+
+    /// Compares the tick with the model's.
+    fn compare(&mut self, told: &VisitInput, turns: bool) {
+        let world = &self.harness.world;
+        let edited = |smooths: Option<bool>| {
+            world.events().iter().any(|event| match event {
+                WorldEvent::Edited { bit, report, .. } => {
+                    let is_rasp = matches!(bit, ToolBit::File | ToolBit::Float);
+                    report.changed_volume() && smooths.is_none_or(|smooths| smooths == is_rasp)
+                }
+                _ => false,
+            })
+        };
+        let seen = SeenTick {
+            holds_tool: (0..2).any(|hand| world.held_tool(hand).is_some()),
+            touches: (0..2).any(|hand| world.hand_contact(hand).is_some_and(|c| c.overlap > 0)),
+            cuts: edited(Some(false)) && (0..2).any(|hand| world.edit_report(hand).removed > 0),
+            edits: edited(None),
+            smooths: edited(Some(true)),
+            undoes: world.events().contains(&WorldEvent::Undone),
+            turns,
+            is_settled: world.is_settled(),
+        };
+        let Expected { start, finishes, warns } = self.model.tick(told, &seen);
+        let visit = world.visit();
+        let now = (visit.phase(), visit.guide_step(), visit.is_sculpted(), visit.is_left());
+        let model = &self.model;
+        assert_eq!(now, (model.phase, model.guide, model.is_sculpted, model.is_left), "{told:?}");
+        let started = world.events().iter().find_map(|event| match event {
+            WorldEvent::Started(mode) => Some(*mode),
+            _ => None,
+        });
+        let missing = world.events().contains(&WorldEvent::NoSuchStart);
+        assert!(started == start || missing && start.is_some(), "{started:?}, not {start:?}");
+        if let Some(seconds) = visit.seconds_left() {
+            assert_eq!(seconds, model.clock.div_ceil(TICK_RATE));
+        }
+        let left = world.events().iter().find_map(|event| match event {
+            WorldEvent::TimeLeft { seconds } => Some(*seconds),
+            _ => None,
+        });
+        assert_eq!(left, warns);
+        let is_finished = world.events().contains(&WorldEvent::Finished);
+        assert!(!is_finished || finishes, "the sculpture is final too soon");
+        self.finished += u32::from(is_finished);
+        if self.phases.last() != Some(&visit.phase()) {
+            self.phases.push(visit.phase());
+        }
+        let works = visit.phase().lets_hands_work() || !edited(None);
+        assert!(works || world.events().contains(&WorldEvent::Visit(visit.phase())), "hands off");
+    }
+}
+
+fn any_command() -> impl Strategy<Value = VisitCommand> {
+    let action = prop_oneof![
+        4 => Just(PanelAction::Confirm),
+        1 => (0u8..3).prop_map(PanelAction::Language),
+        1 => Just(PanelAction::Start(SessionMode::Creative)),
+        1 => Just(PanelAction::Start(SessionMode::Constrained { figure: 0 })),
+        1 => Just(PanelAction::Start(SessionMode::Constrained { figure: 9 })),
+        2 => any::<bool>().prop_map(|all| PanelAction::Skip { all }),
+        1 => Just(PanelAction::Finish),
+        1 => Just(PanelAction::PutBack),
+    ];
+    let staff =
+        prop_oneof![Just(StaffCommand::Extend), Just(StaffCommand::End), Just(StaffCommand::Reset)];
+    let set = (0..PlanSetting::ALL.len(), 0u16..4).prop_map(|(setting, value)| VisitCommand::Set {
+        setting: PlanSetting::ALL[setting],
+        value,
+    });
+    prop_oneof![
+        6 => Just(VisitCommand::None),
+        6 => action.prop_map(VisitCommand::Press),
+        2 => staff.prop_map(VisitCommand::Staff),
+        4 => set,
+        1 => Just(VisitCommand::SetStart(SessionMode::Creative)),
+        1 => (0u16..60).prop_map(|seconds| VisitCommand::Away { seconds }),
+        2 => Just(VisitCommand::Exported),
+        1 => (0u32..1 << 27).prop_map(|number| VisitCommand::Badge { number }),
+        1 => Just(VisitCommand::Open),
+    ]
+}
+
+fn any_stretch() -> impl Strategy<Value = Stretch> {
+    let deed = prop_oneof![
+        4 => Just(Deed::Nothing),
+        2 => Just(Deed::Take(BenchItem::Tool(Tool::Rotary).number() as u8)),
+        1 => Just(Deed::Take(BenchItem::Tool(Tool::Rasp).number() as u8)),
+        4 => Just(Deed::Cut),
+        1 => Just(Deed::Undo),
+        1 => Just(Deed::Turn),
+    ];
+    let presence = prop_oneof![
+        4 => Just(Presence::Worn),
+        1 => Just(Presence::Off),
+        1 => Just(Presence::Unknown)
+    ];
+    (1u32..150, presence, any::<bool>(), any_command(), deed).prop_map(
+        |(ticks, presence, is_used, command, deed)| Stretch {
+            ticks,
+            presence,
+            is_used,
+            command,
+            deed,
+        },
+    )
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 96, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// Each tick does what the model's does; afterwards attract is reached whatever came before, and what was sculpted
+    /// was finished.
+    #[test]
+    fn visits_follow_their_model(
+        stretches in prop::collection::vec(any_stretch(), 1..60),
+        length in 0u16..6,
+    ) {
+        let mut exhibition = Exhibition::open(length);
+        for stretch in &stretches {
+            exhibition.run(stretch);
+        }
+        let before = exhibition.finished;
+        let is_due = exhibition.harness.world.visit().is_sculpted()
+            && exhibition.harness.world.session_state() == SessionState::Sculpting;
+        exhibition.leave_for(90);
+        prop_assert_eq!(exhibition.phase(), VisitPhase::Attract);
+        prop_assert!(!is_due || exhibition.finished > before, "a sculpture was lost");
+    }
+}
+
+#[test]
+fn a_visit_goes_from_attract_to_badge_and_back() {
+    let mut exhibition = Exhibition::open(30);
+    exhibition.cut_something();
+    exhibition.do_for(31.0, Deed::Nothing);
+    assert_eq!(exhibition.phase(), VisitPhase::HandsOff);
+    exhibition.do_for(3.0, Deed::Cut);
+    assert_eq!(exhibition.phase(), VisitPhase::Export);
+    assert_eq!(exhibition.harness.world.session_state(), SessionState::Finished);
+    let number = 0x0123_4567 & ((1 << 27) - 1);
+    exhibition.tell(Presence::Worn, VisitCommand::Badge { number });
+    exhibition.tell(Presence::Worn, VisitCommand::Exported);
+    assert_eq!(exhibition.harness.world.visit().badge(), Some(number));
+    exhibition.press(PanelAction::Confirm);
+    assert_eq!(exhibition.phase(), VisitPhase::Badge, "it is shown for ten seconds at least");
+    exhibition.do_for(10.0, Deed::Nothing);
+    exhibition.press(PanelAction::Confirm);
+    assert_eq!(exhibition.phase(), VisitPhase::Thanks);
+    exhibition.leave_for(5);
+    assert_eq!(exhibition.phase(), VisitPhase::Attract);
+    assert_eq!(exhibition.finished, 1);
+    let way = [2, 3, 4, 5, 6, 7, 8, 9, 1].map(|number| VisitPhase::ALL[number]);
+    assert_eq!(exhibition.phases[1..], way);
+}
+
+/// Without a press the times lead on, and what stands is taken.
+#[test]
+fn who_presses_nothing_sculpts_all_the_same() {
+    let mut exhibition = Exhibition::open(600);
+    exhibition.tell(Presence::Worn, VisitCommand::None);
+    for (seconds, phase) in
+        [(20, VisitPhase::Welcome), (45, VisitPhase::Choice), (60, VisitPhase::Guided)]
+    {
+        assert_eq!(exhibition.phase(), phase);
+        exhibition.do_for(seconds as f32 - 0.5, Deed::Nothing);
+        assert_eq!(exhibition.phase(), phase, "{seconds} s are not over");
+        exhibition.do_for(0.5, Deed::Nothing);
+    }
+    assert_eq!(exhibition.phase(), VisitPhase::Sculpting);
+    assert_eq!(exhibition.harness.world.mode(), SessionMode::FreeForm);
+    assert_eq!(exhibition.harness.world.visit().working_hand(), 1);
+}
+
+#[test]
+fn the_guided_steps_end_when_they_are_done() {
+    let mut exhibition = Exhibition::open(0);
+    exhibition.tell(Presence::Worn, VisitCommand::None);
+    exhibition.press(PanelAction::Confirm);
+    exhibition.press(PanelAction::Confirm);
+    let step = |exhibition: &Exhibition| exhibition.harness.world.visit().guide_step();
+    assert_eq!(step(&exhibition), GuideStep::TakeTool);
+    exhibition.do_for(0.05, Deed::Take(BenchItem::Tool(Tool::Rotary).number() as u8));
+    assert_eq!(step(&exhibition), GuideStep::Touch);
+    exhibition.do_for(0.5, Deed::Cut);
+    assert_eq!(step(&exhibition), GuideStep::Smooth, "touched and cut");
+    exhibition.press(PanelAction::Skip { all: false });
+    assert_eq!(step(&exhibition), GuideStep::Undo);
+    exhibition.do_for(0.02, Deed::Undo);
+    assert_eq!(step(&exhibition), GuideStep::TurnStool);
+    exhibition.do_for(0.02, Deed::Turn);
+    assert_eq!(exhibition.phase(), VisitPhase::Sculpting);
+}
+
+#[test]
+fn what_was_sculpted_is_kept_when_the_visitor_goes_and_nothing_is_kept_of_nothing() {
+    let mut exhibition = Exhibition::open(600);
+    exhibition.cut_something();
+    exhibition.leave_for(44);
+    assert_eq!(exhibition.phase(), VisitPhase::Sculpting);
+    exhibition.leave_for(2);
+    assert_eq!(exhibition.phase(), VisitPhase::HandsOff);
+    assert!(exhibition.harness.world.visit().is_left());
+    exhibition.leave_for(9);
+    assert_eq!((exhibition.finished, exhibition.phase()), (1, VisitPhase::Handover));
+    exhibition.tell(Presence::Worn, VisitCommand::None);
+    assert_eq!(exhibition.phase(), VisitPhase::Welcome, "the next one doesn't wait");
+    exhibition.press(PanelAction::Confirm);
+    exhibition.press(PanelAction::Confirm);
+    exhibition.leave_for(10);
+    assert_eq!((exhibition.finished, exhibition.phase()), (1, VisitPhase::Attract));
+    // Asleep, and back a minute later: another visitor.
+    exhibition.cut_something();
+    exhibition.tell(Presence::Worn, VisitCommand::Away { seconds: 60 });
+    assert_eq!(exhibition.phase(), VisitPhase::HandsOff);
+}
+
+#[test]
+fn the_staff_extends_ends_and_resets() {
+    let mut exhibition = Exhibition::open(30);
+    exhibition.cut_something();
+    exhibition.tell(Presence::Worn, VisitCommand::Staff(StaffCommand::Extend));
+    exhibition.do_for(85.0, Deed::Nothing);
+    assert_eq!(exhibition.phase(), VisitPhase::Sculpting);
+    exhibition.do_for(6.0, Deed::Nothing);
+    assert_eq!(exhibition.phase(), VisitPhase::HandsOff);
+    exhibition.tell(Presence::Worn, VisitCommand::Staff(StaffCommand::Extend));
+    assert_eq!(exhibition.phase(), VisitPhase::Sculpting, "a minute more, though it was over");
+    exhibition.tell(Presence::Worn, VisitCommand::Staff(StaffCommand::End));
+    assert_eq!(exhibition.phase(), VisitPhase::HandsOff);
+    exhibition.tell(Presence::Worn, VisitCommand::Staff(StaffCommand::Extend));
+    exhibition.tell(Presence::Worn, VisitCommand::Staff(StaffCommand::Reset));
+    exhibition.do_for(4.0, Deed::Nothing);
+    assert!(exhibition.finished == 1, "a reset keeps what was sculpted");
+}
+
+/// A save in the middle of a visit goes on as if uninterrupted.
+#[test]
+fn a_visit_goes_on_from_its_save() {
+    let mut exhibition = Exhibition::open(40);
+    exhibition.cut_something();
+    exhibition.do_for(7.0, Deed::Nothing);
+    let mut save = vec![0; max_save_bytes(N, 1)];
+    let len = exhibition.harness.world.save(&mut save);
+    save.truncate(len);
+    let run = |exhibition: &mut Exhibition| -> Vec<u64> {
+        let input = TickInput {
+            visit: VisitInput { presence: Presence::Worn, is_used: true, ..VisitInput::default() },
+            ..TickInput::default()
+        };
+        let ticks = 0..50 * TICK_RATE;
+        let digest = |_| {
+            exhibition.harness.step(&input);
+            exhibition.harness.world.digest()
+        };
+        ticks.map(digest).collect()
+    };
+    let uninterrupted = run(&mut exhibition);
+    assert_eq!(exhibition.phase(), VisitPhase::Export);
+    exhibition.harness.world.load(&save).expect("it was just written");
+    assert!(run(&mut exhibition) == uninterrupted);
+}
+
+/// With hands off, what floats falls before the sculpture is final, though a stroke could be done again, which has
+/// islands wait otherwise; and a hand that goes on cuts nothing.
+#[test]
+fn what_floats_falls_before_the_sculpture_is_final() {
+    let mut exhibition = Exhibition::open(600);
+    let side = N as i32;
+    let mut volume = DenseVolume::empty(N);
+    for (x, y, z) in
+        (0..side).flat_map(|x| (0..side).flat_map(move |y| (0..side).map(move |z| (x, y, z))))
+    {
+        let is_ground = y < side / 2;
+        let floats = (2..5).contains(&x) && (2..5).contains(&z) && (24..27).contains(&y);
+        volume.set([x, y, z], is_ground || floats);
+    }
+    exhibition.harness.reset_to_voxels(&volume, &DenseVolume::empty(N));
+    exhibition.model = VisitModel::closed();
+    exhibition.tell(Presence::Off, VisitCommand::Open);
+    let floats =
+        |exhibition: &Exhibition| exhibition.harness.world.volume().maps().contains([3, 25, 3]);
+    exhibition.tell(Presence::Worn, VisitCommand::None);
+    exhibition.press(PanelAction::Confirm);
+    exhibition.press(PanelAction::Confirm);
+    exhibition.press(PanelAction::Skip { all: true });
+    exhibition.do_for(0.05, Deed::Take(BenchItem::Tool(Tool::Rotary).number() as u8));
+    exhibition.do_for(0.5, Deed::Cut);
+    // The pass that this calls for waits for what can be redone.
+    exhibition.do_for(0.02, Deed::Undo);
+    let undone = exhibition.harness.world.undo_counts();
+    assert!(undone.redoable > 0, "{undone:?}");
+    exhibition.press(PanelAction::Finish);
+    exhibition.do_for(2.0, Deed::Cut);
+    assert_eq!(exhibition.phase(), VisitPhase::HandsOff);
+    exhibition.do_for(2.0, Deed::Cut);
+    assert_eq!(exhibition.phase(), VisitPhase::Export);
+    assert!(!floats(&exhibition), "a piece floats in the print");
+}
