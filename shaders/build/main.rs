@@ -1,5 +1,6 @@
-//! Makes what the renderer needs at build time: shader programs and the studio's meshes.
+//! Makes what the renderer needs at build time: shader programs, the studio's meshes, the panels' texts and atlas.
 
+mod atlas;
 #[path = "../src/twin/bvh.rs"]
 mod bvh;
 #[allow(dead_code, unreachable_pub)] // the programs and the twin use the rest
@@ -14,6 +15,7 @@ mod mesh;
 mod meshes;
 mod programs;
 mod shared;
+mod text;
 mod words;
 
 fn main() {
@@ -24,4 +26,5 @@ fn main() {
     println!("cargo::rerun-if-changed=src/twin/harmonics.rs");
     programs::write_programs(&out);
     meshes::write_meshes(&out);
+    text::write_texts(&out);
 }

@@ -131,6 +131,23 @@ pub const AMBIENT_HARMONICS: [[f32; 3]; 9] = [
     [0.054978, 0.062660, 0.079494],
 ];
 
+/// Distances that the panels' atlas tells, either way, in texels: enough for pixels as wide as four texels.
+pub const PANEL_REACH_TEXELS: f32 = 2.0;
+/// Height of a capital letter in the atlas, in texels: a pixel each on a headset of 20 pixels a degree.
+pub const PANEL_CAPITAL_TEXELS: f32 = 23.0;
+/// Side of a pictogram or icon in the atlas, in texels.
+pub const PANEL_PICTURE_TEXELS: f32 = 48.0;
+/// Length of a badge's rim in the atlas, in texels.
+pub const PANEL_RIM_TEXELS: f32 = 128.0;
+/// Kinds of a panel's quads: a rounded box.
+pub const PANEL_BOX: u32 = 0;
+/// What the atlas has the shape of.
+pub const PANEL_SHAPE: u32 = 1;
+/// A part of a ring.
+pub const PANEL_RING: u32 = 2;
+/// How far a quad reaches beyond its shape, in millimetres, so that its edge has room to be smooth.
+pub const PANEL_QUAD_MARGIN: f32 = 3.0;
+
 /// Texels along a side of the noise texture; a power of two.
 pub const NOISE_TEXELS: usize = 64;
 /// Noise lattice cells along a side of the texture, which is its period.
