@@ -3,6 +3,7 @@
 //! - [`twin`]: the CPU's pictures, the reference that a GPU's pictures are compared with.
 //! - [`field`]: the textures that the fast path marches, kept up to date where the volume changed.
 //! - [`scene`]: the studio as data: which meshes stand where, in which light.
+//! - [`panel`]: panels of text and pictures in the room, with their texts and layouts.
 //! - [`gpu`]: the Vulkan renderer of all that.
 //!
 //! Inside the volume lengths are voxels; outside, the twin's studio measures in sides of the cube
@@ -12,6 +13,7 @@ pub mod constants;
 pub mod field;
 pub mod gpu;
 pub mod limits;
+pub mod panel;
 pub mod scene;
 pub mod twin;
 pub mod upload;

@@ -44,3 +44,10 @@ pub const MAP_INTERVALS: usize = 2;
 /// Samples along each axis of the grid by which the place of a removed island is told. One bit
 /// each: 4 KiB.
 pub const LATTICE: usize = 32;
+
+/// Quads of a frame's panels: a panel full of text has 400, a keypad with its buttons 100; a clock and a warning beside
+/// them, and room for twice that. 92 bytes each.
+pub const PANEL_QUADS: usize = 1024;
+
+/// Panels of a frame: what is asked, the clock, a warning, the staff's; more are left out.
+pub const PANELS: usize = 8;

@@ -1,0 +1,239 @@
+//! Buttons: rectangles of a panel with a label, a picture and a state. What pressing one does is the caller's.
+
+use glam::Vec2;
+use paros_core::badge::Pictogram;
+
+use super::font::Icon;
+use super::layout::palette;
+use super::message::{Language, Message};
+use super::model::{BoxStyle, LINE_HEIGHT, Panel, PanelColor, TextAlign, TextStyle};
+use super::pose::PanelRect;
+
+/// A picture of the atlas.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum PanelPicture {
+    /// Of the interface.
+    Icon(Icon),
+    /// Of a badge.
+    Pictogram(Pictogram),
+}
+
+/// How a button looks.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub enum ButtonState {
+    /// Nobody points at it.
+    #[default]
+    Idle,
+    /// A hand, ray or cursor is on it.
+    Hot,
+    /// It is being pressed.
+    Pressed,
+    /// It is what was chosen.
+    Chosen,
+    /// It can't be pressed.
+    Off,
+}
+
+/// A button.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct PanelButton<'a> {
+    /// The caller's number.
+    pub id: u16,
+    /// Where it is.
+    pub rect: PanelRect,
+    /// Its text.
+    pub label: Option<ButtonLabel<'a>>,
+    /// Its picture: left of the text, or over it where the button is high.
+    pub picture: Option<PanelPicture>,
+    /// How it looks.
+    pub state: ButtonState,
+    /// Whether it is the one that leads on.
+    pub is_primary: bool,
+}
+
+/// A button's text.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum ButtonLabel<'a> {
+    /// In the panel's language.
+    Message(Message),
+    /// In a language of its own.
+    MessageIn(Message, Language),
+    /// As it stands, as a digit.
+    Text(&'a str),
+}
+
+/// A button is a card, its picture over its text, from this height on, in millimetres.
+const CARD_HEIGHT: f32 = 180.0;
+
+/// The number of the button at a point of a panel: the last one that has it and isn't off.
+#[must_use]
+pub fn find_button(buttons: &[PanelButton<'_>], at_mm: Vec2) -> Option<u16> {
+    let at =
+        |button: &&PanelButton<'_>| button.state != ButtonState::Off && button.rect.contains(at_mm);
+    buttons.iter().rev().find(at).map(|button| button.id)
+}
+
+impl<'a> PanelButton<'a> {
+    /// An idle one with a message.
+    #[must_use]
+    pub const fn new(id: u16, rect: PanelRect, message: Message) -> Self {
+        PanelButton {
+            id,
+            rect,
+            label: Some(ButtonLabel::Message(message)),
+            picture: None,
+            state: ButtonState::Idle,
+            is_primary: false,
+        }
+    }
+
+    /// The same with an icon.
+    #[must_use]
+    pub const fn with_icon(self, icon: Icon) -> Self {
+        PanelButton { picture: Some(PanelPicture::Icon(icon)), ..self }
+    }
+
+    /// The same with another label.
+    #[must_use]
+    pub const fn with_label(self, label: ButtonLabel<'a>) -> Self {
+        PanelButton { label: Some(label), ..self }
+    }
+
+    /// The same in a state.
+    #[must_use]
+    pub const fn in_state(self, state: ButtonState) -> Self {
+        PanelButton { state, ..self }
+    }
+
+    /// The same as the one that leads on.
+    #[must_use]
+    pub const fn primary(self) -> Self {
+        PanelButton { is_primary: true, ..self }
+    }
+
+    /// The colours of its ground, its outline and what is on it.
+    const fn colors(&self) -> [PanelColor; 3] {
+        match (self.state, self.is_primary) {
+            (ButtonState::Off, _) => [palette::GROUND, palette::LINE, palette::FAINT],
+            (ButtonState::Chosen, _) => [palette::CLAY, palette::CLAY, palette::PLASTER],
+            (ButtonState::Pressed, _) => [palette::CLAY_DARK, palette::CLAY_DARK, palette::PLASTER],
+            (ButtonState::Hot, true) => [palette::CLAY_LIGHT, palette::INK, palette::PLASTER],
+            (ButtonState::Idle, true) => [palette::CLAY, palette::CLAY, palette::PLASTER],
+            (ButtonState::Hot, false) => [palette::SAND_LIGHT, palette::CLAY, palette::INK],
+            (ButtonState::Idle, false) => [palette::SAND, palette::LINE, palette::INK],
+        }
+    }
+
+    /// The text, and its look without alignment.
+    fn text(&self, language: Language, color: PanelColor) -> Option<(&'a str, TextStyle, f32)> {
+        let (text, message) = match self.label? {
+            ButtonLabel::Message(message) => (message.text(language), message),
+            ButtonLabel::MessageIn(message, own) => (message.text(own), message),
+            ButtonLabel::Text(text) => (text, Message::Begin),
+        };
+        let place = message.place().style();
+        Some((text, place.colored(color, TextAlign::Middle), place.width_mm))
+    }
+}
+
+impl Panel {
+    /// Adds a button.
+    pub fn add_button(&mut self, language: Language, button: &PanelButton<'_>) {
+        let PanelButton { rect, .. } = *button;
+        let [fill, outline, ink] = button.colors();
+        let is_card = rect.height >= CARD_HEIGHT;
+        let radius_mm = if is_card { 22.0 } else { 18.0 };
+        let outline_mm = match button.state {
+            ButtonState::Hot => 5.0,
+            _ => 2.0,
+        };
+        self.add_box(
+            rect,
+            &BoxStyle { radius_mm, fill, outline, outline_mm, ..BoxStyle::default() },
+        );
+        if is_card {
+            self.add_card_contents(language, button, ink);
+        } else {
+            self.add_row_contents(language, button, ink);
+        }
+    }
+
+    /// Picture over text.
+    fn add_card_contents(&mut self, language: Language, button: &PanelButton<'_>, ink: PanelColor) {
+        let rect = button.rect;
+        let text = button.text(language, ink);
+        let capital = text.map_or(0.0, |(_, style, _)| style.capital_mm);
+        let room = if text.is_some() { capital * (1.0 + LINE_HEIGHT) + 46.0 } else { 0.0 };
+        let side = (rect.height - room - 40.0).min(rect.width - 60.0);
+        let picture = PanelRect::new(rect.middle().x - 0.5 * side, rect.y + 30.0, side, side);
+        self.add_panel_picture(button.picture, picture, ink);
+        if let Some((text, style, width)) = text {
+            let width = width.min(rect.width - 24.0);
+            let middle = rect.y + rect.height - 0.5 * room + 4.0;
+            self.add_paragraph_around(text, Vec2::new(rect.middle().x, middle), width, &style);
+        }
+    }
+
+    /// Picture left of text, both in the middle.
+    fn add_row_contents(&mut self, language: Language, button: &PanelButton<'_>, ink: PanelColor) {
+        let PanelRect { x, width, height, .. } = button.rect;
+        let middle = button.rect.middle();
+        let side = if button.picture.is_some() { (height - 36.0).min(68.0) } else { 0.0 };
+        let Some((text, style, room)) = button.text(language, ink) else {
+            let rect = PanelRect::new(middle.x, middle.y, 0.0, 0.0).grown(0.5 * side);
+            return self.add_panel_picture(button.picture, rect, ink);
+        };
+        let gap = if side > 0.0 { 20.0 } else { 0.0 };
+        let room = room.min(width - side - gap - 32.0);
+        let measure = |line: &str| style.capital_mm * super::font::line_width(line, style.weight);
+        let widest = super::wrap::WrappedLines::new(text, room, measure).map(measure);
+        let widest = widest.fold(0.0, f32::max);
+        let left = x + 0.5 * (width - side - gap - widest);
+        let picture = PanelRect::new(left, middle.y - 0.5 * side, side, side);
+        self.add_panel_picture(button.picture, picture, ink);
+        let at = Vec2::new(left + side + gap + 0.5 * widest, middle.y);
+        self.add_paragraph_around(text, at, room, &style);
+    }
+
+    fn add_panel_picture(
+        &mut self,
+        picture: Option<PanelPicture>,
+        rect: PanelRect,
+        color: PanelColor,
+    ) {
+        match picture {
+            Some(PanelPicture::Icon(icon)) => self.add_icon(icon, rect, color),
+            Some(PanelPicture::Pictogram(pictogram)) => self.add_pictogram(pictogram, rect, color),
+            None => {}
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_point_finds_the_last_button_that_has_it() {
+        let at = |id, x, state| {
+            PanelButton::new(id, PanelRect::new(x, 10.0, 100.0, 50.0), Message::Begin)
+                .in_state(state)
+        };
+        let buttons = [
+            at(7, 0.0, ButtonState::Idle),
+            at(8, 80.0, ButtonState::Chosen),
+            at(9, 300.0, ButtonState::Off),
+        ];
+        for (x, y, found) in [
+            (50.0, 30.0, Some(7)),
+            (90.0, 30.0, Some(8)),
+            (180.0, 60.0, Some(8)),
+            (181.0, 60.0, None),
+            (50.0, 9.0, None),
+            (320.0, 30.0, None),
+            (f32::NAN, 30.0, None),
+        ] {
+            assert_eq!(find_button(&buttons, Vec2::new(x, y)), found, "{x}, {y}");
+        }
+    }
+}

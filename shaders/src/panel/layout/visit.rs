@@ -1,0 +1,213 @@
+//! Welcome, choice, first cut and clock.
+
+use glam::Vec2;
+
+use super::{add_medallion, add_title, begin_panel, palette};
+use crate::panel::button::{ButtonLabel, PanelButton};
+use crate::panel::font::{FontWeight, Icon};
+use crate::panel::message::{FillingValue, Language, Message};
+use crate::panel::model::{Panel, PanelColor, TextAlign, TextStyle};
+use crate::panel::pose::PanelRect;
+
+const WELCOME_SIZE: [f32; 2] = [1080.0, 720.0];
+
+/// The buttons of the welcome: English, Greek; left, right; sitting, standing; begin. Numbered from `first_id` on.
+#[must_use]
+pub const fn welcome_buttons(first_id: u16) -> [PanelButton<'static>; 7] {
+    const fn at(column: u16, row: u16) -> PanelRect {
+        PanelRect::new(390.0 + 325.0 * column as f32, 176.0 + 122.0 * row as f32, 305.0, 100.0)
+    }
+    const fn name(language: Language) -> ButtonLabel<'static> {
+        ButtonLabel::MessageIn(Message::LanguageName, language)
+    }
+    let id = first_id;
+    [
+        PanelButton::new(id, at(0, 0), Message::LanguageName).with_label(name(Language::English)),
+        PanelButton::new(id + 1, at(1, 0), Message::LanguageName).with_label(name(Language::Greek)),
+        PanelButton::new(id + 2, at(0, 1), Message::LeftHand).with_icon(Icon::LeftHand),
+        PanelButton::new(id + 3, at(1, 1), Message::RightHand).with_icon(Icon::RightHand),
+        PanelButton::new(id + 4, at(0, 2), Message::Seated).with_icon(Icon::Seat),
+        PanelButton::new(id + 5, at(1, 2), Message::Standing).with_icon(Icon::Standing),
+        PanelButton::new(id + 6, PanelRect::new(360.0, 574.0, 360.0, 106.0), Message::Begin)
+            .primary(),
+    ]
+}
+
+/// Welcome: language, hand, seated or standing.
+pub fn draw_welcome(panel: &mut Panel, language: Language, buttons: &[PanelButton<'_>]) {
+    begin_panel(panel, WELCOME_SIZE);
+    add_title(panel, language, Message::WelcomeTitle, 104.0);
+    let questions = [Message::WelcomeLanguage, Message::WelcomeHand, Message::WelcomePosture];
+    for (row, question) in questions.into_iter().enumerate() {
+        let middle = 226.0 + 122.0 * row as f32;
+        add_question(panel, language, question, Vec2::new(56.0, middle));
+    }
+    add_buttons(panel, language, buttons);
+}
+
+/// A question in one line or two, around the height of its point.
+fn add_question(panel: &mut Panel, language: Language, question: Message, at: Vec2) {
+    let style = question.place().style().colored(palette::INK, TextAlign::Left);
+    let width = question.place().style().width_mm;
+    panel.add_paragraph_around(question.text(language), at, width, &style);
+}
+
+pub(super) fn add_buttons(panel: &mut Panel, language: Language, buttons: &[PanelButton<'_>]) {
+    for button in buttons {
+        panel.add_button(language, button);
+    }
+}
+
+/// Cards of a choice: an icon and a text each, numbered from `first_id` on, in one row or two.
+#[must_use]
+pub fn choice_buttons(first_id: u16, cards: &[(Message, Icon)]) -> Vec<PanelButton<'static>> {
+    let (columns, _) = choice_grid(cards.len());
+    let [width, _] = choice_size(cards.len());
+    let card = |(k, &(message, icon)): (usize, &(Message, Icon))| {
+        let (column, row) = (k % columns, k / columns);
+        // A last row that isn't full stands in the middle.
+        let in_row = (cards.len() - row * columns).min(columns);
+        let left = 0.5 * (width - in_row as f32 * CARD[0] - (in_row - 1) as f32 * CARD_GAP);
+        let rect = PanelRect::new(
+            left + column as f32 * (CARD[0] + CARD_GAP),
+            CARDS_TOP + row as f32 * (CARD[1] + CARD_GAP),
+            CARD[0],
+            CARD[1],
+        );
+        PanelButton::new(first_id + k as u16, rect, message).with_icon(icon)
+    };
+    cards.iter().enumerate().map(card).collect()
+}
+
+const CARD: [f32; 2] = [296.0, 320.0];
+const CARD_GAP: f32 = 22.0;
+const CARDS_TOP: f32 = 216.0;
+
+/// Columns and rows of so many cards.
+const fn choice_grid(cards: usize) -> (usize, usize) {
+    let columns = if cards <= 4 { cards } else { cards.div_ceil(2) };
+    let columns = if columns == 0 { 1 } else { columns };
+    (columns, if cards > columns { 2 } else { 1 })
+}
+
+fn choice_size(cards: usize) -> [f32; 2] {
+    let (columns, rows) = choice_grid(cards);
+    let width = columns as f32 * (CARD[0] + CARD_GAP) - CARD_GAP + 88.0;
+    [width.max(1000.0), CARDS_TOP + rows as f32 * (CARD[1] + CARD_GAP) + 22.0]
+}
+
+/// A choice between cards: a title, and what to do.
+pub fn draw_choice(
+    panel: &mut Panel,
+    language: Language,
+    title: Message,
+    cards: &[PanelButton<'_>],
+) {
+    begin_panel(panel, choice_size(cards.len()));
+    add_title(panel, language, title, 98.0);
+    let middle = Vec2::new(0.5 * panel.size_mm()[0], 182.0);
+    let soft = (palette::SOFT_INK, TextAlign::Middle);
+    panel.add_message(Message::ChoiceBody, (language, &[]), middle, soft);
+    add_buttons(panel, language, cards);
+}
+
+/// A step of the first cut.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Guide {
+    /// What to do.
+    pub instruction: Message,
+    /// A picture of it.
+    pub icon: Icon,
+    /// Its number, from 1.
+    pub step: u32,
+    /// How many there are.
+    pub steps: u32,
+    /// How much of it is done, 0 to 1.
+    pub progress: f32,
+}
+
+const GUIDE_SIZE: [f32; 2] = [1000.0, 450.0];
+
+/// The button of a guide, which skips it.
+#[must_use]
+pub const fn guide_buttons(id: u16) -> [PanelButton<'static>; 1] {
+    [PanelButton::new(id, PanelRect::new(664.0, 326.0, 290.0, 88.0), Message::Skip)]
+}
+
+/// A step of the first cut: its picture, what to do, how far it is.
+pub fn draw_guide(
+    panel: &mut Panel,
+    language: Language,
+    guide: &Guide,
+    buttons: &[PanelButton<'_>],
+) {
+    begin_panel(panel, GUIDE_SIZE);
+    let heading = (palette::CLAY, TextAlign::Left);
+    panel.add_message(Message::GuideTitle, (language, &[]), Vec2::new(46.0, 84.0), heading);
+    let count = (palette::SOFT_INK, TextAlign::Right);
+    let [step, steps] = [guide.step, guide.steps].map(FillingValue::Number);
+    let fillings = [("step", step), ("steps", steps)];
+    panel.add_message(Message::GuideStep, (language, &fillings), Vec2::new(954.0, 84.0), count);
+    add_medallion(panel, guide.icon, Vec2::new(131.0, 208.0), 85.0, palette::CLAY);
+    let style = guide.instruction.place().style().colored(palette::INK, TextAlign::Left);
+    let width = guide.instruction.place().style().width_mm;
+    let text = guide.instruction.text(language);
+    panel.add_paragraph_around(text, Vec2::new(262.0, 208.0), width, &style);
+    add_steps(panel, guide);
+    add_buttons(panel, language, buttons);
+}
+
+/// A dash for each step: full for those done.
+fn add_steps(panel: &mut Panel, guide: &Guide) {
+    let steps = guide.steps.clamp(1, 12);
+    let (left, room, gap) = (46.0, 560.0, 12.0);
+    let width = (room - gap * (steps - 1) as f32) / steps as f32;
+    for k in 0..steps {
+        let part = match k + 1 {
+            number if number < guide.step => 1.0,
+            number if number == guide.step => guide.progress,
+            _ => 0.0,
+        };
+        let rect = PanelRect::new(left + (width + gap) * k as f32, 362.0, width, 16.0);
+        panel.add_progress_bar(rect, part, [palette::LINE, palette::OLIVE]);
+    }
+}
+
+/// The clock of a visit: a ring, and minutes and seconds; and a warning under it.
+pub fn draw_clock(
+    panel: &mut Panel,
+    language: Language,
+    [seconds_left, seconds]: [u32; 2],
+    warning: Option<Message>,
+) {
+    let height = if warning.is_some() { 326.0 } else { 190.0 };
+    begin_panel(panel, [560.0, height]);
+    let color = time_color(seconds_left);
+    let middle = Vec2::new(100.0, 96.0);
+    let part = seconds_left as f32 / seconds.max(1) as f32;
+    panel.add_ring(middle, [66.0, 15.0], 1.0, palette::LINE);
+    panel.add_ring(middle, [66.0, 15.0], part, color);
+    let icon = PanelRect::new(middle.x, middle.y, 0.0, 0.0).grown(31.0);
+    panel.add_icon(Icon::Hourglass, icon, color);
+    let label = (palette::SOFT_INK, TextAlign::Left);
+    panel.add_message(Message::ClockLeft, (language, &[]), Vec2::new(196.0, 70.0), label);
+    let digits =
+        TextStyle { weight: FontWeight::Bold, capital_mm: 54.0, color, align: TextAlign::Left };
+    let (minutes, rest) = (seconds_left / 60, seconds_left % 60);
+    panel.add_written_line(format_args!("{minutes}:{rest:02}"), Vec2::new(194.0, 150.0), &digits);
+    if let Some(warning) = warning {
+        let style = warning.place().style().colored(color, TextAlign::Middle);
+        let width = warning.place().style().width_mm;
+        let at = Vec2::new(280.0, 250.0);
+        panel.add_paragraph_around(warning.text(language), at, width, &style);
+    }
+}
+
+/// The colour of the time that is left: amber for the last two minutes, red for the last thirty seconds.
+const fn time_color(seconds_left: u32) -> PanelColor {
+    match seconds_left {
+        0..=30 => palette::RED,
+        31..=120 => palette::AMBER,
+        _ => palette::OLIVE,
+    }
+}

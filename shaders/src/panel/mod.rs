@@ -1,0 +1,20 @@
+//! Panels in the room: texts, icons and boxes, laid out in code, drawn by the GPU and by its CPU twin from the same list
+//! of quads, for the window and the headset.
+//!
+//! It knows texts, sizes and colours, and where a ray meets a panel; not what a button does, nor when it is shown.
+
+pub mod button;
+mod font;
+pub mod layout;
+mod message;
+mod model;
+mod pose;
+mod quad;
+mod wrap;
+
+pub use button::{ButtonState, PanelButton, PanelPicture, find_button};
+pub use font::{ATLAS_SIZE, FontWeight, Icon, atlas_texels, line_width};
+pub use message::{Filling, FillingValue, Language, Message, PlaceStyle, TextPlace};
+pub use model::{BoxStyle, LINE_HEIGHT, Panel, PanelColor, TextAlign, TextStyle};
+pub use pose::{PanelPoint, PanelPose, PanelRect};
+pub use quad::PanelQuad;
