@@ -14,6 +14,7 @@ pub mod light;
 pub mod marble;
 pub mod march;
 pub mod noise;
+pub mod panels;
 pub mod render;
 pub mod room;
 pub mod studio;

@@ -10,11 +10,13 @@ use super::camera::Camera;
 use super::fragment::{TwinScene, TwinSettings, shade_ray};
 use super::image::Image;
 use super::march::Ray;
+use super::panels::{PixelRay, blend_panels};
 use super::room::{LitRoom, TwinLight};
 use super::{noise, studio};
 use crate::constants::{SRGB_EXPONENT, SRGB_LINEAR_SLOPE, SRGB_OFFSET, TONE_WHITE_POINT};
 use crate::field::DensityField;
 use crate::gpu::{RenderPath, RenderStyle};
+use crate::panel::Panel;
 use crate::scene::{SKY, resting_placement, resting_studio};
 
 /// Size, sampling and path of a picture.
@@ -56,7 +58,7 @@ pub fn render_image<const N: usize, const K: usize>(
     options: &RenderOptions,
     progress: &(dyn Fn(f32) + Sync),
 ) -> Image {
-    render_scene(maps, camera, options, None, progress)
+    render_scene(maps, camera, options, &Surroundings { room: None, panels: &[] }, progress)
 }
 
 /// Renders a sculpture in the lit room, as [`render_image`] does in its studio.
@@ -68,7 +70,26 @@ pub fn render_image_in_room<const N: usize, const K: usize>(
     room: &LitRoom,
     progress: &(dyn Fn(f32) + Sync),
 ) -> Image {
-    render_scene(maps, camera, options, Some(room), progress)
+    render_image_with_panels(maps, camera, options, room, &[], progress)
+}
+
+/// Renders a sculpture in the lit room, as [`render_image_in_room`] does, with panels in it.
+#[must_use]
+pub fn render_image_with_panels<const N: usize, const K: usize>(
+    maps: &RangeMaps<N, K>,
+    camera: &Camera,
+    options: &RenderOptions,
+    room: &LitRoom,
+    panels: &[Panel],
+    progress: &(dyn Fn(f32) + Sync),
+) -> Image {
+    render_scene(maps, camera, options, &Surroundings { room: Some(room), panels }, progress)
+}
+
+/// What a picture shows around the sculpture: the room, or else the studio; and panels in the room.
+struct Surroundings<'a> {
+    room: Option<&'a LitRoom>,
+    panels: &'a [Panel],
 }
 
 /// The studio at rest, in its light.
@@ -84,7 +105,7 @@ fn render_scene<const N: usize, const K: usize>(
     maps: &RangeMaps<N, K>,
     camera: &Camera,
     options: &RenderOptions,
-    room: Option<&LitRoom>,
+    &Surroundings { room, panels }: &Surroundings<'_>,
     progress: &(dyn Fn(f32) + Sync),
 ) -> Image {
     // The camera stands still, so that the stool turns against the azimuth.
@@ -101,7 +122,13 @@ fn render_scene<const N: usize, const K: usize>(
     let row_bytes = 3 * options.width.max(1);
     image.pixels.par_chunks_mut(row_bytes).enumerate().for_each(|(y, row)| {
         for (x, pixel) in row.chunks_exact_mut(3).enumerate() {
-            pixel.copy_from_slice(&encode_srgb(tone_mapped_pixel(&scene, camera, options, [x, y])));
+            pixel.copy_from_slice(&encode_srgb(tone_mapped_pixel(
+                &scene,
+                camera,
+                options,
+                panels,
+                [x, y],
+            )));
         }
         let done = done.fetch_add(1, Ordering::Relaxed) + 1;
         progress(done as f32 / options.height as f32);
@@ -129,6 +156,7 @@ fn tone_mapped_pixel<const N: usize, const K: usize>(
     scene: &TwinScene<'_, N, K>,
     camera: &Camera,
     options: &RenderOptions,
+    panels: &[Panel],
     [x, y]: [usize; 2],
 ) -> Vec3 {
     let samples = options.samples.max(1);
@@ -139,11 +167,31 @@ fn tone_mapped_pixel<const N: usize, const K: usize>(
     for i in 0..samples * samples {
         let px = x as f32 + ((i % samples) as f32 + 0.5) / side;
         let py = y as f32 + ((i / samples) as f32 + 0.5) / side;
-        let ray = camera.ray_through((2.0 * px - width) / height, 1.0 - 2.0 * py / height);
+        let through = |px: f32, py: f32| {
+            camera.ray_through((2.0 * px - width) / height, 1.0 - 2.0 * py / height)
+        };
+        let ray = through(px, py);
         let dither = (turn + i as f32 / (side * side)).fract();
-        sum += tone_map(trace_ray(scene, &ray, dither));
+        let RayColor { radiance, depth } = trace_ray(scene, &ray, dither);
+        let mut color = tone_map(radiance);
+        if let (Some(room), false) = (scene.room, panels.is_empty()) {
+            let next = [through(px + 1.0 / side, py), through(px, py + 1.0 / side)];
+            let ray = PixelRay {
+                origin: room.stand.foot + ray.origin * room.stand.side,
+                direction: ray.direction,
+                to_next: next.map(|next| next.direction - ray.direction),
+            };
+            color = blend_panels(panels, &ray, depth * room.stand.side, color);
+        }
+        sum += color;
     }
     sum / (side * side)
+}
+
+/// What a ray sees: its radiance, and how far away, in sides of the cube.
+struct RayColor {
+    radiance: Vec3,
+    depth: f32,
 }
 
 /// The radiance along a ray: that of the sculpture, or of what surrounds it.
@@ -151,16 +199,18 @@ fn trace_ray<const N: usize, const K: usize>(
     scene: &TwinScene<'_, N, K>,
     ray: &Ray,
     dither: f32,
-) -> Vec3 {
-    let stone = shade_ray(scene, ray, dither);
+) -> RayColor {
+    let far = |radiance| RayColor { radiance, depth: f32::INFINITY };
+    let stone =
+        shade_ray(scene, ray, dither).map(|hit| RayColor { radiance: hit.color, depth: hit.depth });
     let Some(room) = scene.room else {
-        return stone.map_or_else(|| studio::shade_background(scene, ray, dither), |hit| hit.color);
+        return stone.unwrap_or_else(|| far(studio::shade_background(scene, ray, dither)));
     };
     match (stone, room.cast_ray(ray)) {
-        (Some(stone), Some(wall)) if wall.depth < stone.depth => room.shade(scene, &wall),
-        (Some(stone), _) => stone.color,
-        (None, Some(wall)) => room.shade(scene, &wall),
-        (None, None) => Vec3::from_array(SKY),
+        (Some(stone), Some(wall)) if stone.depth <= wall.depth => stone,
+        (_, Some(wall)) => RayColor { radiance: room.shade(scene, &wall), depth: wall.depth },
+        (Some(stone), None) => stone,
+        (None, None) => far(Vec3::from_array(SKY)),
     }
 }
 
@@ -177,7 +227,7 @@ pub(crate) fn tone_map(radiance: Vec3) -> Vec3 {
 }
 
 /// Linear intensity to sRGB bytes (IEC 61966-2-1).
-fn encode_srgb(intensity: Vec3) -> [u8; 3] {
+pub(crate) fn encode_srgb(intensity: Vec3) -> [u8; 3] {
     intensity.to_array().map(|c| {
         let c = c.clamp(0.0, 1.0);
         let encoded = if c <= 0.003_130_8 {

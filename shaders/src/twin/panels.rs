@@ -1,0 +1,89 @@
+//! Panels in the CPU's pictures: rays through their planes, their quads blended one over the other.
+//!
+//! The twin of `wgsl/panel.wgsl`. A pixel's width on a panel comes from the rays of its neighbours, as the program's does.
+
+use glam::{Vec2, Vec3};
+use rayon::prelude::*;
+
+use super::image::Image;
+use super::render::encode_srgb;
+use crate::gpu::Eye;
+use crate::panel::{Panel, PanelRect};
+
+/// How far a panel's shadow reaches beyond it, in millimetres, at the most.
+const BEYOND: f32 = 100.0;
+
+/// A pixel's ray in the room.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PixelRay {
+    /// Metres.
+    pub(crate) origin: Vec3,
+    /// Of any length.
+    pub(crate) direction: Vec3,
+    /// The directions of the pixels to the right and below, less this one's.
+    pub(crate) to_next: [Vec3; 2],
+}
+
+/// Renders panels alone before a linear colour, as an eye sees them: `samples` rays along a side of each pixel.
+#[must_use]
+pub fn render_panels(
+    panels: &[Panel],
+    eye: &Eye,
+    [width, height]: [usize; 2],
+    samples: usize,
+    backdrop: Vec3,
+) -> Image {
+    let tangents = eye.fov_tangents();
+    let turned = |x: f32, y: f32| eye.rotation * Vec3::new(x, y, 0.0);
+    let side = samples.max(1);
+    let columns = (width * side).max(1) as f32;
+    let rows = (height * side).max(1) as f32;
+    let right = turned((tangents.right - tangents.left) / columns, 0.0);
+    let down = turned(0.0, (tangents.down - tangents.up) / rows);
+    let corner = eye.rotation * Vec3::new(tangents.left, tangents.up, -1.0);
+    let color = |x: usize, y: usize| {
+        let direction = corner + right * (x as f32 + 0.5) + down * (y as f32 + 0.5);
+        let ray = PixelRay { origin: eye.position, direction, to_next: [right, down] };
+        blend_panels(panels, &ray, f32::INFINITY, backdrop)
+    };
+    let mut image = Image::filled(width, height, [0; 3]);
+    image.pixels.par_chunks_mut(3 * width.max(1)).enumerate().for_each(|(y, row)| {
+        for (x, pixel) in row.chunks_exact_mut(3).enumerate() {
+            let rays = (0..side * side).map(|i| color(x * side + i % side, y * side + i / side));
+            let mean = rays.sum::<Vec3>() / (side * side) as f32;
+            pixel.copy_from_slice(&encode_srgb(mean));
+        }
+    });
+    image
+}
+
+/// The linear colour along a ray whose picture without panels is `under`, so many metres away.
+pub(crate) fn blend_panels(
+    panels: &[Panel],
+    ray: &PixelRay,
+    depth_limit: f32,
+    under: Vec3,
+) -> Vec3 {
+    panels.iter().fold(under, |under, panel| blend_panel(panel, ray, depth_limit, under))
+}
+
+fn blend_panel(panel: &Panel, ray: &PixelRay, depth_limit: f32, under: Vec3) -> Vec3 {
+    let meet = |direction| panel.pose.intersect_plane(panel.size_mm(), ray.origin, direction);
+    let Some(hit) = meet(ray.direction) else { return under };
+    let near = PanelRect::grown(&panel.rect(), BEYOND);
+    if hit.distance > depth_limit || !near.contains(hit.at_mm) {
+        return under;
+    }
+    let [right, down] = ray
+        .to_next
+        .map(|step| meet(ray.direction + step).map_or(Vec2::ZERO, |next| next.at_mm - hit.at_mm));
+    let pixel_mm = (0.5 * (right.length_squared() + down.length_squared())).sqrt();
+    panel.quads().iter().fold(under, |under, quad| {
+        let at = hit.at_mm - Vec2::from_array(quad.middle);
+        if at.abs().cmpgt(quad.drawn_half()).any() {
+            return under;
+        }
+        let color = quad.color_at(at, pixel_mm.max(1e-6));
+        under.lerp(color.rgb, color.alpha)
+    })
+}
