@@ -114,6 +114,8 @@ fn program_list() -> Vec<ShaderVariant> {
         program("cast_sculpture", "cast", Fragment, &[]).with_def("SCULPTURE"),
         program("overlay_vertex", "overlay", Vertex, &[]),
         program("overlay", "overlay", Fragment, &[]),
+        program("panel_vertex", "panel", Vertex, &[]),
+        program("panel", "panel", Fragment, &[]),
         program("scatter", "scatter", Compute, &[]),
     ];
     for (name, half, coverage) in [

@@ -213,8 +213,10 @@ pub const BINDING_SUN_MAP: u32 = 11;
 pub const BINDING_DEPTH_COMPARE: u32 = 12;
 /// Directions out of the stone.
 pub const BINDING_GRADIENT: u32 = 13;
+/// The panels' atlas.
+pub const BINDING_PANEL_ATLAS: u32 = 14;
 /// How many they are.
-pub const BINDING_COUNT: u32 = 14;
+pub const BINDING_COUNT: u32 = 15;
 /// Bindings of the overlay: its atlas.
 pub const BINDING_ATLAS: u32 = 0;
 /// The sampler of the atlas.

@@ -48,6 +48,3 @@ pub const LATTICE: usize = 32;
 /// Quads of a frame's panels: a panel full of text has 400, a keypad with its buttons 100; a clock and a warning beside
 /// them, and room for twice that. 92 bytes each.
 pub const PANEL_QUADS: usize = 1024;
-
-/// Panels of a frame: what is asked, the clock, a warning, the staff's; more are left out.
-pub const PANELS: usize = 8;

@@ -292,5 +292,12 @@ fn request_frame<'a>(
 ) -> FrameRequest<'a> {
     let RenderSetup { path, drawn, .. } = *setup;
     let style = RenderStyle { path, drawn, ..RenderStyle::default() };
-    FrameRequest { eyes, placement, style, backdrop: paros_headless::BACKDROP, scene: None }
+    FrameRequest {
+        eyes,
+        placement,
+        style,
+        backdrop: paros_headless::BACKDROP,
+        scene: None,
+        panels: &[],
+    }
 }

@@ -144,7 +144,14 @@ fn filled_fraction(
     for view in 0..VIEWS {
         let SculptureView { eye, placement } = ring_view(framing, view, image_size);
         small_renderer.draw_frame(
-            &FrameRequest { eyes: &[eye], placement, style: look, backdrop: NOTHING, scene: None },
+            &FrameRequest {
+                eyes: &[eye],
+                placement,
+                style: look,
+                backdrop: NOTHING,
+                scene: None,
+                panels: &[],
+            },
             &vec![],
         )?;
         let image = small_renderer.read_image(0)?;

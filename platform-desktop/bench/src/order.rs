@@ -62,6 +62,7 @@ where
                     style: RenderStyle::in_studio(RenderPath::Fast),
                     backdrop: SKY,
                     scene: Some(scene.draw_list()),
+                    panels: &[],
                 };
                 for ((order, _), best) in ORDERS.iter().zip(&mut best) {
                     renderer.set_draw_order(*order);

@@ -134,7 +134,8 @@ impl<const N: usize, const K: usize> PictureRenderer<N, K> {
                         (view, RenderStyle::in_studio(*path), SKY, Some(room.draw_list()))
                     }
                 };
-                let request = FrameRequest { eyes: &[eye], placement, style, backdrop, scene };
+                let request =
+                    FrameRequest { eyes: &[eye], placement, style, backdrop, scene, panels: &[] };
                 renderer.draw_frame(&request, &vec![])?;
                 renderer.read_image(0)
             }

@@ -132,7 +132,8 @@ where
     let SculptureView { eye, placement } = view.moved_onto(&room.sculpture_placement());
     let style = RenderStyle::in_studio(RenderPath::Fast);
     let scene = Some(room.draw_list());
-    let request = FrameRequest { eyes: &[eye], placement, style, backdrop: SKY, scene };
+    let request =
+        FrameRequest { eyes: &[eye], placement, style, backdrop: SKY, scene, panels: &[] };
     // The first picture makes what later ones have.
     renderer.draw_frame(&request, &vec![])?;
     let (begun, mut taken) = (Instant::now(), Vec::new());

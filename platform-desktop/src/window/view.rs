@@ -140,7 +140,8 @@ where
             // The panels draw it.
             show_mirror: false,
         };
-        let seen = Viewpoint { eyes: &[params.eye], latest: fresh, render_path: params.path };
+        let seen =
+            Viewpoint { eyes: &[params.eye], latest: fresh, render_path: params.path, panels: &[] };
         self.show.draw_frame(world, &seen, render_target, target.image, target.sync)?;
         // On Wayland this throttles redraw requests to the compositor's frame callbacks.
         window.pre_present_notify();

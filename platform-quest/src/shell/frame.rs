@@ -86,6 +86,7 @@ where
             eyes: &[left.eye, right.eye],
             latest: fresh,
             render_path: self.options.path,
+            panels: &[],
         };
         resources.show.draw_frame(
             world,

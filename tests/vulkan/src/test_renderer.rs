@@ -149,5 +149,6 @@ pub fn metre_wide_sculpture_at_origin(eyes: &[Eye]) -> FrameRequest<'_> {
         style: RenderStyle::default(),
         backdrop: [0.0; 3],
         scene: None,
+        panels: &[],
     }
 }

@@ -67,6 +67,7 @@ fn the_order_shades_less_than_the_others() {
                 style: RenderStyle::in_studio(path),
                 backdrop: SKY,
                 scene: Some(scene.draw_list()),
+                panels: &[],
             };
             let mut draw = |picture: &FrameRequest<'_>, order: SculptureOrder| {
                 test_renderer.renderer.set_sculpture_order(order);

@@ -86,6 +86,7 @@ impl SceneRig {
             },
             style: RenderStyle::in_studio(path),
             scene: with_scene.then(|| scene.draw_list()),
+            panels: &[],
             backdrop: shown,
         })
     }

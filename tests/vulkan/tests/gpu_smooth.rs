@@ -46,6 +46,7 @@ fn measure_coverage(
             style: RenderStyle { path: RenderPath::Fast, ..RenderStyle::default() },
             backdrop: [backdrop; 3],
             scene: None,
+            panels: &[],
         };
         renderer.wait_and_begin_frame().expect("a device");
         renderer

@@ -18,6 +18,7 @@ use paros_shaders::upload::VolumeFormat;
 use paros_shaders::{Image, Ray, TwinScene, TwinSettings, shade_ray};
 use paros_shell::require::require_or_skip;
 use paros_tests_render::view::{build_layered_maps_and_field, build_maps_and_field};
+use paros_tests_vulkan::test_renderer::metre_wide_sculpture_at_origin;
 
 const EXTENT: [u32; 2] = [200, 168];
 const N: usize = 64;
@@ -72,8 +73,7 @@ impl TwinRig {
             eyes: &[eye],
             placement: SculpturePlacement { foot: Vec3::ZERO, side: 1.0, turn_radians: turn },
             style: RenderStyle { path, ..RenderStyle::default() },
-            backdrop: [0.0; 3],
-            scene: None,
+            ..metre_wide_sculpture_at_origin(&[])
         };
         self.renderer.wait_and_begin_frame().expect("a device");
         self.renderer

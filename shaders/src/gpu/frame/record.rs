@@ -1,7 +1,7 @@
 //! Command recording of a frame: shadow map, march starts, then the frame's pass.
 //!
 //! Order within that pass: tools and hands, which occlude much and cost little; the sculpture, which
-//! costs the most; stool, bench and room, mostly occluded by then; and last the particles, blended,
+//! costs the most; stool, bench and room, mostly occluded by then; and last particles and panels, blended,
 //! with depth test and without depth writes. `paros bench render` and the test `gpu_order` measure
 //! other orders.
 
@@ -148,7 +148,28 @@ impl Renderer {
                 self.record_group_of_bound_meshes(commands, scene, DrawGroup::Particles);
             }
             self.overlay.record_draws(commands, target.drawn_extent());
+            self.record_panels(commands, target);
         });
+    }
+
+    /// Records the panels, whose state the overlay has left another's.
+    fn record_panels(&self, commands: vk::CommandBuffer, target: &RenderTarget) {
+        let slot = &self.ring[self.slot_index];
+        if slot.panel_quad_count == 0 {
+            return;
+        }
+        self.bind_graphics_set(commands, target.sets[self.slot_index]);
+        let [width, height] = target.extent;
+        let area = vk::Rect2D { extent: vk::Extent2D { width, height }, ..vk::Rect2D::default() };
+        let device = &self.gpu.device;
+        // SAFETY: the pass is the pipeline's; a strip's four vertices are made from their numbers, and the slot's
+        // buffer has as many quads.
+        unsafe {
+            device.cmd_set_scissor(commands, 0, &[area]);
+            device.cmd_bind_pipeline(commands, GRAPHICS, self.pipelines.panels);
+            device.cmd_bind_vertex_buffers(commands, 1, &[slot.panel_quads()], &[0]);
+            device.cmd_draw(commands, 4, slot.panel_quad_count, 0, 0);
+        }
     }
 
     fn record_part(

@@ -14,6 +14,8 @@ use crate::gpu::device::context::Gpu;
 use crate::gpu::device::error::{Error, ErrorContext};
 use crate::gpu::device::format::TargetFormat;
 use crate::gpu::device::owned::OwnedHandle;
+use crate::gpu::memory::image::GpuImage;
+use crate::gpu::memory::panel_atlas::create_panel_atlas;
 use crate::gpu::memory::staging::FRAME_UPLOAD_BYTES;
 use crate::gpu::memory::textures::SculptureTextures;
 use crate::gpu::passes::fragments::FragmentCounts;
@@ -59,6 +61,7 @@ pub struct Renderer {
     pub(crate) frame: RenderPass,
     pub(crate) pipelines: Pipelines,
     pub(crate) textures: SculptureTextures,
+    panel_atlas: GpuImage,
     /// None without compute writes.
     writer: Option<TexelWriter>,
     pub(crate) meshes: MeshBuffers,
@@ -106,13 +109,7 @@ impl Renderer {
         };
         let pipelines = Pipelines::new(gpu, &format, volume, &passes, cache_data)?;
         let textures = SculptureTextures::new(gpu, volume, carrara::TEXTURE_SIDE as u32)?;
-        let info = vk::CommandPoolCreateInfo::default()
-            .queue_family_index(gpu.queue_family)
-            .flags(vk::CommandPoolCreateFlags::RESET_COMMAND_BUFFER);
-        // SAFETY: the family is the device's.
-        let pool =
-            unsafe { gpu.device.create_command_pool(&info, None) }.could_not("make a pool")?;
-        let pool = OwnedHandle::new(gpu, pool);
+        let pool = create_command_pool(gpu)?;
         let overlay = Overlay::new(gpu, &format, frame.raw, RING, pipelines.cache)?;
         let ring = (0..RING)
             .map(|_| FrameSlot::new(gpu, pool.raw, format.views))
@@ -132,6 +129,7 @@ impl Renderer {
             frame,
             pipelines,
             textures,
+            panel_atlas: create_panel_atlas(gpu)?,
             writer,
             meshes: MeshBuffers::new(gpu)?,
             ring,
@@ -218,6 +216,7 @@ impl Renderer {
             frame: &self.frame,
             pipelines: &self.pipelines,
             textures: &self.textures,
+            panel_atlas: &self.panel_atlas,
             shadow: &self.shadow,
         };
         let views = TargetViews { colors, depths, density_maps };
@@ -311,6 +310,7 @@ impl Renderer {
         if let Some(scene) = request.scene {
             slot.instances.write(0, bytemuck::cast_slice(scene.instances()));
         }
+        slot.write_panels(request.panels);
         let at = self.slot_index;
         self.submit_frame(semaphores, |renderer, commands| {
             renderer.record_shadow_map(commands, request.scene, target.sets[at]);
@@ -379,6 +379,16 @@ impl Renderer {
         self.slot_index = (self.slot_index + 1) % RING;
         Ok(())
     }
+}
+
+/// Creates a pool of command buffers that are recorded anew each frame.
+fn create_command_pool(gpu: &Arc<Gpu>) -> Result<OwnedHandle<vk::CommandPool>, Error> {
+    let info = vk::CommandPoolCreateInfo::default()
+        .queue_family_index(gpu.queue_family)
+        .flags(vk::CommandPoolCreateFlags::RESET_COMMAND_BUFFER);
+    // SAFETY: the family is the device's.
+    let pool = unsafe { gpu.device.create_command_pool(&info, None) }.could_not("make a pool")?;
+    Ok(OwnedHandle::new(gpu, pool))
 }
 
 impl Drop for Renderer {

@@ -4,6 +4,7 @@ use glam::{Mat4, Quat, Vec3, Vec4};
 
 use crate::constants::{AMBIENT_HARMONICS, SUN_COLOR, SUN_DIRECTION};
 use crate::gpu::pipelines::paths::{Drawn, RenderPath};
+use crate::panel::Panel;
 use crate::scene::SculpturePlacement;
 use crate::scene::{DrawList, ROOM_AMBIENT};
 
@@ -122,6 +123,8 @@ pub struct FrameRequest<'a> {
     /// The room and its contents; None draws the sculpture alone, without shadows from or on anything
     /// else.
     pub scene: Option<&'a DrawList>,
+    /// Panels in the room, each drawn over those before it.
+    pub panels: &'a [Panel],
     /// Linear colour of what nothing covers.
     pub backdrop: [f32; 3],
 }

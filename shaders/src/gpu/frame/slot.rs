@@ -12,7 +12,9 @@ use crate::gpu::memory::staging::Staging;
 use crate::gpu::passes::fragments::FragmentQueries;
 use crate::gpu::passes::timers::TimestampQueries;
 use crate::gpu::pipelines::layout::FrameUniforms;
-use crate::limits::INSTANCES;
+use crate::gpu::pipelines::panel_instance::PanelInstance;
+use crate::limits::{INSTANCES, PANEL_QUADS};
+use crate::panel::Panel;
 use crate::scene::MeshInstance;
 
 /// One frame of the ring.
@@ -24,6 +26,9 @@ pub(crate) struct FrameSlot {
     pub(crate) uniform: Buffer,
     /// The scene's mesh instances.
     pub(crate) instances: Buffer,
+    /// Quads of the frame's panels, and how many they are.
+    panel_quads: Buffer,
+    pub(crate) panel_quad_count: u32,
     pub(crate) staging: Staging,
     pub(crate) timers: TimestampQueries,
     pub(crate) counters: FragmentQueries,
@@ -51,10 +56,27 @@ impl FrameSlot {
             is_submitted: false,
             uniform: Buffer::new(gpu, size_of::<FrameUniforms>(), uniform)?,
             instances: Buffer::new(gpu, INSTANCES * size_of::<MeshInstance>(), vertices)?,
+            panel_quads: Buffer::new(gpu, PANEL_QUADS * size_of::<PanelInstance>(), vertices)?,
+            panel_quad_count: 0,
             staging: Staging::new(gpu)?,
             timers: TimestampQueries::new(gpu)?,
             counters: FragmentQueries::new(gpu, views)?,
             has_picture: false,
         })
+    }
+
+    /// Writes the quads of panels, as many as a frame draws.
+    pub(crate) fn write_panels(&mut self, panels: &[Panel]) {
+        self.panel_quad_count = 0;
+        for quad in panels.iter().flat_map(PanelInstance::of_panel).take(PANEL_QUADS) {
+            let at = self.panel_quad_count as usize * size_of::<PanelInstance>();
+            self.panel_quads.write(at, bytemuck::bytes_of(&quad));
+            self.panel_quad_count += 1;
+        }
+    }
+
+    /// The buffer of the panels' quads.
+    pub(crate) const fn panel_quads(&self) -> vk::Buffer {
+        self.panel_quads.raw
     }
 }

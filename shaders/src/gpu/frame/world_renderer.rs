@@ -14,6 +14,7 @@ use crate::gpu::device::error::Error;
 use crate::gpu::device::format::TargetFormat;
 use crate::gpu::passes::target::RenderTarget;
 use crate::gpu::pipelines::paths::RenderPath;
+use crate::panel::Panel;
 use crate::scene::{LatestInput, SKY, SceneAssembler};
 use crate::twin::render::tone_map;
 use crate::upload::VolumeFormat;
@@ -44,6 +45,8 @@ pub struct Viewpoint<'a> {
     pub latest: LatestInput,
     /// The sculpture's render path.
     pub render_path: RenderPath,
+    /// Panels in the room.
+    pub panels: &'a [Panel],
 }
 
 impl<const N: usize, const K: usize> WorldRenderer<N, K>
@@ -123,6 +126,7 @@ where
                 .lighting_a_find(self.scene.found_part()),
             backdrop: tone_map(Vec3::from_array(SKY)).to_array(),
             scene: Some(self.scene.draw_list()),
+            panels: viewpoint.panels,
         };
         self.renderer.draw_frame(&request, target, image_index, semaphores)
     }

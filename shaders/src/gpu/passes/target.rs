@@ -10,8 +10,8 @@ use super::shadow_map::ShadowMap;
 use crate::constants::{
     BEAM_PIXELS, BINDING_BEAM_STARTS, BINDING_CELLS, BINDING_CLAMPED, BINDING_DENSITY,
     BINDING_DEPTH_COMPARE, BINDING_FRAME, BINDING_GRADIENT, BINDING_MAPS, BINDING_MARBLE,
-    BINDING_NEAREST, BINDING_NOISE, BINDING_REPEAT, BINDING_SUN_MAP, BINDING_TILE_STARTS,
-    TILE_PIXELS,
+    BINDING_NEAREST, BINDING_NOISE, BINDING_PANEL_ATLAS, BINDING_REPEAT, BINDING_SUN_MAP,
+    BINDING_TILE_STARTS, TILE_PIXELS,
 };
 use crate::gpu::device::context::Gpu;
 use crate::gpu::device::error::{Error, ErrorContext};
@@ -67,6 +67,7 @@ pub(crate) struct TargetResources<'a> {
     pub(crate) frame: &'a RenderPass,
     pub(crate) pipelines: &'a Pipelines,
     pub(crate) textures: &'a SculptureTextures,
+    pub(crate) panel_atlas: &'a GpuImage,
     pub(crate) shadow: &'a ShadowMap,
 }
 
@@ -227,6 +228,7 @@ impl RenderTarget {
             (BINDING_MARBLE, image(textures.marble.view)),
             (BINDING_BEAM_STARTS, image(self.march_starts[1].image.view)),
             (BINDING_SUN_MAP, image(shadow.image.view)),
+            (BINDING_PANEL_ATLAS, image(resources.panel_atlas.view)),
         ];
         let samplers = [
             (BINDING_CLAMPED, sampler(textures.linear_clamp.raw)),

@@ -48,6 +48,8 @@ pub(crate) struct Pipelines {
     pub(crate) meshes: vk::Pipeline,
     pub(crate) particles: vk::Pipeline,
     pub(crate) hidden: vk::Pipeline,
+    /// Panels in the room.
+    pub(crate) panels: vk::Pipeline,
     /// Shadow casters: scene meshes, and the sculpture.
     pub(crate) shadow_casters: [vk::Pipeline; 2],
 }
@@ -92,6 +94,7 @@ impl Pipelines {
             meshes: null,
             particles: null,
             hidden: null,
+            panels: null,
             shadow_casters: [null; 2],
         };
         all.create_layouts()?;
@@ -181,6 +184,14 @@ impl Pipelines {
         self.particles = self.create_pipeline(&particles)?;
         let hidden = PipelineSpec { depth: Some(FARTHER), ..particles };
         self.hidden = self.create_pipeline(&hidden)?;
+        let panels = PipelineSpec {
+            vertex: programs::PANEL_VERTEX,
+            input: VertexInput::PanelQuads,
+            fragment: Some(programs::PANEL),
+            strip: true,
+            ..particles
+        };
+        self.panels = self.create_pipeline(&panels)?;
         Ok(())
     }
 
@@ -252,7 +263,7 @@ impl Drop for Pipelines {
         let device = &self.gpu.device;
         // SAFETY: the owner waits for the device before it drops what was submitted.
         unsafe {
-            let scene = [self.meshes, self.particles, self.hidden];
+            let scene = [self.meshes, self.particles, self.hidden, self.panels];
             let all = self
                 .march_starts
                 .into_iter()

@@ -6,6 +6,7 @@ pub(crate) mod graphics;
 pub mod layout;
 pub(crate) mod overlay_pipeline;
 pub(crate) mod panel;
+pub(crate) mod panel_instance;
 pub(crate) mod paths;
 pub mod programs;
 pub(crate) mod scatter;

@@ -5,6 +5,8 @@ use core::mem::offset_of;
 use ash::vk;
 
 use super::panel;
+use super::panel_instance::PanelInstance;
+use crate::panel::PanelQuad;
 use crate::scene::{MeshInstance, MeshVertex};
 
 /// The vertex input of a program.
@@ -18,6 +20,8 @@ pub(crate) enum VertexInput {
     MeshPositions,
     /// Panel vertices.
     Panel,
+    /// Instances of quads of panels in the room.
+    PanelQuads,
 }
 
 /// Attributes (location, format, offset) of a mesh vertex, a panel vertex and an instance.
@@ -38,6 +42,30 @@ const INSTANCE: [(u32, vk::Format, u32); 4] = [
     (6, vk::Format::R32G32B32A32_SFLOAT, offset_of!(MeshInstance, tint) as u32),
 ];
 
+const PANEL_QUADS: [(u32, vk::Format, u32); 8] = [
+    (0, vk::Format::R32G32B32A32_SFLOAT, panel_row_offset(0)),
+    (1, vk::Format::R32G32B32A32_SFLOAT, panel_row_offset(1)),
+    (2, vk::Format::R32G32B32A32_SFLOAT, panel_row_offset(2)),
+    (3, vk::Format::R32G32B32A32_SFLOAT, quad_offset(offset_of!(PanelQuad, middle))),
+    (4, vk::Format::R32G32B32A32_SFLOAT, quad_offset(offset_of!(PanelQuad, shape))),
+    (5, vk::Format::R8G8B8A8_UNORM, quad_offset(offset_of!(PanelQuad, fill))),
+    (6, vk::Format::R8G8B8A8_UNORM, quad_offset(offset_of!(PanelQuad, outline))),
+    (7, vk::Format::R32_UINT, quad_offset(offset_of!(PanelQuad, kind))),
+];
+
+// The middle and the half sizes are one attribute.
+const _: () = assert!(offset_of!(PanelQuad, half) == offset_of!(PanelQuad, middle) + 8);
+
+/// Offset of a row of a panel's transform, in bytes.
+const fn panel_row_offset(i: usize) -> u32 {
+    (offset_of!(PanelInstance, rows) + i * size_of::<[f32; 4]>()) as u32
+}
+
+/// Offset of a quad's field, in bytes.
+const fn quad_offset(field: usize) -> u32 {
+    (offset_of!(PanelInstance, quad) + field) as u32
+}
+
 /// Offset of a row of an instance's transform, in bytes.
 const fn transform_row_offset(i: u32) -> u32 {
     offset_of!(MeshInstance, transform) as u32 + i * size_of::<[f32; 4]>() as u32
@@ -55,6 +83,9 @@ impl VertexInput {
             VertexInput::Panel => {
                 vec![binding(0, size_of::<panel::PanelVertex>(), vk::VertexInputRate::VERTEX)]
             }
+            VertexInput::PanelQuads => {
+                vec![binding(1, size_of::<PanelInstance>(), vk::VertexInputRate::INSTANCE)]
+            }
             VertexInput::Mesh | VertexInput::MeshPositions => vec![
                 binding(0, size_of::<MeshVertex>(), vk::VertexInputRate::VERTEX),
                 binding(1, size_of::<MeshInstance>(), vk::VertexInputRate::INSTANCE),
@@ -66,6 +97,7 @@ impl VertexInput {
         let (vertex, instance) = match self {
             VertexInput::VertexIndex => (&VERTEX[..0], &INSTANCE[..0]),
             VertexInput::Panel => (&PANEL[..], &INSTANCE[..0]),
+            VertexInput::PanelQuads => (&PANEL[..0], &PANEL_QUADS[..]),
             VertexInput::Mesh => (&VERTEX[..], &INSTANCE[..]),
             VertexInput::MeshPositions => (&VERTEX[..1], &INSTANCE[..3]),
         };

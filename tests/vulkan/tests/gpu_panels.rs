@@ -1,0 +1,128 @@
+//! Panels on a GPU beside their CPU twin, and what they cost.
+
+use glam::{Quat, Vec3};
+use paros_core::badge::BadgeNumber;
+use paros_shaders::gpu::{Eye, Fov, FrameRequest, RenderStyle, SculpturePlacement, programs};
+use paros_shaders::panel::{ButtonState, Language, Message, Panel, PanelPose, layout};
+use paros_shaders::render_panels;
+use paros_shaders::scene::{resting_placement, resting_studio};
+use paros_shaders::upload::VolumeFormat;
+use paros_tests_vulkan::count_differing;
+use paros_tests_vulkan::test_renderer::{TestRenderer, test_device};
+
+const SIZE: [u32; 2] = [640, 480];
+const BACKDROP: Vec3 = Vec3::new(0.2, 0.25, 0.3);
+
+/// An eye at a place that looks along -z.
+fn eye_at(x: f32) -> Eye {
+    let fov = Fov { left: -0.5, right: 0.55, up: 0.4, down: -0.42 };
+    Eye { position: Vec3::new(x, 1.5, 0.0), rotation: Quat::IDENTITY, fov }
+}
+
+/// A badge, buttons with icons, and a clock with a ring; aslant, and one partly over another.
+fn panels() -> Vec<Panel> {
+    let badge = BadgeNumber::new(1 << 18 | 4242).expect("a number").badge();
+    let mut buttons = layout::welcome_buttons(0);
+    buttons[3].state = ButtonState::Hot;
+    let mut all = [Panel::default(), Panel::default(), Panel::default()];
+    layout::draw_badge(&mut all[0], Language::English, &badge);
+    layout::draw_welcome(&mut all[1], Language::Greek, &buttons);
+    let warning = Some(Message::WarningTenSeconds);
+    layout::draw_clock(&mut all[2], Language::English, [70, 300], warning);
+    let places =
+        [Vec3::new(-0.5, 1.45, -1.4), Vec3::new(0.55, 1.6, -1.5), Vec3::new(0.0, 1.15, -0.9)];
+    for (panel, place) in all.iter_mut().zip(places) {
+        panel.pose = PanelPose::facing(place, Vec3::new(0.3, 1.9, 0.4));
+    }
+    all.into()
+}
+
+fn request<'a>(eyes: &'a [Eye], panels: &'a [Panel]) -> FrameRequest<'a> {
+    FrameRequest {
+        eyes,
+        // Behind the eye.
+        placement: SculpturePlacement { foot: Vec3::Z * 5.0, side: 0.3, turn_radians: 0.0 },
+        style: RenderStyle::default(),
+        scene: None,
+        panels,
+        backdrop: BACKDROP.to_array(),
+    }
+}
+
+#[test]
+fn the_gpu_draws_panels_as_its_twin_does() {
+    let Some(gpu) = test_device() else { return };
+    let eyes = [eye_at(-0.03), eye_at(0.03)];
+    let panels = panels();
+    let twins = eyes.map(|eye| {
+        let size = SIZE.map(|side| side as usize);
+        let image = render_panels(&panels, &eye, size, 1, BACKDROP);
+        let pixels = image.pixels.as_chunks::<3>().0;
+        pixels.iter().map(|&[r, g, b]| [r, g, b, 255]).collect::<Vec<[u8; 4]>>()
+    });
+    for (samples, views) in [(1, 1), (1, 2), (4, 2)] {
+        let mut drawing =
+            TestRenderer::new(&gpu, VolumeFormat::of::<128, 2>(), [samples, views], SIZE);
+        let layers = drawing.draw_picture(&request(&eyes[..views as usize], &panels));
+        for (layer, twin) in layers.iter().zip(&twins) {
+            let differing = count_differing(layer, twin);
+            let bare = twin.iter().filter(|pixel| **pixel == twin[0]).count();
+            assert!(bare < twin.len() / 2, "panels fill the picture: {bare} pixels are bare");
+            // A texel's fraction has 8 bits on a GPU, and two neighbours share a derivative.
+            assert!(
+                differing <= 200,
+                "{samples} samples, {views} views: {differing} pixels differ"
+            );
+            let apart = |(a, b): (&[u8; 4], &[u8; 4])| (0..3).map(|i| a[i].abs_diff(b[i])).max();
+            let most = layer.iter().zip(twin).filter_map(apart).max();
+            assert!(most < Some(64), "{samples} samples, {views} views: {most:?} apart");
+        }
+        let without = drawing.draw_picture(&request(&eyes[..views as usize], &[]));
+        let first = without[0][0];
+        assert!(without[0].iter().all(|pixel| *pixel == first), "nothing is left of them");
+    }
+}
+
+/// What stands before a panel hides it, and a panel hides what is behind.
+#[test]
+fn panels_are_tested_against_the_room() {
+    let Some(gpu) = test_device() else { return };
+    let mut drawing = TestRenderer::new(&gpu, VolumeFormat::of::<128, 2>(), [1, 1], SIZE);
+    let scene = resting_studio();
+    let eyes = [Eye { position: Vec3::new(0.0, 1.5, 0.9), ..eye_at(0.0) }];
+    let mut picture = |panels: &[Panel]| {
+        let lit = FrameRequest {
+            placement: resting_placement(),
+            scene: Some(&scene),
+            ..request(&eyes, panels)
+        };
+        drawing.draw_picture(&lit).remove(0)
+    };
+    let mut panel = panels().remove(0);
+    panel.pose = PanelPose { middle: Vec3::new(0.0, 1.5, 0.0), rotation: Quat::IDENTITY };
+    let bare = picture(&[]);
+    let before = picture(std::slice::from_ref(&panel));
+    assert!(count_differing(&bare, &before) > 20_000, "a panel before the room is seen");
+    panel.pose.middle.z = -30.0;
+    assert_eq!(count_differing(&bare, &picture(std::slice::from_ref(&panel))), 0, "behind a wall");
+    panel.pose =
+        PanelPose { middle: Vec3::new(0.0, 1.5, 0.0), rotation: Quat::from_rotation_y(3.1) };
+    assert_eq!(count_differing(&bare, &picture(&[panel])), 0, "from behind");
+}
+
+/// The most texels that a pixel of a quad fetches: one sample stands in the program, and no loop.
+#[test]
+fn a_pixel_of_a_quad_fetches_one_texel_at_most() {
+    const OP_IMAGE_SAMPLE_IMPLICIT: u32 = 87;
+    const OP_IMAGE_FETCH: u32 = 95;
+    const OP_LOOP_MERGE: u32 = 246;
+    let words = programs::PANEL.words();
+    let (mut at, mut fetches, mut loops) = (5, 0, 0);
+    while at < words.len() {
+        let code = words[at] & 0xffff;
+        fetches += u32::from((OP_IMAGE_SAMPLE_IMPLICIT..=OP_IMAGE_FETCH + 2).contains(&code));
+        loops += u32::from(code == OP_LOOP_MERGE);
+        at += (words[at] >> 16) as usize;
+    }
+    assert_eq!([fetches, loops], [1, 0]);
+}
