@@ -3,6 +3,7 @@
 #[allow(dead_code)] // the build writes the rest of it down
 #[path = "../build/text/table.rs"]
 mod table;
+#[allow(dead_code)] // panels use the rest
 #[path = "../src/panel/wrap.rs"]
 mod wrap;
 

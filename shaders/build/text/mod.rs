@@ -3,6 +3,7 @@
 mod font;
 mod sources;
 pub(crate) mod table;
+#[allow(dead_code)] // panels use the rest
 #[path = "../../src/panel/wrap.rs"]
 mod wrap;
 

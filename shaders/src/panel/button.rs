@@ -5,7 +5,7 @@ use paros_core::badge::Pictogram;
 
 use super::font::Icon;
 use super::layout::palette;
-use super::message::{Language, Message};
+use super::message::{Language, Message, TextPlace};
 use super::model::{BoxStyle, LINE_HEIGHT, Panel, PanelColor, TextAlign, TextStyle};
 use super::pose::PanelRect;
 
@@ -126,12 +126,12 @@ impl<'a> PanelButton<'a> {
 
     /// The text, and its look without alignment.
     fn text(&self, language: Language, color: PanelColor) -> Option<(&'a str, TextStyle, f32)> {
-        let (text, message) = match self.label? {
-            ButtonLabel::Message(message) => (message.text(language), message),
-            ButtonLabel::MessageIn(message, own) => (message.text(own), message),
-            ButtonLabel::Text(text) => (text, Message::Begin),
+        let (text, place) = match self.label? {
+            ButtonLabel::Message(message) => (message.text(language), message.place()),
+            ButtonLabel::MessageIn(message, own) => (message.text(own), message.place()),
+            ButtonLabel::Text(text) => (text, TextPlace::Button),
         };
-        let place = message.place().style();
+        let place = place.style();
         Some((text, place.colored(color, TextAlign::Middle), place.width_mm))
     }
 }

@@ -9,7 +9,7 @@ use super::font::{AtlasPicture, FontWeight, Icon, glyph_of, kerning_of, line_wid
 use super::message::{Filling, Language, Message, PlaceStyle};
 use super::pose::{PanelPoint, PanelPose, PanelRect};
 use super::quad::PanelQuad;
-use super::wrap::WrappedLines;
+use super::wrap::{WrappedLines, even_width};
 use crate::constants::{PANEL_BOX, PANEL_CAPITAL_TEXELS, PANEL_REACH_TEXELS};
 use crate::constants::{PANEL_RING, PANEL_SHAPE};
 use crate::limits::PANEL_QUADS;
@@ -191,7 +191,7 @@ impl Panel {
         }
     }
 
-    /// Adds a text in lines of a width, the first one's foot at a point. How many lines it took.
+    /// Adds a text in lines of a width at the most, about as long as each other, the first one's foot at a point. How many lines it took.
     pub fn add_paragraph(
         &mut self,
         text: &str,
@@ -200,6 +200,7 @@ impl Panel {
         style: &TextStyle,
     ) -> usize {
         let measure = |line: &str| style.capital_mm * line_width(line, style.weight);
+        let width_mm = even_width(text, width_mm, measure);
         let mut lines = 0;
         for line in WrappedLines::new(text, width_mm, measure) {
             let down = lines as f32 * LINE_HEIGHT * style.capital_mm;
@@ -357,5 +358,19 @@ impl Panel {
             let place = part(29.0 + column * 62.0, 29.0 + row * 62.0, 56.0, 56.0);
             self.add_pictogram(*pictogram, place, ink);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_panel_draws_no_more_than_it_may() {
+        let mut panel = Panel::new([100.0; 2]);
+        for _ in 0..PANEL_QUADS + 10 {
+            panel.add_box(panel.rect(), &BoxStyle::default());
+        }
+        assert_eq!(panel.quads().len(), PANEL_QUADS);
     }
 }

@@ -37,9 +37,25 @@ impl<'a, F: Fn(&str) -> f32> Iterator for WrappedLines<'a, F> {
     }
 }
 
+/// A text's narrowest width, in steps, in which it has no more lines: so that no line is left with a word alone.
+pub(crate) fn even_width(text: &str, width: f32, measure: impl Fn(&str) -> f32) -> f32 {
+    const STEP: f32 = 0.04;
+    let lines = |room| WrappedLines::new(text, room, &measure);
+    let (count, mut even) = (lines(width).count(), width);
+    for step in 1..(0.5 / STEP) as u32 {
+        let narrow = width * (1.0 - step as f32 * STEP);
+        if count < 2 || lines(narrow).count() > count || lines(narrow).any(|l| measure(l) > narrow)
+        {
+            break;
+        }
+        even = narrow;
+    }
+    even
+}
+
 #[cfg(test)]
 mod tests {
-    use super::WrappedLines;
+    use super::{WrappedLines, even_width};
 
     /// Lines of a text whose letters are one wide.
     fn wrapped(text: &str, width: f32) -> Vec<&str> {
@@ -58,5 +74,15 @@ mod tests {
         assert_eq!(wrapped("a cauliflower is", 5.0), ["a", "cauliflower", "is"]);
         assert_eq!(wrapped("  πέτρα   και ", 5.0), ["πέτρα", "και"]);
         assert_eq!(wrapped("   ", 5.0), [""; 0]);
+    }
+
+    #[test]
+    fn lines_are_about_as_long() {
+        let measure = |line: &str| line.chars().count() as f32;
+        let text = "walk round your sculpture and then take it off";
+        assert_eq!(even_width(text, 100.0, measure), 100.0, "one line stays as it is");
+        let width = even_width(text, 42.0, measure);
+        let lines: Vec<&str> = WrappedLines::new(text, width, measure).collect();
+        assert_eq!(lines, ["walk round your sculpture", "and then take it off"]);
     }
 }

@@ -3,4 +3,5 @@
 //! Knows no device: all is drawn by the CPU.
 pub mod fidelity;
 pub mod outline;
+pub mod screens;
 pub mod view;

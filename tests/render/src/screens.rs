@@ -1,0 +1,149 @@
+//! Every screen of a visit, as the panels' layouts draw them.
+
+use paros_core::badge::BadgeNumber;
+use paros_shaders::panel::layout::{self, Guide, Notice, PinEntry, palette};
+use paros_shaders::panel::{ButtonState, FillingValue, Icon, Language, Message, Panel};
+
+/// A screen's name, and its panel.
+pub type Screen = (&'static str, Panel);
+
+/// All screens in a language.
+#[must_use]
+pub fn all_screens(language: Language) -> Vec<Screen> {
+    let mut all = visit_screens(language);
+    all.extend(notice_screens(language));
+    all.extend(staff_screens(language));
+    all
+}
+
+fn drawn(name: &'static str, draw: impl FnOnce(&mut Panel)) -> Screen {
+    let mut panel = Panel::default();
+    draw(&mut panel);
+    (name, panel)
+}
+
+fn visit_screens(language: Language) -> Vec<Screen> {
+    let mut welcome = layout::welcome_buttons(0);
+    welcome[language as usize].state = ButtonState::Chosen;
+    welcome[3].state = ButtonState::Chosen;
+    welcome[5].state = ButtonState::Hot;
+    let starts = layout::choice_buttons(
+        0,
+        &[
+            (Message::ChoiceFree, Icon::Stone),
+            (Message::ChoiceFigure, Icon::Figure),
+            (Message::ChoiceShape, Icon::Shape),
+        ],
+    );
+    let mut figures = layout::choice_buttons(
+        0,
+        &[
+            (Message::FigureOwl, Icon::Owl),
+            (Message::FigureCat, Icon::Cat),
+            (Message::FigureDolphin, Icon::Dolphin),
+            (Message::FigureAmphora, Icon::Amphora),
+            (Message::FigureSurprise, Icon::Surprise),
+        ],
+    );
+    figures[1].state = ButtonState::Hot;
+    figures[4].state = ButtonState::Off;
+    let badge = BadgeNumber::new(3 << 18 | 777).expect("a number").badge();
+    let mut all = vec![
+        drawn("attract", layout::draw_attract),
+        drawn("welcome", |panel| layout::draw_welcome(panel, language, &welcome)),
+        drawn("starts", |panel| {
+            layout::draw_choice(panel, language, Message::ChoiceTitle, &starts);
+        }),
+        drawn("figures", |panel| {
+            layout::draw_choice(panel, language, Message::ChoiceFigureTitle, &figures);
+        }),
+    ];
+    all.extend(guide_screens(language));
+    for (seconds, warning) in [
+        (452, None),
+        (120, Some(Message::WarningTwoMinutes)),
+        (30, Some(Message::WarningThirtySeconds)),
+        (9, Some(Message::WarningTenSeconds)),
+    ] {
+        all.push(drawn("clock", |panel| {
+            layout::draw_clock(panel, language, [seconds, 600], warning);
+        }));
+    }
+    all.push(drawn("badge", |panel| layout::draw_badge(panel, language, &badge)));
+    all
+}
+
+fn guide_screens(language: Language) -> Vec<Screen> {
+    let instructions = [
+        (Message::GuideTake, Icon::Tool),
+        (Message::GuideTakeBare, Icon::Tool),
+        (Message::GuideTouch, Icon::Stone),
+        (Message::GuideCut, Icon::Trigger),
+        (Message::GuideCutBare, Icon::RightHand),
+        (Message::GuideSmooth, Icon::Smooth),
+        (Message::GuideUndo, Icon::Undo),
+        (Message::GuideTurn, Icon::Turn),
+        (Message::GuideDone, Icon::Tick),
+    ];
+    let mut step = 0;
+    instructions
+        .into_iter()
+        .map(|(instruction, icon)| {
+            step += 1;
+            let guide = Guide { instruction, icon, step, steps: 9, progress: 0.4 };
+            let buttons = layout::guide_buttons(0);
+            drawn("guide", |panel| layout::draw_guide(panel, language, &guide, &buttons))
+        })
+        .collect()
+}
+
+fn notice_screens(language: Language) -> Vec<Screen> {
+    let percent = [("percent", FillingValue::Number(64))];
+    let notice = |icon, color, title, body| Notice {
+        icon,
+        color,
+        title,
+        body,
+        fillings: &percent,
+        progress: None,
+    };
+    use Message as M;
+    let exporting = Notice {
+        progress: Some(0.64),
+        ..notice(Icon::Printer, palette::CLAY, M::ExportingTitle, M::ExportingBody)
+    };
+    let error = |body| ("error", notice(Icon::Warning, palette::RED, M::ErrorTitle, body));
+    [
+        ("hands-off", notice(Icon::HandsOff, palette::CLAY, M::HandsOffTitle, M::HandsOffBody)),
+        ("exporting", exporting),
+        ("thanks", notice(Icon::Badge, palette::OLIVE, M::ThanksTitle, M::ThanksBody)),
+        ("put-back", notice(Icon::PutBack, palette::CLAY, M::PutBackTitle, M::PutBackBody)),
+        ("charger", notice(Icon::Battery, palette::AMBER, M::ChargerTitle, M::ChargerBody)),
+        error(M::ErrorSave),
+        error(M::ErrorBooth),
+        error(M::ErrorSettings),
+        error(M::ErrorTracking),
+        error(M::ErrorController),
+    ]
+    .into_iter()
+    .map(|(name, notice)| drawn(name, |panel| layout::draw_notice(panel, language, &notice, &[])))
+    .collect()
+}
+
+fn staff_screens(language: Language) -> Vec<Screen> {
+    let cleaned = [layout::notice_button(0, Message::HandoverCleaned, 0, 1).primary()];
+    let mut keys = layout::pin_buttons(0);
+    keys[4].state = ButtonState::Pressed;
+    let staff = layout::staff_buttons(0);
+    let mut all: Vec<Screen> = [0, 1, 12]
+        .into_iter()
+        .map(|pending| {
+            drawn("handover", |panel| layout::draw_handover(panel, language, pending, &cleaned))
+        })
+        .collect();
+    for entry in [PinEntry::Entered(2), PinEntry::Wrong] {
+        all.push(drawn("pin", |panel| layout::draw_staff_pin(panel, language, entry, &keys)));
+    }
+    all.push(drawn("staff", |panel| layout::draw_staff(panel, language, &staff)));
+    all
+}

@@ -1,0 +1,41 @@
+//! Laying a panel out again allocates nothing: a counting allocator looks on.
+
+use paros_core::badge::BadgeNumber;
+use paros_models::allocations::{CountingAllocator, without_allocating};
+use paros_shaders::panel::layout::{self, Notice, palette};
+use paros_shaders::panel::{FillingValue, Icon, Language, Message, Panel};
+
+#[global_allocator]
+static ALLOCATOR: CountingAllocator = CountingAllocator;
+
+/// Screens of which each is laid out in every frame of a while.
+fn lay_out_screens(panel: &mut Panel, seconds: u32) {
+    let badge = BadgeNumber::new(seconds).expect("a number").badge();
+    let fillings = [("percent", FillingValue::Number(seconds % 100))];
+    let notice = Notice {
+        icon: Icon::Printer,
+        color: palette::CLAY,
+        title: Message::ExportingTitle,
+        body: Message::ExportingBody,
+        fillings: &fillings,
+        progress: Some(0.5),
+    };
+    for language in Language::ALL {
+        layout::draw_welcome(panel, language, &layout::welcome_buttons(0));
+        layout::draw_clock(panel, language, [seconds, 600], Some(Message::WarningThirtySeconds));
+        layout::draw_badge(panel, language, &badge);
+        layout::draw_notice(panel, language, &notice, &[]);
+        layout::draw_staff(panel, language, &layout::staff_buttons(0));
+    }
+}
+
+#[test]
+fn laying_out_again_allocates_nothing() {
+    let mut panel = Panel::default();
+    // Numbers of three digits, and long words, first.
+    (500..520).for_each(|seconds| lay_out_screens(&mut panel, seconds));
+    without_allocating("panels laid out again", || {
+        (0..200).for_each(|seconds| lay_out_screens(&mut panel, seconds));
+    });
+    assert!(panel.quads().len() > 50);
+}

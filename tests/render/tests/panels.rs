@@ -1,0 +1,291 @@
+//! The panels' screens, in both languages, as the CPU's twin draws them: beside the pictures that are kept, and the rules
+//! that every screen keeps. `PAROS_GOLDEN=write cargo test -p paros-tests-render --test panels` writes the pictures.
+
+use std::fs::{self, File};
+use std::path::PathBuf;
+
+use glam::{Quat, Vec2, Vec3};
+use paros_core::RangeMaps;
+use paros_core::badge::{BadgeColour, BadgeLanguage, POINT_STEPS, Pictogram, covers_point};
+use paros_models::twin::with_maps_of_ball;
+use paros_shaders::gpu::{Eye, Fov};
+use paros_shaders::panel::button::ButtonLabel;
+use paros_shaders::panel::layout::{self, READING_DISTANCE, palette};
+use paros_shaders::panel::{
+    BoxStyle, FontWeight, Icon, Language, Message, Panel, PanelButton, PanelQuad, PanelRect,
+    TextAlign, TextPlace, TextStyle, line_width,
+};
+use paros_shaders::{Camera, Image, RenderOptions, contact_sheet, lit_studio};
+use paros_shaders::{render_image_in_room, render_image_with_panels, render_panels};
+use paros_tests_render::screens::all_screens;
+
+const AGAIN: &str = "write it: PAROS_GOLDEN=write cargo test -p paros-tests-render --test panels";
+
+/// A picture of a panel before a grey wall, at so many pixels a millimetre.
+fn picture_of(panel: &Panel, pixels_per_mm: f32) -> Image {
+    let [width, height] = panel.size_mm().map(|mm| mm + 60.0);
+    let half = |mm: f32| (0.5e-3 * mm / READING_DISTANCE).atan();
+    let fov = Fov { left: -half(width), right: half(width), up: half(height), down: -half(height) };
+    let eye = Eye { position: Vec3::Z * READING_DISTANCE, rotation: Quat::IDENTITY, fov };
+    let size = [width, height].map(|mm| (mm * pixels_per_mm) as usize);
+    render_panels(std::slice::from_ref(panel), &eye, size, 2, Vec3::splat(0.3))
+}
+
+#[test]
+fn every_screen_looks_as_it_did() {
+    for (language, name) in Language::ALL.into_iter().zip(["english", "greek"]) {
+        let screens = all_screens(language);
+        let pictures: Vec<Image> =
+            screens.iter().map(|(_, panel)| picture_of(panel, 0.28)).collect();
+        let sheet = contact_sheet(&pictures, 5);
+        let path = PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+            .join(format!("../pictures/panels-{name}.png"));
+        if std::env::var("PAROS_GOLDEN").as_deref() == Ok("write") {
+            let file = File::create(&path).expect("a picture's file");
+            sheet.write_png(file).expect("a picture");
+        }
+        let kept = fs::read(&path).unwrap_or_else(|error| panic!("{error}: {AGAIN}"));
+        let mut reader = png::Decoder::new(std::io::Cursor::new(kept)).read_info().expect("a PNG");
+        let mut pixels = vec![0; reader.output_buffer_size().expect("a size")];
+        let info = reader.next_frame(&mut pixels).expect("a picture");
+        let size = [info.width, info.height].map(|side| side as usize);
+        assert_eq!(size, [sheet.width, sheet.height], "{name}: {AGAIN}");
+        let differs = |(a, b): &(&u8, &u8)| a.abs_diff(**b) > 2;
+        let differing = pixels.iter().zip(&sheet.pixels).filter(differs).count();
+        assert_eq!(differing, 0, "{name}: {AGAIN}");
+    }
+}
+
+#[test]
+fn every_text_is_a_degree_high() {
+    for language in Language::ALL {
+        for (name, panel) in all_screens(language) {
+            let degrees = panel.least_text_degrees(READING_DISTANCE).expect("a text");
+            assert!(degrees >= 1.0, "{name}: {degrees} degrees");
+        }
+    }
+}
+
+/// What a panel shows lies within it, and not too near its edge.
+#[test]
+fn everything_is_within_its_panel() {
+    for language in Language::ALL {
+        for (name, panel) in all_screens(language) {
+            let inner = panel.rect().grown(-12.0);
+            // The first two are its shadow and its ground.
+            for quad in &panel.quads()[2..] {
+                assert!(is_within(quad, &inner), "{name} in {language:?}: {quad:?}");
+            }
+        }
+    }
+}
+
+/// Labels and pictures lie within their buttons.
+#[test]
+fn every_label_is_within_its_button() {
+    let cards = [
+        Message::ChoiceFree,
+        Message::ChoiceFigure,
+        Message::ChoiceShape,
+        Message::FigureOwl,
+        Message::FigureCat,
+        Message::FigureDolphin,
+        Message::FigureAmphora,
+        Message::FigureToy,
+        Message::FigureOwn,
+        Message::FigureSurprise,
+    ]
+    .map(|message| (message, Icon::Stone));
+    let mut buttons = layout::choice_buttons(0, &cards);
+    buttons.extend(layout::welcome_buttons(0));
+    buttons.extend(layout::staff_buttons(0));
+    buttons.extend(layout::pin_buttons(0));
+    for message in [Message::Skip, Message::Next, Message::Back, Message::Finish, Message::Undo] {
+        let button = layout::guide_buttons(0)[0];
+        buttons.push(PanelButton { label: Some(ButtonLabel::Message(message)), ..button });
+    }
+    for message in [Message::HandoverCleaned, Message::Yes, Message::No, Message::Cancel] {
+        buttons.push(layout::notice_button(0, message, 0, 2));
+    }
+    for (button, language) in buttons.iter().zip(Language::ALL.iter().cycle()) {
+        for language in [*language, Language::Greek] {
+            let mut panel = Panel::new([2000.0; 2]);
+            panel.add_button(language, button);
+            let inner = button.rect.grown(-8.0);
+            for quad in &panel.quads()[1..] {
+                assert!(is_within(quad, &inner), "{language:?}: {button:?}: {quad:?}");
+            }
+        }
+    }
+}
+
+/// Buttons don't overlap, and are large enough to be touched: as wide as three fingers.
+#[test]
+fn buttons_are_large_and_apart() {
+    let cards = [(Message::FigureOwl, Icon::Owl); 7];
+    for count in 1..=cards.len() {
+        assert_large_and_apart(&layout::choice_buttons(0, &cards[..count]));
+    }
+    assert_large_and_apart(&layout::welcome_buttons(0));
+    assert_large_and_apart(&layout::staff_buttons(0));
+    assert_large_and_apart(&layout::pin_buttons(0));
+    let two = [0, 1].map(|column| layout::notice_button(column, Message::Yes, column, 2));
+    assert_large_and_apart(&two);
+}
+
+fn assert_large_and_apart(buttons: &[PanelButton<'_>]) {
+    for (k, a) in buttons.iter().enumerate() {
+        assert!(a.rect.width >= 100.0 && a.rect.height >= 80.0, "{a:?}");
+        let near = a.rect.grown(16.0);
+        for b in &buttons[k + 1..] {
+            let apart = b.rect.x > near.x + near.width
+                || b.rect.y > near.y + near.height
+                || b.rect.x + b.rect.width < near.x
+                || b.rect.y + b.rect.height < near.y;
+            assert!(apart, "{a:?} {b:?}");
+            assert_ne!(a.id, b.id);
+        }
+    }
+}
+
+fn is_within(quad: &PanelQuad, rect: &PanelRect) -> bool {
+    let ([x, y], [half_width, half_height]) = (quad.middle, quad.half);
+    let corner = |side: f32| Vec2::new(x + side * half_width, y + side * half_height);
+    rect.contains(corner(-1.0)) && rect.contains(corner(1.0))
+}
+
+/// The words of every badge fit beside it, and are of letters that the atlas has.
+#[test]
+fn every_word_of_a_badge_fits() {
+    let place = TextPlace::Word.style();
+    let known = |c: char| line_width(&c.to_string(), place.weight) > 0.0;
+    for language in BadgeLanguage::ALL {
+        let words = Pictogram::all().map(|pictogram| pictogram.name(language));
+        for word in words.chain(BadgeColour::ALL.map(|colour| colour.name(language))) {
+            let width = place.capital_mm * line_width(word, place.weight);
+            assert!(width <= 300.0, "{word} is {width} mm wide");
+            assert!(word.chars().all(known), "{word}");
+            assert!(!missing_letters(word, place.weight), "{word}");
+        }
+    }
+}
+
+/// Whether a letter of a word is drawn as the question mark is, as the atlas lacks it.
+fn missing_letters(word: &str, weight: FontWeight) -> bool {
+    let shape = |text: &str| {
+        let mut panel = Panel::new([100.0; 2]);
+        let style =
+            TextStyle { weight, capital_mm: 30.0, color: palette::INK, align: TextAlign::Left };
+        panel.add_line(text, Vec2::ZERO, &style);
+        panel.quads()[0].shape
+    };
+    word.chars().any(|c| shape(&c.to_string()) == shape("?"))
+}
+
+/// The distances of the atlas have the sign that the core's shapes say, but for places nearer to an edge than half a
+/// texel.
+#[test]
+fn pictograms_are_inked_as_the_core_says() {
+    let mut panel = Panel::new([64.0; 2]);
+    let (ground, ink) = ([255; 4], [0, 0, 0, 255]);
+    for pictogram in Pictogram::all() {
+        panel.clear([64.0; 2]);
+        let plain = BoxStyle { fill: ground, ..BoxStyle::default() };
+        panel.add_box(panel.rect().grown(10.0), &plain);
+        panel.add_pictogram(pictogram, panel.rect(), ink);
+        // A pixel for a 64th of the picture's side.
+        let fov = Fov { left: -0.785, right: 0.785, up: 0.785, down: -0.785 };
+        let distance = 0.032 / 0.785_f32.tan();
+        let eye = Eye { position: Vec3::Z * distance, rotation: Quat::IDENTITY, fov };
+        let image = render_panels(std::slice::from_ref(&panel), &eye, [64; 2], 1, Vec3::ZERO);
+        let mut wrong = 0;
+        for (x, y) in (0..64 * 64).map(|i| (i % 64, i / 64)) {
+            let near = |dx, dy| {
+                let step = |c: usize, d: i32| (2 * c as i32 + 1) * POINT_STEPS / 2 + d;
+                covers_point(pictogram.parts(), [step(x, dx), step(y, dy)])
+            };
+            let reach = POINT_STEPS * 3 / 4;
+            let all = [(0, 0), (reach, 0), (-reach, 0), (0, reach), (0, -reach)];
+            let inked = all.iter().filter(|(dx, dy)| near(*dx, *dy)).count();
+            let dark = image.pixel(x, y)[0] < 128;
+            wrong += usize::from(inked == all.len() && !dark || inked == 0 && dark);
+        }
+        assert!(wrong <= 6, "{pictogram:?}: {wrong} pixels");
+    }
+}
+
+/// In the room a panel hides what is behind it, and is hidden by what stands before it.
+#[test]
+fn panels_stand_in_the_room() {
+    let room = lit_studio();
+    let options = RenderOptions { width: 96, height: 72, samples: 1, ..RenderOptions::default() };
+    let camera = Camera::orbiting(0.0, 0.0);
+    let draw = |maps: &RangeMaps<64>, panels: &[Panel]| {
+        render_image_with_panels(maps, &camera, &options, &room, panels, &|_| {})
+    };
+    let mut panel = Panel::new([300.0, 200.0]);
+    let paint = BoxStyle { fill: [255, 0, 255, 255], ..BoxStyle::default() };
+    panel.add_box(panel.rect(), &paint);
+    let empty = RangeMaps::<64>::new();
+    with_maps_of_ball(|ball| {
+        let mut count_painted = |maps, towards_eye: f32| {
+            panel.pose.middle =
+                room.stand.foot + Vec3::new(0.0, 0.43, towards_eye) * room.stand.side;
+            let image = draw(maps, std::slice::from_ref(&panel));
+            let is_painted = |i: &usize| image.pixel(i % 96, i / 96) == [255, 0, 255];
+            (0..96 * 72).filter(is_painted).count()
+        };
+        let [before, behind] = [0.6, -0.7].map(|place| count_painted(&empty, place));
+        assert!(before > 500 && behind > 300, "{before}, {behind} without the ball");
+        assert_eq!(count_painted(ball, 0.6), before, "before the ball");
+        let hidden = behind - count_painted(ball, -0.7);
+        assert!((200..=behind).contains(&hidden), "the ball hides {hidden} of {behind}");
+        assert_eq!(count_painted(ball, -20.0), 0, "behind the wall");
+        let alone = render_image_in_room(ball, &camera, &options, &room, &|_| {});
+        assert!(draw(ball, &[]) == alone, "without panels");
+    });
+}
+
+/// Writes each screen in large, to be looked at.
+#[test]
+#[ignore = "for looking at"]
+fn screens_in_large() {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("panels");
+    fs::create_dir_all(&folder).expect("a folder");
+    for language in Language::ALL {
+        for (k, (name, panel)) in all_screens(language).iter().enumerate() {
+            let path = folder.join(format!("{language:?}-{k:02}-{name}.png"));
+            let file = File::create(path).expect("a picture's file");
+            picture_of(panel, 0.8).write_png(file).expect("a picture");
+        }
+    }
+    let options = RenderOptions { width: 960, height: 720, ..RenderOptions::default() };
+    let (room, camera) = (lit_studio(), Camera { angle: 0.9, ..Camera::orbiting(0.4, 0.1) });
+    let (_, mut panel) = all_screens(Language::English).swap_remove(1);
+    panel.pose.middle = room.stand.foot + Vec3::new(-0.5, 0.5, -0.3);
+    let panels = [panel];
+    let picture = with_maps_of_ball(|maps| {
+        render_image_with_panels(maps, &camera, &options, &room, &panels, &|_| {})
+    });
+    let file = File::create(folder.join("room.png")).expect("a picture's file");
+    picture.write_png(file).expect("a picture");
+    let file = File::create(folder.join("pictures.png")).expect("a picture's file");
+    picture_of(&all_pictures(), 1.0).write_png(file).expect("a picture");
+}
+
+/// Every pictogram and icon, ten in a row.
+fn all_pictures() -> Panel {
+    let mut panel = Panel::new([1200.0, 1200.0]);
+    let ground = BoxStyle { fill: palette::GROUND, ..BoxStyle::default() };
+    panel.add_box(panel.rect(), &ground);
+    let place = |k: usize| {
+        PanelRect::new((k % 10) as f32 * 120.0, (k / 10) as f32 * 120.0, 120.0, 120.0).grown(-8.0)
+    };
+    for pictogram in Pictogram::all() {
+        panel.add_pictogram(pictogram, place(pictogram.number()), palette::INK);
+    }
+    for icon in Icon::ALL {
+        panel.add_icon(icon, place(Pictogram::COUNT + icon as usize), palette::INK);
+    }
+    panel
+}
