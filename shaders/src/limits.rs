@@ -45,6 +45,6 @@ pub const MAP_INTERVALS: usize = 2;
 /// each: 4 KiB.
 pub const LATTICE: usize = 32;
 
-/// Quads of a frame's panels: a panel full of text has 400, a keypad with its buttons 100; a clock and a warning beside
-/// them, and room for twice that. 92 bytes each.
+/// Quads of a frame's panels: a screen of a visit has 145 at the most, and three stand at a time, with the clock and the
+/// staff's; room for twice that. 92 bytes each.
 pub const PANEL_QUADS: usize = 1024;

@@ -8,6 +8,7 @@ use glam::{Quat, Vec2, Vec3};
 use paros_core::RangeMaps;
 use paros_core::badge::{BadgeColour, BadgeLanguage, POINT_STEPS, Pictogram, covers_point};
 use paros_models::twin::with_maps_of_ball;
+use paros_shaders::constants::PANEL_SHAPE;
 use paros_shaders::gpu::{Eye, Fov};
 use paros_shaders::panel::button::ButtonLabel;
 use paros_shaders::panel::layout::{self, READING_DISTANCE, palette};
@@ -244,6 +245,26 @@ fn panels_stand_in_the_room() {
         let alone = render_image_in_room(ball, &camera, &options, &room, &|_| {});
         assert!(draw(ball, &[]) == alone, "without panels");
     });
+}
+
+/// What a screen costs a GPU: quads, and the texels and fragments for each pixel of its panel. The shaders' README
+/// tells these.
+#[test]
+fn screens_are_cheap() {
+    for language in Language::ALL {
+        for (name, panel) in all_screens(language) {
+            let area = |quad: &PanelQuad| 4.0 * quad.half[0] * quad.half[1];
+            let [width, height] = panel.size_mm();
+            let per_pixel = |is_counted: &dyn Fn(&PanelQuad) -> bool| {
+                let counted = panel.quads().iter().filter(|quad| is_counted(quad));
+                counted.map(area).sum::<f32>() / (width * height)
+            };
+            let texels = per_pixel(&|quad| quad.kind == PANEL_SHAPE);
+            let fragments = per_pixel(&|_| true);
+            assert!(panel.quads().len() <= 145, "{name}: {} quads", panel.quads().len());
+            assert!(texels < 0.45 && fragments < 2.9, "{name}: {texels}, {fragments}");
+        }
+    }
 }
 
 /// Writes each screen in large, to be looked at.
