@@ -2,6 +2,7 @@
 //! Takes a request (eyes, the sculpture's placement, light, scene) and regions to upload, draws into a
 //! render target; knows nothing of windows, sessions or where the pictures go.
 
+pub(crate) mod compiled;
 mod mesh_buffers;
 pub(crate) mod offscreen;
 pub(crate) mod record;

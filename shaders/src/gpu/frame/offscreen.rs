@@ -185,6 +185,35 @@ pub fn read_layer(gpu: &Arc<Gpu>, layer: &ImageLayer) -> Result<Vec<u8>, Error> 
     Ok(buffer.read().to_vec())
 }
 
+/// Writes all pixels of a layer of an image of the device's, whatever it held before, and leaves it in its layout.
+/// Waits for the queue.
+///
+/// # Errors
+/// A lost device.
+pub fn write_layer(gpu: &Arc<Gpu>, layer: &ImageLayer, bytes: &[u8]) -> Result<(), Error> {
+    let [width, height] = layer.extent;
+    let mut buffer = Buffer::new(gpu, bytes.len(), vk::BufferUsageFlags::TRANSFER_SRC)?;
+    buffer.write(0, bytes);
+    let subresource = vk::ImageSubresourceLayers {
+        aspect_mask: aspect_of(layer.format),
+        mip_level: 0,
+        base_array_layer: layer.index,
+        layer_count: 1,
+    };
+    let copy = vk::BufferImageCopy {
+        image_subresource: subresource,
+        image_extent: vk::Extent3D { width, height, depth: 1 },
+        ..vk::BufferImageCopy::default()
+    };
+    let to = vk::ImageLayout::TRANSFER_DST_OPTIMAL;
+    submit_and_wait(gpu, |device, commands| {
+        record_layer_transition(device, commands, layer, [vk::ImageLayout::UNDEFINED, to]);
+        // SAFETY: the buffer holds the whole layer, and lives until the wait is over.
+        unsafe { device.cmd_copy_buffer_to_image(commands, buffer.raw, layer.raw, to, &[copy]) };
+        record_layer_transition(device, commands, layer, [to, layer.layout]);
+    })
+}
+
 /// Records a layout transition of a layer, with a full barrier.
 fn record_layer_transition(
     device: &ash::Device,
@@ -208,7 +237,7 @@ fn record_layer_transition(
         .old_layout(old)
         .new_layout(new)
         .src_access_mask(vk::AccessFlags::MEMORY_WRITE)
-        .dst_access_mask(vk::AccessFlags::MEMORY_READ)
+        .dst_access_mask(vk::AccessFlags::MEMORY_READ | vk::AccessFlags::MEMORY_WRITE)
         .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
         .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED);
     let all = vk::PipelineStageFlags::ALL_COMMANDS;

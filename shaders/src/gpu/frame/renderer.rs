@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use ash::vk;
 
+use super::compiled::CompiledRenderer;
 use super::mesh_buffers::MeshBuffers;
 use super::request::{FrameRequest, SculptureOrder};
 use super::slot::FrameSlot;
@@ -25,14 +26,14 @@ use crate::gpu::passes::shadow_map::ShadowMap;
 use crate::gpu::passes::target::{RenderTarget, TargetResources, TargetViews};
 use crate::gpu::passes::timers::{FrameTimes, Timestamp};
 use crate::gpu::passes::upload::record_uploads;
-use crate::gpu::pipelines::graphics::{PassHandles, Pipelines};
+use crate::gpu::pipelines::graphics::Pipelines;
 use crate::gpu::pipelines::paths::RenderPath;
 use crate::gpu::pipelines::scatter::TexelWriter;
 use crate::twin::{carrara, noise};
 use crate::upload::{Region, Texture, VolumeFormat};
 
 /// Frames in flight.
-const RING: usize = 2;
+pub(super) const RING: usize = 2;
 
 /// The semaphores of a frame's submission, for a swapchain.
 #[derive(Clone, Copy, Default, Debug)]
@@ -97,43 +98,31 @@ impl Renderer {
         volume: VolumeFormat,
         cache_data: &[u8],
     ) -> Result<Self, Error> {
-        let density_map = format.density_map && gpu.features.density_map;
-        let format = TargetFormat { density_map, ..format };
-        let march_starts = RenderPass::for_march_starts(gpu, &format)?;
-        let frame = RenderPass::for_frame(gpu, &format)?;
-        let shadow = ShadowMap::new(gpu)?;
-        let passes = PassHandles {
-            march_starts: march_starts.each_ref().map(|pass| pass.raw),
-            shadow: shadow.pass.raw,
-            frame: frame.raw,
-        };
-        let pipelines = Pipelines::new(gpu, &format, volume, &passes, cache_data)?;
-        let textures = SculptureTextures::new(gpu, volume, carrara::TEXTURE_SIDE as u32)?;
-        let pool = create_command_pool(gpu)?;
-        let overlay = Overlay::new(gpu, &format, frame.raw, RING, pipelines.cache)?;
-        let ring = (0..RING)
-            .map(|_| FrameSlot::new(gpu, pool.raw, format.views))
-            .collect::<Result<Vec<_>, _>>()?;
-        let staged = ring.iter().map(|slot| &slot.staging);
-        let writer = match gpu.features.storage_writes {
-            true => Some(TexelWriter::new(gpu, &textures, staged, pipelines.cache)?),
-            false => None,
-        };
+        Self::from_compiled(CompiledRenderer::compile(gpu, format, volume, cache_data)?)
+    }
+
+    /// Makes a renderer of what was compiled for it: uploads its meshes and textures.
+    ///
+    /// # Errors
+    /// A call that failed; out of memory, most likely.
+    pub fn from_compiled(compiled: CompiledRenderer) -> Result<Self, Error> {
+        let meshes = MeshBuffers::new(&compiled.gpu)?;
+        let panel_atlas = create_panel_atlas(&compiled.gpu)?;
         let mut renderer = Renderer {
-            gpu: gpu.clone(),
-            format,
-            volume,
-            overlay,
-            march_starts,
-            shadow,
-            frame,
-            pipelines,
-            textures,
-            panel_atlas: create_panel_atlas(gpu)?,
-            writer,
-            meshes: MeshBuffers::new(gpu)?,
-            ring,
-            _pool: pool,
+            gpu: compiled.gpu,
+            format: compiled.format,
+            volume: compiled.volume,
+            overlay: compiled.overlay,
+            march_starts: compiled.march_starts,
+            shadow: compiled.shadow,
+            frame: compiled.frame,
+            pipelines: compiled.pipelines,
+            textures: compiled.textures,
+            panel_atlas,
+            writer: compiled.writer,
+            meshes,
+            ring: compiled.ring,
+            _pool: compiled.pool,
             slot_index: 0,
             gpu_frame_times: FrameTimes::default(),
             fragment_counts: FragmentCounts::default(),
@@ -379,16 +368,6 @@ impl Renderer {
         self.slot_index = (self.slot_index + 1) % RING;
         Ok(())
     }
-}
-
-/// Creates a pool of command buffers that are recorded anew each frame.
-fn create_command_pool(gpu: &Arc<Gpu>) -> Result<OwnedHandle<vk::CommandPool>, Error> {
-    let info = vk::CommandPoolCreateInfo::default()
-        .queue_family_index(gpu.queue_family)
-        .flags(vk::CommandPoolCreateFlags::RESET_COMMAND_BUFFER);
-    // SAFETY: the family is the device's.
-    let pool = unsafe { gpu.device.create_command_pool(&info, None) }.could_not("make a pool")?;
-    Ok(OwnedHandle::new(gpu, pool))
 }
 
 impl Drop for Renderer {

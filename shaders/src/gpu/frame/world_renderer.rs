@@ -6,6 +6,7 @@ use glam::Vec3;
 use paros_core::volume::{Grid, Size};
 use paros_core::{World, WorldEvent};
 
+use super::compiled::CompiledRenderer;
 use super::renderer::{FrameSemaphores, Renderer};
 use super::request::{Eye, FrameRequest, RenderStyle};
 use crate::field::{Budget, DensityField, FigureShares};
@@ -64,7 +65,16 @@ where
         world: &World<N, K>,
         cache: &[u8],
     ) -> Result<Self, Error> {
-        let renderer = Renderer::new(gpu, format, VolumeFormat::of::<N, K>(), cache)?;
+        let volume = VolumeFormat::of::<N, K>();
+        Self::from_compiled(CompiledRenderer::compile(gpu, format, volume, cache)?, world)
+    }
+
+    /// Makes the renderer of what was compiled for it, for volumes of this size, and uploads a world's volume.
+    ///
+    /// # Errors
+    /// A call that failed; out of memory, most likely.
+    pub fn from_compiled(compiled: CompiledRenderer, world: &World<N, K>) -> Result<Self, Error> {
+        let renderer = Renderer::from_compiled(compiled)?;
         let mut scene = Box::new(SceneAssembler::new());
         scene.follow_tick(world);
         let (field, figure) = (Box::new(DensityField::new()), FigureShares::new());

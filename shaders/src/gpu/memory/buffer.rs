@@ -18,6 +18,9 @@ pub(crate) struct Buffer {
     pub(crate) size: usize,
 }
 
+// SAFETY: the mapping is the buffer's alone, and is written through `&mut self` only.
+unsafe impl Send for Buffer {}
+
 impl Buffer {
     /// A host-visible, host-coherent buffer of `size` bytes, persistently mapped.
     pub(crate) fn new(
