@@ -140,6 +140,12 @@ where
         self.has_volumes = true;
     }
 
+    /// Whether the volumes are there: generated, or loaded.
+    #[must_use]
+    pub const fn has_volumes(&self) -> bool {
+        self.has_volumes
+    }
+
     /// Loads the volumes instead of generating them: `load_into` writes each into its maps.
     ///
     /// # Errors

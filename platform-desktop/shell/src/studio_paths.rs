@@ -87,6 +87,18 @@ impl StudioPaths {
         self.cache.join("pipelines.bin")
     }
 
+    /// The log of a headset, beside the settings.
+    #[must_use]
+    pub fn log_file(&self) -> PathBuf {
+        self.settings.with_file_name("paros.log")
+    }
+
+    /// The starts of a headset that have failed in a row.
+    #[must_use]
+    pub fn failed_starts_file(&self) -> PathBuf {
+        self.cache.join("failed-starts")
+    }
+
     /// The part of a file's name that tells the window; empty for the first.
     fn window_suffix(&self) -> String {
         match self.window {

@@ -1,5 +1,5 @@
-//! Policies of the headset that need no device: when ticks are due, what hands are read from, feel and do, how much is drawn, who
-//! wears the headset, how hot it is, and what the app's package holds.
+//! Policies of the headset that need no device: when ticks are due, what hands are read from, feel and do, how much is
+//! drawn, who wears the headset, how hot it is, how a start goes and what is seen of it, and what the app's package holds.
 //! They take plain numbers and times, as a runtime or a device tells them, and give inputs and decisions.
 //! They know neither OpenXR nor Android.
 
@@ -9,8 +9,11 @@ pub mod frame_pacer;
 pub mod hand_reader;
 pub mod hand_sample;
 pub mod haptics;
+pub mod notice_picture;
+pub mod notice_placement;
 pub mod package;
 pub mod recentering;
 pub mod resolution;
 pub mod room_placement;
+pub mod start_up;
 pub mod visit;

@@ -1,0 +1,171 @@
+//! The starts that have failed in a row, as they are kept on the disk. A start counts as failed until its first frame,
+//! so that one that takes the process with it, as a driver may, counts too.
+
+use std::time::Duration;
+
+use paros_core::codec::{BadBytes, ByteReader};
+use paros_core::internals::{ByteWriter, checksum};
+
+use crate::headset::visit::{BootId, LastUse};
+
+/// Failed starts in a row.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct FailedStarts {
+    /// How many, at least 1.
+    count: u32,
+    /// When the last one failed, and in which boot.
+    last: LastUse,
+}
+
+/// The most that a start is put off.
+const LONGEST_PAUSE: Duration = Duration::from_secs(60);
+
+/// A start this long after the last failure begins a row of its own.
+const FORGOTTEN_AFTER: Duration = Duration::from_secs(600);
+
+const MAGIC: &[u8; 4] = b"PFST";
+const VERSION: u16 = 1;
+
+/// Bytes before the checksum.
+const BODY_BYTES: usize = 4 + 2 + 4 + LastUse::BYTES;
+
+impl FailedStarts {
+    /// Length of an encoded one.
+    pub const BYTES: usize = BODY_BYTES + 8;
+
+    /// The row with one more, which failed now. One of another boot, or of long ago, is forgotten.
+    #[must_use]
+    pub fn after_failure(before: Option<Self>, boot: BootId, now: Duration) -> Self {
+        let before = before.filter(|before| before.is_remembered(boot, now));
+        let count = before.map_or(1, |before| before.count.saturating_add(1));
+        FailedStarts { count, last: LastUse { boot, since_boot: now } }
+    }
+
+    /// The same row, whose last start failed now.
+    #[must_use]
+    pub const fn failed_at(self, now: Duration) -> Self {
+        FailedStarts { last: LastUse { since_boot: now, ..self.last }, ..self }
+    }
+
+    /// When the next start is due; none if it is. The pauses are 1, 2, 4 .. 60 seconds.
+    #[must_use]
+    pub fn next_start(&self, boot: BootId, now: Duration) -> Option<Duration> {
+        let seconds = 1u64.checked_shl(self.count.saturating_sub(1)).unwrap_or(u64::MAX);
+        let pause = Duration::from_secs(seconds).min(LONGEST_PAUSE);
+        let due = self.last.since_boot + pause;
+        (self.is_remembered(boot, now) && due > now).then_some(due)
+    }
+
+    /// How many have failed.
+    #[must_use]
+    pub const fn count(&self) -> u32 {
+        self.count
+    }
+
+    fn is_remembered(&self, boot: BootId, now: Duration) -> bool {
+        let ago = now.checked_sub(self.last.since_boot);
+        self.last.boot == boot && ago.is_some_and(|ago| ago < FORGOTTEN_AFTER)
+    }
+
+    /// Encodes them, with a checksum at the end.
+    #[must_use]
+    pub fn encode(&self) -> [u8; Self::BYTES] {
+        let mut bytes = [0; Self::BYTES];
+        let (body, end) = bytes.split_at_mut(BODY_BYTES);
+        let mut to = ByteWriter::new(body);
+        to.bytes(MAGIC);
+        to.u16(VERSION);
+        to.u32(self.count);
+        to.bytes(&self.last.encode());
+        end.copy_from_slice(&checksum(body).to_le_bytes());
+        bytes
+    }
+
+    /// Decodes them.
+    ///
+    /// # Errors
+    /// The first place at which the bytes are not as [`Self::encode`] makes them.
+    pub fn decode(bytes: &[u8]) -> Result<Self, BadBytes> {
+        let mut from = ByteReader::new(bytes);
+        let bad = from.error_here("PFST, starts that failed");
+        if from.bytes(4)? != MAGIC {
+            return Err(bad);
+        }
+        let bad = from.error_here("version 1");
+        if from.u16()? != VERSION {
+            return Err(bad);
+        }
+        let bad = from.error_here("a count from 1");
+        let count = from.u32()?;
+        if count == 0 {
+            return Err(bad);
+        }
+        let last = LastUse::decode(from.bytes(LastUse::BYTES)?)?;
+        let bad = from.error_here("the checksum of the bytes before it");
+        if from.u64()? != checksum(&bytes[..BODY_BYTES]) {
+            return Err(bad);
+        }
+        if bytes.len() != Self::BYTES {
+            return Err(from.error_here("the end"));
+        }
+        Ok(FailedStarts { count, last })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use super::{BootId, FORGOTTEN_AFTER, FailedStarts};
+
+    const BOOT: BootId = BootId::from_count(7);
+
+    #[test]
+    fn pauses_double_up_to_a_minute() {
+        let (mut now, mut row, mut pauses) = (Duration::from_secs(1000), None, Vec::new());
+        for _ in 0..9 {
+            let failed = FailedStarts::after_failure(row, BOOT, now);
+            let due = failed.next_start(BOOT, now).expect("a pause");
+            pauses.push((due - now).as_secs());
+            assert_eq!(failed.next_start(BOOT, due), None);
+            (now, row) = (due, Some(failed));
+        }
+        assert_eq!(pauses, [1, 2, 4, 8, 16, 32, 60, 60, 60]);
+        assert_eq!(row.map(|row| row.count()), Some(9));
+        let many = FailedStarts { count: u32::MAX, ..row.expect("a row") };
+        assert_eq!(FailedStarts::after_failure(Some(many), BOOT, now).count(), u32::MAX);
+        assert!(many.next_start(BOOT, many.last.since_boot).is_some());
+    }
+
+    #[test]
+    fn another_boot_and_a_long_time_are_a_fresh_start() {
+        let then = Duration::from_secs(1000);
+        let failed = FailedStarts::after_failure(None, BOOT, then).failed_at(then);
+        let other = BootId::from_count(8);
+        assert_eq!(failed.next_start(other, then), None);
+        assert_eq!(FailedStarts::after_failure(Some(failed), other, then).count(), 1);
+        assert_eq!(FailedStarts::after_failure(Some(failed), BOOT, then).count(), 2);
+        let later = then + FORGOTTEN_AFTER;
+        assert_eq!(FailedStarts::after_failure(Some(failed), BOOT, later).count(), 1);
+        // A time that is yet to come is of no start of this boot.
+        assert_eq!(failed.next_start(BOOT, Duration::from_secs(5)), None);
+    }
+
+    #[test]
+    fn what_is_written_is_read_and_each_changed_bit_is_seen() {
+        let then = Duration::from_millis(123_456_789);
+        let failed = FailedStarts::after_failure(None, BOOT, then);
+        let failed = FailedStarts::after_failure(Some(failed), BOOT, then);
+        let bytes = failed.encode();
+        assert_eq!(FailedStarts::decode(&bytes), Ok(failed));
+        for bit in 0..8 * bytes.len() {
+            let mut changed = bytes;
+            changed[bit / 8] ^= 1 << (bit % 8);
+            FailedStarts::decode(&changed).expect_err("a changed bit");
+        }
+        for length in 0..bytes.len() {
+            FailedStarts::decode(&bytes[..length]).expect_err("a part");
+        }
+        FailedStarts::decode(&[&bytes[..], &[0]].concat()).expect_err("more than there is");
+    }
+}
