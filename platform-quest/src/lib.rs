@@ -3,21 +3,25 @@
 //!
 //! Decisions are made without OpenXR: by the policies of [`paros_shell::headset`], by [`session_phase`]
 //! and by [`foveation`], which are plain functions of what the runtime reports. `xr` makes the calls, and
-//! [`shell`] runs the frame loop. [`platform`] is the operating system; [`device`] and [`runtime`] are
+//! [`shell`] runs the frame loop; before its first frame `start_keeper` and `notice_session` tell of a start that fails. [`platform`] is the operating system; [`device`] and [`runtime`] are
 //! Android's part of it: the Java classes, and the search for the OpenXR runtime.
 
 #[cfg(target_os = "android")]
 mod android;
 pub mod arguments;
 mod boot_clock;
+mod compilation;
 pub mod device;
 pub mod error;
 pub mod foveation;
+pub mod log;
+mod notice_session;
 pub mod options;
 pub mod platform;
 pub mod runtime;
 pub mod session_phase;
 mod session_resources;
 pub mod shell;
+mod start_keeper;
 mod test_commands;
 mod xr;

@@ -6,6 +6,7 @@ use std::process::ExitCode;
 use clap::Parser;
 use paros_quest::arguments::HeadsetArgs;
 use paros_quest::error::Error;
+use paros_quest::log::write_log_line;
 use paros_quest::platform::PlainPlatform;
 use paros_quest::shell::run_shell;
 use paros_shell::durable::{WriteTarget, take_storage_warnings};
@@ -16,7 +17,7 @@ use paros_shell::with_size;
 fn main() -> ExitCode {
     let done = run_command(&HeadsetArgs::parse());
     for warning in take_storage_warnings() {
-        let _ = writeln!(io::stderr(), "paros-quest: {warning}");
+        write_log_line(format_args!("{warning}"));
     }
     match done {
         Ok(report) => {
@@ -26,7 +27,7 @@ fn main() -> ExitCode {
         }
         Err(RunFailure { message, exit_code }) => {
             // Nobody may be listening there; the exit code still tells.
-            let _ = writeln!(io::stderr(), "paros-quest: {message}");
+            write_log_line(format_args!("{message}"));
             exit_code
         }
     }
@@ -46,7 +47,7 @@ fn run_command(args: &HeadsetArgs) -> Result<String, RunFailure> {
     }
     let loaded = args.load_settings().map_err(|why| input_failure(&why))?;
     for line in loaded.log_lines() {
-        let _ = writeln!(io::stderr(), "paros-quest: {line}");
+        write_log_line(format_args!("{line}"));
     }
     if let Some(record) = &args.record {
         // Before the sculpting, not after it.

@@ -2,15 +2,16 @@
 //! the device's health, its time, a log.
 
 use std::fmt;
-use std::io::{self, Write};
 use std::time::Duration;
 
 use openxr as xr;
 use paros_shell::headset::device_health::DeviceHealth;
+use paros_shell::headset::start_up::StartUp;
 use paros_shell::headset::visit::BootId;
 
 use crate::boot_clock;
 use crate::error::Error;
+use crate::log::write_log_line;
 
 /// The operating system: Android, or anything else.
 pub trait Platform {
@@ -59,10 +60,13 @@ pub trait Platform {
         None
     }
 
+    /// Told where the start stands, whenever that changes. Until it is ready, and again while a lost session is made
+    /// anew, there is nothing to save.
+    fn note_start_up(&mut self, _start: StartUp) {}
+
     /// Writes a line to the log.
     fn log(&mut self, text: fmt::Arguments<'_>) {
-        // Nobody may be listening there.
-        let _ = writeln!(io::stderr(), "paros-quest: {text}");
+        write_log_line(text);
     }
 }
 

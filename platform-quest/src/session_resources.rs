@@ -1,4 +1,5 @@
-//! The OpenXR and Vulkan objects of one session, created and destroyed together.
+//! The OpenXR and Vulkan objects of one session, created and destroyed together: first those that need no program,
+//! by which a notice is seen, then what draws the world.
 
 use std::sync::Arc;
 
@@ -6,15 +7,28 @@ use paros_core::World;
 use paros_core::limits::INTERVALS;
 use paros_core::volume::{Grid, Size};
 use paros_shaders::gpu::{self, Gpu, TargetFormat, WorldRenderer};
-use paros_shell::durable;
+use paros_shaders::upload::VolumeFormat;
 use paros_shell::file_writer::{FileKind, FileWriter};
+use paros_shell::headset::start_up::Notice;
 use paros_shell::studio_paths::StudioPaths;
 
+use crate::compilation::{Compilation, Compiled};
 use crate::error::Error;
 use crate::foveation::{FOVEATION_EXTENSIONS, FoveationLevel};
 use crate::options::ShellOptions;
 use crate::platform::Platform;
-use crate::xr::{EyeImages, EyeTargets, HeadsetSession, Runtime};
+use crate::xr::{EyeImages, EyeTargets, FrameCalls, HeadsetSession, NoticeLayer, Runtime};
+
+/// A session whose renderer is yet to be made. Fields are dropped in this order.
+pub(crate) struct OpenedSession {
+    /// What is seen meanwhile; none where the runtime refuses it.
+    pub(crate) notice: Option<NoticeLayer>,
+    images: EyeImages,
+    format: TargetFormat,
+    pub(crate) session: HeadsetSession,
+    pub(crate) gpu: Arc<Gpu>,
+    pub(crate) runtime: Runtime,
+}
 
 /// A session and what draws for it. Fields are dropped in this order.
 pub(crate) struct SessionResources<const N: usize>
@@ -30,20 +44,15 @@ where
     pipeline_cache: Vec<u8>,
 }
 
-impl<const N: usize> SessionResources<N>
-where
-    Grid<N>: Size,
-{
-    /// Creates a session that shows a world. The Vulkan instance, which has the validation messages, is
-    /// left in `vulkan_out` even if the rest fails.
+impl OpenedSession {
+    /// Creates a session. The Vulkan instance, which has the validation messages, is left in `vulkan_out` even if the
+    /// rest fails.
     ///
     /// # Errors
     /// [`Error::Unavailable`] with what is missing, or a call that failed.
     pub(crate) fn create(
         platform: &mut dyn Platform,
         options: &ShellOptions,
-        world: &World<N, INTERVALS>,
-        paths: &StudioPaths,
         vulkan_out: &mut Option<Arc<gpu::Instance>>,
     ) -> Result<Self, Error> {
         let runtime = Runtime::create(platform, options)?;
@@ -72,10 +81,48 @@ where
         format.density_map = images.have_density_maps();
         format.is_subsampled = images.are_subsampled();
         log_missing_features(platform, options, &runtime, &gpu, &format);
-        // Without it only the start takes longer.
-        let pipeline_cache =
-            durable::read_regular_file(&paths.pipeline_cache_file()).unwrap_or_default();
-        let show = WorldRenderer::new(&gpu, format, world, &pipeline_cache)?;
+        let notice = NoticeLayer::create(&session.raw, &gpu, options.test_commands);
+        let notice = notice.map_err(|why| {
+            platform.log(format_args!("nothing is seen while the studio is made ready: {why}"));
+        });
+        Ok(OpenedSession { notice: notice.ok(), images, format, session, gpu, runtime })
+    }
+
+    /// Has the renderer's programs compiled on a thread of their own.
+    pub(crate) fn start_compiling(&self, volume: VolumeFormat, paths: &StudioPaths) -> Compilation {
+        Compilation::start(&self.gpu, self.format, volume, paths.pipeline_cache_file())
+    }
+
+    /// Waits for the next frame, and shows a notice in it.
+    ///
+    /// # Errors
+    /// A lost session.
+    pub(crate) fn wait_and_run_frame(&mut self, notice: &Notice) -> Result<(), Error> {
+        let HeadsetSession { waiter, stream, .. } = &mut self.session;
+        let calls = FrameCalls { waiter, stream, blend_mode: self.runtime.blend_mode };
+        match &mut self.notice {
+            Some(layer) => layer.wait_and_run_frame(calls, notice),
+            None => calls.wait_and_run_empty_frame(),
+        }
+    }
+}
+
+impl<const N: usize> SessionResources<N>
+where
+    Grid<N>: Size,
+{
+    /// Makes what draws a world of what was compiled for it. The notice is seen until the first frame.
+    ///
+    /// # Errors
+    /// A call that failed.
+    pub(crate) fn create(
+        opened: OpenedSession,
+        compiled: Compiled,
+        world: &World<N, INTERVALS>,
+    ) -> Result<Self, Error> {
+        let OpenedSession { images, session, gpu, runtime, .. } = opened;
+        let Compiled { renderer, pipeline_cache } = compiled;
+        let show = WorldRenderer::from_compiled(renderer, world)?;
         let eyes = EyeTargets::from_images(images, &show.renderer)?;
         Ok(SessionResources { eyes, show, session, gpu, runtime, pipeline_cache })
     }

@@ -2,6 +2,8 @@
 
 mod events;
 mod frame;
+mod loading;
+mod session_loop;
 mod ticks;
 mod visits;
 
@@ -21,23 +23,28 @@ use paros_shell::headset::haptics::FrameHaptics;
 use paros_shell::headset::recentering::PendingRecentering;
 use paros_shell::headset::resolution::ResolutionPolicy;
 use paros_shell::headset::room_placement::RoomPlacement;
+use paros_shell::headset::start_up::StartUp;
 use paros_shell::headset::visit::{BootId, VisitPolicy};
+use paros_shell::start_volume_store::StartVolumeStore;
 use paros_shell::statics::{Resident, ResidentBitGrid};
 use paros_shell::stl_export::{DEFAULT_HEIGHT_MM, StlExporter};
 use paros_shell::studio::{Notice, Studio};
 use paros_shell::studio_paths::StudioPaths;
 
 use crate::error::Error;
-use crate::foveation::Foveation;
+use crate::log::open_log_file;
 use crate::options::ShellOptions;
 use crate::platform::Platform;
 use crate::session_phase::SessionPhase;
-use crate::session_resources::SessionResources;
-use crate::test_commands::{CommandQueue, TestCommand};
+use crate::session_resources::{OpenedSession, SessionResources};
+use crate::start_keeper::StartKeeper;
+use crate::test_commands::CommandQueue;
 use crate::xr::NO_PROFILE;
 
+pub(crate) use events::session_event;
+
 /// How often events are polled while no frames are made.
-const IDLE_POLL_INTERVAL: Duration = Duration::from_millis(10);
+pub(crate) const IDLE_POLL_INTERVAL: Duration = Duration::from_millis(10);
 
 /// Session losses in a row after which the runtime is given up, and the pause between them.
 const MAX_LOSSES: u32 = 5;
@@ -60,9 +67,11 @@ where
 {
     studio: Studio<'a, N>,
     options: &'a ShellOptions,
-    test_commands: Option<CommandQueue>,
+    test_commands: Option<&'a CommandQueue>,
+    start: &'a mut StartKeeper,
     visit: VisitPolicy,
     phase: SessionPhase,
+    exit_requested_at: Option<Instant>,
     pacer: FramePacer,
     recentering: PendingRecentering,
     hand_readers: [HandReader; 2],
@@ -117,20 +126,53 @@ pub fn run_shell<const N: usize>(
 where
     Grid<N>: Size + Resident<N, INTERVALS>,
 {
+    let folder = options.folder.as_deref();
+    let paths = folder.map_or_else(|| StudioPaths::for_user(None), StudioPaths::inside_folder);
+    open_log_file(&paths.log_file());
+    // Whoever ran it before in this process has to end first, to the last word of its failure.
     let mut volumes = Grid::<N>::lock_start_volumes();
+    let commands = options.test_commands.then(CommandQueue::spawn_reader);
+    let mut start = StartKeeper::begin(platform, options, &paths);
+    if start.wait_until_due(platform, options, commands.as_ref()).is_break() {
+        return Ok(None);
+    }
+    let done =
+        run_studio::<N>(platform, options, paths, &mut volumes, commands.as_ref(), &mut start);
+    match &done {
+        Ok(_) => start.forget_failures(),
+        Err(error) => start.show_failure(error, platform, options, commands.as_ref()),
+    }
+    done
+}
+
+/// Shows in the headset why the app can't come to [`run_shell`], where that can be shown, until it has been read.
+pub fn show_failed_start(platform: &mut dyn Platform, options: &ShellOptions, error: &Error) {
+    let paths = StudioPaths::for_user(None);
+    StartKeeper::begin(platform, options, &paths).show_failure(error, platform, options, None);
+}
+
+/// Runs a studio in sessions until it is quit, and saves it.
+fn run_studio<const N: usize>(
+    platform: &mut dyn Platform,
+    options: &ShellOptions,
+    paths: StudioPaths,
+    volumes: &mut StartVolumeStore<N, INTERVALS>,
+    commands: Option<&CommandQueue>,
+    start: &mut StartKeeper,
+) -> Result<Option<PathBuf>, Error>
+where
+    Grid<N>: Size + Resident<N, INTERVALS>,
+{
     volumes.generate_once(&mut Grid::<N>::lock_bit_grid(), |_| {});
     let (mut world, mut stl_buffers) = (Grid::<N>::lock_world(), Grid::<N>::lock_stl_buffers());
     let stl_exporter = StlExporter::new(&mut stl_buffers, DEFAULT_HEIGHT_MM);
     let stl_exporter = stl_exporter.map_err(|height| Error::Input(format!("{height:?}")))?;
-    let folder = options.folder.as_deref();
-    let places = folder.map_or_else(|| StudioPaths::for_user(None), StudioPaths::inside_folder);
-    let mut studio =
-        Studio::new(&mut world, &mut volumes, stl_exporter, places, render_portrait_png);
+    let mut studio = Studio::new(&mut world, volumes, stl_exporter, paths, render_portrait_png);
     match &options.record {
         Some(_) => studio.set_trace_path_at_exit(options.record.clone()),
         None => studio.disable_recording(),
     }
-    let mut shell = HeadsetShell::new(studio, options, platform.boot_id());
+    let mut shell = HeadsetShell::new(studio, options, commands, start, platform.boot_id());
     shell.resume_session(platform);
     let done = shell.run_sessions(platform);
     shell.keep_last_use_before_pause();
@@ -153,17 +195,29 @@ where
     Ok(shell.studio.session_stl_path().map(Path::to_path_buf))
 }
 
+fn pause_between_polls() {
+    thread::sleep(IDLE_POLL_INTERVAL);
+}
+
 impl<'a, const N: usize> HeadsetShell<'a, N>
 where
     Grid<N>: Size + Resident<N, INTERVALS>,
 {
-    fn new(studio: Studio<'a, N>, options: &'a ShellOptions, boot: Option<BootId>) -> Self {
+    fn new(
+        studio: Studio<'a, N>,
+        options: &'a ShellOptions,
+        test_commands: Option<&'a CommandQueue>,
+        start: &'a mut StartKeeper,
+        boot: Option<BootId>,
+    ) -> Self {
         HeadsetShell {
             studio,
             options,
-            test_commands: options.test_commands.then(CommandQueue::spawn_reader),
+            test_commands,
+            start,
             visit: VisitPolicy::new(options.mode, options.handover_after),
             phase: SessionPhase::default(),
+            exit_requested_at: None,
             pacer: FramePacer::default(),
             recentering: PendingRecentering::default(),
             hand_readers: [HandReader::default(); 2],
@@ -223,23 +277,27 @@ where
         platform: &mut dyn Platform,
         vulkan_out: &mut Option<Arc<gpu::Instance>>,
     ) -> Result<SessionEnd, Error> {
-        let (world, paths) = (self.studio.world(), self.studio.paths());
-        let mut resources =
-            SessionResources::create(platform, self.options, world, paths, vulkan_out)?;
-        let profiles = &resources.session.actions.profiles;
+        let mut opened = OpenedSession::create(platform, self.options, vulkan_out)?;
+        let profiles = &opened.session.actions.profiles;
         for refusal in &profiles.refusals {
             platform.log(format_args!("{refusal}"));
         }
         if profiles.accepted == 0 {
             platform.log(format_args!("{NO_PROFILE}: bare hands sculpt"));
         }
-        let (runtime, device) = (&resources.runtime.name, &resources.gpu.name);
+        let (runtime, device) = (&opened.runtime.name, &opened.gpu.name);
         platform.log(format_args!("{runtime}, drawn by {device}"));
         self.phase = SessionPhase::default();
         self.hand_readers = [HandReader::default(); 2];
         self.pacer.pause();
         self.placement.restart_in_new_space();
         self.visit.forget_poses();
+        let compiled = match self.compile_in_session(&mut opened, platform)? {
+            ControlFlow::Continue(compiled) => compiled,
+            ControlFlow::Break(end) => return Ok(end),
+        };
+        let mut resources = SessionResources::create(opened, compiled, self.studio.world())?;
+        platform.note_start_up(StartUp::Ready);
         // Whatever ends the session, the next start finds the compiled programs.
         self.submit_changed_pipeline_cache_between_frames(&mut resources);
         let end = self.run_frames(&mut resources, platform);
@@ -255,44 +313,6 @@ where
         resources.submit_changed_pipeline_cache_between_frames(&places, self.studio.file_writer());
     }
 
-    /// Polls events and makes frames until the session ends.
-    fn run_frames(
-        &mut self,
-        resources: &mut SessionResources<N>,
-        platform: &mut dyn Platform,
-    ) -> Result<SessionEnd, Error> {
-        let mut exit_requested_at: Option<Instant> = None;
-        loop {
-            self.poll_events(resources, platform)?;
-            match self.phase {
-                SessionPhase::Exited => return Ok(SessionEnd::Exited),
-                SessionPhase::Lost if exit_requested_at.is_some() => return Ok(SessionEnd::Exited),
-                SessionPhase::Lost => return Ok(SessionEnd::Lost),
-                phase if phase.is_running() => self.wait_and_run_frame(resources, platform)?,
-                _ => thread::sleep(IDLE_POLL_INTERVAL),
-            }
-            let status = platform.poll_status();
-            self.note_health_and_log_warning(status.health, platform);
-            self.update_foveation(resources, platform)?;
-            let quit =
-                self.run_test_command(resources, platform).is_break() || status.quit_requested;
-            if quit && exit_requested_at.is_none() {
-                exit_requested_at = Some(Instant::now());
-                self.save_studio_and_wait();
-                if resources.session.raw.request_exit().is_err() {
-                    // The session is not running: it has not begun, or has ended.
-                    return Ok(SessionEnd::Exited);
-                }
-            }
-            if exit_requested_at.is_some_and(|since| since.elapsed() > EXIT_TIMEOUT) {
-                return Ok(SessionEnd::Exited);
-            }
-            self.keep_due_last_use();
-            self.studio.poll_background_work();
-            self.log_notes(platform);
-        }
-    }
-
     /// Logs the studio's notes to the visitor.
     fn log_notes(&mut self, platform: &mut dyn Platform) {
         for note in self.studio.take_notices() {
@@ -300,55 +320,5 @@ where
             platform.log(format_args!("{text}"));
             self.last_note = text;
         }
-    }
-
-    /// Takes in thermal state and battery, and logs a warning once.
-    fn note_health_and_log_warning(&mut self, health: DeviceHealth, platform: &mut dyn Platform) {
-        let thermal = health.thermal.max(self.runtime_thermal);
-        let health = DeviceHealth { thermal, ..health };
-        let before = core::mem::replace(&mut self.health, health);
-        if let Some(warning) = health.new_warning(before) {
-            platform.log(format_args!("{warning}"));
-        }
-    }
-
-    /// Sets the foveation level that thermal state and battery call for; not in the middle of a stroke.
-    /// Where the runtime refuses, frames go on as they are.
-    fn update_foveation(
-        &self,
-        resources: &mut SessionResources<N>,
-        platform: &mut dyn Platform,
-    ) -> Result<(), Error> {
-        let is_integrated = resources.gpu.is_integrated();
-        let wanted = Foveation::choose(self.health, self.options.foveation, is_integrated);
-        let world = self.studio.world();
-        let in_stroke = (0..2).any(|hand| world.hand_state(hand).trigger);
-        if in_stroke || !resources.eyes.needs_foveation(wanted) {
-            return Ok(());
-        }
-        match resources.eyes.set_foveation(&resources.session.raw, wanted) {
-            Err(error) if error.is_recoverable_loss() => return Err(error),
-            Err(error) => platform.log(format_args!("{error}")),
-            Ok(()) => platform.log(format_args!("foveation {wanted}")),
-        }
-        Ok(())
-    }
-
-    /// Runs a command of a test, if one has arrived. Breaks if the session is to end.
-    fn run_test_command(
-        &mut self,
-        resources: &SessionResources<N>,
-        platform: &mut dyn Platform,
-    ) -> ControlFlow<()> {
-        match self.test_commands.as_ref().and_then(CommandQueue::poll_next) {
-            None => {}
-            Some(TestCommand::PrintStatus) => self.print_status(resources),
-            Some(TestCommand::CaptureFrame(prefix)) => self.capture_prefix = Some(prefix),
-            Some(TestCommand::Quit) => {
-                platform.log(format_args!("leaving"));
-                return ControlFlow::Break(());
-            }
-        }
-        ControlFlow::Continue(())
     }
 }

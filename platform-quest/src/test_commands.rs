@@ -1,11 +1,16 @@
 //! Commands from standard input, one a line, for tests: `say` prints the status, `shot PREFIX` writes the
-//! next frame's pictures to `PREFIX-left.png` and `PREFIX-right.png`, `quit` asks the runtime to end the
+//! next frame's pictures to `PREFIX-left.png` and `PREFIX-right.png`, or the notice to `PREFIX-notice.png`, `quit` asks the runtime to end the
 //! session.
 
 use std::io::{self, BufRead};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, channel};
 use std::thread;
+
+use paros_shaders::Image;
+use paros_shell::durable;
+
+use crate::error::Error;
 
 /// A command of a test.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -41,6 +46,25 @@ impl CommandQueue {
     pub(crate) fn poll_next(&self) -> Option<TestCommand> {
         self.0.try_recv().ok()
     }
+}
+
+/// Writes a picture, red, green and blue of each pixel, to `PREFIX-NAME.png`.
+///
+/// # Errors
+/// [`Error::Input`] where the pixels are not as many as the extent says, or a file that can't be written.
+pub(crate) fn write_picture(
+    prefix: &Path,
+    name: &str,
+    extent: [u32; 2],
+    pixels: &[u8],
+) -> Result<(), Error> {
+    let [width, height] = extent.map(|pixels| pixels as usize);
+    let image = Image { width, height, pixels: pixels.to_vec() };
+    let mut png = Vec::new();
+    image.write_png(&mut png).map_err(|error| Error::Input(error.to_string()))?;
+    let mut path = prefix.as_os_str().to_owned();
+    path.push(format!("-{name}.png"));
+    Ok(durable::write_file(Path::new(&path), &png)?)
 }
 
 fn parse_command(line: &str) -> Option<TestCommand> {

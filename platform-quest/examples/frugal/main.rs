@@ -19,6 +19,7 @@ use paros_quest::error::Error;
 use paros_quest::options::ShellOptions;
 use paros_quest::platform::{PlainPlatform, Platform, PlatformStatus};
 use paros_quest::shell::run_shell;
+use paros_shell::headset::start_up::StartUp;
 
 /// Frames before the measured ones; these may allocate.
 const WARM_UP_FRAMES: usize = 100;
@@ -82,6 +83,8 @@ struct ProfilingPlatform {
     last: FrameCost,
     step_nanos: u64,
     reference: Box<clock::ReferenceTable>,
+    /// Frames before the studio's own show how it is made ready.
+    has_studio: bool,
 }
 
 impl ProfilingPlatform {
@@ -105,7 +108,10 @@ impl Platform for ProfilingPlatform {
 
     fn poll_status(&mut self) -> PlatformStatus {
         let (now, last) = (self.cost_so_far(), self.last);
-        if calls::take_frame_ended() && self.frames.len() < self.frames.capacity() {
+        if calls::take_frame_ended()
+            && self.has_studio
+            && self.frames.len() < self.frames.capacity()
+        {
             self.frames.push(FrameCost {
                 allocations: now.allocations - last.allocations,
                 own_nanos: now.own_nanos - last.own_nanos,
@@ -118,6 +124,10 @@ impl Platform for ProfilingPlatform {
         self.last = self.cost_so_far();
         let quit_requested = self.frames.len() == self.wanted;
         PlatformStatus { quit_requested, ..PlatformStatus::default() }
+    }
+
+    fn note_start_up(&mut self, start: StartUp) {
+        self.has_studio = start == StartUp::Ready;
     }
 
     fn run_world_step(&mut self, step: &mut dyn FnMut()) {
@@ -145,6 +155,7 @@ fn main() {
         last: FrameCost::default(),
         step_nanos: 0,
         reference: clock::reference_table(),
+        has_studio: false,
     };
     run_shell::<128>(&mut platform, &options).expect("a session");
     let (first, rest) = platform.frames.split_at(WARM_UP_FRAMES);

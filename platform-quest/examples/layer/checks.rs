@@ -8,7 +8,7 @@ use sys::{Result as Status, pfn};
 
 use super::chain::call_next;
 use super::folder::{layer_folder, log_line};
-use super::{actions, events, formats, foveation, hands, resolution, spaces, threads};
+use super::{actions, events, formats, foveation, hands, notices, resolution, spaces, threads};
 
 /// Where a session and its frame stand.
 struct FrameLoopState {
@@ -123,6 +123,7 @@ unsafe extern "system" fn begin_session(
 ) -> Status {
     update_and_check("xrBeginSession", |state| state.state == sys::SessionState::READY);
     log_line("begin");
+    notices::note_begin();
     call_next!(c"xrBeginSession": BeginSession, session, info)
 }
 
@@ -137,6 +138,7 @@ unsafe extern "system" fn poll_event(
     instance: sys::Instance,
     event: *mut sys::EventDataBuffer,
 ) -> Status {
+    notices::note_poll();
     // SAFETY: the shell has room for an event.
     if unsafe { events::try_write_injected_event(event) } {
         return Status::SUCCESS;
@@ -195,37 +197,52 @@ unsafe extern "system" fn end_frame(
         state.frame = FrameStep::None;
         fits && count == u32::from(state.should_render)
     });
-    if count == 1 {
-        // SAFETY: there is a layer, and it says of which type it is.
-        unsafe {
-            let layer = *(*info).layers;
-            update_and_check("a layer", |_| (*layer).ty == sys::CompositionLayerProjection::TYPE);
-            let layer = &*layer.cast::<sys::CompositionLayerProjection>();
-            update_and_check("the views", |_| layer.view_count == 2);
-            for eye in 0..2 {
-                let view = &*layer.views.add(eye);
-                let image = view.sub_image;
-                resolution::note_submitted(image.image_rect);
-                update_and_check("a view", |_| {
-                    let extent = image.image_rect.extent;
-                    view.ty == sys::CompositionLayerProjectionView::TYPE
-                        && image.image_array_index as usize == eye
-                        && extent.width > 0
-                        && extent.height > 0
+    // SAFETY: there is a layer, if the count says so, and it says of which type it is.
+    let layer = (count == 1).then(|| unsafe { *(*info).layers });
+    // SAFETY: as above.
+    let is_studio = layer.is_some_and(|layer| unsafe { !check_layer(layer) });
+    notices::note_frame(is_studio);
+    call_next!(c"xrEndFrame": EndFrame, session, info)
+}
+
+/// Checks a layer: both eyes' views of the studio, or a notice. Returns whether it is a notice.
+///
+/// # Safety
+/// The shell's layer is valid.
+unsafe fn check_layer(layer: *const sys::CompositionLayerBaseHeader) -> bool {
+    // SAFETY: the caller's.
+    unsafe {
+        if (*layer).ty == sys::CompositionLayerQuad::TYPE {
+            let fits = notices::is_notice(layer.cast());
+            update_and_check("a notice", |_| fits);
+            return true;
+        }
+        update_and_check("a layer", |_| (*layer).ty == sys::CompositionLayerProjection::TYPE);
+        let layer = &*layer.cast::<sys::CompositionLayerProjection>();
+        update_and_check("the views", |_| layer.view_count == 2);
+        for eye in 0..2 {
+            let view = &*layer.views.add(eye);
+            let image = view.sub_image;
+            resolution::note_submitted(image.image_rect);
+            update_and_check("a view", |_| {
+                let extent = image.image_rect.extent;
+                view.ty == sys::CompositionLayerProjectionView::TYPE
+                    && image.image_array_index as usize == eye
+                    && extent.width > 0
+                    && extent.height > 0
+            });
+            if !view.next.is_null() {
+                let depth = &*view.next.cast::<sys::CompositionLayerDepthInfoKHR>();
+                update_and_check("a view's depth", |_| {
+                    depth.ty == sys::CompositionLayerDepthInfoKHR::TYPE
+                        && depth.near_z > depth.far_z
+                        && depth.sub_image.swapchain != image.swapchain
                 });
-                if !view.next.is_null() {
-                    let depth = &*view.next.cast::<sys::CompositionLayerDepthInfoKHR>();
-                    update_and_check("a view's depth", |_| {
-                        depth.ty == sys::CompositionLayerDepthInfoKHR::TYPE
-                            && depth.near_z > depth.far_z
-                            && depth.sub_image.swapchain != image.swapchain
-                    });
-                    log_line("depth");
-                }
+                log_line("depth");
             }
         }
+        false
     }
-    call_next!(c"xrEndFrame": EndFrame, session, info)
 }
 
 unsafe extern "system" fn create_swapchain(
@@ -235,7 +252,8 @@ unsafe extern "system" fn create_swapchain(
 ) -> Status {
     // SAFETY: the shell's structure is valid during the call.
     let (layers, samples) = unsafe { ((*info).array_size, (*info).sample_count) };
-    update_and_check("xrCreateSwapchain", |_| layers == 2 && samples == 1);
+    // One for both eyes, or a notice's.
+    update_and_check("xrCreateSwapchain", |_| matches!(layers, 1 | 2) && samples == 1);
     // SAFETY: handed on as it came.
     unsafe { foveation::create_swapchain(session, info, swapchain) }
 }

@@ -10,8 +10,9 @@
 //! `inject` says, once: `presence 0`, `presence 1`, `heat`, `cool`, `lose session`, `lose instance`,
 //! or `fail`, which has the next frame's wait fail. Where a file `no-depth` stands, the runtime takes
 //! no pictures of depth; where `one-view` stands, its device has no multiview; `no-floor`, `no-stage`
-//! and `no-rates` take away spaces and rates, `no-subsampling` subsampled images. What a file `refuse` names is refused. A file `hands` says
-//! whether the visitor's hands are bare.
+//! and `no-rates` take away spaces and rates, `no-subsampling` subsampled images. What a file `refuse` names is refused.
+//! A file `hands` says whether the visitor's hands are bare, `slow-pipelines` and `no-pipelines` how the driver compiles,
+//! `recommended` what resolution is recommended.
 
 mod actions;
 mod chain;
@@ -22,6 +23,8 @@ mod folder;
 mod formats;
 mod foveation;
 mod hands;
+mod notices;
+mod pipelines;
 mod refusals;
 mod resolution;
 mod spaces;

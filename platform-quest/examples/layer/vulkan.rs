@@ -2,6 +2,7 @@
 //! which lavapipe lacks. It removes the extension again when the device is created; lavapipe then shades
 //! the whole image at full density. The validation layer stands above this one and checks every use of
 //! the density maps. If the layer's folder has a file `one-view`, the device reports no multiview.
+//! What becomes of pipelines is told in `pipelines`.
 
 use std::ffi::{CStr, c_char, c_void};
 use std::sync::Mutex;
@@ -111,8 +112,24 @@ unsafe extern "system" fn get_device_proc_addr(
     device: vk::Device,
     name: *const c_char,
 ) -> vk::PFN_vkVoidFunction {
-    let next = NEXT.lock().ok().and_then(|next| *next)?.device?;
+    // SAFETY: the name is a C string.
+    if let Some(hook) = super::pipelines::find_hook(unsafe { CStr::from_ptr(name) }) {
+        return Some(hook);
+    }
     // SAFETY: handed on as it came.
+    unsafe { next_device_function(device, name) }
+}
+
+/// A function of the next layer for a device.
+///
+/// # Safety
+/// The device is alive, and the name a C string.
+pub(crate) unsafe fn next_device_function(
+    device: vk::Device,
+    name: *const c_char,
+) -> vk::PFN_vkVoidFunction {
+    let next = NEXT.lock().ok().and_then(|next| *next)?.device?;
+    // SAFETY: the caller's.
     unsafe { next(device, name) }
 }
 

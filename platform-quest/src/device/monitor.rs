@@ -8,6 +8,7 @@ use std::time::Duration;
 use paros_shell::headset::device_health::{ChargeWatch, DeviceHealth, ThermalState};
 
 use super::{AndroidDevice, Battery, ThermalReading, ThermalStatus};
+use crate::log::write_log_line;
 
 /// The polling interval. Android computes a new headroom at most once a second.
 const POLL_INTERVAL: Duration = Duration::from_secs(10);
@@ -78,7 +79,7 @@ impl MonitorState {
                     let mut latest = self.latest.lock().unwrap_or_else(PoisonError::into_inner);
                     *latest = assess_health(thermal, battery, drains);
                 }
-                (Err(why), _) | (_, Err(why)) => eprintln!("paros-quest: {why}"),
+                (Err(why), _) | (_, Err(why)) => write_log_line(format_args!("{why}")),
             }
             thread::park_timeout(POLL_INTERVAL);
         }

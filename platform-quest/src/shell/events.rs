@@ -6,15 +6,15 @@ use openxr as xr;
 use paros_core::edit::UndoCounts;
 use paros_core::limits::INTERVALS;
 use paros_core::volume::{Grid, Size};
+use paros_shaders::gpu::Gpu;
 use paros_shell::headset::device_health::ThermalState;
 use paros_shell::statics::Resident;
 
 use super::HeadsetShell;
 use crate::error::{CallContext, Error};
 use crate::platform::Platform;
-use crate::session_phase::{PhaseChange, SessionDuty, SessionEvent, SessionPhase};
-use crate::session_resources::SessionResources;
-use crate::xr::VIEW_CONFIGURATION;
+use crate::session_phase::{PhaseChange, SessionDuty, SessionEvent};
+use crate::xr::{HeadsetSession, Runtime, VIEW_CONFIGURATION};
 
 impl<const N: usize> HeadsetShell<'_, N>
 where
@@ -26,24 +26,26 @@ where
     /// A call that failed: polling itself, or beginning or ending the session.
     pub(super) fn poll_events(
         &mut self,
-        resources: &mut SessionResources<N>,
+        session: &mut HeadsetSession,
+        runtime: &Runtime,
         platform: &mut dyn Platform,
     ) -> Result<(), Error> {
         let mut buffer = xr::EventDataBuffer::new();
         while let Some(event) =
-            resources.runtime.instance.poll_event(&mut buffer).could_not("ask what happened")?
+            runtime.instance.poll_event(&mut buffer).could_not("ask what happened")?
         {
             match event {
                 xr::Event::SessionStateChanged(change) => {
                     if let Some(event) = session_event(change.state()) {
-                        self.on_session_event(event, resources, platform)?;
+                        self.on_session_event(event, session, runtime, platform)?;
                     }
                 }
                 xr::Event::InstanceLossPending(_) => {
-                    self.on_session_event(SessionEvent::LossPending, resources, platform)?;
+                    let event = SessionEvent::LossPending;
+                    self.on_session_event(event, session, runtime, platform)?;
                 }
                 xr::Event::ReferenceSpaceChangePending(change)
-                    if change.reference_space_type() == resources.session.room_type =>
+                    if change.reference_space_type() == session.room_type =>
                 {
                     self.recentering.schedule_change(change.change_time().as_nanos());
                     platform.log(format_args!("recentred"));
@@ -69,7 +71,8 @@ where
     fn on_session_event(
         &mut self,
         event: SessionEvent,
-        resources: &mut SessionResources<N>,
+        session: &mut HeadsetSession,
+        runtime: &Runtime,
         platform: &mut dyn Platform,
     ) -> Result<(), Error> {
         platform.log(format_args!("{event:?}"));
@@ -77,9 +80,9 @@ where
         self.phase = phase;
         match duty {
             Some(SessionDuty::Begin) => {
-                resources.session.raw.begin(VIEW_CONFIGURATION).could_not("begin the session")?;
-                resources.session.set_thread_types(&resources.runtime);
-                for refusal in resources.session.request_performance_levels(&resources.runtime) {
+                session.raw.begin(VIEW_CONFIGURATION).could_not("begin the session")?;
+                session.set_thread_types(runtime);
+                for refusal in session.request_performance_levels(runtime) {
                     platform.log(format_args!("{refusal}"));
                 }
                 self.pacer.pause();
@@ -87,27 +90,21 @@ where
             }
             Some(SessionDuty::Save) => self.save_studio_and_wait(),
             Some(SessionDuty::SaveAndEnd) => {
-                self.submit_changed_pipeline_cache_between_frames(resources);
                 self.save_studio_and_wait();
-                resources.session.raw.end().could_not("end the session")?;
+                session.raw.end().could_not("end the session")?;
             }
             None => {}
         }
         Ok(())
     }
 
-    /// Prints the status line of the test command `say`.
-    pub(super) fn print_status(&self, resources: &SessionResources<N>) {
+    /// Prints the status line of the test command `say`, of a session that runs on this device and runtime.
+    pub(super) fn print_status(&self, phase: &str, gpu: &Gpu, runtime: &Runtime) {
         let world = self.studio.world();
         let held =
             [0, 1].map(|hand| world.held_tool(hand).map_or("nothing", |(_, bit)| bit.spec().name));
         let tracked = [0, 1].map(|hand| world.hand_state(hand).tracked);
         let sources = self.hand_readers.map(|reader| reader.source());
-        let phase = match self.phase {
-            SessionPhase::Focused => "focused",
-            SessionPhase::Visible => "seen",
-            _ => "unseen",
-        };
         let room = self.placement.room();
         let UndoCounts { undoable: undo, redoable: redo } = world.undo_counts();
         let mut out = io::stdout().lock();
@@ -116,7 +113,7 @@ where
             out,
             "life {phase}; session {:?}; mode {:?}; voxels {}; holds {held:?}; tracked {tracked:?}; \
              sources {sources:?}; undo {undo}; redo {redo}; ticks {}; frames {}; dropped {}; digest {:016x}; \
-             room {:.3} {:.4} {:.4}; drawn {:?}; device {}; runtime {}; note {}",
+             room {:.3} {:.4} {:.4}; device {}; runtime {}; note {}",
             world.session_state(),
             world.mode(),
             world.volume().count_voxels(),
@@ -127,16 +124,15 @@ where
             room.yaw,
             room.origin.x,
             room.origin.y,
-            resources.eyes.surface.drawn_extent(),
-            resources.gpu.name,
-            resources.runtime.name,
+            gpu.name,
+            runtime.name,
             self.last_note,
         );
     }
 }
 
 /// The event for a session state (`XrSessionState`); none for one that a later OpenXR adds.
-fn session_event(state: xr::SessionState) -> Option<SessionEvent> {
+pub(crate) fn session_event(state: xr::SessionState) -> Option<SessionEvent> {
     Some(match state {
         xr::SessionState::IDLE => SessionEvent::Idle,
         xr::SessionState::READY => SessionEvent::Ready,

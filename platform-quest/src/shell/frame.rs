@@ -7,16 +7,15 @@ use openxr as xr;
 use paros_core::limits::INTERVALS;
 use paros_core::session::TICK_RATE;
 use paros_core::volume::{Grid, Size};
-use paros_shaders::Image;
 use paros_shaders::gpu::{FrameSemaphores, Viewpoint};
 use paros_shaders::scene::LatestInput;
-use paros_shell::durable;
 use paros_shell::statics::Resident;
 
 use super::HeadsetShell;
 use crate::error::{CallContext, Error};
 use crate::platform::Platform;
 use crate::session_resources::SessionResources;
+use crate::test_commands::write_picture;
 use crate::xr::FrameCapture;
 
 impl<const N: usize> HeadsetShell<'_, N>
@@ -36,13 +35,15 @@ where
         self.run_ticks(resources, display_time, platform)?;
         self.frames += 1;
         if frame.should_render {
-            let period = Duration::from_nanos(
-                frame.predicted_display_period.as_nanos().max(0).cast_unsigned(),
-            );
-            return self.draw_frame(resources, display_time, period, platform);
+            let period = frame.predicted_display_period.as_nanos().max(0).cast_unsigned();
+            self.draw_frame(resources, display_time, Duration::from_nanos(period), platform)?;
+        } else {
+            let (stream, blend_mode) =
+                (&mut resources.session.stream, resources.runtime.blend_mode);
+            stream.end(display_time, blend_mode, &[]).could_not("end an empty frame")?;
         }
-        let blend_mode = resources.runtime.blend_mode;
-        resources.session.stream.end(display_time, blend_mode, &[]).could_not("end an empty frame")
+        self.start.note_frame();
+        Ok(())
     }
 
     /// Acquires both eyes' images, draws the world at the display time, and submits them.
@@ -112,13 +113,7 @@ where
 /// Writes both eyes' pictures to `PREFIX-left.png` and `PREFIX-right.png`.
 fn write_capture(capture: &FrameCapture, prefix: &Path) -> Result<(), Error> {
     for (name, pixels) in ["left", "right"].into_iter().zip(&capture.eyes) {
-        let [width, height] = capture.extent.map(|pixels| pixels as usize);
-        let image = Image { width, height, pixels: pixels.clone() };
-        let mut png = Vec::new();
-        image.write_png(&mut png).map_err(|error| Error::Input(error.to_string()))?;
-        let mut path = prefix.as_os_str().to_owned();
-        path.push(format!("-{name}.png"));
-        durable::write_file(Path::new(&path), &png)?;
+        write_picture(prefix, name, capture.extent, pixels)?;
     }
     Ok(())
 }

@@ -47,6 +47,22 @@ pub(crate) struct FrameCapture {
 /// The sRGB formats that the renderer draws in.
 const SRGB_FORMATS: [vk::Format; 2] = [vk::Format::R8G8B8A8_SRGB, vk::Format::B8G8R8A8_SRGB];
 
+/// Chooses the format of pictures that are no eye's, as [`EyeTargets::choose_format`] does.
+///
+/// # Errors
+/// [`Error::Unavailable`] where there is no such format, or a call that failed.
+pub(super) fn choose_color_format(session: &xr::Session<xr::Vulkan>) -> Result<vk::Format, Error> {
+    find_srgb_format(&session.enumerate_swapchain_formats().could_not("list image formats")?)
+}
+
+fn find_srgb_format(formats: &[u32]) -> Result<vk::Format, Error> {
+    let formats = formats.iter().map(|format| vk::Format::from_raw(format.cast_signed()));
+    formats
+        .into_iter()
+        .find(|format| SRGB_FORMATS.contains(format))
+        .ok_or_else(|| Error::Unavailable("the OpenXR runtime takes no sRGB pictures".into()))
+}
+
 impl EyeImages {
     /// Creates swapchains of the recommended extent and a format; `capturable` ones can be read back.
     ///
@@ -110,13 +126,7 @@ impl EyeTargets {
     ) -> Result<TargetFormat, Error> {
         let formats = session.enumerate_swapchain_formats().could_not("list image formats")?;
         let has = |format: vk::Format| formats.contains(&format.as_raw().cast_unsigned());
-        let color = formats
-            .iter()
-            .map(|format| vk::Format::from_raw(format.cast_signed()))
-            .find(|format| SRGB_FORMATS.contains(format));
-        let color = color.ok_or_else(|| {
-            Error::Unavailable("the OpenXR runtime takes no sRGB pictures".into())
-        })?;
+        let color = find_srgb_format(&formats)?;
         let keep_depth = with_depth && has(TargetFormat::choose_depth(gpu));
         Ok(TargetFormat {
             color,

@@ -7,6 +7,7 @@ mod actions;
 mod eyes;
 mod hand_tracking;
 mod instance;
+mod notice_layer;
 mod profiles;
 mod session;
 mod swapchain;
@@ -15,8 +16,9 @@ pub(crate) use actions::ControllerActions;
 pub(crate) use eyes::{EyeImages, EyeTargets, FrameCapture};
 pub(crate) use hand_tracking::HandTrackers;
 pub(crate) use instance::Runtime;
+pub(crate) use notice_layer::{FrameCalls, NoticeLayer};
 pub(crate) use profiles::NO_PROFILE;
-pub(crate) use session::HeadsetSession;
+pub(crate) use session::{HeadsetSession, create_raw_session};
 
 use glam::{Quat, Vec3};
 use openxr as xr;
@@ -31,6 +33,15 @@ pub(crate) const VIEW_CONFIGURATION: xr::ViewConfigurationType =
 pub(crate) fn convert_pose(pose: xr::Posef) -> RoomPose {
     let xr::Posef { position: p, orientation: q } = pose;
     (Vec3::new(p.x, p.y, p.z), Quat::from_xyzw(q.x, q.y, q.z, q.w))
+}
+
+/// A pose as OpenXR has it.
+pub(crate) fn pose_of((position, rotation): RoomPose) -> xr::Posef {
+    let (Vec3 { x, y, z }, Quat { x: i, y: j, z: k, w }) = (position, rotation);
+    xr::Posef {
+        position: xr::Vector3f { x, y, z },
+        orientation: xr::Quaternionf { x: i, y: j, z: k, w },
+    }
 }
 
 /// A location's pose, and how well its flags say that it is known.

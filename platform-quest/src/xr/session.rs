@@ -11,7 +11,7 @@ use paros_shell::headset::room_placement::RoomTransform;
 
 use super::{
     ControllerActions, HandTrackers, NO_PROFILE, Runtime, VIEW_CONFIGURATION, convert_location,
-    convert_pose,
+    convert_pose, pose_of,
 };
 use crate::error::{CallContext, Error};
 
@@ -47,16 +47,7 @@ impl HeadsetSession {
     /// # Errors
     /// [`Error::Unavailable`] where there is no input to sculpt with, or a call that failed.
     pub(crate) fn create(runtime: &Runtime, gpu: &Gpu) -> Result<Self, Error> {
-        let info = xr::vulkan::SessionCreateInfo {
-            instance: gpu.instance.raw.handle().as_raw() as _,
-            physical_device: gpu.physical_device.as_raw() as _,
-            device: gpu.device.handle().as_raw() as _,
-            queue_family_index: gpu.queue_family,
-            queue_index: 0,
-        };
-        // SAFETY: the device was made by way of this runtime, and outlives the session.
-        let made = unsafe { runtime.instance.create_session::<xr::Vulkan>(runtime.system, &info) };
-        let (raw, waiter, stream) = made.could_not("make a session")?;
+        let (raw, waiter, stream) = create_raw_session(runtime, gpu)?;
         let (room, room_type) = create_local_floor_or_fallback(&raw)?;
         let space = |kind| raw.create_reference_space(kind, xr::Posef::IDENTITY);
         let head = space(xr::ReferenceSpaceType::VIEW).could_not("make a space")?;
@@ -250,6 +241,27 @@ impl HeadsetSession {
     }
 }
 
+/// A session without spaces or input, and what its frames are made by.
+pub(crate) type RawSession =
+    (xr::Session<xr::Vulkan>, xr::FrameWaiter, xr::FrameStream<xr::Vulkan>);
+
+/// Creates a session without spaces or input, for what a device draws.
+///
+/// # Errors
+/// A call that failed.
+pub(crate) fn create_raw_session(runtime: &Runtime, gpu: &Gpu) -> Result<RawSession, Error> {
+    let info = xr::vulkan::SessionCreateInfo {
+        instance: gpu.instance.raw.handle().as_raw() as _,
+        physical_device: gpu.physical_device.as_raw() as _,
+        device: gpu.device.handle().as_raw() as _,
+        queue_family_index: gpu.queue_family,
+        queue_index: 0,
+    };
+    // SAFETY: the device was made by way of this runtime, and outlives the session.
+    let made = unsafe { runtime.instance.create_session::<xr::Vulkan>(runtime.system, &info) };
+    made.could_not("make a session")
+}
+
 /// The kernel's ID of the calling thread, where there is a Linux kernel.
 fn current_thread_id() -> Option<u32> {
     std::fs::read_link("/proc/thread-self").ok()?.file_name()?.to_str()?.parse().ok()
@@ -283,11 +295,8 @@ fn create_room(
     room: RoomTransform,
 ) -> Result<xr::Space, Error> {
     let height = if kind == xr::ReferenceSpaceType::LOCAL { EYE_HEIGHT } else { 0.0 };
-    let (Vec3 { x, z, .. }, Quat { x: i, y: j, z: k, w }) = (room.translation(), room.rotation());
-    let pose = xr::Posef {
-        position: xr::Vector3f { x, y: -height, z },
-        orientation: xr::Quaternionf { x: i, y: j, z: k, w },
-    };
+    let Vec3 { x, z, .. } = room.translation();
+    let pose = pose_of((Vec3::new(x, -height, z), room.rotation()));
     session.create_reference_space(kind, pose).could_not("make a space")
 }
 

@@ -15,6 +15,7 @@ mod placement;
 mod refusals;
 mod resolution;
 mod sleep;
+mod start;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -278,6 +279,7 @@ fn what_is_missing_is_said() {
         let last = errors.lines().last().unwrap_or_default();
         assert_eq!(ended.status.code(), Some(1), "{errors}");
         assert!(last.starts_with("paros-quest: ") && last.contains(word), "{word}: {errors}");
+        assert!(errors.contains("no picture can tell of it in the headset: "), "{errors}");
     };
     // No service behind the runtime, no runtime at all.
     refuses(&mut tree.command(quest, &folder), "no OpenXR runtime answers");

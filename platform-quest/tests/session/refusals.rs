@@ -37,6 +37,8 @@ fn what_is_refused_is_said_and_loses_nothing() {
         let ShellEnd { code, errors } = shell.wait_for_end();
         assert_fails_cleanly(code, &errors, words);
         assert_eq!(load_saved_session(&monado), saved, "{errors}");
+        // The next start needn't wait.
+        fs::remove_file(monado.folder.join("files/cache/failed-starts")).expect("a failed start");
     };
     for (functions, words) in REFUSALS {
         refuse_functions(&monado, functions);

@@ -303,6 +303,11 @@ impl ShellProcess {
         eyes
     }
 
+    /// Sends a command.
+    pub(crate) fn send(&mut self, command: &str) {
+        writeln!(self.stdin, "{command}").expect("the shell listens");
+    }
+
     /// Quits the shell.
     pub(crate) fn quit(mut self) -> ShellEnd {
         writeln!(self.stdin, "quit").expect("the shell listens");

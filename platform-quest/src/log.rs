@@ -1,0 +1,50 @@
+//! The log: lines on standard error, which Android has in its own log, and in the file of the app's folder.
+
+use std::fmt;
+use std::io::{self, Write};
+use std::panic;
+use std::path::Path;
+use std::sync::{Mutex, Once, PoisonError};
+use std::time::SystemTime;
+
+use paros_shell::log_file::LogFile;
+
+/// The process's log file, once its folder is known.
+static FILE: Mutex<Option<LogFile>> = Mutex::new(None);
+
+/// Has lines written to a file too, from now on, and what panics. What can't be written there is said once on standard
+/// error.
+pub fn open_log_file(path: &Path) {
+    static PANICS: Once = Once::new();
+
+    PANICS.call_once(|| {
+        let print = panic::take_hook();
+        panic::set_hook(Box::new(move |panic| {
+            print(panic);
+            // A lock may be held by who panics: then it is printed alone.
+            if let Ok(mut file) = FILE.try_lock()
+                && let Some(log) = file.as_mut()
+            {
+                let _ = log.append_line(SystemTime::now(), format_args!("{panic}"));
+            }
+        }));
+    });
+    let opened = LogFile::open(path);
+    let why = opened.as_ref().err().map(ToString::to_string);
+    *FILE.lock().unwrap_or_else(PoisonError::into_inner) = opened.ok();
+    if let Some(why) = why {
+        write_log_line(format_args!("no log is kept: {}: {why}", path.display()));
+    }
+}
+
+/// Writes a line.
+pub fn write_log_line(text: fmt::Arguments<'_>) {
+    // Nobody may be listening there.
+    let _ = writeln!(io::stderr(), "paros-quest: {text}");
+    let mut file = FILE.lock().unwrap_or_else(PoisonError::into_inner);
+    let Some(log) = file.as_mut() else { return };
+    if let Err(why) = log.append_line(SystemTime::now(), text) {
+        let _ = writeln!(io::stderr(), "paros-quest: the log can't be written any more: {why}");
+        *file = None;
+    }
+}
