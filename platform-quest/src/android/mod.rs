@@ -7,59 +7,129 @@ extern crate unwinding as _;
 
 use std::ffi::CString;
 use std::path::Path;
-use std::time::Duration;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, OnceLock};
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
 
 use android_activity::{AndroidApp, InputStatus, MainEvent, PollEvent, WindowManagerFlags};
 use openxr as xr;
 use paros_core::limits::INTERVALS;
 use paros_core::volume::{Grid, Size};
 use paros_shell::headset::package::{self, OPENXR_LOADER};
+use paros_shell::headset::start_up::{StartUp, may_leave_destroyed};
 use paros_shell::headset::visit::BootId;
 use paros_shell::settings::{self, LoadedSettings, SettingsLayer};
 use paros_shell::sizes::GRID_SIDES;
 use paros_shell::statics::Resident;
+use paros_shell::studio_paths::StudioPaths;
 use paros_shell::with_size;
 
 use crate::boot_clock;
 use crate::device::{self, AndroidDevice, DeviceMonitor, ManagedEntry};
 use crate::error::Error;
+use crate::log::{open_log_file, write_log_line};
 use crate::options::ShellOptions;
 use crate::platform::{Platform, PlatformStatus};
 use crate::runtime;
 use crate::runtime::{AndroidContext, LinkedCalls, PARTITIONS};
-use crate::shell::run_shell;
+use crate::shell::{run_shell, show_failed_start};
 
+/// How often it is seen whether the shell has ended, where nothing else happens.
+const POLL_TIMEOUT: Duration = Duration::from_millis(50);
+
+/// The application of the first activity, which the runtime was told of.
+static KEPT_APP: OnceLock<AndroidApp> = OnceLock::new();
+
+/// The activity's main function. It polls the activity's events, which Java's callbacks wait for, and nothing else:
+/// whatever takes long (files, a driver, a runtime) happens on the shell's thread.
 #[unsafe(no_mangle)]
 fn android_main(app: AndroidApp) {
     app.set_window_flags(WindowManagerFlags::KEEP_SCREEN_ON, WindowManagerFlags::empty());
-    // What is written to standard error goes to the device's log.
-    if let Err(why) = run_app(app) {
-        eprintln!("paros-quest: {}", why.message_with_remedy());
+    let activity = Arc::new(ActivityState::default());
+    let (its_app, its_activity) = (app.clone(), Arc::clone(&activity));
+    let shell = thread::Builder::new().name("shell".into()).spawn(move || {
+        let waker = its_app.create_waker();
+        // What is written to standard error goes to the device's log.
+        if let Err(why) = run_app(its_app, its_activity) {
+            write_log_line(format_args!("{}", why.message_with_remedy()));
+        }
+        waker.wake();
+    });
+    match shell {
+        Ok(shell) => activity.poll_until_over(&app, &shell),
+        Err(why) => write_log_line(format_args!("no thread for the shell: {why}")),
     }
 }
 
-fn run_app(app: AndroidApp) -> Result<(), Error> {
+/// What the activity's thread and the shell's tell each other.
+#[derive(Default)]
+struct ActivityState {
+    is_destroyed: AtomicBool,
+    /// There is a studio that is to be saved before the activity may go.
+    has_studio: AtomicBool,
+}
+
+impl ActivityState {
+    /// Polls the activity's events until the shell has ended, or the activity is destroyed and nothing is to be saved.
+    /// The shell may then go on for as long as a driver holds it; another activity's shell waits for it.
+    fn poll_until_over(&self, app: &AndroidApp, shell: &JoinHandle<()>) {
+        let mut destroyed_at: Option<Instant> = None;
+        loop {
+            app.poll_events(Some(POLL_TIMEOUT), |event| {
+                if matches!(event, PollEvent::Main(MainEvent::Destroy)) {
+                    destroyed_at.get_or_insert_with(Instant::now);
+                    self.is_destroyed.store(true, Ordering::Release);
+                }
+            });
+            drain_input(app);
+            let (has_studio, has_ended) =
+                (self.has_studio.load(Ordering::Acquire), shell.is_finished());
+            let may_leave =
+                destroyed_at.map(|at| may_leave_destroyed(at.elapsed(), has_studio, has_ended));
+            if may_leave.unwrap_or(has_ended) {
+                return;
+            }
+        }
+    }
+}
+
+fn run_app(app: AndroidApp, activity: Arc<ActivityState>) -> Result<(), Error> {
     let unavailable = |error: device::JavaError| Error::Unavailable(error.to_string());
-    // SAFETY: the activity glue holds the machine and the activity until `android_main` returns.
+    // SAFETY: the application holds the machine and its own reference to the activity.
     let device = unsafe { AndroidDevice::from_raw(app.vm_as_ptr(), app.activity_as_ptr()) };
     let device = device.map_err(unavailable)?;
-    let folder = device.find_storage_folder().map_err(unavailable)?;
-    let name = device.read_manufacturer_and_model().map_err(unavailable)?;
-    eprintln!("paros-quest: {name}, API level {}, {}", device.api_level(), folder.display());
+    let folder = match device.find_storage_folder() {
+        Ok(folder) => folder,
+        Err(why) => {
+            let error = unavailable(why);
+            let monitor = DeviceMonitor::start_polling(device);
+            let mut platform = AndroidPlatform { app, monitor, activity };
+            show_failed_start(&mut platform, &ShellOptions::default(), &error);
+            return Err(error);
+        }
+    };
+    open_log_file(&StudioPaths::inside_folder(&folder).log_file());
+    match device.read_manufacturer_and_model() {
+        Ok(name) => {
+            let level = device.api_level();
+            write_log_line(format_args!("{name}, API level {level}, {}", folder.display()));
+        }
+        Err(why) => write_log_line(format_args!("{why}")),
+    }
     let own_figures = read_own_figure_names(&app);
     let managed = device.read_managed_configuration().unwrap_or_else(|why| {
-        eprintln!("paros-quest: {why}; the managed configuration is left out");
+        write_log_line(format_args!("{why}; the managed configuration is left out"));
         Vec::new()
     });
     let loaded = load_settings(&app, &folder, &managed, &own_figures);
     for line in loaded.log_lines() {
-        eprintln!("paros-quest: {line}");
+        write_log_line(format_args!("{line}"));
     }
     let size = loaded.settings.size.unwrap_or(GRID_SIDES[0]);
     let options =
         ShellOptions { folder: Some(folder), ..ShellOptions::from_settings(&loaded.settings) };
-    let platform =
-        AndroidPlatform { app, monitor: DeviceMonitor::start_polling(device), destroyed: false };
+    let platform = AndroidPlatform { app, monitor: DeviceMonitor::start_polling(device), activity };
     with_size!(size, N => run_with_size::<N>(platform, &options, &own_figures))
 }
 
@@ -86,7 +156,7 @@ fn load_settings(
 /// The names of the operator's own figures in the package. A list that is none counts for nothing.
 fn read_own_figure_names(app: &AndroidApp) -> Vec<String> {
     package::read_own_figure_names(|name| open_asset(app, name)).unwrap_or_else(|why| {
-        eprintln!("paros-quest: {why}; there are no figures of one's own");
+        write_log_line(format_args!("{why}; there are no figures of one's own"));
         Vec::new()
     })
 }
@@ -117,11 +187,15 @@ where
 {
     let open = |name: &str| open_asset(app, name);
     let mut volumes = Grid::<N>::lock_start_volumes();
+    if volumes.has_volumes() {
+        // An activity of this process has loaded them before.
+        return;
+    }
     if let Err(why) = package::load_start_volumes(&mut volumes, open) {
-        eprintln!("paros-quest: {why}; the volumes are made");
+        write_log_line(format_args!("{why}; the volumes are made"));
     }
     if let Err(why) = package::load_own_figures(own_figures, &mut volumes, open) {
-        eprintln!("paros-quest: {why}; there are no figures of one's own");
+        write_log_line(format_args!("{why}; there are no figures of one's own"));
     }
 }
 
@@ -129,21 +203,22 @@ where
 struct AndroidPlatform {
     app: AndroidApp,
     monitor: DeviceMonitor,
-    destroyed: bool,
+    activity: Arc<ActivityState>,
 }
 
 impl AndroidPlatform {
     fn platform_info(&self) -> xr::AndroidPlatformInfo {
-        // SAFETY: the activity glue holds both until `android_main` returns, and so after this.
+        // SAFETY: the application holds both, and this holds the application.
         unsafe { xr::AndroidPlatformInfo::new(self.app.vm_as_ptr(), self.app.activity_as_ptr()) }
     }
 }
 
 impl Platform for AndroidPlatform {
     fn load_openxr(&mut self) -> Result<xr::Entry, Error> {
-        let (vm, activity) = (self.app.vm_as_ptr(), self.app.activity_as_ptr());
-        // SAFETY: the activity glue holds both until `android_main` returns. The loader comes with the
-        // package; brokers and manifest files are part of the system, or were installed in its place.
+        // A runtime is told of the activity once in a process, and may come back to it.
+        let kept = KEPT_APP.get_or_init(|| self.app.clone());
+        let (vm, activity) = (kept.vm_as_ptr(), kept.activity_as_ptr());
+        // SAFETY: the application holds both, and is kept. The loader comes with the package; brokers and manifest files are part of the system, or were installed in its place.
         let mut calls = unsafe { LinkedCalls::new(Some(AndroidContext { vm, activity })) };
         let query = |table: &str, columns: &[&str]| {
             self.monitor.device().query_first_content_rows(table, columns)
@@ -169,7 +244,7 @@ impl Platform for AndroidPlatform {
 
     fn boot_id(&self) -> Option<BootId> {
         let count = self.monitor.device().read_boot_count().unwrap_or_else(|why| {
-            eprintln!("paros-quest: {why}");
+            write_log_line(format_args!("{why}"));
             None
         });
         // The kernel's own ID is no documented interface of Android's.
@@ -177,12 +252,12 @@ impl Platform for AndroidPlatform {
     }
 
     fn poll_status(&mut self) -> PlatformStatus {
-        let destroyed = &mut self.destroyed;
-        self.app.poll_events(Some(Duration::ZERO), |event| {
-            *destroyed |= matches!(event, PollEvent::Main(MainEvent::Destroy));
-        });
-        drain_input(&self.app);
-        PlatformStatus { health: self.monitor.latest(), quit_requested: self.destroyed }
+        let quit_requested = self.activity.is_destroyed.load(Ordering::Acquire);
+        PlatformStatus { health: self.monitor.latest(), quit_requested }
+    }
+
+    fn note_start_up(&mut self, start: StartUp) {
+        self.activity.has_studio.store(start == StartUp::Ready, Ordering::Release);
     }
 }
 
