@@ -129,17 +129,8 @@ pub(crate) fn pack_cells(cells: &[AtlasCell]) -> PackedAtlas {
     PackedAtlas { size, texels, corners }
 }
 
-/// The bytes of a PNG file of the atlas, in grey.
-pub(crate) fn encode_png(atlas: &PackedAtlas) -> Vec<u8> {
-    let mut bytes = Vec::new();
-    let [width, height] = atlas.size.map(|side| side as u32);
-    let mut encoder = png::Encoder::new(&mut bytes, width, height);
-    encoder.set_color(png::ColorType::Grayscale);
-    encoder.set_depth(png::BitDepth::Eight);
-    encoder.set_deflate_compression(png::DeflateCompression::Level(9));
-    encoder.set_filter(png::Filter::NoFilter);
-    let mut writer = encoder.write_header().expect("a vector takes any picture");
-    writer.write_image_data(&atlas.texels).expect("a texel for each pixel");
-    writer.finish().expect("the picture is whole");
-    bytes
+/// The atlas's texels, row by row, as a zlib stream.
+pub(crate) fn compress_texels(atlas: &PackedAtlas) -> Vec<u8> {
+    const BEST: u8 = 10;
+    miniz_oxide::deflate::compress_to_vec_zlib(&atlas.texels, BEST)
 }

@@ -19,7 +19,7 @@ use table::TextTable;
 
 const TABLE: &str = "text/messages.toml";
 
-/// Writes `messages.rs`, `panel_atlas.rs` and `panel_atlas.png` into the folder `out`; ends the build with what is wrong
+/// Writes `messages.rs`, `panel_atlas.rs` and `panel_atlas.zlib` into the folder `out`; ends the build with what is wrong
 /// with the table of texts.
 pub(crate) fn write_texts(out: &Path) {
     println!("cargo::rerun-if-changed=text");
@@ -36,7 +36,8 @@ pub(crate) fn write_texts(out: &Path) {
     let lines = spoken_lines(&table);
     let (atlas, source) = atlas_source(&font, &lines);
     fs::write(out.join("panel_atlas.rs"), source).expect("OUT_DIR takes files");
-    fs::write(out.join("panel_atlas.png"), atlas::encode_png(&atlas)).expect("OUT_DIR takes files");
+    fs::write(out.join("panel_atlas.zlib"), atlas::compress_texels(&atlas))
+        .expect("OUT_DIR takes files");
 }
 
 /// Everything that panels say: texts, fillings, and the badges' words.

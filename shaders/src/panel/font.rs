@@ -2,6 +2,7 @@
 
 use std::sync::OnceLock;
 
+use miniz_oxide::inflate::decompress_to_vec_zlib_with_limit;
 use paros_core::badge::{BadgeColour, Pictogram};
 
 use crate::constants::{PANEL_PICTURE_TEXELS, PANEL_REACH_TEXELS, PANEL_RIM_TEXELS};
@@ -44,16 +45,15 @@ pub(crate) struct AtlasPicture {
 /// [`PANEL_REACH_TEXELS`](crate::constants::PANEL_REACH_TEXELS).
 ///
 /// # Panics
-/// Never: the build has written the picture.
+/// Never: the build has packed the texels.
 #[must_use]
 pub fn atlas_texels() -> &'static [u8] {
     static TEXELS: OnceLock<Vec<u8>> = OnceLock::new();
     TEXELS.get_or_init(|| {
-        let file = include_bytes!(concat!(env!("OUT_DIR"), "/panel_atlas.png"));
-        let decoder = png::Decoder::new(std::io::Cursor::new(&file[..]));
-        let mut reader = decoder.read_info().expect("the build wrote a picture");
-        let mut texels = vec![0; (ATLAS_SIZE[0] * ATLAS_SIZE[1]) as usize];
-        reader.next_frame(&mut texels).expect("the build wrote it whole");
+        let packed = include_bytes!(concat!(env!("OUT_DIR"), "/panel_atlas.zlib"));
+        let size = (ATLAS_SIZE[0] * ATLAS_SIZE[1]) as usize;
+        let texels = decompress_to_vec_zlib_with_limit(packed, size).unwrap_or_default();
+        assert_eq!(texels.len(), size, "the build packed the texels");
         texels
     })
 }
