@@ -9,6 +9,7 @@ use paros_core::codec::trace::{
 };
 use paros_core::internals::{ByteWriter, DIGEST_PARTS};
 use paros_core::session::{PointerCommand, RawPose, SessionMode};
+use paros_core::visit::{Presence, VisitCommand, VisitInput};
 use paros_core::{HandInput, HiddenFigure, RangeMaps, StartVolumes, TickInput, World};
 use paros_models::random_visitor::{RandomSource, RandomVisitor, arbitrary_input};
 use paros_models::world_harness::{WorldAndStarts, WorldHarness};
@@ -288,7 +289,7 @@ const INPUT: &str = "\
 010000000200000003000000 0100020003000400 \
 feffffff ffff0000 00000080 ff7f008001000200 111111110000000001000000 0500060007000800 ff80 7f81 87 \
 0000000000000000000000000000000000000000 0000000000000000000000000000000000000000 0000 0000 00 \
-030cfe 09 0205";
+030cfe 09 0205 06 0903020107";
 
 #[test]
 fn the_bytes_of_an_input_are_the_golden_ones() {
@@ -308,11 +309,16 @@ fn the_bytes_of_an_input_are_the_golden_ones() {
         pointer: PointerCommand::Turn { by: -500 },
         commands: 9,
         start: SessionMode::Constrained { figure: 5 },
+        visit: VisitInput {
+            presence: Presence::Off,
+            is_used: true,
+            command: VisitCommand::Badge { number: 0x0701_0203 },
+        },
     };
     let mut bytes = [0; TickInput::BYTES];
     input.write(&mut ByteWriter::new(&mut bytes));
     let text: String = bytes.iter().map(|byte| format!("{byte:02x}")).collect();
     let golden: String = INPUT.split_whitespace().collect();
     assert_eq!(text, golden);
-    assert_eq!(TickInput::BYTES, 116);
+    assert_eq!(TickInput::BYTES, 122);
 }

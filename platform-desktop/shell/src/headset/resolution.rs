@@ -222,7 +222,10 @@ mod tests {
                 let drawn = policy.drawn_extent(full, None);
                 for k in 0..2 {
                     assert!(drawn[k] <= full[k] && drawn[k] > 0, "{full:?} at {percent}");
-                    assert!(drawn[k] % 2 == 0 || drawn[k] == full[k], "{full:?}: {drawn:?}");
+                    assert!(
+                        drawn[k].is_multiple_of(2) || drawn[k] == full[k],
+                        "{full:?}: {drawn:?}"
+                    );
                     let exact = f64::from(full[k] * percent) / 100.0;
                     assert!((f64::from(drawn[k]) - exact).abs() <= 1.0, "{full:?}: {drawn:?}");
                 }

@@ -159,7 +159,7 @@ impl Renderer {
             return;
         }
         self.bind_graphics_set(commands, target.sets[self.slot_index]);
-        let [width, height] = target.extent;
+        let [width, height] = target.drawn_extent();
         let area = vk::Rect2D { extent: vk::Extent2D { width, height }, ..vk::Rect2D::default() };
         let device = &self.gpu.device;
         // SAFETY: the pass is the pipeline's; a strip's four vertices are made from their numbers, and the slot's
