@@ -127,8 +127,8 @@ pub const fn max_save_bytes(grid_side: usize, intervals: usize) -> usize {
 }
 
 /// Bytes of the world's small state, which is all but volume, mask, undo and islands: tick and session
-/// (15), the head (28), two hands of 469, seventeen bench items of 31, thirteen sizes of bits, and the mask's
-/// digest (8), and the visit (58).
+/// (15), the head (28), two hands of 469, seventeen bench items of 31, thirteen sizes of bits, the visit
+/// (58), and the mask's digest (8).
 pub const STATE_BYTES: usize = 1587;
 
 /// Crossings of a column's ray with a mesh with which a bake gives the column gaps: 16 solids one behind the

@@ -91,8 +91,8 @@ impl WorldState {
         + (VEC3_BYTES + QUAT_BYTES)
         + 2 * HandState::BYTES
         + Workbench::BYTES
-        + size_of::<u64>()
-        + Visit::BYTES;
+        + Visit::BYTES
+        + size_of::<u64>();
 
     pub(crate) fn digest(&self) -> u64 {
         const { assert!(WorldState::BYTES == STATE_BYTES, "STATE_BYTES is not what a state takes") };
@@ -115,8 +115,8 @@ impl WorldState {
         write_quat(to, self.head.1);
         self.hands.iter().for_each(|hand| hand.write(to));
         self.bench.write(to);
-        to.u64(self.mask_digest);
         self.visit.write(to);
+        to.u64(self.mask_digest);
     }
 
     pub(crate) fn read(from: &mut ByteReader<'_>) -> Result<Self, BadBytes> {
@@ -151,8 +151,8 @@ impl WorldState {
             head: read_pose(from)?,
             hands: [HandState::read(from)?, HandState::read(from)?],
             bench: Workbench::read(from)?,
-            mask_digest: from.u64()?,
             visit: Visit::read(from)?,
+            mask_digest: from.u64()?,
         })
     }
 }

@@ -118,6 +118,9 @@ fn any_bytes_that_are_an_input_are_survived() {
         let mut bytes: Vec<u8> = (0..TickInput::BYTES).map(|_| dice.next_bits() as u8).collect();
         // The kinds of the pointer's command and the mode, which few bytes are.
         (bytes[110], bytes[114]) = (bytes[110] % 5, bytes[114] % 9);
+        // The visit's presence, and a command of which zeros follow.
+        (bytes[116], bytes[117]) = (bytes[116] % 8, bytes[117] % 10);
+        bytes[118..].fill(0);
         if let Ok(input) = TickInput::read(&mut ByteReader::new(&bytes)) {
             let mut again = vec![0; TickInput::BYTES];
             input.write(&mut ByteWriter::new(&mut again));

@@ -91,7 +91,7 @@ fn lengthened<const K: usize>(mut column: Column<K>) -> Option<Column<K>> {
 fn check_loosened<const K: usize>(harness: &Harness<K>) {
     let harness = &mut harness.lock().unwrap_or_else(PoisonError::into_inner);
     for undone in [0, 2, 4] {
-        sculpt(harness, SessionMode::FreeForm, 4);
+        sculpt(harness, SessionMode::FreeForm, 5);
         (0..undone).for_each(|_| harness.step(&command(commands::UNDO)));
         let counts = count_refused(harness, TIGHT, |_, column| lengthened(column));
         let named = counts.iter().filter(|count| **count > 0).count();

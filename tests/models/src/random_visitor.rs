@@ -244,9 +244,10 @@ fn arbitrary_visit(dice: &mut RandomSource) -> VisitInput {
     ][dice.below(6) as usize];
     let staff = [StaffCommand::Extend, StaffCommand::End, StaffCommand::Reset];
     let setting = PlanSetting::ALL[dice.below(PlanSetting::ALL.len() as u64) as usize];
+    // Mostly there are no visits, or little would be edited.
     let command = match dice.below(40) {
-        0 => VisitCommand::Open,
-        1 if dice.one_in(4) => VisitCommand::Close,
+        0 if dice.one_in(20) => VisitCommand::Open,
+        1 => VisitCommand::Close,
         2 => VisitCommand::Set { setting, value: dice.below(3) as u16 },
         3 => VisitCommand::SetStart(start[dice.below(2) as usize]),
         4..8 => VisitCommand::Press(action),

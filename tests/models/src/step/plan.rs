@@ -9,6 +9,7 @@ use paros_core::limits::FULL_TRIGGER;
 use paros_core::session::{
     BenchItem, PointerCommand, RawPose, SessionMode, SessionState, buttons, commands,
 };
+use paros_core::visit::VisitInput;
 use paros_core::volume::{BitSet, Grid, Size};
 use paros_core::{HandInput, TickInput, World};
 use proptest::prelude::*;
@@ -273,6 +274,8 @@ impl InputWriter {
     {
         if let PhaseEvent::Wild(seed) = phase.event {
             let mut input = arbitrary_input(&mut RandomSource::new(seed ^ u64::from(i) << 32));
+            // Visits have a model of their own.
+            input.visit = VisitInput::default();
             // No trace holds the highest.
             input.hands.iter_mut().for_each(|hand| hand.buttons &= 0x7f);
             return input;

@@ -128,9 +128,9 @@ impl<const K: usize> StepModel<K> {
             write_plane(&mut to, hand.above_float);
         }
         self.bench.write(&mut to);
-        to.extend(self.mask_digest.to_le_bytes());
         // No visits: `crate::visit` is their model.
         to.extend([0; VISIT_BYTES]);
+        to.extend(self.mask_digest.to_le_bytes());
         to
     }
 }
