@@ -1,5 +1,6 @@
 //! The frame loop: events of the runtime, ticks that are due, and a frame that shows them.
 
+mod charger_panel;
 mod events;
 mod frame;
 mod loading;
@@ -40,6 +41,7 @@ use crate::session_resources::{OpenedSession, SessionResources};
 use crate::start_keeper::StartKeeper;
 use crate::test_commands::CommandQueue;
 use crate::xr::NO_PROFILE;
+use charger_panel::ChargerPanel;
 
 pub(crate) use events::session_event;
 
@@ -83,6 +85,7 @@ where
     /// The thermal state that the runtime notified; the operating system may report a hotter one.
     runtime_thermal: ThermalState,
     health: DeviceHealth,
+    charger: ChargerPanel,
     /// Where the frame's display time lies between the last tick and the next, 0 to 1.
     tick_fraction: f32,
     /// A session of the core is to start anew with the next tick.
@@ -227,6 +230,7 @@ where
             resolution: ResolutionPolicy::new(options.least_resolution_percent),
             runtime_thermal: ThermalState::default(),
             health: DeviceHealth::default(),
+            charger: ChargerPanel::new(),
             tick_fraction: 0.0,
             start_anew: options.record.is_some(),
             boot,

@@ -87,7 +87,7 @@ fn open_window(args: &Args) -> Result<String, WindowError> {
         WriteTarget::resolve_and_check_writable(record)
             .map_err(|error| WindowError::Failed(error.into()))?;
     }
-    let settings = load_settings(args)?;
+    let LoadedSettings { settings, faults, .. } = load_settings(args)?;
     let size = args.size.or(settings.size);
     // What is done by a script shall not depend on the machine.
     let is_chosen = size.is_none() && args.script.is_none();
@@ -100,16 +100,17 @@ fn open_window(args: &Args) -> Result<String, WindowError> {
         record: args.record.clone().or(settings.record),
         script: args.script.clone(),
         kiosk: (args.kiosk || settings.kiosk).then_some(settings.kiosk_handover_after),
+        settings_faults: faults,
         validation: args.validation,
     };
     with_size!(size.unwrap_or(GRID_SIDES[0]), N => window::run_window::<N>(&options))
 }
 
 /// Reads the settings, and says on standard error what they are and what is wrong with them. A script's are no user's.
-fn load_settings(args: &Args) -> Result<Settings, WindowError> {
+fn load_settings(args: &Args) -> Result<LoadedSettings, WindowError> {
     let default = || args.script.is_none().then(settings::default_file);
     let Some(path) = args.settings.clone().or_else(default) else {
-        return Ok(Settings::default());
+        return Ok(LoadedSettings::merge(&[]));
     };
     let layer = SettingsLayer::read_file(&path, &[]);
     if layer.is_none() && args.settings.is_some() {
@@ -121,5 +122,5 @@ fn load_settings(args: &Args) -> Result<Settings, WindowError> {
         // Standard error may be closed.
         let _ = writeln!(io::stderr(), "paros: {line}");
     }
-    Ok(loaded.settings)
+    Ok(loaded)
 }

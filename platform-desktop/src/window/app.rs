@@ -100,6 +100,11 @@ where
         if let Some(choice) = options.size_choice.filter(|_| options.kiosk.is_none()) {
             studio.push_notice(Notice::Good(choice.to_string()));
         }
+        if options.kiosk.is_none() {
+            // A kiosk's visitor can do nothing about them.
+            let faults = options.settings_faults.iter().cloned();
+            faults.for_each(|fault| studio.push_notice(Notice::Bad(fault)));
+        }
         if let Some(file) = &options.file {
             // It lies in the resident maps: `open` has read it.
             studio.open_file(file, |_| Ok(()));

@@ -57,6 +57,8 @@ pub struct WindowOptions {
     /// Where visitors use it one after the other, on a full screen, without files and developer's tools: how long it must be
     /// left alone for its visitor to have gone.
     pub kiosk: Option<Duration>,
+    /// What is wrong with the settings, a line for each fault.
+    pub settings_faults: Vec<String>,
     /// Whether Vulkan's validation layer is enabled; its messages are errors.
     pub validation: bool,
 }

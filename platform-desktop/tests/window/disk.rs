@@ -240,3 +240,27 @@ fn a_file_opened_while_the_print_is_made_costs_no_print() -> Result<(), MissingD
     assert!(told.replace(',', "").contains(&left.to_string()), "{told}");
     Ok(())
 }
+
+#[test]
+fn what_is_wrong_with_the_settings_is_seen_in_the_window() -> Result<(), MissingDependency> {
+    let folder = empty_folder("settings");
+    let Some(display) = require_or_skip(XvfbDisplay::new(&folder))? else { return Ok(()) };
+    fs::write(folder.join("wrong.toml"), "handover = 60\n").expect("a file");
+    let open = |arguments: &[&str]| {
+        let mut command = paros_command(&folder);
+        command.current_dir(&folder).env("DISPLAY", &display.name);
+        ScriptedWindow::spawn_with(&mut command, arguments)
+    };
+    let mut visit = open(&["--settings", "wrong.toml"]);
+    visit.do_step("wait 4");
+    let note = visit.ask_state("note");
+    assert!(note.contains("wrong.toml:1:1") && note.contains("handover_seconds"), "{note}");
+    visit.screenshot(&display, "1-settings");
+    assert_eq!(visit.close().0, Some(0));
+    // A visitor of a kiosk can do nothing about them.
+    let mut visit = open(&["--settings", "wrong.toml", "--kiosk"]);
+    visit.do_step("wait 4");
+    assert!(!visit.ask_state("note").contains("wrong.toml"));
+    assert_eq!(visit.close().0, Some(0));
+    Ok(())
+}

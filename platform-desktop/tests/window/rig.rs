@@ -98,8 +98,14 @@ impl ScriptedWindow {
 
     /// Opens a window by a command without its arguments.
     pub(crate) fn spawn(paros: &mut Command) -> Self {
+        Self::spawn_with(paros, &[])
+    }
+
+    /// The same, with these arguments.
+    pub(crate) fn spawn_with(paros: &mut Command, arguments: &[&str]) -> Self {
         let mut window = paros
             .args(["window", "--script", "-", "--validation"])
+            .args(arguments)
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())

@@ -87,6 +87,7 @@ where
         if let Some(warning) = health.new_warning(before) {
             platform.log(format_args!("{warning}"));
         }
+        self.charger.follow_health(&health);
     }
 
     /// Sets the foveation level that thermal state and battery call for; not in the middle of a stroke.
