@@ -19,7 +19,7 @@ fn the_owl_stands_alone_with_a_cord_at_its_neck() {
 /// The digest at this `CORE_VERSION`: what raises that changes it.
 #[test]
 fn with_one_interval_the_demo_keeps_its_digest() {
-    assert_eq!((leaves_the_owl_alone::<1>(), CORE_VERSION), (0x375f_f150_5488_2798, 11));
+    assert_eq!((leaves_the_owl_alone::<1>(), CORE_VERSION), (0xb1f0_04d0_9910_65cb, 12));
 }
 
 /// Returns the last digest.
@@ -49,7 +49,7 @@ where
     let cord = finished.difference(after(Chapter::Undone));
     assert!(cord.count() > 5000, "{} voxels of paste", cord.count());
     // As far as the file reaches, which evens out the neck beside the cord too.
-    let neck = 112..164;
+    let neck = 108..164;
     let off: Vec<_> = cord.occupied().filter(|[_, y, _]| !neck.contains(y)).collect();
     // With one interval, closure fills a few voxels on the beams of the paste.
     let most = if K == 1 { 8 } else { 0 };
