@@ -49,6 +49,14 @@ fn main() {
     let folder = Some(args.next().expect("a folder"));
     let mut platform = SleepingPlatform { clock: args.next().expect("a clock") };
     let record = args.next();
-    let options = ShellOptions { folder, record, test_commands: true, ..ShellOptions::default() };
+    // Pictures before and after are compared, and no software device is fast enough for the full size.
+    let least_resolution_percent = 100;
+    let options = ShellOptions {
+        folder,
+        record,
+        test_commands: true,
+        least_resolution_percent,
+        ..ShellOptions::default()
+    };
     run_shell::<128>(&mut platform, &options).expect("a session");
 }

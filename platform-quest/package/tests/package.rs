@@ -273,10 +273,10 @@ fn check_restrictions(dump: &str) {
     let headsets = SETTINGS.iter().filter(|setting| setting.scope != SettingScope::Window);
     let names: Vec<_> = headsets.map(|setting| setting.name).collect();
     assert_eq!(attribute("key"), names, "{dump}");
-    // Title and description of each, and the entries of size, mode and foveation.
+    // Title and description of each, and the entries of size, mode, foveation and samples.
     let references = |name: &str| dump.matches(&format!(":{name}(")).count();
     assert_eq!(["title", "description"].map(references), [names.len(); 2], "{dump}");
-    assert_eq!(["entries", "entryValues"].map(references), [3; 2], "{dump}");
+    assert_eq!(["entries", "entryValues"].map(references), [4; 2], "{dump}");
 }
 
 #[test]
