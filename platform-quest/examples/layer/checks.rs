@@ -168,6 +168,10 @@ unsafe extern "system" fn wait_frame(
     let done = call_next!(c"xrWaitFrame": WaitFrame, session, info, frame);
     // SAFETY: the shell has room for a frame's state.
     let should_render = bool::from(unsafe { (*frame).should_render });
+    if layer_folder().join("fast-display").exists() {
+        // SAFETY: as above.
+        unsafe { (*frame).predicted_display_period = sys::Duration::from_nanos(100_000) };
+    }
     update_and_check("xrWaitFrame", |state| {
         let fits = state.frame == FrameStep::None;
         (state.frame, state.should_render) = (FrameStep::Waited, should_render);

@@ -12,7 +12,7 @@
 //! no pictures of depth; where `one-view` stands, its device has no multiview; `no-floor`, `no-stage`
 //! and `no-rates` take away spaces and rates, `no-subsampling` subsampled images. What a file `refuse` names is refused.
 //! A file `hands` says whether the visitor's hands are bare, `slow-pipelines` and `no-pipelines` how the driver compiles,
-//! `recommended` what resolution is recommended.
+//! `recommended` what resolution is recommended, and where `fast-display` stands, each picture is due after 0.1 ms.
 
 mod actions;
 mod chain;

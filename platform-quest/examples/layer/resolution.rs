@@ -9,16 +9,18 @@ use sys::Result as Status;
 
 use super::folder::{layer_folder, log_line};
 
-/// The rectangle that was submitted last.
-static SUBMITTED: Mutex<[i32; 2]> = Mutex::new([0; 2]);
+/// The rectangle that was submitted last, and how many were.
+static SUBMITTED: Mutex<([i32; 2], u32)> = Mutex::new(([0; 2], 0));
 
-/// Logs a view's rectangle if it is another than before.
+/// Logs a view's rectangle if it is another than before, and the number of the frame.
 pub(crate) fn note_submitted(rect: sys::Rect2Di) {
     let extent = [rect.extent.width, rect.extent.height];
     let mut last = SUBMITTED.lock().expect("no holder panics");
-    if *last != extent {
-        *last = extent;
-        log_line(&format!("submitted {}x{}", extent[0], extent[1]));
+    // A frame has two views.
+    last.1 += 1;
+    if last.0 != extent {
+        last.0 = extent;
+        log_line(&format!("submitted {}x{} in frame {}", extent[0], extent[1], last.1 / 2));
     }
 }
 
