@@ -21,6 +21,8 @@ pub(crate) enum Deed {
     Nothing,
     Take(u8),
     Cut,
+    /// Where nothing was cut before.
+    CutAside,
     Undo,
     Turn,
 }
@@ -114,10 +116,11 @@ impl Exhibition {
         match deed {
             Deed::Nothing => {}
             Deed::Take(item) => input.pointer = PointerCommand::Take { hand: RIGHT as u8, item },
-            Deed::Cut => {
+            Deed::Cut | Deed::CutAside => {
                 // Down from above the stone, again and again.
                 let height = N as f32 * (1.1 - 0.02 * (tick % 36) as f32);
-                let place = Vec3::new(N as f32 / 2.0, height, N as f32 / 2.0);
+                let aside = if deed == Deed::CutAside { 6.0 } else { 0.0 };
+                let place = Vec3::new(N as f32 / 2.0 + aside, height, N as f32 / 2.0);
                 let pose = Pose { position: place, rotation: Quat::IDENTITY };
                 let hand = world.hand_with_bit_at(RIGHT, &pose);
                 input.hands[RIGHT] = HandInput { trigger: 255, ..hand };

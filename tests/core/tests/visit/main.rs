@@ -50,6 +50,7 @@ fn any_stretch() -> impl Strategy<Value = Stretch> {
         2 => Just(Deed::Take(BenchItem::Tool(Tool::Rotary).number() as u8)),
         1 => Just(Deed::Take(BenchItem::Tool(Tool::Rasp).number() as u8)),
         4 => Just(Deed::Cut),
+        2 => Just(Deed::CutAside),
         1 => Just(Deed::Undo),
         1 => Just(Deed::Turn),
     ];
@@ -98,7 +99,7 @@ fn a_visit_goes_from_attract_to_badge_and_back() {
     exhibition.cut_something();
     exhibition.do_for(31.0, Deed::Nothing);
     assert_eq!(exhibition.phase(), VisitPhase::HandsOff);
-    exhibition.do_for(3.0, Deed::Cut);
+    exhibition.do_for(3.0, Deed::CutAside);
     assert_eq!(exhibition.phase(), VisitPhase::Export);
     assert_eq!(exhibition.harness.world.session_state(), SessionState::Finished);
     let number = 0x0123_4567 & ((1 << 27) - 1);
