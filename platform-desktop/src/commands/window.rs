@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use paros_headless::Error;
 use paros_shell::durable::WriteTarget;
-use paros_shell::settings::{LoadedSettings, Settings, SettingsLayer};
+use paros_shell::settings::{LoadedSettings, SettingsLayer};
 use paros_shell::sizes::GRID_SIDES;
 use paros_shell::{rmap, with_size};
 

@@ -4,7 +4,7 @@
 //! It takes times and the frame's period, and gives a scale and a rectangle; it knows no swapchain. A frame of a
 //! smaller picture takes a fixed part and one in proportion to its pixels. So its time in another scale is between
 //! what it is now and what it is now times the ratio of the pixels; a scale is raised only where even the latter is
-//! within [`RAISED_SHARE`] of the period, and lowered from [`LOWERED_SHARE`] on. As the first is less, a steady load
+//! within `RAISED_SHARE` of the period, and lowered from `LOWERED_SHARE` on. As the first is less, a steady load
 //! never has it go up and down.
 
 use std::time::Duration;
