@@ -7,7 +7,7 @@ use crate::session::start_volumes::StartVolumes;
 use crate::session::state::SessionState;
 use crate::session::tools::BitAction;
 use crate::session::world::World;
-use crate::visit::{VisitDecision, VisitFacts, VisitInput};
+use crate::visit::{VisitDecision, VisitFacts, VisitInput, VisitPhase};
 use crate::volume::size::{Grid, Size};
 
 impl<const N: usize, const K: usize> World<N, K>
@@ -21,7 +21,9 @@ where
         last_stool: u16,
         starts: &StartVolumes<'_, N, K>,
     ) {
-        let facts = self.tell_visit(last_stool);
+        // Most worlds hold no visits, and every tick comes by here.
+        let is_held = self.state.visit.phase() != VisitPhase::Closed;
+        let facts = if is_held { self.tell_visit(last_stool) } else { VisitFacts::default() };
         let VisitDecision { start, finishes, puts_back, enters, warns } =
             self.state.visit.step(input, &facts);
         if let Some(seconds) = warns {

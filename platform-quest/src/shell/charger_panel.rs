@@ -1,7 +1,7 @@
 //! The warning in the room that the battery falls though the headset is charged.
 
 use glam::Vec3;
-use paros_shaders::panel::layout::{Notice, draw_notice, palette};
+use paros_shaders::panel::layout::{PanelNotice, draw_notice, palette};
 use paros_shaders::panel::{FillingValue, Icon, Language, Message, Panel, PanelPose};
 use paros_shell::headset::device_health::DeviceHealth;
 
@@ -31,7 +31,7 @@ impl ChargerPanel {
     pub(super) fn follow_health(&mut self, health: &DeviceHealth) {
         let percent = health.battery_percent.filter(|_| health.drains_on_charger);
         if let Some(percent) = percent.filter(|_| self.percent != percent) {
-            let notice = Notice {
+            let notice = PanelNotice {
                 icon: Icon::Battery,
                 color: palette::AMBER,
                 title: Message::ChargerTitle,

@@ -3,11 +3,12 @@
 //! OpenXR runtime takes ten seconds, as a driver's compiler may.
 
 use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 use std::{env, fs};
 
 use paros_shell::require::require_or_skip;
+use paros_tests_android::check_parts;
 
 /// The longest that a callback may keep Java's thread, in milliseconds.
 const LONGEST_CALLBACK_MS: f64 = 100.0;
@@ -30,20 +31,6 @@ const CALLBACKS: [&str; 14] = [
     "onWindowFocusChanged",
 ];
 
-fn check_parts() -> Result<(), String> {
-    let tools = ["qemu-aarch64-static", "aarch64-linux-gnu-gcc", "aarch64-linux-gnu-nm", "javac"];
-    let missing = |tool: &&&str| Command::new(tool).arg("--version").output().is_err();
-    let target = env::var_os("CARGO_TARGET_DIR").map_or("target".into(), PathBuf::from);
-    let target = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(target);
-    match tools.iter().find(missing) {
-        Some(tool) => Err(format!("no {tool}")),
-        None if !target.join("aarch64-linux-android/release/libparos_quest.so").exists() => {
-            Err("no library for Android: cargo run -p paros-package".into())
-        }
-        None => Ok(()),
-    }
-}
-
 /// What the activity's life tells, its errors, and the times of its callbacks in milliseconds.
 fn run_activity(folder: &Path) -> (String, String, Vec<(String, f64)>) {
     let _ = fs::remove_dir_all(folder);
@@ -64,7 +51,10 @@ fn run_activity(folder: &Path) -> (String, String, Vec<(String, f64)>) {
 
 #[test]
 fn no_callback_waits_for_a_driver_and_a_second_activity_works() {
-    if require_or_skip(check_parts()).expect("the package is made before the tests").is_none() {
+    if require_or_skip(check_parts(&["javac"]))
+        .expect("the package is made before the tests")
+        .is_none()
+    {
         return;
     }
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("activity");

@@ -14,6 +14,7 @@ use paros_shell::replay::write_replay_digests;
 use paros_shell::require::require_or_skip;
 use paros_shell::statics::Resident;
 use paros_shell::tick_runner;
+use paros_tests_android::check_parts;
 
 /// The one world of the process is recorded and played by one test after the other.
 static TURN: Mutex<()> = Mutex::new(());
@@ -22,20 +23,6 @@ static TURN: Mutex<()> = Mutex::new(());
 fn replay_on_android(trace: &Path, digests_out: &Path) -> Output {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../bionic/replay");
     Command::new("bash").arg(script).args([trace, digests_out]).output().expect("bash starts")
-}
-
-fn check_parts() -> Result<(), String> {
-    let tools = ["qemu-aarch64-static", "aarch64-linux-gnu-gcc", "aarch64-linux-gnu-nm"];
-    let missing = |tool: &&&str| Command::new(tool).arg("--version").output().is_err();
-    let target = env::var_os("CARGO_TARGET_DIR").map_or("target".into(), PathBuf::from);
-    let target = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(target);
-    match tools.iter().find(missing) {
-        Some(tool) => Err(format!("no {tool}")),
-        None if !target.join("aarch64-linux-android/release/libparos_quest.so").exists() => {
-            Err("no library for Android: cargo run -p paros-package".into())
-        }
-        None => Ok(()),
-    }
 }
 
 /// A restless visitor's session.
@@ -97,7 +84,7 @@ fn a_replay_writes_a_digest_for_each_tick_or_nothing() {
     let part = replayed_world().part_digests().last().expect("some parts").0;
     assert!(why.contains(&format!("tick 199: another state of {part} (")), "{why}");
     assert!(!digests.exists());
-    if require_or_skip(check_parts()).expect("the package is made before the tests").is_some() {
+    if require_or_skip(check_parts(&[])).expect("the package is made before the tests").is_some() {
         let output = replay_on_android(&trace, &digests);
         assert_eq!(output.status.code(), Some(1));
         assert_eq!(String::from_utf8_lossy(&output.stderr).trim_end(), why);

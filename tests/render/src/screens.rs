@@ -1,7 +1,7 @@
 //! Every screen of a visit, as the panels' layouts draw them.
 
 use paros_core::badge::BadgeNumber;
-use paros_shaders::panel::layout::{self, Guide, Notice, PinEntry, palette};
+use paros_shaders::panel::layout::{self, Guide, PanelNotice, PinEntry, palette};
 use paros_shaders::panel::{ButtonState, FillingValue, Icon, Language, Message, Panel};
 
 /// A screen's name, and its panel.
@@ -99,7 +99,7 @@ fn guide_screens(language: Language) -> Vec<Screen> {
 
 fn notice_screens(language: Language) -> Vec<Screen> {
     let percent = [("percent", FillingValue::Number(64))];
-    let notice = |icon, color, title, body| Notice {
+    let notice = |icon, color, title, body| PanelNotice {
         icon,
         color,
         title,
@@ -108,7 +108,7 @@ fn notice_screens(language: Language) -> Vec<Screen> {
         progress: None,
     };
     use Message as M;
-    let exporting = Notice {
+    let exporting = PanelNotice {
         progress: Some(0.64),
         ..notice(Icon::Printer, palette::CLAY, M::ExportingTitle, M::ExportingBody)
     };

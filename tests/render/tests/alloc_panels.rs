@@ -2,7 +2,7 @@
 
 use paros_core::badge::BadgeNumber;
 use paros_models::allocations::{CountingAllocator, without_allocating};
-use paros_shaders::panel::layout::{self, Notice, palette};
+use paros_shaders::panel::layout::{self, PanelNotice, palette};
 use paros_shaders::panel::{FillingValue, Icon, Language, Message, Panel};
 
 #[global_allocator]
@@ -12,7 +12,7 @@ static ALLOCATOR: CountingAllocator = CountingAllocator;
 fn lay_out_screens(panel: &mut Panel, seconds: u32) {
     let badge = BadgeNumber::new(seconds).expect("a number").badge();
     let fillings = [("percent", FillingValue::Number(seconds % 100))];
-    let notice = Notice {
+    let notice = PanelNotice {
         icon: Icon::Printer,
         color: palette::CLAY,
         title: Message::ExportingTitle,

@@ -15,5 +15,6 @@ pub mod package;
 pub mod recentering;
 pub mod resolution;
 pub mod room_placement;
+mod sealed;
 pub mod start_up;
 pub mod visit;

@@ -46,9 +46,9 @@ pub enum VisitorChange {
     NextVisitor,
 }
 
-/// User presence, as the runtime has told it (`XR_EXT_user_presence`).
+/// Whether the headset is worn, as the runtime has told it (`XR_EXT_user_presence`) and its use shows.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-enum Presence {
+enum WearState {
     /// It was never told.
     Unknown,
     Worn,
@@ -64,7 +64,7 @@ pub struct VisitPolicy {
     start_mode: SessionMode,
     /// How long the headset must be unused for whoever uses it next to be another visitor.
     absence_before_handover: Duration,
-    presence: Presence,
+    presence: WearState,
     watch: UseWatch,
     last_use: Option<Duration>,
     /// The last use that was given out to be kept on the disk.
@@ -83,7 +83,7 @@ impl VisitPolicy {
         VisitPolicy {
             start_mode,
             absence_before_handover,
-            presence: Presence::Unknown,
+            presence: WearState::Unknown,
             watch: UseWatch::default(),
             last_use: None,
             stamped: None,
@@ -116,15 +116,15 @@ impl VisitPolicy {
     /// Takes in a change of user presence: the headset was put on or taken off.
     pub fn observe_presence(&mut self, is_worn: bool, now: Duration) -> VisitorChange {
         if !is_worn {
-            if !matches!(self.presence, Presence::OffSince(_) | Presence::OffAndUsed) {
-                self.presence = Presence::OffSince(now);
+            if !matches!(self.presence, WearState::OffSince(_) | WearState::OffAndUsed) {
+                self.presence = WearState::OffSince(now);
             }
             // Taking it off is no use of it, but where none was seen it was worn until now at the latest.
             self.last_use = self.last_use.or(Some(now));
             return VisitorChange::None;
         }
-        let before = core::mem::replace(&mut self.presence, Presence::Worn);
-        if matches!(before, Presence::Unknown | Presence::Worn) {
+        let before = core::mem::replace(&mut self.presence, WearState::Worn);
+        if matches!(before, WearState::Unknown | WearState::Worn) {
             return self.note_use(self.idleness_before_handover(), now);
         }
         match self.note_use(self.absence_before_handover, now) {
@@ -143,11 +143,11 @@ impl VisitPolicy {
     ) -> VisitorChange {
         let is_used = self.watch.observe(input, is_menu_down);
         let limit = self.idleness_before_handover();
-        if let Presence::OffSince(since) = self.presence {
+        if let WearState::OffSince(since) = self.presence {
             if !is_used || now.saturating_sub(since) < limit {
                 return VisitorChange::None;
             }
-            self.presence = Presence::OffAndUsed;
+            self.presence = WearState::OffAndUsed;
         }
         if is_used { self.note_use(limit, now) } else { VisitorChange::None }
     }
@@ -160,7 +160,7 @@ impl VisitPolicy {
     /// Whether the headset may be worn: it is not told to be off, or is used all the same.
     #[must_use]
     pub const fn is_maybe_worn(&self) -> bool {
-        !matches!(self.presence, Presence::OffSince(_))
+        !matches!(self.presence, WearState::OffSince(_))
     }
 
     /// The time of the last use, each time that the one on the disk has become old; none while a session is still to

@@ -164,17 +164,7 @@ pub fn read_layer(gpu: &Arc<Gpu>, layer: &ImageLayer) -> Result<Vec<u8>, Error> 
     let [width, height] = layer.extent;
     let size = width as usize * height as usize * 4;
     let buffer = Buffer::new(gpu, size, vk::BufferUsageFlags::TRANSFER_DST)?;
-    let subresource = vk::ImageSubresourceLayers {
-        aspect_mask: aspect_of(layer.format),
-        mip_level: 0,
-        base_array_layer: layer.index,
-        layer_count: 1,
-    };
-    let copy = vk::BufferImageCopy {
-        image_subresource: subresource,
-        image_extent: vk::Extent3D { width, height, depth: 1 },
-        ..vk::BufferImageCopy::default()
-    };
+    let copy = copy_of_layer(layer);
     let from = vk::ImageLayout::TRANSFER_SRC_OPTIMAL;
     submit_and_wait(gpu, |device, commands| {
         record_layer_transition(device, commands, layer, [layer.layout, from]);
@@ -191,20 +181,9 @@ pub fn read_layer(gpu: &Arc<Gpu>, layer: &ImageLayer) -> Result<Vec<u8>, Error> 
 /// # Errors
 /// A lost device.
 pub fn write_layer(gpu: &Arc<Gpu>, layer: &ImageLayer, bytes: &[u8]) -> Result<(), Error> {
-    let [width, height] = layer.extent;
     let mut buffer = Buffer::new(gpu, bytes.len(), vk::BufferUsageFlags::TRANSFER_SRC)?;
     buffer.write(0, bytes);
-    let subresource = vk::ImageSubresourceLayers {
-        aspect_mask: aspect_of(layer.format),
-        mip_level: 0,
-        base_array_layer: layer.index,
-        layer_count: 1,
-    };
-    let copy = vk::BufferImageCopy {
-        image_subresource: subresource,
-        image_extent: vk::Extent3D { width, height, depth: 1 },
-        ..vk::BufferImageCopy::default()
-    };
+    let copy = copy_of_layer(layer);
     let to = vk::ImageLayout::TRANSFER_DST_OPTIMAL;
     submit_and_wait(gpu, |device, commands| {
         record_layer_transition(device, commands, layer, [vk::ImageLayout::UNDEFINED, to]);
@@ -212,6 +191,21 @@ pub fn write_layer(gpu: &Arc<Gpu>, layer: &ImageLayer, bytes: &[u8]) -> Result<(
         unsafe { device.cmd_copy_buffer_to_image(commands, buffer.raw, layer.raw, to, &[copy]) };
         record_layer_transition(device, commands, layer, [to, layer.layout]);
     })
+}
+
+/// The copy between a whole layer and a buffer that holds it row by row.
+fn copy_of_layer(layer: &ImageLayer) -> vk::BufferImageCopy {
+    let [width, height] = layer.extent;
+    vk::BufferImageCopy {
+        image_subresource: vk::ImageSubresourceLayers {
+            aspect_mask: aspect_of(layer.format),
+            mip_level: 0,
+            base_array_layer: layer.index,
+            layer_count: 1,
+        },
+        image_extent: vk::Extent3D { width, height, depth: 1 },
+        ..vk::BufferImageCopy::default()
+    }
 }
 
 /// Records a layout transition of a layer, with a full barrier.

@@ -26,7 +26,7 @@ pub fn draw_attract(panel: &mut Panel) {
 
 /// A title and a text, with a picture.
 #[derive(Clone, Copy, Debug)]
-pub struct Notice<'a> {
+pub struct PanelNotice<'a> {
     /// The picture.
     pub icon: Icon,
     /// Its ground.
@@ -62,7 +62,7 @@ const NOTICE_HEIGHT: f32 = 500.0;
 pub fn draw_notice(
     panel: &mut Panel,
     language: Language,
-    notice: &Notice<'_>,
+    notice: &PanelNotice<'_>,
     buttons: &[PanelButton<'_>],
 ) {
     let height = NOTICE_HEIGHT + if buttons.is_empty() { 0.0 } else { 150.0 };

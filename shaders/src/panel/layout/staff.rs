@@ -2,7 +2,7 @@
 
 use glam::Vec2;
 
-use super::screens::{Notice, draw_notice};
+use super::screens::{PanelNotice, draw_notice};
 use super::{begin_panel, palette, visit};
 use crate::panel::button::{ButtonLabel, PanelButton, PanelPicture};
 use crate::panel::font::Icon;
@@ -34,7 +34,7 @@ pub fn draw_handover(
         1 => (Icon::Warning, palette::AMBER, Message::HandoverPendingOne),
         _ => (Icon::Warning, palette::AMBER, Message::HandoverPendingMany),
     };
-    let notice = Notice {
+    let notice = PanelNotice {
         icon,
         color,
         title: Message::HandoverTitle,

@@ -3,9 +3,9 @@
 
 use std::time::Duration;
 
-use paros_core::codec::{BadBytes, ByteReader};
-use paros_core::internals::{ByteWriter, checksum};
+use paros_core::codec::BadBytes;
 
+use crate::headset::sealed::{SEAL_BYTES, SealedFormat};
 use crate::headset::visit::{BootId, LastUse};
 
 /// Failed starts in a row.
@@ -23,15 +23,11 @@ const LONGEST_PAUSE: Duration = Duration::from_secs(60);
 /// A start this long after the last failure begins a row of its own.
 const FORGOTTEN_AFTER: Duration = Duration::from_secs(600);
 
-const MAGIC: &[u8; 4] = b"PFST";
-const VERSION: u16 = 1;
-
-/// Bytes before the checksum.
-const BODY_BYTES: usize = 4 + 2 + 4 + LastUse::BYTES;
+const FORMAT: SealedFormat = SealedFormat { magic: *b"PFST", expected: "PFST, starts that failed" };
 
 impl FailedStarts {
     /// Length of an encoded one.
-    pub const BYTES: usize = BODY_BYTES + 8;
+    pub const BYTES: usize = SEAL_BYTES + 4 + LastUse::BYTES;
 
     /// The row with one more, which failed now. One of another boot, or of long ago, is forgotten.
     #[must_use]
@@ -70,15 +66,10 @@ impl FailedStarts {
     /// Encodes them, with a checksum at the end.
     #[must_use]
     pub fn encode(&self) -> [u8; Self::BYTES] {
-        let mut bytes = [0; Self::BYTES];
-        let (body, end) = bytes.split_at_mut(BODY_BYTES);
-        let mut to = ByteWriter::new(body);
-        to.bytes(MAGIC);
-        to.u16(VERSION);
-        to.u32(self.count);
-        to.bytes(&self.last.encode());
-        end.copy_from_slice(&checksum(body).to_le_bytes());
-        bytes
+        FORMAT.seal(|to| {
+            to.u32(self.count);
+            to.bytes(&self.last.encode());
+        })
     }
 
     /// Decodes them.
@@ -86,29 +77,15 @@ impl FailedStarts {
     /// # Errors
     /// The first place at which the bytes are not as [`Self::encode`] makes them.
     pub fn decode(bytes: &[u8]) -> Result<Self, BadBytes> {
-        let mut from = ByteReader::new(bytes);
-        let bad = from.error_here("PFST, starts that failed");
-        if from.bytes(4)? != MAGIC {
-            return Err(bad);
-        }
-        let bad = from.error_here("version 1");
-        if from.u16()? != VERSION {
-            return Err(bad);
-        }
-        let bad = from.error_here("a count from 1");
-        let count = from.u32()?;
-        if count == 0 {
-            return Err(bad);
-        }
-        let last = LastUse::decode(from.bytes(LastUse::BYTES)?)?;
-        let bad = from.error_here("the checksum of the bytes before it");
-        if from.u64()? != checksum(&bytes[..BODY_BYTES]) {
-            return Err(bad);
-        }
-        if bytes.len() != Self::BYTES {
-            return Err(from.error_here("the end"));
-        }
-        Ok(FailedStarts { count, last })
+        FORMAT.open(bytes, |from| {
+            let bad = from.error_here("a count from 1");
+            let count = from.u32()?;
+            if count == 0 {
+                return Err(bad);
+            }
+            let last = LastUse::decode(from.bytes(LastUse::BYTES)?)?;
+            Ok(FailedStarts { count, last })
+        })
     }
 }
 

@@ -3,8 +3,9 @@
 
 use std::time::Duration;
 
-use paros_core::codec::{BadBytes, ByteReader};
-use paros_core::internals::{ByteWriter, checksum};
+use paros_core::codec::BadBytes;
+
+use crate::headset::sealed::{SEAL_BYTES, SealedFormat};
 
 /// One boot of a device among all boots of all devices.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -19,11 +20,8 @@ pub struct LastUse {
     pub since_boot: Duration,
 }
 
-const MAGIC: &[u8; 4] = b"PLUS";
-const VERSION: u16 = 1;
-
-/// Bytes before the checksum.
-const BODY_BYTES: usize = 4 + 2 + 16 + 8;
+const FORMAT: SealedFormat =
+    SealedFormat { magic: *b"PLUS", expected: "PLUS, the time of the last use" };
 
 impl BootId {
     /// The boot that a UUID stands for, as `/proc/sys/kernel/random/boot_id` has it: 32 hexadecimal digits with
@@ -44,20 +42,15 @@ impl BootId {
 
 impl LastUse {
     /// Length of an encoded one.
-    pub const BYTES: usize = BODY_BYTES + 8;
+    pub const BYTES: usize = SEAL_BYTES + 16 + 8;
 
     /// Encodes it, with a checksum at the end.
     #[must_use]
     pub fn encode(&self) -> [u8; Self::BYTES] {
-        let mut bytes = [0; Self::BYTES];
-        let (body, end) = bytes.split_at_mut(BODY_BYTES);
-        let mut to = ByteWriter::new(body);
-        to.bytes(MAGIC);
-        to.u16(VERSION);
-        to.bytes(&self.boot.0.to_le_bytes());
-        to.u64(u64::try_from(self.since_boot.as_millis()).unwrap_or(u64::MAX));
-        end.copy_from_slice(&checksum(body).to_le_bytes());
-        bytes
+        FORMAT.seal(|to| {
+            to.bytes(&self.boot.0.to_le_bytes());
+            to.u64(u64::try_from(self.since_boot.as_millis()).unwrap_or(u64::MAX));
+        })
     }
 
     /// Decodes it.
@@ -65,25 +58,11 @@ impl LastUse {
     /// # Errors
     /// The first place at which the bytes are not as [`Self::encode`] makes them.
     pub fn decode(bytes: &[u8]) -> Result<Self, BadBytes> {
-        let mut from = ByteReader::new(bytes);
-        let bad = from.error_here("PLUS, the time of the last use");
-        if from.bytes(4)? != MAGIC {
-            return Err(bad);
-        }
-        let bad = from.error_here("version 1");
-        if from.u16()? != VERSION {
-            return Err(bad);
-        }
-        let boot = from.bytes(16)?.iter().rev().fold(0, |id, byte| id << 8 | u128::from(*byte));
-        let millis = from.u64()?;
-        let bad = from.error_here("the checksum of the bytes before it");
-        if from.u64()? != checksum(&bytes[..BODY_BYTES]) {
-            return Err(bad);
-        }
-        if bytes.len() != Self::BYTES {
-            return Err(from.error_here("the end"));
-        }
-        Ok(LastUse { boot: BootId(boot), since_boot: Duration::from_millis(millis) })
+        FORMAT.open(bytes, |from| {
+            let id = from.bytes(16)?.iter().rev().fold(0, |id, byte| id << 8 | u128::from(*byte));
+            let since_boot = Duration::from_millis(from.u64()?);
+            Ok(LastUse { boot: BootId(id), since_boot })
+        })
     }
 }
 
