@@ -54,7 +54,7 @@ fn what_holds_is_shown_with_where_it_comes_from() {
         let line = said.lines().find(|line| line.starts_with(name)).unwrap();
         line.split_whitespace().collect::<Vec<_>>().join(" ")
     };
-    assert_eq!(line("mode "), "mode = \"owl\" # fair.toml:2:8; headset");
+    assert_eq!(line("mode "), "mode = \"owl\" # fair.toml:2:8; headset and window");
     assert!(line("kiosk ").ends_with("# default; window"), "{said}");
     let said = folder.succeeds(&["settings", "show", "fair.toml", "--json"]);
     let shown: Value = serde_json::from_str(&said).unwrap();
@@ -85,6 +85,62 @@ fn what_holds_is_shown_with_where_it_comes_from() {
     assert!(
         show("data").contains("paros.toml:1:9; window") && !show("none").contains("paros.toml")
     );
+}
+
+#[test]
+fn a_pin_is_set_or_none_and_shown_to_nobody() {
+    let folder = TestFolder::new("settings-pin");
+    folder.write("pin.toml", "visits = true\nstaff_pin = \"0420\"\nlanguages = [\"greek\"]\n");
+    let said = folder.succeeds(&["settings", "show", "pin.toml"]);
+    let pin = said.lines().find(|line| line.starts_with("staff_pin ")).unwrap();
+    assert!(pin.contains("= set ") && pin.contains("# pin.toml:2:13; "), "{pin}");
+    let json = folder.succeeds(&["settings", "show", "pin.toml", "--json"]);
+    let shown: Value = serde_json::from_str(&json).unwrap();
+    let of = |name: &str| shown.as_array().unwrap().iter().find(|s| s["name"] == name).unwrap();
+    assert_eq!(of("staff_pin")["value"], "set");
+    assert_eq!(of("languages")["value"], serde_json::json!(["greek"]));
+    assert_eq!(of("starts")["value"], serde_json::json!(["free", "owl", "creative"]));
+    assert!(!said.contains("0420") && !json.contains("0420"));
+
+    folder.write("none.toml", "staff_pin = \"04201\"\n");
+    let output = folder.paros(&["settings", "show", "none.toml"]);
+    let [said, errors] =
+        [output.stdout, output.stderr].map(|text| String::from_utf8(text).unwrap());
+    let pin = said.lines().find(|line| line.starts_with("staff_pin ")).unwrap();
+    assert!(pin.contains("  none "), "{pin}");
+    assert!(errors.contains("none.toml:1:13: staff_pin = a value that isn't shown"), "{errors}");
+    let output = folder.paros(&["settings", "check", "none.toml", "--json"]);
+    let json = String::from_utf8(output.stdout).unwrap();
+    assert!(json.contains("isn't shown") && ![said, errors, json].concat().contains("0420"));
+    folder.write("empty.toml", "");
+    let json = folder.succeeds(&["settings", "show", "empty.toml", "--json"]);
+    let shown: Value = serde_json::from_str(&json).unwrap();
+    let pin = shown.as_array().unwrap().iter().find(|shown| shown["name"] == "staff_pin");
+    assert_eq!(pin.unwrap()["value"], Value::Null);
+}
+
+#[test]
+fn settings_that_contradict_each_other_are_told_with_their_lines() {
+    let folder = TestFolder::new("settings-contradictions");
+    let text = "visits = true\nbadge_most_seconds = 20\nbadge_least_seconds = 30\nmode = \"cat\"\n";
+    folder.write("paros.toml", text);
+    let check = ["settings", "check", "paros.toml"];
+    let badge = "paros.toml:3:23: badge_least_seconds = 30, expected at most badge_most_seconds = 20 (paros.toml:2:22)\n";
+    folder.refuses(&check, badge);
+    folder.refuses(&check, "\nparos.toml:4:8: mode = \"cat\", expected one of starts = ");
+    let output = folder.paros(&["settings", "show", "paros.toml"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&output.stderr).contains(badge));
+    let said = String::from_utf8_lossy(&output.stdout);
+    let mode = said.lines().find(|line| line.starts_with("mode ")).unwrap();
+    assert!(mode.contains("= \"free\" ") && mode.contains("# default; "), "{mode}");
+    let output = folder.paros(&["settings", "check", "paros.toml", "--json"]);
+    assert_eq!(output.status.code(), Some(2));
+    let check: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(check["settings"], 4);
+    let fault = &check["faults"][1];
+    assert_eq!((&fault["line"], &fault["setting"]), (&4.into(), &"mode".into()));
+    assert_eq!(check["faults"].as_array().map(Vec::len), Some(2));
 }
 
 #[test]

@@ -8,6 +8,7 @@ use std::process::Command;
 use std::time::{Duration, Instant};
 use std::{env, fs};
 
+use paros_core::badge::BadgeLanguage;
 use paros_quest::device::table::ALL_MEMBERS;
 use paros_quest::device::{
     self, Battery, ContentRow, DeviceMonitor, MAX_ROWS, ManagedEntry, ThermalStatus,
@@ -297,18 +298,27 @@ fn check_managed_configurations() {
     // Of a device that nobody manages the bundle is empty.
     set_answer("BaseBundle.keySet", "O:java.util.HashSet");
     assert_eq!(read().expect("an answer"), []);
-    set_answer("BaseBundle.keySet", "K:submit_depth,mode,handover_seconds,none");
+    set_answer("BaseBundle.keySet", "K:submit_depth,mode,handover_seconds,languages,visits,none");
     set_answer("BaseBundle.get[mode]", "S:owl");
     set_answer("BaseBundle.get[handover_seconds]", "I:120");
     set_answer("BaseBundle.get[submit_depth]", "Z:true");
+    set_answer("BaseBundle.get[visits]", "Z:true");
+    set_answer("BaseBundle.get[languages]", "S:greek, english");
     let entries = read().expect("an answer");
-    let expected =
-        [entry("handover_seconds", "120"), entry("mode", "owl"), entry("submit_depth", "true")];
+    let expected = [
+        entry("handover_seconds", "120"),
+        entry("languages", "greek, english"),
+        entry("mode", "owl"),
+        entry("submit_depth", "true"),
+        entry("visits", "true"),
+    ];
     assert_eq!(entries, expected);
     let texts = entries.iter().map(|entry| (&*entry.key, &*entry.value));
     let layer = SettingsLayer::from_texts("managed configuration", texts, &[]);
     let settings = LoadedSettings::merge(&[layer]).settings;
     assert_eq!((settings.handover_after.as_secs(), settings.submit_depth), (120, true));
+    let languages = settings.visits.map(|visits| visits.languages);
+    assert_eq!(languages, Some(vec![BadgeLanguage::Greek, BadgeLanguage::English]));
     // No reference is left behind by many entries: the machine would warn beyond its frame of 16.
     let many: Vec<_> = (0..300).map(|i| format!("mode{i}")).collect();
     set_answer("BaseBundle.keySet", &format!("K:{}", many.join(",")));

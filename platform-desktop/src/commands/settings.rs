@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 
 use paros_headless::Error;
 use paros_shell::figures::check_own_figure_names;
-use paros_shell::settings::table::SETTINGS;
+use paros_shell::settings::table::{SETTINGS, Setting};
+use paros_shell::settings::value::SettingKind;
 use paros_shell::settings::{LoadedSettings, SettingsFault, SettingsLayer, write_template};
 use paros_shell::studio_paths::StudioPaths;
 use serde::Serialize;
@@ -65,7 +66,7 @@ struct Fault<'a> {
 #[derive(Serialize)]
 struct Shown<'a> {
     name: &'a str,
-    /// As the file has it; none where nothing is set.
+    /// As the file has it, but of a PIN only that it is set; none where nothing is set.
     value: Option<serde_json::Value>,
     /// The file and the place there, or `default`.
     from: String,
@@ -98,7 +99,9 @@ impl OwnFigures {
 }
 
 fn check(file: &Path, own_figures: &[String], as_json: bool) -> Result<String, Error> {
-    let layer = SettingsLayer::read_file(file, own_figures).ok_or_else(|| missing_file(file))?;
+    let mut layer =
+        SettingsLayer::read_file(file, own_figures).ok_or_else(|| missing_file(file))?;
+    layer.faults.extend(layer.find_contradictions());
     let settings = layer.entries.len();
     if as_json {
         let faults = layer.faults.iter().map(Fault::of).collect();
@@ -119,10 +122,12 @@ fn show(file: Option<&Path>, own_figures: &[String], as_json: bool) -> Result<St
     if layer.is_none() && file.is_some() {
         return Err(missing_file(&path));
     }
-    let layers = Vec::from_iter(layer);
+    let mut layers = Vec::from_iter(layer);
     let loaded = LoadedSettings::merge(&layers);
     let report = if as_json { show_as_json(&loaded)? } else { show_as_lines(&loaded) };
-    layers.first().map_or(Ok(report.clone()), |layer| end_with_faults(report, layer))
+    let Some(layer) = layers.first_mut() else { return Ok(report) };
+    layer.faults.extend(layer.find_contradictions());
+    end_with_faults(report, layer)
 }
 
 fn show_as_lines(loaded: &LoadedSettings) -> String {
@@ -130,7 +135,7 @@ fn show_as_lines(loaded: &LoadedSettings) -> String {
     for (setting, origin) in SETTINGS.iter().zip(&loaded.origins) {
         let value = if origin.is_set { "= " } else { "  " }.to_owned() + &origin.value;
         let (name, shell) = (setting.name, setting.scope.name());
-        let _ = writeln!(lines, "{name:<17}{value:<16}  # {origin}; {shell}");
+        let _ = writeln!(lines, "{name:<25}{value:<16}  # {origin}; {shell}");
     }
     lines
 }
@@ -138,13 +143,20 @@ fn show_as_lines(loaded: &LoadedSettings) -> String {
 fn show_as_json(loaded: &LoadedSettings) -> Result<String, Error> {
     let shown = SETTINGS.iter().zip(&loaded.origins).map(|(setting, origin)| Shown {
         name: setting.name,
-        // What TOML has of our values is JSON too.
-        value: origin.is_set.then(|| serde_json::from_str(&origin.value).ok()).flatten(),
+        value: origin.is_set.then(|| to_json(setting, &origin.value)).flatten(),
         from: origin.to_string(),
         shell: setting.scope.name(),
     });
     let shown: Vec<_> = shown.collect();
     Ok(serde_json::to_string_pretty(&shown).map_err(Error::failure)? + "\n")
+}
+
+/// What TOML has of our values is JSON too; that a PIN is set is neither.
+fn to_json(setting: &Setting, value: &str) -> Option<serde_json::Value> {
+    match setting.kind {
+        SettingKind::Pin => Some(value.into()),
+        _ => serde_json::from_str(value).ok(),
+    }
 }
 
 /// The report, or the error that a layer's faults are, after the report was written all the same.

@@ -116,7 +116,8 @@ fn read_settings(path: &Path, own_figures: &[String]) -> Result<Vec<u8>, Package
     let shown = path.display().to_string();
     let bytes = durable::read_regular_file_up_to(path, MAX_BYTES)
         .map_err(|error| PackageError::Input(format!("{shown}: {error}")))?;
-    let layer = SettingsLayer::parse_bytes(&shown, &bytes, own_figures);
+    let mut layer = SettingsLayer::parse_bytes(&shown, &bytes, own_figures);
+    layer.faults.extend(layer.find_contradictions());
     let mut faults: Vec<_> = layer.faults.iter().map(|fault| fault.describe(&shown)).collect();
     let settings = LoadedSettings::merge(&[layer]).settings;
     let contradiction = settings.find_contradiction(own_figures);

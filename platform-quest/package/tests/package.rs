@@ -326,6 +326,8 @@ fn what_is_wrong_is_told_and_nothing_is_left() {
     let wrong = write("wrong.toml", "size = 64\nrate = 90\n");
     refused(&["--settings", &wrong], "wrong.toml:1:8: size = 64, expected 128 or 256\n");
     refused(&["--settings", &wrong], "wrong.toml:2:1: rate: there is no such setting");
+    let visits = write("visits.toml", "visits = true\nmode = \"owl\"\nstarts = [\"lion\"]\n");
+    refused(&["--settings", &visits, "--figure", lion], "toml:2:8: mode = \"owl\", expected");
     let record = write("record.toml", "record = \"a.trace\"");
     refused(&["--settings", &record, "--figure", lion], "(lion) can't be played");
     let no_mesh = write("bear.obj", "v 0 0 0\nf 1 2 3\n");

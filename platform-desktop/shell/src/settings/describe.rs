@@ -74,7 +74,11 @@ pub fn write_restrictions(own_figures: &[String]) -> RestrictionFiles {
         let (name, kind) = (setting.name, setting.restriction_type());
         let expected = setting.kind.describe(own_figures);
         let title = name.replace('_', " ");
-        let description = format!("{} Expected: {expected}.", setting.summary);
+        let mut description = format!("{} Expected: {expected}.", setting.summary);
+        if setting.kind.is_list() {
+            // Lists of restrictions have no order, and no limits.
+            description += " Written in one line, with commas between.";
+        }
         let title = escape_resource(&(title[..1].to_uppercase() + &title[1..]));
         let description = escape_resource(&description);
         let _ = writeln!(values, "  <string name=\"{name}_title\">{title}</string>");
@@ -99,6 +103,9 @@ pub fn write_restrictions(own_figures: &[String]) -> RestrictionFiles {
             SettingDefault::Word(word) => {
                 let _ = write!(restrictions, " android:defaultValue=\"{word}\"");
             }
+            SettingDefault::Words(words) => {
+                let _ = write!(restrictions, " android:defaultValue=\"{}\"", words.join(","));
+            }
             default => {
                 let _ = write!(restrictions, " android:defaultValue=\"{default}\"");
             }
@@ -115,6 +122,7 @@ impl Setting {
     fn example(&self) -> String {
         match (self.default, self.kind) {
             (SettingDefault::Unset(_), SettingKind::Numbers(numbers)) => numbers[0].to_string(),
+            (SettingDefault::Unset(_), SettingKind::Pin) => "\"0000\"".into(),
             (SettingDefault::Unset(_), _) => "\"session.trace\"".into(),
             (default, _) => default.to_string(),
         }
@@ -124,9 +132,12 @@ impl Setting {
     fn restriction_type(&self) -> &'static str {
         match self.kind {
             SettingKind::Switch => "bool",
-            SettingKind::Whole { .. } => "integer",
+            SettingKind::Whole { .. } | SettingKind::ZeroOr { .. } => "integer",
             SettingKind::Numbers(_) | SettingKind::Words(_) | SettingKind::Mode => "choice",
-            SettingKind::Path => "string",
+            SettingKind::Path
+            | SettingKind::WordList(_)
+            | SettingKind::ModeList { .. }
+            | SettingKind::Pin => "string",
         }
     }
 
@@ -139,7 +150,7 @@ impl Setting {
                 let names = named_modes().map(|(name, _)| name.to_owned());
                 Some(names.chain(own_figures.iter().cloned()).collect())
             }
-            SettingKind::Switch | SettingKind::Whole { .. } | SettingKind::Path => None,
+            _ => None,
         }
     }
 }

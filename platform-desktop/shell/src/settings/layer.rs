@@ -7,11 +7,12 @@ use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
+use super::LoadedSettings;
 use super::table::{SETTINGS, Setting, find_setting, nearest_name};
 use super::value::{RawValue, SettingValue};
 use crate::durable;
 
-/// The most bytes of a file of settings, some ten times the template: a longer one is something else by mistake.
+/// The most bytes of a file of settings, some seven times the template: a longer one is something else by mistake.
 pub const MAX_BYTES: u64 = 64 << 10;
 
 /// A place in a file.
@@ -136,6 +137,13 @@ impl SettingsLayer {
         layer
     }
 
+    /// What contradicts in this layer alone, where nothing else sets anything.
+    #[must_use]
+    pub fn find_contradictions(&self) -> Vec<SettingsFault> {
+        let loaded = LoadedSettings::merge(std::slice::from_ref(self));
+        loaded.contradictions.into_iter().map(|contradiction| contradiction.fault).collect()
+    }
+
     /// The setting of an index of [`SETTINGS`], if the layer sets it.
     pub(super) fn find(&self, index: usize) -> Option<&LayerEntry> {
         self.entries.iter().find(|entry| core::ptr::eq(entry.setting, &raw const SETTINGS[index]))
@@ -228,9 +236,14 @@ fn to_raw(value: &Spanned<DeValue<'_>>) -> RawValue {
         }
         DeValue::Float(_) => RawValue::Other("a number with a point"),
         DeValue::Datetime(_) => RawValue::Other("a date or time"),
-        DeValue::Array(_) => RawValue::Other("a list"),
+        DeValue::Array(values) => RawValue::List(values.iter().map(to_raw_within_list).collect()),
         DeValue::Table(_) => RawValue::Other("a table"),
     }
+}
+
+/// The value that TOML has there within a list. No setting is a list of lists.
+fn to_raw_within_list(value: &Spanned<DeValue<'_>>) -> RawValue {
+    if value.get_ref().is_array() { RawValue::Other("a list") } else { to_raw(value) }
 }
 
 #[cfg(test)]

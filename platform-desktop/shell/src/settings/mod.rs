@@ -11,11 +11,14 @@
 //! adb push paros.toml /sdcard/Android/data/org.paros.studio/files/paros.toml
 //! ```
 
+mod contradiction;
 mod describe;
 mod layer;
+mod pin;
 mod record;
 pub mod table;
 pub mod value;
+mod visits;
 
 use std::fmt;
 use std::path::PathBuf;
@@ -23,9 +26,12 @@ use std::time::Duration;
 
 use paros_core::session::SessionMode;
 
+pub use contradiction::Contradiction;
 pub use describe::{RestrictionFiles, write_documentation, write_restrictions, write_template};
 pub use layer::{FilePlace, LayerEntry, MAX_BYTES, SettingsFault, SettingsLayer};
+pub use pin::{PIN_DIGITS, StaffPin};
 use table::{SETTINGS, Setting};
+pub use visits::{MAX_STARTS, VisitSettings, VisitStart};
 
 use crate::headset::foveation::FoveationLevel;
 
@@ -37,12 +43,14 @@ pub const FILE_NAME: &str = "paros.toml";
 pub struct Settings {
     /// Voxels along an edge, one of [`crate::sizes::GRID_SIDES`]; the shell's own choice if not set.
     pub size: Option<usize>,
-    /// How a headset's sessions start.
+    /// How a headset's sessions start; in visits, where nothing is chosen.
     pub mode: SessionMode,
     /// How long a headset must be off, asleep or without motion for whoever uses it next to be another visitor.
     pub handover_after: Duration,
     /// The string on which hands draw their bits, in millimetres; 0 for hands that aren't steadied.
     pub steady_mm: u8,
+    /// Whether one controller does everything.
+    pub is_one_handed: bool,
     /// The display refresh rate that a headset is asked for, in hertz.
     pub refresh_rate_hz: u32,
     /// The least foveation level; see [`Foveation::choose`](crate::headset::foveation::Foveation::choose).
@@ -59,6 +67,8 @@ pub struct Settings {
     pub kiosk: bool,
     /// How long a kiosk's window must be left alone for its visitor to have gone.
     pub kiosk_handover_after: Duration,
+    /// The settings of visits; none where sessions are no visits.
+    pub visits: Option<VisitSettings>,
 }
 
 /// Where the value of a setting comes from.
@@ -75,7 +85,7 @@ pub struct SettingOrigin {
 }
 
 /// The settings of all layers, and what is to be said of them.
-#[derive(Clone, PartialEq, Debug)]
+#[derive(Clone, Debug)]
 pub struct LoadedSettings {
     /// The settings.
     pub settings: Settings,
@@ -83,8 +93,10 @@ pub struct LoadedSettings {
     pub origins: Vec<SettingOrigin>,
     /// What each layer sets, a line for each.
     pub told: Vec<String>,
-    /// What is wrong, a line for each fault.
+    /// What is wrong, a line for each fault and each contradiction.
     pub faults: Vec<String>,
+    /// Which settings contradict each other.
+    pub contradictions: Vec<Contradiction>,
 }
 
 impl LoadedSettings {
@@ -108,9 +120,11 @@ impl LoadedSettings {
                 None => store_default(setting, &mut settings),
             });
         }
-        let faults = layers.iter().flat_map(|layer| describe_faults(layer, &origins)).collect();
+        let contradictions = contradiction::settle(&mut settings, &mut origins);
+        let faults = layers.iter().flat_map(|layer| describe_faults(layer, &origins));
+        let faults = faults.chain(contradictions.iter().map(Contradiction::describe)).collect();
         let told = layers.iter().filter_map(describe_layer).collect();
-        LoadedSettings { settings, origins, told, faults }
+        LoadedSettings { settings, origins, told, faults, contradictions }
     }
 
     /// All lines for the log.

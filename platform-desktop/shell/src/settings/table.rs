@@ -1,6 +1,8 @@
 //! The table of all settings: name, kind, default, whom it is for, and why it is as it is. Whatever else tells of
 //! settings is made from it: the check, the template, `SETTINGS.md`, and Android's list of restrictions.
 
+mod visits;
+
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -13,6 +15,7 @@ use crate::headset::foveation::FoveationLevel;
 use crate::headset::resolution::LEAST_PERCENT;
 use crate::headset::visit::DEFAULT_HANDOVER;
 use crate::sizes::GRID_SIDES;
+use visits::VISIT_ROWS;
 
 /// The shell that a setting is for. The other one checks it, and does nothing by it.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -26,7 +29,7 @@ pub enum SettingScope {
 }
 
 /// A setting.
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct Setting {
     /// Its key in the file and in managed configuration.
     pub name: &'static str,
@@ -47,8 +50,19 @@ pub struct Setting {
 /// The words of [`FoveationLevel`], after one for none of them.
 const FOVEATION_WORDS: [&str; 5] = ["auto", "off", "low", "medium", "high"];
 
-/// All settings.
-pub static SETTINGS: [Setting; 12] = [
+/// All settings: those of the studio, and after them those of visits.
+pub static SETTINGS: [Setting; STUDIO_ROWS.len() + VISIT_ROWS.len()] = {
+    let mut all = [STUDIO_ROWS[0]; STUDIO_ROWS.len() + VISIT_ROWS.len()];
+    let mut i = 1;
+    while i < all.len() {
+        let visit = i.checked_sub(STUDIO_ROWS.len());
+        all[i] = if let Some(visit) = visit { VISIT_ROWS[visit] } else { STUDIO_ROWS[i] };
+        i += 1;
+    }
+    all
+};
+
+const STUDIO_ROWS: [Setting; 13] = [
     Setting {
         name: "size",
         kind: SettingKind::Numbers(&GRID_SIDES_U32),
@@ -64,9 +78,10 @@ pub static SETTINGS: [Setting; 12] = [
         name: "mode",
         kind: SettingKind::Mode,
         default: SettingDefault::Word("free"),
-        scope: SettingScope::Headset,
-        summary: "How sessions start: free, creative, or the name of a hidden figure.",
-        reason: "free form needs no explanation; in a window the visitor chooses",
+        scope: SettingScope::Both,
+        summary: "How sessions start: free, creative, or the name of a hidden figure. A window looks at it in visits \
+            alone.",
+        reason: "free form needs no explanation; in a window without visits the visitor chooses",
         store: |settings, value| {
             if let SettingValue::Mode(_, mode) = value {
                 settings.mode = mode;
@@ -91,6 +106,15 @@ pub static SETTINGS: [Setting; 12] = [
         summary: "Steadies the hands: a running bit is drawn behind its hand on a string of so many millimetres.",
         reason: "0 steadies nothing, as a bit that lags surprises; a string beyond 40 mm rounds off corners as large as a head",
         store: |settings, value| settings.steady_mm = value.number().unwrap_or(0) as u8,
+    },
+    Setting {
+        name: "one_handed",
+        kind: SettingKind::Switch,
+        default: SettingDefault::Switch(false),
+        scope: SettingScope::Both,
+        summary: "One controller does everything; the other isn't needed.",
+        reason: "two hands are faster; one must do for who has no other free",
+        store: |settings, value| settings.is_one_handed = value == SettingValue::Switch(true),
     },
     Setting {
         name: "refresh_rate_hz",
@@ -209,6 +233,7 @@ pub(super) const fn unset_settings() -> Settings {
         mode: paros_core::session::SessionMode::FreeForm,
         handover_after: Duration::ZERO,
         steady_mm: 0,
+        is_one_handed: false,
         refresh_rate_hz: 0,
         foveation: None,
         least_resolution_percent: 0,
@@ -217,6 +242,7 @@ pub(super) const fn unset_settings() -> Settings {
         record: None::<PathBuf>,
         kiosk: false,
         kiosk_handover_after: Duration::ZERO,
+        visits: None,
     }
 }
 

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use paros_core::session::SessionMode;
 
-use super::table::SETTINGS;
+use super::table::{SETTINGS, Setting};
 use super::{LoadedSettings, Settings, SettingsLayer};
 use crate::headset::foveation::FoveationLevel;
 
@@ -19,6 +19,7 @@ fn the_defaults_are_those_that_hold_without_a_file() {
         mode: SessionMode::FreeForm,
         handover_after: Duration::from_secs(45),
         steady_mm: 0,
+        is_one_handed: false,
         refresh_rate_hz: 72,
         foveation: None,
         least_resolution_percent: 85,
@@ -27,6 +28,7 @@ fn the_defaults_are_those_that_hold_without_a_file() {
         record: None,
         kiosk: false,
         kiosk_handover_after: Duration::from_secs(90),
+        visits: None,
     };
     assert_eq!(Settings::default(), expected);
     let loaded = LoadedSettings::merge(&[]);
@@ -37,14 +39,17 @@ fn the_defaults_are_those_that_hold_without_a_file() {
 #[test]
 fn every_setting_has_a_place_of_its_own() {
     let text = "size = 256\nmode = \"cat\"\nhandover_seconds = 120\nsteady_mm = 20\n\
-        refresh_rate_hz = 90\nfoveation = \"medium\"\nleast_resolution_percent = 90\nsamples = 2\nsubmit_depth = true\nrecord = \"a\"\n\
+        one_handed = true\nrefresh_rate_hz = 90\nfoveation = \"medium\"\nleast_resolution_percent = 90\nsamples = 2\nsubmit_depth = true\nrecord = \"a\"\n\
         kiosk = true\nkiosk_seconds = 60\n";
-    assert_eq!(text.lines().count(), SETTINGS.len());
+    // Those of visits have a test of their own.
+    let is_studios = |setting: &&Setting| setting.name != "visits";
+    assert_eq!(text.lines().count(), SETTINGS.iter().take_while(is_studios).count());
     let expected = Settings {
         size: Some(256),
         mode: SessionMode::Constrained { figure: 9 },
         handover_after: Duration::from_secs(120),
         steady_mm: 20,
+        is_one_handed: true,
         refresh_rate_hz: 90,
         foveation: Some(FoveationLevel::Medium),
         least_resolution_percent: 90,
@@ -53,6 +58,7 @@ fn every_setting_has_a_place_of_its_own() {
         record: Some("a".into()),
         kiosk: true,
         kiosk_handover_after: Duration::from_secs(60),
+        visits: None,
     };
     assert_eq!(LoadedSettings::merge(&[file(text)]).settings, expected);
     // Each line alone changes something.

@@ -1,10 +1,13 @@
 //! Kinds of settings, their values, and the check of one against the other.
 
-use std::fmt;
+mod list;
+mod write;
+
 use std::path::PathBuf;
 
 use paros_core::session::SessionMode;
 
+use super::pin::StaffPin;
 use crate::modes::parse_mode_among;
 
 /// The most bytes of a path: as many as Linux and Android take.
@@ -22,6 +25,13 @@ pub enum SettingKind {
         /// The greatest.
         most: u32,
     },
+    /// 0, or a whole number between two bounds, both included.
+    ZeroOr {
+        /// The least beside 0.
+        least: u32,
+        /// The greatest.
+        most: u32,
+    },
     /// One of some numbers.
     Numbers(&'static [u32]),
     /// One of some words.
@@ -30,6 +40,15 @@ pub enum SettingKind {
     Mode,
     /// A file's path.
     Path,
+    /// Some of some words in an order, at least one, each once.
+    WordList(&'static [&'static str]),
+    /// Some names of [`SettingKind::Mode`] in an order, at least one, each once.
+    ModeList {
+        /// The most of them.
+        most: usize,
+    },
+    /// Four digits that are told to nobody.
+    Pin,
 }
 
 /// What holds where nobody sets a setting.
@@ -41,6 +60,8 @@ pub enum SettingDefault {
     Whole(u32),
     /// A word, or the name of a mode.
     Word(&'static str),
+    /// Words, or names of modes.
+    Words(&'static [&'static str]),
     /// No value of its kind, but what this says.
     Unset(&'static str),
 }
@@ -56,6 +77,8 @@ pub enum RawValue {
     Text(String),
     /// A text of a command line or of a managed configuration, in which a number or a switch is a text too.
     Untyped(String),
+    /// A list of a file. What is within it is none.
+    List(Vec<RawValue>),
     /// Something else, in the words of TOML: no setting is of such a type.
     Other(&'static str),
 }
@@ -73,6 +96,12 @@ pub enum SettingValue {
     Mode(String, SessionMode),
     /// A path.
     Path(PathBuf),
+    /// Words.
+    Words(Vec<&'static str>),
+    /// Modes and their names.
+    Modes(Vec<(String, SessionMode)>),
+    /// The staff's PIN.
+    Pin(StaffPin),
 }
 
 impl SettingKind {
@@ -81,20 +110,26 @@ impl SettingKind {
     /// # Errors
     /// What was found and what was expected.
     pub fn check(self, raw: &RawValue, own_figures: &[String]) -> Result<SettingValue, String> {
-        let wrong = || format!("{raw}, expected {}", self.describe(own_figures));
+        let not_expected =
+            |found: &str| format!("{found}, expected {}", self.describe(own_figures));
+        let wrong = || not_expected(&raw.to_string());
         match self {
             SettingKind::Switch => raw.as_switch().map(SettingValue::Switch).ok_or_else(wrong),
             SettingKind::Whole { least, most } => {
                 let whole = raw.as_whole().filter(|whole| (least..=most).contains(whole));
                 whole.map(SettingValue::Number).ok_or_else(wrong)
             }
+            SettingKind::ZeroOr { least, most } => {
+                let fits = |whole: &u32| *whole == 0 || (least..=most).contains(whole);
+                raw.as_whole().filter(fits).map(SettingValue::Number).ok_or_else(wrong)
+            }
             SettingKind::Numbers(numbers) => {
                 let whole = raw.as_whole().filter(|whole| numbers.contains(whole));
                 whole.map(SettingValue::Number).ok_or_else(wrong)
             }
             SettingKind::Words(words) => {
-                let word = raw.as_text().and_then(|text| words.iter().find(|word| **word == text));
-                word.map(|word| SettingValue::Word(word)).ok_or_else(wrong)
+                let word = raw.as_text().and_then(|text| find_word(words, text));
+                word.map(SettingValue::Word).ok_or_else(wrong)
             }
             SettingKind::Mode => {
                 let name = raw.as_text().ok_or_else(wrong)?;
@@ -110,7 +145,30 @@ impl SettingKind {
                 let path = raw.as_text().filter(fits).ok_or_else(wrong)?;
                 Ok(SettingValue::Path(path.into()))
             }
+            SettingKind::WordList(words) => {
+                let list = list::check(raw, words.len(), |text| find_word(words, text));
+                list.map(SettingValue::Words).map_err(|found| not_expected(&found))
+            }
+            SettingKind::ModeList { most } => {
+                let find = |name: &str| {
+                    let mode = parse_mode_among(name, own_figures).ok()?;
+                    Some((name.to_owned(), mode))
+                };
+                let list = list::check(raw, most, find);
+                list.map(SettingValue::Modes).map_err(|found| not_expected(&found))
+            }
+            SettingKind::Pin => {
+                let pin = raw.as_text().and_then(StaffPin::from_text);
+                // Whoever reads a log shall not learn what a wrong one is near to.
+                pin.map(SettingValue::Pin).ok_or_else(|| not_expected("a value that isn't shown"))
+            }
         }
+    }
+
+    /// Whether its values are lists.
+    #[must_use]
+    pub const fn is_list(self) -> bool {
+        matches!(self, SettingKind::WordList(_) | SettingKind::ModeList { .. })
     }
 
     /// What a value must be.
@@ -119,12 +177,14 @@ impl SettingKind {
         match self {
             SettingKind::Switch => "true or false".into(),
             SettingKind::Whole { least, most } => format!("a whole number from {least} to {most}"),
+            SettingKind::ZeroOr { least, most } => {
+                format!("0, or a whole number from {least} to {most}")
+            }
             SettingKind::Numbers(numbers) => {
                 numbers.iter().map(u32::to_string).collect::<Vec<_>>().join(" or ")
             }
             SettingKind::Words(words) => {
-                let words: Vec<_> = words.iter().map(|word| format!("\"{word}\"")).collect();
-                format!("one of {}", words.join(", "))
+                format!("one of {}", quote_words(words))
             }
             SettingKind::Mode => {
                 let known = crate::modes::UnknownMode.to_string();
@@ -135,6 +195,14 @@ impl SettingKind {
                 format!("{known}, or a figure of one's own: {}", own_figures.join(", "))
             }
             SettingKind::Path => format!("a file's path of 1 to {MAX_PATH_BYTES} bytes"),
+            SettingKind::WordList(words) => {
+                format!("a list of one or more of {}, none twice", quote_words(words))
+            }
+            SettingKind::ModeList { most } => {
+                let known = SettingKind::Mode.describe(own_figures);
+                format!("a list of 1 to {most}, none twice, each {known}")
+            }
+            SettingKind::Pin => "four digits in quotes".into(),
         }
     }
 }
@@ -186,123 +254,23 @@ impl SettingDefault {
             SettingDefault::Switch(on) => Some(RawValue::Switch(on)),
             SettingDefault::Whole(number) => Some(RawValue::Whole(number.into())),
             SettingDefault::Word(word) => Some(RawValue::Text(word.into())),
+            SettingDefault::Words(words) => Some(RawValue::List(
+                words.iter().map(|word| RawValue::Text((*word).into())).collect(),
+            )),
             SettingDefault::Unset(_) => None,
         }
     }
 }
 
-/// As TOML has it, and what can't be seen of a text escaped.
-impl fmt::Display for RawValue {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            RawValue::Switch(on) => write!(f, "{on}"),
-            RawValue::Whole(whole) => write!(f, "{whole}"),
-            RawValue::Text(text) => write_quoted(f, text),
-            RawValue::Untyped(text) => write!(f, "{}", text.escape_debug()),
-            RawValue::Other(what) => f.write_str(what),
-        }
-    }
+fn find_word(words: &[&'static str], text: &str) -> Option<&'static str> {
+    words.iter().find(|word| **word == text).copied()
 }
 
-/// As TOML has it.
-impl fmt::Display for SettingValue {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            SettingValue::Switch(on) => write!(f, "{on}"),
-            SettingValue::Number(number) => write!(f, "{number}"),
-            SettingValue::Word(word) => write_quoted(f, word),
-            SettingValue::Mode(name, _) => write_quoted(f, name),
-            SettingValue::Path(path) => write_quoted(f, &path.to_string_lossy()),
-        }
-    }
-}
-
-/// As TOML has it; what holds without a value in words.
-impl fmt::Display for SettingDefault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            SettingDefault::Switch(on) => write!(f, "{on}"),
-            SettingDefault::Whole(number) => write!(f, "{number}"),
-            SettingDefault::Word(word) => write_quoted(f, word),
-            SettingDefault::Unset(what) => f.write_str(what),
-        }
-    }
-}
-
-/// Writes a basic string of TOML: quotes, backslashes and control characters are escaped as it says.
-fn write_quoted(f: &mut fmt::Formatter<'_>, text: &str) -> fmt::Result {
-    f.write_str("\"")?;
-    for c in text.chars() {
-        match c {
-            '"' | '\\' => write!(f, "\\{c}")?,
-            c if c.is_control() || matches!(c, '\u{2028}' | '\u{2029}') => {
-                write!(f, "\\u{:04X}", c as u32)?;
-            }
-            c => write!(f, "{c}")?,
-        }
-    }
-    f.write_str("\"")
+/// Words as messages list them.
+fn quote_words(words: &[&str]) -> String {
+    let words: Vec<_> = words.iter().map(|word| format!("\"{word}\"")).collect();
+    words.join(", ")
 }
 
 #[cfg(test)]
-mod tests {
-    use super::{RawValue, SettingKind, SettingValue};
-
-    #[test]
-    fn a_value_fits_its_kind_or_is_told() {
-        let whole = SettingKind::Whole { least: 1, most: 40 };
-        let untyped = |text: &str| RawValue::Untyped(text.into());
-        let text = |text: &str| RawValue::Text(text.into());
-        for raw in [RawValue::Whole(1), untyped("1"), untyped("001")] {
-            assert_eq!(whole.check(&raw, &[]), Ok(SettingValue::Number(1)), "{raw}");
-        }
-        for raw in [
-            RawValue::Whole(0),
-            RawValue::Whole(41),
-            RawValue::Whole(1 + (1 << 32)),
-            RawValue::Whole(-1),
-            RawValue::Switch(true),
-            RawValue::Other("a float"),
-            text("1"),
-            untyped("+1"),
-            untyped(""),
-            untyped("99999999999999999999"),
-        ] {
-            let why = whole.check(&raw, &[]).expect_err("it doesn't fit");
-            assert_eq!(why, format!("{raw}, expected a whole number from 1 to 40"));
-        }
-        let switch = SettingKind::Switch;
-        assert_eq!(switch.check(&untyped("true"), &[]), Ok(SettingValue::Switch(true)));
-        assert!(
-            switch.check(&text("true"), &[]).is_err() && switch.check(&untyped("1"), &[]).is_err()
-        );
-        let numbers = SettingKind::Numbers(&[128, 256]);
-        assert_eq!(numbers.check(&untyped("256"), &[]), Ok(SettingValue::Number(256)));
-        assert_eq!(numbers.describe(&[]), "128 or 256");
-        assert!(numbers.check(&RawValue::Whole(200), &[]).is_err());
-        let words = SettingKind::Words(&["off", "low"]);
-        assert_eq!(words.check(&text("low"), &[]), Ok(SettingValue::Word("low")));
-        let why = words.check(&text("Low"), &[]).expect_err("another word");
-        assert_eq!(why, "\"Low\", expected one of \"off\", \"low\"");
-    }
-
-    #[test]
-    fn a_figure_of_ones_own_is_a_mode_by_its_name() {
-        let own = ["lion".to_owned()];
-        let lion = RawValue::Text("lion".into());
-        assert!(matches!(SettingKind::Mode.check(&lion, &own), Ok(SettingValue::Mode(..))));
-        assert!(SettingKind::Mode.check(&lion, &[]).is_err());
-        let why = SettingKind::Mode.check(&RawValue::Text("lynx".into()), &own);
-        assert!(why.is_err_and(|why| why.ends_with("or a figure of one's own: lion")));
-    }
-
-    #[test]
-    fn a_path_is_a_line_of_text_and_what_cannot_be_seen_is_escaped() {
-        let check = |text: &str| SettingKind::Path.check(&RawValue::Text(text.into()), &[]);
-        assert!(check("a/b c.trace").is_ok_and(|path| path.to_string() == "\"a/b c.trace\""));
-        assert!(check("a\"\\b").is_ok_and(|path| path.to_string() == r#""a\"\\b""#));
-        let why = check("a\nb\u{1b}").expect_err("no line");
-        assert!(why.starts_with(r#""a\u000Ab\u001B", expected a file's path"#), "{why}");
-        assert!(check("").is_err() && check(&"a".repeat(4097)).is_err());
-    }
-}
+mod tests;

@@ -1,0 +1,58 @@
+//! The settings of visits, and how shells tell a world of them.
+
+use paros_core::badge::BadgeLanguage;
+use paros_core::session::SessionMode;
+use paros_core::visit::{PlanSetting, VisitCommand, VisitPlan};
+
+use super::pin::StaffPin;
+
+/// The most ways to start that are on offer: as many cards as a panel has in two rows.
+pub const MAX_STARTS: usize = 8;
+
+/// A way to start that is on offer.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct VisitStart {
+    /// Its name, as `mode` takes it.
+    pub name: String,
+    /// The mode.
+    pub mode: SessionMode,
+}
+
+/// What an exhibition sets of its visits.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct VisitSettings {
+    /// Times, whether there are badges, and how a session starts where nothing is chosen: one of the starts.
+    pub plan: VisitPlan,
+    /// The languages to choose from, at least one, each once; a visit's language is a number in this list, 0 where none
+    /// is chosen.
+    pub languages: Vec<BadgeLanguage>,
+    /// The ways to start that are on offer, 1 to [`MAX_STARTS`], each once.
+    pub starts: Vec<VisitStart>,
+    /// What opens the staff's panel; without it nothing does.
+    pub staff_pin: Option<StaffPin>,
+}
+
+impl VisitSettings {
+    /// Visits before any setting is stored.
+    pub(super) const fn unset() -> Self {
+        let plan = VisitPlan::new();
+        VisitSettings { plan, languages: Vec::new(), starts: Vec::new(), staff_pin: None }
+    }
+
+    /// The commands by which a world's plan becomes this one, in the order of [`PlanSetting::ALL`] and the start last.
+    /// One is to be sent a tick, after [`VisitCommand::Open`], which makes the plan the default one.
+    #[must_use]
+    pub fn plan_commands(&self) -> Vec<VisitCommand> {
+        let default = VisitPlan::new();
+        let values = PlanSetting::ALL.into_iter().filter_map(|setting| {
+            let value = self.plan.value(setting);
+            (value != default.value(setting)).then_some(VisitCommand::Set { setting, value })
+        });
+        let start = self.plan.start();
+        let start = (start != default.start()).then_some(VisitCommand::SetStart(start));
+        values.chain(start).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests;
