@@ -154,6 +154,15 @@ where
         self.stl.is_some()
     }
 
+    /// How much is made of the export under way, 0 to 1; 1 at rest. Its length is known once the voxels are looked
+    /// through, so that it stays 0 for a while.
+    #[must_use]
+    pub fn part_made(&self) -> f32 {
+        let Some(stl) = &self.stl else { return 1.0 };
+        let len = self.buffers.exporter.file_len();
+        len.map_or(0.0, |len| stl.len() as f32 / (len.max(1)) as f32)
+    }
+
     /// Bytes made so far of the export under way; 0 at rest.
     #[must_use]
     pub fn bytes_made(&self) -> usize {

@@ -30,6 +30,7 @@ use export::SculptureExport;
 use last_use::LastUseFile;
 use paros_core::limits::INTERVALS;
 use paros_core::session::SessionMode;
+use paros_core::visit::{VisitCommand, VisitPhase};
 use paros_core::volume::{Grid, Size};
 use paros_core::{RangeMaps, TickInput, World, WorldEvent};
 use pending_read::PendingRead;
@@ -193,6 +194,12 @@ where
         self.run_tick_wrapped(input, |step| step());
     }
 
+    /// How much of the finished sculpture's print is made, 0 to 1.
+    #[must_use]
+    pub fn export_part(&self) -> f32 {
+        self.export.part_made()
+    }
+
     /// Runs one tick. `wrap_step` must call its argument, the step itself, exactly once: it can measure
     /// the step's time, say.
     pub fn run_tick_wrapped(
@@ -200,7 +207,9 @@ where
         input: &TickInput,
         wrap_step: impl FnOnce(&mut dyn FnMut()),
     ) {
-        let starts_session = input.start != SessionMode::None;
+        // Visits begin in an empty world, as a session that is recorded does.
+        let opens_visits = input.visit.command == VisitCommand::Open;
+        let starts_session = input.start != SessionMode::None || opens_visits;
         if starts_session {
             self.save_and_leave_session();
         }
@@ -344,6 +353,12 @@ where
 
     fn after_tick(&mut self) {
         let world = &*self.session.world;
+        let has_started = |event: &WorldEvent| matches!(event, WorldEvent::Started(_));
+        if world.visit().phase() != VisitPhase::Closed && world.events().iter().any(has_started) {
+            // A visit began it: whatever it is recorded in goes on.
+            self.before_finish = None;
+            self.export.set_session_stl_path(None);
+        }
         self.export.advance_stl_after_tick(world);
         if world.events().contains(&WorldEvent::Finished) {
             // The exporter has made the last one's file at once, before it began with this one's.

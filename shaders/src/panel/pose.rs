@@ -9,6 +9,8 @@ pub struct PanelPose {
     pub middle: Vec3,
     /// Of the panel's axes.
     pub rotation: Quat,
+    /// How large its millimetres are: 1 in a room, less where it is held before the eye of a window.
+    pub scale: f32,
 }
 
 /// A point of a panel that a ray or finger points at.
@@ -36,7 +38,7 @@ pub struct PanelRect {
 impl Default for PanelPose {
     /// In the room's origin, towards +z.
     fn default() -> Self {
-        PanelPose { middle: Vec3::ZERO, rotation: Quat::IDENTITY }
+        PanelPose { middle: Vec3::ZERO, rotation: Quat::IDENTITY, scale: 1.0 }
     }
 }
 
@@ -48,13 +50,14 @@ impl PanelPose {
         let towards = eyes - middle;
         let turn = Quat::from_rotation_y(towards.x.atan2(towards.z));
         let level = (towards.x * towards.x + towards.z * towards.z).sqrt();
-        PanelPose { middle, rotation: turn * Quat::from_rotation_x(-towards.y.atan2(level)) }
+        let rotation = turn * Quat::from_rotation_x(-towards.y.atan2(level));
+        PanelPose { middle, rotation, scale: 1.0 }
     }
 
     /// The upper left corner of a panel of this size, and its vectors of a millimetre to the right and down, in metres.
     pub(crate) fn frame(&self, [width, height]: [f32; 2]) -> [Vec3; 3] {
-        let right = self.rotation * Vec3::X * 1e-3;
-        let down = self.rotation * Vec3::NEG_Y * 1e-3;
+        let right = self.rotation * Vec3::X * (1e-3 * self.scale);
+        let down = self.rotation * Vec3::NEG_Y * (1e-3 * self.scale);
         [self.middle - right * (0.5 * width) - down * (0.5 * height), right, down]
     }
 
@@ -94,7 +97,8 @@ impl PanelPose {
     #[must_use]
     pub fn project_point(&self, size_mm: [f32; 2], point: Vec3) -> PanelPoint {
         let local = self.rotation.inverse() * (point - self.middle);
-        let at_mm = Vec2::new(local.x, -local.y) * 1e3 + Vec2::from_array(size_mm) * 0.5;
+        let per_metre = 1e3 / self.scale;
+        let at_mm = Vec2::new(local.x, -local.y) * per_metre + Vec2::from_array(size_mm) * 0.5;
         PanelPoint { at_mm, distance: local.z }
     }
 }
@@ -148,7 +152,10 @@ mod tests {
 
     #[test]
     fn a_ray_meets_the_millimetre_that_it_points_at() {
-        let pose = tilted();
+        [tilted(), PanelPose { scale: 0.3, ..tilted() }].into_iter().for_each(check_rays);
+    }
+
+    fn check_rays(pose: PanelPose) {
         let [corner, right, down] = pose.frame(SIZE);
         let eye = Vec3::new(-0.2, 1.5, 0.3);
         for (x, y) in [(1.0, 1.0), (250.0, 30.0), (999.0, 599.0), (500.0, 300.0)] {

@@ -1,7 +1,7 @@
 //! Every screen of a visit, as the panels' layouts draw them.
 
 use paros_core::badge::BadgeNumber;
-use paros_shaders::panel::layout::{self, Guide, PanelNotice, PinEntry, palette};
+use paros_shaders::panel::layout::{self, Clock, Guide, PanelNotice, PinEntry, palette};
 use paros_shaders::panel::{ButtonState, FillingValue, Icon, Language, Message, Panel};
 
 /// A screen's name, and its panel.
@@ -49,7 +49,8 @@ fn visit_screens(language: Language) -> Vec<Screen> {
     figures[4].state = ButtonState::Off;
     let badge = BadgeNumber::new(3 << 18 | 777).expect("a number").badge();
     let mut all = vec![
-        drawn("attract", layout::draw_attract),
+        drawn("attract", |panel| layout::draw_attract(panel, Message::AttractBody)),
+        drawn("attract-mouse", |panel| layout::draw_attract(panel, Message::AttractBodyMouse)),
         drawn("welcome", |panel| layout::draw_welcome(panel, language, &welcome)),
         drawn("starts", |panel| {
             layout::draw_choice(panel, language, Message::ChoiceTitle, &starts);
@@ -66,23 +67,40 @@ fn visit_screens(language: Language) -> Vec<Screen> {
         (9, Some(Message::WarningTenSeconds)),
     ] {
         all.push(drawn("clock", |panel| {
-            layout::draw_clock(panel, language, [seconds, 600], warning);
+            let clock = Clock { seconds: Some([seconds, 600]), warning };
+            let buttons = clock.buttons(0, CLOCK_BUTTONS);
+            let buttons = if seconds == 452 || seconds == 30 { &buttons[..] } else { &[] };
+            layout::draw_clock(panel, language, &clock, buttons);
         }));
     }
-    all.push(drawn("badge", |panel| layout::draw_badge(panel, language, &badge)));
+    let next = layout::badge_buttons(0);
+    all.push(drawn("badge", |panel| layout::draw_badge(panel, language, &badge, &[])));
+    all.push(drawn("badge-seen", |panel| layout::draw_badge(panel, language, &badge, &next)));
     all
 }
+
+const CLOCK_BUTTONS: [(Message, Icon); 4] = [
+    (Message::UndoStroke, Icon::Undo),
+    (Message::TurnStone, Icon::Turn),
+    (Message::PutBack, Icon::PutBack),
+    (Message::Ready, Icon::Tick),
+];
 
 fn guide_screens(language: Language) -> Vec<Screen> {
     let instructions = [
         (Message::GuideTake, Icon::Tool),
         (Message::GuideTakeBare, Icon::Tool),
+        (Message::GuideTakeMouse, Icon::Tool),
         (Message::GuideTouch, Icon::Stone),
         (Message::GuideCut, Icon::Trigger),
         (Message::GuideCutBare, Icon::RightHand),
+        (Message::GuideCutMouse, Icon::RightHand),
         (Message::GuideSmooth, Icon::Smooth),
         (Message::GuideUndo, Icon::Undo),
+        (Message::GuideUndoButton, Icon::Undo),
         (Message::GuideTurn, Icon::Turn),
+        (Message::GuideTurnBare, Icon::Turn),
+        (Message::GuideTurnMouse, Icon::Turn),
         (Message::GuideDone, Icon::Tick),
     ];
     let mut step = 0;
@@ -90,7 +108,7 @@ fn guide_screens(language: Language) -> Vec<Screen> {
         .into_iter()
         .map(|(instruction, icon)| {
             step += 1;
-            let guide = Guide { instruction, icon, step, steps: 9, progress: 0.4 };
+            let guide = Guide { instruction, icon, step: step.min(9), steps: 9, progress: 0.4 };
             let buttons = layout::guide_buttons(0);
             drawn("guide", |panel| layout::draw_guide(panel, language, &guide, &buttons))
         })
@@ -141,7 +159,7 @@ fn staff_screens(language: Language) -> Vec<Screen> {
             drawn("handover", |panel| layout::draw_handover(panel, language, pending, &cleaned))
         })
         .collect();
-    for entry in [PinEntry::Entered(2), PinEntry::Wrong] {
+    for entry in [PinEntry::Entered(2), PinEntry::Wrong, PinEntry::Locked] {
         all.push(drawn("pin", |panel| layout::draw_staff_pin(panel, language, entry, &keys)));
     }
     all.push(drawn("staff", |panel| layout::draw_staff(panel, language, &staff)));

@@ -22,8 +22,10 @@ fn lay_out_screens(panel: &mut Panel, seconds: u32) {
     };
     for language in Language::ALL {
         layout::draw_welcome(panel, language, &layout::welcome_buttons(0));
-        layout::draw_clock(panel, language, [seconds, 600], Some(Message::WarningThirtySeconds));
-        layout::draw_badge(panel, language, &badge);
+        let warning = Some(Message::WarningThirtySeconds);
+        let clock = layout::Clock { seconds: Some([seconds, 600]), warning };
+        layout::draw_clock(panel, language, &clock, &[]);
+        layout::draw_badge(panel, language, &badge, &[]);
         layout::draw_notice(panel, language, &notice, &[]);
         layout::draw_staff(panel, language, &layout::staff_buttons(0));
     }

@@ -89,6 +89,14 @@ where
         self.files.is_some() || self.being_written > 0
     }
 
+    /// How much of the print is made, 0 to 1: 0 before it is begun, 1 once it is done.
+    pub(super) fn part_made(&self) -> f32 {
+        match &self.files {
+            Some(_) => self.stl_exporter.part_made(),
+            None => 1.0,
+        }
+    }
+
     /// Advances the STL export after a tick; begins one where the tick finished the session.
     pub(super) fn advance_stl_after_tick(&mut self, world: &World<N, INTERVALS>) {
         let stl = self.stl_exporter.begin_if_finished_or_advance(world);

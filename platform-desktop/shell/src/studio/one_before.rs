@@ -3,6 +3,7 @@
 use paros_core::edit::UndoCounts;
 use paros_core::limits::INTERVALS;
 use paros_core::session::SessionState;
+use paros_core::visit::VisitPhase;
 use paros_core::volume::{Grid, Size};
 
 use super::{Notice, Studio};
@@ -24,7 +25,9 @@ where
     #[must_use]
     pub fn has_unfinished_sculpture(&self) -> bool {
         let world = self.world();
+        // What nobody carves, for those who look, is nobody's.
         world.session_state() == SessionState::Sculpting
+            && world.visit().phase() != VisitPhase::Attract
             && world.undo_counts() != UndoCounts::default()
     }
 

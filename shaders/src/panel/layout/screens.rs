@@ -10,8 +10,8 @@ use crate::panel::message::{Filling, Language, Message, TextPlace};
 use crate::panel::model::{BoxStyle, LINE_HEIGHT, Panel, PanelColor, TextAlign};
 use crate::panel::pose::PanelRect;
 
-/// What nobody has chosen a language for, in both.
-pub fn draw_attract(panel: &mut Panel) {
+/// What nobody has chosen a language for, in both; `body` says how to begin.
+pub fn draw_attract(panel: &mut Panel, body_message: Message) {
     begin_panel(panel, [1000.0, 610.0]);
     add_medallion(panel, Icon::Headset, Vec2::new(500.0, 128.0), 82.0, palette::CLAY);
     for (language, foot) in Language::ALL.into_iter().zip([306.0, 494.0]) {
@@ -19,7 +19,7 @@ pub fn draw_attract(panel: &mut Panel) {
         let ink = (palette::INK, TextAlign::Middle);
         let soft = (palette::SOFT_INK, TextAlign::Middle);
         panel.add_message(Message::AttractTitle, (language, &[]), title, ink);
-        panel.add_message(Message::AttractBody, (language, &[]), body, soft);
+        panel.add_message(body_message, (language, &[]), body, soft);
     }
     add_rule(panel, Vec2::new(500.0, 412.0));
 }
@@ -80,9 +80,23 @@ pub fn draw_notice(
     visit::add_buttons(panel, language, buttons);
 }
 
+/// The button of a badge's panel: on to what comes next.
+#[must_use]
+pub const fn badge_buttons(id: u16) -> [PanelButton<'static>; 1] {
+    [PanelButton::new(id, PanelRect::new(355.0, BADGE_HEIGHT, 290.0, 96.0), Message::Next)]
+}
+
+const BADGE_HEIGHT: f32 = 800.0;
+
 /// A visitor's badge, and the words by which it is said.
-pub fn draw_badge(panel: &mut Panel, language: Language, badge: &Badge) {
-    begin_panel(panel, [1000.0, 800.0]);
+pub fn draw_badge(
+    panel: &mut Panel,
+    language: Language,
+    badge: &Badge,
+    buttons: &[PanelButton<'_>],
+) {
+    let height = BADGE_HEIGHT + if buttons.is_empty() { 0.0 } else { 136.0 };
+    begin_panel(panel, [1000.0, height]);
     super::add_title(panel, language, Message::BadgeTitle, 100.0);
     panel.add_badge(badge, PanelRect::new(64.0, 176.0, 430.0, 430.0));
     let style = TextPlace::Word.style().colored(palette::INK, TextAlign::Left);
@@ -111,4 +125,5 @@ pub fn draw_badge(panel: &mut Panel, language: Language, badge: &Badge) {
     let soft = (palette::SOFT_INK, TextAlign::Middle);
     let lines = panel.add_message(Message::BadgeBody, (language, &[]), body, soft);
     debug_assert!(lines as f32 * LINE_HEIGHT * capital < 128.0, "two lines fit");
+    visit::add_buttons(panel, language, buttons);
 }

@@ -20,6 +20,8 @@ pub enum PinEntry {
     Entered(u32),
     /// What was entered is not the PIN.
     Wrong,
+    /// It was wrong too often.
+    Locked,
 }
 
 /// The handover: whether sculptures are left that the booth hasn't, and the button of who has cleaned the headset.
@@ -75,6 +77,7 @@ pub fn draw_staff_pin(
     let (message, color, entered) = match entry {
         PinEntry::Entered(count) => (Message::StaffPin, palette::SOFT_INK, count),
         PinEntry::Wrong => (Message::StaffPinWrong, palette::RED, 0),
+        PinEntry::Locked => (Message::StaffPinLocked, palette::RED, 0),
     };
     let at = |y| Vec2::new(305.0, y);
     let ink = (palette::CLAY, TextAlign::Middle);

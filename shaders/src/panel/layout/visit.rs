@@ -173,16 +173,67 @@ fn add_steps(panel: &mut Panel, guide: &Guide) {
     }
 }
 
-/// The clock of a visit: a ring, and minutes and seconds; and a warning under it.
+/// What a visit's clock shows, and the buttons under it.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub struct Clock {
+    /// Seconds left, and of how many; None for a visit without an end.
+    pub seconds: Option<[u32; 2]>,
+    /// What the visitor is told of them.
+    pub warning: Option<Message>,
+}
+
+const CLOCK_WIDTH: f32 = 560.0;
+
+impl Clock {
+    /// Where the warning begins, and where what is under it does, in millimetres from the top.
+    const fn feet(&self) -> [f32; 2] {
+        let face = if self.seconds.is_some() { 190.0 } else { 24.0 };
+        [face, face + if self.warning.is_some() { 136.0 } else { 0.0 }]
+    }
+
+    /// Buttons under it, one over the other, numbered from `first_id` on.
+    pub fn buttons<const COUNT: usize>(
+        &self,
+        first_id: u16,
+        labels: [(Message, Icon); COUNT],
+    ) -> [PanelButton<'static>; COUNT] {
+        let [_, top] = self.feet();
+        core::array::from_fn(|k| {
+            let (message, icon) = labels[k];
+            let rect = PanelRect::new(30.0, top + 116.0 * k as f32, CLOCK_WIDTH - 60.0, 96.0);
+            PanelButton::new(first_id + k as u16, rect, message).with_icon(icon)
+        })
+    }
+}
+
+/// The clock of a visit: a ring, and minutes and seconds; a warning under it, and buttons under that.
 pub fn draw_clock(
     panel: &mut Panel,
     language: Language,
-    [seconds_left, seconds]: [u32; 2],
-    warning: Option<Message>,
+    clock: &Clock,
+    buttons: &[PanelButton<'_>],
 ) {
-    let height = if warning.is_some() { 326.0 } else { 190.0 };
-    begin_panel(panel, [560.0, height]);
-    let color = time_color(seconds_left);
+    let [face, foot] = clock.feet();
+    begin_panel(panel, [CLOCK_WIDTH, foot + 116.0 * buttons.len() as f32]);
+    let color = clock.seconds.map_or(palette::INK, |[left, _]| time_color(left));
+    if let Some(seconds) = clock.seconds {
+        add_clock_face(panel, language, seconds, color);
+    }
+    if let Some(warning) = clock.warning {
+        let style = warning.place().style().colored(color, TextAlign::Middle);
+        let width = warning.place().style().width_mm;
+        let at = Vec2::new(0.5 * CLOCK_WIDTH, face + 60.0);
+        panel.add_paragraph_around(warning.text(language), at, width, &style);
+    }
+    add_buttons(panel, language, buttons);
+}
+
+fn add_clock_face(
+    panel: &mut Panel,
+    language: Language,
+    [seconds_left, seconds]: [u32; 2],
+    color: PanelColor,
+) {
     let middle = Vec2::new(100.0, 96.0);
     let part = seconds_left as f32 / seconds.max(1) as f32;
     panel.add_ring(middle, [66.0, 15.0], 1.0, palette::LINE);
@@ -195,12 +246,6 @@ pub fn draw_clock(
         TextStyle { weight: FontWeight::Bold, capital_mm: 54.0, color, align: TextAlign::Left };
     let (minutes, rest) = (seconds_left / 60, seconds_left % 60);
     panel.add_written_line(format_args!("{minutes}:{rest:02}"), Vec2::new(194.0, 150.0), &digits);
-    if let Some(warning) = warning {
-        let style = warning.place().style().colored(color, TextAlign::Middle);
-        let width = warning.place().style().width_mm;
-        let at = Vec2::new(280.0, 250.0);
-        panel.add_paragraph_around(warning.text(language), at, width, &style);
-    }
 }
 
 /// The colour of the time that is left: amber for the last two minutes, red for the last thirty seconds.

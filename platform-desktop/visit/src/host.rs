@@ -1,0 +1,329 @@
+//! What holds visits in a shell.
+
+use paros_core::badge::BadgeNumber;
+use paros_core::session::{PointerCommand, SessionMode, TICK_RATE, commands};
+use paros_core::visit::{
+    PanelAction, PlanSetting, Presence, StaffCommand, Visit, VisitCommand, VisitInput, VisitPhase,
+};
+use paros_core::volume::{Grid, Size};
+use paros_core::{TickInput, World, WorldEvent};
+use paros_shaders::panel::{Message, Panel, PanelPose};
+
+use crate::lathe::LatheHand;
+use crate::options::{Controls, VisitOptions};
+use crate::pin_pad::PinPad;
+use crate::pointing::{POINTERS, Pointer, Pointing};
+use crate::queue::VisitQueue;
+use crate::screen::{ButtonAction, Question, Screen, ScreenState};
+use crate::standing::PanelSpot;
+
+/// For how long a visitor is told of the time that is left, in ticks.
+const WARNING_TICKS: u32 = 6 * TICK_RATE;
+
+/// How far the button turns the stool, and how far in a tick, in 65,536ths of a turn: an eighth in half a second.
+const BUTTON_TURN: i16 = 8192;
+const BUTTON_TURN_SPEED: i16 = 228;
+
+/// How far a finished sculpture's files are.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct ExportState {
+    /// Whether they are being made or written.
+    pub is_busy: bool,
+    /// Whether this session's print is written.
+    pub is_kept: bool,
+    /// How much of it is made, 0 to 1.
+    pub part: f32,
+    /// Sculptures that could not be written, or are not yet where they are to be kept.
+    pub pending: u32,
+}
+
+/// Holds visits: between the core, which decides, and a shell.
+#[derive(Debug)]
+pub struct VisitHost {
+    options: VisitOptions,
+    queue: VisitQueue,
+    pin_pad: Option<PinPad>,
+    question: Question,
+    lathe: LatheHand,
+    pointing: Pointing,
+    screen: Screen,
+    /// What the visitor is told of the time, and for how many ticks more.
+    told: Option<(Message, u32)>,
+    /// Turn of the stool that a button has asked for and no tick has taken yet.
+    turn_left: i16,
+    undoes: bool,
+    recentres: bool,
+    /// The badge of this visit has been sent, and the export's end.
+    has_sent_badge: bool,
+    has_sent_export: bool,
+    /// Seconds for which the program slept or didn't run, not sent yet.
+    away_seconds: u16,
+}
+
+impl VisitHost {
+    /// A host of a world: visits begin there, or go on where they are.
+    #[must_use]
+    pub fn new(options: VisitOptions, visit: &Visit) -> Self {
+        let mut queue = VisitQueue::default();
+        if visit.phase() == VisitPhase::Closed {
+            queue.open(&options.plan);
+        } else {
+            options.plan.iter().for_each(|command| queue.push(*command));
+        }
+        VisitHost {
+            pin_pad: options.staff_pin.map(PinPad::new),
+            options,
+            queue,
+            question: Question::None,
+            lathe: LatheHand::default(),
+            pointing: Pointing::default(),
+            screen: Screen::new(),
+            told: None,
+            turn_left: 0,
+            undoes: false,
+            recentres: false,
+            has_sent_badge: false,
+            has_sent_export: false,
+            away_seconds: 0,
+        }
+    }
+
+    /// Takes in what visitors work with now.
+    pub const fn set_controls(&mut self, controls: Controls) {
+        self.options.controls = controls;
+    }
+
+    /// Takes in that the program slept, or didn't run, for so many seconds in which nobody used it.
+    pub const fn note_away(&mut self, seconds: u16) {
+        self.away_seconds = self.away_seconds.saturating_add(seconds);
+    }
+
+    /// Takes in where hands, rays and cursor are, after the panels were put where they stand. Does what they press.
+    /// Call it before each tick.
+    pub fn follow_pointers(&mut self, visit: &Visit, pointers: &[Option<Pointer>; POINTERS]) {
+        let is_stone_between =
+            visit.phase().lets_hands_work() && self.options.controls != Controls::Mouse;
+        let (panels, buttons) = (self.screen.panels(), self.screen.buttons());
+        let pressed = self.pointing.follow(pointers, panels, buttons, is_stone_between);
+        if let Some(action) = pressed.and_then(|id| self.screen.action(id)) {
+            self.perform(action);
+        }
+    }
+
+    /// Whether a pointer is on a button: then its trigger runs no tool.
+    #[must_use]
+    pub fn is_on_button(&self, pointer: usize) -> bool {
+        self.pointing.is_on_button(pointer)
+    }
+
+    /// Puts into a tick's input what the visit is told, and what buttons ask for. While nobody is there the hands are
+    /// the host's own.
+    pub fn fill_input<const N: usize, const K: usize>(
+        &mut self,
+        world: &World<N, K>,
+        (presence, is_used): (Presence, bool),
+        input: &mut TickInput,
+    ) where
+        Grid<N>: Size,
+    {
+        let phase = world.visit().phase();
+        for (hand, state) in input.hands.iter_mut().enumerate() {
+            if self.pointing.is_on_button(hand) && !world.hand_state(hand).trigger {
+                state.trigger = 0;
+            }
+        }
+        if phase == VisitPhase::Attract {
+            self.lathe.fill_input(world, input);
+        }
+        if core::mem::take(&mut self.undoes) {
+            input.commands |= commands::UNDO;
+        }
+        if self.turn_left != 0 && input.pointer == PointerCommand::None {
+            let by = self.turn_left.clamp(-BUTTON_TURN_SPEED, BUTTON_TURN_SPEED);
+            self.turn_left -= by;
+            input.pointer = PointerCommand::Turn { by };
+        }
+        let command = match core::mem::take(&mut self.away_seconds) {
+            0 => self.queue.take(),
+            seconds => VisitCommand::Away { seconds },
+        };
+        input.visit = VisitInput { presence, is_used, command };
+        // How a session starts is the visit's to say.
+        input.start = SessionMode::None;
+    }
+
+    /// Takes in what a tick did, and lays the panels out that show it.
+    pub fn follow_tick<const N: usize, const K: usize>(
+        &mut self,
+        world: &World<N, K>,
+        export: &ExportState,
+    ) where
+        Grid<N>: Size,
+    {
+        let visit = world.visit();
+        for event in world.events() {
+            match event {
+                WorldEvent::Visit(phase) => self.enter_phase(*phase),
+                WorldEvent::TimeLeft { seconds } => {
+                    self.told = warning_of(*seconds).map(|message| (message, WARNING_TICKS));
+                }
+                _ => {}
+            }
+        }
+        self.told = self.told.and_then(|(message, left)| Some((message, left.checked_sub(1)?)));
+        if let Some(pad) = &mut self.pin_pad {
+            pad.pass_tick();
+        }
+        match visit.phase() {
+            VisitPhase::Attract if self.lathe.is_done() => {
+                self.lathe = LatheHand::default();
+                self.queue.open(&self.options.plan);
+            }
+            VisitPhase::Choice if self.options.starts.len() < 2 => {
+                // There is nothing to choose.
+                let confirm = VisitCommand::Press(PanelAction::Confirm);
+                if !self.queue.contains(&confirm) {
+                    self.queue.push(confirm);
+                }
+            }
+            VisitPhase::Export => self.follow_export(visit, export),
+            _ => {}
+        }
+        self.draw(visit, export);
+    }
+
+    /// The panels that are shown.
+    #[must_use]
+    pub fn panels(&self) -> &[Panel] {
+        self.screen.panels()
+    }
+
+    /// Puts the panels where a shell has them stand, by their spots and sizes in millimetres.
+    pub fn place_panels(&mut self, pose: impl Fn(PanelSpot, [f32; 2]) -> PanelPose) {
+        self.screen.place_panels(pose);
+    }
+
+    /// Asks the staff for its PIN, if there is one; a panel of the staff's that is open is shut.
+    pub fn toggle_staff_panel(&mut self) {
+        let opens = self.pin_pad.is_some() && self.question == Question::None;
+        self.ask(if opens { Question::Pin } else { Question::None });
+    }
+
+    /// Asks the visitor whether the sculpture is ready, or no longer does.
+    pub fn toggle_finish_question(&mut self, visit: &Visit) {
+        let is_at_work = matches!(visit.phase(), VisitPhase::Guided | VisitPhase::Sculpting);
+        let asks = is_at_work && self.question == Question::None;
+        self.ask(if asks { Question::Finish } else { Question::None });
+    }
+
+    /// Whether the room is to be turned to who wears the headset; told once.
+    pub fn take_recentring(&mut self) -> bool {
+        core::mem::take(&mut self.recentres)
+    }
+
+    fn ask(&mut self, question: Question) {
+        self.question = question;
+        if let Some(pad) = &mut self.pin_pad {
+            pad.forget();
+        }
+    }
+
+    fn perform(&mut self, action: ButtonAction) {
+        match action {
+            ButtonAction::Press(pressed) => {
+                self.queue.push(VisitCommand::Press(pressed));
+                if pressed == PanelAction::Finish {
+                    self.ask(Question::None);
+                }
+            }
+            ButtonAction::Choose(start) => {
+                self.queue.push(VisitCommand::Press(PanelAction::Start(start)));
+                self.queue.push(VisitCommand::Press(PanelAction::Confirm));
+            }
+            ButtonAction::Staff(command) => {
+                self.queue.push(VisitCommand::Staff(command));
+                if command == StaffCommand::Extend {
+                    self.told = Some((Message::Extended, WARNING_TICKS));
+                }
+                self.ask(Question::None);
+            }
+            ButtonAction::Recentre => {
+                self.recentres = true;
+                self.ask(Question::None);
+            }
+            ButtonAction::Ask(question) => self.ask(question),
+            ButtonAction::Digit(digit) => {
+                if self.pin_pad.as_mut().is_some_and(|pad| pad.press_digit(digit)) {
+                    self.ask(Question::Staff);
+                }
+            }
+            ButtonAction::Erase => {
+                if let Some(pad) = &mut self.pin_pad {
+                    pad.erase();
+                }
+            }
+            ButtonAction::Undo => self.undoes = true,
+            ButtonAction::Turn => self.turn_left = self.turn_left.saturating_add(BUTTON_TURN),
+            ButtonAction::Cleaned => self.queue.open(&self.options.plan),
+        }
+    }
+
+    fn enter_phase(&mut self, phase: VisitPhase) {
+        // The staff is asked on, whatever the visitor's time does.
+        if self.question == Question::Finish {
+            self.ask(Question::None);
+        }
+        match phase {
+            VisitPhase::Attract => {
+                self.lathe = LatheHand::default();
+                self.told = None;
+            }
+            VisitPhase::Export => (self.has_sent_badge, self.has_sent_export) = (false, false),
+            _ => {}
+        }
+        (self.turn_left, self.undoes) = (0, false);
+    }
+
+    /// Tells the visit its badge, and that the sculpture is kept once it is.
+    fn follow_export(&mut self, visit: &Visit, export: &ExportState) {
+        let gives_badges = visit.plan().value(PlanSetting::Badges) != 0;
+        if gives_badges && visit.badge().is_none() && !self.has_sent_badge {
+            self.has_sent_badge = true;
+            let number = BadgeNumber::provisional((self.options.random_bits)());
+            self.queue.push(VisitCommand::Badge { number: number.get() });
+        }
+        if export.is_kept && !export.is_busy && !self.has_sent_export {
+            self.has_sent_export = true;
+            self.queue.push(VisitCommand::Exported);
+        }
+    }
+
+    fn draw(&mut self, visit: &Visit, export: &ExportState) {
+        let pin = self.pin_pad.as_ref().map(PinPad::entry);
+        let mut state = ScreenState::of_visit(visit, &self.options);
+        state.question = self.question;
+        state.warning = self.told.map(|(message, _)| message);
+        if state.phase == VisitPhase::Export {
+            state.percent = (export.part.clamp(0.0, 1.0) * 100.0) as u32;
+        }
+        state.pending = export.pending;
+        state.pin = pin.unwrap_or(state.pin);
+        if self.screen.is_another(&state) {
+            self.pointing.forget_buttons();
+        }
+        self.screen.draw(&state, self.pointing.hot_buttons(), &self.options);
+    }
+}
+
+/// How a visitor is told of the seconds left.
+const fn warning_of(seconds: u16) -> Option<Message> {
+    match seconds {
+        120 => Some(Message::WarningTwoMinutes),
+        30 => Some(Message::WarningThirtySeconds),
+        10 => Some(Message::WarningTenSeconds),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests;

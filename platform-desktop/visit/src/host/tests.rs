@@ -1,0 +1,273 @@
+//! Visits from attract to the next visitor, through a world of the shipped size.
+
+use glam::{Vec2, Vec3};
+use paros_core::edit::Pose;
+use paros_core::limits::INTERVALS;
+use paros_core::session::{BenchItem, PointerCommand, SessionMode, SessionState, TICK_RATE};
+use paros_core::session::{Tool, ToolBit};
+use paros_core::visit::PanelAction as Press;
+use paros_core::visit::{GuideStep, PlanSetting, Presence, VisitCommand, VisitPhase};
+use paros_core::{TickInput, World};
+use paros_shaders::panel::Language;
+use paros_shell::modes::parse_mode;
+use paros_shell::tick_runner::{TickRunner, with_fresh_world};
+
+use super::{ExportState, VisitHost};
+use crate::lathe::LatheHand;
+use crate::options::{Controls, VisitOptions};
+use crate::pointing::Pointer;
+use crate::screen::ButtonAction;
+use crate::standing::room_pose;
+
+const N: usize = 128;
+
+fn options() -> VisitOptions {
+    let owl = parse_mode("owl").expect("a figure");
+    VisitOptions {
+        plan: vec![VisitCommand::Set { setting: PlanSetting::Length, value: 200 }],
+        languages: vec![Language::Greek, Language::English],
+        starts: vec![SessionMode::FreeForm, owl, SessionMode::Creative],
+        staff_pin: Some([2, 0, 2, 6]),
+        controls: Controls::Controllers,
+        random_bits: || 4242,
+    }
+}
+
+/// A world with its host, and a visitor whose right hand points and presses.
+struct Booth<'a, 's> {
+    runner: &'a mut TickRunner<'s, N, INTERVALS>,
+    host: VisitHost,
+    presence: Presence,
+    export: ExportState,
+}
+
+impl Booth<'_, '_> {
+    fn world(&self) -> &World<N, INTERVALS> {
+        self.runner.world()
+    }
+
+    fn phase(&self) -> VisitPhase {
+        self.world().visit().phase()
+    }
+
+    fn tick(&mut self, pointer: Option<Pointer>) {
+        self.tick_with(pointer, TickInput::default());
+    }
+
+    fn tick_with(&mut self, pointer: Option<Pointer>, mut input: TickInput) {
+        self.host.place_panels(|spot, size| room_pose(spot, size, 1.6));
+        self.host.follow_pointers(self.runner.world().visit(), &[None, pointer, None]);
+        let is_used = self.presence == Presence::Worn;
+        self.host.fill_input(self.runner.world(), (self.presence, is_used), &mut input);
+        self.runner.run_tick(&input);
+        self.host.follow_tick(self.runner.world(), &self.export);
+    }
+
+    fn wait(&mut self, ticks: u32) {
+        (0..ticks).for_each(|_| self.tick(None));
+    }
+
+    /// Points at the button of an action, pulls the trigger, and lets go. False where there is none.
+    fn press(&mut self, action: ButtonAction) -> bool {
+        self.host.place_panels(|spot, size| room_pose(spot, size, 1.6));
+        let screen = &self.host.screen;
+        let is_it =
+            |shown: &&crate::pointing::ShownButton| screen.action(shown.button.id) == Some(action);
+        let Some(shown) = screen.buttons().iter().find(is_it) else { return false };
+        let panel = &screen.panels()[shown.panel];
+        let at = (shown.button.rect.middle() - 0.5 * Vec2::from_array(panel.size_mm())) * 1e-3;
+        let target = panel.pose.middle + panel.pose.rotation * Vec3::new(at.x, -at.y, 0.0);
+        let origin = Vec3::new(0.35, 1.35, 0.1);
+        let direction = target - origin;
+        for is_pressed in [false, true, false] {
+            let pointer = Pointer { origin, direction, is_pressed, fingertip: None };
+            self.tick(Some(pointer));
+        }
+        self.wait(2);
+        true
+    }
+}
+
+fn with_booth<T>(test: impl FnOnce(&mut Booth<'_, '_>) -> T) -> T {
+    with_fresh_world::<N, INTERVALS, _>(|mut runner| {
+        let host = VisitHost::new(options(), runner.world().visit());
+        let export = ExportState { is_busy: false, is_kept: false, part: 0.0, pending: 0 };
+        let mut booth = Booth { runner: &mut runner, host, presence: Presence::Off, export };
+        booth.wait(4);
+        assert_eq!(booth.phase(), VisitPhase::Attract);
+        test(&mut booth)
+    })
+}
+
+/// From the headset put on to sculpting, through the panels.
+fn begin_sculpting(booth: &mut Booth<'_, '_>) {
+    booth.presence = Presence::Worn;
+    booth.wait(2);
+    assert_eq!(booth.phase(), VisitPhase::Welcome);
+    assert!(booth.press(ButtonAction::Press(Press::Confirm)));
+    assert_eq!(booth.phase(), VisitPhase::Choice);
+    assert!(booth.press(ButtonAction::Choose(options().starts[1])));
+    assert_eq!(booth.phase(), VisitPhase::Guided);
+    for step in GuideStep::ALL.into_iter().take(6) {
+        assert_eq!(booth.world().visit().guide_step(), step);
+        assert!(booth.press(ButtonAction::Press(Press::Skip { all: false })));
+    }
+    assert_eq!(booth.phase(), VisitPhase::Sculpting);
+}
+
+/// The input of a hand that cuts into the stone's upper front edge.
+fn cut(booth: &mut Booth<'_, '_>) {
+    for item in [BenchItem::Tool(Tool::Rotary), BenchItem::Bit(ToolBit::RoughingBall)] {
+        let pointer = PointerCommand::Take { hand: 1, item: item.number() as u8 };
+        booth.tick_with(None, TickInput { pointer, ..TickInput::default() });
+    }
+    for tick in 0..90i16 {
+        let world = booth.world();
+        let position = Vec3::new(64.0, 70.0, 150.0 - f32::from(tick));
+        let pose = Pose { position, ..Pose::ZERO };
+        let mut input = TickInput::default();
+        input.hands[1] = world.hand_with_bit_at(1, &pose);
+        input.hands[1].trigger = if tick > 5 { 255 } else { 0 };
+        booth.tick_with(None, input);
+    }
+    booth.wait(20);
+    assert!(booth.world().visit().is_sculpted(), "nothing was cut");
+}
+
+#[test]
+fn a_visit_goes_from_attract_to_the_badge_and_the_next_visitor() {
+    with_booth(|booth| {
+        begin_sculpting(booth);
+        assert_eq!(booth.world().mode(), options().starts[1], "what the card says");
+        cut(booth);
+        assert!(booth.press(ButtonAction::Ask(super::Question::Finish)));
+        assert!(booth.press(ButtonAction::Ask(super::Question::None)), "no");
+        assert_eq!(booth.phase(), VisitPhase::Sculpting);
+        assert!(booth.press(ButtonAction::Ask(super::Question::Finish)));
+        assert!(booth.press(ButtonAction::Press(Press::Finish)), "yes");
+        assert_eq!(booth.phase(), VisitPhase::HandsOff);
+        while booth.phase() == VisitPhase::HandsOff {
+            booth.tick(None);
+        }
+        assert_eq!(booth.phase(), VisitPhase::Export);
+        assert_eq!(booth.world().session_state(), SessionState::Finished);
+        booth.export.is_busy = true;
+        booth.wait(100);
+        assert_eq!(booth.phase(), VisitPhase::Export, "it isn't kept yet");
+        booth.export = ExportState { is_busy: false, is_kept: true, part: 1.0, pending: 0 };
+        booth.wait(3);
+        assert_eq!(booth.phase(), VisitPhase::Badge);
+        let badge = booth.world().visit().badge().expect("a badge");
+        assert_eq!(badge & 0x3_ffff, 4242);
+        let confirm = ButtonAction::Press(Press::Confirm);
+        assert!(!booth.press(confirm), "it is to be looked at first");
+        booth.wait(10 * TICK_RATE);
+        assert!(booth.press(confirm));
+        assert_eq!(booth.phase(), VisitPhase::Thanks);
+        booth.wait(60 * TICK_RATE);
+        assert_eq!(booth.phase(), VisitPhase::Handover);
+        booth.presence = Presence::Off;
+        booth.wait(3);
+        assert!(booth.press(ButtonAction::Cleaned));
+        assert_eq!(booth.phase(), VisitPhase::Attract);
+        booth.presence = Presence::Worn;
+        booth.wait(3);
+        assert_eq!(booth.phase(), VisitPhase::Welcome);
+        assert_eq!(booth.world().visit().badge(), None, "the next visitor's own");
+        assert_eq!(booth.world().visit().plan().value(PlanSetting::Length), 200);
+    });
+}
+
+#[test]
+fn a_sculpture_that_is_never_kept_lets_the_visitor_go_all_the_same() {
+    with_booth(|booth| {
+        begin_sculpting(booth);
+        cut(booth);
+        booth.host.perform(ButtonAction::Press(Press::Finish));
+        booth.export.pending = 1;
+        booth.wait(25 * TICK_RATE + 61 * TICK_RATE);
+        assert_eq!(booth.phase(), VisitPhase::Badge);
+        assert!(booth.world().visit().badge().is_some());
+    });
+}
+
+#[test]
+fn the_staff_has_its_pin_and_what_it_opens() {
+    with_booth(|booth| {
+        begin_sculpting(booth);
+        cut(booth);
+        booth.host.toggle_staff_panel();
+        booth.tick(None);
+        for digit in [2, 0, 2, 5] {
+            assert!(booth.press(ButtonAction::Digit(digit)));
+        }
+        assert!(!booth.press(ButtonAction::Staff(super::StaffCommand::Extend)), "not the PIN");
+        for digit in [2, 0, 2, 6] {
+            assert!(booth.press(ButtonAction::Digit(digit)));
+        }
+        let before = booth.world().visit().seconds_left().expect("a clock");
+        assert!(booth.press(ButtonAction::Staff(super::StaffCommand::Extend)));
+        let after = booth.world().visit().seconds_left().expect("a clock");
+        assert!((59..=60).contains(&(after - before)), "{before} {after}");
+        booth.host.toggle_staff_panel();
+        booth.tick(None);
+        for digit in [2, 0, 2, 6] {
+            booth.press(ButtonAction::Digit(digit));
+        }
+        assert!(booth.press(ButtonAction::Recentre));
+        assert!(booth.host.take_recentring());
+        assert!(!booth.host.take_recentring());
+        assert_eq!(booth.phase(), VisitPhase::Sculpting);
+    });
+}
+
+#[test]
+fn without_a_pin_the_staffs_panel_stays_shut() {
+    with_booth(|booth| {
+        booth.host.options.staff_pin = None;
+        booth.host =
+            VisitHost::new(VisitOptions { staff_pin: None, ..options() }, booth.world().visit());
+        booth.host.toggle_staff_panel();
+        booth.wait(2);
+        assert!(!booth.press(ButtonAction::Digit(1)));
+    });
+}
+
+#[test]
+fn a_language_is_chosen_by_its_place_on_offer() {
+    with_booth(|booth| {
+        booth.presence = Presence::Worn;
+        booth.wait(2);
+        assert_eq!(booth.world().visit().language(), 0);
+        assert!(booth.press(ButtonAction::Press(Press::Language(1))));
+        assert_eq!(booth.world().visit().language(), 1, "English is the second there");
+    });
+}
+
+/// The stone is carved, tick by tick, by a hand that the core holds to what it holds all hands to; then another is.
+#[test]
+fn while_nobody_is_there_a_vase_is_turned_and_then_another() {
+    with_booth(|booth| {
+        let stone = booth.world().volume().count_voxels();
+        booth.wait(LatheHand::work_ticks());
+        let vase = booth.world().volume().count_voxels();
+        assert!(vase * 100 < stone * 45, "{vase} of {stone} are left");
+        // Round: as wide along x as along z at its belly.
+        let spans = [0, 1].map(|axis| belly_span(booth.world(), axis));
+        assert!(spans[0].abs_diff(spans[1]) <= 4, "{spans:?}");
+        booth.wait(9 * TICK_RATE);
+        assert_eq!(booth.phase(), VisitPhase::Attract);
+        assert!(booth.world().volume().count_voxels() * 10 > stone * 9, "a stone again");
+    });
+}
+
+/// Voxels from the first to the last in the layer of the vase's belly, along x or z.
+fn belly_span(world: &World<N, INTERVALS>, axis: usize) -> usize {
+    let y = N * 40 / 100;
+    let rows = world.volume().rows();
+    let is_taken = |x: usize, z: usize| rows.contains([x, y, z]);
+    let along = (0..N)
+        .filter(|a| (0..N).any(|b| if axis == 0 { is_taken(*a, b) } else { is_taken(b, *a) }));
+    let (first, last) = along.fold((N, 0), |(first, last), a| (first.min(a), last.max(a)));
+    last + 1 - first
+}

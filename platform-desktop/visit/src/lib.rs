@@ -1,0 +1,23 @@
+//! Visits in a shell: what the core is told of a visitor, and the panels that show what it decides.
+//!
+//! The core's [`Visit`](paros_core::visit::Visit) decides what comes next; a [`VisitHost`] stands between it and a shell.
+//! It takes rays and presses, whether the headset is worn, and how far an export is; it gives the visit's part of a
+//! tick's input, and panels to be drawn. While nobody is there it moves the hands itself ([`LatheHand`]). It knows no
+//! OpenXR, no window, no file and no clock but the ticks.
+#![forbid(unsafe_code)]
+
+mod cards;
+mod host;
+mod lathe;
+mod options;
+mod pin_pad;
+mod pointing;
+mod queue;
+mod screen;
+mod standing;
+
+pub use host::{ExportState, VisitHost};
+pub use lathe::LatheHand;
+pub use options::{Controls, VisitOptions};
+pub use pointing::{POINTERS, Pointer};
+pub use standing::{PanelSpot, WindowView, room_pose};

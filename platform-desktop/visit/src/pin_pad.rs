@@ -1,0 +1,126 @@
+//! The pad on which the staff enters its PIN.
+//!
+//! Digits stay here: a trace holds what the PIN opened, not what was pressed.
+
+use paros_core::session::TICK_RATE;
+use paros_shaders::panel::layout::PinEntry;
+
+/// Wrong PINs in a row after which none is taken for a while.
+const TRIES: u8 = 5;
+
+/// For how long, in ticks: a minute.
+const LOCKED_TICKS: u32 = 60 * TICK_RATE;
+
+/// What has been entered, and how often it was wrong.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) struct PinPad {
+    pin: [u8; 4],
+    entered: [u8; 4],
+    count: usize,
+    is_wrong: bool,
+    failed: u8,
+    locked_ticks: u32,
+}
+
+impl PinPad {
+    /// For a PIN, nothing entered.
+    pub(crate) const fn new(pin: [u8; 4]) -> Self {
+        PinPad { pin, entered: [0; 4], count: 0, is_wrong: false, failed: 0, locked_ticks: 0 }
+    }
+
+    /// Lets a tick pass.
+    pub(crate) const fn pass_tick(&mut self) {
+        self.locked_ticks = self.locked_ticks.saturating_sub(1);
+    }
+
+    /// Takes a digit. Whether it completes the PIN.
+    pub(crate) fn press_digit(&mut self, digit: u8) -> bool {
+        if self.locked_ticks > 0 {
+            return false;
+        }
+        self.is_wrong = false;
+        self.entered[self.count] = digit;
+        self.count += 1;
+        if self.count < self.entered.len() {
+            return false;
+        }
+        let is_right = self.entered == self.pin;
+        self.forget();
+        self.failed = if is_right { 0 } else { self.failed + 1 };
+        self.is_wrong = !is_right;
+        if self.failed == TRIES {
+            (self.failed, self.locked_ticks) = (0, LOCKED_TICKS);
+        }
+        is_right
+    }
+
+    /// Takes the last digit back.
+    pub(crate) const fn erase(&mut self) {
+        self.count = self.count.saturating_sub(1);
+    }
+
+    /// Forgets what has been entered; what was wrong counts on.
+    pub(crate) fn forget(&mut self) {
+        (self.entered, self.count, self.is_wrong) = ([0; 4], 0, false);
+    }
+
+    /// What the pad shows.
+    pub(crate) const fn entry(&self) -> PinEntry {
+        match self.count {
+            _ if self.locked_ticks > 0 => PinEntry::Locked,
+            0 if self.is_wrong => PinEntry::Wrong,
+            count => PinEntry::Entered(count as u32),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{LOCKED_TICKS, PinEntry, PinPad, TRIES};
+
+    fn enter(pad: &mut PinPad, pin: [u8; 4]) -> bool {
+        pin.map(|digit| pad.press_digit(digit))[3]
+    }
+
+    #[test]
+    fn the_pin_opens_and_nothing_else() {
+        let mut pad = PinPad::new([1, 2, 3, 4]);
+        assert!(!enter(&mut pad, [1, 2, 3, 5]));
+        assert_eq!(pad.entry(), PinEntry::Wrong);
+        pad.press_digit(1);
+        pad.press_digit(9);
+        pad.erase();
+        assert_eq!(pad.entry(), PinEntry::Entered(1));
+        assert!(![2, 3].map(|digit| pad.press_digit(digit)).contains(&true));
+        assert!(pad.press_digit(4));
+        assert_eq!(pad.entry(), PinEntry::Entered(0));
+    }
+
+    #[test]
+    fn after_five_wrong_ones_even_the_right_one_waits_a_minute() {
+        let mut pad = PinPad::new([0; 4]);
+        for _ in 0..TRIES {
+            assert!(!enter(&mut pad, [9; 4]));
+            // Closing the panel gives no more tries.
+            pad.forget();
+        }
+        assert_eq!(pad.entry(), PinEntry::Locked);
+        for _ in 1..LOCKED_TICKS {
+            pad.pass_tick();
+        }
+        assert!(!enter(&mut pad, [0; 4]), "a tick too early");
+        pad.pass_tick();
+        assert!(enter(&mut pad, [0; 4]));
+    }
+
+    #[test]
+    fn a_right_one_forgives_those_before() {
+        let mut pad = PinPad::new([5, 5, 5, 5]);
+        for _ in 0..4 {
+            for _ in 1..TRIES {
+                assert!(!enter(&mut pad, [1; 4]));
+            }
+            assert!(enter(&mut pad, [5; 4]));
+        }
+    }
+}

@@ -1,0 +1,227 @@
+//! Hands, rays and cursors on panels: what they point at, and when that is pressed.
+
+use glam::Vec3;
+use paros_core::internals::{BOX_SIDE, STOOL_TOP};
+use paros_shaders::panel::{Panel, PanelButton, PanelPoint, find_button};
+
+/// Pointers that a shell may have: left and right hand, and a cursor.
+pub const POINTERS: usize = 3;
+
+/// How near a fingertip presses, in metres before a panel or behind it.
+const TOUCH_DEPTH: f32 = 0.015;
+
+/// What points at panels.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Pointer {
+    /// Where its ray begins, in metres of the room.
+    pub origin: Vec3,
+    /// Where it goes.
+    pub direction: Vec3,
+    /// Whether its trigger or button is down.
+    pub is_pressed: bool,
+    /// A fingertip or the foremost point of a hand, which presses by touch.
+    pub fingertip: Option<Vec3>,
+}
+
+/// What a pointer was on, and did.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+struct PointerState {
+    was_pressed: bool,
+    was_touching: bool,
+    /// The button under it.
+    hot: Option<u16>,
+}
+
+/// All pointers as of the last tick.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub(crate) struct Pointing {
+    states: [PointerState; POINTERS],
+}
+
+/// A button of one of the panels that are shown.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(crate) struct ShownButton {
+    /// The panel's place among them.
+    pub(crate) panel: usize,
+    /// Its number is unique among all of them.
+    pub(crate) button: PanelButton<'static>,
+}
+
+impl Pointing {
+    /// Takes in where the pointers are. Returns the button that one of them has pressed just now. `is_stone_between`
+    /// tells that rays through the stone are at work on it, and point at nothing beyond.
+    pub(crate) fn follow(
+        &mut self,
+        pointers: &[Option<Pointer>; POINTERS],
+        panels: &[Panel],
+        buttons: &[ShownButton],
+        is_stone_between: bool,
+    ) -> Option<u16> {
+        let mut pressed = None;
+        for (state, pointer) in self.states.iter_mut().zip(pointers) {
+            let Some(pointer) = pointer else {
+                *state = PointerState::default();
+                continue;
+            };
+            let touched =
+                pointer.fingertip.and_then(|tip| find_touched_button(panels, buttons, tip));
+            let pointed = find_pointed_button(panels, buttons, pointer, is_stone_between);
+            let is_new_press = pointer.is_pressed && !state.was_pressed;
+            let is_new_touch = touched.is_some() && !state.was_touching;
+            if is_new_touch {
+                pressed = pressed.or(touched);
+            } else if is_new_press {
+                pressed = pressed.or(pointed);
+            }
+            *state = PointerState {
+                was_pressed: pointer.is_pressed,
+                was_touching: touched.is_some(),
+                hot: touched.or(pointed),
+            };
+        }
+        pressed
+    }
+
+    /// Whether a pointer is on a button.
+    pub(crate) fn is_on_button(&self, pointer: usize) -> bool {
+        self.states.get(pointer).is_some_and(|state| state.hot.is_some())
+    }
+
+    /// The buttons that are pointed at.
+    pub(crate) fn hot_buttons(&self) -> [Option<u16>; POINTERS] {
+        self.states.map(|state| state.hot)
+    }
+
+    /// Forgets what is under the pointers: other panels are shown. What is held down presses none of them.
+    pub(crate) fn forget_buttons(&mut self) {
+        self.states.iter_mut().for_each(|state| {
+            (state.hot, state.was_touching) = (None, true);
+        });
+    }
+}
+
+/// The button of a panel at a point of it.
+fn button_at(buttons: &[ShownButton], panel: usize, point: PanelPoint) -> Option<u16> {
+    let of_panel = buttons.iter().filter(|shown| shown.panel == panel);
+    let at = |shown: &ShownButton| find_button(core::slice::from_ref(&shown.button), point.at_mm);
+    of_panel.filter_map(at).next_back()
+}
+
+fn find_touched_button(panels: &[Panel], buttons: &[ShownButton], tip: Vec3) -> Option<u16> {
+    (0..).zip(panels).find_map(|(k, panel)| {
+        let point = panel.project_point(tip);
+        (point.distance.abs() <= TOUCH_DEPTH).then(|| button_at(buttons, k, point)).flatten()
+    })
+}
+
+fn find_pointed_button(
+    panels: &[Panel],
+    buttons: &[ShownButton],
+    pointer: &Pointer,
+    is_stone_between: bool,
+) -> Option<u16> {
+    let Pointer { origin, direction, .. } = *pointer;
+    let hit = |(k, panel): (usize, &Panel)| Some((k, panel.intersect_ray(origin, direction)?));
+    let hits = panels.iter().enumerate().filter_map(hit);
+    let (panel, point) = hits.min_by(|(_, a), (_, b)| a.distance.total_cmp(&b.distance))?;
+    let is_behind = is_stone_between && crosses_stone(origin, direction);
+    button_at(buttons, panel, point).filter(|_| !is_behind)
+}
+
+/// Whether a ray passes the ball around the block, or begins in it.
+fn crosses_stone(origin: Vec3, direction: Vec3) -> bool {
+    let middle = STOOL_TOP + Vec3::Y * (0.5 * BOX_SIDE);
+    let radius = 0.75 * BOX_SIDE;
+    let direction = direction.normalize_or_zero();
+    let along = (middle - origin).dot(direction).max(0.0);
+    (origin + direction * along).distance(middle) < radius
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{Vec2, Vec3};
+    use paros_shaders::panel::layout::welcome_buttons;
+    use paros_shaders::panel::{Panel, PanelPose};
+
+    use super::{Pointer, Pointing, ShownButton};
+
+    const PLACE: Vec3 = Vec3::new(0.9, 1.5, -1.0);
+
+    fn shown() -> (Vec<Panel>, Vec<ShownButton>) {
+        let mut panel = Panel::new([1080.0, 720.0]);
+        panel.pose = PanelPose::facing(PLACE, Vec3::new(0.0, 1.6, 0.0));
+        let buttons = welcome_buttons(10).map(|button| ShownButton { panel: 0, button });
+        (vec![panel], buttons.to_vec())
+    }
+
+    /// A point of the room before a button's middle.
+    fn before(panel: &Panel, button: &ShownButton, metres: f32) -> Vec3 {
+        let at = button.button.rect.middle() - 0.5 * Vec2::from_array(panel.size_mm());
+        panel.pose.middle + panel.pose.rotation * Vec3::new(at.x * 1e-3, -at.y * 1e-3, metres)
+    }
+
+    fn ray_to(target: Vec3, is_pressed: bool) -> Pointer {
+        let origin = Vec3::new(0.25, 1.1, 0.2);
+        Pointer { origin, direction: target - origin, is_pressed, fingertip: None }
+    }
+
+    #[test]
+    fn a_ray_presses_once_and_only_where_it_is_pulled_upon() {
+        let (panels, buttons) = shown();
+        let mut pointing = Pointing::default();
+        let at = |k: usize| before(&panels[0], &buttons[k], 0.0);
+        let mut follow = |target, is_pressed| {
+            let pointers = [None, Some(ray_to(target, is_pressed)), None];
+            let pressed = pointing.follow(&pointers, &panels, &buttons, false);
+            (pressed, pointing.is_on_button(1))
+        };
+        assert_eq!(follow(at(2), false), (None, true));
+        assert_eq!(follow(at(2), true), (Some(12), true));
+        assert_eq!(follow(at(2), true), (None, true), "held down");
+        assert_eq!(follow(at(3), true), (None, true), "drawn over another");
+        assert_eq!(follow(Vec3::NEG_Z * 9.0, false), (None, false));
+        assert_eq!(follow(Vec3::NEG_Z * 9.0, true), (None, false));
+        assert_eq!(follow(at(6), true), (None, true), "pulled elsewhere");
+    }
+
+    #[test]
+    fn a_finger_presses_by_touch() {
+        let (panels, buttons) = shown();
+        let mut pointing = Pointing::default();
+        let mut touch = |metres| {
+            let tip = before(&panels[0], &buttons[4], metres);
+            let away = Pointer { fingertip: Some(tip), ..ray_to(Vec3::Z * 9.0, false) };
+            pointing.follow(&[Some(away), None, None], &panels, &buttons, true)
+        };
+        assert_eq!(touch(0.05), None);
+        assert_eq!(touch(0.01), Some(14));
+        assert_eq!(touch(-0.01), None, "still touching");
+        assert_eq!(touch(0.05), None);
+        assert_eq!(touch(0.0), Some(14));
+    }
+
+    #[test]
+    fn a_hand_at_work_on_the_stone_presses_nothing_behind_it() {
+        let (mut panels, buttons) = shown();
+        panels[0].pose = PanelPose::facing(Vec3::new(0.0, 1.3, -1.2), Vec3::new(0.0, 1.4, 0.0));
+        let mut pointing = Pointing::default();
+        let target = before(&panels[0], &buttons[6], 0.0);
+        for is_stone_between in [true, false] {
+            let at_work = Pointer { origin: Vec3::new(0.0, 1.05, -0.2), ..ray_to(target, false) };
+            let at_work = Pointer { direction: target - at_work.origin, ..at_work };
+            pointing.follow(&[Some(at_work), None, None], &panels, &buttons, is_stone_between);
+            assert_eq!(pointing.is_on_button(0), !is_stone_between);
+        }
+    }
+
+    #[test]
+    fn what_is_held_down_presses_nothing_of_the_next_screen() {
+        let (panels, buttons) = shown();
+        let mut pointing = Pointing::default();
+        let pointers = [Some(ray_to(before(&panels[0], &buttons[6], 0.0), true)), None, None];
+        assert_eq!(pointing.follow(&pointers, &panels, &buttons, false), Some(16));
+        pointing.forget_buttons();
+        assert_eq!(pointing.hot_buttons(), [None; 3]);
+        assert_eq!(pointing.follow(&pointers, &panels, &buttons, false), None);
+    }
+}

@@ -1,0 +1,70 @@
+//! Commands for the core, which takes one a tick.
+
+use std::collections::VecDeque;
+
+use paros_core::visit::VisitCommand;
+
+/// The most that wait: a plan, and what a visitor can press in as many ticks.
+const LIMIT: usize = 64;
+
+/// Commands that wait for a tick of their own.
+#[derive(Clone, PartialEq, Eq, Default, Debug)]
+pub(crate) struct VisitQueue {
+    waiting: VecDeque<VisitCommand>,
+}
+
+impl VisitQueue {
+    /// Adds one, unless too many wait: then it is lost.
+    pub(crate) fn push(&mut self, command: VisitCommand) {
+        if self.waiting.len() < LIMIT {
+            self.waiting.push_back(command);
+        }
+    }
+
+    /// Has visits begin, by a plan. What waited for those before is dropped.
+    pub(crate) fn open(&mut self, plan: &[VisitCommand]) {
+        self.waiting.clear();
+        self.push(VisitCommand::Open);
+        plan.iter().for_each(|command| self.push(*command));
+    }
+
+    /// Whether such a command waits.
+    pub(crate) fn contains(&self, command: &VisitCommand) -> bool {
+        self.waiting.contains(command)
+    }
+
+    /// The next tick's.
+    pub(crate) fn take(&mut self) -> VisitCommand {
+        self.waiting.pop_front().unwrap_or_default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use paros_core::visit::{PanelAction, PlanSetting, StaffCommand, VisitCommand};
+
+    use super::{LIMIT, VisitQueue};
+
+    #[test]
+    fn commands_come_one_by_one_in_their_order() {
+        let mut queue = VisitQueue::default();
+        queue.push(VisitCommand::Press(PanelAction::Confirm));
+        let plan = [VisitCommand::Set { setting: PlanSetting::Length, value: 7 }];
+        queue.open(&plan);
+        queue.push(VisitCommand::Exported);
+        assert!(queue.contains(&VisitCommand::Exported));
+        let taken = [0; 4].map(|_| queue.take());
+        assert_eq!(
+            taken,
+            [VisitCommand::Open, plan[0], VisitCommand::Exported, VisitCommand::None]
+        );
+    }
+
+    #[test]
+    fn who_presses_everything_fills_no_memory() {
+        let mut queue = VisitQueue::default();
+        (0..10 * LIMIT).for_each(|_| queue.push(VisitCommand::Staff(StaffCommand::Extend)));
+        let count = std::iter::repeat_with(|| queue.take());
+        assert_eq!(count.take_while(|command| *command != VisitCommand::None).count(), LIMIT);
+    }
+}

@@ -1,0 +1,165 @@
+//! What is shown of a visit: which panels, with which buttons, and what those do.
+
+mod draw;
+
+use paros_core::badge::BadgeNumber;
+use paros_core::session::{SessionMode, TICK_RATE};
+use paros_core::visit::{GuideStep, PanelAction, PlanSetting, StaffCommand, Visit, VisitPhase};
+use paros_shaders::panel::layout::PinEntry;
+use paros_shaders::panel::{Language, Message, Panel};
+
+use crate::options::{Controls, VisitOptions};
+use crate::pointing::ShownButton;
+use crate::standing::PanelSpot;
+
+/// The most panels shown at once: one before the visitor, one at the side.
+pub(crate) const MAX_PANELS: usize = 2;
+
+/// What is asked beside what the visit's phase shows.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub(crate) enum Question {
+    /// Nothing.
+    #[default]
+    None,
+    /// Whether the sculpture is ready.
+    Finish,
+    /// The staff's PIN.
+    Pin,
+    /// What the staff wants.
+    Staff,
+}
+
+/// What a button does.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum ButtonAction {
+    /// It is told to the visit.
+    Press(PanelAction),
+    /// A way to start is taken, and that is all there was to choose.
+    Choose(SessionMode),
+    /// It is told to the visit, and the staff's panel is shut.
+    Staff(StaffCommand),
+    /// The room is turned to who wears the headset.
+    Recentre,
+    /// A question is asked, or none any more.
+    Ask(Question),
+    /// A digit of the PIN.
+    Digit(u8),
+    /// The PIN's last digit is taken back.
+    Erase,
+    /// The last stroke is taken back.
+    Undo,
+    /// The stone turns by a part.
+    Turn,
+    /// The headset is cleaned: the next visitor may come.
+    Cleaned,
+}
+
+/// All that panels show: they are laid out anew where it differs.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) struct ScreenState {
+    pub(crate) phase: VisitPhase,
+    pub(crate) question: Question,
+    pub(crate) step: GuideStep,
+    pub(crate) language: Language,
+    pub(crate) language_number: u8,
+    pub(crate) working_hand: u8,
+    pub(crate) is_seated: bool,
+    pub(crate) start: SessionMode,
+    /// Seconds left, and of how many.
+    pub(crate) seconds: Option<[u32; 2]>,
+    pub(crate) warning: Option<Message>,
+    /// Of an export, 0 to 100.
+    pub(crate) percent: u32,
+    pub(crate) badge: Option<u32>,
+    /// The badge has been shown long enough.
+    pub(crate) may_leave_badge: bool,
+    /// Sculptures that are not yet where they are kept.
+    pub(crate) pending: u32,
+    pub(crate) pin: PinEntry,
+    pub(crate) controls: Controls,
+}
+
+/// The panels that are shown, and their buttons.
+#[derive(Debug)]
+pub(crate) struct Screen {
+    panels: [Panel; MAX_PANELS],
+    spots: [PanelSpot; MAX_PANELS],
+    count: usize,
+    buttons: Vec<ShownButton>,
+    actions: Vec<ButtonAction>,
+    drawn: Option<(ScreenState, [Option<u16>; crate::pointing::POINTERS])>,
+}
+
+impl ScreenState {
+    /// What is shown of a visit; what the host knows beside it is filled in by the host.
+    pub(crate) fn of_visit(visit: &Visit, options: &VisitOptions) -> Self {
+        let length = u32::from(visit.plan().value(PlanSetting::Length));
+        let is_clocked = matches!(visit.phase(), VisitPhase::Guided | VisitPhase::Sculpting);
+        let left = visit.seconds_left().filter(|_| is_clocked);
+        let least = visit.plan().ticks(PlanSetting::BadgeLeast);
+        ScreenState {
+            phase: visit.phase(),
+            question: Question::None,
+            step: visit.guide_step(),
+            language: options.language(visit.language()),
+            language_number: visit.language(),
+            working_hand: visit.working_hand(),
+            is_seated: visit.is_seated(),
+            start: visit.start(),
+            // A minute more may make it more than all.
+            seconds: left.map(|left| [left, length.max(left)]),
+            warning: None,
+            percent: 0,
+            badge: visit.badge().filter(|number| BadgeNumber::new(*number).is_some()),
+            may_leave_badge: visit.phase_ticks() + TICK_RATE / 4 >= least,
+            pending: 0,
+            pin: PinEntry::Entered(0),
+            controls: options.controls,
+        }
+    }
+}
+
+impl Screen {
+    /// Nothing.
+    pub(crate) fn new() -> Self {
+        Screen {
+            panels: core::array::from_fn(|_| Panel::new([0.0; 2])),
+            spots: [PanelSpot::Main; MAX_PANELS],
+            count: 0,
+            buttons: Vec::new(),
+            actions: Vec::new(),
+            drawn: None,
+        }
+    }
+
+    /// The panels to be drawn.
+    pub(crate) fn panels(&self) -> &[Panel] {
+        &self.panels[..self.count]
+    }
+
+    /// Their buttons.
+    pub(crate) fn buttons(&self) -> &[ShownButton] {
+        &self.buttons
+    }
+
+    /// What a button does.
+    pub(crate) fn action(&self, id: u16) -> Option<ButtonAction> {
+        self.actions.get(usize::from(id)).copied()
+    }
+
+    /// Puts the panels where they stand.
+    pub(crate) fn place_panels(
+        &mut self,
+        pose: impl Fn(PanelSpot, [f32; 2]) -> paros_shaders::panel::PanelPose,
+    ) {
+        for (panel, spot) in self.panels.iter_mut().zip(self.spots).take(self.count) {
+            panel.pose = pose(spot, panel.size_mm());
+        }
+    }
+
+    /// Whether panels of this state are another screen than what is shown: other buttons, which nobody has aimed at.
+    pub(crate) fn is_another(&self, state: &ScreenState) -> bool {
+        self.drawn
+            .is_none_or(|(drawn, _)| (drawn.phase, drawn.question) != (state.phase, state.question))
+    }
+}

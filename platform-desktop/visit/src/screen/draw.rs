@@ -1,0 +1,289 @@
+//! Laying the panels out.
+
+use paros_core::badge::BadgeNumber;
+use paros_core::visit::{GuideStep, PanelAction, StaffCommand, VisitPhase};
+use paros_shaders::panel::layout::{self, Clock, Guide, PanelNotice, palette};
+use paros_shaders::panel::{
+    ButtonState, FillingValue, Icon, Language, Message, Panel, PanelButton,
+};
+
+use super::{ButtonAction, MAX_PANELS, Question, Screen, ScreenState};
+use crate::cards::card_of_start;
+use crate::options::{Controls, VisitOptions};
+use crate::pointing::{POINTERS, ShownButton};
+use crate::standing::PanelSpot;
+
+impl Screen {
+    /// Lays the panels out, where what they show has changed.
+    pub(crate) fn draw(
+        &mut self,
+        state: &ScreenState,
+        hot: [Option<u16>; POINTERS],
+        options: &VisitOptions,
+    ) {
+        if self.drawn == Some((*state, hot)) {
+            return;
+        }
+        self.drawn = Some((*state, hot));
+        self.count = 0;
+        self.buttons.clear();
+        self.actions.clear();
+        let is_at_work = matches!(state.phase, VisitPhase::Guided | VisitPhase::Sculpting);
+        match state.question {
+            Question::None => self.draw_phase(state, options),
+            Question::Finish => self.draw_finish_question(state),
+            Question::Pin => self.draw_pin(state),
+            Question::Staff => self.draw_staff(state),
+        }
+        if is_at_work {
+            self.draw_clock(state);
+        }
+        for shown in &self.buttons {
+            if hot.contains(&Some(shown.button.id)) && shown.button.state == ButtonState::Idle {
+                let button = shown.button.in_state(ButtonState::Hot);
+                self.panels[shown.panel].add_button(state.language, &button);
+            }
+        }
+    }
+
+    fn draw_phase(&mut self, state: &ScreenState, options: &VisitOptions) {
+        match state.phase {
+            VisitPhase::Closed | VisitPhase::Sculpting => {}
+            VisitPhase::Attract => {
+                let body = match state.controls {
+                    Controls::Mouse => Message::AttractBodyMouse,
+                    Controls::Controllers | Controls::BareHands => Message::AttractBody,
+                };
+                self.add(PanelSpot::Side, &[], |panel, _| layout::draw_attract(panel, body));
+            }
+            VisitPhase::Welcome => self.draw_welcome(state, options),
+            VisitPhase::Choice => self.draw_choice(state, options),
+            VisitPhase::Guided => self.draw_guide(state),
+            VisitPhase::HandsOff => {
+                let (title, body) = (Message::HandsOffTitle, Message::HandsOffBody);
+                self.draw_notice(state, PanelSpot::Main, (Icon::HandsOff, title, body), None);
+            }
+            VisitPhase::Export => {
+                let (title, body) = (Message::ExportingTitle, Message::ExportingBody);
+                let progress = Some(state.percent as f32 * 0.01);
+                self.draw_notice(state, PanelSpot::Main, (Icon::Printer, title, body), progress);
+            }
+            VisitPhase::Badge => self.draw_badge(state),
+            VisitPhase::Thanks => {
+                let body = match state.controls {
+                    Controls::Mouse => Message::ThanksBodyMouse,
+                    Controls::Controllers | Controls::BareHands => Message::ThanksBody,
+                };
+                let what = (Icon::Badge, Message::ThanksTitle, body);
+                // The sculpture is what there is to see.
+                self.draw_notice(state, PanelSpot::Side, what, None);
+            }
+            VisitPhase::Handover => {
+                let button = layout::notice_button(0, Message::HandoverCleaned, 0, 1).primary();
+                self.add(PanelSpot::Main, &[(button, ButtonAction::Cleaned)], |panel, buttons| {
+                    layout::draw_handover(panel, state.language, state.pending, buttons);
+                });
+            }
+        }
+    }
+
+    fn draw_welcome(&mut self, state: &ScreenState, options: &VisitOptions) {
+        let numbers = Language::ALL.map(|language| {
+            options.languages.iter().position(|offered| *offered == language).map(|k| k as u8)
+        });
+        let [english, greek] = numbers;
+        let press = |action| Some(ButtonAction::Press(action));
+        let language = |number: Option<u8>| press(PanelAction::Language(number?));
+        let actions = [
+            language(english),
+            language(greek),
+            press(PanelAction::WorkingHand(0)),
+            press(PanelAction::WorkingHand(1)),
+            press(PanelAction::Seated(true)),
+            press(PanelAction::Seated(false)),
+            press(PanelAction::Confirm),
+        ];
+        let chosen = [
+            english == Some(state.language_number),
+            greek == Some(state.language_number),
+            state.working_hand == 0,
+            state.working_hand == 1,
+            state.is_seated,
+            !state.is_seated,
+            false,
+        ];
+        let mut buttons = Vec::with_capacity(actions.len());
+        for ((button, action), chosen) in
+            layout::welcome_buttons(0).into_iter().zip(actions).zip(chosen)
+        {
+            let look = match action {
+                None => ButtonState::Off,
+                Some(_) if chosen => ButtonState::Chosen,
+                Some(_) => ButtonState::Idle,
+            };
+            let nothing = ButtonAction::Ask(Question::None);
+            buttons.push((button.in_state(look), action.unwrap_or(nothing)));
+        }
+        self.add(PanelSpot::Main, &buttons, |panel, buttons| {
+            layout::draw_welcome(panel, state.language, buttons);
+        });
+    }
+
+    fn draw_choice(&mut self, state: &ScreenState, options: &VisitOptions) {
+        let cards: Vec<_> = options.starts.iter().map(|start| card_of_start(*start)).collect();
+        let buttons: Vec<_> = layout::choice_buttons(0, &cards)
+            .into_iter()
+            .zip(&options.starts)
+            .map(|(button, start)| (button, ButtonAction::Choose(*start)))
+            .collect();
+        self.add(PanelSpot::Main, &buttons, |panel, buttons| {
+            layout::draw_choice(panel, state.language, Message::ChoiceTitle, buttons);
+        });
+    }
+
+    fn draw_guide(&mut self, state: &ScreenState) {
+        let (instruction, icon) = guide_text(state.step, state.controls);
+        let steps = GuideStep::Done as u32;
+        let step = (state.step as u32 + 1).min(steps);
+        let guide = Guide { instruction, icon, step, steps, progress: 0.0 };
+        let skip = ButtonAction::Press(PanelAction::Skip { all: false });
+        let buttons = layout::guide_buttons(0).map(|button| (button, skip));
+        self.add(PanelSpot::Main, &buttons, |panel, buttons| {
+            layout::draw_guide(panel, state.language, &guide, buttons);
+        });
+    }
+
+    /// Clock and buttons beside the stone.
+    fn draw_clock(&mut self, state: &ScreenState) {
+        let clock = Clock { seconds: state.seconds, warning: state.warning };
+        let labels = [
+            (Message::UndoStroke, Icon::Undo),
+            (Message::TurnStone, Icon::Turn),
+            (Message::PutBack, Icon::PutBack),
+            (Message::Ready, Icon::Tick),
+        ];
+        let actions = [
+            ButtonAction::Undo,
+            ButtonAction::Turn,
+            ButtonAction::Press(PanelAction::PutBack),
+            ButtonAction::Ask(Question::Finish),
+        ];
+        let rows: Vec<_> = clock.buttons(0, labels).into_iter().zip(actions).collect();
+        self.add(PanelSpot::Side, &rows, |panel, buttons| {
+            layout::draw_clock(panel, state.language, &clock, buttons);
+        });
+    }
+
+    fn draw_finish_question(&mut self, state: &ScreenState) {
+        let buttons = [
+            (Message::Yes, ButtonAction::Press(PanelAction::Finish)),
+            (Message::No, ButtonAction::Ask(Question::None)),
+        ];
+        let mut column = 0;
+        let buttons = buttons.map(|(message, action)| {
+            column += 1;
+            (layout::notice_button(0, message, column - 1, 2), action)
+        });
+        let notice = PanelNotice {
+            icon: Icon::Tick,
+            color: palette::OLIVE,
+            title: Message::FinishTitle,
+            body: Message::FinishBody,
+            fillings: &[],
+            progress: None,
+        };
+        self.add(PanelSpot::Main, &buttons, |panel, buttons| {
+            layout::draw_notice(panel, state.language, &notice, buttons);
+        });
+    }
+
+    fn draw_notice(
+        &mut self,
+        state: &ScreenState,
+        spot: PanelSpot,
+        (icon, title, body): (Icon, Message, Message),
+        progress: Option<f32>,
+    ) {
+        let fillings = [("percent", FillingValue::Number(state.percent))];
+        let color = palette::CLAY;
+        let notice = PanelNotice { icon, color, title, body, fillings: &fillings, progress };
+        self.add(spot, &[], |panel, _| layout::draw_notice(panel, state.language, &notice, &[]));
+    }
+
+    fn draw_badge(&mut self, state: &ScreenState) {
+        let Some(number) = state.badge.and_then(BadgeNumber::new) else { return };
+        let next = ButtonAction::Press(PanelAction::Confirm);
+        let buttons = layout::badge_buttons(0).map(|button| (button.primary(), next));
+        let buttons = if state.may_leave_badge { &buttons[..] } else { &[] };
+        self.add(PanelSpot::Main, buttons, |panel, buttons| {
+            layout::draw_badge(panel, state.language, &number.badge(), buttons);
+        });
+    }
+
+    fn draw_pin(&mut self, state: &ScreenState) {
+        let actions = (1..=9).map(ButtonAction::Digit).chain([
+            ButtonAction::Erase,
+            ButtonAction::Digit(0),
+            ButtonAction::Ask(Question::None),
+        ]);
+        let buttons: Vec<_> = layout::pin_buttons(0).into_iter().zip(actions).collect();
+        self.add(PanelSpot::Main, &buttons, |panel, buttons| {
+            layout::draw_staff_pin(panel, state.language, state.pin, buttons);
+        });
+    }
+
+    fn draw_staff(&mut self, state: &ScreenState) {
+        let actions = [
+            ButtonAction::Staff(StaffCommand::Extend),
+            ButtonAction::Staff(StaffCommand::End),
+            ButtonAction::Staff(StaffCommand::Reset),
+            ButtonAction::Recentre,
+            ButtonAction::Ask(Question::None),
+        ];
+        let buttons: Vec<_> = layout::staff_buttons(0).into_iter().zip(actions).collect();
+        self.add(PanelSpot::Main, &buttons, |panel, buttons| {
+            layout::draw_staff(panel, state.language, buttons);
+        });
+    }
+
+    /// Adds a panel and its buttons, which are numbered anew among all.
+    fn add(
+        &mut self,
+        spot: PanelSpot,
+        buttons: &[(PanelButton<'static>, ButtonAction)],
+        draw: impl FnOnce(&mut Panel, &[PanelButton<'static>]),
+    ) {
+        debug_assert!(self.count < MAX_PANELS, "a panel too many");
+        let (first, panel) = (self.actions.len(), self.count);
+        let drawn: Vec<_> = (first..)
+            .zip(buttons)
+            .map(|(id, (button, _))| PanelButton { id: id as u16, ..*button })
+            .collect();
+        self.actions.extend(buttons.iter().map(|(_, action)| *action));
+        draw(&mut self.panels[panel], &drawn);
+        self.buttons.extend(drawn.into_iter().map(|button| ShownButton { panel, button }));
+        self.spots[panel] = spot;
+        self.count += 1;
+    }
+}
+
+/// What a step asks for, by what the visitor works with.
+const fn guide_text(step: GuideStep, controls: Controls) -> (Message, Icon) {
+    match (step, controls) {
+        (GuideStep::TakeTool, Controls::Controllers) => (Message::GuideTake, Icon::Tool),
+        (GuideStep::TakeTool, Controls::BareHands) => (Message::GuideTakeBare, Icon::Tool),
+        (GuideStep::TakeTool, Controls::Mouse) => (Message::GuideTakeMouse, Icon::Tool),
+        (GuideStep::Touch, Controls::Mouse) => (Message::GuideTouchMouse, Icon::Stone),
+        (GuideStep::Touch, _) => (Message::GuideTouch, Icon::Stone),
+        (GuideStep::Cut, Controls::Controllers) => (Message::GuideCut, Icon::Trigger),
+        (GuideStep::Cut, Controls::BareHands) => (Message::GuideCutBare, Icon::RightHand),
+        (GuideStep::Cut, Controls::Mouse) => (Message::GuideCutMouse, Icon::Tool),
+        (GuideStep::Smooth, _) => (Message::GuideSmooth, Icon::Smooth),
+        (GuideStep::Undo, Controls::Controllers) => (Message::GuideUndo, Icon::Undo),
+        (GuideStep::Undo, _) => (Message::GuideUndoButton, Icon::Undo),
+        (GuideStep::TurnStool, Controls::Controllers) => (Message::GuideTurn, Icon::Turn),
+        (GuideStep::TurnStool, Controls::BareHands) => (Message::GuideTurnBare, Icon::Turn),
+        (GuideStep::TurnStool, Controls::Mouse) => (Message::GuideTurnMouse, Icon::Turn),
+        (GuideStep::Done, _) => (Message::GuideDone, Icon::Tick),
+    }
+}

@@ -1,0 +1,138 @@
+//! Where panels stand: in the room, or before the eye of a window.
+
+use glam::{Quat, Vec3};
+use paros_core::internals::{BOX_SIDE, STOOL_TOP};
+use paros_shaders::panel::PanelPose;
+
+/// A panel's place.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum PanelSpot {
+    /// Before the visitor.
+    Main,
+    /// Beside the stone, out of the way.
+    Side,
+}
+
+/// The foot of what stands before the visitor: it is seen above the stone.
+const MAIN_FOOT: f32 = STOOL_TOP.y + BOX_SIDE + 0.05;
+
+/// How far beyond the stone that is, in metres along z.
+const MAIN_DEPTH: f32 = -1.15;
+
+/// Beside the stone: the middle of the upper edge, right of it.
+const SIDE_HEAD: Vec3 = Vec3::new(0.78, 1.72, -0.9);
+
+/// How high eyes may be that panels turn to.
+const EYE_HEIGHTS: [f32; 2] = [0.9, 2.1];
+
+/// Metres from a window's eye to its panels: nearer than any stone may be.
+const VIEW_DEPTH: f32 = 0.2;
+
+/// The parts of a window's picture that a panel before the visitor fills at most, across and down.
+const MAIN_PARTS: [f32; 2] = [0.86, 0.62];
+
+/// The same of one beside the stone.
+const SIDE_PARTS: [f32; 2] = [0.3, 0.52];
+
+/// Between a panel at the side and the picture's edges, in parts of its height.
+const SIDE_MARGIN: f32 = 0.03;
+
+/// What a window sees: the eye, and tangents of its angles to the four sides.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct WindowView {
+    /// The eye, in metres of the room.
+    pub position: Vec3,
+    /// It looks along its -z.
+    pub rotation: Quat,
+    /// Tangent to the right; the same to the left.
+    pub right: f32,
+    /// To the upper side.
+    pub up: f32,
+    /// To the lower side, negative below the middle: of what no tool bar covers.
+    pub down: f32,
+}
+
+/// Where a panel stands in the room, for eyes as high as `eye_height` metres.
+#[must_use]
+pub fn room_pose(spot: PanelSpot, [_, height_mm]: [f32; 2], eye_height: f32) -> PanelPose {
+    let half = 0.5e-3 * height_mm;
+    let middle = match spot {
+        PanelSpot::Main => Vec3::new(0.0, MAIN_FOOT + half, MAIN_DEPTH),
+        PanelSpot::Side => SIDE_HEAD - Vec3::Y * half,
+    };
+    PanelPose::facing(middle, Vec3::Y * eye_height.clamp(EYE_HEIGHTS[0], EYE_HEIGHTS[1]))
+}
+
+impl WindowView {
+    /// Where a panel of this size is held before the eye.
+    #[must_use]
+    pub fn panel_pose(&self, spot: PanelSpot, [width_mm, height_mm]: [f32; 2]) -> PanelPose {
+        let high = self.up - self.down;
+        let [across, down] = match spot {
+            PanelSpot::Main => MAIN_PARTS,
+            PanelSpot::Side => SIDE_PARTS,
+        };
+        // Tangents of a millimetre.
+        let fits = (2.0 * self.right * across / width_mm).min(high * down / height_mm);
+        let at = match spot {
+            PanelSpot::Main => [0.0, 0.5 * (self.up + self.down)],
+            PanelSpot::Side => {
+                let margin = SIDE_MARGIN * high;
+                let right = self.right - margin - 0.5 * fits * width_mm;
+                [right, self.up - margin - 0.5 * fits * height_mm]
+            }
+        };
+        let ahead = Vec3::new(at[0], at[1], -1.0) * VIEW_DEPTH;
+        PanelPose {
+            middle: self.position + self.rotation * ahead,
+            rotation: self.rotation,
+            scale: 1e3 * fits * VIEW_DEPTH,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// From seated children to tall people: what is before the visitor is seen above the highest stone.
+    #[test]
+    fn the_stone_hides_nothing_before_a_visitor() {
+        for eye_height in [1.1, 1.25, 1.45, 1.6, 1.8] {
+            for height_mm in [450.0, 720.0, 950.0] {
+                let pose = room_pose(PanelSpot::Main, [1000.0, height_mm], eye_height);
+                let eye = Vec3::Y * eye_height;
+                let foot = pose.middle - pose.rotation * Vec3::Y * (0.5e-3 * height_mm);
+                // Where the line of sight to the panel's foot passes the stone's far edge.
+                let part = (STOOL_TOP.z - 0.5 * BOX_SIDE) / foot.z;
+                let above = eye.y + (foot.y - eye.y) * part;
+                assert!(above > STOOL_TOP.y + BOX_SIDE - 0.06, "{eye_height} {height_mm}: {above}");
+                let distance = pose.middle.distance(eye);
+                assert!((1.1..1.5).contains(&distance), "{distance}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_window_holds_panels_within_its_picture() {
+        for [right, up, down] in [[0.6, 0.38, -0.4], [0.3, 0.38, -0.2], [1.2, 0.38, -0.38]] {
+            let rotation = Quat::from_rotation_y(0.4) * Quat::from_rotation_x(-0.3);
+            let view = WindowView { position: Vec3::new(0.3, 1.4, 0.2), rotation, right, up, down };
+            for size in [[1080.0, 720.0], [560.0, 640.0], [1358.0, 900.0]] {
+                for spot in [PanelSpot::Main, PanelSpot::Side] {
+                    let pose = view.panel_pose(spot, size);
+                    for corner in [[-0.5, -0.5], [0.5, 0.5]] {
+                        let at = Vec3::new(corner[0] * size[0], corner[1] * size[1], 0.0) * 1e-3;
+                        let at = pose.middle + pose.rotation * at * pose.scale - view.position;
+                        let seen = rotation.inverse() * at;
+                        let (x, y) = (seen.x / -seen.z, seen.y / -seen.z);
+                        assert!(
+                            x.abs() < right && y < up && y > down,
+                            "{spot:?} {size:?}: {x} {y}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+}
