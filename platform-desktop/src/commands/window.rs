@@ -8,6 +8,7 @@ use paros_shell::durable::WriteTarget;
 use paros_shell::settings::{LoadedSettings, SettingsLayer};
 use paros_shell::sizes::GRID_SIDES;
 use paros_shell::{rmap, with_size};
+use paros_visit::VisitOptions;
 
 use super::{demo, settings, volume};
 use crate::window::{self, SizeChoice, WindowError, WindowOptions};
@@ -29,6 +30,10 @@ pub(super) struct Args {
     /// it for 90 seconds (`kiosk_seconds` of the settings), the sculpture is finished and kept, and the start shown again.
     #[arg(long)]
     kiosk: bool,
+    /// Visits, as an exhibition has them: from a stone that is carved for those who look on to a badge by which the
+    /// visitor's sculpture is found again.
+    #[arg(long)]
+    visits: bool,
     /// A file of settings, instead of `paros.toml` in the folder of saved sessions; `paros settings` tells more. What is
     /// asked for here wins.
     #[arg(long, value_name = "FILE")]
@@ -100,6 +105,7 @@ fn open_window(args: &Args) -> Result<String, WindowError> {
         record: args.record.clone().or(settings.record),
         script: args.script.clone(),
         kiosk: (args.kiosk || settings.kiosk).then_some(settings.kiosk_handover_after),
+        visits: args.visits.then(VisitOptions::default),
         settings_faults: faults,
         validation: args.validation,
     };

@@ -7,6 +7,7 @@ mod layout;
 mod shutdown;
 mod steps;
 mod touch;
+mod visits;
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -38,6 +39,7 @@ use super::view::{FrameParams, WindowRenderer};
 use super::{WindowError, WindowOptions};
 use kiosk::KioskWatch;
 use touch::Fingers;
+use visits::WindowVisits;
 
 /// The window's size at first, in points.
 const SIZE: LogicalSize<f64> = LogicalSize::new(1180.0, 800.0);
@@ -66,6 +68,8 @@ where
     modifiers: ModifiersState,
     fingers: Fingers,
     kiosk: KioskWatch,
+    /// Where sessions are visits of an exhibition.
+    visits: Option<WindowVisits>,
     scale: f32,
     pace: TickClock,
     slowness: SlownessWatch,
@@ -117,6 +121,11 @@ where
         };
         let mut panels = Panels::new();
         panels.set_start_pictures(start_pictures);
+        let visit = studio.world().visit();
+        let visits = options.visits.as_ref().map(|visits| WindowVisits::new(visits, visit));
+        if visits.is_some() {
+            panels.close_covering_panels();
+        }
         App {
             view: None,
             window: None,
@@ -130,6 +139,7 @@ where
             modifiers: ModifiersState::empty(),
             fingers: Fingers::default(),
             kiosk: KioskWatch::new(options.kiosk),
+            visits,
             scale: 1.0,
             pace: TickClock::default(),
             slowness: SlownessWatch::default(),
@@ -228,8 +238,10 @@ where
     }
 
     fn run_tick(&mut self) {
-        let input = self.hands.next_input(self.studio.world());
+        let mut input = self.hands.next_input(self.studio.world());
+        self.fill_visit_input(&mut input);
         self.studio.run_tick(&input);
+        self.follow_visit_tick();
         let world = self.studio.world();
         if let Some(view) = &mut self.view {
             view.note_tick(world);
@@ -246,12 +258,14 @@ where
     fn draw_frame(&mut self) -> Result<(), gpu::Error> {
         let size = self.hands.size;
         self.lay_out_panels_and_act(size);
+        self.place_visit_panels();
         let (Some(view), Some(window)) = (&mut self.view, &self.window) else { return Ok(()) };
         let params = FrameParams {
             eye: self.hands.orbit.eye(size),
             between: self.pace.tick_fraction(),
             path: self.path,
             next_bite: self.hands.next_bite(),
+            panels: self.visits.as_ref().map_or(&[], WindowVisits::panels),
         };
         self.seen = view.try_draw_frame(
             window,

@@ -4,6 +4,7 @@ use glam::{Quat, Vec3};
 use paros_core::internals::{BOX_SIDE, RoomPose, STOOL_TOP};
 use paros_shaders::Ray;
 use paros_shaders::gpu::{Eye, Fov};
+use paros_visit::WindowView;
 
 /// The eye's position, in spherical coordinates around the middle of the sculpture's box.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -90,6 +91,16 @@ impl OrbitCamera {
         let below = (HALF_ANGLE.tan() - down * per_pixel).atan();
         let fov = Fov { left: -right, right, up: HALF_ANGLE, down: below };
         Eye { position, rotation, fov }
+    }
+
+    /// What a picture of `picture_size` pixels sees above what is covered, for panels before the eye.
+    #[must_use]
+    pub(super) fn panel_view(&self, picture_size: [u32; 2]) -> WindowView {
+        let (position, rotation) = self.pose();
+        let [across, down] = picture_size.map(|pixels| pixels.max(1) as f32);
+        let per_pixel = self.tangent_per_pixel(down);
+        let (right, up) = (0.5 * across * per_pixel, HALF_ANGLE.tan());
+        WindowView { position, rotation, right, up, down: -up }
     }
 
     /// The ray in the room through a pixel, counted from the upper left: origin in metres and unit

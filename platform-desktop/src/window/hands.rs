@@ -21,6 +21,7 @@ use paros_core::session::{
 };
 use paros_core::volume::{Grid, Size};
 use paros_core::{HandInput, TickInput, World};
+use paros_shaders::Ray;
 
 use super::camera::OrbitCamera;
 use bit_guide::BitGuide;
@@ -123,6 +124,11 @@ where
     /// Where a pull of the trigger takes the bit, in metres of the room; `None` while it runs.
     pub(super) fn next_bite(&self) -> Option<Vec3> {
         self.bit_guide.next_bite().filter(|_| !self.running)
+    }
+
+    /// The ray in the room through the cursor.
+    pub(super) fn cursor_ray(&self) -> Option<Ray> {
+        self.cursor.map(|cursor| self.orbit.room_ray_through_pixel(cursor, self.size))
     }
 
     /// Handles an input event.

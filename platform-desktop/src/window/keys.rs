@@ -22,6 +22,8 @@ pub(super) enum KeyCommand {
     Record,
     /// Closes what is open, or shows the start.
     Back,
+    /// Asks the staff for its PIN.
+    Staff,
 }
 
 /// The help's table for visitors: keys, and what they do.
@@ -70,6 +72,7 @@ pub(super) fn command_of_pressed_key(
         Logical::Named(NamedKey::F1) => command_named("f1", false),
         Logical::Named(NamedKey::F2) => command_named("f2", false),
         Logical::Named(NamedKey::F3) => command_named("f3", false),
+        Logical::Named(NamedKey::F4) => command_named("f4", false),
         Logical::Character(text) => {
             command_named(&text.to_lowercase(), modifiers.shift_key() && modifiers.control_key())
         }
@@ -78,7 +81,7 @@ pub(super) fn command_of_pressed_key(
 }
 
 /// The command of a key by name: a letter, a digit, a bracket, a comma, a period, "enter", "space", "escape" or "f1" to
-/// "f3".
+/// "f4".
 #[must_use]
 pub(super) fn command_named(name: &str, shift: bool) -> Option<KeyCommand> {
     let digit = name.parse::<u8>().ok().filter(|digit| (1..=9).contains(digit));
@@ -102,6 +105,7 @@ pub(super) fn command_named(name: &str, shift: bool) -> Option<KeyCommand> {
         ("h" | "f1", _) => return Some(KeyCommand::Help),
         ("f2", _) => return Some(KeyCommand::Graph),
         ("f3", _) => return Some(KeyCommand::Path),
+        ("f4", _) => return Some(KeyCommand::Staff),
         ("r", _) => return Some(KeyCommand::Record),
         ("escape", _) => return Some(KeyCommand::Back),
         _ => return None,

@@ -33,6 +33,7 @@ use paros_shell::statics::{Resident, ResidentBitGrid};
 use paros_shell::stl_export::{DEFAULT_HEIGHT_MM, StlExporter};
 use paros_shell::studio::Studio;
 use paros_shell::studio_paths::StudioPaths;
+use paros_visit::VisitOptions;
 use winit::error::EventLoopError;
 use winit::event_loop::EventLoop;
 
@@ -57,6 +58,8 @@ pub struct WindowOptions {
     /// Where visitors use it one after the other, on a full screen, without files and developer's tools: how long it must be
     /// left alone for its visitor to have gone.
     pub kiosk: Option<Duration>,
+    /// Where sessions are visits of an exhibition: what it sets of them.
+    pub visits: Option<VisitOptions>,
     /// What is wrong with the settings, a line for each fault.
     pub settings_faults: Vec<String>,
     /// Whether Vulkan's validation layer is enabled; its messages are errors.

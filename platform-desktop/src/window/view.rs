@@ -6,6 +6,7 @@ use paros_core::limits::INTERVALS;
 use paros_core::session::TICK_RATE;
 use paros_core::volume::{Grid, Size};
 use paros_shaders::gpu::{Error, Eye, FrameTimes, Options, RenderPath, Viewpoint, WorldRenderer};
+use paros_shaders::panel::Panel;
 use paros_shaders::scene::LatestInput;
 use paros_shell::durable;
 use paros_shell::file_writer::{FileKind, FileWriter};
@@ -30,7 +31,7 @@ where
 
 /// The parameters of a frame.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct FrameParams {
+pub(super) struct FrameParams<'a> {
     /// The eye.
     pub(super) eye: Eye,
     /// Fraction of the time from the last tick to the next, 0 to 1.
@@ -39,6 +40,8 @@ pub(super) struct FrameParams {
     pub(super) path: RenderPath,
     /// Where a pull of the trigger takes the right hand's bit, in metres from where it is.
     pub(super) next_bite: Option<Vec3>,
+    /// Panels in the room.
+    pub(super) panels: &'a [Panel],
 }
 
 impl<const N: usize> WindowRenderer<N>
@@ -116,7 +119,7 @@ where
         window: &Window,
         window_size: [u32; 2],
         world: &World<N, INTERVALS>,
-        params: &FrameParams,
+        params: &FrameParams<'_>,
         egui_buffers: &mut EguiBuffers,
     ) -> Result<bool, Error> {
         if window_size.contains(&0) {
@@ -140,8 +143,12 @@ where
             // The panels draw it.
             show_mirror: false,
         };
-        let seen =
-            Viewpoint { eyes: &[params.eye], latest: fresh, render_path: params.path, panels: &[] };
+        let seen = Viewpoint {
+            eyes: &[params.eye],
+            latest: fresh,
+            render_path: params.path,
+            panels: params.panels,
+        };
         self.show.draw_frame(world, &seen, render_target, target.image, target.sync)?;
         // On Wayland this throttles redraw requests to the compositor's frame callbacks.
         window.pre_present_notify();

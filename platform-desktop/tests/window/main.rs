@@ -7,6 +7,7 @@
 
 mod desktop;
 mod disk;
+mod exhibition;
 mod losses;
 mod newcomer;
 mod pictures;

@@ -1,5 +1,6 @@
 //! What holds visits in a shell.
 
+use glam::Vec3;
 use paros_core::badge::BadgeNumber;
 use paros_core::session::{PointerCommand, SessionMode, TICK_RATE, commands};
 use paros_core::visit::{
@@ -108,6 +109,12 @@ impl VisitHost {
         if let Some(action) = pressed.and_then(|id| self.screen.action(id)) {
             self.perform(action);
         }
+    }
+
+    /// Whether a ray meets a panel: then a press is not for what lies behind it.
+    #[must_use]
+    pub fn covers_ray(&self, origin: Vec3, direction: Vec3) -> bool {
+        self.panels().iter().any(|panel| panel.intersect_ray(origin, direction).is_some())
     }
 
     /// Whether a pointer is on a button: then its trigger runs no tool.

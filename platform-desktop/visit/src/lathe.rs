@@ -30,7 +30,7 @@ const PITCH: f32 = 0.026;
 const PASS_DEPTH: f32 = 0.036;
 
 /// Passes: the last one is on the vase itself.
-const PASSES: u32 = 5;
+const PASSES: u32 = 4;
 
 /// Ticks for which the vase is shown before another is begun.
 const SHOWN_TICKS: u32 = 8 * TICK_RATE;

@@ -18,6 +18,6 @@ mod standing;
 
 pub use host::{ExportState, VisitHost};
 pub use lathe::LatheHand;
-pub use options::{Controls, VisitOptions};
+pub use options::{Controls, VisitOptions, random_bits_of_system};
 pub use pointing::{POINTERS, Pointer};
 pub use standing::{PanelSpot, WindowView, room_pose};

@@ -3,6 +3,7 @@
 use paros_core::session::SessionMode;
 use paros_core::visit::VisitCommand;
 use paros_shaders::panel::Language;
+use paros_shell::modes::parse_mode;
 
 /// What visitors work with: their texts tell of it.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
@@ -31,6 +32,29 @@ pub struct VisitOptions {
     pub controls: Controls,
     /// Random bits for badges, from the operating system.
     pub random_bits: fn() -> u32,
+}
+
+/// Random bits of the operating system, for [`VisitOptions::random_bits`]. Where it has none, badges may repeat, which a
+/// provisional one may anyway.
+#[must_use]
+pub fn random_bits_of_system() -> u32 {
+    getrandom::u32().unwrap_or_default()
+}
+
+impl Default for VisitOptions {
+    /// The core's plan, both languages, a free stone, an owl or a shape, and no PIN.
+    fn default() -> Self {
+        let owl = parse_mode("owl").ok();
+        let starts = [Some(SessionMode::FreeForm), owl, Some(SessionMode::Creative)];
+        VisitOptions {
+            plan: Vec::new(),
+            languages: Language::ALL.to_vec(),
+            starts: starts.into_iter().flatten().collect(),
+            staff_pin: None,
+            controls: Controls::Controllers,
+            random_bits: random_bits_of_system,
+        }
+    }
 }
 
 impl VisitOptions {

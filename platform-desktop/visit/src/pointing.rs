@@ -150,7 +150,7 @@ mod tests {
     fn shown() -> (Vec<Panel>, Vec<ShownButton>) {
         let mut panel = Panel::new([1080.0, 720.0]);
         panel.pose = PanelPose::facing(PLACE, Vec3::new(0.0, 1.6, 0.0));
-        let buttons = welcome_buttons(10).map(|button| ShownButton { panel: 0, button });
+        let buttons = welcome_buttons(10, 3).map(|button| ShownButton { panel: 0, button });
         (vec![panel], buttons.to_vec())
     }
 

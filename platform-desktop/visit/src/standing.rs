@@ -9,6 +9,8 @@ use paros_shaders::panel::PanelPose;
 pub enum PanelSpot {
     /// Before the visitor.
     Main,
+    /// Before the visitor in a room; in a window beside the stone, which is worked on meanwhile.
+    Guide,
     /// Beside the stone, out of the way.
     Side,
 }
@@ -31,11 +33,12 @@ const VIEW_DEPTH: f32 = 0.2;
 /// The parts of a window's picture that a panel before the visitor fills at most, across and down.
 const MAIN_PARTS: [f32; 2] = [0.86, 0.62];
 
-/// The same of one beside the stone.
-const SIDE_PARTS: [f32; 2] = [0.3, 0.52];
+/// The same of those beside the stone, on the left and on the right.
+const GUIDE_PARTS: [f32; 2] = [0.36, 0.34];
+const SIDE_PARTS: [f32; 2] = [0.26, 0.5];
 
-/// Between a panel at the side and the picture's edges, in parts of its height.
-const SIDE_MARGIN: f32 = 0.03;
+/// Between them and the picture's edges, in parts of its height: at the side, and above, where the status stands.
+const SIDE_MARGINS: [f32; 2] = [0.03, 0.075];
 
 /// What a window sees: the eye, and tangents of its angles to the four sides.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -57,7 +60,7 @@ pub struct WindowView {
 pub fn room_pose(spot: PanelSpot, [_, height_mm]: [f32; 2], eye_height: f32) -> PanelPose {
     let half = 0.5e-3 * height_mm;
     let middle = match spot {
-        PanelSpot::Main => Vec3::new(0.0, MAIN_FOOT + half, MAIN_DEPTH),
+        PanelSpot::Main | PanelSpot::Guide => Vec3::new(0.0, MAIN_FOOT + half, MAIN_DEPTH),
         PanelSpot::Side => SIDE_HEAD - Vec3::Y * half,
     };
     PanelPose::facing(middle, Vec3::Y * eye_height.clamp(EYE_HEIGHTS[0], EYE_HEIGHTS[1]))
@@ -70,16 +73,18 @@ impl WindowView {
         let high = self.up - self.down;
         let [across, down] = match spot {
             PanelSpot::Main => MAIN_PARTS,
+            PanelSpot::Guide => GUIDE_PARTS,
             PanelSpot::Side => SIDE_PARTS,
         };
         // Tangents of a millimetre.
         let fits = (2.0 * self.right * across / width_mm).min(high * down / height_mm);
         let at = match spot {
             PanelSpot::Main => [0.0, 0.5 * (self.up + self.down)],
-            PanelSpot::Side => {
-                let margin = SIDE_MARGIN * high;
-                let right = self.right - margin - 0.5 * fits * width_mm;
-                [right, self.up - margin - 0.5 * fits * height_mm]
+            PanelSpot::Guide | PanelSpot::Side => {
+                let [aside, above] = SIDE_MARGINS.map(|margin| margin * high);
+                let right = self.right - aside - 0.5 * fits * width_mm;
+                let across = if spot == PanelSpot::Side { right } else { -right };
+                [across, self.up - above - 0.5 * fits * height_mm]
             }
         };
         let ahead = Vec3::new(at[0], at[1], -1.0) * VIEW_DEPTH;
@@ -119,7 +124,7 @@ mod tests {
             let rotation = Quat::from_rotation_y(0.4) * Quat::from_rotation_x(-0.3);
             let view = WindowView { position: Vec3::new(0.3, 1.4, 0.2), rotation, right, up, down };
             for size in [[1080.0, 720.0], [560.0, 640.0], [1358.0, 900.0]] {
-                for spot in [PanelSpot::Main, PanelSpot::Side] {
+                for spot in [PanelSpot::Main, PanelSpot::Guide, PanelSpot::Side] {
                     let pose = view.panel_pose(spot, size);
                     for corner in [[-0.5, -0.5], [0.5, 0.5]] {
                         let at = Vec3::new(corner[0] * size[0], corner[1] * size[1], 0.0) * 1e-3;

@@ -23,7 +23,7 @@ fn drawn(name: &'static str, draw: impl FnOnce(&mut Panel)) -> Screen {
 }
 
 fn visit_screens(language: Language) -> Vec<Screen> {
-    let mut welcome = layout::welcome_buttons(0);
+    let mut welcome = layout::welcome_buttons(0, 3);
     welcome[language as usize].state = ButtonState::Chosen;
     welcome[3].state = ButtonState::Chosen;
     welcome[5].state = ButtonState::Hot;
@@ -51,7 +51,12 @@ fn visit_screens(language: Language) -> Vec<Screen> {
     let mut all = vec![
         drawn("attract", |panel| layout::draw_attract(panel, Message::AttractBody)),
         drawn("attract-mouse", |panel| layout::draw_attract(panel, Message::AttractBodyMouse)),
-        drawn("welcome", |panel| layout::draw_welcome(panel, language, &welcome)),
+        drawn("welcome", |panel| layout::draw_welcome(panel, language, 3, &welcome)),
+        drawn("welcome-mouse", |panel| {
+            let buttons = layout::welcome_buttons(0, 1);
+            let of_use = [0, 1, 6].map(|k| buttons[k]);
+            layout::draw_welcome(panel, language, 1, &of_use);
+        }),
         drawn("starts", |panel| {
             layout::draw_choice(panel, language, Message::ChoiceTitle, &starts);
         }),

@@ -21,7 +21,7 @@ fn lay_out_screens(panel: &mut Panel, seconds: u32) {
         progress: Some(0.5),
     };
     for language in Language::ALL {
-        layout::draw_welcome(panel, language, &layout::welcome_buttons(0));
+        layout::draw_welcome(panel, language, 3, &layout::welcome_buttons(0, 3));
         let warning = Some(Message::WarningThirtySeconds);
         let clock = layout::Clock { seconds: Some([seconds, 600]), warning };
         layout::draw_clock(panel, language, &clock, &[]);

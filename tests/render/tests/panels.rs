@@ -98,7 +98,7 @@ fn every_label_is_within_its_button() {
     ]
     .map(|message| (message, Icon::Stone));
     let mut buttons = layout::choice_buttons(0, &cards);
-    buttons.extend(layout::welcome_buttons(0));
+    buttons.extend(layout::welcome_buttons(0, 3));
     buttons.extend(layout::staff_buttons(0));
     buttons.extend(layout::pin_buttons(0));
     for message in [Message::Skip, Message::Next, Message::Back, Message::Finish, Message::Undo] {
@@ -127,7 +127,7 @@ fn buttons_are_large_and_apart() {
     for count in 1..=cards.len() {
         assert_large_and_apart(&layout::choice_buttons(0, &cards[..count]));
     }
-    assert_large_and_apart(&layout::welcome_buttons(0));
+    assert_large_and_apart(&layout::welcome_buttons(0, 3));
     assert_large_and_apart(&layout::staff_buttons(0));
     assert_large_and_apart(&layout::pin_buttons(0));
     let two = [0, 1].map(|column| layout::notice_button(column, Message::Yes, column, 2));

@@ -22,11 +22,11 @@ fn eye_at(x: f32) -> Eye {
 /// A badge, buttons with icons, and a clock with a ring; aslant, and one partly over another.
 fn panels() -> Vec<Panel> {
     let badge = BadgeNumber::new(1 << 18 | 4242).expect("a number").badge();
-    let mut buttons = layout::welcome_buttons(0);
+    let mut buttons = layout::welcome_buttons(0, 3);
     buttons[3].state = ButtonState::Hot;
     let mut all = [Panel::default(), Panel::default(), Panel::default()];
     layout::draw_badge(&mut all[0], Language::English, &badge, &[]);
-    layout::draw_welcome(&mut all[1], Language::Greek, &buttons);
+    layout::draw_welcome(&mut all[1], Language::Greek, 3, &buttons);
     let warning = Some(Message::WarningTenSeconds);
     let clock = layout::Clock { seconds: Some([70, 300]), warning };
     layout::draw_clock(&mut all[2], Language::English, &clock, &[]);

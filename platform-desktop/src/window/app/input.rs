@@ -21,7 +21,15 @@ where
 {
     /// Handles an event of an input device, or of the window itself.
     pub(super) fn handle_event(&mut self, event: WindowEvent) {
-        self.kiosk.note_event(&event);
+        let is_use = self.kiosk.note_event(&event);
+        if let Some(visits) = self.visits.as_mut().filter(|_| is_use) {
+            match event {
+                WindowEvent::CursorMoved { position, .. } => {
+                    visits.note_cursor([position.x as f32, position.y as f32]);
+                }
+                _ => visits.note_use(),
+            }
+        }
         match event {
             WindowEvent::Touch(touch) => self.handle_touch(&touch),
             WindowEvent::Resized(size) => {
@@ -92,6 +100,8 @@ where
             }
             _ if !down => {}
             KeyCommand::Hands(_) => {}
+            KeyCommand::Finish if self.visits.is_some() => self.ask_visitor_to_finish(),
+            KeyCommand::Staff => self.ask_staff(),
             KeyCommand::Finish => self.panels.confirm_start_or_ask_to_finish(session),
             KeyCommand::Help => self.panels.toggle_help(),
             KeyCommand::Graph => self.panels.toggle_graph(),
@@ -102,6 +112,8 @@ where
                 };
             }
             KeyCommand::Record => self.studio.submit_trace_and_own_volume(),
+            // There is no start panel then.
+            KeyCommand::Back if self.visits.is_some() => self.panels.close_help(),
             KeyCommand::Back => self.panels.close_topmost_or_toggle_start(session),
         }
     }
@@ -118,12 +130,16 @@ where
             let event = egui::Event::PointerButton { pos, button: panel, pressed: down, modifiers };
             self.panels.input.events.push(event);
         }
+        let is_on_panel = self.is_cursor_on_visit_panel();
+        if let Some(visits) = self.visits.as_mut().filter(|_| hand == HandButton::Left) {
+            visits.note_button(down);
+        }
         let has_sculpture = self.studio.world().session_state() != SessionState::Waiting;
         let runs =
             hand != HandButton::Left || (has_sculpture && self.panels.is_sculpture_uncovered());
         if !down {
             self.send_to_hands(InputEvent::Released(hand));
-        } else if runs && !self.panels.wants_pointer() {
+        } else if runs && !self.panels.wants_pointer() && !is_on_panel {
             self.send_to_hands(InputEvent::Pressed(hand));
         }
     }

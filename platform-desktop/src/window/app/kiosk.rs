@@ -51,18 +51,20 @@ impl KioskWatch {
         self.is_on.then_some(Fullscreen::Borderless(None))
     }
 
-    /// Notes an event of the window.
-    pub(super) const fn note_event(&mut self, event: &WindowEvent) {
-        if matches!(
+    /// Notes an event of the window. Whether somebody uses it.
+    pub(super) const fn note_event(&mut self, event: &WindowEvent) -> bool {
+        let is_use = matches!(
             event,
             WindowEvent::CursorMoved { .. }
                 | WindowEvent::MouseInput { .. }
                 | WindowEvent::MouseWheel { .. }
                 | WindowEvent::KeyboardInput { .. }
                 | WindowEvent::Touch(_)
-        ) {
+        );
+        if is_use {
             self.idle = Duration::ZERO;
         }
+        is_use
     }
 
     /// Whether a key's command is for visitors: no developer's tools in a kiosk.
@@ -98,6 +100,10 @@ where
 {
     /// Hands the window over to the next visitor once this one has gone.
     pub(super) fn hand_over_if_gone(&mut self, elapsed: Duration) {
+        if self.visits.is_some() {
+            // Visits have a clock of their own.
+            return;
+        }
         let world = self.studio.world();
         let is_sculpted = world.undo_counts().undoable > 0;
         match self.kiosk.advance(elapsed, world.session_state(), is_sculpted) {

@@ -54,6 +54,7 @@ where
             grid_side: N,
             fault: self.studio.save_error(),
             opening: self.studio.path_being_read(),
+            visit: self.visit_phase(),
             kiosk: self.kiosk.is_on,
             seconds_to_handover: self.kiosk.seconds_to_handover(world.session_state()),
             drops: self.window.as_deref().is_some_and(supports_file_drops),

@@ -10,10 +10,11 @@ use paros_headless::Error;
 use paros_shell::modes::parse_mode;
 use paros_shell::statics::Resident;
 use winit::dpi::PhysicalSize;
+use winit::event::MouseButton;
 use winit::event_loop::ActiveEventLoop;
 
 use super::App;
-use crate::window::hands::{InputEvent, RIGHT};
+use crate::window::hands::{HandButton, InputEvent, RIGHT};
 use crate::window::script::ScriptStep;
 use crate::window::{WindowError, opening};
 
@@ -40,7 +41,18 @@ where
         step: ScriptStep,
         events: &ActiveEventLoop,
     ) -> Result<(), WindowError> {
+        if let (Some(visits), ScriptStep::Device(_) | ScriptStep::Key(..) | ScriptStep::Tap(_)) =
+            (&mut self.visits, &step)
+        {
+            visits.note_use();
+        }
         match step {
+            ScriptStep::Device(InputEvent::Pressed(HandButton::Left)) if self.visits.is_some() => {
+                self.handle_button(MouseButton::Left, true);
+            }
+            ScriptStep::Device(InputEvent::Released(HandButton::Left)) if self.visits.is_some() => {
+                self.handle_button(MouseButton::Left, false);
+            }
             ScriptStep::Device(InputEvent::Moved([x, y])) => {
                 let [width, height] = self.hands.size.map(|pixels| pixels as f32 / 100.0);
                 self.move_cursor([x * width, y * height]);
@@ -117,10 +129,12 @@ where
         // Standard output may be closed.
         let _ = writeln!(
             out,
-            "session {:?}; mode {:?}; voxels {}; bared {}; holds {held}; undo {undo}; redo {redo}; \
+            "session {:?}; visit {:?} {:?}; mode {:?}; voxels {}; bared {}; holds {held}; undo {undo}; redo {redo}; \
              frames {}; size {width}x{height}; scale {}; printed {printed}; \
              fault {}; note {}",
             world.session_state(),
+            world.visit().phase(),
+            world.visit().guide_step(),
             world.mode(),
             world.volume().count_voxels(),
             world.bared_ends().percent(),

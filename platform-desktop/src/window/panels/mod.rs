@@ -18,6 +18,7 @@ use egui::{
     TextureOptions, Vec2,
 };
 use paros_core::session::SessionState;
+use paros_core::visit::VisitPhase;
 use paros_shaders::Image;
 use paros_shell::figures::StoneThickness;
 use paros_shell::studio::Notice;
@@ -201,6 +202,11 @@ impl Panels {
         }
     }
 
+    /// Closes the help.
+    pub(super) fn close_help(&mut self) {
+        self.help = false;
+    }
+
     /// Closes the topmost panel: question, browser, confirmation or help. Without one it toggles the start panel.
     pub(super) fn close_topmost_or_toggle_start(&mut self, session: SessionState) {
         if self.asked_start.take().is_some()
@@ -249,7 +255,8 @@ impl Panels {
                     self.actions.push(PanelAction::Open(path));
                 }
             },
-            None if self.start => self.show_start(context, status),
+            None if self.start && status.visit.is_none() => self.show_start(context, status),
+            None if status.visit.is_some_and(|phase| !is_at_work(phase)) => {}
             None => self.show_over_sculpture(context, status),
         }
         if !status.unfinished {
@@ -307,7 +314,9 @@ impl Panels {
             _ => {
                 self.hints.note_strokes(status.undo);
                 let now = context.input(|input| input.time);
-                let hint = self.hints.text(self.hints.note_work(status, now));
+                let work = self.hints.note_work(status, now);
+                // A visit guides by its own panel.
+                let hint = self.hints.text(work).filter(|_| status.visit.is_none());
                 let bar = strip::show_tools(context, status, hint, &mut self.actions);
                 self.finishing = bar.finish == FinishButton::Clicked;
                 let covered = bar.height / context.content_rect().height();
@@ -338,6 +347,11 @@ impl Panels {
             self.notices.remove(0);
         }
     }
+}
+
+/// Whether visitors work on the stone, and need their tools: what else a visit shows stands in its own panels.
+const fn is_at_work(phase: VisitPhase) -> bool {
+    matches!(phase, VisitPhase::Guided | VisitPhase::Sculpting)
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use paros_core::edit::UndoCounts;
 use paros_core::session::{BitSize, SessionMode, SessionState, Tool, ToolBit};
+use paros_core::visit::VisitPhase;
 use paros_shaders::gpu::FrameTimes;
 
 use super::{BitOutline, ItemGlow, MirrorGuide};
@@ -52,6 +53,8 @@ pub(in crate::window) struct StudioStatus<'a> {
     pub(in crate::window) fault: Option<&'a str>,
     /// The file being read.
     pub(in crate::window) opening: Option<&'a Path>,
+    /// Where the visit stands, if sessions are visits.
+    pub(in crate::window) visit: Option<VisitPhase>,
     /// Whether the window is one of a kiosk.
     pub(in crate::window) kiosk: bool,
     /// Seconds until a kiosk hands over, once they are to be told.

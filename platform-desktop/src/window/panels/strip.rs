@@ -67,13 +67,10 @@ pub(super) fn show_status(context: &Context, status: &StudioStatus<'_>) {
     if !status.fast {
         text += "  ·  the paper's path";
     }
-    let right = Area::new(Id::new("hint")).anchor(Align2::RIGHT_TOP, Vec2::new(-12.0, 10.0));
-    let right = right.interactable(false).show(context, |ui| {
-        let hint = Label::new(style::quiet_text("F1 help  ·  Esc start")).extend();
-        style::line_frame().show(ui, |ui| ui.add(hint));
-    });
+    // A visit's panels stand there, and tell what to do.
+    let hint_width = if status.visit.is_some() { 0.0 } else { show_keys_hint(context) };
     let frame = style::line_frame();
-    let beside_hint = right.response.rect.width() + style::MARGIN;
+    let beside_hint = hint_width + style::MARGIN;
     let width = style::largest_content_size(context, &frame).x - beside_hint;
     let left = Area::new(Id::new("status")).anchor(Align2::LEFT_TOP, Vec2::new(12.0, 10.0));
     left.interactable(false).show(context, |ui| {
@@ -92,6 +89,16 @@ pub(super) fn show_status(context: &Context, status: &StudioStatus<'_>) {
             line(ui, RichText::new(format!("Not saved: {fault}")).color(style::WARNING));
         }
     });
+}
+
+/// Tells of keys at the upper right. Returns its width in points.
+fn show_keys_hint(context: &Context) -> f32 {
+    let right = Area::new(Id::new("hint")).anchor(Align2::RIGHT_TOP, Vec2::new(-12.0, 10.0));
+    let right = right.interactable(false).show(context, |ui| {
+        let hint = Label::new(style::quiet_text("F1 help  ·  Esc start")).extend();
+        style::line_frame().show(ui, |ui| ui.add(hint));
+    });
+    right.response.rect.width()
 }
 
 /// Tells a kiosk's visitor, who has done nothing for long, that the next one's turn comes.
@@ -147,7 +154,8 @@ pub(super) fn show_tools(
                 ui.add_space(10.0);
                 show_edits(ui, status, actions);
                 ui.add_space(10.0);
-                if ui.add(Button::new("Finish")).clicked() {
+                // A visit's own panel has it.
+                if status.visit.is_none() && ui.add(Button::new("Finish")).clicked() {
                     finish = FinishButton::Clicked;
                 }
             });

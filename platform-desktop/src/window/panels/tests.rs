@@ -21,6 +21,7 @@ pub(super) fn sculpting_status() -> StudioStatus<'static> {
         held: Some((Tool::Impact, ToolBit::PointChisel)),
         size: BitSize::NATURAL,
         is_steadied: true,
+        visit: None,
         kiosk: false,
         seconds_to_handover: None,
         depth_mm: 5.0,

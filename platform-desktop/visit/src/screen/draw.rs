@@ -112,10 +112,15 @@ impl Screen {
             !state.is_seated,
             false,
         ];
+        // A mouse has no side, and its visitor sits as it pleases.
+        let is_mouse = state.controls == Controls::Mouse;
+        let questions = if is_mouse { 1 } else { 3 };
         let mut buttons = Vec::with_capacity(actions.len());
-        for ((button, action), chosen) in
-            layout::welcome_buttons(0).into_iter().zip(actions).zip(chosen)
-        {
+        let all = layout::welcome_buttons(0, questions).into_iter().zip(actions).zip(chosen);
+        for (k, ((button, action), chosen)) in all.enumerate() {
+            if is_mouse && (2..6).contains(&k) {
+                continue;
+            }
             let look = match action {
                 None => ButtonState::Off,
                 Some(_) if chosen => ButtonState::Chosen,
@@ -125,7 +130,7 @@ impl Screen {
             buttons.push((button.in_state(look), action.unwrap_or(nothing)));
         }
         self.add(PanelSpot::Main, &buttons, |panel, buttons| {
-            layout::draw_welcome(panel, state.language, buttons);
+            layout::draw_welcome(panel, state.language, questions, buttons);
         });
     }
 
@@ -148,7 +153,7 @@ impl Screen {
         let guide = Guide { instruction, icon, step, steps, progress: 0.0 };
         let skip = ButtonAction::Press(PanelAction::Skip { all: false });
         let buttons = layout::guide_buttons(0).map(|button| (button, skip));
-        self.add(PanelSpot::Main, &buttons, |panel, buttons| {
+        self.add(PanelSpot::Guide, &buttons, |panel, buttons| {
             layout::draw_guide(panel, state.language, &guide, buttons);
         });
     }

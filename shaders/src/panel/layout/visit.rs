@@ -9,18 +9,29 @@ use crate::panel::message::{FillingValue, Language, Message};
 use crate::panel::model::{Panel, PanelColor, TextAlign, TextStyle};
 use crate::panel::pose::PanelRect;
 
-const WELCOME_SIZE: [f32; 2] = [1080.0, 720.0];
+/// What a visitor is asked at the welcome, from the top.
+const WELCOME_QUESTIONS: [Message; 3] =
+    [Message::WelcomeLanguage, Message::WelcomeHand, Message::WelcomePosture];
+
+/// From one question of the welcome to the next.
+const WELCOME_ROW: f32 = 122.0;
+
+/// How much of the welcome's height its questions leave.
+const WELCOME_HEIGHT: f32 = 354.0;
 
 /// The buttons of the welcome: English, Greek; left, right; sitting, standing; begin. Numbered from `first_id` on.
+/// Where a mouse is all that there is to hold, `questions` is 1, and only the first two and the last are of use.
 #[must_use]
-pub const fn welcome_buttons(first_id: u16) -> [PanelButton<'static>; 7] {
+pub const fn welcome_buttons(first_id: u16, questions: u16) -> [PanelButton<'static>; 7] {
     const fn at(column: u16, row: u16) -> PanelRect {
-        PanelRect::new(390.0 + 325.0 * column as f32, 176.0 + 122.0 * row as f32, 305.0, 100.0)
+        let [left, top] = [390.0 + 325.0 * column as f32, 176.0 + WELCOME_ROW * row as f32];
+        PanelRect::new(left, top, 305.0, 100.0)
     }
     const fn name(language: Language) -> ButtonLabel<'static> {
         ButtonLabel::MessageIn(Message::LanguageName, language)
     }
     let id = first_id;
+    let begin = PanelRect::new(360.0, 208.0 + WELCOME_ROW * questions as f32, 360.0, 106.0);
     [
         PanelButton::new(id, at(0, 0), Message::LanguageName).with_label(name(Language::English)),
         PanelButton::new(id + 1, at(1, 0), Message::LanguageName).with_label(name(Language::Greek)),
@@ -28,18 +39,21 @@ pub const fn welcome_buttons(first_id: u16) -> [PanelButton<'static>; 7] {
         PanelButton::new(id + 3, at(1, 1), Message::RightHand).with_icon(Icon::RightHand),
         PanelButton::new(id + 4, at(0, 2), Message::Seated).with_icon(Icon::Seat),
         PanelButton::new(id + 5, at(1, 2), Message::Standing).with_icon(Icon::Standing),
-        PanelButton::new(id + 6, PanelRect::new(360.0, 574.0, 360.0, 106.0), Message::Begin)
-            .primary(),
+        PanelButton::new(id + 6, begin, Message::Begin).primary(),
     ]
 }
 
-/// Welcome: language, hand, seated or standing.
-pub fn draw_welcome(panel: &mut Panel, language: Language, buttons: &[PanelButton<'_>]) {
-    begin_panel(panel, WELCOME_SIZE);
+/// Welcome: language, hand, seated or standing; only the first `questions` of them.
+pub fn draw_welcome(
+    panel: &mut Panel,
+    language: Language,
+    questions: u16,
+    buttons: &[PanelButton<'_>],
+) {
+    begin_panel(panel, [1080.0, WELCOME_HEIGHT + WELCOME_ROW * f32::from(questions)]);
     add_title(panel, language, Message::WelcomeTitle, 104.0);
-    let questions = [Message::WelcomeLanguage, Message::WelcomeHand, Message::WelcomePosture];
-    for (row, question) in questions.into_iter().enumerate() {
-        let middle = 226.0 + 122.0 * row as f32;
+    for (row, question) in WELCOME_QUESTIONS.into_iter().take(questions.into()).enumerate() {
+        let middle = 226.0 + WELCOME_ROW * row as f32;
         add_question(panel, language, question, Vec2::new(56.0, middle));
     }
     add_buttons(panel, language, buttons);

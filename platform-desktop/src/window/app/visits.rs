@@ -1,0 +1,150 @@
+//! Visits in the window: what mouse and fingers tell of a visitor, and panels that are held before the eye.
+
+use paros_core::limits::INTERVALS;
+use paros_core::session::TICK_RATE;
+use paros_core::visit::{Presence, VisitPhase};
+use paros_core::volume::{Grid, Size};
+use paros_core::{TickInput, WorldEvent};
+use paros_shaders::panel::Panel;
+use paros_shell::statics::Resident;
+use paros_visit::{Controls, ExportState, POINTERS, Pointer, VisitHost, VisitOptions};
+
+use super::App;
+
+/// Ticks without an event for which a window counts as used: a mouse rests while its visitor looks or reads.
+const QUIET_TICKS: u32 = 15 * TICK_RATE;
+
+/// The cursor's place among the pointers.
+const CURSOR: usize = 2;
+
+/// The window's visits.
+#[derive(Debug)]
+pub(super) struct WindowVisits {
+    pub(super) host: VisitHost,
+    /// Ticks since the last event of mouse, keys or fingers.
+    quiet_ticks: u32,
+    /// Where the cursor was told to be last.
+    cursor: Option<[f32; 2]>,
+    is_pressed: bool,
+    /// It was pressed since the last tick, and may be up again.
+    was_pressed: bool,
+}
+
+impl WindowVisits {
+    /// Visits of a world: they begin there, or go on.
+    pub(super) fn new(options: &VisitOptions, visit: &paros_core::visit::Visit) -> Self {
+        let options = VisitOptions { controls: Controls::Mouse, ..options.clone() };
+        WindowVisits {
+            host: VisitHost::new(options, visit),
+            quiet_ticks: QUIET_TICKS,
+            cursor: None,
+            is_pressed: false,
+            was_pressed: false,
+        }
+    }
+
+    /// Notes that the cursor is somewhere: a window that opens under it has not been used yet.
+    pub(super) fn note_cursor(&mut self, at: [f32; 2]) {
+        let before = self.cursor.replace(at);
+        if before.is_some_and(|before| before != at) {
+            self.note_use();
+        }
+    }
+
+    /// Notes an event of mouse, keys or fingers.
+    pub(super) const fn note_use(&mut self) {
+        self.quiet_ticks = 0;
+    }
+
+    /// Notes the left button, or a finger.
+    pub(super) const fn note_button(&mut self, is_down: bool) {
+        self.is_pressed = is_down;
+        self.was_pressed |= is_down;
+    }
+
+    /// The panels to be drawn.
+    pub(super) fn panels(&self) -> &[Panel] {
+        self.host.panels()
+    }
+}
+
+impl<const N: usize> App<'_, N>
+where
+    Grid<N>: Size + Resident<N, INTERVALS>,
+{
+    /// Where the visit stands, if the window holds visits.
+    pub(super) fn visit_phase(&self) -> Option<VisitPhase> {
+        self.visits.as_ref().map(|_| self.studio.world().visit().phase())
+    }
+
+    /// Whether the cursor is over a panel of the visit's.
+    pub(super) fn is_cursor_on_visit_panel(&self) -> bool {
+        let ray = self.hands.cursor_ray();
+        let on_panel = |visits: &WindowVisits| {
+            ray.is_some_and(|ray| visits.host.covers_ray(ray.origin, ray.direction))
+        };
+        self.visits.as_ref().is_some_and(on_panel)
+    }
+
+    /// Holds the visit's panels before the eye, where they are drawn and pressed.
+    pub(super) fn place_visit_panels(&mut self) {
+        let view = self.hands.orbit.panel_view(self.hands.size);
+        if let Some(visits) = &mut self.visits {
+            visits.host.place_panels(|spot, size| view.panel_pose(spot, size));
+        }
+    }
+
+    /// Puts into a tick's input what the visit is told.
+    pub(super) fn fill_visit_input(&mut self, input: &mut TickInput) {
+        self.place_visit_panels();
+        let ray = self.hands.cursor_ray();
+        let Some(visits) = &mut self.visits else { return };
+        let is_pressed = visits.is_pressed || core::mem::take(&mut visits.was_pressed);
+        let mut pointers = [None; POINTERS];
+        pointers[CURSOR] = ray.map(|ray| Pointer {
+            origin: ray.origin,
+            direction: ray.direction,
+            is_pressed,
+            fingertip: None,
+        });
+        let world = self.studio.world();
+        visits.host.follow_pointers(world.visit(), &pointers);
+        let is_used = visits.quiet_ticks < QUIET_TICKS;
+        visits.quiet_ticks = visits.quiet_ticks.saturating_add(1);
+        visits.host.fill_input(world, (Presence::Unknown, is_used), input);
+    }
+
+    /// Asks the visitor whether the sculpture is ready, or no longer does.
+    pub(super) fn ask_visitor_to_finish(&mut self) {
+        if let Some(visits) = &mut self.visits {
+            visits.host.toggle_finish_question(self.studio.world().visit());
+        }
+    }
+
+    /// Asks the staff for its PIN, or no longer does.
+    pub(super) fn ask_staff(&mut self) {
+        if let Some(visits) = &mut self.visits {
+            visits.host.toggle_staff_panel();
+        }
+    }
+
+    /// Takes in what a tick did.
+    pub(super) fn follow_visit_tick(&mut self) {
+        let Some(visits) = &mut self.visits else { return };
+        let world = self.studio.world();
+        let export = ExportState {
+            is_busy: self.studio.is_exporting(),
+            is_kept: self.studio.session_stl_path().is_some(),
+            part: self.studio.export_part(),
+            pending: u32::from(self.studio.has_writes_to_retry()),
+        };
+        visits.host.follow_tick(world, &export);
+        let is_new_visit = |event: &WorldEvent| {
+            matches!(event, WorldEvent::Visit(VisitPhase::Welcome | VisitPhase::Attract))
+        };
+        if world.events().iter().any(is_new_visit) {
+            self.hands.drop_input();
+            self.hands.reset_eye_and_depths();
+        }
+    }
+}
