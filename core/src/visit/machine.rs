@@ -380,6 +380,7 @@ impl Visit {
             }
             VisitPhase::Guided => self.clock_ticks = self.plan.ticks(PlanSetting::Length),
             VisitPhase::Sculpting => (self.is_clock_running, self.is_left) = (true, false),
+            VisitPhase::HandsOff => decision.puts_back = true,
             VisitPhase::Export => decision.finishes = true,
             _ => {}
         }

@@ -143,8 +143,11 @@ impl Exhibition {
                 _ => false,
             })
         };
+        let holds_tool = (0..2).any(|hand| world.held_tool(hand).is_some());
         let seen = SeenTick {
-            holds_tool: (0..2).any(|hand| world.held_tool(hand).is_some()),
+            // What was taken may have been put back, by what the visit decided.
+            holds_tool: holds_tool
+                || world.events().iter().any(|event| matches!(event, WorldEvent::Took { .. })),
             touches: (0..2).any(|hand| world.hand_contact(hand).is_some_and(|c| c.overlap > 0)),
             cuts: edited(Some(false)) && (0..2).any(|hand| world.edit_report(hand).removed > 0),
             edits: edited(None),
@@ -164,6 +167,7 @@ impl Exhibition {
         });
         let missing = world.events().contains(&WorldEvent::NoSuchStart);
         assert!(started == start || missing && start.is_some(), "{started:?}, not {start:?}");
+        assert!(visit.phase().lets_hands_work() || !holds_tool, "a tool hangs in the air");
         if let Some(seconds) = visit.seconds_left() {
             assert_eq!(seconds, model.clock.div_ceil(TICK_RATE));
         }
