@@ -98,6 +98,8 @@ fn open_window(args: &Args) -> Result<String, WindowError> {
     let is_chosen = size.is_none() && args.script.is_none();
     let size_choice = is_chosen.then(|| SizeChoice::choose(args.folder.as_deref()));
     let size = size.or(size_choice.map(|choice| choice.grid_side));
+    let visits = settings.visits.as_ref().map(VisitOptions::of_settings);
+    let visits = visits.or_else(|| args.visits.then(VisitOptions::default));
     let options = WindowOptions {
         size_choice,
         file: args.file.clone(),
@@ -105,7 +107,7 @@ fn open_window(args: &Args) -> Result<String, WindowError> {
         record: args.record.clone().or(settings.record),
         script: args.script.clone(),
         kiosk: (args.kiosk || settings.kiosk).then_some(settings.kiosk_handover_after),
-        visits: args.visits.then(VisitOptions::default),
+        visits,
         settings_faults: faults,
         validation: args.validation,
     };

@@ -4,7 +4,7 @@ use std::fs;
 
 use glam::{Quat, Vec2, Vec3};
 use paros_shaders::panel::PanelRect;
-use paros_shaders::panel::layout::{self, Clock};
+use paros_shaders::panel::layout;
 use paros_shaders::panel::{Icon, Message};
 use paros_shell::require::{MissingDependency, require_or_skip};
 use paros_visit::{PanelSpot, WindowView};
@@ -16,7 +16,9 @@ use crate::rig::{
 /// Tangent of half the height of a picture that no bar covers, as the window's camera has it.
 const HALF: f32 = 0.376_4;
 
+/// Sizes of panels in millimetres.
 const WELCOME: [f32; 2] = [1080.0, 476.0];
+const CHOICE: [f32; 2] = [1020.0, 580.0];
 
 /// Clicks on the middle of a button of a panel that nothing covers.
 fn click(visit: &mut ScriptedWindow, spot: PanelSpot, size: [f32; 2], button: PanelRect) {
@@ -31,43 +33,88 @@ fn click(visit: &mut ScriptedWindow, spot: PanelSpot, size: [f32; 2], button: Pa
     visit.do_all(&[&to, "wait 4", "press left", "wait 2", "release left", "wait 4"]);
 }
 
+/// Short times, so that a machine without a GPU plays them.
+const SETTINGS: &str = "visits = true
+hands_off_seconds = 1
+badge_least_seconds = 2
+thanks_seconds = 5
+ready_seconds = 3
+";
+
 #[test]
 fn a_visitor_comes_and_leaves_with_a_badge() -> Result<(), MissingDependency> {
     let folder = empty_folder("exhibition");
     let Some(display) = require_or_skip(XvfbDisplay::new(&folder))? else { return Ok(()) };
+    let settings = folder.join("paros.toml");
+    fs::write(&settings, SETTINGS).expect("settings");
+    let settings = settings.display().to_string();
     let mut visit = ScriptedWindow::spawn_with(
         paros_command(&folder).env("DISPLAY", &display.name),
-        &["--visits"],
+        &["--settings", &settings],
     );
     visit.do_all(&["size 1000 700", "wait 10"]);
+    assert_eq!(visit.ask_state("visit"), "Attract TakeTool");
     let stone = visit.voxel_count();
     visit.screenshot(&display, "1-attract");
-    visit.do_step("wait 500");
+    visit.do_step("wait 400");
     assert!(visit.voxel_count() < stone, "nobody carves");
     visit.screenshot(&display, "2-attract-later");
-    visit.do_all(&["move 50 50", "wait 4"]);
-    assert_eq!(visit.ask_state("visit"), "Welcome TakeTool");
-    visit.screenshot(&display, "3-welcome");
-    let welcome = layout::welcome_buttons(0, 1);
-    click(&mut visit, PanelSpot::Main, WELCOME, welcome[1].rect);
-    visit.screenshot(&display, "4-welcome-greek");
-    click(&mut visit, PanelSpot::Main, WELCOME, welcome[0].rect);
-    click(&mut visit, PanelSpot::Main, WELCOME, welcome[6].rect);
-    assert_eq!(visit.ask_state("visit"), "Choice TakeTool");
-    visit.screenshot(&display, "5-choice");
-    let cards = layout::choice_buttons(0, &[(Message::ChoiceFree, Icon::Stone); 3]);
-    click(&mut visit, PanelSpot::Main, [1020.0, 580.0], cards[1].rect);
-    assert_eq!(visit.ask_state("visit"), "Guided TakeTool");
-    assert!(visit.ask_state("mode").starts_with("Constrained"), "the owl's card");
-    visit.screenshot(&display, "6-guided");
-    visit.do_all(&["key 1", "wait 4", "move 45 70", "wait 20"]);
-    visit.screenshot(&display, "7-touch");
-    println!("{}", visit.ask_state("visit"));
-    visit.do_all(&["press left", "move 55 72", "wait 60", "release left", "wait 20"]);
-    println!("{}", visit.ask_state("visit"));
-    visit.screenshot(&display, "8-cut");
-    let _ = (Clock::default(), fs::metadata(&folder), count_differing);
+    choose_the_owl(&mut visit, &display);
+    cut_and_finish(&mut visit, &display);
+    for phase in ["Thanks", "Handover", "Attract"] {
+        let wait = if phase == "Thanks" { "wait 4" } else { "wait 380" };
+        visit.do_step(wait);
+        visit.screenshot(&display, phase);
+        assert!(visit.ask_state("visit").starts_with(phase), "{}", visit.ask_state("visit"));
+    }
     let (code, complaints) = visit.close();
     assert_eq!((code, &*complaints), (Some(0), ""));
+    let print = folder.join("Paros/sculpture-001.stl");
+    assert!(print.exists(), "no print of the visitor's");
+    assert!(!folder.join("Paros/sculpture-002.stl").exists(), "a print of nobody's");
     Ok(())
+}
+
+/// From the first movement of the mouse to the guided cut.
+fn choose_the_owl(visit: &mut ScriptedWindow, display: &XvfbDisplay) {
+    visit.do_all(&["move 50 50", "wait 4"]);
+    assert_eq!(visit.ask_state("visit"), "Welcome TakeTool");
+    let english = visit.screenshot(display, "3-welcome");
+    let welcome = layout::welcome_buttons(0, 1);
+    click(visit, PanelSpot::Main, WELCOME, welcome[1].rect);
+    let greek = visit.screenshot(display, "4-welcome-greek");
+    let pixels = count_differing(&english, &greek, [0, WIDTH], [0, HEIGHT]);
+    assert!(pixels > 5_000, "the language is seen in {pixels} pixels");
+    click(visit, PanelSpot::Main, WELCOME, welcome[0].rect);
+    click(visit, PanelSpot::Main, WELCOME, welcome[6].rect);
+    assert_eq!(visit.ask_state("visit"), "Choice TakeTool");
+    visit.screenshot(display, "5-choice");
+    let cards = layout::choice_buttons(0, &[(Message::ChoiceFree, Icon::Stone); 3]);
+    click(visit, PanelSpot::Main, CHOICE, cards[1].rect);
+    assert_eq!(visit.ask_state("visit"), "Guided TakeTool");
+    assert!(visit.ask_state("mode").starts_with("Constrained"), "the owl's card");
+    visit.screenshot(display, "6-guided");
+}
+
+/// From the tool in hand to the badge, of which the visitor has seen enough.
+fn cut_and_finish(visit: &mut ScriptedWindow, display: &XvfbDisplay) {
+    visit.do_all(&["key 1", "wait 4", "move 45 45", "wait 20"]);
+    visit.do_all(&["press left", "move 55 47", "wait 60", "release left", "wait 20"]);
+    let done = visit.ask_state("visit");
+    visit.screenshot(display, "7-cut");
+    assert_eq!(done, "Guided Smooth");
+    visit.do_all(&["key enter", "wait 4"]);
+    visit.screenshot(display, "8-question");
+    assert_eq!(visit.ask_state("visit"), "Guided Smooth", "asked once");
+    visit.do_all(&["key escape", "wait 2", "key enter", "wait 4"]);
+    assert_eq!(visit.ask_state("visit"), "Guided Smooth", "asked once again");
+    visit.do_all(&["key enter", "wait 4"]);
+    assert_eq!(visit.ask_state("visit"), "HandsOff Smooth");
+    visit.screenshot(display, "9-hands-off");
+    visit.do_all(&["wait 100", "settle", "wait 6"]);
+    assert_eq!(visit.ask_state("visit"), "Badge Smooth");
+    visit.screenshot(display, "10-badge");
+    visit.do_all(&["move 20 20", "wait 150"]);
+    let next = layout::badge_buttons(0)[0].rect;
+    click(visit, PanelSpot::Main, [1000.0, 936.0], next);
 }

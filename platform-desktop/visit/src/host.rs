@@ -223,6 +223,19 @@ impl VisitHost {
         self.ask(if asks { Question::Finish } else { Question::None });
     }
 
+    /// Asks the visitor whether the sculpture is ready; where that is being asked, it is.
+    pub fn ask_or_confirm_finish(&mut self, visit: &Visit) {
+        match self.question {
+            Question::Finish => self.perform(ButtonAction::Press(PanelAction::Finish)),
+            _ => self.toggle_finish_question(visit),
+        }
+    }
+
+    /// Asks nothing more.
+    pub fn drop_question(&mut self) {
+        self.ask(Question::None);
+    }
+
     /// Whether the room is to be turned to who wears the headset; told once.
     pub fn take_recentring(&mut self) -> bool {
         core::mem::take(&mut self.recentres)

@@ -1,9 +1,11 @@
 //! What a shell says of its visits.
 
+use paros_core::badge::BadgeLanguage;
 use paros_core::session::SessionMode;
 use paros_core::visit::VisitCommand;
 use paros_shaders::panel::Language;
 use paros_shell::modes::parse_mode;
+use paros_shell::settings::{StaffPin, VisitSettings};
 
 /// What visitors work with: their texts tell of it.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
@@ -27,7 +29,7 @@ pub struct VisitOptions {
     /// Ways to start on offer; with one there is nothing to choose.
     pub starts: Vec<SessionMode>,
     /// The staff's PIN; without one its panel stays shut.
-    pub staff_pin: Option<[u8; 4]>,
+    pub staff_pin: Option<StaffPin>,
     /// What visitors work with at first.
     pub controls: Controls,
     /// Random bits for badges, from the operating system.
@@ -58,6 +60,22 @@ impl Default for VisitOptions {
 }
 
 impl VisitOptions {
+    /// Those of settings.
+    #[must_use]
+    pub fn of_settings(settings: &VisitSettings) -> Self {
+        let language = |name: &BadgeLanguage| match name {
+            BadgeLanguage::English => Language::English,
+            BadgeLanguage::Greek => Language::Greek,
+        };
+        VisitOptions {
+            plan: settings.plan_commands(),
+            languages: settings.languages.iter().map(language).collect(),
+            starts: settings.starts.iter().map(|start| start.mode).collect(),
+            staff_pin: settings.staff_pin,
+            ..VisitOptions::default()
+        }
+    }
+
     /// The language of a number of the visit's.
     pub(crate) fn language(&self, number: u8) -> Language {
         let first = self.languages.first().copied().unwrap_or_default();

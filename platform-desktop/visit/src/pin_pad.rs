@@ -4,6 +4,7 @@
 
 use paros_core::session::TICK_RATE;
 use paros_shaders::panel::layout::PinEntry;
+use paros_shell::settings::StaffPin;
 
 /// Wrong PINs in a row after which none is taken for a while.
 const TRIES: u8 = 5;
@@ -14,7 +15,7 @@ const LOCKED_TICKS: u32 = 60 * TICK_RATE;
 /// What has been entered, and how often it was wrong.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct PinPad {
-    pin: [u8; 4],
+    pin: StaffPin,
     entered: [u8; 4],
     count: usize,
     is_wrong: bool,
@@ -24,7 +25,7 @@ pub(crate) struct PinPad {
 
 impl PinPad {
     /// For a PIN, nothing entered.
-    pub(crate) const fn new(pin: [u8; 4]) -> Self {
+    pub(crate) const fn new(pin: StaffPin) -> Self {
         PinPad { pin, entered: [0; 4], count: 0, is_wrong: false, failed: 0, locked_ticks: 0 }
     }
 
@@ -44,7 +45,7 @@ impl PinPad {
         if self.count < self.entered.len() {
             return false;
         }
-        let is_right = self.entered == self.pin;
+        let is_right = self.pin.matches(&self.entered);
         self.forget();
         self.failed = if is_right { 0 } else { self.failed + 1 };
         self.is_wrong = !is_right;
@@ -76,7 +77,11 @@ impl PinPad {
 
 #[cfg(test)]
 mod tests {
-    use super::{LOCKED_TICKS, PinEntry, PinPad, TRIES};
+    use super::{LOCKED_TICKS, PinEntry, PinPad, StaffPin, TRIES};
+
+    fn pad(pin: &str) -> PinPad {
+        PinPad::new(StaffPin::from_text(pin).expect("four digits"))
+    }
 
     fn enter(pad: &mut PinPad, pin: [u8; 4]) -> bool {
         pin.map(|digit| pad.press_digit(digit))[3]
@@ -84,7 +89,7 @@ mod tests {
 
     #[test]
     fn the_pin_opens_and_nothing_else() {
-        let mut pad = PinPad::new([1, 2, 3, 4]);
+        let mut pad = pad("1234");
         assert!(!enter(&mut pad, [1, 2, 3, 5]));
         assert_eq!(pad.entry(), PinEntry::Wrong);
         pad.press_digit(1);
@@ -98,7 +103,7 @@ mod tests {
 
     #[test]
     fn after_five_wrong_ones_even_the_right_one_waits_a_minute() {
-        let mut pad = PinPad::new([0; 4]);
+        let mut pad = pad("0000");
         for _ in 0..TRIES {
             assert!(!enter(&mut pad, [9; 4]));
             // Closing the panel gives no more tries.
@@ -115,7 +120,7 @@ mod tests {
 
     #[test]
     fn a_right_one_forgives_those_before() {
-        let mut pad = PinPad::new([5, 5, 5, 5]);
+        let mut pad = pad("5555");
         for _ in 0..4 {
             for _ in 1..TRIES {
                 assert!(!enter(&mut pad, [1; 4]));

@@ -13,6 +13,8 @@ pub enum PanelSpot {
     Guide,
     /// Beside the stone, out of the way.
     Side,
+    /// There too, where it is all that is shown: larger in a window.
+    Caption,
 }
 
 /// The foot of what stands before the visitor: it is seen above the stone.
@@ -36,6 +38,7 @@ const MAIN_PARTS: [f32; 2] = [0.86, 0.62];
 /// The same of those beside the stone, on the left and on the right.
 const GUIDE_PARTS: [f32; 2] = [0.36, 0.34];
 const SIDE_PARTS: [f32; 2] = [0.26, 0.5];
+const CAPTION_PARTS: [f32; 2] = [0.42, 0.5];
 
 /// Between them and the picture's edges, in parts of its height: at the side, and above, where the status stands.
 const SIDE_MARGINS: [f32; 2] = [0.03, 0.075];
@@ -61,7 +64,7 @@ pub fn room_pose(spot: PanelSpot, [_, height_mm]: [f32; 2], eye_height: f32) -> 
     let half = 0.5e-3 * height_mm;
     let middle = match spot {
         PanelSpot::Main | PanelSpot::Guide => Vec3::new(0.0, MAIN_FOOT + half, MAIN_DEPTH),
-        PanelSpot::Side => SIDE_HEAD - Vec3::Y * half,
+        PanelSpot::Side | PanelSpot::Caption => SIDE_HEAD - Vec3::Y * half,
     };
     PanelPose::facing(middle, Vec3::Y * eye_height.clamp(EYE_HEIGHTS[0], EYE_HEIGHTS[1]))
 }
@@ -75,15 +78,16 @@ impl WindowView {
             PanelSpot::Main => MAIN_PARTS,
             PanelSpot::Guide => GUIDE_PARTS,
             PanelSpot::Side => SIDE_PARTS,
+            PanelSpot::Caption => CAPTION_PARTS,
         };
         // Tangents of a millimetre.
         let fits = (2.0 * self.right * across / width_mm).min(high * down / height_mm);
         let at = match spot {
             PanelSpot::Main => [0.0, 0.5 * (self.up + self.down)],
-            PanelSpot::Guide | PanelSpot::Side => {
+            PanelSpot::Guide | PanelSpot::Side | PanelSpot::Caption => {
                 let [aside, above] = SIDE_MARGINS.map(|margin| margin * high);
                 let right = self.right - aside - 0.5 * fits * width_mm;
-                let across = if spot == PanelSpot::Side { right } else { -right };
+                let across = if spot == PanelSpot::Guide { -right } else { right };
                 [across, self.up - above - 0.5 * fits * height_mm]
             }
         };
@@ -99,6 +103,9 @@ impl WindowView {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    const ALL: [PanelSpot; 4] =
+        [PanelSpot::Main, PanelSpot::Guide, PanelSpot::Side, PanelSpot::Caption];
 
     /// From seated children to tall people: what is before the visitor is seen above the highest stone.
     #[test]
@@ -124,7 +131,7 @@ mod tests {
             let rotation = Quat::from_rotation_y(0.4) * Quat::from_rotation_x(-0.3);
             let view = WindowView { position: Vec3::new(0.3, 1.4, 0.2), rotation, right, up, down };
             for size in [[1080.0, 720.0], [560.0, 640.0], [1358.0, 900.0]] {
-                for spot in [PanelSpot::Main, PanelSpot::Guide, PanelSpot::Side] {
+                for spot in ALL {
                     let pose = view.panel_pose(spot, size);
                     for corner in [[-0.5, -0.5], [0.5, 0.5]] {
                         let at = Vec3::new(corner[0] * size[0], corner[1] * size[1], 0.0) * 1e-3;

@@ -113,7 +113,7 @@ where
             }
             KeyCommand::Record => self.studio.submit_trace_and_own_volume(),
             // There is no start panel then.
-            KeyCommand::Back if self.visits.is_some() => self.panels.close_help(),
+            KeyCommand::Back if self.visits.is_some() => self.close_topmost_in_visit(),
             KeyCommand::Back => self.panels.close_topmost_or_toggle_start(session),
         }
     }

@@ -11,7 +11,7 @@ use super::App;
 use crate::window::display::supports_file_drops;
 use crate::window::hands::RIGHT;
 use crate::window::panels::{
-    BitOutline, ItemGlow, MirrorGuide, StudioStatus, is_pasting_beyond_box,
+    BitOutline, ItemGlow, MirrorGuide, StudioStatus, is_at_work, is_pasting_beyond_box,
 };
 
 impl<const N: usize> App<'_, N>
@@ -66,7 +66,10 @@ where
             glow: glow.as_ref(),
         };
         let (output, actions) = self.panels.lay_out(&status);
-        self.hands.orbit.set_covered_part(self.panels.covered_part());
+        // Without tools to choose from there is no bar.
+        let has_bar = self.visit_phase().is_none_or(is_at_work);
+        let covered = if has_bar { self.panels.covered_part() } else { 0.0 };
+        self.hands.orbit.set_covered_part(covered);
         self.egui_buffers.apply_atlas_changes(&output.textures_delta);
         let scale = output.pixels_per_point;
         let triangles = self.panels.context.tessellate(output.shapes, scale);

@@ -114,10 +114,20 @@ where
         visits.host.fill_input(world, (Presence::Unknown, is_used), input);
     }
 
-    /// Asks the visitor whether the sculpture is ready, or no longer does.
+    /// Asks the visitor whether the sculpture is ready; asked twice, it is.
     pub(super) fn ask_visitor_to_finish(&mut self) {
         if let Some(visits) = &mut self.visits {
-            visits.host.toggle_finish_question(self.studio.world().visit());
+            visits.host.ask_or_confirm_finish(self.studio.world().visit());
+        }
+    }
+
+    /// Closes the help, or what is asked.
+    pub(super) fn close_topmost_in_visit(&mut self) {
+        if self.panels.close_help() {
+            return;
+        }
+        if let Some(visits) = &mut self.visits {
+            visits.host.drop_question();
         }
     }
 

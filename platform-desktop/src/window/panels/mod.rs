@@ -202,9 +202,9 @@ impl Panels {
         }
     }
 
-    /// Closes the help.
-    pub(super) fn close_help(&mut self) {
-        self.help = false;
+    /// Closes the help. Whether it was open.
+    pub(super) fn close_help(&mut self) -> bool {
+        core::mem::take(&mut self.help)
     }
 
     /// Closes the topmost panel: question, browser, confirmation or help. Without one it toggles the start panel.
@@ -350,7 +350,7 @@ impl Panels {
 }
 
 /// Whether visitors work on the stone, and need their tools: what else a visit shows stands in its own panels.
-const fn is_at_work(phase: VisitPhase) -> bool {
+pub(super) const fn is_at_work(phase: VisitPhase) -> bool {
     matches!(phase, VisitPhase::Guided | VisitPhase::Sculpting)
 }
 

@@ -10,6 +10,7 @@ use paros_core::visit::{GuideStep, PlanSetting, Presence, VisitCommand, VisitPha
 use paros_core::{TickInput, World};
 use paros_shaders::panel::Language;
 use paros_shell::modes::parse_mode;
+use paros_shell::settings::StaffPin;
 use paros_shell::tick_runner::{TickRunner, with_fresh_world};
 
 use super::{ExportState, VisitHost};
@@ -27,7 +28,7 @@ fn options() -> VisitOptions {
         plan: vec![VisitCommand::Set { setting: PlanSetting::Length, value: 200 }],
         languages: vec![Language::Greek, Language::English],
         starts: vec![SessionMode::FreeForm, owl, SessionMode::Creative],
-        staff_pin: Some([2, 0, 2, 6]),
+        staff_pin: StaffPin::from_text("2026"),
         controls: Controls::Controllers,
         random_bits: || 4242,
     }

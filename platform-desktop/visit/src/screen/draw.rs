@@ -35,7 +35,8 @@ impl Screen {
             Question::Pin => self.draw_pin(state),
             Question::Staff => self.draw_staff(state),
         }
-        if is_at_work {
+        // Beside a question it would be pressed by mistake, and in a window partly covered.
+        if is_at_work && state.question == Question::None {
             self.draw_clock(state);
         }
         for shown in &self.buttons {
@@ -54,7 +55,7 @@ impl Screen {
                     Controls::Mouse => Message::AttractBodyMouse,
                     Controls::Controllers | Controls::BareHands => Message::AttractBody,
                 };
-                self.add(PanelSpot::Side, &[], |panel, _| layout::draw_attract(panel, body));
+                self.add(PanelSpot::Caption, &[], |panel, _| layout::draw_attract(panel, body));
             }
             VisitPhase::Welcome => self.draw_welcome(state, options),
             VisitPhase::Choice => self.draw_choice(state, options),
@@ -76,7 +77,7 @@ impl Screen {
                 };
                 let what = (Icon::Badge, Message::ThanksTitle, body);
                 // The sculpture is what there is to see.
-                self.draw_notice(state, PanelSpot::Side, what, None);
+                self.draw_notice(state, PanelSpot::Caption, what, None);
             }
             VisitPhase::Handover => {
                 let button = layout::notice_button(0, Message::HandoverCleaned, 0, 1).primary();
