@@ -154,8 +154,11 @@ fn panels_lie_within_windows_of_every_size_and_nothing_is_cut_off() {
 #[test]
 fn notices_stay_within_the_smallest_window() {
     let mut panels = in_studio();
-    for _ in 0..4 {
-        panels.show_notice(Notice::Bad("something long to read ".repeat(20)));
+    for number in 0..4 {
+        let text = format!("{number} {}", "something long to read ".repeat(20));
+        panels.show_notice(Notice::Bad(text.clone()));
+        panels.show_notice(Notice::Bad(text));
+        assert_eq!(panels.notices.len(), number + 1, "the same one twice is one");
     }
     let (screen, shapes) = lay_out(&mut panels, WINDOWS[0], &sculpting_status());
     assert_eq!(find_cut_off(screen, &shapes), [""; 0]);
@@ -228,6 +231,19 @@ fn the_part_that_the_tool_bar_covers_stays_as_the_bar_changes_and_begins_anew_wi
     assert_eq!(panels.covered_part(), covered, "the bar is lower, the picture stays");
     lay_out(&mut panels, ([1920, 1080], 1.0), &status);
     assert!(panels.covered_part() < 0.14, "{}", panels.covered_part());
+}
+
+#[test]
+fn a_finished_sculpture_lies_above_its_panel_as_above_the_tool_bar() {
+    let mut panels = in_studio();
+    let finished = StudioStatus { session: SessionState::Finished, ..sculpting_status() };
+    lay_out(&mut panels, WINDOWS[0], &finished);
+    let area = panels.context.memory(|memory| memory.area_rect("finished")).expect("it is shown");
+    let covered = 1.0 - area.top() / WINDOWS[0].0[1] as f32;
+    let told = panels.covered_part();
+    assert!(told > 0.3 && (told - covered).abs() < 0.01, "{told} of {covered}");
+    lay_out(&mut panels, ([1920, 1080], 1.0), &finished);
+    assert!(panels.covered_part() < 0.2, "another size: {}", panels.covered_part());
 }
 
 #[test]

@@ -46,8 +46,8 @@ pub(super) struct Panels {
     pub(super) input: RawInput,
     /// Pixels of the window per point of the panels.
     pixels_per_point: f32,
-    /// The largest part of the window's height that the tool bar has covered at its size: the picture stays where it is
-    /// while the bar changes.
+    /// The largest part of the window's height that the tool bar, or the panel of what is finished, has covered at its
+    /// size: the picture stays where it is while they change.
     covered_part: f32,
     /// Pictures of the starts, side by side.
     start_pictures: Option<TextureHandle>,
@@ -130,7 +130,7 @@ impl Panels {
         Pos2::new(pixel[0], pixel[1]) / self.pixels_per_point
     }
 
-    /// The part of the window's height, from its bottom, that the tool bar covers.
+    /// The part of the window's height, from its bottom, that the tool bar or the panel of what is finished covers.
     #[must_use]
     pub(super) const fn covered_part(&self) -> f32 {
         self.covered_part
@@ -148,9 +148,10 @@ impl Panels {
         !self.start && self.browser.is_none() && self.asked_start.is_none()
     }
 
-    /// Shows a notice for [`NOTICE_SECONDS`].
+    /// Shows a notice for [`NOTICE_SECONDS`], once at a time.
     pub(super) fn show_notice(&mut self, notice: Notice) {
         let until = self.context.input(|input| input.time) + NOTICE_SECONDS;
+        self.notices.retain(|(shown, _)| *shown != notice);
         self.notices.push((notice, until));
         if self.notices.len() > 4 {
             self.notices.remove(0);
@@ -298,11 +299,15 @@ impl Panels {
             strip::show_handover(context, seconds);
         }
         match status.session {
-            SessionState::Finished => match strip::show_finished(context, status) {
-                None => {}
-                Some(FinishedChoice::SomethingNew) => self.start = true,
-                Some(FinishedChoice::Action(action)) => self.actions.push(action),
-            },
+            SessionState::Finished => {
+                let panel = strip::show_finished(context, status);
+                match panel.choice {
+                    None => {}
+                    Some(FinishedChoice::SomethingNew) => self.start = true,
+                    Some(FinishedChoice::Action(action)) => self.actions.push(action),
+                }
+                self.note_covered(context, panel.height);
+            }
             _ if self.finishing => match strip::show_confirmation(context) {
                 strip::Confirmation::None => {}
                 strip::Confirmation::No => self.finishing = false,
@@ -319,10 +324,14 @@ impl Panels {
                 let hint = self.hints.text(work).filter(|_| status.visit.is_none());
                 let bar = strip::show_tools(context, status, hint, &mut self.actions);
                 self.finishing = bar.finish == FinishButton::Clicked;
-                let covered = bar.height / context.content_rect().height();
-                self.covered_part = self.covered_part.max(covered);
+                self.note_covered(context, bar.height);
             }
         }
+    }
+
+    /// Notes a panel that covers the window's bottom, up to this height in points.
+    fn note_covered(&mut self, context: &Context, height: f32) {
+        self.covered_part = self.covered_part.max(height / context.content_rect().height());
     }
 
     fn show_notices(&mut self, context: &Context) {

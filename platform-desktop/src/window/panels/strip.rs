@@ -35,6 +35,13 @@ pub(super) struct ToolBar {
     pub(super) height: f32,
 }
 
+/// What a frame's panel at the end of a session did.
+pub(super) struct FinishedPanel {
+    pub(super) choice: Option<FinishedChoice>,
+    /// As that of [`ToolBar`].
+    pub(super) height: f32,
+}
+
 /// What was clicked at the end of a session.
 pub(super) enum FinishedChoice {
     /// The start panel is to be shown.
@@ -134,7 +141,7 @@ pub(super) fn show_tools(
     actions: &mut Vec<PanelAction>,
 ) -> ToolBar {
     let mut finish = FinishButton::NotClicked;
-    let is_measured = context.memory(|memory| memory.area_rect("tools")).is_some();
+    let is_measured = is_area_measured(context, "tools");
     let bottom =
         Area::new(Id::new("tools")).anchor(Align2::CENTER_BOTTOM, Vec2::new(0.0, -BOTTOM_GAP));
     let shown = bottom.show(context, |ui| {
@@ -164,9 +171,13 @@ pub(super) fn show_tools(
             }
         });
     });
-    // In its first frame it hasn't its size yet.
     let height = if is_measured { shown.response.rect.height() + BOTTOM_GAP } else { 0.0 };
     ToolBar { finish, height }
+}
+
+/// Whether an area has its size: not yet in its first frame.
+fn is_area_measured(context: &Context, name: &'static str) -> bool {
+    context.memory(|memory| memory.area_rect(name)).is_some()
 }
 
 fn show_edits(ui: &mut Ui, status: &StudioStatus<'_>, actions: &mut Vec<PanelAction>) {
@@ -281,15 +292,13 @@ pub(super) fn show_confirmation(context: &Context) -> Confirmation {
 }
 
 /// Shows the end of a session, with the print's path.
-pub(super) fn show_finished(
-    context: &Context,
-    status: &StudioStatus<'_>,
-) -> Option<FinishedChoice> {
+pub(super) fn show_finished(context: &Context, status: &StudioStatus<'_>) -> FinishedPanel {
     debug_assert_eq!(status.session, SessionState::Finished);
     let mut choice = None;
+    let is_measured = is_area_measured(context, "finished");
     let bottom =
         Area::new(Id::new("finished")).anchor(Align2::CENTER_BOTTOM, Vec2::new(0.0, -BOTTOM_GAP));
-    bottom.show(context, |ui| {
+    let shown = bottom.show(context, |ui| {
         style::show_within_window(ui, style::card_frame(), 520.0, |ui| {
             ui.label(RichText::new("Finished").size(19.0));
             match (status.printing, status.printed) {
@@ -304,11 +313,16 @@ pub(super) fn show_finished(
                     let text = "the print could not be written, but is not lost yet";
                     ui.label(RichText::new(text).color(style::WARNING))
                 }
-                (false, None) => ui.label(style::quiet_text("there is no print of it")),
+                (false, None) => {
+                    let text = "no print of it was made since the window opened";
+                    ui.label(style::quiet_text(text))
+                }
             };
-            ui.label(style::quiet_text("Drag over it to see it from all sides."));
+            ui.label(style::quiet_text(
+                "Drag over it to see it from all sides, wheel: nearer, farther.",
+            ));
             ui.horizontal_wrapped(|ui| {
-                if ui.add(style::choice_button("Something new", true)).clicked() {
+                if ui.add(style::choice_button("Something new  (Esc)", true)).clicked() {
                     choice = Some(FinishedChoice::SomethingNew);
                 }
                 if ui.add(Button::new("Carve on")).clicked() {
@@ -320,7 +334,8 @@ pub(super) fn show_finished(
             });
         });
     });
-    choice
+    let height = if is_measured { shown.response.rect.height() + BOTTOM_GAP } else { 0.0 };
+    FinishedPanel { choice, height }
 }
 
 pub(super) const fn tool_name(tool: Tool) -> &'static str {
