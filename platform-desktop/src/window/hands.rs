@@ -76,8 +76,8 @@ where
     /// The trigger is pulled half way, by which a rasp works lightly.
     pulls_lightly: bool,
     orbiting: bool,
-    /// The left button looks around, as it has nothing else to do on a finished sculpture.
-    orbiting_by_left: bool,
+    /// Another button than the right one looks around, as it has nothing else to do on a finished sculpture.
+    orbiting_unasked: bool,
     dragging_stool: bool,
     turning: [bool; 2],
     /// Turn of the stool that no tick has taken yet, in 65,536ths of a turn.
@@ -108,7 +108,7 @@ where
             lifts_trigger: false,
             pulls_lightly: false,
             orbiting: false,
-            orbiting_by_left: false,
+            orbiting_unasked: false,
             dragging_stool: false,
             turning: [false; 2],
             turn: 0.0,
@@ -133,14 +133,22 @@ where
 
     /// Handles an input event.
     pub(super) fn handle_event(&mut self, event: InputEvent, world: &World<N, INTERVALS>) {
+        let is_finished = world.session_state() == SessionState::Finished;
         match event {
             InputEvent::Moved(to) => self.move_cursor(to),
             InputEvent::Gone => self.cursor = None,
+            // What is finished is looked at: no tool works, and the stool stands still.
+            InputEvent::Pressed(HandButton::Left | HandButton::Middle) if is_finished => {
+                self.orbiting_unasked = true;
+            }
+            InputEvent::Wheel(notches) if is_finished => self.orbit.zoom_in(notches),
             InputEvent::Pressed(HandButton::Left) => self.press_left(world),
             InputEvent::Pressed(HandButton::Middle) => self.dragging_stool = true,
             InputEvent::Pressed(HandButton::Right) => self.orbiting = true,
             InputEvent::Released(HandButton::Left) => self.release_left(),
-            InputEvent::Released(HandButton::Middle) => self.dragging_stool = false,
+            InputEvent::Released(HandButton::Middle) => {
+                (self.dragging_stool, self.orbiting_unasked) = (false, false);
+            }
             InputEvent::Released(HandButton::Right) => self.orbiting = false,
             InputEvent::Wheel(notches) => self.change_depth_by(notches * NOTCH_MM, world),
             InputEvent::Zoom(notches) => self.orbit.zoom_in(notches),
@@ -149,7 +157,7 @@ where
             InputEvent::LetGo => {
                 self.pulls_lightly = false;
                 (self.running, self.orbiting, self.dragging_stool) = (false, false, false);
-                self.orbiting_by_left = false;
+                self.orbiting_unasked = false;
                 self.is_released = false;
                 self.turning = [false; 2];
             }
@@ -287,7 +295,7 @@ where
     fn move_cursor(&mut self, to: [f32; 2]) {
         if let Some(from) = self.cursor {
             let by = [to[0] - from[0], to[1] - from[1]];
-            if self.orbiting || self.orbiting_by_left {
+            if self.orbiting || self.orbiting_unasked {
                 self.orbit.rotate_by_drag(by, self.size[1]);
             }
             if self.dragging_stool {
@@ -300,13 +308,9 @@ where
         }
     }
 
-    /// Takes the item on the workbench under the cursor, or starts a stroke; looks around what is finished.
+    /// Takes the item on the workbench under the cursor, or starts a stroke.
     fn press_left(&mut self, world: &World<N, INTERVALS>) {
         let Some(cursor) = self.cursor else { return };
-        if world.session_state() == SessionState::Finished {
-            self.orbiting_by_left = true;
-            return;
-        }
         match self.pointed_item(world) {
             Some(item) => self.take_item_with_its_tool(item, world),
             None => {
@@ -321,7 +325,7 @@ where
 
     /// Ends a stroke where the cursor is now, which the tool may have yet to reach.
     fn release_left(&mut self) {
-        self.orbiting_by_left = false;
+        self.orbiting_unasked = false;
         self.is_released = self.running;
         if self.running
             && let Some(cursor) = self.cursor

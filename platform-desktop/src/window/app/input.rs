@@ -5,15 +5,28 @@ use paros_core::session::SessionState;
 use paros_core::volume::{Grid, Size};
 use paros_shaders::gpu::{PaperVariant, RenderPath};
 use paros_shell::statics::Resident;
+use paros_shell::studio::Notice;
 use winit::event::{ElementState, MouseButton, MouseScrollDelta, WindowEvent};
 
 use super::App;
-use crate::window::hands::{HandButton, InputEvent};
+use crate::window::hands::{HandAction, HandButton, InputEvent};
 use crate::window::keys::{self, KeyCommand};
 use crate::window::opening;
 
 /// Pixels of a touchpad that count as a notch of a wheel.
 const NOTCH_PIXELS: f64 = 40.0;
+
+/// What a key for sculpting tells about a finished sculpture.
+const FINISHED_HELP: &str = "It is finished: \"Carve on\" goes on with it.";
+
+/// Whether a key of the hands does something in a session of this state.
+fn is_key_of_use(key: HandAction, session: SessionState) -> bool {
+    match session {
+        SessionState::Waiting => false,
+        SessionState::Sculpting => true,
+        SessionState::Finished => key.is_for_looking(),
+    }
+}
 
 impl<const N: usize> App<'_, N>
 where
@@ -89,16 +102,19 @@ where
     /// Runs a key's command.
     pub(super) fn handle_key(&mut self, command: KeyCommand, down: bool) {
         let session = self.studio.world().session_state();
-        let sculpting = session == SessionState::Sculpting && self.panels.is_sculpture_uncovered();
+        let uncovered = self.panels.is_sculpture_uncovered();
         if !self.kiosk.allows(command) {
             return;
         }
         match command {
             // A release always counts, even over a panel.
-            KeyCommand::Hands(key) if sculpting || !down => {
+            KeyCommand::Hands(key) if !down || uncovered && is_key_of_use(key, session) => {
                 self.send_to_hands(InputEvent::Key(key, down));
             }
             _ if !down => {}
+            KeyCommand::Hands(_) if uncovered && session == SessionState::Finished => {
+                self.panels.show_notice(Notice::Good(FINISHED_HELP.into()));
+            }
             KeyCommand::Hands(_) => {}
             KeyCommand::Finish if self.visits.is_some() => self.ask_visitor_to_finish(),
             KeyCommand::Staff => self.ask_staff(),

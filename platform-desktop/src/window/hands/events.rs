@@ -45,6 +45,14 @@ pub(in crate::window) enum HandAction {
     Farther,
 }
 
+impl HandAction {
+    /// Whether it moves the eye alone: of use for what is finished too, where the stool stands still.
+    #[must_use]
+    pub(in crate::window) const fn is_for_looking(self) -> bool {
+        matches!(self, HandAction::Nearer | HandAction::Farther)
+    }
+}
+
 /// An event of mouse or keyboard over the picture.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(in crate::window) enum InputEvent {

@@ -125,6 +125,13 @@ fn a_drag_looks_around_what_is_finished_and_cuts_nothing() {
     fixture.handle(InputEvent::Released(HandButton::Left));
     fixture.handle(InputEvent::Moved([700.0, 350.0]));
     assert_eq!(fixture.hands.orbit, turned, "the button is up");
+    let depth_mm = fixture.hands.depth_mm(&fixture.world);
+    fixture.handle(InputEvent::Wheel(2.0));
+    assert!(fixture.hands.orbit.distance < turned.distance, "there is no depth to choose");
+    assert_eq!(fixture.hands.depth_mm(&fixture.world), depth_mm);
+    fixture.handle(InputEvent::Pressed(HandButton::Middle));
+    fixture.handle(InputEvent::Moved([600.0, 350.0]));
+    assert!(fixture.hands.orbit.azimuth != turned.azimuth, "the stool stands still");
 }
 
 #[test]
