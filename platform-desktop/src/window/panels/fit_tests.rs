@@ -166,6 +166,42 @@ fn notices_stay_within_the_smallest_window() {
 }
 
 #[test]
+fn a_hint_about_the_bit_in_hand_is_one_row_of_the_smallest_window() {
+    use paros_core::session::ToolBit;
+    use paros_shell::figures::{Figure, HiddenStart, StoneThickness};
+    let mode = HiddenStart { figure: Figure::Owl, thickness: StoneThickness::Half }.mode();
+    for (bit, bared_percent, words) in [
+        (ToolBit::RoughingBall, 40, "So large a ball"),
+        (ToolBit::MediumBall, 0, "Much stone"),
+        (ToolBit::MediumBall, 90, "It bares no more"),
+    ] {
+        let held = Some((Tool::Rotary, bit));
+        let status = StudioStatus {
+            mode,
+            held,
+            bared_percent,
+            runs: true,
+            is_on_figure: true,
+            ..sculpting_status()
+        };
+        let mut panels = in_studio();
+        let mut shown = (Rect::NOTHING, Vec::new());
+        for tick in (0..=1080).step_by(36) {
+            shown = lay_out(&mut panels, WINDOWS[0], &StudioStatus { tick, ..status });
+        }
+        let (screen, shapes) = shown;
+        assert_eq!(find_cut_off(screen, &shapes), [""; 0]);
+        let rows = shapes.iter().find_map(|clipped| match &clipped.shape {
+            Shape::Text(text) => {
+                text.galley.text().starts_with(words).then(|| text.galley.rows.len())
+            }
+            _ => None,
+        });
+        assert_eq!(rows, Some(1), "{words}");
+    }
+}
+
+#[test]
 fn what_a_small_window_has_no_room_for_can_be_scrolled_to() {
     let mut panels = in_studio();
     panels.toggle_help();

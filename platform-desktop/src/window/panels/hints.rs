@@ -1,17 +1,28 @@
-//! Hints for a visitor's first gestures, until they were done once.
+//! Hints for a visitor's first gestures, until they were done once, and for what keeps a tool from its work.
 
 use paros_core::edit::UndoCounts;
-use paros_core::session::{FOUND_PERCENT, SessionMode, ToolBit};
+use paros_core::internals::BitAction;
+use paros_core::session::{BitSize, FOUND_PERCENT, SessionMode, TICK_RATE, ToolBit};
+use paros_shell::figures::{HiddenStart, StoneThickness};
 
 use super::StudioStatus;
 
 /// The gestures that the visitor has shown to know.
 #[derive(Clone, Copy, Default, Debug)]
-pub(super) struct Hints {
+pub(in crate::window) struct Hints {
     has_cut: bool,
     has_undone: bool,
     /// When paste was last laid beyond the volume.
     pasted_beyond_at: Option<f64>,
+    baring: Baring,
+}
+
+/// What the tool bar hints at in a frame.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::window) struct Hint {
+    pub(super) text: Option<&'static str>,
+    /// The bit that the text names.
+    pub(super) bit: Option<ToolBit>,
 }
 
 /// For how long that is told, in seconds: whoever lays paste looks at the stone.
@@ -19,26 +30,31 @@ const BEYOND_SECONDS: f64 = 6.0;
 
 impl Hints {
     /// Notes what the strokes to undo and to redo tell: a stroke was made, or taken back.
-    pub(super) const fn note_strokes(&mut self, strokes: UndoCounts) {
+    pub(in crate::window) const fn note_strokes(&mut self, strokes: UndoCounts) {
         self.has_cut |= strokes.undoable > 0 || strokes.redoable > 0;
         self.has_undone |= strokes.redoable > 0;
     }
 
     /// Notes what the studio's status tells at a time in seconds. Returns the work that hints are about.
-    pub(super) const fn note_work(&mut self, status: &StudioStatus<'_>, now: f64) -> HintedWork {
+    pub(in crate::window) fn note_work(
+        &mut self,
+        status: &StudioStatus<'_>,
+        now: f64,
+    ) -> HintedWork {
+        self.baring.note(status);
         if status.pastes_beyond_box {
             self.pasted_beyond_at = Some(now);
         }
         match self.pasted_beyond_at {
             Some(at) if now - at < BEYOND_SECONDS => HintedWork::PasteBeyondBox,
-            _ => HintedWork::of_status(status),
+            _ => HintedWork::of_status(status, &self.baring),
         }
     }
 
     /// The hint to show: what keeps the tool from its work first, then the first gestures, then what is to be done with a
     /// figure that hides in the stone.
     #[must_use]
-    pub(super) const fn text(self, work: HintedWork) -> Option<&'static str> {
+    pub(in crate::window) const fn text(self, work: HintedWork) -> Option<&'static str> {
         match (work, self.has_cut, self.has_undone) {
             (HintedWork::PasteBeyondBox, ..) => {
                 Some("Paste holds over the stool only, as wide and as high as a block of stone")
@@ -49,6 +65,12 @@ impl Hints {
             (HintedWork::FigureUnderLargeBall, true, _) => Some(
                 "So large a ball reaches no hollows: take the medium one, by Shift + 2 or in the bar",
             ),
+            (HintedWork::FigureUnderMuchStone, true, _) => Some(
+                "Much stone lies over it: the roughing ball takes it off, by Shift + 6 or in the bar",
+            ),
+            (HintedWork::FigureBeyondBit, true, _) => {
+                Some("It bares no more here: turn the stool by A or D, or take a smaller bit")
+            }
             (_, true, false) => {
                 Some("Z takes it back  ·  drag with the right button to look around")
             }
@@ -58,38 +80,127 @@ impl Hints {
             (HintedWork::Other, true, true) => None,
         }
     }
+
+    /// The bit that the hint names.
+    #[must_use]
+    pub(in crate::window) const fn bit(self, work: HintedWork) -> Option<ToolBit> {
+        match work {
+            HintedWork::FigureUnderLargeBall if self.has_cut => Some(ToolBit::MediumBall),
+            HintedWork::FigureUnderMuchStone if self.has_cut => Some(ToolBit::RoughingBall),
+            _ => None,
+        }
+    }
 }
 
-/// From how much of a hidden figure on a ball for roughing out has done its work, in percent.
-const ROUGHED_OUT_PERCENT: u32 = 12;
+/// How much of a hidden figure the bit in hand bares.
+#[derive(Clone, Copy, Default, Debug)]
+struct Baring {
+    with: Option<(SessionMode, ToolBit, BitSize)>,
+    from_percent: u32,
+    last_tick: u64,
+    /// Ticks that the bit has run since it last bared [`STEP_PERCENT`], and how many of them on the figure.
+    ticks: u64,
+    ticks_on_figure: u64,
+}
+
+/// A bit of which less comes in [`STALLED_TICKS`] has done what it can: a newcomer's rows bare twice as much, or
+/// half.
+const STEP_PERCENT: u32 = 3;
+
+/// Ticks of a running bit: ten seconds.
+const STALLED_TICKS: u64 = 10 * TICK_RATE as u64;
+
+/// The same, after which it has shown that it does not get through: four seconds, in which the undo is told.
+const DEEP_TICKS: u64 = 4 * TICK_RATE as u64;
+
+/// Ticks that a frame counts for at most: a run of the tool is seen by the frame.
+const FRAME_TICKS: u64 = 36;
+
+impl Baring {
+    fn note(&mut self, status: &StudioStatus<'_>) {
+        let with = status.held.map(|(_, bit)| (status.mode, bit, status.size));
+        let ticks = status.tick.saturating_sub(self.last_tick).min(FRAME_TICKS);
+        self.last_tick = status.tick;
+        let percent = status.bared_percent;
+        if with != self.with || percent < self.from_percent {
+            *self =
+                Baring { with, from_percent: percent, last_tick: status.tick, ..Self::default() };
+        } else if percent >= self.from_percent + STEP_PERCENT {
+            (self.from_percent, self.ticks, self.ticks_on_figure) = (percent, 0, 0);
+        } else if status.runs {
+            self.ticks += ticks;
+            self.ticks_on_figure += if status.is_on_figure { ticks } else { 0 };
+        }
+    }
+
+    /// Whether it bares hardly more, though it comes to the figure: for a twentieth of the time at least. A ball in
+    /// bare stone comes there for a fiftieth, one that rounds a bared figure for a tenth.
+    const fn is_stalled(&self) -> bool {
+        self.ticks >= STALLED_TICKS && 20 * self.ticks_on_figure >= self.ticks
+    }
+}
+
+/// From how much of a hidden figure on a ball for roughing out has done its work, in percent: who goes on with the
+/// medium one then has found the owl soonest.
+const fn roughed_out_percent(thickness: StoneThickness) -> u32 {
+    match thickness {
+        StoneThickness::Near => 12,
+        StoneThickness::Half => 40,
+        StoneThickness::Whole => 50,
+    }
+}
+
+/// Up to how much of it much stone lies over it, in percent.
+const MUCH_STONE_PERCENT: u32 = 12;
 
 /// The work in hand, as far as hints are about it.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum HintedWork {
+pub(in crate::window) enum HintedWork {
     /// Nothing that a hint is about.
     Other,
     /// A figure hides in the stone.
     HiddenFigure,
-    /// A good part of it is bared, and the largest ball is in hand.
+    /// It is under more stone than the ball in hand gets through soon.
+    FigureUnderMuchStone,
+    /// A good part of it is bared, and a ball in hand that is too large for the rest.
     FigureUnderLargeBall,
+    /// The bit in hand bares hardly more of it.
+    FigureBeyondBit,
     /// Paste is being laid where the volume ends.
     PasteBeyondBox,
 }
 
 impl HintedWork {
-    /// The work that the studio's status tells.
+    /// The work that the studio's status tells, and how the figure comes out.
     #[must_use]
-    pub(super) const fn of_status(status: &StudioStatus<'_>) -> Self {
-        let hides = matches!(status.mode, SessionMode::Constrained { .. })
-            && status.bared_percent < FOUND_PERCENT;
-        match status.held {
-            Some((_, ToolBit::RoughingBall))
-                if hides && status.bared_percent >= ROUGHED_OUT_PERCENT =>
+    fn of_status(status: &StudioStatus<'_>, baring: &Baring) -> Self {
+        let percent = status.bared_percent;
+        let SessionMode::Constrained { figure } = status.mode else { return HintedWork::Other };
+        if percent >= FOUND_PERCENT {
+            return HintedWork::Other;
+        }
+        let thickness =
+            HiddenStart::from_number(figure).map_or(StoneThickness::Near, |start| start.thickness);
+        match status.held.map(|(_, bit)| bit) {
+            Some(ToolBit::RoughingBall) if percent >= roughed_out_percent(thickness) => {
+                HintedWork::FigureUnderLargeBall
+            }
+            Some(ToolBit::RoughingBall | ToolBit::LargeBall)
+                if percent >= MUCH_STONE_PERCENT && baring.is_stalled() =>
             {
                 HintedWork::FigureUnderLargeBall
             }
-            _ if hides => HintedWork::HiddenFigure,
-            _ => HintedWork::Other,
+            Some(ToolBit::SmallBall | ToolBit::MediumBall)
+                if thickness != StoneThickness::Near
+                    && percent < MUCH_STONE_PERCENT
+                    && baring.ticks >= DEEP_TICKS =>
+            {
+                HintedWork::FigureUnderMuchStone
+            }
+            Some(bit) if bit.spec().action == BitAction::Carve && baring.is_stalled() => {
+                HintedWork::FigureBeyondBit
+            }
+            _ => HintedWork::HiddenFigure,
         }
     }
 }
@@ -97,10 +208,98 @@ impl HintedWork {
 #[cfg(test)]
 mod tests {
     use paros_core::session::Tool;
+    use paros_shell::figures::Figure;
 
     use super::*;
     use crate::window::hands::tool_bits_of;
     use crate::window::panels::tests::sculpting_status;
+
+    /// An owl under stone, of which nothing is bared yet.
+    fn hidden_owl(thickness: StoneThickness) -> StudioStatus<'static> {
+        let mode = HiddenStart { figure: Figure::Owl, thickness }.mode();
+        StudioStatus { mode, ..sculpting_status() }
+    }
+
+    /// The hints after seconds in which a ball ran, so many ticks in a hundred of them on the figure, and bared the
+    /// figure evenly from one percentage to another.
+    fn after_strokes(
+        status: &mut StudioStatus<'_>,
+        bit: ToolBit,
+        seconds: u64,
+        on_figure: u64,
+        percents: [u32; 2],
+    ) -> (HintedWork, Hints) {
+        let mut hints = Hints { has_cut: true, ..Hints::default() };
+        status.held = Some((Tool::Rotary, bit));
+        status.runs = true;
+        let mut work = HintedWork::Other;
+        let ticks = seconds * u64::from(TICK_RATE);
+        for tick in 0..=ticks {
+            status.tick = tick;
+            status.is_on_figure = tick % 100 < on_figure;
+            let more = u64::from(percents[1] - percents[0]) * tick / ticks;
+            status.bared_percent = percents[0] + more as u32;
+            work = hints.note_work(status, tick as f64 / f64::from(TICK_RATE));
+        }
+        (work, hints)
+    }
+
+    /// What a newcomer's rows did with these balls (`window::hands::tests::newcomer`), and what a hint says then.
+    #[test]
+    fn a_ball_that_bares_no_more_is_told_to_be_too_large_and_one_that_gets_on_is_not() {
+        let work = |thickness, bit, seconds, on_figure, percents| {
+            after_strokes(&mut hidden_owl(thickness), bit, seconds, on_figure, percents).0
+        };
+        use StoneThickness::{Half, Whole};
+        use ToolBit::{LargeBall, MediumBall, RoughingBall};
+        assert_eq!(work(Whole, RoughingBall, 11, 30, [13, 17]), HintedWork::HiddenFigure);
+        assert_eq!(work(Whole, RoughingBall, 11, 40, [30, 31]), HintedWork::FigureUnderLargeBall);
+        assert_eq!(work(Half, LargeBall, 22, 15, [45, 66]), HintedWork::HiddenFigure);
+        assert_eq!(work(Half, LargeBall, 22, 15, [88, 90]), HintedWork::FigureUnderLargeBall);
+        assert_eq!(work(Half, MediumBall, 22, 12, [92, 93]), HintedWork::FigureBeyondBit);
+        assert_eq!(work(Half, MediumBall, 22, 12, [40, 62]), HintedWork::HiddenFigure);
+        assert_eq!(work(Half, RoughingBall, 9, 40, [5, 5]), HintedWork::HiddenFigure, "as yet");
+        assert_eq!(work(Whole, LargeBall, 30, 2, [0, 0]), HintedWork::HiddenFigure, "deep yet");
+    }
+
+    #[test]
+    fn a_small_ball_under_much_stone_is_told_after_seconds_of_work() {
+        let work = |thickness, bit, seconds, percents| {
+            let mut status = hidden_owl(thickness);
+            let (work, hints) = after_strokes(&mut status, bit, seconds, 0, percents);
+            (work, hints.bit(work))
+        };
+        let told = (HintedWork::FigureUnderMuchStone, Some(ToolBit::RoughingBall));
+        let untold = (HintedWork::HiddenFigure, None);
+        assert_eq!(
+            work(StoneThickness::Half, ToolBit::MediumBall, 3, [0, 0]),
+            untold,
+            "the undo is"
+        );
+        assert_eq!(work(StoneThickness::Half, ToolBit::MediumBall, 5, [0, 0]), told);
+        assert_eq!(work(StoneThickness::Whole, ToolBit::SmallBall, 5, [0, 1]), told);
+        assert_eq!(work(StoneThickness::Near, ToolBit::MediumBall, 5, [0, 0]), untold);
+        assert_eq!(work(StoneThickness::Half, ToolBit::MediumBall, 5, [20, 21]), untold);
+        let sixth = tool_bits_of(Tool::Rotary).nth(5);
+        assert_eq!(sixth, Some(ToolBit::RoughingBall), "which the key of the hint takes");
+        let text = Hints { has_cut: true, ..Hints::default() }.text(told.0);
+        assert!(text.is_some_and(|text| text.contains("Shift + 6")));
+    }
+
+    #[test]
+    fn another_bit_is_given_its_own_time_and_so_is_one_that_is_put_to_rest() {
+        let mut status = hidden_owl(StoneThickness::Near);
+        let (work, mut hints) = after_strokes(&mut status, ToolBit::LargeBall, 12, 20, [85, 86]);
+        assert_eq!(work, HintedWork::FigureUnderLargeBall);
+        assert_eq!(hints.bit(work), Some(ToolBit::MediumBall));
+        status.held = Some((Tool::Rotary, ToolBit::MediumBall));
+        assert_eq!(hints.note_work(&status, 13.0), HintedWork::HiddenFigure);
+        status.runs = false;
+        for _ in 0..100 {
+            status.tick += 20;
+            assert_eq!(hints.note_work(&status, 20.0), HintedWork::HiddenFigure, "it rests");
+        }
+    }
 
     #[test]
     fn hints_stay_until_the_first_cut_and_the_first_undo() {
@@ -122,13 +321,14 @@ mod tests {
 
     #[test]
     fn what_keeps_a_tool_from_its_work_is_told_before_what_is_known() {
-        let hidden = SessionMode::Constrained { figure: 0 };
-        let mut status = StudioStatus { mode: hidden, ..sculpting_status() };
-        let work = |status: &StudioStatus<'_>| HintedWork::of_status(status);
+        let mut status = hidden_owl(StoneThickness::Half);
+        let work = |status: &StudioStatus<'_>| HintedWork::of_status(status, &Baring::default());
         assert_eq!(work(&status), HintedWork::HiddenFigure);
         status.held = Some((Tool::Rotary, ToolBit::RoughingBall));
         assert_eq!(work(&status), HintedWork::HiddenFigure, "it has just begun");
-        status.bared_percent = 30;
+        status.bared_percent = 39;
+        assert_eq!(work(&status), HintedWork::HiddenFigure, "it gets on well");
+        status.bared_percent = 40;
         assert_eq!(work(&status), HintedWork::FigureUnderLargeBall);
         status.bared_percent = FOUND_PERCENT;
         assert_eq!(work(&status), HintedWork::Other, "it is found");

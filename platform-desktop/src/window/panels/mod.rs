@@ -6,7 +6,7 @@ mod browser;
 mod glow;
 mod graph;
 mod help;
-mod hints;
+pub(super) mod hints;
 mod outline;
 mod start;
 mod status;
@@ -27,7 +27,7 @@ pub(super) use action::PanelAction;
 use browser::Browser;
 pub(super) use glow::ItemGlow;
 use graph::FrameTimeGraph;
-use hints::Hints;
+use hints::{Hint, Hints};
 pub(super) use outline::{BitOutline, MirrorGuide, is_pasting_beyond_box};
 pub(super) use status::StudioStatus;
 use strip::{FinishButton, FinishedChoice};
@@ -320,8 +320,10 @@ impl Panels {
                 self.hints.note_strokes(status.undo);
                 let now = context.input(|input| input.time);
                 let work = self.hints.note_work(status, now);
-                // A visit guides by its own panel.
-                let hint = self.hints.text(work).filter(|_| status.visit.is_none());
+                // A guided cut has its own panel.
+                let is_guided = status.visit == Some(VisitPhase::Guided);
+                let text = self.hints.text(work).filter(|_| !is_guided);
+                let hint = Hint { text, bit: self.hints.bit(work) };
                 let bar = strip::show_tools(context, status, hint, &mut self.actions);
                 self.finishing = bar.finish == FinishButton::Clicked;
                 self.note_covered(context, bar.height);
@@ -368,4 +370,4 @@ mod fit_tests;
 #[cfg(test)]
 mod start_tests;
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

@@ -29,6 +29,12 @@ pub(in crate::window) struct StudioStatus<'a> {
     pub(in crate::window) print_scale: Option<f32>,
     /// How much of the hidden figure is bared, in percent; 0 without one.
     pub(in crate::window) bared_percent: u32,
+    /// The world's tick.
+    pub(in crate::window) tick: u64,
+    /// Whether the tool in hand runs.
+    pub(in crate::window) runs: bool,
+    /// Whether its bit is on the hidden figure.
+    pub(in crate::window) is_on_figure: bool,
     /// Whether paste is being laid where the volume ends.
     pub(in crate::window) pastes_beyond_box: bool,
     /// Whether edits are mirrored.

@@ -1,6 +1,6 @@
 //! Tool bar: tools, bits, depth, commands; status line; end of a session.
 
-use egui::{Align2, Area, Button, Context, Id, Label, RichText, Ui, Vec2};
+use egui::{Align2, Area, Button, Context, Id, Label, RichText, Stroke, Ui, Vec2};
 use paros_core::edit::UndoCounts;
 use paros_core::internals::{BitShape, SizeRange, ToolBitSpec};
 use paros_core::session::{
@@ -8,6 +8,7 @@ use paros_core::session::{
 };
 use paros_shell::figures::HiddenStart;
 
+use super::hints::Hint;
 use super::{PanelAction, StudioStatus, style};
 use crate::window::hands::{DEPTHS_MM, tool_bits_of};
 
@@ -137,7 +138,7 @@ fn describe_hidden_figure(name: &str, bared_percent: u32) -> String {
 pub(super) fn show_tools(
     context: &Context,
     status: &StudioStatus<'_>,
-    hint: Option<&str>,
+    hint: Hint,
     actions: &mut Vec<PanelAction>,
 ) -> ToolBar {
     let mut finish = FinishButton::NotClicked;
@@ -147,8 +148,8 @@ pub(super) fn show_tools(
     let shown = bottom.show(context, |ui| {
         let frame = style::card_frame().inner_margin(egui::Margin::symmetric(12, 10));
         style::show_rows(ui, frame, |ui| {
-            if let Some(hint) = hint {
-                ui.label(RichText::new(hint).color(style::ACCENT).size(14.0));
+            if let Some(text) = hint.text {
+                ui.label(RichText::new(text).color(style::ACCENT).size(14.0));
             }
             ui.horizontal_wrapped(|ui| {
                 for (number, tool) in Tool::ALL.into_iter().enumerate() {
@@ -167,7 +168,7 @@ pub(super) fn show_tools(
                 }
             });
             if let Some((tool, bit)) = status.held {
-                ui.horizontal_wrapped(|ui| show_bits(ui, status, (tool, bit), actions));
+                ui.horizontal_wrapped(|ui| show_bits(ui, status, (tool, bit), hint.bit, actions));
             }
         });
     });
@@ -198,6 +199,7 @@ fn show_bits(
     ui: &mut Ui,
     status: &StudioStatus<'_>,
     (tool, mounted): (Tool, ToolBit),
+    hinted: Option<ToolBit>,
     actions: &mut Vec<PanelAction>,
 ) {
     for bit in tool_bits_of(tool) {
@@ -205,7 +207,10 @@ fn show_bits(
         if bit != mounted {
             text = text.color(style::QUIET);
         }
-        let button = Button::new(text).selected(bit == mounted);
+        let mut button = Button::new(text).selected(bit == mounted);
+        if hinted == Some(bit) {
+            button = button.stroke(Stroke::new(1.5, style::ACCENT));
+        }
         if ui.add(button).clicked() && bit != mounted {
             actions.push(PanelAction::Take(BenchItem::Bit(bit)));
         }

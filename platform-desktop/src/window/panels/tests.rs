@@ -14,7 +14,7 @@ use crate::window::slowness::SlownessWatch;
 
 const SIZE: Vec2 = Vec2::new(1000.0, 700.0);
 
-pub(super) fn sculpting_status() -> StudioStatus<'static> {
+pub(in crate::window) fn sculpting_status() -> StudioStatus<'static> {
     StudioStatus {
         session: SessionState::Sculpting,
         mode: SessionMode::FreeForm,
@@ -27,6 +27,9 @@ pub(super) fn sculpting_status() -> StudioStatus<'static> {
         depth_mm: 5.0,
         print_scale: Some(0.25),
         bared_percent: 0,
+        tick: 0,
+        runs: false,
+        is_on_figure: false,
         pastes_beyond_box: false,
         symmetry: false,
         undo: UndoCounts { undoable: 3, redoable: 1 },
