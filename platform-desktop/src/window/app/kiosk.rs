@@ -15,6 +15,9 @@ use crate::window::keys::KeyCommand;
 /// For how long before that a visitor is told.
 const TOLD_FOR: Duration = Duration::from_secs(20);
 
+/// The same, of the start that takes a finished sculpture's place.
+const START_TOLD_FOR: Duration = Duration::from_secs(10);
+
 /// Time after a visitor has gone in which the finished sculpture is shown.
 const SHOWN_FOR: Duration = Duration::from_secs(20);
 
@@ -72,10 +75,16 @@ impl KioskWatch {
         !self.is_on || !matches!(command, KeyCommand::Graph | KeyCommand::Path | KeyCommand::Record)
     }
 
-    /// Seconds until a sculpture is finished for whoever left it, once the visitor is to be told.
+    /// Seconds until a sculpture is finished for whoever left it, or a finished one makes room for the start, once the
+    /// visitor is to be told.
     pub(super) fn seconds_to_handover(&self, session: SessionState) -> Option<u32> {
-        let left = self.gone_after.checked_sub(self.idle)?;
-        let is_told = self.is_on && session == SessionState::Sculpting && left <= TOLD_FOR;
+        let (due_after, told_for) = match session {
+            SessionState::Waiting => return None,
+            SessionState::Sculpting => (self.gone_after, TOLD_FOR),
+            SessionState::Finished => (self.gone_after + SHOWN_FOR, START_TOLD_FOR),
+        };
+        let left = due_after.checked_sub(self.idle)?;
+        let is_told = self.is_on && left <= told_for;
         is_told.then_some(left.as_secs_f32().ceil() as u32)
     }
 
@@ -143,16 +152,23 @@ mod tests {
     }
 
     #[test]
-    fn a_visitor_is_told_for_twenty_seconds_that_the_sculpture_will_be_finished() {
+    fn a_visitor_is_told_before_the_sculpture_is_finished_and_before_the_next_start() {
         let second = Duration::from_secs(1);
         let mut watch = KioskWatch::new(KIOSK);
         watch.advance(69 * second, Sculpting, true);
         assert_eq!(watch.seconds_to_handover(Sculpting), None);
         watch.advance(second, Sculpting, true);
         assert_eq!(watch.seconds_to_handover(Sculpting), Some(20));
-        assert_eq!(watch.seconds_to_handover(Finished), None, "nothing is lost then");
+        assert_eq!(watch.seconds_to_handover(Finished), None, "it is shown for a while");
         watch.advance(Duration::from_millis(19_500), Sculpting, true);
         assert_eq!(watch.seconds_to_handover(Sculpting), Some(1));
+        assert_eq!(watch.seconds_to_handover(Waiting), None, "there is nothing to lose");
+        watch.advance(Duration::from_millis(10_500), Finished, true);
+        assert_eq!(watch.seconds_to_handover(Finished), Some(10), "before the start");
+        watch.advance(10 * second, Finished, true);
+        assert_eq!(watch.seconds_to_handover(Finished), Some(0));
+        watch.advance(second, Finished, true);
+        assert_eq!(watch.seconds_to_handover(Finished), None, "it is the next one's turn");
         let mut window = KioskWatch::new(None);
         window.advance(80 * second, Sculpting, true);
         assert_eq!(

@@ -5,6 +5,7 @@ mod action;
 mod browser;
 mod glow;
 mod graph;
+mod handover;
 mod help;
 pub(super) mod hints;
 mod outline;
@@ -263,6 +264,11 @@ impl Panels {
         if !status.unfinished {
             self.actions.extend(self.asked_start.take());
         }
+        // The start is what a finished sculpture makes room for.
+        let is_handed_over = self.start && status.session == SessionState::Finished;
+        if let Some(seconds) = status.seconds_to_handover.filter(|_| !is_handed_over) {
+            handover::show(context, status, seconds);
+        }
         if self.help {
             help::show(context, !status.kiosk);
         }
@@ -295,9 +301,6 @@ impl Panels {
 
     fn show_over_sculpture(&mut self, context: &Context, status: &StudioStatus<'_>) {
         strip::show_status(context, status);
-        if let Some(seconds) = status.seconds_to_handover {
-            strip::show_handover(context, seconds);
-        }
         match status.session {
             SessionState::Finished => {
                 let panel = strip::show_finished(context, status);
@@ -367,6 +370,8 @@ pub(super) const fn is_at_work(phase: VisitPhase) -> bool {
 
 #[cfg(test)]
 mod fit_tests;
+#[cfg(test)]
+mod kiosk_tests;
 #[cfg(test)]
 mod start_tests;
 #[cfg(test)]

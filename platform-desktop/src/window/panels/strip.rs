@@ -109,19 +109,6 @@ fn show_keys_hint(context: &Context) -> f32 {
     right.response.rect.width()
 }
 
-/// Tells a kiosk's visitor, who has done nothing for long, that the next one's turn comes.
-pub(super) fn show_handover(context: &Context, seconds: u32) {
-    let area = Area::new(Id::new("handover")).anchor(Align2::CENTER_CENTER, Vec2::ZERO);
-    area.interactable(false).show(context, |ui| {
-        style::card_frame().inner_margin(24).show(ui, |ui| {
-            ui.label(RichText::new("Are you still here?").size(24.0));
-            let text =
-                format!("Touch anything. In {seconds} s your sculpture is finished and kept.");
-            ui.label(RichText::new(text).size(16.0).color(style::ACCENT));
-        });
-    });
-}
-
 /// From where on a hidden figure is told to be nearly out.
 const NEARLY_PERCENT: u32 = 80;
 
@@ -308,6 +295,12 @@ pub(super) fn show_finished(context: &Context, status: &StudioStatus<'_>) -> Fin
             ui.label(RichText::new("Finished").size(19.0));
             match (status.printing, status.printed) {
                 (true, _) => ui.label(style::quiet_text("making the print and a picture ...")),
+                (false, Some(path)) if status.kiosk => {
+                    // Its visitor can't open files, but may ask for what bears this name.
+                    let name = path.file_stem().unwrap_or_default().display();
+                    ui.label(format!("Kept as {name}"));
+                    ui.label(style::quiet_text("with its print and a picture"))
+                }
                 (false, Some(path)) => {
                     ui.label(format!("Print: {}", path.display()));
                     ui.label(style::quiet_text(

@@ -265,7 +265,10 @@ pub(super) fn flatten(shape: egui::Shape, into: &mut Vec<egui::Shape>) {
 }
 
 /// All text of a frame, and what of it has no panel under it.
-fn text_and_bare_text(panels: &mut Panels, status: &StudioStatus<'_>) -> [Vec<String>; 2] {
+pub(super) fn text_and_bare_text(
+    panels: &mut Panels,
+    status: &StudioStatus<'_>,
+) -> [Vec<String>; 2] {
     let (mut grounds, mut all, mut bare) = (Vec::new(), Vec::new(), Vec::new());
     for shape in shapes_of(panels, status) {
         match shape {
@@ -367,17 +370,4 @@ fn files_are_to_be_dropped_only_where_they_can_be() {
         })
     };
     assert_eq!([true, false].map(says_so), [true, false]);
-}
-
-/// In a kiosk, what another visitor finished is nobody's to go back to.
-#[test]
-fn the_next_visitor_is_not_offered_what_the_last_one_finished() {
-    for kiosk in [false, true] {
-        let status = StudioStatus { kiosk, session: SessionState::Finished, ..sculpting_status() };
-        let mut panels = Panels::new();
-        frame(&mut panels, &status, Vec::new());
-        let [all, _] = text_and_bare_text(&mut panels, &status);
-        assert!(all.iter().any(|text| text.contains("Free form")), "{all:?}");
-        assert_eq!(all.iter().any(|text| text.contains("Back to")), !kiosk, "{all:?}");
-    }
 }

@@ -1,0 +1,55 @@
+//! What a kiosk's panels tell its visitors, and what they don't.
+
+use paros_core::session::SessionState;
+
+use super::tests::{frame, sculpting_status, text_and_bare_text};
+use super::{PanelAction, Panels, StudioStatus};
+
+fn in_studio() -> Panels {
+    let mut panels = Panels::new();
+    panels.close_covering_panels();
+    panels
+}
+
+/// In a kiosk, what another visitor finished is nobody's to go back to.
+#[test]
+fn the_next_visitor_is_not_offered_what_the_last_one_finished() {
+    for kiosk in [false, true] {
+        let status = StudioStatus { kiosk, session: SessionState::Finished, ..sculpting_status() };
+        let mut panels = Panels::new();
+        frame(&mut panels, &status, Vec::new());
+        let [all, _] = text_and_bare_text(&mut panels, &status);
+        assert!(all.iter().any(|text| text.contains("Free form")), "{all:?}");
+        assert_eq!(all.iter().any(|text| text.contains("Back to")), !kiosk, "{all:?}");
+    }
+}
+
+#[test]
+fn a_kiosks_visitor_is_told_of_the_handover_over_every_panel_and_of_no_folders() {
+    let words = |mut panels: Panels, status: &StudioStatus<'_>| {
+        text_and_bare_text(&mut panels, status)[0].join("; ")
+    };
+    let path = std::path::Path::new("/srv/kiosk/sculpture-041.stl");
+    let left = StudioStatus {
+        kiosk: true,
+        seconds_to_handover: Some(9),
+        printed: Some(path),
+        ..sculpting_status()
+    };
+    let finished = StudioStatus { session: SessionState::Finished, ..left };
+    let mut asking = in_studio();
+    asking.ask_to_start(PanelAction::StartRead);
+    for panels in [in_studio(), Panels::new(), asking] {
+        let told = words(panels, &left);
+        assert!(told.contains("In 9 s your sculpture is finished"), "{told}");
+    }
+    let told = words(in_studio(), &finished);
+    assert!(told.contains("the next visitor's turn") && told.contains("sculpture-041"), "{told}");
+    assert!(!told.contains("/srv") && !told.contains(".rmap"), "{told}");
+    assert!(words(in_studio(), &StudioStatus { kiosk: false, ..finished }).contains("/srv"));
+    assert!(!words(Panels::new(), &finished).contains("In 9 s"), "the start is there already");
+    let mut help = in_studio();
+    help.toggle_help();
+    let told = words(help, &StudioStatus { printed: None, ..left });
+    assert!(told.contains("Mouse and keys") && !told.contains("file"), "{told}");
+}
