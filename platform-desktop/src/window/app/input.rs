@@ -178,3 +178,22 @@ where
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_finished_can_be_looked_at_by_keys_and_not_be_worked_on() {
+        let of_use = |key| {
+            use SessionState::{Finished, Sculpting, Waiting};
+            [Waiting, Sculpting, Finished].map(|session| is_key_of_use(key, session))
+        };
+        for key in [HandAction::Nearer, HandAction::Farther] {
+            assert_eq!(of_use(key), [false, true, true], "{key:?}");
+        }
+        for key in [HandAction::Tool(1), HandAction::Undo, HandAction::Turn { left: true }] {
+            assert_eq!(of_use(key), [false, true, false], "{key:?}");
+        }
+    }
+}
