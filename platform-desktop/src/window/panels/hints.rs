@@ -181,21 +181,20 @@ impl HintedWork {
         }
         let thickness =
             HiddenStart::from_number(figure).map_or(StoneThickness::Near, |start| start.thickness);
+        let is_deep = thickness != StoneThickness::Near && percent < MUCH_STONE_PERCENT;
         match status.held.map(|(_, bit)| bit) {
             Some(ToolBit::RoughingBall) if percent >= roughed_out_percent(thickness) => {
                 HintedWork::FigureUnderLargeBall
             }
-            Some(ToolBit::RoughingBall | ToolBit::LargeBall)
-                if percent >= MUCH_STONE_PERCENT && baring.is_stalled() =>
-            {
-                HintedWork::FigureUnderLargeBall
-            }
             Some(ToolBit::SmallBall | ToolBit::MediumBall)
-                if thickness != StoneThickness::Near
-                    && percent < MUCH_STONE_PERCENT
-                    && baring.ticks >= DEEP_TICKS =>
+                if is_deep && baring.ticks >= DEEP_TICKS =>
             {
                 HintedWork::FigureUnderMuchStone
+            }
+            // There is stone to be had elsewhere, whatever the bit.
+            _ if is_deep => HintedWork::HiddenFigure,
+            Some(ToolBit::RoughingBall | ToolBit::LargeBall) if baring.is_stalled() => {
+                HintedWork::FigureUnderLargeBall
             }
             Some(bit) if bit.spec().action == BitAction::Carve && baring.is_stalled() => {
                 HintedWork::FigureBeyondBit
@@ -254,6 +253,7 @@ mod tests {
         use ToolBit::{LargeBall, MediumBall, RoughingBall};
         assert_eq!(work(Whole, RoughingBall, 11, 30, [13, 17]), HintedWork::HiddenFigure);
         assert_eq!(work(Whole, RoughingBall, 11, 40, [30, 31]), HintedWork::FigureUnderLargeBall);
+        assert_eq!(work(Whole, RoughingBall, 11, 40, [4, 5]), HintedWork::HiddenFigure, "deep");
         assert_eq!(work(Half, LargeBall, 22, 15, [45, 66]), HintedWork::HiddenFigure);
         assert_eq!(work(Half, LargeBall, 22, 15, [88, 90]), HintedWork::FigureUnderLargeBall);
         assert_eq!(work(Half, MediumBall, 22, 12, [92, 93]), HintedWork::FigureBeyondBit);
