@@ -384,7 +384,8 @@ impl Visit {
             VisitPhase::Export => decision.finishes = true,
             _ => {}
         }
-        self.was_released = self.off_ticks > 0;
+        // Who wears it after a visitor has left is another one, whatever is still to be done for that visitor's sculpture.
+        self.was_released = self.off_ticks > 0 || self.is_left && self.was_released;
         (self.phase, self.phase_ticks) = (phase, 0);
         decision.enters = Some(phase);
     }

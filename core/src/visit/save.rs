@@ -25,6 +25,12 @@ impl Visit {
         self.phase_ticks
     }
 
+    /// Ticks since the headset was used.
+    #[must_use]
+    pub const fn idle_ticks(&self) -> u32 {
+        self.idle_ticks
+    }
+
     /// The seconds left of a session that has a clock, rounded up.
     #[must_use]
     pub fn seconds_left(&self) -> Option<u32> {

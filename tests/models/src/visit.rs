@@ -307,7 +307,8 @@ impl VisitModel {
             VisitPhase::Export => expected.finishes = true,
             _ => {}
         }
-        self.was_released = self.off.iter().sum::<u32>() > 0;
+        let is_off = self.off.iter().sum::<u32>() > 0;
+        self.was_released = is_off || self.was_released && self.is_left;
         (self.phase, self.phase_ticks) = (phase, 0);
     }
 }

@@ -177,6 +177,13 @@ fn what_was_sculpted_is_kept_when_the_visitor_goes_and_nothing_is_kept_of_nothin
     exhibition.cut_something();
     exhibition.tell(Presence::Worn, VisitCommand::Away { seconds: 60 });
     assert_eq!(exhibition.phase(), VisitPhase::HandsOff);
+    // Who has had it on since need not take it off.
+    exhibition.do_for(4.0, Deed::Nothing);
+    exhibition.tell(Presence::Worn, VisitCommand::Exported);
+    assert_eq!((exhibition.finished, exhibition.phase()), (2, VisitPhase::Handover));
+    assert_eq!(exhibition.harness.world.visit().idle_ticks(), 0);
+    exhibition.tell(Presence::Worn, VisitCommand::None);
+    assert_eq!(exhibition.phase(), VisitPhase::Welcome);
 }
 
 #[test]
