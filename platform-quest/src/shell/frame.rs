@@ -87,7 +87,7 @@ where
             eyes: &[left.eye, right.eye],
             latest: fresh,
             render_path: self.options.path,
-            panels: self.charger.panels(),
+            panels: &[self.charger.panels()],
         };
         resources.show.draw_frame(
             world,

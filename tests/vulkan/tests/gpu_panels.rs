@@ -38,7 +38,7 @@ fn panels() -> Vec<Panel> {
     all.into()
 }
 
-fn request<'a>(eyes: &'a [Eye], panels: &'a [Panel]) -> FrameRequest<'a> {
+fn request<'a>(eyes: &'a [Eye], panels: &'a [&'a [Panel]]) -> FrameRequest<'a> {
     FrameRequest {
         eyes,
         // Behind the eye.
@@ -55,6 +55,8 @@ fn the_gpu_draws_panels_as_its_twin_does() {
     let Some(gpu) = test_device() else { return };
     let eyes = [eye_at(-0.03), eye_at(0.03)];
     let panels = panels();
+    // As shells have them: of a visit, and a notice.
+    let (first, rest) = panels.split_at(2);
     let twins = eyes.map(|eye| {
         let size = SIZE.map(|side| side as usize);
         let image = render_panels(&panels, &eye, size, 1, BACKDROP);
@@ -64,7 +66,7 @@ fn the_gpu_draws_panels_as_its_twin_does() {
     for (samples, views) in [(1, 1), (1, 2), (4, 2)] {
         let mut drawing =
             TestRenderer::new(&gpu, VolumeFormat::of::<128, 2>(), [samples, views], SIZE);
-        let layers = drawing.draw_picture(&request(&eyes[..views as usize], &panels));
+        let layers = drawing.draw_picture(&request(&eyes[..views as usize], &[first, rest]));
         for (layer, twin) in layers.iter().zip(&twins) {
             let differing = count_differing(layer, twin);
             let bare = twin.iter().filter(|pixel| **pixel == twin[0]).count();
@@ -95,7 +97,7 @@ fn panels_are_tested_against_the_room() {
         let lit = FrameRequest {
             placement: resting_placement(),
             scene: Some(&scene),
-            ..request(&eyes, panels)
+            ..request(&eyes, &[panels])
         };
         drawing.draw_picture(&lit).remove(0)
     };

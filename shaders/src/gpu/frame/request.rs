@@ -124,7 +124,7 @@ pub struct FrameRequest<'a> {
     /// else.
     pub scene: Option<&'a DrawList>,
     /// Panels in the room, each drawn over those before it.
-    pub panels: &'a [Panel],
+    pub panels: &'a [&'a [Panel]],
     /// Linear colour of what nothing covers.
     pub backdrop: [f32; 3],
 }

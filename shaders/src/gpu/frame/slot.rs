@@ -66,9 +66,10 @@ impl FrameSlot {
     }
 
     /// Writes the quads of panels, as many as a frame draws.
-    pub(crate) fn write_panels(&mut self, panels: &[Panel]) {
+    pub(crate) fn write_panels(&mut self, panels: &[&[Panel]]) {
         self.panel_quad_count = 0;
-        for quad in panels.iter().flat_map(PanelInstance::of_panel).take(PANEL_QUADS) {
+        let panels = panels.iter().copied().flatten();
+        for quad in panels.flat_map(PanelInstance::of_panel).take(PANEL_QUADS) {
             let at = self.panel_quad_count as usize * size_of::<PanelInstance>();
             self.panel_quads.write(at, bytemuck::bytes_of(&quad));
             self.panel_quad_count += 1;

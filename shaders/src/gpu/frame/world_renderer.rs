@@ -47,7 +47,7 @@ pub struct Viewpoint<'a> {
     /// The sculpture's render path.
     pub render_path: RenderPath,
     /// Panels in the room.
-    pub panels: &'a [Panel],
+    pub panels: &'a [&'a [Panel]],
 }
 
 impl<const N: usize, const K: usize> WorldRenderer<N, K>
