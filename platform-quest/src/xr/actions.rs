@@ -144,6 +144,7 @@ impl ControllerActions {
             squeeze: value(&actions.squeeze)?.current_state,
             stick: [stick.x, stick.y],
             buttons: pressed,
+            fingertip: None,
         })
     }
 

@@ -78,7 +78,11 @@ impl HandReader {
         let mut sample = match source {
             HandSource::None => return HandSample::default(),
             HandSource::Joints => report.joints.unwrap_or_default(),
-            HandSource::Controller | HandSource::HandInteraction => report.actions,
+            HandSource::Controller => report.actions,
+            HandSource::HandInteraction => HandSample {
+                fingertip: report.joints.and_then(|hand| hand.fingertip),
+                ..report.actions
+            },
         };
         let took_over = core::mem::replace(&mut self.last_known, source) != source;
         if took_over {
@@ -226,6 +230,20 @@ mod tests {
         ] {
             let report = report(profile, actions, joints);
             assert_eq!(sources([report]), [source], "{report:?}");
+        }
+    }
+
+    /// A controller's hand has a finger, too, which points at nothing.
+    #[test]
+    fn a_bare_hand_has_the_fingertip_of_its_joints() {
+        for (profile, has_tip) in
+            [(Controller, false), (SimpleController, true), (HandInteraction, true)]
+        {
+            let mut told = report(profile, Some(0.0), Some(0.0));
+            let tip = Some(Vec3::X);
+            told.joints = told.joints.map(|hand| HandSample { fingertip: tip, ..hand });
+            let read = HandReader::default().read_tick(&told);
+            assert_eq!(read.fingertip, tip.filter(|_| has_tip), "{profile:?}");
         }
     }
 

@@ -21,6 +21,8 @@ pub struct HandSample {
     pub stick: [f32; 2],
     /// The pressed buttons, by [`paros_core::session::buttons`].
     pub buttons: u8,
+    /// The tip of a bare hand's index finger, in metres, where it is known.
+    pub fingertip: Option<Vec3>,
 }
 
 /// How well a runtime knows a pose, by the flags of `XrSpaceLocation`.
@@ -114,6 +116,7 @@ impl HandSample {
             grip: Some(grip_from_palm(palm, joints.palm_radius_m, joints.hand)),
             trigger: pinch.min(1.0 - curled),
             squeeze: closed_fraction(reaches.iter().sum::<f32>() / 3.0, FIST_OPEN_CLOSED_M),
+            fingertip: Some(index),
             ..HandSample::default()
         })
     }
@@ -214,6 +217,7 @@ mod tests {
         let open = hand(0.08, 0.1, 0.09);
         assert_eq!((open.trigger, open.squeeze), (0.0, 0.0));
         assert!(open.to_hand_input().tracked);
+        assert_eq!(open.fingertip, Some(Vec3::new(0.0, 1.0, -0.09)));
         let pinch = hand(0.01, 0.1, 0.09);
         assert_eq!((pinch.trigger, pinch.squeeze), (1.0, 0.0));
         // Thumb and index finger meet in it.

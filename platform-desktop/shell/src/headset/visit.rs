@@ -5,6 +5,9 @@
 //! hands. Whoever uses it after it was unused for the handover time is another visitor, whether it was off, asleep,
 //! or its program killed meanwhile; a sensor that is stuck changes nothing. Times are those since boot, sleep included:
 //! by a clock that stops while the device sleeps, a night would be a short break.
+//!
+//! Where the core holds visits ([`paros_core::visit`]) they decide all that; then it only tells whether the headset is
+//! worn and used.
 
 mod last_use;
 #[cfg(test)]
@@ -15,6 +18,7 @@ use std::time::Duration;
 
 use paros_core::TickInput;
 use paros_core::session::{SessionMode, SessionState, TICK_RATE, commands};
+use paros_core::visit::Presence;
 
 pub use last_use::{BootId, LastUse};
 use use_watch::UseWatch;
@@ -66,6 +70,10 @@ pub struct VisitPolicy {
     absence_before_handover: Duration,
     presence: WearState,
     watch: UseWatch,
+    /// The last tick's input showed a use.
+    is_used: bool,
+    /// It hands sessions over; else visits do.
+    hands_over: bool,
     last_use: Option<Duration>,
     /// The last use that was given out to be kept on the disk.
     stamped: Option<Duration>,
@@ -85,11 +93,20 @@ impl VisitPolicy {
             absence_before_handover,
             presence: WearState::Unknown,
             watch: UseWatch::default(),
+            is_used: false,
+            hands_over: true,
             last_use: None,
             stamped: None,
             handing_over: false,
             menu_held_ticks: 0,
         }
+    }
+
+    /// A policy that starts and hands over nothing, as visits do that: it tells of wearing and use.
+    #[must_use]
+    pub fn for_visits(absence_before_handover: Duration) -> Self {
+        let policy = VisitPolicy::new(SessionMode::None, absence_before_handover);
+        VisitPolicy { hands_over: false, ..policy }
     }
 
     /// Takes in that a session was found on the disk, and when the headset was last used, if that can be told. After
@@ -102,8 +119,8 @@ impl VisitPolicy {
         now: Duration,
     ) -> VisitorChange {
         let is_recent = |used: &LastUse| {
-            let away = now.checked_sub(used.since_boot);
-            Some(used.boot) == boot && away.is_some_and(|away| away < self.absence_before_handover)
+            let away = used.time_until(boot, now);
+            away.is_some_and(|away| away < self.absence_before_handover)
         };
         self.last_use = last_use.filter(is_recent).map(|used| used.since_boot);
         if self.last_use.is_some() {
@@ -143,12 +160,14 @@ impl VisitPolicy {
     ) -> VisitorChange {
         let is_used = self.watch.observe(input, is_menu_down);
         let limit = self.idleness_before_handover();
+        self.is_used = false;
         if let WearState::OffSince(since) = self.presence {
             if !is_used || now.saturating_sub(since) < limit {
                 return VisitorChange::None;
             }
             self.presence = WearState::OffAndUsed;
         }
+        self.is_used = is_used;
         if is_used { self.note_use(limit, now) } else { VisitorChange::None }
     }
 
@@ -161,6 +180,22 @@ impl VisitPolicy {
     #[must_use]
     pub const fn is_maybe_worn(&self) -> bool {
         !matches!(self.presence, WearState::OffSince(_))
+    }
+
+    /// Whether the headset is worn, as a visit is told. A sensor that has it off though it is used tells nothing.
+    #[must_use]
+    pub const fn presence(&self) -> Presence {
+        match self.presence {
+            WearState::Unknown | WearState::OffAndUsed => Presence::Unknown,
+            WearState::Worn => Presence::Worn,
+            WearState::OffSince(_) => Presence::Off,
+        }
+    }
+
+    /// Whether the last tick's input showed a use: while the headset is off its motion is none.
+    #[must_use]
+    pub const fn is_used(&self) -> bool {
+        self.is_used
     }
 
     /// The time of the last use, each time that the one on the disk has become old; none while a session is still to
@@ -211,7 +246,7 @@ impl VisitPolicy {
     fn note_use(&mut self, limit: Duration, now: Duration) -> VisitorChange {
         let Some(last) = self.last_use.replace(now) else { return VisitorChange::None };
         let away = now.saturating_sub(last);
-        if away >= limit {
+        if away >= limit && self.hands_over {
             self.handing_over = true;
             VisitorChange::NextVisitor
         } else if away >= PUT_DOWN {

@@ -44,6 +44,14 @@ impl LastUse {
     /// Length of an encoded one.
     pub const BYTES: usize = SEAL_BYTES + 16 + 8;
 
+    /// How long ago it was at a time since this boot; none where that can't be told: it was in another one, or the boot
+    /// isn't known.
+    #[must_use]
+    pub fn time_until(&self, boot: Option<BootId>, now: Duration) -> Option<Duration> {
+        let is_same = boot == Some(self.boot);
+        now.checked_sub(self.since_boot).filter(|_| is_same)
+    }
+
     /// Encodes it, with a checksum at the end.
     #[must_use]
     pub fn encode(&self) -> [u8; Self::BYTES] {
@@ -84,6 +92,17 @@ mod tests {
         {
             assert_eq!(BootId::parse_uuid(text), None, "{text:?}");
         }
+    }
+
+    #[test]
+    fn a_time_is_long_ago_in_its_own_boot_alone() {
+        let (boot, since_boot) = (BootId::from_count(3), Duration::from_secs(50));
+        let used = LastUse { boot, since_boot };
+        let until = |boot, seconds| used.time_until(boot, Duration::from_secs(seconds));
+        assert_eq!(until(Some(boot), 72), Some(Duration::from_secs(22)));
+        assert_eq!(until(Some(boot), 49), None, "it is later than now");
+        assert_eq!(until(Some(BootId::from_count(4)), 72), None);
+        assert_eq!(until(None, 72), None);
     }
 
     #[test]

@@ -5,6 +5,7 @@ use std::time::Duration;
 use glam::{Quat, Vec3};
 use paros_core::TickInput;
 use paros_core::session::{RawPose, SessionMode, SessionState, TICK_RATE, commands};
+use paros_core::visit::Presence;
 
 use super::{
     BootId, DEFAULT_HANDOVER, FINISH_HOLD_TICKS, LEAST_IDLENESS, LastUse, STAMP_INTERVAL,
@@ -338,4 +339,44 @@ fn a_stone_that_nobody_touched_is_replaced_and_not_kept() {
     headset.policy.add_session_start_or_finish(SessionState::Sculpting, false, false, &mut input);
     assert_eq!((input.start, input.commands), START);
     headset.assert_goes_on();
+}
+
+/// With visits the policy watches: it has nobody's session end, and the last use goes on being stamped.
+#[test]
+fn with_visits_wearing_and_use_are_told_and_nothing_is_handed_over() {
+    let mut headset = Headset::new();
+    headset.policy = VisitPolicy::for_visits(DEFAULT_HANDOVER);
+    let told = |headset: &Headset| (headset.policy.presence(), headset.policy.is_used());
+    assert_eq!(told(&headset), (Presence::Unknown, false));
+    headset.policy.observe_presence(true, headset.since_boot);
+    let mut uses = 0;
+    for _ in 0..TICK_RATE {
+        let input = headset.input(Motion::Head);
+        headset.policy.observe_tick(&input, false, headset.since_boot);
+        assert_eq!(headset.policy.presence(), Presence::Worn);
+        uses += u32::from(headset.policy.is_used());
+        headset.ticks += 1;
+    }
+    assert!((1..TICK_RATE).contains(&uses), "{uses} ticks with a use: it strays from time to time");
+    assert!(headset.policy.take_due_stamp().is_some());
+    // Off and carried about: no use, until it has been off for so long that the sensor must be wrong.
+    headset.policy.observe_presence(false, headset.since_boot);
+    headset.run(10, Motion::Head);
+    assert_eq!(told(&headset), (Presence::Off, false));
+    headset.pass(DEFAULT_HANDOVER);
+    let input = TickInput { head: pose_aside(), ..headset.input(Motion::Still) };
+    let change = headset.policy.observe_tick(&input, false, headset.since_boot);
+    assert_eq!(change, VisitorChange::PutOnAgain, "the room is placed anew at the most");
+    assert_eq!(told(&headset), (Presence::Unknown, true));
+    headset.policy.observe_presence(true, headset.since_boot);
+    assert_eq!(headset.policy.presence(), Presence::Worn);
+    assert!(headset.policy.take_last_stamp().is_some(), "it is nobody's to be handed over");
+    for session in [SessionState::Sculpting, SessionState::Finished] {
+        assert_eq!(apply(&mut headset.policy, session, false), NOTHING);
+    }
+}
+
+/// A head where it wasn't before.
+fn pose_aside() -> RawPose {
+    RawPose::quantise(Vec3::new(0.7, 1.5, 0.0), Quat::IDENTITY)
 }
