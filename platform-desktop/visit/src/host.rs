@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 use paros_core::badge::BadgeNumber;
+use paros_core::limits::INTERVALS;
 use paros_core::session::{PointerCommand, SessionMode, TICK_RATE, commands};
 use paros_core::visit::{
     PanelAction, PlanSetting, Presence, StaffCommand, Visit, VisitCommand, VisitInput, VisitPhase,
@@ -9,13 +10,16 @@ use paros_core::visit::{
 use paros_core::volume::{Grid, Size};
 use paros_core::{TickInput, World, WorldEvent};
 use paros_shaders::panel::{Message, Panel, PanelPose};
+use paros_shell::statics::Resident;
+use paros_shell::studio::Studio;
 
+use crate::headset::HeadsetWatch;
 use crate::lathe::LatheHand;
 use crate::options::{Controls, VisitOptions};
 use crate::pin_pad::PinPad;
 use crate::pointing::{POINTERS, Pointer, Pointing};
 use crate::queue::VisitQueue;
-use crate::screen::{ButtonAction, Question, Screen, ScreenState};
+use crate::screen::{ButtonAction, Question, Screen, ScreenState, point_in_room};
 use crate::standing::PanelSpot;
 
 /// For how long a visitor is told of the time that is left, in ticks.
@@ -38,16 +42,33 @@ pub struct ExportState {
     pub pending: u32,
 }
 
+impl ExportState {
+    /// Of a studio's last sculpture.
+    #[must_use]
+    pub fn of_studio<const N: usize>(studio: &Studio<'_, N>) -> Self
+    where
+        Grid<N>: Size + Resident<N, INTERVALS>,
+    {
+        ExportState {
+            is_busy: studio.is_exporting(),
+            is_kept: studio.session_stl_path().is_some(),
+            part: studio.export_part(),
+            pending: u32::from(studio.has_writes_to_retry()),
+        }
+    }
+}
+
 /// Holds visits: between the core, which decides, and a shell.
 #[derive(Debug)]
 pub struct VisitHost {
-    options: VisitOptions,
+    pub(crate) options: VisitOptions,
     queue: VisitQueue,
     pin_pad: Option<PinPad>,
     question: Question,
     lathe: LatheHand,
-    pointing: Pointing,
-    screen: Screen,
+    pub(crate) pointing: Pointing,
+    pub(crate) screen: Screen,
+    pub(crate) headset: HeadsetWatch,
     /// What the visitor is told of the time, and for how many ticks more.
     told: Option<(Message, u32)>,
     /// Turn of the stool that a button has asked for and no tick has taken yet.
@@ -79,6 +100,7 @@ impl VisitHost {
             lathe: LatheHand::default(),
             pointing: Pointing::default(),
             screen: Screen::new(),
+            headset: HeadsetWatch::default(),
             told: None,
             turn_left: 0,
             undoes: false,
@@ -87,6 +109,11 @@ impl VisitHost {
             has_sent_export: false,
             away_seconds: 0,
         }
+    }
+
+    /// Has visits begin anew, in an empty world, whatever visit was found there.
+    pub fn begin_anew(&mut self) {
+        self.queue.open(&self.options.plan);
     }
 
     /// Takes in what visitors work with now.
@@ -199,10 +226,19 @@ impl VisitHost {
         self.draw(visit, export);
     }
 
-    /// The panels that are shown.
+    /// The panels to be drawn: those that are shown, and the rays of hands on them.
     #[must_use]
     pub fn panels(&self) -> &[Panel] {
-        self.screen.panels()
+        self.screen.drawn_panels()
+    }
+
+    /// The buttons that are shown: what they do, for tests and logs, and where their middles are in the room.
+    pub fn buttons(&self) -> impl Iterator<Item = (String, Vec3)> {
+        self.screen.buttons().iter().filter_map(|shown| {
+            let action = self.screen.action(shown.button.id)?;
+            let panel = &self.screen.panels()[shown.panel];
+            Some((format!("{action:?}"), point_in_room(panel, shown.button.rect.middle())))
+        })
     }
 
     /// Puts the panels where a shell has them stand, by their spots and sizes in millimetres.
@@ -236,7 +272,8 @@ impl VisitHost {
         self.ask(Question::None);
     }
 
-    /// Whether the room is to be turned to who wears the headset; told once.
+    /// Whether the room is to be turned to who wears the headset, as a visitor is welcome or the staff asks for it; told
+    /// once.
     pub fn take_recentring(&mut self) -> bool {
         core::mem::take(&mut self.recentres)
     }
@@ -298,6 +335,7 @@ impl VisitHost {
                 self.lathe = LatheHand::default();
                 self.told = None;
             }
+            VisitPhase::Welcome => self.recentres = true,
             VisitPhase::Export => (self.has_sent_badge, self.has_sent_export) = (false, false),
             _ => {}
         }
@@ -330,6 +368,7 @@ impl VisitHost {
         state.pin = pin.unwrap_or(state.pin);
         if self.screen.is_another(&state) {
             self.pointing.forget_buttons();
+            self.headset.take_eyes_anew();
         }
         self.screen.draw(&state, self.pointing.hot_buttons(), &self.options);
     }

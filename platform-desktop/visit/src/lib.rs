@@ -7,6 +7,7 @@
 #![forbid(unsafe_code)]
 
 mod cards;
+mod headset;
 mod host;
 mod lathe;
 mod options;
@@ -16,6 +17,7 @@ mod queue;
 mod screen;
 mod standing;
 
+pub use headset::HeadsetTick;
 pub use host::{ExportState, VisitHost};
 pub use lathe::LatheHand;
 pub use options::{Controls, VisitOptions, random_bits_of_system};

@@ -4,6 +4,7 @@ use paros_core::badge::BadgeLanguage;
 use paros_core::session::SessionMode;
 use paros_core::visit::VisitCommand;
 use paros_shaders::panel::Language;
+use paros_shell::headset::hand_reader::HandSource;
 use paros_shell::modes::parse_mode;
 use paros_shell::settings::{StaffPin, VisitSettings};
 
@@ -59,6 +60,21 @@ impl Default for VisitOptions {
     }
 }
 
+impl Controls {
+    /// What a headset's hands are read from: a controller in either counts, as its owner holds it. None while neither
+    /// hand is there.
+    #[must_use]
+    pub fn of_hands(sources: [HandSource; 2]) -> Option<Self> {
+        let is_there = |wanted: &[HandSource]| sources.iter().any(|source| wanted.contains(source));
+        if is_there(&[HandSource::Controller]) {
+            Some(Controls::Controllers)
+        } else {
+            let bare = [HandSource::Joints, HandSource::HandInteraction];
+            is_there(&bare).then_some(Controls::BareHands)
+        }
+    }
+}
+
 impl VisitOptions {
     /// Those of settings.
     #[must_use]
@@ -80,5 +96,26 @@ impl VisitOptions {
     pub(crate) fn language(&self, number: u8) -> Language {
         let first = self.languages.first().copied().unwrap_or_default();
         self.languages.get(usize::from(number)).copied().unwrap_or(first)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use paros_shell::headset::hand_reader::HandSource;
+
+    use super::Controls;
+
+    #[test]
+    fn texts_tell_of_what_the_hands_are_read_from() {
+        use HandSource::{Controller, HandInteraction, Joints, None as Lost};
+        for (sources, controls) in [
+            ([Lost, Lost], None),
+            ([Controller, Lost], Some(Controls::Controllers)),
+            ([Lost, Joints], Some(Controls::BareHands)),
+            ([HandInteraction, Joints], Some(Controls::BareHands)),
+            ([Joints, Controller], Some(Controls::Controllers)),
+        ] {
+            assert_eq!(Controls::of_hands(sources), controls, "{sources:?}");
+        }
     }
 }

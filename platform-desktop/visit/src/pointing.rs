@@ -3,12 +3,23 @@
 use glam::Vec3;
 use paros_core::internals::{BOX_SIDE, STOOL_TOP};
 use paros_shaders::panel::{Panel, PanelButton, PanelPoint, find_button};
+use paros_shell::headset::hand_sample::HandSample;
 
 /// Pointers that a shell may have: left and right hand, and a cursor.
 pub const POINTERS: usize = 3;
 
 /// How near a fingertip presses, in metres before a panel or behind it.
 const TOUCH_DEPTH: f32 = 0.015;
+
+/// How far before a hand's grip its foremost point is, in metres: a controller's ring, or knuckles.
+const GRIP_REACH: f32 = 0.08;
+
+/// A trigger that is pulled so far presses, as the core has it: 128 of 255.
+const PRESSED_FROM: f32 = 128.0 / 255.0;
+
+/// What is felt of a button that a hand comes onto, and of one that is pressed, of 255.
+const HOVER_TAP: u8 = 70;
+const PRESS_TAP: u8 = 170;
 
 /// What points at panels.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -23,17 +34,30 @@ pub struct Pointer {
     pub fingertip: Option<Vec3>,
 }
 
+/// A ray that ends on a panel.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(crate) struct PanelRay {
+    /// The panel's place among them.
+    pub(crate) panel: usize,
+    /// Where it begins, and where it ends on the panel, in metres of the room.
+    pub(crate) ends: [Vec3; 2],
+}
+
 /// What a pointer was on, and did.
-#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+#[derive(Clone, Copy, PartialEq, Default, Debug)]
 struct PointerState {
     was_pressed: bool,
     was_touching: bool,
     /// The button under it.
     hot: Option<u16>,
+    /// Its ray, where it ends on a panel that has buttons.
+    ray: Option<PanelRay>,
+    /// What is felt of it in this tick, of 255.
+    tap: u8,
 }
 
 /// All pointers as of the last tick.
-#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+#[derive(Clone, Copy, PartialEq, Default, Debug)]
 pub(crate) struct Pointing {
     states: [PointerState; POINTERS],
 }
@@ -45,6 +69,22 @@ pub(crate) struct ShownButton {
     pub(crate) panel: usize,
     /// Its number is unique among all of them.
     pub(crate) button: PanelButton<'static>,
+}
+
+impl Pointer {
+    /// A headset's hand: its aim is the ray, its trigger or pinch presses, and so does the touch of its index finger's
+    /// tip or, where that isn't known, its foremost point. None where it isn't known where it aims.
+    #[must_use]
+    pub fn of_hand(sample: &HandSample) -> Option<Self> {
+        let (origin, rotation) = sample.aim?;
+        let foremost = |(position, rotation)| position + rotation * Vec3::NEG_Z * GRIP_REACH;
+        Some(Pointer {
+            origin,
+            direction: rotation * Vec3::NEG_Z,
+            is_pressed: sample.trigger >= PRESSED_FROM,
+            fingertip: sample.fingertip.or(sample.grip.map(foremost)),
+        })
+    }
 }
 
 impl Pointing {
@@ -65,19 +105,27 @@ impl Pointing {
             };
             let touched =
                 pointer.fingertip.and_then(|tip| find_touched_button(panels, buttons, tip));
-            let pointed = find_pointed_button(panels, buttons, pointer, is_stone_between);
+            let ray = find_ray(panels, buttons, pointer, is_stone_between);
+            let pointed = ray.and_then(|ray| {
+                let point = panels[ray.panel].project_point(ray.ends[1]);
+                button_at(buttons, ray.panel, point)
+            });
             let is_new_press = pointer.is_pressed && !state.was_pressed;
             let is_new_touch = touched.is_some() && !state.was_touching;
-            if is_new_touch {
-                pressed = pressed.or(touched);
-            } else if is_new_press {
-                pressed = pressed.or(pointed);
-            }
-            *state = PointerState {
-                was_pressed: pointer.is_pressed,
-                was_touching: touched.is_some(),
-                hot: touched.or(pointed),
+            let press = match (is_new_touch, is_new_press) {
+                (true, _) => touched,
+                (false, true) => pointed,
+                (false, false) => None,
             };
+            pressed = pressed.or(press);
+            let hot = touched.or(pointed);
+            let tap = match (press, hot) {
+                (Some(_), _) => PRESS_TAP,
+                (None, Some(_)) if hot != state.hot => HOVER_TAP,
+                (None, _) => 0,
+            };
+            let was_touching = touched.is_some();
+            *state = PointerState { was_pressed: pointer.is_pressed, was_touching, hot, ray, tap };
         }
         pressed
     }
@@ -92,10 +140,21 @@ impl Pointing {
         self.states.map(|state| state.hot)
     }
 
+    /// The rays that end on panels.
+    pub(crate) fn rays(&self) -> [Option<PanelRay>; POINTERS] {
+        self.states.map(|state| state.ray)
+    }
+
+    /// What is felt of a pointer's button in this tick, of 255: a light tap where it comes onto it, and a clear one
+    /// where it presses.
+    pub(crate) fn tap(&self, pointer: usize) -> u8 {
+        self.states.get(pointer).map_or(0, |state| state.tap)
+    }
+
     /// Forgets what is under the pointers: other panels are shown. What is held down presses none of them.
     pub(crate) fn forget_buttons(&mut self) {
         self.states.iter_mut().for_each(|state| {
-            (state.hot, state.was_touching) = (None, true);
+            (state.hot, state.ray, state.was_touching) = (None, None, true);
         });
     }
 }
@@ -114,18 +173,21 @@ fn find_touched_button(panels: &[Panel], buttons: &[ShownButton], tip: Vec3) -> 
     })
 }
 
-fn find_pointed_button(
+/// The pointer's ray to the panel that it meets first, unless that has no buttons.
+fn find_ray(
     panels: &[Panel],
     buttons: &[ShownButton],
     pointer: &Pointer,
     is_stone_between: bool,
-) -> Option<u16> {
+) -> Option<PanelRay> {
     let Pointer { origin, direction, .. } = *pointer;
     let hit = |(k, panel): (usize, &Panel)| Some((k, panel.intersect_ray(origin, direction)?));
     let hits = panels.iter().enumerate().filter_map(hit);
     let (panel, point) = hits.min_by(|(_, a), (_, b)| a.distance.total_cmp(&b.distance))?;
     let is_behind = is_stone_between && crosses_stone(origin, direction);
-    button_at(buttons, panel, point).filter(|_| !is_behind)
+    let has_buttons = buttons.iter().any(|shown| shown.panel == panel);
+    let end = origin + direction.normalize_or_zero() * point.distance;
+    (has_buttons && !is_behind).then_some(PanelRay { panel, ends: [origin, end] })
 }
 
 /// Whether a ray passes the ball around the block, or begins in it.
@@ -139,11 +201,14 @@ fn crosses_stone(origin: Vec3, direction: Vec3) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use glam::{Vec2, Vec3};
+    use core::f32::consts::FRAC_PI_2;
+
+    use glam::{Quat, Vec2, Vec3};
     use paros_shaders::panel::layout::welcome_buttons;
     use paros_shaders::panel::{Panel, PanelPose};
+    use paros_shell::headset::hand_sample::HandSample;
 
-    use super::{Pointer, Pointing, ShownButton};
+    use super::{GRIP_REACH, HOVER_TAP, PRESS_TAP, PanelRay, Pointer, Pointing, ShownButton};
 
     const PLACE: Vec3 = Vec3::new(0.9, 1.5, -1.0);
 
@@ -182,6 +247,70 @@ mod tests {
         assert_eq!(follow(Vec3::NEG_Z * 9.0, false), (None, false));
         assert_eq!(follow(Vec3::NEG_Z * 9.0, true), (None, false));
         assert_eq!(follow(at(6), true), (None, true), "pulled elsewhere");
+    }
+
+    #[test]
+    fn a_hand_points_where_it_aims_and_touches_with_its_foremost_point() {
+        let turn = Quat::from_rotation_y(FRAC_PI_2);
+        let sample = HandSample {
+            aim: Some((Vec3::X, turn)),
+            grip: Some((Vec3::Y, turn)),
+            trigger: 0.5,
+            ..HandSample::default()
+        };
+        let pointer = Pointer::of_hand(&sample).expect("it aims");
+        assert_eq!(pointer.origin, Vec3::X);
+        assert!(pointer.direction.distance(Vec3::NEG_X) < 1e-6 && !pointer.is_pressed);
+        let foremost = Vec3::new(-GRIP_REACH, 1.0, 0.0);
+        assert!(pointer.fingertip.is_some_and(|tip| tip.distance(foremost) < 1e-6));
+        let bare = HandSample { fingertip: Some(Vec3::Z), trigger: 0.51, grip: None, ..sample };
+        let pointer = Pointer::of_hand(&bare).expect("it aims");
+        assert_eq!((pointer.fingertip, pointer.is_pressed), (Some(Vec3::Z), true));
+        assert_eq!(Pointer::of_hand(&HandSample { aim: None, ..sample }), None);
+    }
+
+    #[test]
+    fn a_button_is_felt_when_a_hand_comes_onto_it_and_when_it_is_pressed() {
+        let (panels, buttons) = shown();
+        let mut pointing = Pointing::default();
+        let at = |k: usize| before(&panels[0], &buttons[k], 0.0);
+        let mut feel = |target, is_pressed| {
+            pointing.follow(
+                &[None, Some(ray_to(target, is_pressed)), None],
+                &panels,
+                &buttons,
+                false,
+            );
+            assert_eq!(pointing.tap(0), 0, "of the other hand");
+            pointing.tap(1)
+        };
+        let away = Vec3::NEG_Z * 9.0;
+        let felt = [
+            feel(away, false),
+            feel(at(2), false),
+            feel(at(2), false),
+            feel(at(2), true),
+            feel(at(2), true),
+            feel(at(3), true),
+            feel(away, false),
+        ];
+        assert_eq!(felt, [0, HOVER_TAP, 0, PRESS_TAP, 0, HOVER_TAP, 0]);
+    }
+
+    #[test]
+    fn a_ray_ends_on_the_panel_that_has_buttons() {
+        let (panels, buttons) = shown();
+        let mut pointing = Pointing::default();
+        let target = panels[0].pose.middle;
+        let mut ray = |target, buttons: &[ShownButton]| {
+            pointing.follow(&[Some(ray_to(target, false)), None, None], &panels, buttons, false);
+            pointing.rays()[0]
+        };
+        let PanelRay { panel, ends } = ray(target, &buttons).expect("a ray");
+        assert_eq!((panel, ends[0]), (0, ray_to(target, false).origin));
+        assert!(ends[1].distance(target) < 1e-4, "{ends:?}");
+        assert_eq!(ray(target, &[]), None, "there is nothing to press");
+        assert_eq!(ray(Vec3::NEG_Z * 9.0, &buttons), None);
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! What is shown of a visit: which panels, with which buttons, and what those do.
 
 mod draw;
+mod rays;
 
 use paros_core::badge::BadgeNumber;
 use paros_core::session::{SessionMode, TICK_RATE};
@@ -11,9 +12,13 @@ use paros_shaders::panel::{Language, Message, Panel};
 use crate::options::{Controls, VisitOptions};
 use crate::pointing::ShownButton;
 use crate::standing::PanelSpot;
+pub(crate) use rays::point_in_room;
 
 /// The most panels shown at once: one before the visitor, one at the side.
 pub(crate) const MAX_PANELS: usize = 2;
+
+/// The most with the rays of both hands on them: a beam, and where it ends.
+const MAX_DRAWN: usize = MAX_PANELS + 2 * rays::RAYS;
 
 /// What is asked beside what the visit's phase shows.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
@@ -82,9 +87,11 @@ pub(crate) struct ScreenState {
 /// The panels that are shown, and their buttons.
 #[derive(Debug)]
 pub(crate) struct Screen {
-    panels: [Panel; MAX_PANELS],
+    /// Those of the visit, then the rays'.
+    panels: [Panel; MAX_DRAWN],
     spots: [PanelSpot; MAX_PANELS],
     count: usize,
+    ray_panels: usize,
     buttons: Vec<ShownButton>,
     actions: Vec<ButtonAction>,
     drawn: Option<(ScreenState, [Option<u16>; crate::pointing::POINTERS])>,
@@ -126,15 +133,21 @@ impl Screen {
             panels: core::array::from_fn(|_| Panel::new([0.0; 2])),
             spots: [PanelSpot::Main; MAX_PANELS],
             count: 0,
+            ray_panels: 0,
             buttons: Vec::new(),
             actions: Vec::new(),
             drawn: None,
         }
     }
 
-    /// The panels to be drawn.
+    /// The panels with what is to be read and pressed.
     pub(crate) fn panels(&self) -> &[Panel] {
         &self.panels[..self.count]
+    }
+
+    /// All panels to be drawn: the rays of hands, too.
+    pub(crate) fn drawn_panels(&self) -> &[Panel] {
+        &self.panels[..self.count + self.ray_panels]
     }
 
     /// Their buttons.

@@ -1,5 +1,7 @@
 //! Visits from attract to the next visitor, through a world of the shipped size.
 
+mod headset;
+
 use glam::{Vec2, Vec3};
 use paros_core::edit::Pose;
 use paros_core::limits::INTERVALS;

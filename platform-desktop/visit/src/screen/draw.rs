@@ -25,7 +25,7 @@ impl Screen {
             return;
         }
         self.drawn = Some((*state, hot));
-        self.count = 0;
+        (self.count, self.ray_panels) = (0, 0);
         self.buttons.clear();
         self.actions.clear();
         let is_at_work = matches!(state.phase, VisitPhase::Guided | VisitPhase::Sculpting);

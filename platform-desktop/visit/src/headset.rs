@@ -1,0 +1,221 @@
+//! Visits on a headset: its menu button, the time for which it was away, and eyes that panels turn to.
+
+use std::time::Duration;
+
+use glam::Vec3;
+use paros_core::session::TICK_RATE;
+use paros_core::visit::{Presence, Visit, VisitPhase};
+use paros_core::volume::{Grid, Size};
+use paros_core::{TickInput, World};
+use paros_shell::headset::hand_reader::HandSource;
+use paros_shell::headset::hand_sample::HandSample;
+use paros_shell::headset::haptics::TickHaptics;
+
+use crate::host::{ExportState, VisitHost};
+use crate::options::Controls;
+use crate::pointing::Pointer;
+use crate::standing::room_pose;
+
+/// Ticks for which the menu button is held to ask for the staff's panel: two seconds, so that no visitor opens it who
+/// only holds a controller.
+const STAFF_HOLD_TICKS: u32 = 2 * TICK_RATE;
+
+/// Ticks are farther apart than this where the device slept, or the program showed nothing. Slow frames are not, and
+/// no phase has a visitor gone after so little.
+const LEAST_AWAY: Duration = Duration::from_secs(3);
+
+/// The height of eyes that were never seen, in metres.
+const EYE_HEIGHT: f32 = 1.6;
+
+/// What a headset tells in a tick.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct HeadsetTick<'a> {
+    /// The time since boot, sleep included.
+    pub now: Duration,
+    /// The head in metres of the room; None while it isn't tracked.
+    pub head: Option<Vec3>,
+    /// Left and right hand, in metres of the room.
+    pub hands: &'a [HandSample; 2],
+    /// What they are read from.
+    pub sources: [HandSource; 2],
+    /// Whether the menu button is down.
+    pub is_menu_down: bool,
+    /// Whether the headset is worn, and used.
+    pub presence: Presence,
+    /// Whether the tick shows a use.
+    pub is_used: bool,
+}
+
+/// What a press of the menu button asks for.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum MenuPress {
+    /// It was pressed and let go.
+    Short,
+    /// It has been held for long.
+    Long,
+}
+
+/// What is remembered of a headset from tick to tick.
+#[derive(Clone, Copy, PartialEq, Default, Debug)]
+pub(crate) struct HeadsetWatch {
+    /// When the last tick was, since boot.
+    last_tick: Option<Duration>,
+    /// Ticks for which the menu button has been down.
+    menu_ticks: u32,
+    /// Where the head was seen last.
+    head: Option<Vec3>,
+    /// Where it was when the screen last changed: panels turn to it, and follow no head.
+    eyes: Option<Vec3>,
+}
+
+impl HeadsetWatch {
+    /// Has panels turn to where the head is from the next tick on.
+    pub(crate) const fn take_eyes_anew(&mut self) {
+        self.eyes = None;
+    }
+
+    /// The whole seconds for which there was no tick before this one, if that was long.
+    fn note_tick(&mut self, now: Duration) -> Option<u16> {
+        let last = self.last_tick.replace(now)?;
+        let away = now.checked_sub(last).filter(|away| *away >= LEAST_AWAY)?;
+        Some(u16::try_from(away.as_secs()).unwrap_or(u16::MAX))
+    }
+
+    /// What the menu button asks for: short once it is let go, long while it is still held.
+    fn follow_menu(&mut self, is_down: bool) -> Option<MenuPress> {
+        let held = self.menu_ticks;
+        self.menu_ticks = if is_down { held.saturating_add(1) } else { 0 };
+        match is_down {
+            true => (self.menu_ticks == STAFF_HOLD_TICKS).then_some(MenuPress::Long),
+            false => (1..STAFF_HOLD_TICKS).contains(&held).then_some(MenuPress::Short),
+        }
+    }
+
+    /// The eyes that panels turn to.
+    fn eyes(&mut self) -> Vec3 {
+        let head = self.head.filter(|head| head.is_finite());
+        *self.eyes.get_or_insert(head.unwrap_or(Vec3::Y * EYE_HEIGHT))
+    }
+}
+
+impl VisitHost {
+    /// Takes in that the world's visit was found on the disk, and for how long nobody had used the headset, where that
+    /// can be told: what the visit has counted of it is no part of the time away. One of which it can't be told is a
+    /// former visitor's.
+    pub fn note_found(&mut self, visit: &Visit, unused: Option<Duration>) {
+        let counted = u64::from(visit.idle_ticks() / TICK_RATE);
+        let away = unused.map(|unused| unused.as_secs().saturating_sub(counted));
+        self.note_away(away.and_then(|seconds| u16::try_from(seconds).ok()).unwrap_or(u16::MAX));
+    }
+
+    /// Takes in that the room lies elsewhere: panels turn to where the head is in it.
+    pub const fn note_room_moved(&mut self) {
+        self.headset.take_eyes_anew();
+    }
+
+    /// Takes in what a headset tells in a tick, does what is pressed, and puts the visit's part into the tick's input,
+    /// which has the same hands.
+    pub fn fill_headset_input<const N: usize, const K: usize>(
+        &mut self,
+        world: &World<N, K>,
+        tick: &HeadsetTick<'_>,
+        input: &mut TickInput,
+    ) where
+        Grid<N>: Size,
+    {
+        let visit = world.visit();
+        if let Some(seconds) = self.headset.note_tick(tick.now) {
+            self.note_away(seconds);
+        }
+        self.headset.head = tick.head.or(self.headset.head);
+        match self.headset.follow_menu(tick.is_menu_down) {
+            None => {}
+            Some(MenuPress::Short) => self.toggle_finish_question(visit),
+            Some(MenuPress::Long) => self.toggle_staff_panel(),
+        }
+        if let Some(controls) = Controls::of_hands(tick.sources) {
+            self.set_controls(controls);
+        }
+        let [left, right] = tick.hands.each_ref().map(Pointer::of_hand);
+        self.follow_pointers(visit, &[left, right, None]);
+        self.fill_input(world, (tick.presence, tick.is_used), input);
+    }
+
+    /// Takes in what a headset's tick did, and puts panels and rays in the room.
+    pub fn follow_headset_tick<const N: usize, const K: usize>(
+        &mut self,
+        world: &World<N, K>,
+        export: &ExportState,
+    ) where
+        Grid<N>: Size,
+    {
+        self.follow_tick(world, export);
+        let eyes = self.headset.eyes();
+        self.place_panels(|spot, size_mm| room_pose(spot, size_mm, eyes.y));
+        let seen_from = self.headset.head.unwrap_or(eyes);
+        self.screen.draw_rays(&self.pointing.rays(), seen_from);
+    }
+
+    /// Whether the hands in the world are the host's own, and the visitor's are not to be seen.
+    #[must_use]
+    pub fn moves_hands(visit: &Visit) -> bool {
+        visit.phase() == VisitPhase::Attract
+    }
+
+    /// Puts what is felt of buttons into what hands feel of a tick. Of the host's own hand nobody feels anything.
+    pub fn adapt_haptics(&self, visit: &Visit, felt: &mut [TickHaptics; 2]) {
+        for (hand, felt) in felt.iter_mut().enumerate() {
+            if Self::moves_hands(visit) {
+                *felt = TickHaptics::default();
+            }
+            felt.level = felt.level.max(self.pointing.tap(hand));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pause_between_ticks_is_time_away_and_a_slow_frame_is_none() {
+        let mut watch = HeadsetWatch::default();
+        let mut note = |millis| watch.note_tick(Duration::from_millis(millis));
+        assert_eq!(note(500_000), None, "the first one");
+        assert_eq!(note(500_014), None);
+        assert_eq!(note(502_900), None, "slow");
+        assert_eq!(note(506_000), Some(3));
+        assert_eq!(note(506_000), None, "of the same frame");
+        assert_eq!(note(551_999), Some(45));
+        assert_eq!(note(551_000), None, "a clock that goes back");
+        assert_eq!(note(551_000 + 1000 * 86_400), Some(u16::MAX), "a night");
+    }
+
+    #[test]
+    fn the_menu_button_asks_when_let_go_or_after_two_seconds() {
+        let mut watch = HeadsetWatch::default();
+        let mut hold = |ticks: u32| -> Vec<(u32, MenuPress)> {
+            let pressed = |tick| watch.follow_menu(tick < ticks).map(|press| (tick, press));
+            (0..ticks + 5).filter_map(pressed).collect()
+        };
+        assert_eq!(hold(1), [(1, MenuPress::Short)]);
+        let almost = STAFF_HOLD_TICKS - 1;
+        assert_eq!(hold(almost), [(almost, MenuPress::Short)]);
+        assert_eq!(hold(STAFF_HOLD_TICKS), [(almost, MenuPress::Long)]);
+        assert_eq!(hold(3 * STAFF_HOLD_TICKS), [(almost, MenuPress::Long)], "once");
+        assert_eq!(hold(0), []);
+    }
+
+    #[test]
+    fn panels_turn_to_where_the_head_was_when_the_screen_changed() {
+        let mut watch = HeadsetWatch::default();
+        assert_eq!(watch.eyes(), Vec3::Y * EYE_HEIGHT, "nobody was seen");
+        watch.head = Some(Vec3::Y * 1.2);
+        assert_eq!(watch.eyes(), Vec3::Y * EYE_HEIGHT);
+        watch.take_eyes_anew();
+        assert_eq!(watch.eyes(), Vec3::Y * 1.2);
+        watch.head = Some(Vec3::NAN);
+        watch.take_eyes_anew();
+        assert_eq!(watch.eyes(), Vec3::Y * EYE_HEIGHT);
+    }
+}

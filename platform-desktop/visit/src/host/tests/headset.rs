@@ -1,0 +1,152 @@
+//! Visits on a headset: by its hands and its menu button, across sleep and the end of its program.
+
+use std::time::Duration;
+
+use glam::{Quat, Vec3};
+use paros_core::TickInput;
+use paros_core::session::TICK_RATE;
+use paros_core::visit::{Presence, VisitPhase};
+use paros_shell::headset::hand_reader::HandSource;
+use paros_shell::headset::hand_sample::HandSample;
+use paros_shell::headset::haptics::TickHaptics;
+
+use super::{Booth, Press, begin_sculpting, cut, with_booth};
+use crate::headset::HeadsetTick;
+use crate::host::{Question, VisitHost};
+use crate::screen::ButtonAction;
+
+const SOURCES: [HandSource; 2] = [HandSource::Controller; 2];
+
+impl Booth<'_, '_> {
+    /// A tick of a headset whose right hand is so, at a time since boot.
+    fn headset_tick(&mut self, seconds: f32, hand: HandSample, is_menu_down: bool) {
+        let hands = [HandSample::default(), hand];
+        let tick = HeadsetTick {
+            now: Duration::from_secs_f32(seconds),
+            head: Some(Vec3::Y * 1.5),
+            hands: &hands,
+            sources: SOURCES,
+            is_menu_down,
+            presence: self.presence,
+            is_used: self.presence == Presence::Worn,
+        };
+        let mut input = TickInput::default();
+        input.hands[1] = hand.to_hand_input();
+        self.host.fill_headset_input(self.runner.world(), &tick, &mut input);
+        self.runner.run_tick(&input);
+        self.host.follow_headset_tick(self.runner.world(), &self.export);
+    }
+
+    /// Aims at a button with a hand, and pulls its trigger.
+    fn press_by_hand(&mut self, action: ButtonAction) {
+        let name = format!("{action:?}");
+        let button = self.host.buttons().find(|(named, _)| *named == name);
+        let (_, target) = button.unwrap_or_else(|| panic!("no {name}"));
+        let from = Vec3::new(0.3, 1.3, 0.1);
+        let aim = (from, Quat::from_rotation_arc(Vec3::NEG_Z, (target - from).normalize()));
+        for trigger in [0.0, 1.0, 0.0] {
+            let hand =
+                HandSample { aim: Some(aim), grip: Some(aim), trigger, ..HandSample::default() };
+            self.headset_tick(0.0, hand, false);
+        }
+        (0..3).for_each(|_| self.headset_tick(0.0, HandSample::default(), false));
+    }
+}
+
+#[test]
+fn a_hand_presses_what_it_aims_at_and_the_room_is_placed_for_who_is_welcome() {
+    with_booth(|booth| {
+        assert!(!booth.host.take_recentring(), "nobody is there");
+        booth.presence = Presence::Worn;
+        (0..3).for_each(|_| booth.headset_tick(0.0, HandSample::default(), false));
+        assert_eq!(booth.phase(), VisitPhase::Welcome);
+        assert!(booth.host.take_recentring() && !booth.host.take_recentring());
+        let main = booth.host.panels()[0].pose;
+        assert!(main.middle.z < -1.0 && (main.rotation * Vec3::Z).z > 0.9, "{main:?}");
+        booth.press_by_hand(ButtonAction::Press(Press::WorkingHand(0)));
+        assert_eq!(booth.world().visit().working_hand(), 0);
+        booth.press_by_hand(ButtonAction::Press(Press::Confirm));
+        assert_eq!(booth.phase(), VisitPhase::Choice);
+    });
+}
+
+#[test]
+fn the_menu_button_asks_for_the_end_and_held_for_the_staff() {
+    with_booth(|booth| {
+        begin_sculpting(booth);
+        let mut hold = |ticks: u32| {
+            (0..ticks).for_each(|_| booth.headset_tick(0.0, HandSample::default(), true));
+            booth.headset_tick(0.0, HandSample::default(), false);
+            booth.host.question
+        };
+        assert_eq!(hold(5), Question::Finish);
+        assert_eq!(hold(5), Question::None);
+        assert_eq!(hold(2 * TICK_RATE), Question::Pin);
+        assert_eq!(hold(2 * TICK_RATE), Question::None, "shut again");
+        assert_eq!(hold(2 * TICK_RATE - 1), Question::Finish);
+    });
+}
+
+/// The device slept, or its program was killed and started again.
+#[test]
+fn who_was_away_for_long_has_gone() {
+    for (away, phase) in [(44.0, VisitPhase::Sculpting), (46.0, VisitPhase::HandsOff)] {
+        with_booth(|booth| {
+            begin_sculpting(booth);
+            cut(booth);
+            booth.headset_tick(100.0, HandSample::default(), false);
+            booth.headset_tick(100.0 + away, HandSample::default(), false);
+            assert_eq!(booth.phase(), phase, "slept for {away} s");
+        });
+    }
+    let minute = Duration::from_secs(60);
+    for (unused, counted, phase) in [
+        (Some(minute), 0, VisitPhase::HandsOff),
+        (Some(minute - Duration::from_secs(20)), 0, VisitPhase::Sculpting),
+        // Of the minute the visit had counted twenty seconds when it was saved: it is no longer than a minute.
+        (Some(minute), 20, VisitPhase::HandsOff),
+        (Some(minute - Duration::from_secs(20)), 20, VisitPhase::Sculpting),
+        (None, 0, VisitPhase::HandsOff),
+    ] {
+        with_booth(|booth| {
+            begin_sculpting(booth);
+            cut(booth);
+            booth.presence = Presence::Off;
+            (0..counted * TICK_RATE).for_each(|_| booth.tick(None));
+            // Another process finds it.
+            let visit = booth.runner.world().visit();
+            booth.host = VisitHost::new(super::options(), visit);
+            booth.host.note_found(visit, unused);
+            booth.headset_tick(9.0, HandSample::default(), false);
+            assert_eq!(booth.phase(), phase, "{unused:?}, of which {counted} s were counted");
+        });
+    }
+}
+
+#[test]
+fn a_recording_begins_with_visits_that_begin() {
+    with_booth(|booth| {
+        begin_sculpting(booth);
+        booth.host = VisitHost::new(super::options(), booth.runner.world().visit());
+        booth.host.begin_anew();
+        booth.presence = Presence::Off;
+        booth.wait(1);
+        assert_eq!(booth.phase(), VisitPhase::Attract);
+    });
+}
+
+#[test]
+fn buttons_are_felt_and_the_hand_of_nobody_is_not() {
+    with_booth(|booth| {
+        let at_work = TickHaptics { level: 200, ..TickHaptics::default() };
+        let feel = |booth: &Booth<'_, '_>| {
+            let mut felt = [at_work; 2];
+            booth.host.adapt_haptics(booth.world().visit(), &mut felt);
+            felt.map(|hand| hand.level)
+        };
+        assert_eq!(feel(booth), [0, 0], "the host's own hand");
+        booth.presence = Presence::Worn;
+        booth.wait(3);
+        assert_eq!(feel(booth), [200, 200]);
+    });
+}
