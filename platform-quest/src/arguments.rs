@@ -1,5 +1,7 @@
 //! The flags of `paros-quest` on Linux. Those that are settings are checked as settings are, and win over a file's.
 
+mod visits;
+
 use std::path::{Path, PathBuf};
 
 use clap::Parser;
@@ -9,6 +11,7 @@ use paros_shell::settings::{LoadedSettings, SettingsLayer};
 use paros_shell::studio_paths::StudioPaths;
 
 use crate::options::ShellOptions;
+use visits::VisitArgs;
 
 /// Sculpt in a headset, or play a recorded session again.
 #[derive(Debug, Parser)]
@@ -64,6 +67,8 @@ pub struct HeadsetArgs {
     /// Take commands from standard input, for tests.
     #[arg(long, hide = true)]
     pub script: bool,
+    #[command(flatten)]
+    visits: VisitArgs,
     /// Have Vulkan's validation look on.
     #[arg(long, hide = true)]
     pub validation: bool,
@@ -101,6 +106,7 @@ impl HeadsetArgs {
         ShellOptions {
             folder: self.folder.clone(),
             test_commands: self.script,
+            visits: self.visits.to_options(),
             validation: self.validation,
             ..ShellOptions::from_settings(&loaded.settings)
         }

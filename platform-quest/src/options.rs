@@ -6,6 +6,7 @@ use std::time::Duration;
 use paros_core::session::SessionMode;
 use paros_shaders::gpu::RenderPath;
 use paros_shell::settings::Settings;
+use paros_visit::VisitOptions;
 
 use crate::foveation::FoveationLevel;
 
@@ -19,6 +20,8 @@ pub struct ShellOptions {
     pub mode: SessionMode,
     /// How long the headset must be unused for whoever uses it next to be another visitor.
     pub handover_after: Duration,
+    /// The visits that are held; without them sessions start and end by the headset's use and its menu button.
+    pub visits: Option<VisitOptions>,
     /// Where the session's trace is written; the session starts anew then.
     pub record: Option<PathBuf>,
     /// The string on which hands draw their bits, in millimetres; 0 for hands that aren't steadied.
@@ -49,6 +52,7 @@ impl ShellOptions {
             folder: None,
             mode: settings.mode,
             handover_after: settings.handover_after,
+            visits: None,
             record: settings.record.clone(),
             string_mm: settings.steady_mm,
             refresh_rate: settings.refresh_rate_hz as f32,

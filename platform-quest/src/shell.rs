@@ -3,6 +3,7 @@
 mod charger_panel;
 mod events;
 mod frame;
+mod hosting;
 mod loading;
 mod session_loop;
 mod ticks;
@@ -31,6 +32,7 @@ use paros_shell::statics::{Resident, ResidentBitGrid};
 use paros_shell::stl_export::{DEFAULT_HEIGHT_MM, StlExporter};
 use paros_shell::studio::{Notice, Studio};
 use paros_shell::studio_paths::StudioPaths;
+use paros_visit::VisitHost;
 
 use crate::error::Error;
 use crate::log::open_log_file;
@@ -72,6 +74,8 @@ where
     test_commands: Option<&'a CommandQueue>,
     start: &'a mut StartKeeper,
     visit: VisitPolicy,
+    /// What holds visits, if any are.
+    host: Option<VisitHost>,
     phase: SessionPhase,
     exit_requested_at: Option<Instant>,
     pacer: FramePacer,
@@ -213,12 +217,18 @@ where
         start: &'a mut StartKeeper,
         boot: Option<BootId>,
     ) -> Self {
+        let start_anew = options.record.is_some();
+        let host = hosting::open_host(options, start_anew, studio.world().visit());
         HeadsetShell {
             studio,
             options,
             test_commands,
             start,
-            visit: VisitPolicy::new(options.mode, options.handover_after),
+            visit: match &host {
+                Some(_) => VisitPolicy::for_visits(options.handover_after),
+                None => VisitPolicy::new(options.mode, options.handover_after),
+            },
+            host,
             phase: SessionPhase::default(),
             exit_requested_at: None,
             pacer: FramePacer::default(),
@@ -232,7 +242,7 @@ where
             health: DeviceHealth::default(),
             charger: ChargerPanel::new(),
             tick_fraction: 0.0,
-            start_anew: options.record.is_some(),
+            start_anew,
             boot,
             frames: 0,
             dropped: DroppedTicks::default(),

@@ -5,8 +5,8 @@ use paros_shaders::panel::layout::{PanelNotice, draw_notice, palette};
 use paros_shaders::panel::{FillingValue, Icon, Language, Message, Panel, PanelPose};
 use paros_shell::headset::device_health::DeviceHealth;
 
-/// The middle of the panel, in the room: left of the stone and beyond it, out of a sculptor's way.
-const MIDDLE: Vec3 = Vec3::new(-0.72, 1.4, -0.93);
+/// The middle of the panel, in the room: far to the left, out of a sculptor's way and beside all panels of a visit.
+const MIDDLE: Vec3 = Vec3::new(-1.0, 1.4, -0.7);
 
 /// The eyes that it is turned to: those of a visitor before the stool.
 const EYES: Vec3 = Vec3::new(0.0, 1.45, 0.0);
@@ -55,17 +55,46 @@ impl ChargerPanel {
 
 #[cfg(test)]
 mod tests {
+    use glam::Vec3;
+    use paros_shaders::panel::Panel;
     use paros_shell::headset::device_health::{DeviceHealth, ThermalState};
+    use paros_visit::{PanelSpot, room_pose};
 
     use super::{ChargerPanel, EYES, MIDDLE};
 
+    const WEAK: DeviceHealth = DeviceHealth {
+        thermal: ThermalState::Normal,
+        battery_percent: Some(40),
+        drains_on_charger: true,
+    };
+
+    /// The bearings of a panel's left and right side, in degrees to the right of ahead.
+    fn bearings(panel: &Panel, eyes: Vec3) -> [f32; 2] {
+        [-0.5, 0.5].map(|side| {
+            let aside = Vec3::X * (side * panel.size_mm()[0] * 1e-3);
+            let at = panel.pose.middle + panel.pose.rotation * aside - eyes;
+            at.x.atan2(-at.z).to_degrees()
+        })
+    }
+
+    /// Wherever a visitor's head is, up to a step aside: the choice's panel is the widest.
+    #[test]
+    fn it_stands_beside_the_widest_panel_of_a_visit() {
+        let mut charger = ChargerPanel::new();
+        charger.follow_health(&WEAK);
+        let mut main = Panel::new([1358.0, 900.0]);
+        main.pose = room_pose(PanelSpot::Main, main.size_mm(), 1.5);
+        for aside in [-0.2, 0.0, 0.2] {
+            let eyes = EYES + Vec3::X * aside;
+            let [own, others] = [&charger.panels()[0], &main].map(|panel| bearings(panel, eyes));
+            assert!(own[0] < own[1] && own[1] < others[0], "{own:?}, {others:?} at {aside}");
+            assert!(own[0] > -90.0, "it is behind the visitor: {own:?}");
+        }
+    }
+
     #[test]
     fn a_weak_charger_is_told_with_each_percent_until_it_is_changed() {
-        let weak = |percent| DeviceHealth {
-            thermal: ThermalState::Normal,
-            battery_percent: Some(percent),
-            drains_on_charger: true,
-        };
+        let weak = |percent| DeviceHealth { battery_percent: Some(percent), ..WEAK };
         let mut charger = ChargerPanel::new();
         assert!(charger.panels().is_empty());
         charger.follow_health(&weak(41));

@@ -113,7 +113,7 @@ where
             out,
             "life {phase}; session {:?}; mode {:?}; voxels {}; holds {held:?}; tracked {tracked:?}; \
              sources {sources:?}; undo {undo}; redo {redo}; ticks {}; frames {}; dropped {}; digest {:016x}; \
-             room {:.3} {:.4} {:.4}; device {}; runtime {}; note {}",
+             room {:.3} {:.4} {:.4}; {}; device {}; runtime {}; note {}",
             world.session_state(),
             world.mode(),
             world.volume().count_voxels(),
@@ -124,6 +124,7 @@ where
             room.yaw,
             room.origin.x,
             room.origin.y,
+            self.describe_visit(),
             gpu.name,
             runtime.name,
             self.last_note,

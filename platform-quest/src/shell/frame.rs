@@ -63,10 +63,11 @@ where
         }
         resources.eyes.choose_drawn_extent(&self.resolution);
         let framebuffer = resources.eyes.acquire_framebuffer()?;
-        let hands = self.phase.has_focus();
+        let has_focus = self.phase.has_focus();
+        let is_moved = self.host_moves_hands();
         let session = &resources.session;
         let mut grips = [None; 2];
-        if hands {
+        if has_focus && !is_moved {
             // Newer than any tick's.
             for (hand, reader) in self.hand_readers.iter().enumerate() {
                 grips[hand] = session.locate_grip(hand, reader.source(), display_time)?;
@@ -75,7 +76,7 @@ where
         let time = (world.tick() as f64 + f64::from(self.tick_fraction)) / f64::from(TICK_RATE);
         let fresh = LatestInput {
             grips,
-            show_hands: hands,
+            show_hands: has_focus || is_moved,
             tick_fraction: self.tick_fraction,
             time_seconds: time,
             next_bites: [None; 2],
@@ -87,7 +88,7 @@ where
             eyes: &[left.eye, right.eye],
             latest: fresh,
             render_path: self.options.path,
-            panels: &[self.charger.panels()],
+            panels: &[self.charger.panels(), self.visit_panels()],
         };
         resources.show.draw_frame(
             world,

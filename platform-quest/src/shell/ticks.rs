@@ -9,7 +9,7 @@ use paros_core::limits::INTERVALS;
 use paros_core::session::{PointerCommand, RawPose, SessionMode};
 use paros_core::volume::{Grid, Size};
 use paros_shell::headset::hand_reader::{HandProfile, HandReader};
-use paros_shell::headset::haptics::TickHaptics;
+use paros_shell::headset::hand_sample::HandSample;
 use paros_shell::statics::Resident;
 use paros_shell::tick_runner::TickClock;
 
@@ -49,30 +49,19 @@ where
             let tick_time = xr::Time::from_nanos(tick_time);
             let head = session.locate_head(tick_time)?;
             let readers = &mut self.hand_readers;
-            let mut input = read_tick_input(session, head, tick_time, profiles, readers)?;
+            let (mut input, hands) = read_tick_input(session, head, tick_time, profiles, readers)?;
             if has_jumped {
                 self.visit.forget_poses();
             }
             self.observe_visitor(&input, menu_down, now, platform);
             room = self.observe_head(head).or(room);
-            self.visit.add_session_start_or_finish(
-                self.studio.world().session_state(),
-                self.studio.has_unfinished_sculpture(),
-                menu_down,
-                &mut input,
-            );
-            if core::mem::take(&mut self.start_anew) {
-                input.start = self.options.mode;
-            }
-            // Each start takes the string away.
-            let string_mm = self.options.string_mm;
-            if input.start == SessionMode::None && self.studio.world().string_mm() != string_mm {
-                input.pointer = PointerCommand::Steady { string_mm };
-            }
+            self.add_session_and_string(menu_down, &mut input);
+            self.fill_visit_input((now, head, &hands, menu_down), &mut input);
             self.studio.run_tick_wrapped(&input, |step| platform.run_world_step(step));
+            self.follow_visit_tick();
             let world = self.studio.world();
             resources.show.note_tick(world);
-            self.haptics.add_tick(TickHaptics::of_last_tick(world));
+            self.haptics.add_tick(self.felt_of_last_tick());
         }
         for (hand, change) in self.haptics.take_changes().into_iter().enumerate() {
             // Without focus the runtime has silenced them.
@@ -81,6 +70,26 @@ where
             }
         }
         self.move_room(&mut resources.session, room, has_recentred, platform)
+    }
+
+    /// Adds to a tick's input what it has without visits: the session's start and finish; and the hands' string.
+    fn add_session_and_string(&mut self, is_menu_down: bool, input: &mut TickInput) {
+        if self.host.is_none() {
+            self.visit.add_session_start_or_finish(
+                self.studio.world().session_state(),
+                self.studio.has_unfinished_sculpture(),
+                is_menu_down,
+                input,
+            );
+            if core::mem::take(&mut self.start_anew) {
+                input.start = self.options.mode;
+            }
+        }
+        // Each start takes the string away.
+        let string_mm = self.options.string_mm;
+        if input.start == SessionMode::None && self.studio.world().string_mm() != string_mm {
+            input.pointer = PointerCommand::Steady { string_mm };
+        }
     }
 
     /// Counts dropped ticks, and logs them from time to time.
@@ -98,7 +107,7 @@ where
     }
 }
 
-/// Head and hands at a time, as the core takes them. Without interaction profiles, as without input focus, hands
+/// Head and hands at a time, as the core takes them and as they were read. Without interaction profiles, as without input focus, hands
 /// are left out.
 fn read_tick_input(
     session: &HeadsetSession,
@@ -106,17 +115,19 @@ fn read_tick_input(
     tick_time: xr::Time,
     profiles: Option<[HandProfile; 2]>,
     readers: &mut [HandReader; 2],
-) -> Result<TickInput, Error> {
+) -> Result<(TickInput, [HandSample; 2]), Error> {
     let head = head
         .map_or(RawPose::default(), |(position, rotation)| RawPose::quantise(position, rotation));
     let mut input = TickInput { head, ..TickInput::default() };
+    let mut hands = [HandSample::default(); 2];
     for (hand, reader) in readers.iter_mut().enumerate() {
         let Some(profiles) = profiles else {
             reader.skip_tick();
             continue;
         };
         let report = session.report_hand(hand, profiles[hand], tick_time)?;
-        input.hands[hand] = reader.read_tick(&report).to_hand_input();
+        hands[hand] = reader.read_tick(&report);
+        input.hands[hand] = hands[hand].to_hand_input();
     }
-    Ok(input)
+    Ok((input, hands))
 }

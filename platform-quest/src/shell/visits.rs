@@ -29,12 +29,16 @@ where
         }
         let (tick, digest) = (world.tick(), world.digest());
         // A recording starts anew, and leaves what was found.
-        if self.options.folder.is_some() && !self.start_anew {
+        if self.is_shared() && !self.start_anew {
             let last_use = self.studio.read_last_use().map_err(|why| {
                 platform.log(format_args!("{why}"));
             });
+            let last_use = last_use.ok();
+            if self.host.is_some() {
+                return self.resume_visit(last_use, platform);
+            }
             let now = platform.since_boot();
-            let change = self.visit.resume_session(last_use.ok(), self.boot, now);
+            let change = self.visit.resume_session(last_use, self.boot, now);
             if change == VisitorChange::NextVisitor {
                 platform
                     .log(format_args!("a session is found at tick {tick}, digest {digest:016x}"));
@@ -42,6 +46,11 @@ where
             }
         }
         platform.log(format_args!("a session goes on from tick {tick}, digest {digest:016x}"));
+    }
+
+    /// Whether visitors share the headset: its folder is its own, or visits are held.
+    fn is_shared(&self) -> bool {
+        self.options.folder.is_some() || self.host.is_some()
     }
 
     /// Tells the visit policy that the headset was put on or off (`XR_EXT_user_presence`).
@@ -103,6 +112,9 @@ where
         let Some(room) = decided else { return Ok(()) };
         session.move_room(room)?;
         self.has_room_moved = true;
+        if let Some(host) = &mut self.host {
+            host.note_room_moved();
+        }
         let (degrees, metres) = (room.yaw.to_degrees(), room.origin.length());
         platform.log(format_args!(
             "the room is turned by {degrees:.0} degrees, moved by {metres:.2} m"
@@ -123,9 +135,7 @@ where
     }
 
     fn keep_last_use(&mut self, since_boot: Option<Duration>) {
-        if let (Some(since_boot), Some(boot), Some(_)) =
-            (since_boot, self.boot, &self.options.folder)
-        {
+        if let (Some(since_boot), Some(boot), true) = (since_boot, self.boot, self.is_shared()) {
             self.studio.keep_last_use(LastUse { boot, since_boot });
         }
     }

@@ -1,0 +1,102 @@
+//! The flags by which tests hold visits.
+
+use clap::Args;
+use paros_core::visit::{PlanSetting, VisitCommand};
+use paros_shaders::panel::Language;
+use paros_shell::modes::parse_mode;
+use paros_visit::{Controls, VisitOptions};
+
+use crate::random::random_bits;
+
+/// Ways to start, by their names as modes.
+const STARTS: [&str; 3] = ["free", "owl", "creative"];
+
+/// What visits are held, if any.
+#[derive(Args, Debug)]
+pub(super) struct VisitArgs {
+    /// Hold visits.
+    #[arg(long, hide = true)]
+    visits: bool,
+    /// The staff's PIN, four digits.
+    #[arg(long, hide = true, requires = "visits", value_name = "PIN", value_parser = parse_pin)]
+    visits_pin: Option<[u8; 4]>,
+    /// What differs from the core's plan: names of settings with seconds, `Length=60,HandsOff=1`.
+    #[arg(long, hide = true, requires = "visits", value_name = "PLAN", value_parser = parse_setting, value_delimiter = ',')]
+    visits_plan: Vec<VisitCommand>,
+}
+
+impl VisitArgs {
+    pub(super) fn to_options(&self) -> Option<VisitOptions> {
+        self.visits.then(|| VisitOptions {
+            plan: self.visits_plan.clone(),
+            languages: Language::ALL.to_vec(),
+            starts: STARTS.into_iter().filter_map(|name| parse_mode(name).ok()).collect(),
+            staff_pin: self.visits_pin,
+            controls: Controls::default(),
+            random_bits,
+        })
+    }
+}
+
+fn parse_pin(text: &str) -> Result<[u8; 4], String> {
+    let digits: Option<Vec<u8>> =
+        text.chars().map(|digit| digit.to_digit(10).map(|digit| digit as u8)).collect();
+    digits.and_then(|digits| digits.try_into().ok()).ok_or("expected four digits".into())
+}
+
+fn parse_setting(text: &str) -> Result<VisitCommand, String> {
+    let (name, value) = text.split_once('=').ok_or("expected NAME=SECONDS")?;
+    let setting = PlanSetting::ALL.into_iter().find(|setting| format!("{setting:?}") == name);
+    let setting =
+        setting.ok_or_else(|| format!("{name}: expected one of {:?}", PlanSetting::ALL))?;
+    let value = value.parse().map_err(|_| "expected seconds, 0 to 65535")?;
+    Ok(VisitCommand::Set { setting, value })
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+    use paros_core::session::SessionMode;
+    use paros_core::visit::{PlanSetting, VisitCommand};
+
+    use super::VisitArgs;
+
+    #[derive(Parser)]
+    struct Flags {
+        #[command(flatten)]
+        visits: VisitArgs,
+    }
+
+    fn parse(words: &str) -> Result<VisitArgs, String> {
+        let words = ["paros-quest"].into_iter().chain(words.split_whitespace());
+        Flags::try_parse_from(words).map(|flags| flags.visits).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn visits_are_held_where_a_flag_says_so() {
+        assert_eq!(parse("").expect("flags").to_options(), None);
+        let words = "--visits --visits-pin 0426 --visits-plan Length=30,HandsOff=1";
+        let options = parse(words).expect("flags").to_options().expect("visits");
+        let set = |setting, value| VisitCommand::Set { setting, value };
+        let plan = [set(PlanSetting::Length, 30), set(PlanSetting::HandsOff, 1)];
+        assert_eq!((options.staff_pin, &options.plan[..]), (Some([0, 4, 2, 6]), &plan[..]));
+        let owl = SessionMode::Constrained { figure: 8 };
+        let starts = [SessionMode::FreeForm, owl, SessionMode::Creative];
+        assert_eq!((&options.starts[..], options.languages.len()), (&starts[..], 2));
+    }
+
+    #[test]
+    fn what_is_wrong_says_what_was_expected() {
+        for (words, expected) in [
+            ("--visits --visits-pin 042", "expected four digits"),
+            ("--visits --visits-pin 04x6", "expected four digits"),
+            ("--visits-pin 0426", "--visits"),
+            ("--visits --visits-plan Length", "expected NAME=SECONDS"),
+            ("--visits --visits-plan Naps=3", "expected one of [Welcome"),
+            ("--visits --visits-plan Length=long", "expected seconds"),
+        ] {
+            let why = parse(words).expect_err(words);
+            assert!(why.contains(expected), "{why}");
+        }
+    }
+}

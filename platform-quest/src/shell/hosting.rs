@@ -1,0 +1,114 @@
+//! Visits: what their host is told of head and hands, and what it wants of the room.
+
+use std::time::Duration;
+
+use paros_core::TickInput;
+use paros_core::internals::RoomPose;
+use paros_core::limits::INTERVALS;
+use paros_core::visit::{Visit, VisitPhase};
+use paros_core::volume::{Grid, Size};
+use paros_shaders::panel::Panel;
+use paros_shell::headset::hand_sample::HandSample;
+use paros_shell::headset::haptics::TickHaptics;
+use paros_shell::headset::room_placement::PlacementNeed;
+use paros_shell::headset::visit::LastUse;
+use paros_shell::statics::Resident;
+use paros_visit::{ExportState, HeadsetTick, VisitHost};
+
+use super::HeadsetShell;
+use crate::options::ShellOptions;
+use crate::platform::Platform;
+
+/// The host of visits, if any are held. A recording starts anew, whatever visit was found.
+pub(super) fn open_host(
+    options: &ShellOptions,
+    start_anew: bool,
+    visit: &Visit,
+) -> Option<VisitHost> {
+    let mut host = VisitHost::new(options.visits.clone()?, visit);
+    if start_anew {
+        host.begin_anew();
+    }
+    Some(host)
+}
+
+impl<const N: usize> HeadsetShell<'_, N>
+where
+    Grid<N>: Size + Resident<N, INTERVALS>,
+{
+    /// Tells the host of a visit that was found on the disk for how long nobody had used the headset.
+    pub(super) fn resume_visit(&mut self, last_use: Option<LastUse>, platform: &mut dyn Platform) {
+        let visit = self.studio.world().visit();
+        let Some(host) = self.host.as_mut().filter(|_| visit.phase() != VisitPhase::Closed) else {
+            return;
+        };
+        let unused = last_use.and_then(|used| used.time_until(self.boot, platform.since_boot()));
+        host.note_found(visit, unused);
+        let phase = visit.phase();
+        match unused {
+            Some(unused) => {
+                let seconds = unused.as_secs();
+                platform.log(format_args!("a visit goes on: {phase:?}, unused for {seconds} s"));
+            }
+            None => platform.log(format_args!("a former visitor's visit is found: {phase:?}")),
+        }
+    }
+
+    /// Puts a visit's part into a tick's input, where visits are held.
+    pub(super) fn fill_visit_input(
+        &mut self,
+        (now, head, hands, is_menu_down): (Duration, Option<RoomPose>, &[HandSample; 2], bool),
+        input: &mut TickInput,
+    ) {
+        let Some(host) = &mut self.host else { return };
+        let tick = HeadsetTick {
+            now,
+            head: head.map(|(position, _)| position),
+            hands,
+            sources: self.hand_readers.map(|reader| reader.source()),
+            is_menu_down,
+            presence: self.visit.presence(),
+            is_used: self.visit.is_used(),
+        };
+        host.fill_headset_input(self.studio.world(), &tick, input);
+    }
+
+    /// Tells the host what a tick did. A visitor who is welcome has the room placed anew.
+    pub(super) fn follow_visit_tick(&mut self) {
+        let Some(host) = &mut self.host else { return };
+        host.follow_headset_tick(self.studio.world(), &ExportState::of_studio(&self.studio));
+        if host.take_recentring() {
+            self.placement.request(PlacementNeed::Anyhow);
+        }
+    }
+
+    /// What hands feel of the last tick.
+    pub(super) fn felt_of_last_tick(&self) -> [TickHaptics; 2] {
+        let world = self.studio.world();
+        let mut felt = TickHaptics::of_last_tick(world);
+        if let Some(host) = &self.host {
+            host.adapt_haptics(world.visit(), &mut felt);
+        }
+        felt
+    }
+
+    /// Whether hands in the world are nobody's.
+    pub(super) fn host_moves_hands(&self) -> bool {
+        self.host.is_some() && VisitHost::moves_hands(self.studio.world().visit())
+    }
+
+    /// The panels of the visit.
+    pub(super) fn visit_panels(&self) -> &[Panel] {
+        self.host.as_ref().map_or(&[], VisitHost::panels)
+    }
+
+    /// The visit's phase and buttons in the status line for tests.
+    pub(super) fn describe_visit(&self) -> String {
+        let buttons = self.host.iter().flat_map(VisitHost::buttons);
+        let buttons = buttons.map(|(action, at)| format!("{action}@{} {} {}", at.x, at.y, at.z));
+        let buttons = buttons.collect::<Vec<_>>().join("|");
+        let visit = self.studio.world().visit();
+        let left = visit.seconds_left().unwrap_or(0);
+        format!("visit {:?}; left {left}; buttons {buttons}", visit.phase())
+    }
+}
