@@ -16,6 +16,7 @@ mod refusals;
 mod resolution;
 mod sleep;
 mod start;
+mod visits;
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -28,6 +28,8 @@ const FLAGS: usize = 104;
 pub(crate) struct RemoteHand {
     /// Its position in metres.
     pub(crate) position: Vec3,
+    /// How it is turned: it points along -z.
+    pub(crate) rotation: Quat,
     /// 0 to 1.
     pub(crate) trigger: f32,
     /// 0 to 1.
@@ -43,6 +45,7 @@ impl RemoteHand {
     pub(crate) const fn at(x: f32, y: f32, z: f32) -> RemoteHand {
         RemoteHand {
             position: Vec3::new(x, y, z),
+            rotation: Quat::IDENTITY,
             trigger: 0.0,
             squeeze: 0.0,
             active: true,
@@ -98,7 +101,7 @@ impl RemoteHands {
     /// Sets the state of the left (0) or the right (1) hand.
     pub(crate) fn place_hand(&mut self, hand: usize, to: RemoteHand) {
         let at = HANDS + hand * HAND_LEN;
-        self.write_pose(at, to.position, Quat::IDENTITY);
+        self.write_pose(at, to.position, to.rotation);
         self.write_floats(at + TRIGGER, &[to.trigger, to.squeeze]);
         self.bytes[at + FLAGS..][..2].copy_from_slice(&[to.bare, to.active].map(u8::from));
         self.send_state();
