@@ -235,3 +235,37 @@ fn a_killed_shell_goes_on_with_its_visit_unless_the_visitor_has_gone() {
     let ShellEnd { code, errors } = shell.quit();
     assert_eq!(code, Some(0), "{errors}");
 }
+
+/// The tests' layer makes a bare hand of the driver's: its index finger's tip from its grip.
+const FINGERTIP: Vec3 = Vec3::new(0.015, -0.115, -0.03);
+
+#[test]
+fn a_bare_hand_presses_by_touch_and_by_a_pinch() {
+    let Some(tree) = require_or_skip(MonadoTree::find()).unwrap() else { return };
+    let Some(layer) = require_or_skip(find_example("liblayer.so")).unwrap() else { return };
+    let monado = MonadoService::start(&tree, "visits-bare");
+    let mut hands = monado.connect_hands();
+    look(&mut hands, 0.0);
+    let mut shell = start(&monado, &layer, PATIENT, &[]);
+    fs::write(monado.folder.join("layer/hands"), "bare").expect("a wish");
+    let sources = "[HandInteraction, HandInteraction]";
+    shell.wait_until("bare hands", |said| said.field("sources") == sources);
+    put_on(&monado, &mut hands, &mut shell);
+    for (action, phase) in [("Press(Confirm)", "Choice"), ("Choose(FreeForm)", "Guided")] {
+        let said = shell.wait_until(action, |said| find_button(said, action).is_some());
+        let there = find_button(&said, action).expect("it was there") - FINGERTIP;
+        hands.place_hand(RIGHT, RemoteHand { position: there + Vec3::Z * 0.08, ..REST });
+        let before = shell.wait_frames(3);
+        assert_ne!(before.field("visit"), phase, "not yet touched");
+        hands.place_hand(RIGHT, RemoteHand { position: there, ..REST });
+        shell.wait_until(phase, |said| said.field("visit") == phase);
+        hands.place_hand(RIGHT, REST);
+        shell.wait_frames(2);
+    }
+    let first = picture(&monado, &mut shell, "first-step");
+    press(&mut hands, &mut shell, "Press(Skip { all: false })", "Guided");
+    let second = picture(&monado, &mut shell, "second-step");
+    assert!(compare_frames(&first, &second).count > 500, "another picture and another text");
+    let ShellEnd { code, errors } = shell.quit();
+    assert_eq!(code, Some(0), "{errors}");
+}
