@@ -103,12 +103,13 @@ impl HeadsetArgs {
     /// The options of a run that is no replay, by settings and by flags that are none.
     #[must_use]
     pub fn to_options(&self, loaded: &LoadedSettings) -> ShellOptions {
+        let settings = ShellOptions::from_settings(&loaded.settings);
         ShellOptions {
             folder: self.folder.clone(),
             test_commands: self.script,
-            visits: self.visits.to_options(),
+            visits: self.visits.to_options().or(settings.visits),
             validation: self.validation,
-            ..ShellOptions::from_settings(&loaded.settings)
+            ..settings
         }
     }
 

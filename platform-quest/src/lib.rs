@@ -18,7 +18,6 @@ pub mod log;
 mod notice_session;
 pub mod options;
 pub mod platform;
-mod random;
 pub mod runtime;
 pub mod session_phase;
 mod session_resources;

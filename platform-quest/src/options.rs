@@ -52,7 +52,7 @@ impl ShellOptions {
             folder: None,
             mode: settings.mode,
             handover_after: settings.handover_after,
-            visits: None,
+            visits: settings.visits.as_ref().map(VisitOptions::of_settings),
             record: settings.record.clone(),
             string_mm: settings.steady_mm,
             refresh_rate: settings.refresh_rate_hz as f32,

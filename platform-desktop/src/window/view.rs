@@ -147,7 +147,7 @@ where
             eyes: &[params.eye],
             latest: fresh,
             render_path: params.path,
-            panels: params.panels,
+            panels: &[params.panels],
         };
         self.show.draw_frame(world, &seen, render_target, target.image, target.sync)?;
         // On Wayland this throttles redraw requests to the compositor's frame callbacks.

@@ -64,6 +64,8 @@ pub struct VisitHost {
     pub(crate) options: VisitOptions,
     queue: VisitQueue,
     pin_pad: Option<PinPad>,
+    /// For badges.
+    random_bits: fn() -> u32,
     question: Question,
     lathe: LatheHand,
     pub(crate) pointing: Pointing,
@@ -94,6 +96,7 @@ impl VisitHost {
         }
         VisitHost {
             pin_pad: options.staff_pin.map(PinPad::new),
+            random_bits: random_bits_of_system,
             options,
             queue,
             question: Question::None,
@@ -347,7 +350,7 @@ impl VisitHost {
         let gives_badges = visit.plan().value(PlanSetting::Badges) != 0;
         if gives_badges && visit.badge().is_none() && !self.has_sent_badge {
             self.has_sent_badge = true;
-            let number = BadgeNumber::provisional((self.options.random_bits)());
+            let number = BadgeNumber::provisional((self.random_bits)());
             self.queue.push(VisitCommand::Badge { number: number.get() });
         }
         if export.is_kept && !export.is_busy && !self.has_sent_export {
@@ -372,6 +375,11 @@ impl VisitHost {
         }
         self.screen.draw(&state, self.pointing.hot_buttons(), &self.options);
     }
+}
+
+/// 32 bits from the operating system. Where it has none, badges repeat, as provisional ones may.
+fn random_bits_of_system() -> u32 {
+    getrandom::u32().unwrap_or_default()
 }
 
 /// How a visitor is told of the seconds left.

@@ -20,6 +20,6 @@ mod standing;
 pub use headset::HeadsetTick;
 pub use host::{ExportState, VisitHost};
 pub use lathe::LatheHand;
-pub use options::{Controls, VisitOptions, random_bits_of_system};
+pub use options::{Controls, VisitOptions};
 pub use pointing::{POINTERS, Pointer};
 pub use standing::{PanelSpot, WindowView, room_pose};

@@ -21,7 +21,7 @@ pub enum Controls {
 }
 
 /// What an exhibition sets of its visits.
-#[derive(Clone, Debug)]
+#[derive(Clone, PartialEq, Eq, Debug)]
 pub struct VisitOptions {
     /// The plan, as far as it isn't the core's own: sent a tick each once visits are open.
     pub plan: Vec<VisitCommand>,
@@ -33,15 +33,6 @@ pub struct VisitOptions {
     pub staff_pin: Option<StaffPin>,
     /// What visitors work with at first.
     pub controls: Controls,
-    /// Random bits for badges, from the operating system.
-    pub random_bits: fn() -> u32,
-}
-
-/// Random bits of the operating system, for [`VisitOptions::random_bits`]. Where it has none, badges may repeat, which a
-/// provisional one may anyway.
-#[must_use]
-pub fn random_bits_of_system() -> u32 {
-    getrandom::u32().unwrap_or_default()
 }
 
 impl Default for VisitOptions {
@@ -55,7 +46,6 @@ impl Default for VisitOptions {
             starts: starts.into_iter().flatten().collect(),
             staff_pin: None,
             controls: Controls::Controllers,
-            random_bits: random_bits_of_system,
         }
     }
 }

@@ -2,14 +2,8 @@
 
 use clap::Args;
 use paros_core::visit::{PlanSetting, VisitCommand};
-use paros_shaders::panel::Language;
-use paros_shell::modes::parse_mode;
-use paros_visit::{Controls, VisitOptions};
-
-use crate::random::random_bits;
-
-/// Ways to start, by their names as modes.
-const STARTS: [&str; 3] = ["free", "owl", "creative"];
+use paros_shell::settings::StaffPin;
+use paros_visit::VisitOptions;
 
 /// What visits are held, if any.
 #[derive(Args, Debug)]
@@ -19,7 +13,7 @@ pub(super) struct VisitArgs {
     visits: bool,
     /// The staff's PIN, four digits.
     #[arg(long, hide = true, requires = "visits", value_name = "PIN", value_parser = parse_pin)]
-    visits_pin: Option<[u8; 4]>,
+    visits_pin: Option<StaffPin>,
     /// What differs from the core's plan: names of settings with seconds, `Length=60,HandsOff=1`.
     #[arg(long, hide = true, requires = "visits", value_name = "PLAN", value_parser = parse_setting, value_delimiter = ',')]
     visits_plan: Vec<VisitCommand>,
@@ -29,19 +23,14 @@ impl VisitArgs {
     pub(super) fn to_options(&self) -> Option<VisitOptions> {
         self.visits.then(|| VisitOptions {
             plan: self.visits_plan.clone(),
-            languages: Language::ALL.to_vec(),
-            starts: STARTS.into_iter().filter_map(|name| parse_mode(name).ok()).collect(),
             staff_pin: self.visits_pin,
-            controls: Controls::default(),
-            random_bits,
+            ..VisitOptions::default()
         })
     }
 }
 
-fn parse_pin(text: &str) -> Result<[u8; 4], String> {
-    let digits: Option<Vec<u8>> =
-        text.chars().map(|digit| digit.to_digit(10).map(|digit| digit as u8)).collect();
-    digits.and_then(|digits| digits.try_into().ok()).ok_or("expected four digits".into())
+fn parse_pin(text: &str) -> Result<StaffPin, String> {
+    StaffPin::from_text(text).ok_or("expected four digits".into())
 }
 
 fn parse_setting(text: &str) -> Result<VisitCommand, String> {
@@ -59,7 +48,7 @@ mod tests {
     use paros_core::session::SessionMode;
     use paros_core::visit::{PlanSetting, VisitCommand};
 
-    use super::VisitArgs;
+    use super::{StaffPin, VisitArgs};
 
     #[derive(Parser)]
     struct Flags {
@@ -79,7 +68,10 @@ mod tests {
         let options = parse(words).expect("flags").to_options().expect("visits");
         let set = |setting, value| VisitCommand::Set { setting, value };
         let plan = [set(PlanSetting::Length, 30), set(PlanSetting::HandsOff, 1)];
-        assert_eq!((options.staff_pin, &options.plan[..]), (Some([0, 4, 2, 6]), &plan[..]));
+        assert_eq!(
+            (options.staff_pin, &options.plan[..]),
+            (StaffPin::from_text("0426"), &plan[..])
+        );
         let owl = SessionMode::Constrained { figure: 8 };
         let starts = [SessionMode::FreeForm, owl, SessionMode::Creative];
         assert_eq!((&options.starts[..], options.languages.len()), (&starts[..], 2));

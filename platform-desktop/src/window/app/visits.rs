@@ -142,13 +142,7 @@ where
     pub(super) fn follow_visit_tick(&mut self) {
         let Some(visits) = &mut self.visits else { return };
         let world = self.studio.world();
-        let export = ExportState {
-            is_busy: self.studio.is_exporting(),
-            is_kept: self.studio.session_stl_path().is_some(),
-            part: self.studio.export_part(),
-            pending: u32::from(self.studio.has_writes_to_retry()),
-        };
-        visits.host.follow_tick(world, &export);
+        visits.host.follow_tick(world, &ExportState::of_studio(&self.studio));
         let is_new_visit = |event: &WorldEvent| {
             matches!(event, WorldEvent::Visit(VisitPhase::Welcome | VisitPhase::Attract))
         };

@@ -32,7 +32,6 @@ fn options() -> VisitOptions {
         starts: vec![SessionMode::FreeForm, owl, SessionMode::Creative],
         staff_pin: StaffPin::from_text("2026"),
         controls: Controls::Controllers,
-        random_bits: || 4242,
     }
 }
 
@@ -93,7 +92,8 @@ impl Booth<'_, '_> {
 
 fn with_booth<T>(test: impl FnOnce(&mut Booth<'_, '_>) -> T) -> T {
     with_fresh_world::<N, INTERVALS, _>(|mut runner| {
-        let host = VisitHost::new(options(), runner.world().visit());
+        let mut host = VisitHost::new(options(), runner.world().visit());
+        host.random_bits = || 4242;
         let export = ExportState { is_busy: false, is_kept: false, part: 0.0, pending: 0 };
         let mut booth = Booth { runner: &mut runner, host, presence: Presence::Off, export };
         booth.wait(4);
