@@ -68,15 +68,6 @@ impl Capsule {
         BallLayer { x, z, radius_squared: self.radius_squared - dy * dy }
     }
 
-    /// [`Capsule::z_range`], also of a plain sphere.
-    #[inline]
-    pub(super) fn z_range_at(&self, y_subunits: i64, grid_side: usize) -> Option<Range> {
-        match self.a == self.b {
-            true => self.sphere_z_range(y_subunits, grid_side),
-            false => self.z_range(y_subunits, grid_side),
-        }
-    }
-
     /// [`Capsule::x_range`], also of a plain sphere.
     #[inline]
     pub(super) fn x_range_at(

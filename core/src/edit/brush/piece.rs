@@ -146,9 +146,29 @@ impl BrushLayer<'_> {
         match &self.0 {
             LayerShape::Sphere(c, y) => c.sphere_x_range(*y, voxel_centre_subunits(z), grid_side),
             LayerShape::Capsule(c, y) => c.x_range(*y, voxel_centre_subunits(z), grid_side),
-            LayerShape::Box(layer) => layer.x_range(voxel_centre_subunits(z), grid_side),
+            LayerShape::Box(layer) => {
+                layer.x_range_among(voxel_centre_subunits(z), Range::new(0, grid_side - 1))
+            }
             LayerShape::Disc(d, y) => d.x_range(*y, voxel_centre_subunits(z), grid_side),
             LayerShape::HalfBall(h, y) => h.x_range(*y, voxel_centre_subunits(z), grid_side),
+        }
+    }
+
+    /// The same, or only those from the first to the last of the voxels `among`, where that is sooner found.
+    #[must_use]
+    #[inline]
+    pub(crate) fn x_range_among<R: BitSet>(
+        &self,
+        z: usize,
+        among: &R,
+        grid_side: usize,
+    ) -> Option<Range> {
+        match &self.0 {
+            LayerShape::Box(layer) => {
+                let among = Range::new(among.first()?, among.last()?);
+                layer.x_range_among(voxel_centre_subunits(z), among)
+            }
+            _ => self.x_range(z, grid_side),
         }
     }
 

@@ -136,12 +136,12 @@ impl BoxLayer<'_> {
         voxels_with_centre_in(inside, grid_side)
     }
 
-    /// The voxels of its row at a fixed-point z, by slab clipping. A plane divides only if it clips more
-    /// than those before it.
+    /// Those of the voxels `among` of its row at a fixed-point z, by slab clipping. A plane divides only if it clips
+    /// more than those before it, and leaves any.
     #[inline]
-    pub(super) fn x_range(&self, z_subunits: i64, grid_side: usize) -> Option<Range> {
+    pub(super) fn x_range_among(&self, z_subunits: i64, among: Range) -> Option<Range> {
         let z = 2 * z_subunits - i64::from(self.swept.middle.z);
-        let (mut lo, mut hi) = (0, grid_side as i64 - 1);
+        let (mut lo, mut hi) = (among.first() as i64, among.last() as i64);
         // Where nothing moves, the sweep adds no faces.
         let faces = if self.swept.is_still { 3 } else { 6 };
         for ((normal, extent), at) in self.swept.planes.iter().zip(self.planes).take(faces) {
@@ -149,16 +149,14 @@ impl BoxLayer<'_> {
             let slope = normal[0] * 2 * i64::from(SUBUNITS_PER_VOXEL);
             // The voxels with |at + slope * x| <= extent; the slope isn't negative.
             let (below, above) = (-extent - at, extent - at);
-            if above < slope * hi {
-                if above < 0 {
-                    return None;
-                }
+            let (least, greatest) = (slope * lo, slope * hi);
+            if above < least || below > greatest {
+                return None;
+            }
+            if above < greatest {
                 hi = above / slope;
             }
-            if below > slope * lo {
-                if slope == 0 {
-                    return None;
-                }
+            if below > least {
                 lo = (below + slope - 1) / slope;
             }
             if lo > hi {

@@ -108,31 +108,39 @@ impl SweptDisc {
         Some(bounds)
     }
 
-    /// The z of the rows at a fixed-point y that may hold voxels: those of its ball, as far as the planes leave
-    /// any where x is anything that the ball has at this y.
+    /// The z of the rows at a fixed-point y that may hold voxels: those that are as near to the ends of its way as its
+    /// ball at this y lets them be, as far as the planes leave any where x is anything that the ball has there.
     #[inline]
     pub(super) fn z_range(&self, y_subunits: i64, grid_side: usize) -> Option<Range> {
         let Capsule { a, b, radius_squared } = self.rim;
-        let of_ball = self.rim.z_range_at(y_subunits, grid_side)?;
         let [nx, ny, nz] = self.normal;
-        if nz == 0 {
-            return Some(of_ball);
-        }
         let travel = (b - a).abs();
         let doubled_y = 2 * y_subunits - i64::from(self.middle.y);
         let away = (doubled_y.abs() - i64::from(travel.y)).max(0) / 2;
-        let doubled_x = 2 * (isqrt(radius_squared - away * away) + 1) + i64::from(travel.x);
+        let left = radius_squared - away * away;
+        if left < 0 {
+            return None;
+        }
+        let reach = isqrt(left) + 1;
+        let of_ball = SubunitInterval {
+            lo: i64::from(a.z.min(b.z)) - reach,
+            hi: i64::from(a.z.max(b.z)) + reach,
+        };
+        if nz == 0 {
+            return voxels_with_centre_in(of_ball, grid_side);
+        }
         // |nx x + ny y + nz z| <= extent, all doubled and from the middle.
-        let slack = self.extent + nx * doubled_x;
+        let slack = self.extent + nx * (2 * reach + i64::from(travel.x));
         let ends = [-slack - ny * doubled_y, slack - ny * doubled_y].map(|end| end * nz.signum());
         let (lo, hi) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
         let middle = i64::from(self.middle.z);
-        let inside = SubunitInterval {
+        let of_planes = SubunitInterval {
             lo: (middle + lo.div_euclid(nz.abs())).div_euclid(2),
             hi: (middle + hi.div_euclid(nz.abs()) + 1).div_euclid(2) + 1,
         };
-        let of_planes = voxels_with_centre_in(inside, grid_side)?;
-        common_range(of_ball, of_planes)
+        let of_both =
+            SubunitInterval { lo: of_ball.lo.max(of_planes.lo), hi: of_ball.hi.min(of_planes.hi) };
+        voxels_with_centre_in(of_both, grid_side)
     }
 
     /// The voxels of a row, by the fixed-point y and z of its centres: an interval of the slab, cut by the ball.

@@ -77,12 +77,23 @@ where
             let Some(z_range) = layer.z_range(N) else {
                 return false;
             };
-            let rows = &self.rows.layer(y)[z_range.first()..z_range.last() + 1];
-            iter::zip(z_range.first().., rows).any(|(z, row)| {
-                // Early out: most rows hold no voxel within the bounds.
-                (is_near(row, first_word) || words.clone().any(|i| is_near(row, i)))
-                    && self.row_overlaps(layers, (y, z), *row & within, tested)
-            })
+            let z_range = z_range.first()..z_range.last() + 1;
+            let rows = iter::zip(z_range.start.., &self.rows.layer(y)[z_range.clone()]);
+            // Early out: most rows hold no voxel within the bounds.
+            match tested {
+                TestedVoxels::AllOccupied => rows.into_iter().any(|(z, row)| {
+                    (is_near(row, first_word) || words.clone().any(|i| is_near(row, i)))
+                        && self.row_overlaps(layers, (y, z), *row & within, tested)
+                }),
+                TestedVoxels::OfMask(mask) => {
+                    iter::zip(rows, &mask.line(Axis::X, y)[z_range]).any(|((z, row), held)| {
+                        let held = held.hull();
+                        held.first() <= hi[0]
+                            && held.last() >= lo[0]
+                            && self.row_overlaps(layers, (y, z), *row & within, tested)
+                    })
+                }
+            }
         })
     }
 
@@ -139,7 +150,7 @@ where
         };
         let within = |near: <Grid<N> as Size>::Row, layer: &BrushLayer<'_>| match near.is_empty() {
             true => near,
-            false => layer.x_range(z, N).map_or(<Grid<N> as Size>::Row::EMPTY, |x_range| {
+            false => layer.x_range_among(z, &near, N).map_or(BitSet::EMPTY, |x_range| {
                 near & BitSet::span(x_range.first(), x_range.last())
             }),
         };
@@ -163,7 +174,7 @@ where
         };
         let mut visit_near =
             |(y, z): RowAddress, layer: &BrushLayer<'_>, near: <Grid<N> as Size>::Row| {
-                if let Some(x_range) = layer.x_range(z, N) {
+                if let Some(x_range) = layer.x_range_among(z, &near, N) {
                     let inside = near & BitSet::span(x_range.first(), x_range.last());
                     let inside = self.holding_among((y, z), inside);
                     if !inside.is_empty() {

@@ -8,13 +8,14 @@ mod stone;
 use std::sync::Mutex;
 
 use glam::{IVec3, Quat, Vec3};
+use paros_core::RangeMaps;
 use paros_core::edit::{Pose, SUBUNITS_PER_VOXEL};
 use paros_core::internals::{
-    BURIED_WITHIN, FreezeResult, GridBit, GridShape, WayBudget, exit_probe_steps,
+    BURIED_WITHIN, FreezeResult, GridBit, GridShape, Obstacle, WayBudget, exit_probe_steps,
 };
 use paros_core::limits::{EXIT_PROBES, max_bit_steps_per_tick};
 use paros_core::session::ToolBit;
-use paros_core::volume::{Grid, Size};
+use paros_core::volume::{Axis, BitGrid, Column, Grid, Range, Size};
 use paros_models::contact::ContactModel;
 use paros_models::dense::{DenseVolume, MaskedVolume, closed_volumes_with_inner_mask};
 use paros_models::path::path_poses;
@@ -268,6 +269,38 @@ fn a_tick_goes_so_far_at_128() {
 #[test]
 fn a_tick_goes_so_far_at_256() {
     assert_tick_reach::<256>(&STONE_256);
+}
+
+/// Two slabs with a gap between them: every bit meets either.
+#[test]
+fn a_mask_is_met_beyond_its_gap() {
+    let slabs = [Range::new(0, 9), Range::new(40, 63)];
+    let volume = DenseVolume::from_fn(64, |[x, ..]| slabs.iter().any(|s| s.contains(x as usize)));
+    let mut rows = BitGrid::new();
+    volume.insert_into_empty_bits(&mut rows);
+    let mut mask = RangeMaps::<64, 2>::new();
+    for (line, place) in (0..64).flat_map(|line| (0..64).map(move |place| (line, place))) {
+        mask.set_column(Axis::X, (line, place), Column(slabs));
+        if slabs.iter().any(|slab| slab.contains(place)) {
+            let whole = Column::from_range(Range::new(0, 63));
+            mask.set_column(Axis::Y, (line, place), whole);
+            mask.set_column(Axis::Z, (line, place), whole);
+        }
+    }
+    let model = ContactModel::new(volume.clone(), &volume);
+    let obstacle = Obstacle { rows: &rows, mask: Some(&mask), is_mask_alone: false };
+    for number in 0..ToolBit::ALL.len() as u8 {
+        let bit = table_bit(number, 64);
+        for x in [5.0, 12.5, 25.0, 38.5, 50.0] {
+            let position = Vec3::new(x, 32.0, 32.0);
+            let pose = Pose { position, rotation: Quat::from_rotation_y(x) };
+            assert_eq!(
+                obstacle.contact_at(&bit, &pose),
+                model.contact_at(&bit, &pose),
+                "{bit:?}, {x}"
+            );
+        }
+    }
 }
 
 #[test]
