@@ -124,7 +124,7 @@ where
             room.yaw,
             room.origin.x,
             room.origin.y,
-            self.describe_visit(),
+            self.visit_status(),
             gpu.name,
             runtime.name,
             self.last_note,

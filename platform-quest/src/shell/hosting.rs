@@ -1,5 +1,6 @@
 //! Visits: what their host is told of head and hands, and what it wants of the room.
 
+use std::fmt;
 use std::time::Duration;
 
 use paros_core::TickInput;
@@ -102,13 +103,23 @@ where
         self.host.as_ref().map_or(&[], VisitHost::panels)
     }
 
-    /// The visit's phase and buttons in the status line for tests.
-    pub(super) fn describe_visit(&self) -> String {
-        let buttons = self.host.iter().flat_map(VisitHost::buttons);
-        let buttons = buttons.map(|(action, at)| format!("{action}@{} {} {}", at.x, at.y, at.z));
-        let buttons = buttons.collect::<Vec<_>>().join("|");
-        let visit = self.studio.world().visit();
-        let left = visit.seconds_left().unwrap_or(0);
-        format!("visit {:?}; left {left}; buttons {buttons}", visit.phase())
+    /// The visit in the status line for tests.
+    pub(super) fn visit_status(&self) -> VisitStatus<'_> {
+        VisitStatus { visit: self.studio.world().visit(), host: self.host.as_ref() }
+    }
+}
+
+/// A visit's phase, its seconds left and its buttons, as text.
+pub(super) struct VisitStatus<'a> {
+    visit: &'a Visit,
+    host: Option<&'a VisitHost>,
+}
+
+impl fmt::Display for VisitStatus<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let left = self.visit.seconds_left().unwrap_or(0);
+        write!(f, "visit {:?}; left {left}; buttons ", self.visit.phase())?;
+        let mut buttons = self.host.iter().flat_map(|host| host.buttons());
+        buttons.try_for_each(|(action, at)| write!(f, "{action}@{} {} {}|", at.x, at.y, at.z))
     }
 }

@@ -94,10 +94,11 @@ fn panels_are_tested_against_the_room() {
     let scene = resting_studio();
     let eyes = [Eye { position: Vec3::new(0.0, 1.5, 0.9), ..eye_at(0.0) }];
     let mut picture = |panels: &[Panel]| {
+        let groups = [panels];
         let lit = FrameRequest {
             placement: resting_placement(),
             scene: Some(&scene),
-            ..request(&eyes, &[panels])
+            ..request(&eyes, &groups)
         };
         drawing.draw_picture(&lit).remove(0)
     };

@@ -361,8 +361,12 @@ fn with_visits_wearing_and_use_are_told_and_nothing_is_handed_over() {
     assert!(headset.policy.take_due_stamp().is_some());
     // Off and carried about: no use, until it has been off for so long that the sensor must be wrong.
     headset.policy.observe_presence(false, headset.since_boot);
-    headset.run(10, Motion::Head);
-    assert_eq!(told(&headset), (Presence::Off, false));
+    for _ in 0..10 * TICK_RATE {
+        let input = headset.input(Motion::Head);
+        headset.policy.observe_tick(&input, false, headset.since_boot);
+        assert_eq!(told(&headset), (Presence::Off, false));
+        headset.ticks += 1;
+    }
     headset.pass(DEFAULT_HANDOVER);
     let input = TickInput { head: pose_aside(), ..headset.input(Motion::Still) };
     let change = headset.policy.observe_tick(&input, false, headset.since_boot);
