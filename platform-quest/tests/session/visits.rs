@@ -118,6 +118,8 @@ fn a_visitor_goes_from_attract_to_the_badge_and_hands_over() {
     // Nobody's hand turns the stone.
     shell.wait_until("a cut", |said| said.number("voxels") < whole.number("voxels"));
     let attract = picture(&monado, &mut shell, "attract");
+    hands.place_eyes(&eyes_at(HEAD, Quat::from_rotation_x(-0.6)));
+    picture(&monado, &mut shell, "attract-stone");
     assert!(!read_log(&monado).contains("pulse"), "nobody feels what nobody does");
 
     put_on(&monado, &mut hands, &mut shell);
