@@ -6,6 +6,7 @@
 
 mod autosave;
 mod carve_on;
+mod cut_off_export;
 mod export;
 mod files;
 mod last_use;
@@ -104,7 +105,7 @@ where
         let last_use = LastUseFile::new(paths.last_use_file(N));
         let notices = session.resume_saved(&paths);
         let one_before = one_before::read_save_before::<N>(&paths);
-        Studio {
+        let mut studio = Studio {
             file_writer: FileWriter::spawn(),
             session,
             autosave,
@@ -117,7 +118,9 @@ where
             one_before,
             before_finish: None,
             notices,
-        }
+        };
+        studio.export_what_was_cut_off();
+        studio
     }
 
     /// The world as of the last tick.

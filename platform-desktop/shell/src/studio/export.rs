@@ -105,6 +105,12 @@ where
         }
     }
 
+    /// Begins the export of a finished world.
+    pub(super) fn begin_anew(&mut self, world: &World<N, INTERVALS>) {
+        self.stl_exporter.begin_export(world.volume().rows(), world.mask());
+        self.start_making_files(world);
+    }
+
     /// Starts the export of a world whose session has just ended.
     pub(super) fn start_making_files(&mut self, world: &World<N, INTERVALS>) {
         self.files = Some(SculptureFiles::start(world, self.draw_picture));

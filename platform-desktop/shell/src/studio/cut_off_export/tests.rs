@@ -1,0 +1,100 @@
+//! A program that ends while a visit's sculpture is exported, and the next one.
+
+use std::fs;
+use std::path::Path;
+
+use glam::Vec3;
+use paros_core::TickInput;
+use paros_core::edit::Pose;
+use paros_core::session::{BenchItem, PointerCommand, Tool};
+use paros_core::visit::{PanelAction, PlanSetting, Presence, VisitCommand, VisitInput, VisitPhase};
+use paros_core::volume::Grid;
+
+use super::Studio;
+use crate::statics::{Resident, ResidentBitGrid};
+use crate::stl_export::{DEFAULT_HEIGHT_MM, StlExporter};
+use crate::studio_paths::StudioPaths;
+
+/// A visit's input with a command.
+fn told(command: VisitCommand) -> TickInput {
+    let visit = VisitInput { presence: Presence::Worn, is_used: true, command };
+    TickInput { visit, ..TickInput::default() }
+}
+
+/// From the opening of visits to the first ticks of an export, with something cut.
+fn sculpt_in_a_visit(studio: &mut Studio<'_, 128>) {
+    let press = |action| told(VisitCommand::Press(action));
+    for input in [
+        told(VisitCommand::Open),
+        told(VisitCommand::Set { setting: PlanSetting::HandsOff, value: 0 }),
+        told(VisitCommand::None),
+        press(PanelAction::Confirm),
+        press(PanelAction::Confirm),
+        press(PanelAction::Skip { all: true }),
+    ] {
+        studio.run_tick(&input);
+    }
+    let item = BenchItem::Tool(Tool::Rotary).number() as u8;
+    let pointer = PointerCommand::Take { hand: 1, item };
+    studio.run_tick(&TickInput { pointer, ..told(VisitCommand::None) });
+    for tick in 0..60u16 {
+        let position = Vec3::new(64.0, 64.0, 150.0 - f32::from(tick));
+        let mut input = told(VisitCommand::None);
+        input.hands[1] = studio.world().hand_with_bit_at(1, &Pose { position, ..Pose::ZERO });
+        input.hands[1].trigger = 255;
+        studio.run_tick(&input);
+    }
+    studio.run_tick(&press(PanelAction::Finish));
+    while studio.world().visit().phase() != VisitPhase::Export {
+        studio.run_tick(&told(VisitCommand::None));
+    }
+}
+
+/// Runs a program's studio in a folder, from an empty world on, to the end that `test` leaves it at.
+fn run_program(folder: &Path, test: impl FnOnce(&mut Studio<'_, 128>)) {
+    let (mut volumes, mut world) = (Grid::<128>::lock_start_volumes(), Grid::<128>::lock_world());
+    let mut stl_buffers = Grid::<128>::lock_stl_buffers();
+    let stl_exporter = StlExporter::new(&mut stl_buffers, DEFAULT_HEIGHT_MM).expect("a height");
+    volumes.generate_once(&mut Grid::<128>::lock_bit_grid(), |_| {});
+    world.clear();
+    let paths = StudioPaths::inside_folder(folder);
+    let mut studio =
+        Studio::new(&mut world, &mut volumes, stl_exporter, paths, |_| Err("no picture".into()));
+    test(&mut studio);
+}
+
+#[test]
+fn a_visits_sculpture_outlives_a_program_that_ends_before_its_files_are_written() {
+    let folder = std::env::temp_dir().join(format!("paros-cut-off-{}", std::process::id()));
+    let _ = fs::remove_dir_all(&folder);
+    let is_print = |path: std::path::PathBuf| path.extension().is_some_and(|end| end == "stl");
+    let prints = || {
+        let entries = folder.join("sculptures").read_dir();
+        entries
+            .map_or(0, |all| all.filter(|e| is_print(e.as_ref().expect("a file").path())).count())
+    };
+    run_program(&folder, |studio| {
+        sculpt_in_a_visit(studio);
+        assert!(studio.is_exporting());
+        studio.save_session_and_wait();
+    });
+    assert_eq!(prints(), 0, "the end came first");
+    run_program(&folder, |studio| {
+        assert_eq!(studio.world().visit().phase(), VisitPhase::Export);
+        assert!(studio.is_exporting(), "it is made again");
+        // Ticks are faster here than the disk, and the visit goes on with them.
+        (0..400).for_each(|_| studio.run_tick(&told(VisitCommand::None)));
+        while studio.is_exporting() {
+            studio.poll_background_work();
+        }
+        assert!(studio.session_stl_path().is_some());
+        studio.save_session_and_wait();
+    });
+    assert_eq!(prints(), 1);
+    run_program(&folder, |studio| {
+        assert!(!studio.is_exporting(), "it is there");
+        assert!(studio.session_stl_path().is_some());
+    });
+    assert_eq!(prints(), 1);
+    fs::remove_dir_all(&folder).expect("the folder can be removed");
+}
