@@ -132,8 +132,9 @@ impl VisitHost {
     /// Takes in where hands, rays and cursor are, after the panels were put where they stand. Does what they press.
     /// Call it before each tick.
     pub fn follow_pointers(&mut self, visit: &Visit, pointers: &[Option<Pointer>; POINTERS]) {
-        let is_stone_between =
-            visit.phase().lets_hands_work() && self.options.controls != Controls::Mouse;
+        // Who is asked something looks at the question.
+        let is_at_work = visit.phase().lets_hands_work() && self.question == Question::None;
+        let is_stone_between = is_at_work && self.options.controls != Controls::Mouse;
         let (panels, buttons) = (self.screen.panels(), self.screen.buttons());
         let pressed = self.pointing.follow(pointers, panels, buttons, is_stone_between);
         if let Some(action) = pressed.and_then(|id| self.screen.action(id)) {
@@ -353,7 +354,9 @@ impl VisitHost {
             let number = BadgeNumber::provisional((self.random_bits)());
             self.queue.push(VisitCommand::Badge { number: number.get() });
         }
-        if export.is_kept && !export.is_busy && !self.has_sent_export {
+        // Where nothing is left to print, nothing is kept and nothing waits.
+        let is_over = !export.is_busy && (export.is_kept || export.pending == 0);
+        if is_over && !self.has_sent_export {
             self.has_sent_export = true;
             self.queue.push(VisitCommand::Exported);
         }

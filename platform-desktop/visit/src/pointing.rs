@@ -8,6 +8,9 @@ use paros_shell::headset::hand_sample::HandSample;
 /// Pointers that a shell may have: left and right hand, and a cursor.
 pub const POINTERS: usize = 3;
 
+/// How near the block's middle a hand is at work on it, with what it holds before it, in metres.
+const AT_WORK: f32 = 0.45;
+
 /// How near a fingertip presses, in metres before a panel or behind it.
 const TOUCH_DEPTH: f32 = 0.015;
 
@@ -190,13 +193,16 @@ fn find_ray(
     (has_buttons && !is_behind).then_some(PanelRay { panel, ends: [origin, end] })
 }
 
-/// Whether a ray passes the ball around the block, or begins in it.
+/// Whether a ray begins at the block, in a hand at work there, or passes through the block.
 fn crosses_stone(origin: Vec3, direction: Vec3) -> bool {
     let middle = STOOL_TOP + Vec3::Y * (0.5 * BOX_SIDE);
-    let radius = 0.75 * BOX_SIDE;
-    let direction = direction.normalize_or_zero();
-    let along = (middle - origin).dot(direction).max(0.0);
-    (origin + direction * along).distance(middle) < radius
+    let from = origin - middle;
+    let half = Vec3::splat(0.5 * BOX_SIDE);
+    // The slabs of the box: where the ray enters the last one and leaves the first. A ray along a slab divides by zero,
+    // which is what the comparison wants.
+    let (a, b) = ((-half - from) / direction, (half - from) / direction);
+    let (enters, leaves) = (a.min(b).max_element(), a.max(b).min_element());
+    from.length() < AT_WORK || leaves >= enters.max(0.0)
 }
 
 #[cfg(test)]

@@ -23,8 +23,8 @@ const MAIN_FOOT: f32 = STOOL_TOP.y + BOX_SIDE + 0.05;
 /// How far beyond the stone that is, in metres along z.
 const MAIN_DEPTH: f32 = -1.15;
 
-/// Beside the stone: the middle of the upper edge, right of it.
-const SIDE_HEAD: Vec3 = Vec3::new(0.78, 1.72, -0.9);
+/// Beside the stone: the middle of the upper edge, right of it. The lowest button is seen over the stone by a left hand.
+const SIDE_HEAD: Vec3 = Vec3::new(0.78, 1.85, -0.9);
 
 /// How high eyes may be that panels turn to.
 const EYE_HEIGHTS: [f32; 2] = [0.9, 2.1];

@@ -149,12 +149,12 @@ fn a_visit_goes_from_attract_to_the_badge_and_the_next_visitor() {
         assert!(booth.press(ButtonAction::Ask(super::Question::Finish)));
         assert!(booth.press(ButtonAction::Press(Press::Finish)), "yes");
         assert_eq!(booth.phase(), VisitPhase::HandsOff);
+        booth.export.is_busy = true;
         while booth.phase() == VisitPhase::HandsOff {
             booth.tick(None);
         }
         assert_eq!(booth.phase(), VisitPhase::Export);
         assert_eq!(booth.world().session_state(), SessionState::Finished);
-        booth.export.is_busy = true;
         booth.wait(100);
         assert_eq!(booth.phase(), VisitPhase::Export, "it isn't kept yet");
         booth.export = ExportState { is_busy: false, is_kept: true, part: 1.0, pending: 0 };
