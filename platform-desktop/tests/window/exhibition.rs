@@ -52,7 +52,7 @@ fn a_visitor_comes_and_leaves_with_a_badge() -> Result<(), MissingDependency> {
         paros_command(&folder).env("DISPLAY", &display.name),
         &["--settings", &settings],
     );
-    visit.do_all(&["size 1000 700", "wait 10"]);
+    visit.do_all(&["size 700 490", "wait 10"]);
     assert_eq!(visit.ask_state("visit"), "Attract TakeTool");
     let stone = visit.voxel_count();
     visit.screenshot(&display, "1-attract");
