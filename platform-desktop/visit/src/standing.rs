@@ -38,7 +38,7 @@ const MAIN_PARTS: [f32; 2] = [0.86, 0.62];
 /// The same of those beside the stone, on the left and on the right.
 const GUIDE_PARTS: [f32; 2] = [0.36, 0.34];
 const SIDE_PARTS: [f32; 2] = [0.26, 0.5];
-const CAPTION_PARTS: [f32; 2] = [0.42, 0.5];
+const CAPTION_PARTS: [f32; 2] = [0.34, 0.5];
 
 /// Between them and the picture's edges, in parts of its height: at the side, and above, where the status stands.
 const SIDE_MARGINS: [f32; 2] = [0.03, 0.075];
