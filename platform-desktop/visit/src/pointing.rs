@@ -51,6 +51,8 @@ pub(crate) struct PanelRay {
 struct PointerState {
     was_pressed: bool,
     was_touching: bool,
+    /// What is held down has pressed a panel: until it is let go it is for nothing else.
+    holds_press: bool,
     /// The button under it.
     hot: Option<u16>,
     /// Its ray, where it ends on a panel that has buttons.
@@ -103,7 +105,8 @@ impl Pointing {
         let mut pressed = None;
         for (state, pointer) in self.states.iter_mut().zip(pointers) {
             let Some(pointer) = pointer else {
-                *state = PointerState::default();
+                // What was held down or touched may be so still when it is seen again: that is no other press.
+                (state.hot, state.ray, state.tap) = (None, None, 0);
                 continue;
             };
             let touched =
@@ -127,15 +130,22 @@ impl Pointing {
                 (None, Some(_)) if hot != state.hot => HOVER_TAP,
                 (None, _) => 0,
             };
-            let was_touching = touched.is_some();
-            *state = PointerState { was_pressed: pointer.is_pressed, was_touching, hot, ray, tap };
+            let has_pressed = state.holds_press || is_new_press && pointed.is_some();
+            *state = PointerState {
+                was_pressed: pointer.is_pressed,
+                was_touching: touched.is_some(),
+                holds_press: pointer.is_pressed && has_pressed,
+                hot,
+                ray,
+                tap,
+            };
         }
         pressed
     }
 
-    /// Whether a pointer is on a button.
+    /// Whether a pointer is on a button, or still holds down what it pressed one with.
     pub(crate) fn is_on_button(&self, pointer: usize) -> bool {
-        self.states.get(pointer).is_some_and(|state| state.hot.is_some())
+        self.states.get(pointer).is_some_and(|state| state.hot.is_some() || state.holds_press)
     }
 
     /// The buttons that are pointed at.
@@ -250,6 +260,7 @@ mod tests {
         assert_eq!(follow(at(2), true), (Some(12), true));
         assert_eq!(follow(at(2), true), (None, true), "held down");
         assert_eq!(follow(at(3), true), (None, true), "drawn over another");
+        assert_eq!(follow(Vec3::NEG_Z * 9.0, true), (None, true), "still the button's press");
         assert_eq!(follow(Vec3::NEG_Z * 9.0, false), (None, false));
         assert_eq!(follow(Vec3::NEG_Z * 9.0, true), (None, false));
         assert_eq!(follow(at(6), true), (None, true), "pulled elsewhere");
@@ -333,6 +344,27 @@ mod tests {
         assert_eq!(touch(-0.01), None, "still touching");
         assert_eq!(touch(0.05), None);
         assert_eq!(touch(0.0), Some(14));
+    }
+
+    #[test]
+    fn a_hand_that_was_lost_for_a_while_presses_nothing_again() {
+        let (panels, buttons) = shown();
+        let mut pointing = Pointing::default();
+        let on_button = ray_to(before(&panels[0], &buttons[2], 0.0), true);
+        let mut follow = |pointer| {
+            let pressed = pointing.follow(&[None, pointer, None], &panels, &buttons, false);
+            (pressed, pointing.is_on_button(1))
+        };
+        assert_eq!(follow(Some(on_button)), (Some(12), true));
+        follow(None);
+        assert_eq!(follow(Some(on_button)), (None, true), "held down all the while");
+        let mut pointing = Pointing::default();
+        let mut touch = |is_seen: bool| {
+            let tip = before(&panels[0], &buttons[4], 0.0);
+            let pointer = Pointer { fingertip: Some(tip), ..ray_to(Vec3::Z * 9.0, false) };
+            pointing.follow(&[is_seen.then_some(pointer), None, None], &panels, &buttons, false)
+        };
+        assert_eq!([true, false, true].map(&mut touch), [Some(14), None, None]);
     }
 
     #[test]
