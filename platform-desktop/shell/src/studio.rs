@@ -299,6 +299,10 @@ where
 
     /// Saves the session and waits until it is written: the process may be suspended next.
     pub fn save_session_and_wait(&mut self) {
+        if self.is_printing_another() {
+            self.export.make_files_to_end();
+            self.submit_finished_sculpture();
+        }
         if self.autosave.is_changed() {
             self.save_session();
         }
@@ -361,7 +365,10 @@ where
             // A visit began it: whatever it is recorded in goes on.
             self.before_finish = None;
             self.export.set_session_stl_path(None);
+            // No visitor asks for it, and the next ones' are as large.
+            self.retry_failed_writes();
         }
+        let world = &*self.session.world;
         self.export.advance_stl_after_tick(world);
         if world.events().contains(&WorldEvent::Finished) {
             // The exporter has made the last one's file at once, before it began with this one's.
@@ -371,7 +378,7 @@ where
         }
         self.notice_found_figure();
         self.autosave.mark_due_after_tick(self.session.world);
-        if self.autosave.is_due() {
+        if self.autosave.is_due() && !self.is_printing_another() {
             self.save_session();
         }
     }

@@ -35,6 +35,12 @@ where
             None => self.export.begin_anew(world),
         }
     }
+
+    /// Whether the files of a sculpture are still being made that isn't in the world any more: until the writer has them
+    /// its save is all that there is of it on the disk, and no other takes its place.
+    pub(super) fn is_printing_another(&self) -> bool {
+        self.export.is_making_files() && self.world().session_state() != SessionState::Finished
+    }
 }
 
 /// The print beside the volume of these bytes, among a folder's newest.

@@ -89,6 +89,11 @@ where
         self.files.is_some() || self.being_written > 0
     }
 
+    /// Whether files are being made, of which the writer has nothing yet.
+    pub(super) const fn is_making_files(&self) -> bool {
+        self.files.is_some()
+    }
+
     /// How much of the print is made, 0 to 1: 0 before it is begun, 1 once it is done.
     pub(super) fn part_made(&self) -> f32 {
         match &self.files {

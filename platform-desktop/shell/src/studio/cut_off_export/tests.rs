@@ -7,7 +7,9 @@ use glam::Vec3;
 use paros_core::TickInput;
 use paros_core::edit::Pose;
 use paros_core::session::{BenchItem, PointerCommand, Tool};
-use paros_core::visit::{PanelAction, PlanSetting, Presence, VisitCommand, VisitInput, VisitPhase};
+use paros_core::visit::{
+    PanelAction, PlanSetting, Presence, StaffCommand, VisitCommand, VisitInput, VisitPhase,
+};
 use paros_core::volume::Grid;
 
 use super::Studio;
@@ -61,6 +63,65 @@ fn run_program(folder: &Path, test: impl FnOnce(&mut Studio<'_, 128>)) {
     let mut studio =
         Studio::new(&mut world, &mut volumes, stl_exporter, paths, |_| Err("no picture".into()));
     test(&mut studio);
+}
+
+/// The staff begins again while the print is made, and the next visitor is welcome at once.
+#[test]
+fn a_sculpture_is_saved_until_its_files_are_made_whoever_comes_next() {
+    let folder = std::env::temp_dir().join(format!("paros-next-{}", std::process::id()));
+    let _ = fs::remove_dir_all(&folder);
+    run_program(&folder, |studio| {
+        sculpt_in_a_visit(studio);
+        // The files are taken by a shell between frames: there is none.
+        for presence in [Presence::Off, Presence::Worn] {
+            let command = VisitCommand::Staff(StaffCommand::Reset);
+            let visit = VisitInput { presence, is_used: false, command };
+            studio.run_tick(&TickInput { visit, ..TickInput::default() });
+        }
+        assert_eq!(studio.world().visit().phase(), VisitPhase::Welcome);
+        (0..1000).for_each(|_| studio.run_tick(&told(VisitCommand::None)));
+        assert!(studio.is_exporting());
+    });
+    run_program(&folder, |studio| {
+        assert!(studio.is_exporting(), "it is lost: {:?}", studio.world().visit().phase());
+        // The next visitor's session may be saved once the writer has what was made.
+        studio.run_tick(&told(VisitCommand::Open));
+        studio.save_session_and_wait();
+        assert!(folder.join("sculptures/sculpture-001.stl").exists());
+    });
+    fs::remove_dir_all(&folder).expect("the folder can be removed");
+}
+
+/// What the disk had no room for is tried once more when the next visitor comes, not only at the program's end.
+#[test]
+fn a_visits_sculpture_that_could_not_be_written_is_written_for_the_next_visitor() {
+    let folder = std::env::temp_dir().join(format!("paros-retried-{}", std::process::id()));
+    let _ = fs::remove_dir_all(&folder);
+    run_program(&folder, |studio| {
+        sculpt_in_a_visit(studio);
+        // Files are where folders should be.
+        let folders = ["sculptures", "sessions"].map(|name| folder.join(name));
+        let aside = folder.join("aside");
+        studio.save_session_and_wait();
+        let has_sculptures = folders[0].exists();
+        fs::rename(&folders[1], &aside).expect("the sessions are moved");
+        if has_sculptures {
+            fs::remove_dir_all(&folders[0]).expect("nothing is in it");
+        }
+        folders.iter().for_each(|path| fs::write(path, "in the way").expect("a file"));
+        (0..400).for_each(|_| studio.run_tick(&told(VisitCommand::None)));
+        while studio.is_exporting() {
+            studio.poll_background_work();
+        }
+        assert!(studio.has_writes_to_retry());
+        folders.iter().for_each(|path| fs::remove_file(path).expect("it was there"));
+        fs::rename(&aside, &folders[1]).expect("the sessions are back");
+        studio.run_tick(&told(VisitCommand::Open));
+        studio.save_session_and_wait();
+        assert!(!studio.has_writes_to_retry());
+        assert!(folders[0].join("sculpture-001.stl").exists());
+    });
+    fs::remove_dir_all(&folder).expect("the folder can be removed");
 }
 
 #[test]
