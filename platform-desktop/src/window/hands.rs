@@ -225,7 +225,9 @@ where
             let pulled = if self.pulls_lightly { LIGHT_TRIGGER } else { 255 };
             input.hands[RIGHT].trigger = if self.running && !lifts_trigger { pulled } else { 0 };
         }
-        if self.is_released && (self.trail.len() < 2 || self.cursor.is_none()) {
+        // A tool that was put back meanwhile finishes nothing once it is taken again; a stuck one is about to be.
+        let has_tool = world.held_tool(RIGHT).is_some() || !self.pointers.is_empty();
+        if self.is_released && (self.trail.len() < 2 || self.cursor.is_none() || !has_tool) {
             (self.running, self.is_released) = (false, false);
         }
         input.pointer = self.take_pointer_command();

@@ -1,9 +1,9 @@
 //! Strokes of a mouse at the speeds of people's hands.
 
-use paros_core::session::SessionMode;
+use paros_core::session::{PointerCommand, SessionMode};
 
 use super::HandsFixture;
-use crate::window::hands::{HandButton, InputEvent};
+use crate::window::hands::{HandAction, HandButton, InputEvent, RIGHT};
 
 #[test]
 fn a_stroke_is_one_groove_however_fast_the_hand_is() {
@@ -26,6 +26,26 @@ fn a_stroke_is_one_groove_however_fast_the_hand_is() {
     let (slow, fast) = (groove(100), groove(1));
     assert!(slow > 400, "{slow} voxels");
     assert!(fast * 10 > slow * 9 && slow * 10 > fast * 9, "{slow} slowly, {fast} fast");
+}
+
+/// As hands off puts it back, in the middle of a swipe.
+#[test]
+fn a_tool_that_was_put_back_finishes_no_stroke_once_it_is_taken_again() {
+    let mut fixture = HandsFixture::new(SessionMode::FreeForm);
+    fixture.handle(InputEvent::Moved([440.0, 400.0]));
+    fixture.ticks(10);
+    fixture.handle(InputEvent::Pressed(HandButton::Left));
+    fixture.handle(InputEvent::Moved([640.0, 400.0]));
+    fixture.handle(InputEvent::Released(HandButton::Left));
+    fixture.tick();
+    fixture.hands.pointers.push_back(PointerCommand::Return { hand: RIGHT as u8 });
+    fixture.ticks(3);
+    assert!(fixture.world.held_tool(RIGHT).is_none());
+    let before = fixture.digest();
+    fixture.tap_key_and_tick(HandAction::Tool(0));
+    fixture.ticks(60);
+    assert!(fixture.world.held_tool(RIGHT).is_some());
+    assert_eq!(fixture.digest(), before, "nobody pulls its trigger");
 }
 
 /// A natural swipe: 170 pixels in 0.38 s, the button up at its end. A slow one follows more of the stone's bumps.
