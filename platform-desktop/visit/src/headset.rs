@@ -11,7 +11,8 @@ use paros_shell::headset::hand_reader::HandSource;
 use paros_shell::headset::hand_sample::HandSample;
 use paros_shell::headset::haptics::TickHaptics;
 
-use crate::host::{ExportState, VisitHost};
+use crate::export_state::ExportState;
+use crate::host::VisitHost;
 use crate::options::Controls;
 use crate::pointing::Pointer;
 use crate::standing::room_pose;

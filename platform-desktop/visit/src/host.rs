@@ -2,7 +2,6 @@
 
 use glam::Vec3;
 use paros_core::badge::BadgeNumber;
-use paros_core::limits::INTERVALS;
 use paros_core::session::{PointerCommand, SessionMode, TICK_RATE, commands};
 use paros_core::visit::{
     PanelAction, PlanSetting, Presence, StaffCommand, Visit, VisitCommand, VisitInput, VisitPhase,
@@ -10,9 +9,8 @@ use paros_core::visit::{
 use paros_core::volume::{Grid, Size};
 use paros_core::{TickInput, World, WorldEvent};
 use paros_shaders::panel::{Message, Panel, PanelPose};
-use paros_shell::statics::Resident;
-use paros_shell::studio::Studio;
 
+use crate::export_state::ExportState;
 use crate::headset::HeadsetWatch;
 use crate::lathe::LatheHand;
 use crate::options::{Controls, VisitOptions};
@@ -28,35 +26,6 @@ const WARNING_TICKS: u32 = 6 * TICK_RATE;
 /// How far the button turns the stool, and how far in a tick, in 65,536ths of a turn: an eighth in half a second.
 const BUTTON_TURN: i16 = 8192;
 const BUTTON_TURN_SPEED: i16 = 228;
-
-/// How far a finished sculpture's files are.
-#[derive(Clone, Copy, PartialEq, Debug)]
-pub struct ExportState {
-    /// Whether they are being made or written.
-    pub is_busy: bool,
-    /// Whether this session's print is written.
-    pub is_kept: bool,
-    /// How much of it is made, 0 to 1.
-    pub part: f32,
-    /// Sculptures that could not be written, or are not yet where they are to be kept.
-    pub pending: u32,
-}
-
-impl ExportState {
-    /// Of a studio's last sculpture.
-    #[must_use]
-    pub fn of_studio<const N: usize>(studio: &Studio<'_, N>) -> Self
-    where
-        Grid<N>: Size + Resident<N, INTERVALS>,
-    {
-        ExportState {
-            is_busy: studio.is_exporting(),
-            is_kept: studio.session_stl_path().is_some(),
-            part: studio.export_part(),
-            pending: u32::from(studio.has_writes_to_retry()),
-        }
-    }
-}
 
 /// Holds visits: between the core, which decides, and a shell.
 #[derive(Debug)]
@@ -209,8 +178,9 @@ impl VisitHost {
             }
         }
         self.told = self.told.and_then(|(message, left)| Some((message, left.checked_sub(1)?)));
-        if let Some(pad) = &mut self.pin_pad {
-            pad.pass_tick();
+        let is_staffs = matches!(self.question, Question::Pin | Question::Staff);
+        if self.pin_pad.as_mut().is_some_and(PinPad::is_left_after_tick) && is_staffs {
+            self.ask(Question::None);
         }
         match visit.phase() {
             VisitPhase::Attract if self.lathe.is_done() => {

@@ -7,6 +7,7 @@
 #![forbid(unsafe_code)]
 
 mod cards;
+mod export_state;
 mod headset;
 mod host;
 mod lathe;
@@ -17,8 +18,9 @@ mod queue;
 mod screen;
 mod standing;
 
+pub use export_state::ExportState;
 pub use headset::HeadsetTick;
-pub use host::{ExportState, VisitHost};
+pub use host::VisitHost;
 pub use lathe::LatheHand;
 pub use options::{Controls, VisitOptions};
 pub use pointing::{POINTERS, Pointer};

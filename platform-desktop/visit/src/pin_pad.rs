@@ -12,6 +12,9 @@ const TRIES: u8 = 5;
 /// For how long, in ticks: a minute.
 const LOCKED_TICKS: u32 = 60 * TICK_RATE;
 
+/// Ticks without a press after which who opened the staff's panel has left it: no visitor shall find it open.
+pub(crate) const LEFT_TICKS: u32 = 45 * TICK_RATE;
+
 /// What has been entered, and how often it was wrong.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct PinPad {
@@ -21,21 +24,34 @@ pub(crate) struct PinPad {
     is_wrong: bool,
     failed: u8,
     locked_ticks: u32,
+    /// Since anything was pressed.
+    quiet_ticks: u32,
 }
 
 impl PinPad {
     /// For a PIN, nothing entered.
     pub(crate) const fn new(pin: StaffPin) -> Self {
-        PinPad { pin, entered: [0; 4], count: 0, is_wrong: false, failed: 0, locked_ticks: 0 }
+        PinPad {
+            pin,
+            entered: [0; 4],
+            count: 0,
+            is_wrong: false,
+            failed: 0,
+            locked_ticks: 0,
+            quiet_ticks: 0,
+        }
     }
 
-    /// Lets a tick pass.
-    pub(crate) const fn pass_tick(&mut self) {
+    /// Lets a tick pass. Whether whoever opened it, or what it opens, has left it.
+    pub(crate) const fn is_left_after_tick(&mut self) -> bool {
         self.locked_ticks = self.locked_ticks.saturating_sub(1);
+        self.quiet_ticks = self.quiet_ticks.saturating_add(1);
+        self.quiet_ticks >= LEFT_TICKS && self.locked_ticks == 0
     }
 
     /// Takes a digit. Whether it completes the PIN.
     pub(crate) fn press_digit(&mut self, digit: u8) -> bool {
+        self.quiet_ticks = 0;
         if self.locked_ticks > 0 {
             return false;
         }
@@ -57,12 +73,13 @@ impl PinPad {
 
     /// Takes the last digit back.
     pub(crate) const fn erase(&mut self) {
-        self.count = self.count.saturating_sub(1);
+        (self.count, self.quiet_ticks) = (self.count.saturating_sub(1), 0);
     }
 
     /// Forgets what has been entered; what was wrong counts on.
     pub(crate) fn forget(&mut self) {
         (self.entered, self.count, self.is_wrong) = ([0; 4], 0, false);
+        self.quiet_ticks = 0;
     }
 
     /// What the pad shows.
@@ -111,10 +128,10 @@ mod tests {
         }
         assert_eq!(pad.entry(), PinEntry::Locked);
         for _ in 1..LOCKED_TICKS {
-            pad.pass_tick();
+            pad.is_left_after_tick();
         }
         assert!(!enter(&mut pad, [0; 4]), "a tick too early");
-        pad.pass_tick();
+        pad.is_left_after_tick();
         assert!(enter(&mut pad, [0; 4]));
     }
 

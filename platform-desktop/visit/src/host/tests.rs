@@ -18,6 +18,7 @@ use paros_shell::tick_runner::{TickRunner, with_fresh_world};
 use super::{ExportState, VisitHost};
 use crate::lathe::LatheHand;
 use crate::options::{Controls, VisitOptions};
+use crate::pin_pad::LEFT_TICKS;
 use crate::pointing::Pointer;
 use crate::screen::ButtonAction;
 use crate::standing::room_pose;
@@ -244,6 +245,28 @@ fn a_language_is_chosen_by_its_place_on_offer() {
         assert_eq!(booth.world().visit().language(), 0);
         assert!(booth.press(ButtonAction::Press(Press::Language(1))));
         assert_eq!(booth.world().visit().language(), 1, "English is the second there");
+    });
+}
+
+#[test]
+fn a_staffs_panel_that_is_left_open_shuts_by_itself() {
+    with_booth(|booth| {
+        begin_sculpting(booth);
+        booth.host.toggle_staff_panel();
+        booth.tick(None);
+        for digit in [2, 0, 2, 6] {
+            booth.wait(LEFT_TICKS / 2);
+            assert!(booth.press(ButtonAction::Digit(digit)));
+        }
+        booth.wait(LEFT_TICKS - 9);
+        let extend = ButtonAction::Staff(super::StaffCommand::Extend);
+        let is_there = |booth: &Booth<'_, '_>| {
+            let screen = &booth.host.screen;
+            screen.buttons().iter().any(|shown| screen.action(shown.button.id) == Some(extend))
+        };
+        assert!(is_there(booth));
+        booth.wait(9);
+        assert!(!is_there(booth), "the next visitor finds it open");
     });
 }
 

@@ -1,0 +1,35 @@
+//! How far an export is, as a host is told of it.
+
+use paros_core::limits::INTERVALS;
+use paros_core::volume::{Grid, Size};
+use paros_shell::statics::Resident;
+use paros_shell::studio::Studio;
+
+/// How far a finished sculpture's files are.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct ExportState {
+    /// Whether they are being made or written.
+    pub is_busy: bool,
+    /// Whether this session's print is written.
+    pub is_kept: bool,
+    /// How much of it is made, 0 to 1.
+    pub part: f32,
+    /// Sculptures that could not be written, or are not yet where they are to be kept.
+    pub pending: u32,
+}
+
+impl ExportState {
+    /// Of a studio's last sculpture.
+    #[must_use]
+    pub fn of_studio<const N: usize>(studio: &Studio<'_, N>) -> Self
+    where
+        Grid<N>: Size + Resident<N, INTERVALS>,
+    {
+        ExportState {
+            is_busy: studio.is_exporting(),
+            is_kept: studio.session_stl_path().is_some(),
+            part: studio.export_part(),
+            pending: u32::from(studio.has_writes_to_retry()),
+        }
+    }
+}
