@@ -61,7 +61,7 @@ impl VisitHost {
         if visit.phase() == VisitPhase::Closed {
             queue.open(&options.plan);
         } else {
-            options.plan.iter().for_each(|command| queue.push(*command));
+            options.changes_of_plan(visit.plan()).for_each(|command| queue.push(command));
         }
         VisitHost {
             pin_pad: options.staff_pin.map(PinPad::new),

@@ -2,7 +2,7 @@
 
 use paros_core::badge::BadgeLanguage;
 use paros_core::session::SessionMode;
-use paros_core::visit::VisitCommand;
+use paros_core::visit::{PlanSetting, VisitCommand, VisitPlan};
 use paros_shaders::panel::Language;
 use paros_shell::headset::hand_reader::HandSource;
 use paros_shell::modes::parse_mode;
@@ -82,6 +82,26 @@ impl VisitOptions {
         }
     }
 
+    /// The commands by which the plan of a visit that was found becomes this one: an earlier run's may differ in what is
+    /// the core's own here.
+    pub(crate) fn changes_of_plan(&self, found: &VisitPlan) -> impl Iterator<Item = VisitCommand> {
+        let mut plan = VisitPlan::new();
+        for command in &self.plan {
+            match *command {
+                VisitCommand::Set { setting, value } => plan.set_value(setting, value),
+                VisitCommand::SetStart(start) => plan.set_start(start),
+                _ => {}
+            }
+        }
+        let found = *found;
+        let changed = PlanSetting::ALL.into_iter().filter_map(move |setting| {
+            let value = plan.value(setting);
+            (value != found.value(setting)).then_some(VisitCommand::Set { setting, value })
+        });
+        let start = (plan.start() != found.start()).then_some(plan.start());
+        changed.chain(start.map(VisitCommand::SetStart))
+    }
+
     /// The language of a number of the visit's.
     pub(crate) fn language(&self, number: u8) -> Language {
         let first = self.languages.first().copied().unwrap_or_default();
@@ -91,9 +111,25 @@ impl VisitOptions {
 
 #[cfg(test)]
 mod tests {
+    use paros_core::visit::{PlanSetting, VisitCommand, VisitPlan};
     use paros_shell::headset::hand_reader::HandSource;
 
-    use super::Controls;
+    use super::{Controls, VisitOptions};
+
+    #[test]
+    fn what_an_earlier_run_set_becomes_the_default_again() {
+        let set = |setting, value| VisitCommand::Set { setting, value };
+        let plan = vec![set(PlanSetting::Export, 30), set(PlanSetting::Thanks, 9)];
+        let options = VisitOptions { plan, ..VisitOptions::default() };
+        let mut found = VisitPlan::new();
+        found.set_value(PlanSetting::Length, 90);
+        found.set_value(PlanSetting::Thanks, 9);
+        let length = PlanSetting::Length.default_value();
+        assert_eq!(
+            options.changes_of_plan(&found).collect::<Vec<_>>(),
+            [set(PlanSetting::Length, length), set(PlanSetting::Export, 30)]
+        );
+    }
 
     #[test]
     fn texts_tell_of_what_the_hands_are_read_from() {
