@@ -350,6 +350,14 @@ impl VisitHost {
     }
 }
 
+/// Where a shell holds no visits: closes the one that a save has from a run that did. Left open it would hand the
+/// sculpture over, as nobody is told to be there.
+pub fn close_visits(visit: &Visit, input: &mut TickInput) {
+    if visit.phase() != VisitPhase::Closed {
+        input.visit.command = VisitCommand::Close;
+    }
+}
+
 /// 32 bits from the operating system. Where it has none, badges repeat, as provisional ones may.
 fn random_bits_of_system() -> u32 {
     getrandom::u32().unwrap_or_default()

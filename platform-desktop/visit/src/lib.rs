@@ -20,7 +20,7 @@ mod standing;
 
 pub use export_state::ExportState;
 pub use headset::HeadsetTick;
-pub use host::VisitHost;
+pub use host::{VisitHost, close_visits};
 pub use lathe::LatheHand;
 pub use options::{Controls, VisitOptions};
 pub use pointing::{POINTERS, Pointer};

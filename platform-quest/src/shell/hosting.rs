@@ -14,7 +14,7 @@ use paros_shell::headset::haptics::TickHaptics;
 use paros_shell::headset::room_placement::PlacementNeed;
 use paros_shell::headset::visit::LastUse;
 use paros_shell::statics::Resident;
-use paros_visit::{ExportState, HeadsetTick, VisitHost};
+use paros_visit::{ExportState, HeadsetTick, VisitHost, close_visits};
 
 use super::HeadsetShell;
 use crate::options::ShellOptions;
@@ -61,7 +61,9 @@ where
         (now, head, hands, is_menu_down): (Duration, Option<RoomPose>, &[HandSample; 2], bool),
         input: &mut TickInput,
     ) {
-        let Some(host) = &mut self.host else { return };
+        let Some(host) = &mut self.host else {
+            return close_visits(self.studio.world().visit(), input);
+        };
         let tick = HeadsetTick {
             now,
             head: head.map(|(position, _)| position),

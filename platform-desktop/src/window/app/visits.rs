@@ -7,7 +7,9 @@ use paros_core::volume::{Grid, Size};
 use paros_core::{TickInput, WorldEvent};
 use paros_shaders::panel::Panel;
 use paros_shell::statics::Resident;
-use paros_visit::{Controls, ExportState, POINTERS, Pointer, VisitHost, VisitOptions};
+use paros_visit::{
+    Controls, ExportState, POINTERS, Pointer, VisitHost, VisitOptions, close_visits,
+};
 
 use super::App;
 
@@ -98,7 +100,9 @@ where
     pub(super) fn fill_visit_input(&mut self, input: &mut TickInput) {
         self.place_visit_panels();
         let ray = self.hands.cursor_ray();
-        let Some(visits) = &mut self.visits else { return };
+        let Some(visits) = &mut self.visits else {
+            return close_visits(self.studio.world().visit(), input);
+        };
         let is_pressed = visits.is_pressed || core::mem::take(&mut visits.was_pressed);
         let mut pointers = [None; POINTERS];
         pointers[CURSOR] = ray.map(|ray| Pointer {

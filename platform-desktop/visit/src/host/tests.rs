@@ -15,7 +15,7 @@ use paros_shell::modes::parse_mode;
 use paros_shell::settings::StaffPin;
 use paros_shell::tick_runner::{TickRunner, with_fresh_world};
 
-use super::{ExportState, VisitHost};
+use super::{ExportState, VisitHost, close_visits};
 use crate::lathe::LatheHand;
 use crate::options::{Controls, VisitOptions};
 use crate::pin_pad::LEFT_TICKS;
@@ -267,6 +267,24 @@ fn a_staffs_panel_that_is_left_open_shuts_by_itself() {
         assert!(is_there(booth));
         booth.wait(9);
         assert!(!is_there(booth), "the next visitor finds it open");
+    });
+}
+
+/// A run without visits finds the save of one with them: nobody is told to be there, and nothing is handed over.
+#[test]
+fn a_visit_that_nobody_holds_any_more_takes_no_sculpture_away() {
+    with_booth(|booth| {
+        begin_sculpting(booth);
+        cut(booth);
+        let voxels = booth.world().volume().count_voxels();
+        for _ in 0..120 * TICK_RATE {
+            let mut input = TickInput::default();
+            close_visits(booth.world().visit(), &mut input);
+            booth.runner.run_tick(&input);
+        }
+        assert_eq!(booth.phase(), VisitPhase::Closed);
+        assert_eq!(booth.world().session_state(), SessionState::Sculpting);
+        assert_eq!(booth.world().volume().count_voxels(), voxels);
     });
 }
 
