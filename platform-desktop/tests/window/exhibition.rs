@@ -67,6 +67,9 @@ fn a_visitor_comes_and_leaves_with_a_badge() -> Result<(), MissingDependency> {
         visit.screenshot(&display, phase);
         assert!(visit.ask_state("visit").starts_with(phase), "{}", visit.ask_state("visit"));
     }
+    // The mouse has not rested: who takes it over presses once.
+    visit.do_all(&["move 50 50", "wait 4", "press left", "wait 2", "release left", "wait 4"]);
+    assert_eq!(visit.ask_state("visit"), "Welcome TakeTool");
     let (code, complaints) = visit.close();
     assert_eq!(code, Some(0), "{complaints}");
     assert_eq!(complaints.lines().count(), 1, "the settings and nothing else: {complaints}");

@@ -147,8 +147,8 @@ where
             self.panels.input.events.push(event);
         }
         let is_on_panel = self.is_cursor_on_visit_panel();
-        if let Some(visits) = self.visits.as_mut().filter(|_| hand == HandButton::Left) {
-            visits.note_button(down);
+        if hand == HandButton::Left && !(down && self.panels.wants_pointer()) {
+            self.press_in_visit(down);
         }
         let has_sculpture = self.studio.world().session_state() != SessionState::Waiting;
         let runs =

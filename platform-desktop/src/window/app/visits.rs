@@ -118,6 +118,16 @@ where
         visits.host.fill_input(world, (Presence::Unknown, is_used), input);
     }
 
+    /// Takes in the left button, or a finger, where nothing lies over the visit's panels. Who presses while nobody is
+    /// there is the next visitor, however shortly after the last one: a window can't see one go and another come.
+    pub(super) fn press_in_visit(&mut self, is_down: bool) {
+        let Some(visits) = &mut self.visits else { return };
+        visits.note_button(is_down);
+        if is_down && self.studio.world().visit().phase() == VisitPhase::Attract {
+            visits.host.begin_anew();
+        }
+    }
+
     /// Asks the visitor whether the sculpture is ready; asked twice, it is.
     pub(super) fn ask_visitor_to_finish(&mut self) {
         if let Some(visits) = &mut self.visits {
