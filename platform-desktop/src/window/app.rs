@@ -109,9 +109,14 @@ where
             let faults = options.settings_faults.iter().cloned();
             faults.for_each(|fault| studio.push_notice(Notice::Bad(fault)));
         }
-        if let Some(file) = &options.file {
+        match &options.file {
+            Some(file) if options.visits.is_some() => {
+                let text = "not opened: where visits are held, their panels have the starts";
+                studio.push_notice(Notice::Bad(format!("{}: {text}", file.display())));
+            }
             // It lies in the resident maps: `open` has read it.
-            studio.open_file(file, |_| Ok(()));
+            Some(file) => studio.open_file(file, |_| Ok(())),
+            None => {}
         }
         let device = gpu::Options {
             validation: options.validation,

@@ -56,7 +56,7 @@ where
                 self.scale = scale_factor as f32;
             }
             WindowEvent::Occluded(false) => self.seen = true,
-            WindowEvent::DroppedFile(path) if !self.kiosk.is_on => {
+            WindowEvent::DroppedFile(path) if !self.kiosk.is_on && self.visits.is_none() => {
                 self.studio.open_file(&path, opening::read_into_resident_maps::<N>);
             }
             WindowEvent::Focused(false) => self.send_to_hands(InputEvent::LetGo),
