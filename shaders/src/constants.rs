@@ -145,6 +145,8 @@ pub const PANEL_BOX: u32 = 0;
 pub const PANEL_SHAPE: u32 = 1;
 /// A part of a ring.
 pub const PANEL_RING: u32 = 2;
+/// A picture of the shell's, in a cell of its own.
+pub const PANEL_IMAGE: u32 = 3;
 /// How far a quad reaches beyond its shape, in millimetres, so that its edge has room to be smooth.
 pub const PANEL_QUAD_MARGIN: f32 = 3.0;
 
@@ -215,8 +217,10 @@ pub const BINDING_DEPTH_COMPARE: u32 = 12;
 pub const BINDING_GRADIENT: u32 = 13;
 /// The panels' atlas.
 pub const BINDING_PANEL_ATLAS: u32 = 14;
+/// The panels' pictures.
+pub const BINDING_PANEL_PICTURES: u32 = 15;
 /// How many they are.
-pub const BINDING_COUNT: u32 = 15;
+pub const BINDING_COUNT: u32 = 16;
 /// Bindings of the overlay: its atlas.
 pub const BINDING_ATLAS: u32 = 0;
 /// The sampler of the atlas.

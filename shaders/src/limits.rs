@@ -48,3 +48,11 @@ pub const LATTICE: usize = 32;
 /// Quads of a frame's panels: a screen of a visit has 145 at the most, and three stand at a time, with the clock and the
 /// staff's; room for twice that. 92 bytes each.
 pub const PANEL_QUADS: usize = 1024;
+
+/// Texels along a side of a picture on a panel: as many as a headset of 20 pixels a degree has of a card's, 196 mm wide
+/// and 1.2 m away.
+pub const PANEL_CELL_TEXELS: usize = 192;
+
+/// Pictures on panels: a card each of the widest choice without scrolling, two rows of four. 147 KiB each on the device,
+/// of which a frame uploads one.
+pub const PANEL_CELLS: usize = 8;

@@ -1,12 +1,14 @@
-// Panels in the room: rounded boxes, shapes of a signed distance field atlas, and rings, a quad each. The twin is
-// `src/panel/quad.rs`. At most one texel is fetched a pixel, and none of boxes and rings.
+// Panels in the room: rounded boxes, shapes of a signed distance field atlas, rings, and pictures, a quad each. The twin
+// is `src/panel/quad.rs`. At most one texel is fetched a pixel, and none of boxes and rings.
 #import paros::layout::frame
 #import paros::constants::{
-    BINDING_CLAMPED, BINDING_PANEL_ATLAS, PANEL_BOX, PANEL_QUAD_MARGIN, PANEL_REACH_TEXELS, PANEL_RING, PANEL_SHAPE,
-    SRGB_EXPONENT, SRGB_LINEAR_SLOPE, SRGB_OFFSET,
+    BINDING_CLAMPED, BINDING_PANEL_ATLAS, BINDING_PANEL_PICTURES, PANEL_BOX, PANEL_IMAGE, PANEL_QUAD_MARGIN,
+    PANEL_REACH_TEXELS, PANEL_RING, PANEL_SHAPE, SRGB_EXPONENT, SRGB_LINEAR_SLOPE, SRGB_OFFSET,
 }
 
 @group(0) @binding(BINDING_PANEL_ATLAS) var atlas: texture_2d_array<f32>;
+// sRGB, a layer for each cell; transparent where there is no picture.
+@group(0) @binding(BINDING_PANEL_PICTURES) var pictures: texture_2d_array<f32>;
 @group(0) @binding(BINDING_CLAMPED) var clamped: sampler;
 
 const TURN: f32 = 6.2831855;
@@ -81,6 +83,10 @@ fn fragment(
         return vec4<f32>(fill.rgb, fill.a * coverage(ring_distance(at, half.x, shape.xy), pixel));
     }
     let distance = box_distance(at, half, shape.x);
+    if kind == PANEL_IMAGE {
+        let color = picture_color((at + half) / (2.0 * half), shape.w);
+        return vec4<f32>(color.rgb, color.a * coverage(distance, pixel));
+    }
     let softness = shape.z;
     var outer = coverage(distance, max(pixel, softness));
     if softness > 0.0 {
@@ -122,6 +128,11 @@ fn shape_distance(at: vec2<f32>, shape: vec4<f32>) -> f32 {
     let place = texel / vec2<f32>(textureDimensions(atlas));
     let value = textureSampleLevel(atlas, clamped, place, 0, 0.0).x;
     return (value - 0.5) * 2.0 * PANEL_REACH_TEXELS / length(shape.zw);
+}
+
+// `place`: 0 to 1 from the picture's upper left corner.
+fn picture_color(place: vec2<f32>, cell: f32) -> vec4<f32> {
+    return textureSampleLevel(pictures, clamped, place, u32(cell), 0.0);
 }
 
 // The sRGB target takes linear colours.

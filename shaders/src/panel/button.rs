@@ -9,13 +9,20 @@ use super::message::{Language, Message, TextPlace};
 use super::model::{BoxStyle, LINE_HEIGHT, Panel, PanelColor, TextAlign, TextStyle};
 use super::pose::PanelRect;
 
-/// A picture of the atlas.
+/// A picture on a button.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum PanelPicture {
     /// Of the interface.
     Icon(Icon),
     /// Of a badge.
     Pictogram(Pictogram),
+    /// What the shell shows in a cell, large on a card; an icon until there is something.
+    Cell {
+        /// The cell's number.
+        cell: u8,
+        /// The icon.
+        until: Icon,
+    },
 }
 
 /// How a button looks.
@@ -65,6 +72,10 @@ pub enum ButtonLabel<'a> {
 /// A button is a card, its picture over its text, from this height on, in millimetres.
 const CARD_HEIGHT: f32 = 180.0;
 
+/// Between a card's edge and its cell's picture, and the radius of that one's corners, in millimetres.
+const CELL_MARGIN: f32 = 14.0;
+const CELL_RADIUS: f32 = 14.0;
+
 /// The number of the button at a point of a panel: the last one that has it and isn't off.
 #[must_use]
 pub fn find_button(buttons: &[PanelButton<'_>], at_mm: Vec2) -> Option<u16> {
@@ -91,6 +102,17 @@ impl<'a> PanelButton<'a> {
     #[must_use]
     pub const fn with_icon(self, icon: Icon) -> Self {
         PanelButton { picture: Some(PanelPicture::Icon(icon)), ..self }
+    }
+
+    /// The same with a cell's picture over its icon, if it has one.
+    #[must_use]
+    pub const fn with_cell(self, cell: u8) -> Self {
+        match self.picture {
+            Some(PanelPicture::Icon(until)) => {
+                PanelButton { picture: Some(PanelPicture::Cell { cell, until }), ..self }
+            }
+            _ => self,
+        }
     }
 
     /// The same with another label.
@@ -167,6 +189,12 @@ impl Panel {
         let side = (rect.height - room - 40.0).min(rect.width - 60.0);
         let picture = PanelRect::new(rect.middle().x - 0.5 * side, rect.y + 30.0, side, side);
         self.add_panel_picture(button.picture, picture, ink);
+        if let Some(PanelPicture::Cell { cell, .. }) = button.picture {
+            let side = (rect.height - room - CELL_MARGIN).min(rect.width - 2.0 * CELL_MARGIN);
+            let left = rect.middle().x - 0.5 * side;
+            let place = PanelRect::new(left, rect.y + CELL_MARGIN, side, side);
+            self.add_image(cell, place, CELL_RADIUS);
+        }
         if let Some((text, style, width)) = text {
             let width = width.min(rect.width - 24.0);
             let middle = rect.y + rect.height - 0.5 * room + 4.0;
@@ -202,7 +230,9 @@ impl Panel {
         color: PanelColor,
     ) {
         match picture {
-            Some(PanelPicture::Icon(icon)) => self.add_icon(icon, rect, color),
+            Some(PanelPicture::Icon(icon) | PanelPicture::Cell { until: icon, .. }) => {
+                self.add_icon(icon, rect, color);
+            }
             Some(PanelPicture::Pictogram(pictogram)) => self.add_pictogram(pictogram, rect, color),
             None => {}
         }

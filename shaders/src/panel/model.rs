@@ -10,8 +10,9 @@ use super::message::{Filling, Language, Message, PlaceStyle};
 use super::pose::{PanelPoint, PanelPose, PanelRect};
 use super::quad::PanelQuad;
 use super::wrap::{WrappedLines, even_width};
-use crate::constants::{PANEL_BOX, PANEL_CAPITAL_TEXELS, PANEL_REACH_TEXELS};
-use crate::constants::{PANEL_RING, PANEL_SHAPE};
+use crate::constants::{
+    PANEL_BOX, PANEL_CAPITAL_TEXELS, PANEL_IMAGE, PANEL_REACH_TEXELS, PANEL_RING, PANEL_SHAPE,
+};
 use crate::limits::PANEL_QUADS;
 
 /// From one line's foot to the next one's, in heights of a capital letter.
@@ -265,6 +266,20 @@ impl Panel {
     /// Adds a badge's pictogram, as large as fits a rectangle.
     pub fn add_pictogram(&mut self, pictogram: Pictogram, rect: PanelRect, color: PanelColor) {
         self.add_picture(&AtlasPicture::of_pictogram(pictogram), rect, 0, color);
+    }
+
+    /// Adds the picture of a cell, as large as fits a rectangle, its corners rounded: nothing is seen of it before the
+    /// cell has one.
+    pub fn add_image(&mut self, cell: u8, rect: PanelRect, radius_mm: f32) {
+        let half = 0.5 * rect.width.min(rect.height);
+        self.push(PanelQuad {
+            middle: rect.middle().to_array(),
+            half: [half; 2],
+            shape: [radius_mm.min(half), 0.0, 0.0, f32::from(cell)],
+            fill: [255; 4],
+            outline: [255; 4],
+            kind: PANEL_IMAGE,
+        });
     }
 
     /// Adds a picture in the middle of a rectangle, after quarter turns clockwise.

@@ -4,9 +4,10 @@ use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
 
 use super::font::{ATLAS_SIZE, atlas_texels};
+use super::pictures::PanelPictures;
 use crate::constants::{
-    PANEL_BOX, PANEL_QUAD_MARGIN, PANEL_REACH_TEXELS, PANEL_RING, PANEL_SHAPE, SRGB_EXPONENT,
-    SRGB_LINEAR_SLOPE, SRGB_OFFSET,
+    PANEL_BOX, PANEL_IMAGE, PANEL_QUAD_MARGIN, PANEL_REACH_TEXELS, PANEL_RING, PANEL_SHAPE,
+    SRGB_EXPONENT, SRGB_LINEAR_SLOPE, SRGB_OFFSET,
 };
 
 /// A rectangle of a panel, drawn over those before it.
@@ -19,13 +20,14 @@ pub struct PanelQuad {
     pub half: [f32; 2],
     /// By kind. A box: its corners' radius, its outline's width and how far its edge fades, in millimetres. A shape: its
     /// middle in the atlas, in texels, and the texels of a millimetre to the right. A ring: its width in millimetres,
-    /// and the part of it from its top clockwise.
+    /// and the part of it from its top clockwise. An image: its corners' radius in millimetres, and its cell's number
+    /// as the fourth.
     pub shape: [f32; 4],
     /// sRGB and straight alpha.
     pub fill: [u8; 4],
     /// Of a box's outline.
     pub outline: [u8; 4],
-    /// `PANEL_BOX`, `PANEL_SHAPE` or `PANEL_RING`.
+    /// `PANEL_BOX`, `PANEL_SHAPE`, `PANEL_RING` or `PANEL_IMAGE`.
     pub kind: u32,
 }
 
@@ -41,15 +43,22 @@ impl PanelQuad {
     pub(crate) fn drawn_half(&self) -> Vec2 {
         let margin = match self.kind {
             PANEL_SHAPE => 0.0,
-            PANEL_RING => PANEL_QUAD_MARGIN,
+            PANEL_RING | PANEL_IMAGE => PANEL_QUAD_MARGIN,
             _ => PANEL_QUAD_MARGIN + 0.5 * self.shape[2],
         };
         Vec2::from_array(self.half) + Vec2::splat(margin)
     }
 
     /// The colour at a point, in millimetres from its middle, y down; a pixel is `pixel_mm` wide there.
-    pub(crate) fn color_at(&self, at: Vec2, pixel_mm: f32) -> QuadColor {
+    pub(crate) fn color_at(&self, at: Vec2, pixel_mm: f32, pictures: &PanelPictures) -> QuadColor {
         let coverage = |distance: f32, width: f32| (distance / width + 0.5).clamp(0.0, 1.0);
+        if self.kind == PANEL_IMAGE {
+            let half = Vec2::from_array(self.half);
+            let QuadColor { rgb, alpha } =
+                pictures.color_at(self.shape[3], (at + half) / (2.0 * half));
+            let alpha = alpha * coverage(self.box_distance(at), pixel_mm);
+            return QuadColor { rgb, alpha };
+        }
         let fill = linear_color(self.fill);
         if self.kind != PANEL_BOX {
             let distance = match self.kind {
@@ -124,7 +133,7 @@ fn sample_atlas([u, v]: [f32; 2]) -> f32 {
 }
 
 /// Of sRGB bytes.
-fn linear_color(color: [u8; 4]) -> QuadColor {
+pub(super) fn linear_color(color: [u8; 4]) -> QuadColor {
     let [r, g, b, alpha] = color.map(|c| f32::from(c) / 255.0);
     let linear = |c: f32| match c <= 0.04045 {
         true => c / SRGB_LINEAR_SLOPE,

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::image::Image;
 use super::render::encode_srgb;
 use crate::gpu::Eye;
-use crate::panel::{Panel, PanelRect};
+use crate::panel::{Panel, PanelPictures, PanelRect};
 
 /// How far a panel's shadow reaches beyond it, in millimetres, at the most.
 const BEYOND: f32 = 100.0;
@@ -24,10 +24,24 @@ pub(crate) struct PixelRay {
     pub(crate) to_next: [Vec3; 2],
 }
 
-/// Renders panels alone before a linear colour, as an eye sees them: `samples` rays along a side of each pixel.
+/// Renders panels alone before a linear colour, as an eye sees them: `samples` rays along a side of each pixel. Their
+/// cells have no pictures.
 #[must_use]
 pub fn render_panels(
     panels: &[Panel],
+    eye: &Eye,
+    size: [usize; 2],
+    samples: usize,
+    backdrop: Vec3,
+) -> Image {
+    render_panels_with_pictures(panels, &PanelPictures::EMPTY, eye, size, samples, backdrop)
+}
+
+/// The same with pictures in their cells.
+#[must_use]
+pub fn render_panels_with_pictures(
+    panels: &[Panel],
+    pictures: &PanelPictures,
     eye: &Eye,
     [width, height]: [usize; 2],
     samples: usize,
@@ -44,7 +58,7 @@ pub fn render_panels(
     let color = |x: usize, y: usize| {
         let direction = corner + right * (x as f32 + 0.5) + down * (y as f32 + 0.5);
         let ray = PixelRay { origin: eye.position, direction, to_next: [right, down] };
-        blend_panels(panels, &ray, f32::INFINITY, backdrop)
+        blend_panels(panels, pictures, &ray, f32::INFINITY, backdrop)
     };
     let mut image = Image::filled(width, height, [0; 3]);
     image.pixels.par_chunks_mut(3 * width.max(1)).enumerate().for_each(|(y, row)| {
@@ -60,14 +74,22 @@ pub fn render_panels(
 /// The linear colour along a ray whose picture without panels is `under`, so many metres away.
 pub(crate) fn blend_panels(
     panels: &[Panel],
+    pictures: &PanelPictures,
     ray: &PixelRay,
     depth_limit: f32,
     under: Vec3,
 ) -> Vec3 {
-    panels.iter().fold(under, |under, panel| blend_panel(panel, ray, depth_limit, under))
+    let blend = |under, panel| blend_panel(panel, pictures, ray, depth_limit, under);
+    panels.iter().fold(under, blend)
 }
 
-fn blend_panel(panel: &Panel, ray: &PixelRay, depth_limit: f32, under: Vec3) -> Vec3 {
+fn blend_panel(
+    panel: &Panel,
+    pictures: &PanelPictures,
+    ray: &PixelRay,
+    depth_limit: f32,
+    under: Vec3,
+) -> Vec3 {
     let meet = |direction| panel.pose.intersect_plane(panel.size_mm(), ray.origin, direction);
     let Some(hit) = meet(ray.direction) else { return under };
     let near = PanelRect::grown(&panel.rect(), BEYOND);
@@ -83,7 +105,7 @@ fn blend_panel(panel: &Panel, ray: &PixelRay, depth_limit: f32, under: Vec3) -> 
         if at.abs().cmpgt(quad.drawn_half()).any() {
             return under;
         }
-        let color = quad.color_at(at, pixel_mm.max(1e-6));
+        let color = quad.color_at(at, pixel_mm.max(1e-6), pictures);
         under.lerp(color.rgb, color.alpha)
     })
 }

@@ -16,7 +16,7 @@ use super::{noise, studio};
 use crate::constants::{SRGB_EXPONENT, SRGB_LINEAR_SLOPE, SRGB_OFFSET, TONE_WHITE_POINT};
 use crate::field::DensityField;
 use crate::gpu::{RenderPath, RenderStyle};
-use crate::panel::Panel;
+use crate::panel::{Panel, PanelPictures};
 use crate::scene::{SKY, resting_placement, resting_studio};
 
 /// Size, sampling and path of a picture.
@@ -181,7 +181,8 @@ fn tone_mapped_pixel<const N: usize, const K: usize>(
                 direction: ray.direction,
                 to_next: next.map(|next| next.direction - ray.direction),
             };
-            color = blend_panels(panels, &ray, depth * room.stand.side, color);
+            color =
+                blend_panels(panels, &PanelPictures::EMPTY, &ray, depth * room.stand.side, color);
         }
         sum += color;
     }

@@ -1,8 +1,12 @@
 //! Every screen of a visit, as the panels' layouts draw them.
 
 use paros_core::badge::BadgeNumber;
+use paros_shaders::Image;
+use paros_shaders::limits::{PANEL_CELL_TEXELS, PANEL_CELLS};
 use paros_shaders::panel::layout::{self, Clock, Guide, PanelNotice, PinEntry, palette};
-use paros_shaders::panel::{ButtonState, FillingValue, Icon, Language, Message, Panel};
+use paros_shaders::panel::{
+    ButtonState, FillingValue, Icon, Language, Message, Panel, PanelButton, PanelPictures,
+};
 
 /// A screen's name, and its panel.
 pub type Screen = (&'static str, Panel);
@@ -16,10 +20,35 @@ pub fn all_screens(language: Language) -> Vec<Screen> {
     all
 }
 
+/// Pictures for cells: bands, another colour for each; the last cells have none.
+#[must_use]
+pub fn pictures_of_cells() -> PanelPictures {
+    let side = PANEL_CELL_TEXELS;
+    let mut pictures = PanelPictures::default();
+    for cell in 0..PANEL_CELLS / 2 {
+        let mut picture = Image::filled(side, side, [0; 3]);
+        for (at, pixel) in picture.pixels.as_chunks_mut::<3>().0.iter_mut().enumerate() {
+            let (x, y) = (at % side, at / side);
+            *pixel = [60 * cell as u8, (x / 16 * 16) as u8, (y / 24 * 24) as u8];
+        }
+        pictures.set(cell as u8, &picture);
+    }
+    pictures
+}
+
 fn drawn(name: &'static str, draw: impl FnOnce(&mut Panel)) -> Screen {
     let mut panel = Panel::default();
     draw(&mut panel);
     (name, panel)
+}
+
+/// Cards with pictures: two that have some, and one whose picture is not there yet.
+fn pictured_cards<'a>(cards: &[PanelButton<'a>]) -> Vec<PanelButton<'a>> {
+    let cells = [0, PANEL_CELLS as u8 - 1, 2];
+    let mut cards: Vec<_> =
+        cards.iter().zip(cells).map(|(card, cell)| card.with_cell(cell)).collect();
+    cards[2].state = ButtonState::Hot;
+    cards
 }
 
 fn visit_screens(language: Language) -> Vec<Screen> {
@@ -59,6 +88,9 @@ fn visit_screens(language: Language) -> Vec<Screen> {
         }),
         drawn("starts", |panel| {
             layout::draw_choice(panel, language, Message::ChoiceTitle, &starts);
+        }),
+        drawn("starts-pictured", |panel| {
+            layout::draw_choice(panel, language, Message::ChoiceTitle, &pictured_cards(&starts));
         }),
         drawn("figures", |panel| {
             layout::draw_choice(panel, language, Message::ChoiceFigureTitle, &figures);

@@ -17,6 +17,7 @@ use crate::gpu::device::format::TargetFormat;
 use crate::gpu::device::owned::OwnedHandle;
 use crate::gpu::memory::image::GpuImage;
 use crate::gpu::memory::panel_atlas::create_panel_atlas;
+use crate::gpu::memory::panel_pictures::PanelPictureLayers;
 use crate::gpu::memory::staging::FRAME_UPLOAD_BYTES;
 use crate::gpu::memory::textures::SculptureTextures;
 use crate::gpu::passes::fragments::FragmentCounts;
@@ -29,6 +30,7 @@ use crate::gpu::passes::upload::record_uploads;
 use crate::gpu::pipelines::graphics::Pipelines;
 use crate::gpu::pipelines::paths::RenderPath;
 use crate::gpu::pipelines::scatter::TexelWriter;
+use crate::twin::image::Image;
 use crate::twin::{carrara, noise};
 use crate::upload::{Region, Texture, VolumeFormat};
 
@@ -63,6 +65,7 @@ pub struct Renderer {
     pub(crate) pipelines: Pipelines,
     pub(crate) textures: SculptureTextures,
     panel_atlas: GpuImage,
+    panel_pictures: PanelPictureLayers,
     /// None without compute writes.
     writer: Option<TexelWriter>,
     pub(crate) meshes: MeshBuffers,
@@ -108,6 +111,7 @@ impl Renderer {
     pub fn from_compiled(compiled: CompiledRenderer) -> Result<Self, Error> {
         let meshes = MeshBuffers::new(&compiled.gpu)?;
         let panel_atlas = create_panel_atlas(&compiled.gpu)?;
+        let panel_pictures = PanelPictureLayers::new(&compiled.gpu, RING)?;
         let mut renderer = Renderer {
             gpu: compiled.gpu,
             format: compiled.format,
@@ -119,6 +123,7 @@ impl Renderer {
             pipelines: compiled.pipelines,
             textures: compiled.textures,
             panel_atlas,
+            panel_pictures,
             writer: compiled.writer,
             meshes,
             ring: compiled.ring,
@@ -206,6 +211,7 @@ impl Renderer {
             pipelines: &self.pipelines,
             textures: &self.textures,
             panel_atlas: &self.panel_atlas,
+            panel_pictures: &self.panel_pictures.image,
             shadow: &self.shadow,
         };
         let views = TargetViews { colors, depths, density_maps };
@@ -233,6 +239,12 @@ impl Renderer {
         slot.staging.clear();
         self.overlay.begin_frame(self.slot_index);
         Ok(())
+    }
+
+    /// Puts a picture into a cell of the panels', once one of the next frames has uploaded it: each uploads one. False,
+    /// without effect, if there is no such cell or the picture isn't as large as one.
+    pub fn set_panel_picture(&mut self, cell: u8, picture: &Image) -> bool {
+        self.panel_pictures.set(cell, picture)
     }
 
     /// Stages a region's bytes for upload in the current frame. False, without effect, if there is no
@@ -346,6 +358,7 @@ impl Renderer {
         let writer = self.writer.as_mut();
         record_uploads(&mut self.textures, commands, &slot.staging, writer, self.slot_index);
         self.overlay.record_atlas_copies(commands);
+        self.panel_pictures.record_upload(&gpu.device, commands, self.slot_index);
         slot.timers.write_timestamp(commands, Timestamp::Uploaded);
         record(self, commands);
         self.ring[self.slot_index].timers.write_timestamp(commands, Timestamp::End);

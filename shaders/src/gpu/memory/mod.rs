@@ -5,5 +5,6 @@
 pub(crate) mod buffer;
 pub(crate) mod image;
 pub(crate) mod panel_atlas;
+pub(crate) mod panel_pictures;
 pub(crate) mod staging;
 pub(crate) mod textures;

@@ -10,8 +10,8 @@ use super::shadow_map::ShadowMap;
 use crate::constants::{
     BEAM_PIXELS, BINDING_BEAM_STARTS, BINDING_CELLS, BINDING_CLAMPED, BINDING_DENSITY,
     BINDING_DEPTH_COMPARE, BINDING_FRAME, BINDING_GRADIENT, BINDING_MAPS, BINDING_MARBLE,
-    BINDING_NEAREST, BINDING_NOISE, BINDING_PANEL_ATLAS, BINDING_REPEAT, BINDING_SUN_MAP,
-    BINDING_TILE_STARTS, TILE_PIXELS,
+    BINDING_NEAREST, BINDING_NOISE, BINDING_PANEL_ATLAS, BINDING_PANEL_PICTURES, BINDING_REPEAT,
+    BINDING_SUN_MAP, BINDING_TILE_STARTS, TILE_PIXELS,
 };
 use crate::gpu::device::context::Gpu;
 use crate::gpu::device::error::{Error, ErrorContext};
@@ -68,6 +68,7 @@ pub(crate) struct TargetResources<'a> {
     pub(crate) pipelines: &'a Pipelines,
     pub(crate) textures: &'a SculptureTextures,
     pub(crate) panel_atlas: &'a GpuImage,
+    pub(crate) panel_pictures: &'a GpuImage,
     pub(crate) shadow: &'a ShadowMap,
 }
 
@@ -229,6 +230,7 @@ impl RenderTarget {
             (BINDING_BEAM_STARTS, image(self.march_starts[1].image.view)),
             (BINDING_SUN_MAP, image(shadow.image.view)),
             (BINDING_PANEL_ATLAS, image(resources.panel_atlas.view)),
+            (BINDING_PANEL_PICTURES, image(resources.panel_pictures.view)),
         ];
         let samplers = [
             (BINDING_CLAMPED, sampler(textures.linear_clamp.raw)),
