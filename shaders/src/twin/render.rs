@@ -204,13 +204,15 @@ fn trace_ray<const N: usize, const K: usize>(
     let far = |radiance| RayColor { radiance, depth: f32::INFINITY };
     let stone =
         shade_ray(scene, ray, dither).map(|hit| RayColor { radiance: hit.color, depth: hit.depth });
+    let studio = || far(studio::shade_background(scene, ray, dither));
     let Some(room) = scene.room else {
-        return stone.unwrap_or_else(|| far(studio::shade_background(scene, ray, dither)));
+        return stone.unwrap_or_else(studio);
     };
     match (stone, room.cast_ray(ray)) {
         (Some(stone), Some(wall)) if stone.depth <= wall.depth => stone,
         (_, Some(wall)) => RayColor { radiance: room.shade(scene, &wall), depth: wall.depth },
         (Some(stone), None) => stone,
+        (None, None) if room.is_in_studio => studio(),
         (None, None) => far(Vec3::from_array(SKY)),
     }
 }

@@ -10,6 +10,7 @@ use super::harmonics;
 use super::march::{Ray, march_maps};
 use crate::constants::{CONTACT_FADE, CONTACT_HEIGHT, CONTACT_OPACITY};
 use crate::field::{DensityField, PAD};
+use crate::gpu::RenderStyle;
 use crate::scene::{DrawGroup, DrawList, MeshInstance, SculpturePlacement};
 
 /// Offset of a shadow ray's origin along the normal, in metres: `NORMAL_OFFSET` of the program.
@@ -47,6 +48,8 @@ pub struct LitRoom {
     pub stand: SculpturePlacement,
     /// The room's light.
     pub light: TwinLight,
+    /// Whether the studio of pictures without a room stands around it.
+    pub(super) is_in_studio: bool,
 }
 
 /// A corner of a triangle, in the room.
@@ -72,9 +75,28 @@ impl LitRoom {
     /// The room of a frame's scene, but for what is blended over it.
     #[must_use]
     pub fn new(scene: &DrawList, stand: SculpturePlacement, light: TwinLight) -> Self {
+        Self::of_groups(scene, &[DrawGroup::Handheld, DrawGroup::Surroundings], stand, light)
+    }
+
+    /// The hands and tools of a frame's scene alone, in the plain studio of [`render_image`](crate::render_image): as
+    /// cheap as that one.
+    #[must_use]
+    pub fn of_hands_in_studio(scene: &DrawList, stand: SculpturePlacement) -> Self {
+        let RenderStyle { sun_direction, sun_color, ambient, .. } = RenderStyle::default();
+        let light = TwinLight { sun_direction, sun_color, ambient };
+        let hands = Self::of_groups(scene, &[DrawGroup::Handheld], stand, light);
+        LitRoom { is_in_studio: true, ..hands }
+    }
+
+    fn of_groups(
+        scene: &DrawList,
+        groups: &[DrawGroup],
+        stand: SculpturePlacement,
+        light: TwinLight,
+    ) -> Self {
         let (mut triangles, mut casts_shadow) = (Vec::new(), Vec::new());
         for batch in scene.batches() {
-            if matches!(batch.group, DrawGroup::Handheld | DrawGroup::Surroundings) {
+            if groups.contains(&batch.group) {
                 let all = &scene.instances()[batch.first as usize..][..batch.count as usize];
                 for instance in all {
                     let corners: Vec<_> =
@@ -95,7 +117,7 @@ impl LitRoom {
             Bvh::new(all.map(triangle).collect())
         };
         let [bvh, casters] = [numbered(&|_| true), numbered(&|number| casts_shadow[number])];
-        LitRoom { bvh, casters, triangles, stand, light }
+        LitRoom { bvh, casters, triangles, stand, light, is_in_studio: false }
     }
 
     /// Where a ray of the studio, in sides of the cube around the sculpture's foot, meets the room.

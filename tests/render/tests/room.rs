@@ -4,7 +4,8 @@ use glam::Vec3;
 use paros_core::RangeMaps;
 use paros_models::twin::with_maps_of_ball;
 use paros_shaders::constants::SUN_DIRECTION;
-use paros_shaders::{Camera, LitRoom, Ray, RenderOptions, TwinScene, TwinSettings};
+use paros_shaders::scene::{resting_placement, resting_studio};
+use paros_shaders::{Camera, Image, LitRoom, Ray, RenderOptions, TwinScene, TwinSettings};
 use paros_shaders::{lit_studio, render_image, render_image_in_room};
 
 /// A ray from a side of the cube over the stool straight down.
@@ -65,4 +66,25 @@ fn the_same_sculpture_is_drawn_in_the_room() {
     assert!((0..48).all(|x| alone.pixel(x, 0) != in_room.pixel(x, 0)), "another background");
     let middle = in_room.pixel(24, 16);
     assert!(middle != alone.pixel(24, 16) && middle.iter().all(|part| *part > 90), "{middle:?}");
+}
+
+/// Hands and tools alone stand in the plain studio, which is as it was wherever none of them is seen.
+#[test]
+fn hands_are_drawn_in_the_plain_studio() {
+    let options = RenderOptions { width: 96, height: 72, samples: 1, ..RenderOptions::default() };
+    let differing = |camera: &Camera, hands: &LitRoom| {
+        with_maps_of_ball(|maps| {
+            let plain = render_image(maps, camera, &options, &|_| {});
+            let with_hands = render_image_in_room(maps, camera, &options, hands, &|_| {});
+            let pixels = |image: Image| image.pixels.as_chunks::<3>().0.to_vec();
+            let (plain, with_hands) = (pixels(plain), pixels(with_hands));
+            plain.iter().zip(&with_hands).filter(|(a, b)| a != b).count()
+        })
+    };
+    let hands = LitRoom::of_hands_in_studio(&resting_studio(), resting_placement());
+    // The tools lie on the bench, beside the stool.
+    let near = Camera::orbiting(0.4, 0.25);
+    assert!(differing(&near, &hands) < 96 * 72 / 100);
+    let wide = Camera { angle: 1.2, ..near };
+    assert!((20..96 * 72 / 5).contains(&differing(&wide, &hands)), "{}", differing(&wide, &hands));
 }
