@@ -16,6 +16,7 @@ use crate::lathe::LatheHand;
 use crate::options::{Controls, VisitOptions};
 use crate::pin_pad::PinPad;
 use crate::pointing::{POINTERS, Pointer, Pointing};
+use crate::previews::LivingPreviews;
 use crate::queue::VisitQueue;
 use crate::screen::{ButtonAction, Question, Screen, ScreenState, point_in_room};
 use crate::standing::PanelSpot;
@@ -37,6 +38,7 @@ pub struct VisitHost {
     random_bits: fn() -> u32,
     question: Question,
     lathe: LatheHand,
+    pub(crate) previews: LivingPreviews,
     pub(crate) pointing: Pointing,
     pub(crate) screen: Screen,
     pub(crate) headset: HeadsetWatch,
@@ -70,6 +72,7 @@ impl VisitHost {
             queue,
             question: Question::None,
             lathe: LatheHand::default(),
+            previews: LivingPreviews::default(),
             pointing: Pointing::default(),
             screen: Screen::new(),
             headset: HeadsetWatch::default(),
@@ -197,6 +200,7 @@ impl VisitHost {
             VisitPhase::Export => self.follow_export(visit, export),
             _ => {}
         }
+        self.previews.follow_tick(visit.phase(), &self.options.starts);
         self.draw(visit, export);
     }
 

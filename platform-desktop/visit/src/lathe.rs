@@ -41,30 +41,108 @@ const HEIGHTS: [f32; 2] = [BOX_SIDE, 0.03];
 /// Radii of the vase from its foot to its lip, in metres, at even heights.
 const PROFILE: [f32; 9] = [0.085, 0.11, 0.15, 0.172, 0.17, 0.14, 0.095, 0.075, 0.1];
 
+/// The same of a waist.
+const WAIST: [f32; 9] = [0.2, 0.17, 0.12, 0.085, 0.07, 0.085, 0.12, 0.17, 0.2];
+
+/// Ticks of a stroke down the stone, or up it. In the next turn of the stool strokes lie between those of the one before.
+const STROKE_TICKS: u32 = 11;
+
+/// Ticks of a pass of strokes: a turn of the stool.
+const STROKED_PASS_TICKS: u32 = TURN_TICKS as u32;
+
+/// How far beside the stone a hand waits that has done its work, in metres.
+const AWAY: f32 = 0.35;
+
 /// The side of the stone from which it works, in radians from the visitor to the right.
 const AZIMUTH: f32 = 0.9;
+
+/// What a hand does.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub(crate) enum LatheWork {
+    /// It turns a vase out of a stone, thread by thread as a lathe does: what fills minutes.
+    #[default]
+    Turning,
+    /// A vase, in strokes down and up the stone while it turns: what is seen to go on in seconds.
+    Vase,
+    /// A waist in what is there, by such strokes.
+    Waist,
+    /// It takes off all that it can, by such strokes, down to what hides in the stone.
+    Bare {
+        /// In so many passes from outside.
+        passes: u8,
+    },
+}
 
 /// The hand at its work.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct LatheHand {
     tick: u32,
+    work: LatheWork,
+}
+
+impl LatheWork {
+    /// Radii that it works down to, as [`PROFILE`] is.
+    const fn profile(self) -> [f32; 9] {
+        match self {
+            LatheWork::Turning | LatheWork::Vase => PROFILE,
+            LatheWork::Waist => WAIST,
+            LatheWork::Bare { .. } => [0.0; 9],
+        }
+    }
+
+    /// Passes, and metres between one and the next.
+    const fn passes(self) -> (u32, f32) {
+        match self {
+            LatheWork::Turning => (PASSES, PASS_DEPTH),
+            LatheWork::Vase => (PASSES, 0.05),
+            LatheWork::Waist => (4, 0.03),
+            LatheWork::Bare { passes } => (passes as u32, 0.045),
+        }
+    }
+
+    /// Ticks of a pass.
+    const fn pass_ticks(self) -> u32 {
+        match self {
+            LatheWork::Turning => ((HEIGHTS[0] - HEIGHTS[1]) / PITCH * TURN_TICKS) as u32,
+            LatheWork::Vase | LatheWork::Waist | LatheWork::Bare { .. } => STROKED_PASS_TICKS,
+        }
+    }
+
+    /// Ticks for which it is shown before another is begun.
+    const fn shown_ticks(self) -> u32 {
+        match self {
+            LatheWork::Turning => SHOWN_TICKS,
+            LatheWork::Vase | LatheWork::Waist | LatheWork::Bare { .. } => STROKED_PASS_TICKS / 2,
+        }
+    }
+
+    /// The part of the way down the stone at a tick of a pass, 0 to 1.
+    fn part_at(self, tick: u32) -> f32 {
+        match self {
+            LatheWork::Turning => tick as f32 / self.pass_ticks() as f32,
+            LatheWork::Vase | LatheWork::Waist | LatheWork::Bare { .. } => {
+                let at = tick % (2 * STROKE_TICKS);
+                at.min(2 * STROKE_TICKS - at) as f32 / STROKE_TICKS as f32
+            }
+        }
+    }
 }
 
 impl LatheHand {
-    /// Ticks of a pass.
-    fn pass_ticks() -> u32 {
-        ((HEIGHTS[0] - HEIGHTS[1]) / PITCH * TURN_TICKS) as u32
+    /// A hand before such work.
+    pub(crate) const fn new(work: LatheWork) -> Self {
+        LatheHand { tick: 0, work }
     }
 
-    /// Ticks after which the vase is done.
-    pub(crate) fn work_ticks() -> u32 {
-        PASSES * Self::pass_ticks()
+    /// Ticks after which the work is done.
+    pub(crate) const fn work_ticks(&self) -> u32 {
+        self.work.passes().0 * self.work.pass_ticks()
     }
 
-    /// Whether the vase is done, and has been shown.
+    /// Whether the work is done, and has been shown.
     #[must_use]
-    pub fn is_done(&self) -> bool {
-        self.tick >= Self::work_ticks() + SHOWN_TICKS
+    pub const fn is_done(&self) -> bool {
+        self.tick >= self.work_ticks() + self.work.shown_ticks()
     }
 
     /// Puts the work of the next tick into its input, in place of who may be there.
@@ -86,17 +164,22 @@ impl LatheHand {
             1 => take(BenchItem::Bit(ToolBit::RoughingBall)),
             _ => PointerCommand::Turn { by: TURN },
         };
-        let pass = tick / Self::pass_ticks();
-        if pass >= PASSES {
+        let ((passes, depth), pass_ticks) = (self.work.passes(), self.work.pass_ticks());
+        let pass = tick / pass_ticks;
+        if pass >= passes && self.work == LatheWork::Turning {
             return;
         }
         let Some((tool, _)) = world.held_tool(HAND) else { return };
-        let part = (tick % Self::pass_ticks()) as f32 / Self::pass_ticks() as f32;
+        // In the end it waits above, beside the stone.
+        let [part, clear] = match passes.checked_sub(1 + pass) {
+            Some(left) => [self.work.part_at(tick % pass_ticks), left as f32 * depth],
+            None => [0.0, AWAY],
+        };
         let height = HEIGHTS[0] + (HEIGHTS[1] - HEIGHTS[0]) * part;
-        let clear = (PASSES - 1 - pass) as f32 * PASS_DEPTH;
         let outward = Quat::from_rotation_y(AZIMUTH) * Vec3::Z;
         let axis = STOOL_TOP + Vec3::Y * height;
-        let tip = axis + outward * (profile_at(height / BOX_SIDE) + clear + BIT_RADIUS);
+        let tip = axis
+            + outward * (radius_at(&self.work.profile(), height / BOX_SIDE) + clear + BIT_RADIUS);
         // Held a little from above, as hands are.
         let rotation = Quat::from_rotation_y(AZIMUTH) * Quat::from_rotation_x(-0.35);
         let grip = tip + rotation * Vec3::Z * (tool.length_um() as f32 * 1e-6);
@@ -107,11 +190,11 @@ impl LatheHand {
     }
 }
 
-/// The vase's radius at a height, 0 to 1, in metres: smooth between the profile's points.
-fn profile_at(height: f32) -> f32 {
-    let along = height.clamp(0.0, 1.0) * (PROFILE.len() - 1) as f32;
-    let k = (along as usize).min(PROFILE.len() - 2);
+/// A profile's radius at a height, 0 to 1, in metres: smooth between its points.
+fn radius_at(profile: &[f32; 9], height: f32) -> f32 {
+    let along = height.clamp(0.0, 1.0) * (profile.len() - 1) as f32;
+    let k = (along as usize).min(profile.len() - 2);
     let part = along - k as f32;
     let ease = 0.5 - 0.5 * (part * 0.5 * TAU).cos();
-    PROFILE[k] + (PROFILE[k + 1] - PROFILE[k]) * ease
+    profile[k] + (profile[k + 1] - profile[k]) * ease
 }

@@ -14,6 +14,7 @@ mod lathe;
 mod options;
 mod pin_pad;
 mod pointing;
+mod previews;
 mod queue;
 mod screen;
 mod standing;

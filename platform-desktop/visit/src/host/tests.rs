@@ -1,6 +1,7 @@
 //! Visits from attract to the next visitor, through a world of the shipped size.
 
 mod headset;
+mod previews;
 
 use glam::{Vec2, Vec3};
 use paros_core::edit::Pose;
@@ -293,7 +294,7 @@ fn a_visit_that_nobody_holds_any_more_takes_no_sculpture_away() {
 fn while_nobody_is_there_a_vase_is_turned_and_then_another() {
     with_booth(|booth| {
         let stone = booth.world().volume().count_voxels();
-        booth.wait(LatheHand::work_ticks());
+        booth.wait(LatheHand::default().work_ticks());
         let vase = booth.world().volume().count_voxels();
         assert!(vase * 100 < stone * 45, "{vase} of {stone} are left");
         // Round: as wide along x as along z at its belly.

@@ -11,6 +11,7 @@ use super::{ButtonAction, MAX_PANELS, Question, Screen, ScreenState};
 use crate::cards::card_of_start;
 use crate::options::{Controls, VisitOptions};
 use crate::pointing::{POINTERS, ShownButton};
+use crate::previews::cell_of_card;
 use crate::standing::PanelSpot;
 
 impl Screen {
@@ -137,10 +138,14 @@ impl Screen {
 
     fn draw_choice(&mut self, state: &ScreenState, options: &VisitOptions) {
         let cards: Vec<_> = options.starts.iter().map(|start| card_of_start(*start)).collect();
-        let buttons: Vec<_> = layout::choice_buttons(0, &cards)
-            .into_iter()
-            .zip(&options.starts)
-            .map(|(button, start)| (button, ButtonAction::Choose(*start)))
+        let buttons = layout::choice_buttons(0, &cards).into_iter().zip(&options.starts);
+        let buttons: Vec<_> = buttons
+            .enumerate()
+            .map(|(place, (button, start))| {
+                let cell = cell_of_card(place, *start);
+                let card = cell.map_or(button, |cell| button.with_cell(cell));
+                (card, ButtonAction::Choose(*start))
+            })
             .collect();
         self.add(PanelSpot::Main, &buttons, |panel, buttons| {
             layout::draw_choice(panel, state.language, Message::ChoiceTitle, buttons);

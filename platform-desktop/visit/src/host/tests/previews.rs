@@ -1,0 +1,115 @@
+//! Living previews under a host: as long as there is something to choose, and no longer.
+
+use std::collections::BTreeSet;
+use std::thread;
+use std::time::{Duration, Instant};
+
+use paros_core::visit::{Presence, VisitPhase};
+
+use super::{Booth, ButtonAction, Press, options, with_booth};
+
+/// Longer than any picture takes beside other tests.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// To the choice, through the welcome.
+fn go_to_choice(booth: &mut Booth<'_, '_>) {
+    booth.presence = Presence::Worn;
+    booth.wait(2);
+    assert!(!booth.host.previews.is_running(), "at the welcome");
+    assert!(booth.press(ButtonAction::Press(Press::Confirm)));
+    assert_eq!(booth.phase(), VisitPhase::Choice);
+}
+
+/// Ticks at their own speed, until it is so.
+fn tick_until(booth: &mut Booth<'_, '_>, mut is_so: impl FnMut(&mut Booth<'_, '_>) -> bool) {
+    let begun = Instant::now();
+    while !is_so(booth) {
+        assert!(begun.elapsed() < PATIENCE, "in vain");
+        booth.wait(1);
+        thread::sleep(Duration::from_millis(2));
+    }
+}
+
+fn wait_for_pictures(booth: &mut Booth<'_, '_>) {
+    let mut cells = BTreeSet::new();
+    tick_until(booth, |booth| {
+        booth.host.hand_over_previews(|cell, _| {
+            cells.insert(cell);
+            true
+        });
+        cells.len() == options().starts.len()
+    });
+    assert_eq!(cells.into_iter().collect::<Vec<_>>(), [0, 1, 2]);
+}
+
+#[test]
+fn previews_live_while_there_is_something_to_choose() {
+    with_booth(|booth| {
+        go_to_choice(booth);
+        assert!(booth.host.previews.is_running());
+        wait_for_pictures(booth);
+        let before = booth.world().tick();
+        booth.wait(30);
+        assert_eq!(booth.world().tick(), before + 30, "no tick waits for them");
+        assert!(booth.press(ButtonAction::Choose(options().starts[1])));
+        assert_eq!(booth.phase(), VisitPhase::Guided);
+        booth.host.hand_over_previews(|cell, _| panic!("a picture for cell {cell}"));
+        tick_until(booth, |booth| !booth.host.previews.is_running());
+        booth.wait(20);
+        assert!(!booth.host.previews.is_running());
+    });
+}
+
+/// The frame's thread waits for no picture, neither in a tick nor where the choice ends: these ticks' pictures take
+/// many times as long.
+#[test]
+fn a_tick_waits_for_no_picture() {
+    with_booth(|booth| {
+        go_to_choice(booth);
+        wait_for_pictures(booth);
+        let (previews, starts) = (&mut booth.host.previews, options().starts);
+        let begun = Instant::now();
+        (0..4000).for_each(|_| previews.follow_tick(VisitPhase::Choice, &starts));
+        previews.follow_tick(VisitPhase::Guided, &starts);
+        assert!(previews.is_running(), "it is at its last ticks");
+        let taken = begun.elapsed();
+        assert!(taken < Duration::from_secs(2), "{taken:?}");
+    });
+}
+
+/// The thread ends with the host, in the middle of a choice.
+#[test]
+fn a_host_leaves_no_thread() {
+    with_booth(|booth| {
+        go_to_choice(booth);
+        wait_for_pictures(booth);
+        assert_eq!(count_threads_of_previews(), 1);
+        booth.host = super::VisitHost::new(options(), booth.world().visit());
+        assert_eq!(count_threads_of_previews(), 0);
+    });
+}
+
+/// Other tests have their hosts while they hold the world, as this one does.
+fn count_threads_of_previews() -> usize {
+    let tasks = std::fs::read_dir("/proc/self/task").expect("Linux tells of threads");
+    let name = |task: std::io::Result<std::fs::DirEntry>| {
+        // One that has just ended has none.
+        std::fs::read_to_string(task.ok()?.path().join("comm")).ok()
+    };
+    tasks.filter_map(name).filter(|name| name.trim() == "previews").count()
+}
+
+#[test]
+fn one_start_alone_needs_no_preview() {
+    with_booth(|booth| {
+        booth.host.options.starts.truncate(1);
+        booth.presence = Presence::Worn;
+        booth.wait(2);
+        assert!(booth.press(ButtonAction::Press(Press::Confirm)));
+        for _ in 0..20 {
+            assert!(!booth.host.previews.is_running());
+            booth.wait(1);
+        }
+        assert_eq!(booth.phase(), VisitPhase::Guided);
+    });
+}
