@@ -265,6 +265,9 @@ where
         self.lay_out_panels_and_act(size);
         self.place_visit_panels();
         let (Some(view), Some(window)) = (&mut self.view, &self.window) else { return Ok(()) };
+        if let Some(visits) = &mut self.visits {
+            visits.host.hand_over_previews(|cell, picture| view.set_panel_picture(cell, picture));
+        }
         let params = FrameParams {
             eye: self.hands.orbit.eye(size),
             between: self.pace.tick_fraction(),

@@ -5,6 +5,7 @@ use paros_core::World;
 use paros_core::limits::INTERVALS;
 use paros_core::session::TICK_RATE;
 use paros_core::volume::{Grid, Size};
+use paros_shaders::Image;
 use paros_shaders::gpu::{Error, Eye, FrameTimes, Options, RenderPath, Viewpoint, WorldRenderer};
 use paros_shaders::panel::Panel;
 use paros_shaders::scene::LatestInput;
@@ -84,6 +85,11 @@ where
     /// Notes that a save was loaded into the world.
     pub(super) fn note_load(&mut self, world: &World<N, INTERVALS>) {
         self.show.note_load(world);
+    }
+
+    /// Puts a picture into a cell of the panels'. Returns whether it fits.
+    pub(super) fn set_panel_picture(&mut self, cell: u8, picture: &Image) -> bool {
+        self.show.renderer.set_panel_picture(cell, picture)
     }
 
     /// Notes that the window has another size.

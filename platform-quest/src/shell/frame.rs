@@ -61,6 +61,10 @@ where
             let percent = self.resolution.percent();
             platform.log(format_args!("pictures of {percent} % a side, by the GPU's times"));
         }
+        if let Some(host) = &mut self.host {
+            let renderer = &mut resources.show.renderer;
+            host.hand_over_previews(|cell, picture| renderer.set_panel_picture(cell, picture));
+        }
         resources.eyes.choose_drawn_extent(&self.resolution);
         let framebuffer = resources.eyes.acquire_framebuffer()?;
         let has_focus = self.phase.has_focus();
