@@ -92,12 +92,31 @@ fn choose_the_owl(visit: &mut ScriptedWindow, display: &XvfbDisplay) {
     click(visit, PanelSpot::Main, WELCOME, welcome[0].rect);
     click(visit, PanelSpot::Main, WELCOME, welcome[6].rect);
     assert_eq!(visit.ask_state("visit"), "Choice TakeTool");
-    visit.screenshot(display, "5-choice");
+    see_living_previews(visit, display);
     let cards = layout::choice_buttons(0, &[(Message::ChoiceFree, Icon::Stone); 3]);
     click(visit, PanelSpot::Main, CHOICE, cards[1].rect);
     assert_eq!(visit.ask_state("visit"), "Guided TakeTool");
     assert!(visit.ask_state("mode").starts_with("Constrained"), "the owl's card");
     visit.screenshot(display, "6-guided");
+}
+
+/// Pictures come onto the cards, and change: the starts turn.
+fn see_living_previews(visit: &mut ScriptedWindow, display: &XvfbDisplay) {
+    let mut seen = visit.screenshot(display, "5-choice");
+    for name in ["5-choice-pictures", "5-choice-later"] {
+        let mut is_changed = || {
+            visit.do_step("wait 30");
+            let now = visit.screenshot(display, name);
+            let pixels = count_differing(&seen, &now, [0, WIDTH], [0, HEIGHT]);
+            // Their area alone is several times as large; a button under the cursor is not.
+            let is_changed = pixels > 4_000;
+            if is_changed {
+                seen = now;
+            }
+            is_changed
+        };
+        assert!((0..20).any(|_| is_changed()), "{name}: nothing lives on the cards");
+    }
 }
 
 /// From the tool in hand to the badge, of which the visitor has seen enough.
