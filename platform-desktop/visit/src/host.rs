@@ -292,11 +292,7 @@ impl VisitHost {
                     self.ask(Question::Staff);
                 }
             }
-            ButtonAction::Erase => {
-                if let Some(pad) = &mut self.pin_pad {
-                    pad.erase();
-                }
-            }
+            ButtonAction::Erase => self.pin_pad.iter_mut().for_each(PinPad::erase),
             ButtonAction::Undo => self.undoes = true,
             ButtonAction::Turn => self.turn_left = self.turn_left.saturating_add(BUTTON_TURN),
             ButtonAction::Cleaned => self.queue.open(&self.options.plan),

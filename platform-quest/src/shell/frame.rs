@@ -54,16 +54,13 @@ where
         period: Duration,
         platform: &mut dyn Platform,
     ) -> Result<(), Error> {
+        self.hand_over_previews(&mut resources.show.renderer);
         let world = self.studio.world();
         resources.show.wait_and_begin_frame(world)?;
         if self.resolution.observe_frame(resources.show.renderer.gpu_frame_times().total_ns, period)
         {
             let percent = self.resolution.percent();
             platform.log(format_args!("pictures of {percent} % a side, by the GPU's times"));
-        }
-        if let Some(host) = &mut self.host {
-            let renderer = &mut resources.show.renderer;
-            host.hand_over_previews(|cell, picture| renderer.set_panel_picture(cell, picture));
         }
         resources.eyes.choose_drawn_extent(&self.resolution);
         let framebuffer = resources.eyes.acquire_framebuffer()?;

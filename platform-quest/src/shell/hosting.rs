@@ -8,6 +8,7 @@ use paros_core::internals::RoomPose;
 use paros_core::limits::INTERVALS;
 use paros_core::visit::{Visit, VisitPhase};
 use paros_core::volume::{Grid, Size};
+use paros_shaders::gpu::Renderer;
 use paros_shaders::panel::Panel;
 use paros_shell::headset::hand_sample::HandSample;
 use paros_shell::headset::haptics::TickHaptics;
@@ -82,6 +83,13 @@ where
         host.follow_headset_tick(self.studio.world(), &ExportState::of_studio(&self.studio));
         if host.take_recentring() {
             self.placement.request(PlacementNeed::Anyhow);
+        }
+    }
+
+    /// Gives the pictures of a choice that are ready to a renderer.
+    pub(super) fn hand_over_previews(&mut self, renderer: &mut Renderer) {
+        if let Some(host) = &mut self.host {
+            host.hand_over_previews(|cell, picture| renderer.set_panel_picture(cell, picture));
         }
     }
 

@@ -51,11 +51,7 @@ fn pictured_cards<'a>(cards: &[PanelButton<'a>]) -> Vec<PanelButton<'a>> {
     cards
 }
 
-fn visit_screens(language: Language) -> Vec<Screen> {
-    let mut welcome = layout::welcome_buttons(0, 3);
-    welcome[language as usize].state = ButtonState::Chosen;
-    welcome[3].state = ButtonState::Chosen;
-    welcome[5].state = ButtonState::Hot;
+fn choice_screens(language: Language) -> Vec<Screen> {
     let starts = layout::choice_buttons(
         0,
         &[
@@ -76,6 +72,24 @@ fn visit_screens(language: Language) -> Vec<Screen> {
     );
     figures[1].state = ButtonState::Hot;
     figures[4].state = ButtonState::Off;
+    vec![
+        drawn("starts", |panel| {
+            layout::draw_choice(panel, language, Message::ChoiceTitle, &starts);
+        }),
+        drawn("starts-pictured", |panel| {
+            layout::draw_choice(panel, language, Message::ChoiceTitle, &pictured_cards(&starts));
+        }),
+        drawn("figures", |panel| {
+            layout::draw_choice(panel, language, Message::ChoiceFigureTitle, &figures);
+        }),
+    ]
+}
+
+fn visit_screens(language: Language) -> Vec<Screen> {
+    let mut welcome = layout::welcome_buttons(0, 3);
+    welcome[language as usize].state = ButtonState::Chosen;
+    welcome[3].state = ButtonState::Chosen;
+    welcome[5].state = ButtonState::Hot;
     let badge = BadgeNumber::new(3 << 18 | 777).expect("a number").badge();
     let mut all = vec![
         drawn("attract", |panel| layout::draw_attract(panel, Message::AttractBody)),
@@ -86,16 +100,8 @@ fn visit_screens(language: Language) -> Vec<Screen> {
             let of_use = [0, 1, 6].map(|k| buttons[k]);
             layout::draw_welcome(panel, language, 1, &of_use);
         }),
-        drawn("starts", |panel| {
-            layout::draw_choice(panel, language, Message::ChoiceTitle, &starts);
-        }),
-        drawn("starts-pictured", |panel| {
-            layout::draw_choice(panel, language, Message::ChoiceTitle, &pictured_cards(&starts));
-        }),
-        drawn("figures", |panel| {
-            layout::draw_choice(panel, language, Message::ChoiceFigureTitle, &figures);
-        }),
     ];
+    all.extend(choice_screens(language));
     all.extend(guide_screens(language));
     for (seconds, warning) in [
         (452, None),
