@@ -3,7 +3,7 @@
 //! The core's [`Visit`](paros_core::visit::Visit) decides what comes next; a [`VisitHost`] stands between it and a shell.
 //! It takes rays and presses, whether the headset is worn, and how far an export is; it gives the visit's part of a
 //! tick's input, and panels to be drawn. While nobody is there it moves the hands itself ([`LatheHand`]). It knows no
-//! OpenXR, no window, no file and no clock but the ticks.
+//! OpenXR, no window, no file and no clock but the ticks. While a start is chosen, a thread of its own draws previews.
 #![forbid(unsafe_code)]
 
 mod cards;

@@ -104,6 +104,16 @@ fn picture(monado: &MonadoService, shell: &mut ShellProcess, name: &str) -> std:
     left
 }
 
+/// The pictures on the cards of the choice change: the starts turn.
+fn see_living_previews(monado: &MonadoService, shell: &mut ShellProcess) {
+    let choice = picture(monado, shell, "choice");
+    let lives = (0..30).any(|_| {
+        shell.wait_frames(20);
+        compare_frames(&choice, &picture(monado, shell, "choice-later")).count > 2000
+    });
+    assert!(lives, "nothing lives on the cards");
+}
+
 #[test]
 fn a_visitor_goes_from_attract_to_the_badge_and_hands_over() {
     let Some(tree) = require_or_skip(MonadoTree::find()).unwrap() else { return };
@@ -137,7 +147,7 @@ fn a_visitor_goes_from_attract_to_the_badge_and_hands_over() {
     picture(&monado, &mut shell, "welcome-greek");
     press(&mut hands, &mut shell, "Press(Language(0))", "Welcome");
     press(&mut hands, &mut shell, "Press(Confirm)", "Choice");
-    picture(&monado, &mut shell, "choice");
+    see_living_previews(&monado, &mut shell);
     press(&mut hands, &mut shell, "Choose(FreeForm)", "Guided");
     picture(&monado, &mut shell, "guided");
     for step in 0..6 {
