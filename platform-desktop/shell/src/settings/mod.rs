@@ -61,6 +61,8 @@ pub struct Settings {
     pub samples: u32,
     /// Whether depth is submitted to the compositor too.
     pub submit_depth: bool,
+    /// How loud the studio is, in hundredths; 0 for no sound.
+    pub sound_percent: u32,
     /// Where the last session's trace goes.
     pub record: Option<PathBuf>,
     /// Whether visitors use the window one after the other.

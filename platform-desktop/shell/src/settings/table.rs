@@ -62,7 +62,7 @@ pub static SETTINGS: [Setting; STUDIO_ROWS.len() + VISIT_ROWS.len()] = {
     all
 };
 
-const STUDIO_ROWS: [Setting; 13] = [
+const STUDIO_ROWS: [Setting; 14] = [
     Setting {
         name: "size",
         kind: SettingKind::Numbers(&GRID_SIDES_U32),
@@ -168,6 +168,15 @@ const STUDIO_ROWS: [Setting; 13] = [
         store: |settings, value| settings.submit_depth = value == SettingValue::Switch(true),
     },
     Setting {
+        name: "sound_percent",
+        kind: SettingKind::Whole { least: 0, most: 100 },
+        default: SettingDefault::Whole(70),
+        scope: SettingScope::Both,
+        summary: "How loud tools, stone and the clock are, in hundredths; 0 is off.",
+        reason: "70 is half of full scale, so that others of the room can be made louder than it",
+        store: |settings, value| settings.sound_percent = value.number().unwrap_or(0),
+    },
+    Setting {
         name: "record",
         kind: SettingKind::Path,
         default: SettingDefault::Unset("no trace is written"),
@@ -239,6 +248,7 @@ pub(super) const fn unset_settings() -> Settings {
         least_resolution_percent: 0,
         samples: 0,
         submit_depth: false,
+        sound_percent: 0,
         record: None::<PathBuf>,
         kiosk: false,
         kiosk_handover_after: Duration::ZERO,

@@ -25,6 +25,7 @@ fn the_defaults_are_those_that_hold_without_a_file() {
         least_resolution_percent: 85,
         samples: 4,
         submit_depth: false,
+        sound_percent: 70,
         record: None,
         kiosk: false,
         kiosk_handover_after: Duration::from_secs(90),
@@ -39,7 +40,7 @@ fn the_defaults_are_those_that_hold_without_a_file() {
 #[test]
 fn every_setting_has_a_place_of_its_own() {
     let text = "size = 256\nmode = \"cat\"\nhandover_seconds = 120\nsteady_mm = 20\n\
-        one_handed = true\nrefresh_rate_hz = 90\nfoveation = \"medium\"\nleast_resolution_percent = 90\nsamples = 2\nsubmit_depth = true\nrecord = \"a\"\n\
+        one_handed = true\nrefresh_rate_hz = 90\nfoveation = \"medium\"\nleast_resolution_percent = 90\nsamples = 2\nsubmit_depth = true\nsound_percent = 0\nrecord = \"a\"\n\
         kiosk = true\nkiosk_seconds = 60\n";
     // Those of visits have a test of their own.
     let is_studios = |setting: &&Setting| setting.name != "visits";
@@ -55,6 +56,7 @@ fn every_setting_has_a_place_of_its_own() {
         least_resolution_percent: 90,
         samples: 2,
         submit_depth: true,
+        sound_percent: 0,
         record: Some("a".into()),
         kiosk: true,
         kiosk_handover_after: Duration::from_secs(60),

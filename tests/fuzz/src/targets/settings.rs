@@ -21,6 +21,7 @@ pub(super) const SETTINGS_FILE: FuzzTarget = FuzzTarget {
         b"record = 'a.trace'\n",
         b"refresh_rate_hz = 90\n",
         b"submit_depth = true\n",
+        b"sound_percent = 40\n",
         b"foveation = \"medium\"\n",
         b"steady_mm = 0x14\n",
         b"visits = true\n",
