@@ -38,6 +38,8 @@ pub struct ShellOptions {
     pub samples: u32,
     /// The render path of the sculpture.
     pub path: RenderPath,
+    /// How loud it is, in hundredths; 0 for no sound.
+    pub sound_percent: u32,
     /// Whether commands are read from standard input, for tests.
     pub test_commands: bool,
     /// Whether Vulkan's validation layer is enabled; each of its messages is an error.
@@ -61,6 +63,7 @@ impl ShellOptions {
             least_resolution_percent: settings.least_resolution_percent,
             samples: settings.samples,
             path: RenderPath::Fast,
+            sound_percent: settings.sound_percent,
             test_commands: false,
             validation: false,
         }

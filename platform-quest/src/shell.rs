@@ -32,10 +32,11 @@ use paros_shell::statics::{Resident, ResidentBitGrid};
 use paros_shell::stl_export::{DEFAULT_HEIGHT_MM, StlExporter};
 use paros_shell::studio::{Notice, Studio};
 use paros_shell::studio_paths::StudioPaths;
+use paros_sound::{SoundDevice, Speaker};
 use paros_visit::VisitHost;
 
 use crate::error::Error;
-use crate::log::open_log_file;
+use crate::log::{open_log_file, write_log_line};
 use crate::options::ShellOptions;
 use crate::platform::Platform;
 use crate::session_phase::SessionPhase;
@@ -85,6 +86,8 @@ where
     /// The room was moved after the last tick.
     has_room_moved: bool,
     haptics: FrameHaptics,
+    /// None where there is to be no sound.
+    speaker: Option<Speaker>,
     resolution: ResolutionPolicy,
     /// The thermal state that the runtime notified; the operating system may report a hotter one.
     runtime_thermal: ThermalState,
@@ -202,6 +205,12 @@ where
     Ok(shell.studio.session_stl_path().map(Path::to_path_buf))
 }
 
+/// Starts what plays ticks, by the headset's own device. A script is silent.
+fn start_speaker(options: &ShellOptions) -> Option<Speaker> {
+    let percent = if options.test_commands { 0 } else { options.sound_percent };
+    Speaker::spawn(SoundDevice::of_system(), percent, write_log_line)
+}
+
 fn pause_between_polls() {
     thread::sleep(IDLE_POLL_INTERVAL);
 }
@@ -237,6 +246,7 @@ where
             placement: RoomPlacement::default(),
             has_room_moved: false,
             haptics: FrameHaptics::default(),
+            speaker: start_speaker(options),
             resolution: ResolutionPolicy::new(options.least_resolution_percent),
             runtime_thermal: ThermalState::default(),
             health: DeviceHealth::default(),

@@ -108,6 +108,7 @@ fn open_window(args: &Args) -> Result<String, WindowError> {
         script: args.script.clone(),
         kiosk: (args.kiosk || settings.kiosk).then_some(settings.kiosk_handover_after),
         visits,
+        sound_percent: if args.script.is_none() { settings.sound_percent } else { 0 },
         settings_faults: faults,
         validation: args.validation,
     };

@@ -9,6 +9,7 @@ mod steps;
 mod touch;
 mod visits;
 
+use std::io::{self, Write as _};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -21,6 +22,7 @@ use paros_shaders::gpu::{self, RenderPath};
 use paros_shell::statics::Resident;
 use paros_shell::studio::{Notice, Studio};
 use paros_shell::tick_runner::TickClock;
+use paros_sound::{SoundDevice, Speaker};
 use winit::application::ApplicationHandler;
 use winit::dpi::LogicalSize;
 use winit::event::WindowEvent;
@@ -50,6 +52,14 @@ const UNSEEN: Duration = Duration::from_millis(14);
 /// Time without a redraw request after which the window counts as hidden.
 const HIDDEN: Duration = Duration::from_millis(150);
 
+/// Starts what plays ticks, by the system's own device.
+fn start_speaker(options: &WindowOptions) -> Option<Speaker> {
+    Speaker::spawn(SoundDevice::of_system(), options.sound_percent, |line| {
+        // Standard error may be closed.
+        let _ = writeln!(io::stderr(), "paros: {line}");
+    })
+}
+
 /// The application: a window, its renderer, the studio and the user interface.
 pub(super) struct App<'a, const N: usize>
 where
@@ -64,6 +74,8 @@ where
     panels: Panels,
     egui_buffers: EguiBuffers,
     script: Option<Script>,
+    /// None where there is to be no sound.
+    speaker: Option<Speaker>,
     path: RenderPath,
     modifiers: ModifiersState,
     fingers: Fingers,
@@ -139,6 +151,7 @@ where
             hands: MouseHands::new(),
             panels,
             egui_buffers: EguiBuffers::new(),
+            speaker: start_speaker(options),
             script,
             path: RenderPath::Fast,
             modifiers: ModifiersState::empty(),
@@ -250,6 +263,9 @@ where
         let world = self.studio.world();
         if let Some(view) = &mut self.view {
             view.note_tick(world);
+        }
+        if let Some(speaker) = &mut self.speaker {
+            speaker.play_tick(world, &input);
         }
         if world.events().iter().any(|event| matches!(event, Happened::Started(_))) {
             self.panels.close_covering_panels();

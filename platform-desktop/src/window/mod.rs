@@ -60,6 +60,8 @@ pub struct WindowOptions {
     pub kiosk: Option<Duration>,
     /// Where sessions are visits of an exhibition: what it sets of them.
     pub visits: Option<VisitOptions>,
+    /// How loud it is, in hundredths; 0 for no sound.
+    pub sound_percent: u32,
     /// What is wrong with the settings, a line for each fault.
     pub settings_faults: Vec<String>,
     /// Whether Vulkan's validation layer is enabled; its messages are errors.

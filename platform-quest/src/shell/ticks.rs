@@ -61,6 +61,9 @@ where
             self.follow_visit_tick();
             let world = self.studio.world();
             resources.show.note_tick(world);
+            if let Some(speaker) = &mut self.speaker {
+                speaker.play_tick(world, &input);
+            }
             self.haptics.add_tick(self.felt_of_last_tick());
         }
         for (hand, change) in self.haptics.take_changes().into_iter().enumerate() {
