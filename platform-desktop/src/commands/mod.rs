@@ -10,6 +10,7 @@ mod play;
 mod progress;
 mod render;
 mod settings;
+mod sound;
 mod volume;
 mod window;
 
@@ -39,6 +40,7 @@ enum CliCommand {
     Play(play::Args),
     Export(export::Args),
     Render(render::Args),
+    Sound(sound::Args),
     #[command(subcommand)]
     Settings(settings::Action),
     Window(window::Args),
@@ -62,6 +64,7 @@ impl Cli {
             Some(CliCommand::Play(args)) => play::run(args),
             Some(CliCommand::Export(args)) => export::run(args),
             Some(CliCommand::Render(args)) => render::run(args),
+            Some(CliCommand::Sound(args)) => sound::run(args),
             Some(CliCommand::Settings(action)) => settings::run(action),
             Some(CliCommand::Window(args)) => window::run(args),
         }

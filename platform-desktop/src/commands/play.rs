@@ -68,12 +68,7 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
     if let Some(stl) = &args.stl {
         volume::refuse_other_extension(stl, "stl")?;
     }
-    if volume::has_volume_header(&args.trace) {
-        let what = args.trace.display();
-        let why = format!("{what}: is a volume, not a trace; `paros render` draws it");
-        return Err(Error::Input(why));
-    }
-    let trace = Trace::read(&args.trace).map_err(Error::input)?;
+    let trace = read_trace(&args.trace)?;
     let header = trace.header();
     args.layers.check_intervals_of(&args.trace, header.intervals.into())?;
     let unplayable = || {
@@ -87,6 +82,16 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
     ))
 }
 
+/// Reads a trace; a volume in its place is told from it.
+pub(super) fn read_trace(path: &Path) -> Result<Trace, Error> {
+    if volume::has_volume_header(path) {
+        let what = path.display();
+        let why = format!("{what}: is a volume, not a trace; `paros render` draws it");
+        return Err(Error::Input(why));
+    }
+    Trace::read(path).map_err(Error::input)
+}
+
 fn play_trace<const N: usize, const K: usize>(args: &Args, trace: &Trace) -> Result<String, Error>
 where
     Grid<N>: Size + Resident<N, K>,
@@ -94,7 +99,7 @@ where
     let outputs = OutputTargets::check_writable(args)?;
     let mut starts = Grid::<N>::lock_start_volumes();
     let filled = match &args.volume {
-        Some(path) => read_visitor_volume(args, path, starts.offer_visitor_volume())?,
+        Some(path) => read_visitor_volume(&args.layers, path, starts.offer_visitor_volume())?,
         None => String::new(),
     };
     let making = progress::show_progress("quarrying", None);
@@ -133,8 +138,8 @@ where
 
 /// Reads the volume that sessions start from as the visitor's own, with as many intervals a column as the trace
 /// has; returns a line that tells what was filled for that.
-fn read_visitor_volume<const N: usize, const K: usize>(
-    args: &Args,
+pub(super) fn read_visitor_volume<const N: usize, const K: usize>(
+    layers: &volume::LayersOption,
     path: &Path,
     maps: &mut RangeMaps<N, K>,
 ) -> Result<String, Error>
@@ -146,7 +151,7 @@ where
         let path = path.display();
         return Err(Error::Input(format!("{path}: has size {side}, the trace {N}")));
     }
-    args.layers.read_nonempty_volume(path, maps)
+    layers.read_nonempty_volume(path, maps)
 }
 
 /// The files that are written at the end.

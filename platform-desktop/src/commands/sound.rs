@@ -1,0 +1,116 @@
+//! `paros sound`: what a recorded session sounds like, as a file.
+
+use std::io::{self, Cursor, Write as _};
+use std::path::PathBuf;
+
+use hound::{SampleFormat, WavSpec, WavWriter};
+use paros_core::volume::{Grid, Size};
+use paros_headless::Error;
+use paros_shell::durable::WriteTarget;
+use paros_shell::statics::{Resident, ResidentBitGrid};
+use paros_shell::tick_runner::{ReplayedTick, TickRunner};
+use paros_shell::trace::{ReplayDivergence, Trace};
+use paros_shell::{with_intervals, with_size};
+use paros_sound::{Mixer, SAMPLE_RATE, SoundPlanner, frames_in_tick};
+
+use super::{play, progress, volume};
+
+/// Render what a trace's session sounds like, as who recorded it heard it.
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    /// The trace.
+    trace: PathBuf,
+    /// The WAV file: 48 kHz, two channels of 16 bits.
+    #[arg(short, value_name = "F.wav")]
+    output: PathBuf,
+    /// The volume that the trace's sessions start from as the visitor's own.
+    #[arg(long, value_name = "V.rmap")]
+    volume: Option<PathBuf>,
+    #[command(flatten)]
+    layers: volume::LayersOption,
+    /// How loud it is, in hundredths.
+    #[arg(long, value_name = "PERCENT", default_value_t = 70,
+        value_parser = clap::value_parser!(u32).range(1..=100))]
+    loudness: u32,
+}
+
+/// Two channels of 16 bits, whole seconds of which fill the 4 GiB that a WAV file can have.
+const FRAME_BYTES: u64 = 4;
+
+pub(super) fn run(args: &Args) -> Result<String, Error> {
+    volume::refuse_other_extension(&args.output, "wav")?;
+    for input in [Some(&args.trace), args.volume.as_ref()].into_iter().flatten() {
+        volume::check_output_is_not_input(input, &args.output)?;
+    }
+    let target = WriteTarget::resolve_and_check_writable(&args.output)?;
+    let trace = play::read_trace(&args.trace)?;
+    let header = trace.header();
+    args.layers.check_intervals_of(&args.trace, header.intervals.into())?;
+    let second = u64::from(SAMPLE_RATE) * FRAME_BYTES;
+    if trace.records().len() as u64 / 72 * second > u64::from(u32::MAX - 4096) {
+        let path = args.trace.display();
+        return Err(Error::Input(format!("{path}: is longer than the six hours of a WAV file")));
+    }
+    let unplayable = || {
+        let why = ReplayDivergence::no_world_of_intervals(&header);
+        Err(Error::Input(format!("{}: {why}", args.trace.display())))
+    };
+    let wav = with_size!(header.side, N => with_intervals!(
+        usize::from(header.intervals),
+        K => render_trace::<N, K>(args, &trace),
+        else unplayable(),
+    ))?;
+    target.write_file(&wav)?;
+    let seconds = trace.records().len() as f64 / 72.0;
+    Ok(format!("{}: {seconds:.1} s\n", args.output.display()))
+}
+
+/// The bytes of the WAV file.
+fn render_trace<const N: usize, const K: usize>(
+    args: &Args,
+    trace: &Trace,
+) -> Result<Vec<u8>, Error>
+where
+    Grid<N>: Size + Resident<N, K>,
+{
+    let mut starts = Grid::<N>::lock_start_volumes();
+    if let Some(path) = &args.volume {
+        let filled = play::read_visitor_volume(&args.layers, path, starts.offer_visitor_volume())?;
+        // Standard error may be closed.
+        let _ = write!(io::stderr(), "{filled}");
+    }
+    starts.generate_once(&mut Grid::<N>::lock_bit_grid(), |_| {});
+    let (hidden, mut world) = (starts.hidden_figures(), Grid::<N>::lock_world());
+    let mut runner = TickRunner::new(&mut world, starts.start_volumes(&hidden));
+    let bar = progress::show_progress("listening", Some(trace.records().len() as u64));
+    let (mut planner, mut mixer) = (SoundPlanner::default(), Mixer::new(args.loudness));
+    let mut inputs = trace.records().map(|record| record.input);
+    let mut samples: Vec<i16> = Vec::new();
+    let mut frames = [[0.0; 2]; SAMPLE_RATE as usize / 72 + 1];
+    let replayed = runner.replay_on_same_start(trace, |ReplayedTick { index, world }| {
+        let input = inputs.next().unwrap_or_default();
+        mixer.follow(&planner.plan_tick(world, &input));
+        let frames = &mut frames[..frames_in_tick(index as u64)];
+        mixer.render(frames);
+        samples.extend(frames.as_flattened().iter().map(|sample| (sample * 32767.0) as i16));
+        if index % 64 == 0 {
+            bar.set_steps_done(index as u64);
+        }
+    });
+    replayed.map_err(|why| Error::Input(format!("{}: {why}", args.trace.display())))?;
+    write_wav(&samples).map_err(Error::failure)
+}
+
+fn write_wav(samples: &[i16]) -> hound::Result<Vec<u8>> {
+    let spec = WavSpec {
+        channels: 2,
+        sample_rate: SAMPLE_RATE,
+        bits_per_sample: 16,
+        sample_format: SampleFormat::Int,
+    };
+    let mut bytes = Cursor::new(Vec::with_capacity(2 * samples.len() + 44));
+    let mut writer = WavWriter::new(&mut bytes, spec)?;
+    samples.iter().try_for_each(|sample| writer.write_sample(*sample))?;
+    writer.finalize()?;
+    Ok(bytes.into_inner())
+}
