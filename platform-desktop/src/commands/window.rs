@@ -92,7 +92,10 @@ fn open_window(args: &Args) -> Result<String, WindowError> {
         WriteTarget::resolve_and_check_writable(record)
             .map_err(|error| WindowError::Failed(error.into()))?;
     }
-    let LoadedSettings { settings, faults, .. } = load_settings(args)?;
+    let loaded = load_settings(args)?;
+    // A script is silent unless its own settings say otherwise.
+    let is_heard = args.script.is_none() || loaded.is_set("sound_percent");
+    let LoadedSettings { settings, faults, .. } = loaded;
     let size = args.size.or(settings.size);
     // What is done by a script shall not depend on the machine.
     let is_chosen = size.is_none() && args.script.is_none();
@@ -108,7 +111,7 @@ fn open_window(args: &Args) -> Result<String, WindowError> {
         script: args.script.clone(),
         kiosk: (args.kiosk || settings.kiosk).then_some(settings.kiosk_handover_after),
         visits,
-        sound_percent: if args.script.is_none() { settings.sound_percent } else { 0 },
+        sound_percent: if is_heard { settings.sound_percent } else { 0 },
         settings_faults: faults,
         validation: args.validation,
     };

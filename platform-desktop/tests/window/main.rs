@@ -12,6 +12,7 @@ mod losses;
 mod newcomer;
 mod pictures;
 mod rig;
+mod sound;
 mod starts;
 mod visit;
 mod wayland;

@@ -129,6 +129,13 @@ impl LoadedSettings {
         LoadedSettings { settings, origins, told, faults, contradictions }
     }
 
+    /// Whether a layer sets a setting of this name, so that its default doesn't hold.
+    #[must_use]
+    pub fn is_set(&self, name: &str) -> bool {
+        let mut all = SETTINGS.iter().zip(&self.origins);
+        all.any(|(setting, origin)| setting.name == name && origin.source.is_some())
+    }
+
     /// All lines for the log.
     pub fn log_lines(&self) -> impl Iterator<Item = &str> {
         self.told.iter().chain(&self.faults).map(String::as_str)

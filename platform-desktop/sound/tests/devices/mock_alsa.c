@@ -1,5 +1,7 @@
 /* A library with the functions of libasound that are called, and a device that takes frames as fast as a real one.
    What it is asked for is checked against ALSA's headers; `wrong` counts what isn't as they say. */
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -44,12 +46,28 @@ long snd_pcm_writei(void *pcm, const float *frames, unsigned long count) {
   if (calls == 20) return -19;
 #endif
 #ifdef TAKES_LITTLE
+  /* The rest is offered again. */
+  static const float *rest;
+  static unsigned long left;
+  wrong += left != 0 && (frames != rest || count != left);
+  unsigned long offered = count;
   if (count > 100) count = 100;
+  left = offered - count;
+  rest = frames + 2 * count;
 #endif
   for (unsigned long i = 0; i < 2 * count; i++) {
     float sample = frames[i] < 0 ? -frames[i] : frames[i];
     if (sample > loudest) loudest = sample;
   }
+#ifdef TELLS
+  /* To who can't look into this process: a file for the first sound that goes on. A tool that is taken clicks. */
+  static int loud, told;
+  for (unsigned long i = 0; i < 2 * count; i++) loud += frames[i] > 0.01f || frames[i] < -0.01f;
+  if (loud > 8000 && !told++) {
+    FILE *file = fopen(getenv("PAROS_MOCK_HEARD"), "w");
+    if (file) fprintf(file, "%d wrong\n", wrong), fclose(file);
+  }
+#endif
   written += count;
   usleep(count * 1000 / 48);
   return count;
