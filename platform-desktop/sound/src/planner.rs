@@ -45,6 +45,10 @@ impl SoundPlanner {
     {
         self.head = input.head.to_clamped_metres().unwrap_or(self.head);
         let mut plan = SoundPlan::default();
+        if world.visit().phase() == VisitPhase::Attract {
+            // A stone is carved all day for those who look: nobody has to hear it.
+            return plan;
+        }
         for hand in 0..2 {
             let place = bit_place(world, hand);
             let last = core::mem::replace(&mut self.bits[hand], place);

@@ -3,6 +3,7 @@
 use glam::{Quat, Vec3};
 use paros_core::glam;
 use paros_core::session::{BenchItem, RawPose, SessionMode, Tool, ToolBit, commands};
+use paros_core::visit::{VisitCommand, VisitInput, VisitPhase};
 use paros_core::{HandInput, TickInput};
 use paros_models::scripted_hand::{RIGHT, input_with_bit_at, start_from_stone, take_item};
 use paros_models::test_with_one_and_two_intervals;
@@ -52,6 +53,7 @@ test_with_one_and_two_intervals!(
     a_hammer_strikes_as_its_table_says,
     a_bit_is_heard_where_it_is,
     undo_and_end_are_heard_and_no_tool_after_it,
+    the_stone_of_those_who_look_is_not_heard,
     motor_stone_and_silence_are_heard_within_two_ticks
 );
 
@@ -177,6 +179,19 @@ fn undo_and_end_are_heard_and_no_tool_after_it<const K: usize>(harness: &mut Wor
     assert_eq!(world.step(&input).voices[RIGHT].kind, VoiceKind::Silent);
     let started = world.step(&TickInput { start: SessionMode::FreeForm, ..TickInput::default() });
     assert_eq!(started, SoundPlan::default());
+}
+
+fn the_stone_of_those_who_look_is_not_heard<const K: usize>(harness: &mut WorldHarness<64, K>) {
+    let mut world = PlannedWorld::with_tool(harness, &[]);
+    let visit = VisitInput { command: VisitCommand::Open, ..VisitInput::default() };
+    world.step(&TickInput { visit, ..TickInput::default() });
+    take_item(world.harness, RIGHT, BenchItem::Tool(Tool::Rotary));
+    for _ in 0..10 {
+        assert_eq!(world.step_at(ABOVE, 255), SoundPlan::default());
+        let world = &world.harness.world;
+        assert_eq!(world.visit().phase(), VisitPhase::Attract);
+        assert!(world.held_tool(RIGHT).is_some() && world.hand_state(RIGHT).is_running());
+    }
 }
 
 fn motor_stone_and_silence_are_heard_within_two_ticks<const K: usize>(
