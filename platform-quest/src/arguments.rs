@@ -104,8 +104,11 @@ impl HeadsetArgs {
     #[must_use]
     pub fn to_options(&self, loaded: &LoadedSettings) -> ShellOptions {
         let settings = ShellOptions::from_settings(&loaded.settings);
+        // A script is silent unless its settings say otherwise.
+        let is_heard = !self.script || loaded.is_set("sound_percent");
         ShellOptions {
             folder: self.folder.clone(),
+            sound_percent: if is_heard { settings.sound_percent } else { 0 },
             test_commands: self.script,
             visits: self.visits.to_options().or(settings.visits),
             validation: self.validation,
@@ -194,6 +197,12 @@ mod tests {
         let other = parse(&format!("--settings {at}/other.toml --record here"));
         let other = other.expect("a file");
         assert_eq!((other.mode, other.record), (SessionMode::Creative, Some("here".into())));
+        // A script is silent unless its settings say otherwise.
+        let silent = parse(&format!("--settings {at}/other.toml --script")).expect("a file");
+        assert_eq!((other.sound_percent, silent.sound_percent), (70, 0));
+        fs::write(folder.join("loud.toml"), "sound_percent = 40").expect("room on the disk");
+        let loud = parse(&format!("--settings {at}/loud.toml --script")).expect("a file");
+        assert_eq!(loud.sound_percent, 40);
         let why = parse(&format!("--settings {at}/none.toml")).expect_err("no file");
         assert_eq!(why, format!("{at}/none.toml: there is no such file"));
         fs::remove_dir_all(&folder).expect("it is ours");

@@ -205,12 +205,6 @@ where
     Ok(shell.studio.session_stl_path().map(Path::to_path_buf))
 }
 
-/// Starts what plays ticks, by the headset's own device. A script is silent.
-fn start_speaker(options: &ShellOptions) -> Option<Speaker> {
-    let percent = if options.test_commands { 0 } else { options.sound_percent };
-    Speaker::spawn(SoundDevice::of_system(), percent, write_log_line)
-}
-
 fn pause_between_polls() {
     thread::sleep(IDLE_POLL_INTERVAL);
 }
@@ -246,7 +240,11 @@ where
             placement: RoomPlacement::default(),
             has_room_moved: false,
             haptics: FrameHaptics::default(),
-            speaker: start_speaker(options),
+            speaker: Speaker::spawn(
+                SoundDevice::of_system(),
+                options.sound_percent,
+                write_log_line,
+            ),
             resolution: ResolutionPolicy::new(options.least_resolution_percent),
             runtime_thermal: ThermalState::default(),
             health: DeviceHealth::default(),
