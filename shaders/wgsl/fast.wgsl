@@ -59,6 +59,8 @@ fn fragment(
 ) -> FragmentOutput {
     // Where the beam of this pixel stopped; negative if it misses the surface.
     let start = textureLoad(beams, vec2<u32>(position.xy * (1.0 / f32(BEAM_PIXELS))), view, 0).x;
+    // Where pictures are foveated a fragment is several pixels wide, and its edges are as soft.
+    let width = frame.pixel_width * dpdx(position.x);
     if start < 0.0 {
         discard;
     }
@@ -75,7 +77,7 @@ fn fragment(
     return FragmentOutput(vec4<f32>(vec3<f32>(lit_stone), 1.0), floor_depth);
 #else
     let end = ray_end(o, direction);
-    let hit = march_density(o, direction, start, end, voxel);
+    let hit = march_density(o, direction, start, end, voxel, width);
     var t = hit.t - f32(hit.back) * voxel;
     var coverage = real(1.0);
     let missed = hit.density < real(0.5) || hit.t >= end;
@@ -87,7 +89,7 @@ fn fragment(
         // reaches the surface. Find the ray's densest point in small steps: on from a hit, to half a
         // pixel behind the surface, or back from a near miss.
         var at = select(hit.t, min(hit.near_miss, end), missed);
-        let margin = half_pixel_rise(at);
+        let margin = half_pixel_rise(at, width);
         let step = select(0.8, -0.8, missed) * voxel;
         var densest = select(hit.density, real(0.0), missed);
         for (var left = real(12.0); left > real(0.0); left -= real(1.0)) {
@@ -124,7 +126,14 @@ struct DensityHit {
 
 // Ray marching with steps by density near the surface, and empty-space skipping by the cells'
 // Chebyshev distances elsewhere.
-fn march_density(o: vec3<f32>, d: vec3<f32>, start: f32, end: f32, voxel: f32) -> DensityHit {
+fn march_density(
+    o: vec3<f32>,
+    d: vec3<f32>,
+    start: f32,
+    end: f32,
+    voxel: f32,
+    pixel_width: f32,
+) -> DensityHit {
     var t = start;
     var full = real(0.0);
     var reach = real(FAST_STEP_FAR.x);
@@ -144,7 +153,7 @@ fn march_density(o: vec3<f32>, d: vec3<f32>, start: f32, end: f32, voxel: f32) -
         // The same test as in the loop. A different number keeps the compiler from holding the
         // loop's result in a register.
         if full > real(0.4998) { break; }
-        if COVERAGE && peak > real(0.5) - half_pixel_rise(t) {
+        if COVERAGE && peak > real(0.5) - half_pixel_rise(t, pixel_width) {
             near_miss = t;
         }
         // Empty-space skipping.
@@ -175,9 +184,9 @@ fn interval_spent(reach: real) -> real {
 #endif
 }
 
-// How much the density rises towards the surface in half a pixel, at a depth: about 0.3 a voxel.
-fn half_pixel_rise(t: f32) -> real {
-    return real(min(0.15 * frame.pixel_width * t, MOST_RISE));
+// How much the density rises towards the surface in half a pixel of this width, at a depth: about 0.3 a voxel.
+fn half_pixel_rise(t: f32, pixel_width: f32) -> real {
+    return real(min(0.15 * pixel_width * t, MOST_RISE));
 }
 
 // Distance to a plane, up to a factor, from its blurred density less a half.
