@@ -43,6 +43,12 @@ impl LivingPreviews {
         }
     }
 
+    /// Whether previews are under way.
+    #[cfg(test)]
+    pub(crate) const fn is_open(&self) -> bool {
+        self.worker.is_some()
+    }
+
     /// Whether a thread runs, or is about to end.
     #[cfg(test)]
     pub(crate) const fn is_running(&self) -> bool {

@@ -53,6 +53,7 @@ fn previews_live_while_there_is_something_to_choose() {
         assert_eq!(booth.world().tick(), before + 30, "no tick waits for them");
         assert!(booth.press(ButtonAction::Choose(options().starts[1])));
         assert_eq!(booth.phase(), VisitPhase::Guided);
+        assert!(!booth.host.previews.is_open(), "they end with the choice");
         booth.host.hand_over_previews(|cell, _| panic!("a picture for cell {cell}"));
         tick_until(booth, |booth| !booth.host.previews.is_running());
         booth.wait(20);
@@ -69,7 +70,7 @@ fn a_tick_waits_for_no_picture() {
         wait_for_pictures(booth);
         let (previews, starts) = (&mut booth.host.previews, options().starts);
         let begun = Instant::now();
-        (0..4000).for_each(|_| previews.follow_tick(VisitPhase::Choice, &starts));
+        (0..1000).for_each(|_| previews.follow_tick(VisitPhase::Choice, &starts));
         previews.follow_tick(VisitPhase::Guided, &starts);
         assert!(previews.is_running(), "it is at its last ticks");
         let taken = begun.elapsed();
