@@ -57,6 +57,9 @@ pub(crate) fn build_library(symbols: &Symbols, api_level: u32) -> Result<PathBuf
         .args(["rustc", "--release", "--package", "paros-quest", "--lib", "--crate-type", "cdylib"])
         .args(["--target", TARGET, "--target-dir"])
         .arg(&target)
+        // Generic code of several crates is made once, for a package that stays within its size.
+        .env("CARGO_PROFILE_RELEASE_LTO", "fat")
+        .env("CARGO_PROFILE_RELEASE_CODEGEN_UNITS", "1")
         .env("CARGO_ENCODED_RUSTFLAGS", linker.compiler_flags().join("\u{1f}".as_ref()))
         .status()
         .map_err(|e| PackageError::Failure(format!("{}: {e}", cargo.display())))?;
