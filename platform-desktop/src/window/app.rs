@@ -113,11 +113,12 @@ where
         start_pictures: &Image,
         options: &WindowOptions,
     ) -> Self {
-        if let Some(choice) = options.size_choice.filter(|_| options.kiosk.is_none()) {
+        let is_for_visitors = options.kiosk.is_some() || options.visits.is_some();
+        if let Some(choice) = options.size_choice.filter(|_| !is_for_visitors) {
             studio.push_notice(Notice::Good(choice.to_string()));
         }
-        if options.kiosk.is_none() {
-            // A kiosk's visitor can do nothing about them.
+        if !is_for_visitors {
+            // Visitors can do nothing about them.
             let faults = options.settings_faults.iter().cloned();
             faults.for_each(|fault| studio.push_notice(Notice::Bad(fault)));
         }
@@ -284,12 +285,14 @@ where
         if let Some(visits) = &mut self.visits {
             visits.host.hand_over_previews(|cell, picture| view.set_panel_picture(cell, picture));
         }
+        // The help tells of keys where the visit's panels stand.
+        let visits = self.visits.as_ref().filter(|_| !self.panels.is_help_shown());
         let params = FrameParams {
             eye: self.hands.orbit.eye(size),
             between: self.pace.tick_fraction(),
             path: self.path,
             next_bite: self.hands.next_bite(),
-            panels: self.visits.as_ref().map_or(&[], WindowVisits::panels),
+            panels: visits.map_or(&[], WindowVisits::panels),
         };
         self.seen = view.try_draw_frame(
             window,

@@ -315,6 +315,8 @@ where
         let Some(cursor) = self.cursor else { return };
         match self.pointed_item(world) {
             Some(item) => self.take_item_with_its_tool(item, world),
+            // An empty hand strokes nothing, and what it takes later is not to do so after it.
+            None if world.held_tool(RIGHT).is_none() => {}
             None => {
                 self.lifts_trigger = self.is_released;
                 (self.running, self.is_released) = (true, false);

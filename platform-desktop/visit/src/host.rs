@@ -245,6 +245,12 @@ impl VisitHost {
         }
     }
 
+    /// Whether something is asked, of the visitor or the staff.
+    #[must_use]
+    pub fn is_asking(&self) -> bool {
+        self.question != Question::None
+    }
+
     /// Asks nothing more.
     pub fn drop_question(&mut self) {
         self.ask(Question::None);
@@ -338,7 +344,8 @@ impl VisitHost {
         state.question = self.question;
         state.warning = self.told.map(|(message, _)| message);
         if state.phase == VisitPhase::Export {
-            state.percent = (export.part.clamp(0.0, 1.0) * 100.0) as u32;
+            // The last hundredth is writing it.
+            state.percent = (export.part.clamp(0.0, 1.0) * 99.0) as u32;
         }
         state.pending = export.pending;
         state.pin = pin.unwrap_or(state.pin);

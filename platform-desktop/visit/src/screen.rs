@@ -76,6 +76,8 @@ pub(crate) struct ScreenState {
     /// Of an export, 0 to 100.
     pub(crate) percent: u32,
     pub(crate) badge: Option<u32>,
+    /// The clock has run out.
+    pub(crate) is_time_up: bool,
     /// The badge has been shown long enough.
     pub(crate) may_leave_badge: bool,
     /// Sculptures that are not yet where they are kept.
@@ -118,6 +120,7 @@ impl ScreenState {
             warning: None,
             percent: 0,
             badge: visit.badge().filter(|number| BadgeNumber::new(*number).is_some()),
+            is_time_up: visit.seconds_left() == Some(0),
             may_leave_badge: visit.phase_ticks() + TICK_RATE / 4 >= least,
             pending: 0,
             pin: PinEntry::Entered(0),

@@ -5,6 +5,7 @@ use std::mem;
 use std::path::{Path, PathBuf};
 
 use paros_core::World;
+use paros_core::badge::BadgeNumber;
 use paros_core::limits::INTERVALS;
 use paros_core::volume::{Grid, Size};
 
@@ -107,6 +108,10 @@ where
         let stl = self.stl_exporter.begin_if_finished_or_advance(world);
         if let Some(files) = &mut self.files {
             files.keep_stl(stl);
+            // Until the next visitor's.
+            if let Some(badge) = world.visit().badge().and_then(BadgeNumber::new) {
+                files.note_badge(badge);
+            }
         }
     }
 

@@ -4,6 +4,7 @@
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::thread;
 
+use paros_core::badge::{BadgeLanguage, BadgeNumber, write_words};
 use paros_core::limits::INTERVALS;
 use paros_core::volume::{Grid, Size};
 use paros_core::{RangeMaps, World};
@@ -21,6 +22,8 @@ pub(super) struct SculptureFiles {
     stl: Option<FinishedStl>,
     picture: PictureState,
     rmap: Vec<u8>,
+    /// Of a visit: the badge by which the sculpture is found.
+    badge: Option<BadgeNumber>,
 }
 
 #[derive(Debug)]
@@ -47,12 +50,17 @@ impl SculptureFiles {
             let _ = tell.send(draw_picture(&copy));
         });
         let picture = PictureState::Drawing(drawing);
-        SculptureFiles { stl: None, picture, rmap: rmap::encode(maps) }
+        SculptureFiles { stl: None, picture, rmap: rmap::encode(maps), badge: None }
     }
 
     /// Keeps the STL file, if it is finished.
     pub(super) fn keep_stl(&mut self, stl: Option<FinishedStl>) {
         self.stl = self.stl.take().or(stl);
+    }
+
+    /// Notes the badge that the visitor is shown.
+    pub(super) fn note_badge(&mut self, badge: BadgeNumber) {
+        self.badge = Some(badge);
     }
 
     /// Waits for the picture and makes what is left of the STL file.
@@ -91,10 +99,25 @@ impl SculptureFiles {
             return Some(Err("nothing is left to print".into()));
         }
         let mut files = vec![("stl", stl.bytes), ("rmap", core::mem::take(&mut self.rmap))];
+        if let Some(badge) = self.badge {
+            files.push(("txt", describe_badge(badge).into_bytes()));
+        }
         // A sculpture without its picture is better than none.
         if let Ok(png) = drawn {
             files.push(("png", core::mem::take(png)));
         }
         Some(Ok(files))
     }
+}
+
+/// A badge's words in a line for each language, and its number, for who looks for a sculpture among files.
+fn describe_badge(number: BadgeNumber) -> String {
+    let badge = number.badge();
+    let mut text = String::new();
+    for language in [BadgeLanguage::English, BadgeLanguage::Greek] {
+        // A string takes any text.
+        let _ = write_words(&mut text, &badge, language);
+        text.push('\n');
+    }
+    text + &format!("badge {}\n", number.get())
 }

@@ -108,6 +108,8 @@ where
         }
         match command {
             // A release always counts, even over a panel.
+            // Who is asked something changes no tool behind the question.
+            KeyCommand::Hands(_) if down && self.is_visit_asking() => {}
             KeyCommand::Hands(key) if !down || uncovered && is_key_of_use(key, session) => {
                 self.send_to_hands(InputEvent::Key(key, down));
             }

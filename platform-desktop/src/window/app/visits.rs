@@ -79,6 +79,11 @@ where
         self.visits.as_ref().map(|_| self.studio.world().visit().phase())
     }
 
+    /// Whether a panel of the visit's asks something.
+    pub(super) fn is_visit_asking(&self) -> bool {
+        self.visits.as_ref().is_some_and(|visits| visits.host.is_asking())
+    }
+
     /// Whether the cursor is over a panel of the visit's.
     pub(super) fn is_cursor_on_visit_panel(&self) -> bool {
         let ray = self.hands.cursor_ray();
@@ -105,6 +110,8 @@ where
         };
         let is_pressed = visits.is_pressed || core::mem::take(&mut visits.was_pressed);
         let mut pointers = [None; POINTERS];
+        // Nothing is pressed that the help hides.
+        let ray = ray.filter(|_| !self.panels.is_help_shown());
         pointers[CURSOR] = ray.map(|ray| Pointer {
             origin: ray.origin,
             direction: ray.direction,

@@ -204,6 +204,11 @@ impl Panels {
         }
     }
 
+    /// Whether the help is shown.
+    pub(super) const fn is_help_shown(&self) -> bool {
+        self.help
+    }
+
     /// Closes the help. Whether it was open.
     pub(super) fn close_help(&mut self) -> bool {
         core::mem::take(&mut self.help)
@@ -258,7 +263,7 @@ impl Panels {
                 }
             },
             None if self.start && status.visit.is_none() => self.show_start(context, status),
-            None if status.visit.is_some_and(|phase| !is_at_work(phase)) => {}
+            None if status.is_asking || status.visit.is_some_and(|phase| !is_at_work(phase)) => {}
             None => self.show_over_sculpture(context, status),
         }
         if !status.unfinished {

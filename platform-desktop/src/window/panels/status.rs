@@ -61,6 +61,8 @@ pub(in crate::window) struct StudioStatus<'a> {
     pub(in crate::window) opening: Option<&'a Path>,
     /// Where the visit stands, if sessions are visits.
     pub(in crate::window) visit: Option<VisitPhase>,
+    /// Whether a visit's panel asks something, over the tools.
+    pub(in crate::window) is_asking: bool,
     /// Whether the window is one of a kiosk.
     pub(in crate::window) kiosk: bool,
     /// Seconds until a kiosk hands over, once they are to be told.

@@ -22,6 +22,7 @@ pub(in crate::window) fn sculpting_status() -> StudioStatus<'static> {
         size: BitSize::NATURAL,
         is_steadied: true,
         visit: None,
+        is_asking: false,
         kiosk: false,
         seconds_to_handover: None,
         depth_mm: 5.0,

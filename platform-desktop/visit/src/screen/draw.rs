@@ -62,8 +62,11 @@ impl Screen {
             VisitPhase::Choice => self.draw_choice(state, options),
             VisitPhase::Guided => self.draw_guide(state),
             VisitPhase::HandsOff => {
-                let (title, body) = (Message::HandsOffTitle, Message::HandsOffBody);
-                self.draw_notice(state, PanelSpot::Main, (Icon::HandsOff, title, body), None);
+                let what = match state.is_time_up {
+                    true => (Icon::HandsOff, Message::HandsOffTitle, Message::HandsOffBody),
+                    false => (Icon::Tick, Message::HandsOffReadyTitle, Message::HandsOffReadyBody),
+                };
+                self.draw_notice(state, PanelSpot::Main, what, None);
             }
             VisitPhase::Export => {
                 let (title, body) = (Message::ExportingTitle, Message::ExportingBody);
