@@ -2,15 +2,19 @@
 
 use std::fs;
 use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use std::time::Duration;
 
 use glam::Vec3;
-use paros_core::TickInput;
 use paros_core::edit::Pose;
+use paros_core::limits::INTERVALS;
 use paros_core::session::{BenchItem, PointerCommand, Tool};
 use paros_core::visit::{
     PanelAction, PlanSetting, Presence, StaffCommand, VisitCommand, VisitInput, VisitPhase,
 };
 use paros_core::volume::Grid;
+use paros_core::{RangeMaps, TickInput};
 
 use super::Studio;
 use crate::statics::{Resident, ResidentBitGrid};
@@ -60,9 +64,18 @@ fn run_program(folder: &Path, test: impl FnOnce(&mut Studio<'_, 128>)) {
     volumes.generate_once(&mut Grid::<128>::lock_bit_grid(), |_| {});
     world.clear();
     let paths = StudioPaths::inside_folder(folder);
-    let mut studio =
-        Studio::new(&mut world, &mut volumes, stl_exporter, paths, |_| Err("no picture".into()));
+    let mut studio = Studio::new(&mut world, &mut volumes, stl_exporter, paths, draw_no_picture);
     test(&mut studio);
+}
+
+/// Whether pictures are done: one test at a time has the world, and one of them has them take long.
+static MAY_DRAW: AtomicBool = AtomicBool::new(true);
+
+fn draw_no_picture(_: &RangeMaps<128, INTERVALS>) -> Result<Vec<u8>, String> {
+    while !MAY_DRAW.load(Ordering::Relaxed) {
+        thread::sleep(Duration::from_millis(5));
+    }
+    Err("no picture".into())
 }
 
 /// The staff begins again while the print is made, and the next visitor is welcome at once.
@@ -71,16 +84,22 @@ fn a_sculpture_is_saved_until_its_files_are_made_whoever_comes_next() {
     let folder = std::env::temp_dir().join(format!("paros-next-{}", std::process::id()));
     let _ = fs::remove_dir_all(&folder);
     run_program(&folder, |studio| {
+        MAY_DRAW.store(false, Ordering::Relaxed);
         sculpt_in_a_visit(studio);
-        // The files are taken by a shell between frames: there is none.
         for presence in [Presence::Off, Presence::Worn] {
             let command = VisitCommand::Staff(StaffCommand::Reset);
             let visit = VisitInput { presence, is_used: false, command };
             studio.run_tick(&TickInput { visit, ..TickInput::default() });
         }
         assert_eq!(studio.world().visit().phase(), VisitPhase::Welcome);
-        (0..1000).for_each(|_| studio.run_tick(&told(VisitCommand::None)));
-        assert!(studio.is_exporting());
+        for _ in 0..4 {
+            (0..300).for_each(|_| studio.run_tick(&told(VisitCommand::None)));
+            while studio.file_writer().is_busy() {
+                studio.poll_background_work();
+            }
+        }
+        assert!(studio.is_exporting(), "its picture is still being drawn");
+        MAY_DRAW.store(true, Ordering::Relaxed);
     });
     run_program(&folder, |studio| {
         assert!(studio.is_exporting(), "it is lost: {:?}", studio.world().visit().phase());
