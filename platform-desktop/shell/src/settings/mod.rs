@@ -49,8 +49,6 @@ pub struct Settings {
     pub handover_after: Duration,
     /// The string on which hands draw their bits, in millimetres; 0 for hands that aren't steadied.
     pub steady_mm: u8,
-    /// Whether one controller does everything.
-    pub is_one_handed: bool,
     /// The display refresh rate that a headset is asked for, in hertz.
     pub refresh_rate_hz: u32,
     /// The least foveation level; see [`Foveation::choose`](crate::headset::foveation::Foveation::choose).

@@ -62,7 +62,7 @@ pub static SETTINGS: [Setting; STUDIO_ROWS.len() + VISIT_ROWS.len()] = {
     all
 };
 
-const STUDIO_ROWS: [Setting; 14] = [
+const STUDIO_ROWS: [Setting; 13] = [
     Setting {
         name: "size",
         kind: SettingKind::Numbers(&GRID_SIDES_U32),
@@ -106,15 +106,6 @@ const STUDIO_ROWS: [Setting; 14] = [
         summary: "Steadies the hands: a running bit is drawn behind its hand on a string of so many millimetres.",
         reason: "0 steadies nothing, as a bit that lags surprises; a string beyond 40 mm rounds off corners as large as a head",
         store: |settings, value| settings.steady_mm = value.number().unwrap_or(0) as u8,
-    },
-    Setting {
-        name: "one_handed",
-        kind: SettingKind::Switch,
-        default: SettingDefault::Switch(false),
-        scope: SettingScope::Both,
-        summary: "One controller does everything; the other isn't needed.",
-        reason: "two hands are faster; one must do for who has no other free",
-        store: |settings, value| settings.is_one_handed = value == SettingValue::Switch(true),
     },
     Setting {
         name: "refresh_rate_hz",
@@ -242,7 +233,6 @@ pub(super) const fn unset_settings() -> Settings {
         mode: paros_core::session::SessionMode::FreeForm,
         handover_after: Duration::ZERO,
         steady_mm: 0,
-        is_one_handed: false,
         refresh_rate_hz: 0,
         foveation: None,
         least_resolution_percent: 0,
