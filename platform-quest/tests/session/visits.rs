@@ -109,7 +109,7 @@ fn see_living_previews(monado: &MonadoService, shell: &mut ShellProcess) {
     let choice = picture(monado, shell, "choice");
     let lives = (0..30).any(|_| {
         shell.wait_frames(20);
-        compare_frames(&choice, &picture(monado, shell, "choice-later")).count > 2000
+        compare_frames(&choice, &picture(monado, shell, "choice-later")).count > 150
     });
     assert!(lives, "nothing lives on the cards");
 }
