@@ -131,6 +131,23 @@ impl GpuImage {
             .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
             .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
     }
+
+    /// Records a transition of the whole image, after its uses in the first layout.
+    pub(crate) fn record_transition(
+        &self,
+        commands: vk::CommandBuffer,
+        from: vk::ImageLayout,
+        to: vk::ImageLayout,
+    ) {
+        let (from_stage, to_stage) = (stage_and_access(from).0, stage_and_access(to).0);
+        let barrier = [self.layout_barrier(from, to)];
+        let none = vk::DependencyFlags::empty();
+        let device = &self.gpu.device;
+        // SAFETY: the image is in the layout `from` at this point.
+        unsafe {
+            device.cmd_pipeline_barrier(commands, from_stage, to_stage, none, &[], &[], &barrier);
+        }
+    }
 }
 
 impl Drop for GpuImage {

@@ -6,7 +6,6 @@ use ash::vk;
 
 use super::buffer::Buffer;
 use super::image::{GpuImage, ImageSpec};
-use super::panel_pictures::record_transition;
 use crate::gpu::device::context::Gpu;
 use crate::gpu::device::error::Error;
 use crate::gpu::device::submit::submit_and_wait;
@@ -44,10 +43,10 @@ pub(super) fn create_filled_image(
         vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL,
     );
     submit_and_wait(gpu, |device, commands| {
-        record_transition(device, commands, &image, [new, write]);
+        image.record_transition(commands, new, write);
         // SAFETY: the image is in this layout, and as large as the buffer; both live until the wait is over.
         unsafe { device.cmd_copy_buffer_to_image(commands, staged.raw, image.raw, write, &[copy]) };
-        record_transition(device, commands, &image, [write, read]);
+        image.record_transition(commands, write, read);
     })?;
     Ok(image)
 }

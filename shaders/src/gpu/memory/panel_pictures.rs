@@ -5,7 +5,7 @@ use std::sync::Arc;
 use ash::vk;
 
 use super::buffer::Buffer;
-use super::image::{GpuImage, ImageSpec, stage_and_access};
+use super::image::{GpuImage, ImageSpec};
 use super::panel_atlas::create_filled_image;
 use crate::Image;
 use crate::gpu::device::context::Gpu;
@@ -86,26 +86,11 @@ impl PanelPictureLayers {
         };
         let (read, write) =
             (vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL, vk::ImageLayout::TRANSFER_DST_OPTIMAL);
-        record_transition(device, commands, &self.image, [read, write]);
+        self.image.record_transition(commands, read, write);
         // SAFETY: the image is in this layout, and its layer is as large as the buffer; both outlive the frame.
         unsafe {
             device.cmd_copy_buffer_to_image(commands, staged.raw, self.image.raw, write, &[copy]);
         }
-        record_transition(device, commands, &self.image, [write, read]);
-    }
-}
-
-/// Records a change of an image's layout.
-pub(super) fn record_transition(
-    device: &ash::Device,
-    commands: vk::CommandBuffer,
-    image: &GpuImage,
-    [from, to]: [vk::ImageLayout; 2],
-) {
-    let [before, after] = [from, to].map(|layout| stage_and_access(layout).0);
-    let (barrier, none) = ([image.layout_barrier(from, to)], vk::DependencyFlags::empty());
-    // SAFETY: the image is in the layout `from` at this point.
-    unsafe {
-        device.cmd_pipeline_barrier(commands, before, after, none, &[], &[], &barrier);
+        self.image.record_transition(commands, write, read);
     }
 }

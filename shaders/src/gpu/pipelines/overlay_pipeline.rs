@@ -12,7 +12,7 @@ use crate::constants::{BINDING_ATLAS, BINDING_ATLAS_SAMPLER};
 use crate::gpu::device::context::Gpu;
 use crate::gpu::device::error::{Error, ErrorContext};
 use crate::gpu::device::format::TargetFormat;
-use crate::gpu::memory::image::{GpuImage, stage_and_access};
+use crate::gpu::memory::image::GpuImage;
 
 /// The buffers of a frame's panels.
 pub(crate) struct PanelBuffers {
@@ -178,7 +178,7 @@ impl OverlayPipeline {
     ) {
         let (read, write) =
             (vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL, vk::ImageLayout::TRANSFER_DST_OPTIMAL);
-        self.record_transition(commands, atlas, read, write);
+        atlas.record_transition(commands, read, write);
         for AtlasPatch { rect, buffer_offset } in patches {
             let vk::Rect2D { offset, extent: vk::Extent2D { width, height } } = rect;
             let copy = vk::BufferImageCopy {
@@ -198,37 +198,20 @@ impl OverlayPipeline {
                 device.cmd_copy_buffer_to_image(commands, texel_buffer, atlas.raw, write, &[copy]);
             };
         }
-        self.record_transition(commands, atlas, write, read);
+        atlas.record_transition(commands, write, read);
     }
 
     /// Records a clear of the unused atlas.
     pub(crate) fn record_clear(&self, commands: vk::CommandBuffer, atlas: &GpuImage) {
         let write = vk::ImageLayout::TRANSFER_DST_OPTIMAL;
-        self.record_transition(commands, atlas, vk::ImageLayout::UNDEFINED, write);
+        atlas.record_transition(commands, vk::ImageLayout::UNDEFINED, write);
         let (image, zero) = (atlas.raw, vk::ClearColorValue::default());
         // SAFETY: the atlas is in this layout, and the range is all of it.
         unsafe {
             let range = [atlas.full_range()];
             self.gpu.device.cmd_clear_color_image(commands, image, write, &zero, &range);
         }
-        self.record_transition(commands, atlas, write, vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL);
-    }
-
-    fn record_transition(
-        &self,
-        commands: vk::CommandBuffer,
-        atlas: &GpuImage,
-        from: vk::ImageLayout,
-        to: vk::ImageLayout,
-    ) {
-        let (from_stage, to_stage) = (stage_and_access(from).0, stage_and_access(to).0);
-        let barrier = [atlas.layout_barrier(from, to)];
-        let none = vk::DependencyFlags::empty();
-        let device = &self.gpu.device;
-        // SAFETY: the atlas is in the layout `from` at this point.
-        unsafe {
-            device.cmd_pipeline_barrier(commands, from_stage, to_stage, none, &[], &[], &barrier);
-        }
+        atlas.record_transition(commands, write, vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL);
     }
 }
 
