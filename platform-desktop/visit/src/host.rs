@@ -9,6 +9,7 @@ use paros_core::visit::{
 use paros_core::volume::{Grid, Size};
 use paros_core::{TickInput, World, WorldEvent};
 use paros_shaders::panel::{Message, Panel, PanelPose};
+use paros_shell::settings::plan_changes;
 
 use crate::export_state::ExportState;
 use crate::headset::HeadsetWatch;
@@ -63,7 +64,7 @@ impl VisitHost {
         if visit.phase() == VisitPhase::Closed {
             queue.open(&options.plan);
         } else {
-            options.changes_of_plan(visit.plan()).for_each(|command| queue.push(command));
+            plan_changes(visit.plan(), &options.plan).for_each(|command| queue.push(command));
         }
         VisitHost {
             pin_pad: options.staff_pin.map(PinPad::new),
@@ -188,7 +189,7 @@ impl VisitHost {
         match visit.phase() {
             VisitPhase::Attract if self.lathe.is_done() => {
                 self.lathe = LatheHand::default();
-                self.queue.open(&self.options.plan);
+                self.begin_anew();
             }
             VisitPhase::Choice if self.options.starts.len() < 2 => {
                 // There is nothing to choose.
@@ -301,7 +302,7 @@ impl VisitHost {
             ButtonAction::Erase => self.pin_pad.iter_mut().for_each(PinPad::erase),
             ButtonAction::Undo => self.undoes = true,
             ButtonAction::Turn => self.turn_left = self.turn_left.saturating_add(BUTTON_TURN),
-            ButtonAction::Cleaned => self.queue.open(&self.options.plan),
+            ButtonAction::Cleaned => self.begin_anew(),
         }
     }
 

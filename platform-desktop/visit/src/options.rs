@@ -2,7 +2,7 @@
 
 use paros_core::badge::BadgeLanguage;
 use paros_core::session::SessionMode;
-use paros_core::visit::{PlanSetting, VisitCommand, VisitPlan};
+use paros_core::visit::VisitPlan;
 use paros_shaders::panel::Language;
 use paros_shell::headset::hand_reader::HandSource;
 use paros_shell::modes::parse_mode;
@@ -23,8 +23,8 @@ pub enum Controls {
 /// What an exhibition sets of its visits.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct VisitOptions {
-    /// The plan, as far as it isn't the core's own: sent a tick each once visits are open.
-    pub plan: Vec<VisitCommand>,
+    /// Times, whether there are badges, and how a session starts where nothing is chosen.
+    pub plan: VisitPlan,
     /// Languages on offer, that of who chose none first; at least one.
     pub languages: Vec<Language>,
     /// Ways to start on offer; with one there is nothing to choose.
@@ -41,7 +41,7 @@ impl Default for VisitOptions {
         let owl = parse_mode("owl").ok();
         let starts = [Some(SessionMode::FreeForm), owl, Some(SessionMode::Creative)];
         VisitOptions {
-            plan: Vec::new(),
+            plan: VisitPlan::new(),
             languages: Language::ALL.to_vec(),
             starts: starts.into_iter().flatten().collect(),
             staff_pin: None,
@@ -74,32 +74,12 @@ impl VisitOptions {
             BadgeLanguage::Greek => Language::Greek,
         };
         VisitOptions {
-            plan: settings.plan_commands(),
+            plan: settings.plan,
             languages: settings.languages.iter().map(language).collect(),
             starts: settings.starts.iter().map(|start| start.mode).collect(),
             staff_pin: settings.staff_pin,
             ..VisitOptions::default()
         }
-    }
-
-    /// The commands by which the plan of a visit that was found becomes this one: an earlier run's may differ in what is
-    /// the core's own here.
-    pub(crate) fn changes_of_plan(&self, found: &VisitPlan) -> impl Iterator<Item = VisitCommand> {
-        let mut plan = VisitPlan::new();
-        for command in &self.plan {
-            match *command {
-                VisitCommand::Set { setting, value } => plan.set_value(setting, value),
-                VisitCommand::SetStart(start) => plan.set_start(start),
-                _ => {}
-            }
-        }
-        let found = *found;
-        let changed = PlanSetting::ALL.into_iter().filter_map(move |setting| {
-            let value = plan.value(setting);
-            (value != found.value(setting)).then_some(VisitCommand::Set { setting, value })
-        });
-        let start = (plan.start() != found.start()).then_some(plan.start());
-        changed.chain(start.map(VisitCommand::SetStart))
     }
 
     /// The language of a number of the visit's.
@@ -111,25 +91,9 @@ impl VisitOptions {
 
 #[cfg(test)]
 mod tests {
-    use paros_core::visit::{PlanSetting, VisitCommand, VisitPlan};
     use paros_shell::headset::hand_reader::HandSource;
 
-    use super::{Controls, VisitOptions};
-
-    #[test]
-    fn what_an_earlier_run_set_becomes_the_default_again() {
-        let set = |setting, value| VisitCommand::Set { setting, value };
-        let plan = vec![set(PlanSetting::Export, 30), set(PlanSetting::Thanks, 9)];
-        let options = VisitOptions { plan, ..VisitOptions::default() };
-        let mut found = VisitPlan::new();
-        found.set_value(PlanSetting::Length, 90);
-        found.set_value(PlanSetting::Thanks, 9);
-        let length = PlanSetting::Length.default_value();
-        assert_eq!(
-            options.changes_of_plan(&found).collect::<Vec<_>>(),
-            [set(PlanSetting::Length, length), set(PlanSetting::Export, 30)]
-        );
-    }
+    use super::Controls;
 
     #[test]
     fn texts_tell_of_what_the_hands_are_read_from() {

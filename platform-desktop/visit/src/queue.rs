@@ -2,7 +2,8 @@
 
 use std::collections::VecDeque;
 
-use paros_core::visit::VisitCommand;
+use paros_core::visit::{VisitCommand, VisitPlan};
+use paros_shell::settings::plan_changes;
 
 /// The most that wait: a plan, and what a visitor can press in as many ticks.
 const LIMIT: usize = 64;
@@ -22,10 +23,10 @@ impl VisitQueue {
     }
 
     /// Has visits begin, by a plan. What waited for those before is dropped.
-    pub(crate) fn open(&mut self, plan: &[VisitCommand]) {
+    pub(crate) fn open(&mut self, plan: &VisitPlan) {
         self.waiting.clear();
         self.push(VisitCommand::Open);
-        plan.iter().for_each(|command| self.push(*command));
+        plan_changes(&VisitPlan::new(), plan).for_each(|command| self.push(command));
     }
 
     /// Whether such a command waits.
@@ -41,7 +42,7 @@ impl VisitQueue {
 
 #[cfg(test)]
 mod tests {
-    use paros_core::visit::{PanelAction, PlanSetting, StaffCommand, VisitCommand};
+    use paros_core::visit::{PanelAction, PlanSetting, StaffCommand, VisitCommand, VisitPlan};
 
     use super::{LIMIT, VisitQueue};
 
@@ -49,15 +50,14 @@ mod tests {
     fn commands_come_one_by_one_in_their_order() {
         let mut queue = VisitQueue::default();
         queue.push(VisitCommand::Press(PanelAction::Confirm));
-        let plan = [VisitCommand::Set { setting: PlanSetting::Length, value: 7 }];
+        let set = VisitCommand::Set { setting: PlanSetting::Length, value: 7 };
+        let mut plan = VisitPlan::new();
+        plan.set_value(PlanSetting::Length, 7);
         queue.open(&plan);
         queue.push(VisitCommand::Exported);
         assert!(queue.contains(&VisitCommand::Exported));
         let taken = [0; 4].map(|_| queue.take());
-        assert_eq!(
-            taken,
-            [VisitCommand::Open, plan[0], VisitCommand::Exported, VisitCommand::None]
-        );
+        assert_eq!(taken, [VisitCommand::Open, set, VisitCommand::Exported, VisitCommand::None]);
     }
 
     #[test]

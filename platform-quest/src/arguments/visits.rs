@@ -1,7 +1,7 @@
 //! The flags by which tests hold visits.
 
 use clap::Args;
-use paros_core::visit::{PlanSetting, VisitCommand};
+use paros_core::visit::{PlanSetting, VisitPlan};
 use paros_shell::settings::StaffPin;
 use paros_visit::VisitOptions;
 
@@ -16,16 +16,15 @@ pub(super) struct VisitArgs {
     visits_pin: Option<StaffPin>,
     /// What differs from the core's plan: names of settings with seconds, `Length=60,HandsOff=1`.
     #[arg(long, hide = true, requires = "visits", value_name = "PLAN", value_parser = parse_setting, value_delimiter = ',')]
-    visits_plan: Vec<VisitCommand>,
+    visits_plan: Vec<(PlanSetting, u16)>,
 }
 
 impl VisitArgs {
     pub(super) fn to_options(&self) -> Option<VisitOptions> {
-        self.visits.then(|| VisitOptions {
-            plan: self.visits_plan.clone(),
-            staff_pin: self.visits_pin,
-            ..VisitOptions::default()
-        })
+        let mut plan = VisitPlan::new();
+        self.visits_plan.iter().for_each(|(setting, value)| plan.set_value(*setting, *value));
+        let staff_pin = self.visits_pin;
+        self.visits.then(|| VisitOptions { plan, staff_pin, ..VisitOptions::default() })
     }
 }
 
@@ -33,20 +32,20 @@ fn parse_pin(text: &str) -> Result<StaffPin, String> {
     StaffPin::from_text(text).ok_or("expected four digits".into())
 }
 
-fn parse_setting(text: &str) -> Result<VisitCommand, String> {
+fn parse_setting(text: &str) -> Result<(PlanSetting, u16), String> {
     let (name, value) = text.split_once('=').ok_or("expected NAME=SECONDS")?;
     let setting = PlanSetting::ALL.into_iter().find(|setting| format!("{setting:?}") == name);
     let setting =
         setting.ok_or_else(|| format!("{name}: expected one of {:?}", PlanSetting::ALL))?;
     let value = value.parse().map_err(|_| "expected seconds, 0 to 65535")?;
-    Ok(VisitCommand::Set { setting, value })
+    Ok((setting, value))
 }
 
 #[cfg(test)]
 mod tests {
     use clap::Parser;
     use paros_core::session::SessionMode;
-    use paros_core::visit::{PlanSetting, VisitCommand};
+    use paros_core::visit::{PlanSetting, VisitPlan};
 
     use super::{StaffPin, VisitArgs};
 
@@ -66,12 +65,10 @@ mod tests {
         assert_eq!(parse("").expect("flags").to_options(), None);
         let words = "--visits --visits-pin 0426 --visits-plan Length=30,HandsOff=1";
         let options = parse(words).expect("flags").to_options().expect("visits");
-        let set = |setting, value| VisitCommand::Set { setting, value };
-        let plan = [set(PlanSetting::Length, 30), set(PlanSetting::HandsOff, 1)];
-        assert_eq!(
-            (options.staff_pin, &options.plan[..]),
-            (StaffPin::from_text("0426"), &plan[..])
-        );
+        let mut plan = VisitPlan::new();
+        plan.set_value(PlanSetting::Length, 30);
+        plan.set_value(PlanSetting::HandsOff, 1);
+        assert_eq!((options.staff_pin, options.plan), (StaffPin::from_text("0426"), plan));
         let owl = SessionMode::Constrained { figure: 8 };
         let starts = [SessionMode::FreeForm, owl, SessionMode::Creative];
         assert_eq!((&options.starts[..], options.languages.len()), (&starts[..], 2));

@@ -31,7 +31,7 @@ pub use describe::{RestrictionFiles, write_documentation, write_restrictions, wr
 pub use layer::{FilePlace, LayerEntry, MAX_BYTES, SettingsFault, SettingsLayer};
 pub use pin::{PIN_DIGITS, StaffPin};
 use table::{SETTINGS, Setting};
-pub use visits::{MAX_STARTS, VisitSettings, VisitStart};
+pub use visits::{MAX_STARTS, VisitSettings, VisitStart, plan_changes};
 
 use crate::headset::foveation::FoveationLevel;
 

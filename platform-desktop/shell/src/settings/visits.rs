@@ -38,20 +38,18 @@ impl VisitSettings {
         let plan = VisitPlan::new();
         VisitSettings { plan, languages: Vec::new(), starts: Vec::new(), staff_pin: None }
     }
+}
 
-    /// The commands by which a world's plan becomes this one, in the order of [`PlanSetting::ALL`] and the start last.
-    /// One is to be sent a tick, after [`VisitCommand::Open`], which makes the plan the default one.
-    #[must_use]
-    pub fn plan_commands(&self) -> Vec<VisitCommand> {
-        let default = VisitPlan::new();
-        let values = PlanSetting::ALL.into_iter().filter_map(|setting| {
-            let value = self.plan.value(setting);
-            (value != default.value(setting)).then_some(VisitCommand::Set { setting, value })
-        });
-        let start = self.plan.start();
-        let start = (start != default.start()).then_some(VisitCommand::SetStart(start));
-        values.chain(start).collect()
-    }
+/// The commands by which a world's plan becomes another, in the order of [`PlanSetting::ALL`] and the start last. One is
+/// to be sent a tick; [`VisitCommand::Open`] makes the plan the default one.
+pub fn plan_changes(from: &VisitPlan, to: &VisitPlan) -> impl Iterator<Item = VisitCommand> {
+    let (from, to) = (*from, *to);
+    let values = PlanSetting::ALL.into_iter().filter_map(move |setting| {
+        let value = to.value(setting);
+        (value != from.value(setting)).then_some(VisitCommand::Set { setting, value })
+    });
+    let start = (to.start() != from.start()).then_some(VisitCommand::SetStart(to.start()));
+    values.chain(start)
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ use paros_core::limits::INTERVALS;
 use paros_core::session::{BenchItem, PointerCommand, SessionMode, SessionState, TICK_RATE};
 use paros_core::session::{Tool, ToolBit};
 use paros_core::visit::PanelAction as Press;
-use paros_core::visit::{GuideStep, PlanSetting, Presence, VisitCommand, VisitPhase};
+use paros_core::visit::{GuideStep, PlanSetting, Presence, VisitPhase, VisitPlan};
 use paros_core::{TickInput, World};
 use paros_shaders::panel::Language;
 use paros_shell::modes::parse_mode;
@@ -28,8 +28,10 @@ const N: usize = 128;
 
 fn options() -> VisitOptions {
     let owl = parse_mode("owl").expect("a figure");
+    let mut plan = VisitPlan::new();
+    plan.set_value(PlanSetting::Length, 200);
     VisitOptions {
-        plan: vec![VisitCommand::Set { setting: PlanSetting::Length, value: 200 }],
+        plan,
         languages: vec![Language::Greek, Language::English],
         starts: vec![SessionMode::FreeForm, owl, SessionMode::Creative],
         staff_pin: StaffPin::from_text("2026"),

@@ -7,7 +7,7 @@ use glam::{Quat, Vec3};
 use paros_core::edit::Pose;
 use paros_core::limits::INTERVALS;
 use paros_core::session::{BenchItem, PointerCommand, RawPose, SessionState, TICK_RATE};
-use paros_core::visit::{PlanSetting, Presence, VisitCommand, VisitPhase};
+use paros_core::visit::{PlanSetting, Presence, VisitPhase, VisitPlan};
 use paros_core::{HandInput, TickInput, World, WorldEvent};
 use paros_shell::replay::write_replay_digests;
 use paros_shell::settings::StaffPin;
@@ -44,18 +44,13 @@ pub(crate) struct Day<'a, 's> {
 }
 
 fn options() -> VisitOptions {
-    let set = |setting, value| VisitCommand::Set { setting, value };
-    VisitOptions {
-        plan: vec![
-            set(PlanSetting::Length, LENGTH),
-            set(PlanSetting::Welcome, 5),
-            set(PlanSetting::Choice, 5),
-            set(PlanSetting::Guided, 8),
-            set(PlanSetting::Thanks, 5),
-        ],
-        staff_pin: StaffPin::from_text("1507"),
-        ..VisitOptions::default()
-    }
+    let mut plan = VisitPlan::new();
+    plan.set_value(PlanSetting::Length, LENGTH);
+    plan.set_value(PlanSetting::Welcome, 5);
+    plan.set_value(PlanSetting::Choice, 5);
+    plan.set_value(PlanSetting::Guided, 8);
+    plan.set_value(PlanSetting::Thanks, 5);
+    VisitOptions { plan, staff_pin: StaffPin::from_text("1507"), ..VisitOptions::default() }
 }
 
 impl Day<'_, '_> {

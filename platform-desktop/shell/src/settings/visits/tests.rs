@@ -4,7 +4,7 @@ use paros_core::badge::BadgeLanguage;
 use paros_core::session::SessionMode;
 use paros_core::visit::{PlanSetting, VisitCommand, VisitPlan};
 
-use super::{MAX_STARTS, VisitSettings};
+use super::{MAX_STARTS, VisitSettings, plan_changes};
 use crate::settings::table::{SETTINGS, SettingScope};
 use crate::settings::value::{SettingDefault, SettingKind};
 use crate::settings::{LoadedSettings, SettingsLayer};
@@ -37,6 +37,11 @@ fn load_visits(text: &str) -> VisitSettings {
     loaded.settings.visits.expect("they are on")
 }
 
+/// What a world's plan is told of settings, from the default one on.
+fn commands_of(visits: &VisitSettings) -> Vec<VisitCommand> {
+    plan_changes(&VisitPlan::new(), &visits.plan).collect()
+}
+
 /// Where the value of a setting comes from, and the value.
 fn origin(loaded: &LoadedSettings, name: &str) -> String {
     let number = SETTINGS.iter().position(|setting| setting.name == name).expect("a setting");
@@ -48,7 +53,7 @@ fn origin(loaded: &LoadedSettings, name: &str) -> String {
 fn the_defaults_are_the_cores_and_need_no_command() {
     let visits = load_visits("");
     assert_eq!(visits.plan, VisitPlan::new());
-    assert_eq!(visits.plan_commands(), []);
+    assert_eq!(commands_of(&visits), []);
     assert_eq!(visits.languages, BadgeLanguage::ALL);
     let starts: Vec<_> = visits.starts.iter().map(|start| (&*start.name, start.mode)).collect();
     let owl = SessionMode::Constrained { figure: 8 };
@@ -88,7 +93,7 @@ fn each_time_sets_its_own_value_of_the_plan() {
             };
             let visits = load_visits(&text);
             assert_eq!(visits.plan.value(setting), value, "{name}");
-            let commands = visits.plan_commands();
+            let commands = commands_of(&visits);
             assert!(commands.contains(&VisitCommand::Set { setting, value }), "{name}");
         }
     }
@@ -97,8 +102,24 @@ fn each_time_sets_its_own_value_of_the_plan() {
     assert_eq!(distinct.len() + 1, PlanSetting::ALL.len());
     assert_eq!(load_visits("session_seconds = 0").plan.value(PlanSetting::Length), 0);
     let badges = VisitCommand::Set { setting: PlanSetting::Badges, value: 0 };
-    assert_eq!(load_visits("badges = false").plan_commands(), [badges]);
-    assert_eq!(load_visits("badges = true").plan_commands(), []);
+    assert_eq!(commands_of(&load_visits("badges = false")), [badges]);
+    assert_eq!(commands_of(&load_visits("badges = true")), []);
+}
+
+#[test]
+fn what_an_earlier_run_set_becomes_the_default_again() {
+    let set = |setting, value| VisitCommand::Set { setting, value };
+    let mut plan = VisitPlan::new();
+    plan.set_value(PlanSetting::Export, 30);
+    plan.set_value(PlanSetting::Thanks, 9);
+    let mut found = VisitPlan::new();
+    found.set_value(PlanSetting::Length, 90);
+    found.set_value(PlanSetting::Thanks, 9);
+    let length = PlanSetting::Length.default_value();
+    assert_eq!(
+        plan_changes(&found, &plan).collect::<Vec<_>>(),
+        [set(PlanSetting::Length, length), set(PlanSetting::Export, 30)]
+    );
 }
 
 #[test]
@@ -112,7 +133,7 @@ fn commands_have_an_order_of_their_own_and_make_the_plan() {
         VisitCommand::Set { setting: PlanSetting::Badges, value: 0 },
         VisitCommand::SetStart(owl),
     ];
-    assert_eq!(visits.plan_commands(), commands);
+    assert_eq!(commands_of(&visits), commands);
     let mut plan = VisitPlan::new();
     for command in commands {
         match command {
@@ -212,7 +233,7 @@ fn a_mode_that_is_not_on_offer_is_told_and_the_first_start_stands() {
     // One that is needn't be the first; without visits any will do.
     let visits = load_visits("mode = \"free\"\nstarts = [\"owl\", \"free\"]");
     assert_eq!(visits.plan.start(), SessionMode::FreeForm);
-    assert_eq!(visits.plan_commands(), []);
+    assert_eq!(commands_of(&visits), []);
     let loaded = load("mode = \"cat\"\nstarts = [\"owl\"]");
     assert_eq!(loaded.settings.mode, SessionMode::Constrained { figure: 9 });
     assert_eq!(loaded.faults, [""; 0]);
