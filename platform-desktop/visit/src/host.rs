@@ -19,7 +19,7 @@ use crate::pin_pad::PinPad;
 use crate::pointing::{POINTERS, Pointer, Pointing};
 use crate::previews::LivingPreviews;
 use crate::queue::VisitQueue;
-use crate::screen::{ButtonAction, Question, Screen, ScreenState, point_in_room};
+use crate::screen::{ButtonAction, Question, Screen, ScreenState, is_at_work, point_in_room};
 use crate::standing::PanelSpot;
 
 /// For how long a visitor is told of the time that is left, in ticks.
@@ -93,12 +93,12 @@ impl VisitHost {
     }
 
     /// Takes in what visitors work with now.
-    pub const fn set_controls(&mut self, controls: Controls) {
+    pub(crate) const fn set_controls(&mut self, controls: Controls) {
         self.options.controls = controls;
     }
 
     /// Takes in that the program slept, or didn't run, for so many seconds in which nobody used it.
-    pub const fn note_away(&mut self, seconds: u16) {
+    pub(crate) const fn note_away(&mut self, seconds: u16) {
         self.away_seconds = self.away_seconds.saturating_add(seconds);
     }
 
@@ -119,12 +119,6 @@ impl VisitHost {
     #[must_use]
     pub fn covers_ray(&self, origin: Vec3, direction: Vec3) -> bool {
         self.panels().iter().any(|panel| panel.intersect_ray(origin, direction).is_some())
-    }
-
-    /// Whether a pointer is on a button: then its trigger runs no tool.
-    #[must_use]
-    pub fn is_on_button(&self, pointer: usize) -> bool {
-        self.pointing.is_on_button(pointer)
     }
 
     /// Puts into a tick's input what the visit is told, and what buttons ask for. While nobody is there the hands are
@@ -233,8 +227,7 @@ impl VisitHost {
 
     /// Asks the visitor whether the sculpture is ready, or no longer does.
     pub fn toggle_finish_question(&mut self, visit: &Visit) {
-        let is_at_work = matches!(visit.phase(), VisitPhase::Guided | VisitPhase::Sculpting);
-        let asks = is_at_work && self.question == Question::None;
+        let asks = is_at_work(visit.phase()) && self.question == Question::None;
         self.ask(if asks { Question::Finish } else { Question::None });
     }
 

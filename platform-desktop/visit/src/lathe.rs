@@ -75,7 +75,7 @@ pub(crate) enum LatheWork {
 
 /// The hand at its work.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
-pub struct LatheHand {
+pub(crate) struct LatheHand {
     tick: u32,
     work: LatheWork,
 }
@@ -140,13 +140,12 @@ impl LatheHand {
     }
 
     /// Whether the work is done, and has been shown.
-    #[must_use]
-    pub const fn is_done(&self) -> bool {
+    pub(crate) const fn is_done(&self) -> bool {
         self.tick >= self.work_ticks() + self.work.shown_ticks()
     }
 
     /// Puts the work of the next tick into its input, in place of who may be there.
-    pub fn fill_input<const N: usize, const K: usize>(
+    pub(crate) fn fill_input<const N: usize, const K: usize>(
         &mut self,
         world: &World<N, K>,
         input: &mut TickInput,

@@ -2,7 +2,7 @@
 //!
 //! The core's [`Visit`](paros_core::visit::Visit) decides what comes next; a [`VisitHost`] stands between it and a shell.
 //! It takes rays and presses, whether the headset is worn, and how far an export is; it gives the visit's part of a
-//! tick's input, and panels to be drawn. While nobody is there it moves the hands itself ([`LatheHand`]). It knows no
+//! tick's input, and panels to be drawn. While nobody is there it moves the hands itself. It knows no
 //! OpenXR, no window, no file and no clock but the ticks. While a start is chosen, a thread of its own draws previews.
 #![forbid(unsafe_code)]
 
@@ -22,7 +22,7 @@ mod standing;
 pub use export_state::ExportState;
 pub use headset::HeadsetTick;
 pub use host::{VisitHost, close_visits};
-pub use lathe::LatheHand;
 pub use options::{Controls, VisitOptions};
 pub use pointing::{POINTERS, Pointer};
+pub use screen::is_at_work;
 pub use standing::{PanelSpot, WindowView, room_pose};

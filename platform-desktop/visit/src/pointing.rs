@@ -219,10 +219,12 @@ fn crosses_stone(origin: Vec3, direction: Vec3) -> bool {
 mod tests {
     use core::f32::consts::FRAC_PI_2;
 
-    use glam::{Quat, Vec2, Vec3};
+    use glam::{Quat, Vec3};
     use paros_shaders::panel::layout::welcome_buttons;
     use paros_shaders::panel::{Panel, PanelPose};
     use paros_shell::headset::hand_sample::HandSample;
+
+    use crate::screen::point_in_room;
 
     use super::{GRIP_REACH, HOVER_TAP, PRESS_TAP, PanelRay, Pointer, Pointing, ShownButton};
 
@@ -237,8 +239,8 @@ mod tests {
 
     /// A point of the room before a button's middle.
     fn before(panel: &Panel, button: &ShownButton, metres: f32) -> Vec3 {
-        let at = button.button.rect.middle() - 0.5 * Vec2::from_array(panel.size_mm());
-        panel.pose.middle + panel.pose.rotation * Vec3::new(at.x * 1e-3, -at.y * 1e-3, metres)
+        let middle = point_in_room(panel, button.button.rect.middle());
+        middle + panel.pose.rotation * Vec3::Z * metres
     }
 
     fn ray_to(target: Vec3, is_pressed: bool) -> Pointer {

@@ -59,6 +59,12 @@ pub(crate) enum ButtonAction {
     Cleaned,
 }
 
+/// Whether a visitor works on the stone in this phase, and has a clock and tools.
+#[must_use]
+pub const fn is_at_work(phase: VisitPhase) -> bool {
+    matches!(phase, VisitPhase::Guided | VisitPhase::Sculpting)
+}
+
 /// All that panels show: they are laid out anew where it differs.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct ScreenState {
@@ -69,7 +75,6 @@ pub(crate) struct ScreenState {
     pub(crate) language_number: u8,
     pub(crate) working_hand: u8,
     pub(crate) is_seated: bool,
-    pub(crate) start: SessionMode,
     /// Seconds left, and of how many.
     pub(crate) seconds: Option<[u32; 2]>,
     pub(crate) warning: Option<Message>,
@@ -103,8 +108,7 @@ impl ScreenState {
     /// What is shown of a visit; what the host knows beside it is filled in by the host.
     pub(crate) fn of_visit(visit: &Visit, options: &VisitOptions) -> Self {
         let length = u32::from(visit.plan().value(PlanSetting::Length));
-        let is_clocked = matches!(visit.phase(), VisitPhase::Guided | VisitPhase::Sculpting);
-        let left = visit.seconds_left().filter(|_| is_clocked);
+        let left = visit.seconds_left().filter(|_| is_at_work(visit.phase()));
         let least = visit.plan().ticks(PlanSetting::BadgeLeast);
         ScreenState {
             phase: visit.phase(),
@@ -114,7 +118,6 @@ impl ScreenState {
             language_number: visit.language(),
             working_hand: visit.working_hand(),
             is_seated: visit.is_seated(),
-            start: visit.start(),
             // A minute more may make it more than all.
             seconds: left.map(|left| [left, length.max(left)]),
             warning: None,

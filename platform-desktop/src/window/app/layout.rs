@@ -6,12 +6,13 @@ use paros_core::volume::{Grid, Size};
 use paros_shaders::gpu::{self, RenderPath};
 use paros_shell::statics::Resident;
 use paros_shell::stl_export::{DEFAULT_HEIGHT_MM, print_scale};
+use paros_visit::is_at_work;
 
 use super::App;
 use crate::window::display::supports_file_drops;
 use crate::window::hands::RIGHT;
 use crate::window::panels::{
-    BitOutline, ItemGlow, MirrorGuide, StudioStatus, is_at_work, is_pasting_beyond_box,
+    BitOutline, ItemGlow, MirrorGuide, StudioStatus, is_pasting_beyond_box,
 };
 
 impl<const N: usize> App<'_, N>

@@ -23,6 +23,7 @@ use paros_core::visit::VisitPhase;
 use paros_shaders::Image;
 use paros_shell::figures::StoneThickness;
 use paros_shell::studio::Notice;
+use paros_visit::is_at_work;
 
 pub(super) use action::PanelAction;
 use browser::Browser;
@@ -366,11 +367,6 @@ impl Panels {
             self.notices.remove(0);
         }
     }
-}
-
-/// Whether visitors work on the stone, and need their tools: what else a visit shows stands in its own panels.
-pub(super) const fn is_at_work(phase: VisitPhase) -> bool {
-    matches!(phase, VisitPhase::Guided | VisitPhase::Sculpting)
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 mod headset;
 mod previews;
 
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 use paros_core::edit::Pose;
 use paros_core::limits::INTERVALS;
 use paros_core::session::{BenchItem, PointerCommand, SessionMode, SessionState, TICK_RATE};
@@ -76,13 +76,8 @@ impl Booth<'_, '_> {
     /// Points at the button of an action, pulls the trigger, and lets go. False where there is none.
     fn press(&mut self, action: ButtonAction) -> bool {
         self.host.place_panels(|spot, size| room_pose(spot, size, 1.6));
-        let screen = &self.host.screen;
-        let is_it =
-            |shown: &&crate::pointing::ShownButton| screen.action(shown.button.id) == Some(action);
-        let Some(shown) = screen.buttons().iter().find(is_it) else { return false };
-        let panel = &screen.panels()[shown.panel];
-        let at = (shown.button.rect.middle() - 0.5 * Vec2::from_array(panel.size_mm())) * 1e-3;
-        let target = panel.pose.middle + panel.pose.rotation * Vec3::new(at.x, -at.y, 0.0);
+        let found = self.host.buttons().find(|(name, _)| *name == format!("{action:?}"));
+        let Some((_, target)) = found else { return false };
         let origin = Vec3::new(0.35, 1.35, 0.1);
         let direction = target - origin;
         for is_pressed in [false, true, false] {

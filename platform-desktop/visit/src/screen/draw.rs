@@ -7,7 +7,7 @@ use paros_shaders::panel::{
     ButtonState, FillingValue, Icon, Language, Message, Panel, PanelButton,
 };
 
-use super::{ButtonAction, MAX_PANELS, Question, Screen, ScreenState};
+use super::{ButtonAction, MAX_PANELS, Question, Screen, ScreenState, is_at_work};
 use crate::cards::card_of_start;
 use crate::options::{Controls, VisitOptions};
 use crate::pointing::{POINTERS, ShownButton};
@@ -29,7 +29,6 @@ impl Screen {
         (self.count, self.ray_panels) = (0, 0);
         self.buttons.clear();
         self.actions.clear();
-        let is_at_work = matches!(state.phase, VisitPhase::Guided | VisitPhase::Sculpting);
         match state.question {
             Question::None => self.draw_phase(state, options),
             Question::Finish => self.draw_finish_question(state),
@@ -37,7 +36,7 @@ impl Screen {
             Question::Staff => self.draw_staff(state),
         }
         // Beside a question it would be pressed by mistake, and in a window partly covered.
-        if is_at_work && state.question == Question::None {
+        if is_at_work(state.phase) && state.question == Question::None {
             self.draw_clock(state);
         }
         for shown in &self.buttons {
@@ -189,15 +188,14 @@ impl Screen {
     }
 
     fn draw_finish_question(&mut self, state: &ScreenState) {
-        let buttons = [
-            (Message::Yes, ButtonAction::Press(PanelAction::Finish)),
-            (Message::No, ButtonAction::Ask(Question::None)),
+        let [yes, no] = [
+            layout::notice_button(0, Message::Yes, 0, 2),
+            layout::notice_button(0, Message::No, 1, 2),
         ];
-        let mut column = 0;
-        let buttons = buttons.map(|(message, action)| {
-            column += 1;
-            (layout::notice_button(0, message, column - 1, 2), action)
-        });
+        let buttons = [
+            (yes, ButtonAction::Press(PanelAction::Finish)),
+            (no, ButtonAction::Ask(Question::None)),
+        ];
         let notice = PanelNotice {
             icon: Icon::Tick,
             color: palette::OLIVE,
