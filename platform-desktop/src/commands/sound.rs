@@ -4,6 +4,7 @@ use std::io::{self, Cursor, Write as _};
 use std::path::PathBuf;
 
 use hound::{SampleFormat, WavSpec, WavWriter};
+use paros_core::session::TICK_RATE;
 use paros_core::volume::{Grid, Size};
 use paros_headless::Error;
 use paros_shell::durable::WriteTarget;
@@ -47,7 +48,7 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
     let header = trace.header();
     args.layers.check_intervals_of(&args.trace, header.intervals.into())?;
     let second = u64::from(SAMPLE_RATE) * FRAME_BYTES;
-    if trace.records().len() as u64 / 72 * second > u64::from(u32::MAX - 4096) {
+    if trace.records().len() as u64 / u64::from(TICK_RATE) * second > u64::from(u32::MAX - 4096) {
         let path = args.trace.display();
         return Err(Error::Input(format!("{path}: is longer than the six hours of a WAV file")));
     }
@@ -61,7 +62,7 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
         else unplayable(),
     ))?;
     target.write_file(&wav)?;
-    let seconds = trace.records().len() as f64 / 72.0;
+    let seconds = trace.records().len() as f64 / f64::from(TICK_RATE);
     Ok(format!("{}: {seconds:.1} s\n", args.output.display()))
 }
 
@@ -86,7 +87,7 @@ where
     let (mut planner, mut mixer) = (SoundPlanner::default(), Mixer::new(args.loudness));
     let mut inputs = trace.records().map(|record| record.input);
     let mut samples: Vec<i16> = Vec::new();
-    let mut frames = [[0.0; 2]; SAMPLE_RATE as usize / 72 + 1];
+    let mut frames = [[0.0; 2]; (SAMPLE_RATE / TICK_RATE) as usize + 1];
     let replayed = runner.replay_on_same_start(trace, |ReplayedTick { index, world }| {
         let input = inputs.next().unwrap_or_default();
         mixer.follow(&planner.plan_tick(world, &input));

@@ -114,7 +114,7 @@ impl SculptureFiles {
 fn describe_badge(number: BadgeNumber) -> String {
     let badge = number.badge();
     let mut text = String::new();
-    for language in [BadgeLanguage::English, BadgeLanguage::Greek] {
+    for language in BadgeLanguage::ALL {
         // A string takes any text.
         let _ = write_words(&mut text, &badge, language);
         text.push('\n');
