@@ -1,8 +1,8 @@
 //! The headset's shell: turns the poses and actions of an OpenXR session into ticks, and draws what they
 //! made for both eyes.
 //!
-//! Decisions are made without OpenXR: by the policies of [`paros_shell::headset`], by [`session_phase`]
-//! and by [`foveation`], which are plain functions of what the runtime reports. `xr` makes the calls, and
+//! Decisions are made without OpenXR: by the policies of [`paros_shell::headset`] and by
+//! [`foveation`], which are plain functions of what the runtime reports. `xr` makes the calls, and
 //! [`shell`] runs the frame loop; before its first frame `start_keeper` and `notice_session` tell of a start that fails. [`platform`] is the operating system; [`device`] and [`runtime`] are
 //! Android's part of it: the Java classes, and the search for the OpenXR runtime.
 
@@ -19,7 +19,6 @@ mod notice_session;
 pub mod options;
 pub mod platform;
 pub mod runtime;
-pub mod session_phase;
 mod session_resources;
 pub mod shell;
 mod start_keeper;

@@ -14,10 +14,10 @@ use paros_shell::headset::start_up::Notice;
 use crate::error::{CallContext, Error};
 use crate::options::ShellOptions;
 use crate::platform::Platform;
-use crate::session_phase::{SessionDuty, SessionPhase};
 use crate::shell::{IDLE_POLL_INTERVAL, session_event};
 use crate::test_commands::{CommandQueue, TestCommand};
 use crate::xr::{FrameCalls, NoticeLayer, Runtime, VIEW_CONFIGURATION, create_raw_session};
+use paros_shell::headset::session_phase::{SessionDuty, SessionPhase};
 
 /// The session. Fields are dropped in this order.
 pub(crate) struct NoticeSession {

@@ -1,6 +1,5 @@
 //! The frame loop: events of the runtime, ticks that are due, and a frame that shows them.
 
-mod charger_panel;
 mod events;
 mod frame;
 mod hosting;
@@ -33,18 +32,17 @@ use paros_shell::stl_export::{DEFAULT_HEIGHT_MM, StlExporter};
 use paros_shell::studio::{Notice, Studio};
 use paros_shell::studio_paths::StudioPaths;
 use paros_sound::{SoundDevice, Speaker};
-use paros_visit::VisitHost;
+use paros_visit::{ChargerPanel, VisitHost};
 
 use crate::error::Error;
 use crate::log::{open_log_file, write_log_line};
 use crate::options::ShellOptions;
 use crate::platform::Platform;
-use crate::session_phase::SessionPhase;
 use crate::session_resources::{OpenedSession, SessionResources};
 use crate::start_keeper::StartKeeper;
 use crate::test_commands::CommandQueue;
 use crate::xr::NO_PROFILE;
-use charger_panel::ChargerPanel;
+use paros_shell::headset::session_phase::SessionPhase;
 
 pub(crate) use events::session_event;
 
@@ -248,7 +246,7 @@ where
             resolution: ResolutionPolicy::new(options.least_resolution_percent),
             runtime_thermal: ThermalState::default(),
             health: DeviceHealth::default(),
-            charger: ChargerPanel::new(),
+            charger: ChargerPanel::default(),
             tick_fraction: 0.0,
             start_anew,
             boot,

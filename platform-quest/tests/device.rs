@@ -10,14 +10,14 @@ use std::{env, fs};
 
 use paros_core::badge::BadgeLanguage;
 use paros_quest::device::table::ALL_MEMBERS;
-use paros_quest::device::{
-    self, Battery, ContentRow, DeviceMonitor, MAX_ROWS, ManagedEntry, ThermalStatus,
+use paros_quest::device::{DeviceMonitor, MAX_ROWS, ManagedEntry};
+use paros_shell::headset::device_health::{
+    Battery, DeviceHealth, ThermalReading, ThermalState, ThermalStatus,
 };
-use paros_quest::runtime::{
-    BROKERS, FUNCTION_COLUMNS, INITIALIZE_FUNCTION, NEGOTIATE_FUNCTION, RUNTIME_COLUMNS,
-    RuntimeLibrary, query_broker,
+use paros_shell::headset::runtime::{
+    BROKERS, ContentRow, FUNCTION_COLUMNS, INITIALIZE_FUNCTION, NEGOTIATE_FUNCTION,
+    RUNTIME_COLUMNS, RuntimeLibrary, query_broker,
 };
-use paros_shell::headset::device_health::{DeviceHealth, ThermalState};
 use paros_shell::require::require_or_skip;
 use paros_shell::settings::{LoadedSettings, SettingsLayer};
 
@@ -144,15 +144,12 @@ fn check_thermal_readings() {
     set_answer("PowerManager.getCurrentThermalStatus", "I:3");
     set_answer("PowerManager.getThermalHeadroom[10]", "F:0.75");
     let heat = device_at_level(30).read_thermal().expect("an answer");
-    assert_eq!(
-        heat,
-        device::ThermalReading { status: ThermalStatus::Severe, headroom: Some(0.75) }
-    );
+    assert_eq!(heat, ThermalReading { status: ThermalStatus::Severe, headroom: Some(0.75) });
     take_calls();
-    let early = device::ThermalReading { status: ThermalStatus::Severe, headroom: None };
+    let early = ThermalReading { status: ThermalStatus::Severe, headroom: None };
     assert_eq!(device_at_level(29).read_thermal().expect("an answer"), early);
     assert!(!take_calls().contains("getThermalHeadroom"));
-    let before = device::ThermalReading { status: ThermalStatus::None, headroom: None };
+    let before = ThermalReading { status: ThermalStatus::None, headroom: None };
     assert_eq!(device_at_level(28).read_thermal().expect("an answer"), before);
     set_answer("PowerManager.getThermalHeadroom[10]", "F:NaN");
     assert_eq!(device_at_level(30).read_thermal().expect("an answer").headroom, None);
@@ -265,8 +262,10 @@ fn check_brokers() {
     set_answer("Cursor.moveToNext", "Z:true\nZ:false\nZ:true\nZ:true\nZ:false");
     let device = device_at_level(29);
     let name_first = || {
-        let mut query =
-            |table: &str, columns: &[&str]| device.query_first_content_rows(table, columns);
+        let mut query = |table: &str, columns: &[&str]| {
+            let rows = device.query_first_content_rows(table, columns);
+            rows.map_err(|error| error.to_string())
+        };
         query_broker(BROKERS[0], &mut query).remove(0).library
     };
     let expected = RuntimeLibrary {

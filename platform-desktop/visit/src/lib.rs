@@ -7,6 +7,7 @@
 #![forbid(unsafe_code)]
 
 mod cards;
+mod charger_panel;
 mod export_state;
 mod headset;
 mod host;
@@ -19,6 +20,7 @@ mod queue;
 mod screen;
 mod standing;
 
+pub use charger_panel::ChargerPanel;
 pub use export_state::ExportState;
 pub use headset::HeadsetTick;
 pub use host::{VisitHost, close_visits};

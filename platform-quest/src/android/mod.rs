@@ -17,6 +17,7 @@ use openxr as xr;
 use paros_core::limits::INTERVALS;
 use paros_core::volume::{Grid, Size};
 use paros_shell::headset::package::{self, OPENXR_LOADER};
+use paros_shell::headset::runtime::{PARTITIONS, list_candidates};
 use paros_shell::headset::start_up::{StartUp, may_leave_destroyed};
 use paros_shell::headset::visit::BootId;
 use paros_shell::settings::{self, LoadedSettings, SettingsLayer};
@@ -31,8 +32,7 @@ use crate::error::Error;
 use crate::log::{open_log_file, write_log_line};
 use crate::options::ShellOptions;
 use crate::platform::{Platform, PlatformStatus};
-use crate::runtime;
-use crate::runtime::{AndroidContext, LinkedCalls, PARTITIONS};
+use crate::runtime::{AndroidContext, LinkedCalls, find_runtime_once};
 use crate::shell::{run_shell, show_failed_start};
 
 /// How often it is seen whether the shell has ended, where nothing else happens.
@@ -221,10 +221,11 @@ impl Platform for AndroidPlatform {
         // SAFETY: the application holds both, and is kept. The loader comes with the package; brokers and manifest files are part of the system, or were installed in its place.
         let mut calls = unsafe { LinkedCalls::new(Some(AndroidContext { vm, activity })) };
         let query = |table: &str, columns: &[&str]| {
-            self.monitor.device().query_first_content_rows(table, columns)
+            let rows = self.monitor.device().query_first_content_rows(table, columns);
+            rows.map_err(|error| error.to_string())
         };
-        let candidates = runtime::list_candidates(Path::new(OPENXR_LOADER), query, &PARTITIONS);
-        let found = runtime::find_runtime_once(&mut calls, candidates);
+        let candidates = list_candidates(Path::new(OPENXR_LOADER), query, &PARTITIONS);
+        let found = find_runtime_once(&mut calls, candidates);
         let found = found.map_err(|error| Error::Unavailable(error.to_string()))?;
         for tried in found.tried {
             self.log(format_args!("{tried}"));

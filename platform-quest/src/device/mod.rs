@@ -14,6 +14,8 @@ use std::path::PathBuf;
 
 use jni::objects::{Global, JObject};
 use jni::{Env, JValue, JavaVM};
+use paros_shell::headset::device_health::{Battery, ThermalReading, ThermalStatus};
+use paros_shell::headset::runtime::ContentRow;
 
 pub use call::JavaError;
 use call::{JavaCaller, read_bool, read_float, read_int};
@@ -26,38 +28,6 @@ use table::{
     THERMAL_HEADROOM, THERMAL_STATUS,
 };
 
-/// The battery's state.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Battery {
-    /// The charge in percent, 0 to 100; none if the device does not know it.
-    pub percent: Option<u8>,
-    /// Whether it is being charged.
-    pub charging: bool,
-}
-
-/// The thermal status: the values of `PowerManager.THERMAL_STATUS_*`.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
-#[expect(missing_docs, reason = "Android has no more words for them either")]
-pub enum ThermalStatus {
-    None = 0,
-    Light = 1,
-    Moderate = 2,
-    Severe = 3,
-    Critical = 4,
-    Emergency = 5,
-    Shutdown = 6,
-}
-
-/// The thermal status and its forecast.
-#[derive(Clone, Copy, PartialEq, Debug)]
-pub struct ThermalReading {
-    /// The status now.
-    pub status: ThermalStatus,
-    /// The thermal headroom in ten seconds from now: 1 is where the device throttles. None if
-    /// the device does not know it.
-    pub headroom: Option<f32>,
-}
-
 /// An Android device, by a Java context.
 #[derive(Debug)]
 pub struct AndroidDevice {
@@ -65,9 +35,6 @@ pub struct AndroidDevice {
     context: Global<JObject<'static>>,
     api_level: i32,
 }
-
-/// The texts of a content provider's row, one a column; none where a column is missing or null.
-pub type ContentRow = Vec<Option<String>>;
 
 /// The most rows that are read of a query's result: a bound against a faulty content provider.
 pub const MAX_ROWS: usize = 256;
@@ -293,16 +260,6 @@ impl AndroidDevice {
             body(&mut JavaCaller::new(env, self.api_level), self.context.as_obj())
         };
         self.vm.attach_current_thread(inside)
-    }
-}
-
-impl ThermalStatus {
-    /// The status for Android's number. A number that a later Android adds is taken for the worst.
-    fn from_number(number: i32) -> Self {
-        use ThermalStatus::{Critical, Emergency, Light, Moderate, None, Severe, Shutdown};
-        let all = [None, Light, Moderate, Severe, Critical, Emergency, Shutdown];
-        let known = usize::try_from(number).map(|number| all.get(number).copied());
-        known.map_or(None, |known| known.unwrap_or(Shutdown))
     }
 }
 

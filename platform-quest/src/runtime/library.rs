@@ -2,7 +2,6 @@
 
 use std::ffi::c_void;
 use std::fmt;
-use std::path::PathBuf;
 
 use libloading::Library;
 use openxr as xr;
@@ -10,55 +9,13 @@ use openxr::sys::pfn::{
     GetInstanceProcAddr, InitializeLoaderKHR, NegotiateLoaderRuntimeInterface, VoidFunction,
 };
 use openxr::sys::{Handle as _, Result as XrResult, StructureType};
+use paros_shell::headset::runtime::{INITIALIZE_FUNCTION, RuntimeCalls, RuntimeLibrary};
 
 use super::functions::make_runtime_entry;
 use super::negotiation::{NegotiationError, negotiate_interface};
-use super::search::RuntimeCalls;
-
-/// The function by which a runtime's library is negotiated with.
-pub const NEGOTIATE_FUNCTION: &str = "xrNegotiateLoaderRuntimeInterface";
-
-/// The function that tells a runtime of the Java VM and the activity (`XR_KHR_loader_init_android`).
-pub const INITIALIZE_FUNCTION: &str = "xrInitializeLoaderKHR";
 
 /// The function by which a loader gives all others.
 const PROC_ADDR_FUNCTION: &str = "xrGetInstanceProcAddr";
-
-/// A library that gives OpenXR's functions.
-#[derive(Clone, PartialEq, Eq, Debug)]
-pub struct RuntimeLibrary {
-    /// Its file; within a package, as Android's linker has it: `base.apk!/lib/arm64-v8a/libx.so`.
-    pub path: PathBuf,
-    /// The symbol of [`INITIALIZE_FUNCTION`].
-    pub initialize_symbol: String,
-    /// The symbol of [`NEGOTIATE_FUNCTION`]; none for a loader, which exports `xrGetInstanceProcAddr`.
-    pub negotiate_symbol: Option<String>,
-}
-
-impl RuntimeLibrary {
-    /// A runtime's library whose symbols are OpenXR's names.
-    #[must_use]
-    pub fn runtime(path: PathBuf) -> Self {
-        let negotiate_symbol = Some(NEGOTIATE_FUNCTION.into());
-        RuntimeLibrary { negotiate_symbol, ..Self::loader(path) }
-    }
-
-    /// A loader's library.
-    #[must_use]
-    pub fn loader(path: PathBuf) -> Self {
-        let initialize_symbol = INITIALIZE_FUNCTION.into();
-        RuntimeLibrary { path, initialize_symbol, negotiate_symbol: None }
-    }
-
-    /// Renames a function as its source says. Other functions than those of the search keep their names.
-    pub fn rename_function(&mut self, function: &str, symbol: &str) {
-        match function {
-            NEGOTIATE_FUNCTION => self.negotiate_symbol = Some(symbol.into()),
-            INITIALIZE_FUNCTION => self.initialize_symbol = symbol.into(),
-            _ => {}
-        }
-    }
-}
 
 /// Why a library is no use.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -171,6 +128,7 @@ impl RuntimeCalls for LinkedCalls {
     type Library = OpenedLibrary;
     type Functions = LibraryFunctions;
     type Entry = xr::Entry;
+    type Error = LibraryError;
 
     fn open(&mut self, library: &RuntimeLibrary) -> Result<OpenedLibrary, LibraryError> {
         // SAFETY: who made this says that its initialisers may run.

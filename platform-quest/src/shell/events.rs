@@ -13,8 +13,8 @@ use paros_shell::statics::Resident;
 use super::HeadsetShell;
 use crate::error::{CallContext, Error};
 use crate::platform::Platform;
-use crate::session_phase::{PhaseChange, SessionDuty, SessionEvent};
 use crate::xr::{HeadsetSession, Runtime, VIEW_CONFIGURATION};
+use paros_shell::headset::session_phase::{PhaseChange, SessionDuty, SessionEvent};
 
 impl<const N: usize> HeadsetShell<'_, N>
 where

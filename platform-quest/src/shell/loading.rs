@@ -13,9 +13,9 @@ use super::{HeadsetShell, SessionEnd};
 use crate::compilation::Compiled;
 use crate::error::Error;
 use crate::platform::Platform;
-use crate::session_phase::SessionPhase;
 use crate::session_resources::OpenedSession;
 use crate::test_commands::{CommandQueue, TestCommand};
+use paros_shell::headset::session_phase::SessionPhase;
 
 impl<const N: usize> HeadsetShell<'_, N>
 where

@@ -12,10 +12,10 @@ use super::{EXIT_TIMEOUT, HeadsetShell, SessionEnd, pause_between_polls};
 use crate::error::Error;
 use crate::foveation::Foveation;
 use crate::platform::Platform;
-use crate::session_phase::SessionPhase;
 use crate::session_resources::SessionResources;
 use crate::test_commands::{CommandQueue, TestCommand};
 use crate::xr::HeadsetSession;
+use paros_shell::headset::session_phase::SessionPhase;
 
 impl<const N: usize> HeadsetShell<'_, N>
 where

@@ -24,6 +24,38 @@ pub struct DeviceHealth {
     pub drains_on_charger: bool,
 }
 
+/// The battery's state.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Battery {
+    /// The charge in percent, 0 to 100; none if the device does not know it.
+    pub percent: Option<u8>,
+    /// Whether it is being charged.
+    pub charging: bool,
+}
+
+/// The thermal status: the values of `PowerManager.THERMAL_STATUS_*`.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+#[expect(missing_docs, reason = "Android has no more words for them either")]
+pub enum ThermalStatus {
+    None = 0,
+    Light = 1,
+    Moderate = 2,
+    Severe = 3,
+    Critical = 4,
+    Emergency = 5,
+    Shutdown = 6,
+}
+
+/// The thermal status and its forecast.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct ThermalReading {
+    /// The status now.
+    pub status: ThermalStatus,
+    /// The thermal headroom in ten seconds from now: 1 is where the device throttles. None if
+    /// the device does not know it.
+    pub headroom: Option<f32>,
+}
+
 /// Sees that a battery drains although it is being charged. A device reports that as charging, and a headset is worn
 /// on the cable all day; so the charge itself is followed, from reading to reading.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
@@ -73,10 +105,32 @@ impl ChargeWatch {
     }
 }
 
+/// Thermal headrooms from which the device counts as warm and as hot; it throttles at 1.
+const WARM_HEADROOM: f32 = 0.85;
+const HOT_HEADROOM: f32 = 1.0;
+
 /// The charge in percent below which there is a warning.
 const LOW_BATTERY: u8 = 15;
 
 impl DeviceHealth {
+    /// Thermal state and battery charge by Android's readings, of a battery that drains on its charger or not.
+    #[must_use]
+    pub fn assess(thermal: ThermalReading, battery: Battery, drains_on_charger: bool) -> Self {
+        let headroom = thermal.headroom.unwrap_or(0.0);
+        let thermal = match thermal.status {
+            status if status >= ThermalStatus::Severe || headroom >= HOT_HEADROOM => {
+                ThermalState::Hot
+            }
+            status if status >= ThermalStatus::Moderate || headroom >= WARM_HEADROOM => {
+                ThermalState::Warm
+            }
+            _ => ThermalState::Normal,
+        };
+        let is_draining = !battery.charging || drains_on_charger;
+        let battery_percent = battery.percent.filter(|_| is_draining);
+        DeviceHealth { thermal, battery_percent, drains_on_charger }
+    }
+
     /// The warning that a change from `previous` calls for; each is given once.
     #[must_use]
     pub fn new_warning(self, previous: DeviceHealth) -> Option<&'static str> {
@@ -96,9 +150,20 @@ impl DeviceHealth {
     }
 }
 
+impl ThermalStatus {
+    /// The status for Android's number. A number that a later Android adds is taken for the worst.
+    #[must_use]
+    pub fn from_number(number: i32) -> Self {
+        use ThermalStatus::{Critical, Emergency, Light, Moderate, None, Severe, Shutdown};
+        let all = [None, Light, Moderate, Severe, Critical, Emergency, Shutdown];
+        let known = usize::try_from(number).map(|number| all.get(number).copied());
+        known.map_or(None, |known| known.unwrap_or(Shutdown))
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{ChargeWatch, DeviceHealth, ThermalState};
+    use super::{Battery, ChargeWatch, DeviceHealth, ThermalReading, ThermalState, ThermalStatus};
 
     #[test]
     fn a_warning_is_given_once() {
@@ -163,5 +228,26 @@ mod tests {
         assert_eq!(drains.new_warning(drains), None);
         let low = DeviceHealth { battery_percent: Some(9), ..drains };
         assert!(low.new_warning(drains).is_some_and(|text| text.contains("low")));
+    }
+
+    #[test]
+    fn readings_become_health() {
+        let battery = Battery { percent: Some(40), charging: false };
+        let thermal_of = |status, headroom| {
+            DeviceHealth::assess(ThermalReading { status, headroom }, battery, false).thermal
+        };
+        assert_eq!(thermal_of(ThermalStatus::Light, None), ThermalState::Normal);
+        assert_eq!(thermal_of(ThermalStatus::Moderate, Some(0.2)), ThermalState::Warm);
+        assert_eq!(thermal_of(ThermalStatus::None, Some(0.9)), ThermalState::Warm);
+        assert_eq!(thermal_of(ThermalStatus::None, Some(1.0)), ThermalState::Hot);
+        assert_eq!(thermal_of(ThermalStatus::Shutdown, None), ThermalState::Hot);
+        let cool = ThermalReading { status: ThermalStatus::None, headroom: None };
+        let expected = DeviceHealth { battery_percent: Some(40), ..DeviceHealth::default() };
+        assert_eq!(DeviceHealth::assess(cool, battery, false), expected);
+        let charging = Battery { charging: true, ..battery };
+        assert_eq!(DeviceHealth::assess(cool, charging, false).battery_percent, None);
+        // On a charger that is too weak it is as without one.
+        let weak = DeviceHealth { drains_on_charger: true, ..expected };
+        assert_eq!(DeviceHealth::assess(cool, charging, true), weak);
     }
 }

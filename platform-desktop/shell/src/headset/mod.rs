@@ -1,7 +1,8 @@
 //! Policies of the headset that need no device: when ticks are due, what hands are read from, feel and do, how much is
-//! drawn, who wears the headset, how hot it is, how a start goes and what is seen of it, and what the app's package holds.
+//! drawn, who wears the headset, how hot it is, how a start goes and what is seen of it, what a change of the session
+//! obliges to, which library is the runtime, and what the app's package holds.
 //! They take plain numbers and times, as a runtime or a device tells them, and give inputs and decisions.
-//! They know neither OpenXR nor Android.
+//! They call neither OpenXR nor Android.
 
 pub mod device_health;
 pub mod foveation;
@@ -15,6 +16,8 @@ pub mod package;
 pub mod recentering;
 pub mod resolution;
 pub mod room_placement;
+pub mod runtime;
 mod sealed;
+pub mod session_phase;
 pub mod start_up;
 pub mod visit;

@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use paros_quest::runtime::{NEGOTIATE_FUNCTION, parse_manifest};
+use paros_shell::headset::runtime::{NEGOTIATE_FUNCTION, parse_manifest};
 
 use crate::engine::FuzzTarget;
 

@@ -2,9 +2,7 @@
 
 use std::path::Path;
 
-use super::library::RuntimeLibrary;
-use super::search::Candidate;
-use crate::device;
+use super::{Candidate, RuntimeLibrary};
 
 /// The brokers' authorities in the order of queries: the installable broker, then the system's.
 pub const BROKERS: [&str; 2] =
@@ -18,8 +16,11 @@ pub const RUNTIME_COLUMNS: [&str; 4] =
 /// The columns of a function: its name in OpenXR, and its symbol in the library.
 pub const FUNCTION_COLUMNS: [&str; 2] = ["function_name", "symbol_name"];
 
-/// What a query of a content provider's table returns.
-pub type QueryResult = Result<Vec<device::ContentRow>, device::JavaError>;
+/// The texts of a content provider's row, one a column; none where a column is missing or null.
+pub type ContentRow = Vec<Option<String>>;
+
+/// What a query of a content provider's table returns, or why it failed.
+pub type QueryResult = Result<Vec<ContentRow>, String>;
 
 /// A broker's tables of the active runtime, in the order of queries: all rows, and the one row that brokers
 /// had before.
@@ -36,10 +37,10 @@ pub fn query_broker(
     let mut why = None;
     for table in ACTIVE_TABLES {
         match query(&format!("{runtimes}/{table}"), &RUNTIME_COLUMNS) {
-            Err(error) => why = why.or(Some(error.to_string())),
+            Err(error) => why = why.or(Some(error)),
             Ok(rows) if rows.is_empty() => {}
             Ok(rows) => {
-                let candidate = |(number, row): (usize, &device::ContentRow)| Candidate {
+                let candidate = |(number, row): (usize, &ContentRow)| Candidate {
                     source: format!("{broker}, row {}", number + 1),
                     library: read_runtime_row(row, &runtimes, query),
                 };
@@ -53,7 +54,7 @@ pub fn query_broker(
 
 /// The library of a runtime's row, or what is missing there.
 fn read_runtime_row(
-    row: &device::ContentRow,
+    row: &ContentRow,
     runtimes: &str,
     query: &mut impl FnMut(&str, &[&str]) -> QueryResult,
 ) -> Result<RuntimeLibrary, String> {
@@ -70,7 +71,7 @@ fn read_runtime_row(
         return Err(unnamed("has_functions without package_name".into()));
     };
     let functions = query(&format!("{runtimes}/{package}/functions"), &FUNCTION_COLUMNS);
-    let functions = functions.map_err(|error| unnamed(error.to_string()))?;
+    let functions = functions.map_err(unnamed)?;
     if functions.is_empty() {
         return Err(unnamed("has_functions, but no functions are told".into()));
     }
@@ -86,9 +87,8 @@ fn read_runtime_row(
 mod tests {
     use std::path::Path;
 
-    use super::{BROKERS, Candidate, FUNCTION_COLUMNS, RUNTIME_COLUMNS, query_broker};
-    use crate::device::{self, ContentRow};
-    use crate::runtime::{INITIALIZE_FUNCTION, NEGOTIATE_FUNCTION, RuntimeLibrary};
+    use super::super::{INITIALIZE_FUNCTION, NEGOTIATE_FUNCTION, RuntimeLibrary};
+    use super::{BROKERS, Candidate, ContentRow, FUNCTION_COLUMNS, RUNTIME_COLUMNS, query_broker};
 
     const ACTIVE: &str =
         "content://org.khronos.openxr.runtime_broker/openxr/1/abi/arm64-v8a/runtimes/active";
@@ -133,7 +133,7 @@ mod tests {
 
     #[test]
     fn why_a_broker_names_nothing_is_told() {
-        let refused = || Err(device::JavaError { member: None, why: "refused".into() });
+        let refused = || Err("refused".to_owned());
         for (is_refused, why) in [(true, "refused"), (false, "no answer")] {
             let mut query = |_: &str, _: &[&str]| if is_refused { refused() } else { Ok(vec![]) };
             let named = query_broker(BROKERS[1], &mut query);

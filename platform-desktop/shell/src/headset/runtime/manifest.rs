@@ -3,11 +3,10 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use paros_shell::durable;
 use serde_json::Value;
 
-use super::library::RuntimeLibrary;
-use super::search::Candidate;
+use super::{Candidate, RuntimeLibrary};
+use crate::durable;
 
 /// Android's partitions, in the order in which a loader looks for manifest files on them.
 pub const PARTITIONS: [&str; 5] = ["/product", "/odm", "/oem", "/vendor", "/system"];
@@ -81,8 +80,7 @@ mod tests {
     use std::os::unix::fs::symlink;
     use std::path::PathBuf;
 
-    use super::{Candidate, MANIFESTS, parse_manifest, read_manifests};
-    use crate::runtime::RuntimeLibrary;
+    use super::{Candidate, MANIFESTS, RuntimeLibrary, parse_manifest, read_manifests};
 
     /// A folder with partitions, removed when it is dropped.
     struct Device(PathBuf);

@@ -5,7 +5,7 @@
 use std::fmt;
 use std::path::PathBuf;
 
-use super::{LibraryError, RuntimeLibrary};
+use super::RuntimeLibrary;
 
 /// What a source says of the runtime: a broker, a manifest file, the package.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -24,36 +24,38 @@ pub trait RuntimeCalls {
     type Functions: Copy;
     /// The entry point for the application.
     type Entry: Clone;
+    /// Why a library is no use.
+    type Error: Clone + fmt::Debug + fmt::Display;
 
     /// Opens a library, without a call of its functions.
     ///
     /// # Errors
     /// It can't be opened, or is neither runtime nor loader.
-    fn open(&mut self, library: &RuntimeLibrary) -> Result<Self::Library, LibraryError>;
+    fn open(&mut self, library: &RuntimeLibrary) -> Result<Self::Library, Self::Error>;
 
     /// Calls the library's exported `xrInitializeLoaderKHR`. False if it exports none.
     ///
     /// # Errors
     /// The call's.
-    fn initialize_by_export(&mut self, library: &Self::Library) -> Result<bool, LibraryError>;
+    fn initialize_by_export(&mut self, library: &Self::Library) -> Result<bool, Self::Error>;
 
     /// Negotiates with a runtime; a loader has its functions without.
     ///
     /// # Errors
     /// The negotiation's.
-    fn negotiate(&mut self, library: &Self::Library) -> Result<Self::Functions, LibraryError>;
+    fn negotiate(&mut self, library: &Self::Library) -> Result<Self::Functions, Self::Error>;
 
     /// Calls `xrInitializeLoaderKHR` where the negotiated `xrGetInstanceProcAddr` has it.
     ///
     /// # Errors
     /// The call's.
-    fn initialize_by_functions(&mut self, functions: Self::Functions) -> Result<(), LibraryError>;
+    fn initialize_by_functions(&mut self, functions: Self::Functions) -> Result<(), Self::Error>;
 
     /// The entry point to the functions.
     ///
     /// # Errors
     /// One is missing that every runtime has.
-    fn make_entry(&mut self, functions: Self::Functions) -> Result<Self::Entry, LibraryError>;
+    fn make_entry(&mut self, functions: Self::Functions) -> Result<Self::Entry, Self::Error>;
 }
 
 /// A process's search for a runtime. A runtime may refuse a second initialisation or negotiation in a
@@ -63,7 +65,7 @@ pub trait RuntimeCalls {
 pub struct RuntimeSearch<C: RuntimeCalls> {
     entry: Option<C::Entry>,
     /// The libraries whose functions were called in vain.
-    failed: Vec<(C::Library, LibraryError)>,
+    failed: Vec<(C::Library, C::Error)>,
 }
 
 /// A runtime that was found.
@@ -134,7 +136,7 @@ impl<C: RuntimeCalls> RuntimeSearch<C> {
         &mut self,
         calls: &mut C,
         library: &RuntimeLibrary,
-    ) -> Result<C::Entry, LibraryError> {
+    ) -> Result<C::Entry, C::Error> {
         let opened = calls.open(library)?;
         if let Some((_, error)) = self.failed.iter().find(|(failed, _)| *failed == opened) {
             return Err(error.clone());
@@ -158,7 +160,7 @@ impl<C: RuntimeCalls> Default for RuntimeSearch<C> {
 fn start_runtime<C: RuntimeCalls>(
     calls: &mut C,
     library: &C::Library,
-) -> Result<C::Entry, LibraryError> {
+) -> Result<C::Entry, C::Error> {
     let is_initialized = calls.initialize_by_export(library)?;
     let functions = calls.negotiate(library)?;
     if !is_initialized {

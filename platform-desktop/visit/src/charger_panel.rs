@@ -11,24 +11,17 @@ const MIDDLE: Vec3 = Vec3::new(-1.0, 1.4, -0.7);
 /// The eyes that it is turned to: those of a visitor before the stool.
 const EYES: Vec3 = Vec3::new(0.0, 1.45, 0.0);
 
-/// The panel, laid out anew with each percent that goes.
+/// The panel in a headset's room, laid out anew with each percent that goes.
 #[derive(Debug)]
-pub(super) struct ChargerPanel {
+pub struct ChargerPanel {
     panel: Panel,
     /// What it shows, if it is shown.
     percent: Option<u8>,
 }
 
 impl ChargerPanel {
-    /// Not shown.
-    pub(super) fn new() -> Self {
-        let mut panel = Panel::new([0.0; 2]);
-        panel.pose = PanelPose::facing(MIDDLE, EYES);
-        ChargerPanel { panel, percent: None }
-    }
-
     /// Takes in the device's health: a charger that is too weak is told until it no longer is.
-    pub(super) fn follow_health(&mut self, health: &DeviceHealth) {
+    pub fn follow_health(&mut self, health: &DeviceHealth) {
         let percent = health.battery_percent.filter(|_| health.drains_on_charger);
         if let Some(percent) = percent.filter(|_| self.percent != percent) {
             let notice = PanelNotice {
@@ -45,11 +38,21 @@ impl ChargerPanel {
     }
 
     /// What is to be drawn of it.
-    pub(super) fn panels(&self) -> &[Panel] {
+    #[must_use]
+    pub fn panels(&self) -> &[Panel] {
         match self.percent {
             Some(_) => core::slice::from_ref(&self.panel),
             None => &[],
         }
+    }
+}
+
+/// Not shown.
+impl Default for ChargerPanel {
+    fn default() -> Self {
+        let mut panel = Panel::new([0.0; 2]);
+        panel.pose = PanelPose::facing(MIDDLE, EYES);
+        ChargerPanel { panel, percent: None }
     }
 }
 
@@ -58,9 +61,9 @@ mod tests {
     use glam::Vec3;
     use paros_shaders::panel::Panel;
     use paros_shell::headset::device_health::{DeviceHealth, ThermalState};
-    use paros_visit::{PanelSpot, room_pose};
 
     use super::{ChargerPanel, EYES, MIDDLE};
+    use crate::{PanelSpot, room_pose};
 
     const WEAK: DeviceHealth = DeviceHealth {
         thermal: ThermalState::Normal,
@@ -80,7 +83,7 @@ mod tests {
     /// Wherever a visitor's head is, up to a step aside: the choice's panel is the widest.
     #[test]
     fn it_stands_beside_the_widest_panel_of_a_visit() {
-        let mut charger = ChargerPanel::new();
+        let mut charger = ChargerPanel::default();
         charger.follow_health(&WEAK);
         let mut main = Panel::new([1358.0, 900.0]);
         main.pose = room_pose(PanelSpot::Main, main.size_mm(), 1.5);
@@ -95,7 +98,7 @@ mod tests {
     #[test]
     fn a_weak_charger_is_told_with_each_percent_until_it_is_changed() {
         let weak = |percent| DeviceHealth { battery_percent: Some(percent), ..WEAK };
-        let mut charger = ChargerPanel::new();
+        let mut charger = ChargerPanel::default();
         assert!(charger.panels().is_empty());
         charger.follow_health(&weak(41));
         let first = charger.panels()[0].quads().to_vec();
