@@ -69,7 +69,7 @@ where
             }
             WindowEvent::CursorLeft { .. } => {
                 self.send_to_hands(InputEvent::Gone);
-                self.panels.input.events.push(egui::Event::PointerGone);
+                self.panels.remove_cursor();
             }
             WindowEvent::MouseInput { state, button, .. } => {
                 self.handle_button(button, state == ElementState::Pressed);
@@ -90,8 +90,7 @@ where
     /// Passes the cursor's position on, in pixels from the upper left.
     pub(super) fn move_cursor(&mut self, to: [f32; 2]) {
         self.send_to_hands(InputEvent::Moved(to));
-        let at = self.panels.place_of_pixel(to);
-        self.panels.input.events.push(egui::Event::PointerMoved(at));
+        self.panels.move_cursor(to);
     }
 
     /// Passes an input event to the hands.
@@ -143,11 +142,7 @@ where
             MouseButton::Right => (HandButton::Right, egui::PointerButton::Secondary),
             _ => return,
         };
-        if let Some(pos) = self.panels.context.input(|input| input.pointer.latest_pos()) {
-            let modifiers = egui::Modifiers::NONE;
-            let event = egui::Event::PointerButton { pos, button: panel, pressed: down, modifiers };
-            self.panels.input.events.push(event);
-        }
+        self.panels.press_button(panel, down);
         let is_on_panel = self.is_cursor_on_visit_panel();
         if hand == HandButton::Left && !(down && self.panels.wants_pointer()) {
             self.press_in_visit(down);

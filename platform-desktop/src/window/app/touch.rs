@@ -67,7 +67,7 @@ where
             self.handle_button(button, is_down);
             if self.fingers.first.is_none() && self.fingers.clicks.is_empty() {
                 // Nothing stays lit under a finger that is gone.
-                self.panels.input.events.push(egui::Event::PointerGone);
+                self.panels.remove_cursor();
             }
         }
     }

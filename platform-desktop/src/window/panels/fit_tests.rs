@@ -286,7 +286,9 @@ fn a_finished_sculpture_lies_above_its_panel_as_above_the_tool_bar() {
 fn a_pixel_of_the_window_is_the_same_place_of_the_panels() {
     let mut panels = Panels::new();
     panels.set_window([1920, 1080], 2.0);
-    assert_eq!(panels.place_of_pixel([960.0, 540.0]), egui::pos2(480.0, 270.0));
+    panels.move_cursor([960.0, 540.0]);
+    assert_eq!(panels.cursor, Some(egui::pos2(480.0, 270.0)));
     panels.set_window([320, 210], 1.0);
-    assert_eq!(panels.place_of_pixel([320.0, 210.0]), egui::pos2(640.0, 420.0));
+    panels.move_cursor([320.0, 210.0]);
+    assert_eq!(panels.cursor, Some(egui::pos2(640.0, 420.0)));
 }

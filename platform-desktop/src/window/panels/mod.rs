@@ -3,6 +3,7 @@
 
 mod action;
 mod browser;
+mod cursor;
 mod glow;
 mod graph;
 mod handover;
@@ -48,6 +49,8 @@ pub(super) struct Panels {
     pub(super) input: RawInput,
     /// Pixels of the window per point of the panels.
     pixels_per_point: f32,
+    /// Where the cursor is, which a frame may not have seen yet.
+    cursor: Option<Pos2>,
     /// The largest part of the window's height that the tool bar, or the panel of what is finished, has covered at its
     /// size: the picture stays where it is while they change.
     covered_part: f32,
@@ -87,6 +90,7 @@ impl Panels {
             context,
             input,
             pixels_per_point: 1.0,
+            cursor: None,
             covered_part: 0.0,
             start_pictures: None,
             start: true,
@@ -126,22 +130,10 @@ impl Panels {
         self.pixels_per_point = scale;
     }
 
-    /// The place in points of a pixel of the window.
-    #[must_use]
-    pub(super) fn place_of_pixel(&self, pixel: [f32; 2]) -> Pos2 {
-        Pos2::new(pixel[0], pixel[1]) / self.pixels_per_point
-    }
-
     /// The part of the window's height, from its bottom, that the tool bar or the panel of what is finished covers.
     #[must_use]
     pub(super) const fn covered_part(&self) -> f32 {
         self.covered_part
-    }
-
-    /// Whether the cursor is over a panel, or a panel is in use.
-    #[must_use]
-    pub(super) fn wants_pointer(&self) -> bool {
-        self.context.is_pointer_over_area() || self.context.is_using_pointer()
     }
 
     /// Whether neither the start panel, the file browser nor a question covers the studio.
@@ -230,7 +222,9 @@ impl Panels {
         }
     }
 
-    /// Lays out a frame. Returns `egui`'s output and the visitor's actions.
+    /// Lays out a frame, once for each place at which a button was pressed or released since the one before: `egui` takes
+    /// all of a pass for what is under the cursor at its end, which is elsewhere where frames are slow. Returns `egui`'s
+    /// output and the visitor's actions.
     pub(super) fn lay_out(
         &mut self,
         status: &StudioStatus<'_>,
@@ -238,7 +232,11 @@ impl Panels {
         let input = self.input.take();
         self.input.max_texture_side = input.max_texture_side;
         let context = self.context.clone();
-        let output = context.run(input, |context| self.show_all(context, status));
+        let mut output = egui::FullOutput::default();
+        for events in cursor::split_by_places(&input.events) {
+            let pass = RawInput { events: events.to_vec(), ..input.clone() };
+            output.append(context.run(pass, |context| self.show_all(context, status)));
+        }
         (output, core::mem::take(&mut self.actions))
     }
 

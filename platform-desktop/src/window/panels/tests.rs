@@ -101,7 +101,7 @@ fn clicked_everywhere(make: impl Fn() -> Panels, status: &StudioStatus<'_>) -> V
     all
 }
 
-fn in_studio() -> Panels {
+pub(super) fn in_studio() -> Panels {
     let mut panels = Panels::new();
     panels.close_covering_panels();
     panels
