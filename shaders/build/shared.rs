@@ -112,7 +112,7 @@ pub(crate) fn constants_module() -> String {
         FAST_SPARKLE_RIM,
         FAST_AO_SCALE,
         FAST_SHADOW_OPACITY,
-        FAST_SHADOW_DISTANCES,
+        FAST_SHADOW_DISTANCE,
         FAST_REFERENCE_SIDE,
         FAST_STEP_FAR,
         FAST_STEP_NEAR,

@@ -36,7 +36,7 @@ pub const MARCH_FRACTION_BITS: u32 = 16;
 /// each as (offset, slope). This line holds far from the surface, at low density.
 pub const FAST_STEP_FAR: [f32; 2] = [2.6, 16.0];
 /// The line that holds near the surface; see [`FAST_STEP_FAR`].
-pub const FAST_STEP_NEAR: [f32; 2] = [1.65, 2.5];
+pub const FAST_STEP_NEAR: [f32; 2] = [1.8, 2.65];
 /// Distance marched by density between two tries of empty-space skipping, in voxels.
 pub const FAST_SKIP_INTERVAL: f32 = 8.0;
 /// Cubic coefficient, relative to the linear one, of the distance to a plane as a function of its
@@ -44,11 +44,11 @@ pub const FAST_SKIP_INTERVAL: f32 = 8.0;
 pub const FAST_EDGE_CUBIC: f32 = 2.0;
 /// Grid side, in voxels, for which the lengths below are given; they scale with the grid.
 pub const FAST_REFERENCE_SIDE: f32 = 128.0;
-/// Distances towards the sun of its two density samples, of mip levels 1 and 3, in voxels of the reference grid.
-/// Between them is the one that tells how much of the sky is seen, see [`FAST_AO_LEAN`].
-pub const FAST_SHADOW_DISTANCES: [f32; 2] = [2.8, 17.5];
+/// Distance towards the sun of its density sample of mip level 3, in voxels of the reference grid. Before it is the one
+/// that tells how much of the sky is seen, see [`FAST_AO_LEAN`].
+pub const FAST_SHADOW_DISTANCE: f32 = 16.0;
 /// Part of the sunlight that a sample of density 1 absorbs.
-pub const FAST_SHADOW_OPACITY: f32 = 0.9;
+pub const FAST_SHADOW_OPACITY: f32 = 0.95;
 /// Translucency: part of the sunlight, by colour, that passes thin stone to the side away from
 /// the sun. What passes is warm.
 pub const FAST_TRANSLUCENCY: [f32; 3] = [0.34, 0.20, 0.12];

@@ -8,7 +8,7 @@
     BINDING_GRADIENT, BINDING_MARBLE, BINDING_NEAREST, BINDING_NOISE, BINDING_REPEAT,
     CARRARA_BASE_COLOR, CARRARA_VEIN_COLOR, FAST_AO_HEIGHT, FAST_AO_LEAN, FAST_AO_MAX_DENSITY,
     FAST_AO_SCALE, FAST_CRYSTAL_NOISE, FAST_EDGE_CUBIC, FAST_GLOSS, FAST_GLOSS_SHARPNESS, FAST_REFERENCE_SIDE,
-    FAST_ROUGHNESS, FAST_SHADOW_OPACITY, FAST_SHADOW_DISTANCES, FAST_SKIP_INTERVAL, FAST_SPARKLE, FAST_SPARKLE_RIM,
+    FAST_ROUGHNESS, FAST_SHADOW_OPACITY, FAST_SHADOW_DISTANCE, FAST_SKIP_INTERVAL, FAST_SPARKLE, FAST_SPARKLE_RIM,
     FAST_STEP_FAR, FAST_STEP_NEAR, FAST_TRANSLUCENCY, FAST_TRANSLUCENCY_DEPTH, FAST_WEAR,
     FAST_WEAR_AT_EDGES, FIGURE_GLOW, FIGURE_LEAST_SHARE, FIGURE_SHARE_RISE, FIGURE_WARMTH, TONE_WHITE_POINT,
 }
@@ -30,6 +30,10 @@ alias real4 = vec4<f32>;
 
 // Alpha to coverage: with several samples a pixel, a fragment's coverage is its alpha.
 override COVERAGE: bool = false;
+
+// A march that ends at a density above this has met the surface. It is less than the half at which its loop ends: an equal
+// number would have the compiler hold the loop's result in a register. Where steps run out between the two, it has, too.
+const ALMOST_HALF: f32 = 0.4998;
 
 // Greatest rise of density in half a pixel: walls of two voxels are not denser than 5/8.
 const MOST_RISE: f32 = 0.12;
@@ -80,7 +84,7 @@ fn fragment(
     let hit = march_density(o, direction, start, end, voxel, width);
     var t = hit.t - f32(hit.back) * voxel;
     var coverage = real(1.0);
-    let missed = hit.density < real(0.5) || hit.t >= end;
+    let missed = hit.density <= real(ALMOST_HALF) || hit.t >= end;
     if missed && (!COVERAGE || hit.near_miss == 0.0) {
         discard;
     }
@@ -150,9 +154,7 @@ fn march_density(
             reach = overshooting_step_voxels(full);
             t += f32(reach) * voxel;
         }
-        // The same test as in the loop. A different number keeps the compiler from holding the
-        // loop's result in a register.
-        if full > real(0.4998) { break; }
+        if full > real(ALMOST_HALF) { break; }
         if COVERAGE && peak > real(0.5) - half_pixel_rise(t, pixel_width) {
             near_miss = t;
         }
@@ -170,7 +172,8 @@ fn march_density(
     );
     // Linear interpolation between both samples, by their distances to a plane of that density.
     let inside = edge_distance(full - real(0.5));
-    let outside = edge_distance(real(0.5) - before);
+    // Along a surface both may be next to a half, which rounding mustn't make of no distance.
+    let outside = max(edge_distance(real(0.5) - before), real(0.001));
     return DensityHit(t, full, reach * inside / (inside + outside), near_miss);
 }
 
@@ -216,6 +219,11 @@ fn sample_density(p: vec3<f32>, mip_level: f32) -> f32 {
     return textureSampleLevel(density, clamped, p, mip_level).x;
 }
 
+// The mip level of what is above the surface: of the same size in the stone at either size of the grid.
+fn level_above() -> f32 {
+    return select(2.0, 3.0, frame.grid_side > FAST_REFERENCE_SIDE);
+}
+
 // Marble under the sun and the ambient light, tone mapped.
 fn shade_point(p: vec3<f32>, normal: real3, convexity: real) -> real3 {
     let n = frame.grid_side;
@@ -230,13 +238,13 @@ fn shade_point(p: vec3<f32>, normal: real3, convexity: real) -> real3 {
     } else {
         // Translucency where the stone is thin towards the sun.
         let through = p + (frame.sun_in_grid * FAST_TRANSLUCENCY_DEPTH - vec3<f32>(normal)) * voxel;
-        lit = real(1.0) - real(sample_density(through, 2.0));
+        lit = real(1.0) - real(sample_density(through, level_above()));
     }
     // Density above the surface, the farther towards the sun the more it faces that: it hides the sky, and what is there
     // stands in the sun's way as well. After the branch, where fewer registers are held.
     let lean = FAST_AO_LEAN * f32(max(facing, real(0.0)));
     let offset = vec3<f32>(normal) * FAST_AO_HEIGHT + frame.sun_in_grid * lean;
-    let above = real(sample_density(p + offset * voxel, 2.0));
+    let above = real(sample_density(p + offset * voxel, level_above()));
     let clear = lit - lit * real(FAST_SHADOW_OPACITY) * above;
     gloss *= clear;
     let shade = real3(FAST_TRANSLUCENCY) * (lit * -facing);
@@ -276,14 +284,11 @@ fn highlight(p: vec3<f32>, normal: real3, convexity: real) -> real {
     return lobe + max(crystal - real(FAST_SPARKLE.x), real(0.0)) * (sparkle * near * near);
 }
 
-// Soft shadow by cone tracing: two of three samples towards the sun, each farther and of a coarser mip level; the
-// middle one is that above the surface. Times the shadow map's visibility outside the box.
+// Soft shadow by cone tracing: the second of two samples towards the sun, farther and of a coarser mip level than the
+// one above the surface. Times the shadow map's visibility outside the box.
 fn sun_visibility(p: vec3<f32>, voxel: f32) -> real {
-    var seen = real(1.0);
-    let near = real(sample_density(p + frame.sun_in_grid * (FAST_SHADOW_DISTANCES.x * voxel), 1.0));
-    seen -= seen * real(FAST_SHADOW_OPACITY) * near;
-    let far = real(sample_density(p + frame.sun_in_grid * (FAST_SHADOW_DISTANCES.y * voxel), 3.0));
-    seen -= seen * real(FAST_SHADOW_OPACITY) * far;
+    let far = real(sample_density(p + frame.sun_in_grid * (FAST_SHADOW_DISTANCE * voxel), 3.0));
+    let seen = real(1.0) - real(FAST_SHADOW_OPACITY) * far;
     let grid = (p - 0.5) * frame.density_side + 0.5 * frame.grid_side;
     return seen * real(shadow::visibility_beyond_box(grid));
 }

@@ -13,7 +13,7 @@ use super::surface::SurfacePoint;
 use crate::constants::{
     CARRARA_BASE_COLOR, CARRARA_VEIN_COLOR, FAST_AO_HEIGHT, FAST_AO_LEAN, FAST_AO_MAX_DENSITY,
     FAST_AO_SCALE, FAST_CRYSTAL_NOISE, FAST_EDGE_CUBIC, FAST_GLOSS, FAST_GLOSS_SHARPNESS,
-    FAST_REFERENCE_SIDE, FAST_ROUGHNESS, FAST_SHADOW_DISTANCES, FAST_SHADOW_OPACITY,
+    FAST_REFERENCE_SIDE, FAST_ROUGHNESS, FAST_SHADOW_DISTANCE, FAST_SHADOW_OPACITY,
     FAST_SKIP_INTERVAL, FAST_SPARKLE, FAST_SPARKLE_RIM, FAST_STEP_FAR, FAST_STEP_NEAR,
     FAST_TRANSLUCENCY, FAST_TRANSLUCENCY_DEPTH, FAST_WEAR, FAST_WEAR_AT_EDGES, FIGURE_GLOW,
     FIGURE_LEAST_SHARE, FIGURE_SHARE_RISE, FIGURE_WARMTH, NOISE_CELLS,
@@ -120,10 +120,10 @@ pub fn shade_surface_counting<const N: usize, const K: usize>(
     let convexity = field.sample_convexity(surface.position);
     let lean = FAST_AO_LEAN * facing.max(0.0);
     let offset = (surface.normal * FAST_AO_HEIGHT + to_sun * lean) * scale;
-    let above = field.sample_density(2, surface.position + offset);
+    let above = field.sample_density(level_above(N), surface.position + offset);
     let (mut direct, mut gloss) = (sun_color, 0.0);
     if facing > 0.0 {
-        fetches.shading += 2;
+        fetches.shading += 1;
         let seen = sun_visibility(field, surface.position, above, to_sun, scale);
         direct *= facing * seen;
         gloss = seen * highlight(surface, halfway, convexity, N, fetches);
@@ -132,7 +132,7 @@ pub fn shade_surface_counting<const N: usize, const K: usize>(
         let through =
             surface.position + (to_sun * FAST_TRANSLUCENCY_DEPTH - surface.normal) * scale;
         direct *= Vec3::from_array(FAST_TRANSLUCENCY)
-            * ((1.0 - field.sample_density(2, through)) * -facing);
+            * ((1.0 - field.sample_density(level_above(N), through)) * -facing);
     }
     let open = FAST_AO_SCALE - FAST_AO_SCALE * above.min(FAST_AO_MAX_DENSITY);
     let grey = carrara::sample_grey_clamped(surface.position / N as f32);
@@ -251,9 +251,9 @@ fn refine_hit<const N: usize, const K: usize>(
     SurfacePoint { position, normal, distance }
 }
 
-/// Soft shadow by cone tracing: three samples towards the sun, each farther and of a coarser mip
-/// level, of which the middle one is that above the surface. Visibility, 0 to 1; `reference_voxel` is the side of one
-/// of the reference grid's voxels, in voxels.
+/// Soft shadow by cone tracing: two samples towards the sun, the first of which is that above the surface, the second
+/// farther and of a coarser mip level. Visibility, 0 to 1; `reference_voxel` is the side of one of the reference grid's
+/// voxels, in voxels.
 fn sun_visibility<const N: usize, const K: usize>(
     field: &DensityField<N, K>,
     grid_point: Vec3,
@@ -261,10 +261,14 @@ fn sun_visibility<const N: usize, const K: usize>(
     to_sun: Vec3,
     reference_voxel: f32,
 ) -> f32 {
-    let [near, far] = FAST_SHADOW_DISTANCES.map(|distance| distance * reference_voxel);
-    let near = field.sample_density(1, grid_point + to_sun * near);
-    let far = field.sample_density(3, grid_point + to_sun * far);
-    [near, above, far].map(|density| 1.0 - FAST_SHADOW_OPACITY * density).iter().product()
+    let far = grid_point + to_sun * (FAST_SHADOW_DISTANCE * reference_voxel);
+    let far = field.sample_density(3, far);
+    [above, far].map(|density| 1.0 - FAST_SHADOW_OPACITY * density).iter().product()
+}
+
+/// The mip level of what is above the surface: of the same size in the stone at either size of the grid.
+const fn level_above(grid_side: usize) -> usize {
+    if grid_side as f32 > FAST_REFERENCE_SIDE { 3 } else { 2 }
 }
 
 const _: () = assert!(LEVELS > 3, "the sun's farthest sample is of level 3");
