@@ -36,7 +36,8 @@ const SETTLE_TICKS: u32 = 15 * TICK_RATE;
 /// | | attract | gone, or idle without a clock, before the first cut |
 /// | hands off | export | its time is over and nothing floats any more, if anything was sculpted |
 /// | | thanks | the same, if nothing was |
-/// | | sculpting | the staff gives a minute more |
+/// | | attract | the staff's reset, if nothing was |
+/// | | sculpting | the staff gives a minute more, unless the visitor has gone |
 /// | export | badge | the sculpture is kept, or its time is over |
 /// | | thanks | the same, without badges |
 /// | | handover | the same, where the visitor has gone |
@@ -160,6 +161,9 @@ impl Visit {
         if input.command == VisitCommand::Staff(StaffCommand::Extend) {
             self.clock_ticks = self.clock_ticks.saturating_add(EXTENSION_TICKS);
         }
+        // Hands are off: what the staff ends now goes on without its visitor.
+        let is_reset = input.command == VisitCommand::Staff(StaffCommand::Reset);
+        self.is_left |= is_reset && self.phase == VisitPhase::HandsOff;
         let next = self.next_phase(input, facts);
         if next != self.phase {
             self.is_left |= self.is_gone(input) || self.is_idle_for_long();
@@ -310,6 +314,7 @@ impl Visit {
             (VisitCommand::Staff(StaffCommand::Extend), _) if !self.is_left => {
                 VisitPhase::Sculpting
             }
+            (VisitCommand::Staff(StaffCommand::Reset), false) => VisitPhase::Attract,
             (_, true) if is_over => VisitPhase::Export,
             (_, false) if is_over => VisitPhase::Thanks,
             _ => VisitPhase::HandsOff,

@@ -122,6 +122,8 @@ impl VisitModel {
             .table(input, seen, is_gone)
             .into_iter()
             .find_map(|(holds, to)| holds.then_some(to));
+        self.is_left |= self.phase == VisitPhase::HandsOff
+            && input.command == VisitCommand::Staff(StaffCommand::Reset);
         if let Some(next) = next {
             self.is_left |= is_gone || self.is_idle_out();
             self.enter(next, &mut expected);
@@ -269,6 +271,7 @@ impl VisitModel {
             ],
             HandsOff => vec![
                 (staff(StaffCommand::Extend) && !self.is_left, Sculpting),
+                (staff(StaffCommand::Reset) && !self.is_sculpted, Attract),
                 (calm && self.is_sculpted, Export),
                 (calm, Thanks),
             ],

@@ -205,6 +205,32 @@ fn the_staff_extends_ends_and_resets() {
     assert!(exhibition.finished == 1, "a reset keeps what was sculpted");
 }
 
+/// Who has said to be done, or whose time was up, may be gone when the staff comes.
+#[test]
+fn the_staff_resets_while_hands_are_off() {
+    let reset = VisitCommand::Staff(StaffCommand::Reset);
+    let mut exhibition = Exhibition::open(600);
+    exhibition.cut_something();
+    exhibition.press(PanelAction::Finish);
+    exhibition.do_for(1.0, Deed::Nothing);
+    exhibition.tell(Presence::Worn, reset);
+    exhibition.tell(Presence::Worn, VisitCommand::Staff(StaffCommand::Extend));
+    assert_eq!(exhibition.phase(), VisitPhase::HandsOff, "nobody is there for a minute more");
+    exhibition.do_for(3.0, Deed::Nothing);
+    assert_eq!((exhibition.phase(), exhibition.finished), (VisitPhase::Export, 1));
+    exhibition.tell(Presence::Worn, VisitCommand::Exported);
+    assert_eq!(exhibition.phase(), VisitPhase::Handover, "nobody waits for a badge");
+    // Where nothing was cut there is nothing to wait for.
+    exhibition.leave_for(10);
+    exhibition.tell(Presence::Worn, VisitCommand::None);
+    exhibition.press(PanelAction::Confirm);
+    exhibition.press(PanelAction::Confirm);
+    exhibition.tell(Presence::Worn, VisitCommand::Staff(StaffCommand::End));
+    assert_eq!(exhibition.phase(), VisitPhase::HandsOff);
+    exhibition.tell(Presence::Worn, reset);
+    assert_eq!((exhibition.phase(), exhibition.finished), (VisitPhase::Attract, 1));
+}
+
 /// A save in the middle of a visit goes on as if uninterrupted.
 #[test]
 fn a_visit_goes_on_from_its_save() {
