@@ -4,7 +4,7 @@ mod draw;
 mod rays;
 
 use paros_core::badge::BadgeNumber;
-use paros_core::session::{SessionMode, TICK_RATE};
+use paros_core::session::SessionMode;
 use paros_core::visit::{GuideStep, PanelAction, PlanSetting, StaffCommand, Visit, VisitPhase};
 use paros_shaders::panel::layout::PinEntry;
 use paros_shaders::panel::{Language, Message, Panel};
@@ -124,7 +124,7 @@ impl ScreenState {
             percent: 0,
             badge: visit.badge().filter(|number| BadgeNumber::new(*number).is_some()),
             is_time_up: visit.seconds_left() == Some(0),
-            may_leave_badge: visit.phase_ticks() + TICK_RATE / 4 >= least,
+            may_leave_badge: visit.phase_ticks() >= least,
             pending: 0,
             pin: PinEntry::Entered(0),
             controls: options.controls,

@@ -181,6 +181,29 @@ fn a_visit_goes_from_attract_to_the_badge_and_the_next_visitor() {
 }
 
 #[test]
+fn a_badge_can_be_left_as_soon_as_its_least_time_is_over_and_no_sooner() {
+    with_booth(|booth| {
+        begin_sculpting(booth);
+        cut(booth);
+        booth.host.perform(ButtonAction::Press(Press::Finish));
+        booth.export.is_kept = true;
+        while booth.phase() != VisitPhase::Badge {
+            booth.tick(None);
+        }
+        let least = 10 * TICK_RATE;
+        while booth.world().visit().phase_ticks() < least - 1 {
+            booth.tick(None);
+        }
+        assert_eq!(booth.host.buttons().count(), 0);
+        booth.tick(None);
+        assert_eq!(booth.host.buttons().count(), 1);
+        booth.host.perform(ButtonAction::Press(Press::Confirm));
+        booth.tick(None);
+        assert_eq!(booth.phase(), VisitPhase::Thanks, "what is shown works");
+    });
+}
+
+#[test]
 fn a_sculpture_that_is_never_kept_lets_the_visitor_go_all_the_same() {
     with_booth(|booth| {
         begin_sculpting(booth);
