@@ -8,6 +8,7 @@ use paros_core::visit::VisitPhase;
 use paros_core::volume::{Grid, Size};
 
 use super::Studio;
+use super::files::SCULPTURE_STEM;
 use crate::statics::Resident;
 use crate::{durable, rmap};
 
@@ -43,18 +44,27 @@ where
     }
 }
 
-/// The print beside the volume of these bytes, among a folder's newest.
+/// The print beside the volume of these bytes, among a folder's newest: those of the highest numbers. What else a user
+/// keeps there doesn't count.
 fn find_print_of(folder: &Path, volume: &[u8]) -> Option<PathBuf> {
-    let is_volume = |path: &PathBuf| path.extension().is_some_and(|end| end == "rmap");
     let entries = folder.read_dir().ok()?.filter_map(|entry| Some(entry.ok()?.path()));
-    let mut volumes: Vec<_> = entries.filter(is_volume).collect();
-    // By length first: 1000 comes after 999.
-    volumes.sort_by_key(|path| std::cmp::Reverse((path.as_os_str().len(), path.clone())));
+    let mut volumes: Vec<_> =
+        entries.filter_map(|path| Some((numbered_volume(&path)?, path))).collect();
+    volumes.sort_by_key(|(number, _)| std::cmp::Reverse(*number));
     let same = volumes
         .into_iter()
+        .map(|(_, path)| path)
         .take(NEWEST)
         .find(|path| durable::read_regular_file(path).is_ok_and(|bytes| bytes == volume));
     same.map(|path| path.with_extension("stl")).filter(|print| print.exists())
+}
+
+/// The number of a sculpture's volume, as `sculpture-1000.rmap` has it.
+fn numbered_volume(path: &Path) -> Option<u32> {
+    let name = path.file_name()?.to_str()?;
+    let number = name.strip_prefix(SCULPTURE_STEM)?.strip_prefix('-')?.strip_suffix(".rmap")?;
+    let is_digits = number.bytes().all(|byte| byte.is_ascii_digit());
+    number.parse().ok().filter(|_| is_digits)
 }
 
 #[cfg(test)]

@@ -12,6 +12,9 @@ use crate::durable::{self, StorageLimit};
 use crate::file_writer::{Destination, FileKind, WriteJob, WriteOutcome};
 use crate::statics::Resident;
 
+/// How the names of a sculpture's files begin.
+pub(super) const SCULPTURE_STEM: &str = "sculpture";
+
 impl<const N: usize> Studio<'_, N>
 where
     Grid<N>: Size + Resident<N, INTERVALS>,
@@ -44,7 +47,7 @@ where
             None => {}
             Some(Ok(files)) => {
                 let (extensions, bytes) = files.into_iter().unzip();
-                self.submit_numbered_files(FileKind::Sculpture, "sculpture", extensions, bytes);
+                self.submit_numbered_files(FileKind::Sculpture, SCULPTURE_STEM, extensions, bytes);
             }
             Some(Err(why)) => self.push_notice(Notice::Bad(why)),
         }

@@ -178,3 +178,26 @@ fn a_visits_sculpture_outlives_a_program_that_ends_before_its_files_are_written(
     assert_eq!(prints(), 1);
     fs::remove_dir_all(&folder).expect("the folder can be removed");
 }
+
+/// A volume lies among many, some of which are a user's own, by names that are longer or have numbers, too.
+#[test]
+fn a_print_is_found_by_the_number_in_its_name() {
+    let folder = std::env::temp_dir().join(format!("paros-numbered-{}", std::process::id()));
+    let _ = fs::remove_dir_all(&folder);
+    fs::create_dir_all(&folder).expect("a folder");
+    let write = |name: &str, volume: &[u8]| {
+        fs::write(folder.join(name).with_extension("rmap"), volume).expect("a volume");
+        fs::write(folder.join(name).with_extension("stl"), "a print").expect("a print");
+    };
+    (990..1002).for_each(|number| write(&format!("sculpture-{number:03}"), b"another"));
+    write("sculpture-1002", b"the one");
+    for own in ["sculpture-by-a-visitor-2026", "my-own-sculpture-99999", "sculpture-+2000"] {
+        write(own, b"a user's own");
+    }
+    let find = |volume: &[u8]| super::find_print_of(&folder, volume);
+    assert_eq!(find(b"the one"), Some(folder.join("sculpture-1002.stl")));
+    assert_eq!(find(b"a user's own"), None);
+    write("sculpture-999", b"an older one");
+    assert_eq!(find(b"an older one"), None, "no visit's is so old");
+    fs::remove_dir_all(&folder).expect("the folder can be removed");
+}
