@@ -182,6 +182,12 @@ where
         self.export.is_busy()
     }
 
+    /// How many finished or left sculptures have files that are not on the disk yet.
+    #[must_use]
+    pub fn count_unkept_sculptures(&self) -> u32 {
+        u32::try_from(self.export.count_unkept()).unwrap_or(u32::MAX)
+    }
+
     /// Removes and returns the messages for the visitor.
     pub fn take_notices(&mut self) -> impl Iterator<Item = Notice> {
         self.notices.drain(..)

@@ -14,7 +14,7 @@ pub struct ExportState {
     pub is_kept: bool,
     /// How much of it is made, 0 to 1.
     pub part: f32,
-    /// Sculptures that could not be written, or are not yet where they are to be kept.
+    /// Sculptures whose files are not yet where they are to be kept: being made, being written, or to be written again.
     pub pending: u32,
 }
 
@@ -29,7 +29,7 @@ impl ExportState {
             is_busy: studio.is_exporting(),
             is_kept: studio.session_stl_path().is_some(),
             part: studio.export_part(),
-            pending: u32::from(studio.has_writes_to_retry()),
+            pending: studio.count_unkept_sculptures(),
         }
     }
 }

@@ -90,6 +90,11 @@ where
         self.files.is_some() || self.being_written > 0
     }
 
+    /// Sculptures whose files are being made, being written, or failed.
+    pub(super) fn count_unkept(&self) -> usize {
+        usize::from(self.files.is_some()) + self.being_written + self.failed_jobs.len()
+    }
+
     /// Whether files are being made, of which the writer has nothing yet.
     pub(super) const fn is_making_files(&self) -> bool {
         self.files.is_some()

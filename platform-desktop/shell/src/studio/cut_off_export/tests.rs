@@ -86,6 +86,7 @@ fn a_sculpture_is_saved_until_its_files_are_made_whoever_comes_next() {
     run_program(&folder, |studio| {
         MAY_DRAW.store(false, Ordering::Relaxed);
         sculpt_in_a_visit(studio);
+        assert_eq!(studio.count_unkept_sculptures(), 1, "it is being made");
         for presence in [Presence::Off, Presence::Worn] {
             let command = VisitCommand::Staff(StaffCommand::Reset);
             let visit = VisitInput { presence, is_used: false, command };
@@ -128,17 +129,26 @@ fn a_visits_sculpture_that_could_not_be_written_is_written_for_the_next_visitor(
             fs::remove_dir_all(&folders[0]).expect("nothing is in it");
         }
         folders.iter().for_each(|path| fs::write(path, "in the way").expect("a file"));
-        (0..400).for_each(|_| studio.run_tick(&told(VisitCommand::None)));
-        while studio.is_exporting() {
-            studio.poll_background_work();
+        for count in [1, 2] {
+            (0..400).for_each(|_| studio.run_tick(&told(VisitCommand::None)));
+            while studio.is_exporting() {
+                studio.poll_background_work();
+            }
+            assert!(studio.has_writes_to_retry());
+            assert_eq!(studio.count_unkept_sculptures(), count);
+            if count == 1 {
+                sculpt_in_a_visit(studio);
+            }
         }
-        assert!(studio.has_writes_to_retry());
         folders.iter().for_each(|path| fs::remove_file(path).expect("it was there"));
         fs::rename(&aside, &folders[1]).expect("the sessions are back");
         studio.run_tick(&told(VisitCommand::Open));
         studio.save_session_and_wait();
         assert!(!studio.has_writes_to_retry());
-        assert!(folders[0].join("sculpture-001.stl").exists());
+        assert_eq!(studio.count_unkept_sculptures(), 0);
+        for name in ["sculpture-001.stl", "sculpture-002.stl"] {
+            assert!(folders[0].join(name).exists(), "{name}");
+        }
     });
     fs::remove_dir_all(&folder).expect("the folder can be removed");
 }
