@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use glam::Vec3;
 use paros_core::session::TICK_RATE;
-use paros_core::visit::{Presence, Visit, VisitPhase};
+use paros_core::visit::{PlanSetting, Presence, Visit, VisitPhase, VisitPlan};
 use paros_core::volume::{Grid, Size};
 use paros_core::{TickInput, World};
 use paros_shell::headset::hand_reader::HandSource;
@@ -21,8 +21,8 @@ use crate::standing::room_pose;
 /// only holds a controller.
 const STAFF_HOLD_TICKS: u32 = 2 * TICK_RATE;
 
-/// Ticks are farther apart than this where the device slept, or the program showed nothing. Slow frames are not, and
-/// no phase has a visitor gone after so little.
+/// Ticks are farther apart than this where the device slept, the runtime lost its session, or the program showed nothing.
+/// Slow frames are not. Where settings have a visitor gone sooner, it is their time.
 const LEAST_AWAY: Duration = Duration::from_secs(3);
 
 /// The height of eyes that were never seen, in metres.
@@ -76,9 +76,10 @@ impl HeadsetWatch {
     }
 
     /// The whole seconds for which there was no tick before this one, if that was long.
-    fn note_tick(&mut self, now: Duration) -> Option<u16> {
+    fn note_tick(&mut self, now: Duration, plan: &VisitPlan) -> Option<u16> {
         let last = self.last_tick.replace(now)?;
-        let away = now.checked_sub(last).filter(|away| *away >= LEAST_AWAY)?;
+        let soonest = Duration::from_secs(plan.value(PlanSetting::OffAfter).max(1).into());
+        let away = now.checked_sub(last).filter(|away| *away >= LEAST_AWAY.min(soonest))?;
         Some(u16::try_from(away.as_secs()).unwrap_or(u16::MAX))
     }
 
@@ -125,7 +126,7 @@ impl VisitHost {
         Grid<N>: Size,
     {
         let visit = world.visit();
-        if let Some(seconds) = self.headset.note_tick(tick.now) {
+        if let Some(seconds) = self.headset.note_tick(tick.now, visit.plan()) {
             self.note_away(seconds);
         }
         self.headset.head = tick.head.or(self.headset.head);
@@ -181,7 +182,8 @@ mod tests {
     #[test]
     fn a_pause_between_ticks_is_time_away_and_a_slow_frame_is_none() {
         let mut watch = HeadsetWatch::default();
-        let mut note = |millis| watch.note_tick(Duration::from_millis(millis));
+        let mut plan = VisitPlan::new();
+        let mut note = |millis| watch.note_tick(Duration::from_millis(millis), &plan);
         assert_eq!(note(500_000), None, "the first one");
         assert_eq!(note(500_014), None);
         assert_eq!(note(502_900), None, "slow");
@@ -190,6 +192,10 @@ mod tests {
         assert_eq!(note(551_999), Some(45));
         assert_eq!(note(551_000), None, "a clock that goes back");
         assert_eq!(note(551_000 + 1000 * 86_400), Some(u16::MAX), "a night");
+        plan.set_value(PlanSetting::OffAfter, 1);
+        let mut watch = HeadsetWatch::default();
+        let mut note = |millis| watch.note_tick(Duration::from_millis(millis), &plan);
+        assert_eq!([10_000, 10_900, 12_000].map(&mut note), [None, None, Some(1)]);
     }
 
     #[test]

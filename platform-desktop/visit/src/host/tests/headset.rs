@@ -5,7 +5,7 @@ use std::time::Duration;
 use glam::{Quat, Vec3};
 use paros_core::TickInput;
 use paros_core::session::TICK_RATE;
-use paros_core::visit::{Presence, VisitPhase};
+use paros_core::visit::{PlanSetting, Presence, VisitPhase};
 use paros_shell::headset::hand_reader::HandSource;
 use paros_shell::headset::hand_sample::HandSample;
 use paros_shell::headset::haptics::TickHaptics;
@@ -119,6 +119,28 @@ fn who_was_away_for_long_has_gone() {
             booth.host.note_found(visit, unused);
             booth.headset_tick(9.0, HandSample::default(), false);
             assert_eq!(booth.phase(), phase, "{unused:?}, of which {counted} s were counted");
+        });
+    }
+}
+
+/// The runtime lost its session, and has another one: the badge is shown again unless that took as long as the settings
+/// have a visitor off the head there.
+#[test]
+fn a_lost_session_is_time_away_by_the_settings_of_its_phase() {
+    for (away, phase) in [(7.0, VisitPhase::Badge), (9.0, VisitPhase::Attract)] {
+        with_booth(|booth| {
+            booth.host.options.plan.set_value(PlanSetting::OffAfter, 8);
+            booth.host.begin_anew();
+            booth.wait(4);
+            begin_sculpting(booth);
+            cut(booth);
+            booth.host.perform(ButtonAction::Press(Press::Finish));
+            booth.export.is_kept = true;
+            while booth.phase() != VisitPhase::Badge {
+                booth.headset_tick(100.0, HandSample::default(), false);
+            }
+            booth.headset_tick(100.0 + away, HandSample::default(), false);
+            assert_eq!(booth.phase(), phase, "lost for {away} s");
         });
     }
 }
