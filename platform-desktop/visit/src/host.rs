@@ -347,7 +347,10 @@ impl VisitHost {
             self.pointing.forget_buttons();
             self.headset.take_eyes_anew();
         }
-        self.screen.draw(&state, self.pointing.hot_buttons(), &self.options);
+        if self.screen.draw(&state, self.pointing.hot_buttons(), &self.options) {
+            self.pointing.forget_buttons();
+            self.screen.draw(&state, self.pointing.hot_buttons(), &self.options);
+        }
     }
 }
 

@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 use paros_core::internals::{BOX_SIDE, STOOL_TOP};
+use paros_core::session::TICK_RATE;
 use paros_shaders::panel::{Panel, PanelButton, PanelPoint, find_button};
 use paros_shell::headset::hand_sample::HandSample;
 
@@ -19,6 +20,9 @@ const GRIP_REACH: f32 = 0.08;
 
 /// A trigger that is pulled so far presses, as the core has it: 128 of 255.
 const PRESSED_FROM: f32 = 128.0 / 255.0;
+
+/// Ticks for which buttons that have just appeared are not pressed: 300 ms. Who presses so soon meant what was there before.
+pub(crate) const UNAIMED_TICKS: u32 = (TICK_RATE * 3).div_ceil(10);
 
 /// What is felt of a button that a hand comes onto, and of one that is pressed, of 255.
 const HOVER_TAP: u8 = 70;
@@ -65,6 +69,8 @@ struct PointerState {
 #[derive(Clone, Copy, PartialEq, Default, Debug)]
 pub(crate) struct Pointing {
     states: [PointerState; POINTERS],
+    /// Ticks left of [`UNAIMED_TICKS`].
+    unaimed_ticks: u32,
 }
 
 /// A button of one of the panels that are shown.
@@ -93,8 +99,8 @@ impl Pointer {
 }
 
 impl Pointing {
-    /// Takes in where the pointers are. Returns the button that one of them has pressed just now. `is_stone_between`
-    /// tells that rays through the stone are at work on it, and point at nothing beyond.
+    /// Takes in where the pointers are in a tick. Returns the button that one of them has pressed just now, unless it has
+    /// only just appeared. `is_stone_between` tells that rays through the stone are at work on it, and point at nothing beyond.
     pub(crate) fn follow(
         &mut self,
         pointers: &[Option<Pointer>; POINTERS],
@@ -103,6 +109,8 @@ impl Pointing {
         is_stone_between: bool,
     ) -> Option<u16> {
         let mut pressed = None;
+        let is_unaimed = self.unaimed_ticks > 0;
+        self.unaimed_ticks = self.unaimed_ticks.saturating_sub(1);
         for (state, pointer) in self.states.iter_mut().zip(pointers) {
             let Some(pointer) = pointer else {
                 // What was held down or touched may be so still when it is seen again: that is no other press.
@@ -119,6 +127,7 @@ impl Pointing {
             let is_new_press = pointer.is_pressed && !state.was_pressed;
             let is_new_touch = touched.is_some() && !state.was_touching;
             let press = match (is_new_touch, is_new_press) {
+                _ if is_unaimed => None,
                 (true, _) => touched,
                 (false, true) => pointed,
                 (false, false) => None,
@@ -164,8 +173,10 @@ impl Pointing {
         self.states.get(pointer).map_or(0, |state| state.tap)
     }
 
-    /// Forgets what is under the pointers: other panels are shown. What is held down presses none of them.
+    /// Forgets what is under the pointers: other buttons are shown. What is held down presses none of them, and nothing
+    /// does for [`UNAIMED_TICKS`].
     pub(crate) fn forget_buttons(&mut self) {
+        self.unaimed_ticks = UNAIMED_TICKS;
         self.states.iter_mut().for_each(|state| {
             (state.hot, state.ray, state.was_touching) = (None, None, true);
         });
@@ -216,181 +227,4 @@ fn crosses_stone(origin: Vec3, direction: Vec3) -> bool {
 }
 
 #[cfg(test)]
-mod tests {
-    use core::f32::consts::FRAC_PI_2;
-
-    use glam::{Quat, Vec3};
-    use paros_shaders::panel::layout::welcome_buttons;
-    use paros_shaders::panel::{Panel, PanelPose};
-    use paros_shell::headset::hand_sample::HandSample;
-
-    use crate::screen::point_in_room;
-
-    use super::{GRIP_REACH, HOVER_TAP, PRESS_TAP, PanelRay, Pointer, Pointing, ShownButton};
-
-    const PLACE: Vec3 = Vec3::new(0.9, 1.5, -1.0);
-
-    fn shown() -> (Vec<Panel>, Vec<ShownButton>) {
-        let mut panel = Panel::new([1080.0, 720.0]);
-        panel.pose = PanelPose::facing(PLACE, Vec3::new(0.0, 1.6, 0.0));
-        let buttons = welcome_buttons(10, 3).map(|button| ShownButton { panel: 0, button });
-        (vec![panel], buttons.to_vec())
-    }
-
-    /// A point of the room before a button's middle.
-    fn before(panel: &Panel, button: &ShownButton, metres: f32) -> Vec3 {
-        let middle = point_in_room(panel, button.button.rect.middle());
-        middle + panel.pose.rotation * Vec3::Z * metres
-    }
-
-    fn ray_to(target: Vec3, is_pressed: bool) -> Pointer {
-        let origin = Vec3::new(0.25, 1.1, 0.2);
-        Pointer { origin, direction: target - origin, is_pressed, fingertip: None }
-    }
-
-    #[test]
-    fn a_ray_presses_once_and_only_where_it_is_pulled_upon() {
-        let (panels, buttons) = shown();
-        let mut pointing = Pointing::default();
-        let at = |k: usize| before(&panels[0], &buttons[k], 0.0);
-        let mut follow = |target, is_pressed| {
-            let pointers = [None, Some(ray_to(target, is_pressed)), None];
-            let pressed = pointing.follow(&pointers, &panels, &buttons, false);
-            (pressed, pointing.is_on_button(1))
-        };
-        assert_eq!(follow(at(2), false), (None, true));
-        assert_eq!(follow(at(2), true), (Some(12), true));
-        assert_eq!(follow(at(2), true), (None, true), "held down");
-        assert_eq!(follow(at(3), true), (None, true), "drawn over another");
-        assert_eq!(follow(Vec3::NEG_Z * 9.0, true), (None, true), "still the button's press");
-        assert_eq!(follow(Vec3::NEG_Z * 9.0, false), (None, false));
-        assert_eq!(follow(Vec3::NEG_Z * 9.0, true), (None, false));
-        assert_eq!(follow(at(6), true), (None, true), "pulled elsewhere");
-    }
-
-    #[test]
-    fn a_hand_points_where_it_aims_and_touches_with_its_foremost_point() {
-        let turn = Quat::from_rotation_y(FRAC_PI_2);
-        let sample = HandSample {
-            aim: Some((Vec3::X, turn)),
-            grip: Some((Vec3::Y, turn)),
-            trigger: 0.5,
-            ..HandSample::default()
-        };
-        let pointer = Pointer::of_hand(&sample).expect("it aims");
-        assert_eq!(pointer.origin, Vec3::X);
-        assert!(pointer.direction.distance(Vec3::NEG_X) < 1e-6 && !pointer.is_pressed);
-        let foremost = Vec3::new(-GRIP_REACH, 1.0, 0.0);
-        assert!(pointer.fingertip.is_some_and(|tip| tip.distance(foremost) < 1e-6));
-        let bare = HandSample { fingertip: Some(Vec3::Z), trigger: 0.51, grip: None, ..sample };
-        let pointer = Pointer::of_hand(&bare).expect("it aims");
-        assert_eq!((pointer.fingertip, pointer.is_pressed), (Some(Vec3::Z), true));
-        assert_eq!(Pointer::of_hand(&HandSample { aim: None, ..sample }), None);
-    }
-
-    #[test]
-    fn a_button_is_felt_when_a_hand_comes_onto_it_and_when_it_is_pressed() {
-        let (panels, buttons) = shown();
-        let mut pointing = Pointing::default();
-        let at = |k: usize| before(&panels[0], &buttons[k], 0.0);
-        let mut feel = |target, is_pressed| {
-            pointing.follow(
-                &[None, Some(ray_to(target, is_pressed)), None],
-                &panels,
-                &buttons,
-                false,
-            );
-            assert_eq!(pointing.tap(0), 0, "of the other hand");
-            pointing.tap(1)
-        };
-        let away = Vec3::NEG_Z * 9.0;
-        let felt = [
-            feel(away, false),
-            feel(at(2), false),
-            feel(at(2), false),
-            feel(at(2), true),
-            feel(at(2), true),
-            feel(at(3), true),
-            feel(away, false),
-        ];
-        assert_eq!(felt, [0, HOVER_TAP, 0, PRESS_TAP, 0, HOVER_TAP, 0]);
-    }
-
-    #[test]
-    fn a_ray_ends_on_the_panel_that_has_buttons() {
-        let (panels, buttons) = shown();
-        let mut pointing = Pointing::default();
-        let target = panels[0].pose.middle;
-        let mut ray = |target, buttons: &[ShownButton]| {
-            pointing.follow(&[Some(ray_to(target, false)), None, None], &panels, buttons, false);
-            pointing.rays()[0]
-        };
-        let PanelRay { panel, ends } = ray(target, &buttons).expect("a ray");
-        assert_eq!((panel, ends[0]), (0, ray_to(target, false).origin));
-        assert!(ends[1].distance(target) < 1e-4, "{ends:?}");
-        assert_eq!(ray(target, &[]), None, "there is nothing to press");
-        assert_eq!(ray(Vec3::NEG_Z * 9.0, &buttons), None);
-    }
-
-    #[test]
-    fn a_finger_presses_by_touch() {
-        let (panels, buttons) = shown();
-        let mut pointing = Pointing::default();
-        let mut touch = |metres| {
-            let tip = before(&panels[0], &buttons[4], metres);
-            let away = Pointer { fingertip: Some(tip), ..ray_to(Vec3::Z * 9.0, false) };
-            pointing.follow(&[Some(away), None, None], &panels, &buttons, true)
-        };
-        assert_eq!(touch(0.05), None);
-        assert_eq!(touch(0.01), Some(14));
-        assert_eq!(touch(-0.01), None, "still touching");
-        assert_eq!(touch(0.05), None);
-        assert_eq!(touch(0.0), Some(14));
-    }
-
-    #[test]
-    fn a_hand_that_was_lost_for_a_while_presses_nothing_again() {
-        let (panels, buttons) = shown();
-        let mut pointing = Pointing::default();
-        let on_button = ray_to(before(&panels[0], &buttons[2], 0.0), true);
-        let mut follow = |pointer| {
-            let pressed = pointing.follow(&[None, pointer, None], &panels, &buttons, false);
-            (pressed, pointing.is_on_button(1))
-        };
-        assert_eq!(follow(Some(on_button)), (Some(12), true));
-        follow(None);
-        assert_eq!(follow(Some(on_button)), (None, true), "held down all the while");
-        let mut pointing = Pointing::default();
-        let mut touch = |is_seen: bool| {
-            let tip = before(&panels[0], &buttons[4], 0.0);
-            let pointer = Pointer { fingertip: Some(tip), ..ray_to(Vec3::Z * 9.0, false) };
-            pointing.follow(&[is_seen.then_some(pointer), None, None], &panels, &buttons, false)
-        };
-        assert_eq!([true, false, true].map(&mut touch), [Some(14), None, None]);
-    }
-
-    #[test]
-    fn a_hand_at_work_on_the_stone_presses_nothing_behind_it() {
-        let (mut panels, buttons) = shown();
-        panels[0].pose = PanelPose::facing(Vec3::new(0.0, 1.3, -1.2), Vec3::new(0.0, 1.4, 0.0));
-        let mut pointing = Pointing::default();
-        let target = before(&panels[0], &buttons[6], 0.0);
-        for is_stone_between in [true, false] {
-            let at_work = Pointer { origin: Vec3::new(0.0, 1.05, -0.2), ..ray_to(target, false) };
-            let at_work = Pointer { direction: target - at_work.origin, ..at_work };
-            pointing.follow(&[Some(at_work), None, None], &panels, &buttons, is_stone_between);
-            assert_eq!(pointing.is_on_button(0), !is_stone_between);
-        }
-    }
-
-    #[test]
-    fn what_is_held_down_presses_nothing_of_the_next_screen() {
-        let (panels, buttons) = shown();
-        let mut pointing = Pointing::default();
-        let pointers = [Some(ray_to(before(&panels[0], &buttons[6], 0.0), true)), None, None];
-        assert_eq!(pointing.follow(&pointers, &panels, &buttons, false), Some(16));
-        pointing.forget_buttons();
-        assert_eq!(pointing.hot_buttons(), [None; 3]);
-        assert_eq!(pointing.follow(&pointers, &panels, &buttons, false), None);
-    }
-}
+mod tests;

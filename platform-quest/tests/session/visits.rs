@@ -59,12 +59,20 @@ fn aim_at(shell: &mut ShellProcess, action: &str) -> RemoteHand {
     RemoteHand { rotation, ..from }
 }
 
-/// Aims at a button, pulls the trigger, and waits for a phase.
-fn press(hands: &mut RemoteHands, shell: &mut ShellProcess, action: &str, phase: &str) {
+/// Aims at a button, and pulls the trigger. Returns the aim.
+fn aim_and_pull(hands: &mut RemoteHands, shell: &mut ShellProcess, action: &str) -> RemoteHand {
     let aimed = aim_at(shell, action);
     hands.place_hand(RIGHT, aimed);
-    shell.wait_frames(2);
+    // Nothing is pressed that has only just appeared.
+    let now = shell.query_status().number("ticks");
+    shell.wait_until("aimed", |said| said.number("ticks") > now + 24);
     hands.place_hand(RIGHT, RemoteHand { trigger: 1.0, ..aimed });
+    aimed
+}
+
+/// Aims at a button, pulls the trigger, and waits for a phase.
+fn press(hands: &mut RemoteHands, shell: &mut ShellProcess, action: &str, phase: &str) {
+    let aimed = aim_and_pull(hands, shell, action);
     shell.wait_frames(2);
     hands.place_hand(RIGHT, aimed);
     shell.wait_until(phase, |said| said.field("visit") == phase);
@@ -168,10 +176,7 @@ fn a_visitor_goes_from_attract_to_the_badge_and_hands_over() {
     wait_for("the print", || finished_sculptures(&monado, "stl").len() == 1);
     shell.wait_until("a way on", |said| find_button(said, "Press(Confirm)").is_some());
     picture(&monado, &mut shell, "badge");
-    let confirm = aim_at(&mut shell, "Press(Confirm)");
-    hands.place_hand(RIGHT, confirm);
-    shell.wait_frames(2);
-    hands.place_hand(RIGHT, RemoteHand { trigger: 1.0, ..confirm });
+    aim_and_pull(&mut hands, &mut shell, "Press(Confirm)");
     shell.wait_until("thanks", |said| said.field("visit") == "Thanks");
     hands.place_hand(RIGHT, REST);
     picture(&monado, &mut shell, "thanks");

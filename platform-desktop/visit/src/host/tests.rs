@@ -1,5 +1,6 @@
 //! Visits from attract to the next visitor, through a world of the shipped size.
 
+mod aiming;
 mod headset;
 mod previews;
 
@@ -20,7 +21,7 @@ use super::{ExportState, VisitHost, close_visits};
 use crate::lathe::LatheHand;
 use crate::options::{Controls, VisitOptions};
 use crate::pin_pad::LEFT_TICKS;
-use crate::pointing::Pointer;
+use crate::pointing::{Pointer, UNAIMED_TICKS};
 use crate::screen::ButtonAction;
 use crate::standing::room_pose;
 
@@ -79,10 +80,11 @@ impl Booth<'_, '_> {
         let found = self.host.buttons().find(|(name, _)| *name == format!("{action:?}"));
         let Some((_, target)) = found else { return false };
         let origin = Vec3::new(0.35, 1.35, 0.1);
-        let direction = target - origin;
-        for is_pressed in [false, true, false] {
-            let pointer = Pointer { origin, direction, is_pressed, fingertip: None };
-            self.tick(Some(pointer));
+        let pointer =
+            Pointer { origin, direction: target - origin, is_pressed: false, fingertip: None };
+        (0..UNAIMED_TICKS).for_each(|_| self.tick(Some(pointer)));
+        for is_pressed in [true, false] {
+            self.tick(Some(Pointer { is_pressed, ..pointer }));
         }
         self.wait(2);
         true

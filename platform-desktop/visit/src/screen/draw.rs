@@ -1,5 +1,7 @@
 //! Laying the panels out.
 
+use std::mem;
+
 use paros_core::badge::BadgeNumber;
 use paros_core::visit::{GuideStep, PanelAction, StaffCommand, VisitPhase};
 use paros_shaders::panel::layout::{self, Clock, Guide, PanelNotice, palette};
@@ -15,20 +17,20 @@ use crate::previews::cell_of_card;
 use crate::standing::PanelSpot;
 
 impl Screen {
-    /// Lays the panels out, where what they show has changed.
+    /// Lays the panels out, where what they show has changed. Returns whether other buttons are shown, or the same ones
+    /// elsewhere: nobody has aimed at them.
     pub(crate) fn draw(
         &mut self,
         state: &ScreenState,
         hot: [Option<u16>; POINTERS],
         options: &VisitOptions,
-    ) {
+    ) -> bool {
         if self.drawn == Some((*state, hot)) {
-            return;
+            return false;
         }
         self.drawn = Some((*state, hot));
         (self.count, self.ray_panels) = (0, 0);
-        self.buttons.clear();
-        self.actions.clear();
+        let (buttons, actions) = (mem::take(&mut self.buttons), mem::take(&mut self.actions));
         match state.question {
             Question::None => self.draw_phase(state, options),
             Question::Finish => self.draw_finish_question(state),
@@ -45,6 +47,8 @@ impl Screen {
                 self.panels[shown.panel].add_button(state.language, &button);
             }
         }
+        let place = |shown: &ShownButton| (shown.panel, shown.button.rect);
+        self.actions != actions || !self.buttons.iter().map(place).eq(buttons.iter().map(place))
     }
 
     fn draw_phase(&mut self, state: &ScreenState, options: &VisitOptions) {

@@ -19,6 +19,9 @@ pub(crate) const N: usize = 128;
 /// Seconds of a session, so that a day has many.
 const LENGTH: u16 = 25;
 
+/// Ticks from aiming at a button to pressing it: a third of a second.
+const AIMING_TICKS: u32 = TICK_RATE / 3;
+
 /// A visitor's body.
 #[derive(Clone, Copy)]
 pub(crate) struct Body {
@@ -134,10 +137,12 @@ impl Day<'_, '_> {
         let Some((_, target)) = found else { return false };
         let side = if self.body.hand == 1 { 0.35 } else { -0.35 };
         let origin = Vec3::new(side, self.body.eye_height - 0.3, 0.1);
-        for is_pressed in [false, true, false] {
-            let direction = target - origin;
-            let pointer = Pointer { origin, direction, is_pressed, fingertip: None };
-            self.tick(Some(pointer), TickInput::default());
+        let direction = target - origin;
+        let pointer = Pointer { origin, direction, is_pressed: false, fingertip: None };
+        // Nothing is pressed that has only just appeared.
+        (0..AIMING_TICKS).for_each(|_| self.tick(Some(pointer), TickInput::default()));
+        for is_pressed in [true, false] {
+            self.tick(Some(Pointer { is_pressed, ..pointer }), TickInput::default());
         }
         self.wait(0.05);
         true

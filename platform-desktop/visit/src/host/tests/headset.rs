@@ -13,6 +13,7 @@ use paros_shell::headset::haptics::TickHaptics;
 use super::{Booth, Press, begin_sculpting, cut, with_booth};
 use crate::headset::HeadsetTick;
 use crate::host::{Question, VisitHost};
+use crate::pointing::UNAIMED_TICKS;
 use crate::screen::ButtonAction;
 
 const SOURCES: [HandSource; 2] = [HandSource::Controller; 2];
@@ -44,7 +45,7 @@ impl Booth<'_, '_> {
         let (_, target) = button.unwrap_or_else(|| panic!("no {name}"));
         let from = Vec3::new(0.3, 1.3, 0.1);
         let aim = (from, Quat::from_rotation_arc(Vec3::NEG_Z, (target - from).normalize()));
-        for trigger in [0.0, 1.0, 0.0] {
+        for trigger in [[0.0; UNAIMED_TICKS as usize].as_slice(), &[1.0, 0.0]].concat() {
             let hand =
                 HandSample { aim: Some(aim), grip: Some(aim), trigger, ..HandSample::default() };
             self.headset_tick(0.0, hand, false);
