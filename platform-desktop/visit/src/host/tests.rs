@@ -41,14 +41,14 @@ fn options() -> VisitOptions {
 }
 
 /// A world with its host, and a visitor whose right hand points and presses.
-struct Booth<'a, 's> {
+struct HostRig<'a, 's> {
     runner: &'a mut TickRunner<'s, N, INTERVALS>,
     host: VisitHost,
     presence: Presence,
     export: ExportState,
 }
 
-impl Booth<'_, '_> {
+impl HostRig<'_, '_> {
     fn world(&self) -> &World<N, INTERVALS> {
         self.runner.world()
     }
@@ -91,240 +91,240 @@ impl Booth<'_, '_> {
     }
 }
 
-fn with_booth<T>(test: impl FnOnce(&mut Booth<'_, '_>) -> T) -> T {
+fn with_rig<T>(test: impl FnOnce(&mut HostRig<'_, '_>) -> T) -> T {
     with_fresh_world::<N, INTERVALS, _>(|mut runner| {
         let mut host = VisitHost::new(options(), runner.world().visit());
         host.random_bits = || 4242;
         let export = ExportState { is_busy: false, is_kept: false, part: 0.0, pending: 0 };
-        let mut booth = Booth { runner: &mut runner, host, presence: Presence::Off, export };
-        booth.wait(4);
-        assert_eq!(booth.phase(), VisitPhase::Attract);
-        test(&mut booth)
+        let mut rig = HostRig { runner: &mut runner, host, presence: Presence::Off, export };
+        rig.wait(4);
+        assert_eq!(rig.phase(), VisitPhase::Attract);
+        test(&mut rig)
     })
 }
 
 /// From the headset put on to sculpting, through the panels.
-fn begin_sculpting(booth: &mut Booth<'_, '_>) {
-    booth.presence = Presence::Worn;
-    booth.wait(2);
-    assert_eq!(booth.phase(), VisitPhase::Welcome);
-    assert!(booth.press(ButtonAction::Press(Press::Confirm)));
-    assert_eq!(booth.phase(), VisitPhase::Choice);
-    assert!(booth.press(ButtonAction::Choose(options().starts[1])));
-    assert_eq!(booth.phase(), VisitPhase::Guided);
+fn begin_sculpting(rig: &mut HostRig<'_, '_>) {
+    rig.presence = Presence::Worn;
+    rig.wait(2);
+    assert_eq!(rig.phase(), VisitPhase::Welcome);
+    assert!(rig.press(ButtonAction::Press(Press::Confirm)));
+    assert_eq!(rig.phase(), VisitPhase::Choice);
+    assert!(rig.press(ButtonAction::Choose(options().starts[1])));
+    assert_eq!(rig.phase(), VisitPhase::Guided);
     for step in GuideStep::ALL.into_iter().take(6) {
-        assert_eq!(booth.world().visit().guide_step(), step);
-        assert!(booth.press(ButtonAction::Press(Press::Skip { all: false })));
+        assert_eq!(rig.world().visit().guide_step(), step);
+        assert!(rig.press(ButtonAction::Press(Press::Skip { all: false })));
     }
-    assert_eq!(booth.phase(), VisitPhase::Sculpting);
+    assert_eq!(rig.phase(), VisitPhase::Sculpting);
 }
 
 /// The input of a hand that cuts into the stone's upper front edge.
-fn cut(booth: &mut Booth<'_, '_>) {
+fn cut(rig: &mut HostRig<'_, '_>) {
     for item in [BenchItem::Tool(Tool::Rotary), BenchItem::Bit(ToolBit::RoughingBall)] {
         let pointer = PointerCommand::Take { hand: 1, item: item.number() as u8 };
-        booth.tick_with(None, TickInput { pointer, ..TickInput::default() });
+        rig.tick_with(None, TickInput { pointer, ..TickInput::default() });
     }
     for tick in 0..90i16 {
-        let world = booth.world();
+        let world = rig.world();
         let position = Vec3::new(64.0, 70.0, 150.0 - f32::from(tick));
         let pose = Pose { position, ..Pose::ZERO };
         let mut input = TickInput::default();
         input.hands[1] = world.hand_with_bit_at(1, &pose);
         input.hands[1].trigger = if tick > 5 { 255 } else { 0 };
-        booth.tick_with(None, input);
+        rig.tick_with(None, input);
     }
-    booth.wait(20);
-    assert!(booth.world().visit().is_sculpted(), "nothing was cut");
+    rig.wait(20);
+    assert!(rig.world().visit().is_sculpted(), "nothing was cut");
 }
 
 #[test]
 fn a_visit_goes_from_attract_to_the_badge_and_the_next_visitor() {
-    with_booth(|booth| {
-        begin_sculpting(booth);
-        assert_eq!(booth.world().mode(), options().starts[1], "what the card says");
-        cut(booth);
-        assert!(booth.press(ButtonAction::Ask(super::Question::Finish)));
-        assert!(booth.press(ButtonAction::Ask(super::Question::None)), "no");
-        assert_eq!(booth.phase(), VisitPhase::Sculpting);
-        assert!(booth.press(ButtonAction::Ask(super::Question::Finish)));
-        assert!(booth.press(ButtonAction::Press(Press::Finish)), "yes");
-        assert_eq!(booth.phase(), VisitPhase::HandsOff);
-        booth.export.is_busy = true;
-        while booth.phase() == VisitPhase::HandsOff {
-            booth.tick(None);
+    with_rig(|rig| {
+        begin_sculpting(rig);
+        assert_eq!(rig.world().mode(), options().starts[1], "what the card says");
+        cut(rig);
+        assert!(rig.press(ButtonAction::Ask(super::Question::Finish)));
+        assert!(rig.press(ButtonAction::Ask(super::Question::None)), "no");
+        assert_eq!(rig.phase(), VisitPhase::Sculpting);
+        assert!(rig.press(ButtonAction::Ask(super::Question::Finish)));
+        assert!(rig.press(ButtonAction::Press(Press::Finish)), "yes");
+        assert_eq!(rig.phase(), VisitPhase::HandsOff);
+        rig.export.is_busy = true;
+        while rig.phase() == VisitPhase::HandsOff {
+            rig.tick(None);
         }
-        assert_eq!(booth.phase(), VisitPhase::Export);
-        assert_eq!(booth.world().session_state(), SessionState::Finished);
-        booth.wait(100);
-        assert_eq!(booth.phase(), VisitPhase::Export, "it isn't kept yet");
-        booth.export = ExportState { is_busy: false, is_kept: true, part: 1.0, pending: 0 };
-        booth.wait(3);
-        assert_eq!(booth.phase(), VisitPhase::Badge);
-        let badge = booth.world().visit().badge().expect("a badge");
+        assert_eq!(rig.phase(), VisitPhase::Export);
+        assert_eq!(rig.world().session_state(), SessionState::Finished);
+        rig.wait(100);
+        assert_eq!(rig.phase(), VisitPhase::Export, "it isn't kept yet");
+        rig.export = ExportState { is_busy: false, is_kept: true, part: 1.0, pending: 0 };
+        rig.wait(3);
+        assert_eq!(rig.phase(), VisitPhase::Badge);
+        let badge = rig.world().visit().badge().expect("a badge");
         assert_eq!(badge & 0x3_ffff, 4242);
         let confirm = ButtonAction::Press(Press::Confirm);
-        assert!(!booth.press(confirm), "it is to be looked at first");
-        booth.wait(10 * TICK_RATE);
-        assert!(booth.press(confirm));
-        assert_eq!(booth.phase(), VisitPhase::Thanks);
-        booth.wait(60 * TICK_RATE);
-        assert_eq!(booth.phase(), VisitPhase::Handover);
-        booth.presence = Presence::Off;
-        booth.wait(3);
-        assert!(booth.press(ButtonAction::Cleaned));
-        assert_eq!(booth.phase(), VisitPhase::Attract);
-        booth.presence = Presence::Worn;
-        booth.wait(3);
-        assert_eq!(booth.phase(), VisitPhase::Welcome);
-        assert_eq!(booth.world().visit().badge(), None, "the next visitor's own");
-        assert_eq!(booth.world().visit().plan().value(PlanSetting::Length), 200);
+        assert!(!rig.press(confirm), "it is to be looked at first");
+        rig.wait(10 * TICK_RATE);
+        assert!(rig.press(confirm));
+        assert_eq!(rig.phase(), VisitPhase::Thanks);
+        rig.wait(60 * TICK_RATE);
+        assert_eq!(rig.phase(), VisitPhase::Handover);
+        rig.presence = Presence::Off;
+        rig.wait(3);
+        assert!(rig.press(ButtonAction::Cleaned));
+        assert_eq!(rig.phase(), VisitPhase::Attract);
+        rig.presence = Presence::Worn;
+        rig.wait(3);
+        assert_eq!(rig.phase(), VisitPhase::Welcome);
+        assert_eq!(rig.world().visit().badge(), None, "the next visitor's own");
+        assert_eq!(rig.world().visit().plan().value(PlanSetting::Length), 200);
     });
 }
 
 #[test]
 fn a_badge_can_be_left_as_soon_as_its_least_time_is_over_and_no_sooner() {
-    with_booth(|booth| {
-        begin_sculpting(booth);
-        cut(booth);
-        booth.host.perform(ButtonAction::Press(Press::Finish));
-        booth.export.is_kept = true;
-        while booth.phase() != VisitPhase::Badge {
-            booth.tick(None);
+    with_rig(|rig| {
+        begin_sculpting(rig);
+        cut(rig);
+        rig.host.perform(ButtonAction::Press(Press::Finish));
+        rig.export.is_kept = true;
+        while rig.phase() != VisitPhase::Badge {
+            rig.tick(None);
         }
         let least = 10 * TICK_RATE;
-        while booth.world().visit().phase_ticks() < least - 1 {
-            booth.tick(None);
+        while rig.world().visit().phase_ticks() < least - 1 {
+            rig.tick(None);
         }
-        assert_eq!(booth.host.buttons().count(), 0);
-        booth.tick(None);
-        assert_eq!(booth.host.buttons().count(), 1);
-        booth.host.perform(ButtonAction::Press(Press::Confirm));
-        booth.tick(None);
-        assert_eq!(booth.phase(), VisitPhase::Thanks, "what is shown works");
+        assert_eq!(rig.host.buttons().count(), 0);
+        rig.tick(None);
+        assert_eq!(rig.host.buttons().count(), 1);
+        rig.host.perform(ButtonAction::Press(Press::Confirm));
+        rig.tick(None);
+        assert_eq!(rig.phase(), VisitPhase::Thanks, "what is shown works");
     });
 }
 
 #[test]
 fn a_sculpture_that_is_never_kept_lets_the_visitor_go_all_the_same() {
-    with_booth(|booth| {
-        begin_sculpting(booth);
-        cut(booth);
-        booth.host.perform(ButtonAction::Press(Press::Finish));
-        booth.export.pending = 1;
-        booth.wait(25 * TICK_RATE + 61 * TICK_RATE);
-        assert_eq!(booth.phase(), VisitPhase::Badge);
-        assert!(booth.world().visit().badge().is_some());
+    with_rig(|rig| {
+        begin_sculpting(rig);
+        cut(rig);
+        rig.host.perform(ButtonAction::Press(Press::Finish));
+        rig.export.pending = 1;
+        rig.wait(25 * TICK_RATE + 61 * TICK_RATE);
+        assert_eq!(rig.phase(), VisitPhase::Badge);
+        assert!(rig.world().visit().badge().is_some());
     });
 }
 
 #[test]
 fn the_staff_has_its_pin_and_what_it_opens() {
-    with_booth(|booth| {
-        begin_sculpting(booth);
-        cut(booth);
-        booth.host.toggle_staff_panel();
-        booth.tick(None);
+    with_rig(|rig| {
+        begin_sculpting(rig);
+        cut(rig);
+        rig.host.toggle_staff_panel();
+        rig.tick(None);
         for digit in [2, 0, 2, 5] {
-            assert!(booth.press(ButtonAction::Digit(digit)));
+            assert!(rig.press(ButtonAction::Digit(digit)));
         }
-        assert!(!booth.press(ButtonAction::Staff(super::StaffCommand::Extend)), "not the PIN");
+        assert!(!rig.press(ButtonAction::Staff(super::StaffCommand::Extend)), "not the PIN");
         for digit in [2, 0, 2, 6] {
-            assert!(booth.press(ButtonAction::Digit(digit)));
+            assert!(rig.press(ButtonAction::Digit(digit)));
         }
-        let before = booth.world().visit().seconds_left().expect("a clock");
-        assert!(booth.press(ButtonAction::Staff(super::StaffCommand::Extend)));
-        let after = booth.world().visit().seconds_left().expect("a clock");
+        let before = rig.world().visit().seconds_left().expect("a clock");
+        assert!(rig.press(ButtonAction::Staff(super::StaffCommand::Extend)));
+        let after = rig.world().visit().seconds_left().expect("a clock");
         assert!((59..=60).contains(&(after - before)), "{before} {after}");
-        booth.host.toggle_staff_panel();
-        booth.tick(None);
+        rig.host.toggle_staff_panel();
+        rig.tick(None);
         for digit in [2, 0, 2, 6] {
-            booth.press(ButtonAction::Digit(digit));
+            rig.press(ButtonAction::Digit(digit));
         }
-        assert!(booth.press(ButtonAction::Recentre));
-        assert!(booth.host.take_recentring());
-        assert!(!booth.host.take_recentring());
-        assert_eq!(booth.phase(), VisitPhase::Sculpting);
+        assert!(rig.press(ButtonAction::Recentre));
+        assert!(rig.host.take_recentring());
+        assert!(!rig.host.take_recentring());
+        assert_eq!(rig.phase(), VisitPhase::Sculpting);
     });
 }
 
 #[test]
 fn without_a_pin_the_staffs_panel_stays_shut() {
-    with_booth(|booth| {
-        booth.host.options.staff_pin = None;
-        booth.host =
-            VisitHost::new(VisitOptions { staff_pin: None, ..options() }, booth.world().visit());
-        booth.host.toggle_staff_panel();
-        booth.wait(2);
-        assert!(!booth.press(ButtonAction::Digit(1)));
+    with_rig(|rig| {
+        rig.host.options.staff_pin = None;
+        rig.host =
+            VisitHost::new(VisitOptions { staff_pin: None, ..options() }, rig.world().visit());
+        rig.host.toggle_staff_panel();
+        rig.wait(2);
+        assert!(!rig.press(ButtonAction::Digit(1)));
     });
 }
 
 #[test]
 fn a_language_is_chosen_by_its_place_on_offer() {
-    with_booth(|booth| {
-        booth.presence = Presence::Worn;
-        booth.wait(2);
-        assert_eq!(booth.world().visit().language(), 0);
-        assert!(booth.press(ButtonAction::Press(Press::Language(1))));
-        assert_eq!(booth.world().visit().language(), 1, "English is the second there");
+    with_rig(|rig| {
+        rig.presence = Presence::Worn;
+        rig.wait(2);
+        assert_eq!(rig.world().visit().language(), 0);
+        assert!(rig.press(ButtonAction::Press(Press::Language(1))));
+        assert_eq!(rig.world().visit().language(), 1, "English is the second there");
     });
 }
 
 #[test]
 fn a_staffs_panel_that_is_left_open_shuts_by_itself() {
-    with_booth(|booth| {
-        begin_sculpting(booth);
-        booth.host.toggle_staff_panel();
-        booth.tick(None);
+    with_rig(|rig| {
+        begin_sculpting(rig);
+        rig.host.toggle_staff_panel();
+        rig.tick(None);
         for digit in [2, 0, 2, 6] {
-            booth.wait(LEFT_TICKS / 2);
-            assert!(booth.press(ButtonAction::Digit(digit)));
+            rig.wait(LEFT_TICKS / 2);
+            assert!(rig.press(ButtonAction::Digit(digit)));
         }
-        booth.wait(LEFT_TICKS - 9);
+        rig.wait(LEFT_TICKS - 9);
         let extend = ButtonAction::Staff(super::StaffCommand::Extend);
-        let is_there = |booth: &Booth<'_, '_>| {
-            let screen = &booth.host.screen;
+        let is_there = |rig: &HostRig<'_, '_>| {
+            let screen = &rig.host.screen;
             screen.buttons().iter().any(|shown| screen.action(shown.button.id) == Some(extend))
         };
-        assert!(is_there(booth));
-        booth.wait(9);
-        assert!(!is_there(booth), "the next visitor finds it open");
+        assert!(is_there(rig));
+        rig.wait(9);
+        assert!(!is_there(rig), "the next visitor finds it open");
     });
 }
 
 /// A run without visits finds the save of one with them: nobody is told to be there, and nothing is handed over.
 #[test]
 fn a_visit_that_nobody_holds_any_more_takes_no_sculpture_away() {
-    with_booth(|booth| {
-        begin_sculpting(booth);
-        cut(booth);
-        let voxels = booth.world().volume().count_voxels();
+    with_rig(|rig| {
+        begin_sculpting(rig);
+        cut(rig);
+        let voxels = rig.world().volume().count_voxels();
         for _ in 0..120 * TICK_RATE {
             let mut input = TickInput::default();
-            close_visits(booth.world().visit(), &mut input);
-            booth.runner.run_tick(&input);
+            close_visits(rig.world().visit(), &mut input);
+            rig.runner.run_tick(&input);
         }
-        assert_eq!(booth.phase(), VisitPhase::Closed);
-        assert_eq!(booth.world().session_state(), SessionState::Sculpting);
-        assert_eq!(booth.world().volume().count_voxels(), voxels);
+        assert_eq!(rig.phase(), VisitPhase::Closed);
+        assert_eq!(rig.world().session_state(), SessionState::Sculpting);
+        assert_eq!(rig.world().volume().count_voxels(), voxels);
     });
 }
 
 /// The stone is carved, tick by tick, by a hand that the core holds to what it holds all hands to; then another is.
 #[test]
 fn while_nobody_is_there_a_vase_is_turned_and_then_another() {
-    with_booth(|booth| {
-        let stone = booth.world().volume().count_voxels();
-        booth.wait(LatheHand::default().work_ticks());
-        let vase = booth.world().volume().count_voxels();
+    with_rig(|rig| {
+        let stone = rig.world().volume().count_voxels();
+        rig.wait(LatheHand::default().work_ticks());
+        let vase = rig.world().volume().count_voxels();
         assert!(vase * 100 < stone * 45, "{vase} of {stone} are left");
         // Round: as wide along x as along z at its belly.
-        let spans = [0, 1].map(|axis| belly_span(booth.world(), axis));
+        let spans = [0, 1].map(|axis| belly_span(rig.world(), axis));
         assert!(spans[0].abs_diff(spans[1]) <= 4, "{spans:?}");
-        booth.wait(9 * TICK_RATE);
-        assert_eq!(booth.phase(), VisitPhase::Attract);
-        assert!(booth.world().volume().count_voxels() * 10 > stone * 9, "a stone again");
+        rig.wait(9 * TICK_RATE);
+        assert_eq!(rig.phase(), VisitPhase::Attract);
+        assert!(rig.world().volume().count_voxels() * 10 > stone * 9, "a stone again");
     });
 }
 

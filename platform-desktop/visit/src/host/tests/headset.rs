@@ -10,7 +10,7 @@ use paros_shell::headset::hand_reader::HandSource;
 use paros_shell::headset::hand_sample::HandSample;
 use paros_shell::headset::haptics::TickHaptics;
 
-use super::{Booth, Press, begin_sculpting, cut, with_booth};
+use super::{HostRig, Press, begin_sculpting, cut, with_rig};
 use crate::headset::HeadsetTick;
 use crate::host::{Question, VisitHost};
 use crate::pointing::UNAIMED_TICKS;
@@ -18,7 +18,7 @@ use crate::screen::ButtonAction;
 
 const SOURCES: [HandSource; 2] = [HandSource::Controller; 2];
 
-impl Booth<'_, '_> {
+impl HostRig<'_, '_> {
     /// A tick of a headset whose right hand is so, at a time since boot.
     fn headset_tick(&mut self, seconds: f32, hand: HandSample, is_menu_down: bool) {
         let hands = [HandSample::default(), hand];
@@ -56,29 +56,29 @@ impl Booth<'_, '_> {
 
 #[test]
 fn a_hand_presses_what_it_aims_at_and_the_room_is_placed_for_who_is_welcome() {
-    with_booth(|booth| {
-        assert!(!booth.host.take_recentring(), "nobody is there");
-        booth.presence = Presence::Worn;
-        (0..3).for_each(|_| booth.headset_tick(0.0, HandSample::default(), false));
-        assert_eq!(booth.phase(), VisitPhase::Welcome);
-        assert!(booth.host.take_recentring() && !booth.host.take_recentring());
-        let main = booth.host.panels()[0].pose;
+    with_rig(|rig| {
+        assert!(!rig.host.take_recentring(), "nobody is there");
+        rig.presence = Presence::Worn;
+        (0..3).for_each(|_| rig.headset_tick(0.0, HandSample::default(), false));
+        assert_eq!(rig.phase(), VisitPhase::Welcome);
+        assert!(rig.host.take_recentring() && !rig.host.take_recentring());
+        let main = rig.host.panels()[0].pose;
         assert!(main.middle.z < -1.0 && (main.rotation * Vec3::Z).z > 0.9, "{main:?}");
-        booth.press_by_hand(ButtonAction::Press(Press::WorkingHand(0)));
-        assert_eq!(booth.world().visit().working_hand(), 0);
-        booth.press_by_hand(ButtonAction::Press(Press::Confirm));
-        assert_eq!(booth.phase(), VisitPhase::Choice);
+        rig.press_by_hand(ButtonAction::Press(Press::WorkingHand(0)));
+        assert_eq!(rig.world().visit().working_hand(), 0);
+        rig.press_by_hand(ButtonAction::Press(Press::Confirm));
+        assert_eq!(rig.phase(), VisitPhase::Choice);
     });
 }
 
 #[test]
 fn the_menu_button_asks_for_the_end_and_held_for_the_staff() {
-    with_booth(|booth| {
-        begin_sculpting(booth);
+    with_rig(|rig| {
+        begin_sculpting(rig);
         let mut hold = |ticks: u32| {
-            (0..ticks).for_each(|_| booth.headset_tick(0.0, HandSample::default(), true));
-            booth.headset_tick(0.0, HandSample::default(), false);
-            booth.host.question
+            (0..ticks).for_each(|_| rig.headset_tick(0.0, HandSample::default(), true));
+            rig.headset_tick(0.0, HandSample::default(), false);
+            rig.host.question
         };
         assert_eq!(hold(5), Question::Finish);
         assert_eq!(hold(5), Question::None);
@@ -92,12 +92,12 @@ fn the_menu_button_asks_for_the_end_and_held_for_the_staff() {
 #[test]
 fn who_was_away_for_long_has_gone() {
     for (away, phase) in [(44.0, VisitPhase::Sculpting), (46.0, VisitPhase::HandsOff)] {
-        with_booth(|booth| {
-            begin_sculpting(booth);
-            cut(booth);
-            booth.headset_tick(100.0, HandSample::default(), false);
-            booth.headset_tick(100.0 + away, HandSample::default(), false);
-            assert_eq!(booth.phase(), phase, "slept for {away} s");
+        with_rig(|rig| {
+            begin_sculpting(rig);
+            cut(rig);
+            rig.headset_tick(100.0, HandSample::default(), false);
+            rig.headset_tick(100.0 + away, HandSample::default(), false);
+            assert_eq!(rig.phase(), phase, "slept for {away} s");
         });
     }
     let minute = Duration::from_secs(60);
@@ -109,17 +109,17 @@ fn who_was_away_for_long_has_gone() {
         (Some(minute - Duration::from_secs(20)), 20, VisitPhase::Sculpting),
         (None, 0, VisitPhase::HandsOff),
     ] {
-        with_booth(|booth| {
-            begin_sculpting(booth);
-            cut(booth);
-            booth.presence = Presence::Off;
-            (0..counted * TICK_RATE).for_each(|_| booth.tick(None));
+        with_rig(|rig| {
+            begin_sculpting(rig);
+            cut(rig);
+            rig.presence = Presence::Off;
+            (0..counted * TICK_RATE).for_each(|_| rig.tick(None));
             // Another process finds it.
-            let visit = booth.runner.world().visit();
-            booth.host = VisitHost::new(super::options(), visit);
-            booth.host.note_found(visit, unused);
-            booth.headset_tick(9.0, HandSample::default(), false);
-            assert_eq!(booth.phase(), phase, "{unused:?}, of which {counted} s were counted");
+            let visit = rig.runner.world().visit();
+            rig.host = VisitHost::new(super::options(), visit);
+            rig.host.note_found(visit, unused);
+            rig.headset_tick(9.0, HandSample::default(), false);
+            assert_eq!(rig.phase(), phase, "{unused:?}, of which {counted} s were counted");
         });
     }
 }
@@ -129,47 +129,47 @@ fn who_was_away_for_long_has_gone() {
 #[test]
 fn a_lost_session_is_time_away_by_the_settings_of_its_phase() {
     for (away, phase) in [(7.0, VisitPhase::Badge), (9.0, VisitPhase::Attract)] {
-        with_booth(|booth| {
-            booth.host.options.plan.set_value(PlanSetting::OffAfter, 8);
-            booth.host.begin_anew();
-            booth.wait(4);
-            begin_sculpting(booth);
-            cut(booth);
-            booth.host.perform(ButtonAction::Press(Press::Finish));
-            booth.export.is_kept = true;
-            while booth.phase() != VisitPhase::Badge {
-                booth.headset_tick(100.0, HandSample::default(), false);
+        with_rig(|rig| {
+            rig.host.options.plan.set_value(PlanSetting::OffAfter, 8);
+            rig.host.begin_anew();
+            rig.wait(4);
+            begin_sculpting(rig);
+            cut(rig);
+            rig.host.perform(ButtonAction::Press(Press::Finish));
+            rig.export.is_kept = true;
+            while rig.phase() != VisitPhase::Badge {
+                rig.headset_tick(100.0, HandSample::default(), false);
             }
-            booth.headset_tick(100.0 + away, HandSample::default(), false);
-            assert_eq!(booth.phase(), phase, "lost for {away} s");
+            rig.headset_tick(100.0 + away, HandSample::default(), false);
+            assert_eq!(rig.phase(), phase, "lost for {away} s");
         });
     }
 }
 
 #[test]
 fn a_recording_begins_with_visits_that_begin() {
-    with_booth(|booth| {
-        begin_sculpting(booth);
-        booth.host = VisitHost::new(super::options(), booth.runner.world().visit());
-        booth.host.begin_anew();
-        booth.presence = Presence::Off;
-        booth.wait(1);
-        assert_eq!(booth.phase(), VisitPhase::Attract);
+    with_rig(|rig| {
+        begin_sculpting(rig);
+        rig.host = VisitHost::new(super::options(), rig.runner.world().visit());
+        rig.host.begin_anew();
+        rig.presence = Presence::Off;
+        rig.wait(1);
+        assert_eq!(rig.phase(), VisitPhase::Attract);
     });
 }
 
 #[test]
 fn buttons_are_felt_and_the_hand_of_nobody_is_not() {
-    with_booth(|booth| {
+    with_rig(|rig| {
         let at_work = TickHaptics { level: 200, ..TickHaptics::default() };
-        let feel = |booth: &Booth<'_, '_>| {
+        let feel = |rig: &HostRig<'_, '_>| {
             let mut felt = [at_work; 2];
-            booth.host.adapt_haptics(booth.world().visit(), &mut felt);
+            rig.host.adapt_haptics(rig.world().visit(), &mut felt);
             felt.map(|hand| hand.level)
         };
-        assert_eq!(feel(booth), [0, 0], "the host's own hand");
-        booth.presence = Presence::Worn;
-        booth.wait(3);
-        assert_eq!(feel(booth), [200, 200]);
+        assert_eq!(feel(rig), [0, 0], "the host's own hand");
+        rig.presence = Presence::Worn;
+        rig.wait(3);
+        assert_eq!(feel(rig), [200, 200]);
     });
 }

@@ -6,34 +6,34 @@ use std::time::{Duration, Instant};
 
 use paros_core::visit::{Presence, VisitPhase};
 
-use super::{Booth, ButtonAction, Press, options, with_booth};
+use super::{ButtonAction, HostRig, Press, options, with_rig};
 
 /// Longer than any picture takes beside other tests.
 const PATIENCE: Duration = Duration::from_secs(60);
 
 /// To the choice, through the welcome.
-fn go_to_choice(booth: &mut Booth<'_, '_>) {
-    booth.presence = Presence::Worn;
-    booth.wait(2);
-    assert!(!booth.host.previews.is_running(), "at the welcome");
-    assert!(booth.press(ButtonAction::Press(Press::Confirm)));
-    assert_eq!(booth.phase(), VisitPhase::Choice);
+fn go_to_choice(rig: &mut HostRig<'_, '_>) {
+    rig.presence = Presence::Worn;
+    rig.wait(2);
+    assert!(!rig.host.previews.is_running(), "at the welcome");
+    assert!(rig.press(ButtonAction::Press(Press::Confirm)));
+    assert_eq!(rig.phase(), VisitPhase::Choice);
 }
 
 /// Ticks at their own speed, until it is so.
-fn tick_until(booth: &mut Booth<'_, '_>, mut is_so: impl FnMut(&mut Booth<'_, '_>) -> bool) {
+fn tick_until(rig: &mut HostRig<'_, '_>, mut is_so: impl FnMut(&mut HostRig<'_, '_>) -> bool) {
     let begun = Instant::now();
-    while !is_so(booth) {
+    while !is_so(rig) {
         assert!(begun.elapsed() < PATIENCE, "in vain");
-        booth.wait(1);
+        rig.wait(1);
         thread::sleep(Duration::from_millis(2));
     }
 }
 
-fn wait_for_pictures(booth: &mut Booth<'_, '_>) {
+fn wait_for_pictures(rig: &mut HostRig<'_, '_>) {
     let mut cells = BTreeSet::new();
-    tick_until(booth, |booth| {
-        booth.host.hand_over_previews(|cell, _| {
+    tick_until(rig, |rig| {
+        rig.host.hand_over_previews(|cell, _| {
             cells.insert(cell);
             true
         });
@@ -44,20 +44,20 @@ fn wait_for_pictures(booth: &mut Booth<'_, '_>) {
 
 #[test]
 fn previews_live_while_there_is_something_to_choose() {
-    with_booth(|booth| {
-        go_to_choice(booth);
-        assert!(booth.host.previews.is_running());
-        wait_for_pictures(booth);
-        let before = booth.world().tick();
-        booth.wait(30);
-        assert_eq!(booth.world().tick(), before + 30, "no tick waits for them");
-        assert!(booth.press(ButtonAction::Choose(options().starts[1])));
-        assert_eq!(booth.phase(), VisitPhase::Guided);
-        assert!(!booth.host.previews.is_open(), "they end with the choice");
-        booth.host.hand_over_previews(|cell, _| panic!("a picture for cell {cell}"));
-        tick_until(booth, |booth| !booth.host.previews.is_running());
-        booth.wait(20);
-        assert!(!booth.host.previews.is_running());
+    with_rig(|rig| {
+        go_to_choice(rig);
+        assert!(rig.host.previews.is_running());
+        wait_for_pictures(rig);
+        let before = rig.world().tick();
+        rig.wait(30);
+        assert_eq!(rig.world().tick(), before + 30, "no tick waits for them");
+        assert!(rig.press(ButtonAction::Choose(options().starts[1])));
+        assert_eq!(rig.phase(), VisitPhase::Guided);
+        assert!(!rig.host.previews.is_open(), "they end with the choice");
+        rig.host.hand_over_previews(|cell, _| panic!("a picture for cell {cell}"));
+        tick_until(rig, |rig| !rig.host.previews.is_running());
+        rig.wait(20);
+        assert!(!rig.host.previews.is_running());
     });
 }
 
@@ -65,10 +65,10 @@ fn previews_live_while_there_is_something_to_choose() {
 /// many times as long.
 #[test]
 fn a_tick_waits_for_no_picture() {
-    with_booth(|booth| {
-        go_to_choice(booth);
-        wait_for_pictures(booth);
-        let (previews, starts) = (&mut booth.host.previews, options().starts);
+    with_rig(|rig| {
+        go_to_choice(rig);
+        wait_for_pictures(rig);
+        let (previews, starts) = (&mut rig.host.previews, options().starts);
         let begun = Instant::now();
         (0..1000).for_each(|_| previews.follow_tick(VisitPhase::Choice, &starts));
         previews.follow_tick(VisitPhase::Guided, &starts);
@@ -81,11 +81,11 @@ fn a_tick_waits_for_no_picture() {
 /// The thread ends with the host, in the middle of a choice.
 #[test]
 fn a_host_leaves_no_thread() {
-    with_booth(|booth| {
-        go_to_choice(booth);
-        wait_for_pictures(booth);
+    with_rig(|rig| {
+        go_to_choice(rig);
+        wait_for_pictures(rig);
         assert_eq!(count_threads_of_previews(), 1);
-        booth.host = super::VisitHost::new(options(), booth.world().visit());
+        rig.host = super::VisitHost::new(options(), rig.world().visit());
         assert_eq!(count_threads_of_previews(), 0);
     });
 }
@@ -102,15 +102,15 @@ fn count_threads_of_previews() -> usize {
 
 #[test]
 fn one_start_alone_needs_no_preview() {
-    with_booth(|booth| {
-        booth.host.options.starts.truncate(1);
-        booth.presence = Presence::Worn;
-        booth.wait(2);
-        assert!(booth.press(ButtonAction::Press(Press::Confirm)));
+    with_rig(|rig| {
+        rig.host.options.starts.truncate(1);
+        rig.presence = Presence::Worn;
+        rig.wait(2);
+        assert!(rig.press(ButtonAction::Press(Press::Confirm)));
         for _ in 0..20 {
-            assert!(!booth.host.previews.is_running());
-            booth.wait(1);
+            assert!(!rig.host.previews.is_running());
+            rig.wait(1);
         }
-        assert_eq!(booth.phase(), VisitPhase::Guided);
+        assert_eq!(rig.phase(), VisitPhase::Guided);
     });
 }
