@@ -8,7 +8,7 @@ use std::process::Command;
 use std::time::{Duration, Instant};
 use std::{env, fs};
 
-use paros_core::badge::BadgeLanguage;
+use paros_core::badge::Language;
 use paros_quest::device::table::ALL_MEMBERS;
 use paros_quest::device::{DeviceMonitor, MAX_ROWS, ManagedEntry};
 use paros_shell::headset::device_health::{
@@ -317,7 +317,7 @@ fn check_managed_configurations() {
     let settings = LoadedSettings::merge(&[layer]).settings;
     assert_eq!((settings.handover_after.as_secs(), settings.submit_depth), (120, true));
     let languages = settings.visits.map(|visits| visits.languages);
-    assert_eq!(languages, Some(vec![BadgeLanguage::Greek, BadgeLanguage::English]));
+    assert_eq!(languages, Some(vec![Language::Greek, Language::English]));
     // No reference is left behind by many entries: the machine would warn beyond its frame of 16.
     let many: Vec<_> = (0..300).map(|i| format!("mode{i}")).collect();
     set_answer("BaseBundle.keySet", &format!("K:{}", many.join(",")));

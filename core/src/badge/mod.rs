@@ -10,7 +10,7 @@
 //! repeat, and the booth then shows every sculpture with that badge.
 //!
 //! ```
-//! use paros_core::badge::{AnswerOutcome, BadgeLanguage, BadgeLease, BadgeLedger, write_words};
+//! use paros_core::badge::{AnswerOutcome, Language, BadgeLease, BadgeLedger, write_words};
 //!
 //! // The booth's, which keeps sculptures for 90 days, and headset 17's, with a random epoch.
 //! let mut ledger = Box::new(BadgeLedger::new(90));
@@ -20,7 +20,7 @@
 //! // The end of a visit: the lease is saved, then the badge shown.
 //! let badge = lease.take_number(0).badge();
 //! let mut words = String::new();
-//! write_words(&mut words, &badge, BadgeLanguage::English)?;
+//! write_words(&mut words, &badge, Language::English)?;
 //! assert_eq!(words, "red: pizza, mushroom, rocket, chair");
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -58,4 +58,4 @@ pub use lease::{AnswerOutcome, BadgeLease};
 pub use ledger::{BadgeLedger, DAY_SECONDS, LedgerRefusal, LedgerTotals};
 pub use ledger_save::MAX_LEDGER_BYTES;
 pub use shapes::{BadgePart, BadgePoint, BadgeShape, POINT_STEPS, covers_point};
-pub use words::{BadgeLanguage, write_words};
+pub use words::{Language, write_words};

@@ -7,11 +7,12 @@ use core::fmt;
 
 use crate::badge::code::{Badge, BadgeColour, Pictogram};
 
-/// A language that badges are said in.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+/// A language of visitors, in which panels and badges tell what they tell.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Default, Debug)]
 #[repr(u8)]
-pub enum BadgeLanguage {
+pub enum Language {
     /// British.
+    #[default]
     English,
     /// Modern, with accents.
     Greek,
@@ -97,15 +98,15 @@ const PICTOGRAMS: [[&str; 2]; Pictogram::COUNT] = [
     ["ghost", "φάντασμα"],
 ];
 
-impl BadgeLanguage {
+impl Language {
     /// By number.
-    pub const ALL: [BadgeLanguage; 2] = [BadgeLanguage::English, BadgeLanguage::Greek];
+    pub const ALL: [Language; 2] = [Language::English, Language::Greek];
 }
 
 impl Pictogram {
     /// What it shows, in a word of lower case.
     #[must_use]
-    pub const fn name(self, language: BadgeLanguage) -> &'static str {
+    pub const fn name(self, language: Language) -> &'static str {
         PICTOGRAMS[self.number()][language as usize]
     }
 }
@@ -113,7 +114,7 @@ impl Pictogram {
 impl BadgeColour {
     /// Its name, in a word of lower case.
     #[must_use]
-    pub const fn name(self, language: BadgeLanguage) -> &'static str {
+    pub const fn name(self, language: Language) -> &'static str {
         COLOURS[self as usize][language as usize]
     }
 }
@@ -122,11 +123,7 @@ impl BadgeColour {
 ///
 /// # Errors
 /// That of `to`.
-pub fn write_words(
-    to: &mut impl fmt::Write,
-    badge: &Badge,
-    language: BadgeLanguage,
-) -> fmt::Result {
+pub fn write_words(to: &mut impl fmt::Write, badge: &Badge, language: Language) -> fmt::Result {
     to.write_str(badge.colour.name(language))?;
     for (k, pictogram) in badge.pictograms.iter().enumerate() {
         to.write_str(if k == 0 { ": " } else { ", " })?;

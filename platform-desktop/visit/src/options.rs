@@ -1,6 +1,5 @@
 //! What a shell says of its visits.
 
-use paros_core::badge::BadgeLanguage;
 use paros_core::session::SessionMode;
 use paros_core::visit::VisitPlan;
 use paros_shaders::panel::Language;
@@ -69,13 +68,9 @@ impl VisitOptions {
     /// Those of settings.
     #[must_use]
     pub fn of_settings(settings: &VisitSettings) -> Self {
-        let language = |name: &BadgeLanguage| match name {
-            BadgeLanguage::English => Language::English,
-            BadgeLanguage::Greek => Language::Greek,
-        };
         VisitOptions {
             plan: settings.plan,
-            languages: settings.languages.iter().map(language).collect(),
+            languages: settings.languages.clone(),
             starts: settings.starts.iter().map(|start| start.mode).collect(),
             staff_pin: settings.staff_pin,
             ..VisitOptions::default()

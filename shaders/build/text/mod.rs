@@ -10,7 +10,7 @@ mod wrap;
 use std::fs;
 use std::path::Path;
 
-use paros_core::badge::{BadgeColour, BadgeLanguage, Pictogram};
+use paros_core::badge::{BadgeColour, Language, Pictogram};
 
 use crate::atlas;
 use font::Font;
@@ -45,7 +45,7 @@ fn spoken_lines(table: &TextTable) -> Vec<String> {
     let mut lines: Vec<String> = (' '..='~').map(String::from).collect();
     lines.extend(table.messages.iter().flat_map(|message| message.texts.clone()));
     lines.extend(table.fillings.iter().flat_map(|(_, texts)| texts.clone()));
-    for language in BadgeLanguage::ALL {
+    for language in Language::ALL {
         lines.extend(BadgeColour::ALL.map(|colour| colour.name(language).to_owned()));
         lines.extend(Pictogram::all().map(|pictogram| pictogram.name(language).to_owned()));
     }

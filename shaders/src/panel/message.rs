@@ -2,18 +2,9 @@
 
 use core::fmt;
 
-use super::font::FontWeight;
+pub use paros_core::badge::Language;
 
-/// A language of the panels.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Default, Debug)]
-#[repr(u8)]
-pub enum Language {
-    /// British.
-    #[default]
-    English,
-    /// Modern, with accents.
-    Greek,
-}
+use super::font::FontWeight;
 
 /// Size and room of a text.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -58,11 +49,6 @@ impl fmt::Display for FillingValue<'_> {
             FillingValue::Text(text) => f.write_str(text),
         }
     }
-}
-
-impl Language {
-    /// All of them.
-    pub const ALL: [Language; 2] = [Language::English, Language::Greek];
 }
 
 impl TextPlace {

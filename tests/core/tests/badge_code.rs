@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 
 use paros_core::badge::{
-    Badge, BadgeColour, BadgeLanguage, BadgeNumber, LEASED_NUMBERS, NUMBERS_OF_COLOUR, Pictogram,
+    Badge, BadgeColour, BadgeNumber, LEASED_NUMBERS, Language, NUMBERS_OF_COLOUR, Pictogram,
     WrongBadge, write_words,
 };
 use paros_core::limits::BLOCK_NUMBERS;
@@ -167,7 +167,7 @@ proptest! {
     }
 }
 
-fn words_of(number: u32, language: BadgeLanguage) -> String {
+fn words_of(number: u32, language: Language) -> String {
     let mut words = String::new();
     write_words(&mut words, &badge_of(number), language).expect("a string takes all");
     words
@@ -175,20 +175,17 @@ fn words_of(number: u32, language: BadgeLanguage) -> String {
 
 #[test]
 fn a_badge_is_said_in_words() {
-    assert_eq!(words_of(0, BadgeLanguage::English), "red: pizza, mushroom, rocket, chair");
+    assert_eq!(words_of(0, Language::English), "red: pizza, mushroom, rocket, chair");
+    assert_eq!(words_of(123_456, Language::English), "red: chair, snowman, butterfly, bicycle");
     assert_eq!(
-        words_of(123_456, BadgeLanguage::English),
-        "red: chair, snowman, butterfly, bicycle"
-    );
-    assert_eq!(
-        words_of(123_456, BadgeLanguage::Greek),
+        words_of(123_456, Language::Greek),
         "κόκκινο: καρέκλα, χιονάνθρωπος, πεταλούδα, ποδήλατο"
     );
 }
 
 #[test]
 fn names_differ_in_two_letters_at_least() {
-    for language in BadgeLanguage::ALL {
+    for language in Language::ALL {
         let pictograms = Pictogram::all().map(|pictogram| pictogram.name(language));
         let names: Vec<_> =
             pictograms.chain(BadgeColour::ALL.map(|colour| colour.name(language))).collect();

@@ -5,7 +5,7 @@ use std::fs::File;
 use std::path::Path;
 
 use paros_core::badge::{
-    BadgeColour, BadgeLanguage, BadgeNumber, BadgePart, POINT_STEPS, Pictogram, covers_point,
+    BadgeColour, BadgeNumber, BadgePart, Language, POINT_STEPS, Pictogram, covers_point,
 };
 use paros_models::badge_pictures::{
     KINDS_OF_SIGHT, colour_difference, is_inked, to_linear, transform,
@@ -46,7 +46,7 @@ fn no_two_pictograms_look_alike() {
         for (b, of_b) in &pictures[..i] {
             let moves = (-2..=2).flat_map(|x| (-2..=2).map(move |y| [x, y]));
             let share = moves.map(|by| differing_share(of_a, of_b, by)).fold(1.0, f64::min);
-            let names = [a, b].map(|p| p.name(BadgeLanguage::English));
+            let names = [a, b].map(|p| p.name(Language::English));
             assert!(share >= DIFFERING_SHARE, "{names:?} differ in {share:.3}");
             if share < least.0 {
                 least = (share, names[0], names[1]);
@@ -59,7 +59,7 @@ fn no_two_pictograms_look_alike() {
 #[test]
 fn every_pictogram_has_ink_and_ground_and_keeps_within_its_square() {
     for pictogram in Pictogram::all() {
-        let name = pictogram.name(BadgeLanguage::English);
+        let name = pictogram.name(Language::English);
         let inked = rasterise(pictogram.parts(), SIDE).iter().filter(|inked| **inked).count();
         let share = inked as f64 / (SIDE * SIDE) as f64;
         assert!((0.1..0.75).contains(&share), "{name}: {share:.2} is ink");

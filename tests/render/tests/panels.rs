@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use glam::{Quat, Vec2, Vec3};
 use paros_core::RangeMaps;
-use paros_core::badge::{BadgeColour, BadgeLanguage, POINT_STEPS, Pictogram, covers_point};
+use paros_core::badge::{BadgeColour, POINT_STEPS, Pictogram, covers_point};
 use paros_models::twin::with_maps_of_ball;
 use paros_shaders::constants::{PANEL_IMAGE, PANEL_SHAPE};
 use paros_shaders::gpu::{Eye, Fov};
@@ -164,7 +164,7 @@ fn is_within(quad: &PanelQuad, rect: &PanelRect) -> bool {
 fn every_word_of_a_badge_fits() {
     let place = TextPlace::Word.style();
     let known = |c: char| line_width(&c.to_string(), place.weight) > 0.0;
-    for language in BadgeLanguage::ALL {
+    for language in Language::ALL {
         let words = Pictogram::all().map(|pictogram| pictogram.name(language));
         for word in words.chain(BadgeColour::ALL.map(|colour| colour.name(language))) {
             let width = place.capital_mm * line_width(word, place.weight);

@@ -1,6 +1,6 @@
 //! The settings of visits, and how shells tell a world of them.
 
-use paros_core::badge::BadgeLanguage;
+use paros_core::badge::Language;
 use paros_core::session::SessionMode;
 use paros_core::visit::{PlanSetting, VisitCommand, VisitPlan};
 
@@ -25,7 +25,7 @@ pub struct VisitSettings {
     pub plan: VisitPlan,
     /// The languages to choose from, at least one, each once; a visit's language is a number in this list, 0 where none
     /// is chosen.
-    pub languages: Vec<BadgeLanguage>,
+    pub languages: Vec<Language>,
     /// The ways to start that are on offer, 1 to [`MAX_STARTS`], each once.
     pub starts: Vec<VisitStart>,
     /// What opens the staff's panel; without it nothing does.

@@ -4,7 +4,7 @@
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::thread;
 
-use paros_core::badge::{BadgeLanguage, BadgeNumber, write_words};
+use paros_core::badge::{BadgeNumber, Language, write_words};
 use paros_core::limits::INTERVALS;
 use paros_core::volume::{Grid, Size};
 use paros_core::{RangeMaps, World};
@@ -114,7 +114,7 @@ impl SculptureFiles {
 fn describe_badge(number: BadgeNumber) -> String {
     let badge = number.badge();
     let mut text = String::new();
-    for language in BadgeLanguage::ALL {
+    for language in Language::ALL {
         // A string takes any text.
         let _ = write_words(&mut text, &badge, language);
         text.push('\n');

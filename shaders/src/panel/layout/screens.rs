@@ -1,7 +1,7 @@
 //! What tells something: attract, notices with or without a bar, and the badge.
 
 use glam::Vec2;
-use paros_core::badge::{Badge, BadgeLanguage};
+use paros_core::badge::Badge;
 
 use super::{add_medallion, add_rule, begin_panel, palette, visit};
 use crate::panel::button::PanelButton;
@@ -100,10 +100,6 @@ pub fn draw_badge(
     super::add_title(panel, language, Message::BadgeTitle, 100.0);
     panel.add_badge(badge, PanelRect::new(64.0, 176.0, 430.0, 430.0));
     let style = TextPlace::Word.style().colored(palette::INK, TextAlign::Left);
-    let words = match language {
-        Language::English => BadgeLanguage::English,
-        Language::Greek => BadgeLanguage::Greek,
-    };
     let [r, g, b] = badge.colour.ground();
     let row = |k: usize| PanelRect::new(540.0, 180.0 + 87.0 * k as f32, 70.0, 70.0);
     let foot = |rect: PanelRect| Vec2::new(rect.x + 94.0, rect.middle().y + 0.5 * style.capital_mm);
@@ -115,10 +111,10 @@ pub fn draw_badge(
         ..BoxStyle::default()
     };
     panel.add_box(row(0).grown(-6.0), &swatch);
-    panel.add_line(badge.colour.name(words), foot(row(0)), &style);
+    panel.add_line(badge.colour.name(language), foot(row(0)), &style);
     for (k, pictogram) in badge.pictograms.iter().enumerate() {
         panel.add_pictogram(*pictogram, row(k + 1), palette::INK);
-        panel.add_line(pictogram.name(words), foot(row(k + 1)), &style);
+        panel.add_line(pictogram.name(language), foot(row(k + 1)), &style);
     }
     let capital = Message::BadgeBody.place().style().capital_mm;
     let body = Vec2::new(500.0, 672.0 + 0.5 * capital);

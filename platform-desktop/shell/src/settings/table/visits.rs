@@ -1,6 +1,6 @@
 //! The rows of visits: whether there are any, their times, and what they offer.
 
-use paros_core::badge::BadgeLanguage;
+use paros_core::badge::Language;
 use paros_core::visit::PlanSetting;
 
 use super::{Setting, SettingScope};
@@ -8,8 +8,8 @@ use crate::settings::Settings;
 use crate::settings::value::{SettingDefault, SettingKind, SettingValue};
 use crate::settings::visits::{MAX_STARTS, VisitSettings, VisitStart};
 
-/// The words of [`BadgeLanguage`], by number.
-pub(super) const LANGUAGE_WORDS: [&str; BadgeLanguage::ALL.len()] = ["english", "greek"];
+/// The words of [`Language`], by number.
+pub(super) const LANGUAGE_WORDS: [&str; Language::ALL.len()] = ["english", "greek"];
 
 /// The rows. The first makes what the others are stored in.
 pub(super) const VISIT_ROWS: [Setting; 19] = [
@@ -216,7 +216,7 @@ fn set_plan(settings: &mut Settings, setting: PlanSetting, value: &SettingValue)
     }
 }
 
-fn find_language(word: &str) -> Option<BadgeLanguage> {
+fn find_language(word: &str) -> Option<Language> {
     let number = LANGUAGE_WORDS.iter().position(|other| *other == word)?;
-    BadgeLanguage::ALL.get(number).copied()
+    Language::ALL.get(number).copied()
 }

@@ -1,6 +1,6 @@
 use std::collections::HashSet;
 
-use paros_core::badge::BadgeLanguage;
+use paros_core::badge::Language;
 use paros_core::session::SessionMode;
 use paros_core::visit::{PlanSetting, VisitCommand, VisitPlan};
 
@@ -54,7 +54,7 @@ fn the_defaults_are_the_cores_and_need_no_command() {
     let visits = load_visits("");
     assert_eq!(visits.plan, VisitPlan::new());
     assert_eq!(commands_of(&visits), []);
-    assert_eq!(visits.languages, BadgeLanguage::ALL);
+    assert_eq!(visits.languages, Language::ALL);
     let starts: Vec<_> = visits.starts.iter().map(|start| (&*start.name, start.mode)).collect();
     let owl = SessionMode::Constrained { figure: 8 };
     let expected =
@@ -156,7 +156,7 @@ fn lists_come_from_every_layer() {
     let loaded = LoadedSettings::merge(&[baked, file, managed]);
     assert_eq!(loaded.faults, [""; 0]);
     let visits = loaded.settings.visits.as_ref().expect("they are on");
-    assert_eq!(visits.languages, [BadgeLanguage::Greek, BadgeLanguage::English]);
+    assert_eq!(visits.languages, [Language::Greek, Language::English]);
     let starts: Vec<_> = visits.starts.iter().map(|start| &*start.name).collect();
     assert_eq!(starts, ["cat", "lion"]);
     assert!(visits.staff_pin.is_some_and(|pin| pin.matches(&[0, 0, 4, 2])));
