@@ -1,7 +1,7 @@
 //! The state machine of a visit.
 
 use crate::session::input::{SessionMode, TICK_RATE};
-use crate::visit::input::{PanelAction, Presence, StaffCommand, VisitCommand, VisitInput};
+use crate::visit::input::{PanelAction, StaffCommand, VisitCommand, VisitInput};
 use crate::visit::phase::{GuideStep, VisitPhase};
 use crate::visit::plan::{PlanSetting, VisitPlan};
 
@@ -10,12 +10,6 @@ pub const EXTENSION_TICKS: u32 = 60 * TICK_RATE;
 
 /// Seconds left at which the visitor is told, the most first.
 pub const WARNING_SECONDS: [u16; 3] = [120, 30, 10];
-
-/// Ticks for which a visitor may stand still before that counts as having gone.
-const STILL_TICKS: u32 = 5 * TICK_RATE;
-
-/// Ticks without use after which whoever uses a headset that tells no presence is another visitor.
-const RELEASED_TICKS: u32 = 10 * TICK_RATE;
 
 /// Ticks after the least of hands off in which what floats must have fallen.
 const SETTLE_TICKS: u32 = 15 * TICK_RATE;
@@ -181,22 +175,6 @@ impl Visit {
         decision
     }
 
-    /// Counts how long the phase lasts, and for how long nobody has worn or used the headset.
-    fn pass_time(&mut self, input: &VisitInput) {
-        let away = match input.command {
-            VisitCommand::Away { seconds } => u32::from(seconds) * TICK_RATE,
-            _ => 0,
-        };
-        let longer = |ticks: u32| ticks.saturating_add(1).saturating_add(away);
-        self.phase_ticks = self.phase_ticks.saturating_add(1);
-        self.idle_ticks = if input.is_used { away } else { longer(self.idle_ticks) };
-        self.off_ticks = match input.presence {
-            Presence::Off => longer(self.off_ticks),
-            Presence::Worn | Presence::Unknown => away,
-        };
-        self.was_released |= input.presence == Presence::Off || self.idle_ticks >= RELEASED_TICKS;
-    }
-
     /// Runs the clock of a session that has one. Returns the seconds left where the visitor is to be told.
     fn run_clock(&mut self) -> Option<u16> {
         let runs = matches!(self.phase, VisitPhase::Guided | VisitPhase::Sculpting)
@@ -335,40 +313,8 @@ impl Visit {
         }
     }
 
-    /// Whether the visitor has gone: the headset was off, or still, for as long as this phase allows.
-    fn is_gone(&self, input: &VisitInput) -> bool {
-        let allowed = match self.phase {
-            VisitPhase::Welcome | VisitPhase::Choice => PlanSetting::OffBeforeCut,
-            VisitPhase::Guided | VisitPhase::Sculpting if self.is_sculpted => {
-                PlanSetting::OffSculpting
-            }
-            VisitPhase::Guided | VisitPhase::Sculpting => PlanSetting::OffBeforeCut,
-            _ => PlanSetting::OffAfter,
-        };
-        let still = self.idle_ticks.saturating_sub(STILL_TICKS);
-        let is_reset = input.command == VisitCommand::Staff(StaffCommand::Reset);
-        is_reset || self.off_ticks.max(still) >= self.plan.ticks(allowed).max(1)
-    }
-
-    /// Whether nobody has used it for as long as sculpting without a clock allows.
-    fn is_idle_for_long(&self) -> bool {
-        let is_sculpting = matches!(self.phase, VisitPhase::Guided | VisitPhase::Sculpting);
-        let allowed = self.plan.ticks(PlanSetting::Idle).max(1);
-        is_sculpting && !self.has_clock() && self.idle_ticks >= allowed
-    }
-
-    const fn has_clock(&self) -> bool {
+    pub(super) const fn has_clock(&self) -> bool {
         self.plan.value(PlanSetting::Length) > 0
-    }
-
-    /// Whether somebody wears the headset who didn't when this phase began.
-    const fn is_next_visitor(&self, input: &VisitInput) -> bool {
-        let is_here = match input.presence {
-            Presence::Worn => true,
-            Presence::Unknown => input.is_used,
-            Presence::Off => false,
-        };
-        is_here && self.was_released
     }
 
     fn enter(&mut self, phase: VisitPhase, decision: &mut VisitDecision) {

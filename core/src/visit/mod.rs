@@ -10,6 +10,7 @@ mod input;
 mod machine;
 mod phase;
 mod plan;
+mod presence;
 mod save;
 
 pub use input::{PanelAction, Presence, StaffCommand, VisitCommand, VisitInput};

@@ -4,7 +4,7 @@ mod draw;
 mod rays;
 
 use paros_core::badge::BadgeNumber;
-use paros_core::session::SessionMode;
+use paros_core::session::{SessionMode, TICK_RATE};
 use paros_core::visit::{GuideStep, PanelAction, PlanSetting, StaffCommand, Visit, VisitPhase};
 use paros_shaders::panel::layout::PinEntry;
 use paros_shaders::panel::{Language, Message, Panel};
@@ -19,6 +19,9 @@ pub(crate) const MAX_PANELS: usize = 2;
 
 /// The most with the rays of both hands on them: a beam, and where it ends.
 const MAX_DRAWN: usize = MAX_PANELS + 2 * rays::RAYS;
+
+/// For how long a visitor who rests is told that another's turn comes, at most. Who has a headset on is seen to be there.
+const REST_TOLD_TICKS: u32 = 20 * TICK_RATE;
 
 /// What is asked beside what the visit's phase shows.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
@@ -78,6 +81,10 @@ pub(crate) struct ScreenState {
     /// Seconds left, and of how many.
     pub(crate) seconds: Option<[u32; 2]>,
     pub(crate) warning: Option<Message>,
+    /// Seconds until a window's visitor who rests counts as gone, once they are to be told.
+    pub(crate) seconds_to_gone: Option<u32>,
+    /// It is a sculpture that they are told of.
+    pub(crate) is_sculpted: bool,
     /// Of an export, 0 to 100.
     pub(crate) percent: u32,
     pub(crate) badge: Option<u32>,
@@ -121,6 +128,8 @@ impl ScreenState {
             // A minute more may make it more than all.
             seconds: left.map(|left| [left, length.max(left)]),
             warning: None,
+            seconds_to_gone: seconds_to_gone(visit, options.controls),
+            is_sculpted: visit.is_sculpted(),
             percent: 0,
             badge: visit.badge().filter(|number| BadgeNumber::new(*number).is_some()),
             is_time_up: visit.seconds_left() == Some(0),
@@ -130,6 +139,14 @@ impl ScreenState {
             controls: options.controls,
         }
     }
+}
+
+/// The seconds after which a window's visitor who rests counts as gone, once that is near. A mouse is all that a window
+/// knows of its visitor.
+fn seconds_to_gone(visit: &Visit, controls: Controls) -> Option<u32> {
+    let is_told = controls == Controls::Mouse && visit.idle_ticks() > 0;
+    let ticks = visit.ticks_until_gone().filter(|ticks| is_told && *ticks <= REST_TOLD_TICKS)?;
+    Some(ticks.div_ceil(TICK_RATE))
 }
 
 impl Screen {
@@ -176,9 +193,16 @@ impl Screen {
         }
     }
 
+    /// The seconds that a visitor who rests is told.
+    #[cfg(test)]
+    pub(crate) fn told_rest(&self) -> Option<u32> {
+        self.drawn.and_then(|(drawn, _)| drawn.seconds_to_gone)
+    }
+
     /// Whether panels of this state are another screen than what is shown: other buttons, which nobody has aimed at.
     pub(crate) fn is_another(&self, state: &ScreenState) -> bool {
-        self.drawn
-            .is_none_or(|(drawn, _)| (drawn.phase, drawn.question) != (state.phase, state.question))
+        let screen =
+            |state: &ScreenState| (state.phase, state.question, state.seconds_to_gone.is_some());
+        self.drawn.is_none_or(|(drawn, _)| screen(&drawn) != screen(state))
     }
 }

@@ -32,6 +32,13 @@ pub(super) struct WindowVisits {
     was_pressed: bool,
 }
 
+/// Whether a window counts as used so many ticks after the last event. With hands off, as they are told to be, and while
+/// a badge is looked at, nothing is to be moved: those phases have times of their own.
+const fn is_window_used(phase: VisitPhase, quiet_ticks: u32) -> bool {
+    let is_at_rest = matches!(phase, VisitPhase::HandsOff | VisitPhase::Export | VisitPhase::Badge);
+    is_at_rest || quiet_ticks < QUIET_TICKS
+}
+
 impl WindowVisits {
     /// Visits of a world: they begin there, or go on.
     pub(super) fn new(options: &VisitOptions, visit: &paros_core::visit::Visit) -> Self {
@@ -120,7 +127,7 @@ where
         });
         let world = self.studio.world();
         visits.host.follow_pointers(world.visit(), &pointers);
-        let is_used = visits.quiet_ticks < QUIET_TICKS;
+        let is_used = is_window_used(world.visit().phase(), visits.quiet_ticks);
         visits.quiet_ticks = visits.quiet_ticks.saturating_add(1);
         visits.host.fill_input(world, (Presence::Unknown, is_used), input);
     }
@@ -171,5 +178,21 @@ where
             self.hands.drop_input();
             self.hands.reset_eye_and_depths();
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{QUIET_TICKS, VisitPhase, is_window_used};
+
+    #[test]
+    fn a_mouse_may_rest_while_hands_are_off_and_a_badge_is_looked_at() {
+        use VisitPhase::{Badge, Choice, Export, HandsOff, Sculpting, Thanks, Welcome};
+        let used = |quiet| {
+            let phases = [Welcome, Choice, Sculpting, HandsOff, Export, Badge, Thanks];
+            phases.map(|phase| is_window_used(phase, quiet))
+        };
+        assert_eq!(used(QUIET_TICKS - 1), [true; 7]);
+        assert_eq!(used(QUIET_TICKS), [false, false, false, true, true, true, false]);
     }
 }

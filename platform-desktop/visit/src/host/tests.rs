@@ -3,6 +3,7 @@
 mod aiming;
 mod headset;
 mod previews;
+mod resting;
 
 use glam::Vec3;
 use paros_core::edit::Pose;

@@ -31,14 +31,16 @@ impl Screen {
         self.drawn = Some((*state, hot));
         (self.count, self.ray_panels) = (0, 0);
         let (buttons, actions) = (mem::take(&mut self.buttons), mem::take(&mut self.actions));
-        match state.question {
-            Question::None => self.draw_phase(state, options),
-            Question::Finish => self.draw_finish_question(state),
-            Question::Pin => self.draw_pin(state),
-            Question::Staff => self.draw_staff(state),
+        let seconds = state.seconds_to_gone;
+        match (state.question, seconds) {
+            (Question::Pin, _) => self.draw_pin(state),
+            (Question::Staff, _) => self.draw_staff(state),
+            (_, Some(seconds)) => self.draw_countdown(state, seconds),
+            (Question::Finish, None) => self.draw_finish_question(state),
+            (Question::None, None) => self.draw_phase(state, options),
         }
         // Beside a question it would be pressed by mistake, and in a window partly covered.
-        if is_at_work(state.phase) && state.question == Question::None {
+        if is_at_work(state.phase) && state.question == Question::None && seconds.is_none() {
             self.draw_clock(state);
         }
         for shown in &self.buttons {
@@ -210,6 +212,23 @@ impl Screen {
         };
         self.add(PanelSpot::Main, &buttons, |panel, buttons| {
             layout::draw_notice(panel, state.language, &notice, buttons);
+        });
+    }
+
+    /// Tells a visitor who rests what becomes of the visit in so many seconds.
+    fn draw_countdown(&mut self, state: &ScreenState, seconds: u32) {
+        let is_kept = is_at_work(state.phase) && state.is_sculpted;
+        let body = if is_kept { Message::StillHereKept } else { Message::StillHereNext };
+        let notice = PanelNotice {
+            icon: Icon::Hourglass,
+            color: palette::AMBER,
+            title: Message::StillHereTitle,
+            body,
+            fillings: &[("seconds", FillingValue::Number(seconds))],
+            progress: None,
+        };
+        self.add(PanelSpot::Main, &[], |panel, _| {
+            layout::draw_notice(panel, state.language, &notice, &[]);
         });
     }
 

@@ -1,6 +1,7 @@
 //! Visits in the world: beside their naive model, and what must hold of them whatever visitors do.
 
 mod exhibition;
+mod presence;
 
 use exhibition::{Deed, Exhibition, N, Stretch};
 use paros_core::TickInput;

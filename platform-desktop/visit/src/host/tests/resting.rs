@@ -1,0 +1,83 @@
+//! A window's visitor who rests: all that is known of one is the mouse.
+
+use paros_core::session::TICK_RATE;
+use paros_core::visit::{Presence, VisitPhase};
+
+use super::{HostRig, Press, begin_sculpting, cut, with_rig};
+use crate::options::Controls;
+use crate::screen::ButtonAction;
+
+/// Seconds of the countdown that is shown after each second of rest, until another phase begins.
+fn countdown(rig: &mut HostRig<'_, '_>) -> Vec<Option<u32>> {
+    let phase = rig.phase();
+    rig.presence = Presence::Unknown;
+    let mut shown = Vec::new();
+    while rig.phase() == phase {
+        rig.wait(1);
+        let told = rig.host.screen.told_rest();
+        if shown.last() != Some(&told) {
+            shown.push(told);
+        }
+    }
+    shown
+}
+
+#[test]
+fn before_a_window_gives_a_visitor_up_it_counts_down_and_any_motion_ends_that() {
+    with_rig(|rig| {
+        rig.host.set_controls(Controls::Mouse);
+        rig.presence = Presence::Worn;
+        rig.wait(2);
+        rig.presence = Presence::Unknown;
+        rig.wait(TICK_RATE);
+        assert_eq!(rig.host.screen.told_rest(), Some(14));
+        assert_eq!(rig.host.buttons().count(), 0, "it covers them");
+        rig.presence = Presence::Worn;
+        rig.wait(1);
+        assert_eq!((rig.phase(), rig.host.screen.told_rest()), (VisitPhase::Welcome, None));
+        assert!(rig.host.buttons().count() > 0);
+        let told = countdown(rig);
+        let expected: Vec<_> = (0..=15).rev().filter(|left| *left > 0).map(Some).collect();
+        assert_eq!(told[..15], expected);
+        assert_eq!(rig.phase(), VisitPhase::Attract);
+    });
+}
+
+#[test]
+fn who_sculpts_may_rest_for_long_and_is_told_for_twenty_seconds_at_most() {
+    with_rig(|rig| {
+        rig.host.set_controls(Controls::Mouse);
+        begin_sculpting(rig);
+        cut(rig);
+        // Whatever was asked, this is what is to be read.
+        assert!(rig.press(ButtonAction::Ask(super::super::Question::Finish)));
+        let told = countdown(rig);
+        let expected: Vec<_> = core::iter::once(None).chain((1..=20).rev().map(Some)).collect();
+        assert_eq!(told[..21], expected);
+        assert_eq!(rig.phase(), VisitPhase::HandsOff);
+    });
+}
+
+/// A runtime tells that a headset is worn, or how it moves; its visitor may stand and look.
+#[test]
+fn a_headsets_visitor_is_not_counted_down() {
+    with_rig(|rig| {
+        rig.presence = Presence::Worn;
+        rig.wait(2);
+        assert!(countdown(rig).iter().all(Option::is_none));
+    });
+}
+
+/// The staff's panel stays, whatever becomes of the visitor.
+#[test]
+fn the_staff_is_asked_on_while_a_visitor_is_counted_down() {
+    with_rig(|rig| {
+        rig.host.set_controls(Controls::Mouse);
+        begin_sculpting(rig);
+        rig.host.toggle_staff_panel();
+        rig.presence = Presence::Unknown;
+        rig.wait(2 * TICK_RATE);
+        assert!(rig.press(ButtonAction::Digit(2)));
+        assert!(!rig.press(ButtonAction::Press(Press::Finish)));
+    });
+}
