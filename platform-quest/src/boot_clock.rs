@@ -1,11 +1,9 @@
-//! The time since the device booted, sleep included, and which boot that was.
+//! The time since the device booted, sleep included.
 //!
 //! `std::time::Instant` is `CLOCK_MONOTONIC` on Linux and Android, which stops while the device sleeps: by it a headset
 //! that lay asleep for a night was off for seconds.
 
 use std::time::Duration;
-
-use paros_shell::headset::visit::BootId;
 
 /// The time since boot, by `CLOCK_BOOTTIME` (Linux 2.6.39).
 #[cfg(any(target_os = "linux", target_os = "android"))]
@@ -28,20 +26,16 @@ pub(crate) fn read_since_boot() -> Duration {
     FIRST_CALL.elapsed()
 }
 
-/// The kernel's ID of this boot; none where it can't be read.
-pub(crate) fn read_boot_id() -> Option<BootId> {
-    BootId::parse_uuid(&std::fs::read_to_string("/proc/sys/kernel/random/boot_id").ok()?)
-}
-
 #[cfg(all(test, target_os = "linux"))]
 mod tests {
     use std::env;
     use std::fs;
     use std::process::Command;
 
+    use paros_shell::headset::visit::BootId;
     use paros_shell::require::require_or_skip;
 
-    use super::{read_boot_id, read_since_boot};
+    use super::read_since_boot;
 
     /// Set in the process whose device has slept.
     const INSIDE: &str = "PAROS_HAS_SLEPT";
@@ -57,7 +51,8 @@ mod tests {
         let uptime: f64 = uptime.split(' ').next().and_then(|n| n.parse().ok()).expect("seconds");
         let here = read_since_boot().as_secs_f64();
         assert!((here - uptime).abs() < 5.0, "{here} s, and {uptime} s by the kernel");
-        assert!(read_boot_id().is_some() && read_boot_id() == read_boot_id());
+        let boot = BootId::read_from_kernel();
+        assert!(boot.is_some() && boot == BootId::read_from_kernel());
         if env::var_os(INSIDE).is_some() {
             return;
         }

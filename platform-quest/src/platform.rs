@@ -47,7 +47,7 @@ pub trait Platform {
 
     /// Which boot that was; none where it can't be told.
     fn boot_id(&self) -> Option<BootId> {
-        boot_clock::read_boot_id()
+        BootId::read_from_kernel()
     }
 
     /// Runs a step of the world. A profiler reads its clock before and after.

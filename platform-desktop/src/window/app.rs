@@ -139,8 +139,7 @@ where
         };
         let mut panels = Panels::new();
         panels.set_start_pictures(start_pictures);
-        let visit = studio.world().visit();
-        let visits = options.visits.as_ref().map(|visits| WindowVisits::new(visits, visit));
+        let visits = options.visits.as_ref().map(|visits| WindowVisits::new(visits, &studio));
         if visits.is_some() {
             panels.close_covering_panels();
         }
@@ -179,6 +178,7 @@ where
     /// Saves the session after the last event. Returns the last print's path as a line.
     pub(super) fn close_and_report(mut self) -> Result<String, WindowError> {
         self.drop_window();
+        self.keep_last_use_before_end();
         let saved = self.studio.save_all_and_wait();
         self.done?;
         saved.map_err(|error| WindowError::Failed(error.into()))?;

@@ -1,11 +1,13 @@
 //! Visits in a window: from a stone that is carved for nobody to a badge, by the mouse alone.
 
 use std::fs;
+use std::time::Duration;
 
 use glam::{Quat, Vec2, Vec3};
 use paros_shaders::panel::PanelRect;
 use paros_shaders::panel::layout;
 use paros_shaders::panel::{Icon, Message};
+use paros_shell::headset::visit::LastUse;
 use paros_shell::require::{MissingDependency, require_or_skip};
 use paros_visit::{PanelSpot, WindowView};
 
@@ -142,4 +144,48 @@ fn cut_and_finish(visit: &mut ScriptedWindow, display: &XvfbDisplay) {
     visit.do_all(&["move 20 20", "wait 150"]);
     let next = layout::badge_buttons(0)[0].rect;
     click(visit, PanelSpot::Main, [1000.0, 936.0], next);
+}
+
+/// A window that was killed, or closed, shortly before goes on; one that was closed for longer than its visitor may be
+/// away has a former visitor's sculpture, which is kept.
+#[test]
+fn a_visit_that_is_found_goes_on_or_was_a_former_visitors() -> Result<(), MissingDependency> {
+    let folder = empty_folder("found");
+    let Some(display) = require_or_skip(XvfbDisplay::new(&folder))? else { return Ok(()) };
+    let settings = folder.join("paros.toml");
+    let short = "welcome_seconds = 5\nchoice_seconds = 5\n";
+    fs::write(&settings, format!("{SETTINGS}{short}")).expect("settings");
+    let settings = settings.display().to_string();
+    let open = || {
+        let mut command = paros_command(&folder);
+        let command = command.env("DISPLAY", &display.name);
+        let mut visit = ScriptedWindow::spawn_with(command, &["--settings", &settings]);
+        visit.do_step("wait 12");
+        visit
+    };
+    let mut visit = open();
+    visit.do_all(&["move 50 50", "wait 4", "move 51 50", "wait 760", "move 45 45", "wait 4"]);
+    assert!(visit.ask_state("visit").starts_with("Guided"), "{}", visit.ask_state("visit"));
+    visit.do_all(&["key 1", "wait 4", "press left", "move 55 47", "wait 60", "release left"]);
+    visit.do_all(&["wait 8", "settle", "wait 400", "settle"]);
+    let (found, voxels) = (visit.ask_state("visit"), visit.voxel_count());
+    visit.window.kill().expect("it ran");
+    let _ = visit.window.wait();
+    let mut visit = open();
+    assert_eq!((visit.ask_state("visit"), visit.voxel_count()), (found, voxels), "killed");
+    visit.close();
+    let stamp = folder.join("data/paros/session-128.last-use");
+    let bytes = fs::read(&stamp).expect("it is kept beside the save");
+    let used = LastUse::decode(&bytes).expect("a time");
+    let since_boot = used.since_boot.checked_sub(Duration::from_secs(60)).expect("a minute");
+    fs::write(&stamp, LastUse { since_boot, ..used }.encode()).expect("it is written");
+    let mut visit = open();
+    assert!(visit.ask_state("visit").starts_with("HandsOff"), "{}", visit.ask_state("visit"));
+    visit.do_all(&["wait 100", "settle", "wait 6"]);
+    assert!(visit.ask_state("visit").starts_with("Handover"), "{}", visit.ask_state("visit"));
+    visit.do_step("wait 300");
+    assert!(visit.ask_state("visit").starts_with("Attract"), "{}", visit.ask_state("visit"));
+    assert!(folder.join("Paros/sculpture-001.stl").exists(), "no print of the former visitor's");
+    visit.close();
+    Ok(())
 }

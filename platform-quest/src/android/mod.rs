@@ -26,7 +26,6 @@ use paros_shell::statics::Resident;
 use paros_shell::studio_paths::StudioPaths;
 use paros_shell::with_size;
 
-use crate::boot_clock;
 use crate::device::{self, AndroidDevice, DeviceMonitor, ManagedEntry};
 use crate::error::Error;
 use crate::log::{open_log_file, write_log_line};
@@ -249,7 +248,7 @@ impl Platform for AndroidPlatform {
             None
         });
         // The kernel's own ID is no documented interface of Android's.
-        count.map(BootId::from_count).or_else(boot_clock::read_boot_id)
+        count.map(BootId::from_count).or_else(BootId::read_from_kernel)
     }
 
     fn poll_status(&mut self) -> PlatformStatus {

@@ -74,6 +74,7 @@ where
 
     /// Closes the window. If the session can't be saved, the first request only warns.
     pub(super) fn close_or_warn(&mut self, events: &ActiveEventLoop) {
+        self.keep_last_use_before_end();
         match self.studio.save_all_and_wait() {
             Err(error) if !self.warned => {
                 self.warned = true;

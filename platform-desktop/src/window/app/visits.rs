@@ -6,7 +6,9 @@ use paros_core::visit::{Presence, VisitPhase};
 use paros_core::volume::{Grid, Size};
 use paros_core::{TickInput, WorldEvent};
 use paros_shaders::panel::Panel;
+use paros_shell::headset::visit::LastUse;
 use paros_shell::statics::Resident;
+use paros_shell::studio::Studio;
 use paros_visit::{
     Controls, ExportState, POINTERS, Pointer, VisitHost, VisitOptions, close_visits,
 };
@@ -15,6 +17,9 @@ use super::App;
 
 /// Ticks without an event for which a window counts as used: a mouse rests while its visitor looks or reads.
 const QUIET_TICKS: u32 = 15 * TICK_RATE;
+
+/// How old the time of the last use on the disk may become while the window is used.
+const STAMP_TICKS: u32 = 5 * TICK_RATE;
 
 /// The cursor's place among the pointers.
 const CURSOR: usize = 2;
@@ -25,11 +30,30 @@ pub(super) struct WindowVisits {
     pub(super) host: VisitHost,
     /// Ticks since the last event of mouse, keys or fingers.
     quiet_ticks: u32,
+    stamp: UseStamp,
     /// Where the cursor was told to be last.
     cursor: Option<[f32; 2]>,
     is_pressed: bool,
     /// It was pressed since the last tick, and may be up again.
     was_pressed: bool,
+}
+
+/// When the time of the last use was last kept.
+#[derive(Clone, Copy, Default, Debug)]
+struct UseStamp {
+    /// Ticks of use since then; None while the window isn't used.
+    ticks: Option<u32>,
+}
+
+impl UseStamp {
+    /// Notes whether a tick counts as a use. Whether its time is to be kept: each time that the one on the disk has become
+    /// old.
+    fn is_due(&mut self, is_used: bool) -> bool {
+        let ticks = self.ticks.map_or(STAMP_TICKS, |ticks| ticks + 1);
+        let is_due = is_used && ticks >= STAMP_TICKS;
+        self.ticks = is_used.then_some(if is_due { 0 } else { ticks });
+        is_due
+    }
 }
 
 /// Whether a window counts as used so many ticks after the last event. With hands off, as they are told to be, and while
@@ -40,12 +64,26 @@ const fn is_window_used(phase: VisitPhase, quiet_ticks: u32) -> bool {
 }
 
 impl WindowVisits {
-    /// Visits of a world: they begin there, or go on.
-    pub(super) fn new(options: &VisitOptions, visit: &paros_core::visit::Visit) -> Self {
+    /// Visits of a studio: they begin there, or go on. One that was left for as long as its phase allows, or for nobody
+    /// knows how long, is a former visitor's.
+    pub(super) fn new<const N: usize>(options: &VisitOptions, studio: &Studio<'_, N>) -> Self
+    where
+        Grid<N>: Size + Resident<N, INTERVALS>,
+    {
         let options = VisitOptions { controls: Controls::Mouse, ..options.clone() };
+        let visit = studio.world().visit();
+        let mut host = VisitHost::new(options, visit);
+        if visit.phase() != VisitPhase::Closed {
+            let (used, now) = (studio.read_last_use().ok(), LastUse::read_now());
+            let unused = used.zip(now);
+            let unused =
+                unused.and_then(|(used, now)| used.time_until(Some(now.boot), now.since_boot));
+            host.note_found(visit, unused);
+        }
         WindowVisits {
-            host: VisitHost::new(options, visit),
+            host,
             quiet_ticks: QUIET_TICKS,
+            stamp: UseStamp::default(),
             cursor: None,
             is_pressed: false,
             was_pressed: false,
@@ -130,6 +168,19 @@ where
         let is_used = is_window_used(world.visit().phase(), visits.quiet_ticks);
         visits.quiet_ticks = visits.quiet_ticks.saturating_add(1);
         visits.host.fill_input(world, (Presence::Unknown, is_used), input);
+        if visits.stamp.is_due(is_used)
+            && let Some(now) = LastUse::read_now()
+        {
+            self.studio.keep_last_use(now);
+        }
+    }
+
+    /// Has the time of the last use kept on the disk, as the program may end next.
+    pub(super) fn keep_last_use_before_end(&mut self) {
+        let is_used = self.visits.as_ref().is_some_and(|visits| visits.stamp.ticks.is_some());
+        if let Some(now) = LastUse::read_now().filter(|_| is_used) {
+            self.studio.keep_last_use(now);
+        }
     }
 
     /// Takes in the left button, or a finger, where nothing lies over the visit's panels. Who presses while nobody is
@@ -183,7 +234,18 @@ where
 
 #[cfg(test)]
 mod tests {
-    use super::{QUIET_TICKS, VisitPhase, is_window_used};
+    use super::{QUIET_TICKS, STAMP_TICKS, UseStamp, VisitPhase, is_window_used};
+
+    #[test]
+    fn the_time_of_the_last_use_is_kept_every_five_seconds_of_use() {
+        let mut stamp = UseStamp::default();
+        let mut stamped =
+            |is_used, ticks: u32| (0..ticks).filter(|_| stamp.is_due(is_used)).count();
+        assert_eq!(stamped(false, 1000), 0);
+        assert_eq!([stamped(true, 1), stamped(true, STAMP_TICKS - 1)], [1, 0]);
+        assert_eq!(stamped(true, 10 * STAMP_TICKS), 10);
+        assert_eq!([stamped(false, 3), stamped(true, 1)], [0, 1], "it is taken up again");
+    }
 
     #[test]
     fn a_mouse_may_rest_while_hands_are_off_and_a_badge_is_looked_at() {

@@ -1,6 +1,7 @@
 //! When a headset was last used, as it is kept beside the save of a session: the time since boot, and which boot
 //! that was. A wall clock would not do, as a headset's may be set at any time.
 
+use std::fs;
 use std::time::Duration;
 
 use paros_core::codec::BadBytes;
@@ -33,6 +34,12 @@ impl BootId {
         is_hex.then(|| u128::from_str_radix(&digits, 16).ok().map(BootId)).flatten()
     }
 
+    /// The kernel's ID of this boot; none where it can't be read.
+    #[must_use]
+    pub fn read_from_kernel() -> Option<Self> {
+        BootId::parse_uuid(&fs::read_to_string("/proc/sys/kernel/random/boot_id").ok()?)
+    }
+
     /// The boot of a device that counts them: no UUID is so small.
     #[must_use]
     pub const fn from_count(boots: u32) -> Self {
@@ -43,6 +50,16 @@ impl BootId {
 impl LastUse {
     /// Length of an encoded one.
     pub const BYTES: usize = SEAL_BYTES + 16 + 8;
+
+    /// A use at this moment, by the kernel's files, of which that of the uptime counts sleep, in hundredths of a second.
+    /// None on systems without them.
+    #[must_use]
+    pub fn read_now() -> Option<Self> {
+        let uptime = fs::read_to_string("/proc/uptime").ok()?;
+        let seconds = uptime.split(' ').next()?.parse().ok()?;
+        let since_boot = Duration::try_from_secs_f64(seconds).ok()?;
+        Some(LastUse { boot: BootId::read_from_kernel()?, since_boot })
+    }
 
     /// How long ago it was at a time since this boot; none where that can't be told: it was in another one, or the boot
     /// isn't known.
@@ -103,6 +120,16 @@ mod tests {
         assert_eq!(until(Some(boot), 49), None, "it is later than now");
         assert_eq!(until(Some(BootId::from_count(4)), 72), None);
         assert_eq!(until(None, 72), None);
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn the_kernel_tells_of_now() {
+        let first = LastUse::read_now().expect("Linux has both files");
+        assert!(first.since_boot > Duration::ZERO);
+        let again = LastUse::read_now().expect("still");
+        let between = first.time_until(Some(again.boot), again.since_boot);
+        assert!(between.is_some_and(|between| between < Duration::from_secs(60)), "{between:?}");
     }
 
     #[test]
