@@ -17,7 +17,14 @@ pub(super) struct OrbitCamera {
     pub(super) distance: f32,
     /// Part of the picture's height at its bottom that a tool bar covers: what is looked at lies above it.
     covered: f32,
+    /// How far right of the picture's middle what is looked at lies, in halves of its width: a panel stands on the left.
+    aside: f32,
 }
+
+/// Where what is looked at lies beside a panel, as [`OrbitCamera::move_aside`] has it, and how far it goes there in a tick:
+/// all the way in a third of a second.
+const BESIDE_PANEL: f32 = 0.5;
+const ASIDE_SPEED: f32 = 0.02;
 
 /// Half the vertical angle of view above what is covered, in radians.
 const HALF_ANGLE: f32 = 0.36;
@@ -31,7 +38,7 @@ const MAX_COVERED: f32 = 0.5;
 
 impl Default for OrbitCamera {
     fn default() -> Self {
-        OrbitCamera { azimuth: 0.28, elevation: 0.3, distance: 1.12, covered: 0.0 }
+        OrbitCamera { azimuth: 0.28, elevation: 0.3, distance: 1.12, covered: 0.0, aside: 0.0 }
     }
 }
 
@@ -60,12 +67,25 @@ impl OrbitCamera {
 
     /// Looks from where a visitor looks at first.
     pub(super) fn reset_pose(&mut self) {
-        *self = OrbitCamera { covered: self.covered, ..OrbitCamera::default() };
+        let OrbitCamera { covered, aside, .. } = *self;
+        *self = OrbitCamera { covered, aside, ..OrbitCamera::default() };
     }
 
     /// Keeps what is looked at above a tool bar that covers this part of the picture's height.
     pub(super) fn set_covered_part(&mut self, part: f32) {
         self.covered = ((part - UNNEEDED) / (1.0 - UNNEEDED)).clamp(0.0, MAX_COVERED);
+    }
+
+    /// Advances what is looked at by a tick: to the right where a panel is to have the left of the picture, else back to
+    /// the middle.
+    pub(super) fn move_aside(&mut self, for_panel: bool) {
+        let aim = if for_panel { BESIDE_PANEL } else { 0.0 };
+        self.aside += (aim - self.aside).clamp(-ASIDE_SPEED, ASIDE_SPEED);
+    }
+
+    /// The column of pixels in which what is looked at lies, in a picture so many pixels wide.
+    fn middle_column(&self, across: f32) -> f32 {
+        0.5 * across * (1.0 + self.aside)
     }
 
     /// Tangent of the angle of view that a picture of `height` pixels has for each of them.
@@ -87,9 +107,11 @@ impl OrbitCamera {
         let (position, rotation) = self.pose();
         let [across, down] = picture_size.map(|pixels| pixels.max(1) as f32);
         let per_pixel = self.tangent_per_pixel(down);
-        let right = (0.5 * across * per_pixel).atan();
+        let middle = self.middle_column(across);
+        let left = (-middle * per_pixel).atan();
+        let right = ((across - middle) * per_pixel).atan();
         let below = (HALF_ANGLE.tan() - down * per_pixel).atan();
-        let fov = Fov { left: -right, right, up: HALF_ANGLE, down: below };
+        let fov = Fov { left, right, up: HALF_ANGLE, down: below };
         Eye { position, rotation, fov }
     }
 
@@ -99,8 +121,9 @@ impl OrbitCamera {
         let (position, rotation) = self.pose();
         let [across, down] = picture_size.map(|pixels| pixels.max(1) as f32);
         let per_pixel = self.tangent_per_pixel(down);
-        let (right, up) = (0.5 * across * per_pixel, HALF_ANGLE.tan());
-        WindowView { position, rotation, right, up, down: -up }
+        let (middle, up) = (self.middle_column(across), HALF_ANGLE.tan());
+        let [left, right] = [-middle, across - middle].map(|pixels| pixels * per_pixel);
+        WindowView { position, rotation, left, right, up, down: -up }
     }
 
     /// The ray in the room through a pixel, counted from the upper left: origin in metres and unit
@@ -111,7 +134,7 @@ impl OrbitCamera {
         let [across, down] = picture_size.map(|pixels| pixels.max(1) as f32);
         let per_pixel = self.tangent_per_pixel(down);
         let up = HALF_ANGLE.tan() - y * per_pixel;
-        let direction = Vec3::new((x - 0.5 * across) * per_pixel, up, -1.0);
+        let direction = Vec3::new((x - self.middle_column(across)) * per_pixel, up, -1.0);
         Ray { origin: position, direction: (rotation * direction).normalize() }
     }
 
@@ -128,7 +151,10 @@ impl OrbitCamera {
         let per_pixel = self.tangent_per_pixel(down);
         let pixels_per_metre = 1.0 / (per_pixel * -seen.z);
         let top = HALF_ANGLE.tan() / per_pixel;
-        let pixel = [0.5 * across + seen.x * pixels_per_metre, top - seen.y * pixels_per_metre];
+        let pixel = [
+            self.middle_column(across) + seen.x * pixels_per_metre,
+            top - seen.y * pixels_per_metre,
+        ];
         (seen.z < -0.04).then_some(ProjectedPoint { pixel, pixels_per_metre })
     }
 }
@@ -145,6 +171,7 @@ mod tests {
         let mut orbit = OrbitCamera { azimuth: 1.0, ..OrbitCamera::default() };
         orbit.rotate_by_drag([40.0, -10.0], 600);
         orbit.set_covered_part(0.4);
+        (0..9).for_each(|_| orbit.move_aside(true));
         let picture_size = [800, 600];
         for pixel in [[400.0, 300.0], [13.0, 588.0], [799.0, 2.0]] {
             let Ray { origin, direction } = orbit.room_ray_through_pixel(pixel, picture_size);
@@ -155,6 +182,25 @@ mod tests {
         let Ray { origin, direction } = orbit.room_ray_through_pixel([400.0, 300.0], picture_size);
         assert_eq!(orbit.project_point(origin - direction, picture_size), None);
     }
+
+    #[test]
+    fn the_stone_goes_aside_for_a_panel_and_comes_back() {
+        let mut orbit = OrbitCamera::default();
+        let column = |orbit: &OrbitCamera| {
+            let middle = STOOL_TOP + Vec3::Y * 0.1;
+            orbit.project_point(middle, [800, 600]).expect("before the eye").pixel[0]
+        };
+        assert!((column(&orbit) - 400.0).abs() < 1.0);
+        (0..25).for_each(|_| orbit.move_aside(true));
+        assert!((column(&orbit) - 600.0).abs() < 1.0, "{}", column(&orbit));
+        let view = orbit.panel_view([800, 600]);
+        assert!((view.left + 3.0 * view.right).abs() < 1e-5, "{view:?}");
+        orbit.reset_pose();
+        assert!((column(&orbit) - 600.0).abs() < 1.0, "a panel is there still");
+        (0..25).for_each(|_| orbit.move_aside(false));
+        assert_eq!(orbit, OrbitCamera::default());
+    }
+
     #[test]
     fn the_stool_is_seen_above_a_tool_bar_that_covers_much_of_a_small_window() {
         let mut orbit = OrbitCamera::default();

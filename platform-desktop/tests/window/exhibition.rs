@@ -25,8 +25,14 @@ const CHOICE: [f32; 2] = [1020.0, 580.0];
 /// Clicks on the middle of a button of a panel that nothing covers.
 fn click(visit: &mut ScriptedWindow, spot: PanelSpot, size: [f32; 2], button: PanelRect) {
     let right = HALF * WIDTH as f32 / HEIGHT as f32;
-    let view =
-        WindowView { position: Vec3::ZERO, rotation: Quat::IDENTITY, right, up: HALF, down: -HALF };
+    let view = WindowView {
+        position: Vec3::ZERO,
+        rotation: Quat::IDENTITY,
+        left: -right,
+        right,
+        up: HALF,
+        down: -HALF,
+    };
     let pose = view.panel_pose(spot, size);
     let at = (button.middle() - 0.5 * Vec2::from_array(size)) * 1e-3 * pose.scale;
     let seen = pose.middle + Vec3::new(at.x, -at.y, 0.0);
@@ -143,7 +149,7 @@ fn cut_and_finish(visit: &mut ScriptedWindow, display: &XvfbDisplay) {
     visit.screenshot(display, "10-badge");
     visit.do_all(&["move 20 20", "wait 150"]);
     let next = layout::badge_buttons(0)[0].rect;
-    click(visit, PanelSpot::Main, [1000.0, 936.0], next);
+    click(visit, PanelSpot::Beside, [1000.0, 936.0], next);
 }
 
 /// A window that was killed, or closed, shortly before goes on; one that was closed for longer than its visitor may be

@@ -219,6 +219,12 @@ impl VisitHost {
         self.screen.place_panels(pose);
     }
 
+    /// Whether a panel stands beside the sculpture, and a window moves that aside for it.
+    #[must_use]
+    pub fn is_beside_sculpture(&self) -> bool {
+        self.screen.is_beside_sculpture()
+    }
+
     /// Asks the staff for its PIN, if there is one; a panel of the staff's that is open is shut.
     pub fn toggle_staff_panel(&mut self) {
         let opens = self.pin_pad.is_some() && self.question == Question::None;

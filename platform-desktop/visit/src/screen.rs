@@ -199,6 +199,11 @@ impl Screen {
         self.drawn.and_then(|(drawn, _)| drawn.seconds_to_gone)
     }
 
+    /// Whether a panel stands beside the sculpture, and a window moves that aside.
+    pub(crate) fn is_beside_sculpture(&self) -> bool {
+        self.spots[..self.count].contains(&PanelSpot::Beside)
+    }
+
     /// Whether panels of this state are another screen than what is shown: other buttons, which nobody has aimed at.
     pub(crate) fn is_another(&self, state: &ScreenState) -> bool {
         let screen =

@@ -9,6 +9,8 @@ use paros_shaders::panel::PanelPose;
 pub enum PanelSpot {
     /// Before the visitor.
     Main,
+    /// Before the visitor in a room; in a window in its left half, beside the sculpture, of which it tells.
+    Beside,
     /// Before the visitor in a room; in a window beside the stone, which is worked on meanwhile.
     Guide,
     /// Beside the stone, out of the way.
@@ -35,6 +37,10 @@ const VIEW_DEPTH: f32 = 0.2;
 /// The parts of a window's picture that a panel before the visitor fills at most, across and down.
 const MAIN_PARTS: [f32; 2] = [0.86, 0.62];
 
+/// The same of one that the window has moved the sculpture aside for, and where its middle is from the left.
+const BESIDE_PARTS: [f32; 2] = [0.5, 0.84];
+const BESIDE_MIDDLE: f32 = 0.27;
+
 /// The same of those beside the stone, on the left and on the right.
 const GUIDE_PARTS: [f32; 2] = [0.36, 0.34];
 const SIDE_PARTS: [f32; 2] = [0.26, 0.5];
@@ -50,7 +56,9 @@ pub struct WindowView {
     pub position: Vec3,
     /// It looks along its -z.
     pub rotation: Quat,
-    /// Tangent to the right; the same to the left.
+    /// Tangent to the left side, mostly negative.
+    pub left: f32,
+    /// To the right side.
     pub right: f32,
     /// To the upper side.
     pub up: f32,
@@ -63,7 +71,9 @@ pub struct WindowView {
 pub fn room_pose(spot: PanelSpot, [_, height_mm]: [f32; 2], eye_height: f32) -> PanelPose {
     let half = 0.5e-3 * height_mm;
     let middle = match spot {
-        PanelSpot::Main | PanelSpot::Guide => Vec3::new(0.0, MAIN_FOOT + half, MAIN_DEPTH),
+        PanelSpot::Main | PanelSpot::Beside | PanelSpot::Guide => {
+            Vec3::new(0.0, MAIN_FOOT + half, MAIN_DEPTH)
+        }
         PanelSpot::Side | PanelSpot::Caption => SIDE_HEAD - Vec3::Y * half,
     };
     PanelPose::facing(middle, Vec3::Y * eye_height.clamp(EYE_HEIGHTS[0], EYE_HEIGHTS[1]))
@@ -73,21 +83,26 @@ impl WindowView {
     /// Where a panel of this size is held before the eye.
     #[must_use]
     pub fn panel_pose(&self, spot: PanelSpot, [width_mm, height_mm]: [f32; 2]) -> PanelPose {
-        let high = self.up - self.down;
+        let (wide, high) = (self.right - self.left, self.up - self.down);
         let [across, down] = match spot {
             PanelSpot::Main => MAIN_PARTS,
+            PanelSpot::Beside => BESIDE_PARTS,
             PanelSpot::Guide => GUIDE_PARTS,
             PanelSpot::Side => SIDE_PARTS,
             PanelSpot::Caption => CAPTION_PARTS,
         };
         // Tangents of a millimetre.
-        let fits = (2.0 * self.right * across / width_mm).min(high * down / height_mm);
+        let fits = (wide * across / width_mm).min(high * down / height_mm);
         let at = match spot {
-            PanelSpot::Main => [0.0, 0.5 * (self.up + self.down)],
+            PanelSpot::Main => [0.5 * (self.left + self.right), 0.5 * (self.up + self.down)],
+            PanelSpot::Beside => [self.left + BESIDE_MIDDLE * wide, 0.5 * (self.up + self.down)],
             PanelSpot::Guide | PanelSpot::Side | PanelSpot::Caption => {
                 let [aside, above] = SIDE_MARGINS.map(|margin| margin * high);
-                let right = self.right - aside - 0.5 * fits * width_mm;
-                let across = if spot == PanelSpot::Guide { -right } else { right };
+                let half = aside + 0.5 * fits * width_mm;
+                let across = match spot {
+                    PanelSpot::Guide => self.left + half,
+                    _ => self.right - half,
+                };
                 [across, self.up - above - 0.5 * fits * height_mm]
             }
         };
@@ -104,8 +119,8 @@ impl WindowView {
 mod tests {
     use super::*;
 
-    const ALL: [PanelSpot; 4] =
-        [PanelSpot::Main, PanelSpot::Guide, PanelSpot::Side, PanelSpot::Caption];
+    const ALL: [PanelSpot; 5] =
+        [PanelSpot::Main, PanelSpot::Beside, PanelSpot::Guide, PanelSpot::Side, PanelSpot::Caption];
 
     /// From seated children to tall people: what is before the visitor is seen above the highest stone.
     #[test]
@@ -125,11 +140,38 @@ mod tests {
         }
     }
 
+    /// What tells of a sculpture leaves it the right of the picture, where the window has moved it.
+    #[test]
+    fn a_panel_beside_the_sculpture_leaves_it_half_of_a_window() {
+        for [width, height] in [[640.0, 420.0], [1280.0, 800.0], [800.0, 600.0]] {
+            let up = 0.376;
+            let wide = 2.0 * up * width / height;
+            let (left, right) = (-0.75 * wide, 0.25 * wide);
+            let (position, rotation) = (Vec3::ZERO, Quat::IDENTITY);
+            let view = WindowView { position, rotation, left, right, up, down: -up };
+            for size in [[1000.0, 500.0], [1000.0, 650.0], [1000.0, 936.0]] {
+                let pose = view.panel_pose(PanelSpot::Beside, size);
+                let half = 0.5e-3 * pose.scale * size[0];
+                let [from, to] =
+                    [pose.middle.x - half, pose.middle.x + half].map(|x| x / VIEW_DEPTH);
+                let parts = [from, to].map(|x| (x - left) / wide);
+                assert!(parts[0] > 0.0 && parts[1] < 0.53, "{size:?}: {parts:?}");
+                assert!(parts[1] - parts[0] > 0.33, "{size:?} is small: {parts:?}");
+            }
+        }
+    }
+
     #[test]
     fn a_window_holds_panels_within_its_picture() {
-        for [right, up, down] in [[0.6, 0.38, -0.4], [0.3, 0.38, -0.2], [1.2, 0.38, -0.38]] {
+        for [left, right, up, down] in [
+            [-0.6, 0.6, 0.38, -0.4],
+            [-0.3, 0.3, 0.38, -0.2],
+            [-1.2, 1.2, 0.38, -0.38],
+            [-0.9, 0.3, 0.38, -0.38],
+        ] {
             let rotation = Quat::from_rotation_y(0.4) * Quat::from_rotation_x(-0.3);
-            let view = WindowView { position: Vec3::new(0.3, 1.4, 0.2), rotation, right, up, down };
+            let position = Vec3::new(0.3, 1.4, 0.2);
+            let view = WindowView { position, rotation, left, right, up, down };
             for size in [[1080.0, 720.0], [560.0, 640.0], [1358.0, 900.0]] {
                 for spot in ALL {
                     let pose = view.panel_pose(spot, size);
@@ -139,7 +181,7 @@ mod tests {
                         let seen = rotation.inverse() * at;
                         let (x, y) = (seen.x / -seen.z, seen.y / -seen.z);
                         assert!(
-                            x.abs() < right && y < up && y > down,
+                            x > left && x < right && y < up && y > down,
                             "{spot:?} {size:?}: {x} {y}"
                         );
                     }

@@ -222,6 +222,7 @@ where
         let Some(visits) = &mut self.visits else { return };
         let world = self.studio.world();
         visits.host.follow_tick(world, &ExportState::of_studio(&self.studio));
+        self.hands.orbit.move_aside(visits.host.is_beside_sculpture());
         let is_new_visit = |event: &WorldEvent| {
             matches!(event, WorldEvent::Visit(VisitPhase::Welcome | VisitPhase::Attract))
         };

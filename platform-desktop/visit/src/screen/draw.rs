@@ -71,12 +71,12 @@ impl Screen {
                     true => (Icon::HandsOff, Message::HandsOffTitle, Message::HandsOffBody),
                     false => (Icon::Tick, Message::HandsOffReadyTitle, Message::HandsOffReadyBody),
                 };
-                self.draw_notice(state, PanelSpot::Main, what, None);
+                self.draw_notice(state, PanelSpot::Beside, what, None);
             }
             VisitPhase::Export => {
                 let (title, body) = (Message::ExportingTitle, Message::ExportingBody);
                 let progress = Some(state.percent as f32 * 0.01);
-                self.draw_notice(state, PanelSpot::Main, (Icon::Printer, title, body), progress);
+                self.draw_notice(state, PanelSpot::Beside, (Icon::Printer, title, body), progress);
             }
             VisitPhase::Badge => self.draw_badge(state),
             VisitPhase::Thanks => {
@@ -210,7 +210,7 @@ impl Screen {
             fillings: &[],
             progress: None,
         };
-        self.add(PanelSpot::Main, &buttons, |panel, buttons| {
+        self.add(PanelSpot::Beside, &buttons, |panel, buttons| {
             layout::draw_notice(panel, state.language, &notice, buttons);
         });
     }
@@ -227,7 +227,9 @@ impl Screen {
             fillings: &[("seconds", FillingValue::Number(seconds))],
             progress: None,
         };
-        self.add(PanelSpot::Main, &[], |panel, _| {
+        let is_begun = !matches!(state.phase, VisitPhase::Welcome | VisitPhase::Choice);
+        let spot = if is_begun { PanelSpot::Beside } else { PanelSpot::Main };
+        self.add(spot, &[], |panel, _| {
             layout::draw_notice(panel, state.language, &notice, &[]);
         });
     }
@@ -250,7 +252,7 @@ impl Screen {
         let next = ButtonAction::Press(PanelAction::Confirm);
         let buttons = layout::badge_buttons(0).map(|button| (button.primary(), next));
         let buttons = if state.may_leave_badge { &buttons[..] } else { &[] };
-        self.add(PanelSpot::Main, buttons, |panel, buttons| {
+        self.add(PanelSpot::Beside, buttons, |panel, buttons| {
             layout::draw_badge(panel, state.language, &number.badge(), buttons);
         });
     }
