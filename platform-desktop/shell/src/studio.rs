@@ -353,10 +353,11 @@ where
         self.autosave.restart_save_interval();
     }
 
-    /// Tells that the hidden figure was found in the last tick, if it was.
+    /// Tells that the hidden figure was found in the last tick, if it was. A visit tells it in its visitor's language.
     fn notice_found_figure(&mut self) {
         let world = &*self.session.world;
         if let SessionMode::Constrained { figure } = world.mode()
+            && world.visit().phase() == VisitPhase::Closed
             && world.events().contains(&WorldEvent::Found)
         {
             let name = self.session.volumes.hidden_figure_name(figure).unwrap_or("figure");

@@ -1,5 +1,6 @@
 //! Key bindings.
 
+use paros_shaders::panel::Message;
 use winit::event::KeyEvent;
 use winit::keyboard::{Key as Logical, KeyCode, ModifiersState, NamedKey, PhysicalKey};
 
@@ -26,23 +27,32 @@ pub(super) enum KeyCommand {
     Staff,
 }
 
+/// How the help names keys.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum HelpKeys {
+    /// By what stands on them.
+    Named(&'static str),
+    /// In words.
+    Told(Message),
+}
+
 /// The help's table for visitors: keys, and what they do.
-pub(super) const HELP: [(&str, &str); 15] = [
-    ("left button", "run the tool on the surface under the cursor"),
-    ("Shift + left button", "rasp lightly: edges stay"),
-    ("wheel", "up: deeper, down: shallower"),
-    ("right drag", "look from another side"),
-    ("Ctrl + wheel, W, S", "nearer, farther"),
-    ("middle drag, A, D", "turn the stool"),
-    ("1 to 4", "tools, or click them on the bench"),
-    (", .", "bits of the tool, or Shift + 1 to 7"),
-    ("[ ]", "a smaller bit, a larger one"),
-    ("Z, Y", "undo, redo"),
-    ("M", "mirror"),
-    ("T", "steady hand: the bit is drawn behind it"),
-    ("Enter, Space", "finish: print and picture"),
-    ("Esc", "another start, or back from there"),
-    ("F1, H", "this help"),
+pub(super) const HELP: [(HelpKeys, Message); 15] = [
+    (HelpKeys::Told(Message::KeysLeft), Message::HelpRun),
+    (HelpKeys::Told(Message::KeysShiftLeft), Message::HelpLightly),
+    (HelpKeys::Told(Message::KeysWheel), Message::HelpDepth),
+    (HelpKeys::Told(Message::KeysRight), Message::HelpLook),
+    (HelpKeys::Told(Message::KeysCtrlWheel), Message::HelpZoom),
+    (HelpKeys::Told(Message::KeysMiddle), Message::HelpTurn),
+    (HelpKeys::Told(Message::KeysDigits), Message::HelpTools),
+    (HelpKeys::Named(", ."), Message::HelpBits),
+    (HelpKeys::Named("[ ]"), Message::HelpSize),
+    (HelpKeys::Named("Z, Y"), Message::HelpUndo),
+    (HelpKeys::Named("M"), Message::HelpMirror),
+    (HelpKeys::Named("T"), Message::HelpSteady),
+    (HelpKeys::Told(Message::KeysEnter), Message::HelpFinish),
+    (HelpKeys::Named("Esc"), Message::HelpBack),
+    (HelpKeys::Named("F1, H"), Message::HelpHelp),
 ];
 
 /// The same for developers.

@@ -4,6 +4,12 @@ use paros_core::session::SessionMode;
 use paros_shaders::panel::{Icon, Message};
 use paros_shell::modes::named_modes;
 
+/// What a way to start is called.
+#[must_use]
+pub fn name_of_start(start: SessionMode) -> Message {
+    card_of_start(start).0
+}
+
 /// The card of a way to start: its text and its icon.
 pub(crate) fn card_of_start(start: SessionMode) -> (Message, Icon) {
     match start {

@@ -8,7 +8,7 @@ use paros_core::visit::{
 };
 use paros_core::volume::{Grid, Size};
 use paros_core::{TickInput, World, WorldEvent};
-use paros_shaders::panel::{Message, Panel, PanelPose};
+use paros_shaders::panel::{Language, Message, Panel, PanelPose};
 use paros_shell::settings::plan_changes;
 
 use crate::export_state::ExportState;
@@ -243,6 +243,12 @@ impl VisitHost {
             Question::Finish => self.perform(ButtonAction::Press(PanelAction::Finish)),
             _ => self.toggle_finish_question(visit),
         }
+    }
+
+    /// The visitor's language.
+    #[must_use]
+    pub fn language(&self, visit: &Visit) -> Language {
+        self.options.language(visit.language())
     }
 
     /// Whether something is asked, of the visitor or the staff.

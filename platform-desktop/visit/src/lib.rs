@@ -20,6 +20,7 @@ mod queue;
 mod screen;
 mod standing;
 
+pub use cards::name_of_start;
 pub use charger_panel::ChargerPanel;
 pub use export_state::ExportState;
 pub use headset::HeadsetTick;

@@ -113,7 +113,9 @@ where
                 self.send_to_hands(InputEvent::Key(key, down));
             }
             _ if !down => {}
-            KeyCommand::Hands(_) if uncovered && session == SessionState::Finished => {
+            KeyCommand::Hands(_)
+                if uncovered && session == SessionState::Finished && self.visits.is_none() =>
+            {
                 self.panels.show_notice(Notice::Good(FINISHED_HELP.into()));
             }
             KeyCommand::Hands(_) => {}

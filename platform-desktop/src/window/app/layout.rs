@@ -58,6 +58,7 @@ where
             grid_side: N,
             fault: self.studio.save_error(),
             opening: self.studio.path_being_read(),
+            language: self.visit_language(),
             visit: self.visit_phase(),
             is_asking: self.is_visit_asking(),
             kiosk: self.kiosk.is_on,

@@ -5,7 +5,7 @@ use paros_core::session::TICK_RATE;
 use paros_core::visit::{Presence, VisitPhase};
 use paros_core::volume::{Grid, Size};
 use paros_core::{TickInput, WorldEvent};
-use paros_shaders::panel::Panel;
+use paros_shaders::panel::{Language, Panel};
 use paros_shell::headset::visit::LastUse;
 use paros_shell::statics::Resident;
 use paros_shell::studio::Studio;
@@ -124,6 +124,12 @@ where
         self.visits.as_ref().map(|_| self.studio.world().visit().phase())
     }
 
+    /// The visitor's language, where sessions are visits.
+    pub(super) fn visit_language(&self) -> Language {
+        let visit = self.studio.world().visit();
+        self.visits.as_ref().map_or(Language::English, |visits| visits.host.language(visit))
+    }
+
     /// Whether a panel of the visit's asks something.
     pub(super) fn is_visit_asking(&self) -> bool {
         self.visits.as_ref().is_some_and(|visits| visits.host.is_asking())
@@ -226,6 +232,10 @@ where
         let is_new_visit = |event: &WorldEvent| {
             matches!(event, WorldEvent::Visit(VisitPhase::Welcome | VisitPhase::Attract))
         };
+        if world.events().contains(&WorldEvent::Found) {
+            let language = visits.host.language(world.visit());
+            self.panels.show_found(language, world.mode());
+        }
         if world.events().iter().any(is_new_visit) {
             self.hands.drop_input();
             self.hands.reset_eye_and_depths();

@@ -2,7 +2,9 @@
 
 use egui::{Rect, Shape, Vec2};
 use paros_core::session::{SessionMode, SessionState, Tool};
+use paros_core::visit::VisitPhase;
 use paros_shaders::Image;
+use paros_shaders::panel::Language;
 use paros_shell::studio::Notice;
 
 use super::tests::sculpting_status;
@@ -129,6 +131,13 @@ fn panels_of_all_states() -> Vec<(&'static str, Panels, StudioStatus<'static>)> 
         let undo = paros_core::edit::UndoCounts { undoable: 0, redoable: 0 };
         let hinted = StudioStatus { held, depth_mm: 40.0, undo, ..status };
         states.push((bit.spec().name, in_studio(), hinted));
+        let (language, visit) = (Language::Greek, Some(VisitPhase::Sculpting));
+        let mode = SessionMode::Constrained { figure: 2 };
+        let greek = StudioStatus { language, visit, mode, symmetry: true, ..hinted };
+        states.push(("Greek", in_studio(), greek));
+        let mut help = in_studio();
+        help.toggle_help();
+        states.push(("Greek help", help, greek));
     }
     states
 }

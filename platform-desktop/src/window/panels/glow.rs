@@ -5,8 +5,9 @@ use paros_core::World;
 use paros_core::limits::INTERVALS;
 use paros_core::session::BenchItem;
 use paros_core::volume::{Grid, Size};
+use paros_shaders::panel::{Language, Message};
 
-use super::{strip, style};
+use super::{style, words};
 use crate::window::camera::OrbitCamera;
 use crate::window::hands::bench_pick;
 
@@ -15,7 +16,7 @@ use crate::window::hands::bench_pick;
 pub(in crate::window) struct ItemGlow {
     /// Its convex hull in pixels.
     hull: Vec<[f32; 2]>,
-    name: &'static str,
+    name: Message,
 }
 
 impl ItemGlow {
@@ -33,14 +34,10 @@ impl ItemGlow {
         let vertices = bench_pick::body_vertices(world, item).into_iter();
         let pixels = vertices.map(|vertex| Some(orbit.project_point(vertex, picture_size)?.pixel));
         let hull = convex_hull(pixels.collect::<Option<Vec<_>>>()?);
-        let name = match item {
-            BenchItem::Tool(tool) => strip::tool_name(tool),
-            BenchItem::Bit(bit) => bit.spec().name,
-        };
-        (hull.len() > 2).then_some(ItemGlow { hull, name })
+        (hull.len() > 2).then_some(ItemGlow { hull, name: words::item_name(item) })
     }
 
-    pub(super) fn draw(&self, context: &Context) {
+    pub(super) fn draw(&self, context: &Context, language: Language) {
         let painter = context.layer_painter(LayerId::background());
         let scale = context.pixels_per_point();
         let points: Vec<_> =
@@ -49,15 +46,15 @@ impl ItemGlow {
         let highest = points.iter().copied().min_by(|a, b| a.y.total_cmp(&b.y));
         painter.add(Shape::convex_polygon(points, ground, Stroke::new(2.5, style::ACCENT)));
         if let Some(highest) = highest {
-            self.draw_name(context, highest - Vec2::new(0.0, 10.0));
+            self.draw_name(context, language, highest - Vec2::new(0.0, 10.0));
         }
     }
 
     /// Draws the name over a point, within the window.
-    fn draw_name(&self, context: &Context, over: Pos2) {
+    fn draw_name(&self, context: &Context, language: Language, over: Pos2) {
         let painter = context.layer_painter(LayerId::background());
         let font = egui::FontId::proportional(14.0);
-        let galley = painter.layout_no_wrap(self.name.into(), font, style::TEXT);
+        let galley = painter.layout_no_wrap(self.name.text(language).into(), font, style::TEXT);
         let padding = Vec2::new(8.0, 4.0);
         let size = galley.size() + 2.0 * padding;
         let place = Align2::CENTER_BOTTOM.anchor_size(over, size);

@@ -1,9 +1,10 @@
 //! Help panel: mouse and keys, visitors' first.
 
 use egui::{Align2, Area, Context, Grid, Id, Order, RichText, Ui, Vec2};
+use paros_shaders::panel::Message;
 
-use super::style;
-use crate::window::keys::{DEVELOPER_HELP, HELP};
+use super::{StudioStatus, style};
+use crate::window::keys::{DEVELOPER_HELP, HELP, HelpKeys};
 
 /// Width of both tables' column of keys, in points.
 const KEYS_WIDTH: f32 = 140.0;
@@ -11,17 +12,29 @@ const KEYS_WIDTH: f32 = 140.0;
 /// Width of the panel's content, in points.
 const WIDTH: f32 = 460.0;
 
-/// Shows visitors' keys, and developers' if they are to be shown.
-pub(super) fn show(context: &Context, shows_developers_keys: bool) {
+/// Shows visitors' keys in their language, and developers' where they may use them.
+pub(super) fn show(context: &Context, status: &StudioStatus<'_>) {
+    let language = status.language;
+    let in_visit = status.visit.is_some();
     let area = Area::new(Id::new("help"))
         .order(Order::Foreground)
         .anchor(Align2::RIGHT_CENTER, Vec2::new(-style::MARGIN, 0.0));
     area.show(context, |ui| {
         style::show_within_window(ui, style::card_frame().inner_margin(20), WIDTH, |ui| {
-            ui.label(RichText::new("Mouse and keys").size(19.0));
+            ui.label(RichText::new(Message::HelpTitle.text(language)).size(19.0));
             ui.add_space(4.0);
-            show_keys(ui, "keys", &HELP);
-            if shows_developers_keys {
+            let rows = HELP.map(|(keys, what)| {
+                let keys = match keys {
+                    HelpKeys::Named(name) => name,
+                    HelpKeys::Told(message) => message.text(language),
+                };
+                // There is no other start to go to.
+                let is_start = in_visit && what == Message::HelpBack;
+                let what = if is_start { Message::HelpClose } else { what };
+                (keys, what.text(language))
+            });
+            show_keys(ui, "keys", &rows);
+            if !status.kiosk && !in_visit {
                 ui.add_space(4.0);
                 ui.label(style::quiet_text("For developers"));
                 show_keys(ui, "developers' keys", &DEVELOPER_HELP);

@@ -3,6 +3,7 @@
 use paros_core::edit::UndoCounts;
 use paros_core::internals::BitAction;
 use paros_core::session::{BitSize, FOUND_PERCENT, SessionMode, TICK_RATE, ToolBit};
+use paros_shaders::panel::Message;
 use paros_shell::figures::{HiddenStart, StoneThickness};
 
 use super::StudioStatus;
@@ -20,7 +21,7 @@ pub(in crate::window) struct Hints {
 /// What the tool bar hints at in a frame.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::window) struct Hint {
-    pub(super) text: Option<&'static str>,
+    pub(super) text: Option<Message>,
     /// The bit that the text names.
     pub(super) bit: Option<ToolBit>,
 }
@@ -54,29 +55,15 @@ impl Hints {
     /// The hint to show: what keeps the tool from its work first, then the first gestures, then what is to be done with a
     /// figure that hides in the stone.
     #[must_use]
-    pub(in crate::window) const fn text(self, work: HintedWork) -> Option<&'static str> {
+    pub(in crate::window) const fn text(self, work: HintedWork) -> Option<Message> {
         match (work, self.has_cut, self.has_undone) {
-            (HintedWork::PasteBeyondBox, ..) => {
-                Some("Paste holds over the stool only, as wide and as high as a block of stone")
-            }
-            (_, false, _) => Some(
-                "Hold the left button and drag over the stone  ·  drag with the right one to look around",
-            ),
-            (HintedWork::FigureUnderLargeBall, true, _) => Some(
-                "So large a ball reaches no hollows: take the medium one, by Shift + 2 or in the bar",
-            ),
-            (HintedWork::FigureUnderMuchStone, true, _) => Some(
-                "Much stone lies over it: the roughing ball takes it off, by Shift + 6 or in the bar",
-            ),
-            (HintedWork::FigureBeyondBit, true, _) => {
-                Some("It bares no more here: turn the stool by A or D, or take a smaller bit")
-            }
-            (_, true, false) => {
-                Some("Z takes it back  ·  drag with the right button to look around")
-            }
-            (HintedWork::HiddenFigure, true, true) => Some(
-                "Stroke the stone off all around the figure  ·  smaller bits reach its hollows",
-            ),
+            (HintedWork::PasteBeyondBox, ..) => Some(Message::HintBeyond),
+            (_, false, _) => Some(Message::HintDrag),
+            (HintedWork::FigureUnderLargeBall, true, _) => Some(Message::HintLargeBall),
+            (HintedWork::FigureUnderMuchStone, true, _) => Some(Message::HintMuchStone),
+            (HintedWork::FigureBeyondBit, true, _) => Some(Message::HintBeyondBit),
+            (_, true, false) => Some(Message::HintUndo),
+            (HintedWork::HiddenFigure, true, true) => Some(Message::HintAllAround),
             (HintedWork::Other, true, true) => None,
         }
     }
@@ -207,11 +194,16 @@ impl HintedWork {
 #[cfg(test)]
 mod tests {
     use paros_core::session::Tool;
+    use paros_shaders::panel::Language;
     use paros_shell::figures::Figure;
 
     use super::*;
     use crate::window::hands::tool_bits_of;
     use crate::window::panels::tests::sculpting_status;
+
+    fn english(hint: Option<Message>) -> Option<&'static str> {
+        hint.map(|hint| hint.text(Language::English))
+    }
 
     /// An owl under stone, of which nothing is bared yet.
     fn hidden_owl(thickness: StoneThickness) -> StudioStatus<'static> {
@@ -282,7 +274,7 @@ mod tests {
         assert_eq!(work(StoneThickness::Half, ToolBit::MediumBall, 5, [20, 21]), untold);
         let sixth = tool_bits_of(Tool::Rotary).nth(5);
         assert_eq!(sixth, Some(ToolBit::RoughingBall), "which the key of the hint takes");
-        let text = Hints { has_cut: true, ..Hints::default() }.text(told.0);
+        let text = english(Hints { has_cut: true, ..Hints::default() }.text(told.0));
         assert!(text.is_some_and(|text| text.contains("Shift + 6")));
     }
 
@@ -306,7 +298,7 @@ mod tests {
         let mut hints = Hints::default();
         let mut after = |undoable, redoable| {
             hints.note_strokes(UndoCounts { undoable, redoable });
-            hints.text(HintedWork::Other)
+            english(hints.text(HintedWork::Other))
         };
         let drag = after(0, 0).expect("nothing is known yet");
         assert!(drag.contains("Hold the left button and drag") && drag.contains("right"));
@@ -315,7 +307,7 @@ mod tests {
         assert_eq!(after(2, 0), Some(undo));
         assert_eq!(after(1, 1), None);
         assert_eq!(after(0, 0), None, "nor with the next stone");
-        let aim = hints.text(HintedWork::HiddenFigure).expect("what hides is to be found");
+        let aim = english(hints.text(HintedWork::HiddenFigure)).expect("what hides is to be found");
         assert!(aim.contains("all around") && aim.contains("smaller bits"));
     }
 
@@ -339,8 +331,9 @@ mod tests {
         status.pastes_beyond_box = false;
         assert_eq!(hints.note_work(&status, 7.0), HintedWork::PasteBeyondBox, "it can be read");
         assert_eq!(hints.note_work(&status, 9.0), HintedWork::Other);
-        assert!(hints.text(HintedWork::PasteBeyondBox).is_some_and(|text| text.contains("Paste")));
-        let ball = hints.text(HintedWork::FigureUnderLargeBall);
+        let paste = english(hints.text(HintedWork::PasteBeyondBox));
+        assert!(paste.is_some_and(|text| text.contains("Paste")));
+        let ball = english(hints.text(HintedWork::FigureUnderLargeBall));
         assert!(ball.is_some_and(|text| text.contains("Shift + 2")));
         let second = tool_bits_of(Tool::Rotary).nth(1);
         assert_eq!(second, Some(ToolBit::MediumBall), "which that key takes");

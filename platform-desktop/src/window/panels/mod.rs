@@ -14,14 +14,16 @@ mod start;
 mod status;
 mod strip;
 mod style;
+mod words;
 
 use egui::{
     Align2, Area, ColorImage, Context, Id, Pos2, RawInput, Rect, RichText, TextureHandle,
     TextureOptions, Vec2,
 };
-use paros_core::session::SessionState;
+use paros_core::session::{SessionMode, SessionState};
 use paros_core::visit::VisitPhase;
 use paros_shaders::Image;
+use paros_shaders::panel::Language;
 use paros_shell::figures::StoneThickness;
 use paros_shell::studio::Notice;
 use paros_visit::is_at_work;
@@ -152,6 +154,11 @@ impl Panels {
         }
     }
 
+    /// Tells a visitor that the hidden figure of a session was found.
+    pub(super) fn show_found(&mut self, language: Language, mode: SessionMode) {
+        self.show_notice(Notice::Good(words::say_found(language, mode)));
+    }
+
     /// Shows the start for another visitor, and nothing else.
     pub(super) fn show_start_alone(&mut self) {
         self.close_covering_panels();
@@ -246,7 +253,7 @@ impl Panels {
                 mirror.draw(context);
             }
             match (status.glow, status.outline) {
-                (Some(glow), _) => glow.draw(context),
+                (Some(glow), _) => glow.draw(context, status.language),
                 (None, Some(outline)) => outline.draw(context),
                 (None, None) => {}
             }
@@ -274,7 +281,7 @@ impl Panels {
             handover::show(context, status, seconds);
         }
         if self.help {
-            help::show(context, !status.kiosk);
+            help::show(context, status);
         }
         if self.graph {
             self.times.show(context, status);
@@ -367,6 +374,8 @@ impl Panels {
     }
 }
 
+#[cfg(test)]
+mod bar_tests;
 #[cfg(test)]
 mod fit_tests;
 #[cfg(test)]

@@ -6,6 +6,7 @@ use paros_core::edit::UndoCounts;
 use paros_core::session::{BitSize, SessionMode, SessionState, Tool, ToolBit};
 use paros_core::visit::VisitPhase;
 use paros_shaders::gpu::FrameTimes;
+use paros_shaders::panel::Language;
 
 use super::{BitOutline, ItemGlow, MirrorGuide};
 use crate::window::slowness::Slowness;
@@ -59,6 +60,8 @@ pub(in crate::window) struct StudioStatus<'a> {
     pub(in crate::window) fault: Option<&'a str>,
     /// The file being read.
     pub(in crate::window) opening: Option<&'a Path>,
+    /// The visitor's language.
+    pub(in crate::window) language: Language,
     /// Where the visit stands, if sessions are visits.
     pub(in crate::window) visit: Option<VisitPhase>,
     /// Whether a visit's panel asks something, over the tools.

@@ -6,11 +6,15 @@ use paros_core::internals::{BitShape, SizeRange, ToolBitSpec};
 use paros_core::session::{
     BenchItem, FOUND_PERCENT, SessionMode, SessionState, Tool, ToolBit, commands,
 };
-use paros_shell::figures::HiddenStart;
+use paros_shaders::panel::{FillingValue, Language, Message};
+use paros_visit::name_of_start;
 
 use super::hints::Hint;
-use super::{PanelAction, StudioStatus, style};
+use super::{PanelAction, StudioStatus, style, words};
 use crate::window::hands::{DEPTHS_MM, tool_bits_of};
+
+/// The tool bar's width in points, where the window is as wide: any tool's bits are in a row.
+const BAR_WIDTH: f32 = 980.0;
 
 /// From the window's lower edge to what stands there, in points.
 const BOTTOM_GAP: f32 = 16.0;
@@ -52,22 +56,14 @@ pub(super) enum FinishedChoice {
 
 /// Shows the status line at the top, whether the machine is too slow, and why the session is not saved.
 pub(super) fn show_status(context: &Context, status: &StudioStatus<'_>) {
-    let mut text = match status.mode {
-        SessionMode::None => return,
-        SessionMode::FreeForm => "Free form".into(),
-        SessionMode::Constrained { figure } => {
-            let hidden = HiddenStart::from_number(figure);
-            let name = hidden.map_or("figure", |hidden| hidden.figure.name());
-            describe_hidden_figure(name, status.bared_percent)
-        }
-        SessionMode::Creative => "Creative".into(),
-        SessionMode::Own => String::from("Your own start"),
-    };
-    if status.symmetry {
-        text += "  ·  mirrored";
-    }
-    if status.is_steadied {
-        text += "  ·  steady hand";
+    let Some(mut text) = describe_mode(status) else { return };
+    for (_, told) in
+        [(status.symmetry, Message::BarMirrored), (status.is_steadied, Message::BarSteadyHand)]
+            .into_iter()
+            .filter(|(is_so, _)| *is_so)
+    {
+        text += "  ·  ";
+        text += told.text(status.language);
     }
     if let Some(path) = status.opening {
         text += &format!("  ·  reading {}", path.display());
@@ -112,13 +108,21 @@ fn show_keys_hint(context: &Context) -> f32 {
 /// From where on a hidden figure is told to be nearly out.
 const NEARLY_PERCENT: u32 = 80;
 
-/// How much of a hidden figure is bared, and whether that is enough to have found it.
-fn describe_hidden_figure(name: &str, bared_percent: u32) -> String {
-    match bared_percent {
-        FOUND_PERCENT.. => format!("The {name}, found: {bared_percent} %"),
-        NEARLY_PERCENT.. => format!("The {name}, nearly out: {bared_percent} %"),
-        _ => format!("The {name} in the stone: {bared_percent} %"),
-    }
+/// What is being carved; of a hidden figure how much is bared, and whether that is enough to have found it.
+fn describe_mode(status: &StudioStatus<'_>) -> Option<String> {
+    let plain = |message: Message| Some(message.text(status.language).into());
+    let message = match (status.mode, status.bared_percent) {
+        (SessionMode::None, _) => return None,
+        (SessionMode::FreeForm, _) => return plain(Message::BarFreeForm),
+        (SessionMode::Creative, _) => return plain(Message::BarCreative),
+        (SessionMode::Own, _) => return plain(Message::BarOwnStart),
+        (SessionMode::Constrained { .. }, FOUND_PERCENT..) => Message::BarFigureFound,
+        (SessionMode::Constrained { .. }, NEARLY_PERCENT..) => Message::BarFigureNearly,
+        (SessionMode::Constrained { .. }, _) => Message::BarFigureHidden,
+    };
+    let figure = FillingValue::Text(name_of_start(status.mode).text(status.language));
+    let percent = FillingValue::Number(status.bared_percent);
+    Some(words::say(status.language, message, &[("figure", figure), ("percent", percent)]))
 }
 
 /// Shows the tool bar, over it a hint.
@@ -128,20 +132,27 @@ pub(super) fn show_tools(
     hint: Hint,
     actions: &mut Vec<PanelAction>,
 ) -> ToolBar {
-    let mut finish = FinishButton::NotClicked;
+    let (mut finish, language) = (FinishButton::NotClicked, status.language);
     let is_measured = is_area_measured(context, "tools");
     let bottom =
         Area::new(Id::new("tools")).anchor(Align2::CENTER_BOTTOM, Vec2::new(0.0, -BOTTOM_GAP));
     let shown = bottom.show(context, |ui| {
         let frame = style::card_frame().inner_margin(egui::Margin::symmetric(12, 10));
         style::show_rows(ui, frame, |ui| {
+            // As wide for every tool, and the tools at its foot: they stay where they are, whatever is told of them.
+            ui.set_width(ui.max_rect().width().min(BAR_WIDTH));
             if let Some(text) = hint.text {
-                ui.label(RichText::new(text).color(style::ACCENT).size(14.0));
+                let text = RichText::new(text.text(language)).color(style::ACCENT).size(14.0);
+                ui.add(Label::new(text).wrap());
+            }
+            if let Some((tool, bit)) = status.held {
+                ui.horizontal_wrapped(|ui| show_bits(ui, status, (tool, bit), hint.bit, actions));
             }
             ui.horizontal_wrapped(|ui| {
                 for (number, tool) in Tool::ALL.into_iter().enumerate() {
                     let held = status.held.is_some_and(|(held, _)| held == tool);
-                    let text = format!("{}  {}", number + 1, tool_name(tool));
+                    let name = words::tool_name(tool).text(language);
+                    let text = format!("{}  {name}", number + 1);
                     if ui.add(style::choice_button(&text, held)).clicked() {
                         actions.push(PanelAction::Take(BenchItem::Tool(tool)));
                     }
@@ -154,9 +165,6 @@ pub(super) fn show_tools(
                     finish = FinishButton::Clicked;
                 }
             });
-            if let Some((tool, bit)) = status.held {
-                ui.horizontal_wrapped(|ui| show_bits(ui, status, (tool, bit), hint.bit, actions));
-            }
         });
     });
     let height = if is_measured { shown.response.rect.height() + BOTTOM_GAP } else { 0.0 };
@@ -170,14 +178,16 @@ fn is_area_measured(context: &Context, name: &'static str) -> bool {
 
 fn show_edits(ui: &mut Ui, status: &StudioStatus<'_>, actions: &mut Vec<PanelAction>) {
     let UndoCounts { undoable, redoable } = status.undo;
-    for (text, possible, command) in
-        [("Undo", undoable > 0, commands::UNDO), ("Redo", redoable > 0, commands::REDO)]
-    {
-        if ui.add_enabled(possible, Button::new(text)).clicked() {
+    let text = |message: Message| message.text(status.language);
+    for (message, possible, command) in [
+        (Message::Undo, undoable > 0, commands::UNDO),
+        (Message::BarRedo, redoable > 0, commands::REDO),
+    ] {
+        if ui.add_enabled(possible, Button::new(text(message))).clicked() {
             actions.push(PanelAction::Command(command));
         }
     }
-    if ui.add(style::choice_button("Mirror", status.symmetry)).clicked() {
+    if ui.add(style::choice_button(text(Message::BarMirror), status.symmetry)).clicked() {
         actions.push(PanelAction::Command(commands::SYMMETRY));
     }
 }
@@ -190,7 +200,7 @@ fn show_bits(
     actions: &mut Vec<PanelAction>,
 ) {
     for bit in tool_bits_of(tool) {
-        let mut text = RichText::new(bit.spec().name).size(13.0);
+        let mut text = RichText::new(words::bit_name(bit).text(status.language)).size(13.0);
         if bit != mounted {
             text = text.color(style::QUIET);
         }
@@ -203,9 +213,10 @@ fn show_bits(
         }
     }
     show_size(ui, status, mounted, actions);
-    let depth = depth_text(status.depth_mm, status.print_scale);
-    let wheel = if status.depth_mm < *DEPTHS_MM.end() { "up: deeper" } else { "down: less deep" };
-    let text = RichText::new(format!("{depth}  (wheel {wheel})")).size(13.0);
+    let depth = depth_text(status.depth_mm, status.print_scale, status.language);
+    let is_least = status.depth_mm < *DEPTHS_MM.end();
+    let wheel = if is_least { Message::BarWheelDeeper } else { Message::BarWheelShallower };
+    let text = RichText::new(format!("{depth}  {}", wheel.text(status.language))).size(13.0);
     // A bit that hovers cuts nothing, and it shall be seen why.
     let color = if status.depth_mm < 0.0 { style::WARNING } else { style::QUIET };
     ui.label(text.color(color));
@@ -224,19 +235,20 @@ fn show_size(ui: &mut Ui, status: &StudioStatus<'_>, bit: ToolBit, actions: &mut
                 actions.push(PanelAction::Resize(by));
             }
         };
-        button(ui, "[ smaller", steps > smallest, -1);
-        button(ui, "larger ]", steps < largest, 1);
+        button(ui, Message::BarSmaller.text(status.language), steps > smallest, -1);
+        button(ui, Message::BarLarger.text(status.language), steps < largest, 1);
     }
-    ui.label(style::quiet_text(width_text(&spec)).size(13.0));
+    ui.label(style::quiet_text(width_text(&spec, status.language)).size(13.0));
     ui.add_space(6.0);
 }
 
 /// How wide a bit is, in words.
-fn width_text(spec: &ToolBitSpec) -> String {
+fn width_text(spec: &ToolBitSpec, language: Language) -> String {
     let mm = |half_um: i32| f64::from(2 * half_um) * 1e-3;
     match spec.shape {
         BitShape::Ball { radius_um } | BitShape::Disc { radius_um } => {
-            format!("{:.0} mm wide", mm(radius_um))
+            let mm = format!("{:.0}", mm(radius_um));
+            words::say(language, Message::BarWidth, &[("mm", FillingValue::Text(&mm))])
         }
         BitShape::Box { half_extents_um: [x, y, z] } => {
             format!("{:.0} x {:.0} x {:.0} mm", mm(x), mm(y), mm(z))
@@ -245,18 +257,21 @@ fn width_text(spec: &ToolBitSpec) -> String {
 }
 
 /// A tool's depth in words: in the room, in the print, and whether the wheel goes no further.
-fn depth_text(depth_mm: f32, print_scale: Option<f32>) -> String {
-    let print = |mm: f32| {
-        print_scale.map_or(String::new(), |scale| format!(", {:.1} mm in the print", mm * scale))
+fn depth_text(depth_mm: f32, print_scale: Option<f32>, language: Language) -> String {
+    let say = |message, depth: String| {
+        words::say(language, message, &[("depth", FillingValue::Text(&depth))])
     };
     let mut text = match depth_mm {
-        deep if deep >= 0.0 => format!("{deep:.0} mm deep{}", print(deep)),
-        above => format!("hover: {:.0} mm above the stone", -above),
+        deep if deep >= 0.0 => say(Message::BarDepth, format!("{deep:.0}")),
+        above => say(Message::BarHover, format!("{:.0}", -above)),
     };
+    if let Some(scale) = print_scale.filter(|_| depth_mm >= 0.0) {
+        text += &say(Message::BarPrint, format!("{:.1}", depth_mm * scale));
+    }
     if depth_mm >= *DEPTHS_MM.end() {
-        text += ", the most";
+        text += Message::BarMost.text(language);
     } else if depth_mm <= *DEPTHS_MM.start() {
-        text += ", the least";
+        text += Message::BarLeast.text(language);
     }
     text
 }
@@ -336,26 +351,20 @@ pub(super) fn show_finished(context: &Context, status: &StudioStatus<'_>) -> Fin
     FinishedPanel { choice, height }
 }
 
-pub(super) const fn tool_name(tool: Tool) -> &'static str {
-    match tool {
-        Tool::Rotary => "Rotary",
-        Tool::Impact => "Chisel",
-        Tool::FillGun => "Paste",
-        Tool::Rasp => "Rasp",
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use paros_shaders::panel::Language;
+
     use super::depth_text;
 
     #[test]
     fn a_depth_is_told_in_the_room_and_in_the_print_and_at_its_ends() {
-        let text = |mm| depth_text(mm, Some(0.25));
+        let text = |mm| depth_text(mm, Some(0.25), Language::English);
         assert_eq!(text(9.0), "9 mm deep, 2.2 mm in the print");
         assert_eq!(text(40.0), "40 mm deep, 10.0 mm in the print, the most");
         assert_eq!(text(-5.0), "hover: 5 mm above the stone");
         assert_eq!(text(-20.0), "hover: 20 mm above the stone, the least");
-        assert_eq!(depth_text(9.0, None), "9 mm deep", "there is nothing to print");
+        let unprinted = depth_text(9.0, None, Language::English);
+        assert_eq!(unprinted, "9 mm deep", "there is nothing to print");
     }
 }

@@ -6,6 +6,7 @@ use egui::{Event, Modifiers, PointerButton, Pos2, Rect, Vec2};
 use paros_core::edit::UndoCounts;
 use paros_core::session::{BenchItem, BitSize, SessionMode, SessionState, Tool, ToolBit, commands};
 use paros_shaders::gpu::FrameTimes;
+use paros_shaders::panel::Language;
 use paros_shell::studio::Notice;
 use paros_shell::tick_runner::ClockTicks;
 
@@ -21,6 +22,7 @@ pub(in crate::window) fn sculpting_status() -> StudioStatus<'static> {
         held: Some((Tool::Impact, ToolBit::PointChisel)),
         size: BitSize::NATURAL,
         is_steadied: true,
+        language: Language::English,
         visit: None,
         is_asking: false,
         kiosk: false,

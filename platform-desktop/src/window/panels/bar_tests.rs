@@ -1,0 +1,92 @@
+//! The tool bar keeps its place, and speaks its visitor's language.
+
+use egui::{Pos2, Shape};
+use paros_core::edit::UndoCounts;
+use paros_core::session::{SessionMode, Tool};
+use paros_core::visit::VisitPhase;
+use paros_shaders::panel::Language;
+
+use super::tests::{flatten, sculpting_status, text_and_bare_text};
+use super::{Panels, StudioStatus};
+use crate::window::hands::tool_bits_of;
+
+fn in_studio() -> Panels {
+    let mut panels = Panels::new();
+    panels.close_covering_panels();
+    panels
+}
+
+/// Where a text stands in a window, once all is measured.
+fn find_text(panels: &mut Panels, size: [u32; 2], status: &StudioStatus<'_>, text: &str) -> Pos2 {
+    let mut shapes = Vec::new();
+    for _ in 0..4 {
+        panels.input.time = Some(panels.context.input(|input| input.time) + 0.5);
+        panels.set_window(size, 1.0);
+        shapes.clear();
+        let drawn = panels.lay_out(status).0.shapes;
+        drawn.into_iter().for_each(|clipped| flatten(clipped.shape, &mut shapes));
+    }
+    let found = shapes.iter().find_map(|shape| match shape {
+        Shape::Text(shown) if shown.galley.text() == text => Some(shown.pos),
+        _ => None,
+    });
+    found.unwrap_or_else(|| panic!("no {text}"))
+}
+
+#[test]
+fn the_tools_stay_where_they_are_whatever_is_in_hand() {
+    for size in [[640, 420], [1280, 800]] {
+        let mut panels = in_studio();
+        let mut places = Vec::new();
+        for tool in [None].into_iter().chain(Tool::ALL.map(Some)) {
+            let bit = tool.and_then(|tool| tool_bits_of(tool).next());
+            // With a hint, then without.
+            for undoable in [0, 3] {
+                let undo = UndoCounts { undoable, redoable: undoable };
+                let held = tool.zip(bit);
+                let status = StudioStatus { held, undo, ..sculpting_status() };
+                let texts = ["1  Rotary", "4  Rasp", "Redo", "Mirror"];
+                places.push(texts.map(|text| find_text(&mut panels, size, &status, text)));
+            }
+        }
+        for place in &places {
+            assert_eq!(place, &places[0], "in {size:?}");
+        }
+    }
+}
+
+/// What a Greek visitor reads has no English word in it: keys, millimetres and numbers are no words.
+#[test]
+fn a_greek_visitor_reads_greek() {
+    let keys = ["Shift", "Ctrl", "Enter", "Esc", "mm"];
+    let (language, visit) = (Language::Greek, Some(VisitPhase::Sculpting));
+    let modes = [SessionMode::FreeForm, SessionMode::Constrained { figure: 8 }];
+    for tool in Tool::ALL {
+        for (mode, undoable) in modes.into_iter().flat_map(|mode| [(mode, 0), (mode, 1)]) {
+            let mut panels = in_studio();
+            panels.toggle_help();
+            panels.show_found(language, mode);
+            let held = Some((tool, tool_bits_of(tool).next().expect("a bit")));
+            let undo = UndoCounts { undoable, redoable: 0 };
+            let status = StudioStatus {
+                language,
+                visit,
+                mode,
+                held,
+                undo,
+                symmetry: true,
+                bared_percent: 40,
+                ..sculpting_status()
+            };
+            let [all, bare] = text_and_bare_text(&mut panels, &status);
+            assert!(bare.is_empty() && all.len() > 40, "{bare:?} of {all:?}");
+            for text in all {
+                let mut words = text.split(|letter: char| !letter.is_alphabetic());
+                let english = words.find(|word| {
+                    word.len() > 1 && word.is_ascii() && !keys.contains(word) && *word != "F"
+                });
+                assert_eq!(english, None, "{text}");
+            }
+        }
+    }
+}
