@@ -55,6 +55,17 @@ fn the_tools_stay_where_they_are_whatever_is_in_hand() {
     }
 }
 
+/// At a guided cut its panel stands where else the status does.
+#[test]
+fn the_status_gives_way_to_the_guide() {
+    let shows = |visit| {
+        let status = StudioStatus { visit: Some(visit), ..sculpting_status() };
+        let [all, _] = text_and_bare_text(&mut in_studio(), &status);
+        all.iter().any(|text| text.contains("Free form"))
+    };
+    assert_eq!([VisitPhase::Guided, VisitPhase::Sculpting].map(shows), [false, true]);
+}
+
 /// What a Greek visitor reads has no English word in it: keys, millimetres and numbers are no words.
 #[test]
 fn a_greek_visitor_reads_greek() {

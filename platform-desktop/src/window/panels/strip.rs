@@ -6,6 +6,7 @@ use paros_core::internals::{BitShape, SizeRange, ToolBitSpec};
 use paros_core::session::{
     BenchItem, FOUND_PERCENT, SessionMode, SessionState, Tool, ToolBit, commands,
 };
+use paros_core::visit::VisitPhase;
 use paros_shaders::panel::{FillingValue, Language, Message};
 use paros_visit::name_of_start;
 
@@ -84,7 +85,10 @@ pub(super) fn show_status(context: &Context, status: &StudioStatus<'_>) {
                 ui.add(Label::new(text).wrap());
             });
         };
-        line(ui, style::quiet_text(text));
+        // A guided cut's own panel stands there.
+        if status.visit != Some(VisitPhase::Guided) {
+            line(ui, style::quiet_text(text));
+        }
         if let Some(slowness) = status.slow {
             let text = slowness.describe_with_help(status.fast, status.grid_side);
             line(ui, RichText::new(text).color(style::WARNING));
