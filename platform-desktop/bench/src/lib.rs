@@ -29,6 +29,7 @@ mod row;
 mod section5;
 mod step;
 mod subject;
+mod visit_scene;
 
 use std::path::{Path, PathBuf};
 

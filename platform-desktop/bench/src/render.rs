@@ -5,8 +5,8 @@
 //! on average; the mean over the views of each one's best run; all shots of a volume take turns. The same
 //! voxels in columns of two intervals are drawn beside: the programs and textures for two, and no other
 //! picture.
-//! Then the view that the sculpture fills, and whole frames: those with a stroke's uploads, and the scene in other draw
-//! orders.
+//! Then the view that the sculpture fills, and whole frames: those with a stroke's uploads, the scene in other draw
+//! orders, and that of a visit with all that it shows at once.
 
 use paros_core::volume::Grid;
 use paros_headless::Error;
@@ -22,6 +22,7 @@ use super::framing::Framing;
 use super::order;
 use super::row::ReportRow;
 use super::subject::Subject;
+use super::visit_scene;
 
 pub(super) const BENCH: &str = "render";
 
@@ -63,6 +64,7 @@ pub(super) fn measure_rows(
         rows.extend(edits?);
         if framing.volume.grid_side() == 128 {
             rows.extend(order::measure_rows::<128>(subject, runs, timer)?);
+            rows.extend(visit_scene::measure_rows::<128>(subject, runs, timer)?);
         }
     }
     for row in &mut rows {

@@ -109,6 +109,12 @@ impl HeadlessRenderer {
         Ok(self.renderer.submit_upload_between_frames(region, bytes)?)
     }
 
+    /// Puts a picture into a cell of the panels', once one of the next frames has uploaded it: each uploads one. False if
+    /// there is no such cell or the picture isn't as large as one.
+    pub fn set_panel_picture(&mut self, cell: u8, picture: &Image) -> bool {
+        self.renderer.set_panel_picture(cell, picture)
+    }
+
     /// Sets the draw order of all later pictures.
     pub const fn set_draw_order(&mut self, order: SculptureOrder) {
         self.renderer.set_sculpture_order(order);
