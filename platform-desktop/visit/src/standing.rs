@@ -42,7 +42,7 @@ const BESIDE_PARTS: [f32; 2] = [0.5, 0.84];
 const BESIDE_MIDDLE: f32 = 0.27;
 
 /// The same of those beside the stone, on the left and on the right.
-const GUIDE_PARTS: [f32; 2] = [0.38, 0.46];
+const GUIDE_PARTS: [f32; 2] = [0.36, 0.46];
 const SIDE_PARTS: [f32; 2] = [0.26, 0.5];
 const CAPTION_PARTS: [f32; 2] = [0.34, 0.5];
 
