@@ -140,7 +140,7 @@ impl IslandModel {
         if now.seen.is_running {
             pass.check_reached(&now)?;
         } else {
-            end = Some(pass.find_end(&now, &reached)?);
+            end = Some(pass.find_end(&now, &reached, !self.kept.is_empty())?);
             self.running = None;
         }
         self.check_flags(&now)?;
@@ -183,13 +183,19 @@ impl IslandModel {
 }
 
 impl RunningPass {
-    /// What a pass does at its end, that had reached these voxels before.
-    fn find_end(&self, now: &IslandTick<'_>, reached: &DenseVolume) -> Result<PassEnd, String> {
+    /// What a pass does at its end, that had reached these voxels before. One that isn't watched and of which nothing is
+    /// told has removed nothing, and keeps nothing but what a pass before it may have kept, which isn't told again.
+    fn find_end(
+        &self,
+        now: &IslandTick<'_>,
+        reached: &DenseVolume,
+        was_any_kept: bool,
+    ) -> Result<PassEnd, String> {
         let touches_ground = || now.volume.occupied().any(|[_, y, _]| y == 0);
         if now.mask.is_empty() && !touches_ground() {
             return Ok(PassEnd::Unsupported);
         }
-        if self.reachable.is_none() && !now.is_told {
+        if self.reachable.is_none() && !now.is_told && !was_any_kept {
             return Ok(PassEnd::Removes(Vec::new()));
         }
         let islands = now.volume.difference(&connected_to_reached(now, reached));
