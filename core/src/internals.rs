@@ -16,7 +16,7 @@ pub use crate::session::bit_size::SizeRange;
 pub use crate::session::hand::{RoomPose, haptic_amplitude};
 pub use crate::session::input::UNITS_PER_METRE;
 pub use crate::session::journals::{RemovalJournal, StrokeJournal};
-pub use crate::session::stool_frame::{BOX_SIDE, STOOL_TOP};
+pub use crate::session::stool_frame::{BOX_SIDE, STOOL_RADIUS, STOOL_TOP};
 pub use crate::session::tools::{BitAction, BitShape, ToolBitSpec};
 pub use crate::session::workbench::{
     BENCH_ITEMS, BENCH_REACH, BENCH_TOP, ToolPlace, Workbench, is_over_bench,

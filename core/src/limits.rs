@@ -136,10 +136,10 @@ pub const STATE_BYTES: usize = 1587;
 /// keeps one or two.
 pub const BAKED_CROSSINGS: usize = 32;
 
-/// Events of a tick. A start, two hands that each grab, edit, split and release, undo, redo, mirror, finish,
-/// islands, a tenth of the figure and its find make sixteen; the visit's phase, its time left, two tools put back and
-/// its start five more.
-pub const MAX_EVENTS: usize = 21;
+/// Events of a tick. A start, two hands that each grab, edit, split and release, undo, redo, mirror, swapped hands,
+/// finish, islands, a tenth of the figure and its find make seventeen; the visit's phase, its time left, two tools put
+/// back and its start five more.
+pub const MAX_EVENTS: usize = 22;
 
 /// The work of a tick that the world hands out: to undo or redo, to the hands and to the island search, in
 /// row visits of the island search. Some 150 instructions each at 128, half as many again at 256, keep a

@@ -24,7 +24,7 @@ pub const RECORD_BYTES: usize = TickInput::BYTES + 8 * DIGEST_PARTS.len();
 pub const TRACE_VERSION: u16 = 3;
 
 /// Changes with every change of what a tick computes, with one interval a column or more.
-pub const CORE_VERSION: u16 = 12;
+pub const CORE_VERSION: u16 = 13;
 
 /// The first bytes of a trace.
 pub const MAGIC: [u8; 4] = *b"PTRC";
@@ -33,7 +33,7 @@ pub const MAGIC: [u8; 4] = *b"PTRC";
 pub const EXPECTED_TRACE_VERSION: &str = "trace version 3";
 
 /// What the error for another [`CORE_VERSION`] expects.
-pub const EXPECTED_CORE_VERSION: &str = "core version 12";
+pub const EXPECTED_CORE_VERSION: &str = "core version 13";
 
 /// The header of a trace: the world it was recorded on.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

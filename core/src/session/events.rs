@@ -36,6 +36,8 @@ pub enum WorldEvent {
         /// The tool.
         tool: Tool,
     },
+    /// Each hand holds what the other one held.
+    HandsSwapped,
     /// A running tool edited the volume, or was refused by it.
     Edited {
         /// 0 left, 1 right.

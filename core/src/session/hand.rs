@@ -11,6 +11,7 @@ use crate::edit::half_space::HalfSpace;
 use crate::edit::pose::Pose;
 use crate::limits::{FULL_TRIGGER, MAX_TRAIL_POSES, finishing_edits, max_trail_ticks};
 use crate::session::input::{HandInput, RawPose, buttons};
+use crate::session::stool_frame::turn_about_stool;
 use crate::session::tools::ToolBitSpec;
 use crate::session::trail::HandTrail;
 
@@ -32,6 +33,10 @@ pub struct HandState {
     pub is_light: bool,
     /// Whether the hand is squeezed.
     pub squeeze: bool,
+    /// Whether the trigger doesn't count before it was released: it was pulled when the hands were swapped.
+    pub awaits_release: bool,
+    /// Whether the hand, which is squeezed, holds the stool's rim.
+    pub holds_stool: bool,
     /// The buttons as of the last tick.
     pub buttons: u8,
     /// Ticks since the trigger was pulled.
@@ -63,6 +68,8 @@ pub(crate) struct HandPresses {
     pub squeezed: bool,
     /// The buttons that were pressed, of [`buttons`].
     pub buttons: u8,
+    /// By how much the hand's way leads round the stool, which it holds, in 65,536ths of a turn.
+    pub rim_turn: i32,
     /// By how many steps the stick makes the held bit larger, or smaller where negative; again and again while it is
     /// pushed.
     pub resized_by: i8,
@@ -81,6 +88,8 @@ impl HandState {
             trigger: false,
             is_light: false,
             squeeze: false,
+            awaits_release: false,
+            holds_stool: false,
             buttons: 0,
             trigger_ticks: 0,
             frozen_pose: pose,
@@ -101,19 +110,26 @@ impl HandState {
         let keep = |last: &mut RoomPose, pose: &RawPose| {
             pose.to_clamped_metres().inspect(|good| *last = *good).is_some()
         };
+        let last_grip = self.grip.0;
         let good = input.tracked && keep(&mut self.grip, &input.grip);
         if input.tracked {
             keep(&mut self.aim, &input.aim);
         }
         self.tracked = good || (input.tracked && self.was_ever_tracked());
         let live = u8::from(self.tracked);
-        let trigger = is_pressed_with_hysteresis(input.trigger * live, self.trigger);
+        let was_down = self.trigger || self.awaits_release;
+        let is_down = is_pressed_with_hysteresis(input.trigger * live, was_down);
+        // Of a hand that isn't tracked nothing is known.
+        self.awaits_release &= is_down || !self.tracked;
+        let trigger = is_down && !self.awaits_release;
         let squeeze = is_pressed_with_hysteresis(input.squeeze * live, self.squeeze);
+        self.holds_stool &= squeeze;
         let down = (input.buttons * live) & (buttons::LOWER | buttons::UPPER | buttons::STICK);
         let direction =
             if self.tracked { resize_direction(input.stick, self.resize_push.signum()) } else { 0 };
         self.resize_push = next_resize_push(self.resize_push, direction);
         let presses = HandPresses {
+            rim_turn: if self.holds_stool { turn_about_stool(last_grip, self.grip.0) } else { 0 },
             pulled: trigger && !self.trigger,
             squeezed: squeeze && !self.squeeze,
             buttons: down & !self.buttons,
@@ -192,8 +208,15 @@ impl HandState {
         (position + rotation * Vec3::new(0.0, 0.0, -tool_length_metres), rotation)
     }
 
+    /// Ends a pull: what the hand holds now runs once the trigger was released and is pulled anew.
+    pub(crate) const fn end_pull(&mut self) {
+        self.invalidate_bit_pose();
+        self.awaits_release |= self.trigger;
+        self.trigger = false;
+    }
+
     /// Invalidates the frozen pose, after a change of tool or bit.
-    pub(crate) fn invalidate_bit_pose(&mut self) {
+    pub(crate) const fn invalidate_bit_pose(&mut self) {
         (self.can_sweep, self.has_frozen_pose, self.trigger_ticks) = (false, false, 0);
         self.drop_trail();
     }
@@ -223,6 +246,8 @@ impl HandState {
             self.can_sweep,
             self.has_frozen_pose,
             self.is_light,
+            self.awaits_release,
+            self.holds_stool,
         ];
         to.u8(flags.iter().rev().fold(0, |bits, flag| (bits << 1) | u8::from(*flag)));
         to.u8(self.buttons);
@@ -238,12 +263,11 @@ impl HandState {
         let (frozen, raw) = (read_pose(from)?, read_pose(from)?);
         let bad = from.error_here("flags of a hand");
         let flags = from.u8()?;
-        if flags > 63 {
-            return Err(bad);
-        }
         let flag = |i: u8| flags >> i & 1 != 0;
+        let [trigger, squeeze, awaits_release, holds_stool] = [1, 2, 6, 7].map(flag);
         let has_frozen_pose = flag(4);
-        if has_frozen_pose && frozen.1.length_squared() == 0.0 {
+        let is_impossible = awaits_release && trigger || holds_stool && !squeeze;
+        if is_impossible || has_frozen_pose && frozen.1.length_squared() == 0.0 {
             return Err(bad);
         }
         let (buttons, trigger_ticks, haptic) = (from.u8()?, from.u16()?, from.u8()?);
@@ -258,8 +282,10 @@ impl HandState {
             frozen_pose: Pose { position: frozen.0, rotation: frozen.1 },
             raw_pose: Pose { position: raw.0, rotation: raw.1 },
             tracked: flag(0),
-            trigger: flag(1),
-            squeeze: flag(2),
+            trigger,
+            squeeze,
+            awaits_release,
+            holds_stool,
             can_sweep: flag(3),
             has_frozen_pose,
             is_light: flag(5),

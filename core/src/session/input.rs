@@ -60,6 +60,9 @@ pub mod commands {
     pub const SYMMETRY: u8 = 4;
     /// End the session; the sculpture takes no more edits.
     pub const FINISH: u8 = 8;
+    /// Put the tool in each hand into the other, if both are tracked. Pulls, strokes and ways end; a tool runs once its
+    /// new hand's trigger is pulled anew.
+    pub const SWAP_HANDS: u8 = 16;
 }
 
 /// A command from a mouse or a menu instead of a hand.

@@ -9,6 +9,7 @@ pub(crate) mod bit_edit;
 pub(crate) mod bit_size;
 pub(crate) mod events;
 pub(crate) mod float;
+pub(crate) mod grab;
 pub(crate) mod hand;
 pub(crate) mod input;
 pub(crate) mod journals;
@@ -27,6 +28,7 @@ pub(crate) mod world;
 
 pub use bared::{BaredEnds, FOUND_PERCENT};
 pub use bit_size::BitSize;
+pub use grab::GrabTarget;
 pub use hand::HandState;
 pub use input::{PointerCommand, RawPose, SessionMode, TICK_RATE, buttons, commands};
 pub use state::SessionState;

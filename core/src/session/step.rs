@@ -14,6 +14,9 @@ use crate::volume::column_digest::copy_and_digest_maps;
 use crate::volume::range_maps::Axis;
 use crate::volume::size::{Grid, Size};
 
+/// How fast a stick or a hand turns the stool at most, in 65,536ths of a turn a second: a quarter turn.
+const STOOL_SPEED: i32 = 65_536 / 4;
+
 /// What the commands of a tick did.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct CommandEffects {
@@ -65,27 +68,33 @@ where
         true
     }
 
-    /// Turns the stool: by the sticks, up to a quarter turn a second each, and by the pointer.
-    pub(crate) fn turn_stool(&mut self, input: &TickInput) {
+    /// Turns the stool: by the sticks, up to a quarter turn a second each, by hands that hold its rim, together as
+    /// fast at most, and by the pointer.
+    pub(crate) fn turn_stool(&mut self, input: &TickInput, presses: [HandPresses; 2]) {
         let mut turn = 0i32;
         for (hand, state) in input.hands.iter().zip(&self.state.hands) {
             let push = i32::from(hand.stick[0]);
             if state.tracked && push.abs() > 30 {
-                turn += push * (65_536 / 4) / (127 * TICK_RATE as i32);
+                turn += push * STOOL_SPEED / (127 * TICK_RATE as i32);
             }
         }
+        // Two hands on one rim turn it by the mean of their ways.
+        let holding = self.state.hands.iter().filter(|hand| hand.holds_stool).count() as i32;
+        let by_rim: i32 = presses.iter().map(|presses| presses.rim_turn).sum();
+        let most = STOOL_SPEED / TICK_RATE as i32;
+        turn += (by_rim / holding.max(1)).clamp(-most, most);
         if let PointerCommand::Turn { by } = input.pointer {
             turn += i32::from(by);
         }
         self.state.stool = self.state.stool.wrapping_add(turn as u16);
     }
 
-    /// Runs the commands of shells and buttons: undo, redo, symmetry and finish. Undo together with
+    /// Runs the commands of shells and buttons: undo, redo, symmetry, swapped hands and finish. Undo together with
     /// redo does neither.
     pub(crate) fn apply_commands(
         &mut self,
         input: &TickInput,
-        presses: [HandPresses; 2],
+        presses: &mut [HandPresses; 2],
     ) -> CommandEffects {
         let pressed = presses[0].buttons | presses[1].buttons;
         let asked =
@@ -103,6 +112,9 @@ where
         if asked(commands::SYMMETRY, buttons::STICK) {
             self.state.symmetry = !self.state.symmetry;
             self.push_event(WorldEvent::Symmetry(self.state.symmetry));
+        }
+        if input.commands & commands::SWAP_HANDS != 0 {
+            self.swap_hands(presses);
         }
         if input.commands & commands::FINISH != 0 {
             self.finish_session();
@@ -176,37 +188,6 @@ where
             if let Some((_, bit)) = self.held_tool(hand) {
                 self.state.bench.resize_bit(bit, steps);
             }
-        }
-    }
-
-    /// On the edge of a squeeze: takes the nearest item in reach, else releases the held tool.
-    pub(crate) fn grab_or_release_on_squeeze(&mut self, hand: usize, presses: HandPresses) {
-        if !presses.squeezed {
-            return;
-        }
-        let state = self.state.hands[hand];
-        let tip = self
-            .state
-            .bench
-            .held_tool(hand)
-            .map(|tool| state.bit_centre_pose(metres_from_um(tool.length_um())).0);
-        let tip = tip.unwrap_or(state.grip.0);
-        if let Some(item) = self.state.bench.nearest_in_reach(hand, state.grip.0, tip) {
-            self.take_item(hand, item);
-        } else if let Some(tool) = self.state.bench.let_tool_fall_or_return_home(hand, state.grip) {
-            self.state.hands[hand].invalidate_bit_pose();
-            self.push_event(WorldEvent::Released { hand: hand as u8, tool });
-        }
-    }
-
-    fn take_item(&mut self, hand: usize, item: BenchItem) {
-        let other = self.state.bench.held_tool(1 - hand);
-        if self.state.bench.try_take_item(hand, item) {
-            self.state.hands[hand].invalidate_bit_pose();
-            if self.state.bench.held_tool(1 - hand) != other {
-                self.state.hands[1 - hand].invalidate_bit_pose();
-            }
-            self.push_event(WorldEvent::Took { hand: hand as u8, item });
         }
     }
 

@@ -1,6 +1,6 @@
 //! The transform between the room, in metres, and the grid on its turning stool, in voxels.
 
-use glam::{Quat, Vec3};
+use glam::{Quat, Vec2, Vec3};
 
 use crate::edit::pose::Pose;
 use crate::session::hand::RoomPose;
@@ -8,8 +8,36 @@ use crate::session::hand::RoomPose;
 /// Side of the sculpture's box, in metres.
 pub const BOX_SIDE: f32 = 0.45;
 
+/// Radius of the stool's top, in metres: it just carries the box's corners.
+pub const STOOL_RADIUS: f32 = BOX_SIDE * core::f32::consts::FRAC_1_SQRT_2 + 0.014;
+
+/// Nearer to the stool's axis than this a hand's direction from it tells nothing, in metres.
+const LEAST_RADIUS: f32 = 0.05;
+
 /// Centre of the stool's top, on which the box stands, in metres in the room.
 pub const STOOL_TOP: Vec3 = Vec3::new(0.0, 0.8, -0.55);
+
+/// The distance of a point of the room from the rim of the stool's top, in metres.
+pub(crate) fn distance_from_stool_rim(point: Vec3) -> f32 {
+    let from_top = point - STOOL_TOP;
+    let across = Vec2::new(from_top.x, from_top.z).length() - STOOL_RADIUS;
+    Vec2::new(across, from_top.y).length()
+}
+
+/// By how much the way from one point to another leads round the stool's axis, in 65,536ths of a turn, the shorter way
+/// round; 0 where one of them is on it. The parts of a way make up the whole of it.
+pub(crate) fn turn_about_stool(from: Vec3, to: Vec3) -> i32 {
+    let bearing = |point: Vec3| {
+        let Vec3 { x, z, .. } = point - STOOL_TOP;
+        let radians = libm::atan2(f64::from(-z), f64::from(x));
+        let units = libm::round(radians * (65_536.0 / core::f64::consts::TAU));
+        (Vec2::new(x, z).length() >= LEAST_RADIUS).then_some(units as i32)
+    };
+    match (bearing(from), bearing(to)) {
+        (Some(from), Some(to)) => i32::from((to - from) as i16),
+        _ => 0,
+    }
+}
 
 /// The frame of a turned stool that carries a grid.
 #[derive(Clone, Copy, PartialEq, Debug)]

@@ -204,6 +204,15 @@ impl Workbench {
         true
     }
 
+    /// Puts the tools that the hands hold, `held`, each into the other hand.
+    pub(crate) fn swap_held_tools(&mut self, held: [Option<Tool>; 2]) {
+        for (hand, tool) in held.into_iter().enumerate() {
+            if let Some(tool) = tool {
+                self.set_place(BenchItem::Tool(tool), ToolPlace::Hand(1 - hand as u8));
+            }
+        }
+    }
+
     /// Releases the held tool at the grip's pose in the room: near its home position it returns there,
     /// elsewhere it falls. Returns the tool.
     pub(crate) fn let_tool_fall_or_return_home(

@@ -98,10 +98,10 @@ where
         }
         let was_stroke_open = self.is_stroke_open();
         let last_stool = self.state.stool;
-        let presses = [0, 1].map(|hand| self.state.hands[hand].apply_input(&input.hands[hand]));
+        let mut presses = [0, 1].map(|hand| self.state.hands[hand].apply_input(&input.hands[hand]));
         if self.state.session == SessionState::Sculpting {
             if self.state.visit.phase().lets_hands_work() {
-                let rewound = self.apply_inputs_of_sculpting(input, presses);
+                let rewound = self.apply_inputs_of_sculpting(input, &mut presses);
                 if self.is_stroke_open() && !was_stroke_open {
                     self.undo.begin_stroke();
                 }
@@ -117,15 +117,20 @@ where
         self.state.tick = self.state.tick.wrapping_add(1);
     }
 
-    /// Stool, commands, and what hands take, let go of and resize. Returns the columns that undo or redo swapped.
-    fn apply_inputs_of_sculpting(&mut self, input: &TickInput, presses: [HandPresses; 2]) -> u32 {
-        self.turn_stool(input);
+    /// Stool, commands, and what hands take, let go of and resize. Returns the columns that undo or redo swapped. A
+    /// pull that a swap of the hands has ended is no press any more.
+    fn apply_inputs_of_sculpting(
+        &mut self,
+        input: &TickInput,
+        presses: &mut [HandPresses; 2],
+    ) -> u32 {
+        self.turn_stool(input, *presses);
         let rewound = self.apply_commands(input, presses).rewound_columns;
         self.apply_pointer_command(input.pointer);
-        for (hand, presses) in presses.into_iter().enumerate() {
-            self.grab_or_release_on_squeeze(hand, presses);
+        for (hand, presses) in presses.iter().enumerate() {
+            self.grab_or_release_on_squeeze(hand, *presses);
         }
-        self.resize_bits(input.pointer, presses);
+        self.resize_bits(input.pointer, *presses);
         rewound
     }
 

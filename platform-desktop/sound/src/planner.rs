@@ -180,7 +180,7 @@ fn blow_of_hammer(tool: Tool, bit: ToolBit, state: &HandState) -> Option<(ShotKi
 /// What an event sounds like, and how strong; `None` for one that is seen alone, or heard by the tool's voice.
 fn shot_of_event(event: &WorldEvent, phase: VisitPhase) -> Option<(ShotKind, f32)> {
     match *event {
-        WorldEvent::Took { .. } => Some((ShotKind::Take, 1.0)),
+        WorldEvent::Took { .. } | WorldEvent::HandsSwapped => Some((ShotKind::Take, 1.0)),
         WorldEvent::Released { .. } | WorldEvent::Returned { .. } => Some((ShotKind::PutBack, 1.0)),
         WorldEvent::Edited { bit, report, .. } => {
             let is_chip = bit.spec().tool == Tool::Impact && report.removed > 0;
@@ -240,6 +240,7 @@ mod tests {
             (WorldEvent::Started(mode), None),
             (WorldEvent::NoSuchStart, None),
             (WorldEvent::Took { hand, item }, Some(ShotKind::Take)),
+            (WorldEvent::HandsSwapped, Some(ShotKind::Take)),
             (WorldEvent::Released { hand, tool }, Some(ShotKind::PutBack)),
             (WorldEvent::Returned { hand, tool }, Some(ShotKind::PutBack)),
             (

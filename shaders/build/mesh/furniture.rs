@@ -3,7 +3,7 @@
 use core::f32::consts::TAU;
 
 use glam::{Affine3A, Quat, Vec3};
-use paros_core::internals::{BENCH_REACH, BENCH_TOP, BOX_SIDE, STOOL_TOP};
+use paros_core::internals::{BENCH_REACH, BENCH_TOP, STOOL_RADIUS, STOOL_TOP};
 use paros_core::session::{BenchItem, Tool, ToolBit};
 
 use super::bits::rack_mesh;
@@ -199,11 +199,11 @@ pub(crate) fn stool_base() -> MeshBuilder {
     mesh
 }
 
-/// The turning top about the middle of its upper side. It just carries the box's corners.
+/// The turning top about the middle of its upper side.
 pub(crate) fn stool_top() -> MeshBuilder {
     const WEDGES: u32 = 12;
     const PER_WEDGE: usize = 5;
-    let radius = BOX_SIDE * core::f32::consts::FRAC_1_SQRT_2 + 0.014;
+    let radius = STOOL_RADIUS;
     let segments = WEDGES as usize * PER_WEDGE;
     let rim = [
         (0.0, -TOP),

@@ -279,6 +279,9 @@ fn a_state_that_no_world_has_is_refused() {
         (vec![mounted(4), mounted(5)], possible),
         (vec![(ITEM + 31 * 4, vec![3, 0, 0])], possible),
         (vec![(HAND + 112, vec![16])], hand),
+        // A trigger that counts and waits; a stool that an open hand holds.
+        (vec![(HAND + 112, vec![66])], hand),
+        (vec![(HAND + 112, vec![128])], hand),
         (vec![(BODY + 12, vec![41])], "a string's millimetres, 40 at most"),
         (vec![(HAND + 117, vec![19])], "ticks of a stick's push, 18 at most"),
         (vec![(HAND + 455, 16_385i16.to_le_bytes().to_vec())], plane),

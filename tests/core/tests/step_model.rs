@@ -117,6 +117,7 @@ fn sessions_at_16_follow_the_model() {
         .sum_with(check_sessions(&AT_16_OF_3, starts(), 40, 1..=24));
     assert!(tally.edits > 300 && tally.fills > 30 && tally.refusals > 30, "{tally:?}");
     assert!(tally.removals > 30 && tally.rewinds > 30 && tally.loads > 30, "{tally:?}");
+    assert!(tally.swaps > 30 && tally.rim_turns > 30, "{tally:?}");
 }
 
 #[test]

@@ -112,6 +112,15 @@ impl BenchModel {
         true
     }
 
+    /// Puts tools into the left and the right hand.
+    pub fn put_into_hands(&mut self, tools: [Option<Tool>; 2]) {
+        for (hand, tool) in (0..).zip(tools) {
+            if let Some(tool) = tool {
+                self.put(BenchItem::Tool(tool), ToolPlace::Hand(hand));
+            }
+        }
+    }
+
     /// Puts the held tool back home. Returns it.
     pub fn return_home(&mut self, hand: usize) -> Option<Tool> {
         let (tool, _) = self.held(hand)?;

@@ -6,7 +6,7 @@ use paros_core::internals::RoomPose;
 use paros_core::limits::FULL_TRIGGER;
 use paros_core::session::{HandState, HandTrail, RawPose, buttons};
 
-use crate::step::{NOWHERE, resize};
+use crate::step::{NOWHERE, resize, stool};
 
 /// What a hand newly pressed in a tick.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
@@ -17,6 +17,8 @@ pub struct HandPresses {
     pub squeezed: bool,
     /// Buttons.
     pub buttons: u8,
+    /// 65,536ths of a turn by which a hand that holds the stool went round it.
+    pub rim_turn: i32,
     /// Steps by which the stick makes a bit larger.
     pub larger_by: i32,
 }
@@ -31,6 +33,8 @@ pub(super) fn untracked_hand() -> HandState {
         trigger: false,
         is_light: false,
         squeeze: false,
+        awaits_release: false,
+        holds_stool: false,
         buttons: 0,
         trigger_ticks: 0,
         frozen_pose: nowhere,
@@ -48,6 +52,7 @@ pub(super) fn untracked_hand() -> HandState {
 pub(super) fn apply_input(hand: &mut HandState, input: &HandInput) -> HandPresses {
     hand.haptic = 0;
     let had_a_grip = hand.grip.1.length_squared() > 0.0;
+    let place_before = hand.grip.0;
     let valid = |pose: &RawPose| if input.tracked { pose.to_clamped_metres() } else { None };
     let update = |last: &mut RoomPose, pose: Option<RoomPose>| *last = pose.unwrap_or(*last);
     let grip = valid(&input.grip);
@@ -56,12 +61,18 @@ pub(super) fn apply_input(hand: &mut HandState, input: &HandInput) -> HandPresse
     hand.tracked = input.tracked && (grip.is_some() || had_a_grip);
     if !hand.tracked {
         (hand.trigger, hand.squeeze, hand.buttons, hand.trigger_ticks) = (false, false, 0, 0);
-        (hand.can_sweep, hand.resize_push) = (false, 0);
+        (hand.can_sweep, hand.resize_push, hand.holds_stool) = (false, 0, false);
         return HandPresses::default();
     }
     let last = *hand;
-    hand.trigger = input.trigger >= if last.trigger { 96 } else { 128 };
+    let stays_down = input.trigger >= 96;
+    (hand.trigger, hand.awaits_release) = match (last.awaits_release, last.trigger) {
+        (true, _) => (false, stays_down),
+        (false, true) => (stays_down, false),
+        (false, false) => (input.trigger >= 128, false),
+    };
     hand.squeeze = input.squeeze >= if last.squeeze { 96 } else { 128 };
+    hand.holds_stool = last.holds_stool && hand.squeeze;
     hand.buttons = input.buttons & (buttons::LOWER | buttons::UPPER | buttons::STICK);
     let begins = hand.trigger && !last.trigger;
     hand.is_light = match (hand.trigger, begins) {
@@ -75,6 +86,10 @@ pub(super) fn apply_input(hand: &mut HandState, input: &HandInput) -> HandPresse
         pulled: hand.trigger && !last.trigger,
         squeezed: hand.squeeze && !last.squeeze,
         buttons: hand.buttons & !last.buttons,
+        rim_turn: match hand.holds_stool {
+            true => stool::turn_of_way(place_before, hand.grip.0),
+            false => 0,
+        },
         larger_by: resize::push_stick(hand, input.stick),
     }
 }

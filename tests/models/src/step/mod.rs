@@ -23,6 +23,7 @@ pub mod save;
 pub mod session;
 mod spall;
 pub mod starts;
+mod stool;
 mod strike;
 mod string;
 pub mod trace;
@@ -35,8 +36,8 @@ use paros_core::edit::{Contact, IslandReport, Pose};
 use paros_core::internals::{RoomPose, maps_digest};
 use paros_core::limits::MAX_STRING_MM;
 use paros_core::session::{
-    BenchItem, HandState, PointerCommand, SessionMode, SessionState, StoolFrame, TICK_RATE, Tool,
-    buttons, commands,
+    BenchItem, HandState, PointerCommand, SessionMode, SessionState, StoolFrame, Tool, buttons,
+    commands,
 };
 use paros_core::{StartVolumes, TickInput, WorldEvent};
 
@@ -160,7 +161,7 @@ impl<const K: usize> StepModel<K> {
         if let Some(head) = input.head.to_clamped_metres() {
             self.head = head;
         }
-        let presses =
+        let mut presses =
             [0, 1].map(|i: usize| hand_input::apply_input(&mut self.hands[i], &input.hands[i]));
         for (trail, hand) in self.trails.iter_mut().zip(&self.hands) {
             if !hand.tracked {
@@ -168,8 +169,8 @@ impl<const K: usize> StepModel<K> {
             }
         }
         if self.session == SessionState::Sculpting {
-            self.turn_stool(input);
-            let rewound = self.apply_commands(input, &presses);
+            self.turn_stool(input, &presses);
+            let rewound = self.apply_commands(input, &mut presses);
             self.apply_pointer(input.pointer);
             for (hand, presses) in presses.iter().enumerate() {
                 self.grab_or_release_on_squeeze(hand, *presses);
@@ -226,23 +227,8 @@ impl<const K: usize> StepModel<K> {
         }
     }
 
-    /// Turns the stool by tracked hands' sticks, a quarter turn a second at most each, and by the pointer.
-    fn turn_stool(&mut self, input: &TickInput) {
-        let mut turn = 0;
-        for (hand, state) in input.hands.iter().zip(&self.hands) {
-            let push = i32::from(hand.stick[0]);
-            if state.tracked && push.abs() > 30 {
-                turn += push * 16_384 / (127 * TICK_RATE as i32);
-            }
-        }
-        if let PointerCommand::Turn { by } = input.pointer {
-            turn += i32::from(by);
-        }
-        self.stool = (i32::from(self.stool) + turn).rem_euclid(65_536) as u16;
-    }
-
-    /// Runs undo, redo, mirror and finish. Returns whether the volume changed.
-    fn apply_commands(&mut self, input: &TickInput, presses: &[HandPresses; 2]) -> bool {
+    /// Runs undo, redo, mirror, swapped hands and finish. Returns whether the volume changed.
+    fn apply_commands(&mut self, input: &TickInput, presses: &mut [HandPresses; 2]) -> bool {
         let asked = |command: u8, button: u8| {
             input.commands & command != 0
                 || presses.iter().any(|presses| presses.buttons & button != 0)
@@ -266,12 +252,39 @@ impl<const K: usize> StepModel<K> {
             self.is_mirrored = !self.is_mirrored;
             self.events.push(WorldEvent::Symmetry(self.is_mirrored));
         }
+        if input.commands & commands::SWAP_HANDS != 0 && self.swap_hands() {
+            presses.iter_mut().for_each(|presses| presses.pulled = false);
+        }
         if input.commands & commands::FINISH != 0 {
             self.session = SessionState::Finished;
             self.islands.cancel_passes();
             self.events.push(WorldEvent::Finished);
         }
         rewound
+    }
+
+    /// Exchanges what the hands hold, unless a tool would come into a hand that isn't tracked. Pulls are over. Returns
+    /// whether it did.
+    fn swap_hands(&mut self) -> bool {
+        let tools = [0, 1].map(|hand| self.bench.held(hand).map(|(tool, _)| tool));
+        let [left, right] = [0, 1].map(|hand: usize| self.hands[hand].tracked);
+        let swaps = match tools {
+            [None, None] => false,
+            [Some(_), None] => right,
+            [None, Some(_)] => left,
+            [Some(_), Some(_)] => left && right,
+        };
+        if swaps {
+            self.bench.put_into_hands([tools[1], tools[0]]);
+            for hand in 0..2 {
+                self.forget_bit(hand);
+                let state = &mut self.hands[hand];
+                state.awaits_release = state.awaits_release || state.trigger;
+                (state.trigger, state.holds_stool) = (false, false);
+            }
+            self.events.push(WorldEvent::HandsSwapped);
+        }
+        swaps
     }
 
     fn apply_pointer(&mut self, pointer: PointerCommand) {
@@ -293,7 +306,7 @@ impl<const K: usize> StepModel<K> {
         }
     }
 
-    /// A squeeze takes what is in reach, or drops what is held.
+    /// A squeeze takes what is in reach, or drops what is held, or holds the stool.
     fn grab_or_release_on_squeeze(&mut self, hand: usize, presses: HandPresses) {
         if !presses.squeezed {
             return;
@@ -308,6 +321,8 @@ impl<const K: usize> StepModel<K> {
         } else if let Some(tool) = self.bench.drop_tool(hand, grip) {
             self.forget_bit(hand);
             self.events.push(WorldEvent::Released { hand: hand as u8, tool });
+        } else if stool::is_at_rim(grip.0) {
+            self.hands[hand].holds_stool = true;
         }
     }
 
@@ -316,6 +331,7 @@ impl<const K: usize> StepModel<K> {
         let other = tool_of(&self.bench);
         if self.bench.take(hand, item) {
             self.forget_bit(hand);
+            self.hands[hand].holds_stool = false;
             if tool_of(&self.bench) != other {
                 self.forget_bit(1 - hand);
             }

@@ -16,6 +16,7 @@ use proptest::prelude::*;
 
 use crate::dense::MaskedVolume;
 use crate::random_visitor::{RandomSource, arbitrary_input};
+use crate::step::stool;
 
 /// A session.
 #[derive(Clone, Debug)]
@@ -102,6 +103,8 @@ pub enum PhaseEvent {
     Buttons(usize, u8),
     /// In the first tick a hand squeezes where an item is at home.
     Squeeze(usize, u8),
+    /// A hand goes round the stool's rim, squeezed: so many 65,536ths of a turn a tick, so many centimetres above it.
+    HoldStool(usize, i16, i8),
     /// A hand's stick turns the stool and resizes the bit all the while.
     Stick(usize, [i8; 2]),
     /// A session starts.
@@ -188,7 +191,10 @@ fn any_events() -> impl Strategy<Value = PhaseEvent> {
         }),
         5 => prop_oneof![Just(commands::UNDO), Just(commands::REDO), Just(commands::SYMMETRY)]
             .prop_map(PhaseEvent::Commands),
-        1 => (0..8u8).prop_map(PhaseEvent::Commands),
+        3 => Just(PhaseEvent::Commands(commands::SWAP_HANDS)),
+        1 => any::<u8>().prop_map(|all| PhaseEvent::Commands(all & !commands::FINISH)),
+        2 => (hand(), -400..400i16, -16..16i8)
+            .prop_map(|(hand, by, above)| PhaseEvent::HoldStool(hand, by, above)),
         3 => any::<u32>().prop_map(PhaseEvent::Storm),
         2 => (hand(), prop_oneof![Just(buttons::LOWER), Just(buttons::UPPER), Just(buttons::STICK)])
             .prop_map(|(hand, pressed)| PhaseEvent::Buttons(hand, pressed)),
@@ -375,6 +381,7 @@ impl PhaseEvent {
             }
             PhaseEvent::Buttons(hand, pressed) => input.hands[hand].buttons = pressed,
             PhaseEvent::Stick(hand, push) => input.hands[hand].stick = push,
+            PhaseEvent::HoldStool(hand, by, above) => stool::add_hold(input, hand, by, above, i),
             _ if i > 0 => {}
             PhaseEvent::Pointer(pointer) => input.pointer = pointer,
             PhaseEvent::Commands(all) => input.commands = all,

@@ -208,7 +208,8 @@ fn write_hand(to: &mut Vec<u8>, hand: &HandState) {
     write_pose(to, (hand.frozen_pose.position, hand.frozen_pose.rotation));
     write_pose(to, (hand.raw_pose.position, hand.raw_pose.rotation));
     let flags = [hand.tracked, hand.trigger, hand.squeeze, hand.can_sweep];
-    let flags = [&flags[..], &[hand.has_frozen_pose, hand.is_light]].concat();
+    let more = [hand.has_frozen_pose, hand.is_light, hand.awaits_release, hand.holds_stool];
+    let flags = [flags, more].concat();
     to.push(flags.iter().enumerate().map(|(i, &flag)| u8::from(flag) << i).sum());
     to.push(hand.buttons);
     to.extend(hand.trigger_ticks.to_le_bytes());

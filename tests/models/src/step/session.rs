@@ -57,6 +57,10 @@ pub struct SessionTally {
     pub loads: u32,
     /// Ticks in which both hands edited.
     pub both: u32,
+    /// Swaps of the hands.
+    pub swaps: u32,
+    /// Ticks in which the stool turned while a hand held it.
+    pub rim_turns: u32,
     /// The longest wait for the end of a pass, in ticks.
     pub longest_wait: u64,
 }
@@ -179,10 +183,14 @@ where
 
     fn run_tick(&mut self, input: &TickInput) -> Result<(), String> {
         let comparison = &mut self.comparison;
+        let stool = comparison.model.stool;
         self.harness.worlds[self.current]
             .step_then(input, |world, starts| comparison.follow_tick(world, input, starts))
             .map_err(|message| format!("tick {}: {message}", self.tally.ticks))?;
-        self.tally.count(&self.comparison.model.events);
+        let model = &self.comparison.model;
+        self.tally.count(&model.events);
+        let is_held = model.hands.iter().any(|hand| hand.holds_stool);
+        self.tally.rim_turns += u32::from(is_held && model.stool != stool);
         self.check_wait()
     }
 
@@ -235,6 +243,8 @@ impl SessionTally {
             rewinds: self.rewinds + other.rewinds,
             loads: self.loads + other.loads,
             both: self.both + other.both,
+            swaps: self.swaps + other.swaps,
+            rim_turns: self.rim_turns + other.rim_turns,
             longest_wait: self.longest_wait.max(other.longest_wait),
         }
     }
@@ -256,6 +266,7 @@ impl SessionTally {
                     self.removals += u32::from(report.removed > 0);
                 }
                 WorldEvent::Undone | WorldEvent::Redone => self.rewinds += 1,
+                WorldEvent::HandsSwapped => self.swaps += 1,
                 _ => {}
             }
         }
