@@ -148,6 +148,8 @@ where
             next_bites: [None, params.next_bite],
             // The panels draw it.
             show_mirror: false,
+            // The cursor takes what it points at, wherever its hand is.
+            light_targets: false,
         };
         let seen = Viewpoint {
             eyes: &[params.eye],

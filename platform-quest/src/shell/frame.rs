@@ -82,6 +82,7 @@ where
             time_seconds: time,
             next_bites: [None; 2],
             show_mirror: true,
+            light_targets: has_focus && !is_moved,
         };
         // As late as can be: the later, the better the prediction.
         let [left, right] = session.locate_eyes(display_time)?;

@@ -17,6 +17,7 @@ use super::falling::FallingStones;
 use super::found::FoundLight;
 use super::guides;
 use super::island::IslandLattice;
+use super::lit::LitTargets;
 use super::meshes::{HandShape, MeshId};
 use super::particles::{ParticleKind, Particles, random_in_cube};
 use super::placing::{bit_pose, display_pose_unless_held_or_mounted, stool_turn_0_to_tau};
@@ -39,6 +40,8 @@ pub struct LatestInput {
     pub next_bites: [Option<Vec3>; 2],
     /// Whether the mirror's plane and the reflected tools are drawn while it works.
     pub show_mirror: bool,
+    /// Whether what a squeeze of a hand would take is lit.
+    pub light_targets: bool,
 }
 
 /// The sculpture's placement in the room.
@@ -153,13 +156,14 @@ impl SceneAssembler {
         self.list.add(MeshId::Outside, Affine3A::IDENTITY, SHINING);
         self.list.add(MeshId::Workbench, Affine3A::IDENTITY, PLAIN);
         self.list.add(MeshId::StoolBase, Affine3A::IDENTITY, PLAIN);
+        let lit = match latest.light_targets {
+            true => LitTargets::of_hands(world),
+            false => LitTargets::default(),
+        };
         let turn = Quat::from_rotation_y(self.sculpture.turn_radians);
-        self.list.add(
-            MeshId::StoolTop,
-            Affine3A::from_rotation_translation(turn, STOOL_TOP),
-            PLAIN,
-        );
-        self.add_unheld_items(world, fraction);
+        let stool_top = Affine3A::from_rotation_translation(turn, STOOL_TOP);
+        self.list.add(MeshId::StoolTop, stool_top, lit.stool_tint());
+        self.add_unheld_items(world, fraction, &lit);
         for hand in 0..2 {
             self.add_hand_and_held_tool(world, latest, hand);
         }
@@ -201,6 +205,7 @@ impl SceneAssembler {
         &mut self,
         world: &World<N, K>,
         tick_fraction: f32,
+        lit: &LitTargets,
     ) where
         Grid<N>: Size,
     {
@@ -210,14 +215,12 @@ impl SceneAssembler {
             };
             let last = self.items[0][i].unwrap_or(now);
             let pose = (last.0.lerp(now.0, tick_fraction), last.1.slerp(now.1, tick_fraction));
+            let (bench, tint) = (world.workbench(), lit.item_tint(item));
             match item {
                 BenchItem::Tool(tool) => {
-                    let bit = world.workbench().mounted_bit(tool);
-                    self.add_tool(world.workbench(), (tool, bit), pose);
+                    self.add_tool(bench, (tool, bench.mounted_bit(tool)), pose, tint);
                 }
-                BenchItem::Bit(bit) => {
-                    self.add_bit(world.workbench(), bit, pose);
-                }
+                BenchItem::Bit(bit) => self.add_bit(bench, bit, pose, tint),
             }
         }
     }
@@ -239,7 +242,7 @@ impl SceneAssembler {
         let grip = match held {
             Some((tool, bit)) => {
                 let pushed = (grip.0 + world.push_out_metres(hand), grip.1);
-                self.add_tool(world.workbench(), (tool, bit), pushed);
+                self.add_tool(world.workbench(), (tool, bit), pushed, PLAIN);
                 pushed
             }
             None => grip,
@@ -251,16 +254,28 @@ impl SceneAssembler {
         }
     }
 
-    fn add_tool(&mut self, bench: &Workbench, (tool, bit): (Tool, ToolBit), grip: RoomPose) {
-        self.list.add(MeshId::of_tool(tool), room_from_pose(grip), PLAIN);
-        self.add_bit(bench, bit, bit_pose(grip, tool));
+    fn add_tool(
+        &mut self,
+        bench: &Workbench,
+        (tool, bit): (Tool, ToolBit),
+        grip: RoomPose,
+        tint: [f32; 4],
+    ) {
+        self.list.add(MeshId::of_tool(tool), room_from_pose(grip), tint);
+        self.add_bit(bench, bit, bit_pose(grip, tool), tint);
     }
 
     /// Adds a bit of the size that it has.
-    fn add_bit(&mut self, bench: &Workbench, bit: ToolBit, (position, rotation): RoomPose) {
+    fn add_bit(
+        &mut self,
+        bench: &Workbench,
+        bit: ToolBit,
+        (position, rotation): RoomPose,
+        tint: [f32; 4],
+    ) {
         let scale = Vec3::splat(bench.size_of(bit).scale());
         let placed = Affine3A::from_scale_rotation_translation(scale, rotation, position);
-        self.list.add(MeshId::of_bit(bit), placed, PLAIN);
+        self.list.add(MeshId::of_bit(bit), placed, tint);
     }
 
     /// Spawns the particles of the tick's events.

@@ -14,6 +14,7 @@ mod falling;
 mod found;
 mod guides;
 mod island;
+mod lit;
 pub mod meshes;
 pub mod particles;
 pub mod placing;
@@ -23,6 +24,7 @@ mod resting;
 pub use assembly::{LatestInput, SceneAssembler, SculpturePlacement};
 pub use draw::{Batch, DrawList, DrawListCapacity, MeshInstance};
 pub use falling::MAX_FALL_SECONDS;
+pub use lit::{LIT, LIT_STOOL};
 pub use meshes::{DrawGroup, HandShape, MESHES, MeshId, MeshRange, MeshVertex};
 pub use resting::{resting_placement, resting_studio};
 
