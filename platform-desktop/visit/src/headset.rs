@@ -1,4 +1,5 @@
-//! Visits on a headset: its menu button, the time for which it was away, and eyes that panels turn to.
+//! Visits on a headset: its menu button and what bare hands do for it, the time for which it was away, and eyes that
+//! panels turn to.
 
 use std::time::Duration;
 
@@ -14,11 +15,11 @@ use paros_shell::headset::haptics::TickHaptics;
 use crate::export_state::ExportState;
 use crate::host::VisitHost;
 use crate::options::Controls;
-use crate::pointing::Pointer;
+use crate::pointing::{PRESSED_FROM, Pointer};
 use crate::standing::room_pose;
 
 /// Ticks for which the menu button is held to ask for the staff's panel: two seconds, so that no visitor opens it who
-/// only holds a controller.
+/// only holds a controller; and those for which bare hands are held up.
 const STAFF_HOLD_TICKS: u32 = 2 * TICK_RATE;
 
 /// Ticks are farther apart than this where the device slept, the runtime lost its session, or the program showed nothing.
@@ -63,6 +64,8 @@ pub(crate) struct HeadsetWatch {
     last_tick: Option<Duration>,
     /// Ticks for which the menu button has been down.
     menu_ticks: u32,
+    /// Ticks for which both bare hands have been held up.
+    raised_ticks: u32,
     /// Where the head was seen last.
     head: Option<Vec3>,
     /// Where it was when the screen last changed: panels turn to it, and follow no head.
@@ -91,6 +94,22 @@ impl HeadsetWatch {
             true => (self.menu_ticks == STAFF_HOLD_TICKS).then_some(MenuPress::Long),
             false => (1..STAFF_HOLD_TICKS).contains(&held).then_some(MenuPress::Short),
         }
+    }
+
+    /// Whether bare hands, which have no menu button, ask for the staff's panel: once, when both have pinched above the
+    /// eyes for long. No visitor works there, and no other gesture of theirs needs both hands.
+    fn follow_bare_hands(&mut self, tick: &HeadsetTick<'_>) -> bool {
+        let is_raised = |head: Vec3| {
+            let mut hands = tick.hands.iter().zip(tick.sources);
+            hands.all(|(hand, source)| {
+                let is_bare = matches!(source, HandSource::Joints | HandSource::HandInteraction);
+                let is_above = hand.grip.is_some_and(|(place, _)| place.y > head.y);
+                is_bare && is_above && hand.trigger >= PRESSED_FROM
+            })
+        };
+        let is_held = tick.head.is_some_and(is_raised);
+        self.raised_ticks = if is_held { self.raised_ticks.saturating_add(1) } else { 0 };
+        self.raised_ticks == STAFF_HOLD_TICKS
     }
 
     /// The eyes that panels turn to.
@@ -135,6 +154,9 @@ impl VisitHost {
             Some(MenuPress::Short) => self.toggle_finish_question(visit),
             Some(MenuPress::Long) => self.toggle_staff_panel(),
         }
+        if self.headset.follow_bare_hands(tick) {
+            self.toggle_staff_panel();
+        }
         if let Some(controls) = Controls::of_hands(tick.sources) {
             self.set_controls(controls);
         }
@@ -177,6 +199,8 @@ impl VisitHost {
 
 #[cfg(test)]
 mod tests {
+    use glam::Quat;
+
     use super::*;
 
     #[test]
@@ -211,6 +235,43 @@ mod tests {
         assert_eq!(hold(STAFF_HOLD_TICKS), [(almost, MenuPress::Long)]);
         assert_eq!(hold(3 * STAFF_HOLD_TICKS), [(almost, MenuPress::Long)], "once");
         assert_eq!(hold(0), []);
+    }
+
+    #[test]
+    fn bare_hands_ask_by_pinching_above_the_eyes_for_two_seconds() {
+        use HandSource::{Controller, HandInteraction, Joints};
+        let pinch = |height: f32, trigger: f32| HandSample {
+            grip: Some((Vec3::new(0.1, height, -0.3), Quat::IDENTITY)),
+            trigger,
+            ..HandSample::default()
+        };
+        let (up, down, open) = (pinch(1.7, 1.0), pinch(1.4, 1.0), pinch(1.7, 0.2));
+        let head = Some(Vec3::Y * 1.6);
+        let asked = |hands: [HandSample; 2], sources, head, ticks: u32| {
+            let mut watch = HeadsetWatch::default();
+            let tick = HeadsetTick {
+                now: Duration::ZERO,
+                head,
+                hands: &hands,
+                sources,
+                is_menu_down: false,
+                presence: Presence::Worn,
+                is_used: true,
+            };
+            (0..ticks).filter(|_| watch.follow_bare_hands(&tick)).count()
+        };
+        let long = 3 * STAFF_HOLD_TICKS;
+        for sources in [[Joints; 2], [HandInteraction; 2], [Joints, HandInteraction]] {
+            assert_eq!(asked([up; 2], sources, head, long), 1, "once: {sources:?}");
+            assert_eq!(asked([up; 2], sources, head, STAFF_HOLD_TICKS - 1), 0);
+        }
+        for hands in [[up, down], [down, up], [up, open], [open, up], [down; 2]] {
+            assert_eq!(asked(hands, [Joints; 2], head, long), 0, "{hands:?}");
+        }
+        // A controller has its menu button; one hand, or eyes, out of sight tell nothing.
+        assert_eq!(asked([up; 2], [Joints, Controller], head, long), 0);
+        assert_eq!(asked([up, HandSample::default()], [Joints, HandSource::None], head, long), 0);
+        assert_eq!(asked([up; 2], [Joints; 2], None, long), 0);
     }
 
     #[test]

@@ -19,7 +19,7 @@ const TOUCH_DEPTH: f32 = 0.015;
 const GRIP_REACH: f32 = 0.08;
 
 /// A trigger that is pulled so far presses, as the core has it: 128 of 255.
-const PRESSED_FROM: f32 = 128.0 / 255.0;
+pub(crate) const PRESSED_FROM: f32 = 128.0 / 255.0;
 
 /// Ticks for which buttons that have just appeared are not pressed: 300 ms. Who presses so soon meant what was there before.
 pub(crate) const UNAIMED_TICKS: u32 = (TICK_RATE * 3).div_ceil(10);
