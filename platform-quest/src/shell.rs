@@ -25,6 +25,7 @@ use paros_shell::headset::recentering::PendingRecentering;
 use paros_shell::headset::resolution::ResolutionPolicy;
 use paros_shell::headset::room_placement::RoomPlacement;
 use paros_shell::headset::start_up::StartUp;
+use paros_shell::headset::stick_presses::StickPresses;
 use paros_shell::headset::visit::{BootId, VisitPolicy};
 use paros_shell::start_volume_store::StartVolumeStore;
 use paros_shell::statics::{Resident, ResidentBitGrid};
@@ -80,6 +81,7 @@ where
     pacer: FramePacer,
     recentering: PendingRecentering,
     hand_readers: [HandReader; 2],
+    stick_presses: StickPresses,
     placement: RoomPlacement,
     /// The room was moved after the last tick.
     has_room_moved: bool,
@@ -235,6 +237,7 @@ where
             pacer: FramePacer::default(),
             recentering: PendingRecentering::default(),
             hand_readers: [HandReader::default(); 2],
+            stick_presses: StickPresses::default(),
             placement: RoomPlacement::default(),
             has_room_moved: false,
             haptics: FrameHaptics::default(),

@@ -54,6 +54,7 @@ where
                 self.visit.forget_poses();
             }
             self.observe_visitor(&input, menu_down, now, platform);
+            self.stick_presses.replace_in_input(&mut input);
             room = self.observe_head(head).or(room);
             self.add_session_and_string(menu_down, &mut input);
             self.fill_visit_input((now, head, &hands, menu_down), &mut input);

@@ -20,4 +20,5 @@ pub mod runtime;
 mod sealed;
 pub mod session_phase;
 pub mod start_up;
+pub mod stick_presses;
 pub mod visit;
