@@ -26,6 +26,8 @@ pub struct ShellOptions {
     pub record: Option<PathBuf>,
     /// The string on which hands draw their bits, in millimetres; 0 for hands that aren't steadied.
     pub string_mm: u8,
+    /// Whether the room is a step lower or higher for visitors who sit or are tall.
+    pub snap_heights: bool,
     /// The display refresh rate that is requested, in hertz.
     pub refresh_rate: f32,
     /// Whether depth is submitted to the compositor too; pixels have one sample then.
@@ -57,6 +59,7 @@ impl ShellOptions {
             visits: settings.visits.as_ref().map(VisitOptions::of_settings),
             record: settings.record.clone(),
             string_mm: settings.steady_mm,
+            snap_heights: settings.snap_heights,
             refresh_rate: settings.refresh_rate_hz as f32,
             submit_depth: settings.submit_depth,
             foveation: settings.foveation,

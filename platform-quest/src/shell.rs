@@ -23,7 +23,7 @@ use paros_shell::headset::hand_reader::HandReader;
 use paros_shell::headset::haptics::FrameHaptics;
 use paros_shell::headset::recentering::PendingRecentering;
 use paros_shell::headset::resolution::ResolutionPolicy;
-use paros_shell::headset::room_placement::RoomPlacement;
+use paros_shell::headset::room_placement::{RoomPlacement, RoomTransform};
 use paros_shell::headset::start_up::StartUp;
 use paros_shell::headset::stick_presses::StickPresses;
 use paros_shell::headset::visit::{BootId, VisitPolicy};
@@ -238,7 +238,7 @@ where
             recentering: PendingRecentering::default(),
             hand_readers: [HandReader::default(); 2],
             stick_presses: StickPresses::default(),
-            placement: RoomPlacement::default(),
+            placement: RoomPlacement::new(options.snap_heights),
             has_room_moved: false,
             haptics: FrameHaptics::default(),
             speaker: Speaker::spawn(
@@ -314,6 +314,10 @@ where
         self.hand_readers = [HandReader::default(); 2];
         self.pacer.pause();
         self.placement.restart_in_new_space();
+        // As high as it was in a session that was lost.
+        if self.placement.room() != RoomTransform::default() {
+            opened.session.move_room(self.placement.room())?;
+        }
         self.visit.forget_poses();
         let compiled = match self.compile_in_session(&mut opened, platform)? {
             ControlFlow::Continue(compiled) => compiled,

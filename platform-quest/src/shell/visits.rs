@@ -104,11 +104,7 @@ where
         has_recentred: bool,
         platform: &mut dyn Platform,
     ) -> Result<(), Error> {
-        let decided = if has_recentred {
-            self.placement.restart_in_new_space().then(RoomTransform::default)
-        } else {
-            decided
-        };
+        let decided = if has_recentred { self.placement.restart_in_new_space() } else { decided };
         let Some(room) = decided else { return Ok(()) };
         session.move_room(room)?;
         self.has_room_moved = true;
@@ -116,8 +112,9 @@ where
             host.note_room_moved();
         }
         let (degrees, metres) = (room.yaw.to_degrees(), room.origin.length());
+        let raised = room.height.offset_metres();
         platform.log(format_args!(
-            "the room is turned by {degrees:.0} degrees, moved by {metres:.2} m"
+            "the room is turned by {degrees:.0} degrees, moved by {metres:.2} m, raised by {raised:.2} m"
         ));
         Ok(())
     }

@@ -288,15 +288,14 @@ fn create_local_floor_or_fallback(
     Ok((create_room(session, kind, RoomTransform::default())?, kind))
 }
 
-/// Creates the room's space, on the floor of a reference space.
+/// Creates the room's space, on the floor of a reference space or a step above or below it.
 fn create_room(
     session: &xr::Session<xr::Vulkan>,
     kind: xr::ReferenceSpaceType,
     room: RoomTransform,
 ) -> Result<xr::Space, Error> {
-    let height = if kind == xr::ReferenceSpaceType::LOCAL { EYE_HEIGHT } else { 0.0 };
-    let Vec3 { x, z, .. } = room.translation();
-    let pose = pose_of((Vec3::new(x, -height, z), room.rotation()));
+    let eyes = if kind == xr::ReferenceSpaceType::LOCAL { EYE_HEIGHT } else { 0.0 };
+    let pose = pose_of((room.translation() - Vec3::Y * eyes, room.rotation()));
     session.create_reference_space(kind, pose).could_not("make a space")
 }
 

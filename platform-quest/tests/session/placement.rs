@@ -6,6 +6,7 @@ use std::fs;
 use glam::{Quat, Vec3};
 use paros_core::internals::RoomPose;
 use paros_core::session::{BenchItem, RawPose, Tool};
+use paros_shell::headset::height_step::HeightStep;
 use paros_shell::headset::room_placement::RoomTransform;
 use paros_shell::require::require_or_skip;
 use paros_shell::trace::Trace;
@@ -50,14 +51,15 @@ fn the_stool_is_before_the_next_visitor() {
     assert_eq!(shell.wait_frames(10).field("room"), "0.000 0.0000 0.0000", "it lies well");
     let here = shell.capture_eyes(&monado.folder, "here");
 
-    // The next visitor stands across the hall and looks another way.
-    let there = RoomTransform { yaw: 1.8, origin: glam::Vec2::new(1.2, -0.7) };
+    // The next visitor sits across the hall and looks another way.
+    let origin = glam::Vec2::new(1.2, -0.7);
+    let there = RoomTransform { yaw: 1.8, origin, height: HeightStep::Low };
     fs::write(monado.folder.join("clock"), "60").expect("a clock");
     place_visitor(&mut hands, there);
     let said = shell.wait_until("the room", |said| said.field("room") != "0.000 0.0000 0.0000");
     let told: Vec<f32> =
         said.field("room").split(' ').map(|number| number.parse().expect("a number")).collect();
-    let off = Vec3::new(told[1], 0.0, told[2]).distance(there.translation());
+    let off = glam::Vec2::new(told[1], told[2]).distance(origin);
     assert!((told[0] - there.yaw).abs() < 0.0174 && off < 0.01, "{told:?}");
     shell.wait_frames(5);
     let seen = shell.capture_eyes(&monado.folder, "there");
@@ -75,7 +77,10 @@ fn the_stool_is_before_the_next_visitor() {
     shell.wait_until("the tool", |said| said.field("holds") != "[\"nothing\", \"nothing\"]");
     let ShellEnd { code, errors } = shell.quit();
     assert_eq!(code, Some(0), "{errors}");
-    assert!(errors.contains("the room is turned by 103 degrees, moved by 1.39 m"), "{errors}");
+    assert!(
+        errors.contains("the room is turned by 103 degrees, moved by 1.39 m, raised by -0.20 m"),
+        "{errors}"
+    );
 
     let trace = Trace::read(&monado.folder.join("live.trace")).expect("a trace");
     let last = trace.records().last().expect("a tick").input;

@@ -10,6 +10,7 @@ pub mod frame_pacer;
 pub mod hand_reader;
 pub mod hand_sample;
 pub mod haptics;
+pub mod height_step;
 pub mod notice_picture;
 pub mod notice_placement;
 pub mod package;

@@ -1,5 +1,5 @@
 //! Placing the room: for each visitor it is turned and moved so that the stool is before them, wherever in the real
-//! room they stand or sit. The floor stays where it is.
+//! room they stand or sit. The floor stays where it is, or is moved by a [`HeightStep`] where that is wanted.
 //!
 //! The runtime's own "ahead" is that of whoever recentred last. The head decides: once it is tracked, steady and about
 //! level, the room's origin goes below it, and the stool, which the core has on the -z axis, ahead of it.
@@ -15,13 +15,17 @@ use glam::{Quat, Vec2, Vec3};
 use paros_core::internals::RoomPose;
 use paros_core::session::TICK_RATE;
 
-/// Where the room lies in the runtime's space: turned about the vertical, and moved along the floor.
+use super::height_step::HeightStep;
+
+/// Where the room lies in the runtime's space: turned about the vertical, moved along the floor, and raised by a step.
 #[derive(Clone, Copy, PartialEq, Default, Debug)]
 pub struct RoomTransform {
     /// Counter-clockwise as seen from above, in radians.
     pub yaw: f32,
     /// The room's origin in the runtime's space, x and z, in metres.
     pub origin: Vec2,
+    /// How high its floor lies.
+    pub height: HeightStep,
 }
 
 /// When the room is to be moved.
@@ -38,6 +42,10 @@ pub enum PlacementNeed {
 pub struct RoomPlacement {
     room: RoomTransform,
     search: Option<HeadSearch>,
+    /// Whether the room's height is chosen too.
+    snaps_heights: bool,
+    /// A head has chosen it: only another visitor's, or one that the staff recentres, chooses it anew.
+    has_height: bool,
 }
 
 /// Waits for a head by which the room can be placed.
@@ -93,6 +101,7 @@ impl RoomTransform {
         Some(RoomTransform {
             yaw: find_heading(rotation)?,
             origin: Vec2::new(position.x, position.z),
+            height: HeightStep::Middle,
         })
     }
 
@@ -105,7 +114,7 @@ impl RoomTransform {
     /// The room's origin in the runtime's space, in metres.
     #[must_use]
     pub const fn translation(self) -> Vec3 {
-        Vec3::new(self.origin.x, 0.0, self.origin.y)
+        Vec3::new(self.origin.x, self.height.offset_metres(), self.origin.y)
     }
 
     /// A pose of the room in the runtime's space.
@@ -123,6 +132,13 @@ impl RoomTransform {
 }
 
 impl RoomPlacement {
+    /// A room where the runtime's space has it, whose height is a step by the head that it is placed by, if
+    /// `snaps_heights`, or else stays.
+    #[must_use]
+    pub fn new(snaps_heights: bool) -> Self {
+        RoomPlacement { snaps_heights, ..RoomPlacement::default() }
+    }
+
     /// Where the room lies.
     #[must_use]
     pub const fn room(&self) -> RoomTransform {
@@ -137,10 +153,11 @@ impl RoomPlacement {
     }
 
     /// The runtime has another space, by a recentring or with another session: the room lies where that has it, unless
-    /// the visitor is elsewhere. Returns whether it lay elsewhere.
-    pub fn restart_in_new_space(&mut self) -> bool {
+    /// the visitor is elsewhere, as high as before. Returns where that is, if it lay elsewhere.
+    pub fn restart_in_new_space(&mut self) -> Option<RoomTransform> {
         self.request(PlacementNeed::IfFar);
-        core::mem::take(&mut self.room) != RoomTransform::default()
+        let there = RoomTransform { height: self.room.height, ..RoomTransform::default() };
+        (core::mem::replace(&mut self.room, there) != there).then_some(there)
     }
 
     /// Takes in the head at a tick, as it is in the room; `None` where it is not tracked, or not worn. Returns where the
@@ -151,18 +168,31 @@ impl RoomPlacement {
             search.steady_ticks = 0;
             return None;
         };
-        let room = RoomTransform::before_head(self.room.to_runtime(head))?;
-        if !search.is_head_found(head) {
+        // Eyes are as high above the real floor as they are, whatever the room's.
+        let in_runtime = self.room.to_runtime(head);
+        let room = RoomTransform::before_head(in_runtime)?;
+        if !search.is_head_found(in_runtime) {
             return None;
         }
         let need = search.need;
         self.search = None;
+        let height = self.choose_height(need, in_runtime.0.y);
         let is_near = RoomTransform::before_head(head).is_some_and(RoomTransform::is_near_identity);
-        if need == PlacementNeed::IfFar && is_near {
+        if need == PlacementNeed::IfFar && is_near && height == self.room.height {
             return None;
         }
-        self.room = room;
-        Some(room)
+        self.room = RoomTransform { height, ..room };
+        Some(self.room)
+    }
+
+    /// The room's height from now on. A visitor's stays: nothing lifts them in the middle of their visit.
+    fn choose_height(&mut self, need: PlacementNeed, eyes: f32) -> HeightStep {
+        let is_chosen = self.has_height && need == PlacementNeed::IfFar;
+        if is_chosen || !self.snaps_heights || !EYE_HEIGHTS.contains(&eyes) {
+            return self.room.height;
+        }
+        self.has_height = true;
+        HeightStep::for_eyes(eyes)
     }
 }
 

@@ -49,6 +49,8 @@ pub struct Settings {
     pub handover_after: Duration,
     /// The string on which hands draw their bits, in millimetres; 0 for hands that aren't steadied.
     pub steady_mm: u8,
+    /// Whether a headset's room is a step lower or higher for visitors who sit or are tall.
+    pub snap_heights: bool,
     /// The display refresh rate that a headset is asked for, in hertz.
     pub refresh_rate_hz: u32,
     /// The least foveation level; see [`Foveation::choose`](crate::headset::foveation::Foveation::choose).

@@ -62,7 +62,7 @@ pub static SETTINGS: [Setting; STUDIO_ROWS.len() + VISIT_ROWS.len()] = {
     all
 };
 
-const STUDIO_ROWS: [Setting; 13] = [
+const STUDIO_ROWS: [Setting; 14] = [
     Setting {
         name: "size",
         kind: SettingKind::Numbers(&GRID_SIDES_U32),
@@ -106,6 +106,17 @@ const STUDIO_ROWS: [Setting; 13] = [
         summary: "Steadies the hands: a running bit is drawn behind its hand on a string of so many millimetres.",
         reason: "0 steadies nothing, as a bit that lags surprises; a string beyond 40 mm rounds off corners as large as a head",
         store: |settings, value| settings.steady_mm = value.number().unwrap_or(0) as u8,
+    },
+    Setting {
+        name: "snap_heights",
+        kind: SettingKind::Switch,
+        default: SettingDefault::Switch(true),
+        scope: SettingScope::Headset,
+        summary: "Where the room is placed for a visitor, bench and stool are 20 cm lower for eyes below 1.34 m and \
+            10 cm higher for eyes from 1.68 m on; false leaves them 86 and 80 cm above the floor.",
+        reason: "who sits or is tall has the stone at the height of the elbows; steps, chosen once, as a world that \
+            moves by itself makes sick",
+        store: |settings, value| settings.snap_heights = value == SettingValue::Switch(true),
     },
     Setting {
         name: "refresh_rate_hz",
@@ -233,6 +244,7 @@ pub(super) const fn unset_settings() -> Settings {
         mode: paros_core::session::SessionMode::FreeForm,
         handover_after: Duration::ZERO,
         steady_mm: 0,
+        snap_heights: false,
         refresh_rate_hz: 0,
         foveation: None,
         least_resolution_percent: 0,

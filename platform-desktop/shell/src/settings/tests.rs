@@ -19,6 +19,7 @@ fn the_defaults_are_those_that_hold_without_a_file() {
         mode: SessionMode::FreeForm,
         handover_after: Duration::from_secs(45),
         steady_mm: 0,
+        snap_heights: true,
         refresh_rate_hz: 72,
         foveation: None,
         least_resolution_percent: 85,
@@ -38,7 +39,7 @@ fn the_defaults_are_those_that_hold_without_a_file() {
 
 #[test]
 fn every_setting_has_a_place_of_its_own() {
-    let text = "size = 256\nmode = \"cat\"\nhandover_seconds = 120\nsteady_mm = 20\n\
+    let text = "size = 256\nmode = \"cat\"\nhandover_seconds = 120\nsteady_mm = 20\nsnap_heights = false\n\
         refresh_rate_hz = 90\nfoveation = \"medium\"\nleast_resolution_percent = 90\nsamples = 2\nsubmit_depth = true\nsound_percent = 0\nrecord = \"a\"\n\
         kiosk = true\nkiosk_seconds = 60\n";
     // Those of visits have a test of their own.
@@ -49,6 +50,7 @@ fn every_setting_has_a_place_of_its_own() {
         mode: SessionMode::Constrained { figure: 9 },
         handover_after: Duration::from_secs(120),
         steady_mm: 20,
+        snap_heights: false,
         refresh_rate_hz: 90,
         foveation: Some(FoveationLevel::Medium),
         least_resolution_percent: 90,

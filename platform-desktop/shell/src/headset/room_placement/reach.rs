@@ -1,12 +1,17 @@
-//! What visitors reach from the place that the room gives them, standing or seated, without a step or a lean.
+//! What visitors reach from the place and at the height that the room gives them, standing or seated, without a step or
+//! a lean.
 
 use glam::{Vec2, Vec3};
-use paros_core::internals::{BENCH_ITEMS, BOX_SIDE, STOOL_TOP};
+use paros_core::internals::{BENCH_ITEMS, BOX_SIDE, STOOL_RADIUS, STOOL_TOP};
 use paros_core::session::BenchItem;
+
+use crate::headset::height_step::HeightStep;
 
 /// A body, in metres: Pheasant and Haslegrave, "Bodyspace", British adults of 19 to 65 years; seats are 0.42 high.
 struct Body {
     name: &'static str,
+    /// Of the eyes above the floor.
+    eye_height: f32,
     /// Of the shoulder joint (acromion) above the floor.
     shoulder_height: f32,
     /// Between the joints (biacromial).
@@ -15,16 +20,21 @@ struct Body {
     grip_length: f32,
 }
 
-const fn body(name: &'static str, height: f32, breadth: f32, grip_length: f32) -> Body {
-    Body { name, shoulder_height: height, shoulder_breadth: breadth, grip_length }
+const fn body(
+    name: &'static str,
+    [eye_height, shoulder_height]: [f32; 2],
+    shoulder_breadth: f32,
+    grip_length: f32,
+) -> Body {
+    Body { name, eye_height, shoulder_height, shoulder_breadth, grip_length }
 }
 
-/// Women of the 5th percentile, whose eyes are 1.41 m high, and men of the 95th, 1.75; seated 1.10 and 1.27.
+/// Women of the 5th percentile and men of the 95th.
 const BODIES: [Body; 4] = [
-    body("small, standing", 1.215, 0.325, 0.555),
-    body("tall, standing", 1.535, 0.430, 0.715),
-    body("small, seated", 0.925, 0.325, 0.555),
-    body("tall, seated", 1.065, 0.430, 0.715),
+    body("small, standing", [1.41, 1.215], 0.325, 0.555),
+    body("tall, standing", [1.75, 1.535], 0.430, 0.715),
+    body("small, seated", [1.10, 0.925], 0.325, 0.555),
+    body("tall, seated", [1.27, 1.065], 0.430, 0.715),
 ];
 
 /// At which a hand takes an item: the core's `GRAB_DISTANCE`.
@@ -35,10 +45,14 @@ const BOUNDARY: f32 = 1.0;
 
 impl Body {
     /// How far beyond the reach of the nearer shoulder a place is, in metres; 0 within it. The visitor stands at the
-    /// room's origin, and turns the trunk.
+    /// room's origin, and turns the trunk. The room is on the floor or at the visitor's step, whichever is worse.
     fn distance_beyond_reach(&self, place: Vec3, reach: f32) -> f32 {
         let across = Vec2::new(place.x, place.z).length() - self.shoulder_breadth / 2.0;
-        (across.max(0.0).hypot(place.y - self.shoulder_height) - reach).max(0.0)
+        let beyond = |step: HeightStep| {
+            let height = place.y + step.offset_metres();
+            (across.max(0.0).hypot(height - self.shoulder_height) - reach).max(0.0)
+        };
+        beyond(HeightStep::Middle).max(beyond(HeightStep::for_eyes(self.eye_height)))
     }
 
     /// The same of an item, at its place on the bench: a tool is taken by the hand, a bit by the tip of its tool too.
@@ -74,6 +88,19 @@ fn the_sculptures_middle_is_reached_by_the_bare_hand() {
     let middle = STOOL_TOP + Vec3::Y * (BOX_SIDE / 2.0);
     for body in &BODIES {
         assert!(body.distance_beyond_reach(middle, body.grip_length) <= 0.0, "{}", body.name);
+    }
+}
+
+/// Its rim is taken where it is nearest to the visitor, and led an eighth of a turn to either side.
+#[test]
+fn the_stool_is_turned_from_the_visitors_place() {
+    for body in &BODIES {
+        for i in -4..=4 {
+            let (sine, cosine) = (i as f32 / 4.0 * core::f32::consts::FRAC_PI_4).sin_cos();
+            let rim = STOOL_TOP + Vec3::new(sine, 0.0, cosine) * STOOL_RADIUS;
+            let beyond = body.distance_beyond_reach(rim, body.grip_length + GRAB_DISTANCE);
+            assert!(beyond <= 0.0, "{}: {rim} is {beyond:.3} m beyond reach", body.name);
+        }
     }
 }
 

@@ -6,6 +6,7 @@ use glam::{Quat, Vec3};
 use paros_core::internals::{RoomPose, STOOL_TOP};
 
 use super::{PATIENCE_TICKS, PlacementNeed, RoomPlacement, RoomTransform, STEADY_TICKS};
+use crate::headset::height_step::HeightStep;
 
 /// Numbers by a linear congruence: the same ones each time.
 struct Dice(u32);
@@ -174,11 +175,88 @@ fn a_room_that_is_near_enough_stays_unless_another_visitor_has_come() {
         placement.request(PlacementNeed::IfFar);
         assert!(place(&mut placement, pose).is_some());
         assert_stool_is_before(placement.room(), pose, yaw);
-        assert!(placement.restart_in_new_space());
+        assert_eq!(placement.restart_in_new_space(), Some(RoomTransform::default()));
         assert_eq!(placement.room(), RoomTransform::default());
-        assert!(!placement.restart_in_new_space(), "it lies there already");
+        assert_eq!(placement.restart_in_new_space(), None, "it lies there already");
     }
     placement.request(PlacementNeed::Anyhow);
     placement.request(PlacementNeed::IfFar);
     assert!(place(&mut placement, near).is_some(), "the greater need counts");
+}
+
+/// Eyes of people who sit, stand and are tall, in metres above the floor, and the room's height for them.
+const EYES: [(f32, HeightStep); 6] = [
+    (1.10, HeightStep::Low),
+    (1.27, HeightStep::Low),
+    (1.41, HeightStep::Middle),
+    (1.62, HeightStep::Middle),
+    (1.75, HeightStep::High),
+    (1.95, HeightStep::High),
+];
+
+fn eyes_at(height: f32) -> RoomPose {
+    head(Vec3::new(0.5, height, -1.0), 0.4, -0.2, 0.0)
+}
+
+#[test]
+fn each_visitor_has_the_room_at_one_of_the_steps_whatever_it_was_before() {
+    let mut placement = RoomPlacement::new(true);
+    for (before, _) in EYES {
+        for (eyes, step) in EYES {
+            for height in [before, eyes] {
+                placement.request(PlacementNeed::Anyhow);
+                assert_eq!(place(&mut placement, eyes_at(height)), Some(STEADY_TICKS));
+            }
+            let room = placement.room();
+            assert_eq!(room.height, step, "{eyes} after {before}");
+            let seen = room.to_room(eyes_at(eyes)).0;
+            assert!(seen.distance(Vec3::Y * (eyes - step.offset_metres())) < 0.01, "{seen}");
+        }
+    }
+    // Without the steps the floor is the real one.
+    let mut placement = RoomPlacement::new(false);
+    for (eyes, _) in EYES {
+        placement.request(PlacementNeed::Anyhow);
+        place(&mut placement, eyes_at(eyes)).expect("a place");
+        assert_eq!(placement.room().height, HeightStep::Middle);
+    }
+}
+
+/// Who stands up, sits down or recentres in the middle of a visit is lifted by nothing.
+#[test]
+fn a_height_stays_until_the_next_visitor() {
+    let mut placement = RoomPlacement::new(true);
+    placement.request(PlacementNeed::Anyhow);
+    place(&mut placement, eyes_at(1.2)).expect("a place");
+    let seated = placement.room();
+    for i in 0..20 * PATIENCE_TICKS {
+        let seen = seated.to_room(eyes_at(1.1 + 0.01 * (i % 90) as f32));
+        assert_eq!(placement.observe_head(Some(seen)), None);
+    }
+    // A recentring of the runtime's own: by a step aside the room follows, as high as it is.
+    let level = RoomTransform { height: HeightStep::Low, ..RoomTransform::default() };
+    assert_eq!(placement.restart_in_new_space(), Some(level));
+    place(&mut placement, eyes_at(1.75)).expect("it is far");
+    assert_eq!(placement.room(), seated);
+    let near = head(Vec3::Y * 1.75, 0.0, 0.0, 0.0);
+    assert_eq!(placement.restart_in_new_space(), Some(level));
+    assert_eq!(place(&mut placement, near), None, "it is near");
+    assert_eq!(placement.room(), level);
+    placement.request(PlacementNeed::Anyhow);
+    place(&mut placement, near).expect("another visitor");
+    assert_eq!(placement.room().height, HeightStep::High);
+}
+
+/// Where nobody was yet, the first head chooses, even one that is near.
+#[test]
+fn the_first_head_chooses_a_height_and_one_on_a_table_does_not() {
+    let mut placement = RoomPlacement::new(true);
+    assert_eq!(placement.restart_in_new_space(), None);
+    assert_eq!(place(&mut placement, head(Vec3::Y * 0.4, 0.0, 0.0, 0.0)), None, "on a table");
+    assert_eq!(placement.restart_in_new_space(), None);
+    assert!(place(&mut placement, head(Vec3::Y * 1.2, 0.0, 0.0, 0.0)).is_some());
+    assert_eq!(placement.room().height, HeightStep::Low);
+    // The next one is as high as it has to be already.
+    placement.request(PlacementNeed::IfFar);
+    assert_eq!(place(&mut placement, head(Vec3::Y * 1.75, 0.0, 0.0, 0.0)), None);
 }

@@ -1,0 +1,70 @@
+//! Heights of the room for visitors who sit, stand or are tall: one of a few, so that bench and stool are at about the
+//! height of the elbows, and never one in between.
+
+/// How much higher or lower than the real floor the room's floor lies.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub enum HeightStep {
+    /// For those who sit, and children.
+    Low,
+    /// On the floor, for those who stand.
+    #[default]
+    Middle,
+    /// For tall people.
+    High,
+}
+
+/// Eyes below this height above the floor are those of people who sit, or of children: between the 1.27 m of tall people
+/// seated and the 1.41 m of small women standing (95th and 5th percentile: Pheasant and Haslegrave, "Bodyspace").
+const LOW_BELOW: f32 = 1.34;
+
+/// Eyes from this height on are those of tall people: half of all men's are above 1.63 m, a twentieth above 1.75 m.
+const HIGH_FROM: f32 = 1.68;
+
+impl HeightStep {
+    /// All of them, the lowest first.
+    pub const ALL: [HeightStep; 3] = [HeightStep::Low, HeightStep::Middle, HeightStep::High];
+
+    /// The step for eyes so many metres above the floor.
+    #[must_use]
+    pub fn for_eyes(height: f32) -> Self {
+        match height {
+            height if height < LOW_BELOW => HeightStep::Low,
+            height if height >= HIGH_FROM => HeightStep::High,
+            _ => HeightStep::Middle,
+        }
+    }
+
+    /// How high the room's floor lies above the real one, in metres. A seated person's elbows are 30 cm lower than those
+    /// of one who stands; 20 keep the stool's top above the knees.
+    #[must_use]
+    pub const fn offset_metres(self) -> f32 {
+        match self {
+            HeightStep::Low => -0.2,
+            HeightStep::Middle => 0.0,
+            HeightStep::High => 0.1,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::HeightStep;
+
+    #[test]
+    fn eyes_have_the_step_of_those_whose_they_are() {
+        for (eyes, step) in [
+            (0.9, HeightStep::Low),
+            (1.10, HeightStep::Low),
+            (1.27, HeightStep::Low),
+            (1.41, HeightStep::Middle),
+            (1.63, HeightStep::Middle),
+            (1.75, HeightStep::High),
+            (2.2, HeightStep::High),
+            (f32::NAN, HeightStep::Middle),
+        ] {
+            assert_eq!(HeightStep::for_eyes(eyes), step, "{eyes}");
+        }
+        let offsets = HeightStep::ALL.map(HeightStep::offset_metres);
+        assert!(offsets.is_sorted() && HeightStep::default().offset_metres() == 0.0);
+    }
+}
