@@ -16,7 +16,7 @@ use paros_core::volume::{BitGrid, BitSet, Grid, Size};
 use paros_shell::figures::own_figure_mode;
 use paros_shell::headset::package;
 use paros_shell::require::require_or_skip;
-use paros_shell::settings::table::{SETTINGS, SettingScope};
+use paros_shell::settings::table::SETTINGS;
 use paros_shell::settings::{LoadedSettings, SettingsLayer};
 use paros_shell::statics::{Resident, ResidentBitGrid};
 use paros_shell::tick_runner::TickRunner;
@@ -270,7 +270,7 @@ fn check_restrictions(dump: &str) {
         let values = dump.lines().filter(|line| line.contains(&format!(":{name}(")));
         values.map(|line| line.split('"').nth(1).unwrap_or_default().to_owned()).collect::<Vec<_>>()
     };
-    let headsets = SETTINGS.iter().filter(|setting| setting.scope != SettingScope::Window);
+    let headsets = SETTINGS.iter().filter(|setting| setting.scope.is_for_headset());
     let names: Vec<_> = headsets.map(|setting| setting.name).collect();
     assert_eq!(attribute("key"), names, "{dump}");
     // Title and description of each, and the entries of size, mode, foveation and samples.

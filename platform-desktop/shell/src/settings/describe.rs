@@ -70,7 +70,7 @@ pub fn write_restrictions(own_figures: &[String]) -> RestrictionFiles {
         "{HEAD}<restrictions xmlns:android=\"http://schemas.android.com/apk/res/android\">\n"
     );
     let mut values = format!("{HEAD}<resources>\n");
-    for setting in SETTINGS.iter().filter(|setting| setting.scope != SettingScope::Window) {
+    for setting in SETTINGS.iter().filter(|setting| setting.scope.is_for_headset()) {
         let (name, kind) = (setting.name, setting.restriction_type());
         let expected = setting.kind.describe(own_figures);
         let title = name.replace('_', " ");
@@ -163,7 +163,14 @@ impl SettingScope {
             SettingScope::Headset => "headset",
             SettingScope::Window => "window",
             SettingScope::Both => "headset and window",
+            SettingScope::Booth => "booth",
         }
+    }
+
+    /// Whether a headset does anything by it.
+    #[must_use]
+    pub const fn is_for_headset(self) -> bool {
+        matches!(self, SettingScope::Headset | SettingScope::Both)
     }
 }
 

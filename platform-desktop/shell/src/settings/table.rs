@@ -17,7 +17,7 @@ use crate::headset::visit::DEFAULT_HANDOVER;
 use crate::sizes::GRID_SIDES;
 use visits::VISIT_ROWS;
 
-/// The shell that a setting is for. The other one checks it, and does nothing by it.
+/// The program that a setting is for. The others check it, and do nothing by it.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum SettingScope {
     /// The headset's.
@@ -26,6 +26,8 @@ pub enum SettingScope {
     Window,
     /// Both.
     Both,
+    /// The booth's, at which visitors ask for their sculptures.
+    Booth,
 }
 
 /// A setting.
@@ -37,7 +39,7 @@ pub struct Setting {
     pub kind: SettingKind,
     /// What holds where nobody sets it.
     pub default: SettingDefault,
-    /// The shell that it is for.
+    /// The program that it is for.
     pub scope: SettingScope,
     /// What it does, in a sentence for those who run an exhibition.
     pub summary: &'static str,

@@ -30,13 +30,20 @@ pub struct VisitSettings {
     pub starts: Vec<VisitStart>,
     /// What opens the staff's panel; without it nothing does.
     pub staff_pin: Option<StaffPin>,
+    /// The age from which the booth lets a visitor leave an e-mail address, in years; 0 where nobody may.
+    pub email_from_age: u32,
 }
 
 impl VisitSettings {
     /// Visits before any setting is stored.
     pub(super) const fn unset() -> Self {
-        let plan = VisitPlan::new();
-        VisitSettings { plan, languages: Vec::new(), starts: Vec::new(), staff_pin: None }
+        VisitSettings {
+            plan: VisitPlan::new(),
+            languages: Vec::new(),
+            starts: Vec::new(),
+            staff_pin: None,
+            email_from_age: 0,
+        }
     }
 }
 

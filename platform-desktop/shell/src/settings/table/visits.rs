@@ -12,7 +12,7 @@ use crate::settings::visits::{MAX_STARTS, VisitSettings, VisitStart};
 pub(super) const LANGUAGE_WORDS: [&str; Language::ALL.len()] = ["english", "greek"];
 
 /// The rows. The first makes what the others are stored in.
-pub(super) const VISIT_ROWS: [Setting; 19] = [
+pub(super) const VISIT_ROWS: [Setting; 20] = [
     Setting {
         name: "visits",
         kind: SettingKind::Switch,
@@ -199,6 +199,19 @@ pub(super) const VISIT_ROWS: [Setting; 19] = [
         store: |settings, value| {
             if let (Some(visits), SettingValue::Pin(pin)) = (&mut settings.visits, value) {
                 visits.staff_pin = Some(pin);
+            }
+        },
+    },
+    Setting {
+        name: "email_from_age",
+        kind: SettingKind::ZeroOr { least: 13, most: 18 },
+        default: SettingDefault::Whole(16),
+        scope: SettingScope::Booth,
+        summary: "At the booth: the age in years from which a visitor may leave an e-mail address for the sculpture; 0 where nobody may. Headset and window ask for none.",
+        reason: "below it the law wants a parent's word (GDPR, article 8: 16, or 13 at least where a state says so); from 18 on it asks nothing more",
+        store: |settings, value| {
+            if let (Some(visits), Some(age)) = (&mut settings.visits, value.number()) {
+                visits.email_from_age = age;
             }
         },
     },

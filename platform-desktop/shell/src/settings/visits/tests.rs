@@ -7,7 +7,7 @@ use paros_core::visit::{PlanSetting, VisitCommand, VisitPlan};
 use super::{MAX_STARTS, VisitSettings, plan_changes};
 use crate::settings::table::{SETTINGS, SettingScope};
 use crate::settings::value::{SettingDefault, SettingKind};
-use crate::settings::{LoadedSettings, SettingsLayer};
+use crate::settings::{LoadedSettings, SettingsLayer, write_documentation, write_restrictions};
 
 /// The times of visits, by the settings of the core's plan.
 const TIMES: [(&str, PlanSetting); 14] = [
@@ -104,6 +104,26 @@ fn each_time_sets_its_own_value_of_the_plan() {
     let badges = VisitCommand::Set { setting: PlanSetting::Badges, value: 0 };
     assert_eq!(commands_of(&load_visits("badges = false")), [badges]);
     assert_eq!(commands_of(&load_visits("badges = true")), []);
+}
+
+/// Nothing but the booth looks at it: no form for headsets has it.
+#[test]
+fn an_age_for_e_mail_is_nobodys_or_one_that_a_law_may_set() {
+    assert_eq!(load_visits("").email_from_age, 16);
+    for age in [0, 13, 15, 18] {
+        assert_eq!(load_visits(&format!("email_from_age = {age}")).email_from_age, age);
+    }
+    for age in ["1", "12", "19", "-1", "\"16\""] {
+        let loaded = load(&format!("visits = true\nemail_from_age = {age}"));
+        let expected = "f:2:18: email_from_age = ";
+        assert!(loaded.faults.len() == 1 && loaded.faults[0].starts_with(expected), "{age}");
+        assert_eq!(loaded.settings.visits.expect("they are on").email_from_age, 16);
+    }
+    assert!(!write_restrictions(&[]).restrictions.contains("email_from_age"));
+    assert!(
+        write_documentation()
+            .contains("| `email_from_age` | 0, or a whole number from 13 to 18 | `16` | booth |")
+    );
 }
 
 #[test]
