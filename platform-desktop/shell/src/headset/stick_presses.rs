@@ -76,11 +76,13 @@ mod tests {
         told
     }
 
+    const NEVER: Vec<u32> = Vec::new();
+
     #[test]
     fn a_short_press_mirrors_and_a_long_one_swaps() {
         for hand in 0..2 {
             let held = |ticks| press(hand, ticks, |_, _| {});
-            assert_eq!(held(0), [vec![], vec![]]);
+            assert_eq!(held(0), [NEVER; 2]);
             assert_eq!(held(1), [vec![1], vec![]]);
             let almost = LONG_PRESS_TICKS - 1;
             assert_eq!(held(almost), [vec![almost], vec![]]);
@@ -108,6 +110,6 @@ mod tests {
     #[test]
     fn a_press_that_ends_out_of_sight_is_none() {
         let lost = press(1, 10, |tick, hand| hand.tracked = tick < 5);
-        assert_eq!(lost, [vec![], vec![]]);
+        assert_eq!(lost, [NEVER; 2]);
     }
 }
