@@ -64,6 +64,8 @@ impl Hints {
             (HintedWork::FigureBeyondBit, true, _) => Some(Message::HintBeyondBit),
             (_, true, false) => Some(Message::HintUndo),
             (HintedWork::HiddenFigure, true, true) => Some(Message::HintAllAround),
+            (HintedWork::LastStone, true, true) => Some(Message::HintLastStone),
+            (HintedWork::FigureFound, true, true) => Some(Message::HintFound),
             (HintedWork::Other, true, true) => None,
         }
     }
@@ -140,6 +142,9 @@ const fn roughed_out_percent(thickness: StoneThickness) -> u32 {
 /// Up to how much of it much stone lies over it, in percent.
 const MUCH_STONE_PERCENT: u32 = 12;
 
+/// From how much of it on what is left is in creases and behind, in percent.
+const LAST_STONE_PERCENT: u32 = 80;
+
 /// The work in hand, as far as hints are about it.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(in crate::window) enum HintedWork {
@@ -153,6 +158,10 @@ pub(in crate::window) enum HintedWork {
     FigureUnderLargeBall,
     /// The bit in hand bares hardly more of it.
     FigureBeyondBit,
+    /// Little of it is still in the stone, and most of that out of sight.
+    LastStone,
+    /// It is found.
+    FigureFound,
     /// Paste is being laid where the volume ends.
     PasteBeyondBox,
 }
@@ -164,13 +173,19 @@ impl HintedWork {
         let percent = status.bared_percent;
         let SessionMode::Constrained { figure } = status.mode else { return HintedWork::Other };
         if percent >= FOUND_PERCENT {
-            return HintedWork::Other;
+            return HintedWork::FigureFound;
         }
         let thickness =
             HiddenStart::from_number(figure).map_or(StoneThickness::Near, |start| start.thickness);
         let is_deep = thickness != StoneThickness::Near && percent < MUCH_STONE_PERCENT;
         match status.held.map(|(_, bit)| bit) {
             Some(ToolBit::RoughingBall) if percent >= roughed_out_percent(thickness) => {
+                HintedWork::FigureUnderLargeBall
+            }
+            Some(ToolBit::LargeBall)
+                if thickness == StoneThickness::Near
+                    && percent >= roughed_out_percent(thickness) =>
+            {
                 HintedWork::FigureUnderLargeBall
             }
             Some(ToolBit::SmallBall | ToolBit::MediumBall)
@@ -186,6 +201,7 @@ impl HintedWork {
             Some(bit) if bit.spec().action == BitAction::Carve && baring.is_stalled() => {
                 HintedWork::FigureBeyondBit
             }
+            _ if percent >= LAST_STONE_PERCENT => HintedWork::LastStone,
             _ => HintedWork::HiddenFigure,
         }
     }
@@ -278,6 +294,20 @@ mod tests {
         assert!(text.is_some_and(|text| text.contains("Shift + 6")));
     }
 
+    /// A player's large ball bared the owl under its thin coat a quarter more slowly than the medium one, and left ribs.
+    #[test]
+    fn what_is_left_of_a_thin_coat_is_told_by_the_ball_and_by_what_is_bared() {
+        let work = |bit, percent| {
+            let mut status = hidden_owl(StoneThickness::Near);
+            after_strokes(&mut status, bit, 4, 20, [percent, percent]).0
+        };
+        assert_eq!(work(ToolBit::LargeBall, 11), HintedWork::HiddenFigure);
+        assert_eq!(work(ToolBit::LargeBall, 12), HintedWork::FigureUnderLargeBall);
+        assert_eq!(work(ToolBit::MediumBall, 79), HintedWork::HiddenFigure);
+        assert_eq!(work(ToolBit::MediumBall, 80), HintedWork::LastStone);
+        assert_eq!(work(ToolBit::MediumBall, FOUND_PERCENT), HintedWork::FigureFound);
+    }
+
     #[test]
     fn another_bit_is_given_its_own_time_and_so_is_one_that_is_put_to_rest() {
         let mut status = hidden_owl(StoneThickness::Near);
@@ -285,11 +315,11 @@ mod tests {
         assert_eq!(work, HintedWork::FigureUnderLargeBall);
         assert_eq!(hints.bit(work), Some(ToolBit::MediumBall));
         status.held = Some((Tool::Rotary, ToolBit::MediumBall));
-        assert_eq!(hints.note_work(&status, 13.0), HintedWork::HiddenFigure);
+        assert_eq!(hints.note_work(&status, 13.0), HintedWork::LastStone);
         status.runs = false;
         for _ in 0..100 {
             status.tick += 20;
-            assert_eq!(hints.note_work(&status, 20.0), HintedWork::HiddenFigure, "it rests");
+            assert_eq!(hints.note_work(&status, 20.0), HintedWork::LastStone, "it rests");
         }
     }
 
@@ -323,14 +353,14 @@ mod tests {
         status.bared_percent = 40;
         assert_eq!(work(&status), HintedWork::FigureUnderLargeBall);
         status.bared_percent = FOUND_PERCENT;
-        assert_eq!(work(&status), HintedWork::Other, "it is found");
+        assert_eq!(work(&status), HintedWork::FigureFound);
         let mut hints = Hints { has_cut: true, ..Hints::default() };
-        assert_eq!(hints.note_work(&status, 1.0), HintedWork::Other);
+        assert_eq!(hints.note_work(&status, 1.0), HintedWork::FigureFound);
         status.pastes_beyond_box = true;
         assert_eq!(hints.note_work(&status, 2.0), HintedWork::PasteBeyondBox);
         status.pastes_beyond_box = false;
         assert_eq!(hints.note_work(&status, 7.0), HintedWork::PasteBeyondBox, "it can be read");
-        assert_eq!(hints.note_work(&status, 9.0), HintedWork::Other);
+        assert_eq!(hints.note_work(&status, 9.0), HintedWork::FigureFound);
         let paste = english(hints.text(HintedWork::PasteBeyondBox));
         assert!(paste.is_some_and(|text| text.contains("Paste")));
         let ball = english(hints.text(HintedWork::FigureUnderLargeBall));
