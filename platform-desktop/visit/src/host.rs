@@ -133,7 +133,10 @@ impl VisitHost {
     {
         let phase = world.visit().phase();
         for (hand, state) in input.hands.iter_mut().enumerate() {
-            if self.pointing.is_on_button(hand) && !world.hand_state(hand).trigger {
+            let known = world.hand_state(hand);
+            // One that waits for its release isn't let go by a glance at a button.
+            let is_pulled = known.trigger || known.awaits_release;
+            if self.pointing.is_on_button(hand) && !is_pulled {
                 state.trigger = 0;
             }
         }
