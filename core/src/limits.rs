@@ -370,3 +370,27 @@ pub const MAX_HEADSETS: usize = 256;
 /// Former epochs of a headset by which a late report is told from one of a new epoch. They last three wipes, and a
 /// report is ten minutes late at most.
 pub const FORMER_EPOCHS: usize = 3;
+
+/// Announcements of a heartbeat: all of half a day without the booth. More take turns.
+pub const MAX_ANNOUNCEMENTS: usize = 32;
+
+/// Milliseconds that a command of the booth lives at most: whoever pressed the button still stands there.
+pub const MAX_COMMAND_MS: u16 = 10_000;
+
+/// Bytes of a parcel's volume at most, unpacked: an `.rmap` at 256 with [`MAX_INTERVALS`] takes 1.5 MiB.
+pub const MAX_PARCEL_VOLUME_BYTES: u32 = 2 << 20;
+
+/// Bytes of a parcel's mesh at most, unpacked: an STL at 256 has some 16 MB, and four times as much where every
+/// voxel is rough.
+pub const MAX_PARCEL_MESH_BYTES: u32 = 64 << 20;
+
+/// Bytes of a parcel's trace at most, unpacked: two hours, which is where a recording ends, at 116 bytes a tick take
+/// 57 MiB.
+pub const MAX_PARCEL_TRACE_BYTES: u32 = 64 << 20;
+
+/// Bytes by which a packed file may be longer than it was, beside a thousandth: deflate stores what it can't make
+/// shorter, in blocks with a head.
+pub const MAX_PACKED_SURPLUS: u32 = 64;
+
+/// Bytes of a whole parcel at most: a mesh packs to a third, a trace to a hundredth.
+pub const MAX_PARCEL_BYTES: u64 = 32 << 20;
