@@ -82,12 +82,12 @@ macro_rules! never_shown {
 macro_rules! in_messages {
     ($($name:ident, $expected:literal;)*) => {$(
         impl $name {
-            pub(super) fn write(&self, to: &mut ByteWriter<'_>) {
+            pub(in crate::outbox) fn write(&self, to: &mut ByteWriter<'_>) {
                 to.bytes(&self.0);
             }
 
             /// Zeros are no name and no secret: somebody forgot to draw one.
-            pub(super) fn read(from: &mut ByteReader<'_>) -> Result<Self, BadBytes> {
+            pub(in crate::outbox) fn read(from: &mut ByteReader<'_>) -> Result<Self, BadBytes> {
                 let bad = from.error_here($expected);
                 let mut bytes = [0; Self::BYTES];
                 bytes.copy_from_slice(from.bytes(Self::BYTES)?);
