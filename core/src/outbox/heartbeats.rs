@@ -177,6 +177,8 @@ impl Outbox {
         let sent_ms = self.heartbeats.sent_ms.filter(|_| is_own && is_last)?;
         self.heartbeats.sent_ms = None;
         self.heartbeats.failures = 0;
+        self.is_journal_due |= self.was_wiped;
+        self.was_wiped = false;
         answer.noted.iter().for_each(|announcement| self.note_announced(announcement));
         let waited_ms = self.elapsed_ms.saturating_sub(sent_ms);
         Some(answer.command.and_then(|command| self.take_command(&command, session_id, waited_ms)))

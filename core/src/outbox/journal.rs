@@ -12,7 +12,9 @@ use crate::limits::{MAX_OUTBOX_ENTRIES, MAX_PARCEL_BYTES};
 use crate::outbox::entry::{EntryEvent, EntryState, OutboxEntry};
 use crate::outbox::machine::{Outbox, OutboxOwner, OutboxSettings};
 use crate::outbox::messages::{ContentHash, SculptureId, SiteId, UploadFacts};
-use crate::outbox::messages::{read_badge, read_headset, read_zeros, write_badge, write_zeros};
+use crate::outbox::messages::{
+    read_badge, read_flags, read_headset, read_zeros, write_badge, write_zeros,
+};
 
 /// The first bytes of a journal.
 const MAGIC: [u8; 4] = *b"PBOX";
@@ -24,7 +26,7 @@ const JOURNAL_VERSION: u16 = 1;
 const ENTRY_BYTES: usize = 2 * SculptureId::BYTES + 1 + 4 + ContentHash::BYTES + 4 + 4;
 
 /// The length of what the checksum is of.
-const BODY_BYTES: usize = 6 + SiteId::BYTES + 4 + 2 + MAX_OUTBOX_ENTRIES * ENTRY_BYTES;
+const BODY_BYTES: usize = 6 + SiteId::BYTES + 4 + 1 + 2 + MAX_OUTBOX_ENTRIES * ENTRY_BYTES;
 
 impl Outbox {
     /// Length of a journal in bytes.
@@ -38,6 +40,7 @@ impl Outbox {
         to.u16(JOURNAL_VERSION);
         self.owner.site.write(&mut to);
         to.u32(self.owner.headset);
+        to.u8(u8::from(self.was_wiped));
         to.u16(self.entries.len() as u16);
         self.entries.iter().for_each(|entry| write_entry(&mut to, entry));
         write_zeros(&mut to, (MAX_OUTBOX_ENTRIES - self.entries.len()) * ENTRY_BYTES);
@@ -66,7 +69,7 @@ impl Outbox {
         }
         let (site, _) = (SiteId::read(from)?, read_headset(from)?);
         let mut outbox = Outbox::new(owner, settings, boot_id);
-        outbox.was_wiped = false;
+        outbox.was_wiped = read_flags(from, 1, "0 or 1 for a wipe that is to be told")? == 1;
         outbox.entries = read_entries(from)?;
         let bad = from.error_here("the checksum of the bytes before");
         if Some(from.u64()?) != bytes.get(..BODY_BYTES).map(checksum) {

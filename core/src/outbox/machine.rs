@@ -122,7 +122,7 @@ impl Outbox {
         self.owner
     }
 
-    /// Whether this start found nothing of an outbox.
+    /// Whether it began with nothing, and the booth hasn't heard so yet.
     #[must_use]
     pub const fn was_wiped(&self) -> bool {
         self.was_wiped

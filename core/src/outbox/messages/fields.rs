@@ -49,7 +49,7 @@ pub(super) fn read_numbered<T: Copy>(
 }
 
 /// Reads a byte of which no other bits than `mask` are set.
-pub(super) fn read_flags(
+pub(in crate::outbox) fn read_flags(
     from: &mut ByteReader<'_>,
     mask: u8,
     expected: &'static str,

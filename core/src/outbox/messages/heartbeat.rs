@@ -71,7 +71,8 @@ pub struct Heartbeat {
     pub is_worn: bool,
     /// Whether it glows and beeps, so that it is found.
     pub is_glowing: bool,
-    /// Whether this start found neither journal nor parcels: the program is new here, or its data was wiped.
+    /// Whether the outbox began with neither journal nor parcels, as the program is new here, or its data was wiped: told
+    /// until a heartbeat that says so is answered.
     pub was_wiped: bool,
     /// The battery's charge in percent, where it is known.
     pub battery_percent: Option<u8>,

@@ -29,7 +29,9 @@ pub use enrolment::{
     enrolment_transcript, nonce_commitment,
 };
 pub use facts::{AgeGroup, FinishCause, ParcelKind, UploadFacts};
-pub(super) use fields::{read_badge, read_headset, read_zeros, write_badge, write_zeros};
+pub(super) use fields::{
+    read_badge, read_flags, read_headset, read_zeros, write_badge, write_zeros,
+};
 pub use heartbeat::{Announcement, AnnouncementState, Announcements, Heartbeat, HeatLevel};
 pub use heartbeat_answer::HeartbeatAnswer;
 pub use ids::{

@@ -10,6 +10,7 @@ use paros_core::outbox::messages::{
 };
 use paros_core::outbox::{DueCommand, Outbox};
 
+use super::journal::{load, save};
 use super::{BOOT, OWNER, STATUS, empty, id, keeping, state};
 
 fn beat(outbox: &mut Outbox) -> Heartbeat {
@@ -146,8 +147,8 @@ fn what_was_noted_before_it_changed_is_told_again() {
 #[test]
 fn a_command_is_carried_out_once_and_reported() {
     let mut outbox = keeping([]);
-    let due = Some(DueCommand { id: 1, kind: CommandKind::Identify });
-    assert_eq!(command(&mut outbox, IDENTIFY, 100, 5), due);
+    let due = DueCommand { id: 1, kind: CommandKind::Identify };
+    assert_eq!(command(&mut outbox, IDENTIFY, 100, 5), Some(due));
     assert_eq!(last_report(&mut outbox), None, "nobody knows yet");
     assert_eq!(command(&mut outbox, IDENTIFY, 100, 5), None, "the booth says it until it knows");
     outbox.note_command_done(1, CommandOutcome::Done);
@@ -158,7 +159,7 @@ fn a_command_is_carried_out_once_and_reported() {
     assert_eq!(command(&mut outbox, IDENTIFY, 100, 5), None);
     assert_eq!(last_report(&mut outbox), Some(done));
     let next = BoothCommand { id: 3, ..IDENTIFY };
-    assert_eq!(command(&mut outbox, next, 0, 5), Some(DueCommand { id: 3, ..due.expect("one") }));
+    assert_eq!(command(&mut outbox, next, 0, 5), Some(DueCommand { id: 3, ..due }));
     assert_eq!(command(&mut outbox, BoothCommand { id: 2, ..IDENTIFY }, 0, 5), None, "older");
 }
 
@@ -200,6 +201,19 @@ fn an_answer_over_a_clock_that_was_set_back_is_ignored() {
     outbox.pass_time(49_000);
     let answer = HeartbeatAnswer { command: Some(IDENTIFY), ..answer_to(&heartbeat) };
     assert_eq!(outbox.take_heartbeat_answer(&answer, 5), None, "nobody knows how old it is");
+}
+
+#[test]
+fn a_wipe_is_told_until_it_is_heard_over_starts_too() {
+    let mut outbox = empty();
+    assert!(beat(&mut outbox).was_wiped);
+    let mut outbox = load(&save(&outbox)).expect("a journal");
+    let heartbeat = beat(&mut outbox);
+    assert!(heartbeat.was_wiped, "nobody answered");
+    outbox.note_journal_written();
+    assert_eq!(outbox.take_heartbeat_answer(&answer_to(&heartbeat), 5), Some(None));
+    assert!(!outbox.was_wiped() && outbox.is_journal_due());
+    assert!(!load(&save(&outbox)).expect("a journal").was_wiped());
 }
 
 #[test]

@@ -55,7 +55,7 @@ impl Exhibition {
     fn any_receipt(&mut self) -> Receipt {
         let id = self.any_id();
         let badge = self.model.sculptures.iter().find(|other| other.id == id);
-        let badge = badge.map_or(None, |sculpture| sculpture.badge);
+        let badge = badge.and_then(|sculpture| sculpture.badge);
         let outcome = ReceiptOutcome::ALL[usize::from(self.dice.one_in(4))];
         let OutboxOwner { site, headset } = OWNER;
         let hash = hash_of(if self.dice.one_in(9) { self.any_id() } else { id });
