@@ -1,0 +1,115 @@
+//! The booth: its store, its parcels, its keys and its plan.
+
+use std::sync::Arc;
+
+use ed25519_dalek::{Signer as _, SigningKey};
+use paros_core::outbox::messages::{ContentHash, Receipt, ReceiptKey, SignedReceipt, SiteId};
+use sha2::{Digest as _, Sha256};
+
+use crate::parcel_files::ParcelFiles;
+use crate::store::{Store, StoreError, Transaction};
+
+/// What decides. Each request is a call; any number of them may be under way at once.
+#[derive(Clone)]
+pub struct Booth {
+    pub(crate) store: Arc<dyn Store>,
+    pub(crate) files: Arc<dyn ParcelFiles>,
+    pub(crate) keys: SiteKeys,
+    pub(crate) plan: BoothPlan,
+}
+
+/// A transaction, as decisions use it.
+pub(crate) type Tx<'a> = dyn Transaction + 'a;
+
+/// What makes a site this one.
+#[derive(Clone)]
+pub struct SiteKeys {
+    /// Its name.
+    pub site: SiteId,
+    /// SHA-256 of its certificate authority's certificate.
+    pub ca_hash: ContentHash,
+    receipt_key: SigningKey,
+    pub(crate) link_secret: [u8; 32],
+}
+
+/// How long things are kept, in days.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct BoothPlan {
+    /// Sculptures, after the day on which they came.
+    pub retention_days: u16,
+    /// Traces, which are a person's motion.
+    pub trace_days: u16,
+    /// What was withdrawn.
+    pub withdrawn_days: u16,
+    /// How long a headset may keep a sculpture that was deleted here, until it asks.
+    pub horizon_days: u16,
+}
+
+impl Default for BoothPlan {
+    fn default() -> Self {
+        BoothPlan { retention_days: 90, trace_days: 14, withdrawn_days: 7, horizon_days: 180 }
+    }
+}
+
+impl Booth {
+    /// Of these parts.
+    #[must_use]
+    pub fn new(
+        store: Arc<dyn Store>,
+        files: Arc<dyn ParcelFiles>,
+        keys: SiteKeys,
+        plan: BoothPlan,
+    ) -> Self {
+        Booth { store, files, keys, plan }
+    }
+
+    /// Its keys.
+    #[must_use]
+    pub const fn keys(&self) -> &SiteKeys {
+        &self.keys
+    }
+
+    pub(crate) fn update<T>(
+        &self,
+        work: impl FnMut(&mut Tx<'_>) -> Result<T, crate::Refusal>,
+    ) -> Result<T, crate::Refusal> {
+        crate::store::update(self.store.as_ref(), work)
+    }
+
+    pub(crate) fn view<T>(
+        &self,
+        work: impl FnOnce(&mut Tx<'_>) -> Result<T, StoreError>,
+    ) -> Result<T, crate::Refusal> {
+        Ok(crate::store::view(self.store.as_ref(), work)?)
+    }
+}
+
+impl SiteKeys {
+    /// Of random bits: a site's name, the seed of the key that signs receipts, and the secret behind visitors' links.
+    #[must_use]
+    pub fn new(
+        site: SiteId,
+        ca_hash: ContentHash,
+        receipt_seed: &[u8; 32],
+        link_secret: [u8; 32],
+    ) -> Self {
+        SiteKeys { site, ca_hash, receipt_key: SigningKey::from_bytes(receipt_seed), link_secret }
+    }
+
+    /// By which receipts are checked.
+    #[must_use]
+    pub fn receipt_key(&self) -> ReceiptKey {
+        ReceiptKey(self.receipt_key.verifying_key().to_bytes())
+    }
+
+    pub(crate) fn sign(&self, receipt: Receipt) -> SignedReceipt {
+        let signature = self.receipt_key.sign(&receipt.signed_bytes()).to_bytes();
+        SignedReceipt { receipt, signature }
+    }
+}
+
+/// SHA-256.
+#[must_use]
+pub fn hash_of(bytes: &[u8]) -> ContentHash {
+    ContentHash(Sha256::digest(bytes).into())
+}

@@ -1,0 +1,233 @@
+//! What every store has to do: the suite that each one's tests call.
+
+use crate::records::{
+    AttemptState, BadgeClaim, EnrolAttempt, EnrolToken, ExportState, LedgerSave, Sculpture, TABLES,
+};
+use crate::store::{Access, Order, Query, Store, StoreError, Transaction, update, view};
+use crate::table::{Record, Row, Table};
+use crate::time::BoothTime;
+use crate::value::{ColumnKind, Field, Value};
+
+/// Checks a store; `make` makes one without rows.
+///
+/// # Panics
+/// With what the store did wrong.
+pub fn check_store<S: Store>(mut make: impl FnMut() -> S) {
+    keeps_every_table(&make());
+    keeps_extremes(&make());
+    keeps_hostile_text(&make());
+    replaces_by_key(&make());
+    drops_what_is_not_committed(&make());
+    refuses_changes_while_reading(&make());
+    refuses_rows_of_other_tables(&make());
+    finds_what_is_asked_for(&make());
+    never_takes_nothing_for_something(&make());
+    counts_in_turn(&make());
+}
+
+/// A row of a table, other ones for other seeds.
+fn sample_row(table: &Table, seed: i64) -> Row {
+    let value = |(k, column): (usize, &crate::table::Column)| match column.kind {
+        _ if column.is_nullable && (seed as usize + k).is_multiple_of(3) => Value::Null,
+        ColumnKind::Number => Value::Number(seed * 1000 + k as i64),
+        ColumnKind::Bytes => Value::Bytes(vec![seed as u8, k as u8, 0, 255]),
+        ColumnKind::Text => Value::Text(format!("{seed}: γλυπτό {k}")),
+    };
+    table.columns.iter().enumerate().map(value).collect()
+}
+
+fn sample_sculpture(number: u8) -> Sculpture {
+    Sculpture {
+        id: [number; 16],
+        headset: u32::from(number % 3),
+        hash: [7; 32],
+        badge: Some(u32::from(number / 2)),
+        claim: BadgeClaim::Sole,
+        facts: vec![number; 5],
+        received_at: BoothTime(1000 - u64::from(number)),
+        keep_day: 100,
+        is_in_ledger: false,
+        withdrawn_at: (number % 2 == 1).then_some(BoothTime(u64::from(number))),
+        has_trace: false,
+        export: ExportState::Queued,
+        link_generation: 0,
+        is_link_revoked: false,
+    }
+}
+
+fn put_row(store: &dyn Store, table: &'static Table, row: &Row) {
+    must(update(store, |tx| tx.put_row(table, row.clone())));
+}
+
+fn all_sculptures(store: &dyn Store) -> Vec<Sculpture> {
+    must(view(store, |tx| tx.find(&Query::all::<Sculpture>())))
+}
+
+fn must<T>(done: Result<T, StoreError>) -> T {
+    done.unwrap_or_else(|error| panic!("a store that works: {error}"))
+}
+
+fn keeps_every_table(store: &dyn Store) {
+    for table in TABLES {
+        let rows: Vec<Row> = (0..5).map(|seed| sample_row(table, seed)).collect();
+        for row in &rows {
+            put_row(store, table, row);
+        }
+        for row in &rows {
+            let found = must(view(store, |tx| tx.get_row(table, &row[..table.key_columns])));
+            assert_eq!(found.as_ref(), Some(row), "table {}", table.name);
+        }
+        let first = &rows[0][..table.key_columns];
+        must(update(store, |tx| tx.remove_row(table, first)));
+        assert_eq!(must(view(store, |tx| tx.get_row(table, first))), None, "{}", table.name);
+        // A second time there is nothing to remove.
+        must(update(store, |tx| tx.remove_row(table, first)));
+    }
+}
+
+fn keeps_extremes(store: &dyn Store) {
+    let attempts: Vec<EnrolAttempt> = [0, 1, u64::MAX, u64::MAX / 2, u64::MAX / 2 + 1]
+        .map(|attempt| EnrolAttempt {
+            attempt,
+            commitment: [0; 32],
+            hint: [255; 16],
+            name: String::new(),
+            booth_nonce: [attempt as u8; 32],
+            began_at: BoothTime(i64::MAX as u64),
+            state: AttemptState::Committed,
+            token_hash: None,
+            pictograms: Some([0, 63, 255, 1]),
+            headset: Some(0),
+        })
+        .into();
+    let long = LedgerSave { row: 0, bytes: (0..200_000u32).map(|k| k as u8).collect() };
+    must(update(store, |tx| {
+        tx.put(&long)?;
+        attempts.iter().try_for_each(|attempt| tx.put(attempt))
+    }));
+    for attempt in attempts {
+        let found = must(view(store, |tx| tx.get(&[attempt.attempt.to_value()])));
+        assert_eq!(found, Some(attempt));
+    }
+    assert_eq!(must(view(store, |tx| tx.get(&[long.row.to_value()]))), Some(long));
+}
+
+fn keeps_hostile_text(store: &dyn Store) {
+    for (k, text) in ["'; DROP TABLE devices; --", "\" OR 1=1", "<b>&amp;", "\u{fffd}%_\\", "ά"]
+        .into_iter()
+        .enumerate()
+    {
+        let token = EnrolToken {
+            token_hash: [k as u8; 32],
+            note: text.into(),
+            expires_at: BoothTime(0),
+            uses_left: 0,
+            is_revoked: true,
+        };
+        must(update(store, |tx| tx.put(&token)));
+        let query = Query::all::<EnrolToken>().equal("note", &text.to_string());
+        assert_eq!(must(view(store, |tx| tx.find::<EnrolToken>(&query))), [token], "{text}");
+    }
+    assert_eq!(must(view(store, |tx| tx.count_rows(&Query::all::<EnrolToken>()))), 5);
+}
+
+fn replaces_by_key(store: &dyn Store) {
+    let mut sculpture = sample_sculpture(1);
+    must(update(store, |tx| tx.put(&sculpture)));
+    (sculpture.badge, sculpture.withdrawn_at) = (Some(77), None);
+    must(update(store, |tx| tx.put(&sculpture)));
+    assert_eq!(all_sculptures(store), [sculpture]);
+}
+
+fn drops_what_is_not_committed(store: &dyn Store) {
+    put_row(store, Sculpture::TABLE, &sample_sculpture(1).to_row());
+    let refused: Result<(), StoreError> = update(store, |tx| {
+        tx.put(&sample_sculpture(2))?;
+        tx.put(&Sculpture { badge: None, ..sample_sculpture(1) })?;
+        tx.remove::<Sculpture>(&[[1u8; 16].to_value()])?;
+        // It sees its own changes.
+        assert_eq!(tx.find::<Sculpture>(&Query::all::<Sculpture>())?, [sample_sculpture(2)]);
+        Err(StoreError::Failed("work that fails".into()))
+    });
+    assert!(refused.is_err());
+    let all = all_sculptures(store);
+    assert_eq!(all, [sample_sculpture(1)], "a transaction that was dropped left a trace");
+}
+
+fn refuses_changes_while_reading(store: &dyn Store) {
+    let put: Result<(), StoreError> = view(store, |tx| tx.put(&sample_sculpture(1)));
+    assert!(put.is_err(), "a row was put while reading");
+    assert_eq!(must(view(store, |tx| tx.count_rows(&Query::all::<Sculpture>()))), 0);
+}
+
+fn refuses_rows_of_other_tables(store: &dyn Store) {
+    let mut short = sample_sculpture(1).to_row();
+    short.pop();
+    let mut null = sample_sculpture(1).to_row();
+    null[1] = Value::Null;
+    let mut text = sample_sculpture(1).to_row();
+    text[1] = Value::Text("3".into());
+    for row in [short, null, text] {
+        let put = update(store, |tx| tx.put_row(Sculpture::TABLE, row.clone()));
+        assert!(put.is_err(), "{row:?}");
+    }
+}
+
+fn finds_what_is_asked_for(store: &dyn Store) {
+    for number in [5, 1, 4, 2, 0, 3] {
+        put_row(store, Sculpture::TABLE, &sample_sculpture(number).to_row());
+    }
+    let all = Query::all::<Sculpture>;
+    let cases: [(Query, &[u8]); 11] = [
+        (all(), &[0, 1, 2, 3, 4, 5]),
+        (all().first(2), &[0, 1]),
+        (all().first(0), &[]),
+        (all().equal("badge", &Some(1u32)), &[2, 3]),
+        (all().absent("badge"), &[]),
+        (all().equal("badge", &1u32).equal("headset", &2u32), &[2]),
+        (all().absent("withdrawn_at"), &[0, 2, 4]),
+        (all().present("withdrawn_at").ordered("received_at", Order::Ascending), &[5, 3, 1]),
+        (all().ordered("received_at", Order::Descending).first(3), &[0, 1, 2]),
+        // Equal ones by their key.
+        (all().ordered("headset", Order::Descending), &[2, 5, 1, 4, 0, 3]),
+        (all().below("withdrawn_at", &BoothTime(3)), &[1]),
+    ];
+    for (query, expected) in cases {
+        let found: Vec<Sculpture> = must(view(store, |tx| tx.find(&query)));
+        let numbers: Vec<u8> = found.iter().map(|sculpture| sculpture.id[0]).collect();
+        assert_eq!(numbers, expected, "{query:?}");
+        let unlimited = Query { limit: usize::MAX, ..query.clone() };
+        let all_found = must(view(store, |tx| tx.find::<Sculpture>(&unlimited))).len() as u64;
+        assert_eq!(must(view(store, |tx| tx.count_rows(&query))), all_found, "{query:?}");
+    }
+    let unknown = Query::all::<Sculpture>().equal("no_such_column", &1u32);
+    assert!(view(store, |tx| tx.find_rows(&unknown)).is_err());
+}
+
+fn never_takes_nothing_for_something(store: &dyn Store) {
+    put_row(store, Sculpture::TABLE, &sample_sculpture(0).to_row());
+    let below = Query::all::<Sculpture>().below("withdrawn_at", &BoothTime(u64::MAX));
+    assert_eq!(must(view(store, |tx| tx.count_rows(&below))), 0, "nothing is below nothing");
+    let equal = Query::all::<Sculpture>().equal("withdrawn_at", &BoothTime(0));
+    assert_eq!(must(view(store, |tx| tx.count_rows(&equal))), 0);
+}
+
+/// Threads that each read a number and write one more: none is lost.
+fn counts_in_turn(store: &dyn Store) {
+    const THREADS: usize = 4;
+    const COUNTS: usize = 10;
+    put_row(store, LedgerSave::TABLE, &LedgerSave { row: 0, bytes: vec![0] }.to_row());
+    let count_up = |tx: &mut (dyn Transaction + '_)| -> Result<(), StoreError> {
+        let mut save: LedgerSave = tx.get(&[0u8.to_value()])?.expect("it was put");
+        save.bytes[0] += 1;
+        tx.put(&save)
+    };
+    std::thread::scope(|scope| {
+        for _ in 0..THREADS {
+            scope.spawn(|| (0..COUNTS).for_each(|_| must(update(store, count_up))));
+        }
+    });
+    let mut reading = must(store.begin(Access::Read));
+    let save: LedgerSave = must(reading.get(&[0u8.to_value()])).expect("it was put");
+    assert_eq!(usize::from(save.bytes[0]), THREADS * COUNTS, "a change was lost");
+}

@@ -1,0 +1,93 @@
+//! What staff ask of headsets.
+
+use paros_core::outbox::messages::CommandKind;
+
+use crate::audit::{Subject, note};
+use crate::booth::Booth;
+use crate::heartbeat::status_of;
+use crate::limits::{COMMAND_LIFE, MAX_WAITING_COMMANDS};
+use crate::records::{Command, CommandState, Device};
+use crate::refusal::Refusal;
+use crate::store::{Order, Query};
+use crate::time::BoothTime;
+use crate::value::Field as _;
+
+impl Booth {
+    /// Asks a headset to do something, in the visit that it was last heard of. The command waits for its next
+    /// heartbeat. Returns its number.
+    ///
+    /// # Errors
+    /// That there is no such headset or visit, or that too many commands wait.
+    pub fn ask_command(
+        &self,
+        headset: u32,
+        kind: CommandKind,
+        account: &str,
+        now: BoothTime,
+    ) -> Result<u64, Refusal> {
+        self.update(|tx| {
+            let device: Option<Device> = tx.get(&[headset.to_value()])?;
+            let device = device.ok_or(Refusal::NotFound("no headset of this number"))?;
+            let status = status_of(&device)?.ok_or(Refusal::Conflict("the headset never came"))?;
+            if kind.is_for_visit() && status.session_id == 0 {
+                return Err(Refusal::Conflict("nobody wears the headset"));
+            }
+            let of_headset = Query::all::<Command>().equal("headset", &headset);
+            let waiting = of_headset.clone().equal("state", &CommandState::Waiting);
+            if tx.count_rows(&waiting)? >= MAX_WAITING_COMMANDS {
+                return Err(Refusal::Busy { what: "commands wait", retry_after: 10 });
+            }
+            let last: Option<Command> =
+                tx.find_first(of_headset.ordered("command", Order::Descending))?;
+            let command = last.map_or(1, |last| last.command.saturating_add(1));
+            tx.put(&Command {
+                headset,
+                command,
+                boot: status.boot_id,
+                session: if kind.is_for_visit() { status.session_id } else { 0 },
+                kind: kind as u8,
+                asked_at: now,
+                state: CommandState::Waiting,
+            })?;
+            let subject = Subject { headset: Some(headset), ..Subject::default() };
+            note(tx, now, Some(account), command_name(kind), subject)?;
+            Ok(command)
+        })
+    }
+
+    /// A headset's commands, the newest first, and what became of them.
+    ///
+    /// # Errors
+    /// Those of the store.
+    pub fn list_commands(
+        &self,
+        headset: u32,
+        limit: usize,
+        now: BoothTime,
+    ) -> Result<Vec<Command>, Refusal> {
+        let newest = Query::all::<Command>()
+            .equal("headset", &headset)
+            .ordered("command", Order::Descending)
+            .first(limit);
+        let mut commands: Vec<Command> = self.view(|tx| tx.find(&newest))?;
+        for command in &mut commands {
+            let is_open = matches!(command.state, CommandState::Waiting | CommandState::Sent);
+            // The headset may be silent; what it did in time it reports later.
+            if is_open && now.since(command.asked_at) >= COMMAND_LIFE {
+                command.state = CommandState::Expired;
+            }
+        }
+        Ok(commands)
+    }
+}
+
+/// A command in a word.
+const fn command_name(kind: CommandKind) -> &'static str {
+    match kind {
+        CommandKind::Identify => "identify",
+        CommandKind::Extend => "extend",
+        CommandKind::End => "end",
+        CommandKind::Recentre => "recentre",
+        CommandKind::Reset => "reset",
+    }
+}

@@ -1,0 +1,131 @@
+//! Who a headset is, and how one is let in or shut out.
+
+use paros_core::limits::MAX_HEADSETS;
+use paros_core::outbox::messages::{ContentHash, DeviceHint, DeviceToken};
+use subtle::ConstantTimeEq as _;
+
+use crate::audit::{Subject, note};
+use crate::booth::{Booth, Tx, hash_of};
+use crate::ledger;
+use crate::limits::SILENCE_OF_WIPED;
+use crate::records::Device;
+use crate::refusal::Refusal;
+use crate::store::{Query, StoreError};
+use crate::time::BoothTime;
+use crate::value::Field as _;
+
+/// A device that is to become a headset.
+#[derive(Clone, Debug)]
+pub(crate) struct NewDevice {
+    pub(crate) token_hash: ContentHash,
+    pub(crate) hint: DeviceHint,
+    pub(crate) name: String,
+}
+
+impl Booth {
+    /// The headset that has this token.
+    ///
+    /// # Errors
+    /// That there is none, or those of the store.
+    pub fn authenticate(&self, token: &DeviceToken) -> Result<Device, Refusal> {
+        let hash = hash_of(&token.0);
+        let device = self.view(|tx| find_by_token(tx, &hash))?;
+        // What the index found is compared as a whole once more, in a time that tells nothing.
+        let is_its = |device: &Device| bool::from(device.token_hash.ct_eq(&hash.0));
+        device.filter(is_its).ok_or(Refusal::UnknownToken)
+    }
+
+    /// All headsets, by their numbers.
+    ///
+    /// # Errors
+    /// Those of the store.
+    pub fn list_devices(&self) -> Result<Vec<Device>, Refusal> {
+        self.view(|tx| tx.find(&Query::all::<Device>()))
+    }
+
+    /// Shuts a headset out that was lost, broken or sent home, and takes its badges' lease back.
+    ///
+    /// # Errors
+    /// That there is none of this number, or those of the store.
+    pub fn revoke_device(
+        &self,
+        headset: u32,
+        account: &str,
+        now: BoothTime,
+    ) -> Result<(), Refusal> {
+        self.update(|tx| {
+            let device: Option<Device> = tx.get(&[headset.to_value()])?;
+            let mut device = device.ok_or(Refusal::NotFound("no headset of this number"))?;
+            device.revoked_at = Some(now);
+            tx.put(&device)?;
+            ledger::retire_headset(tx, &self.plan, headset, now)?;
+            let subject = Subject { headset: Some(headset), ..Subject::default() };
+            Ok(note(tx, now, Some(account), "revoke", subject)?)
+        })
+    }
+}
+
+/// The headset with a token of this hash, unless it was shut out.
+pub(crate) fn find_by_token(
+    tx: &mut Tx<'_>,
+    token_hash: &ContentHash,
+) -> Result<Option<Device>, StoreError> {
+    let query = Query::all::<Device>().equal("token_hash", &token_hash.0).absent("revoked_at");
+    tx.find_first(query)
+}
+
+/// The headset that a device with this hint may be, after its data was wiped: the only one that isn't shut out, and
+/// which has been silent for long enough.
+pub(crate) fn find_wiped(
+    tx: &mut Tx<'_>,
+    hint: &DeviceHint,
+    now: BoothTime,
+) -> Result<Option<Device>, StoreError> {
+    let query = Query::all::<Device>().equal("hint", &hint.0).absent("revoked_at").first(2);
+    let mut found: Vec<Device> = tx.find(&query)?;
+    let is_silent = |device: &Device| {
+        device.seen_at.is_none_or(|seen_at| now.since(seen_at) > SILENCE_OF_WIPED)
+    };
+    Ok(if found.len() == 1 { found.pop().filter(is_silent) } else { None })
+}
+
+/// Lets a device in: as the headset `number`, whose token is void then, or as a new one.
+pub(crate) fn enrol(
+    tx: &mut Tx<'_>,
+    new: &NewDevice,
+    number: Option<u32>,
+    now: BoothTime,
+) -> Result<u32, Refusal> {
+    let known: Option<Device> = match number {
+        Some(number) => tx.get(&[number.to_value()])?,
+        None => None,
+    };
+    let headset = match &known {
+        Some(device) => device.headset,
+        None => next_number(tx)?,
+    };
+    tx.put(&Device {
+        headset,
+        token_hash: new.token_hash.0,
+        hint: new.hint.0,
+        name: new.name.clone(),
+        enrolled_at: now,
+        revoked_at: None,
+        wiped_at: known.as_ref().map(|_| now),
+        seen_at: known.as_ref().and_then(|device| device.seen_at),
+        status: known.map_or_else(Vec::new, |device| device.status),
+    })?;
+    Ok(headset)
+}
+
+/// The number after the greatest, so that none is ever another headset's.
+fn next_number(tx: &mut Tx<'_>) -> Result<u32, Refusal> {
+    let active = tx.count_rows(&Query::all::<Device>().absent("revoked_at"))?;
+    if active >= MAX_HEADSETS as u64 {
+        return Err(Refusal::Conflict("as many headsets are enrolled as there may be"));
+    }
+    let query = Query::all::<Device>().ordered("headset", crate::store::Order::Descending);
+    let last: Option<Device> = tx.find_first(query)?;
+    let number = last.map_or(Some(1), |device| device.headset.checked_add(1));
+    number.ok_or(Refusal::Conflict("no number is left for a headset"))
+}

@@ -1,0 +1,109 @@
+//! Enrolment by a token that expires, is counted and can be revoked.
+
+use paros_core::outbox::messages::{EnrolAnswer, EnrolmentToken, FleetEnrolment};
+
+use crate::audit::{Subject, note};
+use crate::booth::{Booth, Tx, hash_of};
+use crate::devices::{NewDevice, enrol, find_by_token, find_wiped};
+use crate::records::EnrolToken;
+use crate::refusal::Refusal;
+use crate::store::Query;
+use crate::time::BoothTime;
+use crate::value::Field as _;
+
+impl Booth {
+    /// Makes a token known that lets `uses` devices in, until it expires. It is 256 random bits.
+    ///
+    /// # Errors
+    /// Those of the store.
+    pub fn add_enrol_token(
+        &self,
+        token: &EnrolmentToken,
+        (uses, expires_at): (u32, BoothTime),
+        note_for_people: &str,
+        account: Option<&str>,
+        now: BoothTime,
+    ) -> Result<(), Refusal> {
+        let token = EnrolToken {
+            token_hash: hash_of(&token.0).0,
+            note: note_for_people.to_owned(),
+            expires_at,
+            uses_left: uses,
+            is_revoked: false,
+        };
+        self.update(|tx| {
+            tx.put(&token)?;
+            Ok(note(tx, now, account, "add enrolment token", Subject::default())?)
+        })
+    }
+
+    /// All tokens' records, used up and expired ones too.
+    ///
+    /// # Errors
+    /// Those of the store.
+    pub fn list_enrol_tokens(&self) -> Result<Vec<EnrolToken>, Refusal> {
+        self.view(|tx| tx.find(&Query::all::<EnrolToken>()))
+    }
+
+    /// Takes a token back. Headsets that it let in stay.
+    ///
+    /// # Errors
+    /// That there is none with this hash, or those of the store.
+    pub fn revoke_enrol_token(
+        &self,
+        token_hash: &[u8; 32],
+        account: &str,
+        now: BoothTime,
+    ) -> Result<(), Refusal> {
+        self.update(|tx| {
+            let token: Option<EnrolToken> = tx.get(&[token_hash.to_value()])?;
+            let mut token = token.ok_or(Refusal::NotFound("no such enrolment token"))?;
+            token.is_revoked = true;
+            tx.put(&token)?;
+            Ok(note(tx, now, Some(account), "revoke enrolment token", Subject::default())?)
+        })
+    }
+
+    /// Lets a device in. Asked again by the same one, as after a lost answer, it says the same. A device whose hint is
+    /// a silent headset's takes over its number, and so its lease: it is that one, wiped.
+    ///
+    /// # Errors
+    /// [`Refusal::UnknownToken`] for a token that was never made, expired, is used up or revoked.
+    pub fn enrol_fleet(
+        &self,
+        asked: &FleetEnrolment,
+        now: BoothTime,
+    ) -> Result<EnrolAnswer, Refusal> {
+        let headset = self.update(|tx| {
+            let mut token = find_valid_token(tx, &asked.enrolment_token, now)?;
+            if let Some(device) = find_by_token(tx, &asked.token_hash)? {
+                return Ok(device.headset);
+            }
+            token.uses_left = token.uses_left.checked_sub(1).ok_or(Refusal::UnknownToken)?;
+            tx.put(&token)?;
+            let new = NewDevice {
+                token_hash: asked.token_hash,
+                hint: asked.hint,
+                name: asked.name.as_str().to_owned(),
+            };
+            let wiped = find_wiped(tx, &asked.hint, now)?.map(|device| device.headset);
+            let headset = enrol(tx, &new, wiped, now)?;
+            let action = if wiped.is_some() { "enrol anew" } else { "enrol" };
+            let subject = Subject { headset: Some(headset), ..Subject::default() };
+            note(tx, now, None, action, subject)?;
+            Ok(headset)
+        })?;
+        let (site, receipt_key) = (self.keys.site, self.keys.receipt_key());
+        Ok(EnrolAnswer { headset, site, receipt_key })
+    }
+}
+
+fn find_valid_token(
+    tx: &mut Tx<'_>,
+    token: &EnrolmentToken,
+    now: BoothTime,
+) -> Result<EnrolToken, Refusal> {
+    let token: Option<EnrolToken> = tx.get(&[hash_of(&token.0).0.to_value()])?;
+    let is_valid = |token: &EnrolToken| !token.is_revoked && now < token.expires_at;
+    token.filter(is_valid).ok_or(Refusal::UnknownToken)
+}

@@ -1,0 +1,146 @@
+//! How staff find a sculpture: by its badge, by one that was misread, or newest first.
+
+use paros_core::badge::{Badge, BadgeNumber};
+use paros_core::outbox::messages::SculptureId;
+
+use crate::booth::{Booth, Tx};
+use crate::limits::MAX_LISTED;
+use crate::records::{Announcement, Device, Sculpture};
+use crate::refusal::Refusal;
+use crate::store::{Order, Query, StoreError};
+use crate::time::BoothTime;
+use crate::value::Field as _;
+
+/// What a badge leads to.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub enum FoundByBadge {
+    /// The badge is a right one.
+    Exact(BadgeMatches),
+    /// The badge is wrong: right ones at one mistake from it that something has.
+    Nearest(Vec<(Badge, BadgeMatches)>),
+}
+
+/// What has a badge.
+#[derive(Clone, PartialEq, Eq, Default, Debug)]
+pub struct BadgeMatches {
+    /// What is kept: first what isn't disputed, then the newest. Of a leased badge one, where no headset errs; of a
+    /// provisional one any number.
+    pub kept: Vec<Sculpture>,
+    /// What was announced and hasn't come.
+    pub missing: Vec<Announcement>,
+}
+
+/// A sculpture that was announced and hasn't come.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct MissingSculpture {
+    /// What is known of it.
+    pub announcement: Announcement,
+    /// Whether its headset was wiped since: it won't come.
+    pub is_lost: bool,
+}
+
+impl BadgeMatches {
+    /// Whether nothing has it.
+    #[must_use]
+    pub const fn is_empty(&self) -> bool {
+        self.kept.is_empty() && self.missing.is_empty()
+    }
+}
+
+impl Booth {
+    /// What has a badge, or may be meant by a wrong one. What is withdrawn or past its last day isn't found.
+    ///
+    /// # Errors
+    /// Those of the store.
+    pub fn find_by_badge(&self, badge: &Badge, now: BoothTime) -> Result<FoundByBadge, Refusal> {
+        self.view(|tx| {
+            if let Ok(number) = badge.number() {
+                return Ok(FoundByBadge::Exact(find_matches(tx, number, now)?));
+            }
+            let mut nearest = Vec::new();
+            for candidate in badge.nearest_candidates() {
+                let Ok(number) = candidate.number() else { continue };
+                let matches = find_matches(tx, number, now)?;
+                if !matches.is_empty() {
+                    nearest.push((candidate, matches));
+                }
+            }
+            Ok(FoundByBadge::Nearest(nearest))
+        })
+    }
+
+    /// The sculpture of an id, withdrawn or not.
+    ///
+    /// # Errors
+    /// [`Refusal::NotFound`], or those of the store.
+    pub fn find_sculpture(&self, id: &SculptureId, now: BoothTime) -> Result<Sculpture, Refusal> {
+        let found: Option<Sculpture> = self.view(|tx| tx.get(&[id.0.to_value()]))?;
+        found.filter(|found| found.keep_day >= now.day()).ok_or(NO_SCULPTURE)
+    }
+
+    /// The sculptures that are shown, the newest first.
+    ///
+    /// # Errors
+    /// Those of the store.
+    pub fn list_newest(&self, count: usize, now: BoothTime) -> Result<Vec<Sculpture>, Refusal> {
+        let shown = Query::all::<Sculpture>().absent("withdrawn_at");
+        self.list_sculptures(shown.ordered("received_at", Order::Descending), count, now)
+    }
+
+    /// The sculptures that are withdrawn, the last one first.
+    ///
+    /// # Errors
+    /// Those of the store.
+    pub fn list_withdrawn(&self, count: usize, now: BoothTime) -> Result<Vec<Sculpture>, Refusal> {
+        let withdrawn = Query::all::<Sculpture>().present("withdrawn_at");
+        self.list_sculptures(withdrawn.ordered("withdrawn_at", Order::Descending), count, now)
+    }
+
+    /// The sculptures that were announced and haven't come, the newest first.
+    ///
+    /// # Errors
+    /// Those of the store.
+    pub fn list_missing(&self, count: usize) -> Result<Vec<MissingSculpture>, Refusal> {
+        let newest = Query::all::<Announcement>().ordered("heard_at", Order::Descending);
+        self.view(|tx| {
+            let mut missing = Vec::new();
+            for announcement in tx.find::<Announcement>(&newest.first(count.min(MAX_LISTED)))? {
+                let device: Option<Device> = tx.get(&[announcement.headset.to_value()])?;
+                let wiped_at = device.and_then(|device| device.wiped_at);
+                let is_lost = wiped_at.is_some_and(|wiped_at| wiped_at > announcement.heard_at);
+                missing.push(MissingSculpture { announcement, is_lost });
+            }
+            Ok(missing)
+        })
+    }
+
+    fn list_sculptures(
+        &self,
+        query: Query,
+        count: usize,
+        now: BoothTime,
+    ) -> Result<Vec<Sculpture>, Refusal> {
+        let mut found: Vec<Sculpture> =
+            self.view(|tx| tx.find(&query.first(count.min(MAX_LISTED))))?;
+        found.retain(|sculpture| sculpture.keep_day >= now.day());
+        Ok(found)
+    }
+}
+
+pub(crate) const NO_SCULPTURE: Refusal = Refusal::NotFound("no such sculpture");
+
+fn find_matches(
+    tx: &mut Tx<'_>,
+    number: BadgeNumber,
+    now: BoothTime,
+) -> Result<BadgeMatches, StoreError> {
+    let shown = Query::all::<Sculpture>()
+        .equal("badge", &number.get())
+        .absent("withdrawn_at")
+        .ordered("received_at", Order::Descending);
+    let mut kept: Vec<Sculpture> = tx.find(&shown)?;
+    kept.retain(|sculpture| sculpture.keep_day >= now.day());
+    kept.sort_by_key(|sculpture| sculpture.claim == crate::records::BadgeClaim::Disputed);
+    let announced = Query::all::<Announcement>().equal("badge", &number.get());
+    Ok(BadgeMatches { kept, missing: tx.find(&announced)? })
+}

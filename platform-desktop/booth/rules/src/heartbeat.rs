@@ -1,0 +1,260 @@
+//! Heartbeats: what a headset says every two seconds, and the commands that ride on the answers.
+//!
+//! A heartbeat that says nothing new is answered without a write. What it changes is found by looking first, and
+//! looked at once more in the transaction that writes it.
+
+use paros_core::badge::BadgeNumber;
+use paros_core::outbox::messages::{
+    Announcements, BoothCommand, CommandKind, CommandOutcome, Heartbeat, HeartbeatAnswer,
+};
+
+use crate::booth::{Booth, Tx};
+use crate::ledger;
+use crate::limits::{COMMAND_LIFE, MAX_ANNOUNCED, STATUS_LIFE};
+use crate::records::{Announcement, Command, CommandState, Device, Sculpture, Tombstone};
+use crate::refusal::Refusal;
+use crate::store::{Query, StoreError};
+use crate::time::BoothTime;
+use crate::value::Field as _;
+
+/// What a heartbeat leads to.
+#[derive(Default)]
+struct HeartbeatPlan {
+    device: Option<Device>,
+    commands: Vec<Command>,
+    announcements: Vec<Announcement>,
+    /// What is known once these are written.
+    noted: Announcements,
+    /// What rides on the answer.
+    command: Option<BoothCommand>,
+}
+
+impl Booth {
+    /// Answers a heartbeat. All that the answer says is kept before it is given.
+    ///
+    /// # Errors
+    /// That it is another headset's, or those of the store.
+    pub fn take_heartbeat(
+        &self,
+        device: &Device,
+        beat: &Heartbeat,
+        now: BoothTime,
+    ) -> Result<HeartbeatAnswer, Refusal> {
+        if beat.headset != device.headset {
+            return Err(Refusal::Forbidden("the heartbeat is another headset's"));
+        }
+        let plan = self.view(|tx| plan_heartbeat(tx, device, beat, now))?;
+        let (plan, lease) = if plan.changes_nothing() && beat.lease.is_none() {
+            (plan, None)
+        } else {
+            self.update(|tx| {
+                let plan = plan_heartbeat(tx, device, beat, now)?;
+                plan.write(tx)?;
+                let lease = match &beat.lease {
+                    Some(report) => ledger::answer_report(tx, &self.plan, report, now)?,
+                    None => None,
+                };
+                Ok((plan, lease))
+            })?
+        };
+        Ok(HeartbeatAnswer {
+            site: self.keys.site,
+            headset: beat.headset,
+            boot_id: beat.boot_id,
+            number: beat.number,
+            booth_time: now.seconds(),
+            lease,
+            command: plan.command,
+            noted: plan.noted,
+        })
+    }
+}
+
+impl HeartbeatPlan {
+    const fn changes_nothing(&self) -> bool {
+        self.device.is_none() && self.commands.is_empty() && self.announcements.is_empty()
+    }
+
+    fn write(&self, tx: &mut Tx<'_>) -> Result<(), StoreError> {
+        if let Some(device) = &self.device {
+            tx.put(device)?;
+        }
+        self.commands.iter().try_for_each(|command| tx.put(command))?;
+        self.announcements.iter().try_for_each(|announcement| tx.put(announcement))
+    }
+}
+
+/// The heartbeat that was kept last.
+///
+/// # Errors
+/// That it is none, which the booth never wrote.
+pub(crate) fn status_of(device: &Device) -> Result<Option<Heartbeat>, StoreError> {
+    if device.status.is_empty() {
+        return Ok(None);
+    }
+    let bad = StoreError::BadRow { table: "devices", column: "status" };
+    Heartbeat::from_bytes(&device.status).map(Some).map_err(|_| bad)
+}
+
+fn plan_heartbeat(
+    tx: &mut Tx<'_>,
+    device: &Device,
+    beat: &Heartbeat,
+    now: BoothTime,
+) -> Result<HeartbeatPlan, StoreError> {
+    let mut plan = HeartbeatPlan::default();
+    // As it is now: the token may have been another's since it was looked at.
+    let device: Option<Device> = tx.get(&[device.headset.to_value()])?;
+    if let Some(device) = device {
+        plan.device = plan_status(device, beat, now)?;
+    }
+    plan_commands(tx, beat, now, &mut plan)?;
+    plan_announcements(tx, beat, now, &mut plan)?;
+    Ok(plan)
+}
+
+/// The device as it is to be kept, if what is kept of it isn't good enough any more.
+fn plan_status(
+    mut device: Device,
+    beat: &Heartbeat,
+    now: BoothTime,
+) -> Result<Option<Device>, StoreError> {
+    let status = Heartbeat {
+        number: 1,
+        lease: None,
+        last_command: None,
+        announcements: Announcements::new(),
+        ..beat.clone()
+    };
+    let last = status_of(&device)?;
+    // Seconds go by without news.
+    let is_same = last.as_ref().is_some_and(|last| {
+        Heartbeat { worn_seconds: status.worn_seconds, ..last.clone() } == status
+    });
+    let is_fresh =
+        device.seen_at.is_some_and(|seen_at| now >= seen_at && now.since(seen_at) < STATUS_LIFE);
+    if is_same && is_fresh {
+        return Ok(None);
+    }
+    let is_other_start = last.is_some_and(|last| last.boot_id != beat.boot_id);
+    if is_other_start && beat.was_wiped {
+        device.wiped_at = Some(now);
+    }
+    device.seen_at = Some(now);
+    device.status = status.to_bytes().to_vec();
+    Ok(Some(device))
+}
+
+/// Notes what became of commands, and picks the one that rides on the answer: the first that lives.
+fn plan_commands(
+    tx: &mut Tx<'_>,
+    beat: &Heartbeat,
+    now: BoothTime,
+    plan: &mut HeartbeatPlan,
+) -> Result<(), StoreError> {
+    let of_headset = Query::all::<Command>().equal("headset", &beat.headset);
+    for mut command in tx.find::<Command>(&of_headset)? {
+        let before = command.state;
+        command.state = state_after(&command, beat, now);
+        let lives = matches!(command.state, CommandState::Waiting | CommandState::Sent);
+        if lives && plan.command.is_none() {
+            plan.command = ride(&command, now);
+            command.state = CommandState::Sent;
+        }
+        if command.state != before {
+            plan.commands.push(command);
+        }
+    }
+    Ok(())
+}
+
+fn state_after(command: &Command, beat: &Heartbeat, now: BoothTime) -> CommandState {
+    let is_open =
+        matches!(command.state, CommandState::Waiting | CommandState::Sent | CommandState::Expired);
+    match beat.last_command {
+        // A start that never saw it can't tell of it.
+        Some(report) if report.id == command.command && beat.boot_id == command.boot && is_open => {
+            match report.outcome {
+                CommandOutcome::Done => CommandState::Done,
+                CommandOutcome::Expired => CommandState::Expired,
+                CommandOutcome::Refused => CommandState::Refused,
+            }
+        }
+        _ if !is_open => command.state,
+        _ if is_over(command, beat, now) => CommandState::Expired,
+        _ => command.state,
+    }
+}
+
+/// Whether a command's life, its start or its visit has ended.
+fn is_over(command: &Command, beat: &Heartbeat, now: BoothTime) -> bool {
+    let is_for_visit = kind_of(command).is_none_or(CommandKind::is_for_visit);
+    now < command.asked_at
+        || now.since(command.asked_at) >= COMMAND_LIFE
+        || command.boot != beat.boot_id
+        || is_for_visit && command.session != beat.session_id
+}
+
+fn kind_of(command: &Command) -> Option<CommandKind> {
+    CommandKind::ALL.get(usize::from(command.kind)).copied()
+}
+
+fn ride(command: &Command, now: BoothTime) -> Option<BoothCommand> {
+    let left = COMMAND_LIFE.saturating_sub(now.since(command.asked_at)).as_millis();
+    Some(BoothCommand {
+        id: command.command,
+        boot_id: command.boot,
+        session_id: command.session,
+        kind: kind_of(command)?,
+        lives_ms: u16::try_from(left).ok()?.max(1),
+    })
+}
+
+/// Notes what is announced: what is kept, deleted or noted already is noted without a write.
+fn plan_announcements(
+    tx: &mut Tx<'_>,
+    beat: &Heartbeat,
+    now: BoothTime,
+    plan: &mut HeartbeatPlan,
+) -> Result<(), StoreError> {
+    let mut count = None;
+    for announced in &beat.announcements {
+        let id = announced.id.0.to_value();
+        let known: Option<Announcement> = tx.get(&[beat.headset.to_value(), id.clone()])?;
+        let is_settled = known.is_none() && is_settled(tx, beat.headset, &announced.id.0)?;
+        let badge = announced.badge.map(BadgeNumber::get);
+        let note = Announcement {
+            headset: beat.headset,
+            sculpture: announced.id.0,
+            badge: badge.or_else(|| known.as_ref().and_then(|known| known.badge)),
+            heard_at: known.as_ref().map_or(now, |known| known.heard_at),
+            state: announced.state as u8,
+        };
+        if !is_settled && known.as_ref() != Some(&note) {
+            if known.is_none() {
+                let of_headset = Query::all::<Announcement>().equal("headset", &beat.headset);
+                let count = match &mut count {
+                    Some(count) => count,
+                    none => none.insert(tx.count_rows(&of_headset)?),
+                };
+                if *count >= MAX_ANNOUNCED {
+                    continue;
+                }
+                *count += 1;
+            }
+            plan.announcements.push(note);
+        }
+        // There is room: there are no more of them than in the heartbeat.
+        let _ = plan.noted.push(*announced);
+    }
+    Ok(())
+}
+
+/// Whether a headset's sculpture is kept, or was deleted.
+fn is_settled(tx: &mut Tx<'_>, headset: u32, id: &[u8; 16]) -> Result<bool, StoreError> {
+    let key = [id.to_value()];
+    if let Some(kept) = tx.get::<Sculpture>(&key)? {
+        return Ok(kept.headset == headset);
+    }
+    Ok(tx.get::<Tombstone>(&key)?.is_some_and(|deleted| deleted.headset == headset))
+}

@@ -1,0 +1,50 @@
+//! What the booth decides: who is enrolled, what is kept, found and deleted. [`Booth`] takes requests that were read,
+//! the time and random bits, and gives answers; records are kept in a [`Store`], parcels in [`ParcelFiles`]. Doesn't
+//! know the network, clocks or disks.
+//!
+//! What it promises:
+//! - What it signed for is kept until it is deleted by a person's wish or by age, and then it says so.
+//! - No sculpture is kept twice, whatever is lost, doubled or late.
+//! - No leased badge names two sculptures: the second one is *disputed*, and says so.
+//! - What a headset announced is kept, or was deleted, or is listed as missing.
+//! - A headset that lies harms only itself: all that is its own is under its number.
+#![forbid(unsafe_code)]
+
+mod audit;
+mod booth;
+mod check_store;
+mod commands;
+mod devices;
+mod enrol;
+mod find;
+mod heartbeat;
+mod ledger;
+mod lifecycle;
+pub mod limits;
+mod links;
+mod memory_store;
+mod parcel_files;
+pub mod records;
+mod refusal;
+mod store;
+mod table;
+mod time;
+mod upload;
+mod value;
+mod words;
+
+pub use booth::{Booth, BoothPlan, SiteKeys, hash_of};
+pub use check_store::check_store;
+pub use enrol::{AttemptView, EnrolBits};
+pub use find::{BadgeMatches, FoundByBadge, MissingSculpture};
+pub use lifecycle::SweepReport;
+pub use links::LinkToken;
+pub use memory_store::MemoryStore;
+pub use parcel_files::{KeptName, KeptPart, MemoryFiles, ParcelFiles, ParcelName};
+pub use refusal::Refusal;
+pub use store::{Access, Condition, Order, Query, Store, StoreError, Transaction, update, view};
+pub use table::{Column, Record, Row, Table};
+pub use time::BoothTime;
+pub use upload::{Chunk, DecodeParcel, ParcelProgress};
+pub use value::{ColumnKind, Field, Value};
+pub use words::{WordsFault, parse_badge_words};

@@ -1,0 +1,292 @@
+//! What becomes of sculptures: withdrawn, brought back, kept for longer, deleted by hand or by age.
+
+use std::time::Duration;
+
+use paros_core::outbox::messages::{ContentHash, SculptureId};
+
+use crate::audit::{Subject, note};
+use crate::booth::{Booth, Tx};
+use crate::find::NO_SCULPTURE;
+use crate::limits::{OPEN_PARCEL_LIFE, SWEEP_BATCH};
+use crate::parcel_files::{KeptName, KeptPart};
+use crate::records::{Announcement, ExportState, MailOrder, PrintOrder, Sculpture, Tombstone};
+use crate::refusal::Refusal;
+use crate::store::{Order, Query, StoreError};
+use crate::time::BoothTime;
+use crate::value::Field as _;
+
+const DAY: Duration = Duration::from_secs(86_400);
+
+/// What a sweep did.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub struct SweepReport {
+    /// Sculptures past their last day, or withdrawn for too long.
+    pub deleted: usize,
+    /// Traces that were too old.
+    pub traces: usize,
+    /// Tombstones past their end.
+    pub tombstones: usize,
+    /// Announcements of which nobody waits for the sculpture any more.
+    pub announcements: usize,
+}
+
+impl Booth {
+    /// Hides a sculpture, for its visitor. It can be brought back until it is deleted by age.
+    ///
+    /// # Errors
+    /// [`Refusal::NotFound`], or those of the store.
+    pub fn withdraw(&self, id: &SculptureId, account: &str, now: BoothTime) -> Result<(), Refusal> {
+        self.set_withdrawn(id, Some(now), account, now)
+    }
+
+    /// Brings a withdrawn sculpture back.
+    ///
+    /// # Errors
+    /// [`Refusal::NotFound`] where there is none, or it was withdrawn for too long; or those of the store.
+    pub fn bring_back(
+        &self,
+        id: &SculptureId,
+        account: &str,
+        now: BoothTime,
+    ) -> Result<(), Refusal> {
+        self.set_withdrawn(id, None, account, now)
+    }
+
+    /// Keeps a sculpture until the end of a day at least.
+    ///
+    /// # Errors
+    /// [`Refusal::NotFound`], or those of the store.
+    pub fn keep_until(
+        &self,
+        id: &SculptureId,
+        last_day: u32,
+        account: &str,
+        now: BoothTime,
+    ) -> Result<(), Refusal> {
+        self.update(|tx| {
+            let mut sculpture = get_kept(tx, id, now)?;
+            sculpture.keep_day = sculpture.keep_day.max(last_day);
+            sculpture.is_in_ledger = false;
+            tx.put(&sculpture)?;
+            Ok(note(tx, now, Some(account), "keep longer", subject_of(&sculpture))?)
+        })
+    }
+
+    /// Deletes a sculpture and all that is known under its badge. A tombstone stays, so that a headset that comes late
+    /// with it deletes it too.
+    ///
+    /// # Errors
+    /// [`Refusal::NotFound`], or those of store and disk. Files that the disk doesn't give back are removed by a
+    /// later sweep.
+    pub fn delete(&self, id: &SculptureId, account: &str, now: BoothTime) -> Result<(), Refusal> {
+        self.update(|tx| {
+            let sculpture: Sculpture = tx.get(&[id.0.to_value()])?.ok_or(NO_SCULPTURE)?;
+            self.bury(tx, &sculpture, now)?;
+            Ok(note(tx, now, Some(account), "delete", subject_of(&sculpture))?)
+        })?;
+        self.remove_buried_files()
+    }
+
+    /// Deletes all that is past its time; to be called every few minutes. It does so many at once as its limits say.
+    ///
+    /// # Errors
+    /// Those of store and disk. What was done before stays done.
+    pub fn sweep(&self, now: BoothTime) -> Result<SweepReport, Refusal> {
+        let mut report = SweepReport {
+            deleted: self.bury_old(now)?,
+            traces: self.drop_old_traces(now)?,
+            ..SweepReport::default()
+        };
+        self.remove_buried_files()?;
+        let before = BoothTime(now.0.saturating_sub(OPEN_PARCEL_LIFE.as_millis() as u64));
+        self.files.drop_parcels_before(before)?;
+        (report.tombstones, report.announcements) = self.update(|tx| {
+            let ended = Query::all::<Tombstone>()
+                .below("ends_on", &now.day().saturating_add(1))
+                .equal("has_files", &false);
+            let ended: Vec<Tombstone> = tx.find(&ended.first(SWEEP_BATCH))?;
+            for tombstone in &ended {
+                tx.remove::<Tombstone>(&[tombstone.id.to_value()])?;
+            }
+            let horizon = days_before(now, self.plan.horizon_days);
+            let old = Query::all::<Announcement>().below("heard_at", &horizon);
+            let old: Vec<Announcement> = tx.find(&old.first(SWEEP_BATCH))?;
+            for announcement in &old {
+                let key = [announcement.headset.to_value(), announcement.sculpture.to_value()];
+                tx.remove::<Announcement>(&key)?;
+            }
+            Ok((ended.len(), old.len()))
+        })?;
+        Ok(report)
+    }
+
+    /// The sculpture that waits longest for its mesh to be compared.
+    ///
+    /// # Errors
+    /// Those of the store.
+    pub fn next_export(&self) -> Result<Option<Sculpture>, Refusal> {
+        let queued = Query::all::<Sculpture>()
+            .equal("export", &ExportState::Queued)
+            .ordered("received_at", Order::Ascending);
+        self.view(|tx| tx.find_first(queued))
+    }
+
+    /// Notes what came of a sculpture's mesh; nothing where it was deleted meanwhile.
+    ///
+    /// # Errors
+    /// Those of the store.
+    pub fn note_export(&self, id: &SculptureId, state: ExportState) -> Result<(), Refusal> {
+        self.update(|tx| {
+            if let Some(mut sculpture) = tx.get::<Sculpture>(&[id.0.to_value()])? {
+                sculpture.export = state;
+                tx.put(&sculpture)?;
+            }
+            Ok(())
+        })
+    }
+
+    /// The packed first file of a sculpture, with its head before it.
+    ///
+    /// # Errors
+    /// What the disk says.
+    pub fn read_kept(&self, sculpture: &Sculpture) -> Result<Vec<u8>, Refusal> {
+        let name = kept_name(&sculpture.id, &sculpture.hash, KeptPart::Sculpture);
+        Ok(self.files.read_kept(&name)?)
+    }
+
+    fn set_withdrawn(
+        &self,
+        id: &SculptureId,
+        withdrawn_at: Option<BoothTime>,
+        account: &str,
+        now: BoothTime,
+    ) -> Result<(), Refusal> {
+        self.update(|tx| {
+            let mut sculpture = get_kept(tx, id, now)?;
+            if is_withdrawn_too_long(&sculpture, self.plan.withdrawn_days, now) {
+                return Err(NO_SCULPTURE);
+            }
+            // Withdrawn twice, it doesn't stay for longer.
+            sculpture.withdrawn_at = withdrawn_at.map(|now| sculpture.withdrawn_at.unwrap_or(now));
+            tx.put(&sculpture)?;
+            let action = if withdrawn_at.is_some() { "withdraw" } else { "bring back" };
+            Ok(note(tx, now, Some(account), action, subject_of(&sculpture))?)
+        })
+    }
+
+    /// Puts a tombstone in a sculpture's place.
+    fn bury(
+        &self,
+        tx: &mut Tx<'_>,
+        sculpture: &Sculpture,
+        now: BoothTime,
+    ) -> Result<(), StoreError> {
+        let key = [sculpture.id.to_value()];
+        tx.remove::<Sculpture>(&key)?;
+        for order in
+            tx.find::<MailOrder>(&Query::all::<MailOrder>().equal("sculpture", &sculpture.id))?
+        {
+            tx.remove::<MailOrder>(&[order.order.to_value()])?;
+        }
+        for order in
+            tx.find::<PrintOrder>(&Query::all::<PrintOrder>().equal("sculpture", &sculpture.id))?
+        {
+            tx.remove::<PrintOrder>(&[order.order.to_value()])?;
+        }
+        tx.put(&Tombstone {
+            id: sculpture.id,
+            headset: sculpture.headset,
+            hash: sculpture.hash,
+            badge: sculpture.badge,
+            deleted_at: now,
+            ends_on: now.day().saturating_add(u32::from(self.plan.horizon_days)),
+            has_files: true,
+        })
+    }
+
+    fn bury_old(&self, now: BoothTime) -> Result<usize, Refusal> {
+        let past = Query::all::<Sculpture>().below("keep_day", &now.day()).first(SWEEP_BATCH);
+        let withdrawn_before = days_before(now, self.plan.withdrawn_days);
+        let withdrawn =
+            Query::all::<Sculpture>().below("withdrawn_at", &withdrawn_before).first(SWEEP_BATCH);
+        let mut count = 0;
+        for query in [past, withdrawn] {
+            loop {
+                let buried = self.update(|tx| {
+                    let old: Vec<Sculpture> = tx.find(&query)?;
+                    for sculpture in &old {
+                        self.bury(tx, sculpture, now)?;
+                        note(tx, now, None, "delete by age", subject_of(sculpture))?;
+                    }
+                    Ok(old.len())
+                })?;
+                count += buried;
+                if buried < SWEEP_BATCH {
+                    break;
+                }
+            }
+        }
+        Ok(count)
+    }
+
+    fn drop_old_traces(&self, now: BoothTime) -> Result<usize, Refusal> {
+        let before = days_before(now, self.plan.trace_days);
+        let old = Query::all::<Sculpture>()
+            .equal("has_trace", &true)
+            .below("received_at", &before)
+            .first(SWEEP_BATCH);
+        let old: Vec<Sculpture> = self.view(|tx| tx.find(&old))?;
+        for Sculpture { id, hash, .. } in &old {
+            // The file first: a record that says there is none is never wrong.
+            self.files.remove_kept(&kept_name(id, hash, KeptPart::Trace))?;
+            self.update(|tx| {
+                if let Some(mut sculpture) = tx.get::<Sculpture>(&[id.to_value()])? {
+                    sculpture.has_trace = false;
+                    tx.put(&sculpture)?;
+                }
+                Ok(())
+            })?;
+        }
+        Ok(old.len())
+    }
+
+    /// Removes the files of what was deleted.
+    fn remove_buried_files(&self) -> Result<(), Refusal> {
+        let query = Query::all::<Tombstone>().equal("has_files", &true);
+        let buried: Vec<Tombstone> = self.view(|tx| tx.find(&query))?;
+        for mut tombstone in buried {
+            for part in [KeptPart::Sculpture, KeptPart::Trace] {
+                self.files.remove_kept(&kept_name(&tombstone.id, &tombstone.hash, part))?;
+            }
+            tombstone.has_files = false;
+            self.update(|tx| Ok(tx.put(&tombstone)?))?;
+        }
+        Ok(())
+    }
+}
+
+const fn kept_name(id: &[u8; 16], hash: &[u8; 32], part: KeptPart) -> KeptName {
+    KeptName { id: SculptureId(*id), hash: ContentHash(*hash), part }
+}
+
+/// The time so many days ago.
+fn days_before(now: BoothTime, days: u16) -> BoothTime {
+    BoothTime(now.0.saturating_sub((DAY * u32::from(days)).as_millis() as u64))
+}
+
+fn is_withdrawn_too_long(sculpture: &Sculpture, days: u16, now: BoothTime) -> bool {
+    sculpture.withdrawn_at.is_some_and(|withdrawn_at| withdrawn_at < days_before(now, days))
+}
+
+fn get_kept(tx: &mut Tx<'_>, id: &SculptureId, now: BoothTime) -> Result<Sculpture, Refusal> {
+    let found: Option<Sculpture> = tx.get(&[id.0.to_value()])?;
+    found.filter(|found| found.keep_day >= now.day()).ok_or(NO_SCULPTURE)
+}
+
+fn subject_of(sculpture: &Sculpture) -> Subject {
+    Subject {
+        headset: Some(sculpture.headset),
+        sculpture: Some(sculpture.id),
+        badge: sculpture.badge,
+    }
+}

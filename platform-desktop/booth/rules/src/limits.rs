@@ -1,0 +1,45 @@
+//! Capacities and times of the booth, each with its reason.
+
+use std::time::Duration;
+
+/// Bytes of a parcel in one request: a radio that drops one loses no more than that.
+pub const MAX_CHUNK_BYTES: usize = 256 << 10;
+
+/// Parcels of a headset that are under way at once. An outbox sends one after the other; one that changed its mind
+/// leaves a few behind.
+pub const MAX_OPEN_PARCELS: usize = 4;
+
+/// How long a part of a parcel is kept that nothing more comes for: a headset is off for a long weekend.
+pub const OPEN_PARCEL_LIFE: Duration = Duration::from_secs(4 * 86_400);
+
+/// How long an enrolment by hand may take: two people compare four pictures.
+pub const ATTEMPT_LIFE: Duration = Duration::from_secs(180);
+
+/// Enrolments by hand that are open at once: a row of headsets that several people go along.
+pub const MAX_OPEN_ATTEMPTS: usize = 16;
+
+/// Enrolments by hand within [`ATTEMPT_LIFE`], decided ones too: more than people can decide.
+pub const MAX_RECENT_ATTEMPTS: usize = 128;
+
+/// From when on a headset that says nothing may have been wiped, and its number goes to one that enrols with its hint.
+/// It says something every two seconds, and takes half a minute for a restart.
+pub const SILENCE_OF_WIPED: Duration = Duration::from_secs(15);
+
+/// How old what is kept of a headset's state may be: more often its heartbeats are written down only if it changed.
+pub const STATUS_LIFE: Duration = Duration::from_secs(10);
+
+/// How long a command lives: the visitor's situation isn't the same for longer.
+pub const COMMAND_LIFE: Duration = Duration::from_millis(paros_core::limits::MAX_COMMAND_MS as u64);
+
+/// Commands of a headset that wait at once.
+pub const MAX_WAITING_COMMANDS: u64 = 8;
+
+/// Announcements of a headset that are remembered: thirty times what a day brings. A headset that announces more is
+/// out of order, and isn't told that they are noted.
+pub const MAX_ANNOUNCED: u64 = 1500;
+
+/// Sculptures that a list shows at once.
+pub const MAX_LISTED: usize = 200;
+
+/// Records that a sweep deals with in one transaction, so that requests find a gap between two.
+pub const SWEEP_BATCH: usize = 64;

@@ -1,0 +1,113 @@
+//! Visitors' links: a token that nobody guesses, and that staff can take back.
+
+use hmac::{Hmac, KeyInit as _, Mac as _};
+use paros_core::outbox::messages::SculptureId;
+use sha2::Sha256;
+use subtle::ConstantTimeEq as _;
+
+use crate::audit::{Subject, note};
+use crate::booth::Booth;
+use crate::find::NO_SCULPTURE;
+use crate::records::Sculpture;
+use crate::refusal::Refusal;
+use crate::time::BoothTime;
+use crate::value::Field as _;
+
+/// What a visitor's link carries beside the sculpture's id. It is never logged.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub struct LinkToken(pub [u8; 16]);
+
+/// What stands before what the tokens are of, so that nothing else that is made of the secret is one.
+const LINK_CONTEXT: &[u8] = b"paros visitor link v1\0";
+
+impl Booth {
+    /// The token of a sculpture's valid link, to print it, again too.
+    ///
+    /// # Errors
+    /// [`Refusal::NotFound`] where there is none, or its link was taken back; or those of the store.
+    pub fn link_token(&self, id: &SculptureId, now: BoothTime) -> Result<LinkToken, Refusal> {
+        let sculpture = self.find_sculpture(id, now)?;
+        if sculpture.is_link_revoked {
+            return Err(Refusal::NotFound("the visitor's link was taken back"));
+        }
+        Ok(self.make_token(&sculpture))
+    }
+
+    /// The sculpture of a visitor's link. The token's other half is compared in a time that tells nothing.
+    ///
+    /// # Errors
+    /// [`Refusal::NotFound`] for all that isn't a valid link, without a difference; or those of the store.
+    pub fn find_by_link(
+        &self,
+        id: &SculptureId,
+        token: &LinkToken,
+        now: BoothTime,
+    ) -> Result<Sculpture, Refusal> {
+        let sculpture = self.find_sculpture(id, now)?;
+        let is_right = bool::from(self.make_token(&sculpture).0.ct_eq(&token.0));
+        let is_open = !sculpture.is_link_revoked && sculpture.withdrawn_at.is_none();
+        if is_right && is_open { Ok(sculpture) } else { Err(NO_SCULPTURE) }
+    }
+
+    /// Takes a sculpture's links back. None is valid then, until a new one is made.
+    ///
+    /// # Errors
+    /// [`Refusal::NotFound`], or those of the store.
+    pub fn revoke_link(
+        &self,
+        id: &SculptureId,
+        account: &str,
+        now: BoothTime,
+    ) -> Result<(), Refusal> {
+        self.change_link(id, "revoke link", account, now, |sculpture| {
+            sculpture.is_link_revoked = true;
+        })
+    }
+
+    /// Makes another link valid, and all before void.
+    ///
+    /// # Errors
+    /// [`Refusal::NotFound`], or those of the store.
+    pub fn renew_link(
+        &self,
+        id: &SculptureId,
+        account: &str,
+        now: BoothTime,
+    ) -> Result<LinkToken, Refusal> {
+        self.change_link(id, "renew link", account, now, |sculpture| {
+            sculpture.link_generation = sculpture.link_generation.wrapping_add(1);
+            sculpture.is_link_revoked = false;
+        })?;
+        self.link_token(id, now)
+    }
+
+    fn change_link(
+        &self,
+        id: &SculptureId,
+        action: &str,
+        account: &str,
+        now: BoothTime,
+        change: impl Fn(&mut Sculpture),
+    ) -> Result<(), Refusal> {
+        self.update(|tx| {
+            let mut sculpture: Sculpture = tx.get(&[id.0.to_value()])?.ok_or(NO_SCULPTURE)?;
+            change(&mut sculpture);
+            tx.put(&sculpture)?;
+            let subject = Subject { sculpture: Some(id.0), ..Subject::default() };
+            Ok(note(tx, now, Some(account), action, subject)?)
+        })
+    }
+
+    fn make_token(&self, sculpture: &Sculpture) -> LinkToken {
+        // HMAC pads a shorter key with zeros to a block itself.
+        let mut key = [0; 64];
+        key[..32].copy_from_slice(&self.keys.link_secret);
+        let mut mac = Hmac::<Sha256>::new(&key.into());
+        mac.update(LINK_CONTEXT);
+        mac.update(&sculpture.id);
+        mac.update(&sculpture.link_generation.to_le_bytes());
+        let mut token = [0; 16];
+        token.copy_from_slice(&mac.finalize().into_bytes()[..16]);
+        LinkToken(token)
+    }
+}

@@ -1,0 +1,175 @@
+//! Where the bytes of sculptures are: parcels under way, and files that are kept.
+
+use std::collections::BTreeMap;
+use std::io;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use paros_core::outbox::messages::{ContentHash, SculptureId};
+
+use crate::time::BoothTime;
+
+/// A parcel under way. Two headsets never share one, nor two parcels of an id.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub struct ParcelName {
+    /// Whose it is.
+    pub headset: u32,
+    /// The sculpture.
+    pub id: SculptureId,
+    /// Of the whole parcel.
+    pub hash: ContentHash,
+}
+
+/// A file that is kept.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub struct KeptName {
+    /// The sculpture.
+    pub id: SculptureId,
+    /// Of the parcel that it came in, so that what another parcel left behind is never taken for it.
+    pub hash: ContentHash,
+    /// Which of its files it is.
+    pub part: KeptPart,
+}
+
+/// The files of a sculpture.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub enum KeptPart {
+    /// The parcel's head and first file, packed as it came.
+    Sculpture,
+    /// The trace, packed as it came.
+    Trace,
+}
+
+/// A disk with parcels and kept files. All calls may come from several threads at once.
+pub trait ParcelFiles: Send + Sync {
+    /// Bytes held of a parcel; 0 where there is none.
+    ///
+    /// # Errors
+    /// What the disk says.
+    fn held_bytes(&self, parcel: &ParcelName) -> io::Result<u64>;
+
+    /// Adds bytes to the end of a parcel if that is at `offset`, and makes it where there is none. Returns how many
+    /// are held then. They may be lost with the power, or turn into others.
+    ///
+    /// # Errors
+    /// What the disk says. Then some of the bytes may be held.
+    fn append(&self, parcel: &ParcelName, offset: u64, bytes: &[u8]) -> io::Result<u64>;
+
+    /// All bytes held of a parcel.
+    ///
+    /// # Errors
+    /// What the disk says.
+    fn read_parcel(&self, parcel: &ParcelName) -> io::Result<Vec<u8>>;
+
+    /// Forgets a parcel, if there is one.
+    ///
+    /// # Errors
+    /// What the disk says.
+    fn drop_parcel(&self, parcel: &ParcelName) -> io::Result<()>;
+
+    /// How many parcels of a headset are under way.
+    ///
+    /// # Errors
+    /// What the disk says.
+    fn count_parcels(&self, headset: u32) -> io::Result<usize>;
+
+    /// Forgets the parcels that nothing was added to since a time.
+    ///
+    /// # Errors
+    /// What the disk says.
+    fn drop_parcels_before(&self, time: BoothTime) -> io::Result<()>;
+
+    /// Keeps a file, in place of one of the same name. It outlives a power cut from when this returns.
+    ///
+    /// # Errors
+    /// What the disk says. Then the file is as it was.
+    fn keep(&self, name: &KeptName, bytes: &[u8]) -> io::Result<()>;
+
+    /// The bytes of a kept file.
+    ///
+    /// # Errors
+    /// What the disk says; `NotFound` where there is none.
+    fn read_kept(&self, name: &KeptName) -> io::Result<Vec<u8>>;
+
+    /// Removes a kept file, if there is one.
+    ///
+    /// # Errors
+    /// What the disk says.
+    fn remove_kept(&self, name: &KeptName) -> io::Result<()>;
+}
+
+/// Files in memory, for tests and simulations.
+#[derive(Debug, Default)]
+pub struct MemoryFiles {
+    files: Mutex<Files>,
+}
+
+#[derive(Debug, Default)]
+struct Files {
+    parcels: BTreeMap<ParcelName, Vec<u8>>,
+    kept: BTreeMap<KeptName, Vec<u8>>,
+}
+
+impl MemoryFiles {
+    /// None.
+    #[must_use]
+    pub fn new() -> Self {
+        MemoryFiles::default()
+    }
+
+    /// The names of those that are kept.
+    #[must_use]
+    pub fn kept_names(&self) -> Vec<KeptName> {
+        self.lock().kept.keys().copied().collect()
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Files> {
+        self.files.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl ParcelFiles for MemoryFiles {
+    fn held_bytes(&self, parcel: &ParcelName) -> io::Result<u64> {
+        Ok(self.lock().parcels.get(parcel).map_or(0, |bytes| bytes.len() as u64))
+    }
+
+    fn append(&self, parcel: &ParcelName, offset: u64, bytes: &[u8]) -> io::Result<u64> {
+        let mut files = self.lock();
+        let held = files.parcels.entry(*parcel).or_default();
+        if held.len() as u64 == offset {
+            held.extend_from_slice(bytes);
+        }
+        Ok(held.len() as u64)
+    }
+
+    fn read_parcel(&self, parcel: &ParcelName) -> io::Result<Vec<u8>> {
+        self.lock().parcels.get(parcel).cloned().ok_or(io::ErrorKind::NotFound.into())
+    }
+
+    fn drop_parcel(&self, parcel: &ParcelName) -> io::Result<()> {
+        self.lock().parcels.remove(parcel);
+        Ok(())
+    }
+
+    fn count_parcels(&self, headset: u32) -> io::Result<usize> {
+        Ok(self.lock().parcels.keys().filter(|parcel| parcel.headset == headset).count())
+    }
+
+    /// They have no times: none is forgotten.
+    fn drop_parcels_before(&self, _time: BoothTime) -> io::Result<()> {
+        Ok(())
+    }
+
+    fn keep(&self, name: &KeptName, bytes: &[u8]) -> io::Result<()> {
+        self.lock().kept.insert(*name, bytes.to_vec());
+        Ok(())
+    }
+
+    fn read_kept(&self, name: &KeptName) -> io::Result<Vec<u8>> {
+        self.lock().kept.get(name).cloned().ok_or(io::ErrorKind::NotFound.into())
+    }
+
+    fn remove_kept(&self, name: &KeptName) -> io::Result<()> {
+        self.lock().kept.remove(name);
+        Ok(())
+    }
+}

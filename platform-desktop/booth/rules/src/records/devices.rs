@@ -1,0 +1,147 @@
+//! Headsets, how they come to be known, and what they and the booth tell each other.
+
+use crate::table::record;
+use crate::time::BoothTime;
+use crate::value::stored_enum;
+
+record! {
+    /// A headset that is enrolled.
+    pub struct Device in "devices", key 1, indexed ["token_hash", "hint"] {
+        /// Its number, which it keeps when its app's data is wiped.
+        pub headset: u32,
+        /// SHA-256 of its token.
+        pub token_hash: [u8; 32],
+        /// What it remembers itself by, which proves nothing.
+        pub hint: [u8; 16],
+        /// For people.
+        pub name: String,
+        /// When it got its token.
+        pub enrolled_at: BoothTime,
+        /// When its token was taken away; it is refused since.
+        pub revoked_at: Option<BoothTime>,
+        /// When it was last known to have lost its app's data.
+        pub wiped_at: Option<BoothTime>,
+        /// When the last heartbeat came that is kept here.
+        pub seen_at: Option<BoothTime>,
+        /// That heartbeat's bytes, without announcements and report.
+        pub status: Vec<u8>,
+    }
+}
+
+record! {
+    /// What lets headsets enrol without staff.
+    pub struct EnrolToken in "enrol_tokens", key 1, indexed [] {
+        /// SHA-256 of it.
+        pub token_hash: [u8; 32],
+        /// For people.
+        pub note: String,
+        /// From when on it is refused.
+        pub expires_at: BoothTime,
+        /// Headsets that it may yet enrol.
+        pub uses_left: u32,
+        /// Whether staff took it back.
+        pub is_revoked: bool,
+    }
+}
+
+stored_enum! {
+    /// How far an enrolment by hand has come.
+    pub enum AttemptState {
+        /// The headset committed itself to a nonce.
+        Committed = 0,
+        /// It has shown the nonce: staff compare pictograms.
+        Waiting = 1,
+        /// It is enrolled.
+        Accepted = 2,
+        /// Staff said no.
+        Declined = 3,
+    }
+}
+
+record! {
+    /// An enrolment by hand.
+    pub struct EnrolAttempt in "enrol_attempts", key 1, indexed ["hint"] {
+        /// Its number: random bits.
+        pub attempt: u64,
+        /// SHA-256 of the headset's nonce and token's hash.
+        pub commitment: [u8; 32],
+        /// As of a [`Device`].
+        pub hint: [u8; 16],
+        /// As of a [`Device`].
+        pub name: String,
+        /// The booth's own random bits.
+        pub booth_nonce: [u8; 32],
+        /// When it began.
+        pub began_at: BoothTime,
+        /// How far it has come.
+        pub state: AttemptState,
+        /// SHA-256 of the device's token, once it was revealed.
+        pub token_hash: Option<[u8; 32]>,
+        /// The numbers of the four pictograms, once it was revealed.
+        pub pictograms: Option<[u8; 4]>,
+        /// The headset's number, once it is enrolled.
+        pub headset: Option<u32>,
+    }
+}
+
+stored_enum! {
+    /// What became of a command.
+    pub enum CommandState {
+        /// It is to go with the headset's next heartbeat.
+        Waiting = 0,
+        /// It went out.
+        Sent = 1,
+        /// The headset did it.
+        Done = 2,
+        /// It lived too long, on either side.
+        Expired = 3,
+        /// The headset can't do it now.
+        Refused = 4,
+    }
+}
+
+record! {
+    /// What staff want a headset to do.
+    pub struct Command in "commands", key 2, indexed [] {
+        /// Whose it is.
+        pub headset: u32,
+        /// Its number, which grows with each of a headset.
+        pub command: u64,
+        /// The headset's start that it is about.
+        pub boot: u64,
+        /// The visit that it is about; 0 for none.
+        pub session: u64,
+        /// What to do, by the number of `CommandKind`.
+        pub kind: u8,
+        /// When staff asked for it.
+        pub asked_at: BoothTime,
+        /// What became of it.
+        pub state: CommandState,
+    }
+}
+
+record! {
+    /// A sculpture that a headset said it had finished.
+    pub struct Announcement in "announcements", key 2, indexed ["badge"] {
+        /// Who said it.
+        pub headset: u32,
+        /// The sculpture.
+        pub sculpture: [u8; 16],
+        /// The number of its badge, if it has one yet.
+        pub badge: Option<u32>,
+        /// When that was first heard.
+        pub heard_at: BoothTime,
+        /// Where it stood when that was last heard, by the number of `AnnouncementState`.
+        pub state: u8,
+    }
+}
+
+record! {
+    /// The ledger of badges: a single row.
+    pub struct LedgerSave in "ledger", key 1, indexed [] {
+        /// Always 0.
+        pub row: u8,
+        /// As `BadgeLedger::save` writes it.
+        pub bytes: Vec<u8>,
+    }
+}

@@ -1,0 +1,32 @@
+//! What the booth keeps: a struct a table.
+
+mod devices;
+mod people;
+mod sculptures;
+
+pub use devices::{
+    Announcement, AttemptState, Command, CommandState, Device, EnrolAttempt, EnrolToken, LedgerSave,
+};
+pub use people::{
+    Account, AuditEntry, MailOrder, MailState, PrintOrder, PrintState, StaffRole, StaffSession,
+};
+pub use sculptures::{BadgeClaim, ExportState, Sculpture, Tombstone};
+
+use crate::table::{Record, Table};
+
+/// All tables that a store has.
+pub const TABLES: [&Table; 13] = [
+    Device::TABLE,
+    EnrolToken::TABLE,
+    EnrolAttempt::TABLE,
+    Command::TABLE,
+    Announcement::TABLE,
+    LedgerSave::TABLE,
+    Sculpture::TABLE,
+    Tombstone::TABLE,
+    Account::TABLE,
+    StaffSession::TABLE,
+    MailOrder::TABLE,
+    PrintOrder::TABLE,
+    AuditEntry::TABLE,
+];

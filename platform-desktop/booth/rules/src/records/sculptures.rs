@@ -1,0 +1,85 @@
+//! Sculptures, and what is left of those that were deleted.
+
+use crate::table::record;
+use crate::time::BoothTime;
+use crate::value::stored_enum;
+
+stored_enum! {
+    /// What a badge says of a sculpture.
+    pub enum BadgeClaim {
+        /// It is the only one with its badge.
+        Sole = 0,
+        /// Its badge is provisional: others may have the same.
+        Shared = 1,
+        /// Another sculpture with the same leased badge was here before: a headset errs or lies.
+        Disputed = 2,
+    }
+}
+
+stored_enum! {
+    /// Whether the booth makes the same mesh of a volume as the headset.
+    pub enum ExportState {
+        /// It wasn't tried yet.
+        Queued = 0,
+        /// It does, byte by byte.
+        Equal = 1,
+        /// It makes another, as other versions may.
+        Different = 2,
+        /// It can't make one, or one that isn't closed or of a sane size.
+        Failed = 3,
+    }
+}
+
+record! {
+    /// A sculpture that is kept.
+    pub struct Sculpture in "sculptures", key 1, indexed ["badge", "received_at", "export", "keep_day", "is_in_ledger"] {
+        /// Its random id.
+        pub id: [u8; 16],
+        /// Who made it.
+        pub headset: u32,
+        /// SHA-256 of the parcel that it came in.
+        pub hash: [u8; 32],
+        /// The number of its badge, if its visitor was shown one.
+        pub badge: Option<u32>,
+        /// What the badge says of it.
+        pub claim: BadgeClaim,
+        /// `UploadFacts`, as they came.
+        pub facts: Vec<u8>,
+        /// When it was whole.
+        pub received_at: BoothTime,
+        /// The last day on which it is kept.
+        pub keep_day: u32,
+        /// Whether the ledger of badges knows of this last day. It is told before it hands numbers out.
+        pub is_in_ledger: bool,
+        /// When it was withdrawn.
+        pub withdrawn_at: Option<BoothTime>,
+        /// Whether the trace that came with it is here.
+        pub has_trace: bool,
+        /// What the booth makes of it.
+        pub export: ExportState,
+        /// Which of its visitor's links is the valid one.
+        pub link_generation: u32,
+        /// Whether that one was taken back.
+        pub is_link_revoked: bool,
+    }
+}
+
+record! {
+    /// A sculpture that was deleted.
+    pub struct Tombstone in "tombstones", key 1, indexed ["badge", "ends_on"] {
+        /// Its id.
+        pub id: [u8; 16],
+        /// Who made it.
+        pub headset: u32,
+        /// Of the parcel that it came in.
+        pub hash: [u8; 32],
+        /// The number of its badge, if its visitor was shown one.
+        pub badge: Option<u32>,
+        /// When it was deleted.
+        pub deleted_at: BoothTime,
+        /// The first day on which no headset can have it any more.
+        pub ends_on: u32,
+        /// Whether its files are yet to be removed.
+        pub has_files: bool,
+    }
+}

@@ -1,0 +1,52 @@
+//! The booth's time: an argument of whatever needs it.
+
+use std::time::Duration;
+
+use paros_core::badge::BadgeLedger;
+
+use crate::value::{ColumnKind, Field, Value};
+
+/// Milliseconds since the first of 1970, UTC, by the booth's clock.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Debug)]
+pub struct BoothTime(pub u64);
+
+impl BoothTime {
+    /// Whole seconds.
+    #[must_use]
+    pub const fn seconds(self) -> u64 {
+        self.0 / 1000
+    }
+
+    /// The day, as the ledger of badges counts them.
+    #[must_use]
+    pub const fn day(self) -> u32 {
+        BadgeLedger::day_of(self.seconds())
+    }
+
+    /// So much later.
+    #[must_use]
+    pub fn after(self, duration: Duration) -> Self {
+        let millis = u64::try_from(duration.as_millis()).unwrap_or(u64::MAX);
+        BoothTime(self.0.saturating_add(millis))
+    }
+
+    /// How long ago that was; nothing where it is yet to come, as after the clock was set back.
+    #[must_use]
+    pub const fn since(self, earlier: BoothTime) -> Duration {
+        Duration::from_millis(self.0.saturating_sub(earlier.0))
+    }
+}
+
+impl Field for BoothTime {
+    const KIND: ColumnKind = ColumnKind::Number;
+
+    fn to_value(&self) -> Value {
+        // The greatest time that is greater than all others in a database too.
+        Value::Number(i64::try_from(self.0).unwrap_or(i64::MAX))
+    }
+
+    fn from_value(value: &Value) -> Option<Self> {
+        let Value::Number(number) = value else { return None };
+        u64::try_from(*number).ok().map(BoothTime)
+    }
+}

@@ -1,0 +1,212 @@
+//! A booth in memory, and headsets that talk to it.
+#![allow(dead_code)] // each test uses its part of it
+
+use std::sync::Arc;
+
+use paros_booth_rules::records::{Device, LedgerSave};
+use paros_booth_rules::view;
+use paros_booth_rules::{
+    Booth, BoothPlan, BoothTime, Chunk, Field as _, MemoryFiles, MemoryStore, ParcelProgress,
+    Refusal, SiteKeys, hash_of,
+};
+use paros_core::badge::{BadgeLedger, BadgeNumber};
+use paros_core::outbox::messages::*;
+use paros_core::session::SessionMode;
+use paros_core::visit::VisitPhase;
+
+pub(crate) const SITE: SiteId = SiteId([5; 16]);
+pub(crate) const FLEET: EnrolmentToken = EnrolmentToken([77; 32]);
+
+/// Ten in the morning of some day.
+pub(crate) const START: BoothTime = BoothTime(20_000 * 86_400_000 + 36_000_000);
+
+pub(crate) fn seconds(count: u64) -> BoothTime {
+    BoothTime(START.0 + 1000 * count)
+}
+
+pub(crate) fn days(count: u64) -> BoothTime {
+    seconds(86_400 * count)
+}
+
+pub(crate) struct Rig {
+    pub(crate) booth: Booth,
+    pub(crate) store: Arc<MemoryStore>,
+    pub(crate) files: Arc<MemoryFiles>,
+}
+
+impl Rig {
+    /// Without headsets; with a token for 100 of them.
+    pub(crate) fn new() -> Self {
+        Rig::with_plan(BoothPlan { retention_days: 30, ..BoothPlan::default() })
+    }
+
+    pub(crate) fn with_plan(plan: BoothPlan) -> Self {
+        let (store, files) = (Arc::new(MemoryStore::new()), Arc::new(MemoryFiles::new()));
+        let keys = SiteKeys::new(SITE, ContentHash([6; 32]), &[7; 32], [8; 32]);
+        let booth = Booth::new(store.clone(), files.clone(), keys, plan);
+        booth.add_enrol_token(&FLEET, (100, days(1000)), "all", None, START).expect("room");
+        Rig { booth, store, files }
+    }
+
+    /// A headset, with a token of this byte.
+    pub(crate) fn enrol(&self, byte: u8) -> Device {
+        self.booth.enrol_fleet(&fleet_enrolment(byte), START).expect("a valid token");
+        self.booth.authenticate(&DeviceToken([byte; 32])).expect("it was enrolled")
+    }
+
+    /// Sends a parcel in pieces of so many bytes, and has it kept.
+    pub(crate) fn upload_in(
+        &self,
+        device: &Device,
+        parcel: &Parcel,
+        piece: usize,
+        now: BoothTime,
+    ) -> Result<SignedReceipt, Refusal> {
+        for (k, bytes) in parcel.bytes.chunks(piece).enumerate() {
+            match self.booth.take_chunk(device, &parcel.chunk((k * piece) as u64, bytes))? {
+                ParcelProgress::Signed(receipt) => return Ok(receipt),
+                ParcelProgress::Held(held) => assert_eq!(held, (k * piece + bytes.len()) as u64),
+                ParcelProgress::Whole => break,
+            }
+        }
+        match self.booth.finish_parcel(device, (parcel.id, parcel.hash), &decode, now)? {
+            ParcelProgress::Signed(receipt) => Ok(receipt),
+            other => panic!("{other:?}"),
+        }
+    }
+
+    pub(crate) fn upload(
+        &self,
+        device: &Device,
+        parcel: &Parcel,
+        now: BoothTime,
+    ) -> Result<SignedReceipt, Refusal> {
+        self.upload_in(device, parcel, 1000, now)
+    }
+
+    /// The ledger of badges, as it is kept.
+    pub(crate) fn ledger(&self) -> Box<BadgeLedger> {
+        let key = [0u8.to_value()];
+        let save: Option<LedgerSave> = view(self.store.as_ref(), |tx| tx.get(&key)).expect("rows");
+        let mut ledger = Box::new(BadgeLedger::new(0));
+        ledger.load(&save.expect("it was asked").bytes).expect("a ledger");
+        ledger
+    }
+
+    pub(crate) fn beat(
+        &self,
+        device: &Device,
+        beat: &Heartbeat,
+        now: BoothTime,
+    ) -> HeartbeatAnswer {
+        self.booth.take_heartbeat(device, beat, now).expect("a heartbeat of its own")
+    }
+}
+
+pub(crate) fn fleet_enrolment(byte: u8) -> FleetEnrolment {
+    FleetEnrolment {
+        enrolment_token: FLEET,
+        token_hash: hash_of(&[byte; 32]),
+        hint: DeviceHint([byte; 16]),
+        name: DeviceName::new("Quest").expect("a name"),
+    }
+}
+
+/// A parcel's volume is as many bytes of its id; nothing else decodes.
+pub(crate) fn decode(facts: &UploadFacts, volume: &[u8], trace: &[u8]) -> Result<(), String> {
+    let is_volume = volume.iter().all(|byte| *byte == facts.id.0[0]);
+    let is_trace = trace.len() == facts.trace_bytes as usize;
+    if is_volume && is_trace { Ok(()) } else { Err("other bytes".into()) }
+}
+
+pub(crate) struct Parcel {
+    pub(crate) id: SculptureId,
+    pub(crate) facts: UploadFacts,
+    pub(crate) hash: ContentHash,
+    pub(crate) bytes: Vec<u8>,
+}
+
+impl Parcel {
+    pub(crate) fn new(headset: u32, id: u8, badge: Option<BadgeNumber>) -> Self {
+        Parcel::of_facts(UploadFacts {
+            kind: ParcelKind::Volume,
+            id: SculptureId([id; 16]),
+            headset,
+            badge,
+            core_version: 1,
+            side: 128,
+            cause: FinishCause::Finished,
+            language: *b"el",
+            mode: SessionMode::Creative,
+            age_group: AgeGroup::Unknown,
+            sculpting_seconds: 300,
+            finished_at: 1,
+            height_mm_tenths: 1200,
+            stl_hash: ContentHash([1; 32]),
+            stl_bytes: 84 + 50,
+            volume_bytes: 5000,
+            volume_raw_bytes: 5000,
+            trace_bytes: 0,
+            trace_raw_bytes: 0,
+        })
+    }
+
+    pub(crate) fn with_trace(headset: u32, id: u8) -> Self {
+        let facts = Parcel::new(headset, id, None).facts;
+        Parcel::of_facts(UploadFacts { trace_bytes: 700, trace_raw_bytes: 9000, ..facts })
+    }
+
+    pub(crate) fn of_facts(facts: UploadFacts) -> Self {
+        let mut bytes = facts.to_bytes().to_vec();
+        bytes.extend(vec![facts.id.0[0]; facts.volume_bytes as usize]);
+        bytes.extend(vec![9; facts.trace_bytes as usize]);
+        Parcel { id: facts.id, facts, hash: hash_of(&bytes), bytes }
+    }
+
+    pub(crate) fn chunk<'a>(&self, offset: u64, bytes: &'a [u8]) -> Chunk<'a> {
+        let parcel_bytes = self.bytes.len() as u64;
+        Chunk { id: self.id, hash: self.hash, parcel_bytes, offset, bytes }
+    }
+
+    pub(crate) fn announcement(&self, state: AnnouncementState) -> Announcement {
+        Announcement { id: self.id, badge: self.facts.badge, state }
+    }
+}
+
+pub(crate) fn heartbeat(headset: u32) -> Heartbeat {
+    Heartbeat {
+        headset,
+        boot_id: 11,
+        number: 1,
+        session_id: 21,
+        is_charging: false,
+        is_worn: true,
+        is_glowing: false,
+        was_wiped: false,
+        battery_percent: Some(80),
+        heat: HeatLevel::Normal,
+        phase: VisitPhase::Sculpting,
+        worn_seconds: 60,
+        outbox_depth: 0,
+        outbox_full_percent: 0,
+        app_version: [1, 2, 3],
+        core_version: 1,
+        lease: None,
+        last_command: None,
+        announcements: Announcements::new(),
+    }
+}
+
+pub(crate) fn announcing(beat: &Heartbeat, announcements: &[Announcement]) -> Heartbeat {
+    let announcements = announcements.iter().copied().collect();
+    Heartbeat { announcements, ..beat.clone() }
+}
+
+pub(crate) fn leased(number: u32) -> Option<BadgeNumber> {
+    BadgeNumber::new(number).filter(|number| !number.is_provisional())
+}
+
+/// The status that a refusal has.
+pub(crate) fn status<T: std::fmt::Debug>(done: Result<T, Refusal>) -> u16 {
+    done.expect_err("a refusal").status()
+}

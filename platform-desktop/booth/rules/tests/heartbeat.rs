@@ -1,0 +1,261 @@
+//! What headset and booth tell each other every two seconds.
+
+mod common;
+
+use common::*;
+use paros_booth_rules::limits::{COMMAND_LIFE, MAX_ANNOUNCED, MAX_WAITING_COMMANDS, STATUS_LIFE};
+use paros_booth_rules::records::{CommandState, Device};
+use paros_booth_rules::{BoothTime, Order, Query, view};
+use paros_core::badge::{AnswerOutcome, BadgeLease, BadgeNumber, DAY_SECONDS};
+use paros_core::outbox::messages::*;
+
+fn device_of(rig: &Rig, headset: u32) -> Device {
+    rig.booth.list_devices().unwrap().into_iter().find(|device| device.headset == headset).unwrap()
+}
+
+fn states(rig: &Rig, headset: u32, now: BoothTime) -> Vec<CommandState> {
+    let commands = rig.booth.list_commands(headset, 99, now).unwrap();
+    commands.into_iter().rev().map(|command| command.state).collect()
+}
+
+/// A heartbeat that tells what became of a command.
+fn reporting(headset: u32, id: u64, outcome: CommandOutcome) -> Heartbeat {
+    Heartbeat { last_command: Some(CommandReport { id, outcome }), ..heartbeat(headset) }
+}
+
+#[test]
+fn the_answer_is_to_this_heartbeat() {
+    let rig = Rig::new();
+    let device = rig.enrol(1);
+    let beat = Heartbeat { number: 7, boot_id: 3, ..heartbeat(device.headset) };
+    let answer = rig.beat(&device, &beat, seconds(5));
+    let HeartbeatAnswer { site, headset, boot_id, number, booth_time, .. } = answer;
+    assert_eq!((site, headset, boot_id, number), (SITE, device.headset, 3, 7));
+    assert_eq!(booth_time, seconds(5).seconds());
+    let other = heartbeat(device.headset + 1);
+    assert_eq!(status(rig.booth.take_heartbeat(&device, &other, START)), 403);
+}
+
+#[test]
+fn state_is_kept_when_it_changes_and_now_and_then() {
+    let rig = Rig::new();
+    let device = rig.enrol(1);
+    let seen_at = || device_of(&rig, device.headset).seen_at;
+    let beat = heartbeat(device.headset);
+    rig.beat(&device, &beat, START);
+    assert_eq!(seen_at(), Some(START));
+    let next = Heartbeat { number: 2, worn_seconds: 62, ..beat.clone() };
+    rig.beat(&device, &next, seconds(2));
+    assert_eq!(seen_at(), Some(START), "nothing but the time has changed");
+    let low = Heartbeat { battery_percent: Some(9), ..next };
+    rig.beat(&device, &low, seconds(4));
+    assert_eq!(seen_at(), Some(seconds(4)));
+    let later = seconds(4).after(STATUS_LIFE);
+    rig.beat(&device, &low, later);
+    assert_eq!(seen_at(), Some(later));
+    // The clock was set back: what was seen lies ahead.
+    rig.beat(&device, &low, START);
+    assert_eq!(seen_at(), Some(START));
+}
+
+#[test]
+fn what_is_announced_is_missing_until_it_comes() {
+    let rig = Rig::new();
+    let device = rig.enrol(1);
+    let parcel = Parcel::new(device.headset, 40, leased(9));
+    let beat = heartbeat(device.headset);
+    let announced = parcel.announcement(AnnouncementState::Announced);
+    let without_badge = Announcement { badge: None, ..announced };
+    let answer = rig.beat(&device, &announcing(&beat, &[without_badge]), START);
+    assert_eq!(answer.noted.as_slice(), [without_badge]);
+    let kept = parcel.announcement(AnnouncementState::Kept);
+    let answer = rig.beat(&device, &announcing(&beat, &[kept]), seconds(9));
+    assert_eq!(answer.noted.as_slice(), [kept], "as it stood in the heartbeat");
+    let missing = rig.booth.list_missing(9).unwrap();
+    assert_eq!(missing.len(), 1);
+    assert_eq!(missing[0].announcement.badge, leased(9).map(BadgeNumber::get));
+    assert_eq!(missing[0].announcement.state, AnnouncementState::Kept as u8);
+    assert_eq!(missing[0].announcement.heard_at, START);
+    rig.upload(&device, &parcel, seconds(10)).unwrap();
+    assert_eq!(rig.booth.list_missing(9).unwrap(), []);
+    // A late heartbeat, and one after it was deleted: noted, and not missing.
+    for _ in 0..2 {
+        let answer = rig.beat(&device, &announcing(&beat, &[kept]), seconds(11));
+        assert_eq!(answer.noted.len(), 1);
+        assert_eq!(rig.booth.list_missing(9).unwrap(), []);
+        let _ = rig.booth.delete(&parcel.id, "ana", seconds(11));
+    }
+}
+
+#[test]
+fn a_headset_announces_its_own_and_so_many() {
+    let rig = Rig::new();
+    let (device, liar) = (rig.enrol(1), rig.enrol(2));
+    let parcel = Parcel::new(device.headset, 40, leased(9));
+    let announced = parcel.announcement(AnnouncementState::Announced);
+    let beat = heartbeat(liar.headset);
+    rig.beat(&liar, &announcing(&beat, &[announced]), START);
+    rig.upload(&device, &parcel, START).expect("what others announce is nothing to it");
+    let missing = rig.booth.list_missing(9).unwrap();
+    assert_eq!(missing[0].announcement.headset, liar.headset);
+    let mut noted = 1;
+    for k in 0..=MAX_ANNOUNCED as u32 {
+        let mut id = [255; 16];
+        id[..4].copy_from_slice(&k.to_le_bytes());
+        let announced = Announcement { id: SculptureId(id), ..announced };
+        noted += rig.beat(&liar, &announcing(&beat, &[announced]), START).noted.len();
+    }
+    assert_eq!(noted, MAX_ANNOUNCED as usize);
+}
+
+#[test]
+fn a_wipe_is_noted_and_what_it_took_is_lost() {
+    let rig = Rig::new();
+    let device = rig.enrol(1);
+    let beat = heartbeat(device.headset);
+    // The first start of a new headset finds nothing either.
+    let first = Heartbeat { was_wiped: true, ..beat.clone() };
+    rig.beat(&device, &first, START);
+    assert_eq!(device_of(&rig, device.headset).wiped_at, None);
+    let parcel = Parcel::new(device.headset, 40, None);
+    let announced = parcel.announcement(AnnouncementState::Kept);
+    rig.beat(&device, &announcing(&first, &[announced]), seconds(2));
+    assert!(!rig.booth.list_missing(9).unwrap()[0].is_lost);
+    let wiped = Heartbeat { boot_id: 12, was_wiped: true, ..beat };
+    rig.beat(&device, &wiped, seconds(100));
+    rig.beat(&device, &wiped, seconds(120));
+    assert_eq!(device_of(&rig, device.headset).wiped_at, Some(seconds(100)));
+    assert!(rig.booth.list_missing(9).unwrap()[0].is_lost);
+}
+
+#[test]
+fn a_lease_is_answered_once_the_ledger_is_kept() {
+    let rig = Rig::new();
+    let device = rig.enrol(1);
+    let mut lease = BadgeLease::new(device.headset, 5);
+    let report = lease.make_report();
+    let beat = Heartbeat { lease: Some(report), ..heartbeat(device.headset) };
+    let answer = rig.beat(&device, &beat, START).lease.expect("an answer");
+    // The answer was lost, and the booth started anew: the same.
+    let again = rig.beat(&device, &beat, seconds(2)).lease.expect("an answer");
+    assert_eq!(again, answer);
+    assert_eq!(lease.take_answer(&answer), AnswerOutcome::Taken);
+    // Another headset's numbers are others.
+    let other = rig.enrol(2);
+    let mut other_lease = BadgeLease::new(other.headset, 6);
+    let report = other_lease.make_report();
+    let beat = Heartbeat { lease: Some(report), ..heartbeat(other.headset) };
+    let others = rig.beat(&other, &beat, START).lease.expect("an answer");
+    assert!(answer.blocks.iter().all(|block| !others.blocks.contains(block)));
+}
+
+/// A block is handed out again when none of its sculptures is kept: also where one came late, or is kept longer.
+#[test]
+fn the_ledger_hears_of_sculptures_before_it_hands_numbers_out() {
+    for keeps_longer in [false, true] {
+        let rig = Rig::new();
+        let device = rig.enrol(1);
+        let mut lease = BadgeLease::new(device.headset, 5);
+        let report = |lease: &mut BadgeLease, now| {
+            let beat = Heartbeat { lease: Some(lease.make_report()), ..heartbeat(device.headset) };
+            let answer = rig.beat(&device, &beat, now).lease.expect("an answer");
+            assert_eq!(lease.take_answer(&answer), AnswerOutcome::Taken);
+        };
+        report(&mut lease, START);
+        let number = lease.take_number(0);
+        report(&mut lease, seconds(60));
+        let parcel = Parcel::new(device.headset, 1, Some(number));
+        rig.upload(&device, &parcel, days(20)).unwrap();
+        if keeps_longer {
+            let last = (START.seconds() / DAY_SECONDS) as u32 + 200;
+            rig.booth.keep_until(&parcel.id, last, "ana", days(20)).unwrap();
+        }
+        rig.booth.revoke_device(device.headset, "ana", days(21)).unwrap();
+        let ledger = rig.ledger();
+        assert!(!ledger.is_free(number));
+        let mut later = ledger;
+        // Retired, its numbers rest for twice as long as sculptures are kept; one that is kept for longer, until then.
+        let _ = later.answer_report(&BadgeLease::new(9, 9).make_report(), days(90).seconds());
+        assert_eq!(later.is_free(number), !keeps_longer);
+    }
+}
+
+#[test]
+fn a_command_rides_until_it_is_reported_or_dead() {
+    let rig = Rig::new();
+    let device = rig.enrol(1);
+    let beat = heartbeat(device.headset);
+    assert_eq!(status(rig.booth.ask_command(1, CommandKind::Identify, "ana", START)), 409);
+    assert_eq!(status(rig.booth.ask_command(9, CommandKind::Identify, "ana", START)), 404);
+    rig.beat(&device, &beat, START);
+    let id = rig.booth.ask_command(1, CommandKind::Extend, "ana", START).unwrap();
+    assert_eq!(states(&rig, 1, START), [CommandState::Waiting]);
+    let command = rig.beat(&device, &beat, seconds(2)).command.expect("it waits");
+    assert_eq!((command.id, command.kind), (id, CommandKind::Extend));
+    assert_eq!((command.boot_id, command.session_id, command.lives_ms), (11, 21, 8000));
+    assert_eq!(states(&rig, 1, seconds(2)), [CommandState::Sent]);
+    // The answer was lost: it rides again, with what is left of its life.
+    assert_eq!(rig.beat(&device, &beat, seconds(4)).command.expect("again").lives_ms, 6000);
+    let done = reporting(1, id, CommandOutcome::Done);
+    assert_eq!(rig.beat(&device, &done, seconds(6)).command, None);
+    assert_eq!(states(&rig, 1, seconds(6)), [CommandState::Done]);
+    // The report comes with each heartbeat, and nothing rides any more.
+    assert_eq!(rig.beat(&device, &done, seconds(8)).command, None);
+
+    rig.booth.ask_command(1, CommandKind::Identify, "ana", seconds(20)).unwrap();
+    let dead = seconds(20).after(COMMAND_LIFE);
+    assert_eq!(states(&rig, 1, dead), [CommandState::Done, CommandState::Expired]);
+    assert_eq!(rig.beat(&device, &done, dead).command, None);
+    // It came in time, and the booth hears of it late.
+    rig.beat(&device, &reporting(1, id + 1, CommandOutcome::Done), seconds(40));
+    assert_eq!(states(&rig, 1, seconds(40)), [CommandState::Done, CommandState::Done]);
+}
+
+#[test]
+fn a_command_for_an_ended_visit_or_start_never_rides() {
+    let rig = Rig::new();
+    let device = rig.enrol(1);
+    let beat = heartbeat(device.headset);
+    let next_visit = Heartbeat { session_id: 22, ..beat.clone() };
+    let next_start = Heartbeat { boot_id: 12, ..beat.clone() };
+    for (kind, next, rides) in [
+        (CommandKind::End, &next_visit, false),
+        (CommandKind::Reset, &next_visit, false),
+        (CommandKind::Recentre, &next_visit, true),
+        (CommandKind::Recentre, &next_start, false),
+        (CommandKind::End, &next_start, false),
+    ] {
+        rig.beat(&device, &beat, START);
+        let id = rig.booth.ask_command(1, kind, "ana", START).unwrap();
+        assert_eq!(rig.beat(&device, next, seconds(1)).command.is_some(), rides, "{kind:?}");
+        let report = reporting(1, id, CommandOutcome::Refused);
+        rig.beat(&device, &report, seconds(2));
+    }
+    let nobody = Heartbeat { session_id: 0, is_worn: false, ..beat };
+    rig.beat(&device, &nobody, START);
+    assert_eq!(status(rig.booth.ask_command(1, CommandKind::Extend, "ana", START)), 409);
+    rig.booth.ask_command(1, CommandKind::Identify, "ana", START).expect("it needs no visit");
+}
+
+#[test]
+fn commands_go_one_by_one_and_so_many_wait() {
+    let rig = Rig::new();
+    let device = rig.enrol(1);
+    let beat = heartbeat(device.headset);
+    rig.beat(&device, &beat, START);
+    for _ in 0..MAX_WAITING_COMMANDS {
+        rig.booth.ask_command(1, CommandKind::Identify, "ana", START).unwrap();
+    }
+    assert_eq!(status(rig.booth.ask_command(1, CommandKind::Identify, "ana", START)), 429);
+    for id in 1..=MAX_WAITING_COMMANDS {
+        let before = reporting(1, id.max(2) - 1, CommandOutcome::Done);
+        let beat = if id == 1 { &beat } else { &before };
+        assert_eq!(rig.beat(&device, beat, START).command.map(|command| command.id), Some(id));
+    }
+    // Who asked is in the audit.
+    let newest = Query::all::<paros_booth_rules::records::AuditEntry>()
+        .equal("action", &"identify".to_string())
+        .ordered("number", Order::Ascending);
+    let count = view(rig.store.as_ref(), |tx| tx.count_rows(&newest)).unwrap();
+    assert_eq!(count, MAX_WAITING_COMMANDS);
+}

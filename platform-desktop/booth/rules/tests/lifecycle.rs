@@ -1,0 +1,162 @@
+//! What becomes of sculptures.
+
+mod common;
+
+use common::*;
+use paros_booth_rules::records::{ExportState, MailOrder, MailState, Tombstone};
+use paros_booth_rules::{BoothPlan, KeptPart, Query, update, view};
+use paros_core::outbox::messages::*;
+
+fn kept_parts(rig: &Rig) -> Vec<KeptPart> {
+    rig.files.kept_names().into_iter().map(|name| name.part).collect()
+}
+
+#[test]
+fn withdrawn_is_hidden_and_undone_for_seven_days() {
+    let rig = Rig::new();
+    let device = rig.enrol(1);
+    let parcel = Parcel::new(device.headset, 1, leased(9));
+    rig.upload(&device, &parcel, START).unwrap();
+    rig.booth.withdraw(&parcel.id, "ana", START).unwrap();
+    assert_eq!(rig.booth.list_newest(9, START).unwrap(), []);
+    assert_eq!(rig.booth.list_withdrawn(9, START).unwrap().len(), 1);
+    // Withdrawn once more, it stays no longer.
+    rig.booth.withdraw(&parcel.id, "ana", days(3)).unwrap();
+    rig.booth.sweep(days(6)).unwrap();
+    rig.booth.bring_back(&parcel.id, "ana", days(6)).expect("in time");
+    assert_eq!(rig.booth.list_newest(9, days(6)).unwrap().len(), 1);
+    rig.booth.withdraw(&parcel.id, "ana", days(7)).unwrap();
+    assert_eq!(status(rig.booth.bring_back(&parcel.id, "ana", days(15))), 404);
+    assert_eq!(rig.booth.sweep(days(15)).unwrap().deleted, 1);
+    assert_eq!(rig.booth.list_withdrawn(9, days(15)).unwrap(), []);
+    assert_eq!(kept_parts(&rig), []);
+}
+
+#[test]
+fn what_is_deleted_leaves_a_tombstone_until_the_horizon() {
+    let rig = Rig::with_plan(BoothPlan { horizon_days: 50, ..BoothPlan::default() });
+    let device = rig.enrol(1);
+    let parcel = Parcel::with_trace(device.headset, 1);
+    rig.upload(&device, &parcel, START).unwrap();
+    let order = MailOrder {
+        order: 1,
+        sculpture: parcel.id.0,
+        address: Some("eleni@example.org".into()),
+        language: 1,
+        asked_at: START,
+        state: MailState::Queued,
+        tries: 0,
+        next_try_at: START,
+    };
+    update(rig.store.as_ref(), |tx| tx.put(&order)).unwrap();
+    rig.booth.delete(&parcel.id, "ana", START).unwrap();
+    assert_eq!(status(rig.booth.find_sculpture(&parcel.id, START)), 404);
+    assert_eq!(kept_parts(&rig), []);
+    let orders = view(rig.store.as_ref(), |tx| tx.count_rows(&Query::all::<MailOrder>())).unwrap();
+    assert_eq!(orders, 0, "an address stays");
+    let late = rig.upload(&device, &parcel, days(49)).unwrap();
+    assert_eq!(late.receipt.outcome, ReceiptOutcome::Deleted);
+    assert_eq!(kept_parts(&rig), []);
+    assert_eq!(rig.booth.sweep(days(49)).unwrap().tombstones, 0);
+    assert_eq!(rig.booth.sweep(days(50)).unwrap().tombstones, 1);
+    assert_eq!(status(rig.booth.delete(&parcel.id, "ana", START)), 404);
+}
+
+#[test]
+fn sculptures_go_by_age_and_their_number_is_free_again() {
+    let rig = Rig::new();
+    let device = rig.enrol(1);
+    let number = leased(100_000).unwrap();
+    let early = Parcel::new(device.headset, 1, Some(number));
+    let late = Parcel::new(device.headset, 2, leased(200_000));
+    rig.upload(&device, &early, START).unwrap();
+    rig.upload(&device, &late, days(1)).unwrap();
+    let mut lease = paros_core::badge::BadgeLease::new(device.headset, 3);
+    let mut is_free = |now| {
+        let beat = Heartbeat { lease: Some(lease.make_report()), ..heartbeat(device.headset) };
+        rig.beat(&device, &beat, now);
+        rig.ledger().is_free(number)
+    };
+    assert!(!is_free(days(1)));
+    assert!(!is_free(days(30)));
+    assert_eq!(rig.booth.sweep(days(30)).unwrap().deleted, 0, "the last day isn't over");
+    assert_eq!(rig.booth.list_newest(9, days(31)).unwrap().len(), 1, "swept or not");
+    assert_eq!(status(rig.booth.withdraw(&early.id, "ana", days(31))), 404);
+    assert_eq!(rig.booth.sweep(days(31)).unwrap().deleted, 1);
+    let receipt = rig.upload(&device, &early, days(31)).unwrap().receipt;
+    assert_eq!(receipt.outcome, ReceiptOutcome::Deleted);
+    assert!(is_free(days(31)));
+}
+
+#[test]
+fn a_sweep_takes_any_number() {
+    let rig = Rig::new();
+    let device = rig.enrol(1);
+    for id in 1..=150 {
+        rig.upload(&device, &Parcel::new(device.headset, id, None), START).unwrap();
+    }
+    assert_eq!(rig.booth.sweep(days(40)).unwrap().deleted, 150);
+    assert_eq!(kept_parts(&rig), []);
+    let with_files = Query::all::<Tombstone>().equal("has_files", &true);
+    assert_eq!(view(rig.store.as_ref(), |tx| tx.count_rows(&with_files)).unwrap(), 0);
+}
+
+#[test]
+fn traces_are_kept_for_fourteen_days() {
+    let rig = Rig::new();
+    let device = rig.enrol(1);
+    let parcel = Parcel::with_trace(device.headset, 1);
+    let signed = rig.upload(&device, &parcel, START).unwrap();
+    assert_eq!(kept_parts(&rig), [KeptPart::Sculpture, KeptPart::Trace]);
+    assert_eq!(rig.booth.sweep(days(14)).unwrap().traces, 0);
+    assert_eq!(rig.booth.sweep(days(15)).unwrap().traces, 1);
+    assert_eq!(kept_parts(&rig), [KeptPart::Sculpture]);
+    assert!(!rig.booth.find_sculpture(&parcel.id, days(15)).unwrap().has_trace);
+    assert_eq!(rig.upload(&device, &parcel, days(15)).unwrap(), signed, "its receipt is the same");
+}
+
+#[test]
+fn announcements_are_forgotten_when_nobody_waits_any_more() {
+    let rig = Rig::with_plan(BoothPlan { horizon_days: 50, ..BoothPlan::default() });
+    let device = rig.enrol(1);
+    let announced = Parcel::new(device.headset, 1, None).announcement(AnnouncementState::Kept);
+    rig.beat(&device, &announcing(&heartbeat(device.headset), &[announced]), START);
+    assert_eq!(rig.booth.sweep(days(50)).unwrap().announcements, 0);
+    assert_eq!(rig.booth.sweep(days(51)).unwrap().announcements, 1);
+}
+
+#[test]
+fn meshes_are_compared_in_the_order_of_arrival() {
+    let rig = Rig::new();
+    let device = rig.enrol(1);
+    for id in [3, 1, 2] {
+        rig.upload(&device, &Parcel::new(device.headset, id, None), seconds(id.into())).unwrap();
+    }
+    for id in [1, 2, 3] {
+        let next = rig.booth.next_export().unwrap().expect("one waits");
+        assert_eq!(next.id, [id; 16]);
+        rig.booth.note_export(&SculptureId(next.id), ExportState::Equal).unwrap();
+    }
+    assert_eq!(rig.booth.next_export().unwrap(), None);
+    rig.booth.note_export(&SculptureId([9; 16]), ExportState::Failed).expect("it was deleted");
+    let newest = rig.booth.list_newest(9, START).unwrap();
+    assert!(newest.iter().all(|kept| kept.export == ExportState::Equal));
+}
+
+#[test]
+fn the_audit_says_who_did_what() {
+    let rig = Rig::new();
+    let device = rig.enrol(1);
+    let parcel = Parcel::new(device.headset, 1, leased(9));
+    rig.upload(&device, &parcel, START).unwrap();
+    rig.booth.withdraw(&parcel.id, "ana", seconds(1)).unwrap();
+    rig.booth.bring_back(&parcel.id, "bob", seconds(1)).unwrap();
+    rig.booth.delete(&parcel.id, "ana", seconds(2)).unwrap();
+    let audit = rig.booth.list_audit(3).unwrap();
+    let told: Vec<_> = audit
+        .iter()
+        .map(|entry| (entry.account.as_deref().unwrap_or(""), entry.action.as_str()))
+        .collect();
+    assert_eq!(told, [("ana", "delete"), ("ana", "withdraw"), ("bob", "bring back")]);
+    assert!(audit.iter().all(|entry| entry.sculpture == Some(parcel.id.0)));
+}
