@@ -137,6 +137,33 @@ pub fn create_new_files(files: &[(WriteTarget, &[u8])]) -> Result<(), WriteError
     Ok(())
 }
 
+/// Removes a file, if it is there, and syncs its folder.
+///
+/// # Errors
+/// When the system refuses.
+pub fn remove_file(path: &Path) -> Result<(), WriteError> {
+    match fs::remove_file(path) {
+        Err(source) if source.kind() != io::ErrorKind::NotFound => {
+            Err(write_error(path, "remove", source))
+        }
+        _ => {
+            sync_folder_or_warn(path);
+            Ok(())
+        }
+    }
+}
+
+/// Gives a file another name in its folder, in place of a file that has it, and syncs the folder.
+///
+/// # Errors
+/// When the system refuses, or there is no such file.
+pub fn rename_file(path: &Path, name: &str) -> Result<(), WriteError> {
+    let renamed = fs::rename(path, path.with_file_name(name));
+    renamed.map_err(|source| write_error(path, "rename", source))?;
+    sync_folder_or_warn(path);
+    Ok(())
+}
+
 /// A place for a file. Until the file is written there is no trace of it.
 #[derive(Clone, Debug)]
 pub struct WriteTarget {

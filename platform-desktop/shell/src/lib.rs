@@ -13,6 +13,7 @@ pub mod log_file;
 #[cfg(feature = "meshes")]
 pub mod mesh;
 pub mod modes;
+pub mod outbox;
 
 pub mod replay;
 pub mod require;

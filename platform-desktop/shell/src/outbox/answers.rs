@@ -1,0 +1,112 @@
+//! What the driver makes of the booth's answers.
+
+use paros_core::limits::MAX_PARCEL_BYTES;
+use paros_core::outbox::messages::{HeartbeatAnswer, Receipt, ReceiptOutcome};
+use paros_core::outbox::{UploadAnswer, UploadRequest};
+
+use super::driver::{OutboxDriver, parcel_name};
+use super::events::{OutboxEvent, OutboxHost};
+use super::folder::OutboxFolder;
+use super::link::{
+    BoothLink, HttpAnswer, LinkAnswer, LinkFault, PutAnswer, SentRequest, read_put_answer,
+};
+use super::parcel::Parcel;
+
+impl<F: OutboxFolder, L: BoothLink> OutboxDriver<F, L> {
+    pub(super) fn take_answer(&mut self, answer: &LinkAnswer, host: &mut impl OutboxHost) {
+        match answer.request {
+            SentRequest::Put { number } => {
+                self.take_put_answer(number, &answer.result, host.random());
+            }
+            SentRequest::Heartbeat { number } => {
+                let session_id = host.status().session_id;
+                self.take_heartbeat_answer(number, &answer.result, session_id);
+            }
+        }
+    }
+
+    fn take_put_answer(
+        &mut self,
+        number: u32,
+        result: &Result<HttpAnswer, LinkFault>,
+        random: u32,
+    ) {
+        let sent = self.sent.filter(|request| request.number == number);
+        if sent.is_some() {
+            self.sent = None;
+        }
+        let upload = match (read_put_answer(result, &self.key), sent) {
+            (PutAnswer::Upload(upload), _) => upload,
+            // What is late says nothing of the request under way.
+            (_, None) => return,
+            (PutAnswer::Conflict, Some(request)) => {
+                self.renew(&request);
+                UploadAnswer::Failed
+            }
+            (PutAnswer::UnknownToken, _) => {
+                self.events.push(OutboxEvent::UnknownToken);
+                UploadAnswer::Failed
+            }
+        };
+        let taken = self.outbox.take_upload_answer(number, upload, random);
+        match (upload, sent, taken) {
+            (UploadAnswer::Receipt(receipt), _, Ok(())) => {
+                self.events.push(event_of_receipt(&receipt));
+            }
+            (UploadAnswer::Refused, Some(request), _) => {
+                self.events.push(OutboxEvent::RefusedByBooth(request.id));
+            }
+            _ => {}
+        }
+    }
+
+    /// The sculpture goes on under another id. Where that can't be written now, the booth will say so again.
+    fn renew(&mut self, request: &UploadRequest) {
+        let read = self.folder.read(&parcel_name(request.id), MAX_PARCEL_BYTES);
+        let parcel = read.ok().and_then(|bytes| Parcel::read(bytes).ok());
+        let Some(parcel) = parcel.filter(|parcel| parcel.hash() == request.hash) else { return };
+        let Ok(renewed) = parcel.renew() else { return };
+        let (old, new) = (request.id, renewed.facts().id);
+        let is_here = self.outbox.find(new).is_some_and(|entry| entry.state.has_parcel());
+        if !is_here && self.folder.write(&parcel_name(new), renewed.bytes()).is_err() {
+            return;
+        }
+        if self.outbox.renew(old, new, renewed.hash()).is_ok() {
+            self.given_up.push(old);
+            self.events.push(OutboxEvent::Renewed { old, new });
+        }
+    }
+
+    fn take_heartbeat_answer(
+        &mut self,
+        number: u32,
+        result: &Result<HttpAnswer, LinkFault>,
+        session_id: u64,
+    ) {
+        let answer = match result {
+            Ok(HttpAnswer { status: 200, body, .. }) => HeartbeatAnswer::from_bytes(body).ok(),
+            Ok(HttpAnswer { status: 401 | 403, .. }) => {
+                self.events.push(OutboxEvent::UnknownToken);
+                None
+            }
+            _ => None,
+        };
+        let taken = answer.as_ref().map(|answer| {
+            (self.outbox.take_heartbeat_answer(answer, session_id), answer.lease.clone())
+        });
+        match taken {
+            Some((Some(command), lease)) => {
+                self.events.extend(lease.map(OutboxEvent::Lease));
+                self.events.extend(command.map(OutboxEvent::Command));
+            }
+            _ => self.outbox.note_heartbeat_failed(number),
+        }
+    }
+}
+
+const fn event_of_receipt(receipt: &Receipt) -> OutboxEvent {
+    match receipt.outcome {
+        ReceiptOutcome::Kept => OutboxEvent::KeptAtBooth(receipt.id),
+        ReceiptOutcome::Deleted => OutboxEvent::DeletedAtBooth(receipt.id),
+    }
+}

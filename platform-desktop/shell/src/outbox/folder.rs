@@ -1,0 +1,93 @@
+//! The folder of an outbox: whole files or none.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use crate::claim::SessionClaim;
+use crate::durable::{self, WriteError};
+
+/// A folder that one outbox alone writes to. What has returned outlives a loss of power.
+pub trait OutboxFolder {
+    /// The names of all files.
+    ///
+    /// # Errors
+    /// What the disk says.
+    fn list(&self) -> io::Result<Vec<String>>;
+
+    /// A file's bytes.
+    ///
+    /// # Errors
+    /// What the disk says; `NotFound` where there is none; that it has more than `most` bytes.
+    fn read(&self, name: &str, most: u64) -> io::Result<Vec<u8>>;
+
+    /// Writes a file, whole or not at all, in place of one of the same name.
+    ///
+    /// # Errors
+    /// What the disk says. Then the file is as it was, or, where only the last sync failed, as it was to be.
+    fn write(&mut self, name: &str, bytes: &[u8]) -> io::Result<()>;
+
+    /// Gives a file another name, in place of a file that has it.
+    ///
+    /// # Errors
+    /// What the disk says.
+    fn rename(&mut self, from: &str, to: &str) -> io::Result<()>;
+
+    /// Removes a file, if there is one.
+    ///
+    /// # Errors
+    /// What the disk says.
+    fn remove(&mut self, name: &str) -> io::Result<()>;
+}
+
+/// A folder on a disk.
+#[derive(Debug)]
+pub struct DiskFolder {
+    path: PathBuf,
+    // Held for its drop.
+    _claim: SessionClaim,
+}
+
+impl DiskFolder {
+    /// Makes the folder, if it isn't there, and claims it for this process.
+    ///
+    /// # Errors
+    /// When the system refuses, a file has that name, or another process has the outbox open.
+    pub fn open(path: &Path) -> Result<Self, WriteError> {
+        durable::make_folder(path)?;
+        // No grid has a side of 0: the claim is the outbox's own.
+        let claim = SessionClaim::claim_lowest_free_number(path, 0);
+        if claim.number() > 1 {
+            let source = io::Error::new(io::ErrorKind::ResourceBusy, "another process has it open");
+            return Err(WriteError { path: path.to_owned(), action: "open the outbox", source });
+        }
+        Ok(DiskFolder { path: path.to_owned(), _claim: claim })
+    }
+}
+
+impl OutboxFolder for DiskFolder {
+    fn list(&self) -> io::Result<Vec<String>> {
+        let mut names = Vec::new();
+        for entry in fs::read_dir(&self.path)? {
+            // No file of an outbox has a name that isn't text.
+            names.extend(entry?.file_name().into_string());
+        }
+        Ok(names)
+    }
+
+    fn read(&self, name: &str, most: u64) -> io::Result<Vec<u8>> {
+        durable::read_regular_file_up_to(&self.path.join(name), most)
+    }
+
+    fn write(&mut self, name: &str, bytes: &[u8]) -> io::Result<()> {
+        durable::write_file(&self.path.join(name), bytes).map_err(|error| error.source)
+    }
+
+    fn rename(&mut self, from: &str, to: &str) -> io::Result<()> {
+        durable::rename_file(&self.path.join(from), to).map_err(|error| error.source)
+    }
+
+    fn remove(&mut self, name: &str) -> io::Result<()> {
+        durable::remove_file(&self.path.join(name)).map_err(|error| error.source)
+    }
+}

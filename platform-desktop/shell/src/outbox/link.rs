@@ -1,0 +1,133 @@
+//! What the network is asked, and how its answers are read.
+
+use ed25519_dalek::{Signature, VerifyingKey};
+use paros_core::outbox::UploadAnswer;
+use paros_core::outbox::messages::{ContentHash, Heartbeat, SculptureId, SignedReceipt};
+
+/// A link to the booth. It asks and never waits: answers are polled. What is asked may be lost; an answer comes late,
+/// or not at all.
+pub trait BoothLink {
+    /// Sends a request. There are at most two under way, one of each kind; an older one of the kind has been given
+    /// up.
+    fn send(&mut self, request: BoothRequest);
+
+    /// The next answer that has come.
+    fn poll(&mut self) -> Option<LinkAnswer>;
+}
+
+/// A request to the booth.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub enum BoothRequest {
+    /// `PUT /v1/sculptures/{id}?offset={offset}` with the headers `X-Parcel-Hash` and `X-Parcel-Bytes`.
+    Put {
+        /// The request's own number.
+        number: u32,
+        /// The sculpture.
+        id: SculptureId,
+        /// Of the whole parcel.
+        hash: ContentHash,
+        /// Length of the whole parcel.
+        parcel_bytes: u32,
+        /// Where the part begins.
+        offset: u32,
+        /// The part: the body.
+        part: Vec<u8>,
+    },
+    /// `POST /v1/heartbeat`.
+    Heartbeat {
+        /// The heartbeat's own number.
+        number: u32,
+        /// The body.
+        body: Box<[u8; Heartbeat::BYTES]>,
+    },
+}
+
+/// Which request an answer is to.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum SentRequest {
+    /// A `PUT`.
+    Put {
+        /// Of the request.
+        number: u32,
+    },
+    /// A heartbeat.
+    Heartbeat {
+        /// Of the request.
+        number: u32,
+    },
+}
+
+/// What came of a request.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct LinkAnswer {
+    /// Which it was.
+    pub request: SentRequest,
+    /// What was answered.
+    pub result: Result<HttpAnswer, LinkFault>,
+}
+
+/// An answer of HTTP.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct HttpAnswer {
+    /// The status.
+    pub status: u16,
+    /// The header `Retry-After`, where it is a number of seconds.
+    pub retry_after: Option<u32>,
+    /// The body, at most 4 KiB of it.
+    pub body: Vec<u8>,
+}
+
+/// Why there is no answer.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum LinkFault {
+    /// Nobody is there, or the way there is interrupted.
+    Unreachable,
+    /// Nothing came in time.
+    TimedOut,
+    /// Who is there isn't the booth: its certificate isn't of the site.
+    Untrusted,
+}
+
+/// An answer to a `PUT`, as it was read.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum PutAnswer {
+    /// What the outbox takes.
+    Upload(UploadAnswer),
+    /// The booth knows the id as another's.
+    Conflict,
+    /// The booth doesn't know this headset.
+    UnknownToken,
+}
+
+/// Reads an answer to a `PUT`. Whatever isn't the booth's own is a failure, as a portal's page is.
+pub(super) fn read_put_answer(
+    result: &Result<HttpAnswer, LinkFault>,
+    key: &VerifyingKey,
+) -> PutAnswer {
+    let failed = PutAnswer::Upload(UploadAnswer::Failed);
+    let Ok(HttpAnswer { status, retry_after, body }) = result else { return failed };
+    let retry_after_seconds = retry_after.unwrap_or(0);
+    match status {
+        200 => match read_receipt(body, key) {
+            Some(receipt) => PutAnswer::Upload(UploadAnswer::Receipt(receipt.receipt)),
+            None => failed,
+        },
+        202 => match <[u8; 8]>::try_from(&body[..]) {
+            Ok(held) => PutAnswer::Upload(UploadAnswer::Held { bytes: u64::from_le_bytes(held) }),
+            Err(_) => failed,
+        },
+        401 | 403 => PutAnswer::UnknownToken,
+        409 => PutAnswer::Conflict,
+        413 | 422 => PutAnswer::Upload(UploadAnswer::Refused),
+        429 | 503 => PutAnswer::Upload(UploadAnswer::Busy { retry_after_seconds }),
+        _ => failed,
+    }
+}
+
+/// A receipt whose signature is the site's.
+fn read_receipt(body: &[u8], key: &VerifyingKey) -> Option<SignedReceipt> {
+    let signed = SignedReceipt::from_bytes(body).ok()?;
+    let signature = Signature::from_bytes(&signed.signature);
+    key.verify_strict(&signed.receipt.signed_bytes(), &signature).ok()?;
+    Some(signed)
+}

@@ -1,0 +1,26 @@
+//! The outbox's files and what it asks the network: [`OutboxDriver`] carries out what
+//! [`Outbox`](paros_core::outbox::Outbox) decides.
+//!
+//! Takes parcels, a clock and random bits from an [`OutboxHost`]; gives files in an [`OutboxFolder`], requests to a
+//! [`BoothLink`], and events. Knows no network library and starts no thread: a shell steps it in one of its own, as a
+//! step may wait for a disk to sync.
+//!
+//! | file | what |
+//! |---|---|
+//! | `ID.parcel` | a parcel, ID being 32 hexadecimal digits; it never changes |
+//! | `outbox.journal` | what is known of all of them |
+//! | `ID.damaged` | what was a parcel, for people to look at |
+
+mod answers;
+mod driver;
+mod events;
+mod folder;
+mod link;
+mod parcel;
+mod reconcile;
+
+pub use driver::{OutboxDriver, OutboxEnrolment};
+pub use events::{OutboxError, OutboxEvent, OutboxHost};
+pub use folder::{DiskFolder, OutboxFolder};
+pub use link::{BoothLink, BoothRequest, HttpAnswer, LinkAnswer, LinkFault, SentRequest};
+pub use parcel::{Parcel, ParcelFault};

@@ -1,0 +1,132 @@
+//! A start: the journal is compared with the folder, and what the folder says is right.
+
+use std::collections::HashSet;
+use std::io;
+
+use ed25519_dalek::VerifyingKey;
+use paros_core::limits::MAX_PARCEL_BYTES;
+use paros_core::outbox::messages::SculptureId;
+use paros_core::outbox::{EntryState, Outbox, OutboxSettings};
+
+use super::driver::{JOURNAL, OutboxDriver, OutboxEnrolment, damaged_name, parcel_name};
+use super::events::{OutboxError, OutboxEvent};
+use super::folder::OutboxFolder;
+use super::link::BoothLink;
+use super::parcel::Parcel;
+
+impl<F: OutboxFolder, L: BoothLink> OutboxDriver<F, L> {
+    /// Opens the outbox in a folder. `boot_id` is random bits of this start, not 0.
+    ///
+    /// # Errors
+    /// `BadKey`; `Disk` where the folder can't be listed.
+    pub fn open(
+        folder: F,
+        link: L,
+        enrolment: &OutboxEnrolment,
+        settings: OutboxSettings,
+        boot_id: u64,
+    ) -> Result<Self, OutboxError> {
+        let key = VerifyingKey::from_bytes(&enrolment.receipt_key.0);
+        let key = key.map_err(|_| OutboxError::BadKey)?;
+        let disk_error = |source| OutboxError::Disk { name: "folder".into(), source };
+        let names = folder.list().map_err(disk_error)?;
+        let owner = enrolment.owner;
+        let mut events = Vec::new();
+        let outbox = match folder.read(JOURNAL, Outbox::JOURNAL_BYTES as u64) {
+            Ok(bytes) => Outbox::load(&bytes, owner, settings, boot_id).ok().map(Box::new),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {
+                Some(Box::new(Outbox::new(owner, settings, boot_id)))
+            }
+            Err(_) => None,
+        };
+        let outbox = outbox.unwrap_or_else(|| {
+            events.push(OutboxEvent::JournalDamaged);
+            let mut outbox = Box::new(Outbox::new(owner, settings, boot_id));
+            outbox.note_not_wiped();
+            outbox
+        });
+        let mut driver = OutboxDriver::new(outbox, folder, link, key, events);
+        driver.compare_with_folder(&names);
+        // Where it fails, the first step says so.
+        let _ = driver.write_journal();
+        Ok(driver)
+    }
+
+    fn compare_with_folder(&mut self, names: &[String]) {
+        let mut here = HashSet::new();
+        for name in names {
+            if name.starts_with(".paros-") && name.ends_with(".part") {
+                // A write that was cut off: nobody else writes here. If it stays, the next start tries again.
+                let _ = self.folder.remove(name);
+            }
+            let id = name.strip_suffix(".parcel").and_then(SculptureId::parse_hex);
+            if let Some(id) = id.filter(|id| parcel_name(*id) == *name)
+                && self.compare_parcel(id)
+            {
+                here.insert(id);
+            }
+        }
+        let known: Vec<SculptureId> = self.outbox.entries().iter().map(|entry| entry.id).collect();
+        for id in known.into_iter().filter(|id| !here.contains(id)) {
+            self.note_missing(id);
+        }
+    }
+
+    /// Compares one parcel with what is known of it. Returns whether its file stays where it is.
+    pub(super) fn compare_parcel(&mut self, id: SculptureId) -> bool {
+        let name = parcel_name(id);
+        if self.outbox.entries().iter().any(|entry| entry.replaced == Some(id)) {
+            self.given_up.push(id);
+            return false;
+        }
+        let Ok(bytes) = self.folder.read(&name, MAX_PARCEL_BYTES) else {
+            // Whether it can be read again shows when it is sent.
+            return true;
+        };
+        let parcel = Parcel::read(bytes).ok().filter(|parcel| parcel.facts().id == id);
+        if self.outbox.find(id).is_none_or(|entry| !entry.state.has_parcel()) {
+            self.outbox.note_not_wiped();
+            return match parcel {
+                Some(parcel) => {
+                    let badge = parcel.facts().badge;
+                    let kept = self.outbox.keep(id, badge, parcel.hash(), parcel.len());
+                    // The table is full: it is taken in once something has left it.
+                    self.has_unlisted |= kept.is_err();
+                    true
+                }
+                None => self.set_aside(id),
+            };
+        }
+        let known = self.outbox.find(id).and_then(|entry| entry.hash);
+        if parcel.is_some_and(|parcel| Some(parcel.hash()) == known) {
+            return true;
+        }
+        self.set_aside(id)
+    }
+
+    /// Gives a damaged parcel a name by which nothing takes it for one. What is signed for is deleted instead. Returns
+    /// whether it has its name still.
+    pub(super) fn set_aside(&mut self, id: SculptureId) -> bool {
+        let is_owed = self.outbox.find(id).is_none_or(|entry| entry.state.is_owed());
+        let name = parcel_name(id);
+        let done = match is_owed {
+            true => self.folder.rename(&name, &damaged_name(id)),
+            false => self.folder.remove(&name),
+        };
+        if done.is_ok() {
+            self.note_missing(id);
+        }
+        done.is_err()
+    }
+
+    /// A parcel that is known isn't there. One that is still to be made isn't missed.
+    fn note_missing(&mut self, id: SculptureId) {
+        let has_parcel = self.outbox.find(id).is_some_and(|entry| entry.state.has_parcel());
+        if has_parcel && self.outbox.note_parcel_missing(id).is_ok() {
+            let is_lost = |entry: &paros_core::outbox::OutboxEntry| entry.state == EntryState::Lost;
+            if self.outbox.find(id).is_some_and(is_lost) {
+                self.events.push(OutboxEvent::Lost(id));
+            }
+        }
+    }
+}
