@@ -1,8 +1,7 @@
 //! What the driver makes of the booth's answers.
 
-use paros_core::limits::MAX_PARCEL_BYTES;
 use paros_core::outbox::messages::{HeartbeatAnswer, Receipt, ReceiptOutcome};
-use paros_core::outbox::{UploadAnswer, UploadRequest};
+use paros_core::outbox::{EntryState, UploadAnswer, UploadRequest};
 
 use super::driver::{OutboxDriver, parcel_name};
 use super::events::{OutboxEvent, OutboxHost};
@@ -10,7 +9,7 @@ use super::folder::OutboxFolder;
 use super::link::{
     BoothLink, HttpAnswer, LinkAnswer, LinkFault, PutAnswer, SentRequest, read_put_answer,
 };
-use super::parcel::Parcel;
+use super::parcel::{MAX_FILE_BYTES, Parcel};
 
 impl<F: OutboxFolder, L: BoothLink> OutboxDriver<F, L> {
     pub(super) fn take_answer(&mut self, answer: &LinkAnswer, host: &mut impl OutboxHost) {
@@ -54,7 +53,11 @@ impl<F: OutboxFolder, L: BoothLink> OutboxDriver<F, L> {
                 self.events.push(event_of_receipt(&receipt));
             }
             (UploadAnswer::Refused, Some(request), _) => {
-                self.events.push(OutboxEvent::RefusedByBooth(request.id));
+                let entry = self.outbox.find(request.id);
+                // A late answer changes nothing.
+                if entry.is_some_and(|entry| entry.state == EntryState::Refused) {
+                    self.events.push(OutboxEvent::RefusedByBooth(request.id));
+                }
             }
             _ => {}
         }
@@ -62,13 +65,13 @@ impl<F: OutboxFolder, L: BoothLink> OutboxDriver<F, L> {
 
     /// The sculpture goes on under another id. Where that can't be written now, the booth will say so again.
     fn renew(&mut self, request: &UploadRequest) {
-        let read = self.folder.read(&parcel_name(request.id), MAX_PARCEL_BYTES);
-        let parcel = read.ok().and_then(|bytes| Parcel::read(bytes).ok());
+        let read = self.folder.read(&parcel_name(request.id), MAX_FILE_BYTES);
+        let parcel = read.ok().and_then(|bytes| Parcel::read_file(bytes).ok());
         let Some(parcel) = parcel.filter(|parcel| parcel.hash() == request.hash) else { return };
         let Ok(renewed) = parcel.renew() else { return };
         let (old, new) = (request.id, renewed.facts().id);
         let is_here = self.outbox.find(new).is_some_and(|entry| entry.state.has_parcel());
-        if !is_here && self.folder.write(&parcel_name(new), renewed.bytes()).is_err() {
+        if !is_here && self.folder.write(&parcel_name(new), &renewed.to_file()).is_err() {
             return;
         }
         if self.outbox.renew(old, new, renewed.hash()).is_ok() {

@@ -5,14 +5,13 @@ use std::mem;
 
 use ed25519_dalek::VerifyingKey;
 use paros_core::badge::BadgeNumber;
-use paros_core::limits::MAX_PARCEL_BYTES;
 use paros_core::outbox::messages::{CommandOutcome, ReceiptKey, SculptureId};
 use paros_core::outbox::{Outbox, OutboxOwner, OutboxRefusal, UploadAnswer, UploadRequest};
 
 use super::events::{OutboxError, OutboxEvent, OutboxHost};
 use super::folder::OutboxFolder;
 use super::link::{BoothLink, BoothRequest};
-use super::parcel::Parcel;
+use super::parcel::{MAX_FILE_BYTES, Parcel};
 
 /// The journal's name.
 pub(super) const JOURNAL: &str = "outbox.journal";
@@ -137,7 +136,7 @@ impl<F: OutboxFolder, L: BoothLink> OutboxDriver<F, L> {
             return Err(OutboxRefusal::Full.into());
         }
         let name = parcel_name(id);
-        let written = self.folder.write(&name, parcel.bytes());
+        let written = self.folder.write(&name, &parcel.to_file());
         written.map_err(|source| OutboxError::Disk { name, source })?;
         self.outbox.keep(id, parcel.facts().badge, parcel.hash(), parcel.len())?;
         self.events.push(OutboxEvent::KeptHere(id));
@@ -257,13 +256,13 @@ impl<F: OutboxFolder, L: BoothLink> OutboxDriver<F, L> {
     fn read_part(&mut self, request: &UploadRequest) -> Option<Vec<u8>> {
         if self.read.as_ref().is_none_or(|parcel| parcel.hash() != request.hash) {
             self.read = None;
-            let read = self.folder.read(&parcel_name(request.id), MAX_PARCEL_BYTES);
+            let read = self.folder.read(&parcel_name(request.id), MAX_FILE_BYTES);
             if let Err(error) = &read
                 && error.kind() != io::ErrorKind::NotFound
             {
                 return None;
             }
-            let parcel = read.ok().and_then(|bytes| Parcel::read(bytes).ok());
+            let parcel = read.ok().and_then(|bytes| Parcel::read_file(bytes).ok());
             let parcel = parcel.filter(|parcel| parcel.hash() == request.hash);
             if parcel.is_none() {
                 self.set_aside_or_lose(request.id);

@@ -7,7 +7,7 @@
 //!
 //! | file | what |
 //! |---|---|
-//! | `ID.parcel` | a parcel, ID being 32 hexadecimal digits; it never changes |
+//! | `ID.parcel` | a parcel and its hash, ID being 32 hexadecimal digits; it never changes |
 //! | `outbox.journal` | what is known of all of them |
 //! | `ID.damaged` | what was a parcel, for people to look at |
 

@@ -22,6 +22,9 @@ pub struct Parcel {
     bytes: Vec<u8>,
 }
 
+/// Bytes that the file of a parcel has at most.
+pub(super) const MAX_FILE_BYTES: u64 = MAX_PARCEL_BYTES + ContentHash::BYTES as u64;
+
 /// Why bytes are no parcel.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum ParcelFault {
@@ -34,6 +37,8 @@ pub enum ParcelFault {
         /// As it is.
         found: u64,
     },
+    /// The file's hash is of other bytes.
+    Damaged,
 }
 
 impl Parcel {
@@ -78,6 +83,23 @@ impl Parcel {
         }
         let hash = ContentHash(Sha256::digest(&bytes).into());
         Ok(Parcel { facts, hash, bytes })
+    }
+
+    /// What its file holds: the parcel, and its hash.
+    #[must_use]
+    pub fn to_file(&self) -> Vec<u8> {
+        [&self.bytes[..], &self.hash.0].concat()
+    }
+
+    /// Takes a file's bytes as a parcel.
+    ///
+    /// # Errors
+    /// Where the hash isn't that of the bytes before, and those of [`Parcel::read`].
+    pub fn read_file(mut bytes: Vec<u8>) -> Result<Self, ParcelFault> {
+        let at = bytes.len().checked_sub(ContentHash::BYTES).ok_or(ParcelFault::Damaged)?;
+        let told = bytes.split_off(at);
+        let parcel = Parcel::read(bytes)?;
+        if parcel.hash.0[..] == told[..] { Ok(parcel) } else { Err(ParcelFault::Damaged) }
     }
 
     /// The same under another id, which follows from the old one and what is in the parcel.
@@ -129,6 +151,7 @@ impl fmt::Display for ParcelFault {
             ParcelFault::Length { told, found } => {
                 write!(f, "a parcel has {found} bytes; expected {told}")
             }
+            ParcelFault::Damaged => f.write_str("a parcel's file: expected the hash of its bytes"),
         }
     }
 }

@@ -4,7 +4,6 @@ use std::collections::HashSet;
 use std::io;
 
 use ed25519_dalek::VerifyingKey;
-use paros_core::limits::MAX_PARCEL_BYTES;
 use paros_core::outbox::messages::SculptureId;
 use paros_core::outbox::{EntryState, Outbox, OutboxSettings};
 
@@ -12,7 +11,7 @@ use super::driver::{JOURNAL, OutboxDriver, OutboxEnrolment, damaged_name, parcel
 use super::events::{OutboxError, OutboxEvent};
 use super::folder::OutboxFolder;
 use super::link::BoothLink;
-use super::parcel::Parcel;
+use super::parcel::{MAX_FILE_BYTES, Parcel};
 
 impl<F: OutboxFolder, L: BoothLink> OutboxDriver<F, L> {
     /// Opens the outbox in a folder. `boot_id` is random bits of this start, not 0.
@@ -79,11 +78,11 @@ impl<F: OutboxFolder, L: BoothLink> OutboxDriver<F, L> {
             self.given_up.push(id);
             return false;
         }
-        let Ok(bytes) = self.folder.read(&name, MAX_PARCEL_BYTES) else {
+        let Ok(bytes) = self.folder.read(&name, MAX_FILE_BYTES) else {
             // Whether it can be read again shows when it is sent.
             return true;
         };
-        let parcel = Parcel::read(bytes).ok().filter(|parcel| parcel.facts().id == id);
+        let parcel = Parcel::read_file(bytes).ok().filter(|parcel| parcel.facts().id == id);
         if self.outbox.find(id).is_none_or(|entry| !entry.state.has_parcel()) {
             self.outbox.note_not_wiped();
             return match parcel {

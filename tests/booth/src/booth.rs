@@ -1,0 +1,278 @@
+//! The booth: its rules over a store and files that fail, and HTTP around them.
+
+use std::collections::BTreeMap;
+use std::io::{self, ErrorKind};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use paros_booth_rules::records::{Announcement, Command, Sculpture, Tombstone};
+use paros_booth_rules::{
+    Access, Booth, BoothPlan, BoothTime, Chunk, KeptName, MemoryStore, ParcelFiles, ParcelName,
+    ParcelProgress, Query, Refusal, SiteKeys, Store, StoreError, Transaction, hash_of, view,
+};
+use paros_core::outbox::messages::{
+    ContentHash, DeviceHint, DeviceName, DeviceToken, EnrolmentToken, FleetEnrolment, Heartbeat,
+    SiteId, UploadFacts,
+};
+use paros_models::random_visitor::RandomSource;
+use paros_shell::outbox::{BoothRequest, HttpAnswer};
+
+use crate::truth::is_poison;
+
+/// The site.
+pub const SITE: SiteId = SiteId([5; 16]);
+
+/// Ten in the morning of some day.
+pub const OPENING: BoothTime = BoothTime(20_000 * 86_400_000 + 36_000_000);
+
+/// What fails of the booth, and what it keeps.
+#[derive(Debug)]
+struct Inside {
+    parcels: BTreeMap<ParcelName, Vec<u8>>,
+    kept: BTreeMap<KeptName, Vec<u8>>,
+    dice: RandomSource,
+    /// One call in so many fails; 0 for none.
+    fails_of: u64,
+}
+
+/// The store and the files.
+#[derive(Debug)]
+struct SimFiles(Mutex<Inside>);
+
+#[derive(Debug)]
+struct SimStore {
+    inner: MemoryStore,
+    files: Arc<SimFiles>,
+}
+
+/// The booth with its network's end.
+pub struct SimBooth {
+    /// Its rules.
+    pub booth: Booth,
+    files: Arc<SimFiles>,
+    store: Arc<SimStore>,
+}
+
+impl SimFiles {
+    fn lock(&self) -> MutexGuard<'_, Inside> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Inside {
+    fn fail(&mut self) -> io::Result<()> {
+        let fails = self.fails_of > 0 && self.dice.one_in(self.fails_of);
+        if fails { Err(ErrorKind::Other.into()) } else { Ok(()) }
+    }
+}
+
+impl Store for SimStore {
+    fn begin(&self, access: Access) -> Result<Box<dyn Transaction + '_>, StoreError> {
+        let fails = self.files.lock().fail();
+        fails.map_err(|error| StoreError::Failed(error.into()))?;
+        self.inner.begin(access)
+    }
+}
+
+impl ParcelFiles for SimFiles {
+    fn held_bytes(&self, parcel: &ParcelName) -> io::Result<u64> {
+        Ok(self.lock().parcels.get(parcel).map_or(0, |bytes| bytes.len() as u64))
+    }
+
+    fn append(&self, parcel: &ParcelName, offset: u64, bytes: &[u8]) -> io::Result<u64> {
+        let mut inside = self.lock();
+        let fails = inside.fail().is_err();
+        let part =
+            if fails { inside.dice.below(bytes.len() as u64 + 1) as usize } else { bytes.len() };
+        let held = inside.parcels.entry(*parcel).or_default();
+        if held.len() as u64 == offset {
+            held.extend_from_slice(&bytes[..part]);
+        }
+        if fails { Err(ErrorKind::StorageFull.into()) } else { Ok(held.len() as u64) }
+    }
+
+    fn read_parcel(&self, parcel: &ParcelName) -> io::Result<Vec<u8>> {
+        let mut inside = self.lock();
+        inside.fail()?;
+        inside.parcels.get(parcel).cloned().ok_or(ErrorKind::NotFound.into())
+    }
+
+    fn drop_parcel(&self, parcel: &ParcelName) -> io::Result<()> {
+        let mut inside = self.lock();
+        inside.fail()?;
+        inside.parcels.remove(parcel);
+        Ok(())
+    }
+
+    fn count_parcels(&self, headset: u32) -> io::Result<usize> {
+        Ok(self.lock().parcels.keys().filter(|parcel| parcel.headset == headset).count())
+    }
+
+    fn drop_parcels_before(&self, _time: BoothTime) -> io::Result<()> {
+        self.lock().parcels.clear();
+        Ok(())
+    }
+
+    fn keep(&self, name: &KeptName, bytes: &[u8]) -> io::Result<()> {
+        let mut inside = self.lock();
+        inside.fail()?;
+        inside.kept.insert(*name, bytes.to_vec());
+        // It is there, and nobody is told.
+        inside.fail()
+    }
+
+    fn read_kept(&self, name: &KeptName) -> io::Result<Vec<u8>> {
+        self.lock().kept.get(name).cloned().ok_or(ErrorKind::NotFound.into())
+    }
+
+    fn remove_kept(&self, name: &KeptName) -> io::Result<()> {
+        let mut inside = self.lock();
+        inside.fail()?;
+        inside.kept.remove(name);
+        Ok(())
+    }
+}
+
+impl SimBooth {
+    /// A booth that lets devices in by one token.
+    ///
+    /// # Panics
+    /// Never: nothing fails yet.
+    pub fn new(seed: u64) -> Self {
+        let inside = Inside {
+            parcels: BTreeMap::new(),
+            kept: BTreeMap::new(),
+            dice: RandomSource::new(seed),
+            fails_of: 0,
+        };
+        let files = Arc::new(SimFiles(Mutex::new(inside)));
+        let store = Arc::new(SimStore { inner: MemoryStore::new(), files: files.clone() });
+        let keys = SiteKeys::new(SITE, ContentHash([6; 32]), &[7; 32], [8; 32]);
+        let booth = Booth::new(store.clone(), files.clone(), keys, BoothPlan::default());
+        let token = EnrolmentToken([77; 32]);
+        let ends = BoothTime(OPENING.0 * 2);
+        booth.add_enrol_token(&token, (100, ends), "all", None, OPENING).expect("nothing fails");
+        SimBooth { booth, files, store }
+    }
+
+    /// Lets a device in. Its number is from 1, and the same for the same device.
+    ///
+    /// # Panics
+    /// Where the booth refuses a valid token.
+    pub fn enrol(&self, device: u8, now: BoothTime) -> u32 {
+        let enrolment = FleetEnrolment {
+            enrolment_token: EnrolmentToken([77; 32]),
+            token_hash: hash_of(&token_of(device).0),
+            hint: DeviceHint([device; 16]),
+            name: DeviceName::new("Quest").expect("a name"),
+        };
+        self.booth.enrol_fleet(&enrolment, now).expect("a valid token").headset
+    }
+
+    /// One call in so many fails from now on; none for 0.
+    pub fn set_failures(&self, fails_of: u64) {
+        self.files.lock().fails_of = fails_of;
+    }
+
+    /// The booth loses its power: parcels under way are cut, or turn into others.
+    pub fn lose_power(&self) {
+        let mut inside = self.files.lock();
+        let Inside { parcels, dice, .. } = &mut *inside;
+        for bytes in parcels.values_mut() {
+            match dice.below(3) {
+                0 => bytes.truncate(dice.below(bytes.len() as u64 + 1) as usize),
+                1 => bytes.iter_mut().rev().take(100).for_each(|byte| *byte = 0),
+                _ => {}
+            }
+        }
+    }
+
+    /// All sculptures that are kept, and those that were deleted.
+    ///
+    /// # Panics
+    /// Where the store fails.
+    pub fn list_all(&self) -> (Vec<Sculpture>, Vec<Tombstone>) {
+        let list = |tx: &mut (dyn Transaction + '_)| {
+            Ok::<_, StoreError>((
+                tx.find(&Query::all::<Sculpture>())?,
+                tx.find(&Query::all::<Tombstone>())?,
+            ))
+        };
+        view(&self.store.inner, list).expect("a store in memory")
+    }
+
+    /// Announcements of what hasn't come: headset and id.
+    ///
+    /// # Panics
+    /// Where the store fails.
+    pub fn list_missing(&self) -> Vec<(u32, [u8; 16])> {
+        let all = Query::all::<Announcement>();
+        let list = |tx: &mut (dyn Transaction + '_)| tx.find(&all);
+        let missing: Vec<Announcement> = view(&self.store.inner, list).expect("a store in memory");
+        missing.iter().map(|missing| (missing.headset, missing.sculpture)).collect()
+    }
+
+    /// A command that was given.
+    ///
+    /// # Panics
+    /// Where there is none.
+    pub fn find_command(&self, headset: u32, id: u64) -> Command {
+        let of_headset = Query::all::<Command>().equal("headset", &headset).equal("command", &id);
+        let found = view(&self.store.inner, |tx| tx.find::<Command>(&of_headset));
+        let found: Vec<Command> = found.expect("a store in memory");
+        found.into_iter().next().expect("a command that was given")
+    }
+
+    /// Answers a request of a device.
+    pub fn serve(&self, device: u8, request: &BoothRequest, now: BoothTime) -> HttpAnswer {
+        let is_put = matches!(request, BoothRequest::Put { .. });
+        let (status, retry_after, body) = match self.answer(device, request, now) {
+            Ok((status, body)) => (status, None, body),
+            // That an id is another headset's is a conflict too.
+            Err(Refusal::Forbidden(_)) if is_put => (409, None, Vec::new()),
+            Err(refusal) => (refusal.status(), refusal.retry_after(), Vec::new()),
+        };
+        HttpAnswer { status, retry_after, body }
+    }
+
+    fn answer(
+        &self,
+        device: u8,
+        request: &BoothRequest,
+        now: BoothTime,
+    ) -> Result<(u16, Vec<u8>), Refusal> {
+        let device = self.booth.authenticate(&token_of(device))?;
+        let progress = match request {
+            BoothRequest::Heartbeat { body, .. } => {
+                let beat = Heartbeat::from_bytes(&body[..]);
+                let beat = beat.map_err(|bad| Refusal::BadRequest(bad.expected.into()))?;
+                let answer = self.booth.take_heartbeat(&device, &beat, now)?;
+                return Ok((200, answer.to_bytes().to_vec()));
+            }
+            BoothRequest::Put { id, hash, parcel_bytes, offset, part, .. } => {
+                let (parcel_bytes, offset) = (u64::from(*parcel_bytes), u64::from(*offset));
+                let chunk = Chunk { id: *id, hash: *hash, parcel_bytes, offset, bytes: part };
+                match self.booth.take_chunk(&device, &chunk)? {
+                    ParcelProgress::Whole => {
+                        self.booth.finish_parcel(&device, (*id, *hash), &decode, now)?
+                    }
+                    progress => progress,
+                }
+            }
+        };
+        Ok(match progress {
+            ParcelProgress::Signed(receipt) => (200, receipt.to_bytes().to_vec()),
+            ParcelProgress::Held(held) => (202, held.to_le_bytes().to_vec()),
+            ParcelProgress::Whole => (202, u64::MAX.to_le_bytes().to_vec()),
+        })
+    }
+}
+
+/// The token of a device.
+fn token_of(device: u8) -> DeviceToken {
+    DeviceToken([device + 1; 32])
+}
+
+fn decode(facts: &UploadFacts, volume: &[u8], _trace: &[u8]) -> Result<(), String> {
+    let is_sound = !is_poison(facts) && volume.len() == facts.volume_bytes as usize;
+    if is_sound { Ok(()) } else { Err("no volume".into()) }
+}

@@ -1,0 +1,112 @@
+//! What must hold whatever happens.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use paros_core::badge::BadgeNumber;
+use paros_core::outbox::EntryState;
+use paros_core::outbox::messages::{SculptureId, UploadFacts};
+
+use crate::exhibition::Exhibition;
+use crate::truth::number_of_facts;
+
+/// What the booth has.
+struct Kept {
+    /// Numbers of sculptures that are kept.
+    numbers: BTreeSet<usize>,
+    /// Ids of those that are kept or were deleted.
+    settled: BTreeSet<SculptureId>,
+    /// Ids of those that were deleted.
+    deleted: BTreeSet<SculptureId>,
+}
+
+/// Checks all invariants.
+///
+/// # Panics
+/// One doesn't hold.
+pub fn check(exhibition: &Exhibition) {
+    let kept = check_booth(exhibition);
+    for (number, made) in exhibition.truth.made.iter().enumerate() {
+        let is_at_booth = kept.numbers.contains(&number) || kept.deleted.contains(&made.id);
+        if made.was_signed {
+            let is_deleted = made.was_deleted || kept.deleted.contains(&made.id);
+            assert!(is_at_booth || is_deleted, "{number}: what was signed for is lost: {made:?}");
+        } else if made.was_kept_here && !made.is_excused && !is_at_booth {
+            let headset = &exhibition.headsets[made.headset];
+            assert!(
+                headset.has_parcel_of(number),
+                "{number}: what was kept here is lost: {made:?}"
+            );
+        }
+    }
+    let missing: BTreeSet<_> = exhibition.booth.list_missing().into_iter().collect();
+    for (headset, id) in &exhibition.truth.noted {
+        let is_listed = missing.contains(&(*headset, id.0)) || kept.settled.contains(id);
+        assert!(is_listed, "{id}: it was announced, and is neither kept nor missed");
+    }
+}
+
+/// Nothing is stored twice, no leased badge names two, and what the records say is on the disk.
+fn check_booth(exhibition: &Exhibition) -> Kept {
+    let (sculptures, tombstones) = exhibition.booth.list_all();
+    let mut badges = BTreeMap::new();
+    let mut kept = Kept {
+        numbers: BTreeSet::new(),
+        settled: BTreeSet::new(),
+        deleted: tombstones.iter().map(|tombstone| SculptureId(tombstone.id)).collect(),
+    };
+    kept.settled.extend(&kept.deleted);
+    for sculpture in &sculptures {
+        let id = SculptureId(sculpture.id);
+        let facts = UploadFacts::from_bytes(&sculpture.facts).expect("facts that were checked");
+        let number = number_of_facts(&facts);
+        assert!(kept.numbers.insert(number), "{number}: it is stored twice, as {id} too");
+        assert!(!kept.deleted.contains(&id), "{id}: it is kept and deleted");
+        kept.settled.insert(id);
+        let bytes = exhibition.booth.booth.read_kept(sculpture);
+        assert!(bytes.is_ok_and(|bytes| bytes.starts_with(&sculpture.facts)), "{id}: no file");
+        let badge = sculpture.badge.and_then(BadgeNumber::new);
+        // A thief's is whatever it says.
+        let is_leased = badge.is_some_and(|badge| !badge.is_provisional());
+        if is_leased && sculpture.headset != exhibition.thief {
+            let other = badges.insert(badge, id);
+            assert!(other.is_none(), "{badge:?} names {id} and {other:?}");
+        }
+    }
+    kept
+}
+
+/// Checks that all is where it belongs once nothing fails any more.
+///
+/// # Panics
+/// Something isn't.
+pub fn check_settled(exhibition: &Exhibition) {
+    check(exhibition);
+    let kept = check_booth(exhibition);
+    for (number, made) in exhibition.truth.made.iter().enumerate() {
+        if !made.was_kept_here || made.is_excused {
+            continue;
+        }
+        let is_at_booth = kept.numbers.contains(&number) || kept.deleted.contains(&made.id);
+        if made.is_poison {
+            let is_here = exhibition.headsets[made.headset].has_parcel_of(number);
+            assert!(is_here && !is_at_booth, "{number}: refused, and not here: {made:?}");
+        } else {
+            assert!(is_at_booth || made.was_deleted, "{number}: it never came: {made:?}");
+        }
+    }
+}
+
+/// Whether no headset waits for anything but what the booth refuses.
+#[must_use]
+pub fn is_settled(exhibition: &Exhibition) -> bool {
+    exhibition.headsets.iter().all(|headset| {
+        headset.driver.as_ref().is_some_and(|driver| {
+            let is_done =
+                |state| matches!(state, EntryState::Receipted { .. } | EntryState::Refused);
+            let outbox = driver.outbox();
+            !outbox.is_journal_due()
+                && !outbox.was_wiped()
+                && outbox.entries().iter().all(|entry| is_done(entry.state))
+        })
+    })
+}

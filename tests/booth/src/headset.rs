@@ -1,0 +1,202 @@
+//! A headset: its disk, its link, its badges' lease, and the outbox's driver while it is on.
+
+use std::cell::RefCell;
+use std::rc::Rc;
+
+use paros_core::badge::{AnswerOutcome, BadgeLease, BadgeNumber, LeaseAnswer, LeaseReport};
+use paros_core::outbox::messages::{HeatLevel, ReceiptKey, SculptureId, SiteId};
+use paros_core::outbox::{HeadsetStatus, OutboxOwner, OutboxSettings};
+use paros_core::visit::VisitPhase;
+use paros_models::random_visitor::RandomSource;
+use paros_shell::outbox::{OutboxDriver, OutboxEnrolment, OutboxEvent, OutboxFolder, OutboxHost};
+
+use crate::disk::{SimDisk, SimFolder};
+use crate::network::{SimLink, Wire};
+
+/// The lease's file.
+const LEASE: &str = "lease";
+
+/// The shell around a driver.
+#[derive(Debug)]
+pub struct SimHost {
+    /// Its clock.
+    pub clock_ms: u64,
+    /// Of this visit.
+    pub session_id: u64,
+    /// Its badges.
+    pub lease: BadgeLease,
+    /// What happened and wasn't looked at yet.
+    pub events: Vec<OutboxEvent>,
+    disk: Rc<RefCell<SimDisk>>,
+    dice: RandomSource,
+}
+
+/// A headset.
+#[derive(Debug)]
+pub struct SimHeadset {
+    /// Its number at the booth.
+    pub number: u32,
+    /// Its disk.
+    pub disk: Rc<RefCell<SimDisk>>,
+    /// What it sends and hears.
+    pub wire: Rc<RefCell<Wire>>,
+    /// How often it was started.
+    pub start: u32,
+    /// Of this start.
+    pub boot_id: u64,
+    /// The driver while it is on.
+    pub driver: Option<OutboxDriver<SimFolder, SimLink>>,
+    /// The shell around it.
+    pub host: SimHost,
+    /// Sculptures that are finished and whose parcels are being made, by number.
+    pub pending: Vec<usize>,
+    settings: OutboxSettings,
+}
+
+impl SimHost {
+    fn save_lease(&mut self) -> bool {
+        let mut bytes = [0; BadgeLease::BYTES];
+        self.lease.save(&mut bytes);
+        self.disk.borrow_mut().write(LEASE, &bytes).is_ok()
+    }
+
+    /// A badge to show: the lease is on the disk before.
+    pub fn take_badge(&mut self) -> BadgeNumber {
+        let random = self.dice.next_bits() as u32;
+        let badge = self.lease.take_number(random);
+        if self.save_lease() { badge } else { BadgeNumber::provisional(random) }
+    }
+
+    fn load_lease(&mut self, number: u32) {
+        let read = self.disk.borrow().peek(LEASE).map(|bytes| BadgeLease::load(bytes, number));
+        let epoch = self.dice.next_bits() | 1;
+        self.lease = match read {
+            Some(Ok(lease)) => lease,
+            _ => BadgeLease::new(number, epoch),
+        };
+    }
+
+    /// Takes the booth's answer to a report.
+    pub fn take_lease(&mut self, answer: &LeaseAnswer) {
+        if self.lease.take_answer(answer) == AnswerOutcome::Void {
+            self.lease = BadgeLease::new(answer.headset, self.dice.next_bits() | 1);
+        }
+        // What isn't saved now is saved with the next badge.
+        let _ = self.save_lease();
+    }
+}
+
+impl OutboxHost for SimHost {
+    fn now_ms(&mut self) -> u64 {
+        self.clock_ms
+    }
+
+    fn random(&mut self) -> u32 {
+        self.dice.next_bits() as u32
+    }
+
+    fn status(&mut self) -> HeadsetStatus {
+        HeadsetStatus {
+            session_id: self.session_id,
+            is_charging: false,
+            is_worn: self.session_id != 0,
+            is_glowing: false,
+            battery_percent: None,
+            heat: HeatLevel::Normal,
+            phase: VisitPhase::Sculpting,
+            worn_seconds: 1,
+            app_version: [0, 1, 0],
+        }
+    }
+
+    fn lease_report(&mut self) -> Option<LeaseReport> {
+        if self.lease.left_now() > 6 && !self.dice.one_in(4) {
+            return None;
+        }
+        let report = self.lease.make_report();
+        self.save_lease().then_some(report)
+    }
+
+    fn on_event(&mut self, event: OutboxEvent) {
+        self.events.push(event);
+    }
+}
+
+impl SimHeadset {
+    /// One that is off, with an empty disk.
+    pub fn new(number: u32, settings: OutboxSettings, dice: &mut RandomSource) -> Self {
+        let is_lazy = dice.one_in(3);
+        let disk = Rc::new(RefCell::new(SimDisk::new(dice.next_bits(), is_lazy)));
+        let host = SimHost {
+            clock_ms: dice.below(1 << 40),
+            session_id: 0,
+            lease: BadgeLease::new(number, 1),
+            events: Vec::new(),
+            disk: disk.clone(),
+            dice: RandomSource::new(dice.next_bits()),
+        };
+        SimHeadset {
+            number,
+            disk,
+            wire: Rc::default(),
+            start: 0,
+            boot_id: 0,
+            driver: None,
+            host,
+            pending: Vec::new(),
+            settings,
+        }
+    }
+
+    /// Starts its program. The power is back.
+    pub fn power_up(&mut self, site: SiteId, receipt_key: ReceiptKey) {
+        self.disk.borrow_mut().power_up();
+        self.start += 1;
+        self.boot_id = self.host.dice.next_bits() | 1;
+        self.wire = Rc::default();
+        self.host.session_id = self.host.dice.below(2) * self.host.dice.next_bits();
+        self.host.load_lease(self.number);
+        let owner = OutboxOwner { site, headset: self.number };
+        let enrolment = OutboxEnrolment { owner, receipt_key };
+        let (folder, link) = (SimFolder(self.disk.clone()), SimLink(self.wire.clone()));
+        let opened = OutboxDriver::open(folder, link, &enrolment, self.settings, self.boot_id);
+        self.driver = opened.ok();
+        self.see_whether_it_is_dead();
+    }
+
+    /// Ends its program at once. What was made and not kept is forgotten by the program.
+    pub fn kill(&mut self) {
+        self.driver = None;
+        self.host.events.clear();
+        self.pending.clear();
+        self.wire = Rc::default();
+    }
+
+    /// Whether the power was lost in the last call: then its program has ended.
+    pub fn see_whether_it_is_dead(&mut self) -> bool {
+        let is_dead = self.disk.borrow().is_dead;
+        if is_dead {
+            self.kill();
+        }
+        is_dead
+    }
+
+    /// Whether a parcel of these facts' sculpture is in the folder as it should be.
+    pub fn has_parcel_of(&self, number: usize) -> bool {
+        let disk = self.disk.borrow();
+        disk.files().filter(|(name, _)| name.ends_with(".parcel")).any(|(_, bytes)| {
+            let parcel = paros_shell::outbox::Parcel::read_file(bytes.to_vec());
+            parcel.is_ok_and(|parcel| crate::truth::number_of_facts(parcel.facts()) == number)
+        })
+    }
+
+    /// What the driver knows of an id.
+    pub fn knows(&self, id: SculptureId) -> bool {
+        self.driver.as_ref().is_some_and(|driver| driver.outbox().find(id).is_some())
+    }
+
+    /// The names of its files.
+    pub fn list_files(&self) -> Vec<String> {
+        SimFolder(self.disk.clone()).list().unwrap_or_default()
+    }
+}

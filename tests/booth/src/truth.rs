@@ -1,0 +1,121 @@
+//! What really happened, as nobody in the exhibition knows it.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use paros_core::badge::BadgeNumber;
+use paros_core::outbox::messages::{
+    AgeGroup, CommandKind, ContentHash, FinishCause, ParcelKind, SculptureId, UploadFacts,
+};
+use paros_core::session::SessionMode;
+
+/// A sculpture that somebody made.
+#[derive(Clone, Debug)]
+pub struct Made {
+    /// In which headset.
+    pub headset: usize,
+    /// Its id, now.
+    pub id: SculptureId,
+    /// Its badge.
+    pub badge: Option<BadgeNumber>,
+    /// Whether its visitor read *kept here*.
+    pub was_kept_here: bool,
+    /// Whether its visitor read *kept at the booth*.
+    pub was_signed: bool,
+    /// Whether the staff deleted it.
+    pub was_deleted: bool,
+    /// Whether it may be lost: the headset was wiped, or its file rotted.
+    pub is_excused: bool,
+    /// Whether the booth can't read it.
+    pub is_poison: bool,
+}
+
+/// A command that the staff gave.
+#[derive(Clone, Copy, Debug)]
+pub struct Asked {
+    /// When.
+    pub asked_ms: u64,
+    /// What.
+    pub kind: CommandKind,
+    /// For which visit.
+    pub session_id: u64,
+    /// For which start.
+    pub boot_id: u64,
+    /// How often it was carried out.
+    pub done: u32,
+}
+
+/// All of it.
+#[derive(Debug, Default)]
+pub struct Truth {
+    /// The sculptures, by number.
+    pub made: Vec<Made>,
+    /// Ids that the booth said it had noted.
+    pub noted: BTreeSet<(u32, SculptureId)>,
+    /// Commands by headset and id.
+    pub commands: BTreeMap<(usize, u64), Asked>,
+    /// Receipts that headsets took.
+    pub receipts: u32,
+    /// Sculptures that got another id.
+    pub renewed: u32,
+}
+
+impl Truth {
+    /// The number of the sculpture that has an id.
+    pub fn number_of(&self, id: SculptureId) -> Option<usize> {
+        self.made.iter().position(|made| made.id == id)
+    }
+
+    /// The sculpture that has an id.
+    pub fn find(&mut self, id: SculptureId) -> Option<&mut Made> {
+        self.made.iter_mut().find(|made| made.id == id)
+    }
+}
+
+/// The STL's hash, by which a sculpture is known whatever its id is: nobody looks at the STL.
+#[must_use]
+pub fn stl_hash_of(number: usize, is_poison: bool) -> ContentHash {
+    let mut hash = [0xee; 32];
+    hash[..8].copy_from_slice(&(number as u64).to_le_bytes());
+    hash[8] = u8::from(is_poison);
+    ContentHash(hash)
+}
+
+/// The number of the sculpture with such facts.
+#[must_use]
+pub fn number_of_facts(facts: &UploadFacts) -> usize {
+    let mut number = [0; 8];
+    number.copy_from_slice(&facts.stl_hash.0[..8]);
+    u64::from_le_bytes(number) as usize
+}
+
+/// Whether the booth is to find it undecodable.
+#[must_use]
+pub fn is_poison(facts: &UploadFacts) -> bool {
+    facts.stl_hash.0[8] == 1
+}
+
+/// Facts of a sculpture.
+#[must_use]
+pub fn facts_of(number: usize, made: &Made, headset: u32) -> UploadFacts {
+    UploadFacts {
+        kind: ParcelKind::Volume,
+        id: made.id,
+        headset,
+        badge: made.badge,
+        core_version: 1,
+        side: 128,
+        cause: FinishCause::Finished,
+        language: *b"el",
+        mode: SessionMode::FreeForm,
+        age_group: AgeGroup::Unknown,
+        sculpting_seconds: 540,
+        finished_at: 1_790_000_000,
+        height_mm_tenths: 1200,
+        stl_hash: stl_hash_of(number, made.is_poison),
+        stl_bytes: 84,
+        volume_bytes: 0,
+        volume_raw_bytes: 0,
+        trace_bytes: 0,
+        trace_raw_bytes: 0,
+    }
+}
